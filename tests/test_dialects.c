@@ -309,6 +309,8 @@ static void functions(void) {
       {"*$ compat ps\nS1 ss yy ss 0 sw1\n.model sw1 VSWITCH (Ron=1k,Voff=0.5)", 1}, /* no Von */
       {"*$ compat ps\nS1 ss yy ss 0 sw1\n.model sw1 VSWITCH Ron=1k Roff=1G Von=1", 1},
       {"*$ compat ps\nS1 ss yy ss 0 sw1\n.model sw1 VSWITCH", 2000. / 1001},
+      {"*$ compat ps\nR9 ss yy rm 1k\n.model rm RES(R=1 TC1=0.01 T_ABS=77)", 0.8},
+      {"*$ compat ps\nR9 ss yy rm 1k\n.model rm RES (TC1=0.01 T_REL_GLOBAL=50)", 0.8},
       {"*$ compat ps\nE1 yy 0 TABLE {LIMIT(V(ss),0,1)} = (0,0) (1,4) (3,8)", 4},
       {".func hypot(x,y) {x+y}\nB1 yy 0 V=hypot(3,4)", 7}, /* the deck's own */
       {"B1 yy 0 V=hypot(3,4)\n.func hypot(x,y) {x+y}", 7},
@@ -417,6 +419,11 @@ static void constructs_are_told(void) {
       {"I9 ss yy DC 0\n+ PULSE (0, 1m, {1m+0}, 1n, 0.0s, 1m)", "d.cir:17:3: warning: an edge of"},
       {"V9 ss yy PULSE 0 1", "d.cir:16:10: warning: an edge of PULSE"},
       {"B1 yy 0 V=IF(1>0,1,2)*pwr(2,3)", "d.cir:16:23: warning: pwr(x, y) is sgn(x)*|x|^y"},
+      {"R9 ss yy 1k\n.model m res(r=2)", "d.cir:17:14: warning: R= of a model RES multiplies"},
+      {"*$ compat ps\nC9 ss yy cm 1n\n.model cm CAP(C=1 VC1=0.1)",
+       "d.cir:18:19: warning: ngspice has no such parameter in a model of this type"},
+      {"L9 ss yy lm 1u\n.model lm IND(L=1 IL1=0.1)",
+       "d.cir:17:19: warning: ngspice has no such parameter in a model of this type"},
       {".model m d(is=1n\n+ foo=3)\nD9 ss yy m",
        "d.cir:17:3: warning: ngspice has no such parameter in a model of this type"},
   };
@@ -447,6 +454,12 @@ static void constructs_are_told(void) {
       {".model n D(is=1n)\n.model m AKO: n NUMD", "d.cir:17:1", "'numd'"},
       {".model m VSWITCH(Von=1 Voff=0)", "d.cir:16:10", "'*$ compat ps'"},
       {".model m d(is=1n T_ABS=30)", "d.cir:16:18", "'*$ compat ps'"},
+      {"*$ compat ps\n.model m RES(R=2 TC1=0.01 T_ABS=77)", "d.cir:17:14", "multiplies what"},
+      {"*$ compat ps\n.model m CAP (TC1=0.01\n+ c=1k)", "d.cir:18:3", "multiplies what"},
+      {".model m ind(L={k})\n.param k=2", "d.cir:16:14", "multiplies what"},
+      {"*$ compat ps\n.model m d(is=1n T_REL_LOCAL=30)", "d.cir:17:18", "T_REL_GLOBAL"},
+      {"L9 ss yy 1m\n.ic V(ss)=0 i(L9)=0.1", "d.cir:17:1", "by IC=... in the line of L9"},
+      {"L9 ss yy 1m\n.ic\n+ I ( L9 ) = 0.1", "d.cir:17:1", "by IC=... in the line of L9"},
       {"V9 yy 0 sin(0 1 50 0 0 0 3)", "d.cir:16:9", "cycles"},
       {"V9 yy 0 PWL(0 0 1m 0 +1u 5)", "d.cir:16:22", "times from t = 0"},
       {"A1 ss 0 0 0 0 yy 0 0 SRFLOP td=1m", "d.cir:16:22", "LTspice's own"},

@@ -33,6 +33,7 @@ static const struct row {
     {".STEP PARAM X 1 2 1\n", 0, "of many circuits a study asks"},
     {"S_1 A C D 0 SM\nR_1 C 0 1\nR_2 D 0 1\n.MODEL SM VSWITCH(RON=1 ROFF=1MEG VON=1 VOFF=0)\n", 0,
      "read in PSpice's dialect"},
+    {"R_1 A B RM 1k\n.MODEL RM RES(R=2)\n", 2, "x.cir:6:1: this parameter multiplies what"},
     {".FUNC T(X) {X/F}\n.PARAM F=50\nV_3 C 0 PULSE(0 5 {T(0.25)} 1u 1u 1m {T(1)})\nR_3 C 0 1k\n", 0,
      "V_3 fires, the only pulse"},
     {".ALIASES\nR_R4 R4(1=B 2=0 )\n.ENDALIASES\n.EXTERNAL OUTPUT B\n.PROBE64 V(alias(*))\n.END\n",

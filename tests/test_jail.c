@@ -105,6 +105,18 @@ static void what_keys_name(void) {
   remove_tree("here");
 }
 
+static void what_netlists_include(void) {
+  static const char *const WAYS[] = {".lib ../out/secret.inc", ".include link.inc"};
+  for (size_t k = 0; k < COUNT(WAYS); k++) {
+    vs_text text = {0};
+    vs_text_add(&text, "t\nV1 a 0 SIN(0 325 50)\nL1 a 0 1 Rser=9\n%s\n", WAYS[k]);
+    write_file("../in/x.net", text.text);
+    expect_refused("import ../in/x.net -o x.cir --jail", "../in/x.net:4:1: ", __LINE__);
+    vs_text_free(&text);
+  }
+  unlink("../in/x.net");
+}
+
 static void what_decks_include(void) {
   static const char *const WAYS[] = {".include ../out/secret.inc",
                                      ".include \"../out/secret.inc\"",
@@ -501,6 +513,7 @@ int main(void) {
   static const vs_test TESTS[] = {
       {"what keys name", what_keys_name},
       {"what decks include", what_decks_include},
+      {"what netlists include", what_netlists_include},
       {"what a named link says", what_a_named_link_says},
       {"what lies below the working folder", what_lies_below_the_working_folder},
       {"what the home folder holds", what_the_home_folder_holds},

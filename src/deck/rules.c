@@ -276,6 +276,22 @@ static vs_status title(vs_deck *deck, const char *text, vs_where where, bool *sk
   return VS_OK;
 }
 
+/* Refuses .ic I(L1)=0.1, LTspice's, of which ngspice says that its syntax is wrong, and not where.
+ */
+static vs_status initial_rule(const char *line, vs_where where, vs_error *err) {
+  for (const char *s = line; *(s = vs_words_next(s));) {
+    const char *open = s + 1 + strspn(s + 1, " \t");
+    if (tolower((unsigned char)*s) != 'i' || *open != '(') continue;
+    const char *name = open + 1 + strspn(open + 1, " \t");
+    int n = (int)strcspn(name, " \t)=");
+    return vs_fail_at(err, where,
+                      "I(%.*s): .ic gives nodes their voltages, V(NODE)=...; a current begins at "
+                      "its inductor, by IC=... in the line of %.*s",
+                      n, name, n, name);
+  }
+  return VS_OK;
+}
+
 vs_status vs_rules_statement(vs_deck *deck, const char *line, vs_where where, bool *skip,
                              vs_error *err) {
   static const char *const ALLOWED[] = {".param", ".model",  ".subckt", ".ends",
@@ -296,6 +312,7 @@ vs_status vs_rules_statement(vs_deck *deck, const char *line, vs_where where, bo
                       ".func, .global, .ic, .nodeset, .if and .include",
                       word);
   if (!strcmp(word, ".model")) return model_rule(&p, line);
+  if (!strcmp(word, ".ic")) return initial_rule(line, where, err);
   if (!strcmp(word, ".param") || !strcmp(word, ".subckt")) {
     vs_status status = assignments(line, name_rule, (void *)(size_t)&p);
     if (status) return status;

@@ -2,6 +2,7 @@
 #include "dialect/models.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -41,6 +42,12 @@ static const struct known {
      "quasimod vg cn d vbe_max vbc_max vce_max pd_max ic_max ib_max te_max rth0 "},
     {" sw ", " vt vh ron roff "},
     {" csw ", " it ih ron roff "},
+    {" r res ",
+     " rsh narrow dw dlr short tc1 tc1r tc2 tc2r tce defw w l kf af tnom r res bv_max lf "
+     "wf ef "},
+    {" c cap ",
+     " cap c cj cox cjsw capsw defw w defl l narrow short del tc1 tc2 tnom di thick bv_max "},
+    {" l ind ", " ind l tc1 tc2 tnom csect dia length nt mu "},
     {" njf pjf ",
      " level vt0 vto beta lambda rd rs cgs cgd pb is n fc b tnom tcv vtotc bex betatce xti "
      "eg kf af nlev gdsnoi "},
@@ -90,6 +97,40 @@ static void leave_out(vs_rewriting *r, vs_word name) {
   vs_rewriting_replace(r, begin, (size_t)(end - name.at), "");
 }
 
+/* Types of models by which PSpice multiplies an element's value: R1 a b rm 1k, .model rm RES(R=2).
+ * ngspice takes R= for the value of an element that has none, and so leaves it out. */
+static const struct multiplier {
+  const char *type, *name;
+} MULTIPLIERS[] = {{"res", "r"}, {"cap", "c"}, {"ind", "l"}};
+
+static vs_status judge_multiplier(vs_rewriting *r, vs_word type, vs_word name, const char *value) {
+  bool is = false, of_ngspice = !r->pspice && is_type(type, "res");
+  char *end;
+  for (size_t k = 0; k < sizeof MULTIPLIERS / sizeof *MULTIPLIERS; k++)
+    is = is || (is_type(type, MULTIPLIERS[k].type) && vs_words_is(name, MULTIPLIERS[k].name));
+  if (!is || (strtod(value, &end) == 1 && end > value && !vs_words_goes_on(*end))) return VS_OK;
+  if (!of_ngspice)
+    return refuse(r, name, "this parameter",
+                  "multiplies what an element says, in PSpice; ngspice leaves it out: write the "
+                  "values that it makes at the elements, and here 1, or nothing");
+  vs_tally_add(r->tally,
+               "R= of a model RES multiplies a resistor's value in PSpice and LTspice; ngspice "
+               "takes it for the value of resistors that have none",
+               vs_rewriting_place(r, name.at, name.n));
+  return VS_OK;
+}
+
+/* CAP and IND, PSpice's and LTspice's, are C and L in ngspice, which finds no model of these names.
+ */
+static void rewrite_type(vs_rewriting *r, size_t type) {
+  static const char *const TYPES[][2] = {{"cap", "c"}, {"ind", "l"}};
+  for (size_t k = 0; k < sizeof TYPES / sizeof *TYPES; k++)
+    if (is_type((vs_word){r->text.text + type, strlen(r->text.text + type)}, TYPES[k][0])) {
+      vs_rewriting_replace(r, type, strlen(TYPES[k][0]), TYPES[k][1]);
+      return;
+    }
+}
+
 /* KiCad writes "VDMOS NCHAN ( vto=3 ... )", from which ngspice 39 never comes back. Without these
  * brackets it reads the same. */
 static void rewrite_channel(vs_rewriting *r, vs_word type, vs_word channel) {
@@ -110,8 +151,15 @@ static vs_status judge(vs_rewriting *r, vs_word type, vs_word name, bool *left_o
     return refuse(r, name, "this parameter",
                   "belongs to an ideal diode of LTspice's, which ngspice would read as a common "
                   "one; a like one is d(is=1e-9 n=0.1 rs=RON), with bv= for Vrev");
+  if (has(" t_rel_local ", name))
+    return refuse(r, name, "this parameter",
+                  "is left out by ngspice; write T_ABS, or T_REL_GLOBAL, which it knows");
   const char *value = strchr(name.at, '=') + 1;
-  if (is_type(type, "sw") && has(" vh ", name) && value[strspn(value, " \t")] == '-')
+  value += strspn(value, " \t");
+  vs_status status = judge_multiplier(r, type, name, value);
+  if (status) return status;
+  bool passive = is_type(type, "res") || is_type(type, "cap") || is_type(type, "ind");
+  if (is_type(type, "sw") && has(" vh ", name) && *value == '-')
     vs_tally_add(r->tally,
                  "Vh below 0: LTspice's switch goes over smoothly from Vt-|Vh| to Vt+|Vh|; "
                  "ngspice's jumps where it enters that range, a little sooner",
@@ -119,7 +167,7 @@ static vs_status judge(vs_rewriting *r, vs_word type, vs_word name, bool *left_o
   *left_out = has(RATINGS, name);
   if (*left_out)
     leave_out(r, name);
-  else if (known && !r->pspice && !has(known->names, name))
+  else if (known && (!r->pspice || (passive && !has(OF_PSPICE, name))) && !has(known->names, name))
     vs_tally_add(r->tally,
                  "ngspice has no such parameter in a model of this type, and leaves it out",
                  vs_rewriting_place(r, name.at, name.n));
@@ -185,5 +233,6 @@ vs_status vs_models_rewrite(vs_rewriting *r) {
     if (status) return status;
     if (left_out) at = from > 0 ? from - 1 : 0;
   }
+  rewrite_type(r, type);
   return VS_OK;
 }

@@ -226,6 +226,9 @@ static void name_element(const vs_elements *w, vs_element *e) {
   vs_cursor_lower(e->key);
   if (e->key[1] == '_' && isalpha((unsigned char)e->key[2]) && !has(&w->by_key, e->key + 2))
     memmove(e->key, e->key + 2, strlen(e->key + 2) + 1);
+  snprintf(name, sizeof name, "%s", e->key);
+  for (int k = 2; has(&w->by_key, e->key); k++) /* R1 behind R_R1 */
+    snprintf(e->key, sizeof e->key, "%.50s_%d", name, k);
   free(said);
 }
 
@@ -258,6 +261,13 @@ static vs_status add_element(vs_elements *w, size_t card, vs_error *err) {
   free(said);
   w->count++;
   return VS_OK;
+}
+
+void vs_elements_source_of(const vs_listing *l, size_t card, vs_element *e) {
+  const char *text = l->cards[card].text;
+  *e = (vs_element){.card = card, .letter = (char)tolower((unsigned char)*text), .n_nodes = 2};
+  e->n_words = split(text, e->words);
+  snprintf(e->name, sizeof e->name, "%.*s", (int)strcspn(text, " \t"), text);
 }
 
 /* Marks what the elements K name. */

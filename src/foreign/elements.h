@@ -50,6 +50,10 @@ typedef struct vs_elements {
 vs_status vs_elements_read(vs_elements *wiring, const vs_listing *listing, vs_error *err);
 void vs_elements_free(vs_elements *wiring);
 
+/* Reads the line of a source, V or I, that may stand in a subcircuit: its words and name, and no
+ * nodes. */
+void vs_elements_source_of(const vs_listing *listing, size_t card, vs_element *element);
+
 /* A copy of the element's n-th word (0: its name), or of all of the line from that word on; empty
  * where there is none. free() it. */
 char *vs_elements_word_of(const vs_elements *wiring, const vs_element *element, int n);

@@ -11,6 +11,7 @@
 #include <strings.h>
 #include <sys/stat.h>
 
+#include "base/jail.h"
 #include "base/path.h"
 #include "base/text.h"
 #include "dialect/source.h"
@@ -155,7 +156,8 @@ static vs_status follow(vs_listing *l, size_t card, vs_error *err) {
   bool may = !l->cards[card].included && l->cards[card].depth == 0 &&
              !vs_listing_is(&l->cards[card], ".lib");
   size_t first = l->count;
-  vs_status status = add_file(l, path, may, err);
+  vs_status status = vs_jail_check(path, l->cards[card].where, err);
+  if (!status) status = add_file(l, path, may, err);
   if (may && first < l->count && !l->cards[first].included) write_replaced(&l->cards[card]);
   return status;
 }

@@ -98,8 +98,9 @@ static const char *add_series(writer *b, const vs_element *e, char inner[VS_ELEM
   double ohm;
   snprintf(inner, VS_ELEMENTS_NAME + 8, "%s", node(b, e, 0));
   if (rser && (!vs_values_of(b->p->values, rser, &ohm) || ohm != 0)) {
-    snprintf(inner, VS_ELEMENTS_NAME + 8, "%.50s_ser", e->key);
-    add(b, "Rser_%s %s %s %s\n", e->key, node(b, e, 0), inner, rser);
+    const char *stem = vs_fate_of(b->p, e)->stem;
+    snprintf(inner, VS_ELEMENTS_NAME + 8, "%s_ser", stem);
+    add(b, "Rser_%s %s %s %s\n", stem, node(b, e, 0), inner, rser);
   }
   free(rser);
   return inner;
@@ -122,29 +123,30 @@ bool vs_copying_has_edges(const vs_course_pulse *p) {
 }
 
 /* Adds a gate's pulse of 1 V, and gives the node that has it. */
-static void add_pulse(writer *b, const vs_element *e, const vs_course_pulse *p, const char *two,
+static void add_pulse(writer *b, const char *stem, const vs_course_pulse *p, const char *two,
                       char on[VS_ELEMENTS_NAME + 8]) {
   double rise_s = fmax(p->rise_s, SHORT_EDGE_S / 10), fall_s = fmax(p->fall_s, SHORT_EDGE_S / 10);
-  add(b, "Vgate%s_%s %s_on%s 0 external\n", two, e->key, e->key, two);
-  snprintf(on, VS_ELEMENTS_NAME + 8, "%s_on%s", e->key, two);
+  add(b, "Vgate%s_%s %s_on%s 0 external\n", two, stem, stem, two);
+  snprintf(on, VS_ELEMENTS_NAME + 8, "%s_on%s", stem, two);
   if (!vs_copying_has_edges(p)) return;
-  add(b, "Bedge%s_%s 0 %s_edge%s I = max(-%.9g, min(%.9g, %.9g*v(%s,%s_edge%s)))\n", two, e->key,
-      e->key, two, 1e-9 / fall_s, 1e-9 / rise_s, 1e-6 / fmin(rise_s, fall_s), on, e->key, two);
-  add(b, "Cedge%s_%s %s_edge%s 0 1n ic=0\n", two, e->key, e->key, two);
-  snprintf(on, VS_ELEMENTS_NAME + 8, "%.56s_edge%s", e->key, two);
+  add(b, "Bedge%s_%s 0 %s_edge%s I = max(-%.9g, min(%.9g, %.9g*v(%s,%s_edge%s)))\n", two, stem,
+      stem, two, 1e-9 / fall_s, 1e-9 / rise_s, 1e-6 / fmin(rise_s, fall_s), on, stem, two);
+  add(b, "Cedge%s_%s %s_edge%s 0 1n ic=0\n", two, stem, stem, two);
+  snprintf(on, VS_ELEMENTS_NAME + 8, "%s_edge%s", stem, two);
 }
 
 /* A gate's source: the program's pulse times its level, on what it has between pulses. */
 static void add_gate(writer *b, const vs_element *e, const vs_roles_gate *g) {
   char inner[VS_ELEMENTS_NAME + 8], other[VS_ELEMENTS_NAME + 8], on[VS_ELEMENTS_NAME + 8];
   const char *at = add_series(b, e, inner);
+  const vs_fate_element *own = vs_fate_of(b->p, e);
   bool voltage = e->letter == 'v';
   for (int n = 0; n < g->each; n++) {
     const char *two = n ? "2" : "";
-    add_pulse(b, e, &g->pulse, two, on);
-    snprintf(other, sizeof other, "%.50s_low%s", e->key, two);
-    add(b, "%cgate%s_%s %s %s %s 0 {%s_level}\n", voltage ? 'E' : 'G', two, e->key, at,
-        voltage ? other : node(b, e, 1), on, e->key);
+    add_pulse(b, own->stem, &g->pulse, two, on);
+    snprintf(other, sizeof other, "%s_low%s", own->stem, two);
+    add(b, "%cgate%s_%s %s %s %s 0 {%s}\n", voltage ? 'E' : 'G', two, own->stem, at,
+        voltage ? other : node(b, e, 1), on, own->level);
     if (voltage) snprintf(inner, sizeof inner, "%s", other);
   }
   add(b, "%s %s %s %.15g\n", e->name, at, node(b, e, 1), g->pulse.low);
@@ -155,7 +157,7 @@ static void add_coil(writer *b, const vs_element *e) {
   add(b, "* of the EVA: %s\n", b->w->listing->cards[e->card].text);
   if (e != r->coil) return;
   const char *plus = b->w->nodes[r->coil_plus].name, *minus = b->w->nodes[r->coil_minus].name;
-  add(b, "Xeva %s %s eva\n", plus, minus);
+  add(b, "%s %s %s eva\n", b->p->eva, plus, minus);
   for (const char *letter = "rc"; *letter; letter++) { /* across it, LTspice's */
     char *value = vs_elements_option(b->w, e, *letter == 'r' ? "rpar" : "cpar");
     double number = 1;
@@ -181,7 +183,7 @@ static bool is_same(const char *a, const char *b) {
 
 /* The element's lines; those that would say the same as the netlist's stay as they were written. */
 static void write_element(writer *b, const vs_element *e) {
-  const vs_fate_element *own = &b->p->of[e - b->w->elements];
+  const vs_fate_element *own = vs_fate_of(b->p, e);
   int gate = vs_roles_gate_of(b->p->roles, e);
   const vs_card *card = &b->w->listing->cards[e->card];
   size_t before = b->body->text.length;
@@ -337,7 +339,8 @@ static void write_statement(writer *b, size_t card_number) {
 static bool wants_pspice(const vs_listing *l) {
   static const char *const SIGNS[] = {
       "limit(",   "ako:",      " vswitch", " iswitch", "t_abs=",  "t_abs =", "params:", "value={",
-      "value ={", "value = {", "value {",  "value{",   "table {", "table{",  "if(",     "pwrs("};
+      "value ={", "value = {", "value {",  "value{",   "table {", "table{",  "if(",     "pwrs(",
+      " res(",    " res (",    " cap(",    " cap (",   " ind(",   " ind ("};
   enum { ALWAYS = 6 };
   size_t count = l->origin == VS_ORIGIN_PSPICE ? sizeof SIGNS / sizeof *SIGNS : ALWAYS;
   for (size_t k = 0; k < l->count; k++)
@@ -366,8 +369,9 @@ static void write_sum(writer *b) {
       first[count++] = own->sense;
   }
   if (count < 2) return;
-  for (size_t k = 0; k < count; k++) add(b, "F%s 0 i_sum %s 1\n", first[k] + 1, first[k]);
-  add(b, "Ri_sum i_sum 0 1\n");
+  const char *sum = b->p->sum;
+  for (size_t k = 0; k < count; k++) add(b, "F%s 0 %s %s 1\n", first[k] + 1, sum, first[k]);
+  add(b, "R%s %s 0 1\n", sum, sum);
 }
 
 static void write_comment(writer *b, const vs_card *card) {

@@ -2,6 +2,7 @@
 #include "import/declared.h"
 
 #include <ctype.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -26,6 +27,7 @@ void vs_declared_free(vs_declared *s) {
   for (int k = 0; k < VS_DECLARED_KINDS; k++) vs_text_free(&s->lines[k]);
   free_notes(&s->did);
   free_notes(&s->left);
+  vs_names_free(&s->names);
   *s = (vs_declared){0};
 }
 
@@ -73,19 +75,39 @@ bool vs_declared_add(vs_declared *s, int kind, const char *format, ...) {
   return true;
 }
 
-static bool is_taken(const vs_declared *s, const char *name) {
-  for (size_t k = 0; k < s->n_names; k++)
-    if (!strcasecmp(s->names[k], name)) return true;
-  return false;
+void vs_declared_param(vs_declared *s, const char *name, char letter, double value,
+                       const char *text) {
+  static const struct {
+    char letter;
+    const char *unit;
+    double factor;
+  } UNITS[] = {{'r', "mohm", 1e-3}, {'r', "ohm", 1},    {'r', "kohm", 1e3}, {'r', "Mohm", 1e6},
+               {'c', "fF", 1e-15},  {'c', "pF", 1e-12}, {'c', "nF", 1e-9},  {'c', "uF", 1e-6},
+               {'c', "mF", 1e-3},   {'l', "nH", 1e-9},  {'l', "uH", 1e-6},  {'l', "mH", 1e-3},
+               {'l', "H", 1},       {'v', "V", 1},      {'i', "A", 1}};
+  const char *unit = "";
+  double factor = 1, least = INFINITY;
+  for (size_t k = 0; k < sizeof UNITS / sizeof *UNITS; k++) {
+    double shown = fabs(value) / UNITS[k].factor;
+    if (UNITS[k].letter != letter || (shown < 1 && !isinf(least))) continue;
+    unit = UNITS[k].unit;
+    factor = UNITS[k].factor;
+    least = shown;
+  }
+  double shown = value / factor, low = shown * (shown < 0 ? 1e3 : 1e-3),
+         high = shown * (shown < 0 ? 1e-3 : 1e3);
+  if (shown == 0) low = -1e3, high = 1e3;
+  vs_declared_add(s, VS_DECLARED_PARAM, "%s = %.12g%s%s %.3g..%.3g \"%s\"", name, shown,
+                  *unit ? " " : "", unit, low, high, text);
 }
 
 void vs_declared_name(vs_declared *s, const char *wanted, char name[VS_DECK_NAME]) {
   char made[VS_DECK_NAME];
   snprintf(made, sizeof made, "%.50s", wanted);
-  for (int n = 2; is_taken(s, made); n++) snprintf(made, sizeof made, "%.50s_%d", wanted, n);
+  for (int n = 2; vs_names_find(&s->names, made, strlen(made), NULL); n++)
+    snprintf(made, sizeof made, "%.50s_%d", wanted, n);
   memcpy(name, made, sizeof made);
-  if (s->n_names < sizeof s->names / sizeof *s->names)
-    memcpy(s->names[s->n_names++], name, VS_DECK_NAME);
+  vs_names_put(&s->names, made, 0);
 }
 
 void vs_declared_note(vs_declared_notes *notes, const char *format, ...) {

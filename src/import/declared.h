@@ -8,6 +8,7 @@
 
 #include "base/text.h"
 #include "deck/deck.h"
+#include "memo/names.h"
 
 /* Kinds of lines, in the order in which they stand in the deck. */
 enum {
@@ -35,8 +36,7 @@ typedef struct vs_declared {
   size_t left_out;                            /* lines for which a deck has no room */
   char terms[VS_DECK_MOST][2 * VS_DECK_NAME]; /* "v(a,b)", "i(vx)" of all lines */
   size_t n_terms;
-  char names[4 * VS_DECK_MOST][VS_DECK_NAME]; /* of params and probes so far */
-  size_t n_names;
+  vs_names names; /* of params and probes so far, and the netlist's own */
   vs_declared_notes did, left;
 } vs_declared;
 
@@ -46,6 +46,11 @@ void vs_declared_free(vs_declared *sheet);
  * for its terms; such a line is counted. */
 bool vs_declared_add(vs_declared *sheet, int kind, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+
+/* Adds a parameter: its value with the unit that an element of this letter has, "4.7 kohm", "100
+ * nF", and its range, a thousandth to a thousandfold. */
+void vs_declared_param(vs_declared *sheet, const char *name, char letter, double value,
+                       const char *text);
 
 /* Makes a name that no line has yet: `wanted`, or that with "_2", "_3", ... behind it. */
 void vs_declared_name(vs_declared *sheet, const char *wanted, char name[VS_DECK_NAME]);

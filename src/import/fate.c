@@ -8,11 +8,14 @@
 #include <string.h>
 #include <strings.h>
 
-#include "syntax/cursor.h"
-#include "syntax/formula.h"
+#include "import/worth.h"
 
 bool vs_fate_is_coil(const vs_fate *p, const vs_element *e) {
   return e == p->roles->coil || e == p->roles->coil_r;
+}
+
+const vs_fate_element *vs_fate_of(const vs_fate *p, const vs_element *e) {
+  return &p->of[e - p->wiring->elements];
 }
 
 /* ---- models ---- */
@@ -71,42 +74,16 @@ static vs_status check_element(const vs_fate *p, const vs_element *e, vs_error *
 
 /* ---- parameters ---- */
 
-/* Writes a value with the unit of its letter's kind: "4.7 kohm", "100 nF"; and the range of the
- * parameter, a thousandth to a thousandfold. */
-static void add_param(vs_fate *p, const char *name, char letter, double value, const char *text) {
-  static const struct {
-    char letter;
-    const char *unit;
-    double factor;
-  } UNITS[] = {{'r', "mohm", 1e-3}, {'r', "ohm", 1},    {'r', "kohm", 1e3}, {'r', "Mohm", 1e6},
-               {'c', "fF", 1e-15},  {'c', "pF", 1e-12}, {'c', "nF", 1e-9},  {'c', "uF", 1e-6},
-               {'c', "mF", 1e-3},   {'l', "nH", 1e-9},  {'l', "uH", 1e-6},  {'l', "mH", 1e-3},
-               {'l', "H", 1},       {'v', "V", 1},      {'i', "A", 1}};
-  const char *unit = "";
-  double factor = 1, least = INFINITY;
-  for (size_t k = 0; k < sizeof UNITS / sizeof *UNITS; k++) {
-    double shown = fabs(value) / UNITS[k].factor;
-    if (UNITS[k].letter != letter || (shown < 1 && !isinf(least))) continue;
-    unit = UNITS[k].unit;
-    factor = UNITS[k].factor;
-    least = shown;
-  }
-  double shown = value / factor, low = shown * (shown < 0 ? 1e3 : 1e-3),
-         high = shown * (shown < 0 ? 1e-3 : 1e3);
-  if (shown == 0) low = -1e3, high = 1e3;
-  vs_declared_add(&p->sheet, VS_DECLARED_PARAM, "%s = %.12g%s%s %.3g..%.3g \"%s\"", name, shown,
-                  *unit ? " " : "", unit, low, high, text);
-}
-
 /* How high the gates' pulses are. */
 static void add_levels(vs_fate *p) {
   for (size_t g = 0; g < p->roles->n_gates; g++) {
     const vs_roles_gate *gate = &p->roles->gates[g];
-    char name[VS_DECK_NAME], wanted[VS_DECK_NAME];
+    vs_fate_element *own = &p->of[gate->source - p->wiring->elements];
+    char wanted[VS_DECK_NAME];
     snprintf(wanted, sizeof wanted, "%.50s_level", gate->source->key);
-    vs_declared_name(&p->sheet, wanted, name);
-    add_param(p, name, gate->source->letter, gate->pulse.high - gate->pulse.low,
-              "height of its pulses");
+    vs_declared_name(&p->sheet, wanted, own->level);
+    vs_declared_param(&p->sheet, own->level, gate->source->letter,
+                      gate->pulse.high - gate->pulse.low, "height of its pulses");
   }
 }
 
@@ -124,14 +101,45 @@ static char letter_of_use(const vs_fate *p, const char *name) {
   return '\0';
 }
 
-/* True where the text has this name as a whole word. */
-static bool names(const char *text, const char *name) {
+/* The first place in the text of this name as a whole word; NULL: there is none. */
+static const char *find_word(const char *text, const char *name) {
   size_t n = strlen(name);
   for (const char *s = text; (s = strcasestr(s, name)); s++) {
     bool begins = s == text || !(isalnum((unsigned char)s[-1]) || s[-1] == '_');
-    if (begins && !isalnum((unsigned char)s[n]) && s[n] != '_') return true;
+    if (begins && !isalnum((unsigned char)s[n]) && s[n] != '_') return s;
+  }
+  return NULL;
+}
+
+/* True where the text uses this name: as a whole word that is given no value there. */
+static bool names(const char *text, const char *name) {
+  for (const char *s = text; (s = find_word(s, name)); s++) {
+    const char *behind = s + strlen(name);
+    behind += strspn(behind, " \t");
+    if (*behind != '=' || behind[1] == '=') return true;
   }
   return false;
+}
+
+/* True where the element uses the name behind its nodes. */
+static bool names_behind(const vs_fate *p, const vs_element *e, const char *name) {
+  char *text = vs_elements_rest_of(p->wiring, e, e->n_nodes + 1);
+  bool found = names(text, name);
+  free(text);
+  return found;
+}
+
+/* True where the program takes over the element, and the deck still has the name: in what LTspice
+ * puts into a source or across a coil. */
+static bool names_in_parts(const vs_fate *p, const vs_element *e, const char *name) {
+  static const char *const PARTS[] = {"rser", "rpar", "cpar"};
+  bool found = false;
+  for (size_t k = 0; k < sizeof PARTS / sizeof *PARTS && !found; k++) {
+    char *text = vs_elements_option(p->wiring, e, PARTS[k]);
+    found = text && names(text, name);
+    free(text);
+  }
+  return found;
 }
 
 /* True where the deck has a line that uses a parameter: not its own, nor one that the program takes
@@ -149,12 +157,42 @@ static bool is_used(const vs_fate *p, const vs_value_param *v) {
     const vs_element *e = &p->wiring->elements[k];
     bool taken =
         vs_fate_is_coil(p, e) || e == p->roles->mains || vs_roles_gate_of(p->roles, e) >= 0;
-    used = !taken && names(l->cards[e->card].text, v->name);
+    used = taken ? names_in_parts(p, e, v->name) : names_behind(p, e, v->name);
   }
   for (size_t k = 0; k < p->values->count && !used; k++) /* another one of the same line */
     used = &p->values->item[k] != v && p->values->item[k].card == v->card &&
            names(p->values->item[k].text, v->name);
   return used;
+}
+
+/* Of the mains' impedance the scene has what the netlist says, and so has the deck. */
+static bool is_of_scene(vs_fate *p, const vs_value_param *v) {
+  bool supply = !strcmp(v->name, vs_deck_standard_names[VS_STANDARD_R_SOURCE]) ||
+                !strcmp(v->name, vs_deck_standard_names[VS_STANDARD_L_SOURCE]);
+  if (!supply || !v->known) return false;
+  vs_declared_note(&p->sheet.did,
+                   "line %d: %s is the program's own by that name: the scene's supply.%s has its "
+                   "%.6g, and gives it to the deck",
+                   p->wiring->listing->cards[v->card].where.line, v->name,
+                   *v->name == 'r' ? "resistance" : "inductance", v->value);
+  return true;
+}
+
+/* Error, with its place: the deck would use a parameter that the program gives every deck, with
+ * another value than the netlist's. */
+static vs_status check_standard(vs_fate *p, const vs_value_param *v, vs_error *err) {
+  const vs_card *card = &p->wiring->listing->cards[v->card];
+  if (!vs_deck_is_standard(v->name) || vs_values_find(p->values, v->name) != v || !is_used(p, v) ||
+      is_of_scene(p, v))
+    return VS_OK;
+  vs_where where = card->where;
+  const char *at = find_word(card->text, v->name);
+  if (at && (size_t)(at - card->text) + (size_t)where.column <= strcspn(card->raw, "\n"))
+    where.column += vs_text_column(card->text, at) - 1;
+  return vs_fail_at(err, where,
+                    "parameter %s is the program's, which has another value; give the netlist's "
+                    "another name, as %s_2, here and where it is used",
+                    v->name, v->name);
 }
 
 /* The netlist's own parameters that are numbers become the deck's. Those of what the program takes
@@ -167,93 +205,15 @@ static void add_params(vs_fate *p) {
     if (vs_values_find(p->values, v->name) != v || vs_deck_is_standard(v->name)) continue;
     vs_declared_name(&p->sheet, v->name, name);
     if (v->number && !card->included && is_used(p, v))
-      add_param(p, name, letter_of_use(p, v->name), v->value, "of the netlist");
+      vs_declared_param(&p->sheet, name, letter_of_use(p, v->name), v->value, "of the netlist");
   }
-}
-
-/* ---- values ---- */
-
-/* Does nothing but to say that a formula's names and terms are numbered. */
-static int any_name(void *ctx, const char *at, const char *name) {
-  (void)at;
-  (void)name;
-  return (*(int *)ctx)++;
-}
-
-static bool is_formula(const char *text) {
-  int count = 0;
-  char why[200];
-  const char *bad = NULL;
-  const vs_formula_scope scope = {.ctx = &count, .name = any_name};
-  vs_formula formula = {0};
-  const char *end = vs_formula_read(text, &scope, &formula, &bad, why, sizeof why);
-  vs_formula_free(&formula);
-  return end && !*end;
-}
-
-/* Writes an expression with the deck's parameters alone: others give place to what they are. */
-static void expand(const vs_fate *p, const char *text, int level, vs_text *out) {
-  vs_text_add(out, "(");
-  for (const char *s = text; *s;) {
-    char name[VS_VALUES_NAME];
-    size_t n = strspn(s, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789.");
-    snprintf(name, sizeof name, "%.*s", (int)n, s);
-    const vs_value_param *v = n ? vs_values_find(p->values, name) : NULL;
-    bool other = v && level < 20 && (!v->number || p->wiring->listing->cards[v->card].included);
-    if (other)
-      expand(p, v->text, level + 1, out);
-    else if (n)
-      vs_text_add(out, "%.*s", (int)n, s);
-    else if (!strchr("'\"", *s))
-      vs_text_add(out, "%c", *s == '{' ? '(' : *s == '}' ? ')' : *s);
-    s += n ? n : 1;
-  }
-  vs_text_add(out, ")");
-}
-
-/* Gives an R, C or L whose value is a number a parameter of its name; whose value is an expression,
- * that as a formula. */
-static void set_value(vs_fate *p, const vs_element *e, vs_fate_element *own) {
-  static const char *const WHAT[] = {"resistor", "capacitor", "inductor"};
-  char *word = vs_elements_word_of(p->wiring, e, e->n_nodes + 1), text[VS_DECK_TEXT];
-  double value;
-  vs_text formula = {0};
-  if (vs_values_number(p->values, word, &value) && value > 0) {
-    char wanted[VS_DECK_NAME];
-    bool taken = vs_deck_is_standard(e->key) || vs_deck_is_reserved(e->key);
-    snprintf(wanted, sizeof wanted, "%.50s%s", e->key, taken ? "_value" : "");
-    vs_declared_name(&p->sheet, wanted, own->param);
-    size_t before = p->sheet.counts[VS_DECLARED_PARAM];
-    snprintf(text, sizeof text, "%s %s", WHAT[strchr("rcl", e->letter) - "rcl"], e->name);
-    add_param(p, own->param, e->letter, value, text);
-    if (p->sheet.counts[VS_DECLARED_PARAM] == before) *own->param = '\0'; /* no room: it stays */
-    if (*own->param)
-      vs_text_add(&formula, "{%s}", own->param);
-    else
-      vs_text_add(&formula, "%.15g", value);
-  } else if (vs_values_of(p->values, word, &value) && value > 0) {
-    size_t n = strcspn(word + 1, "}");
-    snprintf(text, sizeof text, "%.*s", *word == '{' && n < VS_VALUES_NAME ? (int)n : 0, word + 1);
-    const vs_value_param *v = vs_values_find(p->values, text);
-    if (v && v->number && !p->wiring->listing->cards[v->card].included)
-      vs_text_add(&formula, "{%s}", v->name);
-    else
-      expand(p, word, 0, &formula);
-  }
-  if (formula.text && is_formula(formula.text))
-    own->value = formula.text;
-  else
-    vs_text_free(&formula);
-  free(word);
 }
 
 /* ---- senses ---- */
 
 static void name_free(const vs_fate *p, const char *first, const char *key, const char *last,
                       char name[VS_ELEMENTS_NAME]) {
-  snprintf(name, VS_ELEMENTS_NAME, "%s%.44s%s", first, key, last);
-  for (int k = 2; vs_elements_is_taken(p->wiring, name); k++)
-    snprintf(name, VS_ELEMENTS_NAME, "%s%.40s%s_%d", first, key, last, k);
+  vs_coined_name(&p->coined, first, key, last, name);
 }
 
 static void set_senses(vs_fate *p, const vs_element *e, vs_fate_element *own) {
@@ -283,6 +243,25 @@ static void set_part(vs_fate *p, const vs_element *e, vs_fate_element *own) {
     *own->part = '\0';
 }
 
+/* Names what stands in the place of sources and of the coil, and keeps the names of the netlist's
+ * functions from parameters. */
+static void name_all(vs_fate *p) {
+  const vs_elements *w = p->wiring;
+  char name[VS_VALUES_NAME], kept[VS_DECK_NAME];
+  vs_coined_begin(&p->coined, w, p->values);
+  for (size_t k = 0; k < w->count; k++) {
+    const vs_element *e = &w->elements[k];
+    if (e == p->roles->mains || vs_roles_gate_of(p->roles, e) >= 0)
+      vs_coined_stem(&p->coined, e, p->of[k].stem);
+  }
+  name_free(p, "", "i_sum", "", p->sum);
+  name_free(p, "", "Xeva", "", p->eva);
+  for (size_t k = 0; k < w->listing->count; k++) {
+    vs_coined_function(&w->listing->cards[k], name);
+    if (*name) vs_declared_name(&p->sheet, name, kept);
+  }
+}
+
 vs_status vs_fate_make(vs_fate *p, const char *asked, vs_error *err) {
   const vs_elements *w = p->wiring;
   vs_status status = vs_error_carry_on(err, vs_pins_check(w, asked, err));
@@ -293,12 +272,16 @@ vs_status vs_fate_make(vs_fate *p, const char *asked, vs_error *err) {
     if (!status) status = vs_error_carry_on(err, check_model(p, e, &p->of[k].pins, err));
     if (!status) status = vs_error_carry_on(err, check_element(p, e, err));
   }
+  for (size_t k = 0; k < p->values->count && !status; k++)
+    status = vs_error_carry_on(err, check_standard(p, &p->values->item[k], err));
   if (status) return status;
+  name_all(p);
   add_params(p);
   add_levels(p);
   for (size_t k = 0; k < w->count; k++) {
     const vs_element *e = &w->elements[k];
-    if (strchr("rcl", e->letter) && !vs_fate_is_coil(p, e)) set_value(p, e, &p->of[k]);
+    if (strchr("rcl", e->letter) && !vs_fate_is_coil(p, e))
+      p->of[k].value = vs_worth_make(w, p->values, e, &p->sheet, p->of[k].param);
     set_part(p, e, &p->of[k]);
     set_senses(p, e, &p->of[k]);
   }
@@ -308,6 +291,7 @@ vs_status vs_fate_make(vs_fate *p, const char *asked, vs_error *err) {
 void vs_fate_free(vs_fate *p) {
   for (size_t k = 0; p->of && k < p->wiring->count; k++) free(p->of[k].value);
   free(p->of);
+  vs_coined_end(&p->coined);
   vs_declared_free(&p->sheet);
   *p = (vs_fate){0};
 }

@@ -5,6 +5,7 @@
 #define VS_IMPORT_FATE_H
 
 #include "foreign/pins.h"
+#include "import/coined.h"
 #include "import/declared.h"
 
 /* One element. */
@@ -18,6 +19,9 @@ typedef struct vs_fate_element {
   char gate_sense[VS_ELEMENTS_NAME]; /* the same for its gate */
   char gate_inner[VS_ELEMENTS_NAME];
   char part[VS_ELEMENTS_NAME]; /* the deck's parameter that is its part; empty: it is no part */
+  char stem[VS_ELEMENTS_NAME]; /* of the mains and gates: the name that all begin or end with that
+                                  stand in its place, as STEM_on and Egate_STEM */
+  char level[VS_DECK_NAME]; /* of a gate: the deck's parameter that is the height of its pulses */
 } vs_fate_element;
 
 /* Begins as {0}; ends with vs_fate_free. */
@@ -25,7 +29,10 @@ typedef struct vs_fate {
   const vs_elements *wiring; /* borrowed, as the next two are */
   const vs_values *values;
   const vs_roles *roles;
-  vs_fate_element *of; /* of each element; owned */
+  vs_fate_element *of;        /* of each element; owned */
+  char sum[VS_ELEMENTS_NAME]; /* the node whose voltage is the sum of the thyristors' currents */
+  char eva[VS_ELEMENTS_NAME]; /* the EVA */
+  vs_coined coined;
   vs_declared sheet;
 } vs_fate;
 
@@ -37,5 +44,8 @@ void vs_fate_free(vs_fate *plan);
 
 /* True for an element that the deck does not have: one of the coil's. */
 bool vs_fate_is_coil(const vs_fate *plan, const vs_element *element);
+
+/* What becomes of an element. */
+const vs_fate_element *vs_fate_of(const vs_fate *plan, const vs_element *element);
 
 #endif

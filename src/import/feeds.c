@@ -13,7 +13,7 @@ static void add_series(vs_fate *p, const vs_element *e) {
   char *rser = vs_elements_option(p->wiring, e, "rser"), v[VS_DECK_TEXT], inner[VS_ELEMENTS_NAME];
   double ohm;
   if (rser && vs_values_of(p->values, rser, &ohm) && ohm > 0) {
-    snprintf(inner, sizeof inner, "%.50s_ser", e->key);
+    snprintf(inner, sizeof inner, "%.50s_ser", vs_fate_of(p, e)->stem);
     vs_declared_voltage(vs_elements_node_of(p->wiring, e, 0), inner, v);
     vs_declared_add(&p->sheet, VS_DECLARED_LOSS, "%s_ser = %s^2/%.15g", e->key,
                     *v == '-' ? v + 1 : v, ohm);
@@ -24,9 +24,9 @@ static void add_series(vs_fate *p, const vs_element *e) {
 /* What a gate's edges are made with: some 1e-10 J, named so that nothing of the deck goes unseen.
  */
 static void add_edge(vs_fate *p, const vs_roles_gate *g, const char *two) {
-  const char *key = g->source->key;
+  const char *key = g->source->key, *stem = vs_fate_of(p, g->source)->stem;
   if (vs_copying_has_edges(&g->pulse))
-    vs_declared_add(&p->sheet, VS_DECLARED_STORE, "%s_edge%s = 1n*v(%s_edge%s)^2/2", key, two, key,
+    vs_declared_add(&p->sheet, VS_DECLARED_STORE, "%s_edge%s = 1n*v(%s_edge%s)^2/2", key, two, stem,
                     two);
 }
 
@@ -35,16 +35,17 @@ static void add_edge(vs_fate *p, const vs_roles_gate *g, const char *two) {
 static void add_gate_loss(vs_fate *p, const vs_roles_gate *g) {
   const vs_element *e = g->source;
   char v[VS_DECK_TEXT];
+  const vs_fate_element *own = vs_fate_of(p, e);
   const char *node = vs_copying_has_edges(&g->pulse) ? "edge" : "on";
   if (e->letter != 'i') return;
   vs_declared_voltage(vs_elements_node_of(p->wiring, e, 0), vs_elements_node_of(p->wiring, e, 1),
                       v);
   if (g->each == 1)
-    vs_declared_add(&p->sheet, VS_DECLARED_LOSS, "%s = %s*({%s_level}*v(%s_%s)+%.15g)", e->key, v,
-                    e->key, e->key, node, g->pulse.low);
+    vs_declared_add(&p->sheet, VS_DECLARED_LOSS, "%s = %s*({%s}*v(%s_%s)+%.15g)", e->key, v,
+                    own->level, own->stem, node, g->pulse.low);
   else
-    vs_declared_add(&p->sheet, VS_DECLARED_LOSS, "%s = %s*({%s_level}*(v(%s_%s)+v(%s_%s2))+%.15g)",
-                    e->key, v, e->key, e->key, node, e->key, node, g->pulse.low);
+    vs_declared_add(&p->sheet, VS_DECLARED_LOSS, "%s = %s*({%s}*(v(%s_%s)+v(%s_%s2))+%.15g)",
+                    e->key, v, own->level, own->stem, node, own->stem, node, g->pulse.low);
 }
 
 static void add_sources(vs_fate *p) {
@@ -61,12 +62,12 @@ static void add_sources(vs_fate *p) {
     for (int n = 0; n < r->gates[g].each; n++) {
       add_edge(p, &r->gates[g], n ? "2" : "");
       double shift_deg = r->gates[g].shift_deg + 180 * n;
-      const char *key = r->gates[g].source->key;
+      const char *stem = vs_fate_of(p, r->gates[g].source)->stem;
       if (shift_deg != 0)
         vs_declared_add(&p->sheet, VS_DECLARED_PORT, "gate+%.9gdeg = Vgate%s_%s", shift_deg,
-                        n ? "2" : "", key);
+                        n ? "2" : "", stem);
       else
-        vs_declared_add(&p->sheet, VS_DECLARED_PORT, "gate = Vgate%s_%s", n ? "2" : "", key);
+        vs_declared_add(&p->sheet, VS_DECLARED_PORT, "gate = Vgate%s_%s", n ? "2" : "", stem);
     }
   if (r->mains) add_series(p, r->mains);
   for (size_t g = 0; g < r->n_gates; g++) add_gate_loss(p, &r->gates[g]);

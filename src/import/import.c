@@ -57,12 +57,12 @@ static void note_roles(work *w) {
     const vs_roles_gate *gate = &r->gates[g];
     const vs_element *next = vs_elements_next(&w->wiring, gate->source, gate->source->nodes[0]);
     bool resistor = next && next->letter == 'r';
-    vs_declared_note(
-        did, "%s fires, %s: its %.6g %s become %s_level, behind the program's pulse; %s%s",
-        gate->source->name, r->found_gate ? "the only pulse" : "as said",
-        gate->pulse.high - gate->pulse.low, gate->source->letter == 'v' ? "V" : "A",
-        gate->source->key, resistor ? "in series: " : "no resistor is in series with it",
-        resistor ? next->name : "");
+    vs_declared_note(did, "%s fires, %s: its %.6g %s become %s, behind the program's pulse; %s%s",
+                     gate->source->name, r->found_gate ? "the only pulse" : "as said",
+                     gate->pulse.high - gate->pulse.low, gate->source->letter == 'v' ? "V" : "A",
+                     vs_fate_of(&w->plan, gate->source)->level,
+                     resistor ? "in series: " : "no resistor is in series with it",
+                     resistor ? next->name : "");
   }
   if (!r->n_gates) vs_declared_note(did, "no source fires anything");
   vs_declared_note(did, "%s%s%s is the EVA's coil, %s: %.6g H, %.6g ohm", r->coil->name,
@@ -126,7 +126,7 @@ static void note_start(work *w) {
         "line %d: '%s' has no uic: the netlist begins at its operating point, and %s "
         "is not 0 there; the deck begins with %s at 0: give each an IC=, or its node a "
         "line .ic; where 0 is right, write uic",
-        s.tran->where.line, s.tran->text, s.source->name, s.stores.text);
+        s.tran->where.line, s.tran->text, s.source.text, s.stores.text);
   vs_start_free(&s);
 }
 
@@ -203,7 +203,7 @@ static vs_status plan_all(work *w, const char *folder, vs_error *err) {
   status = vs_elements_read(&w->wiring, &w->listing, err);
   if (!status && vs_error_count(err)) return VS_OK;
   if (!status) status = vs_cast_roles(&w->wiring, &w->values, &o->asked, &w->roles, err);
-  w->plan = (vs_fate){&w->wiring, &w->values, &w->roles, NULL, {.counts = {0}}};
+  w->plan = (vs_fate){.wiring = &w->wiring, .values = &w->values, .roles = &w->roles};
   if (!status) status = vs_fate_make(&w->plan, o->pins, err);
   if (status || vs_error_count(err)) return status;
   note_roles(w);

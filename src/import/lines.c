@@ -141,11 +141,11 @@ static void add_valve(vs_fate *p, const vs_element *e, const vs_fate_element *ow
   snprintf(i, sizeof i, "i_%.50s", count == 1 ? "thyristor" : e->key);
   voltage_of(p, e, own, v);
   vs_declared_add(&p->sheet, VS_DECLARED_PROBE, "%s = %s V \"voltage of %s\"", v_ak, v, e->name);
-  vs_declared_name(&p->sheet, v_ak, v_ak);
-  vs_declared_name(&p->sheet, i, i);
   if (*own->part)
     vs_declared_add(&p->sheet, VS_DECLARED_RATING, "%s -%s.v_rrm..%s.v_drm V", v_ak, own->part,
                     own->part);
+  vs_declared_name(&p->sheet, v_ak, v_ak);
+  vs_declared_name(&p->sheet, i, i);
   add_device(p, e, own, name, i);
 }
 
@@ -161,7 +161,7 @@ static void add_valves(vs_fate *p) {
   }
   if (count > 1)
     vs_declared_add(&p->sheet, VS_DECLARED_PROBE,
-                    "i_thyristor = v(i_sum) A \"the sum of their currents\"");
+                    "i_thyristor = v(%s) A \"the sum of their currents\"", p->sum);
 }
 
 /* ---- everything else ---- */
@@ -224,7 +224,7 @@ static void add_passive(vs_fate *p, const vs_element *e, const vs_fate_element *
     vs_declared_add(&p->sheet, VS_DECLARED_STORE, "%s = %s*i(%s)^2/2", e->key, own->value, e->name);
   if (e->letter != 'r' && !own->value)
     vs_declared_note(&p->sheet.left,
-                     "%s: its value is no number, so that the energy it holds is not "
+                     "%s: its value is not known before a run, so that the energy it holds is not "
                      "counted: a line '*$ store %s = ...' would",
                      e->name, e->key);
 }
@@ -266,7 +266,8 @@ static const vs_element *coupled(const vs_fate *p, const vs_element *e, int n, c
   char *name = vs_elements_word_of(p->wiring, e, n);
   const vs_element *l = vs_elements_find(p->wiring, name);
   free(name);
-  *value = l ? p->of[l - p->wiring->elements].value : NULL;
+  bool multiplied = l && (has_part(p, l, "m") || has_part(p, l, "scale")); /* K knows no m= */
+  *value = l && !multiplied ? vs_fate_of(p, l)->value : NULL;
   return *value ? l : NULL;
 }
 

@@ -40,7 +40,7 @@ static vs_status understand(work *w, const char *path, vs_findings *all) {
   if (!status && !vs_error_count(&err))
     status = vs_cast_roles(&w->wiring, &w->values, &asked, &w->roles, &err);
   bool known = !status && !vs_error_count(&err);
-  w->plan = (vs_fate){&w->wiring, &w->values, &w->roles, NULL, {.counts = {0}}};
+  w->plan = (vs_fate){.wiring = &w->wiring, .values = &w->values, .roles = &w->roles};
   if (known) status = vs_fate_make(&w->plan, NULL, &err);
   known = known && !status && !vs_error_count(&err);
   if (known) status = vs_lines_add(&w->plan, &err);
