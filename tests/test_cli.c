@@ -259,6 +259,8 @@ static void lists_are_kept(void) {
     refuse(words, KEYS[k], "", SAYS, __LINE__);
   }
   RUN_GOOD("run stops.yaml --quiet --set actuator.stop.2.stiffness=1e6N/m");
+  RUN_GOOD("run paper --quiet --set run.until=1ms --set events=[] --set events.e.kind=sag --set "
+           "events.e.at=0s");
   write_file("s.yaml", "scene: stops.yaml\nset: {actuator.stop.stiffness: 1e6 N/m}\n"
                        "vary: {firing.every: [1, 2]}\nreport: [p_min]\n");
   ran r = run("study s.yaml");

@@ -664,6 +664,10 @@ static void one_name_in_two_files(void) {
       {TWO, USES("aa", ".model m d(n=1)\n") CORE("1"),
        USES("bb", ".model m d(n=2)\n") ".SUBCKT  Core p\tq\nr1 p q   1 \n.ends\n", NULL, NULL},
       {TWO, ".include core.inc\n" USES("aa", ""), USES("bb", "") ".include core.inc\n", NULL, NULL},
+      {TWO, USES("aa", ".model m d(n=1)\n") CORE("1") ".model d1 d(is=1n n=2)\n",
+       USES("bb", ".model m d(n=1)\n") ".subckt core p q\nR1 p q 1\n.ends core\n.model d1 D ( is = "
+                                       "1n, N=2 )\n",
+       NULL, NULL},
   };
   write_file("core.inc", CORE("5") ".model m d(n=1)\n");
   for (size_t k = 0; k < COUNT(ROWS); k++) {
@@ -684,6 +688,9 @@ static void parameters_of_parts(void) {
            FIRED,
            ".param own=1\n+ on_voltage=50\n.subckt s p q\n.param on_voltage=2\nR1 p q 1\n.ends\n");
   REFUSE(deck, "bad.cir:8:1: ", "parameter on_voltage stands in a '*$ param' line already");
+  snprintf(deck, sizeof deck, "*$ param thyristor = latch part thyristor\n" SUPPLY "%s%s" EVA,
+           FIRED, ".if (0)\n.param on_voltage=50\n.endif\n");
+  accept_deck(deck);
   write_file("aa.inc", ".param bb_r=5\n.subckt aa p q\nR1 p q 1\n.ends\n");
   write_file("bb.inc", "*$ param bb_r = 5 ohm 1..10\n.subckt bb p q\nR1 p q {bb_r}\n.ends\n");
   REFUSE(TWO, "aa.inc:1:1: ", "parameter bb_r stands in");

@@ -507,6 +507,7 @@ static void numbers_that_are_misread(void) {
       {".model m D(n=1,is=2,5n,rs=1)", "d.cir:16:19", "'2,5n': a decimal point"},
       {".param y=1 x=4,7k", "d.cir:16:14", "'4,7k': a decimal point"},
       {".param x=-2,5", "d.cir:16:10", "'-2,5': a decimal point"},
+      {".model m SW(ron=2,5e3 vt=1)", "d.cir:16:17", "'2,5e3': a decimal point is wanted"},
       {".ic v(b)=1,5", "d.cir:16:10", "a decimal point"},
       {".nodeset v(b)=1 v(yy)=1,5", "d.cir:16:23", "a decimal point"},
       {"C9 ss yy 1n ic=1,5", "d.cir:16:16", "a decimal point"},

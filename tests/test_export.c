@@ -294,6 +294,9 @@ static void pulses_before_the_run(void) {
   follow("firing.first_cycle=0", "firing.every=once", 40, __LINE__);
   AGREE("run.until=0.1s", "supply.phase=-70deg", "firing.first_cycle=0", "firing.every=1",
         "firing.angle=100deg");
+  /* one that ends at t = 0 to the bit */
+  AGREE("run.until=0.1s", "supply.phase=136deg", "firing.first_cycle=0", "firing.every=1",
+        "firing.angle=100deg", "firing.pulse_width=2ms");
 }
 
 /* ---- without ngspice ---- */

@@ -87,13 +87,19 @@ static void the_programs_parameters(void) {
        "x.net:11:12: parameter phase is the program's"},
       {".subckt load a b\nR1 a b {eva_a}\n.ends\nX2 line s load\n.param eva_a=2k\n",
        "x.net:14:8: parameter eva_a is"},
-      {"V2 s2 0 0 Rser={f_mains}\nR1 line s 1k\nR2 s2 0 1\n.param f_mains=50\n",
+      {"V2 s2 0 0 Rser={f_mains}\nR1 line s 1k\nR2 s2 0 1\n.param f_mains=60\n",
        "x.net:13:8: parameter f_mains is"},
       {"R1 line s {r_source}\n.param r_source={2*3}\n",
        "line 11: r_source is the program's own by that name: the scene's supply.resistance has its "
        "6,"},
       {"R1 line s 1k\n.param f_mains=50 u_rms=230\n", NULL},
       {"R1 line phase 1k\nR2 phase s 1k\n.param phase=80\n", NULL},
+      {"R1 line s {x}\n.param u_rms=2k y={u_rms} x={y/2}\n", "x.net:11:8: parameter u_rms is"},
+      {"R1 line s {f3(1)}\n.param u_rms=2k\n.func f3(x) {x*u_rms}\n",
+       "x.net:11:8: parameter u_rms is"},
+      {"R1 line s {f_mains}\n.param f_mains=50\n", NULL},
+      {"R1 line s 1k\n.param u_rms=2k y={u_rms}\n.step param u_rms 1 2 1\n", NULL},
+      {"R1 line s {f3(1)}\n.param u_rms=2k\n.func f3(u_rms) {u_rms*1k}\n", NULL},
       {"X2 line s load phase=500\n.subckt load a b phase=1\nR1 a b {2*phase}\n.ends\n", NULL},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {

@@ -114,6 +114,11 @@ static void what_netlists_include(void) {
     expect_refused("import ../in/x.net -o x.cir --jail", "../in/x.net:4:1: ", __LINE__);
     vs_text_free(&text);
   }
+  /* a netlist that includes nothing from elsewhere */
+  ran r = run("import halfwave_ltspice.net --jail -o x.cir --quiet");
+  EXPECT(r.status == 0, "%d: %s", r.status, r.err);
+  free_ran(&r);
+  unlink("x.cir");
   unlink("../in/x.net");
 }
 

@@ -287,6 +287,11 @@ static void of_an_orbit(void) {
   }
   RUN_GOOD("steady " ORBIT "--set run.until=0.205s --along firing.angle=100deg..101deg --quiet");
   RUN_GOOD("sensitivity " ORBIT "--set run.until=0.205s --steady --of p_min --to supply.voltage");
+  write_file("of.yaml",
+             "scene: paper\nset: {firing.every: 1, quality: [mains], run.until: 0.205 s, "
+             "run.tier: switched}\nvary: {firing.angle: [100 deg, 101 deg]}\n"
+             "steady: true\nreport: [mains.thd]\n");
+  RUN_GOOD("study of.yaml --quiet -o of");
   static const char *const SAYS[] = {"whole cycles", NULL};
   refuse("sensitivity " ORBIT "--set run.until=0.205s --of p_min --to supply.voltage", "a run", "",
          SAYS, __LINE__);

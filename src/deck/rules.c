@@ -198,12 +198,13 @@ static vs_status param_rule(void *ctx, const char *name) {
 
 vs_status vs_rules_params(const vs_deck *deck, vs_error *err) {
   vs_status status = VS_OK;
-  size_t depth = 0;
+  size_t depth = 0; /* of subcircuits, and of .if, whose lines may not count */
   for (size_t k = 0; k < deck->n_lines && !status; k++) {
     const vs_line *line = &deck->lines[k];
     char within[VS_PATH_SIZE];
-    depth += vs_words_begin(line->text, ".subckt");
-    depth -= depth > 0 && vs_words_begin(line->text, ".ends");
+    depth += vs_words_begin(line->text, ".subckt") || vs_words_begin(line->text, ".if");
+    depth -=
+        depth > 0 && (vs_words_begin(line->text, ".ends") || vs_words_begin(line->text, ".endif"));
     if (depth || !vs_words_begin(line->text, ".param")) continue;
     const place p = {deck, vs_deck_mendable(deck, line->where, within, sizeof within), err};
     status = vs_error_carry_on(err, assignments(line->text, param_rule, (void *)(size_t)&p));

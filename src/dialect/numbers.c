@@ -168,6 +168,8 @@ static size_t decimal_comma(const char *s) {
   if (!before || !after) return 0;
   n += 1 + after;
   if (s[n] == '.') n += 1 + digits(s + n + 1);
+  const size_t exponent = tolower((unsigned char)s[n]) == 'e' ? 1 + strspn(s + n + 1, "+-") : 0;
+  if (exponent && digits(s + n + exponent)) n += exponent + digits(s + n + exponent);
   while (isalpha((unsigned char)s[n])) n++;
   return vs_words_goes_on(s[n]) || vs_words_is_given(s + n) ? 0 : n;
 }

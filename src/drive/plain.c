@@ -13,13 +13,13 @@
  * scene of fifty, with a diode in its deck; 0.1 ns and below: that one always). */
 static const double EDGE_S = 1e-8;
 
-/* The beginning of the first pulse of a train that does not end before t = 0, as an expression:
+/* The beginning of the first pulse of a train that ends behind t = 0, as an expression:
  * ngspice aborts a run that has an edge of it there. A train's own first pulse lies up to a cycle
  * before t = 0. A single one that is over then moves beyond the end of the run. */
 static void add_delay(vs_text *t, double turns, const char *width, const char *period) {
   char own[64];
   snprintf(own, sizeof own, "vs_fire+%.17g/f_mains", turns);
-  vs_text_add(t, "%s+%s*max(0,-floor((%s+%s)/%s))", own, period, own, width, period);
+  vs_text_add(t, "%s+%s*max(0,-floor((%s+%s-1n)/%s))", own, period, own, width, period);
 }
 
 static void add_gate_delay(vs_text *t, double turns) {

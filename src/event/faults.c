@@ -166,6 +166,13 @@ static vs_status add_driven(vs_deck *deck, const vs_occurrence *e, size_t k, con
   return VS_OK;
 }
 
+/* What follows its second node is the element's value. */
+static void doubt(vs_deck *deck, const vs_occurrence *e, const element *at) {
+  const char *value = at->rest + strspn(at->rest, " \t");
+  value += strcspn(value, " \t");
+  vs_wiring_doubt(deck, e, &(vs_wiring_element){at->name, {at->node[0], at->node[1]}, value});
+}
+
 static vs_status open_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_error *err) {
   element at;
   char node[VS_DECK_NAME], line[1024];
@@ -173,7 +180,7 @@ static vs_status open_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_e
   if (status) return status;
   snprintf(node, sizeof node, "vs_n%zu", k);
   snprintf(line, sizeof line, "%s vs_n%zu%s", at.name, k, at.rest);
-  vs_wiring_doubt(deck, e, at.name, at.rest);
+  doubt(deck, e, &at);
   if (!strcasecmp(at.name, deck->eva))
     snprintf(deck->eva_plus, sizeof deck->eva_plus, "vs_n%zu", k);
   free(at.line->text);
@@ -198,7 +205,7 @@ static vs_status short_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_
   char line[256], other[VS_DECK_NAME];
   vs_status status = find_element(deck, e, e->kind->element(e, deck), &at, err);
   if (status) return status;
-  vs_wiring_doubt(deck, e, at.name, at.rest);
+  doubt(deck, e, &at);
   snprintf(other, sizeof other, "vs_m%zu", k);
   vs_wiring_line(deck, e->where, "Vvs_t%zu %s %s 0", k, other, at.node[1]);
   snprintf(line, sizeof line, "Bvs_f%zu vs_l%zu %s I = v(vs_l%zu,%s)*exp(v(vs_c%zu))", k, k, other,

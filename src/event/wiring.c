@@ -8,6 +8,7 @@
 
 #include "base/text.h"
 #include "deck/contract.h"
+#include "dialect/words.h"
 
 void vs_wiring_line(vs_deck *deck, vs_where where, const char *format, ...) {
   char text[512];
@@ -46,10 +47,26 @@ vs_status vs_wiring_loss(vs_deck *deck, const vs_occurrence *e, size_t index, co
   return vs_wiring_account(deck, e, line, err);
 }
 
-static bool names(const vs_formula *f, int name) {
-  for (size_t k = 0; k < f->count; k++)
-    if (f->ops[k].kind == VS_OP_NAME && f->ops[k].index == name) return true;
-  return false;
+/* What of an element a formula may reckon with: its parameter, an index into the deck's names, and
+ * its voltage, as terms have it. */
+typedef struct reckoned {
+  int name;
+  char node[2][VS_DECK_NAME]; /* "v(a)" */
+} reckoned;
+
+static bool is_across(const vs_term *t, const reckoned *r) {
+  return (!strcasecmp(t->plus, r->node[0]) && !strcasecmp(t->minus, r->node[1])) ||
+         (!strcasecmp(t->plus, r->node[1]) && !strcasecmp(t->minus, r->node[0]));
+}
+
+static bool reckons(const vs_deck *deck, const vs_formula *f, const reckoned *r) {
+  bool name = false, voltage = false;
+  for (size_t k = 0; k < f->count; k++) {
+    const vs_op *op = &f->ops[k];
+    name = name || (op->kind == VS_OP_NAME && op->index == r->name);
+    voltage = voltage || (op->kind == VS_OP_TERM && is_across(&deck->terms[op->index], r));
+  }
+  return name && voltage;
 }
 
 static bool is_doubted(const vs_deck *deck, const char *name) {
@@ -58,40 +75,43 @@ static bool is_doubted(const vs_deck *deck, const char *name) {
   return false;
 }
 
-/* Lists the accounts in which the name stands, but for those that are named as devices already. */
-static void list_accounts(const vs_deck *deck, const vs_accounts *all, int name, vs_text *lines) {
+static void list(vs_text *lines, const char *name) {
+  vs_text_add(lines, "%s%s", lines->length ? ", " : "", name);
+}
+
+/* Lists the accounts that reckon so, but for those that are listed as devices already. */
+static void list_accounts(const vs_deck *deck, const vs_accounts *all, const reckoned *r,
+                          vs_text *lines) {
   for (size_t k = 0; k < all->count; k++)
-    if (names(&all->item[k].formula, name) && !is_doubted(deck, all->item[k].name))
-      vs_text_add(lines, "%s%s", lines->length ? ", " : "", all->item[k].name);
+    if (reckons(deck, &all->item[k].formula, r) && !is_doubted(deck, all->item[k].name))
+      list(lines, all->item[k].name);
 }
 
-/* The index of the deck's name that is the value {NAME}; -1: the value is another one. */
-static int name_of(const vs_deck *deck, const char *value) {
-  char name[VS_DECK_NAME];
-  const char *open = strchr(value, '{');
-  if (!open || sscanf(open, "{ %63[A-Za-z0-9_] }", name) != 1) return -1;
-  for (size_t k = 0; k < deck->n_names; k++)
-    if (!strcasecmp(deck->names[k].name, name)) return (int)k;
-  return -1;
-}
-
-void vs_wiring_doubt(vs_deck *deck, const vs_occurrence *e, const char *element,
-                     const char *value) {
-  vs_text lines = {0};
-  const int name = name_of(deck, value);
-  if (name < 0) return;
+static void list_all(vs_deck *deck, const reckoned *r, vs_text *lines) {
   for (size_t k = 0; k < deck->n_devices; k++) {
     vs_device *d = &deck->devices[k];
-    if (!names(&d->current, name) && !names(&d->voltage, name)) continue;
+    if (!reckons(deck, &d->current, r) && !reckons(deck, &d->voltage, r)) continue;
     d->doubtful = true;
-    vs_text_add(&lines, "%s%s", lines.length ? ", " : "", d->name);
+    list(lines, d->name);
   }
-  list_accounts(deck, &deck->losses, name, &lines);
-  list_accounts(deck, &deck->stores, name, &lines);
-  if (lines.length)
-    vs_deck_remark(deck, e->where,
-                   "events.%s: once %s is changed, lines of the deck that reckon with {%s} are not "
-                   "right any more: those of %s; a 0 V source in series, and i() of it, would be",
-                   e->name, element, deck->names[name].name, lines.text);
-  vs_text_free(&lines);
+  list_accounts(deck, &deck->losses, r, lines);
+  list_accounts(deck, &deck->stores, r, lines);
+}
+
+void vs_wiring_doubt(vs_deck *deck, const vs_occurrence *e, const vs_wiring_element *element) {
+  reckoned r = {0};
+  for (int n = 0; n < 2; n++) snprintf(r.node[n], VS_DECK_NAME, "v(%.58s)", element->node[n]);
+  for (; r.name < (int)deck->n_names; r.name++) {
+    const char *name = deck->names[r.name].name;
+    vs_text lines = {0};
+    if (vs_words_find(element->value, element->value, name, strlen(name)))
+      list_all(deck, &r, &lines);
+    if (lines.length)
+      vs_deck_remark(deck, e->where,
+                     "events.%s: once %s is changed, lines of the deck that reckon with {%s} are "
+                     "not right any more: those of %s; a 0 V source in series, and i() of it, "
+                     "would be",
+                     e->name, element->name, name, lines.text);
+    vs_text_free(&lines);
+  }
 }

@@ -26,10 +26,14 @@ vs_status vs_wiring_account(vs_deck *deck, const vs_occurrence *e, const char *l
 vs_status vs_wiring_loss(vs_deck *deck, const vs_occurrence *e, size_t index, const char *between,
                          vs_error *err);
 
-/* Warns of the lines of the contract that reckon with the parameter that an element's value is,
- * as the current v(a,b)/{r1} of R1: once the event has begun, the voltage and that parameter do not
- * give the current any more. What is held against limits of such devices is then not known.
- * `value`: what stands behind the element's nodes in its line. */
-void vs_wiring_doubt(vs_deck *deck, const vs_occurrence *e, const char *element, const char *value);
+/* An element of two nodes, of which `value` is what stands behind them in its line. */
+typedef struct vs_wiring_element {
+  const char *name, *node[2], *value;
+} vs_wiring_element;
+
+/* Warns of the lines of the contract that reckon with an element's voltage and a parameter of its
+ * value, as the current v(a,b)/{r1} of R1: once the event has begun, these do not give the current
+ * any more. What is held against limits of such devices is then not known. */
+void vs_wiring_doubt(vs_deck *deck, const vs_occurrence *e, const vs_wiring_element *element);
 
 #endif

@@ -165,6 +165,81 @@ static bool is_used(const vs_fate *p, const vs_value_param *v) {
   return used;
 }
 
+/* The line .subckt, outside of others, in which the card stands; NULL: it stands in none. */
+static const vs_card *subcircuit_of(const vs_listing *l, size_t card) {
+  if (l->cards[card].depth == 0) return NULL;
+  while (card > 0 && !(vs_listing_is(&l->cards[card], ".subckt") && l->cards[card].depth <= 1))
+    card--;
+  return &l->cards[card];
+}
+
+/* True where a line of a subcircuit or a library uses the name, and no parameter of that
+ * subcircuit's own hides it. */
+static bool is_used_within(const vs_fate *p, const char *name) {
+  const vs_listing *l = p->wiring->listing;
+  for (size_t k = 0; k < l->count; k++) {
+    const vs_card *c = &l->cards[k];
+    if (c->kind != VS_CARD_ELEMENT || !(c->depth > 0 || c->included) || !names(c->text, name))
+      continue;
+    const vs_card *head = subcircuit_of(l, k);
+    const char *own = head ? find_word(head->text, name) : NULL;
+    if (!own || !vs_words_is_given(own + strlen(name))) return true;
+  }
+  return false;
+}
+
+/* True where a function of the netlist's uses the name, which is none of its arguments. */
+static bool is_used_in_functions(const vs_fate *p, const char *name) {
+  const vs_listing *l = p->wiring->listing;
+  for (size_t k = 0; k < l->count; k++) {
+    const vs_card *c = &l->cards[k];
+    const char *body = strchr(c->text, ')'), *argument = find_word(c->text, name);
+    if (c->kind == VS_CARD_STATEMENT && vs_listing_is(c, ".func") && body && names(body, name) &&
+        !(argument && argument < body))
+      return true;
+  }
+  return false;
+}
+
+/* True where what becomes of the netlist in the deck uses a parameter: an element that stays, a
+ * .model, a function, or another parameter that is used so. seen: of each parameter of the netlist,
+ * whether it was looked at already; all false at first. left: so many are looked at; of more it is
+ * taken for granted, as each look goes through the whole netlist. */
+static bool is_used_by_deck(const vs_fate *p, const char *name, bool *seen, int *left) {
+  const vs_listing *l = p->wiring->listing;
+  bool used = is_used_within(p, name) || is_used_in_functions(p, name);
+  for (size_t k = 0; k < l->count && !used; k++)
+    used = l->cards[k].kind == VS_CARD_STATEMENT && vs_listing_is(&l->cards[k], ".model") &&
+           names(l->cards[k].text, name);
+  for (size_t k = 0; k < p->wiring->count && !used; k++) {
+    const vs_element *e = &p->wiring->elements[k];
+    bool taken =
+        vs_fate_is_coil(p, e) || e == p->roles->mains || vs_roles_gate_of(p->roles, e) >= 0;
+    used = taken ? names_in_parts(p, e, name) : names_behind(p, e, name);
+  }
+  for (size_t k = 0; k < p->values->count && !used; k++) {
+    if (seen[k] || !names(p->values->item[k].text, name)) continue;
+    seen[k] = true;
+    used = --*left < 0 || is_used_by_deck(p, p->values->item[k].name, seen, left);
+  }
+  return used;
+}
+
+/* True where the program gives a deck the value that the netlist has, too. */
+static bool is_as_ours(const vs_fate *p, const vs_value_param *v) {
+  const vs_roles *r = p->roles;
+  const struct {
+    int standard;
+    double value;
+  } OURS[] = {{VS_STANDARD_U_RMS, r->mains ? r->rms_v : NAN},
+              {VS_STANDARD_F_MAINS, r->mains ? r->hz : NAN},
+              {VS_STANDARD_PHASE, r->mains ? r->phase_deg * M_PI / 180 : NAN}};
+  for (size_t k = 0; k < sizeof OURS / sizeof *OURS && v->known; k++)
+    if (!strcmp(v->name, vs_deck_standard_names[OURS[k].standard]))
+      return fabs(v->value - OURS[k].value) <= 1e-9 * fabs(v->value);
+  return false;
+}
+
 /* Of the mains' impedance the scene has what the netlist says, and so has the deck. */
 static bool is_of_scene(vs_fate *p, const vs_value_param *v) {
   bool supply = !strcmp(v->name, vs_deck_standard_names[VS_STANDARD_R_SOURCE]) ||
@@ -178,13 +253,18 @@ static bool is_of_scene(vs_fate *p, const vs_value_param *v) {
   return true;
 }
 
+enum { MOST_LOOKS = 64 };
+
 /* Error, with its place: the deck would use a parameter that the program gives every deck, with
  * another value than the netlist's. */
 static vs_status check_standard(vs_fate *p, const vs_value_param *v, vs_error *err) {
   const vs_card *card = &p->wiring->listing->cards[v->card];
-  if (!vs_deck_is_standard(v->name) || vs_values_find(p->values, v->name) != v || !is_used(p, v) ||
-      is_of_scene(p, v))
-    return VS_OK;
+  if (!vs_deck_is_standard(v->name) || vs_values_find(p->values, v->name) != v) return VS_OK;
+  bool *seen = vs_alloc(p->values->count, sizeof *seen);
+  int left = MOST_LOOKS;
+  bool used = is_used_by_deck(p, v->name, seen, &left);
+  free(seen);
+  if (!used || is_as_ours(p, v) || is_of_scene(p, v)) return VS_OK;
   vs_where where = card->where;
   const char *at = find_word(card->text, v->name);
   if (at && (size_t)(at - card->text) + (size_t)where.column <= strcspn(card->raw, "\n"))

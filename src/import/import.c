@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/jail.h"
 #include "base/path.h"
 #include "foreign/cast.h"
 #include "foreign/start.h"
@@ -270,6 +271,7 @@ static vs_status write_deck(work *w, const char *folder, vs_findings *all, vs_er
   if (status) return status;
   fputs(w->deck.text, file.stream);
   fflush(file.stream);
+  vs_jail_allow_named(file.temporary);
   status = vs_error_carry_on(&own, try_deck(w, file.temporary, &own));
   for (size_t k = 0; k < all->count; k++) place_in_netlist(w, file.temporary, &all->item[k]);
   if (status) *err = own;

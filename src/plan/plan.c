@@ -71,6 +71,7 @@ vs_status vs_plan_scene(const vs_plan *plan, vs_scene *scene, vs_error *err) {
   const vs_node *set = vs_tree_child(plan->tree.root, "set");
   vs_status status = vs_scene_open(plan->scene_name, plan->scene_where, scene, err);
   scene->allow_code = plan->allow_code;
+  scene->of_period = plan->periods > 0;
   if (status) return status;
   if (set && (set->kind == VS_NODE_LIST || (set->kind == VS_NODE_TEXT && *set->text)))
     return vs_fail_at(err, set->where, "set: a map of keys is wanted: {run.until: 0.1 s, ...}");

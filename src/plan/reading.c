@@ -226,6 +226,7 @@ static vs_status read_base(vs_plan *plan, vs_error *err) {
   if (!status) status = vs_plan_input(plan, plan->base->path, err);
   if (!status)
     status = vs_error_carry_on(err, vs_atwork_read(plan->tree.root, &plan->periods, err));
+  plan->base->of_period = plan->periods > 0;
   return status ? status : vs_scene_settle(plan->base, NULL, err);
 }
 

@@ -36,10 +36,13 @@ static bool is_same(const definition *a, const definition *b) {
   return a->model == b->model && a->scope == b->scope && !vs_words_compare(a->name, b->name);
 }
 
-/* True where both lines say the same, but for capitals and for how long their blanks are. */
+/* True where both lines say the same, but for capitals and for what ngspice takes for blanks. The
+ * name behind an .ends says nothing. */
 static bool is_alike(const char *a, const char *b) {
+  static const char BLANKS[] = " \t,=()";
+  if (vs_words_begin(a, ".ends") && vs_words_begin(b, ".ends")) return true;
   for (;; a++, b++) {
-    const size_t blanks = strspn(a, " \t"), others = strspn(b, " \t");
+    const size_t blanks = strspn(a, BLANKS), others = strspn(b, BLANKS);
     if ((blanks > 0) != (others > 0)) return !a[blanks] && !b[others]; /* at the end of one */
     a += blanks;
     b += others;

@@ -157,7 +157,7 @@ static vs_status check_lists(const vs_tree *tree, const char *dotted, vs_where w
   vs_status status = VS_OK;
   for (char *key; at && !status && (key = strsep(&rest, "."));) {
     const vs_node *next = element(at, key);
-    if (at->kind == VS_NODE_LIST && !next) {
+    if (at->kind == VS_NODE_LIST && at->child && !next) {
       int count = 0, before = (int)(key - path) - 1;
       for (const vs_node *n = at->child; n; n = n->next) count++;
       status =

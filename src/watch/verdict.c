@@ -164,6 +164,11 @@ static double margin_error(const vs_judgement *j, const vs_judgement *second, do
   return isinf(j->margin) ? 0 : fmax(j->margin - least, largest - j->margin);
 }
 
+/* The margin, less its error where that is known. */
+static double least_margin(const vs_judgement *j) {
+  return j->margin - (isfinite(j->margin_error) ? j->margin_error : 0);
+}
+
 void vs_verdict_compare(vs_verdict *v, const vs_verdict *second, double resolution, double rates) {
   for (size_t k = 0; k < v->count; k++) {
     vs_judgement *j = &v->item[k];
@@ -179,7 +184,6 @@ void vs_verdict_compare(vs_verdict *v, const vs_verdict *second, double resoluti
   for (size_t k = 0; k < v->count; k++) {
     const vs_judgement *j = &v->item[k];
     if (isinf(j->margin)) continue;
-    if (!v->weakest || j->margin - j->margin_error <= v->weakest->margin - v->weakest->margin_error)
-      v->weakest = j;
+    if (!v->weakest || least_margin(j) <= least_margin(v->weakest)) v->weakest = j;
   }
 }
