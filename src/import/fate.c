@@ -142,6 +142,12 @@ static bool names_in_parts(const vs_fate *p, const vs_element *e, const char *na
   return found;
 }
 
+/* True where the name stands in what the deck has of an element. */
+static bool is_used_in_element(const vs_fate *p, const vs_element *e, const char *name) {
+  bool taken = vs_fate_is_coil(p, e) || e == p->roles->mains || vs_roles_gate_of(p->roles, e) >= 0;
+  return taken ? names_in_parts(p, e, name) : names_behind(p, e, name);
+}
+
 /* True where the deck has a line that uses a parameter: not its own, nor one that the program takes
  * over or leaves out. */
 static bool is_used(const vs_fate *p, const vs_value_param *v) {
@@ -153,12 +159,8 @@ static bool is_used(const vs_fate *p, const vs_value_param *v) {
   for (size_t k = 0; k < l->count && !used; k++)
     used = l->cards[k].kind == VS_CARD_ELEMENT && (l->cards[k].depth > 0 || l->cards[k].included) &&
            names(l->cards[k].text, v->name);
-  for (size_t k = 0; k < p->wiring->count && !used; k++) {
-    const vs_element *e = &p->wiring->elements[k];
-    bool taken =
-        vs_fate_is_coil(p, e) || e == p->roles->mains || vs_roles_gate_of(p->roles, e) >= 0;
-    used = taken ? names_in_parts(p, e, v->name) : names_behind(p, e, v->name);
-  }
+  for (size_t k = 0; k < p->wiring->count && !used; k++)
+    used = is_used_in_element(p, &p->wiring->elements[k], v->name);
   for (size_t k = 0; k < p->values->count && !used; k++) /* another one of the same line */
     used = &p->values->item[k] != v && p->values->item[k].card == v->card &&
            names(p->values->item[k].text, v->name);
@@ -173,14 +175,38 @@ static const vs_card *subcircuit_of(const vs_listing *l, size_t card) {
   return &l->cards[card];
 }
 
+/* True for a statement in which a name makes nothing of the circuit, and for a function, which is
+ * looked at by itself. */
+static bool is_left_out(const vs_card *c) {
+  static const char *const WORDS[] = {".tran", ".meas", ".measure", ".step", ".func"};
+  for (size_t k = 0; k < sizeof WORDS / sizeof *WORDS; k++)
+    if (vs_listing_is(c, WORDS[k])) return true;
+  return false;
+}
+
+/* True where a statement of the netlist's own top level uses the name, but for v(NAME) of a node.
+ */
+static bool is_used_in_statement(const vs_card *c, const char *name) {
+  static const char *const WORDS[] = {".model", ".ic", ".nodeset", ".if", ".elseif"};
+  bool counts = false;
+  for (size_t k = 0; k < sizeof WORDS / sizeof *WORDS; k++)
+    counts = counts || vs_listing_is(c, WORDS[k]);
+  for (const char *s = c->text; counts && (s = find_word(s, name)); s++) {
+    bool node = s - c->text > 1 && s[-1] == '(' && strchr("vV", s[-2]);
+    if (!node && names(s, name)) return true;
+  }
+  return false;
+}
+
 /* True where a line of a subcircuit or a library uses the name, and no parameter of that
  * subcircuit's own hides it. */
 static bool is_used_within(const vs_fate *p, const char *name) {
   const vs_listing *l = p->wiring->listing;
   for (size_t k = 0; k < l->count; k++) {
     const vs_card *c = &l->cards[k];
-    if (c->kind != VS_CARD_ELEMENT || !(c->depth > 0 || c->included) || !names(c->text, name))
-      continue;
+    bool within = c->depth > 0 || c->included;
+    if (!within || !names(c->text, name)) continue;
+    if (c->kind == VS_CARD_STATEMENT ? is_left_out(c) : c->kind != VS_CARD_ELEMENT) continue;
     const vs_card *head = subcircuit_of(l, k);
     const char *own = head ? find_word(head->text, name) : NULL;
     if (!own || !vs_words_is_given(own + strlen(name))) return true;
@@ -209,14 +235,9 @@ static bool is_used_by_deck(const vs_fate *p, const char *name, bool *seen, int 
   const vs_listing *l = p->wiring->listing;
   bool used = is_used_within(p, name) || is_used_in_functions(p, name);
   for (size_t k = 0; k < l->count && !used; k++)
-    used = l->cards[k].kind == VS_CARD_STATEMENT && vs_listing_is(&l->cards[k], ".model") &&
-           names(l->cards[k].text, name);
-  for (size_t k = 0; k < p->wiring->count && !used; k++) {
-    const vs_element *e = &p->wiring->elements[k];
-    bool taken =
-        vs_fate_is_coil(p, e) || e == p->roles->mains || vs_roles_gate_of(p->roles, e) >= 0;
-    used = taken ? names_in_parts(p, e, name) : names_behind(p, e, name);
-  }
+    used = l->cards[k].kind == VS_CARD_STATEMENT && is_used_in_statement(&l->cards[k], name);
+  for (size_t k = 0; k < p->wiring->count && !used; k++)
+    used = is_used_in_element(p, &p->wiring->elements[k], name);
   for (size_t k = 0; k < p->values->count && !used; k++) {
     if (seen[k] || !names(p->values->item[k].text, name)) continue;
     seen[k] = true;
@@ -225,18 +246,25 @@ static bool is_used_by_deck(const vs_fate *p, const char *name, bool *seen, int 
   return used;
 }
 
-/* True where the program gives a deck the value that the netlist has, too. */
-static bool is_as_ours(const vs_fate *p, const vs_value_param *v) {
+/* True where the program gives a deck the value that the netlist has, too; that is told. */
+static bool is_as_ours(vs_fate *p, const vs_value_param *v) {
   const vs_roles *r = p->roles;
   const struct {
     int standard;
+    const char *key;
     double value;
-  } OURS[] = {{VS_STANDARD_U_RMS, r->mains ? r->rms_v : NAN},
-              {VS_STANDARD_F_MAINS, r->mains ? r->hz : NAN},
-              {VS_STANDARD_PHASE, r->mains ? r->phase_deg * M_PI / 180 : NAN}};
+  } OURS[] = {{VS_STANDARD_U_RMS, "voltage", r->mains ? r->rms_v : NAN},
+              {VS_STANDARD_F_MAINS, "frequency", r->mains ? r->hz : NAN},
+              {VS_STANDARD_PHASE, "phase", r->mains ? r->phase_deg * M_PI / 180 : NAN}};
   for (size_t k = 0; k < sizeof OURS / sizeof *OURS && v->known; k++)
-    if (!strcmp(v->name, vs_deck_standard_names[OURS[k].standard]))
-      return fabs(v->value - OURS[k].value) <= 1e-9 * fabs(v->value);
+    if (!strcmp(v->name, vs_deck_standard_names[OURS[k].standard]) &&
+        fabs(v->value - OURS[k].value) <= 1e-9 * fabs(v->value)) {
+      vs_declared_note(&p->sheet.did,
+                       "line %d: %s is the program's own by that name, and has the same value: it "
+                       "follows the scene's supply.%s",
+                       p->wiring->listing->cards[v->card].where.line, v->name, OURS[k].key);
+      return true;
+    }
   return false;
 }
 
