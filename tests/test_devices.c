@@ -129,7 +129,7 @@ static void continuous_current(void) {
     CU_ASSERT_EQUAL(r->limit != NULL, k == 1);
     if (k) CLOSE(r->failed_s, 1, 1e-9);
     vs_verdict v;
-    vs_verdict_reach(t->result.watchers.measures, t->result.watchers.devices, &v);
+    vs_verdict_reach(t->result.watchers.measures, t->result.watchers.devices, NULL, &v);
     CU_ASSERT_EQUAL(v.first_to_fail != NULL, k == 1);
     if (k && v.first_to_fail) CLOSE(v.first_to_fail->margin, -8.0 / 12, 1e-6);
     vs_verdict_free(&v);
@@ -290,7 +290,7 @@ static void time_to_rest(void) {
   CLOSE(measure(t, "t", "t_off")->value.at_s, 340e-6, 1e-4);
   CLOSE(measure(t, "t", "t_off")->failed_s, 340e-6, 1e-4);
   vs_verdict *v = vs_alloc(1, sizeof *v);
-  vs_verdict_reach(t->result.watchers.measures, t->result.watchers.devices, v);
+  vs_verdict_reach(t->result.watchers.measures, t->result.watchers.devices, NULL, v);
   CU_ASSERT_EQUAL_FATAL(v->count, 1);
   CLOSE(v->item[0].margin, -0.25, 1e-3);
   CU_ASSERT_PTR_EQUAL(v->first_to_fail, &v->item[0]);

@@ -37,7 +37,7 @@ static void judge(const row *r) {
   vs_trial *t = vs_trial_run("paper", "circuit", sets, NULL);
   EXPECT(t->status == VS_OK, "%s", t->err.text);
   vs_verdict *v = vs_alloc(1, sizeof *v);
-  if (!t->status) vs_verdict_reach(t->result.watchers.measures, NULL, v);
+  if (!t->status) vs_verdict_reach(t->result.watchers.measures, NULL, NULL, v);
   const vs_judgement *j = v->item;
   EXPECT(v->count == 1, "%s: %zu judged", r->rating, v->count);
   if (v->count == 1 && isfinite(r->margin)) {

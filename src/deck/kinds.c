@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "deck/kinds.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,6 +9,9 @@
 #include "base/text.h"
 
 /* Each row: name, unit, text, how, of, sense, limit, held. */
+/* How a mean or rms value is judged: stress/reductions.c. */
+#define MEAN_IS_JUDGED "judged where that lasts 1 s or longer and more than one shot falls into it"
+
 static const vs_device_measure THYRISTOR[] = {
     {"v_forward", "V", "peak forward voltage", VS_R_PEAK, VS_OF_V, 1, "v_drm", VS_AT_MOST},
     {"v_reverse", "V", "peak reverse voltage", VS_R_PEAK, VS_OF_V, -1, "v_rrm", VS_AT_MOST},
@@ -41,13 +45,12 @@ static const vs_device_measure THYRISTOR[] = {
      "shortest time from the current's zero to the return of forward voltage while its gate "
      "is off",
      VS_R_OFFERED, VS_OF_V, 1, "t_q", VS_AT_LEAST},
-    {"misfires", "", "gate pulses that it did not follow", VS_R_MISFIRE, VS_OF_I, 1, NULL,
-     VS_AT_MOST},
-    {"unintended", "", "firings without a gate pulse", VS_R_UNINTENDED, VS_OF_I, 1, NULL,
-     VS_AT_MOST},
+    {"misfires", "", "gate pulses that it did not follow", VS_R_MISFIRE, VS_OF_I, 1, NULL, VS_NEVER},
+    {"unintended_firings", "", "firings without a gate pulse", VS_R_UNINTENDED, VS_OF_I, 1, NULL,
+     VS_NEVER},
     {"commutation_failures", "",
      "of these, on the first forward voltage after a conduction and before t_q",
-     VS_R_COMMUTATION_FAILURE, VS_OF_I, 1, NULL, VS_AT_MOST}};
+     VS_R_COMMUTATION_FAILURE, VS_OF_I, 1, NULL, VS_NEVER}};
 static const vs_device_measure TRIAC[] = {
     {"v_forward", "V", "peak voltage, second main terminal positive", VS_R_PEAK, VS_OF_V, 1,
      "v_drm", VS_AT_MOST},
@@ -93,12 +96,12 @@ static const vs_device_measure TRIAC[] = {
     {"t_j_rise", "K", "largest rise of the junction's temperature, by the part's zth",
      VS_R_JUNCTION, VS_OF_POWER, 1, "t_j_rise", VS_AT_MOST},
     {"misfires", "", "gate pulses that it did not follow, of both half cycles", VS_R_MISFIRE,
-     VS_OF_I, 1, NULL, VS_AT_MOST},
-    {"unintended", "", "firings without a gate pulse", VS_R_UNINTENDED, VS_OF_I, 1, NULL,
-     VS_AT_MOST},
+     VS_OF_I, 1, NULL, VS_NEVER},
+    {"unintended_firings", "", "firings without a gate pulse", VS_R_UNINTENDED, VS_OF_I, 1, NULL,
+     VS_NEVER},
     {"commutation_failures", "",
      "of these, in the half cycle that begins with the zero of a current", VS_R_COMMUTATION_FAILURE,
-     VS_OF_I, 1, NULL, VS_AT_MOST}};
+     VS_OF_I, 1, NULL, VS_NEVER}};
 static const vs_device_measure DIODE[] = {
     {"v_reverse", "V", "peak reverse voltage", VS_R_PEAK, VS_OF_V, -1, "v_rrm", VS_AT_MOST},
     {"i_peak", "A", "peak forward current", VS_R_PEAK, VS_OF_I, 1, "i_frm", VS_AT_MOST},
@@ -200,27 +203,32 @@ static const vs_device_measure VARISTOR[] = {
      "largest heat of one pulse, without what a capacitance stores; it ends when |i| has "
      "stayed below 1 mA for a quarter of a mains cycle",
      VS_R_HEAT, VS_OF_POWER, 1, "energy", VS_AT_MOST},
-    {"energy_total", "J", "energy over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST}};
+    {"energy_total", "J", "energy over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST},
+    {"power", "W", "mean power, over the time that measure says; " MEAN_IS_JUDGED, VS_R_MEAN,
+     VS_OF_POWER, 1, "p_max", VS_AT_MOST}};
 static const vs_device_measure RESISTOR[] = {
-    {"power", "W", "mean power, over the time that measure says", VS_R_MEAN, VS_OF_POWER, 1, NULL,
-     VS_AT_MOST},
+    {"power", "W", "mean power, over the time that measure says; " MEAN_IS_JUDGED, VS_R_MEAN,
+     VS_OF_POWER, 1, "p_rated", VS_AT_MOST},
     {"power_peak", "W", "peak power", VS_R_PEAK, VS_OF_POWER, 1, NULL, VS_AT_MOST},
     {"energy", "J", "energy over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST}};
 static const vs_device_measure CAPACITOR[] = {
-    {"v_peak", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, VS_AT_MOST},
-    {"i_rms", "A", "rms current, over the time that measure says", VS_R_RMS, VS_OF_I2, 1, NULL,
-     VS_AT_MOST},
+    {"v_peak", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, "v_class", VS_AT_MOST},
+    {"i_rms", "A", "rms current, over the time that measure says; " MEAN_IS_JUDGED, VS_R_RMS,
+     VS_OF_I2, 1, "i_rms_max", VS_AT_MOST},
     {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, NULL, VS_AT_MOST},
     {"dv_dt_max", "V/us", "largest rate of voltage, either way, over any 0.1 us", VS_R_STEEPEST,
-     VS_OF_V, 0, NULL, VS_AT_MOST}};
+     VS_OF_V, 0, "dv_dt_max", VS_AT_MOST}};
 static const vs_device_measure FUSE[] = {
     {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, NULL, VS_AT_MOST},
-    {"i_rms", "A", "rms current, over the time that measure says", VS_R_RMS, VS_OF_I2, 1, NULL,
-     VS_AT_MOST},
+    {"i_rms", "A", "rms current, over the time that measure says; " MEAN_IS_JUDGED, VS_R_RMS,
+     VS_OF_I2, 1, "i_rated", VS_AT_MOST},
     {"i2t", "A2.s", "int i^2 dt over the run", VS_R_INTEGRAL, VS_OF_I2, 1, NULL, VS_AT_MOST},
     {"let_through", "A2.s", "largest int i^2 dt within 10 ms", VS_R_WITHIN, VS_OF_I2, 1, "i2t",
      VS_WARD_AT_MOST},
-    {"v_peak", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, VS_AT_MOST}};
+    {"v_peak", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, VS_AT_MOST},
+    {"opens", "", "how often its element melts", VS_R_OPENS, VS_OF_I, 1, NULL, VS_NEVER},
+    {"arcs_again", "", "how often a current flows again once it has cleared", VS_R_ARCS, VS_OF_I, 1,
+     NULL, VS_NEVER}};
 static const vs_device_measure GATE_DRIVE[] = {
     {"i_peak", "A", "largest gate current", VS_R_PEAK, VS_OF_I, 1, NULL, VS_AT_MOST},
     {"i_min", "A", "gate current at its worst: the least of all gate pulses' peaks",
@@ -247,6 +255,19 @@ const vs_kind *vs_kinds_find(const char *name) {
   for (const vs_kind *kind = vs_kinds_all; kind->name; kind++)
     if (!strcmp(kind->name, name)) return kind;
   return NULL;
+}
+
+/* ---- what must not happen ---- */
+
+const vs_happening_words *vs_kinds_happening(const vs_device_measure *m) {
+  static const vs_happening_words WORDS[VS_REDUCTIONS] = {
+      [VS_R_MISFIRE] = {"misfire", "misfires"},
+      [VS_R_UNINTENDED] = {"unintended_firing", "fires without a gate pulse"},
+      [VS_R_COMMUTATION_FAILURE] = {"commutation_failure", "fails to turn off"},
+      [VS_R_OPENS] = {"fuse_opens", "opens"},
+      [VS_R_ARCS] = {"fuse_arcs_again", "arcs again"}};
+  assert(m->held == VS_NEVER && WORDS[m->how].what);
+  return &WORDS[m->how];
 }
 
 /* ---- limits ---- */
@@ -292,7 +313,6 @@ static const struct figure {
                {"v_clamp", "V", " varistor "},
                {"v_varistor", "V", " varistor "},
                {"v_rated", "V", " fuse "},
-               {"i_rated", "A", " fuse "},
                {"i_fusing", "A", " fuse "},
                {"i2t_melt", "A2.s", " fuse "},
                {"i2t_clear", "A2.s", " fuse "},
@@ -332,4 +352,18 @@ bool vs_kinds_knows_limit(const char *kind_name, const char *limit, const char *
   *nearest = known ? limit : vs_text_nearest(limit, names, count);
   free(names);
   return known;
+}
+
+bool vs_kinds_leaves_limit(const char *kind_name, const char *limit) {
+  /* those of FIGURES that say what the part bears */
+  static const char *const BEARS[] = {"v_drm", "v_rrm", "v_rms", "v_dc", "v_rated", "t_j_max"};
+  const vs_kind *kind = vs_kinds_find(kind_name);
+  const char *nearest;
+  for (size_t k = 0; kind && k < kind->n_measures; k++) {
+    const char *own = own_limit(&kind->measures[k]);
+    if (own && !strcmp(limit, own)) return false;
+  }
+  for (size_t k = 0; k < sizeof BEARS / sizeof *BEARS; k++)
+    if (!strcmp(limit, BEARS[k])) return true;
+  return !vs_kinds_knows_limit(kind_name, limit, &nearest);
 }

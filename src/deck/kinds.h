@@ -35,6 +35,7 @@ enum { VS_OF_V, VS_OF_FLUX, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_COURSES };
  *                     least, over any 0.1 us
  *   VS_R_OFFERED      shortest time between a conduction and forward voltage without a gate pulse
  *   VS_R_MISFIRE, VS_R_UNINTENDED, VS_R_COMMUTATION_FAILURE   how often: stress/switching.h
+ *   VS_R_OPENS, VS_R_ARCS   how often a fuse melts, and arcs again behind that: stress/melting.h
  *   VS_R_GATE_LEAST   smallest of all gate pulses' peaks
  *   VS_R_CORE         rise of a capacitor's core, by the part's lines zth and its ESR
  *   VS_R_RETURN_RISE, VS_R_FALL   (dv/dt)c and (di/dt)c of a triac: stress/switching.h
@@ -60,6 +61,8 @@ enum { VS_OF_V, VS_OF_FLUX, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_COURSES };
   X(VS_R_MISFIRE, vs_told_misfire)                                                                 \
   X(VS_R_UNINTENDED, vs_told_unintended)                                                           \
   X(VS_R_COMMUTATION_FAILURE, vs_told_commutation_failure)                                         \
+  X(VS_R_OPENS, vs_told_opens)                                                                     \
+  X(VS_R_ARCS, vs_told_arcs)                                                                       \
   X(VS_R_GATE_LEAST, vs_told_gate_least)                                                           \
   X(VS_R_CORE, vs_junction_of_current)                                                             \
   X(VS_R_RETURN_RISE, vs_told_return_rise)                                                         \
@@ -81,8 +84,9 @@ typedef enum vs_reduction {
 } vs_reduction;
 
 /* How a measure is held to its limit: it may be at most the limit, or at least the limit; or it may
- * be at most the limit of the device that this one protects. */
-enum { VS_AT_MOST, VS_AT_LEAST, VS_WARD_AT_MOST };
+ * be at most the limit of the device that this one protects. VS_NEVER: the measure counts something
+ * that must not happen at all, whatever the part, unless the scene's key `expect` names it. */
+enum { VS_AT_MOST, VS_AT_LEAST, VS_WARD_AT_MOST, VS_NEVER };
 
 /* One measure. A device's measure is called DEVICE.name. */
 typedef struct vs_device_measure {
@@ -94,6 +98,13 @@ typedef struct vs_device_measure {
   const char *limit; /* the limit of a part's file that it is held against; NULL: none */
   int held;          /* VS_AT_MOST, ... */
 } vs_device_measure;
+
+/* What a measure with VS_NEVER counts, as summary.json calls it ("fuse_opens"), and as people do,
+ * behind the device's name ("opens"). The scene's key `expect` takes either. */
+typedef struct vs_happening_words {
+  const char *what, *verb;
+} vs_happening_words;
+const vs_happening_words *vs_kinds_happening(const vs_device_measure *measure);
 
 /* Bytes that a kind's name may have, its end included. */
 enum { VS_KIND_NAME = 64 };
@@ -126,5 +137,9 @@ const char *vs_kinds_limit_unit(const char *limit);
  * held against it, the mains are, or it is a maker's figure that readers look for. Otherwise
  * *nearest is the name that may be meant; NULL: none is near. */
 bool vs_kinds_knows_limit(const char *kind, const char *limit, const char **nearest);
+
+/* True where a limit of that name is held by nothing that the program measures of such a part, and
+ * is no figure that merely describes the part, as a holding current does. */
+bool vs_kinds_leaves_limit(const char *kind, const char *limit);
 
 #endif

@@ -340,6 +340,12 @@ static bool is_rated_by(const vs_deck *deck, const vs_limit *limit) {
   return false;
 }
 
+bool vs_parts_limit_is_left(const vs_deck *deck, const vs_limit *limit) {
+  const vs_part_file *file = vs_parts_file(deck, limit->where.file);
+  return file && isfinite(limit->value) && !is_rated_by(deck, limit) &&
+         vs_kinds_leaves_limit(file->kind, limit->name);
+}
+
 bool vs_parts_limit_is_idle(const vs_deck *deck, size_t number, char *text, size_t size) {
   const vs_limit *limit = &deck->limits[number];
   const vs_part_file *file = vs_parts_file(deck, limit->where.file);

@@ -37,6 +37,10 @@ vs_status vs_parts_require_hold(const vs_deck *deck, const vs_circuit_values *va
  * says so. */
 bool vs_parts_below_mains(const vs_deck *deck, size_t part, double rms_v, char *text, size_t size);
 
+/* True where the limit is finite and nothing is held to it: no measure of its part's kind and no
+ * rating of the deck. */
+bool vs_parts_limit_is_left(const vs_deck *deck, const vs_limit *limit);
+
 /* True where limit number `limit` is of a name that nothing is held against, neither a measure of
  * its part's kind nor a rating of the deck. `text` then says so, and which name may be meant. */
 bool vs_parts_limit_is_idle(const vs_deck *deck, size_t limit, char *text, size_t size);

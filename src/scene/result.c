@@ -12,7 +12,7 @@
 
 void vs_result_finish(vs_result *r) {
   vs_watchers_finish(&r->watchers, r->scene->setup.run.until_s, r->values);
-  vs_verdict_reach(r->watchers.measures, r->watchers.devices, &r->verdict);
+  vs_verdict_reach(r->watchers.measures, r->watchers.devices, &r->scene->expects, &r->verdict);
 }
 
 void vs_result_end_loop(vs_result *r) {

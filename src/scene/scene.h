@@ -9,6 +9,7 @@
 #include "period/quality.h"
 #include "scene/warnings.h"
 #include "tier/choice.h"
+#include "watch/expect.h"
 #include "watch/measures.h"
 
 /* The word of `record` for all probes. */
@@ -37,6 +38,7 @@ typedef struct vs_scene {
   vs_instruments instruments;          /* none where the scene has no such section */
   vs_control control;                  /* likewise */
   vs_quality_list quality;             /* currents whose quality is told */
+  vs_expects expects;                  /* what may happen to devices, and has to */
   int record[VS_CH_MOST], n_record;    /* channels of the frame, in the order of the columns */
   vs_value measured[VS_MOST_MEASURES]; /* SI; as the scene's `measured` says, in the order of
                                           vs_measure_at */

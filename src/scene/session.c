@@ -407,6 +407,18 @@ static void print_allowed(const vs_judgement *j, double unit, char *text, size_t
              j->limit->value / unit);
 }
 
+/* What happened against the scene's expectation, or did not. */
+static vs_status say_happening(const vs_judgement *j, vs_error *err) {
+  const char *device = j->device->name, *verb = vs_kinds_happening(j->measure)->verb;
+  const char *undecided =
+      vs_verdict_word(j) == VS_UNDECIDED ? "; the two runs differ in it, so it is undecided" : "";
+  if (!(j->stress.value > 0))
+    return vs_fail(err, VS_RATING, "%s %s: the scene expects it, and it did not happen%s", device,
+                   verb, undecided);
+  return vs_fail(err, VS_RATING, "%s %s at %.6g s: %s%s%s", device, verb, j->stress.at_s, j->cause,
+                 j->expected ? "" : "; the scene does not expect it", undecided);
+}
+
 vs_status vs_session_judge(const vs_result *r, vs_error *err) {
   const vs_judgement *worst = vs_verdict_breach(&r->verdict);
   if (r->second.stopped)
@@ -415,24 +427,24 @@ vs_status vs_session_judge(const vs_result *r, vs_error *err) {
                    "first run's result is whole, its verdict unverified",
                    r->second.failed);
   if (!worst) return VS_OK;
+  if (vs_verdict_is_happening(worst)) return say_happening(worst, err);
   const char *unit_name = vs_verdict_unit(worst);
-  char name[VS_JUDGED_NAME], allowed[64], decides[96] = "";
+  char name[VS_JUDGED_NAME], allowed[64], decides[96] = "", at[40] = "";
   double unit = vs_units_factor(unit_name);
   print_allowed(worst, unit, allowed, sizeof allowed);
   vs_verdict_name(worst, name);
+  if (!isnan(worst->stress.at_s)) snprintf(at, sizeof at, " at %.6g s", worst->stress.at_s);
   if (vs_verdict_word(worst) != VS_UNDECIDED)
-    return vs_fail(err, VS_RATING, "a rating is violated: %s = %.6g %s at %.6g s, allowed %s %s",
-                   name, worst->stress.value / unit, unit_name, worst->stress.at_s, allowed,
-                   unit_name);
+    return vs_fail(err, VS_RATING, "a rating is violated: %s = %.6g %s%s, allowed %s %s", name,
+                   worst->stress.value / unit, unit_name, at, allowed, unit_name);
   if (r->second.decides > 0)
     snprintf(decides, sizeof decides, "; run.tolerance = %.1g may decide", r->second.decides);
   else
     snprintf(decides, sizeof decides, "; no run.tolerance is known to decide");
   return vs_fail(err, VS_RATING,
-                 "a rating is undecided: %s = %.6g %s at %.6g s, allowed %s %s: margin %.3g %% +- "
-                 "%.2g %%%s",
-                 name, worst->stress.value / unit, unit_name, worst->stress.at_s, allowed,
-                 unit_name, 100 * worst->margin, 100 * worst->margin_error, decides);
+                 "a rating is undecided: %s = %.6g %s%s, allowed %s %s: margin %.3g %% +- %.2g %%%s",
+                 name, worst->stress.value / unit, unit_name, at, allowed, unit_name,
+                 100 * worst->margin, 100 * worst->margin_error, decides);
 }
 
 static vs_status stop_at_once(void *ctx, const vs_step *step, vs_error *err) {

@@ -222,6 +222,8 @@ static void follow_melting(vs_devices *d, const vs_watched *w, vs_melting *m,
   if (!isnan(news.melts_s)) say(d, news.melts_s, name, "melts");
   if (!isnan(news.cleared_s)) say(d, news.cleared_s, name, "has cleared");
   if (!isnan(news.again_s)) say(d, news.again_s, name, "arcs again");
+  for (size_t k = 0; k < w->count; k++)
+    if (w->reduced[k].by->take_melting) w->reduced[k].by->take_melting(&w->reduced[k], &news);
 }
 
 static void follow_states(vs_devices *d, vs_watched *w, vs_course_step *c) {
@@ -231,7 +233,7 @@ static void follow_states(vs_devices *d, vs_watched *w, vs_course_step *c) {
   c->on = w->states->conduction.conducts;
   if (!news.any) return;
   for (size_t k = 0; k < w->count; k++)
-    if (w->reduced[k].by->take_news) w->reduced[k].by->take_news(&w->reduced[k], &news);
+    if (w->reduced[k].by->take_news) w->reduced[k].by->take_news(w, &w->reduced[k], &news);
   tell(d, w, &news);
 }
 
@@ -358,7 +360,7 @@ static void follow_again(const vs_watched *w, vs_course_step *c) {
   news.misfire.known = news.unintended.known = news.commutation_failure = false;
   for (size_t m = 0; m < w->count; m++) {
     const vs_reducer *by = w->reduced[m].by;
-    if (news.any && by->take_news) by->take_news(&w->reduced[m], &news);
+    if (news.any && by->take_news) by->take_news(w, &w->reduced[m], &news);
     if (by->across) by->follow(w, &w->reduced[m], c);
   }
 }

@@ -26,25 +26,29 @@ typedef struct network {
 } network;
 
 /* Takes the part's lines zth. The course is this many W to its unit. */
-static void take_network(const vs_watched *w, network *n, double scale_w) {
+static void take_network(const vs_watched *w, vs_reduced *r, double scale_w) {
   const vs_deck *deck = w->deck;
+  network *n = r->state;
   const char *file = w->device->part < 0 ? "" : deck->parts[w->device->part].file;
   for (size_t k = 0; k < deck->n_zth; k++) {
     if (strcmp(deck->zth[k].where.file, file)) continue;
     n->tau_s[n->count] = deck->zth[k].tau_s;
     n->gain[n->count++] = scale_w * deck->zth[k].k_per_w;
+    r->assumed = r->assumed || deck->zth[k].assumed;
   }
 }
 
 static void prepare_junction(vs_watched *w, vs_reduced *r) {
-  take_network(w, r->state, 1);
+  take_network(w, r, 1);
 }
 
 /* What a capacitor stores and gives back is no heat; ESR i^2 is, by the part's limit esr. */
 static void prepare_core(vs_watched *w, vs_reduced *r) {
   const char *file = w->device->part < 0 ? NULL : w->deck->parts[w->device->part].file;
   const vs_limit *esr = file ? vs_parts_find_limit(w->deck, file, "esr") : NULL;
-  if (esr && isfinite(esr->value)) take_network(w, r->state, esr->value);
+  if (!esr || !isfinite(esr->value)) return;
+  r->assumed = esr->assumed;
+  take_network(w, r, esr->value);
 }
 
 static bool has_network(const vs_watched *w, const vs_reduced *r) {

@@ -30,9 +30,10 @@ static bool is_gone(const double course[VS_COURSES]) {
 }
 
 vs_melting_news vs_melting_follow(vs_melting *m, const vs_course_step *c) {
-  vs_melting_news news = {NAN, NAN, NAN};
+  vs_melting_news news = {NAN, NAN, NAN, fabs(c->to[VS_OF_I]), NAN};
   if (!m->melted) {
     news.melts_s = melts(m, c);
+    news.i2_s = m->i2_s;
     return news;
   }
   if (!is_gone(c->to)) {

@@ -27,6 +27,8 @@ typedef struct vs_melting {
 /* What a step brought; instants, NaN where it brought no such thing. */
 typedef struct vs_melting_news {
   double melts_s, cleared_s, again_s;
+  double i_a;  /* the size of the current at the step's end, A */
+  double i2_s; /* int i^2 dt before it melted, A2.s */
 } vs_melting_news;
 
 /* Takes the next step. */

@@ -27,8 +27,19 @@ bool vs_reducer_is_held_from_below(const vs_reduced *r) {
   return r->measure->held == VS_AT_LEAST;
 }
 
-void vs_reducer_count(vs_reduced *r, bool once, double at_s) {
-  if (once && r->value.value++ == 0) r->value.at_s = at_s;
+void vs_reducer_count(vs_reduced *r, double at_s) {
+  if (r->value.value++ == 0) r->value.at_s = at_s;
+}
+
+char *vs_reducer_happens(vs_reduced *r, double at_s) {
+  vs_happening *h = r->state;
+  if (h->times++) return NULL;
+  h->at_s = at_s;
+  return h->cause;
+}
+
+const vs_happening *vs_reducer_happening(const vs_reduced *r) {
+  return r->measure->held == VS_NEVER ? r->state : NULL;
 }
 
 void vs_reducer_begin_at_zero(const vs_watched *w, vs_reduced *r, double t_s) {

@@ -6,6 +6,7 @@
 #define VS_STRESS_REDUCER_H
 
 #include "stress/losses.h"
+#include "stress/melting.h"
 #include "stress/switching.h"
 
 typedef struct vs_reducer vs_reducer;
@@ -19,10 +20,19 @@ typedef struct vs_reduced {
   double doubt;          /* the value may be wrong by this besides */
   double spread;   /* sensitivity: a relative error e of the run changes the value by e spread */
   double failed_s; /* instant at which the value first passed the limit; NaN: it has not */
-  const char *unjudged; /* why the value is not held against the limit that the part has; NULL: it
-                           is, or the part has none */
+  const char *unjudged; /* why the value is not held against the limit that the part has, as
+                           "not judged: one shot"; NULL: it is, or the part has none */
+  bool assumed; /* no source says one of the part's figures that the value is made of */
   void *state;          /* the reduction's own, of by->state_size bytes; owned */
 } vs_reduced;
+
+/* What must not happen to a device, as it happened: the state of a measure with VS_NEVER. */
+enum { VS_CAUSE_SIZE = 96 };
+typedef struct vs_happening {
+  int times;   /* how often; an unintended firing that is a commutation failure is counted there */
+  double at_s; /* the first time */
+  char cause[VS_CAUSE_SIZE]; /* of the first: "dv/dt of 324 V/us up to 406 V" */
+} vs_happening;
 
 /* A device under watch: what its reductions share. */
 typedef struct vs_watched {
@@ -72,7 +82,9 @@ struct vs_reducer {
    * NULL: any step may. w->last holds the courses where the first of them begins. */
   bool (*rests)(const vs_watched *w, const vs_reduced *r, const vs_courses *c);
   /* Called with each step that brought news of a device that conducts or blocks. */
-  void (*take_news)(vs_reduced *r, const vs_switch_news *news);
+  void (*take_news)(const vs_watched *w, vs_reduced *r, const vs_switch_news *news);
+  /* Called with each step that brought news of a fuse. */
+  void (*take_melting)(vs_reduced *r, const vs_melting_news *news);
   /* Called once, when the run is over and had a step. */
   void (*finish)(const vs_watched *w, vs_reduced *r, const vs_run_end *end);
 };
@@ -88,8 +100,13 @@ void vs_reducer_take_largest(vs_reduced *r, const vs_course_step *c, double befo
 void vs_reducer_offer(vs_reduced *r, vs_value v, bool least);
 /* True where the limit is the least that is allowed. */
 bool vs_reducer_is_held_from_below(const vs_reduced *r);
-/* Adds 1 where `once` is true; the value belongs to the first instant. */
-void vs_reducer_count(vs_reduced *r, bool once, double at_s);
+/* Adds 1 to the value, which belongs to the first instant. */
+void vs_reducer_count(vs_reduced *r, double at_s);
+/* What must not happen has happened: counts it, and returns where its cause is to be written, of
+ * VS_CAUSE_SIZE bytes; NULL: it is not the first. */
+char *vs_reducer_happens(vs_reduced *r, double at_s);
+/* What has happened, of a measure with VS_NEVER; NULL: it is no such measure. */
+const vs_happening *vs_reducer_happening(const vs_reduced *r);
 /* A `begin` of a value that is 0 as the run begins. */
 void vs_reducer_begin_at_zero(const vs_watched *w, vs_reduced *r, double t_s);
 

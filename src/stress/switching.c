@@ -204,8 +204,10 @@ static void fall_back(vs_switch *s, const vs_course_step *c, vs_switch_news *new
   s->rest = REST_NONE;
   if (s->gate.on)
     s->conducted = false;
-  else if (s->by_gate && gate_known)
+  else if (s->by_gate && gate_known) {
     news->misfire = (vs_value){true, 1, c->t1_s};
+    news->unlatched = true;
+  }
 }
 
 /* Forward voltage has returned. */

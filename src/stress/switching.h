@@ -124,6 +124,9 @@ typedef struct vs_switch_news {
       spread_s; /* sensitivity: a relative error e of the current changes the time by e spread_s */
   vs_value misfire, unintended; /* only their instants mean anything */
   bool commutation_failure;     /* the unintended firing is one */
+  bool unlatched;               /* the misfire: a current flowed, and did not latch */
+  double fired_rate, fired_v;   /* of an unintended firing: the steepest rate, V/s, of the rise that
+                                   ended in it, and its forward voltage then */
 } vs_switch_news;
 /* Takes the next step and fills `news`. */
 void vs_switching_follow(vs_switch *s, const vs_course_step *c, vs_switch_news *news);

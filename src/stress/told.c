@@ -2,20 +2,25 @@
 #include "stress/told.h"
 
 #include <math.h>
+#include <stdio.h>
 
 #include "base/text.h"
+#include "deck/parts.h"
 
 /* ---- news of a device that conducts or blocks ---- */
 
-static void take_rise(vs_reduced *r, const vs_switch_news *news) {
+static void take_rise(const vs_watched *w, vs_reduced *r, const vs_switch_news *news) {
+  (void)w;
   vs_reducer_offer(r, news->rise, vs_reducer_is_held_from_below(r));
 }
 
-static void take_off_rate(vs_reduced *r, const vs_switch_news *news) {
+static void take_off_rate(const vs_watched *w, vs_reduced *r, const vs_switch_news *news) {
+  (void)w;
   vs_reducer_offer(r, news->off_rate, vs_reducer_is_held_from_below(r));
 }
 
-static void take_on_rate(vs_reduced *r, const vs_switch_news *news) {
+static void take_on_rate(const vs_watched *w, vs_reduced *r, const vs_switch_news *news) {
+  (void)w;
   vs_reducer_offer(r, news->on_rate, vs_reducer_is_held_from_below(r));
 }
 
@@ -24,43 +29,110 @@ static void prepare_offered(vs_watched *w, vs_reduced *r) {
   if (w->states && r->limit) w->states->t_q_s = r->limit->value;
 }
 
-static void take_offered(vs_reduced *r, const vs_switch_news *news) {
+static void take_offered(const vs_watched *w, vs_reduced *r, const vs_switch_news *news) {
+  (void)w;
   vs_reducer_offer(r, news->offered, vs_reducer_is_held_from_below(r));
   if (!news->offered.known || r->value.at_s != news->offered.at_s) return;
   r->doubt = news->doubt_s;
   r->spread = news->spread_s;
 }
 
-static void take_misfire(vs_reduced *r, const vs_switch_news *news) {
-  vs_reducer_count(r, news->misfire.known, news->misfire.at_s);
+/* ---- what must not happen ---- */
+
+static void take_misfire(const vs_watched *w, vs_reduced *r, const vs_switch_news *news) {
+  (void)w;
+  if (!news->misfire.known) return;
+  vs_reducer_count(r, news->misfire.at_s);
+  char *cause = vs_reducer_happens(r, news->misfire.at_s);
+  if (cause)
+    snprintf(cause, VS_CAUSE_SIZE, "%s",
+             news->unlatched ? "its current did not reach latching"
+                             : "no current followed its gate pulse");
 }
 
-static void take_unintended(vs_reduced *r, const vs_switch_news *news) {
-  vs_reducer_count(r, news->unintended.known, news->unintended.at_s);
+/* A limit of the device's part in SI; NAN: its file states none. */
+static double limit_of_part(const vs_watched *w, const char *name) {
+  const char *file = w->device->part < 0 ? NULL : w->deck->parts[w->device->part].file;
+  const vs_limit *limit = file ? vs_parts_find_limit(w->deck, file, name) : NULL;
+  return limit ? limit->value : NAN;
 }
 
-static void take_commutation_failure(vs_reduced *r, const vs_switch_news *news) {
-  vs_reducer_count(r, news->commutation_failure, news->unintended.at_s);
+/* A thyristor that blocks is turned on by its forward voltage where that is beyond what its part
+ * bears, else by the rise of it, whose displacement current acts as a gate current. */
+static void take_unintended(const vs_watched *w, vs_reduced *r, const vs_switch_news *news) {
+  if (!news->unintended.known) return;
+  vs_reducer_count(r, news->unintended.at_s);
+  char *cause = news->commutation_failure ? NULL : vs_reducer_happens(r, news->unintended.at_s);
+  if (!cause) return;
+  const double most_v = limit_of_part(w, "v_drm");
+  if (news->fired_v > most_v)
+    snprintf(cause, VS_CAUSE_SIZE, "breakover at %.4g V, beyond V_DRM of %.4g V", news->fired_v,
+             most_v);
+  else if (news->fired_rate > 0)
+    snprintf(cause, VS_CAUSE_SIZE, "dv/dt of %.3g V/us up to %.3g V", 1e-6 * news->fired_rate,
+             news->fired_v);
+  else
+    snprintf(cause, VS_CAUSE_SIZE, "at %.3g V, without a rise", news->fired_v);
 }
 
-static void take_return_rise(vs_reduced *r, const vs_switch_news *news) {
+static void take_commutation_failure(const vs_watched *w, vs_reduced *r,
+                                     const vs_switch_news *news) {
+  if (!news->commutation_failure) return;
+  vs_reducer_count(r, news->unintended.at_s);
+  char *cause = vs_reducer_happens(r, news->unintended.at_s);
+  if (!cause) return;
+  int length = snprintf(cause, VS_CAUSE_SIZE, "forward voltage was back %.4g us after its current",
+                        1e6 * w->states->offered_s);
+  if (isfinite(w->states->t_q_s))
+    snprintf(cause + length, VS_CAUSE_SIZE - (size_t)length, ", t_q is %.4g us",
+             1e6 * w->states->t_q_s);
+}
+
+static void prepare_fuse(vs_watched *w, vs_reduced *r) {
+  (void)w;
+  r->value = (vs_value){true, 0, NAN};
+}
+
+static void take_opening(vs_reduced *r, const vs_melting_news *news) {
+  if (isnan(news->melts_s)) return;
+  vs_reducer_count(r, news->melts_s);
+  char *cause = vs_reducer_happens(r, news->melts_s);
+  if (cause)
+    snprintf(cause, VS_CAUSE_SIZE, "melted after int i^2 dt of %.3g A2.s, at %.3g A", news->i2_s,
+             news->i_a);
+}
+
+static void take_arc(vs_reduced *r, const vs_melting_news *news) {
+  if (isnan(news->again_s)) return;
+  vs_reducer_count(r, news->again_s);
+  char *cause = vs_reducer_happens(r, news->again_s);
+  if (cause) snprintf(cause, VS_CAUSE_SIZE, "a current of %.3g A once it had cleared", news->i_a);
+}
+
+static void take_return_rise(const vs_watched *w, vs_reduced *r, const vs_switch_news *news) {
+  (void)w;
   vs_reducer_offer(r, news->return_rise, false);
 }
 
-static void take_fall(vs_reduced *r, const vs_switch_news *news) {
+static void take_fall(const vs_watched *w, vs_reduced *r, const vs_switch_news *news) {
+  (void)w;
   vs_reducer_offer(r, news->fall, false);
 }
 
+#define HAPPENS .state_size = sizeof(vs_happening)
 const vs_reducer vs_told_rise = {.is_rate = true, .take_news = take_rise},
                  vs_told_off_rate = {.is_rate = true, .take_news = take_off_rate},
                  vs_told_on_rate = {.is_rate = true, .take_news = take_on_rate},
                  vs_told_return_rise = {.is_rate = true, .take_news = take_return_rise},
                  vs_told_fall = {.is_rate = true, .take_news = take_fall},
                  vs_told_offered = {.prepare = prepare_offered, .take_news = take_offered},
-                 vs_told_misfire = {.counts = true, .take_news = take_misfire},
-                 vs_told_unintended = {.counts = true, .take_news = take_unintended},
-                 vs_told_commutation_failure = {.counts = true,
-                                                .take_news = take_commutation_failure};
+                 vs_told_misfire = {HAPPENS, .counts = true, .take_news = take_misfire},
+                 vs_told_unintended = {HAPPENS, .counts = true, .take_news = take_unintended},
+                 vs_told_commutation_failure = {HAPPENS, .counts = true,
+                                                .take_news = take_commutation_failure},
+                 vs_told_opens = {HAPPENS, .prepare = prepare_fuse, .take_melting = take_opening},
+                 vs_told_arcs = {HAPPENS, .prepare = prepare_fuse, .take_melting = take_arc};
+#undef HAPPENS
 
 /* ---- gate pulses ---- */
 

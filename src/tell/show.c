@@ -9,6 +9,7 @@
 #include "syntax/units.h"
 #include "tell/amount.h"
 #include "tier/tiers.h"
+#include "watch/unjudged.h"
 
 /* "  12.3 % +- 0.04 %  held" */
 static void print_margin(const vs_judgement *j, FILE *out) {
@@ -44,7 +45,7 @@ static void print_device(const vs_judgement *j, int width, FILE *out) {
           j->stress.value / unit, j->limit->value / unit, j->limit->unit, at);
   print_margin(j, out);
   if (j->ward) fprintf(out, "  limit of %s", j->ward->name);
-  fprintf(out, "%s\n", j->limit->assumed ? "  assumed" : "");
+  fprintf(out, "%s\n", j->assumed ? "  assumed" : "");
 }
 
 /* "undecided: v_ak, thyristor.i2t" */
@@ -57,6 +58,21 @@ static void print_undecided(const vs_verdict *v, FILE *out) {
   if (n) fputc('\n', out);
 }
 
+/* "happened: thyristor fires without a gate pulse at 40.83 ms, 3 times (dv/dt of 324 V/us up to
+ * 406 V)", and whether the scene expects it. */
+static void print_happening(const vs_judgement *j, FILE *out) {
+  const char *device = j->device->name, *verb = vs_kinds_happening(j->measure)->verb;
+  char at[VS_AMOUNT_SIZE];
+  if (!(j->stress.value > 0)) {
+    fprintf(out, "did not happen, though expected: %s %s\n", device, verb);
+    return;
+  }
+  fprintf(out, "happened: %s %s at %s", device, verb, vs_amount_text(j->stress.at_s, "s", at));
+  if (j->stress.value > 1) fprintf(out, ", %.0f times", j->stress.value);
+  fprintf(out, " (%s)%s%s\n", j->cause, j->expected ? ", as expected" : "",
+          vs_verdict_word(j) == VS_UNDECIDED ? ", in one of two runs" : "");
+}
+
 /* "weakest: thyristor.di_dt, 76.54 A/us where 50 A/us is allowed, margin -53.1 % ..." */
 static void print_weakest(const vs_judgement *j, FILE *out) {
   char name[VS_JUDGED_NAME], stress[VS_AMOUNT_SIZE], limit[VS_AMOUNT_SIZE];
@@ -64,8 +80,9 @@ static void print_weakest(const vs_judgement *j, FILE *out) {
   double allowed = j->limit                  ? j->limit->value
                    : j->room[0] < j->room[1] ? j->rating->min
                                              : j->rating->max;
-  fprintf(out, "weakest: %s, %s where %s is allowed, margin ", vs_verdict_name(j, name),
-          written(j->stress.value, unit, stress), written(allowed, unit, limit));
+  fprintf(out, "weakest: %s, %s where %s%s is allowed, margin ", vs_verdict_name(j, name),
+          written(j->stress.value, unit, stress), written(allowed, unit, limit),
+          j->assumed ? " (assumed)" : "");
   print_margin(j, out);
   fputc('\n', out);
 }
@@ -114,10 +131,19 @@ static void print_lines(const vs_verdict *v, FILE *out) {
     fprintf(out, "\n  %-*s %11s %11s %11s %11s %-5s %8s\n", width, "rating", "min", "least",
             "largest", "max", "", "margin +- its numerical error");
   for (; k < v->count && v->item[k].rating; k++) print_rating(&v->item[k], width, out);
-  if (k < v->count)
+  if (k < v->count && !vs_verdict_is_happening(&v->item[v->count - 1]))
     fprintf(out, "\n  %-*s %11s %11s %-5s %11s %8s\n", width, "device", "stress", "limit", "", "at",
             "margin +- its numerical error");
-  for (; k < v->count; k++) print_device(&v->item[k], width, out);
+  for (; k < v->count; k++)
+    if (!vs_verdict_is_happening(&v->item[k])) print_device(&v->item[k], width, out);
+}
+
+/* "not judged: r1.power, c1.v_peak (no limit stated)" */
+static void print_not_judged(const vs_result *r, FILE *out) {
+  vs_text text = {0};
+  vs_unjudged_write(r->watchers.devices, &text);
+  if (text.length) fprintf(out, "not judged: %s\n", text.text);
+  vs_text_free(&text);
 }
 
 /* How the errors of the margins were found, and what would decide those that are not. */
@@ -264,9 +290,12 @@ void vs_show_verdict(const vs_result *r, FILE *out) {
     return;
   }
   print_word(v, out);
-  if (v->weakest) print_weakest(v->weakest, out);
+  for (size_t k = 0; k < v->count; k++)
+    if (vs_verdict_is_happening(&v->item[k])) print_happening(&v->item[k], out);
+  if (v->weakest && !vs_verdict_is_happening(v->weakest)) print_weakest(v->weakest, out);
   if (v->first_to_fail) print_first_to_fail(v->first_to_fail, out);
   print_undecided(v, out);
+  print_not_judged(r, out);
   print_lines(v, out);
   print_second(r, out);
 }

@@ -10,6 +10,7 @@
 #include "scene/version.h"
 #include "syntax/units.h"
 #include "tier/tiers.h"
+#include "watch/unjudged.h"
 
 enum {
   DIGITS = 12,
@@ -261,7 +262,7 @@ static void add_device(vs_json *json, const vs_judgement *j) {
   vs_json_number(json, "at_s", j->stress.at_s, DIGITS);
   vs_json_number(json, "limit", j->limit->value / unit, DIGITS);
   if (j->ward) vs_json_text(json, "limit_of", j->ward->name);
-  vs_json_bool(json, "assumed", j->limit->assumed);
+  vs_json_bool(json, "assumed", j->assumed);
 }
 
 static void add_judged(vs_json *json, const char *key, const vs_judgement *j) {
@@ -288,6 +289,37 @@ static void add_verdict(vs_json *json, const vs_verdict *v) {
   vs_json_end(json);
   add_judged(json, "weakest", v->weakest);
   add_judged(json, "first_to_fail", v->first_to_fail);
+}
+
+/* What happened, and what did not though it was expected. */
+static void add_happenings(vs_json *json, const vs_verdict *v) {
+  for (int happened = 1; happened >= 0; happened--) {
+    vs_json_array(json, happened ? "happened" : "did_not_happen", VS_JSON_ROW);
+    for (size_t k = 0; k < v->count; k++) {
+      const vs_judgement *j = &v->item[k];
+      if (!vs_verdict_is_happening(j) || (j->stress.value > 0) != happened) continue;
+      vs_json_object(json, NULL, VS_JSON_ROW);
+      vs_json_text(json, "what", vs_kinds_happening(j->measure)->what);
+      vs_json_text(json, "device", j->device->name);
+      if (happened) {
+        vs_json_number(json, "at_s", j->stress.at_s, DIGITS);
+        vs_json_whole(json, "times", (int)j->stress.value);
+        vs_json_text(json, "cause", j->cause);
+      }
+      vs_json_bool(json, "expected", j->expected);
+      vs_json_text(json, "word", vs_verdict_words[vs_verdict_word(j)]);
+      vs_json_end(json);
+    }
+    vs_json_end(json);
+  }
+}
+
+static void add_not_judged(vs_json *json, const vs_devices *devices) {
+  vs_unjudged entry;
+  vs_json_array(json, "not_judged", VS_JSON_ROW);
+  for (size_t k = 0; vs_unjudged_at(devices, k, &entry); k++)
+    vs_json_text(json, NULL, entry.name);
+  vs_json_end(json);
 }
 
 static void add_warning(void *ctx, const char *text) {
@@ -398,6 +430,8 @@ void vs_summary_json(const vs_result *r, bool with_cost, const vs_summary_more *
   if (with_cost) add_cost(&json, r);
   add_second(&json, &r->second);
   add_verdict(&json, &r->verdict);
+  add_happenings(&json, &r->verdict);
+  add_not_judged(&json, r->watchers.devices);
   vs_json_end(&json);
   vs_text_add(text, "\n");
 }

@@ -56,10 +56,49 @@ static vs_judgement judge_device(const vs_deck *deck, const vs_device *d, const 
                         .margin = room,
                         .margin_error = NAN,
                         .is_rate = r->by->is_rate,
+                        .assumed = r->limit->assumed || r->assumed,
                         .doubt = d->doubtful ? INFINITY : r->doubt / limit,
                         .spread = r->spread / limit,
                         .stress = r->value,
                         .failed_s = r->failed_s};
+}
+
+/* What the lines of what happened have for a limit, of how often it may. */
+static const vs_limit NEVER = {.text = "must not happen unless the scene expects it"},
+                      EXPECTED = {.text = "the scene expects it", .value = 1};
+
+/* Writes the line of what happened to a device. False: it neither happened nor was expected. */
+static bool judge_happening(const vs_device *d, const vs_reduced *r, const vs_expects *expects,
+                            vs_judgement *j) {
+  const vs_happening *h = vs_reducer_happening(r);
+  const bool expected = vs_expect_has(expects, d, r->measure);
+  if (!h || (!h->times && !expected)) return false;
+  const bool as_expected = expected == (h->times > 0);
+  const double at_s = h->times ? h->at_s : NAN, room = as_expected ? INFINITY : -1;
+  *j = (vs_judgement){.device = d,
+                      .measure = r->measure,
+                      .limit = expected ? &EXPECTED : &NEVER,
+                      .room = {expected ? room : INFINITY, expected ? INFINITY : room},
+                      .margin = room,
+                      .margin_error = NAN,
+                      .stress = {true, h->times, at_s},
+                      .failed_s = as_expected ? NAN : at_s,
+                      .expected = expected};
+  memcpy(j->cause, h->cause, sizeof j->cause);
+  return true;
+}
+
+static void judge_devices(const vs_devices *devices, const vs_expects *expects, vs_verdict *v) {
+  for (size_t k = 0; devices && k < devices->count; k++) {
+    const vs_watched *w = &devices->item[k];
+    for (size_t n = 0; n < w->count; n++) {
+      const vs_reduced *r = &w->reduced[n];
+      if (r->limit && r->value.known)
+        v->item[v->count++] = judge_device(devices->frame->deck, w->device, r);
+    }
+    for (size_t n = 0; n < w->count; n++)
+      v->count += judge_happening(w->device, &w->reduced[n], expects, &v->item[v->count]);
+  }
 }
 
 void vs_verdict_free(vs_verdict *v) {
@@ -67,21 +106,17 @@ void vs_verdict_free(vs_verdict *v) {
   *v = (vs_verdict){0};
 }
 
-void vs_verdict_reach(const vs_measures *m, const vs_devices *devices, vs_verdict *v) {
+void vs_verdict_reach(const vs_measures *m, const vs_devices *devices, const vs_expects *expects,
+                      vs_verdict *v) {
   size_t n_ratings = m->frame->deck ? m->frame->deck->n_ratings : 0, most = n_ratings;
   for (size_t k = 0; devices && k < devices->count; k++) most += devices->item[k].count;
   *v = (vs_verdict){.item = vs_alloc(most, sizeof *v->item)};
   for (size_t k = 0; k < n_ratings; k++) v->item[v->count++] = judge_rating(m, k);
-  for (size_t k = 0; devices && k < devices->count; k++)
-    for (size_t n = 0; n < devices->item[k].count; n++) {
-      const vs_reduced *r = &devices->item[k].reduced[n];
-      if (r->limit && r->value.known)
-        v->item[v->count++] = judge_device(devices->frame->deck, devices->item[k].device, r);
-    }
+  judge_devices(devices, expects, v);
   for (size_t k = 0; k < v->count; k++) {
     const vs_judgement *j = &v->item[k];
     if (isfinite(j->margin) && (!v->weakest || j->margin <= v->weakest->margin)) v->weakest = j;
-    if (j->margin < 0 && !j->ward &&
+    if (j->margin < 0 && !j->ward && !isnan(j->failed_s) &&
         (!v->first_to_fail || j->failed_s <= v->first_to_fail->failed_s))
       v->first_to_fail = j;
   }
@@ -96,6 +131,10 @@ const char *vs_verdict_name(const vs_judgement *j, char name[VS_JUDGED_NAME]) {
 
 const char *vs_verdict_unit(const vs_judgement *j) {
   return j->device ? j->limit->unit : j->rating->unit;
+}
+
+bool vs_verdict_is_happening(const vs_judgement *j) {
+  return j->device && j->measure->held == VS_NEVER;
 }
 
 /* ---- how sure ---- */
@@ -169,6 +208,20 @@ static double least_margin(const vs_judgement *j) {
   return j->margin - (isfinite(j->margin_error) ? j->margin_error : 0);
 }
 
+/* Adds what happened in the second run alone: whether it happens is not known. There is room, as a
+ * verdict has some for each measure of each device. */
+static void add_happenings(vs_verdict *v, const vs_verdict *second) {
+  for (size_t n = 0; n < second->count; n++) {
+    const vs_judgement *other = &second->item[n];
+    size_t k = 0;
+    if (!vs_verdict_is_happening(other)) continue;
+    while (k < v->count && !is_same(&v->item[k], other)) k++;
+    if (k < v->count) continue;
+    v->item[v->count] = *other;
+    v->item[v->count++].margin_error = INFINITY;
+  }
+}
+
 void vs_verdict_compare(vs_verdict *v, const vs_verdict *second, double resolution, double rates) {
   for (size_t k = 0; k < v->count; k++) {
     vs_judgement *j = &v->item[k];
@@ -176,10 +229,14 @@ void vs_verdict_compare(vs_verdict *v, const vs_verdict *second, double resoluti
     while (n < second->count && !is_same(j, &second->item[n])) n++;
     j->margin_error = INFINITY;
     double own = j->is_rate ? rates : resolution;
-    if (n < second->count) j->margin_error = margin_error(j, &second->item[n], own);
+    if (n < second->count && !vs_verdict_is_happening(j))
+      j->margin_error = margin_error(j, &second->item[n], own);
+    else if (n < second->count && second->item[n].margin == j->margin)
+      j->margin_error = 0; /* it happens in both, or in neither */
     j->margin_error += CREPT * j->doubt + resolution * j->spread;
     if (isnan(j->margin_error)) j->margin_error = INFINITY;
   }
+  add_happenings(v, second);
   v->weakest = NULL;
   for (size_t k = 0; k < v->count; k++) {
     const vs_judgement *j = &v->item[k];

@@ -1,14 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The verdict on a run: the deck's ratings held against what its probes did, and the limits of its
- * parts held against what was measured of its devices. */
+ * The verdict on a run: the deck's ratings held against what its probes did, the limits of its parts
+ * held against what was measured of its devices, and what happened to them that must not, unless
+ * the scene expects it. */
 #ifndef VS_WATCH_VERDICT_H
 #define VS_WATCH_VERDICT_H
 
 #include "stress/devices.h"
+#include "watch/expect.h"
 #include "watch/measures.h"
 
-/* One line of a verdict: a rating of a probe, or a limit of a device's part. Values are in SI.
- * Everything it points to belongs to the deck. */
+/* One line of a verdict: a rating of a probe, a limit of a device's part, or what happened to a
+ * device. Values are in SI. Everything it points to belongs to the deck or is constant.
+ *
+ * What happened has the measure that counts it (VS_NEVER). Its margin is -1 where the scene does not
+ * expect it, and where it is expected and did not happen; else INFINITY. */
 typedef struct vs_judgement {
   const vs_rating *rating; /* NULL: the line is of a device */
   const vs_probe *probe;   /* of the rating */
@@ -25,14 +30,19 @@ typedef struct vs_judgement {
                           could not be found; NaN: it was not computed */
   vs_value stress;     /* the extreme that is nearer to its limit, or further beyond it */
   bool is_rate;        /* the measure is a rate over a short time */
+  bool assumed;        /* no source says the limit, or a figure that the stress is made of */
   double doubt;        /* the margin may be wrong by this besides */
   double spread;   /* sensitivity: a relative error e of the run changes the margin by e spread */
   double failed_s; /* instant at which the limit was first passed; NaN: it was not */
+  bool expected;   /* of what happened: the scene expects it */
+  char cause[VS_CAUSE_SIZE]; /* of what happened, the first time; empty: it is another line, or did
+                                not happen */
 } vs_judgement;
 
 /* Not to be copied: it points into itself. */
 typedef struct vs_verdict {
-  vs_judgement *item; /* the ratings in the deck's order, then device by device; owned */
+  vs_judgement *item; /* the ratings in the deck's order, then device by device, of each device
+                         first its limits; owned */
   size_t count;
   /* The line of the least finite margin, less its error where that is known; NULL: none has one.
    * Of two alike it is the later one, so that a device goes before a probe. */
@@ -44,7 +54,8 @@ typedef struct vs_verdict {
 
 /* Judges a run and fills the verdict, which vs_verdict_free frees. devices may be NULL. On a tier
  * without a deck nothing is judged, nor is a device of which nothing was measured. */
-void vs_verdict_reach(const vs_measures *measures, const vs_devices *devices, vs_verdict *verdict);
+void vs_verdict_reach(const vs_measures *measures, const vs_devices *devices,
+                      const vs_expects *expects, vs_verdict *verdict);
 void vs_verdict_free(vs_verdict *verdict);
 
 /* What a line of a verdict comes to. */
@@ -65,7 +76,7 @@ const vs_judgement *vs_verdict_breach(const vs_verdict *verdict);
  * the same scene at another tolerance, and the resolution besides. That is what every number of
  * this run may be wrong by, as a part of the number or of its limit, whichever is more; `rates` is
  * the same for rates. A line that the second run does not have gets an infinite error, and so is
- * undecided. */
+ * undecided; what happened in the second run alone becomes such a line. */
 void vs_verdict_compare(vs_verdict *verdict, const vs_verdict *second, double resolution,
                         double rates);
 
@@ -74,5 +85,7 @@ enum { VS_JUDGED_NAME = VS_DECK_NAME + 24 };
 const char *vs_verdict_name(const vs_judgement *judgement, char name[VS_JUDGED_NAME]);
 /* The unit that the line's limit was written in; stress and limits are shown in it. */
 const char *vs_verdict_unit(const vs_judgement *judgement);
+/* True for a line of what happened, or did not though the scene expects it. */
+bool vs_verdict_is_happening(const vs_judgement *judgement);
 
 #endif
