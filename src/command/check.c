@@ -15,6 +15,7 @@
 #include "scene/session.h"
 #include "trust/trust.h"
 #include "watch/table.h"
+#include "watch/unjudged.h"
 
 /* ---- print-out ---- */
 
@@ -141,6 +142,14 @@ static vs_status try_deep(report *r, bool is_deck, vs_status status, vs_error *e
              : o->trial(o, is_deck, &r->bench, err);
 }
 
+/* Names the limits that the deck's parts state and that no run will judge. */
+static void describe_left(const vs_deck *deck, vs_text *good) {
+  vs_text left = {0};
+  vs_unjudged_write_left(deck, &left);
+  if (left.length) vs_text_add(good, "; stated, and nothing is held to it: %s", left.text);
+  vs_text_free(&left);
+}
+
 static vs_status check_scene(report *r, vs_error *err) {
   const vs_check_options *o = r->options;
   vs_scene *scene = vs_alloc(1, sizeof *scene);
@@ -150,6 +159,7 @@ static vs_status check_scene(report *r, vs_error *err) {
   if (!status && !vs_error_count(err)) {
     vs_text_add(&r->good, "a good scene: tier %s (%s)", scene->tier->name, scene->why);
     vs_control_describe(&scene->control, &r->good);
+    if (scene->frame.deck) describe_left(scene->frame.deck, &r->good);
     for (size_t w = 0; w < scene->warnings.count; w++)
       *vs_warnings_add(&r->warnings) = scene->warnings.item[w];
     if (scene->frame.deck) warn_of_deck(r, scene->frame.deck);
@@ -263,6 +273,9 @@ static vs_status check_part(report *r, vs_error *err) {
     vs_text_add(&r->good, "a good part: %s, %s; %zu limits, %zu parameters",
                 part->part_files[0].kind, part->part_files[0].text, part->n_limits,
                 part->section.count - 1);
+  for (size_t k = 0, left = 0; r->good.length && k < part->n_limits; k++)
+    if (vs_parts_limit_is_left(part, &part->limits[k]))
+      vs_text_add(&r->good, "%s%s", left++ ? ", " : "; nothing is held to ", part->limits[k].name);
   if (!status && !vs_error_count(err)) {
     vs_warnings_of_netlist(part, &r->warnings);
     vs_warnings_of_limits(part, &r->warnings);

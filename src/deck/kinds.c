@@ -45,7 +45,8 @@ static const vs_device_measure THYRISTOR[] = {
      "shortest time from the current's zero to the return of forward voltage while its gate "
      "is off",
      VS_R_OFFERED, VS_OF_V, 1, "t_q", VS_AT_LEAST},
-    {"misfires", "", "gate pulses that it did not follow", VS_R_MISFIRE, VS_OF_I, 1, NULL, VS_NEVER},
+    {"misfires", "", "gate pulses that it did not follow", VS_R_MISFIRE, VS_OF_I, 1, NULL,
+     VS_NEVER},
     {"unintended_firings", "", "firings without a gate pulse", VS_R_UNINTENDED, VS_OF_I, 1, NULL,
      VS_NEVER},
     {"commutation_failures", "",

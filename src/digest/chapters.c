@@ -53,6 +53,37 @@ static void add_line(vs_text *html, const vs_node *line) {
   vs_text_add(html, "</td></tr>\n");
 }
 
+/* A line for each thing that happened, or did not though it was expected. */
+static void add_happenings(vs_text *html, const vs_node *summary) {
+  static const char *const LISTS[] = {"happened", "did_not_happen"};
+  for (int k = 0; k < 2; k++) {
+    const vs_node *list = vs_tree_child(summary, LISTS[k]);
+    for (const vs_node *m = list ? list->child : NULL; m; m = m->next) {
+      char at[VS_AMOUNT_SIZE];
+      const double at_s = vs_member_number(vs_tree_child(m, "at_s"));
+      const bool expected = !strcmp(vs_member_word(m, "expected"), "true");
+      vs_text_add(html,
+                  "<p class=\"happened\">%s: ", k ? "Did not happen, though expected" : "Happened");
+      vs_html_text(html, vs_member_word(m, "what"));
+      vs_text_add(html, " of ");
+      vs_html_text(html, vs_member_word(m, "device"));
+      if (!isnan(at_s)) vs_text_add(html, " at %s (", vs_amount_text(at_s, "s", at));
+      if (!isnan(at_s)) vs_html_text(html, vs_member_word(m, "cause"));
+      vs_text_add(html, "%s%s.</p>\n", isnan(at_s) ? "" : ")",
+                  !k && expected ? ", as expected" : "");
+    }
+  }
+}
+
+static void add_not_judged(vs_text *html, const vs_node *list) {
+  if (!list || !list->child) return;
+  vs_text_add(html, "<p>Not judged: ");
+  for (const vs_node *m = list->child; m; m = m->next) {
+    vs_html_text(html, m->text ? m->text : "");
+    vs_text_add(html, m->next ? ", " : ".</p>\n");
+  }
+}
+
 void vs_chapter_verdict(vs_text *html, const vs_node *summary) {
   const vs_node *verdict = vs_tree_child(summary, "verdict");
   bool any = verdict && verdict->child;
@@ -72,6 +103,8 @@ void vs_chapter_verdict(vs_text *html, const vs_node *summary) {
     }
     vs_text_add(html, ".</p>\n");
   }
+  add_happenings(html, summary);
+  if (any) add_not_judged(html, vs_tree_child(summary, "not_judged"));
   if (any) {
     vs_text_add(html, "<div class=\"wide\"><table><tr><th>what</th><th>word</th><th>margin</th>"
                       "<th>its error</th><th>stress, or least</th><th>limit, or min</th>"

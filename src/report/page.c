@@ -163,6 +163,24 @@ static void add_doubts(vs_text *html, const vs_survey *s) {
   add_count(html, s->warned, "with warnings; see column warnings");
 }
 
+/* Says what happened in how many cases, and what the verdicts leave out. */
+static void add_happened(vs_text *html, const vs_survey *s) {
+  for (size_t k = 0; k < s->happened.count; k++) {
+    vs_text_add(html, "<p>Happened in %ld case%s: ", s->happened.item[k].times,
+                s->happened.item[k].times > 1 ? "s" : "");
+    vs_html_text(html, s->happened.item[k].name);
+    vs_text_add(html, ".</p>\n");
+  }
+}
+
+static void add_not_judged(vs_text *html, const vs_survey *s) {
+  if (!s->not_judged.count) return;
+  vs_text_add(html, "<p>Not judged: ");
+  vs_html_text(html, s->not_judged.item[0].name);
+  vs_text_add(html, "%s.</p>\n",
+              s->not_judged.count > 1 ? "; in other cases other limits: column not_judged" : "");
+}
+
 /* found: what a search has found was said already, and in large letters. */
 static void add_share(vs_text *html, const vs_folder *t, const vs_survey *s, bool found) {
   const char *begin = found ? "<p>" : "<p class=\"big\">";
@@ -210,6 +228,8 @@ static void add_verdict(vs_text *html, const vs_folder *t, const vs_survey *s) {
     vs_text_add(html, ".</p>\n");
   }
   add_best_case(html, t, s);
+  add_happened(html, s);
+  add_not_judged(html, s);
   add_doubts(html, s);
   if (s->judged && s->judged < s->rows)
     vs_text_add(html, "<p>Without a margin: %ld cases.</p>\n", s->rows - s->judged);

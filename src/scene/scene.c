@@ -187,7 +187,8 @@ static vs_status read_instruments(vs_scene *s, vs_error *err) {
   vs_status status =
       vs_quality_read(currents, &s->setup, &s->frame, s->of_period, &s->quality, err);
   if (!status && s->tier->has_circuit)
-    status = vs_expect_read(vs_tree_child(s->tree.root, "expect"), &s->setup.deck, &s->expects, err);
+    status =
+        vs_expect_read(vs_tree_child(s->tree.root, "expect"), &s->setup.deck, &s->expects, err);
   if (status) return status;
   const vs_node *section = vs_tree_child(s->tree.root, "instruments");
   status = vs_instruments_read(section, &s->setup, &s->frame, &s->instruments, err);

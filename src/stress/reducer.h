@@ -22,7 +22,7 @@ typedef struct vs_reduced {
   double failed_s; /* instant at which the value first passed the limit; NaN: it has not */
   const char *unjudged; /* why the value is not held against the limit that the part has, as
                            "not judged: one shot"; NULL: it is, or the part has none */
-  bool assumed; /* no source says one of the part's figures that the value is made of */
+  bool assumed;         /* no source says one of the part's figures that the value is made of */
   void *state;          /* the reduction's own, of by->state_size bytes; owned */
 } vs_reduced;
 

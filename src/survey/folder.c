@@ -212,6 +212,8 @@ _Static_assert(VS_ROLE_STATUS - VS_ROLE_MARGIN + 1 == VS_CASE_COLUMNS &&
                    VS_ROLE_WEAKEST - VS_ROLE_MARGIN == VS_CASE_WEAKEST &&
                    VS_ROLE_RUNG - VS_ROLE_MARGIN == VS_CASE_RUNG &&
                    VS_ROLE_LEAVING - VS_ROLE_MARGIN == VS_CASE_LEAVING &&
+                   VS_ROLE_HAPPENED - VS_ROLE_MARGIN == VS_CASE_HAPPENED &&
+                   VS_ROLE_NOT_JUDGED - VS_ROLE_MARGIN == VS_CASE_NOT_JUDGED &&
                    VS_ROLE_WARNINGS - VS_ROLE_MARGIN == VS_CASE_WARNINGS,
                "roles from VS_ROLE_MARGIN on stand in the order of a case's columns");
 _Static_assert(2 + VS_PLAN_AXES + VS_PLAN_COLUMNS + VS_CASE_COLUMNS <= VS_STUDY_COLUMNS,
@@ -242,6 +244,8 @@ static vs_status take_header(vs_folder *t, char *const *cell, size_t count, vs_e
   t->error = find_role(t, VS_ROLE_ERROR);
   t->weakest = find_role(t, VS_ROLE_WEAKEST);
   t->rung = find_role(t, VS_ROLE_RUNG);
+  t->happened = find_role(t, VS_ROLE_HAPPENED);
+  t->not_judged = find_role(t, VS_ROLE_NOT_JUDGED);
   t->warnings = find_role(t, VS_ROLE_WARNINGS);
   t->status = find_role(t, VS_ROLE_STATUS);
   if (strcmp(cell[0], "case") || t->status < 0)

@@ -20,6 +20,8 @@ typedef enum vs_folder_role {
   VS_ROLE_WEAKEST, /* what has that margin */
   VS_ROLE_RUNG,    /* the rung of the ladder on which the case's run ended; 0: the scene as it is */
   VS_ROLE_LEAVING, /* a bound on the error by having left ngspice while the circuit was quiet */
+  VS_ROLE_HAPPENED, /* what happened, and what did not though it was expected */
+  VS_ROLE_NOT_JUDGED,
   VS_ROLE_WARNINGS,
   VS_ROLE_STATUS /* 0, or 3 where a rating is violated or undecided */
 } vs_folder_role;
@@ -50,7 +52,7 @@ typedef struct vs_folder {
   vs_folder_column column[VS_STUDY_COLUMNS];
   size_t count; /* of columns */
   /* Which columns have these roles; -1: none has. There is always one for status. */
-  int margin, error, weakest, rung, warnings, status;
+  int margin, error, weakest, rung, happened, not_judged, warnings, status;
 } vs_folder;
 
 /* Reads the manifest and the header of study.csv. methods: all there are; NULL ends them; borrowed.

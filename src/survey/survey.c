@@ -131,6 +131,7 @@ vs_extent vs_survey_extent(const vs_profile *p) {
 /* True if the column holds names rather than numbers. */
 static bool is_name(const vs_folder_column *column) {
   return column->role == VS_ROLE_ID || column->role == VS_ROLE_WEAKEST ||
+         column->role == VS_ROLE_HAPPENED || column->role == VS_ROLE_NOT_JUDGED ||
          column->role == VS_ROLE_WARNINGS;
 }
 
@@ -169,6 +170,19 @@ static vs_status note_cell(const reader *r, size_t c, const vs_folder_row *row, 
   return VS_OK;
 }
 
+/* Counts each entry of the cell "WHAT of DEVICE at ... | WHAT of DEVICE did not happen, ...". */
+static void note_happened(vs_survey *s, const char *cell) {
+  for (const char *entry = cell, *end; *entry; entry = *end ? end + 3 : end) {
+    end = strstr(entry, " | ");
+    if (!end) end = entry + strlen(entry);
+    char name[160];
+    snprintf(name, sizeof name, "%.*s", (int)(end - entry), entry);
+    char *at = strstr(name, " at ");
+    if (at) *at = '\0';
+    count_name(&s->happened, name);
+  }
+}
+
 /* Counts how the case ended, and how sure that is. */
 static void note_verdict(vs_survey *s, const vs_folder *t, const vs_folder_row *row,
                          double margin) {
@@ -187,6 +201,9 @@ static void note_verdict(vs_survey *s, const vs_folder *t, const vs_folder_row *
   s->unverified += !isnan(margin) && isnan(error);
   s->climbed += rung > 0;
   s->warned += t->warnings >= 0 && *row->cell[t->warnings];
+  if (t->happened >= 0) note_happened(s, row->cell[t->happened]);
+  if (t->not_judged >= 0 && *row->cell[t->not_judged])
+    count_name(&s->not_judged, row->cell[t->not_judged]);
 }
 
 static vs_status note_row(void *ctx, const vs_folder_row *row, vs_error *err) {
@@ -239,6 +256,8 @@ vs_status vs_survey_take(const vs_folder *t, vs_survey *s, vs_error *err) {
     status = vs_fail_at(err, (vs_where){t->path, 1, 1}, "rows: %ld; cases done, says %s: %ld",
                         s->rows, t->manifest_path, t->done);
   qsort(s->doubtful.item, s->doubtful.count, sizeof *s->doubtful.item, by_times);
+  qsort(s->happened.item, s->happened.count, sizeof *s->happened.item, by_times);
+  qsort(s->not_judged.item, s->not_judged.count, sizeof *s->not_judged.item, by_times);
   qsort(s->weakest.item, s->weakest.count, sizeof *s->weakest.item, by_times);
   qsort(s->why.item, s->why.count, sizeof *s->why.item, by_times);
   return status;
@@ -255,6 +274,8 @@ void vs_survey_free(const vs_folder *t, vs_survey *s) {
   if (s->best.cell) vs_survey_kept_free(&s->best, 1, t->count);
   if (s->found.cell) vs_survey_kept_free(&s->found, 1, t->count);
   counts_free(&s->doubtful);
+  counts_free(&s->happened);
+  counts_free(&s->not_judged);
   counts_free(&s->weakest);
   counts_free(&s->why);
 }

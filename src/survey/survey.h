@@ -58,8 +58,10 @@ typedef struct vs_survey {
   vs_profile profile[VS_STUDY_COLUMNS]; /* by column */
   vs_counts weakest;                    /* what was weakest; the most frequent first */
   vs_counts doubtful;                   /* which limit is undecided; the most frequent first */
-  vs_counts why;                        /* why cases failed; the most frequent first */
-  long failures;                        /* rows of failures.csv */
+  vs_counts happened;      /* "misfire of thyristor": in how many cases; the most frequent first */
+  vs_counts not_judged;    /* what was not judged, whole cells; the most frequent first */
+  vs_counts why;           /* why cases failed; the most frequent first */
+  long failures;           /* rows of failures.csv */
   vs_kept worst[VS_WORST]; /* by vs_folder_aim, the worst first; where it is 0, the first cases */
   size_t n_worst;
   vs_kept

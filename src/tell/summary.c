@@ -317,8 +317,7 @@ static void add_happenings(vs_json *json, const vs_verdict *v) {
 static void add_not_judged(vs_json *json, const vs_devices *devices) {
   vs_unjudged entry;
   vs_json_array(json, "not_judged", VS_JSON_ROW);
-  for (size_t k = 0; vs_unjudged_at(devices, k, &entry); k++)
-    vs_json_text(json, NULL, entry.name);
+  for (size_t k = 0; vs_unjudged_at(devices, k, &entry); k++) vs_json_text(json, NULL, entry.name);
   vs_json_end(json);
 }
 

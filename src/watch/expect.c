@@ -8,8 +8,9 @@
 
 bool vs_expect_has(const vs_expects *expects, const vs_device *device,
                    const vs_device_measure *measure) {
-  for (size_t k = 0; k < expects->count; k++)
-    if (expects->item[k].device == device && expects->item[k].measure == measure) return true;
+  for (size_t k = 0; expects && k < expects->count; k++)
+    if (expects->item[k].measure == measure && !strcmp(expects->item[k].device, device->name))
+      return true;
   return false;
 }
 
@@ -20,10 +21,10 @@ static vs_status no_device(const vs_node *node, const char *name, const vs_deck 
   const char *nearest = vs_text_nearest(name, names, deck->n_devices);
   free(names);
   return vs_fail_at(err, node->where,
-                    "expect: the deck has no device '%s'%s%s%s; an entry is a device and what "
+                    "expect: the deck has no device '%s'; %s%s%san entry is a device and what "
                     "happens to it, as 'fuse_2 opens'",
-                    name, nearest ? "; did you mean '" : "", nearest ? nearest : "",
-                    nearest ? "'?" : "");
+                    name, nearest ? "did you mean '" : "", nearest ? nearest : "",
+                    nearest ? "'? " : "");
 }
 
 /* Nothing of that name happens to the device: says what may. */
@@ -67,7 +68,9 @@ static vs_status read_entry(const vs_node *node, const vs_deck *deck, vs_expects
                       name, vs_kinds_happening(m)->verb);
   if (expects->count == VS_EXPECTS_MOST)
     return vs_fail_at(err, node->where, "expect: more than %d entries", VS_EXPECTS_MOST);
-  expects->item[expects->count++] = (vs_expected){d, m};
+  vs_expected *entry = &expects->item[expects->count++];
+  entry->measure = m;
+  memcpy(entry->device, d->name, sizeof entry->device);
   return VS_OK;
 }
 
@@ -79,7 +82,8 @@ vs_status vs_expect_read(const vs_node *node, const vs_deck *deck, vs_expects *e
   if (node->kind == VS_NODE_MAP)
     return vs_error_carry_on(
         err, vs_fail_at(err, node->where, "expect: a list is wanted: [fuse_2 opens, ...]"));
-  if (node->kind == VS_NODE_TEXT) return vs_error_carry_on(err, read_entry(node, deck, expects, err));
+  if (node->kind == VS_NODE_TEXT)
+    return vs_error_carry_on(err, read_entry(node, deck, expects, err));
   for (const vs_node *item = node->child; item && !status; item = item->next)
     status = vs_error_carry_on(err, read_entry(item, deck, expects, err));
   return status;

@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The scene's key `expect`: what may happen to the deck's devices, and has to. Each entry is a device
- * and what happens to it, as "fuse_2 opens" or "fuse_2 fuse_opens" (deck/kinds.h has the words).
- * Without an entry it breaks the verdict; with one the verdict breaks where it never comes. */
+ * The scene's key `expect`: what may happen to the deck's devices, and has to. Each entry is a
+ * device and what happens to it, as "fuse_2 opens" or "fuse_2 fuse_opens" (deck/kinds.h has the
+ * words). Without an entry it breaks the verdict; with one the verdict breaks where it never comes.
+ */
 #ifndef VS_WATCH_EXPECT_H
 #define VS_WATCH_EXPECT_H
 
 #include "deck/devices.h"
 #include "syntax/tree.h"
 
-/* One entry; both point into the deck and its kinds. */
+/* One entry. */
 typedef struct vs_expected {
-  const vs_device *device;
-  const vs_device_measure *measure;
+  char device[VS_DECK_NAME];        /* by its name, as a copy of the deck has it elsewhere */
+  const vs_device_measure *measure; /* that counts it */
 } vs_expected;
 
 enum { VS_EXPECTS_MOST = 64 };
@@ -26,7 +27,7 @@ typedef struct vs_expects {
 vs_status vs_expect_read(const vs_node *node, const vs_deck *deck, vs_expects *expects,
                          vs_error *err);
 
-/* True where the scene expects what this measure of the device counts. */
+/* True where the scene expects what this measure of the device counts. expects: NULL: nothing. */
 bool vs_expect_has(const vs_expects *expects, const vs_device *device,
                    const vs_device_measure *measure);
 

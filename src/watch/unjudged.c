@@ -96,7 +96,10 @@ static void write_reason(const vs_devices *devices, const char *why, vs_text *te
     const bool whole = is_left_whole(w);
     for (size_t n = 0; entry_of(w, n, &entry) && !(whole && n); n++)
       if (entry.why == why)
-        vs_text_add(text, "%s%s", named++ ? ", " : text->length ? "; " : "",
+        vs_text_add(text, "%s%s",
+                    named++        ? ", "
+                    : text->length ? "; "
+                                   : "",
                     whole ? w->device->name : entry.name);
   }
   vs_text_add(text, " (%s)", why);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The verdict on a run: the deck's ratings held against what its probes did, the limits of its parts
- * held against what was measured of its devices, and what happened to them that must not, unless
- * the scene expects it. */
+ * The verdict on a run: the deck's ratings held against what its probes did, the limits of its
+ * parts held against what was measured of its devices, and what happened to them that must not,
+ * unless the scene expects it. */
 #ifndef VS_WATCH_VERDICT_H
 #define VS_WATCH_VERDICT_H
 
@@ -12,8 +12,8 @@
 /* One line of a verdict: a rating of a probe, a limit of a device's part, or what happened to a
  * device. Values are in SI. Everything it points to belongs to the deck or is constant.
  *
- * What happened has the measure that counts it (VS_NEVER). Its margin is -1 where the scene does not
- * expect it, and where it is expected and did not happen; else INFINITY. */
+ * What happened has the measure that counts it (VS_NEVER). Its margin is -1 where the scene does
+ * not expect it, and where it is expected and did not happen; else INFINITY. */
 typedef struct vs_judgement {
   const vs_rating *rating; /* NULL: the line is of a device */
   const vs_probe *probe;   /* of the rating */

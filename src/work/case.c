@@ -10,12 +10,14 @@
 #include "base/file.h"
 #include "scene/session.h"
 #include "watch/table.h"
+#include "watch/unjudged.h"
 #include "work/identity.h"
 
 const char *const vs_case_titles[VS_CASE_COLUMNS] = {
     [VS_CASE_MARGIN] = "margin_least",   [VS_CASE_MARGIN_ERROR] = "margin_error",
     [VS_CASE_WEAKEST] = "weakest",       [VS_CASE_RUNG] = "rung",
-    [VS_CASE_LEAVING] = "leaving_bound", [VS_CASE_WARNINGS] = "warnings",
+    [VS_CASE_LEAVING] = "leaving_bound", [VS_CASE_HAPPENED] = "happened",
+    [VS_CASE_NOT_JUDGED] = "not_judged", [VS_CASE_WARNINGS] = "warnings",
     [VS_CASE_STATUS] = "status"};
 enum { HEAD = 2 }; /* columns before the axes: case, id */
 
@@ -154,6 +156,31 @@ static void add_notes(const vs_sensitivity *derived, vs_text *warnings) {
     vs_text_add(warnings, "%s%.*s", warnings->length ? " | " : "", (int)(end - line), line);
 }
 
+/* Adds a cell: "unintended_firing of thyristor at 0.0408342 s (dv/dt of 324 V/us up to 406 V)". */
+static void add_happened(const vs_verdict *v, vs_text *row) {
+  vs_text all = {0};
+  for (size_t k = 0; k < v->count; k++) {
+    const vs_judgement *j = &v->item[k];
+    if (!vs_verdict_is_happening(j)) continue;
+    vs_text_add(&all, "%s%s of %s", all.length ? " | " : "", vs_kinds_happening(j->measure)->what,
+                j->device->name);
+    if (j->stress.value > 0)
+      vs_text_add(&all, " at %.6g s (%s)%s", j->stress.at_s, j->cause,
+                  j->expected ? ", as expected" : "");
+    else
+      vs_text_add(&all, " did not happen, though expected");
+  }
+  vs_csv_cell(row, all.text ? all.text : "");
+  vs_text_free(&all);
+}
+
+static void add_not_judged(const vs_result *r, vs_text *row) {
+  vs_text all = {0};
+  if (r->verdict.count) vs_unjudged_write(r->watchers.devices, &all);
+  vs_csv_cell(row, all.text ? all.text : "");
+  vs_text_free(&all);
+}
+
 static void add_row(vs_case *c, vs_text *row) {
   const vs_result *r = c->result;
   const vs_judgement *weakest = r->verdict.weakest;
@@ -170,6 +197,10 @@ static void add_row(vs_case *c, vs_text *row) {
   add_notes(&c->derived, &warnings);
   vs_text_add(row, ",%s,%d", weakest ? vs_verdict_name(weakest, name) : "", r->ladder.rung);
   add_number(row, r->watchers.absence.bound);
+  vs_text_add(row, ",");
+  add_happened(&r->verdict, row);
+  vs_text_add(row, ",");
+  add_not_judged(r, row);
   vs_text_add(row, ",");
   vs_csv_cell(row, warnings.text ? warnings.text : "");
   vs_text_add(row, ",%d", vs_verdict_breach(&r->verdict) ? VS_CASE_VIOLATED : VS_CASE_DONE);

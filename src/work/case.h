@@ -34,6 +34,8 @@ typedef enum vs_case_column {
   VS_CASE_WEAKEST,
   VS_CASE_RUNG,
   VS_CASE_LEAVING,
+  VS_CASE_HAPPENED,
+  VS_CASE_NOT_JUDGED,
   VS_CASE_WARNINGS,
   VS_CASE_STATUS,
   VS_CASE_COLUMNS /* how many they are */
@@ -57,8 +59,9 @@ bool vs_case_is_row(vs_case *c, uint64_t index, const double *point, bool failed
  *
  * id is vs_identity's; it is empty where the case's scene is refused. margin_error is empty unless
  * the scene says run.verify: always. rung is the ladder's. leaving_bound bounds the error by having
- * left ngspice, relative to each probe's peak. Returns how the case ended; *circuit tells whether
- * ngspice was used. */
+ * left ngspice, relative to each probe's peak. happened has what happened, or did not though it was
+ * expected, and not_judged what the verdict could not judge; both are empty where nothing is rated.
+ * Returns how the case ended; *circuit tells whether ngspice was used. */
 int vs_case_run(vs_case *c, uint64_t index, const double *point, vs_text *row, bool *circuit);
 
 /* ---- vs_case_run in its parts, for cases that share their past (work/past.h) ---- */

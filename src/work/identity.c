@@ -181,7 +181,7 @@ void vs_identity_of(vs_identity *identity, const vs_scene *scene, char id[VS_ID_
   add_instruments(&scene->instruments, whole);
   const vs_expects *expects = &scene->expects;
   for (size_t k = 0; scene->tier->has_circuit && k < expects->count; k++)
-    vs_text_add(whole, "expect %s %s\n", expects->item[k].device->name,
+    vs_text_add(whole, "expect %s %s\n", expects->item[k].device,
                 vs_kinds_happening(expects->item[k].measure)->what);
   if (add_control(identity->plan, &scene->control, whole)) return;
   const vs_node *section = vs_tree_child(scene->tree.root, vs_control_section.name);

@@ -42,6 +42,10 @@ class Result:
     verdict      list of dict, a line for each limit: "device", "measure" or "rating", "stress",
                  "limit", "unit", "margin", "margin_error" (both parts of the limit), "word", ...
     weakest, first_to_fail    names of lines of the verdict, or None
+    happened     list of dict: what must not happen and did, with "what", "device", "at_s", "times",
+                 "cause", "expected" (by the scene's key `expect`) and "word"
+    did_not_happen    the same for what the scene expects and what did not happen
+    not_judged   list of str: the limits that the verdict says nothing about
     energy       {name: J}, with "residual", which has no unit, and "audit", a text
     warnings     list of str
     messages     all lines of the program on standard error, list of str; [] of a loaded run
@@ -68,6 +72,9 @@ class Result:
         self.verdict = self.summary.get("verdict", [])
         self.weakest = self.summary.get("weakest")
         self.first_to_fail = self.summary.get("first_to_fail")
+        self.happened = self.summary.get("happened", [])
+        self.did_not_happen = self.summary.get("did_not_happen", [])
+        self.not_judged = self.summary.get("not_judged", [])
         self.energy = self.summary.get("energy", {})
         self.warnings = _merged(self.summary.get("warnings", []), _told(messages))
         self.word = _word_of(self.verdict)

@@ -71,7 +71,7 @@ class Quantity(float):
 # ---- names and units of columns ----
 
 # Columns of words. An id is one, too, although it may look like a number.
-_WORDS = {"id", "weakest", "warnings", "why", "what", "state", "beyond", "mark"}
+_WORDS = {"id", "weakest", "happened", "not_judged", "warnings", "why", "what", "state", "beyond", "mark"}
 _COUNTS = {"case", "rung", "status"}
 # How the names of columns end, where only the name tells the unit.
 _ENDINGS = {"s": "s", "m": "m", "m_s": "m/s", "m_s2": "m/s2", "rad": "rad", "rad_s": "rad/s",
