@@ -535,7 +535,7 @@ static void commutation_failures(void) {
     CU_ASSERT_EQUAL(how_often(e, "t fires without a gate pulse"), 3);
     CU_ASSERT_EQUAL(how_often(e, "(commutation failure)"), ROWS[k].failures);
     if (ROWS[k].failures) CLOSE(when(e, "(commutation failure)"), 20e-3, 1e-3);
-    CU_ASSERT_EQUAL(number_behind(r.out, "\"t.unintended\"", "\"value\": "), 3);
+    CU_ASSERT_EQUAL(number_behind(r.out, "\"t.unintended_firings\"", "\"value\": "), 3);
     CU_ASSERT_EQUAL(number_behind(r.out, "\"t.commutation_failures\"", "\"value\": "),
                     ROWS[k].failures);
     CLOSE(number_behind(r.out, "\"t.t_off\"", "\"value\": "), 10e-3, 1e-2); /* of threshold */
@@ -602,7 +602,7 @@ static void two_thyristors(void) {
       for (int n = 1; n <= 2 && !surge; n++) {
         const char *name = n == 1 ? "t1" : "t2";
         CU_ASSERT_EQUAL(measure(t, name, "misfires")->value.value, 0);
-        CU_ASSERT_EQUAL(measure(t, name, "unintended")->value.value, 0);
+        CU_ASSERT_EQUAL(measure(t, name, "unintended_firings")->value.value, 0);
         CU_ASSERT(measure(t, name, "i_peak")->value.value > 0.3);
         CLOSE(measure(t, name, "t_off")->value.value, 10e-3, 0.02); /* the other's half wave */
         CU_ASSERT_PTR_NOT_NULL(measure(t, name, "i2t")->limit);

@@ -287,7 +287,7 @@ static void a_triac_both_ways(void) {
   CLOSE(value(t, "i2t"), 100 * (5.39e-3 + 0.01e-3 / 3 + 2.5e-3 / 3), 2e-3); /* one half cycle */
   CLOSE_OF(value(t, "i_mean"), 0, 10, 2e-2);
   CLOSE_OF(value(t, "misfires"), 0, 1, 0);
-  CLOSE_OF(value(t, "unintended"), 0, 1, 0);
+  CLOSE_OF(value(t, "unintended_firings"), 0, 1, 0);
   static const char *const PARTS[] = {"loss_conduction", "loss_switching", "loss_blocking", NULL};
   CLOSE(sum_of(t, PARTS), value(t, "loss"), 1e-9);
   vs_trial_free(t);

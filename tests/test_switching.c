@@ -63,7 +63,7 @@ static void fired_by_its_gate_at_tight_tolerances(void) {
     ran r = run("run paper --tier circuit --set firing.angle=%sdeg --set run.tolerance=1e-7 --set "
                 "run.verify=never --set run.until=8ms --json --quiet",
                 ANGLES[k]);
-    EXPECT(r.status == 0 && strstr(r.out, "\"thyristor.unintended\": {\"value\": 0,"), "%s: %d %s",
+    EXPECT(r.status == 0 && strstr(r.out, "\"thyristor.unintended_firings\": {\"value\": 0,"), "%s: %d %s",
            ANGLES[k], r.status, r.out);
     free_ran(&r);
   }

@@ -29,6 +29,8 @@ static const struct other {
     {"record: all", "columns of run.csv: all, or a list as [p, i]; see 'vibrospice list probes'"},
     {"measured: {i_peak: 0.95 A}",
      "what was measured, printed beside what is computed; see 'vibrospice list measures'"},
+    {"expect: [fuse_2 opens]",
+     "what may happen to the deck's devices, and has to; see 'vibrospice help expect'"},
     {"instruments: {set: own}", "sensors; see 'vibrospice list instruments'"},
     {"control: {law: LAW}", "what decides the firing angle; see 'vibrospice list regulators'"},
 };

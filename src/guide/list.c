@@ -163,6 +163,7 @@ static void list_of_kind(vs_entries *to, const char *name, const vs_kind *kind, 
     if (on_circuit) vs_entry_say(to, " (tier circuit)");
     if (m->limit) vs_entry_say(to, "; limit %s", m->limit);
     if (protects) vs_entry_say(to, " of what it protects");
+    if (m->held == VS_NEVER) vs_entry_say(to, "; must not happen unless 'expect' names it");
     if (m->limit) vs_entry_text(to, "limit", m->limit);
     if (protects) vs_entry_text(to, "limit_of", "what it protects");
     end_quantity(to, on_circuit);

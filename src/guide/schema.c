@@ -269,6 +269,23 @@ static void put_control(vs_json *j) {
   end_member(j);
 }
 
+/* A device and what happens to it, "fuse_2 opens", or a list of such. */
+static void put_expect(vs_json *j) {
+  begin_member(j, vs_section_keys[VS_SECTION_KEY_expect]);
+  for (int list = 0; list < 2; list++) {
+    vs_json_object(j, NULL, VS_JSON_ROW);
+    if (list) {
+      vs_json_text(j, "type", "array");
+      vs_json_object(j, "items", VS_JSON_ROW);
+    }
+    vs_json_text(j, "type", "string");
+    vs_json_text(j, "pattern", "^[^ ]+ .*$");
+    if (list) vs_json_end(j);
+    vs_json_end(j);
+  }
+  end_or_null(j);
+}
+
 static void put_scene(vs_json *j, const vs_ground *ground) {
   static const int NAMED[] = {VS_SECTION_KEY_start, VS_SECTION_KEY_record, VS_SECTION_KEY_measured,
                               VS_SECTION_KEY_quality};
@@ -281,6 +298,7 @@ static void put_scene(vs_json *j, const vs_ground *ground) {
   put_events(j);
   put_instruments(j);
   put_control(j);
+  put_expect(j);
   for (size_t k = 0; k < sizeof NAMED / sizeof *NAMED; k++) {
     vs_json_object(j, vs_section_keys[NAMED[k]], VS_JSON_ROW);
     vs_json_end(j);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "control/regulators.h"
+#include "deck/kinds.h"
 #include "guide/ground.h"
 #include "guide/list.h"
 #include "scene/sections.h"
@@ -36,13 +37,23 @@ static void print_quality(void) {
        "quality: [i]. What is then told of each: vibrospice steady --help, docs/quality.md.");
 }
 
+static void print_expect(void) {
+  puts("expect: what may happen to the deck's devices, and has to, as expect: [fuse_2 opens].\n"
+       "Without an entry it breaks the verdict; an entry that does not come breaks it, too.");
+  for (const vs_kind *kind = vs_kinds_all; kind->name; kind++)
+    for (size_t k = 0; k < kind->n_measures; k++)
+      if (kind->measures[k].held == VS_NEVER)
+        printf("  %-12s %s\n", kind->name, vs_kinds_happening(&kind->measures[k])->verb);
+}
+
 static const struct topic {
   const char *name, *text;
   void (*print)(void);
 } OWN[] = {{"scene", "the sections of a scene", print_scene},
            {"units", "how quantities are written", print_units},
            {"exit", "exit statuses", print_exit},
-           {"quality", "section of a scene: what a current is to the mains", print_quality}};
+           {"quality", "section of a scene: what a current is to the mains", print_quality},
+           {"expect", "key of a scene: what may happen to devices, and has to", print_expect}};
 enum { N_OWN = sizeof OWN / sizeof *OWN };
 
 static const struct topic *own(const char *name) {

@@ -1,0 +1,206 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What happened comes first: a device that fires without a gate pulse, misfires or fails to turn
+ * off, and a fuse that opens, break the verdict unless the scene expects them; what a verdict could
+ * not judge stands below it; and a run, a study, the report and JSON say the same.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "program.h"
+
+/* The paper's converter with its gate off, and a surge that rises faster than the thyristor bears.
+ */
+static const char SURGE[] =
+    "circuit: {deck: halfwave_paper}\n"
+    "firing: {every: 1}\n"
+    "run: {until: 45 ms}\n"
+    "events: {s: {kind: surge, cycle: 3, angle: 15 deg, level: 2 kV, polarity: +}}\n";
+
+/* The coil is shorted behind a stiff source, so that the fast fuse melts and the slow one does not.
+ */
+static const char SHORT[] =
+    "circuit: {deck: halfwave_paper, thyristor: TYN1212, transformer: autotransformer_ideal}\n"
+    "firing: {every: 1}\n"
+    "run: {until: 40 ms, verify: never}\n"
+    "events: {c: {kind: coil_short, at: 22 ms}}\n";
+
+static void write_scene(const char *path, const char *text) {
+  FILE *f = fopen(path, "w");
+  if (!f) abort();
+  fputs(text, f);
+  if (fclose(f)) abort();
+}
+
+#define SAYS(text, what) EXPECT(strstr(text, what), "no '%s' in: %s", what, text)
+#define SAYS_NOT(text, what) EXPECT(!strstr(text, what), "'%s' in: %s", what, text)
+
+static void fires_by_itself(void) {
+  write_scene("surge.yaml", SURGE);
+  ran r = run("run surge.yaml -o out");
+  EXPECT(r.status == 3, "%d %s", r.status, r.err);
+  SAYS(r.out, "verdict: violated\nhappened: thyristor fires without a gate pulse at 40.83 ms (");
+  free_ran(&r);
+  char *json = read_file("out/summary.json");
+  SAYS(json,
+       "\"happened\": [{\"what\": \"unintended_firing\", \"device\": \"thyristor\", \"at_s\": "
+       "0.0408");
+  SAYS(json, "\"measure\": \"unintended_firings\"");
+  free(json);
+}
+
+/* Each sentence about the fuse, by what the scene expects. */
+static void fuse_opens(void) {
+  static const struct {
+    const char *expect, *says;
+    int status;
+  } CASES[] = {
+      {"", "happened: fuse_2 opens at ", 3},
+      {"[fuse_2 opens]", "as expected", 0},
+      {"[fuse_2 fuse_opens]", "as expected", 0},
+      {"fuse_2 opens", "as expected", 0},
+      {"[fuse_2 opens, fuse_1 opens]", "did not happen, though expected: fuse_1 opens", 3}};
+  write_scene("short.yaml", SHORT);
+  for (size_t k = 0; k < COUNT(CASES); k++) {
+    ran r = run("run short.yaml --set 'expect=%s'", CASES[k].expect);
+    EXPECT(r.status == CASES[k].status, "%s: %d %s%s", CASES[k].expect, r.status, r.out, r.err);
+    SAYS(r.out, CASES[k].says);
+    SAYS(r.out, "(melted after int i^2 dt of ");
+    free_ran(&r);
+  }
+}
+
+/* Ideal elements rate nothing, so that there is no verdict; a misfire makes one. */
+static void an_ideal_thyristor_misfires(void) {
+  static const char SCENE[] = "circuit: {deck: halfwave_snubbed}\n"
+                              "run: {until: 20 ms}\n"
+                              "events: {w: {kind: weak_pulse, cycle: 1, level: 5 %}}\n";
+  write_scene("weak.yaml", SCENE);
+  ran r = run("run weak.yaml");
+  EXPECT(r.status == 3, "%d %s", r.status, r.err);
+  SAYS(r.out, "happened: thyristor misfires at ");
+  SAYS(r.err, "thyristor misfires at ");
+  free_ran(&r);
+  r = run("run weak.yaml --set 'expect=[thyristor misfires]'");
+  EXPECT(r.status == 0, "%d %s", r.status, r.err);
+  SAYS(r.out, "verdict: held\n");
+  free_ran(&r);
+  r = run("run weak.yaml --set events.w.level=100%%");
+  EXPECT(r.status == 0, "%d %s", r.status, r.err);
+  SAYS(r.out, "verdict: none");
+  free_ran(&r);
+}
+
+static void not_judged(void) {
+  ran r = run("run paper --set circuit.deck=halfwave_paper --set circuit.thyristor=TYN1212 --set "
+              "run.until=10ms --set run.verify=never");
+  SAYS(r.out, "\nnot judged: ");
+  SAYS(r.out, "r1.power, c1, "); /* of C1 nothing at all is judged */
+  SAYS(r.out, "(no limit stated)");
+  SAYS(r.out, "fuse_1.v_rated"); /* stated, and nothing is held to it */
+  free_ran(&r);
+  r = run("run paper --set circuit.deck=halfwave_paper --set circuit.thyristor=TYN1212 --set "
+          "run.until=10ms --set run.verify=never --json --quiet");
+  SAYS(r.out, "\"not_judged\": [\"thyristor.i_rms\", ");
+  SAYS(r.out, "\"r1.power\", \"c1.v_peak\", ");
+  SAYS_NOT(r.out, "\"thyristor.v_forward\"]");
+  free_ran(&r);
+  /* a verdict of none stands for nothing, and leaves nothing out */
+  r = run("run paper --tier circuit --set run.until=10ms");
+  SAYS(r.out, "verdict: none");
+  SAYS_NOT(r.out, "not judged: ");
+  free_ran(&r);
+  r = run("check paper --set circuit.deck=halfwave_paper");
+  SAYS(r.out, "stated, and nothing is held to it: ");
+  SAYS(r.out, "fuse_1.v_rated");
+  free_ran(&r);
+}
+
+static void the_same_in_a_study(void) {
+  write_scene("short.yaml", SHORT);
+  write_scene("study.yaml", "scene: short.yaml\n"
+                            "vary: {events.c.at: [22 ms, 39 ms]}\n"
+                            "report: [fuse_2.opens]\n");
+  ran r = run("study study.yaml -o rows --jobs 1");
+  EXPECT(r.status == 3, "%d %s", r.status, r.err);
+  free_ran(&r);
+  char *csv = read_file("rows/study.csv");
+  SAYS(csv, ",happened,not_judged,warnings,status\n");
+  SAYS(csv, "fuse_opens of fuse_2 at 0.0");
+  SAYS(csv, "-1,"); /* the margin of what must not happen */
+  SAYS(csv, ",fuse_2.opens,");
+  SAYS(csv, "r1.power, c1");
+  free(csv);
+  RUN_GOOD("plot rows");
+  char *html = read_file("rows/report.html");
+  SAYS(html, "Happened in 1 case: fuse_opens of fuse_2.");
+  SAYS(html, "Not judged: ");
+  free(html);
+  r = run("run short.yaml -o one");
+  free_ran(&r);
+  RUN_GOOD("plot one");
+  html = read_file("one/report.html");
+  SAYS(html, "Happened: fuse_opens of fuse_2 at ");
+  SAYS(html, "Not judged: ");
+  free(html);
+}
+
+/* A case's id follows from what is expected, as its status does. */
+static void an_id_of_its_own(void) {
+  static const char STUDY[] = "scene: paper\n"
+                              "set: {run.until: 1 ms, circuit.deck: halfwave_paper%s}\n"
+                              "report: [i_peak]\n"
+                              "vary: {firing.angle: [90 deg]}\n";
+  char *rows[2], text[512];
+  for (int k = 0; k < 2; k++) {
+    snprintf(text, sizeof text, STUDY, k ? ", expect: [fuse_2 opens]" : "");
+    write_scene(k ? "two.yaml" : "one.yaml", text);
+  }
+  for (int k = 0; k < 2; k++) {
+    ran r = run("study %s.yaml -o %s --jobs 1", k ? "two" : "one", k ? "b" : "a");
+    EXPECT(r.status == (k ? 3 : 0), "%d %s", r.status, r.err);
+    free_ran(&r);
+    rows[k] = read_file(k ? "b/study.csv" : "a/study.csv");
+  }
+  const char *a = strstr(rows[0], "\n0,"), *b = strstr(rows[1], "\n0,");
+  EXPECT(a && b && strncmp(a, b, 19) != 0, "%s%s", rows[0], rows[1]);
+  SAYS(rows[1], "fuse_opens of fuse_2 did not happen, though expected");
+  for (int k = 0; k < 2; k++) free(rows[k]);
+}
+
+static void refused(void) {
+  static const struct {
+    const char *entry, *says[2];
+  } CASES[] = {{"[fuse_3 opens]", {"the deck has no device 'fuse_3'", "did you mean 'fuse_"}},
+               {"[fuse_2 burns]", {"'fuse_2 burns' is nothing that is told", "'fuse_2 opens'"}},
+               {"[r1 opens]", {"nothing that is told of a resistor", NULL}},
+               {"fuse_2", {"a device and what happens to it are wanted", NULL}},
+               {"[fuse_2 opens, fuse_2 fuse_opens]", {"a second time", NULL}},
+               {"{a: b}", {"a list is wanted", NULL}}};
+  for (size_t k = 0; k < COUNT(CASES); k++) {
+    write_scene("bad.yaml", "circuit: {deck: halfwave_paper}\nexpect: ");
+    FILE *f = fopen("bad.yaml", "a");
+    if (!f) abort();
+    fprintf(f, "%s\n", CASES[k].entry);
+    fclose(f);
+    ran r = run("check bad.yaml");
+    EXPECT(r.status == 2, "%s: %d %s", CASES[k].entry, r.status, r.err);
+    SAYS(r.err, "bad.yaml:2:");
+    for (int n = 0; n < 2 && CASES[k].says[n]; n++) SAYS(r.err, CASES[k].says[n]);
+    free_ran(&r);
+  }
+  ran r = run("run paper --tier switched --set 'expect=[fuse_2 opens]'");
+  EXPECT(r.status == 2, "%d %s", r.status, r.err);
+  SAYS(r.err, "has no devices");
+  free_ran(&r);
+}
+
+int main(void) {
+  static const vs_test TESTS[] = {{"fires by itself", fires_by_itself},
+                                  {"a fuse opens", fuse_opens},
+                                  {"an ideal thyristor misfires", an_ideal_thyristor_misfires},
+                                  {"not judged", not_judged},
+                                  {"the same in a study", the_same_in_a_study},
+                                  {"an id of its own", an_id_of_its_own},
+                                  {"refused", refused}};
+  return program_suite("happened", TESTS, COUNT(TESTS));
+}
