@@ -82,6 +82,9 @@ def fake(text):
     os.environ["VIBROSPICE"] = str(path)
 
 
+WORDS = {"id", "weakest", "happened", "not_judged", "warnings"}  # columns of study.csv
+
+
 class Case(unittest.TestCase):
     def setUp(self):
         self.addCleanup(os.environ.__setitem__, "VIBROSPICE", PROGRAM)
@@ -318,7 +321,7 @@ class Inputs(Case):
 
 class Studies(Case):
     def assert_study(self, s, folder):
-        self.assert_columns(s.columns, f"{folder}/study.csv", {"id", "weakest", "warnings"})
+        self.assert_columns(s.columns, f"{folder}/study.csv", WORDS)
         self.assertEqual([row["firing.angle_deg"] for row in s], [90, 105, 120, 90, 105, 120])
         self.assertEqual([row["case"] for row in s], list(range(6)))
 
@@ -481,7 +484,7 @@ class Tables(Case):
     def test_kinds_of_columns(self):
         i = vibrospice.load("run").columns["i"]
         s = vibrospice.load("study").columns
-        self.assert_columns(s, "study/study.csv", {"id", "weakest", "warnings"})
+        self.assert_columns(s, "study/study.csv", WORDS)
         if numpy is None:
             self.assertEqual((type(i), type(i[0]), type(s["case"][0])), (list, float, int))
             return

@@ -123,6 +123,9 @@ static void the_same_in_a_study(void) {
   ran r = run("study study.yaml -o rows --jobs 1");
   EXPECT(r.status == 3, "%d %s", r.status, r.err);
   free_ran(&r);
+  r = run("study study.yaml -o rows --jobs 1 --resume"); /* takes the rows of the journal */
+  EXPECT(r.status == 3, "%d %s", r.status, r.err);
+  free_ran(&r);
   char *csv = read_file("rows/study.csv");
   SAYS(csv, ",happened,not_judged,warnings,status\n");
   SAYS(csv, "fuse_opens of fuse_2 at 0.0");

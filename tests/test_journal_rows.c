@@ -118,41 +118,41 @@ static void rows_of_a_search(void) {
   free(text);
 }
 
-#define GOOD_0 "= 0,0123456789abcdef,100,halfwave_snubbed,0.84,,,,0,0,,0"
-#define GOOD_1 "= 1,0123456789abcdee,110,halfwave_snubbed,0.70,,,,0,0,,0"
+#define GOOD_0 "= 0,0123456789abcdef,100,halfwave_snubbed,0.84,,,,0,0,,,,0"
+#define GOOD_1 "= 1,0123456789abcdee,110,halfwave_snubbed,0.70,,,,0,0,,,,0"
 
 /* The head has 7 lines, so that the first row is line 8. */
 static void rows_of_another_shape(void) {
   static const struct {
     const char *row, *at, *says;
   } BAD[] = {
-      {"= 1,x,110,halfwave_snubbed,0.70,,,,0,0,0", ":9:12: ", "cells in this row: 11"},
-      {"= 1,x,110,halfwave_snubbed,0.70,,,,0,0,,0,0", ":9:12: ", "columns in its header: 12"},
+      {"= 1,x,110,halfwave_snubbed,0.70,,,,0,0,,,0", ":9:12: ", "cells in this row: 13"},
+      {"= 1,x,110,halfwave_snubbed,0.70,,,,0,0,,,,0,0", ":9:12: ", "columns in its header: 14"},
       {"= 1", ":9:12: ", "cells in this row: 1;"},
-      {"= 1,x,110,halfwave_snubbed,lots,,,,0,0,,0", ":9:37: ", "'lots'; a number or nothing"},
-      {"= 1,x,110,halfwave_snubbed,nan,,,,0,0,,0", ":9:37: ", "'nan'"},
-      {"= 1,x,110,halfwave_snubbed,0x1p3,,,,0,0,,0", ":9:37: ", "'0x1p3'"},
-      {"= 1,x,110,halfwave_snubbed,1e999,,,,0,0,,0", ":9:37: ", "'1e999'"},
-      {"= 1,x,wide,halfwave_snubbed,0.70,,,,0,0,,0", ":9:16: ", "'wide'; a number"},
-      {"= 1,x,,halfwave_snubbed,0.70,,,,0,0,,0", ":9:16: ", "firing.angle_deg"},
-      {"= 1,x,110,,0.70,,,,0,0,,0", ":9:20: ", "circuit.deck holds ''; a word"},
-      {"= 1,x,110,halfwave_snubbed,0.70,,,,-1,0,,0", ":9:45: ", "rung holds '-1'"},
-      {"= 1,x,110,halfwave_snubbed,0.70,,,,0,0,,2", ":9:50: ", "status 0 or 3"},
-      {"= 1,x,110,halfwave_snubbed,0.70,,,,0,0,,held", ":9:50: ", "'held'"},
-      {"= 1,x,110,halfwave_snubbed,0.70,,,,0,0,,1", ":9:50: ", "status 0 or 3"},
+      {"= 1,x,110,halfwave_snubbed,lots,,,,0,0,,,,0", ":9:37: ", "'lots'; a number or nothing"},
+      {"= 1,x,110,halfwave_snubbed,nan,,,,0,0,,,,0", ":9:37: ", "'nan'"},
+      {"= 1,x,110,halfwave_snubbed,0x1p3,,,,0,0,,,,0", ":9:37: ", "'0x1p3'"},
+      {"= 1,x,110,halfwave_snubbed,1e999,,,,0,0,,,,0", ":9:37: ", "'1e999'"},
+      {"= 1,x,wide,halfwave_snubbed,0.70,,,,0,0,,,,0", ":9:16: ", "'wide'; a number"},
+      {"= 1,x,,halfwave_snubbed,0.70,,,,0,0,,,,0", ":9:16: ", "firing.angle_deg"},
+      {"= 1,x,110,,0.70,,,,0,0,,,,0", ":9:20: ", "circuit.deck holds ''; a word"},
+      {"= 1,x,110,halfwave_snubbed,0.70,,,,-1,0,,,,0", ":9:45: ", "rung holds '-1'"},
+      {"= 1,x,110,halfwave_snubbed,0.70,,,,0,0,,,,2", ":9:52: ", "status 0 or 3"},
+      {"= 1,x,110,halfwave_snubbed,0.70,,,,0,0,,,,held", ":9:52: ", "'held'"},
+      {"= 1,x,110,halfwave_snubbed,0.70,,,,0,0,,,,1", ":9:52: ", "status 0 or 3"},
       {"! 1,x,110,halfwave_snubbed,0,it did not", ":9:37: ", "status 1"},
       {"! 1,x,110,halfwave_snubbed,1", ":9:12: ", "cells in this row: 5"},
-      {"= one,x,110,halfwave_snubbed,0.70,,,,0,0,,0", ":9:12: ", "'one'; a whole number"},
-      {"= 01,x,110,halfwave_snubbed,0.70,,,,0,0,,0", ":9:12: ", "'01'"},
-      {"= -1,x,110,halfwave_snubbed,0.70,,,,0,0,,0", ":9:12: ", "'-1'"},
+      {"= one,x,110,halfwave_snubbed,0.70,,,,0,0,,,,0", ":9:12: ", "'one'; a whole number"},
+      {"= 01,x,110,halfwave_snubbed,0.70,,,,0,0,,,,0", ":9:12: ", "'01'"},
+      {"= -1,x,110,halfwave_snubbed,0.70,,,,0,0,,,,0", ":9:12: ", "'-1'"},
       /* what another reader of study.csv would cut otherwise */
-      {"= 1,x,110,halfwave_snubbed,0.70,,,,0,0,,\"0", ":9:50: ", "no closing quote"},
-      {"= 1,x,110,halfwave_snubbed,0.70,,,,0,0,\",0", ":9:49: ", "no closing quote"},
-      {"= 1,x,110,halfwave_snubbed,0.70,,,,0,0,,\"0\"0", ":9:50: ", "a comma is wanted"},
-      {"= 1,x,110,halfwave_snubbed,0.70,,,,0,0,a\rb,0", ":9:50: ", "a line end"},
+      {"= 1,x,110,halfwave_snubbed,0.70,,,,0,0,,,,\"0", ":9:52: ", "no closing quote"},
+      {"= 1,x,110,halfwave_snubbed,0.70,,,,0,0,,,\",0", ":9:51: ", "no closing quote"},
+      {"= 1,x,110,halfwave_snubbed,0.70,,,,0,0,,,,\"0\"0", ":9:52: ", "a comma is wanted"},
+      {"= 1,x,110,halfwave_snubbed,0.70,,,,0,0,,,a\rb,0", ":9:52: ", "a line end"},
       /* cases that the study, of two cases, does not have */
-      {"= 2,x,110,halfwave_snubbed,0.70,,,,0,0,,0", ":9:12: ", "its case is none"},
-      {"= 18446744073709551617,x,110,halfwave_snubbed,0.70,,,,0,0,,0", ":9:12: ", "its case is"},
+      {"= 2,x,110,halfwave_snubbed,0.70,,,,0,0,,,,0", ":9:12: ", "its case is none"},
+      {"= 18446744073709551617,x,110,halfwave_snubbed,0.70,,,,0,0,,,,0", ":9:12: ", "its case is"},
       {"! 4294967296,x,110,halfwave_snubbed,1,it did not", ":9:12: ", "its case is none"},
   };
   char *head = head_of("s/journal");
@@ -171,8 +171,8 @@ static void rows_of_another_shape(void) {
 
 /* Two answers for one case are none; the same one twice is one. */
 static void two_rows_of_a_case(void) {
-  static const char *const OTHER[] = {"= 0,0123456789abcdef,100,halfwave_snubbed,0.85,,,,0,0,,0",
-                                      "= 0,0123456789abcdef,100,halfwave_snubbed,0.84,,,,0,0,,3",
+  static const char *const OTHER[] = {"= 0,0123456789abcdef,100,halfwave_snubbed,0.85,,,,0,0,,,,0",
+                                      "= 0,0123456789abcdef,100,halfwave_snubbed,0.84,,,,0,0,,,,3",
                                       "! 0,0123456789abcdef,100,halfwave_snubbed,1,it did not"};
   char *head = head_of("s/journal");
   for (size_t k = 0; k < COUNT(OTHER); k++) {
@@ -265,8 +265,8 @@ static void its_own_head(void) {
 /* A row is counted by what its cells say, with quotes around them or without. */
 static void cells_in_quotes(void) {
   char *head = head_of("s/journal");
-  write_journal(head,
-                (const char *[]){GOOD_0, "= \"1\",x,110,halfwave_snubbed,0.7,,,,0,0,,\"3\"", NULL});
+  write_journal(
+      head, (const char *[]){GOOD_0, "= \"1\",x,110,halfwave_snubbed,0.7,,,,0,0,,,,\"3\"", NULL});
   ran r = run("merge j -o m --quiet");
   EXPECT(r.status == 3, "%d %s", r.status, r.err);
   free_ran(&r);

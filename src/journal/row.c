@@ -77,8 +77,8 @@ static cell_kind kind_of(const char *name, bool failed) {
   static const struct {
     const char *name;
     cell_kind kind;
-  } KNOWN[] = {{"case", COUNT},  {"id", ANY},       {"rung", COUNT},
-               {"weakest", ANY}, {"warnings", ANY}, {"why", ANY}};
+  } KNOWN[] = {{"case", COUNT},   {"id", ANY},         {"rung", COUNT},   {"weakest", ANY},
+               {"happened", ANY}, {"not_judged", ANY}, {"warnings", ANY}, {"why", ANY}};
   if (!strcmp(name, "status")) return failed ? FAILED : DONE;
   for (size_t k = 0; k < sizeof KNOWN / sizeof *KNOWN; k++)
     if (!strcmp(name, KNOWN[k].name)) return KNOWN[k].kind;

@@ -21,7 +21,7 @@ static const struct {
      "2, \"side\": \"most\", \"text\": \"current\"}],\n"
      " \"shard\": [1, 1]}\n"},
     {"study.csv", "case,id,firing.angle_deg,i_peak_a,margin_least,margin_error,weakest,rung,"
-                  "leaving_bound,warnings,status\n"
+                  "leaving_bound,happened,not_judged,warnings,status\n"
                   "0,fe0b0569e1966bc0,90,0.98,0.1,,i_peak,0,0,,0\n"
                   "1,ecc578a14d3cd5fb,95,0.84,-0.2,0.01,i_peak,1,1e-6,\"one, two\",3\n"
                   "3,82e8ce70e850eeb7,105,0.8,0.2,,i_peak,0,0,,0\n"},
