@@ -131,6 +131,7 @@ typedef struct vs_bound {
   double value;                                 /* the number, in the rating's unit */
   char part[VS_DECK_NAME], limit[VS_DECK_NAME]; /* empty where the end is a number */
   double sign;                                  /* of the limit, +1 or -1 */
+  bool assumed; /* no source says the limit; known once the parts are read */
 } vs_bound;
 
 /* What a probe may be. */

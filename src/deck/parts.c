@@ -209,7 +209,7 @@ const vs_limit *vs_parts_find_limit(const vs_deck *deck, const char *file, const
   return NULL;
 }
 
-static vs_status resolve_bound(const vs_deck *deck, const vs_rating *r, const vs_bound *bound,
+static vs_status resolve_bound(const vs_deck *deck, const vs_rating *r, vs_bound *bound,
                                double *value, vs_error *err) {
   if (!*bound->part) {
     *value = bound->value * vs_units_factor(r->unit);
@@ -244,6 +244,7 @@ static vs_status resolve_bound(const vs_deck *deck, const vs_rating *r, const vs
     return vs_fail_at(err, limit->where, "limit %s: a unit as %s is wanted, for the rating of %s",
                       limit->name, r->unit, deck->probes[r->probe].name);
   *value = bound->sign * limit->value;
+  bound->assumed = limit->assumed;
   return VS_OK;
 }
 

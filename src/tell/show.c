@@ -34,7 +34,7 @@ static void print_rating(const vs_judgement *j, int width, FILE *out) {
           j->rating->min / unit, j->least.value / unit, j->largest.value / unit,
           j->rating->max / unit, j->rating->unit);
   print_margin(j, out);
-  fputc('\n', out);
+  fprintf(out, "%s\n", j->assumed ? "  assumed" : "");
 }
 
 static void print_device(const vs_judgement *j, int width, FILE *out) {

@@ -250,6 +250,7 @@ static void add_rating(vs_json *json, const vs_judgement *j) {
   vs_json_number(json, "max", j->rating->max / unit, DIGITS);
   add_extreme(json, "least", j->least, unit);
   add_extreme(json, "largest", j->largest, unit);
+  vs_json_bool(json, "assumed", j->assumed);
 }
 
 static void add_device(vs_json *json, const vs_judgement *j) {

@@ -38,6 +38,7 @@ static vs_judgement judge_rating(const vs_measures *m, size_t k) {
   j.margin_error = NAN;
   j.margin = fmin(below, above);
   if (above < below) j.stress = j.largest;
+  j.assumed = r->bounds[above < below].assumed;
   j.failed_s = j.margin < 0 ? m->passed_s[k] : NAN;
   if (j.margin < 0 && isnan(j.failed_s)) j.failed_s = j.stress.at_s; /* between two knots only */
   return j;
