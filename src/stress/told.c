@@ -7,8 +7,19 @@
 
 /* ---- news of a device that conducts or blocks ---- */
 
+static void prepare_rise(vs_watched *w, vs_reduced *r) {
+  r->over_v = vs_devices_dv_dt_over(w->deck, w->device);
+  if (w->states) w->states->rise.over_v = r->over_v;
+}
+
+/* Takes the rate of a stretch that rises by over_v. */
+static void take_stretch(vs_reduced *r, vs_value rate, double over_v) {
+  vs_reducer_offer(r, rate, false);
+  if (rate.known && r->value.at_s == rate.at_s && r->value.value == rate.value) r->over_v = over_v;
+}
+
 static void take_rise(vs_reduced *r, const vs_switch_news *news) {
-  vs_reducer_offer(r, news->rise, vs_reducer_is_held_from_below(r));
+  take_stretch(r, news->rise, news->rise_v);
 }
 
 static void take_off_rate(vs_reduced *r, const vs_switch_news *news) {
@@ -44,17 +55,19 @@ static void take_commutation_failure(vs_reduced *r, const vs_switch_news *news) 
 }
 
 static void take_return_rise(vs_reduced *r, const vs_switch_news *news) {
-  vs_reducer_offer(r, news->return_rise, false);
+  take_stretch(r, news->return_rise, news->return_v);
 }
 
 static void take_fall(vs_reduced *r, const vs_switch_news *news) {
   vs_reducer_offer(r, news->fall, false);
 }
 
-const vs_reducer vs_told_rise = {.is_rate = true, .take_news = take_rise},
+const vs_reducer vs_told_rise = {.is_rate = true, .prepare = prepare_rise, .take_news = take_rise},
                  vs_told_off_rate = {.is_rate = true, .take_news = take_off_rate},
                  vs_told_on_rate = {.is_rate = true, .take_news = take_on_rate},
-                 vs_told_return_rise = {.is_rate = true, .take_news = take_return_rise},
+                 vs_told_return_rise = {.is_rate = true,
+                                        .prepare = prepare_rise,
+                                        .take_news = take_return_rise},
                  vs_told_fall = {.is_rate = true, .take_news = take_fall},
                  vs_told_offered = {.prepare = prepare_offered, .take_news = take_offered},
                  vs_told_misfire = {.counts = true, .take_news = take_misfire},

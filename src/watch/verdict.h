@@ -25,7 +25,9 @@ typedef struct vs_judgement {
                           could not be found; NaN: it was not computed */
   vs_value stress;     /* the extreme that is nearer to its limit, or further beyond it */
   bool is_rate;        /* the measure is a rate over a short time */
-  double doubt;        /* the margin may be wrong by this besides */
+  double over_v;   /* of a rate of rise: how far the stretch rises that the stress is the mean rate
+                      of;   0: of any other */
+  double doubt;    /* the margin may be wrong by this besides */
   double spread;   /* sensitivity: a relative error e of the run changes the margin by e spread */
   double failed_s; /* instant at which the limit was first passed; NaN: it was not */
 } vs_judgement;
