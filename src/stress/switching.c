@@ -116,13 +116,13 @@ static bool follow_rise(vs_rise *r, const vs_course_step *c, bool gated) {
   return r->top_v - v1 >= 0.1 * (r->top_v - r->foot_v);
 }
 
-/* The steepest stretch of the present rise: of over_v; or of four fifths of what it rose, where
- * that is less. took_s is INFINITY where it rose by less than 10 V. */
-static vs_ascent steepest(const vs_rise *r) {
+/* The steepest stretch of four fifths of what the present rise did, where that is less than over_v.
+ * took_s is INFINITY where it rose by less than 10 V. */
+static vs_ascent four_fifths(const vs_rise *r) {
   double height_v = r->top_v - r->foot_v, each_v = r->over_v / VS_RISE_PARTS;
-  double high = floor(0.8 * height_v / each_v), last = floor(r->top_v / each_v);
+  double high = fmin(floor(0.8 * height_v / each_v), VS_RISE_PARTS),
+         last = floor(r->top_v / each_v);
   vs_ascent best = {.took_s = INFINITY};
-  if (high >= VS_RISE_PARTS) return r->best;
   if (height_v < FORWARD_V || high < 1) return best;
   for (double level = ceil(r->foot_v / each_v); level + high <= last; level++) {
     const vs_passed *from = &r->passed[(size_t)level % VS_RISE_LEVELS];
@@ -135,14 +135,19 @@ static vs_ascent steepest(const vs_rise *r) {
   return best;
 }
 
-static double rate_of(const vs_ascent *s) {
-  return s->over_v / s->took_s;
+/* True where four fifths of the present rise are less than over_v. */
+static bool is_low(const vs_rise *r) {
+  return 0.8 * (r->top_v - r->foot_v) < r->over_v;
 }
 
-static void tell_stretch(const vs_ascent *s, vs_value *rate, double *over_v) {
-  if (!isfinite(s->took_s)) return;
-  *rate = (vs_value){true, rate_of(s), s->from_s};
-  *over_v = s->over_v;
+static double rate_of(const vs_ascent *a) {
+  return a->over_v / a->took_s;
+}
+
+static void tell_ascent(const vs_ascent *a, vs_value *rate, double *over_v) {
+  if (!isfinite(a->took_s)) return;
+  *rate = (vs_value){true, rate_of(a), a->from_s};
+  *over_v = a->over_v;
 }
 
 /* ---- conduction ---- */
@@ -165,11 +170,15 @@ static void follow_fired_v(vs_switch *s, const vs_course_step *c, double began_s
  * at some e^-8 of the current. A conduction that outlasts ten of them holds itself. Where t_q is
  * not known it counts as 150 us, which is long for a thyristor of this size. */
 static const double DECAYS = 10, SLOW_T_Q_S = 150e-6;
+static double stores_s(const vs_switch *s) {
+  return isfinite(s->t_q_s) ? s->t_q_s : SLOW_T_Q_S;
+}
+
 static bool has_latched(const vs_switch *s) {
   bool by_pulse = s->by_gate && s->gate.gates.count;
   double from_s = by_pulse ? s->gate.off_since_s : s->fired_s;
   if (!(from_s >= s->fired_s)) return false; /* its pulse is still there */
-  return s->zero_s - from_s > DECAYS * (isfinite(s->t_q_s) ? s->t_q_s : SLOW_T_Q_S);
+  return s->zero_s - from_s > DECAYS * stores_s(s);
 }
 
 /* Of a device that conducts both ways: notes since when its current is below a tenth of its peak.
@@ -321,7 +330,9 @@ void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, const vs_gate
                    .fired_s = NAN,
                    .rose_s = NAN,
                    .tenth_s = NAN,
-                   .unanswered_s = NAN};
+                   .unanswered_s = NAN,
+                   .stored = {.took_s = INFINITY},
+                   .stored_at_s = -INFINITY};
   vs_switching_gate_begin(&s->gate, timeline, gates);
   vs_conduction_begin(&s->conduction);
 }
@@ -368,41 +379,60 @@ static double forward_rate(vs_slope *slope, const vs_course_step *c) {
 static void tell_rise(vs_rise *r, vs_switch_news *news) {
   if (!(r->best.took_s < r->told_s)) return;
   r->told_s = r->best.took_s;
-  tell_stretch(&r->best, &news->rise, &news->rise_v);
+  tell_ascent(&r->best, &news->rise, &news->rise_v);
 }
 
 /* The first rise of 10 V or more behind a conduction has ended: it is (dv/dt)c, too. */
 static void tell_return(vs_switch *s, vs_switch_news *news) {
-  vs_ascent stretch = steepest(&s->rise);
-  tell_stretch(&stretch, &news->return_rise, &news->return_v);
+  vs_ascent ascent = is_low(&s->rise) ? four_fifths(&s->rise) : s->rise.best;
+  tell_ascent(&ascent, &news->return_rise, &news->return_v);
   s->commutates = s->commutates && !news->return_rise.known;
 }
 
-/* While the device blocks. What rises under its gate pulse is told only when it has not fired by
- * that. */
-static void end_or_tell_rise(vs_switch *s, bool ended, vs_switch_news *news) {
+/* What the present rise may fire the device by: its steepest stretch. */
+static vs_ascent drive_of(const vs_rise *r) {
+  return isfinite(r->best.took_s) ? r->best : four_fifths(r);
+}
+
+/* Keeps the steepest stretch of a rise that has ended while the device blocked: what it has stored
+ * may fire the device some time later. One that is less steep is kept in its place once the charge
+ * of the one before has decayed. */
+static void keep_rise(vs_switch *s, double now_s) {
+  vs_ascent ascent = drive_of(&s->rise);
+  bool decayed = now_s - s->stored_at_s > stores_s(s);
+  if (!isfinite(ascent.took_s) || !(decayed || rate_of(&ascent) > rate_of(&s->stored))) return;
+  s->stored = ascent;
+  s->stored_at_s = now_s;
+}
+
+/* While the device blocks. What rises under its gate pulse is told only where the device has not
+ * fired by the rise's end. */
+static void tell_blocked(vs_switch *s, double now_s, bool ended, vs_switch_news *news) {
   if (ended || !s->rise.gated) tell_rise(&s->rise, news);
+  if (ended) keep_rise(s, now_s);
   if (ended && s->commutates) tell_return(s, news);
 }
 
-/* The device has fired. */
-static void tell_last_rise(vs_switch *s, bool commutated, vs_switch_news *news) {
-  vs_ascent stretch = steepest(&s->rise);
+/* The device has fired. The rise that it fired by may have ended before. */
+static void tell_fired(vs_switch *s, bool commutated, vs_switch_news *news) {
+  vs_ascent by = drive_of(&s->rise);
+  bool stored = s->fired_s - s->stored_at_s <= stores_s(s);
+  if (stored && rate_of(&s->stored) > rate_of(&by)) by = s->stored;
   news->fired_v = s->fired_v;
-  news->fired_rate = rate_of(&stretch);
-  news->fired_over_v = stretch.over_v;
-  if (s->rise.gated) return;
+  news->fired_rate = rate_of(&by);
+  news->fired_over_v = by.over_v;
+  s->stored_at_s = -INFINITY;
+  if (s->rise.gated && !news->unintended.known) return;
   tell_rise(&s->rise, news);
-  if (news->unintended.known && !news->rise.known)
-    tell_stretch(&stretch, &news->rise, &news->rise_v);
+  if (news->unintended.known && !news->rise.known) tell_ascent(&by, &news->rise, &news->rise_v);
   if (commutated) tell_return(s, news);
 }
 
 static void follow_rises(vs_switch *s, const vs_course_step *c, bool was_on, bool commutated,
                          vs_switch_news *news) {
   bool on = s->conduction.conducts, ended = follow_rise(&s->rise, c, is_gated(s));
-  if (!was_on && !on) end_or_tell_rise(s, ended, news);
-  if (!was_on && on) tell_last_rise(s, commutated, news);
+  if (!was_on && !on) tell_blocked(s, c->t1_s, ended, news);
+  if (!was_on && on) tell_fired(s, commutated, news);
   if (!was_on && on)
     s->rise.begun = false;
   else if (ended)

@@ -19,9 +19,9 @@
  *   dv/dt                  the steepest mean rate over any stretch that rises by over_v: the
  *                          shortest time from any instant to one at which the forward voltage is
  *                          that much more. The voltage may come down in between, as it does in a
- *                          ring. Reverse voltage counts as none. Of a rise that ends in an
- *                          unintended firing the stretch is four fifths of what it rose, where that
- *                          is less than over_v and the rise one of 10 V or more
+ *                          ring. Reverse voltage counts as none. A rise that ends in an unintended
+ *                          firing and is lower than over_v, but 10 V or more, is told by its
+ *                          steepest stretch of four fifths of its height
  *   commutation failure    an unintended firing on the first forward voltage after a conduction,
  *                          where the time offered was below the part's t_q, or that is not known
  *
@@ -126,8 +126,10 @@ typedef struct vs_switch {
   bool conducted;   /* in the present gate pulse it conducted */
   double unanswered_s; /* end of a gate pulse that may have failed; NaN: there is none */
   vs_rise rise;
-  vs_slope off, on; /* rates of its forward voltage and of its current, followed all the time */
-  double off_rate;  /* the largest of its forward voltage while it blocked, V/s */
+  vs_ascent stored;   /* steepest stretch of a rise that ended before, while it blocked */
+  double stored_at_s; /* when that rise ended; -INFINITY: there was none since the last firing */
+  vs_slope off, on;   /* rates of its forward voltage and of its current, followed all the time */
+  double off_rate;    /* the largest of its forward voltage while it blocked, V/s */
 } vs_switch;
 /* gates: as in vs_gate_watch. */
 void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, const vs_gates *gates,
@@ -153,9 +155,10 @@ typedef struct vs_switch_news {
       spread_s; /* sensitivity: a relative error e of the current changes the time by e spread_s */
   vs_value misfire, unintended; /* only their instants mean anything */
   bool commutation_failure;     /* the unintended firing is one */
-  /* Of the firing that the step told, if it did: the steepest rate of the rise that ended in it,
-   * V/s, over fired_over_v; 0 where the voltage did not rise. And the forward voltage from which
-   * the device fired. */
+  /* Of the firing that the step told, if it did: the steepest rate of the rise that ended in it, or
+   * of one that ended no longer before than the part's t_q (150 us where that is not known) if it
+   * was steeper, V/s, over fired_over_v; 0 where the voltage did not rise. And the forward voltage
+   * from which the device fired. */
   double fired_rate, fired_over_v, fired_v;
 } vs_switch_news;
 /* Takes the next step and fills `news`. */
