@@ -59,9 +59,15 @@ static void begin_rise(vs_rise *r, double t_s, double v) {
   r->begun = r->gated = true;
   r->foot_s = t_s;
   r->foot_v = r->top_v = v;
+  r->s_per_v = INFINITY;
   r->best = (vs_ascent){.took_s = INFINITY};
   r->told_s = INFINITY;
 }
+
+/* A part of the course that goes straight up from v0 >= 0 to v1. */
+typedef struct climbed {
+  double t0_s, v0, v1, s_per_v;
+} climbed;
 
 /* Notes that it rose by over_v from from_s to to_s. */
 static void take_stretch(vs_rise *r, double from_s, double to_s) {
@@ -81,18 +87,33 @@ static void pass_level(vs_rise *r, double level, double t_s) {
 
 /* Above this the numbers of levels are no longer exact. No voltage of a circuit is as high. */
 static const double MOST_LEVELS = 1e15;
+/* A voltage that is on a level but for rounding is on it. In levels. */
+static const double SAME_LEVEL = 1e-9;
 
-/* Takes a part of the course that goes straight up, from v0 >= 0. Of more levels than are kept
- * those between the first and the last ones tell nothing, as they lie on one straight line. */
-static void climb(vs_rise *r, double t0_s, double v0, double t1_s, double v1) {
-  double each_v = r->over_v / VS_RISE_PARTS, s_per_v = (t1_s - t0_s) / (v1 - v0);
-  double first = ceil(v0 / each_v), last = floor(v1 / each_v), end_v = r->foot_v + r->over_v;
+/* Takes a stretch that began at a kept point, where it ends in this part of the course. */
+static void pass_end(vs_rise *r, double from_s, double from_v, const climbed *c) {
+  double end_v = from_v + r->over_v;
+  if (c->v0 <= end_v && end_v <= c->v1)
+    take_stretch(r, from_s, c->t0_s + (end_v - c->v0) * c->s_per_v);
+}
+
+/* Takes a part of the course that goes straight up. Of more levels than are kept those between the
+ * first and the last ones tell nothing, as they lie on one straight line. */
+static void climb(vs_rise *r, const climbed *c) {
+  double each_v = r->over_v / VS_RISE_PARTS;
+  double first = ceil(c->v0 / each_v - SAME_LEVEL), last = floor(c->v1 / each_v + SAME_LEVEL);
   if (!(last < MOST_LEVELS)) return;
   for (double level = first; level <= last; level++) {
     if (level == first + VS_RISE_PARTS + 1) level = fmax(level, last - VS_RISE_LEVELS + 1);
-    pass_level(r, level, t0_s + (level * each_v - v0) * s_per_v);
+    pass_level(r, level, c->t0_s + (level * each_v - c->v0) * c->s_per_v);
   }
-  if (v0 <= end_v && end_v <= v1) take_stretch(r, r->foot_s, t0_s + (end_v - v0) * s_per_v);
+  if (c->s_per_v < r->s_per_v / 2) {
+    r->knee_s = c->t0_s;
+    r->knee_v = c->v0;
+  }
+  r->s_per_v = c->s_per_v;
+  pass_end(r, r->foot_s, r->foot_v, c);
+  pass_end(r, r->knee_s, r->knee_v, c);
 }
 
 /* Follows the present rise. gated: its gate pulse is there. A rise ends at its top, once the
@@ -108,7 +129,10 @@ static bool follow_rise(vs_rise *r, const vs_course_step *c, bool gated) {
   v0 = fmax(v0, 0);
   v1 = fmax(v1, 0);
   if (!r->begun) begin_rise(r, t0_s, v0);
-  if (v1 > v0) climb(r, t0_s, v0, c->t1_s, v1);
+  if (v1 > v0)
+    climb(r, &(climbed){t0_s, v0, v1, (c->t1_s - t0_s) / (v1 - v0)});
+  else
+    r->s_per_v = INFINITY;
   if (v1 > r->top_v) {
     r->top_v = v1;
     r->gated = r->gated && gated;

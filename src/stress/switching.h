@@ -91,17 +91,19 @@ typedef struct vs_passed {
 /* A rise of forward voltage, from its foot to its top so far. The times are kept at which the
  * voltage last rose through levels that lie an 800th of over_v apart, as many as the highest 1.28
  * times over_v has. They are exact for a course that runs straight from knot to knot, however many
- * knots there are. So a stretch from level to level is told exactly, and one between levels is
- * missed. The rate told is never above the steepest of over_v, and it is at least what a stretch
- * that is an 800th higher would tell, less an 800th. A stretch from the rise's foot is exact. */
+ * knots there are. So stretches that begin on a level are told exactly, and so are those that begin
+ * at the foot or at the last knee. Others are missed: the rate told is never above the steepest of
+ * over_v, and it is at least that of a stretch that is an 800th higher, less an 800th. */
 enum { VS_RISE_PARTS = 800, VS_RISE_LEVELS = 1024 };
 typedef struct vs_rise {
   double over_v; /* how far a stretch rises over which dv/dt is told; 0: no rise is followed */
   bool begun;    /* a rise is followed */
   bool gated;    /* its gate pulse was there since its foot */
   double foot_s, foot_v, top_v;
-  vs_ascent best;                   /* its steepest stretch of over_v */
-  double told_s;                    /* took_s of the last one of its stretches that was told */
+  double knee_s, knee_v; /* where it last became twice as steep from one step to the next */
+  double s_per_v;        /* of the step before; INFINITY: it did not rise */
+  vs_ascent best;        /* its steepest stretch of over_v */
+  double told_s;         /* took_s of the last one of its stretches that was told */
   vs_passed passed[VS_RISE_LEVELS]; /* level k, from 0, in number k modulo VS_RISE_LEVELS */
 } vs_rise;
 
