@@ -1,12 +1,303 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The rates of a voltage and of a current do not hang on the step in which a current counts as gone
- * or begun. A thyristor that goes out slowly has 20 V of forward voltage before it is reversed. */
+ * How fast a voltage rises, by closed forms and by what is found without levels; what fired a
+ * device; and that rates do not hang on the step in which a current counts as gone or begun. A
+ * thyristor that goes out slowly has 20 V of forward voltage before it is reversed. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "part_rows.h"
 #include "program.h"
+#include "stress/switching.h"
+
+/* ---- the steepest stretch, by itself ---- */
+
+/* A course of forward voltage that runs straight from knot to knot, and of the current. */
+enum { MOST_KNOTS = 400000 };
+typedef struct course {
+  size_t count;
+  double t_s[MOST_KNOTS], v[MOST_KNOTS], i[MOST_KNOTS];
+} course;
+
+static void add_knot(course *c, double t_s, double v, double i) {
+  CU_ASSERT_FATAL(c->count < MOST_KNOTS);
+  c->t_s[c->count] = t_s;
+  c->v[c->count] = v;
+  c->i[c->count++] = i;
+}
+
+/* Follows a course and returns what its last unintended firing told, with the steepest of all rises
+ * in it. gates: of the device. */
+static vs_switch_news followed(const course *c, double over_v, const vs_timeline *line,
+                               const vs_gates *gates) {
+  static vs_switch s;
+  vs_switch_news all = {0}, news;
+  vs_switching_begin(&s, line, gates, false);
+  s.rise.over_v = over_v;
+  vs_switching_resume(&s, c->i[0], c->v[0]);
+  for (size_t k = 1; k < c->count; k++) {
+    vs_course_step step = {.t0_s = c->t_s[k - 1], .t1_s = c->t_s[k]};
+    step.h_s = step.t1_s - step.t0_s;
+    step.from[VS_OF_V] = c->v[k - 1];
+    step.to[VS_OF_V] = c->v[k];
+    step.from[VS_OF_I] = c->i[k - 1];
+    step.to[VS_OF_I] = c->i[k];
+    vs_switching_follow(&s, &step, &news);
+    vs_value rise = all.rise;
+    double rise_v = all.rise_v;
+    if (news.unintended.known) all = news;
+    all.rise = rise;
+    all.rise_v = rise_v;
+    if (!news.rise.known || (rise.known && rise.value >= news.rise.value)) continue;
+    all.rise = news.rise;
+    all.rise_v = news.rise_v;
+  }
+  return all;
+}
+
+static double rate(const course *c, double over_v) {
+  vs_switch_news news = followed(c, over_v, NULL, &(vs_gates){.count = 0});
+  return news.rise.known ? news.rise.value : 0;
+}
+
+/* Copies a course of voltage without what is reversed, and with knots at its zeros. */
+static void take_forward(const course *c, course *forward) {
+  forward->count = 0;
+  for (size_t k = 0; k < c->count; k++) {
+    double v0 = k ? c->v[k - 1] : 0, v1 = c->v[k];
+    if (v0 * v1 < 0)
+      add_knot(forward, c->t_s[k - 1] + v0 / (v0 - v1) * (c->t_s[k] - c->t_s[k - 1]), 0, 0);
+    add_knot(forward, c->t_s[k], fmax(v1, 0), 0);
+  }
+}
+
+/* The shortest time in which the course rises by over_v, found by looking back from each knot, and
+ * from each instant that lies over_v above a knot. */
+static double brute_rate(const course *of, double over_v) {
+  static course forward;
+  const course *c = &forward;
+  const double *t_s = c->t_s, *v = c->v;
+  double least_s = INFINITY;
+  take_forward(of, &forward);
+  for (size_t k = 1; k < c->count; k++) {
+    double low = INFINITY, below = v[k] - over_v;
+    if (!(v[k] > v[k - 1])) continue;
+    double s_per_v = (t_s[k] - t_s[k - 1]) / (v[k] - v[k - 1]);
+    for (size_t n = k; n-- > 0 && !(low <= v[k - 1] - over_v);) {
+      if (v[n] <= below && below < low)
+        least_s = fmin(least_s, t_s[k] - t_s[n] -
+                                    (below - v[n]) / (v[n + 1] - v[n]) * (t_s[n + 1] - t_s[n]));
+      double end = v[n] + over_v;
+      if (v[n] < low && v[k - 1] <= end && end <= v[k])
+        least_s = fmin(least_s, t_s[k - 1] + (end - v[k - 1]) * s_per_v - t_s[n]);
+      low = fmin(low, v[n]);
+    }
+  }
+  return over_v / least_s;
+}
+
+static course *new_course(void) {
+  static course c;
+  c.count = 0;
+  return &c;
+}
+
+/* A ramp's rate is the ramp's, whatever it rises by. One that is lower than the stretch does not
+ * count. */
+static void a_ramp(void) {
+  static const double OVER[] = {10, 77.7, 120, 179.9};
+  course *c = new_course();
+  add_knot(c, 0, 3.3, 0);
+  add_knot(c, 20e-6, 3.3, 0);
+  add_knot(c, 21e-6, 183.3, 0);
+  add_knot(c, 100e-6, 183.3, 0);
+  for (size_t k = 0; k < COUNT(OVER); k++) CLOSE(rate(c, OVER[k]), 180e6, 1e-9);
+  CLOSE(rate(c, 180), 180e6, 1e-9); /* from its foot, which is between two levels */
+  CU_ASSERT_EQUAL(rate(c, 180.1), 0);
+}
+
+/* To two thirds of V_DRM and others, by steps of a thousandth of the time constant: a tenth of
+ * V_DRM is passed first where the rise begins. */
+static void an_exponential(void) {
+  static const struct {
+    double v_drm, part, tau_s, foot_v;
+  } ROWS[] = {{800, 0.67, 3e-6, 0},
+              {1200, 0.67, 1e-6, 0},
+              {800, 0.5, 20e-6, 0},
+              {800, 0.11, 1e-6, 0},
+              {1200, 0.67, 1e-6, 33.3}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    const double tau_s = ROWS[k].tau_s, v = ROWS[k].part * ROWS[k].v_drm;
+    const double over = ROWS[k].v_drm / 10, exact = over / (-tau_s * log1p(-over / v));
+    course *c = new_course();
+    add_knot(c, 0, ROWS[k].foot_v, 0);
+    for (int n = 0; n <= 10000; n++)
+      add_knot(c, 1e-3 + n * tau_s / 1000, ROWS[k].foot_v - v * expm1(-n / 1000.0), 0);
+    /* the knots' chords make 1e-7 of it; the levels, which the last one's foot is not on, 1e-3 */
+    CLOSE(rate(c, over), exact, ROWS[k].foot_v > 0 ? 2e-4 : 2e-6);
+  }
+}
+
+/* Mains of 325 V and 50 Hz, and from an angle on a surge of v (1 - exp(-t/tau)) or, where tau is 0,
+ * a ramp of v in 2 us. */
+static double on_mains(double t_s, double from_s, double v, double tau_s) {
+  double mains = 325 * sin(2 * M_PI * 50 * t_s), since_s = t_s - from_s;
+  if (since_s <= 0) return mains;
+  return mains + (tau_s > 0 ? -v * expm1(-since_s / tau_s) : v * fmin(since_s / 2e-6, 1));
+}
+
+static course *surge_at(double degrees, double v, double tau_s) {
+  course *c = new_course();
+  const double from_s = 0.02 + degrees / 360 * 0.02;
+  for (int n = 0; n < 1000; n++)
+    add_knot(c, from_s * n / 1000, on_mains(from_s * n / 1000, from_s, v, tau_s), 0);
+  for (int n = 0; n <= 2000; n++)
+    add_knot(c, from_s + n * 10e-9, on_mains(from_s + n * 10e-9, from_s, v, tau_s), 0);
+  for (int n = 1; n < 1000; n++)
+    add_knot(c, from_s + 20e-6 + n * 10e-6, on_mains(from_s + 20e-6 + n * 10e-6, from_s, v, tau_s),
+             0);
+  return c;
+}
+
+/* A ramp that stands on the mains: their own rate adds to its rate, and however long they rose
+ * before and rise behind it, they do not average it away. */
+static void a_ramp_on_the_mains(void) {
+  static const double DEGREES[] = {0, 15, 45, 80, 89};
+  for (size_t k = 0; k < COUNT(DEGREES); k++) {
+    const double from_s = 0.02 + DEGREES[k] / 360 * 0.02;
+    double took_s = 120 / 250e6; /* sought: 250 V/us took_s + the mains' rise in it = 120 V */
+    for (int n = 0; n < 20; n++)
+      took_s =
+          (120 - on_mains(from_s + took_s, INFINITY, 0, 0) + on_mains(from_s, INFINITY, 0, 0)) /
+          250e6;
+    CLOSE(rate(surge_at(DEGREES[k], 500, 0), 120), 120 / took_s, 1e-5);
+  }
+}
+
+/* A surge of 800 V at every degree of the mains: what the thyristor bears does not jump from one
+ * degree to the next. The whole rise's mean from 10 to 90 % did, by a factor of 100 and more. */
+static void over_the_angle(void) {
+  double before = rate(surge_at(-1, 800, 1e-6), 80), least = INFINITY, largest = 0;
+  for (int degrees = 0; degrees < 360; degrees++) {
+    const course *c = surge_at(degrees, 800, 1e-6);
+    double found = rate(c, 80);
+    EXPECT(fabs(found / before - 1) < 0.02, "%d deg: %g V/us behind %g", degrees, found * 1e-6,
+           before * 1e-6);
+    if (degrees % 10 == 3) CLOSE(found, brute_rate(c, 80), 1e-3);
+    least = fmin(least, found);
+    largest = fmax(largest, found);
+    before = found;
+  }
+  printf(" %.4g to %.4g V/us", least * 1e-6, largest * 1e-6);
+  /* from 0 V on at the mains' zero and crest, 80 V of 800 V; from 325 V below it in their trough */
+  CLOSE(largest, 80 / (-1e-6 * log1p(-80.0 / 800)), 2e-3);
+  CLOSE(least, 80 / (-1e-6 * log1p(-80.0 / 475)), 2e-3);
+}
+
+/* Random courses that go up and down between -200 and 600 V, in steps from nanoseconds to
+ * milliseconds: what is told is never above the steepest stretch, and no less than one that is an
+ * 800th higher has, less an 800th. */
+static void random_courses(void) {
+  unsigned long long seed = 1;
+  double worst = 0;
+  for (int round = 0; round < 300; round++) {
+    course *c = new_course();
+    double t_s = 0, v = 0;
+    for (int n = 0; n < 400; n++) {
+      add_knot(c, t_s, v, 0);
+      double u[3];
+      for (int m = 0; m < 3; m++) {
+        seed = seed * 6364136223846793005ULL + 1442695040888963407ULL;
+        u[m] = (double)(seed >> 11) / 9007199254740992.0;
+      }
+      t_s += 1e-9 * pow(1e6, u[0]);
+      v += (round % 3 ? 30 : 300) * (u[1] - 0.5) + (u[2] < 0.01 ? 200 : 0);
+      v = fmin(fmax(v, -200), 600);
+    }
+    const double over = 20 + round, found = rate(c, over), exact = brute_rate(c, over);
+    const double higher = over * (1 + 1.0 / VS_RISE_PARTS);
+    /* times round to 1e-18 s where 1e-10 s are told */
+    EXPECT(found <= exact * (1 + 1e-7), "%d: %g V/us, not %g", round, found, exact);
+    EXPECT(found >= brute_rate(c, higher) * over / higher * (1 - 1e-7), "%d: %g V/us, not %g",
+           round, found, exact);
+    if (exact > 0) worst = fmax(worst, 1 - found / exact);
+  }
+  printf(" at most %.2g too low", worst);
+}
+
+/* 100,000 knots a rise, each of them followed: the same as by a few. */
+static void many_knots(void) {
+  course *c = new_course();
+  add_knot(c, 0, 0, 0);
+  for (int n = 1; n <= 100000; n++) add_knot(c, n * 1e-8, n * 2e-4, 0); /* 0.02 V/us, to 20 V */
+  for (int n = 1; n <= 100000; n++) add_knot(c, 1e-3 + n * 1e-11, 20 + n * 3e-3, 0); /* 300 V */
+  CLOSE(rate(c, 120), 300e6, 1e-6);
+  CLOSE(rate(c, 300), 300e6, 1e-6);
+}
+
+/* A rise that rings back on its way counts as it is: by its net height. */
+static void a_ring_on_the_way(void) {
+  course *c = new_course();
+  static const double V[] = {0, 100, 70, 160, 130, 220, 0};
+  for (size_t k = 0; k < COUNT(V); k++) add_knot(c, (double)k * 1e-6, V[k], 0);
+  CLOSE(rate(c, 80), 100e6, 1e-9);
+  CLOSE(rate(c, 120), brute_rate(c, 120), 2e-3);
+  CLOSE(rate(c, 150), 150 / (2e-6 + 80.0 / 90 * 1e-6), 1e-9); /* from the foot to 150 V */
+  CLOSE(rate(c, 220), 220 / 5e-6, 1e-9);
+}
+
+/* What begins between two levels and is no higher than a stretch, on a slow rise: exact by its
+ * knee. */
+static void from_its_knee(void) {
+  course *c = new_course();
+  add_knot(c, 0, 0, 0);
+  add_knot(c, 1e-3, 51.23, 0);
+  add_knot(c, 1.001e-3, 171.23, 0);
+  add_knot(c, 2e-3, 172, 0);
+  CLOSE(rate(c, 120), 120e6, 1e-9);
+}
+
+/* ---- what fired it ---- */
+
+/* A thyristor whose gate is off fires as its voltage rises, or a little after; or by its forward
+ * voltage alone. */
+static void what_fired_it(void) {
+  static const struct {
+    double from_v, to_v, rise_s, waits_s, rate, over_v;
+  } ROWS[] = {{0, 300, 1e-6, 0, 300e6, 120},     /* by its rise */
+              {0, 60, 0.1e-6, 0, 600e6, 48},     /* by a low one, of which four fifths are told */
+              {0, 300, 1e-6, 3e-6, 300e6, 120},  /* behind it, from a voltage that has fallen */
+              {0, 8, 0.1e-6, 0, 0, 0},           /* it did not rise by 10 V */
+              {50, 1300, 5e-3, 0, 0.25e6, 120}}; /* breakover */
+  vs_trial *t = vs_trial_read("paper", "circuit",
+                              (const char *[]){"firing.angle=150deg", "run.until=1us", NULL});
+  CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    course *c = new_course();
+    double top_s = 1e-4 + ROWS[k].rise_s, fires_s = top_s + ROWS[k].waits_s;
+    double fired_v = ROWS[k].to_v * (ROWS[k].waits_s > 0 ? 0.7 : 1);
+    add_knot(c, 0, ROWS[k].from_v, 0);
+    for (int n = 0; n <= 100; n++)
+      add_knot(c, 1e-4 + ROWS[k].rise_s * n / 100,
+               ROWS[k].from_v + (ROWS[k].to_v - ROWS[k].from_v) * n / 100, 0);
+    if (fires_s > top_s) add_knot(c, fires_s, fired_v, 0);
+    add_knot(c, fires_s + 10e-9, 1, 5);
+    add_knot(c, fires_s + 100e-6, 1, 6);
+    vs_switch_news news = followed(c, 120, &t->scene.setup.timeline, &(vs_gates){{0}, 1});
+    EXPECT(news.unintended.known, "%zu", k);
+    CLOSE(news.fired_v, fired_v, 1e-9);
+    CLOSE_OF(news.fired_rate, ROWS[k].rate, 1e6, 1e-2);
+    if (ROWS[k].rate > 0) {
+      CLOSE(news.fired_over_v, ROWS[k].over_v, 0.01);
+      CLOSE(news.rise.value, ROWS[k].rate, 1e-2);
+    } else
+      CU_ASSERT_FALSE(news.rise.known);
+  }
+  vs_trial_free(t);
+}
+
+/* ---- in runs ---- */
 
 /* The measure's value in the unit it is shown in; NaN: it is not there. */
 static double measured(const char *scene, const char *words, const char *tolerance,
@@ -21,20 +312,27 @@ static double measured(const char *scene, const char *words, const char *toleran
   return value;
 }
 
+#define MINE "--set circuit.thyristor=mine.inc "
 static void same_at_all_tolerances(void) {
   static const struct {
     const char *words, *measure;
     double v_per_us; /* at a tolerance of 1e-7 */
   } ROWS[] = {
-      {"--set circuit.deck=fullwave_antiparallel --set run.until=15ms", "t1.dv_dt", 8.122},
-      {"--set circuit.deck=fullwave_antiparallel --set run.until=25ms --set firing.angle=97.2deg "
+      {MINE "--set circuit.deck=fullwave_antiparallel --set run.until=15ms", "t1.dv_dt", 2.563},
+      {MINE
+       "--set circuit.deck=fullwave_antiparallel --set run.until=25ms --set firing.angle=97.2deg "
        "--set supply.voltage=341V",
-       "t2.dv_dt", 8.133},
-      {"--set circuit.deck=halfwave_paper --set run.until=15ms", "thyristor.dv_dt", 2.42},
-      {"--set circuit.deck=halfwave_snubbed --set run.until=25ms", "thyristor.dv_dt", 0.6669},
+       "t2.dv_dt", 2.57},
+      {MINE "--set circuit.deck=halfwave_paper --set run.until=15ms", "thyristor.dv_dt", 0.8603},
+      {MINE "--set circuit.deck=halfwave_snubbed --set run.until=25ms", "thyristor.dv_dt", 0.8687},
   };
+  alter(VS_TEST_FOLDER "/../spice/parts/TYN1212.inc", "mine.inc",
+        "*$ limit  dv_dt =", "*$ limit  dv_dt_over = 20 V\n*$ limit  dv_dt =");
+  alter("mine.inc", "mine.inc", ".subckt tyn1212", ".subckt mine");
+  alter("mine.inc", "mine.inc", ".ends tyn1212", ".ends mine");
   static const char *const TOLERANCES[] = {"1e-3", "1e-4", "1e-6"};
-  /* The solver's own steps at the knee make up to 5 %; the rise's beginning made a factor of 10. */
+  /* The solver's own steps at the knee make up to 5 %; the rise's beginning made a factor of 10.
+   * The voltage comes back to some 100 V at once, and so not over a tenth of V_DRM. */
   for (size_t k = 0; k < COUNT(ROWS); k++)
     for (size_t t = 0; t < COUNT(TOLERANCES); t++) {
       double found = measured("paper", ROWS[k].words, TOLERANCES[t], ROWS[k].measure);
@@ -120,8 +418,8 @@ static void a_charge_before_the_current(void) {
   unlink("s.yaml");
 }
 
-/* A slow rise of 28 V in 3 ms and a steep one of 290 V behind it, in more points than are kept. At
- * 1e-6 the knee between them was lost, and 37 V/us told. */
+/* A slow rise of 28 V in 3 ms and a steep one of 290 V behind it, of which 120 V are told. At 1e-6
+ * the knee between them was lost once, in more points than were kept then. */
 static void a_knee(void) {
   write_file(
       "s.yaml",
@@ -139,15 +437,55 @@ static void a_knee(void) {
   static const char *const TOLERANCES[] = {"1e-3", "1e-5", "1e-6"};
   for (size_t t = 0; t < COUNT(TOLERANCES); t++) {
     double found = measured("s.yaml", "", TOLERANCES[t], "t2.dv_dt");
-    EXPECT(fabs(found / 187.8 - 1) < 0.01, "%s: %g V/us", TOLERANCES[t], found);
+    EXPECT(fabs(found / 232 - 1) < 0.01, "%s: %g V/us", TOLERANCES[t], found);
   }
   unlink("s.yaml");
 }
 
-static const vs_test TESTS[] = {{"same at all tolerances", same_at_all_tolerances},
+/* A surge of 2 kV fires a thyristor whose gate is off. Its voltage is 0.27 kV by then, and rises on
+ * to 0.4 kV; before it rose for 0.9 ms with the mains, which made 33 V/us of the whole. From knots
+ * of the raw file, by every pair of them, 120 V are passed at 370.11 V/us at 1e-4, and at 373.4
+ * V/us at 1e-6. */
+static void an_unintended_firing(void) {
+  write_file("s.yaml", "circuit: {deck: halfwave_paper}\nfiring: {every: 1}\nrun: {until: 42 ms}\n"
+                       "events: {s: {kind: surge, cycle: 3, angle: 15 deg, level: 2 kV}}\n");
+  ran r = run("run s.yaml --reproducible --quiet");
+  CU_ASSERT_EQUAL(r.status, 3);
+  free_ran(&r);
+  r = run("run s.yaml --reproducible");
+  const char *row = strstr(r.out, "  thyristor.dv_dt "), *end = row ? strchr(row, '\n') : NULL;
+  EXPECT(end && !strncmp(end - 12, "  over 120 V", 12), "%s", r.out);
+  CU_ASSERT_PTR_NOT_NULL(strstr(r.out, " V/us over 120 V"));
+  free_ran(&r);
+  double coarse = measured("s.yaml", "", "1e-4", "thyristor.dv_dt");
+  double fine = measured("s.yaml", "", "1e-6", "thyristor.dv_dt");
+  CLOSE(coarse, 370.11, 1e-3);
+  CLOSE(fine, 373.4, 1e-3);
+  r = run("run s.yaml --json --reproducible");
+  const char *of = strstr(r.out, "\"thyristor.dv_dt\": {");
+  const char *over = of ? strstr(of, "\"over\": {\"value\": 120, \"unit\": \"V\"}") : NULL;
+  EXPECT(over && over < strchr(of, '\n'), "%s", r.out);
+  const char *line = strstr(r.out, "\"measure\": \"dv_dt\"");
+  double error = line ? strtod(strstr(line, "\"margin_error\": ") + 16, NULL) : (double)NAN;
+  EXPECT(error * 200 > fine - coarse, "%g", error);
+  free_ran(&r);
+  unlink("s.yaml");
+}
+
+static const vs_test TESTS[] = {{"a ramp", a_ramp},
+                                {"an exponential", an_exponential},
+                                {"a ramp on the mains", a_ramp_on_the_mains},
+                                {"over the angle", over_the_angle},
+                                {"random courses", random_courses},
+                                {"many knots", many_knots},
+                                {"a ring on the way", a_ring_on_the_way},
+                                {"from its knee", from_its_knee},
+                                {"what fired it", what_fired_it},
+                                {"same at all tolerances", same_at_all_tolerances},
                                 {"under a gate pulse", under_a_gate_pulse},
                                 {"fired again", fired_again},
                                 {"a knee", a_knee},
+                                {"an unintended firing", an_unintended_firing},
                                 {"a charge before the current", a_charge_before_the_current}};
 int main(void) {
   return program_suite("rises", TESTS, COUNT(TESTS));

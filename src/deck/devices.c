@@ -250,6 +250,10 @@ const vs_limit *vs_devices_limit(const vs_deck *deck, const vs_device *d,
   return limit && isfinite(limit->value) ? limit : NULL;
 }
 
+double vs_devices_dv_dt_over(const vs_deck *deck, const vs_device *d) {
+  return vs_parts_dv_dt_over(deck, file_of(deck, d));
+}
+
 static vs_status check_limits(const vs_deck *deck, const vs_device *d, vs_error *err) {
   vs_status status = VS_OK;
   for (size_t k = 0; d->kind && k < d->kind->n_measures && !status; k++) {

@@ -22,6 +22,9 @@ vs_status vs_devices_resolve(vs_deck *deck, vs_error *err);
 const vs_limit *vs_devices_limit(const vs_deck *deck, const vs_device *device,
                                  const vs_device_measure *measure);
 
+/* The same as vs_parts_dv_dt_over, of the device's part. */
+double vs_devices_dv_dt_over(const vs_deck *deck, const vs_device *device);
+
 /* True where device number `device` protects another one and, by the makers' figures, may let more
  * through (i2t_clear) than that one bears (i2t). `text` then says so. */
 bool vs_devices_fails_ward(const vs_deck *deck, size_t device, char *text, size_t size);

@@ -16,8 +16,9 @@ static const vs_device_measure THYRISTOR[] = {
     {"v_forward", "V", "peak forward voltage", VS_R_PEAK, VS_OF_V, 1, "v_drm", VS_AT_MOST},
     {"v_reverse", "V", "peak reverse voltage", VS_R_PEAK, VS_OF_V, -1, "v_rrm", VS_AT_MOST},
     {"dv_dt", "V/us",
-     "steepest rise of forward off-state voltage, mean rate from 10 to 90 % of a rise of 10 V "
-     "or more; a rise under a gate pulse that ends as the device fires does not count",
+     "steepest rise of forward off-state voltage, mean rate over any stretch that rises by "
+     "dv_dt_over of its part (a tenth of v_drm); a rise under a gate pulse that ends as the device "
+     "fires does not count",
      VS_R_RISE, VS_OF_V, 1, "dv_dt", VS_AT_MOST},
     {"dv_dt_max", "V/us", "largest rate of forward off-state voltage, over any 0.1 us",
      VS_R_OFF_RATE, VS_OF_V, 1, NULL, VS_AT_MOST},
@@ -58,8 +59,9 @@ static const vs_device_measure TRIAC[] = {
     {"v_reverse", "V", "peak voltage, second main terminal negative", VS_R_PEAK, VS_OF_V, -1,
      "v_drm", VS_AT_MOST},
     {"dv_dt", "V/us",
-     "steepest rise of off-state voltage, either way, mean rate from 10 to 90 % of a rise of 10 V "
-     "or more; a rise under a gate pulse that ends as the device fires does not count",
+     "steepest rise of off-state voltage, either way, mean rate over any stretch that rises by "
+     "dv_dt_over of its part (a tenth of v_drm); a rise under a gate pulse that ends as the device "
+     "fires does not count",
      VS_R_RISE, VS_OF_V, 1, "dv_dt", VS_AT_MOST},
     {"dv_dt_max", "V/us", "largest rate of off-state voltage, either way, over any 0.1 us",
      VS_R_OFF_RATE, VS_OF_V, 1, NULL, VS_AT_MOST},
@@ -68,8 +70,8 @@ static const vs_device_measure TRIAC[] = {
      "over any 0.1 us",
      VS_R_ON_RATE, VS_OF_I, 1, "di_dt", VS_AT_MOST},
     {"dv_dt_c", "V/us",
-     "steepest first rise of off-state voltage behind a conduction, mean rate from 10 to 90 % of "
-     "it: (dv/dt)c",
+     "steepest first rise of off-state voltage behind a conduction, (dv/dt)c: mean rate over a "
+     "stretch that rises by dv_dt_over, or by four fifths of that rise where this is less",
      VS_R_RETURN_RISE, VS_OF_V, 1, "dv_dt_c", VS_AT_MOST},
     {"di_dt_c", "A/ms",
      "steepest fall of a current to its zero, mean rate from a tenth of its peak: (di/dt)c",
@@ -275,15 +277,16 @@ const vs_happening_words *vs_kinds_happening(const vs_device_measure *m) {
 
 /* Limits that no measure above is held against in its own unit, with the kinds of part they are of,
  * each between blanks ("": of any). v_drm, v_rrm and v_rms are held against the mains, whatever the
- * part; t_q, which makers give in us, is held against t_off; by t_j_max the report of an orbit
- * tells how hot the case may be; i2t_clear is held against what the fuse protects; the others are
- * for the reader, and for `check` of the part, which tries whether its model keeps them (room
- * acceptance). */
+ * part; over dv_dt_over dv_dt is told; t_q, which makers give in us, is held against t_off; by
+ * t_j_max the report of an orbit tells how hot the case may be; i2t_clear is held against what the
+ * fuse protects; the others are for the reader, and for `check` of the part, which tries whether
+ * its model keeps them (room acceptance). */
 static const struct figure {
   const char *name, *unit, *kinds;
 } FIGURES[] = {{"v_drm", "V", ""},
                {"v_rrm", "V", ""},
                {"v_rms", "V", ""},
+               {"dv_dt_over", "V", " thyristor triac "},
                {"t_q", "us", " thyristor "},
                {"t_j_max", "degC", " thyristor triac diode mosfet igbt "},
                {"i_gt", "mA", " thyristor triac "},

@@ -29,7 +29,8 @@ enum { VS_OF_V, VS_OF_FLUX, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_COURSES };
  *   VS_R_SURGE        peak of the half sine of 10 ms that has this integral
  *   VS_R_STEEPEST     largest rate, in the sense that the measure gives, over any 0.1 us
  *   VS_R_JUNCTION     rise of the junction's temperature, by the part's lines zth
- *   VS_R_RISE         steepest mean rate from 10 to 90 % of a rise of forward voltage
+ *   VS_R_RISE         steepest mean rate of a rise of forward voltage over any stretch that rises
+ *                     by the limit dv_dt_over
  *   VS_R_OFF_RATE     largest rising rate of blocked forward voltage, over any 0.1 us
  *   VS_R_ON_RATE      largest rate of current from firing to its first maximum, and for 1 us at
  *                     least, over any 0.1 us

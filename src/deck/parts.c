@@ -248,9 +248,36 @@ static vs_status resolve_bound(const vs_deck *deck, const vs_rating *r, vs_bound
   return VS_OK;
 }
 
+/* Less than this may be the voltage of a device that conducts (stress/switching.c). */
+static const double LEAST_OVER_V = 10;
+
+double vs_parts_dv_dt_over(const vs_deck *deck, const char *file) {
+  const vs_limit *over = file ? vs_parts_find_limit(deck, file, "dv_dt_over") : NULL;
+  const vs_limit *v_drm = file ? vs_parts_find_limit(deck, file, "v_drm") : NULL;
+  if (over && isfinite(over->value)) return over->value;
+  return v_drm && isfinite(v_drm->value) ? fmax(v_drm->value / 10, LEAST_OVER_V) : LEAST_OVER_V;
+}
+
+/* The limit dv_dt_over says over how much of a rise dv_dt is told. It limits nothing by itself. */
+static vs_status check_over(const vs_deck *deck, const vs_limit *over, vs_error *err) {
+  const vs_limit *v_drm = vs_parts_find_limit(deck, over->where.file, "v_drm");
+  bool above = v_drm && over->value > v_drm->value && isfinite(over->value);
+  if (strcmp(over->name, "dv_dt_over")) return VS_OK;
+  if (isfinite(over->value) && over->value >= LEAST_OVER_V && !above) return VS_OK;
+  char most[VS_DECK_NAME * 2 + 16] = "";
+  if (v_drm && isfinite(v_drm->value))
+    snprintf(most, sizeof most, " and up to v_drm, which is %s,", v_drm->written);
+  return vs_fail_at(err, over->where,
+                    "limit dv_dt_over: a voltage from %g V on%s is wanted, not '%s'; without this "
+                    "line it is a tenth of v_drm",
+                    LEAST_OVER_V, most, over->written);
+}
+
 vs_status vs_parts_resolve(vs_deck *deck, vs_error *err) {
   vs_status status = VS_OK;
   size_t kept = 0;
+  for (size_t k = 0; k < deck->n_limits && !status; k++)
+    status = vs_error_carry_on(err, check_over(deck, &deck->limits[k], err));
   for (size_t k = 0; k < deck->n_ratings && !status; k++) {
     vs_rating r = deck->ratings[k];
     r.min = -INFINITY;

@@ -22,9 +22,15 @@ const vs_part_file *vs_parts_file(const vs_deck *deck, const char *file);
 /* The file's limit of that name; NULL: it has none. */
 const vs_limit *vs_parts_find_limit(const vs_deck *deck, const char *file, const char *name);
 
+/* How far a stretch of a rise of voltage rises over which dv/dt of the part is told, V: the file's
+ * limit dv_dt_over; else a tenth of v_drm, and 10 V at the least, which is also what it is where
+ * v_drm is not known or file is NULL. */
+double vs_parts_dv_dt_over(const vs_deck *deck, const char *file);
+
 /* Gives ratings the limits of the parts chosen, and drops ratings that have no limit at either end.
  * Errors, each of which a check carries on from: no such part, no such limit in its file, a limit
- * in a unit of another kind, a rating from more to less. */
+ * in a unit of another kind, a rating from more to less; a limit dv_dt_over that is none, below 10
+ * V or above v_drm. */
 vs_status vs_parts_resolve(vs_deck *deck, vs_error *err);
 
 /* Error, once formulas are bound: a condition between parameters that does not hold. `section` is

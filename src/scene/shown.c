@@ -24,6 +24,7 @@ static bool device_measure_at(const vs_devices *devices, size_t k, vs_shown *m) 
     if (r->limit) m->limit = r->limit->value / vs_units_factor(m->unit);
     m->at_least = r->measure->held == VS_AT_LEAST;
     m->unjudged = r->unjudged;
+    m->over_v = r->over_v;
     m->group = VS_SHOWN_DEVICES;
     set_text(m, "%s", r->measure->text);
     return true;
@@ -81,6 +82,7 @@ static double rating_of(const vs_deck *deck, int probe, int sense) {
 bool vs_shown_at(const vs_frame *frame, const vs_result *r, int k, vs_shown *m) {
   m->limit = NAN;
   m->at_least = false;
+  m->over_v = 0;
   m->unjudged = NULL;
   m->channel = -1;
   m->doubled = false;

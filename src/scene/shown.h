@@ -22,6 +22,8 @@ typedef struct vs_shown {
   vs_value value;   /* in that unit */
   double limit;     /* in that unit: of a rating of its probe or of its device's part; NaN: none */
   bool at_least;    /* the limit is the least allowed, not the most */
+  double over_v; /* of a rate of rise: how far the stretch rises that it is the mean rate of, V; 0:
+                    of any other measure */
   vs_shown_group group;
   int channel;          /* of the frame, whose extreme this is; -1: it is none of a deck's probe */
   bool doubled;         /* the same number also stands under another name */

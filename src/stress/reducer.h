@@ -19,6 +19,8 @@ typedef struct vs_reduced {
   vs_value value;        /* in SI units; a mean is known once the run is over */
   double doubt;          /* the value may be wrong by this besides */
   double spread;   /* sensitivity: a relative error e of the run changes the value by e spread */
+  double over_v;   /* of a rate of rise: how far the stretch rises that the value is the mean rate
+                      of, or would be where there is no value; 0: of any other measure */
   double failed_s; /* instant at which the value first passed the limit; NaN: it has not */
   const char *unjudged; /* why the value is not held against the limit that the part has, as
                            "not judged: one shot"; NULL: it is, or the part has none */

@@ -56,77 +56,122 @@ static bool is_gated(const vs_switch *s) {
 /* ---- rises of forward voltage ---- */
 
 static void begin_rise(vs_rise *r, double t_s, double v) {
-  r->count = 1;
-  r->gated = true;
-  r->t_s[0] = t_s;
-  r->v[0] = v;
+  r->begun = r->gated = true;
+  r->foot_s = t_s;
+  r->foot_v = r->top_v = v;
+  r->s_per_v = INFINITY;
+  r->best = (vs_ascent){.took_s = INFINITY};
+  r->told_s = INFINITY;
 }
 
-/* How far point k lies beside the straight line from point `before` to the next one, in time, as a
- * part of the time between these two. */
-static double bend(const vs_rise *r, size_t before, size_t k) {
-  double dt_s = r->t_s[k + 1] - r->t_s[before], dv = r->v[k + 1] - r->v[before];
-  return fabs(r->t_s[k] - r->t_s[before] - (r->v[k] - r->v[before]) / dv * dt_s) / dt_s;
+/* A part of the course that goes straight up from v0 >= 0 to v1. */
+typedef struct climbed {
+  double t0_s, v0, v1, s_per_v;
+} climbed;
+
+/* Notes that it rose by over_v from from_s to to_s. */
+static void take_stretch(vs_rise *r, double from_s, double to_s) {
+  if (to_s - from_s < r->best.took_s) r->best = (vs_ascent){from_s, to_s - from_s, r->over_v};
 }
 
-/* Leaves out points, no two of them side by side, that lie on a straight line with their neighbours
- * but for `most`. */
-static void straighten(vs_rise *r, double most) {
-  size_t kept = 1, last = r->count - 1;
-  bool dropped = false;
-  for (size_t k = 1; k <= last; k++) {
-    dropped = k < last && !dropped && bend(r, kept - 1, k) <= most;
-    if (dropped) continue;
-    r->t_s[kept] = r->t_s[k];
-    r->v[kept++] = r->v[k];
+/* Notes when the voltage went through a level. The stretch that ends there begins as it last went
+ * through the level that lies over_v below. Where that one is no longer kept, the voltage was at
+ * this level before and did not fall by over_v since, so that a shorter stretch was noted then. */
+static void pass_level(vs_rise *r, double level, double t_s) {
+  if (level >= VS_RISE_PARTS) {
+    const vs_passed *below = &r->passed[(size_t)(level - VS_RISE_PARTS) % VS_RISE_LEVELS];
+    if (below->number == level - VS_RISE_PARTS + 1) take_stretch(r, below->t_s, t_s);
   }
-  r->count = kept;
+  r->passed[(size_t)level % VS_RISE_LEVELS] = (vs_passed){level + 1, t_s};
 }
 
-/* Leaves out a quarter of the points or more, those first that say least: a knee between a slow
- * rise and a steep one remains, however close the points about it are. */
-static void thin_out(vs_rise *r) {
-  for (double most = 1.0 / 1024; r->count > VS_RISE_POINTS / 4 * 3; most *= 2) straighten(r, most);
+/* Above this the numbers of levels are no longer exact. No voltage of a circuit is as high. */
+static const double MOST_LEVELS = 1e15;
+/* A voltage that is on a level but for rounding is on it. In levels. */
+static const double SAME_LEVEL = 1e-9;
+
+/* Takes a stretch that began at a kept point, where it ends in this part of the course. */
+static void pass_end(vs_rise *r, double from_s, double from_v, const climbed *c) {
+  double end_v = from_v + r->over_v;
+  if (c->v0 <= end_v && end_v <= c->v1)
+    take_stretch(r, from_s, c->t0_s + (end_v - c->v0) * c->s_per_v);
 }
 
-static double time_of(const vs_rise *r, double v) {
-  size_t k = 1;
-  while (k < r->count - 1 && r->v[k] < v) k++;
-  return r->t_s[k - 1] + (v - r->v[k - 1]) / (r->v[k] - r->v[k - 1]) * (r->t_s[k] - r->t_s[k - 1]);
+/* Takes a part of the course that goes straight up. Of more levels than are kept those between the
+ * first and the last ones tell nothing, as they lie on one straight line. */
+static void climb(vs_rise *r, const climbed *c) {
+  double each_v = r->over_v / VS_RISE_PARTS;
+  double first = ceil(c->v0 / each_v - SAME_LEVEL), last = floor(c->v1 / each_v + SAME_LEVEL);
+  if (!(last < MOST_LEVELS)) return;
+  for (double level = first; level <= last; level++) {
+    if (level == first + VS_RISE_PARTS + 1) level = fmax(level, last - VS_RISE_LEVELS + 1);
+    pass_level(r, level, c->t0_s + (level * each_v - c->v0) * c->s_per_v);
+  }
+  if (c->s_per_v < r->s_per_v / 2) {
+    r->knee_s = c->t0_s;
+    r->knee_v = c->v0;
+  }
+  r->s_per_v = c->s_per_v;
+  pass_end(r, r->foot_s, r->foot_v, c);
+  pass_end(r, r->knee_s, r->knee_v, c);
 }
 
-/* The mean rate from 10 to 90 % of the rise, with the instant of the 10 %. Not known: the rise is
- * lower than 10 V. */
-static vs_value end_rise(const vs_rise *r) {
-  double height = r->count > 1 ? r->v[r->count - 1] - r->v[0] : 0;
-  if (height < FORWARD_V) return (vs_value){0};
-  double begin = time_of(r, r->v[0] + 0.1 * height), end = time_of(r, r->v[0] + 0.9 * height);
-  return (vs_value){true, 0.8 * height / (end - begin), begin};
-}
-
-/* Follows the present rise and returns its rate where it ends. gated: its gate pulse is there. A
- * rise ends at its top, once the voltage has come down by a tenth of it. It is followed while the
+/* Follows the present rise. gated: its gate pulse is there. A rise ends at its top, once the
+ * voltage has come down by a tenth of it, and true is returned then. It is followed while the
  * device conducts too, so that the voltage of a device that goes out is known from its own foot on:
  * where in that rise the current counts as gone is known less well than the voltage. */
-static vs_value follow_rise(vs_rise *r, const vs_course_step *c, bool gated) {
-  double v0 = c->from[VS_OF_V], v1 = c->to[VS_OF_V], now = fmax(v1, 0);
-  if (!r->count) begin_rise(r, c->t0_s, fmax(v0, 0));
-  double foot = r->v[0], top = r->v[r->count - 1];
+static bool follow_rise(vs_rise *r, const vs_course_step *c, bool gated) {
+  double t0_s = c->t0_s, v0 = c->from[VS_OF_V], v1 = c->to[VS_OF_V];
   if (v0 < 0 && v1 > 0) {
-    begin_rise(r, c->t0_s - v0 / (v1 - v0) * c->h_s, 0);
-    foot = top = 0;
+    t0_s -= v0 / (v1 - v0) * c->h_s;
+    begin_rise(r, t0_s, 0);
   }
-  if (now > top) {
-    if (r->count == VS_RISE_POINTS) thin_out(r);
-    r->t_s[r->count] = c->t1_s;
-    r->v[r->count++] = now;
+  v0 = fmax(v0, 0);
+  v1 = fmax(v1, 0);
+  if (!r->begun) begin_rise(r, t0_s, v0);
+  if (v1 > v0)
+    climb(r, &(climbed){t0_s, v0, v1, (c->t1_s - t0_s) / (v1 - v0)});
+  else
+    r->s_per_v = INFINITY;
+  if (v1 > r->top_v) {
+    r->top_v = v1;
     r->gated = r->gated && gated;
-  } else if (r->count == 1 || top - now > 0.1 * (top - foot)) {
-    vs_value rate = end_rise(r);
-    begin_rise(r, c->t1_s, now);
-    return rate;
   }
-  return (vs_value){0};
+  return r->top_v - v1 >= 0.1 * (r->top_v - r->foot_v);
+}
+
+/* The steepest stretch of four fifths of what the present rise did, where that is less than over_v.
+ * took_s is INFINITY where it rose by less than 10 V. */
+static vs_ascent four_fifths(const vs_rise *r) {
+  double height_v = r->top_v - r->foot_v, each_v = r->over_v / VS_RISE_PARTS;
+  double high = fmin(floor(0.8 * height_v / each_v), VS_RISE_PARTS),
+         last = floor(r->top_v / each_v);
+  vs_ascent best = {.took_s = INFINITY};
+  if (height_v < FORWARD_V || high < 1) return best;
+  for (double level = ceil(r->foot_v / each_v); level + high <= last; level++) {
+    const vs_passed *from = &r->passed[(size_t)level % VS_RISE_LEVELS];
+    const vs_passed *to = &r->passed[(size_t)(level + high) % VS_RISE_LEVELS];
+    bool kept = from->number == level + 1 && to->number == level + high + 1;
+    double took_s = to->t_s - from->t_s;
+    if (kept && took_s > 0 && took_s < best.took_s)
+      best = (vs_ascent){from->t_s, took_s, high * each_v};
+  }
+  return best;
+}
+
+/* True where four fifths of the present rise are less than over_v. */
+static bool is_low(const vs_rise *r) {
+  return 0.8 * (r->top_v - r->foot_v) < r->over_v;
+}
+
+static double rate_of(const vs_ascent *a) {
+  return a->over_v / a->took_s;
+}
+
+static void tell_ascent(const vs_ascent *a, vs_value *rate, double *over_v) {
+  if (!isfinite(a->took_s)) return;
+  *rate = (vs_value){true, rate_of(a), a->from_s};
+  *over_v = a->over_v;
 }
 
 /* ---- conduction ---- */
@@ -149,11 +194,15 @@ static void follow_fired_v(vs_switch *s, const vs_course_step *c, double began_s
  * at some e^-8 of the current. A conduction that outlasts ten of them holds itself. Where t_q is
  * not known it counts as 150 us, which is long for a thyristor of this size. */
 static const double DECAYS = 10, SLOW_T_Q_S = 150e-6;
+static double stores_s(const vs_switch *s) {
+  return isfinite(s->t_q_s) ? s->t_q_s : SLOW_T_Q_S;
+}
+
 static bool has_latched(const vs_switch *s) {
   bool by_pulse = s->by_gate && s->gate.gates.count;
   double from_s = by_pulse ? s->gate.off_since_s : s->fired_s;
   if (!(from_s >= s->fired_s)) return false; /* its pulse is still there */
-  return s->zero_s - from_s > DECAYS * (isfinite(s->t_q_s) ? s->t_q_s : SLOW_T_Q_S);
+  return s->zero_s - from_s > DECAYS * stores_s(s);
 }
 
 /* Of a device that conducts both ways: notes since when its current is below a tenth of its peak.
@@ -307,7 +356,9 @@ void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, const vs_gate
                    .fired_s = NAN,
                    .rose_s = NAN,
                    .tenth_s = NAN,
-                   .unanswered_s = NAN};
+                   .unanswered_s = NAN,
+                   .stored = {.took_s = INFINITY},
+                   .stored_at_s = -INFINITY};
   vs_switching_gate_begin(&s->gate, timeline, gates);
   vs_conduction_begin(&s->conduction);
 }
@@ -339,15 +390,6 @@ static vs_value follow_turn_on(vs_switch *s, const vs_course_step *c, double rat
   return (vs_value){s->turning_on && rate > 0, rate, c->t1_s};
 }
 
-static void follow_blocking(vs_switch *s, const vs_course_step *c, double rate,
-                            vs_switch_news *news) {
-  news->rise = follow_rise(&s->rise, c, is_gated(s));
-  if (rate > s->off_rate) {
-    s->off_rate = rate;
-    news->off_rate = (vs_value){true, rate, c->t1_s};
-  }
-}
-
 /* The largest rate of forward voltage, which counts as 0 while the voltage is reversed. */
 static double forward_rate(vs_slope *slope, const vs_course_step *c) {
   double v0 = c->from[VS_OF_V], v1 = c->to[VS_OF_V], largest = -INFINITY, zero_s = c->t0_s;
@@ -359,33 +401,83 @@ static double forward_rate(vs_slope *slope, const vs_course_step *c) {
   return fmax(largest, vs_slope_follow(slope, zero_s, fmax(v0, 0), c->t1_s, fmax(v1, 0), 1));
 }
 
-/* The first rise behind a conduction is (dv/dt)c, too. */
+/* Tells of the present rise what is steeper than what was told of it. */
+static void tell_rise(vs_rise *r, vs_switch_news *news) {
+  if (!(r->best.took_s < r->told_s)) return;
+  r->told_s = r->best.took_s;
+  tell_ascent(&r->best, &news->rise, &news->rise_v);
+}
+
+/* The first rise of 10 V or more behind a conduction has ended: it is (dv/dt)c, too. */
 static void tell_return(vs_switch *s, vs_switch_news *news) {
-  if (!s->commutates || !news->rise.known) return;
-  news->return_rise = news->rise;
-  s->commutates = false;
+  vs_ascent ascent = is_low(&s->rise) ? four_fifths(&s->rise) : s->rise.best;
+  tell_ascent(&ascent, &news->return_rise, &news->return_v);
+  s->commutates = s->commutates && !news->return_rise.known;
+}
+
+/* What the present rise may fire the device by: its steepest stretch. */
+static vs_ascent drive_of(const vs_rise *r) {
+  return isfinite(r->best.took_s) ? r->best : four_fifths(r);
+}
+
+/* Keeps the steepest stretch of a rise that has ended while the device blocked: what it has stored
+ * may fire the device some time later. One that is less steep is kept in its place once the charge
+ * of the one before has decayed. */
+static void keep_rise(vs_switch *s, double now_s) {
+  vs_ascent ascent = drive_of(&s->rise);
+  bool decayed = now_s - s->stored_at_s > stores_s(s);
+  if (!isfinite(ascent.took_s) || !(decayed || rate_of(&ascent) > rate_of(&s->stored))) return;
+  s->stored = ascent;
+  s->stored_at_s = now_s;
+}
+
+/* While the device blocks. What rises under its gate pulse is told only where the device has not
+ * fired by the rise's end. */
+static void tell_blocked(vs_switch *s, double now_s, bool ended, vs_switch_news *news) {
+  if (ended || !s->rise.gated) tell_rise(&s->rise, news);
+  if (ended) keep_rise(s, now_s);
+  if (ended && s->commutates) tell_return(s, news);
+}
+
+/* The device has fired. The rise that it fired by may have ended before. */
+static void tell_fired(vs_switch *s, bool commutated, vs_switch_news *news) {
+  vs_ascent by = drive_of(&s->rise);
+  bool stored = s->fired_s - s->stored_at_s <= stores_s(s);
+  if (stored && rate_of(&s->stored) > rate_of(&by)) by = s->stored;
+  news->fired_v = s->fired_v;
+  news->fired_rate = rate_of(&by);
+  news->fired_over_v = by.over_v;
+  s->stored_at_s = -INFINITY;
+  if (s->rise.gated && !news->unintended.known) return;
+  tell_rise(&s->rise, news);
+  if (news->unintended.known && !news->rise.known) tell_ascent(&by, &news->rise, &news->rise_v);
+  if (commutated) tell_return(s, news);
+}
+
+static void follow_rises(vs_switch *s, const vs_course_step *c, bool was_on, bool commutated,
+                         vs_switch_news *news) {
+  bool on = s->conduction.conducts, ended = follow_rise(&s->rise, c, is_gated(s));
+  if (!was_on && !on) tell_blocked(s, c->t1_s, ended, news);
+  if (!was_on && on) tell_fired(s, commutated, news);
+  if (!was_on && on)
+    s->rise.begun = false;
+  else if (ended)
+    begin_rise(&s->rise, c->t1_s, fmax(c->to[VS_OF_V], 0));
 }
 
 static void follow(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
-  bool was_on = s->conduction.conducts, commutates = s->commutates;
+  bool was_on = s->conduction.conducts, commutated = s->commutates;
   double off_rate = forward_rate(&s->off, c);
   double on_rate = vs_slope_follow(&s->on, c->t0_s, c->from[VS_OF_I], c->t1_s, c->to[VS_OF_I], 1);
   vs_switching_gate_follow(&s->gate, c);
   follow_current(s, c, news);
   follow_pulse(s, c, news);
+  if (s->rise.over_v > 0) follow_rises(s, c, was_on, commutated, news);
   if (!was_on && !s->conduction.conducts) {
-    follow_blocking(s, c, off_rate, news);
-  } else {
-    if (was_on) {
-      follow_rise(&s->rise, c, is_gated(s));
-    } else {
-      if (s->rise.count && !s->rise.gated) news->rise = end_rise(&s->rise);
-      s->rise.count = 0;
-    }
-    if (s->turning_on) news->on_rate = follow_turn_on(s, c, on_rate);
-  }
-  s->commutates = s->commutates || (commutates && news->rise.known);
-  tell_return(s, news);
+    if (off_rate > s->off_rate) news->off_rate = (vs_value){true, off_rate, c->t1_s};
+    s->off_rate = fmax(s->off_rate, off_rate);
+  } else if (s->turning_on)
+    news->on_rate = follow_turn_on(s, c, on_rate);
 }
 
 void vs_switching_follow(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {

@@ -12,9 +12,16 @@
  *                          the device had latched and comes back to half of the forward voltage
  *                          it had fired from without having been reversed, as it may when it lets
  *                          go at its holding current, to the first 10 V
- *   rise                   of 10 V or more of forward voltage. One that has its gate pulse from
- *                          its foot on, and ends as the device fires, does not count: the device
- *                          was meant to conduct, and data sheets give dv/dt for an open gate
+ *   rise                   of forward voltage, up to where it has come down by a tenth of it. One
+ *                          that has its gate pulse from its foot on, and ends as the device fires,
+ *                          does not count: the device was meant to conduct, and data sheets give
+ *                          dv/dt for an open gate
+ *   dv/dt                  the steepest mean rate over any stretch that rises by over_v: the
+ *                          shortest time from any instant to one at which the forward voltage is
+ *                          that much more. The voltage may come down in between, as it does in a
+ *                          ring. Reverse voltage counts as none. A rise that ends in an unintended
+ *                          firing and is lower than over_v, but 10 V or more, is told by its
+ *                          steepest stretch of four fifths of its height
  *   commutation failure    an unintended firing on the first forward voltage after a conduction,
  *                          where the time offered was below the part's t_q, or that is not known
  *
@@ -26,8 +33,8 @@
  * once; and a triac that then conducts without a gate pulse has failed to commutate. Of a triac
  * there is also:
  *   (di/dt)c               mean rate at which the current falls from a tenth of its peak to zero
- *   (dv/dt)c               mean rate from 10 to 90 % of the first rise of 10 V or more behind a
- *                          conduction */
+ *   (dv/dt)c               the same as dv/dt, of the first rise of 10 V or more behind a
+ *                          conduction; over four fifths of it where that is less than over_v */
 #ifndef VS_STRESS_SWITCHING_H
 #define VS_STRESS_SWITCHING_H
 
@@ -69,13 +76,35 @@ void vs_switching_gate_begin(vs_gate_watch *gate, const vs_timeline *timeline,
 /* Takes the next step. */
 void vs_switching_gate_follow(vs_gate_watch *gate, const vs_course_step *c);
 
-/* A rise of forward voltage, from its foot to its top so far. Where the points are full, those that
- * say least are left out. */
-enum { VS_RISE_POINTS = 256 };
+/* A stretch of a rise, over which a mean rate is told. */
+typedef struct vs_ascent {
+  double from_s, took_s; /* took_s: INFINITY where there is no such stretch */
+  double over_v;         /* how far it rises */
+} vs_ascent;
+
+/* The last time at which a voltage rose through a level. */
+typedef struct vs_passed {
+  double number; /* of the level, from 1 for 0 V on; 0: none was passed */
+  double t_s;
+} vs_passed;
+
+/* A rise of forward voltage, from its foot to its top so far. The times are kept at which the
+ * voltage last rose through levels that lie an 800th of over_v apart, as many as the highest 1.28
+ * times over_v has. They are exact for a course that runs straight from knot to knot, however many
+ * knots there are. So stretches that begin on a level are told exactly, and so are those that begin
+ * at the foot or at the last knee. Others are missed: the rate told is never above the steepest of
+ * over_v, and it is at least that of a stretch that is an 800th higher, less an 800th. */
+enum { VS_RISE_PARTS = 800, VS_RISE_LEVELS = 1024 };
 typedef struct vs_rise {
-  size_t count; /* 0: no rise is followed */
-  bool gated;   /* its gate pulse was there since its foot */
-  double t_s[VS_RISE_POINTS], v[VS_RISE_POINTS];
+  double over_v; /* how far a stretch rises over which dv/dt is told; 0: no rise is followed */
+  bool begun;    /* a rise is followed */
+  bool gated;    /* its gate pulse was there since its foot */
+  double foot_s, foot_v, top_v;
+  double knee_s, knee_v; /* where it last became twice as steep from one step to the next */
+  double s_per_v;        /* of the step before; INFINITY: it did not rise */
+  vs_ascent best;        /* its steepest stretch of over_v */
+  double told_s;         /* took_s of the last one of its stretches that was told */
+  vs_passed passed[VS_RISE_LEVELS]; /* level k, from 0, in number k modulo VS_RISE_LEVELS */
 } vs_rise;
 
 typedef struct vs_switch {
@@ -99,8 +128,10 @@ typedef struct vs_switch {
   bool conducted;   /* in the present gate pulse it conducted */
   double unanswered_s; /* end of a gate pulse that may have failed; NaN: there is none */
   vs_rise rise;
-  vs_slope off, on; /* rates of its forward voltage and of its current, followed all the time */
-  double off_rate;  /* the largest of its forward voltage while it blocked, V/s */
+  vs_ascent stored;   /* steepest stretch of a rise that ended before, while it blocked */
+  double stored_at_s; /* when that rise ended; -INFINITY: there was none since the last firing */
+  vs_slope off, on;   /* rates of its forward voltage and of its current, followed all the time */
+  double off_rate;    /* the largest of its forward voltage while it blocked, V/s */
 } vs_switch;
 /* gates: as in vs_gate_watch. */
 void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, const vs_gates *gates,
@@ -111,13 +142,15 @@ void vs_switching_resume(vs_switch *s, double i_a, double v_v);
 
 /* What a step brought. Values that are not known were not brought. */
 typedef struct vs_switch_news {
-  bool any;                   /* one of the values is known */
-  double way;                 /* the half cycle that the step belongs to, as in vs_switch */
-  vs_value fires, extinct;    /* only their instants mean anything */
-  vs_value rise;              /* mean rate from 10 to 90 % of a rise that has ended, V/s */
-  vs_value off_rate;          /* a rate of blocked forward voltage, V/s, above all before */
-  vs_value on_rate;           /* a rate of the current as it turns on, A/s */
+  bool any;                /* one of the values is known */
+  double way;              /* the half cycle that the step belongs to, as in vs_switch */
+  vs_value fires, extinct; /* only their instants mean anything */
+  vs_value rise;     /* mean rate of a stretch of a rise, V/s, above all before of this rise */
+  double rise_v;     /* how far that stretch rises */
+  vs_value off_rate; /* a rate of blocked forward voltage, V/s, above all before */
+  vs_value on_rate;  /* a rate of the current as it turns on, A/s */
   vs_value fall, return_rise; /* (di/dt)c, A/s, and (dv/dt)c, V/s */
+  double return_v;            /* how far the stretch of return_rise rises */
   vs_value offered;           /* the time offered, s, where no gate pulse was there at its end */
   double doubt_s; /* error of the time offered: how long the current crept before its zero */
   double
@@ -125,8 +158,11 @@ typedef struct vs_switch_news {
   vs_value misfire, unintended; /* only their instants mean anything */
   bool commutation_failure;     /* the unintended firing is one */
   bool unlatched;               /* the misfire: a current flowed, and did not latch */
-  double fired_rate, fired_v;   /* of an unintended firing: the steepest rate, V/s, of the rise that
-                                   ended in it, and its forward voltage then */
+  /* Of the firing that the step told, if it did: the steepest rate of the rise that ended in it, or
+   * of one that ended no longer before than the part's t_q (150 us where that is not known) if it
+   * was steeper, V/s, over fired_over_v; 0 where the voltage did not rise. And the forward voltage
+   * from which the device fired. */
+  double fired_rate, fired_over_v, fired_v;
 } vs_switch_news;
 /* Takes the next step and fills `news`. */
 void vs_switching_follow(vs_switch *s, const vs_course_step *c, vs_switch_news *news);

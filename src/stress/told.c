@@ -9,9 +9,20 @@
 
 /* ---- news of a device that conducts or blocks ---- */
 
+static void prepare_rise(vs_watched *w, vs_reduced *r) {
+  r->over_v = vs_devices_dv_dt_over(w->deck, w->device);
+  if (w->states) w->states->rise.over_v = r->over_v;
+}
+
+/* Takes the rate of a stretch that rises by over_v. */
+static void take_stretch(vs_reduced *r, vs_value rate, double over_v) {
+  vs_reducer_offer(r, rate, false);
+  if (rate.known && r->value.at_s == rate.at_s && r->value.value == rate.value) r->over_v = over_v;
+}
+
 static void take_rise(const vs_watched *w, vs_reduced *r, const vs_switch_news *news) {
   (void)w;
-  vs_reducer_offer(r, news->rise, vs_reducer_is_held_from_below(r));
+  take_stretch(r, news->rise, news->rise_v);
 }
 
 static void take_off_rate(const vs_watched *w, vs_reduced *r, const vs_switch_news *news) {
@@ -69,8 +80,8 @@ static void take_unintended(const vs_watched *w, vs_reduced *r, const vs_switch_
     snprintf(cause, VS_CAUSE_SIZE, "breakover at %.4g V, beyond V_DRM of %.4g V", news->fired_v,
              most_v);
   else if (news->fired_rate > 0)
-    snprintf(cause, VS_CAUSE_SIZE, "dv/dt of %.3g V/us up to %.3g V", 1e-6 * news->fired_rate,
-             news->fired_v);
+    snprintf(cause, VS_CAUSE_SIZE, "dv/dt of %.3g V/us over %.3g V, up to %.3g V",
+             1e-6 * news->fired_rate, news->fired_over_v, news->fired_v);
   else
     snprintf(cause, VS_CAUSE_SIZE, "at %.3g V, without a rise", news->fired_v);
 }
@@ -111,7 +122,7 @@ static void take_arc(vs_reduced *r, const vs_melting_news *news) {
 
 static void take_return_rise(const vs_watched *w, vs_reduced *r, const vs_switch_news *news) {
   (void)w;
-  vs_reducer_offer(r, news->return_rise, false);
+  take_stretch(r, news->return_rise, news->return_v);
 }
 
 static void take_fall(const vs_watched *w, vs_reduced *r, const vs_switch_news *news) {
@@ -120,10 +131,12 @@ static void take_fall(const vs_watched *w, vs_reduced *r, const vs_switch_news *
 }
 
 #define HAPPENS .state_size = sizeof(vs_happening)
-const vs_reducer vs_told_rise = {.is_rate = true, .take_news = take_rise},
+const vs_reducer vs_told_rise = {.is_rate = true, .prepare = prepare_rise, .take_news = take_rise},
                  vs_told_off_rate = {.is_rate = true, .take_news = take_off_rate},
                  vs_told_on_rate = {.is_rate = true, .take_news = take_on_rate},
-                 vs_told_return_rise = {.is_rate = true, .take_news = take_return_rise},
+                 vs_told_return_rise = {.is_rate = true,
+                                        .prepare = prepare_rise,
+                                        .take_news = take_return_rise},
                  vs_told_fall = {.is_rate = true, .take_news = take_fall},
                  vs_told_offered = {.prepare = prepare_offered, .take_news = take_offered},
                  vs_told_misfire = {HAPPENS, .counts = true, .take_news = take_misfire},

@@ -91,6 +91,7 @@ static void print_row(rows *r, const vs_shown *m, int k) {
     if (measured->value != 0)
       fprintf(r->out, ": computed is %+.1f %%", 100 * (m->value.value / measured->value - 1));
   }
+  if (m->over_v > 0) fprintf(r->out, "   over %s", vs_amount_text(m->over_v, "V", value));
   if (m->unjudged) fprintf(r->out, "   %s", m->unjudged);
   fputc('\n', r->out);
 }
@@ -141,6 +142,8 @@ static void print_cell(rows *r, const vs_shown *m, const char *device, int *cell
   fprintf(r->out, "%*s", *cells % CELLS * CELL - r->column, "");
   r->column = *cells % CELLS * CELL +
               fprintf(r->out, "%s %s", dot + 1, vs_amount_text(m->value.value, m->unit, value));
+  if (m->over_v > 0)
+    r->column += fprintf(r->out, " over %s", vs_amount_text(m->over_v, "V", value));
   ++*cells;
 }
 

@@ -44,6 +44,7 @@ static void print_device(const vs_judgement *j, int width, FILE *out) {
   fprintf(out, "  %-*s %11.4g %11.4g %-5s %11s ", width, vs_verdict_name(j, name),
           j->stress.value / unit, j->limit->value / unit, j->limit->unit, at);
   print_margin(j, out);
+  if (j->over_v > 0) fprintf(out, "  over %.4g V", j->over_v);
   if (j->ward) fprintf(out, "  limit of %s", j->ward->name);
   fprintf(out, "%s\n", j->assumed ? "  assumed" : "");
 }

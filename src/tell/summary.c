@@ -122,6 +122,15 @@ void vs_summary_measure(vs_json *json, const char *name, vs_value v, const char 
   vs_json_end(json);
 }
 
+/* "over": {"value": 120, "unit": "V"}: how far the stretch rises that a rate is the mean of. */
+static void add_over(vs_json *json, double over_v) {
+  if (!(over_v > 0)) return;
+  vs_json_object(json, "over", VS_JSON_ROW);
+  vs_json_number(json, "value", over_v, DIGITS);
+  vs_json_text(json, "unit", "V");
+  vs_json_end(json);
+}
+
 static void add_measures(vs_json *json, const vs_scene *s, const vs_result *r,
                          const vs_summary_more *more) {
   vs_shown m;
@@ -135,6 +144,7 @@ static void add_measures(vs_json *json, const vs_scene *s, const vs_result *r,
     if (!isnan(m.value.at_s)) vs_json_number(json, "at_s", m.value.at_s, DIGITS);
     if (k < standard && s->measured[k].known)
       vs_json_number(json, "measured", s->measured[k].value, DIGITS);
+    add_over(json, m.over_v);
     if (m.unjudged) vs_json_text(json, "unjudged", m.unjudged);
     vs_json_end(json);
   }
@@ -262,6 +272,7 @@ static void add_device(vs_json *json, const vs_judgement *j) {
   vs_json_number(json, "stress", j->stress.value / unit, DIGITS);
   vs_json_number(json, "at_s", j->stress.at_s, DIGITS);
   vs_json_number(json, "limit", j->limit->value / unit, DIGITS);
+  add_over(json, j->over_v);
   if (j->ward) vs_json_text(json, "limit_of", j->ward->name);
   vs_json_bool(json, "assumed", j->assumed);
 }

@@ -58,6 +58,7 @@ static vs_judgement judge_device(const vs_deck *deck, const vs_device *d, const 
                         .margin_error = NAN,
                         .is_rate = r->by->is_rate,
                         .assumed = r->limit->assumed || r->assumed,
+                        .over_v = r->over_v,
                         .doubt = d->doubtful ? INFINITY : r->doubt / limit,
                         .spread = r->spread / limit,
                         .stress = r->value,

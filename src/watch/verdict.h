@@ -31,6 +31,8 @@ typedef struct vs_judgement {
   vs_value stress;     /* the extreme that is nearer to its limit, or further beyond it */
   bool is_rate;        /* the measure is a rate over a short time */
   bool assumed;        /* no source says the limit, or a figure that the stress is made of */
+  double over_v;       /* of a rate of rise: how far the stretch rises that the stress is the mean
+                          rate of; 0: of any other */
   double doubt;        /* the margin may be wrong by this besides */
   double spread;   /* sensitivity: a relative error e of the run changes the margin by e spread */
   double failed_s; /* instant at which the limit was first passed; NaN: it was not */
