@@ -251,6 +251,7 @@ typedef struct vs_deck {
   vs_where reads_eva; /* the first line of a circuit element, or of a function, that names a node of
                          the EVA's; no file: none does */
   char line[2][VS_DECK_NAME]; /* nodes at which surges couple in; empty: not said */
+  char earth[VS_DECK_NAME];   /* the node of the protective earth; empty: not said */
   int subcircuits;            /* how many are open, while the deck is read */
   vs_where subcircuit;        /* of the outermost that is open */
   bool own_clock;             /* a source or an expression of the deck's own knows the time */
