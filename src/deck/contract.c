@@ -250,6 +250,7 @@ static const struct directive {
                   {"require", vs_parts_require, 0},
                   {"device", vs_devices_line, 0},
                   {"zth", vs_devices_zth, 0},
+                  {"pulse", vs_devices_pulse, 0},
                   {"compat", read_compat, 0}};
 enum { N_DIRECTIVES = sizeof DIRECTIVES / sizeof *DIRECTIVES };
 

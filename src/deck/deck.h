@@ -126,6 +126,14 @@ typedef struct vs_zth {
   vs_where where;
 } vs_zth;
 
+/* The peak current that a part bears in `number` pulses of that width, one of a table. The width is
+ * that of the rectangle of the same peak and charge. */
+typedef struct vs_derating {
+  double width_s, number, current_a;
+  bool assumed; /* no source says it */
+  vs_where where;
+} vs_derating;
+
 /* An end of a rating: a number, or a limit of a part. */
 typedef struct vs_bound {
   double value;                                 /* the number, in the rating's unit */
@@ -238,6 +246,8 @@ typedef struct vs_deck {
   size_t n_devices;
   vs_zth zth[VS_DECK_LIMITS];
   size_t n_zth;
+  vs_derating deratings[VS_DECK_LIMITS];
+  size_t n_deratings;
   vs_part parts[VS_DECK_PARTS];
   size_t n_parts;
   const char *eva_file; /* of the program's, that an event has put in the place of the EVA's

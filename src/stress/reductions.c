@@ -6,6 +6,7 @@
 
 #include "stress/junction.h"
 #include "stress/pulse.h"
+#include "stress/repeated.h"
 #include "stress/told.h"
 
 /* ---- peaks ---- */
