@@ -41,7 +41,8 @@ static double larger(double a, double b) {
   return fmax(fabs(a), fabs(b));
 }
 
-/* The program's own, with its default tolerance; `keys`: more of the event. */
+/* The program's own, with its default tolerance; `keys`: more of the event. What the books leave
+ * over is told relative to 1 % of what is drawn, as the machine is idle: 2e-2 of that. */
 static stress simulated(const strike *s, const char *keys) {
   char scene[600];
   write_file("d.cir", LINE);
@@ -61,7 +62,7 @@ static stress simulated(const strike *s, const char *keys) {
                larger(measure_of(r.out, "i_varistor_max"), measure_of(r.out, "i_varistor_min")),
                loss ? strtod(loss + strlen("\"varistor\": "), NULL) : NAN};
   const char *books = strstr(r.out, "\"residual\": ");
-  EXPECT(books && strtod(books + strlen("\"residual\": "), NULL) < 5e-3, "%s: %.40s", scene, books);
+  EXPECT(books && strtod(books + strlen("\"residual\": "), NULL) < 2e-2, "%s: %.40s", scene, books);
   free_ran(&r);
   return of;
 }
