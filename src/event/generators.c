@@ -39,8 +39,10 @@
        "how often the run with this pulse comes; one is simulated, heat adds up",                  \
        NULL,                                                                                       \
        NULL},                                                                                      \
-      {"every", VS_REAL, "s", "60 s", 0, 1e9, true, VS_EVENT_V_(every_s),                          \
-       "from one of them to the next", NULL, NULL}
+  {                                                                                                \
+    "every", VS_REAL, "s", "60 s", 0, 1e9, true, VS_EVENT_V_(every_s),                             \
+        "from one of them to the next", NULL, NULL                                                 \
+  }
 
 /* ---- what they have in common ---- */
 
@@ -91,10 +93,10 @@ static vs_status check_line(const vs_occurrence *e, const vs_deck *deck, vs_erro
 
 /* Brings the network onto the line in the midst of a run, at node vs_k<index>. Up to then it is
  * without current and charge, and 1 fF holds the line's voltage. From then on this voltage lies in
- * series with the coupling capacitor, as if that had been charged to it: so no current flows because
- * of the switch alone, and the line does not jump. The 10 uohm of the closed switch are a hundred
- * thousandth of what follows. 1 fF is little enough to leave ngspice's steps alone: its charge at
- * 1 V is what an error of a charge does not matter below (coupling/pace.c). */
+ * series with the coupling capacitor, as if that had been charged to it: so no current flows
+ * because of the switch alone, and the line does not jump. The 10 uohm of the closed switch are a
+ * hundred thousandth of what follows. 1 fF is little enough to leave ngspice's steps alone: its
+ * charge at 1 V is what an error of a charge does not matter below (coupling/pace.c). */
 static vs_status switch_on(const vs_occurrence *e, size_t k, vs_deck *deck, vs_error *err) {
   const char *back = return_of(e, deck);
   vs_status status = vs_wiring_on_line(deck, e, k, err);
@@ -110,37 +112,40 @@ static vs_status switch_on(const vs_occurrence *e, size_t k, vs_deck *deck, vs_e
   return VS_OK;
 }
 
-/* Puts the generator's source, its coupling and its connection to the deck's line into the deck.
- * Node vs_g<index> is the source's, vs_o<index> the one where the network is to end. `coupling` is
- * the capacitor of coupling: line and of coupling: earth, in the units of a netlist. */
-static vs_status at_line(const vs_occurrence *e, size_t k, vs_deck *deck,
-                         const char *const coupling[2], vs_error *err) {
+/* Puts the generator's source and its connection to the deck's line into the deck. Node vs_g<index>
+ * is the source's. */
+static vs_status at_line(const vs_occurrence *e, size_t k, vs_deck *deck, vs_error *err) {
   char node[VS_DECK_NAME], nodes[2 * VS_DECK_NAME + 1];
   vs_status status = check_line(e, deck, err);
   if (status) return status;
-  const char *back = return_of(e, deck), end = e->on_line_s > 0 ? 'k' : 'l';
+  const char *back = return_of(e, deck);
   snprintf(nodes, sizeof nodes, "%s,%s", deck->line[0], back);
   vs_wiring_line(deck, e->where, "Vvs_s%zu %s vs_l%zu 0", k, deck->line[0], k);
   status = vs_wiring_loss(deck, e, k, nodes, err);
   if (!status && e->on_line_s > 0) status = switch_on(e, k, deck, err);
   if (status) return status;
-  vs_wiring_line(deck, e->where, "Cvs_o%zu vs_o%zu vs_%c%zu %s ic=0", k, k, end, k,
-                 coupling[e->v.earth]);
   snprintf(node, sizeof node, "vs_g%zu", k);
   return vs_wiring_source(deck, e, k, node, back, err);
 }
 
-/* The same where 10 ohm lie in series with the capacitor of coupling: earth. The generator's own
- * output is node vs_q<index>, or vs_o<index> where there are none. */
-static vs_status at_line_or_earth(const vs_occurrence *e, size_t k, vs_deck *deck, char output[],
-                                  vs_error *err) {
-  static const char *const COUPLING[] = {"18u", "9u"};
-  vs_status status = at_line(e, k, deck, COUPLING, err);
-  snprintf(output, VS_DECK_NAME, "vs_%c%zu", e->v.earth ? 'q' : 'o', k);
-  if (!status && e->v.earth)
-    vs_wiring_line(deck, e->where, "Rvs_q%zu vs_q%zu vs_o%zu 10", k, k, k);
-  return status;
+/* What a generator is coupled by; in the units of a netlist. */
+typedef struct coupling {
+  const char *capacitor[2];   /* of coupling: line, earth */
+  const char *earth_resistor; /* in series with the latter; NULL: none */
+} coupling;
+
+/* Puts the coupling between the generator's output, node vs_o<index>, and what at_line has put
+ * there. */
+static void couple(const vs_occurrence *e, size_t k, vs_deck *deck, const coupling *by) {
+  const char end = e->on_line_s > 0 ? 'k' : 'l';
+  bool resists = e->v.earth && by->earth_resistor;
+  if (resists)
+    vs_wiring_line(deck, e->where, "Rvs_q%zu vs_o%zu vs_q%zu %s", k, k, k, by->earth_resistor);
+  vs_wiring_line(deck, e->where, "Cvs_o%zu vs_%c%zu vs_%c%zu %s ic=0", k, resists ? 'q' : 'o', k,
+                 end, k, by->capacitor[e->v.earth]);
 }
+
+static const coupling OF_SURGES = {{"18u", "9u"}, "10"}, OF_BURSTS = {{"33n", "33n"}, NULL};
 
 /* ---- surge 1.2/50-8/20 us, 2 ohm (IEC 61000-4-5) ----
  * A capacitor of 5.9302 uF, charged to 1.06044 of the level, is switched onto 20.154 ohm; then
@@ -154,8 +159,7 @@ static vs_status at_line_or_earth(const vs_occurrence *e, size_t k, vs_deck *dec
 static const vs_field SURGE[] = {
     VS_EVENT_KIND, VS_EVENT_AT,
     VS_EVENT_LEVEL("1 kV", 0.5, 4, "open-circuit voltage of the generator (IEC 61000-4-5)"),
-    POLARITY,
-    COUPLED("line to line, 18 uF; line to earth, 9 uF and 10 ohm")};
+    POLARITY, COUPLED("line to line, 18 uF; line to earth, 9 uF and 10 ohm")};
 
 static double surge_source(const vs_occurrence *e, double t_s) {
   return t_s > e->start_s + vs_occurrence_rounding(t_s) ? sign(e) * 1.06044 * e->v.level_v : 0;
@@ -169,8 +173,7 @@ static double surge_longest(const vs_occurrence *e, double t_s) {
 }
 
 static vs_status surge_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_error *err) {
-  char output[VS_DECK_NAME];
-  vs_status status = at_line_or_earth(e, k, deck, output, err);
+  vs_status status = at_line(e, k, deck, err);
   if (status) return status;
   const char *back = return_of(e, deck);
   vs_wiring_line(deck, e->where, "Cvs_g%zu vs_g%zu vs_c%zu 5.9302u ic=0", k, k, k);
@@ -179,8 +182,9 @@ static vs_status surge_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_
                  k, k, k, k, back, k, k);
   vs_wiring_line(deck, e->where, "Rvs_g%zu vs_h%zu %s 20.154", k, k, back);
   vs_wiring_line(deck, e->where, "Lvs_g%zu vs_h%zu vs_i%zu 10.871u ic=0", k, k, k);
-  vs_wiring_line(deck, e->where, "Rvs_i%zu vs_i%zu %s 0.81412", k, k, output);
-  vs_wiring_line(deck, e->where, "Rvs_o%zu %s %s 26.151", k, output, back);
+  vs_wiring_line(deck, e->where, "Rvs_i%zu vs_i%zu vs_o%zu 0.81412", k, k, k);
+  vs_wiring_line(deck, e->where, "Rvs_o%zu vs_o%zu %s 26.151", k, k, back);
+  couple(e, k, deck, &OF_SURGES);
   return VS_OK;
 }
 
@@ -190,8 +194,8 @@ static void surge_network(const vs_occurrence *e, char *text, size_t size) {
 
 /* ---- ring wave 0.5 us - 100 kHz (IEEE C62.41, IEC 61000-4-12) ----
  * The open-circuit wave is an ideal source behind the generator's impedance, which lies on the line
- * with the coupling. Before and behind the wave the source has 0 V. So the mains add to the wave and
- * do not change it. */
+ * with the coupling. Before and behind the wave the source has 0 V. So the mains add to the wave
+ * and do not change it. */
 
 static const vs_field RING_WAVE[] = {
     VS_EVENT_KIND,
@@ -214,16 +218,15 @@ static double ring_longest(const vs_occurrence *e, double t_s) {
 }
 
 static vs_status ring_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_error *err) {
-  char output[VS_DECK_NAME];
-  vs_status status = at_line_or_earth(e, k, deck, output, err);
-  if (!status)
-    vs_wiring_line(deck, e->where, "Rvs_g%zu vs_g%zu %s %.17g", k, k, output, e->v.impedance_ohm);
-  return status;
+  vs_status status = at_line(e, k, deck, err);
+  if (status) return status;
+  vs_wiring_line(deck, e->where, "Rvs_g%zu vs_g%zu vs_o%zu %.17g", k, k, k, e->v.impedance_ohm);
+  couple(e, k, deck, &OF_SURGES);
+  return VS_OK;
 }
 
 static void ring_network(const vs_occurrence *e, char *text, size_t size) {
-  snprintf(text, size, "%s + %.6g ohm", e->v.earth ? "9 uF + 10 ohm" : "18 uF",
-           e->v.impedance_ohm);
+  snprintf(text, size, "%s + %.6g ohm", e->v.earth ? "9 uF + 10 ohm" : "18 uF", e->v.impedance_ohm);
 }
 
 /* ---- burst of 5/50 ns pulses (IEC 61000-4-4) ----
@@ -280,10 +283,11 @@ static double eft_edge(const vs_occurrence *e, double t_s) {
 }
 
 static vs_status eft_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_error *err) {
-  static const char *const COUPLING[] = {"33n", "33n"};
-  vs_status status = at_line(e, k, deck, COUPLING, err);
-  if (!status) vs_wiring_line(deck, e->where, "Rvs_g%zu vs_g%zu vs_o%zu 50", k, k, k);
-  return status;
+  vs_status status = at_line(e, k, deck, err);
+  if (status) return status;
+  vs_wiring_line(deck, e->where, "Rvs_g%zu vs_g%zu vs_o%zu 50", k, k, k);
+  couple(e, k, deck, &OF_BURSTS);
+  return VS_OK;
 }
 
 static void eft_network(const vs_occurrence *e, char *text, size_t size) {
