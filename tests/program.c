@@ -13,7 +13,7 @@
 #include <time.h>
 #include <unistd.h>
 
-double measure_of(const char *json, const char *name) {
+double measure_in(const char *json, const char *name) {
   char key[100];
   snprintf(key, sizeof key, "\"%s\": {\"value\": ", name);
   const char *at = strstr(json, key);

@@ -49,7 +49,7 @@ ran collect(pid_t child);
 void write_gated_deck(void);
 
 /* The value of a measure in summary.json's text; NaN: it has none of that name. */
-double measure_of(const char *json, const char *name);
+double measure_in(const char *json, const char *name);
 
 /* Whole file, with a zero byte behind it; empty when it is not there. */
 char *read_file(const char *path);

@@ -536,8 +536,8 @@ static void a_fuse_protects_or_not(void) {
                "ms}}\n");
     ran r = run("run s.yaml --json --quiet --set circuit.fuse_2=%s", FUSES[k]);
     EXPECT(r.status == (k ? 3 : 0), "%s", r.err);
-    i2t[k] = measure_of(r.out, "thyristor.i2t");
-    of_fuse = measure_of(r.out, "fuse_2.let_through");
+    i2t[k] = measure_in(r.out, "thyristor.i2t");
+    of_fuse = measure_in(r.out, "fuse_2.let_through");
     CLOSE(of_fuse, i2t[k], 0.01); /* one current, but for the snubber's */
     const char *judged = strstr(r.out, "\"measure\": \"let_through\"");
     EXPECT(judged && strstr(judged, "\"limit\": 72, \"limit_of\": \"thyristor\""), "%s", r.out);
@@ -748,7 +748,7 @@ static void polarities(void) {
     write_file("s.yaml", scene);
     ran r = run("run s.yaml --json --quiet%s", ROWS[k].set);
     EXPECT(r.status == 0, "%s%s: %s", ROWS[k].scene, ROWS[k].set, r.err);
-    double most = measure_of(r.out, "v_a_max"), least = measure_of(r.out, "v_a_min");
+    double most = measure_in(r.out, "v_a_max"), least = measure_in(r.out, "v_a_min");
     EXPECT(ROWS[k].sign * (most + least) > 500, "%s%s: %g..%g V", ROWS[k].scene, ROWS[k].set, least,
            most);
     free_ran(&r);

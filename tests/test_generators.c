@@ -58,8 +58,8 @@ static stress simulated(const strike *s, const char *keys) {
   ran r = run("run s.yaml --json --quiet");
   EXPECT(r.status == 0, "%s: %s", scene, r.err);
   const char *loss = strstr(r.out, "\"varistor\": ");
-  stress of = {larger(measure_of(r.out, "v_line_max"), measure_of(r.out, "v_line_min")),
-               larger(measure_of(r.out, "i_varistor_max"), measure_of(r.out, "i_varistor_min")),
+  stress of = {larger(measure_in(r.out, "v_line_max"), measure_in(r.out, "v_line_min")),
+               larger(measure_in(r.out, "i_varistor_max"), measure_in(r.out, "i_varistor_min")),
                loss ? strtod(loss + strlen("\"varistor\": "), NULL) : NAN};
   const char *books = strstr(r.out, "\"residual\": ");
   EXPECT(books && strtod(books + strlen("\"residual\": "), NULL) < 2e-2, "%s: %.40s", scene, books);
@@ -252,6 +252,7 @@ static void named_in_the_results(void) {
       {"from=1ms", "\nline   on the line from 1 ms: surge s1 (", "\"from_s\": 0.001"},
       {"coupling=earth", "surge s1 (9 uF + 10 ohm + 2 ohm, line to earth)\n",
        "9 uF + 10 ohm + 2 ohm, line to earth"},
+      {"times=10", "\npulses 10, 60 s apart: one is simulated", "\"times\": 10, \"every_s\": 60}"},
       {"kind=ring_wave", "ring_wave s1 (18 uF + 12 ohm, line to line)\n",
        "18 uF + 12 ohm, line to line"},
       {"kind=eft", "eft s1 (33 nF + 50 ohm, line to line)\n", "33 nF + 50 ohm, line to line"}};
@@ -427,7 +428,7 @@ static void heat_adds_up(void) {
   }
   for (int times = 1; times <= 5; times += 4) {
     ran r = run("run s.yaml --json --quiet --set events.s.times=%d", times);
-    CLOSE(measure_of(r.out, "t.t_j_rise"), times > 1 ? five : once, 2e-4);
+    CLOSE(measure_in(r.out, "t.t_j_rise"), times > 1 ? five : once, 2e-4);
     CU_ASSERT_EQUAL(r.status, times > 1 ? 3 : 0); /* 92 K lies between them */
     free_ran(&r);
   }
@@ -476,12 +477,12 @@ static void a_table_of_pulses(void) {
     const char *line = strstr(r.out, "\"measure\": \"i_pulse\"");
     const char *limit = line ? strstr(line, "\"limit\": ") : NULL;
     CLOSE(limit ? strtod(limit + strlen("\"limit\": "), NULL) : NAN, allowed, 1e-3);
-    CLOSE(measure_of(r.out, "w.i_pulse"), 1000, 1e-6);
+    CLOSE(measure_in(r.out, "w.i_pulse"), 1000, 1e-6);
     EXPECT(strstr(line ? line : "", times > 1 ? "\"assumed\": true" : "\"assumed\": false"), "%s",
            r.out);
     EXPECT(!strstr(r.out, "no derating"), "%s", r.out);
     if (times > 1) /* 1 J of 1000 A, 1 V, 100 us and its edges */
-      CLOSE(measure_of(r.out, "w.power_repeated"), 0.1 / 30, 2e-3);
+      CLOSE(measure_in(r.out, "w.power_repeated"), 0.1 / 30, 2e-3);
     free_ran(&r);
   }
   ran r = run("run s.yaml --json --quiet --set events.s.times=1000");

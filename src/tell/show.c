@@ -145,6 +145,12 @@ static void print_on_line(const vs_events *events, FILE *out) {
             e->on_line_s > 0 ? vs_amount_text(e->on_line_s, "s", from) : "the start", e->kind->name,
             e->name, network);
   }
+  const vs_occurrence *repeated = vs_occurrence_repeated(events);
+  if (repeated)
+    fprintf(out,
+            "pulses %d, %s apart: one is simulated, and t_j_rise and i_pulse are told for the last "
+            "of them\n",
+            repeated->v.times, vs_amount_text(repeated->v.every_s, "s", from));
 }
 
 /* What was run, and how. */

@@ -51,6 +51,8 @@ static void add_on_line(vs_json *json, const vs_scene *s) {
     vs_json_text(json, "kind", e->kind->name);
     vs_json_number(json, "from_s", e->on_line_s, DIGITS);
     vs_json_text(json, "network", network);
+    if (e->v.times > 1) vs_json_whole(json, "times", e->v.times);
+    if (e->v.times > 1) vs_json_number(json, "every_s", e->v.every_s, DIGITS);
     vs_json_end(json);
   }
   if (any) vs_json_end(json);
