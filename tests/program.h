@@ -48,6 +48,9 @@ ran collect(pid_t child);
  * 12 A, between the mains and the EVA. Nothing in it wants short steps. */
 void write_gated_deck(void);
 
+/* The value of a measure in summary.json's text; NaN: it has none of that name. */
+double measure_in(const char *json, const char *name);
+
 /* Whole file, with a zero byte behind it; empty when it is not there. */
 char *read_file(const char *path);
 int count_lines(const char *text);

@@ -523,13 +523,6 @@ static void some_turns_are_shorted(void) {
   vs_trial_free(t);
 }
 
-static double measure_of(const char *json, const char *name) {
-  char key[100];
-  snprintf(key, sizeof key, "\"%s\": {\"value\": ", name);
-  const char *at = strstr(json, key);
-  return at ? strtod(at + strlen(key), NULL) : NAN;
-}
-
 /* The coil shorted behind a stiff source: the shipped F2 clears at a tenth of the thyristor's 72
  * A2s, a 50 A one of its family lets three times that through, and is warned of by its table alone.
  * The deck says that F2 protects the thyristor. */
@@ -543,8 +536,8 @@ static void a_fuse_protects_or_not(void) {
                "ms}}\n");
     ran r = run("run s.yaml --json --quiet --set circuit.fuse_2=%s", FUSES[k]);
     EXPECT(r.status == (k ? 3 : 0), "%s", r.err);
-    i2t[k] = measure_of(r.out, "thyristor.i2t");
-    of_fuse = measure_of(r.out, "fuse_2.let_through");
+    i2t[k] = measure_in(r.out, "thyristor.i2t");
+    of_fuse = measure_in(r.out, "fuse_2.let_through");
     CLOSE(of_fuse, i2t[k], 0.01); /* one current, but for the snubber's */
     const char *judged = strstr(r.out, "\"measure\": \"let_through\"");
     EXPECT(judged && strstr(judged, "\"limit\": 72, \"limit_of\": \"thyristor\""), "%s", r.out);
@@ -657,8 +650,6 @@ static void bad_input(void) {
       {"{e: {kind: surge, at: 1 ms, polarity: up}}",
        "s.yaml:2:47: ", "is not one of: +|-|positive|negative"},
       {"{e: {kind: surge, at: 1 ms, polarity: -}}", "s.yaml:2:47: ", "is written in quotes: '-'"},
-      {"{e: {kind: surge, at: 30 ms}}", "s.yaml:2:31: ", "the run ends at run.until = 0.025 s"},
-      {"{e: {kind: surge, cycle: 3, angle: 90 deg}}", "s.yaml:2:34: ", "it would begin at 0.045 s"},
       {"{e: {kind: surge}}", "s.yaml:2:10: ", "'at', or 'cycle' and 'angle', is wanted"},
       {"{e: {kind: missing_pulse}}", "s.yaml:2:10: ", "'at', or 'cycle', is wanted"},
       {"{e: {kind: missing_pulse, at: 3 ms}}", "s.yaml:2:35: ", "has no key 'at'"},
@@ -758,7 +749,7 @@ static void polarities(void) {
     write_file("s.yaml", scene);
     ran r = run("run s.yaml --json --quiet%s", ROWS[k].set);
     EXPECT(r.status == 0, "%s%s: %s", ROWS[k].scene, ROWS[k].set, r.err);
-    double most = measure_of(r.out, "v_a_max"), least = measure_of(r.out, "v_a_min");
+    double most = measure_in(r.out, "v_a_max"), least = measure_in(r.out, "v_a_min");
     EXPECT(ROWS[k].sign * (most + least) > 500, "%s%s: %g..%g V", ROWS[k].scene, ROWS[k].set, least,
            most);
     free_ran(&r);

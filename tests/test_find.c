@@ -69,7 +69,7 @@ static void lists_as_json(void) {
        "{\"name\": \"v_ak\", \"unit\": \"V\", \"text\": \"anode-cathode voltage\", \"tier\": "
        "\"circuit\"}",
        "lambda");
-  LIST("events sag --json", "\"keys\": [{\"key\": \"at\"", "swell");
+  LIST("events sag --json", "\"keys\": [{\"key\": \"off\"", "swell");
   LIST("parts BT151-800R --json", "\"limits\": [{\"name\": \"v_drm\", \"value\": \"800 V\"", NULL);
 }
 

@@ -204,6 +204,16 @@ static vs_status read_line_nodes(vs_deck *deck, vs_cursor *c, vs_error *err) {
   return *c->at ? vs_fail_at(err, vs_cursor_here(c), "nothing may follow the nodes") : VS_OK;
 }
 
+/* earth NODE */
+static vs_status read_earth(vs_deck *deck, vs_cursor *c, vs_error *err) {
+  if (*deck->earth) return vs_fail_at(err, c->line, "a second '*$ earth'");
+  if (!vs_cursor_word(c, "._#", deck->earth, sizeof deck->earth))
+    return vs_fail_at(err, vs_cursor_here(c), "'earth NODE' is wanted here");
+  vs_cursor_lower(deck->earth);
+  vs_cursor_skip(c);
+  return *c->at ? vs_fail_at(err, vs_cursor_here(c), "nothing may follow the node") : VS_OK;
+}
+
 /* compat ps */
 static vs_status read_compat(vs_deck *deck, vs_cursor *c, vs_error *err) {
   vs_cursor_skip(c);
@@ -230,6 +240,7 @@ static const struct directive {
                   {"param", read_param, VS_LOST_PARAM},
                   {"port", read_port, VS_LOST_PORT},
                   {"line", read_line_nodes, 0},
+                  {"earth", read_earth, 0},
                   {"probe", read_probe, VS_LOST_PROBE},
                   {"loss", read_loss, 0},
                   {"store", read_store, 0},
@@ -239,6 +250,7 @@ static const struct directive {
                   {"require", vs_parts_require, 0},
                   {"device", vs_devices_line, 0},
                   {"zth", vs_devices_zth, 0},
+                  {"pulse", vs_devices_pulse, 0},
                   {"compat", read_compat, 0}};
 enum { N_DIRECTIVES = sizeof DIRECTIVES / sizeof *DIRECTIVES };
 

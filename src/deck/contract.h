@@ -50,6 +50,7 @@
  *   *$ limit  NAME = none "TEXT"
  *       an ideal part has none
  *   *$ zth    R K/W  TAU s [assumed] "TEXT"
+ *   *$ pulse  WIDTH us  NUMBER  CURRENT A [assumed] "TEXT"
  *       a term of its junction's transient thermal impedance, sum of R (1 - exp(-t/TAU)) (a Foster
  *       network)
  *

@@ -126,6 +126,14 @@ typedef struct vs_zth {
   vs_where where;
 } vs_zth;
 
+/* The peak current that a part bears in `number` pulses of that width, one of a table. The width is
+ * that of the rectangle of the same peak and charge. */
+typedef struct vs_derating {
+  double width_s, number, current_a;
+  bool assumed; /* no source says it */
+  vs_where where;
+} vs_derating;
+
 /* An end of a rating: a number, or a limit of a part. */
 typedef struct vs_bound {
   double value;                                 /* the number, in the rating's unit */
@@ -239,6 +247,8 @@ typedef struct vs_deck {
   size_t n_devices;
   vs_zth zth[VS_DECK_LIMITS];
   size_t n_zth;
+  vs_derating deratings[VS_DECK_LIMITS];
+  size_t n_deratings;
   vs_part parts[VS_DECK_PARTS];
   size_t n_parts;
   const char *eva_file; /* of the program's, that an event has put in the place of the EVA's
@@ -252,6 +262,7 @@ typedef struct vs_deck {
   vs_where reads_eva; /* the first line of a circuit element, or of a function, that names a node of
                          the EVA's; no file: none does */
   char line[2][VS_DECK_NAME]; /* nodes at which surges couple in; empty: not said */
+  char earth[VS_DECK_NAME];   /* the node of the protective earth; empty: not said */
   int subcircuits;            /* how many are open, while the deck is read */
   vs_where subcircuit;        /* of the outermost that is open */
   bool own_clock;             /* a source or an expression of the deck's own knows the time */

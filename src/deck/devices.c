@@ -98,6 +98,27 @@ vs_status vs_devices_zth(vs_deck *deck, vs_cursor *c, vs_error *err) {
   return status;
 }
 
+/* pulse WIDTH us NUMBER CURRENT A [assumed] "TEXT" */
+vs_status vs_devices_pulse(vs_deck *deck, vs_cursor *c, vs_error *err) {
+  vs_derating d = {.where = c->line};
+  char text[VS_DECK_TEXT], number[VS_DECK_NAME], *end;
+  vs_cursor_skip(c);
+  vs_where where = vs_cursor_here(c);
+  bool good = read_positive(c, "s", &d.width_s);
+  vs_cursor_token(c, number, sizeof number);
+  d.number = strtod(number, &end);
+  good = good && end != number && !*end && d.number >= 1 && read_positive(c, "A", &d.current_a);
+  if (!good)
+    return vs_fail_at(err, where,
+                      "pulse: a width, a number and a current are wanted here, as 20 us 10 2500 A");
+  d.assumed = vs_cursor_is(c, "assumed");
+  vs_status status = vs_cursor_text(c, text, sizeof text, err);
+  if (!status && deck->n_deratings >= VS_DECK_LIMITS)
+    status = vs_fail_at(err, c->line, "more than %d of these lines", VS_DECK_LIMITS);
+  if (!status) deck->deratings[deck->n_deratings++] = d;
+  return status;
+}
+
 /* ---- once the parts are chosen ---- */
 
 /* The index of the deck's part of that name; -1: there is none. */
@@ -252,6 +273,61 @@ const vs_limit *vs_devices_limit(const vs_deck *deck, const vs_device *d,
 
 double vs_devices_dv_dt_over(const vs_deck *deck, const vs_device *d) {
   return vs_parts_dv_dt_over(deck, file_of(deck, d));
+}
+
+/* ---- a table of pulses ---- */
+
+bool vs_devices_has_pulses(const vs_deck *deck, const vs_device *d) {
+  const char *file = file_of(deck, d);
+  for (size_t k = 0; file && k < deck->n_deratings; k++)
+    if (!strcmp(deck->deratings[k].where.file, file)) return true;
+  return false;
+}
+
+/* Two neighbours in a table, at or below x and at or above it; y: what they have. */
+typedef struct bracket {
+  double x[2], y[2];
+} bracket;
+
+static const bracket NONE = {{-INFINITY, INFINITY}, {NAN, NAN}};
+
+static void narrow(bracket *b, double x, double at, double y) {
+  if (x <= at && x >= b->x[0]) b->x[0] = x, b->y[0] = y;
+  if (x >= at && x <= b->x[1]) b->x[1] = x, b->y[1] = y;
+}
+
+/* The power law between them. Below the first row it is that row's; above the last it is NaN. */
+static double between(const bracket *b, double at) {
+  if (isinf(b->x[1])) return NAN;
+  if (isinf(b->x[0]) || b->x[0] == b->x[1]) return b->y[1];
+  double part = log(at / b->x[0]) / log(b->x[1] / b->x[0]);
+  return b->y[0] * pow(b->y[1] / b->y[0], part);
+}
+
+/* The current of the rows of one number, at that width. */
+static double at_width(const vs_deck *deck, const char *file, double number, double width_s,
+                       bool *assumed) {
+  bracket b = NONE;
+  for (size_t k = 0; k < deck->n_deratings; k++) {
+    const vs_derating *d = &deck->deratings[k];
+    if (strcmp(d->where.file, file) || d->number != number) continue;
+    narrow(&b, d->width_s, width_s, d->current_a);
+    *assumed = *assumed || d->assumed;
+  }
+  return between(&b, width_s);
+}
+
+double vs_devices_bears(const vs_deck *deck, const vs_device *device, double width_s, double number,
+                        bool *assumed) {
+  const char *file = file_of(deck, device);
+  bracket b = NONE;
+  *assumed = false;
+  for (size_t k = 0; file && k < deck->n_deratings; k++)
+    if (!strcmp(deck->deratings[k].where.file, file))
+      narrow(&b, deck->deratings[k].number, number, 0);
+  for (int n = 0; n < 2; n++)
+    b.y[n] = isinf(b.x[n]) ? NAN : at_width(deck, file, b.x[n], width_s, assumed);
+  return between(&b, number);
 }
 
 static vs_status check_limits(const vs_deck *deck, const vs_device *d, vs_error *err) {

@@ -11,6 +11,7 @@
 /* Each reads the rest of one line, behind its first word. Errors with their place. */
 vs_status vs_devices_line(vs_deck *deck, vs_cursor *c, vs_error *err);
 vs_status vs_devices_zth(vs_deck *deck, vs_cursor *c, vs_error *err);
+vs_status vs_devices_pulse(vs_deck *deck, vs_cursor *c, vs_error *err);
 
 /* Gives devices their kinds, parts, gates and wards, once the parts are chosen. Errors with their
  * place, each of which a check carries on from: a device that is no part and of no kind, a gate
@@ -24,6 +25,16 @@ const vs_limit *vs_devices_limit(const vs_deck *deck, const vs_device *device,
 
 /* The same as vs_parts_dv_dt_over, of the device's part. */
 double vs_devices_dv_dt_over(const vs_deck *deck, const vs_device *device);
+
+/* True where the device's part has a table of pulses. */
+bool vs_devices_has_pulses(const vs_deck *deck, const vs_device *device);
+
+/* The peak current, A, that the device bears in `number` pulses of that width, by its part's table:
+ * a power law between two rows of it, of width and of number. A shorter pulse, and a smaller
+ * number, than the table has is taken for the least that it has. Returns NaN where the table ends
+ * before, or where there is none. *assumed: one of the rows used is. */
+double vs_devices_bears(const vs_deck *deck, const vs_device *device, double width_s, double number,
+                        bool *assumed);
 
 /* True where device number `device` protects another one and, by the makers' figures, may let more
  * through (i2t_clear) than that one bears (i2t). `text` then says so. */

@@ -208,7 +208,14 @@ static const vs_device_measure VARISTOR[] = {
      VS_R_HEAT, VS_OF_POWER, 1, "energy", VS_AT_MOST},
     {"energy_total", "J", "energy over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST},
     {"power", "W", "mean power, over the time that measure says; " MEAN_IS_JUDGED, VS_R_MEAN,
-     VS_OF_POWER, 1, "p_max", VS_AT_MOST}};
+     VS_OF_POWER, 1, "p_max", VS_AT_MOST},
+    {"i_pulse", "A",
+     "peak current of the pulse that comes nearest to the part's table over width and number (its "
+     "lines pulse); the number is the event's key times",
+     VS_R_DERATED, VS_OF_I, 0, NULL, VS_AT_MOST},
+    {"power_repeated", "W",
+     "mean power where a pulse comes again: energy_total over the event's key every", VS_R_REPEATED,
+     VS_OF_POWER, 1, NULL, VS_AT_MOST}};
 static const vs_device_measure RESISTOR[] = {
     {"power", "W", "mean power, over the time that measure says; " MEAN_IS_JUDGED, VS_R_MEAN,
      VS_OF_POWER, 1, "p_rated", VS_AT_MOST},

@@ -43,7 +43,10 @@ enum { VS_OF_V, VS_OF_FLUX, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_COURSES };
  *   VS_R_CONDUCTION, VS_R_SWITCHING, VS_R_RECOVERY, VS_R_BLOCKING   the parts of the loss, which
  *                     are all of it: stress/losses.h
  *   VS_R_E_ON, VS_R_E_OFF, VS_R_E_RECOVERY   the largest of a single switching
- *   VS_R_TURNED_OFF   largest current that was turned off */
+ *   VS_R_TURNED_OFF   largest current that was turned off
+ *   VS_R_DERATED      peak of the pulse that comes nearest to what the part's lines `pulse` allow
+ *                     for its width and number
+ *   VS_R_REPEATED     mean over the time from one pulse to the next, where events repeat the run */
 #define VS_REDUCTION_LIST(X)                                                                       \
   X(VS_R_PEAK, peak)                                                                               \
   X(VS_R_MEAN, mean)                                                                               \
@@ -75,7 +78,9 @@ enum { VS_OF_V, VS_OF_FLUX, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_COURSES };
   X(VS_R_E_ON, vs_told_e_on)                                                                       \
   X(VS_R_E_OFF, vs_told_e_off)                                                                     \
   X(VS_R_E_RECOVERY, vs_told_e_recovery)                                                           \
-  X(VS_R_TURNED_OFF, vs_told_turned_off)
+  X(VS_R_TURNED_OFF, vs_told_turned_off)                                                           \
+  X(VS_R_DERATED, derated)                                                                         \
+  X(VS_R_REPEATED, repeated)
 
 typedef enum vs_reduction {
 #define VS_REDUCTION_ID(id, plug) id,

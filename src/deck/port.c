@@ -14,7 +14,8 @@ static const struct drive {
   bool modulated; /* follows pulse-width modulation */
 } DRIVES[] = {[VS_PORT_MAINS] = {"mains", false, false},    [VS_PORT_GATE] = {"gate", true, false},
               [VS_PORT_BURST] = {"burst", true, false},     [VS_PORT_PWM] = {"pwm", false, true},
-              [VS_PORT_PWM_LOW] = {"pwm_low", false, true}, [VS_PORT_EVENT] = {NULL, false, false}};
+              [VS_PORT_PWM_LOW] = {"pwm_low", false, true}, [VS_PORT_EVENT] = {NULL, false, false},
+              [VS_PORT_ON_LINE] = {NULL, false, false}};
 _Static_assert(sizeof DRIVES / sizeof *DRIVES == VS_PORT_DRIVES, "a row for each drive");
 
 /* True where the drive's pulses may be delayed by an angle. */

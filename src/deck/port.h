@@ -13,7 +13,8 @@
 
 /* What drives a source: the mains' voltage; a gate pulse, 1 V while it lasts; the sub-pulses that
  * fill a gate pulse; the pulses of a modulated leg's upper and of its lower switch, 1 V while they
- * last; the wave of a generator or the control of a switch that an event puts into the deck.
+ * last; the wave of a generator or the control of a switch that an event puts into the deck; what
+ * brings a generator's network onto the line, 1 V from then on.
  * VS_PORT_DRIVES is their number. */
 enum {
   VS_PORT_MAINS,
@@ -22,6 +23,7 @@ enum {
   VS_PORT_PWM,
   VS_PORT_PWM_LOW,
   VS_PORT_EVENT,
+  VS_PORT_ON_LINE,
   VS_PORT_DRIVES
 };
 
@@ -30,7 +32,7 @@ typedef struct vs_signal {
   int drive;        /* VS_PORT_... */
   double shift_rad; /* gate and burst: how much later than the port `gate` its pulses come; pwm: how
                        much later the sine of its reference comes */
-  size_t event;     /* VS_PORT_EVENT: the event's index in the scene's list */
+  size_t event;     /* VS_PORT_EVENT and VS_PORT_ON_LINE: the event's index in the scene's list */
 } vs_signal;
 
 /* Reads a port's name. `where` is the place of the name, for the errors: the name is of no port, or

@@ -12,6 +12,7 @@
 #include "event/faults.h"
 #include "event/generators.h"
 #include "event/pulses.h"
+#include "syntax/units.h"
 
 /* ---- the kinds ---- */
 
@@ -56,8 +57,8 @@ static const vs_event_kind *find_kind(const vs_node *map, const char *name, vs_s
 }
 
 /* Sets the event's start, from `at` or from cycle and angle, and its end. */
-static vs_status place_in_time(const vs_node *map, const vs_timeline *t, double until_s,
-                               vs_occurrence *e, vs_error *err) {
+static vs_status place_in_time(const vs_node *map, const vs_timeline *t, vs_occurrence *e,
+                               vs_error *err) {
   const vs_node *at = vs_tree_child(map, "at"), *cycle = vs_tree_child(map, "cycle"),
                 *angle = vs_tree_child(map, "angle");
   if (at && (cycle || angle))
@@ -71,10 +72,25 @@ static vs_status place_in_time(const vs_node *map, const vs_timeline *t, double 
   e->start_s = at ? e->v.at_s : t->first_zero_s + turns * t->period_s;
   e->end_s = e->v.duration_s > 0 ? e->start_s + e->v.duration_s : INFINITY;
   if (e->v.count > 1) e->end_s += (e->v.count - 1) * e->period_s;
-  if (e->start_s < until_s) return VS_OK;
-  return vs_fail_at(err, (at ? at : cycle)->where,
-                    "events.%s: it would begin at %.6g s, and the run ends at run.until = %g s",
-                    e->name, e->start_s, until_s);
+  return VS_OK;
+}
+
+/* Sets since when a generator's network lies on the line, once its start is known. */
+static vs_status place_on_line(const vs_node *map, vs_occurrence *e, vs_error *err) {
+  char why[200];
+  const vs_node *from = vs_tree_child(map, "from");
+  if (!e->kind->network || !strcmp(e->v.from, "start")) return VS_OK;
+  if (!strcmp(e->v.from, "strike"))
+    e->on_line_s = e->start_s;
+  else if (!vs_units_read(e->v.from, "ms", &e->on_line_s, why, sizeof why) || e->on_line_s < 0)
+    return vs_fail_at(err, from->where,
+                      "events.%s.from: '%s' is none of: start, strike, a time as 15 ms", e->name,
+                      e->v.from);
+  if (e->on_line_s <= e->start_s) return VS_OK;
+  return vs_fail_at(err, from->where,
+                    "events.%s.from: its network would come onto the line at %.9g s, behind its "
+                    "wave, which begins at %.9g s; let it come before that, or write strike",
+                    e->name, e->on_line_s, e->start_s);
 }
 
 /* True where the mains cycle, counted from 1, has a firing. */
@@ -134,6 +150,25 @@ static vs_status check_count(const vs_node *map, const vs_timeline *t, const vs_
 
 static bool meet(const vs_occurrence *a, const vs_occurrence *b) {
   return a->start_s <= b->end_s && b->start_s <= a->end_s;
+}
+
+/* Error: the pulses of a generator follow one another faster than the run is long, which has one of
+ * them; or another event repeats the run already. */
+static vs_status check_times(const vs_node *map, const vs_events *events, double until_s,
+                             const vs_occurrence *e, vs_error *err) {
+  const vs_occurrence *other = vs_occurrence_repeated(events);
+  if (e->v.times <= 1) return VS_OK;
+  const vs_node *times = vs_tree_child(map, "times"), *every = vs_tree_child(map, "every");
+  if (e->v.every_s < until_s)
+    return vs_fail_at(err, (every ? every : times)->where,
+                      "events.%s.every: %g s is less than the run, of run.until = %g s, which has "
+                      "one of the pulses; let the run be shorter, or 'every' longer",
+                      e->name, e->v.every_s, until_s);
+  return other ? vs_fail_at(err, times->where,
+                            "events.%s.times: events.%s repeats the run already; leave one of the "
+                            "two out",
+                            e->name, other->name)
+               : VS_OK;
 }
 
 /* Error: the event and one before it act at the same time, and one would hide the other. Generators
@@ -196,7 +231,15 @@ static vs_status read_event(const vs_node *map, const vs_timeline *t, double unt
   if (!status && vs_error_count(err) == found)
     status = vs_error_carry_on(err, check_count(map, t, &e, err));
   if (!status && vs_error_count(err) == found)
-    status = vs_error_carry_on(err, place_in_time(map, t, until_s, &e, err));
+    status = vs_error_carry_on(err, place_in_time(map, t, &e, err));
+  if (!status && vs_error_count(err) == found)
+    status = vs_error_carry_on(err, place_on_line(map, &e, err));
+  if (e.v.off || (!status && vs_error_count(err) == found && !(e.start_s < until_s))) {
+    if (!status && vs_error_count(err) == found) events->unbuilt[events->n_unbuilt++] = e;
+    return status;
+  }
+  if (!status && vs_error_count(err) == found)
+    status = vs_error_carry_on(err, check_times(map, events, until_s, &e, err));
   if (!status && vs_error_count(err) == found)
     status = vs_error_carry_on(err, check_pulse(map, t, &e, err));
   if (!status && vs_error_count(err) == found)
@@ -208,7 +251,7 @@ static vs_status read_event(const vs_node *map, const vs_timeline *t, double unt
 vs_status vs_events_read(const vs_node *map, const vs_timeline *t, double until_s,
                          vs_events *events, vs_error *err) {
   vs_status status = VS_OK;
-  events->count = 0;
+  events->count = events->n_unbuilt = 0;
   if (!map || (map->kind == VS_NODE_TEXT && !*map->text)) return VS_OK;
   if (map->kind != VS_NODE_MAP)
     return vs_error_carry_on(err,
@@ -216,7 +259,7 @@ vs_status vs_events_read(const vs_node *map, const vs_timeline *t, double until_
                                         "events: a map of names is wanted: {surge1: {kind: surge, "
                                         "cycle: 3, angle: 90 deg}}"));
   for (const vs_node *n = map->child; n && !status; n = n->next)
-    status = events->count < VS_EVENTS_MOST
+    status = events->count + events->n_unbuilt < VS_EVENTS_MOST
                  ? read_event(n, t, until_s, events, err)
                  : vs_fail_at(err, n->key_where, "events: more than %d", VS_EVENTS_MOST);
   return status;

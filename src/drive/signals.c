@@ -40,6 +40,9 @@ static double event_voltage(const vs_timeline *t, const vs_signal *s, double t_s
   const vs_occurrence *e = &t->events.item[s->event];
   return e->kind->source(e, t_s);
 }
+static double on_line_voltage(const vs_timeline *t, const vs_signal *s, double t_s) {
+  return vs_occurrence_on_line(&t->events.item[s->event], t_s);
+}
 
 /* By VS_PORT_.... */
 static const struct drive {
@@ -51,7 +54,8 @@ static const struct drive {
               [VS_PORT_BURST] = {burst_voltage, burst_edge, true},
               [VS_PORT_PWM] = {pwm_voltage, pwm_edge, true},
               [VS_PORT_PWM_LOW] = {pwm_voltage, pwm_edge, true},
-              [VS_PORT_EVENT] = {event_voltage, no_edge, false}};
+              [VS_PORT_EVENT] = {event_voltage, no_edge, false},
+              [VS_PORT_ON_LINE] = {on_line_voltage, no_edge, true}};
 _Static_assert(sizeof DRIVES / sizeof *DRIVES == VS_PORT_DRIVES, "a row for each drive of a port");
 
 double vs_signals_voltage(const vs_timeline *t, const vs_signal *s, double t_s) {

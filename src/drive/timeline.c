@@ -24,6 +24,9 @@ static const vs_field SUPPLY[] = {
      "R_s, source; circuit tier only", NULL, NULL},
     {"inductance", VS_REAL, "mH", "0.5 mH", 0, 1e5, false, S_(inductance_h),
      "L_s, source; circuit tier only", NULL, NULL},
+    {"decoupling", VS_REAL, "mH", "0 mH", 0, 1e5, false, S_(decoupling_h),
+     "of a coupling/decoupling network, in series with L_s; 1.5 mH: IEC 61000-4-5; circuit tier only",
+     NULL, NULL},
 };
 static const vs_field FIRING[] = {
     {"valve", VS_CHOICE, "", "thyristor", 0, 0, false, F_(no_valve),
@@ -65,7 +68,7 @@ static vs_status refuse_unused(const vs_node *scene, const vs_timeline *t, const
 }
 
 vs_status vs_timeline_build(const vs_node *scene, vs_timeline *t, vs_memo *memo, vs_error *err) {
-  t->events.count = 0; /* its items are many, and count no more */
+  t->events.count = t->events.n_unbuilt = 0; /* its items are many, and count no more */
   t->program = NULL;
   size_t found = vs_error_count(err);
   const vs_node *firing = vs_tree_child(scene, "firing");

@@ -18,6 +18,7 @@
 typedef struct vs_supply_values {
   int direct; /* 1: direct voltage, voltage_v, instead of a sine */
   double voltage_v, frequency_hz, phase_rad, resistance_ohm, inductance_h;
+  double decoupling_h; /* of a coupling/decoupling network, between the source and the line */
 } vs_supply_values;
 typedef struct vs_firing_values {
   int no_valve; /* 1: the coil is on the mains from t = 0 on; what follows here does not count */

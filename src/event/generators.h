@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Kinds of events that are generators of a standard, coupled to the deck's line ('*$ line NODE
  * NODE'): surge, ring wave, fast transients. Several may come together, and closer than their waves
- * last: each is one of its own, coupled to the line from the beginning, and what they bring adds
- * up. */
+ * last: each is one of its own, with a network of its own on the line, which loads the others'
+ * waves; a run warns of that (scene/warnings.c). */
 #ifndef VS_EVENT_GENERATORS_H
 #define VS_EVENT_GENERATORS_H
 

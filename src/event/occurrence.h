@@ -21,6 +21,7 @@ typedef struct vs_event_values {
   double at_s, angle_rad, duration_s;
   int cycle; /* of the mains, from 1 */
   int count; /* repetitions, cycle by cycle */
+  int off;   /* 1: the event is not built */
   double level_v;
   double fraction; /* of the mains' amplitude, of a gate pulse's voltage, of the coil's turns, or of
                       the conveyed material; NaN: it stays */
@@ -28,7 +29,12 @@ typedef struct vs_event_values {
   int polarity;     /* 1: negative */
   double impedance_ohm, frequency_hz, phase_rad;
   int order;
+  int earth; /* 1: a generator is coupled from the line to earth, else from line to line */
+  int times; /* pulses of a generator, of which the run has the first */
+  double every_s; /* from one of these pulses to the next */
   char kind[VS_NAME_SIZE], element[VS_NAME_SIZE], gate[VS_NAME_SIZE];
+  char from[VS_NAME_SIZE]; /* "start", "strike" or a time: since when a generator's network lies on
+                              the line */
 } vs_event_values;
 
 /* How the value of `mains` acts: it is added to the mains' angle (rad), or, times their peak, to
@@ -41,15 +47,21 @@ typedef struct vs_occurrence {
   const struct vs_event_kind *kind;
   vs_event_values v;
   double start_s, end_s; /* end: INFINITY where it lasts */
+  double on_line_s;      /* since when a generator's network lies on the line; 0: since the run's
+                            start, without a switch. Other kinds have 0 */
   double period_s;       /* of the mains; repetitions come a period apart */
   double gate_rad;       /* delay of the one gate it acts on; NaN: it acts on all */
   vs_where where;        /* of its name in the scene */
 } vs_occurrence;
 
-/* The events of a scene, in the order of their lines. */
+/* The events of a scene, in the order of their lines. Those that are off, and those that would
+ * begin at or behind the run's end, are not built: the run is the one that it is without their
+ * lines. Only what is told of the scene has them. */
 typedef struct vs_events {
   vs_occurrence item[VS_EVENTS_MOST];
   size_t count;
+  vs_occurrence unbuilt[VS_EVENTS_MOST];
+  size_t n_unbuilt;
 } vs_events;
 
 /* A kind. Members that are NULL, 0 or false say that its events do no such thing. */
@@ -83,6 +95,8 @@ typedef struct vs_event_kind {
   vs_status (*wire)(const vs_occurrence *e, size_t index, vs_deck *deck, vs_error *err);
   /* The voltage of that source, V. */
   double (*source)(const vs_occurrence *e, double t_s);
+  /* Of a generator: what of it lies on the line, "18 uF + 2 ohm". */
+  void (*network)(const vs_occurrence *e, char *text, size_t size);
 } vs_event_kind;
 
 /* Returns the tolerance, s, within which a step that ends at t_s counts as ending on an edge. */
@@ -95,9 +109,21 @@ bool vs_occurrence_is_on(const vs_occurrence *e, double t_s);
 /* The next of its two edges, its start or its end: the `edge` of most kinds. */
 double vs_occurrence_edge(const vs_occurrence *e, double t_s);
 
-/* Puts the event off for ever: it begins at no time of any run. What it is in the deck stays.
+/* Puts the event off for ever: it begins at no time of any run. What it is in the deck stays, and a
+ * generator's network comes onto the line when it does, but for one that comes with its wave.
  * `number` is another one for each event of a scene, as no two may change one thing at once. */
 void vs_occurrence_put_off(vs_occurrence *e, size_t number);
+
+/* What of a generator lies on the line, and where: "18 uF + 2 ohm, line to line". Returns false,
+ * and writes nothing, for other kinds. */
+bool vs_occurrence_network(const vs_occurrence *e, char *text, size_t size);
+
+/* 1 from behind the instant on at which the generator's network comes onto the line, before that 0:
+ * what drives the switch by which it does. */
+double vs_occurrence_on_line(const vs_occurrence *e, double t_s);
+
+/* The event whose pulse comes more than once, which is for the whole run; NULL: there is none. */
+const vs_occurrence *vs_occurrence_repeated(const vs_events *events);
 
 /* True where the event acts on the gate whose pulses are delayed by shift_rad. */
 bool vs_occurrence_at_gate(const vs_occurrence *e, double shift_rad);
@@ -105,8 +131,12 @@ bool vs_occurrence_at_gate(const vs_occurrence *e, double shift_rad);
 /* ---- keys that several kinds have, as rows of a table of fields ---- */
 
 #define VS_EVENT_V_(member) offsetof(vs_event_values, member)
+/* The rows that every kind begins with. */
 #define VS_EVENT_KIND                                                                              \
-  { "kind", VS_NAME, "", "-", 0, 0, false, VS_EVENT_V_(kind), "what happens", NULL, NULL }
+  {"kind", VS_NAME, "", "-", 0, 0, false, VS_EVENT_V_(kind), "what happens", NULL, NULL}, {        \
+    "off", VS_CHOICE, "", "false", 0, 0, false, VS_EVENT_V_(off),                                  \
+        "true: the run is the one without this event", "false|true", NULL                          \
+  }
 #define VS_EVENT_CYCLE                                                                             \
   {                                                                                                \
     "cycle", VS_COUNT, "", "1", 1, 1e9, false, VS_EVENT_V_(cycle), "cycle of the mains, from 1",   \

@@ -21,15 +21,34 @@ void vs_wiring_line(vs_deck *deck, vs_where where, const char *format, ...) {
   vs_deck_add_line(deck, line);
 }
 
-vs_status vs_wiring_source(vs_deck *deck, const vs_occurrence *e, size_t index, const char *plus,
-                           const char *minus, vs_error *err) {
-  vs_port port = {.signal = {.drive = VS_PORT_EVENT, .event = index}, .where = e->where};
+/* Adds a port of the event, with the source that it drives. */
+static vs_status add_port(vs_deck *deck, const vs_occurrence *e, const vs_signal *signal,
+                          const char *source, vs_error *err) {
+  vs_port port = {.signal = *signal, .where = e->where};
   if (deck->n_ports >= VS_DECK_MOST)
     return vs_fail_at(err, e->where, "events.%s: more than %d ports", e->name, VS_DECK_MOST);
-  snprintf(port.source, sizeof port.source, "vvs_e%zu", index);
+  snprintf(port.source, sizeof port.source, "v%s", source);
   deck->ports[deck->n_ports++] = port;
-  vs_wiring_line(deck, e->where, "Vvs_e%zu %s %s external", index, plus, minus);
   return VS_OK;
+}
+
+vs_status vs_wiring_source(vs_deck *deck, const vs_occurrence *e, size_t index, const char *plus,
+                           const char *minus, vs_error *err) {
+  char name[VS_DECK_NAME - 1];
+  snprintf(name, sizeof name, "vs_e%zu", index);
+  const vs_signal signal = {.drive = VS_PORT_EVENT, .event = index};
+  vs_status status = add_port(deck, e, &signal, name, err);
+  if (!status) vs_wiring_line(deck, e->where, "V%s %s %s external", name, plus, minus);
+  return status;
+}
+
+vs_status vs_wiring_on_line(vs_deck *deck, const vs_occurrence *e, size_t index, vs_error *err) {
+  char name[VS_DECK_NAME - 1];
+  snprintf(name, sizeof name, "vs_w%zu", index);
+  const vs_signal signal = {.drive = VS_PORT_ON_LINE, .event = index};
+  vs_status status = add_port(deck, e, &signal, name, err);
+  if (!status) vs_wiring_line(deck, e->where, "V%s %s 0 external", name, name);
+  return status;
 }
 
 vs_status vs_wiring_account(vs_deck *deck, const vs_occurrence *e, const char *line,

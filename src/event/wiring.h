@@ -17,6 +17,10 @@ void vs_wiring_line(vs_deck *deck, vs_where where, const char *format, ...)
 vs_status vs_wiring_source(vs_deck *deck, const vs_occurrence *e, size_t index, const char *plus,
                            const char *minus, vs_error *err);
 
+/* Adds the source vvs_w<index> from node vs_w<index> to ground: 1 V once the event's network is to
+ * lie on the line, before that 0 V. Error: too many ports. */
+vs_status vs_wiring_on_line(vs_deck *deck, const vs_occurrence *e, size_t index, vs_error *err);
+
 /* Adds a line of the contract ("*$ loss ..."). */
 vs_status vs_wiring_account(vs_deck *deck, const vs_occurrence *e, const char *line, vs_error *err);
 

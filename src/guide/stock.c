@@ -69,6 +69,18 @@ static void put_limit(vs_entries *to, const vs_limit *limit) {
   vs_entry_object_end(to);
 }
 
+static void put_derating(vs_entries *to, const vs_derating *d) {
+  vs_entry_object(to);
+  vs_entry_number(to, "width_s", d->width_s);
+  vs_entry_number(to, "number", d->number);
+  vs_entry_number(to, "current_a", d->current_a);
+  if (d->assumed) vs_entry_true(to, "assumed");
+  vs_entry_say(to, "    pulse %g s, %g times, %g A%s", d->width_s, d->number, d->current_a,
+               d->assumed ? " (assumed)" : "");
+  vs_entry_line(to);
+  vs_entry_object_end(to);
+}
+
 static void put_limits(vs_entries *to, const vs_deck *part) {
   if (part->n_limits) vs_entry_array(to, "limits");
   for (size_t k = 0; k < part->n_limits; k++) put_limit(to, &part->limits[k]);
@@ -85,6 +97,9 @@ static void put_limits(vs_entries *to, const vs_deck *part) {
     vs_entry_object_end(to);
   }
   if (part->n_zth) vs_entry_array_end(to);
+  if (part->n_deratings) vs_entry_array(to, "pulses");
+  for (size_t k = 0; k < part->n_deratings; k++) put_derating(to, &part->deratings[k]);
+  if (part->n_deratings) vs_entry_array_end(to);
 }
 
 static void put_part(vs_entries *to, const vs_deck *part) {

@@ -47,6 +47,13 @@ static void add_maps(key_list *list, const vs_field *f, const char *member) {
   }
 }
 
+static void add_event(key_list *list, const vs_occurrence *e) {
+  char name[VS_KEY_SIZE];
+  snprintf(name, sizeof name, "events.%s", e->name);
+  const vs_section section = {name, e->kind->fields, e->kind->n_fields};
+  add_keys(list, name, &section, &e->v);
+}
+
 static key_list *all_keys(const vs_scene *scene) {
   const vs_setup *setup = &scene->setup;
   const vs_instruments *instruments = &scene->instruments;
@@ -65,12 +72,8 @@ static key_list *all_keys(const vs_scene *scene) {
   if (scene->control.observing.system)
     add_keys(list, vs_observing_section.name, &vs_observing_section, &scene->control.observing.v);
   const vs_events *events = &setup->timeline.events;
-  for (size_t e = 0; e < events->count; e++) {
-    char name[VS_KEY_SIZE];
-    snprintf(name, sizeof name, "events.%s", events->item[e].name);
-    const vs_section section = {name, events->item[e].kind->fields, events->item[e].kind->n_fields};
-    add_keys(list, name, &section, &events->item[e].v);
-  }
+  for (size_t e = 0; e < events->count; e++) add_event(list, &events->item[e]);
+  for (size_t e = 0; e < events->n_unbuilt; e++) add_event(list, &events->unbuilt[e]);
   return list;
 }
 

@@ -211,6 +211,68 @@ static void warn_of_loads(const vs_setup *s, vs_warnings *w) {
   }
 }
 
+/* Where the scene says when an event begins. */
+static vs_where place_in_time(const vs_node *root, const vs_occurrence *e) {
+  const vs_node *map = vs_tree_child(vs_tree_child(root, "events"), e->name);
+  const vs_node *at = vs_tree_child(map, "at"), *cycle = vs_tree_child(map, "cycle");
+  return at || cycle ? place_of(at ? at : cycle) : e->where;
+}
+
+/* Events that would begin once the run is over. Who turns one off knows. */
+static void warn_of_late_events(const vs_node *root, const vs_setup *s, vs_warnings *w) {
+  const vs_events *events = &s->timeline.events;
+  for (size_t k = 0; k < events->n_unbuilt; k++)
+    if (!events->unbuilt[k].v.off)
+      vs_fail_at(vs_warnings_add(w), place_in_time(root, &events->unbuilt[k]),
+                 "events.%s: it would begin at %.9g s, and the run ends at run.until = %.9g s: it "
+                 "is not built, and the run is the one without it",
+                 events->unbuilt[k].name, events->unbuilt[k].start_s, s->run.until_s);
+}
+
+/* Generators whose networks lie on the line together. In a laboratory there is one at a time. */
+static void warn_of_generators(const vs_setup *s, vs_warnings *w) {
+  const vs_events *events = &s->timeline.events;
+  const vs_occurrence *before = NULL;
+  for (size_t k = 0; k < events->count; k++) {
+    const vs_occurrence *e = &events->item[k];
+    if (!e->kind->network) continue;
+    double both_s = before ? fmax(e->on_line_s, before->on_line_s) : 0;
+    if (before)
+      vs_fail_at(vs_warnings_add(w), e->where,
+                 "events.%s: its network lies on the line together with that of events.%s, from "
+                 "%.9g s on: each loads the other's wave, and no standard has two; leave one of "
+                 "them out (off: true), or let each come with its wave (from: strike)",
+                 e->name, before->name, both_s);
+    before = e;
+  }
+}
+
+/* True for a device with a limit for the heat of one pulse, and no table over their number. */
+static bool bears_one_pulse(const vs_deck *deck, const vs_device *d) {
+  bool one = false, table = false;
+  for (size_t k = 0; d->kind && k < d->kind->n_measures; k++) {
+    const vs_device_measure *m = &d->kind->measures[k];
+    const vs_limit *limit = vs_devices_limit(deck, d, m);
+    one = one || (m->how == VS_R_HEAT && limit && isfinite(limit->value));
+    table = table || (m->how == VS_R_DERATED && vs_devices_has_pulses(deck, d));
+  }
+  return one && !table;
+}
+
+/* Devices of which nothing is known for more than one pulse. */
+static void warn_of_repetition(const vs_node *root, const vs_setup *s, vs_warnings *w) {
+  const vs_occurrence *e = vs_occurrence_repeated(&s->timeline.events);
+  const vs_deck *deck = &s->deck;
+  for (size_t k = 0; e && k < deck->n_devices; k++) {
+    if (!bears_one_pulse(deck, &deck->devices[k])) continue;
+    const vs_node *map = vs_tree_child(vs_tree_child(root, "events"), e->name);
+    vs_fail_at(vs_warnings_add(w), place_of(vs_tree_child(map, "times")),
+               "events.%s.times: %d pulses; %s states no derating over number (pulse), so its "
+               "limits for one pulse were used",
+               e->name, e->v.times, deck->devices[k].name);
+  }
+}
+
 /* A circuit whose supply is to have no resistance. */
 static void warn_of_supply(const vs_node *root, const vs_setup *s, vs_warnings *w) {
   const vs_supply_values *supply = &s->timeline.supply;
@@ -230,7 +292,10 @@ void vs_warnings_of_scene(const vs_node *root, const vs_setup *s, const vs_frame
   warn_of_law(root, &s->model.coil, w);
   warn_of_growth(root, &s->model, w);
   warn_of_loads(s, w);
+  warn_of_late_events(root, s, w);
   if (!deck) return;
+  warn_of_generators(s, w);
+  warn_of_repetition(root, s, w);
   vs_warnings_of_netlist(deck, w);
   /* a direct voltage is its own peak */
   double rms_v = s->timeline.supply.voltage_v / (s->timeline.supply.direct ? M_SQRT2 : 1);

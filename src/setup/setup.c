@@ -9,6 +9,7 @@
 #include "deck/eva.h"
 #include "deck/netlist.h"
 #include "deck/parts.h"
+#include "dialect/words.h"
 #include "drive/events.h"
 #include "drive/firing.h"
 #include "drive/signals.h"
@@ -116,13 +117,27 @@ void vs_setup_standard(const vs_setup *setup, vs_deck_value standard[VS_STANDARD
       [VS_STANDARD_F_MAINS] = supply->frequency_hz,
       [VS_STANDARD_PHASE] = supply->phase_rad,
       [VS_STANDARD_R_SOURCE] = vs_setup_source_ohm(setup),
-      [VS_STANDARD_L_SOURCE] = supply->inductance_h,
+      [VS_STANDARD_L_SOURCE] = supply->inductance_h + supply->decoupling_h,
       [VS_STANDARD_EVA_RESISTANCE] = setup->model.actuator.resistance_ohm,
       [VS_STANDARD_EVA_A] = setup->model.coil.a_hm,
   };
   _Static_assert(sizeof values / sizeof *values == VS_STANDARD, "a value for each name");
   for (int k = 0; k < VS_STANDARD; k++)
     standard[k] = (vs_deck_value){vs_deck_standard_names[k], values[k]};
+}
+
+/* Error: a decoupling inductance for a deck whose elements do not use l_source, of which it is a
+ * part. */
+static vs_status check_decoupling(const vs_node *scene, const vs_setup *setup, vs_error *err) {
+  const char *name = vs_deck_standard_names[VS_STANDARD_L_SOURCE];
+  const vs_deck *deck = &setup->deck;
+  if (!(setup->timeline.supply.decoupling_h > 0) || deck->lost) return VS_OK;
+  for (size_t k = 0; k < deck->n_lines; k++)
+    if (vs_words_find(deck->lines[k].text, deck->lines[k].text, name, strlen(name))) return VS_OK;
+  return vs_fail_at(err, vs_tree_place(scene, "supply.decoupling"),
+                    "supply.decoupling: the deck has no element of {%s}, of which it would be a "
+                    "part; give the mains' lead one, as 'Lsource s1 a {%s} ic=0'",
+                    name, name);
 }
 
 /* Error: load.fraction is auto, and the scene has no orbit with which it could be found. */
@@ -279,6 +294,7 @@ static vs_status build(const vs_node *scene, vs_setup *setup, bool has_deck, vs_
   if (!s)
     s = vs_events_read(vs_tree_child(scene, "events"), line, setup->run.until_s, &line->events,
                        err);
+  if (!s) s = vs_error_carry_on(err, check_decoupling(scene, setup, err));
   if (!s) s = vs_events_wire(&line->events, &setup->deck, err);
   if (!s && !setup->machine->lost && !vs_error_count(err))
     s = vs_error_carry_on(

@@ -55,12 +55,18 @@ static bool move_alike(const vs_events *a, const vs_events *b, double to_s) {
   return true;
 }
 
+/* When a generator's network first comes onto the line in one of the two and not in the other. */
+static double on_line_s(const vs_occurrence *a, const vs_occurrence *b) {
+  return a->on_line_s == b->on_line_s ? INFINITY : fmin(a->on_line_s, b->on_line_s);
+}
+
 /* When the first of the events begins that is not the same in both; INFINITY: there is none. */
 static double first_difference(const vs_events *a, const vs_events *b) {
   double first_s = INFINITY;
   for (size_t k = 0; k < a->count; k++)
     if (!same_event(&a->item[k], &b->item[k]))
-      first_s = fmin(first_s, fmin(a->item[k].start_s, b->item[k].start_s));
+      first_s = fmin(first_s, fmin(fmin(a->item[k].start_s, b->item[k].start_s),
+                                   on_line_s(&a->item[k], &b->item[k])));
   return first_s;
 }
 
@@ -75,7 +81,7 @@ static double parting_behind(const vs_setup *a, const vs_setup *b, double t_s) {
   return INFINITY;
 }
 
-/* An event does nothing before it begins. So a cycle before the first difference the two agree, and
+/* An event does nothing before it begins, or before its network comes onto the line. So a cycle before the first difference the two agree, and
  * where there is an edge in that cycle, what was before need not be looked at. */
 double vs_parting_of(const vs_setup *a, const vs_setup *b) {
   double differ_s = first_difference(&a->timeline.events, &b->timeline.events);

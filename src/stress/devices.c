@@ -53,7 +53,7 @@ static void begin_measure(vs_watched *w, vs_reduced *r, const vs_device_measure 
                     .limit = vs_devices_limit(w->deck, w->device, m),
                     .value = {.known = by->counts && w->device->gates.count, .at_s = NAN},
                     .failed_s = NAN};
-  if (by->state_size) r->state = vs_alloc(1, by->state_size + (w->at_work ? by->at_work_size : 0));
+  if (by->state_size) r->state = vs_alloc(1, by->state_size + (w->again ? by->again_size : 0));
   if (by->prepare) by->prepare(w, r);
 }
 
@@ -68,6 +68,7 @@ static void begin_device(vs_watched *w, vs_device_watch *own, const vs_frame *fr
                     .deck = frame->deck,
                     .timeline = frame->timeline,
                     .at_work = frame->at_work,
+                    .again = frame->at_work || vs_occurrence_repeated(&frame->timeline->events),
                     .count = d->kind->n_measures};
   own->voltage = vs_formula_quicken(&d->voltage);
   own->current = vs_formula_quicken(&d->current);

@@ -6,9 +6,10 @@
 
 #include "deck/parts.h"
 
-/* On an orbit the rise at the period's beginning is that at its end. So the power over the period
- * is kept: each step's mean and its end. Where there are more steps than that, each two neighbours
- * become one. */
+/* On an orbit the rise at the period's beginning is that at its end. A run that is repeated (the
+ * keys times and every of an event) begins with what the runs before it have left. Both are known
+ * at the run's end. So the power over the run is kept: each step's mean and its end. Where there
+ * are more steps than that, each two neighbours become one. */
 enum { KEPT = 32768 };
 typedef struct heating {
   double end_s, power_w;
@@ -22,7 +23,7 @@ typedef struct network {
   size_t count;
   double begun_s;
   size_t n_kept;
-  heating kept[]; /* [KEPT] on an orbit, else [0] */
+  heating kept[]; /* [KEPT] where the run comes again, else [0] */
 } network;
 
 /* Takes the part's lines zth. The course is this many W to its unit. */
@@ -94,7 +95,7 @@ static void follow_junction(const vs_watched *w, vs_reduced *r, const vs_course_
   network *n = r->state;
   double before = rise_of(n), power_w = c->more[r->measure->of] / c->h_s;
   double after = heat_up(n, power_w, c->h_s);
-  if (!w->at_work) {
+  if (!w->again) {
     vs_reducer_take_largest(r, c, before, after);
     return;
   }
@@ -103,13 +104,29 @@ static void follow_junction(const vs_watched *w, vs_reduced *r, const vs_course_
 }
 
 /* From 0 a term comes to b in the period T, and from s to s e^(-T/tau) + b. On an orbit that is s
- * again: s = b/(1 - e^(-T/tau)). From there the period is gone through once more. */
+ * again: s = b/(1 - e^(-T/tau)). */
+static double of_orbit(double period_s, double tau_s) {
+  return 1 / -expm1(-period_s / tau_s);
+}
+
+/* What b at the end of a run becomes until the run that comes n-th begins, T behind the one before
+ * it, with that of all runs before it: b e^(-(T-D)/tau) (1 - q^(n-1))/(1 - q), q = e^(-T/tau); D is
+ * how long the run is. */
+static double of_times(const vs_occurrence *e, double length_s, double tau_s) {
+  double q_to_n = (e->v.times - 1) * e->v.every_s / tau_s;
+  return exp(-(e->v.every_s - length_s) / tau_s) * expm1(-q_to_n) / expm1(-e->v.every_s / tau_s);
+}
+
+/* From what the run begins with it is gone through once more. */
 static void finish_junction(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
   network *n = r->state;
   vs_course_step c = {.t1_s = n->begun_s};
-  if (!w->at_work || !n->count) return;
+  if (!w->again || !n->count) return;
+  const vs_occurrence *e = vs_occurrence_repeated(&w->timeline->events);
+  const double length_s = end->now_s - n->begun_s;
   for (size_t k = 0; k < n->count; k++)
-    n->rise_k[k] /= -expm1((n->begun_s - end->now_s) / n->tau_s[k]);
+    n->rise_k[k] *=
+        w->at_work ? of_orbit(length_s, n->tau_s[k]) : of_times(e, length_s, n->tau_s[k]);
   r->value = (vs_value){true, rise_of(n), n->begun_s};
   for (size_t k = 0; k < n->n_kept; k++) {
     double before = rise_of(n);
@@ -121,14 +138,14 @@ static void finish_junction(const vs_watched *w, vs_reduced *r, const vs_run_end
 }
 
 const vs_reducer vs_junction_of_power = {.state_size = sizeof(network),
-                                         .at_work_size = KEPT * sizeof(heating),
+                                         .again_size = KEPT * sizeof(heating),
                                          .prepare = prepare_junction,
                                          .is_busy = has_network,
                                          .begin = begin_junction,
                                          .follow = follow_junction,
                                          .finish = finish_junction},
                  vs_junction_of_current = {.state_size = sizeof(network),
-                                           .at_work_size = KEPT * sizeof(heating),
+                                           .again_size = KEPT * sizeof(heating),
                                            .prepare = prepare_core,
                                            .is_busy = has_network,
                                            .begin = begin_junction,

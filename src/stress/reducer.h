@@ -49,6 +49,7 @@ typedef struct vs_watched {
   double given_j;               /* energy of the steps in which it gave energy (watch/sign.h) */
   double back_c;                /* charge of the steps in which its current was below zero */
   bool at_work;                 /* the run is whole periods of an orbit */
+  bool again;                   /* it is, or an event repeats it: what heats comes more than once */
   int starts;                   /* how many shots began in that stretch (devices.c) */
   bool rests;                   /* the device did not conduct in all of that stretch */
   vs_reduced *reduced;          /* one for each measure of its kind, in the kind's order; owned */
@@ -63,8 +64,8 @@ typedef struct vs_run_end {
 
 /* A reduction. Each function may be NULL: the reduction then has nothing to do there. */
 struct vs_reducer {
-  size_t state_size;   /* bytes; the state begins as zeros */
-  size_t at_work_size; /* bytes that the state has besides where the run is on an orbit */
+  size_t state_size; /* bytes; the state begins as zeros */
+  size_t again_size; /* bytes that the state has besides where the run comes more than once */
   /* The reduction counts what the device did against its gate. Its value is 0 from the start where
    * that gate is known, and not known otherwise. */
   bool counts;

@@ -162,6 +162,24 @@ static void print_second(const vs_result *r, FILE *out) {
   if (second->done || r->verdict.count) fputc('\n', out);
 }
 
+/* What generators have on the line besides what the deck has, and since when. */
+static void print_on_line(const vs_events *events, FILE *out) {
+  char network[VS_DECK_TEXT], from[VS_AMOUNT_SIZE];
+  for (size_t k = 0; k < events->count; k++) {
+    const vs_occurrence *e = &events->item[k];
+    if (!vs_occurrence_network(e, network, sizeof network)) continue;
+    fprintf(out, "line   on the line from %s: %s %s (%s)\n",
+            e->on_line_s > 0 ? vs_amount_text(e->on_line_s, "s", from) : "the start", e->kind->name,
+            e->name, network);
+  }
+  const vs_occurrence *repeated = vs_occurrence_repeated(events);
+  if (repeated)
+    fprintf(out,
+            "pulses %d, %s apart: one is simulated, and t_j_rise and i_pulse are told for the last "
+            "of them\n",
+            repeated->v.times, vs_amount_text(repeated->v.every_s, "s", from));
+}
+
 /* What was run, and how. */
 static void print_head(const vs_result *r, FILE *out) {
   const vs_scene *s = r->scene;
@@ -179,6 +197,7 @@ static void print_head(const vs_result *r, FILE *out) {
         absence->bound);
   const char *declined = vs_result_declined(r);
   if (declined) fprintf(out, "quiet  ngspice is not left: %s\n", declined);
+  print_on_line(&s->setup.timeline.events, out);
   const vs_tier *tier = vs_tiers_of_orbit(s->tier);
   if (vs_setup_found_fraction(&s->setup))
     fprintf(out,

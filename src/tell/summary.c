@@ -17,20 +17,46 @@ enum {
   POLE_DIGITS = 6 /* those of an observer follow from eigenvalues, whose last digits are rounding */
 };
 
-/* Each with its keys, and when it begins. */
-static void add_events(vs_json *json, const vs_events *events) {
-  vs_json_object(json, "events", events->count ? VS_JSON_LINES : VS_JSON_ROW);
-  for (size_t k = 0; k < events->count; k++) {
-    const vs_occurrence *e = &events->item[k];
-    vs_json_object(json, e->name, VS_JSON_ROW);
-    vs_json_number(json, "starts_s", e->start_s, DIGITS);
-    for (size_t f = 0; f < e->kind->n_fields; f++) {
-      vs_json_key(json, e->kind->fields[f].key);
-      vs_field_json(&e->kind->fields[f], &e->v, json->text);
-    }
-    vs_json_end(json);
+static void add_event(vs_json *json, const vs_occurrence *e, bool built) {
+  vs_json_object(json, e->name, VS_JSON_ROW);
+  vs_json_number(json, "starts_s", e->start_s, DIGITS);
+  if (!built) vs_json_bool(json, "built", false);
+  for (size_t f = 0; f < e->kind->n_fields; f++) {
+    vs_json_key(json, e->kind->fields[f].key);
+    vs_field_json(&e->kind->fields[f], &e->v, json->text);
   }
   vs_json_end(json);
+}
+
+/* Each with its keys, and when it begins; those that are not built last. */
+static void add_events(vs_json *json, const vs_events *events) {
+  bool any = events->count || events->n_unbuilt;
+  vs_json_object(json, "events", any ? VS_JSON_LINES : VS_JSON_ROW);
+  for (size_t k = 0; k < events->count; k++) add_event(json, &events->item[k], true);
+  for (size_t k = 0; k < events->n_unbuilt; k++) add_event(json, &events->unbuilt[k], false);
+  vs_json_end(json);
+}
+
+/* What generators have on the line, and since when. */
+static void add_on_line(vs_json *json, const vs_scene *s) {
+  const vs_events *events = &s->setup.timeline.events;
+  char network[VS_DECK_TEXT];
+  bool any = false;
+  for (size_t k = 0; k < events->count; k++) {
+    const vs_occurrence *e = &events->item[k];
+    if (!vs_occurrence_network(e, network, sizeof network)) continue;
+    if (!any) vs_json_array(json, "on_line", VS_JSON_LINES);
+    any = true;
+    vs_json_object(json, NULL, VS_JSON_ROW);
+    vs_json_text(json, "event", e->name);
+    vs_json_text(json, "kind", e->kind->name);
+    vs_json_number(json, "from_s", e->on_line_s, DIGITS);
+    vs_json_text(json, "network", network);
+    if (e->v.times > 1) vs_json_whole(json, "times", e->v.times);
+    if (e->v.times > 1) vs_json_number(json, "every_s", e->v.every_s, DIGITS);
+    vs_json_end(json);
+  }
+  if (any) vs_json_end(json);
 }
 
 /* The keys of the set, then each instrument with its keys and with what it makes of a sine of the
@@ -424,6 +450,7 @@ void vs_summary_json(const vs_result *r, bool with_cost, const vs_summary_more *
   vs_json_text(&json, "why", s->why);
   add_rung(&json, &r->ladder);
   add_quiet(&json, r);
+  add_on_line(&json, s);
   vs_json_array(&json, "warnings", VS_JSON_ROW);
   vs_result_warnings(r, add_warning, &json);
   vs_json_end(&json);

@@ -7,7 +7,7 @@
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
-/* ---- the surge generator, its coupling capacitor shorted ---- */
+/* ---- the surge generator, its coupling capacitor shorted, and with its coupling ---- */
 
 #define SURGE(name, probe, level, ...)                                                             \
   static const vs_experiment name = {.perform = vs_experiment_perform,                             \
@@ -25,6 +25,26 @@ SURGE(into_750_1, "v_load", "1 kV", "circuit.varistor_voltage=750 V");
 SURGE(into_750_2, "v_load", "2 kV", "circuit.varistor_voltage=750 V");
 SURGE(into_750_4, "v_load", "4 kV", "circuit.varistor_voltage=750 V");
 SURGE(into_1000_2, "v_load", "2 kV", "circuit.varistor_voltage=1 kV");
+
+#define COUPLED(name, probe, coupling, ...)                                                        \
+  static const vs_experiment name = {                                                              \
+      .perform = vs_experiment_perform,                                                            \
+      .wall_s = 0.1,                                                                               \
+      .tier = "circuit",                                                                           \
+      .sets = {"circuit.deck=validate/surge", "run.until=320us", "run.max_step=20ns",              \
+               "events={s: {kind: surge, at: 1 us, level: 2 kV, coupling: " coupling "}}",         \
+               __VA_ARGS__, NULL},                                                                 \
+      .curve = probe}
+COUPLED(line_open, "v_load", "line", "circuit.load=1 Mohm");
+COUPLED(line_short, "i_load", "line", "circuit.load=1 mohm");
+COUPLED(earth_open, "v_load", "earth", "circuit.load=1 Mohm");
+COUPLED(earth_short, "i_load", "earth", "circuit.load=1 mohm");
+
+#define AT_LINE(text, unit, experiment, what, value, tolerance)                                    \
+  {                                                                                                \
+    "surge through its coupling, " text, unit, &experiment, what, value, NULL, tolerance, 0,       \
+        "IEC 61000-4-5, at the output of a coupling network", "the standard's tolerance"           \
+  }
 
 #define GENERATOR(text, unit, experiment, what, value)                                             \
   {                                                                                                \
@@ -108,6 +128,19 @@ static const vs_comparison COMPARISONS[] = {
     GENERATOR("shorted: front time", "s", short_circuit, "front_i", 8e-6),
     GENERATOR("shorted: time to half value", "s", short_circuit, "half_i", 20e-6),
     GENERATOR("shorted: undershoot", "A", short_circuit, "least", -336),
+
+    AT_LINE("18 uF, open: peak", "V", line_open, "peak", 2000, 0.1),
+    AT_LINE("18 uF, open: front time", "s", line_open, "front_v", 1.2e-6, 0.3),
+    AT_LINE("18 uF, open: time to half value", "s", line_open, "half_v", 50e-6, 0.2),
+    AT_LINE("18 uF, shorted: peak", "A", line_short, "peak", 1000, 0.1),
+    AT_LINE("18 uF, shorted: front time", "s", line_short, "front_i", 8e-6, 0.2),
+    AT_LINE("18 uF, shorted: time to half value", "s", line_short, "half_i", 20e-6, 0.2),
+    AT_LINE("9 uF and 10 ohm, open: peak", "V", earth_open, "peak", 2000, 0.1),
+    AT_LINE("9 uF and 10 ohm, open: front time", "s", earth_open, "front_v", 1.2e-6, 0.3),
+    AT_LINE("9 uF and 10 ohm, open: time to half value", "s", earth_open, "half_v", 50e-6, 0.2),
+    AT_LINE("9 uF and 10 ohm, shorted: peak", "A", earth_short, "peak", 2000.0 / 12, 0.1),
+    AT_LINE("9 uF and 10 ohm, shorted: front time", "s", earth_short, "front_i", 2.5e-6, 0.3),
+    AT_LINE("9 uF and 10 ohm, shorted: time to half value", "s", earth_short, "half_i", 25e-6, 0.3),
 
     INTO("750 V, 1 kV: current", "A", into_750_1, "i_load_max", 3.459),
     INTO("750 V, 1 kV: voltage", "V", into_750_1, "v_load_max", 984.07),

@@ -84,6 +84,12 @@ static bool same_netlist(const vs_past *p, const vs_setup *s) {
   return same;
 }
 
+/* One event of two cases: its accounts have its name, and what is kept of the heat of a run depends
+ * on how often that comes. */
+static bool same_account(const vs_occurrence *a, const vs_occurrence *b) {
+  return !strcmp(a->name, b->name) && a->v.times == b->v.times && a->v.every_s == b->v.every_s;
+}
+
 /* What the events have put into the deck besides the netlist: its sources and its accounts. */
 static bool same_wiring(const vs_setup *a, const vs_setup *b) {
   const vs_events *own = &a->timeline.events, *their = &b->timeline.events;
@@ -91,7 +97,7 @@ static bool same_wiring(const vs_setup *a, const vs_setup *b) {
               isinf(vs_setup_jams(a)) == isinf(vs_setup_jams(b)) &&
               a->model.reloaded == b->model.reloaded;
   for (size_t k = 0; k < own->count && same; k++)
-    same = !strcmp(own->item[k].name, their->item[k].name);
+    same = same_account(&own->item[k], &their->item[k]);
   for (size_t k = 0; k < a->deck.n_ports && same; k++) {
     const vs_signal *s = &a->deck.ports[k].signal, *t = &b->deck.ports[k].signal;
     same = s->drive == t->drive && s->event == t->event && s->shift_rad == t->shift_rad;
