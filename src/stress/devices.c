@@ -75,8 +75,8 @@ static void begin_device(vs_watched *w, vs_device_watch *own, const vs_frame *fr
   if (d->kind->switches) {
     w->states = vs_alloc(1, sizeof *w->states);
     static const vs_gates NONE = {0};
-    vs_switching_begin(w->states, frame->timeline, d->kind->gated ? &d->gates : &NONE,
-                       d->kind->both_ways);
+    vs_switching_begin(w->states, frame->timeline, d->kind->gated ? &d->gates : &NONE, frame->deck,
+                       d);
     begin_shots(&own->shots, frame, d);
     if (w->at_work) own->opening = vs_alloc(1, sizeof *own->opening);
   }

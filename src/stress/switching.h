@@ -8,7 +8,8 @@
  *                          ten t_q of the end of its pulse, and without a reverse voltage
  *                          in between fell back to half of the forward voltage it had fired from
  *   unintended firing      the device's current begins outside any gate pulse
- *   time offered           from the zero of the current to the return of forward voltage; where
+ *   time offered           from the zero of the current to the return of forward voltage, which
+ *                          then goes on to 10 V or fires the device; where
  *                          the device had latched and comes back to half of the forward voltage
  *                          it had fired from without having been reversed, as it may when it lets
  *                          go at its holding current, to the first 10 V
@@ -78,6 +79,23 @@ typedef struct vs_rise {
   double t_s[VS_RISE_POINTS], v[VS_RISE_POINTS];
 } vs_rise;
 
+/* What a step brought. Values that are not known were not brought. */
+typedef struct vs_switch_news {
+  bool any;                   /* one of the values is known */
+  double way;                 /* the half cycle that the step belongs to, as in vs_switch */
+  vs_value fires, extinct;    /* only their instants mean anything */
+  vs_value rise;              /* mean rate from 10 to 90 % of a rise that has ended, V/s */
+  vs_value off_rate;          /* a rate of blocked forward voltage, V/s, above all before */
+  vs_value on_rate;           /* a rate of the current as it turns on, A/s */
+  vs_value fall, return_rise; /* (di/dt)c, A/s, and (dv/dt)c, V/s */
+  vs_value offered;           /* the time offered, s, where no gate pulse was there at its end */
+  double doubt_s; /* error of the time offered: how long the current crept before its zero */
+  double
+      spread_s; /* sensitivity: a relative error e of the current changes the time by e spread_s */
+  vs_value misfire, unintended; /* only their instants mean anything */
+  bool commutation_failure;     /* the unintended firing is one */
+} vs_switch_news;
+
 typedef struct vs_switch {
   vs_gate_watch gate;
   bool both_ways; /* it conducts either way */
@@ -95,36 +113,22 @@ typedef struct vs_switch {
   double zero_s;    /* when its current last went to zero */
   int rest;         /* what its voltage did since then: REST_... of switching.c */
   double offered_s; /* the time that its circuit offered it to rest */
-  bool forward;     /* in the present gate pulse it had forward voltage */
-  bool conducted;   /* in the present gate pulse it conducted */
-  double unanswered_s; /* end of a gate pulse that may have failed; NaN: there is none */
+  bool offers;      /* forward voltage has returned, but has not come to 10 V yet, nor fired it */
+  vs_switch_news offer; /* what is then told of that time */
+  bool forward;         /* in the present gate pulse it had forward voltage */
+  bool conducted;       /* in the present gate pulse it conducted */
+  double unanswered_s;  /* end of a gate pulse that may have failed; NaN: there is none */
   vs_rise rise;
   vs_slope off, on; /* rates of its forward voltage and of its current, followed all the time */
   double off_rate;  /* the largest of its forward voltage while it blocked, V/s */
 } vs_switch;
-/* gates: as in vs_gate_watch. */
+/* gates: as in vs_gate_watch; deck, device: whose switch it is. */
 void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, const vs_gates *gates,
-                        bool both_ways);
+                        const vs_deck *deck, const vs_device *device);
 /* Tells the current and the voltage at the first knot, before the first step. A device that
  * conducts there, as on an orbit, was fired by its gate before. */
 void vs_switching_resume(vs_switch *s, double i_a, double v_v);
 
-/* What a step brought. Values that are not known were not brought. */
-typedef struct vs_switch_news {
-  bool any;                   /* one of the values is known */
-  double way;                 /* the half cycle that the step belongs to, as in vs_switch */
-  vs_value fires, extinct;    /* only their instants mean anything */
-  vs_value rise;              /* mean rate from 10 to 90 % of a rise that has ended, V/s */
-  vs_value off_rate;          /* a rate of blocked forward voltage, V/s, above all before */
-  vs_value on_rate;           /* a rate of the current as it turns on, A/s */
-  vs_value fall, return_rise; /* (di/dt)c, A/s, and (dv/dt)c, V/s */
-  vs_value offered;           /* the time offered, s, where no gate pulse was there at its end */
-  double doubt_s; /* error of the time offered: how long the current crept before its zero */
-  double
-      spread_s; /* sensitivity: a relative error e of the current changes the time by e spread_s */
-  vs_value misfire, unintended; /* only their instants mean anything */
-  bool commutation_failure;     /* the unintended firing is one */
-} vs_switch_news;
 /* Takes the next step and fills `news`. */
 void vs_switching_follow(vs_switch *s, const vs_course_step *c, vs_switch_news *news);
 
