@@ -21,9 +21,8 @@ static double forward_current(const vs_anode_current *m) {
 }
 
 /* When that current passes zero, if it goes on to fall as over the last step; INFINITY: it does not
- * fall, or only alternates from step to step. */
+ * fall. */
 static double zero_of_current(const vs_anode *a, const vs_anode_current *m) {
-  if (vs_conduction_alternates(&m->conduction)) return INFINITY;
   double i0 = vs_conduction_current(&m->conduction, m->before_a, m->before_v);
   double i1 = forward_current(m);
   return i1 < i0 ? a->last_s + (a->last_s - a->before_s) * i1 / (i0 - i1) : INFINITY;

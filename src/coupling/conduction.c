@@ -35,7 +35,8 @@ static const double BLOCKED_V = 10;
 static const double KINK = 10;
 
 /* No current that steps resolve turns round in each of ALTERNATES + 1 steps one behind the other,
- * each time by half of its last change or more. */
+ * each time by half of its last change or more. What is left so of a displacement current is below
+ * CONDUCTS_A. */
 static const int ALTERNATES = 2;
 
 void vs_conduction_begin(vs_conduction *c) {
@@ -212,7 +213,8 @@ static bool stops(vs_conduction *c, const vs_conduction_step *s, double *event_s
  * goes up and down from step to step. */
 static void smooth(vs_conduction *c, vs_conduction_step *net) {
   double change_a = net->i1_a - net->i0_a, mean_a = (net->i0_a + net->i1_a) / 2;
-  bool back = change_a * c->change_a < 0 && fabs(change_a) > fabs(c->change_a) / 2;
+  bool back = change_a * c->change_a < 0 && fabs(change_a) > fabs(c->change_a) / 2 &&
+              fabs(change_a) < CONDUCTS_A;
   c->alternations = back ? c->alternations + 1 : 0;
   if (vs_conduction_alternates(c)) {
     c->before_a = c->mean_a[1];
