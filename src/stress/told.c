@@ -51,16 +51,23 @@ static void take_fall(vs_reduced *r, const vs_switch_news *news) {
   vs_reducer_offer(r, news->fall, false);
 }
 
-const vs_reducer vs_told_rise = {.is_rate = true, .take_news = take_rise},
-                 vs_told_off_rate = {.is_rate = true, .take_news = take_off_rate},
-                 vs_told_on_rate = {.is_rate = true, .take_news = take_on_rate},
-                 vs_told_return_rise = {.is_rate = true, .take_news = take_return_rise},
-                 vs_told_fall = {.is_rate = true, .take_news = take_fall},
-                 vs_told_offered = {.prepare = prepare_offered, .take_news = take_offered},
-                 vs_told_misfire = {.counts = true, .take_news = take_misfire},
-                 vs_told_unintended = {.counts = true, .take_news = take_unintended},
-                 vs_told_commutation_failure = {.counts = true,
-                                                .take_news = take_commutation_failure};
+const vs_reducer
+    vs_told_rise = {.is_rate = true, .makes_fire = true, .take_news = take_rise},
+    vs_told_off_rate = {.is_rate = true, .take_news = take_off_rate},
+    vs_told_on_rate = {.is_rate = true, .hangs_on_sequence = true, .take_news = take_on_rate},
+    vs_told_return_rise = {.is_rate = true,
+                           .hangs_on_sequence = true,
+                           .makes_fire = true,
+                           .take_news = take_return_rise},
+    vs_told_fall = {.is_rate = true, .hangs_on_sequence = true, .take_news = take_fall},
+    vs_told_offered = {.hangs_on_sequence = true,
+                       .makes_fire = true,
+                       .prepare = prepare_offered,
+                       .take_news = take_offered},
+    vs_told_misfire = {.counts = true, .hangs_on_sequence = true, .take_news = take_misfire},
+    vs_told_unintended = {.counts = true, .hangs_on_sequence = true, .take_news = take_unintended},
+    vs_told_commutation_failure = {
+        .counts = true, .hangs_on_sequence = true, .take_news = take_commutation_failure};
 
 /* ---- gate pulses ---- */
 
