@@ -35,9 +35,11 @@ static const double BLOCKED_V = 10;
 static const double KINK = 10;
 
 /* No current that steps resolve turns round in each of ALTERNATES + 1 steps one behind the other,
- * each time by half of its last change or more. What is left so of a displacement current is below
- * CONDUCTS_A. */
+ * each time by half of its last change or more. What is left so of displacement currents is a few
+ * milliamperes, and 70 mA at a tolerance of 1e-2; MOST_A is beyond them and below what conducts for
+ * certain. */
 static const int ALTERNATES = 2;
+static const double MOST_A = 0.2;
 
 void vs_conduction_begin(vs_conduction *c) {
   *c = (vs_conduction){.leak_s = NAN,
@@ -214,7 +216,7 @@ static bool stops(vs_conduction *c, const vs_conduction_step *s, double *event_s
 static void smooth(vs_conduction *c, vs_conduction_step *net) {
   double change_a = net->i1_a - net->i0_a, mean_a = (net->i0_a + net->i1_a) / 2;
   bool back = change_a * c->change_a < 0 && fabs(change_a) > fabs(c->change_a) / 2 &&
-              fabs(change_a) < CONDUCTS_A;
+              fabs(change_a) < MOST_A;
   c->alternations = back ? c->alternations + 1 : 0;
   if (vs_conduction_alternates(c)) {
     c->before_a = c->mean_a[1];
