@@ -63,10 +63,6 @@ void vs_conduction_wind(vs_conduction *c, double by_s) {
   c->foot_s -= by_s;
 }
 
-bool vs_conduction_alternates(const vs_conduction *c) {
-  return c->alternations >= ALTERNATES;
-}
-
 bool vs_conduction_asks(const vs_conduction *c, double i_a) {
   return !c->conducts || (c->recovers && i_a <= LEAKAGE_A);
 }
@@ -218,7 +214,7 @@ static void smooth(vs_conduction *c, vs_conduction_step *net) {
   bool back = change_a * c->change_a < 0 && fabs(change_a) > fabs(c->change_a) / 2 &&
               fabs(change_a) < MOST_A;
   c->alternations = back ? c->alternations + 1 : 0;
-  if (vs_conduction_alternates(c)) {
+  if (c->alternations >= ALTERNATES) {
     c->before_a = c->mean_a[1];
     net->i0_a = c->mean_a[0];
     net->i1_a = mean_a;

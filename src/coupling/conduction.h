@@ -70,9 +70,6 @@ void vs_conduction_turn(vs_conduction *c, double zero_s);
 /* The clock is set back by by_s. */
 void vs_conduction_wind(vs_conduction *c, double by_s);
 
-/* True: the current goes up and down from step to step, by the solver's rule alone. */
-bool vs_conduction_alternates(const vs_conduction *c);
-
 /* True: with i_a at its end, the next step's events hang on whether its gate is on. */
 bool vs_conduction_asks(const vs_conduction *c, double i_a);
 

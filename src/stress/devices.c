@@ -314,6 +314,8 @@ void vs_devices_begin(vs_devices *d, const vs_step *step) {
     complete(w->last);
     if (w->losses) vs_losses_resume(w->losses, w->last[VS_OF_V], w->last[VS_OF_I]);
     if (w->states) vs_switching_resume(w->states, w->last[VS_OF_I], w->last[VS_OF_V]);
+    if (w->states && w->states->conduction.conducts)
+      vs_sequence_add(&w->sequence, VS_DEED_FIRES, d->began_s);
     for (size_t n = 0; n < own->n_busy; n++)
       if (own->busy[n]->by->begin) own->busy[n]->by->begin(w, own->busy[n], d->began_s);
   }

@@ -5,8 +5,8 @@
 #ifndef VS_STRESS_REDUCER_H
 #define VS_STRESS_REDUCER_H
 
+#include "sim/sequence.h"
 #include "stress/losses.h"
-#include "stress/sequence.h"
 #include "stress/switching.h"
 
 typedef struct vs_reducer vs_reducer;

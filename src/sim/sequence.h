@@ -6,8 +6,8 @@
  *
  * A single run, too, may show that its sequence is on edge: that something happened which a small
  * error may undo, or that was near to happening. */
-#ifndef VS_STRESS_SEQUENCE_H
-#define VS_STRESS_SEQUENCE_H
+#ifndef VS_SIM_SEQUENCE_H
+#define VS_SIM_SEQUENCE_H
 
 #include <stdbool.h>
 #include <stddef.h>

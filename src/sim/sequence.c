@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "stress/sequence.h"
+#include "sim/sequence.h"
 
 #include <math.h>
 #include <stdio.h>
