@@ -33,7 +33,9 @@ static vs_switch_news followed(const course *c, double over_v, const vs_timeline
                                const vs_gates *gates) {
   static vs_switch s;
   vs_switch_news all = {0}, news;
-  vs_switching_begin(&s, line, gates, false);
+  static const vs_deck deck;
+  const vs_device device = {.kind = vs_kinds_find("thyristor"), .part = -1};
+  vs_switching_begin(&s, line, gates, &deck, &device);
   s.rise.over_v = over_v;
   vs_switching_resume(&s, c->i[0], c->v[0]);
   for (size_t k = 1; k < c->count; k++) {

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "deck/devices.h"
-#include "deck/parts.h"
 #include "drive/gate.h"
 
 static double current_at(const vs_anode_current *m, const vs_knot *k) {
@@ -112,7 +111,7 @@ static vs_event follow(vs_anode_current *m, const vs_timeline *timeline, const v
                        const vs_knot *to, double *event_s) {
   const vs_conduction_step step = {from->t_s, to->t_s,     m->before_a,
                                    m->last_a, m->before_v, m->last_v};
-  bool asked = m->device && !m->conduction.conducts && step.v1_v > 0;
+  bool asked = m->device && step.v1_v > 0 && vs_conduction_asks(&m->conduction, step.i1_a);
   m->conduction.gated = asked && is_gated(m->device, timeline, vs_gate_of_step(from->t_s, to->t_s));
   return vs_conduction_follow(&m->conduction, &step, event_s);
 }
@@ -148,25 +147,21 @@ static bool has_current(const vs_device *d, const vs_probe *probe) {
          factor == probe->sign;
 }
 
-/* True: the file of its part states a turn-off time, which an ideal thyristor has none of. */
-static bool recovers(const vs_deck *deck, const vs_device *device) {
-  const char *file = device && device->part >= 0 ? deck->parts[device->part].file : NULL;
-  return file && vs_parts_find_limit(deck, file, "t_q");
-}
-
 /* The current is the probe's, or without one the device's by its formula. */
 static void add(vs_anode *a, const vs_deck *deck, const vs_probe *probe, const vs_device *device) {
   for (double way = 1; way >= (device && device->kind->both_ways ? -1 : 1); way -= 2) {
     vs_anode_current *m = &a->item[a->count++];
+    bool recovers = vs_conduction_recovers(deck, device);
     *m = (vs_anode_current){.device = device,
                             .way = way,
-                            .near_s = recovers(deck, device) ? NEAR_RECOVERING_S : NEAR_S,
+                            .near_s = recovers ? NEAR_RECOVERING_S : NEAR_S,
                             .crosses_s = INFINITY};
     if (device) m->v = vs_formula_quicken(&device->voltage);
     m->i =
         probe ? (vs_formula_quick){.is_term = true, .term = (int)probe->term, .factor = probe->sign}
               : vs_formula_quicken(&device->current);
     vs_conduction_begin(&m->conduction);
+    m->conduction.recovers = recovers;
   }
 }
 

@@ -3,6 +3,8 @@
 
 #include <math.h>
 
+#include "deck/parts.h"
+
 /* Above this current, A, a conduction has begun for certain: holding currents are of this order or
  * larger. */
 static const double CONDUCTS_A = 0.02;
@@ -10,6 +12,9 @@ static const double CONDUCTS_A = 0.02;
  * degrees of 50 V, and above the share REMAINS of the peak before: behind a conduction of 38 mA the
  * solver made swings of 0.7 % of that at a tolerance of 1e-4. */
 static const double GATED_A = 1e-5, REMAINS = 0.02;
+/* A device that recovers, and whose current is back so soon, has not gone out: as it empties its
+ * snubber, and goes on by its gate alone, the solver's step may end below zero. */
+static const double AT_ONCE_S = 1e-6;
 /* Leakage is told from this voltage on; below it rounding errors are as large. */
 static const double LEAKS_FROM_V = 0.1;
 /* Two currents do not count in CONDUCTS_A: what leaks through 500 ohm, half of the least
@@ -29,15 +34,37 @@ static const double BLOCKED_V = 10;
  * times as steep from one step to the next, if steps double. */
 static const double KINK = 10;
 
+/* No current that steps resolve turns round in each of ALTERNATES + 1 steps one behind the other,
+ * each time by half of its last change or more. What is left so of displacement currents is a few
+ * milliamperes, and 70 mA at a tolerance of 1e-2; MOST_A is beyond them and below what conducts for
+ * certain. */
+static const int ALTERNATES = 2;
+static const double MOST_A = 0.2;
+
 void vs_conduction_begin(vs_conduction *c) {
-  *c = (vs_conduction){
-      .leak_s = NAN, .low_s = NAN, .before_s = NAN, .before_a = NAN, .foot_s = NAN, .foot_a = NAN};
+  *c = (vs_conduction){.leak_s = NAN,
+                       .low_s = NAN,
+                       .out_s = NAN,
+                       .before_s = NAN,
+                       .before_a = NAN,
+                       .foot_s = NAN,
+                       .foot_a = NAN};
+}
+
+bool vs_conduction_recovers(const vs_deck *deck, const vs_device *device) {
+  const char *file = device && device->part >= 0 ? deck->parts[device->part].file : NULL;
+  return file && vs_parts_find_limit(deck, file, "t_q");
 }
 
 void vs_conduction_wind(vs_conduction *c, double by_s) {
   c->low_s -= by_s;
+  c->out_s -= by_s;
   c->before_s -= by_s;
   c->foot_s -= by_s;
+}
+
+bool vs_conduction_asks(const vs_conduction *c, double i_a) {
+  return !c->conducts || (c->recovers && i_a <= LEAKAGE_A);
 }
 
 /* Of all that it drew while it blocked in parts of the voltage the least counts: a capacitance's
@@ -71,6 +98,9 @@ static void set_foot(vs_conduction *c, double t_s, double i_a) {
 
 void vs_conduction_turn(vs_conduction *c, double zero_s) {
   c->before_a = -c->before_a;
+  c->change_a = -c->change_a;
+  c->mean_a[0] = -c->mean_a[0];
+  c->mean_a[1] = -c->mean_a[1];
   set_foot(c, zero_s, 0);
 }
 
@@ -79,7 +109,9 @@ static double leakage(double v_v) {
 }
 
 void vs_conduction_resume(vs_conduction *c, double i_a, double v_v) {
+  bool recovers = c->recovers;
   vs_conduction_begin(c);
+  c->recovers = recovers;
   c->conducts = i_a > CONDUCTS_A + leakage(v_v);
   c->peak_a = c->conducts ? i_a : 0;
 }
@@ -90,7 +122,7 @@ static bool is_on_state(double v_v) {
 
 /* The least rise of the current that is a conduction's where its gate pulse is there. */
 static double remains(const vs_conduction *c) {
-  return fmin(fmax(REMAINS * c->peak_a, GATED_A), CONDUCTS_A);
+  return fmin(fmax(REMAINS * c->peak_a, c->recovers ? LEAKAGE_A : GATED_A), CONDUCTS_A);
 }
 
 /* A current that stands above its foot, with a gate pulse and at an on-state voltage: the jump by
@@ -143,23 +175,53 @@ static void follow_low(vs_conduction *c, const vs_conduction_step *s, double low
         s->i0_a > low_a ? zero_of(s->t0_s, s->i0_a - low_a, s->t1_s, s->i1_a - low_a) : s->t0_s;
 }
 
-static bool stops(vs_conduction *c, const vs_conduction_step *s, double *event_s) {
+/* The current is over, or goes on below all that counts, since *out_s. may_go_on: it may be taken
+ * up again, so that a fall says nothing of where it ends. */
+static bool is_over(vs_conduction *c, const vs_conduction_step *s, bool may_go_on, double *out_s) {
   double zero_s, expected_a = taken_on(c, s, &zero_s);
   c->peak_a = fmax(c->peak_a, s->i1_a);
   double part = fmin(c->peak_a / CONDUCTS_A, 1);
   bool blocked = fabs(s->v1_v) > BLOCKED_V && s->i1_a < leakage(s->v1_v) / 2;
   double leaks_a = part * LEAKAGE_A;
   follow_low(c, s, leaks_a);
-  bool broke_off = s->i1_a <= leaks_a && expected_a <= 0;
+  bool broke_off = s->i1_a <= leaks_a && expected_a <= 0 && !may_go_on;
   if (s->i1_a > part * GONE_A && !broke_off && !blocked) return false;
+  if (!isnan(c->out_s)) return true;
   double chord_s = s->i1_a < s->i0_a ? zero_of(s->t0_s, s->i0_a, s->t1_s, s->i1_a) : s->t1_s;
   if (s->i1_a > 0 && (broke_off || blocked)) chord_s = s->t1_s;
   zero_s = fmin(fmax(zero_s, s->t0_s), chord_s);
-  *event_s = fmin(zero_s, s->t1_s + REST_S);
-  c->tail_s = isnan(c->low_s) ? 0 : fmax(*event_s - c->low_s, 0);
+  *out_s = fmin(zero_s, s->t1_s + REST_S);
+  c->tail_s = isnan(c->low_s) ? 0 : fmax(*out_s - c->low_s, 0);
   c->tail_a_s = leaks_a / c->tail_s;
-  c->low_s = NAN;
   return true;
+}
+
+static bool stops(vs_conduction *c, const vs_conduction_step *s, double *event_s) {
+  bool may_go_on = c->recovers && c->gated && is_on_state(s->v1_v);
+  double out_s = c->out_s;
+  bool over = is_over(c, s, may_go_on, &out_s);
+  c->out_s = over ? out_s : NAN;
+  if (!over || (may_go_on && s->t1_s < out_s + AT_ONCE_S)) return false;
+  *event_s = out_s;
+  c->out_s = c->low_s = NAN;
+  return true;
+}
+
+/* Takes the current, without its leakage, over each step in the place of that at its end, where it
+ * goes up and down from step to step. */
+static void smooth(vs_conduction *c, vs_conduction_step *net) {
+  double change_a = net->i1_a - net->i0_a, mean_a = (net->i0_a + net->i1_a) / 2;
+  bool back = change_a * c->change_a < 0 && fabs(change_a) > fabs(c->change_a) / 2 &&
+              fabs(change_a) < MOST_A;
+  c->alternations = back ? c->alternations + 1 : 0;
+  if (c->alternations >= ALTERNATES) {
+    c->before_a = c->mean_a[1];
+    net->i0_a = c->mean_a[0];
+    net->i1_a = mean_a;
+  }
+  c->change_a = change_a;
+  c->mean_a[1] = c->mean_a[0];
+  c->mean_a[0] = mean_a;
 }
 
 vs_event vs_conduction_follow(vs_conduction *c, const vs_conduction_step *step, double *event_s) {
@@ -168,6 +230,7 @@ vs_event vs_conduction_follow(vs_conduction *c, const vs_conduction_step *step, 
   vs_conduction_step net = *step;
   net.i0_a = vs_conduction_current(c, step->i0_a, step->v0_v);
   net.i1_a = vs_conduction_current(c, step->i1_a, step->v1_v);
+  smooth(c, &net);
   c->conducts = was ? !stops(c, &net, event_s) : fires(c, &net, event_s);
   c->before_s = net.t0_s;
   c->before_a = net.i0_a;

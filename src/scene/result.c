@@ -92,20 +92,23 @@ static bool nothing_fires(const vs_result *r, char *text, size_t size) {
   return true;
 }
 
-/* Where the two runs of the scene differ in how often they fire, writes what is to be said of it.
- * What comes of a sequence that hangs on the tolerance is off by more than the tolerance. False:
- * nothing is to be said. */
+/* Where the two runs of the scene have another sequence of firings, writes what is to be said of
+ * it. False: nothing is to be said. */
 static bool sequence_differs(const vs_result *r, char *text, size_t size) {
-  const vs_sequence *one = &r->watchers.sequence, *other = &r->second.sequence;
-  if (!r->second.done) return false;
-  if (one->firings == other->firings && one->extinctions == other->extinctions) return false;
-  snprintf(text, size,
-           "the sequence of firings depends on the tolerance: it fires and goes out %ld and %ld "
-           "times at run.tolerance = %.3g, %ld and %ld times at %.3g; the errors of the margins "
-           "come from these two runs; what else follows from it is known less well than "
-           "run.tolerance says, and a finer one may settle it",
-           one->firings, one->extinctions, r->scene->setup.run.tolerance, other->firings,
-           other->extinctions, r->second.tolerance);
+  char name[VS_JUDGED_NAME];
+  int torn = 0;
+  if (!*r->second.sequence) return false;
+  int n = snprintf(text, size, "the sequence of firings depends on the tolerance: %s; ",
+                   r->second.sequence);
+  for (size_t k = 0; k < r->verdict.count && n < (int)size; k++)
+    if (r->verdict.item[k].torn)
+      n += snprintf(text + n, size - (size_t)n, "%s%s", torn++ ? ", " : "undecided for its sake: ",
+                    vs_verdict_name(&r->verdict.item[k], name));
+  if (n < (int)size)
+    snprintf(text + n, size - (size_t)n,
+             "%swhat else follows from it is known less well than run.tolerance says, and a finer "
+             "one may settle it",
+             torn ? "; " : "");
   return true;
 }
 

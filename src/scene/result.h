@@ -11,11 +11,13 @@
 /* The second run of the scene, which tells the errors of the margins. */
 typedef struct vs_second_run {
   bool done;
-  bool stopped;         /* by a signal */
-  double tolerance;     /* its run.tolerance */
-  vs_sequence sequence; /* how often its thyristor fired and went out */
-  double decides; /* a run.tolerance at which the undecided lines of the verdict are likely to be
-                     decided; 0: none is known, or none is needed */
+  bool stopped;       /* by a signal */
+  double tolerance;   /* its run.tolerance */
+  char sequence[512]; /* what it has in another sequence than the first run; empty: nothing */
+  const char *why;    /* why there was one though nothing asked for it: what showed that the first
+                         run's sequence is on edge; NULL: it was asked for, or there was none */
+  double decides;   /* a run.tolerance at which the undecided lines of the verdict are likely to be
+                       decided; 0: none is known, or none is needed */
   char unsure[256]; /* extremes that the two runs have very differently; empty: there are none */
   double wall_s;
   char failed[256]; /* why there was none though it was wanted; empty: there was one, or it was not

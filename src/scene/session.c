@@ -281,11 +281,21 @@ static double resolution_of_rates(double tolerance) {
   return fmax(COARSE_RATE, FINE_RATE * fmin(1, FINE / tolerance));
 }
 
-static bool wants_second(const vs_session *session, const vs_result *r) {
+/* What shows that the run's sequence of firings is on edge; NULL: nothing does. */
+static const char *find_edge(const vs_result *r) {
+  const vs_devices *d = r->watchers.devices;
+  for (size_t k = 0; d && k < d->count; k++)
+    if (d->item[k].sequence.edge) return d->item[k].sequence.edge;
+  return vs_verdict_on_edge(&r->verdict) ? "is near to firing without its gate" : NULL;
+}
+
+static bool wants_second(const vs_session *session, vs_result *r) {
   int word = r->scene->setup.run.verify;
   bool told = r->verdict.count || r->scene->tier->has_circuit; /* what a second run tells */
-  return (word == VS_VERIFY_ALWAYS && told) ||
-         (word == VS_VERIFY_AUTO && session->verify && r->verdict.count);
+  if (word == VS_VERIFY_ALWAYS && told) return true;
+  if (word != VS_VERIFY_AUTO || !r->verdict.count) return false;
+  if (!session->verify && session->verify_edges) r->second.why = find_edge(r);
+  return session->verify || r->second.why;
 }
 
 /* With run.verify: always, an extreme of a probe is told which a finer run has otherwise by more
@@ -350,6 +360,33 @@ static double deciding_tolerance(const vs_result *r) {
   return pow(10, floor(log10(most)));
 }
 
+/* Two instants are those of one firing where they are within this part of a cycle of the mains,
+ * 3.6 degrees. It is far above what a tolerance makes of an instant, but for the end of a current
+ * that creeps to zero, and not above the distance of the pulses of a burst. */
+static const double WINDOW = 0.01;
+
+/* Compares the sequences of what the devices did, and of the run's own firings, and marks what
+ * hangs on one that the second run has otherwise. */
+static void compare_sequences(vs_result *r, const vs_result *second) {
+  const vs_devices *a = r->watchers.devices, *b = second->watchers.devices;
+  double window_s = WINDOW * r->scene->setup.timeline.period_s;
+  vs_sequence_difference how, first;
+  const char *name = NULL;
+  for (size_t k = 0; a && b && k < a->count; k++) {
+    if (vs_sequence_agrees(&a->item[k].sequence, &b->item[k].sequence, window_s, &how)) continue;
+    vs_verdict_tear(&r->verdict, a->item[k].device);
+    if (!name) first = how;
+    if (!name) name = a->item[k].device->name;
+  }
+  if (!name &&
+      !vs_sequence_agrees(&r->watchers.sequence, &second->watchers.sequence, window_s, &first))
+    name = "it";
+  if (name)
+    snprintf(r->second.sequence, sizeof r->second.sequence,
+             "%s %s at run.tolerance = %.3g, %s at %.3g", name, first.one,
+             r->scene->setup.run.tolerance, first.other, r->second.tolerance);
+}
+
 /* Runs the scene a second time and gives the margins their errors. `other` shares what the scene
  * owns and is not freed as a scene. */
 static void run_second(const vs_session *session, vs_result *r) {
@@ -363,7 +400,6 @@ static void run_second(const vs_session *session, vs_result *r) {
   change_settings(other, factor);
   vs_status status = run_once(&plain, other, second, &why);
   r->second.tolerance = other->setup.run.tolerance;
-  r->second.sequence = second->watchers.sequence;
   r->second.wall_s = second->wall_s;
   r->second.done = !status;
   if (status == VS_SIGNAL) { /* the first run is whole: its lines stay unverified */
@@ -377,6 +413,7 @@ static void run_second(const vs_session *session, vs_result *r) {
     double resolution = RESOLUTION * own + bound;
     vs_verdict_compare(&r->verdict, &second->verdict, resolution,
                        resolution_of_rates(own) * resolution);
+    compare_sequences(r, second);
     r->second.decides = deciding_tolerance(r);
     if (r->scene->setup.run.verify == VS_VERIFY_ALWAYS) tell_unsure(r, second);
   }

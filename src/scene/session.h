@@ -30,6 +30,8 @@ typedef struct vs_guest {
 typedef struct vs_session {
   const vs_guest *guest; /* NULL: nobody */
   bool verify;           /* what `run.verify: auto` means: a second run where something is rated */
+  bool verify_edges;     /* what it means besides: a second run where the first one shows that its
+                            sequence of firings is on edge */
   bool bare; /* no watchers, no ladder and no control, so that the angle is firing.angle: of the
                 result only wall_s and steps are filled */
   const vs_measure_set

@@ -76,8 +76,8 @@ static void begin_device(vs_watched *w, vs_device_watch *own, const vs_frame *fr
   if (d->kind->switches) {
     w->states = vs_alloc(1, sizeof *w->states);
     static const vs_gates NONE = {0};
-    vs_switching_begin(w->states, frame->timeline, d->kind->gated ? &d->gates : &NONE,
-                       d->kind->both_ways);
+    vs_switching_begin(w->states, frame->timeline, d->kind->gated ? &d->gates : &NONE, frame->deck,
+                       d);
     begin_shots(&own->shots, frame, d);
     if (w->at_work) own->opening = vs_alloc(1, sizeof *own->opening);
   }
@@ -172,6 +172,7 @@ static void follow_shots(const vs_devices *d, vs_watched *w, shots *s, const vs_
   bool gated = s->gate.on && s->gate.gates.count;
   bool again = gated && !s->fresh && c->t0_s - s->last_s < d->frame->timeline->period_s / 2;
   s->fresh = false;
+  if (again) vs_sequence_mark(&w->sequence, "is fired again by the same gate pulse", c->t0_s);
   if (again) return;
   s->last_s = c->t0_s;
   w->starts += c->t1_s > d->means.from_s && c->t0_s < d->means.to_s;
@@ -216,15 +217,52 @@ static void tell(vs_devices *d, const vs_watched *w, const vs_switch_news *news)
                                   : "fires without a gate pulse (unintended firing)");
 }
 
-static void follow_melting(vs_devices *d, const vs_watched *w, vs_melting *m,
-                           const vs_course_step *c) {
+static void note_melting(vs_watched *w, vs_deed deed, double at_s) {
+  vs_sequence_add(&w->sequence, deed, at_s);
+  vs_sequence_mark(&w->sequence, "melts", at_s);
+}
+
+static void follow_melting(vs_devices *d, vs_watched *w, vs_melting *m, const vs_course_step *c) {
   vs_melting_news news = vs_melting_follow(m, c);
   const char *name = w->device->name;
+  if (!isnan(news.melts_s)) note_melting(w, VS_DEED_MELTS, news.melts_s);
+  if (!isnan(news.cleared_s)) note_melting(w, VS_DEED_CLEARS, news.cleared_s);
+  if (!isnan(news.again_s)) note_melting(w, VS_DEED_ARCS_AGAIN, news.again_s);
   if (!isnan(news.melts_s)) say(d, news.melts_s, name, "melts");
   if (!isnan(news.cleared_s)) say(d, news.cleared_s, name, "has cleared");
   if (!isnan(news.again_s)) say(d, news.again_s, name, "arcs again");
   for (size_t k = 0; k < w->count; k++)
     if (w->reduced[k].by->take_melting) w->reduced[k].by->take_melting(&w->reduced[k], &news);
+}
+
+/* Of the order of a latching current. A device that recovers and whose gate made it conduct no more
+ * than this may or may not have latched. */
+static const double BARELY_A = 0.1;
+
+/* A circuit that offers no more than so many t_q may have the device fire again. */
+static const double OFFERS = 2;
+
+/* Marks what shows the device's sequence to be on edge. */
+static void mark_edges(vs_watched *w, const vs_switch_news *news) {
+  const vs_switch *s = w->states;
+  vs_sequence *q = &w->sequence;
+  if (news->misfire.known) vs_sequence_mark(q, "misfires", news->misfire.at_s);
+  if (news->unintended.known)
+    vs_sequence_mark(q, "fires without a gate pulse", news->unintended.at_s);
+  if (news->extinct.known && s->conduction.recovers && s->conduction.peak_a < BARELY_A)
+    vs_sequence_mark(q, "conducts no more than a latching current", news->extinct.at_s);
+  if (news->offered.known && isfinite(s->t_q_s) && news->offered.value < OFFERS * s->t_q_s)
+    vs_sequence_mark(q, "has hardly its turn-off time", news->offered.at_s);
+}
+
+static void note_deeds(vs_watched *w, const vs_switch_news *news) {
+  vs_sequence *q = &w->sequence;
+  if (news->extinct.known) vs_sequence_add(q, VS_DEED_GOES_OUT, news->extinct.at_s);
+  if (news->fires.known) vs_sequence_add(q, VS_DEED_FIRES, news->fires.at_s);
+  if (news->misfire.known) vs_sequence_add(q, VS_DEED_MISFIRES, news->misfire.at_s);
+  if (news->unintended.known) vs_sequence_add(q, VS_DEED_UNINTENDED, news->unintended.at_s);
+  if (news->commutation_failure) vs_sequence_add(q, VS_DEED_FAILS, news->unintended.at_s);
+  if (w->device->kind->gated) mark_edges(w, news);
 }
 
 static void follow_states(vs_devices *d, vs_watched *w, vs_course_step *c) {
@@ -233,6 +271,7 @@ static void follow_states(vs_devices *d, vs_watched *w, vs_course_step *c) {
   vs_switching_follow(w->states, c, &news);
   c->on = w->states->conduction.conducts;
   if (!news.any) return;
+  note_deeds(w, &news);
   for (size_t k = 0; k < w->count; k++)
     if (w->reduced[k].by->take_news) w->reduced[k].by->take_news(w, &w->reduced[k], &news);
   tell(d, w, &news);
@@ -278,6 +317,8 @@ void vs_devices_begin(vs_devices *d, const vs_step *step) {
     complete(w->last);
     if (w->losses) vs_losses_resume(w->losses, w->last[VS_OF_V], w->last[VS_OF_I]);
     if (w->states) vs_switching_resume(w->states, w->last[VS_OF_I], w->last[VS_OF_V]);
+    if (w->states && w->states->conduction.conducts)
+      vs_sequence_add(&w->sequence, VS_DEED_FIRES, d->began_s);
     for (size_t n = 0; n < own->n_busy; n++)
       if (own->busy[n]->by->begin) own->busy[n]->by->begin(w, own->busy[n], d->began_s);
   }

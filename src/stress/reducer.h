@@ -5,6 +5,7 @@
 #ifndef VS_STRESS_REDUCER_H
 #define VS_STRESS_REDUCER_H
 
+#include "sim/sequence.h"
 #include "stress/losses.h"
 #include "stress/melting.h"
 #include "stress/switching.h"
@@ -43,6 +44,7 @@ typedef struct vs_watched {
   const vs_timeline *timeline;
   vs_switch *states;       /* of a device that conducts or blocks; NULL: of any other */
   vs_losses *losses;       /* where a measure asks what the loss is made of; else NULL; owned */
+  vs_sequence sequence;    /* what it did */
   double last[VS_COURSES]; /* its courses at the last knot */
   double sum[VS_COURSES];  /* integrals over the run so far; those of V and V.s stay 0 */
   double sum_meant[VS_COURSES]; /* the same integrals over the stretch that means are over */
@@ -73,6 +75,11 @@ struct vs_reducer {
   bool across;
   /* The value is a rate, which a few steps decide: its margin is known less well (verdict.c). */
   bool is_rate;
+  /* The value hangs on the sequence of the device's firings: where two runs of a scene differ in
+   * that, the value of neither is known. */
+  bool hangs_on_sequence;
+  /* By a value near its limit, or beyond it, the device may fire or go on without its gate. */
+  bool makes_fire;
   /* Prepares the state, before the run. limit and states are there. */
   void (*prepare)(vs_watched *w, vs_reduced *r);
   /* False: this measure needs no `begin` and `follow`. NULL: it needs them. */

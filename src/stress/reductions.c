@@ -126,6 +126,7 @@ static void follow_pulse(const vs_watched *w, vs_reduced *r, const vs_course_ste
 
 static const vs_reducer pulse = {.state_size = sizeof(double),
                                  .across = true,
+                                 .hangs_on_sequence = true,
                                  .begin = vs_reducer_begin_at_zero,
                                  .follow = follow_pulse};
 

@@ -260,19 +260,30 @@ static void fall_back(vs_switch *s, const vs_course_step *c, vs_switch_news *new
 }
 
 /* Forward voltage has returned. */
-static void turn_off(vs_switch *s, double returned_s, vs_switch_news *news) {
+static void turn_off(vs_switch *s, double returned_s) {
   s->rest = REST_FORWARD_AGAIN;
+  s->offers = true;
   s->offered_s = fmax(returned_s - s->zero_s, 0);
+  s->offer = (vs_switch_news){.doubt_s = s->conduction.tail_s,
+                              .spread_s = s->conduction.peak_a / s->conduction.tail_a_s};
   if (!is_gated(s)) /* else it is meant to conduct */
-    news->offered = (vs_value){true, s->offered_s, returned_s};
-  news->doubt_s = s->conduction.tail_s;
-  news->spread_s = s->conduction.peak_a / s->conduction.tail_a_s;
+    s->offer.offered = (vs_value){true, s->offered_s, returned_s};
+}
+
+/* The forward voltage that has returned is one, or the device has fired from it. */
+static void tell_offered(vs_switch *s, vs_switch_news *news) {
+  if (!s->offers) return;
+  s->offers = false;
+  news->offered = s->offer.offered;
+  news->doubt_s = s->offer.doubt_s;
+  news->spread_s = s->offer.spread_s;
 }
 
 /* Follows the voltage of a device that blocks after a conduction: reverse, then forward again. One
  * that had latched, and went out by its holding current, may have forward voltage at once. Up to
  * half of what it fired from that is told from what it still drops as its charge decays by nothing,
- * and does not count. */
+ * and does not count. A voltage that turns back before it has come to 10 V was no return: behind
+ * mains that are gone it is noise about zero. */
 static void follow_rest(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
   double v0 = c->from[VS_OF_V], v1 = c->to[VS_OF_V];
   switch (s->rest) {
@@ -281,16 +292,19 @@ static void follow_rest(vs_switch *s, const vs_course_step *c, vs_switch_news *n
     if (isnan(s->rose_s) && v1 > FORWARD_V)
       s->rose_s = v0 < FORWARD_V ? c->t0_s + (FORWARD_V - v0) / (v1 - v0) * c->h_s : s->zero_s;
     if (s->fired_v < FORWARD_V || v1 < s->fired_v / 2) break;
-    if (s->latched)
-      turn_off(s, isnan(s->rose_s) ? c->t1_s : s->rose_s, news);
-    else
+    if (s->latched) {
+      turn_off(s, isnan(s->rose_s) ? c->t1_s : s->rose_s);
+      tell_offered(s, news);
+    } else
       fall_back(s, c, news);
     break;
   case REST_REVERSED:
-    if (v1 > 0) turn_off(s, v0 < 0 ? c->t0_s - v0 / (v1 - v0) * c->h_s : c->t0_s, news);
+    if (v1 > 0) turn_off(s, v0 < 0 ? c->t0_s - v0 / (v1 - v0) * c->h_s : c->t0_s);
+    if (v1 > FORWARD_V) tell_offered(s, news);
     break;
   case REST_FORWARD_AGAIN:
-    if (v1 < 0) s->rest = REST_NONE;
+    if (v1 > FORWARD_V) tell_offered(s, news);
+    if (v1 < 0) s->rest = s->offers ? REST_REVERSED : REST_NONE;
     if (s->both_ways && isnan(s->rose_s) && v1 > FORWARD_V) s->rose_s = c->t1_s;
     break;
   }
@@ -305,7 +319,8 @@ static void turn_over(vs_switch *s, const vs_course_step *c, vs_switch_news *new
   s->way = -s->way;
   vs_conduction_turn(&s->conduction, zero_s);
   if (s->rest == REST_NO_REVERSE_YET) {
-    turn_off(s, zero_s, news);
+    turn_off(s, zero_s);
+    tell_offered(s, news);
     s->rose_s = NAN;
   } else if (!isnan(s->rose_s))
     s->rest = REST_NONE;
@@ -324,6 +339,7 @@ static vs_course_step in_half_cycle(const vs_switch *s, const vs_course_step *c)
 /* A current has begun. Without a gate pulse at that time this is an unintended firing. */
 static void judge_firing(vs_switch *s, vs_switch_news *news) {
   s->by_gate = s->gate.on || s->fired_s < s->gate.off_since_s;
+  if (s->rest == REST_FORWARD_AGAIN) tell_offered(s, news);
   if (!s->by_gate) {
     news->unintended = (vs_value){true, 1, s->fired_s};
     news->commutation_failure = s->rest == REST_FORWARD_AGAIN && !(s->offered_s >= s->t_q_s);
@@ -349,8 +365,8 @@ static void follow_pulse(vs_switch *s, const vs_course_step *c, vs_switch_news *
 }
 
 void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, const vs_gates *gates,
-                        bool both_ways) {
-  *s = (vs_switch){.both_ways = both_ways,
+                        const vs_deck *deck, const vs_device *device) {
+  *s = (vs_switch){.both_ways = device->kind->both_ways,
                    .way = 1,
                    .t_q_s = INFINITY,
                    .fired_s = NAN,
@@ -361,6 +377,7 @@ void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, const vs_gate
                    .stored_at_s = -INFINITY};
   vs_switching_gate_begin(&s->gate, timeline, gates);
   vs_conduction_begin(&s->conduction);
+  s->conduction.recovers = vs_conduction_recovers(deck, device);
 }
 
 void vs_switching_resume(vs_switch *s, double i_a, double v_v) {

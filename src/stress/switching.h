@@ -8,7 +8,8 @@
  *                          ten t_q of the end of its pulse, and without a reverse voltage
  *                          in between fell back to half of the forward voltage it had fired from
  *   unintended firing      the device's current begins outside any gate pulse
- *   time offered           from the zero of the current to the return of forward voltage; where
+ *   time offered           from the zero of the current to the return of forward voltage, which
+ *                          then goes on to 10 V or fires the device; where
  *                          the device had latched and comes back to half of the forward voltage
  *                          it had fired from without having been reversed, as it may when it lets
  *                          go at its holding current, to the first 10 V
@@ -107,39 +108,6 @@ typedef struct vs_rise {
   vs_passed passed[VS_RISE_LEVELS]; /* level k, from 0, in number k modulo VS_RISE_LEVELS */
 } vs_rise;
 
-typedef struct vs_switch {
-  vs_gate_watch gate;
-  bool both_ways; /* it conducts either way */
-  double way;     /* +1 in a positive half cycle, -1 in a negative one */
-  double t_q_s;   /* of the part; INFINITY, as at the beginning: not known */
-  vs_conduction conduction;
-  bool by_gate;     /* the present or last conduction began with a gate pulse */
-  bool turning_on;  /* the current has not come to its first maximum, or fired 1 us ago or less */
-  double fired_s;   /* when it last fired; NaN: it has not fired yet */
-  double fired_v;   /* the forward voltage it fired from */
-  double rose_s;    /* when it had 10 V forward since zero_s, not reversed yet; NaN: not so far */
-  double tenth_s;   /* since when the current is below a tenth of its peak; NaN: it is not */
-  bool commutates;  /* the voltage has not risen by 10 V since the last conduction */
-  bool latched;     /* the last conduction went on without its gate */
-  double zero_s;    /* when its current last went to zero */
-  int rest;         /* what its voltage did since then: REST_... of switching.c */
-  double offered_s; /* the time that its circuit offered it to rest */
-  bool forward;     /* in the present gate pulse it had forward voltage */
-  bool conducted;   /* in the present gate pulse it conducted */
-  double unanswered_s; /* end of a gate pulse that may have failed; NaN: there is none */
-  vs_rise rise;
-  vs_ascent stored;   /* steepest stretch of a rise that ended before, while it blocked */
-  double stored_at_s; /* when that rise ended; -INFINITY: there was none since the last firing */
-  vs_slope off, on;   /* rates of its forward voltage and of its current, followed all the time */
-  double off_rate;    /* the largest of its forward voltage while it blocked, V/s */
-} vs_switch;
-/* gates: as in vs_gate_watch. */
-void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, const vs_gates *gates,
-                        bool both_ways);
-/* Tells the current and the voltage at the first knot, before the first step. A device that
- * conducts there, as on an orbit, was fired by its gate before. */
-void vs_switching_resume(vs_switch *s, double i_a, double v_v);
-
 /* What a step brought. Values that are not known were not brought. */
 typedef struct vs_switch_news {
   bool any;                /* one of the values is known */
@@ -164,6 +132,42 @@ typedef struct vs_switch_news {
    * from which the device fired. */
   double fired_rate, fired_over_v, fired_v;
 } vs_switch_news;
+
+typedef struct vs_switch {
+  vs_gate_watch gate;
+  bool both_ways; /* it conducts either way */
+  double way;     /* +1 in a positive half cycle, -1 in a negative one */
+  double t_q_s;   /* of the part; INFINITY, as at the beginning: not known */
+  vs_conduction conduction;
+  bool by_gate;     /* the present or last conduction began with a gate pulse */
+  bool turning_on;  /* the current has not come to its first maximum, or fired 1 us ago or less */
+  double fired_s;   /* when it last fired; NaN: it has not fired yet */
+  double fired_v;   /* the forward voltage it fired from */
+  double rose_s;    /* when it had 10 V forward since zero_s, not reversed yet; NaN: not so far */
+  double tenth_s;   /* since when the current is below a tenth of its peak; NaN: it is not */
+  bool commutates;  /* the voltage has not risen by 10 V since the last conduction */
+  bool latched;     /* the last conduction went on without its gate */
+  double zero_s;    /* when its current last went to zero */
+  int rest;         /* what its voltage did since then: REST_... of switching.c */
+  double offered_s; /* the time that its circuit offered it to rest */
+  bool offers;      /* forward voltage has returned, but has not come to 10 V yet, nor fired it */
+  vs_switch_news offer; /* what is then told of that time */
+  bool forward;         /* in the present gate pulse it had forward voltage */
+  bool conducted;       /* in the present gate pulse it conducted */
+  double unanswered_s;  /* end of a gate pulse that may have failed; NaN: there is none */
+  vs_rise rise;
+  vs_ascent stored;   /* steepest stretch of a rise that ended before, while it blocked */
+  double stored_at_s; /* when that rise ended; -INFINITY: there was none since the last firing */
+  vs_slope off, on;   /* rates of its forward voltage and of its current, followed all the time */
+  double off_rate;    /* the largest of its forward voltage while it blocked, V/s */
+} vs_switch;
+/* gates: as in vs_gate_watch; deck, device: whose switch it is. */
+void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, const vs_gates *gates,
+                        const vs_deck *deck, const vs_device *device);
+/* Tells the current and the voltage at the first knot, before the first step. A device that
+ * conducts there, as on an orbit, was fired by its gate before. */
+void vs_switching_resume(vs_switch *s, double i_a, double v_v);
+
 /* Takes the next step and fills `news`. */
 void vs_switching_follow(vs_switch *s, const vs_course_step *c, vs_switch_news *news);
 

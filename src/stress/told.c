@@ -130,21 +130,29 @@ static void take_fall(const vs_watched *w, vs_reduced *r, const vs_switch_news *
   vs_reducer_offer(r, news->fall, false);
 }
 
-#define HAPPENS .state_size = sizeof(vs_happening)
-const vs_reducer vs_told_rise = {.is_rate = true, .prepare = prepare_rise, .take_news = take_rise},
-                 vs_told_off_rate = {.is_rate = true, .take_news = take_off_rate},
-                 vs_told_on_rate = {.is_rate = true, .take_news = take_on_rate},
-                 vs_told_return_rise = {.is_rate = true,
-                                        .prepare = prepare_rise,
-                                        .take_news = take_return_rise},
-                 vs_told_fall = {.is_rate = true, .take_news = take_fall},
-                 vs_told_offered = {.prepare = prepare_offered, .take_news = take_offered},
-                 vs_told_misfire = {HAPPENS, .counts = true, .take_news = take_misfire},
-                 vs_told_unintended = {HAPPENS, .counts = true, .take_news = take_unintended},
-                 vs_told_commutation_failure = {HAPPENS, .counts = true,
-                                                .take_news = take_commutation_failure},
-                 vs_told_opens = {HAPPENS, .prepare = prepare_fuse, .take_melting = take_opening},
-                 vs_told_arcs = {HAPPENS, .prepare = prepare_fuse, .take_melting = take_arc};
+#define HAPPENS .hangs_on_sequence = true, .state_size = sizeof(vs_happening)
+const vs_reducer
+    vs_told_rise = {.is_rate = true,
+                    .makes_fire = true,
+                    .prepare = prepare_rise,
+                    .take_news = take_rise},
+    vs_told_off_rate = {.is_rate = true, .take_news = take_off_rate},
+    vs_told_on_rate = {.is_rate = true, .hangs_on_sequence = true, .take_news = take_on_rate},
+    vs_told_return_rise = {.is_rate = true,
+                           .hangs_on_sequence = true,
+                           .makes_fire = true,
+                           .prepare = prepare_rise,
+                           .take_news = take_return_rise},
+    vs_told_fall = {.is_rate = true, .hangs_on_sequence = true, .take_news = take_fall},
+    vs_told_offered = {.hangs_on_sequence = true,
+                       .makes_fire = true,
+                       .prepare = prepare_offered,
+                       .take_news = take_offered},
+    vs_told_misfire = {HAPPENS, .counts = true, .take_news = take_misfire},
+    vs_told_unintended = {HAPPENS, .counts = true, .take_news = take_unintended},
+    vs_told_commutation_failure = {HAPPENS, .counts = true, .take_news = take_commutation_failure},
+    vs_told_opens = {HAPPENS, .prepare = prepare_fuse, .take_melting = take_opening},
+    vs_told_arcs = {HAPPENS, .prepare = prepare_fuse, .take_melting = take_arc};
 #undef HAPPENS
 
 /* ---- gate pulses ---- */

@@ -56,6 +56,8 @@ static vs_judgement judge_device(const vs_deck *deck, const vs_device *d, const 
                         .room = {least ? room : INFINITY, least ? INFINITY : room},
                         .margin = room,
                         .margin_error = NAN,
+                        .hangs = r->by->hangs_on_sequence,
+                        .makes_fire = r->by->makes_fire,
                         .is_rate = r->by->is_rate,
                         .assumed = r->limit->assumed || r->assumed,
                         .over_v = r->over_v,
@@ -224,6 +226,15 @@ static void add_happenings(vs_verdict *v, const vs_verdict *second) {
   }
 }
 
+static void find_weakest(vs_verdict *v) {
+  v->weakest = NULL;
+  for (size_t k = 0; k < v->count; k++) {
+    const vs_judgement *j = &v->item[k];
+    if (isinf(j->margin)) continue;
+    if (!v->weakest || least_margin(j) <= least_margin(v->weakest)) v->weakest = j;
+  }
+}
+
 void vs_verdict_compare(vs_verdict *v, const vs_verdict *second, double resolution, double rates) {
   for (size_t k = 0; k < v->count; k++) {
     vs_judgement *j = &v->item[k];
@@ -239,10 +250,26 @@ void vs_verdict_compare(vs_verdict *v, const vs_verdict *second, double resoluti
     if (isnan(j->margin_error)) j->margin_error = INFINITY;
   }
   add_happenings(v, second);
-  v->weakest = NULL;
+  find_weakest(v);
+}
+
+void vs_verdict_tear(vs_verdict *v, const vs_device *device) {
   for (size_t k = 0; k < v->count; k++) {
-    const vs_judgement *j = &v->item[k];
-    if (isinf(j->margin)) continue;
-    if (!v->weakest || least_margin(j) <= least_margin(v->weakest)) v->weakest = j;
+    vs_judgement *j = &v->item[k];
+    if (j->device != device || !j->hangs) continue;
+    j->torn = true;
+    j->margin_error = INFINITY;
   }
+  find_weakest(v);
+}
+
+/* A line that is within this part of its limit. dv/dt at which a part of spice/parts fires lies 10
+ * % below to 7 % above what its maker says (thyristor_law.inc), and a rate is known to some 10 %.
+ */
+static const double EDGE = 0.25;
+
+const vs_judgement *vs_verdict_on_edge(const vs_verdict *v) {
+  for (size_t k = 0; k < v->count; k++)
+    if (v->item[k].makes_fire && fabs(v->item[k].margin) < EDGE) return &v->item[k];
+  return NULL;
 }

@@ -29,6 +29,9 @@ typedef struct vs_judgement {
   double margin_error; /* numerical error of the margin, in the margin's own scale; INFINITY: it
                           could not be found; NaN: it was not computed */
   vs_value stress;     /* the extreme that is nearer to its limit, or further beyond it */
+  bool hangs;          /* on the sequence of the device's firings */
+  bool torn;           /* that is another one in a second run: undecided for its sake */
+  bool makes_fire;     /* near the limit the device may fire without its gate */
   bool is_rate;        /* the measure is a rate over a short time */
   bool assumed;        /* no source says the limit, or a figure that the stress is made of */
   double over_v;       /* of a rate of rise: how far the stretch rises that the stress is the mean
@@ -81,6 +84,14 @@ const vs_judgement *vs_verdict_breach(const vs_verdict *verdict);
  * undecided; what happened in the second run alone becomes such a line. */
 void vs_verdict_compare(vs_verdict *verdict, const vs_verdict *second, double resolution,
                         double rates);
+
+/* The two runs have another sequence of what `device` does: its lines that hang on that become
+ * undecided. Called behind vs_verdict_compare. */
+void vs_verdict_tear(vs_verdict *verdict, const vs_device *device);
+
+/* Returns the line of a device that may fire, or may not, as the line is so near to its limit;
+ * NULL: there is none. */
+const vs_judgement *vs_verdict_on_edge(const vs_verdict *verdict);
 
 /* Writes the line's name, "v_ak" or "thyristor.i2t", and returns it. */
 enum { VS_JUDGED_NAME = VS_DECK_NAME + 24 };

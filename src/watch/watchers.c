@@ -29,8 +29,9 @@ static void follow_absence(vs_absence *a, const vs_step *step) {
 
 static void follow_sequence(vs_sequence *sequence, const vs_step *step) {
   for (int k = 0; k < 2; k++) {
-    sequence->firings += step->event[k] == VS_EV_FIRES;
-    sequence->extinctions += step->event[k] == VS_EV_EXTINCT;
+    if (step->event[k] == VS_EV_FIRES) vs_sequence_add(sequence, VS_DEED_FIRES, step->event_s[k]);
+    if (step->event[k] == VS_EV_EXTINCT)
+      vs_sequence_add(sequence, VS_DEED_GOES_OUT, step->event_s[k]);
   }
 }
 

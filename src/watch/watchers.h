@@ -19,11 +19,6 @@ typedef struct vs_absence {
   double bound;   /* on the error by all of this, relative to each probe's peak */
 } vs_absence;
 
-/* How often the thyristor fired and went out. */
-typedef struct vs_sequence {
-  long firings, extinctions;
-} vs_sequence;
-
 /* Start from {0}. vs_watchers_begin may be called again for another run, and vs_watchers_free may
  * be called at any time. */
 typedef struct vs_watchers {
@@ -36,7 +31,7 @@ typedef struct vs_watchers {
                             seen of it, or as the scene's firings or events are decided on the way */
   vs_energy energy;
   vs_absence absence;
-  vs_sequence sequence;
+  vs_sequence sequence;   /* of the run's own firings and ends (sim/step.h) */
   vs_measure_set settled; /* as vs_watchers_leave found it the last time */
   bool left;              /* the rest of the run was left out: what is not settled is not known */
 } vs_watchers;

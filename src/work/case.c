@@ -333,6 +333,7 @@ static vs_status run_scene(vs_case *c, vs_text *row, vs_error *err) {
       .ctx = &k, .begin = begin_run, .accept = accept, .again = again, .late = true};
   const vs_session session = {.guest = c->keep || c->steady ? &guest : NULL,
                               .wants = find_wants(c),
+                              .verify_edges = true,
                               .steady = vs_steady_start};
   *c->result = (vs_result){0};
   vs_status status = derive(c, err);
