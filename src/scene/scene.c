@@ -186,6 +186,8 @@ static vs_status read_instruments(vs_scene *s, vs_error *err) {
   const vs_node *currents = vs_tree_child(s->tree.root, "quality");
   vs_status status =
       vs_quality_read(currents, &s->setup, &s->frame, s->of_period, &s->quality, err);
+  const vs_node *ratings = vs_tree_child(s->tree.root, "ratings");
+  if (!status) status = vs_ratings_read(ratings, &s->setup, &s->quality, &s->ratings, err);
   if (status) return status;
   const vs_node *section = vs_tree_child(s->tree.root, "instruments");
   status = vs_instruments_read(section, &s->setup, &s->frame, &s->instruments, err);

@@ -12,7 +12,9 @@
 
 /* "  12.3 % +- 0.04 %  held" */
 static void print_margin(const vs_judgement *j, FILE *out) {
-  if (isfinite(j->margin_error))
+  if (j->unknown)
+    fprintf(out, "%9s %11s", "-", "");
+  else if (isfinite(j->margin_error))
     fprintf(out, "%7.1f %% +- %-6.2g %%", 100 * j->margin, 100 * j->margin_error);
   else
     fprintf(out, "%7.1f %% %11s", 100 * j->margin, isnan(j->margin_error) ? "" : "+- ?");
@@ -27,12 +29,24 @@ static const char *written(double si, const char *unit, char text[VS_AMOUNT_SIZE
   return text;
 }
 
+/* An end of a range, which the scene may leave open. */
+static const char *end_text(const vs_judgement *j, double si, char text[VS_AMOUNT_SIZE]) {
+  bool open = j->name && isinf(si);
+  snprintf(text, VS_AMOUNT_SIZE, open ? "-" : "%.4g", si / vs_units_factor(j->rating->unit));
+  return text;
+}
+
 static void print_rating(const vs_judgement *j, int width, FILE *out) {
+  char name[VS_JUDGED_NAME], end[VS_AMOUNT_SIZE];
   double unit = vs_units_factor(j->rating->unit);
-  fprintf(out, "  %-*s %11.4g %11.4g %11.4g %11.4g %-5s ", width, j->probe->name,
-          j->rating->min / unit, j->least.value / unit, j->largest.value / unit,
-          j->rating->max / unit, j->rating->unit);
+  fprintf(out, "  %-*s %11s ", width, vs_verdict_name(j, name), end_text(j, j->rating->min, end));
+  if (j->unknown)
+    fprintf(out, "%11s %11s", "-", "-");
+  else
+    fprintf(out, "%11.4g %11.4g", j->least.value / unit, j->largest.value / unit);
+  fprintf(out, " %11s %-5s ", end_text(j, j->rating->max, end), j->rating->unit);
   print_margin(j, out);
+  if (j->unknown) fprintf(out, ": %s", j->unknown);
   fputc('\n', out);
 }
 

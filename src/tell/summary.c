@@ -110,6 +110,7 @@ void vs_summary_scene(vs_json *json, const vs_scene *s) {
   add_events(json, &s->setup.timeline.events);
   add_instruments(json, &s->instruments, vs_instruments_working_hz(&s->setup));
   add_control(json, &s->control);
+  vs_ratings_json(&s->ratings, json);
   vs_json_end(json);
 }
 
@@ -265,13 +266,16 @@ static void add_extreme(vs_json *json, const char *name, vs_value v, double unit
 
 static void add_rating(vs_json *json, const vs_judgement *j) {
   double unit = vs_units_factor(j->rating->unit);
-  vs_json_text(json, "rating", j->probe->name);
+  char name[VS_JUDGED_NAME];
+  vs_json_text(json, "rating", vs_verdict_name(j, name));
+  if (j->name) vs_json_text(json, "of", "scene");
   vs_json_text(json, "unit", j->rating->unit);
   vs_json_text(json, "text", j->rating->text);
   vs_json_number(json, "min", j->rating->min / unit, DIGITS);
   vs_json_number(json, "max", j->rating->max / unit, DIGITS);
   add_extreme(json, "least", j->least, unit);
   add_extreme(json, "largest", j->largest, unit);
+  if (j->unknown) vs_json_text(json, "unknown", j->unknown);
 }
 
 static void add_device(vs_json *json, const vs_judgement *j) {
