@@ -29,8 +29,8 @@ static const struct other {
     {"record: all", "columns of run.csv: all, or a list as [p, i]; see 'vibrospice list probes'"},
     {"measured: {i_peak: 0.95 A}",
      "what was measured, printed beside what is computed; see 'vibrospice list measures'"},
-    {"ratings: {stroke: 0.5 mm .. 1.5 mm}",
-     "what you allow of measures and probes, as lines of the verdict; see 'vibrospice help ratings'"},
+    {"ratings: {stroke: 0.5 mm .. 1.5 mm}", "what you allow of measures and probes, as lines of "
+                                            "the verdict; see 'vibrospice help ratings'"},
     {"instruments: {set: own}", "sensors; see 'vibrospice list instruments'"},
     {"control: {law: LAW}", "what decides the firing angle; see 'vibrospice list regulators'"},
 };

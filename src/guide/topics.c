@@ -38,8 +38,10 @@ static void print_quality(void) {
 
 static void print_ratings(void) {
   puts("ratings: what you allow of measures and of probes, as\n"
-       "ratings: {stroke: 0.5 mm .. 1.5 mm, r1.power: .. 2 W, v_ak: -900 .. 900 V, p_min: -5 mm ..}\n"
-       "Each is a line of the verdict. What can be rated: vibrospice list measures, vibrospice list\n"
+       "ratings: {stroke: 0.5 mm .. 1.5 mm, r1.power: .. 2 W, v_ak: -900 .. 900 V, p_min: -5 mm "
+       "..}\n"
+       "Each is a line of the verdict. What can be rated: vibrospice list measures, vibrospice "
+       "list\n"
        "probes, and what quality tells. More: docs/ratings.md.");
 }
 

@@ -111,8 +111,8 @@ static bool probe_at(source *s, int k, subject *of) {
 }
 
 /* The k-th of those of one kind, from 0. False: there are no more. */
-static bool (*const OF_KIND[])(source *s, int k, subject *of) = {
-    measure_at, extreme_at, device_at, quality_at, probe_at};
+static bool (*const OF_KIND[])(source *s, int k, subject *of) = {measure_at, extreme_at, device_at,
+                                                                 quality_at, probe_at};
 enum { KINDS = sizeof OF_KIND / sizeof *OF_KIND };
 
 static bool find(source *s, const char *name, subject *of) {
@@ -200,10 +200,9 @@ static vs_status read_range(const vs_node *node, const char *unit, vs_own_rating
   if (dots) *dots = '\0';
   const char *lower = dots ? trim(text) : "", *upper = dots ? trim(dots + 2) : "";
   if (!*lower && !*upper)
-    return vs_fail_at(err, node->where,
-                      "ratings.%s: a range is wanted: 'A .. B%s%s', '.. B%s%s' or 'A%s%s ..'",
-                      r->name, *unit ? " " : "", unit, *unit ? " " : "", unit, *unit ? " " : "",
-                      unit);
+    return vs_fail_at(
+        err, node->where, "ratings.%s: a range is wanted: 'A .. B%s%s', '.. B%s%s' or 'A%s%s ..'",
+        r->name, *unit ? " " : "", unit, *unit ? " " : "", unit, *unit ? " " : "", unit);
   of->min = -INFINITY, of->max = INFINITY;
   const char *units[] = {unit_of(lower), unit_of(upper)};
   vs_status status = read_end(lower, unit, units[1], r, &of->min, node->where, err);
@@ -247,7 +246,8 @@ vs_status vs_ratings_read(const vs_node *node, const vs_setup *setup,
                           const vs_quality_list *quality, vs_ratings *ratings, vs_error *err) {
   vs_status status = VS_OK;
   ratings->count = 0;
-  if (!node || (node->kind == VS_NODE_TEXT && (!*node->text || !strcmp(node->text, vs_ratings_none))))
+  if (!node ||
+      (node->kind == VS_NODE_TEXT && (!*node->text || !strcmp(node->text, vs_ratings_none))))
     return VS_OK;
   if (node->kind != VS_NODE_MAP)
     return vs_error_carry_on(
@@ -328,8 +328,10 @@ static void rate_quality(vs_rated *rated, const vs_own_rating *r, const vs_ratin
 static void rate_probe(vs_rated *rated, const vs_own_rating *r, const vs_measures *m) {
   int channel = vs_channel_find(m->frame, r->name);
   const vs_followed *f = channel < 0 ? NULL : vs_measures_followed(m, channel);
-  if (!f) rated->unknown = m->frame->deck ? NO_CHANNEL : NO_CIRCUIT;
-  else if (!f->end[0].best.known) rated->unknown = NO_VALUE;
+  if (!f)
+    rated->unknown = m->frame->deck ? NO_CHANNEL : NO_CIRCUIT;
+  else if (!f->end[0].best.known)
+    rated->unknown = NO_VALUE;
   if (rated->unknown) return;
   rated->least = f->end[0].best;
   rated->largest = f->end[1].best;
@@ -344,19 +346,24 @@ static void rate(vs_rated *rated, const vs_own_rating *r, const vs_ratings_seen 
                       .largest = {.value = NAN, .at_s = NAN},
                       .passed_s = NAN};
   switch (r->kind) {
-    case VS_RATED_MEASURE:
-      rate_value(rated, seen->values[r->which], r->factor, seen->until_s);
-      break;
-    case VS_RATED_EXTREME:
-      if (m->frame->deck)
-        rate_value(rated, vs_measures_of_probe(m, r->which)[r->part].best, r->factor,
-                   seen->until_s);
-      else
-        rated->unknown = NO_CIRCUIT;
-      break;
-    case VS_RATED_DEVICE: rate_device(rated, r, seen); break;
-    case VS_RATED_QUALITY: rate_quality(rated, r, seen); break;
-    case VS_RATED_PROBE: rate_probe(rated, r, m); break;
+  case VS_RATED_MEASURE:
+    rate_value(rated, seen->values[r->which], r->factor, seen->until_s);
+    break;
+  case VS_RATED_EXTREME:
+    if (m->frame->deck)
+      rate_value(rated, vs_measures_of_probe(m, r->which)[r->part].best, r->factor, seen->until_s);
+    else
+      rated->unknown = NO_CIRCUIT;
+    break;
+  case VS_RATED_DEVICE:
+    rate_device(rated, r, seen);
+    break;
+  case VS_RATED_QUALITY:
+    rate_quality(rated, r, seen);
+    break;
+  case VS_RATED_PROBE:
+    rate_probe(rated, r, m);
+    break;
   }
 }
 

@@ -437,10 +437,11 @@ vs_status vs_session_judge(const vs_result *r, vs_error *err) {
     snprintf(decides, sizeof decides, "; run.tolerance = %.1g may decide", r->second.decides);
   else
     snprintf(decides, sizeof decides, "; no run.tolerance is known to decide");
-  return vs_fail(err, VS_RATING,
-                 "a rating is undecided: %s = %.6g %s%s, allowed %s %s: margin %.3g %% +- %.2g %%%s",
-                 name, worst->stress.value / unit, unit_name, at, allowed, unit_name,
-                 100 * worst->margin, 100 * worst->margin_error, decides);
+  return vs_fail(
+      err, VS_RATING,
+      "a rating is undecided: %s = %.6g %s%s, allowed %s %s: margin %.3g %% +- %.2g %%%s", name,
+      worst->stress.value / unit, unit_name, at, allowed, unit_name, 100 * worst->margin,
+      100 * worst->margin_error, decides);
 }
 
 static vs_status stop_at_once(void *ctx, const vs_step *step, vs_error *err) {

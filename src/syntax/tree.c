@@ -170,8 +170,8 @@ static vs_status check_lists(const vs_tree *tree, const char *dotted, vs_where w
   return status;
 }
 
-/* The child whose own key is this one, dots and all: "r1.power" is a key of a scene's ratings. NULL:
- * there is none. */
+/* The child whose own key is this one, dots and all: "r1.power" is a key of a scene's ratings.
+ * NULL: there is none. */
 static vs_node *child_with_dots(const vs_node *map, const char *key) {
   if (!strchr(key, '.')) return NULL;
   for (vs_node *n = map->child; n; n = n->next)

@@ -178,12 +178,12 @@ void vs_measures_free(vs_measures *m) {
 
 void vs_measures_follow(vs_measures *m, int channel, double min, double max) {
   m->followed = vs_alloc_grow(m->followed, m->n_followed, sizeof *m->followed);
-  m->followed[m->n_followed++] = (vs_followed){
-      .channel = channel,
-      .min = min,
-      .max = max,
-      .end = {{.channel = channel, .sense = -1}, {.channel = channel, .sense = 1}},
-      .passed_s = NAN};
+  m->followed[m->n_followed++] =
+      (vs_followed){.channel = channel,
+                    .min = min,
+                    .max = max,
+                    .end = {{.channel = channel, .sense = -1}, {.channel = channel, .sense = 1}},
+                    .passed_s = NAN};
 }
 
 const vs_followed *vs_measures_followed(const vs_measures *m, int channel) {
@@ -316,8 +316,8 @@ static void follow_channel(vs_followed *f, const vs_step *step, double tolerance
   if (!above && f->end[0].best.value >= least) return;
   const double end = above ? f->max : f->min;
   if (above ? now > end : now < end)
-    f->passed_s = step->from->t_s + fmin(fmax((end - from) / (now - from), 0), 1) *
-                                        (step->to->t_s - step->from->t_s);
+    f->passed_s = step->from->t_s +
+                  fmin(fmax((end - from) / (now - from), 0), 1) * (step->to->t_s - step->from->t_s);
   else
     f->passed_s = f->end[above].best.at_s;
 }

@@ -44,7 +44,8 @@ static vs_judgement judge_rating(const vs_measures *m, size_t k) {
   return j;
 }
 
-/* What the margin is a part of, at the end that is nearer: that end, or what stands for one of 0. */
+/* What the margin is a part of, at the end that is nearer: that end, or what stands for one of 0.
+ */
 static double scale_of(const vs_judgement *j) {
   double end = j->room[0] < j->room[1] ? j->rating->min : j->rating->max;
   double range = j->rating->max - j->rating->min;

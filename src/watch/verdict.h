@@ -18,14 +18,14 @@ typedef struct vs_rated {
   double doubt, spread;
 } vs_rated;
 
-/* One line of a verdict: a rating of the deck or of the scene, or a limit of a device's part. Values
- * are in SI. Everything it points to belongs to the deck or to the scene. */
+/* One line of a verdict: a rating of the deck or of the scene, or a limit of a device's part.
+ * Values are in SI. Everything it points to belongs to the deck or to the scene. */
 typedef struct vs_judgement {
   const vs_rating *rating; /* NULL: the line is of a device */
   const vs_probe *probe;   /* of a rating of the deck; NULL: it is none */
   const char *name;        /* what a rating of the scene rates; NULL: it is none */
-  const char *unknown;     /* why the run has no value to judge: the line is undecided, and its margin
-                              is NaN; NULL: it has one */
+  const char *unknown; /* why the run has no value to judge: the line is undecided, and its margin
+                          is NaN; NULL: it has one */
   const vs_device *device; /* NULL: the line is of a rating */
   const vs_device_measure *measure;
   const vs_limit *limit;
