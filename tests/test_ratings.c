@@ -301,12 +301,14 @@ static void in_a_study(void) {
     EXPECT(status == (margin < 0 ? 3 : 0), "margin %g, status %d", margin, status);
   }
   EXPECT(rows == 4 && strstr(whole, ",3\n") && strstr(whole, ",0\n"), "%s", whole);
-  /* two shards, of which the second is told as resumed, make the same table */
-  r = run("study grid.yaml -o part --jobs 1 --shard 1/2 --quiet");
-  free_ran(&r);
-  r = run("study grid.yaml -o part --jobs 1 --shard 1/2 --resume --quiet");
-  EXPECT(r.status == 3 || r.status == 0, "%d: %s", r.status, r.err);
-  free_ran(&r);
+  /* as if it had been stopped before its last case */
+  char *journal = read_file("whole/journal"), *end = strrchr(journal, '\n');
+  EXPECT(end != NULL, "%s", journal);
+  if (end) *end = '\0';
+  end = strrchr(journal, '\n');
+  if (end) end[1] = '\0';
+  write_file("whole/journal", journal);
+  free(journal);
   r = run("study grid.yaml -o whole --jobs 1 --resume --quiet");
   char *again = read_file("whole/study.csv");
   EXPECT(r.status == 3 && !strcmp(whole, again), "%d: %s", r.status, again);
@@ -324,6 +326,17 @@ static void in_a_study(void) {
   sscanf(strchr(other, '\n') + 1, "0,%63[^,]", two);
   EXPECT(*one && *two && strcmp(one, two) != 0, "ids %s and %s", one, two);
   free(whole), free(other);
+}
+
+/* What no column tells is judged to the run's end, too: such a run is not left early. */
+static void beside_the_columns(void) {
+  write_file("besides.yaml", "set: {ratings: {u_max: .. 1 m, ap_peak: .. 1e6 m/s2, p: .. 1 m}, "
+                             "run: {until: 5 s, tier: switched}}\n"
+                             "vary: {supply.voltage: [440 V, 400 V]}\nreport: [i_peak]\n");
+  RUN_GOOD("study besides.yaml -o besides --jobs 1 --quiet");
+  char *csv = read_file("besides/study.csv");
+  EXPECT(strstr(csv, ",0\n") && !strstr(csv, "has no value"), "%s", csv);
+  free(csv);
 }
 
 /* A case whose rating has no value is undecided, and counts as judged. */
@@ -367,6 +380,27 @@ static void in_a_search(void) {
   free(json), free(csv);
 }
 
+/* A candidate of which a rating has no value holds not. */
+static void in_a_search_for_a_snubber(void) {
+  static const char *const RATINGS[] = {"thyristor.t_off: 1 us ..", "i_peak: .. 1 kA"};
+  for (int known = 0; known < 2; known++) {
+    char text[512];
+    snprintf(text, sizeof text,
+             "set: {ratings: {%s}, run: {until: 12 ms}}\n"
+             "vary: {circuit.r1: {log: [100 ohm, 1 kohm]}, circuit.c1: {log: [10 nF, 100 nF]}}\n"
+             "snubber: {ratings: {thyristor.di_dt: 10000 A/us}, n: 4}\n",
+             RATINGS[known]);
+    write_file("snubber.yaml", text);
+    ran r = run("study snubber.yaml -o snubber%d --jobs 1 --quiet", known);
+    EXPECT(r.status == (known ? 0 : 3), "%d: %s", r.status, r.err);
+    free_ran(&r);
+    char *json = read_file(known ? "snubber1/manifest.json" : "snubber0/manifest.json");
+    EXPECT((strstr(json, "\"found\": null") == NULL) == known, "%d: %s", known,
+           strstr(json, "\"candidates\""));
+    free(json);
+  }
+}
+
 /* ---- told ---- */
 
 static void told(void) {
@@ -404,8 +438,10 @@ static const vs_test TESTS[] = {
     {"bad input", bad_input},
     {"on an orbit", on_an_orbit},
     {"in a study", in_a_study},
+    {"beside the columns", beside_the_columns},
     {"unknown in a study", unknown_in_a_study},
     {"in a search", in_a_search},
+    {"in a search for a snubber", in_a_search_for_a_snubber},
     {"told", told},
 };
 

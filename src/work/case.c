@@ -286,7 +286,7 @@ static bool want(vs_case *c, const char *name) {
  * nothing fires. NULL: all of it. */
 static const vs_measure_set *find_wants(vs_case *c) {
   const char *machine = c->scene->setup.model.parameters.model;
-  if (c->plan->derivatives || c->scene->ratings.count) return NULL;
+  if (c->plan->derivatives) return NULL;
   if (!strcmp(c->machine, machine)) return c->wants_all ? NULL : &c->wants;
   snprintf(c->machine, sizeof c->machine, "%s", machine);
   c->wants = (vs_measure_set){.has = {[VS_M_T_FIRE] = true, [VS_M_I_PEAK] = true}};
