@@ -155,6 +155,21 @@ class Runs(Case):
         held = vibrospice.run(VIOLATED, set={"circuit.c1": "10 nF", "circuit.r1": "4.7 kohm"})
         self.assertEqual((held.status, held.held, held.word), (0, True, "held"))
 
+    def test_ratings_of_the_user(self):
+        """They are lines of the verdict, by the name of what they rate."""
+        r = vibrospice.run("paper", until="40 ms", set={
+            "run.tier": "switched", "ratings": {"stroke": ".. 2 mm", "r1.power": ".. 2 W"}})
+        self.assertEqual((r.status, r.held, r.word), (3, False, "violated"))
+        stroke, power = r.verdict
+        self.assertEqual((stroke["rating"], stroke["of"], stroke["max"], stroke["unit"]),
+                         ("stroke", "scene", 2, "mm"))
+        self.assertAlmostEqual(stroke["margin"], 1 - r.measures["stroke"] / 2e-3, places=9)
+        self.assertEqual((power["word"], power["margin"], power["unknown"]),
+                         ("undecided", None, "this tier has no circuit"))
+        r = vibrospice.run("paper", until="40 ms", set={"run.tier": "switched",
+                                                        "ratings.stroke": "2 mm .. 4 mm"})
+        self.assertEqual((r.status, r.held, r.word, r.weakest), (0, True, "held", "stroke"))
+
     def test_the_word_of_the_whole(self):
         """It is that of the worst line, as the program prints it."""
         of = vibrospice.results._word_of

@@ -81,8 +81,8 @@ static void all_that_is_wrong_with_a_scene(void) {
            "                    ^\n"
            "s.yaml:2:25: measured has no key 'i_peek'; did you mean 'i_peak'? "
            "it has: i_peak, t_fire, t_extinction, conduction_time, force_peak, gap_first_peak, "
-           "gap_second_peak, gap_min, gap_max, p_min, p_max, u_min, u_max, w_min, w_max, phi_min, "
-           "phi_max, ap_peak, au_peak, aw_peak, aphi_peak, f_resonance, ...\n"
+           "gap_second_peak, gap_min, gap_max, stroke, p_min, p_max, u_min, u_max, w_min, w_max, "
+           "phi_min, phi_max, ap_peak, au_peak, aw_peak, aphi_peak, ...\n"
            " measured: {i_peak: 1 N, i_peek: 2 A}\n"
            "                         ^\n"
            "s.yaml:3:11: machine has no key 'trough_mas'; did you mean 'trough_mass'? "
@@ -102,7 +102,7 @@ static void all_that_is_wrong_with_a_scene(void) {
            "                                                             ^\n"
            "s.yaml:4:1: a scene has no key 'firin'; did you mean 'firing'? "
            "it has: machine, actuator, load, supply, firing, pwm, circuit, events, instruments, "
-           "control, run, start, record, measured, quality, expect, measure, limits\n"
+           "control, run, start, record, measured, quality, expect, ratings, measure, limits\n"
            " firin:\t{angle: 95 deg}\n"
            " ^\n"
            "s.yaml:6:9: actuator.gap: -1 mm is out of range; allowed: 0..1000 mm (ends excluded)\n"
@@ -501,7 +501,7 @@ static void verdicts(void) {
        "key "
        "'\\\"'; it has: machine, actuator, load, supply, firing, pwm, circuit, events, "
        "instruments, "
-       "control, run, start, record, measured, quality, expect, measure, limits\"}\n"
+       "control, run, start, record, measured, quality, expect, ratings, measure, limits\"}\n"
        "]\n",
        "", 2},
       {"paper --json --set run.max_step=1e-9us",

@@ -22,7 +22,7 @@ static void expect_names(const vs_model *model, const char *names) {
 }
 
 #define DRIVE "i_peak t_fire t_extinction conduction_time force_peak "
-#define GAP "gap_first_peak gap_second_peak gap_min gap_max "
+#define GAP "gap_first_peak gap_second_peak gap_min gap_max stroke "
 #define BOOKS "energy_in energy_copper work_force energy_residual "
 
 /* Where one coordinate opens the gap, the gap's measures have its name too, before those that every

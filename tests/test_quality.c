@@ -392,6 +392,202 @@ static void in_a_study(void) {
   free(csv);
 }
 
+/* ---- currents that take several cycles to repeat ---- */
+
+enum { AT = 64 /* points in a cycle */, GROUPS = 5 };
+
+/* A current that repeats after `period` cycles, of lines up to 5.5 times the mains' frequency. */
+static double lines_at(double cycles, int period) {
+  double sum = 0.3;
+  for (int m = 1; m <= 11 * period / 2; m++)
+    sum += cos(2 * M_PI * m * cycles / period + m * m) / (1 + m % 5);
+  return sum;
+}
+
+/* Squares of groups as an instrument finds them that samples windows of N cycles, one behind the
+ * other, until they hold whole periods: the discrete transform as it is written. */
+static void sampled_groups(const double *x, int count, int window, int n_cycles,
+                           double squares[GROUPS + 1]) {
+  int windows = 1;
+  while (windows * window % count) windows++;
+  memset(squares, 0, (GROUPS + 1) * sizeof *squares);
+  for (int w = 0; w < windows; w++)
+    for (int h = 1; h <= GROUPS; h++)
+      for (int k = h * n_cycles - n_cycles / 2; k <= h * n_cycles + n_cycles / 2; k++) {
+        double complex sum = 0;
+        for (int j = 0; j < window; j++)
+          sum += x[(w * window + j) % count] * cexp(-2 * M_PI * I * (k * j % window) / window);
+        double part = 2 * abs(k - h * n_cycles) == n_cycles ? 0.5 : 1;
+        squares[h] += part * 2 * pow(cabs(sum) / window, 2) / windows;
+      }
+}
+
+static void groups_of_samples(void) {
+  static const struct {
+    double hz;
+    int period, cycles, each, windows;
+  } ROWS[] = {{50, 2, 2, 10, 1},  {50, 2, 20, 10, 2}, {50, 3, 3, 10, 3},   {50, 3, 96, 10, 9},
+              {50, 4, 4, 10, 2},  {50, 7, 7, 10, 7},  {50, 10, 10, 10, 1}, {60, 3, 3, 12, 1},
+              {60, 4, 28, 12, 2}, {60, 5, 5, 12, 5},  {60, 7, 14, 12, 7}};
+  for (size_t r = 0; r < COUNT(ROWS); r++) {
+    const int period = ROWS[r].period, count = period * AT;
+    const double cycle_s = 1 / ROWS[r].hz, from_s = 0.0123;
+    double x[10 * AT], squares[GROUPS + 1];
+    vs_spectrum s;
+    vs_spectrum_begin(&s, 2 * M_PI * ROWS[r].hz);
+    vs_spectrum_begin_groups(&s, from_s, ROWS[r].cycles, period);
+    for (int j = 0; j < count; j++) x[j] = lines_at((j + 0.5) / AT, period);
+    for (int j = 0; j < ROWS[r].cycles * AT; j++)
+      vs_spectrum_add(&s, from_s + (j + 0.5) * cycle_s / AT, cycle_s / AT, x[j % count]);
+    sampled_groups(x, count, ROWS[r].each * AT, ROWS[r].each, squares);
+    for (int h = 1; h <= GROUPS; h++) /* the same sums in another order: rounding */
+      CLOSE(vs_spectrum_judged(&s, h), sqrt(squares[h]), 1e-11);
+    EXPECT(s.grouping.each == ROWS[r].each && vs_grouping_windows(&s.grouping) == ROWS[r].windows,
+           "row %zu: %d windows of %d cycles", r, vs_grouping_windows(&s.grouping),
+           s.grouping.each);
+    vs_spectrum_end(&s);
+  }
+}
+
+/* A line half way between harmonics belongs to both by half of its square; one that is alone in its
+ * group is the group. */
+static void between_harmonics(void) {
+  enum { CYCLES = 10, POINTS = 1000 };
+  vs_spectrum s;
+  vs_spectrum_begin(&s, 2 * M_PI * 50);
+  vs_spectrum_begin_groups(&s, 0, CYCLES, 2);
+  for (int j = 0; j < CYCLES * POINTS; j++) {
+    double cycles = (j + 0.5) / POINTS;
+    vs_spectrum_add(&s, cycles / 50, 0.02 / POINTS,
+                    3 * sin(2 * M_PI * 1.5 * cycles) + 4 * sin(2 * M_PI * 2 * cycles));
+  }
+  s.span_s = CYCLES * 0.02;
+  CLOSE(vs_spectrum_judged(&s, 1), 3 / 2.0, 1e-12);
+  CLOSE(vs_spectrum_judged(&s, 2), sqrt(9 / 4.0 + 16 / 2.0), 1e-12);
+  CLOSE(vs_spectrum_judged(&s, 3) + 1, 1, 1e-12);
+  CLOSE(vs_spectrum_harmonic(&s, 2), 4 / M_SQRT2, 1e-12);
+  vs_spectrum_end(&s);
+}
+
+/* The groups that a summary tells are those of the samples in the table beside it. */
+static void groups_of_a_table(const char *folder, double hz, int each) {
+  char path[64], line[4096];
+  snprintf(path, sizeof path, "%s/run.csv", folder);
+  FILE *f = fopen(path, "r");
+  EXPECT(f && fgets(line, sizeof line, f), "no %s", path);
+  if (!f) return;
+  const int most = 40000, at = (int)lround(1 / hz / 5e-5);
+  double *x = vs_alloc((size_t)most, sizeof *x), squares[GROUPS + 1];
+  int count = 0;
+  while (count < most && fgets(line, sizeof line, f)) {
+    char *column = line;
+    for (int k = 0; k < 15; k++) column = strchr(column, ',') + 1; /* i_a */
+    x[count++] = atof(column);
+  }
+  fclose(f);
+  sampled_groups(x, count - 1, each * at, each, squares); /* the last row is the first one again */
+  snprintf(path, sizeof path, "%s/summary.json", folder);
+  char *json = read_file(path);
+  const char *own = strstr(json, "\"harmonic_groups\": [null");
+  EXPECT(own != NULL, "no groups in %s", path);
+  for (int h = 1; own && h <= GROUPS; h++) {
+    own = strchr(own, ',') + 1;
+    /* the samples' slope jumps at firing and extinction, which 400 of them in a cycle see to that
+     */
+    CLOSE(atof(own), sqrt(squares[h]), 3e-4);
+  }
+  free(x), free(json);
+}
+
+#define ORBIT_OF                                                                                   \
+  "steady paper --tier switched --quiet --set run.sample=0.05ms --set firing.angle=97deg "
+static void groups_on_the_orbit(void) {
+  static const struct {
+    const char *every, *folder;
+  } ORBITS[] = {{"2", "e2"}, {"3", "e3"}, {"7", "e7"}};
+  for (size_t k = 0; k < COUNT(ORBITS); k++) {
+    char line[512];
+    snprintf(line, sizeof line, ORBIT_OF "--set firing.every=%s -o %s", ORBITS[k].every,
+             ORBITS[k].folder);
+    RUN_GOOD(line);
+    groups_of_a_table(ORBITS[k].folder, 50, 10);
+  }
+  RUN_GOOD(ORBIT_OF "--set firing.every=4 --set supply.frequency=62.5Hz -o e4");
+  groups_of_a_table("e4", 62.5, 12);
+  char *json = read_file("e2/summary.json");
+  const char *limits = strstr(json, "\"harmonic_limits\""),
+             *lines = strstr(json, "\"harmonics\": [");
+  double second = NAN;
+  EXPECT(limits && lines && sscanf(lines, "\"harmonics\": [%*[^,], %*[^,], %lf", &second) == 1,
+         "%.300s", json);
+  CLOSE(second / 1.08, 0.06411, 1e-4); /* the line alone, told as part of its limit before */
+  CLOSE(limits ? number_of(limits, "\"worst_part\": ") : NAN, 0.09530, 1e-4);
+  EXPECT(strstr(json, "\"windows\": {\"number\": 1, \"cycles\": 10}") != NULL, "no windows");
+  free(json);
+  ran r = run("steady paper --tier switched --set firing.angle=97deg --set firing.every=2");
+  EXPECT(strstr(r.out, "group A rms") && strstr(r.out, "harmonic 2 takes 9.53 % of its own") &&
+             strstr(r.out, "root mean square of 1 window of 10 cycles"),
+         "%s", r.out);
+  char *page = read_file(VS_TEST_FOLDER "/../docs/quality.md"),
+       *text = block_of(page, "harmonic             A rms     group"), *rest = text;
+  for (char *of_page; (of_page = strsep(&rest, "\n"));)
+    if (*of_page) expect_line(r.out, of_page);
+  free(page), free(text);
+  free_ran(&r);
+  r = run("steady paper --tier switched --set firing.every=1 --json");
+  EXPECT(!strstr(r.out, "groups") && !strstr(r.out, "windows"), "groups in every cycle");
+  free_ran(&r);
+}
+
+/* A run tells the same of the orbit, whether its stretch is whole windows or goes round. */
+static void groups_of_a_run(void) {
+#define EVERY "--set start=steady --tier switched --set firing.angle=97deg --set firing.every=2 "
+  static const char *const LAST[] = {"2", "6", "20", "24"};
+  for (size_t k = 0; k < COUNT(LAST); k++) {
+    char line[512];
+    snprintf(line, sizeof line,
+             "run paper " EVERY "--set run.until=0.5s --set quality=mains --json "
+             "--set 'measure.last=%s cycles'",
+             LAST[k]);
+    ran r = run(line);
+    EXPECT(r.status == 0, "%s", r.err);
+    CLOSE(number_of(r.out, "\"mains.harmonic_part\": {\"value\": "), 0.09530, 1e-4);
+    CLOSE(number_of(r.out, "\"held\": true, \"worst\": 2, \"worst_part\": "), 0.09530, 1e-4);
+    EXPECT(strstr(r.out, "\"groups_A\": [null, ") != NULL, "no groups");
+    free_ran(&r);
+  }
+  ran r = run("run paper " EVERY "--set run.until=0.2s --set quality=mains -o odd "
+              "--set 'measure.last=5 cycles'");
+  EXPECT(r.status == 0 && strstr(r.err, "its harmonics are held against no limits") &&
+             strstr(r.out, "groups by IEC 61000-4-7 want whole firing periods") &&
+             !strstr(r.out, "mains.harmonic_part "),
+         "%s%s", r.out, r.err);
+  free_ran(&r);
+  char *json = read_file("odd/summary.json");
+  EXPECT(strstr(json, "\"held\": null, \"worst\": null, \"worst_part\": null") &&
+             !strstr(json, "mains.harmonic_part"),
+         "%s", strstr(json, "\"quality\""));
+  free(json);
+  write_file("every.yaml", "set: {quality: [mains], firing: {every: 2, angle: 97 deg}, "
+                           "run: {until: 0.2 s, tier: switched}}\n"
+                           "vary: {supply.voltage: [440 V]}\nsteady: true\n"
+                           "report: [harmonic_part, mains.harmonic_part]\n");
+  RUN_GOOD("study every.yaml -o every --jobs 1 --quiet");
+  char *csv = read_file("every/study.csv"), *row = strchr(csv, '\n');
+  double part[2] = {NAN, NAN};
+  EXPECT(row && sscanf(row + 1, "0,%*[^,],%*[^,],%lf,%lf", &part[0], &part[1]) == 2, "%s", csv);
+  CLOSE(part[0], 0.09530, 1e-4);
+  CLOSE(part[1], 0.09530, 1e-4);
+  free(csv);
+  if (!on_path("gnuplot")) return;
+  RUN_GOOD("run paper " EVERY "--set run.until=0.2s --set quality=mains -o drawn --quiet "
+           "--set 'measure.last=2 cycles'");
+  RUN_GOOD("plot drawn --quiet");
+  char *svg = read_file("drawn/harmonics.svg");
+  EXPECT(strstr(svg, "group, held to limits") != NULL, "no groups are drawn");
+  free(svg);
+}
+
 /* ---- bad input ---- */
 
 static void bad_input(void) {
@@ -434,6 +630,10 @@ static const vs_test TESTS[] = {
     {"what is shown and drawn", shown_and_drawn},
     {"the page", the_page},
     {"in a study", in_a_study},
+    {"groups of samples", groups_of_samples},
+    {"between harmonics", between_harmonics},
+    {"groups on the orbit", groups_on_the_orbit},
+    {"groups of a run", groups_of_a_run},
     {"bad input", bad_input},
 };
 

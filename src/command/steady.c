@@ -20,7 +20,7 @@ static const char STANDARD[] = "IEC 61000-3-2:2018, table 1";
 
 /* How much of its limit the harmonic takes; NaN: it has none. */
 static double part_of_limit(const vs_steady *s, int n) {
-  return vs_spectrum_harmonic(&s->spectrum, n) / vs_spectrum_limit(n);
+  return vs_spectrum_judged(&s->spectrum, n) / vs_spectrum_limit(n);
 }
 
 /* The harmonic that takes most of its limit. */
@@ -97,12 +97,11 @@ static void add_harmonics(const vs_steady *s, vs_json *json) {
   for (int n = 0; n < VS_SPECTRUM_LINES; n++)
     vs_json_number(json, NULL, vs_spectrum_harmonic(&s->spectrum, n), DIGITS);
   vs_json_end(json);
+  vs_summary_groups(json, "harmonic_groups", &s->spectrum);
   vs_json_object(json, "harmonic_limits", VS_JSON_LINES);
   vs_json_text(json, "standard", STANDARD);
   vs_json_text(json, "class", "A");
-  vs_json_bool(json, "held", part_of_limit(s, worst) <= 1);
-  vs_json_whole(json, "worst", worst);
-  vs_json_number(json, "worst_part", part_of_limit(s, worst), DIGITS);
+  vs_summary_limit(json, worst, part_of_limit(s, worst));
   vs_json_array(json, "limits_A", VS_JSON_ROW);
   for (int n = 0; n < VS_SPECTRUM_LINES; n++)
     vs_json_number(json, NULL, vs_spectrum_limit(n), DIGITS);
@@ -123,9 +122,7 @@ static void add_classes(const vs_steady *s, vs_json *json) {
     vs_json_object(json, NULL, VS_JSON_ROW);
     vs_json_text(json, "class", c->name);
     vs_json_text(json, "text", c->text);
-    vs_json_bool(json, "held", part <= 1);
-    vs_json_whole(json, "worst", worst);
-    vs_json_number(json, "worst_part", part, DIGITS);
+    vs_summary_limit(json, worst, part);
     vs_json_end(json);
   }
   vs_json_end(json);
@@ -188,9 +185,13 @@ static void print_multipliers(const vs_steady *s, FILE *out) {
 
 static void print_harmonics(const vs_steady *s, FILE *out) {
   int worst = worst_harmonic(s);
-  fprintf(out, "\n%-10s %15s %15s %15s\n", "harmonic", "A rms", "limit A rms", "part of limit");
+  const bool groups = s->spectrum.grouping.told;
+  fprintf(out, "\n%-10s %15s", "harmonic", "A rms");
+  if (groups) fprintf(out, " %15s", "group A rms");
+  fprintf(out, " %15s %15s\n", "limit A rms", "part of limit");
   for (int n = 0; n <= SHOWN; n++) {
     fprintf(out, "%-10d %15.9g", n, vs_spectrum_harmonic(&s->spectrum, n));
+    if (groups && n) fprintf(out, " %15.9g", vs_spectrum_judged(&s->spectrum, n));
     if (!isnan(vs_spectrum_limit(n)))
       fprintf(out, " %15.4g %13.2f %%", vs_spectrum_limit(n), 100 * part_of_limit(s, n));
     fputc('\n', out);
@@ -199,6 +200,7 @@ static void print_harmonics(const vs_steady *s, FILE *out) {
           "limits: %s, class A; %s held up to harmonic %d: harmonic %d takes %.3g %% of its own\n",
           STANDARD, part_of_limit(s, worst) <= 1 ? "all are" : "not all are", VS_SPECTRUM_LAST,
           worst, 100 * part_of_limit(s, worst));
+  vs_show_windows(&s->spectrum, out);
 }
 
 static void show(const void *ctx, FILE *out) {

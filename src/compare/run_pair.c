@@ -127,9 +127,11 @@ const char *vs_run_pair_whole(const vs_node *verdict) {
 
 static void add_margin(const vs_node *line, vs_text *out) {
   char cell[96] = "-";
-  if (line)
-    snprintf(cell, sizeof cell, "%.1f %% %s", 100 * vs_member_number(vs_tree_child(line, "margin")),
-             vs_run_pair_word(line));
+  const double margin = line ? vs_member_number(vs_tree_child(line, "margin")) : NAN;
+  if (line && isnan(margin))
+    snprintf(cell, sizeof cell, "- %s", vs_run_pair_word(line));
+  else if (line)
+    snprintf(cell, sizeof cell, "%.1f %% %s", 100 * margin, vs_run_pair_word(line));
   vs_text_add(out, " %24s", cell);
 }
 

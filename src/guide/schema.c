@@ -231,6 +231,21 @@ static void put_instruments(vs_json *j) {
   end_or_null(j);
 }
 
+/* Each is a range, or a map of a device's. */
+static void put_ratings(vs_json *j) {
+  begin_member(j, vs_section_keys[VS_SECTION_KEY_ratings]);
+  vs_json_object(j, NULL, VS_JSON_ROW);
+  vs_json_text(j, "type", "object");
+  vs_json_object(j, "additionalProperties", VS_JSON_ROW);
+  vs_json_array(j, "anyOf", VS_JSON_ROW);
+  vs_shape_type(j, "string");
+  vs_shape_type(j, "object");
+  end_member(j);
+  vs_json_end(j);
+  vs_shape_word(j, vs_ratings_none);
+  end_or_null(j);
+}
+
 static void put_observer(vs_json *j) {
   vs_json_object(j, vs_control_observer, VS_JSON_ROW);
   vs_json_array(j, "anyOf", VS_JSON_ROW);
@@ -299,6 +314,7 @@ static void put_scene(vs_json *j, const vs_ground *ground) {
   put_instruments(j);
   put_control(j);
   put_expect(j);
+  put_ratings(j);
   for (size_t k = 0; k < sizeof NAMED / sizeof *NAMED; k++) {
     vs_json_object(j, vs_section_keys[NAMED[k]], VS_JSON_ROW);
     vs_json_end(j);

@@ -46,6 +46,15 @@ static void print_expect(void) {
         printf("  %-12s %s\n", kind->name, vs_kinds_happening(&kind->measures[k])->verb);
 }
 
+static void print_ratings(void) {
+  puts("ratings: what you allow of measures and of probes, as\n"
+       "ratings: {stroke: 0.5 mm .. 1.5 mm, r1.power: .. 2 W, v_ak: -900 .. 900 V, p_min: -5 mm "
+       "..}\n"
+       "Each is a line of the verdict. What can be rated: vibrospice list measures, vibrospice "
+       "list\n"
+       "probes, and what quality tells. More: docs/ratings.md.");
+}
+
 static const struct topic {
   const char *name, *text;
   void (*print)(void);
@@ -53,7 +62,8 @@ static const struct topic {
            {"units", "how quantities are written", print_units},
            {"exit", "exit statuses", print_exit},
            {"quality", "section of a scene: what a current is to the mains", print_quality},
-           {"expect", "key of a scene: what may happen to devices, and has to", print_expect}};
+           {"expect", "key of a scene: what may happen to devices, and has to", print_expect},
+           {"ratings", "section of a scene: what you allow of measures and probes", print_ratings}};
 enum { N_OWN = sizeof OWN / sizeof *OWN };
 
 static const struct topic *own(const char *name) {

@@ -204,7 +204,8 @@ typedef struct candidate {
   uint64_t runs;           /* how many cases it has in all */
   double over; /* how much more than allowed it has in its worst run, relative to what is allowed */
   double cost_j; /* of its worst run */
-  bool failed;   /* a run of it failed, or does not know one of the rated measures */
+  bool failed;   /* a run of it failed, or does not know one of the rated measures, or its verdict
+                    is undecided */
 } candidate;
 
 /* Returns what is left of a rating, relative to its limit, as the verdict has it: a peak must be
@@ -217,7 +218,8 @@ static double left_of(const rating *r, const vs_results *results, uint64_t index
 
 static void judge(const snubber *s, const vs_results *results, uint64_t index, candidate *c) {
   const double *point = &results->points[index * results->plan->n_axes];
-  double over = fmax(0, -vs_plan_results_value(results, index, VS_COLUMN_MARGIN)), cost_j = 0;
+  double margin = vs_plan_results_value(results, index, VS_COLUMN_MARGIN);
+  double over = fmax(0, -margin), cost_j = 0;
   for (size_t k = 0; k < s->n_ratings; k++) {
     double left = left_of(&s->ratings[k], results, index);
     c->failed |= isnan(
@@ -230,6 +232,8 @@ static void judge(const snubber *s, const vs_results *results, uint64_t index, c
   }
   c->runs++;
   c->failed |= results->status[index] == 1 || isnan(cost_j);
+  c->failed |=
+      results->status[index] == 3 && !(margin < 0); /* a line of the verdict is undecided */
   c->over = fmax(c->over, over);
   c->cost_j = fmax(c->cost_j, cost_j);
 }

@@ -53,9 +53,9 @@ const vs_class vs_classes_all[] = {
 
 int vs_classes_worst(const vs_class *of, const vs_drawn *drawn, double *part) {
   int worst = 2;
-  *part = 0;
+  *part = isnan(vs_spectrum_judged(drawn->spectrum, worst)) ? NAN : 0;
   for (int n = worst; n < VS_SPECTRUM_LINES; n++) {
-    double each = vs_spectrum_harmonic(drawn->spectrum, n) / of->limit(drawn, n);
+    double each = vs_spectrum_judged(drawn->spectrum, n) / of->limit(drawn, n);
     if (!(each > *part)) continue;
     worst = n;
     *part = each;

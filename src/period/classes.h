@@ -22,7 +22,8 @@ typedef struct vs_class {
 /* All classes; the last row has no name. */
 extern const vs_class vs_classes_all[];
 
-/* Returns the harmonic that takes most of its limit; *part: how much of it, 1 for all. */
+/* Returns the harmonic that takes most of its limit; *part: how much of it, 1 for all. NaN: it is
+ * not known what is to be held against limits (vs_spectrum_judged). */
 int vs_classes_worst(const vs_class *of, const vs_drawn *drawn, double *part);
 
 #endif

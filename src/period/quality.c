@@ -108,6 +108,8 @@ void vs_quality_begin(vs_quality *q, const vs_quality_current *current, const vs
   q->cycles = isnan(cycles) ? 0 : (int)cycles;
   q->half = setup->at_work ? 0 : q->cycles / 2 / every * every;
   vs_spectrum_begin(&q->current, setup->timeline.omega_rad_s);
+  vs_spectrum_begin_groups(&q->current, q->over.from_s, q->cycles,
+                           setup->at_work ? q->cycles : every);
   q->short_rule = vs_checked(gsl_integration_glfixed_table_alloc(SHORT_POINTS));
 }
 
@@ -144,8 +146,8 @@ static void add_piece(vs_quality *q, const vs_step *step, vs_span_s piece, bool 
   if (middle_s > q->over.to_s - length_s) q->ends_squared[1] += added;
 }
 
-/* A stretch of a step, on one side of each cut. */
-static void add_stretch(vs_quality *q, const vs_step *step, vs_span_s over) {
+/* A stretch of a step, on one side of each cut, and within one cycle where groups are told. */
+static void add_part(vs_quality *q, const vs_step *step, vs_span_s over) {
   double length_s = over.to_s - over.from_s, turn = length_s * q->current.omega_rad_s;
   bool is_short = turn * VS_SPECTRUM_LAST <= TURN;
   int pieces = is_short ? 1 : (int)ceil(turn * PIECES / (2 * M_PI));
@@ -154,6 +156,14 @@ static void add_stretch(vs_quality *q, const vs_step *step, vs_span_s over) {
         q, step,
         (vs_span_s){over.from_s + length_s * p / pieces, over.from_s + length_s * (p + 1) / pieces},
         is_short);
+}
+
+/* A stretch of a step, on one side of each cut. */
+static void add_stretch(vs_quality *q, const vs_step *step, vs_span_s over) {
+  double cut;
+  for (; (cut = vs_grouping_cut(&q->current.grouping, over.from_s)) < over.to_s; over.from_s = cut)
+    add_part(q, step, (vs_span_s){over.from_s, cut});
+  add_part(q, step, over);
 }
 
 void vs_quality_accept(vs_quality *q, const vs_step *step) {
@@ -286,7 +296,7 @@ bool vs_quality_warning(const vs_quality *q, const vs_setup *setup, char *text, 
   if (every > 1 && q->cycles % every) {
     snprintf(text, size,
              "quality: %d cycles are no whole firing periods of %d cycles, so what is told of %s "
-             "depends on where they begin",
+             "depends on where they begin, and its harmonics are held against no limits",
              q->cycles, every, q->name);
     return true;
   }

@@ -16,6 +16,11 @@ void vs_spectrum_begin(vs_spectrum *s, double omega_rad_s) {
 void vs_spectrum_end(vs_spectrum *s) {
   if (s->rule) gsl_integration_glfixed_table_free(s->rule);
   s->rule = NULL;
+  vs_grouping_end(&s->grouping);
+}
+
+void vs_spectrum_begin_groups(vs_spectrum *s, double from_s, int cycles, int period) {
+  vs_grouping_begin(&s->grouping, 2 * M_PI / s->omega_rad_s, from_s, cycles, period);
 }
 
 void vs_spectrum_add(vs_spectrum *s, double t_s, double weight_s, double current) {
@@ -26,13 +31,12 @@ void vs_spectrum_add(vs_spectrum *s, double t_s, double weight_s, double current
     s->cosine[n] += part * cos(angle);
     s->sine[n] += part * sin(angle);
   }
+  vs_grouping_add(&s->grouping, t_s, weight_s, current);
 }
 
-void vs_spectrum_accept(vs_spectrum *s, const vs_step *step) {
-  double from = step->from->t_s, length = step->to->t_s - from, y[VS_CH_MOST];
-  if (!(length > 0)) return; /* the other side of an instant */
-  s->span_s += length;
-  if (step->frame->source_is_coil && vs_step_is_quiet(step)) return;
+/* Takes a stretch of a step, which lies within one cycle where groups are told. */
+static void add_stretch(vs_spectrum *s, const vs_step *step, double from, double length) {
+  double y[VS_CH_MOST];
   int pieces = (int)ceil(length * s->omega_rad_s * PIECES / (2 * M_PI));
   for (int p = 0; p < pieces; p++)
     for (size_t k = 0; k < POINTS; k++) {
@@ -44,9 +48,23 @@ void vs_spectrum_accept(vs_spectrum *s, const vs_step *step) {
     }
 }
 
+void vs_spectrum_accept(vs_spectrum *s, const vs_step *step) {
+  double from = step->from->t_s, length = step->to->t_s - from, cut;
+  if (!(length > 0)) return; /* the other side of an instant */
+  s->span_s += length;
+  if (step->frame->source_is_coil && vs_step_is_quiet(step)) return;
+  for (; (cut = vs_grouping_cut(&s->grouping, from)) < step->to->t_s; from = cut)
+    add_stretch(s, step, from, cut - from);
+  add_stretch(s, step, from, step->to->t_s - from);
+}
+
 double vs_spectrum_harmonic(const vs_spectrum *s, int n) {
   double size = hypot(s->cosine[n], s->sine[n]) / s->span_s;
   return n ? M_SQRT2 * size : size; /* amplitude 2 size; rms: over the root of 2 */
+}
+
+double vs_spectrum_judged(const vs_spectrum *s, int n) {
+  return s->grouping.told ? vs_grouping_at(&s->grouping, n) : vs_spectrum_harmonic(s, n);
 }
 
 double vs_spectrum_mean(const vs_spectrum *s) {

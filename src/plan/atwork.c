@@ -57,7 +57,7 @@ static double is_stable(const vs_steady *s) {
 static double worst_part(const vs_steady *s) {
   double worst = 0;
   for (int n = 2; n < VS_SPECTRUM_LINES; n++)
-    worst = fmax(worst, vs_spectrum_harmonic(&s->spectrum, n) / vs_spectrum_limit(n));
+    worst = fmax(worst, vs_spectrum_judged(&s->spectrum, n) / vs_spectrum_limit(n));
   return worst;
 }
 

@@ -18,8 +18,10 @@ enum { PANELS = VS_QUALITY_MOST + 1, WIDTH = 900, HEIGHT = 320 /* of a panel, pi
 /* A current: its harmonics, and the classes' limits, as summary.json has them. */
 typedef struct panel {
   char title[128];
-  const vs_node *harmonics, *classes; /* lists; classes NULL: of class A alone there are... */
-  const vs_node *limits;              /* ... these */
+  const vs_node *harmonics; /* a list */
+  const vs_node *groups;    /* a list of what is held against limits; NULL: the harmonics are */
+  const vs_node *classes;   /* a list; NULL: of class A alone there are... */
+  const vs_node *limits;    /* ... these */
 } panel;
 
 typedef struct panels {
@@ -37,21 +39,26 @@ static int count_of(const vs_node *list) {
   return count;
 }
 
-static void add_panel(panels *all, const char *name, const vs_node *harmonics,
-                      const vs_node *classes, const vs_node *limits) {
-  if (!count_of(harmonics) || all->count == PANELS) return;
-  panel *p = &all->item[all->count++];
-  *p = (panel){.harmonics = harmonics, .classes = classes, .limits = limits};
-  snprintf(p->title, sizeof p->title, "harmonics of %.64s", name);
+static void add_panel(panels *all, const char *name, panel of) {
+  if (!count_of(of.harmonics) || all->count == PANELS) return;
+  if (!count_of(of.groups)) of.groups = NULL;
+  snprintf(of.title, sizeof of.title, "harmonics of %.64s", name);
+  all->item[all->count++] = of;
 }
 
 static void find_panels(const vs_tree *tree, panels *all) {
   const vs_node *own = vs_tree_child(tree->root, "harmonics"),
                 *limits = vs_tree_child(tree->root, "harmonic_limits"),
                 *quality = vs_tree_child(tree->root, "quality");
-  add_panel(all, "the mains current on the orbit", own, NULL, vs_tree_child(limits, "limits_A"));
+  add_panel(all, "the mains current on the orbit",
+            (panel){.harmonics = own,
+                    .groups = vs_tree_child(tree->root, "harmonic_groups"),
+                    .limits = vs_tree_child(limits, "limits_A")});
   for (const vs_node *n = quality ? quality->child : NULL; n; n = n->next)
-    add_panel(all, n->key, vs_tree_child(n, "harmonics_A"), vs_tree_child(n, "classes"), NULL);
+    add_panel(all, n->key,
+              (panel){.harmonics = vs_tree_child(n, "harmonics_A"),
+                      .groups = vs_tree_child(n, "groups_A"),
+                      .classes = vs_tree_child(n, "classes")});
 }
 
 /* ---- the picture ---- */
@@ -80,6 +87,7 @@ static void add_limits(vs_text *script, const char *class, int number, const vs_
 static void add_script_of(vs_text *script, const panel *p, int k) {
   int kind = 0;
   add_block(script, "bars", k, p->harmonics);
+  if (p->groups) add_block(script, "groups", k, p->groups);
   if (p->limits) add_block(script, "A", k, p->limits);
   for (const vs_node *c = p->classes ? p->classes->child : NULL; c; c = c->next)
     add_block(script, vs_tree_child(c, "class")->text, k, vs_tree_child(c, "limits_A"));
@@ -88,6 +96,11 @@ static void add_script_of(vs_text *script, const panel *p, int k) {
   vs_text_add(script,
               "\nplot $bars%d using 1:2 with boxes fs solid 0.45 noborder fc rgb '%s' notitle", k,
               vs_scale_colour_good);
+  if (p->groups)
+    vs_text_add(script,
+                ", $groups%d using 1:2 with points pt 7 ps 0.6 lc rgb '#404040' title "
+                "'group, held to limits'",
+                k);
   if (p->limits) add_limits(script, "A", k, p->limits, kind++);
   for (const vs_node *c = p->classes ? p->classes->child : NULL; c; c = c->next)
     add_limits(script, vs_tree_child(c, "class")->text, k, vs_tree_child(c, "limits_A"), kind++);

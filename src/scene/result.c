@@ -13,6 +13,12 @@
 void vs_result_finish(vs_result *r) {
   vs_watchers_finish(&r->watchers, r->scene->setup.run.until_s, r->values);
   vs_verdict_reach(r->watchers.measures, r->watchers.devices, &r->scene->expects, &r->verdict);
+  const vs_ratings_seen seen = {.values = r->values,
+                                .watchers = &r->watchers,
+                                .quality = r->quality,
+                                .n_quality = r->n_quality,
+                                .until_s = r->scene->setup.run.until_s};
+  vs_ratings_judge(&r->scene->ratings, &seen, &r->verdict);
 }
 
 void vs_result_end_loop(vs_result *r) {
@@ -179,6 +185,18 @@ static void warn_of_signs(const vs_result *r, void (*each)(void *ctx, const char
       each(ctx, text);
 }
 
+static void warn_of_unknown(const vs_result *r, void (*each)(void *ctx, const char *text),
+                            void *ctx) {
+  char text[VS_DECK_TEXT + VS_JUDGED_NAME], name[VS_JUDGED_NAME];
+  for (size_t k = 0; k < r->verdict.count; k++) {
+    const vs_judgement *j = &r->verdict.item[k];
+    if (!j->unknown) continue;
+    snprintf(text, sizeof text, "ratings: %s has no value, as %s; its line is undecided",
+             vs_verdict_name(j, name), j->unknown);
+    each(ctx, text);
+  }
+}
+
 /* The warnings that are known only once the run is over; of_firing: that nothing fires, too. */
 static void warn_after(const vs_result *r, bool of_firing,
                        void (*each)(void *ctx, const char *text), void *ctx) {
@@ -192,6 +210,7 @@ static void warn_after(const vs_result *r, bool of_firing,
              r->second.unsure);
     each(ctx, text);
   }
+  warn_of_unknown(r, each, ctx);
   if (fraction_is_held(r, text, sizeof text)) each(ctx, text);
   if (fraction_is_one_of_two(r, text, sizeof text)) each(ctx, text);
   if (*r->books) each(ctx, r->books);

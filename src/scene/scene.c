@@ -189,6 +189,8 @@ static vs_status read_instruments(vs_scene *s, vs_error *err) {
   if (!status && s->tier->has_circuit)
     status =
         vs_expect_read(vs_tree_child(s->tree.root, "expect"), &s->setup.deck, &s->expects, err);
+  const vs_node *ratings = vs_tree_child(s->tree.root, "ratings");
+  if (!status) status = vs_ratings_read(ratings, &s->setup, &s->quality, &s->ratings, err);
   if (status) return status;
   const vs_node *section = vs_tree_child(s->tree.root, "instruments");
   status = vs_instruments_read(section, &s->setup, &s->frame, &s->instruments, err);

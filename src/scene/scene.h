@@ -6,7 +6,7 @@
 
 #include "base/path.h"
 #include "control/control.h"
-#include "period/quality.h"
+#include "scene/ratings.h"
 #include "scene/warnings.h"
 #include "tier/choice.h"
 #include "watch/expect.h"
@@ -39,6 +39,7 @@ typedef struct vs_scene {
   vs_control control;                  /* likewise */
   vs_quality_list quality;             /* currents whose quality is told */
   vs_expects expects;                  /* what may happen to devices, and has to */
+  vs_ratings ratings;                  /* the user's own limits */
   int record[VS_CH_MOST], n_record;    /* channels of the frame, in the order of the columns */
   vs_value measured[VS_MOST_MEASURES]; /* SI; as the scene's `measured` says, in the order of
                                           vs_measure_at */

@@ -9,7 +9,7 @@
 /* One row for each key at the top of a scene, in the order in which a scene is shown.
  * SECTION(name, fields, member): fields is the vs_section, NULL for those of the scene's own
  * machine and deck; member is the one of vs_setup that the fields fill. OTHER(name, ): the key has
- * no fields of its own; scene/scene.c, drive/events.c, instrument/instruments.c,
+ * no fields of its own; scene/scene.c, scene/ratings.c, drive/events.c, instrument/instruments.c,
  * control/control.c, period/quality.c and watch/expect.c read such keys. */
 #define VS_SECTION_LIST(SECTION, OTHER)                                                            \
   SECTION(machine, NULL, model.parameters)                                                         \
@@ -28,6 +28,7 @@
   OTHER(measured, )                                                                                \
   OTHER(quality, )                                                                                 \
   OTHER(expect, )                                                                                  \
+  OTHER(ratings, )                                                                                 \
   SECTION(measure, &vs_manner_measure, measure)                                                    \
   SECTION(limits, &vs_limits_section, limits)
 

@@ -43,7 +43,7 @@ static bool leaves(void *ctx, const vs_rest *rest) {
 /* True if nobody but the watchers looks at the run, and these need not see all of it. */
 static bool is_alone(const vs_session *session, const vs_scene *s) {
   return session->wants && !session->bare && !session->guest && !s->instruments.count &&
-         !s->quality.count && !s->control.regulator && !s->order.pilot;
+         !s->quality.count && !s->ratings.count && !s->control.regulator && !s->order.pilot;
 }
 
 static double seconds(clockid_t clock) {
@@ -140,6 +140,7 @@ static vs_status run_once(const vs_session *session, vs_scene *s, vs_result *r, 
   r->watchers.prompt =
       (guest && guest->accept && !guest->late) || s->control.regulator || s->order.junction;
   begin_meters(session, s, r);
+  if (!session->bare) vs_ratings_follow(&s->ratings, r->watchers.measures);
   if (!session->bare) vs_result_begin_quality(r, s);
   s->order.stop = session->stop;
   s->order.leaver = alone ? &leaver : NULL;
@@ -341,7 +342,7 @@ static void change_settings(vs_scene *s, double factor) {
   run.trtol = run.trtol > USUAL_TRTOL ? USUAL_TRTOL : fmax(run.trtol * looser, 1);
   s->setup = vs_setup_varied(&s->setup, &run, NULL);
   s->order.raw = NULL;
-  s->quality.count = 0;
+  if (!vs_ratings_want_quality(&s->ratings)) s->quality.count = 0;
   if (!s->control.regulator) s->instruments.count = 0; /* it is for the margins alone */
   s->order.tried = true;
   s->frame = vs_sim_frame(s->tier, &s->setup);
@@ -437,7 +438,11 @@ vs_status vs_session_run(const vs_session *session, vs_scene *scene, vs_result *
 /* ---- what follows ---- */
 
 static void print_allowed(const vs_judgement *j, double unit, char *text, size_t size) {
-  if (j->rating)
+  const bool below = j->name && isinf(j->rating->min), above = j->name && isinf(j->rating->max);
+  if (below || above)
+    snprintf(text, size, "%s %g", below ? "at most" : "at least",
+             (below ? j->rating->max : j->rating->min) / unit);
+  else if (j->rating)
     snprintf(text, size, "%g..%g", j->rating->min / unit, j->rating->max / unit);
   else
     snprintf(text, size, "%s %g", j->measure->held == VS_AT_LEAST ? "at least" : "at most",
@@ -466,11 +471,15 @@ vs_status vs_session_judge(const vs_result *r, vs_error *err) {
   if (!worst) return VS_OK;
   if (vs_verdict_is_happening(worst)) return say_happening(worst, err);
   const char *unit_name = vs_verdict_unit(worst);
-  char name[VS_JUDGED_NAME], allowed[64], decides[96] = "", at[40] = "";
+  char name[VS_JUDGED_NAME], allowed[64], decides[96] = "", at[48] = "";
   double unit = vs_units_factor(unit_name);
   print_allowed(worst, unit, allowed, sizeof allowed);
   vs_verdict_name(worst, name);
-  if (!isnan(worst->stress.at_s)) snprintf(at, sizeof at, " at %.6g s", worst->stress.at_s);
+  if (!worst->name || !isnan(worst->stress.at_s))
+    snprintf(at, sizeof at, " at %.6g s", worst->stress.at_s);
+  if (worst->unknown)
+    return vs_fail(err, VS_RATING, "a rating is undecided: %s has no value, as %s; allowed %s %s",
+                   name, worst->unknown, allowed, unit_name);
   if (vs_verdict_word(worst) != VS_UNDECIDED)
     return vs_fail(err, VS_RATING, "a rating is violated: %s = %.6g %s%s, allowed %s %s", name,
                    worst->stress.value / unit, unit_name, at, allowed, unit_name);

@@ -19,7 +19,9 @@ vs_setup vs_steady_setup(const vs_scene *scene, const vs_run_values *run, const 
 
 static void begin_watching(vs_steady *steady, const vs_setup *setup) {
   steady->model = &setup->model;
+  const int cycles = (int)round(setup->run.until_s / setup->timeline.period_s);
   vs_spectrum_begin(&steady->spectrum, setup->timeline.omega_rad_s);
+  vs_spectrum_begin_groups(&steady->spectrum, 0, cycles, cycles);
 }
 
 vs_status vs_steady_check(const vs_scene *scene, int periods, vs_error *err) {

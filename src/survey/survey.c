@@ -191,7 +191,7 @@ static void note_verdict(vs_survey *s, const vs_folder *t, const vs_folder_row *
   if (t->error >= 0) vs_folder_number(row->cell[t->error], &error);
   if (t->rung >= 0) vs_folder_number(row->cell[t->rung], &rung);
   bool sure = margin < 0 && !(fabs(margin) <= error);
-  s->judged += !isnan(margin);
+  s->judged += !isnan(margin) || breach; /* what a rating names may have no value */
   s->good += !isnan(margin) && margin >= 0 && !breach;
   s->violated += breach && sure;
   s->undecided += breach && !sure;

@@ -170,12 +170,25 @@ static vs_status check_lists(const vs_tree *tree, const char *dotted, vs_where w
   return status;
 }
 
+/* The child whose own key is this one, dots and all: "r1.power" is a key of a scene's ratings.
+ * NULL: there is none. */
+static vs_node *child_with_dots(const vs_node *map, const char *key) {
+  if (!strchr(key, '.')) return NULL;
+  for (vs_node *n = map->child; n; n = n->next)
+    if (n->key && !strcmp(n->key, key)) return n;
+  return NULL;
+}
+
 /* Returns the node of a dotted key; one of its words may be the number of a list's element. It is
  * made where it is missing, and so are the maps above it. */
 static vs_node *reach(vs_tree *tree, const char *dotted, vs_where where) {
   vs_node *at = tree->root;
   char *path = vs_copy(dotted), *rest = path;
-  for (char *key; (key = strsep(&rest, "."));) {
+  for (char *key; rest;) {
+    vs_node *whole = at->kind == VS_NODE_MAP ? child_with_dots(at, rest) : NULL;
+    if (whole) at = whole;
+    if (whole) break;
+    key = strsep(&rest, ".");
     vs_node *numbered = element(at, key);
     if (numbered) {
       at = numbered;

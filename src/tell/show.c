@@ -13,7 +13,9 @@
 
 /* "  12.3 % +- 0.04 %  held" */
 static void print_margin(const vs_judgement *j, FILE *out) {
-  if (isfinite(j->margin_error))
+  if (j->unknown)
+    fprintf(out, "%9s %11s", "-", "");
+  else if (isfinite(j->margin_error))
     fprintf(out, "%7.1f %% +- %-6.2g %%", 100 * j->margin, 100 * j->margin_error);
   else
     fprintf(out, "%7.1f %% %11s", 100 * j->margin, isnan(j->margin_error) ? "" : "+- ?");
@@ -28,12 +30,24 @@ static const char *written(double si, const char *unit, char text[VS_AMOUNT_SIZE
   return text;
 }
 
+/* An end of a range, which the scene may leave open. */
+static const char *end_text(const vs_judgement *j, double si, char text[VS_AMOUNT_SIZE]) {
+  bool open = j->name && isinf(si);
+  snprintf(text, VS_AMOUNT_SIZE, open ? "-" : "%.4g", si / vs_units_factor(j->rating->unit));
+  return text;
+}
+
 static void print_rating(const vs_judgement *j, int width, FILE *out) {
+  char name[VS_JUDGED_NAME], end[VS_AMOUNT_SIZE];
   double unit = vs_units_factor(j->rating->unit);
-  fprintf(out, "  %-*s %11.4g %11.4g %11.4g %11.4g %-5s ", width, j->probe->name,
-          j->rating->min / unit, j->least.value / unit, j->largest.value / unit,
-          j->rating->max / unit, j->rating->unit);
+  fprintf(out, "  %-*s %11s ", width, vs_verdict_name(j, name), end_text(j, j->rating->min, end));
+  if (j->unknown)
+    fprintf(out, "%11s %11s", "-", "-");
+  else
+    fprintf(out, "%11.4g %11.4g", j->least.value / unit, j->largest.value / unit);
+  fprintf(out, " %11s %-5s ", end_text(j, j->rating->max, end), j->rating->unit);
   print_margin(j, out);
+  if (j->unknown) fprintf(out, ": %s", j->unknown);
   fprintf(out, "%s\n", j->assumed ? "  assumed" : "");
 }
 
@@ -264,13 +278,29 @@ static void print_observer(const vs_result *r, int width, FILE *out) {
   }
 }
 
+void vs_show_windows(const vs_spectrum *s, FILE *out) {
+  int windows = vs_grouping_windows(&s->grouping);
+  if (!s->grouping.told) return;
+  if (windows)
+    fprintf(out,
+            "held against limits: groups by IEC 61000-4-7, root mean square of %d window%s of %d "
+            "cycles\n",
+            windows, windows > 1 ? "s" : "", s->grouping.each);
+  else
+    fputs("held against limits: nothing, as groups by IEC 61000-4-7 want whole firing periods\n",
+          out);
+}
+
 void vs_show_classes(const vs_drawn *drawn, FILE *out) {
   fprintf(out, "%-10s %15s %15s   %s\n", "class", "worst harmonic", "part of limit", "of");
   for (const vs_class *c = vs_classes_all; c->name; c++) {
     double part;
     int worst = vs_classes_worst(c, drawn, &part);
-    fprintf(out, "%-10s %15d %13.2f %%   %s%s\n", c->name, worst, 100 * part, c->text,
-            part <= 1 ? "" : ": not held");
+    if (isnan(part))
+      fprintf(out, "%-10s %15s %15s   %s\n", c->name, "-", "-", c->text);
+    else
+      fprintf(out, "%-10s %15d %13.2f %%   %s%s\n", c->name, worst, 100 * part, c->text,
+              part <= 1 ? "" : ": not held");
   }
 }
 
@@ -281,14 +311,20 @@ static void print_quality(const vs_quality *q, FILE *out) {
   const vs_drawn drawn = vs_quality_drawn(q);
   double first_a = vs_spectrum_harmonic(&q->current, 1);
   fprintf(out, "\nquality of %s, over %d cycles of the mains\n", q->name, q->cycles);
-  fprintf(out, "%-10s %15s %15s %15s\n", "harmonic", "A rms", "of harmonic 1", "phase");
+  const bool groups = vs_grouping_windows(&q->current.grouping) > 0;
+  fprintf(out, "%-10s %15s %15s %15s%s\n", "harmonic", "A rms", "of harmonic 1", "phase",
+          groups ? "     group A rms" : "");
   for (int n = 0; n <= SHOWN; n++) {
     double each = vs_spectrum_harmonic(&q->current, n), phase_rad = vs_quality_phase(q, n);
     fprintf(out, "%-10d %15.9g", n, each);
     if (first_a > 0) fprintf(out, " %13.2f %%", 100 * each / first_a);
     if (isfinite(phase_rad)) fprintf(out, " %11.2f deg", phase_rad / vs_units_factor("deg"));
+    if (groups && n)
+      fprintf(out, "%*s %15.9g", isfinite(phase_rad) ? 0 : 16, "",
+              vs_spectrum_judged(&q->current, n));
     fputc('\n', out);
   }
+  vs_show_windows(&q->current, out);
   vs_show_classes(&drawn, out);
 }
 

@@ -137,6 +137,7 @@ void vs_summary_scene(vs_json *json, const vs_scene *s) {
   add_events(json, &s->setup.timeline.events);
   add_instruments(json, &s->instruments, vs_instruments_working_hz(&s->setup));
   add_control(json, &s->control);
+  vs_ratings_json(&s->ratings, json);
   vs_json_end(json);
 }
 
@@ -178,6 +179,30 @@ static void add_measures(vs_json *json, const vs_scene *s, const vs_result *r,
   vs_json_end(json);
 }
 
+void vs_summary_limit(vs_json *json, int worst, double part) {
+  if (isnan(part)) {
+    vs_json_number(json, "held", NAN, DIGITS); /* null */
+    vs_json_number(json, "worst", NAN, DIGITS);
+  } else {
+    vs_json_bool(json, "held", part <= 1);
+    vs_json_whole(json, "worst", worst);
+  }
+  vs_json_number(json, "worst_part", part, DIGITS);
+}
+
+void vs_summary_groups(vs_json *json, const char *key, const vs_spectrum *s) {
+  if (!s->grouping.told) return;
+  vs_json_array(json, key, VS_JSON_ROW);
+  vs_json_number(json, NULL, NAN, DIGITS); /* there is no group of the direct part */
+  for (int n = 1; n < VS_SPECTRUM_LINES; n++)
+    vs_json_number(json, NULL, vs_spectrum_judged(s, n), DIGITS);
+  vs_json_end(json);
+  vs_json_object(json, "windows", VS_JSON_ROW);
+  vs_json_whole(json, "number", vs_grouping_windows(&s->grouping));
+  vs_json_whole(json, "cycles", s->grouping.each);
+  vs_json_end(json);
+}
+
 /* What limits each class of apparatus sets for the current. */
 static void add_limits(vs_json *json, const vs_drawn *drawn) {
   vs_json_array(json, "classes", VS_JSON_LINES);
@@ -188,9 +213,7 @@ static void add_limits(vs_json *json, const vs_drawn *drawn) {
     vs_json_text(json, "class", c->name);
     vs_json_text(json, "text", c->text);
     vs_json_text(json, "source", c->source);
-    vs_json_bool(json, "held", part <= 1);
-    vs_json_whole(json, "worst", worst);
-    vs_json_number(json, "worst_part", part, DIGITS);
+    vs_summary_limit(json, worst, part);
     vs_json_array(json, "limits_A", VS_JSON_ROW);
     for (int n = 0; n < VS_SPECTRUM_LINES; n++)
       vs_json_number(json, NULL, c->limit(drawn, n), DIGITS);
@@ -213,6 +236,7 @@ static void add_quality(vs_json *json, const vs_result *r) {
     for (int n = 0; n < VS_SPECTRUM_LINES; n++)
       vs_json_number(json, NULL, vs_spectrum_harmonic(&q->current, n), DIGITS);
     vs_json_end(json);
+    vs_summary_groups(json, "groups_A", &q->current);
     vs_json_array(json, "phases_deg", VS_JSON_ROW);
     for (int n = 0; n < VS_SPECTRUM_LINES; n++)
       vs_json_number(json, NULL, vs_quality_phase(q, n) / vs_units_factor("deg"), DIGITS);
@@ -279,7 +303,9 @@ static void add_extreme(vs_json *json, const char *name, vs_value v, double unit
 
 static void add_rating(vs_json *json, const vs_judgement *j) {
   double unit = vs_units_factor(j->rating->unit);
-  vs_json_text(json, "rating", j->probe->name);
+  char name[VS_JUDGED_NAME];
+  vs_json_text(json, "rating", vs_verdict_name(j, name));
+  if (j->name) vs_json_text(json, "of", "scene");
   vs_json_text(json, "unit", j->rating->unit);
   vs_json_text(json, "text", j->rating->text);
   vs_json_number(json, "min", j->rating->min / unit, DIGITS);
@@ -287,6 +313,7 @@ static void add_rating(vs_json *json, const vs_judgement *j) {
   add_extreme(json, "least", j->least, unit);
   add_extreme(json, "largest", j->largest, unit);
   vs_json_bool(json, "assumed", j->assumed);
+  if (j->unknown) vs_json_text(json, "unknown", j->unknown);
 }
 
 static void add_device(vs_json *json, const vs_judgement *j) {

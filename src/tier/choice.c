@@ -46,6 +46,31 @@ static const char *probe_of_circuit(const vs_node *root, const vs_setup *setup) 
   return NULL;
 }
 
+/* True if a name is a probe's, one of its two extremes, or a measure of a device of the deck. */
+static bool is_of_circuit(const char *name, const vs_setup *setup) {
+  const vs_deck *deck = &setup->deck;
+  for (size_t k = 0; k < deck->n_probes; k++) {
+    size_t n = strlen(deck->probes[k].name);
+    if (!strncmp(name, deck->probes[k].name, n) &&
+        (!name[n] || !strcmp(name + n, "_min") || !strcmp(name + n, "_max")))
+      return true;
+  }
+  for (size_t k = 0; k < deck->n_devices; k++) {
+    size_t n = strlen(deck->devices[k].name);
+    if (!strncmp(name, deck->devices[k].name, n) && (!name[n] || name[n] == '.')) return true;
+  }
+  return false;
+}
+
+/* The scene's first rating of what only a tier with a circuit has; NULL: none. */
+static const char *rating_of_circuit(const vs_node *root, const vs_setup *setup) {
+  const vs_node *ratings = vs_tree_child(root, "ratings");
+  for (const vs_node *n = ratings && ratings->kind == VS_NODE_MAP ? ratings->child : NULL; n;
+       n = n->next)
+    if (is_of_circuit(n->key, setup)) return n->key;
+  return NULL;
+}
+
 /* Of the scene's events the first that no other tier has; if there is none, the first; NULL: it has
  * no events. */
 static const vs_occurrence *first_event(const vs_setup *setup) {
@@ -62,7 +87,7 @@ static const char *needs_circuit(const vs_node *root, const vs_setup *setup, cha
   static const char *const HAS = "which only this tier has";
   const vs_node *circuit = vs_tree_child(root, "circuit");
   const vs_occurrence *event = first_event(setup);
-  const char *probe = probe_of_circuit(root, setup);
+  const char *probe = probe_of_circuit(root, setup), *rating = rating_of_circuit(root, setup);
   const vs_node *expect = vs_tree_child(root, "expect");
   const vs_tier_key *key = own_key(root, vs_tiers_automatic(true));
   if (vs_choice_is_modulated(setup))
@@ -78,6 +103,8 @@ static const char *needs_circuit(const vs_node *root, const vs_setup *setup, cha
     snprintf(buffer, size, "expect, and only this tier has devices");
   else if (probe)
     snprintf(buffer, size, "probe %s, %s", probe, HAS);
+  else if (rating)
+    snprintf(buffer, size, "ratings.%s, %s", rating, HAS);
   else
     return NULL;
   return buffer;

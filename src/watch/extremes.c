@@ -280,6 +280,17 @@ void vs_extreme_follow(vs_extreme *e, const vs_step *step, bool jammed) {
   }
 }
 
+void vs_extreme_follow_any(vs_extreme *e, const vs_step *step) {
+  if (e->channel >= vs_channel_deck(step->frame->model)) {
+    follow_probe(e, step);
+    return;
+  }
+  const search s = {.extreme = e, .step = step, .sign = e->sense};
+  take(&s, vs_step_channel(step, step->from->t_s, e->channel), step->from->t_s);
+  take(&s, vs_step_channel(step, step->to->t_s, e->channel), step->to->t_s);
+  look_at_samples(&s);
+}
+
 /* Which of a coordinate's three extremes may lie in the step, as bits. The acceleration stays
  * within its largest value at the ends and 3/8 of the way that the jerk at the ends would take it:
  * for a sine that moves by one radian, the longest there is, 1.06 of its peak. The coordinate

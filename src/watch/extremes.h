@@ -48,6 +48,10 @@ void vs_extreme_follow_motion(vs_extreme *all, const vs_step *step, bool jammed)
  * the other. */
 void vs_extreme_follow_probes(vs_extreme *pairs, const vs_step *step);
 
+/* The same for the least or the largest value of any channel, by 15 of its values in a step where
+ * it is no probe. That costs more. */
+void vs_extreme_follow_any(vs_extreme *extreme, const vs_step *step);
+
 /* Finds where the travel turns in a step whose ends have velocities of unlike signs. Returns false
  * and leaves `turn` as it is where they have not. */
 bool vs_extreme_turn_of_travel(const vs_step *step, vs_value *turn);

@@ -5,6 +5,7 @@
 #include <gsl/gsl_errno.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/text.h"
@@ -132,7 +133,8 @@ static void add_extreme(vs_measures *m, int channel, int sense) {
 
 /* Lets the extremes that nobody wants be. The travel's may be a coordinate's. */
 static void leave_idle(vs_measures *m, const vs_measure_set *wants) {
-  const bool travel = wants->has[VS_M_GAP_MIN] || wants->has[VS_M_GAP_MAX];
+  const bool travel =
+      wants->has[VS_M_GAP_MIN] || wants->has[VS_M_GAP_MAX] || wants->has[VS_M_STROKE];
   for (int i = 0; i < m->frame->model->dof; i++) {
     const bool *of = &wants->has[VS_M_OF_COORDINATE(i, 0)];
     const bool own = of[VS_LEAST] || of[VS_LARGEST] || of[VS_PEAK];
@@ -170,7 +172,24 @@ vs_measures *vs_measures_new(const vs_frame *frame, const vs_measure_set *wants)
 
 void vs_measures_free(vs_measures *m) {
   if (m) gsl_root_fsolver_free(m->solver);
+  if (m) free(m->followed);
   free(m);
+}
+
+void vs_measures_follow(vs_measures *m, int channel, double min, double max) {
+  m->followed = vs_alloc_grow(m->followed, m->n_followed, sizeof *m->followed);
+  m->followed[m->n_followed++] =
+      (vs_followed){.channel = channel,
+                    .min = min,
+                    .max = max,
+                    .end = {{.channel = channel, .sense = -1}, {.channel = channel, .sense = 1}},
+                    .passed_s = NAN};
+}
+
+const vs_followed *vs_measures_followed(const vs_measures *m, int channel) {
+  for (size_t k = 0; k < m->n_followed; k++)
+    if (m->followed[k].channel == channel) return &m->followed[k];
+  return NULL;
 }
 
 /* ---- roots on the dense output of the last two steps ---- */
@@ -279,6 +298,30 @@ static void follow_rating(vs_measures *m, size_t k) {
   m->passed_s[k] = s->from.t_s + fmin(fmax(part, 0), 1) * (s->to.t_s - s->from.t_s);
 }
 
+static double largest_size(const vs_followed *f) {
+  return fmax(fabs(f->end[0].best.value), fabs(f->end[1].best.value));
+}
+
+/* Follows a channel's extremes, and notes when it first leaves its range: on the straight line
+ * between the step's ends where it does so there, else at the extreme inside the step. */
+static void follow_channel(vs_followed *f, const vs_step *step, double tolerance) {
+  const double from = vs_step_channel(step, step->from->t_s, f->channel),
+               now = vs_step_channel(step, step->to->t_s, f->channel);
+  for (int k = 0; k < 2; k++) vs_extreme_follow_any(&f->end[k], step);
+  if (!isnan(f->passed_s)) return;
+  const double range = f->max - f->min,
+               slack = tolerance * (isfinite(range) ? range : largest_size(f));
+  const double most = f->max == 0 ? slack : f->max, least = f->min == 0 ? -slack : f->min;
+  const bool above = f->end[1].best.value > most;
+  if (!above && f->end[0].best.value >= least) return;
+  const double end = above ? f->max : f->min;
+  if (above ? now > end : now < end)
+    f->passed_s = step->from->t_s +
+                  fmin(fmax((end - from) / (now - from), 0), 1) * (step->to->t_s - step->from->t_s);
+  else
+    f->passed_s = f->end[above].best.at_s;
+}
+
 static bool swings_freely(const vs_measures *m, double t_s) {
   return t_s > m->extinct_s && t_s <= vs_measures_swing_ends_s && !(t_s > m->refired_s);
 }
@@ -364,6 +407,8 @@ void vs_measures_accept(vs_measures *m, const vs_step *step) {
     vs_extreme_follow(&m->extremes[k], step, m->jammed);
   if (m->frame->deck) vs_extreme_follow_probes(&m->extremes[m->of_probes], step);
   for (size_t k = 0; m->frame->deck && k < m->frame->deck->n_ratings; k++) follow_rating(m, k);
+  for (size_t k = 0; k < m->n_followed; k++)
+    follow_channel(&m->followed[k], step, m->frame->tolerance);
   follow_peaks(m);
   follow_crossings(m);
 }
@@ -390,6 +435,9 @@ void vs_measures_finish(const vs_measures *m, vs_value values[VS_MEASURES]) {
   for (int k = OF_COORDINATES; k < m->of_travel; k++)
     values[VS_STANDARD_MEASURES + k - OF_COORDINATES] = m->extremes[k].best;
   finish_travel(m, &values[VS_M_GAP_MIN], &values[VS_M_GAP_MAX]);
+  const vs_value *least = &values[VS_M_GAP_MIN], *largest = &values[VS_M_GAP_MAX];
+  if (least->known && largest->known)
+    values[VS_M_STROKE] = (vs_value){true, largest->value - least->value, NAN};
   values[VS_M_GAP_FIRST] = m->first;
   values[VS_M_GAP_SECOND] = m->second;
   if (!isnan(m->fired_s)) values[VS_M_T_FIRE] = (vs_value){true, m->fired_s, NAN};

@@ -23,6 +23,7 @@
   X(VS_M_GAP_SECOND, "gap_second_peak", "m", "the extremum of the travel that follows it")         \
   X(VS_M_GAP_MIN, "gap_min", "m", "least travel: how far the gap is closed")                       \
   X(VS_M_GAP_MAX, "gap_max", "m", "largest travel: how far the gap is opened")                     \
+  X(VS_M_STROKE, "stroke", "m", "largest travel less the least, over the run")                     \
   X(VS_M_F_RESONANCE, "f_resonance", "Hz",                                                         \
     "of the free swing, from the rising zero crossings of %s between the first extinction and 1 "  \
     "s or the next firing")                                                                        \
@@ -80,6 +81,14 @@ typedef struct vs_kept_step {
   vs_step step;
 } vs_kept_step;
 
+/* A channel whose least and largest value are followed besides, and its range, SI. */
+typedef struct vs_followed {
+  int channel;
+  double min, max;
+  vs_extreme end[2]; /* the least and the largest value so far */
+  double passed_s;   /* when it first left the range; NaN: it has not */
+} vs_followed;
+
 typedef struct vs_measures {
   const vs_frame *frame;
   vs_kept_step kept[2]; /* the last two steps of some length; `last` is the index of the newer */
@@ -103,12 +112,19 @@ typedef struct vs_measures {
   vs_value swing;             /* the last extremum of the travel there */
   double n, st, sl, stt, stl; /* sums for the straight line of ln(amplitude) over t */
   gsl_root_fsolver *solver;   /* owned */
+  vs_followed *followed;      /* channels that vs_measures_follow has named; owned */
+  size_t n_followed;
 } vs_measures;
 
 /* The frame must outlive the watcher, which vs_measures_free frees. wants: of the extremes of
  * coordinates and travel those that are followed, while the others stay unknown; NULL: all. */
 vs_measures *vs_measures_new(const vs_frame *frame, const vs_measure_set *wants);
 void vs_measures_free(vs_measures *measures);
+/* Before the first step: follows another channel of the frame. An end of its range that is 0 counts
+ * as vs_measures_slack says. */
+void vs_measures_follow(vs_measures *measures, int channel, double min, double max);
+/* What was seen of a channel that is followed; NULL: it is not. */
+const vs_followed *vs_measures_followed(const vs_measures *measures, int channel);
 /* Takes one accepted step. */
 void vs_measures_accept(vs_measures *measures, const vs_step *step);
 /* The least and the largest value of one of the deck's probes so far: two extremes, one behind the

@@ -26,6 +26,7 @@ void vs_settled_find(const vs_measures *m, const vs_rest *rest, vs_measure_set *
   s->has[VS_M_GAP_SECOND] = peak && m->second.known;
   s->has[VS_M_GAP_MIN] = is_beyond(&v[VS_M_GAP_MIN], -1, &rest->travel);
   s->has[VS_M_GAP_MAX] = is_beyond(&v[VS_M_GAP_MAX], 1, &rest->travel);
+  s->has[VS_M_STROKE] = s->has[VS_M_GAP_MIN] && s->has[VS_M_GAP_MAX];
   s->has[VS_M_F_RESONANCE] = s->has[VS_M_TAU_GAP] = swung;
   s->has[VS_M_ENERGY_RESIDUAL] = false;
   for (int i = 0; i < model->dof; i++) {

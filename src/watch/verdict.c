@@ -13,11 +13,11 @@
  * which sign the probe may have: keeping it is no margin, however near to 0 the probe comes, so the
  * room is INFINITY as well. Beyond such a limit by more than the slack, the room is a part of the
  * rating's range, or of the probe's largest magnitude where the other end is infinite or 0. */
-static double part_of(double room, double limit, const vs_measures *m, const vs_judgement *j) {
+static double part_of(double room, double limit, double slack, const vs_judgement *j) {
   double range = j->rating->max - j->rating->min;
   if (isinf(limit)) return INFINITY;
   if (limit != 0) return room / fabs(limit);
-  if (room >= -vs_measures_slack(m, j->rating)) return INFINITY;
+  if (room >= -slack) return INFINITY;
   bool scaled = isfinite(range) && range > 0;
   return room / (scaled ? range : fmax(fabs(j->least.value), fabs(j->largest.value)));
 }
@@ -31,8 +31,9 @@ static vs_judgement judge_rating(const vs_measures *m, size_t k) {
                     .least = pair[0].best,
                     .largest = pair[1].best,
                     .stress = pair[0].best};
-  double below = part_of(j.least.value - r->min, r->min, m, &j);
-  double above = part_of(r->max - j.largest.value, r->max, m, &j);
+  double slack = vs_measures_slack(m, r);
+  double below = part_of(j.least.value - r->min, r->min, slack, &j);
+  double above = part_of(r->max - j.largest.value, r->max, slack, &j);
   j.room[0] = below;
   j.room[1] = above;
   j.margin_error = NAN;
@@ -41,6 +42,44 @@ static vs_judgement judge_rating(const vs_measures *m, size_t k) {
   j.assumed = r->bounds[above < below].assumed;
   j.failed_s = j.margin < 0 ? m->passed_s[k] : NAN;
   if (j.margin < 0 && isnan(j.failed_s)) j.failed_s = j.stress.at_s; /* between two knots only */
+  return j;
+}
+
+/* What the margin is a part of, at the end that is nearer: that end, or what stands for one of 0.
+ */
+static double scale_of(const vs_judgement *j) {
+  double end = j->room[0] < j->room[1] ? j->rating->min : j->rating->max;
+  double range = j->rating->max - j->rating->min;
+  if (end != 0 && isfinite(end)) return fabs(end);
+  bool scaled = isfinite(range) && range > 0;
+  return scaled ? range : fmax(fabs(j->least.value), fabs(j->largest.value));
+}
+
+/* A rating of the scene. What the slack is to an end of 0, vs_measures_slack says. */
+static vs_judgement judge_rated(const vs_rated *own, double tolerance) {
+  const vs_rating *r = own->rating;
+  vs_judgement j = {.rating = r,
+                    .name = own->name,
+                    .unknown = own->unknown,
+                    .least = own->least,
+                    .largest = own->largest,
+                    .stress = own->least,
+                    .room = {NAN, NAN},
+                    .margin = NAN,
+                    .margin_error = own->unknown ? INFINITY : NAN,
+                    .is_rate = own->is_rate,
+                    .failed_s = NAN};
+  if (own->unknown) return j;
+  double range = r->max - r->min, size = fmax(fabs(j.least.value), fabs(j.largest.value)),
+         slack = tolerance * (isfinite(range) ? range : size);
+  j.room[0] = part_of(j.least.value - r->min, r->min, slack, &j);
+  j.room[1] = part_of(r->max - j.largest.value, r->max, slack, &j);
+  j.margin = fmin(j.room[0], j.room[1]);
+  if (j.room[1] < j.room[0]) j.stress = j.largest;
+  double scale = scale_of(&j);
+  if (own->doubt > 0) j.doubt = own->doubt / scale;
+  if (own->spread > 0) j.spread = own->spread / scale;
+  if (j.margin < 0) j.failed_s = isnan(own->passed_s) ? j.stress.at_s : own->passed_s;
   return j;
 }
 
@@ -110,13 +149,9 @@ void vs_verdict_free(vs_verdict *v) {
   *v = (vs_verdict){0};
 }
 
-void vs_verdict_reach(const vs_measures *m, const vs_devices *devices, const vs_expects *expects,
-                      vs_verdict *v) {
-  size_t n_ratings = m->frame->deck ? m->frame->deck->n_ratings : 0, most = n_ratings;
-  for (size_t k = 0; devices && k < devices->count; k++) most += devices->item[k].count;
-  *v = (vs_verdict){.item = vs_alloc(most, sizeof *v->item)};
-  for (size_t k = 0; k < n_ratings; k++) v->item[v->count++] = judge_rating(m, k);
-  judge_devices(devices, expects, v);
+/* Finds the weakest line and the first to fail. */
+static void summarise(vs_verdict *v) {
+  v->weakest = v->first_to_fail = NULL;
   for (size_t k = 0; k < v->count; k++) {
     const vs_judgement *j = &v->item[k];
     if (isfinite(j->margin) && (!v->weakest || j->margin <= v->weakest->margin)) v->weakest = j;
@@ -126,9 +161,31 @@ void vs_verdict_reach(const vs_measures *m, const vs_devices *devices, const vs_
   }
 }
 
+void vs_verdict_rate(vs_verdict *v, const vs_rated *rated, size_t count, double tolerance) {
+  size_t first = 0;
+  if (!count) return;
+  while (first < v->count && v->item[first].rating) first++;
+  v->item = vs_resize(v->item, v->count + count, sizeof *v->item);
+  memmove(v->item + first + count, v->item + first, (v->count - first) * sizeof *v->item);
+  v->count += count;
+  for (size_t k = 0; k < count; k++) v->item[first + k] = judge_rated(&rated[k], tolerance);
+  summarise(v);
+}
+
+void vs_verdict_reach(const vs_measures *m, const vs_devices *devices, const vs_expects *expects,
+                      vs_verdict *v) {
+  size_t n_ratings = m->frame->deck ? m->frame->deck->n_ratings : 0, most = n_ratings;
+  for (size_t k = 0; devices && k < devices->count; k++) most += devices->item[k].count;
+  *v = (vs_verdict){.item = vs_alloc(most, sizeof *v->item)};
+  for (size_t k = 0; k < n_ratings; k++) v->item[v->count++] = judge_rating(m, k);
+  judge_devices(devices, expects, v);
+  summarise(v);
+}
+
 const char *vs_verdict_name(const vs_judgement *j, char name[VS_JUDGED_NAME]) {
-  int size = snprintf(name, VS_JUDGED_NAME, "%s%s%s", j->device ? j->device->name : j->probe->name,
-                      j->device ? "." : "", j->device ? j->measure->name : "");
+  const char *rated = j->name ? j->name : j->device ? j->device->name : j->probe->name;
+  int size = snprintf(name, VS_JUDGED_NAME, "%s%s%s", rated, j->device ? "." : "",
+                      j->device ? j->measure->name : "");
   assert(size < VS_JUDGED_NAME);
   return name;
 }
@@ -149,6 +206,7 @@ const char *const vs_verdict_words[VS_WORDS] = {[VS_HELD] = "held",
                                                 [VS_UNVERIFIED] = "unverified"};
 
 vs_finding vs_verdict_word(const vs_judgement *j) {
+  if (j->unknown) return VS_UNDECIDED;
   if (isnan(j->margin_error)) return VS_UNVERIFIED;
   if (fabs(j->margin) <= j->margin_error) return VS_UNDECIDED;
   return j->margin > 0 ? VS_HELD : VS_VIOLATED;
@@ -212,8 +270,7 @@ static double least_margin(const vs_judgement *j) {
   return j->margin - (isfinite(j->margin_error) ? j->margin_error : 0);
 }
 
-/* Adds what happened in the second run alone: whether it happens is not known. There is room, as a
- * verdict has some for each measure of each device. */
+/* Adds what happened in the second run alone: whether it happens is not known. */
 static void add_happenings(vs_verdict *v, const vs_verdict *second) {
   for (size_t n = 0; n < second->count; n++) {
     const vs_judgement *other = &second->item[n];
@@ -221,16 +278,18 @@ static void add_happenings(vs_verdict *v, const vs_verdict *second) {
     if (!vs_verdict_is_happening(other)) continue;
     while (k < v->count && !is_same(&v->item[k], other)) k++;
     if (k < v->count) continue;
+    v->item = vs_resize(v->item, v->count + 1, sizeof *v->item);
     v->item[v->count] = *other;
     v->item[v->count++].margin_error = INFINITY;
   }
+  summarise(v); /* which points into the list */
 }
 
 static void find_weakest(vs_verdict *v) {
   v->weakest = NULL;
   for (size_t k = 0; k < v->count; k++) {
     const vs_judgement *j = &v->item[k];
-    if (isinf(j->margin)) continue;
+    if (!isfinite(j->margin)) continue;
     if (!v->weakest || least_margin(j) <= least_margin(v->weakest)) v->weakest = j;
   }
 }
@@ -239,6 +298,7 @@ void vs_verdict_compare(vs_verdict *v, const vs_verdict *second, double resoluti
   for (size_t k = 0; k < v->count; k++) {
     vs_judgement *j = &v->item[k];
     size_t n = 0;
+    if (j->unknown) continue;
     while (n < second->count && !is_same(j, &second->item[n])) n++;
     j->margin_error = INFINITY;
     double own = j->is_rate ? rates : resolution;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The verdict on a run: the deck's ratings held against what its probes did, the limits of its
- * parts held against what was measured of its devices, and what happened to them that must not,
- * unless the scene expects it. */
+ * The verdict on a run: the deck's ratings held against what its probes did, the scene's ratings
+ * against what they name, the limits of parts against what was measured of devices, and what
+ * happened to devices that must not, unless the scene expects it. */
 #ifndef VS_WATCH_VERDICT_H
 #define VS_WATCH_VERDICT_H
 
@@ -9,14 +9,29 @@
 #include "watch/expect.h"
 #include "watch/measures.h"
 
-/* One line of a verdict: a rating of a probe, a limit of a device's part, or what happened to a
- * device. Values are in SI. Everything it points to belongs to the deck or is constant.
+/* A rating of the scene, and what the run has of what it rates: a measure, or a probe. In SI. */
+typedef struct vs_rated {
+  const char *name;        /* of the measure or the probe, borrowed */
+  const vs_rating *rating; /* borrowed; it names no probe of the deck */
+  vs_value least, largest; /* of a measure both are its value */
+  const char *unknown;     /* why there is no value, borrowed; NULL: there is one */
+  double passed_s; /* when a value left the range; looked at where the range does not hold it */
+  bool is_rate;    /* this and the next two as vs_judgement has them, but not in parts of a limit */
+  double doubt, spread;
+} vs_rated;
+
+/* One line of a verdict: a rating of the deck or of the scene, a limit of a device's part, or what
+ * happened to a device. Values are in SI. Everything it points to belongs to the deck or to the
+ * scene, or is constant.
  *
  * What happened has the measure that counts it (VS_NEVER). Its margin is -1 where the scene does
  * not expect it, and where it is expected and did not happen; else INFINITY. */
 typedef struct vs_judgement {
   const vs_rating *rating; /* NULL: the line is of a device */
-  const vs_probe *probe;   /* of the rating */
+  const vs_probe *probe;   /* of a rating of the deck; NULL: it is none */
+  const char *name;        /* what a rating of the scene rates; NULL: it is none */
+  const char *unknown; /* why the run has no value to judge: the line is undecided, and its margin
+                          is NaN; NULL: it has one */
   const vs_device *device; /* NULL: the line is of a rating */
   const vs_device_measure *measure;
   const vs_limit *limit;
@@ -46,8 +61,8 @@ typedef struct vs_judgement {
 
 /* Not to be copied: it points into itself. */
 typedef struct vs_verdict {
-  vs_judgement *item; /* the ratings in the deck's order, then device by device, of each device
-                         first its limits; owned */
+  vs_judgement *item; /* the deck's ratings in its order, then the scene's, then device by device,
+                         of each device first its limits; owned */
   size_t count;
   /* The line of the least finite margin, less its error where that is known; NULL: none has one.
    * Of two alike it is the later one, so that a device goes before a probe. */
@@ -61,6 +76,8 @@ typedef struct vs_verdict {
  * without a deck nothing is judged, nor is a device of which nothing was measured. */
 void vs_verdict_reach(const vs_measures *measures, const vs_devices *devices,
                       const vs_expects *expects, vs_verdict *verdict);
+/* Adds the ratings of a scene to a verdict that was reached. tolerance: the run's. */
+void vs_verdict_rate(vs_verdict *verdict, const vs_rated *rated, size_t count, double tolerance);
 void vs_verdict_free(vs_verdict *verdict);
 
 /* What a line of a verdict comes to. */
