@@ -37,7 +37,9 @@ static void nothing_is_left(void) {
     free_ran(&r);
     RUN_GOOD("plot s --quiet");
     char *files = listing("s");
-    EXPECT(strstr(files, ".png ") && strstr(files, "report.html runs study.csv "), "%s", files);
+    EXPECT(strstr(files, ".png ") && strstr(files, "report.html runs ") &&
+               strstr(files, " study.csv "),
+           "%s", files);
     free(files);
     RUN_GOOD("study new.yaml -o s --overwrite --quiet");
     EXPECT_FILES("s", RESULT);
