@@ -14,8 +14,6 @@ typedef struct vs_second_run {
   bool stopped;       /* by a signal */
   double tolerance;   /* its run.tolerance */
   char sequence[512]; /* what it has in another sequence than the first run; empty: nothing */
-  const char *why;    /* why there was one though nothing asked for it: what showed that the first
-                         run's sequence is on edge; NULL: it was asked for, or there was none */
   double decides;   /* a run.tolerance at which the undecided lines of the verdict are likely to be
                        decided; 0: none is known, or none is needed */
   char unsure[256]; /* extremes that the two runs have very differently; empty: there are none */

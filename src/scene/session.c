@@ -282,21 +282,20 @@ static double resolution_of_rates(double tolerance) {
   return fmax(COARSE_RATE, FINE_RATE * fmin(1, FINE / tolerance));
 }
 
-/* What shows that the run's sequence of firings is on edge; NULL: nothing does. */
-static const char *find_edge(const vs_result *r) {
+/* True: something shows that the run's sequence of firings is on edge. */
+static bool is_on_edge(const vs_result *r) {
   const vs_devices *d = r->watchers.devices;
   for (size_t k = 0; d && k < d->count; k++)
-    if (d->item[k].sequence.edge) return d->item[k].sequence.edge;
-  return vs_verdict_on_edge(&r->verdict) ? "is near to firing without its gate" : NULL;
+    if (d->item[k].sequence.edge) return true;
+  return vs_verdict_on_edge(&r->verdict);
 }
 
-static bool wants_second(const vs_session *session, vs_result *r) {
+static bool wants_second(const vs_session *session, const vs_result *r) {
   int word = r->scene->setup.run.verify;
   bool told = r->verdict.count || r->scene->tier->has_circuit; /* what a second run tells */
   if (word == VS_VERIFY_ALWAYS && told) return true;
   if (word != VS_VERIFY_AUTO || !r->verdict.count) return false;
-  if (!session->verify && session->verify_edges) r->second.why = find_edge(r);
-  return session->verify || r->second.why;
+  return session->verify || (session->verify_edges && is_on_edge(r));
 }
 
 /* With run.verify: always, an extreme of a probe is told which a finer run has otherwise by more

@@ -20,12 +20,6 @@ void vs_sequence_add(vs_sequence *s, vs_deed deed, double at_s) {
   s->item[s->kept++].deed = deed;
 }
 
-void vs_sequence_mark(vs_sequence *s, const char *why, double at_s) {
-  if (s->edge) return;
-  s->edge = why;
-  s->edge_s = at_s;
-}
-
 static void say_count(char text[VS_SEQUENCE_SAYS], const char *word, long count) {
   if (count == 1)
     snprintf(text, VS_SEQUENCE_SAYS, "%s%sonce", word, *word ? " " : "");

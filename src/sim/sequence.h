@@ -34,15 +34,11 @@ typedef struct vs_sequence {
     double at_s;
     vs_deed deed;
   } item[VS_SEQUENCE_KEPT];
-  const char *edge; /* why the sequence is on edge, as a clause; NULL: no sign of it was seen */
-  double edge_s;    /* when that was seen first */
+  bool edge; /* a sign was seen that the sequence is on edge */
 } vs_sequence;
 
 /* Adds a deed at its instant. */
 void vs_sequence_add(vs_sequence *sequence, vs_deed deed, double at_s);
-/* Notes a sign that the sequence is on edge. The first one stays. why: lives as long as *sequence.
- */
-void vs_sequence_mark(vs_sequence *sequence, const char *why, double at_s);
 
 /* What two sequences have differently: "fires 3 times" and "once", or "fires at 0.1 s" and "at 0.2
  * s". */

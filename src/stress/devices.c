@@ -172,7 +172,7 @@ static void follow_shots(const vs_devices *d, vs_watched *w, shots *s, const vs_
   bool gated = s->gate.on && s->gate.gates.count;
   bool again = gated && !s->fresh && c->t0_s - s->last_s < d->frame->timeline->period_s / 2;
   s->fresh = false;
-  if (again) vs_sequence_mark(&w->sequence, "is fired again by the same gate pulse", c->t0_s);
+  w->sequence.edge = w->sequence.edge || again;
   if (again) return;
   s->last_s = c->t0_s;
   w->starts += c->t1_s > d->means.from_s && c->t0_s < d->means.to_s;
@@ -219,7 +219,7 @@ static void tell(vs_devices *d, const vs_watched *w, const vs_switch_news *news)
 
 static void note_melting(vs_watched *w, vs_deed deed, double at_s) {
   vs_sequence_add(&w->sequence, deed, at_s);
-  vs_sequence_mark(&w->sequence, "melts", at_s);
+  w->sequence.edge = true;
 }
 
 static void follow_melting(vs_devices *d, vs_watched *w, vs_melting *m, const vs_course_step *c) {
@@ -242,17 +242,11 @@ static const double BARELY_A = 0.1;
 /* A circuit that offers no more than so many t_q may have the device fire again. */
 static const double OFFERS = 2;
 
-/* Marks what shows the device's sequence to be on edge. */
-static void mark_edges(vs_watched *w, const vs_switch_news *news) {
-  const vs_switch *s = w->states;
-  vs_sequence *q = &w->sequence;
-  if (news->misfire.known) vs_sequence_mark(q, "misfires", news->misfire.at_s);
-  if (news->unintended.known)
-    vs_sequence_mark(q, "fires without a gate pulse", news->unintended.at_s);
-  if (news->extinct.known && s->conduction.recovers && s->conduction.peak_a < BARELY_A)
-    vs_sequence_mark(q, "conducts no more than a latching current", news->extinct.at_s);
-  if (news->offered.known && isfinite(s->t_q_s) && news->offered.value < OFFERS * s->t_q_s)
-    vs_sequence_mark(q, "has hardly its turn-off time", news->offered.at_s);
+/* True: what a small error may undo has happened, or nearly. */
+static bool is_on_edge(const vs_switch *s, const vs_switch_news *news) {
+  if (news->misfire.known || news->unintended.known) return true;
+  if (news->extinct.known && s->conduction.recovers && s->conduction.peak_a < BARELY_A) return true;
+  return news->offered.known && isfinite(s->t_q_s) && news->offered.value < OFFERS * s->t_q_s;
 }
 
 static void note_deeds(vs_watched *w, const vs_switch_news *news) {
@@ -262,7 +256,7 @@ static void note_deeds(vs_watched *w, const vs_switch_news *news) {
   if (news->misfire.known) vs_sequence_add(q, VS_DEED_MISFIRES, news->misfire.at_s);
   if (news->unintended.known) vs_sequence_add(q, VS_DEED_UNINTENDED, news->unintended.at_s);
   if (news->commutation_failure) vs_sequence_add(q, VS_DEED_FAILS, news->unintended.at_s);
-  if (w->device->kind->gated) mark_edges(w, news);
+  q->edge = q->edge || (w->device->kind->gated && is_on_edge(w->states, news));
 }
 
 static void follow_states(vs_devices *d, vs_watched *w, vs_course_step *c) {

@@ -22,6 +22,7 @@ static void print_margin(const vs_judgement *j, FILE *out) {
   vs_finding word = vs_verdict_word(j);
   fprintf(out, "  %s%s", word == VS_UNVERIFIED && j->margin < 0 ? "violated, " : "",
           vs_verdict_words[word]);
+  if (j->torn) fprintf(out, ", as the sequence is");
 }
 
 /* What is rated, in the unit that its limit was written in: "76.54 A/us". */

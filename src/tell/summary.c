@@ -347,6 +347,7 @@ static void add_verdict(vs_json *json, const vs_verdict *v) {
     vs_json_number(json, "margin", j->margin, DIGITS);
     vs_json_number(json, "margin_error", j->margin_error, DIGITS);
     vs_json_text(json, "word", vs_verdict_words[vs_verdict_word(j)]);
+    if (j->torn) vs_json_text(json, "why", "the sequence of firings depends on the tolerance");
     vs_json_bool(json, "violated", j->margin < 0);
     vs_json_number(json, "failed_at_s", j->failed_s, DIGITS);
     vs_json_end(json);

@@ -328,8 +328,8 @@ void vs_verdict_tear(vs_verdict *v, const vs_device *device) {
  */
 static const double EDGE = 0.25;
 
-const vs_judgement *vs_verdict_on_edge(const vs_verdict *v) {
+bool vs_verdict_on_edge(const vs_verdict *v) {
   for (size_t k = 0; k < v->count; k++)
-    if (v->item[k].makes_fire && fabs(v->item[k].margin) < EDGE) return &v->item[k];
-  return NULL;
+    if (v->item[k].makes_fire && fabs(v->item[k].margin) < EDGE) return true;
+  return false;
 }

@@ -106,9 +106,8 @@ void vs_verdict_compare(vs_verdict *verdict, const vs_verdict *second, double re
  * undecided. Called behind vs_verdict_compare. */
 void vs_verdict_tear(vs_verdict *verdict, const vs_device *device);
 
-/* Returns the line of a device that may fire, or may not, as the line is so near to its limit;
- * NULL: there is none. */
-const vs_judgement *vs_verdict_on_edge(const vs_verdict *verdict);
+/* True: a line is so near to its limit that its device may fire without its gate, or may not. */
+bool vs_verdict_on_edge(const vs_verdict *verdict);
 
 /* Writes the line's name, "v_ak" or "thyristor.i2t", and returns it. */
 enum { VS_JUDGED_NAME = VS_DECK_NAME + 24 };

@@ -58,10 +58,11 @@ bool vs_case_is_row(vs_case *c, uint64_t index, const double *point, bool failed
  *   case, id, the axes, 1, why               where it failed
  *
  * id is vs_identity's; it is empty where the case's scene is refused. margin_error is empty unless
- * the scene says run.verify: always. rung is the ladder's. leaving_bound bounds the error by having
- * left ngspice, relative to each probe's peak. happened has what happened, or did not though it was
- * expected, and not_judged what the verdict could not judge; both are empty where nothing is rated.
- * Returns how the case ended; *circuit tells whether ngspice was used. */
+ * the scene says run.verify: always, or the run shows that its sequence of firings is on edge. rung
+ * is the ladder's. leaving_bound bounds the error by having left ngspice, relative to each probe's
+ * peak. happened has what happened, or did not though it was expected, and not_judged what the
+ * verdict could not judge; both are empty where nothing is rated. Returns how the case ended;
+ * *circuit tells whether ngspice was used. */
 int vs_case_run(vs_case *c, uint64_t index, const double *point, vs_text *row, bool *circuit);
 
 /* ---- vs_case_run in its parts, for cases that share their past (work/past.h) ---- */
