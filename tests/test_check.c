@@ -291,8 +291,8 @@ static void all_that_is_wrong_with_a_deck(void) {
       "Xeva b 0 eva\n"
       "Xtwo b 0 eva\n",
       "",
-      "d.cir:2:4: '*$ prt' is not known; there are: title, param, port, line, probe, loss, store, "
-      "part, limit, rating, require, device, zth, compat; did you mean 'port'?\n"
+      "d.cir:2:4: '*$ prt' is not known; there are: title, param, port, line, earth, probe, loss, "
+      "store, part, limit, rating, require, device, zth, pulse, compat; did you mean 'port'?\n"
       " *$ prt    mains = Vmains\n"
       "    ^\n"
       "d.cir:3:11: no port 'gat'; there are: mains, gate, gate+ANGLE, burst, burst+ANGLE, pwm, "

@@ -324,6 +324,7 @@ static void not_built(void) {
   } ROWS[] = {{"  s: {kind: surge, at: 20 ms, off: true}\n", NULL},
               {"  s: {kind: jam, at: 20 ms, off: true}\n", NULL},
               {"  s: {kind: missing_pulse, cycle: 1, off: true}\n", NULL},
+              {"  s: {kind: open, at: 20 ms, off: true}\n", NULL}, /* of no element */
               {"  s: {kind: surge, at: 25 ms}\n",
                "events.s: it would begin at 0.025 s, and the run ends at run.until = 0.025 s: it "
                "is not built"},

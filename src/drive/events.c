@@ -203,6 +203,9 @@ static vs_status check_supply(const vs_timeline *t, const vs_occurrence *e, vs_e
   return VS_OK;
 }
 
+/* Reads one event, to `built` or `unbuilt`. What is not built may be wrong with the rest of the
+ * scene.
+ */
 static vs_status read_event(const vs_node *map, const vs_timeline *t, double until_s,
                             vs_events *events, vs_error *err) {
   vs_occurrence e = {.period_s = t->period_s, .gate_rad = NAN, .where = map->key_where};
@@ -223,6 +226,12 @@ static vs_status read_event(const vs_node *map, const vs_timeline *t, double unt
   if (!strcmp(e.v.element, "-")) *e.v.element = '\0';
   e.v.polarity %= 2; /* + and positive are the same choice, and so are - and negative */
   if (!status && vs_error_count(err) == found)
+    status = vs_error_carry_on(err, place_in_time(map, t, &e, err));
+  if (!status && vs_error_count(err) == found && (e.v.off || !(e.start_s < until_s))) {
+    events->unbuilt[events->n_unbuilt++] = e;
+    return status;
+  }
+  if (!status && vs_error_count(err) == found)
     status = vs_error_carry_on(err, read_gate(map, &e, err));
   if (!status && vs_error_count(err) == found)
     status = vs_error_carry_on(err, check_element(&e, err));
@@ -231,13 +240,7 @@ static vs_status read_event(const vs_node *map, const vs_timeline *t, double unt
   if (!status && vs_error_count(err) == found)
     status = vs_error_carry_on(err, check_count(map, t, &e, err));
   if (!status && vs_error_count(err) == found)
-    status = vs_error_carry_on(err, place_in_time(map, t, &e, err));
-  if (!status && vs_error_count(err) == found)
     status = vs_error_carry_on(err, place_on_line(map, &e, err));
-  if (e.v.off || (!status && vs_error_count(err) == found && !(e.start_s < until_s))) {
-    if (!status && vs_error_count(err) == found) events->unbuilt[events->n_unbuilt++] = e;
-    return status;
-  }
   if (!status && vs_error_count(err) == found)
     status = vs_error_carry_on(err, check_times(map, events, until_s, &e, err));
   if (!status && vs_error_count(err) == found)

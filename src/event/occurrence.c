@@ -44,9 +44,9 @@ const vs_occurrence *vs_occurrence_repeated(const vs_events *events) {
 static const double NEVER_S = 1e30;
 
 void vs_occurrence_put_off(vs_occurrence *e, size_t number) {
-  bool strikes = e->on_line_s == e->start_s;
+  bool strikes = e->on_line_s > 0 && e->on_line_s == e->start_s;
   e->start_s = e->end_s = NEVER_S * (1 + (double)number);
-  if (strikes && e->kind->network) e->on_line_s = e->start_s;
+  if (strikes) e->on_line_s = e->start_s;
   e->v.cycle = INT_MIN; /* by which events at the gate know their pulse */
 }
 
