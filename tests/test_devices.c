@@ -660,7 +660,7 @@ static void bad_lines(void) {
       {"*$ device f fuse protects t = v(a), v(b)\n*$ device t = v(a), v(b)\n",
        "*$ limit i2t = 3 A\n", "p.inc:2:16: ", "a unit as A2.s"},
       {"*$ device t = v(a), v(b)\n", "*$ limit i2t = 3 A\n", "p.inc:2:16: ", "a unit as A2.s"},
-      {"", "*$ limit v_drm = 800 V\n*$ limit dv_dt_over = 0.9 kV\n", "p.inc:3:4: ",
+      {"", "*$ limit v_drm = 800 V\n*$ limit dv_dt_over = 0.9 kV\n", "p.inc:3:1: ",
        "a voltage from 10 V on and up to v_drm, which is 800 V, is wanted, not '0.9"},
       {"", "*$ limit dv_dt_over = 9 V\n",
        "p.inc:2:1: ", "a voltage from 10 V on is wanted, not '9"},

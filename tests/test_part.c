@@ -110,8 +110,8 @@ static void a_small_thyristor(void) {
     alter("small.inc", "small.inc", CHANGES[k][0], CHANGES[k][1]);
   ran r = run("check small.inc --json");
   EXPECT(r.status == 0, "%d: %s", r.status, r.err);
-  expect_warning(&r, "small.inc", 30, "critical_dvdt, by which the model is made, is 2.5 times");
-  expect_warning(&r, "small.inc", 31, "turn_off_time, by which the model is made, is 2 times");
+  expect_warning(&r, "small.inc", 32, "critical_dvdt, by which the model is made, is 2.5 times");
+  expect_warning(&r, "small.inc", 33, "turn_off_time, by which the model is made, is 2 times");
   CLOSE_OF(number_of(r.out, "V_T", 0, "got"), 0.9 + 0.2, 1, 0.03);
   CLOSE(number_of(r.out, "I_GT", 0, "got"), 5, 0.03);
   CLOSE(number_of(r.out, "I_L", 0, "got"), 30, 0.04);
@@ -197,7 +197,7 @@ static void a_vendors_model(void) {
   double gate_ma = number_of(r.out, "I_GT", 0, "got");
   EXPECT(gate_ma > 9 && gate_ma < 11, "%g mA", gate_ma);
   EXPECT(number_of(r.out, "dv/dt", 0, "got") < 150, "%s", r.out);
-  expect_warning(&r, "scr.inc", 15, "t_q is");
+  expect_warning(&r, "scr.inc", 17, "t_q is");
   free_ran(&r);
   r = run("run paper --tier circuit --set circuit.thyristor=scr.inc --set run.until=20ms --quiet");
   EXPECT(r.status == 0 || r.status == 3, "%d: %s", r.status, r.err);

@@ -81,9 +81,10 @@ double vs_conduction_current(const vs_conduction *c, double i_a, double v_v) {
   return isnan(c->leak_s) ? i_a : i_a - c->leak_s * v_v;
 }
 
-/* The most that the capacitance of the blocked junction draws. */
+/* The most that the capacitance of the blocked junction draws forward. It does so as well while the
+ * voltage comes back from reverse. */
 static double displaced(const vs_conduction_step *s) {
-  return DISPLACED_F * fmax((fabs(s->v1_v) - fabs(s->v0_v)) / (s->t1_s - s->t0_s), 0);
+  return DISPLACED_F * fmax((s->v1_v - s->v0_v) / (s->t1_s - s->t0_s), 0);
 }
 
 /* Where the line through two points of the current passes zero. */
