@@ -315,6 +315,7 @@ static void rate_device(vs_rated *rated, const vs_own_rating *r, const vs_rating
   rated->is_rate = of->by->is_rate;
   rated->doubt = w->device->doubtful ? INFINITY : of->doubt;
   rated->spread = of->spread;
+  if (of->by->hangs_on_sequence) rated->hangs = w->device;
 }
 
 static void rate_quality(vs_rated *rated, const vs_own_rating *r, const vs_ratings_seen *seen) {

@@ -34,7 +34,9 @@ enum { VS_CAUSE_SIZE = 96 };
 typedef struct vs_happening {
   int times;   /* how often; an unintended firing that is a commutation failure is counted there */
   double at_s; /* the first time */
-  char cause[VS_CAUSE_SIZE]; /* of the first: "dv/dt of 324 V/us up to 406 V" */
+  double
+      rate_v_s; /* of an unintended firing: the dv/dt that its cause tells; 0: it tells another */
+  char cause[VS_CAUSE_SIZE]; /* of the first: "dv/dt of 370 V/us over 120 V, up to 400 V" */
 } vs_happening;
 
 /* A device under watch: what its reductions share. */

@@ -68,6 +68,7 @@ static vs_judgement judge_rated(const vs_rated *own, double tolerance) {
                     .margin = NAN,
                     .margin_error = own->unknown ? INFINITY : NAN,
                     .is_rate = own->is_rate,
+                    .hangs = own->hangs,
                     .failed_s = NAN};
   if (own->unknown) return j;
   double range = r->max - r->min, size = fmax(fabs(j.least.value), fabs(j.largest.value)),
@@ -95,7 +96,7 @@ static vs_judgement judge_device(const vs_deck *deck, const vs_device *d, const 
                         .room = {least ? room : INFINITY, least ? INFINITY : room},
                         .margin = room,
                         .margin_error = NAN,
-                        .hangs = r->by->hangs_on_sequence,
+                        .hangs = r->by->hangs_on_sequence ? d : NULL,
                         .makes_fire = r->by->makes_fire,
                         .is_rate = r->by->is_rate,
                         .assumed = r->limit->assumed || r->assumed,
@@ -316,7 +317,7 @@ void vs_verdict_compare(vs_verdict *v, const vs_verdict *second, double resoluti
 void vs_verdict_tear(vs_verdict *v, const vs_device *device) {
   for (size_t k = 0; k < v->count; k++) {
     vs_judgement *j = &v->item[k];
-    if (j->device != device || !j->hangs) continue;
+    if (j->hangs != device) continue;
     j->torn = true;
     j->margin_error = INFINITY;
   }

@@ -18,6 +18,7 @@ typedef struct vs_rated {
   double passed_s; /* when a value left the range; looked at where the range does not hold it */
   bool is_rate;    /* this and the next two as vs_judgement has them, but not in parts of a limit */
   double doubt, spread;
+  const vs_device *hangs; /* the device on whose sequence of firings it hangs; NULL: on none's */
 } vs_rated;
 
 /* One line of a verdict: a rating of the deck or of the scene, a limit of a device's part, or what
@@ -41,17 +42,17 @@ typedef struct vs_judgement {
                      an end of 0 it is a part of the range. INFINITY: there is no such end, or it is
                      0 and was not passed */
   double margin;  /* the lesser of the two; below 0 the limit was passed */
-  double margin_error; /* numerical error of the margin, in the margin's own scale; INFINITY: it
-                          could not be found; NaN: it was not computed */
-  vs_value stress;     /* the extreme that is nearer to its limit, or further beyond it */
-  bool hangs;          /* on the sequence of the device's firings */
-  bool torn;           /* that is another one in a second run: undecided for its sake */
-  bool makes_fire;     /* near the limit the device may fire without its gate */
-  bool is_rate;        /* the measure is a rate over a short time */
-  bool assumed;        /* no source says the limit, or a figure that the stress is made of */
-  double over_v;       /* of a rate of rise: how far the stretch rises that the stress is the mean
-                          rate of; 0: of any other */
-  double doubt;        /* the margin may be wrong by this besides */
+  double margin_error;    /* numerical error of the margin, in the margin's own scale; INFINITY: it
+                             could not be found; NaN: it was not computed */
+  vs_value stress;        /* the extreme that is nearer to its limit, or further beyond it */
+  const vs_device *hangs; /* the device on whose sequence of firings it hangs; NULL: on none's */
+  bool torn;              /* that is another one in a second run: undecided for its sake */
+  bool makes_fire;        /* near the limit the device may fire without its gate */
+  bool is_rate;           /* the measure is a rate over a short time */
+  bool assumed;           /* no source says the limit, or a figure that the stress is made of */
+  double over_v;   /* of a rate of rise: how far the stretch rises that the stress is the mean
+                      rate of; 0: of any other */
+  double doubt;    /* the margin may be wrong by this besides */
   double spread;   /* sensitivity: a relative error e of the run changes the margin by e spread */
   double failed_s; /* instant at which the limit was first passed; NaN: it was not */
   bool expected;   /* of what happened: the scene expects it */
