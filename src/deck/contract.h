@@ -15,6 +15,8 @@
  *       1 V during each of the sub-pulses of the gate pulse
  *   *$ line   NODE [NODE]
  *       the mains' terminals, where surges couple in
+ *   *$ earth  NODE
+ *       the protective earth, which generators may be coupled to
  *   *$ probe  NAME = [-]v(n) | v(n,m) | i(Vx)  UNIT  "TEXT"
  *       a channel; the one called i_thyristor is the anode current
  *   *$ loss   NAME = FORMULA
@@ -50,9 +52,10 @@
  *   *$ limit  NAME = none "TEXT"
  *       an ideal part has none
  *   *$ zth    R K/W  TAU s [assumed] "TEXT"
- *   *$ pulse  WIDTH us  NUMBER  CURRENT A [assumed] "TEXT"
  *       a term of its junction's transient thermal impedance, sum of R (1 - exp(-t/TAU)) (a Foster
  *       network)
+ *   *$ pulse  WIDTH us  NUMBER  CURRENT A [assumed] "TEXT"
+ *       the peak current it bears in that many pulses of that width (deck/devices.h)
  *
  * A FORMULA is as syntax/formula.h has it. It may name the deck's parameters and the program's:
  * u_rms, f_mains, phase (rad), r_source, l_source. */

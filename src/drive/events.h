@@ -15,11 +15,12 @@
  */
 const vs_event_kind *vs_events_kind(size_t number);
 
-/* Reads the section (NULL: there is none) into *events. until_s is the end of the run; an event that
- * begins there or later is not built. Errors, each of which a check carries on from: an unknown kind
- * or key, a level its generator does not have, a generator that comes onto the line behind its wave
- * or more than once in the run, a gate pulse that is not there or is shorter already, an element that
- * is not said, a repetition that overlaps itself, two events that contradict each other. */
+/* Reads the section (NULL: there is none) into *events. until_s is the end of the run; an event
+ * that begins there or later is not built. Errors, each of which a check carries on from: an
+ * unknown kind or key, a level its generator does not have, a generator that comes onto the line
+ * behind its wave or more than once in the run, a gate pulse that is not there or is shorter
+ * already, an element that is not said, a repetition that overlaps itself, two events that
+ * contradict each other. */
 vs_status vs_events_read(const vs_node *map, const vs_timeline *timeline, double until_s,
                          vs_events *events, vs_error *err);
 

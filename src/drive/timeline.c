@@ -25,7 +25,8 @@ static const vs_field SUPPLY[] = {
     {"inductance", VS_REAL, "mH", "0.5 mH", 0, 1e5, false, S_(inductance_h),
      "L_s, source; circuit tier only", NULL, NULL},
     {"decoupling", VS_REAL, "mH", "0 mH", 0, 1e5, false, S_(decoupling_h),
-     "of a coupling/decoupling network, in series with L_s; 1.5 mH: IEC 61000-4-5; circuit tier only",
+     "of a coupling/decoupling network, in series with L_s; 1.5 mH: IEC 61000-4-5; circuit tier "
+     "only",
      NULL, NULL},
 };
 static const vs_field FIRING[] = {

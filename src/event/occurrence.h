@@ -29,8 +29,8 @@ typedef struct vs_event_values {
   int polarity;     /* 1: negative */
   double impedance_ohm, frequency_hz, phase_rad;
   int order;
-  int earth; /* 1: a generator is coupled from the line to earth, else from line to line */
-  int times; /* pulses of a generator, of which the run has the first */
+  int earth;      /* 1: a generator is coupled from the line to earth, else from line to line */
+  int times;      /* pulses of a generator, of which the run has the first */
   double every_s; /* from one of these pulses to the next */
   char kind[VS_NAME_SIZE], element[VS_NAME_SIZE], gate[VS_NAME_SIZE];
   char from[VS_NAME_SIZE]; /* "start", "strike" or a time: since when a generator's network lies on

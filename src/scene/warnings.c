@@ -241,7 +241,8 @@ static void warn_of_generators(const vs_setup *s, vs_warnings *w) {
       vs_fail_at(vs_warnings_add(w), e->where,
                  "events.%s: its network lies on the line together with that of events.%s, from "
                  "%.9g s on: each loads the other's wave, and no standard has two; leave one of "
-                 "them out (off: true), or let each come with its wave (from: strike)",
+                 "them out (off: true), or let the later one load nothing before its own wave "
+                 "(from: strike)",
                  e->name, before->name, both_s);
     before = e;
   }

@@ -81,8 +81,9 @@ static double parting_behind(const vs_setup *a, const vs_setup *b, double t_s) {
   return INFINITY;
 }
 
-/* An event does nothing before it begins, or before its network comes onto the line. So a cycle before the first difference the two agree, and
- * where there is an edge in that cycle, what was before need not be looked at. */
+/* An event does nothing before it begins, or before its network comes onto the line. So a cycle
+ * before the first difference the two agree, and where there is an edge in that cycle, what was
+ * before need not be looked at. */
 double vs_parting_of(const vs_setup *a, const vs_setup *b) {
   double differ_s = first_difference(&a->timeline.events, &b->timeline.events);
   double from_s = fmax(differ_s - a->timeline.period_s, 0);
