@@ -105,11 +105,11 @@ static void near_the_holding_current(void) {
 /* ---- what hangs on them ---- */
 
 /* An interruption after which the two runs do not fire as often: lines that hang on that are
- * undecided, and others are not. */
+ * undecided, but for a value from before the interruption; and others are not. */
 static void torn_lines(void) {
-  write_file("t.yaml", "circuit: {deck: halfwave_paper}\nfiring: {every: 1}\nrun: {until: 60 ms}\n"
-                       "events: {e: {kind: interruption, cycle: 3, angle: 30 deg, duration: "
-                       "8.95 ms}}\n");
+  write_file("t.yaml", "circuit: {deck: halfwave_paper}\nfiring: {every: 1}\nrun: {until: 100 ms}\n"
+                       "events: {e: {kind: interruption, cycle: 3, angle: 90 deg, duration: "
+                       "9.895 ms}}\n");
   ran r = run("run t.yaml --json --quiet --reproducible");
   const char *off = strstr(r.out, "\"measure\": \"t_off\""),
              *reverse = strstr(r.out, "\"measure\": \"v_reverse\"");
@@ -118,6 +118,8 @@ static void torn_lines(void) {
          "%d %s", r.status, r.out);
   EXPECT(strstr(off, "\"why\": \"the sequence") && strstr(r.out, "undecided for its sake: "), "%s",
          r.out);
+  const char *pulse = strstr(r.out, "\"measure\": \"i2t\"");
+  EXPECT(pulse && strstr(pulse, "\"word\": ") == strstr(pulse, "\"word\": \"held\""), "%s", r.out);
   EXPECT(strstr(reverse, "\"word\": ") == strstr(reverse, "\"word\": \"held\""), "%s", r.out);
   free_ran(&r);
   unlink("t.yaml");

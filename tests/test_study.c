@@ -406,9 +406,9 @@ static void one_result_of_circuits(void) {
  * each as if it were the first, also behind one that has melted a fuse. */
 static void one_circuit_for_many(void) {
   static const char *const ORDERS[] = {"26 ms, 44.9 ms", "44.9 ms, 26 ms"};
-  char row[2][2][512];
+  char row[2][2][2048];
   for (int o = 0; o < 2; o++) {
-    char text[512], *cell[16];
+    char text[2048], *cell[16];
     snprintf(text, sizeof text,
              "set: {circuit: {deck: halfwave_paper, transformer: autotransformer_ideal}, "
              "firing.every: 1, run: {until: 45 ms, tolerance: 1e-3}, events: {short1: {kind: "

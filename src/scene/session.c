@@ -365,16 +365,18 @@ static double deciding_tolerance(const vs_result *r) {
  * that creeps to zero, and not above the distance of the pulses of a burst. */
 static const double WINDOW = 0.01;
 
-/* Compares the sequences of what the devices did, and of the run's own firings, and marks what
- * hangs on one that the second run has otherwise. */
+/* Compares the sequences of what the devices with a gate and the fuses did, and of the run's own
+ * firings, and marks what hangs on one that the second run has otherwise. */
 static void compare_sequences(vs_result *r, const vs_result *second) {
   const vs_devices *a = r->watchers.devices, *b = second->watchers.devices;
   double window_s = WINDOW * r->scene->setup.timeline.period_s;
   vs_sequence_difference how, first;
   const char *name = NULL;
   for (size_t k = 0; a && b && k < a->count; k++) {
+    const vs_kind *kind = a->item[k].device->kind;
+    if (!kind->gated && !kind->melts) continue; /* a diode that rings fires nothing */
     if (vs_sequence_agrees(&a->item[k].sequence, &b->item[k].sequence, window_s, &how)) continue;
-    vs_verdict_tear(&r->verdict, a->item[k].device);
+    vs_verdict_tear(&r->verdict, a->item[k].device, how.parts_s);
     if (!name) first = how;
     if (!name) name = a->item[k].device->name;
   }

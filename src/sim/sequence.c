@@ -27,20 +27,38 @@ static void say_count(char text[VS_SEQUENCE_SAYS], const char *word, long count)
     snprintf(text, VS_SEQUENCE_SAYS, "%s%s%ld times", word, *word ? " " : "", count);
 }
 
+/* How many deeds of the two are the same, from the first one on. */
+static size_t common(const vs_sequence *one, const vs_sequence *other, double window_s) {
+  size_t k = 0;
+  while (k < one->kept && k < other->kept && one->item[k].deed == other->item[k].deed &&
+         fabs(one->item[k].at_s - other->item[k].at_s) <= window_s)
+    k++;
+  return k;
+}
+
+/* When the sequences part, behind `same` deeds that are the same in both. Behind all that are kept
+ * it is told early. */
+static double parting(const vs_sequence *one, const vs_sequence *other, size_t same) {
+  double a_s = same < one->kept ? one->item[same].at_s : INFINITY;
+  double b_s = same < other->kept ? other->item[same].at_s : INFINITY;
+  double last_s = same ? one->item[same - 1].at_s : -INFINITY;
+  return isinf(a_s) && isinf(b_s) ? last_s : fmin(a_s, b_s);
+}
+
 bool vs_sequence_agrees(const vs_sequence *one, const vs_sequence *other, double window_s,
                         vs_sequence_difference *d) {
+  size_t same = common(one, other, window_s);
+  d->parts_s = parting(one, other, same);
   for (int k = 0; k < VS_DEEDS; k++) {
     if (one->count[k] == other->count[k]) continue;
     say_count(d->one, WORDS[k], one->count[k]);
     say_count(d->other, "", other->count[k]);
     return false;
   }
-  for (size_t k = 0; k < one->kept && k < other->kept; k++) {
-    double a_s = one->item[k].at_s, b_s = other->item[k].at_s;
-    if (one->item[k].deed == other->item[k].deed && !(fabs(a_s - b_s) > window_s)) continue;
-    snprintf(d->one, sizeof d->one, "%s at %.6g s", WORDS[one->item[k].deed], a_s);
-    snprintf(d->other, sizeof d->other, "%s at %.6g s", WORDS[other->item[k].deed], b_s);
-    return false;
-  }
-  return true;
+  if (same == one->kept) return true; /* as many are kept of the other */
+  snprintf(d->one, sizeof d->one, "%s at %.6g s", WORDS[one->item[same].deed],
+           one->item[same].at_s);
+  snprintf(d->other, sizeof d->other, "%s at %.6g s", WORDS[other->item[same].deed],
+           other->item[same].at_s);
+  return false;
 }

@@ -45,6 +45,7 @@ void vs_sequence_add(vs_sequence *sequence, vs_deed deed, double at_s);
 enum { VS_SEQUENCE_SAYS = 64 };
 typedef struct vs_sequence_difference {
   char one[VS_SEQUENCE_SAYS], other[VS_SEQUENCE_SAYS];
+  double parts_s; /* instant of the first deed that is not the same in both */
 } vs_sequence_difference;
 
 /* Returns true where the two sequences are the same: as many deeds of each kind, in the same order,

@@ -314,10 +314,10 @@ void vs_verdict_compare(vs_verdict *v, const vs_verdict *second, double resoluti
   find_weakest(v);
 }
 
-void vs_verdict_tear(vs_verdict *v, const vs_device *device) {
+void vs_verdict_tear(vs_verdict *v, const vs_device *device, double parts_s) {
   for (size_t k = 0; k < v->count; k++) {
     vs_judgement *j = &v->item[k];
-    if (j->hangs != device) continue;
+    if (j->hangs != device || j->stress.at_s < parts_s) continue;
     j->torn = true;
     j->margin_error = INFINITY;
   }

@@ -103,9 +103,10 @@ const vs_judgement *vs_verdict_breach(const vs_verdict *verdict);
 void vs_verdict_compare(vs_verdict *verdict, const vs_verdict *second, double resolution,
                         double rates);
 
-/* The two runs have another sequence of what `device` does: its lines that hang on that become
- * undecided. Called behind vs_verdict_compare. */
-void vs_verdict_tear(vs_verdict *verdict, const vs_device *device);
+/* The two runs have another sequence of what `device` does from parts_s on: its lines that hang on
+ * that become undecided, but for those whose value is of an instant before. Called behind
+ * vs_verdict_compare. */
+void vs_verdict_tear(vs_verdict *verdict, const vs_device *device, double parts_s);
 
 /* True: a line is so near to its limit that its device may fire without its gate, or may not. */
 bool vs_verdict_on_edge(const vs_verdict *verdict);
