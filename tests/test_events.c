@@ -533,7 +533,7 @@ static void a_fuse_protects_or_not(void) {
     write_file("s.yaml",
                "circuit: {deck: halfwave_paper, transformer: autotransformer_ideal, fuse_1: "
                "fuse_ideal}\nrun: {until: 20 ms}\nevents: {e: {kind: coil_short, at: 7 "
-               "ms}}\n");
+               "ms}}\nexpect: [fuse_2 opens]\n");
     ran r = run("run s.yaml --json --quiet --set circuit.fuse_2=%s", FUSES[k]);
     EXPECT(r.status == (k ? 3 : 0), "%s", r.err);
     i2t[k] = measure_in(r.out, "thyristor.i2t");

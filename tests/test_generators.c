@@ -420,7 +420,8 @@ static void heat_adds_up(void) {
              "Rz z 0 100\nRe e 0 1\nXeva e 0 eva\n");
   write_file("s.yaml",
              "circuit: {deck: d.cir}\nrun: {until: 30 ms, max_step: 20 us, verify: "
-             "never}\nfiring: {every: 1}\nevents: {s: {kind: surge, at: 2 ms, every: 40 ms}}\n");
+             "never}\nfiring: {every: 1}\nevents: {s: {kind: surge, at: 2 ms, every: 40 ms}}\n"
+             "expect: [t fires without a gate pulse]\n");
   double once = 0, five = 0;
   for (int k = 0; k < 2; k++) {
     double one = 100 * R[k] * -expm1(-10e-3 / TAU_S[k]);

@@ -510,7 +510,7 @@ static void unintended_firings(void) {
       const vs_watched *w = &t->result.watchers.devices->item[0];
       size_t m = 0, u = 0;
       while (strcmp(w->reduced[m].measure->name, "dv_dt")) m++;
-      while (strcmp(w->reduced[u].measure->name, "unintended")) u++;
+      while (strcmp(w->reduced[u].measure->name, "unintended_firings")) u++;
       found[n] = w->reduced[m].value.value;
       CLOSE(found[n], brute_rate(c, 120), 1e-3);
       CLOSE(w->reduced[m].over_v, 120, 1e-12);

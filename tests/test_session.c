@@ -69,13 +69,13 @@ static void one_verdict_through_both_doors(void) {
                                                      "circuit.r1=330ohm --json --quiet");
   char *row = strchr(study.out, '\n'), *cell[16], want[128];
   CU_ASSERT_PTR_NOT_NULL_FATAL(row);
-  CU_ASSERT_EQUAL_FATAL(vs_csv_split(row + 1, cell, 16, NULL), 11);
+  CU_ASSERT_EQUAL_FATAL(vs_csv_split(row + 1, cell, 16, NULL), 13);
   snprintf(want, sizeof want, "\"margin\": %s, \"margin_error\": %s", cell[4], cell[5]);
   EXPECT(strstr(one.out, want), "%s in %s", want, one.out);
   snprintf(want, sizeof want, "\"rung\": {\"number\": %s,", cell[7]);
   EXPECT(strstr(one.out, want), "%s in %s", want, one.out);
-  EXPECT(one.status == study.status && one.status == atoi(cell[10]), "%d, %d, %s", one.status,
-         study.status, cell[10]);
+  EXPECT(one.status == study.status && one.status == atoi(cell[12]), "%d, %d, %s", one.status,
+         study.status, cell[12]);
   free_ran(&study), free_ran(&one);
 }
 

@@ -287,6 +287,7 @@ static vs_status run(const vs_setup *setup, const vs_run_order *order, const vs_
 static const vs_tier_key KEYS[] = {
     {"supply", "resistance", NULL},
     {"supply", "inductance", NULL},
+    {"supply", "decoupling", NULL},
     {"run", "method", NULL},
     {"run", "first_step", NULL},
     {"run", "trtol", NULL},
