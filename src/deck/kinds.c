@@ -215,7 +215,7 @@ static const vs_device_measure VARISTOR[] = {
      VS_R_DERATED, VS_OF_I, 0, NULL, VS_AT_MOST},
     {"power_repeated", "W",
      "mean power where a pulse comes again: energy_total over the event's key every", VS_R_REPEATED,
-     VS_OF_POWER, 1, NULL, VS_AT_MOST}};
+     VS_OF_POWER, 1, "p_max", VS_AT_MOST}};
 static const vs_device_measure RESISTOR[] = {
     {"power", "W", "mean power, over the time that measure says; " MEAN_IS_JUDGED, VS_R_MEAN,
      VS_OF_POWER, 1, "p_rated", VS_AT_MOST},

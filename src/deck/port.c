@@ -70,3 +70,7 @@ bool vs_port_is_gated(const vs_signal *signal) {
 bool vs_port_is_modulated(const vs_signal *signal) {
   return DRIVES[signal->drive].modulated;
 }
+
+bool vs_port_is_burst(const vs_signal *s) {
+  return s->drive == VS_PORT_BURST;
+}

@@ -48,5 +48,7 @@ bool vs_port_is_gated(const vs_signal *signal);
 
 /* True for a signal of pulse-width modulation. */
 bool vs_port_is_modulated(const vs_signal *signal);
+/* True where it is driven with the sub-pulses that fill a gate pulse. */
+bool vs_port_is_burst(const vs_signal *signal);
 
 #endif

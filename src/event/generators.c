@@ -3,7 +3,10 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
+#include <strings.h>
 
+#include "dialect/words.h"
 #include "event/wiring.h"
 
 /* YAML has no bare - as a value: it begins a list. The odd choices are negative. */
@@ -77,6 +80,20 @@ static const char *return_of(const vs_occurrence *e, const vs_deck *deck) {
 }
 
 /* Error: the deck does not say where the generator couples in. */
+/* True where an element of the deck has a node of that name, or it is ground. */
+static bool names_node(const vs_deck *deck, const char *node) {
+  if (vs_words_is_ground((vs_word){node, strlen(node)})) return true;
+  for (size_t k = 0; k < deck->n_lines; k++) {
+    const char *word = deck->lines[k].text;
+    if (*word == '*' || *word == '.') continue;
+    while (*(word = vs_words_next(word))) {
+      const vs_word w = vs_words_at(word);
+      if (w.n == strlen(node) && !strncasecmp(w.at, node, w.n)) return true;
+    }
+  }
+  return false;
+}
+
 static vs_status check_line(const vs_occurrence *e, const vs_deck *deck, vs_error *err) {
   if (!*deck->line[0])
     return vs_fail_at(err, e->where,
@@ -88,6 +105,20 @@ static vs_status check_line(const vs_occurrence *e, const vs_deck *deck, vs_erro
                       "events.%s.coupling: the deck has no line '*$ earth NODE', which says which "
                       "node is the earth; give it one, or take coupling: line",
                       e->name);
+  for (int n = 0; n < 3; n++) {
+    const char *node = n < 2 ? deck->line[n] : deck->earth;
+    if (!*node || (n == 2 && !e->v.earth) || names_node(deck, node)) continue;
+    return vs_fail_at(
+        err, e->where,
+        "events.%s: the deck's line '*$ %s' names the node '%s', and no element of the "
+        "deck has it",
+        e->name, n < 2 ? "line" : "earth", node);
+  }
+  if (e->v.earth && !strcasecmp(deck->earth, deck->line[0]))
+    return vs_fail_at(err, e->where,
+                      "events.%s.coupling: '*$ earth %s' is the node of '*$ line'; another one is "
+                      "wanted, or coupling: line",
+                      e->name, deck->earth);
   return VS_OK;
 }
 

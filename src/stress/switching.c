@@ -53,6 +53,15 @@ static bool is_gated(const vs_switch *s) {
   return s->gate.on && s->gate.gates.count;
 }
 
+/* True while its gate is driven: within a pulse, and there within a sub-pulse. */
+static bool is_driven(const vs_switch *s, const vs_course_step *c) {
+  if (!is_gated(s) || !s->gate.bursts) return is_gated(s);
+  double at_s = vs_gate_of_step(c->t0_s, c->t1_s);
+  for (size_t k = 0; k < s->gate.gates.count; k++)
+    if (vs_gate_burst(s->gate.timeline, s->gate.gates.rad[k], at_s)) return true;
+  return false;
+}
+
 /* ---- rises of forward voltage ---- */
 
 static void begin_rise(vs_rise *r, double t_s, double v) {
@@ -192,7 +201,9 @@ static void follow_fired_v(vs_switch *s, const vs_course_step *c, double began_s
 /* What a device has stored when its gate pulse ends, or its unintended firing begins, decays within
  * some t_q of the part if it did not latch: by a factor of e in less than one, and an end is told
  * at some e^-8 of the current. A conduction that outlasts ten of them holds itself. Where t_q is
- * not known it counts as 150 us, which is long for a thyristor of this size. */
+ * not known it counts as 150 us, which is long for a thyristor of this size. And one whose current
+ * was on its way down as the pulse ended, at less than half of its peak, had latched before: it
+ * goes out by its circuit. */
 static const double DECAYS = 10, SLOW_T_Q_S = 150e-6;
 static double stores_s(const vs_switch *s) {
   return isfinite(s->t_q_s) ? s->t_q_s : SLOW_T_Q_S;
@@ -202,6 +213,7 @@ static bool has_latched(const vs_switch *s) {
   bool by_pulse = s->by_gate && s->gate.gates.count;
   double from_s = by_pulse ? s->gate.off_since_s : s->fired_s;
   if (!(from_s >= s->fired_s)) return false; /* its pulse is still there */
+  if (by_pulse && s->pulse_end_a < s->conduction.peak_a / 2) return true;
   return s->zero_s - from_s > DECAYS * stores_s(s);
 }
 
@@ -216,6 +228,7 @@ static void follow_fall(vs_switch *s, const vs_course_step *c) {
 }
 
 static void follow_conduction(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
+  if (s->gate.ended) s->pulse_end_a = c->from[VS_OF_I];
   const vs_conduction_step step = {c->t0_s,        c->t1_s,          c->from[VS_OF_I],
                                    c->to[VS_OF_I], c->from[VS_OF_V], c->to[VS_OF_V]};
   double event_s = NAN;
@@ -376,6 +389,7 @@ void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, const vs_gate
                    .stored = {.took_s = INFINITY},
                    .stored_at_s = -INFINITY};
   vs_switching_gate_begin(&s->gate, timeline, gates);
+  s->gate.bursts = deck->n_ports && vs_deck_has_port(deck, vs_port_is_burst);
   vs_conduction_begin(&s->conduction);
   s->conduction.recovers = vs_conduction_recovers(deck, device);
 }
@@ -473,7 +487,7 @@ static void tell_fired(vs_switch *s, bool commutated, vs_switch_news *news) {
 
 static void follow_rises(vs_switch *s, const vs_course_step *c, bool was_on, bool commutated,
                          vs_switch_news *news) {
-  bool on = s->conduction.conducts, ended = follow_rise(&s->rise, c, is_gated(s));
+  bool on = s->conduction.conducts, ended = follow_rise(&s->rise, c, is_driven(s, c));
   if (!was_on && !on) tell_blocked(s, c->t1_s, ended, news);
   if (!was_on && on) tell_fired(s, commutated, news);
   if (!was_on && on)

@@ -68,6 +68,7 @@ typedef struct vs_gate_watch {
                      as always on */
   bool on;        /* there is a pulse in the step last followed */
   bool begins, ended; /* a pulse began, or ended, at that step's beginning */
+  bool bursts;        /* its pulses are filled with sub-pulses, by the deck's port burst */
   double edge_s;      /* instant of the next edge */
   double off_since_s; /* end of the last pulse; -INFINITY: there was none */
 } vs_gate_watch;
@@ -139,18 +140,19 @@ typedef struct vs_switch {
   double way;     /* +1 in a positive half cycle, -1 in a negative one */
   double t_q_s;   /* of the part; INFINITY, as at the beginning: not known */
   vs_conduction conduction;
-  bool by_gate;     /* the present or last conduction began with a gate pulse */
-  bool turning_on;  /* the current has not come to its first maximum, or fired 1 us ago or less */
-  double fired_s;   /* when it last fired; NaN: it has not fired yet */
-  double fired_v;   /* the forward voltage it fired from */
-  double rose_s;    /* when it had 10 V forward since zero_s, not reversed yet; NaN: not so far */
-  double tenth_s;   /* since when the current is below a tenth of its peak; NaN: it is not */
-  bool commutates;  /* the voltage has not risen by 10 V since the last conduction */
-  bool latched;     /* the last conduction went on without its gate */
-  double zero_s;    /* when its current last went to zero */
-  int rest;         /* what its voltage did since then: REST_... of switching.c */
-  double offered_s; /* the time that its circuit offered it to rest */
-  bool offers;      /* forward voltage has returned, but has not come to 10 V yet, nor fired it */
+  bool by_gate;       /* the present or last conduction began with a gate pulse */
+  bool turning_on;    /* the current has not come to its first maximum, or fired 1 us ago or less */
+  double fired_s;     /* when it last fired; NaN: it has not fired yet */
+  double fired_v;     /* the forward voltage it fired from */
+  double rose_s;      /* when it had 10 V forward since zero_s, not reversed yet; NaN: not so far */
+  double tenth_s;     /* since when the current is below a tenth of its peak; NaN: it is not */
+  bool commutates;    /* the voltage has not risen by 10 V since the last conduction */
+  bool latched;       /* the last conduction went on without its gate */
+  double pulse_end_a; /* its current as its last gate pulse ended */
+  double zero_s;      /* when its current last went to zero */
+  int rest;           /* what its voltage did since then: REST_... of switching.c */
+  double offered_s;   /* the time that its circuit offered it to rest */
+  bool offers;        /* forward voltage has returned, but has not come to 10 V yet, nor fired it */
   vs_switch_news offer; /* what is then told of that time */
   bool forward;         /* in the present gate pulse it had forward voltage */
   bool conducted;       /* in the present gate pulse it conducted */

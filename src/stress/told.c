@@ -61,6 +61,14 @@ static void take_misfire(const vs_watched *w, vs_reduced *r, const vs_switch_new
                              : "no current followed its gate pulse");
 }
 
+/* Whether a pulse that the run's end cuts off is answered is not known. */
+static void finish_misfire(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
+  const vs_switch *s = w->states;
+  (void)end;
+  if (s && s->gate.gates.count && s->gate.on && s->forward && !s->conducted)
+    r->unjudged = "not judged: a gate pulse without current goes on as the run ends";
+}
+
 /* A limit of the device's part in SI; NAN: its file states none. */
 static double limit_of_part(const vs_watched *w, const char *name) {
   const char *file = w->device->part < 0 ? NULL : w->deck->parts[w->device->part].file;
@@ -148,7 +156,8 @@ const vs_reducer
                        .makes_fire = true,
                        .prepare = prepare_offered,
                        .take_news = take_offered},
-    vs_told_misfire = {HAPPENS, .counts = true, .take_news = take_misfire},
+    vs_told_misfire = {HAPPENS, .counts = true, .take_news = take_misfire,
+                       .finish = finish_misfire},
     vs_told_unintended = {HAPPENS, .counts = true, .take_news = take_unintended},
     vs_told_commutation_failure = {HAPPENS, .counts = true, .take_news = take_commutation_failure},
     vs_told_opens = {HAPPENS, .prepare = prepare_fuse, .take_melting = take_opening},

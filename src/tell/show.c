@@ -157,7 +157,7 @@ static void print_lines(const vs_verdict *v, FILE *out) {
 /* "not judged: r1.power, c1.v_peak (no limit stated)" */
 static void print_not_judged(const vs_result *r, FILE *out) {
   vs_text text = {0};
-  vs_unjudged_write(r->watchers.devices, &text);
+  vs_unjudged_write(r->watchers.devices, &r->verdict, &text);
   if (text.length) fprintf(out, "not judged: %s\n", text.text);
   vs_text_free(&text);
 }

@@ -380,10 +380,11 @@ static void add_happenings(vs_json *json, const vs_verdict *v) {
   }
 }
 
-static void add_not_judged(vs_json *json, const vs_devices *devices) {
+static void add_not_judged(vs_json *json, const vs_result *r) {
   vs_unjudged entry;
   vs_json_array(json, "not_judged", VS_JSON_ROW);
-  for (size_t k = 0; vs_unjudged_at(devices, k, &entry); k++) vs_json_text(json, NULL, entry.name);
+  for (size_t k = 0; vs_unjudged_at(r->watchers.devices, &r->verdict, k, &entry); k++)
+    vs_json_text(json, NULL, entry.name);
   vs_json_end(json);
 }
 
@@ -497,7 +498,7 @@ void vs_summary_json(const vs_result *r, bool with_cost, const vs_summary_more *
   add_second(&json, &r->second);
   add_verdict(&json, &r->verdict);
   add_happenings(&json, &r->verdict);
-  add_not_judged(&json, r->watchers.devices);
+  add_not_judged(&json, r);
   vs_json_end(&json);
   vs_text_add(text, "\n");
 }

@@ -21,11 +21,32 @@ static bool says_none(const vs_deck *deck, const vs_device *d, const vs_device_m
   return limit && isinf(limit->value);
 }
 
+/* True where another measure of the device, which the run knows, is held to the same limit. */
+static bool has_other(const vs_watched *w, const vs_reduced *r) {
+  for (size_t n = 0; n < w->count; n++) {
+    const vs_reduced *other = &w->reduced[n];
+    if (other != r && other->value.known && other->measure->limit &&
+        !strcmp(other->measure->limit, r->measure->limit))
+      return true;
+  }
+  return false;
+}
+
+/* True where a rating of the scene judges the measure. */
+static bool is_rated(const vs_watched *w, const vs_reduced *r, const vs_verdict *v) {
+  char name[2 * VS_DECK_NAME + 2];
+  snprintf(name, sizeof name, "%s.%s", w->device->name, r->measure->name);
+  for (size_t k = 0; k < v->count; k++)
+    if (v->item[k].name && !strcmp(v->item[k].name, name)) return true;
+  return false;
+}
+
 /* Why a measure that a data sheet would limit is not judged; NULL: it is, or need not be. */
-static const char *why_not(const vs_watched *w, const vs_reduced *r) {
+static const char *why_not(const vs_watched *w, const vs_reduced *r, const vs_verdict *v) {
   const vs_device_measure *m = r->measure;
-  if (!m->limit) return NULL;
+  if ((!m->limit && !r->unjudged) || is_rated(w, r, v)) return NULL;
   if (r->unjudged) return r->unjudged + strlen("not judged: ");
+  if (!r->value.known && has_other(w, r)) return NULL;
   if (r->limit) return r->value.known ? NULL : NOT_SEEN;
   return says_none(w->deck, w->device, m) ? NULL : NO_LIMIT;
 }
@@ -47,9 +68,9 @@ static void fill(vs_unjudged *entry, const vs_device *d, const char *name, const
   entry->why = why;
 }
 
-static bool entry_of(const vs_watched *w, size_t k, vs_unjudged *entry) {
+static bool entry_of(const vs_watched *w, const vs_verdict *v, size_t k, vs_unjudged *entry) {
   for (size_t n = 0; n < w->count; n++) {
-    const char *why = why_not(w, &w->reduced[n]);
+    const char *why = why_not(w, &w->reduced[n], v);
     if (!why || k-- > 0) continue;
     fill(entry, w->device, w->reduced[n].measure->name, why);
     return true;
@@ -59,28 +80,29 @@ static bool entry_of(const vs_watched *w, size_t k, vs_unjudged *entry) {
   return left;
 }
 
-static bool is_judged(const vs_watched *w) {
+static bool is_judged(const vs_watched *w, const vs_verdict *v) {
   for (size_t n = 0; n < w->count; n++)
-    if (w->reduced[n].limit && w->reduced[n].value.known) return true;
+    if ((w->reduced[n].limit && w->reduced[n].value.known) || is_rated(w, &w->reduced[n], v))
+      return true;
   return false;
 }
 
 /* True where all of the device's entries have one reason and none of its measures is judged. */
-static bool is_left_whole(const vs_watched *w) {
+static bool is_left_whole(const vs_watched *w, const vs_verdict *v) {
   vs_unjudged first, next;
-  if (is_judged(w) || !entry_of(w, 0, &first)) return false;
+  if (is_judged(w, v) || !entry_of(w, v, 0, &first)) return false;
   size_t k = 1;
-  while (entry_of(w, k, &next))
+  while (entry_of(w, v, k, &next))
     if (k++, next.why != first.why) return false;
   return k > 1;
 }
 
 /* ---- of all ---- */
 
-bool vs_unjudged_at(const vs_devices *devices, size_t k, vs_unjudged *entry) {
+bool vs_unjudged_at(const vs_devices *devices, const vs_verdict *v, size_t k, vs_unjudged *entry) {
   for (size_t d = 0; devices && d < devices->count; d++) {
     size_t n = 0;
-    while (entry_of(&devices->item[d], n, entry))
+    while (entry_of(&devices->item[d], v, n, entry))
       if (n++ == k) return true;
     k -= n;
   }
@@ -88,13 +110,14 @@ bool vs_unjudged_at(const vs_devices *devices, size_t k, vs_unjudged *entry) {
 }
 
 /* Writes the entries of one reason. A device that is left whole is named once. */
-static void write_reason(const vs_devices *devices, const char *why, vs_text *text) {
+static void write_reason(const vs_devices *devices, const vs_verdict *v, const char *why,
+                         vs_text *text) {
   vs_unjudged entry;
   size_t named = 0;
   for (size_t d = 0; d < devices->count; d++) {
     const vs_watched *w = &devices->item[d];
-    const bool whole = is_left_whole(w);
-    for (size_t n = 0; entry_of(w, n, &entry) && !(whole && n); n++)
+    const bool whole = is_left_whole(w, v);
+    for (size_t n = 0; entry_of(w, v, n, &entry) && !(whole && n); n++)
       if (entry.why == why)
         vs_text_add(text, "%s%s",
                     named++        ? ", "
@@ -105,16 +128,16 @@ static void write_reason(const vs_devices *devices, const char *why, vs_text *te
   vs_text_add(text, " (%s)", why);
 }
 
-void vs_unjudged_write(const vs_devices *devices, vs_text *text) {
+void vs_unjudged_write(const vs_devices *devices, const vs_verdict *v, vs_text *text) {
   enum { MOST_REASONS = 8 };
   const char *written[MOST_REASONS];
   size_t count = 0, n;
   vs_unjudged entry;
-  for (size_t k = 0; vs_unjudged_at(devices, k, &entry) && count < MOST_REASONS; k++) {
+  for (size_t k = 0; vs_unjudged_at(devices, v, k, &entry) && count < MOST_REASONS; k++) {
     for (n = 0; n < count && written[n] != entry.why;) n++;
     if (n < count) continue;
     written[count++] = entry.why;
-    write_reason(devices, entry.why, text);
+    write_reason(devices, v, entry.why, text);
   }
 }
 

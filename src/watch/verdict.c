@@ -272,7 +272,7 @@ static double least_margin(const vs_judgement *j) {
 }
 
 /* Adds what happened in the second run alone: whether it happens is not known. */
-static void add_happenings(vs_verdict *v, const vs_verdict *second) {
+static void add_happenings(vs_verdict *v, const vs_verdict *second, const vs_deck *deck) {
   for (size_t n = 0; n < second->count; n++) {
     const vs_judgement *other = &second->item[n];
     size_t k = 0;
@@ -280,22 +280,32 @@ static void add_happenings(vs_verdict *v, const vs_verdict *second) {
     while (k < v->count && !is_same(&v->item[k], other)) k++;
     if (k < v->count) continue;
     v->item = vs_resize(v->item, v->count + 1, sizeof *v->item);
-    v->item[v->count] = *other;
-    v->item[v->count++].margin_error = INFINITY;
+    vs_judgement *j = &v->item[v->count++];
+    *j = *other;
+    j->margin_error = INFINITY;
+    j->failed_s = NAN; /* it did not fail in this run */
+    for (size_t d = 0; d < deck->n_devices; d++)
+      if (!strcmp(deck->devices[d].name, other->device->name)) j->device = &deck->devices[d];
   }
   summarise(v); /* which points into the list */
 }
 
+/* A line that is violated for certain is weaker than any that is not, however large the latter's
+ * error is. */
 static void find_weakest(vs_verdict *v) {
-  v->weakest = NULL;
+  const vs_judgement *violated = NULL, *least = NULL;
   for (size_t k = 0; k < v->count; k++) {
     const vs_judgement *j = &v->item[k];
     if (!isfinite(j->margin)) continue;
-    if (!v->weakest || least_margin(j) <= least_margin(v->weakest)) v->weakest = j;
+    bool certain = vs_verdict_word(j) == VS_VIOLATED;
+    if (certain && (!violated || j->margin <= violated->margin)) violated = j;
+    if (!least || least_margin(j) <= least_margin(least)) least = j;
   }
+  v->weakest = violated ? violated : least;
 }
 
-void vs_verdict_compare(vs_verdict *v, const vs_verdict *second, double resolution, double rates) {
+void vs_verdict_compare(vs_verdict *v, const vs_verdict *second, const vs_deck *deck,
+                        double resolution, double rates) {
   for (size_t k = 0; k < v->count; k++) {
     vs_judgement *j = &v->item[k];
     size_t n = 0;
@@ -310,7 +320,7 @@ void vs_verdict_compare(vs_verdict *v, const vs_verdict *second, double resoluti
     j->margin_error += CREPT * j->doubt + resolution * j->spread;
     if (isnan(j->margin_error)) j->margin_error = INFINITY;
   }
-  add_happenings(v, second);
+  add_happenings(v, second, deck);
   find_weakest(v);
 }
 

@@ -65,8 +65,9 @@ typedef struct vs_verdict {
   vs_judgement *item; /* the deck's ratings in its order, then the scene's, then device by device,
                          of each device first its limits; owned */
   size_t count;
-  /* The line of the least finite margin, less its error where that is known; NULL: none has one.
-   * Of two alike it is the later one, so that a device goes before a probe. */
+  /* The line of the least finite margin among those that are violated for certain; where there is
+   * none, the line of the least finite margin less its error, where that is known; NULL: none has
+   * one. Of two alike it is the later one, so that a device goes before a probe. */
   const vs_judgement *weakest;
   /* The line that failed first; NULL: none did. A fuse that lets through more than its ward bears
    * is never the first to fail. */
@@ -99,9 +100,10 @@ const vs_judgement *vs_verdict_breach(const vs_verdict *verdict);
  * the same scene at another tolerance, and the resolution besides. That is what every number of
  * this run may be wrong by, as a part of the number or of its limit, whichever is more; `rates` is
  * the same for rates. A line that the second run does not have gets an infinite error, and so is
- * undecided; what happened in the second run alone becomes such a line. */
-void vs_verdict_compare(vs_verdict *verdict, const vs_verdict *second, double resolution,
-                        double rates);
+ * undecided; what happened in the second run alone becomes such a line. deck: of this run, NULL
+ * where it has none; `second` may be freed afterwards. */
+void vs_verdict_compare(vs_verdict *verdict, const vs_verdict *second, const vs_deck *deck,
+                        double resolution, double rates);
 
 /* The two runs have another sequence of what `device` does from parts_s on: its lines that hang on
  * that become undecided, but for those whose value is of an instant before. Called behind

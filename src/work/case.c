@@ -166,7 +166,9 @@ static void add_happened(const vs_verdict *v, vs_text *row) {
                 j->device->name);
     if (j->stress.value > 0)
       vs_text_add(&all, " at %.6g s (%s)%s", j->stress.at_s, j->cause,
-                  j->expected ? ", as expected" : "");
+                  j->expected                          ? ", as expected"
+                  : vs_verdict_word(j) == VS_UNDECIDED ? ", in one of two runs"
+                                                       : "");
     else
       vs_text_add(&all, " did not happen, though expected");
   }
@@ -176,7 +178,7 @@ static void add_happened(const vs_verdict *v, vs_text *row) {
 
 static void add_not_judged(const vs_result *r, vs_text *row) {
   vs_text all = {0};
-  if (r->verdict.count) vs_unjudged_write(r->watchers.devices, &all);
+  if (r->verdict.count) vs_unjudged_write(r->watchers.devices, &r->verdict, &all);
   vs_csv_cell(row, all.text ? all.text : "");
   vs_text_free(&all);
 }
