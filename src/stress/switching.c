@@ -201,9 +201,9 @@ static void follow_fired_v(vs_switch *s, const vs_course_step *c, double began_s
 /* What a device has stored when its gate pulse ends, or its unintended firing begins, decays within
  * some t_q of the part if it did not latch: by a factor of e in less than one, and an end is told
  * at some e^-8 of the current. A conduction that outlasts ten of them holds itself. Where t_q is
- * not known it counts as 150 us, which is long for a thyristor of this size. And one whose current
- * was on its way down as the pulse ended, at less than half of its peak, had latched before: it
- * goes out by its circuit. */
+ * not known it counts as 150 us, which is long for a thyristor of this size. And one that had
+ * conducted for longer as its pulse ended, and whose current was at less than half of its peak by
+ * then, had latched before: it goes out by its circuit. */
 static const double DECAYS = 10, SLOW_T_Q_S = 150e-6;
 static double stores_s(const vs_switch *s) {
   return isfinite(s->t_q_s) ? s->t_q_s : SLOW_T_Q_S;
@@ -213,8 +213,10 @@ static bool has_latched(const vs_switch *s) {
   bool by_pulse = s->by_gate && s->gate.gates.count;
   double from_s = by_pulse ? s->gate.off_since_s : s->fired_s;
   if (!(from_s >= s->fired_s)) return false; /* its pulse is still there */
-  if (by_pulse && s->pulse_end_a < s->conduction.peak_a / 2) return true;
-  return s->zero_s - from_s > DECAYS * stores_s(s);
+  const double decays_s = DECAYS * stores_s(s);
+  bool waned = s->pulse_end_a < s->conduction.peak_a / 2;
+  if (by_pulse && waned && from_s - s->fired_s > decays_s) return true;
+  return s->zero_s - from_s > decays_s;
 }
 
 /* Of a device that conducts both ways: notes since when its current is below a tenth of its peak.

@@ -327,7 +327,8 @@ void vs_verdict_compare(vs_verdict *v, const vs_verdict *second, const vs_deck *
 void vs_verdict_tear(vs_verdict *v, const vs_device *device, double parts_s) {
   for (size_t k = 0; k < v->count; k++) {
     vs_judgement *j = &v->item[k];
-    if (j->hangs != device || j->stress.at_s < parts_s) continue;
+    bool passed = j->margin < 0 && j->failed_s < parts_s; /* and that is for good */
+    if (j->hangs != device || j->stress.at_s < parts_s || passed) continue;
     j->torn = true;
     j->margin_error = INFINITY;
   }
