@@ -67,7 +67,9 @@ static void begin_device(vs_watched *w, vs_device_watch *own, const vs_frame *fr
   *w = (vs_watched){.device = d,
                     .deck = frame->deck,
                     .timeline = frame->timeline,
+                    .cooling = frame->cooling,
                     .at_work = frame->at_work,
+                    .from_work = frame->from_work,
                     .again = frame->at_work || vs_occurrence_repeated(&frame->timeline->events),
                     .count = d->kind->n_measures};
   own->voltage = vs_formula_quicken(&d->voltage);
@@ -435,5 +437,10 @@ void vs_devices_finish(vs_devices *d) {
     for (size_t n = 0; n < d->item[k].count; n++) {
       vs_reduced *r = &d->item[k].reduced[n];
       if (r->by->finish) r->by->finish(&d->item[k], r, &end);
+    }
+  for (size_t k = 0; k < d->count; k++)
+    for (size_t n = 0; n < d->item[k].count; n++) {
+      vs_reduced *r = &d->item[k].reduced[n];
+      if (r->by->settle) r->by->settle(&d->item[k], r);
     }
 }
