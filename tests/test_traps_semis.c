@@ -66,11 +66,12 @@ static vs_trial *run_scene(const trap *t, const char *lines, const char *const *
   const char *sets[24] = {"circuit.deck=d.cir",
                           "firing.angle=90deg",
                           "firing.every=1",
+                          "firing.pulse_width=2ms",
                           "run.verify=never",
                           "run.leave_circuit=never",
                           t->goes_on ? "run.until=1.02s" : "run.until=60ms",
                           t->goes_on ? "run.max_step=0.2ms" : "run.max_step=50us"};
-  size_t n = 7;
+  size_t n = 8;
   for (; more && *more; more++) sets[n++] = *more;
   write_scene(t, lines);
   return vs_trial_run("paper", "circuit", sets, NULL);
