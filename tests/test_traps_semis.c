@@ -372,6 +372,25 @@ static vs_trial *heat(const char *lines, const char *until, bool at_work, const 
   return t;
 }
 
+/* The same, as `start: steady` has it behind the search: over whole periods, of 20 ms. */
+static vs_trial *heat_from_orbit(int periods, const char *const *more) {
+  char until[40];
+  const char *sets[16] = {"circuit.deck=h.cir",      until,
+                          "run.max_step=20us",       "run.verify=never",
+                          "run.leave_circuit=never", "firing.every=1"};
+  size_t n = 6;
+  vs_trial_free(heat(NETWORK, "run.until=1ms", false, NULL)); /* writes the files */
+  snprintf(until, sizeof until, "run.until=%dms", 20 * periods);
+  for (; more && *more; more++) sets[n++] = *more;
+  vs_trial *t = vs_trial_read("paper", "circuit", sets);
+  CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
+  t->scene.frame.from_work = true;
+  vs_trial_go(t, NULL);
+  EXPECT(t->status == VS_OK, "%s", t->err.text);
+  CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
+  return t;
+}
+
 /* Mean power: 100/pi + 0.01 * 100^2/4 = 56.8 W. */
 static double mean_power_w(void) {
   return 100 / 3.14159265358979324 + 25;
@@ -393,6 +412,20 @@ static void junctions_as_by_convolution(void) {
   CU_ASSERT_PTR_NULL(measure(t, "t_case")->note);
   CU_ASSERT(measure(t, "t_j")->limit && measure(t, "t_j")->failed_s > 0); /* above 150 degC */
   vs_trial_free(t);
+}
+
+/* A run that begins on an orbit has its junctions warm from the start on, over one period and over
+ * three alike. */
+static void a_run_from_an_orbit(void) {
+  static const char *const SINK[] = {"ambient=40degC", "heatsink.d=0.5K/W", NULL};
+  for (int periods = 1; periods < 4; periods += 2) {
+    vs_trial *t = heat_from_orbit(periods, SINK);
+    const double case_degc = 40 + 0.5 * mean_power_w();
+    CLOSE(measure(t, "t_case")->value.value, case_degc, 1e-4);
+    CLOSE(measure(t, "t_j")->value.value - case_degc, convolved_k(60), 1e-3);
+    CU_ASSERT_PTR_NULL(measure(t, "t_case")->note);
+    vs_trial_free(t);
+  }
 }
 
 /* Over 1 s and some shots the case is as the mean power makes it; r_th_cs counts besides. */
@@ -519,6 +552,7 @@ static void refused_of_scenes(void) {
 static const vs_test TESTS[] = {
     {"no row is left out", no_row_is_left_out},
     {"junctions as by convolution", junctions_as_by_convolution},
+    {"a run from an orbit", a_run_from_an_orbit},
     {"a case by the mean", a_case_by_the_mean},
     {"what is not judged", what_is_not_judged},
     {"surges of some cycles", surges_of_some_cycles},

@@ -53,7 +53,8 @@ static void begin_measure(vs_watched *w, vs_reduced *r, const vs_device_measure 
                     .limit = vs_devices_limit(w->deck, w->device, m),
                     .value = {.known = by->counts && w->device->gates.count, .at_s = NAN},
                     .failed_s = NAN};
-  if (by->state_size) r->state = vs_alloc(1, by->state_size + (w->again ? by->again_size : 0));
+  if (by->state_size)
+    r->state = vs_alloc(1, by->state_size + (w->again || w->from_work ? by->again_size : 0));
   if (by->prepare) by->prepare(w, r);
 }
 

@@ -8,6 +8,12 @@
 
 #include "stress/reducer.h"
 
+/* Of a run that begins on an orbit the first period stands for all that was before it, unless an
+ * event comes within it: the rise begins as it is on the orbit. Returns the mean power of that
+ * period, W, of a measure by vs_junction_of_power; NaN: there was none, or the part has no lines
+ * zth. */
+double vs_junction_orbit_w(const vs_reduced *rise);
+
 extern const vs_reducer vs_junction_of_power, vs_junction_of_current;
 
 #endif

@@ -340,38 +340,40 @@ static const vs_reducer derated = {.state_size = sizeof(judged),
 
 /* ---- temperatures ----
  * A heat sink takes minutes to warm, a junction milliseconds. So the case is as warm as the mean
- * power makes it in the long run where that mean is judged, or a run is repeated; else it stays as
- * it begins, at the ambient. The junction's largest rise over it is the measure of its own. */
+ * power makes it in the long run where that mean is judged, or a run is repeated or begins on an
+ * orbit; else it stays as it begins, at the ambient. The junction's largest rise over it is the
+ * measure of its own. */
 
 static const char NO_SINK[] = "not judged: no heat sink is stated, nor r_th_ja",
                   NO_ZTH[] = "not judged: the part has no lines zth",
                   ON_MEAN[] = "not judged: the mean alone is known, as the part has no lines zth",
                   WARM[] = "not judged: the case is warm at the start; 'steady' judges it";
 
-/* Why the device's mean power over the run says nothing of its operation; NULL: it does. */
-static const char *why_no_mean(const vs_watched *w, const vs_run_end *end) {
-  const vs_limit any = {.value = INFINITY};
-  vs_reduced of = {.limit = &any, .value = {true, 0, NAN}, .failed_s = NAN};
-  if (!w->at_work && vs_occurrence_repeated(&w->timeline->events)) return NULL;
-  judge_mean(w, &of, end->to_s - end->from_s, end->to_s);
-  return of.unjudged;
-}
-
-/* The mean power of what goes on for ever; of a run that is repeated, as in power_repeated. */
-static double mean_w(const vs_watched *w, const vs_run_end *end) {
+/* The mean power of what goes on for ever: of a run that is repeated, as in power_repeated; where a
+ * mean of the run is judged, that; else that of the orbit on which the run begins. Returns why none
+ * is known, as "not judged: one shot"; NULL: one is. */
+static const char *long_run_w(const vs_watched *w, const vs_run_end *end, double *power_w) {
   const vs_occurrence *e = vs_occurrence_repeated(&w->timeline->events);
-  if (!w->at_work && e) return w->sum[VS_OF_POWER] / e->v.every_s;
-  return w->sum_meant[VS_OF_POWER] / (end->to_s - end->from_s);
+  const vs_limit any = {.value = INFINITY};
+  vs_reduced mean_of = {.limit = &any, .value = {true, 0, NAN}, .failed_s = NAN};
+  *power_w = e ? w->sum[VS_OF_POWER] / e->v.every_s : NAN;
+  if (!w->at_work && e) return NULL;
+  judge_mean(w, &mean_of, end->to_s - end->from_s, end->to_s);
+  *power_w = w->sum_meant[VS_OF_POWER] / (end->to_s - end->from_s);
+  if (!mean_of.unjudged) return NULL;
+  *power_w = vs_junction_orbit_w(vs_reducer_of(w, VS_R_JUNCTION));
+  return isfinite(*power_w) ? NULL : mean_of.unjudged;
 }
 
 static void finish_case(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
-  const char *cold = why_no_mean(w, end);
+  double power_w;
+  const char *cold = long_run_w(w, end, &power_w);
   const double to_ambient = vs_cooling_to_ambient(w->cooling, w->deck, w->device, &r->assumed);
   if (!w->cooling->stated && isnan(to_ambient)) return;
   if (cold ? w->from_work : isnan(to_ambient)) return;
   r->note = cold ? cold + strlen("not judged: ") : NULL;
   r->value = (vs_value){true, w->cooling->ambient_degc, NAN};
-  if (!cold) r->value.value += to_ambient * mean_w(w, end);
+  if (!cold) r->value.value += to_ambient * power_w;
 }
 
 /* The limit is left, for this reason. */
@@ -385,14 +387,14 @@ static void leave(vs_reduced *r, const char *why) {
 static void finish_mean_junction(const vs_watched *w, vs_reduced *r, double case_degc,
                                  const vs_run_end *end) {
   bool assumed = false;
-  double r_jc = vs_devices_r_th(w->deck, w->device, "r_th_jc", &assumed);
-  if (why_no_mean(w, end)) {
+  double power_w, r_jc = vs_devices_r_th(w->deck, w->device, "r_th_jc", &assumed);
+  if (long_run_w(w, end, &power_w)) {
     leave(r, NO_ZTH);
     return;
   }
   r->assumed = r->assumed || assumed;
   r->mean = true;
-  r->value = (vs_value){true, case_degc + (isfinite(r_jc) ? r_jc * mean_w(w, end) : 0), NAN};
+  r->value = (vs_value){true, case_degc + (isfinite(r_jc) ? r_jc * power_w : 0), NAN};
   if (r->limit && r->value.value > r->limit->value)
     r->failed_s = end->to_s;
   else
@@ -402,7 +404,8 @@ static void finish_mean_junction(const vs_watched *w, vs_reduced *r, double case
 static void finish_hottest(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
   const vs_reduced *of_case = vs_reducer_of(w, VS_R_CASE), *rise = vs_reducer_of(w, VS_R_JUNCTION);
   if (!of_case->value.known) {
-    const bool warm = why_no_mean(w, end) && w->from_work;
+    double power_w;
+    const bool warm = long_run_w(w, end, &power_w) && w->from_work;
     leave(r, warm && vs_cooling_has(w->cooling, w->deck, w->device) ? WARM : NO_SINK);
     return;
   }
