@@ -163,7 +163,7 @@ void vs_cooling_write(const vs_cooling *cooling, const vs_deck *deck, const vs_d
   } else
     vs_text_add(text, " over ambient %.4g K/W (r_th_ja)", r_ja);
   vs_text_add(text, ", over ambient %.4g degC%s", cooling->ambient_degc,
-              assumed ? " (assumed)" : "");
+              assumed ? " (r_th assumed)" : "");
 }
 
 /* ---- told ---- */
