@@ -520,7 +520,7 @@ static void refused_of_scenes(void) {
   } ROWS[] = {
       {"heatsink: {dd: 5 K/W}", ":2:12: heatsink: the deck has no device 'dd'; did you mean 'd'?"},
       {"heatsink: {d: 5 K}", ":2:15: heatsink.d: "},
-      {"heatsink: {d: 0 K/W}", ":2:15: heatsink.d: '0 K/W' is outside of"},
+      {"heatsink: {d: 0 K/W}", ":2:15: heatsink.d: '0 K/W' is out of range"},
       {"heatsink: {r: 5 K/W}", ":2:12: heatsink: r is a resistor, of which no junction is told"},
       {"heatsink: 5 K/W", ":2:11: heatsink: a map of devices is wanted"},
       {"heatsink: {d: 5 K/W}", ":2:12: heatsink: nothing says how the junction of d heats"},
@@ -549,6 +549,45 @@ static void refused_of_scenes(void) {
   vs_trial_free(t);
 }
 
+/* ---- the page ---- */
+
+/* docs/operation.md: what its example prints. The numbers are known to 4 digits. */
+static void the_example_of_the_page(void) {
+  char *page = read_file(VS_TEST_FOLDER "/../docs/operation.md");
+  char *line = strstr(page, "vibrospice steady paper --set firing.every=1 --set circuit.thyristor");
+  CU_ASSERT_PTR_NOT_NULL_FATAL(line);
+  char *shown = strstr(line, "  thyristor.t_j "), *heat_line = strstr(line, "\nheat   ");
+  CU_ASSERT_FATAL(shown && heat_line);
+  *strchr(line, '\n') = '\0';
+  *strstr(shown, "    34.9") = '\0'; /* the margin's error need not be the same everywhere */
+  *strchr(heat_line + 1, '\n') = '\0';
+  ran r = run("%s", line + strlen("vibrospice "));
+  CU_ASSERT_EQUAL(r.status, VS_RATING);
+  EXPECT(strstr(r.out, shown), "nothing printed '%s'", shown);
+  EXPECT(strstr(r.out, heat_line), "nothing printed '%s'", heat_line);
+  free_ran(&r);
+  free(page);
+}
+
+/* summary.json has both keys as they were given; a study may vary them. */
+static void keys_are_told_and_varied(void) {
+  vs_trial_free(heat(NETWORK, "run.until=1ms", false, NULL)); /* writes the files */
+  write_file("v.yaml",
+             "scene: v_scene.yaml\nvary: {heatsink.d: [1 K/W, 2 K/W], ambient: [30 degC]}\n"
+             "report: [d.t_case]\n");
+  write_file("v_scene.yaml", "circuit: {deck: h.cir}\nambient: 40 degC\nheatsink: {d: 3 K/W}\n"
+                             "run: {until: 1 ms, verify: never}\n");
+  ran r = run("run v_scene.yaml --json --quiet");
+  EXPECT(strstr(r.out, "\"ambient\": {\"value\": 40, \"unit\": \"degC\"}") &&
+             strstr(r.out, "\"d\": {\"value\": 3, \"unit\": \"K/W\"}"),
+         "%s %s", r.out, r.err);
+  free_ran(&r);
+  RUN_GOOD("study v.yaml -o v --quiet");
+  char *csv = read_file("v/study.csv");
+  EXPECT(strstr(csv, ",1,30,30,") && strstr(csv, ",2,30,30,"), "%s", csv);
+  free(csv);
+}
+
 static const vs_test TESTS[] = {
     {"no row is left out", no_row_is_left_out},
     {"junctions as by convolution", junctions_as_by_convolution},
@@ -561,6 +600,10 @@ static const vs_test TESTS[] = {
     {"limits at a temperature", limits_at_a_temperature},
     {"refused of parts", refused_of_parts},
     {"refused of scenes", refused_of_scenes},
+    {"the example of the page", the_example_of_the_page},
+    {"keys are told and varied", keys_are_told_and_varied},
     {"every limit of one number", every_limit_of_one_number},
 };
-VS_SUITE_MAIN("traps_semis", TESTS)
+int main(void) {
+  return program_suite("traps_semis", TESTS, COUNT(TESTS));
+}

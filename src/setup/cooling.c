@@ -23,9 +23,10 @@ const vs_field vs_cooling_ambient = {.key = "ambient",
                    .key = "heatsink",
                    .kind = VS_REAL,
                    .unit = "K/W",
-                   .default_text = "0 K/W",
+                   .default_text = "none",
                    .min = 0,
                    .max = 1e4,
+                   .open = true,
                    .text = "thermal resistance from a device's heat sink to the ambient"};
 
 /* ---- reading ---- */
@@ -71,7 +72,8 @@ static vs_status read_sink(const vs_node *node, const vs_deck *deck, vs_cooling 
   if (!vs_units_read(node->text, "K/W", &k_per_w, why, sizeof why))
     return vs_fail_at(err, node->where, "heatsink.%s: %s", node->key, why);
   if (!(k_per_w > 0) || k_per_w > vs_cooling_heatsink.max)
-    return vs_fail_at(err, node->where, "heatsink.%s: '%s' is outside of 0..%g K/W (0 excluded)",
+    return vs_fail_at(err, node->where,
+                      "heatsink.%s: '%s' is out of range; allowed: above 0, up to %g K/W",
                       node->key, node->text, vs_cooling_heatsink.max);
   vs_status status = check_resistance(node, deck, &deck->devices[k], err);
   if (!status) cooling->sink_k_per_w[k] = k_per_w;
