@@ -479,6 +479,17 @@ static void what_is_not_judged(void) {
   vs_trial_free(t);
 }
 
+/* A triac's (dv/dt)c is compared, and its line says that this is all. */
+static void what_is_compared_alone(void) {
+  const trap t = {"triac", "dv_dt_c", {FORWARD, REVERSED, AGAIN}, false};
+  write_scene(&t, "*$ limit dv_dt_c = 10 V/us\n");
+  ran r = run("run paper --set circuit.deck=d.cir --set firing.angle=90deg --set firing.every=1 "
+              "--set firing.pulse_width=2ms --set run.until=20ms --set run.verify=never");
+  const char *line = strstr(r.out, "  d.dv_dt_c "), *says = strstr(r.out, "compared: a model need");
+  EXPECT(r.status == VS_RATING && line && says && says < strchr(line, '\n'), "%s %s", r.out, r.err);
+  free_ran(&r);
+}
+
 /* ---- what is refused ---- */
 
 static void refused_of_parts(void) {
@@ -489,6 +500,8 @@ static void refused_of_parts(void) {
       {"*$ limit r_th_jc = 0.59 K/W\n", NULL, NULL},
       {"*$ limit r_th_ja = 0.4 K/W\n", "p.inc:4:", "less than from junction to case alone"},
       {"*$ surge 1 90 A\n*$ surge 10 95 A\n", "p.inc:5:", "falls as the number grows"},
+      {"*$ limit i_tsm = 70 A\n*$ surge 1 90 A\n", "p.inc:5:", "contradicts limit i_tsm of 70 A"},
+      {"*$ limit i_tsm = 80 A\n*$ surge 1 90 A\n", NULL, NULL},
       {"*$ surge 0 90 A\n", "p.inc:4:10: ", "from 1 on"},
       {"*$ surge 1 90 V\n", "p.inc:4:10: ", "a peak current"},
       {"*$ surge 2 90 A\n*$ surge 2 80 A\n", "p.inc:5:10: ", "a second time"},
@@ -598,6 +611,7 @@ static const vs_test TESTS[] = {
     {"shorter than 10 ms", shorter_than_ten_ms},
     {"di/dt over the turn-on time", di_dt_over_turn_on_time},
     {"limits at a temperature", limits_at_a_temperature},
+    {"what is compared alone", what_is_compared_alone},
     {"refused of parts", refused_of_parts},
     {"refused of scenes", refused_of_scenes},
     {"the example of the page", the_example_of_the_page},

@@ -475,13 +475,28 @@ static vs_status check_heat(const vs_deck *deck, const vs_device *d, vs_error *e
   return status;
 }
 
-/* Errors: more current in more cycles of surge. A line `at` of a limit that the part does not
- * state, without t_j_max or not below it. */
+/* Error: the part bears in one cycle of its table another surge than it states besides. */
+static vs_status check_first_surge(const vs_surge_row *row, const vs_deck *deck, const char *file,
+                                   vs_error *err) {
+  const vs_limit *limit = vs_parts_find_limit(deck, file, "i_tsm");
+  if (!limit) limit = vs_parts_find_limit(deck, file, "i_fsm");
+  if (row->number != 1 || !limit || !isfinite(limit->value)) return VS_OK;
+  if (fabs(row->current_a - limit->value) <= AGREES * limit->value) return VS_OK;
+  return vs_fail_at(
+      err, row->where,
+      "surge: %g A in 1 cycle contradicts limit %s of %s (line %d); a value within 20 "
+      "%% of that is wanted",
+      row->current_a, limit->name, limit->written, limit->where.line);
+}
+
+/* Errors: more current in more cycles of surge, or not that of i_tsm in one. A line `at` of a limit
+ * that the part does not state, without t_j_max or not below it. */
 static vs_status check_tables(const vs_deck *deck, const char *file, vs_error *err) {
   vs_status status = VS_OK;
   double t_j_max = value_of(deck, file, "t_j_max");
   for (size_t k = 0; k < deck->n_surges && !status; k++) {
     const vs_surge_row *a = &deck->surges[k];
+    if (!strcmp(a->where.file, file)) status = check_first_surge(a, deck, file, err);
     for (size_t n = 0; n < deck->n_surges && !status; n++) {
       const vs_surge_row *b = &deck->surges[n];
       if (strcmp(a->where.file, file) || strcmp(b->where.file, file)) continue;

@@ -78,7 +78,8 @@ static const struct topic {
            {"quality", "section of a scene: what a current is to the mains", print_quality},
            {"expect", "key of a scene: what may happen to devices, and has to", print_expect},
            {"ratings", "section of a scene: what you allow of measures and probes", print_ratings},
-           {"heatsink", "keys ambient and heatsink of a scene: what cools devices", print_heat}};
+           {"ambient", "key of a scene: the air around a circuit's devices", print_heat},
+           {"heatsink", "key of a scene: what cools devices", print_heat}};
 enum { N_OWN = sizeof OWN / sizeof *OWN };
 
 static const struct topic *own(const char *name) {

@@ -61,6 +61,7 @@ static void print_device(const vs_judgement *j, int width, FILE *out) {
   print_margin(j, out);
   if (j->over_v > 0) fprintf(out, "  over %.4g V", j->over_v);
   if (j->ward) fprintf(out, "  limit of %s", j->ward->name);
+  if (j->measure->how == VS_R_RETURN_RISE) fputs("  compared: a model need not obey it", out);
   fprintf(out, "%s\n", j->assumed ? "  assumed" : "");
 }
 
