@@ -438,6 +438,11 @@ static void a_case_by_the_mean(void) {
   CLOSE(j->value.value, measure(t, "t_case")->value.value + convolved_k(60), 1e-3);
   CU_ASSERT(j->assumed && j->limit);
   vs_trial_free(t);
+  /* of a term of 60 s, which the run cannot warm, the mean is there in the long run: 2 K/W */
+  t = heat(NETWORK "*$ zth 2 K/W 60 s\n", "run.until=1.2s", false, SINK);
+  CLOSE(measure(t, "t_j")->value.value,
+        25 + 0.5 * mean_power_w() + convolved_k(60) + 2 * mean_power_w(), 1e-3);
+  vs_trial_free(t);
 }
 
 /* The reason for which t_j is not judged; "": it is. */

@@ -186,6 +186,14 @@ static void finish_junction(const vs_watched *w, vs_reduced *r, const vs_run_end
   go_again(r);
 }
 
+double vs_junction_lacks_k(const vs_reduced *rise, double end_s, double power_w) {
+  const network *n = rise->state;
+  double lacks_k = 0;
+  for (size_t k = 0; k < n->count; k++)
+    lacks_k += fmax(power_w, 0) * n->gain[k] * exp(-(end_s - n->begun_s) / n->tau_s[k]);
+  return lacks_k;
+}
+
 double vs_junction_orbit_w(const vs_reduced *rise) {
   const network *n = rise->state;
   return n->count && rise->value.known ? n->orbit_w : NAN;

@@ -14,6 +14,10 @@
  * zth. */
 double vs_junction_orbit_w(const vs_reduced *rise);
 
+/* Of a run that began cold and ended at end_s: what its terms lack of where that mean power would
+ * take them in the long run, K. */
+double vs_junction_lacks_k(const vs_reduced *rise, double end_s, double power_w);
+
 extern const vs_reducer vs_junction_of_power, vs_junction_of_current;
 
 #endif

@@ -401,6 +401,15 @@ static void finish_mean_junction(const vs_watched *w, vs_reduced *r, double case
     leave(r, ON_MEAN);
 }
 
+/* What the largest rise of a run that begins cold lacks, K, where its mean power goes on. */
+static double lacks_k(const vs_watched *w, const vs_reduced *rise, const vs_run_end *end) {
+  double power_w;
+  const bool from_cold =
+      !w->at_work && !w->from_work && !vs_occurrence_repeated(&w->timeline->events);
+  if (!from_cold || long_run_w(w, end, &power_w)) return 0;
+  return vs_junction_lacks_k(rise, end->now_s, power_w);
+}
+
 static void finish_hottest(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
   const vs_reduced *of_case = vs_reducer_of(w, VS_R_CASE), *rise = vs_reducer_of(w, VS_R_JUNCTION);
   if (!of_case->value.known) {
@@ -414,7 +423,8 @@ static void finish_hottest(const vs_watched *w, vs_reduced *r, const vs_run_end 
     finish_mean_junction(w, r, of_case->value.value, end);
     return;
   }
-  r->value = (vs_value){true, of_case->value.value + rise->value.value, rise->value.at_s};
+  const double rise_k = rise->value.value + lacks_k(w, rise, end);
+  r->value = (vs_value){true, of_case->value.value + rise_k, rise->value.at_s};
   if (r->limit && r->value.value > r->limit->value) r->failed_s = rise->value.at_s;
 }
 
@@ -431,7 +441,6 @@ typedef struct row_of {
   double i2_s[MOST_PULSES], end_s[MOST_PULSES]; /* of the last conductions, in a ring */
   size_t count;                                 /* of all so far */
   double present_i2_s;
-  bool beyond; /* the present row is longer than the part's lines go */
   judged worst;
 } row_of;
 
