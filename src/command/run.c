@@ -281,8 +281,8 @@ static void again(void *ctx, const char *failed, int next) {
 /* True if a --set changes what is computed, and not only how: what the scene says was measured is
  * then of another experiment. */
 static bool changes_machine(const vs_run_options *o) {
-  static const char *const HOW[] = {"run.",    "record",  "measure", "instruments",
-                                    "quality", "limits.", "expect",  "ratings"};
+  static const char *const HOW[] = {"run.",    "record", "measure", "instruments", "quality",
+                                    "limits.", "expect", "ratings", "ambient",     "heatsink"};
   for (size_t k = 0; k < o->n_sets; k++) {
     bool how = false;
     for (size_t n = 0; n < sizeof HOW / sizeof *HOW; n++)

@@ -251,6 +251,8 @@ static const struct directive {
                   {"device", vs_devices_line, 0},
                   {"zth", vs_devices_zth, 0},
                   {"pulse", vs_devices_pulse, 0},
+                  {"surge", vs_devices_surge, 0},
+                  {"at", vs_devices_at, 0},
                   {"compat", read_compat, 0}};
 enum { N_DIRECTIVES = sizeof DIRECTIVES / sizeof *DIRECTIVES };
 

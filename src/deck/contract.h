@@ -56,6 +56,12 @@
  *       network)
  *   *$ pulse  WIDTH us  NUMBER  CURRENT A [assumed] "TEXT"
  *       the peak current it bears in that many pulses of that width (deck/devices.h)
+ *   *$ surge  NUMBER  CURRENT A [assumed] "TEXT"
+ *       the peak of half sines that it bears once in that many consecutive cycles of the mains,
+ *       I_TSM over n cycles; of a triac, of whole sines
+ *   *$ at     TEMPERATURE degC  NAME = VALUE UNIT [assumed] "TEXT"
+ *       what limit NAME is while the junction is at that temperature; the line `limit` has what it
+ *       is at t_j_max
  *
  * A FORMULA is as syntax/formula.h has it. It may name the deck's parameters and the program's:
  * u_rms, f_mains, phase (rad), r_source, l_source. */

@@ -134,6 +134,23 @@ typedef struct vs_derating {
   vs_where where;
 } vs_derating;
 
+/* The peak current that a part bears once in so many consecutive cycles of the mains: I_TSM over n
+ * cycles, one of a table. */
+typedef struct vs_surge_row {
+  double number, current_a;
+  bool assumed; /* no source says it */
+  vs_where where;
+} vs_surge_row;
+
+/* What a limit of the part is at another temperature of the junction than t_j_max, for which the
+ * part's line `limit` gives it. */
+typedef struct vs_limit_at {
+  char name[VS_DECK_NAME]; /* the limit's */
+  double at_degc, value;   /* SI */
+  bool assumed;            /* no source says it */
+  vs_where where;
+} vs_limit_at;
+
 /* An end of a rating: a number, or a limit of a part. */
 typedef struct vs_bound {
   double value;                                 /* the number, in the rating's unit */
@@ -249,6 +266,10 @@ typedef struct vs_deck {
   size_t n_zth;
   vs_derating deratings[VS_DECK_LIMITS];
   size_t n_deratings;
+  vs_surge_row surges[VS_DECK_LIMITS];
+  size_t n_surges;
+  vs_limit_at limits_at[VS_DECK_MOST];
+  size_t n_limits_at;
   vs_part parts[VS_DECK_PARTS];
   size_t n_parts;
   const char *eva_file; /* of the program's, that an event has put in the place of the EVA's

@@ -119,6 +119,64 @@ vs_status vs_devices_pulse(vs_deck *deck, vs_cursor *c, vs_error *err) {
   return status;
 }
 
+/* surge NUMBER CURRENT A [assumed] "TEXT" */
+vs_status vs_devices_surge(vs_deck *deck, vs_cursor *c, vs_error *err) {
+  vs_surge_row row = {.where = c->line};
+  char text[VS_DECK_TEXT], number[VS_DECK_NAME], *end;
+  vs_cursor_skip(c);
+  vs_where where = vs_cursor_here(c);
+  vs_cursor_token(c, number, sizeof number);
+  row.number = strtod(number, &end);
+  bool good = end != number && !*end && isfinite(row.number) && row.number >= 1;
+  if (!good || !read_positive(c, "A", &row.current_a))
+    return vs_fail_at(
+        err, where,
+        "surge: a number of cycles, from 1 on, and a peak current are wanted here, as "
+        "10 95 A");
+  row.assumed = vs_cursor_is(c, "assumed");
+  vs_status status = vs_cursor_text(c, text, sizeof text, err);
+  for (size_t k = 0; k < deck->n_surges && !status; k++)
+    if (!strcmp(deck->surges[k].where.file, c->line.file) && deck->surges[k].number == row.number)
+      status = vs_fail_at(err, where, "surge: %g cycles stand here a second time; leave one out",
+                          row.number);
+  if (!status && deck->n_surges >= VS_DECK_LIMITS)
+    status = vs_fail_at(err, c->line, "more than %d of these lines", VS_DECK_LIMITS);
+  if (!status) deck->surges[deck->n_surges++] = row;
+  return status;
+}
+
+/* at TEMPERATURE degC NAME = VALUE UNIT [assumed] "TEXT" */
+vs_status vs_devices_at(vs_deck *deck, vs_cursor *c, vs_error *err) {
+  vs_limit_at at = {.where = c->line};
+  char text[VS_DECK_TEXT], value[VS_DECK_NAME], unit[VS_DECK_NAME], both[2 * VS_DECK_NAME],
+      why[200];
+  vs_cursor_skip(c);
+  vs_where where = vs_cursor_here(c);
+  vs_cursor_token(c, value, sizeof value);
+  vs_cursor_token(c, unit, sizeof unit);
+  snprintf(both, sizeof both, "%s %s", value, unit);
+  if (!vs_units_read(both, "degC", &at.at_degc, why, sizeof why))
+    return vs_fail_at(
+        err, where,
+        "at: a temperature of the junction and a limit are wanted here, as 25 degC t_q "
+        "= 20 us");
+  vs_status status = vs_cursor_name(c, at.name, sizeof at.name, err);
+  if (status) return status;
+  vs_cursor_skip(c);
+  where = vs_cursor_here(c);
+  const char *usual = vs_kinds_limit_unit(at.name);
+  if (!usual || !read_positive(c, usual, &at.value))
+    return vs_fail_at(err, where, "at: a positive value of limit %s is wanted here%s%s", at.name,
+                      usual ? ", in a unit as " : "; no limit of that name is known",
+                      usual ? usual : "");
+  at.assumed = vs_cursor_is(c, "assumed");
+  status = vs_cursor_text(c, text, sizeof text, err);
+  if (!status && deck->n_limits_at >= VS_DECK_MOST)
+    status = vs_fail_at(err, c->line, "more than %d of these lines", VS_DECK_MOST);
+  if (!status) deck->limits_at[deck->n_limits_at++] = at;
+  return status;
+}
+
 /* ---- once the parts are chosen ---- */
 
 /* The index of the deck's part of that name; -1: there is none. */
@@ -330,8 +388,146 @@ double vs_devices_bears(const vs_deck *deck, const vs_device *device, double wid
   return between(&b, number);
 }
 
-static vs_status check_limits(const vs_deck *deck, const vs_device *d, vs_error *err) {
+/* ---- surges, temperatures, thermal resistances ---- */
+
+double vs_devices_bears_surge(const vs_deck *deck, const vs_device *device, double number,
+                              bool *assumed) {
+  const char *file = file_of(deck, device);
+  bracket b = NONE;
+  *assumed = false;
+  for (size_t k = 0; file && k < deck->n_surges; k++) {
+    const vs_surge_row *row = &deck->surges[k];
+    if (strcmp(row->where.file, file)) continue;
+    narrow(&b, row->number, number, row->current_a);
+    *assumed = *assumed || row->assumed;
+  }
+  return between(&b, number);
+}
+
+double vs_devices_most_surges(const vs_deck *deck, const vs_device *device) {
+  const char *file = file_of(deck, device);
+  double most = 0;
+  for (size_t k = 0; file && k < deck->n_surges; k++)
+    if (!strcmp(deck->surges[k].where.file, file)) most = fmax(most, deck->surges[k].number);
+  return most;
+}
+
+const vs_limit_at *vs_devices_limit_at(const vs_deck *deck, const vs_device *device,
+                                       const char *limit, double *t_j_max_degc) {
+  const char *file = file_of(deck, device);
+  const vs_limit *most = file ? vs_parts_find_limit(deck, file, "t_j_max") : NULL;
+  if (!most || !isfinite(most->value)) return NULL;
+  *t_j_max_degc = most->value;
+  for (size_t k = 0; k < deck->n_limits_at; k++)
+    if (!strcmp(deck->limits_at[k].where.file, file) && !strcmp(deck->limits_at[k].name, limit))
+      return &deck->limits_at[k];
+  return NULL;
+}
+
+double vs_devices_r_th(const vs_deck *deck, const vs_device *device, const char *name,
+                       bool *assumed) {
+  const char *file = file_of(deck, device);
+  double sum = 0;
+  if (!file) return NAN;
+  for (size_t k = 0; k < deck->n_zth && !strcmp(name, "r_th_jc"); k++)
+    if (!strcmp(deck->zth[k].where.file, file)) {
+      sum += deck->zth[k].k_per_w;
+      *assumed = *assumed || deck->zth[k].assumed;
+    }
+  if (sum > 0) return sum;
+  const vs_limit *limit = vs_parts_find_limit(deck, file, name);
+  if (!limit || !isfinite(limit->value)) return NAN;
+  *assumed = *assumed || limit->assumed;
+  return limit->value;
+}
+
+/* ---- what does not fit together ---- */
+
+/* What makers state of a part's heat agrees within this; lines zth are read off a curve. */
+static const double AGREES = 0.2;
+
+/* The value of the part's finite limit of that name; NaN: it has none. */
+static double value_of(const vs_deck *deck, const char *file, const char *name) {
+  const vs_limit *limit = vs_parts_find_limit(deck, file, name);
+  return limit && isfinite(limit->value) ? limit->value : NAN;
+}
+
+/* Errors: r_th_jc that is not what the lines zth add up to, r_th_ja below r_th_jc. */
+static vs_status check_heat(const vs_deck *deck, const vs_device *d, vs_error *err) {
+  const char *file = file_of(deck, d);
+  bool assumed = false;
+  double r_jc = vs_devices_r_th(deck, d, "r_th_jc", &assumed);
+  const vs_limit *jc = file ? vs_parts_find_limit(deck, file, "r_th_jc") : NULL;
+  const vs_limit *ja = file ? vs_parts_find_limit(deck, file, "r_th_ja") : NULL;
   vs_status status = VS_OK;
+  if (jc && isfinite(jc->value) && fabs(jc->value - r_jc) > AGREES * r_jc)
+    status = vs_error_carry_on(
+        err, vs_fail_at(err, jc->where,
+                        "limit r_th_jc: %s contradicts the lines zth, whose terms add up to %.4g "
+                        "K/W; a value within 20 %% of that is wanted, or other terms",
+                        jc->written, r_jc));
+  if (!status && ja && ja->value < r_jc)
+    status = vs_error_carry_on(
+        err, vs_fail_at(err, ja->where,
+                        "limit r_th_ja: %s is less than from junction to case alone, %.4g K/W; a "
+                        "larger value is wanted",
+                        ja->written, r_jc));
+  return status;
+}
+
+/* Error: the part bears in one cycle of its table another surge than it states besides. */
+static vs_status check_first_surge(const vs_surge_row *row, const vs_deck *deck, const char *file,
+                                   vs_error *err) {
+  const vs_limit *limit = vs_parts_find_limit(deck, file, "i_tsm");
+  if (!limit) limit = vs_parts_find_limit(deck, file, "i_fsm");
+  if (row->number != 1 || !limit || !isfinite(limit->value)) return VS_OK;
+  if (fabs(row->current_a - limit->value) <= AGREES * limit->value) return VS_OK;
+  return vs_fail_at(
+      err, row->where,
+      "surge: %g A in 1 cycle contradicts limit %s of %s (line %d); a value within 20 "
+      "%% of that is wanted",
+      row->current_a, limit->name, limit->written, limit->where.line);
+}
+
+/* Errors: more current in more cycles of surge, or not that of i_tsm in one. A line `at` of a limit
+ * that the part does not state, without t_j_max or not below it. */
+static vs_status check_tables(const vs_deck *deck, const char *file, vs_error *err) {
+  vs_status status = VS_OK;
+  double t_j_max = value_of(deck, file, "t_j_max");
+  for (size_t k = 0; k < deck->n_surges && !status; k++) {
+    const vs_surge_row *a = &deck->surges[k];
+    if (!strcmp(a->where.file, file)) status = check_first_surge(a, deck, file, err);
+    for (size_t n = 0; n < deck->n_surges && !status; n++) {
+      const vs_surge_row *b = &deck->surges[n];
+      if (strcmp(a->where.file, file) || strcmp(b->where.file, file)) continue;
+      if (a->number <= b->number || a->current_a <= b->current_a) continue;
+      status = vs_fail_at(err, a->where,
+                          "surge: %g A in %g cycles is more than %g A in %g cycles (line %d); what "
+                          "is borne falls as the number grows",
+                          a->current_a, a->number, b->current_a, b->number, b->where.line);
+    }
+  }
+  for (size_t k = 0; k < deck->n_limits_at && !status; k++) {
+    const vs_limit_at *at = &deck->limits_at[k];
+    if (strcmp(at->where.file, file)) continue;
+    if (!vs_parts_find_limit(deck, file, at->name))
+      status = vs_fail_at(err, at->where,
+                          "at: the part has no line '*$ limit %s = VALUE UNIT', which says what it "
+                          "is at t_j_max",
+                          at->name);
+    else if (!(at->at_degc < t_j_max))
+      status = vs_fail_at(err, at->where,
+                          "at: the limit %s is that at t_j_max: a line '*$ limit t_j_max = VALUE "
+                          "degC' is wanted, and here a temperature below it",
+                          at->name);
+  }
+  return vs_error_carry_on(err, status);
+}
+
+static vs_status check_limits(const vs_deck *deck, const vs_device *d, vs_error *err) {
+  vs_status status = check_heat(deck, d, err);
+  const char *file = file_of(deck, d);
+  if (!status && file) status = check_tables(deck, file, err);
   for (size_t k = 0; d->kind && k < d->kind->n_measures && !status; k++) {
     const vs_device_measure *m = &d->kind->measures[k];
     const vs_limit *limit = vs_devices_limit(deck, d, m);

@@ -12,6 +12,8 @@
 vs_status vs_devices_line(vs_deck *deck, vs_cursor *c, vs_error *err);
 vs_status vs_devices_zth(vs_deck *deck, vs_cursor *c, vs_error *err);
 vs_status vs_devices_pulse(vs_deck *deck, vs_cursor *c, vs_error *err);
+vs_status vs_devices_surge(vs_deck *deck, vs_cursor *c, vs_error *err);
+vs_status vs_devices_at(vs_deck *deck, vs_cursor *c, vs_error *err);
 
 /* Gives devices their kinds, parts, gates and wards, once the parts are chosen. Errors with their
  * place, each of which a check carries on from: a device that is no part and of no kind, a gate
@@ -35,6 +37,25 @@ bool vs_devices_has_pulses(const vs_deck *deck, const vs_device *device);
  * before, or where there is none. *assumed: one of the rows used is. */
 double vs_devices_bears(const vs_deck *deck, const vs_device *device, double width_s, double number,
                         bool *assumed);
+
+/* The peak current, A, that the device bears in `number` consecutive cycles, by its part's lines
+ * surge: a power law between two of them. Below the least number it is what the part bears in that
+ * one. Returns NaN beyond the largest, or where there is none. *assumed: one of those used is. */
+double vs_devices_bears_surge(const vs_deck *deck, const vs_device *device, double number,
+                              bool *assumed);
+/* The largest number of cycles in these lines; 0: there is none. */
+double vs_devices_most_surges(const vs_deck *deck, const vs_device *device);
+
+/* What the part says of this limit at another temperature, and t_j_max, degC, at which the limit is
+ * given. NULL: nothing. */
+const vs_limit_at *vs_devices_limit_at(const vs_deck *deck, const vs_device *device,
+                                       const char *limit, double *t_j_max_degc);
+
+/* A thermal resistance, K/W, that the device's part states: "r_th_jc", "r_th_cs", "r_th_ja". Where
+ * it has lines zth, their sum is r_th_jc. NaN: it states none. *assumed becomes true where no
+ * source says it, and else stays. */
+double vs_devices_r_th(const vs_deck *deck, const vs_device *device, const char *name,
+                       bool *assumed);
 
 /* True where device number `device` protects another one and, by the makers' figures, may let more
  * through (i2t_clear) than that one bears (i2t). `text` then says so. */

@@ -12,6 +12,26 @@
 /* How a mean or rms value is judged: stress/reductions.c. */
 #define MEAN_IS_JUDGED "judged where that lasts 1 s or longer and more than one shot falls into it"
 
+/* The texts of what several kinds have alike: stress/reductions.c. */
+#define CASE_TEXT                                                                                  \
+  "temperature of its case: ambient, and mean power over its heat sink or over r_th_ja; where no " \
+  "mean is judged it stays at the ambient"
+#define HOTTEST_TEXT "largest temperature of its junction, t_j_rise above t_case"
+#define SURGES_TEXT                                                                                \
+  "peak of half sines of 10 ms, one a cycle, that heat as much as some consecutive conductions: "  \
+  "of those that come nearest to the part's lines surge"
+#define SHORT_TEXT                                                                                 \
+  "int i^2 dt of the conduction below 10 ms that comes nearest to i2sqrt_t sqrt(t), with t the "   \
+  "length of the half sine of its peak and its int i^2 dt"
+#define TEMPERATURES                                                                               \
+  {"t_case", "degC", CASE_TEXT, VS_R_CASE, VS_OF_POWER, 1, NULL, VS_AT_MOST}, {                    \
+    "t_j", "degC", HOTTEST_TEXT, VS_R_HOTTEST, VS_OF_POWER, 1, "t_j_max", VS_AT_MOST               \
+  }
+#define SURGES                                                                                     \
+  {"i_surge_n", "A", SURGES_TEXT, VS_R_SURGES, VS_OF_I2, 1, NULL, VS_AT_MOST}, {                   \
+    "i2t_short", "A2.s", SHORT_TEXT, VS_R_SHORT, VS_OF_I2, 1, NULL, VS_AT_MOST                     \
+  }
+
 static const vs_device_measure THYRISTOR[] = {
     {"v_forward", "V", "peak forward voltage", VS_R_PEAK, VS_OF_V, 1, "v_drm", VS_AT_MOST},
     {"v_reverse", "V", "peak reverse voltage", VS_R_PEAK, VS_OF_V, -1, "v_rrm", VS_AT_MOST},
@@ -24,7 +44,7 @@ static const vs_device_measure THYRISTOR[] = {
      VS_R_OFF_RATE, VS_OF_V, 1, NULL, VS_AT_MOST},
     {"di_dt", "A/us",
      "largest rate of current from firing to its first maximum, and for 1 us at least, over any "
-     "0.1 us",
+     "turn_on_time of its part (0.1 us)",
      VS_R_ON_RATE, VS_OF_I, 1, "di_dt", VS_AT_MOST},
     {"i_peak", "A", "peak current", VS_R_PEAK, VS_OF_I, 1, NULL, VS_AT_MOST},
     {"i_surge", "A",
@@ -39,9 +59,11 @@ static const vs_device_measure THYRISTOR[] = {
      VS_R_RMS, VS_OF_I2, 1, "i_t_rms", VS_AT_MOST},
     {"i2t", "A2.s", "largest int i^2 dt of one conduction", VS_R_PULSE, VS_OF_I2, 1, "i2t",
      VS_AT_MOST},
+    SURGES,
     {"loss", "J", "int v i dt over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST},
     {"t_j_rise", "K", "largest rise of the junction's temperature, by the part's zth",
      VS_R_JUNCTION, VS_OF_POWER, 1, "t_j_rise", VS_AT_MOST},
+    TEMPERATURES,
     {"t_off", "s",
      "shortest time from the current's zero to the return of forward voltage while its gate "
      "is off",
@@ -67,11 +89,13 @@ static const vs_device_measure TRIAC[] = {
      VS_R_OFF_RATE, VS_OF_V, 1, NULL, VS_AT_MOST},
     {"di_dt", "A/us",
      "largest rate of current from firing to its first extreme, and for 1 us at least, either way, "
-     "over any 0.1 us",
+     "over any turn_on_time of its part (0.1 us)",
      VS_R_ON_RATE, VS_OF_I, 1, "di_dt", VS_AT_MOST},
     {"dv_dt_c", "V/us",
      "steepest first rise of off-state voltage behind a conduction, (dv/dt)c: mean rate over a "
-     "stretch that rises by dv_dt_over, or by four fifths of that rise where this is less",
+     "stretch that rises by dv_dt_over, or by four fifths of that rise where this is less; "
+     "compared, "
+     "as the model of a triac fires by dv/dt",
      VS_R_RETURN_RISE, VS_OF_V, 1, "dv_dt_c", VS_AT_MOST},
     {"di_dt_c", "A/ms",
      "steepest fall of a current to its zero, mean rate from a tenth of its peak: (di/dt)c",
@@ -89,6 +113,7 @@ static const vs_device_measure TRIAC[] = {
      VS_R_RMS, VS_OF_I2, 1, "i_t_rms", VS_AT_MOST},
     {"i2t", "A2.s", "largest int i^2 dt of one half cycle's conduction", VS_R_PULSE, VS_OF_I2, 1,
      "i2t", VS_AT_MOST},
+    SURGES,
     {"loss", "J", "int v i dt over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST},
     {"loss_conduction", "J", "of this, while it conducts", VS_R_CONDUCTION, VS_OF_POWER, 1, NULL,
      VS_AT_MOST},
@@ -98,6 +123,7 @@ static const vs_device_measure TRIAC[] = {
      NULL, VS_AT_MOST},
     {"t_j_rise", "K", "largest rise of the junction's temperature, by the part's zth",
      VS_R_JUNCTION, VS_OF_POWER, 1, "t_j_rise", VS_AT_MOST},
+    TEMPERATURES,
     {"misfires", "", "gate pulses that it did not follow, of both half cycles", VS_R_MISFIRE,
      VS_OF_I, 1, NULL, VS_NEVER},
     {"unintended_firings", "", "firings without a gate pulse", VS_R_UNINTENDED, VS_OF_I, 1, NULL,
@@ -122,6 +148,7 @@ static const vs_device_measure DIODE[] = {
      VS_R_RMS, VS_OF_I2, 1, "i_f_rms", VS_AT_MOST},
     {"i2t", "A2.s", "largest int i^2 dt of one conduction", VS_R_PULSE, VS_OF_I2, 1, "i2t",
      VS_AT_MOST},
+    SURGES,
     {"loss", "J", "int v i dt over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST},
     {"loss_conduction", "J", "of this, while it conducts", VS_R_CONDUCTION, VS_OF_POWER, 1, NULL,
      VS_AT_MOST},
@@ -132,7 +159,8 @@ static const vs_device_measure DIODE[] = {
     {"e_rec", "J", "largest energy of one recovery", VS_R_E_RECOVERY, VS_OF_POWER, 1, NULL,
      VS_AT_MOST},
     {"t_j_rise", "K", "largest rise of the junction's temperature, by the part's zth",
-     VS_R_JUNCTION, VS_OF_POWER, 1, "t_j_rise", VS_AT_MOST}};
+     VS_R_JUNCTION, VS_OF_POWER, 1, "t_j_rise", VS_AT_MOST},
+    TEMPERATURES};
 static const vs_device_measure MOSFET[] = {
     {"v_peak", "V", "peak voltage, drain positive", VS_R_PEAK, VS_OF_V, 1, "v_dss", VS_AT_MOST},
     {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, "i_dm", VS_AT_MOST},
@@ -156,7 +184,8 @@ static const vs_device_measure MOSFET[] = {
     {"i_off", "A", "largest current that it turned off", VS_R_TURNED_OFF, VS_OF_I, 1, NULL,
      VS_AT_MOST},
     {"t_j_rise", "K", "largest rise of the junction's temperature, by the part's zth",
-     VS_R_JUNCTION, VS_OF_POWER, 1, "t_j_rise", VS_AT_MOST}};
+     VS_R_JUNCTION, VS_OF_POWER, 1, "t_j_rise", VS_AT_MOST},
+    TEMPERATURES};
 static const vs_device_measure IGBT[] = {
     {"v_peak", "V", "peak voltage, collector positive", VS_R_PEAK, VS_OF_V, 1, "v_ces", VS_AT_MOST},
     {"v_reverse", "V", "peak voltage, emitter positive", VS_R_PEAK, VS_OF_V, -1, "v_ecs",
@@ -182,7 +211,8 @@ static const vs_device_measure IGBT[] = {
     {"i_off", "A", "largest current that it turned off", VS_R_TURNED_OFF, VS_OF_I, 1, "i_rbsoa",
      VS_AT_MOST},
     {"t_j_rise", "K", "largest rise of the junction's temperature, by the part's zth",
-     VS_R_JUNCTION, VS_OF_POWER, 1, "t_j_rise", VS_AT_MOST}};
+     VS_R_JUNCTION, VS_OF_POWER, 1, "t_j_rise", VS_AT_MOST},
+    TEMPERATURES};
 static const vs_device_measure ELECTROLYTIC[] = {
     {"v_peak", "V", "peak voltage", VS_R_PEAK, VS_OF_V, 1, "v_rated", VS_AT_MOST},
     {"v_reverse", "V", "peak voltage the wrong way round", VS_R_PEAK, VS_OF_V, -1, "v_reverse",
@@ -284,8 +314,9 @@ const vs_happening_words *vs_kinds_happening(const vs_device_measure *m) {
 
 /* Limits that no measure above is held against in its own unit, with the kinds of part they are of,
  * each between blanks ("": of any). v_drm, v_rrm and v_rms are held against the mains, whatever the
- * part; over dv_dt_over dv_dt is told; t_q, which makers give in us, is held against t_off; by
- * t_j_max the report of an orbit tells how hot the case may be; i2t_clear is held against what the
+ * part; over dv_dt_over dv_dt is told, over turn_on_time di_dt; t_q, which makers give in us, is
+ * held against t_off; by the r_th a junction's temperature is told, by i2sqrt_t what i2t_short may
+ * be; i2t_clear is held against what the
  * fuse protects; the others are for the reader, and for `check` of the part, which tries whether
  * its model keeps them (room acceptance). */
 static const struct figure {
@@ -295,7 +326,11 @@ static const struct figure {
                {"v_rms", "V", ""},
                {"dv_dt_over", "V", " thyristor triac "},
                {"t_q", "us", " thyristor "},
-               {"t_j_max", "degC", " thyristor triac diode mosfet igbt "},
+               {"r_th_jc", "K/W", " thyristor triac diode mosfet igbt "},
+               {"r_th_cs", "K/W", " thyristor triac diode mosfet igbt "},
+               {"r_th_ja", "K/W", " thyristor triac diode mosfet igbt "},
+               {"turn_on_time", "us", " thyristor triac "},
+               {"i2sqrt_t", "A2.sqrt_s", " thyristor triac diode "},
                {"i_gt", "mA", " thyristor triac "},
                {"i_gt_4", "mA", " triac "},
                {"v_gt", "V", " thyristor triac "},
@@ -367,7 +402,7 @@ bool vs_kinds_knows_limit(const char *kind_name, const char *limit, const char *
 
 bool vs_kinds_leaves_limit(const char *kind_name, const char *limit) {
   /* those of FIGURES that say what the part bears */
-  static const char *const BEARS[] = {"v_drm", "v_rrm", "v_rms", "v_dc", "v_rated", "t_j_max"};
+  static const char *const BEARS[] = {"v_drm", "v_rrm", "v_rms", "v_dc", "v_rated"};
   const vs_kind *kind = vs_kinds_find(kind_name);
   const char *nearest;
   for (size_t k = 0; kind && k < kind->n_measures; k++) {

@@ -46,7 +46,10 @@ enum { VS_OF_V, VS_OF_FLUX, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_COURSES };
  *   VS_R_TURNED_OFF   largest current that was turned off
  *   VS_R_DERATED      peak of the pulse that comes nearest to what the part's lines `pulse` allow
  *                     for its width and number
- *   VS_R_REPEATED     mean over the time from one pulse to the next, where events repeat the run */
+ *   VS_R_REPEATED     mean over the time from one pulse to the next, where events repeat the run
+ *   VS_R_CASE, VS_R_HOTTEST   temperature of the case; the junction's largest
+ *   VS_R_SURGES       peak of half sines in consecutive cycles, against the part's lines `surge`
+ *   VS_R_SHORT        integral over one conduction below 10 ms, against the part's i2sqrt_t */
 #define VS_REDUCTION_LIST(X)                                                                       \
   X(VS_R_PEAK, peak)                                                                               \
   X(VS_R_MEAN, mean)                                                                               \
@@ -80,7 +83,11 @@ enum { VS_OF_V, VS_OF_FLUX, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_COURSES };
   X(VS_R_E_RECOVERY, vs_told_e_recovery)                                                           \
   X(VS_R_TURNED_OFF, vs_told_turned_off)                                                           \
   X(VS_R_DERATED, derated)                                                                         \
-  X(VS_R_REPEATED, repeated)
+  X(VS_R_REPEATED, repeated)                                                                       \
+  X(VS_R_CASE, case_temperature)                                                                   \
+  X(VS_R_HOTTEST, hottest)                                                                         \
+  X(VS_R_SURGES, surges)                                                                           \
+  X(VS_R_SHORT, short_pulse)
 
 typedef enum vs_reduction {
 #define VS_REDUCTION_ID(id, plug) id,

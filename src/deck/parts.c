@@ -258,6 +258,11 @@ double vs_parts_dv_dt_over(const vs_deck *deck, const char *file) {
   return v_drm && isfinite(v_drm->value) ? fmax(v_drm->value / 10, LEAST_OVER_V) : LEAST_OVER_V;
 }
 
+double vs_parts_turn_on_s(const vs_deck *deck, const char *file) {
+  const vs_limit *takes = file ? vs_parts_find_limit(deck, file, "turn_on_time") : NULL;
+  return takes && isfinite(takes->value) ? takes->value : 0;
+}
+
 /* The limit dv_dt_over says over how much of a rise dv_dt is told. It limits nothing by itself. */
 static vs_status check_over(const vs_deck *deck, const vs_limit *over, vs_error *err) {
   const vs_limit *v_drm = vs_parts_find_limit(deck, over->where.file, "v_drm");

@@ -27,6 +27,9 @@ const vs_limit *vs_parts_find_limit(const vs_deck *deck, const char *file, const
  * v_drm is not known or file is NULL. */
 double vs_parts_dv_dt_over(const vs_deck *deck, const char *file);
 
+/* The file's figure turn_on_time, s, over which di/dt of the part is told; 0: it has none. */
+double vs_parts_turn_on_s(const vs_deck *deck, const char *file);
+
 /* Gives ratings the limits of the parts chosen, and drops ratings that have no limit at either end.
  * Errors, each of which a check carries on from: no such part, no such limit in its file, a limit
  * in a unit of another kind, a rating from more to less; a limit dv_dt_over that is none, below 10

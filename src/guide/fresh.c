@@ -33,6 +33,9 @@ static const struct other {
      "what may happen to the deck's devices, and has to; see 'vibrospice help expect'"},
     {"ratings: {stroke: 0.5 mm .. 1.5 mm}", "what you allow of measures and probes, as lines of "
                                             "the verdict; see 'vibrospice help ratings'"},
+    {"ambient: 25 degC", "temperature of the air around the circuit's devices"},
+    {"heatsink: {thyristor: 12 K/W}",
+     "from devices' heat sinks to the ambient; see 'vibrospice help heatsink'"},
     {"instruments: {set: own}", "sensors; see 'vibrospice list instruments'"},
     {"control: {law: LAW}", "what decides the firing angle; see 'vibrospice list regulators'"},
 };

@@ -225,7 +225,7 @@ static void put_key(vs_entries *to, const vs_field *f, int width, const char *is
 
 static void put_field(vs_entries *to, const char *section, const vs_field *f) {
   char name[128];
-  snprintf(name, sizeof name, "%s.%s", section, f->key);
+  snprintf(name, sizeof name, "%s%s%s", section, *section ? "." : "", f->key);
   vs_entry_begin(to);
   vs_entry_put(to, "name", 28, name);
   put_key(to, f, 18, "a name or path");
@@ -245,6 +245,10 @@ static void list_parameters(const listed *of) {
   put_section(of->to, &vs_instrument_section);
   put_section(of->to, &vs_control_section);
   put_section(of->to, &vs_observing_section);
+  vs_field sink = vs_cooling_heatsink;
+  sink.key = "heatsink.DEVICE";
+  put_field(of->to, "", &vs_cooling_ambient);
+  put_field(of->to, "", &sink);
 }
 
 /* An entry whose keys stand below it. */

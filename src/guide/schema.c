@@ -301,6 +301,20 @@ static void put_expect(vs_json *j) {
   end_or_null(j);
 }
 
+/* A map from devices to what their heat sinks have. */
+static void put_heatsink(vs_json *j) {
+  begin_member(j, vs_section_keys[VS_SECTION_KEY_heatsink]);
+  vs_json_object(j, NULL, VS_JSON_ROW);
+  vs_json_text(j, "type", "object");
+  vs_json_text(j, "description", vs_cooling_heatsink.text);
+  vs_json_object(j, "additionalProperties", VS_JSON_ROW);
+  vs_json_array(j, "anyOf", VS_JSON_ROW);
+  vs_shape_quantity(j, &vs_cooling_heatsink);
+  end_member(j);
+  vs_json_end(j);
+  end_or_null(j);
+}
+
 static void put_scene(vs_json *j, const vs_ground *ground) {
   static const int NAMED[] = {VS_SECTION_KEY_start, VS_SECTION_KEY_record, VS_SECTION_KEY_measured,
                               VS_SECTION_KEY_quality};
@@ -315,6 +329,8 @@ static void put_scene(vs_json *j, const vs_ground *ground) {
   put_control(j);
   put_expect(j);
   put_ratings(j);
+  vs_shape_field(j, &vs_cooling_ambient);
+  put_heatsink(j);
   for (size_t k = 0; k < sizeof NAMED / sizeof *NAMED; k++) {
     vs_json_object(j, vs_section_keys[NAMED[k]], VS_JSON_ROW);
     vs_json_end(j);

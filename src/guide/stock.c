@@ -5,8 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "deck/kinds.h"
 #include "deck/netlist.h"
 #include "machine/blueprint.h"
+#include "syntax/units.h"
 
 /* The files of one shelf, and what is told of each besides its name and path. */
 typedef struct shelf_walk {
@@ -81,6 +83,40 @@ static void put_derating(vs_entries *to, const vs_derating *d) {
   vs_entry_object_end(to);
 }
 
+static void put_surges(vs_entries *to, const vs_deck *part) {
+  if (part->n_surges) vs_entry_array(to, "surges");
+  for (size_t k = 0; k < part->n_surges; k++) {
+    const vs_surge_row *row = &part->surges[k];
+    vs_entry_object(to);
+    vs_entry_number(to, "number", row->number);
+    vs_entry_number(to, "current_a", row->current_a);
+    if (row->assumed) vs_entry_true(to, "assumed");
+    vs_entry_say(to, "    surge %g cycles, %g A%s", row->number, row->current_a,
+                 row->assumed ? " (assumed)" : "");
+    vs_entry_line(to);
+    vs_entry_object_end(to);
+  }
+  if (part->n_surges) vs_entry_array_end(to);
+}
+
+static void put_limits_at(vs_entries *to, const vs_deck *part) {
+  if (part->n_limits_at) vs_entry_array(to, "limits_at");
+  for (size_t k = 0; k < part->n_limits_at; k++) {
+    const vs_limit_at *at = &part->limits_at[k];
+    vs_entry_object(to);
+    vs_entry_text(to, "name", at->name);
+    vs_entry_number(to, "at_degc", at->at_degc);
+    vs_entry_number(to, "value", at->value);
+    if (at->assumed) vs_entry_true(to, "assumed");
+    vs_entry_say(to, "    at %g degC %s = %g%s", at->at_degc, at->name,
+                 at->value / vs_units_factor(vs_kinds_limit_unit(at->name)),
+                 at->assumed ? " (assumed)" : "");
+    vs_entry_line(to);
+    vs_entry_object_end(to);
+  }
+  if (part->n_limits_at) vs_entry_array_end(to);
+}
+
 static void put_limits(vs_entries *to, const vs_deck *part) {
   if (part->n_limits) vs_entry_array(to, "limits");
   for (size_t k = 0; k < part->n_limits; k++) put_limit(to, &part->limits[k]);
@@ -100,6 +136,8 @@ static void put_limits(vs_entries *to, const vs_deck *part) {
   if (part->n_deratings) vs_entry_array(to, "pulses");
   for (size_t k = 0; k < part->n_deratings; k++) put_derating(to, &part->deratings[k]);
   if (part->n_deratings) vs_entry_array_end(to);
+  put_surges(to, part);
+  put_limits_at(to, part);
 }
 
 static void put_part(vs_entries *to, const vs_deck *part) {

@@ -55,6 +55,20 @@ static void print_ratings(void) {
        "probes, and what quality tells. More: docs/ratings.md.");
 }
 
+static void print_heat(void) {
+  puts(
+      "ambient and heatsink: what cools the circuit's devices, as\n"
+      "ambient: 40 degC\n"
+      "heatsink: {thyristor: 12 K/W}\n"
+      "The first is 25 degC where a scene does not say it. The second is from a device's heat sink "
+      "to\n"
+      "the ambient. The device's part states lines zth or r_th_jc, and r_th_cs from case to sink "
+      "where\n"
+      "that counts; one without a heat sink may state r_th_ja. Told is then t_case, and t_j, which "
+      "is\n"
+      "held against the part's t_j_max. More: docs/operation.md.");
+}
+
 static const struct topic {
   const char *name, *text;
   void (*print)(void);
@@ -63,7 +77,9 @@ static const struct topic {
            {"exit", "exit statuses", print_exit},
            {"quality", "section of a scene: what a current is to the mains", print_quality},
            {"expect", "key of a scene: what may happen to devices, and has to", print_expect},
-           {"ratings", "section of a scene: what you allow of measures and probes", print_ratings}};
+           {"ratings", "section of a scene: what you allow of measures and probes", print_ratings},
+           {"ambient", "key of a scene: the air around a circuit's devices", print_heat},
+           {"heatsink", "key of a scene: what cools devices", print_heat}};
 enum { N_OWN = sizeof OWN / sizeof *OWN };
 
 static const struct topic *own(const char *name) {

@@ -41,9 +41,7 @@ static double resistance_k_per_w(const subject *s) {
 }
 
 static const vs_reduced *largest_rise(const subject *s) {
-  for (size_t k = 0; k < s->watched->count; k++)
-    if (s->watched->reduced[k].measure->how == VS_R_JUNCTION) return &s->watched->reduced[k];
-  return NULL;
+  return vs_reducer_of(s->watched, VS_R_JUNCTION);
 }
 
 /* Its part has a network, and its kind a junction. */

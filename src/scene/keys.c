@@ -54,6 +54,22 @@ static void add_event(key_list *list, const vs_occurrence *e) {
   add_keys(list, name, &section, &e->v);
 }
 
+/* `ambient`, and the heat sinks that the scene has. */
+static void add_cooling(key_list *list, const vs_setup *setup) {
+  const vs_cooling *cooling = &setup->cooling;
+  if (!cooling->stated) return;
+  if (list->count < MOST_KEYS)
+    list->item[list->count++] =
+        (vs_key){.name = "ambient", .field = &vs_cooling_ambient, .value = &cooling->ambient_degc};
+  for (size_t k = 0; k < setup->deck.n_devices && list->count < MOST_KEYS; k++) {
+    if (!(cooling->sink_k_per_w[k] > 0)) continue;
+    vs_key *key = &list->item[list->count++];
+    *key = (vs_key){
+        .section = "heatsink", .field = &vs_cooling_heatsink, .value = &cooling->sink_k_per_w[k]};
+    snprintf(key->name, sizeof key->name, "heatsink.%s", setup->deck.devices[k].name);
+  }
+}
+
 static key_list *all_keys(const vs_scene *scene) {
   const vs_setup *setup = &scene->setup;
   const vs_instruments *instruments = &scene->instruments;
@@ -74,6 +90,7 @@ static key_list *all_keys(const vs_scene *scene) {
   const vs_events *events = &setup->timeline.events;
   for (size_t e = 0; e < events->count; e++) add_event(list, &events->item[e]);
   for (size_t e = 0; e < events->n_unbuilt; e++) add_event(list, &events->unbuilt[e]);
+  add_cooling(list, setup);
   return list;
 }
 

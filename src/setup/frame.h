@@ -8,6 +8,7 @@
 #include "deck/deck.h"
 #include "drive/timeline.h"
 #include "machine/model.h"
+#include "setup/cooling.h"
 
 /* A stretch of time, s. */
 typedef struct vs_span_s {
@@ -18,10 +19,12 @@ typedef struct vs_span_s {
 typedef struct vs_frame {
   const vs_model *model;
   const vs_timeline *timeline;
-  const vs_deck *deck; /* whose probes the run has; NULL on a tier without a circuit */
+  const vs_cooling *cooling; /* of the deck's devices */
+  const vs_deck *deck;       /* whose probes the run has; NULL on a tier without a circuit */
   bool gap_at_rest; /* tier analytic: i = lambda z(0)/(2a), so that L stays as at rest (Eq. 91) */
   vs_span_s means;  /* what means are taken over; from 0 to 0 stands for the whole run */
   bool at_work;     /* the run is whole periods of an orbit */
+  bool from_work;   /* the run begins on an orbit, with devices that are warm */
   double tolerance; /* run.tolerance */
   bool source_is_coil; /* no circuit stands between the mains and the coil: the mains current is
                           the coil's current, and v = R_c i + dlambda/dt is the EVA's voltage */

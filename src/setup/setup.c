@@ -295,6 +295,7 @@ static vs_status build(const vs_node *scene, vs_setup *setup, bool has_deck, vs_
     s = vs_events_read(vs_tree_child(scene, "events"), line, setup->run.until_s, &line->events,
                        err);
   if (!s) s = vs_error_carry_on(err, check_decoupling(scene, setup, err));
+  if (!s) s = vs_cooling_read(scene, &setup->deck, &setup->cooling, err);
   if (!s) s = vs_events_wire(&line->events, &setup->deck, err);
   if (!s && !setup->machine->lost && !vs_error_count(err))
     s = vs_error_carry_on(

@@ -4,6 +4,7 @@
 #define VS_SETUP_SETUP_H
 
 #include "bounds/limits.h"
+#include "setup/cooling.h"
 #include "setup/loads.h"
 #include "setup/manner.h"
 
@@ -40,13 +41,15 @@ typedef struct vs_setup {
   vs_deck deck;    /* the scene's, also for a tier that does not use it; with what the scene's
                       events put into it */
   vs_circuit_values circuit_values;
-  vs_text written; /* what the model was built from (machine/build.h); owned */
-  vs_memo memo;    /* what other sections were read from; owned */
+  vs_cooling cooling; /* of the deck's devices */
+  vs_text written;    /* what the model was built from (machine/build.h); owned */
+  vs_memo memo;       /* what other sections were read from; owned */
 } vs_setup;
 
 /* Reads the scene's sections machine, actuator, load, supply, firing, circuit, run, events, start
- * and measure. Errors: whatever these can be wrong in; a check carries on from most of it. The
- * caller owns the setup and calls vs_setup_free, also after an error. */
+ * and measure, and its keys ambient and heatsink. Errors: whatever these can be wrong in; a check
+ * carries on from most of it. The caller owns the setup and calls vs_setup_free, also after an
+ * error. */
 vs_status vs_setup_build(const vs_node *scene, vs_setup *setup, vs_error *err);
 void vs_setup_free(vs_setup *setup);
 

@@ -14,10 +14,12 @@
 vs_frame vs_sim_frame(const vs_tier *tier, const vs_setup *setup) {
   return (vs_frame){.model = &setup->model,
                     .timeline = &setup->timeline,
+                    .cooling = &setup->cooling,
                     .deck = tier->has_circuit ? &setup->deck : NULL,
                     .gap_at_rest = tier->gap_at_rest,
                     .means = setup->means,
                     .at_work = setup->at_work,
+                    .from_work = setup->steady && !setup->at_work,
                     .tolerance = setup->run.tolerance,
                     .source_is_coil = !tier->has_circuit};
 }

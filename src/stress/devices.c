@@ -53,7 +53,8 @@ static void begin_measure(vs_watched *w, vs_reduced *r, const vs_device_measure 
                     .limit = vs_devices_limit(w->deck, w->device, m),
                     .value = {.known = by->counts && w->device->gates.count, .at_s = NAN},
                     .failed_s = NAN};
-  if (by->state_size) r->state = vs_alloc(1, by->state_size + (w->again ? by->again_size : 0));
+  if (by->state_size)
+    r->state = vs_alloc(1, by->state_size + (w->again || w->from_work ? by->again_size : 0));
   if (by->prepare) by->prepare(w, r);
 }
 
@@ -67,7 +68,9 @@ static void begin_device(vs_watched *w, vs_device_watch *own, const vs_frame *fr
   *w = (vs_watched){.device = d,
                     .deck = frame->deck,
                     .timeline = frame->timeline,
+                    .cooling = frame->cooling,
                     .at_work = frame->at_work,
+                    .from_work = frame->from_work,
                     .again = frame->at_work || vs_occurrence_repeated(&frame->timeline->events),
                     .count = d->kind->n_measures};
   own->voltage = vs_formula_quicken(&d->voltage);
@@ -435,5 +438,10 @@ void vs_devices_finish(vs_devices *d) {
     for (size_t n = 0; n < d->item[k].count; n++) {
       vs_reduced *r = &d->item[k].reduced[n];
       if (r->by->finish) r->by->finish(&d->item[k], r, &end);
+    }
+  for (size_t k = 0; k < d->count; k++)
+    for (size_t n = 0; n < d->item[k].count; n++) {
+      vs_reduced *r = &d->item[k].reduced[n];
+      if (r->by->settle) r->by->settle(&d->item[k], r);
     }
 }

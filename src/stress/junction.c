@@ -22,8 +22,12 @@ typedef struct network {
   double rise_k[VS_PART_ZTH];
   size_t count;
   double begun_s;
+  double orbit_ends_s; /* of a run that begins on an orbit, while its first period is followed: the
+                          end of that; else 0 */
+  double orbit_j;      /* what that period brings */
+  double orbit_w;      /* its mean power, once it is over; NaN: there was none */
   size_t n_kept;
-  heating kept[]; /* [KEPT] where the run comes again, else [0] */
+  heating kept[]; /* [KEPT] where the run comes again or begins on an orbit, else [0] */
 } network;
 
 /* Takes the part's lines zth. The course is this many W to its unit. */
@@ -58,9 +62,23 @@ static bool has_network(const vs_watched *w, const vs_reduced *r) {
   return n->count;
 }
 
+/* The end of the orbit's first period, of a run that begins on one; 0: it does not, or an event
+ * comes before. */
+static double orbit_ends_s(const vs_watched *w, double t_s) {
+  const vs_timeline *line = w->timeline;
+  const double cycles = line->firing.no_valve ? 1 : line->firing.every;
+  const double ends_s = t_s + cycles * line->period_s;
+  if (!w->from_work || w->again) return 0;
+  for (size_t k = 0; k < line->events.count; k++)
+    if (line->events.item[k].start_s < ends_s) return 0;
+  return ends_s;
+}
+
 static void begin_junction(const vs_watched *w, vs_reduced *r, double t_s) {
   network *n = r->state;
   n->begun_s = t_s;
+  n->orbit_ends_s = orbit_ends_s(w, t_s);
+  n->orbit_w = NAN;
   vs_reducer_begin_at_zero(w, r, t_s);
 }
 
@@ -91,22 +109,59 @@ static void halve(network *n) {
   n->n_kept = KEPT / 2;
 }
 
-static void follow_junction(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
-  network *n = r->state;
-  double before = rise_of(n), power_w = c->more[r->measure->of] / c->h_s;
-  double after = heat_up(n, power_w, c->h_s);
-  if (!w->again) {
-    vs_reducer_take_largest(r, c, before, after);
-    return;
-  }
+static void keep(network *n, double end_s, double power_w) {
   if (n->n_kept == KEPT) halve(n);
-  n->kept[n->n_kept++] = (heating){c->t1_s, power_w};
+  n->kept[n->n_kept++] = (heating){end_s, power_w};
 }
 
 /* From 0 a term comes to b in the period T, and from s to s e^(-T/tau) + b. On an orbit that is s
  * again: s = b/(1 - e^(-T/tau)). */
 static double of_orbit(double period_s, double tau_s) {
   return 1 / -expm1(-period_s / tau_s);
+}
+
+/* Goes through the kept stretch once more, from what the terms are now. */
+static void go_again(vs_reduced *r) {
+  network *n = r->state;
+  vs_course_step c = {.t1_s = n->begun_s};
+  r->value = (vs_value){true, rise_of(n), n->begun_s};
+  for (size_t k = 0; k < n->n_kept; k++) {
+    double before = rise_of(n);
+    c.t0_s = c.t1_s;
+    c.t1_s = n->kept[k].end_s;
+    c.h_s = c.t1_s - c.t0_s;
+    vs_reducer_take_largest(r, &c, before, heat_up(n, n->kept[k].power_w, c.h_s));
+  }
+}
+
+/* The first period of an orbit, from cold. At its end the terms are made those of the orbit, with
+ * which it is gone through once more. Returns how much of the step lies behind it, s. */
+static double follow_orbit(vs_reduced *r, const vs_course_step *c, double power_w) {
+  network *n = r->state;
+  const double behind_s = fmax(c->t1_s - n->orbit_ends_s, 0), h_s = c->h_s - behind_s;
+  const double length_s = n->orbit_ends_s - n->begun_s;
+  heat_up(n, power_w, h_s);
+  n->orbit_j += power_w * h_s;
+  keep(n, c->t0_s + h_s, power_w);
+  if (n->orbit_ends_s - c->t1_s > 1e-9 * length_s) return 0;
+  for (size_t k = 0; k < n->count; k++) n->rise_k[k] *= of_orbit(length_s, n->tau_s[k]);
+  go_again(r);
+  n->orbit_w = n->orbit_j / length_s;
+  n->orbit_ends_s = 0;
+  return behind_s;
+}
+
+static void follow_junction(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
+  network *n = r->state;
+  double power_w = c->more[r->measure->of] / c->h_s, h_s = c->h_s;
+  if (n->orbit_ends_s > 0) h_s = follow_orbit(r, c, power_w);
+  double before = rise_of(n);
+  if (n->orbit_ends_s > 0 || !(h_s > 0)) return;
+  double after = heat_up(n, power_w, h_s);
+  if (w->again)
+    keep(n, c->t1_s, power_w);
+  else
+    vs_reducer_take_largest(r, c, before, after);
 }
 
 /* What b at the end of a run becomes until the run that comes n-th begins, T behind the one before
@@ -117,24 +172,31 @@ static double of_times(const vs_occurrence *e, double length_s, double tau_s) {
   return exp(-(e->v.every_s - length_s) / tau_s) * expm1(-q_to_n) / expm1(-e->v.every_s / tau_s);
 }
 
-/* From what the run begins with it is gone through once more. */
+/* From what the run begins with it is gone through once more. A run that is shorter than the period
+ * of the orbit that it begins on tells nothing. */
 static void finish_junction(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
   network *n = r->state;
-  vs_course_step c = {.t1_s = n->begun_s};
+  if (n->orbit_ends_s > 0) r->value.known = false;
   if (!w->again || !n->count) return;
   const vs_occurrence *e = vs_occurrence_repeated(&w->timeline->events);
   const double length_s = end->now_s - n->begun_s;
   for (size_t k = 0; k < n->count; k++)
     n->rise_k[k] *=
         w->at_work ? of_orbit(length_s, n->tau_s[k]) : of_times(e, length_s, n->tau_s[k]);
-  r->value = (vs_value){true, rise_of(n), n->begun_s};
-  for (size_t k = 0; k < n->n_kept; k++) {
-    double before = rise_of(n);
-    c.t0_s = c.t1_s;
-    c.t1_s = n->kept[k].end_s;
-    c.h_s = c.t1_s - c.t0_s;
-    vs_reducer_take_largest(r, &c, before, heat_up(n, n->kept[k].power_w, c.h_s));
-  }
+  go_again(r);
+}
+
+double vs_junction_lacks_k(const vs_reduced *rise, double end_s, double power_w) {
+  const network *n = rise->state;
+  double lacks_k = 0;
+  for (size_t k = 0; k < n->count; k++)
+    lacks_k += fmax(power_w, 0) * n->gain[k] * exp(-(end_s - n->begun_s) / n->tau_s[k]);
+  return lacks_k;
+}
+
+double vs_junction_orbit_w(const vs_reduced *rise) {
+  const network *n = rise->state;
+  return n->count && rise->value.known ? n->orbit_w : NAN;
 }
 
 const vs_reducer vs_junction_of_power = {.state_size = sizeof(network),

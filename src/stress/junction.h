@@ -8,6 +8,16 @@
 
 #include "stress/reducer.h"
 
+/* Of a run that begins on an orbit the first period stands for all that was before it, unless an
+ * event comes within it: the rise begins as it is on the orbit. Returns the mean power of that
+ * period, W, of a measure by vs_junction_of_power; NaN: there was none, or the part has no lines
+ * zth. */
+double vs_junction_orbit_w(const vs_reduced *rise);
+
+/* Of a run that began cold and ended at end_s: what its terms lack of where that mean power would
+ * take them in the long run, K. */
+double vs_junction_lacks_k(const vs_reduced *rise, double end_s, double power_w);
+
 extern const vs_reducer vs_junction_of_power, vs_junction_of_current;
 
 #endif

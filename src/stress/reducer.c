@@ -42,6 +42,12 @@ const vs_happening *vs_reducer_happening(const vs_reduced *r) {
   return r->measure->held == VS_NEVER ? r->state : NULL;
 }
 
+const vs_reduced *vs_reducer_of(const vs_watched *w, vs_reduction how) {
+  for (size_t k = 0; k < w->count; k++)
+    if (w->reduced[k].measure->how == how) return &w->reduced[k];
+  return NULL;
+}
+
 void vs_reducer_begin_at_zero(const vs_watched *w, vs_reduced *r, double t_s) {
   (void)w, (void)t_s;
   r->value = (vs_value){true, 0, NAN};

@@ -25,6 +25,9 @@ typedef struct vs_reduced {
   double failed_s; /* instant at which the value first passed the limit; NaN: it has not */
   const char *unjudged; /* why the value is not held against the limit that the part has, as
                            "not judged: one shot"; NULL: it is, or the part has none */
+  const char *note;     /* of t_case: why it stays at the ambient, as "over less than 1 s"; NULL: it
+                           does not, or the value is of anything else */
+  bool mean;            /* of t_j: it is the mean, as the part has no lines zth */
   bool assumed;         /* no source says one of the part's figures that the value is made of */
   void *state;          /* the reduction's own, of by->state_size bytes; owned */
 } vs_reduced;
@@ -52,7 +55,9 @@ typedef struct vs_watched {
   double sum_meant[VS_COURSES]; /* the same integrals over the stretch that means are over */
   double given_j;               /* energy of the steps in which it gave energy (watch/sign.h) */
   double back_c;                /* charge of the steps in which its current was below zero */
+  const vs_cooling *cooling;    /* what cools the deck's devices */
   bool at_work;                 /* the run is whole periods of an orbit */
+  bool from_work;               /* the run begins on an orbit */
   bool again;                   /* it is, or an event repeats it: what heats comes more than once */
   int starts;                   /* how many shots began in that stretch (devices.c) */
   bool rests;                   /* the device did not conduct in all of that stretch */
@@ -99,6 +104,8 @@ struct vs_reducer {
   void (*take_melting)(vs_reduced *r, const vs_melting_news *news);
   /* Called once, when the run is over and had a step. */
   void (*finish)(const vs_watched *w, vs_reduced *r, const vs_run_end *end);
+  /* Called once all measures of the device have finished. */
+  void (*settle)(const vs_watched *w, vs_reduced *r);
 };
 
 /* ---- what reductions share ---- */
@@ -119,6 +126,8 @@ void vs_reducer_count(vs_reduced *r, double at_s);
 char *vs_reducer_happens(vs_reduced *r, double at_s);
 /* What has happened, of a measure with VS_NEVER; NULL: it is no such measure. */
 const vs_happening *vs_reducer_happening(const vs_reduced *r);
+/* The device's measure of that reduction; NULL: its kind has none. */
+const vs_reduced *vs_reducer_of(const vs_watched *w, vs_reduction how);
 /* A `begin` of a value that is 0 as the run begins. */
 void vs_reducer_begin_at_zero(const vs_watched *w, vs_reduced *r, double t_s);
 

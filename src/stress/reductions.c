@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "deck/devices.h"
+#include "deck/parts.h"
 #include "stress/junction.h"
 #include "stress/pulse.h"
 #include "stress/told.h"
@@ -336,6 +337,240 @@ static const vs_reducer derated = {.state_size = sizeof(judged),
                                    .follow = follow_derated,
                                    .finish = finish_derated},
                         repeated = {.finish = finish_repeated};
+
+/* ---- temperatures ----
+ * A heat sink takes minutes to warm, a junction milliseconds. So the case is as warm as the mean
+ * power makes it in the long run where that mean is judged, or a run is repeated or begins on an
+ * orbit; else it stays as it begins, at the ambient. The junction's largest rise over it is the
+ * measure of its own. */
+
+static const char NO_SINK[] = "not judged: no heat sink is stated, nor r_th_ja",
+                  NO_ZTH[] = "not judged: the part has no lines zth",
+                  ON_MEAN[] = "not judged: the mean alone is known, as the part has no lines zth",
+                  WARM[] = "not judged: the case is warm at the start; 'steady' judges it";
+
+/* The mean power of what goes on for ever: of a run that is repeated, as in power_repeated; where a
+ * mean of the run is judged, that; else that of the orbit on which the run begins. Returns why none
+ * is known, as "not judged: one shot"; NULL: one is. */
+static const char *long_run_w(const vs_watched *w, const vs_run_end *end, double *power_w) {
+  const vs_occurrence *e = vs_occurrence_repeated(&w->timeline->events);
+  const vs_limit any = {.value = INFINITY};
+  vs_reduced mean_of = {.limit = &any, .value = {true, 0, NAN}, .failed_s = NAN};
+  *power_w = e ? w->sum[VS_OF_POWER] / e->v.every_s : NAN;
+  if (!w->at_work && e) return NULL;
+  judge_mean(w, &mean_of, end->to_s - end->from_s, end->to_s);
+  *power_w = w->sum_meant[VS_OF_POWER] / (end->to_s - end->from_s);
+  if (!mean_of.unjudged) return NULL;
+  *power_w = vs_junction_orbit_w(vs_reducer_of(w, VS_R_JUNCTION));
+  return isfinite(*power_w) ? NULL : mean_of.unjudged;
+}
+
+static void finish_case(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
+  double power_w;
+  const char *cold = long_run_w(w, end, &power_w);
+  const double to_ambient = vs_cooling_to_ambient(w->cooling, w->deck, w->device, &r->assumed);
+  if (!w->cooling->stated && isnan(to_ambient)) return;
+  if (cold ? w->from_work : isnan(to_ambient)) return;
+  r->note = cold ? cold + strlen("not judged: ") : NULL;
+  r->value = (vs_value){true, w->cooling->ambient_degc, NAN};
+  if (!cold) r->value.value += to_ambient * power_w;
+}
+
+/* The limit is left, for this reason. */
+static void leave(vs_reduced *r, const char *why) {
+  if (r->limit) r->unjudged = why;
+  r->limit = NULL;
+}
+
+/* Without lines zth the mean temperature is known, if that. It may break the limit, and cannot hold
+ * it. */
+static void finish_mean_junction(const vs_watched *w, vs_reduced *r, double case_degc,
+                                 const vs_run_end *end) {
+  bool assumed = false;
+  double power_w, r_jc = vs_devices_r_th(w->deck, w->device, "r_th_jc", &assumed);
+  if (long_run_w(w, end, &power_w)) {
+    leave(r, NO_ZTH);
+    return;
+  }
+  r->assumed = r->assumed || assumed;
+  r->mean = true;
+  r->value = (vs_value){true, case_degc + (isfinite(r_jc) ? r_jc * power_w : 0), NAN};
+  if (r->limit && r->value.value > r->limit->value)
+    r->failed_s = end->to_s;
+  else
+    leave(r, ON_MEAN);
+}
+
+/* What the largest rise of a run that begins cold lacks, K, where its mean power goes on. */
+static double lacks_k(const vs_watched *w, const vs_reduced *rise, const vs_run_end *end) {
+  double power_w;
+  const bool from_cold =
+      !w->at_work && !w->from_work && !vs_occurrence_repeated(&w->timeline->events);
+  if (!from_cold || long_run_w(w, end, &power_w)) return 0;
+  return vs_junction_lacks_k(rise, end->now_s, power_w);
+}
+
+static void finish_hottest(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
+  const vs_reduced *of_case = vs_reducer_of(w, VS_R_CASE), *rise = vs_reducer_of(w, VS_R_JUNCTION);
+  if (!of_case->value.known) {
+    double power_w;
+    const bool warm = long_run_w(w, end, &power_w) && w->from_work;
+    leave(r, warm && vs_cooling_has(w->cooling, w->deck, w->device) ? WARM : NO_SINK);
+    return;
+  }
+  r->assumed = of_case->assumed || rise->assumed;
+  if (!rise->value.known) {
+    finish_mean_junction(w, r, of_case->value.value, end);
+    return;
+  }
+  const double rise_k = rise->value.value + lacks_k(w, rise, end);
+  r->value = (vs_value){true, of_case->value.value + rise_k, rise->value.at_s};
+  if (r->limit && r->value.value > r->limit->value) r->failed_s = rise->value.at_s;
+}
+
+static const vs_reducer case_temperature = {.finish = finish_case},
+                        hottest = {.finish = finish_hottest};
+
+/* ---- surges ----
+ * Each conduction, or half cycle of a triac, counts by its int i^2 dt. */
+
+enum { MOST_PULSES = 512 };
+
+/* The half sines of consecutive cycles; of a triac the whole sines. */
+typedef struct row_of {
+  double i2_s[MOST_PULSES], end_s[MOST_PULSES]; /* of the last conductions, in a ring */
+  size_t count;                                 /* of all so far */
+  double present_i2_s;
+  judged worst;
+} row_of;
+
+static bool has_surges(const vs_watched *w, const vs_reduced *r) {
+  (void)r;
+  return vs_devices_most_surges(w->deck, w->device) > 0;
+}
+
+/* What one sine of that peak has over a cycle, as a part of its peak squared, s: half sines of 10
+ * ms, two of them where the device conducts both ways. */
+static double of_cycle(const vs_watched *w) {
+  return w->device->kind->both_ways ? SURGE_S : SURGE_S / 2;
+}
+
+/* How many cycles conductions span of which the last ends so long behind the first. A device that
+ * conducts both ways has one in each half cycle. */
+static double spans(const vs_watched *w, double behind_s) {
+  const double halves = round(2 * behind_s / w->timeline->period_s);
+  return w->device->kind->both_ways ? fmax(1, (halves + 1) / 2) : round(halves / 2) + 1;
+}
+
+/* Takes a value of which the part bears `allowed`, if it comes nearer to that than those before. */
+static bool take_judged(vs_reduced *r, judged *d, vs_value v, double allowed, bool assumed) {
+  double part = v.value / allowed;
+  if (!(part > d->part)) return false;
+  d->part = part;
+  d->limit.value = allowed;
+  d->limit.assumed = assumed;
+  r->value = v;
+  r->limit = &d->limit;
+  if (part > 1 && isnan(r->failed_s)) r->failed_s = v.at_s;
+  return true;
+}
+
+/* The row of the last conductions that come nearest to what the part bears: with each conduction
+ * further back the row spans so many cycles, in which the mean square counts. */
+static void end_conduction(const vs_watched *w, vs_reduced *r, double end_s) {
+  row_of *row = r->state;
+  const double most = vs_devices_most_surges(w->deck, w->device);
+  const size_t now = row->count++ % MOST_PULSES;
+  double sum = 0;
+  row->i2_s[now] = row->present_i2_s;
+  row->end_s[now] = end_s;
+  row->present_i2_s = 0;
+  for (size_t k = 0; k < row->count && k < MOST_PULSES; k++) {
+    const size_t n = (now + MOST_PULSES - k) % MOST_PULSES;
+    const double cycles = spans(w, end_s - row->end_s[n]);
+    if (cycles > most) break;
+    sum += row->i2_s[n];
+    bool assumed;
+    double allowed_a = vs_devices_bears_surge(w->deck, w->device, cycles, &assumed);
+    const vs_value v = {true, sqrt(sum / (cycles * of_cycle(w))), end_s};
+    if (!take_judged(r, &row->worst, v, allowed_a, assumed)) continue;
+    vs_limit *limit = &row->worst.limit;
+    snprintf(limit->name, sizeof limit->name, "surge");
+    snprintf(limit->unit, sizeof limit->unit, "A");
+    snprintf(limit->text, sizeof limit->text, "%g cycles", cycles);
+    snprintf(limit->written, sizeof limit->written, "%.4g A", allowed_a);
+  }
+}
+
+static void follow_surges(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
+  row_of *row = r->state;
+  if (!c->was_on && !c->on) return;
+  row->present_i2_s += c->more[VS_OF_I2];
+  if (!c->on) end_conduction(w, r, c->t1_s);
+}
+
+static void finish_surges(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
+  row_of *row = r->state;
+  if (has_surges(w, r) && row->present_i2_s > 0) end_conduction(w, r, end->now_s);
+}
+
+/* One conduction below 10 ms, by its int i^2 dt and its peak. The half sine of the same two lasts
+ * 2 int i^2 dt / peak^2. What the part bears is i2sqrt_t times the root of that. */
+typedef struct short_of {
+  double i2_s, peak_a;
+  judged worst;
+} short_of;
+
+static const vs_limit *root_limit(const vs_watched *w) {
+  const char *file = w->device->part < 0 ? NULL : w->deck->parts[w->device->part].file;
+  const vs_limit *limit = file ? vs_parts_find_limit(w->deck, file, "i2sqrt_t") : NULL;
+  return limit && isfinite(limit->value) ? limit : NULL;
+}
+
+static bool has_root(const vs_watched *w, const vs_reduced *r) {
+  (void)r;
+  return root_limit(w);
+}
+
+static void end_short(const vs_watched *w, vs_reduced *r, double end_s) {
+  short_of *s = r->state;
+  const vs_limit *root = root_limit(w);
+  const double length_s = 2 * s->i2_s / (s->peak_a * s->peak_a);
+  const vs_value v = {true, s->i2_s, end_s};
+  s->i2_s = s->peak_a = 0;
+  if (!(length_s > 0) || length_s >= SURGE_S) return;
+  double allowed = root->value * sqrt(length_s);
+  if (!take_judged(r, &s->worst, v, allowed, root->assumed)) return;
+  vs_limit *limit = &s->worst.limit;
+  snprintf(limit->name, sizeof limit->name, "i2sqrt_t");
+  snprintf(limit->unit, sizeof limit->unit, "A2.s");
+  snprintf(limit->text, sizeof limit->text, "half sine of %.4g ms", 1e3 * length_s);
+  snprintf(limit->written, sizeof limit->written, "%.4g A2.s", allowed);
+}
+
+static void follow_short(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
+  short_of *s = r->state;
+  if (!c->was_on && !c->on) return;
+  s->i2_s += c->more[VS_OF_I2];
+  s->peak_a = fmax(s->peak_a, fmax(fabs(c->from[VS_OF_I]), fabs(c->to[VS_OF_I])));
+  if (!c->on) end_short(w, r, c->t1_s);
+}
+
+static void finish_short(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
+  const short_of *s = r->state;
+  if (s->i2_s > 0) end_short(w, r, end->now_s);
+}
+
+static const vs_reducer surges = {.state_size = sizeof(row_of),
+                                  .hangs_on_sequence = true,
+                                  .is_busy = has_surges,
+                                  .follow = follow_surges,
+                                  .finish = finish_surges},
+                        short_pulse = {.state_size = sizeof(short_of),
+                                       .hangs_on_sequence = true,
+                                       .is_busy = has_root,
+                                       .follow = follow_short,
+                                       .finish = finish_short};
 
 /* ---- the table ---- */
 

@@ -5,12 +5,16 @@
 
 static const double WINDOW_S = 1e-7;
 
+static double window_of(const vs_slope *s) {
+  return s->window_s > 0 ? s->window_s : WINDOW_S;
+}
+
 static size_t at(const vs_slope *s, size_t n) {
   return (s->first + n) % VS_SLOPE_KNOTS;
 }
 
 static void keep(vs_slope *s, double t_s, double y) {
-  if (s->count && t_s - s->t_s[at(s, s->count - 1)] < WINDOW_S / VS_SLOPE_PARTS) return;
+  if (s->count && t_s - s->t_s[at(s, s->count - 1)] < window_of(s) / VS_SLOPE_PARTS) return;
   size_t end = at(s, s->count++);
   s->t_s[end] = t_s;
   s->y[end] = y;
@@ -34,10 +38,11 @@ static double in_sense(double change, int sense) {
 /* The largest rate where the last knot kept is a window or more before the step, and the step two
  * windows long: the windows that count begin with the step, or end with it. */
 static double follow_long(vs_slope *s, double t0_s, double y0, double t1_s, double y1, int sense) {
-  double rate = (y1 - y0) / (t1_s - t0_s), after = y0 + rate * (t0_s + WINDOW_S - t0_s);
-  double before = y0 + rate * (t1_s - WINDOW_S - t0_s);
-  double first = in_sense((after - y0) / WINDOW_S, sense);
-  double last = in_sense((y1 - before) / WINDOW_S, sense), largest = -INFINITY;
+  const double window_s = window_of(s);
+  double rate = (y1 - y0) / (t1_s - t0_s), after = y0 + rate * (t0_s + window_s - t0_s);
+  double before = y0 + rate * (t1_s - window_s - t0_s);
+  double first = in_sense((after - y0) / window_s, sense);
+  double last = in_sense((y1 - before) / window_s, sense), largest = -INFINITY;
   s->first = 0;
   s->t_s[0] = t0_s;
   s->y[0] = y0;
@@ -46,8 +51,9 @@ static double follow_long(vs_slope *s, double t0_s, double y0, double t1_s, doub
 }
 
 double vs_slope_follow(vs_slope *s, double t0_s, double y0, double t1_s, double y1, int sense) {
+  const double window_s = window_of(s);
   if (!(t1_s > t0_s)) return -INFINITY;
-  if (s->count == 1 && t0_s - s->t_s[s->first] > 2 * WINDOW_S && t1_s - t0_s > 2 * WINDOW_S)
+  if (s->count == 1 && t0_s - s->t_s[s->first] > 2 * window_s && t1_s - t0_s > 2 * window_s)
     return follow_long(s, t0_s, y0, t1_s, y1, sense);
   double rate = (y1 - y0) / (t1_s - t0_s), largest = -INFINITY;
   keep(s, t0_s, y0);
@@ -55,14 +61,14 @@ double vs_slope_follow(vs_slope *s, double t0_s, double y0, double t1_s, double 
    * largest value is at such an instant. */
   for (size_t n = 0; n <= s->count; n++) {
     bool last = n == s->count;
-    double begin_s = last ? t1_s - WINDOW_S : s->t_s[at(s, n)], end_s = begin_s + WINDOW_S;
+    double begin_s = last ? t1_s - window_s : s->t_s[at(s, n)], end_s = begin_s + window_s;
     if (begin_s < s->t_s[s->first] || (!last && (end_s <= t0_s || end_s > t1_s))) continue;
     double begin = last ? value_at(s, begin_s, t0_s, y0, rate) : s->y[at(s, n)];
-    double end = last ? y1 : y0 + rate * (end_s - t0_s), change = (end - begin) / WINDOW_S;
+    double end = last ? y1 : y0 + rate * (end_s - t0_s), change = (end - begin) / window_s;
     double own = in_sense(change, sense);
     if (own > largest) largest = own; /* fmax would be called */
   }
-  while (s->count > 1 && s->t_s[at(s, 1)] <= t1_s - WINDOW_S) {
+  while (s->count > 1 && s->t_s[at(s, 1)] <= t1_s - window_s) {
     s->first = at(s, 1);
     s->count--;
   }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The largest rate of a course that runs straight from knot to knot. A rate is the change over a
- * window of exactly 0.1 us, divided by 0.1 us; the window may lie anywhere. */
+ * window of exactly 0.1 us, or of another length, divided by that; the window may lie anywhere. */
 #ifndef VS_STRESS_SLOPE_H
 #define VS_STRESS_SLOPE_H
 
@@ -9,11 +9,13 @@
 
 /* The window's beginning moves over the knots that are kept. A knot less than a 256th of the window
  * behind a kept one is not kept, which bounds their number: there the course counts as straight
- * over 0.4 ns. The window's end moves over every knot. */
+ * over that, 0.4 ns of 0.1 us. The window's end moves over every knot. */
 enum { VS_SLOPE_PARTS = 256, VS_SLOPE_KNOTS = VS_SLOPE_PARTS + 4 };
 
-/* Start from {0}. A ring of the knots within the last window, and one before it. */
+/* Start from {0}, with another length of the window if one is wanted. A ring of the knots within
+ * the last window, and one before it. */
 typedef struct vs_slope {
+  double window_s; /* 0: 0.1 us */
   size_t first, count;
   double t_s[VS_SLOPE_KNOTS], y[VS_SLOPE_KNOTS];
 } vs_slope;

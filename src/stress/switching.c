@@ -3,6 +3,7 @@
 
 #include <math.h>
 
+#include "deck/parts.h"
 #include "drive/events.h"
 #include "drive/firing.h"
 #include "drive/gate.h"
@@ -392,6 +393,8 @@ void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, const vs_gate
                    .stored_at_s = -INFINITY};
   vs_switching_gate_begin(&s->gate, timeline, gates);
   s->gate.bursts = deck->n_ports && vs_deck_has_port(deck, vs_port_is_burst);
+  s->on.window_s =
+      vs_parts_turn_on_s(deck, device->part < 0 ? NULL : deck->parts[device->part].file);
   vs_conduction_begin(&s->conduction);
   s->conduction.recovers = vs_conduction_recovers(deck, device);
 }

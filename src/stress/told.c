@@ -6,6 +6,7 @@
 
 #include "base/text.h"
 #include "deck/parts.h"
+#include "syntax/units.h"
 
 /* ---- news of a device that conducts or blocks ---- */
 
@@ -23,6 +24,40 @@ static void take_stretch(vs_reduced *r, vs_value rate, double over_v) {
 static void take_rise(const vs_watched *w, vs_reduced *r, const vs_switch_news *news) {
   (void)w;
   take_stretch(r, news->rise, news->rise_v);
+}
+
+/* Where the part states the limit at a second temperature, the limit at the junction's own largest
+ * one is between the two: on a straight line where it is the least that is allowed, on a power law
+ * where it is the most, as that is the stricter of the two. Beyond the two it is the nearer one's;
+ * where the junction's temperature is not known it is that at t_j_max. */
+typedef struct at_temperature {
+  vs_limit limit;
+} at_temperature;
+
+static double between(const vs_limit_at *cold, double hot_degc, const vs_reduced *r, double degc) {
+  double part = (degc - cold->at_degc) / (hot_degc - cold->at_degc);
+  part = fmin(fmax(part, 0), 1);
+  if (r->measure->held == VS_AT_LEAST) return cold->value + part * (r->limit->value - cold->value);
+  return cold->value * pow(r->limit->value / cold->value, part);
+}
+
+static void settle_at_temperature(const vs_watched *w, vs_reduced *r) {
+  at_temperature *own = r->state;
+  double hot_degc;
+  const vs_limit_at *cold =
+      r->limit ? vs_devices_limit_at(w->deck, w->device, r->limit->name, &hot_degc) : NULL;
+  const vs_reduced *t_j = vs_reducer_of(w, VS_R_HOTTEST);
+  if (!cold || !t_j || !t_j->value.known || t_j->mean) return;
+  own->limit = *r->limit;
+  own->limit.value = between(cold, hot_degc, r, t_j->value.value);
+  own->limit.assumed = r->limit->assumed || cold->assumed || t_j->assumed;
+  snprintf(own->limit.written, sizeof own->limit.written, "%.4g %s",
+           own->limit.value / vs_units_factor(own->limit.unit), own->limit.unit);
+  snprintf(own->limit.text, sizeof own->limit.text, "junction at %.4g degC", t_j->value.value);
+  r->limit = &own->limit;
+  const bool least = r->measure->held == VS_AT_LEAST;
+  const double v = r->value.value, limit = r->limit->value;
+  r->failed_s = r->value.known && (least ? v < limit : v > limit) ? r->value.at_s : NAN;
 }
 
 static void take_off_rate(const vs_watched *w, vs_reduced *r, const vs_switch_news *news) {
@@ -142,20 +177,26 @@ static void take_fall(const vs_watched *w, vs_reduced *r, const vs_switch_news *
 const vs_reducer
     vs_told_rise = {.is_rate = true,
                     .makes_fire = true,
+                    .state_size = sizeof(at_temperature),
                     .prepare = prepare_rise,
-                    .take_news = take_rise},
+                    .take_news = take_rise,
+                    .settle = settle_at_temperature},
     vs_told_off_rate = {.is_rate = true, .take_news = take_off_rate},
     vs_told_on_rate = {.is_rate = true, .hangs_on_sequence = true, .take_news = take_on_rate},
     vs_told_return_rise = {.is_rate = true,
                            .hangs_on_sequence = true,
                            .makes_fire = true,
+                           .state_size = sizeof(at_temperature),
                            .prepare = prepare_rise,
-                           .take_news = take_return_rise},
+                           .take_news = take_return_rise,
+                           .settle = settle_at_temperature},
     vs_told_fall = {.is_rate = true, .hangs_on_sequence = true, .take_news = take_fall},
     vs_told_offered = {.hangs_on_sequence = true,
                        .makes_fire = true,
+                       .state_size = sizeof(at_temperature),
                        .prepare = prepare_offered,
-                       .take_news = take_offered},
+                       .take_news = take_offered,
+                       .settle = settle_at_temperature},
     vs_told_misfire = {HAPPENS, .counts = true, .take_news = take_misfire,
                        .finish = finish_misfire},
     vs_told_unintended = {HAPPENS, .counts = true, .take_news = take_unintended},

@@ -46,7 +46,8 @@ void vs_dimension_text(const vs_dimension *d, char text[VS_DIMENSION_TEXT]) {
       "ohm",  "H",    "Wb",    "F",   "K",    "m/s", "m/s2",  "1/s",    "1/s2", "1/m",   "m2",
       "m3",   "kg.m", "kg.m2", "N/A", "H.m",  "V/s", "A/s",   "N/s",    "1/H",  "kg/m3", "N/m2",
       "kg/s", "s2",   "N/m3",  "1/A", "1/Wb", "A.m", "ohm.m", "N.s2/m2"};
-  static const char *const BASE[VS_UNIT_POWERS] = {"kg", "m", "s", "A", "rad", "K", "cycle", "degC"};
+  static const char *const BASE[VS_UNIT_POWERS] = {"kg", "m",     "s",    "A",     "rad",
+                                                   "K",  "cycle", "degC", "sqrt_s"};
   size_t n = 0;
   snprintf(text, VS_DIMENSION_TEXT, "%s", d->unknown ? "an unknown unit" : "a pure number");
   if (d->unknown || d->any || is_pure(d)) return;

@@ -41,6 +41,8 @@ static const struct named {
     {"°", {3.14159265358979323846 / 180, 0, {0, 0, 0, 0, 1}}, false},
     {"K", {1, 0, {0, 0, 0, 0, 0, 1}}, true},
     {"degC", {1, 0, {0, 0, 0, 0, 0, 0, 0, 1}}, false},
+    {"sqrt_s", {1, 0, {[VS_UNIT_ROOT_S] = 1}}, false},
+    {"√s", {1, 0, {[VS_UNIT_ROOT_S] = 1}}, false},
     {"%", {1, -2, {0}}, false},
     {"min", {60, 0, {0, 0, 1}}, false},
     {"cycle", {1, 0, {0, 0, 0, 0, 0, 0, 1}}, false},

@@ -26,9 +26,9 @@ bool vs_units_same_kind(const char *unit, const char *other);
  * to 3, of two names, and `unit` as it is written with other names. */
 void vs_units_pattern(const char *unit, vs_text *pattern);
 
-/* The powers of a unit: of mass, length, time, current, angle, temperature, cycles, and a
- * temperature that is counted from 0 degC, which is not a difference of two. Returns false where it
- * is no unit. */
+/* The powers of a unit: of mass, length, time, current, angle, temperature, cycles, a temperature
+ * that is counted from 0 degC, which is not a difference of two, and the root of a time, in which
+ * makers give I2sqrt(t). Returns false where it is no unit. */
 enum {
   VS_UNIT_KG,
   VS_UNIT_M,
@@ -37,9 +37,10 @@ enum {
   VS_UNIT_ANGLE,
   VS_UNIT_K,
   VS_UNIT_CYCLES,
-  VS_UNIT_CELSIUS
+  VS_UNIT_CELSIUS,
+  VS_UNIT_ROOT_S
 };
-enum { VS_UNIT_POWERS = VS_UNIT_CELSIUS + 1 };
+enum { VS_UNIT_POWERS = VS_UNIT_ROOT_S + 1 };
 bool vs_units_powers(const char *unit, int power[VS_UNIT_POWERS]);
 
 /* Writes the unit as it ends a CSV column's name: "m/s2" as "m_s2", "Wb" as "wb", "" as "". */

@@ -61,6 +61,7 @@ static void print_device(const vs_judgement *j, int width, FILE *out) {
   print_margin(j, out);
   if (j->over_v > 0) fprintf(out, "  over %.4g V", j->over_v);
   if (j->ward) fprintf(out, "  limit of %s", j->ward->name);
+  if (j->measure->how == VS_R_RETURN_RISE) fputs("  compared: a model need not obey it", out);
   fprintf(out, "%s\n", j->assumed ? "  assumed" : "");
 }
 
@@ -195,6 +196,26 @@ static void print_on_line(const vs_events *events, FILE *out) {
             repeated->v.times, vs_amount_text(repeated->v.every_s, "s", from));
 }
 
+/* Which way the heat of each device goes, where its case is known, and how warm that is taken for.
+ */
+static void print_heat(const vs_result *r, FILE *out) {
+  const vs_devices *d = r->watchers.devices;
+  for (size_t k = 0; d && k < d->count; k++) {
+    const vs_watched *w = &d->item[k];
+    const vs_reduced *of_case = vs_reducer_of(w, VS_R_CASE);
+    vs_text text = {0};
+    if (!of_case || !of_case->value.known) continue;
+    vs_cooling_write(w->cooling, w->deck, w->device, &text);
+    if (of_case->note)
+      fprintf(out, "heat   %s; the case stays at the ambient, as no mean is judged (%s)\n",
+              text.text, of_case->note);
+    else
+      fprintf(out, "heat   %s; the case is as the mean power makes it in the long run\n",
+              text.text);
+    vs_text_free(&text);
+  }
+}
+
 /* What was run, and how. */
 static void print_head(const vs_result *r, FILE *out) {
   const vs_scene *s = r->scene;
@@ -220,6 +241,7 @@ static void print_head(const vs_result *r, FILE *out) {
             "%.6g on the orbit%s%s)\n",
             s->setup.model.riding, s->setup.throw_coefficient, s->tier == tier ? "" : " of tier ",
             s->tier == tier ? "" : tier->name);
+  print_heat(r, out);
   if (r->watchers.devices)
     fprintf(out, "means  over %.9g..%.9g s\n", s->setup.means.from_s, s->setup.means.to_s);
 }

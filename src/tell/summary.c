@@ -138,6 +138,7 @@ void vs_summary_scene(vs_json *json, const vs_scene *s) {
   add_instruments(json, &s->instruments, vs_instruments_working_hz(&s->setup));
   add_control(json, &s->control);
   vs_ratings_json(&s->ratings, json);
+  vs_cooling_json(&s->setup.cooling, &s->setup.deck, json);
   vs_json_end(json);
 }
 

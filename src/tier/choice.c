@@ -101,6 +101,9 @@ static const char *needs_circuit(const vs_node *root, const vs_setup *setup, cha
              event->kind->ideal ? "and only this tier tells how the devices bear it" : HAS);
   else if (expect)
     snprintf(buffer, size, "expect, and only this tier has devices");
+  else if (setup->cooling.stated)
+    snprintf(buffer, size, "%s, and only this tier has devices",
+             vs_tree_child(root, "ambient") ? "ambient" : "heatsink");
   else if (probe)
     snprintf(buffer, size, "probe %s, %s", probe, HAS);
   else if (rating)

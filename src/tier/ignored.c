@@ -128,6 +128,26 @@ static vs_status check_feedback(const asked *s, vs_error *err) {
                       deck->eva, s->tier->name, s->why, vs_tiers_circuit()));
 }
 
+/* Keys that are of the devices of a circuit. */
+static vs_status refuse_of_devices(const asked *s, vs_error *err) {
+  static const struct {
+    const char *key, *what;
+  } OF[] = {{"expect", "to which anything could happen"},
+            {"ambient", "that could become hot"},
+            {"heatsink", "that could become hot"}};
+  vs_status status = VS_OK;
+  for (size_t k = 0; k < sizeof OF / sizeof *OF && !status; k++) {
+    const vs_node *node = vs_tree_child(s->root, OF[k].key);
+    if (node)
+      status = vs_error_carry_on(
+          err, vs_fail_at(err, node->key_where,
+                          "%s: tier %s (%s) has no devices %s; take tier %s or auto, or leave the "
+                          "key out",
+                          OF[k].key, s->tier->name, s->why, OF[k].what, vs_tiers_circuit()));
+  }
+  return status;
+}
+
 vs_status vs_ignored_check(const vs_node *root, const vs_setup *setup, const vs_tier *tier,
                            const char *why, vs_error *err) {
   const asked all = {root, setup, tier, why}, *s = &all;
@@ -144,13 +164,7 @@ vs_status vs_ignored_check(const vs_node *root, const vs_setup *setup, const vs_
     if (n->key && strcmp(n->key, vs_deck_key.key)) /* a list has none, and is refused elsewhere */
       status = ignored_key(s, "circuit", n, err);
   if (!status) status = check_ignored_keys(s, err);
-  const vs_node *expect = vs_tree_child(s->root, "expect");
-  if (!status && expect)
-    status = vs_error_carry_on(
-        err, vs_fail_at(err, expect->key_where,
-                        "expect: tier %s (%s) has no devices to which anything could happen; take "
-                        "tier %s or auto, or leave the key out",
-                        tier->name, why, vs_tiers_circuit()));
+  if (!status) status = refuse_of_devices(s, err);
   for (size_t k = 0; k < events->count && !status; k++)
     status = ignored_event(s, &events->item[k], err);
   return status;

@@ -129,7 +129,7 @@ static void write_reason(const vs_devices *devices, const vs_verdict *v, const c
 }
 
 void vs_unjudged_write(const vs_devices *devices, const vs_verdict *v, vs_text *text) {
-  enum { MOST_REASONS = 8 };
+  enum { MOST_REASONS = 16 };
   const char *written[MOST_REASONS];
   size_t count = 0, n;
   vs_unjudged entry;

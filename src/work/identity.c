@@ -187,6 +187,7 @@ void vs_identity_of(vs_identity *identity, const vs_scene *scene, char id[VS_ID_
   const vs_node *section = vs_tree_child(scene->tree.root, vs_control_section.name);
   if (scene->control.observing.system) add_node(vs_tree_child(section, "observer"), whole);
   vs_ratings_identify(&scene->ratings, whole);
+  vs_cooling_identify(&scene->setup.cooling, &scene->setup.deck, whole);
   if (scene->setup.steady) vs_text_add(whole, "start steady\n");
   if (identity->plan->periods) vs_text_add(whole, "steady %d\n", identity->plan->periods);
   sum_of(whole, id);
