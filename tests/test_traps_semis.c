@@ -448,7 +448,7 @@ static void a_case_by_the_mean(void) {
 /* The reason for which t_j is not judged; "": it is. */
 static const char *left(const vs_trial *t) {
   vs_unjudged entry;
-  for (size_t k = 0; vs_unjudged_at(t->result.watchers.devices, k, &entry); k++)
+  for (size_t k = 0; vs_unjudged_at(t->result.watchers.devices, &t->result.verdict, k, &entry); k++)
     if (!strcmp(entry.name, "d.t_j")) return entry.why;
   return "";
 }
