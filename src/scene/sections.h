@@ -10,7 +10,7 @@
  * SECTION(name, fields, member): fields is the vs_section, NULL for those of the scene's own
  * machine and deck; member is the one of vs_setup that the fields fill. OTHER(name, ): the key has
  * no fields of its own; scene/scene.c, scene/ratings.c, drive/events.c, instrument/instruments.c,
- * control/control.c, period/quality.c and watch/expect.c read such keys. */
+ * control/control.c, period/quality.c, watch/expect.c and setup/setup.c read such keys. */
 #define VS_SECTION_LIST(SECTION, OTHER)                                                            \
   SECTION(machine, NULL, model.parameters)                                                         \
   SECTION(actuator, NULL, model.actuator)                                                          \
@@ -29,6 +29,7 @@
   OTHER(quality, )                                                                                 \
   OTHER(expect, )                                                                                  \
   OTHER(ratings, )                                                                                 \
+  OTHER(ambient, )                                                                                 \
   SECTION(measure, &vs_manner_measure, measure)                                                    \
   SECTION(limits, &vs_limits_section, limits)
 

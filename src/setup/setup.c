@@ -17,6 +17,7 @@
 #include "machine/build.h"
 #include "machine/mechanics.h"
 #include "setup/naming.h"
+#include "syntax/units.h"
 
 const char vs_setup_steady[] = "steady";
 
@@ -124,6 +125,19 @@ void vs_setup_standard(const vs_setup *setup, vs_deck_value standard[VS_STANDARD
   _Static_assert(sizeof values / sizeof *values == VS_STANDARD, "a value for each name");
   for (int k = 0; k < VS_STANDARD; k++)
     standard[k] = (vs_deck_value){vs_deck_standard_names[k], values[k]};
+}
+
+/* Reads the key `ambient`. */
+static vs_status read_ambient(const vs_node *scene, vs_setup *setup, vs_error *err) {
+  const vs_node *node = vs_tree_child(scene, "ambient");
+  char why[200] = "";
+  setup->ambient_degc = 25;
+  if (!node) return VS_OK;
+  if (node->kind == VS_NODE_TEXT &&
+      vs_units_read(node->text, "degC", &setup->ambient_degc, why, sizeof why))
+    return VS_OK;
+  return vs_fail_at(err, node->where, "ambient: a temperature is wanted, as 40 degC%s%s",
+                    *why ? "; " : "", why);
 }
 
 /* Error: a decoupling inductance for a deck whose elements do not use l_source, of which it is a
@@ -295,6 +309,7 @@ static vs_status build(const vs_node *scene, vs_setup *setup, bool has_deck, vs_
     s = vs_events_read(vs_tree_child(scene, "events"), line, setup->run.until_s, &line->events,
                        err);
   if (!s) s = vs_error_carry_on(err, check_decoupling(scene, setup, err));
+  if (!s) s = vs_error_carry_on(err, read_ambient(scene, setup, err));
   if (!s) s = vs_events_wire(&line->events, &setup->deck, err);
   if (!s && !setup->machine->lost && !vs_error_count(err))
     s = vs_error_carry_on(

@@ -40,8 +40,9 @@ typedef struct vs_setup {
   vs_deck deck;    /* the scene's, also for a tier that does not use it; with what the scene's
                       events put into it */
   vs_circuit_values circuit_values;
-  vs_text written; /* what the model was built from (machine/build.h); owned */
-  vs_memo memo;    /* what other sections were read from; owned */
+  double ambient_degc; /* the scene's key `ambient`; 25 where it does not say */
+  vs_text written;     /* what the model was built from (machine/build.h); owned */
+  vs_memo memo;        /* what other sections were read from; owned */
 } vs_setup;
 
 /* Reads the scene's sections machine, actuator, load, supply, firing, circuit, run, events, start

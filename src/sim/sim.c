@@ -19,6 +19,7 @@ vs_frame vs_sim_frame(const vs_tier *tier, const vs_setup *setup) {
                     .means = setup->means,
                     .at_work = setup->at_work,
                     .tolerance = setup->run.tolerance,
+                    .ambient_degc = setup->ambient_degc,
                     .source_is_coil = !tier->has_circuit};
 }
 

@@ -24,8 +24,9 @@ static bool says_none(const vs_deck *deck, const vs_device *d, const vs_device_m
 /* Why a measure that a data sheet would limit is not judged; NULL: it is, or need not be. */
 static const char *why_not(const vs_watched *w, const vs_reduced *r) {
   const vs_device_measure *m = r->measure;
-  if (!m->limit) return NULL;
+  if (r->idle) return NULL;
   if (r->unjudged) return r->unjudged + strlen("not judged: ");
+  if (!m->limit) return NULL;
   if (r->limit) return r->value.known ? NULL : NOT_SEEN;
   return says_none(w->deck, w->device, m) ? NULL : NO_LIMIT;
 }
