@@ -153,7 +153,8 @@ static void write_deck(const trap *t) {
           "Vm %s 0 external\n%sVd a d 0\nXd d x part\nRx x y %s\nLx y 0 %s ic=0\n"
           "Re a e 1meg\nXeva e 0 eva\n",
           t->ward ? " protects w" : "", t->ward ? WARD : "", direct ? "m" : "a",
-          direct ? "Vdirect a 0 100\n" : "", fuse ? "9" : "1u", t->ward ? "10m" : "1n");
+          direct ? "*$ loss own = v(m)^2/100-v(d,x)*i(Vd)\nRm m 0 100\nVdirect a 0 100\n" : "",
+          fuse ? "9" : "1u", t->ward ? "10m" : "1n");
   if (fclose(f)) abort();
 }
 
