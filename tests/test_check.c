@@ -102,7 +102,8 @@ static void all_that_is_wrong_with_a_scene(void) {
            "                                                             ^\n"
            "s.yaml:4:1: a scene has no key 'firin'; did you mean 'firing'? "
            "it has: machine, actuator, load, supply, firing, pwm, circuit, events, instruments, "
-           "control, run, start, record, measured, quality, expect, ratings, measure, limits\n"
+           "control, run, start, record, measured, quality, expect, ratings, ambient, measure, "
+           "limits\n"
            " firin:\t{angle: 95 deg}\n"
            " ^\n"
            "s.yaml:6:9: actuator.gap: -1 mm is out of range; allowed: 0..1000 mm (ends excluded)\n"
@@ -292,7 +293,8 @@ static void all_that_is_wrong_with_a_deck(void) {
       "Xtwo b 0 eva\n",
       "",
       "d.cir:2:4: '*$ prt' is not known; there are: title, param, port, line, earth, probe, loss, "
-      "store, part, limit, rating, require, device, zth, pulse, compat; did you mean 'port'?\n"
+      "store, part, limit, rating, require, device, time_current, derate, zth, pulse, "
+      "compat; did you mean 'port'?\n"
       " *$ prt    mains = Vmains\n"
       "    ^\n"
       "d.cir:3:11: no port 'gat'; there are: mains, gate, gate+ANGLE, burst, burst+ANGLE, pwm, "
@@ -501,7 +503,8 @@ static void verdicts(void) {
        "key "
        "'\\\"'; it has: machine, actuator, load, supply, firing, pwm, circuit, events, "
        "instruments, "
-       "control, run, start, record, measured, quality, expect, ratings, measure, limits\"}\n"
+       "control, run, start, record, measured, quality, expect, ratings, ambient, measure, "
+       "limits\"}\n"
        "]\n",
        "", 2},
       {"paper --json --set run.max_step=1e-9us",
