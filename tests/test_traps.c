@@ -190,7 +190,113 @@ static void every_limit(void) {
   }
 }
 
+/* ---- what must not be told as a limit ---- */
+
+/* A mean of less than 1 s, of a fuse that opens as expected, of a voltage that the other limit is
+ * for: held to nothing, whatever the limit. */
+static void not_judged(void) {
+  static const struct {
+    trap trap;
+    const char *says; /* in the line `not judged`; NULL: nothing */
+  } CASES[] = {
+      {{"d.power", VARISTOR "*$ limit p_max = {} W\n*$ limit i_surge = 9 A" KOHM, "1", NULL, NULL,
+        SHORT, NULL},
+       "d.power (over less than 1 s)"},
+      {{"d.v_rms", VARISTOR "*$ limit v_rms = 80 V\n*$ limit v_dc = {} V" KOHM, "102", NULL, NULL,
+        LONG DIRECT, NULL},
+       NULL},
+      {{"d.v_dc", VARISTOR "*$ limit v_dc = {} V" KOHM, "1", NULL, NULL, LONG, NULL}, NULL},
+      {{"d.power_repeated", VARISTOR "*$ limit p_max = {} W" KOHM, "20", NULL, NULL, LONG, NULL},
+       NULL},
+      {{"d.i_rms",
+        FUSE "*$ limit i_rated = {} A\n*$ derate i_rated 25 degC 100 %\n*$ limit i2t_melt = 99 "
+             "A2.s" WHOLE,
+        "1", NULL, NULL, LONG "ambient: 40 degC\n", NULL},
+       "d.i_rms (its lines derate end before that ambient temperature)"},
+      {{"d.i2t_surge", FUSE "*$ limit i2t_melt = {} A2.s" MELTS, "0.4", NULL, NULL, SHORT OPENS,
+        NULL},
+       "d.i2t_surge (it opens, as expected)"},
+      {{"d.i_overload", FUSE "*$ limit i_rated = 1 A\n*$ time_current 1 ms {} A" MELTS, "2", NULL,
+        NULL, SHORT OPENS, NULL},
+       "d.i_overload (it opens, as expected)"},
+      {{"d.i_overload", FUSE "*$ limit i_rated = {} A" WHOLE, "11", NULL, NULL, LONG, NULL},
+       "d.i_overload (no time_current stated)"},
+      {{"d.v_open", FUSE "*$ limit v_rated = {} V\n*$ limit i2t_melt = 99 A2.s" WHOLE, "10", NULL,
+        NULL, SHORT, NULL},
+       "d.v_open (it did not open)"}};
+  for (size_t k = 0; k < COUNT(CASES); k++) {
+    const trap *t = &CASES[k].trap;
+    write_scene(t);
+    write_deck(t);
+    write_part(t, t->violated);
+    ran r = run("run trap.yaml");
+    char *line = line_of(r.out, t->line);
+    EXPECT(!*line, "%s is judged: %s", t->line, line);
+    free(line);
+    const char *list = strstr(r.out, "not judged: ");
+    if (CASES[k].says)
+      EXPECT(list && strstr(list, strchr(CASES[k].says, '(')) && strstr(list, t->line), "%s",
+             r.out);
+    else
+      EXPECT(!list || !strstr(list, t->line) || strstr(list, t->line) > strchr(list, '\n'), "%s",
+             r.out);
+    free_ran(&r);
+  }
+}
+
+/* ---- bad input ---- */
+
+static void bad_input(void) {
+  static const struct {
+    const char *part, *at, *says;
+  } CASES[] = {
+      {VARISTOR "*$ limit p_max = -1 W" KOHM, "x.inc:2:18: ", "a positive number"},
+      {VARISTOR "*$ limit v_dc = 400 V\n*$ limit v_rms = 460 V" KOHM, "x.inc:2:1: ",
+       "400 V is below v_rms, which is 460 V at line 3; of a varistor v_dc is at least v_rms"},
+      {FUSE "*$ limit i2t_melt = 30 A2.s\n*$ limit i2t_clear = 22 A2.s" WHOLE,
+       "x.inc:3:1: ", "22 A2.s is below i2t_melt"},
+      {CAPACITOR "*$ limit v_class = 250 V\n*$ limit v_rms = 275 V" TEN_UF,
+       "x.inc:2:1: ", "250 V is below v_rms"},
+      {FUSE "*$ time_current 0.1 s 12 A\n*$ time_current 0.1 s 10 A" WHOLE,
+       "x.inc:3:17: ", "a longer time and a smaller current are wanted"},
+      {FUSE "*$ time_current 0.1 s 12 A\n*$ time_current 1 s 13 A" WHOLE, "x.inc:3:17: ",
+       "behind 0.1 s and 12 A a longer time and a smaller current are wanted, not 1 s and 13 A"},
+      {FUSE "*$ limit i_rated = 10 A\n*$ time_current 1 s 9 A" WHOLE,
+       "x.inc:3:1: ", "9 A is no more than i_rated, 10 A"},
+      {FUSE "*$ time_current 12 A 1 s" WHOLE, "x.inc:2:17: ", "as 0.1 s 12.6 A"},
+      {RESISTOR "*$ limit p_rated = 1 W\n*$ derate p_rated 70 %" KOHM,
+       "x.inc:3:11: ", "as p_rated 70 degC 100 %"},
+      {RESISTOR "*$ limit p_rated = 1 W\n*$ derate p_rated 70 degC 50 %\n"
+                "*$ derate p_rated 155 degC 60 %" KOHM,
+       "x.inc:4:11: ", "a higher temperature and no larger a part are wanted"},
+      {RESISTOR "*$ derate p_rated 70 degC 100 %" KOHM,
+       "x.inc:2:1: ", "the file has no line '*$ limit p_rated = VALUE UNIT'"},
+      {VARISTOR "*$ pulse 20 us 1 100 A\n*$ pulse 20 us 1 90 A" KOHM,
+       "x.inc:3:10: ", "each width and number stands once"},
+      {VARISTOR "*$ pulse 20 us 1 100 A\n*$ pulse 20 us 10 110 A" KOHM,
+       "x.inc:3:10: ", "longer or more pulses bear no more"}};
+  for (size_t k = 0; k < COUNT(CASES); k++) {
+    const trap t = {"", CASES[k].part, NULL, NULL, NULL, SHORT, NULL};
+    write_scene(&t);
+    write_deck(&t);
+    write_part(&t, "");
+    ran r = run("check trap.yaml");
+    EXPECT(r.status == 2 && strstr(r.err, CASES[k].at) && strstr(r.err, CASES[k].says),
+           "%s: status %d, not %s%s but %s", CASES[k].part, r.status, CASES[k].at, CASES[k].says,
+           r.err);
+    free_ran(&r);
+  }
+  const trap t = {
+      "", VARISTOR "*$ limit p_max = 1 W" KOHM, NULL, NULL, NULL, SHORT "ambient: 40 V\n", NULL};
+  write_scene(&t);
+  ran r = run("check trap.yaml");
+  EXPECT(r.status == 2 && strstr(r.err, "trap.yaml:4:10: ") && strstr(r.err, "40 degC"), "%s",
+         r.err);
+  free_ran(&r);
+}
+
 int main(void) {
-  static const vs_test TESTS[] = {{"every limit", every_limit}};
+  static const vs_test TESTS[] = {
+      {"every limit", every_limit}, {"not judged", not_judged}, {"bad input", bad_input}};
   return program_suite("traps", TESTS, COUNT(TESTS));
 }
