@@ -237,8 +237,8 @@ static const vs_device_measure VARISTOR[] = {
 static const vs_device_measure RESISTOR[] = {
     {"power", "W", "mean power, over the time that measure says; " MEAN_IS_JUDGED, VS_R_MEAN,
      VS_OF_POWER, 1, "p_rated", VS_AT_MOST},
-    {"e_pulse", "J", "largest energy within 10 ms, where the part states how much it bears",
-     VS_R_BURST, VS_OF_POWER, 1, "e_pulse", VS_AT_MOST},
+    {"e_pulse", "J", "largest energy within 10 ms", VS_R_WITHIN, VS_OF_POWER, 1, "e_pulse",
+     VS_AT_MOST},
     {"v_peak", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, "v_class", VS_AT_MOST},
     {"power_peak", "W", "peak power", VS_R_PEAK, VS_OF_POWER, 1, NULL, VS_AT_MOST},
     {"energy", "J", "energy over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST}};

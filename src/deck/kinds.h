@@ -30,7 +30,6 @@ enum { VS_OF_FLUX, VS_OF_V, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_OF_V2, VS_COURSES
  *   VS_R_PULSE        largest integral over one conduction
  *   VS_R_HEAT         most that one pulse turned into heat: stress/pulse.h
  *   VS_R_WITHIN       largest integral within 10 ms
- *   VS_R_BURST        the same, only where the part states a limit
  *   VS_R_LET_THROUGH  the same, of a fuse: 15 % from one to the next, once it has melted
  *   VS_R_MELTING      the same, of a fuse while it is whole
  *   VS_R_CLEARS       what a fuse lets through by its maker's i2t_clear, whatever the run
@@ -69,7 +68,6 @@ enum { VS_OF_FLUX, VS_OF_V, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_OF_V2, VS_COURSES
   X(VS_R_PULSE, pulse)                                                                             \
   X(VS_R_HEAT, heat)                                                                               \
   X(VS_R_WITHIN, within)                                                                           \
-  X(VS_R_BURST, burst)                                                                             \
   X(VS_R_LET_THROUGH, let_through)                                                                 \
   X(VS_R_MELTING, melting)                                                                         \
   X(VS_R_CLEARS, vs_told_clears)                                                                   \

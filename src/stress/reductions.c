@@ -268,7 +268,6 @@ static void finish_let_through(const vs_watched *w, vs_reduced *r, const vs_run_
 
 #define WITHIN .state_size = sizeof(window), .begin = begin_window
 static const vs_reducer within = {WITHIN, .follow = follow_within},
-                        burst = {WITHIN, .is_busy = has_limit, .follow = follow_within},
                         let_through = {WITHIN, .follow = follow_within,
                                        .take_melting = note_melting, .finish = finish_let_through},
                         melting = {WITHIN,
