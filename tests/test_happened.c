@@ -94,14 +94,15 @@ static void not_judged(void) {
   ran r = run("run paper --set circuit.deck=halfwave_paper --set circuit.thyristor=TYN1212 --set "
               "run.until=10ms --set run.verify=never");
   SAYS(r.out, "\nnot judged: ");
-  SAYS(r.out, "r1.power, c1, "); /* of C1 nothing at all is judged */
+  SAYS(r.out, "r1, c1, "); /* of which nothing at all is judged */
   SAYS(r.out, "(no limit stated)");
-  SAYS(r.out, "fuse_1.v_rated"); /* stated, and nothing is held to it */
+  SAYS(r.out, "thyristor.t_j_max (stated, and nothing is held to it)");
+  SAYS(r.out, "fuse_1.v_open, fuse_2.v_open (it did not open)");
   free_ran(&r);
   r = run("run paper --set circuit.deck=halfwave_paper --set circuit.thyristor=TYN1212 --set "
           "run.until=10ms --set run.verify=never --json --quiet");
   SAYS(r.out, "\"not_judged\": [\"thyristor.i_rms\", ");
-  SAYS(r.out, "\"r1.power\", \"c1.v_peak\", ");
+  SAYS(r.out, "\"r1.power\", \"r1.e_pulse\", \"r1.v_peak\", \"c1.v_peak\", ");
   SAYS_NOT(r.out, "\"thyristor.v_forward\"]");
   free_ran(&r);
   /* a verdict of none stands for nothing, and leaves nothing out */
@@ -111,7 +112,7 @@ static void not_judged(void) {
   free_ran(&r);
   r = run("check paper --set circuit.deck=halfwave_paper");
   SAYS(r.out, "stated, and nothing is held to it: ");
-  SAYS(r.out, "fuse_1.v_rated");
+  SAYS(r.out, "thyristor.t_j_max");
   free_ran(&r);
 }
 
@@ -131,7 +132,7 @@ static void the_same_in_a_study(void) {
   SAYS(csv, "fuse_opens of fuse_2 at 0.0");
   SAYS(csv, "-1,"); /* the margin of what must not happen */
   SAYS(csv, ",fuse_2.opens,");
-  SAYS(csv, "r1.power, c1");
+  SAYS(csv, "r1, c1");
   free(csv);
   RUN_GOOD("plot rows");
   char *html = read_file("rows/report.html");

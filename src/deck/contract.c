@@ -249,6 +249,8 @@ static const struct directive {
                   {"rating", vs_parts_rating, 0},
                   {"require", vs_parts_require, 0},
                   {"device", vs_devices_line, 0},
+                  {"time_current", vs_devices_time_current, 0},
+                  {"derate", vs_devices_derate, 0},
                   {"zth", vs_devices_zth, 0},
                   {"pulse", vs_devices_pulse, 0},
                   {"surge", vs_devices_surge, 0},

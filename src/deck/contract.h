@@ -51,6 +51,11 @@
  *       by the names of the field: v_drm, i2t, ...; assumed: no source says it
  *   *$ limit  NAME = none "TEXT"
  *       an ideal part has none
+ *   *$ time_current TIME s CURRENT A [assumed] "TEXT"
+ *       of a fuse: its element melts no sooner at that current. One line a point of its curve, from
+ *       short to long
+ *   *$ derate LIMIT TEMPERATURE degC FACTOR % [assumed] "TEXT"
+ *       what is left of the limit at that ambient temperature; one line a point, from cold to hot
  *   *$ zth    R K/W  TAU s [assumed] "TEXT"
  *       a term of its junction's transient thermal impedance, sum of R (1 - exp(-t/TAU)) (a Foster
  *       network)

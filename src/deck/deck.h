@@ -119,6 +119,21 @@ typedef struct vs_limit {
   vs_where where;
 } vs_limit;
 
+/* A row of a fuse's time-current curve: a current that its element melts at no sooner than that. */
+typedef struct vs_melting_row {
+  double time_s, current_a;
+  bool assumed; /* no source says it */
+  vs_where where;
+} vs_melting_row;
+
+/* A row of what is left of a limit at an ambient temperature. */
+typedef struct vs_ambient_row {
+  char limit[VS_DECK_NAME];
+  double ambient_degc, factor; /* factor: 1 for all of it */
+  bool assumed;                /* no source says it */
+  vs_where where;
+} vs_ambient_row;
+
 /* A term of a part's transient thermal impedance: k_per_w (1 - exp(-t/tau_s)). */
 typedef struct vs_zth {
   double k_per_w, tau_s;
@@ -262,6 +277,10 @@ typedef struct vs_deck {
   size_t n_requirements;
   vs_device devices[VS_DECK_DEVICES];
   size_t n_devices;
+  vs_melting_row melting[VS_DECK_LIMITS];
+  size_t n_melting;
+  vs_ambient_row ambients[VS_DECK_MOST];
+  size_t n_ambients;
   vs_zth zth[VS_DECK_LIMITS];
   size_t n_zth;
   vs_derating deratings[VS_DECK_LIMITS];

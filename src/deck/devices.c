@@ -98,6 +98,94 @@ vs_status vs_devices_zth(vs_deck *deck, vs_cursor *c, vs_error *err) {
   return status;
 }
 
+/* time_current TIME CURRENT [assumed] "TEXT" */
+vs_status vs_devices_time_current(vs_deck *deck, vs_cursor *c, vs_error *err) {
+  vs_melting_row row = {.where = c->line};
+  char text[VS_DECK_TEXT];
+  const vs_melting_row *last = deck->n_melting ? &deck->melting[deck->n_melting - 1] : NULL;
+  vs_cursor_skip(c);
+  vs_where where = vs_cursor_here(c);
+  if (!read_positive(c, "s", &row.time_s) || !read_positive(c, "A", &row.current_a))
+    return vs_fail_at(err, where,
+                      "time_current: a time and the current that melts the fuse in it are wanted "
+                      "here, both positive, as 0.1 s 12.6 A");
+  if (last && !strcmp(last->where.file, c->line.file) &&
+      !(row.time_s > last->time_s && row.current_a < last->current_a))
+    return vs_fail_at(err, where,
+                      "time_current: behind %.9g s and %.9g A a longer time and a smaller current "
+                      "are wanted, not %.9g s and %.9g A",
+                      last->time_s, last->current_a, row.time_s, row.current_a);
+  row.assumed = vs_cursor_is(c, "assumed");
+  vs_status status = vs_cursor_text(c, text, sizeof text, err);
+  if (!status && deck->n_melting >= VS_DECK_LIMITS)
+    status = vs_fail_at(err, c->line, "more than %d of these lines", VS_DECK_LIMITS);
+  if (!status) deck->melting[deck->n_melting++] = row;
+  return status;
+}
+
+/* The last row of the limit's that stands above in the same file; NULL: there is none. */
+static const vs_ambient_row *last_ambient(const vs_deck *deck, const char *file,
+                                          const char *limit) {
+  const vs_ambient_row *last = NULL;
+  for (size_t k = 0; k < deck->n_ambients; k++)
+    if (!strcmp(deck->ambients[k].where.file, file) && !strcmp(deck->ambients[k].limit, limit))
+      last = &deck->ambients[k];
+  return last;
+}
+
+/* Reads a temperature and a factor, as "70 degC 100 %". */
+static bool read_ambient(vs_cursor *c, vs_ambient_row *row) {
+  char value[VS_DECK_NAME], unit[VS_DECK_NAME], *end;
+  vs_cursor_token(c, value, sizeof value);
+  vs_cursor_token(c, unit, sizeof unit);
+  row->ambient_degc = strtod(value, &end);
+  if (end == value || *end || !isfinite(row->ambient_degc) || strcmp(unit, "degC")) return false;
+  vs_cursor_token(c, value, sizeof value);
+  vs_cursor_token(c, unit, sizeof unit);
+  row->factor = strtod(value, &end) / 100;
+  return end != value && !*end && !strcmp(unit, "%") && row->factor >= 0 && row->factor < 10;
+}
+
+/* derate LIMIT TEMPERATURE degC FACTOR % [assumed] "TEXT" */
+vs_status vs_devices_derate(vs_deck *deck, vs_cursor *c, vs_error *err) {
+  vs_ambient_row row = {.where = c->line};
+  char text[VS_DECK_TEXT];
+  vs_cursor_skip(c);
+  vs_where where = vs_cursor_here(c);
+  if (!vs_cursor_word(c, "", row.limit, sizeof row.limit) || !read_ambient(c, &row))
+    return vs_fail_at(err, where,
+                      "derate: a limit, an ambient temperature and what is left of the limit there "
+                      "are wanted here, as p_rated 70 degC 100 %%");
+  const vs_ambient_row *last = last_ambient(deck, c->line.file, row.limit);
+  if (last && !(row.ambient_degc > last->ambient_degc && row.factor <= last->factor))
+    return vs_fail_at(err, where,
+                      "derate %s: behind %.9g degC and %.9g %% a higher temperature and no larger "
+                      "a part are wanted, not %.9g degC and %.9g %%",
+                      row.limit, last->ambient_degc, 100 * last->factor, row.ambient_degc,
+                      100 * row.factor);
+  row.assumed = vs_cursor_is(c, "assumed");
+  vs_status status = vs_cursor_text(c, text, sizeof text, err);
+  if (!status && deck->n_ambients >= VS_DECK_MOST)
+    status = vs_fail_at(err, c->line, "more than %d of these lines", VS_DECK_MOST);
+  if (!status) deck->ambients[deck->n_ambients++] = row;
+  return status;
+}
+
+/* A row of a table of pulses that this one contradicts: it has the same width and number, or it is
+ * of no shorter and no fewer pulses and allows more. NULL: there is none. */
+static const vs_derating *contradicted(const vs_deck *deck, const vs_derating *d) {
+  for (size_t k = 0; k < deck->n_deratings; k++) {
+    const vs_derating *o = &deck->deratings[k];
+    if (strcmp(o->where.file, d->where.file)) continue;
+    bool above = d->width_s >= o->width_s && d->number >= o->number,
+         below = d->width_s <= o->width_s && d->number <= o->number;
+    if ((above && below) || (above && d->current_a > o->current_a) ||
+        (below && d->current_a < o->current_a))
+      return o;
+  }
+  return NULL;
+}
+
 /* pulse WIDTH us NUMBER CURRENT A [assumed] "TEXT" */
 vs_status vs_devices_pulse(vs_deck *deck, vs_cursor *c, vs_error *err) {
   vs_derating d = {.where = c->line};
@@ -111,6 +199,14 @@ vs_status vs_devices_pulse(vs_deck *deck, vs_cursor *c, vs_error *err) {
   if (!good)
     return vs_fail_at(err, where,
                       "pulse: a width, a number and a current are wanted here, as 20 us 10 2500 A");
+  const vs_derating *other = contradicted(deck, &d);
+  if (other)
+    return vs_fail_at(err, where,
+                      "pulse: %.9g A in %.9g pulses of %.9g us does not fit %.9g A in %.9g of %.9g "
+                      "us, at line %d: each width and number stands once, and longer or more "
+                      "pulses bear no more",
+                      d.current_a, d.number, 1e6 * d.width_s, other->current_a, other->number,
+                      1e6 * other->width_s, other->where.line);
   d.assumed = vs_cursor_is(c, "assumed");
   vs_status status = vs_cursor_text(c, text, sizeof text, err);
   if (!status && deck->n_deratings >= VS_DECK_LIMITS)
@@ -329,6 +425,11 @@ const vs_limit *vs_devices_limit(const vs_deck *deck, const vs_device *d,
   return limit && isfinite(limit->value) ? limit : NULL;
 }
 
+const vs_limit *vs_devices_own_limit(const vs_deck *deck, const vs_device *d, const char *name) {
+  const char *file = file_of(deck, d);
+  return file ? vs_parts_find_limit(deck, file, name) : NULL;
+}
+
 double vs_devices_dv_dt_over(const vs_deck *deck, const vs_device *d) {
   return vs_parts_dv_dt_over(deck, file_of(deck, d));
 }
@@ -386,6 +487,96 @@ double vs_devices_bears(const vs_deck *deck, const vs_device *device, double wid
   for (int n = 0; n < 2; n++)
     b.y[n] = isinf(b.x[n]) ? NAN : at_width(deck, file, b.x[n], width_s, assumed);
   return between(&b, number);
+}
+
+/* ---- a time-current curve ---- */
+
+bool vs_devices_curve(const vs_deck *deck, const vs_device *device, double span_s[2]) {
+  const char *file = file_of(deck, device);
+  span_s[0] = INFINITY;
+  span_s[1] = 0;
+  for (size_t k = 0; file && k < deck->n_melting; k++) {
+    if (strcmp(deck->melting[k].where.file, file)) continue;
+    span_s[0] = fmin(span_s[0], deck->melting[k].time_s);
+    span_s[1] = fmax(span_s[1], deck->melting[k].time_s);
+  }
+  return span_s[1] > 0;
+}
+
+double vs_devices_melts_at(const vs_deck *deck, const vs_device *device, double time_s,
+                           bool *assumed) {
+  const char *file = file_of(deck, device);
+  bracket b = NONE;
+  *assumed = false;
+  for (size_t k = 0; file && k < deck->n_melting; k++) {
+    const vs_melting_row *row = &deck->melting[k];
+    if (strcmp(row->where.file, file)) continue;
+    narrow(&b, row->time_s, time_s, row->current_a);
+    *assumed = *assumed || row->assumed;
+  }
+  return isinf(b.x[0]) ? NAN : between(&b, time_s);
+}
+
+/* ---- what is left at an ambient temperature ---- */
+
+/* The part of the limit that is left; 1: no line names it. NaN: the lines end before. */
+static double left_at(const vs_deck *deck, const vs_limit *limit, double degc, bool *assumed) {
+  const vs_ambient_row *below = NULL, *above = NULL;
+  for (size_t k = 0; k < deck->n_ambients; k++) {
+    const vs_ambient_row *row = &deck->ambients[k];
+    if (strcmp(row->where.file, limit->where.file) || strcmp(row->limit, limit->name)) continue;
+    *assumed = *assumed || row->assumed;
+    if (row->ambient_degc <= degc) below = row;
+    if (row->ambient_degc >= degc && !above) above = row;
+  }
+  if (!below && !above) return 1;
+  if (!above) return below->factor > 0 ? NAN : 0;
+  if (!below || below == above) return above->factor;
+  double part = (degc - below->ambient_degc) / (above->ambient_degc - below->ambient_degc);
+  return below->factor + part * (above->factor - below->factor);
+}
+
+const vs_limit *vs_devices_derated(const vs_deck *deck, const vs_limit *limit, double ambient_degc,
+                                   vs_limit *own) {
+  static const double NOTHING = 1e-9;
+  bool assumed = false;
+  double factor = left_at(deck, limit, ambient_degc, &assumed);
+  if (factor == 1) return limit;
+  if (isnan(factor)) return NULL;
+  *own = *limit;
+  own->value *= fmax(factor, NOTHING);
+  own->assumed = limit->assumed || assumed;
+  snprintf(own->text, sizeof own->text, "%.4g %% of %s at %.4g degC", 100 * factor, limit->written,
+           ambient_degc);
+  snprintf(own->written, sizeof own->written, "%.4g %s", own->value / vs_units_factor(limit->unit),
+           limit->unit);
+  return own;
+}
+
+/* Error: a line names a limit that its file does not state, and which therefore leaves nothing; a
+ * point of a time-current curve below the rated current, at which the fuse never melts. */
+static vs_status check_tables(const vs_deck *deck, vs_error *err) {
+  vs_status status = VS_OK;
+  for (size_t k = 0; k < deck->n_ambients && !status; k++) {
+    const vs_ambient_row *row = &deck->ambients[k];
+    if (vs_parts_find_limit(deck, row->where.file, row->limit)) continue;
+    status = vs_error_carry_on(
+        err, vs_fail_at(err, row->where,
+                        "derate %s: the file has no line '*$ limit %s = VALUE UNIT', of which this "
+                        "would be a part",
+                        row->limit, row->limit));
+  }
+  for (size_t k = 0; k < deck->n_melting && !status; k++) {
+    const vs_melting_row *row = &deck->melting[k];
+    const vs_limit *rated = vs_parts_find_limit(deck, row->where.file, "i_rated");
+    if (!rated || isinf(rated->value) || row->current_a > rated->value) continue;
+    status = vs_error_carry_on(
+        err, vs_fail_at(err, row->where,
+                        "time_current: %.9g A is no more than i_rated, %s, which the fuse carries "
+                        "for ever; a current above that is wanted",
+                        row->current_a, rated->written));
+  }
+  return status;
 }
 
 /* ---- surges, temperatures, thermal resistances ---- */
@@ -491,7 +682,7 @@ static vs_status check_first_surge(const vs_surge_row *row, const vs_deck *deck,
 
 /* Errors: more current in more cycles of surge, or not that of i_tsm in one. A line `at` of a limit
  * that the part does not state, without t_j_max or not below it. */
-static vs_status check_tables(const vs_deck *deck, const char *file, vs_error *err) {
+static vs_status check_rows(const vs_deck *deck, const char *file, vs_error *err) {
   vs_status status = VS_OK;
   double t_j_max = value_of(deck, file, "t_j_max");
   for (size_t k = 0; k < deck->n_surges && !status; k++) {
@@ -527,7 +718,7 @@ static vs_status check_tables(const vs_deck *deck, const char *file, vs_error *e
 static vs_status check_limits(const vs_deck *deck, const vs_device *d, vs_error *err) {
   vs_status status = check_heat(deck, d, err);
   const char *file = file_of(deck, d);
-  if (!status && file) status = check_tables(deck, file, err);
+  if (!status && file) status = check_rows(deck, file, err);
   for (size_t k = 0; d->kind && k < d->kind->n_measures && !status; k++) {
     const vs_device_measure *m = &d->kind->measures[k];
     const vs_limit *limit = vs_devices_limit(deck, d, m);
@@ -557,7 +748,7 @@ vs_status vs_devices_resolve(vs_deck *deck, vs_error *err) {
   }
   for (size_t k = 0; k < deck->n_devices && !status; k++)
     status = check_limits(deck, &deck->devices[k], err);
-  return status;
+  return status ? status : check_tables(deck, err);
 }
 
 bool vs_devices_fails_ward(const vs_deck *deck, size_t device, char *text, size_t size) {

@@ -10,6 +10,8 @@
 
 /* Each reads the rest of one line, behind its first word. Errors with their place. */
 vs_status vs_devices_line(vs_deck *deck, vs_cursor *c, vs_error *err);
+vs_status vs_devices_time_current(vs_deck *deck, vs_cursor *c, vs_error *err);
+vs_status vs_devices_derate(vs_deck *deck, vs_cursor *c, vs_error *err);
 vs_status vs_devices_zth(vs_deck *deck, vs_cursor *c, vs_error *err);
 vs_status vs_devices_pulse(vs_deck *deck, vs_cursor *c, vs_error *err);
 vs_status vs_devices_surge(vs_deck *deck, vs_cursor *c, vs_error *err);
@@ -27,6 +29,25 @@ const vs_limit *vs_devices_limit(const vs_deck *deck, const vs_device *device,
 
 /* The same as vs_parts_dv_dt_over, of the device's part. */
 double vs_devices_dv_dt_over(const vs_deck *deck, const vs_device *device);
+
+/* What its part's file says of this limit; NULL: nothing. */
+const vs_limit *vs_devices_own_limit(const vs_deck *deck, const vs_device *device,
+                                     const char *name);
+
+/* What the part's lines `derate` leave of a limit of it at that ambient temperature, degC, on a
+ * straight line between two of them. Returns the limit itself where no such line names it, or all
+ * of it is left; NULL where the lines end before that temperature with something left; else `own`,
+ * which it fills. Where nothing is left, the limit is a billionth of what it was: margins are parts
+ * of it. */
+const vs_limit *vs_devices_derated(const vs_deck *deck, const vs_limit *limit, double ambient_degc,
+                                   vs_limit *own);
+
+/* The shortest and the longest time of the device's time-current curve, s; false: it has none. */
+bool vs_devices_curve(const vs_deck *deck, const vs_device *device, double span_s[2]);
+/* The current, A, at which the device melts in that time by its curve: a power law between two of
+ * its points. NaN outside of it. *assumed: one of the points used is. */
+double vs_devices_melts_at(const vs_deck *deck, const vs_device *device, double time_s,
+                           bool *assumed);
 
 /* True where the device's part has a table of pulses. */
 bool vs_devices_has_pulses(const vs_deck *deck, const vs_device *device);

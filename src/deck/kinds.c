@@ -229,6 +229,22 @@ static const vs_device_measure ELECTROLYTIC[] = {
     {"t_core_rise", "K",
      "largest rise of its core's temperature under ESR i^2, by the part's limit esr and its zth",
      VS_R_CORE, VS_OF_I2, 1, "t_core_rise", VS_AT_MOST}};
+/* A voltage for ever. A direct one is told by its mean, any other by its rms value. */
+#define ALTERNATING(limit)                                                                         \
+  {                                                                                                \
+    "v_rms", "V",                                                                                  \
+        "rms voltage, over the time that measure says; " MEAN_IS_JUDGED                            \
+        "; not of a direct voltage (one whose mean is more than the rms of the rest) where the "   \
+        "part "                                                                                    \
+        "states v_dc",                                                                             \
+        VS_R_ALTERNATING, VS_OF_V2, 1, limit, VS_AT_MOST                                           \
+  }
+#define DIRECT(limit)                                                                              \
+  {                                                                                                \
+    "v_dc", "V",                                                                                   \
+        "mean of a direct voltage, either way, over the time that measure says; " MEAN_IS_JUDGED,  \
+        VS_R_DIRECT, VS_OF_V, 0, limit, VS_AT_MOST                                                 \
+  }
 static const vs_device_measure VARISTOR[] = {
     {"v_clamp", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, VS_AT_MOST},
     {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, "i_surge", VS_AT_MOST},
@@ -239,6 +255,8 @@ static const vs_device_measure VARISTOR[] = {
     {"energy_total", "J", "energy over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST},
     {"power", "W", "mean power, over the time that measure says; " MEAN_IS_JUDGED, VS_R_MEAN,
      VS_OF_POWER, 1, "p_max", VS_AT_MOST},
+    ALTERNATING("v_rms"),
+    DIRECT("v_dc"),
     {"i_pulse", "A",
      "peak current of the pulse that comes nearest to the part's table over width and number (its "
      "lines pulse); the number is the event's key times",
@@ -249,10 +267,15 @@ static const vs_device_measure VARISTOR[] = {
 static const vs_device_measure RESISTOR[] = {
     {"power", "W", "mean power, over the time that measure says; " MEAN_IS_JUDGED, VS_R_MEAN,
      VS_OF_POWER, 1, "p_rated", VS_AT_MOST},
+    {"e_pulse", "J", "largest energy within 10 ms", VS_R_WITHIN, VS_OF_POWER, 1, "e_pulse",
+     VS_AT_MOST},
+    {"v_peak", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, "v_class", VS_AT_MOST},
     {"power_peak", "W", "peak power", VS_R_PEAK, VS_OF_POWER, 1, NULL, VS_AT_MOST},
     {"energy", "J", "energy over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST}};
 static const vs_device_measure CAPACITOR[] = {
     {"v_peak", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, "v_class", VS_AT_MOST},
+    ALTERNATING("v_rms"),
+    DIRECT("v_dc"),
     {"i_rms", "A", "rms current, over the time that measure says; " MEAN_IS_JUDGED, VS_R_RMS,
      VS_OF_I2, 1, "i_rms_max", VS_AT_MOST},
     {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, NULL, VS_AT_MOST},
@@ -260,12 +283,29 @@ static const vs_device_measure CAPACITOR[] = {
      VS_OF_V, 0, "dv_dt_max", VS_AT_MOST}};
 static const vs_device_measure FUSE[] = {
     {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, NULL, VS_AT_MOST},
-    {"i_rms", "A", "rms current, over the time that measure says; " MEAN_IS_JUDGED, VS_R_RMS,
+    {"i_rms", "A", "rms current, over the time that measure says; " MEAN_IS_JUDGED, VS_R_CARRIED,
      VS_OF_I2, 1, "i_rated", VS_AT_MOST},
+    {"i_overload", "A",
+     "rms current over the time that comes nearest to the part's time-current curve (its lines "
+     "time_current)",
+     VS_R_CURVE, VS_OF_I2, 1, NULL, VS_AT_MOST},
+    {"i2t_surge", "A2.s",
+     "largest int i^2 dt within 10 ms while it is whole; i2t_melt is 15 % more or less from one "
+     "to the next",
+     VS_R_MELTING, VS_OF_I2, 1, "i2t_melt", VS_AT_MOST},
     {"i2t", "A2.s", "int i^2 dt over the run", VS_R_INTEGRAL, VS_OF_I2, 1, NULL, VS_AT_MOST},
-    {"let_through", "A2.s", "largest int i^2 dt within 10 ms", VS_R_WITHIN, VS_OF_I2, 1, "i2t",
-     VS_WARD_AT_MOST},
+    {"let_through", "A2.s",
+     "largest int i^2 dt within 10 ms; 15 % more or less from one to the next, where it opens",
+     VS_R_LET_THROUGH, VS_OF_I2, 1, "i2t", VS_WARD_AT_MOST},
+    {"i2t_clear", "A2.s",
+     "int i^2 dt that it lets through at its rated voltage, by the part's limit i2t_clear",
+     VS_R_CLEARS, VS_OF_I2, 1, "i2t", VS_WARD_AT_MOST},
     {"v_peak", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, VS_AT_MOST},
+    {"v_open", "V",
+     "largest rms voltage over half a mains cycle, once it has opened: what it has to clear",
+     VS_R_OPEN, VS_OF_V2, 1, "v_rated", VS_AT_MOST},
+    {"v_arc", "V", "peak voltage of its arc, from melting to clearing", VS_R_ARC, VS_OF_V, 0,
+     "v_rrm", VS_WARD_AT_MOST},
     {"opens", "", "how often its element melts", VS_R_OPENS, VS_OF_I, 1, NULL, VS_NEVER},
     {"arcs_again", "", "how often a current flows again once it has cleared", VS_R_ARCS, VS_OF_I, 1,
      NULL, VS_NEVER}};
@@ -354,13 +394,10 @@ static const struct figure {
                {"c_rated", "uF", " capacitor electrolytic "},
                {"esr", "ohm", " capacitor electrolytic "},
                {"i_leakage", "mA", " electrolytic "},
-               {"v_dc", "V", " varistor "},
                {"i_clamp", "A", " varistor "},
                {"v_clamp", "V", " varistor "},
                {"v_varistor", "V", " varistor "},
-               {"v_rated", "V", " fuse "},
                {"i_fusing", "A", " fuse "},
-               {"i2t_melt", "A2.s", " fuse "},
                {"i2t_clear", "A2.s", " fuse "},
                {"v_arc", "V", " fuse "}};
 enum { N_FIGURES = sizeof FIGURES / sizeof *FIGURES };
@@ -402,7 +439,7 @@ bool vs_kinds_knows_limit(const char *kind_name, const char *limit, const char *
 
 bool vs_kinds_leaves_limit(const char *kind_name, const char *limit) {
   /* those of FIGURES that say what the part bears */
-  static const char *const BEARS[] = {"v_drm", "v_rrm", "v_rms", "v_dc", "v_rated"};
+  static const char *const BEARS[] = {"v_drm", "v_rrm", "v_rms"};
   const vs_kind *kind = vs_kinds_find(kind_name);
   const char *nearest;
   for (size_t k = 0; kind && k < kind->n_measures; k++) {

@@ -12,9 +12,10 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* The courses of a device over time: its voltage (V), the flux linkage of its core (V.s), its
- * current (A), voltage times current (W), current squared (A2). */
-enum { VS_OF_V, VS_OF_FLUX, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_COURSES };
+/* The courses of a device over time: the flux linkage of its core (V.s), its voltage (V), its
+ * current (A), voltage times current (W), current squared (A2), voltage squared (V2). From VS_OF_V
+ * on they are integrated over time. */
+enum { VS_OF_FLUX, VS_OF_V, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_OF_V2, VS_COURSES };
 
 /* How a course becomes one number. Each row is an id and the name of its plug, which
  * stress/reductions.c has or includes. Those from VS_R_RISE to VS_R_COMMUTATION_FAILURE are of a
@@ -22,10 +23,19 @@ enum { VS_OF_V, VS_OF_FLUX, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_COURSES };
  *   VS_R_PEAK         largest value, in the sense that the measure gives
  *   VS_R_MEAN         mean over the stretch that the scene's section measure says
  *   VS_R_RMS          root of the mean over that stretch
+ *   VS_R_ALTERNATING  the same, of a voltage that is not direct or whose part states no v_dc
+ *   VS_R_DIRECT       size of the mean of a direct voltage, over that stretch
+ *   VS_R_CARRIED      the same as VS_R_RMS, of what a fuse carries
  *   VS_R_INTEGRAL     integral over the run
  *   VS_R_PULSE        largest integral over one conduction
  *   VS_R_HEAT         most that one pulse turned into heat: stress/pulse.h
  *   VS_R_WITHIN       largest integral within 10 ms
+ *   VS_R_LET_THROUGH  the same, of a fuse: 15 % from one to the next, once it has melted
+ *   VS_R_MELTING      the same, of a fuse while it is whole
+ *   VS_R_CLEARS       what a fuse lets through by its maker's i2t_clear, whatever the run
+ *   VS_R_CURVE        rms current over the time that comes nearest to a fuse's time-current curve
+ *   VS_R_OPEN         largest rms over half a mains cycle, of a fuse that has opened
+ *   VS_R_ARC          largest magnitude, of a fuse from melting to clearing
  *   VS_R_SURGE        peak of the half sine of 10 ms that has this integral
  *   VS_R_STEEPEST     largest rate, in the sense that the measure gives, over any 0.1 us
  *   VS_R_JUNCTION     rise of the junction's temperature, by the part's lines zth
@@ -54,10 +64,19 @@ enum { VS_OF_V, VS_OF_FLUX, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_COURSES };
   X(VS_R_PEAK, peak)                                                                               \
   X(VS_R_MEAN, mean)                                                                               \
   X(VS_R_RMS, rms)                                                                                 \
+  X(VS_R_ALTERNATING, alternating)                                                                 \
+  X(VS_R_DIRECT, direct)                                                                           \
+  X(VS_R_CARRIED, carried)                                                                         \
   X(VS_R_INTEGRAL, integral)                                                                       \
   X(VS_R_PULSE, pulse)                                                                             \
   X(VS_R_HEAT, heat)                                                                               \
   X(VS_R_WITHIN, within)                                                                           \
+  X(VS_R_LET_THROUGH, let_through)                                                                 \
+  X(VS_R_MELTING, melting)                                                                         \
+  X(VS_R_CLEARS, vs_told_clears)                                                                   \
+  X(VS_R_CURVE, vs_told_curve)                                                                     \
+  X(VS_R_OPEN, vs_told_open)                                                                       \
+  X(VS_R_ARC, vs_told_arc)                                                                         \
   X(VS_R_SURGE, surge)                                                                             \
   X(VS_R_STEEPEST, steepest)                                                                       \
   X(VS_R_JUNCTION, vs_junction_of_power)                                                           \

@@ -117,6 +117,39 @@ static void put_limits_at(vs_entries *to, const vs_deck *part) {
   if (part->n_limits_at) vs_entry_array_end(to);
 }
 
+static void put_melting(vs_entries *to, const vs_melting_row *row) {
+  vs_entry_object(to);
+  vs_entry_number(to, "time_s", row->time_s);
+  vs_entry_number(to, "current_a", row->current_a);
+  if (row->assumed) vs_entry_true(to, "assumed");
+  vs_entry_say(to, "    time_current %g s, %g A%s", row->time_s, row->current_a,
+               row->assumed ? " (assumed)" : "");
+  vs_entry_line(to);
+  vs_entry_object_end(to);
+}
+
+static void put_ambient(vs_entries *to, const vs_ambient_row *row) {
+  vs_entry_object(to);
+  vs_entry_text(to, "limit", row->limit);
+  vs_entry_number(to, "ambient_degc", row->ambient_degc);
+  vs_entry_number(to, "factor", row->factor);
+  if (row->assumed) vs_entry_true(to, "assumed");
+  vs_entry_say(to, "    derate %s, %g degC, %g %%%s", row->limit, row->ambient_degc,
+               100 * row->factor, row->assumed ? " (assumed)" : "");
+  vs_entry_line(to);
+  vs_entry_object_end(to);
+}
+
+/* What limits are over another quantity. */
+static void put_tables(vs_entries *to, const vs_deck *part) {
+  if (part->n_melting) vs_entry_array(to, "time_current");
+  for (size_t k = 0; k < part->n_melting; k++) put_melting(to, &part->melting[k]);
+  if (part->n_melting) vs_entry_array_end(to);
+  if (part->n_ambients) vs_entry_array(to, "derate");
+  for (size_t k = 0; k < part->n_ambients; k++) put_ambient(to, &part->ambients[k]);
+  if (part->n_ambients) vs_entry_array_end(to);
+}
+
 static void put_limits(vs_entries *to, const vs_deck *part) {
   if (part->n_limits) vs_entry_array(to, "limits");
   for (size_t k = 0; k < part->n_limits; k++) put_limit(to, &part->limits[k]);
@@ -148,6 +181,7 @@ static void put_part(vs_entries *to, const vs_deck *part) {
     vs_entry_text(to, "text", part->part_files[0].text);
   }
   put_limits(to, part);
+  put_tables(to, part);
   vs_entry_array(to, "parameters");
   for (size_t k = 1; k < part->section.count; k++) {
     const vs_field *f = &part->section.fields[k];

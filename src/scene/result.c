@@ -12,6 +12,7 @@
 
 void vs_result_finish(vs_result *r) {
   vs_watchers_finish(&r->watchers, r->scene->setup.run.until_s, r->values);
+  vs_expect_excuse(&r->scene->expects, r->watchers.devices);
   vs_verdict_reach(r->watchers.measures, r->watchers.devices, &r->scene->expects, &r->verdict);
   const vs_ratings_seen seen = {.values = r->values,
                                 .watchers = &r->watchers,

@@ -17,6 +17,7 @@
 #include "machine/build.h"
 #include "machine/mechanics.h"
 #include "setup/naming.h"
+#include "syntax/units.h"
 
 const char vs_setup_steady[] = "steady";
 

@@ -45,6 +45,13 @@ struct vs_device_watch {
 
 /* ---- beginning ---- */
 
+/* Takes of the limit what the part's lines `derate` leave at the run's ambient temperature. */
+static void derate(const vs_watched *w, vs_reduced *r) {
+  if (!r->limit) return;
+  r->limit = vs_devices_derated(w->deck, r->limit, w->ambient_degc, &r->own);
+  if (!r->limit) r->unjudged = "not judged: its lines derate end before that ambient temperature";
+}
+
 static void begin_measure(vs_watched *w, vs_reduced *r, const vs_device_measure *m) {
   const vs_reducer *by = vs_reductions_all[m->how];
   assert(by);
@@ -53,6 +60,7 @@ static void begin_measure(vs_watched *w, vs_reduced *r, const vs_device_measure 
                     .limit = vs_devices_limit(w->deck, w->device, m),
                     .value = {.known = by->counts && w->device->gates.count, .at_s = NAN},
                     .failed_s = NAN};
+  derate(w, r);
   if (by->state_size)
     r->state = vs_alloc(1, by->state_size + (w->again || w->from_work ? by->again_size : 0));
   if (by->prepare) by->prepare(w, r);
@@ -71,6 +79,7 @@ static void begin_device(vs_watched *w, vs_device_watch *own, const vs_frame *fr
                     .cooling = frame->cooling,
                     .at_work = frame->at_work,
                     .from_work = frame->from_work,
+                    .ambient_degc = frame->cooling ? frame->cooling->ambient_degc : 25,
                     .again = frame->at_work || vs_occurrence_repeated(&frame->timeline->events),
                     .count = d->kind->n_measures};
   own->voltage = vs_formula_quicken(&d->voltage);
@@ -128,6 +137,7 @@ void vs_devices_free(vs_devices *d) {
 static void complete(double course[VS_COURSES]) {
   course[VS_OF_POWER] = course[VS_OF_V] * course[VS_OF_I];
   course[VS_OF_I2] = course[VS_OF_I] * course[VS_OF_I];
+  course[VS_OF_V2] = course[VS_OF_V] * course[VS_OF_V];
 }
 
 /* Integrates a course over each step of a batch by Simpson's rule. */
@@ -146,8 +156,9 @@ static void evaluate(const vs_watched *w, const vs_device_watch *own, const vs_b
   vs_sweep(&own->current, b, i);
   for (size_t n = 0; n < b->count; n++) c->of[VS_OF_POWER][n] = v[n] * i[n];
   for (size_t n = 0; n < b->count; n++) c->of[VS_OF_I2][n] = i[n] * i[n];
+  for (size_t n = 0; n < b->count; n++) c->of[VS_OF_V2][n] = v[n] * v[n];
   if (own->flux.formula) vs_sweep(&own->flux, b, c->of[VS_OF_FLUX]);
-  for (int of = VS_OF_I; of < VS_COURSES; of++) integrate(b, c->of[of], w->last[of], c->more[of]);
+  for (int of = VS_OF_V; of < VS_COURSES; of++) integrate(b, c->of[of], w->last[of], c->more[of]);
 }
 
 /* ---- means ---- */
@@ -164,7 +175,7 @@ static void integrate_part(const vs_course_step *c, double from, double to,
       y[k][of] = (1 - mid - end) * c->from[of] + mid * c->mid[of] + end * c->to[of];
     complete(y[k]);
   }
-  for (int of = VS_OF_I; of < VS_COURSES; of++)
+  for (int of = VS_OF_V; of < VS_COURSES; of++)
     sum[of] += (to - from) * c->h_s * (y[0][of] + 4 * y[1][of] + y[2][of]) / 6;
 }
 
@@ -185,7 +196,7 @@ static void follow_shots(const vs_devices *d, vs_watched *w, shots *s, const vs_
 static void follow_means(const vs_devices *d, vs_watched *w, const vs_course_step *c) {
   if (c->t0_s >= d->means.from_s && c->t1_s <= d->means.to_s) {
     w->rests = w->rests || !c->on;
-    for (int of = VS_OF_I; of < VS_COURSES; of++) w->sum_meant[of] += c->more[of];
+    for (int of = VS_OF_V; of < VS_COURSES; of++) w->sum_meant[of] += c->more[of];
     return;
   }
   double from_s = fmax(c->t0_s, d->means.from_s), to_s = fmin(c->t1_s, d->means.to_s);
@@ -287,7 +298,7 @@ static void keep(opening *o, const vs_course_step *c) {
 static void follow(vs_devices *d, size_t k, vs_course_step *c) {
   vs_watched *w = &d->item[k];
   vs_device_watch *own = &d->watch[k];
-  for (int of = VS_OF_I; of < VS_COURSES; of++) w->sum[of] += c->more[of];
+  for (int of = VS_OF_V; of < VS_COURSES; of++) w->sum[of] += c->more[of];
   if (c->more[VS_OF_POWER] < 0) w->given_j -= c->more[VS_OF_POWER];
   if (c->more[VS_OF_I] < 0) w->back_c -= c->more[VS_OF_I];
   c->was_on = c->on = true; /* a device that does not switch conducts all the time */
@@ -335,7 +346,7 @@ static bool only_adds_up(const vs_devices *d, size_t k, const vs_batch *b, const
 
 /* What follow() does then. Such a device counts as conducting all the time. */
 static void add_up(vs_watched *w, const vs_courses *c) {
-  for (int of = VS_OF_I; of < VS_COURSES; of++)
+  for (int of = VS_OF_V; of < VS_COURSES; of++)
     for (size_t n = 0; n < c->count; n++) {
       w->sum[of] += c->more[of][n];
       w->sum_meant[of] += c->more[of][n];
@@ -358,13 +369,11 @@ static void follow_steps(vs_devices *d, size_t k, const vs_batch *b, const vs_co
     c.t1_s = b->t1_s[n];
     c.h_s = c.t1_s - c.t0_s;
     if (!(c.h_s > 0)) continue;
-    for (int of = flux ? VS_OF_V : VS_OF_I; of < VS_COURSES; of++) {
+    for (int of = flux ? VS_OF_FLUX : VS_OF_V; of < VS_COURSES; of++) {
       c.mid[of] = all->of[of][n][0];
       c.to[of] = all->of[of][n][1];
     }
-    c.mid[VS_OF_V] = all->of[VS_OF_V][n][0];
-    c.to[VS_OF_V] = all->of[VS_OF_V][n][1];
-    for (int of = VS_OF_I; of < VS_COURSES; of++) c.more[of] = all->more[of][n];
+    for (int of = VS_OF_V; of < VS_COURSES; of++) c.more[of] = all->more[of][n];
     if (n + 1 < b->count) d->n_incidents = 0; /* nobody asks for those of a step before the last */
     follow(d, k, &c);
   }

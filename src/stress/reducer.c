@@ -52,3 +52,34 @@ void vs_reducer_begin_at_zero(const vs_watched *w, vs_reduced *r, double t_s) {
   (void)w, (void)t_s;
   r->value = (vs_value){true, 0, NAN};
 }
+
+/* ---- a window ---- */
+
+void vs_reducer_window_begin(vs_window *w, double width_s, double t_s) {
+  *w = (vs_window){.part_s = width_s / VS_WINDOW_PARTS, .starts_s = t_s};
+}
+
+static void next_part(vs_window *w) {
+  enum { RING = VS_WINDOW_PARTS + 1 };
+  w->now = (w->now + 1) % RING;
+  w->part[w->now] = w->whole = 0;
+  for (size_t k = 2; k <= VS_WINDOW_PARTS; k++) w->whole += w->part[(w->now + k) % RING];
+  w->starts_s += w->part_s;
+}
+
+double vs_reducer_window_add(vs_window *w, const vs_course_step *c, double more) {
+  double from_s = c->t0_s;
+  double skipped = floor((c->t1_s - w->starts_s) / w->part_s) - VS_WINDOW_PARTS - 1;
+  if (skipped > 0) w->starts_s += skipped * w->part_s; /* a step longer than all of it */
+  from_s = fmax(from_s, w->starts_s);
+  while (c->t1_s > w->starts_s + w->part_s) {
+    double end_s = fmax(w->starts_s + w->part_s, from_s);
+    w->part[w->now] += more * (end_s - from_s) / c->h_s;
+    from_s = end_s;
+    next_part(w);
+  }
+  w->part[w->now] += more * (c->t1_s - from_s) / c->h_s;
+  double oldest = w->part[(w->now + 1) % (VS_WINDOW_PARTS + 1)];
+  double still_in = fmax(1 - (c->t1_s - w->starts_s) / w->part_s, 0);
+  return w->sum = w->whole + w->part[w->now] + still_in * oldest;
+}

@@ -23,6 +23,10 @@ typedef struct vs_reduced {
   double over_v;   /* of a rate of rise: how far the stretch rises that the value is the mean rate
                       of, or would be where there is no value; 0: of any other measure */
   double failed_s; /* instant at which the value first passed the limit; NaN: it has not */
+  vs_limit own;    /* the limit where it is none of a file's, as one that was derated */
+  double scatter;  /* one part differs from the next by this */
+  bool idle;       /* the run has nothing that the measure would be judged of, or another one is
+                      judged in its place */
   const char *unjudged; /* why the value is not held against the limit that the part has, as
                            "not judged: one shot"; NULL: it is, or the part has none */
   const char *note;     /* of t_case: why it stays at the ambient, as "over less than 1 s"; NULL: it
@@ -51,13 +55,14 @@ typedef struct vs_watched {
   vs_losses *losses;       /* where a measure asks what the loss is made of; else NULL; owned */
   vs_sequence sequence;    /* what it did */
   double last[VS_COURSES]; /* its courses at the last knot */
-  double sum[VS_COURSES];  /* integrals over the run so far; those of V and V.s stay 0 */
+  double sum[VS_COURSES];  /* integrals over the run so far; that of V.s stays 0 */
   double sum_meant[VS_COURSES]; /* the same integrals over the stretch that means are over */
   double given_j;               /* energy of the steps in which it gave energy (watch/sign.h) */
   double back_c;                /* charge of the steps in which its current was below zero */
   const vs_cooling *cooling;    /* what cools the deck's devices */
   bool at_work;                 /* the run is whole periods of an orbit */
   bool from_work;               /* the run begins on an orbit */
+  double ambient_degc;          /* the scene's */
   bool again;                   /* it is, or an event repeats it: what heats comes more than once */
   int starts;                   /* how many shots began in that stretch (devices.c) */
   bool rests;                   /* the device did not conduct in all of that stretch */
@@ -85,6 +90,8 @@ struct vs_reducer {
   /* The value hangs on the sequence of the device's firings: where two runs of a scene differ in
    * that, the value of neither is known. */
   bool hangs_on_sequence;
+  /* A fuse that opens has to pass the limit. It is not judged where the scene expects that. */
+  bool until_opens;
   /* By a value near its limit, or beyond it, the device may fire or go on without its gate. */
   bool makes_fire;
   /* Prepares the state, before the run. limit and states are there. */
@@ -109,6 +116,22 @@ struct vs_reducer {
 };
 
 /* ---- what reductions share ---- */
+
+/* The integral of a course over the last WIDTH. The window over it is made of parts, each of which
+ * holds its share of the steps that reach into it; of the oldest part the share counts that is not
+ * yet out of the window. */
+enum { VS_WINDOW_PARTS = 40 };
+typedef struct vs_window {
+  double part[VS_WINDOW_PARTS + 1];
+  double whole;    /* sum of all parts but the present and the oldest one */
+  size_t now;      /* index of the present part */
+  double part_s;   /* how long a part is */
+  double starts_s; /* when the present part began */
+  double sum;      /* the window's integral at the end of the last step */
+} vs_window;
+void vs_reducer_window_begin(vs_window *w, double width_s, double t_s);
+/* Returns the window's integral behind a step that adds `more`, evenly over its length. */
+double vs_reducer_window_add(vs_window *w, const vs_course_step *c, double more);
 
 /* Notes when the limit was passed by a value that was `before` at the step's beginning and is
  * `after` at its end. */

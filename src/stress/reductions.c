@@ -93,7 +93,46 @@ static void finish_rms(const vs_watched *w, vs_reduced *r, const vs_run_end *end
   judge_mean(w, r, span_s, end->to_s);
 }
 
-static const vs_reducer mean = {.finish = finish_mean}, rms = {.finish = finish_rms};
+/* A voltage is direct where its mean is more than the rms value of the rest. Data sheets give both
+ * an rms value, of a sine, and a direct voltage, which is higher: 510 V and 670 V. */
+static bool is_direct(const vs_watched *w, double span_s) {
+  double mean_v = w->sum_meant[VS_OF_V] / span_s;
+  return 2 * mean_v * mean_v > w->sum_meant[VS_OF_V2] / span_s;
+}
+
+static bool is_finite_limit(const vs_limit *limit) {
+  return limit && isfinite(limit->value);
+}
+
+/* Not judged, and no word of it: the part states no such limit, or the other one of v_rms and v_dc
+ * is the one that holds. */
+static void leave_out(vs_reduced *r) {
+  r->limit = NULL;
+  r->idle = true;
+}
+
+static void finish_alternating(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
+  double span_s = end->to_s - end->from_s;
+  if (!r->limit) r->idle = true;
+  if (!(span_s > 0)) return;
+  if (is_direct(w, span_s) && is_finite_limit(vs_devices_own_limit(w->deck, w->device, "v_dc")))
+    leave_out(r);
+  finish_rms(w, r, end);
+}
+
+static void finish_direct(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
+  double span_s = end->to_s - end->from_s;
+  if (!r->limit) r->idle = true;
+  if (!(span_s > 0)) return;
+  if (!is_direct(w, span_s)) leave_out(r);
+  r->value = (vs_value){true, fabs(w->sum_meant[VS_OF_V] / span_s), NAN};
+  judge_mean(w, r, span_s, end->to_s);
+}
+
+static const vs_reducer mean = {.finish = finish_mean}, rms = {.finish = finish_rms},
+                        carried = {.until_opens = true, .finish = finish_rms},
+                        alternating = {.finish = finish_alternating},
+                        direct = {.finish = finish_direct};
 
 /* ---- integrals ---- */
 
@@ -170,55 +209,25 @@ static const vs_reducer heat = {.state_size = sizeof(vs_pulse),
 
 /* ---- within 10 ms ---- */
 
-enum { WINDOW_PARTS = 40 };
-/* The surge that I_TSM is given for is a half sine of 10 ms; the window over it is made of parts of
- * a quarter of a millisecond. */
-static const double SURGE_S = 10e-3, PART_S = 10e-3 / WINDOW_PARTS;
+/* The surge that I_TSM is given for is a half sine of 10 ms. Fuses' figures of I2t are for 10 ms
+ * and less, below which no heat leaves the element. */
+static const double SURGE_S = 10e-3;
 
-/* The integral over the last 10 ms. Each part holds its share of the steps that reach into it; of
- * the oldest part the share counts that is not yet out of the window. */
 typedef struct window {
-  double part[WINDOW_PARTS + 1];
-  double whole;    /* sum of all parts but the present and the oldest one */
-  size_t now;      /* index of the present part */
-  double starts_s; /* when the present part began */
-  double sum;      /* the window's integral at the end of the last step */
+  vs_window last; /* 10 ms */
+  bool melted;    /* it is of a fuse that has */
 } window;
 
 static void begin_window(const vs_watched *w, vs_reduced *r, double t_s) {
   window *in = r->state;
-  in->starts_s = t_s;
+  vs_reducer_window_begin(&in->last, SURGE_S, t_s);
   vs_reducer_begin_at_zero(w, r, t_s);
-}
-
-static void next_part(window *w) {
-  w->now = (w->now + 1) % (WINDOW_PARTS + 1);
-  w->part[w->now] = w->whole = 0;
-  for (size_t k = 2; k <= WINDOW_PARTS; k++) w->whole += w->part[(w->now + k) % (WINDOW_PARTS + 1)];
-  w->starts_s += PART_S;
-}
-
-/* Returns the window's integral after a step that adds `more`, evenly over its length. */
-static double add_to_window(window *w, const vs_course_step *c, double more) {
-  double from_s = c->t0_s;
-  double skipped = floor((c->t1_s - w->starts_s) / PART_S) - WINDOW_PARTS - 1;
-  if (skipped > 0) w->starts_s += skipped * PART_S; /* a step longer than all of it */
-  from_s = fmax(from_s, w->starts_s);
-  while (c->t1_s > w->starts_s + PART_S) {
-    double end_s = fmax(w->starts_s + PART_S, from_s);
-    w->part[w->now] += more * (end_s - from_s) / c->h_s;
-    from_s = end_s;
-    next_part(w);
-  }
-  w->part[w->now] += more * (c->t1_s - from_s) / c->h_s;
-  double oldest = w->part[(w->now + 1) % (WINDOW_PARTS + 1)];
-  double still_in = fmax(1 - (c->t1_s - w->starts_s) / PART_S, 0);
-  return w->sum = w->whole + w->part[w->now] + still_in * oldest;
 }
 
 static void follow_within(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
   window *in = r->state;
-  double before = in->sum, after = add_to_window(in, c, c->more[r->measure->of]);
+  double before = in->last.sum,
+         after = vs_reducer_window_add(&in->last, c, c->more[r->measure->of]);
   (void)w;
   vs_reducer_take_largest(r, c, before, after);
 }
@@ -227,18 +236,49 @@ static void follow_within(const vs_watched *w, vs_reduced *r, const vs_course_st
  * peak^2 length/2. */
 static void follow_surge(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
   window *in = r->state;
-  double before = in->sum, after = add_to_window(in, c, c->more[r->measure->of]);
+  double before = in->last.sum,
+         after = vs_reducer_window_add(&in->last, c, c->more[r->measure->of]);
   (void)w;
   vs_reducer_take_largest(r, c, sqrt(2 * before / SURGE_S), sqrt(2 * after / SURGE_S));
 }
 
-static const vs_reducer within = {.state_size = sizeof(window),
-                                  .begin = begin_window,
-                                  .follow = follow_within},
-                        surge = {.state_size = sizeof(window),
-                                 .across = true,
-                                 .begin = begin_window,
-                                 .follow = follow_surge};
+static void follow_melting(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
+  const window *in = r->state;
+  if (!in->melted) follow_within(w, r, c);
+}
+
+static void note_melting(vs_reduced *r, const vs_melting_news *news) {
+  window *in = r->state;
+  in->melted = in->melted || !isnan(news->melts_s);
+}
+
+/* One fuse of a type melts at an I2t up to this part above or below that of the next. Data sheets
+ * give one number, and most say that it is a typical one; the standards' gates are wider. */
+static const double MELTS_WITHIN = 0.15;
+
+static void finish_melting(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
+  (void)w, (void)end;
+  if (r->limit) r->scatter = MELTS_WITHIN * r->limit->value;
+}
+
+static void finish_let_through(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
+  const window *in = r->state;
+  (void)w, (void)end;
+  if (in->melted) r->scatter = MELTS_WITHIN * r->value.value;
+}
+
+#define WITHIN .state_size = sizeof(window), .begin = begin_window
+static const vs_reducer within = {WITHIN, .follow = follow_within},
+                        let_through = {WITHIN, .follow = follow_within,
+                                       .take_melting = note_melting, .finish = finish_let_through},
+                        melting = {WITHIN,
+                                   .until_opens = true,
+                                   .is_busy = has_limit,
+                                   .follow = follow_melting,
+                                   .take_melting = note_melting,
+                                   .finish = finish_melting},
+                        surge = {WITHIN, .across = true, .follow = follow_surge};
+#undef WITHIN
 
 /* ---- rates ---- */
 
@@ -327,8 +367,10 @@ static void finish_derated(const vs_watched *w, vs_reduced *r, const vs_run_end 
 
 static void finish_repeated(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
   const vs_occurrence *e = vs_occurrence_repeated(&w->timeline->events);
-  (void)end;
-  if (e) r->value = (vs_value){true, w->sum[r->measure->of] / e->v.every_s, NAN};
+  r->idle = !e;
+  if (!e) return;
+  r->value = (vs_value){true, w->sum[r->measure->of] / e->v.every_s, NAN};
+  if (r->limit && r->value.value > r->limit->value) r->failed_s = end->now_s;
 }
 
 static const vs_reducer derated = {.state_size = sizeof(judged),

@@ -49,7 +49,7 @@
 typedef struct vs_course_step {
   double t0_s, t1_s, h_s; /* h_s > 0 */
   double from[VS_COURSES], mid[VS_COURSES], to[VS_COURSES];
-  double more[VS_COURSES]; /* integrals over the step; those of V and V.s are 0 */
+  double more[VS_COURSES]; /* integrals over the step; that of V.s is 0 */
   bool was_on, on;         /* the device conducts at the beginning; at the end */
 } vs_course_step;
 
@@ -58,7 +58,7 @@ typedef struct vs_course_step {
 typedef struct vs_courses {
   size_t count;
   vs_pair of[VS_COURSES][VS_BATCH_STEPS];  /* V.s: of a device that has it */
-  double more[VS_COURSES][VS_BATCH_STEPS]; /* from VS_OF_I on */
+  double more[VS_COURSES][VS_BATCH_STEPS]; /* from VS_OF_V on */
 } vs_courses;
 
 /* The gate pulses of a device. Their edges are ends of steps. */

@@ -14,6 +14,29 @@ bool vs_expect_has(const vs_expects *expects, const vs_device *device,
   return false;
 }
 
+/* True where something happened to the device that the scene expects. */
+static bool happens_as_expected(const vs_expects *expects, const vs_watched *w) {
+  for (size_t n = 0; n < w->count; n++) {
+    const vs_reduced *r = &w->reduced[n];
+    const vs_happening *h = vs_reducer_happening(r);
+    if (h && h->times && vs_expect_has(expects, w->device, r->measure)) return true;
+  }
+  return false;
+}
+
+void vs_expect_excuse(const vs_expects *expects, vs_devices *devices) {
+  for (size_t k = 0; devices && k < devices->count; k++) {
+    vs_watched *w = &devices->item[k];
+    if (!happens_as_expected(expects, w)) continue;
+    for (size_t n = 0; n < w->count; n++) {
+      vs_reduced *r = &w->reduced[n];
+      if (!r->by->until_opens || !r->limit) continue;
+      r->limit = NULL;
+      r->unjudged = "not judged: it opens, as expected";
+    }
+  }
+}
+
 static vs_status no_device(const vs_node *node, const char *name, const vs_deck *deck,
                            vs_error *err) {
   const char **names = vs_alloc(deck->n_devices + 1, sizeof *names);

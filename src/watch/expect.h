@@ -6,7 +6,7 @@
 #ifndef VS_WATCH_EXPECT_H
 #define VS_WATCH_EXPECT_H
 
-#include "deck/devices.h"
+#include "stress/devices.h"
 #include "syntax/tree.h"
 
 /* One entry. */
@@ -30,5 +30,9 @@ vs_status vs_expect_read(const vs_node *node, const vs_deck *deck, vs_expects *e
 /* True where the scene expects what this measure of the device counts. expects: NULL: nothing. */
 bool vs_expect_has(const vs_expects *expects, const vs_device *device,
                    const vs_device_measure *measure);
+
+/* Called once the run is over: what a fuse has to pass to open is not judged where it opened and
+ * the scene expects it. devices: may be NULL. */
+void vs_expect_excuse(const vs_expects *expects, vs_devices *devices);
 
 #endif

@@ -44,9 +44,9 @@ static bool is_rated(const vs_watched *w, const vs_reduced *r, const vs_verdict 
 /* Why a measure that a data sheet would limit is not judged; NULL: it is, or need not be. */
 static const char *why_not(const vs_watched *w, const vs_reduced *r, const vs_verdict *v) {
   const vs_device_measure *m = r->measure;
-  if ((!m->limit && !r->unjudged) || is_rated(w, r, v)) return NULL;
+  if (r->idle || is_rated(w, r, v)) return NULL;
   if (r->unjudged) return r->unjudged + strlen("not judged: ");
-  if (!r->value.known && has_other(w, r)) return NULL;
+  if (!m->limit || (!r->value.known && has_other(w, r))) return NULL;
   if (r->limit) return r->value.known ? NULL : NOT_SEEN;
   return says_none(w->deck, w->device, m) ? NULL : NO_LIMIT;
 }

@@ -103,6 +103,7 @@ static vs_judgement judge_device(const vs_deck *deck, const vs_device *d, const 
                         .over_v = r->over_v,
                         .doubt = d->doubtful ? INFINITY : r->doubt / limit,
                         .spread = r->spread / limit,
+                        .scatter = r->scatter / limit,
                         .stress = r->value,
                         .failed_s = r->failed_s};
 }
@@ -317,7 +318,7 @@ void vs_verdict_compare(vs_verdict *v, const vs_verdict *second, const vs_deck *
       j->margin_error = margin_error(j, &second->item[n], own);
     else if (n < second->count && second->item[n].margin == j->margin)
       j->margin_error = 0; /* it happens in both, or in neither */
-    j->margin_error += CREPT * j->doubt + resolution * j->spread;
+    j->margin_error += CREPT * j->doubt + resolution * j->spread + j->scatter;
     if (isnan(j->margin_error)) j->margin_error = INFINITY;
   }
   add_happenings(v, second, deck);

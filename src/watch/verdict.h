@@ -54,6 +54,7 @@ typedef struct vs_judgement {
                       rate of; 0: of any other */
   double doubt;    /* the margin may be wrong by this besides */
   double spread;   /* sensitivity: a relative error e of the run changes the margin by e spread */
+  double scatter;  /* the margin of one part and of the next differ by this */
   double failed_s; /* instant at which the limit was first passed; NaN: it was not */
   bool expected;   /* of what happened: the scene expects it */
   char cause[VS_CAUSE_SIZE]; /* of what happened, the first time; empty: it is another line, or did
