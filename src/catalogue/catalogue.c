@@ -128,9 +128,9 @@ static vs_status refuse_name(const table *t, const char *name, vs_error *err) {
       names[count++] = vs_alloc_part(cell[0].at, cell[0].n);
   }
   const char *nearest = vs_text_nearest(name, (const char *const *)names, count);
-  vs_status status = vs_fail_at(err, (vs_where){.file = t->path}, "has no row '%s'%s%s%s", name,
-                                nearest ? "; did you mean '" : "", nearest ? nearest : "",
-                                nearest ? "'?" : "");
+  vs_status status =
+      vs_fail_at(err, (vs_where){.file = t->path}, "has no row '%s'%s%s%s", name,
+                 nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
   for (size_t k = 0; k < count; k++) free(names[k]);
   free(names);
   return status;
@@ -159,11 +159,12 @@ static vs_status find_row(const table *t, const char *name, row *r, vs_error *er
       status = vs_fail_at(err, place_of(t, k, cell[0].at),
                           "%s stands here a second time, as in line %zu", name, r->line + 1);
     if (!status && count != t->columns)
-      status = vs_fail_at(err, place_of(t, k, count > t->columns ? cell[t->columns].at : cell[0].at),
-                          "%s has %s%zu cells, and the line 'rows' has %zu columns; '-' is a cell "
-                          "of which the source says nothing",
-                          name, count > MOST_COLUMNS ? "more than " : "",
-                          count > MOST_COLUMNS ? (size_t)MOST_COLUMNS : count, t->columns);
+      status =
+          vs_fail_at(err, place_of(t, k, count > t->columns ? cell[t->columns].at : cell[0].at),
+                     "%s has %s%zu cells, and the line 'rows' has %zu columns; '-' is a cell "
+                     "of which the source says nothing",
+                     name, count > MOST_COLUMNS ? "more than " : "",
+                     count > MOST_COLUMNS ? (size_t)MOST_COLUMNS : count, t->columns);
     r->line = k;
     memcpy(r->cell, cell, sizeof cell);
   }
@@ -362,10 +363,10 @@ void vs_catalogue_list(const vs_shelf *shelf, void (*each)(void *, const char *)
 
 typedef struct search {
   const char *name;
-  char *path;  /* of the best so far */
-  bool found;  /* one whose name is the same but for capitals */
-  bool exact;  /* the very name */
-  char **all;  /* every name, for what may have been meant */
+  char *path; /* of the best so far */
+  bool found; /* one whose name is the same but for capitals */
+  bool exact; /* the very name */
+  char **all; /* every name, for what may have been meant */
   size_t count;
 } search;
 
@@ -423,12 +424,11 @@ vs_status vs_catalogue_find(const vs_shelf *shelf, const char *name, vs_where wh
   vs_catalogue_list(shelf, look, &s);
   const char *nearest = vs_text_nearest(name, (const char *const *)s.all, s.count);
   vs_status status =
-      s.found
-          ? vs_jail_check(path, where, err)
-          : vs_fail_at(err, where,
-                       "no %s '%s': not a file, and not a %s that comes with the program%s%s%s",
-                       shelf->what, name, shelf->what, nearest ? "; did you mean '" : "",
-                       nearest ? nearest : "", nearest ? "'?" : "");
+      s.found ? vs_jail_check(path, where, err)
+              : vs_fail_at(err, where,
+                           "no %s '%s': not a file, and not a %s that comes with the program%s%s%s",
+                           shelf->what, name, shelf->what, nearest ? "; did you mean '" : "",
+                           nearest ? nearest : "", nearest ? "'?" : "");
   end(&s);
   return status;
 }

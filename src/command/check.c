@@ -70,10 +70,10 @@ typedef struct report {
   const vs_check_options *options;
   vs_text good; /* describes the file, where nothing was found */
   vs_warnings warnings;
-  vs_check_bench bench; /* of a part */
+  vs_check_bench bench;   /* of a part */
   vs_check_options named; /* the options, for a part that comes with the program */
   char *part;             /* where that one lies; owned */
-  bool may_try;         /* the file is of a kind that --deep tries */
+  bool may_try;           /* the file is of a kind that --deep tries */
 } report;
 
 static void warn_of_deck(report *r, const vs_deck *deck) {
@@ -330,7 +330,8 @@ static bool is_machine(const char *name) {
 }
 
 /* The name's ending says which kind of file it is, and of a YAML file its keys. A name without one
- * is looked for among the scenes that come with the program, then among decks, machines and parts. */
+ * is looked for among the scenes that come with the program, then among decks, machines and parts.
+ */
 static vs_status check(report *r, vs_error *err) {
   const char *name = r->options->name;
   char path[VS_PATH_SIZE];

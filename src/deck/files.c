@@ -190,7 +190,7 @@ typedef struct reading {
   size_t unknown;     /* lines of it that begin with "*$" and are none of the contract's */
   vs_where unknown_1; /* the first of these */
   const vs_catalogue_part *row; /* the file is a row of a table; NULL: it is none */
-  char word[24];      /* what stands in it */
+  char word[24];                /* what stands in it */
 } reading;
 
 /* Takes the line begun, if there is one, as whole. */

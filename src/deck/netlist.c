@@ -335,18 +335,18 @@ static vs_status add_series(vs_deck *deck, const vs_node *section, vs_error *err
     if (known || node->kind != VS_NODE_TEXT) continue;
     if (deck->n_parts >= VS_DECK_PARTS)
       return vs_fail_at(err, node->where, "more than %d parts", VS_DECK_PARTS);
-    const vs_field field = {
-        .key = key,
-        .kind = VS_NAME,
-        .unit = "",
-        .default_text = node->text,
-        .text = "the series that it is of, for its limits",
-        .offset = offsetof(vs_circuit_values, parts) + deck->n_parts * VS_NAME_SIZE};
+    const vs_field field = {.key = key,
+                            .kind = VS_NAME,
+                            .unit = "",
+                            .default_text = node->text,
+                            .text = "the series that it is of, for its limits",
+                            .offset =
+                                offsetof(vs_circuit_values, parts) + deck->n_parts * VS_NAME_SIZE};
     status = vs_deck_add_field(deck, &field, node->where, err);
     if (status) return status;
     vs_part *part = &deck->parts[deck->n_parts++];
-    *part = (vs_part){.name = deck->section.fields[deck->section.count - 1].key,
-                      .where = node->where};
+    *part =
+        (vs_part){.name = deck->section.fields[deck->section.count - 1].key, .where = node->where};
     snprintf(part->kind, sizeof part->kind, "%s", deck->devices[d].of);
   }
   return status;
