@@ -224,8 +224,17 @@ static void near_names(void) {
   free_ran(&r);
   r = run("run paper --tier circuit --set circuit.deck=halfwave_paper --set "
           "circuit.varistor_1=FWX-10A14F");
-  EXPECT(r.status == 2 && strstr(r.err, "of kind fuse, and varistor is wanted"), "%d: %s",
-         r.status, r.err);
+  EXPECT(r.status == 2 && strstr(r.err, "of kind fuse, and varistor is wanted"), "%d: %s", r.status,
+         r.err);
+  free_ran(&r);
+}
+
+/* A file of one's own is named with its ending. */
+static void own_file(void) {
+  RUN_GOOD("part varistor -o ZZ9.inc");
+  ran r = run("run paper --tier circuit --set circuit.deck=halfwave_paper --set "
+              "circuit.varistor_1=ZZ9");
+  EXPECT(r.status == 2 && strstr(r.err, "did you mean 'ZZ9.inc'?"), "%d: %s", r.status, r.err);
   free_ran(&r);
 }
 
@@ -304,10 +313,11 @@ static void series(void) {
 }
 
 static const vs_test TESTS[] = {
-    {"listed", listed},       {"discs", discs},           {"tried", tried},
-    {"each runs", each_runs}, {"as a file", as_a_file},   {"nothing said", nothing_said},
-    {"mistakes", mistakes},   {"near names", near_names}, {"identities", identities},
-    {"jailed", jailed},       {"imported", imported},     {"series", series}};
+    {"listed", listed},         {"discs", discs},           {"tried", tried},
+    {"each runs", each_runs},   {"as a file", as_a_file},   {"nothing said", nothing_said},
+    {"mistakes", mistakes},     {"near names", near_names}, {"own file", own_file},
+    {"identities", identities}, {"jailed", jailed},         {"imported", imported},
+    {"series", series}};
 
 int main(void) {
   return program_suite("part tables", TESTS, COUNT(TESTS));
