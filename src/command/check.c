@@ -341,6 +341,9 @@ static vs_status check(report *r, vs_error *err) {
     if (ends_in(name, DECKS[k])) return check_deck(r, err);
   if (ends_in(name, ".lib")) return check_library(r, err);
   if (ends_in(name, ".inc")) return check_part(r, err);
+  if (ends_in(name, ".tab"))
+    return vs_fail_at(err, (vs_where){.file = name},
+                      "a table of parts is checked row by row: check '%s#NAME'", name);
   if (is_machine(name)) return check_machine(r, err);
   if (ends_in(name, ".yaml") || ends_in(name, ".yml") ||
       !vs_path_find(&vs_scene_shelf, name, (vs_where){0}, path, &none))
