@@ -18,6 +18,7 @@
 #include "bench/transistor.h"
 #include "bench/triac.h"
 #include "bench/varistor.h"
+#include "catalogue/catalogue.h"
 #include "deck/parts.h"
 #include "syntax/units.h"
 #include "trust/trust.h"
@@ -171,16 +172,21 @@ static vs_status write_folder(const vs_check_options *o, const vs_figures *f, co
 
 /* How many numbers of the part's file are marked `assumed`. */
 static size_t count_assumed(const char *path) {
-  FILE *f = fopen(path, "r");
-  char *line = NULL;
-  size_t size = 0, count = 0;
-  while (f && vs_alloc_line(&line, &size, f) >= 0) {
-    char *quote = strchr(line, '"');
+  vs_catalogue_part row = {0};
+  vs_source source = {0};
+  vs_error unread = {0};
+  size_t count = 0;
+  const bool is_row = vs_catalogue_is_row(path);
+  if (is_row ? vs_catalogue_read(path, &row, &unread) : vs_source_read(path, &source, &unread))
+    return 0;
+  const vs_source *lines = is_row ? &row.source : &source;
+  for (size_t k = 0; k < lines->count; k++) {
+    char *quote = strchr(lines->line[k], '"');
     if (quote) *quote = '\0';
-    count += !strncmp(line, "*$", 2) && strstr(line, " assumed") != NULL;
+    count += !strncmp(lines->line[k], "*$", 2) && strstr(lines->line[k], " assumed") != NULL;
   }
-  free(line);
-  if (f) fclose(f);
+  vs_catalogue_free(&row);
+  vs_source_free(&source);
   return count;
 }
 

@@ -23,18 +23,25 @@ vs_status vs_fail(vs_error *err, vs_status status, const char *format, ...) {
   return status;
 }
 
+size_t vs_error_file_size(const char *file) {
+  static const char TABLE[] = ".tab#";
+  const char *mark = strstr(file, TABLE);
+  return mark ? (size_t)(mark - file) + sizeof TABLE - 2 : strlen(file);
+}
+
 vs_status vs_fail_at(vs_error *err, vs_where where, const char *format, ...) {
-  int n = 0;
+  int n = 0, size = where.file ? (int)vs_error_file_size(where.file) : 0;
   if (where.file && where.line > 0)
-    n = snprintf(err->text, sizeof err->text, "%s:%d:%d: ", where.file, where.line, where.column);
+    n = snprintf(err->text, sizeof err->text, "%.*s:%d:%d: ", size, where.file, where.line,
+                 where.column);
   else if (where.file)
-    n = snprintf(err->text, sizeof err->text, "%s: ", where.file);
+    n = snprintf(err->text, sizeof err->text, "%.*s: ", size, where.file);
   if (n < 0 || (size_t)n >= sizeof err->text) n = 0;
   va_list args;
   va_start(args, format);
   vsnprintf(err->text + n, sizeof err->text - (size_t)n, format, args);
   va_end(args);
-  err->file_size = n ? (int)strlen(where.file) : 0;
+  err->file_size = n ? size : 0;
   err->place_size = n;
   err->line = n ? where.line : 0;
   err->column = err->line ? where.column : 0;

@@ -53,6 +53,10 @@ typedef struct vs_where {
   int column;       /* from 1 */
 } vs_where;
 
+/* Bytes of the name of the file that a message names. A part that stands in a table has the path
+ * TABLE.tab#PART (catalogue/catalogue.h), and messages name the table. */
+size_t vs_error_file_size(const char *file);
+
 /* Fills err and returns status, so that a caller can write `return vs_fail(...)`. */
 vs_status vs_fail(vs_error *err, vs_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));

@@ -131,10 +131,13 @@ static bool is_among(const char *name, const vs_text *list) {
   return false;
 }
 
-void vs_jail_allow_named(const char *file) {
-  char folder[PATH_MAX], *real = realpath(file, NULL), *around = NULL;
-  add_name(&jail.named, file);
-  if (real && strlen(file) < sizeof folder && strncmp(file, "/dev/", strlen("/dev/")) != 0) {
+void vs_jail_allow_named(const char *name) {
+  char folder[PATH_MAX], file[PATH_MAX], *around = NULL;
+  snprintf(file, sizeof file, "%.*s", (int)vs_error_file_size(name), name);
+  char *real = realpath(file, NULL);
+  add_name(&jail.named, name);
+  if (strcmp(file, name) != 0) add_name(&jail.named, file);
+  if (real && strlen(name) < sizeof folder && strncmp(file, "/dev/", strlen("/dev/")) != 0) {
     snprintf(folder, sizeof folder, "%s", file);
     folder_of(folder);
     around = realpath(folder, NULL);

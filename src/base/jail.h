@@ -23,11 +23,11 @@ bool vs_jail_is_on(void);
 
 /* Allows what lies below a folder. One that is not there allows nothing. */
 void vs_jail_allow(const char *folder);
-/* Allows a file that the user has named, even if it is a link that leads elsewhere, and what lies
- * below its folder; if that folder is the root, a home folder or above one, only what lies directly
- * in it. Allows the working directory, too, if the file lies below it and it is none of these. For
- * a file in /dev only the file itself is allowed. */
-void vs_jail_allow_named(const char *file);
+/* Allows a file that the user has named (of a row TABLE.tab#NAME the table), even if it is a link
+ * that leads elsewhere, and what lies below its folder; if that folder is the root, a home folder
+ * or above one, only what lies directly in it. Allows the working directory, too, if the file lies
+ * below it and it is none of these. For a file in /dev only the file itself is allowed. */
+void vs_jail_allow_named(const char *name);
 /* From now on a file counts as named by the user if its name stands at a place with this label,
  * such as that of a --set. */
 void vs_jail_allow_place(const char *label);

@@ -8,6 +8,7 @@
 #include <strings.h>
 
 #include "base/json.h"
+#include "catalogue/catalogue.h"
 #include "deck/netlist.h"
 #include "deck/parts.h"
 #include "dialect/source.h"
@@ -69,8 +70,10 @@ typedef struct report {
   const vs_check_options *options;
   vs_text good; /* describes the file, where nothing was found */
   vs_warnings warnings;
-  vs_check_bench bench; /* of a part */
-  bool may_try;         /* the file is of a kind that --deep tries */
+  vs_check_bench bench;   /* of a part */
+  vs_check_options named; /* the options, for a part that comes with the program */
+  char *part;             /* where that one lies; owned */
+  bool may_try;           /* the file is of a kind that --deep tries */
 } report;
 
 static void warn_of_deck(report *r, const vs_deck *deck) {
@@ -327,7 +330,8 @@ static bool is_machine(const char *name) {
 }
 
 /* The name's ending says which kind of file it is, and of a YAML file its keys. A name without one
- * is looked for among the scenes that come with the program, then among decks and machines. */
+ * is looked for among the scenes that come with the program, then among decks, machines and parts.
+ */
 static vs_status check(report *r, vs_error *err) {
   const char *name = r->options->name;
   char path[VS_PATH_SIZE];
@@ -337,6 +341,9 @@ static vs_status check(report *r, vs_error *err) {
     if (ends_in(name, DECKS[k])) return check_deck(r, err);
   if (ends_in(name, ".lib")) return check_library(r, err);
   if (ends_in(name, ".inc")) return check_part(r, err);
+  if (ends_in(name, ".tab"))
+    return vs_fail_at(err, (vs_where){.file = name},
+                      "a table of parts is checked row by row: check '%s#NAME'", name);
   if (is_machine(name)) return check_machine(r, err);
   if (ends_in(name, ".yaml") || ends_in(name, ".yml") ||
       !vs_path_find(&vs_scene_shelf, name, (vs_where){0}, path, &none))
@@ -344,6 +351,12 @@ static vs_status check(report *r, vs_error *err) {
   if (!vs_path_find(&vs_deck_shelf, name, (vs_where){0}, path, &none)) return check_deck(r, err);
   if (!vs_path_find(&vs_machine_shelf, name, (vs_where){0}, path, &none))
     return check_machine(r, err);
+  if (vs_catalogue_is_row(name) || vs_catalogue_shipped(&vs_deck_parts_shelf, name, path)) {
+    r->named = *r->options;
+    if (!vs_catalogue_is_row(name)) r->named.name = r->part = vs_copy(path);
+    r->options = &r->named;
+    return check_part(r, err);
+  }
   vs_status status =
       vs_error_carry_on(err, vs_path_find(&vs_scene_shelf, name, (vs_where){0}, path, err));
   return status ? status : vs_path_find(&vs_deck_shelf, name, (vs_where){0}, path, err);
@@ -398,6 +411,7 @@ vs_status vs_check_command(const vs_check_options *o, vs_error *err) {
   vs_text_free(&r.bench.table);
   vs_text_free(&r.bench.rows);
   vs_text_free(&r.good);
+  free(r.part);
   vs_warnings_free(&r.warnings);
   free(all);
   return status;

@@ -267,9 +267,10 @@ bool vs_contract_knows(const char *text) {
 }
 
 vs_status vs_contract_line(vs_deck *deck, const char *line, vs_where begin, vs_error *err) {
-  vs_cursor cursor_here = {line, line + begin.column + 1, begin}, *c = &cursor_here;
+  vs_cursor cursor_here = {line, line + begin.column + 1, begin, deck->column}, *c = &cursor_here;
   char word[VS_DECK_NAME] = "";
   const char *names[N_DIRECTIVES];
+  if (c->column) c->line.column = *c->column;
   vs_cursor_skip(c);
   vs_where where = vs_cursor_here(c);
   vs_cursor_word(c, "", word, sizeof word);

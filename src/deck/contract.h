@@ -6,7 +6,10 @@
  *   *$ param  NAME = VALUE UNIT  MIN..MAX [assumed] "TEXT"
  *       becomes .param NAME, and the scene's key circuit.NAME
  *   *$ param  NAME = PART part [KIND] "TEXT"
- *       a part by name: its file is included, and subcircuit NAME in the deck means the part's
+ *       a part by name: its file, or its row of a table (catalogue/catalogue.h), is included, and
+ *       subcircuit NAME in the deck means the part's. A part DEVICE_part says what the device
+ *       DEVICE is, for its limits. A scene may give that key to a resistor or capacitor whose deck
+ *       has no such line
  *   *$ port   mains = SOURCE
  *       "SOURCE n m external" has the mains' voltage
  *   *$ port   gate[+ANGLE] = SOURCE
@@ -43,7 +46,7 @@
  *   Xeva n m eva
  *       the actuator, once (no line of the contract, but wanted in every deck)
  *
- * The file of a part says besides what it is and what its maker allows:
+ * The file of a part, or the head of a table, says besides what it is and what its maker allows:
  *
  *   *$ part   KIND "TEXT"
  *       thyristor, varistor, fuse, ...

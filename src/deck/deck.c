@@ -9,6 +9,7 @@
 #include <strings.h>
 
 #include "base/text.h"
+#include "catalogue/catalogue.h"
 
 const vs_shelf vs_deck_shelf = {"deck", "", ".cir"},
                vs_deck_parts_shelf = {"part", "parts", ".inc"};
@@ -129,11 +130,12 @@ int vs_deck_add_term(vs_deck *deck, vs_where where, char quantity, const char *f
 }
 
 bool vs_deck_is_shipped(const char *file) {
-  const char *slash = strrchr(file, '/'), *name = slash ? slash + 1 : file;
   const vs_shelf parts = {"part", "parts", ""}, decks = {"deck", "", ""};
-  char path[VS_PATH_SIZE];
-  return (vs_path_shipped(&parts, name, path) && !strcmp(path, file)) ||
-         (vs_path_shipped(&decks, name, path) && !strcmp(path, file));
+  char path[VS_PATH_SIZE], whole[VS_PATH_SIZE];
+  vs_catalogue_file(file, whole);
+  const char *slash = strrchr(whole, '/'), *name = slash ? slash + 1 : whole;
+  return (vs_path_shipped(&parts, name, path) && !strcmp(path, whole)) ||
+         (vs_path_shipped(&decks, name, path) && !strcmp(path, whole));
 }
 
 vs_where vs_deck_mendable(const vs_deck *deck, vs_where where, char *within, size_t size) {
@@ -142,8 +144,9 @@ vs_where vs_deck_mendable(const vs_deck *deck, vs_where where, char *within, siz
     if (where.file != deck->files[k] || !deck->included[k].file) continue;
     const char *slash = strrchr(where.file, '/');
     if (!*within)
-      snprintf(within, size, " (%s:%d:%d)", slash ? slash + 1 : where.file, where.line,
-               where.column);
+      snprintf(within, size, " (%.*s:%d:%d)",
+               (int)vs_error_file_size(slash ? slash + 1 : where.file),
+               slash ? slash + 1 : where.file, where.line, where.column);
     where = deck->included[k];
   }
   return where;

@@ -303,10 +303,12 @@ typedef struct vs_deck {
                          the EVA's; no file: none does */
   char line[2][VS_DECK_NAME]; /* nodes at which surges couple in; empty: not said */
   char earth[VS_DECK_NAME];   /* the node of the protective earth; empty: not said */
-  int subcircuits;            /* how many are open, while the deck is read */
-  vs_where subcircuit;        /* of the outermost that is open */
-  bool own_clock;             /* a source or an expression of the deck's own knows the time */
-  char eva[VS_DECK_NAME];     /* the EVA's instance, and its two nodes */
+  const int *column;   /* while a line with cells of a table is read: the column of each byte's cell
+                          (catalogue/catalogue.h) */
+  int subcircuits;     /* how many are open, while the deck is read */
+  vs_where subcircuit; /* of the outermost that is open */
+  bool own_clock;      /* a source or an expression of the deck's own knows the time */
+  char eva[VS_DECK_NAME]; /* the EVA's instance, and its two nodes */
   char eva_plus[VS_DECK_NAME], eva_minus[VS_DECK_NAME];
 } vs_deck;
 

@@ -303,11 +303,15 @@ static vs_status unknown_kind(const vs_deck *deck, const vs_device *d, const cha
   return status;
 }
 
-/* Gives the device its part, and its kind: that of the part's file, else the one the line says. */
+/* Gives the device its part, and its kind: that of the part's file, else the one the line says. A
+ * part NAME_part says what the device NAME is, and is no element of the netlist. */
 static vs_status resolve_kind(const vs_deck *deck, vs_device *d, vs_error *err) {
   const char *said = *d->of ? d->of : d->name;
+  char series[VS_DECK_NAME + sizeof VS_DEVICE_PART];
+  snprintf(series, sizeof series, "%s%s", d->name, VS_DEVICE_PART);
   d->part = find_part(deck, said);
   if (d->part < 0) d->part = find_part(deck, d->name);
+  if (d->part < 0) d->part = find_part(deck, series);
   d->kind = vs_kinds_find(said);
   bool known = d->kind || find_part(deck, said) >= 0;
   if (!known) return deck->lost & VS_LOST_PARAM ? VS_OK : unknown_kind(deck, d, said, err);

@@ -8,6 +8,9 @@
 #include "deck/deck.h"
 #include "deck/kinds.h"
 
+/* Behind a device's name: the key of the part that says of which series it is. */
+#define VS_DEVICE_PART "_part"
+
 /* Each reads the rest of one line, behind its first word. Errors with their place. */
 vs_status vs_devices_line(vs_deck *deck, vs_cursor *c, vs_error *err);
 vs_status vs_devices_time_current(vs_deck *deck, vs_cursor *c, vs_error *err);

@@ -11,6 +11,7 @@
 
 #include "base/jail.h"
 #include "base/text.h"
+#include "catalogue/catalogue.h"
 #include "deck/contract.h"
 #include "deck/rules.h"
 #include "dialect/functions.h"
@@ -188,7 +189,8 @@ typedef struct reading {
   bool library;       /* the file is included: others may use "*$" for themselves there */
   size_t unknown;     /* lines of it that begin with "*$" and are none of the contract's */
   vs_where unknown_1; /* the first of these */
-  char word[24];      /* what stands in it */
+  const vs_catalogue_part *row; /* the file is a row of a table; NULL: it is none */
+  char word[24];                /* what stands in it */
 } reading;
 
 /* Takes the line begun, if there is one, as whole. */
@@ -302,9 +304,12 @@ static vs_status read_lines(vs_deck *deck, const char *file, const vs_source *so
   for (; k < end && !status; k++) {
     char *line = source->line[k];
     bool commands = is_statement(line, ".control");
-    vs_where where = {file, (int)k + 1, (int)strspn(line, " \t") + 1};
+    vs_where where = {file, r->row ? r->row->line[k] : (int)k + 1, (int)strspn(line, " \t") + 1};
+    const int *column = r->row ? r->row->column + (line - source->text) : NULL;
+    deck->column = column && *column ? column : NULL;
     if (is_statement(line, ".end")) end = k;
     status = vs_error_carry_on(err, read_line(deck, line, where, r, err));
+    deck->column = NULL;
     while (commands && k + 1 < end && !is_statement(source->line[k], ".endc")) k++;
   }
   if (!status) status = end_line(deck, r, err);
@@ -339,20 +344,27 @@ static vs_status read_file(vs_deck *deck, const char *path, bool library, vs_err
     return vs_fail_at(err, (vs_where){.file = path}, "more than %d files; does one include itself?",
                       VS_DECK_FILES);
   const char *file = deck->files[deck->n_files++] = vs_copy(path);
-  vs_source source;
-  vs_status status = vs_source_read(path, &source, err);
+  vs_catalogue_part row = {0};
+  vs_source source = {0};
+  const bool is_row = vs_catalogue_is_row(path);
+  vs_status status =
+      is_row ? vs_catalogue_read(path, &row, err) : vs_source_read(path, &source, err);
+  if (is_row) source = row.source;
   if (!status && deck->n_lines + source.count > MOST_LINES)
     status = vs_fail_at(err, (vs_where){.file = file},
                         "with it the deck has more than %d lines; copy what the circuit needs of "
                         "it into a file of its own",
                         MOST_LINES);
   if (!status) {
-    reading r = {.library = library};
+    reading r = {.library = library, .row = is_row ? &row : NULL};
     find_dialect(deck, &source);
     status = read_lines(deck, file, &source, &r, err);
     vs_line_free(&r.line);
   }
-  vs_source_free(&source);
+  if (is_row)
+    vs_catalogue_free(&row);
+  else
+    vs_source_free(&source);
   return status;
 }
 

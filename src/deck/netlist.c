@@ -2,6 +2,7 @@
 #include "deck/netlist.h"
 
 #include <ctype.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,6 +11,7 @@
 
 #include "base/jail.h"
 #include "base/text.h"
+#include "catalogue/catalogue.h"
 #include "deck/contract.h"
 #include "deck/devices.h"
 #include "deck/eva.h"
@@ -225,8 +227,8 @@ vs_status vs_netlist_read_library(const char *path, vs_deck *library, vs_error *
 
 /* ---- parts ---- */
 
-/* Finds the file of a part: at the path given, or in the deck's folder, or on the shelf of parts.
- */
+/* Finds the file of a part: at the path given, or in the deck's folder, or on the shelf of parts,
+ * where it may be a row of a table. */
 static vs_status find_part(const vs_deck *deck, const char *name, vs_where where,
                            char path[VS_PATH_SIZE], vs_error *err) {
   const char *slash = strrchr(deck->files[0], '/');
@@ -235,18 +237,21 @@ static vs_status find_part(const vs_deck *deck, const char *name, vs_where where
     snprintf(path, VS_PATH_SIZE, "%.*s%s%s", *name == '/' ? 0 : folder, deck->files[0], name,
              ending ? vs_deck_parts_shelf.ending : "");
     struct stat s;
-    vs_status status = vs_jail_check(path, where, err);
+    char file[VS_PATH_SIZE];
+    vs_catalogue_file(path, file);
+    vs_status status = vs_jail_check(file, where, err);
     if (status) return status;
-    if (!stat(path, &s) && S_ISREG(s.st_mode)) return VS_OK;
+    if (!stat(file, &s) && S_ISREG(s.st_mode)) return VS_OK;
   }
-  return vs_path_find(&vs_deck_parts_shelf, name, where, path, err);
+  return vs_catalogue_find(&vs_deck_parts_shelf, name, where, path, err);
 }
 
 /* Gives the name of the subcircuit that a part's file must define: the file's own, without folders
  * and ending, in lower case. */
 static void subcircuit_of(const char *path, char name[VS_DECK_NAME]) {
-  const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path;
-  snprintf(name, VS_DECK_NAME, "%.*s", (int)strcspn(base, "."), base);
+  size_t n;
+  const char *base = vs_catalogue_name(path, &n);
+  snprintf(name, VS_DECK_NAME, "%.*s", (int)n, base);
   vs_cursor_lower(name);
 }
 
@@ -271,8 +276,11 @@ static void take_plain_name(const vs_deck *deck, char subcircuit[VS_DECK_NAME]) 
 static void tell_hidden_part(vs_deck *deck, const char *name, const char *path, vs_where where) {
   char shipped[VS_PATH_SIZE];
   struct stat a, b;
-  if (strchr(name, '/') || !vs_path_shipped(&vs_deck_parts_shelf, name, shipped)) return;
-  if (stat(path, &a) || stat(shipped, &b) || (a.st_dev == b.st_dev && a.st_ino == b.st_ino)) return;
+  if (strchr(name, '/') || vs_catalogue_is_row(path)) return;
+  if (!vs_catalogue_shipped(&vs_deck_parts_shelf, name, shipped)) return;
+  const bool row = vs_catalogue_is_row(shipped);
+  if (!row && (stat(path, &a) || stat(shipped, &b))) return;
+  if (!row && a.st_dev == b.st_dev && a.st_ino == b.st_ino) return;
   vs_deck_remark(deck, where,
                  "part %s is taken from %s; the one of that name that comes with the program is "
                  "not; if that is meant, give the file another name",
@@ -304,8 +312,48 @@ static vs_status take_part(vs_deck *deck, vs_part *part, const char *name, vs_wh
                           part->subcircuit, part->name);
 }
 
-vs_status vs_netlist_read_parts(vs_deck *deck, const vs_node *section, vs_error *err) {
+/* True for a device whose line says what kind it is, of which series have limits: it is an element
+ * of the netlist with a value, and no part. */
+static bool is_of_series(const vs_device *d) {
+  static const char *const KINDS[] = {"resistor", "capacitor", "electrolytic"};
+  for (size_t k = 0; k < sizeof KINDS / sizeof *KINDS; k++)
+    if (!strcmp(d->of, KINDS[k])) return true;
+  return false;
+}
+
+/* Adds the keys NAME_part that the scene gives: they say of which series a resistor or capacitor of
+ * the netlist is, which gives it that series' limits. */
+static vs_status add_series(vs_deck *deck, const vs_node *section, vs_error *err) {
   vs_status status = VS_OK;
+  for (size_t d = 0; d < deck->n_devices && !status; d++) {
+    char key[VS_DECK_NAME + sizeof VS_DEVICE_PART];
+    snprintf(key, sizeof key, "%s%s", deck->devices[d].name, VS_DEVICE_PART);
+    const vs_node *node = vs_tree_child(section, key);
+    bool known = !node || !is_of_series(&deck->devices[d]);
+    for (size_t k = 0; k < deck->section.count; k++)
+      known = known || !strcmp(deck->section.fields[k].key, key);
+    if (known || node->kind != VS_NODE_TEXT) continue;
+    if (deck->n_parts >= VS_DECK_PARTS)
+      return vs_fail_at(err, node->where, "more than %d parts", VS_DECK_PARTS);
+    const vs_field field = {.key = key,
+                            .kind = VS_NAME,
+                            .unit = "",
+                            .default_text = node->text,
+                            .text = "the series that it is of, for its limits",
+                            .offset =
+                                offsetof(vs_circuit_values, parts) + deck->n_parts * VS_NAME_SIZE};
+    status = vs_deck_add_field(deck, &field, node->where, err);
+    if (status) return status;
+    vs_part *part = &deck->parts[deck->n_parts++];
+    *part =
+        (vs_part){.name = deck->section.fields[deck->section.count - 1].key, .where = node->where};
+    snprintf(part->kind, sizeof part->kind, "%s", deck->devices[d].of);
+  }
+  return status;
+}
+
+vs_status vs_netlist_read_parts(vs_deck *deck, const vs_node *section, vs_error *err) {
+  vs_status status = vs_error_carry_on(err, add_series(deck, section, err));
   for (size_t p = 0, k = 1; p < deck->n_parts && !status; k++) {
     const vs_field *field = &deck->section.fields[k];
     if (field->kind != VS_NAME) continue;

@@ -8,6 +8,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "catalogue/catalogue.h"
 #include "deck/netlist.h"
 #include "syntax/cursor.h"
 
@@ -206,10 +207,10 @@ typedef struct search {
 
 static void look(void *ctx, const char *path) {
   search *s = ctx;
-  const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path;
-  size_t n = strcspn(base, ".");
+  size_t n;
+  const char *base = vs_catalogue_name(path, &n);
   if (*s->found || strlen(s->name) != n || strncasecmp(base, s->name, n)) return;
-  snprintf(s->path, sizeof s->path, "%s", path);
+  snprintf(s->path, sizeof s->path, "%.*s", (int)sizeof s->path - 1, path);
   snprintf(s->found, sizeof s->found, "%.*s", (int)n, base);
 }
 
@@ -259,7 +260,7 @@ static void find_part(const vs_elements *w, const char *model, const vs_element 
   if (!pins->kind) {
     s = (search){.name = model};
     pins->by = "a shipped part";
-    vs_path_list(&vs_deck_parts_shelf, look, &s);
+    vs_catalogue_list(&vs_deck_parts_shelf, look, &s);
     if (*s.found) pins->kind = kind_of_part(s.path);
   }
   if (!*s.found) return;

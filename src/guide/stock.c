@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "catalogue/catalogue.h"
+#include "deck/deck.h"
 #include "deck/kinds.h"
 #include "deck/netlist.h"
 #include "machine/blueprint.h"
@@ -19,9 +21,11 @@ typedef struct shelf_walk {
 
 static void put_file(void *ctx, const char *path) {
   const shelf_walk *walk = ctx;
-  const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path;
+  size_t n;
+  const char *base = vs_catalogue_name(path, &n);
   char name[VS_PATH_SIZE];
-  snprintf(name, sizeof name, "%.*s", (int)(strlen(base) - strlen(walk->shelf->ending)), base);
+  if (!vs_catalogue_is_row(path)) n = strlen(base) - strlen(walk->shelf->ending);
+  snprintf(name, sizeof name, "%.*s", (int)n, base);
   vs_entry_begin(walk->to);
   vs_entry_put(walk->to, "name", 20, name);
   vs_entry_path(walk->to, "path", path);
@@ -32,7 +36,10 @@ static void put_file(void *ctx, const char *path) {
 
 void vs_stock_list(vs_entries *to, const vs_shelf *shelf, vs_stock_more *more) {
   const shelf_walk walk = {shelf, more, to};
-  vs_path_list(shelf, put_file, (void *)(size_t)&walk);
+  if (shelf == &vs_deck_parts_shelf)
+    vs_catalogue_list(shelf, put_file, (void *)(size_t)&walk);
+  else
+    vs_path_list(shelf, put_file, (void *)(size_t)&walk);
 }
 
 static void put_title(vs_entries *to, const char *title) {

@@ -96,7 +96,7 @@ static bool bind_names(const vs_setup *s, vs_formula *formula) {
  * read here, as a parameter of a subcircuit, is not watched. */
 static void watch(vs_scene *scene, const vs_comparator *c, watch_list *list) {
   vs_deck *deck = &scene->setup.deck;
-  vs_cursor cursor = {c->text, c->text, {0}};
+  vs_cursor cursor = {.start = c->text, .at = c->text};
   vs_formula formula = {0};
   vs_error unread = {0};
   size_t terms = deck->n_terms, names = deck->n_names;

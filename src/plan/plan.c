@@ -8,6 +8,7 @@
 
 #include "base/hash.h"
 #include "base/jail.h"
+#include "catalogue/catalogue.h"
 
 /* ---- keys ---- */
 
@@ -144,7 +145,7 @@ vs_status vs_plan_input(vs_plan *plan, const char *path, vs_error *err) {
   vs_input *input = &plan->inputs[plan->n_inputs];
   *input = (vs_input){0};
   snprintf(input->path, sizeof input->path, "%s", path);
-  vs_status status = vs_hash_file(path, input->sha256, err);
+  vs_status status = vs_catalogue_hash(path, input->sha256, err);
   if (!status) plan->n_inputs++;
   return status;
 }

@@ -9,7 +9,7 @@
 
 vs_where vs_cursor_here(const vs_cursor *c) {
   vs_where w = c->line;
-  w.column = vs_text_column(c->start, c->at);
+  w.column = c->column ? c->column[c->at - c->start] : vs_text_column(c->start, c->at);
   return w;
 }
 

@@ -11,6 +11,7 @@
 typedef struct vs_cursor {
   const char *start, *at; /* the line as a whole, and what is to be read next; borrowed */
   vs_where line;          /* the line's place; the column is that of its beginning */
+  const int *column; /* for each byte of the line, the column it has in the file; NULL: its own */
 } vs_cursor;
 
 /* The place of what is to be read next. */

@@ -6,6 +6,7 @@
 
 #include "base/hash.h"
 #include "base/json.h"
+#include "catalogue/catalogue.h"
 #include "scene/sections.h"
 
 /* A section's values and their sum. */
@@ -77,7 +78,7 @@ static vs_status add_file(const vs_plan *plan, const char *path, vs_text *text) 
   const char *sum = NULL;
   for (size_t k = 0; k < plan->n_inputs && !sum; k++)
     if (!strcmp(plan->inputs[k].path, path)) sum = plan->inputs[k].sha256;
-  if (!sum) status = vs_hash_file(path, read, &none);
+  if (!sum) status = vs_catalogue_hash(path, read, &none);
   if (!status) vs_text_add(text, "%s\n", sum ? sum : read);
   return status;
 }
