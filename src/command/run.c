@@ -282,7 +282,7 @@ static void again(void *ctx, const char *failed, int next) {
  * then of another experiment. */
 static bool changes_machine(const vs_run_options *o) {
   static const char *const HOW[] = {"run.",    "record",  "measure", "instruments",
-                                    "quality", "limits.", "expect",  "ratings"};
+                                    "quality", "limits.", "expect",  "ratings", "waive"};
   for (size_t k = 0; k < o->n_sets; k++) {
     bool how = false;
     for (size_t n = 0; n < sizeof HOW / sizeof *HOW; n++)

@@ -28,6 +28,7 @@
   OTHER(measured, )                                                                                \
   OTHER(quality, )                                                                                 \
   OTHER(expect, )                                                                                  \
+  OTHER(waive, )                                                                                   \
   OTHER(ratings, )                                                                                 \
   SECTION(measure, &vs_manner_measure, measure)                                                    \
   SECTION(limits, &vs_limits_section, limits)

@@ -144,11 +144,18 @@ vs_status vs_ignored_check(const vs_node *root, const vs_setup *setup, const vs_
     if (n->key && strcmp(n->key, vs_deck_key.key)) /* a list has none, and is refused elsewhere */
       status = ignored_key(s, "circuit", n, err);
   if (!status) status = check_ignored_keys(s, err);
-  const vs_node *expect = vs_tree_child(s->root, "expect");
+  const vs_node *expect = vs_tree_child(s->root, "expect"),
+                *waive = vs_tree_child(s->root, "waive");
   if (!status && expect)
     status = vs_error_carry_on(
         err, vs_fail_at(err, expect->key_where,
                         "expect: tier %s (%s) has no devices to which anything could happen; take "
+                        "tier %s or auto, or leave the key out",
+                        tier->name, why, vs_tiers_circuit()));
+  if (!status && waive)
+    status = vs_error_carry_on(
+        err, vs_fail_at(err, waive->key_where,
+                        "waive: tier %s (%s) has no devices whose limits could be left out; take "
                         "tier %s or auto, or leave the key out",
                         tier->name, why, vs_tiers_circuit()));
   for (size_t k = 0; k < events->count && !status; k++)

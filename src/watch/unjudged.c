@@ -21,21 +21,28 @@ static bool says_none(const vs_deck *deck, const vs_device *d, const vs_device_m
   return limit && isinf(limit->value);
 }
 
+/* True for a line of the verdict that has no limit. */
+static bool is_lacking(const vs_watched *w, const vs_reduced *r) {
+  return r->value.known && !r->limit && vs_devices_lacks(w->deck, w->device, r->measure);
+}
+
 /* Why a measure that a data sheet would limit is not judged; NULL: it is, or need not be. */
-static const char *why_not(const vs_watched *w, const vs_reduced *r) {
+static const char *why_not(const vs_watched *w, const vs_reduced *r, const vs_expects *expects) {
   const vs_device_measure *m = r->measure;
-  if (!m->limit) return NULL;
+  if (!m->limit || vs_expect_waives(expects, w->device, m) || is_lacking(w, r)) return NULL;
   if (r->unjudged) return r->unjudged + strlen("not judged: ");
   if (r->limit) return r->value.known ? NULL : NOT_SEEN;
   return says_none(w->deck, w->device, m) ? NULL : NO_LIMIT;
 }
 
 /* The n-th limit of the device's part that nothing is held to, from 0; NULL: there are no more. */
-static const vs_limit *left_of(const vs_deck *deck, const vs_device *d, size_t n) {
+static const vs_limit *left_of(const vs_deck *deck, const vs_device *d, const vs_expects *expects,
+                               size_t n) {
   const char *file = d->part < 0 ? NULL : deck->parts[d->part].file;
   for (size_t k = 0; file && k < deck->n_limits; k++)
     if (!strcmp(deck->limits[k].where.file, file) &&
-        vs_parts_limit_is_left(deck, &deck->limits[k]) && n-- == 0)
+        vs_parts_limit_is_left(deck, &deck->limits[k]) &&
+        !vs_expect_waives_limit(expects, d, deck->limits[k].name) && n-- == 0)
       return &deck->limits[k];
   return NULL;
 }
@@ -47,40 +54,43 @@ static void fill(vs_unjudged *entry, const vs_device *d, const char *name, const
   entry->why = why;
 }
 
-static bool entry_of(const vs_watched *w, size_t k, vs_unjudged *entry) {
+static bool entry_of(const vs_watched *w, const vs_expects *expects, size_t k,
+                     vs_unjudged *entry) {
   for (size_t n = 0; n < w->count; n++) {
-    const char *why = why_not(w, &w->reduced[n]);
+    const char *why = why_not(w, &w->reduced[n], expects);
     if (!why || k-- > 0) continue;
     fill(entry, w->device, w->reduced[n].measure->name, why);
     return true;
   }
-  const vs_limit *left = left_of(w->deck, w->device, k);
+  const vs_limit *left = left_of(w->deck, w->device, expects, k);
   if (left) fill(entry, w->device, left->name, NOT_HELD);
   return left;
 }
 
 static bool is_judged(const vs_watched *w) {
   for (size_t n = 0; n < w->count; n++)
-    if (w->reduced[n].limit && w->reduced[n].value.known) return true;
+    if (is_lacking(w, &w->reduced[n]) || (w->reduced[n].limit && w->reduced[n].value.known))
+      return true;
   return false;
 }
 
 /* True where all of the device's entries have one reason and none of its measures is judged. */
-static bool is_left_whole(const vs_watched *w) {
+static bool is_left_whole(const vs_watched *w, const vs_expects *expects) {
   vs_unjudged first, next;
-  if (is_judged(w) || !entry_of(w, 0, &first)) return false;
+  if (is_judged(w) || !entry_of(w, expects, 0, &first)) return false;
   size_t k = 1;
-  while (entry_of(w, k, &next))
+  while (entry_of(w, expects, k, &next))
     if (k++, next.why != first.why) return false;
   return k > 1;
 }
 
 /* ---- of all ---- */
 
-bool vs_unjudged_at(const vs_devices *devices, size_t k, vs_unjudged *entry) {
+bool vs_unjudged_at(const vs_devices *devices, const vs_expects *expects, size_t k,
+                    vs_unjudged *entry) {
   for (size_t d = 0; devices && d < devices->count; d++) {
     size_t n = 0;
-    while (entry_of(&devices->item[d], n, entry))
+    while (entry_of(&devices->item[d], expects, n, entry))
       if (n++ == k) return true;
     k -= n;
   }
@@ -88,13 +98,14 @@ bool vs_unjudged_at(const vs_devices *devices, size_t k, vs_unjudged *entry) {
 }
 
 /* Writes the entries of one reason. A device that is left whole is named once. */
-static void write_reason(const vs_devices *devices, const char *why, vs_text *text) {
+static void write_reason(const vs_devices *devices, const vs_expects *expects, const char *why,
+                         vs_text *text) {
   vs_unjudged entry;
   size_t named = 0;
   for (size_t d = 0; d < devices->count; d++) {
     const vs_watched *w = &devices->item[d];
-    const bool whole = is_left_whole(w);
-    for (size_t n = 0; entry_of(w, n, &entry) && !(whole && n); n++)
+    const bool whole = is_left_whole(w, expects);
+    for (size_t n = 0; entry_of(w, expects, n, &entry) && !(whole && n); n++)
       if (entry.why == why)
         vs_text_add(text, "%s%s",
                     named++        ? ", "
@@ -105,23 +116,23 @@ static void write_reason(const vs_devices *devices, const char *why, vs_text *te
   vs_text_add(text, " (%s)", why);
 }
 
-void vs_unjudged_write(const vs_devices *devices, vs_text *text) {
+void vs_unjudged_write(const vs_devices *devices, const vs_expects *expects, vs_text *text) {
   enum { MOST_REASONS = 8 };
   const char *written[MOST_REASONS];
   size_t count = 0, n;
   vs_unjudged entry;
-  for (size_t k = 0; vs_unjudged_at(devices, k, &entry) && count < MOST_REASONS; k++) {
+  for (size_t k = 0; vs_unjudged_at(devices, expects, k, &entry) && count < MOST_REASONS; k++) {
     for (n = 0; n < count && written[n] != entry.why;) n++;
     if (n < count) continue;
     written[count++] = entry.why;
-    write_reason(devices, entry.why, text);
+    write_reason(devices, expects, entry.why, text);
   }
 }
 
 void vs_unjudged_write_left(const vs_deck *deck, vs_text *text) {
   for (size_t d = 0; d < deck->n_devices; d++) {
     const vs_limit *left;
-    for (size_t n = 0; (left = left_of(deck, &deck->devices[d], n)); n++)
+    for (size_t n = 0; (left = left_of(deck, &deck->devices[d], NULL, n)); n++)
       vs_text_add(text, "%s%s.%s", text->length ? ", " : "", deck->devices[d].name, left->name);
   }
 }

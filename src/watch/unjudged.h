@@ -6,6 +6,7 @@
 #define VS_WATCH_UNJUDGED_H
 
 #include "stress/devices.h"
+#include "watch/expect.h"
 
 /* One entry: "r1.power", and why: "no limit stated", one of a few constant texts. */
 typedef struct vs_unjudged {
@@ -13,14 +14,16 @@ typedef struct vs_unjudged {
   const char *why;
 } vs_unjudged;
 
-/* Fills the k-th entry, from 0, device by device; false: there are no more. devices may be NULL.
- * The run must have ended. */
-bool vs_unjudged_at(const vs_devices *devices, size_t k, vs_unjudged *entry);
+/* Fills the k-th entry, from 0, device by device; false: there are no more. What the scene waives is
+ * none, nor is a limit whose lack leaves the verdict undecided. devices may be NULL. The run must
+ * have ended. */
+bool vs_unjudged_at(const vs_devices *devices, const vs_expects *expects, size_t k,
+                    vs_unjudged *entry);
 
 /* Adds the names of all entries to the text, those of one reason together, as "r1.power, c1.v_peak
  * (no limit stated); t.i_rms (one shot)". A device of which nothing is judged for one reason stands
  * there by its name alone. */
-void vs_unjudged_write(const vs_devices *devices, vs_text *text);
+void vs_unjudged_write(const vs_devices *devices, const vs_expects *expects, vs_text *text);
 
 /* Adds what a deck's parts state and nothing is held to, as "fuse_1.v_rated, ...". */
 void vs_unjudged_write_left(const vs_deck *deck, vs_text *text);

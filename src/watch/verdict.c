@@ -107,6 +107,26 @@ static vs_judgement judge_device(const vs_deck *deck, const vs_device *d, const 
                         .failed_s = r->failed_s};
 }
 
+/* A limit that decides and that the device's part, a real one, does not state. A measure of what did
+ * not occur in the run asks nothing of the part, and has no such line. */
+static vs_judgement judge_lacking(const vs_deck *deck, const vs_device *d, const vs_reduced *r) {
+  return (vs_judgement){.device = d,
+                        .measure = r->measure,
+                        .unknown = "its part does not state the limit",
+                        .lacks = deck->parts[d->part].subcircuit,
+                        .room = {NAN, NAN},
+                        .margin = NAN,
+                        .margin_error = INFINITY,
+                        .stress = r->value,
+                        .failed_s = NAN};
+}
+
+const char *vs_verdict_unknown(const vs_judgement *j, char *text, size_t size) {
+  if (!j->lacks) return j->unknown;
+  snprintf(text, size, "%s states no %s", j->lacks, j->measure->limit);
+  return text;
+}
+
 /* What the lines of what happened have for a limit, of how often it may. */
 static const vs_limit NEVER = {.text = "must not happen unless the scene expects it"},
                       EXPECTED = {.text = "the scene expects it", .value = 1};
@@ -137,8 +157,15 @@ static void judge_devices(const vs_devices *devices, const vs_expects *expects, 
     const vs_watched *w = &devices->item[k];
     for (size_t n = 0; n < w->count; n++) {
       const vs_reduced *r = &w->reduced[n];
+      vs_judgement *j = &v->item[v->count];
       if (r->limit && r->value.known)
-        v->item[v->count++] = judge_device(devices->frame->deck, w->device, r);
+        *j = judge_device(devices->frame->deck, w->device, r);
+      else if (r->value.known && vs_devices_lacks(w->deck, w->device, r->measure))
+        *j = judge_lacking(w->deck, w->device, r);
+      else
+        continue;
+      j->waived = vs_expect_waives(expects, w->device, r->measure);
+      v->count++;
     }
     for (size_t n = 0; n < w->count; n++)
       v->count += judge_happening(w->device, &w->reduced[n], expects, &v->item[v->count]);
@@ -155,6 +182,7 @@ static void summarise(vs_verdict *v) {
   v->weakest = v->first_to_fail = NULL;
   for (size_t k = 0; k < v->count; k++) {
     const vs_judgement *j = &v->item[k];
+    if (j->waived) continue;
     if (isfinite(j->margin) && (!v->weakest || j->margin <= v->weakest->margin)) v->weakest = j;
     if (j->margin < 0 && !j->ward && !isnan(j->failed_s) &&
         (!v->first_to_fail || j->failed_s <= v->first_to_fail->failed_s))
@@ -192,6 +220,7 @@ const char *vs_verdict_name(const vs_judgement *j, char name[VS_JUDGED_NAME]) {
 }
 
 const char *vs_verdict_unit(const vs_judgement *j) {
+  if (j->lacks) return j->measure->unit;
   return j->device ? j->limit->unit : j->rating->unit;
 }
 
@@ -204,9 +233,11 @@ bool vs_verdict_is_happening(const vs_judgement *j) {
 const char *const vs_verdict_words[VS_WORDS] = {[VS_HELD] = "held",
                                                 [VS_VIOLATED] = "violated",
                                                 [VS_UNDECIDED] = "undecided",
-                                                [VS_UNVERIFIED] = "unverified"};
+                                                [VS_UNVERIFIED] = "unverified",
+                                                [VS_WAIVED] = "waived"};
 
 vs_finding vs_verdict_word(const vs_judgement *j) {
+  if (j->waived) return VS_WAIVED;
   if (j->unknown) return VS_UNDECIDED;
   if (isnan(j->margin_error)) return VS_UNVERIFIED;
   if (fabs(j->margin) <= j->margin_error) return VS_UNDECIDED;
@@ -219,6 +250,7 @@ const vs_judgement *vs_verdict_breach(const vs_verdict *v) {
     const vs_judgement *j = &v->item[k];
     vs_finding word = vs_verdict_word(j);
     const vs_judgement **worst = word == VS_UNDECIDED ? &undecided : &violated;
+    if (word == VS_WAIVED) continue;
     if (word == VS_UNDECIDED || j->margin < 0)
       if (!*worst || j->margin < (*worst)->margin) *worst = j;
   }
@@ -290,7 +322,7 @@ static void find_weakest(vs_verdict *v) {
   v->weakest = NULL;
   for (size_t k = 0; k < v->count; k++) {
     const vs_judgement *j = &v->item[k];
-    if (!isfinite(j->margin)) continue;
+    if (!isfinite(j->margin) || j->waived) continue;
     if (!v->weakest || least_margin(j) <= least_margin(v->weakest)) v->weakest = j;
   }
 }
@@ -331,6 +363,6 @@ static const double EDGE = 0.25;
 
 bool vs_verdict_on_edge(const vs_verdict *v) {
   for (size_t k = 0; k < v->count; k++)
-    if (v->item[k].makes_fire && fabs(v->item[k].margin) < EDGE) return true;
+    if (v->item[k].makes_fire && !v->item[k].unknown && fabs(v->item[k].margin) < EDGE) return true;
   return false;
 }

@@ -31,8 +31,11 @@ typedef struct vs_judgement {
   const vs_rating *rating; /* NULL: the line is of a device */
   const vs_probe *probe;   /* of a rating of the deck; NULL: it is none */
   const char *name;        /* what a rating of the scene rates; NULL: it is none */
-  const char *unknown; /* why the run has no value to judge: the line is undecided, and its margin
-                          is NaN; NULL: it has one */
+  const char *unknown; /* why the run has no value or no limit to judge: the line is undecided, and
+                          its margin is NaN; NULL: it has both */
+  const char *lacks;   /* of a device: its part, which does not state a limit that decides. The line
+                          has no limit then; NULL: it has one */
+  bool waived;         /* the scene leaves the limit out: the line breaks nothing */
   const vs_device *device; /* NULL: the line is of a rating */
   const vs_device_measure *measure;
   const vs_limit *limit;
@@ -87,10 +90,14 @@ typedef enum vs_finding {
   VS_VIOLATED,   /* the margin is below 0 by more than its error */
   VS_UNDECIDED,  /* the margin's sign is not certain */
   VS_UNVERIFIED, /* no error was computed */
+  VS_WAIVED,     /* the scene leaves the limit out */
   VS_WORDS
 } vs_finding;
 extern const char *const vs_verdict_words[VS_WORDS];
 vs_finding vs_verdict_word(const vs_judgement *judgement);
+/* Why the line has nothing to judge, in one sentence without its end; NULL: it has. The text is
+ * written where it is not constant. */
+const char *vs_verdict_unknown(const vs_judgement *judgement, char *text, size_t size);
 /* Returns the line with the least margin among those that are violated, verified or not; where
  * there is none, among those that are undecided; NULL: there is none of these either. */
 const vs_judgement *vs_verdict_breach(const vs_verdict *verdict);
