@@ -22,6 +22,7 @@ typedef struct vs_frame {
   bool gap_at_rest; /* tier analytic: i = lambda z(0)/(2a), so that L stays as at rest (Eq. 91) */
   vs_span_s means;  /* what means are taken over; from 0 to 0 stands for the whole run */
   bool at_work;     /* the run is whole periods of an orbit */
+  bool on_orbit;    /* the run begins on one: start: steady */
   double tolerance; /* run.tolerance */
   bool source_is_coil; /* no circuit stands between the mains and the coil: the mains current is
                           the coil's current, and v = R_c i + dlambda/dt is the EVA's voltage */

@@ -66,12 +66,14 @@ static void print_device(const vs_judgement *j, int width, FILE *out) {
   print_margin(j, out);
   if (j->lacks) fprintf(out, ": %s", vs_verdict_unknown(j, why, sizeof why));
   if (j->over_v > 0) fprintf(out, "  over %.4g V", j->over_v);
+  if (j->device && !isnan(j->over_from_s)) fprintf(out, "  from %.6g s on", j->over_from_s);
   if (j->ward) fprintf(out, "  limit of %s", j->ward->name);
   fprintf(out, "%s\n", j->assumed ? "  assumed" : "");
 }
 
 /* "undecided: v_ak, thyristor.i2t", and a line for each limit that a part does not state:
- * "undecided: varistor_1.power: s20k510 states no p_max; waive: [varistor_1.power] leaves it out" */
+ * "undecided: varistor_1.power: s20k510 states no p_max; waive: [varistor_1.power] leaves it out"
+ */
 static void print_undecided(const vs_verdict *v, FILE *out) {
   char name[VS_JUDGED_NAME], why[2 * VS_DECK_NAME + 16];
   size_t n = 0;
@@ -133,9 +135,11 @@ static void print_first_to_fail(const vs_judgement *j, FILE *out) {
 
 /* The word of the whole: that of its worst line. It is coloured where people look. */
 static void print_word(const vs_verdict *v, FILE *out) {
-  static const char *const COLOURS[VS_WORDS] = {
-      [VS_HELD] = "32",       [VS_VIOLATED] = "31", [VS_UNDECIDED] = "33",
-      [VS_UNVERIFIED] = "33", [VS_WAIVED] = "33"};
+  static const char *const COLOURS[VS_WORDS] = {[VS_HELD] = "32",
+                                                [VS_VIOLATED] = "31",
+                                                [VS_UNDECIDED] = "33",
+                                                [VS_UNVERIFIED] = "33",
+                                                [VS_WAIVED] = "33"};
   const vs_judgement *breach = vs_verdict_breach(v);
   vs_finding word = VS_WAIVED; /* of all lines, where nothing else is said */
   for (size_t k = 0; k < v->count; k++) {

@@ -328,6 +328,7 @@ static void add_device(vs_json *json, const vs_judgement *j) {
   vs_json_number(json, "limit", j->limit ? j->limit->value / unit : NAN, DIGITS);
   if (j->lacks) vs_json_text(json, "unknown", vs_verdict_unknown(j, why, sizeof why));
   add_over(json, j->over_v);
+  if (!isnan(j->over_from_s)) vs_json_number(json, "over_from_s", j->over_from_s, DIGITS);
   if (j->ward) vs_json_text(json, "limit_of", j->ward->name);
   vs_json_bool(json, "assumed", j->assumed);
 }

@@ -85,7 +85,8 @@ static vs_judgement judge_rated(const vs_rated *own, double tolerance) {
 }
 
 static vs_judgement judge_device(const vs_deck *deck, const vs_device *d, const vs_reduced *r) {
-  double limit = r->limit->value, stress = r->value.value;
+  const vs_value judged = r->judged.known ? r->judged : r->value;
+  double limit = r->limit->value, stress = judged.value;
   bool least = r->measure->held == VS_AT_LEAST;
   double room = (least ? stress - limit : limit - stress) / limit;
   return (vs_judgement){.device = d,
@@ -103,12 +104,13 @@ static vs_judgement judge_device(const vs_deck *deck, const vs_device *d, const 
                         .over_v = r->over_v,
                         .doubt = d->doubtful ? INFINITY : r->doubt / limit,
                         .spread = r->spread / limit,
-                        .stress = r->value,
+                        .stress = judged,
+                        .over_from_s = r->judged.known ? r->judged_from_s : NAN,
                         .failed_s = r->failed_s};
 }
 
-/* A limit that decides and that the device's part, a real one, does not state. A measure of what did
- * not occur in the run asks nothing of the part, and has no such line. */
+/* A limit that decides and that the device's part, a real one, does not state. A measure of what
+ * did not occur in the run asks nothing of the part, and has no such line. */
 static vs_judgement judge_lacking(const vs_deck *deck, const vs_device *d, const vs_reduced *r) {
   return (vs_judgement){.device = d,
                         .measure = r->measure,
@@ -118,6 +120,7 @@ static vs_judgement judge_lacking(const vs_deck *deck, const vs_device *d, const
                         .margin = NAN,
                         .margin_error = INFINITY,
                         .stress = r->value,
+                        .over_from_s = NAN,
                         .failed_s = NAN};
 }
 
@@ -146,6 +149,7 @@ static bool judge_happening(const vs_device *d, const vs_reduced *r, const vs_ex
                       .margin = room,
                       .margin_error = NAN,
                       .stress = {true, h->times, at_s},
+                      .over_from_s = NAN,
                       .failed_s = as_expected ? NAN : at_s,
                       .expected = expected};
   memcpy(j->cause, h->cause, sizeof j->cause);

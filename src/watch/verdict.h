@@ -53,9 +53,11 @@ typedef struct vs_judgement {
   bool makes_fire;        /* near the limit the device may fire without its gate */
   bool is_rate;           /* the measure is a rate over a short time */
   bool assumed;           /* no source says the limit, or a figure that the stress is made of */
-  double over_v;   /* of a rate of rise: how far the stretch rises that the stress is the mean
-                      rate of; 0: of any other */
-  double doubt;    /* the margin may be wrong by this besides */
+  double over_v;      /* of a rate of rise: how far the stretch rises that the stress is the mean
+                         rate of; 0: of any other */
+  double over_from_s; /* of a mean or rms value: the stress is over the stretch from here to the end
+                         of what means are over; NaN: over all of that, or of another measure */
+  double doubt;       /* the margin may be wrong by this besides */
   double spread;   /* sensitivity: a relative error e of the run changes the margin by e spread */
   double failed_s; /* instant at which the limit was first passed; NaN: it was not */
   bool expected;   /* of what happened: the scene expects it */
