@@ -33,6 +33,9 @@ static const struct other {
      "what may happen to the deck's devices, and has to; see 'vibrospice help expect'"},
     {"waive: [varistor_1.power]",
      "limits of devices that the verdict leaves out; see 'vibrospice help waive'"},
+    {"spread: {supply.voltage: 10 %}",
+     "what is not known exactly; 'vibrospice run --corners' runs the ends; see 'vibrospice help "
+     "spread'"},
     {"ratings: {stroke: 0.5 mm .. 1.5 mm}", "what you allow of measures and probes, as lines of "
                                             "the verdict; see 'vibrospice help ratings'"},
     {"instruments: {set: own}", "sensors; see 'vibrospice list instruments'"},

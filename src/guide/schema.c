@@ -317,6 +317,9 @@ static void put_scene(vs_json *j, const vs_ground *ground) {
   put_of_devices(j, VS_SECTION_KEY_expect, "^[^ ]+ .*$");
   put_of_devices(j, VS_SECTION_KEY_waive, "^[^ .]+[.][^ ]+$");
   put_ratings(j);
+  vs_json_object(j, vs_section_keys[VS_SECTION_KEY_spread], VS_JSON_ROW);
+  vs_json_text(j, "type", "object");
+  vs_json_end(j);
   for (size_t k = 0; k < sizeof NAMED / sizeof *NAMED; k++) {
     vs_json_object(j, vs_section_keys[NAMED[k]], VS_JSON_ROW);
     vs_json_end(j);

@@ -61,6 +61,16 @@ static void print_waive(void) {
     }
 }
 
+static void print_spread(void) {
+  puts("spread: what of the scene is not known exactly, each key with its tolerance, as\n"
+       "spread: {supply.voltage: 10 %, circuit.varistor_scale: 10 %, circuit.r1: 2 ohm}\n"
+       "A tolerance is a part of the key's value or in its unit. vibrospice run --corners runs "
+       "the\n"
+       "scene at all ends of up to 6 keys, and breaks where one of them breaks. More keys, and "
+       "more\n"
+       "processes: a study with sample: {method: corners, spread: {...}}.");
+}
+
 static void print_ratings(void) {
   puts("ratings: what you allow of measures and of probes, as\n"
        "ratings: {stroke: 0.5 mm .. 1.5 mm, r1.power: .. 2 W, v_ak: -900 .. 900 V, p_min: -5 mm "
@@ -79,6 +89,7 @@ static const struct topic {
            {"quality", "section of a scene: what a current is to the mains", print_quality},
            {"expect", "key of a scene: what may happen to devices, and has to", print_expect},
            {"waive", "key of a scene: limits that the verdict leaves out", print_waive},
+           {"spread", "key of a scene: what is not known exactly", print_spread},
            {"ratings", "section of a scene: what you allow of measures and probes", print_ratings}};
 enum { N_OWN = sizeof OWN / sizeof *OWN };
 

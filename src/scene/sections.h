@@ -29,6 +29,7 @@
   OTHER(quality, )                                                                                 \
   OTHER(expect, )                                                                                  \
   OTHER(waive, )                                                                                   \
+  OTHER(spread, )                                                                                  \
   OTHER(ratings, )                                                                                 \
   SECTION(measure, &vs_manner_measure, measure)                                                    \
   SECTION(limits, &vs_limits_section, limits)

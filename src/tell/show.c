@@ -191,6 +191,26 @@ static void print_not_judged(const vs_result *r, FILE *out) {
   vs_text_free(&text);
 }
 
+/* What was varied: nothing, or the corners, with the worst line of each. */
+static void print_corners(const vs_result *r, FILE *out) {
+  char at[1024];
+  const vs_corners *c = r->corners;
+  if (!c) {
+    fputs("nominal values; corners not judged\n", out);
+    return;
+  }
+  fprintf(out, "corners: %zu of %zu held; the worst line of each:\n", c->held, c->count);
+  for (size_t k = 0; k < c->count; k++) {
+    const vs_corner *one = &c->item[k];
+    const vs_judgement shown = {
+        .margin = one->margin, .margin_error = one->error, .unknown = NULL, .device = NULL};
+    fprintf(out, "  %s: %s ", vs_result_corner(c, k, at, sizeof at),
+            *one->line ? one->line : "nothing is rated");
+    if (*one->line) print_margin(&shown, out);
+    fputs(k == c->worst && c->count > 1 ? "  worst\n" : "\n", out);
+  }
+}
+
 /* How the errors of the margins were found, and what would decide those that are not. */
 static void print_second(const vs_result *r, FILE *out) {
   const vs_second_run *second = &r->second;
@@ -383,6 +403,7 @@ void vs_show_verdict(const vs_result *r, FILE *out) {
   print_undecided(v, out);
   print_waived(&s->expects, out);
   print_not_judged(r, out);
+  print_corners(r, out);
   print_lines(v, out);
   print_second(r, out);
 }

@@ -399,6 +399,33 @@ static void add_not_judged(vs_json *json, const vs_devices *devices, const vs_ex
   vs_json_end(json);
 }
 
+/* What was varied: nothing (null), or the corners. */
+static void add_corners(vs_json *json, const vs_corners *c) {
+  if (!c) {
+    vs_json_text(json, "corners", NULL);
+    return;
+  }
+  const vs_corner *worst = &c->item[c->worst];
+  vs_json_object(json, "corners", VS_JSON_ROW);
+  vs_json_whole(json, "of", (int)c->count);
+  vs_json_whole(json, "held", (int)c->held);
+  vs_json_object(json, "worst", VS_JSON_ROW);
+  vs_json_object(json, "at", VS_JSON_ROW);
+  for (size_t n = 0; n < c->spread.count; n++) {
+    vs_json_object(json, c->spread.item[n].key, VS_JSON_ROW);
+    vs_json_number(json, "value", c->spread.item[n].value[c->worst >> n & 1], DIGITS);
+    vs_json_text(json, "unit", c->spread.item[n].unit);
+    vs_json_end(json);
+  }
+  vs_json_end(json);
+  vs_json_text(json, "line", *worst->line ? worst->line : NULL);
+  vs_json_number(json, "margin", worst->margin, DIGITS);
+  vs_json_number(json, "margin_error", worst->error, DIGITS);
+  vs_json_text(json, "word", *worst->line ? vs_verdict_words[worst->word] : NULL);
+  vs_json_end(json);
+  vs_json_end(json);
+}
+
 static void add_warning(void *ctx, const char *text) {
   vs_json_text(ctx, NULL, text);
 }
@@ -510,6 +537,7 @@ void vs_summary_json(const vs_result *r, bool with_cost, const vs_summary_more *
   add_verdict(&json, &r->verdict);
   add_happenings(&json, &r->verdict);
   add_not_judged(&json, r->watchers.devices, &s->expects);
+  add_corners(&json, r->corners);
   vs_json_end(&json);
   vs_text_add(text, "\n");
 }
