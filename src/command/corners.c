@@ -30,7 +30,7 @@ static bool is_worse(const vs_corner *a, const vs_corner *b) {
   return a->margin < b->margin;
 }
 
-static vs_status read_corner(const vs_run_options *o, const char *tier, const vs_spreads *spread,
+static vs_status read_corner(const vs_corners_order *o, const char *tier, const vs_spreads *spread,
                              size_t k, vs_scene *scene, vs_error *err) {
   char text[VS_KEY_SIZE + 64];
   vs_status status = vs_scene_open(o->scene, (vs_where){0}, scene, err);
@@ -46,7 +46,7 @@ static vs_status read_corner(const vs_run_options *o, const char *tier, const vs
   return status ? status : vs_control_allow(&scene->control, o->allow_code, err);
 }
 
-static vs_status run_corner(const vs_run_options *o, const char *tier, const vs_spreads *spread,
+static vs_status run_corner(const vs_corners_order *o, const char *tier, const vs_spreads *spread,
                             size_t k, vs_corner *corner, vs_error *err) {
   const vs_session session = {.verify = true, .steady = vs_steady_start, .stop = o->stop};
   vs_scene *scene = vs_alloc(1, sizeof *scene);
@@ -62,7 +62,7 @@ static vs_status run_corner(const vs_run_options *o, const char *tier, const vs_
   return status;
 }
 
-vs_status vs_corners_run(const vs_run_options *o, const vs_scene *nominal, vs_corners *c,
+vs_status vs_corners_run(const vs_corners_order *o, const vs_scene *nominal, vs_corners *c,
                          vs_error *err) {
   char at[1024];
   vs_status status = vs_key_spreads(nominal, &c->spread, err);

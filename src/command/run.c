@@ -370,10 +370,11 @@ vs_status vs_run_command(const vs_run_options *o, vs_error *err) {
   if (!status && o->raw) status = vs_scene_take_circuit(scene, "--raw", err);
   if (!status && !o->quiet && !vs_guard_again()) vs_scene_warn(scene);
   vs_run_options own = *o;
+  const vs_corners_order order = {o->scene, o->sets, o->n_sets, o->allow_code, o->quiet, o->stop};
   vs_corners *corners = o->corners ? vs_alloc(1, sizeof *corners) : NULL;
   vs_spreads spreads;
   if (!status) status = vs_key_spreads(scene, &spreads, err);
-  if (!status && corners) status = vs_corners_run(o, scene, corners, err);
+  if (!status && corners) status = vs_corners_run(&order, scene, corners, err);
   own.judged = corners;
   if (!status) status = vs_run_scene(&own, NULL, scene, err);
   free(corners);
