@@ -476,11 +476,9 @@ vs_status vs_session_judge(const vs_result *r, vs_error *err) {
   double unit = vs_units_factor(unit_name);
   if (!worst->lacks) print_allowed(worst, unit, allowed, sizeof allowed);
   vs_verdict_name(worst, name);
-  if (!isnan(worst->stress.at_s))
-    snprintf(at, sizeof at, " at %.6g s", worst->stress.at_s);
+  if (!isnan(worst->stress.at_s)) snprintf(at, sizeof at, " at %.6g s", worst->stress.at_s);
   if (worst->lacks)
-    return vs_fail(err, VS_RATING,
-                   "a rating is undecided: %s: %s; waive: [%s] leaves it out", name,
+    return vs_fail(err, VS_RATING, "a rating is undecided: %s: %s; waive: [%s] leaves it out", name,
                    vs_verdict_unknown(worst, allowed, sizeof allowed), name);
   if (worst->unknown)
     return vs_fail(err, VS_RATING, "a rating is undecided: %s has no value, as %s; allowed %s %s",

@@ -36,8 +36,7 @@ bool vs_expect_waives(const vs_expects *expects, const vs_device *device,
 
 bool vs_expect_waives_limit(const vs_expects *expects, const vs_device *device, const char *limit) {
   for (size_t k = 0; expects && k < expects->n_waivers; k++)
-    if (!strcmp(expects->waiver[k].device, device->name) &&
-        !strcmp(expects->waiver[k].name, limit))
+    if (!strcmp(expects->waiver[k].device, device->name) && !strcmp(expects->waiver[k].name, limit))
       return true;
   return false;
 }
@@ -107,10 +106,10 @@ static vs_status no_limit(const vs_node *node, const char *name, const vs_device
   for (size_t k = 0; d->kind && k < d->kind->n_measures; k++)
     if (d->kind->measures[k].limit)
       vs_text_add(&all, "%s%s.%s", all.length ? ", " : "", d->name, d->kind->measures[k].name);
-  vs_status status = vs_fail_at(
-      err, node->where, "waive: '%s.%s' is no limit of a %s; %s%s", d->name, name,
-      d->kind ? d->kind->name : "device without a kind",
-      all.length ? "there are: " : "no entry can name it", all.length ? all.text : "");
+  vs_status status =
+      vs_fail_at(err, node->where, "waive: '%s.%s' is no limit of a %s; %s%s", d->name, name,
+                 d->kind ? d->kind->name : "device without a kind",
+                 all.length ? "there are: " : "no entry can name it", all.length ? all.text : "");
   vs_text_free(&all);
   return status;
 }
@@ -144,7 +143,8 @@ static const listed LISTS[] = {
 static vs_status read_entry(const listed *of, const vs_node *node, const vs_deck *deck,
                             vs_expects *expects, vs_error *err) {
   char name[VS_NAME_SIZE] = "";
-  const char *text = node->kind == VS_NODE_TEXT ? node->text : "", *rest = strchr(text, of->between);
+  const char *text = node->kind == VS_NODE_TEXT ? node->text : "",
+             *rest = strchr(text, of->between);
   if (!rest || rest - text >= (long)sizeof name || strlen(rest) >= VS_DECK_NAME)
     return vs_fail_at(err, node->where, "%s: %s are wanted, as '%s'", of->key, of->entry,
                       of->example);
@@ -161,8 +161,8 @@ static vs_status read_list(const listed *of, const vs_node *node, const vs_deck 
   vs_status status = VS_OK;
   if (!node || (node->kind == VS_NODE_TEXT && !*node->text)) return VS_OK;
   if (node->kind == VS_NODE_MAP)
-    return vs_error_carry_on(err, vs_fail_at(err, node->where, "%s: a list is wanted: [%s, ...]",
-                                             of->key, of->example));
+    return vs_error_carry_on(
+        err, vs_fail_at(err, node->where, "%s: a list is wanted: [%s, ...]", of->key, of->example));
   if (node->kind == VS_NODE_TEXT)
     return vs_error_carry_on(err, read_entry(of, node, deck, expects, err));
   for (const vs_node *item = node->child; item && !status; item = item->next)

@@ -54,8 +54,7 @@ static void fill(vs_unjudged *entry, const vs_device *d, const char *name, const
   entry->why = why;
 }
 
-static bool entry_of(const vs_watched *w, const vs_expects *expects, size_t k,
-                     vs_unjudged *entry) {
+static bool entry_of(const vs_watched *w, const vs_expects *expects, size_t k, vs_unjudged *entry) {
   for (size_t n = 0; n < w->count; n++) {
     const char *why = why_not(w, &w->reduced[n], expects);
     if (!why || k-- > 0) continue;

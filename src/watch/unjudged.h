@@ -14,9 +14,9 @@ typedef struct vs_unjudged {
   const char *why;
 } vs_unjudged;
 
-/* Fills the k-th entry, from 0, device by device; false: there are no more. What the scene waives is
- * none, nor is a limit whose lack leaves the verdict undecided. devices may be NULL. The run must
- * have ended. */
+/* Fills the k-th entry, from 0, device by device; false: there are no more. What the scene waives
+ * is none, nor is a limit whose lack leaves the verdict undecided. devices may be NULL. The run
+ * must have ended. */
 bool vs_unjudged_at(const vs_devices *devices, const vs_expects *expects, size_t k,
                     vs_unjudged *entry);
 

@@ -179,8 +179,11 @@ static void add_not_judged(const vs_result *r, vs_text *row) {
   const vs_expects *expects = &r->scene->expects;
   if (r->verdict.count) vs_unjudged_write(r->watchers.devices, expects, &all);
   for (size_t k = 0; k < expects->n_waivers; k++)
-    vs_text_add(&all, "%s%s.%s", k ? ", " : all.length ? "; " : "", expects->waiver[k].device,
-                expects->waiver[k].name);
+    vs_text_add(&all, "%s%s.%s",
+                k            ? ", "
+                : all.length ? "; "
+                             : "",
+                expects->waiver[k].device, expects->waiver[k].name);
   if (expects->n_waivers) vs_text_add(&all, " (waived)");
   vs_csv_cell(row, all.text ? all.text : "");
   vs_text_free(&all);
