@@ -102,7 +102,8 @@ static void all_that_is_wrong_with_a_scene(void) {
            "                                                             ^\n"
            "s.yaml:4:1: a scene has no key 'firin'; did you mean 'firing'? "
            "it has: machine, actuator, load, supply, firing, pwm, circuit, events, instruments, "
-           "control, run, start, record, measured, quality, expect, ratings, ambient, heatsink, "
+           "control, run, start, record, measured, quality, expect, waive, spread, ratings, ambient, "
+           "heatsink, "
            "measure, limits\n"
            " firin:\t{angle: 95 deg}\n"
            " ^\n"
@@ -503,8 +504,8 @@ static void verdicts(void) {
        "key "
        "'\\\"'; it has: machine, actuator, load, supply, firing, pwm, circuit, events, "
        "instruments, "
-       "control, run, start, record, measured, quality, expect, ratings, ambient, heatsink, "
-       "measure, limits\"}\n"
+       "control, run, start, record, measured, quality, expect, waive, spread, ratings, ambient, "
+       "heatsink, measure, limits\"}\n"
        "]\n",
        "", 2},
       {"paper --json --set run.max_step=1e-9us",

@@ -306,9 +306,11 @@ static void time_to_rest(void) {
   CLOSE(measure(t, "t", "t_off")->failed_s, 340e-6, 1e-4);
   vs_verdict *v = vs_alloc(1, sizeof *v);
   vs_verdict_reach(t->result.watchers.measures, t->result.watchers.devices, NULL, v);
-  CU_ASSERT_EQUAL_FATAL(v->count, 1);
-  CLOSE(v->item[0].margin, -0.25, 1e-3);
-  CU_ASSERT_PTR_EQUAL(v->first_to_fail, &v->item[0]);
+  size_t k = 0;
+  while (k < v->count && !v->item[k].limit) k++; /* the part states no other limit */
+  CU_ASSERT_FATAL(k < v->count);
+  CLOSE(v->item[k].margin, -0.25, 1e-3);
+  CU_ASSERT_PTR_EQUAL(v->first_to_fail, &v->item[k]);
   vs_verdict_free(v);
   free(v);
   vs_trial_free(t);
@@ -422,7 +424,8 @@ static void all_is_well(void) {
   vs_text_add(&deck, "%s", PARTED "*$ device t = v(x), i(Vs)\n" SINES);
   write_file("d.cir", deck.text);
   vs_text_free(&deck);
-  r = run("run paper --set circuit.deck=d.cir --set run.until=40ms --json --quiet");
+  r = run("run paper --set circuit.deck=d.cir --set run.until=40ms --json --quiet --set "
+          "'waive=[t.v_drm, t.v_rrm, t.i_t_rms, t.dv_dt, t.di_dt]'");
   EXPECT(r.status == 0 && strstr(r.out, "\"weakest\": \"t.i_surge\"") &&
              strstr(r.out, "\"first_to_fail\": null"),
          "%s", r.out);

@@ -158,6 +158,8 @@ static vs_status check_scene(report *r, vs_error *err) {
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_status status = vs_scene_read(o->name, o->sets, o->n_sets, NULL, scene, err);
   if (!status && scene->frame.deck) look_through(r, scene->frame.deck, err);
+  vs_spreads spreads;
+  if (!status) status = vs_key_spreads(scene, &spreads, err);
   if (!status && !vs_error_count(err)) status = vs_session_try(scene->tier, &scene->setup, err);
   if (!status && !vs_error_count(err)) {
     vs_text_add(&r->good, "a good scene: tier %s (%s)", scene->tier->name, scene->why);

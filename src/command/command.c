@@ -47,6 +47,7 @@ static bool *flag_of(vs_arguments *a, int key) {
                {VS_KEY_REPRODUCIBLE, &a->reproducible},
                {VS_KEY_STEADY, &a->steady},
                {VS_KEY_RAW, &a->raw},
+               {VS_KEY_CORNERS, &a->corners},
                {VS_KEY_DEEP, &a->deep},
                {VS_KEY_LINEAR, &a->linear},
                {VS_KEY_LIST, &a->list},

@@ -19,7 +19,7 @@ typedef struct vs_arguments {
   size_t n_sets;
   const char *tier, *output, *deck, *machine, *overlay, *shard, *of, *to, *along, *step, *at,
       *profile, *mains, *gate, *coil, *pins, *library, *scene, *wrap, *probe, *from, *format;
-  bool json, all, quiet, reproducible, raw, list, deep, help, resume, overwrite, keep_runs,
+  bool json, all, quiet, reproducible, raw, corners, list, deep, help, resume, overwrite, keep_runs,
       progress_json, steady, no_sharing, linear, allow_code, fft, orbit, jail, no_jail, again;
   int digits; /* 1..17 */
   int jobs;   /* 0: not given */
@@ -50,6 +50,7 @@ enum {
   VS_KEY_REPRODUCIBLE,
   VS_KEY_DIGITS,
   VS_KEY_RAW,
+  VS_KEY_CORNERS,
   VS_KEY_SET,
   VS_KEY_TIER,
   VS_KEY_DECK,

@@ -11,6 +11,7 @@
 
 #include "base/file.h"
 #include "base/leave.h"
+#include "command/corners.h"
 #include "scene/session.h"
 #include "solver/guard.h"
 #include "steady/steady.h"
@@ -282,7 +283,8 @@ static void again(void *ctx, const char *failed, int next) {
  * then of another experiment. */
 static bool changes_machine(const vs_run_options *o) {
   static const char *const HOW[] = {"run.",    "record", "measure", "instruments", "quality",
-                                    "limits.", "expect", "ratings", "ambient",     "heatsink"};
+                                    "limits.", "expect", "ratings", "ambient",     "heatsink",
+                                    "waive",   "spread"};
   for (size_t k = 0; k < o->n_sets; k++) {
     bool how = false;
     for (size_t n = 0; n < sizeof HOW / sizeof *HOW; n++)
@@ -313,6 +315,17 @@ static void say_result(const vs_run_options *o, const vs_run_more *more, const v
     fprintf(stderr, "vibrospice: hint: %s\n", text);
 }
 
+/* Error, VS_RATING: a corner breaks. */
+static vs_status judge_corners(const vs_corners *c, vs_error *err) {
+  char at[1024];
+  const vs_corner *worst = &c->item[c->worst];
+  if (c->held == c->count) return VS_OK;
+  return vs_fail(err, VS_RATING,
+                 "%zu of %zu corners do not hold; the worst is %s: %s, margin %.3g %%",
+                 c->count - c->held, c->count, vs_result_corner(c, c->worst, at, sizeof at),
+                 worst->line, 100 * worst->margin);
+}
+
 vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scene *scene,
                        vs_error *err) {
   audience a = {.options = o, .more = more, .show_progress = !o->quiet && isatty(STDERR_FILENO)};
@@ -325,6 +338,7 @@ vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scen
   vs_status status = vs_session_run(&session, scene, result, err);
   vs_leave_heed_set(VS_HEED_KEEP);
   end_progress(&a);
+  result->corners = o->judged;
   if (!status && more && more->finish) more->finish(more->ctx, result);
   if (!status && (o->json || o->folder))
     vs_summary_json(result, !o->reproducible, more ? &more->summary : NULL, &json);
@@ -333,6 +347,7 @@ vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scen
   vs_leave_heed_set(before);
   if (!status) say_result(o, more, result, json.text);
   if (!status) status = vs_session_judge(result, err);
+  if (!status && o->judged) status = judge_corners(o->judged, err);
   vs_text_free(&json);
   vs_result_free(result);
   free(result);
@@ -355,7 +370,15 @@ vs_status vs_run_command(const vs_run_options *o, vs_error *err) {
   if (!status) status = vs_control_allow(&scene->control, o->allow_code, err);
   if (!status && o->raw) status = vs_scene_take_circuit(scene, "--raw", err);
   if (!status && !o->quiet && !vs_guard_again()) vs_scene_warn(scene);
-  if (!status) status = vs_run_scene(o, NULL, scene, err);
+  vs_run_options own = *o;
+  const vs_corners_order order = {o->scene, o->sets, o->n_sets, o->allow_code, o->quiet, o->stop};
+  vs_corners *corners = o->corners ? vs_alloc(1, sizeof *corners) : NULL;
+  vs_spreads spreads;
+  if (!status) status = vs_key_spreads(scene, &spreads, err);
+  if (!status && corners) status = vs_corners_run(&order, scene, corners, err);
+  own.judged = corners;
+  if (!status) status = vs_run_scene(&own, NULL, scene, err);
+  free(corners);
   vs_scene_free(scene);
   free(scene);
   return status;

@@ -24,7 +24,10 @@ typedef struct vs_run_options {
   bool reproducible; /* leaves the cost out of summary.json */
   bool raw;          /* writes run.raw, too, which wants a folder and the circuit tier */
   bool allow_code;   /* the scene may run code of its own */
-  int digits;        /* significant ones in CSV files, 1..17 */
+  bool corners;      /* runs the corners of the scene's key spread besides */
+  const vs_corners
+      *judged; /* what these came to; NULL: they were not run. vs_run_command sets it */
+  int digits;  /* significant ones in CSV files, 1..17 */
   const volatile sig_atomic_t *stop; /* set by a signal: the run ends and keeps what there is */
 } vs_run_options;
 

@@ -115,8 +115,8 @@ const char *vs_run_pair_word(const vs_node *line) {
 
 /* The word of the whole: that of its worst line. */
 const char *vs_run_pair_whole(const vs_node *verdict) {
-  static const char *const RISING[] = {"held", "unverified", "undecided", "violated, unverified",
-                                       "violated"};
+  static const char *const RISING[] = {
+      "waived", "held", "unverified", "undecided", "violated, unverified", "violated"};
   size_t worst = 0;
   if (!verdict || !verdict->child) return "no limit stated";
   for (const vs_node *m = verdict->child; m; m = m->next)

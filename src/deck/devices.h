@@ -30,6 +30,11 @@ vs_status vs_devices_resolve(vs_deck *deck, vs_error *err);
 const vs_limit *vs_devices_limit(const vs_deck *deck, const vs_device *device,
                                  const vs_device_measure *measure);
 
+/* True where the device's part is a real one, as its file states a finite limit, and where the file
+ * says nothing, not even "none", of the limit of that measure, which decides (vs_kinds_decides). */
+bool vs_devices_lacks(const vs_deck *deck, const vs_device *device,
+                      const vs_device_measure *measure);
+
 /* The same as vs_parts_dv_dt_over, of the device's part. */
 double vs_devices_dv_dt_over(const vs_deck *deck, const vs_device *device);
 

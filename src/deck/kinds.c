@@ -450,3 +450,23 @@ bool vs_kinds_leaves_limit(const char *kind_name, const char *limit) {
     if (!strcmp(limit, BEARS[k])) return true;
   return !vs_kinds_knows_limit(kind_name, limit, &nearest);
 }
+
+/* Kinds that protect or switch, with the limits without which nothing can be said of their work.
+ * What a data sheet often leaves out is not among them: the junction's temperature, a triac's
+ * (di/dt)c, int i^2 dt of a diode, which follows from i_fsm. */
+bool vs_kinds_decides(const char *kind, const char *limit) {
+  static const struct {
+    const char *kind, *limits;
+  } DECISIVE[] = {{"thyristor", " v_drm v_rrm i_t_rms i_tsm i2t di_dt dv_dt t_q "},
+                  {"triac", " v_drm i_t_rms i_tsm i2t di_dt dv_dt dv_dt_c "},
+                  {"diode", " v_rrm i_f_av i_fsm "},
+                  {"mosfet", " v_dss i_d i_dm "},
+                  {"igbt", " v_ces i_c i_cm "},
+                  {"varistor", " energy i_surge p_max "},
+                  {"fuse", " v_rated i_rated "}};
+  char spaced[VS_KIND_NAME + 2];
+  snprintf(spaced, sizeof spaced, " %.*s ", VS_KIND_NAME - 1, limit);
+  for (size_t k = 0; k < sizeof DECISIVE / sizeof *DECISIVE; k++)
+    if (!strcmp(DECISIVE[k].kind, kind)) return strstr(DECISIVE[k].limits, spaced);
+  return false;
+}

@@ -174,4 +174,8 @@ bool vs_kinds_knows_limit(const char *kind, const char *limit, const char **near
  * is no figure that merely describes the part, as a holding current does. */
 bool vs_kinds_leaves_limit(const char *kind, const char *limit);
 
+/* True for a limit that decides whether a part of that kind bears its work: a real part that
+ * protects or switches and does not state it leaves the verdict undecided. */
+bool vs_kinds_decides(const char *kind, const char *limit);
+
 #endif

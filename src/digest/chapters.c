@@ -50,6 +50,7 @@ static void add_line(vs_text *html, const vs_node *line) {
   add_number(html, line, *device ? "" : "max", 1, unit);
   vs_text_add(html, "<td class=\"text\">");
   vs_html_text(html, vs_member_word(line, "text"));
+  if (*device) vs_html_text(html, vs_member_word(line, "unknown"));
   vs_text_add(html, "</td></tr>\n");
 }
 
@@ -75,9 +76,9 @@ static void add_happenings(vs_text *html, const vs_node *summary) {
   }
 }
 
-static void add_not_judged(vs_text *html, const vs_node *list) {
+static void add_left_out(vs_text *html, const char *what, const vs_node *list) {
   if (!list || !list->child) return;
-  vs_text_add(html, "<p>Not judged: ");
+  vs_text_add(html, "<p>%s: ", what);
   for (const vs_node *m = list->child; m; m = m->next) {
     vs_html_text(html, m->text ? m->text : "");
     vs_text_add(html, m->next ? ", " : ".</p>\n");
@@ -104,7 +105,8 @@ void vs_chapter_verdict(vs_text *html, const vs_node *summary) {
     vs_text_add(html, ".</p>\n");
   }
   add_happenings(html, summary);
-  if (any) add_not_judged(html, vs_tree_child(summary, "not_judged"));
+  if (any) add_left_out(html, "Waived", vs_tree_child(summary, "waived"));
+  if (any) add_left_out(html, "Not judged", vs_tree_child(summary, "not_judged"));
   if (any) {
     vs_text_add(html, "<div class=\"wide\"><table><tr><th>what</th><th>word</th><th>margin</th>"
                       "<th>its error</th><th>stress, or least</th><th>limit, or min</th>"

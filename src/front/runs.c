@@ -28,6 +28,7 @@ static vs_run_options run_options(const vs_arguments *a) {
                           .quiet = a->quiet,
                           .reproducible = a->reproducible,
                           .raw = a->raw,
+                          .corners = a->corners,
                           .allow_code = a->allow_code,
                           .digits = a->digits,
                           .stop = &vs_leave_requested};
@@ -50,6 +51,9 @@ static const struct argp_option RUN_OPTIONS[] = {
     VS_OPTIONS_ALL,
     VS_OPTIONS_REPRODUCIBLE,
     VS_OPTIONS_DIGITS,
+    VS_COMMAND_FLAG("corners", VS_KEY_CORNERS,
+                    "runs the scene at all ends of its key spread besides, without one of the "
+                    "mains and of the varistors +- 10 %; a corner that breaks breaks the verdict"),
     VS_COMMAND_FLAG("raw", VS_KEY_RAW,
                     "tier circuit, with -o: writes run.raw too, every voltage and current of the "
                     "circuit at every step, for ngspice's 'load'; a run that fails leaves "

@@ -31,6 +31,11 @@ static const struct other {
      "what was measured, printed beside what is computed; see 'vibrospice list measures'"},
     {"expect: [fuse_2 opens]",
      "what may happen to the deck's devices, and has to; see 'vibrospice help expect'"},
+    {"waive: [varistor_1.power]",
+     "limits of devices that the verdict leaves out; see 'vibrospice help waive'"},
+    {"spread: {supply.voltage: 10 %}",
+     "what is not known exactly; 'vibrospice run --corners' runs the ends; see 'vibrospice help "
+     "spread'"},
     {"ratings: {stroke: 0.5 mm .. 1.5 mm}", "what you allow of measures and probes, as lines of "
                                             "the verdict; see 'vibrospice help ratings'"},
     {"ambient: 25 degC", "temperature of the air around the circuit's devices"},

@@ -284,9 +284,10 @@ static void put_control(vs_json *j) {
   end_member(j);
 }
 
-/* A device and what happens to it, "fuse_2 opens", or a list of such. */
-static void put_expect(vs_json *j) {
-  begin_member(j, vs_section_keys[VS_SECTION_KEY_expect]);
+/* A device and what is said of it, or a list of such: what happens to it, "fuse_2 opens", or one of
+ * its limits, "varistor_1.power". */
+static void put_of_devices(vs_json *j, int key, const char *pattern) {
+  begin_member(j, vs_section_keys[key]);
   for (int list = 0; list < 2; list++) {
     vs_json_object(j, NULL, VS_JSON_ROW);
     if (list) {
@@ -294,7 +295,7 @@ static void put_expect(vs_json *j) {
       vs_json_object(j, "items", VS_JSON_ROW);
     }
     vs_json_text(j, "type", "string");
-    vs_json_text(j, "pattern", "^[^ ]+ .*$");
+    vs_json_text(j, "pattern", pattern);
     if (list) vs_json_end(j);
     vs_json_end(j);
   }
@@ -327,10 +328,14 @@ static void put_scene(vs_json *j, const vs_ground *ground) {
   put_events(j);
   put_instruments(j);
   put_control(j);
-  put_expect(j);
+  put_of_devices(j, VS_SECTION_KEY_expect, "^[^ ]+ .*$");
+  put_of_devices(j, VS_SECTION_KEY_waive, "^[^ .]+[.][^ ]+$");
   put_ratings(j);
   vs_shape_field(j, &vs_cooling_ambient);
   put_heatsink(j);
+  vs_json_object(j, vs_section_keys[VS_SECTION_KEY_spread], VS_JSON_ROW);
+  vs_json_text(j, "type", "object");
+  vs_json_end(j);
   for (size_t k = 0; k < sizeof NAMED / sizeof *NAMED; k++) {
     vs_json_object(j, vs_section_keys[NAMED[k]], VS_JSON_ROW);
     vs_json_end(j);

@@ -46,6 +46,31 @@ static void print_expect(void) {
         printf("  %-12s %s\n", kind->name, vs_kinds_happening(&kind->measures[k])->verb);
 }
 
+static void print_waive(void) {
+  puts("waive: limits of the deck's devices that the verdict leaves out, as\n"
+       "waive: [varistor_1.power, thyristor.t_q]\n"
+       "Each is a device and one of its measures or limits. A waived line stays in the table and\n"
+       "breaks nothing. A part whose file states limits, but not all that decide, leaves the "
+       "verdict\n"
+       "undecided unless they are waived. What decides:");
+  for (const vs_kind *kind = vs_kinds_all; kind->name; kind++)
+    for (size_t k = 0; k < kind->n_measures; k++) {
+      const vs_device_measure *m = &kind->measures[k];
+      if (m->limit && m->held != VS_WARD_AT_MOST && vs_kinds_decides(kind->name, m->limit))
+        printf("  %-12s %-12s limit %s\n", kind->name, m->name, m->limit);
+    }
+}
+
+static void print_spread(void) {
+  puts("spread: what of the scene is not known exactly, each key with its tolerance, as\n"
+       "spread: {supply.voltage: 10 %, circuit.varistor_scale: 10 %, circuit.r1: 2 ohm}\n"
+       "A tolerance is a part of the key's value or in its unit. vibrospice run --corners runs "
+       "the\n"
+       "scene at all ends of up to 6 keys, and breaks where one of them breaks. More keys, and "
+       "more\n"
+       "processes: a study with sample: {method: corners, spread: {...}}.");
+}
+
 static void print_ratings(void) {
   puts("ratings: what you allow of measures and of probes, as\n"
        "ratings: {stroke: 0.5 mm .. 1.5 mm, r1.power: .. 2 W, v_ak: -900 .. 900 V, p_min: -5 mm "
@@ -77,6 +102,8 @@ static const struct topic {
            {"exit", "exit statuses", print_exit},
            {"quality", "section of a scene: what a current is to the mains", print_quality},
            {"expect", "key of a scene: what may happen to devices, and has to", print_expect},
+           {"waive", "key of a scene: limits that the verdict leaves out", print_waive},
+           {"spread", "key of a scene: what is not known exactly", print_spread},
            {"ratings", "section of a scene: what you allow of measures and probes", print_ratings},
            {"ambient", "key of a scene: the air around a circuit's devices", print_heat},
            {"heatsink", "key of a scene: what cools devices", print_heat}};

@@ -8,6 +8,7 @@
 
 #include "base/text.h"
 #include "scene/sections.h"
+#include "syntax/units.h"
 
 enum { MOST_KEYS = 1024 };
 
@@ -151,4 +152,63 @@ double vs_key_number(const vs_key *key) {
   if (key->field->kind != VS_COUNT) return real;
   memcpy(&whole, key->value, sizeof whole);
   return whole;
+}
+
+/* ---- spreads ---- */
+
+static vs_status add_spread(const vs_scene *scene, const char *name, const char *way,
+                            vs_where where, vs_spreads *spreads, vs_error *err) {
+  vs_key key;
+  char why[256];
+  double si;
+  if (spreads->count == VS_SPREADS_MOST)
+    return vs_fail_at(err, where,
+                      "spread: more than %d keys, which are 64 corners; a study with sample: "
+                      "{method: corners} takes more",
+                      VS_SPREADS_MOST);
+  vs_status status = vs_key_find(scene, name, where, &key, err);
+  if (status) return status;
+  const double nominal = vs_field_is_real(key.field) ? vs_key_number(&key) : NAN;
+  const bool relative = strchr(way, '%');
+  if (isnan(nominal))
+    return vs_fail_at(err, where, "spread: %s has no number that could be off by a tolerance",
+                      name);
+  if (!vs_units_read(way, relative ? "%" : key.field->unit, &si, why, sizeof why))
+    return vs_fail_at(err, where, "spread: %s: %s; a tolerance is '10 %%' or in %s", name, why,
+                      *key.field->unit ? key.field->unit : "the key's own size");
+  const double off = relative ? si * fabs(nominal) : si;
+  if (!(off > 0) || isinf(off))
+    return vs_fail_at(err, where, "spread: %s: a tolerance above 0 is wanted%s", name,
+                      relative && si > 0 ? ", and no part of a value of 0" : "");
+  const double factor = vs_units_factor(key.field->unit);
+  const size_t k = spreads->count++;
+  snprintf(spreads->item[k].key, sizeof spreads->item[k].key, "%s", name);
+  snprintf(spreads->item[k].way, sizeof spreads->item[k].way, "%s", way);
+  snprintf(spreads->item[k].unit, sizeof spreads->item[k].unit, "%s", key.field->unit);
+  spreads->item[k].value[0] = (nominal - off) / factor;
+  spreads->item[k].value[1] = (nominal + off) / factor;
+  return VS_OK;
+}
+
+vs_status vs_key_spreads(const vs_scene *scene, vs_spreads *spreads, vs_error *err) {
+  static const char *const USUAL[] = {"supply.voltage", "circuit.varistor_scale"};
+  const vs_node *map = vs_tree_child(scene->tree.root, "spread");
+  vs_status status = VS_OK;
+  spreads->count = 0;
+  if (map && (map->kind != VS_NODE_MAP || !map->child))
+    return vs_error_carry_on(
+        err, vs_fail_at(err, map->where,
+                        "spread: a map is wanted: {supply.voltage: 10 %%, circuit.r1: 5 %%}"));
+  for (const vs_node *n = map ? map->child : NULL; n && !status; n = n->next) {
+    const char *way = n->kind == VS_NODE_TEXT ? n->text : "";
+    status = vs_error_carry_on(err, add_spread(scene, n->key, way, n->where, spreads, err));
+  }
+  for (size_t k = 0; !map && !status && k < sizeof USUAL / sizeof *USUAL; k++) {
+    vs_key key;
+    vs_error none = {0};
+    if (k && !scene->tier->has_circuit) break;
+    if (!vs_key_find(scene, USUAL[k], (vs_where){0}, &key, &none))
+      status = add_spread(scene, USUAL[k], "10 %", (vs_where){0}, spreads, err);
+  }
+  return status;
 }

@@ -22,6 +22,18 @@ void vs_result_finish(vs_result *r) {
   vs_ratings_judge(&r->scene->ratings, &seen, &r->verdict);
 }
 
+const char *vs_result_corner(const vs_corners *c, size_t k, char *text, size_t size) {
+  size_t at = 0;
+  *text = '\0';
+  for (size_t n = 0; n < c->spread.count && at < size; n++) {
+    const char *unit = c->spread.item[n].unit;
+    at += (size_t)snprintf(text + at, size - at, "%s%s = %.6g%s%s", n ? ", " : "",
+                           c->spread.item[n].key, c->spread.item[n].value[k >> n & 1],
+                           *unit ? " " : "", unit);
+  }
+  return text;
+}
+
 void vs_result_end_loop(vs_result *r) {
   if (r->loop) vs_loop_end(r->loop);
   free(r->loop);

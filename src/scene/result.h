@@ -4,6 +4,7 @@
 #define VS_SCENE_RESULT_H
 
 #include "control/loop.h"
+#include "scene/keys.h"
 #include "scene/ladder.h"
 #include "watch/verdict.h"
 #include "watch/watchers.h"
@@ -23,6 +24,23 @@ typedef struct vs_second_run {
 } vs_second_run;
 
 /* Start from {0} and free with vs_result_free. Not to be copied: its verdict points into itself. */
+/* What the runs at the corners came to: at all pairs of ends of the spreads. Bit k of a corner's
+ * number says which end key k is at: 1, the larger one. */
+enum { VS_CORNERS_MOST = 1 << VS_SPREADS_MOST };
+typedef struct vs_corner {
+  char line[VS_JUDGED_NAME]; /* the corner's worst line; empty: nothing is rated there */
+  double margin, error;      /* of that line, as vs_judgement has them */
+  vs_finding word;
+  bool breaks; /* the line is violated or undecided */
+} vs_corner;
+typedef struct vs_corners {
+  vs_spreads spread;
+  size_t count, held, worst; /* worst: the number of the corner with the worst line */
+  vs_corner item[VS_CORNERS_MOST];
+} vs_corners;
+/* Writes where a corner is: "supply.voltage = 484 V, circuit.r1 = 31.35 ohm". */
+const char *vs_result_corner(const vs_corners *corners, size_t k, char *text, size_t size);
+
 typedef struct vs_result {
   const vs_scene *scene; /* that was run: the caller's, or `climbed` */
   vs_scene *climbed;     /* the scene with the keys of the ladder's rung, owned; NULL: the caller's
@@ -35,7 +53,8 @@ typedef struct vs_result {
   int n_quality;
   char books[512]; /* what the energy audit finds; empty: nothing */
   vs_verdict verdict;
-  vs_ladder ladder; /* the rung whose settings gave this result; 0 is the scene as it is */
+  const vs_corners *corners; /* borrowed; NULL: only nominal values were run */
+  vs_ladder ladder;          /* the rung whose settings gave this result; 0 is the scene as it is */
   vs_second_run second;
   double wall_s;
   long steps;

@@ -187,8 +187,7 @@ static vs_status read_instruments(vs_scene *s, vs_error *err) {
   vs_status status =
       vs_quality_read(currents, &s->setup, &s->frame, s->of_period, &s->quality, err);
   if (!status && s->tier->has_circuit)
-    status =
-        vs_expect_read(vs_tree_child(s->tree.root, "expect"), &s->setup.deck, &s->expects, err);
+    status = vs_expect_read(s->tree.root, &s->setup.deck, &s->expects, err);
   const vs_node *ratings = vs_tree_child(s->tree.root, "ratings");
   if (!status) status = vs_ratings_read(ratings, &s->setup, &s->quality, &s->ratings, err);
   if (status) return status;

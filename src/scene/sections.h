@@ -28,6 +28,8 @@
   OTHER(measured, )                                                                                \
   OTHER(quality, )                                                                                 \
   OTHER(expect, )                                                                                  \
+  OTHER(waive, )                                                                                   \
+  OTHER(spread, )                                                                                  \
   OTHER(ratings, )                                                                                 \
   OTHER(ambient, )                                                                                 \
   OTHER(heatsink, )                                                                                \

@@ -472,11 +472,14 @@ vs_status vs_session_judge(const vs_result *r, vs_error *err) {
   if (!worst) return VS_OK;
   if (vs_verdict_is_happening(worst)) return say_happening(worst, err);
   const char *unit_name = vs_verdict_unit(worst);
-  char name[VS_JUDGED_NAME], allowed[64], decides[96] = "", at[48] = "";
+  char name[VS_JUDGED_NAME], allowed[2 * VS_DECK_NAME + 16], decides[96] = "", at[48] = "";
   double unit = vs_units_factor(unit_name);
-  print_allowed(worst, unit, allowed, sizeof allowed);
+  if (!worst->lacks) print_allowed(worst, unit, allowed, sizeof allowed);
   vs_verdict_name(worst, name);
   if (!isnan(worst->stress.at_s)) snprintf(at, sizeof at, " at %.6g s", worst->stress.at_s);
+  if (worst->lacks)
+    return vs_fail(err, VS_RATING, "a rating is undecided: %s: %s; waive: [%s] leaves it out", name,
+                   vs_verdict_unknown(worst, allowed, sizeof allowed), name);
   if (worst->unknown)
     return vs_fail(err, VS_RATING, "a rating is undecided: %s has no value, as %s; allowed %s %s",
                    name, worst->unknown, allowed, unit_name);

@@ -25,6 +25,7 @@ typedef struct vs_frame {
   vs_span_s means;  /* what means are taken over; from 0 to 0 stands for the whole run */
   bool at_work;     /* the run is whole periods of an orbit */
   bool from_work;   /* the run begins on an orbit, with devices that are warm */
+  bool on_orbit;    /* the run begins on one: start: steady */
   double tolerance; /* run.tolerance */
   bool source_is_coil; /* no circuit stands between the mains and the coil: the mains current is
                           the coil's current, and v = R_c i + dlambda/dt is the EVA's voltage */

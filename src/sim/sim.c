@@ -20,6 +20,7 @@ vs_frame vs_sim_frame(const vs_tier *tier, const vs_setup *setup) {
                     .means = setup->means,
                     .at_work = setup->at_work,
                     .from_work = setup->steady && !setup->at_work,
+                    .on_orbit = setup->steady,
                     .tolerance = setup->run.tolerance,
                     .source_is_coil = !tier->has_circuit};
 }

@@ -52,6 +52,23 @@ static void derate(const vs_watched *w, vs_reduced *r) {
   if (!r->limit) r->unjudged = "not judged: its lines derate end before that ambient temperature";
 }
 
+/* More parts than that are joined. */
+enum { MOST_PARTS = 1000 };
+
+/* Divides the stretch that means are over. Its end is known before the run is. */
+static void begin_parts(vs_parts *p, const vs_timeline *t, vs_span_s means) {
+  const double cycle_s = t->period_s * (t->firing.every > 1 ? t->firing.every : 1);
+  p->meant_s = means.from_s;
+  const double cycles = floor((means.to_s - means.from_s) / cycle_s * (1 + 1e-9) + 1e-9);
+  if (!(cycles >= 1) || isinf(cycles)) return;
+  const double each = ceil(cycles / MOST_PARTS);
+  p->count = (size_t)(cycles / each);
+  p->part_s = each * cycle_s;
+  p->from_s = means.to_s - (double)p->count * p->part_s;
+  if (p->from_s < means.from_s + 1e-6 * cycle_s) p->from_s = means.from_s; /* but for rounding */
+  p->sum = vs_alloc(p->count, sizeof *p->sum);
+}
+
 static void begin_measure(vs_watched *w, vs_reduced *r, const vs_device_measure *m) {
   const vs_reducer *by = vs_reductions_all[m->how];
   assert(by);
@@ -72,7 +89,7 @@ static void begin_shots(shots *s, const vs_frame *frame, const vs_device *d) {
 }
 
 static void begin_device(vs_watched *w, vs_device_watch *own, const vs_frame *frame,
-                         const vs_device *d) {
+                         const vs_device *d, vs_span_s means) {
   *w = (vs_watched){.device = d,
                     .deck = frame->deck,
                     .timeline = frame->timeline,
@@ -80,6 +97,7 @@ static void begin_device(vs_watched *w, vs_device_watch *own, const vs_frame *fr
                     .at_work = frame->at_work,
                     .from_work = frame->from_work,
                     .ambient_degc = frame->cooling ? frame->cooling->ambient_degc : 25,
+                    .on_orbit = frame->on_orbit,
                     .again = frame->at_work || vs_occurrence_repeated(&frame->timeline->events),
                     .count = d->kind->n_measures};
   own->voltage = vs_formula_quicken(&d->voltage);
@@ -98,6 +116,11 @@ static void begin_device(vs_watched *w, vs_device_watch *own, const vs_frame *fr
   for (size_t k = 0; k < w->count; k++) {
     vs_reduced *r = &w->reduced[k];
     begin_measure(w, r, &d->kind->measures[k]);
+    bool assumed; /* of what is cooled the mean power is asked for */
+    const bool warms = r->measure->how == VS_R_CASE && w->cooling &&
+                       isfinite(vs_cooling_to_ambient(w->cooling, w->deck, d, &assumed));
+    if (r->by->continuous && (r->limit || warms) && !w->at_work && !w->parts.count)
+      begin_parts(&w->parts, frame->timeline, means);
     if (r->by->follow && (!r->by->is_busy || r->by->is_busy(w, r))) own->busy[own->n_busy++] = r;
   }
 }
@@ -113,7 +136,7 @@ vs_devices *vs_devices_new(const vs_frame *frame) {
   d->means = frame->means;
   if (!(d->means.to_s > 0)) d->means = (vs_span_s){0, INFINITY};
   for (size_t k = 0; k < count; k++)
-    begin_device(&d->item[k], &d->watch[k], frame, &frame->deck->devices[k]);
+    begin_device(&d->item[k], &d->watch[k], frame, &frame->deck->devices[k], d->means);
   for (size_t k = 0; k < count; k++) d->tells = d->tells || d->item[k].device->kind->both_ways;
   return d;
 }
@@ -125,6 +148,7 @@ void vs_devices_free(vs_devices *d) {
     free(w->reduced);
     free(w->states);
     free(w->losses);
+    free(w->parts.sum);
     free(d->watch[k].busy);
     free(d->watch[k].opening);
   }
@@ -192,8 +216,29 @@ static void follow_shots(const vs_devices *d, vs_watched *w, shots *s, const vs_
   w->starts += c->t1_s > d->means.from_s && c->t0_s < d->means.to_s;
 }
 
+/* The part into which an instant falls; below 0, or the count and more: none. */
+static double part_at(const vs_parts *p, double t_s) {
+  return floor((t_s - p->from_s) / p->part_s);
+}
+
+/* Adds to the integrals over the parts of that stretch into which the step reaches. */
+static void follow_parts(vs_parts *p, const vs_course_step *c) {
+  const double first = part_at(p, c->t0_s), last = part_at(p, c->t1_s), count = (double)p->count;
+  for (double k = fmax(first, 0); k <= last && k < count; k++) {
+    double *sum = p->sum[(size_t)k];
+    if (first == last) {
+      for (int of = VS_OF_I; of < VS_COURSES; of++) sum[of] += c->more[of];
+      return;
+    }
+    const double from = (p->from_s + k * p->part_s - c->t0_s) / c->h_s,
+                 to = (p->from_s + (k + 1) * p->part_s - c->t0_s) / c->h_s;
+    integrate_part(c, fmax(from, 0), fmin(to, 1), sum);
+  }
+}
+
 /* Adds to the integrals over the stretch that means are over. */
 static void follow_means(const vs_devices *d, vs_watched *w, const vs_course_step *c) {
+  if (w->parts.count) follow_parts(&w->parts, c);
   if (c->t0_s >= d->means.from_s && c->t1_s <= d->means.to_s) {
     w->rests = w->rests || !c->on;
     for (int of = VS_OF_V; of < VS_COURSES; of++) w->sum_meant[of] += c->more[of];
@@ -338,6 +383,10 @@ static bool only_adds_up(const vs_devices *d, size_t k, const vs_batch *b, const
   const vs_watched *w = &d->item[k];
   const vs_device_watch *own = &d->watch[k];
   bool meant = b->t0_s[0] >= d->means.from_s && b->t1_s[b->count - 1] <= d->means.to_s;
+  if (w->parts.count)
+    meant = meant && part_at(&w->parts, b->t0_s[0]) >= 0 &&
+            part_at(&w->parts, b->t0_s[0]) == part_at(&w->parts, b->t1_s[b->count - 1]) &&
+            part_at(&w->parts, b->t0_s[0]) < (double)w->parts.count;
   bool rests = meant && !w->states && !w->losses && !w->device->kind->melts;
   for (size_t n = 0; n < own->n_busy && rests; n++)
     rests = own->busy[n]->by->rests && own->busy[n]->by->rests(w, own->busy[n], c);
@@ -345,11 +394,13 @@ static bool only_adds_up(const vs_devices *d, size_t k, const vs_batch *b, const
 }
 
 /* What follow() does then. Such a device counts as conducting all the time. */
-static void add_up(vs_watched *w, const vs_courses *c) {
+static void add_up(vs_watched *w, double t_s, const vs_courses *c) {
+  double *part = w->parts.count ? w->parts.sum[(size_t)part_at(&w->parts, t_s)] : NULL;
   for (int of = VS_OF_V; of < VS_COURSES; of++)
     for (size_t n = 0; n < c->count; n++) {
       w->sum[of] += c->more[of][n];
       w->sum_meant[of] += c->more[of][n];
+      if (part) part[of] += c->more[of][n];
     }
   for (size_t n = 0; n < c->count; n++) {
     if (c->more[VS_OF_POWER][n] < 0) w->given_j -= c->more[VS_OF_POWER][n];
@@ -385,7 +436,7 @@ static void follow_device(vs_devices *d, size_t k, const vs_batch *b) {
   size_t last = b->count - 1;
   evaluate(w, &d->watch[k], b, &c);
   if (only_adds_up(d, k, b, &c))
-    add_up(w, &c);
+    add_up(w, b->t0_s[0], &c);
   else
     follow_steps(d, k, b, &c);
   for (int of = 0; of < VS_COURSES; of++)

@@ -12,13 +12,25 @@
 
 typedef struct vs_reducer vs_reducer;
 
+/* The stretch that means are over, in equal parts of whole firing cycles that end where it ends.
+ * Kept where a limit of a mean or rms value is to be judged on a run that is no orbit. */
+typedef struct vs_parts {
+  double meant_s;        /* where that stretch begins */
+  double from_s, part_s; /* where the first part begins, and how long each is */
+  size_t count;
+  double (*sum)[VS_COURSES]; /* [count]: the integrals over each; owned */
+} vs_parts;
+
 /* One measure of one device in one run. */
 typedef struct vs_reduced {
   const vs_device_measure *measure;
   const vs_reducer *by;  /* the plug of measure->how */
   const vs_limit *limit; /* of the device's part; NULL: the measure is held against none */
   vs_value value;        /* in SI units; a mean is known once the run is over */
-  double doubt;          /* the value may be wrong by this besides */
+  vs_value judged; /* of a mean or rms value that is judged over less than the stretch that means
+                      are over: what is judged, at that stretch's end; else not known */
+  double judged_from_s; /* where that stretch begins */
+  double doubt;         /* the value may be wrong by this besides */
   double spread;   /* sensitivity: a relative error e of the run changes the value by e spread */
   double over_v;   /* of a rate of rise: how far the stretch rises that the value is the mean rate
                       of, or would be where there is no value; 0: of any other measure */
@@ -60,8 +72,10 @@ typedef struct vs_watched {
   double given_j;               /* energy of the steps in which it gave energy (watch/sign.h) */
   double back_c;                /* charge of the steps in which its current was below zero */
   const vs_cooling *cooling;    /* what cools the deck's devices */
+  vs_parts parts;               /* of that stretch; none where nothing is judged by them */
   bool at_work;                 /* the run is whole periods of an orbit */
-  bool from_work;               /* the run begins on an orbit */
+  bool from_work;               /* the run begins on an orbit, and is no whole periods of it */
+  bool on_orbit;                /* it begins on one */
   double ambient_degc;          /* the scene's */
   bool again;                   /* it is, or an event repeats it: what heats comes more than once */
   int starts;                   /* how many shots began in that stretch (devices.c) */
@@ -87,6 +101,8 @@ struct vs_reducer {
   bool across;
   /* The value is a rate, which a few steps decide: its margin is known less well (verdict.c). */
   bool is_rate;
+  /* The value is a mean or rms value, whose limit holds for ever (vs_watched.parts). */
+  bool continuous;
   /* The value hangs on the sequence of the device's firings: where two runs of a scene differ in
    * that, the value of neither is known. */
   bool hangs_on_sequence;

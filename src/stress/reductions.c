@@ -51,11 +51,27 @@ static bool peak_rests(const vs_watched *w, const vs_reduced *r, const vs_course
 static const vs_reducer peak = {
     .is_busy = has_course, .begin = begin_peak, .follow = follow_peak, .rests = peak_rests};
 
-/* ---- means ---- */
+/* ---- means ----
+ * The limit of a mean or rms value holds for ever. On an orbit so does the value. In another run
+ * the value is that of operation only behind settling and behind events: it is then judged over the
+ * longest stretch of whole firing cycles that is settled, up to the end of the time meant. What a
+ * single shot or a surge brings is never the mean of operation. */
 
 /* A continuous rating says nothing of a shorter run: one pulse that the part's i2t allows would be
  * above it over 0.7 s (i2t/i_t_rms^2 of the parts that ship is 0.46 to 0.68 s). */
 static const double CONTINUOUS_S = 1;
+
+/* A stretch is settled where its two halves differ by no more than this part of the value, or than
+ * this part of the limit. What they differ by counts as the value's error besides. */
+static const double SETTLED = 0.05, NOT_MUCH = 0.01;
+
+#define STEADY_JUDGES "; vibrospice steady SCENE judges it"
+static const char TOO_SHORT[] = "not judged: over less than 1 s" STEADY_JUDGES,
+                  ONE_SHOT[] = "not judged: one shot",
+                  AN_EVENT[] =
+                      "not judged: less than 1 s behind an event; vibrospice steady SCENE judges "
+                      "it, where the scene has no events",
+                  UNSETTLED[] = "not judged: not settled" STEADY_JUDGES;
 
 /* True: only one firing falls into the time meant, which says nothing of the power or current in
  * operation. The scene fires once; or the device began to conduct there once at most, and did not
@@ -65,32 +81,89 @@ static bool is_one_shot(const vs_watched *w) {
   return w->starts < 2 && w->rests;
 }
 
-/* The limit of a mean or an rms current holds for ever, as does the current on an orbit. A value
- * above it counts as passing the limit at the end of the time meant. */
-static void judge_mean(const vs_watched *w, vs_reduced *r, double span_s, double end_s) {
+/* The last instant below to_s at which an event begins or ends; -INFINITY: there is none. */
+static double last_event_s(const vs_timeline *t, double to_s) {
+  double last_s = -INFINITY;
+  for (size_t k = 0; k < t->events.count; k++) {
+    const vs_occurrence *e = &t->events.item[k];
+    const double at_s[] = {e->on_line_s > 0 ? e->on_line_s : -INFINITY, e->start_s, e->end_s};
+    for (size_t n = 0; n < sizeof at_s / sizeof *at_s; n++)
+      if (at_s[n] < to_s) last_s = fmax(last_s, at_s[n]);
+  }
+  return last_s;
+}
+
+/* The value of a course over some of the parts. */
+static double value_over(const vs_watched *w, const vs_reduced *r, size_t from, size_t to) {
+  double sum = 0;
+  for (size_t k = from; k < to; k++) sum += w->parts.sum[k][r->measure->of];
+  const double mean = sum / ((double)(to - from) * w->parts.part_s);
+  return r->measure->how == VS_R_RMS ? sqrt(fmax(mean, 0)) : mean;
+}
+
+/* By how much the halves of the parts from `from` on differ. An odd part counts to the first. On an
+ * orbit a single part is settled. */
+static double unrest(const vs_watched *w, const vs_reduced *r, size_t from) {
+  const size_t count = w->parts.count, half = (count - from) / 2;
+  if (!half) return w->on_orbit ? 0 : INFINITY;
+  return fabs(value_over(w, r, count - half, count) - value_over(w, r, from, count - half));
+}
+
+/* Finds the longest stretch that is settled, and judges over it. Returns why it does not. */
+static const char *judge_settled(const vs_watched *w, vs_reduced *r, double end_s) {
+  const vs_parts *p = &w->parts;
+  const double event_s = last_event_s(w->timeline, end_s);
+  const bool begins_on_orbit = w->on_orbit && !(event_s > -INFINITY);
+  const double least_s = begins_on_orbit ? 0 : CONTINUOUS_S * (1 - 1e-9);
+  const bool long_enough = end_s - p->meant_s >= least_s;
+  bool behind = !(event_s > p->meant_s);
+  for (size_t k = 0; k < p->count; k++) {
+    const double from_s = p->from_s + (double)k * p->part_s;
+    if (end_s - from_s < least_s) break;
+    if (from_s < event_s) continue;
+    behind = true;
+    const double value = value_over(w, r, k, p->count), by = unrest(w, r, k);
+    if (by > fmax(SETTLED * value, NOT_MUCH * r->limit->value)) continue;
+    r->doubt = by;
+    if (from_s > p->meant_s) {
+      r->judged = (vs_value){true, value, NAN};
+      r->judged_from_s = from_s;
+    }
+    return NULL;
+  }
+  return !long_enough ? TOO_SHORT : behind ? UNSETTLED : AN_EVENT;
+}
+
+/* A value above its limit counts as passing it at the end of the time meant. Where the scene fires
+ * once, what follows the shot is not operation either; but what passes its limit there is passed.
+ */
+static void judge_mean(const vs_watched *w, vs_reduced *r, double end_s) {
+  const vs_firing_values *firing = &w->timeline->firing;
   if (!r->limit) return;
-  if (!w->at_work && span_s < CONTINUOUS_S * (1 - 1e-9))
-    r->unjudged = "not judged: over less than 1 s";
-  else if (!w->at_work && is_one_shot(w))
-    r->unjudged = "not judged: one shot";
-  if (r->unjudged)
-    r->limit = NULL;
-  else if (r->value.value > r->limit->value)
+  if (!w->at_work) {
+    r->unjudged = judge_settled(w, r, end_s);
+    if (r->unjudged != TOO_SHORT && is_one_shot(w)) r->unjudged = ONE_SHOT;
+  }
+  const double value = r->judged.known ? r->judged.value : r->value.value;
+  if (!r->unjudged && value > r->limit->value)
     r->failed_s = end_s;
+  else if (!r->unjudged && !w->at_work && !firing->every && !firing->no_valve)
+    r->unjudged = ONE_SHOT;
+  if (r->unjudged) r->limit = NULL;
 }
 
 static void finish_mean(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
   double span_s = end->to_s - end->from_s;
   if (!(span_s > 0)) return;
   r->value = (vs_value){true, w->sum_meant[r->measure->of] / span_s, NAN};
-  judge_mean(w, r, span_s, end->to_s);
+  judge_mean(w, r, end->to_s);
 }
 
 static void finish_rms(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
   double span_s = end->to_s - end->from_s;
   if (!(span_s > 0)) return;
   r->value = (vs_value){true, sqrt(w->sum_meant[r->measure->of] / span_s), NAN};
-  judge_mean(w, r, span_s, end->to_s);
+  judge_mean(w, r, end->to_s);
 }
 
 /* A voltage is direct where its mean is more than the rms value of the rest. Data sheets give both
@@ -126,13 +199,14 @@ static void finish_direct(const vs_watched *w, vs_reduced *r, const vs_run_end *
   if (!(span_s > 0)) return;
   if (!is_direct(w, span_s)) leave_out(r);
   r->value = (vs_value){true, fabs(w->sum_meant[VS_OF_V] / span_s), NAN};
-  judge_mean(w, r, span_s, end->to_s);
+  judge_mean(w, r, end->to_s);
 }
 
-static const vs_reducer mean = {.finish = finish_mean}, rms = {.finish = finish_rms},
-                        carried = {.until_opens = true, .finish = finish_rms},
-                        alternating = {.finish = finish_alternating},
-                        direct = {.finish = finish_direct};
+static const vs_reducer mean = {.continuous = true, .finish = finish_mean},
+                        rms = {.continuous = true, .finish = finish_rms},
+                        carried = {.continuous = true, .until_opens = true, .finish = finish_rms},
+                        alternating = {.continuous = true, .finish = finish_alternating},
+                        direct = {.continuous = true, .finish = finish_direct};
 
 /* ---- integrals ---- */
 
@@ -396,12 +470,15 @@ static const char NO_SINK[] = "not judged: no heat sink is stated, nor r_th_ja",
  * is known, as "not judged: one shot"; NULL: one is. */
 static const char *long_run_w(const vs_watched *w, const vs_run_end *end, double *power_w) {
   const vs_occurrence *e = vs_occurrence_repeated(&w->timeline->events);
-  const vs_limit any = {.value = INFINITY};
-  vs_reduced mean_of = {.limit = &any, .value = {true, 0, NAN}, .failed_s = NAN};
+  static const vs_device_measure POWER = {.how = VS_R_MEAN, .of = VS_OF_POWER};
+  const vs_limit any = {.value = 0}; /* against which it is asked whether a mean is known */
+  vs_reduced mean_of = {
+      .measure = &POWER, .limit = &any, .value = {true, 0, NAN}, .failed_s = NAN};
   *power_w = e ? w->sum[VS_OF_POWER] / e->v.every_s : NAN;
   if (!w->at_work && e) return NULL;
-  judge_mean(w, &mean_of, end->to_s - end->from_s, end->to_s);
-  *power_w = w->sum_meant[VS_OF_POWER] / (end->to_s - end->from_s);
+  mean_of.value.value = w->sum_meant[VS_OF_POWER] / (end->to_s - end->from_s);
+  judge_mean(w, &mean_of, end->to_s);
+  *power_w = mean_of.judged.known ? mean_of.judged.value : mean_of.value.value;
   if (!mean_of.unjudged) return NULL;
   *power_w = vs_junction_orbit_w(vs_reducer_of(w, VS_R_JUNCTION));
   return isfinite(*power_w) ? NULL : mean_of.unjudged;
@@ -470,7 +547,7 @@ static void finish_hottest(const vs_watched *w, vs_reduced *r, const vs_run_end 
   if (r->limit && r->value.value > r->limit->value) r->failed_s = rise->value.at_s;
 }
 
-static const vs_reducer case_temperature = {.finish = finish_case},
+static const vs_reducer case_temperature = {.continuous = true, .finish = finish_case},
                         hottest = {.finish = finish_hottest};
 
 /* ---- surges ----

@@ -13,7 +13,7 @@
 
 /* "  12.3 % +- 0.04 %  held" */
 static void print_margin(const vs_judgement *j, FILE *out) {
-  if (j->unknown)
+  if (isnan(j->margin))
     fprintf(out, "%9s %11s", "-", "");
   else if (isfinite(j->margin_error))
     fprintf(out, "%7.1f %% +- %-6.2g %%", 100 * j->margin, 100 * j->margin_error);
@@ -53,26 +53,50 @@ static void print_rating(const vs_judgement *j, int width, FILE *out) {
 }
 
 static void print_device(const vs_judgement *j, int width, FILE *out) {
-  char name[VS_JUDGED_NAME], at[VS_AMOUNT_SIZE] = "";
-  double unit = vs_units_factor(j->limit->unit);
+  char name[VS_JUDGED_NAME], at[VS_AMOUNT_SIZE] = "", why[2 * VS_DECK_NAME + 16];
+  const char *unit_name = vs_verdict_unit(j);
+  double unit = vs_units_factor(unit_name);
   if (!isnan(j->stress.at_s)) vs_amount_text(j->stress.at_s, "s", at);
-  fprintf(out, "  %-*s %11.4g %11.4g %-5s %11s ", width, vs_verdict_name(j, name),
-          j->stress.value / unit, j->limit->value / unit, j->limit->unit, at);
+  fprintf(out, "  %-*s %11.4g ", width, vs_verdict_name(j, name), j->stress.value / unit);
+  if (j->limit)
+    fprintf(out, "%11.4g", j->limit->value / unit);
+  else
+    fprintf(out, "%11s", "-");
+  fprintf(out, " %-5s %11s ", unit_name, at);
   print_margin(j, out);
+  if (j->lacks) fprintf(out, ": %s", vs_verdict_unknown(j, why, sizeof why));
   if (j->over_v > 0) fprintf(out, "  over %.4g V", j->over_v);
+  if (j->device && !isnan(j->over_from_s)) fprintf(out, "  from %.6g s on", j->over_from_s);
   if (j->ward) fprintf(out, "  limit of %s", j->ward->name);
   if (j->measure->how == VS_R_RETURN_RISE) fputs("  compared: a model need not obey it", out);
   fprintf(out, "%s\n", j->assumed ? "  assumed" : "");
 }
 
-/* "undecided: v_ak, thyristor.i2t" */
+/* "undecided: v_ak, thyristor.i2t", and a line for each limit that a part does not state:
+ * "undecided: varistor_1.power: s20k510 states no p_max; waive: [varistor_1.power] leaves it out"
+ */
 static void print_undecided(const vs_verdict *v, FILE *out) {
-  char name[VS_JUDGED_NAME];
+  char name[VS_JUDGED_NAME], why[2 * VS_DECK_NAME + 16];
   size_t n = 0;
   for (size_t k = 0; k < v->count; k++)
-    if (vs_verdict_word(&v->item[k]) == VS_UNDECIDED)
+    if (vs_verdict_word(&v->item[k]) == VS_UNDECIDED && !v->item[k].lacks)
       fprintf(out, "%s%s", n++ ? ", " : "undecided: ", vs_verdict_name(&v->item[k], name));
   if (n) fputc('\n', out);
+  for (size_t k = 0; k < v->count; k++) {
+    const vs_judgement *j = &v->item[k];
+    if (!j->lacks || j->waived) continue;
+    vs_verdict_name(j, name);
+    fprintf(out, "undecided: %s: %s; waive: [%s] leaves it out\n", name,
+            vs_verdict_unknown(j, why, sizeof why), name);
+  }
+}
+
+/* "waived: varistor_1.power, thyristor.t_q" */
+static void print_waived(const vs_expects *expects, FILE *out) {
+  for (size_t k = 0; k < expects->n_waivers; k++)
+    fprintf(out, "%s%s.%s", k ? ", " : "waived: ", expects->waiver[k].device,
+            expects->waiver[k].name);
+  if (expects->n_waivers) fputc('\n', out);
 }
 
 /* "happened: thyristor fires without a gate pulse at 40.83 ms, 3 times (dv/dt of 324 V/us up to
@@ -112,12 +136,17 @@ static void print_first_to_fail(const vs_judgement *j, FILE *out) {
 
 /* The word of the whole: that of its worst line. It is coloured where people look. */
 static void print_word(const vs_verdict *v, FILE *out) {
-  static const char *const COLOURS[VS_WORDS] = {
-      [VS_HELD] = "32", [VS_VIOLATED] = "31", [VS_UNDECIDED] = "33", [VS_UNVERIFIED] = "33"};
+  static const char *const COLOURS[VS_WORDS] = {[VS_HELD] = "32",
+                                                [VS_VIOLATED] = "31",
+                                                [VS_UNDECIDED] = "33",
+                                                [VS_UNVERIFIED] = "33",
+                                                [VS_WAIVED] = "33"};
   const vs_judgement *breach = vs_verdict_breach(v);
-  vs_finding word = VS_HELD;
-  for (size_t k = 0; k < v->count; k++)
-    if (vs_verdict_word(&v->item[k]) == VS_UNVERIFIED) word = VS_UNVERIFIED;
+  vs_finding word = VS_WAIVED; /* of all lines, where nothing else is said */
+  for (size_t k = 0; k < v->count; k++) {
+    vs_finding own = vs_verdict_word(&v->item[k]);
+    if (own == VS_UNVERIFIED || (own == VS_HELD && word == VS_WAIVED)) word = own;
+  }
   if (breach)
     word = breach->margin < 0 && vs_verdict_word(breach) == VS_UNVERIFIED ? VS_VIOLATED
                                                                           : vs_verdict_word(breach);
@@ -161,6 +190,26 @@ static void print_not_judged(const vs_result *r, FILE *out) {
   vs_unjudged_write(r->watchers.devices, &r->verdict, &text);
   if (text.length) fprintf(out, "not judged: %s\n", text.text);
   vs_text_free(&text);
+}
+
+/* What was varied: nothing, or the corners, with the worst line of each. */
+static void print_corners(const vs_result *r, FILE *out) {
+  char at[1024];
+  const vs_corners *c = r->corners;
+  if (!c) {
+    fputs("nominal values; corners not judged\n", out);
+    return;
+  }
+  fprintf(out, "corners: %zu of %zu held; the worst line of each:\n", c->held, c->count);
+  for (size_t k = 0; k < c->count; k++) {
+    const vs_corner *one = &c->item[k];
+    const vs_judgement shown = {
+        .margin = one->margin, .margin_error = one->error, .unknown = NULL, .device = NULL};
+    fprintf(out, "  %s: %s ", vs_result_corner(c, k, at, sizeof at),
+            *one->line ? one->line : "nothing is rated");
+    if (*one->line) print_margin(&shown, out);
+    fputs(k == c->worst && c->count > 1 ? "  worst\n" : "\n", out);
+  }
 }
 
 /* How the errors of the margins were found, and what would decide those that are not. */
@@ -374,7 +423,9 @@ void vs_show_verdict(const vs_result *r, FILE *out) {
   if (v->weakest && !vs_verdict_is_happening(v->weakest)) print_weakest(v->weakest, out);
   if (v->first_to_fail) print_first_to_fail(v->first_to_fail, out);
   print_undecided(v, out);
+  print_waived(&s->expects, out);
   print_not_judged(r, out);
+  print_corners(r, out);
   print_lines(v, out);
   print_second(r, out);
 }

@@ -318,15 +318,18 @@ static void add_rating(vs_json *json, const vs_judgement *j) {
 }
 
 static void add_device(vs_json *json, const vs_judgement *j) {
-  double unit = vs_units_factor(j->limit->unit);
+  double unit = vs_units_factor(vs_verdict_unit(j));
+  char why[2 * VS_DECK_NAME + 16];
   vs_json_text(json, "device", j->device->name);
   vs_json_text(json, "measure", j->measure->name);
-  vs_json_text(json, "unit", j->limit->unit);
-  vs_json_text(json, "text", j->limit->text);
+  vs_json_text(json, "unit", vs_verdict_unit(j));
+  vs_json_text(json, "text", j->limit ? j->limit->text : "");
   vs_json_number(json, "stress", j->stress.value / unit, DIGITS);
   vs_json_number(json, "at_s", j->stress.at_s, DIGITS);
-  vs_json_number(json, "limit", j->limit->value / unit, DIGITS);
+  vs_json_number(json, "limit", j->limit ? j->limit->value / unit : NAN, DIGITS);
+  if (j->lacks) vs_json_text(json, "unknown", vs_verdict_unknown(j, why, sizeof why));
   add_over(json, j->over_v);
+  if (!isnan(j->over_from_s)) vs_json_number(json, "over_from_s", j->over_from_s, DIGITS);
   if (j->ward) vs_json_text(json, "limit_of", j->ward->name);
   vs_json_bool(json, "assumed", j->assumed);
 }
@@ -349,7 +352,7 @@ static void add_verdict(vs_json *json, const vs_verdict *v) {
     vs_json_number(json, "margin_error", j->margin_error, DIGITS);
     vs_json_text(json, "word", vs_verdict_words[vs_verdict_word(j)]);
     if (j->torn) vs_json_text(json, "why", "the sequence of firings depends on the tolerance");
-    vs_json_bool(json, "violated", j->margin < 0);
+    vs_json_bool(json, "violated", j->margin < 0 && !j->waived);
     vs_json_number(json, "failed_at_s", j->failed_s, DIGITS);
     vs_json_end(json);
   }
@@ -381,11 +384,47 @@ static void add_happenings(vs_json *json, const vs_verdict *v) {
   }
 }
 
+/* What the verdict leaves out: by itself, and by the scene's key waive. */
 static void add_not_judged(vs_json *json, const vs_result *r) {
+  const vs_expects *expects = &r->scene->expects;
   vs_unjudged entry;
   vs_json_array(json, "not_judged", VS_JSON_ROW);
   for (size_t k = 0; vs_unjudged_at(r->watchers.devices, &r->verdict, k, &entry); k++)
     vs_json_text(json, NULL, entry.name);
+  vs_json_end(json);
+  vs_json_array(json, "waived", VS_JSON_ROW);
+  for (size_t k = 0; k < expects->n_waivers; k++) {
+    char name[2 * VS_DECK_NAME];
+    snprintf(name, sizeof name, "%s.%s", expects->waiver[k].device, expects->waiver[k].name);
+    vs_json_text(json, NULL, name);
+  }
+  vs_json_end(json);
+}
+
+/* What was varied: nothing (null), or the corners. */
+static void add_corners(vs_json *json, const vs_corners *c) {
+  if (!c) {
+    vs_json_text(json, "corners", NULL);
+    return;
+  }
+  const vs_corner *worst = &c->item[c->worst];
+  vs_json_object(json, "corners", VS_JSON_ROW);
+  vs_json_whole(json, "of", (int)c->count);
+  vs_json_whole(json, "held", (int)c->held);
+  vs_json_object(json, "worst", VS_JSON_ROW);
+  vs_json_object(json, "at", VS_JSON_ROW);
+  for (size_t n = 0; n < c->spread.count; n++) {
+    vs_json_object(json, c->spread.item[n].key, VS_JSON_ROW);
+    vs_json_number(json, "value", c->spread.item[n].value[c->worst >> n & 1], DIGITS);
+    vs_json_text(json, "unit", c->spread.item[n].unit);
+    vs_json_end(json);
+  }
+  vs_json_end(json);
+  vs_json_text(json, "line", *worst->line ? worst->line : NULL);
+  vs_json_number(json, "margin", worst->margin, DIGITS);
+  vs_json_number(json, "margin_error", worst->error, DIGITS);
+  vs_json_text(json, "word", *worst->line ? vs_verdict_words[worst->word] : NULL);
+  vs_json_end(json);
   vs_json_end(json);
 }
 
@@ -500,6 +539,7 @@ void vs_summary_json(const vs_result *r, bool with_cost, const vs_summary_more *
   add_verdict(&json, &r->verdict);
   add_happenings(&json, &r->verdict);
   add_not_judged(&json, r);
+  add_corners(&json, r->corners);
   vs_json_end(&json);
   vs_text_add(text, "\n");
 }

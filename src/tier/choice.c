@@ -88,7 +88,9 @@ static const char *needs_circuit(const vs_node *root, const vs_setup *setup, cha
   const vs_node *circuit = vs_tree_child(root, "circuit");
   const vs_occurrence *event = first_event(setup);
   const char *probe = probe_of_circuit(root, setup), *rating = rating_of_circuit(root, setup);
-  const vs_node *expect = vs_tree_child(root, "expect");
+  const char *judged = vs_tree_child(root, "expect")  ? "expect"
+                       : vs_tree_child(root, "waive") ? "waive"
+                                                      : NULL;
   const vs_tier_key *key = own_key(root, vs_tiers_automatic(true));
   if (vs_choice_is_modulated(setup))
     snprintf(buffer, size, "a deck with a port pwm, %s", HAS);
@@ -99,8 +101,8 @@ static const char *needs_circuit(const vs_node *root, const vs_setup *setup, cha
   else if (event)
     snprintf(buffer, size, "events.%s, %s", event->name,
              event->kind->ideal ? "and only this tier tells how the devices bear it" : HAS);
-  else if (expect)
-    snprintf(buffer, size, "expect, and only this tier has devices");
+  else if (judged)
+    snprintf(buffer, size, "%s, and only this tier has devices", judged);
   else if (setup->cooling.stated)
     snprintf(buffer, size, "%s, and only this tier has devices",
              vs_tree_child(root, "ambient") ? "ambient" : "heatsink");

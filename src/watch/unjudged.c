@@ -41,10 +41,16 @@ static bool is_rated(const vs_watched *w, const vs_reduced *r, const vs_verdict 
   return false;
 }
 
+/* True for a line of the verdict that has no limit. */
+static bool is_lacking(const vs_watched *w, const vs_reduced *r) {
+  return r->value.known && !r->limit && vs_devices_lacks(w->deck, w->device, r->measure);
+}
+
 /* Why a measure that a data sheet would limit is not judged; NULL: it is, or need not be. */
 static const char *why_not(const vs_watched *w, const vs_reduced *r, const vs_verdict *v) {
   const vs_device_measure *m = r->measure;
-  if (r->idle || is_rated(w, r, v)) return NULL;
+  if (r->idle || is_rated(w, r, v) || is_lacking(w, r)) return NULL;
+  if (vs_expect_waives(v->expects, w->device, m)) return NULL;
   if (r->unjudged) return r->unjudged + strlen("not judged: ");
   if (!m->limit || (!r->value.known && has_other(w, r))) return NULL;
   if (r->limit) return r->value.known ? NULL : NOT_SEEN;
@@ -52,11 +58,13 @@ static const char *why_not(const vs_watched *w, const vs_reduced *r, const vs_ve
 }
 
 /* The n-th limit of the device's part that nothing is held to, from 0; NULL: there are no more. */
-static const vs_limit *left_of(const vs_deck *deck, const vs_device *d, size_t n) {
+static const vs_limit *left_of(const vs_deck *deck, const vs_device *d, const vs_expects *expects,
+                               size_t n) {
   const char *file = d->part < 0 ? NULL : deck->parts[d->part].file;
   for (size_t k = 0; file && k < deck->n_limits; k++)
     if (!strcmp(deck->limits[k].where.file, file) &&
-        vs_parts_limit_is_left(deck, &deck->limits[k]) && n-- == 0)
+        vs_parts_limit_is_left(deck, &deck->limits[k]) &&
+        !vs_expect_waives_limit(expects, d, deck->limits[k].name) && n-- == 0)
       return &deck->limits[k];
   return NULL;
 }
@@ -75,14 +83,15 @@ static bool entry_of(const vs_watched *w, const vs_verdict *v, size_t k, vs_unju
     fill(entry, w->device, w->reduced[n].measure->name, why);
     return true;
   }
-  const vs_limit *left = left_of(w->deck, w->device, k);
+  const vs_limit *left = left_of(w->deck, w->device, v->expects, k);
   if (left) fill(entry, w->device, left->name, NOT_HELD);
   return left;
 }
 
 static bool is_judged(const vs_watched *w, const vs_verdict *v) {
   for (size_t n = 0; n < w->count; n++)
-    if ((w->reduced[n].limit && w->reduced[n].value.known) || is_rated(w, &w->reduced[n], v))
+    if (is_lacking(w, &w->reduced[n]) || is_rated(w, &w->reduced[n], v) ||
+        (w->reduced[n].limit && w->reduced[n].value.known))
       return true;
   return false;
 }
@@ -144,7 +153,7 @@ void vs_unjudged_write(const vs_devices *devices, const vs_verdict *v, vs_text *
 void vs_unjudged_write_left(const vs_deck *deck, vs_text *text) {
   for (size_t d = 0; d < deck->n_devices; d++) {
     const vs_limit *left;
-    for (size_t n = 0; (left = left_of(deck, &deck->devices[d], n)); n++)
+    for (size_t n = 0; (left = left_of(deck, &deck->devices[d], NULL, n)); n++)
       vs_text_add(text, "%s%s.%s", text->length ? ", " : "", deck->devices[d].name, left->name);
   }
 }

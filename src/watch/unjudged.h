@@ -15,7 +15,7 @@ typedef struct vs_unjudged {
 
 /* Fills the k-th entry, from 0, device by device; false: there are no more. devices may be NULL.
  * The run must have ended, and the verdict have been reached: what a rating of the scene judges is
- * no entry. */
+ * no entry, nor is what the scene waives, or a limit whose lack leaves the verdict undecided. */
 bool vs_unjudged_at(const vs_devices *devices, const vs_verdict *verdict, size_t k,
                     vs_unjudged *entry);
 

@@ -85,7 +85,8 @@ static vs_judgement judge_rated(const vs_rated *own, double tolerance) {
 }
 
 static vs_judgement judge_device(const vs_deck *deck, const vs_device *d, const vs_reduced *r) {
-  double limit = r->limit->value, stress = r->value.value;
+  const vs_value judged = r->judged.known ? r->judged : r->value;
+  double limit = r->limit->value, stress = judged.value;
   bool least = r->measure->held == VS_AT_LEAST;
   double room = (least ? stress - limit : limit - stress) / limit;
   return (vs_judgement){.device = d,
@@ -104,8 +105,30 @@ static vs_judgement judge_device(const vs_deck *deck, const vs_device *d, const 
                         .doubt = d->doubtful ? INFINITY : r->doubt / limit,
                         .spread = r->spread / limit,
                         .scatter = r->scatter / limit,
-                        .stress = r->value,
+                        .stress = judged,
+                        .over_from_s = r->judged.known ? r->judged_from_s : NAN,
                         .failed_s = r->failed_s};
+}
+
+/* A limit that decides and that the device's part, a real one, does not state. A measure of what
+ * did not occur in the run asks nothing of the part, and has no such line. */
+static vs_judgement judge_lacking(const vs_deck *deck, const vs_device *d, const vs_reduced *r) {
+  return (vs_judgement){.device = d,
+                        .measure = r->measure,
+                        .unknown = "its part does not state the limit",
+                        .lacks = deck->parts[d->part].subcircuit,
+                        .room = {NAN, NAN},
+                        .margin = NAN,
+                        .margin_error = INFINITY,
+                        .stress = r->value,
+                        .over_from_s = NAN,
+                        .failed_s = NAN};
+}
+
+const char *vs_verdict_unknown(const vs_judgement *j, char *text, size_t size) {
+  if (!j->lacks) return j->unknown;
+  snprintf(text, size, "%s states no %s", j->lacks, j->measure->limit);
+  return text;
 }
 
 /* What the lines of what happened have for a limit, of how often it may. */
@@ -127,6 +150,7 @@ static bool judge_happening(const vs_device *d, const vs_reduced *r, const vs_ex
                       .margin = room,
                       .margin_error = NAN,
                       .stress = {true, h->times, at_s},
+                      .over_from_s = NAN,
                       .failed_s = as_expected ? NAN : at_s,
                       .expected = expected};
   memcpy(j->cause, h->cause, sizeof j->cause);
@@ -138,8 +162,15 @@ static void judge_devices(const vs_devices *devices, const vs_expects *expects, 
     const vs_watched *w = &devices->item[k];
     for (size_t n = 0; n < w->count; n++) {
       const vs_reduced *r = &w->reduced[n];
+      vs_judgement *j = &v->item[v->count];
       if (r->limit && r->value.known)
-        v->item[v->count++] = judge_device(devices->frame->deck, w->device, r);
+        *j = judge_device(devices->frame->deck, w->device, r);
+      else if (r->value.known && vs_devices_lacks(w->deck, w->device, r->measure))
+        *j = judge_lacking(w->deck, w->device, r);
+      else
+        continue;
+      j->waived = vs_expect_waives(expects, w->device, r->measure);
+      v->count++;
     }
     for (size_t n = 0; n < w->count; n++)
       v->count += judge_happening(w->device, &w->reduced[n], expects, &v->item[v->count]);
@@ -156,6 +187,7 @@ static void summarise(vs_verdict *v) {
   v->weakest = v->first_to_fail = NULL;
   for (size_t k = 0; k < v->count; k++) {
     const vs_judgement *j = &v->item[k];
+    if (j->waived) continue;
     if (isfinite(j->margin) && (!v->weakest || j->margin <= v->weakest->margin)) v->weakest = j;
     if (j->margin < 0 && !j->ward && !isnan(j->failed_s) &&
         (!v->first_to_fail || j->failed_s <= v->first_to_fail->failed_s))
@@ -178,7 +210,7 @@ void vs_verdict_reach(const vs_measures *m, const vs_devices *devices, const vs_
                       vs_verdict *v) {
   size_t n_ratings = m->frame->deck ? m->frame->deck->n_ratings : 0, most = n_ratings;
   for (size_t k = 0; devices && k < devices->count; k++) most += devices->item[k].count;
-  *v = (vs_verdict){.item = vs_alloc(most, sizeof *v->item)};
+  *v = (vs_verdict){.item = vs_alloc(most, sizeof *v->item), .expects = expects};
   for (size_t k = 0; k < n_ratings; k++) v->item[v->count++] = judge_rating(m, k);
   judge_devices(devices, expects, v);
   summarise(v);
@@ -193,6 +225,7 @@ const char *vs_verdict_name(const vs_judgement *j, char name[VS_JUDGED_NAME]) {
 }
 
 const char *vs_verdict_unit(const vs_judgement *j) {
+  if (j->lacks) return j->measure->unit;
   return j->device ? j->limit->unit : j->rating->unit;
 }
 
@@ -205,9 +238,11 @@ bool vs_verdict_is_happening(const vs_judgement *j) {
 const char *const vs_verdict_words[VS_WORDS] = {[VS_HELD] = "held",
                                                 [VS_VIOLATED] = "violated",
                                                 [VS_UNDECIDED] = "undecided",
-                                                [VS_UNVERIFIED] = "unverified"};
+                                                [VS_UNVERIFIED] = "unverified",
+                                                [VS_WAIVED] = "waived"};
 
 vs_finding vs_verdict_word(const vs_judgement *j) {
+  if (j->waived) return VS_WAIVED;
   if (j->unknown) return VS_UNDECIDED;
   if (isnan(j->margin_error)) return VS_UNVERIFIED;
   if (fabs(j->margin) <= j->margin_error) return VS_UNDECIDED;
@@ -220,6 +255,7 @@ const vs_judgement *vs_verdict_breach(const vs_verdict *v) {
     const vs_judgement *j = &v->item[k];
     vs_finding word = vs_verdict_word(j);
     const vs_judgement **worst = word == VS_UNDECIDED ? &undecided : &violated;
+    if (word == VS_WAIVED) continue;
     if (word == VS_UNDECIDED || j->margin < 0)
       if (!*worst || j->margin < (*worst)->margin) *worst = j;
   }
@@ -297,7 +333,7 @@ static void find_weakest(vs_verdict *v) {
   const vs_judgement *violated = NULL, *least = NULL;
   for (size_t k = 0; k < v->count; k++) {
     const vs_judgement *j = &v->item[k];
-    if (!isfinite(j->margin)) continue;
+    if (!isfinite(j->margin) || j->waived) continue;
     bool certain = vs_verdict_word(j) == VS_VIOLATED;
     if (certain && (!violated || j->margin <= violated->margin)) violated = j;
     if (!least || least_margin(j) <= least_margin(least)) least = j;
@@ -343,6 +379,6 @@ static const double EDGE = 0.25;
 
 bool vs_verdict_on_edge(const vs_verdict *v) {
   for (size_t k = 0; k < v->count; k++)
-    if (v->item[k].makes_fire && fabs(v->item[k].margin) < EDGE) return true;
+    if (v->item[k].makes_fire && !v->item[k].unknown && fabs(v->item[k].margin) < EDGE) return true;
   return false;
 }

@@ -31,8 +31,11 @@ typedef struct vs_judgement {
   const vs_rating *rating; /* NULL: the line is of a device */
   const vs_probe *probe;   /* of a rating of the deck; NULL: it is none */
   const char *name;        /* what a rating of the scene rates; NULL: it is none */
-  const char *unknown; /* why the run has no value to judge: the line is undecided, and its margin
-                          is NaN; NULL: it has one */
+  const char *unknown; /* why the run has no value or no limit to judge: the line is undecided, and
+                          its margin is NaN; NULL: it has both */
+  const char *lacks;   /* of a device: its part, which does not state a limit that decides. The line
+                          has no limit then; NULL: it has one */
+  bool waived;         /* the scene leaves the limit out: the line breaks nothing */
   const vs_device *device; /* NULL: the line is of a rating */
   const vs_device_measure *measure;
   const vs_limit *limit;
@@ -50,9 +53,11 @@ typedef struct vs_judgement {
   bool makes_fire;        /* near the limit the device may fire without its gate */
   bool is_rate;           /* the measure is a rate over a short time */
   bool assumed;           /* no source says the limit, or a figure that the stress is made of */
-  double over_v;   /* of a rate of rise: how far the stretch rises that the stress is the mean
-                      rate of; 0: of any other */
-  double doubt;    /* the margin may be wrong by this besides */
+  double over_v;      /* of a rate of rise: how far the stretch rises that the stress is the mean
+                         rate of; 0: of any other */
+  double over_from_s; /* of a mean or rms value: the stress is over the stretch from here to the end
+                         of what means are over; NaN: over all of that, or of another measure */
+  double doubt;       /* the margin may be wrong by this besides */
   double spread;   /* sensitivity: a relative error e of the run changes the margin by e spread */
   double scatter;  /* the margin of one part and of the next differ by this */
   double failed_s; /* instant at which the limit was first passed; NaN: it was not */
@@ -66,6 +71,7 @@ typedef struct vs_verdict {
   vs_judgement *item; /* the deck's ratings in its order, then the scene's, then device by device,
                          of each device first its limits; owned */
   size_t count;
+  const vs_expects *expects; /* that it was reached with, borrowed; NULL: none */
   /* The line of the least finite margin among those that are violated for certain; where there is
    * none, the line of the least finite margin less its error, where that is known; NULL: none has
    * one. Of two alike it is the later one, so that a device goes before a probe. */
@@ -89,10 +95,14 @@ typedef enum vs_finding {
   VS_VIOLATED,   /* the margin is below 0 by more than its error */
   VS_UNDECIDED,  /* the margin's sign is not certain */
   VS_UNVERIFIED, /* no error was computed */
+  VS_WAIVED,     /* the scene leaves the limit out */
   VS_WORDS
 } vs_finding;
 extern const char *const vs_verdict_words[VS_WORDS];
 vs_finding vs_verdict_word(const vs_judgement *judgement);
+/* Why the line has nothing to judge, in one sentence without its end; NULL: it has. The text is
+ * written where it is not constant. */
+const char *vs_verdict_unknown(const vs_judgement *judgement, char *text, size_t size);
 /* Returns the line with the least margin among those that are violated, verified or not; where
  * there is none, among those that are undecided; NULL: there is none of these either. */
 const vs_judgement *vs_verdict_breach(const vs_verdict *verdict);

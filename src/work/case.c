@@ -178,7 +178,15 @@ static void add_happened(const vs_verdict *v, vs_text *row) {
 
 static void add_not_judged(const vs_result *r, vs_text *row) {
   vs_text all = {0};
+  const vs_expects *expects = &r->scene->expects;
   if (r->verdict.count) vs_unjudged_write(r->watchers.devices, &r->verdict, &all);
+  for (size_t k = 0; k < expects->n_waivers; k++)
+    vs_text_add(&all, "%s%s.%s",
+                k            ? ", "
+                : all.length ? "; "
+                             : "",
+                expects->waiver[k].device, expects->waiver[k].name);
+  if (expects->n_waivers) vs_text_add(&all, " (waived)");
   vs_csv_cell(row, all.text ? all.text : "");
   vs_text_free(&all);
 }

@@ -184,6 +184,8 @@ void vs_identity_of(vs_identity *identity, const vs_scene *scene, char id[VS_ID_
   for (size_t k = 0; scene->tier->has_circuit && k < expects->count; k++)
     vs_text_add(whole, "expect %s %s\n", expects->item[k].device,
                 vs_kinds_happening(expects->item[k].measure)->what);
+  for (size_t k = 0; scene->tier->has_circuit && k < expects->n_waivers; k++)
+    vs_text_add(whole, "waive %s.%s\n", expects->waiver[k].device, expects->waiver[k].name);
   if (add_control(identity->plan, &scene->control, whole)) return;
   const vs_node *section = vs_tree_child(scene->tree.root, vs_control_section.name);
   if (scene->control.observing.system) add_node(vs_tree_child(section, "observer"), whole);

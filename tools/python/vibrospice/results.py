@@ -27,7 +27,7 @@ def _word_of(verdict):
     """Returns the verdict's word for the whole: that of its worst line. None: nothing is rated."""
     words = {"violated" if line["violated"] and line["word"] != "undecided" else line["word"]
              for line in verdict}
-    return next((w for w in ("violated", "undecided", "unverified", "held") if w in words), None)
+    return next((w for w in ("violated", "undecided", "unverified", "held", "waived") if w in words), None)
 
 
 class Result:
@@ -36,7 +36,8 @@ class Result:
     path         its folder (pathlib.Path)
     status       0, or 3 where a rating is violated or undecided
     word         "held", "violated", "undecided" (the margin is within its own numerical error),
-                 "unverified" (that error was not computed); None: nothing is rated
+                 "unverified" (that error was not computed), "waived" (all of it is); None: nothing
+                 is rated
     held         True with status 0, False with status 3, None where nothing is rated
     measures     {name: Quantity}; one with a value the run does not have is NaN
     verdict      list of dict, a line for each limit: "device", "measure" or "rating", "stress",
@@ -46,6 +47,7 @@ class Result:
                  "cause", "expected" (by the scene's key `expect`) and "word"
     did_not_happen    the same for what the scene expects and what did not happen
     not_judged   list of str: the limits that the verdict says nothing about
+    waived       list of str: the limits that the scene leaves out, by its key `waive`
     energy       {name: J}, with "residual", which has no unit, and "audit", a text
     warnings     list of str
     messages     all lines of the program on standard error, list of str; [] of a loaded run
@@ -75,6 +77,7 @@ class Result:
         self.happened = self.summary.get("happened", [])
         self.did_not_happen = self.summary.get("did_not_happen", [])
         self.not_judged = self.summary.get("not_judged", [])
+        self.waived = self.summary.get("waived", [])
         self.energy = self.summary.get("energy", {})
         self.warnings = _merged(self.summary.get("warnings", []), _told(messages))
         self.word = _word_of(self.verdict)
