@@ -209,3 +209,15 @@ void write_gated_deck(void) {
   write_file("gated.inc", GATED_PART);
   write_file("gated.cir", GATED_DECK);
 }
+
+void waive_the_rest(const char *device, const char *kind, const char *lines, vs_text *text) {
+  const vs_kind *k = vs_kinds_find(kind);
+  for (size_t n = 0; n < k->n_measures; n++) {
+    const vs_device_measure *m = &k->measures[n];
+    char stated[96];
+    if (!m->limit || !vs_kinds_decides(kind, m->limit)) continue;
+    snprintf(stated, sizeof stated, "limit %s ", m->limit);
+    if (!strstr(lines, stated))
+      vs_text_add(text, "%s%s.%s", text->length ? "," : "", device, m->name);
+  }
+}

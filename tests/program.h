@@ -51,6 +51,10 @@ void write_gated_deck(void);
 /* The value of a measure in summary.json's text; NaN: it has none of that name. */
 double measure_in(const char *json, const char *name);
 
+/* Adds to the text, behind commas, what the scene's key waive leaves out of a device so that a part
+ * of that kind with these lines decides the verdict alone: "d.v_forward,d.v_reverse". */
+void waive_the_rest(const char *device, const char *kind, const char *lines, vs_text *text);
+
 /* Whole file, with a zero byte behind it; empty when it is not there. */
 char *read_file(const char *path);
 int count_lines(const char *text);

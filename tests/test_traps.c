@@ -127,7 +127,15 @@ static void write_part(const trap *t, const char *value) {
 
 static void write_scene(const trap *t) {
   FILE *f = open_file("trap.yaml");
-  fprintf(f, "circuit: {deck: trap.cir}\nsupply: {voltage: 100 V}\n%s", t->scene);
+  vs_text waived = {0};
+  char kind[2][32] = {"", ""};
+  sscanf(t->part, "*$ part %31s", kind[0]);
+  if (t->ward) sscanf(t->ward, "*$ part %31s", kind[1]);
+  waive_the_rest("d", kind[0], t->part, &waived);
+  if (t->ward) waive_the_rest("w", kind[1], t->ward, &waived);
+  fprintf(f, "circuit: {deck: trap.cir}\nsupply: {voltage: 100 V}\nfiring: {every: 1}\n%s", t->scene);
+  if (waived.length) fprintf(f, "waive: [%s]\n", waived.text);
+  vs_text_free(&waived);
   if (fclose(f)) abort();
 }
 
@@ -201,7 +209,7 @@ static void not_judged(void) {
   } CASES[] = {
       {{"d.power", VARISTOR "*$ limit p_max = {} W\n*$ limit i_surge = 9 A" KOHM, "1", NULL, NULL,
         SHORT, NULL},
-       "d.power (over less than 1 s)"},
+       "d.power (over less than 1 s; "},
       {{"d.v_rms", VARISTOR "*$ limit v_rms = 80 V\n*$ limit v_dc = {} V" KOHM, "102", NULL, NULL,
         LONG DIRECT, NULL},
        NULL},
@@ -290,7 +298,7 @@ static void bad_input(void) {
       "", VARISTOR "*$ limit p_max = 1 W" KOHM, NULL, NULL, NULL, SHORT "ambient: 40 V\n", NULL};
   write_scene(&t);
   ran r = run("check trap.yaml");
-  EXPECT(r.status == 2 && strstr(r.err, "trap.yaml:4:10: ") && strstr(r.err, "40 degC"), "%s",
+  EXPECT(r.status == 2 && strstr(r.err, "trap.yaml:5:10: ") && strstr(r.err, "write degC"), "%s",
          r.err);
   free_ran(&r);
 }

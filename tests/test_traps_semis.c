@@ -72,9 +72,16 @@ static vs_trial *run_scene(const trap *t, const char *lines, const char *const *
                           t->goes_on ? "run.until=1.02s" : "run.until=60ms",
                           t->goes_on ? "run.max_step=0.2ms" : "run.max_step=50us"};
   size_t n = 8;
+  vs_text waive = {0}, waived = {0};
   for (; more && *more; more++) sets[n++] = *more;
   write_scene(t, lines);
-  return vs_trial_run("paper", "circuit", sets, NULL);
+  waive_the_rest("d", t->kind, lines, &waived);
+  vs_text_add(&waive, "waive=[%s]", waived.length ? waived.text : "");
+  sets[n++] = waive.text;
+  vs_trial *run = vs_trial_run("paper", "circuit", sets, NULL);
+  vs_text_free(&waive);
+  vs_text_free(&waived);
+  return run;
 }
 
 static const vs_reduced *measure(const vs_trial *t, const char *what) {
@@ -403,7 +410,7 @@ static void junctions_as_by_convolution(void) {
   vs_trial *t = heat(NETWORK, "run.until=200ms", false, SINK);
   CLOSE(measure(t, "t_j")->value.value - 40, convolved_k(10), 1e-3);
   CLOSE(measure(t, "t_case")->value.value, 40, 1e-12);
-  CU_ASSERT_STRING_EQUAL(measure(t, "t_case")->note, "over less than 1 s");
+  CU_ASSERT_PTR_NOT_NULL(strstr(measure(t, "t_case")->note, "over less than 1 s"));
   vs_trial_free(t);
   t = heat(NETWORK, "run.until=20ms", true, SINK);
   const double case_degc = 40 + 0.5 * mean_power_w();
@@ -600,7 +607,9 @@ static void keys_are_told_and_varied(void) {
              strstr(r.out, "\"d\": {\"value\": 3, \"unit\": \"K/W\"}"),
          "%s %s", r.out, r.err);
   free_ran(&r);
-  RUN_GOOD("study v.yaml -o v --quiet");
+  ran study = run("study v.yaml -o v --quiet");
+  EXPECT(study.status == 3, "%d %s", study.status, study.err); /* the part states too little */
+  free_ran(&study);
   char *csv = read_file("v/study.csv");
   EXPECT(strstr(csv, ",1,30,30,") && strstr(csv, ",2,30,30,"), "%s", csv);
   free(csv);
