@@ -8,7 +8,11 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/text.h"
+#include "deck/kinds.h"
 #include "part_rows.h"
+
+#define TEMPLATES VS_TEST_FOLDER "/../spice/templates"
 
 /* ---- templates ---- */
 
@@ -20,7 +24,7 @@ static void templates_pass(void) {
     int figures, assumed;
   } ROWS[] = {{"thyristor", 10, 24},
               {"varistor", 3, 9},
-              {"fuse", 5, 8},
+              {"fuse", 5, 9},
               {"resistor", 1, 7},
               {"capacitor", 2, 6}};
   for (size_t k = 0; k < COUNT(ROWS); k++) {
@@ -37,6 +41,41 @@ static void templates_pass(void) {
     EXPECT(!strstr(r.out, " off ") && !strstr(r.out, " failed "), "%s: %s", ROWS[k].kind, r.out);
     free_ran(&r);
   }
+}
+
+/* A part made from a template lacks no limit without which a verdict is undecided; a fuse's has the
+ * limits of all its measures. */
+static void templates_decide(void) {
+  for (const vs_kind *kind = vs_kinds_all; kind->name; kind++) {
+    vs_text path[2] = {0};
+    vs_text_add(&path[0], "%s/%s.inc", TEMPLATES, kind->name);
+    vs_text_add(&path[1], "%s/%s_wrapped.inc", TEMPLATES, kind->name);
+    for (size_t p = 0; p < COUNT(path); p++) {
+      char *text = access(path[p].text, R_OK) ? NULL : read_file(path[p].text);
+      for (size_t k = 0; text && k < kind->n_measures; k++) {
+        const vs_device_measure *m = &kind->measures[k];
+        vs_text line = {0};
+        if (!m->limit || m->held == VS_WARD_AT_MOST) continue;
+        vs_text_add(&line, "\n*$ limit  %s = ", m->limit);
+        if (vs_kinds_decides(kind->name, m->limit) || kind->melts)
+          EXPECT(strstr(text, line.text), "%s has no %s", path[p].text, m->limit);
+        vs_text_free(&line);
+      }
+      free(text);
+      vs_text_free(&path[p]);
+    }
+  }
+}
+
+/* A rating that the model contradicts is told: one of the two was left as it was. */
+static void twins(void) {
+  RUN_GOOD("part fuse -o two.inc");
+  alter("two.inc", "two.inc", "two_melting_i2t = 3.6", "two_melting_i2t = 8");
+  ran r = run("check two.inc");
+  EXPECT(
+      strstr(r.err, "melting_i2t, by which the model is made, is 2.222 times the limit i2t_melt"),
+      "%s", r.err);
+  free_ran(&r);
 }
 
 /* A number that is replaced reaches the model, the bench asks for it, and it is assumed no more. */
@@ -56,6 +95,7 @@ static void filled_in(void) {
   free_ran(&r);
   RUN_GOOD("part fuse -o link.inc");
   alter("link.inc", "link.inc", "melting_i2t = 3.6", "melting_i2t = 8");
+  alter("link.inc", "link.inc", "i2t_melt = 3.6", "i2t_melt = 8");
   alter("link.inc", "link.inc", "i2t_clear = 25", "i2t_clear = 60");
   r = run("check link.inc --json");
   expect_good(&r, "link", __LINE__);
@@ -327,7 +367,9 @@ static void bad_usage(void) {
 
 static const vs_test TESTS[] = {
     {"templates pass", templates_pass},
+    {"templates decide", templates_decide},
     {"filled in", filled_in},
+    {"twins", twins},
     {"what is off", what_is_off},
     {"shipped parts", shipped_parts},
     {"a small thyristor", a_small_thyristor},

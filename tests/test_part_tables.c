@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Parts that stand in tables (src/catalogue): what ships is listed, tried and runs; a row is the
  * same as a file of its own; what is wrong in a table is named by its place; a study's cases depend
- * on the row that they use alone; a resistor of a deck takes the limits of a series. */
+ * on the row that they use alone; a resistor of a deck takes the limits of a series; the numbers of
+ * what ships do not contradict each other. */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -122,6 +124,199 @@ static void each_runs(void) {
     }
     free_rows(&all);
   }
+}
+
+/* ---- are the numbers sound? ---- */
+
+/* The lines that a row makes. */
+typedef struct sheet {
+  const char *name;
+  vs_catalogue_part part;
+} sheet;
+
+/* The number behind "NAME = " in the row's line of the contract; NaN: it has none. */
+static double given(const sheet *s, const char *line, const char *name) {
+  for (size_t k = 0; k < s->part.source.count; k++) {
+    char word[32], called[64];
+    double value;
+    if (sscanf(s->part.source.line[k], "*$ %31s %63s = %lf", word, called, &value) == 3 &&
+        !strcmp(word, line) && !strcmp(called, name))
+      return value;
+  }
+  return NAN;
+}
+
+static double limit(const sheet *s, const char *name) {
+  return given(s, "limit", name);
+}
+
+/* a <= b. Fails also where the row states one of them not. */
+#define AT_MOST(s, a, b)                                                                           \
+  EXPECT((a) <= (b), "%s: %s = %g, and %s = %g", (s)->name, #a, (double)(a), #b, (double)(b))
+
+static void each_row(const char *table, void (*look)(const sheet *)) {
+  rows all = rows_of(table);
+  EXPECT(all.count > 0, "%s", table);
+  for (size_t k = 0; k < all.count; k++) {
+    char path[VS_PATH_SIZE];
+    vs_error err = {0};
+    sheet s = {.name = all.name[k]};
+    snprintf(path, sizeof path, PARTS "%s#%s", table, all.name[k]);
+    EXPECT(!vs_catalogue_read(path, &s.part, &err), "%s: %s", path, err.text);
+    look(&s);
+    vs_catalogue_free(&s.part);
+  }
+  free_rows(&all);
+}
+
+/* The terms of zth rise with their time constants. The rated current, in half sines, does not melt
+ * the chip: a current of I rms has a mean of 2/pi I. Returns R_th. */
+static void heat(const sheet *s, double most_k, double on_v, double on_ohm) {
+  const double i_rms = limit(s, "i_t_rms");
+  double r = 0, last_r = 0, last_ms = 0;
+  size_t terms = 0;
+  for (size_t k = 0; k < s->part.source.count; k++) {
+    double term, ms;
+    if (sscanf(s->part.source.line[k], "*$ zth %lf K/W %lf ms", &term, &ms) != 2) continue;
+    EXPECT(term > last_r && ms > last_ms, "%s: %s", s->name, s->part.source.line[k]);
+    r += term;
+    last_r = term;
+    last_ms = ms;
+    terms++;
+  }
+  EXPECT(terms == 3, "%s: %zu terms", s->name, terms);
+  AT_MOST(s, r * (on_v * i_rms * 2 / M_PI + on_ohm * i_rms * i_rms), most_k);
+}
+
+/* A half sine of I_TSM and 10 ms has I_TSM^2 5 ms. Sheets round it, which is within 2 %. */
+static void thyristor(const sheet *s) {
+  const double i_tsm = limit(s, "i_tsm");
+  AT_MOST(s, limit(s, "i2t"), 1.02 * i_tsm * i_tsm * 5e-3);
+  AT_MOST(s, 0.75 * i_tsm * i_tsm * 5e-3, limit(s, "i2t"));
+  AT_MOST(s, 5 * limit(s, "i_t_rms"), i_tsm);
+  AT_MOST(s, given(s, "param", "holding_current"), given(s, "param", "latching_current"));
+  AT_MOST(s, limit(s, "dv_dt"), given(s, "param", "critical_dvdt"));
+  AT_MOST(s, limit(s, "t_q"), given(s, "param", "turn_off_time"));
+  heat(s, limit(s, "t_j_max") - 25, given(s, "param", "on_voltage"),
+       1e-3 * given(s, "param", "on_resistance"));
+}
+
+/* A triac's sheet takes I2t from the surge at 60 Hz, which is up to 6 % larger: 13 % of I2t. */
+static void triac(const sheet *s) {
+  const double i_tsm = limit(s, "i_tsm");
+  AT_MOST(s, limit(s, "i2t"), 1.13 * i_tsm * i_tsm * 5e-3);
+  AT_MOST(s, 0.75 * i_tsm * i_tsm * 5e-3, limit(s, "i2t"));
+  AT_MOST(s, 5 * limit(s, "i_t_rms"), i_tsm);
+  AT_MOST(s, given(s, "param", "triac_holding_current"),
+          given(s, "param", "triac_latching_current"));
+  AT_MOST(s, limit(s, "dv_dt"), given(s, "param", "triac_critical_dvdt"));
+  heat(s, limit(s, "t_j_max") - 25, given(s, "param", "triac_on_voltage"),
+       1e-3 * given(s, "param", "triac_on_resistance"));
+}
+
+/* The disc and the class that the name of a varistor says, S20K275. A disc bears as much as the
+ * maker says of its size, and a larger one more. The least voltage at 1 mA, 10 % less than the
+ * nominal one, is not below the peak of the alternating voltage by more than 2 %: sheets round it.
+ */
+static void varistor(const sheet *s) {
+  static const struct {
+    int disc;
+    double p_max, i_surge;
+  } DISCS[] = {{5, 0.1, 400}, {7, 0.25, 1200}, {10, 0.4, 2500}, {14, 0.6, 4500}, {20, 1, 8000}};
+  int disc = 0, volts = 0;
+  size_t d = 0;
+  EXPECT(sscanf(s->name, "S%dK%d", &disc, &volts) == 2, "%s", s->name);
+  while (d + 1 < COUNT(DISCS) && DISCS[d].disc != disc) d++;
+  EXPECT(DISCS[d].disc == disc && limit(s, "p_max") == DISCS[d].p_max &&
+             limit(s, "i_surge") == DISCS[d].i_surge && limit(s, "v_rms") == volts,
+         "%s", s->name);
+  AT_MOST(s, 1.2 * limit(s, "v_rms"), limit(s, "v_dc"));
+  AT_MOST(s, limit(s, "v_dc"), 0.9 * limit(s, "v_varistor"));
+  AT_MOST(s, 0.98 * M_SQRT2 * limit(s, "v_rms"), 0.9 * limit(s, "v_varistor"));
+  AT_MOST(s, 1.1 * limit(s, "v_varistor"), limit(s, "v_clamp"));
+  /* 2 ms at the clamping voltage take less current than the surge of 20 us */
+  AT_MOST(s, limit(s, "energy") / (2e-3 * limit(s, "v_clamp")), limit(s, "i_surge"));
+}
+
+/* The time-current curve falls from 10 ms to half an hour at least. At none of its points, but for
+ * what is assumed, has the fuse had less than its melting I2t less 15 %: nothing melts on less.
+ * 1 %: the figures are rounded. */
+static void fuse(const sheet *s) {
+  double last_s = 0, last_a = INFINITY;
+  const double melting = limit(s, "i2t_melt");
+  for (size_t k = 0; k < s->part.source.count; k++) {
+    double t, i;
+    if (sscanf(s->part.source.line[k], "*$ time_current %lf s %lf A", &t, &i) != 2) continue;
+    EXPECT(t > last_s && i < last_a, "%s: %s", s->name, s->part.source.line[k]);
+    AT_MOST(s, 0.99 * 0.85 * melting, i * i * t);
+    EXPECT(last_s > 0 || t == 0.01, "%s: begins at %g s", s->name, t);
+    last_s = t;
+    last_a = i;
+  }
+  AT_MOST(s, 1800, last_s);
+  AT_MOST(s, 1.2 * limit(s, "i_rated"), last_a);
+  AT_MOST(s, last_a, limit(s, "i_fusing"));
+  if (!isnan(limit(s, "i2t_clear"))) AT_MOST(s, melting, limit(s, "i2t_clear"));
+  AT_MOST(s, M_SQRT2 * limit(s, "v_rated"), limit(s, "v_arc"));
+}
+
+/* Fuses of one series: the larger one bears more. */
+static void fuses_grow(void) {
+  rows all = rows_of("/fuses.tab");
+  double last_a = 0, last_melting = 0;
+  for (size_t k = 0; k < all.count; k++) {
+    char path[VS_PATH_SIZE];
+    vs_error err = {0};
+    sheet s = {.name = all.name[k]};
+    snprintf(path, sizeof path, PARTS "/fuses.tab#%s", all.name[k]);
+    EXPECT(!vs_catalogue_read(path, &s.part, &err), "%s", err.text);
+    bool same = k > 0 && !strncmp(all.name[k], all.name[k - 1], strcspn(all.name[k], "-123456789"));
+    EXPECT(!same || (limit(&s, "i_rated") > last_a && limit(&s, "i2t_melt") > last_melting),
+           "%s: %g A, %g A2s", all.name[k], limit(&s, "i_rated"), limit(&s, "i2t_melt"));
+    last_a = limit(&s, "i_rated");
+    last_melting = limit(&s, "i2t_melt");
+    vs_catalogue_free(&s.part);
+  }
+  free_rows(&all);
+}
+
+/* What is left of the power falls with the ambient temperature, is all at 70 degC, nothing in the
+ * end; the voltage class is no more than the rated power allows at the largest resistance. */
+static void resistor(const sheet *s) {
+  double last_degc = 0, last = INFINITY, at_70 = NAN;
+  for (size_t k = 0; k < s->part.source.count; k++) {
+    double degc, left;
+    if (sscanf(s->part.source.line[k], "*$ derate p_rated %lf degC %lf %%", &degc, &left) != 2)
+      continue;
+    EXPECT(degc > last_degc && left < last, "%s: %s", s->name, s->part.source.line[k]);
+    if (degc == 70) at_70 = left;
+    last_degc = degc;
+    last = left;
+  }
+  EXPECT(at_70 == 100 && last == 0, "%s: %g, %g", s->name, at_70, last);
+  const double r_most = 1e3 * limit(s, "r_most"), v = limit(s, "v_class");
+  AT_MOST(s, limit(s, "r_least"), 1);
+  AT_MOST(s, 1e3, r_most);
+  if (!isnan(v)) AT_MOST(s, v * v, limit(s, "p_rated") * r_most);
+  /* a pulse of 10 ms is more than the rated power for as long */
+  AT_MOST(s, 0.01 * limit(s, "p_rated"), limit(s, "e_pulse"));
+}
+
+/* The rms voltage that the class allows; the rms current makes less heat than 2 W in the ESR, and
+ * no more current than the steepest rise, for ever. */
+static void capacitor(const sheet *s) {
+  AT_MOST(s, M_SQRT2 * limit(s, "v_rms"), limit(s, "v_class"));
+  AT_MOST(s, limit(s, "i_rms_max"), limit(s, "c_rated") * 1e-3 * limit(s, "dv_dt_max"));
+}
+
+static void sound(void) {
+  each_row("/thyristors.tab", thyristor);
+  each_row("/triacs.tab", triac);
+  each_row("/varistors.tab", varistor);
+  each_row("/fuses.tab", fuse);
+  each_row("/resistors.tab", resistor);
+  each_row("/capacitors.tab", capacitor);
+  fuses_grow();
 }
 
 /* ---- a table of one's own ---- */
@@ -312,12 +507,110 @@ static void series(void) {
   free_ran(&r);
 }
 
-static const vs_test TESTS[] = {
-    {"listed", listed},         {"discs", discs},           {"tried", tried},
-    {"each runs", each_runs},   {"as a file", as_a_file},   {"nothing said", nothing_said},
-    {"mistakes", mistakes},     {"near names", near_names}, {"own file", own_file},
-    {"identities", identities}, {"jailed", jailed},         {"imported", imported},
-    {"series", series}};
+/* A value that the series has not is told with what it has, wherever the value stands: as the
+ * scene's key, as the deck's default, of a device that shares a parameter, as a number in the
+ * netlist. */
+static void series_range(void) {
+  static const struct {
+    const char *circuit, *says;
+  } ROWS[] = {
+      {"deck: halfwave_paper, r1: 900 kohm, r1_part: AC03",
+       "circuit.r1_part: ac03 is made from 0.1 ohm to 5.1 kohm, and r1 is 900 kohm"},
+      {"deck: own.cir, r8_part: PR02",
+       "circuit.r8_part: pr02 is made from 0.33 ohm to 1000 kohm, and r8 is 0.05 ohm"},
+      {"deck: halfwave_paper, c1_part: X2-470N",
+       "circuit.c1_part: x2-470n has 470 nF, and c1 is 100 nF; a part of that value is wanted"},
+      {"deck: chopper, c_snubber_part: X2-470N",
+       "circuit.c_snubber_part: x2-470n has 470 nF, and c_snubber is 1 nF"},
+      {"deck: bridge_halfcontrolled, r1: 8 kohm, r1_t1_part: AC03",
+       "circuit.r1_t1_part: ac03 is made from 0.1 ohm to 5.1 kohm, and r1_t1 is 8 kohm"},
+      {"deck: own.cir, r7_part: AC03",
+       "circuit.r7_part: ac03 is made from 0.1 ohm to 5.1 kohm, and r7 is 6.2 kohm"},
+      {"deck: halfwave_paper, r1: 5.1 kohm, r1_part: AC03", NULL},
+      {"deck: halfwave_paper, c1: 119 nF, c1_part: MKP-1000V-100N", NULL},
+      {"deck: halfwave_paper, c1: 121 nF, c1_part: MKP-1000V-100N", "has 100 nF, and c1 is 121 nF"},
+  };
+  write_file("own.cir", "* own\n*$ port mains = Vm\n*$ probe v_ak = v(a) V\n"
+                        "*$ device r7 resistor = v(b), v(b)/6200\n"
+                        "*$ device r8 resistor = v(a,b), v(a,b)/50m\n"
+                        "Vm m 0 external\nRs m a 1\nR8 a b 50m\nR7 b 0 6.2k\nXeva a 0 eva\n");
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    vs_text scene = {0};
+    vs_text_add(&scene, "circuit: {%s}\n", ROWS[k].circuit);
+    write_file("s.yaml", scene.text);
+    vs_text_free(&scene);
+    ran r = run("check s.yaml");
+    EXPECT(r.status == 0, "%s: %d: %s", ROWS[k].circuit, r.status, r.err);
+    if (ROWS[k].says)
+      EXPECT(strstr(r.err, "s.yaml:1:") && strstr(r.err, ROWS[k].says), "%s: %s", ROWS[k].circuit,
+             r.err);
+    else
+      EXPECT(!strstr(r.err, "_part"), "%s: %s", ROWS[k].circuit, r.err);
+    free_ran(&r);
+  }
+}
+
+/* The rated power of a series goes by the scene's ambient temperature. 1e-3: it is told with four
+ * digits. */
+static void series_warm(void) {
+  static const struct {
+    const char *part;
+    int ambient;
+    double p_rated;
+  } ROWS[] = {{"PR02", 25, 2}, {"PR02", 70, 2},    {"PR02", 120, 2.0 * 35 / 85},
+              {"AC03", 25, 3}, {"AC03", 55, 2.75}, {"AC03", 100, 2.5 * 100 / 130}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    ran r = run("run paper --set circuit.deck=halfwave_paper --set circuit.r1_part=%s --set "
+                "ambient=%ddegC --set firing.every=1 --set run.until=1.02s --set "
+                "run.tolerance=1e-2 --set run.verify=never --set circuit.transformer="
+                "autotransformer_ideal --json --quiet",
+                ROWS[k].part, ROWS[k].ambient);
+    const char *line = strstr(r.out, "\"device\": \"r1\", \"measure\": \"power\""),
+               *at = line ? strstr(line, "\"limit\": ") : NULL;
+    EXPECT(at, "%d: %s%s", r.status, r.err, r.out);
+    if (at) CLOSE(strtod(at + strlen("\"limit\": "), NULL), ROWS[k].p_rated, 1e-3);
+    free_ran(&r);
+  }
+}
+
+/* A fuse of the table is held to its own time-current curve: the verdict has the line, and what the
+ * part does not say elsewhere is not needed. */
+static void fuse_curve(void) {
+  static const struct {
+    const char *fuse;
+    bool assumed;
+  } ROWS[] = {{"LF213-3A15", false}, {"S505-8-R", false}, {"FWX-10A14F", true}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    ran r = run("run paper --set circuit.deck=halfwave_paper --set circuit.fuse_1=%s --set "
+                "run.until=60ms --set run.verify=never --json --quiet",
+                ROWS[k].fuse);
+    const char *line = strstr(r.out, "\"device\": \"fuse_1\", \"measure\": \"i_overload\""),
+               *end = line ? strchr(line, '}') : NULL,
+               *assumed = line ? strstr(line, "\"assumed\": ") : NULL;
+    EXPECT(end && assumed && assumed < end &&
+               !strncmp(assumed + strlen("\"assumed\": "), "true", 4) == ROWS[k].assumed,
+           "%s: %s%s", ROWS[k].fuse, r.err, r.out);
+    free_ran(&r);
+  }
+}
+
+static const vs_test TESTS[] = {{"sound", sound},
+                                {"series range", series_range},
+                                {"series warm", series_warm},
+                                {"fuse curve", fuse_curve},
+                                {"listed", listed},
+                                {"discs", discs},
+                                {"tried", tried},
+                                {"each runs", each_runs},
+                                {"as a file", as_a_file},
+                                {"nothing said", nothing_said},
+                                {"mistakes", mistakes},
+                                {"near names", near_names},
+                                {"own file", own_file},
+                                {"identities", identities},
+                                {"jailed", jailed},
+                                {"imported", imported},
+                                {"series", series}};
 
 int main(void) {
   return program_suite("part tables", TESTS, COUNT(TESTS));

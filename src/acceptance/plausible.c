@@ -130,7 +130,8 @@ static void warn_of_surge(const vs_stand *s, vs_warnings *w) {
 static void warn_of_twins(const vs_stand *s, vs_warnings *w) {
   static const char *const TWINS[][2] = {
       {"blocking_voltage", "v_drm"}, {"blocking_voltage", "v_dss"}, {"blocking_voltage", "v_ces"},
-      {"critical_dvdt", "dv_dt"},    {"turn_off_time", "t_q"},      {"rated_voltage", "v_rated"}};
+      {"critical_dvdt", "dv_dt"},    {"turn_off_time", "t_q"},      {"rated_voltage", "v_rated"},
+      {"melting_i2t", "i2t_melt"},   {"rated_current", "i_rated"}};
   for (size_t k = 0; k < sizeof TWINS / sizeof *TWINS; k++) {
     vs_figures_asked param = vs_figures_any(s, TWINS[k][0]),
                      limit = vs_figures_limit(s, TWINS[k][1]);

@@ -391,6 +391,8 @@ static const struct figure {
                {"v_ce_sat", "V", " igbt "},
                {"e_on", "mJ", " mosfet igbt "},
                {"e_off", "mJ", " mosfet igbt "},
+               {"r_least", "ohm", " resistor "},
+               {"r_most", "ohm", " resistor "},
                {"c_rated", "uF", " capacitor electrolytic "},
                {"esr", "ohm", " capacitor electrolytic "},
                {"i_leakage", "mA", " electrolytic "},

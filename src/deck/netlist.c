@@ -2,6 +2,7 @@
 #include "deck/netlist.h"
 
 #include <ctype.h>
+#include <math.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,6 +20,7 @@
 #include "deck/parts.h"
 #include "deck/probes.h"
 #include "deck/rules.h"
+#include "dialect/numbers.h"
 #include "dialect/words.h"
 #include "slips/couplings.h"
 #include "slips/cycles.h"
@@ -28,6 +30,7 @@
 #include "slips/parameters.h"
 #include "slips/slips.h"
 #include "slips/subcircuits.h"
+#include "syntax/units.h"
 
 /* ---- files ---- */
 
@@ -368,6 +371,77 @@ vs_status vs_netlist_read_parts(vs_deck *deck, const vs_node *section, vs_error 
   if (!status) status = vs_devices_resolve(deck, err);
   if (!status && !deck->lost) status = check_whole(deck, err);
   return status ? status : match_sources(deck, err);
+}
+
+/* ---- a value and its series ---- */
+
+/* The value, SI, of the deck's parameter of that name and kind of unit; NaN: there is none. */
+static double parameter(const vs_deck *deck, const vs_circuit_values *values, vs_word name,
+                        const char *unit) {
+  for (size_t k = 1; k < deck->section.count; k++) {
+    const vs_field *field = &deck->section.fields[k];
+    if (field->kind == VS_REAL && vs_words_is(name, field->key) &&
+        vs_units_same_kind(field->unit, unit))
+      return *(const double *)(const void *)((const char *)values + field->offset);
+  }
+  return NAN;
+}
+
+/* The value of the deck's element R or C of that name, where it is a number or a parameter in
+ * braces; NaN: it is none of these, or there is no such element outside of subcircuits. */
+static double element(const vs_deck *deck, const vs_circuit_values *values, const char *name,
+                      const char *unit) {
+  vs_word w[VS_WORDS_MOST];
+  double value;
+  int depth = 0;
+  for (size_t k = 0; k < deck->n_lines; k++) {
+    const char *line = deck->lines[k].text;
+    depth += vs_words_begin(line, ".subckt") - vs_words_begin(line, ".ends");
+    if (depth || vs_words_split(line, w) < 4 || !vs_words_is(w[0], name)) continue;
+    if (*w[3].at == '{' && w[3].n > 2)
+      return parameter(deck, values, (vs_word){w[3].at + 1, w[3].n - 2}, unit);
+    return vs_numbers_read(w[3], &value) ? value : NAN;
+  }
+  return NAN;
+}
+
+static double value_of(const vs_deck *deck, const vs_circuit_values *values, const char *name,
+                       const char *unit) {
+  const char *underscore = strrchr(name, '_');
+  double value = parameter(deck, values, vs_words_of(name), unit);
+  if (isnan(value)) value = element(deck, values, name, unit);
+  if (isnan(value) && underscore)
+    value = parameter(deck, values, (vs_word){name, (size_t)(underscore - name)}, unit);
+  return value;
+}
+
+bool vs_netlist_beyond_series(const vs_deck *deck, const vs_circuit_values *values, size_t part,
+                              char *text, size_t size) {
+  enum { SUFFIX = sizeof VS_DEVICE_PART - 1 };
+  static const double TOLERANCE = 0.2; /* the widest of film capacitors, class M */
+  const vs_part *p = &deck->parts[part];
+  const size_t n = strlen(p->name);
+  if (!p->file || n <= SUFFIX || strcmp(p->name + n - SUFFIX, VS_DEVICE_PART)) return false;
+  char name[VS_DECK_NAME];
+  snprintf(name, sizeof name, "%.*s", (int)(n - SUFFIX), p->name);
+  const vs_limit *least = vs_parts_find_limit(deck, p->file, "r_least"),
+                 *most = vs_parts_find_limit(deck, p->file, "r_most"),
+                 *rated = vs_parts_find_limit(deck, p->file, "c_rated");
+  if (rated && isfinite(rated->value)) {
+    double c_f = value_of(deck, values, name, rated->unit);
+    if (isnan(c_f) || fabs(c_f - rated->value) <= TOLERANCE * rated->value) return false;
+    snprintf(text, size, "circuit.%s: %s has %s, and %s is %.6g %s; a part of that value is wanted",
+             p->name, p->subcircuit, rated->written, name, c_f / vs_units_factor(rated->unit),
+             rated->unit);
+    return true;
+  }
+  if (!least || !most || !isfinite(least->value) || !isfinite(most->value)) return false;
+  double r_ohm = value_of(deck, values, name, "ohm");
+  if (isnan(r_ohm) || (r_ohm >= least->value && r_ohm <= most->value)) return false;
+  const char *unit = r_ohm < least->value ? least->unit : most->unit;
+  snprintf(text, size, "circuit.%s: %s is made from %s to %s, and %s is %.6g %s", p->name,
+           p->subcircuit, least->written, most->written, name, r_ohm / vs_units_factor(unit), unit);
+  return true;
 }
 
 /* ---- for the solver ---- */

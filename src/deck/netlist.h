@@ -27,6 +27,14 @@ vs_status vs_netlist_read_part(const char *path, vs_deck *part, vs_error *err);
 /* The same for a library of subcircuits and models, which need not be a deck. */
 vs_status vs_netlist_read_library(const char *path, vs_deck *library, vs_error *err);
 
+/* True where part number `part` says of which series a resistor or capacitor of the deck is, as
+ * r1_part of r1, and the series has no such value: a resistance beyond the limits r_least and
+ * r_most, a capacitance more than 20 % from c_rated. The value is that of the parameter r1, else of
+ * the netlist's element r1, else, of a name as r1_t1, of the parameter r1. `text` then says so, with
+ * what the series has. False also where the value, or the series' own, is not known. */
+bool vs_netlist_beyond_series(const vs_deck *deck, const vs_circuit_values *values, size_t part,
+                              char *text, size_t size);
+
 /* Makes the netlist that the solver loads: title, .param lines, the deck's own lines, the EVA's
  * subcircuit. The caller owns the lines; vs_netlist_free frees them. Error: the EVA's file is not
  * there. */

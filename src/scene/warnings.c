@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "deck/devices.h"
+#include "deck/netlist.h"
 #include "deck/parts.h"
 #include "drive/firing.h"
 #include "drive/wave.h"
@@ -102,12 +103,15 @@ void vs_warnings_of_netlist(const vs_deck *deck, vs_warnings *w) {
     *vs_warnings_add(w) = deck->remarks->item[k];
 }
 
-/* Parts that the supply is too much for, and fuses that do not protect what they are to. */
-static void warn_of_parts(const vs_node *circuit, const vs_deck *deck, double mains_v,
+/* Parts that the supply is too much for, series that have no such value, and fuses that do not
+ * protect what they are to. */
+static void warn_of_parts(const vs_node *circuit, const vs_setup *s, double mains_v,
                           vs_warnings *w) {
+  const vs_deck *deck = &s->deck;
   char text[2 * VS_DECK_TEXT + VS_NAME_SIZE];
   for (size_t p = 0; p < deck->n_parts; p++)
-    if (vs_parts_below_mains(deck, p, mains_v, text, sizeof text))
+    if (vs_parts_below_mains(deck, p, mains_v, text, sizeof text) ||
+        vs_netlist_beyond_series(deck, &s->circuit_values, p, text, sizeof text))
       vs_fail_at(vs_warnings_add(w), place_of(vs_tree_child(circuit, deck->parts[p].name)), "%s",
                  text);
   for (size_t d = 0; d < deck->n_devices; d++)
@@ -300,7 +304,7 @@ void vs_warnings_of_scene(const vs_node *root, const vs_setup *s, const vs_frame
   vs_warnings_of_netlist(deck, w);
   /* a direct voltage is its own peak */
   double rms_v = s->timeline.supply.voltage_v / (s->timeline.supply.direct ? M_SQRT2 : 1);
-  warn_of_parts(vs_tree_child(root, "circuit"), deck, rms_v, w);
+  warn_of_parts(vs_tree_child(root, "circuit"), s, rms_v, w);
   warn_of_mains(deck, w);
   warn_of_supply(root, s, w);
   warn_of_bursts(vs_tree_child(root, "firing"), deck, w);
