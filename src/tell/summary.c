@@ -128,6 +128,7 @@ void vs_summary_scene(vs_json *json, const vs_scene *s) {
     vs_filled_section part = vs_section_at(&s->setup, p);
     vs_json_object(json, part.section->name, VS_JSON_LINES);
     for (size_t k = 0; k < part.section->count; k++) {
+      if (vs_field_is_idle(&part.section->fields[k], part.values)) continue;
       vs_json_key(json, part.section->fields[k].key);
       vs_field_json(&part.section->fields[k], part.values, json->text);
     }
