@@ -198,11 +198,16 @@ static vs_status read_figures(const vs_scene *scene, const char *key, const char
                         "spread: %s is no device of which a part states its %s; a number is "
                         "wanted, as 10 %%",
                         key, FIGURES[k]);
-    return vs_fail_at(err, where,
-                      "spread: %s: %s states no %s; a number is wanted, as 10 %%, or in the part's "
-                      "file a line '*$ limit %s = 10 %%'",
-                      key, d->part < 0 ? "no part" : deck->parts[d->part].subcircuit, FIGURES[k],
-                      FIGURES[k]);
+    return vs_fail_at(
+        err, where,
+        "spread: %s: %s%s; a number is wanted, as 10 %%, or in the part's file a line "
+        "'*$ limit %s = 10 %%'",
+        key,
+        d->part < 0 ? "it has no part, which could state its " : deck->parts[d->part].subcircuit,
+        d->part < 0 ? FIGURES[k]
+        : k         ? " states no ageing"
+                    : " states no tolerance",
+        FIGURES[k]);
   }
   return VS_OK;
 }
