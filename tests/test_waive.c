@@ -247,6 +247,26 @@ static void corners_of_each(void) {
   free_ran(&again);
 }
 
+/* Two keys that go together are one spread: both are at their lesser end, or both at the larger
+ * one. So the mains of a deck with a transformer are, where the scene does not say. */
+static void two_together(void) {
+  write_two(ALL);
+  ran r = run(RUN "--corners --set 'spread={supply.voltage with circuit.varistor_scale: 10 %%}'");
+  EXPECT(strstr(r.out, "\ncorners: 2 of 2 held; ") &&
+             strstr(r.out, "\n  supply.voltage = 90 V, circuit.varistor_scale = 0.9: ") &&
+             strstr(r.out, "\n  supply.voltage = 110 V, circuit.varistor_scale = 1.1: "),
+         "%s%s", r.out, r.err);
+  free_ran(&r);
+  r = run("run paper --set circuit.deck=halfwave_paper --set run.until=0.1ms --set "
+          "run.verify=never --corners --json --reproducible");
+  EXPECT(strstr(r.out, "\"of\": 16") &&
+             strstr(r.out, "{\"at\": {\"supply.voltage\": {\"value\": 396, \"unit\": \"V\"}, "
+                           "\"circuit.line_voltage\": {\"value\": 207, \"unit\": \"V\"}, "
+                           "\"circuit.varistor_1_scale\": {\"value\": 0.81, \"unit\": \"\"}, "),
+         "%s%s", r.out, r.err);
+  free_ran(&r);
+}
+
 /* What a spread says in words: a part's tolerance alone, or its ageing, or both. 1.65 A is 1.414 A
  * over 0.857. */
 static void tolerance_in_words(void) {
@@ -339,6 +359,7 @@ static const vs_test TESTS[] = {
     {"each varistor by itself", each_by_itself},
     {"all alike", all_alike},
     {"corners of each", corners_of_each},
+    {"two keys together", two_together},
     {"a tolerance in words", tolerance_in_words},
     {"a corner fails", a_corner_fails},
     {"a corner is refused", a_corner_is_refused},

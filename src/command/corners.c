@@ -39,8 +39,8 @@ static vs_status read_corner(const vs_corners_order *o, const char *tier, const 
   for (size_t n = 0; n < o->n_sets && !status; n++)
     status = vs_tree_set(&scene->tree, o->sets[n], err);
   for (size_t n = 0; n < spread->count && !status; n++) {
-    snprintf(text, sizeof text, "%s=%.12g %s", spread->item[n].key,
-             spread->item[n].value[k >> n & 1], spread->item[n].unit);
+    snprintf(text, sizeof text, "%s=%.12g %s", spread->item[n].key, vs_key_spread_at(spread, n, k),
+             spread->item[n].unit);
     status = vs_tree_set(&scene->tree, text, err);
   }
   if (!status) status = vs_scene_settle(scene, tier, err);
@@ -95,7 +95,7 @@ vs_status vs_corners_run(const vs_corners_order *o, const vs_scene *nominal, vs_
   vs_status status = vs_key_spreads(nominal, &c->spread, err);
   const bool shows = !o->quiet && isatty(STDERR_FILENO);
   const char *tier = nominal->tier->name;
-  c->count = status ? 0 : (size_t)1 << c->spread.count;
+  c->count = status ? 0 : (size_t)1 << c->spread.spreads;
   c->held = c->failed = 0;
   c->worst = c->count;
   if (!status) status = read_all(o, tier, c, err);

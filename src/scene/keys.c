@@ -246,6 +246,7 @@ static vs_status add_ends(const vs_key *key, const double value[2], vs_where whe
                       key->name, end, *f->unit ? " " : "", f->unit, range);
   }
   const size_t n = spreads->count++;
+  spreads->item[n].number = spreads->spreads;
   snprintf(spreads->item[n].key, sizeof spreads->item[n].key, "%s", key->name);
   snprintf(spreads->item[n].unit, sizeof spreads->item[n].unit, "%s", f->unit);
   for (int k = 0; k < 2; k++) spreads->item[n].value[k] = value[k] / factor;
@@ -257,17 +258,25 @@ static bool has_course(const vs_key *key) {
          ((const vs_field_profile *)key->value)->count;
 }
 
-static vs_status add_spread(const vs_scene *scene, const char *name, const char *way,
-                            vs_where where, vs_spreads *spreads, vs_error *err) {
+/* A tolerance as the scene has it, and where it and its key stand. */
+typedef struct tolerance {
+  const char *way;
+  vs_where at_key, where;
+} tolerance;
+
+/* Adds one key of a spread. */
+static vs_status add_key(const vs_scene *scene, const char *name, const tolerance *t,
+                         vs_spreads *spreads, vs_error *err) {
   vs_key key;
   double end[2] = {1, 1}, value[2] = {0, 0};
-  if (spreads->count == VS_SPREADS_MOST)
-    return vs_fail_at(err, where,
-                      "spread: more than %d keys, which are %d corners; a study with sample: "
-                      "{method: corners} takes more",
-                      VS_SPREADS_MOST, 1 << VS_SPREADS_MOST);
-  vs_status status = vs_key_find(scene, name, where, &key, err);
+  const char *way = t->way;
+  const vs_where where = t->where;
+  vs_status status = vs_key_find(scene, name, t->at_key, &key, err);
   if (status) return status;
+  for (size_t k = 0; k < spreads->count; k++)
+    if (!strcmp(spreads->item[k].key, name))
+      return vs_fail_at(err, t->at_key, "spread: %s stands here a second time; leave one out",
+                        name);
   const double nominal = vs_field_is_real(key.field) ? vs_key_number(&key) : NAN;
   if (has_course(&key))
     return vs_fail_at(err, where,
@@ -283,13 +292,36 @@ static vs_status add_spread(const vs_scene *scene, const char *name, const char 
   return status ? status : add_ends(&key, value, where, spreads, err);
 }
 
+double vs_key_spread_at(const vs_spreads *spreads, size_t n, size_t corner) {
+  return spreads->item[n].value[corner >> spreads->item[n].number & 1];
+}
+
+static const char WITH[] = " with ";
+
+/* Adds a spread: of a key, or of two that go up and down together. */
+static vs_status add_spread(const vs_scene *scene, const char *name, const tolerance *t,
+                            vs_spreads *spreads, vs_error *err) {
+  char first[VS_KEY_SIZE];
+  const char *with = strstr(name, WITH);
+  if (spreads->spreads == VS_SPREADS_MOST)
+    return vs_fail_at(err, t->at_key,
+                      "spread: more than %d keys, which are %d corners; a study with sample: "
+                      "{method: corners} takes more",
+                      VS_SPREADS_MOST, 1 << VS_SPREADS_MOST);
+  snprintf(first, sizeof first, "%.*s", with ? (int)(with - name) : VS_KEY_SIZE - 1, name);
+  vs_status status = add_key(scene, first, t, spreads, err);
+  if (!status && with) status = add_key(scene, with + strlen(WITH), t, spreads, err);
+  if (!status) spreads->spreads++;
+  return status;
+}
+
 /* Adds the key by the tolerance, unless the scene has no such key. */
 static vs_status add_usual(const vs_scene *scene, const char *name, const char *way,
                            vs_spreads *spreads, vs_error *err) {
   vs_key key;
   vs_error none = {0};
   if (vs_key_find(scene, name, (vs_where){0}, &key, &none)) return VS_OK;
-  return add_spread(scene, name, way, (vs_where){0}, spreads, err);
+  return add_spread(scene, name, &(tolerance){.way = way}, spreads, err);
 }
 
 /* How far the device is off by its part's file. */
@@ -306,12 +338,18 @@ static const char *way_of(const vs_deck *deck, const vs_device *d) {
 /* What is not known exactly where the scene does not say: the mains, and varistors. A device that
  * is called varistor has the factor of all for its own. */
 static vs_status take_usual(const vs_scene *scene, vs_spreads *spreads, vs_error *err) {
-  static const char ALL[] = "circuit.varistor_scale";
+  static const char ALL[] = "circuit.varistor_scale", LINE[] = "circuit.line_voltage",
+                    BOTH[] = "supply.voltage with circuit.line_voltage";
   const vs_deck *deck = &scene->setup.deck;
   char names[VS_DECK_DEVICES][VS_KEY_SIZE];
   const char *ways[VS_DECK_DEVICES];
   size_t count = 0;
-  vs_status status = add_usual(scene, "supply.voltage", "10 %", spreads, err);
+  vs_key key;
+  vs_error none = {0};
+  const bool has_line =
+      scene->tier->has_circuit && !vs_key_find(scene, LINE, (vs_where){0}, &key, &none);
+  vs_status status = add_spread(scene, has_line ? BOTH : "supply.voltage",
+                                &(tolerance){.way = "10 %"}, spreads, err);
   if (!scene->tier->has_circuit) return status;
   for (size_t k = 0; k < deck->n_devices; k++) {
     const vs_device *d = &deck->devices[k];
@@ -319,7 +357,7 @@ static vs_status take_usual(const vs_scene *scene, vs_spreads *spreads, vs_error
     if (!d->scale_at && strcmp(names[count], ALL)) continue;
     ways[count++] = way_of(deck, d);
   }
-  if (!count || spreads->count + count > VS_SPREADS_MOST)
+  if (!count || spreads->spreads + count > VS_SPREADS_MOST)
     return status ? status : add_usual(scene, ALL, "10 %", spreads, err);
   for (size_t k = 0; k < count && !status; k++)
     status = add_usual(scene, names[k], ways[k], spreads, err);
@@ -329,15 +367,15 @@ static vs_status take_usual(const vs_scene *scene, vs_spreads *spreads, vs_error
 vs_status vs_key_spreads(const vs_scene *scene, vs_spreads *spreads, vs_error *err) {
   const vs_node *map = vs_tree_child(scene->tree.root, "spread");
   vs_status status = VS_OK;
-  spreads->count = 0;
+  spreads->count = spreads->spreads = 0;
   if (!map) return take_usual(scene, spreads, err);
   if (map->kind != VS_NODE_MAP || !map->child)
     return vs_error_carry_on(
         err, vs_fail_at(err, map->where,
                         "spread: a map is wanted: {supply.voltage: 10 %%, circuit.r1: 5 %%}"));
   for (const vs_node *n = map->child; n && !status; n = n->next) {
-    const char *way = n->kind == VS_NODE_TEXT ? n->text : "";
-    status = vs_error_carry_on(err, add_spread(scene, n->key, way, n->where, spreads, err));
+    const tolerance t = {n->kind == VS_NODE_TEXT ? n->text : "", n->key_where, n->where};
+    status = vs_error_carry_on(err, add_spread(scene, n->key, &t, spreads, err));
   }
   return status;
 }

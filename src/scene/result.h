@@ -23,8 +23,8 @@ typedef struct vs_second_run {
                        wanted */
 } vs_second_run;
 
-/* What the runs at the corners came to: at all pairs of ends of the spreads. Bit k of a corner's
- * number says which end key k is at: 1, the larger one. */
+/* What the runs at the corners came to: at all ends of the spreads. The number of a
+ * corner says which (vs_key_spread_at). */
 enum { VS_CORNERS_MOST = 1 << VS_SPREADS_MOST };
 typedef struct vs_corner {
   char line[VS_JUDGED_NAME]; /* the corner's worst line; empty: nothing is rated there */

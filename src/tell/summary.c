@@ -409,7 +409,7 @@ static void add_corner(vs_json *json, const char *name, const vs_corners *c, siz
   vs_json_object(json, "at", VS_JSON_ROW);
   for (size_t n = 0; n < c->spread.count; n++) {
     vs_json_object(json, c->spread.item[n].key, VS_JSON_ROW);
-    vs_json_number(json, "value", c->spread.item[n].value[k >> n & 1], DIGITS);
+    vs_json_number(json, "value", vs_key_spread_at(&c->spread, n, k), DIGITS);
     vs_json_text(json, "unit", c->spread.item[n].unit);
     vs_json_end(json);
   }
