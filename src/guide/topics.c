@@ -71,9 +71,10 @@ static void print_spread(void) {
       "of\n"
       "the device: tolerance, ageing, or both. vibrospice run --corners runs the scene at all ends "
       "of\n"
-      "up to 6 keys, and breaks where one of them breaks. More keys, and more processes: a study "
-      "with\n"
-      "sample: {method: corners, spread: {...}}. More: docs/faults.md.");
+      "up to 6 keys, or pairs as supply.voltage with circuit.line_voltage, and breaks where one "
+      "of\n"
+      "them breaks. More keys, and more processes: a study with sample: {method: corners, spread:\n"
+      "{...}}. More: docs/faults.md.");
 }
 
 static void print_ratings(void) {

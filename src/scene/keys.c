@@ -259,13 +259,13 @@ static bool has_course(const vs_key *key) {
 }
 
 /* A tolerance as the scene has it, and where it and its key stand. */
-typedef struct tolerance {
+typedef struct stated {
   const char *way;
   vs_where at_key, where;
-} tolerance;
+} stated;
 
 /* Adds one key of a spread. */
-static vs_status add_key(const vs_scene *scene, const char *name, const tolerance *t,
+static vs_status add_key(const vs_scene *scene, const char *name, const stated *t,
                          vs_spreads *spreads, vs_error *err) {
   vs_key key;
   double end[2] = {1, 1}, value[2] = {0, 0};
@@ -299,7 +299,7 @@ double vs_key_spread_at(const vs_spreads *spreads, size_t n, size_t corner) {
 static const char WITH[] = " with ";
 
 /* Adds a spread: of a key, or of two that go up and down together. */
-static vs_status add_spread(const vs_scene *scene, const char *name, const tolerance *t,
+static vs_status add_spread(const vs_scene *scene, const char *name, const stated *t,
                             vs_spreads *spreads, vs_error *err) {
   char first[VS_KEY_SIZE];
   const char *with = strstr(name, WITH);
@@ -321,7 +321,7 @@ static vs_status add_usual(const vs_scene *scene, const char *name, const char *
   vs_key key;
   vs_error none = {0};
   if (vs_key_find(scene, name, (vs_where){0}, &key, &none)) return VS_OK;
-  return add_spread(scene, name, &(tolerance){.way = way}, spreads, err);
+  return add_spread(scene, name, &(stated){.way = way}, spreads, err);
 }
 
 /* How far the device is off by its part's file. */
@@ -348,8 +348,8 @@ static vs_status take_usual(const vs_scene *scene, vs_spreads *spreads, vs_error
   vs_error none = {0};
   const bool has_line =
       scene->tier->has_circuit && !vs_key_find(scene, LINE, (vs_where){0}, &key, &none);
-  vs_status status = add_spread(scene, has_line ? BOTH : "supply.voltage",
-                                &(tolerance){.way = "10 %"}, spreads, err);
+  vs_status status =
+      add_spread(scene, has_line ? BOTH : "supply.voltage", &(stated){.way = "10 %"}, spreads, err);
   if (!scene->tier->has_circuit) return status;
   for (size_t k = 0; k < deck->n_devices; k++) {
     const vs_device *d = &deck->devices[k];
@@ -374,7 +374,7 @@ vs_status vs_key_spreads(const vs_scene *scene, vs_spreads *spreads, vs_error *e
         err, vs_fail_at(err, map->where,
                         "spread: a map is wanted: {supply.voltage: 10 %%, circuit.r1: 5 %%}"));
   for (const vs_node *n = map->child; n && !status; n = n->next) {
-    const tolerance t = {n->kind == VS_NODE_TEXT ? n->text : "", n->key_where, n->where};
+    const stated t = {n->kind == VS_NODE_TEXT ? n->text : "", n->key_where, n->where};
     status = vs_error_carry_on(err, add_spread(scene, n->key, &t, spreads, err));
   }
   return status;
