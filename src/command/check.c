@@ -177,17 +177,15 @@ static vs_status check_scene(report *r, vs_error *err) {
 }
 
 static void describe_deck(const vs_deck *deck, vs_text *good) {
+  size_t n_params = deck->section.count - 1 - deck->n_parts;
+  for (size_t d = 0; d < deck->n_devices; d++) n_params -= deck->devices[d].scale_at > 0;
   const struct {
     const char *what;
     size_t count;
-  } COUNTS[] = {{"parameter", deck->section.count - 1 - deck->n_parts},
-                {"part", deck->n_parts},
-                {"port", deck->n_ports},
-                {"probe", deck->n_probes},
-                {"loss", deck->losses.count},
-                {"store", deck->stores.count},
-                {"rating", deck->n_ratings},
-                {"device", deck->n_devices}};
+  } COUNTS[] = {{"parameter", n_params},      {"part", deck->n_parts},
+                {"port", deck->n_ports},      {"probe", deck->n_probes},
+                {"loss", deck->losses.count}, {"store", deck->stores.count},
+                {"rating", deck->n_ratings},  {"device", deck->n_devices}};
   vs_text_add(good, "a good deck: %s%sEVA between %s and %s", deck->title, *deck->title ? "; " : "",
               deck->eva_plus, deck->eva_minus);
   for (size_t k = 0; k < sizeof COUNTS / sizeof *COUNTS; k++)

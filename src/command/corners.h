@@ -17,9 +17,10 @@ typedef struct vs_corners_order {
   const volatile sig_atomic_t *stop; /* set by a signal: the run ends */
 } vs_corners_order;
 
-/* Runs them, one behind the other, each with a second run for the errors of its margins. Nothing is
- * written or printed but progress. Errors: those of the scene's reading and of its runs, which name
- * the corner; VS_SIGNAL. */
+/* Reads all of them, then runs them, one behind the other, each with a second run for the errors of
+ * its margins. One that fails is noted, and the others go on. Nothing is written or printed but
+ * progress. Errors: those of the key spread, and of a scene that cannot be read at a corner, which
+ * name the corner, with nothing run; VS_SIGNAL. */
 vs_status vs_corners_run(const vs_corners_order *order, const vs_scene *nominal,
                          vs_corners *corners, vs_error *err);
 

@@ -2,6 +2,7 @@
 #include "command/run.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -282,9 +283,9 @@ static void again(void *ctx, const char *failed, int next) {
 /* True if a --set changes what is computed, and not only how: what the scene says was measured is
  * then of another experiment. */
 static bool changes_machine(const vs_run_options *o) {
-  static const char *const HOW[] = {"run.",    "record", "measure", "instruments", "quality",
-                                    "limits.", "expect", "ratings", "ambient",     "heatsink",
-                                    "waive",   "spread"};
+  static const char *const HOW[] = {"run.",    "record",   "measure", "instruments",
+                                    "quality", "limits.",  "expect",  "ratings",
+                                    "ambient", "heatsink", "waive",   "spread"};
   for (size_t k = 0; k < o->n_sets; k++) {
     bool how = false;
     for (size_t n = 0; n < sizeof HOW / sizeof *HOW; n++)
@@ -315,15 +316,28 @@ static void say_result(const vs_run_options *o, const vs_run_more *more, const v
     fprintf(stderr, "vibrospice: hint: %s\n", text);
 }
 
+/* Error, VS_RUN: a corner failed. */
+static vs_status look_for_failed(const vs_corners *c, vs_error *err) {
+  char at[1024];
+  size_t k = 0;
+  if (!c->failed) return VS_OK;
+  while (!*c->item[k].failed) k++;
+  return vs_fail(err, VS_RUN, "%zu of %zu corners failed; the first is %s: %s", c->failed, c->count,
+                 vs_result_corner(c, k, at, sizeof at), c->item[k].failed);
+}
+
 /* Error, VS_RATING: a corner breaks. */
 static vs_status judge_corners(const vs_corners *c, vs_error *err) {
-  char at[1024];
+  char at[1024], margin[48] = "";
+  size_t broken = 0;
+  for (size_t k = 0; k < c->count; k++) broken += c->item[k].breaks;
+  if (!broken) return VS_OK;
   const vs_corner *worst = &c->item[c->worst];
-  if (c->held == c->count) return VS_OK;
-  return vs_fail(err, VS_RATING,
-                 "%zu of %zu corners do not hold; the worst is %s: %s, margin %.3g %%",
-                 c->count - c->held, c->count, vs_result_corner(c, c->worst, at, sizeof at),
-                 worst->line, 100 * worst->margin);
+  if (!isnan(worst->margin))
+    snprintf(margin, sizeof margin, ", margin %.3g %%", 100 * worst->margin);
+  return vs_fail(err, VS_RATING, "%zu of %zu corners do not hold; the worst is %s: %s %s%s", broken,
+                 c->count, vs_result_corner(c, c->worst, at, sizeof at), worst->line,
+                 vs_verdict_words[worst->word], margin);
 }
 
 vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scene *scene,
@@ -346,6 +360,7 @@ vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scen
   if (o->folder) vs_leave_forget(o->folder);
   vs_leave_heed_set(before);
   if (!status) say_result(o, more, result, json.text);
+  if (!status && o->judged && !result->second.stopped) status = look_for_failed(o->judged, err);
   if (!status) status = vs_session_judge(result, err);
   if (!status && o->judged) status = judge_corners(o->judged, err);
   vs_text_free(&json);

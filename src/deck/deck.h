@@ -210,7 +210,9 @@ typedef struct vs_device {
   size_t n_ports;
   vs_gates
       gates; /* those it goes by; of a kind without a gate those of the deck's first gate port */
-  bool doubtful;           /* an event makes its formulas untrue (event/wiring.h) */
+  size_t scale_at; /* offset in vs_circuit_values of the factor of its own, the key NAME_scale
+                      (deck/netlist.h); 0: it has none */
+  bool doubtful;   /* an event makes its formulas untrue (event/wiring.h) */
   char ward[VS_DECK_NAME]; /* the device it protects, as the line says; empty: none */
   int protects;            /* index of that device; -1: none */
   vs_where where, where_of, where_ward, where_flux;

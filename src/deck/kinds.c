@@ -399,6 +399,8 @@ static const struct figure {
                {"i_clamp", "A", " varistor "},
                {"v_clamp", "V", " varistor "},
                {"v_varistor", "V", " varistor "},
+               {"tolerance", "%", " varistor resistor capacitor electrolytic "},
+               {"ageing", "%", " varistor resistor capacitor electrolytic "},
                {"i_fusing", "A", " fuse "},
                {"i2t_clear", "A2.s", " fuse "},
                {"v_arc", "V", " fuse "}};

@@ -228,6 +228,146 @@ vs_status vs_netlist_read_library(const char *path, vs_deck *library, vs_error *
   return read_alone(library, path, true, err);
 }
 
+/* ---- factors of single devices ---- */
+
+/* What a part multiplies its voltage by, if it can be scaled: the key of all such devices. */
+static const char SCALE[] = "varistor_scale";
+
+/* Before the device's name: the subcircuit of a device with a factor of its own. */
+static const char OWN_DISC[] = "vs_disc_";
+
+static vs_word word_of(const char *line, int number) {
+  while (number-- > 1) line = vs_words_next(line);
+  return vs_words_at(line);
+}
+
+/* Finds the lines of a subcircuit, from its .subckt to its .ends. */
+static bool find_body(const vs_deck *deck, const char *subcircuit, size_t *first, size_t *last) {
+  int depth = 0;
+  for (size_t k = 0; k < deck->n_lines; k++) {
+    const char *text = deck->lines[k].text;
+    if (vs_words_begin(text, ".subckt") && (depth || vs_words_is(word_of(text, 2), subcircuit))) {
+      if (!depth++) *first = k;
+    } else if (depth && vs_words_begin(text, ".ends") && !--depth) {
+      *last = k;
+      return true;
+    }
+  }
+  return false;
+}
+
+/* True where the device's part has a voltage that SCALE multiplies. */
+static bool is_scaled(const vs_deck *deck, const vs_device *d) {
+  size_t first = 0, last = 0;
+  bool is = false;
+  if (d->part < 0 || !find_body(deck, deck->parts[d->part].subcircuit, &first, &last)) return false;
+  for (size_t k = first; k < last && !is; k++)
+    is = vs_words_find(deck->lines[k].text, deck->lines[k].text, SCALE, strlen(SCALE));
+  return is;
+}
+
+/* True for the line of an instance of that part of the deck. */
+static bool is_instance(const char *line, const vs_part *part) {
+  size_t n = 0;
+  const char *name = vs_rules_instance_of(line, &n);
+  return name && vs_words_is((vs_word){name, n}, part->name);
+}
+
+/* True where a word of the element, behind its name, is that node. */
+static bool has_node(const char *line, vs_word node) {
+  for (line = vs_words_next(line); *line; line = vs_words_next(line))
+    if (!vs_words_compare(vs_words_at(line), node)) return true;
+  return false;
+}
+
+/* Tells of each line whether it is an element outside of subcircuits; to be freed. */
+static bool *outer_elements(const vs_deck *deck) {
+  bool *is = vs_alloc(deck->n_lines + 1, sizeof *is);
+  int depth = 0;
+  for (size_t k = 0; k < deck->n_lines; k++) {
+    const char *text = deck->lines[k].text;
+    depth += vs_words_begin(text, ".subckt");
+    is[k] = !depth && *text != '.';
+    depth -= vs_words_begin(text, ".ends");
+  }
+  return is;
+}
+
+/* The source whose current alone is the device's, i(SOURCE); empty: there is none. */
+static vs_word sense_of(const vs_deck *deck, const vs_device *d) {
+  vs_word source = {"", 0};
+  for (size_t t = 0; t < deck->n_terms; t++) {
+    if (!vs_formula_uses(&d->current, (int)t)) continue;
+    const char *text = deck->terms[t].plus;
+    if (*text != 'i' || source.n) return (vs_word){"", 0};
+    source = (vs_word){text + 2, strlen(text) - 3};
+  }
+  return source;
+}
+
+/* The instance of the part that alone shares a node with line `source`; n_lines: there is none. */
+static size_t beside(const vs_deck *deck, const bool *outer, size_t source, const vs_part *part) {
+  for (int n = 2; n <= 3; n++) {
+    const vs_word node = word_of(deck->lines[source].text, n);
+    size_t found = deck->n_lines, count = 0;
+    for (size_t k = 0; k < deck->n_lines; k++)
+      if (outer[k] && k != source && has_node(deck->lines[k].text, node)) found = k, count++;
+    if (count == 1 && is_instance(deck->lines[found].text, part)) return found;
+  }
+  return deck->n_lines;
+}
+
+/* The line of the netlist that is the device: the only instance of its part; of several the one in
+ * series with the source that measures the device's current. n_lines: it cannot be told. */
+static size_t instance_of(const vs_deck *deck, const bool *outer, const vs_device *d) {
+  const vs_part *part = &deck->parts[d->part];
+  const vs_word sense = sense_of(deck, d);
+  size_t found = deck->n_lines, instances = 0, devices = 0, source = deck->n_lines;
+  for (size_t k = 0; k < deck->n_devices; k++) devices += deck->devices[k].part == d->part;
+  for (size_t k = 0; k < deck->n_lines; k++) {
+    if (!outer[k]) continue;
+    if (is_instance(deck->lines[k].text, part)) found = k, instances++;
+    if (!vs_words_compare(vs_words_at(deck->lines[k].text), sense)) source = k;
+  }
+  if (instances == 1 && devices == 1) return found;
+  return source < deck->n_lines ? beside(deck, outer, source, part) : deck->n_lines;
+}
+
+/* Adds the keys NAME_scale of the devices whose parts can be scaled. A deck that has such a
+ * parameter itself keeps its own. */
+static void add_factors(vs_deck *deck) {
+  const vs_field *all = NULL;
+  for (size_t k = 1; k < deck->section.count; k++)
+    if (!strcmp(deck->section.fields[k].key, SCALE)) all = &deck->section.fields[k];
+  if (!all) return;
+  bool *outer = outer_elements(deck);
+  for (size_t n = 0; n < deck->n_devices; n++) {
+    vs_device *d = &deck->devices[n];
+    char key[VS_DECK_NAME + sizeof "_scale"], text[VS_DECK_TEXT];
+    const size_t params = deck->section.count - 1 - deck->n_parts;
+    if (params >= VS_DECK_MOST || !is_scaled(deck, d)) continue;
+    if (instance_of(deck, outer, d) == deck->n_lines) continue;
+    snprintf(key, sizeof key, "%s_scale", d->name);
+    snprintf(text, sizeof text, "factor of the voltage of %s alone, besides %s", d->name, SCALE);
+    const vs_field field = {.key = key,
+                            .kind = VS_FACTOR,
+                            .unit = "",
+                            .default_text = "1",
+                            .min = all->min,
+                            .max = all->max,
+                            .text = text,
+                            .offset =
+                                offsetof(vs_circuit_values, params) + params * sizeof(double)};
+    vs_error none = {0};
+    if (!vs_deck_add_field(deck, &field, d->where, &none)) d->scale_at = field.offset;
+  }
+  free(outer);
+}
+
+static double factor_of(const vs_device *d, const vs_circuit_values *values) {
+  return d->scale_at ? *(const double *)(const void *)((const char *)values + d->scale_at) : 1;
+}
+
 /* ---- parts ---- */
 
 /* Finds the file of a part: at the path given, or in the deck's folder, or on the shelf of parts,
@@ -369,6 +509,7 @@ vs_status vs_netlist_read_parts(vs_deck *deck, const vs_node *section, vs_error 
   }
   if (!status) status = vs_parts_resolve(deck, err);
   if (!status) status = vs_devices_resolve(deck, err);
+  if (!status) add_factors(deck);
   if (!status && !deck->lost) status = check_whole(deck, err);
   return status ? status : match_sources(deck, err);
 }
@@ -451,48 +592,113 @@ static void add_text(char ***lines, size_t *count, const char *text) {
   (*lines)[(*count)++] = vs_copy(text);
 }
 
+/* Where a netlist is written: the lines, and of each device the line that is an instance of a
+ * subcircuit of its own. */
+typedef struct writing {
+  const vs_deck *deck;
+  char **lines;
+  size_t count;
+  size_t own[VS_DECK_DEVICES]; /* n_lines: the device has none */
+} writing;
+
 /* Adds a line of the deck. Where it is an instance of a parameter that is a part, the part's
- * subcircuit takes the parameter's place. */
-static void add_deck_line(const vs_deck *deck, const char *line, char ***lines, size_t *count) {
+ * subcircuit takes the parameter's place, or the device's own. */
+static void add_deck_line(writing *w, size_t number) {
   size_t n = 0;
-  const char *name = vs_rules_instance_of(line, &n);
-  for (size_t p = 0; name && p < deck->n_parts; p++) {
-    if (strlen(deck->parts[p].name) != n || strncasecmp(name, deck->parts[p].name, n)) continue;
-    vs_text text = {0};
-    vs_text_add(&text, "%.*s%s%s", (int)(name - line), line, deck->parts[p].subcircuit, name + n);
-    add_text(lines, count, text.text);
-    vs_text_free(&text);
+  const vs_deck *deck = w->deck;
+  const char *line = deck->lines[number].text, *name = vs_rules_instance_of(line, &n),
+             *takes = NULL;
+  for (size_t p = 0; name && p < deck->n_parts && !takes; p++)
+    if (strlen(deck->parts[p].name) == n && !strncasecmp(name, deck->parts[p].name, n))
+      takes = deck->parts[p].subcircuit;
+  if (!takes) {
+    add_text(&w->lines, &w->count, line);
     return;
   }
-  add_text(lines, count, line);
+  vs_text text = {0};
+  vs_text_add(&text, "%.*s", (int)(name - line), line);
+  size_t d = 0;
+  while (d < deck->n_devices && w->own[d] != number) d++;
+  if (d < deck->n_devices)
+    vs_text_add(&text, "%s%s", OWN_DISC, deck->devices[d].name);
+  else
+    vs_text_add(&text, "%s", takes);
+  vs_text_add(&text, "%s", name + n);
+  add_text(&w->lines, &w->count, text.text);
+  vs_text_free(&text);
+}
+
+/* Adds the subcircuit of the device's part once more, by a name of the device's and with its factor
+ * beside SCALE. */
+static void add_own_disc(writing *w, const vs_device *d, double factor) {
+  size_t first = 0, last = 0;
+  const vs_deck *deck = w->deck;
+  find_body(deck, deck->parts[d->part].subcircuit, &first, &last);
+  for (size_t k = first; k <= last; k++) {
+    const char *from = deck->lines[k].text, *at;
+    vs_text text = {0};
+    if (k == first) {
+      const vs_word name = word_of(from, 2);
+      vs_text_add(&text, ".subckt %s%s", OWN_DISC, d->name);
+      from = name.at + name.n;
+    } else if (k == last) {
+      vs_text_add(&text, ".ends");
+      from = "";
+    }
+    for (; (at = vs_words_find(from, from, SCALE, strlen(SCALE))); from = at + strlen(SCALE))
+      vs_text_add(&text, "%.*s(%s*%.17g)", (int)(at - from), from, SCALE, factor);
+    vs_text_add(&text, "%s", from);
+    add_text(&w->lines, &w->count, text.text);
+    vs_text_free(&text);
+  }
+}
+
+/* Finds the devices with a factor of their own that is not 1. */
+static void find_own(writing *w, const vs_circuit_values *values) {
+  const vs_deck *deck = w->deck;
+  bool *outer = NULL;
+  for (size_t d = 0; d < deck->n_devices; d++) {
+    w->own[d] = deck->n_lines;
+    if (factor_of(&deck->devices[d], values) == 1) continue;
+    if (!outer) outer = outer_elements(deck);
+    w->own[d] = instance_of(deck, outer, &deck->devices[d]);
+  }
+  free(outer);
 }
 
 vs_status vs_netlist_make(const vs_deck *deck, const vs_circuit_values *values,
                           const vs_deck_value *standard, size_t n_standard, char ***lines,
                           size_t *count, vs_error *err) {
+  writing w = {.deck = deck};
   *lines = NULL;
   *count = 0;
   char param[128], *rest;
   vs_text eva = {0};
   vs_status status = vs_eva_write(deck, &eva, err);
   if (status) return status;
-  add_text(lines, count, "vibrospice"); /* the first line of a netlist is its title */
+  find_own(&w, values);
+  add_text(&w.lines, &w.count, "vibrospice"); /* the first line of a netlist is its title */
   for (size_t k = 0; k < n_standard; k++) {
     snprintf(param, sizeof param, ".param %s=%.17g", standard[k].name, standard[k].value);
-    add_text(lines, count, param);
+    add_text(&w.lines, &w.count, param);
   }
   for (size_t k = 1; k < deck->section.count; k++) {
     const vs_field *field = &deck->section.fields[k];
     if (field->kind != VS_REAL) continue;
     snprintf(param, sizeof param, ".param %s=%.17g", field->key,
              *(const double *)(const void *)((const char *)values + field->offset));
-    add_text(lines, count, param);
+    add_text(&w.lines, &w.count, param);
   }
-  for (size_t k = 0; k < deck->n_lines; k++) add_deck_line(deck, deck->lines[k].text, lines, count);
+  for (size_t k = 0; k < deck->n_lines; k++) add_deck_line(&w, k);
   rest = eva.text;
   for (char *line; (line = strsep(&rest, "\n"));)
-    if (*line) add_text(lines, count, line);
+    if (*line) add_text(&w.lines, &w.count, line);
+  for (size_t d = 0; d < deck->n_devices; d++)
+    if (w.own[d] < deck->n_lines)
+      add_own_disc(&w, &deck->devices[d], factor_of(&deck->devices[d], values));
   vs_text_free(&eva);
+  *lines = w.lines;
+  *count = w.count;
   return VS_OK;
 }
 

@@ -17,7 +17,10 @@ vs_status vs_netlist_read(const char *path, vs_deck *deck, vs_error *err);
 
 /* Reads the files of the parts: of those that the scene's section circuit names (NULL: there is no
  * such section), else of the deck's defaults. They may add to the contract. Then gives ratings and
- * devices what their parts say, and sees to it that ports and external sources match. */
+ * devices what their parts say, and sees to it that ports and external sources match. A device
+ * whose part multiplies its voltage by varistor_scale gets a key NAME_scale, a factor of its own:
+ * vs_netlist_make then writes the part's subcircuit once more, for it alone. It gets none where the
+ * netlist does not tell which instance is the device. */
 vs_status vs_netlist_read_parts(vs_deck *deck, const vs_node *section, vs_error *err);
 
 /* Reads the file of one part alone, for what it says of itself, and holds the parameters of its

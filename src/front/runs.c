@@ -53,7 +53,8 @@ static const struct argp_option RUN_OPTIONS[] = {
     VS_OPTIONS_DIGITS,
     VS_COMMAND_FLAG("corners", VS_KEY_CORNERS,
                     "runs the scene at all ends of its key spread besides, without one of the "
-                    "mains and of the varistors +- 10 %; a corner that breaks breaks the verdict"),
+                    "mains +- 10 % and of each varistor's tolerance and ageing; a corner that "
+                    "breaks breaks the verdict"),
     VS_COMMAND_FLAG("raw", VS_KEY_RAW,
                     "tier circuit, with -o: writes run.raw too, every voltage and current of the "
                     "circuit at every step, for ngspice's 'load'; a run that fails leaves "

@@ -62,13 +62,19 @@ static void print_waive(void) {
 }
 
 static void print_spread(void) {
-  puts("spread: what of the scene is not known exactly, each key with its tolerance, as\n"
-       "spread: {supply.voltage: 10 %, circuit.varistor_scale: 10 %, circuit.r1: 2 ohm}\n"
-       "A tolerance is a part of the key's value or in its unit. vibrospice run --corners runs "
-       "the\n"
-       "scene at all ends of up to 6 keys, and breaks where one of them breaks. More keys, and "
-       "more\n"
-       "processes: a study with sample: {method: corners, spread: {...}}.");
+  puts(
+      "spread: what of the scene is not known exactly, each key with its tolerance, as\n"
+      "spread: {supply.voltage: 10 %, circuit.varistor_1_scale: tolerance and ageing, circuit.r1: "
+      "2 "
+      "ohm}\n"
+      "A tolerance is a part of the key's value, or in its unit, or what the part's file states "
+      "of\n"
+      "the device: tolerance, ageing, or both. vibrospice run --corners runs the scene at all ends "
+      "of\n"
+      "up to 6 keys, or pairs as supply.voltage with circuit.line_voltage, and breaks where one "
+      "of\n"
+      "them breaks. More keys, and more processes: a study with sample: {method: corners, spread:\n"
+      "{...}}. More: docs/faults.md.");
 }
 
 static void print_ratings(void) {

@@ -28,7 +28,7 @@ const char *vs_result_corner(const vs_corners *c, size_t k, char *text, size_t s
   for (size_t n = 0; n < c->spread.count && at < size; n++) {
     const char *unit = c->spread.item[n].unit;
     at += (size_t)snprintf(text + at, size - at, "%s%s = %.6g%s%s", n ? ", " : "",
-                           c->spread.item[n].key, c->spread.item[n].value[k >> n & 1],
+                           c->spread.item[n].key, vs_key_spread_at(&c->spread, n, k),
                            *unit ? " " : "", unit);
   }
   return text;

@@ -23,24 +23,26 @@ typedef struct vs_second_run {
                        wanted */
 } vs_second_run;
 
-/* Start from {0} and free with vs_result_free. Not to be copied: its verdict points into itself. */
-/* What the runs at the corners came to: at all pairs of ends of the spreads. Bit k of a corner's
- * number says which end key k is at: 1, the larger one. */
+/* What the runs at the corners came to: at all ends of the spreads. The number of a
+ * corner says which (vs_key_spread_at). */
 enum { VS_CORNERS_MOST = 1 << VS_SPREADS_MOST };
 typedef struct vs_corner {
   char line[VS_JUDGED_NAME]; /* the corner's worst line; empty: nothing is rated there */
   double margin, error;      /* of that line, as vs_judgement has them */
   vs_finding word;
-  bool breaks; /* the line is violated or undecided */
+  bool breaks;      /* the line is violated or undecided */
+  char failed[256]; /* why the run failed, which then has no line; empty: it did not */
 } vs_corner;
 typedef struct vs_corners {
   vs_spreads spread;
-  size_t count, held, worst; /* worst: the number of the corner with the worst line */
+  size_t count, held, failed; /* held: something is rated there, and nothing breaks */
+  size_t worst; /* the number of the corner with the worst line; count: none has one */
   vs_corner item[VS_CORNERS_MOST];
 } vs_corners;
 /* Writes where a corner is: "supply.voltage = 484 V, circuit.r1 = 31.35 ohm". */
 const char *vs_result_corner(const vs_corners *corners, size_t k, char *text, size_t size);
 
+/* Start from {0} and free with vs_result_free. Not to be copied: its verdict points into itself. */
 typedef struct vs_result {
   const vs_scene *scene; /* that was run: the caller's, or `climbed` */
   vs_scene *climbed;     /* the scene with the keys of the ladder's rung, owned; NULL: the caller's

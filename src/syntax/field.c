@@ -30,6 +30,11 @@ void vs_field_range(const vs_field *field, char *text, size_t size) {
              field->kind == VS_PROFILE ? ", or over time: [[TIME, VALUE], ...]" : "");
 }
 
+bool vs_field_is_idle(const vs_field *field, const void *values) {
+  return field->kind == VS_FACTOR &&
+         *(const double *)(const void *)((const char *)values + field->offset) == 1;
+}
+
 static vs_status read_real(const char *name, const vs_field *field, const vs_node *node,
                            double *out, vs_error *err) {
   char why[256], range[128];
@@ -71,7 +76,7 @@ double vs_field_profile_at(const vs_field_profile *c, double t_s) {
 }
 
 bool vs_field_is_real(const vs_field *field) {
-  return field->kind == VS_REAL || field->kind == VS_PROFILE;
+  return field->kind == VS_REAL || field->kind == VS_FACTOR || field->kind == VS_PROFILE;
 }
 
 /* Reads one point, [TIME, VALUE], behind those that the table has. */
@@ -207,6 +212,7 @@ vs_status vs_field_read(const vs_section *section, const vs_field *field, const 
   char *member = (char *)out + field->offset;
   switch (field->kind) {
   case VS_REAL:
+  case VS_FACTOR:
     return read_real(name, field, node, (double *)(void *)member, err);
   case VS_PROFILE:
     return read_profile(name, field, node, (vs_field_profile *)(void *)member, err);
@@ -398,6 +404,7 @@ void vs_field_json(const vs_field *field, const void *values, vs_text *text) {
       add_quantity(field, &profile->first, &json);
     break;
   case VS_REAL:
+  case VS_FACTOR:
   case VS_PAIR:
     add_quantity(field, (const double *)(const void *)member, &json);
     break;

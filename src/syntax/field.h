@@ -13,6 +13,7 @@
 
 typedef enum vs_field_kind {
   VS_REAL,    /* double, SI; or (where choices names one) that word, read as NaN */
+  VS_FACTOR,  /* as VS_REAL: it multiplies something else, and is told only where it is not 1 */
   VS_PROFILE, /* vs_field_profile: as VS_REAL, or a list of points over time */
   VS_PAIR,    /* double[2], SI, written [x, y] */
   VS_CHOICE,  /* int: which of `choices` */
@@ -47,6 +48,9 @@ typedef struct vs_field {
                                VS_NAME: those that there are, FILE.csv of files; NULL: any name */
   const struct vs_options *options; /* VS_OPTION: what its maps have */
 } vs_field;
+
+/* True for a factor that is 1: whoever tells the values of a section leaves it out. */
+bool vs_field_is_idle(const vs_field *field, const void *values);
 
 /* The quantity at t, SI. At a jump it is the later value. */
 double vs_field_profile_at(const vs_field_profile *profile, double t_s);

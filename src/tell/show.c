@@ -192,6 +192,21 @@ static void print_not_judged(const vs_result *r, FILE *out) {
   vs_text_free(&text);
 }
 
+/* "varistor_1.i_peak     -6.1 % +- 0.01 %  violated", or why the corner has no such line. */
+static void print_corner(const vs_corner *one, FILE *out) {
+  if (!*one->line) {
+    fprintf(out, "%s%s", *one->failed ? "failed: " : "nothing is rated", one->failed);
+    return;
+  }
+  fprintf(out, "%s ", one->line);
+  if (isnan(one->margin))
+    fprintf(out, "%9s", "-");
+  else
+    fprintf(out, "%7.1f %%", 100 * one->margin);
+  if (isfinite(one->error)) fprintf(out, " +- %.2g %%", 100 * one->error);
+  fprintf(out, "  %s", vs_verdict_words[one->word]);
+}
+
 /* What was varied: nothing, or the corners, with the worst line of each. */
 static void print_corners(const vs_result *r, FILE *out) {
   char at[1024];
@@ -200,14 +215,12 @@ static void print_corners(const vs_result *r, FILE *out) {
     fputs("nominal values; corners not judged\n", out);
     return;
   }
-  fprintf(out, "corners: %zu of %zu held; the worst line of each:\n", c->held, c->count);
+  fprintf(out, "corners: %zu of %zu held", c->held, c->count);
+  if (c->failed) fprintf(out, ", %zu failed", c->failed);
+  fputs("; the worst line of each:\n", out);
   for (size_t k = 0; k < c->count; k++) {
-    const vs_corner *one = &c->item[k];
-    const vs_judgement shown = {
-        .margin = one->margin, .margin_error = one->error, .unknown = NULL, .device = NULL};
-    fprintf(out, "  %s: %s ", vs_result_corner(c, k, at, sizeof at),
-            *one->line ? one->line : "nothing is rated");
-    if (*one->line) print_margin(&shown, out);
+    fprintf(out, "  %s: ", vs_result_corner(c, k, at, sizeof at));
+    print_corner(&c->item[k], out);
     fputs(k == c->worst && c->count > 1 ? "  worst\n" : "\n", out);
   }
 }

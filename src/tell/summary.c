@@ -128,6 +128,7 @@ void vs_summary_scene(vs_json *json, const vs_scene *s) {
     vs_filled_section part = vs_section_at(&s->setup, p);
     vs_json_object(json, part.section->name, VS_JSON_LINES);
     for (size_t k = 0; k < part.section->count; k++) {
+      if (vs_field_is_idle(&part.section->fields[k], part.values)) continue;
       vs_json_key(json, part.section->fields[k].key);
       vs_field_json(&part.section->fields[k], part.values, json->text);
     }
@@ -401,29 +402,42 @@ static void add_not_judged(vs_json *json, const vs_result *r) {
   vs_json_end(json);
 }
 
+/* Adds corner number k: where it is, and its worst line or why it failed. */
+static void add_corner(vs_json *json, const char *name, const vs_corners *c, size_t k) {
+  const vs_corner *one = &c->item[k];
+  vs_json_object(json, name, VS_JSON_ROW);
+  vs_json_object(json, "at", VS_JSON_ROW);
+  for (size_t n = 0; n < c->spread.count; n++) {
+    vs_json_object(json, c->spread.item[n].key, VS_JSON_ROW);
+    vs_json_number(json, "value", vs_key_spread_at(&c->spread, n, k), DIGITS);
+    vs_json_text(json, "unit", c->spread.item[n].unit);
+    vs_json_end(json);
+  }
+  vs_json_end(json);
+  vs_json_text(json, "line", *one->line ? one->line : NULL);
+  vs_json_number(json, "margin", one->margin, DIGITS);
+  vs_json_number(json, "margin_error", one->error, DIGITS);
+  vs_json_text(json, "word", *one->line ? vs_verdict_words[one->word] : NULL);
+  if (*one->failed) vs_json_text(json, "failed", one->failed);
+  vs_json_end(json);
+}
+
 /* What was varied: nothing (null), or the corners. */
 static void add_corners(vs_json *json, const vs_corners *c) {
   if (!c) {
     vs_json_text(json, "corners", NULL);
     return;
   }
-  const vs_corner *worst = &c->item[c->worst];
-  vs_json_object(json, "corners", VS_JSON_ROW);
+  vs_json_object(json, "corners", VS_JSON_LINES);
   vs_json_whole(json, "of", (int)c->count);
   vs_json_whole(json, "held", (int)c->held);
-  vs_json_object(json, "worst", VS_JSON_ROW);
-  vs_json_object(json, "at", VS_JSON_ROW);
-  for (size_t n = 0; n < c->spread.count; n++) {
-    vs_json_object(json, c->spread.item[n].key, VS_JSON_ROW);
-    vs_json_number(json, "value", c->spread.item[n].value[c->worst >> n & 1], DIGITS);
-    vs_json_text(json, "unit", c->spread.item[n].unit);
-    vs_json_end(json);
-  }
-  vs_json_end(json);
-  vs_json_text(json, "line", *worst->line ? worst->line : NULL);
-  vs_json_number(json, "margin", worst->margin, DIGITS);
-  vs_json_number(json, "margin_error", worst->error, DIGITS);
-  vs_json_text(json, "word", *worst->line ? vs_verdict_words[worst->word] : NULL);
+  vs_json_whole(json, "failed", (int)c->failed);
+  if (c->worst < c->count)
+    add_corner(json, "worst", c, c->worst);
+  else
+    vs_json_text(json, "worst", NULL);
+  vs_json_array(json, "each", VS_JSON_LINES);
+  for (size_t k = 0; k < c->count; k++) add_corner(json, NULL, c, k);
   vs_json_end(json);
   vs_json_end(json);
 }

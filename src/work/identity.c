@@ -106,6 +106,7 @@ static vs_status add_section(const vs_plan *plan, const vs_filled_section *secti
       section->section == &own->actuator && coil->law->file ? coil->law->file(coil) : NULL;
   for (size_t k = 0; k < section->section->count; k++) {
     const vs_field *field = &section->section->fields[k];
+    if (vs_field_is_idle(field, section->values)) continue;
     if (run && is_among(field->key, OUT)) continue;
     if ((circuit || machine || table) && field->kind == VS_NAME)
       continue; /* deck, parts, machine and table are known by their files */
