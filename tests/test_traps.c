@@ -22,6 +22,8 @@ typedef struct trap {
 
 /* Means are judged over 1 s and more. */
 #define LONG "run: {tier: circuit, until: 1.2 s}\n"
+/* Whole cycles begin at 7 ms there. */
+#define ODD "run: {tier: circuit, until: 1.207 s}\n"
 #define SHORT "run: {tier: circuit, until: 60 ms}\n"
 #define DIRECT "# direct\n"
 /* Its pulses are those of sin^5, of a charge over their peak of 3.395 ms. */
@@ -96,6 +98,11 @@ static const trap TRAPS[] = {
      NULL},
     {"d.v_reverse", ELECTROLYTIC "*$ limit v_reverse = {} V" TEN_UF, "138.6", "144.3", NULL, SHORT,
      NULL},
+    /* the same over whole cycles that begin behind the run */
+    {"d.power", VARISTOR "*$ limit p_max = {} W" KOHM, "9.8", "10.2", NULL, ODD, NULL},
+    {"d.v_rms", VARISTOR "*$ limit v_rms = {} V" KOHM, "98", "102", NULL, ODD, NULL},
+    {"d.v_dc", CAPACITOR "*$ limit v_dc = {} V" TEN_UF, "98", "102", NULL, ODD DIRECT, NULL},
+    {"d.i_rms", FUSE "*$ limit i_rated = {} A" WHOLE, "9.8", "10.2", NULL, ODD, NULL},
     {"d.i_peak", ELECTROLYTIC "*$ limit i_surge = {} A" TEN_UF, "0.40", "0.49", NULL, SHORT, NULL},
     {"d.i_rms", ELECTROLYTIC "*$ limit i_ripple = {} A" TEN_UF, "0.308", "0.321", NULL, LONG, NULL},
 };
@@ -133,7 +140,8 @@ static void write_scene(const trap *t) {
   if (t->ward) sscanf(t->ward, "*$ part %31s", kind[1]);
   waive_the_rest("d", kind[0], t->part, &waived);
   if (t->ward) waive_the_rest("w", kind[1], t->ward, &waived);
-  fprintf(f, "circuit: {deck: trap.cir}\nsupply: {voltage: 100 V}\nfiring: {every: 1}\n%s", t->scene);
+  fprintf(f, "circuit: {deck: trap.cir}\nsupply: {voltage: 100 V}\nfiring: {every: 1}\n%s",
+          t->scene);
   if (waived.length) fprintf(f, "waive: [%s]\n", waived.text);
   vs_text_free(&waived);
   if (fclose(f)) abort();

@@ -93,12 +93,15 @@ static double last_event_s(const vs_timeline *t, double to_s) {
   return last_s;
 }
 
-/* The value of a course over some of the parts. */
+/* The value of a course over some of the parts: the root of a square's mean, else the mean, without
+ * its sign where the measure has none. */
 static double value_over(const vs_watched *w, const vs_reduced *r, size_t from, size_t to) {
   double sum = 0;
-  for (size_t k = from; k < to; k++) sum += w->parts.sum[k][r->measure->of];
+  const int of = r->measure->of;
+  for (size_t k = from; k < to; k++) sum += w->parts.sum[k][of];
   const double mean = sum / ((double)(to - from) * w->parts.part_s);
-  return r->measure->how == VS_R_RMS ? sqrt(fmax(mean, 0)) : mean;
+  if (of == VS_OF_I2 || of == VS_OF_V2) return sqrt(fmax(mean, 0));
+  return r->measure->sense ? mean : fabs(mean);
 }
 
 /* By how much the halves of the parts from `from` on differ. An odd part counts to the first. On an
@@ -470,10 +473,9 @@ static const char NO_SINK[] = "not judged: no heat sink is stated, nor r_th_ja",
  * is known, as "not judged: one shot"; NULL: one is. */
 static const char *long_run_w(const vs_watched *w, const vs_run_end *end, double *power_w) {
   const vs_occurrence *e = vs_occurrence_repeated(&w->timeline->events);
-  static const vs_device_measure POWER = {.how = VS_R_MEAN, .of = VS_OF_POWER};
+  static const vs_device_measure POWER = {.how = VS_R_MEAN, .of = VS_OF_POWER, .sense = 1};
   const vs_limit any = {.value = 0}; /* against which it is asked whether a mean is known */
-  vs_reduced mean_of = {
-      .measure = &POWER, .limit = &any, .value = {true, 0, NAN}, .failed_s = NAN};
+  vs_reduced mean_of = {.measure = &POWER, .limit = &any, .value = {true, 0, NAN}, .failed_s = NAN};
   *power_w = e ? w->sum[VS_OF_POWER] / e->v.every_s : NAN;
   if (!w->at_work && e) return NULL;
   mean_of.value.value = w->sum_meant[VS_OF_POWER] / (end->to_s - end->from_s);
