@@ -503,6 +503,14 @@ static void leave(vs_reduced *r, const char *why) {
   r->limit = NULL;
 }
 
+/* True where the run is all that there is: the scene fires the device once, or fires once a device
+ * of which no gate is known and that began to conduct once at most. Its case has no time to warm.
+ */
+static bool is_over(const vs_watched *w) {
+  if (w->timeline->firing.every || w->timeline->firing.no_valve) return false;
+  return w->device->gates.count || (w->starts < 2 && w->rests);
+}
+
 /* Without lines zth the mean temperature is known, if that. It may break the limit, and cannot hold
  * it. */
 static void finish_mean_junction(const vs_watched *w, vs_reduced *r, double case_degc,
@@ -546,7 +554,12 @@ static void finish_hottest(const vs_watched *w, vs_reduced *r, const vs_run_end 
   }
   const double rise_k = rise->value.value + lacks_k(w, rise, end);
   r->value = (vs_value){true, of_case->value.value + rise_k, rise->value.at_s};
-  if (r->limit && r->value.value > r->limit->value) r->failed_s = rise->value.at_s;
+  if (r->limit && r->value.value > r->limit->value)
+    r->failed_s = rise->value.at_s;
+  else if (of_case->note && !is_over(w)) { /* the case will be warmer: that may only break it */
+    double power_w;
+    leave(r, long_run_w(w, end, &power_w));
+  }
 }
 
 static const vs_reducer case_temperature = {.continuous = true, .finish = finish_case},
