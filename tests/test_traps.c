@@ -54,7 +54,12 @@ static const trap TRAPS[] = {
     {"d.i_peak", VARISTOR "*$ limit i_surge = {} A" KOHM, "0.1386", "0.1443", NULL, SHORT, NULL},
     {"d.energy", VARISTOR "*$ limit energy = {} J" KOHM, "0.588", "0.612", NULL, SHORT, NULL},
     /* from 2 to 10 ms and from 0.2 A to the limit the power law comes to 0.098 A and 0.102 A */
-    {"d.i_pulse", VARISTOR "*$ pulse 2 ms 1 0.2 A\n*$ pulse 10 ms 1 {} A" FIFTH, "0.0228", "0.0258",
+    {"d.i_pulse",
+     VARISTOR "*$ pulse 2 ms 1 0.2 A\n*$ pulse 10 ms 1 {} A\n*$ pulse 2 ms 6 0.2 A\n"
+              "*$ pulse 10 ms 6 {} A" FIFTH,
+     "0.0228", "0.0258", NULL, SHORT, NULL},
+    /* six of them: the root of 1 A and of the limit is 0.096 A and 0.104 A */
+    {"d.i_pulse", VARISTOR "*$ pulse 10 ms 1 1 A\n*$ pulse 10 ms 36 {} A" FIFTH, "0.0092", "0.0108",
      NULL, SHORT, NULL},
     /* 0.6 J in 60 ms, and as much again by nine more */
     {"d.power_repeated", VARISTOR "*$ limit p_max = {} W" KOHM, "0.588", "0.612", NULL,
@@ -237,6 +242,10 @@ static void not_judged(void) {
        "d.i_overload (it opens, as expected)"},
       {{"d.i_overload", FUSE "*$ limit i_rated = {} A" WHOLE, "11", NULL, NULL, LONG, NULL},
        "d.i_overload (no time_current stated)"},
+      {{"d.i_pulse",
+        VARISTOR "*$ pulse 10 ms 1 1 A\n*$ pulse 10 ms 5 0.2 A\n*$ pulse 1 s 5 {} A" FIFTH, "0.05",
+        NULL, NULL, SHORT, NULL},
+       "d.i_pulse (the part's table of pulses ends before this width or number)"},
       {{"d.v_open", FUSE "*$ limit v_rated = {} V\n*$ limit i2t_melt = 99 A2.s" WHOLE, "10", NULL,
         NULL, SHORT, NULL},
        "d.v_open (it did not open)"}};

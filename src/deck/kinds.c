@@ -259,7 +259,8 @@ static const vs_device_measure VARISTOR[] = {
     DIRECT("v_dc"),
     {"i_pulse", "A",
      "peak current of the pulse that comes nearest to the part's table over width and number (its "
-     "lines pulse); the number is the event's key times",
+     "lines pulse); the number is how many pulses of the run are as large, times the event's key "
+     "times",
      VS_R_DERATED, VS_OF_I, 0, NULL, VS_AT_MOST},
     {"power_repeated", "W",
      "mean power where a pulse comes again: energy_total over the event's key every", VS_R_REPEATED,
