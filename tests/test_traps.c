@@ -243,8 +243,9 @@ static void not_judged(void) {
       {{"d.i_overload", FUSE "*$ limit i_rated = {} A" WHOLE, "11", NULL, NULL, LONG, NULL},
        "d.i_overload (no time_current stated)"},
       {{"d.i_pulse",
-        VARISTOR "*$ pulse 10 ms 1 1 A\n*$ pulse 10 ms 5 0.2 A\n*$ pulse 1 s 5 {} A" FIFTH, "0.05",
-        NULL, NULL, SHORT, NULL},
+        VARISTOR "*$ limit i_surge = 9 A\n*$ pulse 10 ms 1 1 A\n*$ pulse 10 ms 5 0.2 A\n*$ pulse 1 "
+                 "s 5 {} A" FIFTH,
+        "0.05", NULL, NULL, SHORT, NULL},
        "d.i_pulse (the part's table of pulses ends before this width or number)"},
       {{"d.v_open", FUSE "*$ limit v_rated = {} V\n*$ limit i2t_melt = 99 A2.s" WHOLE, "10", NULL,
         NULL, SHORT, NULL},
