@@ -270,6 +270,29 @@ static void not_judged(void) {
   }
 }
 
+/* A fuse of 250 V on 300 V, in series with a thyristor that takes the voltage up to each crest: its
+ * rms value over half a cycle is below that of the mains, and its crest is that of 300 V. */
+static void a_valve_beside_a_fuse(void) {
+  write_file(
+      "valve.cir",
+      "*$ param thyristor = BTW69N-1200 part\n*$ param fuse = FWX-5A14F part\n"
+      "*$ port mains = Vm\n*$ port gate = Vg\n*$ line s\n"
+      "*$ device thyristor = v(a,b), i(Vt)\n*$ device fuse = v(f,a), i(Vt)\n"
+      "Vm s 0 external\nRs s s1 {r_source}\nLs s1 f {l_source} ic=0\nXf f a fuse\n"
+      "Vt a t 0\nXt t b g thyristor\nVg g b external\nRl b 0 3\nRe f e 1meg\nXeva e 0 eva\n");
+  ran r =
+      run("run paper --set circuit.deck=valve.cir --set supply.voltage=300V --set firing.every=1 "
+          "--set firing.angle=90deg --set firing.pulse_width=3ms --set 'expect=[fuse opens]' "
+          "--set run.until=60ms --set run.verify=never");
+  char *line = line_of(r.out, "fuse.v_open");
+  double open_v = NAN;
+  sscanf(line, " fuse.v_open %lf", &open_v);
+  EXPECT(r.status == 3 && open_v > 285 && open_v < 305, "status %d, '%s' %s", r.status, line,
+         r.err);
+  free(line);
+  free_ran(&r);
+}
+
 /* ---- bad input ---- */
 
 static void bad_input(void) {
@@ -322,7 +345,9 @@ static void bad_input(void) {
 }
 
 int main(void) {
-  static const vs_test TESTS[] = {
-      {"every limit", every_limit}, {"not judged", not_judged}, {"bad input", bad_input}};
+  static const vs_test TESTS[] = {{"every limit", every_limit},
+                                  {"not judged", not_judged},
+                                  {"a valve beside a fuse", a_valve_beside_a_fuse},
+                                  {"bad input", bad_input}};
   return program_suite("traps", TESTS, COUNT(TESTS));
 }

@@ -303,7 +303,8 @@ static const vs_device_measure FUSE[] = {
      VS_R_CLEARS, VS_OF_I2, 1, "i2t", VS_WARD_AT_MOST},
     {"v_peak", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, VS_AT_MOST},
     {"v_open", "V",
-     "largest rms voltage over half a mains cycle, once it has opened: what it has to clear",
+     "largest rms voltage over half a mains cycle, once it has opened, or that of the sine with "
+     "its crest: what it has to clear",
      VS_R_OPEN, VS_OF_V2, 1, "v_rated", VS_AT_MOST},
     {"v_arc", "V", "peak voltage of its arc, from melting to clearing", VS_R_ARC, VS_OF_V, 0,
      "v_rrm", VS_WARD_AT_MOST},
