@@ -517,6 +517,8 @@ static void refused_of_parts(void) {
       {"*$ surge 1 90 A\n*$ surge 10 95 A\n", "p.inc:5:", "falls as the number grows"},
       {"*$ limit i_tsm = 70 A\n*$ surge 1 90 A\n", "p.inc:5:", "contradicts limit i_tsm of 70 A"},
       {"*$ limit i_tsm = 80 A\n*$ surge 1 90 A\n", NULL, NULL},
+      {"*$ limit i_t_rms = 90 A\n*$ limit i_tsm = 50 A\n", "p.inc:5:",
+       "50 A is below i_t_rms, which is 90 A at line 4; of a thyristor i_tsm is at least i_t_rms"},
       {"*$ surge 0 90 A\n", "p.inc:4:10: ", "from 1 on"},
       {"*$ surge 1 90 V\n", "p.inc:4:10: ", "a peak current"},
       {"*$ surge 2 90 A\n*$ surge 2 80 A\n", "p.inc:5:10: ", "a second time"},
