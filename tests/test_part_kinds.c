@@ -327,7 +327,7 @@ static void implausible_numbers(void) {
     int line;
   } ROWS[] = {
       {"diode", "v_rrm = 600 V", "v_rrm = 600 kV", "a diode has 5 to 2e+04 V", 8},
-      {"mosfet", "i_d = 8 A", "i_d = 800 A", "heats the junction by", 15},
+      {"mosfet", "i_d = 8 A", "i_d = 32 A", "heats the junction by", 15},
       {"igbt", "v_ces = 600 V", "v_ces = 1200 V", "blocking_voltage, by which the model is made",
        0},
       {"electrolytic", "v_rated = 450 V", "v_rated = 45 kV", "an electrolytic has 2 to 1000 V", 8}};

@@ -22,6 +22,8 @@ typedef struct trap {
 
 /* Means are judged over 1 s and more. */
 #define LONG "run: {tier: circuit, until: 1.2 s}\n"
+/* Whole cycles begin at 7 ms there. */
+#define ODD "run: {tier: circuit, until: 1.207 s}\n"
 #define SHORT "run: {tier: circuit, until: 60 ms}\n"
 #define DIRECT "# direct\n"
 /* Its pulses are those of sin^5, of a charge over their peak of 3.395 ms. */
@@ -52,7 +54,12 @@ static const trap TRAPS[] = {
     {"d.i_peak", VARISTOR "*$ limit i_surge = {} A" KOHM, "0.1386", "0.1443", NULL, SHORT, NULL},
     {"d.energy", VARISTOR "*$ limit energy = {} J" KOHM, "0.588", "0.612", NULL, SHORT, NULL},
     /* from 2 to 10 ms and from 0.2 A to the limit the power law comes to 0.098 A and 0.102 A */
-    {"d.i_pulse", VARISTOR "*$ pulse 2 ms 1 0.2 A\n*$ pulse 10 ms 1 {} A" FIFTH, "0.0228", "0.0258",
+    {"d.i_pulse",
+     VARISTOR "*$ pulse 2 ms 1 0.2 A\n*$ pulse 10 ms 1 {} A\n*$ pulse 2 ms 6 0.2 A\n"
+              "*$ pulse 10 ms 6 {} A" FIFTH,
+     "0.0228", "0.0258", NULL, SHORT, NULL},
+    /* six of them: the root of 1 A and of the limit is 0.096 A and 0.104 A */
+    {"d.i_pulse", VARISTOR "*$ pulse 10 ms 1 1 A\n*$ pulse 10 ms 36 {} A" FIFTH, "0.0092", "0.0108",
      NULL, SHORT, NULL},
     /* 0.6 J in 60 ms, and as much again by nine more */
     {"d.power_repeated", VARISTOR "*$ limit p_max = {} W" KOHM, "0.588", "0.612", NULL,
@@ -96,6 +103,11 @@ static const trap TRAPS[] = {
      NULL},
     {"d.v_reverse", ELECTROLYTIC "*$ limit v_reverse = {} V" TEN_UF, "138.6", "144.3", NULL, SHORT,
      NULL},
+    /* the same over whole cycles that begin behind the run */
+    {"d.power", VARISTOR "*$ limit p_max = {} W" KOHM, "9.8", "10.2", NULL, ODD, NULL},
+    {"d.v_rms", VARISTOR "*$ limit v_rms = {} V" KOHM, "98", "102", NULL, ODD, NULL},
+    {"d.v_dc", CAPACITOR "*$ limit v_dc = {} V" TEN_UF, "98", "102", NULL, ODD DIRECT, NULL},
+    {"d.i_rms", FUSE "*$ limit i_rated = {} A" WHOLE, "9.8", "10.2", NULL, ODD, NULL},
     {"d.i_peak", ELECTROLYTIC "*$ limit i_surge = {} A" TEN_UF, "0.40", "0.49", NULL, SHORT, NULL},
     {"d.i_rms", ELECTROLYTIC "*$ limit i_ripple = {} A" TEN_UF, "0.308", "0.321", NULL, LONG, NULL},
 };
@@ -133,7 +145,8 @@ static void write_scene(const trap *t) {
   if (t->ward) sscanf(t->ward, "*$ part %31s", kind[1]);
   waive_the_rest("d", kind[0], t->part, &waived);
   if (t->ward) waive_the_rest("w", kind[1], t->ward, &waived);
-  fprintf(f, "circuit: {deck: trap.cir}\nsupply: {voltage: 100 V}\nfiring: {every: 1}\n%s", t->scene);
+  fprintf(f, "circuit: {deck: trap.cir}\nsupply: {voltage: 100 V}\nfiring: {every: 1}\n%s",
+          t->scene);
   if (waived.length) fprintf(f, "waive: [%s]\n", waived.text);
   vs_text_free(&waived);
   if (fclose(f)) abort();
@@ -229,6 +242,11 @@ static void not_judged(void) {
        "d.i_overload (it opens, as expected)"},
       {{"d.i_overload", FUSE "*$ limit i_rated = {} A" WHOLE, "11", NULL, NULL, LONG, NULL},
        "d.i_overload (no time_current stated)"},
+      {{"d.i_pulse",
+        VARISTOR "*$ limit i_surge = 9 A\n*$ pulse 10 ms 1 1 A\n*$ pulse 10 ms 5 0.2 A\n*$ pulse 1 "
+                 "s 5 {} A" FIFTH,
+        "0.05", NULL, NULL, SHORT, NULL},
+       "d.i_pulse (the part's table of pulses ends before this width or number)"},
       {{"d.v_open", FUSE "*$ limit v_rated = {} V\n*$ limit i2t_melt = 99 A2.s" WHOLE, "10", NULL,
         NULL, SHORT, NULL},
        "d.v_open (it did not open)"}};
@@ -250,6 +268,29 @@ static void not_judged(void) {
              r.out);
     free_ran(&r);
   }
+}
+
+/* A fuse of 250 V on 300 V, in series with a thyristor that takes the voltage up to each crest: its
+ * rms value over half a cycle is below that of the mains, and its crest is that of 300 V. */
+static void a_valve_beside_a_fuse(void) {
+  write_file(
+      "valve.cir",
+      "*$ param thyristor = BTW69N-1200 part\n*$ param fuse = FWX-5A14F part\n"
+      "*$ port mains = Vm\n*$ port gate = Vg\n*$ line s\n"
+      "*$ device thyristor = v(a,b), i(Vt)\n*$ device fuse = v(f,a), i(Vt)\n"
+      "Vm s 0 external\nRs s s1 {r_source}\nLs s1 f {l_source} ic=0\nXf f a fuse\n"
+      "Vt a t 0\nXt t b g thyristor\nVg g b external\nRl b 0 3\nRe f e 1meg\nXeva e 0 eva\n");
+  ran r =
+      run("run paper --set circuit.deck=valve.cir --set supply.voltage=300V --set firing.every=1 "
+          "--set firing.angle=90deg --set firing.pulse_width=3ms --set 'expect=[fuse opens]' "
+          "--set run.until=60ms --set run.verify=never");
+  char *line = line_of(r.out, "fuse.v_open");
+  double open_v = NAN;
+  sscanf(line, " fuse.v_open %lf", &open_v);
+  EXPECT(r.status == 3 && open_v > 285 && open_v < 305, "status %d, '%s' %s", r.status, line,
+         r.err);
+  free(line);
+  free_ran(&r);
 }
 
 /* ---- bad input ---- */
@@ -304,7 +345,9 @@ static void bad_input(void) {
 }
 
 int main(void) {
-  static const vs_test TESTS[] = {
-      {"every limit", every_limit}, {"not judged", not_judged}, {"bad input", bad_input}};
+  static const vs_test TESTS[] = {{"every limit", every_limit},
+                                  {"not judged", not_judged},
+                                  {"a valve beside a fuse", a_valve_beside_a_fuse},
+                                  {"bad input", bad_input}};
   return program_suite("traps", TESTS, COUNT(TESTS));
 }

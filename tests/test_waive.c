@@ -55,6 +55,30 @@ static void a_limit_short(void) {
     ran r = run(RUN "%s", ROWS[k].more);
     EXPECT(r.status == ROWS[k].status && strstr(r.out, ROWS[k].says), "%zu: %d %s%s", k, r.status,
            r.out, r.err);
+    EXPECT(!strstr(r.err, "its line is undecided") == !strstr(r.out, "\nundecided: "), "%zu: %s", k,
+           r.err);
+    free_ran(&r);
+  }
+}
+
+/* A part that states limits and with which no device goes: nothing is held to them, whatever the
+ * deck rates besides. An ideal part needs no device. */
+static void a_part_without_a_device(void) {
+  static const struct {
+    const char *limits, *verdict;
+    int status;
+  } ROWS[] = {{ALL, "verdict: undecided\n", 3}, {"*$ limit p_max = none\n", "verdict: held\n", 0}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    write_deck(ROWS[k].limits);
+    write_file("v.cir", "*$ param varistor_1 = vv part\n*$ port mains = Vm\n*$ probe v_r = v(a) V\n"
+                        "*$ rating v_r -200..200 V\n*$ line a\nVm a 0 external\nXv a 0 varistor_1\n"
+                        "Re a e 1meg\nXeva e 0 eva\n");
+    ran r = run(RUN);
+    EXPECT(r.status == ROWS[k].status && strstr(r.out, ROWS[k].verdict), "%zu: %d %s%s", k,
+           r.status, r.out, r.err);
+    EXPECT(!k == !!strstr(r.err, "the limits of varistor_1 are held to nothing, as no line '*$ "
+                                 "device' of the deck watches this part"),
+           "%zu: %s", k, r.err);
     free_ran(&r);
   }
 }
@@ -353,6 +377,7 @@ static void axis_of_a_study(void) {
 
 static const vs_test TESTS[] = {
     {"a limit short", a_limit_short},
+    {"a part without a device", a_part_without_a_device},
     {"JSON and study say it", json_and_study_say_it},
     {"what is wrong is refused", what_is_wrong_is_refused},
     {"corners", corners},

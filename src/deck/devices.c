@@ -449,11 +449,13 @@ double vs_devices_dv_dt_over(const vs_deck *deck, const vs_device *d) {
 
 /* ---- a table of pulses ---- */
 
-bool vs_devices_has_pulses(const vs_deck *deck, const vs_device *d) {
+double vs_devices_least_pulse(const vs_deck *deck, const vs_device *d) {
   const char *file = file_of(deck, d);
+  double least_a = INFINITY;
   for (size_t k = 0; file && k < deck->n_deratings; k++)
-    if (!strcmp(deck->deratings[k].where.file, file)) return true;
-  return false;
+    if (!strcmp(deck->deratings[k].where.file, file))
+      least_a = fmin(least_a, deck->deratings[k].current_a);
+  return isfinite(least_a) ? least_a : 0;
 }
 
 /* Two neighbours in a table, at or below x and at or above it; y: what they have. */

@@ -57,8 +57,8 @@ bool vs_devices_curve(const vs_deck *deck, const vs_device *device, double span_
 double vs_devices_melts_at(const vs_deck *deck, const vs_device *device, double time_s,
                            bool *assumed);
 
-/* True where the device's part has a table of pulses. */
-bool vs_devices_has_pulses(const vs_deck *deck, const vs_device *device);
+/* The least current, A, of the part's table of pulses; 0: it has no table. */
+double vs_devices_least_pulse(const vs_deck *deck, const vs_device *device);
 
 /* The peak current, A, that the device bears in `number` pulses of that width, by its part's table:
  * a power law between two rows of it, of width and of number. A shorter pulse, and a smaller

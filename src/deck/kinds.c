@@ -259,7 +259,8 @@ static const vs_device_measure VARISTOR[] = {
     DIRECT("v_dc"),
     {"i_pulse", "A",
      "peak current of the pulse that comes nearest to the part's table over width and number (its "
-     "lines pulse); the number is the event's key times",
+     "lines pulse); the number is how many pulses of the run are as large, times the event's key "
+     "times",
      VS_R_DERATED, VS_OF_I, 0, NULL, VS_AT_MOST},
     {"power_repeated", "W",
      "mean power where a pulse comes again: energy_total over the event's key every", VS_R_REPEATED,
@@ -302,7 +303,8 @@ static const vs_device_measure FUSE[] = {
      VS_R_CLEARS, VS_OF_I2, 1, "i2t", VS_WARD_AT_MOST},
     {"v_peak", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, VS_AT_MOST},
     {"v_open", "V",
-     "largest rms voltage over half a mains cycle, once it has opened: what it has to clear",
+     "largest rms voltage over half a mains cycle, once it has opened, or that of the sine with "
+     "its crest: what it has to clear",
      VS_R_OPEN, VS_OF_V2, 1, "v_rated", VS_AT_MOST},
     {"v_arc", "V", "peak voltage of its arc, from melting to clearing", VS_R_ARC, VS_OF_V, 0,
      "v_rrm", VS_WARD_AT_MOST},

@@ -281,10 +281,19 @@ static vs_status check_over(const vs_deck *deck, const vs_limit *over, vs_error 
 /* Two limits of one part of which the second is never below the first. */
 static const struct ordered {
   const char *kind, *less, *more;
-} ORDERED[] = {{"varistor", "v_rms", "v_dc"},          {"varistor", "v_dc", "v_varistor"},
-               {"fuse", "i_rated", "i_fusing"},        {"fuse", "i2t_melt", "i2t_clear"},
-               {"capacitor", "v_rms", "v_class"},      {"capacitor", "v_dc", "v_class"},
-               {"electrolytic", "i_ripple", "i_surge"}};
+} ORDERED[] = {{"varistor", "v_rms", "v_dc"},
+               {"varistor", "v_dc", "v_varistor"},
+               {"fuse", "i_rated", "i_fusing"},
+               {"fuse", "i2t_melt", "i2t_clear"},
+               {"capacitor", "v_rms", "v_class"},
+               {"capacitor", "v_dc", "v_class"},
+               {"electrolytic", "i_ripple", "i_surge"},
+               {"thyristor", "i_t_rms", "i_tsm"},
+               {"triac", "i_t_rms", "i_tsm"},
+               {"diode", "i_f_av", "i_f_rms"},
+               {"diode", "i_f_av", "i_fsm"},
+               {"mosfet", "i_d", "i_dm"},
+               {"igbt", "i_c", "i_cm"}};
 
 /* Error: limits of one part that contradict each other. */
 static vs_status check_order(const vs_deck *deck, const vs_limit *more, vs_error *err) {

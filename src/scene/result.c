@@ -203,7 +203,7 @@ static void warn_of_unknown(const vs_result *r, void (*each)(void *ctx, const ch
   char text[VS_DECK_TEXT + VS_JUDGED_NAME], name[VS_JUDGED_NAME];
   for (size_t k = 0; k < r->verdict.count; k++) {
     const vs_judgement *j = &r->verdict.item[k];
-    if (!j->unknown) continue;
+    if (!j->unknown || j->waived) continue;
     snprintf(text, sizeof text, "ratings: %s has no value, as %s; its line is undecided",
              vs_verdict_name(j, name), j->unknown);
     each(ctx, text);

@@ -480,6 +480,10 @@ vs_status vs_session_judge(const vs_result *r, vs_error *err) {
   if (worst->lacks)
     return vs_fail(err, VS_RATING, "a rating is undecided: %s: %s; waive: [%s] leaves it out", name,
                    vs_verdict_unknown(worst, allowed, sizeof allowed), name);
+  if (worst->unknown && isinf(worst->rating->min) && isinf(worst->rating->max))
+    return vs_fail(err, VS_RATING,
+                   "a rating is undecided: the limits of %s are held to nothing, as %s", name,
+                   worst->unknown);
   if (worst->unknown)
     return vs_fail(err, VS_RATING, "a rating is undecided: %s has no value, as %s; allowed %s %s",
                    name, worst->unknown, allowed, unit_name);

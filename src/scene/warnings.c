@@ -259,7 +259,7 @@ static bool bears_one_pulse(const vs_deck *deck, const vs_device *d) {
     const vs_device_measure *m = &d->kind->measures[k];
     const vs_limit *limit = vs_devices_limit(deck, d, m);
     one = one || (m->how == VS_R_HEAT && limit && isfinite(limit->value));
-    table = table || (m->how == VS_R_DERATED && vs_devices_has_pulses(deck, d));
+    table = table || (m->how == VS_R_DERATED && vs_devices_least_pulse(deck, d) > 0);
   }
   return one && !table;
 }

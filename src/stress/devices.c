@@ -227,7 +227,7 @@ static void follow_parts(vs_parts *p, const vs_course_step *c) {
   for (double k = fmax(first, 0); k <= last && k < count; k++) {
     double *sum = p->sum[(size_t)k];
     if (first == last) {
-      for (int of = VS_OF_I; of < VS_COURSES; of++) sum[of] += c->more[of];
+      for (int of = VS_OF_V; of < VS_COURSES; of++) sum[of] += c->more[of];
       return;
     }
     const double from = (p->from_s + k * p->part_s - c->t0_s) / c->h_s,

@@ -93,12 +93,15 @@ static double last_event_s(const vs_timeline *t, double to_s) {
   return last_s;
 }
 
-/* The value of a course over some of the parts. */
+/* The value of a course over some of the parts: the root of a square's mean, else the mean, without
+ * its sign where the measure has none. */
 static double value_over(const vs_watched *w, const vs_reduced *r, size_t from, size_t to) {
   double sum = 0;
-  for (size_t k = from; k < to; k++) sum += w->parts.sum[k][r->measure->of];
+  const int of = r->measure->of;
+  for (size_t k = from; k < to; k++) sum += w->parts.sum[k][of];
   const double mean = sum / ((double)(to - from) * w->parts.part_s);
-  return r->measure->how == VS_R_RMS ? sqrt(fmax(mean, 0)) : mean;
+  if (of == VS_OF_I2 || of == VS_OF_V2) return sqrt(fmax(mean, 0));
+  return r->measure->sense ? mean : fabs(mean);
 }
 
 /* By how much the halves of the parts from `from` on differ. An odd part counts to the first. On an
@@ -367,72 +370,115 @@ static void follow_slope(const vs_watched *w, vs_reduced *r, const vs_course_ste
 static const vs_reducer steepest = {
     .state_size = sizeof(vs_slope), .is_rate = true, .follow = follow_slope};
 
+/* ---- against tables ---- */
+
+/* Of several values the one that comes nearest to what the part's table allows it. */
+typedef struct judged {
+  double part;    /* of what is allowed, the most that a value was; 0: there was none */
+  vs_limit limit; /* of that value */
+} judged;
+
+/* Takes a value of which the part bears `allowed`, if it comes nearer to that than those before. */
+static bool take_judged(vs_reduced *r, judged *d, vs_value v, double allowed, bool assumed) {
+  double part = v.value / allowed;
+  if (!(part > d->part)) return false;
+  d->part = part;
+  d->limit.value = allowed;
+  d->limit.assumed = assumed;
+  r->value = v;
+  r->limit = &d->limit;
+  if (part > 1 && isnan(r->failed_s)) r->failed_s = v.at_s;
+  return true;
+}
+
+/* The pulses, or conductions, that a run may have and a row of them is told of. */
+enum { MOST_PULSES = 512 };
+
 /* ---- against a table of pulses ----
- * The peak current of one pulse, held against what the part's table of pulses (deck/devices.h)
- * allows for the pulse's width and for the number of pulses. A pulse lasts while |i| is 1 mA or
- * more; its width is its charge over its peak. Of several pulses it is the one that comes nearest
- * to what is allowed, or exceeds it most. Not known where the part has no table. */
+ * The peak current of a pulse, held against what the part's table of pulses (deck/devices.h) allows
+ * for the pulse's width and for its number. A pulse lasts while |i| is 1 mA or more and of one
+ * sign; its width is its charge over its peak. Its number is how many pulses of the run have its
+ * peak or more, times how often an event repeats the run. On an orbit pulses have no end, and no
+ * table has their number. A pulse beyond the table's end leaves the others unjudged, unless they
+ * pass the table or its current is none that the table speaks of. Not known where the part has no
+ * table. */
 
 /* Below this a varistor has no pulse but its leakage, A; as in stress/pulse.c. */
 static const double LEAST_A = 1e-3;
 
-typedef struct judged {
-  double peak_a, charge_c, at_s; /* of the present pulse */
-  double part;    /* of what is allowed, the most that a pulse was; 0: there was none */
-  vs_limit limit; /* of that pulse */
-} judged;
+typedef struct pulse_of {
+  double peak_a, charge_c, at_s; /* at_s: of its peak */
+} pulse_of;
+typedef struct pulses {
+  pulse_of present;
+  size_t count, more;         /* of those kept; of smaller ones besides */
+  pulse_of kept[MOST_PULSES]; /* the largest, in order */
+  judged worst;
+} pulses;
 
 static bool has_table(const vs_watched *w, const vs_reduced *r) {
   (void)r;
-  return vs_devices_has_pulses(w->deck, w->device);
+  return vs_devices_least_pulse(w->deck, w->device) > 0;
 }
 
-static void begin_derated(const vs_watched *w, vs_reduced *r, double t_s) {
-  judged *d = r->state;
-  *d = (judged){.at_s = t_s};
-  (void)w;
-}
-
-/* What the table says of the present pulse becomes the limit, if it comes nearer to that than the
- * pulses before. */
-static void end_pulse(const vs_watched *w, vs_reduced *r) {
-  judged *d = r->state;
-  const vs_occurrence *e = vs_occurrence_repeated(&w->timeline->events);
-  double number = e ? e->v.times : 1, width_s = d->charge_c / d->peak_a;
-  bool assumed;
-  double allowed_a = vs_devices_bears(w->deck, w->device, width_s, number, &assumed);
-  double part = d->peak_a / allowed_a;
-  if (isnan(allowed_a) && d->peak_a > r->value.value && !r->limit) {
-    r->value = (vs_value){true, d->peak_a, d->at_s};
-    r->unjudged = "not judged: the part's table of pulses ends before this width or number";
+/* The smallest pulse goes where there is no place. */
+static void end_pulse(pulses *all) {
+  if (!(all->present.peak_a > 0)) return;
+  const bool full = all->count == MOST_PULSES;
+  size_t k = all->count - full;
+  all->more += full;
+  if (!full || all->present.peak_a > all->kept[k].peak_a) {
+    for (; k > 0 && all->kept[k - 1].peak_a < all->present.peak_a; k--)
+      all->kept[k] = all->kept[k - 1];
+    all->kept[k] = all->present;
   }
-  if (!(part > d->part)) return;
-  d->part = part;
-  d->limit = (vs_limit){.name = "pulse", .unit = "A", .value = allowed_a, .assumed = assumed};
-  snprintf(d->limit.text, sizeof d->limit.text, "%.4g pulses of %.4g us", number, 1e6 * width_s);
-  snprintf(d->limit.written, sizeof d->limit.written, "%.4g A", allowed_a);
-  r->value = (vs_value){true, d->peak_a, d->at_s};
-  r->limit = &d->limit;
-  r->unjudged = NULL;
-  if (part > 1 && isnan(r->failed_s)) r->failed_s = d->at_s;
+  all->count += !full;
+  all->present = (pulse_of){0};
 }
 
 static void follow_derated(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
-  judged *d = r->state;
+  pulses *all = r->state;
   double to_a = fabs(c->to[VS_OF_I]);
-  if (to_a < LEAST_A) {
-    if (d->peak_a > 0) end_pulse(w, r);
-    d->peak_a = d->charge_c = 0;
-    return;
-  }
-  d->charge_c += fabs(c->more[VS_OF_I]);
-  if (to_a > d->peak_a) d->peak_a = to_a, d->at_s = c->t1_s;
+  (void)w;
+  if (to_a < LEAST_A || c->from[VS_OF_I] * c->to[VS_OF_I] < 0) end_pulse(all);
+  if (to_a < LEAST_A) return;
+  all->present.charge_c += fabs(c->more[VS_OF_I]);
+  if (to_a > all->present.peak_a) all->present.peak_a = to_a, all->present.at_s = c->t1_s;
+}
+
+/* Holds one pulse against the table. False: it lies beyond the table's end. */
+static bool judge_pulse(const vs_watched *w, vs_reduced *r, const pulse_of *p, double number) {
+  pulses *all = r->state;
+  const double width_s = p->charge_c / p->peak_a;
+  bool assumed;
+  double allowed_a = vs_devices_bears(w->deck, w->device, width_s, number, &assumed);
+  if (isnan(allowed_a)) return p->peak_a <= vs_devices_least_pulse(w->deck, w->device);
+  if (!take_judged(r, &all->worst, (vs_value){true, p->peak_a, p->at_s}, allowed_a, assumed))
+    return true;
+  vs_limit *limit = &all->worst.limit;
+  snprintf(limit->name, sizeof limit->name, "pulse");
+  snprintf(limit->unit, sizeof limit->unit, "A");
+  snprintf(limit->text, sizeof limit->text, "%.4g pulses of %.4g us", number, 1e6 * width_s);
+  snprintf(limit->written, sizeof limit->written, "%.4g A", allowed_a);
+  return true;
 }
 
 static void finish_derated(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
-  const judged *d = r->state;
+  pulses *all = r->state;
+  const vs_occurrence *e = vs_occurrence_repeated(&w->timeline->events);
+  const pulse_of *beyond = NULL;
   (void)end;
-  if (has_table(w, r) && d->peak_a > 0) end_pulse(w, r);
+  if (!has_table(w, r)) return;
+  end_pulse(all);
+  for (size_t k = 0; k < all->count; k++) {
+    const double of_run = (double)(k + 1 + (k + 1 == all->count ? all->more : 0));
+    const double number = w->at_work ? INFINITY : e ? of_run * e->v.times : of_run;
+    if (!judge_pulse(w, r, &all->kept[k], number) && !beyond) beyond = &all->kept[k];
+  }
+  if (!beyond || all->worst.part > 1) return;
+  r->value = (vs_value){true, beyond->peak_a, beyond->at_s};
+  r->limit = NULL;
+  r->unjudged = "not judged: the part's table of pulses ends before this width or number";
 }
 
 /* ---- means of what is repeated ----
@@ -447,9 +493,8 @@ static void finish_repeated(const vs_watched *w, vs_reduced *r, const vs_run_end
   if (r->limit && r->value.value > r->limit->value) r->failed_s = end->now_s;
 }
 
-static const vs_reducer derated = {.state_size = sizeof(judged),
+static const vs_reducer derated = {.state_size = sizeof(pulses),
                                    .is_busy = has_table,
-                                   .begin = begin_derated,
                                    .follow = follow_derated,
                                    .finish = finish_derated},
                         repeated = {.finish = finish_repeated};
@@ -470,10 +515,9 @@ static const char NO_SINK[] = "not judged: no heat sink is stated, nor r_th_ja",
  * is known, as "not judged: one shot"; NULL: one is. */
 static const char *long_run_w(const vs_watched *w, const vs_run_end *end, double *power_w) {
   const vs_occurrence *e = vs_occurrence_repeated(&w->timeline->events);
-  static const vs_device_measure POWER = {.how = VS_R_MEAN, .of = VS_OF_POWER};
+  static const vs_device_measure POWER = {.how = VS_R_MEAN, .of = VS_OF_POWER, .sense = 1};
   const vs_limit any = {.value = 0}; /* against which it is asked whether a mean is known */
-  vs_reduced mean_of = {
-      .measure = &POWER, .limit = &any, .value = {true, 0, NAN}, .failed_s = NAN};
+  vs_reduced mean_of = {.measure = &POWER, .limit = &any, .value = {true, 0, NAN}, .failed_s = NAN};
   *power_w = e ? w->sum[VS_OF_POWER] / e->v.every_s : NAN;
   if (!w->at_work && e) return NULL;
   mean_of.value.value = w->sum_meant[VS_OF_POWER] / (end->to_s - end->from_s);
@@ -499,6 +543,14 @@ static void finish_case(const vs_watched *w, vs_reduced *r, const vs_run_end *en
 static void leave(vs_reduced *r, const char *why) {
   if (r->limit) r->unjudged = why;
   r->limit = NULL;
+}
+
+/* True where the run is all that there is: the scene fires the device once, or fires once a device
+ * of which no gate is known and that began to conduct once at most. Its case has no time to warm.
+ */
+static bool is_over(const vs_watched *w) {
+  if (w->timeline->firing.every || w->timeline->firing.no_valve) return false;
+  return w->device->gates.count || (w->starts < 2 && w->rests);
 }
 
 /* Without lines zth the mean temperature is known, if that. It may break the limit, and cannot hold
@@ -544,7 +596,12 @@ static void finish_hottest(const vs_watched *w, vs_reduced *r, const vs_run_end 
   }
   const double rise_k = rise->value.value + lacks_k(w, rise, end);
   r->value = (vs_value){true, of_case->value.value + rise_k, rise->value.at_s};
-  if (r->limit && r->value.value > r->limit->value) r->failed_s = rise->value.at_s;
+  if (r->limit && r->value.value > r->limit->value)
+    r->failed_s = rise->value.at_s;
+  else if (of_case->note && !is_over(w)) { /* the case will be warmer: that may only break it */
+    double power_w;
+    leave(r, long_run_w(w, end, &power_w));
+  }
 }
 
 static const vs_reducer case_temperature = {.continuous = true, .finish = finish_case},
@@ -552,8 +609,6 @@ static const vs_reducer case_temperature = {.continuous = true, .finish = finish
 
 /* ---- surges ----
  * Each conduction, or half cycle of a triac, counts by its int i^2 dt. */
-
-enum { MOST_PULSES = 512 };
 
 /* The half sines of consecutive cycles; of a triac the whole sines. */
 typedef struct row_of {
@@ -579,19 +634,6 @@ static double of_cycle(const vs_watched *w) {
 static double spans(const vs_watched *w, double behind_s) {
   const double halves = round(2 * behind_s / w->timeline->period_s);
   return w->device->kind->both_ways ? fmax(1, (halves + 1) / 2) : round(halves / 2) + 1;
-}
-
-/* Takes a value of which the part bears `allowed`, if it comes nearer to that than those before. */
-static bool take_judged(vs_reduced *r, judged *d, vs_value v, double allowed, bool assumed) {
-  double part = v.value / allowed;
-  if (!(part > d->part)) return false;
-  d->part = part;
-  d->limit.value = allowed;
-  d->limit.assumed = assumed;
-  r->value = v;
-  r->limit = &d->limit;
-  if (part > 1 && isnan(r->failed_s)) r->failed_s = v.at_s;
-  return true;
 }
 
 /* The row of the last conductions that come nearest to what the part bears: with each conduction

@@ -311,11 +311,22 @@ static void finish_curve(const vs_watched *w, vs_reduced *r, const vs_run_end *e
 
 /* The voltage that returns behind its clearing, by its rms value over half a mains cycle, which for
  * a sine is that of the whole cycle, and for a direct voltage is that. While the arc burns its
- * voltage counts in the same way, and is forgotten once the fuse has cleared. */
+ * voltage counts in the same way, and is forgotten once the fuse has cleared. A valve in series may
+ * take a part of each half wave. The fuse has to clear at the crest all the same: so the rms value
+ * of the sine counts, too, that has the crest that is left. A crest is a mean over 1 ms, in which
+ * what rings behind an opening goes out. */
+static const double CREST_S = 1e-3;
 typedef struct returning {
   bool melted, cleared;
   double v2_s, lasts_s; /* since the present half cycle began */
+  vs_window crest;      /* of the voltage */
 } returning;
+
+static void begin_open(const vs_watched *w, vs_reduced *r, double t_s) {
+  returning *s = r->state;
+  (void)w;
+  vs_reducer_window_begin(&s->crest, CREST_S, t_s);
+}
 
 static bool is_limited(const vs_watched *w, const vs_reduced *r) {
   (void)w;
@@ -335,6 +346,8 @@ static void take_open(vs_reduced *r, const vs_melting_news *news) {
 static void follow_open(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
   returning *s = r->state;
   if (!s->melted) return;
+  double crest_v = fabs(vs_reducer_window_add(&s->crest, c, c->more[VS_OF_V])) / CREST_S;
+  if (s->cleared) vs_reducer_offer(r, (vs_value){true, crest_v / sqrt(2), c->t1_s}, false);
   s->v2_s += c->more[VS_OF_V2];
   s->lasts_s += c->h_s;
   if (s->lasts_s < w->timeline->period_s / 2) return;
@@ -394,6 +407,7 @@ const vs_reducer vs_told_curve = {.state_size = sizeof(curve),
                  vs_told_open = {.state_size = sizeof(returning),
                                  .hangs_on_sequence = true,
                                  .is_busy = is_limited,
+                                 .begin = begin_open,
                                  .take_melting = take_open,
                                  .follow = follow_open,
                                  .finish = finish_open},

@@ -8,6 +8,8 @@
 #include <string.h>
 
 #include "base/text.h"
+#include "deck/kinds.h"
+#include "deck/parts.h"
 
 /* The room to a limit as a part of that limit; INFINITY where there is no limit. A limit of 0 says
  * which sign the probe may have: keeping it is no margin, however near to 0 the probe comes, so the
@@ -206,12 +208,49 @@ void vs_verdict_rate(vs_verdict *v, const vs_rated *rated, size_t count, double 
   summarise(v);
 }
 
+/* A part that protects or switches, and that states limits, with which no device goes: its limits
+ * are held to nothing. */
+static bool is_unwatched(const vs_deck *deck, size_t part) {
+  const vs_part *p = &deck->parts[part];
+  const vs_part_file *file = p->file ? vs_parts_file(deck, p->file) : NULL;
+  const vs_kind *kind = file ? vs_kinds_find(file->kind) : NULL;
+  bool decides = false, real = false;
+  for (size_t k = 0; kind && k < kind->n_measures; k++)
+    decides = decides ||
+              (kind->measures[k].limit && vs_kinds_decides(kind->name, kind->measures[k].limit));
+  for (size_t k = 0; decides && k < deck->n_limits; k++)
+    real =
+        real || (isfinite(deck->limits[k].value) && !strcmp(deck->limits[k].where.file, p->file));
+  for (size_t k = 0; k < deck->n_devices; k++) real = real && deck->devices[k].part != (int)part;
+  return real;
+}
+
+static vs_judgement judge_unwatched(const vs_part *part) {
+  static const vs_rating NO_END = {.min = -INFINITY, .max = INFINITY};
+  const vs_value none = {false, NAN, NAN};
+  return (vs_judgement){.rating = &NO_END,
+                        .name = part->name,
+                        .unknown = "no line '*$ device' of the deck watches this part",
+                        .least = none,
+                        .largest = none,
+                        .stress = none,
+                        .room = {NAN, NAN},
+                        .margin = NAN,
+                        .margin_error = INFINITY,
+                        .over_from_s = NAN,
+                        .failed_s = NAN};
+}
+
 void vs_verdict_reach(const vs_measures *m, const vs_devices *devices, const vs_expects *expects,
                       vs_verdict *v) {
-  size_t n_ratings = m->frame->deck ? m->frame->deck->n_ratings : 0, most = n_ratings;
+  const vs_deck *deck = m->frame->deck;
+  const size_t n_ratings = deck ? deck->n_ratings : 0, n_parts = deck ? deck->n_parts : 0;
+  size_t most = n_ratings + n_parts;
   for (size_t k = 0; devices && k < devices->count; k++) most += devices->item[k].count;
   *v = (vs_verdict){.item = vs_alloc(most, sizeof *v->item), .expects = expects};
   for (size_t k = 0; k < n_ratings; k++) v->item[v->count++] = judge_rating(m, k);
+  for (size_t k = 0; k < n_parts; k++)
+    if (is_unwatched(deck, k)) v->item[v->count++] = judge_unwatched(&deck->parts[k]);
   judge_devices(devices, expects, v);
   summarise(v);
 }

@@ -30,7 +30,8 @@ typedef struct vs_rated {
 typedef struct vs_judgement {
   const vs_rating *rating; /* NULL: the line is of a device */
   const vs_probe *probe;   /* of a rating of the deck; NULL: it is none */
-  const char *name;        /* what a rating of the scene rates; NULL: it is none */
+  const char *name; /* what a rating of the scene rates, or a part with limits that no device of the
+                       deck goes with; NULL: it is neither */
   const char *unknown; /* why the run has no value or no limit to judge: the line is undecided, and
                           its margin is NaN; NULL: it has both */
   const char *lacks;   /* of a device: its part, which does not state a limit that decides. The line
