@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The command part and the bench of check: templates pass as they are written; a model gives what
  * its file asks, also with other numbers; a vendor's model is wrapped and tried; what is
- * implausible is named with its line. */
+ * implausible is named with its line; how far a model is from its sheet stands beside the margins.
+ */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -21,12 +22,12 @@
 static void templates_pass(void) {
   static const struct {
     const char *kind;
-    int figures, assumed;
-  } ROWS[] = {{"thyristor", 10, 24},
-              {"varistor", 3, 9},
-              {"fuse", 5, 9},
-              {"resistor", 1, 7},
-              {"capacitor", 2, 6}};
+    int figures, assumed, models; /* models: lines that would say how far the model is off */
+  } ROWS[] = {{"thyristor", 10, 24, 6},
+              {"varistor", 3, 9, 2},
+              {"fuse", 5, 9, 4},
+              {"resistor", 1, 7, 0},
+              {"capacitor", 2, 6, 0}};
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     char assumed[64];
     ran r = run("part %s -o own.inc --overwrite", ROWS[k].kind);
@@ -36,7 +37,8 @@ static void templates_pass(void) {
     expect_good(&r, ROWS[k].kind, __LINE__);
     snprintf(assumed, sizeof assumed, "\n%d numbers of the file are marked assumed",
              ROWS[k].assumed);
-    EXPECT(count_lines(r.out) == ROWS[k].figures + 3, "%s: %s", ROWS[k].kind, r.out);
+    int models = ROWS[k].models ? ROWS[k].models + 1 : 0;
+    EXPECT(count_lines(r.out) == ROWS[k].figures + 3 + models, "%s: %s", ROWS[k].kind, r.out);
     EXPECT(strstr(r.out, assumed), "%s: %s", ROWS[k].kind, r.out);
     EXPECT(!strstr(r.out, " off ") && !strstr(r.out, " failed "), "%s: %s", ROWS[k].kind, r.out);
     free_ran(&r);
@@ -339,6 +341,110 @@ static void files_of_a_bench(void) {
   free(json);
 }
 
+/* ---- the model beside the sheet ---- */
+
+#define S20K460 VS_TEST_FOLDER "/../spice/parts/s20k460.inc"
+
+/* A file that says how far its model is off is what the stand finds. One of which the model is then
+ * made 20 % lower is told: by the figure that is off, and by each line that is another now. One
+ * without such a line is told which would do. */
+static void a_model_that_is_off(void) {
+  alter(S20K460, "s20k460.inc", "S20K460", "S20K460");
+  ran r = run("check ./s20k460.inc");
+  expect_good(&r, "as it ships", __LINE__);
+  EXPECT(!strstr(r.out, "*$ model") && !*r.err, "%s%s", r.out, r.err);
+  free_ran(&r);
+  alter(S20K460, "s20k460.inc", "b1={2.9645747", "b1={2.8676647"); /* log10 of 0.8 */
+  r = run("check ./s20k460.inc");
+  EXPECT(r.status == 1 && strstr(r.out, "off     at 0.001 A"), "%d: %s", r.status, r.out);
+  expect_warning(&r, "./s20k460.inc", 10, "model v_varistor = +0 %: on the test stand it is -20 %");
+  expect_warning(&r, "./s20k460.inc", 11, "model v_clamp = -9 %: on the test stand it is -27 %");
+  free_ran(&r);
+  alter(S20K460, "s20k460.inc", "*$ model  v_clamp = -9 %\n", "");
+  r = run("check ./s20k460.inc");
+  expect_good(&r, "a line less", __LINE__);
+  EXPECT(strstr(r.out, "these lines would:\n*$ model  v_clamp = -9 %\n"), "%s", r.out);
+  free_ran(&r);
+  remove("s20k460.inc");
+}
+
+/* What is wrong with such a line is named with its place. */
+static void lines_of_a_model(void) {
+  static const struct {
+    const char *new, *says;
+  } ROWS[] = {
+      {"v_clamp = -9", "11:21: model v_clamp: how far the model's figure is from the sheet's"},
+      {"v_clamp = -9 V", "11:21: model v_clamp: how far"},
+      {"v_clamp = low %", "11:21: model v_clamp: how far"},
+      {"v_clamp = -120 %", "11:21: model v_clamp: how far"},
+      {"v_clamp -9 %", "11:11: 'NAME = ...' is wanted here"},
+      {"v_clamp = -9 % about", "11:26: "},
+      {"v_clmp = -9 %",
+       "11:1: model v_clmp: no margin of a varistor hangs on that; those that some "
+       "hang on: v_clamp, v_varistor"},
+      {"v_varistor = 1 %", "11:1: model v_varistor stands here a second time, as in line 10"}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    vs_text says = {0};
+    alter(S20K460, "s20k460.inc", "v_clamp = -9 %", ROWS[k].new);
+    ran r = run("check ./s20k460.inc");
+    vs_text_add(&says, "s20k460.inc:%s", ROWS[k].says);
+    EXPECT(r.status == 2 && strstr(r.err, says.text), "%s: %d: %s", ROWS[k].new, r.status, r.err);
+    vs_text_free(&says);
+    free_ran(&r);
+  }
+  remove("s20k460.inc");
+}
+
+/* The line of the text that begins with these words; to be freed. */
+static char *line_of(const char *text, const char *words) {
+  vs_text begin = {0};
+  vs_text_add(&begin, "\n%s", words);
+  const char *at = strstr(text, begin.text);
+  vs_text_free(&begin);
+  return at ? vs_alloc_part(at + 1, strcspn(at + 1, "\n")) : vs_copy("");
+}
+
+/* A verdict has it beside the margins that hang on it: those of the varistor, and of the thyristor
+ * that the varistor stands across, and no others. */
+static void beside_the_margin(void) {
+  static const char RUN[] = "run paper --tier circuit --set circuit.deck=halfwave_paper --set "
+                            "circuit.varistor_1=./disc.inc --set run.until=40ms";
+  static const struct {
+    const char *line, *says; /* NULL: nothing */
+  } ROWS[] = {
+      {"weakest: varistor_1.energy", "% (model v_clamp -6 % of sheet)  held"},
+      {"  varistor_1.energy ", "  held  (model v_clamp -6 % of sheet)"},
+      {"  thyristor.v_reverse ", "  held  (model varistor_1.v_clamp -6 % of sheet)"},
+      {"  v_ak ", "  held  (model varistor_1.v_clamp -6 % of sheet)"},
+      {"  thyristor.t_off ", "  held  (model t_q +1 %, i_h +1 % of sheet)"},
+      {"  thyristor.i2t ", NULL},
+  };
+  write_file("disc.inc", "*$ part   varistor \"own\"\n*$ limit  energy = 2.2 mJ\n"
+                         "*$ limit i_surge = 8 kA\n*$ limit p_max = 1 W\n"
+                         "*$ limit v_clamp = 1340 V\n*$ limit i_clamp = 100 A\n"
+                         "*$ model  v_clamp = -6 %\n.include varistor_law.inc\n"
+                         ".subckt disc a b\nX1 a b varistor_law v_1ma=860 alpha=30 c_par=500p\n"
+                         ".ends disc\n");
+  ran r = run("%s", RUN);
+  EXPECT(r.status == 0, "%d: %s%s", r.status, r.out, r.err);
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    char *line = line_of(r.out, ROWS[k].line);
+    EXPECT(*line && (ROWS[k].says ? strstr(line, ROWS[k].says) != NULL : !strstr(line, "model")),
+           "%s: %s", ROWS[k].line, line);
+    free(line);
+  }
+  free_ran(&r);
+  r = run("%s --json", RUN);
+  EXPECT(strstr(r.out, "\"model_deviation\": {\"v_clamp\": -0.06}, \"word\"") &&
+             strstr(r.out, "\"model_deviation\": {\"varistor_1.v_clamp\": -0.06}, \"word\""),
+         "%s", r.out);
+  free_ran(&r);
+  alter("disc.inc", "disc.inc", "*$ model  v_clamp = -6 %\n", "");
+  r = run("%s", RUN);
+  EXPECT(r.status == 0 && !strstr(r.out, "varistor_1.v_clamp -"), "%d: %s", r.status, r.out);
+  free_ran(&r);
+}
+
 static void bad_usage(void) {
   static const char *const ROWS[][2] = {
       {"part thyrister -o p.inc", "'thyrister' is no kind"},
@@ -379,6 +485,9 @@ static const vs_test TESTS[] = {
     {"what never conducts", what_never_conducts},
     {"implausible numbers", implausible_numbers},
     {"files of a bench", files_of_a_bench},
+    {"a model that is off", a_model_that_is_off},
+    {"lines of a model", lines_of_a_model},
+    {"beside the margin", beside_the_margin},
     {"bad usage", bad_usage},
 };
 

@@ -13,6 +13,7 @@
 #include "catalogue/catalogue.h"
 #include "deck/deck.h"
 #include "part_rows.h"
+#include "stand/stand.h"
 
 #define PARTS VS_TEST_FOLDER "/../spice/parts"
 
@@ -85,13 +86,71 @@ static void discs(void) {
          "%s", path); /* a file's own name goes first */
 }
 
+/* The deviation in `check --json` of a figure that is furthest. */
+static double furthest(const char *json, const char *figure) {
+  double all = 0;
+  vs_text key = {0};
+  vs_text_add(&key, "\"of\": \"%s\", \"model_deviation\": ", figure);
+  for (const char *at = json; (at = strstr(at, key.text));) {
+    double own = strtod(at += key.length, NULL);
+    if (fabs(own) > fabs(all)) all = own;
+  }
+  vs_text_free(&key);
+  return all;
+}
+
+/* Figures that are sought, to 2 %: another ngspice may end the search a step of 1.2 % aside. */
+static bool is_sought(const char *figure) {
+  static const char *const SOUGHT[] = {"i_l", "dv_dt", "dv_dt_c", "t_q", "i_fusing"};
+  for (size_t k = 0; k < COUNT(SOUGHT); k++)
+    if (!strcmp(figure, SOUGHT[k])) return true;
+  return false;
+}
+
+/* What the part says of its model beside its sheet is what the test stand finds: to the half per
+ * cent that it is rounded by, and the step of a search. */
+static void beside_the_sheet(const char *name) {
+  char path[VS_PATH_SIZE];
+  vs_stand *s = vs_alloc(1, sizeof *s);
+  vs_error err = {0};
+  ran r = run("check %s --json", name);
+  EXPECT(vs_catalogue_shipped(&vs_deck_parts_shelf, name, path) && !vs_stand_open(path, s, &err),
+         "%s: %s", name, err.text);
+  for (size_t k = 0; k < s->deck.n_models; k++) {
+    const vs_model_line *m = &s->deck.models[k];
+    const double got = furthest(r.out, m->figure),
+                 step = is_sought(m->figure) ? 0.012 * (1 + got) : 0;
+    EXPECT(fabs(got - m->deviation) <= 0.00501 + step, "%s: model %s = %g %%, and it is %g %%",
+           name, m->figure, 100 * m->deviation, 100 * got);
+  }
+  vs_stand_close(s);
+  free(s);
+  free_ran(&r);
+}
+
+/* The same of parts in files of their own; all with VS_LONG. */
+static void files_beside_their_sheets(void) {
+  static const char *const FILES[] = {"s20k460",      "v511da40",     "FWP-10A14F", "rectifier",
+                                      "mosfet",       "igbt",         "s14k460",    "s14k510",
+                                      "s20k510",      "v481da40",     "FWP-50A14F", "A070gRB10T13",
+                                      "S505H-3-15-R", "12TTS08S",     "BT151-800R", "TYN1012",
+                                      "TYN1212",      "thyristor_2t", "triac_2t"};
+  const size_t SOME = 6;
+  for (size_t k = 0; k < (getenv("VS_LONG") ? COUNT(FILES) : SOME); k++) {
+    ran r = run("check %s", FILES[k]);
+    EXPECT(r.status == 0 && !strstr(r.out, "*$ model"), "%s: %s", FILES[k], r.out);
+    free_ran(&r);
+    beside_the_sheet(FILES[k]);
+  }
+}
+
 /* What the model of each does is what its row asks. All rows with VS_LONG: a thyristor takes 2 s, a
  * triac 3 s. */
 static void tried(void) {
   static const char *const TABLES[] = {"/thyristors.tab", "/triacs.tab",    "/varistors.tab",
                                        "/fuses.tab",      "/resistors.tab", "/capacitors.tab"};
   static const char *const SOME[] = {"BT152-800R", "S20K275", "S05K420", "S505-3-15-R",
-                                     "LF213-2A",   "PR02",    "X2-100N"};
+                                     "LF213-2A",   "PR02",    "X2-100N", "Z0103MA"};
   bool whole = getenv("VS_LONG") != NULL;
   for (size_t t = 0; t < COUNT(TABLES); t++) {
     rows all = rows_of(TABLES[t]);
@@ -104,6 +163,7 @@ static void tried(void) {
                  strstr(r.out, "\nfigure "),
              "%s: %d: %s%s", all.name[k], r.status, r.out, r.err);
       free_ran(&r);
+      beside_the_sheet(all.name[k]);
     }
     free_rows(&all);
   }
@@ -636,6 +696,7 @@ static const vs_test TESTS[] = {{"sound", sound},
                                 {"listed", listed},
                                 {"discs", discs},
                                 {"tried", tried},
+                                {"files beside their sheets", files_beside_their_sheets},
                                 {"each runs", each_runs},
                                 {"as a file", as_a_file},
                                 {"nothing said", nothing_said},

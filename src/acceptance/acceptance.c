@@ -98,6 +98,10 @@ static void add_json(const vs_figure *row, const char *file, vs_text *text) {
   vs_json_text(&json, "word", vs_figures_word(row));
   vs_json_text(&json, "test", row->text);
   vs_json_text(&json, "why", isnan(row->got) ? row->why : NULL);
+  if (row->of && isfinite(row->got / row->sheet)) {
+    vs_json_text(&json, "of", row->of);
+    vs_json_number(&json, "model_deviation", row->got / row->sheet - 1, 9);
+  }
   if (!file) vs_json_text(&json, "warning", *vs_trust_text() ? vs_trust_text() : NULL);
   vs_json_end(&json);
 }
@@ -206,6 +210,64 @@ static void tell(const vs_stand *s, const vs_figures *f, vs_check_bench *bench) 
                 assumed == 1 ? "" : "s", assumed == 1 ? "is" : "are");
 }
 
+/* ---- the model beside the sheet ---- */
+
+/* A figure is sought to 2 %, and another ngspice may end that search a step aside. A line that is
+ * further off than that is of another model. */
+static const double AGREES = 0.02;
+
+static double in_percent(double deviation) {
+  return round(100 * deviation) + 0.0; /* no -0 */
+}
+
+/* Warns of a line model that is not what the stand got. */
+static void warn_of_model(const vs_stand *s, const vs_model_line *line, double got,
+                          vs_warnings *w) {
+  const vs_where where = {s->name, line->where.line, line->where.column};
+  if (isnan(got))
+    vs_fail_at(
+        vs_warnings_add(w), where,
+        "model %s: the test stand has nothing to compare, as the file asks no such figure or "
+        "the model shows none; leave the line out",
+        line->figure);
+  else if (fabs(got - line->deviation) > AGREES)
+    vs_fail_at(vs_warnings_add(w), where,
+               "model %s = %+.3g %%: on the test stand it is %+.0f %%, and a verdict shows what "
+               "stands here",
+               line->figure, 100 * line->deviation, in_percent(got));
+}
+
+/* Says which lines model are missing, so that they can be put into the file; warns of those that
+ * are not so. Nothing is said of an ideal part, which has no finite limit. */
+static void tell_of_models(const vs_stand *s, const vs_figures *f, vs_check_bench *bench) {
+  const vs_part_file *file = vs_parts_file(&s->deck, s->file);
+  bool real = false;
+  vs_text missing = {0};
+  for (size_t k = 0; k < s->deck.n_limits; k++)
+    real = real ||
+           (!strcmp(s->deck.limits[k].where.file, s->file) && isfinite(s->deck.limits[k].value));
+  for (size_t k = 0; k < s->deck.n_models; k++)
+    if (!strcmp(s->deck.models[k].where.file, s->file))
+      warn_of_model(s, &s->deck.models[k], vs_figures_deviation(f, s->deck.models[k].figure),
+                    bench->warnings);
+  for (size_t k = 0; k < f->count && real; k++) {
+    const char *of = f->row[k].of;
+    size_t first = 0; /* of several rows of one figure */
+    if (!of || !vs_kinds_is_hung_on(file->kind, of, NULL)) continue;
+    while (!f->row[first].of || strcmp(f->row[first].of, of)) first++;
+    const double got = vs_figures_deviation(f, of);
+    if (first == k && isfinite(got) && !vs_parts_find_model(&s->deck, s->file, of))
+      vs_text_add(&missing, "\n*$ model  %s = %+.0f %%", of, in_percent(got));
+  }
+  if (missing.length)
+    vs_text_add(
+        &bench->table,
+        "\nno line of the file says how far its model is from the sheet in what follows, so "
+        "no verdict does; these lines would:%s",
+        missing.text);
+  vs_text_free(&missing);
+}
+
 /* Error: ngspice cannot take the part at all, whatever stands around it. */
 static vs_status try_part(const vs_stand *s, const vs_figures_kind *kind, vs_error *err) {
   vs_text text = {0};
@@ -258,6 +320,7 @@ vs_status vs_acceptance_try(const vs_check_options *o, vs_check_bench *bench, vs
   if (kind && !status) kind->measure(s, &f);
   if (!status) vs_plausible_warn(s, &f, bench->warnings);
   if (f.count) tell(s, &f, bench);
+  if (f.count) tell_of_models(s, &f, bench);
   if (f.count && o->folder) status = write_folder(o, &f, s->subcircuit, &own);
   if (status) *err = (own.findings = err->findings, own);
   vs_figures_free(&f);

@@ -38,6 +38,7 @@ void vs_diode_forward(const vs_stand *s, const vs_diode_plan *p, vs_figures *f) 
     vs_figure *row =
         vs_figures_add(f, "V_F", "V", asked, 0, n < 2 ? VS_HELD_NEAR : VS_HELD_AT_MOST);
     row->tolerance = n < 2 ? 0.04 : 0;
+    if (n == 2 || !limited) vs_figures_is(row, s, "v_f");
     snprintf(row->text, sizeof row->text, "at %.4g A%s", i, p->way);
     row->got = forward_at(s, p, i, row);
   }

@@ -52,6 +52,7 @@ void vs_firing_on_state(const vs_stand *s, const vs_firing_plan *p, vs_figures *
     vs_stand_record r = {0};
     vs_error err = {0};
     row->tolerance = n < 2 ? 0.03 : 0;
+    if (n == 2 || isnan(most.value)) vs_figures_is(row, s, "v_t");
     snprintf(row->text, sizeof row->text, "at %.4g A%s%s", current[n], p->way,
              n == 2                  ? ""
              : isfinite(asked.value) ? ", of on_voltage and on_resistance"

@@ -103,6 +103,7 @@ static vs_status constant(const vs_stand *s, const plan *p, double i, const doub
 static bool melting(const vs_stand *s, const plan *p, vs_figures *f) {
   vs_figures_asked asked = asked_of(s, "i2t_melt", "fuse_melting_i2t", "melting_i2t");
   vs_figure *row = vs_figures_add(f, "I2t melting", "A2.s", asked, 0.02, VS_HELD_NEAR);
+  vs_figures_is(row, s, "i2t_melt");
   double i = 30 * p->fusing_a, due_s = p->melt_a2s / (i * i);
   bool melted = false;
   vs_status status = VS_OK;
@@ -138,6 +139,7 @@ static void least_current(const vs_stand *s, const plan *p, vs_figures *f) {
     asked.value *= factor;
   }
   vs_figure *row = vs_figures_add(f, "I melting", "A", asked, 0.03, VS_HELD_NEAR);
+  vs_figures_is(row, s, "i_fusing");
   snprintf(row->text, sizeof row->text, "the least that melts it in the end");
   vs_figures_find(s, melts_at, p, p->fusing_a, row);
 }
@@ -194,6 +196,8 @@ static void clearing(const vs_stand *s, const plan *p, vs_figures *f) {
                                   VS_HELD_AT_MOST),
             *volt = vs_figures_add(f, "V arc", "V", arc, 0.05,
                                    limited ? VS_HELD_AT_MOST : VS_HELD_NEAR);
+  vs_figures_is(row, s, "i2t_clear");
+  vs_figures_is(volt, s, "v_arc");
   vs_status status = VS_OK;
   vs_error err = {0};
   vs_stand_record worst = {0};

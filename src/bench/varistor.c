@@ -95,6 +95,7 @@ static void measure(const vs_stand *s, vs_figures *f) {
         vs_figures_add(f, "V", "V", limited ? limit : law, limited ? ROWS[k].tolerance : 1e-3,
                        limited ? ROWS[k].held : VS_HELD_NEAR);
     vs_error err = {0};
+    if (ROWS[k].limit && !clamp_without_current) vs_figures_is(row, s, ROWS[k].limit);
     if (own && limited && k == 0) row->tolerance = 1e-3 * limit.value;
     snprintf(row->text, sizeof row->text, "at %.4g A%s%s", ROWS[k].i_a,
              limited || k == 2 ? ", " : "", limited || k == 2 ? ROWS[k].text : "");

@@ -255,6 +255,7 @@ static const struct directive {
                   {"pulse", vs_devices_pulse, 0},
                   {"surge", vs_devices_surge, 0},
                   {"at", vs_devices_at, 0},
+                  {"model", vs_parts_model, 0},
                   {"compat", read_compat, 0}};
 enum { N_DIRECTIVES = sizeof DIRECTIVES / sizeof *DIRECTIVES };
 

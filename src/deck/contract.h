@@ -70,6 +70,9 @@
  *   *$ at     TEMPERATURE degC  NAME = VALUE UNIT [assumed] "TEXT"
  *       what limit NAME is while the junction is at that temperature; the line `limit` has what it
  *       is at t_j_max
+ *   *$ model  FIGURE = DEVIATION % "TEXT"
+ *       how far the model's figure is from the data sheet's, as `check` of the part finds it; a
+ *       verdict shows it beside the margins that hang on it (vs_kinds_hanging)
  *
  * A FORMULA is as syntax/formula.h has it. It may name the deck's parameters and the program's:
  * u_rms, f_mains, phase (rad), r_source, l_source. */

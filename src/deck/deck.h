@@ -166,6 +166,13 @@ typedef struct vs_limit_at {
   vs_where where;
 } vs_limit_at;
 
+/* How a part's model does beside its data sheet, by the test stand of `check`. */
+typedef struct vs_model_line {
+  char figure[VS_DECK_NAME]; /* as the limit of that name: "v_clamp" */
+  double deviation;          /* of the model's figure from the sheet's, as a part of the sheet's */
+  vs_where where;
+} vs_model_line;
+
 /* An end of a rating: a number, or a limit of a part. */
 typedef struct vs_bound {
   double value;                                 /* the number, in the rating's unit */
@@ -291,6 +298,8 @@ typedef struct vs_deck {
   size_t n_surges;
   vs_limit_at limits_at[VS_DECK_MOST];
   size_t n_limits_at;
+  vs_model_line models[VS_DECK_LIMITS];
+  size_t n_models;
   vs_part parts[VS_DECK_PARTS];
   size_t n_parts;
   const char *eva_file; /* of the program's, that an event has put in the place of the EVA's
@@ -317,7 +326,7 @@ typedef struct vs_deck {
 /* Where decks and parts that come with the program are found. */
 extern const vs_shelf vs_deck_shelf, vs_deck_parts_shelf;
 
-/* Makes an empty deck of zeros, or of a deck that was freed: it has 190 kB, so zeros that are there
+/* Makes an empty deck of zeros, or of a deck that was freed: it has 200 kB, so zeros that are there
  * already are not written again. It must be freed, also where filling it failed. */
 void vs_deck_begin(vs_deck *deck);
 void vs_deck_free(vs_deck *deck);

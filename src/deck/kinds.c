@@ -476,3 +476,66 @@ bool vs_kinds_decides(const char *kind, const char *limit) {
     if (!strcmp(DECISIVE[k].kind, kind)) return strstr(DECISIVE[k].limits, spaced);
   return false;
 }
+
+/* ---- what measures hang on by the model ---- */
+
+/* t_off begins where the current ends, at I_H. A gate pulse is followed where it is above I_GT, and
+ * the current that it lets in above I_L and, behind it, above I_H. What is clamped has the
+ * varistor's voltage; a varistor's mean power at the mains is that of its voltage at 1 mA, in a
+ * pulse that of its clamping voltage. A junction is heated by the on-state and by switching. */
+static const vs_hanging HANGING[] = {
+    {"", " v_forward v_reverse v_peak ", "v_clamp", "varistor"},
+    {" varistor ", " i_peak energy power i_pulse power_repeated ", "v_clamp", NULL},
+    {" varistor ", " power ", "v_varistor", NULL},
+    {" thyristor ", " t_off commutation_failures ", "t_q", NULL},
+    {" thyristor ", " t_off ", "i_h", NULL},
+    {" triac ", " dv_dt_c commutation_failures ", "dv_dt_c", NULL},
+    {" thyristor triac ", " dv_dt unintended_firings ", "dv_dt", NULL},
+    {" thyristor triac ", " misfires ", "i_gt", NULL},
+    {" thyristor triac ", " misfires ", "i_l", NULL},
+    {" thyristor triac ", " misfires ", "i_h", NULL},
+    {" thyristor triac ", " t_j_rise t_j ", "v_t", NULL},
+    {" diode ", " t_j_rise t_j ", "v_f", NULL},
+    {" mosfet ", " t_j_rise t_j ", "r_ds_on", NULL},
+    {" igbt ", " t_j_rise t_j ", "v_ce_sat", NULL},
+    {" mosfet igbt ", " t_j_rise t_j ", "e_on", NULL},
+    {" mosfet igbt ", " t_j_rise t_j ", "e_off", NULL},
+    {" fuse ", " i2t_surge let_through opens ", "i2t_melt", NULL},
+    {" fuse ", " opens ", "i_fusing", NULL},
+    {" fuse ", " let_through ", "i2t_clear", NULL},
+    {" fuse ", " v_arc ", "v_arc", NULL}};
+enum { N_HANGING = sizeof HANGING / sizeof *HANGING };
+
+/* True where the word stands in a list of words, each between blanks. */
+static bool is_among(const char *words, const char *word) {
+  char spaced[VS_KIND_NAME + 2];
+  snprintf(spaced, sizeof spaced, " %.*s ", VS_KIND_NAME - 1, word);
+  return strstr(words, spaced) != NULL;
+}
+
+const vs_hanging *vs_kinds_hanging(const char *kind, const char *measure, size_t n) {
+  for (size_t k = 0; k < N_HANGING; k++)
+    if ((!*HANGING[k].kinds || is_among(HANGING[k].kinds, kind)) &&
+        is_among(HANGING[k].measures, measure) && n-- == 0)
+      return &HANGING[k];
+  return NULL;
+}
+
+bool vs_kinds_is_hung_on(const char *kind, const char *figure, char **names) {
+  vs_text all = {0};
+  bool found = false;
+  for (size_t k = 0; k < N_HANGING && !found; k++) {
+    if (HANGING[k].beside || !is_among(HANGING[k].kinds, kind)) continue;
+    found = !strcmp(HANGING[k].figure, figure);
+    size_t first = 0; /* a figure may have several rows */
+    while (HANGING[first].beside || !is_among(HANGING[first].kinds, kind) ||
+           strcmp(HANGING[first].figure, HANGING[k].figure))
+      first++;
+    if (first == k) vs_text_add(&all, "%s%s", all.length ? ", " : "", HANGING[k].figure);
+  }
+  if (found || !names)
+    vs_text_free(&all);
+  else
+    *names = all.text;
+  return found;
+}

@@ -174,6 +174,23 @@ bool vs_kinds_knows_limit(const char *kind, const char *limit, const char **near
  * is no figure that merely describes the part, as a holding current does. */
 bool vs_kinds_leaves_limit(const char *kind, const char *limit);
 
+/* A figure of a data sheet that measures hang on by the model: were the model's figure another,
+ * they would be, too, or whether the device obeys would be. */
+typedef struct vs_hanging {
+  const char *kinds;    /* of the devices measured, each between blanks; "": of any */
+  const char *measures; /* their names, each between blanks */
+  const char *figure;   /* as the limit of that name */
+  const char *beside; /* the kind of device whose figure it is, which stands across the one that is
+                         measured; NULL: the figure is the measured device's own */
+} vs_hanging;
+
+/* The n-th that a measure of that kind hangs on, from 0; NULL: there are no more. */
+const vs_hanging *vs_kinds_hanging(const char *kind, const char *measure, size_t n);
+
+/* True where measures hang on a figure of that name of a part of that kind. Otherwise *names are
+ * all those there are, with commas, to be freed. names may be NULL. */
+bool vs_kinds_is_hung_on(const char *kind, const char *figure, char **names);
+
 /* True for a limit that decides whether a part of that kind bears its work: a real part that
  * protects or switches and does not state it leaves the verdict undecided. */
 bool vs_kinds_decides(const char *kind, const char *limit);

@@ -180,6 +180,39 @@ vs_status vs_parts_require(vs_deck *deck, vs_cursor *c, vs_error *err) {
   return status;
 }
 
+/* More than this is no deviation of a model's: the (dv/dt)c of a triac's model is 50 times the
+ * sheet's. */
+static const double MOST_DEVIATION = 1000;
+
+/* model FIGURE = DEVIATION % "TEXT" */
+vs_status vs_parts_model(vs_deck *deck, vs_cursor *c, vs_error *err) {
+  char value[VS_DECK_NAME], unit[VS_DECK_NAME], text[VS_DECK_TEXT], *end;
+  vs_model_line m = {.where = c->line};
+  vs_status status = vs_cursor_name(c, m.figure, sizeof m.figure, err);
+  if (status) return status;
+  vs_cursor_skip(c);
+  vs_where where = vs_cursor_here(c);
+  vs_cursor_token(c, value, sizeof value);
+  vs_cursor_token(c, unit, sizeof unit);
+  m.deviation = strtod(value, &end) / 100;
+  bool good = end != value && !*end && !strcmp(unit, "%");
+  if (!good || !(m.deviation >= -1 && m.deviation <= MOST_DEVIATION))
+    return vs_fail_at(err, where,
+                      "model %s: how far the model's figure is from the sheet's is wanted, from "
+                      "-100 %% on, as -6 %%, not '%s%s%s'; `check` of the part tells",
+                      m.figure, value, *unit ? " " : "", unit);
+  status = vs_cursor_text(c, text, sizeof text, err);
+  const vs_model_line *other = vs_parts_find_model(deck, c->line.file, m.figure);
+  if (!status && other)
+    status =
+        vs_fail_at(err, c->line, "model %s stands here a second time, as in line %d; leave one out",
+                   m.figure, other->where.line);
+  if (!status && deck->n_models >= VS_DECK_LIMITS)
+    status = vs_fail_at(err, c->line, "more than %d of these lines", VS_DECK_LIMITS);
+  if (!status) deck->models[deck->n_models++] = m;
+  return status;
+}
+
 /* ---- once the parts are chosen ---- */
 
 const vs_part_file *vs_parts_file(const vs_deck *deck, const char *path) {
@@ -311,6 +344,18 @@ static vs_status check_order(const vs_deck *deck, const vs_limit *more, vs_error
   return VS_OK;
 }
 
+/* Error: nothing hangs on such a figure of that kind of part. */
+static vs_status check_model(const vs_deck *deck, const vs_model_line *m, vs_error *err) {
+  const vs_part_file *file = vs_parts_file(deck, m->where.file);
+  char *names = NULL;
+  if (!file || vs_kinds_is_hung_on(file->kind, m->figure, &names)) return VS_OK;
+  vs_status status = vs_fail_at(
+      err, m->where, "model %s: no margin of a %s hangs on that; %s%s", m->figure, file->kind,
+      names ? "those that some hang on: " : "leave it out", names ? names : "");
+  free(names);
+  return status;
+}
+
 vs_status vs_parts_resolve(vs_deck *deck, vs_error *err) {
   vs_status status = VS_OK;
   size_t kept = 0;
@@ -318,6 +363,8 @@ vs_status vs_parts_resolve(vs_deck *deck, vs_error *err) {
     status = vs_error_carry_on(err, check_over(deck, &deck->limits[k], err));
   for (size_t k = 0; k < deck->n_limits && !status; k++)
     status = vs_error_carry_on(err, check_order(deck, &deck->limits[k], err));
+  for (size_t k = 0; k < deck->n_models && !status; k++)
+    status = vs_error_carry_on(err, check_model(deck, &deck->models[k], err));
   for (size_t k = 0; k < deck->n_ratings && !status; k++) {
     vs_rating r = deck->ratings[k];
     r.min = -INFINITY;
@@ -427,4 +474,64 @@ bool vs_parts_limit_is_idle(const vs_deck *deck, size_t number, char *text, size
            limit->name, slash ? slash + 1 : limit->where.file, file->kind,
            nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
   return true;
+}
+
+/* ---- the model beside the sheet ---- */
+
+const vs_model_line *vs_parts_find_model(const vs_deck *deck, const char *file,
+                                         const char *figure) {
+  for (size_t k = 0; k < deck->n_models; k++)
+    if (!strcmp(deck->models[k].where.file, file) && !strcmp(deck->models[k].figure, figure))
+      return &deck->models[k];
+  return NULL;
+}
+
+static const vs_model_line *model_of(const vs_deck *deck, const vs_device *d, const char *figure) {
+  const char *file = d->part >= 0 ? deck->parts[d->part].file : NULL;
+  return file ? vs_parts_find_model(deck, file, figure) : NULL;
+}
+
+/* The voltage between two nodes that a device's is, either way round; NULL: it is another. */
+static const vs_term *voltage_of(const vs_deck *deck, const vs_device *d) {
+  int term;
+  double factor;
+  bool is = vs_formula_is_term(&d->voltage, &term, &factor);
+  return is && fabs(factor) == 1 ? &deck->terms[term] : NULL;
+}
+
+static bool is_across(const vs_term *a, const vs_term *b) {
+  return a && b &&
+         ((!strcmp(a->plus, b->plus) && !strcmp(a->minus, b->minus)) ||
+          (!strcmp(a->plus, b->minus) && !strcmp(a->minus, b->plus)));
+}
+
+/* Adds the lines of devices of that kind across these nodes. */
+static size_t add_across(const vs_deck *deck, const vs_term *nodes, const char *kind,
+                         const char *figure, vs_model_beside *out, size_t n) {
+  for (size_t k = 0; k < deck->n_devices && n < VS_MODELS_BESIDE; k++) {
+    const vs_device *d = &deck->devices[k];
+    if (!d->kind || strcmp(d->kind->name, kind) || !is_across(voltage_of(deck, d), nodes)) continue;
+    const vs_model_line *line = model_of(deck, d, figure);
+    if (line) out[n++] = (vs_model_beside){line, d};
+  }
+  return n;
+}
+
+size_t vs_parts_models(const vs_deck *deck, const vs_device *d, const vs_device_measure *measure,
+                       vs_model_beside out[VS_MODELS_BESIDE]) {
+  const vs_hanging *on;
+  size_t n = 0;
+  for (size_t k = 0;
+       n < VS_MODELS_BESIDE && d->kind && (on = vs_kinds_hanging(d->kind->name, measure->name, k));
+       k++) {
+    const vs_model_line *own = on->beside ? NULL : model_of(deck, d, on->figure);
+    if (on->beside) n = add_across(deck, voltage_of(deck, d), on->beside, on->figure, out, n);
+    if (own) out[n++] = (vs_model_beside){own, NULL};
+  }
+  return n;
+}
+
+size_t vs_parts_models_across(const vs_deck *deck, const vs_probe *probe,
+                              vs_model_beside out[VS_MODELS_BESIDE]) {
+  return add_across(deck, &deck->terms[probe->term], "varistor", "v_clamp", out, 0);
 }

@@ -124,6 +124,20 @@ static void put_limits_at(vs_entries *to, const vs_deck *part) {
   if (part->n_limits_at) vs_entry_array_end(to);
 }
 
+static void put_models(vs_entries *to, const vs_deck *part) {
+  if (part->n_models) vs_entry_array(to, "models");
+  for (size_t k = 0; k < part->n_models; k++) {
+    const vs_model_line *m = &part->models[k];
+    vs_entry_object(to);
+    vs_entry_text(to, "figure", m->figure);
+    vs_entry_number(to, "deviation", m->deviation);
+    vs_entry_say(to, "    model %s, %+.3g %% of sheet", m->figure, 100 * m->deviation);
+    vs_entry_line(to);
+    vs_entry_object_end(to);
+  }
+  if (part->n_models) vs_entry_array_end(to);
+}
+
 static void put_melting(vs_entries *to, const vs_melting_row *row) {
   vs_entry_object(to);
   vs_entry_number(to, "time_s", row->time_s);
@@ -178,6 +192,7 @@ static void put_limits(vs_entries *to, const vs_deck *part) {
   if (part->n_deratings) vs_entry_array_end(to);
   put_surges(to, part);
   put_limits_at(to, part);
+  put_models(to, part);
 }
 
 static void put_part(vs_entries *to, const vs_deck *part) {

@@ -89,10 +89,28 @@ vs_figure *vs_figures_add(vs_figures *f, const char *name, const char *unit, vs_
                      .unit = unit,
                      .held = isfinite(asked.value) ? held : VS_HELD_NOT,
                      .asked = asked.value,
+                     .sheet = NAN,
                      .got = NAN,
                      .tolerance = tolerance * fabs(asked.value),
                      .where = asked.where};
   return row;
+}
+
+void vs_figures_is(vs_figure *row, const vs_stand *s, const char *name) {
+  const double limit = vs_figures_limit(s, name).value;
+  row->of = name;
+  row->sheet = isfinite(limit) ? limit : row->asked;
+}
+
+double vs_figures_deviation(const vs_figures *f, const char *name) {
+  double furthest = NAN;
+  for (size_t k = 0; k < f->count; k++) {
+    const vs_figure *row = &f->row[k];
+    if (!row->of || strcmp(row->of, name)) continue;
+    double own = row->got / row->sheet - 1;
+    if (isfinite(own) && !(fabs(own) <= fabs(furthest))) furthest = own;
+  }
+  return furthest;
 }
 
 vs_figures_curve *vs_figures_add_curve(vs_figures *f, size_t points) {

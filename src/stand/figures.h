@@ -19,6 +19,9 @@ typedef struct vs_figure {
   double tolerance;  /* SI */
   vs_where where;    /* the line of the part's file that asks; no file: none does */
   char why[200];     /* why it could not be measured */
+  const char *of;    /* the data sheet's name of it, as that of a limit; NULL: it has none */
+  double sheet;      /* what the sheet says of that, SI: the file's limit of that name, else what is
+                        asked; NaN: nothing */
 } vs_figure;
 
 /* One curve: points x, y, both owned, in the units of its labels. */
@@ -67,6 +70,13 @@ double vs_figures_condition(const vs_stand *stand, bool own, const char *const l
  * asked. A limit is held as `held` says. */
 vs_figure *vs_figures_add(vs_figures *figures, const char *name, const char *unit,
                           vs_figures_asked asked, double tolerance, vs_held held);
+
+/* The row is the data sheet's figure of that name, as that of a limit. */
+void vs_figures_is(vs_figure *row, const vs_stand *stand, const char *name);
+/* How far the model is from the sheet in the figure of that name, as a part of the sheet's: of
+ * several rows the one that is furthest. NaN: there is no such row that has both, or it is
+ * infinite. */
+double vs_figures_deviation(const vs_figures *figures, const char *name);
 
 /* Adds a curve of so many points, to be filled; NULL: there is no room. */
 vs_figures_curve *vs_figures_add_curve(vs_figures *figures, size_t points);

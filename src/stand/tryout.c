@@ -37,8 +37,11 @@ vs_figure *vs_tryout_row(const vs_stand *s, vs_figures *f, const char *const nam
                    own = of.param ? vs_figures_any(s, of.param) : none;
   bool is_own = isfinite(own.value) && (of.own_first || isnan(limit.value));
   if (only_asked && isnan(own.value) && isnan(limit.value)) return NULL;
-  return vs_figures_add(f, name_unit[0], name_unit[1], is_own ? own : limit,
-                        is_own ? of.tolerance : of.slack, is_own ? VS_HELD_NEAR : of.held);
+  vs_figure *row =
+      vs_figures_add(f, name_unit[0], name_unit[1], is_own ? own : limit,
+                     is_own ? of.tolerance : of.slack, is_own ? VS_HELD_NEAR : of.held);
+  if (of.limit) vs_figures_is(row, s, of.limit);
+  return row;
 }
 
 void vs_tryout_draw(vs_figures *f, const vs_stand_record *r, vs_tryout_view w,

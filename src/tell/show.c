@@ -11,18 +11,35 @@
 #include "tier/tiers.h"
 #include "watch/unjudged.h"
 
-/* "  12.3 % +- 0.04 %  held" */
-static void print_margin(const vs_judgement *j, FILE *out) {
+/* "  12.3 % +- 0.04 %" */
+static void print_number(const vs_judgement *j, FILE *out) {
   if (isnan(j->margin))
     fprintf(out, "%9s %11s", "-", "");
   else if (isfinite(j->margin_error))
     fprintf(out, "%7.1f %% +- %-6.2g %%", 100 * j->margin, 100 * j->margin_error);
   else
     fprintf(out, "%7.1f %% %11s", 100 * j->margin, isnan(j->margin_error) ? "" : "+- ?");
+}
+
+/* How far the models that it hangs on are from their sheets: "  (model v_clamp -6 % of sheet)". */
+static void print_models(const vs_judgement *j, const char *before, const char *after, FILE *out) {
+  vs_text text = {0};
+  vs_verdict_models(j, &text);
+  if (text.length) fprintf(out, "%s%s%s", before, text.text, after);
+  vs_text_free(&text);
+}
+
+static void print_finding(const vs_judgement *j, FILE *out) {
   vs_finding word = vs_verdict_word(j);
   fprintf(out, "  %s%s", word == VS_UNVERIFIED && j->margin < 0 ? "violated, " : "",
           vs_verdict_words[word]);
   if (j->torn) fprintf(out, ", as the sequence is");
+}
+
+/* "  12.3 % +- 0.04 %  held" */
+static void print_margin(const vs_judgement *j, FILE *out) {
+  print_number(j, out);
+  print_finding(j, out);
 }
 
 /* What is rated, in the unit that its limit was written in: "76.54 A/us". */
@@ -48,6 +65,7 @@ static void print_rating(const vs_judgement *j, int width, FILE *out) {
     fprintf(out, "%11.4g %11.4g", j->least.value / unit, j->largest.value / unit);
   fprintf(out, " %11s %-5s ", end_text(j, j->rating->max, end), j->rating->unit);
   print_margin(j, out);
+  print_models(j, "  (", ")", out);
   if (j->unknown) fprintf(out, ": %s", j->unknown);
   fprintf(out, "%s\n", j->assumed ? "  assumed" : "");
 }
@@ -64,6 +82,7 @@ static void print_device(const vs_judgement *j, int width, FILE *out) {
     fprintf(out, "%11s", "-");
   fprintf(out, " %-5s %11s ", unit_name, at);
   print_margin(j, out);
+  print_models(j, "  (", ")", out);
   if (j->lacks) fprintf(out, ": %s", vs_verdict_unknown(j, why, sizeof why));
   if (j->over_v > 0) fprintf(out, "  over %.4g V", j->over_v);
   if (j->device && !isnan(j->over_from_s)) fprintf(out, "  from %.6g s on", j->over_from_s);
@@ -110,7 +129,9 @@ static void print_happening(const vs_judgement *j, FILE *out) {
   }
   fprintf(out, "happened: %s %s at %s", device, verb, vs_amount_text(j->stress.at_s, "s", at));
   if (j->stress.value > 1) fprintf(out, ", %.0f times", j->stress.value);
-  fprintf(out, " (%s)%s%s\n", j->cause, j->expected ? ", as expected" : "",
+  fprintf(out, " (%s", j->cause);
+  print_models(j, "; ", "", out);
+  fprintf(out, ")%s%s\n", j->expected ? ", as expected" : "",
           vs_verdict_word(j) == VS_UNDECIDED ? ", in one of two runs" : "");
 }
 
@@ -124,7 +145,9 @@ static void print_weakest(const vs_judgement *j, FILE *out) {
   fprintf(out, "weakest: %s, %s where %s%s is allowed, margin ", vs_verdict_name(j, name),
           written(j->stress.value, unit, stress), written(allowed, unit, limit),
           j->assumed ? " (assumed)" : "");
-  print_margin(j, out);
+  print_number(j, out);
+  print_models(j, " (", ")", out);
+  print_finding(j, out);
   fputc('\n', out);
 }
 

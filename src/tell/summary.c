@@ -335,6 +335,18 @@ static void add_device(vs_json *json, const vs_judgement *j) {
   vs_json_bool(json, "assumed", j->assumed);
 }
 
+/* How far the models that the line hangs on are from their data sheets, as a part of the sheet's
+ * figure. Nothing where no part says so. */
+static void add_models(vs_json *json, const vs_judgement *j) {
+  char name[2 * VS_DECK_NAME];
+  if (!j->n_models) return;
+  vs_json_object(json, "model_deviation", VS_JSON_ROW);
+  for (size_t k = 0; k < j->n_models; k++)
+    vs_json_number(json, vs_verdict_model_name(&j->model[k], name), j->model[k].line->deviation,
+                   DIGITS);
+  vs_json_end(json);
+}
+
 static void add_judged(vs_json *json, const char *key, const vs_judgement *j) {
   char name[VS_JUDGED_NAME];
   vs_json_text(json, key, j ? vs_verdict_name(j, name) : NULL);
@@ -351,6 +363,7 @@ static void add_verdict(vs_json *json, const vs_verdict *v) {
       add_rating(json, j);
     vs_json_number(json, "margin", j->margin, DIGITS);
     vs_json_number(json, "margin_error", j->margin_error, DIGITS);
+    add_models(json, j);
     vs_json_text(json, "word", vs_verdict_words[vs_verdict_word(j)]);
     if (j->torn) vs_json_text(json, "why", "the sequence of firings depends on the tolerance");
     vs_json_bool(json, "violated", j->margin < 0 && !j->waived);

@@ -44,6 +44,7 @@ static vs_judgement judge_rating(const vs_measures *m, size_t k) {
   j.assumed = r->bounds[above < below].assumed;
   j.failed_s = j.margin < 0 ? m->passed_s[k] : NAN;
   if (j.margin < 0 && isnan(j.failed_s)) j.failed_s = j.stress.at_s; /* between two knots only */
+  j.n_models = vs_parts_models_across(deck, j.probe, j.model);
   return j;
 }
 
@@ -171,11 +172,16 @@ static void judge_devices(const vs_devices *devices, const vs_expects *expects, 
         *j = judge_lacking(w->deck, w->device, r);
       else
         continue;
+      if (j->limit) j->n_models = vs_parts_models(w->deck, w->device, r->measure, j->model);
       j->waived = vs_expect_waives(expects, w->device, r->measure);
       v->count++;
     }
-    for (size_t n = 0; n < w->count; n++)
-      v->count += judge_happening(w->device, &w->reduced[n], expects, &v->item[v->count]);
+    for (size_t n = 0; n < w->count; n++) {
+      vs_judgement *j = &v->item[v->count];
+      if (!judge_happening(w->device, &w->reduced[n], expects, j)) continue;
+      j->n_models = vs_parts_models(w->deck, w->device, j->measure, j->model);
+      v->count++;
+    }
   }
 }
 
@@ -266,6 +272,20 @@ const char *vs_verdict_name(const vs_judgement *j, char name[VS_JUDGED_NAME]) {
 const char *vs_verdict_unit(const vs_judgement *j) {
   if (j->lacks) return j->measure->unit;
   return j->device ? j->limit->unit : j->rating->unit;
+}
+
+const char *vs_verdict_model_name(const vs_model_beside *m, char name[2 * VS_DECK_NAME]) {
+  snprintf(name, 2 * VS_DECK_NAME, "%s%s%s", m->other ? m->other->name : "", m->other ? "." : "",
+           m->line->figure);
+  return name;
+}
+
+void vs_verdict_models(const vs_judgement *j, vs_text *text) {
+  char name[2 * VS_DECK_NAME];
+  for (size_t k = 0; k < j->n_models; k++)
+    vs_text_add(text, "%s%s %+.3g %%", k ? ", " : "model ",
+                vs_verdict_model_name(&j->model[k], name), 100 * j->model[k].line->deviation);
+  if (j->n_models) vs_text_add(text, " of sheet");
 }
 
 bool vs_verdict_is_happening(const vs_judgement *j) {

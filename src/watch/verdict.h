@@ -5,6 +5,7 @@
 #ifndef VS_WATCH_VERDICT_H
 #define VS_WATCH_VERDICT_H
 
+#include "deck/parts.h"
 #include "stress/devices.h"
 #include "watch/expect.h"
 #include "watch/measures.h"
@@ -62,7 +63,10 @@ typedef struct vs_judgement {
   double spread;   /* sensitivity: a relative error e of the run changes the margin by e spread */
   double scatter;  /* the margin of one part and of the next differ by this */
   double failed_s; /* instant at which the limit was first passed; NaN: it was not */
-  bool expected;   /* of what happened: the scene expects it */
+  vs_model_beside model[VS_MODELS_BESIDE]; /* how far the models that the line hangs on are from
+                                              their data sheets, where their parts say so */
+  size_t n_models;
+  bool expected;             /* of what happened: the scene expects it */
   char cause[VS_CAUSE_SIZE]; /* of what happened, the first time; empty: it is another line, or did
                                 not happen */
 } vs_judgement;
@@ -130,6 +134,11 @@ enum { VS_JUDGED_NAME = VS_DECK_NAME + 24 };
 const char *vs_verdict_name(const vs_judgement *judgement, char name[VS_JUDGED_NAME]);
 /* The unit that the line's limit was written in; stress and limits are shown in it. */
 const char *vs_verdict_unit(const vs_judgement *judgement);
+/* Writes how far the models that the line hangs on are from their sheets, "model
+ * varistor_1.v_clamp -6 % of sheet"; nothing where no part says so. */
+void vs_verdict_models(const vs_judgement *judgement, vs_text *text);
+/* Writes the name of one of them, "v_clamp" or "varistor_1.v_clamp", and returns it. */
+const char *vs_verdict_model_name(const vs_model_beside *model, char name[2 * VS_DECK_NAME]);
 /* True for a line of what happened, or did not though the scene expects it. */
 bool vs_verdict_is_happening(const vs_judgement *judgement);
 
