@@ -14,17 +14,24 @@ static vs_status refuse_unused(const vs_node *scene, const vs_timeline *t, const
   const vs_node *phase = t->supply.direct ? vs_tree_child(supply, "phase") : NULL;
   for (const vs_node *n = firing ? firing->child : NULL; n; n = n->next)
     if (strcmp(n->key, "valve") != 0 || why != NO_VALVE)
-      return vs_fail_at(err, n->key_where, "firing.%s: %s nothing fires; leave it out", n->key,
-                        why);
+      return vs_fail_at(err, n->key_where, "firing.%s: %s nothing fires; leave it out%s", n->key,
+                        why,
+                        why == NO_VALVE && !vs_tree_child(firing, "valve")
+                            ? ", or write firing.valve: thyristor and supply.kind: sine, as the "
+                              "machine has neither"
+                            : "");
   return phase ? vs_fail_at(err, phase->key_where,
                             "supply.phase: with supply.kind: step the voltage is direct; leave it "
                             "out")
                : VS_OK;
 }
 
-/* The section with the machine's defaults, or without where there is no machine. */
-static const vs_section *section_of(const vs_section *own, const vs_section *plain) {
-  return own && own->count ? own : plain;
+/* The section with the machine's defaults; without, where there is no machine that could be read.
+ */
+static const vs_section *section_of(const vs_machine *machine, bool firing) {
+  const vs_section *plain = firing ? &vs_feed_firing : &vs_feed_supply;
+  if (!machine || machine->lost) return plain;
+  return firing ? &machine->firing : &machine->supply;
 }
 
 /* Error: neither the scene nor the machine's file says what the coil is fed from, or how it is
@@ -57,11 +64,10 @@ vs_status vs_timeline_build(const vs_node *scene, const vs_machine *machine, vs_
   t->program = NULL;
   size_t found = vs_error_count(err);
   const vs_node *firing = vs_tree_child(scene, "firing");
-  vs_status s = vs_memo_read(memo, section_of(machine ? &machine->supply : NULL, &vs_feed_supply),
-                             vs_tree_child(scene, "supply"), &t->supply, sizeof t->supply, err);
+  vs_status s = vs_memo_read(memo, section_of(machine, false), vs_tree_child(scene, "supply"),
+                             &t->supply, sizeof t->supply, err);
   if (!s)
-    s = vs_memo_read(memo, section_of(machine ? &machine->firing : NULL, &vs_feed_firing), firing,
-                     &t->firing, sizeof t->firing, err);
+    s = vs_memo_read(memo, section_of(machine, true), firing, &t->firing, sizeof t->firing, err);
   const vs_node *pwm = vs_tree_child(scene, vs_pwm_section.name);
   if (!s) s = vs_memo_read(memo, &vs_pwm_section, pwm, &t->pwm, sizeof t->pwm, err);
   if (s) return s;
@@ -98,7 +104,10 @@ vs_status vs_timeline_settle(const vs_node *scene, const vs_machine *machine, vs
   if (t->supply.direct && !t->firing.no_valve)
     return vs_fail_at(err, vs_tree_place(scene, "supply.kind"),
                       "supply.kind: step has no cycles for a thyristor to fire in; it wants "
-                      "firing.valve: none");
+                      "firing.valve: none%s",
+                      vs_tree_child(vs_tree_child(scene, "supply"), "kind")
+                          ? ""
+                          : ", or sine, as the step is the machine's");
   if (no_valve && !t->supply.direct) return VS_OK; /* vs_timeline_build has looked */
   return t->firing.no_valve
              ? refuse_unused(scene, t, no_valve ? NO_VALVE : "the deck has no port gate, and", err)

@@ -12,7 +12,7 @@
 #include "dialect/line.h"
 
 /* The n-th of these names, from 0; NULL: there are no more. *pspice: it is one in PSpice's dialect
- * alone. */
+ * alone. For tests. */
 const char *vs_reserved_at(size_t n, bool *pspice);
 
 /* True for one of these names, in capitals or not; those of PSpice's dialect count with pspice. */
