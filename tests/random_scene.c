@@ -176,7 +176,7 @@ static void add_supply(draw *d, random_scene *s, const machine *m, bool direct) 
   if (direct)
     vs_text_add(&s->text, ", kind: step");
   else
-    vs_text_add(&s->text, ", frequency: %.4g Hz", s->frequency_hz);
+    vs_text_add(&s->text, ", kind: sine, frequency: %.4g Hz", s->frequency_hz);
   s->shifted = !direct && chance(d, 0.15);
   if (s->shifted) vs_text_add(&s->text, ", phase: %.3g deg", between(d, -180, 180));
   if (!strcmp(s->tier, "circuit") && chance(d, 0.8)) {
@@ -202,7 +202,7 @@ static void add_firing(draw *d, random_scene *s, bool controlled) {
   s->every = atoi(every);
   s->pulse_ms = 8;
   s->first_cycle = 1;
-  vs_text_add(&s->text, "firing: {angle: %.4g deg, every: %s", angle, every);
+  vs_text_add(&s->text, "firing: {valve: thyristor, angle: %.4g deg, every: %s", angle, every);
   if (chance(d, 0.5)) {
     s->pulse_ms = decades(d, 0.02, 9);
     vs_text_add(&s->text, ", pulse_width: %.3g ms", s->pulse_ms);

@@ -215,8 +215,10 @@ static void no_plain_row(void) {
                          "parameters: {m: {default: 1 kg}, k: {default: 100 kN/m}}\n"
                          "let: {c: 2 N.s/m}\nmass: m\ndamping: -c\nstiffness: k\n"
                          "gap: {along: {x: 1}}\n");
-  write_file("f.yaml", "machine: {model: fed.yaml}\nfiring: {every: 1, angle: 120 deg}\n"
-                       "run: {tier: switched}\n");
+  write_file(
+      "f.yaml",
+      "machine: {model: fed.yaml}\nsupply: {voltage: 440 V}\nfiring: {every: 1, angle: 120 deg}\n"
+      "run: {tier: switched}\n");
   write_file("fs.yaml", "scene: f.yaml\nsteady: true\nvary: {firing.angle: [160 deg, 165 deg]}\n");
   ran r = run("study fs.yaml --quiet");
   EXPECT(r.status == 1 && count_lines(r.out) == 1 && count_lines(r.err) == 1, "%d %s%s", r.status,

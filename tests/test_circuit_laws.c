@@ -147,8 +147,11 @@ static vs_status sample(void *ctx, const vs_step *step, vs_error *err) {
 
 static void sample_run(const char *deck, const char *machine, const char *const *sets, samples *s) {
   const vs_observer also = {s, sample};
-  char scene[200];
-  snprintf(scene, sizeof scene, "{machine: {model: %s}, circuit: {deck: own.cir}}\n", machine);
+  char scene[240];
+  snprintf(scene, sizeof scene,
+           "{machine: {model: %s}, circuit: {deck: own.cir}, supply: {kind: sine, voltage: 440 V}, "
+           "firing: {valve: thyristor, angle: 100 deg}}\n",
+           machine);
   write_file("own.yaml", scene);
   write_file("own.cir", deck);
   vs_trial *t = vs_trial_run("own.yaml", "circuit", sets, &also);

@@ -79,7 +79,8 @@ static void limits(void) {
       {"machine: {model: conveyor}\ninstruments: {set: none, p: {range: [-3 mm, 3 mm], "
        "bits: none}}",
        "sensor: p, setpoint: 1.2 mm", 0, 50, 109.5},
-      {"machine: {model: two_mass}\ninstruments: {set: none, gap: {channel: z, range: [0 mm, 30 "
+      {"machine: {model: two_mass}\nsupply: {voltage: 440 V}\ninstruments: {set: none, gap: "
+       "{channel: z, range: [0 mm, 30 "
        "mm], bandwidth: 60 Hz, order: 2, bits: none}}",
        "sensor: gap, setpoint: 0.3 mm", 50, 200, 130},
   };
@@ -133,7 +134,8 @@ static void a_step_of_the_set_point(void) {
 
 /* Without gains the loop is open: its multipliers are those of the orbit. */
 static void without_gains(void) {
-  const loop l = {"machine: {model: two_mass}\ninstruments: {set: none, gap: {channel: z, range: "
+  const loop l = {"machine: {model: two_mass}\nsupply: {voltage: 440 V}\ninstruments: {set: none, "
+                  "gap: {channel: z, range: "
                   "[0 mm, 30 mm], bits: none}}",
                   "sensor: gap, setpoint: 0.3 mm", 0, 0, 130};
   write_scene(&l, 0, 0, 130);
@@ -152,9 +154,11 @@ static void without_gains(void) {
 static void a_fast_sensor(void) {
   double times[2];
   for (int k = 0; k < 2; k++) {
-    const loop l = {k ? "machine: {model: two_mass}\ninstruments: {set: none, gap: {channel: z, "
+    const loop l = {k ? "machine: {model: two_mass}\nsupply: {voltage: 440 V}\ninstruments: {set: "
+                        "none, gap: {channel: z, "
                         "range: [0 mm, 30 mm], bandwidth: 20 kHz, rate: 100 kHz, bits: none}}"
-                      : "machine: {model: two_mass}\ninstruments: {set: none, gap: {channel: z, "
+                      : "machine: {model: two_mass}\nsupply: {voltage: 440 V}\ninstruments: {set: "
+                        "none, gap: {channel: z, "
                         "range: [0 mm, 30 mm], rate: 100 kHz, bits: none}}",
                     "sensor: gap, setpoint: 0.3 mm", -5, 80, 140};
     write_scene(&l, l.gain, l.integral, l.angle);
@@ -168,7 +172,8 @@ static void a_fast_sensor(void) {
 
 /* What cannot be told is said, and the orbit is reported all the same. */
 static void what_is_missing(void) {
-  const loop far = {"machine: {model: two_mass}\ninstruments: {set: none, gap: {channel: z, range: "
+  const loop far = {"machine: {model: two_mass}\nsupply: {voltage: 440 V}\ninstruments: {set: "
+                    "none, gap: {channel: z, range: "
                     "[0 mm, 30 mm], bits: none}}",
                     "sensor: gap, setpoint: 0.3 mm, angle: [129 deg, 131 deg]", 0, 10, 130};
   write_scene(&far, 0, 10, 130);
@@ -177,9 +182,11 @@ static void what_is_missing(void) {
              strstr(r.err, "control: it is off here"),
          "%d %s", r.status, r.err);
   free_ran(&r);
-  write_file("bent.yaml", "machine: {model: two_mass}\nfiring: {every: 1, angle: 130 deg}\n"
-                          "instruments: {set: none, i: {range: [-3 A, 3 A]}}\n"
-                          "control: {law: amplitude, sensor: i, setpoint: 0.3 A, gain: 1 deg/A}\n");
+  write_file(
+      "bent.yaml",
+      "machine: {model: two_mass}\nsupply: {voltage: 440 V}\nfiring: {every: 1, angle: 130 deg}\n"
+      "instruments: {set: none, i: {range: [-3 A, 3 A]}}\n"
+      "control: {law: amplitude, sensor: i, setpoint: 0.3 A, gain: 1 deg/A}\n");
   r = run("steady bent.yaml --quiet --json");
   EXPECT(r.status == 0 && strstr(r.out, "\"closed_loop_missing\": \"i is not linear"), "%d %s",
          r.status, r.err);

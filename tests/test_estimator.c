@@ -378,7 +378,8 @@ static void periods(void) {
              "mass: 2 kg\ndamping: 3 N.s/m\nstiffness: 1e4 N/m\n"
              "forces: {x: 19.62 N}\ngap: {along: {x: -1}}\n"
              "actuator: {gap: 6 mm, pole_cover: 0 mm, inductance: 1 H, resistance: 90 ohm}\n");
-  write_file("hanging.yaml", "machine: {model: hangs.yaml}\n");
+  write_file("hanging.yaml", "machine: {model: hangs.yaml}\nsupply: {voltage: 440 V}\n"
+                             "firing: {angle: 100 deg}\n");
   one_period("hanging.yaml", HANGS, "{sensors: [x, ax]}");
 }
 
@@ -590,7 +591,8 @@ static void refusals(void) {
              "mass: [[1 kg, 0], [0, 1 kg]]\ndamping: [[1 N.s/m, 0], [0, 1 N.s/m]]\n"
              "stiffness: [[2500 N/m, 0], [0, 10000 N/m]]\ngap: {along: {x: 1}}\n"
              "actuator: {gap: 6 mm, pole_cover: 0 mm, inductance: 1 H, resistance: 90 ohm}\n");
-  write_file("apart.yaml", "machine: {model: apart_machine.yaml}\n");
+  write_file("apart.yaml", "machine: {model: apart_machine.yaml}\nsupply: {voltage: 440 V}\n"
+                           "firing: {angle: 100 deg}\n");
   for (size_t k = 0; k < COUNT(REFUSALS); k++) {
     const refusal *r = &REFUSALS[k];
     char instruments[256], at[64];

@@ -328,7 +328,8 @@ static void a_probe_in_mm(void) {
              "gap: {along: {x: 1}}\n"
              "probes: {far: {of: 1000*x, unit: mm, text: travel}}\n"
              "actuator: {gap: 6 mm, pole_cover: 0.2 mm, inductance: 0.8 H, resistance: 20 ohm}\n");
-  write_file("s.yaml", "machine: {model: m.yaml}\n");
+  write_file("s.yaml",
+             "machine: {model: m.yaml}\nsupply: {voltage: 440 V}\nfiring: {angle: 100 deg}\n");
   RUN_GOOD("run s.yaml --tier switched --quiet -o seen --set machine.mass=1.1kg "
            "--set run.until=50ms --set run.sample=1ms");
   write_file("f.yaml", "scene: s.yaml\nset: {run.tier: switched}\n"

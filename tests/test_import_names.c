@@ -54,6 +54,10 @@ static void made_up_names_are_free(void) {
       {"R1 line s 1k\nENAME NAME 0 s k 1\nR2 NAME 0 1k\n", "gate_v3", "other", "\nEgate_v3_2 "},
       {"R1 line s 1k\nXNAME line 0 load\n.subckt load a b\nR1 a b 1k\n.ends\n", "eva", "other",
        "\nXeva_2 k 0 eva\n"},
+      {"B1 q 0 V=NAME\nR1 q s {20*NAME}\n.param NAME=50\n", "E", "other", "*$ param  e = 50 "},
+      {"X2 q s load NAME=3\nR1 q line 1k\n.subckt load a b params: NAME=1\nB1 a c V=NAME\n"
+       "R1 c b 500\n.ends\n",
+       "pi", "other", "X2 q s load pi=3\n"},
       {"R_R2 line s 2k\nNAME line s 2k\n", "R2", "R5", "*$ loss   r2_2 = "},
       {"X2 line NAME far\nX5 NAME s far\n.global NAME\n.subckt far a b\nR1 a b 500\nR2 a NAME "
        "1Meg\n"

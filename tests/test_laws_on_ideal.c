@@ -154,7 +154,7 @@ static void run(vs_setup *setup, seen *s) {
 /* Mains at 50 Hz, fired once at an angle, 0.1 s. */
 static void fire(vs_setup *setup, double volt, double angle_deg) {
   vs_error err = {0};
-  CU_ASSERT(vs_timeline_build(NULL, &setup->timeline, NULL, &err) == VS_OK);
+  CU_ASSERT(vs_timeline_build(NULL, NULL, &setup->timeline, NULL, &err) == VS_OK);
   setup->timeline.supply.voltage_v = volt;
   setup->timeline.peak_v = volt * M_SQRT2;
   setup->timeline.firing.angle.first = angle_deg * M_PI / 180;

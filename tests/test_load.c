@@ -385,7 +385,8 @@ static const char BOWL[] =
 static void keys_of_a_machine(void) {
   char text[800];
   write_file("s.yaml", "machine: {model: bowl.yaml}\nload: {fraction: auto}\n"
-                       "firing: {every: 1, angle: 140 deg}\nrun: {tier: switched}\n");
+                       "firing: {every: 1, angle: 140 deg}\nrun: {tier: switched}\n"
+                       "supply: {voltage: 440 V}\n");
   snprintf(text, sizeof text, BOWL, "");
   write_file("bowl.yaml", text);
   refuse("steady s.yaml", "no load.along",

@@ -49,7 +49,8 @@ static void closing(void) {
                              "mass: 0.83 kg\n"
                              "damping: 2.4 N.s/m\n"
                              "stiffness: 86000 N/m\n"
-                             "gap: {along: {x: -1}}\n");
+                             "gap: {along: {x: -1}}\n"
+                             "supply: {voltage: 440 V}\nfiring: {angle: 100 deg}\n");
   static const char *const SETS[] = {"machine.model=closing.yaml", "run.until=0.1s",
                                      "run.tolerance=1e-10", NULL};
   vs_trial *t = vs_trial_run("/dev/null", "switched", SETS, NULL);

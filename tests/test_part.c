@@ -377,12 +377,12 @@ static void lines_of_a_model(void) {
       {"v_clamp = -9 V", "11:21: model v_clamp: how far"},
       {"v_clamp = low %", "11:21: model v_clamp: how far"},
       {"v_clamp = -120 %", "11:21: model v_clamp: how far"},
-      {"v_clamp -9 %", "11:11: 'NAME = ...' is wanted here"},
-      {"v_clamp = -9 % about", "11:26: "},
+      {"v_clamp -9 %", "13:11: 'NAME = ...' is wanted here"},
+      {"v_clamp = -9 % about", "13:26: "},
       {"v_clmp = -9 %",
-       "11:1: model v_clmp: no margin of a varistor hangs on that; those that some "
+       "13:1: model v_clmp: no margin of a varistor hangs on that; those that some "
        "hang on: v_clamp, v_varistor"},
-      {"v_varistor = 1 %", "11:1: model v_varistor stands here a second time, as in line 10"}};
+      {"v_varistor = 1 %", "13:1: model v_varistor stands here a second time, as in line 12"}};
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     vs_text says = {0};
     alter(S20K460, "s20k460.inc", "v_clamp = -9 %", ROWS[k].new);

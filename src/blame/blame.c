@@ -9,6 +9,7 @@
 #include "blame/scope.h"
 #include "blame/subject.h"
 #include "deck/netlist.h"
+#include "slips/reserved.h"
 
 /* Finds the first line in which `find` finds what a message speaks of. */
 static vs_where place_in_lines(const vs_deck *deck, const char *message,
@@ -59,6 +60,7 @@ static vs_where place_of_signal(const vs_deck *deck, const char *message) {
 
 void vs_blame_locate(const vs_deck *deck, size_t culprit, vs_error *err) {
   const vs_line *line = vs_netlist_line(deck, culprit);
+  vs_reserved_restore(err->text);
   vs_where where = place_of_signal(deck, err->text);
   if (!where.file && line) where = place_in_line(line, err->text);
   if (!where.file) where = place_in_lines(deck, err->text, vs_subject_find);

@@ -257,6 +257,7 @@ static void finish(void *ctx, const vs_result *result) {
 
 static void show_all(const void *ctx, FILE *out) {
   const reporter *r = ctx;
+  vs_show_feed(&r->scene->setup, out);
   show(ctx, out);
   if (r->matrices) vs_matrices_print(r->matrices, out);
   if (r->closed && !*r->unclosed.text) vs_closed_print(r->closed, out);

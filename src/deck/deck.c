@@ -10,6 +10,7 @@
 
 #include "base/text.h"
 #include "catalogue/catalogue.h"
+#include "slips/reserved.h"
 
 const vs_shelf vs_deck_shelf = {"deck", "", ".cir"},
                vs_deck_parts_shelf = {"part", "parts", ".inc"};
@@ -43,17 +44,6 @@ static bool among(const char *name, const char *const *list, size_t count) {
 
 bool vs_deck_is_standard(const char *name) {
   return AMONG(name, vs_deck_standard_names);
-}
-
-/* Each was tried as ".param NAME=1000" and "R1 a b {NAME}" in ngspice 39. */
-bool vs_deck_is_reserved(const char *name) {
-  static const char *const FUNCTIONS[] = {
-      "sqr", "sqrt", "sin",   "cos",  "exp",         "ln",     "arctan", "abs",   "pow",
-      "pwr", "max",  "min",   "int",  "log",         "log10",  "sinh",   "cosh",  "tanh",
-      "sgn", "ceil", "floor", "asin", "acos",        "atan",   "asinh",  "acosh", "atanh",
-      "tan", "nint", "gauss", "unif", "ternary_fcn", "agauss", "aunif",  "limit"};
-  static const char *const VARIABLES[] = {"time", "temper", "hertz"};
-  return AMONG(name, FUNCTIONS) || AMONG(name, VARIABLES);
 }
 
 bool vs_deck_has_port(const vs_deck *deck, bool (*is)(const vs_signal *signal)) {
@@ -102,10 +92,8 @@ vs_status vs_deck_add_field(vs_deck *deck, const vs_field *field, vs_where where
                         k ? "" : ": that key is the program's");
   if (vs_deck_is_standard(field->key))
     return vs_fail_at(err, where, "param %s is the program's; give yours another name", field->key);
-  if (vs_deck_is_reserved(field->key))
-    return vs_fail_at(err, where,
-                      "param %s: ngspice has that name for itself in expressions; give yours "
-                      "another name",
+  if (vs_reserved_is_ours(field->key))
+    return vs_fail_at(err, where, "param %s: the program makes such names; give yours another name",
                       field->key);
   vs_field *own = &own_fields(deck)[deck->section.count++];
   *own = *field;
@@ -235,6 +223,7 @@ static vs_status find_value(const vs_deck *deck, const vs_named *named,
     known[count++] = standard[k].name;
     if (!strcmp(standard[k].name, named->name)) *value = standard[k].value;
   }
+  if (isnan(*value)) *value = vs_reserved_constant(named->name);
   if (!isnan(*value)) return VS_OK;
   const char *nearest = vs_text_nearest(named->name, known, count);
   char within[VS_PATH_SIZE];

@@ -382,11 +382,6 @@ extern const char *const vs_deck_standard_names[VS_STANDARD];
 /* True for the name of one of these parameters, in capitals or not. */
 bool vs_deck_is_standard(const char *name);
 
-/* True for a name that ngspice takes for its own in an expression, whatever a parameter of that
- * name says: a function, which then cannot be read, or time, temper and hertz, which are other
- * numbers. */
-bool vs_deck_is_reserved(const char *name);
-
 /* True if a port of the deck has a signal of that sort, as vs_port_is_gated tells. */
 bool vs_deck_has_port(const vs_deck *deck, bool (*is)(const vs_signal *signal));
 

@@ -19,7 +19,6 @@
 #include "dialect/statements.h"
 #include "dialect/translate.h"
 #include "dialect/words.h"
-#include "slips/conditions.h"
 #include "slips/slips.h"
 
 /* Where includes are found that are not beside the file that includes them. */
@@ -406,7 +405,7 @@ vs_status vs_files_read(vs_deck *deck, const char *path, bool library, vs_error 
   vs_status status = read_file(deck, path, library, err);
   if (!status && !deck->lost && deck->n_lines > before)
     status = vs_error_carry_on(
-        err, vs_conditions_check(deck->lines + before, deck->n_lines - before, err));
+        err, vs_slips_conditions(deck->lines + before, deck->n_lines - before, err));
   vs_translate_names(deck->lines, deck->n_lines, &deck->changes);
   tell_skipped(deck);
   if (status || deck->subcircuits == 0) return status;

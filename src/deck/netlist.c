@@ -28,6 +28,7 @@
 #include "slips/growth.h"
 #include "slips/nesting.h"
 #include "slips/parameters.h"
+#include "slips/reserved.h"
 #include "slips/slips.h"
 #include "slips/subcircuits.h"
 #include "syntax/units.h"
@@ -149,7 +150,18 @@ static vs_status check_doubles(vs_deck *deck, vs_error *err) {
   return d.status;
 }
 
-/* What can be told once all lines are there. */
+/* Gives other names to parameters that have one of ngspice's own. */
+static void rename_reserved(vs_deck *deck) {
+  const char **given = vs_alloc(deck->section.count + 1, sizeof *given);
+  size_t count = 0;
+  for (size_t k = 1; k < deck->section.count; k++)
+    if (deck->section.fields[k].kind == VS_REAL) given[count++] = deck->section.fields[k].key;
+  vs_reserved_rename(deck->lines, deck->n_lines, (vs_reserved_given){given, count},
+                     *deck->compat != 0);
+  free(given);
+}
+
+/* What can be told once all lines are there; messages have the user's names up to then. */
 static vs_status check_whole(vs_deck *deck, vs_error *err) {
   vs_status status = vs_rules_params(deck, err);
   if (!status) status = check_definitions(deck, err);
@@ -160,6 +172,7 @@ static vs_status check_whole(vs_deck *deck, vs_error *err) {
   if (!status) status = vs_couplings_check(deck->lines, deck->n_lines, err);
   if (!status) status = vs_probes_check_units(deck, err);
   if (!status) status = check_doubles(deck, err);
+  if (!status) rename_reserved(deck);
   return status;
 }
 
@@ -685,9 +698,13 @@ vs_status vs_netlist_make(const vs_deck *deck, const vs_circuit_values *values,
   for (size_t k = 1; k < deck->section.count; k++) {
     const vs_field *field = &deck->section.fields[k];
     if (field->kind != VS_REAL) continue;
-    snprintf(param, sizeof param, ".param %s=%.17g", field->key,
-             *(const double *)(const void *)((const char *)values + field->offset));
-    add_text(&w.lines, &w.count, param);
+    vs_text line = {0};
+    vs_text_add(&line, ".param ");
+    vs_reserved_write(field->key, *deck->compat != 0, &line);
+    vs_text_add(&line, "=%.17g",
+                *(const double *)(const void *)((const char *)values + field->offset));
+    add_text(&w.lines, &w.count, line.text);
+    vs_text_free(&line);
   }
   for (size_t k = 0; k < deck->n_lines; k++) add_deck_line(&w, k);
   rest = eva.text;

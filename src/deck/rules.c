@@ -10,6 +10,7 @@
 #include "base/text.h"
 #include "dialect/source.h"
 #include "dialect/words.h"
+#include "slips/reserved.h"
 
 static bool among(const char *word, const char *const *list, size_t count) {
   for (size_t k = 0; k < count; k++)
@@ -171,15 +172,13 @@ typedef struct place {
   vs_error *err;
 } place;
 
-/* Refuses a name that ngspice has for itself. */
+/* Refuses a name that the netlist may have in the place of one of ngspice's own. */
 static vs_status name_rule(void *ctx, const char *name) {
   const place *p = ctx;
-  return vs_deck_is_reserved(name)
-             ? vs_fail_at(
-                   p->err, p->where,
-                   "parameter %s: ngspice has that name for itself in expressions; give yours "
-                   "another name",
-                   name)
+  return vs_reserved_is_ours(name)
+             ? vs_fail_at(p->err, p->where,
+                          "parameter %s: the program makes such names; give yours another name",
+                          name)
              : VS_OK;
 }
 

@@ -2,53 +2,7 @@
 #include "drive/timeline.h"
 
 #include <math.h>
-#include <stddef.h>
 #include <string.h>
-
-#define S_(member) offsetof(vs_supply_values, member)
-#define F_(member) offsetof(vs_firing_values, member)
-
-static const vs_field SUPPLY[] = {
-    {"kind", VS_CHOICE, "", "sine", 0, 0, false, S_(direct),
-     "sine: the mains; step: direct voltage from t = 0 on, on ideal tiers and for decks with a "
-     "port "
-     "pwm",
-     "sine|step", NULL},
-    {"voltage", VS_REAL, "V", "440 V", 0, 1e6, true, S_(voltage_v),
-     "U, rms at the converter (Table 1)", NULL, NULL},
-    {"frequency", VS_REAL, "Hz", "50 Hz", 0.1, 1e4, false, S_(frequency_hz), "f, mains (Table 1)",
-     NULL, NULL},
-    {"phase", VS_REAL, "deg", "0 deg", -360, 360, false, S_(phase_rad), "of the mains at t = 0",
-     NULL, NULL},
-    {"resistance", VS_REAL, "ohm", "0.5 ohm", 0, 1e5, false, S_(resistance_ohm),
-     "R_s, source; circuit tier only", NULL, NULL},
-    {"inductance", VS_REAL, "mH", "0.5 mH", 0, 1e5, false, S_(inductance_h),
-     "L_s, source; circuit tier only", NULL, NULL},
-    {"decoupling", VS_REAL, "mH", "0 mH", 0, 1e5, false, S_(decoupling_h),
-     "of a coupling/decoupling network, in series with L_s; 1.5 mH: IEC 61000-4-5; circuit tier "
-     "only",
-     NULL, NULL},
-};
-static const vs_field FIRING[] = {
-    {"valve", VS_CHOICE, "", "thyristor", 0, 0, false, F_(no_valve),
-     "what stands between mains and coil; none: the coil is on the mains from t = 0, current both "
-     "ways, ideal tiers only",
-     "thyristor|none", NULL},
-    {"angle", VS_PROFILE, "deg", "100 deg", 0, 180, true, F_(angle),
-     "alpha*, from the rising zero crossing of the mains (Eq. 92)", NULL, NULL},
-    {"pulse_width", VS_REAL, "ms", "8 ms", 0, 1e6, true, F_(pulse_width_s),
-     "t_pulse, length of the gate pulse train", NULL, NULL},
-    {"every", VS_COUNT, "", "once", 1, 1e6, false, F_(every), "fires in every n-th cycle", "once",
-     NULL},
-    {"first_cycle", VS_COUNT, "", "1", 0, 1e9, false, F_(first_cycle),
-     "cycle of the first firing, from 1 on; 0: the cycle that is under way at t = 0", NULL, NULL},
-    {"burst_frequency", VS_REAL, "kHz", "5 kHz", 0.01, 1000, false, F_(burst_hz),
-     "of the sub-pulses that fill a gate pulse; decks with a port burst", NULL, NULL},
-    {"burst_duty", VS_REAL, "%", "30 %", 0, 100, true, F_(burst_duty),
-     "part of each sub-pulse's period in which it is there", NULL, NULL},
-};
-const vs_section vs_timeline_supply_section = {"supply", SUPPLY, sizeof SUPPLY / sizeof *SUPPLY};
-const vs_section vs_timeline_firing_section = {"firing", FIRING, sizeof FIRING / sizeof *FIRING};
 
 static const char NO_VALVE[] = "with firing.valve: none";
 
@@ -60,23 +14,60 @@ static vs_status refuse_unused(const vs_node *scene, const vs_timeline *t, const
   const vs_node *phase = t->supply.direct ? vs_tree_child(supply, "phase") : NULL;
   for (const vs_node *n = firing ? firing->child : NULL; n; n = n->next)
     if (strcmp(n->key, "valve") != 0 || why != NO_VALVE)
-      return vs_fail_at(err, n->key_where, "firing.%s: %s nothing fires; leave it out", n->key,
-                        why);
+      return vs_fail_at(err, n->key_where, "firing.%s: %s nothing fires; leave it out%s", n->key,
+                        why,
+                        why == NO_VALVE && !vs_tree_child(firing, "valve")
+                            ? ", or write firing.valve: thyristor and supply.kind: sine, as the "
+                              "machine has neither"
+                            : "");
   return phase ? vs_fail_at(err, phase->key_where,
                             "supply.phase: with supply.kind: step the voltage is direct; leave it "
                             "out")
                : VS_OK;
 }
 
-vs_status vs_timeline_build(const vs_node *scene, vs_timeline *t, vs_memo *memo, vs_error *err) {
+/* The section with the machine's defaults; without, where there is no machine that could be read.
+ */
+static const vs_section *section_of(const vs_machine *machine, bool firing) {
+  const vs_section *plain = firing ? &vs_feed_firing : &vs_feed_supply;
+  if (!machine || machine->lost) return plain;
+  return firing ? &machine->firing : &machine->supply;
+}
+
+/* Error: neither the scene nor the machine's file says what the coil is fed from, or how it is
+ * fired, and what another machine takes may be too much for it. Scenes that the program makes up
+ * stand in no file; nothing is run of them. */
+static vs_status require_feed(const vs_node *scene, const vs_timeline *t, const vs_machine *machine,
+                              vs_error *err) {
+  const vs_node *named = vs_tree_child(vs_tree_child(scene, "machine"), "model");
+  const vs_node *supply = vs_tree_child(scene, "supply"), *firing = vs_tree_child(scene, "firing");
+  const bool fed =
+      vs_tree_child(supply, "voltage") || vs_tree_child(machine->own_supply, "voltage");
+  const bool fired = t->firing.no_valve || vs_tree_child(firing, "angle") ||
+                     vs_tree_child(machine->own_firing, "angle") || vs_tree_child(scene, "control");
+  if (!scene->where.file || machine->lost || (fed && fired)) return VS_OK;
+  return vs_fail_at(err, named ? named->where : scene->where,
+                    "machine %s: neither its file nor the scene says %s; write %s into the scene, "
+                    "or into the machine's file",
+                    machine->path,
+                    fed     ? "how it is fired"
+                    : fired ? "which voltage it is fed from"
+                            : "which voltage it is fed from, nor how it is fired",
+                    fed     ? "firing: {angle: ... deg} or firing: {valve: none}"
+                    : fired ? "supply: {voltage: ... V}"
+                            : "supply: {voltage: ... V} and firing: {angle: ... deg}");
+}
+
+vs_status vs_timeline_build(const vs_node *scene, const vs_machine *machine, vs_timeline *t,
+                            vs_memo *memo, vs_error *err) {
   t->events.count = t->events.n_unbuilt = 0; /* its items are many, and count no more */
   t->program = NULL;
   size_t found = vs_error_count(err);
   const vs_node *firing = vs_tree_child(scene, "firing");
-  vs_status s = vs_memo_read(memo, &vs_timeline_supply_section, vs_tree_child(scene, "supply"),
+  vs_status s = vs_memo_read(memo, section_of(machine, false), vs_tree_child(scene, "supply"),
                              &t->supply, sizeof t->supply, err);
   if (!s)
-    s = vs_memo_read(memo, &vs_timeline_firing_section, firing, &t->firing, sizeof t->firing, err);
+    s = vs_memo_read(memo, section_of(machine, true), firing, &t->firing, sizeof t->firing, err);
   const vs_node *pwm = vs_tree_child(scene, vs_pwm_section.name);
   if (!s) s = vs_memo_read(memo, &vs_pwm_section, pwm, &t->pwm, sizeof t->pwm, err);
   if (s) return s;
@@ -104,14 +95,19 @@ static bool is_fired(const vs_deck *deck) {
   return vs_deck_has_port(deck, vs_port_is_gated) || !vs_deck_has_port(deck, vs_port_is_modulated);
 }
 
-vs_status vs_timeline_settle(const vs_node *scene, vs_timeline *t, const vs_deck *deck,
-                             vs_error *err) {
+vs_status vs_timeline_settle(const vs_node *scene, const vs_machine *machine, vs_timeline *t,
+                             const vs_deck *deck, vs_error *err) {
   bool no_valve = t->firing.no_valve;
   if (!is_fired(deck)) t->firing.no_valve = 1;
+  const vs_status lacks = require_feed(scene, t, machine, err);
+  if (lacks) return lacks;
   if (t->supply.direct && !t->firing.no_valve)
     return vs_fail_at(err, vs_tree_place(scene, "supply.kind"),
                       "supply.kind: step has no cycles for a thyristor to fire in; it wants "
-                      "firing.valve: none");
+                      "firing.valve: none%s",
+                      vs_tree_child(vs_tree_child(scene, "supply"), "kind")
+                          ? ""
+                          : ", or sine, as the step is the machine's");
   if (no_valve && !t->supply.direct) return VS_OK; /* vs_timeline_build has looked */
   return t->firing.no_valve
              ? refuse_unused(scene, t, no_valve ? NO_VALVE : "the deck has no port gate, and", err)

@@ -10,27 +10,12 @@
 #ifndef VS_DRIVE_TIMELINE_H
 #define VS_DRIVE_TIMELINE_H
 
+#include "actuator/feed.h"
 #include "base/error.h"
 #include "drive/pwm.h"
 #include "event/occurrence.h"
+#include "machine/machine.h"
 #include "memo/memo.h"
-
-typedef struct vs_supply_values {
-  int direct; /* 1: direct voltage, voltage_v, instead of a sine */
-  double voltage_v, frequency_hz, phase_rad, resistance_ohm, inductance_h;
-  double decoupling_h; /* of a coupling/decoupling network, between the source and the line */
-} vs_supply_values;
-typedef struct vs_firing_values {
-  int no_valve; /* 1: the coil is on the mains from t = 0 on; what follows here does not count */
-  vs_field_profile angle; /* rad */
-  double pulse_width_s;
-  int every; /* fires in every n-th cycle; 0: once */
-  int first_cycle;
-  double burst_hz,
-      burst_duty; /* of the sub-pulses that fill a gate pulse; the duty is a fraction */
-} vs_firing_values;
-
-extern const vs_section vs_timeline_supply_section, vs_timeline_firing_section;
 
 /* The angles that a control decides while a run goes on, one for each firing, in order. */
 typedef struct vs_program {
@@ -51,17 +36,19 @@ typedef struct vs_timeline {
       *program; /* of the run under way, borrowed; NULL: angles are those of `firing` */
 } vs_timeline;
 
-/* Fills the timeline from the scene's sections supply, firing and pwm, without events. memo: what
+/* Fills the timeline from the scene's sections supply, firing and pwm, without events. What the
+ * scene leaves out is the machine's; NULL: there is none, and it is the paper's. memo: what
  * they were read from the last time; NULL: nothing is known of it. Errors: what
  * vs_field_section_read and vs_pwm_check refuse; a pulse that reaches into the next one. */
-vs_status vs_timeline_build(const vs_node *scene, vs_timeline *timeline, vs_memo *memo,
-                            vs_error *err);
+vs_status vs_timeline_build(const vs_node *scene, const vs_machine *machine, vs_timeline *timeline,
+                            vs_memo *memo, vs_error *err);
 
 /* Looks whether there is a gate to be fired: where the deck has ports pwm and no gate there is
- * none, which then counts as firing.valve: none. Errors: a key of the section firing where nothing
+ * none, which then counts as firing.valve: none. Errors: neither scene nor machine says what the
+ * coil is fed from and how it is fired; a key of the section firing where nothing
  * fires; a thyristor on direct voltage. */
-vs_status vs_timeline_settle(const vs_node *scene, vs_timeline *timeline, const vs_deck *deck,
-                             vs_error *err);
+vs_status vs_timeline_settle(const vs_node *scene, const vs_machine *machine, vs_timeline *timeline,
+                             const vs_deck *deck, vs_error *err);
 
 /* The mains' voltage with events, V; without, u = sqrt(2) U sin(wt + phase) (Eq. 90), or U where it
  * is direct. */

@@ -10,6 +10,7 @@
 #include "base/text.h"
 #include "dialect/numbers.h"
 #include "foreign/macros.h"
+#include "slips/reserved.h"
 #include "syntax/cursor.h"
 #include "syntax/formula.h"
 
@@ -87,8 +88,8 @@ static void settle(const vs_values *v, vs_value_param *p, int level) {
 
 static bool value_of_name(const vs_values *v, const char *name, int level, double *value) {
   size_t k;
-  *value = M_PI;
-  if (!vs_names_find(&v->names, name, strlen(name), &k)) return !strcmp(name, "pi");
+  *value = vs_reserved_constant(name);
+  if (!vs_names_find(&v->names, name, strlen(name), &k)) return !isnan(*value);
   settle(v, &v->item[k], level + 1);
   *value = v->item[k].value;
   return v->item[k].known;

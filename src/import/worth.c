@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "slips/reserved.h"
 #include "syntax/formula.h"
 
 /* What all is read from. */
@@ -118,7 +119,7 @@ static void add_param(const vs_element *e, double number, vs_declared *sheet,
                       char param[VS_ELEMENTS_NAME], vs_text *formula) {
   static const char *const WHAT[] = {"resistor", "capacitor", "inductor"};
   char wanted[VS_DECK_NAME], text[VS_DECK_TEXT];
-  bool taken = vs_deck_is_standard(e->key) || vs_deck_is_reserved(e->key);
+  bool taken = vs_deck_is_standard(e->key) || vs_reserved_is(e->key, false);
   snprintf(wanted, sizeof wanted, "%.50s%s", e->key, taken ? "_value" : "");
   vs_declared_name(sheet, wanted, param);
   size_t before = sheet->counts[VS_DECLARED_PARAM];

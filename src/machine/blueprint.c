@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "actuator/actuator.h"
+#include "actuator/feed.h"
 #include "machine/bodies.h"
 #include "machine/declare.h"
 #include "machine/expression.h"
@@ -34,6 +35,8 @@ static const vs_outline ACTUATOR[] = {{"current", .takes = VS_OUTLINE_TEXT},
                                       {"force", .takes = VS_OUTLINE_TEXT},
                                       {.section = &vs_actuator_section}};
 
+static const vs_outline SUPPLY[] = {{.section = &vs_feed_supply}},
+                        FIRING[] = {{.section = &vs_feed_firing}};
 static const vs_outline COORDINATES[] = {
     {.takes = VS_OUTLINE_MAP, .of = vs_declare_coordinate_keys}, {0}};
 static const vs_outline PARAMETERS[] = {{.takes = VS_OUTLINE_MAP, .of = vs_declare_parameter_keys},
@@ -58,6 +61,8 @@ const vs_outline vs_blueprint_keys[] = {
     {"load", EMPTY, .of = LOAD},
     {"probes", EMPTY, .of = PROBES},
     {"actuator", EMPTY, .of = ACTUATOR},
+    {"supply", EMPTY, .of = SUPPLY},
+    {"firing", EMPTY, .of = FIRING},
     {"instruments", .takes = VS_OUTLINE_NOTHING | VS_OUTLINE_SENSORS},
     {0}};
 
@@ -348,24 +353,50 @@ static vs_status read_probes(vs_machine *m, vs_error *err) {
 
 /* ---- the actuator ---- */
 
-/* The scene's section actuator with this file's defaults: of words and numbers they are shown and
- * read as any default, of lists and maps by machine/build.c. */
+/* Adds a field of a scene's section with the file's value for its default: words and numbers are
+ * shown and read as any default. tried: room for what the section fills. */
+static vs_status add_default(const vs_section *of, vs_field field, const vs_node *own,
+                             vs_section *section, void *tried, vs_error *err) {
+  vs_status s = own ? vs_error_carry_on(err, vs_field_read(of, &field, own, tried, err)) : VS_OK;
+  if (own && own->kind == VS_NODE_TEXT) field.default_text = own->text;
+  vs_machine_add_field(section, &field);
+  return s;
+}
+
+/* The scene's section actuator with this file's defaults; of lists and maps they are read by
+ * machine/build.c. */
 static vs_status make_actuator(vs_machine *m, vs_error *err) {
   vs_status s = VS_OK;
-  union {
-    vs_actuator_values all;
-    char bytes[sizeof(vs_actuator_values)];
-  } tried;
+  vs_actuator_values tried;
   bool has_formulas = false;
   for (int k = 0; k < VS_MACHINE_LAWS; k++) has_formulas |= m->law[k].text != NULL;
-  for (size_t k = 0; k < vs_actuator_section.count; k++) {
+  for (size_t k = 0; k < vs_actuator_section.count && !s; k++) {
     vs_field field = vs_actuator_section.fields[k];
-    const vs_node *own = vs_tree_child(m->own_actuator, field.key);
     if (has_formulas && !strcmp(field.key, "law")) field.default_text = "formula";
-    if (own && !s)
-      s = vs_error_carry_on(err, vs_field_read(&vs_actuator_section, &field, own, &tried, err));
-    if (own && own->kind == VS_NODE_TEXT) field.default_text = own->text;
-    vs_machine_add_field(&m->actuator, &field);
+    s = add_default(&vs_actuator_section, field, vs_tree_child(m->own_actuator, field.key),
+                    &m->actuator, &tried, err);
+  }
+  return s;
+}
+
+/* The same for the section supply or firing, which has words and numbers alone. */
+static vs_status read_feed(vs_machine *m, const vs_section *of, const vs_node **own,
+                           vs_section *section, vs_error *err) {
+  union {
+    vs_supply_values supply;
+    vs_firing_values firing;
+  } tried;
+  vs_status s = map_of(m, of->name, own, err);
+  if (!s) s = vs_field_section_keys(of, *own, err);
+  for (size_t k = 0; k < of->count && !s; k++) {
+    const vs_node *node = vs_tree_child(*own, of->fields[k].key);
+    if (node && node->kind != VS_NODE_TEXT) {
+      s = vs_error_carry_on(err, vs_fail_at(err, node->where,
+                                            "%s.%s: one value is wanted in a machine's file",
+                                            of->name, of->fields[k].key));
+      node = NULL;
+    }
+    if (!s) s = add_default(of, of->fields[k], node, section, &tried, err);
   }
   return s;
 }
@@ -429,6 +460,8 @@ static vs_status read_all(vs_machine *m, vs_error *err) {
   if (!s) s = vs_error_carry_on(err, read_gap(m, err));
   if (!s) s = vs_error_carry_on(err, read_load(m, err));
   if (!s) s = read_probes(m, err);
+  if (!s) s = read_feed(m, &vs_feed_supply, &m->own_supply, &m->supply, err);
+  if (!s) s = read_feed(m, &vs_feed_firing, &m->own_firing, &m->firing, err);
   return s ? s : read_actuator(m, err);
 }
 

@@ -24,6 +24,9 @@
  *   actuator:    {current: FORMULA, energy: FORMULA, force: FORMULA, KEY: VALUE, ...}
  *       the law's formulas in lambda and z: i = dW/dlambda, W, and F = -dW/dz, which is negative
  *       where it closes the gap; any other key is the default of the scene's
+ *   supply, firing: {KEY: VALUE, ...}
+ *       what feeds the machine and how it is fired: defaults of the scene's sections. A scene must
+ *       say the voltage and the angle that the file does not
  *   instruments: NAME, or {NAME: {...}, ...}
  *       the machine's own set of instruments; see instrument/instruments.h, which reads it
  *

@@ -54,6 +54,8 @@ void vs_machine_add_field(vs_section *section, const vs_field *field) {
 void vs_machine_begin(vs_machine *machine) {
   machine->section.name = "machine";
   machine->actuator.name = "actuator";
+  machine->supply.name = "supply";
+  machine->firing.name = "firing";
   machine->start.name = "start";
   machine->load.adds = -1;
   vs_machine_add_field(&machine->section, &vs_machine_key);
@@ -96,6 +98,8 @@ static void free_plane(vs_machine *m) {
 void vs_machine_free(vs_machine *m) {
   free_section(&m->section);
   free_section(&m->actuator);
+  free_section(&m->supply);
+  free_section(&m->firing);
   free_section(&m->start);
   free_plane(m);
   for (int k = 0; k < VS_MACHINE_LETS; k++) vs_formula_free(&m->lets[k].of);

@@ -134,8 +134,9 @@ typedef struct vs_machine {
   vs_section section;  /* "machine": the key model, then the parameters. It fills a
                           vs_machine_values. Fields and their texts are owned */
   vs_section actuator; /* vs_actuator_section with the file's values for defaults. Owned likewise */
-  vs_section start;    /* "start": the coordinates and their rates at t = 0; it fills an array of as
-                          many doubles. Owned */
+  vs_section supply, firing; /* those of actuator/feed.h, likewise */
+  vs_section start; /* "start": the coordinates and their rates at t = 0; it fills an array of as
+                       many doubles. Owned */
   int dof;
   vs_coordinate coordinates[VS_MACHINE_COORDINATES];
   vs_machine_name names[VS_MACHINE_NAMES];
@@ -150,7 +151,8 @@ typedef struct vs_machine {
   vs_where where_along;
   vs_machine_load load;
   vs_expression law[VS_MACHINE_LAWS];
-  const vs_node *own_actuator; /* the file's section actuator; NULL: it has none */
+  const vs_node *own_actuator, *own_supply, *own_firing; /* the file's sections of these names;
+                                                            NULL: it has none */
   vs_machine_probe probes[VS_MACHINE_PROBES];
   int n_probes;
 } vs_machine;

@@ -29,13 +29,16 @@ static const vs_section *fields_of(int index, const vs_machine *machine, const v
                              : index == VS_SECTION_NUMBER_machine  ? &machine->section
                              : index == VS_SECTION_NUMBER_start    ? &machine->start
                              : index == VS_SECTION_NUMBER_actuator ? &machine->actuator
+                             : index == VS_SECTION_NUMBER_supply   ? &machine->supply
+                             : index == VS_SECTION_NUMBER_firing   ? &machine->firing
                                                                    : &deck->section;
   assert(!fields->name || !strcmp(fields->name, r->name)); /* a deck that was not read has none */
   return fields;
 }
 
 bool vs_section_is_named(int index) {
-  return !ROWS[index].fields && index != VS_SECTION_NUMBER_actuator;
+  return !ROWS[index].fields && index != VS_SECTION_NUMBER_actuator &&
+         index != VS_SECTION_NUMBER_supply && index != VS_SECTION_NUMBER_firing;
 }
 
 bool vs_section_key_is_named(int key) {

@@ -15,8 +15,8 @@
   SECTION(machine, NULL, model.parameters)                                                         \
   SECTION(actuator, NULL, model.actuator)                                                          \
   SECTION(load, &vs_model_load_section, model.load)                                                \
-  SECTION(supply, &vs_timeline_supply_section, timeline.supply)                                    \
-  SECTION(firing, &vs_timeline_firing_section, timeline.firing)                                    \
+  SECTION(supply, NULL, timeline.supply)                                                           \
+  SECTION(firing, NULL, timeline.firing)                                                           \
   SECTION(pwm, &vs_pwm_section, timeline.pwm)                                                      \
   SECTION(circuit, NULL, circuit_values)                                                           \
   OTHER(events, )                                                                                  \

@@ -281,7 +281,9 @@ static vs_status build(const vs_node *scene, vs_setup *setup, bool has_deck, vs_
   if (!s)
     s = vs_error_carry_on(
         err, vs_build_again(scene, setup->machine, &setup->model, &setup->written, err));
-  if (!s) s = vs_error_carry_on(err, vs_timeline_build(scene, &setup->timeline, &setup->memo, err));
+  if (!s)
+    s = vs_error_carry_on(
+        err, vs_timeline_build(scene, setup->machine, &setup->timeline, &setup->memo, err));
   if (!s && has_deck)
     s = read_values(vs_tree_child(scene, "circuit"), setup, err);
   else if (!s)
@@ -291,7 +293,8 @@ static vs_status build(const vs_node *scene, vs_setup *setup, bool has_deck, vs_
                      sizeof setup->run, err);
   if (!s) s = read_limits(scene, setup, has_deck, err);
   vs_timeline *line = &setup->timeline;
-  if (!s) s = vs_error_carry_on(err, vs_timeline_settle(scene, line, &setup->deck, err));
+  if (!s)
+    s = vs_error_carry_on(err, vs_timeline_settle(scene, setup->machine, line, &setup->deck, err));
   if (!s)
     s = vs_events_read(vs_tree_child(scene, "events"), line, setup->run.until_s, &line->events,
                        err);

@@ -21,4 +21,8 @@ double vs_slips_segments(const char *line);
  * the time in the place of the node's voltage, or runs out of memory. */
 vs_status vs_slips_names(const vs_line *lines, size_t count, vs_error *err);
 
+/* Errors: a line is an .else, .elseif or .endif, and no .if is open there, for which ngspice gives
+ * no reason; or an .if that no .endif closes, behind which ngspice silently leaves all out. */
+vs_status vs_slips_conditions(const vs_line *lines, size_t count, vs_error *err);
+
 #endif

@@ -302,10 +302,24 @@ static void print_heat(const vs_result *r, FILE *out) {
 }
 
 /* What was run, and how. */
+void vs_show_feed(const vs_setup *setup, FILE *out) {
+  const vs_supply_values *supply = &setup->timeline.supply;
+  const char *model = setup->model.parameters.model, *title = setup->machine->title;
+  const bool titled = *title != '\0';
+  fprintf(out, "machine %s%s%s%s\nsupply %.9g V", model, titled ? " (" : "", title,
+          titled ? ")" : "", supply->voltage_v);
+  if (supply->direct)
+    fputs(" direct, from t = 0 on\n", out);
+  else
+    fprintf(out, " rms, %.9g Hz\n", supply->frequency_hz);
+}
+
 static void print_head(const vs_result *r, FILE *out) {
   const vs_scene *s = r->scene;
   const vs_absence *absence = &r->watchers.absence;
-  fprintf(out, "\nscene  %s\ntier   %s (%s)\n", s->path, s->tier->name, s->why);
+  fprintf(out, "\nscene  %s\n", s->path);
+  vs_show_feed(&s->setup, out);
+  fprintf(out, "tier   %s (%s)\n", s->tier->name, s->why);
   if (r->ladder.rung)
     fprintf(out, "rung   %d: %s; before, %s\n", r->ladder.rung, vs_ladder_text(r->ladder.rung),
             r->ladder.failed);

@@ -19,4 +19,8 @@ void vs_show_windows(const vs_spectrum *current, FILE *out);
 /* Prints for each class of apparatus which harmonic takes most of its limit, and how much. */
 void vs_show_classes(const vs_drawn *drawn, FILE *out);
 
+/* The lines of a table's head that name the machine and what feeds it: "supply 440 V rms, 50 Hz".
+ */
+void vs_show_feed(const vs_setup *setup, FILE *out);
+
 #endif

@@ -10,8 +10,18 @@ bool vs_choice_is_modulated(const vs_setup *setup) {
   return vs_deck_has_port(&setup->deck, vs_port_is_modulated);
 }
 
-const vs_node *vs_choice_node(const vs_node *root, const vs_tier_key *k) {
+/* The key of the scene; or of its machine, where that says by a word how it is fed or fired. */
+static const vs_node *find_key(const vs_node *root, const vs_setup *setup, const vs_tier_key *k) {
   const vs_node *node = vs_tree_child(vs_tree_child(root, k->section), k->key);
+  const vs_machine *m = setup->machine;
+  if (node || !m || m->lost || !k->value) return node;
+  if (!strcmp(k->section, vs_feed_supply.name)) return vs_tree_child(m->own_supply, k->key);
+  if (!strcmp(k->section, vs_feed_firing.name)) return vs_tree_child(m->own_firing, k->key);
+  return NULL;
+}
+
+const vs_node *vs_choice_node(const vs_node *root, const vs_setup *setup, const vs_tier_key *k) {
+  const vs_node *node = find_key(root, setup, k);
   bool is_stretch = !strcmp(k->section, vs_manner_measure.name);
   if (is_stretch && vs_tree_child(root, "quality")) return NULL;
   if (!node || !k->value) return node;
@@ -20,9 +30,9 @@ const vs_node *vs_choice_node(const vs_node *root, const vs_tier_key *k) {
 
 /* The first key, of those that this tier obeys and others do not, that the scene has; NULL: none.
  */
-static const vs_tier_key *own_key(const vs_node *root, const vs_tier *tier) {
+static const vs_tier_key *own_key(const vs_node *root, const vs_setup *setup, const vs_tier *tier) {
   for (const vs_tier_key *k = tier->keys; k && k->section; k++)
-    if (vs_choice_node(root, k)) return k;
+    if (vs_choice_node(root, setup, k)) return k;
   return NULL;
 }
 
@@ -91,7 +101,7 @@ static const char *needs_circuit(const vs_node *root, const vs_setup *setup, cha
   const char *judged = vs_tree_child(root, "expect")  ? "expect"
                        : vs_tree_child(root, "waive") ? "waive"
                                                       : NULL;
-  const vs_tier_key *key = own_key(root, vs_tiers_automatic(true));
+  const vs_tier_key *key = own_key(root, setup, vs_tiers_automatic(true));
   if (vs_choice_is_modulated(setup))
     snprintf(buffer, size, "a deck with a port pwm, %s", HAS);
   else if (circuit && circuit->child)
@@ -123,7 +133,7 @@ bool vs_choice_is_known(const vs_node *root, const vs_setup *setup) {
 
 vs_status vs_choice_make(const vs_node *root, const vs_setup *setup, const char *named,
                          const vs_tier **tier, char why[VS_CHOICE_WHY], vs_error *err) {
-  const vs_tier_key *ideal = own_key(root, vs_tiers_automatic(false));
+  const vs_tier_key *ideal = own_key(root, setup, vs_tiers_automatic(false));
   char what[200];
   int choice = setup->run.tier;
   if (named && !strcmp(named, "auto"))

@@ -20,8 +20,9 @@ bool vs_choice_is_known(const vs_node *root, const vs_setup *setup);
 /* True if switches of the scene's deck are modulated, which no ideal tier can do. */
 bool vs_choice_is_modulated(const vs_setup *setup);
 
-/* Returns the scene's value of that key. NULL: the scene does not have the key, or has another word
- * there, or every tier obeys it, as `measure` in a scene that asks for the quality of currents. */
-const vs_node *vs_choice_node(const vs_node *root, const vs_tier_key *key);
+/* Returns the scene's value of that key, or its machine's. NULL: they do not have the key, or has
+ * another word there, or every tier obeys it, as `measure` in a scene that asks for the quality of
+ * currents. */
+const vs_node *vs_choice_node(const vs_node *root, const vs_setup *setup, const vs_tier_key *key);
 
 #endif

@@ -64,7 +64,7 @@ static vs_status check_ignored_keys(const asked *s, vs_error *err) {
   for (int t = 0; t < VS_TIERS; t++)
     for (const vs_tier_key *k = vs_tiers_all[t]->keys; k && k->section && !status; k++)
       if (!obeys(s->tier, k) && !(all && s->tier->has_circuit))
-        status = ignored_key(s, k->section, vs_choice_node(s->root, k), err);
+        status = ignored_key(s, k->section, vs_choice_node(s->root, s->setup, k), err);
   return status;
 }
 
