@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/hash.h"
 #include "base/json.h"
 #include "base/leave.h"
 #include "plan/reading.h"
@@ -422,6 +423,7 @@ vs_status vs_study_command(const vs_study_options *o, vs_error *err) {
   s->journal.fd = s->journal.folder = -1;
   s->cases = (vs_cases){.plan = &s->plan, .journal = &s->journal};
   vs_status status = check_options(o, err);
+  vs_hash_hold(true); /* before the first file is read */
   if (!status) status = vs_reading_plan(o->name, o->methods, o->sets, o->n_sets, &s->plan, err);
   s->plan.allow_code = o->allow_code;
   if (!status) status = vs_control_allow(&s->plan.first->control, o->allow_code, err);
@@ -437,5 +439,6 @@ vs_status vs_study_command(const vs_study_options *o, vs_error *err) {
                      (unsigned long long)(s->journal.done + s->journal.failed));
   if (named && !o->folder) discard_folder(s);
   free_session(s);
+  vs_hash_hold(false);
   return status;
 }
