@@ -149,7 +149,7 @@ static vs_status read_rows(reader *c, vs_error *err) {
 
 static vs_status read_list(vs_plan *plan, const vs_node *section, void **state, vs_error *err) {
   char path[VS_PATH_SIZE];
-  vs_status status = vs_plan_find(plan, section, path, err);
+  vs_status status = vs_plan_find(section, path, err);
   if (status) return status;
   *state = vs_copy(path);
   FILE *f;
