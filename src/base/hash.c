@@ -116,10 +116,11 @@ static vs_status hold(const char *path, const char *sum, vs_error *err) {
     memcpy(new->sum, sum, sizeof new->sum);
   }
   if (!strcmp(holding.file[k].sum, sum)) return VS_OK;
-  return vs_fail(err, VS_INPUT,
-                 "%s has changed since this study began: its SHA-256 was %.8s..., and is %.8s...; "
-                 "put the file back and go on with --resume --again, or begin the study anew",
-                 path, holding.file[k].sum, sum);
+  return vs_fail(
+      err, VS_INPUT,
+      "%s has changed since this study began: its SHA-256 was %.8s..., and is %.8s...; "
+      "put the file back and go on with --resume --again failed, or begin the study anew",
+      path, holding.file[k].sum, sum);
 }
 
 /* Reads on to the end, from where the stream stands. to: where the bytes go, too; NULL: nowhere. */
