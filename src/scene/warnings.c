@@ -306,7 +306,8 @@ static void warn_of_folders(const vs_node *root, const vs_deck *deck, vs_warning
   warn_of_folder(vs_tree_child(circuit, vs_deck_key.key), w);
   for (size_t p = 0; p < deck->n_parts; p++) {
     const vs_node *named = vs_tree_child(circuit, deck->parts[p].name);
-    if (named && named->text && !strcmp(named->text, deck->parts[p].file)) warn_of_folder(named, w);
+    const char *file = deck->parts[p].file; /* NULL: it was not found */
+    if (named && named->text && file && !strcmp(named->text, file)) warn_of_folder(named, w);
   }
 }
 
