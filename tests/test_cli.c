@@ -1039,7 +1039,31 @@ static void a_full_standard_output_is_an_error(void) {
   remove("said.txt");
 }
 
+/* A deck, a machine and a study's scene are looked for beside the file that names them, and then
+ * where the program runs, with a warning. */
+static void files_beside(void) {
+  mkdir("sub", 0777);
+  write_gated_deck();
+  CU_ASSERT(!system("cp gated.cir gated.inc sub; echo '* a deck that is none' >gated.cir"));
+  write_file("sub/s.yaml", "circuit: {deck: gated.cir}\nrun: {until: 5 ms, tier: circuit}\n");
+  ran r = run("run sub/s.yaml --quiet"); /* the deck in sub, not the one here */
+  EXPECT(r.status != 2 && !strstr(r.err, "gated.cir"), "%d: %s", r.status, r.err);
+  free_ran(&r);
+  write_file("sub/g.yaml", "scene: s.yaml\nvary: {firing.angle: [90 deg]}\nreport: [i_peak]\n");
+  write_file("s.yaml", "no scene\n");
+  r = run("study sub/g.yaml --quiet");
+  EXPECT(r.status != 2 && count_lines(r.out) == 2, "%d: %s", r.status, r.err);
+  free_ran(&r);
+  CU_ASSERT(!system("mv sub/gated.cir ."));
+  r = run("run sub/s.yaml");
+  EXPECT(r.status != 2 &&
+             strstr(r.err, "gated.cir is taken from the folder where the program runs"),
+         "%d: %s", r.status, r.err);
+  free_ran(&r);
+}
+
 static const vs_test TESTS[] = {
+    {"files beside", files_beside},
     {"bad scenes are refused", bad_scenes_are_refused},
     {"bad commands are refused", bad_commands_are_refused},
     {"pipes in files are refused", pipes_in_files_are_refused},

@@ -35,7 +35,7 @@ static scene_id id_with(vs_identity *kept, const char *name, const char *sets) {
   vs_error err = {0};
   scene_id id = {.read = !vs_scene_read(name, set, n, NULL, scene, &err)};
   vs_identity *identity = kept ? kept : vs_identity_new(&NO_PLAN);
-  if (id.read) vs_identity_of(identity, scene, id.text);
+  if (id.read) id.read = !vs_identity_of(identity, scene, id.text, &err);
   if (!kept) vs_identity_free(identity);
   vs_scene_free(scene);
   free(scene);

@@ -61,6 +61,30 @@ static void installing(void) {
   free(says);
 }
 
+/* Configures a build for another machine and expects that so many files are made by running the
+ * program. */
+static void expect_made(const char *emulator, int count, int line) {
+  char command[4 * VS_PATH_SIZE];
+  snprintf(
+      command, sizeof command,
+      "rm -rf ../other; '%s' -S '%s/..' -B ../other -G 'Unix Makefiles' -DCMAKE_SYSTEM_NAME=Linux "
+      "-DBUILD_TESTING=OFF %s >../other_says 2>&1",
+      VS_CMAKE, VS_TEST_FOLDER, emulator);
+  int failed = system(command);
+  char *says = read_file("../other_says"),
+       *rules = read_file("../other/CMakeFiles/made.dir/build.make");
+  int made = 0;
+  for (char *at = rules; (at = strstr(at, "VIBROSPICE_PATH=")); at++) made++;
+  expect(!failed && made == count, line, "%d instead of %d: %s", made, count, says);
+  free(says), free(rules);
+}
+
+/* A build for another machine cannot run the program here without an emulator. */
+static void for_another_machine(void) {
+  expect_made("", 0, __LINE__);
+  expect_made("-DCMAKE_CROSSCOMPILING_EMULATOR=/usr/bin/env", 7, __LINE__);
+}
+
 static int compared;
 
 static int compare_file(const char *path, const struct stat *s, int kind, struct FTW *at) {
@@ -183,6 +207,7 @@ static void by_another_name(void) {
 int main(void) {
   static const vs_test TESTS[] = {
       {"installing", installing},
+      {"for another machine", for_another_machine},
       {"all of spice/ is there", all_of_spice_is_there},
       {"schemas are named", schemas_are_named},
       {"shipped scenes and decks run", shipped_scenes_and_decks_run},

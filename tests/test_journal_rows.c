@@ -23,11 +23,15 @@ static void write_journal(const char *head, const char *const *rows) {
   vs_text_free(&journal);
 }
 
-/* Of the study's own journal: what stands before its first row; free() it. */
+/* Of the study's own journal: its head; free() it. */
 static char *head_of(const char *path) {
   char *text = read_file(path), *row = strstr(text, " = ");
   CU_ASSERT_PTR_NOT_NULL_FATAL(row);
   while (row > text && row[-1] != '\n') row--;
+  *row = '\0';
+  row[-1] = '\0'; /* the last line says on what the rows behind it were made */
+  row = strrchr(text, '\n') + 1;
+  EXPECT(strstr(row, " m ") && strstr(row, ", libm "), "%s", row);
   *row = '\0';
   return text;
 }
@@ -58,6 +62,68 @@ static char *row_of(const char *path, int index) {
   free(text);
   return copy;
 }
+
+/* Runs the command, whose journals say on what their rows were made, and returns what it prints on
+ * standard error; free() it. */
+static char *warned(const char *words) {
+  ran r = run("%s", words);
+  EXPECT(r.status == 0, "%s: %s", words, r.err);
+  char *err = strdup(r.err);
+  free_ran(&r);
+  return err;
+}
+
+/* A journal says on what its rows were made. Where cases are done on something else, a study that
+ * goes on warns and says so in its manifest; merge does, too. */
+static void rows_of_other_bits(void) {
+  static const char OTHER[] = "m vax, libm 00000000, glibc 1.0, ngspice 39, GSL 2.7.1";
+  char *head = head_of("s/journal"), *zero = row_of("s/journal", 0), *one = row_of("s/journal", 1);
+  write_journal(head, (const char *[]){OTHER, zero, NULL});
+  char *err = warned("study a.yaml -o j --resume");
+  EXPECT(strstr(err, "j/journal: its rows are made on vax, libm 00000000") &&
+             strstr(err, "Columns at risk: i_peak_a, margin_least, "),
+         "%s", err);
+  char *manifest = read_file("j/manifest.json"), *journal = read_file("j/journal");
+  char *list = strstr(manifest, "\"computed_on\": [");
+  EXPECT(list && strstr(list, "\"vax, libm"), "%s", manifest);
+  char *added = strstr(journal, " = 0,");
+  EXPECT(added && strstr(added, " m "), "no line before the new row: %s", journal);
+  free(err), free(manifest), free(journal);
+
+  err = warned("study a.yaml -o j --resume"); /* nothing is left to be done */
+  EXPECT(!*err, "%s", err);
+  free(err);
+  write_journal(head, (const char *[]){OTHER, zero, one, NULL});
+  err = warned("merge j -o joined"); /* all on one other machine */
+  EXPECT(!*err, "%s", err);
+  free(err);
+  RUN_GOOD("study a.yaml -o one --shard 1/2 --quiet");
+  RUN_GOOD("study a.yaml -o two --shard 2/2 --quiet");
+  free(head), head = head_of("two/journal");
+  char *row = row_of("two/journal", 1);
+  write_journal(head, (const char *[]){OTHER, row, NULL});
+  err = warned("merge one j -o joined --overwrite");
+  EXPECT(strstr(err, "joined: its rows are made on "), "%s", err);
+  manifest = read_file("joined/manifest.json");
+  EXPECT(strstr(manifest, "\"computed_on\": ["), "%s", manifest);
+  free(err), free(manifest), free(row), free(head), free(zero), free(one);
+}
+
+#if defined __x86_64__ && defined __GLIBC__
+/* glibc takes other functions where the processor seems to have no fused multiply-add: what names
+ * them differs. A processor that has none always takes these. */
+static void other_functions(void) {
+  if (!__builtin_cpu_supports("fma")) return;
+  setenv("GLIBC_TUNABLES", "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX2_Usable,-FMA_Usable", 1);
+  RUN_GOOD("study a.yaml -o without --quiet");
+  unsetenv("GLIBC_TUNABLES");
+  char *with = read_file("s/journal"), *without = read_file("without/journal");
+  char *one = strstr(with, ", libm "), *other = strstr(without, ", libm ");
+  CU_ASSERT_FATAL(one && other);
+  EXPECT(strncmp(one, other, 15), "%.15s is %.15s", one, other);
+  free(with), free(without);
+}
+#endif
 
 /* The program has the plan where it goes on: a row whose id or axes are those of another case is
  * none of this one's. */
@@ -299,15 +365,19 @@ static void own_rows(void) {
 
 int main(void) {
   static const vs_test TESTS[] = {
-      {"a study to take a head from", make_study},
-      {"rows of another shape", rows_of_another_shape},
-      {"two rows of one case", two_rows_of_a_case},
-      {"cells in quotes", cells_in_quotes},
-      {"rows of other cases", rows_of_other_cases},
-      {"rows of a search", rows_of_a_search},
-      {"heads of others", heads_of_others},
-      {"its own head", its_own_head},
-      {"rows of the program's own", own_rows},
+    {"a study to take a head from", make_study},
+    {"rows of other bits", rows_of_other_bits},
+#if defined __x86_64__ && defined __GLIBC__
+    {"other functions", other_functions},
+#endif
+    {"rows of another shape", rows_of_another_shape},
+    {"two rows of one case", two_rows_of_a_case},
+    {"cells in quotes", cells_in_quotes},
+    {"rows of other cases", rows_of_other_cases},
+    {"rows of a search", rows_of_a_search},
+    {"heads of others", heads_of_others},
+    {"its own head", its_own_head},
+    {"rows of the program's own", own_rows},
   };
   return program_suite("journal_rows", TESTS, COUNT(TESTS));
 }

@@ -341,6 +341,60 @@ static void bad_objects(void) {
   unsetenv("LAW");
 }
 
+static void copy(const char *from, const char *to) {
+  char words[2 * VS_PATH_SIZE];
+  snprintf(words, sizeof words, "cp %s %s", from, to);
+  CU_ASSERT(!system(words));
+}
+
+/* A study's failures.csv has one row, of case 1, which says that this file has changed. */
+static void expect_changed(const char *study, const char *file, int line) {
+  char words[256], says[64];
+  snprintf(words, sizeof words, "study %s --allow-code --quiet --jobs 1 -o %s.out", study, study);
+  snprintf(says, sizeof says, "%s has changed since this study began", file);
+  ran r = run("%s", words);
+  expect(r.status == 1, line, "%s: exit status %d: %s", words, r.status, r.err);
+  free_ran(&r);
+  snprintf(words, sizeof words, "%s.out/failures.csv", study);
+  char *failures = read_file(words), *row = strstr(failures, "\n1,");
+  expect(row && strstr(row, says), line, "no '%s' in %s", says, failures);
+  expect(count_lines(failures) == 2, line, "other rows: %s", failures);
+  free(failures);
+}
+
+/* The law of case 0 changes a file that case 1 is made of: another law's object, another law's
+ * script, another deck. */
+static void changed_files(void) {
+  static const char AXIS[] = "scene: s.yaml\nvary: {%s: [%s]}\nreport: [i_peak]\n";
+  char text[256];
+  copy(VS_LAWS "/broken.so", "one.so");
+  copy(VS_LAWS "/broken.so", "two.so");
+  write_scene("s.yaml", "law: object, file: one.so");
+  snprintf(text, sizeof text, AXIS, "control.file", "one.so, two.so");
+  write_file("objects.yaml", text);
+  setenv("LAW_FILE", "two.so", 1);
+  expect_changed("objects.yaml", "two.so", __LINE__);
+  unsetenv("LAW_FILE");
+
+  write_file("two.sh", "while read -r line; do echo '{\"angle_deg\": 95}'; done\n");
+  write_file("one.sh", "echo '# other' >>two.sh\n"
+                       "while read -r line; do echo '{\"angle_deg\": 95}'; done\n");
+  write_scene("s.yaml", "law: pipe, command: sh one.sh");
+  snprintf(text, sizeof text, AXIS, "control.command", "sh one.sh, sh two.sh");
+  write_file("scripts.yaml", text);
+  expect_changed("scripts.yaml", "two.sh", __LINE__);
+
+  write_gated_deck();
+  copy("gated.cir", "two.cir");
+  write_file("one.sh", "echo '* other' >>two.cir\n"
+                       "while read -r line; do echo '{\"angle_deg\": 95}'; done\n");
+  write_file("s.yaml", "firing: {every: 1}\ncontrol: {law: pipe, command: sh one.sh}\n"
+                       "instruments: {}\nrun: {until: 50 ms, tier: circuit}\n");
+  snprintf(text, sizeof text, AXIS, "circuit.deck", "gated.cir, two.cir");
+  write_file("decks.yaml", text);
+  expect_changed("decks.yaml", "two.cir", __LINE__);
+}
+
 /* What a law prints gets into no file, not even where the standard streams are closed. */
 static void closed_streams(void) {
   write_object_scene("s.yaml", "broken", "");
@@ -657,6 +711,7 @@ static const vs_test TESTS[] = {{"a copy answers", a_copy_answers},
                                 {"bad objects", bad_objects},
                                 {"closed streams", closed_streams},
                                 {"no objects", no_objects},
+                                {"changed files", changed_files},
                                 {"bad pipes", bad_pipes},
                                 {"lines", lines},
                                 {"estimates", estimates},

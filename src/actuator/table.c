@@ -17,6 +17,7 @@
 
 #include "actuator/coil.h"
 #include "actuator/values.h"
+#include "base/hash.h"
 #include "base/jail.h"
 #include "base/path.h"
 #include "tables/grid.h"
@@ -82,13 +83,13 @@ static vs_status open_table(const char *name, vs_where where, char path[VS_PATH_
     snprintf(path, VS_PATH_SIZE, "%.*s%s", (int)(slash + 1 - where.file), where.file, name);
     status = vs_jail_check(path, where, err);
     if (!status) status = vs_path_check_plain(path, where, err);
-    if (!status) *stream = fopen(path, "r");
+    if (!status) status = vs_hash_open(path, stream, err);
   }
   if (status || *stream) return status;
   snprintf(path, VS_PATH_SIZE, "%s", name);
   status = vs_jail_check(path, where, err);
   if (!status) status = vs_path_check_plain(path, where, err);
-  if (!status) *stream = fopen(path, "r");
+  if (!status) status = vs_hash_open(path, stream, err);
   if (status || *stream) return status;
   return vs_fail_at(err, where, "actuator.law: the table %s cannot be read: %s", name,
                     strerror(errno));

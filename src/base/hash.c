@@ -3,7 +3,12 @@
 
 #include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+
+#include "base/alloc.h"
+#include "base/text.h"
 
 uint32_t vs_hash_crc32(const void *bytes, size_t size) {
   const unsigned char *b = bytes;
@@ -79,18 +84,102 @@ void vs_hash_end(vs_hash *h, char text[VS_HASH_TEXT]) {
   text[64] = '\0';
 }
 
-vs_status vs_hash_file(const char *path, char text[VS_HASH_TEXT], vs_error *err) {
-  const vs_where where = {.file = path};
-  FILE *f = fopen(path, "rb");
-  if (!f) return vs_fail_at(err, where, "cannot be opened: %s", strerror(errno));
-  vs_hash hash;
+/* ---- files of input ---- */
+
+/* What is held: each file as it was when it was read first. */
+typedef struct held {
+  char *path;
+  char sum[VS_HASH_TEXT];
+} held;
+static struct {
+  bool on;
+  held *file;
+  size_t count;
+} holding;
+
+void vs_hash_hold(bool on) {
+  for (size_t k = 0; k < holding.count; k++) free(holding.file[k].path);
+  free(holding.file);
+  holding.file = NULL;
+  holding.count = 0;
+  holding.on = on;
+}
+
+/* Error: the file was read before, and then had another sum. */
+static vs_status hold(const char *path, const char *sum, vs_error *err) {
+  size_t k = 0;
+  while (k < holding.count && strcmp(holding.file[k].path, path)) k++;
+  if (k == holding.count) {
+    holding.file = vs_alloc_grow(holding.file, holding.count, sizeof *holding.file);
+    held *new = &holding.file[holding.count++];
+    new->path = vs_copy(path);
+    memcpy(new->sum, sum, sizeof new->sum);
+  }
+  if (!strcmp(holding.file[k].sum, sum)) return VS_OK;
+  return vs_fail(
+      err, VS_INPUT,
+      "%s has changed since this study began: its SHA-256 was %.8s..., and is %.8s...; "
+      "put the file back and go on with --resume --again failed, or begin the study anew",
+      path, holding.file[k].sum, sum);
+}
+
+/* Reads on to the end, from where the stream stands. to: where the bytes go, too; NULL: nowhere. */
+static bool add_stream(vs_hash *hash, FILE *from, FILE *to) {
   char part[4096];
   size_t n;
+  while ((n = fread(part, 1, sizeof part, from)) > 0) {
+    vs_hash_add(hash, part, n);
+    if (to && fwrite(part, 1, n, to) != n) return false;
+  }
+  return !ferror(from) && (!to || !fflush(to));
+}
+
+/* The largest file that is held, in bytes: more than any that is read again (a deck may have 16 MB,
+ * a scene 8 MB). */
+enum { LARGEST_HELD = 1 << 26 };
+
+/* Makes a copy of the file's bytes in memory, and holds them. The file is closed. */
+static vs_status copy_held(const char *path, size_t size, FILE *file, FILE **copy, vs_error *err) {
+  vs_hash hash;
+  char sum[VS_HASH_TEXT];
+  *copy = vs_checked(fmemopen(NULL, size + 1, "w+"));
   vs_hash_begin(&hash);
-  while ((n = fread(part, 1, sizeof part, f)) > 0) vs_hash_add(&hash, part, n);
-  bool bad = ferror(f);
+  const bool whole = add_stream(&hash, file, *copy);
+  const int why = ferror(file) ? errno : EBUSY; /* it has grown while it was read */
+  vs_hash_end(&hash, sum);
+  fclose(file);
+  vs_status status = whole ? hold(path, sum, err) : VS_OK;
+  if (whole && !status) {
+    rewind(*copy);
+    return VS_OK;
+  }
+  fclose(*copy);
+  *copy = NULL;
+  errno = why;
+  return status;
+}
+
+vs_status vs_hash_open(const char *path, FILE **stream, vs_error *err) {
+  struct stat s;
+  *stream = fopen(path, "rb");
+  if (!*stream || !holding.on || fstat(fileno(*stream), &s) || !S_ISREG(s.st_mode) ||
+      s.st_size > LARGEST_HELD)
+    return VS_OK;
+  return copy_held(path, (size_t)s.st_size, *stream, stream, err);
+}
+
+vs_status vs_hash_file(const char *path, char text[VS_HASH_TEXT], vs_error *err) {
+  const vs_where where = {.file = path};
+  FILE *f;
+  vs_hash hash;
+  vs_status status = vs_hash_open(path, &f, err);
+  if (status) return status;
+  if (!f) return vs_fail_at(err, where, "cannot be opened: %s", strerror(errno));
+  vs_hash_begin(&hash);
+  const bool whole = add_stream(&hash, f, NULL);
+  const int why = errno;
   fclose(f);
-  if (bad) return vs_fail_at(err, where, "cannot be read: %s", strerror(errno));
+  if (!whole) return vs_fail_at(err, where, "cannot be read: %s", strerror(why));
   vs_hash_end(&hash, text);
   return VS_OK;
 }

@@ -124,6 +124,34 @@ bool vs_path_own(const vs_shelf *shelf, const char *name, char path[VS_PATH_SIZE
   return each_own(try_library, &search) && access(path, R_OK) == 0;
 }
 
+/* True if the place is in a file that lies in another folder than the one where the program runs by
+ * default, so that a relative name in it begins there. *folder is how many bytes of the file's name
+ * are that folder. */
+static bool has_folder(const char *name, vs_where where, int *folder) {
+  char file[VS_PATH_SIZE];
+  if (!where.file || *name == '/') return false;
+  snprintf(file, sizeof file, "%.*s", (int)vs_error_file_size(where.file), where.file);
+  const char *slash = strrchr(file, '/');
+  *folder = slash ? (int)(slash + 1 - file) : 0;
+  return slash && is_file(file); /* the label of a --set is none */
+}
+
+bool vs_path_beside(const char *name, vs_where where, char path[VS_PATH_SIZE]) {
+  char file[VS_PATH_SIZE]; /* of a table's row, the table */
+  int folder;
+  if (!*name || !has_folder(name, where, &folder) ||
+      snprintf(path, VS_PATH_SIZE, "%.*s%s", folder, where.file, name) >= VS_PATH_SIZE)
+    return false;
+  snprintf(file, sizeof file, "%.*s", (int)vs_error_file_size(path), path);
+  return is_file(file);
+}
+
+bool vs_path_is_fallback(const char *name, vs_where where) {
+  char path[VS_PATH_SIZE];
+  int folder;
+  return has_folder(name, where, &folder) && !vs_path_beside(name, where, path) && is_file(name);
+}
+
 /* A file of that name hides one that comes with the program. Who meant that one is told. */
 static vs_status check_own_file(const vs_shelf *shelf, const char *name, vs_where where,
                                 vs_error *err) {
@@ -159,6 +187,10 @@ static vs_status refuse(const vs_shelf *shelf, const char *name, vs_where where,
 vs_status vs_path_find(const vs_shelf *shelf, const char *name, vs_where where,
                        char path[VS_PATH_SIZE], vs_error *err) {
   if (strlen(name) >= VS_PATH_SIZE / 2) return vs_fail_at(err, where, "%s: name too long", name);
+  if (vs_path_beside(name, where, path)) {
+    vs_status status = vs_jail_check(path, where, err);
+    return status ? status : vs_path_check_plain(path, where, err);
+  }
   snprintf(path, VS_PATH_SIZE, "%s", name);
   if (is_file(path)) {
     vs_status status = check_own_file(shelf, name, where, err);

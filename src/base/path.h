@@ -16,7 +16,8 @@ typedef struct vs_shelf {
   const char *ending; /* ".yaml" */
 } vs_shelf;
 
-/* Writes to path where the file called name lies. It is the path given, or NAME+ending on the shelf
+/* Writes to path where the file called name lies. A file that names it has it beside itself; else
+ * it is the path given, from the working folder (vs_path_is_fallback), or NAME+ending on the shelf
  * in the first library folder that has it. The library folders are, in this order: those of
  * $VIBROSPICE_PATH (separated by colons), share/vibrospice beside the executable, and the build's
  * VS_LIBRARY: spice/ of the source tree, or where the Debian package installs it. where is the
@@ -26,8 +27,16 @@ typedef struct vs_shelf {
 vs_status vs_path_find(const vs_shelf *shelf, const char *name, vs_where where,
                        char path[VS_PATH_SIZE], vs_error *err);
 
-/* The same, but on the shelf alone: a file of that name in the working directory is none. `looked`
- * says in the message where else the file is not, as "not a file". */
+/* Writes the path that the name has from the folder of the file that names it at `where`. False:
+ * there is no such file, the name is a path from the root, or no file names it, but a --set. */
+bool vs_path_beside(const char *name, vs_where where, char path[VS_PATH_SIZE]);
+
+/* True if the name has a file from the working folder and none beside the file that names it, which
+ * lies in another folder: to be warned of. */
+bool vs_path_is_fallback(const char *name, vs_where where);
+
+/* The same as vs_path_find, but on the shelf alone: a file of that name in the working directory is
+ * none. `looked` says in the message where else the file is not, as "not a file". */
 vs_status vs_path_find_shipped(const vs_shelf *shelf, const char *name, vs_where where,
                                const char *looked, char path[VS_PATH_SIZE], vs_error *err);
 

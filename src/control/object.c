@@ -9,8 +9,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
+#include "base/hash.h"
 #include "base/path.h"
 #include "control/remote.h"
 #include "control/view.h"
@@ -34,7 +36,8 @@ _Static_assert(sizeof(hello) <= VS_REMOTE_MOST && sizeof(reply) <= VS_REMOTE_MOS
 typedef struct object {
   vs_view view;
   vs_remote remote;
-  char path[VS_PATH_SIZE]; /* of the object, from the root */
+  char named[VS_PATH_SIZE]; /* the object, as the scene names it */
+  char path[VS_PATH_SIZE];  /* the same, from the root */
 } object;
 
 /* ---- the child ---- */
@@ -56,13 +59,52 @@ static void write_all(int to, const void *data, size_t size) {
   if (write(to, data, size) != (ssize_t)size) _exit(1); /* a pipe takes that much at once */
 }
 
-/* Loads the object. NULL: it is of no use, and h tells why. */
-static law load(const char *path, hello *h) {
-  void *handle = dlopen(path, RTLD_NOW | RTLD_LOCAL);
-  if (!handle) {
+/* Copies the object into memory, where nobody changes it while it runs. Returns the copy's
+ * descriptor; -1: there is none, or the object asks for libraries that lie beside it, which the
+ * loader would not find beside a copy. */
+static int copy_object(FILE *from) {
+  static const char BESIDE[] = "$ORIGIN";
+  char part[4096];
+  size_t n = 0;
+  int copy = memfd_create("law", 0);
+  bool whole = copy >= 0;
+  while (whole && (n = fread(part, 1, sizeof part, from)) > 0)
+    whole = write(copy, part, n) == (ssize_t)n;
+  const off_t size = whole ? lseek(copy, 0, SEEK_CUR) : 0;
+  void *bytes = size ? mmap(NULL, (size_t)size, PROT_READ, MAP_PRIVATE, copy, 0) : MAP_FAILED;
+  whole = bytes != MAP_FAILED && !memmem(bytes, (size_t)size, BESIDE, sizeof BESIDE - 1);
+  if (bytes != MAP_FAILED) munmap(bytes, (size_t)size);
+  if (whole || copy < 0) return copy;
+  close(copy);
+  return -1;
+}
+
+/* Opens the object's bytes as the one reader gives them, or, where no copy of them can be loaded,
+ * the file, which must then be the same behind that. */
+static void *open_object(const object *o, hello *h) {
+  vs_error changed = {0};
+  char name[32], sum[VS_HASH_TEXT];
+  FILE *f;
+  vs_status status = vs_hash_open(o->named, &f, &changed);
+  const int copy = f ? copy_object(f) : -1;
+  void *handle = NULL;
+  if (f) fclose(f);
+  snprintf(name, sizeof name, "/proc/self/fd/%d", copy);
+  if (copy >= 0) handle = dlopen(name, RTLD_NOW | RTLD_LOCAL);
+  if (handle) return handle;
+  if (!status && !(handle = dlopen(o->path, RTLD_NOW | RTLD_LOCAL))) {
     snprintf(h->trouble, sizeof h->trouble, "cannot be loaded: %s", dlerror());
     return NULL;
   }
+  if (!status && !vs_hash_file(o->named, sum, &changed)) return handle;
+  snprintf(h->trouble, sizeof h->trouble, "has changed as it was loaded");
+  return NULL;
+}
+
+/* Loads the object. NULL: it is of no use, and h tells why. */
+static law load(const object *o, hello *h) {
+  void *handle = open_object(o, h);
+  if (!handle) return NULL;
   const int *version = dlsym(handle, "vibrospice_law_version");
   void *function = dlsym(handle, "vibrospice_law");
   law found = NULL;
@@ -84,7 +126,7 @@ static law load(const char *path, hello *h) {
 static void work(void *ctx, int in, int out) {
   object *o = ctx;
   hello h = {{0}};
-  law decides = load(o->path, &h);
+  law decides = load(o, &h);
   write_all(out, &h, sizeof h);
   while (decides) {
     reply r = {0};
@@ -120,7 +162,7 @@ static vs_status check(const vs_control_values *v, vs_where where, vs_error *err
 static vs_status begin(void *self, const vs_sight *sight, vs_error *err) {
   object *o = self;
   const char *name = sight->v->file, *slash = strrchr(name, '/');
-  char path[VS_PATH_SIZE];
+  char *path = o->named, sum[VS_HASH_TEXT];
   hello h;
   o->remote.name = slash ? slash + 1 : name;
   o->remote.timeout_s = sight->v->timeout_s;
@@ -130,6 +172,8 @@ static vs_status begin(void *self, const vs_sight *sight, vs_error *err) {
   vs_view_path(name, sight->where, path);
   if (!realpath(path, o->path)) /* dlopen looks elsewhere for a name without a slash */
     return vs_fail_at(err, sight->where, "control.file: %s: %s", path, strerror(errno));
+  status = vs_hash_file(path, sum, err); /* which names the file that has changed */
+  if (status) return status;
   status = vs_remote_fork(&o->remote, work, o, err);
   if (!status) status = vs_remote_answer(&o->remote, sizeof h, err);
   if (status) return status;

@@ -8,6 +8,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "base/hash.h"
 #include "base/json.h"
 #include "base/path.h"
 #include "base/text.h"
@@ -186,6 +187,7 @@ typedef struct pipe_law {
   vs_remote remote;
   words words;
   vs_text question;
+  bool answered; /* since it began */
 } pipe_law;
 
 static vs_status check(const vs_control_values *v, vs_where where, vs_error *err) {
@@ -206,6 +208,15 @@ static bool file(const vs_control_values *v, vs_where where, int k, char path[VS
   return false;
 }
 
+/* Error: one of the files has changed since the study began. */
+static vs_status check_files(const vs_sight *sight, vs_error *err) {
+  char path[VS_PATH_SIZE], sum[VS_HASH_TEXT];
+  vs_status status = VS_OK;
+  for (int k = 0; !status && file(sight->v, sight->where, k, path); k++)
+    status = vs_hash_file(path, sum, err);
+  return status;
+}
+
 static vs_status begin(void *self, const vs_sight *sight, vs_error *err) {
   pipe_law *p = self;
   char folder[VS_PATH_SIZE];
@@ -213,6 +224,7 @@ static vs_status begin(void *self, const vs_sight *sight, vs_error *err) {
   p->remote.timeout_s = sight->v->timeout_s;
   vs_view_begin(&p->view, sight);
   vs_status status = check(sight->v, sight->where, err);
+  if (!status) status = check_files(sight, err);
   if (status) return status;
   cut(sight->v->command, &p->words);
   if (!vs_view_path("", sight->where, folder)) *folder = '\0';
@@ -233,6 +245,8 @@ static vs_status decide(void *self, const vs_sight *sight, double *angle_rad, vs
   write_question(&p->view, &p->question);
   vs_status status = vs_remote_ask(r, sight->t_s, p->question.text, p->question.length, err);
   if (!status) status = vs_remote_answer(r, 0, err);
+  if (!status && !p->answered) status = check_files(sight, err); /* as it has read them by now */
+  p->answered = true;
   if (!status) status = read_answer(r, &angle_deg, trouble, sizeof trouble, err);
   return status ? status : vs_view_answer(&p->view, r->name, angle_deg, trouble, angle_rad, err);
 }

@@ -9,6 +9,7 @@
 #include <strings.h>
 
 #include "base/file.h"
+#include "base/hash.h"
 
 static const vs_shelf EVA_SHELF = {"subcircuit", "", ".inc"};
 
@@ -270,7 +271,9 @@ vs_status vs_eva_write(const vs_deck *deck, vs_text *out, vs_error *err) {
   vs_status status = vs_path_find_shipped(&EVA_SHELF, deck->eva_file ? deck->eva_file : own,
                                           (vs_where){0}, "not a file", path, err);
   if (status) return status;
-  FILE *file = fopen(path, "r");
+  FILE *file;
+  status = vs_hash_open(path, &file, err);
+  if (status) return status;
   if (!file) return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", path, strerror(errno));
   while (vs_alloc_line(&line, &size, file) >= 0) {
     line[strcspn(line, "\r\n")] = '\0';

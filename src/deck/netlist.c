@@ -383,15 +383,19 @@ static double factor_of(const vs_device *d, const vs_circuit_values *values) {
 
 /* ---- parts ---- */
 
-/* Finds the file of a part: at the path given, or in the deck's folder, or on the shelf of parts,
- * where it may be a row of a table. */
+/* Finds the file of a part: beside the file that names it, or in the deck's folder, or at the path
+ * given, or on the shelf of parts, where it may be a row of a table. */
 static vs_status find_part(const vs_deck *deck, const char *name, vs_where where,
                            char path[VS_PATH_SIZE], vs_error *err) {
   const char *slash = strrchr(deck->files[0], '/');
   int folder = slash ? (int)(slash - deck->files[0] + 1) : 0;
-  for (int ending = 0; ending < 2; ending++) {
-    snprintf(path, VS_PATH_SIZE, "%.*s%s%s", *name == '/' ? 0 : folder, deck->files[0], name,
-             ending ? vs_deck_parts_shelf.ending : "");
+  for (int k = 0; k < 4; k++) { /* beside, in the deck's folder; each without and with the ending */
+    char whole[VS_PATH_SIZE];
+    snprintf(whole, sizeof whole, "%.4000s%s", name, k % 2 ? vs_deck_parts_shelf.ending : "");
+    if (k < 2 && !vs_path_beside(whole, where, path)) continue;
+    if (k >= 2 && snprintf(path, VS_PATH_SIZE, "%.*s%s", *name == '/' ? 0 : folder, deck->files[0],
+                           whole) >= VS_PATH_SIZE)
+      continue;
     struct stat s;
     char file[VS_PATH_SIZE];
     vs_catalogue_file(path, file);

@@ -10,6 +10,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "base/hash.h"
 #include "base/jail.h"
 #include "base/text.h"
 
@@ -29,7 +30,9 @@ static vs_status read_bytes(const char *path, bytes *b, vs_error *err) {
   vs_status status = vs_jail_check(path, place, err);
   if (status) return status;
   if (!stat(path, &s) && !S_ISREG(s.st_mode)) return vs_fail_at(err, place, "is no file of text");
-  FILE *f = fopen(path, "r");
+  FILE *f;
+  status = vs_hash_open(path, &f, err);
+  if (status) return status;
   if (!f) return vs_fail_at(err, place, "cannot be opened: %s", strerror(errno));
   size_t room = 0, n;
   do {

@@ -25,20 +25,13 @@ bool vs_inquiry_owns(const char *set) {
   return false;
 }
 
-/* Opens the scene that a node names: a path, which may start from the fit's folder, or the name of
+/* Opens the scene that a node names: a path, which starts from the fit's folder, or the name of
  * one that comes with the program. */
-static vs_status open_scene(const vs_inquiry *q, const vs_node *node, vs_scene *scene,
-                            vs_error *err) {
-  char path[VS_PATH_SIZE];
-  const char *slash = strrchr(q->path, '/');
+static vs_status open_scene(const vs_node *node, vs_scene *scene, vs_error *err) {
   if (!node) return vs_scene_open("paper", (vs_where){0}, scene, err);
   if (node->kind != VS_NODE_TEXT || !*node->text)
     return vs_fail_at(err, node->where, "scene: a file, or the name of a scene, is wanted");
-  int n = snprintf(path, sizeof path, "%.*s%s", slash ? (int)(slash - q->path + 1) : 0, q->path,
-                   node->text);
-  bool beside = strchr(node->text, '.') && *node->text != '/' && n < VS_PATH_SIZE &&
-                access(node->text, R_OK) && !access(path, R_OK);
-  return vs_scene_open(beside ? path : node->text, node->where, scene, err);
+  return vs_scene_open(node->text, node->where, scene, err);
 }
 
 static vs_status put_set(const vs_node *set, vs_scene *scene, vs_error *err) {
@@ -54,7 +47,7 @@ static vs_status put_set(const vs_node *set, vs_scene *scene, vs_error *err) {
 static vs_status read_scene(const vs_inquiry *q, const vs_node *own, vs_scene *scene,
                             vs_error *err) {
   const vs_node *name = vs_tree_child(own, "scene"), *root = q->tree.root;
-  vs_status status = open_scene(q, name ? name : vs_tree_child(root, "scene"), scene, err);
+  vs_status status = open_scene(name ? name : vs_tree_child(root, "scene"), scene, err);
   if (!status) status = put_set(vs_tree_child(root, "set"), scene, err);
   if (!status && own) status = put_set(vs_tree_child(own, "set"), scene, err);
   for (size_t k = 0; k < q->n_sets && !status; k++)

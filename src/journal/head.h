@@ -32,8 +32,8 @@ const char *vs_head_differs(const vs_head *a, const vs_head *b);
  * version and those of its libraries; texts have room for `size` bytes. */
 bool vs_head_programs(const vs_head *a, const vs_head *b, char *of_a, char *of_b, size_t size);
 
-/* Adds a line of a journal, with its sum and its kind ('h', 'H', '=', '!' or '~'). The text's own
- * line ends are written as \n. */
+/* Adds a line of a journal, with its sum and its kind ('h', 'H', 'm', '=', '!' or '~'). The text's
+ * own line ends are written as \n. */
 void vs_head_line(vs_text *to, char kind, const char *text, size_t length);
 
 /* Where in such a line its kind stands, and its text. */

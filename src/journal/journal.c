@@ -67,6 +67,14 @@ vs_status vs_journal_remove(const char *folder, vs_error *err) {
   return status;
 }
 
+/* Adds the line that says on what the rows behind it were made. */
+static void say_bits(vs_journal *j, vs_text *to) {
+  if (j->says_bits) return;
+  vs_head_line(to, 'm', vs_bits_here(), strlen(vs_bits_here()));
+  vs_bits_add(&j->bits, vs_bits_here());
+  j->says_bits = true;
+}
+
 vs_status vs_journal_create(vs_journal *j, const char *folder, vs_head *head, vs_error *err) {
   vs_file file = {0};
   vs_text text = {0};
@@ -77,6 +85,7 @@ vs_status vs_journal_create(vs_journal *j, const char *folder, vs_head *head, vs
   vs_status status = vs_lock_folder(folder, j->path, &j->folder, err);
   if (!status) status = vs_file_open(&file, folder, NAME, err);
   vs_head_print(&text, &j->head);
+  say_bits(j, &text);
   if (!status) {
     fputs(text.text, file.stream);
     status = vs_file_commit(&file, err);
@@ -225,6 +234,8 @@ static vs_status take_line(void *ctx, const vs_lines_entry *e, bool *enough, vs_
   const bool headed = vs_head_is_whole(&j->head);
   if (kind == 'h' || kind == 'H')
     take_head(j, e, r);
+  else if (kind == 'm')
+    vs_bits_add(&j->bits, e->text + VS_HEAD_TEXT);
   else if (kind == '~' && headed)
     call_back(j, e);
   else if ((kind == '=' || kind == '!') && headed)
@@ -334,6 +345,7 @@ void vs_journal_close(vs_journal *j) {
   free(j->place);
   vs_row_free(j->shape);
   vs_text_free(&j->fresh);
+  vs_text_free(&j->bits);
   free(j->part);
   *j = (vs_journal){.fd = -1, .folder = -1};
 }
@@ -351,6 +363,7 @@ bool vs_journal_had(const vs_journal *j, uint64_t index) {
 vs_status vs_journal_add(vs_journal *j, uint64_t index, int status, const char *row, size_t length,
                          vs_error *err) {
   const bool failed = status == 1;
+  say_bits(j, &j->fresh);
   make_room(j, own(j, index) + 1);
   j->place[own(j, index)] = j->end + j->fresh.length + 1;
   vs_head_line(&j->fresh, failed ? '!' : '=', row, length);

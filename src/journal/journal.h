@@ -30,6 +30,7 @@
 
 #include "base/path.h"
 #include "base/text.h"
+#include "journal/bits.h"
 #include "journal/head.h"
 #include "journal/lines.h"
 #include "journal/row.h"
@@ -56,6 +57,8 @@ typedef struct vs_journal {
   vs_text fresh;     /* lines that are not written yet */
   vs_lines_part *part; /* of the file, as it was read last; NULL: closed */
   bool unsynced;       /* lines were written since the last fsync */
+  vs_text bits;        /* on what its rows were made (journal/bits.h), a line each */
+  bool says_bits;      /* the lines that this process adds stand behind one that says on what */
 } vs_journal;
 
 /* True if the folder holds a journal. */

@@ -114,6 +114,14 @@ void vs_row_free(vs_row *shape) {
   free(shape);
 }
 
+size_t vs_row_first_measure(const vs_row *shape) {
+  size_t k = 0;
+  while (k < shape->done.count && k < shape->failed.count &&
+         !strcmp(shape->done.name[k], shape->failed.name[k]))
+    k++;
+  return k;
+}
+
 size_t vs_row_columns(const vs_row *shape) {
   return shape->done.count;
 }

@@ -27,7 +27,8 @@ typedef struct vs_row_column {
   const char *unit; /* as JSON, in quotes; the shape's own. "" in quotes: none, or not known */
   vs_row_holds holds;
 } vs_row_column;
-size_t vs_row_columns(const vs_row *shape); /* how many columns study.csv has */
+size_t vs_row_columns(const vs_row *shape);       /* how many columns study.csv has */
+size_t vs_row_first_measure(const vs_row *shape); /* the first behind its axes */
 vs_row_column vs_row_column_at(const vs_row *shape, size_t k);
 
 /* True if the program prints numbers like this one: finite, neither hexadecimal nor a blank before

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "base/csv.h"
+#include "base/hash.h"
 #include "plan/plan.h"
 #include "syntax/units.h"
 
@@ -148,10 +149,12 @@ static vs_status read_rows(reader *c, vs_error *err) {
 
 static vs_status read_list(vs_plan *plan, const vs_node *section, void **state, vs_error *err) {
   char path[VS_PATH_SIZE];
-  vs_status status = vs_plan_find(plan, section, path, err);
+  vs_status status = vs_plan_find(section, path, err);
   if (status) return status;
   *state = vs_copy(path);
-  FILE *f = fopen(path, "r");
+  FILE *f;
+  status = vs_hash_open(path, &f, err);
+  if (status) return status;
   reader c = {.plan = plan,
               .csv = {.file = *state /* lasts as long as the plan */,
                       .stream = f,

@@ -4,10 +4,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "base/hash.h"
-#include "base/jail.h"
 #include "catalogue/catalogue.h"
 
 /* ---- keys ---- */
@@ -52,19 +50,10 @@ bool vs_plan_is_own(const vs_plan *plan, const char *set) {
 
 /* ---- the scene ---- */
 
-vs_status vs_plan_find(const vs_plan *plan, const vs_node *name, char path[VS_PATH_SIZE],
-                       vs_error *err) {
+vs_status vs_plan_find(const vs_node *name, char path[VS_PATH_SIZE], vs_error *err) {
   static const vs_shelf FILES = {"file", "studies", ""};
-  const char *slash = strrchr(plan->path, '/');
   if (name->kind != VS_NODE_TEXT || !*name->text)
     return vs_fail_at(err, name->where, "a file's name is wanted");
-  int n = snprintf(path, VS_PATH_SIZE, "%.*s%s",
-                   slash && *name->text != '/' ? (int)(slash - plan->path + 1) : 0, plan->path,
-                   name->text);
-  if (access(name->text, R_OK) && n < VS_PATH_SIZE && !access(path, R_OK)) {
-    vs_status status = vs_jail_check(path, name->where, err);
-    return status ? status : vs_path_check_plain(path, name->where, err);
-  }
   return vs_path_find(&FILES, name->text, name->where, path, err);
 }
 

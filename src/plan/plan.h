@@ -114,10 +114,9 @@ vs_status vs_plan_scene(const vs_plan *plan, vs_scene *scene, vs_error *err);
 vs_status vs_plan_axis(vs_plan *plan, const vs_node *node, const char *by, vs_axis **axis,
                        vs_error *err);
 
-/* Finds a file the study names: as it stands, else from the study's folder, else among those that
- * come with the program's studies. */
-vs_status vs_plan_find(const vs_plan *plan, const vs_node *name, char path[VS_PATH_SIZE],
-                       vs_error *err);
+/* Finds a file the study names: beside the study, else from the working folder, else among those
+ * that come with the program's studies. */
+vs_status vs_plan_find(const vs_node *name, char path[VS_PATH_SIZE], vs_error *err);
 
 /* Adds a file that the cases are made of: it enters the manifest, and what the study is told apart
  * by. */

@@ -213,7 +213,7 @@ static vs_status name_scene(vs_plan *plan, vs_error *err) {
   plan->scene_where = node->where;
   if (node->kind != VS_NODE_TEXT || !*node->text)
     return vs_fail_at(err, node->where, "scene: a file, or the name of a scene, is wanted");
-  bool found = strchr(node->text, '.') && !vs_plan_find(plan, node, path, &none);
+  bool found = strchr(node->text, '.') && !vs_plan_find(node, path, &none);
   snprintf(plan->scene_name, sizeof plan->scene_name, "%s", found ? path : node->text);
   return VS_OK;
 }

@@ -289,9 +289,36 @@ static void warn_of_supply(const vs_node *root, const vs_setup *s, vs_warnings *
                1e3 * r_ohm);
 }
 
+/* Warns of a file that is taken from the working folder, as none of that name lies beside the file
+ * that names it. */
+static void warn_of_folder(const vs_node *named, vs_warnings *w) {
+  if (!named || named->kind != VS_NODE_TEXT || !vs_path_is_fallback(named->text, named->where))
+    return;
+  vs_fail_at(vs_warnings_add(w), named->where,
+             "%s is taken from the folder where the program runs, as none lies beside the file "
+             "that names it; put it there, or write a path that starts there",
+             named->text);
+}
+
+static void warn_of_folders(const vs_node *root, const vs_deck *deck, vs_warnings *w) {
+  static const char *const KEYS[][2] = {
+      {"machine", "model"}, {"actuator", "law"}, {"instruments", "set"}};
+  const vs_node *circuit = vs_tree_child(root, "circuit");
+  for (size_t k = 0; k < sizeof KEYS / sizeof *KEYS; k++)
+    warn_of_folder(vs_tree_child(vs_tree_child(root, KEYS[k][0]), KEYS[k][1]), w);
+  if (!deck) return;
+  warn_of_folder(vs_tree_child(circuit, vs_deck_key.key), w);
+  for (size_t p = 0; p < deck->n_parts; p++) {
+    const vs_node *named = vs_tree_child(circuit, deck->parts[p].name);
+    const char *file = deck->parts[p].file; /* NULL: it was not found */
+    if (named && named->text && file && !strcmp(named->text, file)) warn_of_folder(named, w);
+  }
+}
+
 void vs_warnings_of_scene(const vs_node *root, const vs_setup *s, const vs_frame *frame,
                           vs_warnings *w) {
   const vs_deck *deck = frame->deck;
+  warn_of_folders(root, deck, w);
   warn_below_theta(root, s, w);
   warn_of_long_pulses(root, s, w);
   warn_of_law(root, &s->model.coil, w);

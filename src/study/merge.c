@@ -133,11 +133,22 @@ static vs_status check_shards(const shards *all, vs_error *err) {
 static vs_status write_merged(const shards *all, const vs_merge_options *o, const char *folder,
                               vs_error *err) {
   int made;
-  const vs_journals journals = {all->item, all->count, all->item[0].head.cases, NULL};
+  const vs_head *head = &all->item[0].head;
+  vs_text bits = {0}, more = {0};
+  for (size_t k = 0; k < all->count; k++) vs_bits_add(&bits, all->item[k].bits.text);
+  vs_json json = vs_json_inside(&more);
+  vs_bits_json(&bits, &json);
+  const vs_journals journals = {all->item, all->count, head->cases, more.text};
+  vs_row *shape = vs_row_new(head->columns, head->failures, head->manifest_end);
+  if (vs_bits_differ(&bits) && !o->quiet) vs_bits_warn(&bits, shape, folder);
+  vs_row_free(shape);
   vs_status status = vs_file_folder_make(folder, &made, err);
-  if (status) return status;
-  status = vs_publish_write(&journals, o->format, folder, err);
-  if (status) vs_file_folder_unmake(folder, made);
+  if (!status) {
+    status = vs_publish_write(&journals, o->format, folder, err);
+    if (status) vs_file_folder_unmake(folder, made);
+  }
+  vs_text_free(&bits);
+  vs_text_free(&more);
   if (status) return status;
   const vs_head_counts counts = vs_publish_count(&journals);
   const unsigned long long done = counts.done, failed = counts.failed, violated = counts.violated;

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/hash.h"
 #include "base/json.h"
 #include "base/leave.h"
 #include "plan/reading.h"
@@ -189,6 +190,20 @@ static vs_status refuse_other(const vs_journal *j, const vs_head *head, vs_error
                     "program have changed since; take another folder, or remove this one");
 }
 
+/* Warns where the journal lacks cases, and those that it has were made on something else. */
+static void warn_of_bits(const vs_journal *j) {
+  const vs_head *h = &j->head;
+  const bool whole =
+      h->cases && j->done + j->failed == (h->cases + h->shards - h->shard) / h->shards;
+  vs_text list = {0};
+  vs_bits_add(&list, j->bits.text);
+  if (list.length) vs_bits_add(&list, vs_bits_here());
+  vs_row *shape = vs_row_new(h->columns, h->failures, h->manifest_end);
+  if (!whole && vs_bits_differ(&list)) vs_bits_warn(&list, shape, j->path);
+  vs_row_free(shape);
+  vs_text_free(&list);
+}
+
 static vs_status go_on(session *s, vs_head *head, vs_error *err) {
   vs_journal *j = &s->journal;
   vs_status status = vs_journal_open(j, s->folder, true, err);
@@ -212,7 +227,9 @@ static vs_status go_on(session *s, vs_head *head, vs_error *err) {
     fprintf(stderr, "vibrospice: warning: %s: its head was damaged, and is taken from a copy\n",
             j->path);
   status = s->plan.adaptive ? VS_OK : vs_cases_check(&s->cases, 0, s->plan.count, err);
-  return status || !s->o->again ? status : run_failed_again(s, err);
+  if (!status && s->o->again) status = run_failed_again(s, err);
+  if (!status && !s->o->quiet) warn_of_bits(j);
+  return status;
 }
 
 /* Begins a new journal, and removes what the folder has of an older study. */
@@ -300,11 +317,12 @@ static vs_status write_result(session *s, uint64_t cases, vs_error *err) {
   vs_text more = {0};
   const vs_plan_stage *stage = s->plan.adaptive;
   const vs_results results = vs_cases_results(&s->cases, cases);
+  vs_json json = vs_json_inside(&more);
   if (stage && stage->method->json) {
-    vs_json json = vs_json_inside(&more);
     vs_json_same_row(&json);
     stage->method->json(&s->plan, stage, &results, &json);
   }
+  vs_bits_json(&s->journal.bits, &json);
   const vs_journals all = {&s->journal, 1, cases, more.text};
   vs_status status = vs_publish_write(&all, s->o->format, s->folder, err);
   vs_text_free(&more);
@@ -422,6 +440,7 @@ vs_status vs_study_command(const vs_study_options *o, vs_error *err) {
   s->journal.fd = s->journal.folder = -1;
   s->cases = (vs_cases){.plan = &s->plan, .journal = &s->journal};
   vs_status status = check_options(o, err);
+  vs_hash_hold(true); /* before the first file is read */
   if (!status) status = vs_reading_plan(o->name, o->methods, o->sets, o->n_sets, &s->plan, err);
   s->plan.allow_code = o->allow_code;
   if (!status) status = vs_control_allow(&s->plan.first->control, o->allow_code, err);
@@ -437,5 +456,6 @@ vs_status vs_study_command(const vs_study_options *o, vs_error *err) {
                      (unsigned long long)(s->journal.done + s->journal.failed));
   if (named && !o->folder) discard_folder(s);
   free_session(s);
+  vs_hash_hold(false);
   return status;
 }

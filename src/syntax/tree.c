@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/hash.h"
 #include "base/jail.h"
 #include "base/text.h"
 #include "yaml/yaml.h"
@@ -29,7 +30,9 @@ static vs_status slurp(const char *path, char **text, size_t *length, vs_error *
   *text = NULL;
   vs_status status = vs_jail_check(path, where, err);
   if (status) return status;
-  FILE *f = fopen(path, "rb");
+  FILE *f;
+  status = vs_hash_open(path, &f, err);
+  if (status) return status;
   if (!f) return vs_fail_at(err, where, "cannot be opened: %s", strerror(errno));
   vs_text all = {0};
   char part[4096];

@@ -378,7 +378,7 @@ static vs_status read_scene(vs_case *c, vs_error *err) {
 vs_status vs_case_begin(vs_case *c, uint64_t index, const double *point, vs_error *err) {
   c->present = (which){.index = index, .point = point};
   vs_status status = read_scene(c, err);
-  if (!status) vs_identity_of(c->identity, c->scene, c->present.id);
+  if (!status) status = vs_identity_of(c->identity, c->scene, c->present.id, err);
   return status;
 }
 

@@ -71,22 +71,21 @@ static void add_value(const vs_field *field, const void *values, vs_text *text) 
 }
 
 /* Adds a file by its contents; it may be renamed without another id. */
-static vs_status add_file(const vs_plan *plan, const char *path, vs_text *text) {
-  vs_error none = {0};
+static vs_status add_file(const vs_plan *plan, const char *path, vs_text *text, vs_error *err) {
   vs_status status = VS_OK;
   char read[VS_HASH_TEXT];
   const char *sum = NULL;
   for (size_t k = 0; k < plan->n_inputs && !sum; k++)
     if (!strcmp(plan->inputs[k].path, path)) sum = plan->inputs[k].sha256;
-  if (!sum) status = vs_catalogue_hash(path, read, &none);
+  if (!sum) status = vs_catalogue_hash(path, read, err);
   if (!status) vs_text_add(text, "%s\n", sum ? sum : read);
   return status;
 }
 
-static vs_status add_files(const vs_plan *plan, const vs_deck *deck, vs_text *text) {
+static vs_status add_files(const vs_plan *plan, const vs_deck *deck, vs_text *text, vs_error *err) {
   vs_status status = VS_OK;
   for (size_t f = 0; f < deck->n_files && !status; f++)
-    status = add_file(plan, deck->files[f], text);
+    status = add_file(plan, deck->files[f], text, err);
   for (size_t p = 0; p < deck->n_parts; p++)
     for (size_t f = 0; f < deck->n_files; f++)
       if (deck->files[f] == deck->parts[p].file)
@@ -95,7 +94,7 @@ static vs_status add_files(const vs_plan *plan, const vs_deck *deck, vs_text *te
 }
 
 static vs_status add_section(const vs_plan *plan, const vs_filled_section *section,
-                             const vs_setup *setup, vs_text *text) {
+                             const vs_setup *setup, vs_text *text, vs_error *err) {
   const vs_deck *deck = &setup->deck;
   const vs_machine *own = setup->machine;
   static const char *const OUT[] = {"tier", "sample", "verify", NULL}; /* keys of run */
@@ -112,16 +111,16 @@ static vs_status add_section(const vs_plan *plan, const vs_filled_section *secti
       continue; /* deck, parts, machine and table are known by their files */
     add_value(field, section->values, text);
   }
-  if (machine || table) return add_file(plan, table ? table : own->path, text);
-  return circuit ? add_files(plan, deck, text) : VS_OK;
+  if (machine || table) return add_file(plan, table ? table : own->path, text, err);
+  return circuit ? add_files(plan, deck, text, err) : VS_OK;
 }
 
-static vs_status update(vs_identity *identity, int index, const vs_scene *scene) {
+static vs_status update(vs_identity *identity, int index, const vs_scene *scene, vs_error *err) {
   kept *k = &identity->kept[index];
   const vs_filled_section section = vs_section_at(&scene->setup, index);
   if (k->values && !memcmp(k->values, section.values, section.size)) return VS_OK;
   identity->section.length = 0;
-  vs_status status = add_section(identity->plan, &section, &scene->setup, &identity->section);
+  vs_status status = add_section(identity->plan, &section, &scene->setup, &identity->section, err);
   if (status) return status;
   sum_of(&identity->section, k->sum);
   if (!k->values) k->values = vs_alloc(1, section.size);
@@ -156,7 +155,8 @@ static void add_node(const vs_node *node, vs_text *text) {
   for (const vs_node *n = node->child; n; n = n->next) add_node(n, text);
 }
 
-static vs_status add_control(const vs_plan *plan, const vs_control *c, vs_text *text) {
+static vs_status add_control(const vs_plan *plan, const vs_control *c, vs_text *text,
+                             vs_error *err) {
   static const char *const OUT[] = {"file", "timeout", NULL};
   char path[VS_PATH_SIZE];
   vs_status status = VS_OK;
@@ -165,18 +165,21 @@ static vs_status add_control(const vs_plan *plan, const vs_control *c, vs_text *
     vs_text_add(text, "control.%s\n", c->section.fields[k].key);
     add_value(&c->section.fields[k], &c->v, text);
   }
-  for (int k = 0; !status && vs_control_file(c, k, path); k++) status = add_file(plan, path, text);
+  for (int k = 0; !status && vs_control_file(c, k, path); k++)
+    status = add_file(plan, path, text, err);
   return status;
 }
 
-void vs_identity_of(vs_identity *identity, const vs_scene *scene, char id[VS_ID_SIZE]) {
+vs_status vs_identity_of(vs_identity *identity, const vs_scene *scene, char id[VS_ID_SIZE],
+                         vs_error *err) {
   vs_text *whole = &identity->whole;
+  vs_status status;
   whole->length = 0;
   *id = '\0';
   vs_text_add(whole, "%s\n", scene->tier->name);
   for (int p = 0; p < VS_SECTIONS; p++) {
     if (!vs_section_counts(&scene->setup, p)) continue;
-    if (update(identity, p, scene)) return;
+    if ((status = update(identity, p, scene, err))) return status;
     vs_text_add(whole, "%s\n", identity->kept[p].sum);
   }
   add_events(&scene->setup.timeline.events, whole);
@@ -187,7 +190,7 @@ void vs_identity_of(vs_identity *identity, const vs_scene *scene, char id[VS_ID_
                 vs_kinds_happening(expects->item[k].measure)->what);
   for (size_t k = 0; scene->tier->has_circuit && k < expects->n_waivers; k++)
     vs_text_add(whole, "waive %s.%s\n", expects->waiver[k].device, expects->waiver[k].name);
-  if (add_control(identity->plan, &scene->control, whole)) return;
+  if ((status = add_control(identity->plan, &scene->control, whole, err))) return status;
   const vs_node *section = vs_tree_child(scene->tree.root, vs_control_section.name);
   if (scene->control.observing.system) add_node(vs_tree_child(section, "observer"), whole);
   vs_ratings_identify(&scene->ratings, whole);
@@ -195,4 +198,5 @@ void vs_identity_of(vs_identity *identity, const vs_scene *scene, char id[VS_ID_
   if (scene->setup.steady) vs_text_add(whole, "start steady\n");
   if (identity->plan->periods) vs_text_add(whole, "steady %d\n", identity->plan->periods);
   sum_of(whole, id);
+  return VS_OK;
 }

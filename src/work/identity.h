@@ -35,7 +35,9 @@ typedef struct vs_identity vs_identity;
 vs_identity *vs_identity_new(const vs_plan *plan);
 void vs_identity_free(vs_identity *identity);
 
-/* Writes the id of a settled scene; "" if a file of its deck can no longer be read. */
-void vs_identity_of(vs_identity *identity, const vs_scene *scene, char id[VS_ID_SIZE]);
+/* Writes the id of a settled scene. Error, and "": a file that it is made of can no longer be read,
+ * or has changed (vs_hash_hold). */
+vs_status vs_identity_of(vs_identity *identity, const vs_scene *scene, char id[VS_ID_SIZE],
+                         vs_error *err);
 
 #endif
