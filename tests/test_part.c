@@ -357,8 +357,8 @@ static void a_model_that_is_off(void) {
   alter(S20K460, "s20k460.inc", "b1={2.9645747", "b1={2.8676647"); /* log10 of 0.8 */
   r = run("check ./s20k460.inc");
   EXPECT(r.status == 1 && strstr(r.out, "off     at 0.001 A"), "%d: %s", r.status, r.out);
-  expect_warning(&r, "./s20k460.inc", 10, "model v_varistor = +0 %: on the test stand it is -20 %");
-  expect_warning(&r, "./s20k460.inc", 11, "model v_clamp = -9 %: on the test stand it is -27 %");
+  expect_warning(&r, "./s20k460.inc", 12, "model v_varistor = +0 %: on the test stand it is -20 %");
+  expect_warning(&r, "./s20k460.inc", 13, "model v_clamp = -9 %: on the test stand it is -27 %");
   free_ran(&r);
   alter(S20K460, "s20k460.inc", "*$ model  v_clamp = -9 %\n", "");
   r = run("check ./s20k460.inc");
@@ -373,10 +373,10 @@ static void lines_of_a_model(void) {
   static const struct {
     const char *new, *says;
   } ROWS[] = {
-      {"v_clamp = -9", "11:21: model v_clamp: how far the model's figure is from the sheet's"},
-      {"v_clamp = -9 V", "11:21: model v_clamp: how far"},
-      {"v_clamp = low %", "11:21: model v_clamp: how far"},
-      {"v_clamp = -120 %", "11:21: model v_clamp: how far"},
+      {"v_clamp = -9", "13:21: model v_clamp: how far the model's figure is from the sheet's"},
+      {"v_clamp = -9 V", "13:21: model v_clamp: how far"},
+      {"v_clamp = low %", "13:21: model v_clamp: how far"},
+      {"v_clamp = -120 %", "13:21: model v_clamp: how far"},
       {"v_clamp -9 %", "13:11: 'NAME = ...' is wanted here"},
       {"v_clamp = -9 % about", "13:26: "},
       {"v_clmp = -9 %",
