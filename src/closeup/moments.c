@@ -33,10 +33,12 @@ vs_status vs_moments_read(const char *folder, vs_moments *m, vs_error *err) {
   if (strlen(folder) > VS_PATH_SIZE / 2)
     return vs_fail(err, VS_INPUT, "%.100s...: too long a name", folder);
   snprintf(path, sizeof path, "%s/events.csv", folder);
+  vs_status status = vs_path_check_result(path, err);
+  if (status) return status;
   FILE *f = fopen(path, "r");
   if (!f) return VS_OK;
   vs_csv csv = {.file = path, .stream = f, .comments = true};
-  vs_status status = vs_csv_next(&csv, err); /* the header */
+  status = vs_csv_next(&csv, err); /* the header */
   while (!status && csv.count) {
     status = vs_csv_next(&csv, err);
     if (!status && csv.count) status = take(m, &csv, err);

@@ -9,6 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/csv.h"
 #include "base/file.h"
 #include "base/text.h"
 #include "command/run.h"
@@ -30,6 +31,8 @@ static vs_status open_run(const char *folder, run_file *run, vs_error *err) {
   char partial[VS_PATH_SIZE];
   snprintf(run->path, sizeof run->path, "%s/run.csv", folder);
   snprintf(partial, sizeof partial, "%s/run.partial.csv", folder);
+  vs_status status = vs_path_check_result(run->path, err);
+  if (status) return status;
   FILE *f = fopen(run->path, "r");
   int why = errno;
   if (!f && !access(partial, R_OK))
@@ -40,13 +43,14 @@ static vs_status open_run(const char *folder, run_file *run, vs_error *err) {
                    run->path, strerror(why), folder);
   size_t size = 0, row_size = 0;
   char *row = NULL;
-  if (vs_alloc_line(&run->header, &size, f) < 0) {
+  if (vs_alloc_row(&run->header, &size, VS_CSV_LONGEST, f) < 0) {
     free(run->header); /* it may have been made all the same */
     run->header = vs_copy("");
   }
   int rows = 0;
-  while (vs_alloc_line(&row, &row_size, f) > 0) run->until_s = strtod(row, NULL), rows++;
-  vs_status status = vs_file_was_read(f, run->path, err);
+  while (vs_alloc_row(&row, &row_size, VS_CSV_LONGEST, f) > 0)
+    run->until_s = strtod(row, NULL), rows++;
+  status = vs_file_was_read(f, run->path, err);
   run->header[strcspn(run->header, "\r\n")] = '\0';
   free(row);
   fclose(f);

@@ -54,10 +54,12 @@ static vs_status read_table(const char *folder, tornado *t, vs_error *err) {
   enum { COLUMNS = 9 };
   char path[VS_PATH_SIZE];
   name_table(folder, path);
+  vs_status status = vs_path_check_result(path, err);
+  if (status) return status;
   FILE *f = fopen(path, "r");
   if (!f) return vs_fail(err, VS_INPUT, "%s: cannot be read: %s", path, strerror(errno));
   vs_csv csv = {.file = path, .stream = f};
-  vs_status status = vs_csv_next(&csv, err); /* the header */
+  status = vs_csv_next(&csv, err); /* the header */
   while (!status && !(status = vs_csv_next(&csv, err)) && csv.count && t->count < MOST_BARS) {
     if (csv.count < COLUMNS)
       status =
