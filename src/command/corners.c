@@ -71,7 +71,7 @@ vs_status vs_corners_run(const vs_corners_order *o, const vs_scene *nominal, vs_
   c->held = c->worst = 0;
   for (size_t k = 0; k < c->count && !status; k++) {
     vs_error why = {0};
-    if (shows) fprintf(stderr, "\rcorner %zu of %zu \033[K", k + 1, c->count);
+    if (shows) dprintf(STDERR_FILENO, "\rcorner %zu of %zu \033[K", k + 1, c->count);
     status = run_corner(o, nominal->tier->name, &c->spread, k, &c->item[k], &why);
     if (status)
       status = vs_fail(err, status, "the corner %s: %s", vs_result_corner(c, k, at, sizeof at),
@@ -80,6 +80,6 @@ vs_status vs_corners_run(const vs_corners_order *o, const vs_scene *nominal, vs_
       c->held++;
     if (!status && is_worse(&c->item[k], &c->item[c->worst])) c->worst = k;
   }
-  if (shows) fputs("\r\033[K", stderr);
+  if (shows) dprintf(STDERR_FILENO, "\r\033[K");
   return status;
 }
