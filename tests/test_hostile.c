@@ -42,7 +42,7 @@ static void no_utf8(void) {
   REFUSED("run b.yaml", "b.yaml:2:11: ", "0xff is not UTF8");
   write_file("b.yaml", "run: {until: 1 s} # cut off: \xe2\x82");
   REFUSED("study b.yaml -o out", "b.yaml:1:30: ", "0xe2 is not UTF8");
-  REFUSED("run paper --set run.until=%\xc3(", "--set run.until=%\xc3(: ", "0xc3 is not UTF8");
+  REFUSED("run paper --set run.until=%\xc3(", "--set run.until=%\\xc3(: ", "0xc3 is not UTF8");
   CU_ASSERT_EQUAL(mkdir("d", 0777), 0);
   write_file("d/study.csv", "case\n");
   write_file("d/manifest.json", "%\xed\xa0\x80"); /* half of a surrogate pair */

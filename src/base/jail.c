@@ -209,6 +209,12 @@ static vs_status refuse_linked(const char *path, vs_where where, vs_error *err) 
                     path, jail.way_out);
 }
 
+/* True for what may keep its reader waiting for ever. */
+static bool is_no_file(const char *real) {
+  struct stat s;
+  return !stat(real, &s) && !S_ISREG(s.st_mode) && !S_ISDIR(s.st_mode);
+}
+
 static vs_status refuse(const char *path, const char *real, bool hidden, vs_where where,
                         vs_error *err) {
   vs_text folders = {0};
@@ -238,6 +244,8 @@ vs_status vs_jail_check(const char *path, vs_where where, vs_error *err) {
     if (by[k] > most) most = by[k];
   vs_status status = most == WITHIN ? VS_OK : refuse(path, real, most == HIDDEN, where, err);
   if (!status && by[2] != WITHIN && is_linked(real)) status = refuse_linked(path, where, err);
+  if (!status && is_no_file(real))
+    status = vs_fail_at(err, where, "%s is a pipe, a device or a socket; a file is wanted", path);
   free(real);
   return status;
 }

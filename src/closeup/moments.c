@@ -20,7 +20,7 @@ static vs_status take(vs_moments *m, const vs_csv *csv, vs_error *err) {
   char *end = csv->cell[0];
   double at = strtod(csv->cell[0], &end);
   vs_where where = {csv->file, csv->line, 1};
-  if (csv->count != 2 || *end || end == csv->cell[0])
+  if (csv->count != 2 || *end || end == csv->cell[0] || !isfinite(at))
     return vs_fail_at(err, where, "a time in s and what happened are wanted");
   m->item = vs_alloc_grow(m->item, m->count, sizeof *m->item);
   m->item[m->count++] =

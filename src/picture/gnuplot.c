@@ -31,14 +31,14 @@ void vs_gnuplot_free(vs_script *script) {
 void vs_gnuplot_quoted(vs_script *script, const char *text) {
   static const char PLAIN[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
                               " .,:;/+-=()[]_<>|*#&!?^~";
+  char shown[VS_SHOWN_SIZE];
   vs_gnuplot_code(script, "\"");
-  for (const char *s = text; *s; s++) {
-    const unsigned char byte = (unsigned char)*s;
-    const bool plain = byte >= 0x80 || strchr(PLAIN, *s) || byte < 0x20 || byte == 0x7f;
-    if (plain)
-      vs_text_add(&script->text, "%c", byte < 0x20 || byte == 0x7f ? ' ' : *s);
-    else
-      vs_text_add(&script->text, "\\%03o", byte);
+  while (*text) {
+    const bool blank = *text == '\n' || *text == '\t';
+    text += vs_text_next(text, shown);
+    for (const char *s = blank ? " " : shown; *s; s++)
+      vs_text_add(&script->text, (unsigned char)*s >= 0x80 || strchr(PLAIN, *s) ? "%c" : "\\%03o",
+                  (unsigned char)*s);
   }
   vs_gnuplot_code(script, "\"");
 }

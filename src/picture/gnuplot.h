@@ -22,7 +22,8 @@ void vs_gnuplot_add(vs_script *script, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 /* Appends commands, or parts of them, of the program's own. */
 void vs_gnuplot_code(vs_script *script, const char *code);
-/* Appends a text as a string of gnuplot's. Control characters become blanks. */
+/* Appends a text as a string of gnuplot's. Tabs and line ends become blanks; what else would be
+ * obeyed is shown as its number (vs_text_next). */
 void vs_gnuplot_quoted(vs_script *script, const char *text);
 /* Appends a text as a word of a row of data, in double quotes; a quote in it becomes a single one.
  */

@@ -48,8 +48,8 @@ static vs_status read_row(vs_traces *t, char *line, int number, vs_error *err) {
     char *end = s;
     row[c] = length ? strtod(s, &end) : NAN;
     vs_where where = {t->path, number, (int)(s - line) + 1};
-    if (end != s + length)
-      return vs_fail_at(err, where, "'%.*s': a number is wanted", (int)length, s);
+    if (end != s + length || isinf(row[c]))
+      return vs_fail_at(err, where, "'%.*s': a finite number is wanted", (int)length, s);
     s += length;
     if ((*s == ',') != (c + 1 < t->columns))
       return vs_fail_at(err, where, "the row has not %zu cells, as the header has", t->columns);
