@@ -78,7 +78,8 @@ static bool was_said(const char *said, const char *line) {
   const bool cut = n > strlen(CUT) && !strcmp(line + n - strlen(CUT), CUT);
   if (cut) n -= strlen(CUT);
   vs_text wanted = {0};
-  vs_text_add(&wanted, "%.*s", (int)n, line + strspn(line, " "));
+  const size_t blanks = strspn(line, " ");
+  vs_text_add(&wanted, "%.*s", (int)(n - blanks), line + blanks);
   bool found = false;
   for (const char *s = said; s && !found && (s = strstr(s, wanted.text)); s++) {
     const char *from = s, *to = s + wanted.length;

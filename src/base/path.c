@@ -147,8 +147,7 @@ vs_status vs_path_check_result(const char *path, vs_error *err) {
   const vs_where where = {.file = path};
   struct stat s;
   if (stat(path, &s)) return VS_OK;
-  vs_status status = vs_jail_check(path, where, err);
-  return status ? status : vs_path_check_plain(path, where, err);
+  return vs_jail_check(path, where, err);
 }
 
 /* Fails with the nearest name on the shelf; `looked` says where else there is no such file. */
