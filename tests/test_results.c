@@ -199,11 +199,35 @@ static void ways_out_of_results(void) {
   unlink("secret");
 }
 
+/* A netlist's line that includes a pipe has its place in the message, in the jail and out of it. */
+static void a_pipe_in_a_netlist(void) {
+  static const char *const WORDS[] = {"check d.cir", "check d.cir --no-jail"};
+  char *text = read_file(VS_TEST_FOLDER "/../spice/halfwave_snubbed.cir");
+  vs_text deck = {0};
+  vs_text_add(&deck, "t\n.include f.inc\n%s", text);
+  write_file("d.cir", deck.text);
+  CU_ASSERT(!mkfifo("f.inc", 0666));
+  for (size_t k = 0; k < COUNT(WORDS); k++) {
+    ran r = run("%s", WORDS[k]);
+    EXPECT(r.status == 2 && strstr(r.err, "d.cir:2:") && strstr(r.err, "a pipe"), "%d %s", r.status,
+           r.err);
+    free_ran(&r);
+  }
+  vs_text_free(&deck);
+  free(text);
+  unlink("f.inc");
+  unlink("d.cir");
+}
+
 int main(void) {
   static const vs_test TESTS[] = {
-      {"a stranger's run", a_strangers_run}, {"a stranger's harmonics", a_strangers_harmonics},
-      {"quotes in names", quotes_in_names},  {"a stranger's study", a_strangers_study},
-      {"more than there is", too_much},      {"ways out of results", ways_out_of_results},
+      {"a stranger's run", a_strangers_run},
+      {"a stranger's harmonics", a_strangers_harmonics},
+      {"quotes in names", quotes_in_names},
+      {"a stranger's study", a_strangers_study},
+      {"more than there is", too_much},
+      {"ways out of results", ways_out_of_results},
+      {"a pipe in a netlist", a_pipe_in_a_netlist},
   };
   return program_suite("results", TESTS, COUNT(TESTS));
 }
