@@ -21,6 +21,8 @@
 #include "guide/topics.h"
 #include "solver/ng.h"
 
+void terminal_begin(void); /* terminal.c */
+
 /* ---- the table ---- */
 
 static vs_status help(const vs_arguments *a, vs_error *err);
@@ -135,8 +137,6 @@ static void fill_streams(void) {
   if (file >= 0) close(file);
 }
 
-enum { LINES = 1 << 16 }; /* bytes of standard output that are written at once */
-
 /* What is printed may not have gone out, as into a file on a full disk. */
 static vs_status end_output(void) {
   if (!fflush(stdout) && !ferror(stdout)) return VS_OK;
@@ -149,7 +149,7 @@ int main(int argc, char **argv) {
                                                                                       "-V", NULL};
   gsl_set_error_handler_off();
   fill_streams();
-  setvbuf(stdout, NULL, _IOLBF, LINES); /* so that a warning never stands within a line */
+  terminal_begin();
   if (argc < 2) {
     print_help(stderr);
     return VS_INPUT;

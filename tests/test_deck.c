@@ -324,7 +324,7 @@ static void strangers_lines_are_refused(void) {
   REFUSE(SUPPLY "R1 a b 1\n.subckt foo m\nXeva m 0 eva\n.ends\nX1 b foo\n",
          "bad.cir:6:1: ", "in no subcircuit");
   CU_ASSERT(!mkfifo("pipe.inc", 0600));
-  REFUSE(SUPPLY ".include pipe.inc\n" EVA, "pipe.inc: ", "no file of text");
+  REFUSE(SUPPLY ".include pipe.inc\n" EVA, "bad.cir:4:1: ", "pipe.inc is a folder, a pipe");
   unlink("pipe.inc");
   /* a subcircuit's own names are its own, and comments and continuations do no harm */
   write_file("good.cir", SUPPLY SUPPLY_LOSS "*$ loss r1 = v(a,b)^2/100\n"

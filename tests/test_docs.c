@@ -67,12 +67,36 @@ static void run_lines(page *p, char *text) {
     if (!strncmp(line, "vibrospice ", strlen("vibrospice "))) run_line(p, line);
 }
 
+/* True if it was printed as a whole line, blanks at its ends aside. A line of a page is cut off
+ * where
+ * "... " begins it or " ..." ends it. */
+static bool was_said(const char *said, const char *line) {
+  static const char CUT[] = " ...", BEGUN[] = "... ";
+  size_t n = strlen(line);
+  const bool begun = !strncmp(line, BEGUN, strlen(BEGUN));
+  if (begun) line += strlen(BEGUN), n -= strlen(BEGUN);
+  const bool cut = n > strlen(CUT) && !strcmp(line + n - strlen(CUT), CUT);
+  if (cut) n -= strlen(CUT);
+  vs_text wanted = {0};
+  const size_t blanks = strspn(line, " ");
+  vs_text_add(&wanted, "%.*s", (int)(n - blanks), line + blanks);
+  bool found = false;
+  for (const char *s = said; s && !found && (s = strstr(s, wanted.text)); s++) {
+    const char *from = s, *to = s + wanted.length;
+    while (from > said && from[-1] == ' ') from--;
+    found =
+        (begun || from == said || from[-1] == '\n') && (cut || strchr("\n", to[strspn(to, " ")]));
+  }
+  vs_text_free(&wanted);
+  return found;
+}
+
 static void expect_lines(page *p, char *text) {
   for (char *line; (line = strsep(&text, "\n"));) {
     if (!*line) continue;
     p->lines++;
-    EXPECT(p->said.text && strstr(p->said.text, line), "%s: nothing printed '%s': %s", p->name,
-           line, p->said.text ? p->said.text : "");
+    EXPECT(was_said(p->said.text, line), "%s: nothing printed '%s': %s", p->name, line,
+           p->said.text ? p->said.text : "");
   }
   vs_text_free(&p->said);
   p->said = (vs_text){0};

@@ -186,13 +186,13 @@ static void damaged(void) {
   EXPECT(n > 100 && n < sizeof good, "%zu bytes", n);
   fclose(f);
   refuses(good, 0, "empty", __LINE__);
-  refuses(good, 3, "Bad message", __LINE__);
-  refuses(good, n / 2, "Bad message", __LINE__);
-  refuses(good, n - 1, "Bad message", __LINE__);
+  refuses(good, 3, "torn or damaged", __LINE__);
+  refuses(good, n / 2, "torn or damaged", __LINE__);
+  refuses(good, n - 1, "torn or damaged", __LINE__);
   good[n - 1] ^= 1; /* the checksum of the content */
-  refuses(good, n, "Bad message", __LINE__);
+  refuses(good, n, "torn or damaged", __LINE__);
   good[0] ^= 1; /* what tells a frame */
-  refuses(good, n, "Bad message", __LINE__);
+  refuses(good, n, "torn or damaged", __LINE__);
   remove_tree("z");
 }
 

@@ -60,9 +60,27 @@ char *vs_alloc_part(const char *string, size_t length) {
   return copy;
 }
 
-ssize_t vs_alloc_line(char **line, size_t *size, FILE *file) {
+ssize_t vs_alloc_row(char **line, size_t *size, size_t most, FILE *file) {
+  size_t n = 0;
+  int c = 0;
   errno = 0;
-  ssize_t n = getline(line, size, file);
-  if (n < 0 && errno == ENOMEM) vs_alloc_failed(0);
-  return n;
+  while (c != '\n' && (c = getc_unlocked(file)) != EOF) {
+    if (n == most) {
+      errno = EFBIG;
+      return -1;
+    }
+    if (!*line || n + 2 > *size) {
+      *size = *line && *size > 60 ? 2 * *size : 120;
+      *line = vs_resize(*line, *size, 1);
+    }
+    (*line)[n++] = (char)c;
+  }
+  if (!n) return -1;
+  (*line)[n] = '\0';
+  return (ssize_t)n;
+}
+
+ssize_t vs_alloc_line(char **line, size_t *size, FILE *file) {
+  enum { LONGEST = 1 << 26 }; /* a study's journal has its manifest in two lines */
+  return vs_alloc_row(line, size, LONGEST, file);
 }

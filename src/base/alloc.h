@@ -37,7 +37,10 @@ void *vs_checked(void *memory);
 /* Returns a copy of the string's first `length` bytes, or of all if it is shorter. */
 char *vs_alloc_part(const char *string, size_t length);
 /* As getline: reads a line with its newline into *line, which has *size bytes and grows. Returns
- * the length; -1 at the file's end and where it cannot be read. */
+ * the length; -1 at the file's end, where it cannot be read, and, with errno EFBIG, where the line
+ * has more than `most` bytes: a stranger's file may be one line of terabytes. */
+ssize_t vs_alloc_row(char **line, size_t *size, size_t most, FILE *file);
+/* The same with at most 2^26 bytes. */
 ssize_t vs_alloc_line(char **line, size_t *size, FILE *file);
 
 /* Ends the process, as so many bytes were wanted and are not there; 0: it is not known how many.

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/packed.h"
+
 static const char BLANKS[] = " \t";
 
 /* What may stand around a cell. */
@@ -108,12 +110,13 @@ static bool ends_open(const vs_csv *csv, const char *line, bool open) {
 }
 
 /* Adds the file's next line to the row, whose bytes so far *size counts. Returns false at the
- * file's end. */
+ * file's end, and with errno EFBIG where the row becomes too long. */
 static bool add_line(vs_csv *csv, size_t *size) {
   char *line = NULL;
   size_t room = 0;
-  const ssize_t n = *size ? vs_alloc_line(&line, &room, csv->stream)
-                          : vs_alloc_line(&csv->text, &csv->room, csv->stream);
+  const size_t most = VS_CSV_LONGEST - *size;
+  const ssize_t n = *size ? vs_alloc_row(&line, &room, most, csv->stream)
+                          : vs_alloc_row(&csv->text, &csv->room, most, csv->stream);
   if (n >= 0 && *size) {
     if (csv->room < *size + (size_t)n + 1) {
       csv->room = 2 * (*size + (size_t)n + 1);
@@ -158,6 +161,7 @@ static vs_status read_lines(vs_csv *csv, vs_error *err) {
   const bool first = !csv->line;
   csv->line += first;
   csv->n_lines = 0;
+  errno = 0;
   while (add_line(csv, &size)) {
     const size_t begin = csv->begins[csv->n_lines - 1];
     if (begin + strlen(csv->text + begin) != size)
@@ -171,9 +175,14 @@ static vs_status read_lines(vs_csv *csv, vs_error *err) {
     open = ends_open(csv, csv->text + csv->begins[csv->n_lines - 1], open);
     if (!open || is_comment(csv)) break;
   }
+  if (errno == EFBIG)
+    return vs_fail_at(err, (vs_where){csv->file, csv->line, 1},
+                      "a row of more than %d bytes; a quote that is never closed, or no line ends",
+                      VS_CSV_LONGEST);
   if (!csv->n_lines && !first) csv->line--;
   if (ferror(csv->stream))
-    return vs_fail_at(err, (vs_where){.file = csv->file}, "cannot be read: %s", strerror(errno));
+    return vs_fail_at(err, (vs_where){.file = csv->file}, "cannot be read: %s",
+                      vs_packed_why(errno));
   if (size && csv->text[size - 1] == '\n') csv->text[--size] = '\0';
   if (size && csv->text[size - 1] == '\r') csv->text[--size] = '\0';
   return VS_OK;

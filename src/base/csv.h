@@ -10,6 +10,9 @@
 #include "base/error.h"
 #include "base/text.h"
 
+/* The longest row, in bytes. A run of thirty thousand probes has such rows. */
+enum { VS_CSV_LONGEST = 1 << 20 };
+
 /* A file of rows that is being read. Fill the first group, leave the rest 0; vs_csv_free it. */
 typedef struct vs_csv {
   const char *file; /* its name, for errors; borrowed */
@@ -33,7 +36,7 @@ typedef struct vs_csv {
 
 /* Reads the next row. A byte order mark before the first is passed over. Errors, with
  * file:line:column: a quoted cell that does not end, or is followed by something else than a comma;
- * a zero byte; a file that cannot be read. */
+ * a zero byte; a row that is too long; a file that cannot be read. */
 vs_status vs_csv_next(vs_csv *csv, vs_error *err);
 void vs_csv_free(vs_csv *csv);
 

@@ -13,6 +13,7 @@
 
 #include "base/alloc.h"
 #include "base/leave.h"
+#include "base/packed.h"
 
 vs_status vs_file_folder_make(const char *folder, int *made, vs_error *err) {
   char path[VS_PATH_SIZE];
@@ -129,9 +130,10 @@ vs_status vs_file_open(vs_file *file, const char *folder, const char *name, vs_e
   if (!lstat(file->path, &s) && S_ISDIR(s.st_mode)) /* so that no other file is replaced before */
     return vs_fail(err, VS_INPUT, "%s: cannot be written: %s", file->path, strerror(EISDIR));
   if ((!stat(file->path, &s) && !S_ISREG(s.st_mode)) || is_stream(file->path))
-    return vs_fail(err, VS_INPUT,
-                   "%s: is a device, a pipe, a socket or a stream, which a file would replace; name a file",
-                   file->path);
+    return vs_fail(
+        err, VS_INPUT,
+        "%s: is a device, a pipe, a socket or a stream, which a file would replace; name a file",
+        file->path);
   char place[VS_PATH_SIZE];
   snprintf(place, sizeof place, "%.*s", size, file->path);
   vs_file_sweep(place);
@@ -211,9 +213,12 @@ vs_status vs_file_commit_as(vs_file *file, const char *folder, const char *name,
 }
 
 vs_status vs_file_was_read(FILE *stream, const char *path, vs_error *err) {
+  if (errno == EFBIG)
+    return vs_fail(err, VS_INPUT,
+                   "%s: a line in it is too long; no table or journal has such lines", path);
   if (!ferror(stream)) return VS_OK;
   return vs_fail(err, VS_INPUT, "%s: cannot be read: %s", path,
-                 errno ? strerror(errno) : "a part of it was refused");
+                 errno ? vs_packed_why(errno) : "a part of it was refused");
 }
 
 void vs_file_remove(int folder, const char *name) {

@@ -39,7 +39,8 @@ void vs_file_discard(vs_file *file);
 void vs_file_sweep(const char *folder);
 
 /* For who has read a file to its end: what seemed its end may be that it cannot be read on. To be
- * called before errno has changed. Error: VS_INPUT, it cannot be read. */
+ * called before errno has changed. Error: VS_INPUT, it cannot be read, or vs_alloc_line found a
+ * line too long. */
 vs_status vs_file_was_read(FILE *stream, const char *path, vs_error *err);
 
 /* Removes a plain file from the folder that is open as `folder`; a link, or what else has that

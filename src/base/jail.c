@@ -137,7 +137,10 @@ void vs_jail_allow_named(const char *name) {
   char *real = realpath(file, NULL);
   add_name(&jail.named, name);
   if (strcmp(file, name) != 0) add_name(&jail.named, file);
-  if (real && strlen(name) < sizeof folder && strncmp(file, "/dev/", strlen("/dev/")) != 0) {
+  struct stat s;
+  if (real && !stat(real, &s) && S_ISDIR(s.st_mode))
+    add(is_broad(real) ? &jail.broad : &jail.folders, real);
+  else if (real && strlen(name) < sizeof folder && strncmp(file, "/dev/", strlen("/dev/")) != 0) {
     snprintf(folder, sizeof folder, "%s", file);
     folder_of(folder);
     around = realpath(folder, NULL);
@@ -192,6 +195,26 @@ static const char *why_hidden(const char *real) {
              : " (a name on the way to it begins with a dot)";
 }
 
+/* True for a file that has a second name, which may lie anywhere. */
+static bool is_linked(const char *real) {
+  struct stat s;
+  return !stat(real, &s) && S_ISREG(s.st_mode) && s.st_nlink > 1;
+}
+
+static vs_status refuse_linked(const char *path, vs_where where, vs_error *err) {
+  return vs_fail_at(err, where,
+                    "%s is a hard link: the file has a second name, which may lie anywhere, and is "
+                    "not read; copy it to a file of its own, or, if you trust the file that names "
+                    "it, %s",
+                    path, jail.way_out);
+}
+
+/* True for what may keep its reader waiting for ever. */
+static bool is_no_file(const char *real) {
+  struct stat s;
+  return !stat(real, &s) && !S_ISREG(s.st_mode) && !S_ISDIR(s.st_mode);
+}
+
 static vs_status refuse(const char *path, const char *real, bool hidden, vs_where where,
                         vs_error *err) {
   vs_text folders = {0};
@@ -220,6 +243,9 @@ vs_status vs_jail_check(const char *path, vs_where where, vs_error *err) {
   for (size_t k = 0; k < sizeof by / sizeof *by; k++)
     if (by[k] > most) most = by[k];
   vs_status status = most == WITHIN ? VS_OK : refuse(path, real, most == HIDDEN, where, err);
+  if (!status && by[2] != WITHIN && is_linked(real)) status = refuse_linked(path, where, err);
+  if (!status && is_no_file(real))
+    status = vs_fail_at(err, where, "%s is a pipe, a device or a socket; a file is wanted", path);
   free(real);
   return status;
 }

@@ -5,7 +5,9 @@
  * working directory, if such a file lies below it; those that come with the program. The system is
  * asked where a file really lies, so that links and ".." give no way out. Below such a folder,
  * files and folders whose names begin with a dot are not read. Of the root, and of a home folder or
- * one above it, only the files that lie directly in it are read.
+ * one above it, only the files that lie directly in it are read. A file that has a second name, a
+ * hard link, is not read: nothing tells where the other one lies. Who made a copy by hard links
+ * copies the file, or does without the jail.
  *
  * The jail is one for the whole process, as its working directory is: every door through which
  * input comes asks it, and none can be left out by a caller that forgets to pass it on. */
@@ -26,7 +28,8 @@ void vs_jail_allow(const char *folder);
 /* Allows a file that the user has named (of a row TABLE.tab#NAME the table), even if it is a link
  * that leads elsewhere, and what lies below its folder; if that folder is the root, a home folder
  * or above one, only what lies directly in it. Allows the working directory, too, if the file lies
- * below it and it is none of these. For a file in /dev only the file itself is allowed. */
+ * below it and it is none of these. For a file in /dev only the file itself is allowed, for a
+ * folder, as of results, only what lies below it. */
 void vs_jail_allow_named(const char *name);
 /* From now on a file counts as named by the user if its name stands at a place with this label,
  * such as that of a --set. */

@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <stdbool.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <zstd.h>
@@ -27,14 +28,29 @@ typedef struct unpacker {
   ZSTD_inBuffer in; /* what was read of the file, and how much of it is unpacked */
   char *room;       /* [size], what `in` points to */
   size_t size;
-  bool inside; /* a frame has begun and has not ended */
+  bool inside;          /* a frame has begun and has not ended */
+  uint64_t taken, made; /* bytes, of the file and of what it holds */
 } unpacker;
+
+/* Rows of numbers become a half to a tenth of their size; where all but the case's number and id
+ * stays the same, a thirtieth. zstd itself can say a gigabyte in thirty kilobytes. What holds more
+ * than SLACK bytes and MOST times the file's size is no table of ours. */
+enum { MOST = 256, SLACK = 1 << 24 };
+
+const char *vs_packed_why(int why) {
+  return why == EBADMSG     ? "it is torn or damaged"
+         : why == EOVERFLOW ? "it holds more than 256 times its size, which no table does; if you "
+                              "trust it, unpack "
+                              "it by zstd -d and remove the packed file"
+                            : strerror(why);
+}
 
 /* Reads more of the file. Returns 1; 0 at the file's end; -1 where it cannot be read, or ends
  * inside a frame. */
 static int refill(unpacker *u) {
   const size_t n = fread(u->room, 1, u->size, u->file);
   u->in = (ZSTD_inBuffer){u->room, n, 0};
+  u->taken += n;
   if (n) return 1;
   if (ferror(u->file)) return -1;
   if (u->inside) errno = EBADMSG;
@@ -59,6 +75,11 @@ static ssize_t unpack(void *cookie, char *to, size_t size) {
     if (out.pos || u->in.pos > before || !left) continue;
     const int more = refill(u); /* nothing moved: it waits for more of the frame */
     if (more <= 0) return more;
+  }
+  u->made += out.pos;
+  if (u->made > SLACK && u->made / MOST > u->taken) {
+    errno = EOVERFLOW;
+    return -1;
   }
   return (ssize_t)out.pos;
 }

@@ -11,8 +11,11 @@
 
 /* Returns a stream of what the file holds, which is open for reading. It takes the file over:
  * fclose closes both. A file that is not packed is returned as it is. Where a packed one is torn or
- * damaged, reading fails with errno EBADMSG. NULL gives NULL. */
+ * damaged, reading fails with errno EBADMSG; where it holds far more than a table of its size
+ * would, with errno EOVERFLOW. NULL gives NULL. */
 FILE *vs_packed_read(FILE *file, const char *name);
+/* What such an errno, or any other, says to people. */
+const char *vs_packed_why(int why);
 
 /* Returns a stream that packs what is written to it into the file; a file that is not to be packed
  * is returned as it is. The file stays the caller's. vs_packed_end ends it. */

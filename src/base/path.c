@@ -171,6 +171,13 @@ vs_status vs_path_check_plain(const char *path, vs_where where, vs_error *err) {
                     path);
 }
 
+vs_status vs_path_check_result(const char *path, vs_error *err) {
+  const vs_where where = {.file = path};
+  struct stat s;
+  if (stat(path, &s)) return VS_OK;
+  return vs_jail_check(path, where, err);
+}
+
 /* Fails with the nearest name on the shelf; `looked` says where else there is no such file. */
 static vs_status refuse(const vs_shelf *shelf, const char *name, vs_where where, const char *looked,
                         vs_error *err) {

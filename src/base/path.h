@@ -44,6 +44,10 @@ vs_status vs_path_find_shipped(const vs_shelf *shelf, const char *name, vs_where
  * might wait for ever. */
 vs_status vs_path_check_plain(const char *path, vs_where where, vs_error *err);
 
+/* For a file of a folder of results, which may be a stranger's: the jail lets it be read. One that
+ * is not there is no error. */
+vs_status vs_path_check_result(const char *path, vs_error *err);
+
 /* The same as vs_path_find, for a file that comes with the program: false where there is none of
  * that name. */
 bool vs_path_shipped(const vs_shelf *shelf, const char *name, char path[VS_PATH_SIZE]);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "base/text.h"
 
+#include <assert.h>
 #include <ctype.h>
 #include <math.h>
 #include <stdarg.h>
@@ -31,6 +32,48 @@ void vs_text_add(vs_text *t, const char *format, ...) {
 void vs_text_free(vs_text *t) {
   free(t->text);
   *t = (vs_text){0};
+}
+
+/* Adds a number by one conversion, as "%.4g" or "%ld". */
+static void add_number(vs_text *t, const char *conversion, va_list *args) {
+  const size_t last = strlen(conversion) - 1;
+  const char size = conversion[last - 1], kind = conversion[last];
+  if (kind == 'd' && size != 'l')
+    vs_text_add(t, conversion, va_arg(*args, int));
+  else if (kind == 'd')
+    vs_text_add(t, conversion, va_arg(*args, long));
+  else if (kind == 'u' && size == 'z')
+    vs_text_add(t, conversion, va_arg(*args, size_t));
+  else {
+    assert(strchr("feg", kind));
+    vs_text_add(t, conversion, va_arg(*args, double));
+  }
+}
+
+void vs_text_add_by(vs_text *t, void (*write)(void *ctx, const char *text), void *ctx,
+                    const char *format, va_list args) {
+  va_list own;
+  va_copy(own, args);
+  while (*format) {
+    const size_t plain = strcspn(format, "%");
+    vs_text_add(t, "%.*s", (int)plain, format);
+    format += plain;
+    if (!*format) break;
+    char conversion[16];
+    const size_t n = 2 + strcspn(format + 1, "%cdfegsu");
+    assert(n < sizeof conversion);
+    snprintf(conversion, sizeof conversion, "%.*s", (int)n, format);
+    format += n;
+    if (!strcmp(conversion, "%%"))
+      vs_text_add(t, "%%");
+    else if (!strcmp(conversion, "%s"))
+      write(ctx, va_arg(own, const char *));
+    else if (!strcmp(conversion, "%c"))
+      vs_text_add(t, "%c", va_arg(own, int));
+    else
+      add_number(t, conversion, &own);
+  }
+  va_end(own);
 }
 
 enum { LONGEST_NAME = 63 };
@@ -93,6 +136,35 @@ const char *vs_text_not_utf8(const char *text, size_t length) {
     if (!size) return text + at;
   }
   return NULL;
+}
+
+/* True for the code points of Unicode that are obeyed: controls (its category Cc), and the ends,
+ * overrides, isolates and marks of direction (Bidi_Control) and ends of lines and paragraphs. */
+static bool is_obeyed(unsigned long point) {
+  static const struct {
+    unsigned long first, last;
+  } RANGES[] = {{0x00, 0x08},     {0x0b, 0x1f},     {0x7f, 0x9f},    {0x61c, 0x61c},
+                {0x200e, 0x200f}, {0x2028, 0x202e}, {0x2066, 0x2069}};
+  for (size_t k = 0; k < sizeof RANGES / sizeof *RANGES; k++)
+    if (point >= RANGES[k].first && point <= RANGES[k].last) return true;
+  return false;
+}
+
+size_t vs_text_next(const char *text, char shown[VS_SHOWN_SIZE]) {
+  const unsigned char lead = (unsigned char)*text;
+  const size_t wanted = lead < 0x80 ? 1 : lead < 0xe0 ? 2 : lead < 0xf0 ? 3 : 4;
+  const size_t n = strnlen(text, wanted);
+  unsigned long point = n == 1 ? lead : lead & (0x7fu >> n);
+  if (n < wanted || vs_text_not_utf8(text, n)) {
+    snprintf(shown, VS_SHOWN_SIZE, "\\x%02x", lead);
+    return 1;
+  }
+  for (size_t k = 1; k < n; k++) point = point << 6 | ((unsigned char)text[k] & 0x3fu);
+  if (is_obeyed(point))
+    snprintf(shown, VS_SHOWN_SIZE, "\\u%04lx", point);
+  else
+    snprintf(shown, VS_SHOWN_SIZE, "%.*s", (int)n, text);
+  return n;
 }
 
 int vs_text_column(const char *line, const char *at) {

@@ -3,6 +3,7 @@
 #ifndef VS_BASE_TEXT_H
 #define VS_BASE_TEXT_H
 
+#include <stdarg.h>
 #include <stddef.h>
 
 #include "base/alloc.h"
@@ -17,6 +18,12 @@ typedef struct vs_text {
 void vs_text_add(vs_text *t, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void vs_text_free(vs_text *t);
 
+/* For writers of a language, which write texts as that language quotes them. Adds as vprintf does,
+ * with the conversions d, ld, zu, c, f, e, g and s, but calls write(ctx, text) for what %s
+ * stands for. */
+void vs_text_add_by(vs_text *t, void (*write)(void *ctx, const char *text), void *ctx,
+                    const char *format, va_list args);
+
 /* Returns the candidate nearest to name by Damerau and Levenshtein's distance, capitals aside; NULL
  * when none is near enough to be meant. */
 const char *vs_text_nearest(const char *name, const char *const *candidates, size_t count);
@@ -24,6 +31,13 @@ const char *vs_text_nearest(const char *name, const char *const *candidates, siz
 /* Returns the first byte that is not part of UTF-8 as RFC 3629 defines it, which allows nothing
  * overlong, no surrogate and at most U+10FFFF; NULL: the text is UTF-8. */
 const char *vs_text_not_utf8(const char *text, size_t length);
+
+/* Writes to `shown` the character at `text`, which is no end, and returns how many bytes it has. A
+ * character that a terminal or a page obeys in place of showing it is written as its number in
+ * hexadecimal, as \u001b: controls but for tab and newline, and those of the direction of writing,
+ * by which a line reads otherwise than it is. A byte that is no UTF-8 is written as \xff. */
+enum { VS_SHOWN_SIZE = 8 }; /* bytes, the end included */
+size_t vs_text_next(const char *text, char shown[VS_SHOWN_SIZE]);
 
 /* Returns the number, from 1, of the UTF-8 character that stands at `at` in the line. */
 int vs_text_column(const char *line, const char *at);

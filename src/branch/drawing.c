@@ -25,25 +25,25 @@ static bool is_of(const vs_path_point *at, const part *p) {
   return (at->unstable > 0) == p->unstable && (*vs_rows_beyond(at) != 0) == p->beyond;
 }
 
-static void add_point(const vs_walk *w, const vs_path_point *at, bool largest, vs_text *script) {
+static void add_point(const vs_walk *w, const vs_path_point *at, bool largest, vs_script *script) {
   const vs_turns *t = &at->turns;
-  vs_text_add(script, "%.9g %.9g\n", at->z[w->path.count],
-              1e3 * (largest ? t->largest : t->least).best.value);
+  vs_gnuplot_add(script, "%.9g %.9g\n", at->z[w->path.count],
+                 1e3 * (largest ? t->largest : t->least).best.value);
 }
 
 /* A curve's pieces of one kind, cut by blank lines. A piece begins at the point before it, which
  * is a mark where the kind changes. */
-static void add_pieces(const vs_walk *w, const part *p, bool largest, vs_text *script) {
+static void add_pieces(const vs_walk *w, const part *p, bool largest, vs_script *script) {
   bool was = false;
   for (size_t r = 0; r < w->count; r++) {
     const vs_path_point *at = &w->row[r].at;
     bool is = is_of(at, p);
     if (is && !was && r) add_point(w, &w->row[r - 1].at, largest, script);
     if (is) add_point(w, at, largest, script);
-    if (!is && was) vs_text_add(script, "\n");
+    if (!is && was) vs_gnuplot_add(script, "\n");
     was = is;
   }
-  vs_text_add(script, "\n");
+  vs_gnuplot_add(script, "\n");
 }
 
 static bool has_part(const vs_walk *w, const part *p) {
@@ -52,18 +52,18 @@ static bool has_part(const vs_walk *w, const part *p) {
   return false;
 }
 
-static void add_data(const vs_walk *w, vs_text *script) {
+static void add_data(const vs_walk *w, vs_script *script) {
   for (int p = 0; p < N_PARTS; p++)
     for (int largest = 0; largest < 2; largest++) {
-      vs_text_add(script, "$part%d%d << EOD\n", p, largest);
+      vs_gnuplot_add(script, "$part%d%d << EOD\n", p, largest);
       add_pieces(w, &PARTS[p], largest, script);
-      vs_text_add(script, "EOD\n");
+      vs_gnuplot_add(script, "EOD\n");
     }
   for (int k = 0; vs_mark_kinds[k]; k++) {
-    vs_text_add(script, "$mark%d << EOD\n", k);
+    vs_gnuplot_add(script, "$mark%d << EOD\n", k);
     for (size_t r = 0; r < w->count; r++)
       if (w->row[r].mark.kind == vs_mark_kinds[k]) add_point(w, &w->row[r].at, false, script);
-    vs_text_add(script, "EOD\n");
+    vs_gnuplot_add(script, "EOD\n");
   }
 }
 
@@ -76,44 +76,49 @@ static bool has_mark(const vs_walk *w, const vs_mark_kind *kind) {
 /* gnuplot's types of points, all of them full. */
 static const int POINTS[] = {5, 7, 9, 11, 13, 15, 10, 8, 6};
 
-static void add_plot(const vs_walk *w, vs_text *script) {
+static void add_plot(const vs_walk *w, vs_script *script) {
   const char *comma = "plot ";
   for (int p = 0; p < N_PARTS; p++) {
     if (!has_part(w, &PARTS[p])) continue;
-    vs_text_add(script, "%s$part%d0 with lines %s title '%s', $part%d1 with lines %s notitle",
-                comma, p, PARTS[p].line, PARTS[p].title, p, PARTS[p].line);
+    vs_gnuplot_code(script, comma);
+    vs_gnuplot_add(script, "$part%d0 with lines ", p);
+    vs_gnuplot_code(script, PARTS[p].line);
+    vs_gnuplot_add(script, " title %s, $part%d1 with lines ", PARTS[p].title, p);
+    vs_gnuplot_code(script, PARTS[p].line);
+    vs_gnuplot_add(script, " notitle");
     comma = ", ";
   }
   for (int k = 0; vs_mark_kinds[k]; k++)
     if (has_mark(w, vs_mark_kinds[k]))
-      vs_text_add(script, ", $mark%d with points pt %d ps 1.2 lc rgb '#202020' title '%s'", k,
-                  POINTS[k % (int)(sizeof POINTS / sizeof *POINTS)], vs_mark_kinds[k]->name);
-  vs_text_add(script, "\n");
+      vs_gnuplot_add(script, ", $mark%d with points pt %d ps 1.2 lc rgb '#202020' title %s", k,
+                     POINTS[k % (int)(sizeof POINTS / sizeof *POINTS)], vs_mark_kinds[k]->name);
+  vs_gnuplot_add(script, "\n");
 }
 
-static void add_script(const vs_walk *w, vs_text *script) {
+static void add_script(const vs_walk *w, vs_script *script) {
   const vs_axis *axis = &w->along->axis;
   vs_text label = {0};
   vs_text_add(&label, "%s%s%s", axis->key, *axis->unit ? " / " : "", axis->unit);
-  vs_text_add(script, "set terminal pngcairo noenhanced size 840,560 font 'sans,11' background rgb "
-                      "'white'\nset grid lt 1 lw 0.5 lc rgb '#d0d0d0'\nset border lc rgb "
-                      "'#404040'\nset rmargin 3\nset key outside top center horizontal\n"
-                      "set ylabel 'least and largest travel / mm'\nset xlabel ");
+  vs_gnuplot_add(script,
+                 "set terminal pngcairo noenhanced size 840,560 font 'sans,11' background rgb "
+                 "'white'\nset grid lt 1 lw 0.5 lc rgb '#d0d0d0'\nset border lc rgb "
+                 "'#404040'\nset rmargin 3\nset key outside top center horizontal\n"
+                 "set ylabel 'least and largest travel / mm'\nset xlabel ");
   vs_gnuplot_quoted(script, label.text);
-  vs_text_add(script, "\n");
+  vs_gnuplot_add(script, "\n");
   add_data(w, script);
   add_plot(w, script);
   vs_text_free(&label);
 }
 
 vs_status vs_drawing_write(const vs_walk *w, const char *folder, vs_error *err) {
-  vs_text script = {0};
+  vs_script script = {0};
   char *picture = NULL;
   size_t size = 0;
   vs_file file;
   add_script(w, &script);
-  vs_status status = vs_gnuplot_picture(script.text, &picture, &size, err);
-  vs_text_free(&script);
+  vs_status status = vs_gnuplot_picture(script.text.text, &picture, &size, err);
+  vs_gnuplot_free(&script);
   if (!status) status = vs_file_open(&file, folder, "branch.png", err);
   if (!status) {
     fwrite(picture, 1, size, file.stream); /* an error stays in the stream */

@@ -114,11 +114,12 @@ static vs_status find_window(const vs_closeup_options *o, vs_stretch *s, const c
 /* ---- pictures ---- */
 
 static vs_status add_script(const vs_closeup_options *o, const vs_stretch *s, bool svg,
-                            vs_text *script, vs_error *err) {
+                            vs_script *script, vs_error *err) {
   int height = o->orbit ? SQUARE : HEIGHT;
-  vs_text_add(script, "set terminal %s size %d,%d font 'sans,11' background rgb 'white'\n",
-              svg ? "svg noenhanced dynamic" : "pngcairo noenhanced", o->orbit ? 560 : WIDTH,
-              HEAD + height * s->probes.count);
+  vs_gnuplot_code(script,
+                  svg ? "set terminal svg noenhanced dynamic" : "set terminal pngcairo noenhanced");
+  vs_gnuplot_add(script, " size %d,%d font 'sans,11' background rgb 'white'\n",
+                 o->orbit ? 560 : WIDTH, HEAD + height * s->probes.count);
   if (o->fft) return vs_fourier_add(s, script, err);
   if (o->orbit) return vs_phase_plane_add(s, script, err);
   vs_strips_add(s, script);
@@ -127,12 +128,12 @@ static vs_status add_script(const vs_closeup_options *o, const vs_stretch *s, bo
 
 static vs_status draw_one(const vs_closeup_options *o, const vs_stretch *s, const char *folder,
                           const char *name, vs_error *err) {
-  vs_text script = {0};
+  vs_script script = {0};
   size_t length = strlen(name);
   bool svg = length > 4 && !strcmp(name + length - 4, ".svg");
   vs_status status = add_script(o, s, svg, &script, err);
-  if (!status) status = vs_gnuplot_draw(script.text, folder, name, o->quiet, err);
-  vs_text_free(&script);
+  if (!status) status = vs_gnuplot_draw(script.text.text, folder, name, o->quiet, err);
+  vs_gnuplot_free(&script);
   return status;
 }
 

@@ -107,55 +107,55 @@ static double top_of(const vs_stretch *s) {
 }
 
 /* Adds the lines up to top_of() as a data block, one for each probe and run. */
-static vs_status add_block(const vs_stretch *s, int probe, size_t run, vs_text *script,
+static vs_status add_block(const vs_stretch *s, int probe, size_t run, vs_script *script,
                            double *largest, vs_error *err) {
   const vs_probe_shown *p = &s->probes.item[probe];
   vs_fourier f;
   vs_status status = take(s, probe, run, &f, err);
   if (status) return status;
-  vs_text_add(script, "$lines_%d_%zu << EOD\n", probe, run);
+  vs_gnuplot_add(script, "$lines_%d_%zu << EOD\n", probe, run);
   for (size_t k = 0; k < f.lines; k++) {
     double frequency = (double)k / f.span_s;
     if (frequency > top_of(s)) break;
-    vs_text_add(script, "%.9g,%.9g\n", frequency, p->scale * f.rms[k]);
+    vs_gnuplot_add(script, "%.9g,%.9g\n", frequency, p->scale * f.rms[k]);
     *largest = fmax(*largest, p->scale * f.rms[k]);
   }
-  vs_text_add(script, "EOD\n");
+  vs_gnuplot_add(script, "EOD\n");
   free(f.rms);
   return VS_OK;
 }
 
-static void add_panel(const vs_stretch *s, int probe, double largest, vs_text *script) {
+static void add_panel(const vs_stretch *s, int probe, double largest, vs_script *script) {
   vs_text label = {0};
   vs_text_add(&label, "%s rms", s->probes.item[probe].label);
-  if (probe + 1 == s->probes.count) vs_text_add(script, "set xlabel 'f / Hz'\n");
+  if (probe + 1 == s->probes.count) vs_gnuplot_add(script, "set xlabel 'f / Hz'\n");
   double top = largest > 0 ? largest : 1;
-  vs_text_add(script, "set yrange [%.3g:%.3g]\nset ylabel ", FLOOR * top, 2 * top);
+  vs_gnuplot_add(script, "set yrange [%.3g:%.3g]\nset ylabel ", FLOOR * top, 2 * top);
   vs_gnuplot_quoted(script, label.text);
   vs_text_free(&label);
-  vs_text_add(script, "\nplot ");
+  vs_gnuplot_add(script, "\nplot ");
   for (size_t r = 0; r < s->runs; r++) {
-    vs_text_add(script, "%s$lines_%d_%zu using 1:2 with impulses lc rgb '%s' lw %zu title ",
-                r ? ", " : "", probe, r, vs_stretch_colour(r), 2 * (s->runs - r));
+    vs_gnuplot_add(script, r ? ", " : "");
+    vs_gnuplot_add(script, "$lines_%d_%zu using 1:2 with impulses lc rgb %s lw %zu title ", probe,
+                   r, vs_stretch_colour(r), 2 * (s->runs - r));
     vs_gnuplot_quoted(script, s->run[r].folder);
   }
-  vs_text_add(script, "\n");
+  vs_gnuplot_add(script, "\n");
 }
 
-vs_status vs_fourier_add(const vs_stretch *s, vs_text *script, vs_error *err) {
+vs_status vs_fourier_add(const vs_stretch *s, vs_script *script, vs_error *err) {
   vs_status status = VS_OK;
   double largest[VS_PROBES_MOST] = {0};
   vs_stretch_begin(script);
   for (int k = 0; k < s->probes.count; k++)
     for (size_t r = 0; r < s->runs && !status; r++)
       status = add_block(s, k, r, script, &largest[k], err);
-  vs_text_add(script, "set multiplot layout %d,1\nset logscale y\nset format y '%%g'\n%s\n",
-              s->probes.count,
-              s->runs > 1 ? "set key tmargin right horizontal reverse Left samplen 2"
-                          : "unset key");
-  vs_text_add(script, "set xrange [%g:%g]\n", -top_of(s) / (2 * LAST_HARMONIC + 1), top_of(s));
+  vs_gnuplot_add(script, "set multiplot layout %d,1\nset logscale y\nset format y '%%g'\n",
+                 s->probes.count);
+  vs_stretch_legend(s, script);
+  vs_gnuplot_add(script, "set xrange [%g:%g]\n", -top_of(s) / (2 * LAST_HARMONIC + 1), top_of(s));
   for (int k = 0; k < s->probes.count && !status; k++) add_panel(s, k, largest[k], script);
-  vs_text_add(script, "unset multiplot\n");
+  vs_gnuplot_add(script, "unset multiplot\n");
   return status;
 }
 

@@ -21,7 +21,7 @@ vs_status vs_fourier_take(const vs_traces *traces, int column, const double wind
                           double cycle_s, vs_fourier *spectrum, vs_error *err);
 
 /* Adds the spectra of all probes and runs to a script for gnuplot. */
-vs_status vs_fourier_add(const vs_stretch *stretch, vs_text *script, vs_error *err);
+vs_status vs_fourier_add(const vs_stretch *stretch, vs_script *script, vs_error *err);
 
 /* Adds all lines as CSV: frequency_hz, then the rms of each probe's line as NAME_rms_UNIT in the
  * column's own unit. Of several runs the first column is the run's folder. */

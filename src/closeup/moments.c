@@ -20,7 +20,7 @@ static vs_status take(vs_moments *m, const vs_csv *csv, vs_error *err) {
   char *end = csv->cell[0];
   double at = strtod(csv->cell[0], &end);
   vs_where where = {csv->file, csv->line, 1};
-  if (csv->count != 2 || *end || end == csv->cell[0])
+  if (csv->count != 2 || *end || end == csv->cell[0] || !isfinite(at))
     return vs_fail_at(err, where, "a time in s and what happened are wanted");
   m->item = vs_alloc_grow(m->item, m->count, sizeof *m->item);
   m->item[m->count++] =
@@ -33,10 +33,12 @@ vs_status vs_moments_read(const char *folder, vs_moments *m, vs_error *err) {
   if (strlen(folder) > VS_PATH_SIZE / 2)
     return vs_fail(err, VS_INPUT, "%.100s...: too long a name", folder);
   snprintf(path, sizeof path, "%s/events.csv", folder);
+  vs_status status = vs_path_check_result(path, err);
+  if (status) return status;
   FILE *f = fopen(path, "r");
   if (!f) return VS_OK;
   vs_csv csv = {.file = path, .stream = f, .comments = true};
-  vs_status status = vs_csv_next(&csv, err); /* the header */
+  status = vs_csv_next(&csv, err); /* the header */
   while (!status && csv.count) {
     status = vs_csv_next(&csv, err);
     if (!status && csv.count) status = take(m, &csv, err);

@@ -8,6 +8,6 @@
 
 /* Adds the orbits to a script for gnuplot. Error, VS_INPUT: a run has no column of a probe's rate.
  */
-vs_status vs_phase_plane_add(const vs_stretch *stretch, vs_text *script, vs_error *err);
+vs_status vs_phase_plane_add(const vs_stretch *stretch, vs_script *script, vs_error *err);
 
 #endif

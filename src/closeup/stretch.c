@@ -1,9 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "closeup/stretch.h"
 
-void vs_stretch_begin(vs_text *script) {
-  vs_text_add(script, "set grid lt 1 lw 0.5 lc rgb '#d0d0d0'\nset border lc rgb '#404040'\n"
-                      "set lmargin 12\nset rmargin 4\nset datafile separator ','\n");
+void vs_stretch_begin(vs_script *script) {
+  vs_gnuplot_add(script, "set grid lt 1 lw 0.5 lc rgb '#d0d0d0'\nset border lc rgb '#404040'\n"
+                         "set lmargin 12\nset rmargin 4\nset datafile separator ','\n");
+}
+
+void vs_stretch_legend(const vs_stretch *s, vs_script *script) {
+  vs_gnuplot_add(script, s->runs > 1 ? "set key tmargin right horizontal reverse Left samplen 2\n"
+                                     : "unset key\n");
 }
 
 const char *vs_stretch_colour(size_t run) {

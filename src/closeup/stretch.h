@@ -6,6 +6,7 @@
 #include "base/text.h"
 #include "closeup/moments.h"
 #include "closeup/probes.h"
+#include "picture/gnuplot.h"
 
 enum { VS_STRETCH_RUNS = 8 }; /* over one another, at most */
 
@@ -26,7 +27,9 @@ typedef struct vs_stretch {
 
 /* Adds the style that all pictures of a close-up share, and returns the colour of a run's curves.
  */
-void vs_stretch_begin(vs_text *script);
+void vs_stretch_begin(vs_script *script);
+/* Sets where the names of the runs stand; one alone has none. */
+void vs_stretch_legend(const vs_stretch *stretch, vs_script *script);
 const char *vs_stretch_colour(size_t run);
 
 #endif

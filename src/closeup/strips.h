@@ -7,9 +7,9 @@
 
 /* Adds the strips to a script for gnuplot. Moments of the first run have their words beside their
  * lines, as far as there is room; those of the others have lines in their colour. */
-void vs_strips_add(const vs_stretch *stretch, vs_text *script);
+void vs_strips_add(const vs_stretch *stretch, vs_script *script);
 
 /* Adds one probe's strip alone, as a picture of its own. */
-void vs_strips_one(const vs_stretch *stretch, int probe, vs_text *script);
+void vs_strips_one(const vs_stretch *stretch, int probe, vs_script *script);
 
 #endif

@@ -196,15 +196,16 @@ static error_t parse(int key, char *value, struct argp_state *state) {
 /* Enters the jail, where that is asked for. What the command line names is the user's own choice;
  * of --set that is the value of a key that holds a file's name. */
 static vs_status enter_jail(const vs_command *c, const vs_arguments *a, vs_error *err) {
-  const char *const words[] = {a->deck, a->machine, a->library, a->pins, a->scene};
+  const char *const words[] = {a->deck, a->machine, a->library,
+                               a->pins, a->scene,   c->results ? a->output : NULL};
   if (a->jail && a->no_jail)
     return vs_fail(err, VS_INPUT, "--jail and --no-jail: give one of them");
   if (a->jail && a->allow_code)
     return vs_fail(err, VS_INPUT,
                    "--allow-code runs what the scene brings along, --jail trusts it with nothing; "
                    "give one of them");
-  if (!a->jail && (!c->jailed || a->no_jail)) return VS_OK;
-  if (!vs_confine_works() && !a->quiet)
+  if (!a->jail && ((!c->jailed && !c->results) || a->no_jail)) return VS_OK;
+  if (!c->results && !vs_confine_works() && !a->quiet)
     fputs(
         "vibrospice: warning: this kernel has no filter of calls (seccomp), so that ngspice could "
         "reach the network if a netlist misused a fault in it\n",

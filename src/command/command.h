@@ -33,11 +33,12 @@ const char *vs_command_name(const vs_arguments *arguments);
 /* One command: a plug of the program's table. */
 typedef struct vs_command {
   const char *name, *text;
-  const char *argument;              /* what is to stand behind it: "SCENE" */
-  const char *examples;              /* whole lines, for --help */
-  bool may_be_alone;                 /* the argument may be left out */
-  bool takes_many;                   /* arguments */
-  bool jailed;                       /* in the jail (base/jail.h) unless --no-jail says otherwise */
+  const char *argument; /* what is to stand behind it: "SCENE" */
+  const char *examples; /* whole lines, for --help */
+  bool may_be_alone;    /* the argument may be left out */
+  bool takes_many;      /* arguments */
+  bool results; /* its arguments are folders of results: in the jail, and ngspice is not called */
+  bool jailed;  /* in the jail (base/jail.h) unless --no-jail says otherwise */
   const struct argp_option *options; /* made of the macros below; ended by {0} */
   vs_status (*run)(const vs_arguments *arguments, vs_error *err);
   void (*explain)(vs_text *help); /* adds to --help, behind the examples; NULL: nothing */
@@ -125,8 +126,9 @@ enum {
   VS_COMMAND_FLAG("jail", VS_KEY_JAIL,                                                             \
                   "for a stranger's files: what they name is read only from the folder of the "    \
                   "file that you give, from the working directory if it holds that file, and "     \
-                  "from what comes with the program; no network, no code of their own. check "     \
-                  "does so always")
+                  "from what comes with the program; of a folder of results, only what lies in "   \
+                  "it; no network, no code of their own. check, plot, compare and merge do so "    \
+                  "always")
 #define VS_COMMAND_NO_JAIL                                                                         \
   VS_COMMAND_FLAG("no-jail", VS_KEY_NO_JAIL, "reads every file that the given one names")
 

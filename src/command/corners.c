@@ -101,12 +101,12 @@ vs_status vs_corners_run(const vs_corners_order *o, const vs_scene *nominal, vs_
   if (!status) status = read_all(o, tier, c, err);
   for (size_t k = 0; k < c->count && !status; k++) {
     vs_corner *corner = &c->item[k];
-    if (shows) fprintf(stderr, "\rcorner %zu of %zu \033[K", k + 1, c->count);
+    if (shows) dprintf(STDERR_FILENO, "\rcorner %zu of %zu \033[K", k + 1, c->count);
     status = run_corner(o, tier, c, k, err);
     if (status || !*corner->line) continue;
     if (!corner->breaks) c->held++;
     if (c->worst == c->count || is_worse(corner, &c->item[c->worst])) c->worst = k;
   }
-  if (shows) fputs("\r\033[K", stderr);
+  if (shows) dprintf(STDERR_FILENO, "\r\033[K");
   return status;
 }

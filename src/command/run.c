@@ -43,8 +43,8 @@ static void progress(audience *a, double t_s, long steps) {
   double now = wall_clock(), spent = now - a->began_s, until = a->scene->setup.run.until_s;
   if (spent < 1 || now - a->shown_s < 0.25) return;
   a->shown_s = now;
-  fprintf(stderr, "\r%5.1f %%  t = %.4g s of %.4g s, %.0f s left \033[K", 100 * t_s / until, t_s,
-          until, spent * (until - t_s) / t_s);
+  dprintf(STDERR_FILENO, "\r%5.1f %%  t = %.4g s of %.4g s, %.0f s left \033[K", 100 * t_s / until,
+          t_s, until, spent * (until - t_s) / t_s);
 }
 
 /* True for the firings of a run whose devices tell their own. */
@@ -262,7 +262,7 @@ static vs_status begin(void *ctx, vs_scene *scene, vs_error *err) {
 }
 
 static void end_progress(const audience *a) {
-  if (a->shown_s > 0) fputs("\r\033[K", stderr);
+  if (a->shown_s > 0) dprintf(STDERR_FILENO, "\r\033[K");
 }
 
 /* Nothing is kept of an attempt that another one follows. */

@@ -86,7 +86,7 @@ static vs_status find_include(vs_deck *deck, const char *name, vs_where where,
   *ours = false;
   for (size_t k = 0; k < deck->n_files; k++) /* what is beside a file of the program's own */
     *ours = *ours || (deck->files[k] == where.file && deck->included[k].file);
-  if (!access(path, R_OK)) return VS_OK;
+  if (!access(path, R_OK)) return vs_path_check_plain(path, where, err);
   *ours = true;
   if (is_shipped(base, path)) return vs_jail_check(path, where, err);
   if (!back) {

@@ -13,7 +13,7 @@
 vs_status vs_digest_write(const char *folder, bool quiet, vs_error *err) {
   char path[VS_PATH_SIZE];
   vs_tree summary = {0};
-  vs_text html = {0};
+  vs_html html = {0};
   snprintf(path, sizeof path, "%s/summary.json", folder);
   if (access(path, R_OK)) return VS_OK;
   vs_stretch *s = vs_alloc(1, sizeof *s);
@@ -30,7 +30,7 @@ vs_status vs_digest_write(const char *folder, bool quiet, vs_error *err) {
   }
   if (!status) status = vs_html_write(&html, folder, quiet, err);
   vs_tree_free(&summary);
-  vs_text_free(&html);
+  vs_html_free(&html);
   vs_waves_close(s);
   free(s);
   return status;

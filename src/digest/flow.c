@@ -26,14 +26,14 @@ static const struct {
              {"mechanical_J", "stored in motion and springs", 3}};
 
 /* A row, with its share of the largest flow as a bar. What is 0 is left out. */
-static void add_row(vs_text *html, const char *text, int depth, double joule, double whole) {
-  char amount[VS_AMOUNT_SIZE], part[32] = "&lt; 0.01 %";
+static void add_row(vs_html *html, const char *text, int depth, double joule, double whole) {
+  char amount[VS_AMOUNT_SIZE], part[32] = "< 0.01 %";
   double share = joule / whole;
   if (!(fabs(share) < 1e-4)) snprintf(part, sizeof part, "%.3g %%", 100 * share);
   if (isnan(joule) || joule == 0) return;
-  vs_text_add(html, "<tr><td style=\"padding-left:%.1frem\">", 0.5 + 1.2 * depth);
+  vs_html_add(html, "<tr><td style=\"padding-left:%.1frem\">", 0.5 + 1.2 * depth);
   vs_html_text(html, text);
-  vs_text_add(html,
+  vs_html_add(html,
               "</td><td class=\"n\">%s</td><td class=\"n\">%s</td><td class=\"bars\">"
               "<span class=\"bar%s\" style=\"width:%.2f%%\"></span></td></tr>\n",
               vs_amount_text(joule, "J", amount), part, joule < 0 ? " back" : "",
@@ -41,7 +41,7 @@ static void add_row(vs_text *html, const char *text, int depth, double joule, do
 }
 
 /* Each account of the deck's: "losses_J": {"r1": ...}. */
-static void add_accounts(vs_text *html, const vs_node *accounts, const char *what, double whole) {
+static void add_accounts(vs_html *html, const vs_node *accounts, const char *what, double whole) {
   for (const vs_node *m = accounts ? accounts->child : NULL; m; m = m->next) {
     vs_text text = {0};
     vs_text_add(&text, "%s %s", what, m->key);
@@ -50,13 +50,13 @@ static void add_accounts(vs_text *html, const vs_node *accounts, const char *wha
   }
 }
 
-void vs_flow_add(vs_text *html, const vs_node *energy) {
+void vs_flow_add(vs_html *html, const vs_node *energy) {
   double whole = 0;
   if (!energy) return;
   for (size_t k = 0; k < sizeof FLOWS / sizeof *FLOWS; k++)
     if (FLOWS[k].text)
       whole = fmax(whole, fabs(vs_member_number(vs_tree_child(energy, FLOWS[k].key))));
-  vs_text_add(html,
+  vs_html_add(html,
               "<section id=\"energy\">\n<h2>Energy flow</h2>\n<div class=\"wide\"><table>"
               "<tr><th>what</th><th>energy</th><th>share</th><th class=\"bars\"></th></tr>\n");
   for (size_t k = 0; k < sizeof FLOWS / sizeof *FLOWS && whole > 0; k++) {
@@ -66,9 +66,9 @@ void vs_flow_add(vs_text *html, const vs_node *energy) {
     else
       add_accounts(html, node, !strcmp(FLOWS[k].key, "losses_J") ? "lost in" : "stored in", whole);
   }
-  vs_text_add(html,
+  vs_html_add(html,
               "</table></div>\n<p class=\"of\">Shares are of the largest of these. What is 0 is "
               "left out. The audit: ");
   vs_html_text(html, vs_member_word(energy, "audit"));
-  vs_text_add(html, ".</p>\n</section>\n");
+  vs_html_add(html, ".</p>\n</section>\n");
 }

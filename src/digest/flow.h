@@ -3,10 +3,10 @@
 #ifndef VS_DIGEST_FLOW_H
 #define VS_DIGEST_FLOW_H
 
-#include "base/text.h"
+#include "report/html.h"
 #include "syntax/tree.h"
 
 /* Adds the section. energy: that member of summary.json; NULL: nothing is added. */
-void vs_flow_add(vs_text *html, const vs_node *energy);
+void vs_flow_add(vs_html *html, const vs_node *energy);
 
 #endif

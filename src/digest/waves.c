@@ -78,38 +78,38 @@ void vs_waves_close(vs_stretch *s) {
 
 /* ---- the section ---- */
 
-static vs_status add_picture(const vs_stretch *s, int probe, vs_text *html, vs_error *err) {
-  vs_text script = {0};
+static vs_status add_picture(const vs_stretch *s, int probe, vs_html *html, vs_error *err) {
+  vs_script script = {0};
   char *svg = NULL;
   size_t size;
   const char *label = s->probes.item[probe].label;
-  vs_text_add(&script,
-              "set terminal svg dynamic mousing standalone noenhanced size %d,%d font "
-              "'sans-serif,15' background rgb 'white'\n",
-              WIDTH, HEIGHT);
+  vs_gnuplot_add(&script,
+                 "set terminal svg dynamic mousing standalone noenhanced size %d,%d font "
+                 "'sans-serif,15' background rgb 'white'\n",
+                 WIDTH, HEIGHT);
   vs_strips_one(s, probe, &script);
-  vs_status status = vs_gnuplot_picture(script.text, &svg, &size, err);
+  vs_status status = vs_gnuplot_picture(script.text.text, &svg, &size, err);
   const vs_html_picture picture = {label, s->probes.item[probe].column, svg, WIDTH, HEIGHT};
   if (!status) vs_html_picture_add(html, &picture);
   free(svg);
-  vs_text_free(&script);
+  vs_gnuplot_free(&script);
   return status;
 }
 
-vs_status vs_waves_add(const vs_stretch *s, vs_text *html, vs_error *err) {
+vs_status vs_waves_add(const vs_stretch *s, vs_html *html, vs_error *err) {
   vs_status status = VS_OK;
   bool whole = true;
   for (size_t k = 0; k < s->runs; k++) whole = whole && !is_long(&s->run[k].traces);
-  vs_text_add(html,
+  vs_html_add(html,
               "<section id=\"waveforms\">\n<h2>Waveforms</h2>\n<p class=\"of screen\">A click "
               "shows where the mouse is; Ctrl and the wheel zoom, the right button goes "
               "back.</p>\n");
   if (!whole)
-    vs_text_add(html, "<p>%s more than %d rows, and is drawn from %.6g s to %.6g s.</p>\n",
+    vs_html_add(html, "<p>%s more than %d rows, and is drawn from %.6g s to %.6g s.</p>\n",
                 s->runs > 1 ? "A run has" : "The run has", MOST_ROWS, s->from_s, s->to_s);
-  if (!s->probes.count) vs_text_add(html, "<p>The runs have no column in common.</p>\n");
-  vs_text_add(html, "<div class=\"pictures\">\n");
+  if (!s->probes.count) vs_html_add(html, "<p>The runs have no column in common.</p>\n");
+  vs_html_add(html, "<div class=\"pictures\">\n");
   for (int k = 0; k < s->probes.count && !status; k++) status = add_picture(s, k, html, err);
-  vs_text_add(html, "</div>\n</section>\n");
+  vs_html_add(html, "</div>\n</section>\n");
   return status;
 }

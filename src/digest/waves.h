@@ -4,6 +4,7 @@
 #define VS_DIGEST_WAVES_H
 
 #include "closeup/stretch.h"
+#include "report/html.h"
 
 /* Reads the runs and chooses what is shown: the usual probes and, as far as there is room, what the
  * deck has besides; of these what all runs have. It is the whole time, or where a run has too many
@@ -14,6 +15,6 @@ vs_status vs_waves_open(vs_stretch *stretch, const char *const *folders, size_t 
 void vs_waves_close(vs_stretch *stretch);
 
 /* Adds the section. Error: gnuplot is missing or fails. */
-vs_status vs_waves_add(const vs_stretch *stretch, vs_text *html, vs_error *err);
+vs_status vs_waves_add(const vs_stretch *stretch, vs_html *html, vs_error *err);
 
 #endif

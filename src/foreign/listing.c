@@ -157,6 +157,7 @@ static vs_status follow(vs_listing *l, size_t card, vs_error *err) {
              !vs_listing_is(&l->cards[card], ".lib");
   size_t first = l->count;
   vs_status status = vs_jail_check(path, l->cards[card].where, err);
+  if (!status) status = vs_path_check_plain(path, l->cards[card].where, err);
   if (!status) status = add_file(l, path, may, err);
   if (may && first < l->count && !l->cards[first].included) write_replaced(&l->cards[card]);
   return status;

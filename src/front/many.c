@@ -108,6 +108,8 @@ static const struct argp_option MERGE_OPTIONS[] = {
     VS_COMMAND_FLAG("overwrite", VS_KEY_OVERWRITE,
                     "over another study's result, too; else that is refused"),
     VS_COMMAND_FLAG("quiet", VS_KEY_QUIET, "prints nothing"),
+    VS_COMMAND_JAIL,
+    VS_COMMAND_NO_JAIL,
     VS_COMMAND_HELP,
     {0}};
 
@@ -167,6 +169,7 @@ const vs_command vs_many_merge = {
     .examples = "  vibrospice merge shards\n  vibrospice merge one two three -o whole\n",
     .takes_many = true,
     .options = MERGE_OPTIONS,
+    .results = true,
     .run = merge,
     .explain = explain_formats};
 

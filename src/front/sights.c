@@ -80,6 +80,8 @@ static const struct argp_option PLOT_OPTIONS[] = {
                      "draws measured curves over the computed ones: a CSV file, t_s or t_ms first, "
                      "then columns named as in run.csv, also in other units (p_mm, i_ma)"),
     VS_COMMAND_QUIET,
+    VS_COMMAND_JAIL,
+    VS_COMMAND_NO_JAIL,
     VS_COMMAND_HELP,
     {0}};
 
@@ -110,6 +112,8 @@ static const struct argp_option COMPARE_OPTIONS[] = {
                      "the curves over one another"),
     VS_COMMAND_JSON,
     VS_COMMAND_FLAG("quiet", VS_KEY_QUIET, "prints nothing"),
+    VS_COMMAND_JAIL,
+    VS_COMMAND_NO_JAIL,
     VS_COMMAND_HELP,
     {0}};
 
@@ -141,6 +145,7 @@ const vs_command vs_sights_plot = {
                 "  vibrospice plot before after --probe v_ak,i_thyristor --from 60ms --to 70ms\n"
                 "  vibrospice plot out --probe i --fft\n",
     .takes_many = true,
+    .results = true,
     .options = PLOT_OPTIONS,
     .run = plot};
 
@@ -153,6 +158,7 @@ const vs_command vs_sights_compare = {
                 "  vibrospice compare before after -o page\n"
                 "  vibrospice compare before after --json\n",
     .takes_many = true,
+    .results = true,
     .options = COMPARE_OPTIONS,
     .run = compare};
 

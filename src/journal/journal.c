@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/path.h"
 #include "journal/lock.h"
 #include "plan/plan.h"
 
@@ -316,6 +317,8 @@ vs_status vs_journal_open(vs_journal *j, const char *folder, bool mend, vs_error
   j->part = vs_lines_part_new();
   name_file(j, folder);
   vs_status status = mend ? vs_lock_folder(folder, j->path, &j->folder, err) : VS_OK;
+  if (status) return status;
+  status = vs_path_check_result(j->path, err);
   if (status) return status;
   j->fd = open(j->path, (mend ? O_RDWR | O_NOFOLLOW : O_RDONLY) | O_CLOEXEC);
   if (j->fd < 0)

@@ -133,7 +133,7 @@ void vs_album_free(vs_album *album) {
   for (size_t k = 0; k < album->count; k++) {
     vs_text_free(&album->item[k].title);
     vs_text_free(&album->item[k].caption);
-    vs_text_free(&album->item[k].script);
+    vs_gnuplot_free(&album->item[k].script);
   }
   album->count = 0;
 }

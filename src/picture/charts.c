@@ -34,12 +34,15 @@ static vs_status pick_row(void *ctx, const vs_folder_row *row, vs_error *err) {
   return VS_OK;
 }
 
-static void add_line(vs_text *script, const char *name, int colour, bool points,
+static void add_line(vs_script *script, const char *name, int colour, bool points,
                      const char *title) {
   static const int POINTS[VS_COLOURS] = {7, 5, 9, 13, 6, 4, 8};
-  vs_text_add(script, "$%s using 1:2 with %s lc rgb '%s' lw 1.8 dt %d pt %d ps 0.6 title ", name,
-              points ? "linespoints" : "lines", vs_scale_colours[colour % VS_COLOURS],
-              colour % 4 + 1, POINTS[colour % VS_COLOURS]);
+  vs_gnuplot_code(script, "$");
+  vs_gnuplot_code(script, name);
+  vs_gnuplot_add(script, points ? " using 1:2 with linespoints" : " using 1:2 with lines");
+  vs_gnuplot_add(script, " lc rgb %s lw 1.8 dt %d pt %d ps 0.6 title ",
+                 vs_scale_colours[colour % VS_COLOURS], colour % 4 + 1,
+                 POINTS[colour % VS_COLOURS]);
   vs_gnuplot_quoted(script, title);
 }
 
@@ -60,14 +63,14 @@ static vs_status draw_family(const vs_sketch *k, size_t x, size_t words, size_t 
     vs_sketch_data(&p->script, name, &m.line[n], false);
   }
   vs_text_add(&p->caption, "A line for each %s. ", k->t->column[words].name);
-  vs_text_add(&p->script, "set key tmargin center horizontal samplen 2\nplot ");
+  vs_gnuplot_add(&p->script, "set key tmargin center horizontal samplen 2\nplot ");
   for (size_t n = 0, drawn = 0; n < w->count; n++) {
     if (!m.line[n].count) continue;
-    vs_text_add(&p->script, "%s", drawn++ ? ", " : "");
+    vs_gnuplot_add(&p->script, drawn++ ? ", " : "");
     snprintf(name, sizeof name, "line%zu", n);
     add_line(&p->script, name, (int)n, m.line[n].count <= FEW_POINTS, w->word[n]);
   }
-  vs_text_add(&p->script, "\n");
+  vs_gnuplot_add(&p->script, "\n");
   for (size_t n = 0; n < w->count; n++) vs_sketch_dots_free(&m.line[n]);
   return status;
 }
@@ -100,15 +103,16 @@ static vs_status draw_curve(const vs_sketch *k, size_t column, vs_picture *p, vs
   vs_sketch_dots_sort(&s);
   vs_sketch_dots_thin(&s, MOST_POINTS);
   vs_sketch_data(&p->script, "line", &s, k->t->failed > 0 && few);
-  vs_text_add(&p->script, "plot ");
+  vs_gnuplot_add(&p->script, "plot ");
   if (x && !k->s->profile[x].is_number)
-    vs_text_add(&p->script,
-                "$line using 1:2 with impulses lw 10 lc rgb '%s', $line using 1:2 with points pt 7 "
-                "ps 0.9 lc rgb '%s'",
-                vs_scale_colours[0], vs_scale_colours[0]);
+    vs_gnuplot_add(
+        &p->script,
+        "$line using 1:2 with impulses lw 10 lc rgb %s, $line using 1:2 with points pt 7 "
+        "ps 0.9 lc rgb %s",
+        vs_scale_colours[0], vs_scale_colours[0]);
   else
     add_line(&p->script, "line", 0, few, "");
-  vs_text_add(&p->script, "\n");
+  vs_gnuplot_add(&p->script, "\n");
   vs_sketch_dots_free(&s);
   return status;
 }
@@ -128,8 +132,8 @@ static vs_status draw_cases(const vs_sketch *k, size_t column, vs_picture *p, vs
     vs_text_add(&p->caption, "%zu cases; of each stretch the least and the largest. ", s.count);
   vs_sketch_dots_thin(&s, MOST_POINTS);
   vs_sketch_data(&p->script, "cases", &s, false);
-  vs_text_add(&p->script, "plot $cases using 1:2 with points pt 7 ps %g lc rgb '%s'\n",
-              s.count <= FEW_POINTS ? 0.8 : 0.4, vs_scale_colours[0]);
+  vs_gnuplot_add(&p->script, "plot $cases using 1:2 with points pt 7 ps %g lc rgb %s\n",
+                 s.count <= FEW_POINTS ? 0.8 : 0.4, vs_scale_colours[0]);
   vs_sketch_dots_free(&s);
   return status;
 }
@@ -159,7 +163,8 @@ static vs_status draw_path(const vs_sketch *k, size_t column, vs_picture *p, vs_
   vs_sketch_begin(k, 0, column, p);
   vs_sketch_axis(k, column, 'y', &p->script);
   vs_sketch_range(k, column, 'y', false, p);
-  vs_text_add(&p->script, "set xlabel 'evaluation'\nset key tmargin center horizontal samplen 2\n");
+  vs_gnuplot_add(&p->script,
+                 "set xlabel 'evaluation'\nset key tmargin center horizontal samplen 2\n");
   vs_status status = vs_sketch_dots_load(k, 0, column, &s, err);
   vs_dots best = best_so_far(&s, largest);
   if (best.count)
@@ -169,10 +174,11 @@ static vs_status draw_path(const vs_sketch *k, size_t column, vs_picture *p, vs_
   vs_sketch_dots_thin(&s, MOST_POINTS);
   vs_sketch_data(&p->script, "all", &s, false);
   vs_sketch_data(&p->script, "best", &best, false);
-  vs_text_add(&p->script,
-              "plot $all using 1:2 with points pt 7 ps 0.4 lc rgb '#999999' title 'tried', $best "
-              "using 1:2 with steps lw 2.4 lc rgb '%s' title 'worst so far'\n",
-              vs_scale_colour_bad);
+  vs_gnuplot_add(
+      &p->script,
+      "plot $all using 1:2 with points pt 7 ps 0.4 lc rgb '#999999' title 'tried', $best "
+      "using 1:2 with steps lw 2.4 lc rgb %s title 'worst so far'\n",
+      vs_scale_colour_bad);
   vs_sketch_dots_free(&s);
   vs_sketch_dots_free(&best);
   return status;
@@ -220,21 +226,21 @@ static bool fits_cloud(const vs_sketch *k) {
 /* The script to plot the points; crosses mark those that violate a rating. */
 static void add_cloud(const cloud *c, vs_picture *p) {
   bool violated = false;
-  vs_text_add(&p->script, "$points << EOD\n");
+  vs_gnuplot_add(&p->script, "$points << EOD\n");
   for (size_t n = 0; n < CLOUD_CELLS * CLOUD_CELLS; n++) {
     const double *at = c->point[n];
     if (isnan(at[2])) continue;
-    vs_text_add(&p->script, "%.9g %.9g %.9g\n", at[0], at[1], at[2]);
+    vs_gnuplot_add(&p->script, "%.9g %.9g %.9g\n", at[0], at[1], at[2]);
     violated = violated || (c->margin && at[2] < 0);
   }
-  vs_text_add(&p->script, "EOD\nplot $points using 1:2:3 with points pt 7 ps 0.7 lc palette");
+  vs_gnuplot_add(&p->script, "EOD\nplot $points using 1:2:3 with points pt 7 ps 0.7 lc palette");
   if (violated)
-    vs_text_add(&p->script,
-                ", $points using 1:($3 < 0 ? $2 : NaN) with points pt 2 ps 0.7 lc rgb "
-                "'%s' ",
-                vs_scale_colour_bad);
+    vs_gnuplot_add(&p->script,
+                   ", $points using 1:($3 < 0 ? $2 : NaN) with points pt 2 ps 0.7 lc rgb "
+                   "%s ",
+                   vs_scale_colour_bad);
   if (violated) vs_text_add(&p->caption, "Crosses: a rating is violated. ");
-  vs_text_add(&p->script, "\n");
+  vs_gnuplot_add(&p->script, "\n");
 }
 
 static vs_status draw_cloud(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
@@ -255,9 +261,10 @@ static vs_status draw_cloud(const vs_sketch *k, size_t column, vs_picture *p, vs
   vs_sketch_begin(k, c.column[0], column, p);
   snprintf(p->name, sizeof p->name, "cloud_%.200s", k->t->column[column].title);
   vs_sketch_axis(k, c.column[1], 'y', &p->script);
-  vs_text_add(&p->script, "%sset cblabel ", vs_scale_palette);
+  vs_gnuplot_code(&p->script, vs_scale_palette);
+  vs_gnuplot_add(&p->script, "set cblabel ");
   vs_gnuplot_quoted(&p->script, vs_sketch_scale(k, column).label);
-  vs_text_add(&p->script, "\nset rmargin 16\n");
+  vs_gnuplot_add(&p->script, "\nset rmargin 16\n");
   add_cloud(&c, p);
   free(c.point);
   return status;

@@ -73,39 +73,43 @@ static vs_status place(void *ctx, const vs_folder_row *row, vs_error *err) {
 
 /* Draws the candidates of one kind, by its index in the tables below. */
 static void add_points(const region *r, int kind, bool *any, vs_picture *p) {
-  static const char *const NAMES[] = {"fails", "holds", "found"};
   static const char *const STYLES[] = {"pt 2 ps 0.9 lw 1.6", "pt 7 ps 1", "pt 6 ps 2.4 lw 2.4"};
   static const char *const TITLES[] = {"does not hold", "holds", "cheapest"};
   const char *const colours[] = {vs_scale_colour_bad, vs_scale_colour_good, "#000000"};
   const long found = vs_folder_found(r->k->t);
-  vs_text points = {0};
+  vs_script points = {0};
   for (size_t k = 0; k < r->count; k++) {
     const candidate *c = &r->item[k];
     bool in = kind == 2 ? c->number == found : c->holds == (kind == 1);
-    if (in && !isnan(c->x) && !isnan(c->y)) vs_text_add(&points, "%.9g %.9g\n", c->x, c->y);
+    if (in && !isnan(c->x) && !isnan(c->y)) vs_gnuplot_add(&points, "%.9g %.9g\n", c->x, c->y);
   }
-  if (points.length) {
-    vs_text data = {0};
-    vs_text_add(&data, "$%s << EOD\n%sEOD\n", NAMES[kind], points.text);
-    vs_text_add(&data, "%s", p->script.text); /* data go before the plot command */
-    vs_text_free(&p->script);
+  if (points.text.length) {
+    vs_script data = {0};
+    vs_gnuplot_add(&data, "$kind%d << EOD\n", kind);
+    vs_gnuplot_code(&data, points.text.text);
+    vs_gnuplot_add(&data, "EOD\n");
+    vs_gnuplot_code(&data, p->script.text.text); /* data go before the plot command */
+    vs_gnuplot_free(&p->script);
     p->script = data;
-    vs_text_add(&p->script, "%s$%s using 1:2 with points %s lc rgb '%s' title '%s'",
-                *any ? ", " : "plot ", NAMES[kind], STYLES[kind], colours[kind], TITLES[kind]);
+    vs_gnuplot_add(&p->script, *any ? ", " : "plot ");
+    vs_gnuplot_add(&p->script, "$kind%d using 1:2 with points ", kind);
+    vs_gnuplot_code(&p->script, STYLES[kind]);
+    vs_gnuplot_add(&p->script, " lc rgb %s title %s", colours[kind], TITLES[kind]);
     *any = true;
   }
-  vs_text_free(&points);
+  vs_gnuplot_free(&points);
 }
 
 /* Sets the axis' range to all that was tried, with a little room. */
-static void add_range(const vs_sketch *k, size_t column, char axis, vs_text *script) {
+static void add_range(const vs_sketch *k, size_t column, char axis, vs_script *script) {
   const vs_profile *f = &k->s->profile[column];
   const vs_scale scale = vs_sketch_scale(k, column);
   double least = f->least * scale.factor, largest = f->largest * scale.factor;
   double room = 0.05 * (largest - least);
   if (largest > least)
-    vs_text_add(script, "set %crange [%.9g:%.9g]\n", axis, scale.log ? least / 1.3 : least - room,
-                scale.log ? largest * 1.3 : largest + room);
+    vs_gnuplot_add(script, "set %crange [%.9g:%.9g]\n", axis,
+                   scale.log ? least / 1.3 : least - room,
+                   scale.log ? largest * 1.3 : largest + room);
 }
 
 static vs_status draw(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
@@ -119,12 +123,12 @@ static vs_status draw(const vs_sketch *k, size_t column, vs_picture *p, vs_error
   vs_text_add(&p->title, "What was tried, and what holds over the spread");
   vs_sketch_begin(k, r.column[0], column, p);
   vs_sketch_axis(k, r.column[1], 'y', &p->script);
-  vs_text_add(&p->script, "set key tmargin center horizontal samplen 1\n");
+  vs_gnuplot_add(&p->script, "set key tmargin center horizontal samplen 1\n");
   add_range(k, r.column[0], 'x', &p->script);
   add_range(k, r.column[1], 'y', &p->script);
   for (int kind = 0; kind < 3; kind++) add_points(&r, kind, &any, p);
   if (!any) *p->name = '\0';
-  vs_text_add(&p->script, "\n");
+  vs_gnuplot_add(&p->script, "\n");
   free(r.item);
   return status;
 }

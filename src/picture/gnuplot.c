@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <signal.h>
+#include <stdarg.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,22 +15,62 @@
 
 #include "base/file.h"
 
-void vs_gnuplot_quoted(vs_text *script, const char *text) {
-  vs_text_add(script, "'");
-  for (; *text; text++) {
-    if (*text == '\'') vs_text_add(script, "'");
-    bool breaks = (unsigned char)*text < 0x20; /* what follows would be a command */
-    vs_text_add(script, "%c", breaks ? ' ' : *text);
-  }
-  vs_text_add(script, "'");
+/* ---- scripts ---- */
+
+void vs_gnuplot_code(vs_script *script, const char *code) {
+  vs_text_add(&script->text, "%s", code);
 }
 
-void vs_gnuplot_path(vs_text *script, const char *path) {
+void vs_gnuplot_free(vs_script *script) {
+  vs_text_free(&script->text);
+}
+
+/* gnuplot 5.4 does not read a string that begins with two single quotes as its manual says, and in
+ * names of files not at all. In double quotes, what is no plain character stands as its number in
+ * octal, so that none ends the string, begins a command of the shell (a backtick) or escapes. */
+void vs_gnuplot_quoted(vs_script *script, const char *text) {
+  static const char PLAIN[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                              " .,:;/+-=()[]_<>|*#&!?^~";
+  char shown[VS_SHOWN_SIZE];
+  vs_gnuplot_code(script, "\"");
+  while (*text) {
+    const bool blank = *text == '\n' || *text == '\t';
+    text += vs_text_next(text, shown);
+    for (const char *s = blank ? " " : shown; *s; s++)
+      vs_text_add(&script->text, (unsigned char)*s >= 0x80 || strchr(PLAIN, *s) ? "%c" : "\\%03o",
+                  (unsigned char)*s);
+  }
+  vs_gnuplot_code(script, "\"");
+}
+
+void vs_gnuplot_word(vs_script *script, const char *text) {
+  vs_gnuplot_code(script, "\"");
+  for (const char *s = text; *s; s++) {
+    const bool breaks = (unsigned char)*s < 0x20 || *s == 0x7f || *s == '\\';
+    vs_text_add(&script->text, "%c", breaks ? ' ' : *s == '"' ? '\'' : *s);
+  }
+  vs_gnuplot_code(script, "\"");
+}
+
+void vs_gnuplot_path(vs_script *script, const char *path) {
   vs_text name = {0};
   vs_text_add(&name, "%s%s", *path == '/' ? "" : "./", path);
   vs_gnuplot_quoted(script, name.text);
   vs_text_free(&name);
 }
+
+static void write_text(void *script, const char *text) {
+  vs_gnuplot_quoted(script, text);
+}
+
+void vs_gnuplot_add(vs_script *script, const char *format, ...) {
+  va_list args;
+  va_start(args, format);
+  vs_text_add_by(&script->text, write_text, script, format, args);
+  va_end(args);
+}
+
+/* ---- the process ---- */
 
 static void become_gnuplot(FILE *in, FILE *out, FILE *said) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);

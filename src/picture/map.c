@@ -158,8 +158,8 @@ static vs_status make_map(map *m, const vs_sketch *k, size_t column, vs_error *e
 /* ---- the picture ---- */
 
 /* Each cell reaches a little into the next ones, which are drawn over it, so that no seams show. */
-static void add_cells(const map *m, vs_text *script) {
-  vs_text_add(script, "$cells << EOD\n");
+static void add_cells(const map *m, vs_script *script) {
+  vs_gnuplot_add(script, "$cells << EOD\n");
   for (size_t j = 0; j < m->y.cells; j++)
     for (size_t i = 0; i < m->x.cells; i++) {
       double z = m->z[j * m->x.cells + i];
@@ -171,25 +171,29 @@ static void add_cells(const map *m, vs_text *script) {
                             : m->x.edge[i + 1];
       double top = more_y ? between(m->y.edge[j + 1], m->y.edge[j + 2], 0.2, m->y.scale.log)
                           : m->y.edge[j + 1];
-      vs_text_add(script, "%.7g %.7g %.7g %.7g %.7g %.7g %.7g\n", m->x.middle[i], m->y.middle[j],
-                  m->x.edge[i], right, m->y.edge[j], top, z);
+      vs_gnuplot_add(script, "%.7g %.7g %.7g %.7g %.7g %.7g %.7g\n", m->x.middle[i], m->y.middle[j],
+                     m->x.edge[i], right, m->y.edge[j], top, z);
     }
-  vs_text_add(script, "EOD\n");
+  vs_gnuplot_add(script, "EOD\n");
 }
 
 static void add_piece(void *ctx, const double from[2], const double to[2]) {
-  vs_text_add(ctx, "%.7g %.7g\n%.7g %.7g\n\n", from[0], from[1], to[0], to[1]);
+  vs_gnuplot_add(ctx, "%.7g %.7g\n%.7g %.7g\n\n", from[0], from[1], to[0], to[1]);
 }
 
 /* Draws the line on which the limit is met; false: it is met nowhere. */
-static bool add_contour(const map *m, double level, vs_text *script) {
+static bool add_contour(const map *m, double level, vs_script *script) {
   const vs_field_grid grid = {m->x.cells, m->y.cells,     m->x.middle,   m->y.middle,
                               m->z,       m->x.scale.log, m->y.scale.log};
-  vs_text pieces = {0};
+  vs_script pieces = {0};
   if (!isnan(level)) vs_map_contour(&grid, level, add_piece, &pieces);
-  bool any = pieces.length > 0;
-  if (any) vs_text_add(script, "$limit << EOD\n%sEOD\n", pieces.text);
-  vs_text_free(&pieces);
+  bool any = pieces.text.length > 0;
+  if (any) {
+    vs_gnuplot_add(script, "$limit << EOD\n");
+    vs_gnuplot_code(script, pieces.text.text);
+    vs_gnuplot_add(script, "EOD\n");
+  }
+  vs_gnuplot_free(&pieces);
   return any;
 }
 
@@ -207,13 +211,13 @@ static void add_colours(const map *m, vs_picture *p) {
     least = -100;
   }
   double room = largest > least ? 0 : least != 0 ? 0.01 * fabs(least) : 1;
-  vs_text_add(&p->script, "%sset cbrange [%.9g:%.9g]\nset cblabel ", vs_scale_palette, least - room,
-              largest + room);
+  vs_gnuplot_code(&p->script, vs_scale_palette);
+  vs_gnuplot_add(&p->script, "set cbrange [%.9g:%.9g]\nset cblabel ", least - room, largest + room);
   vs_gnuplot_quoted(&p->script, vs_sketch_scale(m->k, m->column).label);
-  vs_text_add(&p->script, " offset 1.5,0"); /* letters that grow on narrow pages have room */
-  if (least > 0 && largest > MOST_EVEN * least) vs_text_add(&p->script, "\nset logscale cb");
-  vs_text_add(&p->script, "\nset colorbox user origin 0.81,0.15 size 0.025,0.72\nset rmargin "
-                          "screen 0.79\nset cbtics nomirror in\n");
+  vs_gnuplot_add(&p->script, " offset 1.5,0"); /* letters that grow on narrow pages have room */
+  if (least > 0 && largest > MOST_EVEN * least) vs_gnuplot_add(&p->script, "\nset logscale cb");
+  vs_gnuplot_add(&p->script, "\nset colorbox user origin 0.81,0.15 size 0.025,0.72\nset rmargin "
+                             "screen 0.79\nset cbtics nomirror in\n");
 }
 
 /* Where there are more than two axes, says in the caption which of its cases a cell shows. */
@@ -241,29 +245,31 @@ static bool has_holes(const map *m) {
 
 static void add_map(const map *m, vs_picture *p) {
   double limit = vs_sketch_limit(m->k, m->column);
-  vs_text_add(&p->script, "set xrange [%.9g:%.9g]\nset yrange [%.9g:%.9g]\n", m->x.edge[0],
-              m->x.edge[m->x.cells], m->y.edge[0], m->y.edge[m->y.cells]);
+  vs_gnuplot_add(&p->script, "set xrange [%.9g:%.9g]\nset yrange [%.9g:%.9g]\n", m->x.edge[0],
+                 m->x.edge[m->x.cells], m->y.edge[0], m->y.edge[m->y.cells]);
   add_colours(m, p);
   add_cells(m, &p->script);
   bool met = add_contour(m, limit, &p->script);
-  vs_text_add(&p->script,
-              "set object 1 rectangle from graph 0,0 to graph 1,1 fc rgb '#d9d9d9' "
-              "fs solid noborder behind\nunset grid\nset tics out nomirror\nset key tmargin right "
-              "samplen 2\n"
-              "plot $cells using 1:2:3:4:5:6:7 with boxxyerror fs solid noborder lc palette");
+  vs_gnuplot_add(
+      &p->script,
+      "set object 1 rectangle from graph 0,0 to graph 1,1 fc rgb '#d9d9d9' "
+      "fs solid noborder behind\nunset grid\nset tics out nomirror\nset key tmargin right "
+      "samplen 2\n"
+      "plot $cells using 1:2:3:4:5:6:7 with boxxyerror fs solid noborder lc palette");
   const char *unit = vs_sketch_scale(m->k, m->column).unit;
   if (met) {
     vs_text line = {0};
     vs_text_add(&line, "%s %.4g %s", m->margin ? "margin" : "limit", limit, unit);
     vs_text_add(&p->caption, "The line: %s. ", line.text);
-    vs_text_add(&p->script,
-                ", $limit using 1:2 with lines lw 7 lc rgb 'white', $limit using 1:2 with lines lw "
-                "3 lc rgb '%s' title ",
-                vs_scale_colour_bad);
+    vs_gnuplot_add(
+        &p->script,
+        ", $limit using 1:2 with lines lw 7 lc rgb 'white', $limit using 1:2 with lines lw "
+        "3 lc rgb %s title ",
+        vs_scale_colour_bad);
     vs_gnuplot_quoted(&p->script, line.text);
     vs_text_free(&line);
   }
-  vs_text_add(&p->script, "\n");
+  vs_gnuplot_add(&p->script, "\n");
   if (!met && !isnan(limit))
     vs_text_add(&p->caption, "%s %.4g %s%s is met nowhere between the cells. ",
                 m->margin ? "Margin" : "The limit,", limit, unit, m->margin ? "" : ",");

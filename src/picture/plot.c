@@ -9,6 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/csv.h"
 #include "base/file.h"
 #include "base/text.h"
 #include "command/run.h"
@@ -30,6 +31,8 @@ static vs_status open_run(const char *folder, run_file *run, vs_error *err) {
   char partial[VS_PATH_SIZE];
   snprintf(run->path, sizeof run->path, "%s/run.csv", folder);
   snprintf(partial, sizeof partial, "%s/run.partial.csv", folder);
+  vs_status status = vs_path_check_result(run->path, err);
+  if (status) return status;
   FILE *f = fopen(run->path, "r");
   int why = errno;
   if (!f && !access(partial, R_OK))
@@ -40,13 +43,14 @@ static vs_status open_run(const char *folder, run_file *run, vs_error *err) {
                    run->path, strerror(why), folder);
   size_t size = 0, row_size = 0;
   char *row = NULL;
-  if (vs_alloc_line(&run->header, &size, f) < 0) {
+  if (vs_alloc_row(&run->header, &size, VS_CSV_LONGEST, f) < 0) {
     free(run->header); /* it may have been made all the same */
     run->header = vs_copy("");
   }
   int rows = 0;
-  while (vs_alloc_line(&row, &row_size, f) > 0) run->until_s = strtod(row, NULL), rows++;
-  vs_status status = vs_file_was_read(f, run->path, err);
+  while (vs_alloc_row(&row, &row_size, VS_CSV_LONGEST, f) > 0)
+    run->until_s = strtod(row, NULL), rows++;
+  status = vs_file_was_read(f, run->path, err);
   run->header[strcspn(run->header, "\r\n")] = '\0';
   free(row);
   fclose(f);
@@ -73,66 +77,69 @@ static int find_column(const char *header, const char *name) {
   return 0;
 }
 
-static void add_terminal(vs_text *script, const vs_sheet *s, int rows, const char *output) {
+static void add_terminal(vs_script *script, const vs_sheet *s, int rows, const char *output) {
   bool svg = strlen(output) > 4 && !strcmp(output + strlen(output) - 4, ".svg");
-  vs_text_add(script, "set terminal %s size %d,%d font 'sans,%d' background rgb 'white'\n",
-              svg ? "svg noenhanced dynamic" : "pngcairo noenhanced", 420 * s->columns,
-              60 + 260 * rows, 11);
-  vs_text_add(script, "set multiplot layout %d,%d title ", rows, s->columns);
+  vs_gnuplot_code(script,
+                  svg ? "set terminal svg noenhanced dynamic" : "set terminal pngcairo noenhanced");
+  vs_gnuplot_add(script, " size %d,%d font 'sans,%d' background rgb 'white'\n", 420 * s->columns,
+                 60 + 260 * rows, 11);
+  vs_gnuplot_add(script, "set multiplot layout %d,%d title ", rows, s->columns);
   vs_gnuplot_quoted(script, s->title);
-  vs_text_add(script, " font 'sans,13'\n");
+  vs_gnuplot_add(script, " font 'sans,13'\n");
 }
 
-static void add_title(vs_text *script, const char *title) {
-  vs_text_add(script, " title ");
+static void add_title(vs_script *script, const char *title) {
+  vs_gnuplot_add(script, " title ");
   vs_gnuplot_quoted(script, title);
 }
 
 /* What instruments show of the panel's curve, held from sample to sample. */
-static void add_instruments(vs_text *script, const run_file *run, const vs_panel *p,
+static void add_instruments(vs_script *script, const run_file *run, const vs_panel *p,
                             double time_scale) {
   static const char *const COLOURS[] = {"#e08e1b", "#2a9d6f", "#8e5ea2"};
   const vs_sheet_shown *s;
   for (int n = 0; (s = vs_sheets_shown(run->sheets, p->column, n)); n++) {
     if (!strcmp(s->column, p->column)) continue;
-    vs_text_add(script, ", ");
+    vs_gnuplot_add(script, ", ");
     vs_gnuplot_path(script, run->path);
-    vs_text_add(script, " using ($1*%g):($%d*%g) skip 1 with steps lc rgb '%s' lw 1", time_scale,
-                find_column(run->header, s->column), p->scale, COLOURS[n % 3]);
+    vs_gnuplot_add(script, " using ($1*%g):($%d*%g) skip 1 with steps lc rgb %s lw 1", time_scale,
+                   find_column(run->header, s->column), p->scale, COLOURS[n % 3]);
     add_title(script, s->name);
   }
 }
 
 /* The computed curve, and over it what instruments show of it and the measured one, where there
  * are such. */
-static void add_panel(vs_text *script, const run_file *run, const vs_panel *p, double time_scale) {
-  static const char LEGEND[] = "tmargin right horizontal reverse Left samplen 2";
+static void add_panel(vs_script *script, const run_file *run, const vs_panel *p,
+                      double time_scale) {
   const vs_overlay *o = &run->overlay;
   const vs_overlay_curve *measured = vs_overlay_find(o, p->column);
   const vs_sheet_shown *shown = vs_sheets_shown(run->sheets, p->column, 0);
   bool legend = measured || shown, alone = shown && !strcmp(shown->column, p->column);
   if (o->count || run->sheets->n_shown)
-    vs_text_add(script, "set key %s\n", legend ? LEGEND : "default");
-  vs_text_add(script, "set ylabel ");
+    vs_gnuplot_add(script, legend ? "set key tmargin right horizontal reverse Left samplen 2\n"
+                                  : "set key default\n");
+  vs_gnuplot_add(script, "set ylabel ");
   vs_gnuplot_quoted(script, p->label);
-  vs_text_add(script, "\nplot ");
+  vs_gnuplot_add(script, "\nplot ");
   vs_gnuplot_path(script, run->path);
-  vs_text_add(script, " using ($1*%g):($%d*%g) skip 1 with lines lc rgb '#1f4e79' lw 1.2",
-              time_scale, find_column(run->header, p->column), p->scale);
+  vs_gnuplot_add(script, " using ($1*%g):($%d*%g) skip 1 with lines lc rgb '#1f4e79' lw 1.2",
+                 time_scale, find_column(run->header, p->column), p->scale);
   if (alone)
     add_title(script, shown->name);
   else
-    vs_text_add(script, legend ? " title 'computed'" : " notitle");
+    vs_gnuplot_add(script, legend ? " title 'computed'" : " notitle");
   add_instruments(script, run, p, time_scale);
   if (measured) {
-    vs_text_add(script, ", ");
+    vs_gnuplot_add(script, ", ");
     vs_gnuplot_path(script, o->path);
-    vs_text_add(script, " using ($1*%.17g):($%d*%.17g) skip 1 with %s lc rgb '#d1495b' lw 1.2 ",
-                time_scale * o->time_s, measured->column, p->scale * measured->factor,
-                o->rows > MOST_POINTS ? "lines" : "linespoints pt 7 ps 0.4");
-    vs_text_add(script, "title 'measured'");
+    vs_gnuplot_add(script, " using ($1*%.17g):($%d*%.17g) skip 1 with ", time_scale * o->time_s,
+                   measured->column, p->scale * measured->factor);
+    vs_gnuplot_add(script, o->rows > MOST_POINTS ? "lines" : "linespoints pt 7 ps 0.4");
+    vs_gnuplot_add(script, " lc rgb '#d1495b' lw 1.2 ");
+    vs_gnuplot_add(script, "title 'measured'");
   }
-  vs_text_add(script, "\n");
+  vs_gnuplot_add(script, "\n");
 }
 
 /* How many of the sheet's panels run.csv has columns for. */
@@ -143,18 +150,21 @@ static int count_panels(const run_file *run, const vs_sheet *s) {
 }
 
 /* Adds the panels that run.csv has columns for, and returns how many these are. */
-static int add_sheet(vs_text *script, const run_file *run, const vs_sheet *s, const char *output) {
+static int add_sheet(vs_script *script, const run_file *run, const vs_sheet *s,
+                     const char *output) {
   int there = count_panels(run, s);
   if (!there) return 0;
   double until = s->until_s > 0 ? fmin(s->until_s, run->until_s) : run->until_s;
   bool ms = until <= 0.5;
   add_terminal(script, s, (there + s->columns - 1) / s->columns, output);
-  vs_text_add(script, "set xrange [0:%.9g]\nset xlabel 't / %s'\n", ms ? 1e3 * until : until,
-              ms ? "ms" : "s");
+  vs_gnuplot_add(script,
+                 ms ? "set xrange [0:%.9g]\nset xlabel 't / ms'\n"
+                    : "set xrange [0:%.9g]\nset xlabel 't / s'\n",
+                 ms ? 1e3 * until : until);
   for (int k = 0; k < s->count; k++)
     if (find_column(run->header, s->panels[k].column))
       add_panel(script, run, &s->panels[k], ms ? 1e3 : 1);
-  vs_text_add(script, "unset multiplot\n");
+  vs_gnuplot_add(script, "unset multiplot\n");
   return there;
 }
 
@@ -170,18 +180,18 @@ static vs_status write_picture(const char *output, const char *picture, size_t s
 
 static vs_status draw(const run_file *run, const vs_sheet *s, const char *output, bool quiet,
                       vs_error *err) {
-  vs_text script = {0};
+  vs_script script = {0};
   char *picture = NULL;
   size_t size = 0;
-  vs_text_add(&script, "set grid lt 1 lw 0.5 lc rgb '#d0d0d0'\nset border lc rgb '#404040'\n"
-                       "set rmargin 3\nset datafile separator ','\n");
+  vs_gnuplot_add(&script, "set grid lt 1 lw 0.5 lc rgb '#d0d0d0'\nset border lc rgb '#404040'\n"
+                          "set rmargin 3\nset datafile separator ','\n");
   if (!add_sheet(&script, run, s, output)) {
-    vs_text_free(&script);
+    vs_gnuplot_free(&script);
     return vs_fail_at(err, (vs_where){run->path, 1, 1}, "records nothing that '%s' shows",
                       s->title);
   }
-  vs_status status = vs_gnuplot_picture(script.text, &picture, &size, err);
-  vs_text_free(&script);
+  vs_status status = vs_gnuplot_picture(script.text.text, &picture, &size, err);
+  vs_gnuplot_free(&script);
   if (!status) status = write_picture(output, picture, size, err);
   free(picture);
   if (!status && !quiet) printf("%s\n", output);

@@ -98,21 +98,21 @@ void vs_sketch_title(const vs_sketch *k, size_t column, const char *what, vs_pic
   if (*c->text && strcmp(c->text, "null")) vs_text_add(&p->caption, "%s. ", c->text);
 }
 
-void vs_sketch_axis(const vs_sketch *k, size_t column, char axis, vs_text *script) {
+void vs_sketch_axis(const vs_sketch *k, size_t column, char axis, vs_script *script) {
   vs_scale scale = vs_sketch_scale(k, column);
   const vs_profile *p = &k->s->profile[column];
-  vs_text_add(script, "set %clabel ", axis);
+  vs_gnuplot_add(script, "set %clabel ", axis);
   vs_gnuplot_quoted(script, scale.label);
-  vs_text_add(script, "\n");
-  if (scale.log) vs_text_add(script, "set logscale %c\n", axis);
+  vs_gnuplot_add(script, "\n");
+  if (scale.log) vs_gnuplot_add(script, "set logscale %c\n", axis);
   if (!column || p->is_number) return;
-  vs_text_add(script, "set %ctics (", axis);
+  vs_gnuplot_add(script, "set %ctics (", axis);
   for (size_t w = 0; w < p->count; w++) {
-    vs_text_add(script, "%s", w ? ", " : "");
+    vs_gnuplot_add(script, w ? ", " : "");
     vs_gnuplot_quoted(script, p->word[w]);
-    vs_text_add(script, " %zu", w);
+    vs_gnuplot_add(script, " %zu", w);
   }
-  vs_text_add(script, ")\nset %crange [-0.6:%g]\n", axis, (double)p->count - 0.4);
+  vs_gnuplot_add(script, ")\nset %crange [-0.6:%g]\n", axis, (double)p->count - 0.4);
 }
 
 void vs_sketch_begin(const vs_sketch *k, size_t x, size_t y, vs_picture *p) {
@@ -121,31 +121,35 @@ void vs_sketch_begin(const vs_sketch *k, size_t x, size_t y, vs_picture *p) {
   for (char *s = p->name; *s; s++)
     if (*s == '/') *s = '_';
   if (!p->width) p->width = 720, p->height = 430;
-  vs_text_add(&p->script, "set grid lt 1 lw 0.5 lc rgb '#d0d0d0'\nset border lc rgb '#404040'\n"
-                          "set key noautotitle\nset rmargin 4\nset tics nomirror\nset title ");
+  vs_gnuplot_add(&p->script, "set grid lt 1 lw 0.5 lc rgb '#d0d0d0'\nset border lc rgb '#404040'\n"
+                             "set key noautotitle\nset rmargin 4\nset tics nomirror\nset title ");
   vs_gnuplot_quoted(&p->script, p->title.text);
-  vs_text_add(&p->script, p->labels_above ? " offset 0,3.6\nset tmargin 7.5\n" : " offset 0,0.7\n");
+  vs_gnuplot_add(&p->script,
+                 p->labels_above ? " offset 0,3.6\nset tmargin 7.5\n" : " offset 0,0.7\n");
   vs_sketch_axis(k, x, 'x', &p->script);
 }
 
 /* Draws a line across the picture at the limit, and says what it is. */
 static void add_limit(const vs_sketch *k, size_t column, char axis, double limit, vs_picture *p) {
-  vs_text *script = &p->script, label = {0};
+  vs_script *script = &p->script;
+  vs_text label = {0};
   const double height = p->labels_above ? 2.8 : 0.5; /* of text lines */
   if (axis == 'x')
-    vs_text_add(script, "set arrow from first %.9g, graph 0 to first %.9g, graph 1", limit, limit);
+    vs_gnuplot_add(script, "set arrow from first %.9g, graph 0 to first %.9g, graph 1", limit,
+                   limit);
   else
-    vs_text_add(script, "set arrow from graph 0, first %.9g to graph 1, first %.9g", limit, limit);
-  vs_text_add(script, " nohead lc rgb '%s' lw 1.8 dt 2 front\n", vs_scale_colour_bad);
+    vs_gnuplot_add(script, "set arrow from graph 0, first %.9g to graph 1, first %.9g", limit,
+                   limit);
+  vs_gnuplot_add(script, " nohead lc rgb %s lw 1.8 dt 2 front\n", vs_scale_colour_bad);
   vs_text_add(&label, "limit %.4g %s", limit, vs_sketch_scale(k, column).unit);
-  vs_text_add(script, "set label ");
+  vs_gnuplot_add(script, "set label ");
   vs_gnuplot_quoted(script, label.text);
   vs_text_free(&label);
   if (axis == 'x')
-    vs_text_add(script, " at first %.9g, graph 1 center offset 0,%g", limit, height);
+    vs_gnuplot_add(script, " at first %.9g, graph 1 center offset 0,%g", limit, height);
   else
-    vs_text_add(script, " at graph 0.99, first %.9g right offset 0,0.6", limit);
-  vs_text_add(script, " tc rgb '%s' front\n", vs_scale_colour_bad);
+    vs_gnuplot_add(script, " at graph 0.99, first %.9g right offset 0,0.6", limit);
+  vs_gnuplot_add(script, " tc rgb %s front\n", vs_scale_colour_bad);
 }
 
 enum { LOW_MARGIN = -150 }; /* %; what lies far below needs no exact place */
@@ -177,14 +181,17 @@ void vs_sketch_range(const vs_sketch *k, size_t column, char axis, bool from_zer
     vs_text_add(&p->caption, "The limit, %.6g %s, lies outside the picture. ", limit, scale.unit);
   double room = largest - least > 1e-10 * fabs(least) ? 0.06 * (largest - least)
                                                       : (least != 0 ? 0.05 * fabs(least) : 1);
-  vs_text_add(&p->script, "set %crange [%.9g:%.9g]\n", axis, least - room, largest + room);
+  vs_gnuplot_add(&p->script, "set %crange [%.9g:%.9g]\n", axis, least - room, largest + room);
 }
 
-void vs_sketch_data(vs_text *script, const char *name, const vs_dots *s, bool gaps) {
-  vs_text_add(script, "$%s << EOD\n", name);
+void vs_sketch_data(vs_script *script, const char *name, const vs_dots *s, bool gaps) {
+  vs_gnuplot_add(script, "$");
+  vs_gnuplot_code(script, name);
+  vs_gnuplot_add(script, " << EOD\n");
   for (size_t k = 0; k < s->count; k++) {
-    if (gaps && k && labs(s->item[k].number - s->item[k - 1].number) > 1) vs_text_add(script, "\n");
-    vs_text_add(script, "%.9g %.9g\n", s->item[k].x, s->item[k].y);
+    if (gaps && k && labs(s->item[k].number - s->item[k - 1].number) > 1)
+      vs_gnuplot_add(script, "\n");
+    vs_gnuplot_add(script, "%.9g %.9g\n", s->item[k].x, s->item[k].y);
   }
-  vs_text_add(script, "EOD\n");
+  vs_gnuplot_add(script, "EOD\n");
 }

@@ -5,13 +5,14 @@
 #define VS_PICTURE_SKETCH_H
 
 #include "base/text.h"
+#include "picture/gnuplot.h"
 #include "picture/scale.h"
 #include "survey/survey.h"
 
 typedef struct vs_picture {
   char name[256]; /* of its file, without the ending */
   vs_text title, caption;
-  vs_text script;    /* for gnuplot, without terminal and output */
+  vs_script script;  /* for gnuplot, without terminal and output */
   int width, height; /* pixels */
   bool labels_above; /* two lines of labels stand above the frame, between the limit's and the title
                       */
@@ -70,12 +71,12 @@ void vs_sketch_title(const vs_sketch *k, size_t column, const char *what, vs_pic
 void vs_sketch_begin(const vs_sketch *k, size_t x, size_t y, vs_picture *p);
 /* Adds what an axis ('x' or 'y') that shows the column needs: label, logscale, words in place of
  * numbers. */
-void vs_sketch_axis(const vs_sketch *k, size_t column, char axis, vs_text *script);
+void vs_sketch_axis(const vs_sketch *k, size_t column, char axis, vs_script *script);
 /* Sets the axis' range to what is drawn, with 0 where asked, and with the column's limit where that
  * lies near; the limit is drawn as a line. */
 void vs_sketch_range(const vs_sketch *k, size_t column, char axis, bool from_zero, vs_picture *p);
 /* Adds the points as the data block $NAME. With `gaps` the line is broken wherever cases are
  * missing. */
-void vs_sketch_data(vs_text *script, const char *name, const vs_dots *series, bool gaps);
+void vs_sketch_data(vs_script *script, const char *name, const vs_dots *series, bool gaps);
 
 #endif

@@ -48,12 +48,12 @@ vs_bins vs_spread_bins(const double *v, size_t n, double joint) {
   return b;
 }
 
-static void add_bins(vs_text *script, const vs_bins *b, size_t n) {
-  vs_text_add(script, "width = %.9g\n$bins << EOD\n", b->width);
+static void add_bins(vs_script *script, const vs_bins *b, size_t n) {
+  vs_gnuplot_add(script, "width = %.9g\n$bins << EOD\n", b->width);
   for (size_t k = 0; k < b->count; k++)
-    vs_text_add(script, "%.9g %.9g\n", b->item[k].middle,
-                100 * (double)b->item[k].cases / (double)n);
-  vs_text_add(script, "EOD\n");
+    vs_gnuplot_add(script, "%.9g %.9g\n", b->item[k].middle,
+                   100 * (double)b->item[k].cases / (double)n);
+  vs_gnuplot_add(script, "EOD\n");
 }
 
 static void add_percentiles(const double *v, size_t n, const char *unit, vs_picture *p) {
@@ -65,10 +65,13 @@ static void add_percentiles(const double *v, size_t n, const char *unit, vs_pict
   vs_text_add(&p->caption, "%zu cases; ", n);
   for (size_t k = 0; k < 3; k++) {
     double at = vs_spread_percentile(v, n, LINES[k].percent);
-    vs_text_add(&p->script,
-                "set arrow from first %.9g, graph 0 to first %.9g, graph 1 nohead lw 1.5 dt %d lc "
-                "rgb 'black' front\nset label '%g %%: %.4g' at first %.9g, graph 1 %s\n",
-                at, at, k == 1 ? 1 : 3, LINES[k].percent, at, at, LINES[k].place);
+    vs_gnuplot_add(
+        &p->script,
+        "set arrow from first %.9g, graph 0 to first %.9g, graph 1 nohead lw 1.5 dt %d lc "
+        "rgb 'black' front\nset label '%g %%: %.4g' at first %.9g, graph 1 ",
+        at, at, k == 1 ? 1 : 3, LINES[k].percent, at, at);
+    vs_gnuplot_code(&p->script, LINES[k].place);
+    vs_gnuplot_add(&p->script, "\n");
     vs_text_add(&p->caption, "%s%g %% of them lie below %.4g%s%s", k ? ", " : "", LINES[k].percent,
                 at, *unit ? " " : "", unit);
   }
@@ -82,11 +85,14 @@ static void add_histogram(const vs_sketch *k, size_t column, double *v, size_t n
   add_percentiles(v, n, vs_sketch_scale(k, column).unit, p);
   const vs_bins bins = vs_spread_bins(v, n, limit);
   add_bins(&p->script, &bins, n);
-  vs_text_add(&p->script, "set ylabel 'share of cases / %%'\nset yrange [0:*]\n"
-                          "set style fill solid 0.8 border lc rgb 'white'\n");
-  vs_text_add(&p->script, "bad(x) = %d && x < 0 ? 0x%s : 0x%s\n", margin, vs_scale_colour_bad + 1,
-              vs_scale_colour_good + 1);
-  vs_text_add(&p->script, "plot $bins using 1:2:(width):(bad($1)) with boxes lc rgb variable\n");
+  vs_gnuplot_add(&p->script, "set ylabel 'share of cases / %%'\nset yrange [0:*]\n"
+                             "set style fill solid 0.8 border lc rgb 'white'\n");
+  vs_gnuplot_add(&p->script, "bad(x) = %d && x < 0 ? 0x", margin);
+  vs_gnuplot_code(&p->script, vs_scale_colour_bad + 1);
+  vs_gnuplot_add(&p->script, " : 0x");
+  vs_gnuplot_code(&p->script, vs_scale_colour_good + 1);
+  vs_gnuplot_add(&p->script, "\n");
+  vs_gnuplot_add(&p->script, "plot $bins using 1:2:(width):(bad($1)) with boxes lc rgb variable\n");
   if (margin) vs_text_add(&p->caption, "Left of 0, in orange: a rating is violated. ");
 }
 
@@ -97,7 +103,7 @@ static vs_status draw_histogram(const vs_sketch *k, size_t column, vs_picture *p
   p->height = 470;
   p->labels_above = true;
   vs_sketch_begin(k, column, column, p);
-  vs_text_add(&p->script, "unset logscale x\nset rmargin 10\n"); /* a percentile's label */
+  vs_gnuplot_add(&p->script, "unset logscale x\nset rmargin 10\n"); /* a percentile's label */
   vs_status status = vs_sketch_dots_load(k, 0, column, &s, err);
   size_t n = s.count;
   double *v = vs_alloc(n, sizeof *v);
@@ -148,27 +154,28 @@ static void add_corner(const vs_sketch *k, char **cell, vs_text *label) {
 
 static void add_bars(const chosen *c, vs_picture *p) {
   double factor = vs_sketch_scale(c->k, c->column).factor, y;
-  vs_text_add(&p->script, "set ytics (");
+  vs_gnuplot_add(&p->script, "set ytics (");
   for (size_t n = 0; n < c->n; n++) {
     vs_text label = {0};
     add_corner(c->k, c->kept[n].cell, &label);
-    vs_text_add(&p->script, "%s", n ? ", " : "");
+    vs_gnuplot_add(&p->script, n ? ", " : "");
     vs_gnuplot_quoted(&p->script, label.text);
-    vs_text_add(&p->script, " %zu", n);
+    vs_gnuplot_add(&p->script, " %zu", n);
     vs_text_free(&label);
   }
-  vs_text_add(&p->script, ")\nset yrange [%g:-0.6]\n$bars << EOD\n", (double)c->n - 0.4);
+  vs_gnuplot_add(&p->script, ")\nset yrange [%g:-0.6]\n$bars << EOD\n", (double)c->n - 0.4);
   for (size_t n = 0; n < c->n; n++) {
     vs_folder_number(c->kept[n].cell[c->column], &y);
-    vs_text_add(&p->script, "%zu %.9g\n", n, y * factor);
+    vs_gnuplot_add(&p->script, "%zu %.9g\n", n, y * factor);
   }
   bool margin = c->k->t->column[c->column].role == VS_ROLE_MARGIN;
-  vs_text_add(&p->script,
-              "EOD\nunset key\nset style fill solid 0.8 noborder\nset grid noytics\n"
-              "plot $bars using (0):1:(0):($2 < 0 ? 0 : $2):($1-0.38):($1+0.38) with boxxyerror lc "
-              "rgb '%s', $bars using (0):1:($2 < 0 ? $2 : 0):(0):($1-0.38):($1+0.38) with "
-              "boxxyerror lc rgb '%s'\n",
-              vs_scale_colour_good, margin ? vs_scale_colour_bad : vs_scale_colour_good);
+  vs_gnuplot_add(
+      &p->script,
+      "EOD\nunset key\nset style fill solid 0.8 noborder\nset grid noytics\n"
+      "plot $bars using (0):1:(0):($2 < 0 ? 0 : $2):($1-0.38):($1+0.38) with boxxyerror lc "
+      "rgb %s, $bars using (0):1:($2 < 0 ? $2 : 0):(0):($1-0.38):($1+0.38) with "
+      "boxxyerror lc rgb %s\n",
+      vs_scale_colour_good, margin ? vs_scale_colour_bad : vs_scale_colour_good);
 }
 
 static vs_status draw_bars(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
@@ -262,21 +269,22 @@ static vs_status draw_influence(const vs_sketch *k, size_t column, vs_picture *p
   vs_text_add(&p->caption, "Linear correlation with each axis, over all cases: 1 or -1 where it "
                            "alone decides, 0 where it has no part that is linear. ");
   vs_sketch_begin(k, 0, column, p);
-  vs_text_add(
+  vs_gnuplot_add(
       &p->script,
       "unset key\nset xlabel 'correlation'\nset xrange [-1:1]\nset grid noytics\nset ytics (");
   for (size_t i = 0; i < n; i++) {
-    vs_text_add(&p->script, "%s", i ? ", " : "");
+    vs_gnuplot_add(&p->script, i ? ", " : "");
     vs_gnuplot_quoted(&p->script, k->t->column[all[i].column].name);
-    vs_text_add(&p->script, " %zu", i);
+    vs_gnuplot_add(&p->script, " %zu", i);
   }
-  vs_text_add(&p->script, ")\nset yrange [%g:-0.6]\n$bars << EOD\n", (double)n - 0.4);
-  for (size_t i = 0; i < n; i++) vs_text_add(&p->script, "%zu %.9g\n", i, all[i].r);
-  vs_text_add(&p->script,
-              "EOD\nset style fill solid 0.8 noborder\nset yzeroaxis lt 1\n"
-              "plot $bars using (0):1:($2 < 0 ? $2 : 0):($2 < 0 ? 0 : $2):($1-0.36):($1+0.36) with "
-              "boxxyerror lc rgb '%s'\n",
-              vs_scale_colour_good);
+  vs_gnuplot_add(&p->script, ")\nset yrange [%g:-0.6]\n$bars << EOD\n", (double)n - 0.4);
+  for (size_t i = 0; i < n; i++) vs_gnuplot_add(&p->script, "%zu %.9g\n", i, all[i].r);
+  vs_gnuplot_add(
+      &p->script,
+      "EOD\nset style fill solid 0.8 noborder\nset yzeroaxis lt 1\n"
+      "plot $bars using (0):1:($2 < 0 ? $2 : 0):($2 < 0 ? 0 : $2):($1-0.36):($1+0.36) with "
+      "boxxyerror lc rgb %s\n",
+      vs_scale_colour_good);
   return status;
 }
 
@@ -316,20 +324,21 @@ static void add_effects(const effects *e, vs_picture *p) {
   const vs_profile *profile = &e->k->s->profile[e->axis];
   const double x_factor = vs_sketch_scale(e->k, e->axis).factor,
                factor = vs_sketch_scale(e->k, e->column).factor;
-  vs_text_add(&p->script, "$e << EOD\n");
+  vs_gnuplot_add(&p->script, "$e << EOD\n");
   for (size_t i = 0; i < profile->count; i++)
     if (e->at[i].n)
-      vs_text_add(&p->script, "%.9g %.9g %.9g %.9g\n",
-                  profile->is_number ? profile->value[i] * x_factor : (double)i,
-                  e->at[i].least * factor, e->at[i].sum / (double)e->at[i].n * factor,
-                  e->at[i].largest * factor);
-  vs_text_add(&p->script,
-              "EOD\nset key tmargin center horizontal samplen 2\nplot $e using 1:4 with "
-              "linespoints lc rgb '%s' lw "
-              "1.8 dt 2 pt 5 ps 0.6 title 'largest', $e using 1:3 with linespoints lc rgb '%s' lw "
-              "1.8 pt 7 ps 0.6 title 'mean', $e using 1:2 with linespoints lc rgb '%s' lw 1.8 dt 4 "
-              "pt 9 ps 0.6 title 'least'\n",
-              vs_scale_colours[2], vs_scale_colours[4], vs_scale_colours[0]);
+      vs_gnuplot_add(&p->script, "%.9g %.9g %.9g %.9g\n",
+                     profile->is_number ? profile->value[i] * x_factor : (double)i,
+                     e->at[i].least * factor, e->at[i].sum / (double)e->at[i].n * factor,
+                     e->at[i].largest * factor);
+  vs_gnuplot_add(
+      &p->script,
+      "EOD\nset key tmargin center horizontal samplen 2\nplot $e using 1:4 with "
+      "linespoints lc rgb %s lw "
+      "1.8 dt 2 pt 5 ps 0.6 title 'largest', $e using 1:3 with linespoints lc rgb %s lw "
+      "1.8 pt 7 ps 0.6 title 'mean', $e using 1:2 with linespoints lc rgb %s lw 1.8 dt 4 "
+      "pt 9 ps 0.6 title 'least'\n",
+      vs_scale_colours[2], vs_scale_colours[4], vs_scale_colours[0]);
 }
 
 /* With one or two axes and nothing random, other pictures show all there is. */

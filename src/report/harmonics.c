@@ -13,6 +13,7 @@
 #include "picture/scale.h"
 #include "syntax/tree.h"
 
+enum { MOST_KINDS = 16 /* classes in a panel */ };
 enum { PANELS = VS_QUALITY_MOST + 1, WIDTH = 900, HEIGHT = 320 /* of a panel, pixels */ };
 
 /* A current: its harmonics, and the classes' limits, as summary.json has them. */
@@ -64,67 +65,78 @@ static void find_panels(const vs_tree *tree, panels *all) {
 /* ---- the picture ---- */
 
 /* Adds these numbers as a block of that name. */
-static void add_block(vs_text *script, const char *name, int number, const vs_node *list) {
+static void add_block(vs_script *script, const char *name, int number, const vs_node *list) {
   int n = 0;
-  vs_text_add(script, "$%s%d << EOD\n", name, number);
+  vs_gnuplot_code(script, name);
+  vs_gnuplot_add(script, "%d << EOD\n", number);
   for (const vs_node *item = list ? list->child : NULL; item; item = item->next, n++) {
     double value = item->kind == VS_NODE_TEXT ? strtod(item->text, NULL) : 0;
-    if (n && value > 0) vs_text_add(script, "%d %.9g\n", n, value);
+    if (n && value > 0) vs_gnuplot_add(script, "%d %.9g\n", n, value);
   }
-  vs_text_add(script, "EOD\n");
+  vs_gnuplot_add(script, "EOD\n");
 }
 
-/* Marks what a class allows. */
-static void add_limits(vs_text *script, const char *class, int number, const vs_node *limits,
+/* Marks what a class allows, whose numbers are block $limits of that number. */
+static void add_limits(vs_script *script, const char *class, int number, const vs_node *limits,
                        int kind) {
+  vs_text title = {0};
   static const char *const COLOURS[] = {"#d1495b", "#e08e1b", "#8e5ea2", "#2a9d6f"};
   const int kinds = sizeof COLOURS / sizeof *COLOURS;
   if (!count_of(limits)) return;
-  vs_text_add(script, ", $%s%d using 1:2 with points pt %d ps 0.7 lc rgb '%s' title 'class %s'",
-              class, number, 4 + 2 * (kind % kinds), COLOURS[kind % kinds], class);
+  vs_text_add(&title, "class %s", class);
+  vs_gnuplot_add(script, ", $limits%d using 1:2 with points pt %d ps 0.7 lc rgb %s title %s",
+                 number, 4 + 2 * (kind % kinds), COLOURS[kind % kinds], title.text);
+  vs_text_free(&title);
 }
 
-static void add_script_of(vs_text *script, const panel *p, int k) {
-  int kind = 0;
-  add_block(script, "bars", k, p->harmonics);
-  if (p->groups) add_block(script, "groups", k, p->groups);
-  if (p->limits) add_block(script, "A", k, p->limits);
-  for (const vs_node *c = p->classes ? p->classes->child : NULL; c; c = c->next)
-    add_block(script, vs_tree_child(c, "class")->text, k, vs_tree_child(c, "limits_A"));
-  vs_text_add(script, "set title ");
+static const char *name_of(const vs_node *class) {
+  const vs_node *name = vs_tree_child(class, "class");
+  return name && name->text ? name->text : "without a name";
+}
+
+static void add_script_of(vs_script *script, const panel *p, int k) {
+  int kind = 0, n = p->limits ? 1 : 0;
+  add_block(script, "$bars", k, p->harmonics);
+  if (p->groups) add_block(script, "$groups", k, p->groups);
+  if (p->limits) add_block(script, "$limits", MOST_KINDS * k, p->limits);
+  for (const vs_node *c = p->classes ? p->classes->child : NULL; c && n < MOST_KINDS; c = c->next)
+    add_block(script, "$limits", MOST_KINDS * k + n++, vs_tree_child(c, "limits_A"));
+  vs_gnuplot_add(script, "set title ");
   vs_gnuplot_quoted(script, p->title);
-  vs_text_add(script,
-              "\nplot $bars%d using 1:2 with boxes fs solid 0.45 noborder fc rgb '%s' notitle", k,
-              vs_scale_colour_good);
+  vs_gnuplot_add(script,
+                 "\nplot $bars%d using 1:2 with boxes fs solid 0.45 noborder fc rgb %s notitle", k,
+                 vs_scale_colour_good);
   if (p->groups)
-    vs_text_add(script,
-                ", $groups%d using 1:2 with points pt 7 ps 0.6 lc rgb '#404040' title "
-                "'group, held to limits'",
-                k);
-  if (p->limits) add_limits(script, "A", k, p->limits, kind++);
-  for (const vs_node *c = p->classes ? p->classes->child : NULL; c; c = c->next)
-    add_limits(script, vs_tree_child(c, "class")->text, k, vs_tree_child(c, "limits_A"), kind++);
-  vs_text_add(script, "\n");
+    vs_gnuplot_add(script,
+                   ", $groups%d using 1:2 with points pt 7 ps 0.6 lc rgb '#404040' title "
+                   "'group, held to limits'",
+                   k);
+  if (p->limits) add_limits(script, "A", MOST_KINDS * k, p->limits, kind++);
+  for (const vs_node *c = p->classes ? p->classes->child : NULL; c && kind < n; c = c->next, kind++)
+    add_limits(script, name_of(c), MOST_KINDS * k + kind, vs_tree_child(c, "limits_A"), kind);
+  vs_gnuplot_add(script, "\n");
 }
 
-static void add_script(const panels *all, bool svg, vs_text *script) {
-  vs_text_add(script,
-              "set terminal %s noenhanced size %d,%d font 'sans,%d' background rgb 'white'\nset "
-              "multiplot layout %d,1\nset logscale y\nset yrange [1e-5:*]\nset xrange [0.4:40.6]\n"
-              "set format y '%%g'\nset xtics 1,2\nset boxwidth 0.7\nset "
-              "border 3 lc rgb '#404040'\nset grid y lt 1 lw 0.5 lc rgb '#d0d0d0'\nset xlabel "
-              "'harmonic'\nset ylabel 'A rms'\nset key outside right\n",
-              svg ? "svg" : "pngcairo", WIDTH, HEIGHT * all->count, svg ? 13 : 10, all->count);
+static void add_script(const panels *all, bool svg, vs_script *script) {
+  vs_gnuplot_code(script, svg ? "set terminal svg" : "set terminal pngcairo");
+  vs_gnuplot_add(
+      script,
+      " noenhanced size %d,%d font 'sans,%d' background rgb 'white'\nset "
+      "multiplot layout %d,1\nset logscale y\nset yrange [1e-5:*]\nset xrange [0.4:40.6]\n"
+      "set format y '%%g'\nset xtics 1,2\nset boxwidth 0.7\nset "
+      "border 3 lc rgb '#404040'\nset grid y lt 1 lw 0.5 lc rgb '#d0d0d0'\nset xlabel "
+      "'harmonic'\nset ylabel 'A rms'\nset key outside right\n",
+      WIDTH, HEIGHT * all->count, svg ? 13 : 10, all->count);
   for (int k = 0; k < all->count; k++) add_script_of(script, &all->item[k], k);
-  vs_text_add(script, "unset multiplot\n");
+  vs_gnuplot_add(script, "unset multiplot\n");
 }
 
 static vs_status draw(const panels *all, const char *folder, bool svg, bool quiet, vs_error *err) {
-  vs_text script = {0};
+  vs_script script = {0};
   add_script(all, svg, &script);
-  vs_status status =
-      vs_gnuplot_draw(script.text, folder, svg ? "harmonics.svg" : "harmonics.png", quiet, err);
-  vs_text_free(&script);
+  vs_status status = vs_gnuplot_draw(script.text.text, folder,
+                                     svg ? "harmonics.svg" : "harmonics.png", quiet, err);
+  vs_gnuplot_free(&script);
   return status;
 }
 

@@ -2,6 +2,7 @@
 #include "report/html.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -41,57 +42,75 @@ static const char STYLE[] =
     "th{padding:.15rem .3rem}#energy td:first-child{white-space:normal}#energy .bars,.verdict "
     ".bars{min-width:3.5rem}}@media print{main{max-width:none}.screen{display:none}}";
 
-void vs_html_begin(vs_text *html, const char *what, const char *name) {
-  vs_text_add(html,
+void vs_html_begin(vs_html *html, const char *what, const char *name) {
+  vs_html_add(html,
               "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
               "<meta name=\"viewport\" content=\"width=device-width\">\n<title>%s ",
               what);
   vs_html_text(html, name);
-  vs_text_add(html, "</title>\n<style>%s</style>\n</head>\n<body>\n<main>\n<h1>%s ", STYLE, what);
+  vs_html_add(html, "</title>\n<style>");
+  vs_html_markup(html, STYLE);
+  vs_html_add(html, "</style>\n</head>\n<body>\n<main>\n<h1>%s ", what);
   vs_html_text(html, name);
-  vs_text_add(html, "</h1>\n");
+  vs_html_add(html, "</h1>\n");
 }
 
-void vs_html_end(vs_text *html) {
-  vs_text_add(html, "</main>\n</body>\n</html>\n");
+void vs_html_end(vs_html *html) {
+  vs_html_add(html, "</main>\n</body>\n</html>\n");
 }
 
-vs_status vs_html_write(const vs_text *html, const char *folder, bool quiet, vs_error *err) {
+vs_status vs_html_write(const vs_html *html, const char *folder, bool quiet, vs_error *err) {
   vs_file file = {0};
   vs_status status = vs_file_open(&file, folder, "report.html", err);
   if (status) return status;
-  fwrite(html->text, 1, html->length, file.stream); /* an error stays in the stream */
+  fwrite(html->text.text, 1, html->text.length, file.stream); /* an error stays in the stream */
   status = vs_file_commit(&file, err);
   if (!status && !quiet) printf("%s\n", file.path);
   return status;
 }
 
-void vs_html_text(vs_text *html, const char *text) {
+void vs_html_markup(vs_html *html, const char *markup) {
+  vs_text_add(&html->text, "%s", markup);
+}
+
+void vs_html_text(vs_html *html, const char *text) {
+  char shown[VS_SHOWN_SIZE];
   while (*text) {
-    int n = (int)strcspn(text, "&<>\"");
-    vs_text_add(html, "%.*s", n, text);
-    text += n;
-    if (*text)
-      vs_text_add(html, "%s",
-                  *text == '&'   ? "&amp;"
-                  : *text == '<' ? "&lt;"
-                  : *text == '>' ? "&gt;"
-                                 : "&quot;");
-    text += *text != '\0';
+    text += vs_text_next(text, shown);
+    vs_html_markup(html, *shown == '&'   ? "&amp;"
+                         : *shown == '<' ? "&lt;"
+                         : *shown == '>' ? "&gt;"
+                         : *shown == '"' ? "&quot;"
+                                         : shown);
   }
 }
 
-void vs_html_cell(vs_text *html, const char *text) {
-  vs_text_add(html, "<td>");
+static void write_text(void *html, const char *text) {
   vs_html_text(html, text);
-  vs_text_add(html, "</td>");
 }
 
-void vs_html_number(vs_text *html, double value) {
+void vs_html_add(vs_html *html, const char *format, ...) {
+  va_list args;
+  va_start(args, format);
+  vs_text_add_by(&html->text, write_text, html, format, args);
+  va_end(args);
+}
+
+void vs_html_free(vs_html *html) {
+  vs_text_free(&html->text);
+}
+
+void vs_html_cell(vs_html *html, const char *text) {
+  vs_html_add(html, "<td>");
+  vs_html_text(html, text);
+  vs_html_add(html, "</td>");
+}
+
+void vs_html_number(vs_html *html, double value) {
   if (isnan(value))
-    vs_text_add(html, "<td class=\"n\"></td>");
+    vs_html_add(html, "<td class=\"n\"></td>");
   else
-    vs_text_add(html, "<td class=\"n\">%.6g</td>", value);
+    vs_html_add(html, "<td class=\"n\">%.6g</td>", value);
 }
 
 /* What stands before each picture. Where the picture is small its letters grow. The wheel goes on
@@ -103,18 +122,19 @@ static const char FRAME[] = "<style>body{margin:0;overflow:hidden}svg{display:bl
                             "</style><script>addEventListener('wheel',function(e){"
                             "if(!e.ctrlKey)e.stopImmediatePropagation()},true)</script>";
 
-void vs_html_picture_add(vs_text *html, const vs_html_picture *p) {
+void vs_html_picture_add(vs_html *html, const vs_html_picture *p) {
   const char *from = strstr(p->svg, "<svg");
-  vs_text_add(html, "<figure>\n<iframe title=\"");
+  vs_html_add(html, "<figure>\n<iframe title=\"");
   vs_html_text(html, p->title);
-  vs_text_add(html, "\" style=\"aspect-ratio:%d/%d\" srcdoc=\"%s", p->width, p->height, FRAME);
+  vs_html_add(html, "\" style=\"aspect-ratio:%d/%d\" srcdoc=\"", p->width, p->height);
+  vs_html_markup(html, FRAME);
   for (from = from ? from : p->svg; *from;) {
     int n = (int)strcspn(from, "&\"");
-    vs_text_add(html, "%.*s", n, from);
+    vs_text_add(&html->text, "%.*s", n, from);
     from += n;
-    if (*from) vs_text_add(html, "%s", *from++ == '&' ? "&amp;" : "&quot;");
+    if (*from) vs_html_markup(html, *from++ == '&' ? "&amp;" : "&quot;");
   }
-  vs_text_add(html, "\"></iframe>\n<figcaption>");
+  vs_html_add(html, "\"></iframe>\n<figcaption>");
   vs_html_text(html, p->caption ? p->caption : "");
-  vs_text_add(html, "</figcaption>\n</figure>\n");
+  vs_html_add(html, "</figcaption>\n</figure>\n");
 }

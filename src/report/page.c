@@ -26,127 +26,127 @@ double vs_page_share(long part, long whole) {
   return whole ? floor(1e4 * (double)part / (double)whole) / 100 : 0;
 }
 
-static void add_weakest(vs_text *html, const vs_counts *weakest, long judged) {
+static void add_weakest(vs_html *html, const vs_counts *weakest, long judged) {
   if (!weakest->count) return;
-  vs_text_add(html, "<p>Weakest part:</p>\n<div "
+  vs_html_add(html, "<p>Weakest part:</p>\n<div "
                     "class=\"wide\"><table><tr><th>part</th><th>cases</th><th>share</th>"
                     "<th></th></tr>\n");
   for (size_t k = 0; k < weakest->count; k++) {
     double share = vs_page_share(weakest->item[k].times, judged);
-    vs_text_add(html, "<tr>");
+    vs_html_add(html, "<tr>");
     vs_html_cell(html, weakest->item[k].name);
-    vs_text_add(html,
+    vs_html_add(html,
                 "<td class=\"n\">%ld</td><td class=\"n\">%.4g %%</td><td class=\"bars\"><span "
                 "class=\"bar\" "
                 "style=\"width:%.2f%%\"></span></td></tr>\n",
                 weakest->item[k].times, share, share);
   }
-  vs_text_add(html, "</table></div>\n");
+  vs_html_add(html, "</table></div>\n");
 }
 
-static void add_failures(vs_text *html, const vs_folder *t, const vs_survey *s) {
+static void add_failures(vs_html *html, const vs_folder *t, const vs_survey *s) {
   if (!t->failed) {
-    vs_text_add(html, "<p>No case failed.</p>\n");
+    vs_html_add(html, "<p>No case failed.</p>\n");
     return;
   }
-  vs_text_add(html, "<p>Failed, and in no figure here: %ld of %ld cases.</p>\n", t->failed,
+  vs_html_add(html, "<p>Failed, and in no figure here: %ld of %ld cases.</p>\n", t->failed,
               t->done + t->failed);
   if (!s->why.count) {
-    vs_text_add(html, "<p>Why is not known: failures.csv is not there.</p>\n");
+    vs_html_add(html, "<p>Why is not known: failures.csv is not there.</p>\n");
     return;
   }
-  vs_text_add(html, "<div class=\"wide prose\"><table><tr><th>cases</th><th>why</th></tr>\n");
+  vs_html_add(html, "<div class=\"wide prose\"><table><tr><th>cases</th><th>why</th></tr>\n");
   for (size_t k = 0; k < s->why.count; k++) {
-    vs_text_add(html, "<tr><td class=\"n\">%ld</td>", s->why.item[k].times);
+    vs_html_add(html, "<tr><td class=\"n\">%ld</td>", s->why.item[k].times);
     vs_html_cell(html, s->why.item[k].name);
-    vs_text_add(html, "</tr>\n");
+    vs_html_add(html, "</tr>\n");
   }
-  vs_text_add(html, "</table></div>\n");
+  vs_html_add(html, "</table></div>\n");
 }
 
 /* Says where a case lies: "circuit.r1 = 330 Ω, circuit.c1 = 47 nF". With `ranged` only axes that
  * have a range are named, not those with a spread. */
-static void add_place(vs_text *html, const vs_folder *t, char *const *cell, bool ranged) {
+static void add_place(vs_html *html, const vs_folder *t, char *const *cell, bool ranged) {
   size_t n = 0;
   for (size_t c = 0; c < t->count; c++) {
     if (t->column[c].role != VS_ROLE_AXIS) continue;
     if (ranged && !vs_tree_child(t->column[c].node, "from")) continue;
     char unit[64];
     vs_scale_unit(t->column[c].unit, unit, sizeof unit);
-    vs_text_add(html, "%s", n++ ? ", " : "");
+    vs_html_add(html, n++ ? ", " : "");
     vs_html_text(html, t->column[c].name);
-    vs_text_add(html, " = ");
+    vs_html_add(html, " = ");
     double value;
     if (vs_folder_number(cell[c], &value) && !isnan(value))
-      vs_text_add(html, "%.5g", value);
+      vs_html_add(html, "%.5g", value);
     else
       vs_html_text(html, cell[c]);
-    vs_text_add(html, "%s", *unit ? " " : "");
+    vs_html_add(html, *unit ? " " : "");
     vs_html_text(html, unit);
   }
 }
 
 /* Says what a search has found that judges a case by more than one measure; false: there was no
  * such search. */
-static bool add_best(vs_text *html, const vs_folder *t, const vs_survey *s) {
+static bool add_best(vs_html *html, const vs_folder *t, const vs_survey *s) {
   if (!t->search || t->search->report.aim || !vs_folder_search(t)) return false;
   const char *none = t->search->report.none;
-  if (!s->found.cell && none) vs_text_add(html, "<p class=\"big\">%s</p>\n", none);
+  if (!s->found.cell && none) vs_html_add(html, "<p class=\"big\">%s</p>\n", none);
   if (!s->found.cell) return none != NULL;
-  vs_text_add(html, "<p class=\"big\">%s: ", t->search->report.best);
+  vs_html_add(html, "<p class=\"big\">%s: ", t->search->report.best);
   add_place(html, t, s->found.cell, true);
-  vs_text_add(html, "; case %s</p>\n<p>What follows is of all that was tried.</p>\n",
+  vs_html_add(html, "; case %s</p>\n<p>What follows is of all that was tried.</p>\n",
               s->found.cell[0]);
   return true;
 }
 
 /* Says which largest or least value a search has found; false: there was no such search. */
-static bool add_found(vs_text *html, const vs_folder *t, const vs_survey *s) {
+static bool add_found(vs_html *html, const vs_folder *t, const vs_survey *s) {
   bool largest;
   size_t aim = vs_folder_aim(t, &largest);
   if (!t->search || !t->search->report.aim || !aim || !s->profile[aim].known) return false;
   vs_scale scale = vs_scale_of(&t->column[aim], vs_survey_extent(&s->profile[aim]));
   double found = scale.factor * (largest ? s->profile[aim].largest : s->profile[aim].least);
-  vs_text_add(html, "<p class=\"big\">%s: ", t->search->report.best);
+  vs_html_add(html, "<p class=\"big\">%s: ", t->search->report.best);
   vs_html_text(html, t->column[aim].name);
-  vs_text_add(html, " %.6g %s, case %s</p>\n", found, scale.unit, s->worst[0].cell[0]);
+  vs_html_add(html, " %.6g %s, case %s</p>\n", found, scale.unit, s->worst[0].cell[0]);
   return true;
 }
 
 /* Says the yield. A case that failed counts as not holding, as it is not known to hold. */
-static void add_yield(vs_text *html, const vs_folder *t, const vs_survey *s) {
+static void add_yield(vs_html *html, const vs_folder *t, const vs_survey *s) {
   double least, largest;
   const long all = s->judged + t->failed;
-  vs_text_add(html, "<p class=\"big\">Yield %.4g %%</p>\n<p>%ld of %ld cases keep every rating",
+  vs_html_add(html, "<p class=\"big\">Yield %.4g %%</p>\n<p>%ld of %ld cases keep every rating",
               vs_page_share(s->good, all), s->good, all);
-  if (t->failed) vs_text_add(html, ", the failed counted as not holding");
+  if (t->failed) vs_html_add(html, ", the failed counted as not holding");
   vs_page_wilson((double)s->good, (double)all, &least, &largest);
   bool independent = false;
   for (size_t k = 0; k < t->n_methods; k++)
     independent = independent || t->methods[k]->report.independent;
   if (independent)
-    vs_text_add(html, "; with 95 %%, the true share lies between %.4g %% and %.4g %%", 100 * least,
+    vs_html_add(html, "; with 95 %%, the true share lies between %.4g %% and %.4g %%", 100 * least,
                 100 * largest);
-  vs_text_add(html, ".</p>\n");
+  vs_html_add(html, ".</p>\n");
 }
 
-static void add_worst_margin(vs_text *html, const vs_folder *t, const vs_survey *s) {
-  vs_text_add(html, "%.4g %%", 100 * s->profile[t->margin].least);
+static void add_worst_margin(vs_html *html, const vs_folder *t, const vs_survey *s) {
+  vs_html_add(html, "%.4g %%", 100 * s->profile[t->margin].least);
   if ((t->search && t->search->report.aim) || !s->n_worst || t->weakest < 0) return;
-  vs_text_add(html, ": ");
+  vs_html_add(html, ": ");
   vs_html_text(html, s->worst[0].cell[t->weakest]);
-  vs_text_add(html, ", case %s", s->worst[0].cell[0]);
+  vs_html_add(html, ", case %s", s->worst[0].cell[0]);
 }
 
-static void add_count(vs_text *html, long count, const char *of_what) {
+static void add_count(vs_html *html, long count, const char *of_what) {
   if (!count) return;
-  vs_text_add(html, "<p>%ld case%s ", count, count > 1 ? "s" : "");
+  vs_html_add(html, "<p>%ld case%s ", count, count > 1 ? "s" : "");
   vs_html_text(html, of_what);
-  vs_text_add(html, ".</p>\n");
+  vs_html_add(html, ".</p>\n");
 }
 
 /* Says what makes the verdict less than sure. */
-static void add_doubts(vs_text *html, const vs_survey *s) {
+static void add_doubts(vs_html *html, const vs_survey *s) {
   vs_text undecided = {0};
   vs_text_add(&undecided, "undecided: the sign of a margin is within its numerical error");
   for (size_t k = 0; k < s->doubtful.count; k++)
@@ -164,119 +164,121 @@ static void add_doubts(vs_text *html, const vs_survey *s) {
 }
 
 /* Says what happened in how many cases, and what the verdicts leave out. */
-static void add_happened(vs_text *html, const vs_survey *s) {
+static void add_happened(vs_html *html, const vs_survey *s) {
   for (size_t k = 0; k < s->happened.count; k++) {
-    vs_text_add(html, "<p>Happened in %ld case%s: ", s->happened.item[k].times,
+    vs_html_add(html, "<p>Happened in %ld case%s: ", s->happened.item[k].times,
                 s->happened.item[k].times > 1 ? "s" : "");
     vs_html_text(html, s->happened.item[k].name);
-    vs_text_add(html, ".</p>\n");
+    vs_html_add(html, ".</p>\n");
   }
 }
 
-static void add_not_judged(vs_text *html, const vs_survey *s) {
+static void add_not_judged(vs_html *html, const vs_survey *s) {
   if (!s->not_judged.count) return;
-  vs_text_add(html, "<p>Not judged: ");
+  vs_html_add(html, "<p>Not judged: ");
   vs_html_text(html, s->not_judged.item[0].name);
-  vs_text_add(html, "%s.</p>\n",
+  vs_html_add(html, "%s.</p>\n",
               s->not_judged.count > 1 ? "; in other cases other limits: column not_judged" : "");
 }
 
 /* found: what a search has found was said already, and in large letters. */
-static void add_share(vs_text *html, const vs_folder *t, const vs_survey *s, bool found) {
+static void add_share(vs_html *html, const vs_folder *t, const vs_survey *s, bool found) {
   const char *begin = found ? "<p>" : "<p class=\"big\">";
   if (!s->rows)
-    vs_text_add(html, "<p class=\"big\">No case has a result</p>\n");
-  else if (!s->judged)
-    vs_text_add(html, "%sNo rating was judged: what ran has none.</p>\n", begin);
-  else if (vs_folder_is_sampled(t)) {
+    vs_html_add(html, "<p class=\"big\">No case has a result</p>\n");
+  else if (!s->judged) {
+    vs_html_markup(html, begin);
+    vs_html_add(html, "No rating was judged: what ran has none.</p>\n");
+  } else if (vs_folder_is_sampled(t)) {
     add_yield(html, t, s);
-    vs_text_add(html, "<p>Worst margin ");
+    vs_html_add(html, "<p>Worst margin ");
     add_worst_margin(html, t, s);
-    vs_text_add(html, ".</p>\n");
+    vs_html_add(html, ".</p>\n");
   } else {
-    vs_text_add(html, "%sWorst margin ", begin);
+    vs_html_markup(html, begin);
+    vs_html_add(html, "Worst margin ");
     add_worst_margin(html, t, s);
-    vs_text_add(html, "</p>\n<p>%ld of %ld cases keep every rating.</p>\n", s->good, s->judged);
+    vs_html_add(html, "</p>\n<p>%ld of %ld cases keep every rating.</p>\n", s->good, s->judged);
   }
 }
 
 /* Says where the least margin is largest: what one would choose. A sample's cases are chosen by
  * chance, and a search says what it has found. */
-static void add_best_case(vs_text *html, const vs_folder *t, const vs_survey *s) {
+static void add_best_case(vs_html *html, const vs_folder *t, const vs_survey *s) {
   if (!s->best.cell || s->judged < 2 || t->search || vs_folder_is_sampled(t)) return;
-  vs_text_add(html, "<p>The best case: ");
+  vs_html_add(html, "<p>The best case: ");
   add_place(html, t, s->best.cell, false);
-  vs_text_add(html, "; its least margin is %.4g %%", -100 * s->best.key);
+  vs_html_add(html, "; its least margin is %.4g %%", -100 * s->best.key);
   if (t->weakest >= 0 && *s->best.cell[t->weakest]) {
-    vs_text_add(html, ", of ");
+    vs_html_add(html, ", of ");
     vs_html_text(html, s->best.cell[t->weakest]);
   }
-  vs_text_add(html, ".</p>\n");
+  vs_html_add(html, ".</p>\n");
 }
 
-static void add_verdict(vs_text *html, const vs_folder *t, const vs_survey *s) {
+static void add_verdict(vs_html *html, const vs_folder *t, const vs_survey *s) {
   bool good = s->good == s->judged && !t->failed;
   if (t->search && t->search->report.none && vs_folder_search(t)) good = s->found.cell != NULL;
-  vs_text_add(html, "<section id=\"verdict\" class=\"verdict %s\">\n",
+  vs_html_add(html, "<section id=\"verdict\" class=\"verdict %s\">\n",
               !s->judged ? ""
               : good     ? "good"
                          : "bad");
   add_share(html, t, s, add_found(html, t, s) || add_best(html, t, s));
   if (s->n_worst && vs_survey_ranked(t, s)) {
-    vs_text_add(html, "<p>The worst case: ");
+    vs_html_add(html, "<p>The worst case: ");
     add_place(html, t, s->worst[0].cell, false);
-    vs_text_add(html, ".</p>\n");
+    vs_html_add(html, ".</p>\n");
   }
   add_best_case(html, t, s);
   add_happened(html, s);
   add_not_judged(html, s);
   add_doubts(html, s);
   if (s->judged && s->judged < s->rows)
-    vs_text_add(html, "<p>Without a margin: %ld cases.</p>\n", s->rows - s->judged);
+    vs_html_add(html, "<p>Without a margin: %ld cases.</p>\n", s->rows - s->judged);
   if (t->done + t->failed < t->cases && !t->search)
-    vs_text_add(html, "<p>Not complete: %ld of %ld cases have been run.</p>\n", t->done + t->failed,
+    vs_html_add(html, "<p>Not complete: %ld of %ld cases have been run.</p>\n", t->done + t->failed,
                 t->cases);
   add_weakest(html, &s->weakest, s->judged);
   add_failures(html, t, s);
-  vs_text_add(html, "</section>\n");
+  vs_html_add(html, "</section>\n");
 }
 
 /* ---- pictures ---- */
 
-static void add_pictures(vs_text *html, const vs_album *album, char *const *svg) {
-  vs_text_add(html, "<section id=\"pictures\">\n<h2>Pictures</h2>\n");
-  vs_text_add(html, album->count
+static void add_pictures(vs_html *html, const vs_album *album, char *const *svg) {
+  vs_html_add(html, "<section id=\"pictures\">\n<h2>Pictures</h2>\n");
+  vs_html_add(html, album->count
                         ? "<p class=\"of screen\">A click shows where the mouse is, one on "
                           "a line's name hides that line; Ctrl and the wheel zoom, the "
                           "right button goes back.</p>\n"
                         : "<p>There is nothing to draw.</p>\n");
-  vs_text_add(html, "<div class=\"pictures\">\n");
+  vs_html_add(html, "<div class=\"pictures\">\n");
   for (size_t k = 0; k < album->count; k++) {
     const vs_picture *p = &album->item[k];
     const vs_html_picture picture = {p->title.text, p->caption.text, svg[k], p->width, p->height};
     vs_html_picture_add(html, &picture);
   }
-  vs_text_add(html, "</div>\n");
+  vs_html_add(html, "</div>\n");
   if (album->left_out)
-    vs_text_add(html, "<p>Not drawn, for there is no more room: %zu.</p>\n", album->left_out);
-  vs_text_add(html, "</section>\n");
+    vs_html_add(html, "<p>Not drawn, for there is no more room: %zu.</p>\n", album->left_out);
+  vs_html_add(html, "</section>\n");
 }
 
 void vs_page_write(const vs_folder *t, const vs_survey *s, const vs_album *album, char *const *svg,
-                   vs_text *html) {
+                   vs_html *html) {
   const char *study = manifest_text(t, "study");
   if (!*study) study = "without a name";
   vs_html_begin(html, "Study", study);
-  vs_text_add(html, "<p class=\"of\">");
+  vs_html_add(html, "<p class=\"of\">");
   vs_html_text(html, t->method);
-  vs_text_add(html, ", %ld cases</p>\n", t->done + t->failed);
+  vs_html_add(html, ", %ld cases</p>\n", t->done + t->failed);
   add_verdict(html, t, s);
   add_pictures(html, album, svg);
   vs_tables_cases(html, t, s);
-  vs_text_add(html, "<section id=\"parameters\">\n");
+  vs_html_add(html, "<section id=\"parameters\">\n");
   vs_tables_axes(html, t, s);
   vs_tables_columns(html, t, s);
   vs_tables_manifest(html, t);
-  vs_text_add(html, "</section>\n");
+  vs_html_add(html, "</section>\n");
   vs_html_end(html);
 }

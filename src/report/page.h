@@ -4,10 +4,11 @@
 #define VS_REPORT_PAGE_H
 
 #include "picture/album.h"
+#include "report/html.h"
 
 /* Adds the page. svg: one text for each picture of the album. */
 void vs_page_write(const vs_folder *table, const vs_survey *survey, const vs_album *album,
-                   char *const *svg, vs_text *html);
+                   char *const *svg, vs_html *html);
 
 /* Gives the ends of the interval in which the true share lies with 95 % when `good` of `n` drawn at
  * random were good: Wilson's score interval (J. American Statistical Association, 1927). For tests.

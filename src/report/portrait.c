@@ -16,7 +16,7 @@ enum { WIDTH = 900, HIGH = 290, LOW = 190, TOP = 50, UNDER = 26, UNDER_LABEL = 5
 /* A picture that is being made: panels one under the other. */
 typedef struct portrait {
   const vs_outcome *o;
-  vs_text script;
+  vs_script script;
   int panels_high, panels_low; /* of all there will be */
   int height, at;              /* pixels in all, and where the next panel begins, from above */
 } portrait;
@@ -24,18 +24,18 @@ typedef struct portrait {
 /* Places the next panel, of that height; `under` of it are for what stands below its frame. */
 static void place(portrait *p, int high, int under) {
   double top = 1 - (double)p->at / p->height, bottom = 1 - (double)(p->at + high) / p->height;
-  vs_text_add(&p->script, "set tmargin at screen %.6f\nset bmargin at screen %.6f\n",
-              top - 8. / p->height, bottom + (double)under / p->height);
+  vs_gnuplot_add(&p->script, "set tmargin at screen %.6f\nset bmargin at screen %.6f\n",
+                 top - 8. / p->height, bottom + (double)under / p->height);
   p->at += high;
 }
 
-static void label(portrait *p, const char *axis, const char *name, const char *unit) {
+static void label(portrait *p, char axis, const char *name, const char *unit) {
   char pretty[64], text[VS_NAME_SIZE + 128];
   vs_scale_unit(unit, pretty, sizeof pretty);
   snprintf(text, sizeof text, "%s%s%s", name, *pretty ? " / " : "", pretty);
-  vs_text_add(&p->script, "set %slabel ", axis);
+  vs_gnuplot_add(&p->script, "set %clabel ", axis);
   vs_gnuplot_quoted(&p->script, text);
-  vs_text_add(&p->script, "\n");
+  vs_gnuplot_add(&p->script, "\n");
 }
 
 /* ---- a column ---- */
@@ -43,15 +43,15 @@ static void label(portrait *p, const char *axis, const char *name, const char *u
 /* Adds the column's samples as the data block $D: t in ms, measured, fitted, residual. */
 static void add_samples(portrait *p, const vs_outcome_column *c, double factor) {
   const vs_inquiry_run *run = &p->o->inquiry->runs[c->run];
-  vs_text_add(&p->script, "$D << EOD\n");
+  vs_gnuplot_add(&p->script, "$D << EOD\n");
   for (size_t k = 0; k < run->recording.n_samples; k++) {
     const vs_sample *s = &run->recording.samples[k];
     size_t n = run->datum + run->aims.count + k;
     if ((size_t)s->column != c->column) continue;
-    vs_text_add(&p->script, "%.9g %.9g %.9g %.6g\n", 1e3 * s->t_s, s->value * factor,
-                p->o->estimate.computed[n] * factor, p->o->estimate.residual[n]);
+    vs_gnuplot_add(&p->script, "%.9g %.9g %.9g %.6g\n", 1e3 * s->t_s, s->value * factor,
+                   p->o->estimate.computed[n] * factor, p->o->estimate.residual[n]);
   }
-  vs_text_add(&p->script, "EOD\n");
+  vs_gnuplot_add(&p->script, "EOD\n");
 }
 
 /* The prefix in which the largest amount has one to three digits before the point. */
@@ -79,17 +79,18 @@ static void draw_column(portrait *p, const vs_outcome_column *c) {
     snprintf(name, sizeof name, "%s, run %zu", column->name, c->run + 1);
   add_samples(p, c, factor);
   place(p, HIGH, UNDER);
-  label(p, "y", name, unit);
-  vs_text_add(&p->script,
-              "set xlabel ''\nset key top right\nplot $D using 1:2 with points pt 7 ps 0.35 lc rgb "
-              "'%s' title 'measured', $D using 1:3 with lines lw 1.4 lc rgb '%s' title 'fitted'\n",
-              vs_scale_colour_bad, vs_scale_colour_good);
+  label(p, 'y', name, unit);
+  vs_gnuplot_add(
+      &p->script,
+      "set xlabel ''\nset key top right\nplot $D using 1:2 with points pt 7 ps 0.35 lc rgb "
+      "%s title 'measured', $D using 1:3 with lines lw 1.4 lc rgb %s title 'fitted'\n",
+      vs_scale_colour_bad, vs_scale_colour_good);
   place(p, LOW, UNDER_LABEL);
-  vs_text_add(&p->script,
-              "set ylabel 'residual / std error'\nset xlabel 't / ms'\nplot 0 lt 1 lc rgb "
-              "'#404040' notitle, 2 lt 1 dt 2 lc rgb '#808080' notitle, -2 lt 1 dt 2 lc "
-              "rgb '#808080' notitle, $D using 1:4 with impulses lc rgb '%s' notitle\n",
-              vs_scale_colour_good);
+  vs_gnuplot_add(&p->script,
+                 "set ylabel 'residual / std error'\nset xlabel 't / ms'\nplot 0 lt 1 lc rgb "
+                 "'#404040' notitle, 2 lt 1 dt 2 lc rgb '#808080' notitle, -2 lt 1 dt 2 lc "
+                 "rgb '#808080' notitle, $D using 1:4 with impulses lc rgb %s notitle\n",
+                 vs_scale_colour_good);
 }
 
 /* ---- the measures ---- */
@@ -98,29 +99,33 @@ static void draw_column(portrait *p, const vs_outcome_column *c) {
 static int add_measures(portrait *p) {
   const vs_inquiry *q = p->o->inquiry;
   int count = 0;
-  vs_text_add(&p->script, "$M << EOD\n");
+  vs_gnuplot_add(&p->script, "$M << EOD\n");
   for (size_t n = 0; n < q->n_data; n++) {
     if (q->data[n].aim < 0) continue;
-    vs_text_add(&p->script, "%d %.6g \"%s", ++count, p->o->estimate.residual[n],
-                vs_inquiry_name(q, &q->data[n]));
-    if (q->n_runs > 1) vs_text_add(&p->script, ", run %d", q->data[n].run + 1);
-    vs_text_add(&p->script, "\"\n");
+    vs_text name = {0};
+    vs_text_add(&name, "%s", vs_inquiry_name(q, &q->data[n]));
+    if (q->n_runs > 1) vs_text_add(&name, ", run %d", q->data[n].run + 1);
+    vs_gnuplot_add(&p->script, "%d %.6g ", ++count, p->o->estimate.residual[n]);
+    vs_gnuplot_word(&p->script, name.text);
+    vs_gnuplot_add(&p->script, "\n");
+    vs_text_free(&name);
   }
-  vs_text_add(&p->script, "EOD\n");
+  vs_gnuplot_add(&p->script, "EOD\n");
   return count;
 }
 
 static void draw_measures(portrait *p) {
   int count = add_measures(p);
   place(p, HIGH, UNDER_LABEL);
-  vs_text_add(&p->script,
-              "set ylabel 'residual / std error'\nset xlabel ''\nset xrange [0.3:%d.7]\n"
-              "set rmargin 10\nset xtics rotate by -20 font 'sans,9'\n"
-              "plot 0 lt 1 lc rgb '#404040' notitle, 2 lt 1 dt 2 lc rgb '#808080' notitle, -2 lt 1 "
-              "dt 2 lc rgb '#808080' notitle, $M using 1:2:(1):xtic(3) with yerrorbars pt 7 ps 1 "
-              "lc rgb '%s' title 'fitted less measured, in standard errors'\n"
-              "set xrange [*:*]\nset xtics norotate autofreq font 'sans,11'\n",
-              count, vs_scale_colour_good);
+  vs_gnuplot_add(
+      &p->script,
+      "set ylabel 'residual / std error'\nset xlabel ''\nset xrange [0.3:%d.7]\n"
+      "set rmargin 10\nset xtics rotate by -20 font 'sans,9'\n"
+      "plot 0 lt 1 lc rgb '#404040' notitle, 2 lt 1 dt 2 lc rgb '#808080' notitle, -2 lt 1 "
+      "dt 2 lc rgb '#808080' notitle, $M using 1:2:(1):xtic(3) with yerrorbars pt 7 ps 1 "
+      "lc rgb %s title 'fitted less measured, in standard errors'\n"
+      "set xrange [*:*]\nset xtics norotate autofreq font 'sans,11'\n",
+      count, vs_scale_colour_good);
 }
 
 /* ---- the picture ---- */
@@ -134,12 +139,14 @@ static void begin(portrait *p, const char *name, bool measures) {
   snprintf(title, sizeof title, "%s: chi2 = %.4g with %ld degrees of freedom%s",
            slash ? slash + 1 : p->o->inquiry->path, p->o->estimate.minimum.chi2,
            p->o->estimate.freedom, vs_estimate_fits(&p->o->estimate) ? "" : ": does not fit");
-  vs_text_add(&p->script, "set terminal %s size %d,%d font 'sans,11' background rgb 'white'\n",
-              svg ? "svg noenhanced dynamic" : "pngcairo noenhanced", WIDTH, p->height);
-  vs_text_add(&p->script, "set grid lt 1 lw 0.5 lc rgb '#d0d0d0'\nset border lc rgb '#404040'\n"
-                          "set lmargin 12\nset rmargin 3\nset multiplot title ");
+  vs_gnuplot_code(&p->script,
+                  svg ? "set terminal svg noenhanced dynamic" : "set terminal pngcairo noenhanced");
+  vs_gnuplot_add(&p->script, " size %d,%d font 'sans,11' background rgb 'white'\n", WIDTH,
+                 p->height);
+  vs_gnuplot_add(&p->script, "set grid lt 1 lw 0.5 lc rgb '#d0d0d0'\nset border lc rgb '#404040'\n"
+                             "set lmargin 12\nset rmargin 3\nset multiplot title ");
   vs_gnuplot_quoted(&p->script, title);
-  vs_text_add(&p->script, " font 'sans,13'\n");
+  vs_gnuplot_add(&p->script, " font 'sans,13'\n");
 }
 
 vs_status vs_portrait_draw(const vs_outcome *o, const char *folder, const char *name,
@@ -154,9 +161,9 @@ vs_status vs_portrait_draw(const vs_outcome *o, const char *folder, const char *
   begin(&p, name, measures);
   for (size_t k = 0; k < o->n_columns; k++) draw_column(&p, &o->columns[k]);
   if (measures) draw_measures(&p);
-  vs_text_add(&p.script, "unset multiplot\n");
-  vs_status status = vs_gnuplot_picture(p.script.text, &picture, &size, err);
-  vs_text_free(&p.script);
+  vs_gnuplot_add(&p.script, "unset multiplot\n");
+  vs_status status = vs_gnuplot_picture(p.script.text.text, &picture, &size, err);
+  vs_gnuplot_free(&p.script);
   if (!status) status = vs_file_open(&file, folder, name, err);
   if (!status) {
     fwrite(picture, 1, size, file.stream); /* an error stays in the stream */

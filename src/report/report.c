@@ -24,14 +24,16 @@ typedef struct report {
 } report;
 
 static vs_status draw(const vs_picture *p, bool svg, drawing *d, vs_error *err) {
-  vs_text script = {0};
-  vs_text_add(
-      &script,
-      "set terminal %s noenhanced size %d,%d font 'sans-serif,%d' background rgb 'white'\n%s",
-      svg ? "svg dynamic mousing standalone" : "pngcairo", p->width, p->height, svg ? 15 : 11,
-      p->script.text);
-  vs_status status = vs_gnuplot_picture(script.text, &d->bytes, &d->size, err);
-  vs_text_free(&script);
+  vs_script script = {0};
+  vs_gnuplot_add(&script,
+                 svg ? "set terminal svg dynamic mousing standalone noenhanced size %d,%d font "
+                       "'sans-serif,15' background rgb 'white'\n"
+                     : "set terminal pngcairo noenhanced size %d,%d font 'sans-serif,11' "
+                       "background rgb 'white'\n",
+                 p->width, p->height);
+  vs_gnuplot_code(&script, p->script.text.text ? p->script.text.text : "");
+  vs_status status = vs_gnuplot_picture(script.text.text, &d->bytes, &d->size, err);
+  vs_gnuplot_free(&script);
   return status;
 }
 
@@ -79,16 +81,16 @@ static vs_status write_all(const report *r, const vs_plot_options *o, vs_error *
     if (!status) status = prepare(&files[k], o->folder, name, &pixels, err);
     free(pixels.bytes);
   }
-  vs_text html = {0};
+  vs_html html = {0};
   if (!status) vs_page_write(&r->table, &r->survey, &r->album, svg, &html);
-  const drawing page = {html.text, html.length};
+  const drawing page = {html.text.text, html.text.length};
   if (!status) status = prepare(&files[n], o->folder, "report.html", &page, err);
   for (size_t k = 0; k <= n && !status; k++) status = appear(&files[k], o->quiet, err);
   for (size_t k = 0; k <= n; k++) {
     vs_file_discard(&files[k]);
     free(svg[k]);
   }
-  vs_text_free(&html);
+  vs_html_free(&html);
   free(svg);
   free(files);
   return status;

@@ -54,10 +54,12 @@ static vs_status read_table(const char *folder, tornado *t, vs_error *err) {
   enum { COLUMNS = 9 };
   char path[VS_PATH_SIZE];
   name_table(folder, path);
+  vs_status status = vs_path_check_result(path, err);
+  if (status) return status;
   FILE *f = fopen(path, "r");
   if (!f) return vs_fail(err, VS_INPUT, "%s: cannot be read: %s", path, strerror(errno));
   vs_csv csv = {.file = path, .stream = f};
-  vs_status status = vs_csv_next(&csv, err); /* the header */
+  status = vs_csv_next(&csv, err); /* the header */
   while (!status && !(status = vs_csv_next(&csv, err)) && csv.count && t->count < MOST_BARS) {
     if (csv.count < COLUMNS)
       status =
@@ -86,67 +88,72 @@ enum { WIDTH = 900, EDGE = 90, BAR = 28 /* pixels */ };
 
 /* Writes each bar's number behind its end, towards `side`, 1 or -1. gnuplot 5.4 crashes over labels
  * none of which has a place, so that a panel without such bars has none. */
-static void add_numbers(vs_text *script, const bar *first, size_t count, int side) {
+static void add_numbers(vs_script *script, const bar *first, size_t count, int side) {
   bool any = false;
   for (size_t k = 0; k < count; k++) any = any || (first[k].value < 0) == (side < 0);
   if (any)
-    vs_text_add(script,
-                ", $bars%d using ($1<0?%s):2:(sprintf('%%+.4g',$1)) with labels %s offset %g,0 "
-                "notitle",
-                first->panel, side < 0 ? "$1:0/0" : "0/0:$1", side < 0 ? "right" : "left",
-                0.7 * side);
+    vs_gnuplot_add(script,
+                   side < 0 ? ", $bars%d using ($1<0?$1:0/0):2:(sprintf('%%+.4g',$1)) with labels "
+                              "right offset %g,0 notitle"
+                            : ", $bars%d using ($1<0?0/0:$1):2:(sprintf('%%+.4g',$1)) with labels "
+                              "left offset %g,0 notitle",
+                   first->panel, 0.7 * side);
 }
 
-static void add_panel(vs_text *script, const bar *first, size_t count, double top, double height) {
+static void add_panel(vs_script *script, const bar *first, size_t count, double top,
+                      double height) {
   double longest = fabs(first->value) > 0 ? fabs(first->value) : 1;
-  vs_text_add(script, "$bars%d << EOD\n", first->panel);
-  for (size_t k = 0; k < count; k++) vs_text_add(script, "%.9g %d\n", first[k].value, -(int)k);
-  vs_text_add(script, "EOD\nset tmargin at screen %.5f\nset bmargin at screen %.5f\nset title ",
-              top, top - height);
+  vs_gnuplot_add(script, "$bars%d << EOD\n", first->panel);
+  for (size_t k = 0; k < count; k++) vs_gnuplot_add(script, "%.9g %d\n", first[k].value, -(int)k);
+  vs_gnuplot_add(script, "EOD\nset tmargin at screen %.5f\nset bmargin at screen %.5f\nset title ",
+                 top, top - height);
   vs_gnuplot_quoted(script, first->measure);
-  vs_text_add(script, "\nset xrange [%.9g:%.9g]\nset yrange [%.1f:0.6]\nset ytics (",
-              -1.25 * longest, 1.25 * longest, 0.4 - (double)count);
+  vs_gnuplot_add(script, "\nset xrange [%.9g:%.9g]\nset yrange [%.1f:0.6]\nset ytics (",
+                 -1.25 * longest, 1.25 * longest, 0.4 - (double)count);
   for (size_t k = 0; k < count; k++) {
-    vs_text_add(script, "%s", k ? ", " : "");
+    vs_gnuplot_add(script, k ? ", " : "");
     vs_gnuplot_quoted(script, first[k].key);
-    vs_text_add(script, " %d", -(int)k);
+    vs_gnuplot_add(script, " %d", -(int)k);
   }
-  vs_text_add(script,
-              ")\nplot $bars%d using (0):2:(0):1:($2-0.36):($2+0.36) with boxxyerror fs solid 0.9 "
-              "noborder fc rgb '%s' notitle",
-              first->panel, vs_scale_colour_good);
+  vs_gnuplot_add(
+      script,
+      ")\nplot $bars%d using (0):2:(0):1:($2-0.36):($2+0.36) with boxxyerror fs solid 0.9 "
+      "noborder fc rgb %s notitle",
+      first->panel, vs_scale_colour_good);
   add_numbers(script, first, count, 1);
   add_numbers(script, first, count, -1);
-  vs_text_add(script, "\n");
+  vs_gnuplot_add(script, "\n");
 }
 
-static void add_script(const tornado *t, bool svg, vs_text *script) {
+static void add_script(const tornado *t, bool svg, vs_script *script) {
   size_t bars = t->count + (size_t)t->panels; /* a title takes a bar's room */
   int height = EDGE + BAR * (int)bars + 40 * t->panels;
   double unit = (double)BAR / height, top = 1 - 45.0 / height;
-  vs_text_add(script,
-              "set terminal %s noenhanced size %d,%d font 'sans,%d' background rgb 'white'\nset "
-              "multiplot\nset lmargin at screen 0.28\nset rmargin at screen 0.96\nset border 1 lc "
-              "rgb '#404040'\nset grid x lt 1 lw 0.5 lc rgb '#d0d0d0'\nset ytics scale 0\nset "
-              "arrow from first 0, graph 0 to first 0, graph 1 nohead lc rgb "
-              "'#404040' front\n",
-              svg ? "svg" : "pngcairo", WIDTH, height, svg ? 13 : 10);
+  vs_gnuplot_code(script, svg ? "set terminal svg" : "set terminal pngcairo");
+  vs_gnuplot_add(
+      script,
+      " noenhanced size %d,%d font 'sans,%d' background rgb 'white'\nset "
+      "multiplot\nset lmargin at screen 0.28\nset rmargin at screen 0.96\nset border 1 lc "
+      "rgb '#404040'\nset grid x lt 1 lw 0.5 lc rgb '#d0d0d0'\nset ytics scale 0\nset "
+      "arrow from first 0, graph 0 to first 0, graph 1 nohead lc rgb "
+      "'#404040' front\n",
+      WIDTH, height, svg ? 13 : 10);
   for (size_t k = 0, n; k < t->count; k += n) {
     for (n = 1; k + n < t->count && t->item[k + n].panel == t->item[k].panel;) n++;
     bool last = k + n == t->count;
-    if (last) vs_text_add(script, "set xlabel 'd ln|measure| / d ln key'\n");
+    if (last) vs_gnuplot_add(script, "set xlabel 'd ln|measure| / d ln key'\n");
     add_panel(script, &t->item[k], n, top, (double)n * unit);
     top -= (double)(n + 1) * unit + 40.0 / height;
   }
-  vs_text_add(script, "unset multiplot\n");
+  vs_gnuplot_add(script, "unset multiplot\n");
 }
 
 static vs_status draw(const tornado *t, const char *folder, bool svg, bool quiet, vs_error *err) {
-  vs_text script = {0};
+  vs_script script = {0};
   add_script(t, svg, &script);
   vs_status status =
-      vs_gnuplot_draw(script.text, folder, svg ? "tornado.svg" : "tornado.png", quiet, err);
-  vs_text_free(&script);
+      vs_gnuplot_draw(script.text.text, folder, svg ? "tornado.svg" : "tornado.png", quiet, err);
+  vs_gnuplot_free(&script);
   return status;
 }
 

@@ -47,7 +47,9 @@ static const refusal REFUSED[] = {
     {SYS_connect, VS_CONFINE_NETWORK},
     {SYS_bind, VS_CONFINE_NETWORK},
     {SYS_listen, VS_CONFINE_NETWORK},
+#ifdef SYS_accept /* i386 has it by accept4 alone */
     {SYS_accept, VS_CONFINE_NETWORK},
+#endif
     {SYS_accept4, VS_CONFINE_NETWORK},
     {SYS_io_uring_setup, VS_CONFINE_NETWORK}, /* would do all of these by another way */
     {SYS_io_uring_enter, VS_CONFINE_NETWORK},

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/path.h"
 #include "journal/journal.h"
 #include "study/publish.h"
 #include "study/stale.h"
@@ -190,6 +191,8 @@ static bool has_other_result(const char *folder, const vs_journals *all) {
   size_t size = 0;
   vs_text manifest = {0};
   snprintf(path, sizeof path, "%.4000s/manifest.json", folder);
+  vs_error none = {0};
+  if (vs_path_check_result(path, &none)) return true;
   FILE *f = fopen(path, "r");
   if (!f)
     return vs_publish_found(folder) && !vs_journal_exists(folder) &&

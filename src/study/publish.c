@@ -12,6 +12,7 @@
 #include "base/csv.h"
 #include "base/file.h"
 #include "base/packed.h"
+#include "base/path.h"
 #include "study/array.h"
 
 static const char FAILURES[] = "failures.csv", MANIFEST[] = "manifest.json";
@@ -102,6 +103,7 @@ static bool has_rows(const vs_journals *all, const char *folder, const char *nam
   char path[VS_PATH_SIZE + 32];
   vs_error none = {0};
   snprintf(path, sizeof path, "%.4000s/%s", folder, name);
+  if (vs_path_check_result(path, &none)) return false;
   result r = {.rows = vs_packed_read(fopen(path, "r"), name)};
   if (!r.rows) return false;
   const bool same = !meet(&r, false, all->item[0].head.columns, &none) &&

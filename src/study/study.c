@@ -92,7 +92,7 @@ static void show_progress(const session *s, double now) {
     fflush(stdout);
     vs_text_free(&text);
   } else if (s->show)
-    fprintf(stderr, "\r%llu of %s%llu cases, %llu failed, %.4g a second, %.0f s left \033[K",
+    dprintf(STDERR_FILENO, "\r%llu of %s%llu cases, %llu failed, %.4g a second, %.0f s left \033[K",
             (unsigned long long)over, s->plan.adaptive ? "at most " : "",
             (unsigned long long)s->total, (unsigned long long)s->journal.failed, rate, left);
 }
@@ -394,9 +394,9 @@ static vs_status run_session(session *s, vs_error *err) {
   vs_jobs_free(s->jobs);
   vs_leave_heed_set(heed); /* the rows are in the journal: what follows can be done again */
   if (s->plan.adaptive) s->total = cases;
-  if (s->show) fputs("\r\033[K", stderr);
+  if (s->show) dprintf(STDERR_FILENO, "\r\033[K");
   if (!status) show_progress(s, vs_worker_clock());
-  if (s->show) fputs("\r\033[K", stderr);
+  if (s->show) dprintf(STDERR_FILENO, "\r\033[K");
   if (s->show && s->shared)
     fprintf(stderr, "shared pasts: %llu of %llu cases\n", (unsigned long long)s->shared,
             (unsigned long long)s->total);

@@ -10,6 +10,7 @@
 
 #include "base/csv.h"
 #include "base/packed.h"
+#include "base/path.h"
 #include "base/text.h"
 #include "study/format.h"
 #include "syntax/units.h"
@@ -75,9 +76,11 @@ static vs_status each(vs_csv *csv, size_t cells, vs_folder_visit visit, void *ct
 }
 
 vs_status vs_folder_each(const vs_folder *t, vs_folder_visit visit, void *ctx, vs_error *err) {
+  vs_status status = vs_path_check_result(t->path, err);
+  if (status) return status;
   FILE *f = vs_packed_read(fopen(t->path, "r"), t->path);
   if (!f) return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", t->path, strerror(errno));
-  vs_status status = each(&(vs_csv){.file = t->path, .stream = f}, t->count, visit, ctx, err);
+  status = each(&(vs_csv){.file = t->path, .stream = f}, t->count, visit, ctx, err);
   fclose(f);
   return status;
 }
@@ -89,10 +92,12 @@ vs_status vs_folder_each_failure(const vs_folder *t, vs_folder_visit visit, void
   for (size_t c = 0; c < t->count; c++)
     cells += t->column[c].role == VS_ROLE_AXIS || t->column[c].role == VS_ROLE_ID;
   snprintf(path, sizeof path, "%.*s/failures.csv", VS_PATH_SIZE - 32, t->folder);
+  vs_status status = vs_path_check_result(path, err);
+  if (status) return status;
   FILE *f = fopen(path, "r");
   if (!f && errno == ENOENT) return VS_OK;
   if (!f) return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", path, strerror(errno));
-  vs_status status = each(&(vs_csv){.file = path, .stream = f}, cells, visit, ctx, err);
+  status = each(&(vs_csv){.file = path, .stream = f}, cells, visit, ctx, err);
   fclose(f);
   return status;
 }
@@ -258,12 +263,14 @@ static vs_status take_header(vs_folder *t, char *const *cell, size_t count, vs_e
 }
 
 static vs_status read_header(vs_folder *t, vs_error *err) {
+  vs_status status = vs_path_check_result(t->path, err);
+  if (status) return status;
   FILE *f = vs_packed_read(fopen(t->path, "r"), t->path);
   if (!f)
     return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s; a study that ended has one", t->path,
                    strerror(errno));
   vs_csv csv = {.file = t->path, .stream = f};
-  vs_status status = vs_csv_next(&csv, err);
+  status = vs_csv_next(&csv, err);
   if (!status) status = take_header(t, csv.cell, csv.count, err);
   vs_csv_free(&csv);
   fclose(f);

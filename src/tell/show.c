@@ -174,10 +174,11 @@ static void print_word(const vs_verdict *v, FILE *out) {
     word = breach->margin < 0 && vs_verdict_word(breach) == VS_UNVERIFIED ? VS_VIOLATED
                                                                           : vs_verdict_word(breach);
   const char *terminal = getenv("TERM");
-  bool coloured = isatty(fileno(out)) && !getenv("NO_COLOR") &&
+  bool coloured = out == stdout && isatty(STDOUT_FILENO) && !getenv("NO_COLOR") &&
                   !(terminal && !strcmp(terminal, "dumb")); /* it would show the codes */
+  fflush(out);
   if (coloured)
-    fprintf(out, "verdict: \033[1;%sm%s\033[0m\n", COLOURS[word], vs_verdict_words[word]);
+    dprintf(STDOUT_FILENO, "verdict: \033[1;%sm%s\033[0m\n", COLOURS[word], vs_verdict_words[word]);
   else
     fprintf(out, "verdict: %s\n", vs_verdict_words[word]);
 }

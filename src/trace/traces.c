@@ -8,6 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/csv.h"
 #include "base/file.h"
 #include "base/text.h"
 
@@ -47,8 +48,8 @@ static vs_status read_row(vs_traces *t, char *line, int number, vs_error *err) {
     char *end = s;
     row[c] = length ? strtod(s, &end) : NAN;
     vs_where where = {t->path, number, (int)(s - line) + 1};
-    if (end != s + length)
-      return vs_fail_at(err, where, "'%.*s': a number is wanted", (int)length, s);
+    if (end != s + length || isinf(row[c]))
+      return vs_fail_at(err, where, "'%.*s': a finite number is wanted", (int)length, s);
     s += length;
     if ((*s == ',') != (c + 1 < t->columns))
       return vs_fail_at(err, where, "the row has not %zu cells, as the header has", t->columns);
@@ -72,7 +73,7 @@ static void make_room(vs_traces *t, size_t *room) {
  * which nobody would look. */
 static vs_status next_line(const vs_traces *t, FILE *f, vs_text *line, int number, bool *more,
                            vs_error *err) {
-  ssize_t n = vs_alloc_line(&line->text, &line->capacity, f);
+  ssize_t n = vs_alloc_row(&line->text, &line->capacity, VS_CSV_LONGEST, f);
   *more = n > 0;
   if (n <= 0 || strlen(line->text) == (size_t)n) return VS_OK;
   return vs_fail_at(err, (vs_where){t->path, number, (int)strlen(line->text) + 1},
@@ -102,6 +103,8 @@ vs_status vs_traces_read(const char *folder, vs_traces *t, vs_error *err) {
   if (strlen(folder) > VS_PATH_SIZE / 2)
     return vs_fail(err, VS_INPUT, "%.100s...: too long a name", folder);
   snprintf(t->path, sizeof t->path, "%s/run.csv", folder);
+  vs_status status = vs_path_check_result(t->path, err);
+  if (status) return status;
   FILE *f = fopen(t->path, "r");
   int why = errno;
   if (!f && is_there(folder, "run.partial.csv"))
@@ -110,7 +113,7 @@ vs_status vs_traces_read(const char *folder, vs_traces *t, vs_error *err) {
   if (!f)
     return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s; 'vibrospice run SCENE -o %s' makes it",
                    t->path, strerror(why), folder);
-  vs_status status = read_rows(t, f, err);
+  status = read_rows(t, f, err);
   fclose(f);
   return status;
 }

@@ -90,7 +90,7 @@ static vs_status choose(session *s, const vs_comparisons *const *lists, size_t n
 /* ---- doing ---- */
 
 static void hide_progress(session *s) {
-  if (s->shown_s > 0) fputs("\r\033[K", stderr);
+  if (s->shown_s > 0) dprintf(STDERR_FILENO, "\r\033[K");
   s->shown_s = 0;
 }
 
@@ -101,8 +101,8 @@ static void show_progress(session *s) {
   if (!s->show_progress || spent < 1 || now - s->shown_s < 0.25) return;
   double part = (s->passed_s + fmin(now - s->stage_s, s->present->wall_s)) / s->planned_s;
   s->shown_s = now;
-  fprintf(stderr, "\r%3.0f %%, %.0f s left: %s \033[K", 100 * part, spent * (1 - part) / part,
-          s->now->name);
+  dprintf(STDERR_FILENO, "\r%3.0f %%, %.0f s left: %s \033[K", 100 * part,
+          spent * (1 - part) / part, s->now->name);
 }
 
 static vs_status watch(void *ctx, const vs_step *step, vs_error *err) {

@@ -14,7 +14,9 @@
 #define VS_MEASURE_LIST(X)                                                                         \
   X(VS_M_I_PEAK, "i_peak", "A", "largest |coil current|")                                          \
   X(VS_M_T_FIRE, "t_fire", "s", "first firing")                                                    \
-  X(VS_M_T_EXTINCTION, "t_extinction", "s", "first extinction: the anode current reaches zero")    \
+  X(VS_M_T_EXTINCTION, "t_extinction", "s",                                                        \
+    "end of the first conduction: the thyristor's current passes zero, and its burst of gate "     \
+    "pulses does not fire it again")                                                               \
   X(VS_M_CONDUCTION, "conduction_time", "s",                                                       \
     "first conduction, from firing to extinction; gaps between a gate's sub-pulses included")      \
   X(VS_M_FORCE_PEAK, "force_peak", "N", "largest force")                                           \

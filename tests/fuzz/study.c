@@ -3,10 +3,10 @@
  * journal. */
 #include <stdlib.h>
 
+#include "journal/row.h"
 #include "method/methods.h"
 #include "plan/reading.h"
 #include "study/manifest.h"
-#include "journal/row.h"
 #include "targets.h"
 
 static const char *const FILES[] = {"scene.yaml", "points.csv", NULL};

@@ -6,6 +6,7 @@
 
 #include "compare/compare.h"
 #include "method/methods.h"
+#include "report/page.h"
 #include "survey/survey.h"
 #include "targets.h"
 
@@ -31,6 +32,17 @@ static const struct {
 
 static const char *const OTHERS[] = {"failures.csv", "study.csv", NULL};
 
+/* The page of the study, without pictures: nothing on it is obeyed. */
+static void page(const vs_folder *folder, const vs_survey *all) {
+  const vs_album album = {0};
+  vs_html html = {0};
+  vs_page_write(folder, all, &album, NULL, &html);
+  for (const char *s = html.text.text; *s; s++)
+    FUZZ_HOLDS((unsigned char)*s >= ' ' || *s == '\n' || *s == '\t');
+  FUZZ_HOLDS(!strstr(html.text.text, "<script"));
+  vs_html_free(&html);
+}
+
 static void survey(const vs_folder *folder) {
   vs_survey *all = vs_alloc(1, sizeof *all);
   vs_error err = {0};
@@ -41,6 +53,7 @@ static void survey(const vs_folder *folder) {
   vs_folder_is_sampled(folder);
   fuzz_judge(vs_survey_take(folder, all, &err), &err);
   vs_survey_ranked(folder, all);
+  page(folder, all);
   vs_survey_free(folder, all);
   free(all);
 }

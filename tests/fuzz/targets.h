@@ -20,7 +20,8 @@
   X(study_csv)                                                                                     \
   X(manifest)                                                                                      \
   X(overlay)                                                                                       \
-  X(run_csv)
+  X(run_csv)                                                                                       \
+  X(summary)
 
 #define VS_FUZZ_DECLARED(name) extern const fuzz_target fuzz_##name;
 VS_FUZZ_TARGETS(VS_FUZZ_DECLARED)
