@@ -129,7 +129,7 @@ static double longest(void *ctx, double solver_s) {
   vs_course *course = &c->course;
   double most = fmin(c->pace.max_step_s, vs_swing_longest(&c->swing));
   if (begins_with_a_jump(c, solver_s)) most *= c->setup->run.first_step;
-  most = fmin(most, vs_anode_longest(&course->anode, c->pace.max_step_s));
+  most = fmin(most, vs_anode_longest(&course->anode, &c->swing, c->pace.max_step_s));
   return fmin(most, vs_events_longest(&course->setup->timeline.events, run_time(c, solver_s)));
 }
 

@@ -38,9 +38,11 @@ vs_swing vs_swing_of(const vs_setup *s) {
   return (vs_swing){.model = &s->model,
                     .amplifies = 1,
                     .peak_a = LEAST * t->peak_v / s->model.coil.resistance_ohm,
+                    .tolerance = s->run.tolerance * (s->run.gear ? 0.25 : 1),
                     .share = (s->run.gear ? SHARE / 4 : SHARE) * s->run.tolerance,
                     .fades = pow(FADES, fmin(1, sqrt(s->run.tolerance / FADES_AT))),
                     .period_s = t->period_s,
+                    .peak_v = t->peak_v,
                     .flux_wb = fired * t->peak_v / t->omega_rad_s};
 }
 
@@ -102,6 +104,7 @@ void vs_swing_take(vs_swing *w, const vs_knot *from, const vs_knot *to, double m
   w->bend_v_s2 = fmax(w->fades * w->bend_v_s2, resolved ? bend : 0);
   w->missed_v_s2 = fmax(w->fades * w->missed_v_s2, resolved ? missed_v_s2 : 0);
   w->flux_wb = fmax(w->flux_wb, fabs(to->flux_wb));
+  w->seen_wb = fmax(w->seen_wb, fabs(to->flux_wb));
   follow_current(w, from);
   follow_alternation(w, from, to);
 }
@@ -111,4 +114,9 @@ double vs_swing_longest(const vs_swing *w) {
     return INFINITY; /* a NaN as well, of which the machine's motion will tell */
   double lasts_s = fmin(w->period_s, LASTS * w->slope_v_s / w->bend_v_s2);
   return sqrt(12 * w->share * w->flux_wb / (w->amplifies * w->missed_v_s2 * lasts_s));
+}
+
+double vs_swing_charge(const vs_swing *w, double t_s) {
+  double flux_wb = fmax(w->seen_wb, w->peak_v * t_s);
+  return w->tolerance * flux_wb * flux_wb / (w->model->coil.rest_h * w->peak_v);
 }

@@ -9,10 +9,14 @@
 /* Begins as vs_swing_of makes it. */
 typedef struct vs_swing {
   const vs_model *model;
-  double share;    /* error of lambda that the swing may make, relative to flux_wb */
-  double fades;    /* what is left of the derivatives' sizes after a step */
-  double period_s; /* of the mains */
-  double flux_wb;  /* largest flux linkage so far; at first what the first firing may bring */
+  double tolerance; /* run.tolerance; a quarter of it by Gear's rule, whose error is four times as
+                       large */
+  double share;     /* error of lambda that the swing may make, relative to flux_wb */
+  double fades;     /* what is left of the derivatives' sizes after a step */
+  double period_s;  /* of the mains */
+  double flux_wb;   /* largest flux linkage so far; at first what the first firing may bring */
+  double seen_wb;   /* the same, but 0 at first */
+  double peak_v;    /* of the mains */
   double peak_a,
       amplifies; /* largest current so far that counts, of a coil that is not square, and by how
                     much a relative error of lambda is larger in that current; 1 at least */
@@ -34,5 +38,9 @@ void vs_swing_take(vs_swing *swing, const vs_knot *from, const vs_knot *to, doub
 
 /* Returns the longest step, s, that may be taken from the last knot on; INFINITY: any. */
 double vs_swing_longest(const vs_swing *swing);
+
+/* Returns the charge, A s, that a thyristor may bring too much or too little as it goes out after
+ * t_s of mains at the least: times the mains' peak it is run.tolerance of the coil's energy. */
+double vs_swing_charge(const vs_swing *swing, double t_s);
 
 #endif
