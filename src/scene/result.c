@@ -210,6 +210,9 @@ static void warn_of_unknown(const vs_result *r, void (*each)(void *ctx, const ch
   }
 }
 
+/* An error of up to so many times run.tolerance needs no warning (docs/accuracy.md). */
+static const double PROMISED = 2.4;
+
 /* The warnings that are known only once the run is over; of_firing: that nothing fires, too. */
 static void warn_after(const vs_result *r, bool of_firing,
                        void (*each)(void *ctx, const char *text), void *ctx) {
@@ -221,6 +224,13 @@ static void warn_after(const vs_result *r, bool of_firing,
              "a signal's extreme hangs on the steps: %s; a finer run.tolerance, or a capacitance "
              "beside the switch, may settle it",
              r->second.unsure);
+    each(ctx, text);
+  }
+  if (r->watchers.strays > PROMISED) {
+    snprintf(text, sizeof text,
+             "p, u, w, phi, i and force may be off by %.2g times run.tolerance: the coil rings for "
+             "long, and run.method: gear makes an error of its phase; run.method: trap follows it",
+             r->watchers.strays);
     each(ctx, text);
   }
   warn_of_unknown(r, each, ctx);
