@@ -210,17 +210,18 @@ static void warn_of_unknown(const vs_result *r, void (*each)(void *ctx, const ch
   }
 }
 
-/* Of the order of a latching current, A. */
-static const double LATCHES_A = 0.1;
+/* Of the order of a holding current, A. Of 138 random scenes with a current, 4 stayed below with a
+ * thyristor of transistors (tests/long/metamorphic.csv). */
+static const double HOLDS_A = 0.03;
 
 /* True: all that the coil got went through a thyristor that may never have latched. How much that
  * is hangs on the instants at which it fires and lets go, within some nanoseconds. */
 static bool hangs_on_latching(const vs_result *r, char *text, size_t size) {
   const vs_devices *d = r->watchers.devices;
   double i_peak = r->values[VS_M_I_PEAK].value;
-  if (!r->values[VS_M_I_PEAK].known || !(fabs(i_peak) < LATCHES_A)) return false;
+  if (!r->values[VS_M_I_PEAK].known || !(fabs(i_peak) < HOLDS_A)) return false;
   for (size_t k = 0; d && k < d->count; k++)
-    if (d->item[k].sequence.edge) {
+    if (d->item[k].sequence.edge && d->item[k].states && d->item[k].states->conduction.recovers) {
       snprintf(
           text, size,
           "i and force, and p, u, w and phi by them, may be off by more than run.tolerance: the "
