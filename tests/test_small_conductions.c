@@ -171,10 +171,66 @@ static void one_of_two(void) {
          1e6 * sum_s / COUNT(NEAR));
 }
 
+typedef struct peaks {
+  double i_a, force_n;
+} peaks;
+
+static vs_status note_peaks(void *ctx, const vs_step *step, vs_error *err) {
+  (void)err;
+  peaks *p = ctx;
+  if (step->from->t_s == 0) *p = (peaks){.i_a = 0}; /* the ladder may begin anew */
+  p->i_a = fmax(p->i_a, fabs(vs_step_channel(step, step->to->t_s, VS_CH_I)));
+  p->force_n = fmax(p->force_n, vs_step_channel(step, step->to->t_s, VS_CH_FORCE));
+  return VS_OK;
+}
+
+static peaks peaks_of(const char *r1, double tolerance) {
+  peaks seen = {.i_a = 0};
+  char sets[2][40];
+  snprintf(sets[0], sizeof sets[0], "circuit.r1=%s", r1);
+  snprintf(sets[1], sizeof sets[1], "run.tolerance=%g", tolerance);
+  const char *scene[] = {"circuit.deck=halfwave_paper",
+                         "supply.phase=90 deg",
+                         "firing.angle=161.783 deg",
+                         "circuit.c1=9.4668 nF",
+                         "events.e0.kind=short_pulse",
+                         "events.e0.cycle=1",
+                         "run.until=25 ms",
+                         "run.verify=never",
+                         sets[0],
+                         sets[1],
+                         NULL};
+  const vs_observer observer = {&seen, note_peaks};
+  vs_trial *t = vs_trial_run("paper", "circuit", scene, &observer);
+  EXPECT(t->status == VS_OK, "r1 = %s at %g: %s", r1, tolerance, t->err.text);
+  vs_trial_free(t);
+  return seen;
+}
+
+/* Behind a short pulse the thyristor does not latch, and lets go after 0.1 ms. The peaks of the
+ * coil's ring hang on that instant: the force was 14 and 24 tolerances off at 1e-4, and 9 at 1e-5,
+ * from one at 1e-6. 2.4 is what docs/accuracy.md promises. */
+static void behind_a_short_pulse(void) {
+  static const char *const R1[] = {"4.52304 ohm", "100 ohm"};
+  static const double TOLERANCES[] = {1e-3, 1e-4, 1e-5};
+  for (size_t k = 0; k < COUNT(R1); k++) {
+    peaks fine = peaks_of(R1[k], 1e-6);
+    for (size_t m = 0; m < COUNT(TOLERANCES); m++) {
+      peaks seen = peaks_of(R1[k], TOLERANCES[m]);
+      double i_off = fabs(seen.i_a / fine.i_a - 1) / TOLERANCES[m];
+      double force_off = fabs(seen.force_n / fine.force_n - 1) / TOLERANCES[m];
+      EXPECT(fmax(i_off, force_off) <= 2.4,
+             "r1 = %s at %g: i is off by %.3g of that, force by %.3g", R1[k], TOLERANCES[m], i_off,
+             force_off);
+    }
+  }
+}
+
 static const vs_test TESTS[] = {
     {"against the oracle", against_the_oracle},
     {"letting go", letting_go},
     {"one of two", one_of_two},
+    {"behind a short pulse", behind_a_short_pulse},
 };
 int main(void) {
   return program_suite("small_conductions", TESTS, COUNT(TESTS));

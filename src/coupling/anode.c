@@ -55,9 +55,59 @@ static double longest(const vs_anode *a, vs_anode_current *m, double max_step_s)
   return left + m->near_s;
 }
 
-double vs_anode_longest(vs_anode *a, double max_step_s) {
+static bool is_gated(const vs_device *d, const vs_timeline *timeline, double t_s) {
+  for (size_t g = 0; g < d->gates.count; g++)
+    if (vs_gate_is_on(timeline, d->gates.rad[g], t_s)) return true;
+  return false;
+}
+
+/* A gate's edge counts as reached from here on, s: rounding. */
+static const double REACHED_S = 1e-12;
+
+/* A thyristor of transistors takes up to FIRES_S from its gate's edge to fire, in which the
+ * solver's first steps were up to 0.3 us. The firing was 30 ns late by that, which is 0.1 % of a
+ * conduction that ends 25 us later without having latched: the force was off by 23 tolerances at
+ * 1e-4. With steps of FIRING_S, or half or a quarter of that, by 3. At finer tolerances the step
+ * goes with their root. */
+static const double FIRES_S = 2e-6, FIRING_S = 2e-8, FIRING_AT = 1e-4;
+
+static double longest_firing(const vs_anode *a, const vs_anode_current *m, const vs_swing *swing) {
+  if (m->conduction.conducts || !(m->last_v > 0) || !m->device) return INFINITY;
+  bool begins = is_gated(m->device, a->timeline, a->last_s + REACHED_S) &&
+                !is_gated(m->device, a->timeline, a->last_s - FIRES_S);
+  return begins ? FIRING_S * sqrt(fmin(1, swing->tolerance / FIRING_AT)) : INFINITY;
+}
+
+/* A thyristor of transistors goes out before its current is zero: below its latching current it may
+ * let go by itself, and what it carried is gone within a few microseconds, whatever the rest of the
+ * circuit does. The solver's error of a step bounds the thyristor's own charges. These grow from
+ * almost nothing as it lets go, so that a small error of one is a large one of the instant. What
+ * the thyristor carries too long or too short charges the capacitances that the coil rings with. A
+ * conduction of 0.1 ms that a short gate pulse left was off by 14 tolerances in the force, with
+ * steps of 1.3 us before the current fell.
+ *
+ * An error of the instant is h^2 over LETS_GO t_q, as measured; times the current it is a charge,
+ * which may be SHARE of vs_swing_charge. Measured on that conduction, with 1e-3 to 1e-5: an error
+ * of half a tolerance for each unit of SHARE. Once the current falls it is too late to begin, so
+ * that steps are short from BARELY_A on, of the order of a latching current. Where the coil has had
+ * more than the rest of a conduction, steps are seldom as long. */
+static const double BARELY_A = 0.1, LETS_GO = 1.0 / 20, SHARE = 1;
+
+static double longest_letting_go(const vs_anode_current *m, const vs_swing *swing) {
+  double i_a = forward_current(m), goes_s = LETS_GO * m->t_q_s;
+  bool may_let_go = m->conduction.conducts && i_a > 0 && i_a < BARELY_A && m->last_a < m->before_a;
+  if (!may_let_go) return INFINITY;
+  return sqrt(goes_s * SHARE * vs_swing_charge(swing, goes_s) / i_a);
+}
+
+double vs_anode_longest(vs_anode *a, const vs_swing *swing, double max_step_s) {
   double least = INFINITY;
-  for (size_t k = 0; k < a->count; k++) least = fmin(least, longest(a, &a->item[k], max_step_s));
+  for (size_t k = 0; k < a->count; k++) {
+    vs_anode_current *m = &a->item[k];
+    least = fmin(least, longest(a, m, max_step_s));
+    if (!(m->t_q_s > 0)) continue;
+    least = fmin(least, fmin(longest_firing(a, m, swing), longest_letting_go(m, swing)));
+  }
   return least;
 }
 
@@ -86,12 +136,6 @@ void vs_anode_wind(vs_anode *a, double by_s) {
     a->item[k].crosses_s -= by_s;
     vs_conduction_wind(&a->item[k].conduction, by_s);
   }
-}
-
-static bool is_gated(const vs_device *d, const vs_timeline *timeline, double t_s) {
-  for (size_t g = 0; g < d->gates.count; g++)
-    if (vs_gate_is_on(timeline, d->gates.rad[g], t_s)) return true;
-  return false;
 }
 
 /* Moves on to a knot. */
@@ -151,9 +195,11 @@ static bool has_current(const vs_device *d, const vs_probe *probe) {
 static void add(vs_anode *a, const vs_deck *deck, const vs_probe *probe, const vs_device *device) {
   for (double way = 1; way >= (device && device->kind->both_ways ? -1 : 1); way -= 2) {
     vs_anode_current *m = &a->item[a->count++];
-    bool recovers = vs_conduction_recovers(deck, device);
+    double t_q_s = vs_conduction_turn_off(deck, device);
+    bool recovers = t_q_s > 0;
     *m = (vs_anode_current){.device = device,
                             .way = way,
+                            .t_q_s = t_q_s,
                             .near_s = recovers ? NEAR_RECOVERING_S : NEAR_S,
                             .crosses_s = INFINITY};
     if (device) m->v = vs_formula_quicken(&device->voltage);

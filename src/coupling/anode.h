@@ -10,6 +10,7 @@
 #define VS_COUPLING_ANODE_H
 
 #include "coupling/conduction.h"
+#include "coupling/swing.h"
 
 /* One current that is followed. */
 typedef struct vs_anode_current {
@@ -17,6 +18,7 @@ typedef struct vs_anode_current {
   vs_formula_quick i, v;   /* the current, and the device's voltage where that is known */
   double last_a, last_v, before_a, before_v; /* at the last two knots shown */
   double way;                                /* -1: of a triac, its other direction; else +1 */
+  double t_q_s;                              /* its turn-off time; 0: it has none */
   double near_s; /* how near to the current's zero the step across it begins and ends, s */
   vs_conduction conduction;
   bool conducted; /* it did before the solver's present step */
@@ -54,8 +56,9 @@ void vs_anode_leave(vs_anode *a);
 void vs_anode_take(vs_anode *a);
 
 /* Returns the longest step, s, that should be taken from the last knot towards a current's zero,
- * which is foretold from the last two knots. INFINITY: no zero is within two steps of
- * max_step_s. */
-double vs_anode_longest(vs_anode *a, double max_step_s);
+ * which is foretold from the last two knots, or while a thyristor may let go of its current, with
+ * an error of its charge of so much of swing's (vs_swing_charge). INFINITY: no zero is within two
+ * steps of max_step_s, and none may let go. */
+double vs_anode_longest(vs_anode *a, const vs_swing *swing, double max_step_s);
 
 #endif

@@ -51,9 +51,10 @@ void vs_conduction_begin(vs_conduction *c) {
                        .foot_a = NAN};
 }
 
-bool vs_conduction_recovers(const vs_deck *deck, const vs_device *device) {
+double vs_conduction_turn_off(const vs_deck *deck, const vs_device *device) {
   const char *file = device && device->part >= 0 ? deck->parts[device->part].file : NULL;
-  return file && vs_parts_find_limit(deck, file, "t_q");
+  const vs_limit *t_q = file ? vs_parts_find_limit(deck, file, "t_q") : NULL;
+  return t_q ? t_q->value : 0;
 }
 
 void vs_conduction_wind(vs_conduction *c, double by_s) {

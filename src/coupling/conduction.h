@@ -37,15 +37,15 @@ typedef struct vs_conduction_step {
  * and `recovers` alone. */
 typedef struct vs_conduction {
   bool conducts;
-  bool gated;      /* set by the owner before each step: a gate pulse is known to be there */
-  bool recovers;   /* set by the owner, behind vs_conduction_begin: as vs_conduction_recovers */
-  double leak_s;   /* conductance of the device while it blocks; NaN: not known yet */
-  double peak_a;   /* of the present conduction, or of the last one */
-  double low_s;    /* while it conducts: since when the current is so low that it may be over; NaN:
-                      it is not */
-  double out_s;    /* the end of the conduction, which may go on yet; NaN: it has not ended */
-  double tail_s;   /* how long the last conduction's current was as low before its zero */
-  double tail_a_s; /* mean rate at which the current fell in that time */
+  bool gated;    /* set by the owner before each step: a gate pulse is known to be there */
+  bool recovers; /* set by the owner, behind vs_conduction_begin: it has a vs_conduction_turn_off */
+  double leak_s; /* conductance of the device while it blocks; NaN: not known yet */
+  double peak_a; /* of the present conduction, or of the last one */
+  double low_s;  /* while it conducts: since when the current is so low that it may be over; NaN:
+                    it is not */
+  double out_s;  /* the end of the conduction, which may go on yet; NaN: it has not ended */
+  double tail_s; /* how long the last conduction's current was as low before its zero */
+  double tail_a_s;           /* mean rate at which the current fell in that time */
   double before_s, before_a; /* time and current at the beginning of the last step; NaN: none yet */
   int alternations; /* how many steps in a row the current turned back by half of the last change or
                        more */
@@ -55,9 +55,9 @@ typedef struct vs_conduction {
                             step was taken yet */
 } vs_conduction;
 void vs_conduction_begin(vs_conduction *c);
-/* True: the file of the device's part states a turn-off time, which an ideal switch has none of.
- * device: NULL, it is not known. */
-bool vs_conduction_recovers(const vs_deck *deck, const vs_device *device);
+/* The turn-off time, s, that the file of the device's part states; 0: it states none, as an ideal
+ * switch has none. device: NULL, it is not known. */
+double vs_conduction_turn_off(const vs_deck *deck, const vs_device *device);
 /* The same of a device that carries i_a at v_v as its course begins: where that is more than any
  * blocked one does, it conducts already, and will not be told to fire. */
 void vs_conduction_resume(vs_conduction *c, double i_a, double v_v);

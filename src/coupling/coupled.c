@@ -129,7 +129,7 @@ static double longest(void *ctx, double solver_s) {
   vs_course *course = &c->course;
   double most = fmin(c->pace.max_step_s, vs_swing_longest(&c->swing));
   if (begins_with_a_jump(c, solver_s)) most *= c->setup->run.first_step;
-  most = fmin(most, vs_anode_longest(&course->anode, c->pace.max_step_s));
+  most = fmin(most, vs_anode_longest(&course->anode, &c->swing, c->pace.max_step_s));
   return fmin(most, vs_events_longest(&course->setup->timeline.events, run_time(c, solver_s)));
 }
 
@@ -163,7 +163,8 @@ static vs_status accept(void *ctx, double solver_s, const double *signals, vs_er
   next->flux_rate3_v_s2 = 0; /* not known; a cubic's weight for it is 0 */
   const vs_amend_step step = {c->course.frame.model, from, next,
                               vs_anode_conducts(&c->course.anode)};
-  vs_swing_take(&c->swing, from, next, vs_amend_take(&c->amend, &step));
+  vs_swing_take(&c->swing, from, next, vs_amend_take(&c->amend, &step), step.driven);
+  c->course.strays = vs_swing_strays(&c->swing);
   status = vs_course_move(&c->course, err);
   if (status) return status;
   if (!c->prelude.on) return vs_away_consider(&c->away, signals, err);

@@ -100,6 +100,7 @@ vs_status vs_course_show(vs_course *c, const vs_knot *k, vs_event what, vs_error
   step.event[1] = what;
   step.event_s[1] = to->t_s;
   step.bound = c->bound;
+  step.strays = c->strays;
   c->now = 1 - c->now;
   return c->observer->accept(c->observer->ctx, &step, err);
 }

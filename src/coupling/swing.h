@@ -9,10 +9,17 @@
 /* Begins as vs_swing_of makes it. */
 typedef struct vs_swing {
   const vs_model *model;
-  double share;    /* error of lambda that the swing may make, relative to flux_wb */
-  double fades;    /* what is left of the derivatives' sizes after a step */
-  double period_s; /* of the mains */
-  double flux_wb;  /* largest flux linkage so far; at first what the first firing may bring */
+  double tolerance; /* run.tolerance; a quarter of it by Gear's rule, whose error is four times as
+                       large */
+  bool gear;        /* the rule is Gear's */
+  double strays_wb, strayed_wb; /* what that may have been off by in lambda since a thyristor last
+                                   conducted, and the most of it so far */
+  double share;                 /* error of lambda that the swing may make, relative to flux_wb */
+  double fades;                 /* what is left of the derivatives' sizes after a step */
+  double period_s;              /* of the mains */
+  double flux_wb; /* largest flux linkage so far; at first what the first firing may bring */
+  double seen_wb; /* the same, but 0 at first */
+  double peak_v;  /* of the mains */
   double peak_a,
       amplifies; /* largest current so far that counts, of a coil that is not square, and by how
                     much a relative error of lambda is larger in that current; 1 at least */
@@ -29,10 +36,20 @@ typedef struct vs_swing {
 vs_swing vs_swing_of(const vs_setup *setup);
 
 /* Takes in the solver's step between two knots. The flux_rate2_v_s of each is the mean over the
- * step that ends there. missed_v_s2: what of v'' the rule was not given back (amend.h), V/s^2. */
-void vs_swing_take(vs_swing *swing, const vs_knot *from, const vs_knot *to, double missed_v_s2);
+ * step that ends there. missed_v_s2: what of v'' the rule was not given back (amend.h), V/s^2.
+ * driven: a thyristor conducts. */
+void vs_swing_take(vs_swing *swing, const vs_knot *from, const vs_knot *to, double missed_v_s2,
+                   bool driven);
 
 /* Returns the longest step, s, that may be taken from the last knot on; INFINITY: any. */
 double vs_swing_longest(const vs_swing *swing);
+
+/* Returns by what Gear's rule may be off in lambda, in parts of run.tolerance of its peak, as the
+ * coil was left to itself; 0 by the trapezoidal rule. */
+double vs_swing_strays(const vs_swing *swing);
+
+/* Returns the charge, A s, that a thyristor may bring too much or too little as it goes out after
+ * t_s of mains at the least: times the mains' peak it is run.tolerance of the coil's energy. */
+double vs_swing_charge(const vs_swing *swing, double t_s);
 
 #endif

@@ -396,7 +396,7 @@ void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, const vs_gate
   s->on.window_s =
       vs_parts_turn_on_s(deck, device->part < 0 ? NULL : deck->parts[device->part].file);
   vs_conduction_begin(&s->conduction);
-  s->conduction.recovers = vs_conduction_recovers(deck, device);
+  s->conduction.recovers = vs_conduction_turn_off(deck, device) > 0;
 }
 
 void vs_switching_resume(vs_switch *s, double i_a, double v_v) {

@@ -64,6 +64,7 @@ void vs_watchers_accept(vs_watchers *w, const vs_step *step) {
     vs_energy_accept(&w->energy, step);
     return;
   }
+  w->strays = step->strays;
   follow_absence(&w->absence, step);
   follow_sequence(&w->sequence, step);
   vs_measures_accept(w->measures, step);

@@ -31,6 +31,7 @@ typedef struct vs_watchers {
                             seen of it, or as the scene's firings or events are decided on the way */
   vs_energy energy;
   vs_absence absence;
+  double strays;          /* of the last step (sim/step.h) */
   vs_sequence sequence;   /* of the run's own firings and ends (sim/step.h) */
   vs_measure_set settled; /* as vs_watchers_leave found it the last time */
   bool left;              /* the rest of the run was left out: what is not settled is not known */
