@@ -125,6 +125,25 @@ static bool in_a_store(const quiet *q, size_t term) {
   return false;
 }
 
+/* True where signal n, which turns something over at a threshold, could drift there, or back over a
+ * threshold that it crosses in each cycle: where an extreme that the solver showed in the view lies
+ * within `reach`, V or A, of it. Where the threshold is unknown, the signal may drift no further
+ * than a share of its swing. */
+static bool may_turn_over(const quiet *q, size_t n, double drift, double reach) {
+  const vs_record *r = &q->record;
+  size_t memory = n - vs_record_terms(r) - 1;
+  const vs_memory *m = &q->memories.item[memory];
+  double least = INFINITY, most = -INFINITY;
+  if (m->threshold == VS_THRESHOLD_UNKNOWN) return drift > vs_record_share(r) * r->peak_signal[n];
+  for (size_t k = 0; k < r->n_seen; k++) {
+    least = fmin(least, r->seen[k]->memory[memory]);
+    most = fmax(most, r->seen[k]->memory[memory]);
+  }
+  for (int k = 0; k < 2; k++)
+    if (!(fabs(m->level[k] - least) > reach && fabs(m->level[k] - most) > reach)) return true;
+  return false;
+}
+
 /* True if signal n goes on as it did, until the end. An integral that only shows may drift. */
 static bool signal_holds(const quiet *q, size_t n, double until_s) {
   const vs_record *r = &q->record;
@@ -138,6 +157,7 @@ static bool signal_holds(const quiet *q, size_t n, double until_s) {
     double bias = fmax(r->most[n - terms - 1], -r->least[n - terms - 1]);
     most = fmax(most, vs_record_share(r) * bias);
     misfit_most = fmax(most, HIDDEN_SHARE * r->peak_signal[n]);
+    if (vs_record_is_control(r, n)) return !may_turn_over(q, n, drift, drift + most);
   }
   return misfit_now <= misfit_most && drift <= times * most;
 }
@@ -308,7 +328,8 @@ static double missed(const void *self, const vs_knot *own, const vs_knot *solver
                 b = {.knot = *solver, .memory = memory};
   double worst = 0;
   for (size_t n = 0; n < vs_record_signals(&q->record); n++) {
-    if (vs_signals_drift(vs_oneport_signals(q->port), n) != 0)
+    if (vs_record_is_control(&q->record, n) ||
+        vs_signals_drift(vs_oneport_signals(q->port), n) != 0)
       continue; /* an integral: the solver's own stood still */
     double off = vs_signals_seen(q->frame, &b, n) - vs_signals_seen(q->frame, &a, n);
     double hidden = n > terms ? 2 * q->unfitted[n] : 0;

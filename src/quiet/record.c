@@ -39,6 +39,11 @@ static bool is_current(const vs_record *r, size_t n) {
   return n == terms || *r->memories->item[n - terms - 1].plus == 'i';
 }
 
+bool vs_record_is_control(const vs_record *r, size_t n) {
+  size_t terms = vs_record_terms(r);
+  return n > terms && r->memories->item[n - terms - 1].threshold != VS_THRESHOLD_NONE;
+}
+
 double vs_record_share(const vs_record *r) {
   return SIGNAL_SHARE * r->setup->run.tolerance;
 }

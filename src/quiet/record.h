@@ -60,6 +60,10 @@ bool vs_record_view(vs_record *r, int some, int ago);
 size_t vs_record_terms(const vs_record *r);   /* how many of the signals are the deck's */
 size_t vs_record_signals(const vs_record *r); /* how many signals there are */
 
+/* True for a signal that is watched for a threshold alone. What it is made of is remembered
+ * besides, so that how well the law meets it does not count. */
+bool vs_record_is_control(const vs_record *r, size_t n);
+
 /* Largest error of a signal that is allowed, relative to its peak. */
 double vs_record_share(const vs_record *r);
 /* Largest error of signal n that is allowed, V or A: vs_record_share of its peak, or, for a small

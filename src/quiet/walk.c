@@ -142,6 +142,7 @@ double vs_walk_signals(const vs_record *r, const vs_oneport *port, const vs_moda
                        const double misfit_now[VS_SIGNALS], const vs_walk *w, double cycles) {
   double worst = 0, beat = beat_cycles(modal, r->setup->timeline.period_s);
   for (size_t n = 0; n < vs_record_signals(r); n++) {
+    if (vs_record_is_control(r, n)) continue;
     bool shown = n <= vs_record_terms(r);
     double times =
         vs_signals_hangs(vs_oneport_signals(port), n) ? fmin(cycles, beat) : SAFETY * cycles;

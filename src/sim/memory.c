@@ -2,12 +2,14 @@
 #include "sim/memory.h"
 
 #include <ctype.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
 #include "base/text.h"
+#include "dialect/numbers.h"
 #include "dialect/words.h"
 #include "memo/names.h"
 
@@ -121,33 +123,44 @@ static void full_name(const search *s, const level *l, const char *node, char ou
 
 static bool add(const search *s, const vs_memory *m) {
   vs_memories *all = s->all;
-  for (size_t k = 0; k < all->count; k++)
-    if (!strcmp(all->item[k].plus, m->plus) && !strcmp(all->item[k].minus, m->minus)) return true;
+  for (size_t k = 0; k < all->count; k++) {
+    const vs_memory *old = &all->item[k];
+    if (strcmp(old->plus, m->plus) || strcmp(old->minus, m->minus)) continue;
+    if (m->threshold == VS_THRESHOLD_NONE) return true;
+    if (old->threshold == m->threshold && !memcmp(old->level, m->level, sizeof m->level))
+      return true;
+  }
   if (!strcmp(m->plus, m->minus)) return true;
   if (all->count == VS_MEMORIES) return false;
   all->item[all->count++] = *m;
   return true;
 }
 
-static bool add_voltage(const search *s, const level *l, const char *plus, const char *minus) {
+/* Adds a voltage with the threshold that *m says, if it says one. */
+static bool add_control(const search *s, const level *l, const char *plus, const char *minus,
+                        vs_memory *m) {
   char p[VS_MEMORY_NAME], n[VS_MEMORY_NAME];
-  vs_memory m;
   full_name(s, l, plus, p);
   full_name(s, l, minus, n);
-  snprintf(m.plus, sizeof m.plus, "v(%.150s)", p);
-  snprintf(m.minus, sizeof m.minus, "v(%.150s)", n);
-  return add(s, &m);
+  snprintf(m->plus, sizeof m->plus, "v(%.150s)", p);
+  snprintf(m->minus, sizeof m->minus, "v(%.150s)", n);
+  return add(s, m);
 }
 
-/* Adds the current of an inductor; ngspice calls "l1" of xa.xb l.xa.xb.l1. */
-static bool add_current(const search *s, const level *l, const char *element) {
-  vs_memory m;
+static bool add_voltage(const search *s, const level *l, const char *plus, const char *minus) {
+  vs_memory m = {.threshold = VS_THRESHOLD_NONE};
+  return add_control(s, l, plus, minus, &m);
+}
+
+/* Adds the current of an inductor or a voltage source, likewise; ngspice calls "l1" of xa.xb
+ * l.xa.xb.l1. */
+static bool add_current(const search *s, const level *l, const char *element, vs_memory *m) {
   if (*l->path)
-    snprintf(m.plus, sizeof m.plus, "i(%c.%.80s%.64s)", *element, l->path, element);
+    snprintf(m->plus, sizeof m->plus, "i(%c.%.80s%.64s)", *element, l->path, element);
   else
-    snprintf(m.plus, sizeof m.plus, "i(%.64s)", element);
-  snprintf(m.minus, sizeof m.minus, "v(0)");
-  return add(s, &m);
+    snprintf(m->plus, sizeof m->plus, "i(%.64s)", element);
+  snprintf(m->minus, sizeof m->minus, "v(0)");
+  return add(s, m);
 }
 
 /* True where some .model line of that name says one of the words. Models may be local to a
@@ -182,10 +195,10 @@ static bool holds_charge(const search *s, const words *w, size_t from) {
   return false;
 }
 
-/* True for a code model whose output follows from its inputs alone. */
+/* True for a code model whose output follows from its inputs alone, and steadily so. */
 static bool forgets(const search *s, const words *w) {
-  static const char *const MEMORIES[] = {"hyst",    "slew", "s_xfer", "int",    "d_dt",
-                                         "lcouple", "core", "delay",  "pswitch"};
+  static const char *const MEMORIES[] = {"hyst",    "slew", "s_xfer", "int",     "d_dt",
+                                         "lcouple", "core", "delay",  "pswitch", "aswitch"};
   return w->count > 1 && !MODEL_SAYS(s->deck, w->word[w->count - 1], MEMORIES);
 }
 
@@ -200,13 +213,104 @@ static bool transistor(const search *s, const level *l, const words *w) {
 static bool subcircuit(const search *s, const level *l, const words *w);
 
 /* Letters of elements that remember nothing of their own. k couples inductors, whose currents are
- * listed; s and w switch only where their control does something else than a cycle ago. */
-static const char FORGETFUL[] = "bfhikrsvw";
+ * listed. */
+static const char FORGETFUL[] = "bfhikrv";
 
 /* Adds an inductor's current. Returns false for one that is given by a formula: ngspice makes other
  * elements of it, and its current has no such name. */
 static bool inductor(const search *s, const level *l, const char *line, const words *w) {
-  return !strcasestr(line, "v(") && !strcasestr(line, "i(") && add_current(s, l, w->word[0]);
+  vs_memory m = {.threshold = VS_THRESHOLD_NONE};
+  return !strcasestr(line, "v(") && !strcasestr(line, "i(") && add_current(s, l, w->word[0], &m);
+}
+
+/* ---- thresholds ---- */
+
+/* Reads the number of a parameter of a model, 0 where the model does not give it. The bracket about
+ * the parameters may end right behind it. False: it is a formula. */
+static bool plain(const char *model, const char *name, double *value) {
+  vs_word whole, given;
+  *value = 0;
+  if (!vs_words_parameter(model, name, &whole, &given)) return true;
+  while (given.n && given.at[given.n - 1] == ')') given.n--;
+  return vs_numbers_read(given, value);
+}
+
+/* Fills the threshold of a switch's control from its .model line: it turns on above vt + |vh| and
+ * off below vt - |vh| (ngspice manual, "Switches"). Models may be local to a subcircuit; where two
+ * have that name, neither is read. */
+static void threshold_of(const vs_deck *deck, const char *model, bool by_voltage, vs_memory *m) {
+  double at, half;
+  size_t found = 0;
+  m->threshold = VS_THRESHOLD_UNKNOWN;
+  for (size_t k = 0; k < deck->n_lines; k++) {
+    words w;
+    const char *text = deck->lines[k].text;
+    if (!starts(&deck->lines[k], ".model")) continue;
+    split(text, &w);
+    if (w.count < 2 || strcmp(w.word[1], model)) continue;
+    text += strcspn(text, "(");
+    text += *text == '(';
+    if (found++ || !plain(text, by_voltage ? "vt" : "it", &at) ||
+        !plain(text, by_voltage ? "vh" : "ih", &half)) {
+      m->threshold = VS_THRESHOLD_UNKNOWN;
+      continue;
+    }
+    m->threshold = VS_THRESHOLD_KNOWN;
+    m->level[0] = at + fabs(half);
+    m->level[1] = at - fabs(half);
+  }
+  if (m->threshold == VS_THRESHOLD_UNKNOWN) m->level[0] = m->level[1] = 0;
+}
+
+/* Adds what a switch reads. */
+static bool control(const search *s, const level *l, const words *w) {
+  bool by_voltage = *w->word[0] == 's';
+  size_t model = by_voltage ? 5 : 4;
+  vs_memory m = {.threshold = VS_THRESHOLD_NONE};
+  if (w->count <= model) return false;
+  threshold_of(s->deck, w->word[model], by_voltage, &m);
+  return by_voltage ? add_control(s, l, w->word[3], w->word[4], &m)
+                    : add_current(s, l, w->word[3], &m);
+}
+
+/* True for a line whose formula has branches. */
+static bool has_branches(const char *line) {
+  static const char *const BRANCHING[] = {"u",    "u2",    "uramp", "sgn", "floor",
+                                          "ceil", "int",   "nint",  "if",  "min",
+                                          "max",  "limit", "table", "pwl", "ternary_fcn"};
+  if (strpbrk(line, "?<>&|")) return true;
+  for (size_t k = 0; k < sizeof BRANCHING / sizeof *BRANCHING; k++)
+    if (vs_words_find(line, line, BRANCHING[k], strlen(BRANCHING[k]))) return true;
+  return false;
+}
+
+/* Adds what v(...) or i(...) reads, whose bracket opens there. */
+static bool add_read(const search *s, const level *l, char kind, const char *open) {
+  vs_word all[VS_WORDS_MOST];
+  const char *end;
+  char name[2][VS_MEMORY_NAME] = {"0", "0"};
+  vs_memory m = {.threshold = VS_THRESHOLD_UNKNOWN};
+  size_t count = vs_words_arguments(open, all, &end);
+  if (count < 1 || count > 2) return false;
+  for (size_t k = 0; k < count; k++) {
+    if (all[k].n >= MOST_PATH) return false;
+    memcpy(name[k], all[k].at, all[k].n);
+    name[k][all[k].n] = '\0';
+    vs_cursor_lower(name[k]);
+  }
+  return kind == 'v' ? add_control(s, l, name[0], name[1], &m) : add_current(s, l, name[0], &m);
+}
+
+/* Adds every signal that a formula with branches reads. */
+static bool branches(const search *s, const level *l, const char *line) {
+  if (!has_branches(line)) return true;
+  for (const char *at = line; (at = strpbrk(at, "vViI")); at++) {
+    bool begins = at > line && !vs_words_goes_on(at[-1]);
+    const char *open = at + 1 + strspn(at + 1, " \t");
+    if (!begins || *open != '(') continue;
+    if (!add_read(s, l, (char)tolower((unsigned char)*at), open)) return false;
+  }
+  return true;
 }
 
 /* Adds what one element remembers. Returns false where no signal shows it. */
@@ -215,8 +319,12 @@ static bool element(const search *s, const level *l, const char *line) {
   split(line, &w);
   if (w.cut || w.count < 2) return false;
   const char *const *n = w.word + 1;
+  if (strchr("bcegr", **w.word) && !branches(s, l, line)) return false;
   if (strchr(FORGETFUL, **w.word)) return true;
   switch (**w.word) {
+  case 's':
+  case 'w':
+    return control(s, l, &w);
   case 'e':
   case 'g':
     return !strcasestr(line, "laplace") && !strcasestr(line, "freq");

@@ -2,20 +2,31 @@
  * Lists what a circuit remembers, so that all of it can be watched: every capacitor's and every
  * junction's voltage and every inductor's current, in the whole netlist, with each instance of a
  * subcircuit taken apart. When all of these do as they did a cycle ago, so does the circuit; that
- * is what leaving its solver depends on (quiet/quiet.h). */
+ * is what leaving its solver depends on (quiet/quiet.h). What turns over at a threshold does
+ * something else once what it reads has drifted there, so that is listed, too: the control of every
+ * switch, and every signal in a formula that has branches. */
 #ifndef VS_SIM_MEMORY_H
 #define VS_SIM_MEMORY_H
 
 #include "deck/deck.h"
 
-/* Room for 192 values is six times what any deck needs that comes with the program, the most of
- * them 29. A name has room for a path of 80 characters and a node. */
+/* Room for 192 values is several times what any deck needs that comes with the program. A name has
+ * room for a path of 80 characters and a node. */
 enum { VS_MEMORIES = 192, VS_MEMORY_NAME = 160 };
+
+/* What depends on a value besides the element that remembers it. */
+typedef enum vs_threshold {
+  VS_THRESHOLD_NONE,
+  VS_THRESHOLD_KNOWN,  /* a switch turns over at `level` */
+  VS_THRESHOLD_UNKNOWN /* a formula with branches, or a switch whose levels are not plain numbers */
+} vs_threshold;
 
 /* One value, V or A: the signal `plus` less the signal `minus`, as ngspice names them. A voltage
  * is "v(xf1.i2t)" less "v(0)"; a current is "i(l.xt.lleak)" less "v(0)". */
 typedef struct vs_memory {
   char plus[VS_MEMORY_NAME], minus[VS_MEMORY_NAME];
+  vs_threshold threshold;
+  double level[2]; /* V or A: where a switch turns on and where it turns off; else 0 */
 } vs_memory;
 
 /* The caller owns it; it needs no freeing. */
