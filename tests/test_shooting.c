@@ -334,7 +334,7 @@ static void periods_are_told_apart(void) {
     EXPECT(!status && single.n == 1 && !single.stable, "%s", t->err.text);
     EXPECT(way_back(t, &single, 1) < 1e-10, "%g", way_back(t, &single, 1));
     status = vs_shooting_find(&t->scene, 1, &single, &t->err);
-    EXPECT(status == VS_INPUT && strstr(t->err.text, "a subharmonic of period"), "%s", t->err.text);
+    EXPECT(status == VS_RUN && strstr(t->err.text, "a subharmonic of period"), "%s", t->err.text);
     vs_trial_free(t);
   }
 }
@@ -384,7 +384,7 @@ static void what_is_refused(void) {
   } ROWS[] = {
       {"paper", "switched", 1, VS_INPUT, "firing.every", {NULL}},
       {"paper", "switched", 0, VS_INPUT, "allowed: 1 and more", {"firing.every=1", NULL}},
-      {"paper", "switched", 2, VS_INPUT, "repeats after 1 already", {"firing.every=1", NULL}},
+      {"paper", "switched", 2, VS_RUN, "repeats after 1 already", {"firing.every=1", NULL}},
       {"paper", "circuit", 1, VS_INPUT, "tier circuit", {"firing.every=1", NULL}},
       {"solenoid", "switched", 1, VS_INPUT, "has no period", {NULL}},
       {"paper",
@@ -420,7 +420,7 @@ static void what_is_refused(void) {
       {"paper",
        "switched",
        3,
-       VS_INPUT,
+       VS_RUN,
        "none is found, and the machine runs on one of period 2",
        {"firing.every=1", "firing.angle=60deg", "supply.frequency=48Hz", STOP}},
       {"paper",

@@ -287,7 +287,7 @@ vs_status vs_path_begin(vs_path *p, vs_along *along, int periods, vs_path_point 
   double normal[MOST] = {0};
   vs_status status = vs_shooting_seek(along->scene, &how, &orbit, err);
   if (!status && orbit.n < periods)
-    status = vs_fail(err, VS_INPUT,
+    status = vs_fail(err, VS_RUN,
                      "--period %d: the orbit that is found at %s = %.9g%s%s repeats after %d "
                      "already; write --period %d",
                      periods, along->axis.key, along->from, *along->axis.unit ? " " : "",

@@ -282,9 +282,9 @@ static void again(void *ctx, const char *failed, int next) {
 /* True if a --set changes what is computed, and not only how: what the scene says was measured is
  * then of another experiment. */
 static bool changes_machine(const vs_run_options *o) {
-  static const char *const HOW[] = {"run.",    "record", "measure", "instruments", "quality",
-                                    "limits.", "expect", "ratings", "ambient",     "heatsink",
-                                    "waive",   "spread"};
+  static const char *const HOW[] = {"run.",    "record",   "measure", "instruments",
+                                    "quality", "limits.",  "expect",  "ratings",
+                                    "ambient", "heatsink", "waive",   "spread"};
   for (size_t k = 0; k < o->n_sets; k++) {
     bool how = false;
     for (size_t n = 0; n < sizeof HOW / sizeof *HOW; n++)
@@ -335,6 +335,7 @@ vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scen
   vs_result *result = vs_alloc(1, sizeof *result);
   vs_text json = {0};
   vs_heed before = vs_leave_heed_set(VS_HEED_SOON);
+  scene->order.shows = a.show_progress;
   vs_status status = vs_session_run(&session, scene, result, err);
   vs_leave_heed_set(VS_HEED_KEEP);
   end_progress(&a);
