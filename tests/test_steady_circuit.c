@@ -252,7 +252,7 @@ static void refused(void) {
     int status;
     const char *says[2];
   } ROWS[] = {
-      {"--set firing.every=1 --period 2", 2, {"period 2", "--period 1"}},
+      {"--set firing.every=1 --period 2", 1, {"period 2", "--period 1"}},
       {"--set firing.every=1 --period 0", 2, {"--period", "allowed"}},
       {"", 2, {"firing.every", "once"}},
       {"--set firing.every=1 --set firing.angle=75deg", 1, {"in cycle", "pole cover"}},
