@@ -42,6 +42,7 @@ typedef struct vs_path {
   int periods;               /* n: P is the run over as many firing periods */
   int count;                 /* of the states; z[count] is the key */
   double unit[VS_PATH_MOST]; /* what counts as 1 along each number of z */
+  vs_budget budget;          /* of the runs; without a limit where `most` is 0 */
   long runs;                 /* over a period, that were made so far */
   char kinked[256]; /* why a run of the last solution had no derivative with respect to the key;
                       empty: all had */
