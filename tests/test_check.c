@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "program.h"
+#include "random_scene.h"
 
 /* ---- helpers ---- */
 
@@ -61,95 +62,96 @@ static void expect_places(const char *file, const char *text, const char *places
 /* ---- scenes ---- */
 
 static void all_that_is_wrong_with_a_scene(void) {
-  FINDINGS("s.yaml",
-           "# Ω µ\n"
-           "measured: {i_peak: 1 N, i_peek: 2 A}\n"
-           "machine: {trough_mas: 1 kg, base_mass: 3 m, base_com: [1 s, 2 kg]}\n"
-           "firin:\t{angle: 95 deg}\n"
-           "actuator:\n"
-           "  gap: \"-1 mm\"\n"
-           "  stop: {stifness: 2, damping: 1e99 N.s/m}\n"
-           "load: 3\n"
-           "supply: {voltage: 1 kΩ,\tfrequency: 50}\n"
-           "circuit: {r1: 0 ohm, r99: 1 ohm}\n"
-           "run: {tier: circus, tolerance: 1e-9}\n"
-           "record: [p, forze, p, v_al, v_ak]\n",
-           "--set run.until=soon --set bar --set firing.every=0.5",
-           "--set bar: write KEY=VALUE, for example firing.angle=95deg\n"
-           "s.yaml:2:20: measured.i_peak: '1 N' has the wrong unit; write A\n"
-           " measured: {i_peak: 1 N, i_peek: 2 A}\n"
-           "                    ^\n"
-           "s.yaml:2:25: measured has no key 'i_peek'; did you mean 'i_peak'? "
-           "it has: i_peak, t_fire, t_extinction, conduction_time, force_peak, gap_first_peak, "
-           "gap_second_peak, gap_min, gap_max, stroke, p_min, p_max, u_min, u_max, w_min, w_max, "
-           "phi_min, phi_max, ap_peak, au_peak, aw_peak, aphi_peak, ...\n"
-           " measured: {i_peak: 1 N, i_peek: 2 A}\n"
-           "                         ^\n"
-           "s.yaml:3:11: machine has no key 'trough_mas'; did you mean 'trough_mass'? "
-           "it has: model, trough_mass, base_mass, trough_inertia, base_inertia, spring_angle, "
-           "base_com, trough_com, mount_3, mount_4, spring_stiffness, mount_stiffness_x, "
-           "mount_stiffness_y, spring_damping, mount_damping_x, mount_damping_y, ...\n"
-           " machine: {trough_mas: 1 kg, base_mass: 3 m, base_com: [1 s, 2 kg]}\n"
-           "           ^\n"
-           "s.yaml:3:40: machine.base_mass: '3 m' has the wrong unit; write kg\n"
-           " machine: {trough_mas: 1 kg, base_mass: 3 m, base_com: [1 s, 2 kg]}\n"
-           "                                        ^\n"
-           "s.yaml:3:56: machine.base_com: '1 s' has the wrong unit; write mm\n"
-           " machine: {trough_mas: 1 kg, base_mass: 3 m, base_com: [1 s, 2 kg]}\n"
-           "                                                        ^\n"
-           "s.yaml:3:61: machine.base_com: '2 kg' has the wrong unit; write mm\n"
-           " machine: {trough_mas: 1 kg, base_mass: 3 m, base_com: [1 s, 2 kg]}\n"
-           "                                                             ^\n"
-           "s.yaml:4:1: a scene has no key 'firin'; did you mean 'firing'? "
-           "it has: machine, actuator, load, supply, firing, pwm, circuit, events, instruments, "
-           "control, run, start, record, measured, quality, expect, waive, spread, ratings, ambient, "
-           "heatsink, "
-           "measure, limits\n"
-           " firin:\t{angle: 95 deg}\n"
-           " ^\n"
-           "s.yaml:6:9: actuator.gap: -1 mm is out of range; allowed: 0..1000 mm (ends excluded)\n"
-           "   gap: \"-1 mm\"\n"
-           "         ^\n"
-           "s.yaml:7:10: actuator.stop has no key 'stifness'; did you mean 'stiffness'? "
-           "it has: stiffness, damping, kind, at\n"
-           "   stop: {stifness: 2, damping: 1e99 N.s/m}\n"
-           "          ^\n"
-           "s.yaml:7:32: actuator.stop.damping: 1e99 N.s/m is out of range; allowed: 0..1e+09 "
-           "N.s/m\n"
-           "   stop: {stifness: 2, damping: 1e99 N.s/m}\n"
-           "                                ^\n"
-           "s.yaml:8:7: load: a map of keys is wanted: {key: value, ...}\n"
-           " load: 3\n"
-           "       ^\n"
-           "s.yaml:9:19: supply.voltage: '1 kΩ' has the wrong unit; write V\n"
-           " supply: {voltage: 1 kΩ,\tfrequency: 50}\n"
-           "                   ^\n"
-           "s.yaml:9:36: supply.frequency: 50 has no unit; write for example '50 Hz'\n"
-           " supply: {voltage: 1 kΩ,\tfrequency: 50}\n"
-           "                        \t           ^\n"
-           "s.yaml:10:15: circuit.r1: 0 ohm is out of range; allowed: 0.001..1e+06 ohm\n"
-           " circuit: {r1: 0 ohm, r99: 1 ohm}\n"
-           "               ^\n"
-           "s.yaml:10:22: circuit has no key 'r99'; did you mean 'r1'? "
-           "it has: deck, r1, c1, r2, c2, varistor_voltage, varistor_exponent, thyristor, "
-           "on_voltage, on_resistance, off_resistance\n"
-           " circuit: {r1: 0 ohm, r99: 1 ohm}\n"
-           "                      ^\n"
-           "s.yaml:11:13: run.tier: 'circus' is not one of: auto|analytic|switched|circuit\n"
-           " run: {tier: circus, tolerance: 1e-9}\n"
-           "             ^\n"
-           "s.yaml:12:13: record: no probe 'forze'; did you mean 'force'?\n"
-           " record: [p, forze, p, v_al, v_ak]\n"
-           "             ^\n"
-           "s.yaml:12:20: record: probe p stands here a second time; leave one out\n"
-           " record: [p, forze, p, v_al, v_ak]\n"
-           "                    ^\n"
-           "s.yaml:12:23: record: no probe 'v_al'; did you mean 'v_ak'?\n"
-           " record: [p, forze, p, v_al, v_ak]\n"
-           "                       ^\n"
-           "--set firing.every=0.5: firing.every: 0.5 is out of range; allowed: once or 1..1e+06\n"
-           "--set run.until=soon: run.until: 'soon' is not a number; write a number with its unit, "
-           "in s\n");
+  FINDINGS(
+      "s.yaml",
+      "# Ω µ\n"
+      "measured: {i_peak: 1 N, i_peek: 2 A}\n"
+      "machine: {trough_mas: 1 kg, base_mass: 3 m, base_com: [1 s, 2 kg]}\n"
+      "firin:\t{angle: 95 deg}\n"
+      "actuator:\n"
+      "  gap: \"-1 mm\"\n"
+      "  stop: {stifness: 2, damping: 1e99 N.s/m}\n"
+      "load: 3\n"
+      "supply: {voltage: 1 kΩ,\tfrequency: 50}\n"
+      "circuit: {r1: 0 ohm, r99: 1 ohm}\n"
+      "run: {tier: circus, tolerance: 1e-9}\n"
+      "record: [p, forze, p, v_al, v_ak]\n",
+      "--set run.until=soon --set bar --set firing.every=0.5",
+      "--set bar: write KEY=VALUE, for example firing.angle=95deg\n"
+      "s.yaml:2:20: measured.i_peak: '1 N' has the wrong unit; write A\n"
+      " measured: {i_peak: 1 N, i_peek: 2 A}\n"
+      "                    ^\n"
+      "s.yaml:2:25: measured has no key 'i_peek'; did you mean 'i_peak'? "
+      "it has: i_peak, t_fire, t_extinction, conduction_time, force_peak, gap_first_peak, "
+      "gap_second_peak, gap_min, gap_max, stroke, p_min, p_max, u_min, u_max, w_min, w_max, "
+      "phi_min, phi_max, ap_peak, au_peak, aw_peak, aphi_peak, ...\n"
+      " measured: {i_peak: 1 N, i_peek: 2 A}\n"
+      "                         ^\n"
+      "s.yaml:3:11: machine has no key 'trough_mas'; did you mean 'trough_mass'? "
+      "it has: model, trough_mass, base_mass, trough_inertia, base_inertia, spring_angle, "
+      "base_com, trough_com, mount_3, mount_4, spring_stiffness, mount_stiffness_x, "
+      "mount_stiffness_y, spring_damping, mount_damping_x, mount_damping_y, ...\n"
+      " machine: {trough_mas: 1 kg, base_mass: 3 m, base_com: [1 s, 2 kg]}\n"
+      "           ^\n"
+      "s.yaml:3:40: machine.base_mass: '3 m' has the wrong unit; write kg\n"
+      " machine: {trough_mas: 1 kg, base_mass: 3 m, base_com: [1 s, 2 kg]}\n"
+      "                                        ^\n"
+      "s.yaml:3:56: machine.base_com: '1 s' has the wrong unit; write mm\n"
+      " machine: {trough_mas: 1 kg, base_mass: 3 m, base_com: [1 s, 2 kg]}\n"
+      "                                                        ^\n"
+      "s.yaml:3:61: machine.base_com: '2 kg' has the wrong unit; write mm\n"
+      " machine: {trough_mas: 1 kg, base_mass: 3 m, base_com: [1 s, 2 kg]}\n"
+      "                                                             ^\n"
+      "s.yaml:4:1: a scene has no key 'firin'; did you mean 'firing'? "
+      "it has: machine, actuator, load, supply, firing, pwm, circuit, events, instruments, "
+      "control, run, start, record, measured, quality, expect, waive, spread, ratings, ambient, "
+      "heatsink, "
+      "measure, limits\n"
+      " firin:\t{angle: 95 deg}\n"
+      " ^\n"
+      "s.yaml:6:9: actuator.gap: -1 mm is out of range; allowed: 0..1000 mm (ends excluded)\n"
+      "   gap: \"-1 mm\"\n"
+      "         ^\n"
+      "s.yaml:7:10: actuator.stop has no key 'stifness'; did you mean 'stiffness'? "
+      "it has: stiffness, damping, kind, at\n"
+      "   stop: {stifness: 2, damping: 1e99 N.s/m}\n"
+      "          ^\n"
+      "s.yaml:7:32: actuator.stop.damping: 1e99 N.s/m is out of range; allowed: 0..1e+09 "
+      "N.s/m\n"
+      "   stop: {stifness: 2, damping: 1e99 N.s/m}\n"
+      "                                ^\n"
+      "s.yaml:8:7: load: a map of keys is wanted: {key: value, ...}\n"
+      " load: 3\n"
+      "       ^\n"
+      "s.yaml:9:19: supply.voltage: '1 kΩ' has the wrong unit; write V\n"
+      " supply: {voltage: 1 kΩ,\tfrequency: 50}\n"
+      "                   ^\n"
+      "s.yaml:9:36: supply.frequency: 50 has no unit; write for example '50 Hz'\n"
+      " supply: {voltage: 1 kΩ,\tfrequency: 50}\n"
+      "                        \t           ^\n"
+      "s.yaml:10:15: circuit.r1: 0 ohm is out of range; allowed: 0.001..1e+06 ohm\n"
+      " circuit: {r1: 0 ohm, r99: 1 ohm}\n"
+      "               ^\n"
+      "s.yaml:10:22: circuit has no key 'r99'; did you mean 'r1'? "
+      "it has: deck, r1, c1, r2, c2, varistor_voltage, varistor_exponent, thyristor, "
+      "on_voltage, on_resistance, off_resistance\n"
+      " circuit: {r1: 0 ohm, r99: 1 ohm}\n"
+      "                      ^\n"
+      "s.yaml:11:13: run.tier: 'circus' is not one of: auto|analytic|switched|circuit\n"
+      " run: {tier: circus, tolerance: 1e-9}\n"
+      "             ^\n"
+      "s.yaml:12:13: record: no probe 'forze'; did you mean 'force'?\n"
+      " record: [p, forze, p, v_al, v_ak]\n"
+      "             ^\n"
+      "s.yaml:12:20: record: probe p stands here a second time; leave one out\n"
+      " record: [p, forze, p, v_al, v_ak]\n"
+      "                    ^\n"
+      "s.yaml:12:23: record: no probe 'v_al'; did you mean 'v_ak'?\n"
+      " record: [p, forze, p, v_al, v_ak]\n"
+      "                       ^\n"
+      "--set firing.every=0.5: firing.every: 0.5 is out of range; allowed: once or 1..1e+06\n"
+      "--set run.until=soon: run.until: 'soon' is not a number; write a number with its unit, "
+      "in s\n");
 }
 
 /* Findings of single reading steps, with others before and behind them. */
@@ -572,6 +574,46 @@ static void warnings(void) {
   vs_text_free(&deck);
 }
 
+/* ---- check and run ---- */
+
+/* What a scene has besides, so that a run has searches before it, and what decides between a run
+ * and another rung: the words of --set. */
+static const char *const BESIDES[] = {
+    "--set run.until=30ms", "--set run.until=30ms --set start=steady --set firing.every=1",
+    "--set run.until=30ms --set firing.every=1 --set load.density=0.5g/cm3 --set "
+    "load.fraction=auto",
+    "--set run.until=30ms --set start=steady --set firing.every=1 --set actuator.stop={} --set "
+    "firing.angle=70deg"};
+
+/* A scene that check calls good is no bad input: its run may fail (1) and break a rating (3), but
+ * does not end with 2; and one that check refuses is refused by run. Scenes drawn at random. */
+static void run_agrees(void) {
+  const char *range = getenv("VS_CHECKED"); /* "100..200" */
+  int from = 0, to = 16, refused = 0, good = 0;
+  if (range) sscanf(range, "%d..%d", &from, &to);
+  for (int k = from; k < to; k++) {
+    random_scene s = random_scene_at(k);
+    const char *besides = BESIDES[(size_t)k % COUNT(BESIDES)];
+    write_file("s.yaml", s.text.text);
+    ran c = run("check s.yaml %s --no-jail --quiet", besides);
+    ran r = run("run s.yaml %s --set run.verify=never --quiet", besides);
+    bool says_bad = c.status == 2;
+    refused += says_bad;
+    good += !says_bad;
+    EXPECT(says_bad == (r.status == 2), "scene %d %s: check %d, run %d: %s", k, besides, c.status,
+           r.status, r.err);
+    free_ran(&c);
+    free_ran(&r);
+    random_scene_free(&s);
+  }
+  static const char SUBHARMONIC[] = "paper --set start=steady --set firing.every=1 --set "
+                                    "actuator.stop={} --set firing.angle=60deg --quiet";
+  ran c = run("check %s", SUBHARMONIC), r = run("run %s", SUBHARMONIC);
+  EXPECT(c.status == 0 && r.status == 1, "check %d, run %d: %s", c.status, r.status, r.err);
+  free_ran(&c), free_ran(&r);
+  EXPECT(range || (good >= 10 && refused >= 1), "%d are good, %d are refused", good, refused);
+}
+
 static const vs_test TESTS[] = {
     {"all that is wrong with a scene", all_that_is_wrong_with_a_scene},
     {"a scene is read to its end", a_scene_is_read_to_its_end},
@@ -587,6 +629,7 @@ static const vs_test TESTS[] = {
     {"no pipe is a good scene", no_pipe_is_a_good_scene},
     {"verdicts", verdicts},
     {"warnings", warnings},
+    {"run agrees", run_agrees},
 };
 
 int main(void) {

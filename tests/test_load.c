@@ -336,6 +336,21 @@ static void the_share_of_the_circuit(void) {
   free_ran(&r), free_ran(&ideal), free_ran(&rest);
 }
 
+/* With this soft stop the motion does not repeat. The search for its orbit alone would go on to
+ * another end, and so would the further ones that a share wants: all have one budget, and the end
+ * says how far the search came. */
+static void a_budget_is_spent(void) {
+  ran r = run("run paper --set load.density=2.16g/cm3 --set load.volume=341cm3 --set "
+              "load.fraction=auto --tier circuit --set firing.every=1 --set firing.angle=103.3deg "
+              "--set 'actuator.stop={stiffness: 2.78e5 N/m, damping: 6.07 N.s/m}' --set "
+              "machine.spring_stiffness=1.28e4N/m --set run.until=60ms --quiet");
+  EXPECT(r.status == 1 && count_lines(r.err) == 1, "%d %s", r.status, r.err);
+  EXPECT(strstr(r.err, "no share is found within the search's budget of 300 cycles") &&
+             strstr(r.err, "lies between 0.1 and 0.6") && strstr(r.err, "write load.fraction"),
+         "%s", r.err);
+  free_ran(&r);
+}
+
 /* What events name is changed; what they do not stays as it was found. */
 static void events_behind_auto(void) {
   static const char SCENE[] = LOADED "--set firing.angle=120deg --tier switched --set "
@@ -469,6 +484,7 @@ static const vs_test TESTS[] = {
     {"auto is held at the ends", held_at_the_ends},
     {"two shares", two_shares},
     {"the circuit's own orbit", the_share_of_the_circuit},
+    {"a budget is spent", a_budget_is_spent},
     {"events behind auto", events_behind_auto},
     {"what is refused", what_is_refused},
     {"keys of a machine", keys_of_a_machine},

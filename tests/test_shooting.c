@@ -334,7 +334,7 @@ static void periods_are_told_apart(void) {
     EXPECT(!status && single.n == 1 && !single.stable, "%s", t->err.text);
     EXPECT(way_back(t, &single, 1) < 1e-10, "%g", way_back(t, &single, 1));
     status = vs_shooting_find(&t->scene, 1, &single, &t->err);
-    EXPECT(status == VS_INPUT && strstr(t->err.text, "a subharmonic of period"), "%s", t->err.text);
+    EXPECT(status == VS_RUN && strstr(t->err.text, "a subharmonic of period"), "%s", t->err.text);
     vs_trial_free(t);
   }
 }
@@ -384,7 +384,7 @@ static void what_is_refused(void) {
   } ROWS[] = {
       {"paper", "switched", 1, VS_INPUT, "firing.every", {NULL}},
       {"paper", "switched", 0, VS_INPUT, "allowed: 1 and more", {"firing.every=1", NULL}},
-      {"paper", "switched", 2, VS_INPUT, "repeats after 1 already", {"firing.every=1", NULL}},
+      {"paper", "switched", 2, VS_RUN, "repeats after 1 already", {"firing.every=1", NULL}},
       {"paper", "circuit", 1, VS_INPUT, "tier circuit", {"firing.every=1", NULL}},
       {"solenoid", "switched", 1, VS_INPUT, "has no period", {NULL}},
       {"paper",
@@ -420,7 +420,7 @@ static void what_is_refused(void) {
       {"paper",
        "switched",
        3,
-       VS_INPUT,
+       VS_RUN,
        "none is found, and the machine runs on one of period 2",
        {"firing.every=1", "firing.angle=60deg", "supply.frequency=48Hz", STOP}},
       {"paper",
@@ -443,6 +443,25 @@ static void what_is_refused(void) {
   }
 }
 
+/* A search takes no more cycles than its order's budget has, and says which it was. One that ends
+ * well takes the same ones as without a budget, and finds the same. */
+static void a_budget_is_kept(void) {
+  const char *sets[] = {"firing.every=2", "firing.angle=130deg", NULL};
+  vs_orbit o, same;
+  vs_trial *t = find("paper", 1, sets, &o);
+  vs_budget budget = {.what = "test", .most = {100000, 1}};
+  t->scene.order.budget = &budget;
+  CU_ASSERT(!vs_shooting_find(&t->scene, 1, &same, &t->err));
+  CU_ASSERT(!memcmp(o.x, same.x, sizeof o.x));
+  EXPECT(budget.spent[VS_BUDGET_IDEAL] == 2 * (30 + same.iterations) && !budget.out[0], "%ld",
+         budget.spent[VS_BUDGET_IDEAL]);
+  budget = (vs_budget){.what = "test", .most = {65, 1}};
+  vs_status status = vs_shooting_find(&t->scene, 1, &same, &t->err);
+  EXPECT(status == VS_RUN && strstr(t->err.text, "budget of 65 cycles"), "%s", t->err.text);
+  CU_ASSERT(budget.out[VS_BUDGET_IDEAL] && budget.spent[VS_BUDGET_IDEAL] <= 65);
+  vs_trial_free(t);
+}
+
 static const vs_test TESTS[] = {
     {"derivatives are those of runs", derivatives_are_those_of_runs},
     {"orbits have the published numbers", orbits_have_the_published_numbers},
@@ -452,5 +471,6 @@ static const vs_test TESTS[] = {
     {"the start decides", the_start_decides},
     {"phase and first cycle do not matter", phase_and_first_cycle_do_not_matter},
     {"what is refused", what_is_refused},
+    {"a budget is kept", a_budget_is_kept},
 };
 VS_SUITE_MAIN("shooting", TESTS)

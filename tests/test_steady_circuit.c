@@ -206,8 +206,8 @@ static void with_a_stop(void) {
   } ROWS[] = {
       {"1e-4 --set firing.angle=82deg", 0, "\"stable\": true"},
       {"1e-4 --set firing.angle=66deg --period 3", 0, "\"stable\": true"},
-      {"1e-3 --set firing.angle=80deg", 2, "after 5 periods; try --period 5"},
-      {"1e-3 --set firing.angle=60deg", 2, "`steady --period 2` reports"},
+      {"1e-3 --set firing.angle=80deg", 1, "after 5 periods; try --period 5"},
+      {"1e-3 --set firing.angle=60deg", 1, "`steady --period 2` reports"},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     ran r = run("steady paper --tier circuit --set firing.every=1 --set actuator.stop={} --set "
@@ -252,7 +252,7 @@ static void refused(void) {
     int status;
     const char *says[2];
   } ROWS[] = {
-      {"--set firing.every=1 --period 2", 2, {"period 2", "--period 1"}},
+      {"--set firing.every=1 --period 2", 1, {"period 2", "--period 1"}},
       {"--set firing.every=1 --period 0", 2, {"--period", "allowed"}},
       {"", 2, {"firing.every", "once"}},
       {"--set firing.every=1 --set firing.angle=75deg", 1, {"in cycle", "pole cover"}},

@@ -3,6 +3,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 #include "base/file.h"
 #include "base/leave.h"
@@ -102,6 +103,7 @@ vs_status vs_branch_command(const vs_branch_options *o, vs_error *err) {
   scene->of_period = true;
   vs_status status = vs_scene_read(run->scene, run->sets, run->n_sets, run->tier, scene, err);
   if (!status) vs_scene_hold(scene);
+  scene->order.shows = !run->quiet && isatty(STDERR_FILENO);
   if (!status && !run->quiet) vs_scene_warn(scene);
   if (!status) status = follow(o, scene, err);
   vs_scene_free(scene);

@@ -96,6 +96,7 @@ static vs_status end_at(vs_path *p, const double *x, double key, double *end, vs
   vs_status status = vs_along_move(p->along, key, err);
   if (status) return status;
   vs_flight_begin(&f, p->along->scene);
+  f.budget = p->budget.most[VS_BUDGET_IDEAL] ? &p->budget : NULL;
   status = vs_flight_go(&f, x, p->periods, false, err);
   memcpy(end, f.end, (size_t)p->count * sizeof *end);
   vs_flight_end(&f);
@@ -140,6 +141,7 @@ static vs_status map(vs_path *p, vs_path_point *at, image *to, vs_error *err) {
   vs_status status = move_to(p, at->z[p->count], err);
   if (status) return status;
   vs_flight_begin(&to->flight, p->along->scene);
+  to->flight.budget = p->budget.most[VS_BUDGET_IDEAL] ? &p->budget : NULL;
   to->flight.parameter = p->by;
   bool known = !fly(p, at, to, &why);
   if (!known) snprintf(p->kinked, sizeof p->kinked, "%.255s", why.text);
@@ -287,7 +289,7 @@ vs_status vs_path_begin(vs_path *p, vs_along *along, int periods, vs_path_point 
   double normal[MOST] = {0};
   vs_status status = vs_shooting_seek(along->scene, &how, &orbit, err);
   if (!status && orbit.n < periods)
-    status = vs_fail(err, VS_INPUT,
+    status = vs_fail(err, VS_RUN,
                      "--period %d: the orbit that is found at %s = %.9g%s%s repeats after %d "
                      "already; write --period %d",
                      periods, along->axis.key, along->from, *along->axis.unit ? " " : "",

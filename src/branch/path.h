@@ -42,6 +42,7 @@ typedef struct vs_path {
   int periods;               /* n: P is the run over as many firing periods */
   int count;                 /* of the states; z[count] is the key */
   double unit[VS_PATH_MOST]; /* what counts as 1 along each number of z */
+  vs_budget budget;          /* of the runs; without a limit where `most` is 0 */
   long runs;                 /* over a period, that were made so far */
   char kinked[256]; /* why a run of the last solution had no derivative with respect to the key;
                       empty: all had */
@@ -59,8 +60,8 @@ void vs_path_end(vs_path *path);
 
 /* Finds the orbit at the key's present value as vs_shooting_seek does, and begins the path with it;
  * the units are those of that orbit, and of the key's range. The point's way leads from
- * along->from to along->to. Errors, VS_INPUT: those of vs_shooting_seek; the orbit found has a
- * smaller period. VS_RUN: none is found. */
+ * along->from to along->to. Errors: those of vs_shooting_seek; VS_RUN, the orbit found has a
+ * smaller period. */
 vs_status vs_path_begin(vs_path *path, vs_along *along, int periods, vs_path_point *first,
                         vs_error *err);
 

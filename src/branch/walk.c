@@ -179,6 +179,9 @@ static bool cut_merged(vs_walk *w, size_t first, const vs_path_point *b) {
  * took few iterations lets the next one grow. */
 static const double SHORTEST = 1e-8, TURNS = 0.94, EASES = 0.995;
 enum { FEW = 4, MOST_ROWS = 20000 };
+/* Its runs take so many cycles of the mains at most for each in the period, which is a minute or
+ * two for a period of one; then the walk is stuck. */
+enum { MOST_CYCLES = 100000 };
 
 static double turn(const vs_path *p, const vs_path_point *a, const vs_path_point *b) {
   double cosine = 0;
@@ -304,8 +307,13 @@ vs_status vs_walk_go(vs_walk *w, vs_along *along, int periods, const volatile si
                      vs_error *err) {
   vs_path_point a;
   *w = (vs_walk){.along = along};
+  const bool shows = along->scene->order.shows;
   vs_status status = vs_path_begin(&w->path, along, periods, &a, err);
   if (status) return status;
+  const int every = along->scene->setup.timeline.firing.every;
+  const long cycles = (long)periods * (every > 1 ? every : 1);
+  vs_budget *budget = &w->path.budget;
+  *budget = (vs_budget){.what = "branch", .most = {MOST_CYCLES * cycles, 1}, .shows = shows};
   add_point(w, &a);
   vs_path_rescale(&w->path, &a);
   double length = along->step / w->path.unit[w->path.count] / 4;
@@ -314,12 +322,15 @@ vs_status vs_walk_go(vs_walk *w, vs_along *along, int periods, const volatile si
       w->end = VS_WALK_STOPPED;
       break;
     }
+    snprintf(budget->stage, sizeof budget->stage, "point %zu, at %.6g%s%s", w->count,
+             a.z[w->path.count], *along->axis.unit ? " " : "", along->axis.unit);
     if (w->count < MOST_ROWS) continue;
     snprintf(w->why, sizeof w->why,
              "it has %d points already; with a larger --step there are fewer", MOST_ROWS);
     w->end = VS_WALK_STUCK;
     break;
   }
+  vs_budget_end(budget);
   return VS_OK;
 }
 

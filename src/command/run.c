@@ -349,6 +349,7 @@ vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scen
   vs_result *result = vs_alloc(1, sizeof *result);
   vs_text json = {0};
   vs_heed before = vs_leave_heed_set(VS_HEED_SOON);
+  scene->order.shows = a.show_progress;
   vs_status status = vs_session_run(&session, scene, result, err);
   vs_leave_heed_set(VS_HEED_KEEP);
   end_progress(&a);

@@ -309,6 +309,7 @@ static vs_status report(const vs_run_options *o, int periods, extras more_of, vs
   vs_steady *s = &r->steady;
   const vs_run_more more = {r, begin, accept, finish, show_all, {r, add_measures, add_all}};
   scene->order.stop = o->stop;
+  scene->order.shows = !o->quiet && isatty(STDERR_FILENO);
   vs_status status = linear ? vs_linear_check(scene, periods, err) : VS_OK;
   if (!status) status = vs_steady_begin(s, scene, periods, err);
   r->scene = scene;

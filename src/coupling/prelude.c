@@ -84,7 +84,8 @@ vs_status vs_prelude_follow(vs_prelude *p, vs_course *course, double *shift_s, v
   bool begins = false;
   if (vs_course_last(course)->t_s < pilot->period_s) return VS_OK;
   vs_status status = pilot->turn(pilot->self, vs_course_last(course), &begins, err);
-  if (status) return status;
+  p->refused = status == VS_INPUT;
+  if (status) return p->refused ? VS_RUN : status; /* what only a search finds is no bad input */
   *shift_s = -(double)++p->parts * pilot->period_s;
   p->on = !begins;
   vs_course_turn(course, pilot->period_s, vs_prelude_setup(p), vs_prelude_observer(p), pilot->x);
@@ -94,7 +95,7 @@ vs_status vs_prelude_follow(vs_prelude *p, vs_course *course, double *shift_s, v
 vs_status vs_prelude_end(vs_prelude *p, vs_status status, vs_error *err) {
   if (!pilot_of(p)) return status;
   bool gave_up = status && err->gave_up;
-  if (p->on && status == VS_RUN) {
+  if (p->on && status == VS_RUN && !p->refused) {
     const vs_error why = *err;
     vs_fail(err, status, "no periodic orbit is found: in cycle %ld of the search, %s", p->parts + 1,
             why.text);

@@ -16,8 +16,9 @@ typedef struct vs_prelude {
   vs_setup *calm;              /* of the prelude; owned */
   vs_observer watcher;         /* of the prelude */
   bool on;                     /* it has begun, and not ended */
-  long parts;                  /* how many have ended */
-  double edge_s;               /* the run's time at the next edge that the solver was told */
+  bool refused;  /* the pilot has found that an orbit of another period is to be asked for */
+  long parts;    /* how many have ended */
+  double edge_s; /* the run's time at the next edge that the solver was told */
 } vs_prelude;
 
 /* Begins the prelude where the order has a pilot. All must outlive it. */

@@ -28,7 +28,7 @@ vs_setup vs_flight_setup(const vs_scene *scene, const vs_run_values *run, const 
 
 void vs_flight_begin(vs_flight *f, const vs_scene *scene) {
   const vs_timeline *line = &scene->setup.timeline;
-  *f = (vs_flight){.given = scene, .states = states_of(scene)};
+  *f = (vs_flight){.given = scene, .budget = scene->order.budget, .states = states_of(scene)};
   f->cycle_s = (line->firing.no_valve ? 1 : line->firing.every) * line->period_s;
   f->scene = vs_alloc(1, sizeof *f->scene);
 }
@@ -141,6 +141,10 @@ static void begin_variation(vs_flight *f, const vs_run_values *run, const double
 
 vs_status vs_flight_go(vs_flight *f, const double *x, int periods, bool derives, vs_error *err) {
   forget(f);
+  vs_status within =
+      vs_budget_take(f->budget, f->given->tier->has_circuit,
+                     lround(periods * f->cycle_s / f->given->setup.timeline.period_s), err);
+  if (within) return within;
   const vs_guest guest = {.ctx = f, .accept = accept};
   const vs_session session = {.guest = &guest, .bare = true, .unguarded = true};
   vs_run_values run = f->given->setup.run;

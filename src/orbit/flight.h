@@ -12,9 +12,11 @@ typedef struct vs_flight {
   const vs_scene *given;
   const vs_observer *also; /* is shown every step of a run, too; NULL: nobody is; borrowed */
   vs_scene
-      *scene;     /* room for the scene that is run, which borrows what the one given owns; owned */
-  int states;     /* of x: q, q', and lambda where there is no valve */
-  double cycle_s; /* a firing period */
+      *scene; /* room for the scene that is run, which borrows what the one given owns; owned */
+  vs_budget *budget; /* what its runs may take: that of the scene's order; the caller may set
+                        another between runs; borrowed */
+  int states;        /* of x: q, q', and lambda where there is no valve */
+  double cycle_s;    /* a firing period */
   vs_parameter
       *parameter; /* whose column the derivatives have besides, made of the scene given, with or
                      without its events; borrowed; the caller may set it between runs; NULL: none */
@@ -37,7 +39,7 @@ void vs_flight_end(vs_flight *flight);
 /* Runs so many firing periods from x, at the finest tolerance the tier can hold; `derives`: with
  * derivatives. Those with respect to the parameter are at a given x, and at the end of as many
  * periods, however long these are. Nothing guards the run. Errors: those of the tier's run; VS_RUN,
- * a state that is not finite. */
+ * a state that is not finite, or the budget is spent. */
 vs_status vs_flight_go(vs_flight *flight, const double *x, int periods, bool derives,
                        vs_error *err);
 

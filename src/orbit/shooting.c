@@ -148,15 +148,13 @@ vs_status vs_shooting_check(const vs_scene *s, int periods, vs_error *err) {
   return VS_OK;
 }
 
-/* What lets the machine swing less far. */
-static const char *what_weakens(const vs_scene *s) {
+const char *vs_shooting_weakens(const vs_scene *s) {
   return s->setup.timeline.firing.no_valve ? "a lower supply.voltage"
                                            : "a larger firing.angle or a lower supply.voltage";
 }
 
 /* Refuses what was found where it is no orbit of the machine, or none of this period. */
-static vs_status judge(const vs_flight *f, const vs_shooting *how, const vs_orbit *o,
-                       vs_error *err) {
+static vs_status judge(const vs_flight *f, const vs_shooting *how, vs_orbit *o, vs_error *err) {
   const vs_model *m = &f->given->setup.model;
   if (!how->unguarded && vs_mechanics_closed(m, f->deepest_m))
     return vs_fail(
@@ -165,7 +163,7 @@ static vs_status judge(const vs_flight *f, const vs_shooting *how, const vs_orbi
         "-D = %g mm, and the scene has no actuator.stop; actuator.stop={} gives it one, %s keeps "
         "it off",
         vs_mechanics_travel_name(m), 1e3 * f->deepest_m, f->deepest_s, -1e3 * m->actuator.gap_m,
-        what_weakens(f->given));
+        vs_shooting_weakens(f->given));
   if (!how->unguarded && f->left[0])
     return vs_fail(err, VS_RUN, "the orbit leaves the law %s at t = %.9g s: %s", m->coil.law->name,
                    f->left_s, f->left);
@@ -173,12 +171,11 @@ static vs_status judge(const vs_flight *f, const vs_shooting *how, const vs_orbi
     return vs_fail(err, VS_RUN,
                    "current still flows where the mains rise through zero: the thyristor does not "
                    "go out in a cycle, and the orbit's state is not the machine's alone");
-  if (!how->quietly && o->n < how->periods)
-    return vs_fail(
-        err, VS_INPUT,
-        "--period %d: the orbit that is found repeats after %d already; write --period %d",
-        how->periods, o->n, o->n);
-  return VS_OK;
+  if (how->quietly || o->n == how->periods) return VS_OK;
+  o->runs_on = o->n;
+  return vs_fail(err, VS_RUN,
+                 "--period %d: the orbit that is found repeats after %d already; write --period %d",
+                 how->periods, o->n, o->n);
 }
 
 /* ---- all of it ---- */
@@ -188,6 +185,10 @@ static vs_status judge(const vs_flight *f, const vs_shooting *how, const vs_orbi
  * in reach six iterations are enough; the others are for machines that hit their stops, and for
  * subharmonics, beside which the orbit of a smaller period is unstable. */
 static const int MARCHES[] = {30, 300, 3000};
+/* A search that is not a part of another one ends at so many cycles of the mains, which take some
+ * 16 s. That of a short period ends before, for a reason of its own: one of a single cycle has 4300
+ * at most. */
+enum { MOST_CYCLES = 400000 };
 enum { ATTEMPTS = sizeof MARCHES / sizeof *MARCHES };
 
 static void put_start(const vs_scene *s, double x[MOST]) {
@@ -210,7 +211,7 @@ static vs_status march(vs_flight *f, int periods, vs_orbit *o, vs_error *err) {
                    "the pole cover (%s = -D = %g mm) at t = %.9g s, and the scene has no "
                    "actuator.stop; actuator.stop={} gives it one, %s keeps it off",
                    vs_mechanics_travel_name(m), -1e3 * m->actuator.gap_m, f->beyond_s,
-                   what_weakens(f->given));
+                   vs_shooting_weakens(f->given));
   return vs_fail(err, VS_RUN, "no periodic orbit is found: on the way from the start, %s",
                  why.text);
 }
@@ -236,7 +237,7 @@ static vs_status close_in(vs_flight *f, vs_orbit *o, vs_error *err) {
  * where none is found, to one of any other. That is looked for from the state x, where the march
  * ended. `missing` says why none is found; it is NULL where one is. */
 static vs_status refuse_subharmonic(vs_flight *f, const vs_shooting *how, const double x[MOST],
-                                    const vs_orbit *o, const char *missing, vs_error *err) {
+                                    vs_orbit *o, const char *missing, vs_error *err) {
   enum { LONGEST = 6 };
   vs_orbit other = *o;
   int least = missing ? 0 : o->n;
@@ -248,7 +249,8 @@ static vs_status refuse_subharmonic(vs_flight *f, const vs_shooting *how, const 
     other.n = n;
     memcpy(other.x, x, sizeof other.x);
     if (close_in(f, &other, &why) || other.n <= least || !other.stable) continue;
-    return vs_fail(err, VS_INPUT,
+    o->runs_on = other.n;
+    return vs_fail(err, VS_RUN,
                    "--period %d: of the orbits %s, and the machine runs on %s of period %d, which "
                    "`steady --period %d` reports",
                    how->periods, found, other.n > how->periods ? "a subharmonic" : "one", other.n,
@@ -261,7 +263,7 @@ static vs_status refuse_subharmonic(vs_flight *f, const vs_shooting *how, const 
   return vs_fail(err, VS_RUN,
                  "%s; nor is a stable one of another period up to %d: with a stop in reach the "
                  "motion may never repeat; %s keeps off it",
-                 missing, LONGEST, what_weakens(f->given));
+                 missing, LONGEST, vs_shooting_weakens(f->given));
 }
 
 static vs_status seek(vs_flight *f, const vs_shooting *how, vs_orbit *o, vs_error *err) {
@@ -303,10 +305,13 @@ vs_status vs_shooting_seek(const vs_scene *scene, const vs_shooting *how, vs_orb
                    scene->tier->name);
   if (status) return status;
   vs_flight flight;
+  vs_budget own = {.what = "periodic orbit", .most = {MOST_CYCLES, 1}, .shows = scene->order.shows};
   vs_flight_begin(&flight, scene);
+  if (!flight.budget) flight.budget = &own;
   o->count = flight.states;
   status = seek(&flight, how, o, err);
   vs_flight_end(&flight);
+  vs_budget_end(&own);
   return status;
 }
 

@@ -31,6 +31,8 @@ typedef struct vs_orbit {
   double correction[VS_ORBIT_ITERATIONS]; /* the size of each one's correction: the largest over the
                                              states, relative to scale */
   double residual;                        /* the last of these */
+  int runs_on;                            /* where the search failed as the machine runs on an orbit
+                                             of another period: that period; else 0 */
   bool stable;                            /* all multipliers lie within the unit circle */
 } vs_orbit;
 
@@ -48,10 +50,11 @@ typedef struct vs_shooting {
 /* Finds the orbit of n firing periods, from the program's own start: a short run from the scene's
  * `start`, and a longer one where that does not lead to an orbit. Errors, one line each. VS_INPUT:
  * firing.every is once; a direct voltage; a tier with a circuit; events, the first by its name; n
- * is not positive; the orbit found repeats after fewer periods than n; it is unstable, and the
- * machine runs on a subharmonic of it. VS_RUN: no orbit is found, with how far the search came; the
- * orbit goes beyond the pole cover and the scene has no stop; it leaves the coil's law; current
- * still flows at t = 0; those of the run. */
+ * is not positive. VS_RUN: no orbit is found, with how far the search came; the orbit found repeats
+ * after fewer periods than n, or it is unstable, and the machine runs on a subharmonic of it
+ * (orbit->runs_on); the budget of the scene's order is spent; the orbit goes beyond the pole cover
+ * and the scene has no stop; it leaves the coil's law; current still flows at t = 0; those of the
+ * run. */
 vs_status vs_shooting_find(const vs_scene *scene, int periods_n, vs_orbit *orbit, vs_error *err);
 
 /* The same, looked for as `how` says. */
@@ -60,6 +63,9 @@ vs_status vs_shooting_seek(const vs_scene *scene, const vs_shooting *how, vs_orb
 
 /* Of these errors those that are known before any search, on whatever tier. */
 vs_status vs_shooting_check(const vs_scene *scene, int periods_n, vs_error *err);
+
+/* What lets the scene's machine swing less far, for messages. */
+const char *vs_shooting_weakens(const vs_scene *scene);
 
 /* Makes the setup of a run of this scene along the orbit, from t = 0 at the mains' rise through
  * zero, firing from the first cycle on, until run->until_s. It borrows what the scene's setup owns,

@@ -23,7 +23,7 @@ typedef struct vs_pilot {
   /* Is shown the steps of the prelude. */
   void (*accept)(void *self, const vs_step *step);
   /* A part of the prelude has ended, with this knot: sets x. *begins: the run begins. An error ends
-   * the run. */
+   * the run with VS_RUN. VS_INPUT: an orbit of another period is to be asked for. */
   vs_status (*turn)(void *self, const vs_knot *end, bool *begins, vs_error *err);
   /* The voltage, V, that is added to the mains at t_s of this part of the prelude. */
   double (*push)(void *self, double t_s);

@@ -8,6 +8,7 @@
 #include <stdio.h>
 
 #include "setup/setup.h"
+#include "sim/budget.h"
 #include "sim/pilot.h"
 #include "sim/stand_in.h"
 #include "sim/step.h"
@@ -67,9 +68,12 @@ typedef struct vs_run_order {
   vs_pilot *pilot;                   /* steers the run's prelude; NULL: it has none. Borrowed */
   const volatile sig_atomic_t *stop; /* set by a signal: the prelude ends with VS_SIGNAL, as the
                                         observer sees nothing of it; NULL: no signal ends it */
-  const vs_junction *junction;       /* NULL: the run goes its own way to the end. Borrowed */
-  const vs_leaver *leaver;           /* asked on the ideal tiers; NULL: all steps are needed.
-                                        Borrowed */
+  vs_budget *budget; /* what the search may take that this run, or its prelude, is a part of; NULL:
+                        there is no limit. Borrowed */
+  bool shows;        /* a search before the run shows on standard error how far it is */
+  const vs_junction *junction; /* NULL: the run goes its own way to the end. Borrowed */
+  const vs_leaver *leaver;     /* asked on the ideal tiers; NULL: all steps are needed.
+                                  Borrowed */
 } vs_run_order;
 
 /* A key of a section that every tier reads. */

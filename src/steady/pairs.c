@@ -19,6 +19,8 @@ static const double COMES_BACK = 0.03;
 
 vs_status vs_pairs_begin(vs_search *s, vs_error *err) {
   double start[MOST][MOST];
+  vs_status status = vs_search_take(s, 2 * s->count, err);
+  if (status) return status;
   for (int j = 0; j < s->count; j++) {
     memcpy(start[j], s->x, sizeof s->x);
     start[j][j] += PUSHED * s->scale[j];
@@ -43,6 +45,7 @@ static double try_steps(vs_search *s, const double *step, bool *inside, vs_error
   for (int k = 0; k < TRIALS; k++, part *= SHORTER)
     for (int j = 0; j < s->count; j++) start[k][j] = s->pair[0][j] + part * step[j];
   *inside = false;
+  if (vs_search_take(s, 2 * TRIALS, err)) return INFINITY;
   if (vs_copies_send(&s->copies, TRIALS, start, s->next, err)) return INFINITY;
   *inside = s->copies.inside;
   if (*inside) return 0;
@@ -117,6 +120,7 @@ static vs_status end_pair(vs_search *s, vs_error *err) {
   memcpy(s->x, s->pair[1], sizeof s->x);
   s->corrections.last = before;
   if (status || !vs_search_invert(s)) return leave_alone(s, err);
+  s->own_phi = true;
   for (int i = 0; i < s->count; i++)
     for (int j = 0; j < s->count; j++)
       step[i] += s->inverse[i][j] * (s->pair[1][j] - s->pair[0][j]);

@@ -21,7 +21,7 @@ enum { VS_PAIRS_MARCH = 30, VS_PAIRS_LONG_MARCH = 200 };
 enum { VS_PAIRS_PASSES = 4 * VS_PAIRS + VS_PAIRS_MARCH + 1 };
 
 /* Begins a pair at search->x: sends the copies that Phi is found from. search->next is set, also in
- * a copy. Error: VS_RUN, there are no processes to be had. */
+ * a copy. Errors: VS_RUN, there are no processes to be had; the budget is spent. */
 vs_status vs_pairs_begin(vs_search *search, vs_error *err);
 
 /* A pass that was not steered has ended. Sets where the next one begins, and what it is for.

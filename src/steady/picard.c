@@ -128,11 +128,12 @@ static bool find_multipliers(vs_picard *p, const vs_knot *end) {
 /* An unstable orbit is refused where tier switched knows that the machine runs on a subharmonic. */
 static vs_status refuse_subharmonic(const vs_picard *p, vs_error *err) {
   vs_error why = {0};
-  vs_orbit other;
+  vs_orbit other = {0};
   if (!p->multipliers || p->orbit.stable) return VS_OK;
   vs_status status = vs_shooting_find(p->ideal, p->orbit.n, &other, &why);
-  return status == VS_INPUT ? vs_fail(err, status, "on tier %s: %s", p->ideal->tier->name, why.text)
-                            : VS_OK;
+  return status && other.runs_on
+             ? vs_fail(err, VS_INPUT, "on tier %s: %s", p->ideal->tier->name, why.text)
+             : VS_OK;
 }
 
 /* Notes what was found. *begins becomes false in a copy. */
@@ -155,6 +156,25 @@ static vs_status take_orbit(vs_picard *p, const vs_knot *end, bool *begins, vs_e
   return *begins ? refuse_subharmonic(p, err) : VS_OK;
 }
 
+/* ---- its budget ---- */
+
+/* Cycles of the mains that a search may take that is not a part of another one. The search for an
+ * orbit of one cycle ends before, for a reason of its own. Where the orbit's period is long there
+ * are at least so many for each cycle in it. */
+enum { MOST_IDEAL = 400000, MOST_CIRCUIT = 1500, FOR_EACH = 100 };
+
+static int cycles_of(const vs_scene *scene) {
+  return scene->setup.timeline.firing.every > 1 ? scene->setup.timeline.firing.every : 1;
+}
+
+static vs_budget whole_search(const vs_scene *scene, int periods) {
+  long cycles = (long)periods * cycles_of(scene);
+  return (vs_budget){
+      .what = "periodic orbit",
+      .most = {MOST_IDEAL, cycles > MOST_CIRCUIT / FOR_EACH ? FOR_EACH * cycles : MOST_CIRCUIT},
+      .shows = scene->order.shows};
+}
+
 /* ---- the pilot ---- */
 
 /* The most passes of a search that are steered by Newton's step. */
@@ -163,6 +183,7 @@ enum { MOST_PASSES = 200 };
 static void begin(void *self, const vs_setup *setup) {
   vs_picard *p = self;
   vs_search *s = p->search;
+  if (s->budget == &p->budget) p->budget = whole_search(p->ideal, p->orbit.n); /* a run anew */
   vs_search_begin(s, setup);
   /* Where a stop is in reach, and there is no other Phi than the swing's own. */
   if (!s->guessed && setup->model.stops.count) {
@@ -217,6 +238,8 @@ static vs_status turn(void *self, const vs_knot *end, bool *begins, vs_error *er
   vs_picard *p = self;
   vs_search *s = p->search;
   const char *name;
+  vs_status status = s->copies.inside ? VS_OK : vs_budget_take(s->budget, true, s->of_mains, err);
+  if (status) return status;
   s->cycles++;
   s->past_m[s->cycles % (2 * VS_SEARCH_LONGEST)] = vs_mechanics_travel(&s->setup->model, end->x);
   memcpy(s->between[s->passed], end->x, sizeof *s->between);
@@ -242,7 +265,9 @@ static vs_status turn(void *self, const vs_knot *end, bool *begins, vs_error *er
   bool next_clean =
       vs_creep_is_told(&s->creep) && s->creep.area_v_s == 0 && !vs_creep_worst(&s->creep, &name);
   *begins = clean && next_clean && vs_corrections_close(&s->corrections);
-  return *begins ? take_orbit(p, end, begins, err) : go_on(p, err);
+  status = *begins ? take_orbit(p, end, begins, err) : go_on(p, err);
+  if (*begins) vs_budget_end(s->budget);
+  return status;
 }
 
 static double push(void *self, double t_s) {
@@ -253,6 +278,7 @@ static double push(void *self, double t_s) {
 static void end(void *self) {
   const vs_search *s = ((vs_picard *)self)->search;
   if (s->copies.inside) vs_copies_fail(&s->copies);
+  vs_budget_end(s->budget);
 }
 
 static void release(void *self) {
@@ -300,6 +326,9 @@ vs_status vs_picard_new(const vs_scene *scene, int periods, bool wants_multiplie
   vs_picard *p = vs_alloc(1, sizeof *p);
   *p = (vs_picard){.wants_multipliers = wants_multipliers, .ideal = on_ideal_tier(scene)};
   p->search = vs_alloc(1, sizeof *p->search);
+  p->budget = whole_search(scene, periods);
+  p->search->budget = scene->order.budget ? scene->order.budget : &p->budget;
+  p->search->of_mains = cycles_of(scene);
   p->search->orbit = &p->orbit;
   p->search->next = p->pilot.x;
   *picard = NULL;
@@ -308,6 +337,7 @@ vs_status vs_picard_new(const vs_scene *scene, int periods, bool wants_multiplie
     vs_picard_free(p);
     return status;
   }
+  memcpy(p->guess, p->orbit.x, sizeof p->guess);
   p->search->between = vs_alloc((size_t)periods, sizeof *p->search->between);
   p->pilot = (vs_pilot){.self = p,
                         .period_s = p->orbit.period_s / p->orbit.n,
@@ -334,4 +364,23 @@ void vs_picard_free(vs_picard *p) {
 
 void vs_picard_again(vs_picard *p) {
   p->found = false;
+}
+
+vs_picard_past vs_picard_over(const vs_picard *p) {
+  vs_picard_past past = {p->orbit, {0}, p->search->guessed, p->search->own_phi};
+  memcpy(past.guess, p->guess, sizeof past.guess);
+  return past;
+}
+
+void vs_picard_begin_near(vs_picard *p, const vs_picard_past *past) {
+  vs_search *s = p->search;
+  bool follows = s->guessed && past->guessed && !past->own_phi;
+  for (int j = 0; j < p->orbit.count; j++)
+    p->orbit.x[j] = past->orbit.x[j] + (follows ? p->orbit.x[j] - past->guess[j] : 0);
+  memcpy(p->pilot.x, p->orbit.x, sizeof p->pilot.x);
+  if (follows) return;
+  memcpy(p->orbit.monodromy, past->orbit.monodromy, sizeof p->orbit.monodromy);
+  memcpy(p->orbit.scale, past->orbit.scale, sizeof p->orbit.scale);
+  s->guessed = true;
+  s->own_phi = past->own_phi;
 }

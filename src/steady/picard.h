@@ -15,6 +15,7 @@
 #define VS_STEADY_PICARD_H
 
 #include "orbit/shooting.h"
+#include "sim/budget.h"
 #include "sim/pilot.h"
 
 /* Made by vs_picard_new, freed by vs_picard_free. */
@@ -28,20 +29,36 @@ typedef struct vs_picard {
   double known_to; /* about how well these are known; a smaller one is lost in rounding */
   char missing[256]; /* why none is, where they were wanted */
   bool wants_multipliers;
-  vs_scene *ideal;          /* the scene on tier switched; owned */
-  struct vs_search *search; /* the present one; owned */
+  double guess[VS_ORBIT_STATES]; /* the orbit of tier switched, or the scene's start, at t = 0 */
+  vs_budget budget;              /* of this search, where the scene's order has none */
+  vs_scene *ideal;               /* the scene on tier switched; owned */
+  struct vs_search *search;      /* the present one; owned */
 } vs_picard;
 
 /* Makes the pilot of a scene on tier circuit, for an orbit of that many firing periods. Its search
  * begins with the orbit of tier switched, or at the scene's start where that has none.
  * wants_multipliers: the orbit's multipliers are to be found, too. The scene must outlive it.
  * Error, with *picard NULL: VS_INPUT, what vs_shooting_seek refuses. The pilot's own errors, which
- * end the run: VS_INPUT, the orbit repeats after fewer periods, or is unstable and the machine runs
- * on a subharmonic, or none is found and the machine comes back after another number of periods;
- * VS_RUN, the search does not converge. */
+ * end the run with VS_RUN: VS_INPUT, the orbit repeats after fewer periods, or is unstable and the
+ * machine runs on a subharmonic, or none is found and the machine comes back after another number
+ * of periods; VS_RUN, the search does not converge, or its budget is spent. */
 vs_status vs_picard_new(const vs_scene *scene, int periods, bool wants_multipliers,
                         vs_picard **picard, vs_error *err);
 void vs_picard_free(vs_picard *picard);
+
+/* What is left of a search that has found its orbit. */
+typedef struct vs_picard_past {
+  vs_orbit orbit;
+  double guess[VS_ORBIT_STATES];
+  bool guessed, own_phi;
+} vs_picard_past;
+
+vs_picard_past vs_picard_over(const vs_picard *picard);
+
+/* Makes a search that has not begun yet begin near the orbit of a scene that is nearly the same. It
+ * begins as far from the orbit of tier switched as that orbit was. Where that is no help, as the
+ * other search took the circuit's own Phi or had no such orbit, it begins at that orbit. */
+void vs_picard_begin_near(vs_picard *picard, const vs_picard_past *past);
 
 /* Before an attempt of a session (scene/session.h): what was found counts no more. */
 void vs_picard_again(vs_picard *picard);

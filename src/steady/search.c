@@ -45,11 +45,18 @@ void vs_search_go_on(vs_search *s, const double *x) {
   memcpy(s->next, x, sizeof s->x);
 }
 
+vs_status vs_search_take(vs_search *s, int passes, vs_error *err) {
+  return vs_budget_take(s->budget, true, (long)passes * s->orbit->n * s->of_mains, err);
+}
+
 void vs_search_begin(vs_search *s, const vs_setup *setup) {
   vs_orbit *orbit = s->orbit;
   *s = (vs_search){.setup = setup,
                    .orbit = orbit,
                    .guessed = s->guessed,
+                   .own_phi = s->own_phi,
+                   .budget = s->budget,
+                   .of_mains = s->of_mains,
                    .next = s->next,
                    .between = s->between,
                    .count = 2 * setup->model.dof};

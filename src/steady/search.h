@@ -5,6 +5,7 @@
 #define VS_STEADY_SEARCH_H
 
 #include "orbit/shooting.h"
+#include "sim/budget.h"
 #include "steady/copies.h"
 #include "steady/corrections.h"
 #include "steady/creep.h"
@@ -22,12 +23,15 @@ typedef enum vs_search_pass {
 
 typedef struct vs_search {
   const vs_setup *setup;
-  vs_orbit *orbit; /* where the search begins, and the Phi in use; the pilot's */
-  bool guessed;    /* it is one of tier switched */
-  double *next;    /* the machine's state where the next firing period begins; the pilot's */
-  int count;       /* of the states */
-  int passed;      /* firing periods of the present pass, which has orbit->n of them */
-  int cycles;      /* in all */
+  vs_orbit *orbit;   /* where the search begins, and the Phi in use; the pilot's */
+  bool guessed;      /* it is one of tier switched, or of a scene that is nearly the same */
+  bool own_phi;      /* the Phi in use is the circuit's own */
+  vs_budget *budget; /* what the search may take; borrowed */
+  int of_mains;      /* cycles of the mains in a firing period */
+  double *next;      /* the machine's state where the next firing period begins; the pilot's */
+  int count;         /* of the states */
+  int passed;        /* firing periods of the present pass, which has orbit->n of them */
+  int cycles;        /* in all */
   double x[VS_MOST_STATES];                       /* where the present pass began */
   double inverse[VS_MOST_STATES][VS_MOST_STATES]; /* (I - Phi)^-1 */
   double peak[VS_MOST_STATES + 1],
@@ -48,7 +52,8 @@ typedef struct vs_search {
   double travel_m;                      /* the largest size of the travel so far */
 } vs_search;
 
-/* Begins, where orbit, guessed, next and between are set, with orbit->x and orbit's Phi. */
+/* Begins, where orbit, guessed, own_phi, budget, of_mains, next and between are set, with orbit->x
+ * and orbit's Phi. */
 void vs_search_begin(vs_search *search, const vs_setup *setup);
 
 /* Sets the scales from the peaks of the pass that has ended. */
@@ -56,6 +61,10 @@ void vs_search_scale(vs_search *search);
 
 /* Sets `inverse` from the Phi in use. Returns false where there is none. */
 bool vs_search_invert(vs_search *search);
+
+/* Counts so many passes on the budget: those of this process, or of copies. Error: VS_RUN, it has
+ * none left. */
+vs_status vs_search_take(vs_search *search, int passes, vs_error *err);
 
 /* Where the machine is to go on from. */
 void vs_search_go_on(vs_search *search, const double *x);
