@@ -262,7 +262,8 @@ static bool is_own_line(const vs_deck *deck, const vs_line *line) {
  * nodes. */
 static bool is_own_source(const vs_deck *deck, const char *text) {
   vs_word w[VS_WORDS_MOST];
-  const size_t count = vs_words_split(text, w), value = count > 4 && vs_words_is(w[3], "dc") ? 4 : 3;
+  const size_t count = vs_words_split(text, w),
+               value = count > 4 && vs_words_is(w[3], "dc") ? 4 : 3;
   for (size_t k = 0; k < deck->n_ports; k++)
     if (vs_words_is(w[0], deck->ports[k].source)) return false;
   return count > 3 && !(count == value + 1 && vs_words_is(w[value], "0"));
@@ -272,14 +273,17 @@ static bool is_own_source(const vs_deck *deck, const char *text) {
  * F. */
 static bool is_other_drive(const vs_deck *deck, const char *text) {
   switch (tolower((unsigned char)*text)) {
-    case 'e':
-    case 'f':
-    case 'g':
-    case 'h':
-    case 'k': return true;
-    case 'v':
-    case 'i': return is_own_source(deck, text);
-    default: return false;
+  case 'e':
+  case 'f':
+  case 'g':
+  case 'h':
+  case 'k':
+    return true;
+  case 'v':
+  case 'i':
+    return is_own_source(deck, text);
+  default:
+    return false;
   }
 }
 
@@ -301,12 +305,13 @@ static void find_mains(vs_deck *deck, const vs_circuit_values *values, double u_
   bool other = false;
   for (size_t k = 1; k < deck->section.count; k++)
     if (!strcmp(deck->section.fields[k].key, "line_voltage"))
-      line_v = (const double *)(const void *)((const char *)values + deck->section.fields[k].offset);
+      line_v =
+          (const double *)(const void *)((const char *)values + deck->section.fields[k].offset);
   for (size_t k = 0; k < deck->n_part_files; k++)
     other = other || !strcmp(deck->part_files[k].kind, "transformer");
   for (size_t k = 0; k < deck->n_lines; k++)
-    other = other ||
-            (is_own_line(deck, &deck->lines[k]) && is_other_drive(deck, deck->lines[k].text));
+    other =
+        other || (is_own_line(deck, &deck->lines[k]) && is_other_drive(deck, deck->lines[k].text));
   for (size_t k = 0; k < deck->n_devices; k++) {
     vs_device *d = &deck->devices[k];
     d->mains_v = other ? NAN : u_rms;

@@ -73,6 +73,13 @@ static const char TOO_SHORT[] = "not judged: over less than 1 s" STEADY_JUDGES,
                       "it, where the scene has no events",
                   UNSETTLED[] = "not judged: not settled" STEADY_JUDGES;
 
+/* True where the scene's firing drives a gate of the deck, and fires it once. Without a gate
+ * nothing but the mains makes a current, and they come again by themselves. */
+static bool fires_once(const vs_watched *w) {
+  const vs_firing_values *firing = &w->timeline->firing;
+  return !firing->every && !firing->no_valve && vs_deck_has_port(w->deck, vs_port_is_gated);
+}
+
 /* True: only one firing falls into the time meant, which says nothing of the power or current in
  * operation. The scene fires once; or the device began to conduct there once at most, and did not
  * conduct all of the time. */
@@ -141,7 +148,6 @@ static const char *judge_settled(const vs_watched *w, vs_reduced *r, double end_
  * once, what follows the shot is not operation either; but what passes its limit there is passed.
  */
 static void judge_mean(const vs_watched *w, vs_reduced *r, double end_s) {
-  const vs_firing_values *firing = &w->timeline->firing;
   if (!r->limit) return;
   if (!w->at_work) {
     r->unjudged = judge_settled(w, r, end_s);
@@ -150,7 +156,7 @@ static void judge_mean(const vs_watched *w, vs_reduced *r, double end_s) {
   const double value = r->judged.known ? r->judged.value : r->value.value;
   if (!r->unjudged && value > r->limit->value)
     r->failed_s = end_s;
-  else if (!r->unjudged && !w->at_work && !firing->every && !firing->no_valve)
+  else if (!r->unjudged && !w->at_work && fires_once(w))
     r->unjudged = ONE_SHOT;
   if (r->unjudged) r->limit = NULL;
 }
@@ -169,14 +175,34 @@ static void finish_rms(const vs_watched *w, vs_reduced *r, const vs_run_end *end
   judge_mean(w, r, end->to_s);
 }
 
-/* A voltage is direct where its mean is more than the rms value of the rest. Data sheets give both
- * an rms value, of a sine, and a direct voltage, which is higher: 510 V and 670 V. */
-static bool is_direct(const vs_watched *w, double span_s) {
-  double mean_v = w->sum_meant[VS_OF_V] / span_s;
-  return 2 * mean_v * mean_v > w->sum_meant[VS_OF_V2] / span_s;
+/* Where the stretch begins over which the measure would be judged, whatever its limit. */
+static double judged_from_s(const vs_watched *w, const vs_reduced *r, const vs_run_end *end) {
+  const vs_limit any = {.value = 0};
+  vs_reduced other = {.measure = r->measure, .limit = r->limit ? r->limit : &any};
+  if (!w->at_work) judge_settled(w, &other, end->to_s);
+  return other.judged.known ? other.judged_from_s : end->from_s;
 }
 
-static bool is_finite_limit(const vs_limit *limit) {
+/* A voltage is direct where its mean is more than the rms value of the rest, over the stretch that
+ * the measure is judged over. Data sheets give both an rms value, of a sine, and a direct voltage,
+ * which is higher: 510 V and 670 V. */
+static bool is_direct(const vs_watched *w, const vs_reduced *r, const vs_run_end *end) {
+  const vs_parts *p = &w->parts;
+  const double from_s = judged_from_s(w, r, end), span_s = end->to_s - from_s;
+  double v_s = w->sum_meant[VS_OF_V], v2_s = w->sum_meant[VS_OF_V2];
+  if (from_s > end->from_s) {
+    v_s = v2_s = 0;
+    for (size_t k = (size_t)lround((from_s - p->from_s) / p->part_s); k < p->count; k++) {
+      v_s += p->sum[k][VS_OF_V];
+      v2_s += p->sum[k][VS_OF_V2];
+    }
+  }
+  return 2 * v_s * v_s > v2_s * span_s;
+}
+
+/* The part states that limit, and it is a number. */
+static bool is_stated(const vs_watched *w, const char *name) {
+  const vs_limit *limit = vs_devices_own_limit(w->deck, w->device, name);
   return limit && isfinite(limit->value);
 }
 
@@ -188,21 +214,27 @@ static void leave_out(vs_reduced *r) {
 }
 
 static void finish_alternating(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
-  double span_s = end->to_s - end->from_s;
-  if (!r->limit) r->idle = true;
-  if (!(span_s > 0)) return;
-  if (is_direct(w, span_s) && is_finite_limit(vs_devices_own_limit(w->deck, w->device, "v_dc")))
-    leave_out(r);
+  const bool direct = end->to_s > end->from_s && is_direct(w, r, end);
+  if (!r->limit || (direct && is_stated(w, "v_dc"))) leave_out(r);
   finish_rms(w, r, end);
+  if (direct || !is_stated(w, "v_dc") || is_stated(w, "v_rms")) return;
+  r->idle = false;
+  r->unjudged = "not judged: v_rms not stated";
 }
 
+/* One of the two holds in any case, also where they are judged over different stretches. */
 static void finish_direct(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
-  double span_s = end->to_s - end->from_s;
-  if (!r->limit) r->idle = true;
+  const vs_reduced *alternating = vs_reducer_of(w, VS_R_ALTERNATING);
+  const double span_s = end->to_s - end->from_s;
+  const bool other_is_left = alternating->idle && is_stated(w, "v_rms"),
+             direct = span_s > 0 && (other_is_left || is_direct(w, r, end));
+  if (!r->limit || !direct) leave_out(r);
   if (!(span_s > 0)) return;
-  if (!is_direct(w, span_s)) leave_out(r);
   r->value = (vs_value){true, fabs(w->sum_meant[VS_OF_V] / span_s), NAN};
   judge_mean(w, r, end->to_s);
+  if (!direct || !is_stated(w, "v_rms") || is_stated(w, "v_dc")) return;
+  r->idle = false;
+  r->unjudged = "not judged: v_dc not stated";
 }
 
 static const vs_reducer mean = {.continuous = true, .finish = finish_mean},
@@ -510,22 +542,28 @@ static const char NO_SINK[] = "not judged: no heat sink is stated, nor r_th_ja",
                   ON_MEAN[] = "not judged: the mean alone is known, as the part has no lines zth",
                   WARM[] = "not judged: the case is warm at the start; 'steady' judges it";
 
+const char *vs_reductions_mean(const vs_watched *w, int of, const vs_run_end *end, double *level) {
+  const vs_device_measure measure = {.how = VS_R_MEAN, .of = of, .sense = 1};
+  const vs_limit any = {.value = 0}; /* against which it is asked whether a mean is known */
+  vs_reduced r = {.measure = &measure, .limit = &any, .value = {true, 0, NAN}, .failed_s = NAN};
+  r.value.value = w->sum_meant[of] / (end->to_s - end->from_s);
+  judge_mean(w, &r, end->to_s);
+  *level = r.value.value;
+  if (r.judged.known) *level = of == VS_OF_I2 ? r.judged.value * r.judged.value : r.judged.value;
+  return r.unjudged;
+}
+
 /* The mean power of what goes on for ever: of a run that is repeated, as in power_repeated; where a
  * mean of the run is judged, that; else that of the orbit on which the run begins. Returns why none
  * is known, as "not judged: one shot"; NULL: one is. */
 static const char *long_run_w(const vs_watched *w, const vs_run_end *end, double *power_w) {
   const vs_occurrence *e = vs_occurrence_repeated(&w->timeline->events);
-  static const vs_device_measure POWER = {.how = VS_R_MEAN, .of = VS_OF_POWER, .sense = 1};
-  const vs_limit any = {.value = 0}; /* against which it is asked whether a mean is known */
-  vs_reduced mean_of = {.measure = &POWER, .limit = &any, .value = {true, 0, NAN}, .failed_s = NAN};
   *power_w = e ? w->sum[VS_OF_POWER] / e->v.every_s : NAN;
   if (!w->at_work && e) return NULL;
-  mean_of.value.value = w->sum_meant[VS_OF_POWER] / (end->to_s - end->from_s);
-  judge_mean(w, &mean_of, end->to_s);
-  *power_w = mean_of.judged.known ? mean_of.judged.value : mean_of.value.value;
-  if (!mean_of.unjudged) return NULL;
+  const char *unjudged = vs_reductions_mean(w, VS_OF_POWER, end, power_w);
+  if (!unjudged) return NULL;
   *power_w = vs_junction_orbit_w(vs_reducer_of(w, VS_R_JUNCTION));
-  return isfinite(*power_w) ? NULL : mean_of.unjudged;
+  return isfinite(*power_w) ? NULL : unjudged;
 }
 
 static void finish_case(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
@@ -545,11 +583,8 @@ static void leave(vs_reduced *r, const char *why) {
   r->limit = NULL;
 }
 
-/* True where the run is all that there is: the scene fires the device once, or fires once a device
- * of which no gate is known and that began to conduct once at most. Its case has no time to warm.
- */
-static bool is_over(const vs_watched *w) {
-  if (w->timeline->firing.every || w->timeline->firing.no_valve) return false;
+bool vs_reductions_is_over(const vs_watched *w) {
+  if (!fires_once(w)) return false;
   return w->device->gates.count || (w->starts < 2 && w->rests);
 }
 
@@ -598,7 +633,8 @@ static void finish_hottest(const vs_watched *w, vs_reduced *r, const vs_run_end 
   r->value = (vs_value){true, of_case->value.value + rise_k, rise->value.at_s};
   if (r->limit && r->value.value > r->limit->value)
     r->failed_s = rise->value.at_s;
-  else if (of_case->note && !is_over(w)) { /* the case will be warmer: that may only break it */
+  else if (of_case->note &&
+           !vs_reductions_is_over(w)) { /* the case will be warmer: that may only break it */
     double power_w;
     leave(r, long_run_w(w, end, &power_w));
   }
