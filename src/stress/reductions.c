@@ -672,6 +672,21 @@ static double spans(const vs_watched *w, double behind_s) {
   return w->device->kind->both_ways ? fmax(1, (halves + 1) / 2) : round(halves / 2) + 1;
 }
 
+/* Holds a row of consecutive cycles against what the part bears, with the row's int i^2 dt. */
+static void judge_row(const vs_watched *w, vs_reduced *r, double i2_s, double cycles,
+                      double end_s) {
+  row_of *row = r->state;
+  bool assumed;
+  double allowed_a = vs_devices_bears_surge(w->deck, w->device, cycles, &assumed);
+  const vs_value v = {true, sqrt(i2_s / (cycles * of_cycle(w))), end_s};
+  if (!take_judged(r, &row->worst, v, allowed_a, assumed)) return;
+  vs_limit *limit = &row->worst.limit;
+  snprintf(limit->name, sizeof limit->name, "surge");
+  snprintf(limit->unit, sizeof limit->unit, "A");
+  snprintf(limit->text, sizeof limit->text, "%g cycles", cycles);
+  snprintf(limit->written, sizeof limit->written, "%.4g A", allowed_a);
+}
+
 /* The row of the last conductions that come nearest to what the part bears: with each conduction
  * further back the row spans so many cycles, in which the mean square counts. */
 static void end_conduction(const vs_watched *w, vs_reduced *r, double end_s) {
@@ -687,15 +702,7 @@ static void end_conduction(const vs_watched *w, vs_reduced *r, double end_s) {
     const double cycles = spans(w, end_s - row->end_s[n]);
     if (cycles > most) break;
     sum += row->i2_s[n];
-    bool assumed;
-    double allowed_a = vs_devices_bears_surge(w->deck, w->device, cycles, &assumed);
-    const vs_value v = {true, sqrt(sum / (cycles * of_cycle(w))), end_s};
-    if (!take_judged(r, &row->worst, v, allowed_a, assumed)) continue;
-    vs_limit *limit = &row->worst.limit;
-    snprintf(limit->name, sizeof limit->name, "surge");
-    snprintf(limit->unit, sizeof limit->unit, "A");
-    snprintf(limit->text, sizeof limit->text, "%g cycles", cycles);
-    snprintf(limit->written, sizeof limit->written, "%.4g A", allowed_a);
+    judge_row(w, r, sum, cycles, end_s);
   }
 }
 
@@ -708,7 +715,18 @@ static void follow_surges(const vs_watched *w, vs_reduced *r, const vs_course_st
 
 static void finish_surges(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
   row_of *row = r->state;
-  if (has_surges(w, r) && row->present_i2_s > 0) end_conduction(w, r, end->now_s);
+  if (!has_surges(w, r)) return;
+  if (row->present_i2_s > 0) end_conduction(w, r, end->now_s);
+  const double most = vs_devices_most_surges(w->deck, w->device);
+  if (w->at_work && row->count) { /* an orbit goes on beyond the table's end */
+    const double cycles = (end->to_s - end->from_s) / w->timeline->period_s;
+    judge_row(w, r, w->sum[VS_OF_I2] * most / cycles, most, end->now_s);
+  } else if (row->count > MOST_PULSES) {
+    const size_t last = (row->count - 1) % MOST_PULSES, first = row->count % MOST_PULSES;
+    if (most > spans(w, row->end_s[last] - row->end_s[first]))
+      r->unjudged = "not judged: its table goes on beyond 512 conductions in a row; vibrospice "
+                    "steady SCENE judges them";
+  }
 }
 
 /* One conduction below 10 ms, by its int i^2 dt and its peak. The half sine of the same two lasts
