@@ -9,7 +9,7 @@
 #include "base/text.h"
 
 /* Each row: name, unit, text, how, of, sense, limit, held. */
-/* How a mean or rms value is judged: stress/reductions.c. */
+/* How a mean or rms value is judged: stress/means.c. */
 #define MEAN_IS_JUDGED "judged where that lasts 1 s or longer and more than one shot falls into it"
 
 /* The texts of what several kinds have alike: stress/reductions.c. */

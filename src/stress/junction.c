@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "deck/parts.h"
-#include "stress/reductions.h"
+#include "stress/means.h"
 
 /* On an orbit the rise at the period's beginning is that at its end. A run that is repeated (the
  * keys times and every of an event) begins with what the runs before it have left. Both are known
@@ -197,8 +197,8 @@ static void hold(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
   double level;
   const bool too_hot = r->limit && r->value.known && r->value.value > r->limit->value;
   if (w->at_work || !r->value.known) return;
-  if (!w->from_work && (w->again || vs_reductions_is_over(w))) return;
-  const char *why = vs_reductions_mean(w, r->measure->of, end, &level);
+  if (!w->from_work && (w->again || vs_means_is_over(w))) return;
+  const char *why = vs_means_of(w, r->measure->of, end, &level);
   const double lacks_k = why ? INFINITY : vs_junction_lacks_k(r, end->now_s, level);
   if (w->from_work && why && !w->again && !too_hot) r->value.known = false;
   if (!r->limit || too_hot) return;
