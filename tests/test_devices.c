@@ -417,7 +417,7 @@ static void verdicts(void) {
 
 /* Nothing is exceeded: the weakest is named all the same. */
 static void all_is_well(void) {
-  ran r = run_sines("*$ limit i_tsm = 200 A\n*$ limit i2t = 1 kA2.s\n");
+  ran r = run_sines("*$ limit i_tsm = 200 A\n*$ limit i2t = 400 A2.s\n");
   EXPECT(r.status == 3 && strstr(r.out, "\"first_to_fail\": \"v_x\""), "%s", r.out); /* as ever */
   free_ran(&r);
   vs_text deck = {0};

@@ -213,7 +213,7 @@ static void an_igbt_and_its_limits(void) {
   snprintf(deck, sizeof deck, "%s", MOSFET_DECK);
   vs_trial *t = run_deck(deck,
                          PART("igbt", "*$ limit v_ces = 600 V\n*$ limit i_cm = 5 A\n"
-                                      "*$ limit i_rbsoa = 7 A\n*$ limit i_c = 10 A\n"),
+                                      "*$ limit i_rbsoa = 7 A\n*$ limit i_c = 5 A\n"),
                          "30us", "10ns");
   CU_ASSERT(isnan(measure(t, "v_peak")->failed_s) && measure(t, "v_peak")->limit);
   CU_ASSERT(measure(t, "i_peak")->failed_s < 11e-6);

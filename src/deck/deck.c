@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "deck/deck.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -10,6 +11,7 @@
 
 #include "base/text.h"
 #include "catalogue/catalogue.h"
+#include "dialect/words.h"
 #include "slips/reserved.h"
 
 const vs_shelf vs_deck_shelf = {"deck", "", ".cir"},
@@ -233,6 +235,79 @@ static vs_status find_value(const vs_deck *deck, const vs_named *named,
                     nearest ? nearest : "", nearest ? "'?" : "");
 }
 
+/* ---- the mains behind a device ---- */
+
+/* True for a line of the deck itself and of what it includes of the user's, not of a part. */
+static bool is_own_line(const vs_deck *deck, const vs_line *line) {
+  const char *file = line->where.file;
+  bool own = false;
+  for (size_t k = 0; file && k < deck->n_files; k++) own = own || !strcmp(file, deck->files[k]);
+  for (size_t k = 0; own && k < deck->n_part_files; k++)
+    own = strcmp(file, deck->part_files[k].where.file) != 0;
+  return own && (!strcmp(file, deck->files[0]) || !vs_deck_is_shipped(file));
+}
+
+/* True for a source that is neither a port's nor one of 0, which measures a current or joins two
+ * nodes. */
+static bool is_own_source(const vs_deck *deck, const char *text) {
+  vs_word w[VS_WORDS_MOST];
+  const size_t count = vs_words_split(text, w),
+               value = count > 4 && vs_words_is(w[3], "dc") ? 4 : 3;
+  for (size_t k = 0; k < deck->n_ports; k++)
+    if (vs_words_is(w[0], deck->ports[k].source)) return false;
+  return count > 3 && !(count == value + 1 && vs_words_is(w[value], "0"));
+}
+
+/* True for a line that couples two circuits, or that drives one: transformers are made of K, E and
+ * F. */
+static bool is_other_drive(const vs_deck *deck, const char *text) {
+  switch (tolower((unsigned char)*text)) {
+  case 'e':
+  case 'f':
+  case 'g':
+  case 'h':
+  case 'k':
+    return true;
+  case 'v':
+  case 'i':
+    return is_own_source(deck, text);
+  default:
+    return false;
+  }
+}
+
+/* True where the device has a terminal at the node that the deck's line `*$ line` names. */
+static bool is_at_line(const vs_deck *deck, const vs_device *d) {
+  char voltage[VS_DECK_NAME + 4];
+  bool at = false;
+  snprintf(voltage, sizeof voltage, "v(%s)", deck->line[0]);
+  for (size_t k = 0; k < deck->n_terms; k++)
+    if (!strcmp(deck->terms[k].plus, voltage) || !strcmp(deck->terms[k].minus, voltage))
+      at = at || vs_formula_uses(&d->voltage, (int)k);
+  return at;
+}
+
+/* Between the line and the mains at the converter a deck with a parameter line_voltage has a
+ * transformer. */
+static void find_mains(vs_deck *deck, const vs_circuit_values *values, double u_rms) {
+  const double *line_v = NULL;
+  bool other = false;
+  for (size_t k = 1; k < deck->section.count; k++)
+    if (!strcmp(deck->section.fields[k].key, "line_voltage"))
+      line_v =
+          (const double *)(const void *)((const char *)values + deck->section.fields[k].offset);
+  for (size_t k = 0; k < deck->n_part_files; k++)
+    other = other || !strcmp(deck->part_files[k].kind, "transformer");
+  for (size_t k = 0; k < deck->n_lines; k++)
+    other =
+        other || (is_own_line(deck, &deck->lines[k]) && is_other_drive(deck, deck->lines[k].text));
+  for (size_t k = 0; k < deck->n_devices; k++) {
+    vs_device *d = &deck->devices[k];
+    d->mains_v = other ? NAN : u_rms;
+    if (line_v) d->mains_v = is_at_line(deck, d) ? *line_v : u_rms;
+  }
+}
+
 vs_status vs_deck_bind(vs_deck *deck, const vs_circuit_values *values,
                        const vs_deck_value *standard, size_t n_standard, vs_error *err) {
   if (deck->lost & VS_LOST_PARAM) return VS_OK;
@@ -242,6 +317,11 @@ vs_status vs_deck_bind(vs_deck *deck, const vs_circuit_values *values,
     status = vs_error_carry_on(
         err, find_value(deck, &deck->names[n], values, standard, n_standard, &of_name[n], err));
   each_formula(deck, vs_formula_bind, of_name);
+  double u_rms = NAN;
+  for (size_t k = 0; k < n_standard; k++)
+    if (!strcmp(standard[k].name, vs_deck_standard_names[VS_STANDARD_U_RMS]))
+      u_rms = standard[k].value;
+  find_mains(deck, values, u_rms);
   return status;
 }
 

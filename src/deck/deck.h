@@ -220,6 +220,9 @@ typedef struct vs_device {
   size_t scale_at; /* offset in vs_circuit_values of the factor of its own, the key NAME_scale
                       (deck/netlist.h); 0: it has none */
   bool doubtful;   /* an event makes its formulas untrue (event/wiring.h) */
+  double mains_v;  /* rms voltage of the mains that may drive its current; NaN: not known, as for a
+                      device that a transformer or a source of the deck's own may drive. Known once
+                      the formulas are bound */
   char ward[VS_DECK_NAME]; /* the device it protects, as the line says; empty: none */
   int protects;            /* index of that device; -1: none */
   vs_where where, where_of, where_ward, where_flux;
@@ -392,7 +395,7 @@ typedef struct vs_deck_value {
 } vs_deck_value;
 
 /* Gives all formulas the values of their parameters: the deck's own from `values`, the program's
- * from `standard`. Error: a name that nobody declared. */
+ * from `standard`; and each device its mains_v. Error: a name that nobody declared. */
 vs_status vs_deck_bind(vs_deck *deck, const vs_circuit_values *values,
                        const vs_deck_value *standard, size_t n_standard, vs_error *err);
 

@@ -9,7 +9,7 @@
 #include "base/text.h"
 
 /* Each row: name, unit, text, how, of, sense, limit, held. */
-/* How a mean or rms value is judged: stress/reductions.c. */
+/* How a mean or rms value is judged: stress/means.c. */
 #define MEAN_IS_JUDGED "judged where that lasts 1 s or longer and more than one shot falls into it"
 
 /* The texts of what several kinds have alike: stress/reductions.c. */
@@ -304,7 +304,7 @@ static const vs_device_measure FUSE[] = {
     {"v_peak", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, VS_AT_MOST},
     {"v_open", "V",
      "largest rms voltage over half a mains cycle, once it has opened, or that of the sine with "
-     "its crest: what it has to clear",
+     "its crest, and no less than the mains that drive it: what it has to clear",
      VS_R_OPEN, VS_OF_V2, 1, "v_rated", VS_AT_MOST},
     {"v_arc", "V", "peak voltage of its arc, from melting to clearing", VS_R_ARC, VS_OF_V, 0,
      "v_rrm", VS_WARD_AT_MOST},

@@ -356,9 +356,58 @@ static vs_status check_model(const vs_deck *deck, const vs_model_line *m, vs_err
   return status;
 }
 
+/* Two figures for the same that differ by more than these factors contradict each other. One pulse
+ * of a table may be narrower than that of i_surge. An i2t that is nearer may be of another width
+ * than 10 ms, which `check` of the part warns of (acceptance/plausible.c). */
+static const double CONTRADICTS = 2, I2T_CONTRADICTS = 20;
+
+/* Error: an i2t that is not that of a half sine of 10 ms with the peak that one surge may have. */
+static vs_status check_surge(const vs_deck *deck, const vs_limit *i2t, vs_error *err) {
+  static const double HALF_SINE_S = 5e-3;
+  const vs_part_file *file = vs_parts_file(deck, i2t->where.file);
+  if (!file || strcmp(i2t->name, "i2t") || isinf(i2t->value)) return VS_OK;
+  const vs_limit *peak =
+      vs_parts_find_limit(deck, i2t->where.file, strcmp(file->kind, "diode") ? "i_tsm" : "i_fsm");
+  if (!peak || isinf(peak->value)) return VS_OK;
+  const double other = peak->value * peak->value * HALF_SINE_S;
+  if (i2t->value <= I2T_CONTRADICTS * other && other <= I2T_CONTRADICTS * i2t->value) return VS_OK;
+  return vs_fail_at(err, i2t->where,
+                    "limit i2t: %s does not fit %s, which is %s at line %d: a half sine of 10 ms "
+                    "with that peak has %.3g A2.s",
+                    i2t->written, peak->name, peak->written, peak->where.line, other);
+}
+
+/* Error: a row of a table of pulses beyond i_surge, or one of a width that fewer pulses lack. */
+static vs_status check_pulse(const vs_deck *deck, const vs_derating *d, vs_error *err) {
+  const vs_limit *surge = vs_parts_find_limit(deck, d->where.file, "i_surge");
+  if (surge && d->current_a > CONTRADICTS * surge->value)
+    return vs_fail_at(err, d->where,
+                      "pulse: %.9g A do not fit i_surge, which is %s at line %d: no pulse of the "
+                      "table is beyond it",
+                      d->current_a, surge->written, surge->where.line);
+  for (size_t k = 0; k < deck->n_deratings; k++) {
+    const vs_derating *fewer = &deck->deratings[k];
+    bool ends = !strcmp(fewer->where.file, d->where.file) && fewer->number < d->number;
+    for (size_t n = 0; n < deck->n_deratings && ends; n++)
+      ends = strcmp(deck->deratings[n].where.file, d->where.file) ||
+             deck->deratings[n].number != fewer->number || deck->deratings[n].width_s < d->width_s;
+    if (ends)
+      return vs_fail_at(err, d->where,
+                        "pulse: %.9g us stand here for %.9g pulses, and the table has no row of "
+                        "%.9g pulse%s as long; a line 'pulse %.9g us %.9g CURRENT A' is wanted",
+                        1e6 * d->width_s, d->number, fewer->number, fewer->number > 1 ? "s" : "",
+                        1e6 * d->width_s, fewer->number);
+  }
+  return VS_OK;
+}
+
 vs_status vs_parts_resolve(vs_deck *deck, vs_error *err) {
   vs_status status = VS_OK;
   size_t kept = 0;
+  for (size_t k = 0; k < deck->n_limits && !status; k++)
+    status = vs_error_carry_on(err, check_surge(deck, &deck->limits[k], err));
+  for (size_t k = 0; k < deck->n_deratings && !status; k++)
+    status = vs_error_carry_on(err, check_pulse(deck, &deck->deratings[k], err));
   for (size_t k = 0; k < deck->n_limits && !status; k++)
     status = vs_error_carry_on(err, check_over(deck, &deck->limits[k], err));
   for (size_t k = 0; k < deck->n_limits && !status; k++)

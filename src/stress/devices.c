@@ -318,11 +318,22 @@ static void note_deeds(vs_watched *w, const vs_switch_news *news) {
   q->edge = q->edge || (w->device->kind->gated && is_on_edge(w->states, news));
 }
 
+/* True where a fuse of the deck melted in the conduction that the device has ended. The fuse then
+ * keeps its voltage away from the device: the little that is left of it can drive no current. */
+static bool is_ended_by_fuse(const vs_devices *d, const vs_switch *s) {
+  for (size_t k = 0; k < d->count; k++) {
+    const vs_melting *m = &d->watch[k].melting;
+    if (m->melted && m->melted_s > s->fired_s && m->melted_s <= s->zero_s) return true;
+  }
+  return false;
+}
+
 static void follow_states(vs_devices *d, vs_watched *w, vs_course_step *c) {
   vs_switch_news news;
   c->was_on = w->states->conduction.conducts;
   vs_switching_follow(w->states, c, &news);
   c->on = w->states->conduction.conducts;
+  if (news.offered.known && is_ended_by_fuse(d, w->states)) news.offered.known = false;
   if (!news.any) return;
   note_deeds(w, &news);
   for (size_t k = 0; k < w->count; k++)

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "deck/parts.h"
+#include "stress/means.h"
 
 /* On an orbit the rise at the period's beginning is that at its end. A run that is repeated (the
  * keys times and every of an event) begins with what the runs before it have left. Both are known
@@ -172,18 +173,48 @@ static double of_times(const vs_occurrence *e, double length_s, double tau_s) {
   return exp(-(e->v.every_s - length_s) / tau_s) * expm1(-q_to_n) / expm1(-e->v.every_s / tau_s);
 }
 
-/* From what the run begins with it is gone through once more. A run that is shorter than the period
- * of the orbit that it begins on tells nothing. */
-static void finish_junction(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
+/* From what the run begins with it is gone through once more. */
+static void repeat(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
   network *n = r->state;
-  if (n->orbit_ends_s > 0) r->value.known = false;
-  if (!w->again || !n->count) return;
   const vs_occurrence *e = vs_occurrence_repeated(&w->timeline->events);
   const double length_s = end->now_s - n->begun_s;
   for (size_t k = 0; k < n->count; k++)
     n->rise_k[k] *=
         w->at_work ? of_orbit(length_s, n->tau_s[k]) : of_times(e, length_s, n->tau_s[k]);
   go_again(r);
+}
+
+/* What a settled rise may still lack, as a part of its limit. It counts as the value's error. */
+static const double NEXT_TO_NOTHING = 0.01;
+static const char SETTLING[] = "not judged: it has not settled; vibrospice steady SCENE judges it",
+                  AT_START[] =
+                      "not judged: an event comes before the orbit's first period is over, "
+                      "by which it is warm; a later event has it judged";
+
+/* A rise that begins cold lacks what went before the run, unless that is all that there is. Where
+ * the mean heat is known so is what it lacks. */
+static void hold(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
+  double level;
+  const bool too_hot = r->limit && r->value.known && r->value.value > r->limit->value;
+  if (w->at_work || !r->value.known) return;
+  if (!w->from_work && (w->again || vs_means_is_over(w))) return;
+  const char *why = vs_means_of(w, r->measure->of, end, &level);
+  const double lacks_k = why ? INFINITY : vs_junction_lacks_k(r, end->now_s, level);
+  if (w->from_work && why && !w->again && !too_hot) r->value.known = false;
+  if (!r->limit || too_hot) return;
+  r->doubt = lacks_k;
+  if (lacks_k <= NEXT_TO_NOTHING * r->limit->value) return;
+  r->doubt = 0;
+  r->limit = NULL;
+  r->unjudged = w->from_work ? AT_START : why ? why : SETTLING;
+}
+
+/* A run that is shorter than the period of the orbit that it begins on tells nothing. */
+static void finish_junction(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
+  network *n = r->state;
+  if (n->orbit_ends_s > 0) r->value.known = false;
+  if (w->again && n->count) repeat(w, r, end);
+  if (n->count && !isfinite(n->orbit_w)) hold(w, r, end);
 }
 
 double vs_junction_lacks_k(const vs_reduced *rise, double end_s, double power_w) {
@@ -199,14 +230,16 @@ double vs_junction_orbit_w(const vs_reduced *rise) {
   return n->count && rise->value.known ? n->orbit_w : NAN;
 }
 
-const vs_reducer vs_junction_of_power = {.state_size = sizeof(network),
+const vs_reducer vs_junction_of_power = {.continuous = true,
+                                         .state_size = sizeof(network),
                                          .again_size = KEPT * sizeof(heating),
                                          .prepare = prepare_junction,
                                          .is_busy = has_network,
                                          .begin = begin_junction,
                                          .follow = follow_junction,
                                          .finish = finish_junction},
-                 vs_junction_of_current = {.state_size = sizeof(network),
+                 vs_junction_of_current = {.continuous = true,
+                                           .state_size = sizeof(network),
                                            .again_size = KEPT * sizeof(heating),
                                            .prepare = prepare_core,
                                            .is_busy = has_network,

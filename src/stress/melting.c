@@ -22,7 +22,7 @@ static double melts(vs_melting *m, const vs_course_step *c) {
   if (b1 <= 0 || c->more[VS_OF_I2] > SHARE * m->i2_s) return NAN;
   m->melted = true;
   m->gone_s = NAN;
-  return b0 < 0 ? c->t0_s + b0 / (b0 - b1) * c->h_s : c->t0_s;
+  return m->melted_s = b0 < 0 ? c->t0_s + b0 / (b0 - b1) * c->h_s : c->t0_s;
 }
 
 static bool is_gone(const double course[VS_COURSES]) {

@@ -21,6 +21,7 @@
 typedef struct vs_melting {
   bool melted, cleared;
   double i2_s, vi_s; /* integrals of i^2 and v i while it was whole */
+  double melted_s;   /* when it melted */
   double gone_s;     /* since when there is no current; NaN: there is one */
 } vs_melting;
 

@@ -8,6 +8,7 @@
 #include "deck/devices.h"
 #include "deck/parts.h"
 #include "stress/junction.h"
+#include "stress/means.h"
 #include "stress/pulse.h"
 #include "stress/told.h"
 
@@ -51,132 +52,42 @@ static bool peak_rests(const vs_watched *w, const vs_reduced *r, const vs_course
 static const vs_reducer peak = {
     .is_busy = has_course, .begin = begin_peak, .follow = follow_peak, .rests = peak_rests};
 
-/* ---- means ----
- * The limit of a mean or rms value holds for ever. On an orbit so does the value. In another run
- * the value is that of operation only behind settling and behind events: it is then judged over the
- * longest stretch of whole firing cycles that is settled, up to the end of the time meant. What a
- * single shot or a surge brings is never the mean of operation. */
-
-/* A continuous rating says nothing of a shorter run: one pulse that the part's i2t allows would be
- * above it over 0.7 s (i2t/i_t_rms^2 of the parts that ship is 0.46 to 0.68 s). */
-static const double CONTINUOUS_S = 1;
-
-/* A stretch is settled where its two halves differ by no more than this part of the value, or than
- * this part of the limit. What they differ by counts as the value's error besides. */
-static const double SETTLED = 0.05, NOT_MUCH = 0.01;
-
-#define STEADY_JUDGES "; vibrospice steady SCENE judges it"
-static const char TOO_SHORT[] = "not judged: over less than 1 s" STEADY_JUDGES,
-                  ONE_SHOT[] = "not judged: one shot",
-                  AN_EVENT[] =
-                      "not judged: less than 1 s behind an event; vibrospice steady SCENE judges "
-                      "it, where the scene has no events",
-                  UNSETTLED[] = "not judged: not settled" STEADY_JUDGES;
-
-/* True: only one firing falls into the time meant, which says nothing of the power or current in
- * operation. The scene fires once; or the device began to conduct there once at most, and did not
- * conduct all of the time. */
-static bool is_one_shot(const vs_watched *w) {
-  if (w->device->gates.count && !w->timeline->firing.every) return true;
-  return w->starts < 2 && w->rests;
-}
-
-/* The last instant below to_s at which an event begins or ends; -INFINITY: there is none. */
-static double last_event_s(const vs_timeline *t, double to_s) {
-  double last_s = -INFINITY;
-  for (size_t k = 0; k < t->events.count; k++) {
-    const vs_occurrence *e = &t->events.item[k];
-    const double at_s[] = {e->on_line_s > 0 ? e->on_line_s : -INFINITY, e->start_s, e->end_s};
-    for (size_t n = 0; n < sizeof at_s / sizeof *at_s; n++)
-      if (at_s[n] < to_s) last_s = fmax(last_s, at_s[n]);
-  }
-  return last_s;
-}
-
-/* The value of a course over some of the parts: the root of a square's mean, else the mean, without
- * its sign where the measure has none. */
-static double value_over(const vs_watched *w, const vs_reduced *r, size_t from, size_t to) {
-  double sum = 0;
-  const int of = r->measure->of;
-  for (size_t k = from; k < to; k++) sum += w->parts.sum[k][of];
-  const double mean = sum / ((double)(to - from) * w->parts.part_s);
-  if (of == VS_OF_I2 || of == VS_OF_V2) return sqrt(fmax(mean, 0));
-  return r->measure->sense ? mean : fabs(mean);
-}
-
-/* By how much the halves of the parts from `from` on differ. An odd part counts to the first. On an
- * orbit a single part is settled. */
-static double unrest(const vs_watched *w, const vs_reduced *r, size_t from) {
-  const size_t count = w->parts.count, half = (count - from) / 2;
-  if (!half) return w->on_orbit ? 0 : INFINITY;
-  return fabs(value_over(w, r, count - half, count) - value_over(w, r, from, count - half));
-}
-
-/* Finds the longest stretch that is settled, and judges over it. Returns why it does not. */
-static const char *judge_settled(const vs_watched *w, vs_reduced *r, double end_s) {
-  const vs_parts *p = &w->parts;
-  const double event_s = last_event_s(w->timeline, end_s);
-  const bool begins_on_orbit = w->on_orbit && !(event_s > -INFINITY);
-  const double least_s = begins_on_orbit ? 0 : CONTINUOUS_S * (1 - 1e-9);
-  const bool long_enough = end_s - p->meant_s >= least_s;
-  bool behind = !(event_s > p->meant_s);
-  for (size_t k = 0; k < p->count; k++) {
-    const double from_s = p->from_s + (double)k * p->part_s;
-    if (end_s - from_s < least_s) break;
-    if (from_s < event_s) continue;
-    behind = true;
-    const double value = value_over(w, r, k, p->count), by = unrest(w, r, k);
-    if (by > fmax(SETTLED * value, NOT_MUCH * r->limit->value)) continue;
-    r->doubt = by;
-    if (from_s > p->meant_s) {
-      r->judged = (vs_value){true, value, NAN};
-      r->judged_from_s = from_s;
-    }
-    return NULL;
-  }
-  return !long_enough ? TOO_SHORT : behind ? UNSETTLED : AN_EVENT;
-}
-
-/* A value above its limit counts as passing it at the end of the time meant. Where the scene fires
- * once, what follows the shot is not operation either; but what passes its limit there is passed.
- */
-static void judge_mean(const vs_watched *w, vs_reduced *r, double end_s) {
-  const vs_firing_values *firing = &w->timeline->firing;
-  if (!r->limit) return;
-  if (!w->at_work) {
-    r->unjudged = judge_settled(w, r, end_s);
-    if (r->unjudged != TOO_SHORT && is_one_shot(w)) r->unjudged = ONE_SHOT;
-  }
-  const double value = r->judged.known ? r->judged.value : r->value.value;
-  if (!r->unjudged && value > r->limit->value)
-    r->failed_s = end_s;
-  else if (!r->unjudged && !w->at_work && !firing->every && !firing->no_valve)
-    r->unjudged = ONE_SHOT;
-  if (r->unjudged) r->limit = NULL;
-}
+/* ---- means, as stress/means.h judges them ---- */
 
 static void finish_mean(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
   double span_s = end->to_s - end->from_s;
   if (!(span_s > 0)) return;
   r->value = (vs_value){true, w->sum_meant[r->measure->of] / span_s, NAN};
-  judge_mean(w, r, end->to_s);
+  vs_means_judge(w, r, end->to_s);
 }
 
 static void finish_rms(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
   double span_s = end->to_s - end->from_s;
   if (!(span_s > 0)) return;
   r->value = (vs_value){true, sqrt(w->sum_meant[r->measure->of] / span_s), NAN};
-  judge_mean(w, r, end->to_s);
+  vs_means_judge(w, r, end->to_s);
 }
 
-/* A voltage is direct where its mean is more than the rms value of the rest. Data sheets give both
- * an rms value, of a sine, and a direct voltage, which is higher: 510 V and 670 V. */
-static bool is_direct(const vs_watched *w, double span_s) {
-  double mean_v = w->sum_meant[VS_OF_V] / span_s;
-  return 2 * mean_v * mean_v > w->sum_meant[VS_OF_V2] / span_s;
+/* A voltage is direct where its mean is more than the rms value of the rest, over the stretch that
+ * the measure is judged over. Data sheets give both an rms value, of a sine, and a direct voltage,
+ * which is higher: 510 V and 670 V. */
+static bool is_direct(const vs_watched *w, const vs_reduced *r, const vs_run_end *end) {
+  const vs_parts *p = &w->parts;
+  const double from_s = vs_means_from_s(w, r, end), span_s = end->to_s - from_s;
+  double v_s = w->sum_meant[VS_OF_V], v2_s = w->sum_meant[VS_OF_V2];
+  if (from_s > end->from_s) {
+    v_s = v2_s = 0;
+    for (size_t k = (size_t)lround((from_s - p->from_s) / p->part_s); k < p->count; k++) {
+      v_s += p->sum[k][VS_OF_V];
+      v2_s += p->sum[k][VS_OF_V2];
+    }
+  }
+  return 2 * v_s * v_s > v2_s * span_s;
 }
 
-static bool is_finite_limit(const vs_limit *limit) {
+/* The part states that limit, and it is a number. */
+static bool is_stated(const vs_watched *w, const char *name) {
+  const vs_limit *limit = vs_devices_own_limit(w->deck, w->device, name);
   return limit && isfinite(limit->value);
 }
 
@@ -188,21 +99,27 @@ static void leave_out(vs_reduced *r) {
 }
 
 static void finish_alternating(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
-  double span_s = end->to_s - end->from_s;
-  if (!r->limit) r->idle = true;
-  if (!(span_s > 0)) return;
-  if (is_direct(w, span_s) && is_finite_limit(vs_devices_own_limit(w->deck, w->device, "v_dc")))
-    leave_out(r);
+  const bool direct = end->to_s > end->from_s && is_direct(w, r, end);
+  if (!r->limit || (direct && is_stated(w, "v_dc"))) leave_out(r);
   finish_rms(w, r, end);
+  if (direct || !is_stated(w, "v_dc") || is_stated(w, "v_rms")) return;
+  r->idle = false;
+  r->unjudged = "not judged: v_rms not stated";
 }
 
+/* One of the two holds in any case, also where they are judged over different stretches. */
 static void finish_direct(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
-  double span_s = end->to_s - end->from_s;
-  if (!r->limit) r->idle = true;
+  const vs_reduced *alternating = vs_reducer_of(w, VS_R_ALTERNATING);
+  const double span_s = end->to_s - end->from_s;
+  const bool other_is_left = alternating->idle && is_stated(w, "v_rms"),
+             direct = span_s > 0 && (other_is_left || is_direct(w, r, end));
+  if (!r->limit || !direct) leave_out(r);
   if (!(span_s > 0)) return;
-  if (!is_direct(w, span_s)) leave_out(r);
   r->value = (vs_value){true, fabs(w->sum_meant[VS_OF_V] / span_s), NAN};
-  judge_mean(w, r, end->to_s);
+  vs_means_judge(w, r, end->to_s);
+  if (!direct || !is_stated(w, "v_rms") || is_stated(w, "v_dc")) return;
+  r->idle = false;
+  r->unjudged = "not judged: v_dc not stated";
 }
 
 static const vs_reducer mean = {.continuous = true, .finish = finish_mean},
@@ -515,17 +432,12 @@ static const char NO_SINK[] = "not judged: no heat sink is stated, nor r_th_ja",
  * is known, as "not judged: one shot"; NULL: one is. */
 static const char *long_run_w(const vs_watched *w, const vs_run_end *end, double *power_w) {
   const vs_occurrence *e = vs_occurrence_repeated(&w->timeline->events);
-  static const vs_device_measure POWER = {.how = VS_R_MEAN, .of = VS_OF_POWER, .sense = 1};
-  const vs_limit any = {.value = 0}; /* against which it is asked whether a mean is known */
-  vs_reduced mean_of = {.measure = &POWER, .limit = &any, .value = {true, 0, NAN}, .failed_s = NAN};
   *power_w = e ? w->sum[VS_OF_POWER] / e->v.every_s : NAN;
   if (!w->at_work && e) return NULL;
-  mean_of.value.value = w->sum_meant[VS_OF_POWER] / (end->to_s - end->from_s);
-  judge_mean(w, &mean_of, end->to_s);
-  *power_w = mean_of.judged.known ? mean_of.judged.value : mean_of.value.value;
-  if (!mean_of.unjudged) return NULL;
+  const char *unjudged = vs_means_of(w, VS_OF_POWER, end, power_w);
+  if (!unjudged) return NULL;
   *power_w = vs_junction_orbit_w(vs_reducer_of(w, VS_R_JUNCTION));
-  return isfinite(*power_w) ? NULL : mean_of.unjudged;
+  return isfinite(*power_w) ? NULL : unjudged;
 }
 
 static void finish_case(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
@@ -543,14 +455,6 @@ static void finish_case(const vs_watched *w, vs_reduced *r, const vs_run_end *en
 static void leave(vs_reduced *r, const char *why) {
   if (r->limit) r->unjudged = why;
   r->limit = NULL;
-}
-
-/* True where the run is all that there is: the scene fires the device once, or fires once a device
- * of which no gate is known and that began to conduct once at most. Its case has no time to warm.
- */
-static bool is_over(const vs_watched *w) {
-  if (w->timeline->firing.every || w->timeline->firing.no_valve) return false;
-  return w->device->gates.count || (w->starts < 2 && w->rests);
 }
 
 /* Without lines zth the mean temperature is known, if that. It may break the limit, and cannot hold
@@ -598,7 +502,8 @@ static void finish_hottest(const vs_watched *w, vs_reduced *r, const vs_run_end 
   r->value = (vs_value){true, of_case->value.value + rise_k, rise->value.at_s};
   if (r->limit && r->value.value > r->limit->value)
     r->failed_s = rise->value.at_s;
-  else if (of_case->note && !is_over(w)) { /* the case will be warmer: that may only break it */
+  else if (of_case->note &&
+           !vs_means_is_over(w)) { /* the case will be warmer: that may only break it */
     double power_w;
     leave(r, long_run_w(w, end, &power_w));
   }
@@ -636,6 +541,21 @@ static double spans(const vs_watched *w, double behind_s) {
   return w->device->kind->both_ways ? fmax(1, (halves + 1) / 2) : round(halves / 2) + 1;
 }
 
+/* Holds a row of consecutive cycles against what the part bears, with the row's int i^2 dt. */
+static void judge_row(const vs_watched *w, vs_reduced *r, double i2_s, double cycles,
+                      double end_s) {
+  row_of *row = r->state;
+  bool assumed;
+  double allowed_a = vs_devices_bears_surge(w->deck, w->device, cycles, &assumed);
+  const vs_value v = {true, sqrt(i2_s / (cycles * of_cycle(w))), end_s};
+  if (!take_judged(r, &row->worst, v, allowed_a, assumed)) return;
+  vs_limit *limit = &row->worst.limit;
+  snprintf(limit->name, sizeof limit->name, "surge");
+  snprintf(limit->unit, sizeof limit->unit, "A");
+  snprintf(limit->text, sizeof limit->text, "%g cycles", cycles);
+  snprintf(limit->written, sizeof limit->written, "%.4g A", allowed_a);
+}
+
 /* The row of the last conductions that come nearest to what the part bears: with each conduction
  * further back the row spans so many cycles, in which the mean square counts. */
 static void end_conduction(const vs_watched *w, vs_reduced *r, double end_s) {
@@ -651,15 +571,7 @@ static void end_conduction(const vs_watched *w, vs_reduced *r, double end_s) {
     const double cycles = spans(w, end_s - row->end_s[n]);
     if (cycles > most) break;
     sum += row->i2_s[n];
-    bool assumed;
-    double allowed_a = vs_devices_bears_surge(w->deck, w->device, cycles, &assumed);
-    const vs_value v = {true, sqrt(sum / (cycles * of_cycle(w))), end_s};
-    if (!take_judged(r, &row->worst, v, allowed_a, assumed)) continue;
-    vs_limit *limit = &row->worst.limit;
-    snprintf(limit->name, sizeof limit->name, "surge");
-    snprintf(limit->unit, sizeof limit->unit, "A");
-    snprintf(limit->text, sizeof limit->text, "%g cycles", cycles);
-    snprintf(limit->written, sizeof limit->written, "%.4g A", allowed_a);
+    judge_row(w, r, sum, cycles, end_s);
   }
 }
 
@@ -672,7 +584,18 @@ static void follow_surges(const vs_watched *w, vs_reduced *r, const vs_course_st
 
 static void finish_surges(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
   row_of *row = r->state;
-  if (has_surges(w, r) && row->present_i2_s > 0) end_conduction(w, r, end->now_s);
+  if (!has_surges(w, r)) return;
+  if (row->present_i2_s > 0) end_conduction(w, r, end->now_s);
+  const double most = vs_devices_most_surges(w->deck, w->device);
+  if (w->at_work && row->count) { /* an orbit goes on beyond the table's end */
+    const double cycles = (end->to_s - end->from_s) / w->timeline->period_s;
+    judge_row(w, r, w->sum[VS_OF_I2] * most / cycles, most, end->now_s);
+  } else if (row->count > MOST_PULSES) {
+    const size_t last = (row->count - 1) % MOST_PULSES, first = row->count % MOST_PULSES;
+    if (most > spans(w, row->end_s[last] - row->end_s[first]))
+      r->unjudged = "not judged: its table goes on beyond 512 conductions in a row; vibrospice "
+                    "steady SCENE judges them";
+  }
 }
 
 /* One conduction below 10 ms, by its int i^2 dt and its peak. The half sine of the same two lasts

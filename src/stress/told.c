@@ -314,8 +314,13 @@ static void finish_curve(const vs_watched *w, vs_reduced *r, const vs_run_end *e
  * voltage counts in the same way, and is forgotten once the fuse has cleared. A valve in series may
  * take a part of each half wave. The fuse has to clear at the crest all the same: so the rms value
  * of the sine counts, too, that has the crest that is left. A crest is a mean over 1 ms, in which
- * what rings behind an opening goes out. */
+ * what rings behind an opening goes out. A valve that blocks may take all of it, and beyond its
+ * arc's voltage the model of a fuse conducts. So what it has to clear is never less than the mains
+ * that drive it. Where these are not known, and less than NEARLY of the scene's mains was there, it
+ * is not judged. */
 static const double CREST_S = 1e-3;
+/* What lines and loads leave of the mains: IEC 60038 lets them fall by a tenth. */
+static const double NEARLY = 0.9;
 typedef struct returning {
   bool melted, cleared;
   double v2_s, lasts_s; /* since the present half cycle began */
@@ -355,10 +360,30 @@ static void follow_open(const vs_watched *w, vs_reduced *r, const vs_course_step
   s->v2_s = s->lasts_s = 0;
 }
 
+/* Takes the mains for what it has to clear, where less has returned. False: they are not known, and
+ * another part may have taken what is lacking. */
+static bool takes_mains(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
+  const double mains_v = w->device->mains_v, limit = r->limit->value;
+  const bool short_of_it = r->value.value < NEARLY * w->timeline->supply.voltage_v;
+  if (isnan(mains_v)) return !r->value.known || r->value.value > limit || !short_of_it;
+  /* a run that ends before the voltage is back tells no more than that it is too much */
+  if (!r->value.known && mains_v <= limit) return true;
+  if (!r->value.known) r->value = (vs_value){true, 0, end->now_s};
+  if (mains_v <= r->value.value) return true;
+  r->value.value = mains_v;
+  if (mains_v > limit && isnan(r->failed_s)) r->failed_s = r->value.at_s;
+  return true;
+}
+
 static void finish_open(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
   const returning *s = r->state;
-  (void)w, (void)end;
-  if (!r->limit || r->value.known) return;
+  if (!r->limit) return;
+  if (s->melted && !takes_mains(w, r, end)) {
+    r->limit = NULL;
+    r->unjudged = "not judged: less than the mains was there, and what drives it is not known";
+    return;
+  }
+  if (r->value.known) return;
   r->limit = NULL;
   r->unjudged = s->melted ? "not judged: the run ends within half a mains cycle of its opening"
                           : "not judged: it did not open";

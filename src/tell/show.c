@@ -454,6 +454,12 @@ static void print_quality(const vs_quality *q, FILE *out) {
 void vs_show_verdict(const vs_result *r, FILE *out) {
   const vs_verdict *v = &r->verdict;
   const vs_scene *s = r->scene;
+  if (!v->count && vs_unjudged_is_told(r->watchers.devices, v)) {
+    fputs("verdict: none, as nothing that the deck and its parts limit is judged\n", out);
+    print_waived(&s->expects, out);
+    print_not_judged(r, out);
+    return;
+  }
   if (!v->count) {
     fprintf(out, "verdict: none, as %s%s\n",
             s->tier->has_circuit ? "the deck and its parts rate nothing"

@@ -118,6 +118,14 @@ bool vs_unjudged_at(const vs_devices *devices, const vs_verdict *v, size_t k, vs
   return false;
 }
 
+bool vs_unjudged_is_told(const vs_devices *devices, const vs_verdict *v) {
+  vs_unjudged entry;
+  bool told = v->count;
+  for (size_t k = 0; !told && vs_unjudged_at(devices, v, k, &entry); k++)
+    told = entry.why != NO_LIMIT;
+  return told;
+}
+
 /* Writes the entries of one reason. A device that is left whole is named once. */
 static void write_reason(const vs_devices *devices, const vs_verdict *v, const char *why,
                          vs_text *text) {

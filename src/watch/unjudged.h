@@ -19,6 +19,10 @@ typedef struct vs_unjudged {
 bool vs_unjudged_at(const vs_devices *devices, const vs_verdict *verdict, size_t k,
                     vs_unjudged *entry);
 
+/* True where the entries have to be told: the verdict has lines, or one of the entries is of a
+ * limit that a part states. What rates nothing says so by its verdict. */
+bool vs_unjudged_is_told(const vs_devices *devices, const vs_verdict *verdict);
+
 /* Adds the names of all entries to the text, those of one reason together, as "r1.power, c1.v_peak
  * (no limit stated); t.i_rms (one shot)". A device of which nothing is judged for one reason stands
  * there by its name alone. */

@@ -179,7 +179,8 @@ static void add_happened(const vs_verdict *v, vs_text *row) {
 static void add_not_judged(const vs_result *r, vs_text *row) {
   vs_text all = {0};
   const vs_expects *expects = &r->scene->expects;
-  if (r->verdict.count) vs_unjudged_write(r->watchers.devices, &r->verdict, &all);
+  if (vs_unjudged_is_told(r->watchers.devices, &r->verdict))
+    vs_unjudged_write(r->watchers.devices, &r->verdict, &all);
   for (size_t k = 0; k < expects->n_waivers; k++)
     vs_text_add(&all, "%s%s.%s",
                 k            ? ", "
