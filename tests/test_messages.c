@@ -555,12 +555,12 @@ static void a_part_of_ones_own(void) {
     const char *instead, *at, *says;
     bool before;
   } ROWS[] = {
-      {39, "B1 a k I=pwl(v(a),0,0,0,1)", "my.inc:39:1: ", "ngspice died of it", true},
-      {39, "R1 a k {1k", "my.inc:39:8: ", "is not closed in its line", true},
-      {38, ".subckt my a k", "my.inc:38:1: ", "Too many parameters", false},
-      {38, ".subckt my a k g h", "my.inc:38:1: ", "Too few parameters", false},
-      {39, "X1 a k g a thyristor_two_transistor", "my.inc:39:1: ", "Too many parameters", false},
-      {25, "* no on_voltage", "my.inc:37:1: ", "[on_voltage] (thyristor_law.inc:", false}};
+      {45, "B1 a k I=pwl(v(a),0,0,0,1)", "my.inc:45:1: ", "ngspice died of it", true},
+      {45, "R1 a k {1k", "my.inc:45:8: ", "is not closed in its line", true},
+      {44, ".subckt my a k", "my.inc:44:1: ", "Too many parameters", false},
+      {44, ".subckt my a k g h", "my.inc:44:1: ", "Too few parameters", false},
+      {45, "X1 a k g a thyristor_two_transistor", "my.inc:45:1: ", "Too many parameters", false},
+      {31, "* no on_voltage", "my.inc:43:1: ", "[on_voltage] (thyristor_law.inc:", false}};
   write_file("p.yaml", "circuit: {thyristor: my.inc, deck: halfwave_bare}\n"
                        "run: {tier: circuit, until: 1 ms}\n");
   for (size_t k = 0; k < COUNT(ROWS); k++) {
