@@ -122,18 +122,21 @@ typedef struct climbed {
   bool bent;
 } climbed;
 
+/* Slopes that differ by less, in parts of themselves, are the same but for rounding. */
+static const double SAME_SLOPE = 1e-9;
 static climbed climbed_of(const vs_rising *c, double slope_v_s) {
   climbed of = {.zero_s = c->t0_s,
                 .low_v = fmax(c->v0, 0),
                 .t0_s = c->t0_s,
                 .h_s = c->t1_s - c->t0_s,
                 .v0 = c->v0,
-                .v1 = c->v1,
-                .bent = !isnan(c->slope_v_s) || !isnan(slope_v_s)};
+                .v1 = c->v1};
   if (c->v0 < 0) of.zero_s -= c->v0 / (c->v1 - c->v0) * of.h_s;
   of.s_per_v = (c->t1_s - of.zero_s) / (c->v1 - of.low_v);
-  of.k0 = isnan(c->slope_v_s) ? c->v1 - c->v0 : c->slope_v_s * of.h_s;
-  of.k1 = isnan(slope_v_s) ? c->v1 - c->v0 : slope_v_s * of.h_s;
+  const double rise_v = c->v1 - c->v0;
+  of.k0 = isnan(c->slope_v_s) ? rise_v : c->slope_v_s * of.h_s;
+  of.k1 = isnan(slope_v_s) ? rise_v : slope_v_s * of.h_s;
+  of.bent = fmax(fabs(of.k0 - rise_v), fabs(of.k1 - rise_v)) > SAME_SLOPE * rise_v;
   return of;
 }
 
