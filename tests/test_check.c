@@ -61,95 +61,96 @@ static void expect_places(const char *file, const char *text, const char *places
 /* ---- scenes ---- */
 
 static void all_that_is_wrong_with_a_scene(void) {
-  FINDINGS("s.yaml",
-           "# Ω µ\n"
-           "measured: {i_peak: 1 N, i_peek: 2 A}\n"
-           "machine: {trough_mas: 1 kg, base_mass: 3 m, base_com: [1 s, 2 kg]}\n"
-           "firin:\t{angle: 95 deg}\n"
-           "actuator:\n"
-           "  gap: \"-1 mm\"\n"
-           "  stop: {stifness: 2, damping: 1e99 N.s/m}\n"
-           "load: 3\n"
-           "supply: {voltage: 1 kΩ,\tfrequency: 50}\n"
-           "circuit: {r1: 0 ohm, r99: 1 ohm}\n"
-           "run: {tier: circus, tolerance: 1e-9}\n"
-           "record: [p, forze, p, v_al, v_ak]\n",
-           "--set run.until=soon --set bar --set firing.every=0.5",
-           "--set bar: write KEY=VALUE, for example firing.angle=95deg\n"
-           "s.yaml:2:20: measured.i_peak: '1 N' has the wrong unit; write A\n"
-           " measured: {i_peak: 1 N, i_peek: 2 A}\n"
-           "                    ^\n"
-           "s.yaml:2:25: measured has no key 'i_peek'; did you mean 'i_peak'? "
-           "it has: i_peak, t_fire, t_extinction, conduction_time, force_peak, gap_first_peak, "
-           "gap_second_peak, gap_min, gap_max, stroke, p_min, p_max, u_min, u_max, w_min, w_max, "
-           "phi_min, phi_max, ap_peak, au_peak, aw_peak, aphi_peak, ...\n"
-           " measured: {i_peak: 1 N, i_peek: 2 A}\n"
-           "                         ^\n"
-           "s.yaml:3:11: machine has no key 'trough_mas'; did you mean 'trough_mass'? "
-           "it has: model, trough_mass, base_mass, trough_inertia, base_inertia, spring_angle, "
-           "base_com, trough_com, mount_3, mount_4, spring_stiffness, mount_stiffness_x, "
-           "mount_stiffness_y, spring_damping, mount_damping_x, mount_damping_y, ...\n"
-           " machine: {trough_mas: 1 kg, base_mass: 3 m, base_com: [1 s, 2 kg]}\n"
-           "           ^\n"
-           "s.yaml:3:40: machine.base_mass: '3 m' has the wrong unit; write kg\n"
-           " machine: {trough_mas: 1 kg, base_mass: 3 m, base_com: [1 s, 2 kg]}\n"
-           "                                        ^\n"
-           "s.yaml:3:56: machine.base_com: '1 s' has the wrong unit; write mm\n"
-           " machine: {trough_mas: 1 kg, base_mass: 3 m, base_com: [1 s, 2 kg]}\n"
-           "                                                        ^\n"
-           "s.yaml:3:61: machine.base_com: '2 kg' has the wrong unit; write mm\n"
-           " machine: {trough_mas: 1 kg, base_mass: 3 m, base_com: [1 s, 2 kg]}\n"
-           "                                                             ^\n"
-           "s.yaml:4:1: a scene has no key 'firin'; did you mean 'firing'? "
-           "it has: machine, actuator, load, supply, firing, pwm, circuit, events, instruments, "
-           "control, run, start, record, measured, quality, expect, waive, spread, ratings, ambient, "
-           "heatsink, "
-           "measure, limits\n"
-           " firin:\t{angle: 95 deg}\n"
-           " ^\n"
-           "s.yaml:6:9: actuator.gap: -1 mm is out of range; allowed: 0..1000 mm (ends excluded)\n"
-           "   gap: \"-1 mm\"\n"
-           "         ^\n"
-           "s.yaml:7:10: actuator.stop has no key 'stifness'; did you mean 'stiffness'? "
-           "it has: stiffness, damping, kind, at\n"
-           "   stop: {stifness: 2, damping: 1e99 N.s/m}\n"
-           "          ^\n"
-           "s.yaml:7:32: actuator.stop.damping: 1e99 N.s/m is out of range; allowed: 0..1e+09 "
-           "N.s/m\n"
-           "   stop: {stifness: 2, damping: 1e99 N.s/m}\n"
-           "                                ^\n"
-           "s.yaml:8:7: load: a map of keys is wanted: {key: value, ...}\n"
-           " load: 3\n"
-           "       ^\n"
-           "s.yaml:9:19: supply.voltage: '1 kΩ' has the wrong unit; write V\n"
-           " supply: {voltage: 1 kΩ,\tfrequency: 50}\n"
-           "                   ^\n"
-           "s.yaml:9:36: supply.frequency: 50 has no unit; write for example '50 Hz'\n"
-           " supply: {voltage: 1 kΩ,\tfrequency: 50}\n"
-           "                        \t           ^\n"
-           "s.yaml:10:15: circuit.r1: 0 ohm is out of range; allowed: 0.001..1e+06 ohm\n"
-           " circuit: {r1: 0 ohm, r99: 1 ohm}\n"
-           "               ^\n"
-           "s.yaml:10:22: circuit has no key 'r99'; did you mean 'r1'? "
-           "it has: deck, r1, c1, r2, c2, varistor_voltage, varistor_exponent, thyristor, "
-           "on_voltage, on_resistance, off_resistance\n"
-           " circuit: {r1: 0 ohm, r99: 1 ohm}\n"
-           "                      ^\n"
-           "s.yaml:11:13: run.tier: 'circus' is not one of: auto|analytic|switched|circuit\n"
-           " run: {tier: circus, tolerance: 1e-9}\n"
-           "             ^\n"
-           "s.yaml:12:13: record: no probe 'forze'; did you mean 'force'?\n"
-           " record: [p, forze, p, v_al, v_ak]\n"
-           "             ^\n"
-           "s.yaml:12:20: record: probe p stands here a second time; leave one out\n"
-           " record: [p, forze, p, v_al, v_ak]\n"
-           "                    ^\n"
-           "s.yaml:12:23: record: no probe 'v_al'; did you mean 'v_ak'?\n"
-           " record: [p, forze, p, v_al, v_ak]\n"
-           "                       ^\n"
-           "--set firing.every=0.5: firing.every: 0.5 is out of range; allowed: once or 1..1e+06\n"
-           "--set run.until=soon: run.until: 'soon' is not a number; write a number with its unit, "
-           "in s\n");
+  FINDINGS(
+      "s.yaml",
+      "# Ω µ\n"
+      "measured: {i_peak: 1 N, i_peek: 2 A}\n"
+      "machine: {trough_mas: 1 kg, base_mass: 3 m, base_com: [1 s, 2 kg]}\n"
+      "firin:\t{angle: 95 deg}\n"
+      "actuator:\n"
+      "  gap: \"-1 mm\"\n"
+      "  stop: {stifness: 2, damping: 1e99 N.s/m}\n"
+      "load: 3\n"
+      "supply: {voltage: 1 kΩ,\tfrequency: 50}\n"
+      "circuit: {r1: 0 ohm, r99: 1 ohm}\n"
+      "run: {tier: circus, tolerance: 1e-9}\n"
+      "record: [p, forze, p, v_al, v_ak]\n",
+      "--set run.until=soon --set bar --set firing.every=0.5",
+      "--set bar: write KEY=VALUE, for example firing.angle=95deg\n"
+      "s.yaml:2:20: measured.i_peak: '1 N' has the wrong unit; write A\n"
+      " measured: {i_peak: 1 N, i_peek: 2 A}\n"
+      "                    ^\n"
+      "s.yaml:2:25: measured has no key 'i_peek'; did you mean 'i_peak'? "
+      "it has: i_peak, t_fire, t_extinction, conduction_time, force_peak, gap_first_peak, "
+      "gap_second_peak, gap_min, gap_max, stroke, p_min, p_max, u_min, u_max, w_min, w_max, "
+      "phi_min, phi_max, ap_peak, au_peak, aw_peak, aphi_peak, ...\n"
+      " measured: {i_peak: 1 N, i_peek: 2 A}\n"
+      "                         ^\n"
+      "s.yaml:3:11: machine has no key 'trough_mas'; did you mean 'trough_mass'? "
+      "it has: model, trough_mass, base_mass, trough_inertia, base_inertia, spring_angle, "
+      "base_com, trough_com, mount_3, mount_4, spring_stiffness, mount_stiffness_x, "
+      "mount_stiffness_y, spring_damping, mount_damping_x, mount_damping_y, ...\n"
+      " machine: {trough_mas: 1 kg, base_mass: 3 m, base_com: [1 s, 2 kg]}\n"
+      "           ^\n"
+      "s.yaml:3:40: machine.base_mass: '3 m' has the wrong unit; write kg\n"
+      " machine: {trough_mas: 1 kg, base_mass: 3 m, base_com: [1 s, 2 kg]}\n"
+      "                                        ^\n"
+      "s.yaml:3:56: machine.base_com: '1 s' has the wrong unit; write mm\n"
+      " machine: {trough_mas: 1 kg, base_mass: 3 m, base_com: [1 s, 2 kg]}\n"
+      "                                                        ^\n"
+      "s.yaml:3:61: machine.base_com: '2 kg' has the wrong unit; write mm\n"
+      " machine: {trough_mas: 1 kg, base_mass: 3 m, base_com: [1 s, 2 kg]}\n"
+      "                                                             ^\n"
+      "s.yaml:4:1: a scene has no key 'firin'; did you mean 'firing'? "
+      "it has: machine, actuator, load, supply, firing, pwm, circuit, events, instruments, "
+      "control, run, start, record, measured, quality, expect, waive, spread, ratings, ambient, "
+      "heatsink, "
+      "measure, limits\n"
+      " firin:\t{angle: 95 deg}\n"
+      " ^\n"
+      "s.yaml:6:9: actuator.gap: -1 mm is out of range; allowed: 0..1000 mm (ends excluded)\n"
+      "   gap: \"-1 mm\"\n"
+      "         ^\n"
+      "s.yaml:7:10: actuator.stop has no key 'stifness'; did you mean 'stiffness'? "
+      "it has: stiffness, damping, kind, at\n"
+      "   stop: {stifness: 2, damping: 1e99 N.s/m}\n"
+      "          ^\n"
+      "s.yaml:7:32: actuator.stop.damping: 1e99 N.s/m is out of range; allowed: 0..1e+09 "
+      "N.s/m\n"
+      "   stop: {stifness: 2, damping: 1e99 N.s/m}\n"
+      "                                ^\n"
+      "s.yaml:8:7: load: a map of keys is wanted: {key: value, ...}\n"
+      " load: 3\n"
+      "       ^\n"
+      "s.yaml:9:19: supply.voltage: '1 kΩ' has the wrong unit; write V\n"
+      " supply: {voltage: 1 kΩ,\tfrequency: 50}\n"
+      "                   ^\n"
+      "s.yaml:9:36: supply.frequency: 50 has no unit; write for example '50 Hz'\n"
+      " supply: {voltage: 1 kΩ,\tfrequency: 50}\n"
+      "                        \t           ^\n"
+      "s.yaml:10:15: circuit.r1: 0 ohm is out of range; allowed: 0.001..1e+06 ohm\n"
+      " circuit: {r1: 0 ohm, r99: 1 ohm}\n"
+      "               ^\n"
+      "s.yaml:10:22: circuit has no key 'r99'; did you mean 'r1'? "
+      "it has: deck, r1, c1, r2, c2, varistor_voltage, varistor_exponent, thyristor, "
+      "on_voltage, on_resistance, off_resistance\n"
+      " circuit: {r1: 0 ohm, r99: 1 ohm}\n"
+      "                      ^\n"
+      "s.yaml:11:13: run.tier: 'circus' is not one of: auto|analytic|switched|circuit\n"
+      " run: {tier: circus, tolerance: 1e-9}\n"
+      "             ^\n"
+      "s.yaml:12:13: record: no probe 'forze'; did you mean 'force'?\n"
+      " record: [p, forze, p, v_al, v_ak]\n"
+      "             ^\n"
+      "s.yaml:12:20: record: probe p stands here a second time; leave one out\n"
+      " record: [p, forze, p, v_al, v_ak]\n"
+      "                    ^\n"
+      "s.yaml:12:23: record: no probe 'v_al'; did you mean 'v_ak'?\n"
+      " record: [p, forze, p, v_al, v_ak]\n"
+      "                       ^\n"
+      "--set firing.every=0.5: firing.every: 0.5 is out of range; allowed: once or 1..1e+06\n"
+      "--set run.until=soon: run.until: 'soon' is not a number; write a number with its unit, "
+      "in s\n");
 }
 
 /* Findings of single reading steps, with others before and behind them. */
@@ -572,7 +573,82 @@ static void warnings(void) {
   vs_text_free(&deck);
 }
 
+/* ---- numbers that a double cannot hold ---- */
+
+/* A door each. What cannot be held stands where %s does, once as 1e999 and once as 1e-400. */
+static void numbers_beyond(void) {
+#define DECK(line) "* d\n*$ probe v = v(a) V \"x\"\nVmains a 0 external\nXeva a 0 eva\n" line "\n"
+#define PART(line)                                                                                 \
+  "*$ part thyristor \"p\"\n" line "\n.subckt p a k g\nR1 a k 1meg\nR2 g k 1k\n.ends\n"
+#define STUDY(values) "scene: paper\nvary: {supply.voltage: " values "}\nreport: [i_peak]\n"
+  static const struct {
+    const char *file, *text, *command, *place;
+  } ROWS[] = {
+      {"s.yaml", "supply: {voltage: %s V}\n", "check s.yaml", "s.yaml:1:19: "},
+      {"s.yaml", "ratings: {i_peak: 0 .. %s A}\n", "check s.yaml", "s.yaml:1:19: "},
+      {"s.yaml", "spread: {supply.voltage: %s %% uniform}\n", "check s.yaml", "s.yaml:1:26: "},
+      {"s.yaml", "instruments: {p: {noise: %s um}}\n", "check s.yaml", "s.yaml:1:26: "},
+      {NULL, NULL, "check paper --set supply.voltage=%sV", "--set supply.voltage="},
+      {NULL, NULL, "run paper --until %ss", "--set run.until="},
+      {NULL, NULL, "run paper --tolerance %s", "--set run.tolerance="},
+      {NULL, NULL, "run paper --angle %sdeg", "--set firing.angle="},
+      {NULL, NULL, "steady paper --along supply.voltage=%sV..240V", "--along supply.voltage="},
+      {NULL, NULL, "steady paper --along supply.voltage=9V..240V --at %sV",
+       "--at: supply.voltage: "},
+      {"t.yaml", STUDY("[%s V, 3 V]"), "check t.yaml", "t.yaml:2:25: "},
+      {"t.yaml", STUDY("{from: %s V, to: 3 V, step: 1 V}"), "check t.yaml", "t.yaml:2:31: "},
+      {"t.yaml", STUDY("{from: 1 V, to: %s V, step: 1 V}"), "check t.yaml", "t.yaml:2:40: "},
+      {"t.yaml", STUDY("{from: 1 V, to: 3 V, step: %s V}"), "check t.yaml", "t.yaml:2:51: "},
+      {"t.yaml", STUDY("{log: [%s V, 3 V], n: 3}"), "check t.yaml", "t.yaml:2:31: "},
+      {"t.yaml", STUDY("{lin: [1 V, 3 V], n: %s}"), "check t.yaml", "t.yaml:2:45: "},
+      {"f.yaml",
+       "scene: paper\nfree:\n  machine.trough_mass: {from: %s kg, to: 4 kg}\nmeasures:\n"
+       "  i_peak: {value: 1 A, error: 3 %%}\n",
+       "check f.yaml", "f.yaml:3:31: "},
+      {"f.yaml",
+       "scene: paper\nfree:\n  machine.trough_mass: {from: 1 kg, to: 4 kg}\nmeasures:\n"
+       "  i_peak: {value: %s A, error: 3 %%}\n",
+       "check f.yaml", "f.yaml:5:19: "},
+      {"d.cir", DECK("*$ param r = %s ohm 0..3 \"x\""), "check d.cir", "d.cir:5:14: "},
+      {"d.cir", DECK("*$ param r = 1 ohm %s..3 \"x\""), "check d.cir", "d.cir:5:14: "},
+      {"d.cir", DECK("*$ param r = 1 ohm 0..%s \"x\""), "check d.cir", "d.cir:5:14: "},
+      {"d.cir", DECK("*$ rating v -5..%s V \"x\""), "check d.cir", "d.cir:5:13: "},
+      {"d.cir", DECK(".param zz=%s"), "check d.cir", "d.cir:5:11: "},
+      {"d.cir", DECK("R9 a 0 {3*%s}"), "check d.cir", "d.cir:5:11: "},
+      {"d.cir", DECK("B9 b 0 V=v(a)*%s"), "check d.cir", "d.cir:5:15: "},
+      {"d.cir", DECK("R9 a 0 .%s"), "check d.cir", "d.cir:5:8: "},
+      {"p.inc", PART("*$ limit v_drm = %s V \"x\""), "check p.inc", "p.inc:2:18: "},
+      {"p.inc", PART("*$ zth %s K/W 1 ms \"x\""), "check p.inc", "p.inc:2:8: "},
+      {"p.inc", PART("*$ pulse 20 us %s 30 A \"x\""), "check p.inc", "p.inc:2:10: "},
+      {"p.inc", PART("*$ surge %s 30 A \"x\""), "check p.inc", "p.inc:2:10: "},
+      {"p.inc", PART("*$ model dv_dt = %s %% \"x\""), "check p.inc", "p.inc:2:18: "},
+      {"p.inc", PART("*$ derate i_t_rms %s degC 100 %% \"x\""), "check p.inc", "p.inc:2:11: "},
+      {"p.inc", PART("*$ at 25 degC t_q = %s us \"x\""), "check p.inc", "p.inc:2:21: "},
+  };
+  static const char *const NUMBERS[] = {"1e999", "1e-400"};
+  for (size_t k = 0; k < COUNT(ROWS); k++)
+    for (size_t n = 0; n < COUNT(NUMBERS); n++) {
+      char text[600], command[200];
+      if (ROWS[k].file) {
+        snprintf(text, sizeof text, ROWS[k].text, NUMBERS[n]);
+        write_file(ROWS[k].file, text);
+      }
+      snprintf(command, sizeof command, ROWS[k].command, NUMBERS[n]);
+      ran r = run("%s", command);
+      const char *line = strstr(r.err, ROWS[k].place), *end = line ? strchr(line, '\n') : NULL;
+      vs_text said = {0};
+      vs_text_add(&said, "%.*s", line && end ? (int)(end - line) : 0, line ? line : "");
+      EXPECT(r.status == 2 && line && (strstr(said.text, "write ") || strstr(said.text, " wanted")),
+             "%s with %s: status %d: %s", ROWS[k].text ? ROWS[k].text : command, NUMBERS[n],
+             r.status, r.err);
+      vs_text_free(&said);
+      free_ran(&r);
+      if (ROWS[k].file) remove(ROWS[k].file);
+    }
+}
+
 static const vs_test TESTS[] = {
+    {"numbers beyond", numbers_beyond},
     {"all that is wrong with a scene", all_that_is_wrong_with_a_scene},
     {"a scene is read to its end", a_scene_is_read_to_its_end},
     {"no echoes", no_echoes},

@@ -61,6 +61,9 @@ static vs_status set_range(vs_field *field, param_text *p, char *default_text, s
   char why[200];
   double si;
   snprintf(default_text, size, "%s%s%s", p->value, *p->unit ? " " : "", p->unit);
+  if (vs_text_beyond(p->value))
+    return vs_fail_at(err, p->where, "param %s: %s: %s", p->name, p->value,
+                      vs_text_beyond(p->value));
   if (!vs_units_known(p->unit) || !vs_units_read(default_text, p->unit, &si, why, sizeof why))
     return vs_fail_at(err, p->where,
                       "param %s: '%s' is not a number with a unit known here; both are words of "
