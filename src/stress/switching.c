@@ -120,10 +120,13 @@ typedef struct climbed {
   double t0_s, h_s, v0, v1;      /* the whole step */
   double k0, k1;                 /* the slopes at its ends, in V over the step */
   bool bent;
+  double bow_s; /* how far the cubic is from the straight line, at its farthest */
 } climbed;
 
 /* Slopes that differ by less, in parts of themselves, are the same but for rounding. */
 static const double SAME_SLOPE = 1e-9;
+/* A slope that is off by 1 at one end of a cubic moves it by no more than this within the step. */
+static const double BOW = 4.0 / 27;
 static climbed climbed_of(const vs_rising *c, double slope_v_s) {
   climbed of = {.zero_s = c->t0_s,
                 .low_v = fmax(c->v0, 0),
@@ -136,7 +139,9 @@ static climbed climbed_of(const vs_rising *c, double slope_v_s) {
   const double rise_v = c->v1 - c->v0;
   of.k0 = isnan(c->slope_v_s) ? rise_v : c->slope_v_s * of.h_s;
   of.k1 = isnan(slope_v_s) ? rise_v : slope_v_s * of.h_s;
-  of.bent = fmax(fabs(of.k0 - rise_v), fabs(of.k1 - rise_v)) > SAME_SLOPE * rise_v;
+  const double off_v = fabs(of.k0 - rise_v) + fabs(of.k1 - rise_v);
+  of.bent = off_v > SAME_SLOPE * rise_v;
+  of.bow_s = of.bent ? BOW * off_v * of.s_per_v : 0;
   return of;
 }
 
@@ -163,7 +168,7 @@ static vs_instant instant_at(const climbed *c, double v) {
   if (!c->bent) return (vs_instant){straight_s, 0};
   const double part = (straight_s - c->t0_s) / c->h_s,
                t_s = c->t0_s + part_at(c, v, fmin(fmax(part, 0), 1)) * c->h_s;
-  return (vs_instant){t_s, fabs(t_s - straight_s)};
+  return (vs_instant){t_s, c->bow_s};
 }
 
 /* Takes a stretch that began at a kept point, where it ends in this step. */

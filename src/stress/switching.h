@@ -82,11 +82,11 @@ void vs_switching_gate_follow(vs_gate_watch *gate, const vs_course_step *c);
 typedef struct vs_ascent {
   double from_s, took_s; /* took_s: INFINITY where there is no such stretch */
   double over_v;         /* how far it rises */
-  double bent_s; /* by how much its ends lie elsewhere on straight lines from knot to knot */
+  double bent_s;         /* how far straight lines are from the cubics in the steps of its ends */
 } vs_ascent;
 
-/* An instant at which a course is at some value. bent_s: how far from it the straight line from
- * knot to knot is there. */
+/* An instant at which a course is at some value. bent_s: by no more than this the straight line
+ * from knot to knot is elsewhere, anywhere in that step. */
 typedef struct vs_instant {
   double t_s, bent_s;
 } vs_instant;
