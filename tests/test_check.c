@@ -614,7 +614,82 @@ static void run_agrees(void) {
   EXPECT(range || (good >= 10 && refused >= 1), "%d are good, %d are refused", good, refused);
 }
 
+/* ---- numbers that a double cannot hold ---- */
+
+/* A door each. What cannot be held stands where %s does, once as 1e999 and once as 1e-400. */
+static void numbers_beyond(void) {
+#define DECK(line) "* d\n*$ probe v = v(a) V \"x\"\nVmains a 0 external\nXeva a 0 eva\n" line "\n"
+#define PART(line)                                                                                 \
+  "*$ part thyristor \"p\"\n" line "\n.subckt p a k g\nR1 a k 1meg\nR2 g k 1k\n.ends\n"
+#define STUDY(values) "scene: paper\nvary: {supply.voltage: " values "}\nreport: [i_peak]\n"
+  static const struct {
+    const char *file, *text, *command, *place;
+  } ROWS[] = {
+      {"s.yaml", "supply: {voltage: %s V}\n", "check s.yaml", "s.yaml:1:19: "},
+      {"s.yaml", "ratings: {i_peak: 0 .. %s A}\n", "check s.yaml", "s.yaml:1:19: "},
+      {"s.yaml", "spread: {supply.voltage: %s %% uniform}\n", "check s.yaml", "s.yaml:1:26: "},
+      {"s.yaml", "instruments: {p: {noise: %s um}}\n", "check s.yaml", "s.yaml:1:26: "},
+      {NULL, NULL, "check paper --set supply.voltage=%sV", "--set supply.voltage="},
+      {NULL, NULL, "run paper --until %ss", "--set run.until="},
+      {NULL, NULL, "run paper --tolerance %s", "--set run.tolerance="},
+      {NULL, NULL, "run paper --angle %sdeg", "--set firing.angle="},
+      {NULL, NULL, "steady paper --along supply.voltage=%sV..240V", "--along supply.voltage="},
+      {NULL, NULL, "steady paper --along supply.voltage=9V..240V --at %sV",
+       "--at: supply.voltage: "},
+      {"t.yaml", STUDY("[%s V, 3 V]"), "check t.yaml", "t.yaml:2:25: "},
+      {"t.yaml", STUDY("{from: %s V, to: 3 V, step: 1 V}"), "check t.yaml", "t.yaml:2:31: "},
+      {"t.yaml", STUDY("{from: 1 V, to: %s V, step: 1 V}"), "check t.yaml", "t.yaml:2:40: "},
+      {"t.yaml", STUDY("{from: 1 V, to: 3 V, step: %s V}"), "check t.yaml", "t.yaml:2:51: "},
+      {"t.yaml", STUDY("{log: [%s V, 3 V], n: 3}"), "check t.yaml", "t.yaml:2:31: "},
+      {"t.yaml", STUDY("{lin: [1 V, 3 V], n: %s}"), "check t.yaml", "t.yaml:2:45: "},
+      {"f.yaml",
+       "scene: paper\nfree:\n  machine.trough_mass: {from: %s kg, to: 4 kg}\nmeasures:\n"
+       "  i_peak: {value: 1 A, error: 3 %%}\n",
+       "check f.yaml", "f.yaml:3:31: "},
+      {"f.yaml",
+       "scene: paper\nfree:\n  machine.trough_mass: {from: 1 kg, to: 4 kg}\nmeasures:\n"
+       "  i_peak: {value: %s A, error: 3 %%}\n",
+       "check f.yaml", "f.yaml:5:19: "},
+      {"d.cir", DECK("*$ param r = %s ohm 0..3 \"x\""), "check d.cir", "d.cir:5:14: "},
+      {"d.cir", DECK("*$ param r = 1 ohm %s..3 \"x\""), "check d.cir", "d.cir:5:14: "},
+      {"d.cir", DECK("*$ param r = 1 ohm 0..%s \"x\""), "check d.cir", "d.cir:5:14: "},
+      {"d.cir", DECK("*$ rating v -5..%s V \"x\""), "check d.cir", "d.cir:5:13: "},
+      {"d.cir", DECK(".param zz=%s"), "check d.cir", "d.cir:5:11: "},
+      {"d.cir", DECK("R9 a 0 {3*%s}"), "check d.cir", "d.cir:5:11: "},
+      {"d.cir", DECK("B9 b 0 V=v(a)*%s"), "check d.cir", "d.cir:5:15: "},
+      {"d.cir", DECK("R9 a 0 .%s"), "check d.cir", "d.cir:5:8: "},
+      {"p.inc", PART("*$ limit v_drm = %s V \"x\""), "check p.inc", "p.inc:2:18: "},
+      {"p.inc", PART("*$ zth %s K/W 1 ms \"x\""), "check p.inc", "p.inc:2:8: "},
+      {"p.inc", PART("*$ pulse 20 us %s 30 A \"x\""), "check p.inc", "p.inc:2:10: "},
+      {"p.inc", PART("*$ surge %s 30 A \"x\""), "check p.inc", "p.inc:2:10: "},
+      {"p.inc", PART("*$ model dv_dt = %s %% \"x\""), "check p.inc", "p.inc:2:18: "},
+      {"p.inc", PART("*$ derate i_t_rms %s degC 100 %% \"x\""), "check p.inc", "p.inc:2:11: "},
+      {"p.inc", PART("*$ at 25 degC t_q = %s us \"x\""), "check p.inc", "p.inc:2:21: "},
+  };
+  static const char *const NUMBERS[] = {"1e999", "1e-400"};
+  for (size_t k = 0; k < COUNT(ROWS); k++)
+    for (size_t n = 0; n < COUNT(NUMBERS); n++) {
+      char text[600], command[200];
+      if (ROWS[k].file) {
+        snprintf(text, sizeof text, ROWS[k].text, NUMBERS[n]);
+        write_file(ROWS[k].file, text);
+      }
+      snprintf(command, sizeof command, ROWS[k].command, NUMBERS[n]);
+      ran r = run("%s", command);
+      const char *line = strstr(r.err, ROWS[k].place), *end = line ? strchr(line, '\n') : NULL;
+      vs_text said = {0};
+      vs_text_add(&said, "%.*s", line && end ? (int)(end - line) : 0, line ? line : "");
+      EXPECT(r.status == 2 && line && (strstr(said.text, "write ") || strstr(said.text, " wanted")),
+             "%s with %s: status %d: %s", ROWS[k].text ? ROWS[k].text : command, NUMBERS[n],
+             r.status, r.err);
+      vs_text_free(&said);
+      free_ran(&r);
+      if (ROWS[k].file) remove(ROWS[k].file);
+    }
+}
+
 static const vs_test TESTS[] = {
+    {"numbers beyond", numbers_beyond},
     {"all that is wrong with a scene", all_that_is_wrong_with_a_scene},
     {"a scene is read to its end", a_scene_is_read_to_its_end},
     {"no echoes", no_echoes},

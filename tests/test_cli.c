@@ -68,6 +68,27 @@ static void verdict_and_audit(void) {
   free_ran(&r);
 }
 
+/* A circuit that sends no current through the EVA told 1.8e-51 J of work and 1.9e-28 m of travel.
+ * By the table as by JSON such numbers are 0. */
+static void rounding_is_told_as_zero(void) {
+  ran r = run("run paper --json --set circuit.deck=bridge_link --set run.until=40ms");
+  int zeros = 0;
+  for (const char *at = r.out; at && (at = strstr(at, "\": ")); at += 3) {
+    char *end;
+    const double value = strtod(at + 3, &end);
+    EXPECT(value == 0 || fabs(value) > 1e-20, "%.60s", at);
+    zeros += value == 0 && end > at + 3;
+  }
+  CU_ASSERT(zeros > 10);
+  const char *work = strstr(r.out, "\"work_force\": {\"value\": 0,");
+  EXPECT(work, "%s", r.out);
+  free_ran(&r);
+  r = run("run paper --all --set circuit.deck=bridge_link --set run.until=40ms");
+  EXPECT(strstr(r.out, "work_force") && !strstr(r.out, "e-51") && !strstr(r.out, "e-28"), "%s",
+         r.out);
+  free_ran(&r);
+}
+
 /* ---- bad input ---- */
 
 static void bad_scenes_are_refused(void) {
@@ -1063,6 +1084,7 @@ static void files_beside(void) {
 }
 
 static const vs_test TESTS[] = {
+    {"rounding is told as zero", rounding_is_told_as_zero},
     {"files beside", files_beside},
     {"bad scenes are refused", bad_scenes_are_refused},
     {"bad commands are refused", bad_commands_are_refused},

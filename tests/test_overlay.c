@@ -228,6 +228,7 @@ static void bad_files_are_refused(void) {
       {"t_s,p_m\n0,\n", "m.csv:2:3: ", {"''", "number"}},
       {"t_s,p_m\n0,nan\n", "m.csv:2:3: ", {"'nan'", "number"}},
       {"t_s,p_m\n0,1e999\n", "m.csv:2:3: ", {"'1e999'", "finite"}},
+      {"t_s,p_m\n0,1e-400\n", "m.csv:2:3: ", {"'1e-400'", "too small"}},
       {"t_s,p_m\n0,0x1p3\n", "m.csv:2:3: ", {"'0x1p3'", "number"}},
       {"t_s,p_m\n0,1\r1,2\r", "m.csv:2:", {"cells in this row: 3", NULL}},
       {"# from the rig\nt_s,p_m\n0,1\n", "m.csv:1:1: ", {"t_ms", "'# from the rig'"}},

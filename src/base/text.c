@@ -3,6 +3,7 @@
 
 #include <assert.h>
 #include <ctype.h>
+#include <float.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdbool.h>
@@ -235,4 +236,28 @@ size_t vs_text_number(char text[VS_NUMBER_SIZE], double value, int digits) {
   }
   *to = '\0';
   return (size_t)(to - text);
+}
+
+/* True where the digits before an exponent are not all 0. */
+static bool has_digits(const char *text, const char *end) {
+  const bool hexadecimal = strpbrk(text, "xX") && strpbrk(text, "xX") < end;
+  for (const char *s = text; s < end && (hexadecimal || !strchr("eE", *s)); s++)
+    if (*s >= '1' && *s <= '9') return true;
+  return false;
+}
+
+const char *vs_text_beyond(const char *text) {
+  char *end;
+  const double value = strtod(text, &end);
+  const size_t before = strspn(text, " \t+-");
+  if (end == text || !strchr(".0123456789", text[before])) return NULL; /* as inf and nan */
+  if (isinf(value)) return "too large a number: one below 1e300 is wanted";
+  if (fabs(value) < DBL_MIN && has_digits(text, end))
+    return "too small a number: 0, or one above 1e-300, is wanted";
+  return NULL;
+}
+
+double vs_text_to_number(const char *text, char **end) {
+  const double value = strtod(text, end);
+  return (isinf(value) || fabs(value) < DBL_MIN) && vs_text_beyond(text) ? NAN : value;
 }

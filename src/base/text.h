@@ -47,4 +47,12 @@ int vs_text_column(const char *line, const char *at);
 enum { VS_NUMBER_SIZE = 32 }; /* bytes, the end included */
 size_t vs_text_number(char text[VS_NUMBER_SIZE], double value, int digits);
 
+/* Reads the number that the text begins with as strtod does; *end is what is behind it, or the text
+ * where there is none. A number that a double cannot hold is read as NaN: one beyond 1.8e308, and
+ * one that is not 0 but below 2.3e-308, of which only some digits would be kept, or none. */
+double vs_text_to_number(const char *text, char **end);
+/* Says of a number that the text begins with why it is read as NaN, and what would be right, as
+ * "too large a number: one below 1e300 is wanted"; NULL: it is not. */
+const char *vs_text_beyond(const char *text);
+
 #endif

@@ -2,6 +2,7 @@
 #include "catalogue/catalogue.h"
 
 #include <ctype.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -203,8 +204,7 @@ static bool is_number(vs_word cell) {
   if (cell.n == 0 || cell.n >= sizeof text) return false;
   snprintf(text, sizeof text, "%.*s", (int)cell.n, cell.at);
   if (!isdigit((unsigned char)*text) && !strchr("+-.", *text)) return false;
-  strtod(text, &end);
-  return !*end;
+  return !isnan(vs_text_to_number(text, &end)) && !*end;
 }
 
 /* Puts the cell of a column. `quoted`: into a text, where it need be no number. */

@@ -141,7 +141,7 @@ static bool read_angle(const char *text, double *angle_deg) {
   *angle_deg = NAN;
   if (!strcmp(text, "null")) return true;
   *angle_deg = strtod(text, &end);
-  return *text && !*end;
+  return *text && !*end && (isinf(*angle_deg) || !vs_text_beyond(text));
 }
 
 /* Takes the line apart: an angle, or the law's own trouble. */

@@ -13,12 +13,18 @@
 #include "deck/parts.h"
 #include "syntax/units.h"
 
+/* What vs_text_beyond says of an end of the range; NULL: nothing. */
+static const char *beyond_in(const char *range) {
+  const char *dots = strstr(range, ".."), *first = vs_text_beyond(range);
+  return first || !dots ? first : vs_text_beyond(dots + 2);
+}
+
 static bool read_range(char *token, double *min, double *max) {
   char *dots = strstr(token, ".."), *end_min, *end_max;
   if (!dots) return false;
   *dots = '\0';
-  *min = strtod(token, &end_min);
-  *max = strtod(dots + 2, &end_max);
+  *min = vs_text_to_number(token, &end_min);
+  *max = vs_text_to_number(dots + 2, &end_max);
   return end_min != token && !*end_min && end_max != dots + 2 && !*end_max && *min <= *max;
 }
 
@@ -55,11 +61,16 @@ static vs_status set_range(vs_field *field, param_text *p, char *default_text, s
   char why[200];
   double si;
   snprintf(default_text, size, "%s%s%s", p->value, *p->unit ? " " : "", p->unit);
+  if (vs_text_beyond(p->value))
+    return vs_fail_at(err, p->where, "param %s: %s: %s", p->name, p->value,
+                      vs_text_beyond(p->value));
   if (!vs_units_known(p->unit) || !vs_units_read(default_text, p->unit, &si, why, sizeof why))
     return vs_fail_at(err, p->where,
                       "param %s: '%s' is not a number with a unit known here; both are words of "
                       "their own, as '25 mA'",
                       p->name, default_text);
+  const char *beyond = beyond_in(p->range);
+  if (beyond) return vs_fail_at(err, p->where, "param %s: %s: %s", p->name, p->range, beyond);
   if (!read_range(p->range, &field->min, &field->max))
     return vs_fail_at(err, p->where, "param %s: a range MIN..MAX is wanted after the value",
                       p->name);

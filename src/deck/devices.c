@@ -138,11 +138,11 @@ static bool read_ambient(vs_cursor *c, vs_ambient_row *row) {
   char value[VS_DECK_NAME], unit[VS_DECK_NAME], *end;
   vs_cursor_token(c, value, sizeof value);
   vs_cursor_token(c, unit, sizeof unit);
-  row->ambient_degc = strtod(value, &end);
+  row->ambient_degc = vs_text_to_number(value, &end);
   if (end == value || *end || !isfinite(row->ambient_degc) || strcmp(unit, "degC")) return false;
   vs_cursor_token(c, value, sizeof value);
   vs_cursor_token(c, unit, sizeof unit);
-  row->factor = strtod(value, &end) / 100;
+  row->factor = vs_text_to_number(value, &end) / 100;
   return end != value && !*end && !strcmp(unit, "%") && row->factor >= 0 && row->factor < 10;
 }
 
@@ -194,7 +194,7 @@ vs_status vs_devices_pulse(vs_deck *deck, vs_cursor *c, vs_error *err) {
   vs_where where = vs_cursor_here(c);
   bool good = read_positive(c, "s", &d.width_s);
   vs_cursor_token(c, number, sizeof number);
-  d.number = strtod(number, &end);
+  d.number = vs_text_to_number(number, &end);
   good = good && end != number && !*end && d.number >= 1 && read_positive(c, "A", &d.current_a);
   if (!good)
     return vs_fail_at(err, where,
@@ -222,7 +222,7 @@ vs_status vs_devices_surge(vs_deck *deck, vs_cursor *c, vs_error *err) {
   vs_cursor_skip(c);
   vs_where where = vs_cursor_here(c);
   vs_cursor_token(c, number, sizeof number);
-  row.number = strtod(number, &end);
+  row.number = vs_text_to_number(number, &end);
   bool good = end != number && !*end && isfinite(row.number) && row.number >= 1;
   if (!good || !read_positive(c, "A", &row.current_a))
     return vs_fail_at(

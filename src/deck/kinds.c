@@ -32,6 +32,14 @@
     "i2t_short", "A2.s", SHORT_TEXT, VS_R_SHORT, VS_OF_I2, 1, NULL, VS_AT_MOST                     \
   }
 
+#define RISE_ERROR                                                                                 \
+  {                                                                                                \
+    "dv_dt_error", "V/us",                                                                         \
+        "error of dv_dt from how the voltage is taken to run between the solver's instants, on a " \
+        "cubic or straight; it comes on top of run.tolerance",                                     \
+        VS_R_RISE_ERROR, VS_OF_V, 1, NULL, VS_AT_MOST                                              \
+  }
+
 static const vs_device_measure THYRISTOR[] = {
     {"v_forward", "V", "peak forward voltage", VS_R_PEAK, VS_OF_V, 1, "v_drm", VS_AT_MOST},
     {"v_reverse", "V", "peak reverse voltage", VS_R_PEAK, VS_OF_V, -1, "v_rrm", VS_AT_MOST},
@@ -40,6 +48,7 @@ static const vs_device_measure THYRISTOR[] = {
      "dv_dt_over of its part (a tenth of v_drm); a rise under a gate pulse that ends as the device "
      "fires does not count",
      VS_R_RISE, VS_OF_V, 1, "dv_dt", VS_AT_MOST},
+    RISE_ERROR,
     {"dv_dt_max", "V/us", "largest rate of forward off-state voltage, over any 0.1 us",
      VS_R_OFF_RATE, VS_OF_V, 1, NULL, VS_AT_MOST},
     {"di_dt", "A/us",
@@ -85,6 +94,7 @@ static const vs_device_measure TRIAC[] = {
      "dv_dt_over of its part (a tenth of v_drm); a rise under a gate pulse that ends as the device "
      "fires does not count",
      VS_R_RISE, VS_OF_V, 1, "dv_dt", VS_AT_MOST},
+    RISE_ERROR,
     {"dv_dt_max", "V/us", "largest rate of off-state voltage, either way, over any 0.1 us",
      VS_R_OFF_RATE, VS_OF_V, 1, NULL, VS_AT_MOST},
     {"di_dt", "A/us",

@@ -41,6 +41,7 @@ enum { VS_OF_FLUX, VS_OF_V, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_OF_V2, VS_COURSES
  *   VS_R_JUNCTION     rise of the junction's temperature, by the part's lines zth
  *   VS_R_RISE         steepest mean rate of a rise of forward voltage over any stretch that rises
  *                     by the limit dv_dt_over
+ *   VS_R_RISE_ERROR   what that may be wrong by for how the voltage runs between two knots
  *   VS_R_OFF_RATE     largest rising rate of blocked forward voltage, over any 0.1 us
  *   VS_R_ON_RATE      largest rate of current from firing to its first maximum, and for 1 us at
  *                     least, over any 0.1 us
@@ -81,6 +82,7 @@ enum { VS_OF_FLUX, VS_OF_V, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_OF_V2, VS_COURSES
   X(VS_R_STEEPEST, steepest)                                                                       \
   X(VS_R_JUNCTION, vs_junction_of_power)                                                           \
   X(VS_R_RISE, vs_told_rise)                                                                       \
+  X(VS_R_RISE_ERROR, vs_told_rise_error)                                                           \
   X(VS_R_OFF_RATE, vs_told_off_rate)                                                               \
   X(VS_R_ON_RATE, vs_told_on_rate)                                                                 \
   X(VS_R_OFFERED, vs_told_offered)                                                                 \

@@ -76,8 +76,8 @@ vs_status vs_parts_limit(vs_deck *deck, vs_cursor *c, vs_error *err) {
 /* Reads an end of a rating, as "-0.5", "thyristor.v_drm" or "-thyristor.v_rrm". */
 static bool read_bound(const char *text, vs_bound *bound) {
   char *end, *dot;
-  bound->value = strtod(text, &end);
-  if (end != text && !*end) return true;
+  bound->value = vs_text_to_number(text, &end);
+  if (end != text && !*end) return !isnan(bound->value);
   bound->sign = *text == '-' ? -1 : 1;
   snprintf(bound->part, sizeof bound->part, "%s", text + (*text == '-'));
   dot = strchr(bound->part, '.');
@@ -194,7 +194,7 @@ vs_status vs_parts_model(vs_deck *deck, vs_cursor *c, vs_error *err) {
   vs_where where = vs_cursor_here(c);
   vs_cursor_token(c, value, sizeof value);
   vs_cursor_token(c, unit, sizeof unit);
-  m.deviation = strtod(value, &end) / 100;
+  m.deviation = vs_text_to_number(value, &end) / 100;
   bool good = end != value && !*end && !strcmp(unit, "%");
   if (!good || !(m.deviation >= -1 && m.deviation <= MOST_DEVIATION))
     return vs_fail_at(err, where,

@@ -2,6 +2,7 @@
 #include "dialect/numbers.h"
 
 #include <ctype.h>
+#include <float.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -9,6 +10,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "base/text.h"
 #include "dialect/words.h"
 
 double vs_numbers_factor(const char *s, size_t *length) {
@@ -81,14 +83,19 @@ static size_t read_of(const char *s, size_t *n) {
   return k;
 }
 
-/* True for a number of those that are beyond what a computer's number can be, as 1e400, which
- * ngspice takes for infinity. n is the length of the word. */
-static bool is_infinite(const char *s, size_t n) {
+/* What is wrong with a number beyond what a computer's number can be, as 1e400, which ngspice takes
+ * for infinity, and 1e-400, which it takes for 0. n is the length of the word. NULL: nothing. */
+static const char *beyond(const char *s, size_t n) {
   char *end;
   size_t length;
-  if (!memchr(s, 'e', n) && !memchr(s, 'E', n)) return false;
-  const double value = strtod(s, &end);
-  return !isfinite(value * vs_numbers_factor(end, &length));
+  if (!memchr(s, 'e', n) && !memchr(s, 'E', n)) return NULL;
+  const double number = strtod(s, &end), value = number * vs_numbers_factor(end, &length);
+  const char *of_number = vs_text_beyond(s);
+  if (!isfinite(value))
+    return "is too large: ngspice takes it for infinity; a number below 1e308 is wanted";
+  if (of_number || (number != 0 && fabs(value) < DBL_MIN))
+    return "is too small: ngspice takes it for 0; 0, or a number above 1e-300, is wanted";
+  return NULL;
 }
 
 /* Looks for numbers such as 4k7 from `from` on. What stands in v() and i() are names. */
@@ -105,11 +112,8 @@ static vs_status check_factors(const vs_line *line, const char *from, vs_error *
       return vs_fail_at(err, vs_line_place(line, s),
                         "'%.*s' is no number: ngspice reads %.*s and leaves the rest out", (int)n,
                         s, (int)read_of(s, &n), s);
-    else if (begins && isdigit((unsigned char)*s) && is_infinite(s, n))
-      return vs_fail_at(
-          err, vs_line_place(line, s),
-          "'%.*s' is too large: ngspice takes it for infinity; a number below 1e308 is wanted",
-          (int)n, s);
+    else if (begins && isdigit((unsigned char)s[*s == '.']) && read_of(s, &n) && beyond(s, n))
+      return vs_fail_at(err, vs_line_place(line, s), "'%.*s' %s", (int)n, s, beyond(s, n));
   }
   return VS_OK;
 }

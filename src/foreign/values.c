@@ -29,7 +29,7 @@ bool vs_values_number(const vs_values *v, const char *text, double *number) {
   char *end;
   text += strspn(text, " \t");
   if (!*text || !strchr("+-.0123456789", *text) || has_hexadecimal(text)) return false;
-  *number = strtod(text, &end);
+  *number = vs_text_to_number(text, &end);
   if (end == text || !isfinite(*number)) return false;
   bool whole = !memchr(text, '.', (size_t)(end - text));
   size_t length;

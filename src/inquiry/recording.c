@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "base/jail.h"
+#include "base/text.h"
 #include "plan/axis.h"
 #include "syntax/units.h"
 
@@ -66,10 +67,12 @@ static void point(const vs_csv *csv, char *text) {
 }
 
 static vs_status read_number(const vs_csv *csv, size_t cell, double *value, vs_error *err) {
-  char *text = csv->cell[cell], *end;
+  char *text = csv->cell[cell], *end = text;
   point(csv, text);
-  *value = text[strspn(text, "0123456789+-.eE")] ? NAN : strtod(text, &end);
+  *value = text[strspn(text, "0123456789+-.eE")] ? NAN : vs_text_to_number(text, &end);
   if (isfinite(*value) && *text && !*end) return VS_OK;
+  if (vs_text_beyond(text) && !*end)
+    return vs_fail_at(err, csv->where[cell], "'%s': %s", text, vs_text_beyond(text));
   return vs_fail_at(err, csv->where[cell], "'%s' is not a finite number%s", text,
                     strchr(text, ',') ? "; a decimal comma is read where semicolons or tabs stand "
                                         "between the cells"

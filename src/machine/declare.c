@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "syntax/units.h"
 
 /* ---- names ---- */
@@ -192,6 +193,9 @@ static vs_status take_unit(declaration *d, const vs_node *value, vs_error *err) 
   strtod(value->text, &end);
   end += strspn(end, " ");
   snprintf(d->unit, sizeof d->unit, "%s", end == value->text ? "" : end);
+  if (vs_text_beyond(value->text))
+    return vs_fail_at(err, value->where, "%s: the default '%s': %s", d->what, value->text,
+                      vs_text_beyond(value->text));
   if (!vs_units_known(d->unit) || !vs_units_read(value->text, d->unit, &si, why, sizeof why))
     return vs_fail_at(
         err, value->where,
@@ -207,7 +211,7 @@ static bool read_end(const declaration *d, const char *text, double none, double
   text += strspn(text, " ");
   *value = none;
   if (!*text) return true;
-  *value = strtod(text, &end);
+  *value = vs_text_to_number(text, &end);
   end += strspn(end, " ");
   if (end != text && !strcmp(end, d->unit)) return true; /* not rounded by a conversion */
   if (!vs_units_read(text, d->unit, &si, why, sizeof why)) return false;
@@ -224,6 +228,9 @@ static vs_status read_range(declaration *d, const vs_node *node, vs_error *err) 
   bool good = node->kind == VS_NODE_TEXT && strlen(node->text) < sizeof words;
   snprintf(words, sizeof words, "%s", good ? node->text : "");
   char *dots = strstr(words, "..");
+  const char *first = vs_text_beyond(words),
+             *beyond = first || !dots ? first : vs_text_beyond(dots + 2);
+  if (beyond) return vs_fail_at(err, node->where, "%s: '%s': %s", d->what, words, beyond);
   if (dots) {
     *dots = '\0';
     for (char *c = dots; c > words && c[-1] == ' ';) *--c = '\0';

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "machine/expression.h"
+#include "base/text.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -156,7 +157,7 @@ static vs_status check_wanted(const reader *r) {
  * Returns the unit; NULL: it is none. */
 static const char *unit_of_quantity(const char *text, double *si) {
   char *end, why[200];
-  double value = strtod(text, &end);
+  double value = vs_text_to_number(text, &end);
   if (end == text || !isfinite(value) || *end != ' ') return NULL;
   end += strspn(end, " ");
   if (!isalpha((unsigned char)*end) && (unsigned char)*end < 0x80) return NULL;

@@ -32,7 +32,7 @@ static bool take_cut(char *text, double *cut) {
   char *at = strstr(text, " within "), *end;
   *cut = 0;
   if (!at) return true;
-  *cut = strtod(at + strlen(" within "), &end);
+  *cut = vs_text_to_number(at + strlen(" within "), &end);
   *at = '\0';
   while (*end == ' ') end++;
   return *cut > 0 && *cut <= 10 && !strcmp(end, "sigma");

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "observe/poles.h"
+#include "base/text.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -16,7 +17,7 @@ typedef struct asking {
 static bool read_number(const vs_node *node, double *value) {
   char *end;
   if (!node || node->kind != VS_NODE_TEXT || !*node->text) return false;
-  *value = strtod(node->text, &end);
+  *value = vs_text_to_number(node->text, &end);
   while (*end == ' ') end++;
   return isfinite(*value) && (!*end || !strcmp(end, "1/s") || !strcmp(end, "rad/s"));
 }

@@ -189,7 +189,7 @@ static vs_status read_header(reader *r, const vs_csv *csv, vs_error *err) {
 static bool is_number(const char *cell, double *value) {
   char *end;
   if (cell[strspn(cell, "0123456789+-.eE")]) return false;
-  *value = strtod(cell, &end);
+  *value = vs_text_to_number(cell, &end);
   return end != cell && !*end && isfinite(*value);
 }
 
@@ -200,8 +200,8 @@ static vs_status read_row(reader *r, const vs_csv *csv, double *t, vs_error *err
                       r->columns);
   for (size_t k = 0; k < csv->count; k++) {
     if (!is_number(csv->cell[k], &value))
-      return vs_fail_at(err, csv->where[k], "'%s' is not a finite number; write one as 1.5e-3",
-                        csv->cell[k]);
+      return vs_fail_at(err, csv->where[k], "'%s' is not a finite number%s; write one as 1.5e-3",
+                        csv->cell[k], isfinite(value) ? "" : ", or too small");
     if (k == 0) *t = value;
   }
   if (*t <= before)

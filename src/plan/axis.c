@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "scene/keys.h"
 #include "syntax/units.h"
 
@@ -236,7 +237,7 @@ vs_status vs_axis_whole(const vs_node *map, const char *key, uint64_t least, uin
   const vs_node *node = vs_tree_child(map, key);
   char *end = NULL;
   if (!node) return VS_OK;
-  double number = node->kind == VS_NODE_TEXT ? strtod(node->text, &end) : NAN;
+  double number = node->kind == VS_NODE_TEXT ? vs_text_to_number(node->text, &end) : NAN;
   if (!end || end == node->text || *end || number != floor(number) || number < (double)least ||
       number > (double)most)
     return vs_fail_at(err, node->where, "%s: a whole number from %llu to %llu is wanted", key,

@@ -26,6 +26,7 @@ static bool device_measure_at(const vs_devices *devices, size_t k, vs_shown *m) 
     m->unjudged = r->unjudged;
     m->over_v = r->over_v;
     m->group = VS_SHOWN_DEVICES;
+    m->doubled = r->measure->how == VS_R_RISE_ERROR; /* it stands with dv_dt */
     set_text(m, "%s", r->measure->text);
     return true;
   }

@@ -25,8 +25,8 @@ typedef struct vs_shown {
   double over_v; /* of a rate of rise: how far the stretch rises that it is the mean rate of, V; 0:
                     of any other measure */
   vs_shown_group group;
-  int channel;          /* of the frame, whose extreme this is; -1: it is none of a deck's probe */
-  bool doubled;         /* the same number also stands under another name */
+  int channel;  /* of the frame, whose extreme this is; -1: it is none of a deck's probe */
+  bool doubled; /* the same number stands under another name, or it is the error of another one */
   const char *unjudged; /* why the value is not held against its part's limit; NULL: nothing is to
                            be said */
 } vs_shown;

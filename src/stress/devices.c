@@ -499,6 +499,12 @@ static void follow_on(const vs_devices *d, const vs_watched *w, const opening *o
   }
 }
 
+/* Energies of a device are parts of what it took in. */
+static void round_off(const vs_watched *w, vs_reduced *r) {
+  const bool energy = !strcmp(r->measure->unit, "J");
+  r->value.value = vs_value_told(r->value.value, energy ? w->sum[VS_OF_POWER] : 0);
+}
+
 void vs_devices_finish(vs_devices *d) {
   if (!d || isnan(d->began_s)) return;
   for (size_t k = 0; k < d->count; k++)
@@ -514,5 +520,6 @@ void vs_devices_finish(vs_devices *d) {
     for (size_t n = 0; n < d->item[k].count; n++) {
       vs_reduced *r = &d->item[k].reduced[n];
       if (r->by->settle) r->by->settle(&d->item[k], r);
+      round_off(&d->item[k], r);
     }
 }

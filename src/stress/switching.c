@@ -67,80 +67,158 @@ static bool is_driven(const vs_switch *s, const vs_course_step *c) {
 
 static void begin_rise(vs_rise *r, double t_s, double v) {
   r->begun = r->gated = true;
-  r->foot_s = t_s;
+  r->foot = (vs_instant){t_s, 0};
   r->foot_v = r->top_v = v;
   r->s_per_v = INFINITY;
   r->best = (vs_ascent){.took_s = INFINITY};
   r->told_s = INFINITY;
 }
 
-/* A part of the course that goes straight up from v0 >= 0 to v1. */
-typedef struct climbed {
-  double t0_s, v0, v1, s_per_v;
-} climbed;
-
-/* Notes that it rose by over_v from from_s to to_s. */
-static void take_stretch(vs_rise *r, double from_s, double to_s) {
-  if (to_s - from_s < r->best.took_s) r->best = (vs_ascent){from_s, to_s - from_s, r->over_v};
+/* Notes that it rose by over_v from one instant to another. */
+static void take_stretch(vs_rise *r, vs_instant from, vs_instant to) {
+  if (to.t_s - from.t_s < r->best.took_s)
+    r->best = (vs_ascent){from.t_s, to.t_s - from.t_s, r->over_v, from.bent_s + to.bent_s};
 }
 
 /* Notes when the voltage went through a level. The stretch that ends there begins as it last went
  * through the level that lies over_v below. Where that one is no longer kept, the voltage was at
  * this level before and did not fall by over_v since, so that a shorter stretch was noted then. */
-static void pass_level(vs_rise *r, double level, double t_s) {
+static void pass_level(vs_rise *r, double level, vs_instant at) {
   if (level >= VS_RISE_PARTS) {
     const vs_passed *below = &r->passed[(size_t)(level - VS_RISE_PARTS) % VS_RISE_LEVELS];
-    if (below->number == level - VS_RISE_PARTS + 1) take_stretch(r, below->t_s, t_s);
+    if (below->number == level - VS_RISE_PARTS + 1) take_stretch(r, below->at, at);
   }
-  r->passed[(size_t)level % VS_RISE_LEVELS] = (vs_passed){level + 1, t_s};
+  r->passed[(size_t)level % VS_RISE_LEVELS] = (vs_passed){level + 1, at};
 }
 
 /* Above this the numbers of levels are no longer exact. No voltage of a circuit is as high. */
 static const double MOST_LEVELS = 1e15;
+/* A step that goes through more levels than this is followed straight, for the time that each
+ * takes.
+ */
+static const double MOST_BENT = 64 * VS_RISE_LEVELS;
 /* A voltage that is on a level but for rounding is on it. In levels. */
 static const double SAME_LEVEL = 1e-9;
 
-/* Takes a stretch that began at a kept point, where it ends in this part of the course. */
-static void pass_end(vs_rise *r, double from_s, double from_v, const climbed *c) {
-  double end_v = from_v + r->over_v;
-  if (c->v0 <= end_v && end_v <= c->v1)
-    take_stretch(r, from_s, c->t0_s + (end_v - c->v0) * c->s_per_v);
+/* The slope at the knot between two steps, V/s: that of the parabola through their three knots. NaN
+ * where the two say different things, as at a jump: both must rise, neither more than three times
+ * as fast as the other, which keeps the cubic between two knots from turning back (de Boor and
+ * Swartz), and neither may be more than eight times as long, as the noise of a very short step is
+ * no slope. */
+static const double MOST_STEEPER = 3, MOST_LONGER = 8;
+static double slope_between(double rate, double h_s, double next_rate, double next_h_s) {
+  bool alike = rate > 0 && next_rate > 0 && rate <= MOST_STEEPER * next_rate &&
+               next_rate <= MOST_STEEPER * rate && h_s > 0 && h_s <= MOST_LONGER * next_h_s &&
+               next_h_s <= MOST_LONGER * h_s;
+  return alike ? (rate * next_h_s + next_rate * h_s) / (h_s + next_h_s) : NAN;
 }
 
-/* Takes a part of the course that goes straight up. Of more levels than are kept those between the
- * first and the last ones tell nothing, as they lie on one straight line. */
-static void climb(vs_rise *r, const climbed *c) {
+/* A step of the course that rises: straight, or on a cubic that has the slopes given at its ends.
+ */
+typedef struct climbed {
+  double zero_s, low_v, s_per_v; /* the straight line: its part above 0 V */
+  double t0_s, h_s, v0, v1;      /* the whole step */
+  double k0, k1;                 /* the slopes at its ends, in V over the step */
+  bool bent;
+  double bow_s; /* how far the cubic is from the straight line, at its farthest */
+} climbed;
+
+/* Slopes that differ by less, in parts of themselves, are the same but for rounding. */
+static const double SAME_SLOPE = 1e-9;
+/* A slope that is off by 1 at one end of a cubic moves it by no more than this within the step. */
+static const double BOW = 4.0 / 27;
+static climbed climbed_of(const vs_rising *c, double slope_v_s) {
+  climbed of = {.zero_s = c->t0_s,
+                .low_v = fmax(c->v0, 0),
+                .t0_s = c->t0_s,
+                .h_s = c->t1_s - c->t0_s,
+                .v0 = c->v0,
+                .v1 = c->v1};
+  if (c->v0 < 0) of.zero_s -= c->v0 / (c->v1 - c->v0) * of.h_s;
+  of.s_per_v = (c->t1_s - of.zero_s) / (c->v1 - of.low_v);
+  const double rise_v = c->v1 - c->v0;
+  of.k0 = isnan(c->slope_v_s) ? rise_v : c->slope_v_s * of.h_s;
+  of.k1 = isnan(slope_v_s) ? rise_v : slope_v_s * of.h_s;
+  const double off_v = fabs(of.k0 - rise_v) + fabs(of.k1 - rise_v);
+  of.bent = off_v > SAME_SLOPE * rise_v;
+  of.bow_s = of.bent ? BOW * off_v * of.s_per_v : 0;
+  return of;
+}
+
+/* Part of the step, 0 to 1, at which the cubic is at v, by Newton's method within a bracket. */
+static double part_at(const climbed *c, double v, double part) {
+  const double rise = c->v1 - c->v0, b = 3 * rise - 2 * c->k0 - c->k1, a = c->k0 + c->k1 - 2 * rise;
+  double low = 0, high = 1;
+  for (int n = 0; n < 60; n++) {
+    const double off = ((a * part + b) * part + c->k0) * part + c->v0 - v,
+                 slope = (3 * a * part + 2 * b) * part + c->k0;
+    *(off < 0 ? &low : &high) = part;
+    double next = slope > 0 ? part - off / slope : -1;
+    if (!(next > low && next < high)) next = (low + high) / 2;
+    const double by = fabs(next - part);
+    part = next;
+    if (by <= 1e-14) break;
+  }
+  return part;
+}
+
+/* When the course is at v. */
+static vs_instant instant_at(const climbed *c, double v) {
+  const double straight_s = c->zero_s + (v - c->low_v) * c->s_per_v;
+  if (!c->bent) return (vs_instant){straight_s, 0};
+  const double part = (straight_s - c->t0_s) / c->h_s,
+               t_s = c->t0_s + part_at(c, v, fmin(fmax(part, 0), 1)) * c->h_s;
+  return (vs_instant){t_s, c->bow_s};
+}
+
+/* Takes a stretch that began at a kept point, where it ends in this step. */
+static void pass_end(vs_rise *r, vs_instant from, double from_v, const climbed *c) {
+  double end_v = from_v + r->over_v;
+  if (c->low_v <= end_v && end_v <= c->v1) take_stretch(r, from, instant_at(c, end_v));
+}
+
+/* Takes the step that waits, with the slope at its end, or NaN. On a straight line those between
+ * the first and the last of more levels than are kept tell nothing. */
+static void climb(vs_rise *r, double slope_v_s) {
+  if (!r->waits) return;
+  climbed c = climbed_of(&r->rising, slope_v_s);
   double each_v = r->over_v / VS_RISE_PARTS;
-  double first = ceil(c->v0 / each_v - SAME_LEVEL), last = floor(c->v1 / each_v + SAME_LEVEL);
+  double first = ceil(c.low_v / each_v - SAME_LEVEL), last = floor(c.v1 / each_v + SAME_LEVEL);
+  r->waits = false;
   if (!(last < MOST_LEVELS)) return;
+  c.bent = c.bent && last - first < MOST_BENT;
+  if (c.v0 < 0) r->foot = instant_at(&c, 0);
   for (double level = first; level <= last; level++) {
-    if (level == first + VS_RISE_PARTS + 1) level = fmax(level, last - VS_RISE_LEVELS + 1);
-    pass_level(r, level, c->t0_s + (level * each_v - c->v0) * c->s_per_v);
+    if (level == first + VS_RISE_PARTS + 1 && !c.bent)
+      level = fmax(level, last - VS_RISE_LEVELS + 1);
+    pass_level(r, level, instant_at(&c, level * each_v));
   }
-  if (c->s_per_v < r->s_per_v / 2) {
-    r->knee_s = c->t0_s;
-    r->knee_v = c->v0;
+  if (c.s_per_v < r->s_per_v / 2) {
+    r->knee = c.v0 < 0 ? r->foot : (vs_instant){c.t0_s, 0};
+    r->knee_v = c.low_v;
   }
-  r->s_per_v = c->s_per_v;
-  pass_end(r, r->foot_s, r->foot_v, c);
-  pass_end(r, r->knee_s, r->knee_v, c);
+  r->s_per_v = c.s_per_v;
+  pass_end(r, r->foot, r->foot_v, &c);
+  pass_end(r, r->knee, r->knee_v, &c);
 }
 
 /* Follows the present rise. gated: its gate pulse is there. A rise ends at its top, once the
  * voltage has come down by a tenth of it, and true is returned then. It is followed while the
  * device conducts too, so that the voltage of a device that goes out is known from its own foot on:
- * where in that rise the current counts as gone is known less well than the voltage. */
+ * where in that rise the current counts as gone is known less well than the voltage. A step that
+ * rises waits for the next one, which tells its slope at the end. */
 static bool follow_rise(vs_rise *r, const vs_course_step *c, bool gated) {
-  double t0_s = c->t0_s, v0 = c->from[VS_OF_V], v1 = c->to[VS_OF_V];
-  if (v0 < 0 && v1 > 0) {
-    t0_s -= v0 / (v1 - v0) * c->h_s;
-    begin_rise(r, t0_s, 0);
-  }
-  v0 = fmax(v0, 0);
-  v1 = fmax(v1, 0);
-  if (!r->begun) begin_rise(r, t0_s, v0);
-  if (v1 > v0)
-    climb(r, &(climbed){t0_s, v0, v1, (c->t1_s - t0_s) / (v1 - v0)});
+  double v0 = fmax(c->from[VS_OF_V], 0), v1 = fmax(c->to[VS_OF_V], 0);
+  const double rate = (c->to[VS_OF_V] - c->from[VS_OF_V]) / c->h_s;
+  const double slope_v_s = slope_between(r->rate_v_s, r->h_s, rate, c->h_s);
+  climb(r, slope_v_s);
+  r->rate_v_s = rate;
+  r->h_s = c->h_s;
+  if (c->from[VS_OF_V] < 0 && v1 > 0) begin_rise(r, c->t0_s - c->from[VS_OF_V] / rate, 0);
+  if (!r->begun) begin_rise(r, c->t0_s, v0);
+  r->waits = v1 > v0;
+  if (r->waits)
+    r->rising = (vs_rising){c->t0_s, c->t1_s, c->from[VS_OF_V], c->to[VS_OF_V], slope_v_s};
   else
     r->s_per_v = INFINITY;
   if (v1 > r->top_v) {
@@ -162,9 +240,9 @@ static vs_ascent four_fifths(const vs_rise *r) {
     const vs_passed *from = &r->passed[(size_t)level % VS_RISE_LEVELS];
     const vs_passed *to = &r->passed[(size_t)(level + high) % VS_RISE_LEVELS];
     bool kept = from->number == level + 1 && to->number == level + high + 1;
-    double took_s = to->t_s - from->t_s;
+    double took_s = to->at.t_s - from->at.t_s;
     if (kept && took_s > 0 && took_s < best.took_s)
-      best = (vs_ascent){from->t_s, took_s, high * each_v};
+      best = (vs_ascent){from->at.t_s, took_s, high * each_v, from->at.bent_s + to->at.bent_s};
   }
   return best;
 }
@@ -178,10 +256,10 @@ static double rate_of(const vs_ascent *a) {
   return a->over_v / a->took_s;
 }
 
-static void tell_ascent(const vs_ascent *a, vs_value *rate, double *over_v) {
+static void tell_ascent(const vs_ascent *a, vs_rose *told) {
   if (!isfinite(a->took_s)) return;
-  *rate = (vs_value){true, rate_of(a), a->from_s};
-  *over_v = a->over_v;
+  const double error = rate_of(a) * a->bent_s / a->took_s;
+  *told = (vs_rose){{true, rate_of(a), a->from_s}, a->over_v, error};
 }
 
 /* ---- conduction ---- */
@@ -333,6 +411,7 @@ static void turn_over(vs_switch *s, const vs_course_step *c, vs_switch_news *new
   double v0 = c->from[VS_OF_V], v1 = c->to[VS_OF_V];
   double zero_s = v0 * v1 < 0 ? c->t0_s + v0 / (v0 - v1) * c->h_s : c->t0_s;
   s->way = -s->way;
+  s->rise.rate_v_s = -s->rise.rate_v_s;
   vs_conduction_turn(&s->conduction, zero_s);
   if (s->rest == REST_NO_REVERSE_YET) {
     turn_off(s, zero_s);
@@ -441,14 +520,14 @@ static double forward_rate(vs_slope *slope, const vs_course_step *c) {
 static void tell_rise(vs_rise *r, vs_switch_news *news) {
   if (!(r->best.took_s < r->told_s)) return;
   r->told_s = r->best.took_s;
-  tell_ascent(&r->best, &news->rise, &news->rise_v);
+  tell_ascent(&r->best, &news->rise);
 }
 
 /* The first rise of 10 V or more behind a conduction has ended: it is (dv/dt)c, too. */
 static void tell_return(vs_switch *s, vs_switch_news *news) {
   vs_ascent ascent = is_low(&s->rise) ? four_fifths(&s->rise) : s->rise.best;
-  tell_ascent(&ascent, &news->return_rise, &news->return_v);
-  s->commutates = s->commutates && !news->return_rise.known;
+  tell_ascent(&ascent, &news->return_rise);
+  s->commutates = s->commutates && !news->return_rise.rate.known;
 }
 
 /* What the present rise may fire the device by: its steepest stretch. */
@@ -477,6 +556,7 @@ static void tell_blocked(vs_switch *s, double now_s, bool ended, vs_switch_news 
 
 /* The device has fired. The rise that it fired by may have ended before. */
 static void tell_fired(vs_switch *s, bool commutated, vs_switch_news *news) {
+  climb(&s->rise, NAN);
   vs_ascent by = drive_of(&s->rise);
   bool stored = s->fired_s - s->stored_at_s <= stores_s(s);
   if (stored && rate_of(&s->stored) > rate_of(&by)) by = s->stored;
@@ -486,7 +566,7 @@ static void tell_fired(vs_switch *s, bool commutated, vs_switch_news *news) {
   s->stored_at_s = -INFINITY;
   if (s->rise.gated && !news->unintended.known) return;
   tell_rise(&s->rise, news);
-  if (news->unintended.known && !news->rise.known) tell_ascent(&by, &news->rise, &news->rise_v);
+  if (news->unintended.known && !news->rise.rate.known) tell_ascent(&by, &news->rise);
   if (commutated) tell_return(s, news);
 }
 
@@ -516,6 +596,13 @@ static void follow(vs_switch *s, const vs_course_step *c, vs_switch_news *news) 
     news->on_rate = follow_turn_on(s, c, on_rate);
 }
 
+void vs_switching_finish(vs_switch *s, vs_switch_news *news) {
+  *news = (vs_switch_news){.way = s->way};
+  climb(&s->rise, NAN);
+  if (s->rise.begun && !s->conduction.conducts && !s->rise.gated) tell_rise(&s->rise, news);
+  news->any = news->rise.rate.known;
+}
+
 void vs_switching_follow(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
   *news = (vs_switch_news){0};
   if (!s->both_ways)
@@ -526,8 +613,8 @@ void vs_switching_follow(vs_switch *s, const vs_course_step *c, vs_switch_news *
     follow(s, &half, news);
   }
   news->way = s->way;
-  news->any = news->rise.known || news->off_rate.known || news->on_rate.known ||
+  news->any = news->rise.rate.known || news->off_rate.known || news->on_rate.known ||
               news->offered.known || news->misfire.known || news->unintended.known ||
               news->fires.known || news->extinct.known || news->fall.known ||
-              news->return_rise.known;
+              news->return_rise.rate.known;
 }

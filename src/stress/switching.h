@@ -82,45 +82,69 @@ void vs_switching_gate_follow(vs_gate_watch *gate, const vs_course_step *c);
 typedef struct vs_ascent {
   double from_s, took_s; /* took_s: INFINITY where there is no such stretch */
   double over_v;         /* how far it rises */
+  double bent_s;         /* how far straight lines are from the cubics in the steps of its ends */
 } vs_ascent;
+
+/* An instant at which a course is at some value. bent_s: by no more than this the straight line
+ * from knot to knot is elsewhere, anywhere in that step. */
+typedef struct vs_instant {
+  double t_s, bent_s;
+} vs_instant;
 
 /* The last time at which a voltage rose through a level. */
 typedef struct vs_passed {
   double number; /* of the level, from 1 for 0 V on; 0: none was passed */
-  double t_s;
+  vs_instant at;
 } vs_passed;
+
+/* A step in which the voltage rises. */
+typedef struct vs_rising {
+  double t0_s, t1_s, v0, v1;
+  double slope_v_s; /* at its beginning; NaN: that of the step itself */
+} vs_rising;
 
 /* A rise of forward voltage, from its foot to its top so far. The times are kept at which the
  * voltage last rose through levels that lie an 800th of over_v apart, as many as the highest 1.28
- * times over_v has. They are exact for a course that runs straight from knot to knot, however many
- * knots there are. So stretches that begin on a level are told exactly, and so are those that begin
- * at the foot or at the last knee. Others are missed: the rate told is never above the steepest of
- * over_v, and it is at least that of a stretch that is an 800th higher, less an 800th. */
+ * times over_v has. Between two knots the voltage runs on a cubic, whose slope at each knot is that
+ * of the parabola through it and its neighbours; where these say different things, as at a jump,
+ * the step's own slope is taken, and a step between two such knots is straight. So stretches that
+ * begin on a level are told as that course has them, and so are those that begin at the foot or at
+ * the last knee. Others are missed: the rate told is never above the steepest of over_v, and it is
+ * at least that of a stretch that is an 800th higher, less an 800th. */
 enum { VS_RISE_PARTS = 800, VS_RISE_LEVELS = 1024 };
 typedef struct vs_rise {
   double over_v; /* how far a stretch rises over which dv/dt is told; 0: no rise is followed */
   bool begun;    /* a rise is followed */
   bool gated;    /* its gate pulse was there since its foot */
-  double foot_s, foot_v, top_v;
-  double knee_s, knee_v; /* where it last became twice as steep from one step to the next */
-  double s_per_v;        /* of the step before; INFINITY: it did not rise */
-  vs_ascent best;        /* its steepest stretch of over_v */
-  double told_s;         /* took_s of the last one of its stretches that was told */
+  vs_instant foot, knee; /* knee: where it last became twice as steep from one step to the next */
+  double foot_v, top_v, knee_v;
+  double s_per_v;       /* of the step before; INFINITY: it did not rise */
+  double rate_v_s, h_s; /* of the last step, rising or not; 0: there was none */
+  bool waits;       /* the last step rose, and is taken once the next one tells its end's slope */
+  vs_rising rising; /* that step */
+  vs_ascent best;   /* its steepest stretch of over_v */
+  double told_s;    /* took_s of the last one of its stretches that was told */
   vs_passed passed[VS_RISE_LEVELS]; /* level k, from 0, in number k modulo VS_RISE_LEVELS */
 } vs_rise;
+
+/* A rate of rise, V/s: the mean of a stretch that rises by over_v. error: what it may be wrong by
+ * for how the voltage runs between its knots. */
+typedef struct vs_rose {
+  vs_value rate;
+  double over_v, error;
+} vs_rose;
 
 /* What a step brought. Values that are not known were not brought. */
 typedef struct vs_switch_news {
   bool any;                /* one of the values is known */
   double way;              /* the half cycle that the step belongs to, as in vs_switch */
   vs_value fires, extinct; /* only their instants mean anything */
-  vs_value rise;     /* mean rate of a stretch of a rise, V/s, above all before of this rise */
-  double rise_v;     /* how far that stretch rises */
-  vs_value off_rate; /* a rate of blocked forward voltage, V/s, above all before */
-  vs_value on_rate;  /* a rate of the current as it turns on, A/s */
-  vs_value fall, return_rise; /* (di/dt)c, A/s, and (dv/dt)c, V/s */
-  double return_v;            /* how far the stretch of return_rise rises */
-  vs_value offered;           /* the time offered, s, where no gate pulse was there at its end */
+  vs_rose rise;            /* of a stretch of a rise, above all before of this rise */
+  vs_value off_rate;       /* a rate of blocked forward voltage, V/s, above all before */
+  vs_value on_rate;        /* a rate of the current as it turns on, A/s */
+  vs_value fall;           /* (di/dt)c, A/s */
+  vs_rose return_rise;     /* (dv/dt)c */
+  vs_value offered;        /* the time offered, s, where no gate pulse was there at its end */
   double doubt_s; /* error of the time offered: how long the current crept before its zero */
   double
       spread_s; /* sensitivity: a relative error e of the current changes the time by e spread_s */
@@ -172,5 +196,7 @@ void vs_switching_resume(vs_switch *s, double i_a, double v_v);
 
 /* Takes the next step and fills `news`. */
 void vs_switching_follow(vs_switch *s, const vs_course_step *c, vs_switch_news *news);
+/* Fills `news` with what the last step told of a rise, which no further step follows. */
+void vs_switching_finish(vs_switch *s, vs_switch_news *news);
 
 #endif

@@ -15,15 +15,26 @@ static void prepare_rise(vs_watched *w, vs_reduced *r) {
   if (w->states) w->states->rise.over_v = r->over_v;
 }
 
-/* Takes the rate of a stretch that rises by over_v. */
-static void take_stretch(vs_reduced *r, vs_value rate, double over_v) {
-  vs_reducer_offer(r, rate, false);
-  if (rate.known && r->value.at_s == rate.at_s && r->value.value == rate.value) r->over_v = over_v;
+static void take_stretch(vs_reduced *r, const vs_rose *rose) {
+  vs_reducer_offer(r, rose->rate, false);
+  if (!rose->rate.known || r->value.at_s != rose->rate.at_s || r->value.value != rose->rate.value)
+    return;
+  r->over_v = rose->over_v;
+  r->doubt = rose->error;
 }
 
 static void take_rise(const vs_watched *w, vs_reduced *r, const vs_switch_news *news) {
   (void)w;
-  take_stretch(r, news->rise, news->rise_v);
+  take_stretch(r, &news->rise);
+}
+
+/* The last step of the run may be its steepest. */
+static void finish_rise(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
+  vs_switch_news news;
+  (void)end;
+  if (!w->states) return;
+  vs_switching_finish(w->states, &news);
+  take_rise(w, r, &news);
 }
 
 /* Where the part states the limit at a second temperature, the limit at the junction's own largest
@@ -162,9 +173,14 @@ static void take_arc(vs_reduced *r, const vs_melting_news *news) {
   if (cause) snprintf(cause, VS_CAUSE_SIZE, "a current of %.3g A once it had cleared", news->i_a);
 }
 
+static void settle_rise_error(const vs_watched *w, vs_reduced *r) {
+  const vs_reduced *rise = vs_reducer_of(w, VS_R_RISE);
+  if (rise && rise->value.known) r->value = (vs_value){true, rise->doubt, NAN};
+}
+
 static void take_return_rise(const vs_watched *w, vs_reduced *r, const vs_switch_news *news) {
   (void)w;
-  take_stretch(r, news->return_rise, news->return_v);
+  take_stretch(r, &news->return_rise);
 }
 
 static void take_fall(const vs_watched *w, vs_reduced *r, const vs_switch_news *news) {
@@ -179,7 +195,9 @@ const vs_reducer
                     .state_size = sizeof(at_temperature),
                     .prepare = prepare_rise,
                     .take_news = take_rise,
+                    .finish = finish_rise,
                     .settle = settle_at_temperature},
+    vs_told_rise_error = {.settle = settle_rise_error},
     vs_told_off_rate = {.is_rate = true, .take_news = take_off_rate},
     vs_told_on_rate = {.is_rate = true, .hangs_on_sequence = true, .take_news = take_on_rate},
     vs_told_return_rise = {.is_rate = true,

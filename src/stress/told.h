@@ -6,7 +6,7 @@
 
 #include "stress/reducer.h"
 
-extern const vs_reducer vs_told_rise, vs_told_off_rate, vs_told_on_rate, vs_told_return_rise,
+extern const vs_reducer vs_told_rise, vs_told_rise_error, vs_told_off_rate, vs_told_on_rate, vs_told_return_rise,
     vs_told_fall, vs_told_offered, vs_told_misfire, vs_told_unintended, vs_told_commutation_failure,
     vs_told_opens, vs_told_arcs, vs_told_curve, vs_told_open, vs_told_arc, vs_told_clears;
 extern const vs_reducer vs_told_gate_least;

@@ -9,6 +9,7 @@
 #include <strings.h>
 
 #include "base/alloc.h"
+#include "base/text.h"
 
 /* A formula of names that stand for formulas, each of which has the one before it twice, would grow
  * without a bound; and so would a derivative of many factors. */
@@ -77,7 +78,9 @@ static bool number(reader *r) {
                 {"u", 1e-6},  {"n", 1e-9}, {"p", 1e-12}, {"f", 1e-15}};
   char *end;
   const char *begin = r->at;
-  double value = strtod(r->at, &end);
+  double value = vs_text_to_number(r->at, &end);
+  const char *beyond = vs_text_beyond(r->at);
+  if (beyond) return fail(r, beyond);
   if (end == r->at || !isfinite(value)) return fail(r, "a number is wanted here");
   for (size_t k = 0; k < sizeof SUFFIX / sizeof *SUFFIX; k++)
     if (!strncasecmp(end, SUFFIX[k].suffix, strlen(SUFFIX[k].suffix))) {

@@ -3,6 +3,7 @@
 
 #include <ctype.h>
 #include <errno.h>
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -166,10 +167,19 @@ static void wanted_units(const char *expected, const char *number, char *text, s
   snprintf(text + n, size - n, "%s%s%s%s%s", quote, number, blank, expected, quote);
 }
 
+/* A number that a double cannot hold, or not in SI. */
+static bool refuse_size(const char *text, double value, char *why, size_t size) {
+  snprintf(why, size,
+           isfinite(value) ? "'%s' is too small a number; write 0, or one above 1e-300"
+                           : "'%s' is not a finite number; write one below 1e300",
+           text);
+  return false;
+}
+
 bool vs_units_read(const char *text, const char *expected, double *si, char *why, size_t size) {
   char *end;
   errno = 0;
-  double value = strtod(text, &end);
+  double value = vs_text_to_number(text, &end);
   const char *as = *expected ? expected : "a plain number";
   char wanted[160];
   if (end == text) {
@@ -177,10 +187,7 @@ bool vs_units_read(const char *text, const char *expected, double *si, char *why
              *expected ? "a number with its unit, in " : "", as);
     return false;
   }
-  if (!isfinite(value)) {
-    snprintf(why, size, "'%s' is not a finite number; write one below 1e300", text);
-    return false;
-  }
+  if (!isfinite(value)) return refuse_size(text, strtod(text, NULL), why, size);
   unit want, got;
   while (*end == ' ') end++;
   parse_unit(expected, &want);
@@ -204,9 +211,8 @@ bool vs_units_read(const char *text, const char *expected, double *si, char *why
     return false;
   }
   *si = to_si(value, &got);
-  if (isfinite(*si)) return true;
-  snprintf(why, size, "'%s' is not a finite number; write one below 1e300", text);
-  return false;
+  return (isfinite(*si) && (value == 0 || fabs(*si) >= DBL_MIN)) ||
+         refuse_size(text, *si, why, size);
 }
 
 double vs_units_suffix_factor(const char *suffix, const char *expected) {

@@ -72,7 +72,9 @@ static vs_status read_row(const vs_csv *csv, const rows *r, row *out, vs_error *
       return vs_fail_at(err, (vs_where){csv->file, csv->line, 1},
                         "the row has %zu cells, and its column %s is the %zu.", csv->count,
                         COLUMN[c].example, k + 1);
-    double value = strtod(csv->cell[k], &end);
+    double value = vs_text_to_number(csv->cell[k], &end);
+    if (vs_text_beyond(csv->cell[k]))
+      return vs_fail_at(err, csv->where[k], "'%s': %s", csv->cell[k], vs_text_beyond(csv->cell[k]));
     if (end == csv->cell[k] || *end || !isfinite(value))
       return vs_fail_at(err, csv->where[k], "'%s' is not a number; write one as 1.5e-3",
                         csv->cell[k]);

@@ -87,6 +87,8 @@ bool vs_energy_is_due(const vs_energy *energy);
 /* Takes the balances at the end of the run and fills balanced, residual and worst. With a one-way
  * force (analytic tier) the EVA's balance leaves the work out, as nothing supplies it. */
 void vs_energy_finish(vs_energy *energy);
+/* Sets to 0 what is no more than the rounding of the largest term, once all is finished. */
+void vs_energy_round_off(vs_energy *energy);
 
 /* What a balance may leave over without a warning, times run.tolerance and vs_energy_whole. */
 enum { VS_ENERGY_ALLOWED = 10 };

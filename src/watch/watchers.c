@@ -76,11 +76,25 @@ void vs_watchers_accept(vs_watchers *w, const vs_step *step) {
   if (w->prompt || vs_energy_is_due(&w->energy)) look_at_batch(w);
 }
 
+/* What is no more than the rounding of what it was made of is told as 0, by all who tell it. */
+static void round_off(vs_watchers *w, vs_value values[VS_MEASURES]) {
+  vs_measures *m = w->measures;
+  vs_energy_round_off(&w->energy);
+  for (int k = 0; k < VS_MEASURES; k++) values[k].value = vs_value_told(values[k].value, 0);
+  for (int k = m->of_probes; k + 1 < m->n_extremes; k += 2) {
+    vs_value *least = &m->extremes[k].best, *largest = &m->extremes[k + 1].best;
+    const double size = fmax(fabs(least->value), fabs(largest->value));
+    least->value = vs_value_told(least->value, size);
+    largest->value = vs_value_told(largest->value, size);
+  }
+}
+
 void vs_watchers_finish(vs_watchers *w, double until_s, vs_value values[VS_MEASURES]) {
   end_absence(&w->absence, until_s);
   if (w->batch && w->batch->count) look_at_batch(w);
   vs_measures_finish(w->measures, values);
   vs_energy_finish(&w->energy);
+  round_off(w, values);
   const double *joule = w->energy.joule;
   values[VS_M_ENERGY_IN] = (vs_value){true, joule[VS_E_SOURCE], NAN};
   values[VS_M_ENERGY_COPPER] = (vs_value){true, joule[VS_E_COPPER], NAN};
