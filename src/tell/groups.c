@@ -8,7 +8,7 @@
 #include "scene/shown.h"
 #include "tell/amount.h"
 
-enum { ROW = 40 };
+enum { ROW = 40, WORTH_A_HEADING = 5 };
 
 static const char *const HEADINGS[VS_SHOWN_GROUPS] = {[VS_SHOWN_MOTION] = "motion",
                                                       [VS_SHOWN_ELECTRICAL] = "electrical",
@@ -55,7 +55,11 @@ static bool is_asked(const rows *r, const vs_shown *m, int k) {
 
 static bool is_wanted(const rows *r, const vs_shown *m, int k) {
   if (is_asked(r, m, k)) return r->group < 0;
-  return (int)m->group == r->group;
+  if ((int)m->group != r->group) return false;
+  if (r->options->most == INT_MAX) return true;
+  for (size_t n = 0; n < sizeof ALWAYS / sizeof *ALWAYS; n++)
+    if (!strcmp(m->name, ALWAYS[n])) return false;
+  return m->value.known && m->value.value != 0 && !m->doubled;
 }
 
 /* ---- rows ---- */
@@ -64,7 +68,7 @@ static void begin(rows *r) {
   if (r->begun) return;
   fprintf(r->out, "\n%s\n", r->group < 0 ? "asked for" : HEADINGS[r->group]);
   r->begun = true;
-  r->lines++;
+  r->lines += 2;
 }
 
 /* The name to the left and the value to the right of a row. */
@@ -162,7 +166,7 @@ static void print_currents(rows *r) {
   }
 }
 
-/* Prints what is asked for, and below it what every short table tells. */
+/* Prints what is asked for, what every short table tells, and the motion where there is room. */
 static void print_few(rows *r) {
   r->group = -1;
   print_group(r);
@@ -170,6 +174,8 @@ static void print_few(rows *r) {
   for (size_t k = 0; k < sizeof ALWAYS / sizeof *ALWAYS && r->lines < r->options->most; k++)
     print_named(r, ALWAYS[k]);
   print_currents(r);
+  r->group = VS_SHOWN_MOTION;
+  if (r->options->most - r->lines >= WORTH_A_HEADING) print_group(r);
 }
 
 int vs_groups_print(const vs_result *result, const vs_groups_options *options, FILE *out) {

@@ -14,7 +14,8 @@ typedef struct vs_groups_options {
 
 /* Prints the groups. Asked for is what `measured` names, and, where `record` is a list, each
  * measure whose name begins with that of a recorded channel. Where there is no room for all, what
- * is asked for is followed by the stroke, the currents, the extinction and the energy drawn alone.
+ * is asked for is followed by the stroke, the currents, the extinction and the energy drawn, and by
+ * the motion as far as there is room.
  * Returns how many measures are left out. */
 int vs_groups_print(const vs_result *result, const vs_groups_options *options, FILE *out);
 

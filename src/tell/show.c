@@ -118,15 +118,18 @@ static void print_device(const vs_judgement *j, int width, FILE *out) {
   fprintf(out, "%s\n", j->assumed ? "  assumed" : "");
 }
 
-/* "undecided: v_ak, thyristor.i2t", and a line for each limit that a part does not state:
- * "undecided: varistor_1.power: s20k510 states no p_max; waive: [varistor_1.power] leaves it out"
+/* "undecided: v_ak, t_fire (the run has no value of it)", and a line for each limit that a part
+ * does not state: "undecided: varistor_1.power: s20k510 states no p_max; waive: [varistor_1.power]
+ * leaves it out"
  */
 static void print_undecided(const vs_verdict *v, bool lacking, FILE *out) {
   char name[VS_JUDGED_NAME], why[2 * VS_DECK_NAME + 16];
   size_t n = 0;
   for (size_t k = 0; k < v->count; k++)
-    if (vs_verdict_word(&v->item[k]) == VS_UNDECIDED && !v->item[k].lacks)
+    if (vs_verdict_word(&v->item[k]) == VS_UNDECIDED && !v->item[k].lacks) {
       fprintf(out, "%s%s", n++ ? ", " : "undecided: ", vs_verdict_name(&v->item[k], name));
+      if (v->item[k].unknown) fprintf(out, " (%s)", v->item[k].unknown);
+    }
   if (n) fputc('\n', out);
   for (size_t k = 0; lacking && k < v->count; k++) {
     const vs_judgement *j = &v->item[k];
@@ -253,6 +256,13 @@ static void print_corner(const vs_corner *one, FILE *out) {
   fprintf(out, "  %s", vs_verdict_words[one->word]);
 }
 
+/* "corners: 7 of 8 held, 1 failed; " */
+static void print_held(const vs_corners *c, FILE *out) {
+  fprintf(out, "corners: %zu of %zu held", c->held, c->count);
+  if (c->failed) fprintf(out, ", %zu failed", c->failed);
+  fputs("; ", out);
+}
+
 /* What was varied: nothing, or the corners, with the worst line of each. */
 static void print_corners(const vs_result *r, FILE *out) {
   char at[1024];
@@ -261,9 +271,8 @@ static void print_corners(const vs_result *r, FILE *out) {
     fputs("nominal values; corners not judged\n", out);
     return;
   }
-  fprintf(out, "corners: %zu of %zu held", c->held, c->count);
-  if (c->failed) fprintf(out, ", %zu failed", c->failed);
-  fputs("; the worst line of each:\n", out);
+  print_held(c, out);
+  fputs("the worst line of each:\n", out);
   for (size_t k = 0; k < c->count; k++) {
     fprintf(out, "  %s: ", vs_result_corner(c, k, at, sizeof at));
     print_corner(&c->item[k], out);
@@ -337,6 +346,17 @@ void vs_show_feed(const vs_setup *setup, FILE *out) {
     fprintf(out, " rms, %.9g Hz\n", supply->frequency_hz);
 }
 
+/* How much of the material rides, where that was found and not given. */
+static void print_load(const vs_scene *s, FILE *out) {
+  const vs_tier *tier = vs_tiers_of_orbit(s->tier);
+  if (vs_setup_found_fraction(&s->setup))
+    fprintf(out,
+            "load   fraction %.9g of the material rides (auto: empirical, by the throw coefficient "
+            "%.6g on the orbit%s%s)\n",
+            s->setup.model.riding, s->setup.throw_coefficient, s->tier == tier ? "" : " of tier ",
+            s->tier == tier ? "" : tier->name);
+}
+
 static void print_head(const vs_result *r, FILE *out) {
   const vs_scene *s = r->scene;
   const vs_absence *absence = &r->watchers.absence;
@@ -356,13 +376,7 @@ static void print_head(const vs_result *r, FILE *out) {
   const char *declined = vs_result_declined(r);
   if (declined) fprintf(out, "quiet  ngspice is not left: %s\n", declined);
   print_on_line(&s->setup.timeline.events, out);
-  const vs_tier *tier = vs_tiers_of_orbit(s->tier);
-  if (vs_setup_found_fraction(&s->setup))
-    fprintf(out,
-            "load   fraction %.9g of the material rides (auto: empirical, by the throw coefficient "
-            "%.6g on the orbit%s%s)\n",
-            s->setup.model.riding, s->setup.throw_coefficient, s->tier == tier ? "" : " of tier ",
-            s->tier == tier ? "" : tier->name);
+  print_load(s, out);
   print_heat(r, out);
   if (r->watchers.devices)
     fprintf(out, "means  over %.9g..%.9g s\n", s->setup.means.from_s, s->setup.means.to_s);
@@ -541,7 +555,7 @@ void vs_show_result(const vs_result *r, const vs_groups_options *options, FILE *
 enum { LINES = 25, LINES_OF_ORBIT = 30, LEAST_LINES = 3, WEAK = 3, HAPPENINGS = 3, NAMES = 3 };
 
 /* What is measured has more room where nothing is judged, and less where an orbit is told. */
-enum { ROWS = 6, ROWS_ALONE = 12, ROWS_OF_ORBIT = 3 };
+enum { ROWS = 6, ROWS_ALONE = 15, ROWS_OF_ORBIT = 3 };
 
 /* Devices none of whose margins is below this are counted and not shown, besides the weakest. */
 static const double AMPLE = 0.9;
@@ -657,8 +671,8 @@ static void tell_verdict(const vs_result *r, FILE *out) {
   tell_undecided(v, out);
   print_waived(&r->scene->expects, out);
   if (!c) return;
-  fprintf(out, "corners: %zu of %zu held, %zu failed; the worst is %s: ", c->held, c->count,
-          c->failed, vs_result_corner(c, c->worst, at, sizeof at));
+  print_held(c, out);
+  fprintf(out, "the worst is %s: ", vs_result_corner(c, c->worst, at, sizeof at));
   print_corner(&c->item[c->worst], out);
   fputc('\n', out);
 }
@@ -690,6 +704,7 @@ static void tell_result(const vs_result *r, const vs_groups_options *options, co
   vs_show_feed(&s->setup, out);
   fprintf(out, "tier   %s (%s)\n", s->tier->name, s->why);
   print_on_line(&s->setup.timeline.events, out);
+  print_load(s, out);
   if (m->show) m->show(m->ctx, out);
   int left = vs_groups_print(r, &few, out);
   print_one_way(r, out);
