@@ -125,7 +125,8 @@ static int print_next(rows *r, const vs_shown *m, int k) {
   vs_shown next;
   const bool two = !measured_of(r, k) && vs_shown_at(frame, r->result, k + 1, &next) &&
                    !measured_of(r, k + 1) && is_asked(r, m, k) == is_asked(r, &next, k + 1) &&
-                   are_ends(m, &next);
+                   are_ends(m, &next) &&
+                   (r->options->most == INT_MAX || (next.value.known && next.value.value != 0));
   if (two)
     print_ends(r, m, &next);
   else
