@@ -357,15 +357,20 @@ static void print_load(const vs_scene *s, FILE *out) {
             s->tier == tier ? "" : tier->name);
 }
 
+/* With which settings the run was made in the end, where it could not be with its own. */
+static void print_rung(const vs_result *r, FILE *out) {
+  if (r->ladder.rung)
+    fprintf(out, "rung   %d: %s; before, %s\n", r->ladder.rung, vs_ladder_text(r->ladder.rung),
+            r->ladder.failed);
+}
+
 static void print_head(const vs_result *r, FILE *out) {
   const vs_scene *s = r->scene;
   const vs_absence *absence = &r->watchers.absence;
   fprintf(out, "\nscene  %s\n", s->path);
   vs_show_feed(&s->setup, out);
   fprintf(out, "tier   %s (%s)\n", s->tier->name, s->why);
-  if (r->ladder.rung)
-    fprintf(out, "rung   %d: %s; before, %s\n", r->ladder.rung, vs_ladder_text(r->ladder.rung),
-            r->ladder.failed);
+  print_rung(r, out);
   if (absence->times)
     fprintf(
         out,
@@ -703,6 +708,7 @@ static void tell_result(const vs_result *r, const vs_groups_options *options, co
   fprintf(out, "%sscene  %s\n", judged || !m->show ? "\n" : "", s->path);
   vs_show_feed(&s->setup, out);
   fprintf(out, "tier   %s (%s)\n", s->tier->name, s->why);
+  print_rung(r, out);
   print_on_line(&s->setup.timeline.events, out);
   print_load(s, out);
   if (m->show) m->show(m->ctx, out);
@@ -710,8 +716,8 @@ static void tell_result(const vs_result *r, const vs_groups_options *options, co
   print_one_way(r, out);
   print_control(r, 0, out);
   for (int k = 0; k < r->n_quality; k++) tell_quality(&r->quality[k], out);
+  tell_not_judged(r, out);
   if (judged) {
-    tell_not_judged(r, out);
     if (!r->corners) print_corners(r, out);
     if (!r->second.done || r->second.decides > 0) print_second(r, out);
   }
