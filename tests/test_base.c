@@ -925,6 +925,8 @@ static void amounts(void) {
   for (size_t k = 0; k < COUNT(ROWS); k++)
     CU_ASSERT_STRING_EQUAL(vs_amount_text(ROWS[k].value, ROWS[k].unit, text), ROWS[k].text);
   CU_ASSERT_STRING_EQUAL(vs_amount_range(-0.99997, 0.5, "m", text), "-1 .. 0.5 m");
+  CU_ASSERT_STRING_EQUAL(vs_amount_range(4.441e-16, 0.003169, "A2.s", text), "0 .. 0.003169 A2.s");
+  CU_ASSERT_STRING_EQUAL(vs_amount_range(-2e-3, 1e3, "V", text), "-2e-06 .. 1 kV");
 }
 
 static const vs_test TESTS[] = {

@@ -392,6 +392,46 @@ static double measured(const char *log, const char *name) {
   return at && sscanf(at + strlen(name), " = %lf", &value) == 1 ? value : NAN;
 }
 
+static int lines_of(const char *text) {
+  int n = 0;
+  for (; *text; text++) n += *text == '\n';
+  return n;
+}
+
+/* The table of each deck has at most 25 lines, and names the verdict and what was not judged; --all
+ * has what the short one leaves out. No margin is told in hundreds of times, nor an end of a range
+ * that is a sum's rounding error. */
+static void tables_are_short(void) {
+  static const char *const WORDS[] = {
+      "paper",       "paper --set circuit.deck=halfwave_paper --set circuit.thyristor=TYN1212",
+      "chopper",     "paper --set circuit.deck=halfwave_paper --corners --set run.verify=never",
+      "bridge_link", "paper --set circuit.deck=fullwave_antiparallel",
+      "two_mass",    "paper --set circuit.deck=bridge_halfcontrolled",
+      "solenoid",    "paper --set circuit.deck=halfwave_snubbed",
+      "lds_v203",    "paper --set circuit.deck=halfwave_bare"};
+  for (size_t k = 0; k < COUNT(WORDS); k++) {
+    ran r = run("run %s --set run.until=30ms", WORDS[k]);
+    EXPECT(!strncmp(r.out, "verdict: ", 9) && lines_of(r.out) <= 25, "%s: %d lines: %s%s", WORDS[k],
+           lines_of(r.out), r.out, r.err);
+    EXPECT(!strstr(r.out, "not judged: ") || strstr(r.out, " more (--all)\n"), "%s", r.out);
+    free_ran(&r);
+  }
+  ran brief = run("run %s --set run.until=30ms", WORDS[1]);
+  ran whole = run("run %s --set run.until=30ms --all", WORDS[1]);
+  EXPECT(strstr(brief.out, "weakest: thyristor.di_dt, ") && strstr(brief.out, "\n  stroke ") &&
+             strstr(brief.out, " of them above 90 %\n") && !strstr(brief.out, "thyristor.t_off"),
+         "%s", brief.out);
+  EXPECT(strstr(whole.out, "  thyristor.t_off ") && strstr(whole.out, "  >999 %  ") &&
+             strstr(whole.out, "  i2t_f2 ") && !strstr(whole.out, "e-16 .. "),
+         "%s", whole.out);
+  free_ran(&brief);
+  free_ran(&whole);
+  ran steady = run("steady paper --set firing.every=1 --set circuit.deck=halfwave_paper");
+  EXPECT(lines_of(steady.out) <= 30 && strstr(steady.out, "\nstable: "), "%s%s", steady.out,
+         steady.err);
+  free_ran(&steady);
+}
+
 /* The exported netlist in plain ngspice, where it is installed. */
 static void exported(void) {
   if (!on_path("ngspice")) return;
@@ -420,6 +460,7 @@ static const vs_test TESTS[] = {
     {"each half wave is an event", each_half_wave_is_an_event},
     {"bridge free-wheels", bridge_free_wheels},
     {"every deck completes", every_deck_completes},
+    {"tables are short", tables_are_short},
     {"exported", exported},
 };
 

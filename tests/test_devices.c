@@ -409,7 +409,7 @@ static void verdicts(void) {
   r = run("run paper --set circuit.deck=d.cir --set run.until=40ms");
   EXPECT(strstr(r.out, "\n  t.i2t ") && strstr(r.out, "  violated  assumed\n") &&
              !strncmp(r.out, "verdict: violated\nweakest: t.i2t, ", 34) &&
-             strstr(r.out, ", margin  -100.0 % +- ") &&
+             strstr(r.out, ", margin -100.0 % +- ") &&
              strstr(r.out, " %  violated\nfirst to fail: v_x, at 2.04"),
          "%s", r.out);
   free_ran(&r);

@@ -689,8 +689,8 @@ static void tables_and_files(void) {
   static const char *const TIERS[] = {"switched", "circuit"};
   write_scene("force_noise: 2 N");
   for (size_t k = 0; k < COUNT(TIERS); k++) {
-    ran r = run("run observed.yaml --tier %s -o %s --set control.observer.spread=0.2", TIERS[k],
-                TIERS[k]);
+    ran r = run("run observed.yaml --tier %s -o %s --set control.observer.spread=0.2 --all",
+                TIERS[k], TIERS[k]);
     EXPECT(r.status == 0, "%s", r.err);
     EXPECT(strstr(r.out, "\np_est ") && strstr(r.out, "\nvphi_est "), "%s", r.out);
     free_ran(&r);

@@ -92,7 +92,7 @@ static void an_ideal_thyristor_misfires(void) {
 
 static void not_judged(void) {
   ran r = run("run paper --set circuit.deck=halfwave_paper --set circuit.thyristor=TYN1212 --set "
-              "run.until=10ms --set run.verify=never");
+              "run.until=10ms --set run.verify=never --all");
   SAYS(r.out, "\nnot judged: ");
   SAYS(r.out, "r1, c1, "); /* of which nothing at all is judged */
   SAYS(r.out, "(no limit stated)");

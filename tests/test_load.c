@@ -207,7 +207,7 @@ static void numbers_of_the_throw(void) {
 }
 
 static void range_of_the_speed(void) {
-  ran r = run("steady paper --set firing.every=1"); /* throw_down 6.1 */
+  ran r = run("steady paper --set firing.every=1 --all"); /* throw_down 6.1 */
   CU_ASSERT(r.status == 0 && strstr(r.out, "outside of its formula's range") != NULL);
   CLOSE(strtod(strstr(r.out, "\nthrow_down") + 11, NULL), 6.14709722, 1e-8);
   free_ran(&r);

@@ -644,14 +644,14 @@ static void shipped_machines_bring_their_supply(void) {
   static const struct {
     const char *sets, *says[2];
   } ROWS[] = {
-      {"", {"machine solenoid (", "\nsupply 12 V direct"}},
-      {"--set supply.voltage=6V", {"machine solenoid (", "\nsupply 6 V direct"}},
-      {"--set machine.model=lds_v203", {"machine lds_v203 (", "\nsupply 8.36501901 V direct"}},
-      {"--set machine.model=two_mass", {"two-mass", "\nsupply 230 V rms, 50 Hz\n"}},
-      {"--set machine.model=fixed_base", {"base fixed", "\nsupply 440 V rms, 50 Hz\n"}},
-      {"--set machine.model=conveyor_bodies", {"springs)", "\nsupply 440 V rms, 50 Hz\n"}},
+      {"", {"machine solenoid (", ", supply 12 V direct"}},
+      {"--set supply.voltage=6V", {"machine solenoid (", ", supply 6 V direct"}},
+      {"--set machine.model=lds_v203", {"machine lds_v203 (", ", supply 8.36501901 V direct"}},
+      {"--set machine.model=two_mass", {"two-mass", ", supply 230 V rms, 50 Hz\n"}},
+      {"--set machine.model=fixed_base", {"base fixed", ", supply 440 V rms, 50 Hz\n"}},
+      {"--set machine.model=conveyor_bodies", {"springs)", ", supply 440 V rms, 50 Hz\n"}},
       {"--set machine.model=conveyor --set supply.voltage=400V --set supply.frequency=60Hz",
-       {"machine conveyor (", "\nsupply 400 V rms, 60 Hz\n"}},
+       {"machine conveyor (", ", supply 400 V rms, 60 Hz\n"}},
   };
   write_file("s.yaml", "machine: {model: solenoid}\nrun: {until: 10 ms}\n");
   for (size_t k = 0; k < COUNT(ROWS); k++) {
@@ -671,7 +671,7 @@ static void shipped_machines_bring_their_supply(void) {
   EXPECT(r.status == 2 && strstr(r.err, "tier circuit"), "%s", r.err);
   free_ran(&r);
   r = run("steady two_mass --set firing.every=1 --set firing.angle=130deg");
-  EXPECT(strstr(r.out, "machine two_mass (") && strstr(r.out, "\nsupply 230 V rms, 50 Hz\n"),
+  EXPECT(strstr(r.out, "machine two_mass (") && strstr(r.out, ", supply 230 V rms, 50 Hz\n"),
          "%.300s%s", r.out, r.err);
   free_ran(&r);
   remove("s.yaml");

@@ -30,11 +30,11 @@ static void judged(const char *const *more, bool one_shot) {
 static void in_the_ring(void) {
   ran r = run("run paper --set circuit.thyristor=TYN1212 --set circuit.r1=10ohm "
               "--set firing.angle=160deg --set firing.every=100 --set run.until=1.1s "
-              "--set run.verify=never -o ring");
+              "--set run.verify=never -o ring --all");
   char *events = read_file("ring/events.csv");
   const char *first = strstr(events, "thyristor fires");
   EXPECT(first && strstr(first + 1, "thyristor fires"), "it fires once: %s", events);
-  const char *line = strstr(r.out, "thyristor.i_rms: "),
+  const char *line = strstr(r.out, "  thyristor.i_rms "),
              *said = line ? strstr(line, "one shot") : NULL;
   EXPECT(r.status == 0 && said && said < strchr(line, '\n'), "%d %s%s", r.status, r.out, r.err);
   free(events);

@@ -425,7 +425,7 @@ static void beside_the_margin(void) {
                          "*$ model  v_clamp = -6 %\n.include varistor_law.inc\n"
                          ".subckt disc a b\nX1 a b varistor_law v_1ma=860 alpha=30 c_par=500p\n"
                          ".ends disc\n");
-  ran r = run("%s", RUN);
+  ran r = run("%s --all", RUN);
   EXPECT(r.status == 0, "%d: %s%s", r.status, r.out, r.err);
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     char *line = line_of(r.out, ROWS[k].line);

@@ -524,7 +524,7 @@ static void groups_on_the_orbit(void) {
   CLOSE(limits ? number_of(limits, "\"worst_part\": ") : NAN, 0.09530, 1e-4);
   EXPECT(strstr(json, "\"windows\": {\"number\": 1, \"cycles\": 10}") != NULL, "no windows");
   free(json);
-  ran r = run("steady paper --tier switched --set firing.angle=97deg --set firing.every=2");
+  ran r = run("steady paper --tier switched --set firing.angle=97deg --set firing.every=2 --all");
   EXPECT(strstr(r.out, "group A rms") && strstr(r.out, "harmonic 2 takes 9.53 % of its own") &&
              strstr(r.out, "root mean square of 1 window of 10 cycles"),
          "%s", r.out);

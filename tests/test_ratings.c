@@ -167,7 +167,7 @@ static void without_a_value(void) {
   ran r = run("run paper --set run.until=4ms --tier switched --set 'ratings={t_fire: 1 ms .., "
               "stroke: .. 1 m}'");
   EXPECT(r.status == 3 && strstr(r.out, "verdict: undecided") &&
-             strstr(r.out, "undecided: the run has no value of it") &&
+             strstr(r.out, "undecided: t_fire (the run has no value of it)") &&
              strstr(r.out, "weakest: stroke"),
          "%s", r.out);
   free_ran(&r);

@@ -49,7 +49,7 @@ static void a_limit_short(void) {
       {"*$ limit i_surge = 1 A\n*$ limit energy = 100 J\n*$ limit p_max = 200 W\n", "",
        "verdict: violated", 3},
       {"*$ limit i_surge = 1 A\n*$ limit energy = 100 J\n*$ limit p_max = 200 W\n",
-       "--set 'waive=[varistor_1.i_surge]'", "  waived\n", 0}};
+       "--set 'waive=[varistor_1.i_surge]' --all", "  waived\n", 0}};
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     write_deck(ROWS[k].limits);
     ran r = run(RUN "%s", ROWS[k].more);
@@ -249,7 +249,7 @@ static void all_alike(void) {
  * corners are above 1.65 A: those at 110 V where one of them is low. The same bytes each time. */
 static void corners_of_each(void) {
   write_two(SHEET "*$ limit i_surge = 1.65 A\n*$ limit tolerance = 5 %\n*$ limit ageing = 10 %\n");
-  ran r = run(RUN "--corners");
+  ran r = run(RUN "--corners --all");
   EXPECT(r.status == 3 && strstr(r.out, "\ncorners: 5 of 8 held; ") &&
              strstr(r.out, "  supply.voltage = 110 V, circuit.varistor_1_scale = 1.155, "
                            "circuit.varistor_2_scale = 0.855: varistor_2.i_peak   -10.3 %"),
@@ -275,7 +275,8 @@ static void corners_of_each(void) {
  * one. So the mains of a deck with a transformer are, where the scene does not say. */
 static void two_together(void) {
   write_two(ALL);
-  ran r = run(RUN "--corners --set 'spread={supply.voltage with circuit.varistor_scale: 10 %%}'");
+  ran r =
+      run(RUN "--corners --all --set 'spread={supply.voltage with circuit.varistor_scale: 10 %%}'");
   EXPECT(strstr(r.out, "\ncorners: 2 of 2 held; ") &&
              strstr(r.out, "\n  supply.voltage = 90 V, circuit.varistor_scale = 0.9: ") &&
              strstr(r.out, "\n  supply.voltage = 110 V, circuit.varistor_scale = 1.1: "),
@@ -301,7 +302,7 @@ static void tolerance_in_words(void) {
   write_two(SHEET "*$ limit i_surge = 1.65 A\n*$ limit tolerance = 5 %\n*$ limit ageing = 10 %\n");
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     char at[64];
-    ran r = run(RUN "--corners --set 'spread={circuit.varistor_2_scale: %s}'", ROWS[k].way);
+    ran r = run(RUN "--corners --all --set 'spread={circuit.varistor_2_scale: %s}'", ROWS[k].way);
     snprintf(at, sizeof at, "\n  circuit.varistor_2_scale = %g: varistor_2.i_peak ", ROWS[k].least);
     EXPECT(r.status == (ROWS[k].least < 0.857 ? 3 : 0) && strstr(r.out, at), "%d %s", r.status,
            r.out);
@@ -315,7 +316,7 @@ static void a_corner_fails(void) {
 #define FAILS                                                                                      \
   "run paper --set run.until=100ms --set 'ratings={i_peak: .. 2 A}' --set supply.voltage=480V "    \
   "--set 'spread={supply.voltage: 95 %%}' --corners "
-  ran r = run(FAILS);
+  ran r = run(FAILS "--all");
   EXPECT(r.status == 1 && strstr(r.out, "\ncorners: 1 of 2 held, 1 failed; ") &&
              strstr(r.out, "  supply.voltage = 936 V: failed: t = "),
          "%d %s", r.status, r.out);

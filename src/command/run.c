@@ -2,6 +2,7 @@
 #include "command/run.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -295,17 +296,25 @@ static bool changes_machine(const vs_run_options *o) {
   return false;
 }
 
+static void show_all(const vs_result *r, const vs_groups_options *groups,
+                     const vs_show_more *more) {
+  if (!more->show || r->verdict.count) vs_show_verdict(r, stdout);
+  if (more->show && r->verdict.count) fputc('\n', stdout);
+  if (more->show) more->show(more->ctx, stdout);
+  vs_show_result(r, groups, stdout);
+}
+
 static void say_result(const vs_run_options *o, const vs_run_more *more, const vs_result *r,
                        const char *json) {
   if (o->json)
     fputs(json, stdout);
   else if (!o->quiet) {
-    const vs_groups_options groups = {.all = o->all, .measured = !changes_machine(o)};
-    bool shows = more && more->show;
-    if (!shows || r->verdict.count) vs_show_verdict(r, stdout);
-    if (shows && r->verdict.count) fputc('\n', stdout);
-    if (shows) more->show(more->ctx, stdout);
-    vs_show_result(r, &groups, stdout);
+    const vs_groups_options groups = {.most = INT_MAX, .measured = !changes_machine(o)};
+    const vs_show_more shown = {more ? more->show : NULL, more ? more->ctx : NULL};
+    if (o->all)
+      show_all(r, &groups, &shown);
+    else
+      vs_show_brief(r, &groups, &shown, stdout);
     if (o->folder)
       printf("written: run.csv, events.csv, summary.json%s in %s\n", o->raw ? ", run.raw" : "",
              o->folder);

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/text.h"
 #include "dependence/closed.h"
@@ -10,6 +11,7 @@
 #include "period/classes.h"
 #include "solver/guard.h"
 #include "steady/steady.h"
+#include "tell/amount.h"
 #include "tell/show.h"
 
 enum { DIGITS = 12, SHOWN = 10 /* the last harmonic in the table; JSON has all */ };
@@ -167,8 +169,14 @@ static void print_multiplier(const vs_steady *s, int k, FILE *out) {
     fprintf(out, "%14s\n", "-");
 }
 
+static void print_stability(const vs_steady *s, FILE *out) {
+  const bool stable = s->orbit.stable;
+  if (vs_steady_is_judged(s))
+    fprintf(out, "%s: the largest multiplier is %s\n", stable ? "stable" : "unstable",
+            stable ? "below 1" : "1 or more, so that the machine does not stay on this orbit");
+}
+
 static void print_multipliers(const vs_steady *s, FILE *out) {
-  const vs_orbit *orbit = &s->orbit;
   if (!vs_steady_multipliers(s)) {
     fprintf(out, "multipliers  not resolved: %s\n", s->picard->missing);
     return;
@@ -178,13 +186,18 @@ static void print_multipliers(const vs_steady *s, FILE *out) {
   if (s->picard)
     fprintf(out, "known to about %.1g, from the differences of cycles%s\n", s->picard->known_to,
             vs_steady_is_judged(s) ? "" : ": not enough to tell whether the orbit is stable");
-  if (!vs_steady_is_judged(s)) return;
-  fprintf(out, "%s: the largest multiplier is %s\n", orbit->stable ? "stable" : "unstable",
-          orbit->stable ? "below 1" : "1 or more, so that the machine does not stay on this orbit");
+  print_stability(s, out);
+}
+
+static void print_limits(const vs_steady *s, FILE *out) {
+  int worst = worst_harmonic(s);
+  fprintf(out,
+          "limits: %s, class A; %s held up to harmonic %d: harmonic %d takes %.3g %% of its own\n",
+          STANDARD, part_of_limit(s, worst) <= 1 ? "all are" : "not all are", VS_SPECTRUM_LAST,
+          worst, 100 * part_of_limit(s, worst));
 }
 
 static void print_harmonics(const vs_steady *s, FILE *out) {
-  int worst = worst_harmonic(s);
   const bool groups = s->spectrum.grouping.told;
   fprintf(out, "\n%-10s %15s", "harmonic", "A rms");
   if (groups) fprintf(out, " %15s", "group A rms");
@@ -196,21 +209,40 @@ static void print_harmonics(const vs_steady *s, FILE *out) {
       fprintf(out, " %15.4g %13.2f %%", vs_spectrum_limit(n), 100 * part_of_limit(s, n));
     fputc('\n', out);
   }
-  fprintf(out,
-          "limits: %s, class A; %s held up to harmonic %d: harmonic %d takes %.3g %% of its own\n",
-          STANDARD, part_of_limit(s, worst) <= 1 ? "all are" : "not all are", VS_SPECTRUM_LAST,
-          worst, 100 * part_of_limit(s, worst));
+  print_limits(s, out);
   vs_show_windows(&s->spectrum, out);
 }
 
-static void show(const void *ctx, FILE *out) {
-  const vs_steady *s = ctx;
+static void print_orbit(const vs_steady *s, FILE *out) {
   const vs_orbit *orbit = &s->orbit;
-  const vs_drawn drawn = drawn_of(s);
-  vs_steady_measure m;
-  fprintf(out, "orbit  of %.9g s, period %d, in %d %s; the last corrected it by %.1g\n\n",
+  fprintf(out, "orbit  of %.9g s, period %d, in %d %s; the last corrected it by %.1g\n",
           orbit->period_s, orbit->n, s->picard ? s->picard->cycles : orbit->iterations,
           s->picard ? "cycles" : "iterations", orbit->residual);
+}
+
+/* What a short table tells of an orbit, where it is known. */
+static void show_few(const vs_steady *s, FILE *out) {
+  static const char *const FEW[] = {"power_in",        "i_rms", "power_factor", "thd", "throw_down",
+                                    "conveying_speed", NULL};
+  char text[VS_AMOUNT_SIZE];
+  vs_steady_measure m;
+  print_orbit(s, out);
+  print_stability(s, out);
+  print_limits(s, out);
+  for (int k = 0; vs_steady_at(s, k, &m); k++)
+    for (const char *const *name = FEW; *name; name++)
+      if (m.value.known && !strcmp(m.name, *name))
+        fprintf(out, "%-16s %13s   %s\n", m.name, vs_amount_text(m.value.value, m.unit, text),
+                m.text);
+  const char *material = of_material(s);
+  if (material) fprintf(out, "material: %s\n", material);
+}
+
+static void show(const vs_steady *s, FILE *out) {
+  const vs_drawn drawn = drawn_of(s);
+  vs_steady_measure m;
+  print_orbit(s, out);
+  fputc('\n', out);
   print_multipliers(s, out);
   print_harmonics(s, out);
   fputc('\n', out);
@@ -233,7 +265,7 @@ typedef struct reporter {
   vs_closed *closed;     /* the closed loop of the scene's control; NULL: it has none to tell */
   vs_error unclosed;     /* why there is none of a control that should have one */
   vs_scene *scene;
-  bool quiet;
+  bool quiet, all;
 } reporter;
 
 static void begin(void *ctx, vs_scene *scene) {
@@ -257,8 +289,11 @@ static void finish(void *ctx, const vs_result *result) {
 
 static void show_all(const void *ctx, FILE *out) {
   const reporter *r = ctx;
-  vs_show_feed(&r->scene->setup, out);
-  show(ctx, out);
+  if (r->all) {
+    vs_show_feed(&r->scene->setup, out);
+    show(ctx, out);
+  } else
+    show_few(ctx, out);
   if (r->matrices) vs_matrices_print(r->matrices, out);
   if (r->closed && !*r->unclosed.text) vs_closed_print(r->closed, out);
   if (r->closed && *r->unclosed.text)
@@ -314,6 +349,7 @@ static vs_status report(const vs_run_options *o, int periods, extras more_of, vs
   if (!status) status = vs_steady_begin(s, scene, periods, err);
   r->scene = scene;
   r->quiet = o->quiet;
+  r->all = o->all;
   if (!status && linear) {
     r->matrices = vs_alloc(1, sizeof *r->matrices);
     status = vs_matrices_find(r->matrices, scene, &s->orbit, err);

@@ -12,7 +12,8 @@
   VS_COMMAND_FLAG("reproducible", VS_KEY_REPRODUCIBLE,                                             \
                   "leaves the cost (wall time) out of summary.json")
 #define VS_OPTIONS_ALL                                                                             \
-  VS_COMMAND_FLAG("all", VS_KEY_ALL, "the table leaves nothing out: zeros, unknowns, doubles")
+  VS_COMMAND_FLAG("all", VS_KEY_ALL,                                                               \
+                  "the table leaves nothing out: every line of the verdict, every measure")
 #define VS_OPTIONS_DIGITS                                                                          \
   VS_COMMAND_VALUE("digits", VS_KEY_DIGITS, "N",                                                   \
                    "significant digits in CSV, 1 to 17 (default 9; 17 is exact)")

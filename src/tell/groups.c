@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tell/groups.h"
 
+#include <limits.h>
 #include <math.h>
 #include <string.h>
 
 #include "scene/shown.h"
 #include "tell/amount.h"
 
-/* Measures of devices stand in cells side by side. */
-enum { ROW = 40, NAME_WIDTH = 18, CELL = 30, CELLS = 3 };
+enum { ROW = 40, WORTH_A_HEADING = 5 };
 
 static const char *const HEADINGS[VS_SHOWN_GROUPS] = {[VS_SHOWN_MOTION] = "motion",
                                                       [VS_SHOWN_ELECTRICAL] = "electrical",
@@ -24,9 +24,11 @@ typedef struct rows {
   int standard; /* the first so many measures may have been measured */
   int group;    /* that is printed; -1: what is asked for */
   bool begun;   /* its heading is printed */
-  int printed;
-  int column; /* of a line of cells, counted from the first cell */
+  int printed, lines;
 } rows;
+
+/* What a short table tells of every run. */
+static const char *const ALWAYS[] = {"stroke", "i_peak", "t_extinction", "energy_in"};
 
 /* ---- which ---- */
 
@@ -54,15 +56,19 @@ static bool is_asked(const rows *r, const vs_shown *m, int k) {
 static bool is_wanted(const rows *r, const vs_shown *m, int k) {
   if (is_asked(r, m, k)) return r->group < 0;
   if ((int)m->group != r->group) return false;
-  if (r->options->all) return true;
+  if (r->options->most == INT_MAX) return true;
+  for (size_t n = 0; n < sizeof ALWAYS / sizeof *ALWAYS; n++)
+    if (!strcmp(m->name, ALWAYS[n])) return false;
   return m->value.known && m->value.value != 0 && !m->doubled;
 }
 
 /* ---- rows ---- */
 
 static void begin(rows *r) {
-  if (!r->begun) fprintf(r->out, "\n%s\n", r->group < 0 ? "asked for" : HEADINGS[r->group]);
+  if (r->begun) return;
+  fprintf(r->out, "\n%s\n", r->group < 0 ? "asked for" : HEADINGS[r->group]);
   r->begun = true;
+  r->lines += 2;
 }
 
 /* The name to the left and the value to the right of a row. */
@@ -112,65 +118,68 @@ static void print_ends(rows *r, const vs_shown *least, const vs_shown *largest) 
   fputc('\n', r->out);
 }
 
+/* Prints the k-th measure, and with it the next one where the two are the ends of a range. Returns
+ * how many these were. */
+static int print_next(rows *r, const vs_shown *m, int k) {
+  const vs_frame *frame = &r->result->scene->frame;
+  vs_shown next;
+  const bool two = !measured_of(r, k) && vs_shown_at(frame, r->result, k + 1, &next) &&
+                   !measured_of(r, k + 1) && is_asked(r, m, k) == is_asked(r, &next, k + 1) &&
+                   are_ends(m, &next) &&
+                   (r->options->most == INT_MAX || (next.value.known && next.value.value != 0));
+  if (two)
+    print_ends(r, m, &next);
+  else
+    print_row(r, m, k);
+  r->lines++;
+  r->printed += two ? 2 : 1;
+  return two ? 2 : 1;
+}
+
 static void print_group(rows *r) {
-  const vs_frame *frame = &r->result->scene->frame;
-  vs_shown m, next;
-  r->begun = false;
-  for (int k = 0; vs_shown_at(frame, r->result, k, &m); k++) {
-    if (!is_wanted(r, &m, k)) continue;
-    begin(r);
-    r->printed++;
-    if (!measured_of(r, k) && vs_shown_at(frame, r->result, k + 1, &next) &&
-        is_wanted(r, &next, k + 1) && !measured_of(r, k + 1) && are_ends(&m, &next)) {
-      print_ends(r, &m, &next);
-      r->printed++, k++;
-    } else
-      print_row(r, &m, k);
-  }
-}
-
-/* ---- devices ---- */
-
-/* Prints one measure in a cell behind those of the same device. */
-static void print_cell(rows *r, const vs_shown *m, const char *device, int *cells) {
-  char value[VS_AMOUNT_SIZE];
-  const char *dot = strchr(m->name, '.');
-  if (*cells % CELLS == 0)
-    r->column = fprintf(r->out, "%s  %-*.*s ", *cells ? "\n" : "", NAME_WIDTH,
-                        *cells ? 0 : (int)strlen(device), device) -
-                (*cells > 0) - (NAME_WIDTH + 3);
-  fprintf(r->out, "%*s", *cells % CELLS * CELL - r->column, "");
-  r->column = *cells % CELLS * CELL +
-              fprintf(r->out, "%s %s", dot + 1, vs_amount_text(m->value.value, m->unit, value));
-  if (m->over_v > 0)
-    r->column += fprintf(r->out, " over %s", vs_amount_text(m->over_v, "V", value));
-  ++*cells;
-}
-
-static void print_devices(rows *r) {
-  const vs_frame *frame = &r->result->scene->frame;
-  char device[VS_JUDGED_NAME] = "";
   vs_shown m;
-  int cells = 0;
   r->begun = false;
-  for (int k = 0; vs_shown_at(frame, r->result, k, &m); k++) {
-    if (!is_wanted(r, &m, k)) continue;
-    begin(r);
-    size_t n = strcspn(m.name, ".");
-    if (strncmp(device, m.name, n) || device[n]) {
-      if (*device) fputc('\n', r->out);
-      snprintf(device, sizeof device, "%.*s", (int)n, m.name);
-      cells = 0;
-    }
-    print_cell(r, &m, device, &cells);
-    r->printed++;
+  for (int k = 0; vs_shown_at(&r->result->scene->frame, r->result, k, &m);) {
+    const bool prints = is_wanted(r, &m, k) && r->lines < r->options->most;
+    if (prints) begin(r);
+    k += prints ? print_next(r, &m, k) : 1;
   }
-  if (r->begun) fputc('\n', r->out);
-  for (int k = 0; vs_shown_at(frame, r->result, k, &m); k++)
-    if (is_wanted(r, &m, k) && m.unjudged) fprintf(r->out, "  %s: %s\n", m.name, m.unjudged);
 }
 
-void vs_groups_print(const vs_result *result, const vs_groups_options *options, FILE *out) {
+/* Prints the measure of that name where it says something and does not stand there already. */
+static void print_named(rows *r, const char *name) {
+  vs_shown m;
+  for (int k = 0; vs_shown_at(&r->result->scene->frame, r->result, k, &m); k++)
+    if (!strcmp(m.name, name) && m.value.known && m.value.value != 0 && !is_asked(r, &m, k))
+      print_next(r, &m, k);
+}
+
+/* Prints what the deck's probes have of its first few currents. */
+static void print_currents(rows *r) {
+  enum { CURRENTS = 2 };
+  vs_shown m;
+  int printed = 0;
+  for (int k = 0; vs_shown_at(&r->result->scene->frame, r->result, k, &m) && printed < CURRENTS;) {
+    const bool prints = m.channel >= 0 && !strcmp(m.unit, "A") && m.value.known &&
+                        r->lines < r->options->most && !is_asked(r, &m, k);
+    printed += prints;
+    k += prints ? print_next(r, &m, k) : 1;
+  }
+}
+
+/* Prints what is asked for, what every short table tells, and the motion where there is room. */
+static void print_few(rows *r) {
+  r->group = -1;
+  print_group(r);
+  if (!r->begun) fputc('\n', r->out);
+  for (size_t k = 0; k < sizeof ALWAYS / sizeof *ALWAYS && r->lines < r->options->most; k++)
+    print_named(r, ALWAYS[k]);
+  print_currents(r);
+  r->group = VS_SHOWN_MOTION;
+  if (r->options->most - r->lines >= WORTH_A_HEADING) print_group(r);
+}
+
+int vs_groups_print(const vs_result *result, const vs_groups_options *options, FILE *out) {
   const vs_scene *s = result->scene;
   rows r = {.result = result,
             .options = options,
@@ -181,14 +190,11 @@ void vs_groups_print(const vs_result *result, const vs_groups_options *options, 
   bool measured = false;
   while (vs_shown_at(&s->frame, result, count, &m)) count++;
   for (int k = 0; k < r.standard; k++) measured = measured || s->measured[k].known;
-  for (r.group = -1; r.group < VS_SHOWN_GROUPS; r.group++)
-    if (r.group == VS_SHOWN_DEVICES && !options->all)
-      print_devices(&r);
-    else
-      print_group(&r);
+  if (options->most < INT_MAX)
+    print_few(&r);
+  else
+    for (r.group = -1; r.group < VS_SHOWN_GROUPS; r.group++) print_group(&r);
   if (measured && !options->measured)
-    fputs("\nwhat was measured is not shown: --set has changed what it was measured of\n", out);
-  if (count > r.printed)
-    fprintf(out, "\n%d measures are left out, which are zero, unknown or doubled: --all\n",
-            count - r.printed);
+    fputs("what was measured is not shown: --set has changed what it was measured of\n", out);
+  return count - r.printed;
 }

@@ -8,13 +8,15 @@
 #include "scene/result.h"
 
 typedef struct vs_groups_options {
-  bool all;      /* also what is zero, unknown, or stands under another name already */
+  int most;      /* lines that there is room for; INT_MAX: nothing is left out */
   bool measured; /* the scene's `measured` is shown: nothing was set that it does not speak of */
 } vs_groups_options;
 
 /* Prints the groups. Asked for is what `measured` names, and, where `record` is a list, each
- * measure whose name begins with that of a recorded channel. The last line tells how many measures
- * are left out. */
-void vs_groups_print(const vs_result *result, const vs_groups_options *options, FILE *out);
+ * measure whose name begins with that of a recorded channel. Where there is no room for all, what
+ * is asked for is followed by the stroke, the currents, the extinction and the energy drawn, and by
+ * the motion as far as there is room.
+ * Returns how many measures are left out. */
+int vs_groups_print(const vs_result *result, const vs_groups_options *options, FILE *out);
 
 #endif

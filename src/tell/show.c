@@ -11,14 +11,34 @@
 #include "tier/tiers.h"
 #include "watch/unjudged.h"
 
-/* "  12.3 % +- 0.04 %" */
-static void print_number(const vs_judgement *j, FILE *out) {
-  if (isnan(j->margin))
-    fprintf(out, "%9s %11s", "-", "");
-  else if (isfinite(j->margin_error))
-    fprintf(out, "%7.1f %% +- %-6.2g %%", 100 * j->margin, 100 * j->margin_error);
+/* A margin beyond this is told as more than it: a stress that is far below its limit, or a time
+ * that is many times the one that is wanted. */
+static const double FAR = 9.99;
+
+/* "12.3 %", ">999 %"; of a margin that is not known "-". */
+static const char *margin_text(double margin, char text[VS_AMOUNT_SIZE]) {
+  if (isnan(margin))
+    snprintf(text, VS_AMOUNT_SIZE, "-");
+  else if (margin > FAR)
+    snprintf(text, VS_AMOUNT_SIZE, ">%.0f %%", 100 * FAR);
   else
-    fprintf(out, "%7.1f %% %11s", 100 * j->margin, isnan(j->margin_error) ? "" : "+- ?");
+    snprintf(text, VS_AMOUNT_SIZE, "%.1f %%", 100 * margin);
+  return text;
+}
+
+/* "  12.3 % +- 0.04 %", padded where it stands in a column. */
+static void print_number(const vs_judgement *j, bool padded, FILE *out) {
+  char margin[VS_AMOUNT_SIZE], error[VS_AMOUNT_SIZE] = "";
+  const bool told = !isnan(j->margin) && j->margin <= FAR && !isnan(j->margin_error);
+  if (told && isfinite(j->margin_error))
+    snprintf(error, sizeof error, "+- %-*.2g %%", padded ? 6 : 0, 100 * j->margin_error);
+  else if (told)
+    snprintf(error, sizeof error, "+- ?");
+  margin_text(j->margin, margin);
+  if (padded)
+    fprintf(out, "%9s %11s", margin, error);
+  else
+    fprintf(out, "%s%s%s", margin, *error ? " " : "", error);
 }
 
 /* How far the models that it hangs on are from their sheets: "  (model v_clamp -6 % of sheet)". */
@@ -38,7 +58,7 @@ static void print_finding(const vs_judgement *j, FILE *out) {
 
 /* "  12.3 % +- 0.04 %  held" */
 static void print_margin(const vs_judgement *j, FILE *out) {
-  print_number(j, out);
+  print_number(j, true, out);
   print_finding(j, out);
 }
 
@@ -70,16 +90,22 @@ static void print_rating(const vs_judgement *j, int width, FILE *out) {
   fprintf(out, "%s\n", j->assumed ? "  assumed" : "");
 }
 
+/* The end of what is allowed that the stress is nearer to, or further beyond. */
+static double allowed(const vs_judgement *j) {
+  if (j->limit) return j->limit->value;
+  return j->room[0] < j->room[1] ? j->rating->min : j->rating->max;
+}
+
 static void print_device(const vs_judgement *j, int width, FILE *out) {
   char name[VS_JUDGED_NAME], at[VS_AMOUNT_SIZE] = "", why[2 * VS_DECK_NAME + 16];
   const char *unit_name = vs_verdict_unit(j);
   double unit = vs_units_factor(unit_name);
   if (!isnan(j->stress.at_s)) vs_amount_text(j->stress.at_s, "s", at);
   fprintf(out, "  %-*s %11.4g ", width, vs_verdict_name(j, name), j->stress.value / unit);
-  if (j->limit)
-    fprintf(out, "%11.4g", j->limit->value / unit);
-  else
+  if (j->lacks)
     fprintf(out, "%11s", "-");
+  else
+    fprintf(out, "%11.4g", allowed(j) / unit);
   fprintf(out, " %-5s %11s ", unit_name, at);
   print_margin(j, out);
   print_models(j, "  (", ")", out);
@@ -87,21 +113,25 @@ static void print_device(const vs_judgement *j, int width, FILE *out) {
   if (j->over_v > 0) fprintf(out, "  over %.4g V", j->over_v);
   if (j->device && !isnan(j->over_from_s)) fprintf(out, "  from %.6g s on", j->over_from_s);
   if (j->ward) fprintf(out, "  limit of %s", j->ward->name);
-  if (j->measure->how == VS_R_RETURN_RISE) fputs("  compared: a model need not obey it", out);
+  if (j->measure && j->measure->how == VS_R_RETURN_RISE)
+    fputs("  compared: a model need not obey it", out);
   fprintf(out, "%s\n", j->assumed ? "  assumed" : "");
 }
 
-/* "undecided: v_ak, thyristor.i2t", and a line for each limit that a part does not state:
- * "undecided: varistor_1.power: s20k510 states no p_max; waive: [varistor_1.power] leaves it out"
+/* "undecided: v_ak, t_fire (the run has no value of it)", and a line for each limit that a part
+ * does not state: "undecided: varistor_1.power: s20k510 states no p_max; waive: [varistor_1.power]
+ * leaves it out"
  */
-static void print_undecided(const vs_verdict *v, FILE *out) {
+static void print_undecided(const vs_verdict *v, bool lacking, FILE *out) {
   char name[VS_JUDGED_NAME], why[2 * VS_DECK_NAME + 16];
   size_t n = 0;
   for (size_t k = 0; k < v->count; k++)
-    if (vs_verdict_word(&v->item[k]) == VS_UNDECIDED && !v->item[k].lacks)
+    if (vs_verdict_word(&v->item[k]) == VS_UNDECIDED && !v->item[k].lacks) {
       fprintf(out, "%s%s", n++ ? ", " : "undecided: ", vs_verdict_name(&v->item[k], name));
+      if (v->item[k].unknown) fprintf(out, " (%s)", v->item[k].unknown);
+    }
   if (n) fputc('\n', out);
-  for (size_t k = 0; k < v->count; k++) {
+  for (size_t k = 0; lacking && k < v->count; k++) {
     const vs_judgement *j = &v->item[k];
     if (!j->lacks || j->waived) continue;
     vs_verdict_name(j, name);
@@ -139,13 +169,10 @@ static void print_happening(const vs_judgement *j, FILE *out) {
 static void print_weakest(const vs_judgement *j, FILE *out) {
   char name[VS_JUDGED_NAME], stress[VS_AMOUNT_SIZE], limit[VS_AMOUNT_SIZE];
   const char *unit = vs_verdict_unit(j);
-  double allowed = j->limit                  ? j->limit->value
-                   : j->room[0] < j->room[1] ? j->rating->min
-                                             : j->rating->max;
   fprintf(out, "weakest: %s, %s where %s%s is allowed, margin ", vs_verdict_name(j, name),
-          written(j->stress.value, unit, stress), written(allowed, unit, limit),
+          written(j->stress.value, unit, stress), written(allowed(j), unit, limit),
           j->assumed ? " (assumed)" : "");
-  print_number(j, out);
+  print_number(j, false, out);
   print_models(j, " (", ")", out);
   print_finding(j, out);
   fputc('\n', out);
@@ -223,12 +250,17 @@ static void print_corner(const vs_corner *one, FILE *out) {
     return;
   }
   fprintf(out, "%s ", one->line);
-  if (isnan(one->margin))
-    fprintf(out, "%9s", "-");
-  else
-    fprintf(out, "%7.1f %%", 100 * one->margin);
+  char margin[VS_AMOUNT_SIZE];
+  fprintf(out, "%9s", margin_text(one->margin, margin));
   if (isfinite(one->error)) fprintf(out, " +- %.2g %%", 100 * one->error);
   fprintf(out, "  %s", vs_verdict_words[one->word]);
+}
+
+/* "corners: 7 of 8 held, 1 failed; " */
+static void print_held(const vs_corners *c, FILE *out) {
+  fprintf(out, "corners: %zu of %zu held", c->held, c->count);
+  if (c->failed) fprintf(out, ", %zu failed", c->failed);
+  fputs("; ", out);
 }
 
 /* What was varied: nothing, or the corners, with the worst line of each. */
@@ -239,9 +271,8 @@ static void print_corners(const vs_result *r, FILE *out) {
     fputs("nominal values; corners not judged\n", out);
     return;
   }
-  fprintf(out, "corners: %zu of %zu held", c->held, c->count);
-  if (c->failed) fprintf(out, ", %zu failed", c->failed);
-  fputs("; the worst line of each:\n", out);
+  print_held(c, out);
+  fputs("the worst line of each:\n", out);
   for (size_t k = 0; k < c->count; k++) {
     fprintf(out, "  %s: ", vs_result_corner(c, k, at, sizeof at));
     print_corner(&c->item[k], out);
@@ -307,12 +338,30 @@ void vs_show_feed(const vs_setup *setup, FILE *out) {
   const vs_supply_values *supply = &setup->timeline.supply;
   const char *model = setup->model.parameters.model, *title = setup->machine->title;
   const bool titled = *title != '\0';
-  fprintf(out, "machine %s%s%s%s\nsupply %.9g V", model, titled ? " (" : "", title,
+  fprintf(out, "machine %s%s%s%s, supply %.9g V", model, titled ? " (" : "", title,
           titled ? ")" : "", supply->voltage_v);
   if (supply->direct)
     fputs(" direct, from t = 0 on\n", out);
   else
     fprintf(out, " rms, %.9g Hz\n", supply->frequency_hz);
+}
+
+/* How much of the material rides, where that was found and not given. */
+static void print_load(const vs_scene *s, FILE *out) {
+  const vs_tier *tier = vs_tiers_of_orbit(s->tier);
+  if (vs_setup_found_fraction(&s->setup))
+    fprintf(out,
+            "load   fraction %.9g of the material rides (auto: empirical, by the throw coefficient "
+            "%.6g on the orbit%s%s)\n",
+            s->setup.model.riding, s->setup.throw_coefficient, s->tier == tier ? "" : " of tier ",
+            s->tier == tier ? "" : tier->name);
+}
+
+/* With which settings the run was made in the end, where it could not be with its own. */
+static void print_rung(const vs_result *r, FILE *out) {
+  if (r->ladder.rung)
+    fprintf(out, "rung   %d: %s; before, %s\n", r->ladder.rung, vs_ladder_text(r->ladder.rung),
+            r->ladder.failed);
 }
 
 static void print_head(const vs_result *r, FILE *out) {
@@ -321,9 +370,7 @@ static void print_head(const vs_result *r, FILE *out) {
   fprintf(out, "\nscene  %s\n", s->path);
   vs_show_feed(&s->setup, out);
   fprintf(out, "tier   %s (%s)\n", s->tier->name, s->why);
-  if (r->ladder.rung)
-    fprintf(out, "rung   %d: %s; before, %s\n", r->ladder.rung, vs_ladder_text(r->ladder.rung),
-            r->ladder.failed);
+  print_rung(r, out);
   if (absence->times)
     fprintf(
         out,
@@ -334,13 +381,7 @@ static void print_head(const vs_result *r, FILE *out) {
   const char *declined = vs_result_declined(r);
   if (declined) fprintf(out, "quiet  ngspice is not left: %s\n", declined);
   print_on_line(&s->setup.timeline.events, out);
-  const vs_tier *tier = vs_tiers_of_orbit(s->tier);
-  if (vs_setup_found_fraction(&s->setup))
-    fprintf(out,
-            "load   fraction %.9g of the material rides (auto: empirical, by the throw coefficient "
-            "%.6g on the orbit%s%s)\n",
-            s->setup.model.riding, s->setup.throw_coefficient, s->tier == tier ? "" : " of tier ",
-            s->tier == tier ? "" : tier->name);
+  print_load(s, out);
   print_heat(r, out);
   if (r->watchers.devices)
     fprintf(out, "means  over %.9g..%.9g s\n", s->setup.means.from_s, s->setup.means.to_s);
@@ -362,13 +403,20 @@ static void print_instruments(const vs_result *r, int width, FILE *out) {
   }
 }
 
+static void print_control(const vs_result *r, int width, FILE *out) {
+  const vs_loop *l = r->loop;
+  if (l)
+    fprintf(out, "%-*s law %s: %ld firings decided, %ld of them left out, %ld at a limit\n", width,
+            "control", l->control->regulator->name, l->program.count, l->left_out, l->at_limit);
+}
+
 /* What the control has decided, and what it shows at the run's end. */
 static void print_loop(const vs_result *r, int width, FILE *out) {
   const vs_loop *l = r->loop;
   vs_control_column column;
   if (!l) return;
-  fprintf(out, "\n%-*s law %s: %ld firings decided, %ld of them left out, %ld at a limit\n", width,
-          "control", l->control->regulator->name, l->program.count, l->left_out, l->at_limit);
+  fputc('\n', out);
+  print_control(r, width, out);
   for (int k = 0; k <= vs_control_outputs(l->control); k++) {
     vs_control_column_at(l->control, k, &column);
     double value = vs_loop_shows(l, k);
@@ -451,27 +499,45 @@ static void print_quality(const vs_quality *q, FILE *out) {
   vs_show_classes(&drawn, out);
 }
 
-void vs_show_verdict(const vs_result *r, FILE *out) {
-  const vs_verdict *v = &r->verdict;
-  const vs_scene *s = r->scene;
-  if (!v->count && vs_unjudged_is_told(r->watchers.devices, v)) {
+/* What the force of the analytic tier has done besides. */
+static void print_one_way(const vs_result *r, FILE *out) {
+  const double work_j = r->watchers.energy.joule[VS_E_WORK];
+  if (r->scene->frame.gap_at_rest && work_j != 0)
+    fprintf(out, "\nthe one-way force of this tier did %.4f J of work that nothing supplied\n",
+            work_j);
+}
+
+/* Something is limited, and nothing of that is judged. */
+static bool nothing_is_judged(const vs_result *r) {
+  return vs_unjudged_is_told(r->watchers.devices, &r->verdict);
+}
+
+/* Why there is no verdict, and how to have one. */
+static void print_none(const vs_result *r, FILE *out) {
+  if (nothing_is_judged(r)) {
     fputs("verdict: none, as nothing that the deck and its parts limit is judged\n", out);
-    print_waived(&s->expects, out);
-    print_not_judged(r, out);
     return;
   }
+  const bool has_circuit = r->scene->tier->has_circuit;
+  fprintf(out, "verdict: none, as %s%s\n",
+          has_circuit ? "the deck and its parts rate nothing"
+                      : "this tier has no circuit whose parts could be rated",
+          has_circuit && !r->second.done
+              ? "; run.verify: always would tell which extremes hang on the steps"
+              : "");
+  if (has_circuit)
+    fputs("to have one: choose parts that have limits, as circuit.thyristor ('vibrospice list "
+          "parts'), or write a line '*$ rating' into the deck\n",
+          out);
+}
+
+void vs_show_verdict(const vs_result *r, FILE *out) {
+  const vs_verdict *v = &r->verdict;
   if (!v->count) {
-    fprintf(out, "verdict: none, as %s%s\n",
-            s->tier->has_circuit ? "the deck and its parts rate nothing"
-                                 : "this tier has no circuit whose parts could be rated",
-            s->tier->has_circuit && !r->second.done
-                ? "; run.verify: always would tell which extremes hang on the steps"
-                : "");
-    if (s->tier->has_circuit)
-      fputs("to have one: choose parts that have limits, as circuit.thyristor ('vibrospice list "
-            "parts'), "
-            "or write a line '*$ rating' into the deck\n",
-            out);
+    print_none(r, out);
+    if (!nothing_is_judged(r)) return;
+    print_waived(&r->scene->expects, out);
+    print_not_judged(r, out);
     return;
   }
   print_word(v, out);
@@ -479,8 +545,8 @@ void vs_show_verdict(const vs_result *r, FILE *out) {
     if (vs_verdict_is_happening(&v->item[k])) print_happening(&v->item[k], out);
   if (v->weakest && !vs_verdict_is_happening(v->weakest)) print_weakest(v->weakest, out);
   if (v->first_to_fail) print_first_to_fail(v->first_to_fail, out);
-  print_undecided(v, out);
-  print_waived(&s->expects, out);
+  print_undecided(v, true, out);
+  print_waived(&r->scene->expects, out);
   print_not_judged(r, out);
   print_corners(r, out);
   print_lines(v, out);
@@ -488,17 +554,213 @@ void vs_show_verdict(const vs_result *r, FILE *out) {
 }
 
 void vs_show_result(const vs_result *r, const vs_groups_options *options, FILE *out) {
-  const vs_scene *s = r->scene;
-  const double work_j = r->watchers.energy.joule[VS_E_WORK];
   const int width = 18;
   print_head(r, out);
   vs_groups_print(r, options, out);
-  if (s->frame.gap_at_rest && work_j != 0)
-    fprintf(out, "\nthe one-way force of this tier did %.4f J of work that nothing supplied\n",
-            work_j);
+  print_one_way(r, out);
   print_instruments(r, width, out);
   print_loop(r, width, out);
   print_observer(r, width, out);
   for (int k = 0; k < r->n_quality; k++) print_quality(&r->quality[k], out);
   fprintf(out, "\n%ld steps in %.3g s\n", r->steps, r->wall_s);
+}
+
+/* ---- in short ---- */
+
+/* The table has at most LINES, with an orbit a few more, of which the lines of the verdict get what
+ * the others leave, and at least three. */
+enum { LINES = 25, LINES_OF_ORBIT = 30, LEAST_LINES = 3, WEAK = 3, HAPPENINGS = 3, NAMES = 3 };
+
+/* What is measured has more room where nothing is judged, and less where an orbit is told. */
+enum { ROWS = 6, ROWS_ALONE = 15, ROWS_OF_ORBIT = 3 };
+
+/* Devices none of whose margins is below this are counted and not shown, besides the weakest. */
+static const double AMPLE = 0.9;
+
+/* What was not expected goes before what was. */
+static void tell_happenings(const vs_verdict *v, FILE *out) {
+  int told = 0, left = 0;
+  for (int expected = 0; expected < 2; expected++)
+    for (size_t k = 0; k < v->count; k++) {
+      const vs_judgement *j = &v->item[k];
+      if (!vs_verdict_is_happening(j) || (j->margin > 0) != (bool)expected) continue;
+      if (told < HAPPENINGS)
+        print_happening(j, out), told++;
+      else
+        left++;
+    }
+  if (left) fprintf(out, "happened: %d more of that (--all)\n", left);
+}
+
+/* All that leaves the verdict undecided is named; limits that parts do not state on one line. */
+static void tell_undecided(const vs_verdict *v, FILE *out) {
+  char name[VS_JUDGED_NAME];
+  vs_text lacking = {0};
+  size_t n = 0;
+  for (size_t k = 0; k < v->count; k++)
+    if (v->item[k].lacks && !v->item[k].waived)
+      vs_text_add(&lacking, "%s%s", n++ ? ", " : "", vs_verdict_name(&v->item[k], name));
+  print_undecided(v, n < 2, out);
+  if (n > 1)
+    fprintf(out, "undecided: %s: their parts state no such limit; waive: [%s] leaves them out\n",
+            lacking.text, lacking.text);
+  vs_text_free(&lacking);
+}
+
+/* "not judged: fuse_2.v_open, varistor_1.power, varistor_1.v_rms and 5 more (--all)" */
+static void tell_not_judged(const vs_result *r, FILE *out) {
+  const vs_devices *devices = r->watchers.devices;
+  vs_unjudged entry;
+  size_t count = 0;
+  while (vs_unjudged_at(devices, &r->verdict, count, &entry)) count++;
+  if (count <= NAMES) {
+    print_not_judged(r, out);
+    return;
+  }
+  for (size_t k = 0; k < NAMES && vs_unjudged_at(devices, &r->verdict, k, &entry); k++)
+    fprintf(out, "%s%s", k ? ", " : "not judged: ", entry.name);
+  fprintf(out, " and %zu more (--all)\n", count - NAMES);
+}
+
+static int by_weakness(const void *left, const void *right) {
+  const vs_judgement *a = *(const vs_judgement *const *)left,
+                     *b = *(const vs_judgement *const *)right;
+  if (vs_verdict_is_weaker(a, b)) return -1;
+  return vs_verdict_is_weaker(b, a) ? 1 : (a < b) - (a > b); /* as of v->weakest */
+}
+
+/* True where none of the first n lines is of what the line is of. */
+static bool is_first_of_its(const vs_judgement *j, const vs_judgement *const *line, size_t n) {
+  for (size_t k = 0; k < n; k++)
+    if (j->device && line[k]->device == j->device) return false;
+  return true;
+}
+
+/* "11 more above 41 %, 9 of them above 90 %" */
+static void tell_rest(const vs_judgement *const *line, size_t count, FILE *out) {
+  double least = INFINITY;
+  size_t ample = 0, violated = 0;
+  for (size_t k = 0; k < count; k++) {
+    least = fmin(least, line[k]->margin);
+    ample += line[k]->margin > AMPLE;
+    violated += line[k]->margin < 0;
+  }
+  if (!count) return;
+  least = ample == count ? AMPLE : least;
+  fprintf(out, "  %zu more above %.0f %%", count, floor(100 * least + 1e-9));
+  if (violated) fprintf(out, ", %zu of them violated", violated);
+  if (ample && ample < count) fprintf(out, ", %zu of them above %.0f %%", ample, 100 * AMPLE);
+  fputc('\n', out);
+}
+
+/* The weakest lines whatever they are of, and the tightest of each other device, as far as there is
+ * room. */
+static void tell_lines(const vs_verdict *v, int room, FILE *out) {
+  const vs_judgement **line = vs_alloc(v->count, sizeof *line);
+  size_t count = 0, shown = 0;
+  for (size_t k = 0; k < v->count; k++)
+    if (isfinite(v->item[k].margin) && !v->item[k].waived && !vs_verdict_is_happening(&v->item[k]))
+      line[count++] = &v->item[k];
+  qsort(line, count, sizeof *line, by_weakness);
+  const int width = name_width(v);
+  if (count)
+    fprintf(out, "\n  %-*s %11s %11s %-5s %11s %8s\n", width, "tightest", "stress", "limit", "",
+            "at", "margin +- its numerical error");
+  for (size_t k = 0; k < count; k++) {
+    const vs_judgement *j = line[k];
+    const bool shows = k < WEAK || (j->margin < AMPLE && is_first_of_its(j, line, k));
+    if (!shows || shown >= (size_t)room) continue;
+    print_device(j, width, out);
+    memmove(line + shown + 1, line + shown, (k - shown) * sizeof *line);
+    line[shown++] = j;
+  }
+  tell_rest(line + shown, count - shown, out);
+  free(line);
+}
+
+static void tell_verdict(const vs_result *r, FILE *out) {
+  const vs_verdict *v = &r->verdict;
+  const vs_corners *c = r->corners;
+  char at[1024];
+  tell_happenings(v, out);
+  if (v->weakest && !vs_verdict_is_happening(v->weakest)) print_weakest(v->weakest, out);
+  if (v->first_to_fail) print_first_to_fail(v->first_to_fail, out);
+  tell_undecided(v, out);
+  print_waived(&r->scene->expects, out);
+  if (!c) return;
+  print_held(c, out);
+  fprintf(out, "the worst is %s: ", vs_result_corner(c, c->worst, at, sizeof at));
+  print_corner(&c->item[c->worst], out);
+  fputc('\n', out);
+}
+
+/* "quality of mains, over 4 cycles of the mains: harmonic 2 takes 10.8 % of its limit of class A"
+ */
+static void tell_quality(const vs_quality *q, FILE *out) {
+  const vs_drawn drawn = vs_quality_drawn(q);
+  double part;
+  int worst = vs_classes_worst(vs_classes_all, &drawn, &part);
+  fprintf(out, "quality of %s, over %d cycles of the mains: ", q->name, q->cycles);
+  if (isnan(part))
+    fprintf(out, "nothing is held against the limits of class %s\n", vs_classes_all->name);
+  else
+    fprintf(out, "harmonic %d takes %.3g %% of its limit of class %s\n", worst, 100 * part,
+            vs_classes_all->name);
+}
+
+/* What stands behind the verdict. */
+static void tell_result(const vs_result *r, const vs_groups_options *options, const vs_show_more *m,
+                        FILE *out) {
+  const vs_scene *s = r->scene;
+  const bool judged = r->verdict.count > 0;
+  const vs_groups_options few = {m->show  ? ROWS_OF_ORBIT
+                                 : judged ? ROWS
+                                          : ROWS_ALONE,
+                                 options->measured};
+  fprintf(out, "%sscene  %s\n", judged || !m->show ? "\n" : "", s->path);
+  vs_show_feed(&s->setup, out);
+  fprintf(out, "tier   %s (%s)\n", s->tier->name, s->why);
+  print_rung(r, out);
+  print_on_line(&s->setup.timeline.events, out);
+  print_load(s, out);
+  if (m->show) m->show(m->ctx, out);
+  int left = vs_groups_print(r, &few, out);
+  print_one_way(r, out);
+  print_control(r, 0, out);
+  for (int k = 0; k < r->n_quality; k++) tell_quality(&r->quality[k], out);
+  tell_not_judged(r, out);
+  if (judged) {
+    if (!r->corners) print_corners(r, out);
+    if (!r->second.done || r->second.decides > 0) print_second(r, out);
+  }
+  fprintf(out, "%ld steps in %.3g s; --all shows %d measures more%s\n", r->steps, r->wall_s, left,
+          judged ? ", and every line of the verdict" : "");
+}
+
+static int lines_of(const char *text) {
+  int n = 0;
+  for (; *text; text++) n += *text == '\n';
+  return n;
+}
+
+void vs_show_brief(const vs_result *r, const vs_groups_options *options, const vs_show_more *more,
+                   FILE *out) {
+  char *front = NULL, *behind = NULL;
+  size_t size;
+  FILE *first = open_memstream(&front, &size), *last = open_memstream(&behind, &size);
+  if (r->verdict.count) tell_verdict(r, first);
+  tell_result(r, options, more, last);
+  fclose(first);
+  fclose(last);
+  if (r->verdict.count) {
+    const int others = 1 + lines_of(front) + 3 + lines_of(behind); /* 3: what frames the lines */
+    const int room = (more->show ? LINES_OF_ORBIT : LINES) - others;
+    print_word(&r->verdict, out);
+    fputs(front, out);
+    tell_lines(&r->verdict, room < LEAST_LINES ? LEAST_LINES : room, out);
+  } else if (!more->show)
+    print_none(r, out);
+  fputs(behind, out);
+  free(front);
+  free(behind);
 }

@@ -386,18 +386,19 @@ static void add_happenings(vs_verdict *v, const vs_verdict *second, const vs_dec
   summarise(v); /* which points into the list */
 }
 
-/* A line that is violated for certain is weaker than any that is not, however large the latter's
- * error is. */
+bool vs_verdict_is_weaker(const vs_judgement *a, const vs_judgement *b) {
+  const bool certain = vs_verdict_word(a) == VS_VIOLATED, other = vs_verdict_word(b) == VS_VIOLATED;
+  if (certain != other) return certain;
+  return certain ? a->margin < b->margin : least_margin(a) < least_margin(b);
+}
+
 static void find_weakest(vs_verdict *v) {
-  const vs_judgement *violated = NULL, *least = NULL;
+  v->weakest = NULL;
   for (size_t k = 0; k < v->count; k++) {
     const vs_judgement *j = &v->item[k];
-    if (!isfinite(j->margin) || j->waived) continue;
-    bool certain = vs_verdict_word(j) == VS_VIOLATED;
-    if (certain && (!violated || j->margin <= violated->margin)) violated = j;
-    if (!least || least_margin(j) <= least_margin(least)) least = j;
+    if (isfinite(j->margin) && !j->waived && (!v->weakest || !vs_verdict_is_weaker(v->weakest, j)))
+      v->weakest = j;
   }
-  v->weakest = violated ? violated : least;
 }
 
 void vs_verdict_compare(vs_verdict *v, const vs_verdict *second, const vs_deck *deck,

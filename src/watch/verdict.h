@@ -108,6 +108,11 @@ vs_finding vs_verdict_word(const vs_judgement *judgement);
 /* Why the line has nothing to judge, in one sentence without its end; NULL: it has. The text is
  * written where it is not constant. */
 const char *vs_verdict_unknown(const vs_judgement *judgement, char *text, size_t size);
+/* True where the first line is weaker. A line that is violated for certain is weaker than any that
+ * is not, however large the error of the latter's margin is; else the margin less its error
+ * decides.
+ */
+bool vs_verdict_is_weaker(const vs_judgement *line, const vs_judgement *other);
 /* Returns the line with the least margin among those that are violated, verified or not; where
  * there is none, among those that are undecided; NULL: there is none of these either. */
 const vs_judgement *vs_verdict_breach(const vs_verdict *verdict);
