@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/text.h"
 #include "bounds/limits.h"
@@ -34,6 +35,7 @@ struct vs_table_between {
   char *line;   /* a row's text */
   double bytes; /* of the file with the further rows */
   bool has_further;
+  int cannot_be_read; /* errno of reading what was written; 0: it was read */
 };
 
 static double *cells_of(const vs_table_between *b, int n) {
@@ -129,9 +131,19 @@ static void mark_peak(vs_table_between *b, int column, double sense, double valu
 }
 
 /* What a peak has to pass the rows beside it by: this share of its column's range, or of itself
- * where it is the run's extreme so far. The first is as much as is seen in a picture; the second is
- * half of the 1 % to which the run's extremes are to be found in the file. */
+ * where it is the run's extreme so far and told. The first is as much as is seen in a picture; the
+ * second is half of the 1 % to which the run's extremes are to be found in the file. */
 static const double SHARE_OF_RANGE = 0.02, SHARE_OF_EXTREME = 0.005;
+
+/* True if the run tells the extremes of the column's channel. */
+static bool is_told(const vs_table *table, int column) {
+  const vs_measures *m = table->measures;
+  const int channel = table->channels[column - 1];
+  bool told = channel >= vs_channel_deck(table->frame->model);
+  for (int k = 0; m && k < m->of_probes; k++) told = told || m->extremes[k].channel == channel;
+  for (size_t k = 0; m && k < m->n_followed; k++) told = told || m->followed[k].channel == channel;
+  return told;
+}
 
 /* Marks what becomes a further row, and returns true if something does. `row`: the next one; NULL:
  * there is none. */
@@ -147,7 +159,8 @@ static bool mark_peaks(const vs_table *table, const double *row) {
       double before = sense > 0 ? b->run_largest[k] : -b->run_least[k];
       bool is_new = sense * value > before;
       if (!(over > 0)) continue;
-      if (!(over > SHARE_OF_RANGE * range || (is_new && over > SHARE_OF_EXTREME * fabs(value))))
+      if (!(over > SHARE_OF_RANGE * range ||
+            (is_new && over > SHARE_OF_EXTREME * fabs(value) && is_told(table, k))))
         continue;
       mark_peak(b, k, sense, value, base);
       found = true;
@@ -160,10 +173,7 @@ static bool mark_peaks(const vs_table *table, const double *row) {
 static void write_name(const vs_table *table, const char *name, const char *unit) {
   char suffix[32];
   vs_units_suffix(unit, suffix, sizeof suffix);
-  for (int k = 0; k < 2; k++) {
-    FILE *out = k ? table->peaks : table->stream;
-    if (out) fprintf(out, ",%s%s%s", name, *suffix ? "_" : "", suffix);
-  }
+  fprintf(table->stream, ",%s%s%s", name, *suffix ? "_" : "", suffix);
 }
 
 void vs_table_begin(vs_table *table) {
@@ -171,7 +181,6 @@ void vs_table_begin(vs_table *table) {
   vs_table_end(table);
   new_between(table, columns_of(table));
   fputs("t_s", table->stream);
-  if (table->peaks) fputs("t_s", table->peaks);
   for (int k = 0; k < table->count; k++) {
     vs_channel c = vs_channel_at(table->frame, table->channels[k]);
     write_name(table, c.name, c.unit);
@@ -182,7 +191,6 @@ void vs_table_begin(vs_table *table) {
   for (int k = 0; table->control && vs_control_column_at(table->control, k, &column); k++)
     write_name(table, column.name, column.unit);
   fputc('\n', table->stream);
-  if (table->peaks) fputc('\n', table->peaks);
 }
 
 /* ---- size ---- */
@@ -218,9 +226,24 @@ vs_status vs_table_check(const vs_table *table, const vs_node *scene, double mos
 
 static void write_peaks(const vs_table *table, size_t length) {
   vs_table_between *b = table->between;
-  if (!table->peaks) return;
+  if (!b->has_further) return;
   b->bytes += (double)length;
   if (b->bytes <= table->peaks_most) fwrite_unlocked(b->line, 1, length, table->peaks);
+}
+
+/* Begins the file with the further rows by what the other one has so far. An error stays in the
+ * stream. */
+static void copy_rows(const vs_table *table) {
+  char part[1 << 16];
+  ssize_t length;
+  off_t at = 0;
+  if (fflush(table->stream)) return;
+  while ((length = pread(fileno(table->stream), part, sizeof part, at)) > 0) {
+    fwrite_unlocked(part, 1, (size_t)length, table->peaks);
+    at += length;
+  }
+  table->between->bytes = (double)at;
+  if (length < 0) table->between->cannot_be_read = errno;
 }
 
 /* Makes the row's text and returns its length. */
@@ -238,9 +261,10 @@ static size_t make_line(const vs_table *table, const double *cells) {
 static void write_further(const vs_table *table, const double *row) {
   vs_table_between *b = table->between;
   if (!table->peaks || isnan(b->row[0]) || !mark_peaks(table, row)) return;
+  if (!b->has_further) copy_rows(table);
+  b->has_further = true;
   for (int n = 0; n < b->count; n++)
     if (b->marked[n]) write_peaks(table, make_line(table, cells_of(b, n)));
-  b->has_further = true;
   unmark(b);
 }
 
@@ -306,6 +330,9 @@ static void look_at(vs_table *table, const vs_step *step, double at_s) {
 
 static vs_status check_streams(const vs_table *table, double t_s, vs_error *err) {
   const bool own = ferror(table->stream);
+  if (table->between->cannot_be_read)
+    return vs_fail(err, VS_RUN, "t = %.9g s: run.csv cannot be read back: %s", t_s,
+                   strerror(table->between->cannot_be_read));
   if (!own && !(table->peaks && ferror(table->peaks))) return VS_OK;
   return vs_fail(err, VS_RUN, "t = %.9g s: %s.csv cannot be written: %s", t_s,
                  own ? "run" : "peaks", strerror(errno));

@@ -5,7 +5,7 @@
  * Rows at fixed instants miss what is over between two of them. So a second file may be written: it
  * has the same columns and the same rows, and further rows between these. A further row stands
  * where a channel is largest or least between two rows, and passes both by more than 2 % of the
- * channel's range up to there. For the run's own extreme up to there 0.5 % of itself is enough, as
+ * channel's range up to there. For an extreme that the run tells 0.5 % of itself is enough, as
  * whoever reads the file is to find the run's extremes to 1 %. Two more rows stand at the peak's
  * feet, the nearest instants before and behind it at which a tenth of its height is left, so that a
  * curve through the rows is about as wide as the peak is. Instants are the ends of steps, and those
@@ -26,7 +26,7 @@ typedef struct vs_table_between vs_table_between;
 
 /* All but `next` and `between` is set by the caller, who owns what it points to. */
 typedef struct vs_table {
-  FILE *stream;
+  FILE *stream;      /* of a file that can be read, too, where `peaks` is there */
   FILE *peaks;       /* where the further rows stand among the others; NULL: nowhere */
   double peaks_most; /* bytes that `peaks` may have; nothing is written to it beyond them */
   const vs_frame *frame;
