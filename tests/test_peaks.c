@@ -67,7 +67,9 @@ static double missed(const char *what, const vs_traces *t, const vs_node *measur
       double told = measure(measures, name, ENDINGS[k]);
       if (isnan(told) || told == 0) continue;
       ++*count;
-      double off = fabs(got[k] - told) / fabs(told);
+      /* less than a millionth of the range is rounding */
+      double off = fabs(got[k] - told) - 1e-6 * (seen.largest - seen.least);
+      off = fmax(off, 0) / fabs(told);
       if (off > 0.01 && what)
         printf(" [%s: %s%s %.6g, not %.6g]", what, name, ENDINGS[k], got[k], told);
       worst = fmax(worst, off);

@@ -132,8 +132,9 @@ static void mark_peak(vs_table_between *b, int column, double sense, double valu
 
 /* What a peak has to pass the rows beside it by: this share of its column's range, or of itself
  * where it is the run's extreme so far and told. The first is as much as is seen in a picture; the
- * second is half of the 1 % to which the run's extremes are to be found in the file. */
-static const double SHARE_OF_RANGE = 0.02, SHARE_OF_EXTREME = 0.005;
+ * second is half of the 1 % to which the run's extremes are to be found in the file. What is less
+ * than the third share of the range is rounding: coordinates at rest move by 1e-32 m. */
+static const double SHARE_OF_RANGE = 0.02, SHARE_OF_EXTREME = 0.005, ROUNDING = 1e-6;
 
 /* True if the run tells the extremes of the column's channel. */
 static bool is_told(const vs_table *table, int column) {
@@ -158,7 +159,7 @@ static bool mark_peaks(const vs_table *table, const double *row) {
       double over = sense * value - base;
       double before = sense > 0 ? b->run_largest[k] : -b->run_least[k];
       bool is_new = sense * value > before;
-      if (!(over > 0)) continue;
+      if (!(over > ROUNDING * range)) continue;
       if (!(over > SHARE_OF_RANGE * range ||
             (is_new && over > SHARE_OF_EXTREME * fabs(value) && is_told(table, k))))
         continue;

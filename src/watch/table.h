@@ -5,11 +5,11 @@
  * Rows at fixed instants miss what is over between two of them. So a second file may be written: it
  * has the same columns and the same rows, and further rows between these. A further row stands
  * where a channel is largest or least between two rows, and passes both by more than 2 % of the
- * channel's range up to there. For an extreme that the run tells 0.5 % of itself is enough, as
- * whoever reads the file is to find the run's extremes to 1 %. Two more rows stand at the peak's
- * feet, the nearest instants before and behind it at which a tenth of its height is left, so that a
- * curve through the rows is about as wide as the peak is. Instants are the ends of steps, and those
- * at which the measures have found an extreme within a step. */
+ * channel's range up to there. For an extreme that the run tells 0.5 % of itself is enough, and a
+ * millionth of the range, as whoever reads the file is to find the run's extremes to 1 %. Two more
+ * rows stand at the peak's feet, the nearest instants before and behind it at which a tenth of its
+ * height is left, so that a curve through the rows is about as wide as the peak is. Instants are
+ * the ends of steps, and those at which the measures have found an extreme within a step. */
 #ifndef VS_WATCH_TABLE_H
 #define VS_WATCH_TABLE_H
 
