@@ -105,7 +105,7 @@ class Case(unittest.TestCase):
 
 class Runs(Case):
     def test_peaks_between_rows(self):
-        r = vibrospice.run("paper", tier="circuit", until="8 ms", quiet=True, out="peaks")
+        r = vibrospice.run("paper", tier="circuit", until="8 ms", out="peaks")
         told = r.measures["i_thyristor_max"]
         self.assertLess(abs(max(r.peaks["i_thyristor"]) / told - 1), 0.01)
         self.assertLess(max(r.columns["i_thyristor"]), 0.5 * told)
