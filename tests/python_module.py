@@ -104,6 +104,16 @@ class Case(unittest.TestCase):
 
 
 class Runs(Case):
+    def test_peaks_between_rows(self):
+        r = vibrospice.run("paper", tier="circuit", until="8 ms", out="peaks")
+        told = r.measures["i_thyristor_max"]
+        self.assertLess(abs(max(r.peaks["i_thyristor"]) / told - 1), 0.01)
+        self.assertLess(max(r.columns["i_thyristor"]), 0.5 * told)
+        self.assertEqual(r.peaks.units, r.columns.units)
+        self.assertEqual(list(vibrospice.load("peaks").peaks["t_s"]), list(r.peaks["t_s"]))
+        smooth = vibrospice.run("paper", until="8 ms")
+        self.assertIs(smooth.peaks, smooth.columns)
+
     def test_measures_and_columns(self):
         r = vibrospice.run("paper", until="30 ms", set={"firing.angle": "95 deg"}, out="one")
         with open("one/summary.json", encoding="utf-8") as file:

@@ -257,12 +257,13 @@ static void drawn(void) {
   free(svg);
   RUN_GOOD("plot dip --probe i --fft --quiet");
   RUN_GOOD("plot dip --orbit -o orbit.svg --quiet");
-  EXPECT_FILES("dip", "closeup.png closeup.svg events.csv run.csv spectrum.csv spectrum.png "
-                      "spectrum.svg summary.json ");
+  EXPECT_FILES("dip",
+               "closeup.png closeup.svg events.csv peaks.csv run.csv spectrum.csv spectrum.png "
+               "spectrum.svg summary.json ");
   ran again = run("run dip.yaml -o dip --quiet");
   CU_ASSERT_EQUAL(again.status, 0);
   free_ran(&again);
-  EXPECT_FILES("dip", "events.csv run.csv summary.json ");
+  EXPECT_FILES("dip", "events.csv peaks.csv run.csv summary.json ");
 }
 
 /* The page of a run has its sections, what the scene is called is escaped, and it is alone. */
@@ -289,7 +290,7 @@ static void page(void) {
   free(html);
   ran again = run("run page.yaml -o 'a<b' --quiet");
   free_ran(&again);
-  EXPECT_FILES("a<b", "events.csv run.csv summary.json ");
+  EXPECT_FILES("a<b", "events.csv peaks.csv run.csv summary.json ");
 }
 
 static const vs_test TESTS[] = {

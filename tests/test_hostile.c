@@ -451,7 +451,8 @@ static int temporaries(const char *folder) {
   return temporaries_besides("", folder);
 }
 
-/* Begins a run and waits until it has begun its files: run.csv, events.csv, summary.json. */
+/* Begins a run and waits until it has begun its files: run.csv, peaks.csv, events.csv,
+ * summary.json. */
 static pid_t start_long_run(const char *folder) {
   char words[128];
   snprintf(words, sizeof words,
@@ -459,7 +460,7 @@ static pid_t start_long_run(const char *folder) {
            folder);
   char *before = listing(folder);
   pid_t child = begin(words);
-  WAIT_UNTIL(temporaries_besides(before, folder) == 3);
+  WAIT_UNTIL(temporaries_besides(before, folder) == 4);
   free(before);
   return child;
 }
@@ -469,13 +470,13 @@ static void after_kill(void) {
   kill(dead, SIGKILL);
   ran r = collect(dead);
   free_ran(&r);
-  EXPECT(temporaries("k") == 3, "%d", temporaries("k"));
+  EXPECT(temporaries("k") == 4, "%d", temporaries("k"));
   write_file("k/run.csv.backup", "mine");
   write_file("k/.vibrospice-tmp.notes.txt", "mine, too");
   pid_t alive = start_long_run("k");
-  EXPECT(temporaries("k") == 4, "%d: the dead one's are to go", temporaries("k"));
+  EXPECT(temporaries("k") == 5, "%d: the dead one's are to go", temporaries("k"));
   RUN_GOOD("run paper --tier switched --set run.until=20ms -o k --quiet");
-  EXPECT(temporaries("k") == 4, "%d: the live one's are to stay", temporaries("k"));
+  EXPECT(temporaries("k") == 5, "%d: the live one's are to stay", temporaries("k"));
   kill(alive, SIGTERM);
   r = collect(alive);
   EXPECT(r.status == 75 && strstr(r.err, "run.partial.csv"), "%d %s", r.status, r.err);

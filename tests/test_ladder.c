@@ -31,7 +31,7 @@ static void an_ideal_device_is_the_last(void) {
   EXPECT(strstr(r.out, "rung   6: an ideal thyristor (latch), method gear; before, t = 0.00"), "%s",
          r.out);
   free_ran(&r);
-  EXPECT_FILES("climbed", "events.csv run.csv summary.json ");
+  EXPECT_FILES("climbed", "events.csv peaks.csv run.csv summary.json ");
   RUN_GOOD("run paper --quiet --set circuit.thyristor=latch --set run.method=gear --set "
            "run.until=20ms -o asked");
   char *climbed = read_file("climbed/run.csv"), *asked = read_file("asked/run.csv"),

@@ -95,7 +95,7 @@ typedef struct column {
 } column;
 
 static void copy_columns(const char *path, const column *columns, size_t count) {
-  char *text = read_file("run/run.csv"), *rest = text, *header = strsep(&rest, "\n");
+  char *text = read_file("run/peaks.csv"), *rest = text, *header = strsep(&rest, "\n");
   FILE *out = fopen(path, "w");
   CU_ASSERT_PTR_NOT_NULL_FATAL(out);
   for (size_t k = 0; k < count; k++) fprintf(out, "%s%s", k ? "," : "", columns[k].as);

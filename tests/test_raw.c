@@ -12,7 +12,7 @@
 #include "program.h"
 #include "solver/rawfile.h"
 
-static const char GOOD_RUN[] = "events.csv run.csv run.raw summary.json ",
+static const char GOOD_RUN[] = "events.csv peaks.csv run.csv run.raw summary.json ",
                   BROKEN_RUN[] = "run.partial.csv run.partial.raw ";
 
 /* ---- a rawfile, read ---- */

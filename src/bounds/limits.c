@@ -13,13 +13,15 @@
 
 static const vs_field LIMITS[] = {
     LIMIT_("csv", "1e9", 1e3, 1e15, csv_bytes,
-           "bytes that run.csv may have; a run that would write more is refused before it begins"),
+           "bytes that run.csv may have; a run that would write more is refused before it begins; "
+           "peaks.csv is left out where it would have more"),
     LIMIT_("raw", "1e9", 1e3, 1e15, raw_bytes,
            "bytes that run.raw may have; a run whose longest steps alone would write more is "
            "refused before it begins, another one ends there"),
     LIMIT_("kept", "1e10", 1e3, 1e18, kept_bytes,
            "bytes that all run.csv may have which study --keep runs writes; a study that would "
-           "write more is refused before it begins"),
+           "write more is refused before it begins; a case's peaks.csv is left out where it would "
+           "have more than the case's part of the rest"),
     LIMIT_("devices", "1e5", 1, 1e9, devices,
            "elements that the circuit may have, those of each instance of a subcircuit counted"),
 };

@@ -73,7 +73,7 @@ static void add_strip(const vs_stretch *s, int probe, bool alone, vs_script *scr
   for (size_t r = 0; r < s->runs; r++) {
     const vs_traces *t = &s->run[r].traces;
     vs_gnuplot_add(script, r ? ", " : "");
-    vs_gnuplot_path(script, t->path);
+    vs_gnuplot_path(script, t->drawn);
     vs_gnuplot_add(script, " using ($1*%g):($%d*%g) skip 1 with lines lc rgb %s lw 1.2 title ",
                    time_scale(s), vs_traces_find(t, p->column) + 1, p->scale, vs_stretch_colour(r));
     vs_gnuplot_quoted(script, s->run[r].folder);

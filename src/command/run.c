@@ -25,10 +25,11 @@ typedef struct audience {
   const vs_run_options *options;
   const vs_run_more *more; /* what another command adds; NULL: nothing */
   const vs_scene *scene;
-  vs_file csv, events, summary,
+  vs_file csv, peaks, events, summary,
       raw;  /* closed where there is no folder; raw also where it is not asked for */
   int made; /* how many folders were made for the output */
   vs_table table;
+  vs_table_peaks found;    /* what became of peaks.csv, once the files are closed */
   double began_s, shown_s; /* wall clock: of the run, of the last progress line */
   bool show_progress;
 } audience;
@@ -68,6 +69,7 @@ static vs_status accept(void *ctx, const vs_step *step, const vs_result *result,
   if (a->more && a->more->accept) a->more->accept(a->more->ctx, step);
   a->table.meters = result->meters;
   a->table.loop = result->loop;
+  a->table.measures = result->watchers.measures;
   if (a->table.stream) status = vs_table_accept(&a->table, step, err);
   const vs_devices *devices = result->watchers.devices;
   for (int k = 0; a->events.stream && k < 2; k++)
@@ -94,6 +96,7 @@ static vs_status open_files(audience *a, vs_error *err) {
                         .instruments = &s->instruments,
                         .control = &s->control,
                         .count = s->n_record,
+                        .peaks_most = s->setup.limits.csv_bytes,
                         .digits = a->options->digits,
                         .sample_s = s->setup.run.sample_s,
                         .until_s = s->setup.run.until_s};
@@ -101,11 +104,13 @@ static vs_status open_files(audience *a, vs_error *err) {
   if (!status) status = vs_file_folder_make(folder, &a->made, err);
   if (!status && a->made == 1) vs_leave_remove(folder);
   if (!status) status = vs_file_open(&a->csv, folder, "run.csv", err);
+  if (!status) status = vs_file_open(&a->peaks, folder, VS_TABLE_PEAKS_FILE, err);
   if (!status) status = vs_file_open(&a->events, folder, "events.csv", err);
   if (!status) status = vs_file_open(&a->summary, folder, "summary.json", err);
   if (!status && a->options->raw) status = vs_file_open(&a->raw, folder, "run.raw", err);
   if (status) return status;
   a->table.stream = a->csv.stream;
+  a->table.peaks = a->peaks.stream;
   memcpy(a->table.channels, s->record, sizeof s->record);
   vs_table_begin(&a->table);
   fputs("t_s,what\n", a->events.stream);
@@ -163,8 +168,9 @@ static void remove_picture(const char *folder, const char *name, vs_text *names)
 /* The names of an older run's files in the folder, which give way to this run's; empty: none. To be
  * freed by the caller. */
 static char *name_replaced(const char *folder) {
-  static const char *const FILES[] = {"run.csv", "events.csv",      "summary.json",
-                                      "run.raw", "run.partial.csv", "run.partial.raw"};
+  static const char *const FILES[] = {"run.csv",        VS_TABLE_PEAKS_FILE, "events.csv",
+                                      "summary.json",   "run.raw",           "run.partial.csv",
+                                      "run.partial.raw"};
   char path[VS_PATH_SIZE];
   vs_text names = {0};
   vs_text_add(&names, "%s", "");
@@ -183,8 +189,8 @@ static void remove_pictures(const char *folder, const char *replaced) {
 
 /* Keeps what a failed run has computed, under names that say so, and adds to err where it is. */
 static void keep_partial(audience *a, vs_error *err) {
-  static const char *const STALE[] = {"run.csv", "events.csv", "summary.json", "run.raw",
-                                      "run.partial.raw"};
+  static const char *const STALE[] = {"run.csv",      VS_TABLE_PEAKS_FILE, "events.csv",
+                                      "summary.json", "run.raw",           "run.partial.raw"};
   const char *folder = a->options->folder;
   vs_error second = {0};
   char *replaced = name_replaced(folder);
@@ -206,7 +212,23 @@ static void discard_files(audience *a) {
   vs_file_discard(&a->summary);
   vs_file_discard(&a->raw);
   vs_file_discard(&a->events);
+  vs_file_discard(&a->peaks);
   vs_file_discard(&a->csv);
+  vs_table_end(&a->table);
+}
+
+/* Puts peaks.csv in its place, if run.csv needs it beside, and removes an older run's. */
+static vs_status close_peaks(audience *a, vs_error *err) {
+  a->found = vs_table_found(&a->table);
+  if (a->found == VS_TABLE_SOME) return vs_file_commit(&a->peaks, err);
+  remove_stale(a->options->folder, VS_TABLE_PEAKS_FILE);
+  if (a->found == VS_TABLE_BEYOND && !a->options->quiet)
+    fprintf(stderr,
+            "vibrospice: warning: " VS_TABLE_PEAKS_FILE " is left out, as it would have more than "
+            "limits.csv = %.9g bytes: run.csv alone does not show every peak; record fewer "
+            "probes, or raise it\n",
+            a->table.peaks_most);
+  return VS_OK;
 }
 
 /* Keeps or discards the files, as the run ended (`ran`), and writes summary.json. */
@@ -222,6 +244,7 @@ static vs_status close_files(audience *a, vs_status ran, const char *json, vs_er
   fputs(json, a->summary.stream);
   if (a->raw.stream) status = vs_file_commit(&a->raw, err);
   if (!status) status = vs_file_commit(&a->csv, err);
+  if (!status) status = close_peaks(a, err);
   if (!status) status = vs_file_commit(&a->events, err);
   if (!status) status = vs_file_commit(&a->summary, err);
   discard_files(a);
@@ -304,8 +327,9 @@ static void show_all(const vs_result *r, const vs_groups_options *groups,
   vs_show_result(r, groups, stdout);
 }
 
-static void say_result(const vs_run_options *o, const vs_run_more *more, const vs_result *r,
+static void say_result(const audience *a, const vs_run_more *more, const vs_result *r,
                        const char *json) {
+  const vs_run_options *o = a->options;
   if (o->json)
     fputs(json, stdout);
   else if (!o->quiet) {
@@ -316,8 +340,10 @@ static void say_result(const vs_run_options *o, const vs_run_more *more, const v
     else
       vs_show_brief(r, &groups, &shown, stdout);
     if (o->folder)
-      printf("written: run.csv, events.csv, summary.json%s in %s\n", o->raw ? ", run.raw" : "",
-             o->folder);
+      printf("written: run.csv, %sevents.csv, summary.json%s in %s\n",
+             a->found == VS_TABLE_SOME ? VS_TABLE_PEAKS_FILE " with the peaks between its rows, "
+                                       : "",
+             o->raw ? ", run.raw" : "", o->folder);
   }
   if (!o->quiet) vs_result_warn(r);
   char text[512];
@@ -369,7 +395,7 @@ vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scen
   if (o->folder) status = close_files(&a, status, json.text, err);
   if (o->folder) vs_leave_forget(o->folder);
   vs_leave_heed_set(before);
-  if (!status) say_result(o, more, result, json.text);
+  if (!status) say_result(&a, more, result, json.text);
   if (!status && o->judged && !result->second.stopped) status = look_for_failed(o->judged, err);
   if (!status) status = vs_session_judge(result, err);
   if (!status && o->judged) status = judge_corners(o->judged, err);

@@ -43,7 +43,14 @@ static vs_status choose(vs_stretch *s, vs_error *err) {
 }
 
 static bool is_long(const vs_traces *t) {
-  return t->rows > MOST_ROWS;
+  return t->drawn_rows > MOST_ROWS;
+}
+
+/* The row of run.csv from which on so many are drawn, if rows at peaks come as often as on the
+ * whole. */
+static size_t first_drawn(const vs_traces *t) {
+  double rows = (double)MOST_ROWS * (double)t->rows / (double)t->drawn_rows;
+  return t->rows - (size_t)fmax(rows, 1);
 }
 
 static vs_status open_run(vs_stretch_run *run, const char *folder, vs_error *err) {
@@ -62,7 +69,7 @@ vs_status vs_waves_open(vs_stretch *s, const char *const *folders, size_t count,
     status = open_run(&s->run[k], folders[k], err);
     if (status) break;
     from = fmin(from, vs_trace_time(t, 0));
-    if (is_long(t)) late = fmax(late, vs_trace_time(t, t->rows - MOST_ROWS));
+    if (is_long(t)) late = fmax(late, vs_trace_time(t, first_drawn(t)));
     s->to_s = fmax(s->to_s, vs_trace_time(t, t->rows - 1));
   }
   s->from_s = fmax(from, late);

@@ -83,8 +83,10 @@ static const struct argp_option STUDY_OPTIONS[] = {
                      "a case that takes longer fails (default 3600 s; 0: none does)"),
     VS_COMMAND_VALUE("progress", VS_KEY_PROGRESS, "json",
                      "a line of JSON a second on standard output"),
-    VS_COMMAND_VALUE("keep", VS_KEY_KEEP, "runs",
-                     "stores each case's run.csv as DIR/runs/CASE/run.csv"),
+    VS_COMMAND_VALUE(
+        "keep", VS_KEY_KEEP, "runs",
+        "stores each case's run.csv as DIR/runs/CASE/run.csv, and peaks.csv beside it where "
+        "peaks lie between its rows"),
     VS_COMMAND_FLAG("no-sharing", VS_KEY_ALONE,
                     "runs each case from its beginning, also where cases have the same past; the "
                     "results are the same"),

@@ -45,7 +45,10 @@ static const struct argp_option RUN_OPTIONS[] = {
     VS_COMMAND_TOLERANCE,
     VS_COMMAND_ANGLE,
     VS_OPTIONS_TIER,
-    VS_COMMAND_VALUE("output", 'o', "DIR", "writes run.csv, events.csv and summary.json there"),
+    VS_COMMAND_VALUE(
+        "output", 'o', "DIR",
+        "writes run.csv, events.csv and summary.json there, and peaks.csv, which is run.csv "
+        "with further rows, where peaks lie between the rows of run.csv"),
     VS_COMMAND_JSON,
     VS_COMMAND_QUIET,
     VS_OPTIONS_ALL,
@@ -115,9 +118,11 @@ static const struct argp_option STEADY_OPTIONS[] = {
     VS_COMMAND_FLAG("linear", VS_KEY_LINEAR,
                     "linear models about the orbit, from the firing angle to the state at the next "
                     "firing and to the amplitude; with -o linear.json and linear_*.csv, too"),
-    VS_COMMAND_VALUE("output", 'o', "DIR",
-                     "writes run.csv of one period, events.csv and summary.json there; with "
-                     "--along branch.csv, branch.json and branch.png"),
+    VS_COMMAND_VALUE(
+        "output", 'o', "DIR",
+        "writes run.csv of one period, events.csv and summary.json there, and peaks.csv "
+        "where peaks lie between the rows of run.csv; with "
+        "--along branch.csv, branch.json and branch.png"),
     VS_COMMAND_JSON,
     VS_COMMAND_QUIET,
     VS_OPTIONS_ALL,

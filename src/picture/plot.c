@@ -16,13 +16,15 @@
 #include "picture/gnuplot.h"
 #include "picture/overlay.h"
 #include "picture/sheets.h"
+#include "trace/traces.h"
 
 enum { MOST_POINTS = 100 }; /* measured ones that are marked each */
 
 typedef struct run_file {
   char path[VS_PATH_SIZE];
-  char *header;   /* its first line */
-  double until_s; /* of its last row */
+  char drawn[VS_PATH_SIZE]; /* what is drawn, with the same columns */
+  char *header;             /* its first line */
+  double until_s;           /* of its last row */
   vs_overlay overlay;
   const vs_sheets *sheets; /* borrowed */
 } run_file;
@@ -55,7 +57,8 @@ static vs_status open_run(const char *folder, run_file *run, vs_error *err) {
   free(row);
   fclose(f);
   if (status) return status;
-  if (run->until_s > 0) return VS_OK;
+  size_t drawn_rows;
+  if (run->until_s > 0) return vs_traces_drawn(folder, run->header, run->drawn, &drawn_rows, err);
   if (rows != 1)
     return vs_fail_at(err, (vs_where){run->path, 1, 1},
                       rows ? "no row has a time above 0" : "holds no rows");
@@ -101,7 +104,7 @@ static void add_instruments(vs_script *script, const run_file *run, const vs_pan
   for (int n = 0; (s = vs_sheets_shown(run->sheets, p->column, n)); n++) {
     if (!strcmp(s->column, p->column)) continue;
     vs_gnuplot_add(script, ", ");
-    vs_gnuplot_path(script, run->path);
+    vs_gnuplot_path(script, run->drawn);
     vs_gnuplot_add(script, " using ($1*%g):($%d*%g) skip 1 with steps lc rgb %s lw 1", time_scale,
                    find_column(run->header, s->column), p->scale, COLOURS[n % 3]);
     add_title(script, s->name);
@@ -122,7 +125,7 @@ static void add_panel(vs_script *script, const run_file *run, const vs_panel *p,
   vs_gnuplot_add(script, "set ylabel ");
   vs_gnuplot_quoted(script, p->label);
   vs_gnuplot_add(script, "\nplot ");
-  vs_gnuplot_path(script, run->path);
+  vs_gnuplot_path(script, run->drawn);
   vs_gnuplot_add(script, " using ($1*%g):($%d*%g) skip 1 with lines lc rgb '#1f4e79' lw 1.2",
                  time_scale, find_column(run->header, p->column), p->scale);
   if (alone)

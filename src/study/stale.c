@@ -15,6 +15,7 @@
 #include "base/text.h"
 #include "study/array.h"
 #include "study/format.h"
+#include "watch/table.h"
 #include "work/case.h"
 
 /* ---- pictures ---- */
@@ -165,6 +166,7 @@ static void remove_runs(int folder, const vs_journal *old, const cases *listed) 
     int run = open_folder(runs, entry->d_name);
     if (run < 0) continue;
     vs_file_remove(run, "run.csv");
+    vs_file_remove(run, VS_TABLE_PEAKS_FILE);
     close(run);
     unlinkat(runs, entry->d_name, AT_REMOVEDIR); /* if it is empty */
   }

@@ -11,6 +11,7 @@
 #include "base/csv.h"
 #include "base/file.h"
 #include "base/text.h"
+#include "watch/table.h"
 
 static bool is_there(const char *folder, const char *name) {
   char path[VS_PATH_SIZE];
@@ -24,11 +25,46 @@ bool vs_traces_here(const char *folder) {
          is_there(folder, "summary.json");
 }
 
+/* ---- what is drawn ---- */
+
+/* Compares the file's header, and counts its rows. */
+static vs_status count_rows(FILE *f, const char *path, const char *header, size_t *rows,
+                            vs_error *err) {
+  char *line = NULL;
+  size_t size = 0;
+  bool same = vs_alloc_row(&line, &size, VS_CSV_LONGEST, f) > 0;
+  if (same) line[strcspn(line, "\r\n")] = '\0';
+  same = same && !strcmp(line, header);
+  while (same && vs_alloc_row(&line, &size, VS_CSV_LONGEST, f) > 0) ++*rows;
+  vs_status status = vs_file_was_read(f, path, err);
+  free(line);
+  if (status || same) return status;
+  return vs_fail_at(err, (vs_where){path, 1, 1},
+                    "its columns are not those of run.csv beside it: it is of another run; remove "
+                    "it, or run again");
+}
+
+vs_status vs_traces_drawn(const char *folder, const char *header, char drawn[VS_PATH_SIZE],
+                          size_t *rows, vs_error *err) {
+  *rows = 0;
+  snprintf(drawn, VS_PATH_SIZE, "%s/" VS_TABLE_PEAKS_FILE, folder);
+  if (access(drawn, F_OK)) {
+    snprintf(drawn, VS_PATH_SIZE, "%s/run.csv", folder);
+    return VS_OK;
+  }
+  vs_status status = vs_path_check_result(drawn, err);
+  FILE *f = status ? NULL : fopen(drawn, "r");
+  if (!status && !f)
+    return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", drawn, strerror(errno));
+  if (!status) status = count_rows(f, drawn, header, rows, err);
+  if (f) fclose(f);
+  return status;
+}
+
 /* ---- header ---- */
 
 static vs_status read_header(vs_traces *t, char *line, vs_error *err) {
   size_t most = 1;
-  line[strcspn(line, "\r\n")] = '\0';
   for (const char *s = line; *s; s++) most += *s == ',';
   t->name = vs_alloc(most, sizeof *t->name);
   for (char *cell; (cell = strsep(&line, ","));) t->name[t->columns++] = vs_copy(cell);
@@ -80,7 +116,7 @@ static vs_status next_line(const vs_traces *t, FILE *f, vs_text *line, int numbe
                     "a zero byte; a run's table is text");
 }
 
-static vs_status read_rows(vs_traces *t, FILE *f, vs_error *err) {
+static vs_status read_rows(const char *folder, vs_traces *t, FILE *f, vs_error *err) {
   vs_text line = {0};
   size_t room = 0;
   bool more;
@@ -88,6 +124,8 @@ static vs_status read_rows(vs_traces *t, FILE *f, vs_error *err) {
   vs_status status = next_line(t, f, &line, number, &more, err);
   if (!status && !more)
     status = vs_fail_at(err, (vs_where){t->path, 1, 1}, "holds no line; a run's begins with t_s");
+  if (!status) line.text[strcspn(line.text, "\r\n")] = '\0';
+  if (!status) status = vs_traces_drawn(folder, line.text, t->drawn, &t->drawn_rows, err);
   if (!status) status = read_header(t, line.text, err);
   while (!status && !(status = next_line(t, f, &line, ++number, &more, err)) && more) {
     make_room(t, &room);
@@ -96,6 +134,7 @@ static vs_status read_rows(vs_traces *t, FILE *f, vs_error *err) {
   if (!status) status = vs_file_was_read(f, t->path, err);
   vs_text_free(&line);
   if (!status && !t->rows) status = vs_fail_at(err, (vs_where){t->path, 2, 1}, "holds no rows");
+  if (t->drawn_rows < t->rows) t->drawn_rows = t->rows;
   return status;
 }
 
@@ -113,7 +152,7 @@ vs_status vs_traces_read(const char *folder, vs_traces *t, vs_error *err) {
   if (!f)
     return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s; 'vibrospice run SCENE -o %s' makes it",
                    t->path, strerror(why), folder);
-  status = read_rows(t, f, err);
+  status = read_rows(folder, t, f, err);
   fclose(f);
   return status;
 }

@@ -222,7 +222,7 @@ static void add_row(vs_case *c, vs_text *row) {
 
 typedef struct keeper {
   const vs_case *c;
-  vs_file csv; /* closed where no run.csv is stored */
+  vs_file csv, peaks; /* closed where no run.csv is stored */
   vs_table table;
 } keeper;
 
@@ -252,6 +252,13 @@ vs_status vs_case_check_csv(const vs_scene *s, uint64_t cases, vs_error *err) {
                     (unsigned long long)cases, one, all, most);
 }
 
+/* What limits.csv and this case's part of limits.kept leave to its peaks.csv, bytes. */
+static double most_of_peaks(const keeper *k, const vs_scene *s) {
+  const vs_limits_values *l = &s->setup.limits;
+  double part = l->kept_bytes / (double)k->c->plan->count - vs_table_bytes(&k->table);
+  return fmin(l->csv_bytes, part);
+}
+
 static vs_status begin_csv(keeper *k, const vs_scene *s, vs_error *err) {
   char folder[VS_PATH_SIZE + 32];
   int made;
@@ -259,9 +266,12 @@ static vs_status begin_csv(keeper *k, const vs_scene *s, vs_error *err) {
   vs_status status = vs_case_check_csv(s, 1, err);
   if (!status) status = vs_file_folder_make(folder, &made, err);
   if (!status) status = vs_file_open(&k->csv, folder, "run.csv", err);
+  if (!status) status = vs_file_open(&k->peaks, folder, VS_TABLE_PEAKS_FILE, err);
   if (status) return status;
   k->table = table_of(s);
   k->table.stream = k->csv.stream;
+  k->table.peaks = k->peaks.stream;
+  k->table.peaks_most = most_of_peaks(k, s);
   vs_table_begin(&k->table);
   return VS_OK;
 }
@@ -276,14 +286,29 @@ static vs_status accept(void *ctx, const vs_step *step, const vs_result *result,
   keeper *k = ctx;
   k->table.meters = result->meters;
   k->table.loop = result->loop;
+  k->table.measures = result->watchers.measures;
   if (k->c->steady) vs_steady_accept(k->c->steady, step);
   return k->csv.stream ? vs_table_accept(&k->table, step, err) : VS_OK;
+}
+
+static void discard_csv(keeper *k) {
+  vs_file_discard(&k->csv);
+  vs_file_discard(&k->peaks);
+  vs_table_end(&k->table);
+}
+
+/* Puts the case's files in their place; peaks.csv where run.csv needs it beside. */
+static vs_status commit_csv(keeper *k, vs_error *err) {
+  vs_status status = k->csv.stream ? vs_file_commit(&k->csv, err) : VS_OK;
+  if (!status && k->peaks.stream && vs_table_found(&k->table) == VS_TABLE_SOME)
+    status = vs_file_commit(&k->peaks, err);
+  return status;
 }
 
 static void again(void *ctx, const char *failed, int next) {
   keeper *k = ctx;
   (void)failed, (void)next;
-  vs_file_discard(&k->csv);
+  discard_csv(k);
 }
 
 /* ---- the run ---- */
@@ -352,8 +377,8 @@ static vs_status run_scene(vs_case *c, vs_text *row, vs_error *err) {
   if (!status) status = vs_session_run(&session, c->scene, c->result, err);
   if (!status) status = end_orbit(c, err);
   if (!status) add_row(c, row);
-  if (!status && k.csv.stream) status = vs_file_commit(&k.csv, err);
-  vs_file_discard(&k.csv);
+  if (!status) status = commit_csv(&k, err);
+  discard_csv(&k);
   if (c->steady) vs_steady_end(c->steady);
   vs_sensitivity_free(&c->derived);
   return status;

@@ -55,6 +55,8 @@ class Result:
     scene        every effective parameter, as summary.json has it
     summary      all of summary.json, or of branch.json
     columns      Table of run.csv, or of branch.csv
+    peaks        Table of peaks.csv: the rows of `columns` and further ones at the peaks between
+                 them. It is `columns` itself where these show every peak.
     events       list of (time in s, text)
     """
 
@@ -86,6 +88,9 @@ class Result:
         self.held = self.status == 0 if self.verdict or self.status else None
         self.columns = Table(self.path / ("branch.csv" if is_branch else "run.csv"),
                              {} if is_branch else self._probe_units)
+        peaks = self.path / "peaks.csv"
+        self.peaks = (Table(peaks, self._probe_units) if not is_branch and peaks.exists()
+                      else self.columns)
         self.events = [] if is_branch else self._read_events()
 
     def __fspath__(self):
@@ -218,6 +223,12 @@ class Study(collections.abc.Sequence):
     def run(self, case):
         """Returns the Table of a case's run.csv, which keep="runs" stores. Error: there is none."""
         return Table(self.path / "runs" / str(int(case)) / "run.csv")
+
+    def peaks(self, case):
+        """Returns the same with further rows at the peaks between its rows, where there are such.
+        Error: as of run()."""
+        peaks = self.path / "runs" / str(int(case)) / "peaks.csv"
+        return Table(peaks) if peaks.exists() else self.run(case)
 
     def __repr__(self):
         m = self.manifest

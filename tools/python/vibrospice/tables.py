@@ -159,12 +159,12 @@ def read_columns(path, words):
 
 def _read_text(path, words):
     """As read_columns, but a column of a study that turns out to have words becomes one of words.
-    Error: run.csv has something else than numbers."""
+    Error: run.csv or peaks.csv has something else than numbers."""
     while True:
         try:
             return read_columns(path, words)
         except _NoNumber as e:
-            if path.name in ("run.csv", "run.partial.csv"):
+            if path.name in ("run.csv", "peaks.csv", "run.partial.csv"):
                 raise Error(None, [f"{e.args[1]} is no number; the file is damaged"]) from None
             words.add(e.args[0])
 
