@@ -54,6 +54,14 @@ void *vs_checked(void *memory) {
   return memory;
 }
 
+FILE *vs_alloc_stream(char **text, size_t *size) {
+  return vs_checked(open_memstream(text, size));
+}
+
+void vs_alloc_streamed(FILE *stream) {
+  if (fclose(stream)) vs_alloc_failed(0);
+}
+
 char *vs_alloc_part(const char *string, size_t length) {
   char *copy = strndup(string, length);
   if (!copy) vs_alloc_failed(strnlen(string, length) + 1);

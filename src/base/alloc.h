@@ -34,6 +34,11 @@ char *vs_copy(const char *string);
 /* Returns memory that a library has allocated; ends the process where it is NULL. */
 void *vs_checked(void *memory);
 
+/* Returns a stream into memory. vs_alloc_streamed closes it; then *text is what was written, *size
+ * bytes and a '\0' behind them, which the caller frees. */
+FILE *vs_alloc_stream(char **text, size_t *size);
+void vs_alloc_streamed(FILE *stream);
+
 /* Returns a copy of the string's first `length` bytes, or of all if it is shorter. */
 char *vs_alloc_part(const char *string, size_t length);
 /* As getline: reads a line with its newline into *line, which has *size bytes and grows. Returns

@@ -6,6 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/alloc.h"
 #include "syntax/units.h"
 #include "tell/amount.h"
 #include "tier/tiers.h"
@@ -747,11 +748,11 @@ void vs_show_brief(const vs_result *r, const vs_groups_options *options, const v
                    FILE *out) {
   char *front = NULL, *behind = NULL;
   size_t size;
-  FILE *first = open_memstream(&front, &size), *last = open_memstream(&behind, &size);
+  FILE *first = vs_alloc_stream(&front, &size), *last = vs_alloc_stream(&behind, &size);
   if (r->verdict.count) tell_verdict(r, first);
   tell_result(r, options, more, last);
-  fclose(first);
-  fclose(last);
+  vs_alloc_streamed(first);
+  vs_alloc_streamed(last);
   if (r->verdict.count) {
     const int others = 1 + lines_of(front) + 3 + lines_of(behind); /* 3: what frames the lines */
     const int room = (more->show ? LINES_OF_ORBIT : LINES) - others;
