@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Studies looked at: what a report says, against closed forms; its pictures; which folders are
- * refused. And the picture of a run's verdict. */
+ * refused. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,7 +9,6 @@
 #include <unistd.h>
 
 #include "base/text.h"
-#include "digest/bars.h"
 #include "picture/map.h"
 #include "picture/spread.h"
 #include "program.h"
@@ -646,180 +645,6 @@ static void in_a_browser(void) {
          (long)size[0]);
 }
 
-/* ---- the picture of a run's verdict ---- */
-
-#define JUDGED(device, measure, stress, limit, margin, error, word, violated)                      \
-  "{\"device\": \"" device "\", \"measure\": \"" measure                                           \
-  "\", \"unit\": \"V/us\", \"stress\": " stress ", \"limit\": " limit ", \"margin\": " margin      \
-  ", \"margin_error\": " error ", \"word\": \"" word "\", \"violated\": " violated "}"
-
-/* Lines of each word, in another order than that of the picture; two more than it has room for. */
-static const char
-    VERDICT[] =
-        "{\"verdict\": [\n"
-        "{\"rating\": \"v_ak\", \"unit\": \"V\", \"min\": -1200, \"max\": 2000, \"least\": -923.8, "
-        "\"largest\": 936.2, \"margin\": 0.230167, \"margin_error\": 0.001, \"word\": \"held\", "
-        "\"violated\": false},\n" JUDGED("t1", "dv_dt", "175", "200", "0.125", "0.01", "held", "false") ",\n" JUDGED("t1", "t_q", "5500", "50", "109", "1", "held", "false") ",\n" JUDGED(
-            "t1", "di_dt", "101",
-            "100", "-0.01", "0.02", "undecided",
-            "true") ",\n" JUDGED("t1", "i_h", "9", "10", "0.1", "null", "undecided",
-                                 "false") ",\n"
-                                          "{\"device\": \"t2\", \"measure\": \"v_rrm\", \"unit\": "
-                                          "\"V\", \"stress\": 3, \"limit\": null, "
-                                          "\"unknown\": \"PART states no v_rrm\", \"margin\": "
-                                          "null, \"margin_error\": null, \"word\": "
-                                          "\"undecided\", \"violated\": false},\n" JUDGED(
-                                              "m1", "i_peak", "300",
-                                              "200", "-0.5", "0.01",
-                                              "violated",
-                                              "true") ",\n"
-                                                      "{\"device\": \"f`1\\\"\", \"measure\": "
-                                                      "\"opens\", \"unit\": \"\", \"stress\": 3, "
-                                                      "\"limit\": 0, "
-                                                      "\"margin\": -1, \"margin_error\": 0, "
-                                                      "\"word\": \"violated\", \"violated\": "
-                                                      "true},\n" JUDGED("w", "power", "3", "2", "-0.5", "0.01", "waived", "false") ",\n" JUDGED(
-                                                          "a1", "x", "1", "10",
-                                                          "0.9", "0", "held",
-                                                          "false") ",\n" JUDGED("a2", "x", "1",
-                                                                                "20", "0.95", "0",
-                                                                                "held",
-                                                                                "false") ","
-                                                                                         "\n" JUDGED("a3",
-                                                                                                     "x",
-                                                                                                     "3",
-                                                                                                     "10",
-                                                                                                     "0.7",
-                                                                                                     "0",
-                                                                                                     "unverified",
-                                                                                                     "false") ",\n" JUDGED("a4",
-                                                                                                                           "x",
-                                                                                                                           "4",
-                                                                                                                           "10",
-                                                                                                                           "0.6",
-                                                                                                                           "0",
-                                                                                                                           "held",
-                                                                                                                           "false") ",\n" JUDGED("a5",
-                                                                                                                                                 "x",
-                                                                                                                                                 "5",
-                                                                                                                                                 "10",
-                                                                                                                                                 "0.5",
-                                                                                                                                                 "0",
-                                                                                                                                                 "held",
-                                                                                                                                                 "false") "\n"
-                                                                                                                                                          "], \"happened\": [{\"what\": \"fuse_opens\", \"device\": \"f`1\", \"at_s\": 0.022, \"times\": 3, "
-                                                                                                                                                          "\"cause\": \"a short\", \"expected\": false}]%s}\n";
-
-static void write_verdict(const char *more) {
-  vs_text text = {0};
-  vs_text_add(&text, VERDICT, more);
-  mkdir("v", 0777);
-  write_file("v/summary.json", text.text);
-  write_file("v/run.csv", "t_s,p_m,i_a\n0,0,1\n1,2,1\n2,0,1\n");
-  vs_text_free(&text);
-}
-
-/* Each text stands behind the one before it. */
-static void expect_order(const char *text, const char *const *says, int line) {
-  for (const char *at = text; *says; says++) {
-    const char *found = strstr(at, *says);
-    expect(found != NULL, line, "no '%s' where it belongs in: %s", *says, text);
-    if (found) at = found + strlen(*says);
-  }
-}
-
-/* What is not held for certain comes first, then the tightest; every word has its colour, and what
- * has no room is counted. */
-static void bars_in_order(void) {
-  static const char *const SAYS[] = {
-      "\"verdict: violated, nominal values\"",
-      "\"happened: fuse_opens of f\\1401 at 22 ms (a short)\"",
-      "\"f\\1401\\042.opens happened, 3 times, violated\"",
-      "\"m1.i_peak 300 of 200 V/us, violated\"",
-      "\"t2.v_rrm: PART states no v_rrm, undecided\"",
-      "\"t1.di_dt 101 of 100 V/us, undecided\"",
-      "\"t1.i_h 9 of 10 V/us, undecided\"",
-      "\"t1.dv_dt 175 of 200 V/us, held\"",
-      "\"v_ak -923.8 of -1200 V, held\"",
-      "\"a5.x 5 of 10 V/us, held\"",
-      "\"a4.x 4 of 10 V/us, held\"",
-      "\"a3.x 3 of 10 V/us, unverified\"",
-      "\"a1.x 1 of 10 V/us, held\"",
-      "\"a2.x 1 of 20 V/us, held\"",
-      "\"2 more above -50 %\"",
-      "first -100, first -0.34 to first 0, first 0.34 fillstyle solid 0.9 noborder fillcolor rgb "
-      "\"#d55e00\"",
-      "from first -51, first 1 to first -49, first 1 heads",
-      "\"-50 %\" at first 0, first 1 left",
-      "first -1, first 2.66 to first 0, first 3.34 fillstyle solid 0.9 noborder fillcolor rgb "
-      "\"#e69f00\"",
-      "from first -100, first 4 to first 100, first 4 heads", /* its error is not known */
-      "first 0, first 4.66 to first 12.5, first 5.34 fillstyle solid 0.9 noborder fillcolor rgb "
-      "\"#0072b2\"",
-      "from first 11.5, first 5 to first 13.5, first 5 heads",
-      "\"12.5 %\" at first 13.5, first 5 left",
-      "fillcolor rgb \"#999999\"", /* unverified */
-      NULL};
-  vs_tree tree = {0};
-  vs_error err = {0};
-  vs_script script = {0};
-  int size[2];
-  write_verdict("");
-  CU_ASSERT_EQUAL(vs_tree_read("v/summary.json", &tree, &err), VS_OK);
-  CU_ASSERT(vs_bars_script(tree.root, false, &script, size));
-  expect_order(script.text.text, SAYS, __LINE__);
-  EXPECT(!strchr(script.text.text, '`'), "%s", script.text.text);
-  vs_gnuplot_free(&script);
-  vs_tree_free(&tree);
-}
-
-/* A margin beyond the axis is drawn to its end; a lower limit says so; corners stand in the title.
- */
-static void bars_beyond(void) {
-  static const char *const SAYS[] = {"\"verdict: held, 7 of 8 corners held\"",
-                                     "\"t1.t_q 5500 of at least 50 V/us, held\"",
-                                     "first 0, first -0.34 to first 100, first 0.34",
-                                     "\"above 100 %\" at first 100, first 0 left", NULL};
-  static const char TEXT[] =
-      "{\"verdict\": [" JUDGED("t1", "t_q", "5500", "50", "109", "1", "held",
-                               "false") "], "
-                                        "\"corners\": {\"of\": 8, \"held\": 7}}";
-  vs_tree tree = {0};
-  vs_error err = {0};
-  vs_script script = {0};
-  int size[2];
-  CU_ASSERT_EQUAL(vs_tree_parse(TEXT, "text", &tree, &err), VS_OK);
-  CU_ASSERT(vs_bars_script(tree.root, true, &script, size));
-  expect_order(script.text.text, SAYS, __LINE__);
-  vs_gnuplot_free(&script);
-  vs_tree_free(&tree);
-}
-
-/* It stands first in what `plot` lists and on the page. A run without a verdict has none, and the
- * next run removes it. */
-static void bars_drawn(void) {
-  static const char *const PAGE[] = {"<h1>Run v</h1>", "<iframe title=\"verdict\"",
-                                     "m1.i_peak 300 of 200 V/us, violated",
-                                     "<section id=\"verdict\"", NULL};
-  write_verdict("");
-  ran r = run("plot v");
-  EXPECT(r.status == 0 && !*r.err && !strncmp(r.out, "v/verdict.png\nv/verdict.svg\nv/motion", 36),
-         "%d %s%s", r.status, r.out, r.err);
-  free_ran(&r);
-  char *html = read_file("v/report.html"), *svg = read_file("v/verdict.svg");
-  expect_order(html, PAGE, __LINE__);
-  EXPECT(strstr(svg, "2 more above -50 %") != NULL, "%s", svg);
-  free(html), free(svg);
-  RUN_GOOD("run paper --set run.until=20ms -o v --quiet --overwrite");
-  EXPECT_FILES("v", "events.csv run.csv summary.json ");
-  RUN_GOOD("plot v --quiet");
-  CU_ASSERT_NOT_EQUAL(access("v/verdict.png", F_OK), 0);
-  html = read_file("v/report.html");
-  EXPECT(!strstr(html, "<iframe title=\"verdict\""), "a picture of no verdict");
-  free(html);
-  remove_tree("v");
-}
-
 int main(void) {
   static const vs_test TESTS[] = {
       {"percentiles", percentiles},
@@ -829,8 +654,6 @@ int main(void) {
       {"bars add up", bars_add_up},
       {"bad folders", bad_folders},
       {"bad words", bad_words},
-      {"bars in order", bars_in_order},
-      {"bars beyond", bars_beyond},
       /* from here on gnuplot draws */
       {"a map", a_map},
       {"the same bytes", the_same_bytes},
@@ -843,8 +666,7 @@ int main(void) {
       {"hostile names", hostile_names},
       {"no rows", no_rows},
       {"one row", one_row},
-      {"bars drawn", bars_drawn},
       {"in a browser", in_a_browser},
   };
-  return program_suite("report", TESTS, on_path("gnuplot") ? COUNT(TESTS) : 9);
+  return program_suite("report", TESTS, on_path("gnuplot") ? COUNT(TESTS) : 7);
 }

@@ -179,8 +179,10 @@ static void write_title(const vs_node *summary, vs_text *out) {
     vs_text_add(out, "nominal values");
 }
 
-/* What happened first in the list; else what did not though it was expected. Empty: neither. */
+/* What happened first in the list; else what did not though it was expected. Empty: neither. The
+ * cause is left out where it has no room beside what may follow it. */
 static void write_happened(const vs_node *summary, size_t most, vs_text *out) {
+  enum { ENDING = 30 };
   char at[VS_AMOUNT_SIZE];
   const vs_node *list = vs_tree_child(summary, "happened");
   const bool happened = list && list->child;
@@ -193,11 +195,11 @@ static void write_happened(const vs_node *summary, size_t most, vs_text *out) {
               vs_member_word(first, "what"), vs_member_word(first, "device"));
   const double at_s = vs_member_number(vs_tree_child(first, "at_s"));
   if (!isnan(at_s)) vs_text_add(out, " at %s", vs_amount_text(at_s, "s", at));
-  if (happened && !strcmp(vs_member_word(first, "expected"), "true"))
-    vs_text_add(out, ", as expected");
+  const char *cause = vs_member_word(first, "cause"), *expected = vs_member_word(first, "expected");
+  if (*cause && length_of(out->text) + length_of(cause) + ENDING < most)
+    vs_text_add(out, " (%s)", cause);
+  if (happened && !strcmp(expected, "true")) vs_text_add(out, ", as expected");
   if (more) vs_text_add(out, ", and %zu more", more);
-  const char *cause = vs_member_word(first, "cause");
-  if (*cause) vs_text_add(out, " (%s)", cause);
   shorten(out, most);
 }
 
