@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The command compare: two runs and two studies side by side. */
+ * The command compare: two runs and two studies side by side. And the picture of a run's verdict.
+ */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -7,6 +8,7 @@
 #include <sys/stat.h>
 
 #include "compare/departure.h"
+#include "digest/bars.h"
 #include "program.h"
 
 static void write_run(const char *folder, const char *csv, const char *summary) {
@@ -254,12 +256,170 @@ static void pages(void) {
   expect_page("both/report.html", RUNS, __LINE__);
 }
 
+/* ---- the picture of a run's verdict ---- */
+
+typedef struct judged {
+  const char *device, *measure, *unit;
+  double stress, limit, margin, error; /* NAN: null */
+  const char *word;
+} judged;
+
+/* Lines of each word, in another order than that of the picture; two more than it has room for. */
+static const judged JUDGED[] = {
+    {"t1", "dv_dt", "V/us", 175, 200, 0.125, 0.01, "held"},
+    {"t1", "t_q", "us", 5500, 50, 109, 1, "held"},
+    {"t1", "di_dt", "A/us", 101, 100, -0.01, 0.02, "undecided"},
+    {"t1", "i_h", "mA", 9, 10, 0.1, NAN, "undecided"},
+    {"t2", "v_rrm", "V", 3, NAN, NAN, NAN, "undecided\", \"unknown\": \"PART states no v_rrm"},
+    {"m1", "i_peak", "A", 300, 200, -0.5, 0.01, "violated"},
+    {"f`1\\\"", "opens", "", 3, 0, -1, 0, "violated"},
+    {"w", "power", "W", 3, 2, -0.5, 0.01, "waived"},
+    {"a1", "x", "V", 1, 10, 0.9, 0, "held"},
+    {"a2", "x", "V", 1, 20, 0.95, 0, "held"},
+    {"a3", "x", "V", 3, 10, 0.7, NAN, "unverified"},
+    {"a4", "x", "V", 4, 10, 0.6, 0, "held"},
+    {"a5", "x", "V", 5, 10, 0.5, 0, "held"}};
+
+static void add_member(vs_text *json, const char *key, double value) {
+  vs_text_add(json, isnan(value) ? ", \"%s\": null" : ", \"%s\": %.9g", key, value);
+}
+
+static void add_judged(vs_text *json, const judged *j) {
+  vs_text_add(json, "{\"device\": \"%s\", \"measure\": \"%s\", \"unit\": \"%s\", \"word\": \"%s\"",
+              j->device, j->measure, j->unit, j->word);
+  add_member(json, "stress", j->stress);
+  add_member(json, "limit", j->limit);
+  add_member(json, "margin", j->margin);
+  add_member(json, "margin_error", j->error);
+  vs_text_add(json, ", \"violated\": %s},\n", j->margin < 0 ? "true" : "false");
+}
+
+/* A run whose verdict has these lines, and before them one of a probe's rating. */
+static void write_verdict(void) {
+  vs_text json = {0};
+  vs_text_add(&json, "{\"verdict\": [\n");
+  for (size_t k = 0; k < COUNT(JUDGED); k++) add_judged(&json, &JUDGED[k]);
+  vs_text_add(&json, "{\"rating\": \"v_ak\", \"unit\": \"V\", \"min\": -1200, \"max\": 2000, "
+                     "\"least\": -923.8, \"largest\": 936.2, \"margin\": 0.230167, "
+                     "\"margin_error\": 0.001, \"word\": \"held\", \"violated\": false}],\n"
+                     "\"happened\": [{\"what\": \"fuse_opens\", \"device\": \"f`1\", \"at_s\": "
+                     "0.022, \"times\": 3, \"cause\": \"a short\", \"expected\": false}]}\n");
+  write_run("v", "t_s,p_m,i_a\n0,0,1\n1,2,1\n2,0,1\n", json.text);
+  vs_text_free(&json);
+}
+
+/* Each text stands behind the one before it. */
+static void expect_order(const char *text, const char *const *says, int line) {
+  for (const char *at = text; *says; says++) {
+    const char *found = strstr(at, *says);
+    expect(found != NULL, line, "no '%s' where it belongs in: %s", *says, text);
+    if (found) at = found + strlen(*says);
+  }
+}
+
+/* What is not held for certain comes first, then the tightest; every word has its colour, and what
+ * has no room is counted. */
+static void bars_in_order(void) {
+  static const char *const SAYS[] = {
+      "\"verdict: violated, nominal values\"",
+      "\"happened: fuse_opens of f\\1401 at 22 ms (a short)\"",
+      "\"f\\1401\\042.opens happened, 3 times, violated\"",
+      "\"m1.i_peak 300 of 200 A, violated\"",
+      "\"t2.v_rrm: PART states no v_rrm, undecided\"",
+      "\"t1.di_dt 101 of 100 A/us, undecided\"",
+      "\"t1.i_h 9 of 10 mA, undecided\"",
+      "\"t1.dv_dt 175 of 200 V/us, held\"",
+      "\"v_ak -923.8 of -1200 V, held\"",
+      "\"a5.x 5 of 10 V, held\"",
+      "\"a4.x 4 of 10 V, held\"",
+      "\"a3.x 3 of 10 V, unverified\"",
+      "\"a1.x 1 of 10 V, held\"",
+      "\"a2.x 1 of 20 V, held\"",
+      "\"2 more above -50 \\045\"",
+      "first -100, first -0.34 to first 0, first 0.34 fillstyle solid 0.9 noborder fillcolor rgb "
+      "\"#d55e00\"",
+      "from first -51, first 1 to first -49, first 1 heads",
+      "\"-50 \\045\" at first 0, first 1 left",
+      "first -1, first 2.66 to first 0, first 3.34 fillstyle solid 0.9 noborder fillcolor rgb "
+      "\"#e69f00\"",
+      "from first -100, first 4 to first 100, first 4 heads", /* its error is not known */
+      "first 0, first 4.66 to first 12.5, first 5.34 fillstyle solid 0.9 noborder fillcolor rgb "
+      "\"#0072b2\"",
+      "from first 11.5, first 5 to first 13.5, first 5 heads",
+      "\"12.5 \\045\" at first 13.5, first 5 left",
+      "fillcolor rgb \"#999999\"", /* unverified */
+      NULL};
+  vs_tree tree = {0};
+  vs_error err = {0};
+  vs_script script = {0};
+  int size[2];
+  write_verdict();
+  CU_ASSERT_EQUAL(vs_tree_read("v/summary.json", &tree, &err), VS_OK);
+  CU_ASSERT(vs_bars_script(tree.root, false, &script, size));
+  expect_order(script.text.text, SAYS, __LINE__);
+  EXPECT(!strchr(script.text.text, '`'), "%s", script.text.text);
+  vs_gnuplot_free(&script);
+  vs_tree_free(&tree);
+}
+
+/* A margin beyond the axis is drawn to its end; a lower limit says so; corners stand in the title.
+ */
+static void bars_beyond(void) {
+  static const char *const SAYS[] = {"\"verdict: held, 7 of 8 corners held\"",
+                                     "\"t1.t_q 5500 of at least 50 us, held\"",
+                                     "first 0, first -0.34 to first 100, first 0.34",
+                                     "\"above 100 \\045\" at first 100, first 0 left", NULL};
+  static const char TEXT[] =
+      "{\"verdict\": [{\"device\": \"t1\", \"measure\": \"t_q\", \"unit\": \"us\", \"stress\": "
+      "5500, "
+      "\"limit\": 50, \"margin\": 109, \"margin_error\": 1, \"word\": \"held\", \"violated\": "
+      "false}], \"corners\": {\"of\": 8, \"held\": 7}}";
+  vs_tree tree = {0};
+  vs_error err = {0};
+  vs_script script = {0};
+  int size[2];
+  CU_ASSERT_EQUAL(vs_tree_parse(TEXT, "text", &tree, &err), VS_OK);
+  CU_ASSERT(vs_bars_script(tree.root, true, &script, size));
+  expect_order(script.text.text, SAYS, __LINE__);
+  vs_gnuplot_free(&script);
+  vs_tree_free(&tree);
+}
+
+/* It stands first in what `plot` lists and on the page. A run without a verdict has none, and the
+ * next run removes it. */
+static void bars_drawn(void) {
+  static const char *const PAGE[] = {"<h1>Run v</h1>", "<iframe title=\"verdict\"",
+                                     "m1.i_peak 300 of 200 A, violated", "<section id=\"verdict\"",
+                                     NULL};
+  if (!on_path("gnuplot")) return;
+  write_verdict();
+  ran r = run("plot v");
+  EXPECT(r.status == 0 && !*r.err && !strncmp(r.out, "v/verdict.png\nv/verdict.svg\nv/motion", 36),
+         "%d %s%s", r.status, r.out, r.err);
+  free_ran(&r);
+  char *html = read_file("v/report.html"), *svg = read_file("v/verdict.svg");
+  expect_order(html, PAGE, __LINE__);
+  EXPECT(strstr(svg, "2 more above -50 %") != NULL, "%s", svg);
+  free(html), free(svg);
+  RUN_GOOD("run paper --set run.until=20ms -o v --quiet");
+  EXPECT_FILES("v", "events.csv run.csv summary.json ");
+  RUN_GOOD("plot v --quiet");
+  CU_ASSERT_NOT_EQUAL(access("v/verdict.png", F_OK), 0);
+  html = read_file("v/report.html");
+  EXPECT(!strstr(html, "<iframe title=\"verdict\""), "a picture of no verdict");
+  free(html);
+  remove_tree("v");
+}
+
 static const vs_test TESTS[] = {{"departure", departure},
                                 {"runs", runs},
                                 {"refused", refused},
                                 {"studies", studies},
                                 {"values that are gone", values_that_are_gone},
-                                {"pages", pages}};
+                                {"pages", pages},
+                                {"bars in order", bars_in_order},
+                                {"bars beyond", bars_beyond},
+                                {"bars drawn", bars_drawn}};
 
 int main(void) {
   return program_suite("side_by_side", TESTS, COUNT(TESTS));

@@ -125,9 +125,8 @@ static void remove_stale(const char *folder, const char *name) {
 }
 
 const char *const vs_run_pictures[] = {
-    "motion_run",     "motion_100ms", "pulse_50ms", "measured_run",
-    "measured_100ms", "control_run",  "harmonics",  "closeup",
-    "spectrum",       "orbit",        NULL};
+    "motion_run", "motion_100ms", "pulse_50ms", "measured_run", "measured_100ms", "control_run",
+    "harmonics",  "closeup",      "spectrum",   "orbit",        "verdict",        NULL};
 
 /* Is called with each file that gives way. */
 typedef void (*file_visit)(const char *folder, const char *name, vs_text *names);

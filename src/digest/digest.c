@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include "digest/bars.h"
 #include "digest/chapters.h"
 #include "digest/flow.h"
 #include "digest/waves.h"
@@ -21,6 +22,9 @@ vs_status vs_digest_write(const char *folder, bool quiet, vs_error *err) {
   if (!status) status = vs_tree_read(path, &summary, err);
   if (!status) {
     vs_chapter_head(&html, folder, summary.root, s->to_s);
+    status = vs_bars_add(summary.root, &html, err);
+  }
+  if (!status) {
     vs_chapter_verdict(&html, summary.root);
     vs_flow_add(&html, vs_tree_child(summary.root, "energy"));
     status = vs_waves_add(s, &html, err);

@@ -7,6 +7,7 @@
 #include "base/leave.h"
 #include "closeup/closeup.h"
 #include "compare/compare.h"
+#include "digest/bars.h"
 #include "digest/digest.h"
 #include "digest/versus.h"
 #include "method/methods.h"
@@ -35,8 +36,11 @@ static vs_status close_up(const vs_arguments *a, vs_error *err) {
 
 /* All pictures of a run. */
 static vs_status plot_run(const vs_arguments *a, const vs_plot_options *o, vs_error *err) {
-  vs_status status = vs_plot_command(o, err);
-  if (status || a->output || a->overlay) return status;
+  const bool all = !a->output && !a->overlay;
+  vs_status status = vs_plot_check(o, err);
+  if (!status && all) status = vs_bars_draw(o->folder, a->quiet, err);
+  if (!status) status = vs_plot_command(o, err);
+  if (status || !all) return status;
   status = vs_harmonics_draw(o->folder, a->quiet, err);
   if (!status && vs_closeup_wanted(o->folder)) status = close_up(a, err);
   return status ? status : vs_digest_write(o->folder, a->quiet, err);

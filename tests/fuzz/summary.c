@@ -6,6 +6,7 @@
 
 #include "closeup/moments.h"
 #include "compare/compare.h"
+#include "digest/bars.h"
 #include "digest/chapters.h"
 #include "digest/flow.h"
 #include "method/methods.h"
@@ -24,6 +25,10 @@ static void is_harmless(const char *text) {
 
 static void page(const vs_node *root) {
   vs_html html = {0};
+  vs_script bars = {0};
+  int size[2];
+  if (vs_bars_script(root, false, &bars, size)) is_harmless(bars.text.text);
+  vs_gnuplot_free(&bars);
   vs_chapter_head(&html, "run", root, 1);
   vs_chapter_verdict(&html, root);
   vs_flow_add(&html, vs_tree_child(root, "energy"));
