@@ -53,7 +53,9 @@ static const char B[] =
     " \"measures\": {\"i_peak\": {\"value\": 1.0, \"unit\": \"A\"},\n"
     "  \"x\": {\"value\": 0.002, \"unit\": \"m\"}},\n"
     " \"verdict\": [{\"device\": \"t1\", \"measure\": \"di_dt\", \"margin\": -0.1,"
-    " \"word\": \"unverified\", \"violated\": true}]}\n";
+    " \"word\": \"unverified\", \"violated\": true},\n"
+    "  {\"device\": \"t2\", \"measure\": \"i_rms\", \"stress\": 1.5, \"limit\": 2, \"unit\": \"A\","
+    " \"margin\": 0.25, \"word\": \"held\", \"violated\": false}]}\n";
 
 static void make_runs(void) {
   write_run("a", "t_s,i_a,v_v\n0,0,1\n1,2,1\n2,0,\n", A);
@@ -69,6 +71,7 @@ static void runs(void) {
       "A: a, tier circuit, from 0 s to 2 s\n",
       "  the whole                                      held     violated, unverified\n",
       "  t1.di_dt                                50.0 % held",
+      "  t2.i_rms                                          -              25.0 % held\n",
       "-10.0 % violated, unverified\n",
       "  firing.angle                        100 deg           95 deg\n\n",
       "  i_peak                               800 mA              1 A           200 mA       +25 "
@@ -79,15 +82,28 @@ static void runs(void) {
       "%\n",
       "  only A has v_v\n  only B has w_v\n",
       NULL};
-  static const char *const JSON[] = {
-      "\"compared\": \"runs\"",
-      "{\"key\": \"firing.angle\", \"a\": \"100 deg\", \"b\": \"95 deg\"}\n  ]",
-      "\"i_peak\": {\"unit\": \"A\", \"a\": 0.8, \"b\": 1, \"difference\": 0.2, \"relative\": "
-      "0.25}",
-      "\"x\": {\"unit\": \"m\", \"a\": null, \"b\": 0.002, \"difference\": null",
-      "\"i_a\": {\"peak\": 2, \"largest\": 1, \"at_s\": 0.5, \"rms\": 0.471404520791",
-      "\"only_a\": [\"v_v\"]",
-      NULL};
+  static const char JSON[] =
+      "{\n  \"compared\": \"runs\",\n"
+      "  \"a\": {\"folder\": \"a\", \"tier\": \"circuit\", \"until_s\": 2, \"verdict\": "
+      "\"held\"},\n"
+      "  \"b\": {\"folder\": \"b\", \"tier\": \"switched\", \"until_s\": 2, \"verdict\": "
+      "\"violated, unverified\"},\n"
+      "  \"keys\": [\n    {\"key\": \"firing.angle\", \"a\": \"100 deg\", \"b\": \"95 deg\"}\n  "
+      "],\n"
+      "  \"verdict\": [\n"
+      "    {\"name\": \"t1.di_dt\", \"a\": {\"margin\": 0.5, \"unit\": \"\", \"word\": \"held\"}, "
+      "\"b\": {\"margin\": -0.1, \"unit\": \"\", \"word\": \"unverified\"}},\n"
+      "    {\"name\": \"t2.i_rms\", \"a\": null, \"b\": {\"stress\": 1.5, \"limit\": 2, "
+      "\"margin\": 0.25, \"unit\": \"A\", \"word\": \"held\"}}\n  ],\n"
+      "  \"measures\": {\n"
+      "    \"i_peak\": {\"unit\": \"A\", \"a\": 0.8, \"b\": 1, \"difference\": 0.2, \"relative\": "
+      "0.25},\n"
+      "    \"x\": {\"unit\": \"m\", \"a\": null, \"b\": 0.002, \"difference\": null, \"relative\": "
+      "null}\n  },\n"
+      "  \"curves\": {\n"
+      "    \"i_a\": {\"peak\": 2, \"largest\": 1, \"at_s\": 0.5, \"rms\": 0.471404520791, "
+      "\"largest_relative\": 0.5, \"rms_relative\": 0.235702260396}\n  },\n"
+      "  \"only_a\": [\"v_v\"],\n  \"only_b\": [\"w_v\"]\n}\n";
   make_runs();
   ran r = run("compare a b");
   expect_good(&r, "compare", __LINE__);
@@ -95,7 +111,7 @@ static void runs(void) {
   free_ran(&r);
   r = run("compare a b --json");
   expect_good(&r, "compare --json", __LINE__);
-  expect_lines(r.out, JSON, __LINE__);
+  CU_ASSERT_STRING_EQUAL(r.out, JSON);
   free_ran(&r);
   r = run("compare a a");
   static const char *const SAME[] = {
@@ -193,8 +209,14 @@ static void studies(void) {
   r = run("compare one other");
   expect_lines(r.out, NUMBERED, __LINE__);
   free_ran(&r);
-  static const char *const JSON[] = {"\"compared\": \"studies\"", "\"joined_by\": \"axes\"",
-                                     "\"changed\": 1", "\"at_case_a\": 1, \"at_case_b\": 2}", NULL};
+  static const char *const JSON[] = {
+      "{\n  \"compared\": \"studies\",\n"
+      "  \"a\": {\"folder\": \"one\", \"rows\": 4, \"failed\": 0, \"judged\": 4, \"held\": 3},\n"
+      "  \"b\": {\"folder\": \"turned\", \"rows\": 4, \"failed\": 0, \"judged\": 4, \"held\": 4},\n"
+      "  \"joined_by\": \"axes\",\n  \"joined\": 4,\n  \"changed\": 1,\n  \"changes\": [\n"
+      "    {\"case_a\": 1, \"word_a\": \"violated\", \"case_b\": 2, \"word_b\": \"held\"}\n  ],\n"
+      "  \"columns\": {\n    \"thyristor.di_dt_a_us\": {\"least_a\": ",
+      "\"only_a\": 0, \"only_b\": 0, \"at_case_a\": 1, \"at_case_b\": 2}", NULL};
   r = run("compare one turned --json");
   expect_lines(r.out, JSON, __LINE__);
   free_ran(&r);
