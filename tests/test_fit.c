@@ -408,9 +408,15 @@ static void several_runs(void) {
  * by 1e-12. */
 static void a_bound_stops(void) {
   write_with_in("paper", "  machine.base_mass:", "  machine.base_mass: {from: 3 kg, to: 20 kg}\n");
-  ran r = run("fit altered.yaml --json --set starts=2");
+  static const char LINE[] =
+      "\nmachine.base_mass                           3 kg       on its bound            -"
+      "            -            4\n";
+  ran r = run("fit altered.yaml --set starts=2 -o bound");
   CU_ASSERT_EQUAL(r.status, 0);
   CU_ASSERT_PTR_NOT_NULL(strstr(r.err, "machine.base_mass is on its bound"));
+  EXPECT(strstr(r.out, LINE), "%s", r.out);
+  free(r.out);
+  r.out = read_file("bound/fit.json");
   ran held = fit("paper_base_4kg --set machine.base_mass=3kg --set starts=1");
   CLOSE(number(r.out, "machine.base_mass", "value"), 3, 1e-6);
   CLOSE(number(r.out, NULL, "chi2"), number(held.out, NULL, "chi2"), 1e-6);

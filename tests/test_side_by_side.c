@@ -58,7 +58,7 @@ static const char B[] =
     " \"margin\": 0.25, \"word\": \"held\", \"violated\": false}]}\n";
 
 static void make_runs(void) {
-  write_run("a", "t_s,i_a,v_v\n0,0,1\n1,2,1\n2,0,\n", A);
+  write_run("a", "t_s,i_a,v_v,q_j\n0,0,1,0\n1,2,1,0\n2,0,,0\n", A);
   write_run("b", "t_s,i_a,w_v\n0,0,1\n0.5,2,1\n2,0,1\n", B);
 }
 
@@ -80,7 +80,7 @@ static void runs(void) {
       "-\n",
       "  i_a                                  2             1       500 ms        50 %      23.6 "
       "%\n",
-      "  only A has v_v\n  only B has w_v\n",
+      "  only A has v_v, q_j\n  only B has w_v\n",
       NULL};
   static const char JSON[] =
       "{\n  \"compared\": \"runs\",\n"
@@ -103,7 +103,7 @@ static void runs(void) {
       "  \"curves\": {\n"
       "    \"i_a\": {\"peak\": 2, \"largest\": 1, \"at_s\": 0.5, \"rms\": 0.471404520791, "
       "\"largest_relative\": 0.5, \"rms_relative\": 0.235702260396}\n  },\n"
-      "  \"only_a\": [\"v_v\"],\n  \"only_b\": [\"w_v\"]\n}\n";
+      "  \"only_a\": [\"v_v\", \"q_j\"],\n  \"only_b\": [\"w_v\"]\n}\n";
   make_runs();
   ran r = run("compare a b");
   expect_good(&r, "compare", __LINE__);
@@ -117,10 +117,46 @@ static void runs(void) {
   static const char *const SAME[] = {
       "keys that differ                            A                B\n"
       "  there is none\n",
-      "  2 measures are the same in both\n", "  2 curves are the same in both\n", NULL};
+      "  2 measures are the same in both\n", "  3 curves are the same in both\n", NULL};
   expect_lines(r.out, SAME, __LINE__);
   CU_ASSERT_EQUAL(count_lines(r.err), 0);
   free_ran(&r);
+}
+
+/* The whole is as its worst line, whichever that is; without a line there is no limit. */
+static void the_whole(void) {
+  static const struct {
+    const char *words[3], *whole; /* with a '-' before it: its margin is below 0 */
+  } ROWS[] = {{{NULL}, "no limit stated"},
+              {{"waived"}, "waived"},
+              {{"held", "waived"}, "held"},
+              {{"waived", "unverified", "held"}, "unverified"},
+              {{"undecided", "unverified"}, "undecided"},
+              {{"undecided", "-unverified", "held"}, "violated, unverified"},
+              {{"-violated", "-unverified"}, "violated"},
+              {{"held", "-violated"}, "violated"}};
+  make_runs();
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    vs_text summary = {0};
+    char says[96];
+    vs_text_add(&summary,
+                "{\"tier\": \"circuit\", \"scene\": {}, \"measures\": {}, \"verdict\": [");
+    for (int n = 0; n < 3 && ROWS[k].words[n]; n++) {
+      const char *word = ROWS[k].words[n];
+      const bool below = *word == '-';
+      vs_text_add(&summary, "%s{\"rating\": \"r%d\", \"word\": \"%s\", \"violated\": %s}",
+                  n ? ", " : "", n, word + below, below ? "true" : "false");
+    }
+    vs_text_add(&summary, "]}\n");
+    write_run("whole", "t_s,i_a\n0,0\n1,2\n", summary.text);
+    vs_text_free(&summary);
+    ran r = run("compare whole b");
+    snprintf(says, sizeof says, "  the whole                  %24s     violated, unverified\n",
+             ROWS[k].whole);
+    EXPECT(r.status == 0 && strstr(r.out, says), "%s: %d %s%s", ROWS[k].whole, r.status, r.out,
+           r.err);
+    free_ran(&r);
+  }
 }
 
 /* Folders that are no runs, and broken files, each with its place. */
@@ -256,7 +292,7 @@ static void pages(void) {
       "<td>x</td><td class=\"n\">-</td><td class=\"n\">2 mm</td><td class=\"n\">-</td>",
       "<figcaption>i_a</figcaption>",
       "<td>i_a</td><td class=\"n\">2</td><td class=\"n\">1</td><td class=\"n\">500 ms</td>",
-      "<p>Only A has v_v.</p>",
+      "<p>Only A has v_v, q_j.</p>",
       "</html>\n",
       NULL};
   RUN_GOOD("compare one turned -o new/page --quiet");
@@ -276,12 +312,10 @@ static void pages(void) {
   expect_page("both/report.html", RUNS, __LINE__);
 }
 
-static const vs_test TESTS[] = {{"departure", departure},
-                                {"runs", runs},
-                                {"refused", refused},
-                                {"studies", studies},
-                                {"values that are gone", values_that_are_gone},
-                                {"pages", pages}};
+static const vs_test TESTS[] = {
+    {"departure", departure}, {"runs", runs},       {"the whole", the_whole},
+    {"refused", refused},     {"studies", studies}, {"values that are gone", values_that_are_gone},
+    {"pages", pages}};
 
 int main(void) {
   return program_suite("side_by_side", TESTS, COUNT(TESTS));
