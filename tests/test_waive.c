@@ -197,39 +197,64 @@ static void summary_has_all_keys(void) {
   ", \"text\": \"\", \"stress\": #, \"at_s\": #, "                                                 \
   "\"limit\": #, \"assumed\": false, \"margin\": #, \"margin_error\": #, \"word\": \"held\", "     \
   "\"violated\": false, \"failed_at_s\": null}"
-  static const char BEHIND[] =
-      "\n  },\n  \"energy\": {\"source_J\": #, \"eva_J\": #, \"copper_J\": #, \"work_force_J\": #, "
-      "\"damping_J\": #, \"stop_J\": #, \"magnetic_J\": #, \"mechanical_J\": #, \"losses_J\": {}, "
-      "\"stores_J\": {}, \"eva_residual\": #, \"mechanical_residual\": #, \"circuit_residual\": "
-      "null, "
-      "\"residual\": #, \"audit\": \"the books close\"},\n"
-      "  \"cost\": {\"wall_s\": #, \"second_run_s\": #, \"steps\": #},\n"
-      "  \"second_run\": {\"tolerance\": #, \"decides\": null, \"failed\": \"\"},\n"
-      "  \"verdict\": [\n"
-      "    {\"rating\": \"v_r\", \"unit\": \"V\", \"text\": \"\", \"min\": #, \"max\": #, "
-      "\"least\": #, "
-      "\"least_at_s\": #, \"largest\": #, \"largest_at_s\": #, \"assumed\": false, \"margin\": #, "
-      "\"margin_error\": #, \"word\": \"held\", \"violated\": false, \"failed_at_s\": "
-      "null},\n" LIMITED("\"i_peak\", \"unit\": \"A\"") ",\n" LIMITED(
-          "\"energy\", \"unit\": \"J\"") "\n  ],\n"
-                                         "  \"weakest\": \"varistor_1.i_peak\",\n  "
-                                         "\"first_to_fail\": null,\n  \"happened\": [],\n"
-                                         "  \"did_not_happen\": [],\n  \"not_judged\": "
-                                         "[\"varistor_1.power\"],\n  \"waived\": [],\n"
-                                         "  \"corners\": {\n    \"of\": #,\n    \"held\": #,\n    "
-                                         "\"failed\": #,\n"
-                                         "    \"worst\": " CORNER("violated") ",\n    \"each\": "
-                                                                              "[\n      " CORNER("h"
-                                                                                                 "e"
-                                                                                                 "l"
-                                                                                                 "d") ",\n      " CORNER("violated") ",\n      " CORNER(
-                                                                                  "held") ",\n     "
-                                                                                          " " CORNER("held") "\n    ]\n  }\n}\n";
+  static const char BEHIND
+      [] = "\n  },\n  \"energy\": {\"source_J\": #, \"eva_J\": #, \"copper_J\": #, "
+           "\"work_force_J\": #, "
+           "\"damping_J\": #, \"stop_J\": #, \"magnetic_J\": #, \"mechanical_J\": #, \"losses_J\": "
+           "{}, "
+           "\"stores_J\": {}, \"eva_residual\": #, \"mechanical_residual\": #, "
+           "\"circuit_residual\": "
+           "null, "
+           "\"residual\": #, \"audit\": \"the books close\"},\n"
+           "  \"cost\": {\"wall_s\": #, \"second_run_s\": #, \"steps\": #},\n"
+           "  \"second_run\": {\"tolerance\": #, \"decides\": null, \"failed\": \"\"},\n"
+           "  \"verdict\": [\n"
+           "    {\"rating\": \"v_r\", \"unit\": \"kV\", \"text\": \"\", \"min\": #, \"max\": #, "
+           "\"least\": #, "
+           "\"least_at_s\": #, \"largest\": #, \"largest_at_s\": #, \"assumed\": false, "
+           "\"margin\": #, "
+           "\"margin_error\": #, \"word\": \"held\", \"violated\": false, \"failed_at_s\": "
+           "null},\n" LIMITED("\"i_peak\", \"unit\": \"A\"") ",\n" LIMITED(
+               "\"energy\", \"unit\": \"J\"") "\n  ],\n"
+                                              "  \"weakest\": \"varistor_1.i_peak\",\n  "
+                                              "\"first_to_fail\": null,\n  \"happened\": [],\n"
+                                              "  \"did_not_happen\": [],\n  \"not_judged\": "
+                                              "[\"varistor_1.power\"],\n  \"waived\": [],\n"
+                                              "  \"corners\": {\n    \"of\": #,\n    \"held\": "
+                                              "#,\n    "
+                                              "\"failed\": #,\n"
+                                              "    \"worst\": " CORNER(
+                                                  "violated") ",\n    \"each\": "
+                                                              "[\n      " CORNER(
+                                                                  "h"
+                                                                  "e"
+                                                                  "l"
+                                                                  "d") ",\n      " CORNER("violate"
+                                                                                          "d") ",\n"
+                                                                                               "   "
+                                                                                               "  "
+                                                                                               " " CORNER("held") ",\n     "
+                                                                                                                  " " CORNER(
+                                                                                                                      "held") "\n    ]\n  }\n}\n";
   write_deck("*$ limit i_surge = 1.65 A\n*$ limit energy = 100 J\n*$ limit p_max = 200 W\n");
   write_file("v.cir", "*$ param varistor_1 = vv part\n*$ port mains = Vm\n*$ probe v_r = v(a) V\n"
-                      "*$ rating v_r -200..200 V\n*$ device varistor_1 = v(a), i(Vs)\n*$ line a\n"
+                      "*$ rating v_r -0.2..0.2 kV\n*$ device varistor_1 = v(a), i(Vs)\n*$ line a\n"
                       "Vm a 0 external\nVs a b 0\nXv b 0 varistor_1\nRe a e 1meg\nXeva e 0 eva\n");
-  ran r = run(RUN "--corners --json");
+  static const char TABLE[] =
+      "\n  rating                     min       least     largest         max       margin +- its "
+      "numerical error\n"
+      "  v_r                       -0.2     -0.1414      0.1414         0.2 kV       29.3 % +- ";
+  static const char DEVICES[] =
+      "\n  device                  stress       limit                at margin +- its numerical "
+      "error\n"
+      "  varistor_1.i_peak        1.414        1.65 A        5.005 ms    14.3 % +- ";
+  static const char CORNERS[] =
+      "\ncorners: 3 of 4 held; the worst line of each:\n"
+      "  supply.voltage = 90 V, circuit.varistor_1_scale = 0.9: varistor_1.i_peak    14.3 % +- ";
+  ran r = run(RUN "--corners");
+  EXPECT(strstr(r.out, TABLE) && strstr(r.out, DEVICES) && strstr(r.out, CORNERS), "%s", r.out);
+  free_ran(&r);
+  r = run(RUN "--corners --json");
   EXPECT(strstr(r.out, "    \"of\": 4,\n    \"held\": 3,\n    \"failed\": 0,\n"), "%s", r.out);
   make_shape(r.out);
   EXPECT(strstr(r.out, BEFORE) && strstr(r.out, BEHIND), "%s", r.out);
