@@ -197,45 +197,47 @@ static void summary_has_all_keys(void) {
   ", \"text\": \"\", \"stress\": #, \"at_s\": #, "                                                 \
   "\"limit\": #, \"assumed\": false, \"margin\": #, \"margin_error\": #, \"word\": \"held\", "     \
   "\"violated\": false, \"failed_at_s\": null}"
-  static const char BEHIND
-      [] = "\n  },\n  \"energy\": {\"source_J\": #, \"eva_J\": #, \"copper_J\": #, "
-           "\"work_force_J\": #, "
-           "\"damping_J\": #, \"stop_J\": #, \"magnetic_J\": #, \"mechanical_J\": #, \"losses_J\": "
-           "{}, "
-           "\"stores_J\": {}, \"eva_residual\": #, \"mechanical_residual\": #, "
-           "\"circuit_residual\": "
-           "null, "
-           "\"residual\": #, \"audit\": \"the books close\"},\n"
-           "  \"cost\": {\"wall_s\": #, \"second_run_s\": #, \"steps\": #},\n"
-           "  \"second_run\": {\"tolerance\": #, \"decides\": null, \"failed\": \"\"},\n"
-           "  \"verdict\": [\n"
-           "    {\"rating\": \"v_r\", \"unit\": \"kV\", \"text\": \"\", \"min\": #, \"max\": #, "
-           "\"least\": #, "
-           "\"least_at_s\": #, \"largest\": #, \"largest_at_s\": #, \"assumed\": false, "
-           "\"margin\": #, "
-           "\"margin_error\": #, \"word\": \"held\", \"violated\": false, \"failed_at_s\": "
-           "null},\n" LIMITED("\"i_peak\", \"unit\": \"A\"") ",\n" LIMITED(
-               "\"energy\", \"unit\": \"J\"") "\n  ],\n"
-                                              "  \"weakest\": \"varistor_1.i_peak\",\n  "
-                                              "\"first_to_fail\": null,\n  \"happened\": [],\n"
-                                              "  \"did_not_happen\": [],\n  \"not_judged\": "
-                                              "[\"varistor_1.power\"],\n  \"waived\": [],\n"
-                                              "  \"corners\": {\n    \"of\": #,\n    \"held\": "
-                                              "#,\n    "
-                                              "\"failed\": #,\n"
-                                              "    \"worst\": " CORNER(
-                                                  "violated") ",\n    \"each\": "
-                                                              "[\n      " CORNER(
-                                                                  "h"
-                                                                  "e"
-                                                                  "l"
-                                                                  "d") ",\n      " CORNER("violate"
-                                                                                          "d") ",\n"
-                                                                                               "   "
-                                                                                               "  "
-                                                                                               " " CORNER("held") ",\n     "
-                                                                                                                  " " CORNER(
-                                                                                                                      "held") "\n    ]\n  }\n}\n";
+  static const char BEHIND[] =
+      "\n  },\n  \"energy\": {\"source_J\": #, \"eva_J\": #, \"copper_J\": #, "
+      "\"work_force_J\": #, "
+      "\"damping_J\": #, \"stop_J\": #, \"magnetic_J\": #, \"mechanical_J\": #, \"losses_J\": "
+      "{}, "
+      "\"stores_J\": {}, \"eva_residual\": #, \"mechanical_residual\": #, "
+      "\"circuit_residual\": "
+      "null, "
+      "\"residual\": #, \"audit\": \"the books close\"},\n"
+      "  \"cost\": {\"wall_s\": #, \"second_run_s\": #, \"steps\": #},\n"
+      "  \"second_run\": {\"tolerance\": #, \"decides\": null, \"failed\": \"\"},\n"
+      "  \"verdict\": [\n"
+      "    {\"rating\": \"v_r\", \"unit\": \"kV\", \"text\": \"\", \"min\": #, \"max\": #, "
+      "\"least\": #, "
+      "\"least_at_s\": #, \"largest\": #, \"largest_at_s\": #, \"assumed\": false, "
+      "\"margin\": #, "
+      "\"margin_error\": #, \"word\": \"held\", \"violated\": false, \"failed_at_s\": "
+      "null},\n" LIMITED("\"i_peak\", \"unit\": \"A\"") ",\n" LIMITED(
+          "\"energy\", \"unit\": \"J\"") "\n  ],\n"
+                                         "  \"weakest\": \"varistor_1.i_peak\",\n  "
+                                         "\"first_to_fail\": null,\n  \"happened\": [],\n"
+                                         "  \"did_not_happen\": [],\n  \"not_judged\": "
+                                         "[\"varistor_1.power\"],\n  \"waived\": [],\n"
+                                         "  \"corners\": {\n    \"of\": #,\n    \"held\": "
+                                         "#,\n    "
+                                         "\"failed\": #,\n"
+                                         "    \"worst\": " CORNER(
+                                             "violated") ",\n    \"each\": "
+                                                         "[\n      " CORNER(
+                                                             "h"
+                                                             "e"
+                                                             "l"
+                                                             "d") ",\n      " CORNER("violate"
+                                                                                     "d") ",\n"
+                                                                                          "   "
+                                                                                          "  "
+                                                                                          " " CORNER(
+                                                                                              "hel"
+                                                                                              "d") ",\n     "
+                                                                                                   " " CORNER(
+                                                                                                       "held") "\n    ]\n  }\n}\n";
   write_deck("*$ limit i_surge = 1.65 A\n*$ limit energy = 100 J\n*$ limit p_max = 200 W\n");
   write_file("v.cir", "*$ param varistor_1 = vv part\n*$ port mains = Vm\n*$ probe v_r = v(a) V\n"
                       "*$ rating v_r -0.2..0.2 kV\n*$ device varistor_1 = v(a), i(Vs)\n*$ line a\n"
@@ -251,7 +253,13 @@ static void summary_has_all_keys(void) {
   static const char CORNERS[] =
       "\ncorners: 3 of 4 held; the worst line of each:\n"
       "  supply.voltage = 90 V, circuit.varistor_1_scale = 0.9: varistor_1.i_peak    14.3 % +- ";
+  static const char CELLS[] = "\ndevices\n"
+                              "  varistor_1         v_clamp 141.4 V               i_peak 1.414 A   "
+                              "             energy 4 J\n"
+                              "                     energy_total 4 J              power 100 W      "
+                              "             v_rms 100 V\n";
   ran r = run(RUN "--corners");
+  EXPECT(strstr(r.out, CELLS), "%s", r.out);
   EXPECT(strstr(r.out, TABLE) && strstr(r.out, DEVICES) && strstr(r.out, CORNERS), "%s", r.out);
   free_ran(&r);
   r = run(RUN "--corners --json");
