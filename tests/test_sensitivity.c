@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "base/text.h"
 #include "command/sensitivity.h"
@@ -285,6 +286,15 @@ static void json_has_all_keys(void) {
   make_shape(r.out);
   EXPECT(strstr(r.out, SHAPE), "%s", r.out);
   free(file), free_ran(&r);
+  remove_tree("out");
+  mkdir("out", 0777); /* one of the files cannot be written: none is */
+  mkdir("out/summary.json", 0777);
+  r = run("sensitivity paper --of p_min --to firing.angle -o out --set run.tier=switched "
+          "--set run.until=20ms");
+  EXPECT(r.status == 2 && strstr(r.err, "out/summary.json: cannot be written"), "%d %s", r.status,
+         r.err);
+  EXPECT_FILES("out", "summary.json ");
+  free_ran(&r);
   remove_tree("out");
 }
 
