@@ -210,6 +210,20 @@ static void values_that_are_gone(void) {
   r = run("compare ends fires --json");
   expect_lines(r.out, JSON, __LINE__);
   free_ran(&r);
+  /* columns are found by their names; what only one reports is left out */
+  write_file("wider.yaml", "scene: paper\nset: {run: {tier: switched, until: 9.9 ms}}\n"
+                           "vary: {firing.angle: [90 deg, 150 deg]}\n"
+                           "report: [i_peak, t_fire, p_min]\n");
+  free_ran((ran[]){run("study wider.yaml -o wider --quiet")});
+  static const char COLUMNS[] =
+      "  \"columns\": {\n    \"t_fire_s\": {\"least_a\": 0.005, \"largest_a\": 0.00833333333333, "
+      "\"least_b\": 0.005, \"largest_b\": 0.00833333333333, \"mean_difference\": 0, "
+      "\"largest_difference\": 0, \"only_a\": 0, \"only_b\": 0, \"at_case_a\": 0, \"at_case_b\": "
+      "0},\n"
+      "    \"margin_least\": {";
+  r = run("compare fires wider --json");
+  EXPECT(strstr(r.out, COLUMNS), "%s", r.out);
+  free_ran(&r);
 }
 
 /* Studies: rows are joined by their axes, in whatever order they come, else by their number. */
