@@ -55,6 +55,10 @@ double measure_in(const char *json, const char *name);
  * of that kind with these lines decides the verdict alone: "d.v_forward,d.v_reverse". */
 void waive_the_rest(const char *device, const char *kind, const char *lines, vs_text *text);
 
+/* Makes of JSON its shape, in place: each number is written #, and a row of numbers as one. So a test
+ * can say which keys there are, and in which order, without the numbers of a run. */
+void make_shape(char *json);
+
 /* Whole file, with a zero byte behind it; empty when it is not there. */
 char *read_file(const char *path);
 int count_lines(const char *text);

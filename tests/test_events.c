@@ -714,7 +714,7 @@ static void said_in_the_results(void) {
   free_ran(&r);
   char *json = read_file("o/summary.json"), *csv = read_file("o/events.csv");
   EXPECT(strstr(json, "\"tier\": \"circuit\"") && strstr(json, "the scene names events.dip") &&
-             strstr(json, "\"dip\": {\"starts_s\": 0.003, \"kind\": \"sag\"") &&
+             strstr(json, "\"events\": {\n      \"dip\": {\"starts_s\": 0.003, \"kind\": \"sag\"") &&
              strstr(json, "\"level\": {\"value\": 30, \"unit\": \"%\"}"),
          "%s", json);
   EXPECT(strstr(csv, "\n0.003,dip begins (sag)\n") && strstr(csv, "\n0.006,n begins (notch)\n"),

@@ -285,12 +285,48 @@ static void intervals_hold_the_truth(void) {
  * alone is what was known before. The base moves with it, so that the power of the mass is not
  * quite 1. */
 static void known_together_only(void) {
+  static const char SHAPE[] =
+      "\n  \"fit\": \"f.yaml\",\n"
+      "  \"search\": {\"starts\": #, \"converged\": #, \"reached_least\": #, \"next_chi2\": null, "
+      "\"runs\": #, \"failed_runs\": #, \"slopes\": \"exact derivatives\", \"slopes_not_exact\": "
+      "#},\n"
+      "  \"data\": #,\n  \"priors\": #,\n  \"residual\": \"logarithm\",\n  \"chi2_at_start\": #,\n"
+      "  \"chi2\": #,\n  \"degrees_of_freedom\": #,\n  \"probability\": null,\n  \"fits\": true,\n"
+      "  \"unknowns\": {\n"
+      "    \"machine.trough_mass\": {\"value\": #, \"unit\": \"kg\", \"standard_error\": #, "
+      "\"standard_error_of_ln\": #, \"interval_95\": [#], \"start\": #, \"bounds\": [null, null], "
+      "\"on_bound\": false},\n"
+      "    \"machine.spring_stiffness\": {\"value\": #, \"unit\": \"N/m\", \"standard_error\": #, "
+      "\"standard_error_of_ln\": #, \"interval_95\": [#], \"start\": #, \"bounds\": [null, null], "
+      "\"on_bound\": false}\n  },\n"
+      "  \"correlation\": [\n    [#],\n    [#]\n  ],\n"
+      "  \"singular_values\": [#],\n"
+      "  \"directions\": [\n"
+      "    {\n      \"combination\": \"machine.trough_mass^-0.82 * machine.spring_stiffness\",\n"
+      "      \"standard_error\": #,\n      \"of_logarithm\": true,\n"
+      "      \"exponents\": {\"machine.trough_mass\": #, \"machine.spring_stiffness\": #},\n"
+      "      \"singular_value\": #,\n"
+      "      \"direction\": {\"machine.trough_mass\": #, \"machine.spring_stiffness\": #}\n    },\n"
+      "    {\n      \"combination\": \"machine.trough_mass * machine.spring_stiffness\",\n"
+      "      \"standard_error\": #,\n      \"of_logarithm\": true,\n"
+      "      \"exponents\": {\"machine.trough_mass\": #, \"machine.spring_stiffness\": #},\n"
+      "      \"singular_value\": #,\n"
+      "      \"direction\": {\"machine.trough_mass\": #, \"machine.spring_stiffness\": #}\n    }\n "
+      " ],\n"
+      "  \"pairs\": [\n"
+      "    {\n      \"combination\": \"machine.trough_mass^-0.82 * machine.spring_stiffness\",\n"
+      "      \"standard_error\": #,\n      \"of_logarithm\": true,\n"
+      "      \"exponents\": {\"machine.trough_mass\": #, \"machine.spring_stiffness\": #}\n    }\n "
+      " ],\n"
+      "  \"measures\": [\n    {\"run\": #, \"name\": \"working_frequency\", \"unit\": \"Hz\", "
+      "\"measured\": #, \"fitted\": #, \"residual\": #}\n  ],\n"
+      "  \"columns\": [\n  ],\n  \"warnings\": [\n  ]\n}\n";
   write_file("f.yaml", "set: {run: {until: 20 ms, tier: switched}}\n"
                        "free:\n"
                        "  machine.trough_mass: {prior: {value: 0.83 kg, error: 10 %}}\n"
                        "  machine.spring_stiffness: {}\n"
                        "measures: {working_frequency: {value: 53.5 Hz, error: 0.1 %}}\n");
-  ran r = fit("f.yaml");
+  ran r = fit("f.yaml -o out");
   CLOSE(number(r.out, "\"pairs\"", "standard_error"), 0.002, 0.1);
   CLOSE(number(r.out, "machine.trough_mass", "standard_error_of_ln"), 0.1, 1e-6);
   CLOSE(number(r.out, "machine.trough_mass", "value"), 0.83, 1e-6);
@@ -298,7 +334,14 @@ static void known_together_only(void) {
   CU_ASSERT_PTR_NOT_NULL(strstr(r.out, "machine.spring_stiffness"));
   double power = number(r.out, "\"pairs\"", "machine.trough_mass");
   EXPECT(power < -0.75 && power > -0.9, "power %g", power);
+  make_shape(r.out);
+  EXPECT(strstr(r.out, SHAPE), "%s", r.out);
   free_ran(&r);
+  char *rows = read_file("out/residuals.csv");
+  static const char ROWS[] = "run,name,unit,t_s,measured,computed,error,residual\n"
+                             "1,working_frequency,Hz,,53.5,53.5,0.0535,";
+  EXPECT(!strncmp(rows, ROWS, sizeof ROWS - 1), "%s", rows);
+  free(rows);
   r = run("fit f.yaml --quiet --json --set measures.working_frequency.value=20Hz");
   CU_ASSERT_EQUAL(r.status, 0);
   free_ran(&r);
@@ -365,9 +408,15 @@ static void several_runs(void) {
  * by 1e-12. */
 static void a_bound_stops(void) {
   write_with_in("paper", "  machine.base_mass:", "  machine.base_mass: {from: 3 kg, to: 20 kg}\n");
-  ran r = run("fit altered.yaml --json --set starts=2");
+  static const char LINE[] =
+      "\nmachine.base_mass                           3 kg       on its bound            -"
+      "            -            4\n";
+  ran r = run("fit altered.yaml --set starts=2 -o bound");
   CU_ASSERT_EQUAL(r.status, 0);
   CU_ASSERT_PTR_NOT_NULL(strstr(r.err, "machine.base_mass is on its bound"));
+  EXPECT(strstr(r.out, LINE), "%s", r.out);
+  free(r.out);
+  r.out = read_file("bound/fit.json");
   ran held = fit("paper_base_4kg --set machine.base_mass=3kg --set starts=1");
   CLOSE(number(r.out, "machine.base_mass", "value"), 3, 1e-6);
   CLOSE(number(r.out, NULL, "chi2"), number(held.out, NULL, "chi2"), 1e-6);

@@ -1,12 +1,25 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * ngspice is left where that saves more steps than the looks cost that it takes, and is not looked
  * at otherwise. */
+#include <math.h>
+
 #include "suite.h"
+
+typedef struct leaving {
+  int times;
+  double first_s, total_s, since_s;
+} leaving;
 
 static vs_status note_leaving(void *ctx, const vs_step *step, vs_error *err) {
   (void)err;
-  int *times = ctx;
-  *times += step->event[1] == VS_EV_QUIET;
+  leaving *l = ctx;
+  if (step->event[1] == VS_EV_QUIET) {
+    l->since_s = step->event_s[1];
+    if (!l->times++) l->first_s = l->since_s;
+  } else if (step->event[1] == VS_EV_BACK) {
+    l->total_s += step->event_s[1] - l->since_s;
+    l->since_s = NAN;
+  }
   return VS_OK;
 }
 
@@ -21,12 +34,19 @@ static void left_where_it_pays(void) {
                {"run.trtol=7", "run.tolerance=1e-4", "run.until=100ms", true}};
   for (size_t k = 0; k < COUNT(CASES); k++) {
     const char *const sets[] = {CASES[k].trtol, CASES[k].tolerance, CASES[k].until, NULL};
-    int times = 0;
-    const vs_observer observer = {&times, note_leaving};
+    leaving seen = {.since_s = NAN};
+    const vs_observer observer = {&seen, note_leaving};
     vs_trial *t = vs_trial_run("paper", "circuit", sets, &observer);
     EXPECT(t->status == VS_OK, "%s", t->err.text);
-    EXPECT((times > 0) == CASES[k].leaves, "%s, %s: left %d times", CASES[k].tolerance,
-           CASES[k].until, times);
+    EXPECT((seen.times > 0) == CASES[k].leaves, "%s, %s: left %d times", CASES[k].tolerance,
+           CASES[k].until, seen.times);
+    /* what summary.json tells of it */
+    const vs_absence *told = &t->result.watchers.absence;
+    const double until_s = t->scene.setup.run.until_s;
+    if (!isnan(seen.since_s)) seen.total_s += until_s - seen.since_s;
+    CU_ASSERT_EQUAL(told->times, seen.times);
+    if (seen.times) CLOSE(told->first_s, seen.first_s, 0);
+    CLOSE_OF(told->total_s, seen.total_s, until_s, 1e-15);
     vs_trial_free(t);
   }
 }

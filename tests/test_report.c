@@ -461,6 +461,93 @@ static void axes_of_words(void) {
   remove_tree("words");
 }
 
+/* ---- what gnuplot is told ---- */
+
+/* Runs the program with a gnuplot before the other that keeps what it is told; returns that. */
+static char *told_by(const char *words) {
+  static const char KEEPS[] = "#!/bin/sh\ntee -a told | PATH=$VS_TEST_PATH exec gnuplot \"$@\"\n";
+  char *path = vs_copy(getenv("PATH")), here[VS_PATH_SIZE];
+  vs_text with = {0};
+  mkdir("keeps", 0777);
+  write_file("keeps/gnuplot", KEEPS);
+  CU_ASSERT_EQUAL(chmod("keeps/gnuplot", 0777), 0);
+  CU_ASSERT_PTR_NOT_NULL_FATAL(getcwd(here, sizeof here));
+  vs_text_add(&with, "%s/keeps:%s", here, path);
+  setenv("VS_TEST_PATH", path, 1);
+  setenv("PATH", with.text, 1);
+  run_good(words, __LINE__);
+  setenv("PATH", path, 1);
+  char *told = read_file("told");
+  unlink("told");
+  remove_tree("keeps");
+  vs_text_free(&with);
+  free(path);
+  return told;
+}
+
+static void expect_told(const char *words, const char *const *says, int line) {
+  char *told = told_by(words);
+  for (; *says; says++) expect(strstr(told, *says) != NULL, line, "no '%s' in %s", *says, told);
+  free(told);
+}
+
+static sample stepped(long k) {
+  return (sample){10 + 10 * (double)(k / 2), 1 + (double)(k % 2), 1000 + 1000 * (double)k,
+                  (double)(2 - k) / 4};
+}
+
+static sample lines(long k) {
+  return (sample){10 * (double)(1 + k), 1, 1000 * (double)(1 + k * k), (double)(2 - k) / 4};
+}
+
+/* Cells and the line of the limit of a map; bars of a sample; a curve; the panels of a run. */
+static void pictures_are_of_the_numbers(void) {
+  static const char *const MAP[] = {
+      "set title \"peak\" offset 0,0.7\nset xlabel \"circuit.a / Ω\"\nset ylabel \"circuit.b\"\n"
+      "set xrange [5:35]\nset yrange [0.5:2.5]\n",
+      "set cbrange [1:6]\nset cblabel \"peak / kV\"",
+      "$cells << EOD\n10 1 5 17 0.5 1.7 1\n20 1 15 27 0.5 1.7 3\n30 1 25 35 0.5 1.7 5\n"
+      "10 2 5 17 1.5 2.5 2\n20 2 15 27 1.5 2.5 4\n30 2 25 35 1.5 2.5 6\nEOD\n"
+      "$limit << EOD\n20 1\n15 2\n\nEOD\n",
+      "$limit using 1:2 with lines lw 3 lc rgb \"#d55e00\" title \"limit 3 kV\"\n",
+      "set cbrange [-75:50]\nset cblabel \"margin_least / \\045\"",
+      NULL};
+  static const char *const BARS[] = {
+      "width = 0.625\n$bins << EOD\n0.8125 16.6666667\n1.4375 0\n2.0625 16.6666667\n2.6875 0\n"
+      "3.3125 16.6666667\n3.9375 16.6666667\n4.5625 0\n5.1875 16.6666667\n5.8125 16.6666667\nEOD\n"
+      "set ylabel 'share of cases / %'\nset yrange [0:*]\nset style fill solid 0.8 border lc rgb "
+      "'white'\n"
+      "bad(x) = 0 && x < 0 ? 0xd55e00 : 0x0072b2\n"
+      "plot $bins using 1:2:(width):(bad($1)) with boxes lc rgb variable\n",
+      "set label '5 %: -68.75' at first -68.75, graph 1 right", /* a twentieth of -75 .. 50 */
+      "bad(x) = 1 && x < 0 ? 0xd55e00 : 0x0072b2\n",
+      "$bars << EOD\n0 -0.956182887\n1 -0.292770022\nEOD\n", NULL};
+  static const char *const CURVE[] = {
+      "set ylabel \"peak / kV\"\nset arrow from graph 0, first 3 to graph 1, first 3 nohead",
+      "set yrange [0.04:17.96]\n$line << EOD\n10 1\n20 2\n30 5\n40 10\n50 17\nEOD\nplot $line "
+      "using 1:2 "
+      "with linespoints",
+      NULL};
+  static const char *const PANELS[] = {
+      "set multiplot layout 3,3 title \"Displacements, accelerations and force (as Fig. 9 of the "
+      "paper)\" font 'sans,13'\nset xrange [0:20]\nset xlabel 't / ms'\nset ylabel \"p / mm\"\n"
+      "plot \"./r/run.csv\" using ($1*1000):($2*1000) skip 1 with lines lc rgb '#1f4e79' lw 1.2 "
+      "notitle\nset ylabel \"u / mm\"\n",
+      "set terminal svg noenhanced dynamic size 1260,840 font",
+      "set ylabel \"F / N\"\nplot \"./r/run.csv\" using ($1*1000):($17*1) skip 1 with lines lc rgb "
+      "'#1f4e79' lw 1.2 notitle\nunset multiplot\n",
+      NULL};
+  write_study("grid", "", 6, stepped);
+  expect_told("plot s --quiet", MAP, __LINE__);
+  write_study("sobol", "", 6, stepped);
+  expect_told("plot s --quiet", BARS, __LINE__);
+  write_study("grid", "", 5, lines);
+  expect_told("plot s --quiet", CURVE, __LINE__);
+  RUN_GOOD("run paper --set run.tier=switched --set run.until=20ms -o r --quiet");
+  expect_told("plot r --quiet", PANELS, __LINE__);
+  remove_tree("r");
+}
+
 /* ---- what is refused ---- */
 
 static void bad_folders(void) {
@@ -663,6 +750,7 @@ int main(void) {
       {"a yield with failures", a_yield_with_failures},
       {"other methods", other_methods},
       {"axes of words", axes_of_words},
+      {"pictures are of the numbers", pictures_are_of_the_numbers},
       {"hostile names", hostile_names},
       {"no rows", no_rows},
       {"one row", one_row},

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "base/text.h"
 #include "command/sensitivity.h"
@@ -264,6 +265,39 @@ static void files_are_written(void) {
   remove_tree("out");
 }
 
+/* What --json prints is what the folder gets. */
+static void json_has_all_keys(void) {
+  static const char SHAPE[] =
+      "\n  \"scene\": \"paper\",\n  \"tier\": \"switched\",\n  \"steady\": false,\n"
+      "  \"of\": {\n    \"p_min\": {\"value\": #, \"unit\": \"m\"},\n"
+      "    \"i_peak\": {\"value\": #, \"unit\": \"A\"}\n  },\n"
+      "  \"to\": {\n    \"firing.angle\": {\"value\": #, \"unit\": \"deg\"}\n  },\n"
+      "  \"derivatives\": {\n    \"p_min\": {\n      \"firing.angle\": #\n    },\n"
+      "    \"i_peak\": {\n      \"firing.angle\": #\n    }\n  },\n"
+      "  \"errors\": {\n    \"p_min\": {\n      \"firing.angle\": #\n    },\n"
+      "    \"i_peak\": {\n      \"firing.angle\": #\n    }\n  },\n"
+      "  \"how\": {\n    \"p_min\": {\n      \"firing.angle\": \"exact\"\n    },\n"
+      "    \"i_peak\": {\n      \"firing.angle\": \"exact\"\n    }\n  },\n"
+      "  \"notes\": [\n  ],\n  \"warnings\": []\n}\n";
+  ran r = run("sensitivity paper --of p_min,i_peak --to firing.angle --json --quiet -o out "
+              "--set run.tier=switched --set run.until=20ms");
+  char *file = read_file("out/summary.json");
+  CU_ASSERT_STRING_EQUAL(r.out, file);
+  make_shape(r.out);
+  EXPECT(strstr(r.out, SHAPE), "%s", r.out);
+  free(file), free_ran(&r);
+  remove_tree("out");
+  mkdir("out", 0777); /* one of the files cannot be written: none is */
+  mkdir("out/summary.json", 0777);
+  r = run("sensitivity paper --of p_min --to firing.angle -o out --set run.tier=switched "
+          "--set run.until=20ms");
+  EXPECT(r.status == 2 && strstr(r.err, "out/summary.json: cannot be written"), "%d %s", r.status,
+         r.err);
+  EXPECT_FILES("out", "summary.json ");
+  free_ran(&r);
+  remove_tree("out");
+}
+
 /* One bar alone, to the right and to the left. */
 static void one_bar_is_drawn(void) {
   static const char *const TO[] = {"supply.voltage", "firing.angle"};
@@ -420,6 +454,7 @@ static const vs_test TESTS[] = {
     {"kin are as runs are", kin_are_as_runs_are},
     {"events move", events_move},
     {"corners are told", corners_are_told},
+    {"JSON has all keys", json_has_all_keys},
     {"zeros are told", zeros_are_told},
     {"edges are taken from one side", edges_are_taken_from_one_side},
     {"a circuit is differenced", a_circuit_is_differenced},

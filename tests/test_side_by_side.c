@@ -55,10 +55,12 @@ static const char B[] =
     " \"measures\": {\"i_peak\": {\"value\": 1.0, \"unit\": \"A\"},\n"
     "  \"x\": {\"value\": 0.002, \"unit\": \"m\"}},\n"
     " \"verdict\": [{\"device\": \"t1\", \"measure\": \"di_dt\", \"margin\": -0.1,"
-    " \"word\": \"unverified\", \"violated\": true}]}\n";
+    " \"word\": \"unverified\", \"violated\": true},\n"
+    "  {\"device\": \"t2\", \"measure\": \"i_rms\", \"stress\": 1.5, \"limit\": 2, \"unit\": \"A\","
+    " \"margin\": 0.25, \"word\": \"held\", \"violated\": false}]}\n";
 
 static void make_runs(void) {
-  write_run("a", "t_s,i_a,v_v\n0,0,1\n1,2,1\n2,0,\n", A);
+  write_run("a", "t_s,i_a,v_v,q_j\n0,0,1,0\n1,2,1,0\n2,0,,0\n", A);
   write_run("b", "t_s,i_a,w_v\n0,0,1\n0.5,2,1\n2,0,1\n", B);
 }
 
@@ -71,6 +73,7 @@ static void runs(void) {
       "A: a, tier circuit, from 0 s to 2 s\n",
       "  the whole                                      held     violated, unverified\n",
       "  t1.di_dt                                50.0 % held",
+      "  t2.i_rms                                          -              25.0 % held\n",
       "-10.0 % violated, unverified\n",
       "  firing.angle                        100 deg           95 deg\n\n",
       "  i_peak                               800 mA              1 A           200 mA       +25 "
@@ -79,17 +82,30 @@ static void runs(void) {
       "-\n",
       "  i_a                                  2             1       500 ms        50 %      23.6 "
       "%\n",
-      "  only A has v_v\n  only B has w_v\n",
+      "  only A has v_v, q_j\n  only B has w_v\n",
       NULL};
-  static const char *const JSON[] = {
-      "\"compared\": \"runs\"",
-      "{\"key\": \"firing.angle\", \"a\": \"100 deg\", \"b\": \"95 deg\"}\n  ]",
-      "\"i_peak\": {\"unit\": \"A\", \"a\": 0.8, \"b\": 1, \"difference\": 0.2, \"relative\": "
-      "0.25}",
-      "\"x\": {\"unit\": \"m\", \"a\": null, \"b\": 0.002, \"difference\": null",
-      "\"i_a\": {\"peak\": 2, \"largest\": 1, \"at_s\": 0.5, \"rms\": 0.471404520791",
-      "\"only_a\": [\"v_v\"]",
-      NULL};
+  static const char JSON[] =
+      "{\n  \"compared\": \"runs\",\n"
+      "  \"a\": {\"folder\": \"a\", \"tier\": \"circuit\", \"until_s\": 2, \"verdict\": "
+      "\"held\"},\n"
+      "  \"b\": {\"folder\": \"b\", \"tier\": \"switched\", \"until_s\": 2, \"verdict\": "
+      "\"violated, unverified\"},\n"
+      "  \"keys\": [\n    {\"key\": \"firing.angle\", \"a\": \"100 deg\", \"b\": \"95 deg\"}\n  "
+      "],\n"
+      "  \"verdict\": [\n"
+      "    {\"name\": \"t1.di_dt\", \"a\": {\"margin\": 0.5, \"unit\": \"\", \"word\": \"held\"}, "
+      "\"b\": {\"margin\": -0.1, \"unit\": \"\", \"word\": \"unverified\"}},\n"
+      "    {\"name\": \"t2.i_rms\", \"a\": null, \"b\": {\"stress\": 1.5, \"limit\": 2, "
+      "\"margin\": 0.25, \"unit\": \"A\", \"word\": \"held\"}}\n  ],\n"
+      "  \"measures\": {\n"
+      "    \"i_peak\": {\"unit\": \"A\", \"a\": 0.8, \"b\": 1, \"difference\": 0.2, \"relative\": "
+      "0.25},\n"
+      "    \"x\": {\"unit\": \"m\", \"a\": null, \"b\": 0.002, \"difference\": null, \"relative\": "
+      "null}\n  },\n"
+      "  \"curves\": {\n"
+      "    \"i_a\": {\"peak\": 2, \"largest\": 1, \"at_s\": 0.5, \"rms\": 0.471404520791, "
+      "\"largest_relative\": 0.5, \"rms_relative\": 0.235702260396}\n  },\n"
+      "  \"only_a\": [\"v_v\", \"q_j\"],\n  \"only_b\": [\"w_v\"]\n}\n";
   make_runs();
   ran r = run("compare a b");
   expect_good(&r, "compare", __LINE__);
@@ -97,16 +113,52 @@ static void runs(void) {
   free_ran(&r);
   r = run("compare a b --json");
   expect_good(&r, "compare --json", __LINE__);
-  expect_lines(r.out, JSON, __LINE__);
+  CU_ASSERT_STRING_EQUAL(r.out, JSON);
   free_ran(&r);
   r = run("compare a a");
   static const char *const SAME[] = {
       "keys that differ                            A                B\n"
       "  there is none\n",
-      "  2 measures are the same in both\n", "  2 curves are the same in both\n", NULL};
+      "  2 measures are the same in both\n", "  3 curves are the same in both\n", NULL};
   expect_lines(r.out, SAME, __LINE__);
   CU_ASSERT_EQUAL(count_lines(r.err), 0);
   free_ran(&r);
+}
+
+/* The whole is as its worst line, whichever that is; without a line there is no limit. */
+static void the_whole(void) {
+  static const struct {
+    const char *words[3], *whole; /* with a '-' before it: its margin is below 0 */
+  } ROWS[] = {{{NULL}, "no limit stated"},
+              {{"waived"}, "waived"},
+              {{"held", "waived"}, "held"},
+              {{"waived", "unverified", "held"}, "unverified"},
+              {{"undecided", "unverified"}, "undecided"},
+              {{"undecided", "-unverified", "held"}, "violated, unverified"},
+              {{"-violated", "-unverified"}, "violated"},
+              {{"held", "-violated"}, "violated"}};
+  make_runs();
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    vs_text summary = {0};
+    char says[96];
+    vs_text_add(&summary,
+                "{\"tier\": \"circuit\", \"scene\": {}, \"measures\": {}, \"verdict\": [");
+    for (int n = 0; n < 3 && ROWS[k].words[n]; n++) {
+      const char *word = ROWS[k].words[n];
+      const bool below = *word == '-';
+      vs_text_add(&summary, "%s{\"rating\": \"r%d\", \"word\": \"%s\", \"violated\": %s}",
+                  n ? ", " : "", n, word + below, below ? "true" : "false");
+    }
+    vs_text_add(&summary, "]}\n");
+    write_run("whole", "t_s,i_a\n0,0\n1,2\n", summary.text);
+    vs_text_free(&summary);
+    ran r = run("compare whole b");
+    snprintf(says, sizeof says, "  the whole                  %24s     violated, unverified\n",
+             ROWS[k].whole);
+    EXPECT(r.status == 0 && strstr(r.out, says), "%s: %d %s%s", ROWS[k].whole, r.status, r.out,
+           r.err);
+    free_ran(&r);
+  }
 }
 
 /* Folders that are no runs, and broken files, each with its place. */
@@ -160,6 +212,20 @@ static void values_that_are_gone(void) {
   r = run("compare ends fires --json");
   expect_lines(r.out, JSON, __LINE__);
   free_ran(&r);
+  /* columns are found by their names; what only one reports is left out */
+  write_file("wider.yaml", "scene: paper\nset: {run: {tier: switched, until: 9.9 ms}}\n"
+                           "vary: {firing.angle: [90 deg, 150 deg]}\n"
+                           "report: [i_peak, t_fire, p_min]\n");
+  free_ran((ran[]){run("study wider.yaml -o wider --quiet")});
+  static const char COLUMNS[] =
+      "  \"columns\": {\n    \"t_fire_s\": {\"least_a\": 0.005, \"largest_a\": 0.00833333333333, "
+      "\"least_b\": 0.005, \"largest_b\": 0.00833333333333, \"mean_difference\": 0, "
+      "\"largest_difference\": 0, \"only_a\": 0, \"only_b\": 0, \"at_case_a\": 0, \"at_case_b\": "
+      "0},\n"
+      "    \"margin_least\": {";
+  r = run("compare fires wider --json");
+  EXPECT(strstr(r.out, COLUMNS), "%s", r.out);
+  free_ran(&r);
 }
 
 /* Studies: rows are joined by their axes, in whatever order they come, else by their number. */
@@ -195,8 +261,14 @@ static void studies(void) {
   r = run("compare one other");
   expect_lines(r.out, NUMBERED, __LINE__);
   free_ran(&r);
-  static const char *const JSON[] = {"\"compared\": \"studies\"", "\"joined_by\": \"axes\"",
-                                     "\"changed\": 1", "\"at_case_a\": 1, \"at_case_b\": 2}", NULL};
+  static const char *const JSON[] = {
+      "{\n  \"compared\": \"studies\",\n"
+      "  \"a\": {\"folder\": \"one\", \"rows\": 4, \"failed\": 0, \"judged\": 4, \"held\": 3},\n"
+      "  \"b\": {\"folder\": \"turned\", \"rows\": 4, \"failed\": 0, \"judged\": 4, \"held\": 4},\n"
+      "  \"joined_by\": \"axes\",\n  \"joined\": 4,\n  \"changed\": 1,\n  \"changes\": [\n"
+      "    {\"case_a\": 1, \"word_a\": \"violated\", \"case_b\": 2, \"word_b\": \"held\"}\n  ],\n"
+      "  \"columns\": {\n    \"thyristor.di_dt_a_us\": {\"least_a\": ",
+      "\"only_a\": 0, \"only_b\": 0, \"at_case_a\": 1, \"at_case_b\": 2}", NULL};
   r = run("compare one turned --json");
   expect_lines(r.out, JSON, __LINE__);
   free_ran(&r);
@@ -236,7 +308,7 @@ static void pages(void) {
       "<td>x</td><td class=\"n\">-</td><td class=\"n\">2 mm</td><td class=\"n\">-</td>",
       "<figcaption>i_a</figcaption>",
       "<td>i_a</td><td class=\"n\">2</td><td class=\"n\">1</td><td class=\"n\">500 ms</td>",
-      "<p>Only A has v_v.</p>",
+      "<p>Only A has v_v, q_j.</p>",
       "</html>\n",
       NULL};
   RUN_GOOD("compare one turned -o new/page --quiet");
@@ -413,6 +485,7 @@ static void bars_drawn(void) {
 
 static const vs_test TESTS[] = {{"departure", departure},
                                 {"runs", runs},
+                                {"the whole", the_whole},
                                 {"refused", refused},
                                 {"studies", studies},
                                 {"values that are gone", values_that_are_gone},

@@ -73,6 +73,17 @@ static void the_conveyor_at_100_degrees(void) {
   CU_ASSERT(strstr(r.out, "\"stable\": true") && !strstr(r.out, "\"measured\""));
   CLOSE_OF(number(r.out, "energy_stored"), 0, number(r.out, "energy_in"), 1e-12);
   free_ran(&r);
+  r = run("steady paper --set firing.every=1"); /* the digits of the references */
+  static const char *const LINES[] = {
+      "\nmultiplier              re              im            size      decays in\n1    ",
+      "     0.999655306        58.01 s\n2    ",
+      "\nstable: the largest multiplier is below 1\n\n"
+      "harmonic             A rms     limit A rms   part of limit\n"
+      "0              0.174620906\n1              0.206149939\n2   ",
+      "\n3             0.0217257265             2.3          0.94 %\n4   ",
+      "harmonic 2 takes 10.3 % of its own\n"};
+  for (size_t k = 0; k < COUNT(LINES); k++) EXPECT(strstr(r.out, LINES[k]), "%zu: %s", k, r.out);
+  free_ran(&r);
 }
 
 static void other_machines(void) {

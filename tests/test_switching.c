@@ -63,8 +63,8 @@ static void fired_by_its_gate_at_tight_tolerances(void) {
     ran r = run("run paper --tier circuit --set firing.angle=%sdeg --set run.tolerance=1e-7 --set "
                 "run.verify=never --set run.until=8ms --json --quiet",
                 ANGLES[k]);
-    EXPECT(r.status == 0 && strstr(r.out, "\"thyristor.unintended_firings\": {\"value\": 0,"), "%s: %d %s",
-           ANGLES[k], r.status, r.out);
+    EXPECT(r.status == 0 && strstr(r.out, "\"thyristor.unintended_firings\": {\"value\": 0,"),
+           "%s: %d %s", ANGLES[k], r.status, r.out);
     free_ran(&r);
   }
 }
@@ -140,7 +140,44 @@ static void latched_or_not(void) {
   }
 }
 
+/* ---- rates over a window ---- */
+
+enum { KNOTS = 200 };
+
+/* A course that is straight from knot to knot, at any time within it. */
+static double course(const double *t_s, const double *y, double at_s) {
+  int n = 1;
+  while (n < KNOTS - 1 && t_s[n] < at_s) n++;
+  return y[n - 1] + (y[n] - y[n - 1]) * (at_s - t_s[n - 1]) / (t_s[n] - t_s[n - 1]);
+}
+
+/* The largest rate over a window is that of a window that begins or ends at a knot. Steps are from
+ * a hundredth of the window to five of them, so that every knot is kept. 1e-9: times around 15 us
+ * are rounded to 2e-21 s, which is 2e-12 of the shortest step, whose rate counts. */
+static void rates_over_a_window(void) {
+  static const double STEPS_NS[] = {1, 3, 250, 17, 2, 40, 95, 501, 8, 130, 1, 1, 60};
+  for (int sense = -1; sense <= 1; sense++)
+    for (int window = 0; window < 2; window++) {
+      const double window_s = window ? 4e-7 : 1e-7;
+      double t_s[KNOTS] = {0}, y[KNOTS] = {0}, largest = -INFINITY, expected = -INFINITY;
+      vs_slope s = {.window_s = window ? window_s : 0};
+      for (int k = 1; k < KNOTS; k++) {
+        t_s[k] = t_s[k - 1] + 1e-9 * STEPS_NS[(k * k) % (int)COUNT(STEPS_NS)];
+        y[k] = 50 * sin(7.0 * k) + 20 * cos(0.3 * k);
+        largest = fmax(largest, vs_switching_rate(&s, t_s[k - 1], y[k - 1], t_s[k], y[k], sense));
+      }
+      for (int k = 0; k < 2 * KNOTS; k++) {
+        double from_s = t_s[k / 2] - (k % 2 ? window_s : 0), to_s = from_s + window_s;
+        if (from_s < 0 || to_s > t_s[KNOTS - 1]) continue;
+        double rate = (course(t_s, y, to_s) - course(t_s, y, from_s)) / window_s;
+        expected = fmax(expected, sense ? sense * rate : fabs(rate));
+      }
+      CLOSE(largest, expected, 1e-9);
+    }
+}
+
 static const vs_test TESTS[] = {
+    {"rates over a window", rates_over_a_window},
     {"short steps behind an edge", short_steps_behind_an_edge},
     {"fired by its gate at tight tolerances", fired_by_its_gate_at_tight_tolerances},
     {"a conduction that only falls is no misfire", a_conduction_that_only_falls_is_no_misfire},

@@ -180,6 +180,95 @@ static void corners(void) {
   free_ran(&r);
 }
 
+/* All of summary.json but its scene and its measures. */
+static void summary_has_all_keys(void) {
+  static const char BEFORE[] =
+      "\n  \"tier\": \"circuit\",\n"
+      "  \"why\": \"auto: the scene names circuit.deck, which only this tier has\",\n"
+      "  \"rung\": {\"number\": #, \"text\": \"the scene as it is\", \"failed\": \"\"},\n"
+      "  \"quiet\": {\"times\": #, \"first_at_s\": null, \"total_s\": #, \"bound\": #},\n"
+      "  \"warnings\": [],\n  \"measure\": {\"from_s\": #, \"to_s\": #},\n  \"measures\": {\n";
+#define CORNER(word)                                                                               \
+  "{\"at\": {\"supply.voltage\": {\"value\": #, \"unit\": \"V\"}, \"circuit.varistor_1_scale\": "  \
+  "{\"value\": #, \"unit\": \"\"}}, \"line\": \"varistor_1.i_peak\", \"margin\": #, "              \
+  "\"margin_error\": #, \"word\": \"" word "\"}"
+#define LIMITED(name)                                                                              \
+  "    {\"device\": \"varistor_1\", \"measure\": " name                                            \
+  ", \"text\": \"\", \"stress\": #, \"at_s\": #, "                                                 \
+  "\"limit\": #, \"assumed\": false, \"margin\": #, \"margin_error\": #, \"word\": \"held\", "     \
+  "\"violated\": false, \"failed_at_s\": null}"
+  static const char BEHIND[] =
+      "\n  },\n  \"energy\": {\"source_J\": #, \"eva_J\": #, \"copper_J\": #, "
+      "\"work_force_J\": #, "
+      "\"damping_J\": #, \"stop_J\": #, \"magnetic_J\": #, \"mechanical_J\": #, \"losses_J\": "
+      "{}, "
+      "\"stores_J\": {}, \"eva_residual\": #, \"mechanical_residual\": #, "
+      "\"circuit_residual\": "
+      "null, "
+      "\"residual\": #, \"audit\": \"the books close\"},\n"
+      "  \"cost\": {\"wall_s\": #, \"second_run_s\": #, \"steps\": #},\n"
+      "  \"second_run\": {\"tolerance\": #, \"decides\": null, \"failed\": \"\"},\n"
+      "  \"verdict\": [\n"
+      "    {\"rating\": \"v_r\", \"unit\": \"kV\", \"text\": \"\", \"min\": #, \"max\": #, "
+      "\"least\": #, "
+      "\"least_at_s\": #, \"largest\": #, \"largest_at_s\": #, \"assumed\": false, "
+      "\"margin\": #, "
+      "\"margin_error\": #, \"word\": \"held\", \"violated\": false, \"failed_at_s\": "
+      "null},\n" LIMITED("\"i_peak\", \"unit\": \"A\"") ",\n" LIMITED(
+          "\"energy\", \"unit\": \"J\"") "\n  ],\n"
+                                         "  \"weakest\": \"varistor_1.i_peak\",\n  "
+                                         "\"first_to_fail\": null,\n  \"happened\": [],\n"
+                                         "  \"did_not_happen\": [],\n  \"not_judged\": "
+                                         "[\"varistor_1.power\"],\n  \"waived\": [],\n"
+                                         "  \"corners\": {\n    \"of\": #,\n    \"held\": "
+                                         "#,\n    "
+                                         "\"failed\": #,\n"
+                                         "    \"worst\": " CORNER(
+                                             "violated") ",\n    \"each\": "
+                                                         "[\n      " CORNER(
+                                                             "h"
+                                                             "e"
+                                                             "l"
+                                                             "d") ",\n      " CORNER("violate"
+                                                                                     "d") ",\n"
+                                                                                          "   "
+                                                                                          "  "
+                                                                                          " " CORNER(
+                                                                                              "hel"
+                                                                                              "d") ",\n     "
+                                                                                                   " " CORNER(
+                                                                                                       "held") "\n    ]\n  }\n}\n";
+  write_deck("*$ limit i_surge = 1.65 A\n*$ limit energy = 100 J\n*$ limit p_max = 200 W\n");
+  write_file("v.cir", "*$ param varistor_1 = vv part\n*$ port mains = Vm\n*$ probe v_r = v(a) V\n"
+                      "*$ rating v_r -0.2..0.2 kV\n*$ device varistor_1 = v(a), i(Vs)\n*$ line a\n"
+                      "Vm a 0 external\nVs a b 0\nXv b 0 varistor_1\nRe a e 1meg\nXeva e 0 eva\n");
+  static const char TABLE[] =
+      "\n  rating                     min       least     largest         max       margin +- its "
+      "numerical error\n"
+      "  v_r                       -0.2     -0.1414      0.1414         0.2 kV       29.3 % +- ";
+  static const char DEVICES[] =
+      "\n  device                  stress       limit                at margin +- its numerical "
+      "error\n"
+      "  varistor_1.i_peak        1.414        1.65 A        5.005 ms    14.3 % +- ";
+  static const char CORNERS[] =
+      "\ncorners: 3 of 4 held; the worst line of each:\n"
+      "  supply.voltage = 90 V, circuit.varistor_1_scale = 0.9: varistor_1.i_peak    14.3 % +- ";
+  static const char CELLS[] = "\ndevices\n"
+                              "  varistor_1         v_clamp 141.4 V               i_peak 1.414 A   "
+                              "             energy 4 J\n"
+                              "                     energy_total 4 J              power 100 W      "
+                              "             v_rms 100 V\n";
+  ran r = run(RUN "--corners");
+  EXPECT(strstr(r.out, CELLS), "%s", r.out);
+  EXPECT(strstr(r.out, TABLE) && strstr(r.out, DEVICES) && strstr(r.out, CORNERS), "%s", r.out);
+  free_ran(&r);
+  r = run(RUN "--corners --json");
+  EXPECT(strstr(r.out, "    \"of\": 4,\n    \"held\": 3,\n    \"failed\": 0,\n"), "%s", r.out);
+  make_shape(r.out);
+  EXPECT(strstr(r.out, BEFORE) && strstr(r.out, BEHIND), "%s", r.out);
+  free_ran(&r);
+}
+
 /* Two varistors of one part across the mains, each with its own current's source. */
 static void write_two(const char *limits) {
   write_deck(limits);
@@ -382,6 +471,7 @@ static const vs_test TESTS[] = {
     {"JSON and study say it", json_and_study_say_it},
     {"what is wrong is refused", what_is_wrong_is_refused},
     {"corners", corners},
+    {"summary has all keys", summary_has_all_keys},
     {"each varistor by itself", each_by_itself},
     {"all alike", all_alike},
     {"corners of each", corners_of_each},

@@ -510,10 +510,10 @@ static double forward_rate(vs_slope *slope, const vs_course_step *c) {
   double v0 = c->from[VS_OF_V], v1 = c->to[VS_OF_V], largest = -INFINITY, zero_s = c->t0_s;
   if ((v0 < 0) != (v1 < 0)) {
     zero_s = c->t0_s + v0 / (v0 - v1) * c->h_s;
-    largest = vs_slope_follow(slope, c->t0_s, fmax(v0, 0), zero_s, 0, 1);
+    largest = vs_switching_rate(slope, c->t0_s, fmax(v0, 0), zero_s, 0, 1);
     v0 = 0;
   }
-  return fmax(largest, vs_slope_follow(slope, zero_s, fmax(v0, 0), c->t1_s, fmax(v1, 0), 1));
+  return fmax(largest, vs_switching_rate(slope, zero_s, fmax(v0, 0), c->t1_s, fmax(v1, 0), 1));
 }
 
 /* Tells of the present rise what is steeper than what was told of it. */
@@ -584,7 +584,7 @@ static void follow_rises(vs_switch *s, const vs_course_step *c, bool was_on, boo
 static void follow(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
   bool was_on = s->conduction.conducts, commutated = s->commutates;
   double off_rate = forward_rate(&s->off, c);
-  double on_rate = vs_slope_follow(&s->on, c->t0_s, c->from[VS_OF_I], c->t1_s, c->to[VS_OF_I], 1);
+  double on_rate = vs_switching_rate(&s->on, c->t0_s, c->from[VS_OF_I], c->t1_s, c->to[VS_OF_I], 1);
   vs_switching_gate_follow(&s->gate, c);
   follow_current(s, c, news);
   follow_pulse(s, c, news);
@@ -617,4 +617,79 @@ void vs_switching_follow(vs_switch *s, const vs_course_step *c, vs_switch_news *
               news->offered.known || news->misfire.known || news->unintended.known ||
               news->fires.known || news->extinct.known || news->fall.known ||
               news->return_rise.rate.known;
+}
+
+/* ---- the largest rate over a window ---- */
+
+static const double WINDOW_S = 1e-7;
+
+static double window_of(const vs_slope *s) {
+  return s->window_s > 0 ? s->window_s : WINDOW_S;
+}
+
+static size_t knot_at(const vs_slope *s, size_t n) {
+  return (s->first + n) % VS_SLOPE_KNOTS;
+}
+
+static void keep_knot(vs_slope *s, double t_s, double y) {
+  if (s->count && t_s - s->t_s[knot_at(s, s->count - 1)] < window_of(s) / VS_SLOPE_PARTS) return;
+  size_t end = knot_at(s, s->count++);
+  s->t_s[end] = t_s;
+  s->y[end] = y;
+}
+
+/* The course at a time not before its first kept knot. Behind the last kept knot comes the
+ * beginning of the step. */
+static double course_at(const vs_slope *s, double t_s, double t0_s, double y0, double rate) {
+  if (t_s >= t0_s) return y0 + rate * (t_s - t0_s);
+  size_t n = 1;
+  while (n < s->count && s->t_s[knot_at(s, n)] < t_s) n++;
+  double ta = s->t_s[knot_at(s, n - 1)], ya = s->y[knot_at(s, n - 1)];
+  double tb = n < s->count ? s->t_s[knot_at(s, n)] : t0_s,
+         yb = n < s->count ? s->y[knot_at(s, n)] : y0;
+  return tb > ta ? ya + (yb - ya) * (t_s - ta) / (tb - ta) : yb;
+}
+
+static double in_sense(double change, int sense) {
+  return sense ? sense * change : fabs(change);
+}
+
+/* The largest rate where the last knot kept is a window or more before the step, and the step two
+ * windows long: the windows that count begin with the step, or end with it. */
+static double rate_of_long(vs_slope *s, double t0_s, double y0, double t1_s, double y1, int sense) {
+  const double window_s = window_of(s);
+  double rate = (y1 - y0) / (t1_s - t0_s), after = y0 + rate * (t0_s + window_s - t0_s);
+  double before = y0 + rate * (t1_s - window_s - t0_s);
+  double first = in_sense((after - y0) / window_s, sense);
+  double last = in_sense((y1 - before) / window_s, sense), largest = -INFINITY;
+  s->first = 0;
+  s->t_s[0] = t0_s;
+  s->y[0] = y0;
+  if (first > largest) largest = first;
+  return last > largest ? last : largest;
+}
+
+double vs_switching_rate(vs_slope *s, double t0_s, double y0, double t1_s, double y1, int sense) {
+  const double window_s = window_of(s);
+  if (!(t1_s > t0_s)) return -INFINITY;
+  if (s->count == 1 && t0_s - s->t_s[s->first] > 2 * window_s && t1_s - t0_s > 2 * window_s)
+    return rate_of_long(s, t0_s, y0, t1_s, y1, sense);
+  double rate = (y1 - y0) / (t1_s - t0_s), largest = -INFINITY;
+  keep_knot(s, t0_s, y0);
+  /* As the window moves, the rate changes along a straight line until one end passes a knot. So its
+   * largest value is at such an instant. */
+  for (size_t n = 0; n <= s->count; n++) {
+    bool last = n == s->count;
+    double begin_s = last ? t1_s - window_s : s->t_s[knot_at(s, n)], end_s = begin_s + window_s;
+    if (begin_s < s->t_s[s->first] || (!last && (end_s <= t0_s || end_s > t1_s))) continue;
+    double begin = last ? course_at(s, begin_s, t0_s, y0, rate) : s->y[knot_at(s, n)];
+    double end = last ? y1 : y0 + rate * (end_s - t0_s), change = (end - begin) / window_s;
+    double own = in_sense(change, sense);
+    if (own > largest) largest = own; /* fmax would be called */
+  }
+  while (s->count > 1 && s->t_s[knot_at(s, 1)] <= t1_s - window_s) {
+    s->first = knot_at(s, 1);
+    s->count--;
+  }
+  return largest;
 }
