@@ -1097,7 +1097,7 @@ static void what_is_asked_for_is_told_first(void) {
       "\n  p                     -1.416 .. 0.7162 mm   at 14.04 ms, 20 ms\n";
   static const char *const RECORD[] = {"", "--set 'record=[p]'", "--set record=all"};
   for (size_t k = 0; k < COUNT(RECORD); k++) {
-    ran r = run("run paper --set run.tier=switched --set run.until=20ms %s", RECORD[k]);
+    ran r = run("run paper --all --set run.tier=switched --set run.until=20ms %s", RECORD[k]);
     const char *p = strstr(r.out, COURSE), *motion = strstr(r.out, "\n\nmotion\n");
     EXPECT(strstr(r.out, BEGINS) && p && motion && (p < motion) == (k == 1), "%s: %s", RECORD[k],
            r.out);

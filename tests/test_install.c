@@ -155,7 +155,7 @@ static void added_files_are_found(void) {
                                                   "Vm a 0 external\nR1 a b 100\nXeva b 0 eva\n");
   EXPECT_SAYS("list scenes", "share/vibrospice/scenes/marker.yaml");
   EXPECT_SAYS("list decks", "share/vibrospice/marked.cir");
-  EXPECT_SAYS("run marker", "\n  v_b ");
+  EXPECT_SAYS("run marker --all", "\n  v_b ");
 }
 
 /* Nothing is off as installed; what is wrong in an installed file is. */

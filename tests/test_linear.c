@@ -302,14 +302,14 @@ static void files(void) {
   RUN_GOOD("steady two_mass --set firing.every=1 --set firing.angle=130deg --linear -o model");
   EXPECT_FILES("model", "events.csv linear.json linear_A.csv linear_A_firing.csv linear_B.csv "
                         "linear_B_firing.csv linear_C.csv linear_C_firing.csv linear_D.csv "
-                        "linear_poles.csv linear_to_firing.csv run.csv summary.json ");
+                        "linear_poles.csv linear_to_firing.csv peaks.csv run.csv summary.json ");
   char *a = read_file("model/linear_A.csv"), *b = read_file("model/linear_B.csv");
   EXPECT(!strncmp(a, "x_m,y_m,vx_m_s,vy_m_s\n", 22) && count_lines(a) == 5, "%s", a);
   EXPECT(!strncmp(b, "angle_rad\n", 10) && count_lines(b) == 5, "%s", b);
   free(a);
   free(b);
   RUN_GOOD("steady two_mass --set firing.every=1 --set firing.angle=130deg -o model");
-  EXPECT_FILES("model", "events.csv run.csv summary.json ");
+  EXPECT_FILES("model", "events.csv peaks.csv run.csv summary.json ");
 }
 
 /* The gain of an amplitude by the derivatives of its two extremes, which dependence/kin.h finds in

@@ -672,6 +672,7 @@ static void fuses_tell(void) {
     vs_text scene = {0}, key = {0};
     vs_text_add(&scene,
                 "machine: {model: two_mass, spring: 5e6 N/m}\nactuator: {inductance: 0.2 H}\n"
+                "supply: {voltage: 440 V}\n"
                 "firing: {angle: 95 deg, every: 1}\ncircuit: {deck: halfwave_paper, "
                 "transformer: autotransformer_ideal, %s}\n%s",
                 ROWS[k].circuit, ROWS[k].rest);

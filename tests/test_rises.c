@@ -592,7 +592,8 @@ static void unintended_firings(void) {
 
 /* The voltage over which it is told stands beside it. */
 static void over_what(void) {
-  ran r = run("run paper --reproducible --set circuit.deck=halfwave_paper --set run.until=6ms");
+  ran r =
+      run("run paper --reproducible --all --set circuit.deck=halfwave_paper --set run.until=6ms");
   const char *row = strstr(r.out, "  thyristor.dv_dt "), *end = row ? strchr(row, '\n') : NULL;
   EXPECT(end && !strncmp(end - 12, "  over 120 V", 12), "%s", r.out);
   CU_ASSERT_PTR_NOT_NULL(strstr(r.out, " V/us over 120 V"));

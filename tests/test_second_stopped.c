@@ -48,7 +48,7 @@ static void first_is_whole(void) {
   EXPECT(r.status == 75 && strstr(r.err, "the first run's result is whole"), "%d %s", r.status,
          r.err);
   EXPECT(strstr(r.err, "warning: no margin's error is known"), "%s", r.err);
-  EXPECT_FILES("r", "events.csv run.csv summary.json ");
+  EXPECT_FILES("r", "events.csv peaks.csv run.csv summary.json ");
   EXPECT(strstr(r.out, "unverified") && strstr(r.out, "stopped by a signal"), "%s", r.out);
   static const char *const SAME[] = {"run.csv", "events.csv"};
   for (size_t k = 0; k < COUNT(SAME); k++) {

@@ -313,7 +313,7 @@ static ran blow(const char *elements, const char *angle, const char *voltage) {
   vs_text_free(&deck);
   return run("run paper --set circuit.deck=blow.cir --set supply.voltage=%s --set "
              "firing.angle=%s --set 'expect=[fuse opens]' --set run.until=60ms --set "
-             "run.verify=never",
+             "run.verify=never --all",
              voltage, angle);
 }
 
@@ -325,8 +325,9 @@ static void mains_behind_a_fuse(void) {
     const char *elements, *voltage, *line, *says;
   } CASES[] = {{"", "440V", " 440 ", "\nfirst to fail: fuse.v_open"},
                {"", "230V", " 230 ", "verdict: unverified"},
-               {"Ls2 q 0 1m\nRq q 0 1k\nKx Ls Ls2 0.1\n", "440V", "",
-                "fuse.v_open (less than the mains was there, and what drives it is not known)"}};
+               {"Ls2 q 0 1m\nRq q 0 1k\nKx Ls Ls2 0.1\n", "440V",
+                "not judged: less than the mains was there, and what drives it is not known",
+                "\nnot judged: "}};
   for (size_t k = 0; k < COUNT(CASES); k++) {
     ran r = blow(CASES[k].elements, "90deg", CASES[k].voltage);
     char *line = line_of(r.out, "fuse.v_open");
@@ -342,7 +343,7 @@ static void mains_behind_a_fuse(void) {
 static void a_current_that_a_fuse_ends(void) {
   ran r = blow("", "20deg", "440V");
   char *line = line_of(r.out, "thyristor.t_off");
-  EXPECT(!*line && strstr(r.out, "fuse opens at"), "'%s' %s", line, r.err);
+  EXPECT(!strpbrk(line, "0123456789") && strstr(r.out, "fuse opens at"), "'%s' %s", line, r.err);
   free(line);
   free_ran(&r);
 }

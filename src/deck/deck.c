@@ -287,23 +287,30 @@ static bool is_at_line(const vs_deck *deck, const vs_device *d) {
   return at;
 }
 
+/* True where something besides the mains drives the deck's own circuit, which no value of a key
+ * changes. */
+static bool has_other_drive(const vs_deck *deck) {
+  for (size_t k = 0; k < deck->n_part_files; k++)
+    if (!strcmp(deck->part_files[k].kind, "transformer")) return true;
+  for (size_t k = 0; k < deck->n_lines; k++)
+    if (is_other_drive(deck, deck->lines[k].text) && is_own_line(deck, &deck->lines[k]))
+      return true;
+  return false;
+}
+
 /* Between the line and the mains at the converter a deck with a parameter line_voltage has a
  * transformer. */
 static void find_mains(vs_deck *deck, const vs_circuit_values *values, double u_rms) {
   const double *line_v = NULL;
-  bool other = false;
   for (size_t k = 1; k < deck->section.count; k++)
     if (!strcmp(deck->section.fields[k].key, "line_voltage"))
       line_v =
           (const double *)(const void *)((const char *)values + deck->section.fields[k].offset);
-  for (size_t k = 0; k < deck->n_part_files; k++)
-    other = other || !strcmp(deck->part_files[k].kind, "transformer");
-  for (size_t k = 0; k < deck->n_lines; k++)
-    other =
-        other || (is_own_line(deck, &deck->lines[k]) && is_other_drive(deck, deck->lines[k].text));
+  if (!deck->drive_known) deck->other_drive = has_other_drive(deck);
+  deck->drive_known = true;
   for (size_t k = 0; k < deck->n_devices; k++) {
     vs_device *d = &deck->devices[k];
-    d->mains_v = other ? NAN : u_rms;
+    d->mains_v = deck->other_drive ? NAN : u_rms;
     if (line_v) d->mains_v = is_at_line(deck, d) ? *line_v : u_rms;
   }
 }

@@ -257,10 +257,12 @@ typedef struct vs_deck {
                                        or takes it as a part; no place: for others, and if nothing
                                        includes it */
   size_t n_files;
-  unsigned lost;               /* VS_LOST_... of the lines that could not be read */
-  vs_skipped skipped;          /* statements that a circuit is not made of, until they are told */
-  vs_tally changes;            /* what was changed in lines, until it is told */
-  unsigned long own_functions; /* those of dialect/functions.h that the netlist defines itself */
+  bool drive_known, other_drive; /* whether more than the mains drives it; known since the first
+                                    vs_deck_bind */
+  unsigned lost;                 /* VS_LOST_... of the lines that could not be read */
+  vs_skipped skipped;            /* statements that a circuit is not made of, until they are told */
+  vs_tally changes;              /* what was changed in lines, until it is told */
+  unsigned long own_functions;   /* those of dialect/functions.h that the netlist defines itself */
   vs_findings *remarks; /* warnings of what was skipped, changed or may be meant otherwise, each
                            with its place; owned; NULL: there are none */
   char title[VS_DECK_TEXT];

@@ -36,7 +36,7 @@ static const vs_section *section_of(const vs_machine *machine, bool firing) {
 
 /* Error: neither the scene nor the machine's file says what the coil is fed from, or how it is
  * fired, and what another machine takes may be too much for it. Scenes that the program makes up
- * stand in no file; nothing is run of them. */
+ * stand in no file, and defaults alone (scene NULL) in no scene; nothing is run of them. */
 static vs_status require_feed(const vs_node *scene, const vs_timeline *t, const vs_machine *machine,
                               vs_error *err) {
   const vs_node *named = vs_tree_child(vs_tree_child(scene, "machine"), "model");
@@ -45,7 +45,7 @@ static vs_status require_feed(const vs_node *scene, const vs_timeline *t, const 
       vs_tree_child(supply, "voltage") || vs_tree_child(machine->own_supply, "voltage");
   const bool fired = t->firing.no_valve || vs_tree_child(firing, "angle") ||
                      vs_tree_child(machine->own_firing, "angle") || vs_tree_child(scene, "control");
-  if (!scene->where.file || machine->lost || (fed && fired)) return VS_OK;
+  if (!scene || !scene->where.file || machine->lost || (fed && fired)) return VS_OK;
   return vs_fail_at(err, named ? named->where : scene->where,
                     "machine %s: neither its file nor the scene says %s; write %s into the scene, "
                     "or into the machine's file",

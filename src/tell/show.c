@@ -729,7 +729,7 @@ static void tell_result(const vs_result *r, const vs_groups_options *options, co
   print_one_way(r, out);
   print_control(r, 0, out);
   for (int k = 0; k < r->n_quality; k++) tell_quality(&r->quality[k], out);
-  tell_not_judged(r, out);
+  if (judged || nothing_is_judged(r)) tell_not_judged(r, out);
   if (judged) {
     if (!r->corners) print_corners(r, out);
     if (!r->second.done || r->second.decides > 0) print_second(r, out);
