@@ -596,7 +596,6 @@ static void over_what(void) {
       run("run paper --reproducible --all --set circuit.deck=halfwave_paper --set run.until=6ms");
   const char *row = strstr(r.out, "  thyristor.dv_dt "), *end = row ? strchr(row, '\n') : NULL;
   EXPECT(end && !strncmp(end - 12, "  over 120 V", 12), "%s", r.out);
-  CU_ASSERT_PTR_NOT_NULL(strstr(r.out, " V/us over 120 V"));
   free_ran(&r);
   static const char OVER[] = "\"over\": {\"value\": 120, \"unit\": \"V\"}";
   r = run("run paper --json --set circuit.deck=halfwave_paper --set run.until=6ms");
