@@ -596,6 +596,10 @@ static void over_what(void) {
       run("run paper --reproducible --all --set circuit.deck=halfwave_paper --set run.until=6ms");
   const char *row = strstr(r.out, "  thyristor.dv_dt "), *end = row ? strchr(row, '\n') : NULL;
   EXPECT(end && !strncmp(end - 12, "  over 120 V", 12), "%s", r.out);
+  row = strstr(r.out, "\ndevices\n"); /* and in the list of measures */
+  row = row ? strstr(row, "  thyristor.dv_dt  ") : NULL;
+  end = row ? strchr(row, '\n') : NULL;
+  EXPECT(end && !strncmp(end - 13, "   over 120 V", 13), "%s", r.out);
   free_ran(&r);
   static const char OVER[] = "\"over\": {\"value\": 120, \"unit\": \"V\"}";
   r = run("run paper --json --set circuit.deck=halfwave_paper --set run.until=6ms");

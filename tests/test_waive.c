@@ -254,6 +254,9 @@ static void summary_has_all_keys(void) {
       "\ncorners: 3 of 4 held; the worst line of each:\n"
       "  supply.voltage = 90 V, circuit.varistor_1_scale = 0.9: varistor_1.i_peak    14.3 % +- ";
   ran r = run(RUN "--corners --all");
+  EXPECT(strstr(r.out, "\n  varistor_1.v_clamp                141.4 V   at ") &&
+             strstr(r.out, "\n  varistor_1.energy_total               4 J\n"),
+         "%s", r.out);
   EXPECT(strstr(r.out, TABLE) && strstr(r.out, DEVICES) && strstr(r.out, CORNERS), "%s", r.out);
   free_ran(&r);
   r = run(RUN "--corners --json");
