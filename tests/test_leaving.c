@@ -272,6 +272,8 @@ static void relays(void) {
       {"Sx b bx 0 rc low off\nRx bx 0 3k\n.model low sw(ron=1 roff=1e12 vt=-324.9 vh=0.01)", false},
       {"Sx b bx 0 rc low off\nRx bx 0 3k\n.model low sw(ron=1 roff=1e12 vt=-300 vh=1)", true},
       {"Sx b bx 0 rc low off\nRx bx 0 3k\n.model low sw(ron=1 roff=1e12 vt=-300 vh=24.9)", false},
+      {"Sx b bx 0 rc low off\nRx bx 0 3k\n.model low sw(ron=1 roff=1e12 vt={-324.9} vh=0.01)",
+       false},
       {"Wx b bx Vbleed low on\nRx bx 0 3k\n.model low csw(ron=1e12 roff=1 it=32.49u ih=0)", false},
       {"Bx b 0 I = v(rc) < 324.9 ? v(b)/3k : 0", false},
       {"Gx b 0 value={u(324.9-v(rc))*v(b)/3k}", false},

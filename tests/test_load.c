@@ -331,6 +331,7 @@ static void the_share_of_the_circuit(void) {
   CLOSE_OF(share, share_of(number(r.out, "ap_peak") / 9.81), 1, 6e-4);
   CU_ASSERT(fabs(share - number(ideal.out, "load_fraction")) > 5e-3);
   CU_ASSERT(strstr(r.out, "\"orbit_tier\": \"circuit\"") != NULL);
+  CU_ASSERT(strstr(r.out, "\"other_on_ideal_tier_alone\": true") != NULL);
   ran rest = run("run %s --set run.until=20ms", SCENE);
   CU_ASSERT(rest.status == 0 && number(rest.out, "load_fraction") == share);
   free_ran(&r), free_ran(&ideal), free_ran(&rest);

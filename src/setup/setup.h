@@ -32,6 +32,8 @@ typedef struct vs_setup {
                                scene/session.h does before a run */
   double throw_coefficient; /* with which it was found */
   double other_fraction;    /* another share that its own orbit asks for; NaN: none is known */
+  bool other_on_ideal;      /* that one was looked for on an ideal tier alone, and the run has a
+                               circuit */
   bool steady;  /* `start: steady`: the run begins on the scene's orbit, which scene/session.h has
                    found for it; until then `start` is at rest */
   bool at_work; /* the run is whole periods of an orbit: what is seen comes again for ever */

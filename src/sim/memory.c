@@ -163,16 +163,24 @@ static bool add_current(const search *s, const level *l, const char *element, vs
   return add(s, m);
 }
 
-/* True where some .model line of that name says one of the words. Models may be local to a
- * subcircuit; all of that name are asked. */
+/* Returns the next .model line of that name from *k on, and puts *k behind it; NULL: there is none.
+ * Its words are in *w. Models may be local to a subcircuit; all of that name are told. */
+static const char *next_model(const vs_deck *deck, const char *model, size_t *k, words *w) {
+  while (*k < deck->n_lines) {
+    const vs_line *line = &deck->lines[(*k)++];
+    if (!starts(line, ".model")) continue;
+    split(line->text, w);
+    if (w->count > 1 && !strcmp(w->word[1], model)) return line->text;
+  }
+  return NULL;
+}
+
+/* True where some .model line of that name says one of the words. */
 static bool model_says(const vs_deck *deck, const char *model, const char *const *said,
                        size_t count) {
-  for (size_t k = 0; k < deck->n_lines; k++) {
-    words w;
-    const char *text = deck->lines[k].text;
-    if (!starts(&deck->lines[k], ".model")) continue;
-    split(text, &w);
-    if (w.count < 2 || strcmp(w.word[1], model)) continue;
+  size_t k = 0;
+  words w;
+  for (const char *text; (text = next_model(deck, model, &k, &w));)
     for (const char *s = text + 6; *s;) {
       size_t n = 0;
       while (isalnum((unsigned char)s[n]) || s[n] == '_') n++;
@@ -180,7 +188,6 @@ static bool model_says(const vs_deck *deck, const char *model, const char *const
         if (n == strlen(said[c]) && !strncasecmp(s, said[c], n)) return true;
       s += n ? n : 1;
     }
-  }
   return false;
 }
 #define MODEL_SAYS(deck, model, list) model_says(deck, model, list, sizeof list / sizeof *list)
@@ -236,30 +243,24 @@ static bool plain(const char *model, const char *name, double *value) {
 }
 
 /* Fills the threshold of a switch's control from its .model line: it turns on above vt + |vh| and
- * off below vt - |vh| (ngspice manual, "Switches"). Models may be local to a subcircuit; where two
- * have that name, neither is read. */
+ * off below vt - |vh| (ngspice manual, "Switches"). It is unknown where two models have that name,
+ * and where it is of another kind, as PSpice's vswitch. */
 static void threshold_of(const vs_deck *deck, const char *model, bool by_voltage, vs_memory *m) {
+  size_t k = 0, other = 0;
+  words w, more;
   double at, half;
-  size_t found = 0;
+  const char *text = next_model(deck, model, &k, &w);
   m->threshold = VS_THRESHOLD_UNKNOWN;
-  for (size_t k = 0; k < deck->n_lines; k++) {
-    words w;
-    const char *text = deck->lines[k].text;
-    if (!starts(&deck->lines[k], ".model")) continue;
-    split(text, &w);
-    if (w.count < 2 || strcmp(w.word[1], model)) continue;
-    text += strcspn(text, "(");
-    text += *text == '(';
-    if (found++ || !plain(text, by_voltage ? "vt" : "it", &at) ||
-        !plain(text, by_voltage ? "vh" : "ih", &half)) {
-      m->threshold = VS_THRESHOLD_UNKNOWN;
-      continue;
-    }
-    m->threshold = VS_THRESHOLD_KNOWN;
-    m->level[0] = at + fabs(half);
-    m->level[1] = at - fabs(half);
-  }
-  if (m->threshold == VS_THRESHOLD_UNKNOWN) m->level[0] = m->level[1] = 0;
+  other = k;
+  if (!text || next_model(deck, model, &other, &more)) return;
+  if (w.count < 3 || strcmp(w.word[2], by_voltage ? "sw" : "csw")) return;
+  text += strcspn(text, "(");
+  text += *text == '(';
+  if (!plain(text, by_voltage ? "vt" : "it", &at) || !plain(text, by_voltage ? "vh" : "ih", &half))
+    return;
+  m->threshold = VS_THRESHOLD_KNOWN;
+  m->level[0] = at + fabs(half);
+  m->level[1] = at - fabs(half);
 }
 
 /* Adds what a switch reads. */

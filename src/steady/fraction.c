@@ -162,7 +162,8 @@ static vs_status find(search *s, double at, double *share, vs_error *err) {
   for (int k = 0; k < MOST_TRIALS; k++) {
     snprintf(s->budget->stage, sizeof s->budget->stage, "trial %d, with %.6g", ++s->trials, at);
     vs_status status = try(s, at, &more, err);
-    bool is_near = !status && fabs(more)<sameness(s->scene), is_loose = run->tolerance> tolerance;
+    const bool is_loose = run->tolerance > tolerance;
+    const bool is_near = !status && fabs(more) < sameness(s->scene);
     *share = at;
     if (status || (is_near && !is_loose)) {
       run->tolerance = tolerance;
@@ -205,6 +206,7 @@ typedef struct found {
   double share, coefficient;
   double other;  /* NaN: there is none */
   bool is_alone; /* the search for another one came to its end */
+  bool on_ideal; /* another one was looked for on an ideal tier, and not with the circuit */
 } found;
 
 /* From `from` on, and for another one from `from_other` on. */
@@ -256,6 +258,7 @@ static vs_status find_guided(search *s, found *f, vs_error *err) {
     from = guess.share;
     from_other = guess.other;
     if (isnan(guess.other)) s->slope = ideal->slope;
+    f->on_ideal = isnan(guess.other);
   }
   free_ideal(ideal);
   return status == VS_SIGNAL ? vs_fail(err, status, "%s", none.text)
@@ -319,7 +322,7 @@ vs_status vs_fraction_settle(vs_scene *scene, int periods, vs_error *err) {
   if (!setup->wants_fraction) return VS_OK;
   vs_budget budget = budget_of(scene, periods);
   search *s = vs_alloc(1, sizeof *s);
-  found f = {NAN, NAN, NAN, true};
+  found f = {NAN, NAN, NAN, true, false};
   s->scene = undisturbed(scene);
   s->scene->order.budget = s->budget = &budget;
   s->periods = periods;
@@ -337,6 +340,7 @@ vs_status vs_fraction_settle(vs_scene *scene, int periods, vs_error *err) {
   if (!status && !f.is_alone) warn_of_another(scene, s);
   setup->throw_coefficient = f.coefficient;
   setup->other_fraction = f.other;
+  setup->other_on_ideal = f.on_ideal;
   setup->wants_fraction = status != VS_OK;
   free(s->scene);
   free(s);

@@ -353,9 +353,10 @@ static void print_load(const vs_scene *s, FILE *out) {
   if (vs_setup_found_fraction(&s->setup))
     fprintf(out,
             "load   fraction %.9g of the material rides (auto: empirical, by the throw coefficient "
-            "%.6g on the orbit%s%s)\n",
+            "%.6g on the orbit%s%s%s)\n",
             s->setup.model.riding, s->setup.throw_coefficient, s->tier == tier ? "" : " of tier ",
-            s->tier == tier ? "" : tier->name);
+            s->tier == tier ? "" : tier->name,
+            s->setup.other_on_ideal ? "; another one was looked for on an ideal tier alone" : "");
 }
 
 /* With which settings the run was made in the end, where it could not be with its own. */

@@ -262,6 +262,7 @@ static void add_fraction(vs_json *json, const vs_scene *scene) {
                vs_model_load_range.least_k > s->throw_coefficient ||
                    vs_model_load_range.most_k < s->throw_coefficient);
   if (!isnan(s->other_fraction)) vs_json_number(json, "other", s->other_fraction, DIGITS);
+  if (s->other_on_ideal) vs_json_bool(json, "other_on_ideal_tier_alone", true);
   vs_json_end(json);
 }
 
