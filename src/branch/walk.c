@@ -303,6 +303,17 @@ static bool go_on(vs_walk *w, vs_path_point *a, double *length) {
   return there || back;
 }
 
+/* Where the budget is spent, no step fails for another reason, and a mark before the last point may
+ * be missing. */
+static void look_at_budget(vs_walk *w) {
+  const vs_budget *b = &w->path.budget;
+  if (!b->out[VS_BUDGET_IDEAL] || w->end == VS_WALK_STOPPED) return;
+  w->end = VS_WALK_SPENT;
+  snprintf(w->why, sizeof w->why,
+           "the search's budget of %ld cycles of the mains is spent, after %zu points",
+           b->most[VS_BUDGET_IDEAL], w->count - w->marks);
+}
+
 vs_status vs_walk_go(vs_walk *w, vs_along *along, int periods, const volatile sig_atomic_t *stop,
                      vs_error *err) {
   vs_path_point a;
@@ -327,9 +338,10 @@ vs_status vs_walk_go(vs_walk *w, vs_along *along, int periods, const volatile si
     if (w->count < MOST_ROWS) continue;
     snprintf(w->why, sizeof w->why,
              "it has %d points already; with a larger --step there are fewer", MOST_ROWS);
-    w->end = VS_WALK_STUCK;
+    w->end = VS_WALK_SPENT;
     break;
   }
+  look_at_budget(w);
   vs_budget_end(budget);
   return VS_OK;
 }
