@@ -2,7 +2,6 @@
 #include "fit/prediction.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 
 #include "fit/sampler.h"
@@ -54,9 +53,6 @@ void vs_prediction_limit(vs_prediction *p, double often) {
 void vs_prediction_unlimit(vs_prediction *p) {
   for (size_t r = 0; r < p->inquiry->n_runs; r++) p->inquiry->runs[r].scene->order.budget = NULL;
   vs_budget_end(&p->budget);
-  FILE *dbg = fopen("/tmp/w/budt/fit.log", "a");
-  fprintf(dbg, "%ld of %ld, %ld of %ld, runs %ld\n", p->budget.spent[0], p->budget.most[0], p->budget.spent[1], p->budget.most[1], p->runs);
-  fclose(dbg);
 }
 
 bool vs_prediction_spent(const vs_prediction *p) {

@@ -544,8 +544,6 @@ void vs_devices_finish(vs_devices *d) {
   const vs_run_end end = {d->now_s, fmax(d->began_s, d->means.from_s),
                           fmin(d->now_s, d->means.to_s)};
   for (size_t k = 0; k < d->count; k++)
-    if (d->item[k].losses) vs_losses_finish(d->item[k].losses, d->frame->tolerance);
-  for (size_t k = 0; k < d->count; k++)
     for (size_t n = 0; n < d->item[k].count; n++) {
       vs_reduced *r = &d->item[k].reduced[n];
       if (r->by->finish) r->by->finish(&d->item[k], r, &end);

@@ -98,7 +98,6 @@ static void take_part(vs_losses *l, const vs_course_step *c, double at, double e
   double end_a = between(c->from[VS_OF_I], c->to[VS_OF_I], end);
   if (phase == VS_LOSS_CONDUCTION) l->on_a = fabs(end_a);
   if (phase == VS_LOSS_RECOVERY) l->reverse_a = fmax(l->reverse_a, -end_a);
-  if (phase == VS_LOSS_RECOVERY) l->most_reverse_a = fmax(l->most_reverse_a, l->reverse_a);
 }
 
 void vs_losses_resume(vs_losses *l, double v_v, double i_a) {
@@ -118,12 +117,4 @@ void vs_losses_follow(vs_losses *l, const vs_course_step *c) {
     at = end;
   }
   l->most_v = fmax(l->most_v, fabs(c->to[VS_OF_V]));
-  l->most_a = fmax(l->most_a, fabs(c->to[VS_OF_I]));
-}
-
-void vs_losses_finish(vs_losses *l, double tolerance) {
-  if (!l->rectifies || l->most_reverse_a > tolerance * l->most_a) return;
-  l->joule[VS_LOSS_CONDUCTION] += l->joule[VS_LOSS_RECOVERY];
-  l->joule[VS_LOSS_RECOVERY] = 0;
-  if (l->largest[VS_LOSS_RECOVERY].known) l->largest[VS_LOSS_RECOVERY].value = 0;
 }

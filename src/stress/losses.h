@@ -51,17 +51,12 @@ typedef struct vs_losses {
   double most_v;               /* the largest |v| so far */
   double on_a;                 /* |i| at the end of the last conduction */
   double reverse_a;    /* of a diode: the largest reverse current since its current's zero */
-  double most_a, most_reverse_a; /* the largest |i| so far; the largest reverse_a of a recovery */
   vs_value turned_off; /* the largest on_a that was followed by blocking, A */
 } vs_losses;
 
 void vs_losses_begin(vs_losses *losses, bool rectifies);
 /* Tells voltage and current at the first knot. */
 void vs_losses_resume(vs_losses *losses, double v_v, double i_a);
-/* Ends the run, whose currents are known to so small a part of their peak. Where no reverse current
- * of a diode is above that, it has no recovery that the run could tell: what was counted there
- * belongs to the conductions whose ends it is. */
-void vs_losses_finish(vs_losses *losses, double tolerance);
 /* Takes the next step. */
 void vs_losses_follow(vs_losses *losses, const vs_course_step *c);
 
