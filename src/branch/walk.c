@@ -307,6 +307,7 @@ static bool go_on(vs_walk *w, vs_path_point *a, double *length) {
  * be missing. */
 static void look_at_budget(vs_walk *w) {
   const vs_budget *b = &w->path.budget;
+  if (b->of && b->of->out[VS_BUDGET_IDEAL]) b = b->of;
   if (!b->out[VS_BUDGET_IDEAL] || w->end == VS_WALK_STOPPED) return;
   w->end = VS_WALK_SPENT;
   snprintf(w->why, sizeof w->why,
@@ -324,7 +325,10 @@ vs_status vs_walk_go(vs_walk *w, vs_along *along, int periods, const volatile si
   const int every = along->scene->setup.timeline.firing.every;
   const long cycles = (long)periods * (every > 1 ? every : 1);
   vs_budget *budget = &w->path.budget;
-  *budget = (vs_budget){.what = "branch", .most = {MOST_CYCLES * cycles, 1}, .shows = shows};
+  *budget = (vs_budget){.what = "branch",
+                        .of = along->scene->order.budget,
+                        .most = {MOST_CYCLES * cycles, 1},
+                        .shows = shows};
   add_point(w, &a);
   vs_path_rescale(&w->path, &a);
   double length = along->step / w->path.unit[w->path.count] / 4;
