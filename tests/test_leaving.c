@@ -277,6 +277,12 @@ static void relays(void) {
       {"Wx b bx Vbleed low on\nRx bx 0 3k\n.model low csw(ron=1e12 roff=1 it=32.49u ih=0)", false},
       {"Bx b 0 I = v(rc) < 324.9 ? v(b)/3k : 0", false},
       {"Gx b 0 value={u(324.9-v(rc))*v(b)/3k}", false},
+      {".func low(x) {x < 324.9 ? 1 : 0}\nBx b 0 I = low(v(rc))*v(b)/3k", false},
+      {".func low(x) {x < 324.9 ? 1 : 0}\n.func of(y) {low(y)/3k}\nBx b 0 I = of(v(rc))*v(b)",
+       false},
+      {"Bx b 0 I = (1+tanh(1e4*(324.9-v(rc))))*v(b)/6k", false},
+      {".func low() {u(324.9-v(rc))}\nBx b 0 I = low()*v(b)/3k", false},
+      {".func low(x) {x/3k}\nBx b 0 I = low(v(b))", true},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     static const char *const SETS[] = {"circuit.deck=d.cir", "run.until=2.4s", "run.tolerance=1e-3",
