@@ -682,6 +682,10 @@ static void shipped_machines_bring_their_supply(void) {
   r = run("run s.yaml --tier circuit");
   EXPECT(r.status == 2 && strstr(r.err, "tier circuit"), "%s", r.err);
   free_ran(&r);
+  r = run("check s.yaml --set circuit.deck=halfwave_paper"); /* it was ignored */
+  EXPECT(r.status == 2 && strstr(r.err, "its machine's file says supply.kind: step, which no"),
+         "%d %s%s", r.status, r.out, r.err);
+  free_ran(&r);
   r = run("steady two_mass --set firing.every=1 --set firing.angle=130deg");
   EXPECT(strstr(r.out, "machine two_mass (") &&
              strstr(r.out, ", supply 230 V rms, 50 Hz, fired in each cycle at 130 deg\n"),
