@@ -304,6 +304,10 @@ static void not_to_be_seen(void) {
       ".model keeps int(in_offset=0 gain=1 out_lower_limit=-1e9 out_upper_limit=1e9 limit_range=1n "
       "out_ic=0)\nAint y z keeps\nRy y 0 1k\nRz z 0 1k",
       ".model halves hyst(in_low=0 in_high=1)\nAh y z halves\nRy y 0 1k\nRz z 0 1k",
+      ".model bends pwl(x_array=[0 1 2] y_array=[0 0 1] input_domain=1u fraction=false)\nAp y z "
+      "bends\nRy y 0 1k\nRz z 0 1k",
+      ".model cuts limit(gain=1e4 out_lower_limit=0 out_upper_limit=1 limit_range=1m)\nAl y z "
+      "cuts\nRy y 0 1k\nRz z 0 1k",
   };
   for (size_t k = 0; k < COUNT(LINES); k++) {
     static const char *const SETS[] = {"circuit.deck=d.cir", "run.until=0.2s", NULL};

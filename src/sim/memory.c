@@ -232,11 +232,21 @@ static bool holds_charge(const search *s, const words *w, size_t from) {
   return false;
 }
 
-/* True for a code model whose output follows from its inputs alone, and steadily so. */
+/* True for a code model whose output follows from its inputs alone, and steadily so: no limiter, no
+ * table, which may be as steep as a comparator, and nothing digital, which has levels and delays.
+ */
 static bool forgets(const search *s, const words *w) {
-  static const char *const MEMORIES[] = {"hyst",    "slew", "s_xfer", "int",     "d_dt",
-                                         "lcouple", "core", "delay",  "pswitch", "aswitch"};
-  return w->count > 1 && !MODEL_SAYS(s->deck, w->word[w->count - 1], MEMORIES);
+  static const char *const STEADY[] = {"gain", "summer", "mult"};
+  bool steady = false;
+  size_t k = 0;
+  words model;
+  while (next_model(s->deck, w->word[w->count - 1], &k, &model)) {
+    steady = false;
+    for (size_t n = 0; model.count > 2 && n < sizeof STEADY / sizeof *STEADY; n++)
+      steady = steady || !strcmp(model.word[2], STEADY[n]);
+    if (!steady) return false;
+  }
+  return steady;
 }
 
 static bool transistor(const search *s, const level *l, const words *w) {
