@@ -259,8 +259,8 @@ static void timers(void) {
 
 /* A hold-up capacitor of 470 uF that a relay watches: where it drifts to the relay's level within
  * the run, ngspice is not left; where the level is far from it, ngspice is. The relay is a switch
- * by voltage or by current, or a source whose formula has a branch. A formula's level is not read,
- * so that it keeps ngspice wherever it is. */
+ * by voltage or by current, a source whose formula has a branch, or a transistor. A formula's level
+ * is not read, so that it keeps ngspice wherever it is. */
 static void relays(void) {
   static const char HOLD[] = "*$ probe v_hold = v(rc) V\n*$ store hold = 470e-6*v(rc)^2/2\n"
                              "*$ loss bleed = v(rc)^2/10e6\n"
@@ -281,6 +281,7 @@ static void relays(void) {
       {".func low(x) {x < 324.9 ? 1 : 0}\n.func of(y) {low(y)/3k}\nBx b 0 I = of(v(rc))*v(b)",
        false},
       {"Bx b 0 I = (1+tanh(1e4*(324.9-v(rc))))*v(b)/6k", false},
+      {"Mx bx rc 0 0 mm\nRx b bx 3k\n.model mm nmos(vto=324.85 kp=100 lambda=0)", false},
       {".func low() {u(324.9-v(rc))}\nBx b 0 I = low()*v(b)/3k", false},
       {".func low(x) {x/3k}\nBx b 0 I = low(v(b))", true},
   };

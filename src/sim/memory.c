@@ -156,7 +156,6 @@ static bool add(const search *s, const vs_memory *m) {
   for (size_t k = 0; k < all->count; k++) {
     const vs_memory *old = &all->item[k];
     if (strcmp(old->plus, m->plus) || strcmp(old->minus, m->minus)) continue;
-    if (m->threshold == VS_THRESHOLD_NONE) return true;
     if (old->threshold == m->threshold && !memcmp(old->level, m->level, sizeof m->level))
       return true;
   }
@@ -249,9 +248,12 @@ static bool forgets(const search *s, const words *w) {
   return steady;
 }
 
+/* Adds what a transistor remembers, and what turns it on: one that conducts above a voltage is a
+ * comparator, too. */
 static bool transistor(const search *s, const level *l, const words *w) {
   const char *const *n = w->word + 1;
-  if (w->count < 5) return false;
+  vs_memory m = {.threshold = VS_THRESHOLD_UNKNOWN};
+  if (w->count < 5 || !add_control(s, l, n[1], n[2], &m)) return false;
   if (strchr("qj", **w->word) && !holds_charge(s, w, 4)) return true;
   bool good = add_voltage(s, l, n[1], n[0]) && add_voltage(s, l, n[1], n[2]);
   return good && (**w->word == 'q' || add_voltage(s, l, n[0], n[2]));
