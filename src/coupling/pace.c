@@ -59,9 +59,15 @@ static double solver_tolerance(const vs_setup *s, bool blows) {
  * were off by a fiftieth of that. But what is fast suffers, with the first step behind a firing
  * held short, too: the rise of a blocking voltage came out 25 % off at 1e-3 in the place of 5 %, a
  * chopper's losses at switching off 4 times too large at 1e-1. ngspice has one factor for all steps
- * of a run, so that the slow ones cannot be loosened alone. */
+ * of a run, so that the slow ones cannot be loosened alone.
+ *
+ * By Gear's rule a chopper's displacement was off by 4.4 tolerances with the whole of the factor,
+ * by 2.4 with half of it. */
+static const double GEAR = 1.0 / 4;
+
 static double truncation(const vs_setup *s) {
-  return s->run.trtol * fmin(1, sqrt(s->run.tolerance / 1e-4));
+  const double factor = s->run.trtol * (s->run.gear ? GEAR : 1);
+  return factor * fmin(1, sqrt(s->run.tolerance / 1e-4));
 }
 
 /* The amplitude of the current that the mains alone would drive through the coil at rest. */
