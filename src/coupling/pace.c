@@ -62,8 +62,8 @@ static double solver_tolerance(const vs_setup *s, bool blows) {
  * of a run, so that the slow ones cannot be loosened alone.
  *
  * Each edge of a modulated switch makes an error of its own, and these add up: with the whole of
- * the factor a chopper's displacement was off by 11 tolerances, with half of it by 1.8. Gear's rule
- * has larger errors: 4.4 and 2.4. */
+ * the factor a chopper's displacement was off by 11 tolerances, with half of it by 1.8; by
+ * Gear's rule another's was by 4.4 and 2.4. */
 static const double OF_MODULATED = 1.0 / 4;
 
 static bool is_modulated(const vs_deck *d) {
@@ -73,7 +73,7 @@ static bool is_modulated(const vs_deck *d) {
 }
 
 static double truncation(const vs_setup *s) {
-  const double part = s->run.gear || is_modulated(&s->deck) ? OF_MODULATED : 1;
+  const double part = is_modulated(&s->deck) ? OF_MODULATED : 1;
   return part * s->run.trtol * fmin(1, sqrt(s->run.tolerance / 1e-4));
 }
 
