@@ -97,6 +97,7 @@ static vs_status fit(const vs_fitting_options *options, const vs_inquiry *q, vs_
   if (!status) say(options, o);
   if (!status && folder) status = write_files(options, o, err);
   if (status && folder) vs_file_folder_unmake(options->folder, made);
+  if (!status) status = vs_fitted_judge(o, err);
   vs_outcome_free(o);
   free(o);
   return status;
