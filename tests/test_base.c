@@ -197,7 +197,11 @@ static void bad_quantities(void) {
       {"6", "mm", {"no unit", "'6 mm'"}},
       {"90", "deg", {"no unit", "'90 deg'"}},
       {"330", "kohm", {"no unit", "'330 ohm' or '330 kohm'"}}, /* not a thousandfold by itself */
-      {"47n", "nF", {"'n' is no unit", "write F or nF"}},
+      {"47x", "nF", {"'x' is no unit", "write F or nF"}},
+      {"1M", "kohm", {"'1M' may be milli or mega", "write '1 mohm' or '1 Mohm'"}},
+      {"1m", "uF", {"'1m' may be milli or mega", "write '1 mF' or '1 MF'"}},
+      {"4.5k7", "ohm", {"'k7' is no unit", "write"}},
+      {"47n", "kg", {"'n' is no unit", "write g or kg"}},
       {"6 kg", "mm", {"'6 kg'", "wrong unit; write mm"}},
       {"6 m2", "mm", {"wrong unit", "mm"}},
       {"0 kg", "mm", {"wrong unit", "mm"}},
