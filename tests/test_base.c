@@ -176,6 +176,14 @@ static void good_quantities(void) {
       {"1 J", "N.m", 1},
       {"1 W.s", "J", 1},
       {"7 fF", "F", 7e-15},
+      {"47n", "nF", 47e-9},
+      {"4n7", "uF", 4.7e-9},
+      {"100p", "nF", 1e-10},
+      {"330R", "kohm", 330},
+      {"4R7", "ohm", 4.7},
+      {"4k7", "ohm", 4700},
+      {"4.7k", "kohm", 4700},
+      {"1meg", "ohm", 1e6},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     double si = NAN;

@@ -433,7 +433,8 @@ static void peaks_of_one_step(void) {
 }
 
 /* Behind an edge of an ideal gate drive the gate's current begins with its peak, and is back within
- * 50 ns. The peak is that of steps of 1e-12 s but for 1 %, at any tolerance, and nothing is said. */
+ * 50 ns. The peak is that of steps of 1e-12 s but for 1 %, at any tolerance, and nothing is said.
+ */
 static void peaks_at_an_ideal_edge(void) {
   static const char *const TOLERANCES[] = {"1e-3", "1e-4", "1e-5"};
   for (size_t k = 0; k < COUNT(TOLERANCES); k++) {
