@@ -62,7 +62,8 @@ static void an_arc_too_low(void) {
     write_scene("own.inc", part);
     write_scene("arc.yaml", SHORT);
     ran r =
-        run("run arc.yaml --set circuit.fuse_2=own.inc --set circuit.transformer=autotransformer");
+        run("run arc.yaml --set circuit.fuse_2=own.inc --set circuit.transformer=autotransformer "
+            "--set events.c.at=8ms");
     EXPECT(low == (strstr(r.err, LOW) != NULL), "%d: %s", low, r.err);
     EXPECT(low == (strstr(r.err, "does not clear") != NULL), "%d: %s", low, r.err);
     free_ran(&r);
