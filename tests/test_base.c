@@ -14,6 +14,7 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "base/text.h"
+#include "picture/gnuplot.h"
 #include "suite.h"
 #include "syntax/field.h"
 #include "syntax/tree.h"
@@ -941,7 +942,29 @@ static void amounts(void) {
   CU_ASSERT_STRING_EQUAL(vs_amount_range(-2e-3, 1e3, "V", text), "-2e-06 .. 1 kV");
 }
 
+/* A caption ends at a word's end, and has no more characters than there is room for. */
+static void captions(void) {
+  static const struct {
+    const char *text, *is;
+  } ROWS[] = {{"margin over all cases", "margin over all cases"},
+              {"margin over all the cases", "margin over all..."},
+              {"Ωmega over all the cases ever", "Ωmega over all the..."},
+              {"circuit.varistor_voltage_of_all", "circuit.varistor_v..."}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    vs_text t = {0};
+    vs_text_add(&t, "%s", ROWS[k].text);
+    vs_text_shorten(&t, 21);
+    CU_ASSERT_STRING_EQUAL(t.text, ROWS[k].is);
+    vs_text_free(&t);
+  }
+  vs_script script = {0};
+  vs_gnuplot_caption(&script, "margin_least: the least over circuit.varistor_voltage", 300, 12);
+  CU_ASSERT_STRING_EQUAL(script.text.text, "\"margin_least: the least over...\"");
+  vs_gnuplot_free(&script);
+}
+
 static const vs_test TESTS[] = {
+    {"captions", captions},
     {"amounts", amounts},
     {"rows of CSV", rows_of_csv},
     {"JSON is laid out", json_is_laid_out},

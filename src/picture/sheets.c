@@ -108,7 +108,8 @@ static bool is_of_figures(const vs_node *scene) {
     const vs_node *value = is && is->kind == VS_NODE_MAP ? vs_tree_child(is, "value") : is;
     if (is && !(value && value->text && !strcmp(value->text, KEYS[k][2]))) return false;
   }
-  return !vs_tree_child(scene, "events");
+  const vs_node *events = vs_tree_child(scene, "events");
+  return !events || !events->child;
 }
 
 static void find_coordinates(found *f, const char *folder, const char *header) {
