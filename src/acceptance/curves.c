@@ -16,7 +16,7 @@ static void add_points(const vs_figures_curve *c, size_t number, vs_script *scri
 
 static void add_panel(const vs_figures_curve *c, size_t number, vs_script *script) {
   vs_gnuplot_add(script, c->log_x ? "set logscale x\nset title " : "unset logscale x\nset title ");
-  vs_gnuplot_quoted(script, c->title);
+  vs_gnuplot_caption(script, c->title, 380, 10);
   vs_gnuplot_add(script, "\nset xlabel ");
   vs_gnuplot_quoted(script, c->x_label);
   vs_gnuplot_add(script, "\nset ylabel ");
@@ -33,7 +33,7 @@ vs_status vs_curves_draw(const vs_figures *f, const char *title, char **picture,
                  "set terminal pngcairo noenhanced size %zu,360 font 'sans,10' background rgb "
                  "'white'\nset multiplot layout 1,%zu title ",
                  420 * f->n_curves, f->n_curves);
-  vs_gnuplot_quoted(&script, title);
+  vs_gnuplot_caption(&script, title, (int)(420 * f->n_curves), 10);
   vs_gnuplot_add(&script,
                  "\nset grid lt 1 lw 0.5 lc rgb '#d0d0d0'\nset border 3\nset tics nomirror\n");
   for (size_t k = 0; k < f->n_curves; k++) add_panel(&f->curve[k], k, &script);

@@ -39,6 +39,12 @@ const char *vs_text_not_utf8(const char *text, size_t length);
 enum { VS_SHOWN_SIZE = 8 }; /* bytes, the end included */
 size_t vs_text_next(const char *text, char shown[VS_SHOWN_SIZE]);
 
+/* How many UTF-8 characters the text has. */
+size_t vs_text_characters(const char *text);
+/* Ends a text that is longer than `most` characters, 4 or more, at the end of a word, with three
+ * dots behind it. One word that is too long is cut where it must. */
+void vs_text_shorten(vs_text *t, size_t most);
+
 /* Returns the number, from 1, of the UTF-8 character that stands at `at` in the line. */
 int vs_text_column(const char *line, const char *at);
 

@@ -423,9 +423,6 @@ vs_status vs_catalogue_find(const vs_shelf *shelf, const char *name, vs_where wh
   search s = {.name = name, .path = path};
   vs_catalogue_list(shelf, look, &s);
   const char *nearest = vs_text_nearest(name, (const char *const *)s.all, s.count);
-  char own[VS_PATH_SIZE];
-  snprintf(own, sizeof own, "%s%s", name, shelf->ending);
-  if (is_file(own)) nearest = own;
   vs_status status =
       s.found ? vs_jail_check(path, where, err)
               : vs_fail_at(err, where,

@@ -16,7 +16,7 @@
 #include "syntax/units.h"
 #include "tell/amount.h"
 
-enum { WIDTH = 940, HEIGHT = 210, HEAD = 70, SQUARE = 420 }; /* pixels */
+enum { WIDTH = 940, HEAD = 70, SQUARE = 420 }; /* pixels */
 
 static const char *name_of(const vs_closeup_options *o) {
   return o->fft ? "spectrum" : o->orbit ? "orbit" : "closeup";
@@ -115,7 +115,7 @@ static vs_status find_window(const vs_closeup_options *o, vs_stretch *s, const c
 
 static vs_status add_script(const vs_closeup_options *o, const vs_stretch *s, bool svg,
                             vs_script *script, vs_error *err) {
-  int height = o->orbit ? SQUARE : HEIGHT;
+  int height = o->orbit ? SQUARE : VS_STRETCH_HEIGHT;
   vs_gnuplot_code(script,
                   svg ? "set terminal svg noenhanced dynamic" : "set terminal pngcairo noenhanced");
   vs_gnuplot_add(script, " size %d,%d font 'sans,11' background rgb 'white'\n",

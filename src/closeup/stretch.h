@@ -8,7 +8,10 @@
 #include "closeup/probes.h"
 #include "picture/gnuplot.h"
 
-enum { VS_STRETCH_RUNS = 8 }; /* over one another, at most */
+enum {
+  VS_STRETCH_RUNS = 8,    /* over one another, at most */
+  VS_STRETCH_HEIGHT = 210 /* of a strip, pixels */
+};
 
 typedef struct vs_stretch_run {
   const char *folder; /* borrowed */

@@ -32,11 +32,13 @@ static bool is_repeated(const vs_stretch *s, const vs_moments *m, size_t k) {
   return before && shown > CROWD;
 }
 
-/* The lines of one run's moments, and where `words` is true what they are. */
-static void add_moments(const vs_stretch *s, size_t run, bool words, vs_script *script) {
+/* The lines of one run's moments, and where `words` is not 0 what they are: down that many strips.
+ */
+static void add_moments(const vs_stretch *s, size_t run, int words, vs_script *script) {
   const vs_moments *m = &s->run[run].moments;
   double scale = time_scale(s), last = -INFINITY, room = (s->to_s - s->from_s) / APART;
   int lines = 0;
+  const int room_pixels = words * VS_STRETCH_HEIGHT;
   for (size_t k = 0; k < m->count && lines < MOST_LINES; k++) {
     const vs_moment *now = &m->item[k];
     if (!is_shown(s, now)) continue;
@@ -49,7 +51,7 @@ static void add_moments(const vs_stretch *s, size_t run, bool words, vs_script *
     if (!words || (!now->is_event && (now->at_s - last < room || is_repeated(s, m, k)))) continue;
     last = now->at_s;
     vs_gnuplot_add(script, "set label ");
-    vs_gnuplot_quoted(script, now->what);
+    vs_gnuplot_caption(script, now->what, room_pixels, 8);
     vs_gnuplot_add(script,
                    " at first %.9g, graph 0.96 rotate by 90 right offset 0.7,0 font ',8' tc "
                    "rgb '#505050' front\n",
@@ -62,7 +64,8 @@ static void add_strip(const vs_stretch *s, int probe, bool alone, vs_script *scr
   const vs_probe_shown *p = &s->probes.item[probe];
   bool legend = s->runs > 1 && (alone || !probe);
   vs_gnuplot_add(script, "unset label\nunset arrow\n");
-  for (size_t r = 0; r < s->runs; r++) add_moments(s, r, !r && (alone || !probe), script);
+  for (size_t r = 0; r < s->runs; r++)
+    add_moments(s, r, r ? 0 : alone ? 1 : probe ? 0 : s->probes.count, script);
   vs_gnuplot_add(script, legend ? "set key tmargin right horizontal reverse Left samplen 2\n"
                                 : "unset key\n");
   if (alone || probe + 1 == s->probes.count)

@@ -110,7 +110,7 @@ static vs_status write_all(const char *folder, const vs_model *model, const vs_m
 }
 
 vs_status vs_modes_command(const char *name, char *const *sets, size_t n_sets, const char *folder,
-                           bool json, vs_error *err) {
+                           bool json, bool quiet, vs_error *err) {
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_mode modes[VS_MOST_STATES];
   vs_status status = vs_scene_read(name, sets, n_sets, NULL, scene, err);
@@ -121,12 +121,11 @@ vs_status vs_modes_command(const char *name, char *const *sets, size_t n_sets, c
   if (!status && !vs_mechanics_modes(model, modes))
     status = vs_fail(err, VS_RUN, "no eigenvalues found");
   if (!status && folder) status = write_all(folder, model, modes, err);
-  if (!status) {
-    if (json)
-      print_json(model, modes);
-    else
-      print_table(model, modes);
-    if (folder && !json)
+  if (!status && json)
+    print_json(model, modes);
+  else if (!status && !quiet) {
+    print_table(model, modes);
+    if (folder)
       printf("written: modes.csv and the state space (x = velocities, then coordinates; input: "
              "generalised "
              "forces, the actuator's is -F times gap.along) as A.csv, B.csv, C.csv, D.csv in %s\n",

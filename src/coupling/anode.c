@@ -3,8 +3,10 @@
 
 #include <math.h>
 #include <string.h>
+#include <strings.h>
 
 #include "deck/devices.h"
+#include "dialect/words.h"
 #include "drive/gate.h"
 
 static double current_at(const vs_anode_current *m, const vs_knot *k) {
@@ -123,6 +125,21 @@ static double longest_letting_go(const vs_anode_current *m, const vs_swing *swin
   return sqrt(goes_s * fmin(charge_s, vs_swing_instant(swing, i_a, goes_s)));
 }
 
+/* Where a gate's voltage jumps, its current jumps with it, and is back within some 50 ns, the time
+ * constant of a gate (thyristor_law.inc). With the steps above its peak was 0.44 A where it is
+ * 0.60 A. Steps that begin with EDGE_S, and are as long as what has passed since the edge, leave
+ * half a per cent of it. A gate drive with an inductance or a resistance of its own needs none. */
+static const double EDGE_S = 2.5e-10;
+
+static double longest_behind_edge(vs_anode *a, const vs_anode_current *m) {
+  if (!a->jumps || !m->device) return INFINITY;
+  if (is_gated(m->device, a->timeline, a->last_s + REACHED_S) !=
+      is_gated(m->device, a->timeline, a->last_s - REACHED_S))
+    a->edge_s = a->last_s;
+  const double since_s = a->last_s - a->edge_s;
+  return since_s < FIRES_S ? fmax(since_s, EDGE_S) : INFINITY;
+}
+
 double vs_anode_longest(vs_anode *a, const vs_swing *swing, double max_step_s) {
   double least = INFINITY;
   for (size_t k = 0; k < a->count; k++) {
@@ -131,6 +148,7 @@ double vs_anode_longest(vs_anode *a, const vs_swing *swing, double max_step_s) {
     if (!(m->t_q_s > 0)) continue;
     least = fmin(least, fmin(longest_firing(a, m, swing), longest_strained(a, m, swing)));
     least = fmin(least, longest_letting_go(m, swing));
+    least = fmin(least, longest_behind_edge(a, m));
   }
   return least;
 }
@@ -156,6 +174,7 @@ void vs_anode_wind(vs_anode *a, double by_s) {
   a->out_s -= by_s;
   a->last_s -= by_s;
   a->before_s -= by_s;
+  a->edge_s -= by_s;
   for (size_t k = 0; k < a->count; k++) {
     a->item[k].crosses_s -= by_s;
     a->item[k].forward_s -= by_s;
@@ -243,11 +262,37 @@ static void add(vs_anode *a, const vs_deck *deck, const vs_probe *probe, const v
   }
 }
 
+/* True where a part of the deck is a gate drive with a voltage source straight across its pins
+ * g and k, which are the third and the fourth. */
+static bool has_source_at_gate(const vs_deck *deck, const vs_part *part) {
+  vs_word head[VS_WORDS_MOST], w[VS_WORDS_MOST];
+  bool inside = false;
+  if (!part->file || strcmp(part->kind, "gate_drive")) return false;
+  for (size_t k = 0; k < deck->n_lines; k++) {
+    const char *line = deck->lines[k].text;
+    if (deck->lines[k].where.file != part->file) continue;
+    if (vs_words_begin(line, ".ends")) inside = false;
+    if (vs_words_begin(line, ".subckt") && vs_words_split(line, head) >= 6)
+      inside = vs_words_is(head[1], part->subcircuit);
+    else if (inside && strchr("eEvV", *line) && vs_words_split(line, w) >= 3 &&
+             w[1].n == head[4].n && !strncasecmp(w[1].at, head[4].at, w[1].n) &&
+             w[2].n == head[5].n && !strncasecmp(w[2].at, head[5].at, w[2].n))
+      return true;
+  }
+  return false;
+}
+
 void vs_anode_begin(vs_anode *a, const vs_deck *deck, const vs_timeline *timeline) {
   const vs_probe *probe = NULL;
   const vs_device *own = NULL, *d;
   size_t valves = 0;
-  *a = (vs_anode){.timeline = timeline, .out_s = -INFINITY, .last_s = NAN, .before_s = NAN};
+  *a = (vs_anode){.timeline = timeline,
+                  .out_s = -INFINITY,
+                  .last_s = NAN,
+                  .before_s = NAN,
+                  .edge_s = -INFINITY};
+  for (size_t k = 0; k < deck->n_parts; k++)
+    a->jumps = a->jumps || has_source_at_gate(deck, &deck->parts[k]);
   for (size_t k = 0; k < deck->n_probes; k++)
     if (!strcmp(deck->probes[k].name, "i_thyristor")) probe = &deck->probes[k];
   if (!probe) return;

@@ -37,6 +37,8 @@ typedef struct vs_anode {
   double last_s, before_s; /* instants of the last two knots shown; NaN: there was none */
   double out_s;            /* when one of them last went out; -INFINITY: none has */
   bool crossed; /* the last step was to pass a zero, so that there is a kink at its end */
+  bool jumps;   /* a gate's voltage jumps at the edges of its pulses: its drive is a source alone */
+  double edge_s; /* the last such edge that was reached; -INFINITY: none was */
 } vs_anode;
 
 /* Finds the currents. The deck and the timeline must outlive *a. */

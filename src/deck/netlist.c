@@ -383,10 +383,30 @@ static double factor_of(const vs_device *d, const vs_circuit_values *values) {
 
 /* ---- parts ---- */
 
+/* Finds a file of the user's that was meant by the name of a part: the file lies where the program
+ * runs, or beside the scene, and the name lacks its ending or its folder. Writes the name that
+ * would find it into `own`. The scene is known by the places of what its section says. */
+static bool find_own_file(const vs_node *section, const char *name, vs_where where,
+                          char own[VS_PATH_SIZE]) {
+  vs_error unread = {0};
+  for (int k = 0; k < 2 && !strchr(name, '/'); k++) { /* without and with the ending */
+    char whole[VS_PATH_SIZE];
+    struct stat s;
+    snprintf(whole, sizeof whole, "%.4000s%s", name, k ? vs_deck_parts_shelf.ending : "");
+    snprintf(own, VS_PATH_SIZE, "%s", whole);
+    bool here = k && !stat(own, &s) && S_ISREG(s.st_mode);
+    if (!here && section) here = vs_path_beside(whole, section->where, own);
+    for (const vs_node *n = section ? section->child : NULL; n && !here; n = n->next)
+      here = vs_path_beside(whole, n->where, own);
+    if (here) return !vs_jail_check(own, where, &unread);
+  }
+  return false;
+}
+
 /* Finds the file of a part: beside the file that names it, or in the deck's folder, or at the path
  * given, or on the shelf of parts, where it may be a row of a table. */
-static vs_status find_part(const vs_deck *deck, const char *name, vs_where where,
-                           char path[VS_PATH_SIZE], vs_error *err) {
+static vs_status find_part(const vs_deck *deck, const vs_node *section, const char *name,
+                           vs_where where, char path[VS_PATH_SIZE], vs_error *err) {
   const char *slash = strrchr(deck->files[0], '/');
   int folder = slash ? (int)(slash - deck->files[0] + 1) : 0;
   for (int k = 0; k < 4; k++) { /* beside, in the deck's folder; each without and with the ending */
@@ -403,7 +423,12 @@ static vs_status find_part(const vs_deck *deck, const char *name, vs_where where
     if (status) return status;
     if (!stat(file, &s) && S_ISREG(s.st_mode)) return VS_OK;
   }
-  return vs_catalogue_find(&vs_deck_parts_shelf, name, where, path, err);
+  char own[VS_PATH_SIZE];
+  vs_status status = vs_catalogue_find(&vs_deck_parts_shelf, name, where, path, err);
+  if (!status || !find_own_file(section, name, where, own)) return status;
+  return vs_fail_at(err, where,
+                    "no part '%s' comes with the program; the file %s is there: write %s", name,
+                    own, own);
 }
 
 /* Gives the name of the subcircuit that a part's file must define: the file's own, without folders
@@ -447,10 +472,10 @@ static void tell_hidden_part(vs_deck *deck, const char *name, const char *path, 
                  name, path);
 }
 
-static vs_status take_part(vs_deck *deck, vs_part *part, const char *name, vs_where where,
-                           vs_error *err) {
+static vs_status take_part(vs_deck *deck, const vs_node *section, vs_part *part, const char *name,
+                           vs_where where, vs_error *err) {
   char path[VS_PATH_SIZE];
-  vs_status status = find_part(deck, name, where, path, err);
+  vs_status status = find_part(deck, section, name, where, path, err);
   if (!status) tell_hidden_part(deck, name, path, where);
   if (!status && !vs_files_has(deck, path)) {
     /* the deck is to be mended where it takes a part of the program's, and not what a scene says */
@@ -521,7 +546,7 @@ vs_status vs_netlist_read_parts(vs_deck *deck, const vs_node *section, vs_error 
     bool given = node && node->kind == VS_NODE_TEXT;
     vs_where where = given ? node->where : deck->parts[p].where;
     status =
-        vs_error_carry_on(err, take_part(deck, &deck->parts[p++],
+        vs_error_carry_on(err, take_part(deck, section, &deck->parts[p++],
                                          given ? node->text : field->default_text, where, err));
   }
   if (!status) status = vs_parts_resolve(deck, err);

@@ -78,25 +78,6 @@ static bar *list_bars(const vs_node *verdict, size_t *count) {
 
 /* ---- labels ---- */
 
-static size_t length_of(const char *text) {
-  size_t n = 0;
-  for (; *text; text++) n += (*text & 0xC0) != 0x80;
-  return n;
-}
-
-/* Ends a text that has no room at the end of a word, with three dots behind it. */
-static void shorten(vs_text *text, size_t most) {
-  if (length_of(text->text) <= most) return;
-  size_t at = 0, word = 0;
-  for (size_t n = 0; n < most - 3; n++) {
-    if (text->text[at] == ' ') word = at;
-    for (at++; (text->text[at] & 0xC0) == 0x80;) at++;
-  }
-  text->text[word ? word : at] = '\0';
-  text->length = strlen(text->text);
-  vs_text_add(text, "...");
-}
-
 static void add_number(vs_text *out, double value) {
   vs_text_add(out, fabs(value) >= 1e4 && fabs(value) < 1e6 ? "%.0f" : "%.4g", value);
 }
@@ -155,7 +136,7 @@ static void write_label(const bar *b, vs_text *out) {
     add_times(out, value, limit > 0);
   else
     add_amounts(out, b, value, limit, unit);
-  shorten(out, LONGEST - strlen(", violated, unverified"));
+  vs_text_shorten(out, LONGEST - strlen(", violated, unverified"));
   vs_text_add(out, ", %s", b->word);
 }
 
@@ -196,11 +177,11 @@ static void write_happened(const vs_node *summary, size_t most, vs_text *out) {
   const double at_s = vs_member_number(vs_tree_child(first, "at_s"));
   if (!isnan(at_s)) vs_text_add(out, " at %s", vs_amount_text(at_s, "s", at));
   const char *cause = vs_member_word(first, "cause"), *expected = vs_member_word(first, "expected");
-  if (*cause && length_of(out->text) + length_of(cause) + ENDING < most)
+  if (*cause && vs_text_characters(out->text) + vs_text_characters(cause) + ENDING < most)
     vs_text_add(out, " (%s)", cause);
   if (happened && !strcmp(expected, "true")) vs_text_add(out, ", as expected");
   if (more) vs_text_add(out, ", and %zu more", more);
-  shorten(out, most);
+  vs_text_shorten(out, most);
 }
 
 /* ---- the picture ---- */
@@ -288,7 +269,7 @@ bool vs_bars_script(const vs_node *summary, bool svg, vs_script *script, int siz
   bar *all = list_bars(vs_tree_child(summary, "verdict"), &count);
   const size_t rows = write_labels(all, count, label), shown = rows < MOST_BARS ? rows : MOST_BARS;
   for (size_t k = 0; k < rows; k++) {
-    const size_t length = length_of(label[k].text);
+    const size_t length = vs_text_characters(label[k].text);
     if (length > longest) longest = length;
   }
   const int left = CHARACTER * (int)longest + 24;

@@ -133,7 +133,8 @@ static const struct argp_option SCHEMA_OPTIONS[] = {
     {0}};
 
 static vs_status modes(const vs_arguments *a, vs_error *err) {
-  return vs_modes_command(vs_command_name(a), a->sets, a->n_sets, a->output, a->json, err);
+  return vs_modes_command(vs_command_name(a), a->sets, a->n_sets, a->output, a->json, a->quiet,
+                          err);
 }
 
 static const struct argp_option MODES_OPTIONS[] = {
@@ -141,6 +142,7 @@ static const struct argp_option MODES_OPTIONS[] = {
     VS_COMMAND_VALUE("output", 'o', "DIR",
                      "writes modes.csv and the state space there: A.csv, B.csv, C.csv, D.csv"),
     VS_COMMAND_JSON,
+    VS_COMMAND_FLAG("quiet", VS_KEY_QUIET, "no table"),
     VS_COMMAND_JAIL,
     VS_COMMAND_NO_JAIL,
     VS_COMMAND_HELP,

@@ -3,7 +3,8 @@
  * or more. A candidate is run with the scene as it is and, when it holds there, at every point of
  * sample (n of it, or its corners). It holds when in each of these runs no measure is more than
  * (1 - margin) of its rating and no rating of the deck is violated; a measure that a run does not
- * know is within none.
+ * know is within none. What stands under vary may stand under sample.spread, too: its tolerance,
+ * in %, is then one of the candidate's own value.
  *
  *   snubber:
  *     ratings: {thyristor.v_reverse: part, thyristor.di_dt: 100 A/us, r1.power: 2 W}
@@ -283,6 +284,10 @@ static void add_case(const hunt *h, size_t k, uint64_t sample) {
                    : vs_span_nominal(&h->plan->axes[d]);
   if (sample != UINT64_MAX)
     h->s->sample->method->point(h->plan, h->s->sample, sample, value + h->s->sample->axis);
+  for (size_t d = h->s->n_design; d < h->plan->n_axes; d++) {
+    const vs_axis *axis = &h->plan->axes[d];
+    if (axis->about) value[d] *= value[axis->about - 1] / vs_span_nominal(axis);
+  }
   vs_plan_generation_add(h->generation, value);
 }
 
@@ -423,6 +428,7 @@ const vs_method vs_snubber_method = {
     .name = "snubber",
     .key = "snubber",
     .keys = &SNUBBER,
+    .tolerates = true,
     .text = "search for the cheapest snubber that keeps its ratings over all spreads",
     .claims = is_snubber,
     .read = read_snubber,

@@ -75,6 +75,11 @@ static vs_status read_width(const vs_axis *axis, const vs_node *node, const char
 vs_status vs_span_read(vs_axis *axis, const vs_node *node, double sigmas, vs_error *err) {
   char text[128], *shape;
   vs_span span = {0};
+  if (axis->about && (node->kind != VS_NODE_TEXT || !strchr(node->text, '%')))
+    return vs_fail_at(err, node->where,
+                      "%s: it stands under vary, too, so that a tolerance of what that has is "
+                      "wanted here, in %%, as '5 %% uniform'",
+                      axis->key);
   if (node->kind != VS_NODE_TEXT) return vs_axis_values(axis, node, err);
   snprintf(text, sizeof text, "%s", node->text);
   if (!take_cut(text, &span.spread.truncate) || !(shape = last_word(text)))

@@ -25,6 +25,10 @@ void vs_gnuplot_code(vs_script *script, const char *code);
 /* Appends a text as a string of gnuplot's. Tabs and line ends become blanks; what else would be
  * obeyed is shown as its number (vs_text_next). */
 void vs_gnuplot_quoted(vs_script *script, const char *text);
+/* The same for a caption that has room for so many pixels, of letters of that size: gnuplot would
+ * cut a longer one at the picture's edge. It ends at a word's end, with three dots
+ * (vs_text_shorten). */
+void vs_gnuplot_caption(vs_script *script, const char *text, int pixels, int size);
 /* Appends a text as a word of a row of data, in double quotes; a quote in it becomes a single one.
  */
 void vs_gnuplot_word(vs_script *script, const char *text);

@@ -87,7 +87,7 @@ static void add_terminal(vs_script *script, const vs_sheet *s, int rows, const c
   vs_gnuplot_add(script, " size %d,%d font 'sans,%d' background rgb 'white'\n", 420 * s->columns,
                  60 + 260 * rows, 11);
   vs_gnuplot_add(script, "set multiplot layout %d,%d title ", rows, s->columns);
-  vs_gnuplot_quoted(script, s->title);
+  vs_gnuplot_caption(script, s->title, 420 * s->columns, 13);
   vs_gnuplot_add(script, " font 'sans,13'\n");
 }
 

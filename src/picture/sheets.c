@@ -22,8 +22,9 @@ typedef struct coordinate {
 typedef struct found {
   coordinate item[VS_MACHINE_COORDINATES];
   int count;
-  bool is_paper; /* the run is of the machine that a scene has by default, the paper's, or does not
-                    say of which */
+  bool is_paper;  /* the run is of the machine that a scene has by default, the paper's, or does not
+                     say of which */
+  bool is_figure; /* and it is fired as in the paper's figures, through the same circuit */
 } found;
 
 /* ---- which coordinates the machine has ---- */
@@ -95,6 +96,22 @@ static void ask_header(found *f, const char *header, const vs_node *instruments,
   free(text);
 }
 
+/* True where the scene has the machine, the circuit, the mains and the pulse of the paper's Figs. 9
+ * to 14, or does not say. */
+static bool is_of_figures(const vs_node *scene) {
+  static const char *const KEYS[][3] = {{"circuit", "deck", "halfwave_snubbed"},
+                                        {"firing", "every", "once"},
+                                        {"firing", "angle", "100"},
+                                        {"supply", "voltage", "440"}};
+  for (size_t k = 0; k < sizeof KEYS / sizeof *KEYS; k++) {
+    const vs_node *is = vs_tree_child(vs_tree_child(scene, KEYS[k][0]), KEYS[k][1]);
+    const vs_node *value = is && is->kind == VS_NODE_MAP ? vs_tree_child(is, "value") : is;
+    if (is && !(value && value->text && !strcmp(value->text, KEYS[k][2]))) return false;
+  }
+  const vs_node *events = vs_tree_child(scene, "events");
+  return !events || !events->child;
+}
+
 static void find_coordinates(found *f, const char *folder, const char *header) {
   char path[VS_PATH_SIZE];
   vs_tree tree = {0};
@@ -104,6 +121,7 @@ static void find_coordinates(found *f, const char *folder, const char *header) {
   const vs_node *scene = known ? vs_tree_child(tree.root, "scene") : NULL;
   const vs_node *model = vs_tree_child(vs_tree_child(scene, "machine"), "model");
   f->is_paper = !model || !model->text || !strcmp(model->text, vs_machine_key.default_text);
+  f->is_figure = f->is_paper && is_of_figures(scene);
   if (known) ask_measures(f, vs_tree_child(tree.root, "measures"));
   const vs_node *instruments = vs_tree_child(scene, "instruments");
   ask_header(f, header, instruments, false);
@@ -294,51 +312,55 @@ static void fill_control(vs_sheets *all, vs_sheet *s, const char *header, const 
 
 /* The k-th sheet; behind those of the set comes the overview. */
 static void fill(vs_sheet *s, int k, const found *f) {
-  /* of any machine, and of the paper's */
+  /* of any machine, of the paper's, and of the paper's scene */
   static const struct {
-    const char *name, *title[2];
+    const char *name, *title[3];
     double until_s;
     int columns;
     void (*fill)(vs_sheet *s, const found *f);
   } SHEETS[VS_SHEETS + 1] = {
       {"motion_run",
-       {"Displacements, accelerations and force",
+       {"Displacements, accelerations and force", "Displacements, accelerations and force",
         "Displacements, accelerations and force (as Fig. 9 of the paper)"},
        0,
        3,
        fill_motion},
       {"motion_100ms",
        {"Displacements, accelerations and force, first 100 ms",
+        "Displacements, accelerations and force, first 100 ms",
         "Displacements, accelerations and force, first 100 ms (as Fig. 10)"},
        0.1,
        3,
        fill_motion},
       {"pulse_50ms",
        {"Displacement, force, coil current and voltage, first 50 ms",
+        "Displacement, force, EVA current and voltage, first 50 ms",
         "Displacement, force, EVA current and voltage, first 50 ms (as Fig. 11)"},
        0.05,
        2,
        fill_pulse},
       {"measured_run",
-       {"What the instruments show", "What the instruments show (as Fig. 13 of the paper)"},
+       {"What the instruments show", "What the instruments show",
+        "What the instruments show (as Fig. 13 of the paper)"},
        0,
        2,
        fill_nothing},
       {"measured_100ms",
-       {"What the instruments show, first 100 ms",
+       {"What the instruments show, first 100 ms", "What the instruments show, first 100 ms",
         "What the instruments show, first 100 ms (as Fig. 14 of the paper)"},
        0.1,
        2,
        fill_nothing},
-      {"control_run", {"Control", "Control"}, 0, 2, fill_nothing},
+      {"control_run", {"Control", "Control", "Control"}, 0, 2, fill_nothing},
       {"",
        {"Machine and converter, first 50 ms",
+        "Vibratory conveyor and its thyristor converter, first 50 ms",
         "Vibratory conveyor and its thyristor converter, first 50 ms"},
        0.05,
        2,
        fill_overview}};
   s->name = SHEETS[k].name;
-  s->title = SHEETS[k].title[f->is_paper];
+  s->title = SHEETS[k].title[f->is_paper + f->is_figure];
   s->until_s = SHEETS[k].until_s;
   s->columns = SHEETS[k].columns;
   SHEETS[k].fill(s, f);

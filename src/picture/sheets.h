@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What the pictures of a run show: each is a sheet of panels, one curve of run.csv each. They are
- * the paper's Figs. 9 to 11 for its machine, and the same of any other machine's coordinates. Where
+ * the paper's Figs. 9 to 11 for its scene, and the same of any other. Where
  * the run has instruments, two more show what these make of its curves, as Figs. 13 and 14 do;
  * where it has a control, one more shows that. */
 #ifndef VS_PICTURE_SHEETS_H

@@ -102,7 +102,7 @@ void vs_sketch_axis(const vs_sketch *k, size_t column, char axis, vs_script *scr
   vs_scale scale = vs_sketch_scale(k, column);
   const vs_profile *p = &k->s->profile[column];
   vs_gnuplot_add(script, "set %clabel ", axis);
-  vs_gnuplot_quoted(script, scale.label);
+  vs_gnuplot_caption(script, scale.label, axis == 'y' ? 430 : 600, 12);
   vs_gnuplot_add(script, "\n");
   if (scale.log) vs_gnuplot_add(script, "set logscale %c\n", axis);
   if (!column || p->is_number) return;
@@ -123,7 +123,7 @@ void vs_sketch_begin(const vs_sketch *k, size_t x, size_t y, vs_picture *p) {
   if (!p->width) p->width = 720, p->height = 430;
   vs_gnuplot_add(&p->script, "set grid lt 1 lw 0.5 lc rgb '#d0d0d0'\nset border lc rgb '#404040'\n"
                              "set key noautotitle\nset rmargin 4\nset tics nomirror\nset title ");
-  vs_gnuplot_quoted(&p->script, p->title.text);
+  vs_gnuplot_caption(&p->script, p->title.text, p->width, 12);
   vs_gnuplot_add(&p->script,
                  p->labels_above ? " offset 0,3.6\nset tmargin 7.5\n" : " offset 0,0.7\n");
   vs_sketch_axis(k, x, 'x', &p->script);

@@ -18,6 +18,8 @@ typedef struct vs_axis {
   const char *unit;              /* the field's; "" for words and pure numbers */
   const char *by;                /* the study's key it stands under: "vary", "sample", ... */
   vs_where where;                /* of the key in the study */
+  size_t about;   /* of a tolerance of what another axis has: that axis' number, from 1; else 0. Its
+                     own number is that axis' with the tolerance on it, and is the one that is run */
   bool is_word;   /* a choice or a name: its numbers are indices into word, and it has no range */
   double nominal; /* what the scene and `set` say; NaN: a word, or the scene has none */
   char **word;    /* owned by the axis, as are word_where, value and own */

@@ -34,6 +34,8 @@ typedef struct vs_method {
   const char *text;       /* what it does, one line */
   const vs_outline *keys; /* what may stand under `key`, one row, the same for all methods of it */
   bool uncertain;         /* its axes are what is not known exactly; false: what may be chosen */
+  bool tolerates; /* what it chooses may also stand under `sample`, with a tolerance: it gives each
+                     such axis (vs_axis.about) its number */
 
   /* Says whether the section under `key` asks for this method. Of several the first in the table is
    * taken. */

@@ -89,12 +89,28 @@ static const char *set_of(const vs_plan *plan, const char *key) {
   return NULL;
 }
 
+/* True where the study's search can put a tolerance on what it chooses under vary. */
+static bool takes_tolerance(const vs_plan *plan, const vs_axis *other, const char *by) {
+  if (strcmp(other->by, "vary") || strcmp(by, "sample") || other->is_word) return false;
+  for (const vs_method *const *m = plan->methods; *m; m++)
+    if ((*m)->tolerates && vs_tree_child(plan->tree.root, (*m)->key)) return true;
+  return false;
+}
+
+/* The column of a tolerance: circuit.r1_spread_kohm beside circuit.r1_kohm. */
+static void name_tolerance(vs_axis *axis) {
+  char unit[VS_KEY_SIZE];
+  snprintf(unit, sizeof unit, "%s", axis->column + strlen(axis->key));
+  snprintf(axis->column, sizeof axis->column, "%.180s_spread%.24s", axis->key, unit);
+}
+
 vs_status vs_plan_axis(vs_plan *plan, const vs_node *node, const char *by, vs_axis **out,
                        vs_error *err) {
   const vs_axis *other = find_axis(plan, node->key);
   const char *set = set_of(plan, node->key);
   vs_axis axis;
-  if (other)
+  const bool tolerance = other && takes_tolerance(plan, other, by);
+  if (other && !tolerance)
     return vs_fail_at(err, node->key_where, "%s is an axis already, under %s", node->key,
                       other->by);
   if (set)
@@ -103,6 +119,8 @@ vs_status vs_plan_axis(vs_plan *plan, const vs_node *node, const char *by, vs_ax
     return vs_fail_at(err, node->key_where, "more than %d axes", VS_PLAN_AXES);
   vs_status status = vs_axis_init(&axis, plan->base, node, by, err);
   if (status) return status;
+  if (tolerance) axis.about = (size_t)(other - plan->axes) + 1;
+  if (tolerance) name_tolerance(&axis);
   *out = &plan->axes[plan->n_axes++];
   **out = axis;
   return VS_OK;

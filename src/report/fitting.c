@@ -102,6 +102,7 @@ static vs_status fit(const vs_fitting_options *options, const vs_inquiry *q, vs_
     folder = written;
   }
   if (status && folder) vs_file_folder_unmake(options->folder, made);
+  if (!status) status = vs_fitted_judge(o, err);
   vs_outcome_free(o);
   free(o);
   return status;

@@ -21,7 +21,7 @@ typedef struct vs_fitting_options {
 } vs_fitting_options;
 
 /* Errors: those of vs_inquiry_read and vs_outcome_of; the files cannot be written. Nothing is
- * written or printed where the fit fails. */
+ * written or printed where the fit fails. VS_RATING: all is written, and the model does not fit. */
 vs_status vs_fitting_command(const vs_fitting_options *options, vs_error *err);
 
 /* For the command `check`: reads a fit, up to its first mistake, and adds a line that describes it.

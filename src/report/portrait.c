@@ -145,7 +145,7 @@ static void begin(portrait *p, const char *name, bool measures) {
                  p->height);
   vs_gnuplot_add(&p->script, "set grid lt 1 lw 0.5 lc rgb '#d0d0d0'\nset border lc rgb '#404040'\n"
                              "set lmargin 12\nset rmargin 3\nset multiplot title ");
-  vs_gnuplot_quoted(&p->script, title);
+  vs_gnuplot_caption(&p->script, title, WIDTH, 13);
   vs_gnuplot_add(&p->script, " font 'sans,13'\n");
 }
 

@@ -249,6 +249,9 @@ static void warn_after(const vs_result *r, bool of_firing,
     each(ctx, text);
   }
   if (hangs_on_latching(r, text, sizeof text)) each(ctx, text);
+  const vs_devices *devices = r->watchers.devices;
+  for (size_t k = 0; devices && k < devices->count; k++)
+    if (vs_devices_unclear(devices, k, text, sizeof text)) each(ctx, text);
   if (r->watchers.strays > PROMISED) {
     snprintf(text, sizeof text,
              "p, u, w, phi, i and force may be off by %.2g times run.tolerance: the coil rings for "

@@ -558,3 +558,17 @@ void vs_devices_finish(vs_devices *d) {
     for (size_t n = 0; n < d->item[k].count; n++)
       round_off(&d->item[k], &d->item[k].reduced[n], &z);
 }
+
+bool vs_devices_unclear(const vs_devices *d, size_t which, char *text, size_t size) {
+  const vs_watched *w = &d->item[which];
+  const vs_melting *m = &d->watch[which].melting;
+  const bool direct = w->timeline->supply.direct, goes_on = m->melted && (!m->cleared || m->again);
+  const double drives_v = w->device->mains_v * (direct ? 1 : M_SQRT2);
+  if (!w->device->kind->melts || !goes_on || !(m->arc_v > 0 && m->arc_v < drives_v)) return false;
+  snprintf(text, size,
+           "%s has melted and does not clear: the voltage of its arc, %.3g V, is below %s, %.4g V, "
+           "which drives its current on; a fuse whose arc has more is wanted",
+           w->device->name, m->arc_v, direct ? "the direct voltage" : "the crest of the mains",
+           drives_v);
+  return true;
+}

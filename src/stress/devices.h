@@ -47,4 +47,9 @@ void vs_devices_follow(vs_devices *devices, const vs_batch *batch);
 /* Completes the measures that are known only once the run is over. */
 void vs_devices_finish(vs_devices *devices);
 
+/* True where a fuse has melted and does not clear, or arcs again, and the voltage of its arc is
+ * below the crest of the mains that drive it, or their direct voltage: that is the cause, and the
+ * text says so. False where the mains at the fuse are not known. */
+bool vs_devices_unclear(const vs_devices *devices, size_t which, char *text, size_t size);
+
 #endif

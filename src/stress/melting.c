@@ -38,6 +38,8 @@ vs_melting_news vs_melting_follow(vs_melting *m, const vs_course_step *c) {
   }
   if (!is_gone(c->to)) {
     if (m->cleared) news.again_s = c->t1_s;
+    m->again = m->again || m->cleared;
+    m->arc_v = fmax(m->arc_v, fabs(c->to[VS_OF_V]));
     m->cleared = false;
     m->gone_s = NAN;
     return news;

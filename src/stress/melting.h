@@ -23,6 +23,8 @@ typedef struct vs_melting {
   double i2_s, vi_s; /* integrals of i^2 and v i while it was whole */
   double melted_s;   /* when it melted */
   double gone_s;     /* since when there is no current; NaN: there is one */
+  double arc_v;      /* largest voltage across it that went with a current behind its melting */
+  bool again;        /* it has cleared, and a current has flown behind that */
 } vs_melting;
 
 /* What a step brought; instants, NaN where it brought no such thing. */

@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 typedef struct unit {
   double factor; /* its SI value is factor * 10^tens */
@@ -176,6 +177,51 @@ static bool refuse_size(const char *text, double value, char *why, size_t size) 
   return false;
 }
 
+/* ---- values as they stand in circuit diagrams ---- */
+
+/* The name without a prefix of a unit that values of circuits have, as "F" of "nF"; NULL: it is of
+ * another kind, of which a letter behind a number could be mistaken. */
+static const char *circuit_unit(const char *expected) {
+  static const char *const NAMES[] = {"ohm", "F", "H", "V", "A", "W", "J", "s", "Hz", "Wb"};
+  unit want, base;
+  if (!parse_unit(expected, &want) || !want.factor) return NULL;
+  for (size_t k = 0; k < sizeof NAMES / sizeof *NAMES; k++)
+    if (parse_unit(NAMES[k], &base) && !memcmp(base.power, want.power, sizeof base.power))
+      return NAMES[k];
+  return NULL;
+}
+
+/* Rewrites 47n as "47 nF", 4k7 as "4.7 kohm", 330R as "330 ohm" and 1meg as "1 Mohm", where a unit
+ * of that kind is expected; `end` is what stands behind the number. Returns false, with *why empty,
+ * where it is nothing of the kind; and with *why where it ends in m or M: that may be milli or
+ * mega, and SPICE reads both as milli. */
+static bool rewrite(const char *text, const char *end, const char *expected, char out[128],
+                    char *why, size_t size) {
+  static const char *const PREFIX[] = {"p", "n", "u", "µ", "k"};
+  const char *base = circuit_unit(expected), *prefix = NULL, *behind = end + 1;
+  const int digits = (int)(end - text);
+  *why = '\0';
+  if (!base || digits > 40) return false;
+  if (!strcmp(end, "m") || !strcmp(end, "M")) {
+    snprintf(why, size,
+             "'%s' may be milli or mega, and SPICE reads both as milli; write '%.*s m%s' "
+             "or '%.*s M%s'",
+             text, digits, text, base, digits, text, base);
+    return false;
+  }
+  for (size_t k = 0; k < sizeof PREFIX / sizeof *PREFIX && !prefix; k++)
+    if (!strncmp(end, PREFIX[k], strlen(PREFIX[k])))
+      prefix = PREFIX[k], behind = end + strlen(prefix);
+  if (*end == 'R' && !strcmp(base, "ohm")) prefix = "";
+  if (!strcasecmp(end, "meg")) prefix = "M", behind = end + 3;
+  if (!prefix) return false;
+  const size_t more = strspn(behind, "0123456789");
+  const bool between = more && strspn(text, "+-0123456789") == (size_t)digits;
+  if (behind[more] || (more && !between) || more > 20) return false;
+  snprintf(out, 128, "%.*s%s%s %s%s", digits, text, more ? "." : "", behind, prefix, base);
+  return true;
+}
+
 bool vs_units_read(const char *text, const char *expected, double *si, char *why, size_t size) {
   char *end;
   errno = 0;
@@ -196,7 +242,14 @@ bool vs_units_read(const char *text, const char *expected, double *si, char *why
              (int)(end - text), text, end + 1);
     return false;
   }
-  if (!parse_unit(end, &got)) {
+  const bool known = parse_unit(end, &got);
+  if (*end && (!known || memcmp(want.power, got.power, sizeof want.power))) {
+    char written[128];
+    if (rewrite(text, end, expected, written, why, size))
+      return vs_units_read(written, expected, si, why, size);
+    if (*why) return false;
+  }
+  if (!known) {
     wanted_units(expected, "", wanted, sizeof wanted);
     snprintf(why, size, "'%s' is no unit known here; write %s", end, *expected ? wanted : as);
     return false;
