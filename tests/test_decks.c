@@ -418,8 +418,9 @@ static void tables_are_short(void) {
   }
   ran brief = run("run %s --set run.until=30ms", WORDS[1]);
   ran whole = run("run %s --set run.until=30ms --all", WORDS[1]);
-  EXPECT(strstr(brief.out, "weakest: gate_drive.volt_seconds, ") && strstr(brief.out, "\n  stroke ") &&
-             strstr(brief.out, " of them above 90 %\n") && !strstr(brief.out, "thyristor.t_off"),
+  EXPECT(strstr(brief.out, "weakest: gate_drive.volt_seconds, ") &&
+             strstr(brief.out, "\n  stroke ") && strstr(brief.out, " of them above 90 %; ") &&
+             strstr(brief.out, ", varistor_1 99 %, ") && !strstr(brief.out, "thyristor.t_off"),
          "%s", brief.out);
   EXPECT(strstr(whole.out, "  thyristor.t_off ") && strstr(whole.out, "  >999 %  ") &&
              strstr(whole.out, "  i2t_f2 ") && !strstr(whole.out, "e-16 .. "),
