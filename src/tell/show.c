@@ -12,16 +12,16 @@
 #include "tier/tiers.h"
 #include "watch/unjudged.h"
 
-/* A margin beyond this is told as more than it: a stress that is far below its limit, or a time
- * that is many times the one that is wanted. */
+/* A margin beyond this is told as more than it, and one below its negative as less: a time that is
+ * many times the one that is wanted, a stress that is many times its limit. */
 static const double FAR = 9.99;
 
-/* "12.3 %", ">999 %"; of a margin that is not known "-". */
+/* "12.3 %", ">999 %", "<-999 %"; of a margin that is not known "-". */
 static const char *margin_text(double margin, char text[VS_AMOUNT_SIZE]) {
   if (isnan(margin))
     snprintf(text, VS_AMOUNT_SIZE, "-");
-  else if (margin > FAR)
-    snprintf(text, VS_AMOUNT_SIZE, ">%.0f %%", 100 * FAR);
+  else if (fabs(margin) > FAR)
+    snprintf(text, VS_AMOUNT_SIZE, margin > 0 ? ">%.0f %%" : "<-%.0f %%", 100 * FAR);
   else
     snprintf(text, VS_AMOUNT_SIZE, "%.1f %%", 100 * margin);
   return text;
@@ -30,9 +30,11 @@ static const char *margin_text(double margin, char text[VS_AMOUNT_SIZE]) {
 /* "  12.3 % +- 0.04 %", padded where it stands in a column. */
 static void print_number(const vs_judgement *j, bool padded, FILE *out) {
   char margin[VS_AMOUNT_SIZE], error[VS_AMOUNT_SIZE] = "";
-  const bool told = !isnan(j->margin) && j->margin <= FAR && !isnan(j->margin_error);
-  if (told && isfinite(j->margin_error))
-    snprintf(error, sizeof error, "+- %-*.2g %%", padded ? 6 : 0, 100 * j->margin_error);
+  const bool told = !isnan(j->margin) && fabs(j->margin) <= FAR && !isnan(j->margin_error);
+  const double percent = 100 * j->margin_error;
+  if (told && isfinite(percent))
+    snprintf(error, sizeof error, percent < 99.5 ? "+- %-*.2g %%" : "+- %-*.0f %%", padded ? 6 : 0,
+             percent);
   else if (told)
     snprintf(error, sizeof error, "+- ?");
   margin_text(j->margin, margin);
@@ -569,9 +571,9 @@ void vs_show_result(const vs_result *r, const vs_groups_options *options, FILE *
 
 /* ---- in short ---- */
 
-/* The table has at most LINES, with an orbit a few more, of which the lines of the verdict get what
- * the others leave, and at least three. */
-enum { LINES = 25, LINES_OF_ORBIT = 30, LEAST_LINES = 3, WEAK = 3, HAPPENINGS = 3, NAMES = 3 };
+/* The table has at most LINES, and one more tells what was written. With an orbit it has a few
+ * more. The lines of the verdict get what the others leave, and at least three. */
+enum { LINES = 24, LINES_OF_ORBIT = 30, LEAST_LINES = 3, WEAK = 3, HAPPENINGS = 3, NAMES = 3 };
 
 /* Devices without a line that are named with their tightest margin; further ones are counted. */
 enum { OTHERS = 10 };
