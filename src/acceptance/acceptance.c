@@ -262,8 +262,8 @@ static void tell_of_models(const vs_stand *s, const vs_figures *f, vs_check_benc
   if (missing.length)
     vs_text_add(
         &bench->table,
-        "\nno line of the file says how far its model is from the sheet in what follows, so "
-        "no verdict does; these lines would:%s",
+        "\nthe file does not say how far its model is from the sheet. With these lines in it, "
+        "verdicts show that:%s",
         missing.text);
   vs_text_free(&missing);
 }

@@ -32,7 +32,8 @@
   X(vs_throw_coefficient, "throw_coefficient", "",                                                 \
     "the paper's K, largest trough acceleration over g")                                           \
   X(vs_throw_number, "throw_number", "", "largest vertical acceleration of the trough over g")     \
-  X(vs_throw_down, "throw_down", "", "the same downwards alone: above 1 the material is thrown")   \
+  X(vs_throw_down, "throw_down", "",                                                               \
+    "largest acceleration downwards over g: above 1 the material is thrown")                       \
   X(vs_throw_speed, "conveying_speed", "m/s", "theoretical, VDI 2333")
 
 /* Begin with vs_steady_begin, end with vs_steady_end. */

@@ -121,6 +121,12 @@ static double limit_of_part(const vs_watched *w, const char *name) {
   return limit ? limit->value : NAN;
 }
 
+/* Significant digits that a value is told with: three, and more where it would else have an
+ * exponent. */
+static int digits(double value) {
+  return 1 + (int)fmax(2, log10(fabs(value) + 0.5));
+}
+
 /* A thyristor that blocks is turned on by its forward voltage where that is beyond what its part
  * bears, else by the rise of it, whose displacement current acts as a gate current. */
 static void take_unintended(const vs_watched *w, vs_reduced *r, const vs_switch_news *news) {
@@ -133,10 +139,12 @@ static void take_unintended(const vs_watched *w, vs_reduced *r, const vs_switch_
     snprintf(cause, VS_CAUSE_SIZE, "breakover at %.4g V, beyond V_DRM of %.4g V", news->fired_v,
              most_v);
   else if (news->fired_rate > 0)
-    snprintf(cause, VS_CAUSE_SIZE, "dv/dt of %.3g V/us over %.3g V, up to %.3g V",
-             1e-6 * news->fired_rate, news->fired_over_v, news->fired_v);
+    snprintf(cause, VS_CAUSE_SIZE, "dv/dt of %.*g V/us over %.*g V, up to %.*g V",
+             digits(1e-6 * news->fired_rate), 1e-6 * news->fired_rate, digits(news->fired_over_v),
+             news->fired_over_v, digits(news->fired_v), news->fired_v);
   else
-    snprintf(cause, VS_CAUSE_SIZE, "at %.3g V, without a rise", news->fired_v);
+    snprintf(cause, VS_CAUSE_SIZE, "at %.*g V, without a rise", digits(news->fired_v),
+             news->fired_v);
 }
 
 static void take_commutation_failure(const vs_watched *w, vs_reduced *r,

@@ -13,16 +13,16 @@
 #include "tier/tiers.h"
 #include "watch/unjudged.h"
 
-/* A margin beyond this is told as more than it: a stress that is far below its limit, or a time
- * that is many times the one that is wanted. */
+/* A margin beyond this is told as more than it, and one below its negative as less: a time that is
+ * many times the one that is wanted, a stress that is many times its limit. */
 static const double FAR = 9.99;
 
-/* "12.3 %", ">999 %"; of a margin that is not known "-". */
+/* "12.3 %", ">999 %", "<-999 %"; of a margin that is not known "-". */
 static const char *margin_text(double margin, char text[VS_AMOUNT_SIZE]) {
   if (isnan(margin))
     snprintf(text, VS_AMOUNT_SIZE, "-");
-  else if (margin > FAR)
-    snprintf(text, VS_AMOUNT_SIZE, ">%.0f %%", 100 * FAR);
+  else if (fabs(margin) > FAR)
+    snprintf(text, VS_AMOUNT_SIZE, margin > 0 ? ">%.0f %%" : "<-%.0f %%", 100 * FAR);
   else
     snprintf(text, VS_AMOUNT_SIZE, "%.1f %%", 100 * margin);
   return text;
@@ -31,9 +31,11 @@ static const char *margin_text(double margin, char text[VS_AMOUNT_SIZE]) {
 /* "  12.3 % +- 0.04 %", padded where it stands in a column. */
 static void print_number(const vs_judgement *j, bool padded, FILE *out) {
   char margin[VS_AMOUNT_SIZE], error[VS_AMOUNT_SIZE] = "";
-  const bool told = !isnan(j->margin) && j->margin <= FAR && !isnan(j->margin_error);
-  if (told && isfinite(j->margin_error))
-    snprintf(error, sizeof error, "+- %-*.2g %%", padded ? 6 : 0, 100 * j->margin_error);
+  const bool told = !isnan(j->margin) && fabs(j->margin) <= FAR && !isnan(j->margin_error);
+  const double percent = 100 * j->margin_error;
+  if (told && isfinite(percent))
+    snprintf(error, sizeof error, percent < 99.5 ? "+- %-*.2g %%" : "+- %-*.0f %%", padded ? 6 : 0,
+             percent);
   else if (told)
     snprintf(error, sizeof error, "+- ?");
   margin_text(j->margin, margin);
@@ -595,9 +597,12 @@ void vs_show_result(const vs_result *r, const vs_groups_options *options, FILE *
 
 /* ---- in short ---- */
 
-/* The table has at most LINES, with an orbit a few more, of which the lines of the verdict get what
- * the others leave, and at least three. */
-enum { LINES = 25, LINES_OF_ORBIT = 30, LEAST_LINES = 3, WEAK = 3, HAPPENINGS = 3, NAMES = 3 };
+/* The table has at most LINES, and one more tells what was written. With an orbit it has a few
+ * more. The lines of the verdict get what the others leave, and at least three. */
+enum { LINES = 24, LINES_OF_ORBIT = 30, LEAST_LINES = 3, WEAK = 3, HAPPENINGS = 3, NAMES = 3 };
+
+/* Devices without a line that are named with their tightest margin; further ones are counted. */
+enum { OTHERS = 10 };
 
 /* What is measured has more room where nothing is judged, and less where an orbit is told. */
 enum { ROWS = 6, ROWS_ALONE = 15, ROWS_OF_ORBIT = 3 };
@@ -664,8 +669,30 @@ static bool is_first_of_its(const vs_judgement *j, const vs_judgement *const *li
   return true;
 }
 
-/* "11 more above 41 %, 9 of them above 90 %" */
-static void tell_rest(const vs_judgement *const *line, size_t count, FILE *out) {
+/* "; fuse_2 69 %, r1 99 %, varistor_1 99 %": of each device that none of the first shown lines is
+ * of, its tightest margin, rounded down. */
+static void tell_others(const vs_judgement *const *line, size_t shown, size_t count, FILE *out) {
+  size_t told = 0, left = 0;
+  for (size_t k = shown; k < count; k++) {
+    if (!line[k]->device || !is_first_of_its(line[k], line, k)) continue;
+    if (told == OTHERS) {
+      left++;
+      continue;
+    }
+    double least = line[k]->margin;
+    for (size_t m = k + 1; m < count; m++)
+      if (line[m]->device == line[k]->device) least = fmin(least, line[m]->margin);
+    const double percent = fmin(floor(100 * least + 1e-9), 99);
+    fprintf(out, "%s%s %.0f %%", told++ ? ", " : "; ", line[k]->device->name, percent);
+  }
+  if (left) fprintf(out, " and %zu more", left);
+}
+
+/* "11 more above 41 %, 9 of them above 90 %; c1 41 %, varistor_1 99 %". The first shown lines have
+ * been printed. */
+static void tell_rest(const vs_judgement *const *all, size_t shown, size_t of_all, FILE *out) {
+  const vs_judgement *const *line = all + shown;
+  const size_t count = of_all - shown;
   double least = INFINITY;
   size_t ample = 0, violated = 0;
   for (size_t k = 0; k < count; k++) {
@@ -678,6 +705,7 @@ static void tell_rest(const vs_judgement *const *line, size_t count, FILE *out) 
   fprintf(out, "  %zu more above %.0f %%", count, floor(100 * least + 1e-9));
   if (violated) fprintf(out, ", %zu of them violated", violated);
   if (ample && ample < count) fprintf(out, ", %zu of them above %.0f %%", ample, 100 * AMPLE);
+  tell_others(all, shown, of_all, out);
   fputc('\n', out);
 }
 
@@ -702,7 +730,7 @@ static void tell_lines(const vs_verdict *v, int room, FILE *out) {
     memmove(line + shown + 1, line + shown, (k - shown) * sizeof *line);
     line[shown++] = j;
   }
-  tell_rest(line + shown, count - shown, out);
+  tell_rest(line, shown, count, out);
   free(line);
 }
 
