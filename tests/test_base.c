@@ -14,12 +14,12 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "base/text.h"
-#include "picture/gnuplot.h"
+#include "base/gnuplot.h"
 #include "suite.h"
-#include "syntax/field.h"
-#include "syntax/tree.h"
-#include "syntax/units.h"
-#include "tell/amount.h"
+#include "base/field.h"
+#include "base/tree.h"
+#include "base/units.h"
+#include "run/amount.h"
 
 /* The first bytes of a file; empty when it is not there. */
 static const char *head(const char *path, char text[256]) {

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "command/export.h"
+#include "cli/export.h"
 #include "program.h"
 #include "suite.h"
 

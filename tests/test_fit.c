@@ -10,7 +10,7 @@
 
 #include "base/csv.h"
 #include "fit/outcome.h"
-#include "method/random.h"
+#include "study/random.h"
 #include "program.h"
 
 /* ---- numbers out of JSON ---- */

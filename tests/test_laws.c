@@ -6,10 +6,10 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "actuator/coil.h"
-#include "actuator/formulas.h"
-#include "actuator/reluctance.h"
-#include "actuator/values.h"
+#include "plant/coil.h"
+#include "plant/formulas.h"
+#include "plant/reluctance.h"
+#include "plant/values.h"
 #include "program.h"
 
 /* ---- the laws of this test ---- */

@@ -6,10 +6,10 @@
 #include <math.h>
 #include <string.h>
 
-#include "actuator/coil.h"
-#include "ideal/switched.h"
+#include "plant/coil.h"
+#include "engine/ideal/switched.h"
 #include "suite.h"
-#include "watch/energy.h"
+#include "measure/energy.h"
 
 /* ---- models ---- */
 

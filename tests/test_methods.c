@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "method/methods.h"
-#include "plan/reading.h"
+#include "study/methods.h"
+#include "study/reading.h"
 #include "program.h"
 
 /* A study that is there as long as a test needs it. */

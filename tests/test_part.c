@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "base/text.h"
-#include "deck/kinds.h"
+#include "netlist/kinds.h"
 #include "part_rows.h"
 
 #define TEMPLATES VS_TEST_FOLDER "/../spice/templates"

@@ -11,10 +11,10 @@
 #include <unistd.h>
 
 #include "base/text.h"
-#include "catalogue/catalogue.h"
-#include "deck/deck.h"
+#include "netlist/catalogue.h"
+#include "netlist/deck.h"
 #include "part_rows.h"
-#include "stand/stand.h"
+#include "bench/stand.h"
 
 #define PARTS VS_TEST_FOLDER "/../spice/parts"
 

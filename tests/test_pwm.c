@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drive/gate.h"
-#include "drive/pwm.h"
-#include "event/occurrence.h"
+#include "engine/gate.h"
+#include "engine/pwm.h"
+#include "engine/occurrence.h"
 #include "program.h"
 #include "suite.h"
 

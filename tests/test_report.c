@@ -9,8 +9,8 @@
 #include <unistd.h>
 
 #include "base/text.h"
-#include "picture/map.h"
-#include "picture/spread.h"
+#include "report/plot/map.h"
+#include "report/plot/spread.h"
 #include "program.h"
 #include "report/page.h"
 

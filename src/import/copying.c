@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "import/copying.h"
+#include "copying.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -10,8 +10,8 @@
 #include <strings.h>
 
 #include "base/path.h"
-#include "dialect/statements.h"
-#include "dialect/words.h"
+#include "netlist/statements.h"
+#include "netlist/words.h"
 
 void vs_copying_free(vs_copying *b) {
   vs_text_free(&b->text);

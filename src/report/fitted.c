@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "report/fitted.h"
+#include "fitted.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "report/rerun.h"
-#include "syntax/units.h"
+#include "rerun.h"
+#include "base/units.h"
 
 enum { FIGURE = 32 }; /* room for a number in a table */
 

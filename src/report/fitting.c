@@ -7,9 +7,9 @@
 
 #include "base/file.h"
 #include "base/leave.h"
-#include "report/fitted.h"
-#include "report/found.h"
-#include "report/portrait.h"
+#include "fitted.h"
+#include "found.h"
+#include "portrait.h"
 
 /* ---- files ---- */
 

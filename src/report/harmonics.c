@@ -8,10 +8,10 @@
 
 #include "base/path.h"
 #include "base/text.h"
-#include "period/quality.h"
-#include "picture/gnuplot.h"
-#include "picture/scale.h"
-#include "syntax/tree.h"
+#include "measure/quality.h"
+#include "base/gnuplot.h"
+#include "report/scale.h"
+#include "base/tree.h"
 
 enum { MOST_KINDS = 16 /* classes in a panel */ };
 enum { PANELS = VS_QUALITY_MOST + 1, WIDTH = 900, HEIGHT = 320 /* of a panel, pixels */ };

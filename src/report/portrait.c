@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "report/portrait.h"
+#include "portrait.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -7,9 +7,9 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "picture/gnuplot.h"
-#include "picture/scale.h"
-#include "syntax/units.h"
+#include "base/gnuplot.h"
+#include "report/scale.h"
+#include "base/units.h"
 
 enum { WIDTH = 900, HIGH = 290, LOW = 190, TOP = 50, UNDER = 26, UNDER_LABEL = 52 };
 
