@@ -297,6 +297,24 @@ static void a_walk_ends_where_orbits_end(void) {
   done(t);
 }
 
+/* A walk that has spent its budget is told up to where it came, and by that reason. */
+static void a_budget_is_kept(void) {
+  const char *const sets[] = {"firing.every=1", NULL};
+  const vs_along_words words = {.range = "firing.angle=130deg..100deg"};
+  tour *t = vs_alloc(1, sizeof *t);
+  vs_budget budget = {.what = "test", .most = {150, 1}};
+  t->trial = vs_trial_read("paper", "switched", sets);
+  vs_status status = vs_along_read(&t->along, &t->trial->scene, &words, &t->trial->err);
+  t->trial->scene.order.budget = &budget;
+  if (!status) status = vs_walk_go(&t->walk, &t->along, 1, NULL, &t->trial->err);
+  EXPECT(!status && t->walk.end == VS_WALK_SPENT && t->walk.count > 2, "%d %d %zu %s", status,
+         t->walk.end, t->walk.count, t->trial->err.text);
+  EXPECT(strstr(t->walk.why, "budget of 150 cycles of the mains is spent, after "), "%s",
+         t->walk.why);
+  CU_ASSERT(budget.spent[VS_BUDGET_IDEAL] <= 150);
+  done(t);
+}
+
 /* A signal ends the walk behind the next point, and what was found is there. */
 static void a_signal_ends_a_walk(void) {
   static const char *const SETS[] = {"firing.every=1", NULL};
@@ -455,6 +473,7 @@ static const vs_test TESTS[] = {
     {"a branch of twice the period ends at a flip", a_branch_of_twice_the_period_ends_at_a_flip},
     {"a walk ends where orbits end", a_walk_ends_where_orbits_end},
     {"before a singular mass", before_a_singular_mass},
+    {"a budget is kept", a_budget_is_kept},
     {"a signal ends a walk", a_signal_ends_a_walk},
     {"files and tables", files_and_tables},
     {"the page", the_page},

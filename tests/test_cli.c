@@ -88,6 +88,13 @@ static void rounding_is_told_as_zero(void) {
   EXPECT(strstr(r.out, "work_force") && !strstr(r.out, "e-51") && !strstr(r.out, "e-28"), "%s",
          r.out);
   free_ran(&r);
+  /* a varistor far below its voltage, whose current is 2e-16 A beside the coil's */
+  r = run("run two_mass --tier circuit --json --set run.until=7ms");
+  EXPECT(strstr(r.out, "\"varistor_3.i_peak\": {\"value\": 0,") &&
+             strstr(r.out, "\"varistor_3.power\": {\"value\": 0,") &&
+             !strstr(r.out, "\"r1.v_peak\": {\"value\": 0,"),
+         "%s", r.out);
+  free_ran(&r);
 }
 
 /* ---- bad input ---- */
@@ -907,6 +914,24 @@ static void modes(void) {
   remove_tree("state_space");
 }
 
+/* The table of docs/scenes.md has a row for each, and no other. */
+static void exit_statuses_are_documented(void) {
+  char *text = read_file(VS_TEST_FOLDER "/../docs/scenes.md");
+  const char *row = strstr(text, "| exit status | meaning |\n|---|---|\n");
+  CU_ASSERT_PTR_NOT_NULL_FATAL(row);
+  row = strchr(strchr(row, '\n') + 1, '\n') + 1;
+  ran r = run("help exit");
+#define IS_THERE(name, status, says)                                                               \
+  EXPECT(atoi(row + 2) == status, "%s: docs/scenes.md: %.40s", #name, row);                        \
+  EXPECT(strstr(r.out, says), "%s: %s", #name, r.out);                                             \
+  row = strchr(row, '\n') + 1;
+  VS_STATUS_LIST(IS_THERE)
+#undef IS_THERE
+  EXPECT(*row != '|', "%.40s", row);
+  free_ran(&r);
+  free(text);
+}
+
 static void what_the_program_says_about_itself(void) {
   static const struct {
     const char *words, *says[3];
@@ -1132,6 +1157,7 @@ static const vs_test TESTS[] = {
     {"a full standard output is an error", a_full_standard_output_is_an_error},
     {"verdict and audit", verdict_and_audit},
     {"modes", modes},
+    {"exit statuses are documented", exit_statuses_are_documented},
     {"help, version, list", what_the_program_says_about_itself},
     {"plot", plot},
 };

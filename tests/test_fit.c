@@ -571,6 +571,54 @@ static void does_not_converge(void) {
   free(before);
 }
 
+/* ---- its budget ---- */
+
+/* How many cycles of the mains a fit of two measures to a mass and a gap takes, and what it says
+ * where it has one less in its search, or while it follows profiles. */
+static vs_status fit_within(long cycles, const char *profile, vs_outcome *o, vs_error *err) {
+  char *const sets[] = {"starts=2"};
+  vs_inquiry *q = vs_alloc(1, sizeof *q);
+  write_file("f.yaml", "set: {run: {until: 0.1 s, tier: switched}}\n"
+                       "free: {machine.trough_mass: {}, actuator.gap: {}}\n"
+                       "measures: {i_peak: {value: 0.85 A, error: 3 %}, p_min: {value: -1.4 mm, "
+                       "error: 2 %}, f_resonance: {value: 56 Hz, error: 1 %}}\n");
+  vs_status status = vs_inquiry_read("f.yaml", sets, 1, profile, q, err);
+  q->most_cycles = cycles;
+  if (!status) status = vs_outcome_of(q, o, err);
+  CU_ASSERT(!q->runs[0].scene->order.budget);
+  vs_inquiry_free(q);
+  free(q);
+  return status;
+}
+
+static void a_budget_is_kept(void) {
+  vs_outcome *o = vs_alloc(1, sizeof *o);
+  vs_error err = {0};
+  vs_status status = fit_within(0, NULL, o, &err);
+  const long whole = o->prediction.budget.spent[VS_BUDGET_IDEAL];
+  EXPECT(!status && o->told && whole > 100, "%d %ld %s", status, whole, err.text);
+  /* a fit that ends well keeps far from its end */
+  EXPECT(whole < o->prediction.budget.most[VS_BUDGET_IDEAL] / 3, "%ld of %ld", whole,
+         o->prediction.budget.most[VS_BUDGET_IDEAL]);
+  vs_outcome_free(o);
+  err = (vs_error){0};
+  status = fit_within(whole / 4, NULL, o, &err);
+  EXPECT(status == VS_BUDGET && !o->told && strstr(err.text, "in the circuit") == NULL &&
+             strstr(err.text, "runs, start 1 of 2; so far the least chi2 is") &&
+             strstr(err.text, "machine.trough_mass = "),
+         "%d %s", status, err.text);
+  CU_ASSERT(o->prediction.budget.spent[VS_BUDGET_IDEAL] <= whole / 4);
+  vs_outcome_free(o);
+  err = (vs_error){0};
+  status = fit_within(whole + 20, "all", o, &err);
+  EXPECT(status == VS_BUDGET && o->told && !o->n_profiles &&
+             strstr(err.text, "profile of machine.trough_mass; so far the least chi2 is") &&
+             strstr(err.text, "which converged"),
+         "%d %s", status, err.text);
+  vs_outcome_free(o);
+  free(o);
+}
+
 /* ---- the rest ---- */
 
 static void check_and_list(void) {
@@ -608,6 +656,7 @@ static const vs_test TESTS[] = {
     {"patterns", patterns},
     {"refused", refused},
     {"does not converge", does_not_converge},
+    {"a budget is kept", a_budget_is_kept},
     {"check and list", check_and_list},
     {"the same bytes", the_same_bytes},
 };

@@ -259,8 +259,8 @@ static void timers(void) {
 
 /* A hold-up capacitor of 470 uF that a relay watches: where it drifts to the relay's level within
  * the run, ngspice is not left; where the level is far from it, ngspice is. The relay is a switch
- * by voltage or by current, or a source whose formula has a branch. A formula's level is not read,
- * so that it keeps ngspice wherever it is. */
+ * by voltage or by current, a source whose formula has a branch, or a transistor. A formula's level
+ * is not read, so that it keeps ngspice wherever it is. */
 static void relays(void) {
   static const char HOLD[] = "*$ probe v_hold = v(rc) V\n*$ store hold = 470e-6*v(rc)^2/2\n"
                              "*$ loss bleed = v(rc)^2/10e6\n"
@@ -277,6 +277,13 @@ static void relays(void) {
       {"Wx b bx Vbleed low on\nRx bx 0 3k\n.model low csw(ron=1e12 roff=1 it=32.49u ih=0)", false},
       {"Bx b 0 I = v(rc) < 324.9 ? v(b)/3k : 0", false},
       {"Gx b 0 value={u(324.9-v(rc))*v(b)/3k}", false},
+      {".func low(x) {x < 324.9 ? 1 : 0}\nBx b 0 I = low(v(rc))*v(b)/3k", false},
+      {".func low(x) {x < 324.9 ? 1 : 0}\n.func of(y) {low(y)/3k}\nBx b 0 I = of(v(rc))*v(b)",
+       false},
+      {"Bx b 0 I = (1+tanh(1e4*(324.9-v(rc))))*v(b)/6k", false},
+      {"Mx bx rc 0 0 mm\nRx b bx 3k\n.model mm nmos(vto=324.85 kp=100 lambda=0)", false},
+      {".func low() {u(324.9-v(rc))}\nBx b 0 I = low()*v(b)/3k", false},
+      {".func low(x) {x/3k}\nBx b 0 I = low(v(b))", true},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     static const char *const SETS[] = {"circuit.deck=d.cir", "run.until=2.4s", "run.tolerance=1e-3",
@@ -298,6 +305,10 @@ static void not_to_be_seen(void) {
       ".model keeps int(in_offset=0 gain=1 out_lower_limit=-1e9 out_upper_limit=1e9 limit_range=1n "
       "out_ic=0)\nAint y z keeps\nRy y 0 1k\nRz z 0 1k",
       ".model halves hyst(in_low=0 in_high=1)\nAh y z halves\nRy y 0 1k\nRz z 0 1k",
+      ".model bends pwl(x_array=[0 1 2] y_array=[0 0 1] input_domain=1u fraction=false)\nAp y z "
+      "bends\nRy y 0 1k\nRz z 0 1k",
+      ".model cuts limit(gain=1e4 out_lower_limit=0 out_upper_limit=1 limit_range=1m)\nAl y z "
+      "cuts\nRy y 0 1k\nRz z 0 1k",
   };
   for (size_t k = 0; k < COUNT(LINES); k++) {
     static const char *const SETS[] = {"circuit.deck=d.cir", "run.until=0.2s", NULL};

@@ -345,7 +345,7 @@ static void a_budget_is_spent(void) {
               "load.fraction=auto --tier circuit --set firing.every=1 --set firing.angle=103.3deg "
               "--set 'actuator.stop={stiffness: 2.78e5 N/m, damping: 6.07 N.s/m}' --set "
               "machine.spring_stiffness=1.28e4N/m --set run.until=60ms --quiet");
-  EXPECT(r.status == 1 && count_lines(r.err) == 1, "%d %s", r.status, r.err);
+  EXPECT(r.status == 4 && count_lines(r.err) == 1, "%d %s", r.status, r.err);
   EXPECT(strstr(r.err, "no share is found within the search's budget of 300 cycles") &&
              strstr(r.err, "lies between 0.1 and 0.6") && strstr(r.err, "write load.fraction"),
          "%s", r.err);

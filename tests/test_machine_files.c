@@ -644,14 +644,26 @@ static void shipped_machines_bring_their_supply(void) {
   static const struct {
     const char *sets, *says[2];
   } ROWS[] = {
-      {"", {"machine solenoid (", ", supply 12 V direct"}},
-      {"--set supply.voltage=6V", {"machine solenoid (", ", supply 6 V direct"}},
-      {"--set machine.model=lds_v203", {"machine lds_v203 (", ", supply 8.36501901 V direct"}},
-      {"--set machine.model=two_mass", {"two-mass", ", supply 230 V rms, 50 Hz\n"}},
-      {"--set machine.model=fixed_base", {"base fixed", ", supply 440 V rms, 50 Hz\n"}},
-      {"--set machine.model=conveyor_bodies", {"springs)", ", supply 440 V rms, 50 Hz\n"}},
+      {"", {"machine solenoid (", ", supply 12 V direct, from t = 0 on\n"}},
+      {"--set supply.voltage=6V", {"machine solenoid (", ", supply 6 V direct, from t = 0 on\n"}},
+      {"--set machine.model=lds_v203",
+       {"machine lds_v203 (", ", supply 8.36501901 V direct, from t = 0 on\n"}},
+      {"--set machine.model=two_mass",
+       {"two-mass", ", supply 230 V rms, 50 Hz, fired once at 100 deg\n"}},
+      {"--set machine.model=fixed_base",
+       {"base fixed", ", supply 440 V rms, 50 Hz, fired once at 100 deg\n"}},
+      {"--set machine.model=conveyor_bodies",
+       {"springs)", ", supply 440 V rms, 50 Hz, fired once at 100 deg\n"}},
       {"--set machine.model=conveyor --set supply.voltage=400V --set supply.frequency=60Hz",
-       {"machine conveyor (", ", supply 400 V rms, 60 Hz\n"}},
+       {"machine conveyor (", ", supply 400 V rms, 60 Hz, fired once at 100 deg\n"}},
+      {"--set machine.model=two_mass --set firing.every=3 --set firing.angle=95.5deg --set "
+       "firing.first_cycle=0",
+       {"two-mass", " Hz, fired in 1 of 3 cycles at 95.5 deg, from cycle 0 on\n"}},
+      {"--set machine.model=two_mass --set firing.every=1 --set "
+       "'firing.angle=[[0 s, 160 deg], [1 s, 100 deg]]'",
+       {"two-mass", " Hz, fired in each cycle at 100 to 160 deg\n"}},
+      {"--set supply.kind=sine",
+       {"machine solenoid (", ", supply 12 V rms, 50 Hz, nothing fired\n"}},
   };
   write_file("s.yaml", "machine: {model: solenoid}\nrun: {until: 10 ms}\n");
   for (size_t k = 0; k < COUNT(ROWS); k++) {
@@ -670,8 +682,13 @@ static void shipped_machines_bring_their_supply(void) {
   r = run("run s.yaml --tier circuit");
   EXPECT(r.status == 2 && strstr(r.err, "tier circuit"), "%s", r.err);
   free_ran(&r);
+  r = run("check s.yaml --set circuit.deck=halfwave_paper"); /* it was ignored */
+  EXPECT(r.status == 2 && strstr(r.err, "its machine's file says supply.kind: step, which no"),
+         "%d %s%s", r.status, r.out, r.err);
+  free_ran(&r);
   r = run("steady two_mass --set firing.every=1 --set firing.angle=130deg");
-  EXPECT(strstr(r.out, "machine two_mass (") && strstr(r.out, ", supply 230 V rms, 50 Hz\n"),
+  EXPECT(strstr(r.out, "machine two_mass (") &&
+             strstr(r.out, ", supply 230 V rms, 50 Hz, fired in each cycle at 130 deg\n"),
          "%.300s%s", r.out, r.err);
   free_ran(&r);
   remove("s.yaml");

@@ -26,7 +26,7 @@ static vs_sensitivity_entry find(const char *scene, const char *tier, int period
   const char *sets[SETS] = {NULL};
   for (size_t k = 0; given[k]; k++) sets[k] = given[k];
   const vs_asked measure = {of, {0}}, key = {to, {0}};
-  const vs_sensitivity_order order = {&measure, &key, 1, 1, periods, NULL};
+  const vs_sensitivity_order order = {&measure, &key, 1, 1, periods, NULL, 0};
   vs_sensitivity s = {0};
   vs_sensitivity_entry e = {NAN, NAN, false};
   vs_trial *t = vs_trial_read(scene, tier, sets);
@@ -208,7 +208,7 @@ static void zeros_are_told(void) {
                          {"firing.pulse_width", {0}},
                          {"supply.phase", {0}},
                          {"actuator.leakage", {0}}};
-  const vs_sensitivity_order order = {of, to, 1, COUNT(to), 0, NULL};
+  const vs_sensitivity_order order = {of, to, 1, COUNT(to), 0, NULL, 0};
   const char *const sets[] = {"load.density=1.5g/cm3", NULL};
   vs_sensitivity s;
   vs_trial *t = vs_trial_read("paper", "switched", sets);
@@ -359,7 +359,7 @@ static void the_page_is_right(void) {
 /* At 78.9932590 degrees the orbit touches the stop (branch's own number). */
 static void grazing_is_told(void) {
   const vs_asked of = {"p_min", {0}}, to = {"firing.angle", {0}};
-  const vs_sensitivity_order order = {&of, &to, 1, 1, 1, NULL};
+  const vs_sensitivity_order order = {&of, &to, 1, 1, 1, NULL, 0};
   const char *const near[] = {"firing.every=1", "firing.angle=78.99327deg", STOP, NULL};
   const char *const off[] = {"firing.every=1", "firing.angle=78.995deg", STOP, NULL};
   for (int k = 0; k < 2; k++) {
@@ -377,7 +377,7 @@ static void grazing_is_told(void) {
 /* At 78.2 degrees the orbit of period 2 has a multiplier -3.16. */
 static void an_unstable_orbit_is_told(void) {
   const vs_asked of = {"p_min", {0}}, to = {"firing.angle", {0}};
-  const vs_sensitivity_order order = {&of, &to, 1, 1, 2, NULL};
+  const vs_sensitivity_order order = {&of, &to, 1, 1, 2, NULL, 0};
   const char *const sets[] = {"firing.every=1", "firing.angle=78.2deg",
                               "actuator.stop={stiffness: 3e6 N/m, damping: 1000 N.s/m}", NULL};
   vs_sensitivity s;
@@ -385,6 +385,28 @@ static void an_unstable_orbit_is_told(void) {
   vs_status status = vs_sensitivity_find(&t->scene, &order, &s, &t->err);
   EXPECT(!status && strstr(s.notes.text, "the orbit is unstable"), "%s%s", t->err.text,
          status ? "" : s.notes.text);
+  vs_sensitivity_free(&s);
+  vs_trial_free(t);
+}
+
+/* The exact derivatives to one key take at most 3 runs of 10 cycles and the fan's, twice; those to
+ * a further one are beyond 50 cycles. What is told stays, what is not is no number, and the error
+ * says how far it came. */
+static void a_budget_is_kept(void) {
+  const vs_asked of = {"p_min", {0}};
+  const vs_asked to[] = {
+      {"supply.voltage", {0}}, {"actuator.gap", {0}}, {"actuator.resistance", {0}}};
+  const char *const sets[] = {"run.until=0.2s", NULL};
+  const vs_sensitivity_order order = {.of = &of, .to = to, .n_of = 1, .n_to = 3, .most_cycles = 50};
+  vs_sensitivity s;
+  vs_trial *t = vs_trial_read("paper", "switched", sets);
+  vs_status status = vs_sensitivity_find(&t->scene, &order, &s, &t->err);
+  EXPECT(status == VS_BUDGET && s.told == 1, "%d %zu %s", status, s.told, t->err.text);
+  EXPECT(strstr(t->err.text, "budget of 50 cycles of the mains on the ideal tiers is spent: the "
+                             "derivatives to 1 of 3 keys are told, and those from actuator.gap on"),
+         "%s", t->err.text);
+  CU_ASSERT(s.entry[0].value > 0 && isnan(s.entry[1].value) && isnan(s.entry[2].value));
+  CU_ASSERT(!t->scene.order.budget);
   vs_sensitivity_free(&s);
   vs_trial_free(t);
 }
@@ -463,6 +485,7 @@ static const vs_test TESTS[] = {
     {"the page is right", the_page_is_right},
     {"grazing is told", grazing_is_told},
     {"an unstable orbit is told", an_unstable_orbit_is_told},
+    {"a budget is kept", a_budget_is_kept},
     {"studies refuse", studies_refuse},
     {"what is refused", what_is_refused},
 };

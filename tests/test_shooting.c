@@ -457,7 +457,7 @@ static void a_budget_is_kept(void) {
          budget.spent[VS_BUDGET_IDEAL]);
   budget = (vs_budget){.what = "test", .most = {65, 1}};
   vs_status status = vs_shooting_find(&t->scene, 1, &same, &t->err);
-  EXPECT(status == VS_RUN && strstr(t->err.text, "budget of 65 cycles"), "%s", t->err.text);
+  EXPECT(status == VS_BUDGET && strstr(t->err.text, "budget of 65 cycles"), "%s", t->err.text);
   CU_ASSERT(budget.out[VS_BUDGET_IDEAL] && budget.spent[VS_BUDGET_IDEAL] <= 65);
   vs_trial_free(t);
 }

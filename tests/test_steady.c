@@ -71,7 +71,8 @@ static void the_conveyor_at_100_degrees(void) {
   CU_ASSERT(number(r.out, "first_cycle") == 1);
   CU_ASSERT(number(r.out, "iterations") <= 6 && number(r.out, "correction") < 1e-12);
   CU_ASSERT(strstr(r.out, "\"stable\": true") && !strstr(r.out, "\"measured\""));
-  CLOSE_OF(number(r.out, "energy_stored"), 0, number(r.out, "energy_in"), 1e-12);
+  /* what the books leave over is told as 0: a sum of 4e-14 J here */
+  CU_ASSERT(number(r.out, "energy_stored") == 0);
   free_ran(&r);
   r = run("steady paper --set firing.every=1 --all"); /* the digits of the references */
   static const char *const LINES[] = {

@@ -4,7 +4,7 @@
 #ifndef VS_ACCEPTANCE_ACCEPTANCE_H
 #define VS_ACCEPTANCE_ACCEPTANCE_H
 
-#include "command/check.h"
+#include "command/findings.h"
 
 /* The hook of `check` for parts. With options->folder it writes bench.csv, bench.json and, where
  * gnuplot is installed, bench.png there. Of a part of a kind that is not tried it says so. Errors:

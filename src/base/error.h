@@ -14,6 +14,7 @@
   X(VS_RUN, 1, "a run, a case or a validation failed")                                             \
   X(VS_INPUT, 2, "bad usage or input")                                                             \
   X(VS_RATING, 3, "done and a rating is violated or undecided")                                    \
+  X(VS_BUDGET, 4, "a search's budget is spent before its answer is proved")                        \
   X(VS_SIGNAL, 75, "stopped by a signal, start me again")
 
 typedef enum vs_status {

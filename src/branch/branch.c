@@ -63,10 +63,11 @@ static vs_status say(const vs_walk *w, const vs_run_options *o, vs_error *err) {
     status = vs_fail(err, VS_SIGNAL, "stopped by a signal; the branch is told up to %s = %.9g%s%s",
                      w->along->axis.key, w->row[w->count - 1].at.z[w->path.count],
                      *w->along->axis.unit ? " " : "", w->along->axis.unit);
-  if (!status && w->end == VS_WALK_STUCK)
-    status = vs_fail(err, VS_RUN, "the branch cannot be followed beyond %s = %.9g%s%s: %s",
-                     w->along->axis.key, w->row[w->count - 1].at.z[w->path.count],
-                     *w->along->axis.unit ? " " : "", w->along->axis.unit, w->why);
+  if (!status && (w->end == VS_WALK_STUCK || w->end == VS_WALK_SPENT))
+    status = vs_fail(err, w->end == VS_WALK_SPENT ? VS_BUDGET : VS_RUN,
+                     "the branch cannot be followed beyond %s = %.9g%s%s: %s", w->along->axis.key,
+                     w->row[w->count - 1].at.z[w->path.count], *w->along->axis.unit ? " " : "",
+                     w->along->axis.unit, w->why);
   return status;
 }
 

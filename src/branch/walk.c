@@ -303,6 +303,18 @@ static bool go_on(vs_walk *w, vs_path_point *a, double *length) {
   return there || back;
 }
 
+/* Where the budget is spent, no step fails for another reason, and a mark before the last point may
+ * be missing. */
+static void look_at_budget(vs_walk *w) {
+  const vs_budget *b = &w->path.budget;
+  if (b->of && b->of->out[VS_BUDGET_IDEAL]) b = b->of;
+  if (!b->out[VS_BUDGET_IDEAL] || w->end == VS_WALK_STOPPED) return;
+  w->end = VS_WALK_SPENT;
+  snprintf(w->why, sizeof w->why,
+           "the search's budget of %ld cycles of the mains is spent, after %zu points",
+           b->most[VS_BUDGET_IDEAL], w->count - w->marks);
+}
+
 vs_status vs_walk_go(vs_walk *w, vs_along *along, int periods, const volatile sig_atomic_t *stop,
                      vs_error *err) {
   vs_path_point a;
@@ -313,7 +325,10 @@ vs_status vs_walk_go(vs_walk *w, vs_along *along, int periods, const volatile si
   const int every = along->scene->setup.timeline.firing.every;
   const long cycles = (long)periods * (every > 1 ? every : 1);
   vs_budget *budget = &w->path.budget;
-  *budget = (vs_budget){.what = "branch", .most = {MOST_CYCLES * cycles, 1}, .shows = shows};
+  *budget = (vs_budget){.what = "branch",
+                        .of = along->scene->order.budget,
+                        .most = {MOST_CYCLES * cycles, 1},
+                        .shows = shows};
   add_point(w, &a);
   vs_path_rescale(&w->path, &a);
   double length = along->step / w->path.unit[w->path.count] / 4;
@@ -327,9 +342,10 @@ vs_status vs_walk_go(vs_walk *w, vs_along *along, int periods, const volatile si
     if (w->count < MOST_ROWS) continue;
     snprintf(w->why, sizeof w->why,
              "it has %d points already; with a larger --step there are fewer", MOST_ROWS);
-    w->end = VS_WALK_STUCK;
+    w->end = VS_WALK_SPENT;
     break;
   }
+  look_at_budget(w);
   vs_budget_end(budget);
   return VS_OK;
 }

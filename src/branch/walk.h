@@ -21,6 +21,7 @@ typedef enum vs_walk_end {
   VS_WALK_BACK,    /* where it began */
   VS_WALK_MERGED,  /* in a branch of a smaller period */
   VS_WALK_STUCK,   /* in between: no orbit was found any more, or the scene is refused ahead */
+  VS_WALK_SPENT,   /* in between: its budget is spent, of cycles or of points */
   VS_WALK_STOPPED  /* in between, by a signal */
 } vs_walk_end;
 
@@ -32,12 +33,12 @@ typedef struct vs_walk {
   size_t count, room;
   size_t marks; /* how many of them are marks */
   vs_walk_end end;
-  char why[512]; /* where it is stuck: the reason */
+  char why[512]; /* where it is stuck, or its budget is spent: the reason */
 } vs_walk;
 
 /* Walks. stop: set by a signal, the walk ends behind the next point. Errors: those of
- * vs_path_begin, where nothing is found. A walk that is stuck or stopped is no error; walk->end
- * says so. */
+ * vs_path_begin, where nothing is found. A walk that is stuck, spent or stopped is no error;
+ * walk->end says so. */
 vs_status vs_walk_go(vs_walk *walk, vs_along *along, int periods, const volatile sig_atomic_t *stop,
                      vs_error *err);
 void vs_walk_free(vs_walk *walk);

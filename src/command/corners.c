@@ -8,7 +8,6 @@
 #include <unistd.h>
 
 #include "scene/session.h"
-#include "steady/steady.h"
 
 /* The line that breaks the verdict; else the weakest. NULL: nothing is rated. */
 static void keep_worst(const vs_verdict *v, vs_corner *corner) {
@@ -69,7 +68,7 @@ static vs_status read_all(const vs_corners_order *o, const char *tier, const vs_
 /* Runs a corner. Error: VS_SIGNAL. A run that fails is noted, and the others go on. */
 static vs_status run_corner(const vs_corners_order *o, const char *tier, vs_corners *c, size_t k,
                             vs_error *err) {
-  const vs_session session = {.verify = true, .steady = vs_steady_start, .stop = o->stop};
+  const vs_session session = {.verify = true, .steady = o->steady, .stop = o->stop};
   vs_corner *corner = &c->item[k];
   vs_error why = {0};
   vs_scene *scene = vs_alloc(1, sizeof *scene);

@@ -14,7 +14,8 @@ typedef struct vs_corners_order {
   char *const *sets; /* KEY=VALUE of each --set */
   size_t n_sets;
   bool allow_code, quiet;
-  const volatile sig_atomic_t *stop; /* set by a signal: the run ends */
+  vs_status (*steady)(vs_scene *scene, vs_error *err); /* as in vs_session */
+  const volatile sig_atomic_t *stop;                   /* set by a signal: the run ends */
 } vs_corners_order;
 
 /* Reads all of them, then runs them, one behind the other, each with a second run for the errors of

@@ -16,7 +16,6 @@
 #include "command/corners.h"
 #include "scene/session.h"
 #include "solver/guard.h"
-#include "steady/steady.h"
 #include "tell/show.h"
 #include "watch/table.h"
 
@@ -379,7 +378,7 @@ vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scen
   audience a = {.options = o, .more = more, .show_progress = !o->quiet && isatty(STDERR_FILENO)};
   const vs_guest guest = {&a, begin, accept, again, !o->folder};
   const vs_session session = {
-      .guest = &guest, .verify = true, .steady = vs_steady_start, .stop = o->stop};
+      .guest = &guest, .verify = true, .steady = o->steady, .stop = o->stop};
   vs_result *result = vs_alloc(1, sizeof *result);
   vs_text json = {0};
   vs_heed before = vs_leave_heed_set(VS_HEED_SOON);
@@ -421,7 +420,8 @@ vs_status vs_run_command(const vs_run_options *o, vs_error *err) {
   if (!status && o->raw) status = vs_scene_take_circuit(scene, "--raw", err);
   if (!status && !o->quiet && !vs_guard_again()) vs_scene_warn(scene);
   vs_run_options own = *o;
-  const vs_corners_order order = {o->scene, o->sets, o->n_sets, o->allow_code, o->quiet, o->stop};
+  const vs_corners_order order = {o->scene, o->sets,   o->n_sets, o->allow_code,
+                                  o->quiet, o->steady, o->stop};
   vs_corners *corners = o->corners ? vs_alloc(1, sizeof *corners) : NULL;
   vs_spreads spreads;
   if (!status) status = vs_key_spreads(scene, &spreads, err);

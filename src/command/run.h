@@ -27,7 +27,8 @@ typedef struct vs_run_options {
   bool corners;      /* runs the corners of the scene's key spread besides */
   const vs_corners
       *judged; /* what these came to; NULL: they were not run. vs_run_command sets it */
-  int digits;  /* significant ones in CSV files, 1..17 */
+  vs_status (*steady)(vs_scene *scene, vs_error *err); /* as in vs_session */
+  int digits;                                          /* significant ones in CSV files, 1..17 */
   const volatile sig_atomic_t *stop; /* set by a signal: the run ends and keeps what there is */
 } vs_run_options;
 

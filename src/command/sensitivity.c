@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/csv.h"
 #include "base/file.h"
@@ -219,8 +220,13 @@ static vs_status find(const vs_sensitivity_options *o, const vs_sensitivity_orde
   if (!status && o->steady) vs_scene_hold(scene);
   if (!status) status = vs_control_allow(&scene->control, o->allow_code, err);
   if (!status && !o->quiet) vs_scene_warn(scene);
+  scene->order.shows = !o->quiet && isatty(STDERR_FILENO);
   if (!status) status = vs_sensitivity_find(scene, order, &s, err);
-  if (!status) status = report(o, scene, &s, err);
+  if (!status || (status == VS_BUDGET && s.told)) {
+    vs_error other = {0};
+    vs_status reported = report(o, scene, &s, &other);
+    if (reported) *err = other, status = reported;
+  }
   vs_sensitivity_free(&s);
   vs_scene_free(scene);
   free(scene);

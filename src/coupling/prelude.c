@@ -95,7 +95,7 @@ vs_status vs_prelude_follow(vs_prelude *p, vs_course *course, double *shift_s, v
 vs_status vs_prelude_end(vs_prelude *p, vs_status status, vs_error *err) {
   if (!pilot_of(p)) return status;
   bool gave_up = status && err->gave_up;
-  if (p->on && status == VS_RUN && !p->refused) {
+  if (p->on && (status == VS_RUN || status == VS_BUDGET) && !p->refused) {
     const vs_error why = *err;
     vs_fail(err, status, "no periodic orbit is found: in cycle %ld of the search, %s", p->parts + 1,
             why.text);

@@ -261,7 +261,8 @@ static vs_status go(pass *p, void (*take)(pass *, const vs_step *), vs_error *er
   p->now = 0;
   vs_variation_begin_alone(&p->variation, &p->scene->setup, p->parameter, p->start);
   if (p->fan) begin_kin(p);
-  vs_status status = vs_session_run(&session, p->scene, none, err);
+  vs_status status = vs_session_take(p->scene, err);
+  if (!status) status = vs_session_run(&session, p->scene, none, err);
   vs_variation_end(&p->variation);
   vs_result_free(none);
   free(none);

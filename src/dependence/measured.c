@@ -53,6 +53,7 @@ vs_status vs_measured_run(vs_measured *m, vs_scene *scene, int periods, const vs
   scene->warnings =
       (vs_warnings){0}; /* those of the scene that it was copied from are not its own */
   vs_status status = m->period ? vs_steady_begin(&m->steady, scene, periods, err) : VS_OK;
+  if (!status) status = vs_session_take(scene, err);
   if (!status) status = vs_session_run(&along, scene, &m->result, err);
   if (!status && m->period) vs_steady_finish(&m->steady, &m->result);
   vs_warnings_free(&scene->warnings);

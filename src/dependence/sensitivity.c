@@ -13,6 +13,7 @@
 /* What is being found. */
 typedef struct search {
   const vs_sensitivity_order *order;
+  vs_budget budget;
   vs_subject subject;
   vs_sensitivity *out;
 } search;
@@ -53,6 +54,56 @@ vs_status vs_sensitivity_check(const vs_scene *scene, const vs_sensitivity_order
   vs_measured_free(m);
   free(m);
   return status;
+}
+
+/* ---- its budget ---- */
+
+/* Runs that one key may take: those of three steps of exact derivatives, each twice, are 18, and
+ * those of differences 7 more. As many of them may look for an orbit as ORBITS. */
+enum { RUNS = 40, ORBITS = 8 };
+/* Cycles of the mains that the search for an orbit takes at most, for each in its period, if it
+ * ends well: docs/operation.md and docs/load.md. */
+enum { ORBIT_IDEAL = 4300, ORBIT_CIRCUIT = 60 };
+static const double MOST_CYCLES = 2e9; /* that a long holds on every machine */
+
+static vs_budget budget_of(const vs_scene *scene, const vs_sensitivity_order *order) {
+  const vs_setup *setup = &scene->setup;
+  const int every = setup->timeline.firing.every > 1 ? setup->timeline.firing.every : 1;
+  const double period = (double)(order->periods ? order->periods : 1) * every;
+  const bool orbit = order->periods || setup->steady || setup->wants_fraction;
+  const int kind = scene->tier->has_circuit ? VS_BUDGET_CIRCUIT : VS_BUDGET_IDEAL;
+  double cycles[VS_BUDGET_KINDS] = {0};
+  cycles[kind] = RUNS * (order->periods ? period : (double)vs_session_cycles(scene));
+  if (orbit) cycles[VS_BUDGET_IDEAL] += ORBITS * ORBIT_IDEAL * period;
+  if (orbit && scene->tier->has_circuit)
+    cycles[VS_BUDGET_CIRCUIT] += ORBITS * ORBIT_CIRCUIT * period;
+  vs_budget b = {.what = "sensitivity", .shows = scene->order.shows};
+  for (int k = 0; k < VS_BUDGET_KINDS; k++)
+    b.most[k] = order->most_cycles
+                    ? order->most_cycles
+                    : lround(fmin(fmax((double)order->n_to * cycles[k], 1), MOST_CYCLES));
+  return b;
+}
+
+static bool is_spent(const search *s) {
+  return s->budget.out[VS_BUDGET_IDEAL] || s->budget.out[VS_BUDGET_CIRCUIT];
+}
+
+/* The budget is spent before the derivatives to this key are all there: those to it and to the keys
+ * behind it are not known. */
+static vs_status give_up(search *s, size_t to, vs_error *err) {
+  const int kind = s->budget.out[VS_BUDGET_CIRCUIT] ? VS_BUDGET_CIRCUIT : VS_BUDGET_IDEAL;
+  for (size_t k = to; k < s->order->n_to; k++)
+    for (size_t m = 0; m < s->order->n_of; m++)
+      *vs_sensitivity_at(s->out, m, k) = (vs_sensitivity_entry){NAN, NAN, false};
+  s->out->told = to;
+  return vs_fail(err, VS_BUDGET,
+                 "the search's budget of %ld cycles of the mains %s is spent: the derivatives to "
+                 "%zu of %zu keys are told, and those from %s on are not; ask for fewer keys at a "
+                 "time",
+                 s->budget.most[kind],
+                 kind == VS_BUDGET_CIRCUIT ? "in the circuit" : "on the ideal tiers", to,
+                 s->order->n_to, s->order->to[to].name);
 }
 
 /* ---- one key ---- */
@@ -180,7 +231,7 @@ static vs_status take_differences(search *s, size_t to, bool exact, vs_error *er
 static vs_status add_differences(search *s, size_t to, vs_error *err) {
   vs_error why = {0};
   vs_status status = take_differences(s, to, true, &why);
-  if (status == VS_SIGNAL) return vs_fail(err, status, "%s", why.text);
+  if (status == VS_SIGNAL || is_spent(s)) return vs_fail(err, status, "%s", why.text);
   if (status)
     vs_text_add(&s->out->notes,
                 "%s: where a measure has a corner the exact derivative has a larger error, and "
@@ -265,7 +316,10 @@ static vs_status find_all(search *s, vs_error *err) {
   for (size_t k = 0; k < s->order->n_to && !status; k++) {
     if (s->order->stop && *s->order->stop)
       return vs_fail(err, VS_SIGNAL, "stopped by a signal before %s", s->order->to[k].name);
+    snprintf(s->budget.stage, sizeof s->budget.stage, "key %zu of %zu", k + 1, s->order->n_to);
     status = find_key(s, k, err);
+    if (is_spent(s)) status = give_up(s, k, err);
+    if (!status) s->out->told = k + 1;
     if (!status) say_zero(s, k);
   }
   for (size_t k = 0; k < s->order->n_of && !status; k++)
@@ -293,10 +347,17 @@ vs_status vs_sensitivity_find(const vs_scene *scene, const vs_sensitivity_order 
   out->of = vs_alloc(order->n_of, sizeof *out->of);
   out->to = vs_alloc(order->n_to, sizeof *out->to);
   out->entry = vs_alloc(order->n_of * order->n_to, sizeof *out->entry);
-  status = vs_subject_begin(&s.subject, scene, order->periods, err);
+  s.budget = budget_of(scene, order);
+  vs_scene *counted = vs_alloc(1, sizeof *counted); /* borrows all that the scene owns */
+  *counted = *scene;
+  counted->order.budget = &s.budget;
+  status = vs_subject_begin(&s.subject, counted, order->periods, err);
   s.subject.stop = order->stop;
+  if (status && is_spent(&s)) status = give_up(&s, 0, err);
   if (!status) status = find_all(&s, err);
+  vs_budget_end(&s.budget);
   vs_subject_end(&s.subject);
+  free(counted);
   return status;
 }
 

@@ -15,6 +15,8 @@ typedef struct vs_sensitivity_order {
   size_t n_of, n_to;       /* 1 or more */
   int periods;             /* of the orbit, a period of which is measured; 0: the scene's run is */
   const volatile sig_atomic_t *stop; /* set by a signal: it ends; NULL: none */
+  long most_cycles; /* of the mains that its runs may take; 0: some more than so many keys want;
+                       for tests */
 } vs_sensitivity_order;
 
 /* One derivative. Where neither the measure nor the key is 0 it is d ln|measure|/d ln key. */
@@ -36,12 +38,14 @@ typedef struct vs_sensitivity {
                                    those of the measure itself, in its unit; where a key's is 0,
                                    they are per unit of the key */
   vs_sensitivity_entry *entry;  /* [n_of][n_to]; owned */
+  size_t told;                  /* the keys up to here are done: all but after an error */
   vs_text notes; /* what is to be said of them: lines, each with a line break behind it; owned */
 } vs_sensitivity;
 
 /* Finds them. Errors. VS_INPUT, at the place of the name: no such measure or key, the nearest is
  * named; a key that has no derivative; a measure that this run does not have; what refuses an
- * orbit. VS_RUN: those of the run. VS_SIGNAL. */
+ * orbit. VS_RUN: those of the run. VS_BUDGET: its budget is spent; the derivatives to the keys that
+ * are told stand, the others are NaN. VS_SIGNAL. */
 vs_status vs_sensitivity_find(const vs_scene *scene, const vs_sensitivity_order *order,
                               vs_sensitivity *out, vs_error *err);
 void vs_sensitivity_free(vs_sensitivity *sensitivity);

@@ -67,6 +67,7 @@ static bool run(search *w, const gsl_vector *t) {
 static int find_residuals(const gsl_vector *t, void *ctx, gsl_vector *f) {
   search *w = ctx;
   bool good = run(w, t);
+  if (vs_prediction_spent(w->d->prediction)) return GSL_EFAILED;
   if (good) vs_prediction_residuals(w->d->prediction, w->s, w->computed, f->data);
   for (size_t n = 0; n < f->size; n++)
     if (!good || !isfinite(gsl_vector_get(f, n)))
@@ -205,6 +206,7 @@ static void go_by_parts(search *w, gsl_multifit_nlinear_workspace *gsl, vs_desce
   double s[VS_INQUIRY_UNKNOWNS];
   memcpy(s, w->start, w->d->prediction->n_unknowns * sizeof *s);
   for (int k = w->d->by_parts ? 0 : N_PARTS - 1; k < N_PARTS; k++) {
+    if (vs_prediction_spent(w->d->prediction)) return;
     w->part = PARTS[k];
     go_down(w, gsl, s, out);
     if (!*out->why || out->chi2 > 0) memcpy(s, out->s, w->d->prediction->n_unknowns * sizeof *s);
@@ -303,17 +305,49 @@ static vs_status check_effects(vs_descender *d, const double *s, vs_error *err) 
   return status;
 }
 
+/* The least chi2 that was come to; its place in all->item, or all->count where no run is told. */
+static size_t least_of(const vs_descents *all) {
+  size_t least = all->count;
+  for (size_t k = 0; k < all->count; k++)
+    if (all->item[k].chi2 > 0 && (least == all->count || all->item[k].chi2 < all->item[least].chi2))
+      least = k;
+  return least;
+}
+
 static vs_status none_converged(vs_descender *d, const vs_descents *all, const double *first,
                                 vs_error *err) {
-  size_t least = 0;
   vs_status status = check_effects(d, first, err);
   if (status) return status;
-  for (size_t k = 0; k < all->count; k++)
-    if (all->item[k].chi2 > 0 &&
-        (!(all->item[least].chi2 > 0) || all->item[k].chi2 < all->item[least].chi2))
-      least = k;
+  const size_t found = least_of(all), least = found < all->count ? found : 0;
   return vs_fail(err, VS_RUN, "the fit does not converge from any of %zu starts; start %zu: %s",
                  all->count, least + 1, all->item[least].why);
+}
+
+vs_status vs_descents_spent(const vs_descender *d, const vs_descents *all, const char *stage,
+                            vs_error *err) {
+  const vs_prediction *p = d->prediction;
+  const int kind = p->budget.out[VS_BUDGET_CIRCUIT] ? VS_BUDGET_CIRCUIT : VS_BUDGET_IDEAL;
+  const size_t least = least_of(all);
+  vs_text at = {0};
+  if (least < all->count)
+    vs_text_add(&at, "the least chi2 is %.6g, in start %zu, %s, at", all->item[least].chi2,
+                least + 1, all->item[least].converged ? "which converged" : "not converged");
+  else
+    vs_text_add(&at, "no chi2 is known");
+  for (size_t k = 0; k < p->n_unknowns && least < all->count; k++) {
+    const vs_unknown *u = &p->inquiry->unknowns[k];
+    vs_text_add(&at, "%s %s = %.6g%s%s", k ? "," : "", u->name,
+                vs_unknown_value(u, all->item[least].s[k]), *u->axis.unit ? " " : "", u->axis.unit);
+  }
+  vs_status status = vs_fail(err, VS_BUDGET,
+                             "the fit's budget of %ld cycles of the mains %s is spent after %ld "
+                             "runs, %s; so far %s; fewer unknowns, or a start that is nearer, need "
+                             "fewer",
+                             p->budget.most[kind],
+                             kind == VS_BUDGET_CIRCUIT ? "in the circuit" : "on the ideal tiers",
+                             p->runs, stage, at.text);
+  vs_text_free(&at);
+  return status;
 }
 
 vs_status vs_descents_search(vs_descender *d, vs_descents *all, vs_error *err) {
@@ -326,11 +360,16 @@ vs_status vs_descents_search(vs_descender *d, vs_descents *all, vs_error *err) {
   vs_random_sobol_begin(sobol, q->n_unknowns, q->starts, q->seed);
   place(q, sobol, 0, first);
   vs_status status = try_first(d, first, &all->first_chi2, err);
+  if (!status && vs_prediction_spent(d->prediction))
+    status = vs_descents_spent(d, all, "before the first start", err);
   for (size_t r = 0; r < q->n_runs; r++) d->by_parts = d->by_parts || q->runs[r].recorded;
   for (size_t k = 0; k < all->count && !status; k++) {
     vs_descent *found = &all->item[k];
+    vs_budget *budget = &d->prediction->budget;
     place(q, sobol, k, s);
+    snprintf(budget->stage, sizeof budget->stage, "start %zu of %zu", k + 1, all->count);
     vs_descent_from(d, s, found);
+    if (vs_prediction_spent(d->prediction)) status = vs_descents_spent(d, all, budget->stage, err);
     bool none = all->best == all->count;
     if (found->converged && (none || found->chi2 < all->item[all->best].chi2)) all->best = k;
   }

@@ -43,9 +43,13 @@ typedef struct vs_descents {
 /* Goes down from the inquiry's starts. The further ones are points of Sobol's sequence between the
  * bounds; an unknown without a bound starts within a factor of 2, or half its scale, of its first
  * start. Errors: VS_INPUT, signs that have no ratio, or an
- * unknown without any effect; VS_RUN, none converged. vs_descents_free even
- * then. */
+ * unknown without any effect; VS_RUN, none converged; that of vs_descents_spent. vs_descents_free
+ * even then. */
 vs_status vs_descents_search(vs_descender *descender, vs_descents *descents, vs_error *err);
+/* The budget of the prediction is spent at that stage: says so, VS_BUDGET, and how far the searches
+ * came. */
+vs_status vs_descents_spent(const vs_descender *descender, const vs_descents *descents,
+                            const char *stage, vs_error *err);
 void vs_descents_free(vs_descents *descents);
 
 #endif

@@ -2,6 +2,7 @@
 #include "fit/outcome.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 /* Two searches came to the same minimum where their chi2 differ by less, or by less than this share
@@ -23,11 +24,19 @@ static void count_starts(vs_outcome *o) {
   }
 }
 
-static void follow_profiles(vs_descender *d, vs_outcome *o) {
+/* A profile during which the budget is spent counts as not made: an end of it would look open. */
+static vs_status follow_profiles(vs_descender *d, vs_outcome *o, vs_error *err) {
+  vs_budget *budget = &o->prediction.budget;
   o->profiles = vs_alloc(o->inquiry->n_unknowns, sizeof *o->profiles);
-  for (size_t k = 0; k < o->inquiry->n_unknowns; k++)
-    if (o->inquiry->profiled[k])
-      vs_likelihood_of(d, &o->estimate, k, &o->profiles[o->n_profiles++]);
+  for (size_t k = 0; k < o->inquiry->n_unknowns; k++) {
+    if (!o->inquiry->profiled[k]) continue;
+    snprintf(budget->stage, sizeof budget->stage, "profile of %.64s", o->inquiry->unknowns[k].name);
+    vs_likelihood_of(d, &o->estimate, k, &o->profiles[o->n_profiles]);
+    if (vs_prediction_spent(&o->prediction))
+      return vs_descents_spent(d, &o->descents, budget->stage, err);
+    o->n_profiles++;
+  }
+  return VS_OK;
 }
 
 static vs_pattern test_column(const vs_outcome *o, size_t run, size_t column) {
@@ -71,21 +80,46 @@ static void settle(vs_descender *d, vs_outcome *o) {
   if (better.converged && better.chi2 <= best->chi2 * (1 + SAME)) *best = better;
 }
 
+/* Iterations that a fit may take, in each of which every run is made with each unknown at four
+ * values (fit/slopes.c) and once more: for each start, of which one more is for the minimum's own
+ * slopes; and for each profile. Among the fits that come with the program and those of the tests a
+ * start took 41 at most and a profile 135: six times as many are a search that gets nowhere. */
+enum { FOR_A_START = 250, FOR_A_PROFILE = 800, VALUES = 4 };
+
+static double runs_for(const vs_inquiry *q) {
+  double iterations = FOR_A_START * ((double)q->starts + 1);
+  for (size_t k = 0; k < q->n_unknowns; k++)
+    if (q->profiled[k]) iterations += FOR_A_PROFILE;
+  return iterations * (1 + VALUES * (double)q->n_unknowns);
+}
+
+/* Finds the minimum and what it tells. */
+static vs_status find(vs_descender *d, vs_outcome *o, vs_error *err) {
+  vs_budget *budget = &o->prediction.budget;
+  d->slopes = kind_of(o, true);
+  vs_status status = vs_descents_search(d, &o->descents, err);
+  if (status) return status;
+  snprintf(budget->stage, sizeof budget->stage, "slopes at the minimum");
+  settle(d, o);
+  status = vs_estimate_at(d, &o->descents.item[o->descents.best], &o->estimate, err);
+  if (vs_prediction_spent(&o->prediction))
+    status = vs_descents_spent(d, &o->descents, budget->stage, err);
+  if (status) return status;
+  d->slopes = kind_of(o, true);
+  count_starts(o);
+  o->told = true;
+  test_columns(o);
+  return follow_profiles(d, o, err);
+}
+
 vs_status vs_outcome_of(const vs_inquiry *q, vs_outcome *o, vs_error *err) {
   *o = (vs_outcome){.inquiry = q};
   o->prediction = vs_prediction_of(q);
   vs_descender d = {.prediction = &o->prediction};
-  d.slopes = kind_of(o, true);
-  vs_status status = vs_descents_search(&d, &o->descents, err);
-  if (status) return status;
-  settle(&d, o);
-  status = vs_estimate_at(&d, &o->descents.item[o->descents.best], &o->estimate, err);
-  if (status) return status;
-  d.slopes = kind_of(o, true);
-  count_starts(o);
-  follow_profiles(&d, o);
-  test_columns(o);
-  return VS_OK;
+  vs_prediction_limit(&o->prediction, runs_for(q));
+  vs_status status = find(&d, o, err);
+  vs_prediction_unlimit(&o->prediction);
+  return status;
 }
 
 void vs_outcome_free(vs_outcome *o) {

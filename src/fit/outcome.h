@@ -24,9 +24,12 @@ typedef struct vs_outcome {
   size_t n_profiles;
   vs_outcome_column *columns; /* owned */
   size_t n_columns;
+  bool told; /* the minimum is found with all that it tells; after an error, too, where the budget
+                was spent over the profiles, which are then not all there */
 } vs_outcome;
 
-/* Fits. Errors: those of vs_descents_search and vs_estimate_at. vs_outcome_free even then. */
+/* Fits. Errors: those of vs_descents_search and vs_estimate_at; VS_BUDGET. vs_outcome_free even
+ * then. */
 vs_status vs_outcome_of(const vs_inquiry *inquiry, vs_outcome *outcome, vs_error *err);
 void vs_outcome_free(vs_outcome *outcome);
 

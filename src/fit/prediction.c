@@ -15,6 +15,50 @@ vs_prediction vs_prediction_of(const vs_inquiry *q) {
   return p;
 }
 
+/* ---- its budget ---- */
+
+/* Cycles of the mains that the search for an orbit takes, for each in its period, if it ends well:
+ * the most that docs/operation.md and docs/load.md tell of. Without a circuit it marches on where
+ * it is slow. */
+enum { ORBIT_IDEAL = 4300, ORBIT_CIRCUIT = 60 };
+/* What no budget has to exceed, and a long holds on every machine. */
+static const double MOST_CYCLES = 2e9;
+
+static void add_run(const vs_inquiry_run *run, double cycles[VS_BUDGET_KINDS]) {
+  const vs_scene *s = run->scene;
+  const int every = s->setup.timeline.firing.every > 1 ? s->setup.timeline.firing.every : 1;
+  const double period = (run->periods ? run->periods : 1) * every;
+  const bool orbit = run->periods || s->setup.steady || s->setup.wants_fraction;
+  const int kind = s->tier->has_circuit ? VS_BUDGET_CIRCUIT : VS_BUDGET_IDEAL;
+  cycles[kind] += run->periods ? period : (double)vs_session_cycles(s);
+  if (!orbit) return;
+  cycles[VS_BUDGET_IDEAL] += ORBIT_IDEAL * period;
+  if (s->tier->has_circuit) cycles[VS_BUDGET_CIRCUIT] += ORBIT_CIRCUIT * period;
+}
+
+void vs_prediction_limit(vs_prediction *p, double often) {
+  const vs_inquiry *q = p->inquiry;
+  double cycles[VS_BUDGET_KINDS] = {0};
+  for (size_t r = 0; r < q->n_runs; r++) add_run(&q->runs[r], cycles);
+  p->budget = (vs_budget){.what = "fit"};
+  for (int k = 0; k < VS_BUDGET_KINDS; k++)
+    p->budget.most[k] =
+        q->most_cycles ? q->most_cycles : lround(fmin(fmax(cycles[k] * often, 1), MOST_CYCLES));
+  for (size_t r = 0; r < q->n_runs; r++) {
+    p->budget.shows = p->budget.shows || q->runs[r].scene->order.shows;
+    q->runs[r].scene->order.budget = &p->budget;
+  }
+}
+
+void vs_prediction_unlimit(vs_prediction *p) {
+  for (size_t r = 0; r < p->inquiry->n_runs; r++) p->inquiry->runs[r].scene->order.budget = NULL;
+  vs_budget_end(&p->budget);
+}
+
+bool vs_prediction_spent(const vs_prediction *p) {
+  return p->budget.out[VS_BUDGET_IDEAL] || p->budget.out[VS_BUDGET_CIRCUIT];
+}
+
 /* ---- a run ---- */
 
 static vs_status begin(void *ctx, vs_scene *scene, vs_error *err) {

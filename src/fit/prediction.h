@@ -7,6 +7,8 @@
 
 typedef struct vs_prediction {
   const vs_inquiry *inquiry; /* borrowed; its scenes are altered */
+  vs_budget budget;          /* of its runs and of their searches for orbits, behind
+                                vs_prediction_limit */
   size_t n_unknowns, n_residuals;
   long runs;       /* how often a scene was run so far */
   long failures;   /* how many of these failed */
@@ -20,6 +22,13 @@ typedef struct vs_prediction {
 
 /* The inquiry must outlive it. */
 vs_prediction vs_prediction_of(const vs_inquiry *inquiry);
+
+/* Gives the scenes' orders a budget, with which each of the inquiry's scenes can be run about so
+ * often. The prediction must stay where it is until vs_prediction_unlimit. */
+void vs_prediction_limit(vs_prediction *prediction, double often);
+void vs_prediction_unlimit(vs_prediction *prediction);
+/* True if that budget is spent: from then on every run fails. */
+bool vs_prediction_spent(const vs_prediction *prediction);
 
 /* Puts the values s[n_unknowns] into the scene number `run`, without a run of it. Error: it cannot
  * be read. */

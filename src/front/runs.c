@@ -19,6 +19,7 @@
 /* What `run` and `steady` are asked for alike. */
 static vs_run_options run_options(const vs_arguments *a) {
   return (vs_run_options){.scene = vs_command_name(a),
+                          .steady = vs_steady_start,
                           .tier = a->tier,
                           .folder = a->output,
                           .sets = a->sets,

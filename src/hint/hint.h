@@ -3,7 +3,7 @@
 #ifndef VS_HINT_HINT_H
 #define VS_HINT_HINT_H
 
-#include "command/check.h"
+#include "command/findings.h"
 
 /* Looks through a deck whose parts have been read, and runs nothing. */
 void vs_hint_look(const vs_check_options *options, const vs_deck *deck, vs_check_bench *bench);

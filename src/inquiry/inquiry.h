@@ -76,7 +76,9 @@ typedef struct vs_inquiry {
   size_t n_priors; /* unknowns that have one: each counts as a residual, behind the data */
   uint64_t starts, seed;
   vs_slopes_word slopes;
-  bool difference;                    /* residual: difference */
+  bool difference;  /* residual: difference */
+  long most_cycles; /* of the mains that its runs may take; 0: what a fit like it wants; for tests,
+                       no key sets it */
   bool profiled[VS_INQUIRY_UNKNOWNS]; /* its profile is wanted */
 } vs_inquiry;
 

@@ -83,9 +83,16 @@ static vs_status iterate(vs_flight *f, vs_orbit *o, vs_error *err) {
   for (int k = 0; k < MOST_ITERATIONS; k++) {
     vs_error why = {0};
     before = change;
-    if (improve(f, o, &change, &why))
-      return vs_fail(err, VS_RUN, "no periodic orbit is found: in iteration %d, %s",
-                     o->iterations + 1, why.text);
+    vs_status status = improve(f, o, &change, &why);
+    if (status == VS_BUDGET && isfinite(before))
+      return vs_fail(err, status,
+                     "no periodic orbit is found: in iteration %d, where the last correction was "
+                     "%.2g of the motion, %s",
+                     o->iterations + 1, before, why.text);
+    if (status)
+      return vs_fail(err, status == VS_BUDGET ? status : VS_RUN,
+                     "no periodic orbit is found: in iteration %d, %s", o->iterations + 1,
+                     why.text);
     o->correction[o->iterations++] = o->residual = change;
     if (change <= CLOSED || (change < STALLED && change > before / 4)) return VS_OK;
   }
@@ -185,9 +192,8 @@ static vs_status judge(const vs_flight *f, const vs_shooting *how, vs_orbit *o, 
  * in reach six iterations are enough; the others are for machines that hit their stops, and for
  * subharmonics, beside which the orbit of a smaller period is unstable. */
 static const int MARCHES[] = {30, 300, 3000};
-/* A search that is not a part of another one ends at so many cycles of the mains, which take some
- * 16 s. That of a short period ends before, for a reason of its own: one of a single cycle has 4300
- * at most. */
+/* A search ends at so many cycles of the mains, which take some 16 s. That of a short period ends
+ * before, for a reason of its own: one of a single cycle has 4300 at most. */
 enum { MOST_CYCLES = 400000 };
 enum { ATTEMPTS = sizeof MARCHES / sizeof *MARCHES };
 
@@ -212,8 +218,8 @@ static vs_status march(vs_flight *f, int periods, vs_orbit *o, vs_error *err) {
                    "actuator.stop; actuator.stop={} gives it one, %s keeps it off",
                    vs_mechanics_travel_name(m), -1e3 * m->actuator.gap_m, f->beyond_s,
                    vs_shooting_weakens(f->given));
-  return vs_fail(err, VS_RUN, "no periodic orbit is found: on the way from the start, %s",
-                 why.text);
+  return vs_fail(err, status == VS_BUDGET ? status : VS_RUN,
+                 "no periodic orbit is found: on the way from the start, %s", why.text);
 }
 
 /* Newton's iteration from o->x, and once more where the orbit repeats earlier, as its own map is
@@ -248,7 +254,11 @@ static vs_status refuse_subharmonic(vs_flight *f, const vs_shooting *how, const 
     vs_error why = {0};
     other.n = n;
     memcpy(other.x, x, sizeof other.x);
-    if (close_in(f, &other, &why) || other.n <= least || !other.stable) continue;
+    vs_status status = close_in(f, &other, &why);
+    if (status == VS_BUDGET)
+      return vs_fail(err, status, "%s: while one of period %d was looked for, %s",
+                     missing ? missing : found, n, why.text);
+    if (status || other.n <= least || !other.stable) continue;
     o->runs_on = other.n;
     return vs_fail(err, VS_RUN,
                    "--period %d: of the orbits %s, and the machine runs on %s of period %d, which "
@@ -283,7 +293,8 @@ static vs_status seek(vs_flight *f, const vs_shooting *how, vs_orbit *o, vs_erro
     if (how->from || (!status && (o->n == how->periods || o->stable))) break;
     if (k + 1 < ATTEMPTS) memcpy(o->x, x, sizeof x);
   }
-  if (status && (how->from || how->quietly)) return vs_fail(err, status, "%s", why.text);
+  if (status && (how->from || how->quietly || status == VS_BUDGET))
+    return vs_fail(err, status, "%s", why.text);
   if (!how->from && !how->quietly && (status || !o->stable))
     status = refuse_subharmonic(f, how, x, o, status ? why.text : NULL, err);
   if (status) return status;
@@ -305,9 +316,12 @@ vs_status vs_shooting_seek(const vs_scene *scene, const vs_shooting *how, vs_orb
                    scene->tier->name);
   if (status) return status;
   vs_flight flight;
-  vs_budget own = {.what = "periodic orbit", .most = {MOST_CYCLES, 1}, .shows = scene->order.shows};
+  vs_budget own = {.what = "periodic orbit",
+                   .of = scene->order.budget,
+                   .most = {MOST_CYCLES, 1},
+                   .shows = scene->order.shows && !scene->order.budget};
   vs_flight_begin(&flight, scene);
-  if (!flight.budget) flight.budget = &own;
+  flight.budget = &own;
   o->count = flight.states;
   status = seek(&flight, how, o, err);
   vs_flight_end(&flight);

@@ -3,7 +3,7 @@
 #ifndef VS_PLAN_INSPECT_H
 #define VS_PLAN_INSPECT_H
 
-#include "command/check.h"
+#include "command/findings.h"
 #include "plan/method.h"
 
 /* True if name is a file that is a study rather than a scene, or is the name of a study that comes

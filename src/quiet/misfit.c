@@ -45,9 +45,9 @@ void vs_misfit_find_signals(const vs_record *r, const vs_oneport *port, vs_misfi
   double signal[VS_SIGNALS];
   for (size_t k = 0; k < r->n_seen; k++) {
     const vs_seen *seen = r->seen[k];
-    vs_signals_at(vs_oneport_signals(port), seen->knot.t_s, &wrong->coil[k], signal);
+    vs_responses_at(vs_oneport_responses(port), seen->knot.t_s, &wrong->coil[k], signal);
     for (size_t n = 0; n < vs_record_signals(r); n++)
       wrong->signal[n] =
-          fmax(wrong->signal[n], fabs(signal[n] - vs_signals_seen(r->frame, seen, n)));
+          fmax(wrong->signal[n], fabs(signal[n] - vs_responses_seen(r->frame, seen, n)));
   }
 }

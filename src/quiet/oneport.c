@@ -38,7 +38,7 @@ struct vs_oneport {
   bool dynamic;                /* false: the static law, i = i_N(t) */
   double cosine, sine, mean_a; /* of i_N, A; of the dynamic law the first two of its integral, C */
   double g_s, c_f, tau_s;
-  vs_signals signals;
+  vs_responses signals;
   double shape[LAW_COLUMNS][LAW_COLUMNS]; /* R of the dynamic law's fit, in its first `rank` rows
                                              and  columns */
   double scale[LAW_COLUMNS];              /* what each column of R was divided by */
@@ -303,10 +303,10 @@ bool vs_oneport_fit_signals(vs_oneport *o, const vs_seen *const *seen, size_t co
     vs_oneport_state(&seen[k]->knot, y);
     coil[k] = vs_oneport_coil(o, seen[k]->knot.t_s, y);
   }
-  return vs_signals_fit(&o->signals, o->frame, seen, coil, count);
+  return vs_responses_fit(&o->signals, o->frame, seen, coil, count);
 }
 
-const vs_signals *vs_oneport_signals(const vs_oneport *o) {
+const vs_responses *vs_oneport_responses(const vs_oneport *o) {
   return &o->signals;
 }
 
@@ -322,7 +322,7 @@ vs_oneport *vs_oneport_new(const vs_setup *setup, const vs_frame *frame, size_t 
   vs_oneport *o = vs_alloc(1, sizeof *o);
   o->setup = setup;
   o->frame = frame;
-  vs_signals_begin(&o->signals, setup->timeline.omega_rad_s, frame->deck->n_terms + 1 + memories);
+  vs_responses_begin(&o->signals, setup->timeline.omega_rad_s, frame->deck->n_terms + 1 + memories);
   /* only the states that the machine has: the others' rates are not set */
   o->system = (gsl_odeiv2_system){rhs, NULL, VS_ONEPORT_Q + 2 * (size_t)setup->model.dof, o};
   o->step = vs_checked(gsl_odeiv2_step_alloc(gsl_odeiv2_step_rkf45, o->system.dimension));

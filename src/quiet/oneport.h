@@ -15,7 +15,7 @@
 #ifndef VS_QUIET_ONEPORT_H
 #define VS_QUIET_ONEPORT_H
 
-#include "quiet/signals.h"
+#include "quiet/responses.h"
 #include "setup/setup.h"
 
 /* The state that the law integrates: lambda, Wb, v, V, and then q and q' of the machine. */
@@ -53,7 +53,7 @@ bool vs_oneport_advance(vs_oneport *o, double from_s, double to_s, double y[VS_O
 vs_coil_state vs_oneport_coil(const vs_oneport *o, double t_s, const double y[VS_ONEPORT_STATES]);
 
 /* The signals that vs_oneport_fit_signals found; owned by the one-port. */
-const vs_signals *vs_oneport_signals(const vs_oneport *o);
+const vs_responses *vs_oneport_responses(const vs_oneport *o);
 
 /* Fits the source alone anew, with the law's G, C and tau, to a cycle that the law was not fitted
  * to. With that source the current, A, of a coil at rest would be another: *sine_a is the amplitude

@@ -16,12 +16,12 @@ static void see_range_of(const vs_record *r, const vs_oneport *port, size_t n, r
   double least = INFINITY, most = -INFINITY;
   for (size_t k = 0; k < r->n_seen; k++) {
     const vs_seen *seen = r->seen[k];
-    double value = of_eva ? seen->knot.v_eva_v : vs_signals_seen(r->frame, seen, n);
+    double value = of_eva ? seen->knot.v_eva_v : vs_responses_seen(r->frame, seen, n);
     least = fmin(least, value);
     most = fmax(most, value);
   }
   double slack = (most - least) / 2 + (of_eva ? 0 : vs_record_allowed(r, n));
-  bool drifts = !of_eva && vs_signals_drift(vs_oneport_signals(port), n) != 0;
+  bool drifts = !of_eva && vs_responses_drift(vs_oneport_responses(port), n) != 0;
   out->least[n] = drifts ? -INFINITY : least - slack;
   out->most[n] = drifts ? INFINITY : most + slack;
 }
@@ -34,7 +34,7 @@ static bool in_range(const vs_record *r, const vs_oneport *port, const range *se
                      const vs_coil_state *c) {
   double signal[VS_SIGNALS];
   size_t count = vs_record_signals(r);
-  vs_signals_at(vs_oneport_signals(port), t_s, c, signal);
+  vs_responses_at(vs_oneport_responses(port), t_s, c, signal);
   for (size_t n = 0; n < count; n++)
     if (!(signal[n] >= seen->least[n] && signal[n] <= seen->most[n])) return false;
   return c->v_v >= seen->least[count] && c->v_v <= seen->most[count];

@@ -156,7 +156,7 @@ static bool signal_holds(const quiet *q, size_t n, double until_s) {
   size_t terms = vs_record_terms(r);
   double most = vs_record_allowed(r, n), misfit_most = most;
   double drift =
-      fabs(vs_signals_drift(vs_oneport_signals(q->port), n)) * (until_s - r->last.knot.t_s);
+      fabs(vs_responses_drift(vs_oneport_responses(q->port), n)) * (until_s - r->last.knot.t_s);
   double times = n < terms && !in_a_store(q, n) ? MOST_DRIFT : 1;
   if (n > terms) { /* a memory: the bias of a capacitor that begins charged counts too */
     double bias = fmax(r->most[n - terms - 1], -r->least[n - terms - 1]);
@@ -304,7 +304,7 @@ static vs_status step(void *self, vs_knot *k, double t_s, vs_error *err) {
   if (!vs_oneport_advance(q->port, k->t_s, t_s, y))
     return vs_fail(err, VS_RUN, "t = %.9g s: GSL cannot step on", t_s);
   vs_coil_state c = vs_oneport_coil(q->port, t_s, y);
-  vs_signals_at(vs_oneport_signals(q->port), t_s, &c, signal);
+  vs_responses_at(vs_oneport_responses(q->port), t_s, &c, signal);
   k->t_s = t_s;
   memcpy(k->x, y + VS_ONEPORT_Q, sizeof k->x);
   k->flux_wb = c.flux_wb;
@@ -334,9 +334,9 @@ static double missed(const void *self, const vs_knot *own, const vs_knot *solver
   double worst = 0;
   for (size_t n = 0; n < vs_record_signals(&q->record); n++) {
     if (vs_record_is_control(&q->record, n) ||
-        vs_signals_drift(vs_oneport_signals(q->port), n) != 0)
+        vs_responses_drift(vs_oneport_responses(q->port), n) != 0)
       continue; /* an integral: the solver's own stood still */
-    double off = vs_signals_seen(q->frame, &b, n) - vs_signals_seen(q->frame, &a, n);
+    double off = vs_responses_seen(q->frame, &b, n) - vs_responses_seen(q->frame, &a, n);
     double hidden = n > terms ? 2 * q->unfitted[n] : 0;
     worst = fmax(worst, fabs(off) / fmax(vs_record_allowed(&q->record, n), hidden));
   }

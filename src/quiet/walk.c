@@ -52,10 +52,10 @@ void vs_walk_shares_of(const vs_record *r, const vs_oneport *port, vs_walk_share
     const vs_seen *seen = r->seen[k];
     vs_oneport_state(&seen->knot, y);
     vs_coil_state c = vs_oneport_coil(port, seen->knot.t_s, y);
-    vs_signals_at(vs_oneport_signals(port), seen->knot.t_s, &c, signal);
+    vs_responses_at(vs_oneport_responses(port), seen->knot.t_s, &c, signal);
     weights(r, k, weight);
     for (size_t n = 0; n < count; n++)
-      add_shares(weight, signal[n] - vs_signals_seen(r->frame, seen, n), all->of[n]);
+      add_shares(weight, signal[n] - vs_responses_seen(r->frame, seen, n), all->of[n]);
   }
 }
 
@@ -145,7 +145,7 @@ double vs_walk_signals(const vs_record *r, const vs_oneport *port, const vs_moda
     if (vs_record_is_control(r, n)) continue;
     bool shown = n <= vs_record_terms(r);
     double times =
-        vs_signals_hangs(vs_oneport_signals(port), n) ? fmin(cycles, beat) : SAFETY * cycles;
+        vs_responses_hangs(vs_oneport_responses(port), n) ? fmin(cycles, beat) : SAFETY * cycles;
     double each = shown ? w->signal[n] : fmax(w->signal[n] - SAMPLING * misfit_now[n], 0);
     double error = (shown ? misfit_now[n] : 0) + times * each, allowed = vs_record_allowed(r, n);
     if (!shown && !(error <= allowed)) return INFINITY;

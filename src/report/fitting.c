@@ -94,8 +94,13 @@ static vs_status fit(const vs_fitting_options *options, const vs_inquiry *q, vs_
   if (made) vs_leave_remove(options->folder); /* a signal leaves no empty folder */
   if (!status) status = vs_outcome_of(q, o, err);
   if (made) vs_leave_forget(options->folder);
-  if (!status) say(options, o);
-  if (!status && folder) status = write_files(options, o, err);
+  if (o->told) say(options, o);
+  if (o->told && folder) {
+    vs_error other = {0};
+    vs_status written = write_files(options, o, &other);
+    if (written) *err = other, status = written;
+    folder = written;
+  }
   if (status && folder) vs_file_folder_unmake(options->folder, made);
   vs_outcome_free(o);
   free(o);
@@ -109,6 +114,7 @@ vs_status vs_fitting_command(const vs_fitting_options *options, vs_error *err) {
   for (size_t r = 0; r < q->n_runs && !status && !options->quiet; r++)
     vs_scene_warn(q->runs[r].scene);
   for (size_t r = 0; r < q->n_runs && !status; r++) {
+    q->runs[r].scene->order.shows = !options->quiet && isatty(STDERR_FILENO);
     q->runs[r].scene->allow_code = options->allow_code;
     status = vs_control_allow(&q->runs[r].scene->control, options->allow_code, err);
   }

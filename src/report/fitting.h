@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "command/check.h"
+#include "command/findings.h"
 
 typedef struct vs_fitting_options {
   const char *name;  /* a path, or the name of a fit that comes with the program */

@@ -436,6 +436,21 @@ vs_status vs_session_run(const vs_session *session, vs_scene *scene, vs_result *
   return status;
 }
 
+/* ---- what it takes ---- */
+
+/* More cycles than any search has time for, and few enough to be counted in 32 bits. */
+static const double COUNTED = 1e9;
+
+long vs_session_cycles(const vs_scene *scene) {
+  const vs_setup *setup = &scene->setup;
+  return lround(fmin(fmax(ceil(setup->run.until_s / setup->timeline.period_s - 1e-9), 1), COUNTED));
+}
+
+vs_status vs_session_take(const vs_scene *scene, vs_error *err) {
+  return vs_budget_take(scene->order.budget, scene->tier->has_circuit, vs_session_cycles(scene),
+                        err);
+}
+
 /* ---- what follows ---- */
 
 static void print_allowed(const vs_judgement *j, double unit, char *text, size_t size) {

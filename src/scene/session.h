@@ -56,6 +56,13 @@ typedef struct vs_session {
 vs_status vs_session_run(const vs_session *session, vs_scene *scene, vs_result *result,
                          vs_error *err);
 
+/* Cycles of the mains that a run of the scene takes, of its search for an orbit apart; at least 1.
+ */
+long vs_session_cycles(const vs_scene *scene);
+
+/* Counts them on the budget of the scene's order, for who searches by runs. Error: VS_BUDGET. */
+vs_status vs_session_take(const vs_scene *scene, vs_error *err);
+
 /* What follows from the verdict. VS_SIGNAL: its second run was stopped. VS_OK: every line is held,
  * or is unverified and within its limit. VS_RATING: a line is violated or undecided; err then names
  * the worst one. */

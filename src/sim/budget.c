@@ -34,8 +34,10 @@ vs_status vs_budget_take(vs_budget *b, bool has_circuit, long cycles, vs_error *
   if (!b) return VS_OK;
   b->out[kind] = b->out[kind] || cycles > b->most[kind] - b->spent[kind];
   if (b->out[kind])
-    return vs_fail(err, VS_RUN, "the search's budget of %ld cycles of the mains %s is spent",
+    return vs_fail(err, VS_BUDGET, "the search's budget of %ld cycles of the mains %s is spent",
                    b->most[kind], has_circuit ? "in the circuit" : "on the ideal tiers");
+  vs_status status = vs_budget_take(b->of, has_circuit, cycles, err);
+  if (status) return status;
   b->spent[kind] += cycles;
   if (b->shows) show(b);
   return VS_OK;

@@ -13,6 +13,8 @@ enum { VS_BUDGET_IDEAL, VS_BUDGET_CIRCUIT, VS_BUDGET_KINDS };
 /* Start from {.what = ..., .most = ...}. */
 typedef struct vs_budget {
   const char *what;            /* the search, as its messages name it */
+  struct vs_budget *of;        /* that of the search that this one is a part of, on which it counts,
+                                  too; NULL: it is a part of none; borrowed */
   long most[VS_BUDGET_KINDS];  /* cycles that may be run; at least 1 */
   long spent[VS_BUDGET_KINDS]; /* cycles that were run so far */
   bool out[VS_BUDGET_KINDS];   /* more of them was wanted than was left */
@@ -22,8 +24,8 @@ typedef struct vs_budget {
   double began_s, shown_s;     /* wall clock: 0, not yet */
 } vs_budget;
 
-/* Counts cycles that are to be run. Error: VS_RUN, the budget has none left; they are not to be run
- * then. budget NULL: there is no limit. */
+/* Counts cycles that are to be run. Error: VS_BUDGET, there are none left of it, or of the one that
+ * it is a part of; they are not to be run then. budget NULL: there is no limit. */
 vs_status vs_budget_take(vs_budget *budget, bool has_circuit, long cycles, vs_error *err);
 
 /* Takes the line of progress away. */

@@ -65,6 +65,8 @@ typedef struct search {
   const vs_deck *deck;
   vs_names globals;            /* the nodes of its lines .global */
   vs_names definitions, twins; /* lines .subckt that stand in no other; the names that two have */
+  vs_names functions;          /* that the netlist defines itself */
+  bool branching, reading;     /* the formula of one of these has branches; reads a signal itself */
   vs_memories *all;
 } search;
 
@@ -90,10 +92,38 @@ static bool has(const vs_names *names, const char *name) {
   return vs_names_find(names, name, strlen(name), NULL);
 }
 
+/* True for a line whose formula has branches, or what is as steep as one. */
+static bool has_branches(const char *line) {
+  static const char *const BRANCHING[] = {
+      "u",   "u2",  "uramp", "sgn",   "floor", "ceil",        "int",  "nint", "if",
+      "min", "max", "limit", "table", "pwl",   "ternary_fcn", "tanh", "atan", "arctan"};
+  if (strpbrk(line, "?<>&|")) return true;
+  for (size_t k = 0; k < sizeof BRANCHING / sizeof *BRANCHING; k++)
+    if (vs_words_find(line, line, BRANCHING[k], strlen(BRANCHING[k]))) return true;
+  return false;
+}
+
+/* Takes in a line ".func NAME(...) ..." or ".param NAME(...)=...". */
+static void list_function(search *s, const vs_line *line) {
+  if (!starts(line, ".func") && !starts(line, ".param")) return;
+  const char *at = line->text + strcspn(line->text, " \t");
+  char name[VS_MEMORY_NAME];
+  size_t n = 0;
+  at += strspn(at, " \t");
+  while (vs_words_goes_on(at[n])) n++;
+  const char *open = at + n + strspn(at + n, " \t");
+  if (*open != '(' || n >= sizeof name) return;
+  snprintf(name, sizeof name, "%.*s", (int)n, at);
+  vs_names_put(&s->functions, name, 0);
+  s->branching = s->branching || has_branches(open);
+  s->reading = s->reading || vs_words_find(open, open, "v", 1) || vs_words_find(open, open, "i", 1);
+}
+
 /* Lists what is looked for by name in all of the deck. */
 static void list_names(search *s) {
   const vs_line *lines = s->deck->lines;
   words w;
+  for (size_t k = 0; k < s->deck->n_lines; k++) list_function(s, &lines[k]);
   for (size_t k = 0; k < s->deck->n_lines; k++) {
     if (!starts(&lines[k], ".global")) continue;
     split(lines[k].text, &w);
@@ -126,7 +156,6 @@ static bool add(const search *s, const vs_memory *m) {
   for (size_t k = 0; k < all->count; k++) {
     const vs_memory *old = &all->item[k];
     if (strcmp(old->plus, m->plus) || strcmp(old->minus, m->minus)) continue;
-    if (m->threshold == VS_THRESHOLD_NONE) return true;
     if (old->threshold == m->threshold && !memcmp(old->level, m->level, sizeof m->level))
       return true;
   }
@@ -202,16 +231,29 @@ static bool holds_charge(const search *s, const words *w, size_t from) {
   return false;
 }
 
-/* True for a code model whose output follows from its inputs alone, and steadily so. */
+/* True for a code model whose output follows from its inputs alone, and steadily so: no limiter, no
+ * table, which may be as steep as a comparator, and nothing digital, which has levels and delays.
+ */
 static bool forgets(const search *s, const words *w) {
-  static const char *const MEMORIES[] = {"hyst",    "slew", "s_xfer", "int",     "d_dt",
-                                         "lcouple", "core", "delay",  "pswitch", "aswitch"};
-  return w->count > 1 && !MODEL_SAYS(s->deck, w->word[w->count - 1], MEMORIES);
+  static const char *const STEADY[] = {"gain", "summer", "mult"};
+  bool steady = false;
+  size_t k = 0;
+  words model;
+  while (next_model(s->deck, w->word[w->count - 1], &k, &model)) {
+    steady = false;
+    for (size_t n = 0; model.count > 2 && n < sizeof STEADY / sizeof *STEADY; n++)
+      steady = steady || !strcmp(model.word[2], STEADY[n]);
+    if (!steady) return false;
+  }
+  return steady;
 }
 
+/* Adds what a transistor remembers, and what turns it on: one that conducts above a voltage is a
+ * comparator, too. */
 static bool transistor(const search *s, const level *l, const words *w) {
   const char *const *n = w->word + 1;
-  if (w->count < 5) return false;
+  vs_memory m = {.threshold = VS_THRESHOLD_UNKNOWN};
+  if (w->count < 5 || !add_control(s, l, n[1], n[2], &m)) return false;
   if (strchr("qj", **w->word) && !holds_charge(s, w, 4)) return true;
   bool good = add_voltage(s, l, n[1], n[0]) && add_voltage(s, l, n[1], n[2]);
   return good && (**w->word == 'q' || add_voltage(s, l, n[0], n[2]));
@@ -274,17 +316,6 @@ static bool control(const search *s, const level *l, const words *w) {
                     : add_current(s, l, w->word[3], &m);
 }
 
-/* True for a line whose formula has branches. */
-static bool has_branches(const char *line) {
-  static const char *const BRANCHING[] = {"u",    "u2",    "uramp", "sgn", "floor",
-                                          "ceil", "int",   "nint",  "if",  "min",
-                                          "max",  "limit", "table", "pwl", "ternary_fcn"};
-  if (strpbrk(line, "?<>&|")) return true;
-  for (size_t k = 0; k < sizeof BRANCHING / sizeof *BRANCHING; k++)
-    if (vs_words_find(line, line, BRANCHING[k], strlen(BRANCHING[k]))) return true;
-  return false;
-}
-
 /* Adds what v(...) or i(...) reads, whose bracket opens there. */
 static bool add_read(const search *s, const level *l, char kind, const char *open) {
   vs_word all[VS_WORDS_MOST];
@@ -302,9 +333,24 @@ static bool add_read(const search *s, const level *l, char kind, const char *ope
   return kind == 'v' ? add_control(s, l, name[0], name[1], &m) : add_current(s, l, name[0], &m);
 }
 
-/* Adds every signal that a formula with branches reads. */
+/* True for a line that calls a function of the netlist's own. */
+static bool calls(const search *s, const char *line) {
+  for (const char *at = line; s->functions.count && (at = strchr(at, '(')); at++) {
+    const char *end = at;
+    while (end > line && strchr(" \t", end[-1])) end--;
+    const char *begin = end;
+    while (begin > line && vs_words_goes_on(begin[-1])) begin--;
+    if (vs_names_find(&s->functions, begin, (size_t)(end - begin), NULL)) return true;
+  }
+  return false;
+}
+
+/* Adds every signal that a formula with branches reads. Which of the netlist's functions has them
+ * is not told apart. Returns false where no signal of the line's own shows what is read. */
 static bool branches(const search *s, const level *l, const char *line) {
-  if (!has_branches(line)) return true;
+  const bool called = (s->branching || s->reading) && calls(s, line);
+  if (called && s->reading) return false;
+  if (!called && !has_branches(line)) return true;
   for (const char *at = line; (at = strpbrk(at, "vViI")); at++) {
     bool begins = at > line && !vs_words_goes_on(at[-1]);
     const char *open = at + 1 + strspn(at + 1, " \t");
@@ -439,6 +485,7 @@ bool vs_memory_list(const vs_deck *deck, vs_memories *all) {
   vs_names_free(&s.globals);
   vs_names_free(&s.definitions);
   vs_names_free(&s.twins);
+  vs_names_free(&s.functions);
   free(top);
   return good;
 }

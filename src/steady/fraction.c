@@ -286,7 +286,7 @@ static vs_status give_up(const search *s, vs_error *err) {
   if (!isnan(s->at))
     snprintf(last, sizeof last, "the last that came to its end was %.6g, which asks for %.6g",
              s->at, s->at + s->more);
-  return vs_fail(err, VS_RUN,
+  return vs_fail(err, VS_BUDGET,
                  "load.fraction: auto: no share is found within the search's budget of %ld cycles "
                  "of the mains in the circuit and %ld on the ideal tiers; %d %s tried, and "
                  "the one looked for lies between %.6g and %.6g: %s; write load.fraction as a "
@@ -312,9 +312,10 @@ static vs_budget budget_of(const vs_scene *scene, int periods) {
   const vs_firing_values *firing = &scene->setup.timeline.firing;
   long cycles = (long)periods * (firing->every > 1 ? firing->every : 1);
   return (vs_budget){.what = "load.fraction: auto",
+                     .of = scene->order.budget,
                      .most = {larger(MOST_IDEAL, FOR_EACH_IDEAL * cycles),
                               larger(MOST_CIRCUIT, FOR_EACH_CIRCUIT * cycles)},
-                     .shows = scene->order.shows};
+                     .shows = scene->order.shows && !scene->order.budget};
 }
 
 vs_status vs_fraction_settle(vs_scene *scene, int periods, vs_error *err) {
@@ -329,7 +330,7 @@ vs_status vs_fraction_settle(vs_scene *scene, int periods, vs_error *err) {
   s->slope = NAN;
   vs_status status = find_guided(s, &f, err);
   vs_budget_end(&budget);
-  if (status == VS_RUN && is_out(s)) status = give_up(s, err);
+  if ((status == VS_RUN || status == VS_BUDGET) && is_out(s)) status = give_up(s, err);
   if (!status) {
     const vs_load_values load = setup->model.load;
     status = vs_build_loaded(setup->machine, &setup->model, &load, f.share, &setup->model, err);

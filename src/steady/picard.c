@@ -158,7 +158,7 @@ static vs_status take_orbit(vs_picard *p, const vs_knot *end, bool *begins, vs_e
 
 /* ---- its budget ---- */
 
-/* Cycles of the mains that a search may take that is not a part of another one. The search for an
+/* Cycles of the mains that a search may take. The search for an
  * orbit of one cycle ends before, for a reason of its own. Where the orbit's period is long there
  * are at least so many for each cycle in it. */
 enum { MOST_IDEAL = 400000, MOST_CIRCUIT = 1500, FOR_EACH = 100 };
@@ -171,8 +171,9 @@ static vs_budget whole_search(const vs_scene *scene, int periods) {
   long cycles = (long)periods * cycles_of(scene);
   return (vs_budget){
       .what = "periodic orbit",
+      .of = scene->order.budget,
       .most = {MOST_IDEAL, cycles > MOST_CIRCUIT / FOR_EACH ? FOR_EACH * cycles : MOST_CIRCUIT},
-      .shows = scene->order.shows};
+      .shows = scene->order.shows && !scene->order.budget};
 }
 
 /* ---- the pilot ---- */
@@ -183,7 +184,7 @@ enum { MOST_PASSES = 200 };
 static void begin(void *self, const vs_setup *setup) {
   vs_picard *p = self;
   vs_search *s = p->search;
-  if (s->budget == &p->budget) p->budget = whole_search(p->ideal, p->orbit.n); /* a run anew */
+  p->budget = whole_search(p->ideal, p->orbit.n); /* a run anew */
   vs_search_begin(s, setup);
   /* Where a stop is in reach, and there is no other Phi than the swing's own. */
   if (!s->guessed && setup->model.stops.count) {
@@ -327,7 +328,7 @@ vs_status vs_picard_new(const vs_scene *scene, int periods, bool wants_multiplie
   *p = (vs_picard){.wants_multipliers = wants_multipliers, .ideal = on_ideal_tier(scene)};
   p->search = vs_alloc(1, sizeof *p->search);
   p->budget = whole_search(scene, periods);
-  p->search->budget = scene->order.budget ? scene->order.budget : &p->budget;
+  p->search->budget = &p->budget;
   p->search->of_mains = cycles_of(scene);
   p->search->orbit = &p->orbit;
   p->search->next = p->pilot.x;

@@ -30,7 +30,7 @@ typedef struct vs_picard {
   char missing[256]; /* why none is, where they were wanted */
   bool wants_multipliers;
   double guess[VS_ORBIT_STATES]; /* the orbit of tier switched, or the scene's start, at t = 0 */
-  vs_budget budget;              /* of this search, where the scene's order has none */
+  vs_budget budget;              /* of this search */
   vs_scene *ideal;               /* the scene on tier switched; owned */
   struct vs_search *search;      /* the present one; owned */
 } vs_picard;

@@ -165,6 +165,15 @@ static void warn_of_stability(const vs_steady *s) {
             s->picard->missing);
 }
 
+/* A difference of the same energies at both ends. It is known no better than the books of these
+ * energies close: what they leave over at most is told as 0. */
+static double stored(const vs_energy *e) {
+  double gained = e->joule[VS_E_MAGNETIC] + e->joule[VS_E_MECHANICAL], left = 0;
+  for (int b = 0; b < VS_BALANCES; b++)
+    if (e->balanced[b]) left = fmax(left, fabs(e->furthest_j[b]));
+  return fabs(gained) <= left ? 0 : gained;
+}
+
 void vs_steady_finish(vs_steady *steady, const vs_result *r) {
   const double *joule = r->watchers.energy.joule;
   if (steady->picard) steady->orbit = steady->picard->orbit;
@@ -180,7 +189,7 @@ void vs_steady_finish(vs_steady *steady, const vs_result *r) {
   steady->displacement_factor = vs_quality_displacement(first, MAINS);
   steady->thd = vs_quality_thc(current) / vs_spectrum_harmonic(current, 1);
   steady->devices = r->watchers.devices;
-  steady->energy_stored_j = joule[VS_E_MAGNETIC] + joule[VS_E_MECHANICAL];
+  steady->energy_stored_j = stored(&r->watchers.energy);
   warn_of_speed(steady);
   warn_of_stability(steady);
 }

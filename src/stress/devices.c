@@ -499,10 +499,42 @@ static void follow_on(const vs_devices *d, const vs_watched *w, const opening *o
   }
 }
 
-/* Energies of a device are parts of what it took in. */
-static void round_off(const vs_watched *w, vs_reduced *r) {
-  const bool energy = !strcmp(r->measure->unit, "J");
-  r->value.value = vs_value_told(r->value.value, energy ? w->sum[VS_OF_POWER] : 0);
+/* The sizes of what a circuit's equations are summed from: the largest current and voltage of any
+ * of its devices, and for how long. */
+typedef struct sizes {
+  double a, v, s;
+} sizes;
+
+static sizes find_sizes(const vs_devices *d) {
+  sizes z = {0, 0, d->now_s - d->began_s};
+  for (size_t k = 0; k < d->count; k++)
+    for (size_t n = 0; n < d->item[k].count; n++) {
+      const vs_reduced *r = &d->item[k].reduced[n];
+      const double size = fabs(r->value.value);
+      if (!r->value.known || !isfinite(size)) continue;
+      if (!strcmp(r->measure->unit, "A")) z.a = fmax(z.a, size);
+      if (!strcmp(r->measure->unit, "V")) z.v = fmax(z.v, size);
+    }
+  return z;
+}
+
+/* The current of a device is what the other currents of its node leave over, and its voltage is a
+ * difference of two nodes' voltages. So neither is known better than to the rounding of the largest
+ * in the circuit, and power and energy not better than to that part of the product of both. A sum
+ * of sixteen such terms, more than a node has, is off by their number times the rounding of one. */
+enum { TERMS = 16 };
+
+static double size_of(const char *unit, const sizes *z) {
+  if (!strcmp(unit, "A")) return z->a;
+  if (!strcmp(unit, "V")) return z->v;
+  if (!strcmp(unit, "W")) return z->a * z->v;
+  return !strcmp(unit, "J") ? z->a * z->v * z->s : 0;
+}
+
+static void round_off(const vs_watched *w, vs_reduced *r, const sizes *z) {
+  const char *unit = r->measure->unit;
+  const double whole = !strcmp(unit, "J") ? fabs(w->sum[VS_OF_POWER]) : 0; /* it is a part of */
+  r->value.value = vs_value_told(r->value.value, fmax(TERMS * size_of(unit, z), whole));
 }
 
 void vs_devices_finish(vs_devices *d) {
@@ -520,6 +552,9 @@ void vs_devices_finish(vs_devices *d) {
     for (size_t n = 0; n < d->item[k].count; n++) {
       vs_reduced *r = &d->item[k].reduced[n];
       if (r->by->settle) r->by->settle(&d->item[k], r);
-      round_off(&d->item[k], r);
     }
+  const sizes z = find_sizes(d);
+  for (size_t k = 0; k < d->count; k++)
+    for (size_t n = 0; n < d->item[k].count; n++)
+      round_off(&d->item[k], &d->item[k].reduced[n], &z);
 }

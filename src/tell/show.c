@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "drive/firing.h"
 #include "syntax/units.h"
 #include "tell/amount.h"
 #include "tier/tiers.h"
@@ -334,6 +335,30 @@ static void print_heat(const vs_result *r, FILE *out) {
   }
 }
 
+/* When the thyristor is fired, and at which angle. */
+static void print_firing(const vs_timeline *timeline, FILE *out) {
+  const vs_firing_values *f = &timeline->firing;
+  double range[2];
+  if (f->no_valve) {
+    fputs(timeline->supply.direct ? ", from t = 0 on\n" : ", nothing fired\n", out);
+    return;
+  }
+  if (f->every > 1)
+    fprintf(out, ", fired in 1 of %d cycles", f->every);
+  else
+    fprintf(out, ", fired %s", f->every ? "in each cycle" : "once");
+  if (timeline->program)
+    fputs(" as its control decides", out);
+  else {
+    vs_firing_range(timeline, range);
+    fprintf(out, " at %.6g", range[0] * 180 / M_PI);
+    if (range[1] > range[0]) fprintf(out, " to %.6g", range[1] * 180 / M_PI);
+    fputs(" deg", out);
+  }
+  if (f->first_cycle != 1) fprintf(out, ", from cycle %d on", f->first_cycle);
+  fputs("\n", out);
+}
+
 /* What was run, and how. */
 void vs_show_feed(const vs_setup *setup, FILE *out) {
   const vs_supply_values *supply = &setup->timeline.supply;
@@ -342,9 +367,10 @@ void vs_show_feed(const vs_setup *setup, FILE *out) {
   fprintf(out, "machine %s%s%s%s, supply %.9g V", model, titled ? " (" : "", title,
           titled ? ")" : "", supply->voltage_v);
   if (supply->direct)
-    fputs(" direct, from t = 0 on\n", out);
+    fputs(" direct", out);
   else
-    fprintf(out, " rms, %.9g Hz\n", supply->frequency_hz);
+    fprintf(out, " rms, %.9g Hz", supply->frequency_hz);
+  print_firing(&setup->timeline, out);
 }
 
 /* How much of the material rides, where that was found and not given. */

@@ -150,9 +150,17 @@ vs_status vs_choice_make(const vs_node *root, const vs_setup *setup, const char 
   } else if (!vs_choice_is_known(root, setup)) {
     *tier = vs_tiers_automatic(true); /* it has all probes */
   } else if (ideal && !vs_choice_is_modulated(setup)) {
+    const bool own = vs_tree_child(vs_tree_child(root, ideal->section), ideal->key);
+    const vs_node *deck = vs_tree_child(vs_tree_child(root, "circuit"), "deck");
     *tier = vs_tiers_automatic(false);
-    snprintf(why, VS_CHOICE_WHY, "auto: the scene names %s.%s: %s, which no circuit has",
-             ideal->section, ideal->key, ideal->value ? ideal->value : "");
+    snprintf(why, VS_CHOICE_WHY, "auto: %s %s.%s: %s, which no circuit has",
+             own ? "the scene names" : "its machine's file says", ideal->section, ideal->key,
+             ideal->value ? ideal->value : "");
+    if (!own && deck)
+      return vs_fail_at(err, deck->where,
+                        "circuit.deck: its machine's file says %s.%s: %s, which no circuit has; "
+                        "give supply and firing for this deck, or leave circuit out",
+                        ideal->section, ideal->key, ideal->value ? ideal->value : "");
   } else if (needs_circuit(root, setup, what, sizeof what)) {
     *tier = vs_tiers_automatic(true);
     snprintf(why, VS_CHOICE_WHY, "auto: the scene names %s", what);

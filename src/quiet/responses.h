@@ -6,8 +6,8 @@
  *
  * Signals are numbered: the deck's terms (V or A), then the mains current (A), then what else the
  * circuit remembers (V or A, sim/memory.h). */
-#ifndef VS_QUIET_SIGNALS_H
-#define VS_QUIET_SIGNALS_H
+#ifndef VS_QUIET_RESPONSES_H
+#define VS_QUIET_RESPONSES_H
 
 #include "sim/knot.h"
 #include "sim/memory.h"
@@ -48,32 +48,32 @@ typedef struct vs_coil_state {
   double i_a, i_rate_a_s, flux_wb, flux_rate_v, v_v, v_rate_v_s;
 } vs_coil_state;
 
-/* Begins with vs_signals_begin, and needs vs_signals_fit before it is asked for anything. */
-typedef struct vs_signals {
+/* Begins with vs_responses_begin, and needs vs_responses_fit before it is asked for anything. */
+typedef struct vs_responses {
   size_t count;
   double omega_rad_s; /* of the mains */
   double from_s;      /* where the time of a drift begins */
   double weight[VS_SIGNALS][VS_SIGNAL_COLUMNS];
-} vs_signals;
+} vs_responses;
 
-void vs_signals_begin(vs_signals *signals, double omega_rad_s, size_t count);
+void vs_responses_begin(vs_responses *signals, double omega_rad_s, size_t count);
 
 /* Fits every signal to `knots` knots in order of time, coil[k] being the coil at the k-th. Returns
  * false where GSL finds no fit. */
-bool vs_signals_fit(vs_signals *signals, const vs_frame *frame, const vs_seen *const *seen,
-                    const vs_coil_state *coil, size_t knots);
+bool vs_responses_fit(vs_responses *signals, const vs_frame *frame, const vs_seen *const *seen,
+                      const vs_coil_state *coil, size_t knots);
 
 /* Gives all signals at t_s for that coil, V or A. */
-void vs_signals_at(const vs_signals *signals, double t_s, const vs_coil_state *coil,
-                   double signal[VS_SIGNALS]);
+void vs_responses_at(const vs_responses *signals, double t_s, const vs_coil_state *coil,
+                     double signal[VS_SIGNALS]);
 
 /* True if signal n hangs on the coil, and not on the time alone. */
-bool vs_signals_hangs(const vs_signals *signals, size_t n);
+bool vs_responses_hangs(const vs_responses *signals, size_t n);
 
 /* How fast signal n drifts, V/s or A/s; 0 for a signal that does not. */
-double vs_signals_drift(const vs_signals *signals, size_t n);
+double vs_responses_drift(const vs_responses *signals, size_t n);
 
 /* Signal n as the solver showed it at a knot, V or A. */
-double vs_signals_seen(const vs_frame *frame, const vs_seen *seen, size_t n);
+double vs_responses_seen(const vs_frame *frame, const vs_seen *seen, size_t n);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "quiet/signals.h"
+#include "quiet/responses.h"
 
 #include <math.h>
 #include <string.h>
@@ -8,18 +8,18 @@
 
 _Static_assert(VS_SIGNAL_COLUMNS <= (int)VS_FIT_COLUMNS, "a fit has room for every column");
 
-void vs_signals_begin(vs_signals *s, double omega_rad_s, size_t count) {
-  *s = (vs_signals){.omega_rad_s = omega_rad_s, .count = count};
+void vs_responses_begin(vs_responses *s, double omega_rad_s, size_t count) {
+  *s = (vs_responses){.omega_rad_s = omega_rad_s, .count = count};
 }
 
-double vs_signals_seen(const vs_frame *frame, const vs_seen *seen, size_t n) {
+double vs_responses_seen(const vs_frame *frame, const vs_seen *seen, size_t n) {
   size_t terms = frame->deck->n_terms;
   if (n < terms) return seen->knot.terms[n];
   return n == terms ? seen->knot.i_mains_a : seen->memory[n - terms - 1];
 }
 
 /* What a signal is combined of, at t_s for that coil. */
-static void columns(const vs_signals *s, double t_s, const vs_coil_state *c,
+static void columns(const vs_responses *s, double t_s, const vs_coil_state *c,
                     double out[VS_SIGNAL_COLUMNS]) {
   double angle = s->omega_rad_s * t_s, cosine = cos(angle), sine = sin(angle);
   double *cosines = out + VS_TERM_OF_COSINES, *sines = out + VS_TERM_OF_SINES;
@@ -36,8 +36,8 @@ static void columns(const vs_signals *s, double t_s, const vs_coil_state *c,
   out[VS_TERM_OF_DRIFT] = t_s - s->from_s;
 }
 
-void vs_signals_at(const vs_signals *s, double t_s, const vs_coil_state *c,
-                   double signal[VS_SIGNALS]) {
+void vs_responses_at(const vs_responses *s, double t_s, const vs_coil_state *c,
+                     double signal[VS_SIGNALS]) {
   double column[VS_SIGNAL_COLUMNS];
   columns(s, t_s, c, column);
   for (size_t n = 0; n < s->count; n++) {
@@ -46,13 +46,13 @@ void vs_signals_at(const vs_signals *s, double t_s, const vs_coil_state *c,
   }
 }
 
-bool vs_signals_hangs(const vs_signals *s, size_t n) {
+bool vs_responses_hangs(const vs_responses *s, size_t n) {
   for (size_t j = VS_TERM_OF_V; j < VS_TERM_OF_DRIFT; j++)
     if (s->weight[n][j] != 0) return true;
   return false;
 }
 
-double vs_signals_drift(const vs_signals *s, size_t n) {
+double vs_responses_drift(const vs_responses *s, size_t n) {
   return s->weight[n][VS_TERM_OF_DRIFT];
 }
 
@@ -99,7 +99,7 @@ typedef struct sight {
   kind_of_fit kind[FITS];
 } sight;
 
-static bool decompose(const vs_signals *s, const sight *in, int kind, vs_fit *f) {
+static bool decompose(const vs_responses *s, const sight *in, int kind, vs_fit *f) {
   *f = vs_fit_new(in->knots, columns_of(kind));
   for (size_t k = 0; k < in->knots; k++) {
     double column[VS_SIGNAL_COLUMNS];
@@ -110,18 +110,18 @@ static bool decompose(const vs_signals *s, const sight *in, int kind, vs_fit *f)
 }
 
 /* Fits signal n in one way. Returns what is left over, INFINITY where there is no fit. */
-static double fit_kind(const vs_signals *s, sight *in, size_t n, int kind,
+static double fit_kind(const vs_responses *s, sight *in, size_t n, int kind,
                        double x[VS_SIGNAL_COLUMNS]) {
   kind_of_fit *of = &in->kind[kind];
   if (!of->decomposed) of->good = decompose(s, in, kind, &of->fit);
   of->decomposed = true;
   if (!of->good) return INFINITY;
   for (size_t k = 0; k < in->knots; k++)
-    gsl_vector_set(of->fit.b, k, vs_signals_seen(in->frame, in->seen[k], n));
+    gsl_vector_set(of->fit.b, k, vs_responses_seen(in->frame, in->seen[k], n));
   return vs_fit_solve(&of->fit, x);
 }
 
-static void keep(vs_signals *s, size_t n, int kind, const double x[VS_SIGNAL_COLUMNS]) {
+static void keep(vs_responses *s, size_t n, int kind, const double x[VS_SIGNAL_COLUMNS]) {
   memset(s->weight[n], 0, sizeof s->weight[n]);
   for (size_t j = 0; j < columns_of(kind); j++) s->weight[n][column_at(kind, j)] = x[j];
 }
@@ -129,7 +129,7 @@ static void keep(vs_signals *s, size_t n, int kind, const double x[VS_SIGNAL_COL
 /* Fits signal n in each way, and keeps the plainest that is good enough. Returns false where there
  * is none. The fit with all columns leaves the least over: where even that is far from good enough,
  * the one with the drift alone is not tried. */
-static bool fit_signal(vs_signals *s, sight *in, size_t n) {
+static bool fit_signal(vs_responses *s, sight *in, size_t n) {
   double x[VS_SIGNAL_COLUMNS], all[VS_SIGNAL_COLUMNS];
   double best = fit_kind(s, in, n, 0, x);
   if (!isfinite(best)) return false;
@@ -149,8 +149,8 @@ static bool fit_signal(vs_signals *s, sight *in, size_t n) {
   return true;
 }
 
-bool vs_signals_fit(vs_signals *s, const vs_frame *frame, const vs_seen *const *seen,
-                    const vs_coil_state *coil, size_t knots) {
+bool vs_responses_fit(vs_responses *s, const vs_frame *frame, const vs_seen *const *seen,
+                      const vs_coil_state *coil, size_t knots) {
   sight in = {.frame = frame, .seen = seen, .coil = coil, .knots = knots};
   bool good = true;
   s->from_s = seen[0]->knot.t_s;
