@@ -86,6 +86,19 @@ static double longest_firing(const vs_anode *a, const vs_anode_current *m, const
   return begins ? longest_s * sqrt(fmin(1, swing->tolerance / FIRING_AT)) : INFINITY;
 }
 
+/* Where the voltage comes back within t_q of a conduction, as where the thyristor's current rings
+ * with a snubber, what is left of the conduction's charge decides over some microseconds whether
+ * and when it fires again. That charge grows by a factor with each microsecond, and so does its
+ * error. With steps of 0.5 us the force was off by 5 tolerances at 1e-4, with steps of STRAINED_S
+ * for as long as STRAINS_S, and as their root at other tolerances, by 2. */
+static const double STRAINS_S = 5e-6, STRAINED_S = 5e-8;
+
+static double longest_strained(const vs_anode *a, const vs_anode_current *m,
+                               const vs_swing *swing) {
+  bool strained = m->forward_s < m->out_s + m->t_q_s && a->last_s < m->forward_s + STRAINS_S;
+  return strained ? STRAINED_S * sqrt(swing->tolerance / FIRING_AT) : INFINITY;
+}
+
 /* A thyristor of transistors goes out before its current is zero: below its latching current it may
  * let go by itself, and what it carried is gone within a few microseconds, whatever the rest of the
  * circuit does. The solver's error of a step bounds the thyristor's own charges. These grow from
@@ -96,7 +109,8 @@ static double longest_firing(const vs_anode *a, const vs_anode_current *m, const
  *
  * An error of the instant is h^2 over LETS_GO t_q, as measured; times the current it is a charge,
  * which may be SHARE of vs_swing_charge. Measured on that conduction, with 1e-3 to 1e-5: an error
- * of half a tolerance for each unit of SHARE. Once the current falls it is too late to begin, so
+ * of half a tolerance for each unit of SHARE. In a coil that rings fast the instant itself counts
+ * (vs_swing_instant). Once the current falls it is too late to begin, so
  * that steps are short from BARELY_A on, of the order of a latching current. Where the coil has had
  * more than the rest of a conduction, steps are seldom as long. */
 static const double BARELY_A = 0.1, LETS_GO = 1.0 / 20, SHARE = 1;
@@ -105,7 +119,8 @@ static double longest_letting_go(const vs_anode_current *m, const vs_swing *swin
   double i_a = forward_current(m), goes_s = LETS_GO * m->t_q_s;
   bool may_let_go = m->conduction.conducts && i_a > 0 && i_a < BARELY_A && m->last_a < m->before_a;
   if (!may_let_go) return INFINITY;
-  return sqrt(goes_s * SHARE * vs_swing_charge(swing, goes_s) / i_a);
+  double charge_s = SHARE * vs_swing_charge(swing, goes_s) / i_a;
+  return sqrt(goes_s * fmin(charge_s, vs_swing_instant(swing, i_a, goes_s)));
 }
 
 double vs_anode_longest(vs_anode *a, const vs_swing *swing, double max_step_s) {
@@ -114,7 +129,8 @@ double vs_anode_longest(vs_anode *a, const vs_swing *swing, double max_step_s) {
     vs_anode_current *m = &a->item[k];
     least = fmin(least, longest(a, m, max_step_s));
     if (!(m->t_q_s > 0)) continue;
-    least = fmin(least, fmin(longest_firing(a, m, swing), longest_letting_go(m, swing)));
+    least = fmin(least, fmin(longest_firing(a, m, swing), longest_strained(a, m, swing)));
+    least = fmin(least, longest_letting_go(m, swing));
   }
   return least;
 }
@@ -142,6 +158,8 @@ void vs_anode_wind(vs_anode *a, double by_s) {
   a->before_s -= by_s;
   for (size_t k = 0; k < a->count; k++) {
     a->item[k].crosses_s -= by_s;
+    a->item[k].forward_s -= by_s;
+    a->item[k].out_s -= by_s;
     vs_conduction_wind(&a->item[k].conduction, by_s);
   }
 }
@@ -156,6 +174,7 @@ static void shift(vs_anode *a, const vs_knot *k) {
     m->before_v = m->last_v;
     m->last_a = current_at(m, k);
     m->last_v = voltage_at(m, k);
+    if (!(m->before_v > 0) && m->last_v > 0) m->forward_s = k->t_s;
   }
 }
 
@@ -185,7 +204,10 @@ vs_event vs_anode_follow(vs_anode *a, const vs_knot *from, const vs_knot *to, do
   for (size_t k = 0; k < a->count; k++) {
     vs_event event = follow(&a->item[k], a->timeline, from, to, &at_s);
     if (event == VS_EV_FIRES) fires_s = fmin(fires_s, at_s);
-    if (event == VS_EV_EXTINCT) a->out_s = fmax(a->out_s, at_s);
+    if (event == VS_EV_EXTINCT) {
+      a->item[k].out_s = at_s;
+      a->out_s = fmax(a->out_s, at_s);
+    }
   }
   if (vs_anode_conducts(a) == was) return VS_EV_NONE;
   *event_s = was ? a->out_s : fmax(fires_s, a->out_s);
@@ -208,6 +230,8 @@ static void add(vs_anode *a, const vs_deck *deck, const vs_probe *probe, const v
     *m = (vs_anode_current){.device = device,
                             .way = way,
                             .t_q_s = t_q_s,
+                            .out_s = -INFINITY,
+                            .forward_s = -INFINITY,
                             .near_s = recovers ? NEAR_RECOVERING_S : NEAR_S,
                             .crosses_s = INFINITY};
     if (device) m->v = vs_formula_quicken(&device->voltage);

@@ -18,7 +18,9 @@ typedef struct vs_anode_current {
   vs_formula_quick i, v;   /* the current, and the device's voltage where that is known */
   double last_a, last_v, before_a, before_v; /* at the last two knots shown */
   double way;                                /* -1: of a triac, its other direction; else +1 */
-  double t_q_s;                              /* its turn-off time; 0: it has none */
+  double out_s, forward_s; /* when it last went out, and since when its voltage is forward;
+                              -INFINITY: never */
+  double t_q_s;            /* its turn-off time; 0: it has none */
   double near_s; /* how near to the current's zero the step across it begins and ends, s */
   vs_conduction conduction;
   bool conducted; /* it did before the solver's present step */

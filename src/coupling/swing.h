@@ -52,4 +52,8 @@ double vs_swing_strays(const vs_swing *swing);
  * t_s of mains at the least: times the mains' peak it is run.tolerance of the coil's energy. */
 double vs_swing_charge(const vs_swing *swing, double t_s);
 
+/* Returns by how much, s, the instant may be off at which a thyristor lets the coil's current i_a
+ * go within t_s. */
+double vs_swing_instant(const vs_swing *swing, double i_a, double t_s);
+
 #endif
