@@ -334,7 +334,7 @@ static void write_statement(writer *b, size_t card_number) {
 /* ---- the whole ---- */
 
 /* What only PSpice's dialect has. A netlist of PSpice's own is read in it altogether where it has
- * signs of it; in others the reader of decks translates these (docs/dialects.md), so that all else
+ * signs of it; in others the reader of decks translates these (docs/netlists.md), so that all else
  * means what ngspice takes it for. */
 static bool wants_pspice(const vs_listing *l) {
   static const char *const SIGNS[] = {

@@ -13,7 +13,7 @@ typedef struct vs_stop_values {
   int kind;                       /* index into vs_stop_kinds */
   double at_m;                    /* the gap z at which it is met; NaN: the pole cover */
 } vs_stop_values;
-/* Saturation of the iron (docs/actuators.md). */
+/* Saturation of the iron (docs/theory.md). */
 typedef struct vs_saturation_values {
   int present;
   int law; /* 0: series, 1: multiplicative */

@@ -11,7 +11,7 @@
  * The object is loaded into a process of its own, which begins anew with each run. So static
  * variables are the law's memory of one run, and a crash ends the run with one line.
  *
- * docs/ownlaw.md says more; the example that ships is spice/control/trim.c. */
+ * docs/control.md says more; the example that ships is spice/control/trim.c. */
 #ifndef VIBROSPICE_LAW_H
 #define VIBROSPICE_LAW_H
 
