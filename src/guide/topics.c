@@ -34,7 +34,7 @@ static void print_scene(void) {
 
 static void print_quality(void) {
   puts("quality: the probes of currents whose period is compared with the mains' sine, as\n"
-       "quality: [i]. What is then told of each: vibrospice steady --help, docs/quality.md.");
+       "quality: [i]. What is then told of each: vibrospice steady --help, docs/power.md.");
 }
 
 static void print_expect(void) {
@@ -97,7 +97,7 @@ static void print_heat(void) {
       "where\n"
       "that counts; one without a heat sink may state r_th_ja. Told is then t_case, and t_j, which "
       "is\n"
-      "held against the part's t_j_max. More: docs/operation.md.");
+      "held against the part's t_j_max. More: docs/power.md.");
 }
 
 static const struct topic {
