@@ -74,7 +74,7 @@ static void print_spread(void) {
       "up to 6 keys, or pairs as supply.voltage with circuit.line_voltage, and breaks where one "
       "of\n"
       "them breaks. More keys, and more processes: a study with sample: {method: corners, spread:\n"
-      "{...}}. More: docs/faults.md.");
+      "{...}}. More: docs/verdict.md.");
 }
 
 static void print_ratings(void) {
@@ -83,7 +83,7 @@ static void print_ratings(void) {
        "..}\n"
        "Each is a line of the verdict. What can be rated: vibrospice list measures, vibrospice "
        "list\n"
-       "probes, and what quality tells. More: docs/ratings.md.");
+       "probes, and what quality tells. More: docs/verdict.md.");
 }
 
 static void print_heat(void) {
