@@ -10,16 +10,16 @@
 
 #include "base/leave.h"
 #include "base/text.h"
-#include "command/command.h"
-#include "front/looks.h"
-#include "front/many.h"
-#include "front/runs.h"
-#include "front/sights.h"
-#include "front/trade.h"
-#include "guide/completion.h"
-#include "guide/manual.h"
-#include "guide/topics.h"
-#include "solver/ng.h"
+#include "cli/command.h"
+#include "cli/looks.h"
+#include "cli/many.h"
+#include "cli/runs.h"
+#include "cli/sights.h"
+#include "cli/trade.h"
+#include "cli/completion.h"
+#include "cli/manual.h"
+#include "cli/topics.h"
+#include "ngspice/ng.h"
 
 void terminal_begin(void); /* terminal.c */
 

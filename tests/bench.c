@@ -6,9 +6,9 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "deck/netlist.h"
-#include "deck/parts.h"
-#include "solver/ng.h"
+#include "netlist/netlist.h"
+#include "netlist/parts.h"
+#include "ngspice/ng.h"
 #include "suite.h"
 
 static double gap(void *ctx, size_t port, double t_s) {

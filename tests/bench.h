@@ -4,8 +4,8 @@
 #ifndef VS_TESTS_BENCH_H
 #define VS_TESTS_BENCH_H
 
-#include "deck/deck.h"
-#include "solver/circuit.h"
+#include "netlist/deck.h"
+#include "ngspice/circuit.h"
 
 enum { BENCH_SIGNALS = 4 };
 

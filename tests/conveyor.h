@@ -3,8 +3,8 @@
 #ifndef VS_TESTS_CONVEYOR_H
 #define VS_TESTS_CONVEYOR_H
 
-#include "machine/mechanics.h"
-#include "setup/channel.h"
+#include "plant/mechanics.h"
+#include "engine/channel.h"
 
 enum { P, U, W, PHI, VS_DOF, VS_STATES = 2 * VS_DOF };
 enum {

@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "actuator/coil.h"
+#include "plant/coil.h"
 
 typedef struct map {
   const scheme *scheme;

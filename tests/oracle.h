@@ -9,7 +9,7 @@
 #include <stddef.h>
 
 #include "conveyor.h"
-#include "sim/sim.h"
+#include "engine/sim.h"
 
 enum {
   ORACLE_P,

@@ -13,7 +13,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "command/export.h"
+#include "cli/export.h"
 #include "random_scene.h"
 #include "suite.h"
 

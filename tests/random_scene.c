@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "method/random.h"
+#include "study/random.h"
 #include "suite.h"
 
 /* ---- drawing ---- */

@@ -3,7 +3,7 @@
 #ifndef VS_TESTS_SCHEDULE_H
 #define VS_TESTS_SCHEDULE_H
 
-#include "drive/events.h"
+#include "engine/events.h"
 #include "program.h"
 
 /* Reads the timeline of a scene's text, with its events in a run of 2 s. The text must be good. */

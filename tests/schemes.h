@@ -16,9 +16,9 @@
 #define VS_TESTS_SCHEMES_H
 
 #include "conveyor.h"
-#include "drive/timeline.h"
-#include "machine/mechanics.h"
-#include "sim/step.h"
+#include "engine/timeline.h"
+#include "plant/mechanics.h"
+#include "engine/step.h"
 
 /* What the circuit takes for the coil. */
 typedef enum coil_form {

@@ -12,7 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "solver/ng.h"
+#include "ngspice/ng.h"
 
 int vs_suite(const char *name, const vs_test *tests, size_t count) {
   gsl_set_error_handler_off();

@@ -9,7 +9,7 @@
 #include <stddef.h>
 
 #include "conveyor.h"
-#include "scene/trial.h"
+#include "run/trial.h"
 
 typedef struct vs_test {
   const char *name;

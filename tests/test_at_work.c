@@ -7,9 +7,9 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "period/heat.h"
+#include "measure/heat.h"
 #include "program.h"
-#include "sim/sim.h"
+#include "engine/sim.h"
 
 /* ---- devices ---- */
 

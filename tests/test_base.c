@@ -14,11 +14,12 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "base/text.h"
+#include "base/gnuplot.h"
 #include "suite.h"
-#include "syntax/field.h"
-#include "syntax/tree.h"
-#include "syntax/units.h"
-#include "tell/amount.h"
+#include "base/field.h"
+#include "base/tree.h"
+#include "base/units.h"
+#include "run/amount.h"
 
 /* The first bytes of a file; empty when it is not there. */
 static const char *head(const char *path, char text[256]) {
@@ -176,6 +177,14 @@ static void good_quantities(void) {
       {"1 J", "N.m", 1},
       {"1 W.s", "J", 1},
       {"7 fF", "F", 7e-15},
+      {"47n", "nF", 47e-9},
+      {"4n7", "uF", 4.7e-9},
+      {"100p", "nF", 1e-10},
+      {"330R", "kohm", 330},
+      {"4R7", "ohm", 4.7},
+      {"4k7", "ohm", 4700},
+      {"4.7k", "kohm", 4700},
+      {"1meg", "ohm", 1e6},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     double si = NAN;
@@ -197,7 +206,11 @@ static void bad_quantities(void) {
       {"6", "mm", {"no unit", "'6 mm'"}},
       {"90", "deg", {"no unit", "'90 deg'"}},
       {"330", "kohm", {"no unit", "'330 ohm' or '330 kohm'"}}, /* not a thousandfold by itself */
-      {"47n", "nF", {"'n' is no unit", "write F or nF"}},
+      {"47x", "nF", {"'x' is no unit", "write F or nF"}},
+      {"1M", "kohm", {"'1M' may be milli or mega", "write '1 mohm' or '1 Mohm'"}},
+      {"1m", "uF", {"'1m' may be milli or mega", "write '1 mF' or '1 MF'"}},
+      {"4.5k7", "ohm", {"'k7' is no unit", "write"}},
+      {"47n", "kg", {"'n' is no unit", "write g or kg"}},
       {"6 kg", "mm", {"'6 kg'", "wrong unit; write mm"}},
       {"6 m2", "mm", {"wrong unit", "mm"}},
       {"0 kg", "mm", {"wrong unit", "mm"}},
@@ -929,7 +942,29 @@ static void amounts(void) {
   CU_ASSERT_STRING_EQUAL(vs_amount_range(-2e-3, 1e3, "V", text), "-2e-06 .. 1 kV");
 }
 
+/* A caption ends at a word's end, and has no more characters than there is room for. */
+static void captions(void) {
+  static const struct {
+    const char *text, *is;
+  } ROWS[] = {{"margin over all cases", "margin over all cases"},
+              {"margin over all the cases", "margin over all..."},
+              {"Ωmega over all the cases ever", "Ωmega over all the..."},
+              {"circuit.varistor_voltage_of_all", "circuit.varistor_v..."}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    vs_text t = {0};
+    vs_text_add(&t, "%s", ROWS[k].text);
+    vs_text_shorten(&t, 21);
+    CU_ASSERT_STRING_EQUAL(t.text, ROWS[k].is);
+    vs_text_free(&t);
+  }
+  vs_script script = {0};
+  vs_gnuplot_caption(&script, "margin_least: the least over circuit.varistor_voltage", 300, 12);
+  CU_ASSERT_STRING_EQUAL(script.text.text, "\"margin_least: the least over...\"");
+  vs_gnuplot_free(&script);
+}
+
 static const vs_test TESTS[] = {
+    {"captions", captions},
     {"amounts", amounts},
     {"rows of CSV", rows_of_csv},
     {"JSON is laid out", json_is_laid_out},

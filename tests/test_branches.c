@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "branch/rows.h"
-#include "branch/walk.h"
+#include "orbit/rows.h"
+#include "orbit/walk.h"
 #include "orbit/flight.h"
 #include "program.h"
 

@@ -11,7 +11,7 @@
 #include <sys/time.h>
 #include <unistd.h>
 
-#include "solver/ng.h"
+#include "ngspice/ng.h"
 #include "suite.h"
 
 /* Reference solution of T3A with exact switching instants, digits agreeing between integrators. */
@@ -184,7 +184,7 @@ static void device_extremes_and_energies(void) {
 
 /* ngspice's trapezoidal rule alone is wrong by 2.4e-4 of the first peak with 50 us, by 6.5e-5 with
  * 25 us, and so on with the square of the step. Given back what it leaves out at the coil
- * (coupling/amend.h), it is wrong by less than a tenth of that: 1.5e-5, 4.8e-6, 1.4e-6, 3.9e-7.
+ * (engine/coupled/amend.h), it is wrong by less than a tenth of that: 1.5e-5, 4.8e-6, 1.4e-6, 3.9e-7.
  * Newton and truncation control are held at 1e-5; of the tolerance 0.1, at these steps the largest
  * step alone decides. */
 static void given_back_what_the_rule_leaves_out(void) {

@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "command/export.h"
-#include "deck/netlist.h"
+#include "cli/export.h"
+#include "netlist/netlist.h"
 #include "suite.h"
 
 /* ---- what a run gives ---- */
@@ -28,7 +28,7 @@ static double value(const vs_trial *t, const char *name) {
       "circuit.off_resistance=1000 Mohm", "supply.resistance=0", "supply.inductance=0",            \
       "run.tolerance=1e-5", "run.until=0.1 s"
 
-/* Three times run.tolerance, as between the tiers in validate/tiers.c. */
+/* Three times run.tolerance, as between the tiers in cli/validate/tiers.c. */
 static const double THREE = 3e-5;
 
 typedef struct reference {

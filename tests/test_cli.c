@@ -904,7 +904,10 @@ static void modes(void) {
   CU_ASSERT_EQUAL(count_lines(csv), 9);
   CU_ASSERT_PTR_NOT_NULL(strstr(csv, ",56.577108"));
   free(csv);
-  r = run("modes paper --json --set machine.trough_mass=1kg");
+  r = run("modes paper --quiet -o state_space");
+  EXPECT(r.status == 0 && !*r.out && !*r.err, "%d %s%s", r.status, r.out, r.err);
+  free_ran(&r);
+  r = run("modes paper --json --quiet --set machine.trough_mass=1kg");
   expect_good(&r, "modes --json", __LINE__);
   struct fy_document *doc = parse_json(r.out);
   CU_ASSERT(number_at(doc, "/modes/0/frequency_hz") > 0);

@@ -8,9 +8,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "closeup/fourier.h"
-#include "closeup/moments.h"
-#include "closeup/probes.h"
+#include "report/plot/fourier.h"
+#include "report/plot/moments.h"
+#include "report/plot/probes.h"
 #include "program.h"
 
 /* ---- the stretch of time ---- */

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "bench.h"
-#include "solver/ng.h"
+#include "ngspice/ng.h"
 #include "suite.h"
 
 /* v(a) at the end of a run of 1 ms. */

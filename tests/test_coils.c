@@ -8,9 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "actuator/actuator.h"
+#include "plant/actuator.h"
 #include "suite.h"
-#include "tables/surface.h"
+#include "plant/surface.h"
 
 /* ---- an actuator from the text of a scene ---- */
 

@@ -6,11 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drive/firing.h"
-#include "drive/gate.h"
+#include "engine/firing.h"
+#include "engine/gate.h"
 #include "program.h"
-#include "steady/steady.h"
-#include "syntax/units.h"
+#include "orbit/steady.h"
+#include "base/units.h"
 
 static const double DEG = M_PI / 180;
 

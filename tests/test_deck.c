@@ -11,7 +11,7 @@
 
 #include "base/text.h"
 #include "suite.h"
-#include "watch/verdict.h"
+#include "measure/verdict.h"
 
 /* ---- formulas ---- */
 

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "command/export.h"
+#include "cli/export.h"
 #include "program.h"
 #include "suite.h"
 
@@ -418,14 +418,24 @@ static void tables_are_short(void) {
   }
   ran brief = run("run %s --set run.until=30ms", WORDS[1]);
   ran whole = run("run %s --set run.until=30ms --all", WORDS[1]);
-  EXPECT(strstr(brief.out, "weakest: gate_drive.volt_seconds, ") && strstr(brief.out, "\n  stroke ") &&
-             strstr(brief.out, " of them above 90 %\n") && !strstr(brief.out, "thyristor.t_off"),
+  EXPECT(strstr(brief.out, "weakest: gate_drive.volt_seconds, ") &&
+             strstr(brief.out, "\n  stroke ") && strstr(brief.out, " of them above 90 %; ") &&
+             strstr(brief.out, ", varistor_1 99 %, ") && !strstr(brief.out, "thyristor.t_off"),
          "%s", brief.out);
   EXPECT(strstr(whole.out, "  thyristor.t_off ") && strstr(whole.out, "  >999 %  ") &&
              strstr(whole.out, "  i2t_f2 ") && !strstr(whole.out, "e-16 .. "),
          "%s", whole.out);
   free_ran(&brief);
   free_ran(&whole);
+  ran far_off =
+      run("run %s --set run.until=30ms --set circuit.c1=1uF --set circuit.r1=1ohm -o far_off",
+          WORDS[1]);
+  EXPECT(strstr(far_off.out, "margin <-999 %  violated\n"), "%s", far_off.out);
+  free_ran(&far_off);
+  ran fast = run("run feeder --set supply.voltage=230V --set circuit.c1=10nF --set "
+                 "run.verify=never --set events.surge.level=4kV --set run.until=106ms -o far_off");
+  EXPECT(strstr(fast.out, "happened: thyristor fires") && !strstr(fast.out, "e+0"), "%s", fast.out);
+  free_ran(&fast);
   ran steady = run("steady paper --set firing.every=1 --set circuit.deck=halfwave_paper");
   EXPECT(lines_of(steady.out) <= 30 && strstr(steady.out, "\nstable: "), "%s%s", steady.out,
          steady.err);

@@ -8,7 +8,7 @@
 
 #include "base/text.h"
 #include "program.h"
-#include "watch/verdict.h"
+#include "measure/verdict.h"
 
 /* The EVA stands aside; device t is a part p unless a deck says otherwise. */
 #define ASIDE "Re e 0 1\nXeva e 0 eva\n"

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "program.h"
-#include "slips/reserved.h"
+#include "netlist/reserved.h"
 
 /* halfwave_snubbed with its second line, and lines before the EVA's and at its end. */
 static void make_deck(const char *second, const char *lines, const char *last) {

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "suite.h"
-#include "syntax/dimension.h"
+#include "base/dimension.h"
 
 static const char *const NAMES[] = {"mass",  "spring", "damping",  "torsion", "arm",
                                     "angle", "zeta",   "exponent", "flux",    "inductance"};

@@ -9,10 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "instrument/meter.h"
-#include "observe/estimator.h"
-#include "observe/place.h"
-#include "observe/riccati.h"
+#include "measure/meter.h"
+#include "control/estimator.h"
+#include "control/place.h"
+#include "control/riccati.h"
 #include "program.h"
 
 /* ---- any matrices ---- */

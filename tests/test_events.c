@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "drive/gate.h"
-#include "event/generators.h"
+#include "engine/gate.h"
+#include "engine/generators.h"
 #include "schedule.h"
 
 /* ---- the surge generator ---- */

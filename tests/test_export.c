@@ -7,8 +7,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "command/export.h"
-#include "drive/gate.h"
+#include "cli/export.h"
+#include "engine/gate.h"
 #include "suite.h"
 
 enum { MOST_ROWS = 2101 };

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "method/random.h"
+#include "study/random.h"
 #include "suite.h"
 
 /* What is followed: the measure, its channel, its sense as of a vs_extreme. */
@@ -20,7 +20,7 @@ static const struct {
                 {VS_M_OF_COORDINATE(U, VS_PEAK), VS_CH_AU, 0, "au_peak"},
                 {VS_M_OF_COORDINATE(W, VS_PEAK), VS_CH_AW, 0, "aw_peak"}};
 
-/* The rows of a CSV, at multiples of the sample, as watch/table.c has them. */
+/* The rows of a CSV, at multiples of the sample, as run/table.c has them. */
 typedef struct rows {
   double sample_s, next;
   double most[COUNT(FOLLOWED)], size[COUNT(FOLLOWED)]; /* in the sense; largest magnitude */
@@ -136,7 +136,7 @@ static void no_row_is_beyond_an_extreme(void) {
 /* Where a swing begins far from its extremes these are met between knots, after the first value of
  * all: a start of p, u, w at rest, whose largest p is that of the swing to the other side. By steps
  * of 20 us, a twentieth of the longest, and at the finest tolerance; dense output is right to 5e-11
- * of what is large (ideal/phases.c), and accelerations are its second derivatives. */
+ * of what is large (engine/ideal/phases.c), and accelerations are its second derivatives. */
 static void extremes_are_exact(void) {
   for (int scene = 1; scene <= 40; scene++) {
     drawn d;

@@ -10,7 +10,7 @@
 
 #include "fit/outcome.h"
 #include "program.h"
-#include "syntax/units.h"
+#include "base/units.h"
 
 /* ---- fits ---- */
 

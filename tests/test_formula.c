@@ -6,9 +6,9 @@
 #include <unistd.h>
 
 #include "program.h"
-#include "syntax/jet.h"
-#include "syntax/slope.h"
-#include "syntax/spice.h"
+#include "base/jet.h"
+#include "base/slope.h"
+#include "base/spice.h"
 
 /* Names "a", "b.x" and "Big" are names 0, 1, 2; x, y and z are terms 0, 1 and 2; "twice" is a
  * formula. */

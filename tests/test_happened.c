@@ -48,6 +48,29 @@ static void fires_by_itself(void) {
   free(json);
 }
 
+/* An arc of 300 V does not end a current that mains of 622 V at their crest drive. One of 1100 V
+ * does, and nothing is said. */
+static void an_arc_too_low(void) {
+  static const char LOW[] =
+      "fuse_2 has melted and does not clear: the voltage of its arc, 301 V, is "
+      "below the crest of the mains, 622.3 V";
+  RUN_GOOD("part fuse -o own.inc");
+  char *part = read_file("own.inc"), *at = strstr(part, "arc_voltage = 1100 V");
+  CU_ASSERT_PTR_NOT_NULL_FATAL(at);
+  for (int low = 0; low < 2; low++) {
+    if (low) memcpy(at, "arc_voltage =  300 V", strlen("arc_voltage =  300 V"));
+    write_scene("own.inc", part);
+    write_scene("arc.yaml", SHORT);
+    ran r =
+        run("run arc.yaml --set circuit.fuse_2=own.inc --set circuit.transformer=autotransformer "
+            "--set events.c.at=8ms");
+    EXPECT(low == (strstr(r.err, LOW) != NULL), "%d: %s", low, r.err);
+    EXPECT(low == (strstr(r.err, "does not clear") != NULL), "%d: %s", low, r.err);
+    free_ran(&r);
+  }
+  free(part);
+}
+
 /* Each sentence about the fuse, by what the scene expects. */
 static void fuse_opens(void) {
   static const struct {
@@ -201,6 +224,7 @@ static void refused(void) {
 int main(void) {
   static const vs_test TESTS[] = {{"fires by itself", fires_by_itself},
                                   {"a fuse opens", fuse_opens},
+                                  {"an arc too low", an_arc_too_low},
                                   {"an ideal thyristor misfires", an_ideal_thyristor_misfires},
                                   {"not judged", not_judged},
                                   {"the same in a study", the_same_in_a_study},

@@ -4,8 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "batch/sweep.h"
-#include "drive/held.h"
+#include "engine/sweep.h"
+#include "engine/drive/held.h"
 #include "schedule.h"
 
 /* ---- from edge to edge ---- */

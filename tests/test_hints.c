@@ -200,8 +200,8 @@ static void a_switch_across_itself(void) {
 
 /* ---- the solver's rule ---- */
 
-/* The deck of docs/hints.md: a thyristor of two transistors and a free-wheeling diode, whose
- * junctions have a capacitance and no stored charge. */
+/* A thyristor of two transistors and a free-wheeling diode, whose junctions have a capacitance and
+ * no stored charge. */
 static void write_crawling(void) {
   write_file("crawling.cir", "* two transistors\n"
                              "*$ port   mains = Vmains\n"

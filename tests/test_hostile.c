@@ -13,9 +13,9 @@
 
 #include "age.h"
 #include "base/hash.h"
-#include "deck/deck.h"
-#include "deck/netlist.h"
-#include "journal/journal.h"
+#include "netlist/deck.h"
+#include "netlist/netlist.h"
+#include "study/work/journal.h"
 
 #ifdef __SANITIZE_ADDRESS__
 static const double SLOWER = 10;

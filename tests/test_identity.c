@@ -10,10 +10,10 @@
 
 #include "base/csv.h"
 #include "program.h"
-#include "scene/sections.h"
-#include "syntax/units.h"
-#include "work/case.h"
-#include "work/identity.h"
+#include "run/sections.h"
+#include "base/units.h"
+#include "study/work/case.h"
+#include "study/work/identity.h"
 
 /* ---- of scenes ---- */
 

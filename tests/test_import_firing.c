@@ -7,10 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drive/gate.h"
-#include "drive/timeline.h"
+#include "engine/gate.h"
+#include "engine/timeline.h"
 #include "program.h"
-#include "scene/scene.h"
+#include "run/scene.h"
 
 static unsigned seed = 18;
 

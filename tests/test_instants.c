@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "coupling/conduction.h"
+#include "engine/conduction.h"
 #include "oracle.h"
 #include "program.h"
 

@@ -10,7 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "instrument/meter.h"
+#include "measure/meter.h"
 #include "program.h"
 
 /* ---- the low-pass by itself ---- */

@@ -22,8 +22,8 @@
 
 #include "base/jail.h"
 #include "program.h"
-#include "solver/child.h"
-#include "solver/confine.h"
+#include "ngspice/child.h"
+#include "ngspice/confine.h"
 
 /* A word that no message may show. */
 #define SECRET "xyzzy"

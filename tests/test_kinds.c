@@ -8,8 +8,8 @@
 #include <string.h>
 
 #include "program.h"
-#include "stress/losses.h"
-#include "watch/sign.h"
+#include "measure/losses.h"
+#include "measure/sign.h"
 
 /* ---- what the loss is made of: given courses ---- */
 

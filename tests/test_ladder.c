@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "program.h"
-#include "scene/ladder.h"
+#include "run/ladder.h"
 
 /* A thyristor that no method and no step gets past 3 ms: its current is no number then. */
 #define GIVES_UP(node) "B1 " node " 0 I = 1u*ln(3m-time)\n"

@@ -6,10 +6,10 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "actuator/coil.h"
-#include "actuator/formulas.h"
-#include "actuator/reluctance.h"
-#include "actuator/values.h"
+#include "plant/coil.h"
+#include "plant/formulas.h"
+#include "plant/reluctance.h"
+#include "plant/values.h"
 #include "program.h"
 
 /* ---- the laws of this test ---- */
@@ -20,7 +20,7 @@ typedef struct named {
   double value;
 } named;
 
-/* The solenoid of the Modelica Standard Library (docs/machines.md). */
+/* The solenoid of the Modelica Standard Library (docs/machines_shipped.md). */
 #define MU0 (4 * M_PI * 1.00000000055e-7)
 #define IRON(k)                                                                                    \
   {"b" #k, "abs(lambda)/(N*A" #k "*1.488)", 0}, {                                                  \
@@ -190,7 +190,7 @@ static void all_laws(tried t[LAWS]) {
 
 /* ---- tests ---- */
 
-/* lambda = 1 Wb, z = 6 mm: i, F, W of docs/machines.md to their last digit. */
+/* lambda = 1 Wb, z = 6 mm: i, F, W of the formulas in docs/theory.md, to their last digit. */
 static void test_reluctance_values(void) {
   static const struct {
     int law;

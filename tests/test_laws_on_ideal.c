@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Ideal tiers with laws, stops and machines that are not the conveyor's: the single shots, the
- * shaker and the solenoid of docs/machines.md. Laws and models are made here, so that the tiers are
- * tested alone. Reference numbers have nine to twelve digits; tolerances say which. */
+ * shaker and the solenoid of docs/machines_shipped.md. Laws and models are made here, so that the
+ * tiers are tested alone. Reference numbers have nine to twelve digits; tolerances say which. */
 #include <gsl/gsl_linalg.h>
 #include <math.h>
 #include <string.h>
 
-#include "actuator/coil.h"
-#include "ideal/switched.h"
+#include "plant/coil.h"
+#include "engine/ideal/switched.h"
 #include "suite.h"
-#include "watch/energy.h"
+#include "measure/energy.h"
 
 /* ---- models ---- */
 

@@ -8,7 +8,7 @@
 
 #include "program.h"
 #include "suite.h"
-#include "watch/verdict.h"
+#include "measure/verdict.h"
 
 #define DECK                                                                                       \
   "*$ title t\n*$ param fuse = f part fuse \"F\"\n*$ param low = 2 mA 0..100 \"a\"\n"              \

@@ -8,10 +8,10 @@
 #include <unistd.h>
 
 #include "base/text.h"
-#include "dependence/averaged.h"
-#include "instrument/meter.h"
+#include "orbit/averaged.h"
+#include "measure/meter.h"
 #include "program.h"
-#include "steady/steady.h"
+#include "orbit/steady.h"
 
 enum { FIRINGS = 200, STATES = VS_LINEAR_STATES, OUTPUTS = VS_LINEAR_OUTPUTS };
 static const double DEGREE = 0.017453292519943295;
@@ -312,7 +312,7 @@ static void files(void) {
   EXPECT_FILES("model", "events.csv peaks.csv run.csv summary.json ");
 }
 
-/* The gain of an amplitude by the derivatives of its two extremes, which dependence/kin.h finds in
+/* The gain of an amplitude by the derivatives of its two extremes, which orbit/kin.h finds in
  * another way: through the orbit's own derivative. */
 static void gain_by_sensitivity(void) {
   ran r = run("sensitivity paper --steady --set firing.every=1 --of p_min,p_max --to firing.angle "

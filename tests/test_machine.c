@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "actuator/coil.h"
+#include "plant/coil.h"
 #include "suite.h"
 
 static vs_model model_of(const char *set) {

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/path.h"
-#include "machine/mechanics.h"
+#include "plant/mechanics.h"
 #include "program.h"
 
 /* A scene that says nothing, and so has no measured values of one machine alone. */

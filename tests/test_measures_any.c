@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "sim/curve.h"
+#include "engine/curve.h"
 #include "suite.h"
 
 /* ---- names ---- */

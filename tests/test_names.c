@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Names that are looked up: the table itself, and what netlists of other programs look up in it;
  * and sets of numbers. */
-#include "memo/names.h"
+#include "base/names.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "foreign/elements.h"
-#include "memo/sets.h"
+#include "import/elements.h"
+#include "base/sets.h"
 #include "suite.h"
 
 static size_t number_of(const vs_names *names, const char *name) {

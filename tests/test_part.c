@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "base/text.h"
-#include "deck/kinds.h"
+#include "netlist/kinds.h"
 #include "part_rows.h"
 
 #define TEMPLATES VS_TEST_FOLDER "/../spice/templates"
@@ -363,7 +363,8 @@ static void a_model_that_is_off(void) {
   alter(S20K460, "s20k460.inc", "*$ model  v_clamp = -9 %\n", "");
   r = run("check ./s20k460.inc");
   expect_good(&r, "a line less", __LINE__);
-  EXPECT(strstr(r.out, "these lines would:\n*$ model  v_clamp = -9 %\n"), "%s", r.out);
+  EXPECT(strstr(r.out, "With these lines in it, verdicts show that:\n*$ model  v_clamp = -9 %\n"),
+         "%s", r.out);
   free_ran(&r);
   remove("s20k460.inc");
 }

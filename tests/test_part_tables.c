@@ -7,13 +7,14 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/text.h"
-#include "catalogue/catalogue.h"
-#include "deck/deck.h"
+#include "netlist/catalogue.h"
+#include "netlist/deck.h"
 #include "part_rows.h"
-#include "stand/stand.h"
+#include "bench/stand.h"
 
 #define PARTS VS_TEST_FOLDER "/../spice/parts"
 
@@ -484,13 +485,34 @@ static void near_names(void) {
   free_ran(&r);
 }
 
-/* A file of one's own is named with its ending. */
+/* A file of one's own is named with its ending, and in a --set also with its folder, unless that is
+ * where the program runs. The message says what to write, and that works. */
 static void own_file(void) {
+  static const struct {
+    const char *scene, *name, *write;
+  } ROWS[] = {{"own.yaml", "ZZ9", "ZZ9.inc"},
+              {"there/own.yaml", "ZZ9", "ZZ9.inc"},
+              {"there/own.yaml", "ZZ8", "there/ZZ8.inc"},
+              {"there/own.yaml", "ZZ8.inc", "there/ZZ8.inc"}};
+  static const char SCENE[] = "circuit: {deck: halfwave_paper}\nrun: {until: 0.1 ms}\n";
+  char says[160];
+  CU_ASSERT(!mkdir("there", 0777));
+  write_file("own.yaml", SCENE);
+  write_file("there/own.yaml", SCENE);
   RUN_GOOD("part varistor -o ZZ9.inc");
-  ran r = run("run paper --tier circuit --set circuit.deck=halfwave_paper --set "
-              "circuit.varistor_1=ZZ9");
-  EXPECT(r.status == 2 && strstr(r.err, "did you mean 'ZZ9.inc'?"), "%d: %s", r.status, r.err);
-  free_ran(&r);
+  RUN_GOOD("part varistor -o there/ZZ8.inc");
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    ran r = run("check %s --set circuit.varistor_1=%s", ROWS[k].scene, ROWS[k].name);
+    snprintf(says, sizeof says,
+             "no part '%s' comes with the program; the file %s is there: write "
+             "%s\n",
+             ROWS[k].name, ROWS[k].write, ROWS[k].write);
+    EXPECT(r.status == 2 && strstr(r.err, says), "%d: %s", r.status, r.err);
+    free_ran(&r);
+    r = run("check %s --set circuit.varistor_1=%s", ROWS[k].scene, ROWS[k].write);
+    EXPECT(r.status == 0, "%d: %s", r.status, r.err);
+    free_ran(&r);
+  }
 }
 
 /* The sum of a row is the same whatever the other rows say, and another when it changes itself, or

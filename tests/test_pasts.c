@@ -11,9 +11,9 @@
 #include <unistd.h>
 
 #include "base/text.h"
-#include "drive/events.h"
+#include "engine/events.h"
 #include "program.h"
-#include "sim/parting.h"
+#include "engine/parting.h"
 
 /* Surges on a machine that has been fired twice. */
 static const char SURGES[] =

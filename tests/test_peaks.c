@@ -8,9 +8,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "compare/members.h"
+#include "report/members.h"
 #include "program.h"
-#include "trace/traces.h"
+#include "report/traces.h"
 
 static bool is_there(const char *path) {
   return !access(path, F_OK);

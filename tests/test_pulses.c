@@ -7,7 +7,7 @@
 
 #include "base/text.h"
 #include "program.h"
-#include "stress/switching.h"
+#include "measure/switching.h"
 
 #define ASIDE "Re e 0 1\nXeva e 0 eva\n"
 

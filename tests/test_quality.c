@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "period/quality.h"
+#include "measure/quality.h"
 #include "program.h"
 
 /* ---- closed forms ---- */

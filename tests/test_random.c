@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "method/random.h"
+#include "study/random.h"
 #include "suite.h"
 
 enum { N = 4096 };

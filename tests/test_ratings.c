@@ -8,8 +8,8 @@
 
 #include "base/text.h"
 #include "program.h"
-#include "scene/shown.h"
-#include "syntax/units.h"
+#include "run/shown.h"
+#include "base/units.h"
 
 /* ---- a run in this process ---- */
 

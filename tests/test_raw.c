@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "program.h"
-#include "solver/rawfile.h"
+#include "ngspice/rawfile.h"
 
 static const char GOOD_RUN[] = "events.csv peaks.csv run.csv run.raw summary.json ",
                   BROKEN_RUN[] = "run.partial.csv run.partial.raw ";
@@ -87,7 +87,7 @@ static double raw_at(const raw *r, const char *name, double t) {
 
 /* ---- the tests ---- */
 
-/* The deck's probes are straight lines between steps (sim/step.h), so run.csv and the rawfile must
+/* The deck's probes are straight lines between steps (engine/step.h), so run.csv and the rawfile must
  * agree to rounding at each sample. Row 0 has no point before it. */
 static void agrees_with_the_table(void) {
   static const struct {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * ngspice gets ready in a second thread while a scene is read, and begins without code models
- * (solver/library.h). Neither changes a byte of what a run gives, and a run without a circuit does
+ * (ngspice/library.h). Neither changes a byte of what a run gives, and a run without a circuit does
  * not load ngspice. */
 #include <stdlib.h>
 #include <string.h>

@@ -9,8 +9,8 @@
 #include <unistd.h>
 
 #include "base/text.h"
-#include "picture/map.h"
-#include "picture/spread.h"
+#include "report/plot/map.h"
+#include "report/plot/spread.h"
 #include "program.h"
 #include "report/page.h"
 
@@ -545,6 +545,13 @@ static void pictures_are_of_the_numbers(void) {
   expect_told("plot s --quiet", CURVE, __LINE__);
   RUN_GOOD("run paper --set run.tier=switched --set run.until=20ms -o r --quiet");
   expect_told("plot r --quiet", PANELS, __LINE__);
+  static const char *const OTHERS[] = {
+      "title \"Displacement, force, EVA current and voltage, first "
+      "50 ms\" font",
+      NULL};
+  RUN_GOOD(
+      "run paper --set run.tier=switched --set run.until=20ms --set firing.every=1 -o o --quiet");
+  expect_told("plot o --quiet", OTHERS, __LINE__); /* fired otherwise it is in no figure */
   remove_tree("r");
 }
 

@@ -10,7 +10,7 @@
 
 #include "part_rows.h"
 #include "program.h"
-#include "stress/switching.h"
+#include "measure/switching.h"
 
 /* ---- the steepest stretch, by itself ---- */
 
@@ -77,7 +77,7 @@ static void take_forward(const course *c, course *forward) {
 }
 
 /* The slope at knot k by the parabola through it and its neighbours, V/s; NaN where they do not
- * tell it: stress/switching.h. */
+ * tell it: measure/switching.h. */
 static double slope_at(const course *c, size_t k) {
   if (k == 0 || k + 1 >= c->count) return NAN;
   const double h0 = c->t_s[k] - c->t_s[k - 1], h1 = c->t_s[k + 1] - c->t_s[k],

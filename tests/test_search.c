@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "method/search.h"
+#include "study/method/search.h"
 #include "suite.h"
 
 typedef double function(const double *x, size_t n);

@@ -9,9 +9,9 @@
 #include <sys/stat.h>
 
 #include "base/text.h"
-#include "command/sensitivity.h"
-#include "dependence/kin.h"
-#include "dependence/sensitivity.h"
+#include "cli/sensitivity.h"
+#include "orbit/kin.h"
+#include "orbit/sensitivity.h"
 #include "program.h"
 #include "report/tornado.h"
 

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "actuator/coil.h"
+#include "plant/coil.h"
 #include "orbit/shooting.h"
 #include "orbit/variation.h"
 #include "suite.h"

@@ -7,8 +7,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "compare/departure.h"
-#include "digest/bars.h"
+#include "report/departure.h"
+#include "report/bars.h"
 #include "program.h"
 
 static void write_run(const char *folder, const char *csv, const char *summary) {

@@ -8,7 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "bounds/limits.h"
+#include "netlist/limits.h"
 #include "program.h"
 
 #ifdef __SANITIZE_ADDRESS__
@@ -19,7 +19,7 @@ static const bool SANITIZED = false;
 
 /* ---- run.csv ---- */
 
-/* 1 ms and 19 columns of 14 bytes: 3759 s make a gigabyte, by the rule of watch/table.c. */
+/* 1 ms and 19 columns of 14 bytes: 3759 s make a gigabyte, by the rule of run/table.c. */
 static void tables(void) {
   static const char *const SAYS[] = {"run.csv would have about ", "limits.csv = 1e+09 bytes"};
   write_file("s.yaml", "run: {until: 5000 s,\n  sample: 1 ms}\n");

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "actuator/coil.h"
+#include "plant/coil.h"
 #include "floquet.h"
 #include "suite.h"
 

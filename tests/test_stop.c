@@ -3,8 +3,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "actuator/coil.h"
-#include "drive/gate.h"
+#include "plant/coil.h"
+#include "engine/gate.h"
 #include "suite.h"
 
 /* Fired in every cycle at 80 degrees, the start-up transient strikes the stop after 50 ms. */

@@ -15,11 +15,11 @@
 #include "age.h"
 #include "base/csv.h"
 #include "base/hash.h"
-#include "journal/journal.h"
-#include "method/methods.h"
-#include "plan/reading.h"
-#include "work/case.h"
-#include "work/identity.h"
+#include "study/work/journal.h"
+#include "study/methods.h"
+#include "study/reading.h"
+#include "study/work/case.h"
+#include "study/work/identity.h"
 
 /* Fast: switched, 12 x 10 cases of 0.1 s; the last angle of each voltage is below theta, and some
  * of them meet the pole cover. */

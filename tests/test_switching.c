@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drive/gate.h"
-#include "event/occurrence.h"
+#include "engine/gate.h"
+#include "engine/occurrence.h"
 #include "program.h"
-#include "stress/switching.h"
+#include "measure/switching.h"
 
 /* ---- edges of gate pulses ---- */
 

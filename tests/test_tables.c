@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Rows of tables that nothing would miss: a kind of event that does nothing, a picture that a
  * method names and nobody draws. */
-#include "drive/events.h"
-#include "method/methods.h"
-#include "picture/album.h"
+#include "engine/events.h"
+#include "study/methods.h"
+#include "report/plot/album.h"
 #include "suite.h"
 
 static void every_event_does_something(void) {

@@ -3,8 +3,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "deck/netlist.h"
-#include "drive/gate.h"
+#include "netlist/netlist.h"
+#include "engine/gate.h"
 #include "suite.h"
 
 static vs_timeline timeline_of(const char *const *sets) {

@@ -10,10 +10,10 @@
 
 #include "base/text.h"
 #include "program.h"
-#include "sim/sim.h"
-#include "syntax/units.h"
-#include "watch/unjudged.h"
-#include "watch/verdict.h"
+#include "engine/sim.h"
+#include "base/units.h"
+#include "measure/unjudged.h"
+#include "measure/verdict.h"
 
 /* ---- scenes ----
  * Sources force a course on a device. The part's lines change no number of the circuit, so a limit

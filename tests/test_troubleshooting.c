@@ -11,7 +11,7 @@
 #include "base/text.h"
 #include "program.h"
 
-#define SOURCES VS_TEST_FOLDER "/../src/*/*.[ch]"
+#define SOURCES VS_TEST_FOLDER "/../src/{*,*/*,*/include/*}/*.[ch]"
 #define PAGE VS_TEST_FOLDER "/../docs/troubleshooting.md"
 
 /* Adds the string that begins behind the quote at s, and returns what stands behind its end. */
@@ -53,7 +53,7 @@ static void take_source(const char *source, vs_text *strings) {
 static char *read_strings(void) {
   vs_text strings = {0};
   glob_t files;
-  CU_ASSERT_EQUAL_FATAL(glob(SOURCES, 0, NULL, &files), 0);
+  CU_ASSERT_EQUAL_FATAL(glob(SOURCES, GLOB_BRACE, NULL, &files), 0);
   for (size_t k = 0; k < files.gl_pathc; k++) {
     char *source = read_file(files.gl_pathv[k]);
     take_source(source, &strings);

@@ -9,10 +9,10 @@
 #include <unistd.h>
 
 #include "program.h"
-#include "solver/ng.h"
-#include "solver/versions.h"
-#include "stride/ending.h"
-#include "trust/probe.h"
+#include "ngspice/ng.h"
+#include "ngspice/versions.h"
+#include "ngspice/ending.h"
+#include "ngspice/probe.h"
 
 /* ---- solvers that are wrong on purpose: ngspice, and between it and the host a liar ---- */
 

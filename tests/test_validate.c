@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The command validate: that all is well, that what is off is told, and what it prints. That it
  * works as installed is in test_install.c. */
-#include "validate/validate.h"
+#include "cli/validate/validate.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "program.h"
-#include "validate/single_shot.h"
+#include "cli/validate/single_shot.h"
 
 #if defined(__SANITIZE_ADDRESS__)
 enum { SANITIZED = true };

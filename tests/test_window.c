@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "program.h"
-#include "watch/verdict.h"
+#include "measure/verdict.h"
 
 /* A resistor across the mains of 100 V rms. */
 static const char DECK[] = "*$ port mains = Vm\n*$ probe v_r = v(a) V\n"

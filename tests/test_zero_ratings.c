@@ -8,7 +8,7 @@
 
 #include "base/text.h"
 #include "suite.h"
-#include "watch/verdict.h"
+#include "measure/verdict.h"
 
 /* Nothing but sources that follow the mains of 100 V rms: v_half is its forward half; v_tiny goes
  * 1 mV below 0 besides, v_deep 20 V; v_minus is v_half with its sign turned. */

@@ -12,9 +12,9 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "method/methods.h"
-#include "plan/reading.h"
-#include "work/worker.h"
+#include "study/methods.h"
+#include "study/reading.h"
+#include "study/work/worker.h"
 
 static double processor_s(int who) {
   struct rusage u;

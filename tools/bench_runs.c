@@ -23,8 +23,8 @@
 #include <unistd.h>
 
 #include "conveyor.h"
-#include "scene/scene.h"
-#include "watch/energy.h"
+#include "run/scene.h"
+#include "measure/energy.h"
 
 /* The peers' record: p, u, w, phi, i every 0.1 ms of 2 s. */
 enum { COLUMNS = 5, ROWS = 20001, ROWS_PER_SECOND = 10000 };

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # cmake -DROOT=. -DTO=sources.h -P tools/sources.cmake - writes the macro VS_SOURCES, a digest over all that src/ holds
-# (src/scene/version.c).
+# (src/run/version.c).
 file(GLOB_RECURSE files RELATIVE ${ROOT}/src ${ROOT}/src/*.c ${ROOT}/src/*.h)
 list(SORT files)
 set(all "")

@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "floquet.h"
-#include "scene/scene.h"
+#include "run/scene.h"
 
 static const char *const SCHEMES[] = {"i_jacobi",    "7c_jacobi",   "i_seidel",      "7c_force",
                                       "flux_jacobi", "flux_seidel", "flux_condensed"};

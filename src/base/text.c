@@ -261,3 +261,22 @@ double vs_text_to_number(const char *text, char **end) {
   const double value = strtod(text, end);
   return (isinf(value) || fabs(value) < DBL_MIN) && vs_text_beyond(text) ? NAN : value;
 }
+
+size_t vs_text_characters(const char *text) {
+  size_t n = 0;
+  for (; *text; text++) n += (*text & 0xC0) != 0x80;
+  return n;
+}
+
+void vs_text_shorten(vs_text *t, size_t most) {
+  if (!t->text || vs_text_characters(t->text) <= most) return;
+  size_t at = 0, word = 0;
+  for (size_t n = 0; n < most - 3; n++) {
+    if (t->text[at] == ' ') word = at;
+    for (at++; (t->text[at] & 0xC0) == 0x80;) at++;
+  }
+  if (t->text[at] == ' ') word = at;
+  t->text[word ? word : at] = '\0';
+  t->length = strlen(t->text);
+  vs_text_add(t, "...");
+}

@@ -4,7 +4,7 @@
 #ifndef VS_BENCH_FIRING_H
 #define VS_BENCH_FIRING_H
 
-#include "stand/tryout.h"
+#include "tryout.h"
 
 /* Anode, cathode and gate of the device in a trial's circuit. */
 #define VS_FIRING_WIRING "Xdut t 0 g %s"

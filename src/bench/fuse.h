@@ -3,7 +3,7 @@
 #ifndef VS_BENCH_FUSE_H
 #define VS_BENCH_FUSE_H
 
-#include "stand/figures.h"
+#include "figures.h"
 
 /* Resistance, melting I2t, least melting current, clearing I2t, arc voltage. */
 extern const vs_figures_kind vs_fuse_kind;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "bench/passive.h"
+#include "passive.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -3,7 +3,7 @@
 #ifndef VS_BENCH_PASSIVE_H
 #define VS_BENCH_PASSIVE_H
 
-#include "stand/figures.h"
+#include "figures.h"
 
 /* Resistance at 1 V; capacitance, and the resistance in series with it, also of a snubber; of an
  * electrolytic capacitor these at 100 Hz, the resistance also at 10 kHz, and the leakage. */

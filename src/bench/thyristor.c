@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "bench/thyristor.h"
+#include "thyristor.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "bench/firing.h"
+#include "firing.h"
 
 /* The test current falls to zero at the test slope, then -25 V, and so long after the zero the
  * forward voltage passes zero at 20 V/us or less: does it stay off? */

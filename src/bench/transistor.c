@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "bench/transistor.h"
+#include "transistor.h"
 
 #include <math.h>
 #include <stdio.h>
 
-#include "bench/diode.h"
-#include "stand/tryout.h"
+#include "diode.h"
+#include "tryout.h"
 
 /* The part in a trial: drain or collector at t, gate at g, source or emitter at 0. In the mirror
  * the diode inside conducts, its gate at source or emitter. */

@@ -3,7 +3,7 @@
 #ifndef VS_BENCH_TRANSISTOR_H
 #define VS_BENCH_TRANSISTOR_H
 
-#include "stand/figures.h"
+#include "figures.h"
 
 /* On-state, threshold, transconductance, breakdown, switching of an inductive load, the diode
  * inside. */

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "bench/triac.h"
+#include "triac.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "bench/firing.h"
+#include "firing.h"
 
 /* The quadrants: the part's main terminal 2 at t and its gate at g, or in the mirror. In the first,
  * MT2 and the gate are positive; in the second the gate is negative; in the third both are. */

@@ -3,7 +3,7 @@
 #ifndef VS_BENCH_TRIAC_H
 #define VS_BENCH_TRIAC_H
 
-#include "stand/figures.h"
+#include "figures.h"
 
 /* As a thyristor either way, the gate in four quadrants, and the rise behind a commutation. */
 extern const vs_figures_kind vs_triac_kind;

@@ -3,7 +3,7 @@
 #ifndef VS_BENCH_VARISTOR_H
 #define VS_BENCH_VARISTOR_H
 
-#include "stand/figures.h"
+#include "figures.h"
 
 /* Its voltage at three currents. */
 extern const vs_figures_kind vs_varistor_kind;

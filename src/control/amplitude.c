@@ -6,7 +6,7 @@
  * alpha_0 being firing.angle and T the time from firing to firing. A smaller angle gives more
  * amplitude, hence the signs. A step of I goes as far as takes alpha to its limit, and no further
  * (anti-windup by conditional integration). */
-#include "control/amplitude.h"
+#include "amplitude.h"
 
 #include <math.h>
 

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 
 #include "base/text.h"
-#include "drive/firing.h"
-#include "syntax/units.h"
+#include "engine/firing.h"
+#include "base/units.h"
 
 /* ---- decisions ---- */
 

@@ -2,7 +2,7 @@
  * The child process loads the object and says how that went. Then it takes firing after firing, as
  * the bytes of a vs_view, and answers each. As it is a copy of this process, what the view points
  * to has the same address in both. */
-#include "control/object.h"
+#include "object.h"
 
 #include <dlfcn.h>
 #include <errno.h>
@@ -14,8 +14,8 @@
 
 #include "base/hash.h"
 #include "base/path.h"
-#include "control/remote.h"
-#include "control/view.h"
+#include "remote.h"
+#include "view.h"
 
 typedef double (*law)(const vibrospice_firing *firing, char *error);
 

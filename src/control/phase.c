@@ -8,7 +8,7 @@
  * within its limits of the angle, and leaves the firing out where it does not. The sensor's
  * low-pass shows the motion late by its own phase at 1/T, which is taken back. As long as the
  * sensor swings less than `threshold`, it fires at firing.angle. */
-#include "control/phase.h"
+#include "phase.h"
 
 #include <math.h>
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "control/pipe.h"
+#include "pipe.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -12,9 +12,9 @@
 #include "base/json.h"
 #include "base/path.h"
 #include "base/text.h"
-#include "control/remote.h"
-#include "control/view.h"
-#include "syntax/tree.h"
+#include "remote.h"
+#include "view.h"
+#include "base/tree.h"
 
 /* ---- the command's words ---- */
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "control/profile.h"
+#include "profile.h"
 
 static vs_status decide(void *self, const vs_sight *s, double *angle_rad, vs_error *err) {
   (void)self, (void)err;

@@ -3,11 +3,11 @@
 
 #include <string.h>
 
-#include "control/amplitude.h"
-#include "control/object.h"
-#include "control/phase.h"
-#include "control/pipe.h"
-#include "control/profile.h"
+#include "amplitude.h"
+#include "object.h"
+#include "phase.h"
+#include "pipe.h"
+#include "profile.h"
 
 const vs_regulator *const vs_regulators[] = {&vs_profile_regulator, &vs_amplitude_regulator,
                                              &vs_phase_regulator,   &vs_object_regulator,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "control/remote.h"
+#include "remote.h"
 
 #include <errno.h>
 #include <fcntl.h>

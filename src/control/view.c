@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "control/view.h"
+#include "view.h"
 
 #include <gsl/gsl_math.h>
 #include <stddef.h>
@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "syntax/units.h"
+#include "base/units.h"
 
 static const double RAD_PER_DEG = M_PI / 180;
 

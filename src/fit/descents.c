@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "method/random.h"
+#include "study/random.h"
 
 enum { MOST_ITERATIONS = 100, EARLY_ITERATIONS = 12 };
 /* Parts of a recording, from its begin, that are fitted one after the other where a search begins

@@ -4,8 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "fit/sampler.h"
-#include "scene/session.h"
+#include "sampler.h"
+#include "run/session.h"
 
 vs_prediction vs_prediction_of(const vs_inquiry *q) {
   vs_prediction p = {

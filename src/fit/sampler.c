@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "fit/sampler.h"
+#include "sampler.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -4,8 +4,8 @@
 #ifndef VS_FIT_SAMPLER_H
 #define VS_FIT_SAMPLER_H
 
-#include "inquiry/recording.h"
-#include "instrument/meter.h"
+#include "fit/recording.h"
+#include "measure/meter.h"
 
 /* Begin with vs_sampler_begin, end with vs_sampler_end. */
 typedef struct vs_sampler {

@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "dependence/kin.h"
-#include "fit/sampler.h"
-#include "syntax/units.h"
+#include "orbit/kin.h"
+#include "sampler.h"
+#include "base/units.h"
 
 /* Runs of the scene that its kin take: to find the instants, how far they may go, to show them. */
 enum { RUNS_OF_KIN = 3 };

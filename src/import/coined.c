@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "import/coined.h"
+#include "coined.h"
 
 #include <ctype.h>
 #include <stdio.h>

@@ -4,7 +4,7 @@
 #ifndef VS_IMPORT_COINED_H
 #define VS_IMPORT_COINED_H
 
-#include "foreign/elements.h"
+#include "import/elements.h"
 
 /* Begins with vs_coined_begin, ends with vs_coined_end. */
 typedef struct vs_coined {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "import/copying.h"
+#include "copying.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -10,8 +10,8 @@
 #include <strings.h>
 
 #include "base/path.h"
-#include "dialect/statements.h"
-#include "dialect/words.h"
+#include "netlist/statements.h"
+#include "netlist/words.h"
 
 void vs_copying_free(vs_copying *b) {
   vs_text_free(&b->text);
@@ -334,7 +334,7 @@ static void write_statement(writer *b, size_t card_number) {
 /* ---- the whole ---- */
 
 /* What only PSpice's dialect has. A netlist of PSpice's own is read in it altogether where it has
- * signs of it; in others the reader of decks translates these (docs/dialects.md), so that all else
+ * signs of it; in others the reader of decks translates these (docs/netlists.md), so that all else
  * means what ngspice takes it for. */
 static bool wants_pspice(const vs_listing *l) {
   static const char *const SIGNS[] = {

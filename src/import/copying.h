@@ -4,7 +4,7 @@
 #ifndef VS_IMPORT_COPYING_H
 #define VS_IMPORT_COPYING_H
 
-#include "import/fate.h"
+#include "fate.h"
 
 /* Where a line of the deck comes from. */
 typedef struct vs_copying_origin {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "import/declared.h"
+#include "declared.h"
 
 #include <ctype.h>
 #include <math.h>

@@ -7,8 +7,8 @@
 #include <stdbool.h>
 
 #include "base/text.h"
-#include "deck/deck.h"
-#include "memo/names.h"
+#include "netlist/deck.h"
+#include "base/names.h"
 
 /* Kinds of lines, in the order in which they stand in the deck. */
 enum {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "import/fate.h"
+#include "fate.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -8,7 +8,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "import/worth.h"
+#include "worth.h"
 
 bool vs_fate_is_coil(const vs_fate *p, const vs_element *e) {
   return e == p->roles->coil || e == p->roles->coil_r;

@@ -4,9 +4,9 @@
 #ifndef VS_IMPORT_FATE_H
 #define VS_IMPORT_FATE_H
 
-#include "foreign/pins.h"
-#include "import/coined.h"
-#include "import/declared.h"
+#include "pins.h"
+#include "coined.h"
+#include "declared.h"
 
 /* One element. */
 typedef struct vs_fate_element {

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "import/feeds.h"
+#include "feeds.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "import/copying.h"
+#include "copying.h"
 
 /* The loss of the resistance that LTspice puts into the mains, which has become an element. That of
  * another source is part of what the source gives at its nodes. */

@@ -4,7 +4,7 @@
 #ifndef VS_IMPORT_FEEDS_H
 #define VS_IMPORT_FEEDS_H
 
-#include "import/fate.h"
+#include "fate.h"
 
 /* Adds the lines to fate->sheet. */
 void vs_feeds_add(vs_fate *fate);

@@ -10,12 +10,12 @@
 #include "base/file.h"
 #include "base/jail.h"
 #include "base/path.h"
-#include "foreign/cast.h"
-#include "foreign/start.h"
-#include "import/copying.h"
-#include "import/lines.h"
-#include "import/settings.h"
-#include "scene/session.h"
+#include "cast.h"
+#include "start.h"
+#include "copying.h"
+#include "lines.h"
+#include "settings.h"
+#include "run/session.h"
 
 /* Netlists that come with the program, as examples. */
 static const vs_shelf SHELF = {"netlist", "import", ""};

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "import/lines.h"
+#include "lines.h"
 
 #include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "deck/kinds.h"
-#include "import/feeds.h"
-#include "syntax/cursor.h"
+#include "netlist/kinds.h"
+#include "feeds.h"
+#include "base/cursor.h"
 
 /* The voltage of an element, from the node where its current is sensed, or its first, on. */
 static void voltage_of(const vs_fate *p, const vs_element *e, const vs_fate_element *own,

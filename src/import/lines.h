@@ -4,7 +4,7 @@
 #ifndef VS_IMPORT_LINES_H
 #define VS_IMPORT_LINES_H
 
-#include "import/fate.h"
+#include "fate.h"
 
 /* Adds the lines to plan->sheet, and notes what is not measured. Error, with its place: the pins of
  * a shipped part are connected as no thyristor's are. */

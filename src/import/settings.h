@@ -4,7 +4,7 @@
 #define VS_IMPORT_SETTINGS_H
 
 #include "base/json.h"
-#include "foreign/roles.h"
+#include "import/roles.h"
 
 enum { VS_SETTINGS = 20 };
 

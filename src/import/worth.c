@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "import/worth.h"
+#include "worth.h"
 
 #include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "slips/reserved.h"
-#include "syntax/formula.h"
+#include "netlist/reserved.h"
+#include "base/formula.h"
 
 /* What all is read from. */
 typedef struct reader {

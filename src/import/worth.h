@@ -4,8 +4,8 @@
 #ifndef VS_IMPORT_WORTH_H
 #define VS_IMPORT_WORTH_H
 
-#include "foreign/elements.h"
-#include "import/declared.h"
+#include "import/elements.h"
+#include "declared.h"
 
 /* Gives an R, C or L whose value is a number a parameter of its name, whose name is written into
  * `param`; empty: there is none. Returns what the element is worth in a run, with m= and scale=;

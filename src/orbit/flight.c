@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "orbit/flight.h"
+#include "flight.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "actuator/coil.h"
+#include "plant/coil.h"
 #include "base/text.h"
-#include "scene/session.h"
+#include "run/session.h"
 
 static int states_of(const vs_scene *s) {
   return 2 * s->setup.model.dof + (s->setup.timeline.firing.no_valve ? 1 : 0);

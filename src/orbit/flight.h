@@ -5,7 +5,7 @@
 #define VS_ORBIT_FLIGHT_H
 
 #include "orbit/variation.h"
-#include "scene/scene.h"
+#include "run/scene.h"
 
 /* Begin with vs_flight_begin, end with vs_flight_end. What a run has left holds until the next. */
 typedef struct vs_flight {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "orbit/forcing.h"
+#include "forcing.h"
 
-#include "actuator/coil.h"
+#include "plant/coil.h"
 
 enum { ALL = 1 + VS_PARAMETER_NEAR };
 
@@ -17,7 +17,7 @@ double vs_forcing_surface(const vs_parameter *p, int stop, const double *q) {
 
 /* The stops' part of the force F that closes the gap, and its derivative at a given state. All
  * kinds' forces are in proportion to stiffness and damping together, and the damping stands
- * beside the depth's rate alone (actuator/stops.h):
+ * beside the depth's rate alone (plant/stops.h):
  *   k dF/dk + c dF/dc = F,   c dF/dc = rate dF/drate. */
 static double add_stops(const vs_parameter *p, const vs_forcing_place *at, double *slope) {
   const vs_model *m = &p->setup->model;

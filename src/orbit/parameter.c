@@ -7,10 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "actuator/coil.h"
+#include "plant/coil.h"
 #include "base/text.h"
-#include "drive/gate.h"
-#include "syntax/units.h"
+#include "engine/gate.h"
+#include "base/units.h"
 
 enum { NEAR = VS_PARAMETER_NEAR, ALL = 1 + NEAR };
 

@@ -6,9 +6,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "actuator/coil.h"
-#include "drive/firing.h"
-#include "orbit/flight.h"
+#include "plant/coil.h"
+#include "engine/firing.h"
+#include "flight.h"
 
 enum { MOST = VS_ORBIT_STATES };
 

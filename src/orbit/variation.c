@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "actuator/coil.h"
+#include "plant/coil.h"
 #include "base/text.h"
-#include "ideal/propagator.h"
-#include "orbit/forcing.h"
+#include "engine/propagator.h"
+#include "forcing.h"
 
 void vs_variation_begin(vs_variation *v, const vs_setup *setup) {
   const vs_model *m = &setup->model;

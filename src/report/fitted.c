@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "report/fitted.h"
+#include "fitted.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "report/rerun.h"
-#include "syntax/units.h"
+#include "rerun.h"
+#include "base/units.h"
 
 enum { FIGURE = 32 }; /* room for a number in a table */
 
@@ -207,6 +207,30 @@ void vs_fitted_show(const vs_outcome *o, FILE *out) {
   vs_rerun_show(o, out);
 }
 
+/* ---- a model that does not fit ---- */
+
+/* The datum whose residual is largest. */
+static size_t farthest(const vs_outcome *o) {
+  const double *residual = o->estimate.residual;
+  size_t worst = 0;
+  for (size_t n = 1; n < o->inquiry->n_data; n++)
+    if (fabs(residual[n]) > fabs(residual[worst])) worst = n;
+  return worst;
+}
+
+vs_status vs_fitted_judge(const vs_outcome *o, vs_error *err) {
+  const vs_estimate *e = &o->estimate;
+  if (vs_estimate_fits(e)) return VS_OK;
+  const size_t worst = farthest(o);
+  return vs_fail(err, VS_RATING,
+                 "the model does not fit: no values within the bounds come nearer than %.3g times "
+                 "the stated errors (rms; %s is off by %.3g of its own), and chi2 = %.4g, which a "
+                 "true model has in %.2g of all cases; the estimates mean little",
+                 sqrt(e->minimum.chi2 / (double)e->freedom),
+                 vs_inquiry_name(o->inquiry, &o->inquiry->data[worst]), fabs(e->residual[worst]),
+                 e->minimum.chi2, e->probability);
+}
+
 /* ---- warnings ---- */
 
 typedef struct warner {
@@ -270,13 +294,6 @@ static void warn_of_recordings(const vs_outcome *o, const warner *w) {
 void vs_fitted_warnings(const vs_outcome *o, void (*each)(void *ctx, const char *text), void *ctx) {
   const warner w = {each, ctx};
   vs_text text = {0};
-  if (!vs_estimate_fits(&o->estimate)) {
-    vs_text_add(&text,
-                "the model does not fit: no values within the bounds come nearer than chi2 = %.4g, "
-                "which a true model has in %.2g of all cases; the estimates mean little",
-                o->estimate.minimum.chi2, o->estimate.probability);
-    warn(&w, &text);
-  }
   if (o->estimate.probability > 1 - 1e-3) {
     vs_text_add(&text,
                 "chi2 = %.4g is far below the %ld degrees of freedom: the errors are stated too "

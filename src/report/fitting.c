@@ -7,9 +7,9 @@
 
 #include "base/file.h"
 #include "base/leave.h"
-#include "report/fitted.h"
-#include "report/found.h"
-#include "report/portrait.h"
+#include "fitted.h"
+#include "found.h"
+#include "portrait.h"
 
 /* ---- files ---- */
 
@@ -102,6 +102,7 @@ static vs_status fit(const vs_fitting_options *options, const vs_inquiry *q, vs_
     folder = written;
   }
   if (status && folder) vs_file_folder_unmake(options->folder, made);
+  if (!status) status = vs_fitted_judge(o, err);
   vs_outcome_free(o);
   free(o);
   return status;

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "report/found.h"
+#include "found.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "base/csv.h"
-#include "report/fitted.h"
-#include "scene/version.h"
-#include "syntax/units.h"
-#include "trust/trust.h"
+#include "fitted.h"
+#include "run/version.h"
+#include "base/units.h"
+#include "ngspice/trust.h"
 
 enum { DIGITS = 12 };
 

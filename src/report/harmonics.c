@@ -8,17 +8,17 @@
 
 #include "base/path.h"
 #include "base/text.h"
-#include "period/quality.h"
-#include "picture/gnuplot.h"
-#include "picture/scale.h"
-#include "syntax/tree.h"
+#include "measure/quality.h"
+#include "base/gnuplot.h"
+#include "report/scale.h"
+#include "base/tree.h"
 
 enum { MOST_KINDS = 16 /* classes in a panel */ };
 enum { PANELS = VS_QUALITY_MOST + 1, WIDTH = 900, HEIGHT = 320 /* of a panel, pixels */ };
 
 /* A current: its harmonics, and the classes' limits, as summary.json has them. */
 typedef struct panel {
-  char title[128];
+  char title[VS_NAME_SIZE + 16];
   const vs_node *harmonics; /* a list */
   const vs_node *groups;    /* a list of what is held against limits; NULL: the harmonics are */
   const vs_node *classes;   /* a list; NULL: of class A alone there are... */
@@ -43,7 +43,7 @@ static int count_of(const vs_node *list) {
 static void add_panel(panels *all, const char *name, panel of) {
   if (!count_of(of.harmonics) || all->count == PANELS) return;
   if (!count_of(of.groups)) of.groups = NULL;
-  snprintf(of.title, sizeof of.title, "harmonics of %.64s", name);
+  snprintf(of.title, sizeof of.title, "harmonics of %s", name);
   all->item[all->count++] = of;
 }
 

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "report/page.h"
+#include "page.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "report/html.h"
-#include "report/tables.h"
+#include "tables.h"
 
 static const char *manifest_text(const vs_folder *t, const char *key) {
   const vs_node *node = vs_tree_child(t->manifest.root, key);

@@ -3,7 +3,7 @@
 #ifndef VS_REPORT_PAGE_H
 #define VS_REPORT_PAGE_H
 
-#include "picture/album.h"
+#include "plot/album.h"
 #include "report/html.h"
 
 /* Adds the page. svg: one text for each picture of the album. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "report/portrait.h"
+#include "portrait.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -7,9 +7,9 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "picture/gnuplot.h"
-#include "picture/scale.h"
-#include "syntax/units.h"
+#include "base/gnuplot.h"
+#include "report/scale.h"
+#include "base/units.h"
 
 enum { WIDTH = 900, HIGH = 290, LOW = 190, TOP = 50, UNDER = 26, UNDER_LABEL = 52 };
 
@@ -145,7 +145,7 @@ static void begin(portrait *p, const char *name, bool measures) {
                  p->height);
   vs_gnuplot_add(&p->script, "set grid lt 1 lw 0.5 lc rgb '#d0d0d0'\nset border lc rgb '#404040'\n"
                              "set lmargin 12\nset rmargin 3\nset multiplot title ");
-  vs_gnuplot_quoted(&p->script, title);
+  vs_gnuplot_caption(&p->script, title, WIDTH, 13);
   vs_gnuplot_add(&p->script, " font 'sans,13'\n");
 }
 

@@ -4,7 +4,7 @@
 #define VS_REPORT_TABLES_H
 
 #include "report/html.h"
-#include "survey/survey.h"
+#include "study/survey.h"
 
 /* The worst cases, or the first ones where nothing ranks them. */
 void vs_tables_cases(vs_html *html, const vs_folder *table, const vs_survey *survey);

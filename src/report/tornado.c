@@ -10,8 +10,8 @@
 
 #include "base/csv.h"
 #include "base/text.h"
-#include "picture/gnuplot.h"
-#include "picture/scale.h"
+#include "base/gnuplot.h"
+#include "report/scale.h"
 
 enum { MOST_BARS = 4096 };
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "study/array.h"
+#include "array.h"
 
 #include <fcntl.h>
 #include <math.h>

@@ -17,7 +17,7 @@
 #include <stdint.h>
 
 #include "base/error.h"
-#include "journal/row.h"
+#include "work/row.h"
 
 #define VS_ARRAY_FOLDER "columns"
 #define VS_ARRAY_LIST VS_ARRAY_FOLDER "/columns.json"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "study/cases.h"
+#include "cases.h"
 
 #include <math.h>
 #include <stdlib.h>

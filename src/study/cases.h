@@ -4,8 +4,8 @@
 #ifndef VS_STUDY_CASES_H
 #define VS_STUDY_CASES_H
 
-#include "journal/journal.h"
-#include "plan/plan.h"
+#include "work/journal.h"
+#include "study/plan.h"
 
 /* Begins as zeros but for plan and journal, which are borrowed. vs_cases_free. The arrays are a
  * search's, as vs_results has them. */

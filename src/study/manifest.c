@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "study/manifest.h"
+#include "manifest.h"
 
 #include <gsl/gsl_version.h>
 #include <math.h>
@@ -8,8 +8,8 @@
 
 #include "base/hash.h"
 #include "base/json.h"
-#include "scene/version.h"
-#include "solver/ng.h"
+#include "run/version.h"
+#include "ngspice/ng.h"
 #include "work/case.h"
 
 enum { MOST_VALUES_SHOWN = 1000 };

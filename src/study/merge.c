@@ -8,9 +8,9 @@
 
 #include "base/file.h"
 #include "base/path.h"
-#include "journal/journal.h"
-#include "study/publish.h"
-#include "study/stale.h"
+#include "work/journal.h"
+#include "publish.h"
+#include "stale.h"
 
 /* ---- which ---- */
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "study/publish.h"
+#include "publish.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -13,7 +13,7 @@
 #include "base/file.h"
 #include "base/packed.h"
 #include "base/path.h"
-#include "study/array.h"
+#include "array.h"
 
 static const char FAILURES[] = "failures.csv", MANIFEST[] = "manifest.json";
 const char *const vs_publish_files[VS_PUBLISH_FILES] = {MANIFEST, "study.csv", FAILURES};

@@ -4,7 +4,7 @@
 #ifndef VS_STUDY_PUBLISH_H
 #define VS_STUDY_PUBLISH_H
 
-#include "journal/journal.h"
+#include "work/journal.h"
 #include "study/format.h"
 
 /* The files of the default format. */

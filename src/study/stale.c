@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "study/stale.h"
+#include "stale.h"
 
 #include <dirent.h>
 #include <fcntl.h>
@@ -13,9 +13,9 @@
 #include "base/file.h"
 #include "base/packed.h"
 #include "base/text.h"
-#include "study/array.h"
+#include "array.h"
 #include "study/format.h"
-#include "watch/table.h"
+#include "run/table.h"
 #include "work/case.h"
 
 /* ---- pictures ---- */

@@ -5,7 +5,7 @@
 #ifndef VS_STUDY_STALE_H
 #define VS_STUDY_STALE_H
 
-#include "journal/journal.h"
+#include "work/journal.h"
 
 /* Removes them, by the names they have: report.html; the pictures and the folder of columns that
  * follow from the header rows of the study's two files (call it before those go);

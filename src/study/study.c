@@ -14,13 +14,13 @@
 #include "base/hash.h"
 #include "base/json.h"
 #include "base/leave.h"
-#include "plan/reading.h"
-#include "scene/session.h"
-#include "study/cases.h"
-#include "study/manifest.h"
+#include "reading.h"
+#include "run/session.h"
+#include "cases.h"
+#include "manifest.h"
 #include "study/merge.h"
-#include "study/publish.h"
-#include "study/stale.h"
+#include "publish.h"
+#include "stale.h"
 #include "work/jobs.h"
 #include "work/past.h"
 
@@ -37,7 +37,7 @@ typedef struct session {
   int made;                                          /* how many folders were made for the output */
   uint64_t next, until; /* cases to deal; of a search those of the present generation */
   uint64_t total;       /* cases of this shard, for the progress */
-  uint64_t shared;      /* how many had their past from another (work/past.h) */
+  uint64_t shared;      /* how many had their past from another (study/work/past.h) */
   uint64_t before;      /* how many were done when this process began */
   double began_s, shown_s;
   bool show; /* progress is shown on a terminal */

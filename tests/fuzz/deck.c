@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Decks with what they include, from their files to the netlist that ngspice would be given, and
  * what `check` says of them. ngspice itself is not asked. */
-#include "deck/deck.h"
+#include "netlist/deck.h"
 
 #include <string.h>
 
-#include "blame/blame.h"
-#include "deck/netlist.h"
-#include "deck/parts.h"
-#include "hint/hint.h"
-#include "sim/memory.h"
+#include "netlist/blame.h"
+#include "netlist/netlist.h"
+#include "netlist/parts.h"
+#include "import/hint.h"
+#include "engine/memory.h"
 #include "targets.h"
 
 static const char *const FILES[] = {"a.inc", "b.inc", "c.lib", "d.inc", NULL};

@@ -2,7 +2,7 @@
  * Fits, with the recording that they name. */
 #include <string.h>
 
-#include "inquiry/inquiry.h"
+#include "fit/inquiry.h"
 #include "targets.h"
 
 static const char *const FILES[] = {"data.csv", "scene.yaml", NULL};

@@ -5,10 +5,10 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "syntax/dimension.h"
-#include "syntax/jet.h"
-#include "syntax/slope.h"
-#include "syntax/spice.h"
+#include "base/dimension.h"
+#include "base/jet.h"
+#include "base/slope.h"
+#include "base/spice.h"
 #include "targets.h"
 
 enum { WORDS = 8 }; /* terms, and names, that there are */

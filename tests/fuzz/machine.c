@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Machines: the file, and the matrices that its defaults make. */
-#include "machine/machine.h"
+#include "plant/machine.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "machine/blueprint.h"
-#include "machine/build.h"
+#include "plant/blueprint.h"
+#include "plant/build.h"
 #include "targets.h"
 
 static const char *const FILES[] = {"table.csv", NULL};

@@ -2,7 +2,7 @@
  * Netlists of other programs, as `import` reads them, up to the deck's lines. */
 #include <string.h>
 
-#include "foreign/cast.h"
+#include "import/cast.h"
 #include "import/copying.h"
 #include "import/lines.h"
 #include "import/settings.h"

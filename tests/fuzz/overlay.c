@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Measured curves that `plot --overlay` draws over a run's. */
-#include "picture/overlay.h"
+#include "report/plot/overlay.h"
 
 #include <string.h>
 

@@ -4,10 +4,10 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "acceptance/wrap.h"
-#include "deck/netlist.h"
-#include "scene/warnings.h"
-#include "stand/stand.h"
+#include "bench/wrap.h"
+#include "netlist/netlist.h"
+#include "run/warnings.h"
+#include "bench/stand.h"
 #include "targets.h"
 
 static const char *const FILES[] = {"a.inc", "b.lib", NULL};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The curves of a run, read back. */
-#include "trace/traces.h"
+#include "report/traces.h"
 
 #include "targets.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Scenes, as `run` reads them, which ends at the first mistake, and as `check` does, which goes on.
  * A first line "#--set KEY=VALUE" is a --set over the scene. */
-#include "scene/scene.h"
+#include "run/scene.h"
 
 #include <stdlib.h>
 #include <string.h>

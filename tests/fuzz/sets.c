@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "scene/scene.h"
+#include "run/scene.h"
 #include "targets.h"
 
 enum { MOST_SETS = 8 };

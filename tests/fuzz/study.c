@@ -3,9 +3,9 @@
  * journal. */
 #include <stdlib.h>
 
-#include "journal/row.h"
-#include "method/methods.h"
-#include "plan/reading.h"
+#include "study/work/row.h"
+#include "study/methods.h"
+#include "study/reading.h"
 #include "study/manifest.h"
 #include "targets.h"
 

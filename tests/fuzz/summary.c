@@ -4,14 +4,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "closeup/moments.h"
-#include "compare/compare.h"
-#include "digest/bars.h"
-#include "digest/chapters.h"
-#include "digest/flow.h"
-#include "method/methods.h"
-#include "picture/gnuplot.h"
-#include "picture/sheets.h"
+#include "report/plot/moments.h"
+#include "report/compare.h"
+#include "report/bars.h"
+#include "report/chapters.h"
+#include "report/flow.h"
+#include "study/methods.h"
+#include "base/gnuplot.h"
+#include "report/plot/sheets.h"
 #include "targets.h"
 
 static const char *const FILES[] = {"run.csv", "events.csv", "manifest.json", NULL};

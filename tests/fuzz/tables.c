@@ -4,10 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "compare/compare.h"
-#include "method/methods.h"
+#include "report/compare.h"
+#include "study/methods.h"
 #include "report/page.h"
-#include "survey/survey.h"
+#include "study/survey.h"
 #include "targets.h"
 
 static const struct {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Numbers with units: the first line is the unit that is wanted, what follows is the number. */
-#include "syntax/units.h"
+#include "base/units.h"
 
 #include <math.h>
 #include <stdlib.h>

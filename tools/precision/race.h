@@ -6,7 +6,7 @@
 #include <stddef.h>
 
 #include "compare.h"
-#include "scene/scene.h"
+#include "run/scene.h"
 
 typedef struct attempt attempt;
 struct attempt {

@@ -9,7 +9,7 @@
 
 #include "base/text.h"
 #include "race.h"
-#include "solver/ng.h"
+#include "ngspice/ng.h"
 
 typedef struct lap {
   const char *tier;

@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Tables of the keys a scene may have. One row of a table says how its key is read and printed, its
+ * unit, its default, what is allowed and what it means. */
+#ifndef VS_BASE_FIELD_H
+#define VS_BASE_FIELD_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/error.h"
+#include "base/text.h"
+#include "base/tree.h"
+
+typedef enum vs_field_kind {
+  VS_REAL,    /* double, SI; or (where choices names one) that word, read as NaN */
+  VS_FACTOR,  /* as VS_REAL: it multiplies something else, and is told only where it is not 1 */
+  VS_PROFILE, /* vs_field_profile: as VS_REAL, or a list of points over time */
+  VS_PAIR,    /* double[2], SI, written [x, y] */
+  VS_CHOICE,  /* int: which of `choices` */
+  VS_COUNT,   /* int: a whole number, or (where choices names one) that word, read as 0 */
+  VS_NAME,    /* char[VS_NAME_SIZE] */
+  VS_OPTION /* up to `options.most` structs in a row, each of which begins with an int: it is 1 for
+               a map, whose keys fill the struct's other members, and for each map of a list. It
+               is 0 behind the last, and in the first for the word `choices` names */
+} vs_field_kind;
+
+enum { VS_NAME_SIZE = 256, VS_PROFILE_MOST = 64 };
+
+/* A quantity that may change over time, straight between its points: 100 deg, or [[0 s, 160 deg],
+ * [1 s, 100 deg]]. Before the first point it is the first one's, behind the last the last one's.
+ * Where two points have the same time it jumps. */
+typedef struct vs_field_profile {
+  double first; /* the one number, or that of the first point; SI */
+  int count;    /* of the points; 0: it is one number */
+  double at_s[VS_PROFILE_MOST], value[VS_PROFILE_MOST];
+} vs_field_profile;
+
+typedef struct vs_field {
+  const char *key;
+  vs_field_kind kind;
+  const char *unit;         /* as shown and as asked for; "" for a pure number */
+  const char *default_text; /* as a user would write it */
+  double min, max;          /* the least and the largest value allowed, in `unit` */
+  bool open;                /* min and max themselves are not allowed */
+  size_t offset;            /* of the member it fills, in the section's struct */
+  const char *text;         /* what it means, one line */
+  const char *choices;      /* VS_CHOICE: "paper|derived"; VS_REAL, VS_COUNT, VS_OPTION: a word;
+                               VS_NAME: those that there are, FILE.csv of files; NULL: any name */
+  const struct vs_options *options; /* VS_OPTION: what its maps have */
+} vs_field;
+
+/* True for a factor that is 1: whoever tells the values of a section leaves it out. */
+bool vs_field_is_idle(const vs_field *field, const void *values);
+
+/* The quantity at t, SI. At a jump it is the later value. */
+double vs_field_profile_at(const vs_field_profile *profile, double t_s);
+
+/* True if it fills a double, at its offset: a key that can be varied. */
+bool vs_field_is_real(const vs_field *field);
+
+/* A map of a scene. */
+typedef struct vs_section {
+  const char *name; /* its key in the scene */
+  const vs_field *fields;
+  size_t count;
+} vs_section;
+
+/* What the maps of a VS_OPTION have. The keys in effect may depend on one of them, a VS_CHOICE. */
+typedef struct vs_options {
+  vs_section keys;         /* all of them, as lists show them */
+  const vs_section *forms; /* the keys in effect for each word of the chooser; NULL: `keys` */
+  size_t chooser;          /* which of keys.fields */
+  int most;                /* how many maps a list of them may have; 1: no list is taken */
+  size_t size;             /* of the struct that one map fills, bytes */
+} vs_options;
+
+/* The keys in effect of one map; values: the struct that it filled. */
+const vs_section *vs_field_form(const vs_options *options, const void *values);
+/* How many maps the field's present value has. member: the first of its structs. */
+int vs_field_maps(const vs_field *field, const void *member);
+
+/* Fills every member of out, from the scene's map where that has the key, else from the default.
+ * map is NULL where the scene has no such section. Errors, each of which a check carries on from:
+ * an unknown key (the nearest is named), a wrong unit, a value out of range. */
+vs_status vs_field_section_read(const vs_section *section, const vs_node *map, void *out,
+                                vs_error *err);
+
+/* The two parts of it. Error: the map has a key that the section has not; a check carries on. */
+vs_status vs_field_section_keys(const vs_section *section, const vs_node *map, vs_error *err);
+/* Fills one key's member of out, from the default where node is NULL. The default stays where the
+ * scene's value is refused; a check carries on. */
+vs_status vs_field_read_key(const vs_section *section, const vs_field *field, const vs_node *node,
+                            void *out, vs_error *err);
+
+/* Error: the map has a key that is none of names[count]; the nearest is named, and all are. what is
+ * the map's own name, for the message. A check carries on, but not from a list in its place. */
+vs_status vs_field_known_keys(const vs_node *map, const char *what, const char *const *names,
+                              size_t count, vs_error *err);
+
+/* Adds the field's present value as JSON: {"value": 6, "unit": "mm"} or "paper". */
+void vs_field_json(const vs_field *field, const void *values, vs_text *text);
+
+/* Writes what is allowed, for messages and listings: "6..12 mm", "paper|derived", ... */
+void vs_field_range(const vs_field *field, char *text, size_t size);
+
+/* Reads the node's value into the field's member of out, for values that come from elsewhere than a
+ * scene's section. On error the member keeps what it had. */
+vs_status vs_field_read(const vs_section *section, const vs_field *field, const vs_node *node,
+                        void *out, vs_error *err);
+
+#endif

@@ -1,0 +1,330 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "bench/acceptance.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "curves.h"
+#include "plausible.h"
+#include "base/csv.h"
+#include "base/file.h"
+#include "base/json.h"
+#include "diode.h"
+#include "fuse.h"
+#include "passive.h"
+#include "thyristor.h"
+#include "transistor.h"
+#include "triac.h"
+#include "varistor.h"
+#include "netlist/catalogue.h"
+#include "netlist/parts.h"
+#include "base/units.h"
+#include "ngspice/trust.h"
+
+static const vs_figures_kind *const KINDS[] = {
+    &vs_thyristor_kind,    &vs_triac_kind,      &vs_diode_kind,          &vs_transistor_mosfet,
+    &vs_transistor_igbt,   &vs_varistor_kind,   &vs_fuse_kind,           &vs_passive_resistor,
+    &vs_passive_capacitor, &vs_passive_snubber, &vs_passive_electrolytic};
+
+/* ---- rows, shown ---- */
+
+static const char *const SIGN[] = {[VS_HELD_NEAR] = "", "<= ", ">= ", ""};
+
+static double shown(const vs_figure *row, double si) {
+  return si / vs_units_factor(row->unit);
+}
+
+static void write_asked(const vs_figure *row, char *text, size_t size) {
+  if (row->held == VS_HELD_NOT)
+    snprintf(text, size, "-");
+  else if (row->held == VS_HELD_NEAR)
+    snprintf(text, size, "%.4g +- %.3g %s", shown(row, row->asked), shown(row, row->tolerance),
+             row->unit);
+  else
+    snprintf(text, size, "%s%.4g %s", SIGN[row->held], shown(row, row->asked), row->unit);
+}
+
+static void write_got(const vs_figure *row, char *text, size_t size) {
+  if (isnan(row->got))
+    snprintf(text, size, "-");
+  else if (isinf(row->got))
+    snprintf(text, size, "none");
+  else
+    snprintf(text, size, "%.4g %s", shown(row, row->got), row->unit);
+}
+
+static void add_table(const vs_figures *f, vs_text *table) {
+  vs_text_add(table, "\n%-12s %-22s %-14s %-7s %s", "figure", "asked", "got", "word", "test");
+  for (size_t k = 0; k < f->count; k++) {
+    const vs_figure *row = &f->row[k];
+    char asked[64], got[64];
+    write_asked(row, asked, sizeof asked);
+    write_got(row, got, sizeof got);
+    vs_text_add(table, "\n%-12s %-22s %-14s %-7s %s%s%s", row->name, asked, got,
+                vs_figures_word(row), row->text, *row->why && isnan(row->got) ? ": " : "",
+                isnan(row->got) ? row->why : "");
+  }
+}
+
+/* One object on a line. A row of check's array has a place and a message besides; there what is to
+ * be told of the library has a row of its own. */
+static void add_json(const vs_figure *row, const char *file, vs_text *text) {
+  char asked[64], got[64];
+  vs_json json = vs_json_new(text);
+  vs_json_object(&json, NULL, VS_JSON_ROW);
+  if (file) {
+    write_asked(row, asked, sizeof asked);
+    write_got(row, got, sizeof got);
+    vs_text message = {0};
+    vs_text_add(&message, "%s: asked %s, got %s: %s", row->name, asked, got, vs_figures_word(row));
+    vs_json_text(&json, "file", file);
+    vs_json_number(&json, "line", row->where.line ? (double)row->where.line : (double)NAN, 12);
+    vs_json_number(&json, "column", row->where.line ? (double)row->where.column : (double)NAN, 12);
+    vs_json_text(&json, "message", message.text);
+    vs_text_free(&message);
+  }
+  vs_json_text(&json, "figure", row->name);
+  vs_json_text(&json, "unit", row->unit);
+  vs_json_text(&json, "held",
+               row->held == VS_HELD_NEAR       ? "near"
+               : row->held == VS_HELD_AT_MOST  ? "at most"
+               : row->held == VS_HELD_AT_LEAST ? "at least"
+                                               : NULL);
+  vs_json_number(&json, "asked", shown(row, row->asked), 9);
+  vs_json_number(&json, "tolerance", shown(row, row->tolerance), 9);
+  vs_json_number(&json, "got", shown(row, row->got), 9);
+  vs_json_text(&json, "word", vs_figures_word(row));
+  vs_json_text(&json, "test", row->text);
+  vs_json_text(&json, "why", isnan(row->got) ? row->why : NULL);
+  if (row->of && isfinite(row->got / row->sheet)) {
+    vs_json_text(&json, "of", row->of);
+    vs_json_number(&json, "model_deviation", row->got / row->sheet - 1, 9);
+  }
+  if (!file) vs_json_text(&json, "warning", *vs_trust_text() ? vs_trust_text() : NULL);
+  vs_json_end(&json);
+}
+
+/* ---- files ---- */
+
+static void add_csv(const vs_figures *f, vs_text *text) {
+  vs_text_add(text, "figure,unit,held,asked,tolerance,got,word,test,warning\n");
+  for (size_t k = 0; k < f->count; k++) {
+    const vs_figure *row = &f->row[k];
+    const double number[] = {shown(row, row->asked), shown(row, row->tolerance),
+                             shown(row, row->got)};
+    vs_csv_cell(text, row->name);
+    vs_text_add(text, ",");
+    vs_csv_cell(text, row->unit);
+    vs_text_add(text, ",%s",
+                row->held == VS_HELD_NEAR       ? "near"
+                : row->held == VS_HELD_AT_MOST  ? "at most"
+                : row->held == VS_HELD_AT_LEAST ? "at least"
+                                                : "");
+    for (size_t n = 0; n < 3; n++)
+      if (isfinite(number[n]))
+        vs_text_add(text, ",%.9g", number[n]);
+      else
+        vs_text_add(text, ",");
+    vs_text_add(text, ",%s,", vs_figures_word(row));
+    vs_csv_cell(text, row->text);
+    vs_text_add(text, ",");
+    vs_csv_cell(text, vs_trust_text());
+    vs_text_add(text, "\n");
+  }
+}
+
+static vs_status write_file(const char *folder, const char *name, const char *bytes, size_t size,
+                            vs_error *err) {
+  vs_file file;
+  vs_status status = vs_file_open(&file, folder, name, err);
+  if (status) return status;
+  fwrite(bytes, 1, size, file.stream);
+  return vs_file_commit(&file, err);
+}
+
+static vs_status write_folder(const vs_check_options *o, const vs_figures *f, const char *title,
+                              vs_error *err) {
+  vs_text csv = {0}, json = {0};
+  char *picture = NULL;
+  size_t size = 0;
+  int made = 0;
+  vs_error why = {0};
+  add_csv(f, &csv);
+  vs_text_add(&json, "[");
+  for (size_t k = 0; k < f->count; k++) {
+    vs_text_add(&json, "%s\n  ", k ? "," : "");
+    add_json(&f->row[k], NULL, &json);
+  }
+  vs_text_add(&json, "\n]\n");
+  vs_status status = vs_file_folder_make(o->folder, &made, err);
+  if (!status) status = write_file(o->folder, "bench.csv", csv.text, csv.length, err);
+  if (!status) status = write_file(o->folder, "bench.json", json.text, json.length, err);
+  vs_status drawn =
+      status || !f->n_curves ? VS_OK : vs_curves_draw(f, title, &picture, &size, &why);
+  if (!status && picture) status = write_file(o->folder, "bench.png", picture, size, err);
+  if (drawn && !o->quiet)
+    fprintf(stderr, "vibrospice: warning: there is no picture: %s\n", why.text);
+  free(picture);
+  vs_text_free(&csv);
+  vs_text_free(&json);
+  return status;
+}
+
+/* ---- all ---- */
+
+/* How many numbers of the part's file are marked `assumed`. */
+static size_t count_assumed(const char *path) {
+  vs_catalogue_part row = {0};
+  vs_source source = {0};
+  vs_error unread = {0};
+  size_t count = 0;
+  const bool is_row = vs_catalogue_is_row(path);
+  if (is_row ? vs_catalogue_read(path, &row, &unread) : vs_source_read(path, &source, &unread))
+    return 0;
+  const vs_source *lines = is_row ? &row.source : &source;
+  for (size_t k = 0; k < lines->count; k++) {
+    char *quote = strchr(lines->line[k], '"');
+    if (quote) *quote = '\0';
+    count += !strncmp(lines->line[k], "*$", 2) && strstr(lines->line[k], " assumed") != NULL;
+  }
+  vs_catalogue_free(&row);
+  vs_source_free(&source);
+  return count;
+}
+
+static void tell(const vs_stand *s, const vs_figures *f, vs_check_bench *bench) {
+  size_t assumed = count_assumed(s->file);
+  add_table(f, &bench->table);
+  for (size_t k = 0; k < f->count; k++) {
+    const char *word = vs_figures_word(&f->row[k]);
+    bool asked = f->row[k].held != VS_HELD_NOT;
+    bench->off += asked && (!strcmp(word, "off") || !strcmp(word, "failed"));
+    bench->figures += asked;
+    add_json(&f->row[k], s->name, &bench->rows);
+    vs_text_add(&bench->rows, "\n");
+  }
+  if (assumed)
+    vs_text_add(&bench->table, "\n%zu number%s of the file %s marked assumed", assumed,
+                assumed == 1 ? "" : "s", assumed == 1 ? "is" : "are");
+}
+
+/* ---- the model beside the sheet ---- */
+
+/* A figure is sought to 2 %, and another ngspice may end that search a step aside. A line that is
+ * further off than that is of another model. */
+static const double AGREES = 0.02;
+
+static double in_percent(double deviation) {
+  return round(100 * deviation) + 0.0; /* no -0 */
+}
+
+/* Warns of a line model that is not what the stand got. */
+static void warn_of_model(const vs_stand *s, const vs_model_line *line, double got,
+                          vs_warnings *w) {
+  const vs_where where = {s->name, line->where.line, line->where.column};
+  if (isnan(got))
+    vs_fail_at(
+        vs_warnings_add(w), where,
+        "model %s: the test stand has nothing to compare, as the file asks no such figure or "
+        "the model shows none; leave the line out",
+        line->figure);
+  else if (fabs(got - line->deviation) > AGREES)
+    vs_fail_at(vs_warnings_add(w), where,
+               "model %s = %+.3g %%: on the test stand it is %+.0f %%, and a verdict shows what "
+               "stands here",
+               line->figure, 100 * line->deviation, in_percent(got));
+}
+
+/* Says which lines model are missing, so that they can be put into the file; warns of those that
+ * are not so. Nothing is said of an ideal part, which has no finite limit. */
+static void tell_of_models(const vs_stand *s, const vs_figures *f, vs_check_bench *bench) {
+  const vs_part_file *file = vs_parts_file(&s->deck, s->file);
+  bool real = false;
+  vs_text missing = {0};
+  for (size_t k = 0; k < s->deck.n_limits; k++)
+    real = real ||
+           (!strcmp(s->deck.limits[k].where.file, s->file) && isfinite(s->deck.limits[k].value));
+  for (size_t k = 0; k < s->deck.n_models; k++)
+    if (!strcmp(s->deck.models[k].where.file, s->file))
+      warn_of_model(s, &s->deck.models[k], vs_figures_deviation(f, s->deck.models[k].figure),
+                    bench->warnings);
+  for (size_t k = 0; k < f->count && real; k++) {
+    const char *of = f->row[k].of;
+    size_t first = 0; /* of several rows of one figure */
+    if (!of || !vs_kinds_is_hung_on(file->kind, of, NULL)) continue;
+    while (!f->row[first].of || strcmp(f->row[first].of, of)) first++;
+    const double got = vs_figures_deviation(f, of);
+    if (first == k && isfinite(got) && !vs_parts_find_model(&s->deck, s->file, of))
+      vs_text_add(&missing, "\n*$ model  %s = %+.0f %%", of, in_percent(got));
+  }
+  if (missing.length)
+    vs_text_add(
+        &bench->table,
+        "\nthe file does not say how far its model is from the sheet. With these lines in it, "
+        "verdicts show that:%s",
+        missing.text);
+  vs_text_free(&missing);
+}
+
+/* Error: ngspice cannot take the part at all, whatever stands around it. */
+static vs_status try_part(const vs_stand *s, const vs_figures_kind *kind, vs_error *err) {
+  vs_text text = {0};
+  vs_stand_record r = {0};
+  vs_text_add(&text, "Vm a t 0\nXdut %s %s\nRa a 0 1e6\nRg g 0 1e6\n", kind->nodes, s->subcircuit);
+  const vs_stand_circuit c = {text.text, 1e-6, 1e-7, 0};
+  vs_status status = vs_stand_run(s, &c, &r, err);
+  vs_stand_free(&r);
+  vs_text_free(&text);
+  return status ? VS_INPUT : VS_OK;
+}
+
+/* Says that nothing was tried, so that no figure is not taken for a good one. */
+static void tell_of_no_bench(const vs_stand *s, vs_check_bench *bench) {
+  const vs_part_file *file = vs_parts_file(&s->deck, s->file);
+  vs_text message = {0};
+  vs_text_add(
+      &message,
+      "no bench: parts of the kind '%s' are read and not tried, so that nothing is known of "
+      "what the model does",
+      file ? file->kind : "");
+  vs_text_add(&bench->table, "\n%s", message.text);
+  vs_json json = vs_json_new(&bench->rows);
+  vs_json_object(&json, NULL, VS_JSON_ROW);
+  vs_json_text(&json, "file", s->name);
+  vs_json_number(&json, "line", file ? (double)file->where.line : (double)NAN, 12);
+  vs_json_number(&json, "column", file ? (double)file->where.column : (double)NAN, 12);
+  vs_json_text(&json, "message", message.text);
+  vs_json_end(&json);
+  vs_text_add(&bench->rows, "\n");
+  vs_text_free(&message);
+}
+
+/* The kind of the part on the stand; NULL: it is not tried. */
+static const vs_figures_kind *kind_of(const vs_stand *s) {
+  const vs_part_file *file = vs_parts_file(&s->deck, s->file);
+  for (size_t k = 0; k < sizeof KINDS / sizeof *KINDS && file; k++)
+    if (!strcmp(KINDS[k]->name, file->kind)) return KINDS[k];
+  return NULL;
+}
+
+vs_status vs_acceptance_try(const vs_check_options *o, vs_check_bench *bench, vs_error *err) {
+  vs_stand *s = vs_alloc(1, sizeof *s);
+  vs_figures f = {0};
+  vs_error own = {0};
+  vs_status status = vs_stand_open(o->name, s, &own);
+  const vs_figures_kind *kind = status ? NULL : kind_of(s);
+  if (!kind && !status) tell_of_no_bench(s, bench);
+  if (kind) status = try_part(s, kind, &own);
+  if (kind && !status) kind->measure(s, &f);
+  if (!status) vs_plausible_warn(s, &f, bench->warnings);
+  if (f.count) tell(s, &f, bench);
+  if (f.count) tell_of_models(s, &f, bench);
+  if (f.count && o->folder) status = write_folder(o, &f, s->subcircuit, &own);
+  if (status) *err = (own.findings = err->findings, own);
+  vs_figures_free(&f);
+  vs_stand_close(s);
+  free(s);
+  return status;
+}

@@ -1,0 +1,455 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The netlist of `vibrospice export`: parameters, the deck with sources of its own, the machine
+ * (mechanism.h), the analysis, and commands that measure. Whatever {expression} a B source holds
+ * stands in brackets: ngspice pastes it as text. */
+#include "export.h"
+
+#include <assert.h>
+#include <ctype.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+
+#include "base/file.h"
+#include "mechanism.h"
+#include "netlist/netlist.h"
+#include "engine/plain.h"
+#include "run/scene.h"
+#include "base/units.h"
+
+/* Measured under plain ngspice against the circuit tier at a tolerance of 1e-6, with steps of a
+ * two-thousandth of a period by the trapezoidal rule: p is off by 3e-5 of its peak after a single
+ * shot and by 1.4e-4 after ten cycles of continuous firing, p, u, w, phi, i and force by up to 5e-4
+ * where the thyristor fires late; with a stop, 67 steps in a radian of the contact keep them within
+ * 6e-4. The error falls with the square of the step, and Gear's rule has four times as much. A
+ * reltol below 1e-3 only makes it slower; so do, by a twentieth, ngspice's own abstol and vntol. */
+static double largest_step(const vs_setup *s) {
+  double period = s->timeline.period_s;
+  double fine = fmin(period / 2000, 0.015 / s->model.contact_rad_s);
+  double h = fmin(sqrt(s->run.tolerance / 1e-4) * fine, period / 200);
+  if (s->run.gear) h /= 2;
+  return s->run.max_step_s > 0 ? s->run.max_step_s : h;
+}
+static const double RELTOL = 1e-3;
+/* Where switches are modulated, each of thousands of edges leaves an error of its own: at 1e-3 the
+ * shipped chopper's current is off by 1.4e-3 after 80 periods of 20 kHz, at 1e-4 by 2e-6. The other
+ * tolerances are as coarse as tier circuit's, with which ngspice takes an eighth of the time. */
+static const double RELTOL_MODULATED = 1e-4;
+static const char COARSE[] = " chgtol=1e-10 abstol=1e-7 vntol=1e-4";
+
+/* True for a node's name in which ngspice's commands would see an operator. */
+static bool wants_quotes(const char *signal) {
+  char word[16];
+  snprintf(word, sizeof word, " %.*s ", (int)strlen(signal) - 3, signal + 2);
+  return strpbrk(signal, "+-:") || strstr(" gt lt ge le eq ne and or not ", word);
+}
+
+/* A difference of two signals as commands have it: nothing for v(0). */
+static void add_difference(vs_text *t, const char *plus, const char *minus) {
+  const char *const signal[] = {plus, minus};
+  for (int k = 0; k < 2; k++) {
+    if (!strcmp(signal[k], "v(0)")) continue;
+    const char *quote = wants_quotes(signal[k]) ? "\"" : "";
+    vs_text_add(t, "%s%.2s%s%.*s%s)", k ? "-" : "", signal[k], quote, (int)strlen(signal[k]) - 3,
+                signal[k] + 2, quote);
+  }
+  if (!strcmp(plus, "v(0)") && !strcmp(minus, "v(0)")) vs_text_add(t, "0*time");
+}
+
+/* ---- the columns of the table ---- */
+
+typedef struct column {
+  char name[VS_DECK_NAME + 32]; /* as in run.csv */
+  vs_text value;                /* of vectors that are saved */
+} column;
+enum {
+  OUR_COLUMNS = 5,
+  MOST_COLUMNS = VS_MOST_DOF + OUR_COLUMNS + VS_MACHINE_PROBES + VS_DECK_MOST
+};
+
+static void name_column(column *c, vs_channel channel) {
+  char suffix[32];
+  vs_units_suffix(channel.unit, suffix, sizeof suffix);
+  snprintf(c->name, sizeof c->name, "%s%s%s", channel.name, *suffix ? "_" : "", suffix);
+}
+
+static size_t find_columns(const vs_scene *scene, column columns[MOST_COLUMNS]) {
+  static const int OURS[OUR_COLUMNS] = {VS_CH_Z, VS_CH_LAMBDA, VS_CH_I, VS_CH_FORCE, VS_CH_V_EVA};
+  const vs_deck *deck = &scene->setup.deck;
+  const vs_model *m = &scene->setup.model;
+  const vs_frame *frame = &scene->frame;
+  column *ours = columns + m->dof;
+  for (int k = 0; k < m->dof; k++) {
+    name_column(&columns[k], vs_channel_at(frame, VS_CH_Q + k));
+    vs_text_add(&columns[k].value, "v(vs_%s)/1000", vs_mechanism_state(m, k));
+  }
+  for (int k = 0; k < OUR_COLUMNS; k++) name_column(&ours[k], vs_channel_at(frame, OURS[k]));
+  vs_text_add(&ours[0].value, "v(%s.z)", deck->eva);
+  vs_text_add(&ours[1].value, "v(%s.lam)", deck->eva);
+  if (m->coil.square)
+    vs_text_add(&ours[2].value, "v(%s.lam)*v(%s.z)/(2*vs_a)", deck->eva, deck->eva);
+  else
+    vs_text_add(&ours[2].value, "v(vs_i)");
+  vs_text_add(&ours[3].value, "v(vs_f)");
+  char plus[VS_DECK_NAME + 4], minus[VS_DECK_NAME + 4];
+  snprintf(plus, sizeof plus, "v(%s)", deck->eva_plus);
+  snprintf(minus, sizeof minus, "v(%s)", deck->eva_minus);
+  add_difference(&ours[4].value, plus, minus);
+  column *of_machine = ours + OUR_COLUMNS, *of_deck = of_machine + m->machine->n_probes;
+  for (int k = 0; k < m->machine->n_probes; k++) {
+    name_column(&of_machine[k], vs_channel_at(frame, vs_channel_probes(m) + k));
+    vs_text_add(&of_machine[k].value, "v(vs_probe%d)", k + 1);
+  }
+  for (size_t k = 0; k < deck->n_probes; k++) {
+    column *c = &of_deck[k];
+    const vs_probe *probe = &deck->probes[k];
+    name_column(c, vs_channel_at(frame, vs_channel_deck(m) + (int)k));
+    const vs_term *term = &deck->terms[probe->term];
+    if (probe->sign < 0) vs_text_add(&c->value, "-(");
+    add_difference(&c->value, term->plus, term->minus);
+    if (probe->sign < 0) vs_text_add(&c->value, ")");
+  }
+  return (size_t)(of_deck - columns) + deck->n_probes;
+}
+
+/* ---- names ---- */
+
+/* Does a line of the deck use a name the export makes? They all begin with "vs_", those of elements
+ * behind their letter. (A voltage source may be called vs_..., there is none among them.) */
+static bool uses_our_names(const char *line) {
+  for (const char *s = line; *s;) {
+    size_t n = 0;
+    while (isalnum((unsigned char)s[n]) || s[n] == '_' || s[n] == '.') n++;
+    bool element = s == line && n > 0;
+    if (!strncasecmp(s + element, "vs_", 3)) return true;
+    s += n ? n : 1;
+  }
+  return false;
+}
+
+/* What the commands measure; names of vectors, as the columns' are. The first two are of the
+ * travel, and are called after the coordinate that it is. */
+enum { MEASURED_FIRST, MEASURED_LEAST, MEASURED_I, MEASURED_FORCE, N_MEASURED };
+typedef char measured_name[VS_DECK_NAME + 32];
+
+static void name_measured(const vs_scene *scene, measured_name names[N_MEASURED]) {
+  const vs_model *m = &scene->setup.model;
+  int one = vs_mechanism_travel_is(m);
+  const char *of = one < 0 ? "gap" : vs_mechanism_state(m, one);
+  snprintf(names[MEASURED_FIRST], sizeof *names, "%s_first_peak_m", of);
+  snprintf(names[MEASURED_LEAST], sizeof *names, "%s_min_m", of);
+  snprintf(names[MEASURED_I], sizeof *names, "i_peak_a");
+  snprintf(names[MEASURED_FORCE], sizeof *names, "force_peak_n");
+}
+
+/* True for a coil whose force opens the gap, as a moving coil's: the first peak is a maximum then.
+ * So little flux is within the range of every law. */
+static bool opens_the_gap(const vs_model *m) {
+  return vs_coil_force(&m->coil, 1e-6, m->coil.gap_rest_m) < 0;
+}
+
+/* A column named as a node whose voltage is asked for later would hide it. */
+static vs_status check_column(const vs_deck *deck, const char *name, vs_error *err) {
+  char signal[sizeof(column) + 4];
+  snprintf(signal, sizeof signal, "v(%s)", name);
+  bool used = !strcasecmp(deck->eva_plus, name) || !strcasecmp(deck->eva_minus, name) ||
+              !strcasecmp(name, "time");
+  for (size_t j = 0; j < deck->n_terms && !used; j++)
+    used = !strcasecmp(deck->terms[j].plus, signal) || !strcasecmp(deck->terms[j].minus, signal);
+  return used ? vs_fail_at(err, (vs_where){deck->files[0], 1, 1},
+                           "node %s: the export's table has a column of this name; give the node "
+                           "another one",
+                           name)
+              : VS_OK;
+}
+
+static vs_status check_names(const vs_scene *scene, const column *columns, size_t count,
+                             vs_error *err) {
+  const vs_deck *deck = &scene->setup.deck;
+  measured_name measured[N_MEASURED];
+  name_measured(scene, measured);
+  static const char OURS[] = "names that begin with vs_ are the export's own";
+  for (size_t k = 0; k < deck->n_lines; k++)
+    if (uses_our_names(deck->lines[k].text)) return vs_fail_at(err, deck->lines[k].where, OURS);
+  for (size_t k = 0; k < deck->section.count; k++)
+    if (!strncasecmp(deck->section.fields[k].key, "vs_", 3))
+      return vs_fail_at(err, (vs_where){deck->files[0], 1, 1}, "param %s: %s",
+                        deck->section.fields[k].key, OURS);
+  vs_status status = vs_mechanism_check(&scene->setup, err);
+  for (size_t k = 0; k < count && !status; k++) {
+    const char *name = columns[k].name;
+    bool twice = false;
+    for (size_t j = 0; j < k; j++) twice = twice || !strcasecmp(columns[j].name, name);
+    for (int j = 0; j < N_MEASURED; j++) twice = twice || !strcasecmp(measured[j], name);
+    status = twice ? vs_fail_at(err, (vs_where){deck->files[0], 1, 1},
+                                "probe: %s stands in the export already; give the probe another "
+                                "name",
+                                name)
+                   : check_column(deck, name, err);
+  }
+  return status;
+}
+
+/* ---- the pieces of the deck, in their order ---- */
+
+static void add_head(vs_text *t, const vs_scene *scene, const char *deck_name,
+                     const char *table_name) {
+  const vs_deck *deck = &scene->setup.deck;
+  const vs_machine *machine = scene->setup.model.machine;
+  vs_text_add(t, "%s: a machine and its converter, for ngspice\n", deck_name);
+  vs_text_add(t, "* Exported by vibrospice %s. Machine: %s. Converter: %s.\n", VS_VERSION,
+              machine->title, *deck->title ? deck->title : "no title");
+  vs_text_add(t, "*\n* Run it:   ngspice %s%s%s-b %s\n", *deck->compat ? "-D ngbehavior=" : "",
+              deck->compat, *deck->compat ? "a " : "", deck_name);
+  vs_text_add(
+      t,
+      "* It prints a few measures (first peak: the gap's first %s after firing) and writes a\n"
+      "* table in the working directory, %s: columns between blanks, names first, a row every\n"
+      "* vs_sample seconds. A name ends in its unit. z: air gap; lambda i v_eva: of the coil;\n"
+      "* force: on the armature; before them the machine's coordinates, behind them what the\n"
+      "* converter declares. A run that ends early or meets the pole gives no table and exit "
+      "status "
+      "1.\n",
+      opens_the_gap(&scene->setup.model) ? "maximum" : "minimum", table_name);
+  for (int k = 0; k < machine->dof; k++)
+    vs_text_add(t, "* %s: %s\n", machine->coordinates[k].name, machine->coordinates[k].text);
+}
+
+typedef struct param {
+  const char *name;
+  double value;
+  const char *text;
+} param;
+
+static void add_params(vs_text *t, const param *rows, size_t count) {
+  for (size_t k = 0; k < count; k++)
+    vs_text_add(t, ".param %s=%.17g ; %s\n", rows[k].name, rows[k].value, rows[k].text);
+}
+
+/* The scene's values that stand in no parameter of the netlist's own. */
+static void add_scene(vs_text *t, const vs_setup *s) {
+  const vs_firing_values *firing = &s->timeline.firing;
+  const vs_actuator_values *eva = &s->model.actuator;
+  const param ROWS[] = {
+      {"vs_angle", firing->angle.first, "rad, of firing, from the rising zero of the mains"},
+      {"vs_pulse", firing->pulse_width_s, "s, length of a gate pulse"},
+      {"vs_first", firing->first_cycle, "cycle of the first pulse, from 1"},
+      {"vs_every", firing->every, "cycles from pulse to pulse; 0: one pulse only"},
+      {"vs_burst", firing->burst_hz, "Hz, of sub-pulses"},
+      {"vs_burst_duty", firing->burst_duty, "part of a sub-pulse's period that it is there"},
+      {"vs_d", eva->gap_m, "m, D, from the armature to the pole cover"},
+      {"vs_gap", s->model.coil.gap_rest_m, "m, D + d, the air gap at rest"},
+      {"vs_until", s->run.until_s, "s, end of the run"},
+      {"vs_sample", fmin(s->run.sample_s, s->run.until_s), "s, from row to row of the table"},
+      {"vs_step", largest_step(s), "s, the largest step; the error falls with its square"},
+  };
+  vs_text_add(t, "*\n* The scene, in SI. Change a value and run again.\n");
+  add_params(t, ROWS, sizeof ROWS / sizeof *ROWS);
+  for (int k = 0; k < 2 * s->model.dof; k++)
+    vs_text_add(t, ".param vs_%s0=%.17g ; SI, %s\n", vs_mechanism_state(&s->model, k),
+                s->start.x[k], s->model.machine->start.fields[k].text);
+  vs_mechanism_params(t, &s->model);
+}
+
+/* The source of a port, or one of the EVA's (port: NULL), in the place of "NAME n m external". */
+static void add_source(vs_text *t, const char *line, const vs_port *port, const vs_setup *s) {
+  char name[VS_DECK_NAME], plus[VS_DECK_NAME], minus[VS_DECK_NAME];
+  sscanf(line, "%63s %63s %63s", name, plus, minus);
+  if (port)
+    vs_plain_write(t, &(vs_plain_source){name, plus, minus, &port->signal}, &s->timeline,
+                   s->run.until_s);
+  else
+    vs_mechanism_motion(t, s, name, (const char *[]){plus, minus});
+}
+
+/* The netlist with its external sources replaced. The EVA's stands after the deck's own lines. */
+static vs_status add_netlist(vs_text *t, const vs_setup *s, vs_error *err) {
+  vs_deck_value standard[VS_STANDARD];
+  char **lines;
+  size_t count;
+  vs_setup_standard(s, standard);
+  vs_text_add(t, "*\n* The converter.\n");
+  vs_status status = vs_plain_check(&s->timeline, &s->deck, s->run.until_s, err);
+  if (status) return status;
+  status =
+      vs_netlist_make(&s->deck, &s->circuit_values, standard, VS_STANDARD, &lines, &count, err);
+  for (size_t k = 1; k < count && !status; k++) { /* the first is its title */
+    char name[VS_DECK_NAME], word[VS_DECK_NAME];
+    if (sscanf(lines[k], "%63s %*s %*s %63s", name, word) != 2 || strcasecmp(word, "external")) {
+      vs_text_add(t, "%s\n", lines[k]);
+      continue;
+    }
+    if (strchr("iI", *name)) continue; /* the EVA's, by which the program leads ngspice */
+    size_t p = 0;
+    while (p < s->deck.n_ports && strcasecmp(s->deck.ports[p].source, name)) p++;
+    add_source(t, lines[k], p < s->deck.n_ports ? &s->deck.ports[p] : NULL, s);
+  }
+  vs_netlist_free(lines, count);
+  return status;
+}
+
+static void add_saved(vs_text *t, const char *signal) {
+  if (strcmp(signal, "v(0)")) vs_text_add(t, ".save %s\n", signal);
+}
+
+static void add_analysis(vs_text *t, const vs_setup *s) {
+  bool modulated = vs_deck_has_port(&s->deck, vs_port_is_modulated);
+  vs_text_add(t, "*\n.options method=%s reltol=%g trtol=%g pivrel=%g%s\n",
+              s->run.gear ? "gear" : "trap", modulated ? RELTOL_MODULATED : RELTOL, s->run.trtol,
+              s->run.pivrel, modulated ? COARSE : "");
+  vs_text_add(t, ".tran {vs_sample} {vs_until} 0 {vs_step} uic\n");
+  const vs_deck *deck = &s->deck;
+  const vs_model *m = &s->model;
+  vs_text_add(t, ".save");
+  for (int k = 0; k < m->dof; k++) vs_text_add(t, " v(vs_%s)", vs_mechanism_state(m, k));
+  if (vs_mechanism_travel_is(m) < 0) vs_text_add(t, " v(vs_%s)", vs_mechanism_node(m, false));
+  vs_text_add(t, " v(vs_%s) v(vs_f) v(%s.z) v(%s.lam)%s\n", vs_mechanism_node(m, true), deck->eva,
+              deck->eva, m->coil.square ? "" : " v(vs_i)");
+  for (int k = 0; k < m->machine->n_probes; k++) vs_text_add(t, ".save v(vs_probe%d)\n", k + 1);
+  char signal[VS_DECK_NAME + 4];
+  for (int k = 0; k < 2; k++) {
+    snprintf(signal, sizeof signal, "v(%s)", k ? deck->eva_minus : deck->eva_plus);
+    add_saved(t, signal);
+  }
+  for (size_t k = 0; k < deck->n_probes; k++) {
+    add_saved(t, deck->terms[deck->probes[k].term].plus);
+    add_saved(t, deck->terms[deck->probes[k].term].minus);
+  }
+  vs_text_add(t, ".csparam vs_until={vs_until}\n.csparam vs_fired={vs_fired}\n"
+                 ".csparam vs_d={vs_d}\n");
+  if (m->coil.square) vs_text_add(t, ".csparam vs_a={eva_a}\n");
+}
+
+/* What follows the run: a run that ended early, or that left what the model holds for, gives no
+ * table and exit status 1. */
+static void add_validity(vs_text *t, const vs_model *m, const char *travel) {
+  bool stopped = false;
+  for (int k = 0; k < m->stops.count; k++) stopped = stopped || m->stops.item[k].side > 0;
+  if (!m->coil.law->poles) return;
+  if (!stopped)
+    vs_text_add(
+        t,
+        "if vecmin(%s) < -vs_d\n  echo \"ERROR: the armature meets the pole cover (%s = -D) "
+        "and there is no stop; this is not physical\"\n  quit 1\nend\n",
+        travel, vs_mechanism_travel(m));
+  vs_text_add(t, "if vecmin(z_m) <= 0\n  echo \"ERROR: the gap is closed\"\n  quit 1\nend\n");
+}
+
+static void add_commands(vs_text *t, const vs_scene *scene, const column *columns, size_t count,
+                         const char *table_name) {
+  const vs_model *m = &scene->setup.model;
+  int one = vs_mechanism_travel_is(m);
+  const char *travel = one < 0 ? "vs_travel" : columns[one].name;
+  measured_name measured[N_MEASURED];
+  name_measured(scene, measured);
+  vs_text_add(t, ".control\nrun\nlet vs_reached = 0\nlet vs_reached = vecmax(time)\n"
+                 "if vs_reached < 0.999999*vs_until\n"
+                 "  echo \"ERROR: ngspice gave up before the end of the run\"\n  quit 1\nend\n");
+  for (size_t k = 0; k < count; k++)
+    vs_text_add(t, "let %s = %s\n", columns[k].name, columns[k].value.text);
+  if (one < 0) vs_text_add(t, "let vs_travel = v(vs_%s)/1000\n", vs_mechanism_node(m, false));
+  add_validity(t, m, travel);
+  vs_text_add(t, "meas tran %s find %s when v(vs_%s)=0 %s=1 td=$&vs_fired\n",
+              measured[MEASURED_FIRST], travel, vs_mechanism_node(m, true),
+              opens_the_gap(m) ? "fall" : "rise");
+  vs_text_add(t, "meas tran %s min %s\n", measured[MEASURED_LEAST], travel);
+  vs_text_add(t, "let vs_size = abs(i_a)\nmeas tran %s max vs_size\n", measured[MEASURED_I]);
+  if (opens_the_gap(m)) vs_text_add(t, "let vs_force = abs(force_n)\n");
+  vs_text_add(t, "meas tran %s max %s\n", measured[MEASURED_FORCE],
+              opens_the_gap(m) ? "vs_force" : "force_n");
+  vs_text_add(t, "linearize");
+  for (size_t k = 0; k < count; k++) vs_text_add(t, " %s", columns[k].name);
+  vs_text_add(t, "\nset wr_singlescale\nset wr_vecnames\nset numdgt=9\nwrdata %s", table_name);
+  for (size_t k = 0; k < count; k++) vs_text_add(t, " %s", columns[k].name);
+  vs_text_add(t, "\n* without the next line ngspice, started without -b, stays and can plot\nquit "
+                 "0\n.endc\n.end\n");
+}
+
+/* ---- the command ---- */
+
+/* What ngspice's commands would not take as part of a file's name becomes '_'. */
+static void tame(char *name) {
+  for (; *name; name++)
+    if (!isalnum((unsigned char)*name) && !strchr("._-", *name)) *name = '_';
+}
+
+/* The deck as text; its file is called name, its table NAME.txt, and X.txt for X.cir. */
+static vs_status write_text(vs_text *t, const vs_scene *scene, const char *name, vs_error *err) {
+  char deck_name[VS_NAME_SIZE], table_name[VS_NAME_SIZE + 8];
+  snprintf(deck_name, sizeof deck_name, "%s", name);
+  tame(deck_name);
+  const char *ending = strrchr(deck_name, '.');
+  size_t stem = strlen(deck_name) - (ending && !strcmp(ending, ".cir") ? 4 : 0);
+  snprintf(table_name, sizeof table_name, "%.*s.txt", (int)stem, deck_name);
+  column *columns = vs_alloc(MOST_COLUMNS, sizeof *columns);
+  size_t count = find_columns(scene, columns);
+  vs_status status = check_names(scene, columns, count, err);
+  add_head(t, scene, deck_name, table_name);
+  add_scene(t, &scene->setup);
+  vs_plain_timing(t, &scene->setup.timeline, &scene->setup.deck);
+  if (!status) status = add_netlist(t, &scene->setup, err);
+  vs_mechanism_write(t, &scene->setup);
+  add_analysis(t, &scene->setup);
+  add_commands(t, scene, columns, count, table_name);
+  for (size_t k = 0; k < count; k++) vs_text_free(&columns[k].value);
+  free(columns);
+  return status;
+}
+
+static vs_status write_deck(const vs_scene *scene, const char *output, vs_error *err) {
+  const char *slash = strrchr(output, '/'), *name = slash ? slash + 1 : output;
+  char folder[VS_PATH_SIZE] = "";
+  struct stat s;
+  if (!*name || strlen(output) >= sizeof folder || (!stat(output, &s) && S_ISDIR(s.st_mode)))
+    return vs_fail(err, VS_INPUT, "-o %s: the name of a file is wanted", output);
+  if (slash)
+    snprintf(folder, sizeof folder, "%.*s", (int)(slash - output + (slash == output)), output);
+  vs_text text = {0};
+  vs_file file = {0};
+  vs_status status = write_text(&text, scene, name, err);
+  if (!status) status = vs_file_open(&file, folder, name, err);
+  if (!status) {
+    fputs(text.text, file.stream);
+    status = vs_file_commit(&file, err);
+  }
+  vs_text_free(&text);
+  return status;
+}
+
+/* What the netlist would leave out without a word is refused. */
+static vs_status check_whole(const vs_scene *scene, vs_error *err) {
+  const vs_events *events = &scene->setup.timeline.events;
+  const vs_node *control = vs_tree_child(scene->tree.root, vs_control_section.name);
+  if (events->count)
+    return vs_fail_at(err, events->item[0].where,
+                      "export: a netlist for plain ngspice has no events; leave %s out",
+                      events->item[0].name);
+  if (scene->control.regulator)
+    return vs_fail_at(err, control->key_where,
+                      "export: control: a netlist has one angle for all firings, and a control "
+                      "decides each; leave the section out");
+  if (scene->setup.steady)
+    return vs_fail_at(
+        err, vs_tree_place(scene->tree.root, "start"),
+        "export: the orbit that start: steady begins on is not exported; leave it out, or "
+        "write the coordinates at the start as start: {NAME: VALUE, ...}");
+  return vs_setup_require_fraction(&scene->setup, vs_tree_place(scene->tree.root, "load.fraction"),
+                                   "export", err);
+}
+
+vs_status vs_export_command(const char *name, char *const *sets, size_t n_sets, const char *output,
+                            vs_error *err) {
+  vs_scene *scene = vs_alloc(1, sizeof *scene);
+  vs_status status =
+      vs_scene_read(name, sets, n_sets, vs_manner_tier_words[VS_TIER_CIRCUIT], scene, err);
+  if (!status) vs_scene_warn(scene);
+  if (!status) status = check_whole(scene, err);
+  if (!status) status = write_deck(scene, output, err);
+  if (!status) printf("written: %s\n", output);
+  vs_scene_free(scene);
+  free(scene);
+  return status;
+}

@@ -1,0 +1,403 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "list.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "control/regulators.h"
+#include "netlist/devices.h"
+#include "engine/events.h"
+#include "entry.h"
+#include "ground.h"
+#include "stock.h"
+#include "plant/build.h"
+#include "run/scene.h"
+#include "run/sections.h"
+#include "base/units.h"
+
+/* What is listed: whose probes, measures and parameters, and where the entries go. */
+typedef struct listed {
+  vs_deck *deck;
+  vs_machine *machine;
+  vs_entries *to;
+} listed;
+
+/* ---- files that come with the program ---- */
+
+static void list_scenes(const listed *of) {
+  vs_stock_list(of->to, &vs_scene_shelf, NULL);
+}
+
+static void list_studies(const listed *of) {
+  vs_stock_list(of->to, &vs_scene_study_shelf, NULL);
+}
+
+static void list_fits(const listed *of) {
+  vs_stock_list(of->to, &vs_scene_fit_shelf, NULL);
+}
+
+static void list_decks(const listed *of) {
+  vs_stock_list(of->to, &vs_deck_shelf, vs_stock_deck);
+}
+
+static void list_machines(const listed *of) {
+  vs_stock_list(of->to, &vs_machine_shelf, vs_stock_machine);
+}
+
+static void list_parts(const listed *of) {
+  vs_stock_list(of->to, &vs_deck_parts_shelf, vs_stock_part);
+}
+
+static void put_instrument(vs_entries *to, const vs_instrument *i) {
+  const vs_instrument_values *v = &i->v;
+  double unit = vs_units_factor(i->unit);
+  vs_entry_begin(to);
+  vs_entry_put(to, "name", 20, i->column);
+  vs_entry_put(to, "unit", 7, i->unit);
+  vs_entry_say(to, " %s: %g..%g %s, ", v->channel, v->range[0] / unit, v->range[1] / unit, i->unit);
+  if (isfinite(v->bandwidth_hz)) vs_entry_say(to, "%g Hz of order %d, ", v->bandwidth_hz, v->order);
+  vs_entry_say(to, "%g samples/s, ", v->rate_hz);
+  if (v->bits) vs_entry_say(to, "%d bits, ", v->bits);
+  vs_entry_say(to, "noise %g %s; %s", v->noise / unit, i->unit, v->text);
+  vs_entry_line(to);
+  vs_entry_text(to, "channel", v->channel);
+  vs_entry_number(to, "from", v->range[0] / unit);
+  vs_entry_number(to, "to", v->range[1] / unit);
+  if (isfinite(v->bandwidth_hz)) vs_entry_number(to, "bandwidth_hz", v->bandwidth_hz);
+  if (isfinite(v->bandwidth_hz)) vs_entry_number(to, "order", v->order);
+  vs_entry_number(to, "rate_hz", v->rate_hz);
+  if (v->bits) vs_entry_number(to, "bits", v->bits);
+  vs_entry_number(to, "noise", v->noise / unit);
+  vs_entry_text(to, "text", v->text);
+  vs_entry_end(to);
+}
+
+/* The sets, and what that of the machine has. */
+static void list_instruments(const listed *of) {
+  vs_instruments *all = vs_alloc(1, sizeof *all);
+  vs_setup *setup = vs_alloc(1, sizeof *setup);
+  vs_error err = {0};
+  const vs_node section = vs_tree_word("instruments", "", (vs_where){0});
+  vs_stock_list(of->to, &vs_instrument_shelf, vs_stock_set);
+  setup->machine = of->machine;
+  setup->deck = *of->deck;
+  setup->model = (vs_model){.machine = of->machine, .dof = of->machine->dof};
+  const vs_frame frame = {.model = &setup->model, .deck = &setup->deck};
+  vs_instruments_read(&section, setup, &frame, all, &err); /* without a set there are none */
+  if (all->count) {
+    vs_entry_begin(of->to);
+    vs_entry_put(of->to, "name", 20, "own");
+    vs_entry_put(of->to, "title", 0, "the machine's: column, unit, channel, range, ...");
+    vs_entry_line(of->to);
+    vs_entry_end(of->to);
+  }
+  for (int k = 0; k < all->count; k++) put_instrument(of->to, &all->item[k]);
+  vs_instruments_free(all);
+  free(setup); /* it only borrows */
+  free(all);
+}
+
+/* ---- tables of the program ---- */
+
+/* A name and what it means. */
+static void put_named(vs_entries *to, const char *name, const char *text) {
+  vs_entry_put(to, "name", 20, name);
+  vs_entry_put(to, "text", 0, text);
+  vs_entry_line(to);
+}
+
+static void list_tiers(const listed *of) {
+  for (int k = 0; k < VS_TIERS; k++) {
+    vs_entry_begin(of->to);
+    put_named(of->to, vs_tiers_all[k]->name, vs_tiers_all[k]->text);
+    vs_entry_end(of->to);
+  }
+}
+
+static void list_laws(const listed *of) {
+  for (const vs_law *const *law = vs_actuator_laws; *law; law++) {
+    vs_entry_begin(of->to);
+    put_named(of->to, (*law)->name, (*law)->text);
+    vs_entry_end(of->to);
+  }
+}
+
+/* Begins an entry of a quantity: its name, unit and meaning. */
+static void begin_quantity(vs_entries *to, const char *name, const char *unit, const char *text) {
+  vs_entry_begin(to);
+  vs_entry_put(to, "name", 20, name);
+  vs_entry_put(to, "unit", 7, unit);
+  vs_entry_put(to, "text", 0, text);
+}
+
+/* Ends its line; on_circuit: only a run with the circuit has it. */
+static void end_quantity(vs_entries *to, bool on_circuit) {
+  if (on_circuit) vs_entry_text(to, "tier", "circuit");
+  vs_entry_line(to);
+  vs_entry_end(to);
+}
+
+static void list_probes(const listed *of) {
+  const vs_model model = {.machine = of->machine, .dof = of->machine->dof};
+  const vs_frame frame = {.model = &model, .deck = of->deck};
+  int numbers[VS_CH_MOST], count = vs_channel_listed(&frame, numbers);
+  for (int k = 0; k < count; k++) {
+    vs_channel c = vs_channel_at(&frame, numbers[k]);
+    bool on_circuit = numbers[k] >= vs_channel_deck(&model);
+    begin_quantity(of->to, c.name, c.unit, c.text);
+    if (on_circuit) vs_entry_say(of->to, " (tier circuit)");
+    end_quantity(of->to, on_circuit);
+  }
+}
+
+/* The measures of a device of that kind; on_circuit: of a device that a deck has. */
+static void list_of_kind(vs_entries *to, const char *name, const vs_kind *kind, bool on_circuit) {
+  for (size_t n = 0; kind && n < kind->n_measures; n++) {
+    const vs_device_measure *m = &kind->measures[n];
+    const bool protects = m->held == VS_WARD_AT_MOST;
+    char of[VS_DECK_NAME + 24];
+    snprintf(of, sizeof of, "%s.%s", name, m->name);
+    begin_quantity(to, of, m->unit, m->text);
+    if (on_circuit) vs_entry_say(to, " (tier circuit)");
+    if (m->limit) vs_entry_say(to, "; limit %s", m->limit);
+    if (protects) vs_entry_say(to, " of what it protects");
+    if (m->held == VS_NEVER) vs_entry_say(to, "; must not happen unless 'expect' names it");
+    if (m->limit) vs_entry_text(to, "limit", m->limit);
+    if (protects) vs_entry_text(to, "limit_of", "what it protects");
+    end_quantity(to, on_circuit);
+  }
+}
+
+static void list_kinds(const listed *of) {
+  for (const vs_kind *kind = vs_kinds_all; kind->name; kind++)
+    list_of_kind(of->to, kind->name, kind, false);
+}
+
+/* The two extremes of a deck's probe: one line for people, two entries for programs. */
+static void put_extremes(vs_entries *to, const vs_probe *probe) {
+  static const char *const ENDS[] = {"min", "max"};
+  for (int k = 0; k < 2; k++) {
+    char name[VS_DECK_NAME + 8];
+    snprintf(name, sizeof name, "%s_%s", probe->name, ENDS[k]);
+    vs_entry_begin(to);
+    if (k == 0)
+      vs_entry_say(to, "%s_min, %s_max  %s  extremes of the probe (tier circuit)\n", probe->name,
+                   probe->name, probe->unit);
+    vs_entry_text(to, "name", name);
+    vs_entry_text(to, "unit", probe->unit);
+    vs_entry_text(to, "text", k ? "largest value of the probe" : "least value of the probe");
+    vs_entry_text(to, "tier", "circuit");
+    vs_entry_end(to);
+  }
+}
+
+static void list_measures(const listed *of) {
+  const vs_deck *deck = of->deck;
+  vs_model *model = vs_alloc(1, sizeof *model);
+  vs_error err = {0};
+  vs_measure m;
+  vs_build_model(NULL, of->machine, model, &err); /* names follow, even where its numbers do not */
+  for (int k = 0; vs_measure_at(model, k, &m); k++) {
+    begin_quantity(of->to, m.name, m.unit, m.text);
+    end_quantity(of->to, false);
+  }
+  vs_actuator_end(&model->coil);
+  free(model);
+  for (size_t k = 0; k < deck->n_probes; k++) put_extremes(of->to, &deck->probes[k]);
+  for (size_t k = 0; k < deck->n_devices; k++)
+    list_of_kind(of->to, deck->devices[k].name, deck->devices[k].kind, true);
+}
+
+/* ---- keys ---- */
+
+/* The columns behind a key's name: default, allowed, meaning. is_name: what is said of a name. */
+static void put_key(vs_entries *to, const vs_field *f, int width, const char *is_name) {
+  char range[128];
+  vs_field_range(f, range, sizeof range);
+  vs_entry_put(to, "default", width, f->default_text);
+  vs_entry_put(to, "allowed", 26, f->kind == VS_NAME ? is_name : range);
+  vs_entry_put(to, "text", 0, f->text);
+  vs_entry_line(to);
+  if (*f->unit) vs_entry_text(to, "unit", f->unit);
+}
+
+static void put_field(vs_entries *to, const char *section, const vs_field *f) {
+  char name[128];
+  snprintf(name, sizeof name, "%s%s%s", section, *section ? "." : "", f->key);
+  vs_entry_begin(to);
+  vs_entry_put(to, "name", 28, name);
+  put_key(to, f, 18, "a name or path");
+  vs_entry_end(to);
+  for (size_t k = 0; f->options && k < f->options->keys.count; k++)
+    put_field(to, name, &f->options->keys.fields[k]);
+}
+
+static void put_section(vs_entries *to, const vs_section *section) {
+  for (size_t k = 0; k < section->count; k++) put_field(to, section->name, &section->fields[k]);
+}
+
+static void list_parameters(const listed *of) {
+  for (int s = 0; s < VS_SECTIONS; s++)
+    put_section(of->to, vs_section_fields(of->machine, of->deck, s));
+  put_section(of->to, &vs_instruments_section);
+  put_section(of->to, &vs_instrument_section);
+  put_section(of->to, &vs_control_section);
+  put_section(of->to, &vs_observing_section);
+  vs_field sink = vs_cooling_heatsink;
+  sink.key = "heatsink.DEVICE";
+  put_field(of->to, "", &vs_cooling_ambient);
+  put_field(of->to, "", &sink);
+}
+
+/* An entry whose keys stand below it. */
+static void put_keys(vs_entries *to, const vs_field *fields, size_t count) {
+  vs_entry_array(to, "keys");
+  for (size_t k = 0; k < count; k++) {
+    vs_entry_object(to);
+    vs_entry_say(to, "   ");
+    vs_entry_put(to, "key", 16, fields[k].key);
+    put_key(to, &fields[k], 12, "a name");
+    vs_entry_object_end(to);
+  }
+  vs_entry_array_end(to);
+}
+
+static void list_events(const listed *of) {
+  const vs_event_kind *kind;
+  for (size_t k = 0; (kind = vs_events_kind(k)); k++) {
+    vs_entry_begin(of->to);
+    put_named(of->to, kind->name, kind->text);
+    put_keys(of->to, kind->fields + 1, kind->n_fields - 1);
+    vs_entry_end(of->to);
+  }
+}
+
+static void list_regulators(const listed *of) {
+  for (const vs_regulator *const *r = vs_regulators; *r; r++) {
+    vs_entry_begin(of->to);
+    put_named(of->to, (*r)->name, (*r)->text);
+    put_keys(of->to, (*r)->fields, (*r)->n_fields);
+    vs_entry_end(of->to);
+  }
+}
+
+/* ---- the command ---- */
+
+static const struct kind {
+  const char *name, *heading;
+  void (*put)(const listed *);
+} KINDS[] = {
+    {"scenes", "scenes that come with the program", list_scenes},
+    {"studies", "studies that come with the program", list_studies},
+    {"fits", "fits that come with the program", list_fits},
+    {"machines", "machines that come with the program", list_machines},
+    {"decks", "decks that come with the program", list_decks},
+    {"parts", "parts that come with the program", list_parts},
+    {"instruments",
+     "sets of instruments that come with the program, and what the machine's own has",
+     list_instruments},
+    {"kinds", "kinds of devices: what is measured of each, unit, meaning, limit", list_kinds},
+    {"tiers", "tiers, from the least modelled to the most", list_tiers},
+    {"laws", "laws of the actuator, by actuator.law", list_laws},
+    {"regulators", "laws of control, by control.law, with their keys; ~ is the unit of the sensor",
+     list_regulators},
+    {"probes", "probes: name, unit, meaning", list_probes},
+    {"events", "events: kind, its keys with default, allowed, meaning", list_events},
+    {"measures", "measures: name, unit, meaning", list_measures},
+    {"parameters", "parameters: scene key, default, allowed, meaning", list_parameters},
+};
+static const char ALL[] = "all";
+enum { N_KINDS = sizeof KINDS / sizeof *KINDS };
+
+/* True if one kind is asked for, by its name. */
+static bool is_named(const vs_list_options *o) {
+  return o->kind && strcmp(o->kind, ALL) != 0;
+}
+
+static vs_status check_kind(const vs_list_options *o, vs_error *err) {
+  const char *names[N_KINDS], *kind = o->kind;
+  bool found = !is_named(o);
+  for (size_t k = 0; k < N_KINDS; k++) {
+    names[k] = KINDS[k].name;
+    found = found || !strcmp(kind, names[k]);
+  }
+  if (found) return VS_OK;
+  const char *nearest = vs_text_nearest(kind, names, N_KINDS);
+  vs_text there_are = {0};
+  for (size_t k = 0; k < N_KINDS; k++) vs_text_add(&there_are, "%s%s", k ? ", " : "", names[k]);
+  vs_fail(err, VS_INPUT, "list: no kind '%s'; there are: %s%s%s%s", kind, there_are.text,
+          nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+  vs_text_free(&there_are);
+  return VS_INPUT;
+}
+
+/* Prints the kinds as one JSON object that has an array for each. */
+static void print_json(const vs_entries *entries, const char *name, bool is_first) {
+  printf("%s  \"%s\": [%s%s]", is_first ? "{\n" : ",\n", name,
+         entries->count ? entries->out.text : "", entries->count ? "\n  " : "");
+}
+
+/* Lists one kind and returns how many entries it had. */
+static int list_kind(const struct kind *kind, const vs_list_options *o, listed *of, bool is_first) {
+  vs_entries entries = {.filter = o->filter, .as_json = o->json};
+  of->to = &entries;
+  kind->put(of);
+  if (o->json)
+    print_json(&entries, kind->name, is_first);
+  else {
+    if (!is_named(o) && (entries.count || !o->filter))
+      printf("%s%s\n", is_first ? "" : "\n", kind->heading);
+    if (entries.count) fputs(entries.out.text, stdout);
+  }
+  vs_entry_free(&entries);
+  return entries.count;
+}
+
+static void list_all(const vs_list_options *o, listed *of) {
+  int found = 0;
+  bool is_first = true;
+  for (size_t k = 0; k < N_KINDS; k++) {
+    if (is_named(o) && strcmp(o->kind, KINDS[k].name) != 0) continue;
+    int here = list_kind(&KINDS[k], o, of, is_first);
+    found += here;
+    if (o->json || here || !o->filter) is_first = false;
+  }
+  if (o->json) puts("\n}");
+  if (!found && o->filter)
+    fprintf(stderr, "vibrospice: list: nothing of %s has '%s'\n", is_named(o) ? o->kind : "all",
+            o->filter);
+}
+
+vs_status vs_list_command(const vs_list_options *o, vs_error *err) {
+  vs_status status = check_kind(o, err);
+  if (status) return status;
+  vs_ground ground;
+  status = vs_ground_read(o->deck, o->machine, &ground, err);
+  listed of = {.deck = ground.deck, .machine = ground.machine};
+  if (!status) list_all(o, &of);
+  vs_ground_free(&ground);
+  return status;
+}
+
+bool vs_list_has(const char *kind) {
+  for (size_t k = 0; k < N_KINDS; k++)
+    if (!strcmp(kind, KINDS[k].name)) return true;
+  return false;
+}
+
+const char *vs_list_heading(int k) {
+  return k < N_KINDS ? KINDS[k].heading : NULL;
+}
+
+const char *vs_list_kind(int k) {
+  return k < N_KINDS ? KINDS[k].name : NULL;
+}
+
+void vs_list_section(const vs_section *section) {
+  vs_entries entries = {0};
+  put_section(&entries, section);
+  if (entries.count) fputs(entries.out.text, stdout);
+  vs_entry_free(&entries);
+}

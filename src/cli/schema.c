@@ -1,0 +1,399 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "schema.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "control/regulators.h"
+#include "engine/events.h"
+#include "ground.h"
+#include "outlined.h"
+#include "shape.h"
+#include "plant/blueprint.h"
+#include "plant/build.h"
+#include "study/plan.h"
+#include "run/sections.h"
+
+/* ---- a scene ---- */
+
+static void begin(vs_json *j, const char *title) {
+  vs_json_object(j, NULL, VS_JSON_LINES);
+  vs_json_text(j, "$schema", "https://json-schema.org/draft/2020-12/schema");
+  vs_json_text(j, "title", title);
+  vs_json_text(j, "type", "object");
+}
+
+/* A section; NULL stands for one that says nothing more than its name. own: the key that names a
+ * file which declares the section's keys; with it any key passes. */
+static void put_section(vs_json *j, const vs_section *s, const char *own) {
+  vs_json_object(j, s->name, VS_JSON_ROW);
+  vs_json_array(j, "type", VS_JSON_ROW);
+  vs_json_text(j, NULL, "object");
+  vs_json_text(j, NULL, "null");
+  vs_json_end(j);
+  if (own) {
+    vs_json_object(j, "properties", VS_JSON_ROW);
+    for (size_t k = 0; k < s->count; k++)
+      if (!strcmp(s->fields[k].key, own)) vs_shape_field(j, &s->fields[k]);
+    vs_json_end(j);
+    vs_json_object(j, "if", VS_JSON_ROW);
+    vs_json_array(j, "required", VS_JSON_ROW);
+    vs_json_text(j, NULL, own);
+    vs_json_end(j);
+    vs_json_end(j);
+    vs_json_object(j, "else", VS_JSON_ROW);
+  }
+  vs_shape_properties(j, s->fields, s->count);
+  if (own) vs_json_end(j);
+  vs_json_end(j);
+}
+
+/* Begins a member with alternatives. end_member closes it; end_or_null adds null as the last, as
+ * editors tell of the first why a value is none of them. */
+static void begin_member(vs_json *j, const char *key) {
+  vs_json_object(j, key, VS_JSON_ROW);
+  vs_json_array(j, "anyOf", VS_JSON_ROW);
+}
+
+static void end_member(vs_json *j) {
+  vs_json_end(j);
+  vs_json_end(j);
+}
+
+static void end_or_null(vs_json *j) {
+  vs_shape_type(j, "null");
+  end_member(j);
+}
+
+static void put_event(vs_json *j, const vs_event_kind *kind) {
+  vs_json_object(j, NULL, VS_JSON_ROW);
+  vs_json_array(j, "required", VS_JSON_ROW);
+  vs_json_text(j, NULL, "kind");
+  vs_json_end(j);
+  vs_json_text(j, "type", "object");
+  vs_json_text(j, "description", kind->text);
+  vs_json_object(j, "properties", VS_JSON_ROW);
+  vs_json_key(j, "kind");
+  vs_json word = vs_json_new(j->text);
+  vs_shape_word(&word, kind->name);
+  for (size_t k = 1; k < kind->n_fields; k++) vs_shape_field(j, &kind->fields[k]);
+  vs_json_end(j);
+  vs_json_bool(j, "additionalProperties", false);
+  vs_json_end(j);
+}
+
+static void put_events(vs_json *j) {
+  const vs_event_kind *kind;
+  vs_json_object(j, "events", VS_JSON_ROW);
+  vs_json_array(j, "type", VS_JSON_ROW);
+  vs_json_text(j, NULL, "object");
+  vs_json_text(j, NULL, "null");
+  vs_json_end(j);
+  vs_json_object(j, "additionalProperties", VS_JSON_ROW);
+  vs_json_array(j, "anyOf", VS_JSON_LINES);
+  for (size_t k = 0; (kind = vs_events_kind(k)); k++) put_event(j, kind);
+  vs_json_end(j);
+  vs_json_end(j);
+  vs_json_end(j);
+}
+
+/* The key of a section that names the file which declares the others; NULL: there is none. */
+static const char *own_key(const char *section) {
+  if (!strcmp(section, vs_section_keys[VS_SECTION_KEY_circuit])) return vs_deck_key.key;
+  if (!strcmp(section, vs_section_keys[VS_SECTION_KEY_machine])) return vs_machine_key.key;
+  return NULL;
+}
+
+/* ---- what the machine and the deck name ---- */
+
+/* Names that a list may have, each once. */
+typedef struct names {
+  const char *item[VS_CH_MOST + 1];
+  size_t count;
+} names;
+
+/* One of the names, or a list of them; word: what may stand instead. */
+static void put_names(vs_json *j, const char *key, const char *word, const names *n) {
+  begin_member(j, key);
+  vs_shape_word(j, word);
+  for (int list = 0; list < 2; list++) {
+    vs_json_object(j, NULL, VS_JSON_ROW);
+    if (list) {
+      vs_json_text(j, "type", "array");
+      vs_json_whole(j, "minItems", 1);
+      vs_json_bool(j, "uniqueItems", true);
+      vs_json_object(j, "items", VS_JSON_ROW);
+    }
+    vs_json_array(j, "enum", VS_JSON_ROW);
+    for (size_t k = 0; k < n->count; k++) vs_json_text(j, NULL, n->item[k]);
+    vs_json_end(j);
+    if (list) vs_json_end(j);
+    vs_json_end(j);
+  }
+  end_or_null(j);
+}
+
+static void put_channels(vs_json *j, const vs_ground *ground) {
+  const vs_model model = {.machine = ground->machine, .dof = ground->machine->dof};
+  const vs_frame frame = {.model = &model, .deck = ground->deck};
+  int numbers[VS_CH_MOST], count = vs_channel_listed(&frame, numbers);
+  names all = {.count = 0}, currents = {.count = 0};
+  for (int k = 0; k < count; k++) {
+    const vs_channel c = vs_channel_at(&frame, numbers[k]);
+    all.item[all.count++] = c.name;
+    if (!strcmp(c.unit, "A")) currents.item[currents.count++] = c.name;
+  }
+  currents.item[currents.count++] = vs_quality_mains;
+  put_names(j, vs_section_keys[VS_SECTION_KEY_record], vs_scene_all_probes, &all);
+  put_names(j, vs_section_keys[VS_SECTION_KEY_quality], vs_quality_none, &currents);
+}
+
+static void put_measured(vs_json *j, const vs_ground *ground) {
+  vs_model *model = vs_alloc(1, sizeof *model);
+  vs_error err = {0};
+  vs_measure m;
+  vs_build_model(NULL, ground->machine, model, &err); /* names follow, even where numbers do not */
+  begin_member(j, vs_section_keys[VS_SECTION_KEY_measured]);
+  vs_json_object(j, NULL, VS_JSON_ROW);
+  vs_json_text(j, "type", "object");
+  vs_json_object(j, "properties", VS_JSON_ROW);
+  for (int k = 0; vs_measure_at(model, k, &m); k++) {
+    vs_json_object(j, m.name, VS_JSON_ROW);
+    vs_json_array(j, "anyOf", VS_JSON_ROW);
+    vs_shape_quantity(j, &(vs_field){.unit = m.unit});
+    end_member(j);
+  }
+  vs_json_end(j);
+  vs_json_bool(j, "additionalProperties", false);
+  vs_json_end(j);
+  end_or_null(j);
+  vs_actuator_end(&model->coil);
+  free(model);
+}
+
+static void put_start(vs_json *j, const vs_ground *ground) {
+  const vs_section *start = &ground->machine->start;
+  begin_member(j, vs_section_keys[VS_SECTION_KEY_start]);
+  vs_json_object(j, NULL, VS_JSON_ROW);
+  vs_shape_keys(j, start->fields, start->count);
+  vs_json_end(j);
+  vs_shape_word(j, vs_setup_steady);
+  end_or_null(j);
+}
+
+/* A scene that names a machine or a deck of its own. */
+static void put_names_own(vs_json *j, int section, const char *key) {
+  vs_json_object(j, NULL, VS_JSON_ROW);
+  vs_json_array(j, "required", VS_JSON_ROW);
+  vs_json_text(j, NULL, vs_section_keys[section]);
+  vs_json_end(j);
+  vs_json_object(j, "properties", VS_JSON_ROW);
+  vs_json_object(j, vs_section_keys[section], VS_JSON_ROW);
+  vs_json_text(j, "type", "object");
+  vs_json_array(j, "required", VS_JSON_ROW);
+  vs_json_text(j, NULL, key);
+  for (int k = 0; k < 4; k++) vs_json_end(j);
+}
+
+/* Sections whose keys and words are names of the machine's and the deck's: told only of scenes
+ * that name neither. */
+static void put_named(vs_json *j, const vs_ground *ground) {
+  begin_member(j, "if");
+  put_names_own(j, VS_SECTION_KEY_machine, vs_machine_key.key);
+  put_names_own(j, VS_SECTION_KEY_circuit, vs_deck_key.key);
+  end_member(j);
+  vs_json_object(j, "else", VS_JSON_ROW);
+  vs_json_object(j, "properties", VS_JSON_LINES);
+  put_start(j, ground);
+  put_measured(j, ground);
+  put_channels(j, ground);
+  vs_json_end(j);
+  vs_json_end(j);
+}
+
+/* ---- instruments and control ---- */
+
+static void put_instruments(vs_json *j) {
+  begin_member(j, vs_section_keys[VS_SECTION_KEY_instruments]);
+  vs_json_object(j, NULL, VS_JSON_ROW);
+  vs_json_text(j, "type", "object");
+  vs_json_object(j, "properties", VS_JSON_LINES);
+  for (size_t k = 0; k < vs_instruments_section.count; k++)
+    vs_shape_field(j, &vs_instruments_section.fields[k]);
+  vs_json_end(j);
+  vs_json_object(j, "additionalProperties", VS_JSON_ROW);
+  vs_json_array(j, "anyOf", VS_JSON_ROW);
+  vs_shape_word(j, vs_instruments_left_out);
+  vs_outlined_instrument(j);
+  end_member(j);
+  vs_json_end(j);
+  end_or_null(j);
+}
+
+/* Each is a range, or a map of a device's. */
+static void put_ratings(vs_json *j) {
+  begin_member(j, vs_section_keys[VS_SECTION_KEY_ratings]);
+  vs_json_object(j, NULL, VS_JSON_ROW);
+  vs_json_text(j, "type", "object");
+  vs_json_object(j, "additionalProperties", VS_JSON_ROW);
+  vs_json_array(j, "anyOf", VS_JSON_ROW);
+  vs_shape_type(j, "string");
+  vs_shape_type(j, "object");
+  end_member(j);
+  vs_json_end(j);
+  vs_shape_word(j, vs_ratings_none);
+  end_or_null(j);
+}
+
+static void put_observer(vs_json *j) {
+  vs_json_object(j, vs_control_observer, VS_JSON_ROW);
+  vs_json_array(j, "anyOf", VS_JSON_ROW);
+  vs_shape_type(j, "null");
+  vs_outlined_map(j, vs_observing_keys);
+  end_member(j);
+}
+
+/* The section control with one law, of which `law` must be the name unless it is the default. */
+static void put_law(vs_json *j, const vs_regulator *law) {
+  const vs_field *keys[VS_CONTROL_FIELDS];
+  const size_t n = vs_control_keys(law, keys);
+  vs_json_object(j, NULL, VS_JSON_ROW);
+  vs_json_text(j, "type", "object");
+  vs_json_text(j, "description", law->text);
+  vs_json_object(j, "properties", VS_JSON_LINES);
+  vs_json_object(j, keys[0]->key, VS_JSON_ROW);
+  vs_json_text(j, "const", law->name);
+  vs_json_end(j);
+  for (size_t k = 1; k < n; k++) vs_shape_field(j, keys[k]);
+  put_observer(j);
+  vs_json_end(j);
+  vs_json_array(j, "required", VS_JSON_ROW);
+  if (strcmp(law->name, keys[0]->default_text) != 0) vs_json_text(j, NULL, keys[0]->key);
+  if (law->senses) vs_json_text(j, NULL, vs_control_sensor);
+  if (law->code) vs_json_text(j, NULL, law->code);
+  vs_json_end(j);
+  vs_json_bool(j, "additionalProperties", false);
+  vs_json_end(j);
+}
+
+static void put_control(vs_json *j) {
+  vs_json_object(j, vs_section_keys[VS_SECTION_KEY_control], VS_JSON_ROW);
+  vs_json_array(j, "anyOf", VS_JSON_LINES);
+  for (const vs_regulator *const *law = vs_regulators; *law; law++) put_law(j, *law);
+  end_member(j);
+}
+
+/* A device and what is said of it, or a list of such: what happens to it, "fuse_2 opens", or one of
+ * its limits, "varistor_1.power". */
+static void put_of_devices(vs_json *j, int key, const char *pattern) {
+  begin_member(j, vs_section_keys[key]);
+  for (int list = 0; list < 2; list++) {
+    vs_json_object(j, NULL, VS_JSON_ROW);
+    if (list) {
+      vs_json_text(j, "type", "array");
+      vs_json_object(j, "items", VS_JSON_ROW);
+    }
+    vs_json_text(j, "type", "string");
+    vs_json_text(j, "pattern", pattern);
+    if (list) vs_json_end(j);
+    vs_json_end(j);
+  }
+  end_or_null(j);
+}
+
+/* A map from devices to what their heat sinks have. */
+static void put_heatsink(vs_json *j) {
+  begin_member(j, vs_section_keys[VS_SECTION_KEY_heatsink]);
+  vs_json_object(j, NULL, VS_JSON_ROW);
+  vs_json_text(j, "type", "object");
+  vs_json_text(j, "description", vs_cooling_heatsink.text);
+  vs_json_object(j, "additionalProperties", VS_JSON_ROW);
+  vs_json_array(j, "anyOf", VS_JSON_ROW);
+  vs_shape_quantity(j, &vs_cooling_heatsink);
+  end_member(j);
+  vs_json_end(j);
+  end_or_null(j);
+}
+
+static void put_scene(vs_json *j, const vs_ground *ground) {
+  static const int NAMED[] = {VS_SECTION_KEY_start, VS_SECTION_KEY_record, VS_SECTION_KEY_measured,
+                              VS_SECTION_KEY_quality};
+  begin(j, "a scene of VibroSpice");
+  vs_json_object(j, "properties", VS_JSON_LINES);
+  for (int s = 0; s < VS_SECTIONS; s++) {
+    const vs_section *section = vs_section_fields(ground->machine, ground->deck, s);
+    if (s != VS_SECTION_NUMBER_start) put_section(j, section, own_key(section->name));
+  }
+  put_events(j);
+  put_instruments(j);
+  put_control(j);
+  put_of_devices(j, VS_SECTION_KEY_expect, "^[^ ]+ .*$");
+  put_of_devices(j, VS_SECTION_KEY_waive, "^[^ .]+[.][^ ]+$");
+  put_ratings(j);
+  vs_shape_field(j, &vs_cooling_ambient);
+  put_heatsink(j);
+  vs_json_object(j, vs_section_keys[VS_SECTION_KEY_spread], VS_JSON_ROW);
+  vs_json_text(j, "type", "object");
+  vs_json_end(j);
+  for (size_t k = 0; k < sizeof NAMED / sizeof *NAMED; k++) {
+    vs_json_object(j, vs_section_keys[NAMED[k]], VS_JSON_ROW);
+    vs_json_end(j);
+  }
+  vs_json_end(j);
+  put_named(j, ground);
+  vs_json_bool(j, "additionalProperties", false);
+  vs_json_end(j);
+}
+
+/* ---- studies and machines ---- */
+
+static void put_study(vs_json *j, const vs_ground *ground) {
+  begin(j, "a study of VibroSpice");
+  vs_outlined_definitions(j, ground);
+  vs_json_object(j, "properties", VS_JSON_LINES);
+  for (const vs_outline *row = vs_plan_keys; row->takes; row++)
+    vs_outlined_row(j, row->key, row, ground);
+  const char *before = "";
+  for (const vs_method *const *m = vs_methods_all; *m; before = (*m)->key, m++)
+    if (strcmp(before, (*m)->key) != 0) vs_outlined_row(j, (*m)->key, (*m)->keys, ground);
+  vs_json_end(j);
+  vs_json_bool(j, "additionalProperties", false);
+  vs_json_end(j);
+}
+
+static void put_machine(vs_json *j, const vs_ground *ground) {
+  begin(j, "a machine of VibroSpice");
+  vs_json_object(j, "properties", VS_JSON_LINES);
+  for (const vs_outline *row = vs_blueprint_keys; row->takes; row++)
+    vs_outlined_row(j, row->key, row, ground);
+  vs_json_end(j);
+  vs_outlined_required(j, vs_blueprint_keys);
+  vs_json_bool(j, "additionalProperties", false);
+  vs_json_end(j);
+}
+
+/* ---- the command ---- */
+
+static const struct kind {
+  const char *name;
+  void (*put)(vs_json *j, const vs_ground *ground);
+} KINDS[] = {{"scene", put_scene}, {"study", put_study}, {"machine", put_machine}};
+enum { N_KINDS = sizeof KINDS / sizeof *KINDS };
+
+vs_status vs_schema_command(const vs_schema_options *o, vs_error *err) {
+  size_t k = 0;
+  while (o->kind && k < N_KINDS && strcmp(o->kind, KINDS[k].name) != 0) k++;
+  if (k == N_KINDS)
+    return vs_fail(err, VS_INPUT, "schema: no kind '%s'; there are: scene, study, machine",
+                   o->kind);
+  vs_ground ground;
+  vs_text text = {0};
+  vs_json j = vs_json_new(&text);
+  vs_status status = vs_ground_read(o->deck, o->machine, &ground, err);
+  if (!status) KINDS[k].put(&j, &ground);
+  if (!status) puts(text.text);
+  vs_text_free(&text);
+  vs_ground_free(&ground);
+  return status;
+}

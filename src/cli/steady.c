@@ -1,0 +1,382 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "steady.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text.h"
+#include "orbit/closed.h"
+#include "orbit/matrices.h"
+#include "measure/classes.h"
+#include "ngspice/guard.h"
+#include "orbit/steady.h"
+#include "run/amount.h"
+#include "run/show.h"
+
+enum { DIGITS = 12, SHOWN = 10 /* the last harmonic in the table; JSON has all */ };
+
+static const char STANDARD[] = "IEC 61000-3-2:2018, table 1";
+
+/* ---- the limits of harmonics ---- */
+
+/* How much of its limit the harmonic takes; NaN: it has none. */
+static double part_of_limit(const vs_steady *s, int n) {
+  return vs_spectrum_judged(&s->spectrum, n) / vs_spectrum_limit(n);
+}
+
+/* The harmonic that takes most of its limit. */
+static int worst_harmonic(const vs_steady *s) {
+  int worst = 2;
+  for (int n = worst; n < VS_SPECTRUM_LINES; n++)
+    if (part_of_limit(s, n) > part_of_limit(s, worst)) worst = n;
+  return worst;
+}
+
+/* ---- the material ---- */
+
+static const char *of_material(const vs_steady *s) {
+  vs_value down = vs_throw_down(&s->thrown);
+  if (!down.known) return NULL;
+  if (!(down.value > 1))
+    return "is not thrown; whether it slides is not computed, nor is a conveying speed";
+  if (down.value > vs_throw_most)
+    return "is thrown, for longer than a swing (throw_down above 3.297): conveying_speed is "
+           "outside "
+           "of its formula's range, and is that of a flight as long as a swing";
+  return "is thrown, once in each swing; conveying_speed holds for a trough that swings like a "
+         "sine along a straight line, without sliding, and grainy material comes close to it";
+}
+
+static void add_material(const vs_steady *s, vs_json *json) {
+  vs_value down = vs_throw_down(&s->thrown);
+  if (!down.known) return;
+  vs_json_object(json, "material", VS_JSON_ROW);
+  vs_json_bool(json, "thrown", down.value > 1);
+  vs_json_bool(json, "speed_in_range", down.value > 1 && down.value <= vs_throw_most);
+  vs_json_text(json, "speed_source", "VDI 2333");
+  vs_json_text(json, "says", of_material(s));
+  vs_json_end(json);
+}
+
+/* ---- what was found ---- */
+
+static double size_of(const vs_steady *s, int k) {
+  return hypot(s->orbit.multiplier[k].re, s->orbit.multiplier[k].im);
+}
+
+/* On tier circuit multipliers are known to some error only, in which small ones are lost. */
+static bool is_resolved(const vs_steady *s, int k) {
+  return !s->picard || size_of(s, k) > s->picard->known_to;
+}
+
+/* ---- JSON ---- */
+
+static void add_measures(const void *ctx, vs_json *json) {
+  vs_steady_measure m;
+  for (int k = 0; vs_steady_at(ctx, k, &m); k++) {
+    if (m.value.known) vs_summary_measure(json, m.name, m.value, m.unit);
+  }
+}
+
+static void add_multipliers(const vs_steady *s, vs_json *json) {
+  const vs_orbit *orbit = &s->orbit;
+  vs_json_array(json, "multipliers", VS_JSON_LINES);
+  for (int k = 0; k < vs_steady_multipliers(s); k++) {
+    bool known = is_resolved(s, k);
+    vs_json_object(json, NULL, VS_JSON_ROW);
+    vs_json_number(json, "re", known ? orbit->multiplier[k].re : NAN, DIGITS);
+    vs_json_number(json, "im", known ? orbit->multiplier[k].im : NAN, DIGITS);
+    if (!known) vs_json_number(json, "below", s->picard->known_to, 3);
+    vs_json_end(json);
+  }
+  vs_json_end(json);
+}
+
+static void add_harmonics(const vs_steady *s, vs_json *json) {
+  int worst = worst_harmonic(s);
+  vs_json_array(json, "harmonics", VS_JSON_ROW);
+  for (int n = 0; n < VS_SPECTRUM_LINES; n++)
+    vs_json_number(json, NULL, vs_spectrum_harmonic(&s->spectrum, n), DIGITS);
+  vs_json_end(json);
+  vs_summary_groups(json, "harmonic_groups", &s->spectrum);
+  vs_json_object(json, "harmonic_limits", VS_JSON_LINES);
+  vs_json_text(json, "standard", STANDARD);
+  vs_json_text(json, "class", "A");
+  vs_summary_limit(json, worst, part_of_limit(s, worst));
+  vs_json_array(json, "limits_A", VS_JSON_ROW);
+  for (int n = 0; n < VS_SPECTRUM_LINES; n++)
+    vs_json_number(json, NULL, vs_spectrum_limit(n), DIGITS);
+  vs_json_end(json);
+  vs_json_end(json);
+}
+
+static vs_drawn drawn_of(const vs_steady *s) {
+  return (vs_drawn){&s->spectrum, s->power_in_w, s->power_factor};
+}
+
+static void add_classes(const vs_steady *s, vs_json *json) {
+  const vs_drawn drawn = drawn_of(s);
+  vs_json_array(json, "harmonic_classes", VS_JSON_LINES);
+  for (const vs_class *c = vs_classes_all; c->name; c++) {
+    double part;
+    int worst = vs_classes_worst(c, &drawn, &part);
+    vs_json_object(json, NULL, VS_JSON_ROW);
+    vs_json_text(json, "class", c->name);
+    vs_json_text(json, "text", c->text);
+    vs_summary_limit(json, worst, part);
+    vs_json_end(json);
+  }
+  vs_json_end(json);
+}
+
+static void add_members(const void *ctx, vs_json *json) {
+  const vs_steady *s = ctx;
+  vs_json_whole(json, "period", s->orbit.n);
+  vs_json_number(json, "period_s", s->orbit.period_s, DIGITS);
+  if (s->picard)
+    vs_json_whole(json, "cycles", s->picard->cycles);
+  else
+    vs_json_whole(json, "iterations", s->orbit.iterations);
+  vs_json_number(json, "correction", s->orbit.residual, 3);
+  if (vs_steady_is_judged(s))
+    vs_json_bool(json, "stable", s->orbit.stable);
+  else
+    vs_json_number(json, "stable", NAN, DIGITS); /* null */
+  if (s->picard && s->picard->multipliers)
+    vs_json_number(json, "multipliers_error", s->picard->known_to, 3);
+  add_multipliers(s, json);
+  add_harmonics(s, json);
+  add_classes(s, json);
+  add_material(s, json);
+}
+
+/* ---- the table ---- */
+
+/* Of a multiplier: how long it takes until what it tells of has decayed to 1/e. */
+static void print_multiplier(const vs_steady *s, int k, FILE *out) {
+  const vs_orbit *orbit = &s->orbit;
+  const vs_multiplier *m = &orbit->multiplier[k];
+  if (!is_resolved(s, k)) {
+    fprintf(out, "%-10d not resolved: below %.1g\n", k + 1, s->picard->known_to);
+    return;
+  }
+  double size = hypot(m->re, m->im), tau_s = -orbit->period_s / log(size);
+  fprintf(out, "%-10d %15.9g %15.9g %15.9g ", k + 1, m->re, m->im, size);
+  if (size < 1)
+    fprintf(out, "%12.4g s\n", tau_s);
+  else
+    fprintf(out, "%14s\n", "-");
+}
+
+static void print_stability(const vs_steady *s, FILE *out) {
+  const bool stable = s->orbit.stable;
+  if (vs_steady_is_judged(s))
+    fprintf(out, "%s: the largest multiplier is %s\n", stable ? "stable" : "unstable",
+            stable ? "below 1" : "1 or more, so that the machine does not stay on this orbit");
+}
+
+static void print_multipliers(const vs_steady *s, FILE *out) {
+  if (!vs_steady_multipliers(s)) {
+    fprintf(out, "multipliers  not resolved: %s\n", s->picard->missing);
+    return;
+  }
+  fprintf(out, "%-10s %15s %15s %15s %14s\n", "multiplier", "re", "im", "size", "decays in");
+  for (int k = 0; k < vs_steady_multipliers(s); k++) print_multiplier(s, k, out);
+  if (s->picard)
+    fprintf(out, "known to about %.1g, from the differences of cycles%s\n", s->picard->known_to,
+            vs_steady_is_judged(s) ? "" : ": not enough to tell whether the orbit is stable");
+  print_stability(s, out);
+}
+
+static void print_limits(const vs_steady *s, FILE *out) {
+  int worst = worst_harmonic(s);
+  fprintf(out,
+          "limits: %s, class A; %s held up to harmonic %d: harmonic %d takes %.3g %% of its own\n",
+          STANDARD, part_of_limit(s, worst) <= 1 ? "all are" : "not all are", VS_SPECTRUM_LAST,
+          worst, 100 * part_of_limit(s, worst));
+}
+
+static void print_harmonics(const vs_steady *s, FILE *out) {
+  const bool groups = s->spectrum.grouping.told;
+  fprintf(out, "\n%-10s %15s", "harmonic", "A rms");
+  if (groups) fprintf(out, " %15s", "group A rms");
+  fprintf(out, " %15s %15s\n", "limit A rms", "part of limit");
+  for (int n = 0; n <= SHOWN; n++) {
+    fprintf(out, "%-10d %15.9g", n, vs_spectrum_harmonic(&s->spectrum, n));
+    if (groups && n) fprintf(out, " %15.9g", vs_spectrum_judged(&s->spectrum, n));
+    if (!isnan(vs_spectrum_limit(n)))
+      fprintf(out, " %15.4g %13.2f %%", vs_spectrum_limit(n), 100 * part_of_limit(s, n));
+    fputc('\n', out);
+  }
+  print_limits(s, out);
+  vs_show_windows(&s->spectrum, out);
+}
+
+static void print_orbit(const vs_steady *s, FILE *out) {
+  const vs_orbit *orbit = &s->orbit;
+  fprintf(out, "orbit  of %.9g s, period %d, in %d %s; the last corrected it by %.1g\n",
+          orbit->period_s, orbit->n, s->picard ? s->picard->cycles : orbit->iterations,
+          s->picard ? "cycles" : "iterations", orbit->residual);
+}
+
+/* What a short table tells of an orbit, where it is known. */
+static void show_few(const vs_steady *s, FILE *out) {
+  static const char *const FEW[] = {"power_in",        "i_rms", "power_factor", "thd", "throw_down",
+                                    "conveying_speed", NULL};
+  char text[VS_AMOUNT_SIZE];
+  vs_steady_measure m;
+  print_orbit(s, out);
+  print_stability(s, out);
+  print_limits(s, out);
+  for (int k = 0; vs_steady_at(s, k, &m); k++)
+    for (const char *const *name = FEW; *name; name++)
+      if (m.value.known && !strcmp(m.name, *name))
+        fprintf(out, "%-16s %13s   %s\n", m.name, vs_amount_text(m.value.value, m.unit, text),
+                m.text);
+  const char *material = of_material(s);
+  if (material) fprintf(out, "material: %s\n", material);
+}
+
+static void show(const vs_steady *s, FILE *out) {
+  const vs_drawn drawn = drawn_of(s);
+  vs_steady_measure m;
+  print_orbit(s, out);
+  fputc('\n', out);
+  print_multipliers(s, out);
+  print_harmonics(s, out);
+  fputc('\n', out);
+  vs_show_classes(&drawn, out);
+  fprintf(out, "\n%-18s %16s\n", "over a period", "computed");
+  for (int k = 0; vs_steady_at(s, k, &m); k++)
+    if (m.value.known)
+      fprintf(out, "%-18s %16.9g %-5s %s\n", m.name, m.value.value, m.unit, m.text);
+  const char *material = of_material(s);
+  if (material) fprintf(out, "material: %s\n", material);
+  fputc('\n', out);
+}
+
+/* ---- the command ---- */
+
+/* What the run of a period is told by. The functions above are given it as its first member. */
+typedef struct reporter {
+  vs_steady steady;
+  vs_matrices *matrices; /* NULL: no linear model is wanted */
+  vs_closed *closed;     /* the closed loop of the scene's control; NULL: it has none to tell */
+  vs_error unclosed;     /* why there is none of a control that should have one */
+  vs_scene *scene;
+  bool quiet, all;
+} reporter;
+
+static void begin(void *ctx, vs_scene *scene) {
+  reporter *r = ctx;
+  r->scene = scene;
+  vs_steady_again(&r->steady, scene);
+}
+
+static void accept(void *ctx, const vs_step *step) {
+  vs_steady_accept(ctx, step);
+}
+
+static void finish(void *ctx, const vs_result *result) {
+  reporter *r = ctx;
+  const vs_warnings *w = &r->scene->warnings;
+  size_t said = w->count;
+  vs_steady_finish(&r->steady, result);
+  for (size_t k = said; k < w->count && !r->quiet; k++)
+    fprintf(stderr, "vibrospice: warning: %s\n", vs_warnings_text(&w->item[k]));
+}
+
+static void show_all(const void *ctx, FILE *out) {
+  const reporter *r = ctx;
+  if (r->all) {
+    vs_show_feed(&r->scene->setup, out);
+    show(ctx, out);
+  } else
+    show_few(ctx, out);
+  if (r->matrices) vs_matrices_print(r->matrices, out);
+  if (r->closed && !*r->unclosed.text) vs_closed_print(r->closed, out);
+  if (r->closed && *r->unclosed.text)
+    fprintf(out, "control  its closed loop is not known: %s\n\n", r->unclosed.text);
+}
+
+static void add_all(const void *ctx, vs_json *json) {
+  const reporter *r = ctx;
+  add_members(ctx, json);
+  if (r->matrices) vs_matrices_json(r->matrices, json);
+  if (r->closed && !*r->unclosed.text) vs_closed_json(r->closed, json);
+  if (r->closed && *r->unclosed.text) vs_json_text(json, "closed_loop_missing", r->unclosed.text);
+}
+
+/* The linear model's files lie beside those of the run, which has just been written. */
+static vs_status write_linear(const vs_run_options *o, const vs_matrices *matrices, vs_error *err) {
+  if (!o->folder) return VS_OK;
+  if (!matrices) {
+    vs_matrices_remove(o->folder);
+    return VS_OK;
+  }
+  vs_status status = vs_matrices_write(matrices, o->folder, err);
+  if (!status && !o->quiet && !o->json)
+    printf("written: %s in %s\n", vs_matrices_files(), o->folder);
+  return status;
+}
+
+/* Finds the closed loop about its own orbit, where the scene's control, which is off by now, has
+ * one that is told. That there is none is no error of the command. */
+static void close_loop(reporter *r, const vs_regulator *regulator, const vs_scene *scene) {
+  if (!regulator || !regulator->pi || scene->tier->has_circuit || r->steady.orbit.n > 1) return;
+  r->closed = vs_alloc(1, sizeof *r->closed);
+  if (vs_closed_find(scene, regulator, &r->steady.orbit, r->closed, &r->unclosed) &&
+      !*r->unclosed.text)
+    vs_fail(&r->unclosed, VS_RUN, "it was not found");
+}
+
+/* What is to be told besides the orbit. */
+typedef struct extras {
+  bool linear;
+  const vs_regulator *regulator; /* the scene's; NULL: it has none */
+} extras;
+
+static vs_status report(const vs_run_options *o, int periods, extras more_of, vs_scene *scene,
+                        vs_error *err) {
+  bool linear = more_of.linear;
+  reporter *r = vs_alloc(1, sizeof *r);
+  vs_steady *s = &r->steady;
+  const vs_run_more more = {r, begin, accept, finish, show_all, {r, add_measures, add_all}};
+  scene->order.stop = o->stop;
+  scene->order.shows = !o->quiet && isatty(STDERR_FILENO);
+  vs_status status = linear ? vs_linear_check(scene, periods, err) : VS_OK;
+  if (!status) status = vs_steady_begin(s, scene, periods, err);
+  r->scene = scene;
+  r->quiet = o->quiet;
+  r->all = o->all;
+  if (!status && linear) {
+    r->matrices = vs_alloc(1, sizeof *r->matrices);
+    status = vs_matrices_find(r->matrices, scene, &s->orbit, err);
+  }
+  if (!status) close_loop(r, more_of.regulator, scene);
+  if (!status) status = vs_run_scene(o, &more, scene, err);
+  if (!status || status == VS_RATING) {
+    vs_status written = write_linear(o, r->matrices, err);
+    status = written ? written : status;
+  }
+  vs_steady_end(s);
+  if (r->matrices) vs_matrices_free(r->matrices);
+  free(r->matrices);
+  free(r->closed);
+  free(r);
+  return status;
+}
+
+vs_status vs_steady_command(const vs_run_options *o, int periods, bool linear, vs_error *err) {
+  vs_scene *scene = vs_alloc(1, sizeof *scene);
+  scene->of_period = true;
+  vs_status status = vs_scene_read(o->scene, o->sets, o->n_sets, o->tier, scene, err);
+  const extras more = {linear, scene->control.regulator};
+  if (!status) vs_scene_hold(scene);
+  if (!status && !o->quiet && !vs_guard_again()) vs_scene_warn(scene);
+  if (!status) status = report(o, periods, more, scene, err);
+  vs_scene_free(scene);
+  free(scene);
+  return status;
+}

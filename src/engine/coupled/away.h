@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Being away from the circuit's solver: leaving it once a stand-in (engine/stand_in.h) says that it
+ * may be left, stepping on without it, and coming back to it.
+ *
+ * A solver that is left for good ends its run, and the stand-in goes on to the end. One that is
+ * gone back to stands still at some phase of the mains while whole cycles pass without it. Then its
+ * clock is moved on by these cycles, and it is led: sources in the EVA pull its flux linkage and
+ * voltage to where the stand-in has come. While it is led the stand-in's steps are still the ones
+ * shown. */
+#ifndef VS_ENGINE_AWAY_H
+#define VS_ENGINE_AWAY_H
+
+#include "coupled/course.h"
+#include "coupled/names.h"
+
+typedef struct vs_away {
+  vs_course *course;
+  const vs_names *names;
+  const vs_stand_in *kind;
+  void *law;              /* the stand-in; NULL: the solver goes on to the end. Owned */
+  bool stays;             /* a bound was missed, and the solver is not left again */
+  bool ends;              /* the solver is not needed any more */
+  bool follows;           /* the solver is led */
+  double follows_until_s; /* while it is */
+  double lead_rate_1_s;   /* how fast it is led */
+  double shift_s; /* the run's time less the solver's: the cycles it was left for, less those
+                     of the prelude */
+  double goal_s;  /* when the stand-in is at `goal`; -1: at no time */
+  vs_knot goal;
+} vs_away;
+
+/* Begins in the solver. max_step_s is its longest step. The course and the names must outlive it;
+ * the names may be filled in later, with what vs_away_memories returns. */
+void vs_away_begin(vs_away *away, const vs_run_order *order, vs_course *course,
+                   const vs_names *names, double max_step_s);
+void vs_away_end(vs_away *away);
+
+/* What the solver shall show of what the circuit remembers; NULL: nothing. */
+const vs_memories *vs_away_memories(const vs_away *away);
+
+/* What a port that leads the EVA (VS_PORT_...) has at t_s. 0 while the solver is not led. */
+double vs_away_lead(vs_away *away, size_t port, double t_s);
+
+/* Takes in what the solver shows at the course's last knot, and leaves the solver if the circuit is
+ * quiet. If it is left for some cycles, their steps are shown here. Errors: the observer's; VS_RUN
+ * where the law cannot be integrated. */
+vs_status vs_away_consider(vs_away *away, const double *signals, vs_error *err);
+
+/* Takes in that the solver, which is led, has come to t_s, and shows the stand-in's step to there.
+ * Errors as above. */
+vs_status vs_away_follow(vs_away *away, double t_s, const double *signals, vs_error *err);
+
+/* True if the solver's run can end: it was left for good, or the run's end has come before the
+ * solver's own. */
+bool vs_away_enough(const vs_away *away);
+
+/* Goes on without the solver, which is left for good, to the run's end. Errors as above. */
+vs_status vs_away_finish(vs_away *away, vs_error *err);
+
+#endif

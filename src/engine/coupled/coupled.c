@@ -1,0 +1,320 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Tier "circuit": the netlist in its solver, the mechanics in GSL, stepped together at every time
+ * step.
+ *
+ * Mechanics -> circuit: the gap z at the candidate time of each of the solver's steps, foretold
+ * from the last accepted step. Circuit -> mechanics: the flux linkage lambda of the accepted step,
+ * under which the mechanics are integrated over it. The coil's current and force are functions of
+ * lambda and z, in C as in the netlist (netlist/eva.h), so nothing else need be exchanged; what else
+ * of the motion the deck names is foretold as the gap is.
+ *
+ * This file is the solver's host. course.h moves the machine and shows the steps, pace.h, swing.h
+ * and anode.h say how long a step may be, amend.h gives back what the solver's rule leaves out at
+ * the coil, away.h leaves the solver where the circuit is quiet. */
+#include "coupled/coupled.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text.h"
+#include "netlist/blame.h"
+#include "coupled/amend.h"
+#include "coupled/away.h"
+#include "coupled/course.h"
+#include "coupled/names.h"
+#include "engine/pace.h"
+#include "coupled/prelude.h"
+#include "coupled/swing.h"
+#include "netlist/netlist.h"
+#include "engine/events.h"
+#include "drive/held.h"
+
+typedef struct coupling {
+  const vs_setup *setup;
+  const vs_run_order *order;
+  vs_pace pace;
+  vs_swing swing;
+  vs_amend amend;
+  vs_names *names; /* owned */
+  vs_course course;
+  vs_away away;
+  vs_prelude prelude;
+  vs_held edge,
+      port[VS_DECK_MOST]; /* the next edge, and the deck's ports, as they were told last */
+  /* What the sources were told at the candidate time that the solver asked for last: it asks for
+   * each once per Newton iteration. */
+  double asked_s;  /* by the solver's clock; NaN: at none since the last step */
+  unsigned asking; /* the number of that time */
+  struct {
+    unsigned asking; /* when this was told */
+    double value;
+  } told[VS_DECK_MOST + VS_EVA_PORTS + VS_DECK_MOTIONS];
+} coupling;
+
+/* ---- the solver's host ---- */
+
+static double run_time(const coupling *c, double solver_s) {
+  return vs_prelude_time(&c->prelude, solver_s, c->away.shift_s);
+}
+
+/* What is given back to the solver's rule, through one of the EVA's ports. */
+static double amended(coupling *c, size_t port, double t_s) {
+  const vs_amend_try at = {c->course.frame.model, vs_course_last(&c->course), t_s,
+                           vs_course_gap(&c->course, t_s)};
+  if (c->away.follows) return 0;
+  return port == VS_EVA_PORT_AMENDS_FLUX ? vs_amend_flux(&c->amend, &at)
+                                         : vs_amend_current(&c->amend, &at);
+}
+
+static double deck_source(coupling *c, size_t port, double t_s) {
+  const vs_port *p = &c->setup->deck.ports[port];
+  double push_v = p->signal.drive == VS_PORT_MAINS ? vs_prelude_push(&c->prelude, t_s) : 0;
+  return push_v + vs_held_voltage(&c->port[port], &c->course.setup->timeline, &p->signal, t_s);
+}
+
+static double find_source(coupling *c, size_t port, double t_s) {
+  size_t of_deck = c->setup->deck.n_ports;
+  if (port < of_deck) return deck_source(c, port, t_s);
+  if (port == of_deck + VS_EVA_PORT_GAP) return vs_course_gap(&c->course, t_s);
+  size_t motion = port + c->setup->deck.n_motions;
+  if (motion >= c->names->n_ports)
+    return vs_course_motion(&c->course, c->setup->deck.motions[motion - c->names->n_ports].state,
+                            t_s);
+  if (port >= of_deck + VS_EVA_PORTS_LEADING) return vs_away_lead(&c->away, port - of_deck, t_s);
+  return amended(c, port - of_deck, t_s);
+}
+
+static __attribute__((noinline)) double tell_source(coupling *c, size_t port, double solver_s) {
+  if (solver_s != c->asked_s) c->asking++;
+  c->asked_s = solver_s;
+  c->told[port].asking = c->asking;
+  return c->told[port].value = find_source(c, port, run_time(c, solver_s));
+}
+
+static double source(void *ctx, size_t port, double solver_s) {
+  coupling *c = ctx;
+  bool again = solver_s == c->asked_s && c->told[port].asking == c->asking;
+  return again ? c->told[port].value : tell_source(c, port, solver_s);
+}
+
+/* A step was accepted: what was told does not hold any more, and where events may change on the
+ * way, or another part of the run may have begun, neither does what is told from edge to edge. */
+static void forget(coupling *c) {
+  c->asked_s = NAN;
+  if (!c->prelude.on && !c->order->junction) return;
+  c->course.edge = (vs_held){0};
+  memset(c->port, 0, sizeof c->port);
+}
+
+static double edge(void *ctx, double solver_s) {
+  coupling *c = ctx;
+  if (c->course.anode.crossed || c->swing.anew) return solver_s; /* the solver's rule begins anew */
+  double now_s = run_time(c, solver_s), next_s = vs_course_edge(&c->course, now_s);
+  if (c->away.shift_s != 0 && !c->prelude.on) next_s = fmin(next_s, c->setup->run.until_s);
+  return vs_prelude_edge(&c->prelude, now_s, next_s) - c->away.shift_s;
+}
+
+/* At t = 0 the circuit is without currents, so mains that are not at their zero jump. What rings by
+ * that may have nanoseconds, and the solver takes its first step whatever its error. With a first
+ * step of 1e-4 of the largest the least voltage of a chopper's link was 95 V, with 1e-6 80 V, from
+ * 1e-7 on, which is the default of run.first_step, 75.9 V at any tolerance. Steps double from there
+ * on, so that it costs ten. */
+static bool begins_with_a_jump(const coupling *c, double solver_s) {
+  return solver_s == 0 && !c->prelude.on && vs_timeline_voltage(&c->course.setup->timeline, 0) != 0;
+}
+
+static double longest(void *ctx, double solver_s) {
+  coupling *c = ctx;
+  vs_course *course = &c->course;
+  double most = fmin(c->pace.max_step_s, vs_swing_longest(&c->swing));
+  if (begins_with_a_jump(c, solver_s)) most *= c->setup->run.first_step;
+  most = fmin(most, vs_anode_longest(&course->anode, &c->swing, c->pace.max_step_s));
+  return fmin(most, vs_events_longest(&course->setup->timeline.events, run_time(c, solver_s)));
+}
+
+/* Tells the run's junction that t_s is reached. It may change the events of the setup, which are
+ * asked for whenever they are needed; only the instant of the jam is kept in the course. It is not
+ * called in a prelude, as events come behind that. */
+static vs_status reach_junction(coupling *c, double t_s, vs_error *err) {
+  const vs_junction *junction = c->order->junction;
+  if (!junction) return VS_OK;
+  vs_status status = junction->reach(junction->ctx, t_s, err);
+  c->course.jams_s = vs_setup_jams(c->setup);
+  return status;
+}
+
+static vs_status accept(void *ctx, double solver_s, const double *signals, vs_error *err) {
+  coupling *c = ctx;
+  forget(c);
+  double t_s = run_time(c, solver_s);
+  vs_status status = c->prelude.on ? VS_OK : reach_junction(c, t_s, err);
+  if (status) return status;
+  if (c->away.follows) {
+    vs_amend_restart(&c->amend);
+    return vs_away_follow(&c->away, t_s, signals, err);
+  }
+  const vs_knot *from = vs_course_last(&c->course);
+  vs_knot *next = vs_course_next(&c->course); /* vs_course_move gives it its state */
+  next->t_s = t_s;
+  vs_names_take_coil(signals, next);
+  vs_names_take_terms(&c->setup->deck, signals, next);
+  next->flux_rate2_v_s = (next->flux_rate_v - from->flux_rate_v) / (t_s - from->t_s);
+  next->flux_rate3_v_s2 = 0; /* not known; a cubic's weight for it is 0 */
+  const vs_amend_step step = {c->course.frame.model, from, next,
+                              vs_anode_conducts(&c->course.anode)};
+  vs_swing_take(&c->swing, from, next, vs_amend_take(&c->amend, &step), step.driven);
+  c->course.strays = vs_swing_strays(&c->swing);
+  status = vs_course_move(&c->course, err);
+  if (status) return status;
+  if (!c->prelude.on) return vs_away_consider(&c->away, signals, err);
+  status = vs_prelude_follow(&c->prelude, &c->course, &c->away.shift_s, err);
+  return status || c->prelude.on ? status : reach_junction(c, 0, err);
+}
+
+static bool enough(void *ctx) {
+  const coupling *c = ctx;
+  return !c->prelude.on && vs_away_enough(&c->away);
+}
+
+static double clock_at(void *ctx, double solver_s) {
+  return run_time(ctx, solver_s);
+}
+
+static bool hides(void *ctx) {
+  const coupling *c = ctx;
+  return c->prelude.on;
+}
+
+/* ---- a run ---- */
+
+static void locate(const void *deck, size_t culprit, vs_error *err) {
+  vs_blame_locate(deck, culprit, err);
+}
+
+/* A circuit that cannot make its first step is no circuit, unless that step is as short as behind a
+ * jump: then the solver gave up, and may do with a longer one. */
+static vs_status forgive_first_step(const coupling *c, vs_error *err) {
+  const vs_error plain = *err;
+  if (c->setup->run.first_step >= VS_MANNER_LONGER_FIRST_STEP || !begins_with_a_jump(c, 0) ||
+      !strstr(plain.text, "imestep too small"))
+    return VS_INPUT;
+  vs_fail(err, VS_RUN, "t = 0 s: %s", plain.text);
+  err->gave_up = true;
+  return VS_RUN;
+}
+
+/* All of the solver's job but its netlist. */
+static vs_circuit_job job_of(const coupling *c) {
+  const vs_setup *setup = c->setup;
+  return (vs_circuit_job){.ports = c->names->ports,
+                          .n_ports = c->names->n_ports,
+                          .signals = c->names->signals,
+                          .n_signals = c->names->n_signals,
+                          .n_wanted = 2 * c->names->n_memories,
+                          .until_s = vs_prelude_until(&c->prelude),
+                          .gear = setup->run.gear,
+                          .dialect = setup->deck.compat,
+                          .max_step_s = c->pace.max_step_s,
+                          .raw = c->order->raw,
+                          .raw_most = setup->limits.raw_bytes,
+                          .raw_where = c->order->raw_where,
+                          .tried = c->order->tried,
+                          .unbegun = c->order->unbegun,
+                          .tries = c->order->tries,
+                          .truncation_factor = c->pace.truncation,
+                          .pivot_threshold = setup->run.pivrel,
+                          .relative_tolerance = c->pace.relative,
+                          .current_tolerance_a = c->pace.current_a,
+                          .voltage_tolerance_v = c->pace.voltage_v,
+                          .charge_tolerance_c = c->pace.charge_c,
+                          .locate = locate,
+                          .author = &setup->deck};
+}
+
+/* Takes the deck through the solver, and on to the end if the solver is left for good before it. */
+static vs_status go(coupling *c, vs_error *err) {
+  const vs_setup *setup = c->setup;
+  const vs_circuit_kind *solver = c->order->solver;
+  vs_deck_value standard[VS_STANDARD];
+  vs_circuit_job job = job_of(c);
+  const vs_circuit_host host = {c, source, edge, longest, accept, enough, clock_at, hides};
+  char **netlist = NULL;
+  void *circuit = NULL;
+  vs_setup_standard(setup, standard);
+  vs_status s = vs_netlist_make(&setup->deck, &setup->circuit_values, standard, VS_STANDARD,
+                                &netlist, &job.lines, err);
+  job.netlist = netlist;
+  double shortest_s = fmin(c->pace.max_step_s, c->course.motion.substep_touching_s);
+  if (!s) s = vs_sim_refuse_endless(setup, shortest_s, err);
+  if (!s) s = solver->load(&job, &host, &circuit, err);
+  if (!s) s = solver->run(circuit, err);
+  if (s == VS_INPUT) s = forgive_first_step(c, err);
+  if (!s) s = vs_away_finish(&c->away, err);
+  solver->free(circuit);
+  vs_netlist_free(netlist, job.lines);
+  return s;
+}
+
+static vs_status run(const vs_setup *setup, const vs_run_order *order, const vs_observer *observer,
+                     vs_error *err) {
+  const vs_frame frame = vs_sim_frame(&vs_coupled_tier, setup);
+  /* Nothing is given back in a search for an orbit, which compares cycles from almost the same
+   * state: what is given makes steps of their own in each, and the differences would show these.
+   * Where the armature meets a stop within a step, what is given comes too late. */
+  const vs_pace pace = vs_pace_of(setup);
+  coupling c = {.setup = setup, /* stays where it is: the host and the motion point to it */
+                .order = order,
+                .pace = pace,
+                .swing = vs_swing_of(setup),
+                .amend = vs_amend_of(setup, !order->pilot && !pace.blows),
+                .asked_s = NAN,
+                .names = vs_alloc(1, sizeof *c.names)};
+  vs_prelude_begin(&c.prelude, setup, order, observer);
+  vs_course_begin(&c.course, vs_prelude_setup(&c.prelude), &frame, vs_prelude_observer(&c.prelude));
+  c.course.frame.timeline = &c.course.setup->timeline;
+  vs_away_begin(&c.away, order, &c.course, c.names, c.pace.max_step_s);
+  vs_names_of(&setup->deck, vs_away_memories(&c.away), c.names);
+  vs_status s = go(&c, err);
+  vs_away_end(&c.away);
+  vs_course_end(&c.course);
+  free(c.names);
+  return vs_prelude_end(&c.prelude, s, err);
+}
+
+/* What stands between the mains and the deck, and what its solver alone is told. */
+/* This tier alone has a source's impedance, ngspice, a gate drive that is fed with bursts, switches
+ * that are modulated, and devices with means and ratings. */
+static const vs_tier_key KEYS[] = {
+    {"supply", "resistance", NULL},
+    {"supply", "inductance", NULL},
+    {"supply", "decoupling", NULL},
+    {"run", "method", NULL},
+    {"run", "first_step", NULL},
+    {"run", "trtol", NULL},
+    {"run", "pivrel", NULL},
+    {"run", "leave_circuit", NULL},
+    {"run", "ladder", NULL},
+    {"run", "verify", "always"},
+    {"firing", "burst_frequency", NULL},
+    {"firing", "burst_duty", NULL},
+    {"pwm", "carrier", NULL},
+    {"pwm", "duty", NULL},
+    {"pwm", "depth", NULL},
+    {"pwm", "frequency", NULL},
+    {"pwm", "phase", NULL},
+    {"pwm", "dead_time", NULL},
+    {"measure", "from", NULL},
+    {"measure", "to", NULL},
+    {"measure", "last", NULL},
+    {NULL, NULL, NULL},
+};
+
+const vs_tier vs_coupled_tier = {
+    .name = vs_manner_tier_words[VS_TIER_CIRCUIT],
+    .text = "the ngspice netlist, F = lambda^2/(4a) from it: anything about devices",
+    .finest = 1e-8,
+    .automatic = true,
+    .has_circuit = true,
+    .keys = KEYS,
+    .run = run};

@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The course of a run on tier "circuit": the machine's motion beside the circuit, the contacts with
+ * its stop, the thyristor's firing and extinction, and every step as the observer is shown it. */
+#ifndef VS_ENGINE_COURSE_H
+#define VS_ENGINE_COURSE_H
+
+#include "coupled/anode.h"
+#include "coupled/motion.h"
+#include "drive/held.h"
+#include "engine/sim.h"
+
+typedef struct vs_course {
+  const vs_setup *setup;
+  vs_frame frame;
+  const vs_observer *observer;
+  vs_knot knots[2]; /* the last one shown is knots[now], the one before it the other */
+  int now;
+  vs_anode anode;
+  vs_motion motion;
+  vs_held edge;     /* the next edge of what drives the circuit; {0} where it may have changed */
+  unsigned touched; /* the stops that the armature is in, as bits */
+  bool jammed;      /* the armature is jammed, since jams_s */
+  double jams_s;    /* INFINITY: it never is */
+  size_t loads;     /* how many changes of the load are behind */
+  double series_s;  /* how far the travel's Taylor polynomial is good enough */
+  double candidate_s, candidate_gap_m; /* the last instant that was asked for, and the gap there;
+                                          -1: the answer does not hold any more */
+  double candidate_x[VS_MOST_STATES];  /* the state there; only where the deck names motions */
+  bool blank;    /* the last knot is the solver's first, of which it shows no terms */
+  bool without;  /* the steps shown are a stand-in's, not the solver's */
+  double strays; /* as vs_step has it */
+  double bound;  /* on the error of having left the solver so far, relative to
+                   each probe's peak */
+} vs_course;
+
+/* Begins at t = 0. Setup and observer must outlive the course. It stays where it is made, as its
+ * motion points to itself. */
+void vs_course_begin(vs_course *course, const vs_setup *setup, const vs_frame *frame,
+                     const vs_observer *observer);
+void vs_course_end(vs_course *course);
+
+/* The last knot shown. */
+static inline const vs_knot *vs_course_last(const vs_course *course) {
+  return &course->knots[course->now];
+}
+
+/* What vs_setup_edge returns of the course's setup, from memory as far as it holds. */
+double vs_course_edge(vs_course *course, double t_s);
+
+/* Room for the knot that comes next. It is void once a step was shown. */
+static inline vs_knot *vs_course_next(vs_course *course) {
+  return &course->knots[1 - course->now];
+}
+
+/* The gap, m, where the mechanics will be at t_s, foretold from the last knot. */
+double vs_course_gap(vs_course *course, double t_s);
+
+/* The machine's state there, SI, by its index in (q, q'), or the gap's rate, m/s, by -1. The deck
+ * must name one. Over a step h the gap and q are foretold up to h^4, the rates up to h^3. */
+double vs_course_motion(vs_course *course, int state, double t_s);
+
+/* Integrates the machine over the step from the last knot to vs_course_next and shows it. The
+ * caller has filled in what the circuit knows of that knot: time, lambda with two derivatives,
+ * v_eva, i_mains, terms. The step is cut where the armature meets or leaves its stop, and such an
+ * instant is shown from either side. Errors: the observer's; VS_RUN where GSL cannot integrate. */
+vs_status vs_course_move(vs_course *course, vs_error *err);
+
+/* The last knot becomes the first of another part of the run: its clock is set back by by_s, the
+ * setup and the observer from there on are these, and the machine's state is x. */
+void vs_course_turn(vs_course *course, double by_s, const vs_setup *setup,
+                    const vs_observer *observer, const double *x);
+
+/* Shows the step from the last knot to `to`, which is copied, or which is vs_course_next. `what`
+ * happens at its end, besides what the thyristor does. Errors: the observer's. */
+vs_status vs_course_show(vs_course *course, const vs_knot *to, vs_event what, vs_error *err);
+
+#endif

@@ -1,0 +1,254 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "engine/faults.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "base/text.h"
+#include "netlist/rules.h"
+#include "drive/wiring.h"
+
+/* ---- keys ---- */
+
+#define ELEMENT                                                                                    \
+  {                                                                                                \
+    "element", VS_NAME, "", "-", 0, 0, false, VS_EVENT_V_(element),                                \
+        "the deck's, of two nodes: R1, Xeva, Xf2", NULL, NULL                                      \
+  }
+
+static const vs_field OPEN[] = {
+    VS_EVENT_KIND, VS_EVENT_AT, ELEMENT,
+    VS_EVENT_LEVEL("1 kV", 0.01, 100, "at which the contact arcs (assumed)")};
+static const vs_field SHORT[] = {VS_EVENT_KIND, VS_EVENT_AT, ELEMENT};
+static const vs_field COIL_SHORT[] = {
+    VS_EVENT_KIND, VS_EVENT_AT, VS_EVENT_FRACTION("fraction", "100 %", 1, 100, "of the turns")};
+static const vs_field JAM[] = {VS_EVENT_KIND, VS_EVENT_AT};
+static const vs_field LOAD[] = {
+    VS_EVENT_KIND,
+    VS_EVENT_AT,
+    {"fraction", VS_REAL, "", "unchanged", 0, 1, false, VS_EVENT_V_(fraction),
+     "lambda_t, the share of the material that rides from then on", "unchanged", NULL},
+    {"volume", VS_REAL, "cm3", "unchanged", 0, 1e9, false, VS_EVENT_V_(volume_m3),
+     "V_k, the volume of the material from then on", "unchanged", NULL}};
+
+static const char *element_named(const vs_occurrence *e, const vs_deck *deck) {
+  (void)deck;
+  return e->v.element;
+}
+
+static const char *the_coil(const vs_occurrence *e, const vs_deck *deck) {
+  (void)e;
+  return deck->eva;
+}
+
+/* ---- the load ---- */
+
+static void becomes(const vs_occurrence *e, double *fraction, double *volume_m3) {
+  if (!isnan(e->v.fraction)) *fraction = e->v.fraction;
+  if (!isnan(e->v.volume_m3)) *volume_m3 = e->v.volume_m3;
+}
+
+/* ---- the switch ----
+ * An element is opened by a switch in series, of 1 mohm or 1 Gohm, whose control conducts above
+ * zero. So are turns of the coil shorted, which the EVA of the deck does by itself. */
+
+static double closing(const vs_occurrence *e, double t_s) {
+  return t_s > e->start_s + vs_occurrence_rounding(t_s) ? 1 : -1;
+}
+
+static double opening(const vs_occurrence *e, double t_s) {
+  return -closing(e, t_s);
+}
+
+/* ---- the short ----
+ * It lies across an element. Its resistance falls within CLOSES_S from OPEN_OHM to CLOSED_OHM, by
+ * equal factors in equal times, as a spark's does. In no time at all it would empty a capacitance,
+ * as every varistor has one, in picoseconds and with hundreds of kiloamperes: a peak of which each
+ * step length makes another one. */
+
+static const double CLOSES_S = 1e-6, OPEN_OHM = 1e9, CLOSED_OHM = 1e-3;
+
+/* The logarithm of its conductance in S. */
+static double short_source(const vs_occurrence *e, double t_s) {
+  double part = fmin(fmax((t_s - e->start_s) / CLOSES_S, 0), 1);
+  return -log(OPEN_OHM) + part * log(OPEN_OHM / CLOSED_OHM);
+}
+
+static double short_edge(const vs_occurrence *e, double t_s) {
+  double closed_s = e->start_s + CLOSES_S;
+  return t_s < e->start_s ? e->start_s : t_s < closed_s ? closed_s : INFINITY;
+}
+
+static double short_longest(const vs_occurrence *e, double t_s) {
+  double since_s = t_s - e->start_s, near_s = vs_occurrence_rounding(t_s);
+  return since_s > -near_s && since_s < CLOSES_S ? CLOSES_S / 150 : INFINITY;
+}
+
+/* All turns of a coil are shorted at its terminals, some of them by a switch. */
+static bool is_whole(const vs_occurrence *e) {
+  return e->v.fraction >= 1;
+}
+static double coil_source(const vs_occurrence *e, double t_s) {
+  return is_whole(e) ? short_source(e, t_s) : closing(e, t_s);
+}
+static double coil_edge(const vs_occurrence *e, double t_s) {
+  return is_whole(e) ? short_edge(e, t_s) : vs_occurrence_edge(e, t_s);
+}
+static double coil_longest(const vs_occurrence *e, double t_s) {
+  return is_whole(e) ? short_longest(e, t_s) : INFINITY;
+}
+
+/* ---- elements ---- */
+
+typedef struct element {
+  vs_line *line;
+  char name[VS_DECK_NAME], node[2][VS_DECK_NAME];
+  const char *rest; /* what follows the first node in its line */
+} element;
+
+static bool has_two_nodes(const char *line) {
+  size_t n = 0;
+  const char *kind = vs_rules_instance_of(line, &n);
+  char head[4 * VS_DECK_NAME], word[4][VS_DECK_NAME];
+  if (!kind) return strchr("rclbdvi", line[0] | 0x20) != NULL;
+  snprintf(head, sizeof head, "%.*s", (int)(kind - line), line);
+  return sscanf(head, "%63s %63s %63s %63s", word[0], word[1], word[2], word[3]) == 3;
+}
+
+static vs_status find_element(vs_deck *deck, const vs_occurrence *e, const char *wanted,
+                              element *found, vs_error *err) {
+  enum { MOST = 4 * VS_DECK_MOST }; /* names to choose the nearest from */
+  const char *names[MOST];
+  char text[MOST][VS_DECK_NAME];
+  size_t count = 0;
+  int depth = 0;
+  for (size_t k = 0; k < deck->n_lines; k++) {
+    const char *line = deck->lines[k].text;
+    depth += !strncasecmp(line, ".subckt", 7) - !strncasecmp(line, ".ends", 5);
+    if (depth || *line == '.' || count == MOST) continue;
+    element at = {.line = &deck->lines[k]};
+    int n = 0;
+    if (sscanf(line, "%63s %63s%n %63s", at.name, at.node[0], &n, at.node[1]) != 3) continue;
+    if (strcasecmp(at.name, wanted)) {
+      snprintf(text[count], sizeof text[0], "%s", at.name);
+      names[count] = text[count];
+      count++;
+      continue;
+    }
+    if (!has_two_nodes(line))
+      return vs_fail_at(err, e->where, "events.%s: %s is no element of two nodes", e->name, wanted);
+    at.rest = line + n;
+    *found = at;
+    return VS_OK;
+  }
+  const char *nearest = vs_text_nearest(wanted, names, count);
+  return vs_fail_at(err, e->where, "events.%s.element: the deck has no element '%s'%s%s%s", e->name,
+                    wanted, nearest ? "; did you mean '" : "", nearest ? nearest : "",
+                    nearest ? "'?" : "");
+}
+
+/* Puts `line`, an element between the nodes vs_l<k> and `other`, next to a node of the deck, with
+ * its control vs_c<k> and the account of the energy it takes. Both nodes are our own, as not every
+ * name of a node can stand in a formula. */
+static vs_status add_driven(vs_deck *deck, const vs_occurrence *e, size_t k, const char *node,
+                            const char *other, const char *line, vs_error *err) {
+  char control[VS_DECK_NAME], between[2 * VS_DECK_NAME];
+  snprintf(control, sizeof control, "vs_c%zu", k);
+  snprintf(between, sizeof between, "vs_l%zu,%s", k, other);
+  vs_status status = vs_wiring_source(deck, e, k, control, "0", err);
+  if (!status) status = vs_wiring_loss(deck, e, k, between, err);
+  if (status) return status;
+  vs_wiring_line(deck, e->where, "Vvs_s%zu %s vs_l%zu 0", k, node, k);
+  vs_wiring_line(deck, e->where, "%s", line);
+  return VS_OK;
+}
+
+/* What follows its second node is the element's value. */
+static void doubt(vs_deck *deck, const vs_occurrence *e, const element *at) {
+  const char *value = at->rest + strspn(at->rest, " \t");
+  value += strcspn(value, " \t");
+  vs_wiring_doubt(deck, e, &(vs_wiring_element){at->name, {at->node[0], at->node[1]}, value});
+}
+
+static vs_status open_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_error *err) {
+  element at;
+  char node[VS_DECK_NAME], line[1024];
+  vs_status status = find_element(deck, e, e->kind->element(e, deck), &at, err);
+  if (status) return status;
+  snprintf(node, sizeof node, "vs_n%zu", k);
+  snprintf(line, sizeof line, "%s vs_n%zu%s", at.name, k, at.rest);
+  doubt(deck, e, &at);
+  if (!strcasecmp(at.name, deck->eva))
+    snprintf(deck->eva_plus, sizeof deck->eva_plus, "vs_n%zu", k);
+  free(at.line->text);
+  at.line->text = vs_copy(line);
+  snprintf(line, sizeof line, "Svs_f%zu vs_l%zu %s vs_c%zu 0 vs_f%zu on", k, k, node, k, k);
+  status = add_driven(deck, e, k, at.node[0], node, line, err);
+  vs_wiring_line(deck, e->where, ".model vs_f%zu sw(ron=1m roff=1g vt=0 vh=0.5)", k);
+  /* An opening contact arcs; otherwise a coil's current would have nowhere to go. The arc's current
+   * is i = 1 A (v/level)^30 up to the level and goes on straight above; 100 pF lie beside it. */
+  vs_wiring_line(
+      deck, e->where,
+      "Bvs_a%zu vs_l%zu vs_n%zu I = abs(v(vs_l%zu,vs_n%zu)) < %.17g ? "
+      "pwr(v(vs_l%zu,vs_n%zu)/%.17g,30) : sgn(v(vs_l%zu,vs_n%zu))*(1+30*(abs(v(vs_l%zu,vs_n%zu)"
+      ")/%.17g-1))",
+      k, k, k, k, k, e->v.level_v, k, k, e->v.level_v, k, k, k, k, e->v.level_v);
+  vs_wiring_line(deck, e->where, "Cvs_a%zu vs_l%zu vs_n%zu 100p ic=0", k, k, k);
+  return status;
+}
+
+static vs_status short_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_error *err) {
+  element at;
+  char line[256], other[VS_DECK_NAME];
+  vs_status status = find_element(deck, e, e->kind->element(e, deck), &at, err);
+  if (status) return status;
+  doubt(deck, e, &at);
+  snprintf(other, sizeof other, "vs_m%zu", k);
+  vs_wiring_line(deck, e->where, "Vvs_t%zu %s %s 0", k, other, at.node[1]);
+  snprintf(line, sizeof line, "Bvs_f%zu vs_l%zu %s I = v(vs_l%zu,%s)*exp(v(vs_c%zu))", k, k, other,
+           k, other, k);
+  return add_driven(deck, e, k, at.node[0], other, line, err);
+}
+
+/* Where all turns are shorted, the coil is shorted at its terminals. Where some are, another EVA
+ * takes the place of the deck's; the event's loss is then what goes in at the EVA's terminals
+ * beyond what the energy audit counts as the coil's. */
+static vs_status coil_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_error *err) {
+  element at;
+  char line[1024], control[VS_DECK_NAME], plus[VS_DECK_NAME];
+  if (is_whole(e)) return short_wire(e, k, deck, err);
+  vs_status status = find_element(deck, e, deck->eva, &at, err);
+  if (status) return status;
+  deck->eva_file = "eva_shorted";
+  snprintf(control, sizeof control, "vs_c%zu", k);
+  snprintf(line, sizeof line, "%s %s %s %s eva", at.name, at.node[0], at.node[1], control);
+  free(at.line->text);
+  at.line->text = vs_copy(line);
+  vs_wiring_line(deck, e->where, ".param vs_shorted_part=%.17g", e->v.fraction);
+  snprintf(plus, sizeof plus, "%.50s.whole", deck->eva);
+  snprintf(line, sizeof line, "*$ loss %s = v(%s,%s)*i(v.%s.vmain)-v(%s,%s)*i(v.%s.vcoil)", e->name,
+           deck->eva_plus, deck->eva_minus, deck->eva, plus, deck->eva_minus, deck->eva);
+  memcpy(deck->eva_plus, plus, sizeof plus);
+  status = vs_wiring_account(deck, e, line, err);
+  return status ? status : vs_wiring_source(deck, e, k, control, "0", err);
+}
+
+/* ---- the kinds ---- */
+
+const vs_event_kind vs_faults[] = {
+    {"open", "an element of the deck is cut off", VS_EVENT_KEYS(OPEN), .wants_element = true,
+     .edge = vs_occurrence_edge, .element = element_named, .wire = open_wire, .source = opening},
+    {"short", "an element of the deck is shorted", VS_EVENT_KEYS(SHORT), .wants_element = true,
+     .edge = short_edge, .longest = short_longest, .element = element_named, .wire = short_wire,
+     .source = short_source},
+    {"coil_short", "the EVA's coil is shorted, whole or in part", VS_EVENT_KEYS(COIL_SHORT),
+     .edge = coil_edge, .longest = coil_longest, .element = the_coil, .wire = coil_wire,
+     .source = coil_source},
+    {"jam", "the armature is stuck: p stays what it is", VS_EVENT_KEYS(JAM), .ideal = true,
+     .jams = true, .edge = vs_occurrence_edge},
+    {"load", "the load changes; what is added arrives with the trough's velocity",
+     VS_EVENT_KEYS(LOAD), .ideal = true, .load = becomes, .edge = vs_occurrence_edge},
+    {.name = NULL}};

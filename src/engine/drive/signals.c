@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "drive/signals.h"
+
+#include <math.h>
+
+#include "engine/gate.h"
+#include "engine/pwm.h"
+
+static double mains_voltage(const vs_timeline *t, const vs_signal *s, double t_s) {
+  (void)s;
+  return vs_timeline_voltage(t, t_s);
+}
+static double no_edge(const vs_timeline *t, const vs_signal *s, double t_s) {
+  (void)t, (void)s, (void)t_s;
+  return INFINITY;
+}
+static double gate_voltage(const vs_timeline *t, const vs_signal *s, double t_s) {
+  return vs_gate_voltage(t, s->shift_rad, t_s);
+}
+static double gate_edge(const vs_timeline *t, const vs_signal *s, double t_s) {
+  return vs_gate_edge(t, s->shift_rad, t_s);
+}
+static double burst_voltage(const vs_timeline *t, const vs_signal *s, double t_s) {
+  return vs_gate_burst(t, s->shift_rad, t_s) ? vs_gate_voltage(t, s->shift_rad, t_s) : 0;
+}
+static double burst_edge(const vs_timeline *t, const vs_signal *s, double t_s) {
+  return vs_gate_burst_edge(t, s->shift_rad, t_s);
+}
+/* The switch that a port of pulse-width modulation drives. */
+static vs_pwm_switch switch_of(const vs_signal *s) {
+  return (vs_pwm_switch){s->shift_rad, s->drive == VS_PORT_PWM_LOW};
+}
+static double pwm_voltage(const vs_timeline *t, const vs_signal *s, double t_s) {
+  return vs_pwm_is_on(&t->pwm, switch_of(s), t_s) ? 1 : 0;
+}
+static double pwm_edge(const vs_timeline *t, const vs_signal *s, double t_s) {
+  return vs_pwm_edge(&t->pwm, switch_of(s), t_s);
+}
+static double event_voltage(const vs_timeline *t, const vs_signal *s, double t_s) {
+  const vs_occurrence *e = &t->events.item[s->event];
+  return e->kind->source(e, t_s);
+}
+static double on_line_voltage(const vs_timeline *t, const vs_signal *s, double t_s) {
+  return vs_occurrence_on_line(&t->events.item[s->event], t_s);
+}
+
+/* By VS_PORT_.... */
+static const struct drive {
+  double (*voltage)(const vs_timeline *timeline, const vs_signal *signal, double t_s);
+  double (*edge)(const vs_timeline *timeline, const vs_signal *signal, double t_s);
+  bool holds; /* the voltage stays from one edge to the next, of its own or of an event */
+} DRIVES[] = {[VS_PORT_MAINS] = {mains_voltage, no_edge, false},
+              [VS_PORT_GATE] = {gate_voltage, gate_edge, true},
+              [VS_PORT_BURST] = {burst_voltage, burst_edge, true},
+              [VS_PORT_PWM] = {pwm_voltage, pwm_edge, true},
+              [VS_PORT_PWM_LOW] = {pwm_voltage, pwm_edge, true},
+              [VS_PORT_EVENT] = {event_voltage, no_edge, false},
+              [VS_PORT_ON_LINE] = {on_line_voltage, no_edge, true}};
+_Static_assert(sizeof DRIVES / sizeof *DRIVES == VS_PORT_DRIVES, "a row for each drive of a port");
+
+double vs_signals_voltage(const vs_timeline *t, const vs_signal *s, double t_s) {
+  return DRIVES[s->drive].voltage(t, s, t_s);
+}
+
+double vs_signals_edge(const vs_timeline *t, const vs_signal *s, double t_s) {
+  return DRIVES[s->drive].edge(t, s, t_s);
+}
+
+bool vs_signals_holds(const vs_signal *s) {
+  return DRIVES[s->drive].holds;
+}

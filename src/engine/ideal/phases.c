@@ -1,0 +1,399 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "ideal/phases.h"
+
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+#include "plant/coil.h"
+#include "engine/firing.h"
+#include "engine/gate.h"
+#include "ideal/crossing.h"
+#include "ideal/general.h"
+#include "ideal/glide.h"
+#include "engine/propagator.h"
+#include "ideal/series.h"
+
+/* Time is kept relative to an instant at which local time began, so that it is as fine after hours
+ * as at first. "What is large" is the size of each quantity in vs_driven, to which errors are
+ * relative. */
+typedef struct phases {
+  const vs_setup *setup;
+  const vs_observer *observer;
+  const vs_leaver *leaver; /* NULL: all steps are needed */
+  vs_frame frame;          /* its model is the one in effect, as events may change the load */
+  size_t loads;            /* how many of these changes are behind */
+  vs_knot knots[2];        /* the last accepted one is knots[now], the one to come the other */
+  int now;
+  vs_driven driven;          /* what drives the machine from the last knot on */
+  bool valve;                /* a thyristor stands between mains and coil */
+  bool disturbed;            /* the scene has events */
+  double jams_s;             /* when the armature jams; INFINITY: never */
+  double began_s;            /* where local time began, and with it the mains' wave */
+  double since_s;            /* local time of the last knot */
+  double largest_wb;         /* |lambda| at any knot so far; kept where disturbed */
+  double longest_s;          /* longest step, free */
+  double longest_driven_s;   /* conducting */
+  double longest_touching_s; /* in the stop */
+  double rough;              /* by how much dense output may be off, relative to what is large */
+  double negligible;         /* how much a series may leave out, relative to what is large */
+  vs_propagator propagator;  /* for steps of longest_s */
+  vs_series series;          /* from the last knot on */
+  bool by_series;            /* the series is Taylor's; else general.c makes it */
+  vs_general general;
+} phases;
+
+/* The polynomial of degree seven between two knots is off by (w h)^8/10321920 at most, w being the
+ * fastest mode's, or by a 256th of the series' eighth term: the remainder of Hermite's
+ * interpolation, (h/2)^8/8! of the eighth derivative. Relative to what is large it may be off by
+ * ROUGH of run.tolerance, and never by more than ROUGHEST, with which the books of energy, which
+ * are kept on the dense output, close to 1e-9 of the work. */
+static const double DENSE = 10321920, ROUGH = 0.05, ROUGHEST = 5e-11;
+
+static const vs_model *model_of(const phases *p) {
+  return p->frame.model;
+}
+
+static double longest_step(const phases *p, double radians, double fastest_rad_s) {
+  const vs_run_values *run = &p->setup->run;
+  double h = radians / fastest_rad_s;
+  if (run->max_step_s > 0) h = fmin(h, run->max_step_s);
+  return fmin(h, run->until_s / 4);
+}
+
+static vs_step next_step(const phases *p, vs_event event) {
+  const vs_knot *to = &p->knots[1 - p->now];
+  return (vs_step){.frame = p->driven.frame,
+                   .from = &p->knots[p->now],
+                   .to = to,
+                   .held = p->driven.held,
+                   .event = {event},
+                   .event_s = {to->t_s}};
+}
+
+static vs_status show_step(phases *p, const vs_step *step, vs_error *err) {
+  p->now = 1 - p->now;
+  return p->observer->accept(p->observer->ctx, step, err);
+}
+
+static vs_status show(phases *p, vs_event event, vs_error *err) {
+  const vs_step step = next_step(p, event);
+  return show_step(p, &step, err);
+}
+
+/* A conduction begins. What is large for lambda is then what u builds up until it falls or changes,
+ * or what lambda was before, if that is more. */
+static void rescale(phases *p, double t_s) {
+  if (!p->valve) return; /* as vs_driven_find_large has it */
+  p->driven.flux_wb = fmax(vs_driven_built_up(&p->driven, t_s), p->largest_wb);
+  vs_driven_find_coordinates(&p->driven);
+}
+
+/* Fills the knot to come, `since_s` of local time on, from y. */
+static void fill(phases *p, double since_s, const double y[VS_CONDUCTING]) {
+  vs_knot *k = &p->knots[1 - p->now];
+  k->t_s = p->began_s + since_s;
+  memcpy(k->x, y, 2 * (size_t)p->driven.frame->model->dof * sizeof *y);
+  k->flux_wb = y[VS_FLUX];
+  vs_driven_fill(&p->driven, since_s, k);
+}
+
+/* Something changed at the last knot: it is shown from its other side too, as a step of no length.
+ * Local time begins anew, and the mains' wave with it, unless a conduction goes on undisturbed. */
+static vs_status turn_over(phases *p, bool conducting, unsigned touched, vs_event event,
+                           vs_error *err) {
+  const vs_model *m = p->driven.frame->model;
+  double y[VS_CONDUCTING];
+  const vs_knot *k = &p->knots[p->now];
+  memcpy(y, k->x, 2 * (size_t)m->dof * sizeof *y);
+  y[VS_FLUX] = conducting ? k->flux_wb : 0;
+  if (!p->driven.conducting || !conducting || p->disturbed) {
+    p->began_s = k->t_s;
+    p->since_s = 0;
+    vs_wave_of(p->driven.frame->timeline, k->t_s, &p->driven.mains);
+    if (p->disturbed && conducting && !p->driven.conducting) rescale(p, k->t_s);
+  }
+  p->driven.conducting = conducting;
+  p->driven.touched = touched;
+  vs_general_restart(&p->general);
+  if (event == VS_EV_JAMS) { /* the blow */
+    p->driven.held = true;
+    vs_mechanics_hold(m, y + m->dof);
+  }
+  fill(p, p->since_s, y);
+  return show(p, event, err);
+}
+
+/* Relative to the largest so far: a flux linkage that is over, where 0 V would let it die away for
+ * ever. */
+static const double OVER = 1e-9;
+
+/* The step to the knot to come. */
+static vs_taken taken(const phases *p) {
+  return (vs_taken){.driven = &p->driven,
+                    .series = &p->series,
+                    .from = &p->knots[p->now],
+                    .to = &p->knots[1 - p->now],
+                    .valve = p->valve,
+                    .disturbed = p->disturbed};
+}
+
+/* ---- anything at all, by Taylor series or by steps ---- */
+
+static void make_series(phases *p, double span_s) {
+  p->driven.since_s = p->since_s;
+  vs_series_make(&p->driven, &p->knots[p->now], span_s, &p->series);
+}
+
+/* By which factor the books of energy ask lambda to be better than `rough` says. The voltage of
+ * harmonics, whose product with the current the books take, is larger than their share in lambda,
+ * by as much as they are faster than the mains. And a jammed machine does no work, so that the
+ * books are held against a hundredth of what is drawn (measure/energy.h). */
+static double books_factor(const phases *p) {
+  if (!p->disturbed || !p->driven.conducting) return 1;
+  double fastest = p->driven.mains.highest_rad_s;
+  double slower = fastest > 0 ? p->setup->timeline.omega_rad_s / fastest : 1;
+  return slower * (p->driven.held ? 0.01 : 1);
+}
+
+/* Returns how far the series may be used, s: its last term must be negligible there, and its term
+ * of degree eight within what dense output may be off by. A neighbour of each counts too, as one
+ * term alone may vanish. */
+static double reach(const phases *p, const vs_series *s) {
+  enum { EIGHTH = 8, LAST = VS_SERIES_ORDER };
+  _Static_assert(EIGHTH + 1 <= LAST, "the series has the terms that dense output is judged by");
+  double rough = p->rough * books_factor(p);
+  double dense =
+      fmax(vs_series_term(&p->driven, s, EIGHTH), vs_series_term(&p->driven, s, EIGHTH + 1));
+  double last = fmax(vs_series_term(&p->driven, s, LAST - 1), vs_series_term(&p->driven, s, LAST));
+  double r = fmin(pow(256 * rough / dense, 1.0 / EIGHTH), pow(p->negligible / last, 1.0 / LAST));
+  return fmin(r, 1) * s->span_s;
+}
+
+/* Has lambda died away, and do the mains keep it at 0? */
+static bool is_over(phases *p) {
+  double flux = fabs(p->knots[1 - p->now].flux_wb);
+  if (!p->disturbed || !p->driven.conducting || !p->valve) return false;
+  p->largest_wb = fmax(p->largest_wb, flux);
+  return flux <= OVER * p->largest_wb && vs_wave_is_silent(&p->driven.mains);
+}
+
+static double longest_by_series(const phases *p) {
+  double longest = p->driven.touched      ? p->longest_touching_s
+                   : p->driven.conducting ? p->longest_driven_s
+                                          : p->longest_s;
+  if (p->disturbed && p->driven.conducting)
+    longest = fmin(longest, 1 / p->driven.mains.highest_rad_s); /* INFINITY: direct */
+  return longest;
+}
+
+/* Makes the series from the last knot for any model. Returns how far it may be used, s; 0: no step
+ * is short enough. */
+static double make_motion(phases *p, double left_s) {
+  if (!p->by_series) {
+    p->driven.since_s = p->since_s;
+    return vs_general_make(&p->general, &p->driven, &p->knots[p->now],
+                           fmin(longest_by_series(p), left_s), p->rough * books_factor(p),
+                           &p->series);
+  }
+  make_series(p, longest_by_series(p));
+  return reach(p, &p->series);
+}
+
+/* Makes the series from the last knot, and returns the length of the step to go by it, s, where
+ * `left_s` remain. Returns 0 where no step is short enough. */
+static double choose_length(phases *p, double left_s) {
+  double length = make_motion(p, left_s);
+  if (!(length > 1e-15 * (p->since_s + left_s))) return 0;
+  /* a knot near the largest flux, however short the conduction */
+  double turn = p->driven.conducting && p->since_s == 0
+                    ? vs_driven_mains_turn(&p->driven, p->disturbed, length)
+                    : 0;
+  if (turn > 0) length = fmin(length, turn);
+  if (length >= left_s) return left_s;
+  return 2 * length > left_s ? left_s / 2 : length;
+}
+
+/* Fills the knot to come, *length on by the series or where a crossing comes first; *length becomes
+ * the time to it. */
+static vs_crossing go_by_series(phases *p, double *length) {
+  double y[VS_CONDUCTING];
+  vs_series_at(&p->series, *length, y);
+  fill(p, p->since_s + *length, y);
+  const vs_taken step = taken(p);
+  vs_crossing e = vs_crossing_find(&step, length);
+  if (e.kind == VS_GOES_ON) return (vs_crossing){is_over(p) ? VS_FLUX_ENDS : VS_GOES_ON, 0};
+  vs_series_at(&p->series, *length, y);
+  fill(p, p->since_s + *length, y);
+  return e;
+}
+
+/* Goes by series until end_s, or until the thyristor goes out, or the armature meets or leaves its
+ * stop. */
+static vs_status drive_until(phases *p, double end_s, vs_error *err) {
+  static const vs_event EVENT[] = {[VS_GOES_ON] = VS_EV_NONE,
+                                   [VS_FLUX_ENDS] = VS_EV_EXTINCT,
+                                   [VS_CONTACT_BEGINS] = VS_EV_MEETS_STOP,
+                                   [VS_CONTACT_ENDS] = VS_EV_LEAVES_STOP};
+  double end = end_s - p->began_s;
+  while (p->since_s < end) {
+    double left = end - p->since_s, length = choose_length(p, left);
+    if (!(length > 0))
+      return vs_fail(err, VS_RUN, "t = %.9g s: no step is short enough", p->knots[p->now].t_s);
+    vs_crossing e = go_by_series(p, &length);
+    bool done = length == left;
+    p->since_s += length;
+    if (done) p->knots[1 - p->now].t_s = end_s;
+    vs_status status = show(p, EVENT[e.kind], err);
+    if (status || (done && e.kind == VS_GOES_ON)) return status;
+    if (e.kind == VS_GOES_ON) continue;
+    bool conducting = p->driven.conducting && e.kind != VS_FLUX_ENDS;
+    unsigned touched = p->driven.touched ^ (e.kind == VS_FLUX_ENDS ? 0 : 1u << e.stop);
+    return turn_over(p, conducting, touched, VS_EV_NONE, err);
+  }
+  return VS_OK;
+}
+
+/* ---- free and off ---- */
+
+/* So many steps of a free swing lie between two offers to leave out its rest. */
+enum { OFFERS = 16 };
+
+/* Does the observer leave the rest of the swing out? glide: the swing by its modes; NULL: there is
+ * nothing to offer. */
+static bool is_left(const phases *p, const vs_glide *glide, double end_s) {
+  vs_rest rest;
+  if (!glide) return false;
+  vs_glide_rest(glide, p->knots[p->now].t_s, end_s, &rest);
+  return vs_glide_is_clear(glide, &rest) && p->leaver->leaves(p->leaver->ctx, &rest);
+}
+
+static vs_status show_glide(phases *p, const vs_glide *glide, vs_error *err) {
+  vs_step step = next_step(p, VS_EV_NONE);
+  step.glides = true;
+  step.lost_j = vs_glide_lost(glide, step.from->t_s, step.to->t_s);
+  return show_step(p, &step, err);
+}
+
+/* Goes by the propagator, in steps of longest_s, of which one or more are left over at the end.
+ * Where the armature is about to meet its stop, goes on by series. A swing that lasts to the run's
+ * end is offered to the observer, who may leave out its rest. */
+static vs_status swing_until(phases *p, double end_s, vs_error *err) {
+  double began = p->since_s, n = floor((end_s - p->knots[p->now].t_s) / p->longest_s) - 1;
+  double y[VS_CONDUCTING] = {[VS_FLUX] = 0}, steps;
+  vs_status status = VS_OK;
+  vs_glide modes, *glide = p->leaver && end_s == p->setup->run.until_s ? &modes : NULL;
+  if (glide && (p->disturbed || !vs_glide_make(model_of(p), &p->knots[p->now], glide)))
+    glide = NULL;
+  for (double k = 0; k < n && !status; k += steps) {
+    const bool left = fmod(k, OFFERS) == 0 && n > k + 1 && is_left(p, glide, end_s);
+    steps = left ? n - k : 1;
+    double since = began + (k + steps) * p->longest_s;
+    vs_propagator_leap(&p->propagator, steps, p->knots[p->now].x, y);
+    fill(p, since, y);
+    const vs_taken step = taken(p);
+    if (!left && vs_crossing_meets(&step)) return drive_until(p, end_s, err);
+    p->since_s = since;
+    status = left ? show_glide(p, glide, err) : show(p, VS_EV_NONE, err);
+  }
+  return status;
+}
+
+/* Goes on to end_s, by the propagator or by series, and may come back before it. */
+static vs_status go(phases *p, double end_s, vs_error *err) {
+  bool swings = !p->driven.conducting && !p->driven.touched;
+  if (swings && end_s - p->knots[p->now].t_s >= 2 * p->longest_s) return swing_until(p, end_s, err);
+  return drive_until(p, end_s, err);
+}
+
+/* Sets what follows from the model in effect: how long steps may be, and the propagator. */
+static void find_steps(phases *p) {
+  const vs_model *m = model_of(p);
+  double mains = p->setup->timeline.omega_rad_s;
+  double coil = m->coil.square
+                    ? m->actuator.resistance_ohm * m->coil.gap_rest_m / (2 * m->coil.a_hm)
+                    : m->actuator.resistance_ohm / m->coil.rest_h;
+  p->longest_s = longest_step(p, pow(DENSE * 6 * p->rough, 1.0 / 8), m->fastest_rad_s);
+  p->longest_driven_s = longest_step(p, 1, fmax(fmax(m->fastest_rad_s, mains), coil / 8));
+  /* general.c finds its own, and a stop of any kind has no one bound that is worth much */
+  p->longest_touching_s = p->by_series
+                              ? fmin(longest_step(p, 1, m->contact_rad_s), p->longest_driven_s)
+                              : p->longest_driven_s;
+  vs_propagator_make(&p->propagator, m, p->driven.held, p->longest_s);
+}
+
+/* ---- all of it ---- */
+
+/* The load changes at the last knot: q, q' and lambda go on as they are, with another M. */
+static vs_status change_load(phases *p, vs_error *err) {
+  p->frame.model = &p->setup->loads.item[p->loads++].model;
+  vs_driven_find_coordinates(&p->driven);
+  find_steps(p);
+  return turn_over(p, p->driven.conducting, p->driven.touched, VS_EV_LOADS, err);
+}
+
+/* Goes on to end_s in a scene with events. Stops where the armature jams, where the load changes,
+ * and, while current flows, where other sines of the mains begin; goes on with these. */
+static vs_status go_disturbed(phases *p, double end_s, vs_error *err) {
+  const vs_timeline *line = &p->setup->timeline;
+  double t = p->knots[p->now].t_s, edge = INFINITY, loads = vs_loads_at(&p->setup->loads, p->loads);
+  if (!p->driven.held && t >= p->jams_s) {
+    vs_status status = turn_over(p, p->driven.conducting, p->driven.touched, VS_EV_JAMS, err);
+    vs_propagator_make(&p->propagator, model_of(p), true, p->longest_s);
+    return status;
+  }
+  if (t >= loads) return change_load(p, err);
+  if (p->driven.conducting) edge = vs_wave_edge(line, t);
+  double jams = p->driven.held ? INFINITY : p->jams_s;
+  vs_status status = go(p, fmin(fmin(fmin(end_s, edge), jams), loads), err);
+  if (status || !p->driven.conducting || p->knots[p->now].t_s < edge) return status;
+  return turn_over(p, true, p->driven.touched, VS_EV_NONE, err);
+}
+
+static double next_firing(const phases *p, double t_s) {
+  const vs_timeline *line = &p->setup->timeline;
+  if (p->driven.conducting) return INFINITY;
+  if (!p->valve) return 0; /* it conducts from the beginning */
+  return p->disturbed ? vs_wave_conduction(line, t_s, p->setup->run.until_s)
+                      : vs_gate_next_conduction(line, t_s);
+}
+
+const vs_tier_key vs_phases_keys[] = {
+    {"supply", "kind", "step"}, {"firing", "valve", "none"}, {NULL, NULL, NULL}};
+
+vs_status vs_phases_run(const vs_setup *setup, const vs_run_order *order, const vs_frame *frame,
+                        const vs_observer *observer, vs_error *err) {
+  const vs_model *m = &setup->model;
+  double until = setup->run.until_s, tolerance = setup->run.tolerance;
+  phases p = {.setup = setup,
+              .observer = observer,
+              .leaver = order ? order->leaver : NULL,
+              .frame = *frame,
+              .rough = fmin(ROUGH * tolerance, ROUGHEST)};
+  p.negligible = 1e-3 * p.rough;
+  p.valve = !setup->timeline.firing.no_valve;
+  p.by_series = m->plain && !setup->timeline.supply.direct;
+  p.disturbed = setup->timeline.events.count > 0;
+  p.jams_s = vs_setup_jams(setup);
+  p.driven = (vs_driven){.frame = &p.frame};
+  p.knots[0] = vs_sim_start(setup, &p.frame);
+  p.driven.touched = vs_stops_touched(&m->stops, vs_mechanics_travel(m, p.knots[0].x));
+  vs_driven_find_large(&p.driven, p.valve);
+  find_steps(&p);
+  vs_general_begin(&p.general, m->dof);
+  vs_status status = vs_sim_refuse_endless(setup, p.longest_touching_s, err);
+  while (!status && p.knots[p.now].t_s < until) {
+    double t = p.knots[p.now].t_s, fires = next_firing(&p, t), end = fmin(fires, until);
+    double known = p.valve ? vs_firing_known_s(&setup->timeline) : INFINITY;
+    assert(known > t); /* whoever decides was shown the step that ends here */
+    end = fmin(end, known);
+    /* A firing is met to rounding. In a scene with events it is met to the bit, as the mains may be
+     * others just before. */
+    if (fires <= t + (p.disturbed ? 0 : 1e-10 * setup->timeline.period_s))
+      status = turn_over(&p, true, p.driven.touched, p.valve ? VS_EV_FIRES : VS_EV_NONE, err);
+    else
+      status = p.disturbed ? go_disturbed(&p, end, err) : go(&p, end, err);
+  }
+  vs_general_end(&p.general);
+  return status;
+}

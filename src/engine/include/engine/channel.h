@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Channels: the quantities that every step of a run offers, under the names and units that users
+ * see as columns of the CSV files and as probes. */
+#ifndef VS_ENGINE_CHANNEL_H
+#define VS_ENGINE_CHANNEL_H
+
+#include "engine/frame.h"
+
+/* The channels that every machine has: id, name, unit, text. The last two are in no list:
+ * the current drawn from the mains is for the books of energy, the travel for measures. */
+#define VS_CHANNEL_LIST(X)                                                                         \
+  X(VS_CH_Z, "z", "m", "air gap, D + d + travel")                                                  \
+  X(VS_CH_LAMBDA, "lambda", "Wb", "flux linkage of the EVA")                                       \
+  X(VS_CH_I, "i", "A", "coil current of the EVA")                                                  \
+  X(VS_CH_FORCE, "force", "N", "force on the armature")                                            \
+  X(VS_CH_V_EVA, "v_eva", "V", "voltage across the EVA")                                           \
+  X(VS_CH_V_MAINS, "v_mains", "V", "mains voltage behind its impedance")                           \
+  X(VS_CH_I_MAINS, "i_mains", "A", "current drawn from the mains")                                 \
+  X(VS_CH_TRAVEL, "travel", "m", "c.q, by which the gap is opened")
+
+/* A channel's number is its place in the array that vs_step_at fills: first these, then the
+ * coordinates q, their rates q' and q", the machine's own probes, and the deck's. In lists and CSV
+ * files the coordinates stand first (vs_channel_listed). */
+enum {
+#define VS_CHANNEL_ID(id, name, unit, text) id,
+  VS_CHANNEL_LIST(VS_CHANNEL_ID)
+#undef VS_CHANNEL_ID
+      VS_CH_Q, /* the first coordinate */
+  VS_CH_MOST = VS_CH_Q + 3 * VS_MOST_DOF + VS_MACHINE_PROBES + VS_DECK_MOST
+};
+
+/* Numbers of the first rate q', the first q", the first probe of the machine, and the first of the
+ * deck. */
+static inline int vs_channel_rates(const vs_model *model) {
+  return VS_CH_Q + model->dof;
+}
+static inline int vs_channel_rates2(const vs_model *model) {
+  return VS_CH_Q + 2 * model->dof;
+}
+static inline int vs_channel_probes(const vs_model *model) {
+  return VS_CH_Q + 3 * model->dof;
+}
+static inline int vs_channel_deck(const vs_model *model) {
+  return vs_channel_probes(model) + model->machine->n_probes;
+}
+
+typedef struct vs_channel {
+  const char *name, *unit, *text;
+  bool listed; /* in CSV files and lists */
+} vs_channel;
+
+/* How many channels a run has, and the channel with that number; its strings belong to the machine,
+ * to the deck or to the program. */
+int vs_channel_count(const vs_frame *frame);
+vs_channel vs_channel_at(const vs_frame *frame, int number);
+/* Writes the numbers of the listed channels in the order of lists, and returns how many there are.
+ */
+int vs_channel_listed(const vs_frame *frame, int numbers[VS_CH_MOST]);
+/* Returns the number of the listed channel of that name, or -1 where there is none. */
+int vs_channel_find(const vs_frame *frame, const char *name);
+/* True for a name that every machine's channels take. */
+bool vs_channel_is_standard(const char *name);
+
+/* Groups of channels that cost time of their own to compute, as bits. All other channels (q,
+ * travel, z, lambda, i, force, i_mains) always come along. */
+enum {
+  VS_GROUP_VELOCITIES = 1,
+  VS_GROUP_ACCELERATIONS = 2, /* needs the velocities as well */
+  VS_GROUP_V_EVA = 4,
+  VS_GROUP_V_MAINS = 8,
+  VS_GROUP_DECK = 16,    /* the deck's probes */
+  VS_GROUP_MACHINE = 32, /* the machine's own; needs velocities and accelerations as well */
+  VS_GROUP_ALL = 63
+};
+/* Returns the groups that these channels, given by their numbers, belong to. */
+unsigned vs_channel_groups(const vs_model *model, const int *channels, int count);
+
+#endif

@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * A sim lets time pass for a scene through one tier, and shows every accepted step to an observer.
+ * This is the seam between the tiers (ideal/, coupling/) and those who run them (scene/). */
+#ifndef VS_ENGINE_SIM_H
+#define VS_ENGINE_SIM_H
+
+#include <signal.h>
+#include <stdio.h>
+
+#include "engine/setup.h"
+#include "engine/budget.h"
+#include "engine/pilot.h"
+#include "engine/stand_in.h"
+#include "engine/step.h"
+#include "ngspice/circuit.h"
+
+/* How far a coordinate goes from a value to either side. */
+typedef struct vs_range {
+  double middle, way;
+} vs_range;
+
+/* What is known of the rest of a run in which nothing happens any more: the machine swings freely,
+ * without flux and outside of all stops. */
+typedef struct vs_rest {
+  double from_s, to_s;
+  vs_range q[VS_MOST_DOF]; /* of the coordinates, and of the travel c.q */
+  vs_range travel;
+  double rate2[VS_MOST_DOF]; /* the largest |q"| */
+} vs_rest;
+
+/* Someone who is shown the steps, in order of time. A status other than VS_OK ends the run, which
+ * then returns it. */
+typedef struct vs_observer {
+  void *ctx;
+  vs_status (*accept)(void *ctx, const vs_step *step, vs_error *err);
+} vs_observer;
+
+/* Someone who knows what the observer of a run needs. */
+typedef struct vs_leaver {
+  void *ctx;
+  /* Returns true if no more of the run is needed than its last state and its energies, so that the
+   * tier may go on to rest->to_s in one step (vs_step.glides). */
+  bool (*leaves)(void *ctx, const vs_rest *rest);
+} vs_leaver;
+
+/* Someone who may make another run of this one on the way (study/work/past.h). */
+typedef struct vs_junction {
+  void *ctx;
+  /* Called with the end t_s of each of the solver's steps, before the run is told of the step. It
+   * may change the events of the run's setup, from t_s on. A status other than VS_OK ends the run,
+   * which then returns it. */
+  vs_status (*reach)(void *ctx, double t_s, vs_error *err);
+} vs_junction;
+
+/* What one run has besides its setup. Only a tier with a circuit looks at it, but for the leaver.
+ */
+typedef struct vs_run_order {
+  const vs_circuit_kind *solver; /* who solves the circuit: vs_trust_kind, or a test's own */
+  const vs_stand_in *stand_in;   /* who may stand in for the circuit; NULL: nobody may */
+  FILE *raw;          /* gets a rawfile of the run; NULL: none is written. The caller owns it */
+  vs_where raw_where; /* the key to blame if the rawfile becomes too large: that of the run's end */
+  bool tried; /* this deck with these parts was run in this process before, so that the solver need
+                 not try first whether it survives them */
+  bool unbegun; /* this process can begin anew without harm, and need not try either: a netlist that
+                   it does not survive makes it do so, and try then */
+  long *tries;  /* counts the steps that the solver tries, rejected ones too; NULL: nobody asks.
+                   Borrowed */
+  vs_pilot *pilot;                   /* steers the run's prelude; NULL: it has none. Borrowed */
+  const volatile sig_atomic_t *stop; /* set by a signal: the prelude ends with VS_SIGNAL, as the
+                                        observer sees nothing of it; NULL: no signal ends it */
+  vs_budget *budget; /* what the search may take that this run, or its prelude, is a part of; NULL:
+                        there is no limit. Borrowed */
+  bool shows;        /* a search before the run shows on standard error how far it is */
+  const vs_junction *junction; /* NULL: the run goes its own way to the end. Borrowed */
+  const vs_leaver *leaver;     /* asked on the ideal tiers; NULL: all steps are needed.
+                                  Borrowed */
+} vs_run_order;
+
+/* A key of a section that every tier reads. */
+typedef struct vs_tier_key {
+  const char *section, *key;
+  const char *value; /* the only value that matters; NULL: any does */
+} vs_tier_key;
+
+/* One way of computing a scene. Each tier is a constant in its own file, named in VS_TIER_LIST
+ * (engine/manner.h). */
+typedef struct vs_tier {
+  const char *name; /* vs_manner_tier_words[VS_TIER_...] */
+  const char *text; /* for lists */
+  double finest;    /* smallest run.tolerance it can hold */
+  bool automatic;   /* run.tier: auto may take it; of several the first in VS_TIER_LIST */
+  bool has_circuit; /* the scene's deck is run: this tier has its probes, obeys the section circuit
+                       and all events, and can write a rawfile */
+  bool gap_at_rest; /* the coil's inductance stays as at rest */
+  /* The keys besides, of sections that every tier reads, that this tier obeys and others ignore;
+   * ends with {NULL, NULL, NULL}. NULL: there are none. */
+  const vs_tier_key *keys;
+  /* Runs from the start at t = 0 to run.until. Nothing here guards the model's validity; vs_sim_run
+   * does. Errors name the time and the cause. */
+  vs_status (*run)(const vs_setup *setup, const vs_run_order *order, const vs_observer *observer,
+                   vs_error *err);
+} vs_tier;
+
+/* The frame of all steps that this tier makes of this setup. */
+vs_frame vs_sim_frame(const vs_tier *tier, const vs_setup *setup);
+
+/* For tiers: the knot at t = 0. */
+vs_knot vs_sim_start(const vs_setup *setup, const vs_frame *frame);
+
+/* For tiers: refuses, with VS_INPUT, a run that would take 1e10 steps of this length or more, as it
+ * would not end. */
+vs_status vs_sim_refuse_endless(const vs_setup *setup, double step_s, vs_error *err);
+
+/* Returns VS_OK if the step is within the model's validity; VS_RUN, with what is left and when, if
+ * it is not. */
+vs_status vs_sim_check(const vs_step *step, vs_error *err);
+
+/* Runs the tier, and ends the run with VS_RUN where it leaves the model's validity: a state that is
+ * not finite, the armature beyond the pole cover without a stop, a closed gap (z <= 0), a current
+ * beyond sense. The observer is not shown such a step. */
+vs_status vs_sim_run(const vs_tier *tier, const vs_setup *setup, const vs_run_order *order,
+                     const vs_observer *observer, vs_error *err);
+
+#endif

@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What was recorded of a run: a CSV file whose first column is the time and whose other columns are
+ * those of fit/columns.h.
+ *
+ * An instrument shows a sample until it takes the next one, at 0, 1/rate, 2/rate, ... A row at
+ * another instant either shows the sample before (`rows: held`, as the program's own run.csv does),
+ * or its time is the instant of a sample that was taken there (`rows: taken`). */
+#ifndef VS_FIT_RECORDING_H
+#define VS_FIT_RECORDING_H
+
+#include "fit/columns.h"
+
+/* One number that was recorded. */
+typedef struct vs_sample {
+  int column;               /* of vs_recording.columns */
+  double t_s, value, error; /* SI; the instant at which it was taken */
+  vs_where where;
+} vs_sample;
+
+/* What a row at an instant at which its instrument takes no sample shows. */
+typedef enum vs_rows_word { VS_ROWS_UNSAID = -1, VS_ROWS_TAKEN, VS_ROWS_HELD } vs_rows_word;
+
+typedef struct vs_recording {
+  char path[VS_PATH_SIZE];
+  vs_columns columns;
+  vs_rows_word rows;
+  vs_sample *samples; /* in the order of their instants; owned */
+  size_t n_samples;
+  double from_s, to_s; /* the stretch that is fitted */
+  size_t outside;      /* rows that lie outside of that stretch */
+  size_t empty;        /* cells of fitted columns that hold nothing, or nan */
+  size_t again;        /* cells that show a sample which an earlier row has shown */
+  size_t at_end;       /* samples at an end of their A/D's range */
+} vs_recording;
+
+/* Reads the map `data` of a fit file:
+ *
+ *   {file: NAME, columns: {p: 4 um, i: {error: 3 mA}}, from: 5 ms, to: 0.2 s, rows: held}
+ *
+ * A column without an error takes it from the file's column of the same name with _error. The file
+ * is looked for beside the fit file `beside`. Cells stand apart by commas; or, where the header has
+ * none, by semicolons or tabs, and then a decimal comma is as good as a point. Errors, with their
+ * places: unknown keys, channels, columns; a column without a unit or with one of another kind; a
+ * cell that is no number; times that do not rise or lie outside of the run; an instant at which the
+ * instrument takes no sample, where `rows` does not say what it shows; an error that is not above
+ * 0; no sample at all. vs_recording_free even then. */
+vs_status vs_recording_read(vs_recording *recording, const vs_node *data, const char *beside,
+                            const vs_scene *scene, vs_error *err);
+void vs_recording_free(vs_recording *recording);
+
+#endif

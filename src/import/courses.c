@@ -1,0 +1,241 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "import/courses.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+enum { MOST_NUMBERS = 256 };
+
+/* The numbers of a course, as text that begins behind its word; blanks, commas and brackets part
+ * them. */
+static const char *begin_of(const vs_elements *w, const vs_element *e, const char *word) {
+  const char *text = w->listing->cards[e->card].text;
+  size_t n = strlen(word);
+  if (e->letter != 'v' && e->letter != 'i') return NULL;
+  for (int k = e->n_nodes + 1; k < e->n_words; k++) {
+    const char *s = text + e->words[k].at;
+    if (!strncasecmp(s, word, n) && (s[n] == '(' || s[n] == ' ' || s[n] == '\t')) return s + n;
+  }
+  return NULL;
+}
+
+bool vs_course_has(const vs_elements *w, const vs_element *e, const char *word) {
+  return begin_of(w, e, word);
+}
+
+typedef struct numbers {
+  double item[MOST_NUMBERS];
+  int count;
+} numbers;
+
+/* LTspice's PWL counts a time with a plus sign from the time before it. */
+static void add_time(numbers *n, const char *word) {
+  if (*word == '+' && n->count >= 2 && n->count % 2 == 0)
+    n->item[n->count] += n->item[n->count - 2];
+}
+
+/* Error: a number is not known. Ends where an option, NAME=VALUE, or the bracket's end comes.
+ * `points` says that they are a PWL's. */
+static vs_status read_numbers(const vs_elements *w, const vs_values *v, const vs_element *e,
+                              const char *s, bool points, numbers *n, vs_error *err) {
+  s += strspn(s, " \t");
+  bool bracket = *s == '(';
+  if (bracket) s++;
+  while (*(s += strspn(s, " \t,")) && *s != ')' && n->count < MOST_NUMBERS) {
+    int depth = 0, size = 0;
+    bool quoted = false, option = false;
+    for (; s[size] && (depth > 0 || quoted || !strchr(" \t,)", s[size])); size++) {
+      if (s[size] == '\'') quoted = !quoted;
+      depth += (s[size] == '{' || s[size] == '(') - (s[size] == '}' || s[size] == ')');
+      option = option || (s[size] == '=' && depth == 0);
+    }
+    if (option || size == 0) break;
+    char *word = vs_alloc((size_t)size + 1, 1);
+    memcpy(word, s, (size_t)size);
+    bool known = vs_values_of(v, word, &n->item[n->count]);
+    vs_status status = VS_OK;
+    if (!known && bracket)
+      status = vs_fail_at(err, vs_elements_where(w, e, 0),
+                          "%s: '%s' is not known before a run; write a number, or a .param of "
+                          "numbers",
+                          e->name, word);
+    if (known && points) add_time(n, word);
+    free(word);
+    if (status) return status;
+    if (!known) break; /* AC 1, behind a course without brackets */
+    n->count++;
+    s += size;
+  }
+  return VS_OK;
+}
+
+static double nth(const numbers *n, int k, double otherwise) {
+  return k < n->count ? n->item[k] : otherwise;
+}
+
+/* The number of cycles at place k, which 0 and no number leave without end. */
+static double cycles_at(const numbers *n, int k) {
+  double cycles = nth(n, k, 0);
+  return cycles > 0 ? cycles : INFINITY;
+}
+
+vs_status vs_course_read_sine(const vs_elements *w, const vs_values *v, const vs_element *e,
+                              vs_course_sine *sine, vs_error *err) {
+  const char *s = begin_of(w, e, "sin");
+  numbers n = {.count = 0};
+  if (!s) s = begin_of(w, e, "sine");
+  if (!s)
+    return vs_fail_at(err, vs_elements_where(w, e, 0),
+                      "%s has no SIN(offset amplitude frequency), so it cannot be the mains; "
+                      "--mains names another source, or none",
+                      e->name);
+  vs_status status = read_numbers(w, v, e, s, false, &n, err);
+  *sine = (vs_course_sine){nth(&n, 0, 0), nth(&n, 1, 0), nth(&n, 2, NAN), nth(&n, 3, 0),
+                           nth(&n, 4, 0), nth(&n, 5, 0), cycles_at(&n, 6)};
+  return status;
+}
+
+/* The next edge of a PWL's `count` points from point *k on: from which point to which it crosses
+ * `level`. Gives when it begins and how long it takes; NaN: there is none. *k is the point behind
+ * it. */
+static double edge(const double *points, int count, double level, int *k, double *length_s) {
+  for (; *k < count; ++*k) {
+    const double *a = points + 2 * (*k - 1), *b = points + 2 * *k;
+    if ((a[1] < level) == (b[1] < level)) continue;
+    *length_s = b[0] - a[0];
+    ++*k;
+    return a[0];
+  }
+  return NAN;
+}
+
+/* Passes by REPEAT FOREVER, behind which PWL's points stand in brackets. */
+static const char *passed_repeat(const char *points, bool *repeats) {
+  const char *s = points + strspn(points, " \t");
+  *repeats = !strncasecmp(s, "repeat", 6) && strchr(s, '(');
+  return *repeats ? strchr(s, '(') : points;
+}
+
+/* The point that lies farthest from the first one. */
+static double farthest(const double *points, int count) {
+  double high = points[1];
+  for (int i = 0; i < count; i++)
+    if (fabs(points[2 * i + 1] - points[1]) > fabs(high - points[1])) high = points[2 * i + 1];
+  return high;
+}
+
+/* The pulse of a PWL. Error: it has a second one, whose place and shape may be any. */
+static vs_status of_points(const vs_elements *w, const vs_element *e, const numbers *n,
+                           vs_course_pulse *p, vs_error *err) {
+  int count = n->count / 2, k = 1;
+  double high = farthest(n->item, count);
+  *p = (vs_course_pulse){n->item[1], high, NAN, NAN, 0, 0, INFINITY, INFINITY};
+  double level = (p->low + p->high) / 2, rise_s;
+  p->at_s = edge(n->item, count, level, &k, &p->rise_s);
+  double off_s = edge(n->item, count, level, &k, &p->fall_s);
+  p->width_s = isnan(off_s) ? INFINITY : off_s - p->at_s;
+  return isnan(edge(n->item, count, level, &k, &rise_s))
+             ? VS_OK
+             : vs_fail_at(err, vs_elements_where(w, e, 0),
+                          "%s: its PWL has more than one pulse, and a scene's are alike and come "
+                          "until its run ends; write PULSE(low high delay rise fall width period), "
+                          "or say --gate none, which leaves %s as it is",
+                          e->name, e->name);
+}
+
+/* r=0, ngspice's, has a PWL begin anew at its end, and td= delays it. Error: it is otherwise. */
+static vs_status repeat_points(const vs_elements *w, const vs_values *v, const vs_element *e,
+                               const numbers *n, vs_course_pulse *p, vs_error *err) {
+  char *from = vs_elements_option(w, e, "r"), *delay = vs_elements_option(w, e, "td");
+  double from_s = 0, delay_s = 0, end_s = n->item[2 * (n->count / 2) - 2];
+  bool known = (!from || vs_values_of(v, from, &from_s)) &&
+               (!delay || vs_values_of(v, delay, &delay_s)) && from_s == 0 && delay_s == 0;
+  if (known && from) p->period_s = end_s;
+  free(from);
+  free(delay);
+  return known ? VS_OK
+               : vs_fail_at(err, vs_elements_where(w, e, 0),
+                            "%s: of a PWL with r= or td= a gate's pulse cannot be told; write "
+                            "PULSE(...), or say --gate none, which leaves %s as it is",
+                            e->name, e->name);
+}
+
+/* PULSE(low high delay rise fall width period cycles), the last LTspice's and ngspice's */
+static vs_course_pulse of_pulse(const numbers *n) {
+  double rise_s = nth(n, 3, 0), fall_s = nth(n, 4, 0), width_s = nth(n, 5, INFINITY);
+  vs_course_pulse p = {nth(n, 0, 0), nth(n, 1, 0), nth(n, 2, 0),        width_s + rise_s,
+                       rise_s,       fall_s,       nth(n, 6, INFINITY), cycles_at(n, 7)};
+  if (!(p.period_s > 0) || p.cycles == 1) p.period_s = INFINITY;
+  return p;
+}
+
+vs_status vs_course_read_pulse(const vs_elements *w, const vs_values *v, const vs_element *e,
+                               vs_course_pulse *pulse, vs_error *err) {
+  const char *s = begin_of(w, e, "pulse"), *points = begin_of(w, e, "pwl");
+  numbers n = {.count = 0};
+  bool repeats = false;
+  if (points) points = passed_repeat(points, &repeats);
+  vs_status status = s || points ? read_numbers(w, v, e, s ? s : points, !s, &n, err) : VS_OK;
+  if (status) return status;
+  if (s && n.count >= 2) {
+    *pulse = of_pulse(&n);
+    return VS_OK;
+  }
+  if (!s && points && n.count >= 4) {
+    status = of_points(w, e, &n, pulse, err);
+    if (repeats) pulse->period_s = n.item[n.count / 2 * 2 - 2];
+    return status ? status : repeat_points(w, v, e, &n, pulse, err);
+  }
+  char *word = vs_elements_word_of(w, e, e->n_nodes + 1);
+  char *second = vs_elements_word_of(w, e, e->n_nodes + 2);
+  *pulse = (vs_course_pulse){0, NAN, NAN, NAN, 0, 0, INFINITY, INFINITY};
+  bool known = vs_values_of(v, strcasecmp(word, "dc") ? word : second, &pulse->high);
+  free(word);
+  free(second);
+  return known && !s && !points
+             ? VS_OK
+             : vs_fail_at(err, vs_elements_where(w, e, 0),
+                          "%s has no PULSE(low high delay rise fall width period) whose numbers "
+                          "are known, so it cannot be a gate's; --gate names another source, or "
+                          "none",
+                          e->name);
+}
+
+/* The value of a source without a course: behind DC, or its first word. Returns false where it is
+ * not known. */
+static bool direct(const vs_elements *w, const vs_values *v, const vs_element *e, double *value) {
+  char *first = vs_elements_word_of(w, e, e->n_nodes + 1);
+  char *dc = vs_elements_option(w, e, "dc");
+  for (int k = e->n_nodes + 1; k + 1 < e->n_words && !dc; k++) {
+    char *word = vs_elements_word_of(w, e, k);
+    if (!strcasecmp(word, "dc")) dc = vs_elements_word_of(w, e, k + 1);
+    free(word);
+  }
+  bool none = !dc && (!strcasecmp(first, "ac") || (*first != '{' && strchr(first, '=')));
+  *value = 0;
+  bool known = none || vs_values_of(v, dc ? dc : first, value);
+  free(first);
+  free(dc);
+  return known;
+}
+
+bool vs_course_begins_at_0(const vs_elements *w, const vs_values *v, const vs_element *e) {
+  static const char *const WORDS[] = {"pulse", "exp", "pwl", "sin", "sine", "sffm", "am"};
+  enum { PWL = 2, SIN, SINE };
+  numbers n = {.count = 0};
+  vs_error unread = {0};
+  double value;
+  for (size_t k = 0; k < sizeof WORDS / sizeof *WORDS; k++) {
+    const char *s = begin_of(w, e, WORDS[k]);
+    bool repeats;
+    if (!s) continue;
+    if (k == PWL) s = passed_repeat(s, &repeats);
+    if (read_numbers(w, v, e, s, k == PWL, &n, &unread) || n.count < 2) return false;
+    if (k == PWL) return n.item[1] == 0;
+    if (k != SIN && k != SINE) return n.item[0] == 0 && k < PWL;
+    return fabs(n.item[0] + n.item[1] * sin(nth(&n, 5, 0) * M_PI / 180)) <= 1e-9 * fabs(n.item[1]);
+  }
+  return direct(w, v, e, &value) && value == 0;
+}

@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "diagnosis/comparator.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "netlist/words.h"
+
+/* ---- feedback ---- */
+
+/* Marks the nodes that sources alone join to ground: nothing moves their voltage. */
+static void mark_fixed(const vs_wiring *w, bool *fixed) {
+  bool changed = true;
+  fixed[0] = true;
+  while (changed) {
+    changed = false;
+    for (size_t k = 0; k < w->count; k++) {
+      const vs_wire *wire = &w->wires[k];
+      if (wire->letter != 'v' || fixed[wire->pins[0]] == fixed[wire->pins[1]]) continue;
+      fixed[wire->pins[0]] = fixed[wire->pins[1]] = changed = true;
+    }
+  }
+}
+
+/* True where the element feels what has moved so far: at a pin, by a look, or by a current. */
+static bool feels(const vs_wiring *w, const vs_wire *wire, const bool *moved) {
+  for (int k = 0; k < wire->n_pins; k++)
+    if (moved[wire->pins[k]]) return true;
+  for (int k = 0; k < wire->n_looks; k++)
+    if (moved[wire->looks[k]]) return true;
+  for (size_t k = 0; k < w->count && wire->law && strstr(wire->law, "i("); k++)
+    if (vs_wiring_senses(wire, &w->wires[k]))
+      for (int p = 0; p < w->wires[k].n_pins; p++)
+        if (moved[w->wires[k].pins[p]]) return true;
+  return false;
+}
+
+static bool move_pins(const vs_wire *wire, const bool *fixed, bool *moved) {
+  bool changed = false;
+  for (int p = 0; p < wire->n_pins; p++) {
+    int node = wire->pins[p];
+    changed = changed || (!fixed[node] && !moved[node]);
+    moved[node] = moved[node] || !fixed[node];
+  }
+  return changed;
+}
+
+/* True where what the element does to its pins reaches what it looks at. */
+static bool is_fed_back(const vs_wiring *w, const vs_wire *from) {
+  bool *fixed = vs_alloc(w->n_nodes, 1), *moved = vs_alloc(w->n_nodes, 1), found = false;
+  mark_fixed(w, fixed);
+  bool changed = move_pins(from, fixed, moved);
+  while (changed) {
+    changed = false;
+    for (size_t k = 0; k < w->count; k++)
+      if (feels(w, &w->wires[k], moved) && move_pins(&w->wires[k], fixed, moved)) changed = true;
+  }
+  for (int k = 0; k < from->n_looks; k++) found = found || moved[from->looks[k]];
+  for (size_t k = 0; k < w->count && !found; k++)
+    if (vs_wiring_senses(from, &w->wires[k]))
+      for (int p = 0; p < w->wires[k].n_pins; p++) found = found || moved[w->wires[k].pins[p]];
+  free(fixed);
+  free(moved);
+  return found;
+}
+
+/* True where the element looks at the voltage across itself. */
+static bool looks_at_itself(const vs_wire *wire) {
+  return wire->n_looks == 2 && wire->n_pins == 2 && wire->looks[0] == wire->pins[0] &&
+         wire->looks[1] == wire->pins[1];
+}
+
+static void add(const vs_wiring *w, const vs_wire *wire, const char *text, vs_comparators *all) {
+  if (all->count == VS_COMPARATORS_MOST || !is_fed_back(w, wire)) return;
+  vs_comparator *c = &all->item[all->count++];
+  *c = (vs_comparator){.wire = wire, .own = looks_at_itself(wire)};
+  snprintf(c->text, sizeof c->text, "%s", text);
+}
+
+/* ---- switches ---- */
+
+static bool is_none(vs_word value) {
+  const char *s = value.at;
+  while (s < value.at + value.n && strchr("0.+-{}eE", *s)) s++;
+  return s == value.at + value.n;
+}
+
+/* A switch whose model gives no hysteresis, or none but 0. */
+static void look_at_switch(const vs_wiring *w, const vs_wire *wire, vs_comparators *all) {
+  const vs_line *model = wire->model ? vs_wiring_statement(w, ".model", wire->model) : NULL;
+  vs_word whole, value, level = {"0", 1};
+  char text[256];
+  if (!model || !wire->law) return;
+  /* the parameters may stand in brackets, which are passed by otherwise */
+  char *plain = vs_copy(model->text);
+  for (char *c = plain; *c; c++)
+    if (strchr("()", *c)) *c = ' ';
+  bool current = wire->letter == 'w';
+  bool hysteresis =
+      vs_words_parameter(plain, current ? "ih" : "vh", &whole, &value) && !is_none(value);
+  bool ideal = strcasestr(plain, " vswitch") || strcasestr(plain, " iswitch");
+  if (vs_words_parameter(plain, current ? "it" : "vt", &whole, &value)) level = value;
+  snprintf(text, sizeof text, "(%s)-(%.*s)", wire->law, (int)level.n, level.at);
+  if (!hysteresis && !ideal) add(w, wire, text, all);
+  free(plain);
+}
+
+/* ---- expressions ---- */
+
+/* Where the operand that ends at `at` begins: behind the bracket or sign that keeps it apart. */
+static const char *operand_begin(const char *begin, const char *at) {
+  int depth = 0;
+  while (at > begin) {
+    char c = at[-1];
+    depth += (c == ')') - (c == '(');
+    if (depth < 0 || (depth == 0 && strchr(",?:&|=<>!{'\"", c))) break;
+    at--;
+  }
+  return at;
+}
+
+static const char *operand_end(const char *at) {
+  int depth = 0;
+  for (; *at; at++) {
+    depth += (*at == '(') - (*at == ')');
+    if (depth < 0 || (depth == 0 && strchr(",?:&|=<>!}'\"", *at))) break;
+  }
+  return at;
+}
+
+/* Comparisons a > b, and the argument of a function that jumps. */
+static void look_at_law(const vs_wiring *w, const vs_wire *wire, vs_comparators *all) {
+  static const char *const JUMPS[] = {"u(", "sgn(", "stp("};
+  const char *law = wire->law;
+  char text[256];
+  for (const char *s = law; *s; s++) {
+    if (strchr("<>", *s)) {
+      const char *right = s + 1 + (s[1] == '='), *from = operand_begin(law, s);
+      const char *to = operand_end(right);
+      snprintf(text, sizeof text, "(%.*s)-(%.*s)", (int)(s - from), from, (int)(to - right), right);
+      add(w, wire, text, all);
+      s = to - 1;
+      continue;
+    }
+    for (size_t k = 0; k < sizeof JUMPS / sizeof *JUMPS; k++) {
+      size_t n = strlen(JUMPS[k]);
+      if (strncasecmp(s, JUMPS[k], n) || (s > law && vs_words_goes_on(s[-1]))) continue;
+      const char *to = operand_end(s + n);
+      snprintf(text, sizeof text, "%.*s", (int)(to - s - (int)n), s + n);
+      add(w, wire, text, all);
+    }
+  }
+}
+
+void vs_comparator_find(const vs_wiring *w, vs_comparators *all) {
+  all->count = 0;
+  for (size_t k = 0; k < w->count && w->whole; k++) {
+    const vs_wire *wire = &w->wires[k];
+    if (strchr("sw", wire->letter))
+      look_at_switch(w, wire, all);
+    else if (wire->law && strchr("begrc", wire->letter))
+      look_at_law(w, wire, all);
+  }
+}
+
+const char *vs_comparator_cure(const vs_comparator *c) {
+  return c->wire->letter == 's'   ? "give its model a hysteresis, as vh=0.1"
+         : c->wire->letter == 'w' ? "give its model a hysteresis, as ih=1m"
+                                  : "write a slope in the place of the jump, as "
+                                    "(1+tanh((a-b)/0.01))/2 for a > b";
+}
+
+void vs_comparator_note(const vs_comparators *all, vs_notes *notes) {
+  for (size_t k = 0; k < all->count; k++) {
+    const vs_comparator *c = &all->item[k];
+    if (!c->own || c->wire->letter != 's') continue;
+    vs_fail_at(&vs_note_add(notes, "comparator", "warning")->text, vs_wiring_where(c->wire),
+               "%s conducts by its own voltage and has no hysteresis: conducting lowers that "
+               "voltage, so that it may turn over at every step; %s",
+               c->wire->name, vs_comparator_cure(c));
+  }
+}

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What is found out about a circuit that may be slow or on edge: a text with its place, and numbers
+ * for --json. */
+#ifndef VS_IMPORT_NOTE_H
+#define VS_IMPORT_NOTE_H
+
+#include "base/error.h"
+#include "base/text.h"
+
+enum { VS_NOTES_MOST = 64, VS_NOTE_NUMBERS = 10 };
+
+/* A number of a note; its name ends with its unit. */
+typedef struct vs_note_number {
+  const char *name;
+  double value;
+} vs_note_number;
+
+typedef struct vs_note {
+  const char *kind;  /* "floating", "method", ... */
+  const char *level; /* "warning": something is wrong with the deck; "hint": it may be faster or
+                        surer; "note": what was tried */
+  vs_error text;     /* with its place */
+  vs_note_number number[VS_NOTE_NUMBERS];
+  int numbers;
+} vs_note;
+
+/* Start from {0}. */
+typedef struct vs_notes {
+  vs_note item[VS_NOTES_MOST];
+  size_t count;
+} vs_notes;
+
+/* Adds a note, whose text the caller fills by vs_fail_at. Beyond VS_NOTES_MOST the last one is
+ * written over. */
+vs_note *vs_note_add(vs_notes *notes, const char *kind, const char *level);
+void vs_note_number_add(vs_note *note, const char *name, double value);
+
+/* Adds each note as an object of check's array, on a line of its own. file: for a note without a
+ * place. */
+void vs_note_rows(const vs_notes *notes, const char *file, vs_text *rows);
+
+#endif

@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The elements of a netlist that stand in no subcircuit, and the nodes between them. */
+#ifndef VS_IMPORT_ELEMENTS_H
+#define VS_IMPORT_ELEMENTS_H
+
+#include "base/text.h"
+#include "import/values.h"
+#include "base/names.h"
+
+enum { VS_ELEMENTS_NODES = 24, VS_ELEMENTS_WORDS = 64, VS_ELEMENTS_NAME = 64 };
+
+/* A word of a line, or a bracket with what is in it, SINE(0 325 50). */
+typedef struct vs_elements_word {
+  int at, size; /* in the card's text, bytes */
+} vs_elements_word;
+
+typedef struct vs_element {
+  size_t card;                 /* index of its line */
+  char letter;                 /* its first, in lower case: what kind of element it is */
+  char name[VS_ELEMENTS_NAME]; /* as the deck calls it */
+  char key[VS_ELEMENTS_NAME];  /* the same in lower case and without the R_ of PSpice's R_R1: what
+                                lines of the contract call it */
+  vs_elements_word words[VS_ELEMENTS_WORDS];
+  int n_words;
+  bool coupled;                 /* an element K names it */
+  int n_nodes;                  /* words 1 to n_nodes are nodes */
+  int nodes[VS_ELEMENTS_NODES]; /* indices into vs_elements.nodes */
+} vs_element;
+
+typedef struct vs_elements_node {
+  char said[VS_ELEMENTS_NAME]; /* as the netlist calls it, in lower case */
+  char name[VS_ELEMENTS_NAME]; /* as the deck does: lower case, letters and digits and '_'; "0" */
+  bool named;                  /* by a person, and not by the program that wrote the netlist */
+  int ends;                    /* how many ends of elements meet there */
+  size_t at[2];                /* indices of the elements of the first and the last of them */
+} vs_elements_node;
+
+/* Begins as {0}; ends with vs_elements_free. */
+typedef struct vs_elements {
+  const vs_listing *listing; /* borrowed */
+  vs_element *elements;      /* owned, as nodes are */
+  size_t count;
+  vs_elements_node *nodes;
+  size_t n_nodes;
+  vs_names said, names;              /* indices of nodes by what netlist and deck call them */
+  vs_names by_said, by_name, by_key; /* the same of elements; of several, the first */
+} vs_elements;
+
+/* Error, with its place: a line that is no element. */
+vs_status vs_elements_read(vs_elements *wiring, const vs_listing *listing, vs_error *err);
+void vs_elements_free(vs_elements *wiring);
+
+/* Reads the line of a source, V or I, that may stand in a subcircuit: its words and name, and no
+ * nodes. */
+void vs_elements_source_of(const vs_listing *listing, size_t card, vs_element *element);
+
+/* A copy of the element's n-th word (0: its name), or of all of the line from that word on; empty
+ * where there is none. free() it. */
+char *vs_elements_word_of(const vs_elements *wiring, const vs_element *element, int n);
+char *vs_elements_rest_of(const vs_elements *wiring, const vs_element *element, int n);
+/* The value of NAME=VALUE in the element's line, as text; NULL: it is not there. free() it. */
+char *vs_elements_option(const vs_elements *wiring, const vs_element *element, const char *name);
+/* The place of the element's n-th word, as far as it stands in the line's first. */
+vs_where vs_elements_where(const vs_elements *wiring, const vs_element *element, int n);
+
+/* The element of that name, capitals aside: as the netlist or as the deck calls it. NULL: none. */
+const vs_element *vs_elements_find(const vs_elements *wiring, const char *name);
+/* The deck's name of the element's n-th node, from 0. */
+const char *vs_elements_node_of(const vs_elements *wiring, const vs_element *element, int n);
+/* The other element at a node where this one and one more meet, and nothing else; NULL: there are
+ * more or fewer, or it is node 0. */
+const vs_element *vs_elements_next(const vs_elements *wiring, const vs_element *element, int node);
+
+/* The name of the model or subcircuit of an element that has one, in lower case; NULL: it has none.
+ * free() it. */
+char *vs_elements_model(const vs_elements *wiring, const vs_element *element);
+/* The line .model or .subckt that defines it: an index into the listing's cards; -1: there is none.
+ */
+int vs_elements_defined(const vs_listing *listing, const char *model);
+
+/* Adds the card's text with the deck's names of nodes. */
+void vs_elements_rename(const vs_elements *wiring, const char *text, vs_text *out);
+
+/* True where an element or node of the deck has this name. */
+bool vs_elements_is_taken(const vs_elements *wiring, const char *name);
+
+#endif

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Numbers and expressions of a netlist, with its .param lines. */
+#ifndef VS_IMPORT_VALUES_H
+#define VS_IMPORT_VALUES_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "import/listing.h"
+#include "base/names.h"
+
+enum { VS_VALUES_NAME = 64 };
+
+/* One assignment of a line .param outside of subcircuits. */
+typedef struct vs_value_param {
+  char name[VS_VALUES_NAME]; /* in lower case */
+  char *text;                /* what it is set to, as written; owned */
+  double value;
+  bool tried;  /* `known` has been found out */
+  bool known;  /* `value` is its value: a number, or an expression of numbers */
+  bool number; /* it is written as a number */
+  size_t card; /* index of its line */
+} vs_value_param;
+
+/* Begins as {0}; ends with vs_values_free. */
+typedef struct vs_values {
+  vs_value_param *item; /* owned */
+  size_t count;
+  vs_names names;            /* index of the last one of each name */
+  bool rkm;                  /* 4k7 means 4.7k, as LTspice and KiCad read it */
+  const vs_listing *listing; /* of its lines .func; borrowed */
+} vs_values;
+
+void vs_values_read(vs_values *values, const vs_listing *listing);
+void vs_values_free(vs_values *values);
+
+/* Reads a number of SPICE's with its suffix (t g meg k m mil u n p f) and whatever letters follow.
+ * Returns false where the text is none, or one that programs read differently, as 4k7 where
+ * values->rkm does not say how. */
+bool vs_values_number(const vs_values *values, const char *text, double *number);
+
+/* Gives the value of a number, a name, or an expression, in braces or not. Returns false where it
+ * is not known before a run. */
+bool vs_values_of(const vs_values *values, const char *text, double *value);
+
+/* The parameter of that name, capitals aside; NULL: there is none. */
+const vs_value_param *vs_values_find(const vs_values *values, const char *name);
+
+#endif

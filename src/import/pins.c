@@ -1,0 +1,379 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "pins.h"
+
+#include <ctype.h>
+#include <dirent.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "netlist/catalogue.h"
+#include "netlist/netlist.h"
+#include "base/cursor.h"
+
+/* Kinds by their pins: what subcircuits call them, each name between blanks. `hints` are words in a
+ * name or a comment that say the kind alone. */
+static const struct sort {
+  const char *kind, *from, *to, *gate, *hints;
+} SORTS[] = {
+    {"thyristor", " a an ano anode ", " k c ka ca cat cath cathode kathode ", " g gt ga gat gate ",
+     " thyristor scr "},
+    {"triac", " mt2 t2 a2 m2 main2 mainterminal2 ", " mt1 t1 a1 m1 main1 mainterminal1 ",
+     " g gt ga gat gate ", " triac "},
+    {"mosfet", " d drain ", " s source ", " g gate ", " mosfet "},
+    {"igbt", " c collector ", " e emitter ", " g gate ", " igbt "},
+    {"diode", " a an ano anode ", " k c ka ca cat cath cathode kathode ", NULL, " diode "}};
+enum { N_SORTS = sizeof SORTS / sizeof *SORTS };
+
+/* Kinds of two pins that are alike, by words in the name of a subcircuit or its comment. */
+static const struct alike {
+  const char *kind, *hints;
+} ALIKE[] = {{"varistor", " varistor mov siov "}, {"fuse", " fuse "}};
+enum { N_ALIKE = sizeof ALIKE / sizeof *ALIKE };
+
+/* Elements that ngspice itself knows. */
+static const struct letter {
+  char letter;
+  const char *kind;
+  int from, to, gate;
+} LETTERS[] = {{'d', "diode", 0, 1, -1},     {'m', "mosfet", 0, 2, 1},
+               {'z', "igbt", 0, 2, 1},       {'q', "transistor", 0, 2, 1},
+               {'j', "transistor", 0, 2, 1}, {'s', "switch", 0, 1, -1},
+               {'w', "switch", 0, 1, -1}};
+
+const char *const vs_pins_said = "as --pins says";
+
+static bool among(const char *list, const char *word, size_t n) {
+  char spaced[VS_ELEMENTS_NAME + 2];
+  snprintf(spaced, sizeof spaced, " %.*s ", (int)n, word);
+  vs_cursor_lower(spaced);
+  return n > 0 && n < VS_ELEMENTS_NAME && list && strstr(list, spaced);
+}
+
+/* ---- words of pins ---- */
+
+enum { MOST_PINS = 32 };
+
+/* Up to MOST_PINS words of a line, runs of letters and digits, from `s` on. `assigned`: up to the
+ * first NAME=. */
+static int words_of(const char *s, bool assigned, const char *words[MOST_PINS],
+                    size_t sizes[MOST_PINS]) {
+  int count = 0;
+  while (*s && count < MOST_PINS) {
+    while (*s && !isalnum((unsigned char)*s)) s++;
+    size_t n = 0;
+    while (isalnum((unsigned char)s[n])) n++;
+    bool ends = s[n + strspn(s + n, " \t")] == '=' || !strncasecmp(s, "params:", 7);
+    if (n == 0 || (assigned && ends)) break;
+    words[count] = s;
+    sizes[count++] = n;
+    s += n;
+  }
+  return count;
+}
+
+/* True for a word that may stand between the names of pins: a number, "and". */
+static bool is_filler(const char *word, size_t n) {
+  return strspn(word, "0123456789") >= n || among(" and pin pins to is ", word, n);
+}
+
+/* Finds the pins of a sort among the words from `start` on, each once. `in_place`: every word is
+ * some pin's, so that its number is the pin's; else the pins stand one behind the other, with
+ * fillers between them. */
+static bool run_of(const struct sort *sort, const char *const *words, const size_t *sizes,
+                   int count, bool in_place, int at[3]) {
+  const char *const LISTS[] = {sort->from, sort->to, sort->gate};
+  int seen = 0, wanted = sort->gate ? 3 : 2;
+  at[0] = at[1] = at[2] = -1;
+  for (int n = 0; n < count && seen < wanted; n++) {
+    int which = 0;
+    while (which < 3 && !among(LISTS[which], words[n], sizes[n])) which++;
+    if (which < 3 && at[which] >= 0) return false;
+    if (which < 3)
+      at[which] = in_place ? n : seen, seen++;
+    else if (!in_place && !is_filler(words[n], sizes[n]))
+      return false;
+  }
+  return seen == wanted;
+}
+
+/* Finds the sort whose pins these words are, as above. */
+static bool sort_of(const char *const *words, const size_t *sizes, int count, bool in_place,
+                    vs_pins *pins) {
+  for (size_t k = 0; k < N_SORTS; k++)
+    for (int start = 0; start < (in_place ? 1 : count); start++) {
+      int at[3];
+      if (!run_of(&SORTS[k], words + start, sizes + start, count - start, in_place, at)) continue;
+      pins->kind = SORTS[k].kind;
+      pins->from = at[0];
+      pins->to = at[1];
+      pins->gate = at[2];
+      return true;
+    }
+  return false;
+}
+
+/* ---- a subcircuit of the netlist ---- */
+
+/* Is this comment near enough to the line .subckt to explain it? They are those right before it,
+ * and those within it. */
+static bool explains(const vs_listing *l, size_t comment, size_t subckt) {
+  enum { NEAR = 12 };
+  const vs_card *card = &l->cards[comment];
+  if (card->kind != VS_CARD_COMMENT || card->where.file != l->cards[subckt].where.file)
+    return false;
+  if (comment > subckt) return comment - subckt <= NEAR && card->depth > 0;
+  if (subckt - comment > NEAR) return false;
+  for (size_t k = comment; k < subckt; k++)
+    if (l->cards[k].kind != VS_CARD_COMMENT) return false;
+  return true;
+}
+
+/* True where a word of the text is one of the hints, or where the text begins or ends in it. */
+static bool hints_at(const char *text, const char *hints) {
+  for (const char *s = text; *s;) {
+    size_t n = 0;
+    while (isalpha((unsigned char)s[n])) n++;
+    if (among(hints, s, n)) return true;
+    s += n ? n : 1;
+  }
+  return false;
+}
+
+static bool subcircuit_hints(const vs_listing *l, size_t subckt, const char *name,
+                             const char *hints) {
+  bool hinted = hints_at(name, hints);
+  for (size_t k = subckt < 12 ? 0 : subckt - 12; k < l->count && k < subckt + 12 && !hinted; k++)
+    hinted = explains(l, k, subckt) && hints_at(l->cards[k].text, hints);
+  return hinted;
+}
+
+/* The pins by the names in the line .subckt, else by a comment that names all of them. */
+static bool pins_of(const vs_listing *l, size_t subckt, int n_nodes, vs_pins *pins) {
+  const char *words[MOST_PINS];
+  size_t sizes[MOST_PINS];
+  const char *s = l->cards[subckt].text;
+  for (int k = 0; k < 2; k++) {
+    s += strcspn(s, " \t");
+    s += strspn(s, " \t");
+  }
+  int count = words_of(s, true, words, sizes);
+  bool digits = count > 0 && isdigit((unsigned char)*words[0]);
+  pins->by = "by the names of its subcircuit's pins";
+  if (!digits && sort_of(words, sizes, count < n_nodes ? count : n_nodes, true, pins)) return true;
+  pins->by = "by the comment of its subcircuit, which names its pins in their order";
+  for (size_t k = subckt < 12 ? 0 : subckt - 12; k < l->count && k < subckt + 12; k++) {
+    if (!explains(l, k, subckt)) continue;
+    count = words_of(l->cards[k].text, false, words, sizes);
+    bool is = sort_of(words, sizes, count, false, pins);
+    int seen = pins->gate >= 0 ? 3 : 2;
+    if (is && seen == n_nodes) return true;
+    *pins = (vs_pins){.gate = -1, .by = pins->by};
+  }
+  return false;
+}
+
+static vs_status ask(const vs_elements *w, const vs_element *e, const char *kind, const char *model,
+                     const char *letters, vs_error *err) {
+  return vs_fail_at(err, vs_elements_where(w, e, 0),
+                    "%s (%s) looks like a %s, and nothing says which of its pins is what: --pins "
+                    "%s=%s, the letters in the order of its nodes; --pins %s=none measures nothing "
+                    "of it",
+                    e->name, model, kind, e->name, letters, e->name);
+}
+
+static vs_status find_in_netlist(const vs_elements *w, const vs_element *e, const char *model,
+                                 size_t subckt, vs_pins *pins, vs_error *err) {
+  const vs_listing *l = w->listing;
+  for (size_t k = 0; k < N_ALIKE && e->n_nodes == 2; k++)
+    if (subcircuit_hints(l, subckt, model, ALIKE[k].hints)) {
+      *pins = (vs_pins){.kind = ALIKE[k].kind, .to = 1, .gate = -1, .by = "by its name"};
+      return VS_OK;
+    }
+  if (pins_of(l, subckt, e->n_nodes, pins)) return VS_OK;
+  for (size_t k = 0; k < 2 && e->n_nodes == 3; k++) /* thyristor and triac */
+    if (subcircuit_hints(l, subckt, model, SORTS[k].hints))
+      return ask(w, e, SORTS[k].kind, model, k ? "21g" : "akg", err);
+  return VS_OK;
+}
+
+/* ---- a part ---- */
+
+typedef struct search {
+  const char *name;
+  char path[VS_PATH_SIZE], found[VS_ELEMENTS_NAME];
+} search;
+
+static void look(void *ctx, const char *path) {
+  search *s = ctx;
+  size_t n;
+  const char *base = vs_catalogue_name(path, &n);
+  if (*s->found || strlen(s->name) != n || strncasecmp(base, s->name, n)) return;
+  snprintf(s->path, sizeof s->path, "%.*s", (int)sizeof s->path - 1, path);
+  snprintf(s->found, sizeof s->found, "%.*s", (int)n, base);
+}
+
+/* Looks for a part's file of that name in the netlist's own folder, capitals aside. */
+static void look_beside(const vs_elements *w, search *s) {
+  const char *own = w->listing->files[0], *slash = strrchr(own, '/');
+  char folder[VS_PATH_SIZE], path[VS_PATH_SIZE + 256];
+  const char *ending = vs_deck_parts_shelf.ending;
+  snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - own + 1) : 0, own);
+  DIR *dir = opendir(*folder ? folder : ".");
+  for (struct dirent *entry; dir && (entry = readdir(dir));) {
+    const char *last = strrchr(entry->d_name, '.');
+    if (!last || strcmp(last, ending)) continue;
+    snprintf(path, sizeof path, "%s%s", folder, entry->d_name);
+    look(s, path);
+  }
+  if (dir) closedir(dir);
+}
+
+static const char *known_kind(const char *kind) {
+  for (size_t k = 0; k < N_SORTS; k++)
+    if (!strcmp(kind, SORTS[k].kind)) return SORTS[k].kind;
+  for (size_t k = 0; k < N_ALIKE; k++)
+    if (!strcmp(kind, ALIKE[k].kind)) return ALIKE[k].kind;
+  return NULL;
+}
+
+/* Gives the kind of the part that a file holds; NULL: it holds none of a kind known here. */
+static const char *kind_of_part(const char *path) {
+  vs_deck *part = vs_alloc(1, sizeof *part);
+  vs_error unread = {0};
+  const char *kind = NULL;
+  if (!vs_netlist_read_part(path, part, &unread) && part->n_part_files)
+    kind = known_kind(part->part_files[0].kind);
+  vs_deck_free(part);
+  free(part);
+  return kind;
+}
+
+/* A subcircuit that the netlist does not define may be that of a part: of a file beside the
+ * netlist, else of one that ships. Its pins are a, k, g. */
+static void find_part(const vs_elements *w, const char *model, const vs_element *e, vs_pins *pins) {
+  search s = {.name = model};
+  pins->by = "a part beside the netlist";
+  look_beside(w, &s);
+  if (*s.found) pins->kind = kind_of_part(s.path);
+  if (!pins->kind) {
+    s = (search){.name = model};
+    pins->by = "a shipped part";
+    vs_catalogue_list(&vs_deck_parts_shelf, look, &s);
+    if (*s.found) pins->kind = kind_of_part(s.path);
+  }
+  if (!*s.found) return;
+  bool gated = pins->kind && (!strcmp(pins->kind, "thyristor") || !strcmp(pins->kind, "triac"));
+  if (pins->kind && e->n_nodes != (gated ? 3 : 2)) pins->kind = NULL;
+  pins->from = 0;
+  pins->to = 1;
+  pins->gate = gated ? 2 : -1;
+  snprintf(pins->part, sizeof pins->part, "%s", pins->kind ? s.found : "");
+}
+
+/* ---- what the user says ---- */
+
+/* Finds NAME=WORD of this element; NULL: nothing is said. free() it. */
+static char *said_of(const vs_elements *w, const char *asked, const vs_element *e) {
+  char *all = vs_copy(asked ? asked : ""), *rest = all, *found = NULL;
+  for (char *entry; (entry = strsep(&rest, ","));) {
+    char *equal = strchr(entry, '=');
+    if (!equal || found) continue;
+    *equal = '\0';
+    if (vs_elements_find(w, entry) == e) found = vs_copy(equal + 1);
+  }
+  free(all);
+  return found;
+}
+
+/* Reads "akg" or a kind's word; false: it is neither. */
+static bool read_said(const char *said, vs_pins *pins) {
+  const char *words[MOST_PINS];
+  size_t sizes[MOST_PINS];
+  int count = (int)strlen(said);
+  *pins = (vs_pins){.gate = -1, .by = vs_pins_said};
+  if (!strcmp(said, "none")) return true;
+  for (size_t k = 0; k < N_ALIKE; k++)
+    if (!strcmp(said, ALIKE[k].kind)) {
+      pins->kind = ALIKE[k].kind;
+      pins->to = 1;
+      return true;
+    }
+  for (int k = 0; k < count && count <= MOST_PINS; k++) {
+    bool main = said[k] == '1' || said[k] == '2'; /* terminal of a triac */
+    words[k] = main ? said[k] == '1' ? "t1" : "t2" : said + k;
+    sizes[k] = main ? 2 : 1;
+  }
+  return count <= MOST_PINS && sort_of(words, sizes, count, true, pins);
+}
+
+vs_status vs_pins_check(const vs_elements *w, const char *asked, vs_error *err) {
+  char *all = vs_copy(asked ? asked : ""), *rest = all;
+  vs_status status = VS_OK;
+  for (char *entry; !status && asked && (entry = strsep(&rest, ","));) {
+    char *equal = strchr(entry, '=');
+    vs_pins pins;
+    if (equal) *equal = '\0';
+    if (!equal || !read_said(equal + 1, &pins))
+      status = vs_fail(err, VS_INPUT,
+                       "--pins %s%s%s: wants NAME=LETTERS, the letters of its pins in the order of "
+                       "its nodes (akg thyristor, 21g triac, dgs mosfet, cge igbt, ak diode), or "
+                       "NAME=varistor, fuse or none",
+                       entry, equal ? "=" : "", equal ? equal + 1 : "");
+    else if (!vs_elements_find(w, entry))
+      status = vs_fail(err, VS_INPUT, "--pins %s: there is no such element outside of subcircuits",
+                       entry);
+  }
+  free(all);
+  return status;
+}
+
+/* ---- a source that is a varistor ---- */
+
+/* True for a source of current whose only voltage is its own and which has a power of it: the law
+ * of a varistor. */
+static bool is_power_law(const vs_elements *w, const vs_element *e) {
+  static const char *const POWERS[] = {"pwr(", "pwrs(", "pow(", "**", "^", "sinh("};
+  char *law = vs_elements_rest_of(w, e, e->n_nodes + 1), own[2][2 * VS_ELEMENTS_NAME + 8];
+  bool power = false, other = false, current = tolower((unsigned char)*law) == 'i';
+  const char *a = w->nodes[e->nodes[0]].said, *b = w->nodes[e->nodes[1]].said;
+  vs_cursor_lower(law);
+  snprintf(own[0], sizeof own[0], "v(%s,%s)", a, b);
+  snprintf(own[1], sizeof own[1], "v(%s)", strcmp(w->nodes[e->nodes[1]].name, "0") ? "?" : a);
+  for (size_t k = 0; k < sizeof POWERS / sizeof *POWERS; k++)
+    power = power || strstr(law, POWERS[k]);
+  for (const char *s = law; (s = strstr(s, "v(")); s++)
+    other = other || (strncmp(s, own[0], strlen(own[0])) && strncmp(s, own[1], strlen(own[1])));
+  bool uses = strstr(law, own[0]) || strstr(law, own[1]);
+  free(law);
+  return current && power && uses && !other;
+}
+
+vs_status vs_pins_find(const vs_elements *w, const char *asked, const vs_element *e, vs_pins *pins,
+                       vs_error *err) {
+  *pins = (vs_pins){.gate = -1, .by = "by its letter"};
+  char *said = said_of(w, asked, e), *model = vs_elements_model(w, e);
+  int subckt = model ? vs_elements_defined(w->listing, model) : -1;
+  vs_status status = VS_OK;
+  if (e->letter == 'x' && subckt < 0 && model) find_part(w, model, e, pins);
+  vs_pins part = *pins;
+  if (said && read_said(said, pins))
+    memcpy(pins->part, part.part, sizeof pins->part);
+  else if (e->letter == 'x' && subckt >= 0)
+    status = find_in_netlist(w, e, model, (size_t)subckt, pins, err);
+  else if (e->letter == 'b' && is_power_law(w, e))
+    *pins = (vs_pins){.kind = "varistor", .to = 1, .gate = -1, .by = "by its law"};
+  for (size_t k = 0; k < sizeof LETTERS / sizeof *LETTERS && !said; k++)
+    if (LETTERS[k].letter == e->letter)
+      *pins = (vs_pins){.kind = LETTERS[k].kind,
+                        .from = LETTERS[k].from,
+                        .to = LETTERS[k].to,
+                        .gate = LETTERS[k].gate,
+                        .by = pins->by};
+  free(said);
+  free(model);
+  int most = pins->from > pins->to ? pins->from : pins->to;
+  if (pins->kind && (most >= e->n_nodes || pins->gate >= e->n_nodes)) pins->kind = NULL;
+  return status;
+}

@@ -1,0 +1,189 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "winding.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* The value of an R, L or C: its first word behind the nodes, or R=, L=, C=. */
+static bool value_of(const vs_roles_search *f, const vs_element *e, double *value) {
+  char *word = vs_elements_word_of(f->w, e, e->n_nodes + 1);
+  char *option = vs_elements_option(f->w, e, (char[]){e->letter, '\0'});
+  bool known = vs_values_of(f->v, option ? option : word, value);
+  free(word);
+  free(option);
+  return known;
+}
+
+/* True where something lies across the inductor within its own line: Rpar=, Cpar= of LTspice's. One
+ * of 0 is no part. */
+static bool has_across(const vs_roles_search *f, const vs_element *coil) {
+  static const char *const KEYS[] = {"rpar", "cpar"};
+  bool across = false;
+  for (int k = 0; k < 2; k++) {
+    double value = 1;
+    char *text = vs_elements_option(f->w, coil, KEYS[k]);
+    across = across || (text && !(vs_values_of(f->v, text, &value) && value == 0));
+    free(text);
+  }
+  return across;
+}
+
+/* The resistor in series with an inductor, at either of its ends; NULL: there is none, or it does
+ * not belong to the coil, because something lies across the inductor alone. */
+static const vs_element *resistor_of(const vs_roles_search *f, const vs_element *coil) {
+  if (has_across(f, coil)) return NULL;
+  for (int n = 1; n >= 0; n--) {
+    const vs_element *next = vs_elements_next(f->w, coil, coil->nodes[n]);
+    if (next && next->letter == 'r') return next;
+  }
+  return NULL;
+}
+
+/* Gives the coil its ends, from which the current flows as from the inductor's first node. */
+static vs_status join(vs_roles_search *f, const vs_element *l, const vs_element *r) {
+  vs_roles *roles = f->roles;
+  roles->coil = l;
+  roles->coil_r = r;
+  roles->coil_plus = l->nodes[0];
+  roles->coil_minus = l->nodes[1];
+  for (int n = 0; n < 2 && r; n++) {
+    if (vs_elements_next(f->w, l, l->nodes[n]) != r) continue;
+    int far = r->nodes[0] == l->nodes[n] ? r->nodes[1] : r->nodes[0];
+    *(n ? &roles->coil_minus : &roles->coil_plus) = far;
+    return VS_OK;
+  }
+  return r ? vs_fail_at(f->err, vs_elements_where(f->w, r, 0),
+                        "--coil %s+%s: they are not in series, one node alone between them",
+                        l->name, r->name)
+           : VS_OK;
+}
+
+/* Error: an option makes more than one of the element, or puts it at another temperature. */
+static vs_status check_options(const vs_roles_search *f, const vs_element *e) {
+  static const char *const OPTIONS[] = {"m", "scale", "temp", "dtemp"};
+  vs_status status = VS_OK;
+  for (size_t k = 0; k < sizeof OPTIONS / sizeof *OPTIONS && !status; k++) {
+    char *value = vs_elements_option(f->w, e, OPTIONS[k]);
+    if (value)
+      status = vs_fail_at(f->err, vs_elements_where(f->w, e, 0),
+                          "%s: the coil's %s=%s is not taken; write the value that it makes",
+                          e->name, OPTIONS[k], value);
+    free(value);
+  }
+  return status;
+}
+
+/* True where the element's value is another one when it is warm: tc=, tc1=, tc2= other than 0. */
+static bool follows_temperature(const vs_roles_search *f, const vs_element *e) {
+  static const char *const KEYS[] = {"tc", "tc1", "tc2"};
+  bool follows = false;
+  for (size_t k = 0; k < sizeof KEYS / sizeof *KEYS; k++) {
+    double value;
+    char *text = vs_elements_option(f->w, e, KEYS[k]);
+    follows = follows || (text && !(vs_values_of(f->v, text, &value) && value == 0));
+    free(text);
+  }
+  return follows;
+}
+
+/* True where a .model stands behind the element's value, or beside R= or L=. */
+static bool has_model(const vs_roles_search *f, const vs_element *e) {
+  bool found = false;
+  for (int n = e->n_nodes + 1; n < e->n_words && !found; n++) {
+    char *word = vs_elements_word_of(f->w, e, n);
+    found = vs_elements_defined(f->w->listing, word) >= 0;
+    free(word);
+  }
+  return found;
+}
+
+static vs_status set_coil(vs_roles_search *f, const vs_element *l, const vs_element *r) {
+  vs_roles *roles = f->roles;
+  vs_where where = vs_elements_where(f->w, l, 0);
+  double own = 0;
+  if (l->coupled)
+    return vs_fail_at(f->err, where,
+                      "%s is coupled with another inductor (K...); the EVA's coil is a branch of "
+                      "its own: --coil names it",
+                      l->name);
+  if (!value_of(f, l, &roles->inductance_h) || !(roles->inductance_h > 0))
+    return vs_fail_at(f->err, where, "%s: its inductance is not known before a run, as a number",
+                      l->name);
+  roles->resistance_ohm = 0;
+  if (r && (!value_of(f, r, &roles->resistance_ohm) || roles->resistance_ohm < 0))
+    return vs_fail_at(f->err, vs_elements_where(f->w, r, 0),
+                      "%s: its resistance is not known before a run, as a number", r->name);
+  char *rser = vs_elements_option(f->w, l, "rser");
+  bool known = !rser || vs_values_of(f->v, rser, &own);
+  free(rser);
+  if (!known)
+    return vs_fail_at(f->err, where, "%s: Rser is not known before a run, as a number", l->name);
+  if (r && has_across(f, l))
+    return vs_fail_at(f->err, where,
+                      "%s has Rpar or Cpar, which %s is not across; --coil %s takes the inductor "
+                      "alone, and %s stays in the circuit",
+                      l->name, r->name, l->name, r->name);
+  roles->resistance_ohm += own;
+  char *current = vs_elements_option(f->w, l, "ic");
+  double current_a = 0;
+  roles->begins_with_current =
+      current && !(vs_values_of(f->v, current, &current_a) && current_a == 0);
+  free(current);
+  roles->heats = follows_temperature(f, l) ? l : r && follows_temperature(f, r) ? r : NULL;
+  roles->modelled = has_model(f, l) ? l : r && has_model(f, r) ? r : NULL;
+  vs_status status = check_options(f, l);
+  if (!status && r) status = check_options(f, r);
+  return status ? status : join(f, l, r);
+}
+
+/* --coil L1+R4 */
+static vs_status set_named_coil(vs_roles_search *f, const char *asked) {
+  const vs_element *l = NULL, *r = NULL;
+  char *all = vs_copy(asked), *rest = all;
+  vs_status status = VS_OK;
+  for (char *name; !status && (name = strsep(&rest, "+,"));) {
+    const vs_element *e = NULL;
+    status = vs_roles_named(f, "coil", name, &e);
+    if (status) break;
+    const vs_element **role = e->letter == 'l' ? &l : &r;
+    if ((e->letter != 'l' && e->letter != 'r') || *role)
+      status = vs_fail_at(f->err, vs_elements_where(f->w, e, 0),
+                          "--coil %s: an inductor is wanted, and one resistor at most in series "
+                          "with it",
+                          asked);
+    *role = e;
+  }
+  free(all);
+  if (!status && !l)
+    status = vs_fail_at(f->err, vs_elements_where(f->w, r, 0),
+                        "--coil %s: the inductor is missing, as in L1+%s", asked, asked);
+  return status ? status : set_coil(f, l, r);
+}
+
+vs_status vs_winding_find(vs_roles_search *f, const char *asked) {
+  const vs_element *found = NULL;
+  vs_text all = {0};
+  size_t count = 0;
+  if (asked) return set_named_coil(f, asked);
+  for (size_t k = 0; k < f->w->count; k++) {
+    const vs_element *e = &f->w->elements[k];
+    if (e->letter != 'l' || e->coupled) continue;
+    const vs_element *r = resistor_of(f, e);
+    vs_text_add(&all, "%s%s%s%s", count++ ? ", " : "", e->name, r ? "+" : "", r ? r->name : "");
+    found = e;
+  }
+  vs_status status = VS_OK;
+  if (count > 1)
+    status = vs_fail_at(f->err, vs_elements_where(f->w, found, 0),
+                        "%zu inductors could be the EVA's coil: --coil says which, one of %s",
+                        count, all.text);
+  else if (!found)
+    status = vs_fail_at(f->err, vs_roles_file(f),
+                        "no inductor, L..., outside of subcircuits and not coupled: the EVA's coil "
+                        "is missing; --coil L1+R4 names one with its series resistor");
+  else
+    status = set_coil(f, found, resistor_of(f, found));
+  f->roles->found_coil = found;
+  vs_text_free(&all);
+  return status;
+}

@@ -1,0 +1,574 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "measure/devices.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text.h"
+#include "engine/sweep.h"
+#include "measure/melting.h"
+#include "devices/reductions.h"
+
+/* The shots of a device that conducts or blocks. One that goes out in a ring and is fired again by
+ * the same gate pulse is at the same shot, as long as the same half cycle of the mains may drive
+ * it. */
+typedef struct shots {
+  vs_gate_watch gate; /* the device's, or the deck's first where that is not known */
+  bool fresh;         /* a gate pulse has begun since the device last began to conduct */
+  double last_s;      /* when the last shot began; -INFINITY: none did */
+} shots;
+
+/* On an orbit the period's beginning comes again behind its end. The steps up to the first firing
+ * are kept, so that a conduction, or the rest behind one, is followed on across the period's end.
+ */
+enum { KEPT = 32768 };
+typedef struct opening {
+  bool over; /* the device has fired, or there were more steps than that */
+  size_t count;
+  struct {
+    double at_s, v, i; /* at the step's end */
+    double i2_s;       /* int i^2 dt over it */
+  } step[KEPT];
+} opening;
+
+struct vs_device_watch {
+  vs_formula_quick voltage, current, flux; /* flux: of a device that has one */
+  shots shots;
+  vs_melting melting; /* of a fuse */
+  opening *opening;   /* of a device that conducts or blocks, on an orbit; NULL: of any other. Owned
+                       */
+  vs_reduced **busy;  /* those of the device's measures that every step may change; owned */
+  size_t n_busy;
+};
+
+/* ---- beginning ---- */
+
+/* Takes of the limit what the part's lines `derate` leave at the run's ambient temperature. */
+static void derate(const vs_watched *w, vs_reduced *r) {
+  if (!r->limit) return;
+  r->limit = vs_devices_derated(w->deck, r->limit, w->ambient_degc, &r->own);
+  if (!r->limit) r->unjudged = "not judged: its lines derate end before that ambient temperature";
+}
+
+/* More parts than that are joined. */
+enum { MOST_PARTS = 1000 };
+
+/* Divides the stretch that means are over. Its end is known before the run is. */
+static void begin_parts(vs_parts *p, const vs_timeline *t, vs_span_s means) {
+  const double cycle_s = t->period_s * (t->firing.every > 1 ? t->firing.every : 1);
+  p->meant_s = means.from_s;
+  const double cycles = floor((means.to_s - means.from_s) / cycle_s * (1 + 1e-9) + 1e-9);
+  if (!(cycles >= 1) || isinf(cycles)) return;
+  const double each = ceil(cycles / MOST_PARTS);
+  p->count = (size_t)(cycles / each);
+  p->part_s = each * cycle_s;
+  p->from_s = means.to_s - (double)p->count * p->part_s;
+  if (p->from_s < means.from_s + 1e-6 * cycle_s) p->from_s = means.from_s; /* but for rounding */
+  p->sum = vs_alloc(p->count, sizeof *p->sum);
+}
+
+static void begin_measure(vs_watched *w, vs_reduced *r, const vs_device_measure *m) {
+  const vs_reducer *by = vs_reductions_all[m->how];
+  assert(by);
+  *r = (vs_reduced){.measure = m,
+                    .by = by,
+                    .limit = vs_devices_limit(w->deck, w->device, m),
+                    .value = {.known = by->counts && w->device->gates.count, .at_s = NAN},
+                    .failed_s = NAN};
+  derate(w, r);
+  if (by->state_size)
+    r->state = vs_alloc(1, by->state_size + (w->again || w->from_work ? by->again_size : 0));
+  if (by->prepare) by->prepare(w, r);
+}
+
+static void begin_shots(shots *s, const vs_frame *frame, const vs_device *d) {
+  *s = (shots){.fresh = true, .last_s = -INFINITY};
+  vs_switching_gate_begin(&s->gate, frame->timeline, &d->gates);
+}
+
+static void begin_device(vs_watched *w, vs_device_watch *own, const vs_frame *frame,
+                         const vs_device *d, vs_span_s means) {
+  *w = (vs_watched){.device = d,
+                    .deck = frame->deck,
+                    .timeline = frame->timeline,
+                    .cooling = frame->cooling,
+                    .at_work = frame->at_work,
+                    .from_work = frame->from_work,
+                    .ambient_degc = frame->cooling ? frame->cooling->ambient_degc : 25,
+                    .on_orbit = frame->on_orbit,
+                    .again = frame->at_work || vs_occurrence_repeated(&frame->timeline->events),
+                    .count = d->kind->n_measures};
+  own->voltage = vs_formula_quicken(&d->voltage);
+  own->current = vs_formula_quicken(&d->current);
+  if (d->has_flux) own->flux = vs_formula_quicken(&d->flux);
+  if (d->kind->switches) {
+    w->states = vs_alloc(1, sizeof *w->states);
+    static const vs_gates NONE = {0};
+    vs_switching_begin(w->states, frame->timeline, d->kind->gated ? &d->gates : &NONE, frame->deck,
+                       d);
+    begin_shots(&own->shots, frame, d);
+    if (w->at_work) own->opening = vs_alloc(1, sizeof *own->opening);
+  }
+  w->reduced = vs_alloc(w->count, sizeof *w->reduced);
+  own->busy = vs_alloc(w->count, sizeof *own->busy);
+  for (size_t k = 0; k < w->count; k++) {
+    vs_reduced *r = &w->reduced[k];
+    begin_measure(w, r, &d->kind->measures[k]);
+    bool assumed = false; /* of what is cooled the mean power is asked for */
+    const bool warms = r->measure->how == VS_R_CASE && w->cooling &&
+                       isfinite(vs_cooling_to_ambient(w->cooling, w->deck, d, &assumed));
+    if (r->by->continuous && (r->limit || warms) && !w->at_work && !w->parts.count)
+      begin_parts(&w->parts, frame->timeline, means);
+    if (r->by->follow && (!r->by->is_busy || r->by->is_busy(w, r))) own->busy[own->n_busy++] = r;
+  }
+}
+
+vs_devices *vs_devices_new(const vs_frame *frame) {
+  size_t count = frame->deck ? frame->deck->n_devices : 0;
+  if (!count) return NULL;
+  vs_devices *d = vs_alloc(1, sizeof *d + count * sizeof *d->item);
+  d->frame = frame;
+  d->count = count;
+  d->watch = vs_alloc(count, sizeof *d->watch);
+  d->began_s = NAN;
+  d->means = frame->means;
+  if (!(d->means.to_s > 0)) d->means = (vs_span_s){0, INFINITY};
+  for (size_t k = 0; k < count; k++)
+    begin_device(&d->item[k], &d->watch[k], frame, &frame->deck->devices[k], d->means);
+  for (size_t k = 0; k < count; k++) d->tells = d->tells || d->item[k].device->kind->both_ways;
+  return d;
+}
+
+void vs_devices_free(vs_devices *d) {
+  for (size_t k = 0; d && k < d->count; k++) {
+    vs_watched *w = &d->item[k];
+    for (size_t n = 0; n < w->count; n++) free(w->reduced[n].state);
+    free(w->reduced);
+    free(w->states);
+    free(w->losses);
+    free(w->parts.sum);
+    free(d->watch[k].busy);
+    free(d->watch[k].opening);
+  }
+  if (d) free(d->watch);
+  free(d);
+}
+
+/* ---- courses ---- */
+
+static void complete(double course[VS_COURSES]) {
+  course[VS_OF_POWER] = course[VS_OF_V] * course[VS_OF_I];
+  course[VS_OF_I2] = course[VS_OF_I] * course[VS_OF_I];
+  course[VS_OF_V2] = course[VS_OF_V] * course[VS_OF_V];
+}
+
+/* Integrates a course over each step of a batch by Simpson's rule. */
+static void integrate(const vs_batch *b, const vs_pair *y, double last, double *more) {
+  for (size_t n = 0; n < b->count; n++) {
+    more[n] = (b->t1_s[n] - b->t0_s[n]) * (last + 4 * y[n][0] + y[n][1]) / 6;
+    last = y[n][1];
+  }
+}
+
+static void evaluate(const vs_watched *w, const vs_device_watch *own, const vs_batch *b,
+                     vs_courses *c) {
+  vs_pair *v = c->of[VS_OF_V], *i = c->of[VS_OF_I];
+  c->count = b->count;
+  vs_sweep(&own->voltage, b, v);
+  vs_sweep(&own->current, b, i);
+  for (size_t n = 0; n < b->count; n++) c->of[VS_OF_POWER][n] = v[n] * i[n];
+  for (size_t n = 0; n < b->count; n++) c->of[VS_OF_I2][n] = i[n] * i[n];
+  for (size_t n = 0; n < b->count; n++) c->of[VS_OF_V2][n] = v[n] * v[n];
+  if (own->flux.formula) vs_sweep(&own->flux, b, c->of[VS_OF_FLUX]);
+  for (int of = VS_OF_V; of < VS_COURSES; of++) integrate(b, c->of[of], w->last[of], c->more[of]);
+}
+
+/* ---- means ---- */
+
+/* Adds the integrals over a part of the step, from and to as parts of its length: of the parabola
+ * through its three values of v and i, which is a straight line where the formulas are such, by
+ * Simpson's rule. */
+static void integrate_part(const vs_course_step *c, double from, double to,
+                           double sum[VS_COURSES]) {
+  double y[3][VS_COURSES] = {{0}};
+  for (int k = 0; k < 3; k++) {
+    double s = from + (to - from) * k / 2, mid = 4 * s * (1 - s), end = s * (2 * s - 1);
+    for (int of = VS_OF_V; of <= VS_OF_I; of++)
+      y[k][of] = (1 - mid - end) * c->from[of] + mid * c->mid[of] + end * c->to[of];
+    complete(y[k]);
+  }
+  for (int of = VS_OF_V; of < VS_COURSES; of++)
+    sum[of] += (to - from) * c->h_s * (y[0][of] + 4 * y[1][of] + y[2][of]) / 6;
+}
+
+static void follow_shots(const vs_devices *d, vs_watched *w, shots *s, const vs_course_step *c) {
+  vs_switching_gate_follow(&s->gate, c);
+  s->fresh = s->fresh || s->gate.begins;
+  if (!c->on || c->was_on) return;
+  bool gated = s->gate.on && s->gate.gates.count;
+  bool again = gated && !s->fresh && c->t0_s - s->last_s < d->frame->timeline->period_s / 2;
+  s->fresh = false;
+  w->sequence.edge = w->sequence.edge || again;
+  if (again) return;
+  s->last_s = c->t0_s;
+  w->starts += c->t1_s > d->means.from_s && c->t0_s < d->means.to_s;
+}
+
+/* The part into which an instant falls; below 0, or the count and more: none. */
+static double part_at(const vs_parts *p, double t_s) {
+  return floor((t_s - p->from_s) / p->part_s);
+}
+
+/* Adds to the integrals over the parts of that stretch into which the step reaches. */
+static void follow_parts(vs_parts *p, const vs_course_step *c) {
+  const double first = part_at(p, c->t0_s), last = part_at(p, c->t1_s), count = (double)p->count;
+  for (double k = fmax(first, 0); k <= last && k < count; k++) {
+    double *sum = p->sum[(size_t)k];
+    if (first == last) {
+      for (int of = VS_OF_V; of < VS_COURSES; of++) sum[of] += c->more[of];
+      return;
+    }
+    const double from = (p->from_s + k * p->part_s - c->t0_s) / c->h_s,
+                 to = (p->from_s + (k + 1) * p->part_s - c->t0_s) / c->h_s;
+    integrate_part(c, fmax(from, 0), fmin(to, 1), sum);
+  }
+}
+
+/* Adds to the integrals over the stretch that means are over. */
+static void follow_means(const vs_devices *d, vs_watched *w, const vs_course_step *c) {
+  if (w->parts.count) follow_parts(&w->parts, c);
+  if (c->t0_s >= d->means.from_s && c->t1_s <= d->means.to_s) {
+    w->rests = w->rests || !c->on;
+    for (int of = VS_OF_V; of < VS_COURSES; of++) w->sum_meant[of] += c->more[of];
+    return;
+  }
+  double from_s = fmax(c->t0_s, d->means.from_s), to_s = fmin(c->t1_s, d->means.to_s);
+  if (!(to_s > from_s)) return;
+  w->rests = w->rests || !c->on;
+  integrate_part(c, (from_s - c->t0_s) / c->h_s, (to_s - c->t0_s) / c->h_s, w->sum_meant);
+}
+
+/* ---- step by step ---- */
+
+static void say(vs_devices *d, double at_s, const char *device, const char *what) {
+  d->incidents[d->n_incidents++] = (vs_incident){at_s, device, what};
+}
+
+static void tell_firing(vs_devices *d, const vs_watched *w, const vs_switch_news *news) {
+  static const char *const FIRES[] = {"fires (negative half cycle)", "fires",
+                                      "fires (positive half cycle)"},
+                           *const EXTINCT[] = {"extinct (negative half cycle)", "extinct",
+                                               "extinct (positive half cycle)"};
+  int half = w->device->kind->both_ways ? (news->way < 0 ? 0 : 2) : 1;
+  if (news->extinct.known) say(d, news->extinct.at_s, w->device->name, EXTINCT[half]);
+  if (news->fires.known) say(d, news->fires.at_s, w->device->name, FIRES[half]);
+}
+
+static void tell(vs_devices *d, const vs_watched *w, const vs_switch_news *news) {
+  const char *name = w->device->name;
+  if (news->misfire.known) say(d, news->misfire.at_s, name, "misfires");
+  if (d->tells && w->device->kind->gated) tell_firing(d, w, news);
+  if (news->unintended.known)
+    say(d, news->unintended.at_s, name,
+        news->commutation_failure ? "fires without a gate pulse (commutation failure)"
+                                  : "fires without a gate pulse (unintended firing)");
+}
+
+static void note_melting(vs_watched *w, vs_deed deed, double at_s) {
+  vs_sequence_add(&w->sequence, deed, at_s);
+  w->sequence.edge = true;
+}
+
+static void follow_melting(vs_devices *d, vs_watched *w, vs_melting *m, const vs_course_step *c) {
+  vs_melting_news news = vs_melting_follow(m, c);
+  const char *name = w->device->name;
+  if (!isnan(news.melts_s)) note_melting(w, VS_DEED_MELTS, news.melts_s);
+  if (!isnan(news.cleared_s)) note_melting(w, VS_DEED_CLEARS, news.cleared_s);
+  if (!isnan(news.again_s)) note_melting(w, VS_DEED_ARCS_AGAIN, news.again_s);
+  if (!isnan(news.melts_s)) say(d, news.melts_s, name, "melts");
+  if (!isnan(news.cleared_s)) say(d, news.cleared_s, name, "has cleared");
+  if (!isnan(news.again_s)) say(d, news.again_s, name, "arcs again");
+  for (size_t k = 0; k < w->count; k++)
+    if (w->reduced[k].by->take_melting) w->reduced[k].by->take_melting(&w->reduced[k], &news);
+}
+
+/* Of the order of a latching current. A device that recovers and whose gate made it conduct no more
+ * than this may or may not have latched. */
+static const double BARELY_A = 0.1;
+
+/* A circuit that offers no more than so many t_q may have the device fire again. */
+static const double OFFERS = 2;
+
+/* True: what a small error may undo has happened, or nearly. */
+static bool is_on_edge(const vs_switch *s, const vs_switch_news *news) {
+  if (news->misfire.known || news->unintended.known) return true;
+  if (news->extinct.known && s->conduction.recovers && s->conduction.peak_a < BARELY_A) return true;
+  return news->offered.known && isfinite(s->t_q_s) && news->offered.value < OFFERS * s->t_q_s;
+}
+
+static void note_deeds(vs_watched *w, const vs_switch_news *news) {
+  vs_sequence *q = &w->sequence;
+  if (news->extinct.known) vs_sequence_add(q, VS_DEED_GOES_OUT, news->extinct.at_s);
+  if (news->fires.known) vs_sequence_add(q, VS_DEED_FIRES, news->fires.at_s);
+  if (news->misfire.known) vs_sequence_add(q, VS_DEED_MISFIRES, news->misfire.at_s);
+  if (news->unintended.known) vs_sequence_add(q, VS_DEED_UNINTENDED, news->unintended.at_s);
+  if (news->commutation_failure) vs_sequence_add(q, VS_DEED_FAILS, news->unintended.at_s);
+  q->edge = q->edge || (w->device->kind->gated && is_on_edge(w->states, news));
+}
+
+/* True where a fuse of the deck melted in the conduction that the device has ended. The fuse then
+ * keeps its voltage away from the device: the little that is left of it can drive no current. */
+static bool is_ended_by_fuse(const vs_devices *d, const vs_switch *s) {
+  for (size_t k = 0; k < d->count; k++) {
+    const vs_melting *m = &d->watch[k].melting;
+    if (m->melted && m->melted_s > s->fired_s && m->melted_s <= s->zero_s) return true;
+  }
+  return false;
+}
+
+static void follow_states(vs_devices *d, vs_watched *w, vs_course_step *c) {
+  vs_switch_news news;
+  c->was_on = w->states->conduction.conducts;
+  vs_switching_follow(w->states, c, &news);
+  c->on = w->states->conduction.conducts;
+  if (news.offered.known && is_ended_by_fuse(d, w->states)) news.offered.known = false;
+  if (!news.any) return;
+  note_deeds(w, &news);
+  for (size_t k = 0; k < w->count; k++)
+    if (w->reduced[k].by->take_news) w->reduced[k].by->take_news(w, &w->reduced[k], &news);
+  tell(d, w, &news);
+}
+
+static void keep(opening *o, const vs_course_step *c) {
+  o->over = o->over || (c->on && !c->was_on) || o->count == KEPT;
+  if (o->over) return;
+  o->step[o->count].at_s = c->t1_s;
+  o->step[o->count].v = c->to[VS_OF_V];
+  o->step[o->count].i = c->to[VS_OF_I];
+  o->step[o->count++].i2_s = c->more[VS_OF_I2];
+}
+
+/* The courses are there. */
+static void follow(vs_devices *d, size_t k, vs_course_step *c) {
+  vs_watched *w = &d->item[k];
+  vs_device_watch *own = &d->watch[k];
+  for (int of = VS_OF_V; of < VS_COURSES; of++) w->sum[of] += c->more[of];
+  if (c->more[VS_OF_POWER] < 0) w->given_j -= c->more[VS_OF_POWER];
+  if (c->more[VS_OF_I] < 0) w->back_c -= c->more[VS_OF_I];
+  c->was_on = c->on = true; /* a device that does not switch conducts all the time */
+  if (w->states) follow_states(d, w, c);
+  if (w->states) follow_shots(d, w, &own->shots, c);
+  if (own->opening) keep(own->opening, c);
+  if (w->device->kind->melts) follow_melting(d, w, &own->melting, c);
+  if (w->losses) vs_losses_follow(w->losses, c);
+  follow_means(d, w, c);
+  for (size_t n = 0; n < own->n_busy; n++) own->busy[n]->by->follow(w, own->busy[n], c);
+}
+
+/* The courses at the first step's beginning, where peaks and pulses begin. */
+void vs_devices_begin(vs_devices *d, const vs_step *step) {
+  const double *terms = step->from->terms;
+  if (!d) return;
+  d->began_s = step->from->t_s;
+  for (size_t k = 0; k < d->count; k++) {
+    vs_watched *w = &d->item[k];
+    const vs_device_watch *own = &d->watch[k];
+    w->last[VS_OF_V] = vs_formula_value(own->voltage.formula, terms);
+    w->last[VS_OF_I] = vs_formula_value(own->current.formula, terms);
+    if (own->flux.formula) w->last[VS_OF_FLUX] = vs_formula_value(own->flux.formula, terms);
+    complete(w->last);
+    if (w->losses) vs_losses_resume(w->losses, w->last[VS_OF_V], w->last[VS_OF_I]);
+    if (w->states) vs_switching_resume(w->states, w->last[VS_OF_I], w->last[VS_OF_V]);
+    if (w->states && w->states->conduction.conducts)
+      vs_sequence_add(&w->sequence, VS_DEED_FIRES, d->began_s);
+    for (size_t n = 0; n < own->n_busy; n++)
+      if (own->busy[n]->by->begin) own->busy[n]->by->begin(w, own->busy[n], d->began_s);
+  }
+}
+
+/* True if all that these steps bring is a share of each integral: the device does not switch, melt
+ * or tell what its loss is made of, all of the steps count in its means, and its measures rest. */
+static bool only_adds_up(const vs_devices *d, size_t k, const vs_batch *b, const vs_courses *c) {
+  const vs_watched *w = &d->item[k];
+  const vs_device_watch *own = &d->watch[k];
+  bool meant = b->t0_s[0] >= d->means.from_s && b->t1_s[b->count - 1] <= d->means.to_s;
+  if (w->parts.count)
+    meant = meant && part_at(&w->parts, b->t0_s[0]) >= 0 &&
+            part_at(&w->parts, b->t0_s[0]) == part_at(&w->parts, b->t1_s[b->count - 1]) &&
+            part_at(&w->parts, b->t0_s[0]) < (double)w->parts.count;
+  bool rests = meant && !w->states && !w->losses && !w->device->kind->melts;
+  for (size_t n = 0; n < own->n_busy && rests; n++)
+    rests = own->busy[n]->by->rests && own->busy[n]->by->rests(w, own->busy[n], c);
+  return rests;
+}
+
+/* What follow() does then. Such a device counts as conducting all the time. */
+static void add_up(vs_watched *w, double t_s, const vs_courses *c) {
+  double *part = w->parts.count ? w->parts.sum[(size_t)part_at(&w->parts, t_s)] : NULL;
+  for (int of = VS_OF_V; of < VS_COURSES; of++)
+    for (size_t n = 0; n < c->count; n++) {
+      w->sum[of] += c->more[of][n];
+      w->sum_meant[of] += c->more[of][n];
+      if (part) part[of] += c->more[of][n];
+    }
+  for (size_t n = 0; n < c->count; n++) {
+    if (c->more[VS_OF_POWER][n] < 0) w->given_j -= c->more[VS_OF_POWER][n];
+    if (c->more[VS_OF_I][n] < 0) w->back_c -= c->more[VS_OF_I][n];
+  }
+}
+
+/* Goes through the steps one by one. */
+static void follow_steps(vs_devices *d, size_t k, const vs_batch *b, const vs_courses *all) {
+  vs_watched *w = &d->item[k];
+  const bool flux = d->watch[k].flux.formula;
+  vs_course_step c = {.h_s = 0};
+  memcpy(c.to, w->last, sizeof c.to);
+  for (size_t n = 0; n < b->count; n++) {
+    memcpy(c.from, c.to, sizeof c.from);
+    c.t0_s = b->t0_s[n];
+    c.t1_s = b->t1_s[n];
+    c.h_s = c.t1_s - c.t0_s;
+    if (!(c.h_s > 0)) continue;
+    for (int of = flux ? VS_OF_FLUX : VS_OF_V; of < VS_COURSES; of++) {
+      c.mid[of] = all->of[of][n][0];
+      c.to[of] = all->of[of][n][1];
+    }
+    for (int of = VS_OF_V; of < VS_COURSES; of++) c.more[of] = all->more[of][n];
+    if (n + 1 < b->count) d->n_incidents = 0; /* nobody asks for those of a step before the last */
+    follow(d, k, &c);
+  }
+}
+
+static void follow_device(vs_devices *d, size_t k, const vs_batch *b) {
+  vs_watched *w = &d->item[k];
+  vs_courses c;
+  size_t last = b->count - 1;
+  evaluate(w, &d->watch[k], b, &c);
+  if (only_adds_up(d, k, b, &c))
+    add_up(w, b->t0_s[0], &c);
+  else
+    follow_steps(d, k, b, &c);
+  for (int of = 0; of < VS_COURSES; of++)
+    if (of != VS_OF_FLUX || d->watch[k].flux.formula) w->last[of] = c.of[of][last][1];
+}
+
+void vs_devices_follow(vs_devices *d, const vs_batch *b) {
+  if (!d) return;
+  d->n_incidents = 0;
+  for (size_t k = 0; k < d->count; k++) follow_device(d, k, b);
+  d->now_s = b->t1_s[b->count - 1];
+}
+
+/* Takes in a step of the opening. What the device does against its gate there was told already. */
+static void follow_again(const vs_watched *w, vs_course_step *c) {
+  vs_switch_news news;
+  c->was_on = w->states->conduction.conducts;
+  vs_switching_follow(w->states, c, &news);
+  c->on = w->states->conduction.conducts;
+  news.misfire.known = news.unintended.known = news.commutation_failure = false;
+  for (size_t m = 0; m < w->count; m++) {
+    const vs_reducer *by = w->reduced[m].by;
+    if (news.any && by->take_news) by->take_news(w, &w->reduced[m], &news);
+    if (by->across) by->follow(w, &w->reduced[m], c);
+  }
+}
+
+/* Follows the device from the period's end on, through its opening. What is found there is told
+ * with its instant within the period. */
+static void follow_on(const vs_devices *d, const vs_watched *w, const opening *o) {
+  const double period_s = d->now_s - d->began_s;
+  vs_course_step c = {.t1_s = d->now_s};
+  memcpy(c.to, w->last, sizeof c.to);
+  for (size_t n = 0; n < o->count; n++) {
+    c.t0_s = c.t1_s;
+    memcpy(c.from, c.to, sizeof c.from);
+    c.t1_s = o->step[n].at_s + period_s;
+    c.h_s = c.t1_s - c.t0_s;
+    c.to[VS_OF_V] = o->step[n].v;
+    c.to[VS_OF_I] = o->step[n].i;
+    c.more[VS_OF_I2] = o->step[n].i2_s;
+    complete(c.to);
+    if (c.h_s > 0) follow_again(w, &c);
+  }
+  for (size_t m = 0; m < w->count; m++) {
+    vs_reduced *r = &w->reduced[m];
+    if (r->value.at_s > d->now_s) r->value.at_s -= period_s;
+    if (r->failed_s > d->now_s) r->failed_s -= period_s;
+  }
+}
+
+/* The sizes of what a circuit's equations are summed from: the largest current and voltage of any
+ * of its devices, and for how long. */
+typedef struct sizes {
+  double a, v, s;
+} sizes;
+
+static sizes find_sizes(const vs_devices *d) {
+  sizes z = {0, 0, d->now_s - d->began_s};
+  for (size_t k = 0; k < d->count; k++)
+    for (size_t n = 0; n < d->item[k].count; n++) {
+      const vs_reduced *r = &d->item[k].reduced[n];
+      const double size = fabs(r->value.value);
+      if (!r->value.known || !isfinite(size)) continue;
+      if (!strcmp(r->measure->unit, "A")) z.a = fmax(z.a, size);
+      if (!strcmp(r->measure->unit, "V")) z.v = fmax(z.v, size);
+    }
+  return z;
+}
+
+/* The current of a device is what the other currents of its node leave over, and its voltage is a
+ * difference of two nodes' voltages. So neither is known better than to the rounding of the largest
+ * in the circuit, and power and energy not better than to that part of the product of both. A sum
+ * of sixteen such terms, more than a node has, is off by their number times the rounding of one. */
+enum { TERMS = 16 };
+
+static double size_of(const char *unit, const sizes *z) {
+  if (!strcmp(unit, "A")) return z->a;
+  if (!strcmp(unit, "V")) return z->v;
+  if (!strcmp(unit, "W")) return z->a * z->v;
+  return !strcmp(unit, "J") ? z->a * z->v * z->s : 0;
+}
+
+static void round_off(const vs_watched *w, vs_reduced *r, const sizes *z) {
+  const char *unit = r->measure->unit;
+  const double whole = !strcmp(unit, "J") ? fabs(w->sum[VS_OF_POWER]) : 0; /* it is a part of */
+  r->value.value = vs_value_told(r->value.value, fmax(TERMS * size_of(unit, z), whole));
+}
+
+void vs_devices_finish(vs_devices *d) {
+  if (!d || isnan(d->began_s)) return;
+  for (size_t k = 0; k < d->count; k++)
+    if (d->watch[k].opening) follow_on(d, &d->item[k], d->watch[k].opening);
+  const vs_run_end end = {d->now_s, fmax(d->began_s, d->means.from_s),
+                          fmin(d->now_s, d->means.to_s)};
+  for (size_t k = 0; k < d->count; k++)
+    for (size_t n = 0; n < d->item[k].count; n++) {
+      vs_reduced *r = &d->item[k].reduced[n];
+      if (r->by->finish) r->by->finish(&d->item[k], r, &end);
+    }
+  for (size_t k = 0; k < d->count; k++)
+    for (size_t n = 0; n < d->item[k].count; n++) {
+      vs_reduced *r = &d->item[k].reduced[n];
+      if (r->by->settle) r->by->settle(&d->item[k], r);
+    }
+  const sizes z = find_sizes(d);
+  for (size_t k = 0; k < d->count; k++)
+    for (size_t n = 0; n < d->item[k].count; n++)
+      round_off(&d->item[k], &d->item[k].reduced[n], &z);
+}
+
+bool vs_devices_unclear(const vs_devices *d, size_t which, char *text, size_t size) {
+  const vs_watched *w = &d->item[which];
+  const vs_melting *m = &d->watch[which].melting;
+  const bool direct = w->timeline->supply.direct, goes_on = m->melted && (!m->cleared || m->again);
+  const double drives_v = w->device->mains_v * (direct ? 1 : M_SQRT2);
+  if (!w->device->kind->melts || !goes_on || !(m->arc_v > 0 && m->arc_v < drives_v)) return false;
+  snprintf(text, size,
+           "%s has melted and does not clear: the voltage of its arc, %.3g V, is below %s, %.4g V, "
+           "which drives its current on; a fuse whose arc has more is wanted",
+           w->device->name, m->arc_v, direct ? "the direct voltage" : "the crest of the mains",
+           drives_v);
+  return true;
+}

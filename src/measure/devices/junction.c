@@ -1,0 +1,248 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "devices/junction.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "netlist/parts.h"
+#include "devices/means.h"
+
+/* On an orbit the rise at the period's beginning is that at its end. A run that is repeated (the
+ * keys times and every of an event) begins with what the runs before it have left. Both are known
+ * at the run's end. So the power over the run is kept: each step's mean and its end. Where there
+ * are more steps than that, each two neighbours become one. */
+enum { KEPT = 32768 };
+typedef struct heating {
+  double end_s, power_w;
+} heating;
+
+/* The Foster network of the device's part, and the rise of each of its terms. */
+typedef struct network {
+  double tau_s[VS_PART_ZTH];
+  double gain[VS_PART_ZTH]; /* rise in the long run, K over the unit of the course */
+  double rise_k[VS_PART_ZTH];
+  size_t count;
+  double begun_s;
+  double orbit_ends_s; /* of a run that begins on an orbit, while its first period is followed: the
+                          end of that; else 0 */
+  double orbit_j;      /* what that period brings */
+  double orbit_w;      /* its mean power, once it is over; NaN: there was none */
+  size_t n_kept;
+  heating kept[]; /* [KEPT] where the run comes again or begins on an orbit, else [0] */
+} network;
+
+/* Takes the part's lines zth. The course is this many W to its unit. */
+static void take_network(const vs_watched *w, vs_reduced *r, double scale_w) {
+  const vs_deck *deck = w->deck;
+  network *n = r->state;
+  const char *file = w->device->part < 0 ? "" : deck->parts[w->device->part].file;
+  for (size_t k = 0; k < deck->n_zth; k++) {
+    if (strcmp(deck->zth[k].where.file, file)) continue;
+    n->tau_s[n->count] = deck->zth[k].tau_s;
+    n->gain[n->count++] = scale_w * deck->zth[k].k_per_w;
+    r->assumed = r->assumed || deck->zth[k].assumed;
+  }
+}
+
+static void prepare_junction(vs_watched *w, vs_reduced *r) {
+  take_network(w, r, 1);
+}
+
+/* What a capacitor stores and gives back is no heat; ESR i^2 is, by the part's limit esr. */
+static void prepare_core(vs_watched *w, vs_reduced *r) {
+  const char *file = w->device->part < 0 ? NULL : w->deck->parts[w->device->part].file;
+  const vs_limit *esr = file ? vs_parts_find_limit(w->deck, file, "esr") : NULL;
+  if (!esr || !isfinite(esr->value)) return;
+  r->assumed = esr->assumed;
+  take_network(w, r, esr->value);
+}
+
+static bool has_network(const vs_watched *w, const vs_reduced *r) {
+  const network *n = r->state;
+  (void)w;
+  return n->count;
+}
+
+/* The end of the orbit's first period, of a run that begins on one; 0: it does not, or an event
+ * comes before. */
+static double orbit_ends_s(const vs_watched *w, double t_s) {
+  const vs_timeline *line = w->timeline;
+  const double cycles = line->firing.no_valve ? 1 : line->firing.every;
+  const double ends_s = t_s + cycles * line->period_s;
+  if (!w->from_work || w->again) return 0;
+  for (size_t k = 0; k < line->events.count; k++)
+    if (line->events.item[k].start_s < ends_s) return 0;
+  return ends_s;
+}
+
+static void begin_junction(const vs_watched *w, vs_reduced *r, double t_s) {
+  network *n = r->state;
+  n->begun_s = t_s;
+  n->orbit_ends_s = orbit_ends_s(w, t_s);
+  n->orbit_w = NAN;
+  vs_reducer_begin_at_zero(w, r, t_s);
+}
+
+static double rise_of(const network *n) {
+  double rise_k = 0;
+  for (size_t k = 0; k < n->count; k++) rise_k += n->rise_k[k];
+  return rise_k;
+}
+
+/* Each term moves on its own, under a power that is constant for h_s. Returns the rise of all. */
+static double heat_up(network *n, double power_w, double h_s) {
+  for (size_t k = 0; k < n->count; k++) {
+    double less = -expm1(-h_s / n->tau_s[k]);
+    n->rise_k[k] += less * (n->gain[k] * power_w - n->rise_k[k]);
+  }
+  return rise_of(n);
+}
+
+static void halve(network *n) {
+  double from_s = n->begun_s;
+  for (size_t k = 0; k < KEPT / 2; k++) {
+    const heating *a = &n->kept[2 * k], *b = a + 1;
+    double joule = a->power_w * (a->end_s - from_s) + b->power_w * (b->end_s - a->end_s);
+    const heating both = {b->end_s, joule / (b->end_s - from_s)};
+    from_s = b->end_s;
+    n->kept[k] = both;
+  }
+  n->n_kept = KEPT / 2;
+}
+
+static void keep(network *n, double end_s, double power_w) {
+  if (n->n_kept == KEPT) halve(n);
+  n->kept[n->n_kept++] = (heating){end_s, power_w};
+}
+
+/* From 0 a term comes to b in the period T, and from s to s e^(-T/tau) + b. On an orbit that is s
+ * again: s = b/(1 - e^(-T/tau)). */
+static double of_orbit(double period_s, double tau_s) {
+  return 1 / -expm1(-period_s / tau_s);
+}
+
+/* Goes through the kept stretch once more, from what the terms are now. */
+static void go_again(vs_reduced *r) {
+  network *n = r->state;
+  vs_course_step c = {.t1_s = n->begun_s};
+  r->value = (vs_value){true, rise_of(n), n->begun_s};
+  for (size_t k = 0; k < n->n_kept; k++) {
+    double before = rise_of(n);
+    c.t0_s = c.t1_s;
+    c.t1_s = n->kept[k].end_s;
+    c.h_s = c.t1_s - c.t0_s;
+    vs_reducer_take_largest(r, &c, before, heat_up(n, n->kept[k].power_w, c.h_s));
+  }
+}
+
+/* The first period of an orbit, from cold. At its end the terms are made those of the orbit, with
+ * which it is gone through once more. Returns how much of the step lies behind it, s. */
+static double follow_orbit(vs_reduced *r, const vs_course_step *c, double power_w) {
+  network *n = r->state;
+  const double behind_s = fmax(c->t1_s - n->orbit_ends_s, 0), h_s = c->h_s - behind_s;
+  const double length_s = n->orbit_ends_s - n->begun_s;
+  heat_up(n, power_w, h_s);
+  n->orbit_j += power_w * h_s;
+  keep(n, c->t0_s + h_s, power_w);
+  if (n->orbit_ends_s - c->t1_s > 1e-9 * length_s) return 0;
+  for (size_t k = 0; k < n->count; k++) n->rise_k[k] *= of_orbit(length_s, n->tau_s[k]);
+  go_again(r);
+  n->orbit_w = n->orbit_j / length_s;
+  n->orbit_ends_s = 0;
+  return behind_s;
+}
+
+static void follow_junction(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
+  network *n = r->state;
+  double power_w = c->more[r->measure->of] / c->h_s, h_s = c->h_s;
+  if (n->orbit_ends_s > 0) h_s = follow_orbit(r, c, power_w);
+  double before = rise_of(n);
+  if (n->orbit_ends_s > 0 || !(h_s > 0)) return;
+  double after = heat_up(n, power_w, h_s);
+  if (w->again)
+    keep(n, c->t1_s, power_w);
+  else
+    vs_reducer_take_largest(r, c, before, after);
+}
+
+/* What b at the end of a run becomes until the run that comes n-th begins, T behind the one before
+ * it, with that of all runs before it: b e^(-(T-D)/tau) (1 - q^(n-1))/(1 - q), q = e^(-T/tau); D is
+ * how long the run is. */
+static double of_times(const vs_occurrence *e, double length_s, double tau_s) {
+  double q_to_n = (e->v.times - 1) * e->v.every_s / tau_s;
+  return exp(-(e->v.every_s - length_s) / tau_s) * expm1(-q_to_n) / expm1(-e->v.every_s / tau_s);
+}
+
+/* From what the run begins with it is gone through once more. */
+static void repeat(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
+  network *n = r->state;
+  const vs_occurrence *e = vs_occurrence_repeated(&w->timeline->events);
+  const double length_s = end->now_s - n->begun_s;
+  for (size_t k = 0; k < n->count; k++)
+    n->rise_k[k] *=
+        w->at_work ? of_orbit(length_s, n->tau_s[k]) : of_times(e, length_s, n->tau_s[k]);
+  go_again(r);
+}
+
+/* What a settled rise may still lack, as a part of its limit. It counts as the value's error. */
+static const double NEXT_TO_NOTHING = 0.01;
+static const char SETTLING[] = "not judged: it has not settled; vibrospice steady SCENE judges it",
+                  AT_START[] =
+                      "not judged: an event comes before the orbit's first period is over, "
+                      "by which it is warm; a later event has it judged";
+
+/* A rise that begins cold lacks what went before the run, unless that is all that there is. Where
+ * the mean heat is known so is what it lacks. */
+static void hold(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
+  double level;
+  const bool too_hot = r->limit && r->value.known && r->value.value > r->limit->value;
+  if (w->at_work || !r->value.known) return;
+  if (!w->from_work && (w->again || vs_means_is_over(w))) return;
+  const char *why = vs_means_of(w, r->measure->of, end, &level);
+  const double lacks_k = why ? INFINITY : vs_junction_lacks_k(r, end->now_s, level);
+  if (w->from_work && why && !w->again && !too_hot) r->value.known = false;
+  if (!r->limit || too_hot) return;
+  r->doubt = lacks_k;
+  if (lacks_k <= NEXT_TO_NOTHING * r->limit->value) return;
+  r->doubt = 0;
+  r->limit = NULL;
+  r->unjudged = w->from_work ? AT_START : why ? why : SETTLING;
+}
+
+/* A run that is shorter than the period of the orbit that it begins on tells nothing. */
+static void finish_junction(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
+  network *n = r->state;
+  if (n->orbit_ends_s > 0) r->value.known = false;
+  if (w->again && n->count) repeat(w, r, end);
+  if (n->count && !isfinite(n->orbit_w)) hold(w, r, end);
+}
+
+double vs_junction_lacks_k(const vs_reduced *rise, double end_s, double power_w) {
+  const network *n = rise->state;
+  double lacks_k = 0;
+  for (size_t k = 0; k < n->count; k++)
+    lacks_k += fmax(power_w, 0) * n->gain[k] * exp(-(end_s - n->begun_s) / n->tau_s[k]);
+  return lacks_k;
+}
+
+double vs_junction_orbit_w(const vs_reduced *rise) {
+  const network *n = rise->state;
+  return n->count && rise->value.known ? n->orbit_w : NAN;
+}
+
+const vs_reducer vs_junction_of_power = {.continuous = true,
+                                         .state_size = sizeof(network),
+                                         .again_size = KEPT * sizeof(heating),
+                                         .prepare = prepare_junction,
+                                         .is_busy = has_network,
+                                         .begin = begin_junction,
+                                         .follow = follow_junction,
+                                         .finish = finish_junction},
+                 vs_junction_of_current = {.continuous = true,
+                                           .state_size = sizeof(network),
+                                           .again_size = KEPT * sizeof(heating),
+                                           .prepare = prepare_core,
+                                           .is_busy = has_network,
+                                           .begin = begin_junction,
+                                           .follow = follow_junction,
+                                           .finish = finish_junction};

@@ -1,0 +1,695 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "measure/switching.h"
+
+#include <math.h>
+
+#include "netlist/parts.h"
+#include "engine/events.h"
+#include "engine/firing.h"
+#include "engine/gate.h"
+
+/* A current up to this is leakage: the device has not begun to conduct. */
+static const double QUIET_A = 0.001;
+/* A voltage above this counts as forward voltage that is blocked. It is above any on-state voltage.
+ */
+static const double FORWARD_V = 10;
+
+/* What the voltage did since the last conduction. NONE also: the device has not conducted yet, or
+ * its forward voltage was followed by reverse voltage. */
+enum { REST_NONE, REST_NO_REVERSE_YET, REST_REVERSED, REST_FORWARD_AGAIN };
+
+/* ---- gate ---- */
+
+void vs_switching_gate_begin(vs_gate_watch *g, const vs_timeline *timeline, const vs_gates *gates) {
+  *g = (vs_gate_watch){
+      .timeline = timeline, .gates = *gates, .edge_s = -INFINITY, .off_since_s = -INFINITY};
+}
+
+void vs_switching_gate_follow(vs_gate_watch *g, const vs_course_step *c) {
+  g->begins = g->ended = false;
+  if (!g->gates.count) {
+    g->on = true;
+    return;
+  }
+  if (c->t1_s < g->edge_s) return;
+  bool was = g->on;
+  double at_s = vs_gate_of_step(c->t0_s, c->t1_s);
+  /* an edge that is not told from this instant counts as one to come, so that the next step asks
+   * again */
+  double before_s = at_s - 3 * vs_occurrence_rounding(at_s);
+  g->on = false;
+  /* an event may add a pulse; a pulse that a control has not decided yet is not known */
+  g->edge_s = fmin(vs_events_edge(&g->timeline->events, before_s), vs_firing_known_s(g->timeline));
+  for (size_t k = 0; k < g->gates.count; k++) {
+    g->on = g->on || vs_gate_is_on(g->timeline, g->gates.rad[k], at_s);
+    g->edge_s = fmin(g->edge_s, vs_gate_edge(g->timeline, g->gates.rad[k], before_s));
+  }
+  g->begins = g->on && !was;
+  g->ended = was && !g->on;
+  if (g->ended) g->off_since_s = c->t0_s;
+}
+
+/* True while a gate pulse is known to be there. The device is then meant to conduct. */
+static bool is_gated(const vs_switch *s) {
+  return s->gate.on && s->gate.gates.count;
+}
+
+/* True while its gate is driven: within a pulse, and there within a sub-pulse. */
+static bool is_driven(const vs_switch *s, const vs_course_step *c) {
+  if (!is_gated(s) || !s->gate.bursts) return is_gated(s);
+  double at_s = vs_gate_of_step(c->t0_s, c->t1_s);
+  for (size_t k = 0; k < s->gate.gates.count; k++)
+    if (vs_gate_burst(s->gate.timeline, s->gate.gates.rad[k], at_s)) return true;
+  return false;
+}
+
+/* ---- rises of forward voltage ---- */
+
+static void begin_rise(vs_rise *r, double t_s, double v) {
+  r->begun = r->gated = true;
+  r->foot = (vs_instant){t_s, 0};
+  r->foot_v = r->top_v = v;
+  r->s_per_v = INFINITY;
+  r->best = (vs_ascent){.took_s = INFINITY};
+  r->told_s = INFINITY;
+}
+
+/* Notes that it rose by over_v from one instant to another. */
+static void take_stretch(vs_rise *r, vs_instant from, vs_instant to) {
+  if (to.t_s - from.t_s < r->best.took_s)
+    r->best = (vs_ascent){from.t_s, to.t_s - from.t_s, r->over_v, from.bent_s + to.bent_s};
+}
+
+/* Notes when the voltage went through a level. The stretch that ends there begins as it last went
+ * through the level that lies over_v below. Where that one is no longer kept, the voltage was at
+ * this level before and did not fall by over_v since, so that a shorter stretch was noted then. */
+static void pass_level(vs_rise *r, double level, vs_instant at) {
+  if (level >= VS_RISE_PARTS) {
+    const vs_passed *below = &r->passed[(size_t)(level - VS_RISE_PARTS) % VS_RISE_LEVELS];
+    if (below->number == level - VS_RISE_PARTS + 1) take_stretch(r, below->at, at);
+  }
+  r->passed[(size_t)level % VS_RISE_LEVELS] = (vs_passed){level + 1, at};
+}
+
+/* Above this the numbers of levels are no longer exact. No voltage of a circuit is as high. */
+static const double MOST_LEVELS = 1e15;
+/* A step that goes through more levels than this is followed straight, for the time that each
+ * takes.
+ */
+static const double MOST_BENT = 64 * VS_RISE_LEVELS;
+/* A voltage that is on a level but for rounding is on it. In levels. */
+static const double SAME_LEVEL = 1e-9;
+
+/* The slope at the knot between two steps, V/s: that of the parabola through their three knots. NaN
+ * where the two say different things, as at a jump: both must rise, neither more than three times
+ * as fast as the other, which keeps the cubic between two knots from turning back (de Boor and
+ * Swartz), and neither may be more than eight times as long, as the noise of a very short step is
+ * no slope. */
+static const double MOST_STEEPER = 3, MOST_LONGER = 8;
+static double slope_between(double rate, double h_s, double next_rate, double next_h_s) {
+  bool alike = rate > 0 && next_rate > 0 && rate <= MOST_STEEPER * next_rate &&
+               next_rate <= MOST_STEEPER * rate && h_s > 0 && h_s <= MOST_LONGER * next_h_s &&
+               next_h_s <= MOST_LONGER * h_s;
+  return alike ? (rate * next_h_s + next_rate * h_s) / (h_s + next_h_s) : NAN;
+}
+
+/* A step of the course that rises: straight, or on a cubic that has the slopes given at its ends.
+ */
+typedef struct climbed {
+  double zero_s, low_v, s_per_v; /* the straight line: its part above 0 V */
+  double t0_s, h_s, v0, v1;      /* the whole step */
+  double k0, k1;                 /* the slopes at its ends, in V over the step */
+  bool bent;
+  double bow_s; /* how far the cubic is from the straight line, at its farthest */
+} climbed;
+
+/* Slopes that differ by less, in parts of themselves, are the same but for rounding. */
+static const double SAME_SLOPE = 1e-9;
+/* A slope that is off by 1 at one end of a cubic moves it by no more than this within the step. */
+static const double BOW = 4.0 / 27;
+static climbed climbed_of(const vs_rising *c, double slope_v_s) {
+  climbed of = {.zero_s = c->t0_s,
+                .low_v = fmax(c->v0, 0),
+                .t0_s = c->t0_s,
+                .h_s = c->t1_s - c->t0_s,
+                .v0 = c->v0,
+                .v1 = c->v1};
+  if (c->v0 < 0) of.zero_s -= c->v0 / (c->v1 - c->v0) * of.h_s;
+  of.s_per_v = (c->t1_s - of.zero_s) / (c->v1 - of.low_v);
+  const double rise_v = c->v1 - c->v0;
+  of.k0 = isnan(c->slope_v_s) ? rise_v : c->slope_v_s * of.h_s;
+  of.k1 = isnan(slope_v_s) ? rise_v : slope_v_s * of.h_s;
+  const double off_v = fabs(of.k0 - rise_v) + fabs(of.k1 - rise_v);
+  of.bent = off_v > SAME_SLOPE * rise_v;
+  of.bow_s = of.bent ? BOW * off_v * of.s_per_v : 0;
+  return of;
+}
+
+/* Part of the step, 0 to 1, at which the cubic is at v, by Newton's method within a bracket. */
+static double part_at(const climbed *c, double v, double part) {
+  const double rise = c->v1 - c->v0, b = 3 * rise - 2 * c->k0 - c->k1, a = c->k0 + c->k1 - 2 * rise;
+  double low = 0, high = 1;
+  for (int n = 0; n < 60; n++) {
+    const double off = ((a * part + b) * part + c->k0) * part + c->v0 - v,
+                 slope = (3 * a * part + 2 * b) * part + c->k0;
+    *(off < 0 ? &low : &high) = part;
+    double next = slope > 0 ? part - off / slope : -1;
+    if (!(next > low && next < high)) next = (low + high) / 2;
+    const double by = fabs(next - part);
+    part = next;
+    if (by <= 1e-14) break;
+  }
+  return part;
+}
+
+/* When the course is at v. */
+static vs_instant instant_at(const climbed *c, double v) {
+  const double straight_s = c->zero_s + (v - c->low_v) * c->s_per_v;
+  if (!c->bent) return (vs_instant){straight_s, 0};
+  const double part = (straight_s - c->t0_s) / c->h_s,
+               t_s = c->t0_s + part_at(c, v, fmin(fmax(part, 0), 1)) * c->h_s;
+  return (vs_instant){t_s, c->bow_s};
+}
+
+/* Takes a stretch that began at a kept point, where it ends in this step. */
+static void pass_end(vs_rise *r, vs_instant from, double from_v, const climbed *c) {
+  double end_v = from_v + r->over_v;
+  if (c->low_v <= end_v && end_v <= c->v1) take_stretch(r, from, instant_at(c, end_v));
+}
+
+/* Takes the step that waits, with the slope at its end, or NaN. On a straight line those between
+ * the first and the last of more levels than are kept tell nothing. */
+static void climb(vs_rise *r, double slope_v_s) {
+  if (!r->waits) return;
+  climbed c = climbed_of(&r->rising, slope_v_s);
+  double each_v = r->over_v / VS_RISE_PARTS;
+  double first = ceil(c.low_v / each_v - SAME_LEVEL), last = floor(c.v1 / each_v + SAME_LEVEL);
+  r->waits = false;
+  if (!(last < MOST_LEVELS)) return;
+  c.bent = c.bent && last - first < MOST_BENT;
+  if (c.v0 < 0) r->foot = instant_at(&c, 0);
+  for (double level = first; level <= last; level++) {
+    if (level == first + VS_RISE_PARTS + 1 && !c.bent)
+      level = fmax(level, last - VS_RISE_LEVELS + 1);
+    pass_level(r, level, instant_at(&c, level * each_v));
+  }
+  if (c.s_per_v < r->s_per_v / 2) {
+    r->knee = c.v0 < 0 ? r->foot : (vs_instant){c.t0_s, 0};
+    r->knee_v = c.low_v;
+  }
+  r->s_per_v = c.s_per_v;
+  pass_end(r, r->foot, r->foot_v, &c);
+  pass_end(r, r->knee, r->knee_v, &c);
+}
+
+/* Follows the present rise. gated: its gate pulse is there. A rise ends at its top, once the
+ * voltage has come down by a tenth of it, and true is returned then. It is followed while the
+ * device conducts too, so that the voltage of a device that goes out is known from its own foot on:
+ * where in that rise the current counts as gone is known less well than the voltage. A step that
+ * rises waits for the next one, which tells its slope at the end. */
+static bool follow_rise(vs_rise *r, const vs_course_step *c, bool gated) {
+  double v0 = fmax(c->from[VS_OF_V], 0), v1 = fmax(c->to[VS_OF_V], 0);
+  const double rate = (c->to[VS_OF_V] - c->from[VS_OF_V]) / c->h_s;
+  const double slope_v_s = slope_between(r->rate_v_s, r->h_s, rate, c->h_s);
+  climb(r, slope_v_s);
+  r->rate_v_s = rate;
+  r->h_s = c->h_s;
+  if (c->from[VS_OF_V] < 0 && v1 > 0) begin_rise(r, c->t0_s - c->from[VS_OF_V] / rate, 0);
+  if (!r->begun) begin_rise(r, c->t0_s, v0);
+  r->waits = v1 > v0;
+  if (r->waits)
+    r->rising = (vs_rising){c->t0_s, c->t1_s, c->from[VS_OF_V], c->to[VS_OF_V], slope_v_s};
+  else
+    r->s_per_v = INFINITY;
+  if (v1 > r->top_v) {
+    r->top_v = v1;
+    r->gated = r->gated && gated;
+  }
+  return r->top_v - v1 >= 0.1 * (r->top_v - r->foot_v);
+}
+
+/* The steepest stretch of four fifths of what the present rise did, where that is less than over_v.
+ * took_s is INFINITY where it rose by less than 10 V. */
+static vs_ascent four_fifths(const vs_rise *r) {
+  double height_v = r->top_v - r->foot_v, each_v = r->over_v / VS_RISE_PARTS;
+  double high = fmin(floor(0.8 * height_v / each_v), VS_RISE_PARTS),
+         last = floor(r->top_v / each_v);
+  vs_ascent best = {.took_s = INFINITY};
+  if (height_v < FORWARD_V || high < 1) return best;
+  for (double level = ceil(r->foot_v / each_v); level + high <= last; level++) {
+    const vs_passed *from = &r->passed[(size_t)level % VS_RISE_LEVELS];
+    const vs_passed *to = &r->passed[(size_t)(level + high) % VS_RISE_LEVELS];
+    bool kept = from->number == level + 1 && to->number == level + high + 1;
+    double took_s = to->at.t_s - from->at.t_s;
+    if (kept && took_s > 0 && took_s < best.took_s)
+      best = (vs_ascent){from->at.t_s, took_s, high * each_v, from->at.bent_s + to->at.bent_s};
+  }
+  return best;
+}
+
+/* True where four fifths of the present rise are less than over_v. */
+static bool is_low(const vs_rise *r) {
+  return 0.8 * (r->top_v - r->foot_v) < r->over_v;
+}
+
+static double rate_of(const vs_ascent *a) {
+  return a->over_v / a->took_s;
+}
+
+static void tell_ascent(const vs_ascent *a, vs_rose *told) {
+  if (!isfinite(a->took_s)) return;
+  const double error = rate_of(a) * a->bent_s / a->took_s;
+  *told = (vs_rose){{true, rate_of(a), a->from_s}, a->over_v, error};
+}
+
+/* ---- conduction ---- */
+
+/* A current that is back so soon after its end goes on with the conduction before: at its latching
+ * current, or by the solver's errors, it may touch the end for nanoseconds. */
+static const double AT_ONCE_S = 1e-6;
+
+/* Notes the forward voltage at which the current began, which may be many steps back. Of a current
+ * that is back at once it is what the conduction before began at. */
+static void follow_fired_v(vs_switch *s, const vs_course_step *c, double began_s) {
+  if (began_s < c->t0_s) return;
+  double v = fmax(c->from[VS_OF_V], c->to[VS_OF_V]);
+  bool goes_on = isfinite(s->fired_s) && began_s - s->zero_s < AT_ONCE_S;
+  s->fired_v = goes_on ? fmax(s->fired_v, v) : v;
+}
+
+/* What a device has stored when its gate pulse ends, or its unintended firing begins, decays within
+ * some t_q of the part if it did not latch: by a factor of e in less than one, and an end is told
+ * at some e^-8 of the current. A conduction that outlasts ten of them holds itself. Where t_q is
+ * not known it counts as 150 us, which is long for a thyristor of this size. And one that had
+ * conducted for longer as its pulse ended, and whose current was at less than half of its peak by
+ * then, had latched before: it goes out by its circuit. */
+static const double DECAYS = 10, SLOW_T_Q_S = 150e-6;
+static double stores_s(const vs_switch *s) {
+  return isfinite(s->t_q_s) ? s->t_q_s : SLOW_T_Q_S;
+}
+
+static bool has_latched(const vs_switch *s) {
+  bool by_pulse = s->by_gate && s->gate.gates.count;
+  double from_s = by_pulse ? s->gate.off_since_s : s->fired_s;
+  if (!(from_s >= s->fired_s)) return false; /* its pulse is still there */
+  const double decays_s = DECAYS * stores_s(s);
+  bool waned = s->pulse_end_a < s->conduction.peak_a / 2;
+  if (by_pulse && waned && from_s - s->fired_s > decays_s) return true;
+  return s->zero_s - from_s > decays_s;
+}
+
+/* Of a device that conducts both ways: notes since when its current is below a tenth of its peak.
+ */
+static void follow_fall(vs_switch *s, const vs_course_step *c) {
+  double i0 = c->from[VS_OF_I], i1 = c->to[VS_OF_I], tenth_a = s->conduction.peak_a / 10;
+  if (i1 > tenth_a)
+    s->tenth_s = NAN;
+  else if (isnan(s->tenth_s))
+    s->tenth_s = i0 > tenth_a ? c->t0_s + (i0 - tenth_a) / (i0 - i1) * c->h_s : c->t0_s;
+}
+
+static void follow_conduction(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
+  if (s->gate.ended) s->pulse_end_a = c->from[VS_OF_I];
+  const vs_conduction_step step = {c->t0_s,        c->t1_s,          c->from[VS_OF_I],
+                                   c->to[VS_OF_I], c->from[VS_OF_V], c->to[VS_OF_V]};
+  double event_s = NAN;
+  s->conduction.gated = is_gated(s);
+  switch (vs_conduction_follow(&s->conduction, &step, &event_s)) {
+  case VS_EV_FIRES:
+    s->fired_s = event_s;
+    follow_fired_v(s, c, s->fired_s);
+    s->tenth_s = NAN;
+    s->commutates = false;
+    news->fires = (vs_value){true, 1, event_s};
+    break;
+  case VS_EV_EXTINCT:
+    s->zero_s = event_s;
+    s->rest = c->to[VS_OF_V] < 0 && !s->both_ways ? REST_REVERSED : REST_NO_REVERSE_YET;
+    if (event_s > s->tenth_s)
+      news->fall = (vs_value){true, s->conduction.peak_a / 10 / (event_s - s->tenth_s), event_s};
+    s->commutates = s->both_ways;
+    news->extinct = (vs_value){true, 1, event_s};
+    s->latched = has_latched(s);
+    s->rose_s = NAN;
+    break;
+  default:
+    /* while it rests after a conduction the voltage at which that began is still asked for */
+    if (!s->conduction.conducts && (s->rest == REST_NONE || s->rest == REST_FORWARD_AGAIN))
+      follow_fired_v(s, c, s->conduction.foot_s);
+  }
+}
+
+/* The device is back at forward voltage without having been reversed: it did not latch. As long as
+ * its gate pulse lasts it may be fired again, by the next of the sub-pulses, and the end of the
+ * pulse will tell. Otherwise this is a misfire. */
+static void fall_back(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
+  bool gate_known = s->gate.gates.count;
+  s->rest = REST_NONE;
+  if (s->gate.on)
+    s->conducted = false;
+  else if (s->by_gate && gate_known) {
+    news->misfire = (vs_value){true, 1, c->t1_s};
+    news->unlatched = true;
+  }
+}
+
+/* Forward voltage has returned. */
+static void turn_off(vs_switch *s, double returned_s) {
+  s->rest = REST_FORWARD_AGAIN;
+  s->offers = true;
+  s->offered_s = fmax(returned_s - s->zero_s, 0);
+  s->offer = (vs_switch_news){.doubt_s = s->conduction.tail_s,
+                              .spread_s = s->conduction.peak_a / s->conduction.tail_a_s};
+  if (!is_gated(s)) /* else it is meant to conduct */
+    s->offer.offered = (vs_value){true, s->offered_s, returned_s};
+}
+
+/* The forward voltage that has returned is one, or the device has fired from it. */
+static void tell_offered(vs_switch *s, vs_switch_news *news) {
+  if (!s->offers) return;
+  s->offers = false;
+  news->offered = s->offer.offered;
+  news->doubt_s = s->offer.doubt_s;
+  news->spread_s = s->offer.spread_s;
+}
+
+/* Follows the voltage of a device that blocks after a conduction: reverse, then forward again. One
+ * that had latched, and went out by its holding current, may have forward voltage at once. Up to
+ * half of what it fired from that is told from what it still drops as its charge decays by nothing,
+ * and does not count. A voltage that turns back before it has come to 10 V was no return: behind
+ * mains that are gone it is noise about zero. */
+static void follow_rest(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
+  double v0 = c->from[VS_OF_V], v1 = c->to[VS_OF_V];
+  switch (s->rest) {
+  case REST_NO_REVERSE_YET:
+    if (v1 < 0) s->rest = REST_REVERSED;
+    if (isnan(s->rose_s) && v1 > FORWARD_V)
+      s->rose_s = v0 < FORWARD_V ? c->t0_s + (FORWARD_V - v0) / (v1 - v0) * c->h_s : s->zero_s;
+    if (s->fired_v < FORWARD_V || v1 < s->fired_v / 2) break;
+    if (s->latched) {
+      turn_off(s, isnan(s->rose_s) ? c->t1_s : s->rose_s);
+      tell_offered(s, news);
+    } else
+      fall_back(s, c, news);
+    break;
+  case REST_REVERSED:
+    if (v1 > 0) turn_off(s, v0 < 0 ? c->t0_s - v0 / (v1 - v0) * c->h_s : c->t0_s);
+    if (v1 > FORWARD_V) tell_offered(s, news);
+    break;
+  case REST_FORWARD_AGAIN:
+    if (v1 > FORWARD_V) tell_offered(s, news);
+    if (v1 < 0) s->rest = s->offers ? REST_REVERSED : REST_NONE;
+    if (s->both_ways && isnan(s->rose_s) && v1 > FORWARD_V) s->rose_s = c->t1_s;
+    break;
+  }
+}
+
+/* The blocking device's voltage has changed its sign: the other half cycle begins. Behind a
+ * conduction this is the return of forward voltage. A rest is over with the half cycle behind it,
+ * which the voltage must have gone to 10 V in: up to there it is noise about zero. */
+static void turn_over(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
+  double v0 = c->from[VS_OF_V], v1 = c->to[VS_OF_V];
+  double zero_s = v0 * v1 < 0 ? c->t0_s + v0 / (v0 - v1) * c->h_s : c->t0_s;
+  s->way = -s->way;
+  s->rise.rate_v_s = -s->rise.rate_v_s;
+  vs_conduction_turn(&s->conduction, zero_s);
+  if (s->rest == REST_NO_REVERSE_YET) {
+    turn_off(s, zero_s);
+    tell_offered(s, news);
+    s->rose_s = NAN;
+  } else if (!isnan(s->rose_s))
+    s->rest = REST_NONE;
+}
+
+/* The step as the present half cycle sees it. */
+static vs_course_step in_half_cycle(const vs_switch *s, const vs_course_step *c) {
+  vs_course_step f = *c;
+  for (int of = VS_OF_V; of <= VS_OF_I; of++) {
+    f.from[of] *= s->way;
+    f.to[of] *= s->way;
+  }
+  return f;
+}
+
+/* A current has begun. Without a gate pulse at that time this is an unintended firing. */
+static void judge_firing(vs_switch *s, vs_switch_news *news) {
+  s->by_gate = s->gate.on || s->fired_s < s->gate.off_since_s;
+  if (s->rest == REST_FORWARD_AGAIN) tell_offered(s, news);
+  if (!s->by_gate) {
+    news->unintended = (vs_value){true, 1, s->fired_s};
+    news->commutation_failure = s->rest == REST_FORWARD_AGAIN && !(s->offered_s >= s->t_q_s);
+  }
+  s->rest = REST_NONE;
+}
+
+/* Follows whether the device answers its gate pulses. A pulse that found forward voltage and has
+ * ended is unanswered; as long as a small current flows, though, it may still have been answered.
+ */
+static void follow_pulse(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
+  if (s->gate.begins) s->forward = s->conducted = false;
+  if (s->gate.on) {
+    s->conducted = s->conducted || s->conduction.conducts;
+    s->forward = s->forward || fmax(c->from[VS_OF_V], c->to[VS_OF_V]) > FORWARD_V;
+  }
+  if (s->gate.ended && s->forward && !s->conducted) s->unanswered_s = c->t0_s;
+  if (isnan(s->unanswered_s)) return;
+  bool blocks = c->to[VS_OF_V] > FORWARD_V || c->to[VS_OF_I] <= QUIET_A;
+  if (!s->conduction.conducts && !blocks) return;
+  if (!s->conduction.conducts) news->misfire = (vs_value){true, 1, s->unanswered_s};
+  s->unanswered_s = NAN;
+}
+
+void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, const vs_gates *gates,
+                        const vs_deck *deck, const vs_device *device) {
+  *s = (vs_switch){.both_ways = device->kind->both_ways,
+                   .way = 1,
+                   .t_q_s = INFINITY,
+                   .fired_s = NAN,
+                   .rose_s = NAN,
+                   .tenth_s = NAN,
+                   .unanswered_s = NAN,
+                   .stored = {.took_s = INFINITY},
+                   .stored_at_s = -INFINITY};
+  vs_switching_gate_begin(&s->gate, timeline, gates);
+  s->gate.bursts = deck->n_ports && vs_deck_has_port(deck, vs_port_is_burst);
+  s->on.window_s =
+      vs_parts_turn_on_s(deck, device->part < 0 ? NULL : deck->parts[device->part].file);
+  vs_conduction_begin(&s->conduction);
+  s->conduction.recovers = vs_conduction_turn_off(deck, device) > 0;
+}
+
+void vs_switching_resume(vs_switch *s, double i_a, double v_v) {
+  if (s->both_ways) s->way = i_a < 0 ? -1 : 1;
+  vs_conduction_resume(&s->conduction, s->way * i_a, s->way * v_v);
+  if (!s->conduction.conducts) return;
+  s->by_gate = true;
+  s->fired_s = -INFINITY;
+}
+
+static void follow_current(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
+  bool was_on = s->conduction.conducts;
+  if (!was_on) follow_rest(s, c, news);
+  if (was_on && s->both_ways) follow_fall(s, c);
+  follow_conduction(s, c, news);
+  if (was_on || !s->conduction.conducts) return;
+  judge_firing(s, news);
+  s->turning_on = true;
+}
+
+/* The rate of the current up to its first maximum, and for AT_ONCE_S at the least: what a
+ * junction's charge draws may make a maximum of milliamperes before the current of the circuit
+ * comes. Not known behind that. */
+static vs_value follow_turn_on(vs_switch *s, const vs_course_step *c, double rate) {
+  bool early = c->t1_s - s->fired_s < AT_ONCE_S;
+  s->turning_on = early || c->to[VS_OF_I] >= c->from[VS_OF_I];
+  return (vs_value){s->turning_on && rate > 0, rate, c->t1_s};
+}
+
+/* The largest rate of forward voltage, which counts as 0 while the voltage is reversed. */
+static double forward_rate(vs_slope *slope, const vs_course_step *c) {
+  double v0 = c->from[VS_OF_V], v1 = c->to[VS_OF_V], largest = -INFINITY, zero_s = c->t0_s;
+  if ((v0 < 0) != (v1 < 0)) {
+    zero_s = c->t0_s + v0 / (v0 - v1) * c->h_s;
+    largest = vs_switching_rate(slope, c->t0_s, fmax(v0, 0), zero_s, 0, 1);
+    v0 = 0;
+  }
+  return fmax(largest, vs_switching_rate(slope, zero_s, fmax(v0, 0), c->t1_s, fmax(v1, 0), 1));
+}
+
+/* Tells of the present rise what is steeper than what was told of it. */
+static void tell_rise(vs_rise *r, vs_switch_news *news) {
+  if (!(r->best.took_s < r->told_s)) return;
+  r->told_s = r->best.took_s;
+  tell_ascent(&r->best, &news->rise);
+}
+
+/* The first rise of 10 V or more behind a conduction has ended: it is (dv/dt)c, too. */
+static void tell_return(vs_switch *s, vs_switch_news *news) {
+  vs_ascent ascent = is_low(&s->rise) ? four_fifths(&s->rise) : s->rise.best;
+  tell_ascent(&ascent, &news->return_rise);
+  s->commutates = s->commutates && !news->return_rise.rate.known;
+}
+
+/* What the present rise may fire the device by: its steepest stretch. */
+static vs_ascent drive_of(const vs_rise *r) {
+  return isfinite(r->best.took_s) ? r->best : four_fifths(r);
+}
+
+/* Keeps the steepest stretch of a rise that has ended while the device blocked: what it has stored
+ * may fire the device some time later. One that is less steep is kept in its place once the charge
+ * of the one before has decayed. */
+static void keep_rise(vs_switch *s, double now_s) {
+  vs_ascent ascent = drive_of(&s->rise);
+  bool decayed = now_s - s->stored_at_s > stores_s(s);
+  if (!isfinite(ascent.took_s) || !(decayed || rate_of(&ascent) > rate_of(&s->stored))) return;
+  s->stored = ascent;
+  s->stored_at_s = now_s;
+}
+
+/* While the device blocks. What rises under its gate pulse is told only where the device has not
+ * fired by the rise's end. */
+static void tell_blocked(vs_switch *s, double now_s, bool ended, vs_switch_news *news) {
+  if (ended || !s->rise.gated) tell_rise(&s->rise, news);
+  if (ended) keep_rise(s, now_s);
+  if (ended && s->commutates) tell_return(s, news);
+}
+
+/* The device has fired. The rise that it fired by may have ended before. */
+static void tell_fired(vs_switch *s, bool commutated, vs_switch_news *news) {
+  climb(&s->rise, NAN);
+  vs_ascent by = drive_of(&s->rise);
+  bool stored = s->fired_s - s->stored_at_s <= stores_s(s);
+  if (stored && rate_of(&s->stored) > rate_of(&by)) by = s->stored;
+  news->fired_v = s->fired_v;
+  news->fired_rate = rate_of(&by);
+  news->fired_over_v = by.over_v;
+  s->stored_at_s = -INFINITY;
+  if (s->rise.gated && !news->unintended.known) return;
+  tell_rise(&s->rise, news);
+  if (news->unintended.known && !news->rise.rate.known) tell_ascent(&by, &news->rise);
+  if (commutated) tell_return(s, news);
+}
+
+static void follow_rises(vs_switch *s, const vs_course_step *c, bool was_on, bool commutated,
+                         vs_switch_news *news) {
+  bool on = s->conduction.conducts, ended = follow_rise(&s->rise, c, is_driven(s, c));
+  if (!was_on && !on) tell_blocked(s, c->t1_s, ended, news);
+  if (!was_on && on) tell_fired(s, commutated, news);
+  if (!was_on && on)
+    s->rise.begun = false;
+  else if (ended)
+    begin_rise(&s->rise, c->t1_s, fmax(c->to[VS_OF_V], 0));
+}
+
+static void follow(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
+  bool was_on = s->conduction.conducts, commutated = s->commutates;
+  double off_rate = forward_rate(&s->off, c);
+  double on_rate = vs_switching_rate(&s->on, c->t0_s, c->from[VS_OF_I], c->t1_s, c->to[VS_OF_I], 1);
+  vs_switching_gate_follow(&s->gate, c);
+  follow_current(s, c, news);
+  follow_pulse(s, c, news);
+  if (s->rise.over_v > 0) follow_rises(s, c, was_on, commutated, news);
+  if (!was_on && !s->conduction.conducts) {
+    if (off_rate > s->off_rate) news->off_rate = (vs_value){true, off_rate, c->t1_s};
+    s->off_rate = fmax(s->off_rate, off_rate);
+  } else if (s->turning_on)
+    news->on_rate = follow_turn_on(s, c, on_rate);
+}
+
+void vs_switching_finish(vs_switch *s, vs_switch_news *news) {
+  *news = (vs_switch_news){.way = s->way};
+  climb(&s->rise, NAN);
+  if (s->rise.begun && !s->conduction.conducts && !s->rise.gated) tell_rise(&s->rise, news);
+  news->any = news->rise.rate.known;
+}
+
+void vs_switching_follow(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
+  *news = (vs_switch_news){0};
+  if (!s->both_ways)
+    follow(s, c, news);
+  else {
+    if (!s->conduction.conducts && s->way * c->to[VS_OF_V] < 0) turn_over(s, c, news);
+    vs_course_step half = in_half_cycle(s, c);
+    follow(s, &half, news);
+  }
+  news->way = s->way;
+  news->any = news->rise.rate.known || news->off_rate.known || news->on_rate.known ||
+              news->offered.known || news->misfire.known || news->unintended.known ||
+              news->fires.known || news->extinct.known || news->fall.known ||
+              news->return_rise.rate.known;
+}
+
+/* ---- the largest rate over a window ---- */
+
+static const double WINDOW_S = 1e-7;
+
+static double window_of(const vs_slope *s) {
+  return s->window_s > 0 ? s->window_s : WINDOW_S;
+}
+
+static size_t knot_at(const vs_slope *s, size_t n) {
+  return (s->first + n) % VS_SLOPE_KNOTS;
+}
+
+static void keep_knot(vs_slope *s, double t_s, double y) {
+  if (s->count && t_s - s->t_s[knot_at(s, s->count - 1)] < window_of(s) / VS_SLOPE_PARTS) return;
+  size_t end = knot_at(s, s->count++);
+  s->t_s[end] = t_s;
+  s->y[end] = y;
+}
+
+/* The course at a time not before its first kept knot. Behind the last kept knot comes the
+ * beginning of the step. */
+static double course_at(const vs_slope *s, double t_s, double t0_s, double y0, double rate) {
+  if (t_s >= t0_s) return y0 + rate * (t_s - t0_s);
+  size_t n = 1;
+  while (n < s->count && s->t_s[knot_at(s, n)] < t_s) n++;
+  double ta = s->t_s[knot_at(s, n - 1)], ya = s->y[knot_at(s, n - 1)];
+  double tb = n < s->count ? s->t_s[knot_at(s, n)] : t0_s,
+         yb = n < s->count ? s->y[knot_at(s, n)] : y0;
+  return tb > ta ? ya + (yb - ya) * (t_s - ta) / (tb - ta) : yb;
+}
+
+static double in_sense(double change, int sense) {
+  return sense ? sense * change : fabs(change);
+}
+
+/* The largest rate where the last knot kept is a window or more before the step, and the step two
+ * windows long: the windows that count begin with the step, or end with it. */
+static double rate_of_long(vs_slope *s, double t0_s, double y0, double t1_s, double y1, int sense) {
+  const double window_s = window_of(s);
+  double rate = (y1 - y0) / (t1_s - t0_s), after = y0 + rate * (t0_s + window_s - t0_s);
+  double before = y0 + rate * (t1_s - window_s - t0_s);
+  double first = in_sense((after - y0) / window_s, sense);
+  double last = in_sense((y1 - before) / window_s, sense), largest = -INFINITY;
+  s->first = 0;
+  s->t_s[0] = t0_s;
+  s->y[0] = y0;
+  if (first > largest) largest = first;
+  return last > largest ? last : largest;
+}
+
+double vs_switching_rate(vs_slope *s, double t0_s, double y0, double t1_s, double y1, int sense) {
+  const double window_s = window_of(s);
+  if (!(t1_s > t0_s)) return -INFINITY;
+  if (s->count == 1 && t0_s - s->t_s[s->first] > 2 * window_s && t1_s - t0_s > 2 * window_s)
+    return rate_of_long(s, t0_s, y0, t1_s, y1, sense);
+  double rate = (y1 - y0) / (t1_s - t0_s), largest = -INFINITY;
+  keep_knot(s, t0_s, y0);
+  /* As the window moves, the rate changes along a straight line until one end passes a knot. So its
+   * largest value is at such an instant. */
+  for (size_t n = 0; n <= s->count; n++) {
+    bool last = n == s->count;
+    double begin_s = last ? t1_s - window_s : s->t_s[knot_at(s, n)], end_s = begin_s + window_s;
+    if (begin_s < s->t_s[s->first] || (!last && (end_s <= t0_s || end_s > t1_s))) continue;
+    double begin = last ? course_at(s, begin_s, t0_s, y0, rate) : s->y[knot_at(s, n)];
+    double end = last ? y1 : y0 + rate * (end_s - t0_s), change = (end - begin) / window_s;
+    double own = in_sense(change, sense);
+    if (own > largest) largest = own; /* fmax would be called */
+  }
+  while (s->count > 1 && s->t_s[knot_at(s, 1)] <= t1_s - window_s) {
+    s->first = knot_at(s, 1);
+    s->count--;
+  }
+  return largest;
+}

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Watcher that measures the stress of the deck's devices (netlist/devices.h). It evaluates each
+ * device's voltage and current, tells what a device that conducts or blocks did, and hands both to
+ * the reductions of the device's measures (measure/devices/reductions.h).
+ *
+ * Between two knots the deck's terms lie on straight lines, as the probes do. So extremes are at
+ * knots, and Simpson's rule integrates a voltage times a current exactly. */
+#ifndef VS_MEASURE_DEVICES_H
+#define VS_MEASURE_DEVICES_H
+
+#include "engine/batch.h"
+#include "measure/reducer.h"
+
+/* What happened to a device in the step last followed: it went against its gate; or it fired or
+ * went out, where the deck has devices that conduct both ways (vs_devices.tells); or a fuse melted,
+ * had cleared or arced again. */
+typedef struct vs_incident {
+  double at_s;
+  const char *device, *what; /* borrowed: "thyristor", "misfires" */
+} vs_incident;
+
+typedef struct vs_device_watch vs_device_watch; /* devices.c: how one device is followed */
+
+typedef struct vs_devices {
+  const vs_frame *frame;
+  vs_span_s means;       /* what means are over; the whole run where the frame says nothing */
+  double began_s, now_s; /* of the steps accepted; began_s is NaN before the first */
+  bool tells; /* each device's firings are among the incidents, so that the run's own need not be
+                 told besides */
+  vs_incident incidents[3 * VS_DECK_DEVICES]; /* at most a misfire, a firing or an end of one, and
+                                                 what is to be said of the firing, a device */
+  size_t n_incidents;
+  vs_device_watch *watch; /* [count]; owned */
+  size_t count;
+  vs_watched item[]; /* in the order of the deck's devices */
+} vs_devices;
+
+/* Returns NULL where the frame has no deck, or its deck no devices; the functions below then do
+ * nothing. The frame must outlive the watcher, which vs_devices_free frees. */
+vs_devices *vs_devices_new(const vs_frame *frame);
+void vs_devices_free(vs_devices *devices);
+/* Tells where the first step begins. */
+void vs_devices_begin(vs_devices *devices, const vs_step *first);
+/* Takes some steps, one behind the other. A step of no length is ignored. `incidents` become those
+ * of the last step. */
+void vs_devices_follow(vs_devices *devices, const vs_batch *batch);
+/* Completes the measures that are known only once the run is over. */
+void vs_devices_finish(vs_devices *devices);
+
+/* True where a fuse has melted and does not clear, or arcs again, and the voltage of its arc is
+ * below the crest of the mains that drive it, or their direct voltage: that is the cause, and the
+ * text says so. False where the mains at the fuse are not known. */
+bool vs_devices_unclear(const vs_devices *devices, size_t which, char *text, size_t size);
+
+#endif

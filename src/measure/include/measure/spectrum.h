@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Watcher that takes the current drawn from the mains apart into harmonics of the mains. The
+ * integrals are taken on the dense output of each step, so that no sampling limits them. */
+#ifndef VS_MEASURE_SPECTRUM_H
+#define VS_MEASURE_SPECTRUM_H
+
+#include <gsl/gsl_integration.h>
+
+#include "measure/grouping.h"
+#include "engine/step.h"
+
+/* The harmonics go from 0, the direct part, to the last one that IEC 61000-3-2 has a limit for. */
+enum { VS_SPECTRUM_LAST = VS_GROUPING_LAST, VS_SPECTRUM_LINES };
+
+/* Begin with vs_spectrum_begin, end with vs_spectrum_end. */
+typedef struct vs_spectrum {
+  double omega_rad_s;                                        /* of the mains */
+  double span_s;                                             /* what was taken in so far */
+  double cosine[VS_SPECTRUM_LINES], sine[VS_SPECTRUM_LINES]; /* int i cos(n w t) dt, A s */
+  double squared;                                            /* int i^2 dt, A^2 s */
+  vs_grouping grouping;                /* of a current that takes several cycles to repeat */
+  gsl_integration_glfixed_table *rule; /* owned */
+} vs_spectrum;
+
+void vs_spectrum_begin(vs_spectrum *spectrum, double omega_rad_s);
+void vs_spectrum_end(vs_spectrum *spectrum);
+/* Has it tell groups as well: what will be taken in are `cycles` cycles of the mains, from from_s
+ * on, of a current that repeats after `period` of them. After one cycle: groups are the lines. */
+void vs_spectrum_begin_groups(vs_spectrum *spectrum, double from_s, int cycles, int period);
+
+/* Adds a point of a current, A, to the integrals: weight_s is its share of the time. Whoever adds
+ * points adds their time to span_s, too. */
+void vs_spectrum_add(vs_spectrum *spectrum, double t_s, double weight_s, double current);
+
+/* Takes one accepted step. */
+void vs_spectrum_accept(vs_spectrum *spectrum, const vs_step *step);
+
+/* The root mean square of the harmonic n, A; of harmonic 0, the size of the mean. What was taken in
+ * must be whole cycles of the mains. */
+double vs_spectrum_harmonic(const vs_spectrum *spectrum, int n);
+/* What is held against the limit of harmonic n, from 1 on, A rms: its group by IEC 61000-4-7 where
+ * the current takes several cycles of the mains to repeat (measure/grouping.h), else the harmonic
+ * itself. NaN: what was taken in does not hold whole periods of the current. */
+double vs_spectrum_judged(const vs_spectrum *spectrum, int n);
+/* The mean of the current with its sign, and the root mean square of all of it, A. */
+double vs_spectrum_mean(const vs_spectrum *spectrum);
+double vs_spectrum_rms(const vs_spectrum *spectrum);
+
+/* The largest harmonic current n that IEC 61000-3-2:2018, table 1, allows an apparatus of class A,
+ * A rms; NaN: it states none, as of the harmonics 0 and 1. */
+double vs_spectrum_limit(int n);
+
+#endif

@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * All watchers of one run. Each accepted step is shown to every one of them; what they have seen is
+ * read from their own structs. */
+#ifndef VS_MEASURE_WATCHERS_H
+#define VS_MEASURE_WATCHERS_H
+
+#include "measure/devices.h"
+#include "measure/energy.h"
+#include "measure/measures.h"
+#include "measure/settled.h"
+
+/* The stretches of a run that went without ngspice, as the circuit was quiet (engine/macromodel/quiet.h). */
+typedef struct vs_absence {
+  int times;      /* how often ngspice was left */
+  double first_s; /* instant at which it was first left */
+  double total_s; /* how long all stretches are together, s */
+  double since_s; /* beginning of the present stretch */
+  bool now;       /* a stretch has begun and not ended */
+  double bound;   /* on the error by all of this, relative to each probe's peak */
+} vs_absence;
+
+/* Start from {0}. vs_watchers_begin may be called again for another run, and vs_watchers_free may
+ * be called at any time. */
+typedef struct vs_watchers {
+  vs_measures *measures; /* owned; NULL before the first run */
+  vs_devices *devices;   /* owned; NULL: the deck has none */
+  vs_batch *batch;       /* owned; NULL: there is no deck. Steps that devices and losses, whose
+                            formulas cost most, have not seen yet */
+  bool began;            /* a step was accepted */
+  bool prompt;           /* set behind vs_watchers_begin: no step waits, as someone asks what was
+                            seen of it, or as the scene's firings or events are decided on the way */
+  vs_energy energy;
+  vs_absence absence;
+  double strays;          /* of the last step (engine/step.h) */
+  vs_sequence sequence;   /* of the run's own firings and ends (engine/step.h) */
+  vs_measure_set settled; /* as vs_watchers_leave found it the last time */
+  bool left;              /* the rest of the run was left out: what is not settled is not known */
+} vs_watchers;
+
+/* Begins a run anew. The frame must outlive the watchers' use. wants: as for vs_measures_new. */
+void vs_watchers_begin(vs_watchers *watchers, const vs_frame *frame, const vs_measure_set *wants);
+/* Shows one accepted step to all. */
+void vs_watchers_accept(vs_watchers *watchers, const vs_step *step);
+/* Returns true if the rest of the run cannot change any of the values that are wanted, so that it
+ * may be left out (vs_observer.leaves). What it could change is then not known at the end. */
+bool vs_watchers_leave(vs_watchers *watchers, const vs_rest *rest, const vs_measure_set *wanted);
+/* The run has ended at until_s: completes what each has seen and gives the standard measures, the
+ * energies included, values[VS_MEASURES]. */
+void vs_watchers_finish(vs_watchers *watchers, double until_s, vs_value values[VS_MEASURES]);
+void vs_watchers_free(vs_watchers *watchers);
+
+#endif

@@ -1,0 +1,358 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "netlist/deck.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "base/text.h"
+#include "netlist/catalogue.h"
+#include "netlist/words.h"
+#include "netlist/reserved.h"
+
+const vs_shelf vs_deck_shelf = {"deck", "", ".cir"},
+               vs_deck_parts_shelf = {"part", "parts", ".inc"};
+
+const vs_field vs_deck_key = {"deck",
+                              VS_NAME,
+                              "",
+                              "halfwave_snubbed",
+                              0,
+                              0,
+                              false,
+                              offsetof(vs_circuit_values, deck),
+                              "netlist: a file, or the name of one that comes with the program",
+                              NULL,
+                              NULL};
+
+const char *const vs_deck_standard_names[] = {
+    [VS_STANDARD_U_RMS] = "u_rms",       [VS_STANDARD_F_MAINS] = "f_mains",
+    [VS_STANDARD_PHASE] = "phase",       [VS_STANDARD_R_SOURCE] = "r_source",
+    [VS_STANDARD_L_SOURCE] = "l_source", [VS_STANDARD_EVA_RESISTANCE] = "eva_resistance",
+    [VS_STANDARD_EVA_A] = "eva_a"};
+_Static_assert(sizeof vs_deck_standard_names / sizeof *vs_deck_standard_names == VS_STANDARD,
+               "a name for each parameter of the program's");
+
+static bool among(const char *name, const char *const *list, size_t count) {
+  for (size_t k = 0; k < count; k++)
+    if (!strcasecmp(name, list[k])) return true;
+  return false;
+}
+#define AMONG(name, list) among(name, list, sizeof(list) / sizeof *(list))
+
+bool vs_deck_is_standard(const char *name) {
+  return AMONG(name, vs_deck_standard_names);
+}
+
+bool vs_deck_has_port(const vs_deck *deck, bool (*is)(const vs_signal *signal)) {
+  for (size_t k = 0; k < deck->n_ports; k++)
+    if (is(&deck->ports[k].signal)) return true;
+  return false;
+}
+
+/* The deck owns its fields; its section shows them as constant. */
+static vs_field *own_fields(vs_deck *deck) {
+  return (vs_field *)(size_t)deck->section.fields;
+}
+
+void vs_deck_begin(vs_deck *deck) {
+  if (deck->begun) *deck = (vs_deck){0};
+  deck->begun = true;
+  deck->section =
+      (vs_section){"circuit", vs_alloc(1 + VS_DECK_MOST + VS_DECK_PARTS, sizeof(vs_field)), 1};
+  own_fields(deck)[0] = vs_deck_key;
+}
+
+/* ---- filling it ---- */
+
+void vs_deck_remark(vs_deck *deck, vs_where where, const char *format, ...) {
+  char text[512];
+  va_list args;
+  va_start(args, format);
+  vsnprintf(text, sizeof text, format, args);
+  va_end(args);
+  if (!deck->remarks) deck->remarks = vs_alloc(1, sizeof *deck->remarks);
+  vs_error own = {.findings = deck->remarks, .elsewhere = true};
+  if (vs_error_carry_on(&own, vs_fail_at(&own, where, "%s", text)))
+    vs_fail(&deck->remarks->item[VS_MOST_FINDINGS - 1], VS_INPUT,
+            "the netlist has more that is to be warned of than the %d shown", VS_MOST_FINDINGS - 1);
+}
+
+void vs_deck_add_line(vs_deck *deck, vs_line line) {
+  deck->lines = vs_alloc_grow(deck->lines, deck->n_lines, sizeof *deck->lines);
+  deck->lines[deck->n_lines++] = line;
+}
+
+vs_status vs_deck_add_field(vs_deck *deck, const vs_field *field, vs_where where, vs_error *err) {
+  for (size_t k = 0; k < deck->section.count; k++)
+    if (!strcmp(deck->section.fields[k].key, field->key))
+      return vs_fail_at(err, where, "param %s stands here a second time%s", field->key,
+                        k ? "" : ": that key is the program's");
+  if (vs_deck_is_standard(field->key))
+    return vs_fail_at(err, where, "param %s is the program's; give yours another name", field->key);
+  if (vs_reserved_is_ours(field->key))
+    return vs_fail_at(err, where, "param %s: the program makes such names; give yours another name",
+                      field->key);
+  vs_field *own = &own_fields(deck)[deck->section.count++];
+  *own = *field;
+  own->key = vs_copy(field->key);
+  own->unit = vs_copy(field->unit);
+  own->default_text = vs_copy(field->default_text);
+  own->text = vs_copy(field->text);
+  return VS_OK;
+}
+
+int vs_deck_add_term(vs_deck *deck, vs_where where, char quantity, const char *first,
+                     const char *second) {
+  vs_term term = {.where = where};
+  snprintf(term.plus, sizeof term.plus, "%c(%s)", quantity, first);
+  snprintf(term.minus, sizeof term.minus, "v(%s)", second);
+  for (size_t k = 0; k < deck->n_terms; k++)
+    if (!strcmp(deck->terms[k].plus, term.plus) && !strcmp(deck->terms[k].minus, term.minus))
+      return (int)k;
+  if (deck->n_terms >= VS_DECK_MOST) return -1;
+  deck->terms[deck->n_terms++] = term;
+  return (int)deck->n_terms - 1;
+}
+
+bool vs_deck_is_shipped(const char *file) {
+  const vs_shelf parts = {"part", "parts", ""}, decks = {"deck", "", ""};
+  char path[VS_PATH_SIZE], whole[VS_PATH_SIZE];
+  vs_catalogue_file(file, whole);
+  const char *slash = strrchr(whole, '/'), *name = slash ? slash + 1 : whole;
+  return (vs_path_shipped(&parts, name, path) && !strcmp(path, whole)) ||
+         (vs_path_shipped(&decks, name, path) && !strcmp(path, whole));
+}
+
+vs_where vs_deck_mendable(const vs_deck *deck, vs_where where, char *within, size_t size) {
+  *within = '\0';
+  for (size_t k = deck->n_files; k-- > 0;) { /* who includes a file stands before it */
+    if (where.file != deck->files[k] || !deck->included[k].file) continue;
+    const char *slash = strrchr(where.file, '/');
+    if (!*within)
+      snprintf(within, size, " (%.*s:%d:%d)",
+               (int)vs_error_file_size(slash ? slash + 1 : where.file),
+               slash ? slash + 1 : where.file, where.line, where.column);
+    where = deck->included[k];
+  }
+  return where;
+}
+
+/* ---- formulas ---- */
+
+/* The deck and the line that a formula is read for. */
+typedef struct formula_scope {
+  vs_deck *deck;
+  const vs_cursor *line;
+} formula_scope;
+
+static vs_where place(const formula_scope *scope, const char *at) {
+  vs_cursor c = *scope->line;
+  c.at = at;
+  return vs_cursor_here(&c);
+}
+
+static int formula_term(void *ctx, const char *at, const vs_formula_term *term) {
+  const formula_scope *scope = ctx;
+  return vs_deck_add_term(scope->deck, place(scope, at), term->quantity, term->first, term->second);
+}
+
+static int formula_name(void *ctx, const char *at, const char *name) {
+  const formula_scope *scope = ctx;
+  vs_deck *deck = scope->deck;
+  for (size_t k = 0; k < deck->n_names; k++)
+    if (!strcmp(deck->names[k].name, name)) return (int)k;
+  if (deck->n_names >= VS_DECK_MOST) return -1;
+  vs_named *named = &deck->names[deck->n_names++];
+  snprintf(named->name, sizeof named->name, "%s", name);
+  named->where = place(scope, at);
+  return (int)deck->n_names - 1;
+}
+
+vs_status vs_deck_add_formula(vs_deck *deck, vs_cursor *c, const char *follow, vs_formula *formula,
+                              vs_error *err) {
+  char why[200] = "an operator or the end of the line is wanted here";
+  const char *bad = NULL;
+  vs_cursor_skip(c);
+  size_t n_terms = deck->n_terms, n_names = deck->n_names;
+  formula_scope own = {deck, c};
+  const vs_formula_scope scope = {.ctx = &own, .term = formula_term, .name = formula_name};
+  const char *end = vs_formula_read(c->at, &scope, formula, &bad, why, sizeof why);
+  c->at = end ? end : bad;
+  vs_cursor_skip(c);
+  if (end && (!*c->at || strchr(follow, *c->at))) return VS_OK;
+  vs_formula_free(formula);
+  deck->n_terms = n_terms; /* what a broken formula seems to name need not be there */
+  deck->n_names = n_names;
+  return vs_fail_at(err, vs_cursor_here(c), "%s", why);
+}
+
+/* Calls each(formula, values) for all formulas of the deck. */
+static void each_formula(vs_deck *deck, void (*each)(vs_formula *, const double *),
+                         const double *values) {
+  for (size_t k = 0; k < deck->losses.count; k++) each(&deck->losses.item[k].formula, values);
+  for (size_t k = 0; k < deck->stores.count; k++) each(&deck->stores.item[k].formula, values);
+  for (size_t k = 0; k < deck->n_requirements; k++) {
+    each(&deck->requirements[k].left, values);
+    each(&deck->requirements[k].right, values);
+  }
+  for (size_t k = 0; k < deck->n_devices; k++) {
+    each(&deck->devices[k].voltage, values);
+    each(&deck->devices[k].current, values);
+    each(&deck->devices[k].flux, values);
+  }
+}
+
+/* The value of a parameter that formulas name. Error: nobody declared it; the value is NaN then. */
+static vs_status find_value(const vs_deck *deck, const vs_named *named,
+                            const vs_circuit_values *values, const vs_deck_value *standard,
+                            size_t n_standard, double *value, vs_error *err) {
+  const char *known[2 * VS_DECK_MOST];
+  size_t count = 0;
+  *value = NAN;
+  for (size_t k = 1; k < deck->section.count; k++) {
+    const vs_field *field = &deck->section.fields[k];
+    if (field->kind != VS_REAL) continue;
+    known[count++] = field->key;
+    if (!strcasecmp(field->key, named->name))
+      *value = *(const double *)(const void *)((const char *)values + field->offset);
+  }
+  for (size_t k = 0; k < n_standard; k++) {
+    known[count++] = standard[k].name;
+    if (!strcmp(standard[k].name, named->name)) *value = standard[k].value;
+  }
+  if (isnan(*value)) *value = vs_reserved_constant(named->name);
+  if (!isnan(*value)) return VS_OK;
+  const char *nearest = vs_text_nearest(named->name, known, count);
+  char within[VS_PATH_SIZE];
+  const vs_where where = vs_deck_mendable(deck, named->where, within, sizeof within);
+  return vs_fail_at(err, where, "no parameter '%s' is declared%s%s%s%s", named->name, within,
+                    nearest ? "; did you mean '" : "; '*$ param NAME = ...' declares one",
+                    nearest ? nearest : "", nearest ? "'?" : "");
+}
+
+/* ---- the mains behind a device ---- */
+
+/* True for a line of the deck itself and of what it includes of the user's, not of a part. */
+static bool is_own_line(const vs_deck *deck, const vs_line *line) {
+  const char *file = line->where.file;
+  bool own = false;
+  for (size_t k = 0; file && k < deck->n_files; k++) own = own || !strcmp(file, deck->files[k]);
+  for (size_t k = 0; own && k < deck->n_part_files; k++)
+    own = strcmp(file, deck->part_files[k].where.file) != 0;
+  return own && (!strcmp(file, deck->files[0]) || !vs_deck_is_shipped(file));
+}
+
+/* True for a source that is neither a port's nor one of 0, which measures a current or joins two
+ * nodes. */
+static bool is_own_source(const vs_deck *deck, const char *text) {
+  vs_word w[VS_WORDS_MOST];
+  const size_t count = vs_words_split(text, w),
+               value = count > 4 && vs_words_is(w[3], "dc") ? 4 : 3;
+  for (size_t k = 0; k < deck->n_ports; k++)
+    if (vs_words_is(w[0], deck->ports[k].source)) return false;
+  return count > 3 && !(count == value + 1 && vs_words_is(w[value], "0"));
+}
+
+/* True for a line that couples two circuits, or that drives one: transformers are made of K, E and
+ * F. */
+static bool is_other_drive(const vs_deck *deck, const char *text) {
+  switch (tolower((unsigned char)*text)) {
+  case 'e':
+  case 'f':
+  case 'g':
+  case 'h':
+  case 'k':
+    return true;
+  case 'v':
+  case 'i':
+    return is_own_source(deck, text);
+  default:
+    return false;
+  }
+}
+
+/* True where the device has a terminal at the node that the deck's line `*$ line` names. */
+static bool is_at_line(const vs_deck *deck, const vs_device *d) {
+  char voltage[VS_DECK_NAME + 4];
+  bool at = false;
+  snprintf(voltage, sizeof voltage, "v(%s)", deck->line[0]);
+  for (size_t k = 0; k < deck->n_terms; k++)
+    if (!strcmp(deck->terms[k].plus, voltage) || !strcmp(deck->terms[k].minus, voltage))
+      at = at || vs_formula_uses(&d->voltage, (int)k);
+  return at;
+}
+
+/* True where something besides the mains drives the deck's own circuit, which no value of a key
+ * changes. */
+static bool has_other_drive(const vs_deck *deck) {
+  for (size_t k = 0; k < deck->n_part_files; k++)
+    if (!strcmp(deck->part_files[k].kind, "transformer")) return true;
+  for (size_t k = 0; k < deck->n_lines; k++)
+    if (is_other_drive(deck, deck->lines[k].text) && is_own_line(deck, &deck->lines[k]))
+      return true;
+  return false;
+}
+
+/* Between the line and the mains at the converter a deck with a parameter line_voltage has a
+ * transformer. */
+static void find_mains(vs_deck *deck, const vs_circuit_values *values, double u_rms) {
+  const double *line_v = NULL;
+  for (size_t k = 1; k < deck->section.count; k++)
+    if (!strcmp(deck->section.fields[k].key, "line_voltage"))
+      line_v =
+          (const double *)(const void *)((const char *)values + deck->section.fields[k].offset);
+  if (!deck->drive_known) deck->other_drive = has_other_drive(deck);
+  deck->drive_known = true;
+  for (size_t k = 0; k < deck->n_devices; k++) {
+    vs_device *d = &deck->devices[k];
+    d->mains_v = deck->other_drive ? NAN : u_rms;
+    if (line_v) d->mains_v = is_at_line(deck, d) ? *line_v : u_rms;
+  }
+}
+
+vs_status vs_deck_bind(vs_deck *deck, const vs_circuit_values *values,
+                       const vs_deck_value *standard, size_t n_standard, vs_error *err) {
+  if (deck->lost & VS_LOST_PARAM) return VS_OK;
+  vs_status status = VS_OK;
+  double of_name[VS_DECK_MOST];
+  for (size_t n = 0; n < deck->n_names && !status; n++)
+    status = vs_error_carry_on(
+        err, find_value(deck, &deck->names[n], values, standard, n_standard, &of_name[n], err));
+  each_formula(deck, vs_formula_bind, of_name);
+  double u_rms = NAN;
+  for (size_t k = 0; k < n_standard; k++)
+    if (!strcmp(standard[k].name, vs_deck_standard_names[VS_STANDARD_U_RMS]))
+      u_rms = standard[k].value;
+  find_mains(deck, values, u_rms);
+  return status;
+}
+
+static void free_formula(vs_formula *formula, const double *values) {
+  (void)values;
+  vs_formula_free(formula);
+}
+
+void vs_deck_free(vs_deck *deck) {
+  if (deck->freed) return;
+  deck->freed = true;
+  for (size_t k = 1; k < deck->section.count; k++) {
+    free((char *)(size_t)deck->section.fields[k].key);
+    free((char *)(size_t)deck->section.fields[k].unit);
+    free((char *)(size_t)deck->section.fields[k].default_text);
+    free((char *)(size_t)deck->section.fields[k].text);
+  }
+  free(own_fields(deck));
+  for (size_t k = 0; k < deck->n_lines; k++) vs_line_free(&deck->lines[k]);
+  free(deck->lines);
+  each_formula(deck, free_formula, NULL);
+  for (size_t k = 0; k < deck->n_files; k++) free(deck->files[k]);
+  vs_statements_free(&deck->skipped);
+  free(deck->remarks);
+  vs_text_free(&deck->eva_current);
+  vs_text_free(&deck->eva_lines);
+}

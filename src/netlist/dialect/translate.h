@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * From a line of LTspice's, PSpice's or a data sheet's to what ngspice reads as the same. */
+#ifndef VS_NETLIST_TRANSLATE_H
+#define VS_NETLIST_TRANSLATE_H
+
+#include "dialect/rewriting.h"
+
+/* Rewrites a line; r->text must be empty, and is then what ngspice is to be given, before the lines
+ * in r->more. What was changed is in r->tally. Errors with their place: what ngspice would misread
+ * or leave out, with what to write instead. */
+vs_status vs_translate(vs_rewriting *r);
+
+/* Gives subcircuits with parameters, of which the names have other characters than letters, digits
+ * and '_', names that ngspice 39 finds, in all lines: A-1 becomes A_1. Others keep theirs. */
+void vs_translate_names(vs_line *lines, size_t count, vs_tally *tally);
+
+#endif

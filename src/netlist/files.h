@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Reads the files of a deck: their lines, joined with those that continue them, go into the deck,
+ * what begins with "*$" by the contract, everything else once it is held to the rules. */
+#ifndef VS_NETLIST_FILES_H
+#define VS_NETLIST_FILES_H
+
+#include <stdbool.h>
+
+#include "netlist/deck.h"
+
+/* Reads a file and what it includes into the deck. In a library, which others have written, a line
+ * "*$ WORD" that is none of the contract's is a comment, and warned of. Errors with file:line, each
+ * of which a check carries on from. */
+vs_status vs_files_read(vs_deck *deck, const char *path, bool library, vs_error *err);
+
+/* True for a file that the deck was read from. */
+bool vs_files_has(const vs_deck *deck, const char *path);
+
+#endif

@@ -1,0 +1,200 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Kinds of devices: what is measured of a thyristor, a varistor, a fuse, ..., and which limit of
+ * its part's file each measure is held against. One table serves lists, summary and verdict.
+ *
+ * A new measure is one row of its kind's table in kinds.c, with its limit, if any, in the same row;
+ * where it needs a way of becoming one number that there is not yet, a row of VS_REDUCTION_LIST
+ * besides, and its plug in measure/devices/reductions.c. A new kind is a table of measures and one row of
+ * vs_kinds_all. */
+#ifndef VS_NETLIST_KINDS_H
+#define VS_NETLIST_KINDS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* The courses of a device over time: the flux linkage of its core (V.s), its voltage (V), its
+ * current (A), voltage times current (W), current squared (A2), voltage squared (V2). From VS_OF_V
+ * on they are integrated over time. */
+enum { VS_OF_FLUX, VS_OF_V, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_OF_V2, VS_COURSES };
+
+/* How a course becomes one number. Each row is an id and the name of its plug, which
+ * measure/devices/reductions.c has or includes. Those from VS_R_RISE to VS_R_COMMUTATION_FAILURE are of a
+ * device that conducts or blocks, VS_R_GATE_LEAST is of one with a gate.
+ *   VS_R_PEAK         largest value, in the sense that the measure gives
+ *   VS_R_MEAN         mean over the stretch that the scene's section measure says
+ *   VS_R_RMS          root of the mean over that stretch
+ *   VS_R_ALTERNATING  the same, of a voltage that is not direct or whose part states no v_dc
+ *   VS_R_DIRECT       size of the mean of a direct voltage, over that stretch
+ *   VS_R_CARRIED      the same as VS_R_RMS, of what a fuse carries
+ *   VS_R_INTEGRAL     integral over the run
+ *   VS_R_PULSE        largest integral over one conduction
+ *   VS_R_HEAT         most that one pulse turned into heat: measure/devices/pulse.h
+ *   VS_R_WITHIN       largest integral within 10 ms
+ *   VS_R_LET_THROUGH  the same, of a fuse: 15 % from one to the next, once it has melted
+ *   VS_R_MELTING      the same, of a fuse while it is whole
+ *   VS_R_CLEARS       what a fuse lets through by its maker's i2t_clear, whatever the run
+ *   VS_R_CURVE        rms current over the time that comes nearest to a fuse's time-current curve
+ *   VS_R_OPEN         largest rms over half a mains cycle, of a fuse that has opened
+ *   VS_R_ARC          largest magnitude, of a fuse from melting to clearing
+ *   VS_R_SURGE        peak of the half sine of 10 ms that has this integral
+ *   VS_R_STEEPEST     largest rate, in the sense that the measure gives, over any 0.1 us
+ *   VS_R_JUNCTION     rise of the junction's temperature, by the part's lines zth
+ *   VS_R_RISE         steepest mean rate of a rise of forward voltage over any stretch that rises
+ *                     by the limit dv_dt_over
+ *   VS_R_RISE_ERROR   what that may be wrong by for how the voltage runs between two knots
+ *   VS_R_OFF_RATE     largest rising rate of blocked forward voltage, over any 0.1 us
+ *   VS_R_ON_RATE      largest rate of current from firing to its first maximum, and for 1 us at
+ *                     least, over any 0.1 us
+ *   VS_R_OFFERED      shortest time between a conduction and forward voltage without a gate pulse
+ *   VS_R_MISFIRE, VS_R_UNINTENDED, VS_R_COMMUTATION_FAILURE   how often: measure/switching.h
+ *   VS_R_OPENS, VS_R_ARCS   how often a fuse melts, and arcs again behind that: measure/melting.h
+ *   VS_R_GATE_LEAST   smallest of all gate pulses' peaks
+ *   VS_R_CORE         rise of a capacitor's core, by the part's lines zth and its ESR
+ *   VS_R_RETURN_RISE, VS_R_FALL   (dv/dt)c and (di/dt)c of a triac: measure/switching.h
+ *   VS_R_CONDUCTION, VS_R_SWITCHING, VS_R_RECOVERY, VS_R_BLOCKING   the parts of the loss, which
+ *                     are all of it: measure/losses.h
+ *   VS_R_E_ON, VS_R_E_OFF, VS_R_E_RECOVERY   the largest of a single switching
+ *   VS_R_TURNED_OFF   largest current that was turned off
+ *   VS_R_DERATED      peak of the pulse that comes nearest to what the part's lines `pulse` allow
+ *                     for its width and number
+ *   VS_R_REPEATED     mean over the time from one pulse to the next, where events repeat the run
+ *   VS_R_CASE, VS_R_HOTTEST   temperature of the case; the junction's largest
+ *   VS_R_SURGES       peak of half sines in consecutive cycles, against the part's lines `surge`
+ *   VS_R_SHORT        integral over one conduction below 10 ms, against the part's i2sqrt_t */
+#define VS_REDUCTION_LIST(X)                                                                       \
+  X(VS_R_PEAK, peak)                                                                               \
+  X(VS_R_MEAN, mean)                                                                               \
+  X(VS_R_RMS, rms)                                                                                 \
+  X(VS_R_ALTERNATING, alternating)                                                                 \
+  X(VS_R_DIRECT, direct)                                                                           \
+  X(VS_R_CARRIED, carried)                                                                         \
+  X(VS_R_INTEGRAL, integral)                                                                       \
+  X(VS_R_PULSE, pulse)                                                                             \
+  X(VS_R_HEAT, heat)                                                                               \
+  X(VS_R_WITHIN, within)                                                                           \
+  X(VS_R_LET_THROUGH, let_through)                                                                 \
+  X(VS_R_MELTING, melting)                                                                         \
+  X(VS_R_CLEARS, vs_told_clears)                                                                   \
+  X(VS_R_CURVE, vs_told_curve)                                                                     \
+  X(VS_R_OPEN, vs_told_open)                                                                       \
+  X(VS_R_ARC, vs_told_arc)                                                                         \
+  X(VS_R_SURGE, surge)                                                                             \
+  X(VS_R_STEEPEST, steepest)                                                                       \
+  X(VS_R_JUNCTION, vs_junction_of_power)                                                           \
+  X(VS_R_RISE, vs_told_rise)                                                                       \
+  X(VS_R_RISE_ERROR, vs_told_rise_error)                                                           \
+  X(VS_R_OFF_RATE, vs_told_off_rate)                                                               \
+  X(VS_R_ON_RATE, vs_told_on_rate)                                                                 \
+  X(VS_R_OFFERED, vs_told_offered)                                                                 \
+  X(VS_R_MISFIRE, vs_told_misfire)                                                                 \
+  X(VS_R_UNINTENDED, vs_told_unintended)                                                           \
+  X(VS_R_COMMUTATION_FAILURE, vs_told_commutation_failure)                                         \
+  X(VS_R_OPENS, vs_told_opens)                                                                     \
+  X(VS_R_ARCS, vs_told_arcs)                                                                       \
+  X(VS_R_GATE_LEAST, vs_told_gate_least)                                                           \
+  X(VS_R_CORE, vs_junction_of_current)                                                             \
+  X(VS_R_RETURN_RISE, vs_told_return_rise)                                                         \
+  X(VS_R_FALL, vs_told_fall)                                                                       \
+  X(VS_R_CONDUCTION, vs_told_conduction)                                                           \
+  X(VS_R_SWITCHING, vs_told_switching)                                                             \
+  X(VS_R_RECOVERY, vs_told_recovery)                                                               \
+  X(VS_R_BLOCKING, vs_told_blocking)                                                               \
+  X(VS_R_E_ON, vs_told_e_on)                                                                       \
+  X(VS_R_E_OFF, vs_told_e_off)                                                                     \
+  X(VS_R_E_RECOVERY, vs_told_e_recovery)                                                           \
+  X(VS_R_TURNED_OFF, vs_told_turned_off)                                                           \
+  X(VS_R_DERATED, derated)                                                                         \
+  X(VS_R_REPEATED, repeated)                                                                       \
+  X(VS_R_CASE, case_temperature)                                                                   \
+  X(VS_R_HOTTEST, hottest)                                                                         \
+  X(VS_R_SURGES, surges)                                                                           \
+  X(VS_R_SHORT, short_pulse)
+
+typedef enum vs_reduction {
+#define VS_REDUCTION_ID(id, plug) id,
+  VS_REDUCTION_LIST(VS_REDUCTION_ID)
+#undef VS_REDUCTION_ID
+      VS_REDUCTIONS
+} vs_reduction;
+
+/* How a measure is held to its limit: it may be at most the limit, or at least the limit; or it may
+ * be at most the limit of the device that this one protects. VS_NEVER: the measure counts something
+ * that must not happen at all, whatever the part, unless the scene's key `expect` names it. */
+enum { VS_AT_MOST, VS_AT_LEAST, VS_WARD_AT_MOST, VS_NEVER };
+
+/* One measure. A device's measure is called DEVICE.name. */
+typedef struct vs_device_measure {
+  const char *name, *unit, *text;
+  vs_reduction how;
+  int of;            /* the course it is made of: VS_OF_... */
+  int sense;         /* of a peak or rate: +1 the largest, -1 the least with its sign turned, 0 the
+                        largest magnitude */
+  const char *limit; /* the limit of a part's file that it is held against; NULL: none */
+  int held;          /* VS_AT_MOST, ... */
+} vs_device_measure;
+
+/* What a measure with VS_NEVER counts, as summary.json calls it ("fuse_opens"), and as people do,
+ * behind the device's name ("opens"). The scene's key `expect` takes either. */
+typedef struct vs_happening_words {
+  const char *what, *verb;
+} vs_happening_words;
+const vs_happening_words *vs_kinds_happening(const vs_device_measure *measure);
+
+/* Bytes that a kind's name may have, its end included. */
+enum { VS_KIND_NAME = 64 };
+
+typedef struct vs_kind {
+  const char *name; /* as in `*$ part KIND` and `*$ device NAME KIND` */
+  bool switches;    /* it conducts or blocks, and which of the two its current tells, as that of a
+                       thyristor does */
+  bool both_ways;   /* it conducts either way, as a triac does */
+  bool rectifies;   /* it conducts one way, by its voltage, as a diode does */
+  bool gated;       /* it goes by the deck's gate pulses */
+  bool driven;      /* a port turns it on and off, as a mosfet; nobody judges whether it obeys */
+  bool stores;      /* it may give energy for a time, as a capacitor does */
+  bool melts;       /* it is a fuse, of which events.csv tells when it melts and has cleared */
+  const vs_device_measure *measures;
+  size_t n_measures;
+} vs_kind;
+
+/* All kinds; the last row has no name. */
+extern const vs_kind vs_kinds_all[];
+
+/* The kind of that name; NULL: there is none. */
+const vs_kind *vs_kinds_find(const char *name);
+
+/* The unit a limit of that name is usually given in; NULL: no measure is held against such a limit,
+ * and no maker's figure of that name is known either. */
+const char *vs_kinds_limit_unit(const char *limit);
+
+/* True where a limit of that name means something for a part of that kind: a measure of the kind is
+ * held against it, the mains are, or it is a maker's figure that readers look for. Otherwise
+ * *nearest is the name that may be meant; NULL: none is near. */
+bool vs_kinds_knows_limit(const char *kind, const char *limit, const char **nearest);
+
+/* True where a limit of that name is held by nothing that the program measures of such a part, and
+ * is no figure that merely describes the part, as a holding current does. */
+bool vs_kinds_leaves_limit(const char *kind, const char *limit);
+
+/* A figure of a data sheet that measures hang on by the model: were the model's figure another,
+ * they would be, too, or whether the device obeys would be. */
+typedef struct vs_hanging {
+  const char *kinds;    /* of the devices measured, each between blanks; "": of any */
+  const char *measures; /* their names, each between blanks */
+  const char *figure;   /* as the limit of that name */
+  const char *beside; /* the kind of device whose figure it is, which stands across the one that is
+                         measured; NULL: the figure is the measured device's own */
+} vs_hanging;
+
+/* The n-th that a measure of that kind hangs on, from 0; NULL: there are no more. */
+const vs_hanging *vs_kinds_hanging(const char *kind, const char *measure, size_t n);
+
+/* True where measures hang on a figure of that name of a part of that kind. Otherwise *names are
+ * all those there are, with commas, to be freed. names may be NULL. */
+bool vs_kinds_is_hung_on(const char *kind, const char *figure, char **names);
+
+/* True for a limit that decides whether a part of that kind bears its work: a real part that
+ * protects or switches and does not state it leaves the verdict undecided. */
+bool vs_kinds_decides(const char *kind, const char *limit);
+
+#endif

@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What may stand in a deck, line by line (continuations joined): circuits, and nothing that runs a
+ * command, reads or writes a file, or takes a name of the program's. Errors have the place `where`.
+ */
+#ifndef VS_NETLIST_RULES_H
+#define VS_NETLIST_RULES_H
+
+#include "netlist/deck.h"
+
+/* Holds a line that begins with '.' to the rules. Counts in deck->subcircuits those that it opens
+ * and closes, and sets deck->own_clock where it knows the time. *skip is true if it is none of the
+ * circuit's lines and harmless; deck->skipped has it then. */
+vs_status vs_rules_statement(vs_deck *deck, const char *line, vs_where where, bool *skip,
+                             vs_error *err);
+/* Refuses a .param, outside of subcircuits, of a name that stands in a '*$ param' line, once all
+ * files are read: a part's file declares its own behind the deck's lines. Error with its place. */
+vs_status vs_rules_params(const vs_deck *deck, vs_error *err);
+/* Holds any other line to the rules. Notes the EVA, and sets deck->own_clock as above. */
+vs_status vs_rules_element(vs_deck *deck, const char *line, vs_where where, vs_error *err);
+
+/* Refuses what ngspice draws anew in each run, in any line but one that includes a file: gauss,
+ * agauss, unif, aunif and limit wherever an expression calls them, trnoise and trrandom of a
+ * source. Names that merely contain such a word are fine, as is the code model limit. A deck's own
+ * .func of such a name is refused too: ngspice has the name for itself in some expressions and not
+ * in others. `pspice` says that the deck is read in that dialect, whose LIMIT of three arguments
+ * draws nothing; with another number of them, or a blank before them, ngspice does not know it. */
+vs_status vs_rules_random(const char *line, bool pspice, vs_where where, vs_error *err);
+
+/* True for a line "Vname n m external" (or Iname). `name` is then the source's, in lower case. */
+bool vs_rules_is_external(const char *line, char name[VS_DECK_NAME]);
+
+/* Finds the subcircuit's name in a line "Xname n m ... SUBCIRCUIT [NAME=VALUE ...]". Returns where
+ * it begins in the line and gives its length; NULL: the line is no instance. */
+const char *vs_rules_instance_of(const char *line, size_t *length);
+
+#endif

@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The seam behind which a circuit is solved: ngspice in the product (ngspice/ng.h), a formula in
+ * tests. The circuit owns its time loop and asks its host for what it needs. */
+#ifndef VS_NGSPICE_CIRCUIT_H
+#define VS_NGSPICE_CIRCUIT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+#include "base/error.h"
+
+/* What is to be solved. All is borrowed. */
+typedef struct vs_circuit_job {
+  char *const *netlist; /* lines without analysis, options and .end */
+  size_t lines;
+  const char *const *ports; /* the external sources, voltages or currents, by the names that the
+                               circuit calls them by, in lower case: "vgate" */
+  size_t n_ports;
+  const char *const *signals; /* what accept() is given, in lower case: "v(a)", "i(vth)"; "v(0)" is
+                                 0 */
+  size_t n_signals;
+  size_t n_wanted;            /* how many of these, the last ones, may be missing: one that is not
+                                 there is NaN. Others are an error then. */
+  double until_s, max_step_s; /* the run goes from 0 to until_s in steps of at most max_step_s */
+  bool gear;                  /* Gear's rule of second order in the place of the trapezoidal */
+  const char *dialect;        /* how the netlist is to be read: "ps", or "" for ngspice's own */
+  /* Newton's iteration and the local truncation error are held to these: a fraction of each value,
+   * and a difference that counts as none. */
+  double relative_tolerance, current_tolerance_a;
+  double voltage_tolerance_v; /* as of currents; 0: ngspice's own 1e-6 */
+  double charge_tolerance_c;  /* a capacitor's charge below it is none; 0: ngspice's own 1e-14 */
+  /* The least fraction of a column's largest entry that a pivot may be (ngspice's pivrel); 0: its
+   * own 1e-3. It decides the order of elimination, and so how rounding errors add up. */
+  double pivot_threshold;
+  double truncation_factor; /* how many times its tolerance the truncation error may be (ngspice's
+                               trtol); 0: its own 7 */
+  /* Gives an error that quotes the netlist its place; may be NULL. `culprit` is the index of the
+   * line that was found to cause the error; 0: none was found. */
+  void (*locate)(const void *author, size_t culprit, vs_error *err);
+  const void *author; /* of the netlist */
+  bool tried;         /* this process has run a netlist that differs in parameters' values at most:
+                         no trial in a child */
+  bool unbegun;       /* this process can begin anew without harm: a guard in the place of a trial
+                         (ngspice/guard.h) */
+  long *tries;        /* counts the steps that are tried, rejected ones too; NULL: nobody asks */
+  FILE *raw;          /* gets all the circuit's vectors at every accepted step as a rawfile
+                         (ngspice/rawfile.h); its head is filled in also when the run fails. NULL: none */
+  double raw_most;    /* bytes that it may have; 0: any number */
+  vs_where raw_where; /* the key to blame if it would have more */
+} vs_circuit_job;
+
+/* What the circuit asks. */
+typedef struct vs_circuit_host {
+  void *ctx;
+  /* The voltage or current of a port at a candidate time, V or A. Asked several times per step;
+   * time may go back after a step that was rejected, but never before the last accepted one. */
+  double (*source)(void *ctx, size_t port, double t_s);
+  /* The first instant after t_s that must be the end of a step; INFINITY: none. Asked after each
+   * accepted step. */
+  double (*edge)(void *ctx, double t_s);
+  /* The longest step wanted from t_s on; the job's max_step_s holds besides. */
+  double (*longest)(void *ctx, double t_s);
+  /* Told of each accepted step. A status other than VS_OK ends the run, which then returns it. */
+  vs_status (*accept)(void *ctx, double t_s, const double *signals, vs_error *err);
+  /* Asked after each accepted step: true ends the run there, with VS_OK. NULL: never. */
+  bool (*enough)(void *ctx);
+  /* What the host's own clock shows at t_s; messages and the rawfile have it. NULL: t_s. */
+  double (*clock)(void *ctx, double t_s);
+  /* Asked after each accepted step: true leaves it out of the rawfile. NULL: none is left out. */
+  bool (*hides)(void *ctx);
+} vs_circuit_host;
+
+/* A way to solve circuits. */
+typedef struct vs_circuit_kind {
+  const char *name;
+  /* Loads a circuit. Job and host must last as long as it does. ngspice takes the circuit up to its
+   * first accepted step in a child process first, which may die of it: there the host is asked, a
+   * copy of it, and accept() is not called. Errors: VS_INPUT, the circuit cannot be loaded or kills
+   * the solver; VS_SIGNAL, a signal that is handled came meanwhile. */
+  vs_status (*load)(const vs_circuit_job *job, const vs_circuit_host *host, void **circuit,
+                    vs_error *err);
+  /* Runs it from 0 to until_s. Errors: accept()'s own; VS_INPUT, the circuit cannot be run; VS_RUN
+   * with gave_up, the solver gave up or makes no progress. They name the time. */
+  vs_status (*run)(void *circuit, vs_error *err);
+  void (*free)(void *circuit); /* NULL is fine */
+} vs_circuit_kind;
+
+#endif

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What ngspice says of what went wrong. Its return codes say nothing, so the lines of its log are
+ * searched for signs of trouble, and those that tell most are kept. */
+#ifndef VS_NGSPICE_COMPLAINTS_H
+#define VS_NGSPICE_COMPLAINTS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "ngspice/circuit.h"
+
+enum { VS_COMPLAINTS_LINE = 256, VS_COMPLAINTS_MOST = 16 };
+
+/* The last words of an error whose file is known, and whose line is not. */
+extern const char vs_complaints_nowhere[];
+
+/* Start from {0}. */
+typedef struct vs_complaints {
+  char item[VS_COMPLAINTS_MOST][VS_COMPLAINTS_LINE]; /* texts without newline */
+  size_t count;
+  int expected;   /* how many lines of the last one are still to come */
+  size_t culprit; /* the line of the job's netlist that was found to cause the first one; 0: none */
+} vs_complaints;
+
+/* Forgets all complaints. */
+void vs_complaints_clear(vs_complaints *complaints);
+
+/* Takes a line of the log, and keeps it if it is a complaint. `runs` says that the circuit has
+ * passed t = 0: that ngspice gives up its step counts for more then than what it said before. */
+void vs_complaints_hear(vs_complaints *complaints, const char *line, bool runs);
+
+/* The first complaint; never NULL. */
+const char *vs_complaints_first(const vs_complaints *complaints);
+
+/* Adds words to the first complaint; if there is none, to the text that takes its place. */
+void vs_complaints_add(vs_complaints *complaints, const char *words);
+
+/* Gives an error the place that job->locate finds. The error quotes the netlist, or line `culprit`
+ * of it caused the error (0: not known). If only the file is found, the place is its first line,
+ * and the text says that the line is not known. */
+void vs_complaints_place(const vs_circuit_job *job, size_t culprit, vs_error *err);
+
+/* Makes each complaint an error, with the place that job->locate finds: "ngspice cannot WHAT the
+ * circuit: COMPLAINT". `what` is "load" or "run". A run ends with the first of them; a check
+ * carries on. */
+vs_status vs_complaints_tell(const vs_complaints *complaints, const vs_circuit_job *job,
+                             const char *what, vs_error *err);
+
+#endif

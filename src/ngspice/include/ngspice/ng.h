@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The circuit seam over libngspice. libngspice is one global instance in a process, so a process
+ * has one such circuit at a time. */
+#ifndef VS_NGSPICE_NG_H
+#define VS_NGSPICE_NG_H
+
+#include "ngspice/circuit.h"
+
+extern const vs_circuit_kind vs_ng_kind;
+
+/* The version of the library that the program was built with, as its header says it. */
+const char *vs_ng_version(void);
+/* The version that runs, as the library itself says it once it has begun; before, as above. */
+const char *vs_ng_running(void);
+
+/* Begins the library, once in a process; whoever loads a circuit does it anyway. Error: VS_RUN, it
+ * cannot. */
+vs_status vs_ng_begin(vs_error *err);
+
+/* False once ngspice has ended itself in this process, as some nonsense makes it do: nothing can be
+ * loaded any more. */
+bool vs_ng_usable(void);
+
+#endif

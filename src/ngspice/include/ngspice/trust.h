@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Can the ngspice that runs be relied on? Users have other versions than the developers, and one
+ * version may be right where the next is not. So each library is probed once (ngspice/probe.h), in a
+ * child process, and what came of it is remembered in $XDG_CACHE_HOME/vibrospice, or
+ * ~/.cache/vibrospice. A library is told by its file: path, size, time of change. It is probed
+ * again where the file is another one, with another version of this program, and each time a
+ * process begins where there is no folder to remember it in. */
+#ifndef VS_NGSPICE_TRUST_H
+#define VS_NGSPICE_TRUST_H
+
+#include "ngspice/circuit.h"
+
+/* ngspice (ngspice/ng.h), probed before it loads the first circuit of a process. */
+extern const vs_circuit_kind vs_trust_kind;
+
+/* Finds whether the library can be relied on, once in a process. Where something is wrong it is
+ * told on standard error, too. Errors: VS_RUN, ngspice cannot begin; VS_SIGNAL, a signal that is
+ * handled came meanwhile. */
+vs_status vs_trust_find(vs_error *err);
+
+/* What is wrong with the library, or else what in the circuit it loaded last means another thing in
+ * this version than before: to be told with every result. Empty: nothing, or it was not asked.
+ * Whatever writes results asks this: summary.json and study.csv (run/result.h), sensitivity,
+ * check, the bench of parts, fit. It was printed on standard error when it was found. */
+const char *vs_trust_text(void);
+
+#endif

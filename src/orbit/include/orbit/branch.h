@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The command `steady --along`: a branch of periodic orbits over a key of the scene. */
+#ifndef VS_ORBIT_BRANCH_H
+#define VS_ORBIT_BRANCH_H
+
+#include "orbit/along.h"
+#include "run/run.h"
+
+typedef struct vs_branch_options {
+  const vs_run_options *run; /* scene, sets, tier, folder, json, quiet, digits and stop count */
+  vs_along_words words;
+  int periods;
+} vs_branch_options;
+
+/* Follows the branch, and prints it; with a folder it writes branch.csv, branch.json and
+ * branch.png. Errors: VS_INPUT, and nothing is written; VS_RUN, no orbit is found at the
+ * beginning, or the branch cannot be followed to an end of the range, and what was found is
+ * written and printed all the same; VS_SIGNAL, likewise. Without gnuplot there is no picture, which
+ * a warning says. */
+vs_status vs_branch_command(const vs_branch_options *options, vs_error *err);
+
+#endif

@@ -1,0 +1,387 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "orbit/picard.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text.h"
+#include "engine/propagator.h"
+#include "pairs.h"
+
+enum { MOST = VS_MOST_STATES };
+
+/* ---- Newton's step ---- */
+
+/* Corrects the pass that ended at `end`: s->x becomes where the next one begins. */
+static void correct(vs_search *s, const double *end) {
+  double step[MOST] = {0};
+  vs_search_scale(s);
+  for (int i = 0; i < s->count; i++)
+    for (int j = 0; j < s->count; j++) step[i] += s->inverse[i][j] * (end[j] - s->x[j]);
+  double size = 0;
+  for (int j = 0; j < s->count; j++) {
+    s->x[j] += step[j];
+    size = fmax(size, fabs(step[j]) / s->scale[j]);
+  }
+  vs_corrections_take(&s->corrections, size);
+}
+
+/* ---- Phi of the machine's swing alone ---- */
+
+/* For want of an orbit of tier switched: the scene's start, and the swing's own Phi. */
+static void begin_at_start(const vs_scene *scene, double period_s, vs_orbit *o) {
+  vs_propagator swing;
+  vs_propagator_make(&swing, &scene->setup.model, false, period_s);
+  o->count = 2 * scene->setup.model.dof;
+  for (int i = 0; i < o->count; i++) {
+    o->scale[i] = 1;
+    for (int j = 0; j < o->count; j++) o->monodromy[i][j] = swing.column[j][i];
+  }
+  memcpy(o->x, scene->setup.start.x, sizeof scene->setup.start.x);
+}
+
+/* ---- what was found ---- */
+
+/* The state repeats after fewer firing periods where it is off by less than this many times what
+ * the orbit is known to. */
+static const double REPEATS = 10;
+
+static int least_period(const vs_picard *p) {
+  const vs_search *s = p->search;
+  for (int k = 1; k < p->orbit.n; k++) {
+    double off = 0;
+    if (p->orbit.n % k) continue;
+    for (int j = 0; j < s->count; j++)
+      off = fmax(off, fabs(s->between[k - 1][j] - s->x[j]) / s->scale[j]);
+    if (off <= REPEATS * s->corrections.wanted) return k;
+  }
+  return p->orbit.n;
+}
+
+/* A copy's state is pushed by `part` of its scale. In Phi that makes an error of noise/part by what
+ * the orbit is not known to, and by what the solver rounds, NOISE of run.tolerance; and one of
+ * CURVED part by what is not linear. Both are as large at the part that is taken. Measured on
+ * halfwave_snubbed at 90, 100 and 120 degrees. */
+static const double NOISE = 1e-3, CURVED = 0.015;
+
+static double part_pushed(const vs_search *s, double *error) {
+  double noise = fmax(s->corrections.last, NOISE * s->setup->run.tolerance);
+  *error = 2 * sqrt(CURVED * noise);
+  return sqrt(noise / CURVED);
+}
+
+/* What one set of copies shows: each state pushed to one side. */
+typedef struct side {
+  vs_multiplier multiplier[VS_VARIATION_MOST]; /* the largest first */
+  int found;
+} side;
+
+/* Sends such copies and hears of them. In a copy search->copies.inside is true behind it. */
+static vs_status look_aside(const vs_picard *p, const vs_knot *end, double part, double *x,
+                            side *to, vs_error *err) {
+  vs_search *s = p->search;
+  double orbit[MOST + 1];
+  vs_status status = vs_copies_fork(&s->copies, &s->setup->model, s->scale, part, x, err);
+  if (status || s->copies.inside) return status;
+  memcpy(orbit, s->x, (size_t)s->count * sizeof *orbit);
+  orbit[s->count] = end->flux_wb;
+  return vs_copies_hear(&s->copies, orbit, s->scale, p->known_to, to->multiplier, &to->found, err);
+}
+
+/* How far the largest multipliers of the two sides lie apart. */
+static double apart(const side *a, const side *b) {
+  return fabs(hypot(a->multiplier[0].re, a->multiplier[0].im) -
+              hypot(b->multiplier[0].re, b->multiplier[0].im));
+}
+
+/* Pushes the states to one side, and then to the other. What part_pushed tells of the error is
+ * measured where copies differ smoothly. Where one meets a stop or a firing that another just
+ * misses, the two sides differ by more, and that is the error. Returns true in a copy of the
+ * process. */
+static bool find_multipliers(vs_picard *p, const vs_knot *end) {
+  vs_search *s = p->search;
+  vs_error why = {0};
+  side up, down;
+  p->multipliers = 0;
+  if (s->corrections.creeps > 0) { /* the copies show one slow state of the circuit and not two */
+    snprintf(p->missing, sizeof p->missing,
+             "something in the circuit is forgotten by a factor of %.3g a period alone",
+             s->corrections.creeps);
+    return false;
+  }
+  double part = part_pushed(s, &p->known_to);
+  vs_status status = look_aside(p, end, part, p->pilot.x, &up, &why);
+  if (!status && !s->copies.inside) status = look_aside(p, end, -part, p->pilot.x, &down, &why);
+  if (status) {
+    snprintf(p->missing, sizeof p->missing, "%.255s", why.text);
+    return false;
+  }
+  if (s->copies.inside) return true;
+  p->known_to = fmax(p->known_to, apart(&up, &down));
+  p->multipliers = up.found;
+  memcpy(p->orbit.multiplier, up.multiplier, sizeof up.multiplier);
+  p->orbit.stable = hypot(up.multiplier[0].re, up.multiplier[0].im) < 1;
+  return false;
+}
+
+/* An unstable orbit is refused where tier switched knows that the machine runs on a subharmonic. */
+static vs_status refuse_subharmonic(const vs_picard *p, vs_error *err) {
+  vs_error why = {0};
+  vs_orbit other = {0};
+  if (!p->multipliers || p->orbit.stable) return VS_OK;
+  vs_status status = vs_shooting_find(p->ideal, p->orbit.n, &other, &why);
+  return status && other.runs_on
+             ? vs_fail(err, VS_INPUT, "on tier %s: %s", p->ideal->tier->name, why.text)
+             : VS_OK;
+}
+
+/* Notes what was found. *begins becomes false in a copy. */
+static vs_status take_orbit(vs_picard *p, const vs_knot *end, bool *begins, vs_error *err) {
+  vs_search *s = p->search;
+  int least = least_period(p);
+  if (least < p->orbit.n)
+    return vs_fail(
+        err, VS_INPUT,
+        "--period %d: the orbit that is found repeats after %d already; write --period %d",
+        p->orbit.n, least, least);
+  if (p->found) return VS_OK;
+  p->found = true;
+  p->cycles = s->cycles;
+  p->orbit.residual = s->corrections.last;
+  memcpy(p->orbit.x, s->x, sizeof s->x);
+  memcpy(p->orbit.scale, s->scale, (size_t)s->count * sizeof *s->scale);
+  if (!p->wants_multipliers) return VS_OK;
+  *begins = !find_multipliers(p, end);
+  return *begins ? refuse_subharmonic(p, err) : VS_OK;
+}
+
+/* ---- its budget ---- */
+
+/* Cycles of the mains that a search may take. The search for an
+ * orbit of one cycle ends before, for a reason of its own. Where the orbit's period is long there
+ * are at least so many for each cycle in it. */
+enum { MOST_IDEAL = 400000, MOST_CIRCUIT = 1500, FOR_EACH = 100 };
+
+static int cycles_of(const vs_scene *scene) {
+  return scene->setup.timeline.firing.every > 1 ? scene->setup.timeline.firing.every : 1;
+}
+
+static vs_budget whole_search(const vs_scene *scene, int periods) {
+  long cycles = (long)periods * cycles_of(scene);
+  return (vs_budget){
+      .what = "periodic orbit",
+      .of = scene->order.budget,
+      .most = {MOST_IDEAL, cycles > MOST_CIRCUIT / FOR_EACH ? FOR_EACH * cycles : MOST_CIRCUIT},
+      .shows = scene->order.shows && !scene->order.budget};
+}
+
+/* ---- the pilot ---- */
+
+/* The most passes of a search that are steered by Newton's step. */
+enum { MOST_PASSES = 200 };
+
+static void begin(void *self, const vs_setup *setup) {
+  vs_picard *p = self;
+  vs_search *s = p->search;
+  p->budget = whole_search(p->ideal, p->orbit.n); /* a run anew */
+  vs_search_begin(s, setup);
+  /* Where a stop is in reach, and there is no other Phi than the swing's own. */
+  if (!s->guessed && setup->model.stops.count) {
+    s->pass = VS_SEARCH_FREE;
+    s->left = VS_PAIRS_MARCH;
+  }
+  vs_creep_begin(&s->creep, &setup->deck, vs_corrections_crept * setup->run.tolerance,
+                 p->pilot.period_s);
+}
+
+static void accept(void *self, const vs_step *step) {
+  vs_search *s = ((vs_picard *)self)->search;
+  for (int j = 0; j < s->count; j++) s->peak[j] = fmax(s->peak[j], fabs(step->to->x[j]));
+  s->peak[s->count] = fmax(s->peak[s->count], fabs(step->to->flux_wb));
+  s->travel_m = fmax(s->travel_m, fabs(vs_mechanics_travel(&s->setup->model, step->to->x)));
+  vs_creep_accept(&s->creep, step);
+}
+
+/* Why the search goes on; an error where it has gone on for too long. */
+static vs_status go_on(const vs_picard *p, vs_error *err) {
+  const vs_search *s = p->search;
+  const char *name = "";
+  const vs_creep_probe *creeps = vs_creep_worst(&s->creep, &name);
+  if (isfinite(s->corrections.last) && s->steered < MOST_PASSES) return VS_OK;
+  if (creeps && s->corrections.last <= s->corrections.wanted)
+    return vs_fail(err, VS_RUN, "%s still creeps by %.2g of its largest size a period", name,
+                   fabs(creeps->change) / creeps->scale);
+  if (s->corrections.remains > 0)
+    return vs_fail(
+        err, VS_RUN,
+        "corrections fall slowly: the last one is %.2g of the motion, and %.2g are still "
+        "to come; something in the circuit creeps",
+        s->corrections.last, s->corrections.remains);
+  return vs_fail(err, VS_RUN,
+                 "the last correction is %.2g of the motion, the least was %.2g; %.1g "
+                 "is wanted",
+                 s->corrections.last, s->corrections.least, s->corrections.wanted);
+}
+
+/* Corrections are so far from falling that another Phi is wanted: so many passes have brought no
+ * less, or one behind the first few is a large part of the motion. A stop makes that. */
+static const double WILD = 0.4;
+enum { LOST = 5, SETTLES = 3 };
+
+static bool is_lost(const vs_search *s) {
+  if (!s->setup->model.stops.count) return false;
+  return (s->corrections.stalled >= LOST || (s->corrections.last > WILD && s->steered > SETTLES)) &&
+         s->corrections.least > s->setup->run.tolerance && s->creep.area_v_s == 0;
+}
+
+static vs_status turn(void *self, const vs_knot *end, bool *begins, vs_error *err) {
+  vs_picard *p = self;
+  vs_search *s = p->search;
+  const char *name;
+  vs_status status = s->copies.inside ? VS_OK : vs_budget_take(s->budget, true, s->of_mains, err);
+  if (status) return status;
+  s->cycles++;
+  s->past_m[s->cycles % (2 * VS_SEARCH_LONGEST)] = vs_mechanics_travel(&s->setup->model, end->x);
+  memcpy(s->between[s->passed], end->x, sizeof *s->between);
+  memcpy(p->pilot.x, end->x, sizeof p->pilot.x);
+  if (++s->passed < p->orbit.n) return VS_OK;
+  s->passed = 0;
+  if (s->copies.inside) {
+    vs_copies_pass(&s->copies, end);
+    return VS_OK;
+  }
+  if (s->pass != VS_SEARCH_STEERED) return vs_pairs_turn(s, end, err);
+  s->steered++;
+  bool clean = vs_creep_turn(&s->creep, end);
+  if (clean)
+    correct(s, end->x);
+  else /* the machine goes back to where it was; what was moved may have been what crept */
+    vs_corrections_forget(&s->corrections);
+  if (is_lost(s)) {
+    memcpy(s->x, end->x, sizeof s->x);
+    return vs_pairs_begin(s, err);
+  }
+  memcpy(p->pilot.x, s->x, sizeof s->x);
+  bool next_clean =
+      vs_creep_is_told(&s->creep) && s->creep.area_v_s == 0 && !vs_creep_worst(&s->creep, &name);
+  *begins = clean && next_clean && vs_corrections_close(&s->corrections);
+  status = *begins ? take_orbit(p, end, begins, err) : go_on(p, err);
+  if (*begins) vs_budget_end(s->budget);
+  return status;
+}
+
+static double push(void *self, double t_s) {
+  const vs_search *s = ((vs_picard *)self)->search;
+  return s->passed == 0 ? vs_creep_push(&s->creep, t_s) : 0;
+}
+
+static void end(void *self) {
+  const vs_search *s = ((vs_picard *)self)->search;
+  if (s->copies.inside) vs_copies_fail(&s->copies);
+  vs_budget_end(s->budget);
+}
+
+static void release(void *self) {
+  vs_picard_free(self);
+}
+
+/* ---- where the search begins ---- */
+
+static vs_scene *on_ideal_tier(const vs_scene *scene) {
+  vs_scene *ideal = vs_alloc(1, sizeof *ideal);
+  *ideal = *scene;
+  ideal->tier = vs_tiers_automatic(false);
+  ideal->frame = vs_sim_frame(ideal->tier, &ideal->setup);
+  return ideal;
+}
+
+/* One period of the orbit more: Phi becomes the product of Phi and that of one period. */
+static void follow_on(vs_orbit *o, const vs_orbit *one) {
+  double product[VS_ORBIT_STATES][VS_ORBIT_STATES] = {0};
+  for (int i = 0; i < o->count; i++)
+    for (int j = 0; j < o->count; j++)
+      for (int k = 0; k < o->count; k++) product[i][j] += o->monodromy[i][k] * one->monodromy[k][j];
+  memcpy(o->monodromy, product, sizeof product);
+}
+
+/* Where the search begins. The orbit of tier switched may repeat after fewer periods. */
+static vs_status guess(const vs_scene *ideal, int periods, vs_orbit *o, bool *guessed,
+                       vs_error *err) {
+  const vs_shooting how = {.periods = periods, .quietly = true};
+  const vs_timeline *line = &ideal->setup.timeline;
+  vs_error why = {0};
+  vs_status status = vs_shooting_seek(ideal, &how, o, &why);
+  if (status == VS_INPUT) return vs_fail(err, status, "%s", why.text);
+  const vs_orbit one = *o;
+  for (int k = one.n; !status && k < periods; k += one.n) follow_on(o, &one);
+  o->n = periods;
+  o->period_s = periods * line->firing.every * line->period_s;
+  *guessed = !status;
+  if (status) begin_at_start(ideal, o->period_s, o);
+  return VS_OK;
+}
+
+vs_status vs_picard_new(const vs_scene *scene, int periods, bool wants_multipliers,
+                        vs_picard **picard, vs_error *err) {
+  vs_picard *p = vs_alloc(1, sizeof *p);
+  *p = (vs_picard){.wants_multipliers = wants_multipliers, .ideal = on_ideal_tier(scene)};
+  p->search = vs_alloc(1, sizeof *p->search);
+  p->budget = whole_search(scene, periods);
+  p->search->budget = &p->budget;
+  p->search->of_mains = cycles_of(scene);
+  p->search->orbit = &p->orbit;
+  p->search->next = p->pilot.x;
+  *picard = NULL;
+  vs_status status = guess(p->ideal, periods, &p->orbit, &p->search->guessed, err);
+  if (status) {
+    vs_picard_free(p);
+    return status;
+  }
+  memcpy(p->guess, p->orbit.x, sizeof p->guess);
+  p->search->between = vs_alloc((size_t)periods, sizeof *p->search->between);
+  p->pilot = (vs_pilot){.self = p,
+                        .period_s = p->orbit.period_s / p->orbit.n,
+                        .of_orbit = p->orbit.n,
+                        .most = (MOST_PASSES + VS_PAIRS_PASSES + VS_COPIES_PERIODS) * periods +
+                                VS_PAIRS_LONG_MARCH,
+                        .begin = begin,
+                        .accept = accept,
+                        .turn = turn,
+                        .push = push,
+                        .end = end,
+                        .free = release};
+  *picard = p;
+  return VS_OK;
+}
+
+void vs_picard_free(vs_picard *p) {
+  if (!p) return;
+  free(p->search->between);
+  free(p->search);
+  free(p->ideal);
+  free(p);
+}
+
+void vs_picard_again(vs_picard *p) {
+  p->found = false;
+}
+
+vs_picard_past vs_picard_over(const vs_picard *p) {
+  vs_picard_past past = {p->orbit, {0}, p->search->guessed, p->search->own_phi};
+  memcpy(past.guess, p->guess, sizeof past.guess);
+  return past;
+}
+
+void vs_picard_begin_near(vs_picard *p, const vs_picard_past *past) {
+  vs_search *s = p->search;
+  bool follows = s->guessed && past->guessed && !past->own_phi;
+  for (int j = 0; j < p->orbit.count; j++)
+    p->orbit.x[j] = past->orbit.x[j] + (follows ? p->orbit.x[j] - past->guess[j] : 0);
+  memcpy(p->pilot.x, p->orbit.x, sizeof p->pilot.x);
+  if (follows) return;
+  memcpy(p->orbit.monodromy, past->orbit.monodromy, sizeof p->orbit.monodromy);
+  memcpy(p->orbit.scale, past->orbit.scale, sizeof p->orbit.scale);
+  s->guessed = true;
+  s->own_phi = past->own_phi;
+}

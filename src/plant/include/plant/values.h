@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What the scene's section actuator says, in SI. Each member's meaning stands in the texts of
+ * vs_actuator_section (plant/actuator.h). */
+#ifndef VS_PLANT_VALUES_H
+#define VS_PLANT_VALUES_H
+
+#include "plant/stops.h"
+#include "base/field.h"
+
+typedef struct vs_stop_values {
+  int present;                    /* 0: there is no stop, and behind a list's last one */
+  double stiffness, damping_ns_m; /* stiffness: N/m or N/m2, by kind */
+  int kind;                       /* index into vs_stop_kinds */
+  double at_m;                    /* the gap z at which it is met; NaN: the pole cover */
+} vs_stop_values;
+/* Saturation of the iron (docs/theory.md). */
+typedef struct vs_saturation_values {
+  int present;
+  int law; /* 0: series, 1: multiplicative */
+  double flux_wb, exponent;
+  double current_a; /* 0 where the law is multiplicative */
+} vs_saturation_values;
+typedef struct vs_actuator_values {
+  char law[VS_NAME_SIZE]; /* a law's name, or a table's file */
+  double gap_m, pole_cover_m, inductance_h, resistance_ohm, leakage_h;
+  vs_saturation_values saturation;
+  double emf_constant_vs_m, force_constant_n_a; /* the latter NaN: equal to the former */
+  vs_stop_values stop[VS_MOST_STOPS];           /* in the scene's order */
+} vs_actuator_values;
+
+#endif

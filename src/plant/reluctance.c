@@ -1,0 +1,229 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "reluctance.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "plant/coil.h"
+#include "leakage.h"
+#include "plant/values.h"
+#include "base/spice.h"
+
+/* ---- plain: the gap alone ---- */
+
+/* Adds a number for the netlist, with what stands around it. */
+static void put(vs_text *text, const char *before, double number, const char *after) {
+  vs_text_add(text, "%s", before);
+  vs_spice_number(text, number);
+  vs_text_add(text, "%s", after);
+}
+
+static double current(const vs_coil *c, double flux_wb, double z_m) {
+  return flux_wb * z_m / (2 * c->a_hm);
+}
+
+static double force(const vs_coil *c, double flux_wb, double z_m) {
+  (void)z_m;
+  return flux_wb * flux_wb / (4 * c->a_hm);
+}
+
+static double energy(const vs_coil *c, double flux_wb, double z_m) {
+  return flux_wb * flux_wb * z_m / (4 * c->a_hm);
+}
+
+static void along(const vs_coil *c, const double flux[3], const double z[3], double current[3],
+                  double force[3]) {
+  double per_2a = 1 / (2 * c->a_hm);
+  current[0] = flux[0] * z[0] * per_2a;
+  current[1] = (flux[1] * z[0] + flux[0] * z[1]) * per_2a;
+  current[2] = (flux[2] * z[0] + 2 * flux[1] * z[1] + flux[0] * z[2]) * per_2a;
+  force[0] = flux[0] * flux[0] * per_2a / 2;
+  force[1] = flux[0] * flux[1] * per_2a;
+  force[2] = (flux[1] * flux[1] + flux[0] * flux[2]) * per_2a;
+}
+
+static void netlist(const vs_coil *c, const char *flux, const char *gap, vs_text *lines,
+                    vs_text *current, vs_text *force) {
+  (void)lines;
+  vs_text_add(current, "(%s*%s", flux, gap);
+  put(current, "/", 2 * c->a_hm, ")");
+  vs_text_add(force, "(%s*%s", flux, flux);
+  put(force, "/", 4 * c->a_hm, ")");
+}
+
+/* ---- with iron that saturates ---- */
+
+typedef struct saturation {
+  double flux_wb, exponent, current_a; /* lambda_s, n, I_s */
+} saturation;
+
+/* Both laws have an energy of the form W = z P(lambda) + E(lambda). Derivatives of P and E: p[k]
+ * and e[k] are the k-th. */
+typedef struct energies {
+  double p[4], e[4];
+} energies;
+
+/* r^(n-2), from which higher powers follow. Below an exponent of 2 it is infinite at r = 0, where
+ * all that it is a factor of counts as 0. */
+static double low_power(double r, double n) {
+  return n >= 2 || r > 0 ? vs_function_power(r, n - 2) : 0;
+}
+
+/* P = lambda^2/(4a), E = I_s lambda_s/(n+1) r^(n+1). */
+static energies series_energies(const vs_coil *c, double flux_wb) {
+  const saturation *s = c->own;
+  double r = fabs(flux_wb) / s->flux_wb, n = s->exponent, sign = copysign(1, flux_wb);
+  double q = s->current_a * low_power(r, n), per_2a = 1 / (2 * c->a_hm);
+  return (energies){{flux_wb * flux_wb * per_2a / 2, flux_wb * per_2a, per_2a, 0},
+                    {q * r * r * r * s->flux_wb / (n + 1), sign * q * r * r, n * q * r / s->flux_wb,
+                     sign * n * (n - 1) * q / (s->flux_wb * s->flux_wb)}};
+}
+
+/* P = lambda^2/(2a) (1/2 + r^n/(n+2)), E = 0. */
+static energies multiplicative_energies(const vs_coil *c, double flux_wb) {
+  const saturation *s = c->own;
+  double r = fabs(flux_wb) / s->flux_wb, n = s->exponent, sign = copysign(1, flux_wb);
+  double q = low_power(r, n), rn = q * r * r, per_2a = 1 / (2 * c->a_hm);
+  return (energies){{flux_wb * flux_wb * per_2a * (0.5 + rn / (n + 2)), flux_wb * per_2a * (1 + rn),
+                     per_2a * (1 + (n + 1) * rn), sign * per_2a * n * (n + 1) * q * r / s->flux_wb},
+                    {0}};
+}
+
+/* i = z P' + E' and F = P with their rates, from lambda = flux[0] and so on. */
+static void rates(const energies *w, const double flux[3], const double z[3], double current[3],
+                  double force[3]) {
+  const double *p = w->p, *e = w->e, square = flux[1] * flux[1];
+  current[0] = z[0] * p[1] + e[1];
+  current[1] = (z[0] * p[2] + e[2]) * flux[1] + z[1] * p[1];
+  current[2] = (z[0] * p[2] + e[2]) * flux[2] + (z[0] * p[3] + e[3]) * square +
+               2 * z[1] * p[2] * flux[1] + z[2] * p[1];
+  force[0] = p[0];
+  force[1] = p[1] * flux[1];
+  force[2] = p[1] * flux[2] + p[2] * square;
+}
+
+static double series_current(const vs_coil *c, double flux_wb, double z_m) {
+  energies w = series_energies(c, flux_wb);
+  return z_m * w.p[1] + w.e[1];
+}
+static double series_force(const vs_coil *c, double flux_wb, double z_m) {
+  (void)z_m;
+  return flux_wb * flux_wb / (4 * c->a_hm);
+}
+static double series_energy(const vs_coil *c, double flux_wb, double z_m) {
+  energies w = series_energies(c, flux_wb);
+  return z_m * w.p[0] + w.e[0];
+}
+static void series_along(const vs_coil *c, const double flux[3], const double z[3],
+                         double current[3], double force[3]) {
+  energies w = series_energies(c, flux[0]);
+  rates(&w, flux, z, current, force);
+}
+static double multiplicative_current(const vs_coil *c, double flux_wb, double z_m) {
+  return z_m * multiplicative_energies(c, flux_wb).p[1];
+}
+static double multiplicative_force(const vs_coil *c, double flux_wb, double z_m) {
+  (void)z_m;
+  return multiplicative_energies(c, flux_wb).p[0];
+}
+static double multiplicative_energy(const vs_coil *c, double flux_wb, double z_m) {
+  return z_m * multiplicative_energies(c, flux_wb).p[0];
+}
+static void multiplicative_along(const vs_coil *c, const double flux[3], const double z[3],
+                                 double current[3], double force[3]) {
+  energies w = multiplicative_energies(c, flux[0]);
+  rates(&w, flux, z, current, force);
+}
+
+/* Adds "pow(abs(lambda/lambda_s),n)". */
+static void put_power(vs_text *text, const saturation *s, const char *flux) {
+  vs_text_add(text, "pow(abs(%s", flux);
+  put(text, "/", s->flux_wb, "),");
+  put(text, "", s->exponent, ")");
+}
+
+static void series_netlist(const vs_coil *c, const char *flux, const char *gap, vs_text *lines,
+                           vs_text *current, vs_text *force) {
+  (void)lines;
+  const saturation *s = c->own;
+  vs_text_add(current, "(%s*%s", flux, gap);
+  put(current, "/", 2 * c->a_hm, "+");
+  put(current, "", s->current_a, "*");
+  vs_text_add(current, "sgn(%s)*", flux);
+  put_power(current, s, flux);
+  vs_text_add(current, ")");
+  vs_text_add(force, "(%s*%s", flux, flux);
+  put(force, "/", 4 * c->a_hm, ")");
+}
+static void multiplicative_netlist(const vs_coil *c, const char *flux, const char *gap,
+                                   vs_text *lines, vs_text *current, vs_text *force) {
+  (void)lines;
+  const saturation *s = c->own;
+  vs_text raised = {0};
+  put_power(&raised, s, flux);
+  vs_text_add(current, "(%s*%s*(1+%s)", flux, gap, raised.text);
+  put(current, "/", 2 * c->a_hm, ")");
+  vs_text_add(force, "(%s*%s*(0.5+%s", flux, flux, raised.text);
+  put(force, "/", s->exponent + 2, ")");
+  put(force, "/", 2 * c->a_hm, ")");
+  vs_text_free(&raised);
+}
+
+static void end(vs_coil *c) {
+  free(c->own);
+}
+
+static const vs_law LAWS[] = {{.name = "reluctance",
+                               .text = "with iron in series with the gap",
+                               .end = end,
+                               .poles = true,
+                               .current = series_current,
+                               .force = series_force,
+                               .energy = series_energy,
+                               .along = series_along,
+                               .netlist = series_netlist},
+                              {.name = "reluctance",
+                               .text = "with iron that multiplies the current",
+                               .end = end,
+                               .poles = true,
+                               .current = multiplicative_current,
+                               .force = multiplicative_force,
+                               .energy = multiplicative_energy,
+                               .along = multiplicative_along,
+                               .netlist = multiplicative_netlist}};
+
+static void saturate(vs_coil *c, const vs_saturation_values *v) {
+  saturation *s = vs_alloc(1, sizeof *s);
+  *s = (saturation){v->flux_wb, v->exponent, v->current_a};
+  c->own = s;
+  c->square = false;
+  c->law = &LAWS[v->law];
+  /* the inductance without current: an exponent of 1 or 0 adds to i even there */
+  const double flux[3] = {0, 1, 0}, z[3] = {c->gap_rest_m, 0, 0};
+  double current[3], force[3];
+  c->law->along(c, flux, z, current, force);
+  c->rest_h = 1 / current[1];
+}
+
+static vs_status build(const vs_actuator_values *v, const vs_node *map,
+                       const vs_law_formulas *formulas, vs_coil *c, vs_error *err) {
+  (void)map, (void)formulas, (void)err;
+  c->square = true;
+  c->rest_h = v->inductance_h;
+  c->a_hm = v->inductance_h * c->gap_rest_m / 2;
+  if (v->saturation.present) saturate(c, &v->saturation);
+  if (v->leakage_h > 0) vs_leakage_add(c, v->leakage_h);
+  return VS_OK;
+}
+
+const vs_law vs_reluctance_law = {.name = "reluctance",
+                                  .text = "i = lambda z/(2a), F = lambda^2/(4a), with saturation "
+                                          "and leakage where the scene has them",
+                                  .keys = "inductance|leakage|saturation",
+                                  .build = build,
+                                  .poles = true,
+                                  .current = current,
+                                  .force = force,
+                                  .energy = energy,
+                                  .along = along,
+                                  .netlist = netlist};

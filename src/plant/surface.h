@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * A coil's co-energy Wc(z, i) = int lambda di over gap and current, from flux linkages on a grid of
+ * both. One smooth function gives all: lambda = dWc/di, and the force that closes the gap is
+ * -dWc/dz. Units: Wb, A, m, J. */
+#ifndef VS_PLANT_SURFACE_H
+#define VS_PLANT_SURFACE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* Flux linkage over current at one gap, behind one of the currents of the grid. */
+typedef struct vs_surface_piece {
+  double coenergy_j; /* where the piece begins */
+  double flux_wb[4]; /* lambda = sum of flux_wb[n] t^n, t the current behind its beginning */
+} vs_surface_piece;
+
+/* Constant once built; vs_surface_free it. Behind the largest current lambda goes on straight, and
+ * beyond the gaps of the grid i^2/(2 Wc) does; both so that a step that looks too far finds
+ * numbers. */
+typedef struct vs_surface {
+  size_t n_z, n_i;         /* how many gaps and currents; at least 4 each */
+  double *z_m, *i_a;       /* rising; i_a[0] is 0 */
+  vs_surface_piece *piece; /* piece[k*n_i + n] begins at z_m[k], i_a[n] */
+  double *bend; /* n_z by n_z: the second derivatives in z of a spline through values at the gaps */
+} vs_surface;
+
+/* Taylor coefficients of Wc at one point: c[a][b] is its a-th derivative in i and b-th in z, over
+ * a! b!; a + b <= 3. */
+typedef struct vs_surface_point {
+  double c[4][4];
+} vs_surface_point;
+
+/* flux_wb[k*n_i + n] is at z_m[k], i_a[n], rises with n and is 0 for n = 0. */
+vs_surface vs_surface_new(const double *z_m, size_t n_z, const double *i_a, size_t n_i,
+                          const double *flux_wb);
+void vs_surface_free(vs_surface *surface);
+
+/* The co-energy and its derivatives; i_a >= 0. */
+vs_surface_point vs_surface_at(const vs_surface *surface, double i_a, double z_m);
+
+/* The surface at one current, to be evaluated at many gaps: each vs_surface_at takes a time that
+ * grows with the number of gaps. The two differ by rounding. Ends with vs_surface_line_free. */
+typedef struct vs_surface_line {
+  const vs_surface *surface; /* borrowed */
+  double i_a;
+  double *value, *bend; /* at the gaps: a quantity and its second derivatives in z; owned */
+} vs_surface_line;
+vs_surface_line vs_surface_line_new(const vs_surface *surface, double i_a);
+void vs_surface_line_free(vs_surface_line *line);
+/* As vs_surface_at. */
+vs_surface_point vs_surface_line_at(const vs_surface_line *line, double z_m);
+
+/* The current at a flux linkage >= 0. */
+double vs_surface_current(const vs_surface *surface, double flux_wb, double z_m);
+/* True if between the gaps of the grid, too, lambda rises with i; otherwise *z_m is the smallest
+ * gap at which it does not, and *i_a the smallest current there. */
+bool vs_surface_rises(const vs_surface *surface, double *z_m, double *i_a);
+
+#endif

@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The command `compare`: what two runs, or two studies, have in common and in what they differ. */
+#ifndef VS_REPORT_COMPARE_H
+#define VS_REPORT_COMPARE_H
+
+#include <stdbool.h>
+
+#include "base/text.h"
+#include "study/method.h"
+
+typedef struct vs_compare_options {
+  const char *a, *b; /* folders */
+  bool json;
+  const vs_method *const *methods; /* of studies; NULL ends them */
+} vs_compare_options;
+
+/* Adds what differs, as a table or as JSON. That they differ is no failure: the status is then
+ * VS_OK, too. Errors,
+ * VS_INPUT: a folder holds neither a run nor a study; one holds a run and the other a study; a file
+ * in them is broken. */
+vs_status vs_compare_tell(const vs_compare_options *options, vs_text *out, vs_error *err);
+
+#endif

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The command `plot` of a run's folder: the pictures of report/plot/sheets.h, drawn by gnuplot. */
+#ifndef VS_REPORT_PLOT_H
+#define VS_REPORT_PLOT_H
+
+#include <stdbool.h>
+
+#include "base/error.h"
+
+typedef struct vs_plot_options {
+  const char *folder; /* of the run; its run.csv has the columns that the run recorded */
+  const char *output; /* the one picture to draw, ending in .png or .svg; NULL: the set of pictures,
+                         in the folder */
+  const char *overlay; /* a CSV file of measured curves (report/plot/overlay.h); NULL: none */
+  bool quiet;
+} vs_plot_options;
+
+/* Looks at the names before anything is drawn. Errors: VS_INPUT, a name is too long or has a line
+ * break; the output is no picture or cannot be written. */
+vs_status vs_plot_check(const vs_plot_options *options, vs_error *err);
+
+/* Draws the pictures. A panel whose column was not recorded is left out; a measured curve that none
+ * of the pictures has a panel for gets one on the last. Errors: there is no run.csv, or only a
+ * partial one; no picture, or the one that -o names, has a column at all; the overlay does not fit;
+ * gnuplot is missing or fails. */
+vs_status vs_plot_command(const vs_plot_options *options, vs_error *err);
+
+#endif

@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * A column over two axes: cells in colour, and the line on which the limit is met. */
+#ifndef VS_REPORT_MAP_H
+#define VS_REPORT_MAP_H
+
+#include "plot/sketch.h"
+
+/* "map": its axes are the two of most values. With further axes, or where values share a cell, a
+ * cell shows the least margin, or the largest amount, among its cases. It fits where each axis has
+ * so few values that the cases fill at least half of the map. */
+extern const vs_chart vs_map_chart;
+
+/* A field on the points of a grid. */
+typedef struct vs_field_grid {
+  size_t nx, ny;
+  const double *x, *y; /* [nx], [ny], rising */
+  const double *z;     /* [ny][nx]; NaN: not known */
+  bool x_log, y_log;   /* lengths between values are taken as on a logarithmic axis */
+} vs_field_grid;
+
+/* Calls each(ctx, from, to) for the pieces of the line on which the field is `level`. Between the
+ * grid's points the field is taken as bilinear, so the line of a plane is exact. No piece passes
+ * where the field is not known. For tests. */
+void vs_map_contour(const vs_field_grid *grid, double level,
+                    void (*each)(void *ctx, const double from[2], const double to[2]), void *ctx);
+
+#endif

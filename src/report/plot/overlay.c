@@ -1,0 +1,272 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "plot/overlay.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "base/csv.h"
+#include "base/path.h"
+#include "base/text.h"
+#include "plant/blueprint.h"
+#include "engine/step.h"
+#include "base/tree.h"
+#include "base/units.h"
+
+enum { MOST_COLUMNS = VS_CH_MOST + 1, LONGEST_UNIT = 8 };
+
+/* A column of run.csv: probe and unit as its name joins them. unit NULL: not known, and then the
+ * name is only good as a whole. */
+typedef struct known {
+  const char *name; /* "ap_m_s2" */
+  char probe[VS_OVERLAY_NAME], unit[32];
+  bool has_unit;
+} known;
+
+typedef struct reader {
+  vs_overlay *overlay;
+  const vs_overlay_run *run;
+  char *names; /* run.csv's header, cut up: known[].name points into it */
+  known known[MOST_COLUMNS];
+  size_t n_known;
+  size_t columns; /* of the measured file; 0: its header is not read yet */
+  vs_where at;
+} reader;
+
+/* ---- the columns of run.csv ---- */
+
+/* Takes probe and unit where, joined, they are the column's name. */
+static void try_probe(known *k, const char *probe, const char *unit) {
+  char suffix[32], name[2 * VS_OVERLAY_NAME];
+  vs_units_suffix(unit, suffix, sizeof suffix);
+  snprintf(name, sizeof name, "%s%s%s", probe, *suffix ? "_" : "", suffix);
+  if (strcmp(name, k->name) || !vs_units_known(unit)) return;
+  snprintf(k->probe, sizeof k->probe, "%s", probe);
+  snprintf(k->unit, sizeof k->unit, "%s", unit);
+  k->has_unit = true;
+}
+
+/* The units of a deck's probes stand in summary.json, with their extremes: v_ak_min. There is the
+ * name of the run's machine, too. */
+static void ask_summary(reader *r, char machine[VS_NAME_SIZE]) {
+  char path[VS_PATH_SIZE];
+  vs_tree tree = {0};
+  vs_error unread = {0};
+  snprintf(path, sizeof path, "%s/summary.json", r->run->folder);
+  vs_status status = vs_tree_read(path, &tree, &unread);
+  const vs_node *measures = status ? NULL : vs_tree_child(tree.root, "measures");
+  for (const vs_node *m = measures ? measures->child : NULL; m; m = m->next) {
+    const vs_node *unit = m->kind == VS_NODE_MAP ? vs_tree_child(m, "unit") : NULL;
+    size_t n = strlen(m->key);
+    if (!unit || !unit->text || n < 4 || strcmp(m->key + n - 4, "_min")) continue;
+    char probe[VS_OVERLAY_NAME];
+    snprintf(probe, sizeof probe, "%.*s", (int)(n - 4), m->key);
+    for (size_t k = 0; k < r->n_known; k++) try_probe(&r->known[k], probe, unit->text);
+  }
+  const vs_node *own = status ? NULL : vs_tree_child(tree.root, "scene");
+  own = vs_tree_child(vs_tree_child(own, "machine"), vs_machine_key.key);
+  snprintf(machine, VS_NAME_SIZE, "%s", own && own->text ? own->text : vs_machine_key.default_text);
+  vs_tree_free(&tree);
+}
+
+/* Takes the names and units of the channels that runs of this machine have. */
+static void ask_machine(reader *r, const char *name) {
+  char path[VS_PATH_SIZE];
+  vs_error unread = {0};
+  vs_machine *machine = vs_alloc(1, sizeof *machine);
+  vs_machine_begin(machine);
+  if (!vs_path_find(&vs_machine_shelf, name, (vs_where){0}, path, &unread))
+    vs_blueprint_read(path, machine, &unread);
+  const vs_model model = {.machine = machine, .dof = machine->dof};
+  const vs_frame frame = {.model = &model};
+  int numbers[VS_CH_MOST], count = vs_channel_listed(&frame, numbers);
+  for (size_t k = 0; k < r->n_known; k++)
+    for (int c = 0; c < count; c++) {
+      vs_channel channel = vs_channel_at(&frame, numbers[c]);
+      try_probe(&r->known[k], channel.name, channel.unit);
+    }
+  vs_machine_free(machine);
+  free(machine);
+}
+
+static void know_columns(reader *r) {
+  char *cells[MOST_COLUMNS + 1];
+  r->names = vs_copy(r->run->header);
+  size_t n = vs_csv_split(r->names, cells, MOST_COLUMNS + 1, NULL);
+  for (size_t k = 1; k < n; k++) r->known[r->n_known++].name = cells[k]; /* behind the time */
+  char machine[VS_NAME_SIZE];
+  ask_summary(r, machine);
+  ask_machine(r, machine);
+}
+
+/* ---- the measured file ---- */
+
+/* The column of the probe that the name begins with, when at most a unit follows; NULL: none. */
+static const known *find_stem(const reader *r, const char *name) {
+  const known *longest = NULL;
+  for (size_t k = 0; k < r->n_known; k++) {
+    const known *c = &r->known[k];
+    size_t n = strlen(c->probe);
+    if (c->has_unit && !strncmp(name, c->probe, n) && (!name[n] || name[n] == '_') &&
+        strlen(name + n) < LONGEST_UNIT && (!longest || n > strlen(longest->probe)))
+      longest = c;
+  }
+  return longest;
+}
+
+static vs_status unknown_column(const reader *r, const char *name, vs_error *err) {
+  const known *stem = find_stem(r, name);
+  if (stem) {
+    const char *unit = name + strlen(stem->probe);
+    return vs_fail_at(err, r->at, "column '%s': '%s' is no unit of %s; did you mean '%s'?", name,
+                      unit + (*unit == '_'), stem->probe, stem->name);
+  }
+  const char *names[MOST_COLUMNS];
+  for (size_t k = 0; k < r->n_known; k++) names[k] = r->known[k].name;
+  const char *nearest = vs_text_nearest(name, names, r->n_known);
+  return vs_fail_at(err, r->at, "%s has no column '%s'%s%s%s", r->run->path, name,
+                    nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+}
+
+static vs_status take_curve(reader *r, const char *name, int column, vs_error *err) {
+  const known *c = NULL;
+  double factor = NAN;
+  for (size_t k = 0; k < r->n_known && !c; k++)
+    if (!strcmp(name, r->known[k].name)) c = &r->known[k], factor = 1;
+  for (size_t k = 0; k < r->n_known && !c; k++) {
+    size_t n = strlen(r->known[k].probe);
+    if (!r->known[k].has_unit || strncmp(name, r->known[k].probe, n) || name[n] != '_') continue;
+    factor =
+        vs_units_suffix_factor(name + n + 1, r->known[k].unit) / vs_units_factor(r->known[k].unit);
+    if (!isnan(factor)) c = &r->known[k];
+  }
+  if (!c) return unknown_column(r, name, err);
+  if (vs_overlay_find(r->overlay, c->name))
+    return vs_fail_at(err, r->at, "column '%s': %s stands here a second time; leave one out", name,
+                      c->name);
+  vs_overlay_curve *curve = &r->overlay->curves[r->overlay->count++];
+  *curve = (vs_overlay_curve){.column = column, .factor = factor};
+  snprintf(curve->name, sizeof curve->name, "%s", c->name);
+  if (c->has_unit)
+    snprintf(curve->label, sizeof curve->label, "%.60s / %s", c->probe, c->unit);
+  else
+    snprintf(curve->label, sizeof curve->label, "%s", c->name);
+  return VS_OK;
+}
+
+static vs_status read_header(reader *r, const vs_csv *csv, vs_error *err) {
+  const char *name = csv->cell[0];
+  r->at = csv->where[0];
+  r->overlay->time_s = strncmp(name, "t_", 2) ? NAN : vs_units_suffix_factor(name + 2, "s");
+  const char *other = csv->count == 1 ? strpbrk(name, ";\t") : NULL;
+  if (other)
+    return vs_fail_at(err, r->at,
+                      "the file is cut at commas, and this line has %s in their place; write "
+                      "'t_ms,p_mm', with decimal points",
+                      *other == ';' ? "';'" : "tabs");
+  if (isnan(r->overlay->time_s))
+    return vs_fail_at(err, r->at, "the first column is the time: t_s, t_ms or t_us, not '%s'",
+                      name);
+  vs_status status = VS_OK;
+  for (size_t k = 1; !status && k < csv->count; k++) {
+    r->at = csv->where[k];
+    if (k >= MOST_COLUMNS) return vs_fail_at(err, r->at, "too many columns");
+    status = take_curve(r, csv->cell[k], (int)k + 1, err);
+  }
+  r->columns = csv->count;
+  if (!status && r->columns == 1)
+    status = vs_fail_at(err, r->at,
+                        "no column follows the time: name them as in %s, for example "
+                        "'p_m' or 'p_mm'",
+                        r->run->path);
+  return status;
+}
+
+static bool is_number(const char *cell, double *value) {
+  char *end;
+  if (cell[strspn(cell, "0123456789+-.eE")]) return false;
+  *value = vs_text_to_number(cell, &end);
+  return end != cell && !*end && isfinite(*value);
+}
+
+static vs_status read_row(reader *r, const vs_csv *csv, double *t, vs_error *err) {
+  double before = *t, value = NAN;
+  if (csv->count != r->columns)
+    return vs_fail_at(err, r->at, "cells in this row: %zu; columns in the header: %zu", csv->count,
+                      r->columns);
+  for (size_t k = 0; k < csv->count; k++) {
+    if (!is_number(csv->cell[k], &value))
+      return vs_fail_at(err, csv->where[k], "'%s' is not a finite number%s; write one as 1.5e-3",
+                        csv->cell[k], isfinite(value) ? "" : ", or too small");
+    if (k == 0) *t = value;
+  }
+  if (*t <= before)
+    return vs_fail_at(
+        err, r->at,
+        "the time does not rise: %.9g after %.9g; rows come in the order of their times", *t,
+        before);
+  double t_s = *t * r->overlay->time_s;
+  if (t_s >= 0 && t_s <= r->run->until_s) r->overlay->rows++;
+  return VS_OK;
+}
+
+/* One row after the other; blank lines may stand at the end only. */
+static vs_status read_rows(reader *r, vs_csv *csv, vs_error *err) {
+  double t = -INFINITY;
+  vs_where blank = {0};
+  vs_status status = VS_OK;
+  while (!status && !(status = vs_csv_next(csv, err)) && csv->count) {
+    r->at = (vs_where){csv->file, csv->line, 1};
+    if (!r->columns)
+      status = read_header(r, csv, err);
+    else if (vs_csv_is_blank(csv)) {
+      if (!blank.line) blank = r->at;
+    } else if (blank.line)
+      status = vs_fail_at(err, blank, "a blank line between rows");
+    else
+      status = read_row(r, csv, &t, err);
+  }
+  r->at = (vs_where){csv->file, csv->line, 1};
+  if (!status && isinf(t))
+    status = vs_fail_at(err, r->at,
+                        r->columns ? "no row of numbers follows the header" : "the file is empty");
+  if (!status && !r->overlay->rows)
+    status =
+        vs_fail_at(err, r->at, "no row lies within the run, which is 0 to %.9g s", r->run->until_s);
+  return status;
+}
+
+vs_status vs_overlay_read(const char *path, const vs_overlay_run *run, vs_overlay *overlay,
+                          vs_error *err) {
+  reader r = {.overlay = overlay, .run = run, .at = {.file = path}};
+  struct stat s;
+  *overlay = (vs_overlay){.path = path};
+  errno = 0;
+  FILE *f = stat(path, &s) || !S_ISREG(s.st_mode) ? NULL : fopen(path, "r");
+  if (!f)
+    return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", path,
+                   errno ? strerror(errno) : "not a plain file");
+  overlay->curves = vs_alloc(MOST_COLUMNS, sizeof *overlay->curves);
+  know_columns(&r);
+  vs_csv csv = {.file = path, .stream = f, .trim = true};
+  vs_status status = read_rows(&r, &csv, err);
+  vs_csv_free(&csv);
+  fclose(f);
+  free(r.names);
+  return status;
+}
+
+void vs_overlay_free(vs_overlay *overlay) {
+  free(overlay->curves);
+  *overlay = (vs_overlay){0};
+}
+
+const vs_overlay_curve *vs_overlay_find(const vs_overlay *overlay, const char *name) {
+  for (size_t k = 0; k < overlay->count; k++)
+    if (!strcmp(overlay->curves[k].name, name)) return &overlay->curves[k];
+  return NULL;
+}

@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What the pictures of a run show: each is a sheet of panels, one curve of run.csv each. They are
+ * the paper's Figs. 9 to 11 for its scene, and the same of any other. Where
+ * the run has instruments, two more show what these make of its curves, as Figs. 13 and 14 do;
+ * where it has a control, one more shows that. */
+#ifndef VS_REPORT_SHEETS_H
+#define VS_REPORT_SHEETS_H
+
+#include <stddef.h>
+
+enum {
+  VS_SHEET_PANELS = 96, /* at most 36 of the program's own, then those an overlay asks for */
+  VS_SHEET_NAME = 96,
+  VS_SHEETS_OF_RUN = 3, /* of any run; those behind show instruments */
+  VS_SHEETS = 6,
+  VS_SHEET_INSTRUMENTS = 32
+};
+
+typedef struct vs_panel {
+  char column[VS_SHEET_NAME], label[VS_SHEET_NAME]; /* of run.csv; what the axis says */
+  double scale;                                     /* of the column on the way to the axis */
+} vs_panel;
+
+typedef struct vs_sheet {
+  const char *name, *title; /* the picture's file name without its ending; what stands above it */
+  double until_s;           /* 0: the whole run */
+  int columns;              /* how many panels stand side by side */
+  vs_panel panels[VS_SHEET_PANELS];
+  int count;
+} vs_sheet;
+
+/* A column of run.csv that stands for what another one holds: an instrument has filled it, or it is
+ * a control's set point. */
+typedef struct vs_sheet_shown {
+  char name[VS_SHEET_NAME + 16]; /* "instrument p" */
+  char column[VS_SHEET_NAME];    /* its own */
+  char of[VS_SHEET_NAME]; /* that of the channel which it measures; its own where run.csv has not
+                             got that one */
+} vs_sheet_shown;
+
+/* All pictures of one run. */
+typedef struct vs_sheets {
+  vs_sheet set[VS_SHEETS]; /* one file each; those of instruments and of a
+                               control are empty without any */
+  vs_sheet overview;       /* what `plot -o` draws on its one sheet */
+  vs_sheet_shown shown[VS_SHEET_INSTRUMENTS];
+  int n_shown;
+} vs_sheets;
+
+/* Returns the sheets of a run, for the caller to free(). The machine's coordinates are found by the
+ * columns in run.csv's header, and by the measures in the folder's summary.json where there is one:
+ * NAME is a coordinate where the run measured aNAME_peak. */
+vs_sheets *vs_sheets_new(const char *folder, const char *header);
+
+/* The n-th of the instruments' columns, from 0, that go with this column of run.csv; NULL: there is
+ * none. */
+const vs_sheet_shown *vs_sheets_shown(const vs_sheets *sheets, const char *column, int n);
+
+/* Appends a panel; one too many is left out. */
+void vs_sheet_add(vs_sheet *sheet, const char *column, const char *label, double scale);
+/* The panel that shows the column; NULL: the sheet has none. */
+const vs_panel *vs_sheet_find(const vs_sheet *sheet, const char *column);
+
+#endif

@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Probes over time, one strip each, with what happened marked as vertical lines. */
+#ifndef VS_REPORT_STRIPS_H
+#define VS_REPORT_STRIPS_H
+
+#include "plot/stretch.h"
+
+/* Adds the strips to a script for gnuplot. Moments of the first run have their words beside their
+ * lines, as far as there is room; those of the others have lines in their colour. */
+void vs_strips_add(const vs_stretch *stretch, vs_script *script);
+
+/* Adds one probe's strip alone, as a picture of its own. */
+void vs_strips_one(const vs_stretch *stretch, int probe, vs_script *script);
+
+#endif

@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The result of one run as a table for people. */
+#ifndef VS_RUN_SHOW_H
+#define VS_RUN_SHOW_H
+
+#include <stdio.h>
+
+#include "run/groups.h"
+
+/* What another command shows of a run of its own; `show` NULL: nothing. */
+typedef struct vs_show_more {
+  void (*show)(const void *ctx, FILE *out);
+  const void *ctx;
+} vs_show_more;
+
+/* Prints the result in at most 25 lines, or 30 with what the command shows: the verdict with what
+ * happened, the three weakest lines and the tightest line of each other device; scene and tier;
+ * stroke, currents, extinction, energy; what was not judged. What leaves the verdict undecided is
+ * always named, which may take more. Limits and stresses are in the unit that the rating's or the
+ * limit's line was written in. */
+void vs_show_brief(const vs_result *result, const vs_groups_options *options,
+                   const vs_show_more *more, FILE *out);
+
+/* Prints all of the verdict: its word, the weakest line, the first to fail, every line. */
+void vs_show_verdict(const vs_result *result, FILE *out);
+
+/* Prints all that stands behind the verdict: scene, tier, the measures in groups, the cost. */
+void vs_show_result(const vs_result *result, const vs_groups_options *options, FILE *out);
+
+/* Of a current whose groups are told (measure/grouping.h), prints the windows that they are over. */
+void vs_show_windows(const vs_spectrum *current, FILE *out);
+/* Prints for each class of apparatus which harmonic takes most of its limit, and how much. */
+void vs_show_classes(const vs_drawn *drawn, FILE *out);
+
+/* The line of a table's head that names the machine and what feeds it: "machine conveyor, supply
+ * 440 V rms, 50 Hz". */
+void vs_show_feed(const vs_setup *setup, FILE *out);
+
+#endif

@@ -1,0 +1,308 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "run/result.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "engine/pace.h"
+#include "ngspice/trust.h"
+#include "measure/sign.h"
+
+void vs_result_finish(vs_result *r) {
+  vs_watchers_finish(&r->watchers, r->scene->setup.run.until_s, r->values);
+  vs_expect_excuse(&r->scene->expects, r->watchers.devices);
+  vs_verdict_reach(r->watchers.measures, r->watchers.devices, &r->scene->expects, &r->verdict);
+  const vs_ratings_seen seen = {.values = r->values,
+                                .watchers = &r->watchers,
+                                .quality = r->quality,
+                                .n_quality = r->n_quality,
+                                .until_s = r->scene->setup.run.until_s};
+  vs_ratings_judge(&r->scene->ratings, &seen, &r->verdict);
+}
+
+const char *vs_result_corner(const vs_corners *c, size_t k, char *text, size_t size) {
+  size_t at = 0;
+  *text = '\0';
+  for (size_t n = 0; n < c->spread.count && at < size; n++) {
+    const char *unit = c->spread.item[n].unit;
+    at += (size_t)snprintf(text + at, size - at, "%s%s = %.6g%s%s", n ? ", " : "",
+                           c->spread.item[n].key, vs_key_spread_at(&c->spread, n, k),
+                           *unit ? " " : "", unit);
+  }
+  return text;
+}
+
+void vs_result_end_loop(vs_result *r) {
+  if (r->loop) vs_loop_end(r->loop);
+  free(r->loop);
+  r->loop = NULL;
+}
+
+static void end_quality(vs_result *r) {
+  for (int k = 0; k < r->n_quality; k++) vs_quality_end(&r->quality[k]);
+  free(r->quality);
+  r->quality = NULL;
+  r->n_quality = 0;
+}
+
+void vs_result_begin_quality(vs_result *r, const vs_scene *s) {
+  end_quality(r);
+  if (!s->quality.count) return;
+  r->quality = vs_alloc((size_t)s->quality.count, sizeof *r->quality);
+  for (; r->n_quality < s->quality.count; r->n_quality++)
+    vs_quality_begin(&r->quality[r->n_quality], &s->quality.item[r->n_quality], &s->setup);
+}
+
+void vs_result_free(vs_result *r) {
+  vs_verdict_free(&r->verdict);
+  vs_watchers_free(&r->watchers);
+  vs_result_end_loop(r);
+  free(r->meters);
+  r->meters = NULL;
+  end_quality(r);
+  if (r->climbed) vs_scene_free(r->climbed);
+  free(r->climbed);
+  r->climbed = NULL;
+}
+
+/* ---- warnings ---- */
+
+/* True: nothing has conducted, as far as the deck shows it. Its probe i_thyristor, from which the
+ * firing is taken, and its devices that conduct or block can tell; without either it is false. */
+static bool nothing_conducts(const vs_scene *s, const vs_result *r) {
+  const vs_deck *deck = s->frame.deck;
+  bool told = !deck || vs_channel_find(&s->frame, "i_thyristor") >= 0;
+  if (r->values[VS_M_T_FIRE].known) return false;
+  for (size_t k = 0; r->watchers.devices && k < r->watchers.devices->count; k++) {
+    const vs_watched *w = &r->watchers.devices->item[k];
+    const vs_switch *states = w->device->kind->gated ? w->states : NULL;
+    told = told || states;
+    if (states && !isnan(states->fired_s)) return false;
+  }
+  return told;
+}
+
+/* Where nothing conducts though firing is asked for, writes what is to be said of it. False:
+ * nothing is to be said. */
+static bool nothing_fires(const vs_result *r, char *text, size_t size) {
+  const vs_scene *s = r->scene;
+  if (s->setup.timeline.firing.no_valve || !nothing_conducts(s, r)) return false;
+  const vs_timeline *t = &s->setup.timeline;
+  const char *no_chance = vs_warnings_no_chance(&s->frame);
+  double until_s = s->setup.run.until_s, first_s;
+  /* without events pulses are alike: one whole pulse behind the run tells of all */
+  double more_s = t->events.count ? 0 : (t->firing.first_cycle + t->firing.every + 1) * t->period_s;
+  first_s = vs_warnings_first_chance(&s->setup, &s->frame, until_s + more_s);
+  if (isnan(first_s)) return false;
+  if (first_s < until_s)
+    snprintf(text, size,
+             "nothing fires: no thyristor is seen to conduct in this run (largest "
+             "coil current: %.3g A), though a gate pulse meets forward mains voltage at %.9g s",
+             r->values[VS_M_I_PEAK].value, first_s);
+  else if (isfinite(first_s))
+    snprintf(text, size,
+             "nothing fires: %s before run.until = %.9g s; the first would do so at %.9g s",
+             no_chance, until_s, first_s);
+  else
+    snprintf(text, size, "nothing fires: %s; look at firing.angle and firing.pulse_width",
+             no_chance);
+  return true;
+}
+
+/* Where the two runs of the scene have another sequence of firings, writes what is to be said of
+ * it. False: nothing is to be said. */
+static bool sequence_differs(const vs_result *r, char *text, size_t size) {
+  char name[VS_JUDGED_NAME];
+  int torn = 0;
+  if (!*r->second.sequence) return false;
+  int n = snprintf(text, size, "the sequence of firings depends on the tolerance: %s; ",
+                   r->second.sequence);
+  for (size_t k = 0; k < r->verdict.count && n < (int)size; k++)
+    if (r->verdict.item[k].torn)
+      n += snprintf(text + n, size - (size_t)n, "%s%s", torn++ ? ", " : "undecided for its sake: ",
+                    vs_verdict_name(&r->verdict.item[k], name));
+  if (n < (int)size)
+    snprintf(text + n, size - (size_t)n,
+             "%swhat else follows from it is known less well than run.tolerance says, and a finer "
+             "one may settle it",
+             torn ? "; " : "");
+  return true;
+}
+
+/* Where the channel of an instrument was beyond its range, writes what is to be said of it. False:
+ * nothing is to be said. */
+static bool is_beyond(const vs_meter *m, char *text, size_t size) {
+  const vs_instrument *i = m->instrument;
+  if (!m->beyond) return false;
+  snprintf(
+      text, size,
+      "%s: %ld of %ld samples are of a channel beyond its range, first at %.6g s: it shows the "
+      "range's end there",
+      i->path, m->beyond, m->samples, m->beyond_s);
+  return true;
+}
+
+/* Where load.fraction: auto is held at an end of its range, writes what is to be said of it. */
+static bool fraction_is_held(const vs_result *r, char *text, size_t size) {
+  const vs_setup *s = &r->scene->setup;
+  const vs_load_range *range = &vs_model_load_range;
+  double k = s->throw_coefficient;
+  if (!vs_setup_found_fraction(s) || (k >= range->least_k && k <= range->most_k)) return false;
+  snprintf(text, size,
+           "load.fraction: auto is held at %g: the throw coefficient on the orbit, K = %.4g, is "
+           "outside of the range that the paper states, %g to %g",
+           s->model.riding, k, range->least_k, range->most_k);
+  return true;
+}
+
+/* Where more than one share answers load.fraction: auto, writes what is to be said of it. */
+static bool fraction_is_one_of_two(const vs_result *r, char *text, size_t size) {
+  const vs_setup *s = &r->scene->setup;
+  if (!vs_setup_found_fraction(s) || isnan(s->other_fraction)) return false;
+  snprintf(text, size,
+           "load.fraction: auto is %.6g, and %.6g would do as well: each rides where the trough "
+           "throws as it does with it; a number at load.fraction decides",
+           s->model.riding, s->other_fraction);
+  return true;
+}
+
+/* A run with a thyristor of two transistors took 4 times as many steps as the largest step asks
+ * for, those that crawled 39 times and more (tests/test_hints.c). A short run is no trouble,
+ * however it went. */
+static const double CRAWLS = 20;
+static const long FEW_STEPS = 20000;
+
+bool vs_result_crawls(const vs_result *r, char *text, size_t size) {
+  const vs_setup *s = &r->scene->setup;
+  double solved_s = s->run.until_s - r->watchers.absence.total_s;
+  double asked = solved_s / vs_pace_largest_step(s);
+  if (!r->scene->tier->has_circuit || s->run.gear || r->steps < FEW_STEPS) return false;
+  if ((double)r->steps < CRAWLS * asked) return false;
+  snprintf(text, size,
+           "%ld steps, %.3g in a cycle of the mains, where the mains and run.tolerance ask for "
+           "%.3g: 'vibrospice check --deep %.300s' tries run.method: gear",
+           r->steps, (double)r->steps / solved_s * s->timeline.period_s,
+           asked / solved_s * s->timeline.period_s, r->scene->path);
+  return true;
+}
+
+static void warn_of_signs(const vs_result *r, void (*each)(void *ctx, const char *text),
+                          void *ctx) {
+  const vs_devices *d = r->watchers.devices;
+  char text[VS_DECK_TEXT];
+  for (size_t k = 0; d && k < d->count; k++)
+    if (vs_sign_is_wrong(&d->item[k], vs_energy_whole(&r->watchers.energy), text, sizeof text))
+      each(ctx, text);
+}
+
+static void warn_of_unknown(const vs_result *r, void (*each)(void *ctx, const char *text),
+                            void *ctx) {
+  char text[VS_DECK_TEXT + VS_JUDGED_NAME], name[VS_JUDGED_NAME];
+  for (size_t k = 0; k < r->verdict.count; k++) {
+    const vs_judgement *j = &r->verdict.item[k];
+    if (!j->unknown || j->waived) continue;
+    snprintf(text, sizeof text, "ratings: %s has no value, as %s; its line is undecided",
+             vs_verdict_name(j, name), j->unknown);
+    each(ctx, text);
+  }
+}
+
+/* Of the order of a holding current, A. Of 138 random scenes with a current, 4 stayed below with a
+ * thyristor of transistors (tests/long/metamorphic.csv). */
+static const double HOLDS_A = 0.03;
+
+/* True: all that the coil got went through a thyristor that may never have latched. How much that
+ * is hangs on the instants at which it fires and lets go, within some nanoseconds. */
+static bool hangs_on_latching(const vs_result *r, char *text, size_t size) {
+  const vs_devices *d = r->watchers.devices;
+  double i_peak = r->values[VS_M_I_PEAK].value;
+  if (!r->values[VS_M_I_PEAK].known || !(fabs(i_peak) < HOLDS_A)) return false;
+  for (size_t k = 0; d && k < d->count; k++)
+    if (d->item[k].sequence.edge && d->item[k].states && d->item[k].states->conduction.recovers) {
+      snprintf(
+          text, size,
+          "i and force, and p, u, w and phi by them, may be off by more than run.tolerance: the "
+          "coil got %.3g A at most, below what %s latches at, and hangs on when it lets go",
+          fabs(i_peak), d->item[k].device->name);
+      return true;
+    }
+  return false;
+}
+
+/* An error of up to so many times run.tolerance needs no warning (docs/accuracy.md). */
+static const double PROMISED = 2.4;
+
+/* The warnings that are known only once the run is over; of_firing: that nothing fires, too. */
+static void warn_after(const vs_result *r, bool of_firing,
+                       void (*each)(void *ctx, const char *text), void *ctx) {
+  char text[VS_DECK_TEXT + sizeof r->second.failed];
+  if (of_firing && nothing_fires(r, text, sizeof text)) each(ctx, text);
+  if (sequence_differs(r, text, sizeof text)) each(ctx, text);
+  if (*r->second.unsure) {
+    snprintf(text, sizeof text,
+             "a signal's extreme hangs on the steps: %s; a finer run.tolerance, or a capacitance "
+             "beside the switch, may settle it",
+             r->second.unsure);
+    each(ctx, text);
+  }
+  if (hangs_on_latching(r, text, sizeof text)) each(ctx, text);
+  const vs_devices *devices = r->watchers.devices;
+  for (size_t k = 0; devices && k < devices->count; k++)
+    if (vs_devices_unclear(devices, k, text, sizeof text)) each(ctx, text);
+  if (r->watchers.strays > PROMISED) {
+    snprintf(text, sizeof text,
+             "p, u, w, phi, i and force may be off by %.2g times run.tolerance: the coil rings for "
+             "long, and run.method: gear makes an error of its phase; run.method: trap follows it",
+             r->watchers.strays);
+    each(ctx, text);
+  }
+  warn_of_unknown(r, each, ctx);
+  if (fraction_is_held(r, text, sizeof text)) each(ctx, text);
+  if (fraction_is_one_of_two(r, text, sizeof text)) each(ctx, text);
+  if (*r->books) each(ctx, r->books);
+  if (r->watchers.measures && vs_measures_are_sharp(r->watchers.measures, text, sizeof text))
+    each(ctx, text);
+  warn_of_signs(r, each, ctx);
+  for (int k = 0; r->meters && k < r->scene->instruments.count; k++)
+    if (is_beyond(&r->meters[k], text, sizeof text)) each(ctx, text);
+  for (int k = 0; k < r->n_quality; k++)
+    if (vs_quality_warning(&r->quality[k], &r->scene->setup, text, sizeof text)) each(ctx, text);
+  if (!*r->second.failed) return;
+  snprintf(text, sizeof text, "no margin's error is known, as the second run %s: %s",
+           r->second.stopped ? "was stopped" : "failed", r->second.failed);
+  each(ctx, text);
+}
+
+const char *vs_result_declined(const vs_result *r) {
+  const vs_scene *s = r->scene;
+  const vs_stand_in *stand_in = s->order.stand_in;
+  if (s->tier->has_circuit && r->loop && !s->setup.run.stays)
+    return "a control decides the firings, so that the next one is not known";
+  if (!s->tier->has_circuit || !stand_in || s->setup.run.stays) return NULL;
+  return stand_in->declines(&s->setup);
+}
+
+void vs_result_warnings(const vs_result *r, void (*each)(void *ctx, const char *text), void *ctx) {
+  char text[VS_DECK_TEXT + sizeof r->ladder.failed];
+  const vs_scene *s = r->scene;
+  for (size_t k = 0; k < s->warnings.count; k++) each(ctx, vs_warnings_text(&s->warnings.item[k]));
+  if (r->ladder.rung) {
+    snprintf(text, sizeof text, "got on rung %d of the ladder, %s; before, %s", r->ladder.rung,
+             vs_ladder_text(r->ladder.rung), r->ladder.failed);
+    each(ctx, text);
+  }
+  if (s->tier->has_circuit && *vs_trust_text()) each(ctx, vs_trust_text());
+  warn_after(r, true, each, ctx);
+}
+
+static void print_warning(void *ctx, const char *text) {
+  (void)ctx;
+  fprintf(stderr, "vibrospice: warning: %s\n", text);
+}
+
+void vs_result_warn(const vs_result *r) {
+  bool whole_cycle = r->scene->setup.run.until_s >= r->scene->setup.timeline.period_s;
+  warn_after(r, whole_cycle, print_warning, NULL);
+}

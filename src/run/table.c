@@ -1,0 +1,380 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "run/table.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/text.h"
+#include "netlist/limits.h"
+#include "base/units.h"
+
+static int instruments_of(const vs_table *table) {
+  return table->instruments ? table->instruments->count : 0;
+}
+
+static int columns_of(const vs_table *table) {
+  vs_control_column column;
+  int n = 1 + table->count + instruments_of(table), k = 0;
+  while (table->control && vs_control_column_at(table->control, k, &column)) k++;
+  return n + k;
+}
+
+/* ---- what is seen between two rows ---- */
+
+struct vs_table_between {
+  int width;                       /* columns, with the time */
+  double *row;                     /* the last row, [width]; before the first one its time is NaN */
+  double *least, *largest;         /* of each column from that row on, [width] */
+  double *run_least, *run_largest; /* of each column up to that row, [width] */
+  double *seen;                    /* instants from that row on, in order of time, [room * width] */
+  bool *marked;                    /* those that become rows, [room] */
+  int count, room;
+  char *line;   /* a row's text */
+  double bytes; /* of the file with the further rows */
+  bool has_further;
+  int cannot_be_read; /* errno of reading what was written; 0: it was read */
+};
+
+static double *cells_of(const vs_table_between *b, int n) {
+  return b->seen + (size_t)n * (size_t)b->width;
+}
+
+static void new_between(vs_table *table, int width) {
+  vs_table_between *b = table->between = vs_alloc(1, sizeof *b);
+  size_t n = (size_t)width;
+  b->width = width;
+  /* two extremes of each column are always kept, and at least as many instants besides */
+  b->room = 4 * width + 128;
+  b->row = vs_alloc(5 * n, sizeof *b->row);
+  b->least = b->row + n;
+  b->largest = b->least + n;
+  b->run_least = b->largest + n;
+  b->run_largest = b->run_least + n;
+  b->seen = vs_alloc((size_t)b->room * n, sizeof *b->seen);
+  b->marked = vs_alloc((size_t)b->room, sizeof *b->marked);
+  b->line = vs_alloc(n, VS_NUMBER_SIZE + 1);
+  b->row[0] = NAN;
+  for (int k = 0; k < width; k++) b->run_least[k] = INFINITY, b->run_largest[k] = -INFINITY;
+}
+
+void vs_table_end(vs_table *table) {
+  if (!table->between) return;
+  free(table->between->row);
+  free(table->between->seen);
+  free(table->between->marked);
+  free(table->between->line);
+  free(table->between);
+  table->between = NULL;
+}
+
+vs_table_peaks vs_table_found(const vs_table *table) {
+  if (!table->peaks || !table->between->has_further) return VS_TABLE_NONE;
+  return table->between->bytes > table->peaks_most ? VS_TABLE_BEYOND : VS_TABLE_SOME;
+}
+
+/* Marks the first of the instants at which the column has that value, and returns its number. One
+ * of them has it, or the last row. */
+static int mark(vs_table_between *b, int column, double value) {
+  int n = 0;
+  while (n < b->count && cells_of(b, n)[column] != value) n++;
+  if (n < b->count) b->marked[n] = true;
+  return n;
+}
+
+static void unmark(vs_table_between *b) {
+  memset(b->marked, 0, (size_t)b->room * sizeof *b->marked);
+}
+
+/* Makes room: of what is no extreme of a channel every second instant goes. */
+static void thin(const vs_table *table) {
+  vs_table_between *b = table->between;
+  int kept = 0, others = 0;
+  for (int k = 1; k <= table->count; k++) {
+    mark(b, k, b->least[k]);
+    mark(b, k, b->largest[k]);
+  }
+  for (int n = 0; n < b->count; n++) {
+    if (!b->marked[n] && others++ % 2) continue;
+    if (kept != n) memcpy(cells_of(b, kept), cells_of(b, n), (size_t)b->width * sizeof *b->seen);
+    kept++;
+  }
+  b->count = kept;
+  unmark(b);
+}
+
+/* The cells of a row, which the caller has filled in where the next instant stands, are seen. */
+static void look(const vs_table *table) {
+  vs_table_between *b = table->between;
+  const double *cells = cells_of(b, b->count);
+  if (isnan(b->row[0])) return;
+  for (int k = 1; k <= table->count; k++) {
+    if (cells[k] < b->least[k]) b->least[k] = cells[k];
+    if (cells[k] > b->largest[k]) b->largest[k] = cells[k];
+  }
+  if (++b->count == b->room) thin(table);
+}
+
+/* Marks the peak of a column, of which sense * value is the largest, and its feet. `base`: the same
+ * of the rows beside it. */
+static void mark_peak(vs_table_between *b, int column, double sense, double value, double base) {
+  const double foot = base + 0.1 * (sense * value - base);
+  int peak = mark(b, column, value);
+  if (peak == b->count) return;
+  for (int side = -1; side <= 1; side += 2) {
+    int n = peak + side;
+    while (n >= 0 && n < b->count && sense * cells_of(b, n)[column] > foot) n += side;
+    if (n >= 0 && n < b->count) b->marked[n] = true;
+  }
+}
+
+/* What a peak has to pass the rows beside it by: this share of its column's range, or of itself
+ * where it is the run's extreme so far and told. The first is as much as is seen in a picture; the
+ * second is half of the 1 % to which the run's extremes are to be found in the file. What is less
+ * than the third share of the range is rounding: coordinates at rest move by 1e-32 m. */
+static const double SHARE_OF_RANGE = 0.02, SHARE_OF_EXTREME = 0.005, ROUNDING = 1e-6;
+
+/* True if the run tells the extremes of the column's channel. */
+static bool is_told(const vs_table *table, int column) {
+  const vs_measures *m = table->measures;
+  const int channel = table->channels[column - 1];
+  bool told = channel >= vs_channel_deck(table->frame->model);
+  for (int k = 0; m && k < m->of_probes; k++) told = told || m->extremes[k].channel == channel;
+  for (size_t k = 0; m && k < m->n_followed; k++) told = told || m->followed[k].channel == channel;
+  return told;
+}
+
+/* Marks what becomes a further row, and returns true if something does. `row`: the next one; NULL:
+ * there is none. */
+static bool mark_peaks(const vs_table *table, const double *row) {
+  vs_table_between *b = table->between;
+  bool found = false;
+  for (int k = 1; k <= table->count; k++)
+    for (int sense = -1; sense <= 1; sense += 2) {
+      double value = sense > 0 ? b->largest[k] : b->least[k], base = sense * b->row[k];
+      double range = fmax(b->run_largest[k], b->largest[k]) - fmin(b->run_least[k], b->least[k]);
+      if (row) base = fmax(base, sense * row[k]);
+      double over = sense * value - base;
+      double before = sense > 0 ? b->run_largest[k] : -b->run_least[k];
+      bool is_new = sense * value > before;
+      if (!(over > ROUNDING * range)) continue;
+      if (!(over > SHARE_OF_RANGE * range ||
+            (is_new && over > SHARE_OF_EXTREME * fabs(value) && is_told(table, k))))
+        continue;
+      mark_peak(b, k, sense, value, base);
+      found = true;
+    }
+  return found;
+}
+
+/* ---- text ---- */
+
+static void write_name(const vs_table *table, const char *name, const char *unit) {
+  char suffix[32];
+  vs_units_suffix(unit, suffix, sizeof suffix);
+  fprintf(table->stream, ",%s%s%s", name, *suffix ? "_" : "", suffix);
+}
+
+void vs_table_begin(vs_table *table) {
+  table->next = 0;
+  vs_table_end(table);
+  new_between(table, columns_of(table));
+  fputs("t_s", table->stream);
+  for (int k = 0; k < table->count; k++) {
+    vs_channel c = vs_channel_at(table->frame, table->channels[k]);
+    write_name(table, c.name, c.unit);
+  }
+  for (int k = 0; k < instruments_of(table); k++)
+    write_name(table, table->instruments->item[k].column, table->instruments->item[k].unit);
+  vs_control_column column;
+  for (int k = 0; table->control && vs_control_column_at(table->control, k, &column); k++)
+    write_name(table, column.name, column.unit);
+  fputc('\n', table->stream);
+}
+
+/* ---- size ---- */
+
+/* Bytes of a number besides its digits: sign, point, exponent, comma. In tables of nine digits 1.5
+ * to 4.3 were seen. */
+enum { BESIDES = 5 };
+
+static double rows_of(const vs_table *table) {
+  return floor(table->until_s / table->sample_s) + 1;
+}
+
+double vs_table_bytes(const vs_table *table) {
+  return rows_of(table) * columns_of(table) * (table->digits + BESIDES);
+}
+
+vs_where vs_table_where(const vs_node *scene) {
+  const vs_node *run = vs_tree_child(scene, "run"), *node = vs_tree_child(run, "sample");
+  return node ? node->where : vs_tree_place(scene, "run.until");
+}
+
+vs_status vs_table_check(const vs_table *table, const vs_node *scene, double most, vs_error *err) {
+  const double bytes = vs_table_bytes(table);
+  char size[VS_LIMITS_SIZE];
+  if (bytes <= most) return VS_OK;
+  vs_limits_write(bytes, size);
+  return vs_fail_at(err, vs_table_where(scene),
+                    "run.csv would have about %s, in %.4g rows of %d columns; limits.csv = "
+                    "%.9g bytes allows no more: take a longer run.sample, record fewer probes, or "
+                    "raise it",
+                    size, rows_of(table), columns_of(table), most);
+}
+
+static void write_peaks(const vs_table *table, size_t length) {
+  vs_table_between *b = table->between;
+  if (!b->has_further) return;
+  b->bytes += (double)length;
+  if (b->bytes <= table->peaks_most) fwrite_unlocked(b->line, 1, length, table->peaks);
+}
+
+/* Begins the file with the further rows by what the other one has so far. An error stays in the
+ * stream. */
+static void copy_rows(const vs_table *table) {
+  char part[1 << 16];
+  ssize_t length;
+  off_t at = 0;
+  if (fflush(table->stream)) return;
+  while ((length = pread(fileno(table->stream), part, sizeof part, at)) > 0) {
+    fwrite_unlocked(part, 1, (size_t)length, table->peaks);
+    at += length;
+  }
+  table->between->bytes = (double)at;
+  if (length < 0) table->between->cannot_be_read = errno;
+}
+
+/* Makes the row's text and returns its length. */
+static size_t make_line(const vs_table *table, const double *cells) {
+  char *line = table->between->line, *s = line;
+  for (int k = 0; k < table->between->width; k++) {
+    if (k) *s++ = ',';
+    s += vs_text_number(s, cells[k], table->digits);
+  }
+  *s++ = '\n';
+  return (size_t)(s - line);
+}
+
+/* Writes the further rows that stand before `row`, which is NULL at the run's end. */
+static void write_further(const vs_table *table, const double *row) {
+  vs_table_between *b = table->between;
+  if (!table->peaks || isnan(b->row[0]) || !mark_peaks(table, row)) return;
+  if (!b->has_further) copy_rows(table);
+  b->has_further = true;
+  for (int n = 0; n < b->count; n++)
+    if (b->marked[n]) write_peaks(table, make_line(table, cells_of(b, n)));
+  unmark(b);
+}
+
+/* From now on `row` is the last one, which may be the same again. */
+static void go_on(const vs_table *table, const double *row) {
+  vs_table_between *b = table->between;
+  for (int k = 1; k <= table->count && !isnan(b->row[0]); k++) {
+    b->run_least[k] = fmin(b->run_least[k], b->least[k]);
+    b->run_largest[k] = fmax(b->run_largest[k], b->largest[k]);
+  }
+  if (b->row != row) memcpy(b->row, row, (size_t)b->width * sizeof *row);
+  memcpy(b->least, row, (size_t)b->width * sizeof *row);
+  memcpy(b->largest, row, (size_t)b->width * sizeof *row);
+  b->count = 0;
+}
+
+/* ---- steps ---- */
+
+/* Fills in what the columns show at an instant of the step; time is what the row says it is. */
+static void show(vs_table *table, const vs_step *step, double at_s, double time, double *cells) {
+  double y[VS_CH_MOST];
+  const bool moves = step->to->t_s > step->from->t_s;
+  vs_control_column column;
+  vs_step_at(step, at_s, y);
+  *cells++ = time;
+  for (int k = 0; k < table->count; k++) *cells++ = y[table->channels[k]];
+  if (table->loop && moves) vs_loop_to(table->loop, step, at_s);
+  for (int k = 0; k < instruments_of(table); k++) {
+    if (moves) vs_meter_to(&table->meters[k], step, at_s);
+    *cells++ = table->meters[k].value;
+  }
+  for (int k = 0; table->loop && vs_control_column_at(table->control, k, &column); k++)
+    *cells++ = vs_loop_shows(table->loop, k);
+}
+
+enum { MOST_INSTANTS = VS_MOST_EXTREMES + 2 * VS_CH_MOST };
+
+/* Adds the instant of an extreme where it is within the step and not at one of its ends. */
+static void add_instant(const vs_extreme *e, const vs_step *step, double *at_s, int *count) {
+  const double t = e->best.at_s;
+  int n = *count;
+  if (!e->best.known || !(t > step->from->t_s && t < step->to->t_s) || n == MOST_INSTANTS) return;
+  for (; n && at_s[n - 1] > t; n--) at_s[n] = at_s[n - 1];
+  at_s[n] = t;
+  ++*count;
+}
+
+/* The instants within the step at which the measures have found an extreme, in order of time. */
+static int find_instants(const vs_table *table, const vs_step *step, double *at_s) {
+  const vs_measures *m = table->peaks ? table->measures : NULL;
+  int count = 0;
+  for (int k = 0; m && k < m->of_probes; k++) add_instant(&m->extremes[k], step, at_s, &count);
+  for (size_t k = 0; m && k < m->n_followed; k++)
+    for (int n = 0; n < 2; n++) add_instant(&m->followed[k].end[n], step, at_s, &count);
+  return count;
+}
+
+static void look_at(vs_table *table, const vs_step *step, double at_s) {
+  if (!table->peaks) return;
+  show(table, step, at_s, at_s, cells_of(table->between, table->between->count));
+  look(table);
+}
+
+static vs_status check_streams(const vs_table *table, double t_s, vs_error *err) {
+  const bool own = ferror(table->stream);
+  if (table->between->cannot_be_read)
+    return vs_fail(err, VS_RUN, "t = %.9g s: run.csv cannot be read back: %s", t_s,
+                   strerror(table->between->cannot_be_read));
+  if (!own && !(table->peaks && ferror(table->peaks))) return VS_OK;
+  return vs_fail(err, VS_RUN, "t = %.9g s: %s.csv cannot be written: %s", t_s,
+                 own ? "run" : "peaks", strerror(errno));
+}
+
+static vs_status write_row(vs_table *table, const vs_step *step, double at_s, double time,
+                           vs_error *err) {
+  vs_table_between *b = table->between;
+  double *cells = cells_of(b, b->count); /* there is always room for one more */
+  show(table, step, at_s, time, cells);
+  write_further(table, cells);
+  size_t length = make_line(table, cells);
+  fwrite_unlocked(b->line, 1, length, table->stream);
+  write_peaks(table, length);
+  go_on(table, cells);
+  return check_streams(table, time, err);
+}
+
+/* Writes what stands behind the last row, as the run ends with the step. */
+static vs_status finish(const vs_table *table, vs_error *err) {
+  write_further(table, NULL);
+  go_on(table, table->between->row);
+  return check_streams(table, table->until_s, err);
+}
+
+vs_status vs_table_accept(vs_table *table, const vs_step *step, vs_error *err) {
+  double instants[MOST_INSTANTS];
+  const double to_s = step->to->t_s;
+  /* the last row's instant and the end of the run may differ by rounding */
+  const double slack = 1e-9 * table->sample_s;
+  const bool ends = to_s >= table->until_s - slack;
+  int seen = 0, count = find_instants(table, step, instants);
+  vs_status status = VS_OK;
+  /* a step of no length shows the other side of an instant whose row is written */
+  for (bool moves = to_s > step->from->t_s; moves && !status; table->next++) {
+    const double t = table->next * table->sample_s, within = t < to_s ? t : to_s;
+    if (t > to_s + (ends ? slack : 0)) break;
+    for (; seen < count && instants[seen] < within; seen++) look_at(table, step, instants[seen]);
+    status = write_row(table, step, within, t, err);
+  }
+  for (; seen < count && !status; seen++) look_at(table, step, instants[seen]);
+  if (!status) look_at(table, step, to_s);
+  return status || !ends || isnan(table->between->row[0]) ? status : finish(table, err);
+}

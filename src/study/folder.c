@@ -1,0 +1,347 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "study/folder.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/csv.h"
+#include "base/packed.h"
+#include "base/path.h"
+#include "base/text.h"
+#include "study/format.h"
+#include "base/units.h"
+#include "work/case.h"
+
+static bool is_there(const char *folder, const char *name) {
+  char path[VS_PATH_SIZE];
+  snprintf(path, sizeof path, "%s/%s", folder, name);
+  return !access(path, F_OK);
+}
+
+bool vs_folder_here(const char *folder) {
+  char path[VS_PATH_SIZE];
+  return is_there(folder, "manifest.json") || vs_format_find_rows(folder, path);
+}
+
+bool vs_folder_number(const char *cell, double *value) {
+  char *end;
+  *value = NAN;
+  if (!*cell) return true;
+  double number = strtod(cell, &end);
+  if (*end || end == cell) return false;
+  if (isfinite(number)) *value = number;
+  return true;
+}
+
+/* ---- rows of CSV ---- */
+
+/* Makes a row of the file's present one. Its case must come after *before, and it must have as many
+ * cells as `cells`. */
+static vs_status take_row(const vs_csv *csv, size_t cells, vs_folder_row *row, long *before,
+                          vs_error *err) {
+  const vs_where at = {csv->file, csv->line, 1};
+  char *end;
+  *row = (vs_folder_row){.line = csv->line, .cell = csv->cell, .count = csv->count};
+  if (row->count != cells)
+    return vs_fail_at(err, at, "cells in this row: %zu; columns in the header: %zu", row->count,
+                      cells);
+  row->number = strtol(row->cell[0], &end, 10);
+  if (*end || end == row->cell[0] || row->number < 0)
+    return vs_fail_at(err, at, "'%s' is no case's number", row->cell[0]);
+  if (row->number <= *before)
+    return vs_fail_at(err, at, "case %ld stands after case %ld; rows come in case order",
+                      row->number, *before);
+  *before = row->number;
+  return VS_OK;
+}
+
+/* Calls visit for all rows behind the header, and frees the reader. */
+static vs_status each(vs_csv *csv, size_t cells, vs_folder_visit visit, void *ctx, vs_error *err) {
+  long before = -1;
+  vs_folder_row row;
+  vs_status status = vs_csv_next(csv, err);
+  if (!status && !csv->count)
+    status = vs_fail_at(err, (vs_where){csv->file, 1, 1},
+                        "the file is empty; its first line names columns");
+  while (!status && !(status = vs_csv_next(csv, err)) && csv->count) {
+    status = take_row(csv, cells, &row, &before, err);
+    if (!status) status = visit(ctx, &row, err);
+  }
+  vs_csv_free(csv);
+  return status;
+}
+
+vs_status vs_folder_each(const vs_folder *t, vs_folder_visit visit, void *ctx, vs_error *err) {
+  vs_status status = vs_path_check_result(t->path, err);
+  if (status) return status;
+  FILE *f = vs_packed_read(fopen(t->path, "r"), t->path);
+  if (!f) return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", t->path, strerror(errno));
+  status = each(&(vs_csv){.file = t->path, .stream = f}, t->count, visit, ctx, err);
+  fclose(f);
+  return status;
+}
+
+vs_status vs_folder_each_failure(const vs_folder *t, vs_folder_visit visit, void *ctx,
+                                 vs_error *err) {
+  char path[VS_PATH_SIZE];
+  size_t cells = 3; /* case, status and why; the id and the axes come on top */
+  for (size_t c = 0; c < t->count; c++)
+    cells += t->column[c].role == VS_ROLE_AXIS || t->column[c].role == VS_ROLE_ID;
+  snprintf(path, sizeof path, "%.*s/failures.csv", VS_PATH_SIZE - 32, t->folder);
+  vs_status status = vs_path_check_result(path, err);
+  if (status) return status;
+  FILE *f = fopen(path, "r");
+  if (!f && errno == ENOENT) return VS_OK;
+  if (!f) return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", path, strerror(errno));
+  status = each(&(vs_csv){.file = path, .stream = f}, cells, visit, ctx, err);
+  fclose(f);
+  return status;
+}
+
+/* ---- manifest.json ---- */
+
+static const char *text_of(const vs_node *node) {
+  return node && node->kind == VS_NODE_TEXT ? node->text : NULL;
+}
+
+static vs_status wanted(const vs_folder *t, const vs_node *node, const char *what, vs_error *err) {
+  return vs_fail_at(err, node ? node->where : (vs_where){t->manifest_path, 1, 1},
+                    "%s; this is no manifest of a study", what);
+}
+
+static vs_status take_count(const vs_folder *t, const char *key, long *count, vs_error *err) {
+  const vs_node *node = vs_tree_child(t->manifest.root, key);
+  const char *text = text_of(node);
+  char *end = NULL, what[64];
+  *count = text ? strtol(text, &end, 10) : -1;
+  if (*count >= 0 && !*end && end != text) return VS_OK;
+  snprintf(what, sizeof what, "\"%s\" must be a number of cases", key);
+  return wanted(t, node, what, err);
+}
+
+/* Returns a column's title in study.csv where the manifest does not say it: name_unit. */
+static char *title_of(const char *name, const char *unit) {
+  char suffix[64];
+  vs_text title = {0};
+  vs_units_suffix(unit, suffix, sizeof suffix);
+  vs_text_add(&title, "%s%s%s", name, *suffix ? "_" : "", suffix);
+  return title.text;
+}
+
+static vs_folder_column *find(vs_folder *t, const char *title) {
+  for (size_t c = 0; c < t->count; c++)
+    if (!strcmp(t->column[c].title, title)) return &t->column[c];
+  return NULL;
+}
+
+static void describe(vs_folder_column *c, const vs_node *node, const char *name, const char *unit) {
+  const char *text = text_of(vs_tree_child(node, "text"));
+  const char *rating = text_of(vs_tree_child(node, "rating"));
+  free(c->name);
+  free(c->unit);
+  free(c->text);
+  c->name = vs_copy(name);
+  c->unit = vs_copy(unit);
+  c->text = vs_copy(text ? text : "");
+  c->node = node;
+  if (!rating || !vs_folder_number(rating, &c->rating))
+    c->rating = NAN; /* the manifest says null */
+}
+
+/* Notes what a list of the manifest says of the columns of study.csv. */
+static vs_status take_list(vs_folder *t, const char *list, const char *key, vs_folder_role role,
+                           vs_error *err) {
+  const vs_node *all = vs_tree_child(t->manifest.root, list);
+  char what[96];
+  snprintf(what, sizeof what, "\"%s\" must be a list of {\"%s\", \"unit\", ...}", list, key);
+  if (!all || all->kind != VS_NODE_LIST) return wanted(t, all, what, err);
+  for (const vs_node *n = all->child; n; n = n->next) {
+    const char *name = text_of(vs_tree_child(n, key)), *unit = text_of(vs_tree_child(n, "unit"));
+    if (!name) return wanted(t, n, what, err);
+    if (!unit || !strcmp(unit, "null")) unit = "";
+    const char *column = text_of(vs_tree_child(n, "column"));
+    char *title = column ? vs_copy(column) : title_of(name, unit);
+    vs_folder_column *c = find(t, title);
+    if (!c)
+      vs_fail_at(err, (vs_where){t->path, 1, 1}, "has no column '%s', which %s names", title,
+                 t->manifest_path);
+    free(title);
+    if (!c) return VS_INPUT;
+    describe(c, n, name, unit);
+    if (c->role == VS_ROLE_REPORT || c->role == VS_ROLE_AXIS) c->role = role;
+  }
+  return VS_OK;
+}
+
+static vs_status read_manifest(vs_folder *t, vs_error *err) {
+  vs_status status = vs_tree_read(t->manifest_path, &t->manifest, err);
+  if (status && t->manifest.root) return wanted(t, t->manifest.root, "not {...}", err);
+  if (status) return status;
+  t->method = text_of(vs_tree_child(t->manifest.root, "method"));
+  if (!t->method) return wanted(t, NULL, "\"method\" is missing", err);
+  status = take_count(t, "cases", &t->cases, err);
+  if (!status) status = take_count(t, "done", &t->done, err);
+  if (!status) status = take_count(t, "failed", &t->failed, err);
+  return status;
+}
+
+/* Finds the methods that the manifest names ("grid x sobol"), as far as this program has them. */
+static void find_methods(vs_folder *t, const vs_method *const *methods) {
+  static const char AND[] = " x ";
+  size_t names = 1;
+  for (const char *s = t->method; (s = strstr(s, AND)); s += strlen(AND)) names++;
+  t->methods = vs_alloc(names, sizeof *t->methods);
+  for (const char *s = t->method, *end; s; s = end ? end + strlen(AND) : NULL) {
+    end = strstr(s, AND);
+    const vs_method *m = vs_method_named(methods, s, end ? (size_t)(end - s) : strlen(s));
+    if (!m) continue;
+    t->methods[t->n_methods++] = m;
+    if (m->next) t->search = m;
+  }
+}
+
+/* ---- the header of study.csv ---- */
+
+static int find_role(const vs_folder *t, vs_folder_role role) {
+  for (size_t c = 0; c < t->count; c++)
+    if (t->column[c].role == role) return (int)c;
+  return -1;
+}
+
+_Static_assert(VS_ROLE_STATUS - VS_ROLE_MARGIN + 1 == VS_CASE_COLUMNS &&
+                   VS_ROLE_ERROR - VS_ROLE_MARGIN == VS_CASE_MARGIN_ERROR &&
+                   VS_ROLE_WEAKEST - VS_ROLE_MARGIN == VS_CASE_WEAKEST &&
+                   VS_ROLE_RUNG - VS_ROLE_MARGIN == VS_CASE_RUNG &&
+                   VS_ROLE_LEAVING - VS_ROLE_MARGIN == VS_CASE_LEAVING &&
+                   VS_ROLE_HAPPENED - VS_ROLE_MARGIN == VS_CASE_HAPPENED &&
+                   VS_ROLE_NOT_JUDGED - VS_ROLE_MARGIN == VS_CASE_NOT_JUDGED &&
+                   VS_ROLE_WARNINGS - VS_ROLE_MARGIN == VS_CASE_WARNINGS,
+               "roles from VS_ROLE_MARGIN on stand in the order of a case's columns");
+_Static_assert(2 + VS_PLAN_AXES + VS_PLAN_COLUMNS + VS_CASE_COLUMNS <= VS_STUDY_COLUMNS,
+               "every study that can be run can be read");
+
+static vs_folder_role role_of(const char *title, size_t position) {
+  if (position == 0) return VS_ROLE_CASE;
+  if (position == 1 && !strcmp(title, "id")) return VS_ROLE_ID;
+  for (int k = 0; k < VS_CASE_COLUMNS; k++)
+    if (!strcmp(title, vs_case_titles[k])) return (vs_folder_role)(VS_ROLE_MARGIN + k);
+  return VS_ROLE_REPORT;
+}
+
+static vs_status take_header(vs_folder *t, char *const *cell, size_t count, vs_error *err) {
+  const vs_where at = {t->path, 1, 1};
+  if (!count) return vs_fail_at(err, at, "the file is empty; its first line names columns");
+  if (count > VS_STUDY_COLUMNS)
+    return vs_fail_at(err, at, "more than %d columns", VS_STUDY_COLUMNS);
+  t->count = count;
+  for (size_t c = 0; c < t->count; c++)
+    t->column[c] = (vs_folder_column){.title = vs_copy(cell[c]),
+                                      .name = vs_copy(cell[c]),
+                                      .unit = vs_copy(""),
+                                      .text = vs_copy(""),
+                                      .role = role_of(cell[c], c),
+                                      .rating = NAN};
+  t->margin = find_role(t, VS_ROLE_MARGIN);
+  t->error = find_role(t, VS_ROLE_ERROR);
+  t->weakest = find_role(t, VS_ROLE_WEAKEST);
+  t->rung = find_role(t, VS_ROLE_RUNG);
+  t->happened = find_role(t, VS_ROLE_HAPPENED);
+  t->not_judged = find_role(t, VS_ROLE_NOT_JUDGED);
+  t->warnings = find_role(t, VS_ROLE_WARNINGS);
+  t->status = find_role(t, VS_ROLE_STATUS);
+  if (strcmp(cell[0], "case") || t->status < 0)
+    return vs_fail_at(err, at, "a study's columns begin with 'case' and end with 'status'");
+  for (size_t c = 1; c < t->count; c++)
+    for (size_t d = 0; d < c; d++)
+      if (!strcmp(cell[c], cell[d]))
+        return vs_fail_at(err, at, "column '%s' stands here twice", cell[c]);
+  return VS_OK;
+}
+
+static vs_status read_header(vs_folder *t, vs_error *err) {
+  vs_status status = vs_path_check_result(t->path, err);
+  if (status) return status;
+  FILE *f = vs_packed_read(fopen(t->path, "r"), t->path);
+  if (!f)
+    return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s; a study that ended has one", t->path,
+                   strerror(errno));
+  vs_csv csv = {.file = t->path, .stream = f};
+  status = vs_csv_next(&csv, err);
+  if (!status) status = take_header(t, csv.cell, csv.count, err);
+  vs_csv_free(&csv);
+  fclose(f);
+  return status;
+}
+
+/* Error: study.csv has a column that the manifest does not name; the two are of different studies.
+ */
+static vs_status check_columns(const vs_folder *t, vs_error *err) {
+  for (size_t c = 0; c < t->count; c++)
+    if (t->column[c].role == VS_ROLE_REPORT && !t->column[c].node)
+      return vs_fail_at(err, (vs_where){t->path, 1, 1}, "%s says nothing of column '%s'",
+                        t->manifest_path, t->column[c].title);
+  return VS_OK;
+}
+
+vs_status vs_folder_open(vs_folder *t, const char *folder, const vs_method *const *methods,
+                         vs_error *err) {
+  *t = (vs_folder){0};
+  if (strlen(folder) > VS_PATH_SIZE / 2)
+    return vs_fail(err, VS_INPUT, "%s: too long a name", folder);
+  snprintf(t->folder, sizeof t->folder, "%s", folder);
+  vs_format_find_rows(folder, t->path);
+  snprintf(t->manifest_path, sizeof t->manifest_path, "%s/manifest.json", folder);
+  vs_status status = read_manifest(t, err);
+  if (!status) find_methods(t, methods);
+  if (!status) status = read_header(t, err);
+  if (!status) status = take_list(t, "axes", "key", VS_ROLE_AXIS, err);
+  if (!status) status = take_list(t, "report", "name", VS_ROLE_REPORT, err);
+  if (!status) status = check_columns(t, err);
+  return status;
+}
+
+void vs_folder_close(vs_folder *t) {
+  for (size_t c = 0; c < t->count; c++) {
+    free(t->column[c].title);
+    free(t->column[c].name);
+    free(t->column[c].unit);
+    free(t->column[c].text);
+  }
+  vs_tree_free(&t->manifest);
+  free(t->methods);
+  *t = (vs_folder){0};
+}
+
+const vs_node *vs_folder_search(const vs_folder *t) {
+  return t->search ? vs_tree_child(t->manifest.root, t->search->key) : NULL;
+}
+
+bool vs_folder_is_sampled(const vs_folder *t) {
+  bool sampled = false;
+  for (size_t k = 0; k < t->n_methods; k++) sampled = sampled || t->methods[k]->report.sampled;
+  return sampled;
+}
+
+size_t vs_folder_aim(const vs_folder *t, bool *largest) {
+  const vs_node *search = vs_folder_search(t);
+  const char *key = search && search->kind == VS_NODE_MAP ? t->search->report.aim : NULL;
+  const char *words = key ? text_of(vs_tree_child(search, key)) : NULL;
+  const char *name = words ? strrchr(words, ' ') : NULL;
+  *largest = name && !strncmp(words, "max", 3);
+  for (size_t c = 1; name && c < t->count; c++)
+    if (!strcmp(t->column[c].name, name + 1)) return c;
+  *largest = false;
+  return t->margin > 0 ? (size_t)t->margin : 0;
+}
+
+long vs_folder_found(const vs_folder *t) {
+  const vs_node *search = vs_folder_search(t);
+  const vs_node *found =
+      search && search->kind == VS_NODE_MAP ? vs_tree_child(search, "found") : NULL;
+  const char *number = text_of(vs_tree_child(found, "case"));
+  return number && *number ? strtol(number, NULL, 10) : -1;
+}

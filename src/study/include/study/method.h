@@ -1,0 +1,97 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * A method chooses the cases of a study. Each is one const struct; the table of them, which NULL
+ * ends, comes from main. What a report needs to know of the method stands in the struct, too. */
+#ifndef VS_STUDY_METHOD_H
+#define VS_STUDY_METHOD_H
+
+#include "base/json.h"
+#include "run/axis.h"
+
+struct vs_plan;
+struct vs_plan_stage;
+struct vs_results;
+struct vs_generation;
+
+/* What a report makes of the method's cases. */
+typedef struct vs_method_report {
+  /* Names of kinds of picture (the table in report/plot/album.c). NULL ends a list, or is an empty one.
+   * lead and last are for the column by which cases are judged: all that fit are drawn, those of
+   * lead before all other pictures, those of last behind them. */
+  const char *const *lead, *const *last;
+  const char *const *each; /* for every column: the first that fits is drawn */
+  bool sampled;     /* the cases are random samples: the share of those that hold is a yield */
+  bool independent; /* and each is drawn by itself: the yield has a confidence interval */
+  /* Of a search. aim: which key of its member in the manifest says "max MEASURE" or "min MEASURE";
+   * NULL: it aims at no single measure, and cases are judged by their least margin. */
+  const char *aim;
+  const char *best; /* how its answer is announced: "Worst found" */
+  const char *none; /* what is said when it has none; NULL: it always has one */
+} vs_method_report;
+
+typedef struct vs_method {
+  const char *name;       /* "grid" */
+  const char *key;        /* the study's key it stands under, and its member's in the manifest */
+  const char *text;       /* what it does, one line */
+  const vs_outline *keys; /* what may stand under `key`, one row, the same for all methods of it */
+  bool uncertain;         /* its axes are what is not known exactly; false: what may be chosen */
+  bool tolerates; /* what it chooses may also stand under `sample`, with a tolerance: it gives each
+                     such axis (vs_axis.about) its number */
+
+  /* Says whether the section under `key` asks for this method. Of several the first in the table is
+   * taken. */
+  bool (*claims)(const vs_node *section);
+
+  /* Reads the section: adds axes (vs_plan_axis, vs_axis_values), registers the columns it needs
+   * (vs_headings_column), keeps what else it wants in *state, which may stay NULL. Errors carry
+   * their place (vs_fail_at); a check carries on from each (vs_error_carry_on). */
+  vs_status (*read)(struct vs_plan *plan, const vs_node *section, void **state, vs_error *err);
+
+  /* Checks the section once the plan's columns have their units and ratings. NULL: there is nothing
+   * to check. */
+  vs_status (*ready)(const struct vs_plan *plan, const struct vs_plan_stage *stage, vs_error *err);
+
+  /* Frees the state. NULL: there is nothing to free. */
+  void (*free)(void *state);
+
+  /* Returns how many points the method has; 0: an axis of its own has no values. Of one that
+   * searches it is the most it may run. */
+  uint64_t (*count)(const struct vs_plan *plan, const struct vs_plan_stage *stage);
+
+  /* Writes point `index` of the method's own axes, value[stage->n]. It is a pure function of index
+   * and seed, so that any shard, worker and order gives the same. NULL: the method searches. */
+  void (*point)(const struct vs_plan *plan, const struct vs_plan_stage *stage, uint64_t index,
+                double *value);
+
+  /* Of a method that searches: asks for the next generation by the results of all earlier ones,
+   * which are none at first. All axes are its own. It has ended when it adds nothing. It is a pure
+   * function of results and seed; it is called once a generation and, after --resume, again from
+   * the first. NULL: the method does not search. */
+  vs_status (*next)(const struct vs_plan *plan, const struct vs_plan_stage *stage,
+                    const struct vs_results *results, struct vs_generation *generation,
+                    vs_error *err);
+
+  /* Adds to an axis of its own, in the manifest, what it knows of it. NULL: nothing. */
+  void (*axis_json)(const vs_axis *axis, vs_json *json);
+
+  /* Adds to the manifest one member, called `key`: what the method was asked and, once there are
+   * results (else NULL), what it found. NULL: nothing. */
+  void (*json)(const struct vs_plan *plan, const struct vs_plan_stage *stage,
+               const struct vs_results *results, vs_json *json);
+
+  vs_method_report report;
+} vs_method;
+
+size_t vs_method_count(const vs_method *const *methods);
+
+/* The method of that name, of which `length` bytes are given; NULL: there is none. */
+const vs_method *vs_method_named(const vs_method *const *methods, const char *name, size_t length);
+
+/* The method that the section asks for. NULL is an error; its message names those there are. */
+const vs_method *vs_method_claiming(const vs_method *const *methods, const vs_node *section,
+                                    vs_error *err);
+
+/* The keys that methods stand under, each once, in the table's order: fills keys[], which has room
+ * for vs_method_count of them, and returns how many they are. */
+size_t vs_method_keys(const vs_method *const *methods, const char **keys);
+
+#endif

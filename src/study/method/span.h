@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Which values an axis can have, as a number u within 0..1 and as a number in the axis' unit. Under
+ * `spread` a study says:
+ *
+ *   KEY: 5 % normal                   the standard deviation, as a share of what the scene has
+ *   KEY: 5 % normal within 2 sigma    the same, cut off there
+ *   KEY: 2 ohm uniform                half the width, about what the scene has
+ *   KEY: {from: 90 deg, to: 150 deg}  even between these (with {log: [a, b]}, in the logarithm)
+ *   KEY: [a, b, c]                    each as likely as the others */
+#ifndef VS_STUDY_SPAN_H
+#define VS_STUDY_SPAN_H
+
+#include "study/random.h"
+#include "study/plan.h"
+
+/* A spread that has a shape. It is the axis' `own`; it is in the axis' unit and about its nominal
+ * value. Of a range or a list the axis' `own` is NULL. */
+typedef struct vs_span {
+  vs_spread spread;
+  double reach; /* how far corners and searches go from the nominal value */
+} vs_span;
+
+/* Reads what stands under `spread` into the axis. sigmas is how far corners and searches go, in
+ * standard deviations, where a normal spread is not cut off. Errors, with their place: it says
+ * nothing of the above; the nominal value is a word, not known, or 0 where a share of it is asked
+ * for; the reach goes beyond the key's range. */
+vs_status vs_span_read(vs_axis *axis, const vs_node *node, double sigmas, vs_error *err);
+
+/* Returns how many values the axis has; 0: it is a continuum. */
+size_t vs_span_levels(const vs_axis *axis);
+/* Returns the value below which the share u of all lies; 0 < u < 1. Ranges and lists are even. */
+double vs_span_at(const vs_axis *axis, double u);
+/* Returns the value at the share u, 0..1, of the way from one end of the reach to the other. */
+double vs_span_between(const vs_axis *axis, double u);
+/* Returns what the scene has; of a word, and where the scene has nothing, the first value. */
+double vs_span_nominal(const vs_axis *axis);
+
+#endif

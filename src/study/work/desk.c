@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "work/desk.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "ngspice/ng.h"
+
+/* An answer waits this long for others, so that many quick cases cost one write. */
+static const double PATIENCE_S = 0.01;
+
+static double now_s(void) {
+  struct timespec now;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+vs_desk *vs_desk_new(const vs_plan *plan, int in, int out) {
+  vs_desk *d = vs_alloc(1, sizeof *d);
+  *d = (vs_desk){.plan = plan, .in = in, .out = out};
+  d->tasks = vs_alloc(VS_DESK_TASKS, sizeof *d->tasks);
+  return d;
+}
+
+/* ---- tasks ---- */
+
+static bool read_all(int fd, void *to, size_t size) {
+  for (char *at = to; size;) {
+    ssize_t n = read(fd, at, size);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return false;
+    at += n;
+    size -= (size_t)n;
+  }
+  return true;
+}
+
+void vs_desk_wait(vs_desk *d) {
+  uint32_t count;
+  bool whole = read_all(d->in, &count, sizeof count);
+  for (uint32_t k = 0; k < count && whole; k++)
+    whole = read_all(d->in, &d->tasks[k].index, sizeof d->tasks[k].index) &&
+            read_all(d->in, d->tasks[k].point, d->plan->n_axes * sizeof(double));
+  if (!whole) _exit(0); /* exit() would flush and remove what is the parent's */
+  d->count = count;
+}
+
+/* ---- answers ---- */
+
+static void put(vs_desk *d, const void *bytes, size_t size) {
+  if (!d->size) d->since_s = now_s();
+  if (d->size + size > d->room) {
+    d->room = 2 * (d->size + size);
+    d->box = vs_resize(d->box, d->room, 1);
+    if (!d->box) _exit(1);
+  }
+  memcpy(d->box + d->size, bytes, size);
+  d->size += size;
+}
+
+void vs_desk_answer(vs_desk *d, const vs_desk_head *head, const char *row) {
+  put(d, head, sizeof *head);
+  put(d, row, head->length);
+}
+
+void vs_desk_deliver(vs_desk *d) {
+  const char *at = d->box;
+  while (d->size) {
+    ssize_t n = write(d->out, at, d->size);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) _exit(0); /* the parent is gone */
+    at += n;
+    d->size -= (size_t)n;
+  }
+}
+
+void vs_desk_run(vs_desk *d, vs_case *c, size_t k) {
+  const vs_task *task = &d->tasks[k];
+  bool circuit;
+  if (d->size && now_s() - d->since_s > PATIENCE_S) vs_desk_deliver(d);
+  d->row.length = 0;
+  int status = vs_case_run(c, task->index, task->point, &d->row, &circuit);
+  const vs_desk_head head = {task->index, d->row.length, status, circuit, 0, 0};
+  vs_desk_answer(d, &head, d->row.text);
+  if (vs_ng_usable()) return;
+  vs_desk_deliver(d);
+  _exit(0);
+}

@@ -1,0 +1,446 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "work/journal.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "base/path.h"
+#include "work/lock.h"
+#include "study/plan.h"
+
+static const char NAME[] = "journal";
+
+static vs_lines lines_of(const vs_journal *j) {
+  return (vs_lines){j->fd, j->path, j->part};
+}
+
+/* ---- opening ---- */
+
+static void name_file(vs_journal *j, const char *folder) {
+  snprintf(j->path, sizeof j->path, "%.4000s/%s", folder, NAME);
+}
+
+bool vs_journal_exists(const char *folder) {
+  vs_journal j;
+  name_file(&j, folder);
+  return !access(j.path, F_OK);
+}
+
+/* Returns the index of a case among the shard's own. */
+static uint64_t own(const vs_journal *j, uint64_t index) {
+  return index / j->head.shards;
+}
+
+static bool is_own(const vs_journal *j, uint64_t index) {
+  return index % j->head.shards + 1 == j->head.shard && (!j->head.cases || index < j->head.cases);
+}
+
+static void make_room(vs_journal *j, uint64_t cases) {
+  if (cases <= j->room) return;
+  uint64_t room = cases > 2 * j->room ? cases : 2 * j->room;
+  j->place = vs_resize(j->place, room, sizeof *j->place);
+  memset(j->place + j->room, 0, (room - j->room) * sizeof *j->place);
+  j->room = room;
+}
+
+/* Makes room for all cases of a study that this process begins, whose count comes from its plan. */
+static void reserve(vs_journal *j) {
+  const vs_head *h = &j->head;
+  if (h->cases) make_room(j, (h->cases + h->shards - h->shard) / h->shards);
+}
+
+vs_status vs_journal_remove(const char *folder, vs_error *err) {
+  vs_journal j = {.fd = -1, .folder = -1};
+  name_file(&j, folder);
+  vs_status status = vs_lock_folder(folder, j.path, &j.folder, err);
+  if (!status) j.fd = open(j.path, O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (j.fd >= 0) status = vs_lock_file(j.fd, j.path, err);
+  if (!status && unlink(j.path))
+    status = vs_fail(err, VS_RUN, "%s: cannot be removed: %s", j.path, strerror(errno));
+  vs_journal_close(&j);
+  return status;
+}
+
+/* Adds the line that says on what the rows behind it were made. */
+static void say_bits(vs_journal *j, vs_text *to) {
+  if (j->says_bits) return;
+  vs_head_line(to, 'm', vs_bits_here(), strlen(vs_bits_here()));
+  vs_bits_add(&j->bits, vs_bits_here());
+  j->says_bits = true;
+}
+
+vs_status vs_journal_create(vs_journal *j, const char *folder, vs_head *head, vs_error *err) {
+  vs_file file = {0};
+  vs_text text = {0};
+  *j = (vs_journal){.fd = -1, .folder = -1, .head = *head};
+  j->part = vs_lines_part_new();
+  *head = (vs_head){0};
+  name_file(j, folder);
+  vs_status status = vs_lock_folder(folder, j->path, &j->folder, err);
+  if (!status) status = vs_file_open(&file, folder, NAME, err);
+  vs_head_print(&text, &j->head);
+  say_bits(j, &text);
+  if (!status) {
+    fputs(text.text, file.stream);
+    status = vs_file_commit(&file, err);
+  }
+  j->end = text.length;
+  vs_text_free(&text);
+  if (status) return status;
+  j->fd = open(j->path, O_RDWR | O_NOFOLLOW | O_CLOEXEC);
+  if (j->fd < 0) return vs_fail(err, VS_RUN, "%s: cannot be opened: %s", j->path, strerror(errno));
+  reserve(j);
+  return vs_lock_file(j->fd, j->path, err);
+}
+
+/* False where a study cannot have written that case at byte `at`, so that no memory is taken for
+ * it. Cases may be done out of order by as many as all workers have at a time (VS_DESK_TASKS
+ * each, of at most 4096 workers); the others have their lines before it, which are longer than
+ * SHORTEST_LINE. */
+static bool is_in_reach(const vs_journal *j, uint64_t index, uint64_t at) {
+  enum { AHEAD = 4096 * 256, SHORTEST_LINE = 12 };
+  return own(j, index) <= at / SHORTEST_LINE + AHEAD;
+}
+
+static vs_status refuse_row(const vs_journal *j, const vs_lines_entry *e, size_t at,
+                            const char *why, vs_error *err) {
+  const vs_where where = {j->path, (int)e->number,
+                          vs_text_column(e->text, e->text + VS_HEAD_TEXT + at)};
+  return vs_fail_at(err, where, "%s; this record is of no study, or was changed", why);
+}
+
+static vs_status read_row(vs_journal *j, const vs_lines_entry *e, vs_row_counts *counts,
+                          vs_error *err) {
+  const vs_head *h = &j->head;
+  char why[256];
+  size_t at;
+  if (!j->shape) j->shape = vs_row_new(h->columns, h->failures, h->manifest_end);
+  if (vs_row_read(j->shape, e->text[VS_HEAD_KIND] == '!', e->text + VS_HEAD_TEXT, counts, &at, why,
+                  sizeof why))
+    return VS_OK;
+  return refuse_row(j, e, at, why, err);
+}
+
+/* The row of a case that the journal's study does not have, or that another shard has. */
+static vs_status refuse_case(const vs_journal *j, const vs_lines_entry *e, vs_error *err) {
+  const vs_head *h = &j->head;
+  char why[160];
+  snprintf(why, sizeof why,
+           "its case is none of this journal's, which is shard %" PRIu64 "/%" PRIu64
+           " of %s%llu cases",
+           h->shard, h->shards, h->cases ? "" : "at most ",
+           h->cases ? (unsigned long long)h->cases : VS_PLAN_CASES);
+  return refuse_row(j, e, 0, why, err);
+}
+
+/* A study that goes on leaves out the cases that have a row, so that none has two. Where a file
+ * system has no locks two processes may have done the same work; that tells nothing else. */
+static vs_status check_double(vs_journal *j, const vs_lines_entry *e, uint64_t index,
+                              vs_error *err) {
+  vs_text row = {0};
+  char why[96];
+  bool failed;
+  vs_status status = vs_journal_row(j, index, &row, &failed, err);
+  bool same = !status && failed == (e->text[VS_HEAD_KIND] == '!') &&
+              !strcmp(row.text, e->text + VS_HEAD_TEXT);
+  vs_text_free(&row);
+  if (status || same) return status;
+  snprintf(why, sizeof why, "case %" PRIu64 " has another row before this one", index);
+  return refuse_row(j, e, 0, why, err);
+}
+
+static vs_status count_row(vs_journal *j, const vs_lines_entry *e, vs_error *err) {
+  const char kind = e->text[VS_HEAD_KIND];
+  vs_row_counts counts;
+  vs_status status = read_row(j, e, &counts, err);
+  if (status) return status;
+  const uint64_t index = counts.index;
+  if (!is_own(j, index) || !is_in_reach(j, index, e->at)) return refuse_case(j, e, err);
+  make_room(j, own(j, index) + 1);
+  if (j->place[own(j, index)]) return check_double(j, e, index, err);
+  j->place[own(j, index)] = e->at + 1;
+  j->done += kind == '=';
+  j->failed += kind == '!';
+  j->violated += kind == '=' && counts.violated;
+  return VS_OK;
+}
+
+/* What is known while a journal is read. */
+typedef struct reading {
+  vs_journal *journal;
+  vs_head found; /* the head, each line from the first place that has it; whole, or of no use */
+  vs_head copy;  /* the copy that is being read */
+  bool foreign;  /* it is of a version that this program does not read */
+} reading;
+
+/* Gives a head that lacks a line what copies have. Where the journal's lines still stand where they
+ * were written, `at` is the place behind the head, and the head can be written again. */
+static void mend_head(vs_journal *j, const reading *r, uint64_t at) {
+  vs_text head = {0};
+  if (vs_head_is_whole(&j->head) || !vs_head_is_whole(&r->found)) return;
+  vs_head_fill(&j->head, &r->found);
+  vs_head_print(&head, &j->head);
+  j->mended = true;
+  j->in_place = head.length == at;
+  j->bad = 0; /* these were the head's */
+  vs_text_free(&head);
+}
+
+/* Takes a line of the head. A copy is there to be compared, once it is whole. A line that the copy
+ * has already begins the next copy: the one before lacks a line, which was damaged. */
+static void take_head(vs_journal *j, const vs_lines_entry *e, reading *r) {
+  const char *text = e->text + VS_HEAD_TEXT;
+  bool other = false;
+  if (e->text[VS_HEAD_KIND] == 'h') {
+    j->bad += !vs_head_read(&j->head, text, !e->at, &j->two_heads);
+    return;
+  }
+  if (!vs_head_read(&r->copy, text, false, &other) || other) {
+    vs_head_free(&r->copy);
+    j->bad += !vs_head_read(&r->copy, text, false, &other);
+  }
+  if (vs_head_is_whole(&r->copy) && vs_head_is_whole(&j->head) &&
+      vs_head_differs(&r->copy, &j->head))
+    j->two_heads = true;
+}
+
+/* A case's row of failures.csv does not count any more. */
+static void call_back(vs_journal *j, const vs_lines_entry *e) {
+  char *end;
+  const uint64_t index = strtoull(e->text + VS_HEAD_TEXT, &end, 10);
+  const bool known = !*end && is_own(j, index) && vs_journal_has(j, index);
+  vs_text row = {0};
+  vs_error none = {0};
+  bool failed = false;
+  if (known && !vs_journal_row(j, index, &row, &failed, &none) && failed) {
+    j->place[own(j, index)] = 0;
+    j->failed--;
+  } else
+    j->bad++;
+  vs_text_free(&row);
+}
+
+static vs_status take_line(void *ctx, const vs_lines_entry *e, bool *enough, vs_error *err) {
+  reading *r = ctx;
+  vs_journal *j = r->journal;
+  const char kind = vs_head_kind(e->text, e->length);
+  if (kind && kind != 'h') mend_head(j, r, e->at);
+  const bool headed = vs_head_is_whole(&j->head);
+  if (kind == 'h' || kind == 'H')
+    take_head(j, e, r);
+  else if (kind == 'm')
+    vs_bits_add(&j->bits, e->text + VS_HEAD_TEXT);
+  else if (kind == '~' && headed)
+    call_back(j, e);
+  else if ((kind == '=' || kind == '!') && headed)
+    return count_row(j, e, err);
+  else
+    j->bad++;
+  *enough = j->two_heads;
+  return VS_OK;
+}
+
+/* Looks for the head alone. */
+static vs_status find_head(void *ctx, const vs_lines_entry *e, bool *enough, vs_error *err) {
+  reading *r = ctx;
+  const char kind = vs_head_kind(e->text, e->length);
+  bool again = false;
+  (void)err;
+  if (kind != 'h' && kind != 'H') return VS_OK;
+  r->foreign = r->foreign || (!e->at && vs_head_is_foreign(e->text + VS_HEAD_TEXT));
+  vs_head_read(&r->found, e->text + VS_HEAD_TEXT, true, &again);
+  *enough = vs_head_is_whole(&r->found);
+  return VS_OK;
+}
+
+/* Reads all lines. The head is looked for first, as a row cannot be read without it; in a journal
+ * that is not damaged that takes its first lines. */
+static vs_status read_lines(vs_journal *j, vs_error *err) {
+  const vs_lines lines = lines_of(j);
+  vs_lines_seen seen;
+  reading r = {.journal = j};
+  vs_status status = vs_lines_each(&lines, find_head, &r, &seen, err);
+  if (!status && r.foreign)
+    status = vs_fail_at(err, (vs_where){j->path, 1, 1},
+                        "is of another version of the journal than this program reads; go on with "
+                        "the program that began it, or take another folder");
+  if (!status) status = vs_lines_each(&lines, take_line, &r, &seen, err);
+  j->end = seen.end;
+  j->bad += seen.torn;
+  if (!status && !j->done && !j->failed) mend_head(j, &r, j->end);
+  if (!status && j->two_heads)
+    status = vs_fail_at(err, (vs_where){j->path, (int)seen.count, 1},
+                        "has two heads, so that its rows may be of two studies; a journal has one, "
+                        "in its first lines");
+  vs_head_free(&r.found);
+  vs_head_free(&r.copy);
+  return status;
+}
+
+/* Errors: the head lacks a line, or its parts of the manifest are no JSON. */
+static vs_status check_head(const vs_journal *j, vs_error *err) {
+  if (!vs_head_is_whole(&j->head))
+    return vs_fail_at(
+        err, (vs_where){j->path, 1, 1},
+        "is no journal of a study: its head lacks a line, or has counts that no study has (at most "
+        "%llu cases and %d shards); where it is damaged and nothing has a copy of it, as in a "
+        "journal of version 1, put the file back from a backup, or begin the study anew: with "
+        "--overwrite, or in another folder",
+        VS_PLAN_CASES, VS_MOST_SHARDS);
+  if (!vs_head_has_manifest(&j->head))
+    return vs_fail_at(err, (vs_where){j->path, 1, 1},
+                      "manifest_begin and manifest_end of its head are not the two parts of a "
+                      "manifest.json; this record is of no study, or was changed");
+  return VS_OK;
+}
+
+/* Writes the head again where it is damaged and its lines have kept their places. Error: the file
+ * cannot be written. */
+static vs_status write_head(vs_journal *j, vs_error *err) {
+  vs_text head = {0};
+  vs_head_print(&head, &j->head);
+  bool written = pwrite(j->fd, head.text, head.length, 0) == (ssize_t)head.length;
+  vs_text_free(&head);
+  return written ? VS_OK
+                 : vs_fail(err, VS_RUN, "%s: cannot be written: %s", j->path, strerror(errno));
+}
+
+vs_status vs_journal_open(vs_journal *j, const char *folder, bool mend, vs_error *err) {
+  *j = (vs_journal){.fd = -1, .folder = -1};
+  j->part = vs_lines_part_new();
+  name_file(j, folder);
+  vs_status status = mend ? vs_lock_folder(folder, j->path, &j->folder, err) : VS_OK;
+  if (status) return status;
+  status = vs_path_check_result(j->path, err);
+  if (status) return status;
+  j->fd = open(j->path, (mend ? O_RDWR | O_NOFOLLOW : O_RDONLY) | O_CLOEXEC);
+  if (j->fd < 0)
+    return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", j->path, strerror(errno));
+  /* locked before it is read, as whoever had the lock may have added lines */
+  if (mend) status = vs_lock_file(j->fd, j->path, err);
+  if (!status) status = read_lines(j, err);
+  if (!status) status = check_head(j, err);
+  vs_lines_forget(j->part); /* a torn line that it has is cut off, and others come in its place */
+  if (!status && mend && ftruncate(j->fd, (off_t)j->end))
+    status = vs_fail(err, VS_RUN, "%s: cannot be written: %s", j->path, strerror(errno));
+  return !status && mend && j->mended && j->in_place ? write_head(j, err) : status;
+}
+
+bool vs_journal_peek(vs_journal *j, const char *folder) {
+  struct stat s;
+  vs_error none = {0};
+  *j = (vs_journal){.fd = -1, .folder = -1};
+  name_file(j, folder);
+  return !stat(j->path, &s) && S_ISREG(s.st_mode) && !vs_journal_open(j, folder, false, &none);
+}
+
+void vs_journal_close(vs_journal *j) {
+  if (j->fd >= 0) close(j->fd);
+  if (j->folder >= 0) close(j->folder);
+  vs_head_free(&j->head);
+  free(j->place);
+  vs_row_free(j->shape);
+  vs_text_free(&j->fresh);
+  vs_text_free(&j->bits);
+  free(j->part);
+  *j = (vs_journal){.fd = -1, .folder = -1};
+}
+
+/* ---- rows ---- */
+
+bool vs_journal_has(const vs_journal *j, uint64_t index) {
+  return own(j, index) < j->room && j->place[own(j, index)];
+}
+
+bool vs_journal_had(const vs_journal *j, uint64_t index) {
+  return is_own(j, index) && (j->head.cases || vs_journal_has(j, index));
+}
+
+vs_status vs_journal_add(vs_journal *j, uint64_t index, int status, const char *row, size_t length,
+                         vs_error *err) {
+  const bool failed = status == 1;
+  say_bits(j, &j->fresh);
+  make_room(j, own(j, index) + 1);
+  j->place[own(j, index)] = j->end + j->fresh.length + 1;
+  vs_head_line(&j->fresh, failed ? '!' : '=', row, length);
+  j->done += !failed;
+  j->failed += failed;
+  j->violated += status == 3;
+  return j->fresh.length < 1 << 16 ? VS_OK : vs_journal_flush(j, false, err);
+}
+
+/* Puts a copy of the head behind the fresh lines, once the journal is twice as long as it was at
+ * the copy before. */
+static void add_copy(vs_journal *j) {
+  const uint64_t end = j->end + j->fresh.length;
+  if (!j->fresh.length || end < j->copy_at) return;
+  vs_head_print_copy(&j->fresh, &j->head);
+  j->copy_at = 2 * end;
+}
+
+vs_status vs_journal_flush(vs_journal *j, bool sync, vs_error *err) {
+  size_t done = 0;
+  add_copy(j);
+  while (done < j->fresh.length) {
+    ssize_t n = pwrite(j->fd, j->fresh.text + done, j->fresh.length - done, (off_t)(j->end + done));
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0)
+      return vs_fail(err, VS_RUN, "%s: cannot be written: %s; --resume goes on with it", j->path,
+                     n ? strerror(errno) : "no room");
+    done += (size_t)n;
+  }
+  j->unsynced = j->unsynced || done;
+  j->end += done;
+  j->fresh.length = 0;
+  if (sync && j->unsynced && fdatasync(j->fd))
+    return vs_fail(err, VS_RUN, "%s: cannot be written: %s; --resume goes on with it", j->path,
+                   strerror(errno));
+  if (sync) j->unsynced = false;
+  return sync ? vs_lock_keeps(j->fd, j->path, err) : VS_OK;
+}
+
+vs_status vs_journal_call_back(vs_journal *j, uint64_t *count, vs_error *err) {
+  vs_text row = {0};
+  char number[24];
+  bool failed = false;
+  vs_status status = VS_OK;
+  *count = 0;
+  for (uint64_t k = 0; k < j->room && !status; k++) {
+    const uint64_t index = k * j->head.shards + j->head.shard - 1;
+    if (!j->place[k]) continue;
+    status = vs_journal_row(j, index, &row, &failed, err);
+    if (status || !failed) continue;
+    int n = snprintf(number, sizeof number, "%" PRIu64, index);
+    vs_head_line(&j->fresh, '~', number, (size_t)n);
+    j->place[k] = 0;
+    j->failed--;
+    ++*count;
+  }
+  vs_text_free(&row);
+  return status ? status : vs_journal_flush(j, true, err);
+}
+
+vs_status vs_journal_row(const vs_journal *j, uint64_t index, vs_text *row, bool *failed,
+                         vs_error *err) {
+  size_t length;
+  const vs_lines lines = lines_of(j);
+  vs_status status = vs_lines_read(&lines, j->place[own(j, index)] - 1, row, &length, err);
+  if (status) return status;
+  const char kind = vs_head_kind(row->text, length);
+  if ((kind != '=' && kind != '!') || !vs_row_is_of(row->text + VS_HEAD_TEXT, index))
+    return vs_fail(err, VS_RUN,
+                   "%s: row of case %llu was changed while the study ran or was merged; let "
+                   "nothing else write to this file, and --resume runs again what is lost",
+                   j->path, (unsigned long long)index);
+  *failed = kind == '!';
+  row->length -= VS_HEAD_TEXT;
+  memmove(row->text, row->text + VS_HEAD_TEXT, row->length + 1);
+  return VS_OK;
+}

@@ -1,0 +1,359 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "work/past.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "engine/pace.h"
+#include "netlist/netlist.h"
+#include "engine/parting.h"
+#include "ngspice/child.h"
+
+/* What becomes of a task: it waits for a trunk, has one, is to be run on its own, is answered. */
+typedef enum lot { WAITS, SHARES, OWN, DONE } lot;
+
+struct vs_past {
+  const vs_plan *plan;
+  vs_case *trunk; /* the one that is run */
+  vs_case *other; /* begun, never run on tier circuit: the case that is compared with the trunk */
+  vs_desk *desk;
+  vs_junction junction;
+  double point[VS_PLAN_AXES]; /* of the trunk; the axes of events do not count */
+  char **netlist;             /* of the trunk, as its solver has it */
+  size_t lines;
+  vs_pace pace;                              /* of its run */
+  double next_s;                             /* when this process has something to do next */
+  void (*arrive)(vs_past *past, double t_s); /* what it does there */
+  vs_child_copy self;                        /* of a scout or a branch */
+  bool branch;                               /* this process is one */
+  bool over;                                 /* the trunk is not needed any more */
+  lot lots[VS_DESK_TASKS];                   /* of the desk's tasks */
+  double parts_s[VS_DESK_TASKS];             /* where such a task parts from the trunk */
+  vs_text row;    /* of the trunk's run, which is a case's in a branch alone */
+  vs_text answer; /* of a case without a circuit */
+};
+
+static const char EVENTS[] = "events.";
+
+static bool is_of_events(const vs_axis *axis) {
+  return !strncmp(axis->section, EVENTS, sizeof EVENTS - 1);
+}
+
+bool vs_past_fits(const vs_plan *plan) {
+  bool varied = false;
+  for (size_t k = 0; k < plan->n_axes; k++) varied = varied || is_of_events(&plan->axes[k]);
+  return varied && !plan->periods && !plan->derivatives && plan->first->tier->has_circuit;
+}
+
+/* ---- what is alike ---- */
+
+static bool is_varied(const vs_plan *plan, const vs_occurrence *e) {
+  for (size_t k = 0; k < plan->n_axes; k++)
+    if (is_of_events(&plan->axes[k]) && !strcmp(plan->axes[k].section + sizeof EVENTS - 1, e->name))
+      return true;
+  return false;
+}
+
+static bool same_point(const vs_past *p, const double *point) {
+  for (size_t k = 0; k < p->plan->n_axes; k++)
+    if (!is_of_events(&p->plan->axes[k]) && point[k] != p->point[k]) return false;
+  return true;
+}
+
+static bool same_pace(const vs_pace *a, const vs_pace *b) {
+  return a->max_step_s == b->max_step_s && a->relative == b->relative &&
+         a->current_a == b->current_a && a->voltage_v == b->voltage_v &&
+         a->charge_c == b->charge_c && a->truncation == b->truncation;
+}
+
+static bool make_netlist(const vs_setup *s, char ***lines, size_t *count) {
+  vs_deck_value standard[VS_STANDARD];
+  vs_error err = {0};
+  vs_setup_standard(s, standard);
+  return !vs_netlist_make(&s->deck, &s->circuit_values, standard, VS_STANDARD, lines, count, &err);
+}
+
+static bool same_netlist(const vs_past *p, const vs_setup *s) {
+  char **lines = NULL;
+  size_t count = 0;
+  bool same = make_netlist(s, &lines, &count) && count == p->lines;
+  for (size_t k = 0; k < count && same; k++) same = !strcmp(lines[k], p->netlist[k]);
+  vs_netlist_free(lines, count);
+  return same;
+}
+
+/* One event of two cases: its accounts have its name, and what is kept of the heat of a run depends
+ * on how often that comes. */
+static bool same_account(const vs_occurrence *a, const vs_occurrence *b) {
+  return !strcmp(a->name, b->name) && a->v.times == b->v.times && a->v.every_s == b->v.every_s;
+}
+
+/* What the events have put into the deck besides the netlist: its sources and its accounts. */
+static bool same_wiring(const vs_setup *a, const vs_setup *b) {
+  const vs_events *own = &a->timeline.events, *their = &b->timeline.events;
+  bool same = own->count == their->count && a->deck.n_ports == b->deck.n_ports &&
+              isinf(vs_setup_jams(a)) == isinf(vs_setup_jams(b)) &&
+              a->model.reloaded == b->model.reloaded;
+  for (size_t k = 0; k < own->count && same; k++)
+    same = same_account(&own->item[k], &their->item[k]);
+  for (size_t k = 0; k < a->deck.n_ports && same; k++) {
+    const vs_signal *s = &a->deck.ports[k].signal, *t = &b->deck.ports[k].signal;
+    same = s->drive == t->drive && s->event == t->event && s->shift_rad == t->shift_rad;
+  }
+  return same;
+}
+
+/* Does the case that `other` has begun make the trunk's run, but for its events? */
+static bool is_alike(const vs_past *p, const double *point) {
+  const vs_scene *a = vs_case_scene(p->trunk), *b = vs_case_scene(p->other);
+  return same_point(p, point) && a->tier == b->tier && same_wiring(&a->setup, &b->setup) &&
+         same_netlist(p, &b->setup);
+}
+
+/* ---- a lot of tasks ---- */
+
+/* Begins task k as `other`. Where it needs no circuit it is run and answered here. */
+static bool begin_other(vs_past *p, size_t k) {
+  const vs_task *task = &p->desk->tasks[k];
+  vs_error err = {0};
+  vs_status begun = vs_case_begin(p->other, task->index, task->point, &err);
+  if (!begun && vs_case_scene(p->other)->tier->has_circuit) return true;
+  bool circuit;
+  p->answer.length = 0;
+  int status = vs_case_end(p->other, begun, &p->answer, &circuit, &err);
+  const vs_desk_head head = {task->index, p->answer.length, status, circuit, 0, 0};
+  vs_desk_answer(p->desk, &head, p->answer.text);
+  p->lots[k] = DONE;
+  return false;
+}
+
+/* Finds out whether task k shares the trunk's past, and how far. Only a run with a prelude
+ * (`start: steady`) has a past that ends at t = 0. */
+static void look_at(vs_past *p, size_t k) {
+  if (!begin_other(p, k) || !is_alike(p, p->desk->tasks[k].point)) return;
+  const vs_setup *own = &vs_case_scene(p->trunk)->setup;
+  vs_setup *their = &vs_case_scene(p->other)->setup;
+  const vs_events events = their->timeline.events;
+  their->timeline = own->timeline; /* an orbit may have set when it is fired first */
+  their->timeline.events = events;
+  p->parts_s[k] = vs_parting_of(own, their);
+  bool past = p->parts_s[k] > 0 || own->steady;
+  p->lots[k] = past && isfinite(p->parts_s[k]) ? SHARES : OWN;
+}
+
+static void look_at_all(vs_past *p) {
+  for (size_t k = 0; k < p->desk->count; k++)
+    if (p->lots[k] == WAITS) look_at(p, k);
+}
+
+static size_t count(const vs_past *p, lot which) {
+  size_t n = 0;
+  for (size_t k = 0; k < p->desk->count; k++) n += p->lots[k] == which;
+  return n;
+}
+
+static double first_parting(const vs_past *p) {
+  double first_s = INFINITY;
+  for (size_t k = 0; k < p->desk->count; k++)
+    if (p->lots[k] == SHARES) first_s = fmin(first_s, p->parts_s[k]);
+  return first_s;
+}
+
+static void take_lot(vs_past *p) {
+  for (size_t k = 0; k < p->desk->count; k++) p->lots[k] = WAITS;
+}
+
+/* ---- a branch ---- */
+
+static void stay(vs_past *p, double t_s) {
+  (void)p, (void)t_s;
+}
+
+/* This process is a copy now, whose run is that of task k. */
+static void become_branch(vs_past *p, size_t k) {
+  const vs_task *task = &p->desk->tasks[k];
+  vs_error err = {0};
+  p->branch = true;
+  p->next_s = INFINITY;
+  p->arrive = stay;
+  if (vs_case_begin(p->other, task->index, task->point, &err)) _exit(VS_CHILD_BAD_RUN);
+  if (vs_case_become(p->trunk, p->other)) _exit(VS_CHILD_BAD_RUN);
+  const vs_pace pace = vs_pace_of(&vs_case_scene(p->trunk)->setup);
+  if (!same_pace(&pace, &p->pace)) _exit(VS_CHILD_BAD_RUN); /* it would have taken other steps */
+}
+
+static _Noreturn void end_branch(const vs_past *p, int status) {
+  const vs_desk_head head = {0, p->row.length, status, 0, 1, 0};
+  if (!vs_child_say(&p->self, &head, sizeof head)) _exit(VS_CHILD_BAD_RUN);
+  vs_child_tell(&p->self, p->row.text, p->row.length);
+}
+
+/* ---- the scout ---- */
+
+/* Passes on what a branch tells, if it comes to its end. */
+static void pass_on(vs_past *p, const vs_child_copy *branch, uint64_t index) {
+  vs_desk_head head = {0};
+  vs_error err = {0};
+  bool begun = vs_child_listen(branch, &head, sizeof head);
+  char *row = vs_alloc(head.length + 1, 1);
+  bool whole = !vs_child_hear(branch, row, begun ? head.length : 0, &err) && begun;
+  head.index = index;
+  if (whole &&
+      !(vs_child_say(&p->self, &head, sizeof head) && vs_child_say(&p->self, row, head.length)))
+    _exit(VS_CHILD_BAD_RUN);
+  free(row);
+}
+
+/* At the knot t_s: sends a branch for each task that parts from the trunk here, one after the
+ * other. In the branch it returns at once. */
+static void send_branches(vs_past *p, double t_s) {
+  for (size_t k = 0; k < p->desk->count; k++) {
+    if (p->lots[k] != SHARES || p->parts_s[k] > t_s + vs_parting_near_s) continue;
+    vs_error err = {0};
+    vs_child_copy branch;
+    p->lots[k] = OWN;
+    if (p->parts_s[k] < t_s - vs_parting_near_s) continue; /* its knot was passed over */
+    if (vs_child_fork(&branch, &err)) continue;
+    if (branch.pid == 0) {
+      close(p->self.pipe_end);
+      p->self = branch;
+      become_branch(p, k);
+      return;
+    }
+    pass_on(p, &branch, p->desk->tasks[k].index);
+  }
+  p->next_s = first_parting(p);
+  if (isinf(p->next_s)) _exit(VS_CHILD_GOOD);
+}
+
+/* ---- the worker ---- */
+
+/* Answers what the scout passes on. Tasks of which it says nothing are to be run on their own. */
+static void hear_scout(vs_past *p, const vs_child_copy *scout) {
+  vs_desk_head head;
+  while (vs_child_listen(scout, &head, sizeof head)) {
+    char *row = vs_alloc(head.length + 1, 1);
+    bool whole = vs_child_listen(scout, row, head.length);
+    for (size_t k = 0; k < p->desk->count && whole; k++)
+      if (p->desk->tasks[k].index == head.index) p->lots[k] = DONE;
+    if (whole) vs_desk_answer(p->desk, &head, row);
+    if (count(p, SHARES)) vs_desk_deliver(p->desk); /* the last one once the scout has ended */
+    free(row);
+  }
+  vs_child_end_of(scout);
+  vs_desk_deliver(p->desk);
+}
+
+/* Sends a scout for the tasks that share the trunk's past. In the scout it returns true. */
+static bool send_scout(vs_past *p, double t_s) {
+  vs_error err = {0};
+  vs_child_copy scout;
+  if (!count(p, SHARES) || vs_child_fork(&scout, &err)) return false;
+  if (scout.pid == 0) {
+    p->self = scout;
+    p->arrive = send_branches;
+    send_branches(p, t_s);
+    return true;
+  }
+  hear_scout(p, &scout);
+  return false;
+}
+
+/* At the knot where the worker stays: serves lot after lot, until one has a task that this trunk is
+ * of no use for. */
+static void camp(vs_past *p, double t_s) {
+  p->pace = vs_pace_of(&vs_case_scene(p->trunk)->setup);
+  for (;;) {
+    if (send_scout(p, t_s)) return;
+    for (size_t k = 0; k < p->desk->count; k++)
+      if (p->lots[k] == SHARES) p->lots[k] = OWN;
+    p->over = count(p, DONE) < p->desk->count;
+    if (p->over) return;
+    vs_desk_deliver(p->desk);
+    vs_desk_wait(p->desk);
+    take_lot(p);
+    look_at_all(p);
+    for (size_t k = 0; k < p->desk->count; k++)
+      if (p->lots[k] == SHARES && p->parts_s[k] < t_s - vs_parting_near_s) p->lots[k] = WAITS;
+  }
+}
+
+static vs_status reach(void *ctx, double t_s, vs_error *err) {
+  vs_past *p = ctx;
+  if (t_s < p->next_s - vs_parting_near_s) return VS_OK;
+  p->arrive(p, t_s);
+  return p->over ? vs_fail(err, VS_RUN, "t = %.9g s: the trunk is left", t_s) : VS_OK;
+}
+
+/* Makes the scene that the trunk has begun one in which the varied events never begin. It is not
+ * run again where ngspice gives up: then each case is, with what its scene says. False: that cannot
+ * be. */
+static bool calm(vs_past *p) {
+  vs_setup *s = &vs_case_scene(p->trunk)->setup;
+  vs_events *events = &s->timeline.events;
+  vs_error err = {0};
+  if (vs_case_scene(p->trunk)->control.regulator)
+    return false; /* it would decide for one of them */
+  for (size_t k = 0; k < events->count; k++)
+    if (is_varied(p->plan, &events->item[k])) vs_occurrence_put_off(&events->item[k], k);
+  s->run.ladder = VS_LADDER_STAY;
+  s->run.verify = VS_VERIFY_NEVER;
+  return !vs_loads_make(events, s->machine, &s->model, &s->loads, &err);
+}
+
+/* Begins the trunk of task k. False: no task shares its past. */
+static bool begin_trunk(vs_past *p, size_t k) {
+  const vs_task *task = &p->desk->tasks[k];
+  vs_error err = {0};
+  if (!begin_other(p, k) || vs_case_begin(p->trunk, task->index, task->point, &err)) return false;
+  if (!calm(p)) return false;
+  const vs_setup *setup = &vs_case_scene(p->trunk)->setup;
+  memcpy(p->point, task->point, sizeof p->point);
+  vs_netlist_free(p->netlist, p->lines);
+  p->netlist = NULL;
+  p->lines = 0;
+  if (!make_netlist(setup, &p->netlist, &p->lines)) return false;
+  look_at_all(p);
+  return count(p, SHARES) > 0;
+}
+
+/* Runs the trunk of the first task that waits, for all tasks that share its past. */
+static void run_trunk(vs_past *p) {
+  vs_error err = {0};
+  vs_scene *s = vs_case_scene(p->trunk);
+  bool circuit;
+  vs_desk_deliver(p->desk);
+  p->over = false;
+  p->next_s = first_parting(p);
+  p->arrive = camp;
+  p->row.length = 0;
+  s->order.junction = &p->junction;
+  int status = vs_case_end(p->trunk, VS_OK, &p->row, &circuit, &err);
+  s->order.junction = NULL;
+  if (p->branch) end_branch(p, status);
+  if (p->arrive == send_branches) _exit(VS_CHILD_BAD_RUN); /* a scout whose trunk ended too early */
+}
+
+void vs_past_run(vs_past *p) {
+  take_lot(p);
+  for (size_t k; (k = 0, count(p, WAITS));) {
+    while (p->lots[k] != WAITS) k++;
+    bool shares = begin_trunk(p, k);
+    if (p->lots[k] == WAITS) p->lots[k] = OWN;
+    if (shares) run_trunk(p);
+    for (k = 0; k < p->desk->count; k++) {
+      if (p->lots[k] != SHARES && p->lots[k] != OWN) continue;
+      p->lots[k] = DONE;
+      vs_desk_run(p->desk, p->trunk, k);
+    }
+  }
+}
+
+vs_past *vs_past_new(const vs_plan *plan, vs_case *c, vs_desk *desk) {
+  vs_past *p = vs_alloc(1, sizeof *p);
+  *p = (vs_past){.plan = plan, .trunk = c, .desk = desk, .other = vs_case_new(plan, NULL)};
+  p->junction = (vs_junction){p, reach};
+  return p;
+}
