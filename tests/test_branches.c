@@ -345,7 +345,8 @@ static void files_and_tables(void) {
   char *csv = read_file("b/branch.csv"), *json = read_file("b/branch.json");
   EXPECT(!strncmp(csv, "firing.angle_deg,p_min_m,p_max_m,u_min_m,", 41), "%.60s", csv);
   EXPECT(strstr(csv, ",stable,pole_cover,,\n") && strstr(csv, ",stable,iron,,\n"), "%s", csv);
-  EXPECT(strstr(json, "\"end\": \"reached\"") && strstr(json, "{\"kind\": \"at\", \"key\": 80, "),
+  EXPECT(strstr(json, "\"program\": {\"version\": \"") && strstr(json, "\"end\": \"reached\"") &&
+             strstr(json, "{\"kind\": \"at\", \"key\": 80, "),
          "%s", json);
   free(csv);
   free(json);

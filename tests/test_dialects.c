@@ -309,6 +309,7 @@ static void functions(void) {
       {"*$ compat ps\nS1 ss yy ss 0 sw1\n.model sw1 VSWITCH (Ron=1k,Voff=0.5)", 1}, /* no Von */
       {"*$ compat ps\nS1 ss yy ss 0 sw1\n.model sw1 VSWITCH Ron=1k Roff=1G Von=1", 1},
       {"*$ compat ps\nS1 ss yy ss 0 sw1\n.model sw1 VSWITCH", 2000. / 1001},
+      {"*$ compat ps\nS1 ss yy ss 0 sw1\n.model sw1 VSWITCH(Ron=1k Roff=3k VT=3 VH=0)", 0.5},
       {"*$ compat ps\nR9 ss yy rm 1k\n.model rm RES(R=1 TC1=0.01 T_ABS=77)", 0.8},
       {"*$ compat ps\nR9 ss yy rm 1k\n.model rm RES (TC1=0.01 T_REL_GLOBAL=50)", 0.8},
       {"*$ compat ps\nE1 yy 0 TABLE {LIMIT(V(ss),0,1)} = (0,0) (1,4) (3,8)", 4},
@@ -420,6 +421,8 @@ static void constructs_are_told(void) {
       {"V9 ss yy PULSE 0 1", "d.cir:16:10: warning: an edge of PULSE"},
       {"B1 yy 0 V=IF(1>0,1,2)*pwr(2,3)", "d.cir:16:23: warning: pwr(x, y) is sgn(x)*|x|^y"},
       {"R9 ss yy 1k\n.model m res(r=2)", "d.cir:17:14: warning: R= of a model RES multiplies"},
+      {"*$ compat ps\nS1 ss yy ss 0 sw1\n.model sw1 VSWITCH(Ron=1k)",
+       "d.cir:18:1: warning: a switch of PSpice's without Ron"},
       {"*$ compat ps\nC9 ss yy cm 1n\n.model cm CAP(C=1 VC1=0.1)",
        "d.cir:18:19: warning: ngspice has no such parameter in a model of this type"},
       {"L9 ss yy lm 1u\n.model lm IND(L=1 IL1=0.1)",
@@ -487,6 +490,15 @@ static void pulses_with_edges(void) {
                             "V7 pulse 0 pulse(0 5 0 1u)\nR7 pulse yy 1k\n");
   ran r = run("check d.cir");
   EXPECT(r.status == 0 && !strstr(r.err, "PULSE"), "%d %s", r.status, r.err);
+  free_ran(&r);
+}
+
+/* A switch with one threshold and its hysteresis has no Von and Voff, and none are taken for it. */
+static void switches_with_a_threshold(void) {
+  write_file("d.cir", BENCH "*$ compat ps\nS1 ss yy ss 0 sw1\n"
+                            ".model sw1 VSWITCH(Ron=1k Roff=3k VT=3 VH=0)\n");
+  ran r = run("check d.cir");
+  EXPECT(r.status == 0 && !strstr(r.err, "a switch of PSpice's"), "%d %s", r.status, r.err);
   free_ran(&r);
 }
 
@@ -596,6 +608,7 @@ int main(void) {
       {"parasitic parts", parasitic_parts},
       {"constructs are told", constructs_are_told},
       {"pulses with edges", pulses_with_edges},
+      {"switches with a threshold", switches_with_a_threshold},
       {"numbers that are misread", numbers_that_are_misread},
       {"messages have places", messages_have_places},
   };

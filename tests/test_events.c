@@ -713,10 +713,11 @@ static void said_in_the_results(void) {
   CU_ASSERT_EQUAL(r.status, 0);
   free_ran(&r);
   char *json = read_file("o/summary.json"), *csv = read_file("o/events.csv");
-  EXPECT(strstr(json, "\"tier\": \"circuit\"") && strstr(json, "the scene names events.dip") &&
-             strstr(json, "\"events\": {\n      \"dip\": {\"starts_s\": 0.003, \"kind\": \"sag\"") &&
-             strstr(json, "\"level\": {\"value\": 30, \"unit\": \"%\"}"),
-         "%s", json);
+  EXPECT(
+      strstr(json, "\"tier\": \"circuit\"") && strstr(json, "the scene names events.dip") &&
+          strstr(json, "\"events\": {\n      \"dip\": {\"starts_s\": 0.003, \"kind\": \"sag\"") &&
+          strstr(json, "\"level\": {\"value\": 30, \"unit\": \"%\"}"),
+      "%s", json);
   EXPECT(strstr(csv, "\n0.003,dip begins (sag)\n") && strstr(csv, "\n0.006,n begins (notch)\n"),
          "%s", csv);
   free(json), free(csv);
@@ -756,7 +757,28 @@ static void polarities(void) {
   }
 }
 
+/* A sag leaves at most all of the voltage, and a swell makes at most three times of it. */
+static void levels_have_bounds(void) {
+  static const struct {
+    const char *kind, *level;
+    int status;
+  } ROWS[] = {{"sag", "100 %", 0},   {"sag", "100.5 %", 2}, {"swell", "99.5 %", 2},
+              {"swell", "100 %", 0}, {"swell", "300 %", 0}, {"swell", "300.5 %", 2}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    char scene[200];
+    snprintf(scene, sizeof scene,
+             "run: {until: 50 ms}\nevents: {a: {kind: %s, at: 10 ms, level: %s}}\n", ROWS[k].kind,
+             ROWS[k].level);
+    write_file("s.yaml", scene);
+    ran r = run("check s.yaml");
+    EXPECT(r.status == ROWS[k].status, "%s of %s: %d %s", ROWS[k].kind, ROWS[k].level, r.status,
+           r.err);
+    free_ran(&r);
+  }
+}
+
 static const vs_test TESTS[] = {
+    {"levels have bounds", levels_have_bounds},
     {"surge meets its standard", surge_meets_its_standard},
     {"surge into a varistor", surge_into_a_varistor},
     {"surges on the paper's converter", surges_on_the_paper},

@@ -311,6 +311,7 @@ static void stands_alone(void) {
   CU_ASSERT_PTR_NULL(strstr(text, VS_TEST_FOLDER));
   CU_ASSERT_PTR_NOT_NULL(strstr(text, "vibrospice " VS_VERSION));
   CU_ASSERT_PTR_NOT_NULL(strstr(text, "ngspice -b x.cir"));
+  CU_ASSERT_PTR_NOT_NULL(strstr(text, "M q\" + B q' + K q = (-F, 0, 0, 0), solved for q\"."));
   CU_ASSERT_PTR_NOT_NULL(strstr(text, ".param varistor_voltage=910\n"));
   CU_ASSERT_PTR_NOT_NULL(strstr(text, ".param vs_until=2 ;"));
   CU_ASSERT_PTR_NOT_NULL(strstr(text, ".options method=trap "));

@@ -111,27 +111,33 @@ static vs_status take(void *ctx, const vs_step *step, const vs_result *result, v
   return VS_OK;
 }
 
-/* Runs the scene from a state at the section, at an angle, for FIRINGS periods. */
-static void fly(const vs_scene *scene, const vs_orbit *orbit, double angle_rad, record *r) {
+/* Runs the scene from a state at the section, at an angle, for FIRINGS periods, and shows its
+ * steps. */
+static void show_run(const vs_scene *scene, const vs_orbit *orbit, double angle_rad,
+                     const vs_guest *guest) {
   vs_run_values run = scene->setup.run;
   run.until_s = (FIRINGS + 0.9) * orbit->period_s;
   run.tolerance = scene->tier->finest;
   vs_scene *own = vs_alloc(1, sizeof *own);
   vs_result *none = vs_alloc(1, sizeof *none);
   vs_error err = {0};
-  const vs_guest guest = {.ctx = r, .accept = take};
-  const vs_session session = {.guest = &guest, .bare = true, .unguarded = true};
+  const vs_session session = {.guest = guest, .bare = true, .unguarded = true};
   *own = *scene;
   own->setup = vs_steady_setup(scene, &run, orbit);
   own->setup.timeline.firing.angle.first = angle_rad;
   own->frame = vs_sim_frame(scene->tier, &own->setup);
-  for (int k = 0; k <= FIRINGS; k++)
-    for (int i = 0; i < OUTPUTS; i++) r->most[k][i][0] = r->most[k][i][1] = -INFINITY;
   vs_status status = vs_session_run(&session, own, none, &err);
   EXPECT(!status, "%s", err.text);
   vs_result_free(none);
   free(none);
   free(own);
+}
+
+static void fly(const vs_scene *scene, const vs_orbit *orbit, double angle_rad, record *r) {
+  const vs_guest guest = {.ctx = r, .accept = take};
+  for (int k = 0; k <= FIRINGS; k++)
+    for (int i = 0; i < OUTPUTS; i++) r->most[k][i][0] = r->most[k][i][1] = -INFINITY;
+  show_run(scene, orbit, angle_rad, &guest);
 }
 
 /* ---- a step of the angle ---- */
@@ -296,6 +302,103 @@ static void through_low_passes(void) {
   }
 }
 
+/* ---- what is seen of a channel ---- */
+
+/* Of the turns of each output in the first period the largest and the second, of y and of -y. */
+typedef struct turns {
+  const vs_linear *linear;
+  double best[OUTPUTS][2], next[OUTPUTS][2];
+} turns;
+
+static vs_status take_turns(void *ctx, const vs_step *step, const vs_result *result,
+                            vs_error *err) {
+  enum { LOOKS = 8 };
+  turns *t = ctx;
+  const double h = (step->to->t_s - step->from->t_s) / LOOKS;
+  (void)result, (void)err;
+  for (int k = 0; k < t->linear->outputs; k++)
+    for (int n = 0; n < LOOKS && h > 0; n++) {
+      const vs_seen *seen = &t->linear->output[k].seen;
+      double lo = step->from->t_s + n * h, before, after, rate;
+      signal_of(step, seen, lo, &before);
+      signal_of(step, seen, lo + h, &after);
+      if ((before > 0) == (after > 0) || lo + h > t->linear->period_s) continue;
+      const int side = before < 0;
+      double value = signal_of(step, seen, lo + h * before / (before - after), &rate);
+      if (side) value = -value;
+      t->next[k][side] = fmax(t->next[k][side], fmin(value, t->best[k][side]));
+      t->best[k][side] = fmax(t->best[k][side], value);
+    }
+  return VS_OK;
+}
+
+/* The second extreme is the second of all turns of a period, wherever the first is in it. Between
+ * two looks, a 200th of a swing or less apart, the rate is straight to 1e-4 of itself, and what a
+ * turn's instant is off counts by its square. */
+static void second_extremes(void) {
+  static const char *const SETS[] = {"firing.every=3", "firing.angle=140deg"};
+  subject *s = begin("two_mass", SETS, COUNT(SETS), NULL, 0);
+  turns t = {.linear = &s->linear};
+  const vs_guest guest = {.ctx = &t, .accept = take_turns};
+  int several = 0;
+  for (int k = 0; k < OUTPUTS; k++)
+    for (int side = 0; side < 2; side++) t.best[k][side] = t.next[k][side] = -INFINITY;
+  show_run(&s->scene, &s->orbit, s->linear.angle_rad, &guest);
+  for (int k = 0; k < s->linear.outputs; k++) {
+    const vs_seen *seen = &s->linear.output[k].seen;
+    const double amplitude = (t.best[k][0] + t.best[k][1]) / 2,
+                 margin = fmin(t.best[k][0] - t.next[k][0], t.best[k][1] - t.next[k][1]);
+    CLOSE(vs_seen_amplitude(seen), amplitude, 1e-6);
+    EXPECT(fabs(vs_seen_margin(seen) - margin) < 1e-6 * amplitude, "%s: %g for %g, of %g",
+           seen->order.name, vs_seen_margin(seen), margin, amplitude);
+    several += isfinite(margin);
+  }
+  EXPECT(several > 0, "no output has a second turn");
+  end(s);
+}
+
+/* A machine that has this formula as its probe `own`. */
+static void write_machine(const char *formula) {
+  char text[900];
+  snprintf(text, sizeof text,
+           "title: two masses\ncoordinates: {x: {unit: m}, y: {unit: m}}\n"
+           "parameters: {l: {default: 1 m}}\nmass: [[6 kg, 0], [0, 10 kg]]\n"
+           "damping: [[20 N.s/m, -20 N.s/m], [-20 N.s/m, 40 N.s/m]]\n"
+           "stiffness: [[4.2e5 N/m, -4.2e5 N/m], [-4.2e5 N/m, 4.4e5 N/m]]\n"
+           "gap: {along: {x: 1, y: -1}}\nprobes: {own: {of: '%s', unit: m}}\n"
+           "actuator: {gap: 2 mm, pole_cover: 0 mm, inductance: 0.46 H, resistance: 12 ohm}\n"
+           "supply: {voltage: 230 V, frequency: 50 Hz}\nfiring: {angle: 100 deg}\n",
+           formula);
+  write_file("m.yaml", text);
+}
+
+/* Of a machine's own probe only the formula is known. It is linear where it is a sum of terms. */
+static void probes_of_a_machine(void) {
+  static const struct {
+    const char *of;
+    double k[2]; /* of x and y; 0, 0: it is not linear */
+  } ROWS[] = {{"x - y", {1, -1}},   {"2*x + 5*y - l", {2, 5}}, {"0.1*x + 0.2*y", {0.1, 0.2}},
+              {"x*y/l", {0, 0}},    {"x*x/l + y", {0, 0}},     {"abs(x)", {0, 0}},
+              {"x*x*x/l/l", {0, 0}}};
+  write_file("s.yaml", "machine: {model: m.yaml}\nrun: {until: 1 s}\n");
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    vs_scene scene = {0};
+    vs_seen seen = {0};
+    vs_error err = {0};
+    const bool linear = ROWS[k].k[1] != 0;
+    write_machine(ROWS[k].of);
+    vs_status status = vs_scene_read("s.yaml", NULL, 0, NULL, &scene, &err);
+    EXPECT(!status, "%s: %s", ROWS[k].of, err.text);
+    const vs_seen_order order = {.channel = vs_channel_find(&scene.frame, "own"),
+                                 .bandwidth_hz = NAN};
+    if (!status) status = vs_seen_begin(&seen, &scene.frame, &order, &err);
+    EXPECT((status == VS_OK) == linear, "%s: %d %s", ROWS[k].of, status, err.text);
+    for (int n = 0; n < 2 && linear; n++) CLOSE(seen.k[n], ROWS[k].k[n], 1e-12);
+    for (int n = 2; n < 6 && linear; n++) CU_ASSERT_EQUAL(seen.k[n], 0);
+    vs_scene_free(&scene);
+  }
+}
+
 /* ---- the command ---- */
 
 static void files(void) {
@@ -360,6 +463,8 @@ static void refusals(void) {
 
 static const vs_test TESTS[] = {{"steps of the angle", steps_of_the_angle},
                                 {"through low-passes", through_low_passes},
+                                {"second extremes", second_extremes},
+                                {"probes of a machine", probes_of_a_machine},
                                 {"files", files},
                                 {"the gain by sensitivity", gain_by_sensitivity},
                                 {"refusals", refusals}};

@@ -69,6 +69,7 @@ static void listed(void) {
     }
     free_rows(&all);
   }
+  EXPECT(strstr(r.out, "\n    model i_fusing, -1 % of sheet\n"), "%s", r.out);
   free_ran(&r);
 }
 

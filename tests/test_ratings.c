@@ -141,6 +141,21 @@ static void channels_of_the_machine(void) {
 
 /* ---- what is not known ---- */
 
+/* Each probe that a rating names, the deck's first as well, wants the tier that has it. */
+static void probes_want_the_circuit(void) {
+  static const char *const RATINGS[] = {"v_ak: .. 1 kV", "i_thyristor: .. 1 kA",
+                                        "v_c1_min: -1 kV .."};
+  for (size_t k = 0; k < COUNT(RATINGS); k++) {
+    char scene[100];
+    snprintf(scene, sizeof scene, "run: {until: 50 ms}\nratings: {%s}\n", RATINGS[k]);
+    write_file("s.yaml", scene);
+    ran r = run("check s.yaml");
+    EXPECT(r.status == 0 && strstr(r.out, "tier circuit (auto: the scene names ratings."), "%d %s",
+           r.status, r.out);
+    free_ran(&r);
+  }
+}
+
 static void without_a_value(void) {
   static const struct {
     const char *tier, *set, *name, *why;
@@ -428,6 +443,7 @@ static void told(void) {
 }
 
 static const vs_test TESTS[] = {
+    {"probes want the circuit", probes_want_the_circuit},
     {"every kind of measure", every_kind_of_measure},
     {"stroke is the way between", stroke_is_the_way_between},
     {"as the deck's own", as_the_decks_own},

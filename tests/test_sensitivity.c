@@ -286,6 +286,13 @@ static void json_has_all_keys(void) {
   make_shape(r.out);
   EXPECT(strstr(r.out, SHAPE), "%s", r.out);
   free(file), free_ran(&r);
+  static const char HEAD[] = "measure,key,derivative,error,how,measure_value,measure_unit,"
+                             "key_value,key_unit,warnings\np_min,firing.angle,";
+  char *rows = read_file("out/sensitivity.csv");
+  EXPECT(!strncmp(rows, HEAD, sizeof HEAD - 1) && strstr(rows, ",exact,-0.0") &&
+             strstr(rows, ",m,100,deg,\ni_peak,firing.angle,"),
+         "%s", rows);
+  free(rows);
   remove_tree("out");
   mkdir("out", 0777); /* one of the files cannot be written: none is */
   mkdir("out/summary.json", 0777);

@@ -3,7 +3,6 @@
 
 #include <errno.h>
 #include <stdbool.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,7 +19,7 @@ void vs_alloc_failed(size_t bytes) {
 }
 
 /* The product; one too large for a size_t is more than there ever is. */
-static size_t product(size_t count, size_t size) {
+static size_t product(uint64_t count, size_t size) {
   size_t bytes;
   return __builtin_mul_overflow(count, size, &bytes) ? SIZE_MAX : bytes;
 }
@@ -31,7 +30,7 @@ void *vs_alloc(size_t count, size_t size) {
   return memory;
 }
 
-void *vs_resize(void *memory, size_t count, size_t size) {
+void *vs_resize(void *memory, uint64_t count, size_t size) {
   const size_t bytes = product(count, size);
   void *resized = bytes < SIZE_MAX ? realloc(memory, bytes ? bytes : 1) : NULL;
   if (!resized) vs_alloc_failed(bytes);

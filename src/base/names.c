@@ -20,7 +20,7 @@ static uint64_t hash_of(const char *name, size_t size) {
 
 /* Where the name stands, or where it would. There is room for one more. */
 static vs_name_slot *slot_of(const vs_names *n, const char *name, size_t size) {
-  for (size_t k = hash_of(name, size) % n->room;; k = (k + 1) % n->room) {
+  for (size_t k = (size_t)(hash_of(name, size) % n->room);; k = (k + 1) % n->room) {
     vs_name_slot *slot = &n->slot[k];
     if (!slot->name || (!strncasecmp(slot->name, name, size) && !slot->name[size])) return slot;
   }

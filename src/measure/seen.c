@@ -9,8 +9,8 @@
 /* ---- which channels are linear ---- */
 
 /* A probe of the machine is tried out: with y(e) its value where one term is 1 and all others are
- * 0, it is linear if y(2 e) - y(0) = 2 (y(e) - y(0)) for each term, and if all terms together make
- * the sum of these. *k: its coefficients of the terms from VS_CH_Q on. */
+ * 0, it is linear if y(h e) - y(0) = h (y(e) - y(0)) with h = 2 and h = -1 for each term, and if
+ * all terms together make the sum of these. *k: its coefficients of the terms from VS_CH_Q on. */
 static bool is_linear_probe(const vs_model *m, const vs_formula *of, double k[VS_SEEN_TERMS]) {
   double y[VS_CH_MOST] = {0}, sum = 0, size = 0;
   if (vs_formula_uses(of, VS_MACHINE_TERM_LAMBDA) || vs_formula_uses(of, VS_MACHINE_TERM_I) ||
@@ -21,10 +21,12 @@ static bool is_linear_probe(const vs_model *m, const vs_formula *of, double k[VS
     double *term = &y[VS_CH_Q + i];
     *term = 1;
     k[i] = vs_formula_value(of, y) - rest;
-    *term = 2;
-    double twice = vs_formula_value(of, y) - rest;
+    for (int n = 0; n < 2; n++) {
+      *term = n ? -1 : 2;
+      double off = vs_formula_value(of, y) - rest - *term * k[i];
+      if (!(fabs(off) <= 1e-9 * (fabs(rest) + fabs(k[i])))) return false;
+    }
     *term = 0;
-    if (!(fabs(twice - 2 * k[i]) <= 1e-9 * (fabs(rest) + fabs(k[i])))) return false;
     sum += k[i];
     size += fabs(k[i]);
   }

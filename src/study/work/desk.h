@@ -20,11 +20,12 @@ typedef struct vs_task {
 /* Precedes each row in the pipe. Both ends are the same program, so the struct is sent as it is in
  * memory. */
 typedef struct vs_desk_head {
-  uint64_t index, length; /* of the case; of the row, bytes */
-  int32_t status;         /* VS_CASE_... */
-  int32_t circuit;        /* ngspice was used, in the worker's own process */
-  int32_t shared;         /* the case's run began as a copy of another's (study/work/past.h) */
-  int32_t spare;          /* 0 */
+  uint64_t index;  /* of the case */
+  size_t length;   /* of the row, bytes */
+  int32_t status;  /* VS_CASE_... */
+  int32_t circuit; /* ngspice was used, in the worker's own process */
+  int32_t shared;  /* the case's run began as a copy of another's (past.h) */
+  int32_t spare;   /* 0 */
 } vs_desk_head;
 
 typedef struct vs_desk {

@@ -46,7 +46,7 @@ static void make_room(vs_journal *j, uint64_t cases) {
   if (cases <= j->room) return;
   uint64_t room = cases > 2 * j->room ? cases : 2 * j->room;
   j->place = vs_resize(j->place, room, sizeof *j->place);
-  memset(j->place + j->room, 0, (room - j->room) * sizeof *j->place);
+  memset(j->place + j->room, 0, (size_t)(room - j->room) * sizeof *j->place);
   j->room = room;
 }
 

@@ -84,7 +84,7 @@ vs_status vs_lines_read(const vs_lines *file, uint64_t at, vs_text *text, size_t
     if (at < p->at || at >= p->at + p->size) status = read_part(file, at, err);
     if (status) return status;
     const char *from = p->bytes + (at - p->at);
-    const size_t left = p->size - (at - p->at);
+    const size_t left = p->size - (size_t)(at - p->at);
     const char *end = memchr(from, '\n', left);
     const size_t n = end ? (size_t)(end - from) : left;
     vs_text_add(text, "%.*s", (int)n, from);

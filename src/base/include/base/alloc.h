@@ -16,6 +16,7 @@
 #define VS_BASE_ALLOC_H
 
 #include <stddef.h>
+#include <stdint.h>
 #include <stdio.h>
 
 /* The exit status of a child process that has run out of memory. It is none of vs_status. */
@@ -24,8 +25,9 @@ enum { VS_ALLOC_STATUS = 12 };
 /* Returns count*size zeroed bytes, also where that is 0. */
 void *vs_alloc(size_t count, size_t size);
 /* Returns the memory with a new size of count*size bytes, which may be at another place; NULL for
- * memory is none yet. What is added is not zeroed. */
-void *vs_resize(void *memory, size_t count, size_t size);
+ * memory is none yet. What is added is not zeroed. A count that has no place in a size_t, as on a
+ * machine of 32 bits, is more than there is. */
+void *vs_resize(void *memory, uint64_t count, size_t size);
 /* Returns the list of `count` items of that size with room for one more. The room doubles, so a
  * list may only ever have grown by this function; NULL with a count of 0. */
 void *vs_alloc_grow(void *list, size_t count, size_t size);
