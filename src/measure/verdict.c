@@ -382,6 +382,8 @@ static void add_happenings(vs_verdict *v, const vs_verdict *second, const vs_dec
     j->failed_s = NAN; /* it did not fail in this run */
     for (size_t d = 0; d < deck->n_devices; d++)
       if (!strcmp(deck->devices[d].name, other->device->name)) j->device = &deck->devices[d];
+    /* what it hangs on stood in the second run's deck, which is freed */
+    j->n_models = vs_parts_models(deck, j->device, j->measure, j->model);
   }
   summarise(v); /* which points into the list */
 }
