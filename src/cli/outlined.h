@@ -5,7 +5,7 @@
 
 #include "base/json.h"
 #include "ground.h"
-#include "base/outline.h"
+#include "base/field.h"
 
 /* Adds the member `key` with what the row takes. A study's scene keys are the ground's; those of a
  * machine, a deck and what a scene names itself may have any value. */

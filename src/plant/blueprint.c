@@ -4,12 +4,12 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "plant/actuator.h"
-#include "plant/feed.h"
+#include "base/units.h"
 #include "bodies.h"
 #include "declare.h"
 #include "expression.h"
-#include "base/units.h"
+#include "plant/actuator.h"
+#include "plant/feed.h"
 
 /* ---- the keys of a machine's file ---- */
 
@@ -220,7 +220,7 @@ static vs_status read_forces(vs_machine *m, vs_error *err) {
 static vs_status read_gap(vs_machine *m, vs_error *err) {
   const vs_node *map, *along;
   vs_status s = map_of(m, "gap", &map, err);
-  if (!s) s = vs_outline_known_keys(map, "gap", GAP, err);
+  if (!s) s = vs_field_outline_keys(map, "gap", GAP, err);
   if (s) return s;
   along = vs_tree_child(map, "along");
   m->where_along = along ? along->key_where : map ? map->where : (vs_where){m->tree.name, 1, 1};
@@ -261,7 +261,7 @@ static vs_status read_load(vs_machine *m, vs_error *err) {
   const char *names[VS_MACHINE_NAMES];
   vs_status s = map_of(m, "load", &map, err);
   if (s || !map) return s;
-  s = vs_outline_known_keys(map, "load", LOAD, err);
+  s = vs_field_outline_keys(map, "load", LOAD, err);
   if (!s) s = read_ways(m, map, err);
   const vs_node *adds = vs_tree_child(map, "adds"), *to = vs_tree_child(map, "to");
   if (s) return s;
@@ -324,7 +324,7 @@ static vs_status read_probe(vs_machine *m, const vs_node *node, vs_error *err) {
   if (node->kind != VS_NODE_MAP || !formula)
     return vs_fail_at(err, node->where, "%s: {of: FORMULA, unit: m, text: ...} is wanted", what);
   snprintf(probe.name, sizeof probe.name, "%s", node->key);
-  s = vs_outline_known_keys(node, what, PROBE, err);
+  s = vs_field_outline_keys(node, what, PROBE, err);
   if (!s) s = vs_declare_text(unit, what, probe.unit, sizeof probe.unit, err);
   if (!s)
     s = vs_declare_text(vs_tree_child(node, "text"), what, probe.text, sizeof probe.text, err);
@@ -419,7 +419,7 @@ static vs_status read_actuator(vs_machine *m, vs_error *err) {
       [VS_MACHINE_CURRENT] = "A", [VS_MACHINE_ENERGY] = "J", [VS_MACHINE_FORCE] = "N"};
   char what[40];
   vs_status s = map_of(m, "actuator", &m->own_actuator, err);
-  if (!s) s = vs_outline_known_keys(m->own_actuator, "actuator", ACTUATOR, err);
+  if (!s) s = vs_field_outline_keys(m->own_actuator, "actuator", ACTUATOR, err);
   for (int k = 0; k < VS_MACHINE_LAWS && !s; k++) {
     const vs_node *node = vs_tree_child(m->own_actuator, vs_machine_law_words[k]);
     const vs_dimension wanted = vs_dimension_of(units[k]);
@@ -443,7 +443,7 @@ bool vs_blueprint_has_keys(const vs_tree *file) {
 
 static vs_status read_all(vs_machine *m, vs_error *err) {
   const vs_node *root = m->tree.root;
-  vs_status s = vs_outline_known_keys(root, "a machine", vs_blueprint_keys, err);
+  vs_status s = vs_field_outline_keys(root, "a machine", vs_blueprint_keys, err);
   if (!s)
     s = vs_error_carry_on(err, vs_declare_text(vs_tree_child(root, "title"), "title", m->title,
                                                sizeof m->title, err));

@@ -85,7 +85,7 @@ static vs_status read_moves(const vs_machine *m, const vs_node *map, const char 
                                                                                "m", "m", "rad"};
   if (map && map->kind != VS_NODE_MAP)
     return vs_fail_at(err, map->where, "%s.moves: {x: ..., y: ..., turn: ...} is wanted", owner);
-  vs_status s = vs_outline_known_keys(map, "moves", MOVES, err);
+  vs_status s = vs_field_outline_keys(map, "moves", MOVES, err);
   for (int k = 0; k < 3 && !s; k++) {
     const vs_node *node = vs_tree_child(map, MOVES[k].key);
     const source from = {owner, WORDS[k], UNITS[k], VS_EXPRESSION_MOTION};
@@ -118,7 +118,7 @@ static vs_status read_body(vs_machine *m, const vs_node *node, vs_error *err) {
     return vs_fail_at(err, node->key_where, "%s: that name is the program's", owner);
   if (node->kind != VS_NODE_MAP)
     return vs_fail_at(err, node->where, "%s: {mass: ..., at: [x, y], moves: ...} is wanted", owner);
-  vs_status s = vs_outline_known_keys(node, owner, vs_bodies_keys, err);
+  vs_status s = vs_field_outline_keys(node, owner, vs_bodies_keys, err);
   vs_body *b = &m->bodies[m->n_bodies];
   b->on = -1;
   if (!s) s = fill_body(m, node, owner, b, err);
@@ -188,7 +188,7 @@ static vs_status read_spring(vs_machine *m, const vs_node *node, vs_error *err) 
   if (node->kind != VS_NODE_MAP)
     return vs_fail_at(err, node->where, "%s: {from: ..., to: ..., stiffness: ...} is wanted",
                       owner);
-  vs_status status = vs_outline_known_keys(node, owner, vs_bodies_spring_keys, err);
+  vs_status status = vs_field_outline_keys(node, owner, vs_bodies_spring_keys, err);
   vs_spring *s = &m->springs[m->n_springs++];
   s->body[0] = s->body[1] = -1;
   snprintf(s->name, sizeof s->name, "%.*s", VS_MACHINE_NAME - 1, node->key);

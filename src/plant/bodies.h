@@ -13,8 +13,8 @@
 #ifndef VS_PLANT_BODIES_H
 #define VS_PLANT_BODIES_H
 
+#include "base/field.h"
 #include "plant/machine.h"
-#include "base/outline.h"
 
 /* The keys of a body, and those of a spring. */
 extern const vs_outline vs_bodies_keys[], vs_bodies_spring_keys[];

@@ -104,7 +104,7 @@ static vs_status read_coordinate(vs_machine *m, const vs_node *node, vs_error *e
   if (node->kind != VS_NODE_MAP)
     return vs_fail_at(err, node->where, "%s: {unit: m, text: ...} is wanted", what);
   const vs_node *unit = vs_tree_child(node, "unit");
-  s = vs_outline_known_keys(node, what, vs_declare_coordinate_keys, err);
+  s = vs_field_outline_keys(node, what, vs_declare_coordinate_keys, err);
   if (!s) s = vs_declare_text(unit, what, c.unit, sizeof c.unit, err);
   if (!s) s = vs_declare_text(vs_tree_child(node, "text"), what, c.text, sizeof c.text, err);
   if (s) return s;
@@ -301,7 +301,7 @@ static vs_status read_declaration(const vs_node *node, declaration *d, vs_error 
   if (node->kind != VS_NODE_MAP)
     return vs_fail_at(err, node->where,
                       "%s: {default: 20 kg, range: 0 kg .. 100 kg, text: ...} is wanted", d->what);
-  vs_status s = vs_outline_known_keys(node, d->what, vs_declare_parameter_keys, err);
+  vs_status s = vs_field_outline_keys(node, d->what, vs_declare_parameter_keys, err);
   if (!s) s = read_default(d, node, err);
   if (!s && range && d->field.kind == VS_CHOICE)
     s = vs_fail_at(err, range->where, "%s: a choice has no range", d->what);

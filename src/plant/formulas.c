@@ -7,11 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "derivative.h"
 #include "plant/coil.h"
+#include "plant/spice.h"
 #include "plant/values.h"
-#include "base/jet.h"
-#include "base/slope.h"
-#include "base/spice.h"
 
 enum { LAMBDA, Z, TERMS };             /* the terms of the formulas */
 enum { CURRENT, ENERGY, FORCE };       /* the order of vs_law_formulas.where */
@@ -33,7 +32,7 @@ static double value(const vs_formula *f, double flux_wb, double z_m) {
 static double partial(const vs_formula *f, int to, double flux_wb, double z_m) {
   vs_jet terms[TERMS] = {{{flux_wb}}, {{z_m}}};
   terms[to].d[1] = 1;
-  return vs_jet_of(f, terms).d[1];
+  return vs_derivative_along(f, terms).d[1];
 }
 
 /* Adds to sum[k] the integral of a formula over one term, the other fixed: its value and, where
@@ -52,7 +51,7 @@ static void integrate(const written *w, const vs_formula *f, int over, const dou
         sum[0] += weight * vs_formula_value(f, terms);
         continue;
       }
-      vs_jet at = vs_jet_of(f, jets);
+      vs_jet at = vs_derivative_along(f, jets);
       for (int k = 0; k < 3; k++) sum[k] += weight * at.d[k];
     }
 }
@@ -84,7 +83,7 @@ static double energy(const vs_coil *c, double flux_wb, double z_m) {
 static void jet(const vs_formula *f, double sign, const double flux[3], const double z[3],
                 double out[3]) {
   const vs_jet terms[TERMS] = {{{flux[0], flux[1], flux[2]}}, {{z[0], z[1], z[2]}}};
-  vs_jet found = vs_jet_of(f, terms);
+  vs_jet found = vs_derivative_along(f, terms);
   for (int k = 0; k < 3; k++) out[k] = sign * found.d[k];
 }
 
@@ -154,7 +153,7 @@ static vs_formula copy(const vs_formula *f) {
 static vs_status take(const vs_formula *own, const vs_formula *other, int term, vs_where where,
                       vs_formula *out, vs_error *err) {
   if (own) *out = copy(own);
-  if (own || !other || vs_slope_of(other, term, out)) return VS_OK;
+  if (own || !other || vs_derivative_to(other, term, out)) return VS_OK;
   return vs_fail_at(err, where,
                     "the derivative of this formula grows too long; write the file's current and "
                     "force as formulas, too");

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #include "plant/coil.h"
-#include "base/spice.h"
+#include "plant/spice.h"
 
 typedef struct leakage {
   vs_coil inner; /* what is without leakage */

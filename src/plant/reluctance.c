@@ -4,10 +4,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "plant/coil.h"
 #include "leakage.h"
+#include "plant/coil.h"
+#include "plant/spice.h"
 #include "plant/values.h"
-#include "base/spice.h"
 
 /* ---- plain: the gap alone ---- */
 
@@ -66,7 +66,7 @@ typedef struct energies {
 /* r^(n-2), from which higher powers follow. Below an exponent of 2 it is infinite at r = 0, where
  * all that it is a factor of counts as 0. */
 static double low_power(double r, double n) {
-  return n >= 2 || r > 0 ? vs_function_power(r, n - 2) : 0;
+  return n >= 2 || r > 0 ? vs_formula_power(r, n - 2) : 0;
 }
 
 /* P = lambda^2/(4a), E = I_s lambda_s/(n+1) r^(n+1). */

@@ -35,8 +35,8 @@
 #ifndef VS_PLANT_BLUEPRINT_H
 #define VS_PLANT_BLUEPRINT_H
 
+#include "base/field.h"
 #include "plant/machine.h"
-#include "base/outline.h"
 
 /* Reads the file into a machine that vs_machine_begin has made. Errors with their place; a check
  * carries on from most of them, and machine->lost is true then. */

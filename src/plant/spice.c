@@ -13,7 +13,7 @@
  *   - ln and log are both the natural logarithm; log10, abs, sqrt, exp, sgn (0 at 0), min, max and
  *     the trigonometric and hyperbolic functions are as in C. There is no atan2.
  *   - ln and sqrt of a negative number end the run. */
-#include "base/spice.h"
+#include "plant/spice.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -88,7 +88,7 @@ static void power(vs_text *text, const part *x, const part *y) {
 static const part *simpler(int function, const part *x, const part *y) {
   static const part ZERO = {NULL, 0};
   bool product = function == VS_MULTIPLY, sum = function == VS_ADD;
-  bool power = vs_function_table[function].of_two == vs_function_power;
+  bool power = vs_formula_functions[function].of_two == vs_formula_power;
   if (product && (is_number(x, 0) || is_number(y, 0))) return &ZERO;
   if ((product && is_number(x, 1)) || (sum && is_number(x, 0))) return y;
   if ((product || function == VS_DIVIDE || power) && is_number(y, 1)) return x;
@@ -97,8 +97,8 @@ static const part *simpler(int function, const part *x, const part *y) {
 }
 
 static void operation(vs_text *text, int function, const part *x, const part *y) {
-  const vs_function *f = &vs_function_table[function];
-  if (f->raises && f->of_two != vs_function_power) {
+  const vs_function *f = &vs_formula_functions[function];
+  if (f->raises && f->of_two != vs_formula_power) {
     raise_to(text, x, y, true);
   } else if (f->raises) {
     power(text, x, y);
@@ -115,7 +115,7 @@ static void operation(vs_text *text, int function, const part *x, const part *y)
 
 /* Puts the operation's result in the place of x. */
 static void apply(int function, part *x, part *y) {
-  const vs_function *f = &vs_function_table[function];
+  const vs_function *f = &vs_formula_functions[function];
   part result = {NULL, 0};
   if (!x->text && !(y && y->text)) {
     result.number = y ? f->of_two(x->number, y->number) : f->of(x->number);
@@ -142,7 +142,7 @@ void vs_spice_formula(vs_text *text, const vs_formula *f, const char *const *ter
       continue;
     }
     int function = op->kind - VS_OP_FUNCTION;
-    bool two = vs_function_table[function].of_two;
+    bool two = vs_formula_functions[function].of_two;
     if (two) top--;
     apply(function, &stack[top], two ? &stack[top + 1] : NULL);
   }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "base/dimension.h"
+#include "plant/dimension.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -82,7 +82,7 @@ static value number_of(const vs_op *op) {
 static bool fail(vs_dimension_fault *fault, const vs_op *op, const char *format,
                  const vs_dimension *x, const vs_dimension *y) {
   char text[2][VS_DIMENSION_TEXT] = {"", ""};
-  const char *name = vs_function_table[op->kind - VS_OP_FUNCTION].name;
+  const char *name = vs_formula_functions[op->kind - VS_OP_FUNCTION].name;
   fault->at = op->at;
   vs_dimension_text(x, text[0]);
   if (y) vs_dimension_text(y, text[1]);
@@ -125,7 +125,7 @@ static bool raise_to(const vs_op *op, value *x, const value *y, vs_dimension_fau
 static bool apply(const vs_op *op, value *x, const value *y, vs_dimension_fault *fault) {
   static const vs_dimension PURE = {0};
   int function = op->kind - VS_OP_FUNCTION;
-  const vs_function *f = &vs_function_table[function];
+  const vs_function *f = &vs_formula_functions[function];
   bool literal = x->literal && (!y || y->literal), good = true;
   double number = !literal ? 0 : y ? f->of_two(x->number, y->number) : f->of(x->number);
   if (f->alike) {
@@ -155,7 +155,7 @@ bool vs_dimension_find(const vs_formula *f, const vs_dimension *terms, const vs_
                                               : number_of(op);
       continue;
     }
-    bool two = vs_function_table[op->kind - VS_OP_FUNCTION].of_two;
+    bool two = vs_formula_functions[op->kind - VS_OP_FUNCTION].of_two;
     if (two) top--;
     if (!apply(op, &stack[top], two ? &stack[top + 1] : NULL, fault)) return false;
   }
