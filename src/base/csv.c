@@ -188,7 +188,7 @@ static vs_status read_lines(vs_csv *csv, vs_error *err) {
   return VS_OK;
 }
 
-static vs_status cut(vs_csv *csv, vs_error *err) {
+static vs_status cut_into_cells(vs_csv *csv, vs_error *err) {
   size_t room = 1, line = 0;
   for (const char *s = csv->text; *s; s++) room += *s == csv->separator;
   if (room > csv->most) {
@@ -214,7 +214,7 @@ vs_status vs_csv_next(vs_csv *csv, vs_error *err) {
   csv->count = 0;
   do status = read_lines(csv, err);
   while (!status && csv->n_lines && is_comment(csv));
-  return status || !csv->n_lines ? status : cut(csv, err);
+  return status || !csv->n_lines ? status : cut_into_cells(csv, err);
 }
 
 bool vs_csv_is_blank(const vs_csv *csv) {

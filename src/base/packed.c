@@ -129,7 +129,7 @@ static bool pack(packer *p, const char *from, size_t size, ZSTD_EndDirective how
   return true;
 }
 
-static ssize_t take(void *cookie, const char *from, size_t size) {
+static ssize_t pack_bytes(void *cookie, const char *from, size_t size) {
   return pack(cookie, from, size, ZSTD_e_continue) ? (ssize_t)size : 0;
 }
 
@@ -154,7 +154,7 @@ FILE *vs_packed_write(FILE *file, const char *name) {
   ZSTD_CCtx_setParameter(p->context, ZSTD_c_compressionLevel, LEVEL);
   ZSTD_CCtx_setParameter(p->context, ZSTD_c_checksumFlag, 1);
   return vs_checked(
-      fopencookie(p, "w", (cookie_io_functions_t){.write = take, .close = end_packer}));
+      fopencookie(p, "w", (cookie_io_functions_t){.write = pack_bytes, .close = end_packer}));
 }
 
 vs_status vs_packed_end(FILE *stream, FILE *file, const char *name, vs_error *err) {

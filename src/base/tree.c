@@ -47,7 +47,7 @@ static vs_node *copy_nodes(const vs_node *node) {
 
 /* What libfyaml 0.7 would not come back from, or takes minutes for, is refused before. */
 
-static vs_where place(struct fy_node *node, const char *file) {
+static vs_where place_of_node(struct fy_node *node, const char *file) {
   vs_where where = {.file = file};
   if (!node) return where;
   struct fy_token *token = fy_node_is_scalar(node) ? fy_node_get_scalar_token(node) : NULL;
@@ -60,7 +60,7 @@ static vs_where place(struct fy_node *node, const char *file) {
       struct fy_node_pair *pair = fy_node_mapping_get_by_index(node, 0);
       first = pair ? fy_node_pair_key(pair) : NULL;
     }
-    return first ? place(first, file) : where;
+    return first ? place_of_node(first, file) : where;
   }
   where.line = mark->line + 1;
   where.column = mark->column + 1;
@@ -119,16 +119,16 @@ static vs_status check_comma(const vs_node *before, const char *key, vs_where wh
                     whole, key, whole, key);
 }
 
-static vs_status convert(struct fy_node *fy, const char *file, vs_node **out, vs_error *err);
+static vs_status convert_node(struct fy_node *fy, const char *file, vs_node **out, vs_error *err);
 
-static vs_status convert_children(struct fy_node *fy, const char *file, vs_node *parent,
-                                  vs_error *err) {
+static vs_status convert_children_of(struct fy_node *fy, const char *file, vs_node *parent,
+                                     vs_error *err) {
   vs_node **tail = &parent->child;
   void *position = NULL;
   if (parent->kind == VS_NODE_LIST) {
     struct fy_node *item;
     while ((item = fy_node_sequence_iterate(fy, &position))) {
-      vs_status status = convert(item, file, tail, err);
+      vs_status status = convert_node(item, file, tail, err);
       if (status) return status;
       if (!(*tail)->where.line) (*tail)->where = parent->where; /* an empty item stands nowhere */
       tail = &(*tail)->next;
@@ -141,11 +141,11 @@ static vs_status convert_children(struct fy_node *fy, const char *file, vs_node 
     struct fy_node *key = fy_node_pair_key(pair);
     if (!key || !fy_node_is_scalar(key))
       return vs_fail_at(err, or_begin(parent->where), "a key must be a plain name");
-    vs_where key_where = place(key, file);
+    vs_where key_where = place_of_node(key, file);
     size_t length;
     const char *name = fy_node_get_scalar(key, &length);
     char *copy = vs_alloc_part(name ? name : "", length);
-    vs_status status = convert(fy_node_pair_value(pair), file, tail, err);
+    vs_status status = convert_node(fy_node_pair_value(pair), file, tail, err);
     if (!status && (*tail)->kind == VS_NODE_TEXT && !*(*tail)->text)
       status = check_comma(before, copy, key_where, err);
     if (status) {
@@ -165,16 +165,16 @@ static vs_status convert_children(struct fy_node *fy, const char *file, vs_node 
                 : VS_OK;
 }
 
-static vs_status convert(struct fy_node *fy, const char *file, vs_node **out, vs_error *err) {
+static vs_status convert_node(struct fy_node *fy, const char *file, vs_node **out, vs_error *err) {
   vs_node *node = vs_alloc(1, sizeof *node);
   *out = node;
   node->where = (vs_where){.file = file};
-  if (fy) node->where = place(fy, file);
+  if (fy) node->where = place_of_node(fy, file);
   if (fy && fy_node_is_alias(fy))
     return vs_fail_at(err, node->where, "aliases (*name) are not read here; write the value out");
   if (fy && !fy_node_is_scalar(fy)) {
     node->kind = fy_node_is_sequence(fy) ? VS_NODE_LIST : VS_NODE_MAP;
-    return convert_children(fy, file, node, err);
+    return convert_children_of(fy, file, node, err);
   }
   size_t length = 0;
   const char *text = fy ? fy_node_get_scalar(fy, &length) : NULL;
@@ -200,7 +200,7 @@ static const char *instead_of(const char *complaint) {
 }
 
 /* Makes the parser's first complaint an error of this program. */
-static vs_status report(struct fy_diag *diag, const char *file, vs_error *err) {
+static vs_status report_yaml(struct fy_diag *diag, const char *file, vs_error *err) {
   void *position = NULL;
   struct fy_diag_error *first = fy_diag_errors_iterate(diag, &position);
   if (!first) return vs_fail_at(err, (vs_where){file, 1, 1}, "cannot be read as YAML");
@@ -274,12 +274,12 @@ static vs_status yaml_read(const char *text, size_t length, const char *file, vs
     status = vs_fail_at(err, (vs_where){file, 1, 1}, "cannot be read as YAML");
   if (!status) {
     document = fy_parse_load_document(parser);
-    if (fy_parser_get_stream_error(parser)) status = report(diag, file, err);
+    if (fy_parser_get_stream_error(parser)) status = report_yaml(diag, file, err);
   }
   struct fy_node *fy = document ? fy_document_root(document) : NULL;
   if (!status) {
     if (fy)
-      status = convert(fy, file, root, err);
+      status = convert_node(fy, file, root, err);
     else {
       *root = vs_alloc(1, sizeof **root);
       (*root)->kind = VS_NODE_MAP;
@@ -289,10 +289,10 @@ static vs_status yaml_read(const char *text, size_t length, const char *file, vs
   if (!status && document) {
     second = fy_parse_load_document(parser);
     if (second)
-      status = vs_fail_at(err, or_begin(place(fy_document_root(second), file)),
+      status = vs_fail_at(err, or_begin(place_of_node(fy_document_root(second), file)),
                           "a second document (after '---') begins here; a file holds one");
     else if (fy_parser_get_stream_error(parser))
-      status = report(diag, file, err);
+      status = report_yaml(diag, file, err);
   }
   fy_parse_document_destroy(parser, second);
   fy_parse_document_destroy(parser, document);
@@ -316,7 +316,7 @@ static void stand_somewhere(vs_node *node, vs_where where) {
  * megabyte holds some 60,000 keys. */
 enum { LONGEST_TEXT = 1 << 23 };
 
-static vs_status slurp(const char *path, char **text, size_t *length, vs_error *err) {
+static vs_status read_text(const char *path, char **text, size_t *length, vs_error *err) {
   const vs_where where = {.file = path};
   *text = NULL;
   vs_status status = vs_jail_check(path, where, err);
@@ -353,7 +353,7 @@ static vs_status slurp(const char *path, char **text, size_t *length, vs_error *
   return status;
 }
 
-static vs_status plant(const char *text, size_t length, vs_tree *tree, vs_error *err) {
+static vs_status make_tree(const char *text, size_t length, vs_tree *tree, vs_error *err) {
   vs_status status = yaml_read(text, length, tree->name, &tree->root, err);
   if (!status) stand_somewhere(tree->root, (vs_where){tree->name, 1, 1});
   if (!status && tree->root->kind == VS_NODE_TEXT && !*tree->root->text)
@@ -367,15 +367,15 @@ vs_status vs_tree_read(const char *path, vs_tree *tree, vs_error *err) {
   *tree = (vs_tree){.name = vs_copy(path)};
   char *text;
   size_t length;
-  vs_status status = slurp(path, &text, &length, err);
-  if (!status) status = plant(text, length, tree, err);
+  vs_status status = read_text(path, &text, &length, err);
+  if (!status) status = make_tree(text, length, tree, err);
   free(text);
   return status;
 }
 
 vs_status vs_tree_parse(const char *text, const char *name, vs_tree *tree, vs_error *err) {
   *tree = (vs_tree){.name = vs_copy(name)};
-  return plant(text, strlen(text), tree, err);
+  return make_tree(text, strlen(text), tree, err);
 }
 
 vs_node vs_tree_word(const char *key, const char *text, vs_where where) {
@@ -475,7 +475,7 @@ static vs_node *child_with_dots(const vs_node *map, const char *key) {
 
 /* Returns the node of a dotted key; one of its words may be the number of a list's element. It is
  * made where it is missing, and so are the maps above it. */
-static vs_node *reach(vs_tree *tree, const char *dotted, vs_where where) {
+static vs_node *reach_key(vs_tree *tree, const char *dotted, vs_where where) {
   vs_node *at = tree->root;
   char *path = vs_copy(dotted), *rest = path;
   for (char *key; rest;) {
@@ -507,7 +507,7 @@ void vs_tree_copy(const vs_tree *tree, vs_tree *copy) {
 }
 
 static void graft(vs_tree *tree, const char *key, const vs_node *value) {
-  vs_node *at = reach(tree, key, value->key_where);
+  vs_node *at = reach_key(tree, key, value->key_where);
   free_nodes(at->child);
   free(at->text);
   at->kind = value->kind;
@@ -567,7 +567,7 @@ vs_status vs_tree_set(vs_tree *tree, const char *assignment, vs_error *err) {
                          : parse_value(equals + 1, where, &value, err);
   char *path = vs_alloc_part(assignment, equals ? (size_t)(equals - assignment) : 0);
   if (!status) status = check_lists(tree, path, where, err);
-  if (!status) take_value(reach(tree, path, where), value, where);
+  if (!status) take_value(reach_key(tree, path, where), value, where);
   free(path);
   if (status) {
     free_nodes(value);

@@ -85,7 +85,7 @@ static size_t read_words(void) {
 }
 
 /* Makes the words and the environment of the process to come. */
-static bool prepare(void) {
+static bool prepare_restart(void) {
   size_t size = read_words(), n = 0;
   if (size == 0 || guard.words[size - 1] != '\0') return false;
   for (size_t k = 0; k < size; k++) n += guard.words[k] == '\0';
@@ -117,7 +117,7 @@ static void put_on(void) {
 /* A process that has been asked to stop has an alarm of its own, which is left alone. */
 bool vs_guard_begin(void) {
   sigset_t before;
-  if (guard.once || vs_guard_again() || !prepare()) return false;
+  if (guard.once || vs_guard_again() || !prepare_restart()) return false;
   vs_leave_hold(&before);
   bool stopping = vs_leave_requested;
   if (!stopping) put_on();

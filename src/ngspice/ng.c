@@ -14,17 +14,17 @@
 
 #include "base/jail.h"
 #include "base/text.h"
-#include "ngspice/child.h"
 #include "code_models.h"
+#include "ending.h"
+#include "library.h"
+#include "ngspice/child.h"
 #include "ngspice/confine.h"
 #include "ngspice/guard.h"
-#include "library.h"
 #include "ngspice/ng.h"
+#include "progress.h"
 #include "rawfile.h"
 #include "trial.h"
 #include "versions.h"
-#include "ending.h"
-#include "progress.h"
 
 /* In the place of a vector's index: of a signal that is 0, and of one that the circuit has not. */
 enum { GROUND = -1, MISSING = -2 };
@@ -233,7 +233,7 @@ static int on_sync(double t, double *step, double old_step, int redo, int id, in
   return 0;
 }
 
-static void begin(const vs_library *library) {
+static void init_ngspice(const vs_library *library) {
   int id = 0;
   ng.library = library;
   library->init(on_text, on_status, on_exit_wanted, on_accepted, on_vectors, on_thread, NULL);
@@ -245,7 +245,7 @@ vs_status vs_ng_begin(vs_error *err) {
   if (ng.ended)
     return vs_fail(err, VS_RUN, "ngspice ended itself in an earlier run of this process");
   if (ng.initialised) return VS_OK;
-  vs_status status = vs_library_open(begin, err);
+  vs_status status = vs_library_open(init_ngspice, err);
   ng.initialised = !status;
   if (ng.initialised && vs_jail_is_on()) vs_confine_process(VS_CONFINE_NETWORK);
   return status;
@@ -260,7 +260,7 @@ static void take_job(const vs_circuit_job *job, const vs_circuit_host *host) {
   ng.behind = vs_alloc(job->n_ports, sizeof *ng.behind);
 }
 
-static void step_on(vs_error *err) {
+static void step_through(vs_error *err) {
   ng.err = err;
   ng.status = VS_OK;
   ng.enough = false;
@@ -278,18 +278,18 @@ static void step_on(vs_error *err) {
 
 /* In the child: loads the circuit and runs it up to its first accepted step, where on_accepted ends
  * the child. What goes wrong without harm to the process is left to the parent to find. */
-static vs_child_end attempt(const vs_trial *t) {
+static vs_child_end attempt_first_step(const vs_trial *t) {
   vs_error err = {0};
   ng.library->circuit(t->lines);
   if (ng.ended) return VS_CHILD_BAD_LOAD;
   ng.trial = true;
   take_job(t->job, t->host);
-  step_on(&err);
+  step_through(&err);
   return ng.ended ? VS_CHILD_BAD_RUN : VS_CHILD_GOOD;
 }
 
 static vs_trial trial_of(const vs_circuit_job *job, const vs_circuit_host *host, char **lines) {
-  return (vs_trial){attempt, job, host, lines, &ng.complaints};
+  return (vs_trial){attempt_first_step, job, host, lines, &ng.complaints};
 }
 
 /* Sets the dialect, which says what a netlist's words mean. In ngspice it is a setting that lasts.
@@ -302,7 +302,7 @@ static void set_dialect(const char *dialect) {
   ng.library->command(unasked);
 }
 
-static void forget(void) {
+static void forget_circuit(void) {
   char remove[] = "remcirc";
   if (ng.loaded.length && !ng.ended) ng.library->command(remove);
   ng.loaded.length = 0;
@@ -323,7 +323,7 @@ static vs_status load_anew(const vs_circuit_job *job, const vs_circuit_host *hos
                            vs_text *netlist, vs_error *err) {
   char place[VS_COMPLAINTS_LINE];
   vs_status status = VS_OK;
-  forget();
+  forget_circuit();
   if (vs_code_models_needed(job->netlist, job->lines, job->dialect))
     status = vs_library_complete(err);
   if (status) return status;
@@ -344,8 +344,8 @@ static vs_status load_anew(const vs_circuit_job *job, const vs_circuit_host *hos
   return VS_OK;
 }
 
-static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, void **circuit,
-                      vs_error *err) {
+static vs_status load_circuit(const vs_circuit_job *job, const vs_circuit_host *host,
+                              void **circuit, vs_error *err) {
   *circuit = NULL;
   vs_status status = vs_ng_begin(err);
   if (status) return status;
@@ -400,7 +400,7 @@ static vs_status tell_of_run(vs_error *err) {
 }
 
 /* How the run went, once ngspice has come back from it. */
-static vs_status outcome(vs_error *err) {
+static vs_status outcome_of_run(vs_error *err) {
   if (ng.status || ng.enough) return ng.status;
   if (ng.time_vector < 0 || ng.reached_s == 0) return tell_of_run(err);
   if (ng.reached_s >= ng.job->until_s * (1 - 1e-9)) return VS_OK;
@@ -412,17 +412,17 @@ static vs_status outcome(vs_error *err) {
   return VS_RUN;
 }
 
-static vs_status run(void *circuit, vs_error *err) {
+static vs_status run_circuit(void *circuit, vs_error *err) {
   (void)circuit;
-  step_on(err);
-  vs_status status = outcome(err);
+  step_through(err);
+  vs_status status = outcome_of_run(err);
   ng.sound = !status;
   vs_error second = {0};
   if (ng.raw.stream && vs_rawfile_end(&ng.raw, status ? &second : err) && !status) return VS_RUN;
   return status;
 }
 
-static void release(void *circuit) {
+static void release_circuit(void *circuit) {
   if (!circuit) return;
   vs_guard_end();
   free(ng.vector);
@@ -439,10 +439,10 @@ static void release(void *circuit) {
   if (ng.ended) return;
   char destroy[] = "destroy all";
   ng.library->command(destroy);
-  if (!ng.sound) forget();
+  if (!ng.sound) forget_circuit();
 }
 
-const vs_circuit_kind vs_ng_kind = {"ngspice", load, run, release};
+const vs_circuit_kind vs_ng_kind = {"ngspice", load_circuit, run_circuit, release_circuit};
 
 bool vs_ng_usable(void) {
   return !ng.ended;

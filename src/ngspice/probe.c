@@ -73,20 +73,20 @@ static double charged_at(double t_s) {
 
 /* ---- the solver's host ---- */
 
-static double source(void *ctx, size_t port, double t_s) {
+static double probe_source(void *ctx, size_t port, double t_s) {
   watch *w = ctx;
   w->asked_s = t_s;
   if (port == 0) return U * sin(W * t_s);
   return t_s > FIRES_S && t_s <= GATED_S ? 1 : 0;
 }
 
-static double edge(void *ctx, double t_s) {
+static double probe_edge(void *ctx, double t_s) {
   const watch *w = ctx;
   if (t_s < FIRES_S) return FIRES_S;
   return t_s < GATED_S ? GATED_S : t_s < w->out_s ? w->out_s : INFINITY;
 }
 
-static double longest(void *ctx, double t_s) {
+static double probe_longest(void *ctx, double t_s) {
   watch *w = ctx;
   return w->allowed_s = t_s < FIRES_S ? STEP_S : STEP_S / 2;
 }
@@ -103,7 +103,7 @@ static void add_energy(watch *w, double h, const double *x) {
   w->lost_j += h / 2 * (R * i + x[LATCH]) * i;
 }
 
-static vs_status accept(void *ctx, double t_s, const double *signals, vs_error *err) {
+static vs_status accept_probe_step(void *ctx, double t_s, const double *signals, vs_error *err) {
   (void)err;
   watch *w = ctx;
   double h = t_s - w->t_s, i = signals[CURRENT];
@@ -128,7 +128,7 @@ static vs_status accept(void *ctx, double t_s, const double *signals, vs_error *
 
 /* ---- what came of it ---- */
 
-static void judge(const watch *w, char wrong[VS_PROBE_TEXT]) {
+static void judge_probe(const watch *w, char wrong[VS_PROBE_TEXT]) {
   double stored_j = L * w->at[CURRENT] * w->at[CURRENT] / 2;
   double left = fabs(w->drawn_j - w->lost_j - stored_j) / w->drawn_j;
   *wrong = '\0';
@@ -169,7 +169,8 @@ void vs_probe_run(const vs_circuit_kind *solver, char wrong[VS_PROBE_TEXT]) {
                               .relative_tolerance = 1e-4,
                               .current_tolerance_a = 1e-6,
                               .tried = true};
-  const vs_circuit_host host = {&w, source, edge, longest, accept, NULL, NULL, NULL};
+  const vs_circuit_host host = {&w,   probe_source, probe_edge, probe_longest, accept_probe_step,
+                                NULL, NULL,         NULL};
   void *circuit = NULL;
   vs_error err = {0};
   vs_status status = solver->load(&job, &host, &circuit, &err);
@@ -178,5 +179,5 @@ void vs_probe_run(const vs_circuit_kind *solver, char wrong[VS_PROBE_TEXT]) {
   if (status)
     snprintf(wrong, VS_PROBE_TEXT, "a small circuit fails: %.150s", err.text);
   else
-    judge(&w, wrong);
+    judge_probe(&w, wrong);
 }

@@ -13,14 +13,14 @@
 #include "netlist/blame.h"
 #include "ngspice/guard.h"
 
-static vs_child_end attempt(void *ctx) {
+static vs_child_end attempt_netlist(void *ctx) {
   const vs_trial *t = ctx;
   return t->attempt(t);
 }
 
 /* Only a child that gets through the first step is good: it ends there. */
-static vs_child_end attempt_strictly(void *ctx) {
-  attempt(ctx);
+static vs_child_end attempt_that_must_step(void *ctx) {
+  attempt_netlist(ctx);
   return VS_CHILD_BAD_RUN;
 }
 
@@ -75,7 +75,7 @@ static ending try_lines(search *s) {
   if (s->left < cost) return OVER;
   s->left -= cost;
   vs_complaints_clear(c);
-  vs_status status = vs_child_try(attempt_strictly, t, c, &end, &why);
+  vs_status status = vs_child_try(attempt_that_must_step, t, c, &end, &why);
   if (status && !strstr(why.text, VS_CHILD_DIED)) s->left = 0;
   if (status) return !s->left ? OVER : s->died ? SAME : OTHER;
   if (end == VS_CHILD_GOOD) return GOOD;
@@ -219,7 +219,7 @@ vs_status vs_trial_first(vs_trial *t, vs_error *err) {
   const vs_circuit_job *job = t->job;
   if (job->tried || (job->unbegun && vs_guard_begin())) return VS_OK;
   vs_child_end end;
-  vs_status status = vs_child_try(attempt, t, t->complaints, &end, err);
+  vs_status status = vs_child_try(attempt_netlist, t, t->complaints, &end, err);
   if (!status && end == VS_CHILD_GOOD && job->unbegun && vs_guard_again())
     return vs_fail(err, VS_INPUT, "ngspice cannot take the circuit: it died of it the first time");
   if (status == VS_INPUT) return blame_death(t, err);

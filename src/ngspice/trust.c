@@ -15,8 +15,8 @@
 #include "ngspice/child.h"
 #include "ngspice/guard.h"
 #include "ngspice/ng.h"
-#include "versions.h"
 #include "probe.h"
+#include "versions.h"
 
 /* libngspice is one in a process, and so is what is known of it. */
 static struct {
@@ -29,7 +29,7 @@ static struct {
 /* ---- which library it is ---- */
 
 /* The paths of what the linker has loaded, until one is libngspice's. */
-static int look_at(struct dl_phdr_info *info, size_t size, void *path) {
+static int find_by_path(struct dl_phdr_info *info, size_t size, void *path) {
   (void)size;
   const char *name = strrchr(info->dlpi_name, '/');
   if (!name || strncmp(name, "/libngspice", 11) != 0) return 0;
@@ -40,7 +40,7 @@ static int look_at(struct dl_phdr_info *info, size_t size, void *path) {
 /* The path of libngspice; "" where it is no file of its own. */
 static void find_library(char path[VS_PATH_SIZE]) {
   *path = '\0';
-  dl_iterate_phdr(look_at, path);
+  dl_iterate_phdr(find_by_path, path);
 }
 
 /* What the memory of a library begins with, which no other library or program has; false: a library
@@ -109,7 +109,7 @@ static void remember(const char *identity) {
 /* ---- the probe ---- */
 
 /* In the child: what is wrong is its complaint. */
-static vs_child_end attempt(void *ctx) {
+static vs_child_end attempt_probe(void *ctx) {
   vs_complaints *complaints = ctx;
   char wrong[VS_PROBE_TEXT] = "";
   vs_probe_run(&vs_ng_kind, wrong);
@@ -121,11 +121,11 @@ static vs_child_end attempt(void *ctx) {
 
 /* Probes the library. *lasting: what came of it is worth remembering; that a child process died or
  * did not come back may be the fault of the day. Error: VS_SIGNAL. */
-static vs_status probe(bool *lasting, vs_error *err) {
+static vs_status probe_in_child(bool *lasting, vs_error *err) {
   vs_complaints complaints = {0};
   vs_child_end end;
   vs_error why = {0};
-  vs_status status = vs_child_try(attempt, &complaints, &complaints, &end, &why);
+  vs_status status = vs_child_try(attempt_probe, &complaints, &complaints, &end, &why);
   *lasting = !status;
   if (status == VS_SIGNAL) *err = why;
   if (status == VS_SIGNAL) return status;
@@ -158,7 +158,7 @@ vs_status vs_trust_find(vs_error *err) {
   if (status) return status;
   bool file = identify(identity, sizeof identity);
   if (!file || !recall(identity)) {
-    status = probe(&lasting, err);
+    status = probe_in_child(&lasting, err);
     if (status) return status;
     if (file && lasting) remember(identity);
   }
@@ -191,20 +191,20 @@ static void look_at_circuit(const vs_circuit_job *job) {
     fprintf(stderr, "vibrospice: warning: %s\n", trust.circuit);
 }
 
-static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, void **circuit,
-                      vs_error *err) {
+static vs_status load_trusted(const vs_circuit_job *job, const vs_circuit_host *host,
+                              void **circuit, vs_error *err) {
   vs_status status = vs_trust_find(err);
   *circuit = NULL;
   if (!status) look_at_circuit(job);
   return status ? status : vs_ng_kind.load(job, host, circuit, err);
 }
 
-static vs_status run(void *circuit, vs_error *err) {
+static vs_status run_trusted(void *circuit, vs_error *err) {
   return vs_ng_kind.run(circuit, err);
 }
 
-static void release(void *circuit) {
+static void release_trusted(void *circuit) {
   vs_ng_kind.free(circuit);
 }
 
-const vs_circuit_kind vs_trust_kind = {"ngspice", load, run, release};
+const vs_circuit_kind vs_trust_kind = {"ngspice", load_trusted, run_trusted, release_trusted};

@@ -35,7 +35,8 @@ static vs_status read_two(const vs_machine *m, const vs_node *node, source from,
   return s ? s : read_one(m, x->next, from, &out[1], err);
 }
 
-static vs_status missing(const vs_node *node, const char *owner, const char *key, vs_error *err) {
+static vs_status refuse_missing(const vs_node *node, const char *owner, const char *key,
+                                vs_error *err) {
   return vs_fail_at(err, node->key_where, "%s: %s is wanted", owner, key);
 }
 
@@ -98,7 +99,7 @@ static vs_status fill_body(vs_machine *m, const vs_node *node, const char *owner
                            vs_error *err) {
   const vs_node *mass = vs_tree_child(node, "mass"), *inertia = vs_tree_child(node, "inertia"),
                 *at = vs_tree_child(node, "at"), *on = vs_tree_child(node, "on");
-  if (!mass || !at) return missing(node, owner, mass ? "at: [x, y]" : "mass", err);
+  if (!mass || !at) return refuse_missing(node, owner, mass ? "at: [x, y]" : "mass", err);
   vs_status s =
       read_one(m, mass, (source){owner, "mass", "kg", VS_EXPRESSION_CONSTANT}, &b->mass, err);
   if (!s && inertia)
@@ -157,7 +158,7 @@ static vs_status fill_spring(const vs_machine *m, const vs_node *node, const cha
                 *damping = vs_tree_child(node, "damping"),
                 *strong = stiffness ? stiffness : damping;
   if (!to || !strong)
-    return missing(node, owner, to ? "stiffness or damping" : "to: {BODY: [x, y]}", err);
+    return refuse_missing(node, owner, to ? "stiffness or damping" : "to: {BODY: [x, y]}", err);
   s->apart = strong->kind == VS_NODE_LIST;
   s->directed = along != NULL;
   s->where = node->key_where;
@@ -165,7 +166,8 @@ static vs_status fill_spring(const vs_machine *m, const vs_node *node, const cha
     return vs_fail_at(err, along->key_where,
                       "%s.along: with [x, y] for its stiffness a spring has no direction", owner);
   if (!s->apart && !along && !from)
-    return missing(node, owner, "a direction, by `from` or `along`, or stiffness: [x, y],", err);
+    return refuse_missing(node, owner, "a direction, by `from` or `along`, or stiffness: [x, y],",
+                          err);
   vs_status status = read_end(m, to, owner, s, err);
   if (!status && from) status = read_end(m, from, owner, s, err);
   if (!status && along)

@@ -8,8 +8,8 @@
 #include <string.h>
 
 #include "assemble.h"
-#include "plant/mechanics.h"
 #include "base/memo.h"
+#include "plant/mechanics.h"
 
 /* M^-1 B, M^-1 K, -M^-1 c and M^-1 f0 by Cholesky, which works, as M is positive definite. */
 static void solve_mass(vs_model *model) {
@@ -87,7 +87,7 @@ static vs_status find_speeds(vs_model *model, vs_error *err) {
 }
 
 /* What follows from the matrices. */
-static vs_status derive(vs_model *model, vs_error *err) {
+static vs_status derive_from_matrices(vs_model *model, vs_error *err) {
   solve_mass(model);
   model->compliance_m_n = compliance(model);
   model->per_newton_m_s2 = 0;
@@ -113,7 +113,7 @@ static vs_node *add_node(merged *all, const vs_node *from) {
 
 /* The map `over` with the keys of `under` that it lacks, down to the last map. What has no room is
  * left out. */
-static vs_node *merge(merged *all, const vs_node *under, const vs_node *over) {
+static vs_node *merge_maps(merged *all, const vs_node *under, const vs_node *over) {
   vs_node *map = add_node(all, over);
   if (!map) return NULL;
   vs_node **tail = &map->child;
@@ -121,7 +121,7 @@ static vs_node *merge(merged *all, const vs_node *under, const vs_node *over) {
   for (const vs_node *n = over->child; n; n = n->next) {
     const vs_node *low = vs_tree_child(under, n->key);
     bool maps = low && low->kind == VS_NODE_MAP && n->kind == VS_NODE_MAP;
-    *tail = maps ? merge(all, low, n) : add_node(all, n);
+    *tail = maps ? merge_maps(all, low, n) : add_node(all, n);
     if (*tail) tail = &(*tail)->next;
   }
   for (const vs_node *n = under->child; n; n = n->next) {
@@ -216,7 +216,7 @@ vs_status vs_build_model(const vs_node *scene, vs_machine *machine, vs_model *mo
                 *own = without_law(&all, machine->own_actuator);
   bool both = own && map && map->kind == VS_NODE_MAP;
   if (both)
-    map = merge(&all, own, map);
+    map = merge_maps(&all, own, map);
   else if (own && (!map || (map->kind == VS_NODE_TEXT && !*map->text)))
     map = own;
   vs_status s = read_sections(scene, map, model, err);
@@ -232,7 +232,7 @@ vs_status vs_build_model(const vs_node *scene, vs_machine *machine, vs_model *mo
   model->plain =
       model->coil.square &&
       (!model->stops.count || (model->stops.count == 1 && first->kind->linear && first->side > 0));
-  return derive(model, err);
+  return derive_from_matrices(model, err);
 }
 
 vs_status vs_build_again(const vs_node *scene, vs_machine *machine, vs_model *model,
@@ -263,5 +263,5 @@ vs_status vs_build_loaded(vs_machine *machine, const vs_model *from, const vs_lo
   out->load = *load;
   out->riding = riding;
   vs_status s = vs_assemble_model(machine, out, err);
-  return s ? s : derive(out, err);
+  return s ? s : derive_from_matrices(out, err);
 }

@@ -34,7 +34,7 @@ static vs_formula one_op(vs_op op) {
 }
 
 /* Reads a rule whose names are the operands. */
-static bool expand(const char *rule, const operands *o, int at, vs_formula *out) {
+static bool read_rule(const char *rule, const operands *o, int at, vs_formula *out) {
   char why[80];
   const char *bad;
   const vs_formula_scope scope = {
@@ -49,7 +49,7 @@ static bool expand(const char *rule, const operands *o, int at, vs_formula *out)
 }
 
 /* Adds "(slope)*dx" to a rule, or dx alone where the slope is 1. */
-static void add_part(char *rule, size_t size, const char *slope, const char *of) {
+static void add_product(char *rule, size_t size, const char *slope, const char *of) {
   size_t n = strlen(rule);
   if (!strcmp(slope, "1"))
     snprintf(rule + n, size - n, "%s%s", n ? "+" : "", of);
@@ -58,19 +58,19 @@ static void add_part(char *rule, size_t size, const char *slope, const char *of)
 }
 
 /* f(x, y)' = f_x x' + f_y y'. The result takes the place of x. */
-static bool apply(const vs_function *f, const vs_op *op, part *x, const part *y) {
+static bool differentiate(const vs_function *f, const vs_op *op, part *x, const part *y) {
   char value[40], rule[160] = "";
   operands o = {x, y};
   part result = {{0}, {0}};
-  if (x->slope.count && strcmp(f->slope[0], "0")) add_part(rule, sizeof rule, f->slope[0], "dx");
-  if (y && y->slope.count) add_part(rule, sizeof rule, f->slope[1], "dy");
+  if (x->slope.count && strcmp(f->slope[0], "0")) add_product(rule, sizeof rule, f->slope[0], "dx");
+  if (y && y->slope.count) add_product(rule, sizeof rule, f->slope[1], "dy");
   bool word = f->name[0] >= 'a';
   if (!strcmp(f->name, "neg"))
     snprintf(value, sizeof value, "-x");
   else
     snprintf(value, sizeof value, word ? y ? "%s(x,y)" : "%s(x)" : "x%sy", f->name);
-  bool good = expand(value, &o, op->at, &result.value) &&
-              (!*rule || expand(rule, &o, op->at, &result.slope));
+  bool good = read_rule(value, &o, op->at, &result.value) &&
+              (!*rule || read_rule(rule, &o, op->at, &result.slope));
   vs_formula_free(&x->value);
   vs_formula_free(&x->slope);
   *x = result;
@@ -92,7 +92,7 @@ bool vs_derivative_to(const vs_formula *f, int term, vs_formula *slope) {
     const vs_function *function = &vs_formula_functions[op->kind - VS_OP_FUNCTION];
     bool two = function->of_two;
     if (two) top--;
-    good = apply(function, op, &stack[top], two ? &stack[top + 1] : NULL);
+    good = differentiate(function, op, &stack[top], two ? &stack[top + 1] : NULL);
     if (two) {
       vs_formula_free(&stack[top + 1].value);
       vs_formula_free(&stack[top + 1].slope);

@@ -14,8 +14,8 @@ typedef struct motion {
   double by[MOTIONS][DOF];
 } motion;
 
-static vs_status value_of(vs_expression *e, const double *values, const char *what, double *value,
-                          vs_error *err) {
+static vs_status expression_value(vs_expression *e, const double *values, const char *what,
+                                  double *value, vs_error *err) {
   if (vs_expression_value(e, values, value)) return VS_OK;
   return vs_fail_at(err, e->where, "%s: the value is not finite (%g) with these parameters", what,
                     *value);
@@ -24,7 +24,7 @@ static vs_status value_of(vs_expression *e, const double *values, const char *wh
 /* ---- bodies ---- */
 
 /* A motion is linear in the coordinates to this part of itself; what is more is no rounding. */
-static const double ROUNDING = 1e-12;
+static const double LINEAR_TO = 1e-12;
 
 vs_status vs_plane_slopes(vs_expression *e, const double values[VS_MACHINE_NAMES], int dof,
                           double out[DOF], vs_error *err) {
@@ -44,7 +44,7 @@ vs_status vs_plane_slopes(vs_expression *e, const double values[VS_MACHINE_NAMES
     scale += fabs(q[k] * out[k]);
   }
   double off = fabs(vs_formula_value(&e->of, q) - sum);
-  if (rest == 0 && off <= ROUNDING * scale) return VS_OK;
+  if (rest == 0 && off <= LINEAR_TO * scale) return VS_OK;
   return vs_fail_at(err, e->where,
                     "'%s' is not linear in the coordinates; motion is small here, and 0 at rest",
                     e->text);
@@ -76,7 +76,7 @@ static vs_status find_motion(plane *p, int index, vs_error *err) {
   vs_status s = VS_OK;
   for (int d = 0; d < MOTIONS && !s; d++) {
     s = vs_plane_slopes(&b->moves[d], p->values, p->machine->dof, own->by[d], err);
-    if (!s && d < 2) s = value_of(&b->at[d], p->values, b->name, &own->at[d], err);
+    if (!s && d < 2) s = expression_value(&b->at[d], p->values, b->name, &own->at[d], err);
   }
   if (s || b->on < 0) return s;
   const motion *below = &p->body[b->on];
@@ -94,8 +94,8 @@ static void add_product(plane *p, double factor, const double row[DOF]) {
 static vs_status add_body(plane *p, int index, vs_error *err) {
   vs_body *b = &p->machine->bodies[index];
   double mass = 0, inertia = 0;
-  vs_status s = value_of(&b->mass, p->values, b->name, &mass, err);
-  if (!s) s = value_of(&b->inertia, p->values, b->name, &inertia, err);
+  vs_status s = expression_value(&b->mass, p->values, b->name, &mass, err);
+  if (!s) s = expression_value(&b->inertia, p->values, b->name, &inertia, err);
   for (int d = 0; d < MOTIONS && !s; d++)
     add_product(p, d == TURN ? inertia : mass, p->body[index].by[d]);
   return s;
@@ -111,7 +111,8 @@ static vs_status find_direction(const plane *p, vs_spring *s, points point, doub
   vs_status status = VS_OK;
   for (int d = 0; d < 2 && !status; d++) {
     direction[d] = point[1][d] - point[0][d];
-    if (s->directed) status = value_of(&s->along[d], p->values, s->name, &direction[d], err);
+    if (s->directed)
+      status = expression_value(&s->along[d], p->values, s->name, &direction[d], err);
   }
   if (status) return status;
   double length = hypot(direction[X], direction[Y]);
@@ -142,11 +143,11 @@ static vs_status add_spring(plane *p, int sum, vs_spring *s, vs_error *err) {
   double strength[2] = {0}, direction[2] = {1, 0};
   vs_status status = VS_OK;
   for (int d = 0; d < 2 && !status; d++) {
-    status = value_of(&s->point[1][d], p->values, s->name, &point[1][d], err);
+    status = expression_value(&s->point[1][d], p->values, s->name, &point[1][d], err);
     point[0][d] = point[1][d];
     if (!status && s->point[0][d].text)
-      status = value_of(&s->point[0][d], p->values, s->name, &point[0][d], err);
-    if (!status) status = value_of(&of[d], p->values, s->name, &strength[d], err);
+      status = expression_value(&s->point[0][d], p->values, s->name, &point[0][d], err);
+    if (!status) status = expression_value(&of[d], p->values, s->name, &strength[d], err);
   }
   if (!status && !s->apart) status = find_direction(p, s, point, direction, err);
   if (status) return status;

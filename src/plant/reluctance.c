@@ -12,27 +12,27 @@
 /* ---- plain: the gap alone ---- */
 
 /* Adds a number for the netlist, with what stands around it. */
-static void put(vs_text *text, const char *before, double number, const char *after) {
+static void add_number(vs_text *text, const char *before, double number, const char *after) {
   vs_text_add(text, "%s", before);
   vs_spice_number(text, number);
   vs_text_add(text, "%s", after);
 }
 
-static double current(const vs_coil *c, double flux_wb, double z_m) {
+static double gap_current(const vs_coil *c, double flux_wb, double z_m) {
   return flux_wb * z_m / (2 * c->a_hm);
 }
 
-static double force(const vs_coil *c, double flux_wb, double z_m) {
+static double gap_force(const vs_coil *c, double flux_wb, double z_m) {
   (void)z_m;
   return flux_wb * flux_wb / (4 * c->a_hm);
 }
 
-static double energy(const vs_coil *c, double flux_wb, double z_m) {
+static double gap_energy(const vs_coil *c, double flux_wb, double z_m) {
   return flux_wb * flux_wb * z_m / (4 * c->a_hm);
 }
 
-static void along(const vs_coil *c, const double flux[3], const double z[3], double current[3],
-                  double force[3]) {
+static void gap_along(const vs_coil *c, const double flux[3], const double z[3], double current[3],
+                      double force[3]) {
   double per_2a = 1 / (2 * c->a_hm);
   current[0] = flux[0] * z[0] * per_2a;
   current[1] = (flux[1] * z[0] + flux[0] * z[1]) * per_2a;
@@ -42,13 +42,13 @@ static void along(const vs_coil *c, const double flux[3], const double z[3], dou
   force[2] = (flux[1] * flux[1] + flux[0] * flux[2]) * per_2a;
 }
 
-static void netlist(const vs_coil *c, const char *flux, const char *gap, vs_text *lines,
-                    vs_text *current, vs_text *force) {
+static void gap_netlist(const vs_coil *c, const char *flux, const char *gap, vs_text *lines,
+                        vs_text *current, vs_text *force) {
   (void)lines;
   vs_text_add(current, "(%s*%s", flux, gap);
-  put(current, "/", 2 * c->a_hm, ")");
+  add_number(current, "/", 2 * c->a_hm, ")");
   vs_text_add(force, "(%s*%s", flux, flux);
-  put(force, "/", 4 * c->a_hm, ")");
+  add_number(force, "/", 4 * c->a_hm, ")");
 }
 
 /* ---- with iron that saturates ---- */
@@ -138,8 +138,8 @@ static void multiplicative_along(const vs_coil *c, const double flux[3], const d
 /* Adds "pow(abs(lambda/lambda_s),n)". */
 static void put_power(vs_text *text, const saturation *s, const char *flux) {
   vs_text_add(text, "pow(abs(%s", flux);
-  put(text, "/", s->flux_wb, "),");
-  put(text, "", s->exponent, ")");
+  add_number(text, "/", s->flux_wb, "),");
+  add_number(text, "", s->exponent, ")");
 }
 
 static void series_netlist(const vs_coil *c, const char *flux, const char *gap, vs_text *lines,
@@ -147,13 +147,13 @@ static void series_netlist(const vs_coil *c, const char *flux, const char *gap, 
   (void)lines;
   const saturation *s = c->own;
   vs_text_add(current, "(%s*%s", flux, gap);
-  put(current, "/", 2 * c->a_hm, "+");
-  put(current, "", s->current_a, "*");
+  add_number(current, "/", 2 * c->a_hm, "+");
+  add_number(current, "", s->current_a, "*");
   vs_text_add(current, "sgn(%s)*", flux);
   put_power(current, s, flux);
   vs_text_add(current, ")");
   vs_text_add(force, "(%s*%s", flux, flux);
-  put(force, "/", 4 * c->a_hm, ")");
+  add_number(force, "/", 4 * c->a_hm, ")");
 }
 static void multiplicative_netlist(const vs_coil *c, const char *flux, const char *gap,
                                    vs_text *lines, vs_text *current, vs_text *force) {
@@ -162,20 +162,20 @@ static void multiplicative_netlist(const vs_coil *c, const char *flux, const cha
   vs_text raised = {0};
   put_power(&raised, s, flux);
   vs_text_add(current, "(%s*%s*(1+%s)", flux, gap, raised.text);
-  put(current, "/", 2 * c->a_hm, ")");
+  add_number(current, "/", 2 * c->a_hm, ")");
   vs_text_add(force, "(%s*%s*(0.5+%s", flux, flux, raised.text);
-  put(force, "/", s->exponent + 2, ")");
-  put(force, "/", 2 * c->a_hm, ")");
+  add_number(force, "/", s->exponent + 2, ")");
+  add_number(force, "/", 2 * c->a_hm, ")");
   vs_text_free(&raised);
 }
 
-static void end(vs_coil *c) {
+static void saturation_end(vs_coil *c) {
   free(c->own);
 }
 
 static const vs_law LAWS[] = {{.name = "reluctance",
                                .text = "with iron in series with the gap",
-                               .end = end,
+                               .end = saturation_end,
                                .poles = true,
                                .current = series_current,
                                .force = series_force,
@@ -184,7 +184,7 @@ static const vs_law LAWS[] = {{.name = "reluctance",
                                .netlist = series_netlist},
                               {.name = "reluctance",
                                .text = "with iron that multiplies the current",
-                               .end = end,
+                               .end = saturation_end,
                                .poles = true,
                                .current = multiplicative_current,
                                .force = multiplicative_force,
@@ -205,8 +205,8 @@ static void saturate(vs_coil *c, const vs_saturation_values *v) {
   c->rest_h = 1 / current[1];
 }
 
-static vs_status build(const vs_actuator_values *v, const vs_node *map,
-                       const vs_law_formulas *formulas, vs_coil *c, vs_error *err) {
+static vs_status reluctance_build(const vs_actuator_values *v, const vs_node *map,
+                                  const vs_law_formulas *formulas, vs_coil *c, vs_error *err) {
   (void)map, (void)formulas, (void)err;
   c->square = true;
   c->rest_h = v->inductance_h;
@@ -220,10 +220,10 @@ const vs_law vs_reluctance_law = {.name = "reluctance",
                                   .text = "i = lambda z/(2a), F = lambda^2/(4a), with saturation "
                                           "and leakage where the scene has them",
                                   .keys = "inductance|leakage|saturation",
-                                  .build = build,
+                                  .build = reluctance_build,
                                   .poles = true,
-                                  .current = current,
-                                  .force = force,
-                                  .energy = energy,
-                                  .along = along,
-                                  .netlist = netlist};
+                                  .current = gap_current,
+                                  .force = gap_force,
+                                  .energy = gap_energy,
+                                  .along = gap_along,
+                                  .netlist = gap_netlist};

@@ -15,12 +15,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "plant/coil.h"
-#include "plant/values.h"
 #include "base/hash.h"
 #include "base/jail.h"
 #include "base/path.h"
 #include "grid.h"
+#include "plant/coil.h"
+#include "plant/values.h"
 #include "surface.h"
 
 typedef struct table {
@@ -95,8 +95,8 @@ static vs_status open_table(const char *name, vs_where where, char path[VS_PATH_
                     strerror(errno));
 }
 
-static vs_status build(const vs_actuator_values *v, const vs_node *map,
-                       const vs_law_formulas *formulas, vs_coil *c, vs_error *err) {
+static vs_status table_build(const vs_actuator_values *v, const vs_node *map,
+                             const vs_law_formulas *formulas, vs_coil *c, vs_error *err) {
   (void)formulas;
   const vs_node *node = vs_tree_child(map, "law");
   const vs_where where = node ? node->where : (vs_where){0};
@@ -119,7 +119,7 @@ static vs_status build(const vs_actuator_values *v, const vs_node *map,
   return VS_OK;
 }
 
-static void end(vs_coil *c) {
+static void table_end(vs_coil *c) {
   table *t = c->own;
   if (t) vs_surface_free(&t->surface);
   free(t);
@@ -136,24 +136,24 @@ static vs_surface_point point_at(const vs_coil *c, double flux_wb, double z_m, d
   return vs_surface_at(surface_of(c), *size_a, z_m);
 }
 
-static double current(const vs_coil *c, double flux_wb, double z_m) {
+static double table_current(const vs_coil *c, double flux_wb, double z_m) {
   return copysign(vs_surface_current(surface_of(c), fabs(flux_wb), z_m), flux_wb);
 }
 
-static double force(const vs_coil *c, double flux_wb, double z_m) {
+static double table_force(const vs_coil *c, double flux_wb, double z_m) {
   double size;
   return -point_at(c, flux_wb, z_m, &size).c[0][1];
 }
 
-static double energy(const vs_coil *c, double flux_wb, double z_m) {
+static double table_energy(const vs_coil *c, double flux_wb, double z_m) {
   double size, coenergy = point_at(c, flux_wb, z_m, &size).c[0][0];
   return fabs(flux_wb) * size - coenergy;
 }
 
 /* i' and i" from lambda = dWc/di along the path, differentiated once and twice in time; F' and F"
  * from F = -dWc/dz in the same way. */
-static void along(const vs_coil *c, const double flux[3], const double z[3], double i[3],
-                  double f[3]) {
+static void table_along(const vs_coil *c, const double flux[3], const double z[3], double i[3],
+                        double f[3]) {
   double sign = flux[0] < 0 ? -1 : 1, size[3];
   const vs_surface_point p = point_at(c, flux[0], z[0], size);
   const double w_ii = 2 * p.c[2][0], w_iz = p.c[1][1], w_zz = 2 * p.c[0][2], w_iii = 6 * p.c[3][0],
@@ -169,7 +169,8 @@ static void along(const vs_coil *c, const double flux[3], const double z[3], dou
   for (int n = 0; n < 3; n++) i[n] = sign * size[n];
 }
 
-static const char *beyond(const vs_coil *c, double flux_wb, double z_m, char *text, size_t size) {
+static const char *table_beyond(const vs_coil *c, double flux_wb, double z_m, char *text,
+                                size_t size) {
   const table *t = c->own;
   const vs_surface *s = &t->surface;
   double least_m = s->z_m[0], most_m = s->z_m[s->n_z - 1], slack = 1e-9 * most_m;
@@ -178,18 +179,18 @@ static const char *beyond(const vs_coil *c, double flux_wb, double z_m, char *te
              1e3 * z_m, t->file, 1e3 * least_m, 1e3 * most_m);
     return text;
   }
-  double i = current(c, flux_wb, z_m);
+  double i = table_current(c, flux_wb, z_m);
   if (fabs(i) <= t->most_a * (1 + 1e-9)) return NULL;
   snprintf(text, size, "the current, %.6g A, is outside the table %s, which has up to %.6g A", i,
            t->file, t->most_a);
   return text;
 }
 
-static const char *file(const vs_coil *c) {
+static const char *table_file(const vs_coil *c) {
   return ((const table *)c->own)->file;
 }
 
-static const char *note(const vs_coil *c, char *text, size_t size) {
+static const char *table_note(const vs_coil *c, char *text, size_t size) {
   const table *t = c->own;
   const char *slash = strrchr(t->file, '/'); /* the same words from whatever folder */
   if (!t->has_force && !t->added_zero) return NULL;
@@ -210,13 +211,13 @@ const vs_law vs_table_law = {.name = "FILE.csv",
                              .text = "a table of lambda over gap and current, columns z_m, i_a, "
                                      "lambda_wb; force_n is compared",
                              .ending = ".csv",
-                             .build = build,
-                             .end = end,
+                             .build = table_build,
+                             .end = table_end,
                              .poles = true,
-                             .current = current,
-                             .force = force,
-                             .energy = energy,
-                             .along = along,
-                             .beyond = beyond,
-                             .file = file,
-                             .note = note};
+                             .current = table_current,
+                             .force = table_force,
+                             .energy = table_energy,
+                             .along = table_along,
+                             .beyond = table_beyond,
+                             .file = table_file,
+                             .note = table_note};
