@@ -29,10 +29,10 @@ typedef void (*vs_library_begin)(const vs_library *library);
 
 /* Loads the library and calls begin; it is called once in a process. ngspice reads .spiceinit from
  * the working directory, else from the user's home; begin is called in a folder with one that says
- * nothing, so that a scene gives the same result for everyone. It begins without its code models, the elements whose names begin with
- * "a": ngspice goes through all types of devices that it has several times in every step, and with
- * these, which few netlists have, that is a fifteenth of a run. Errors, VS_RUN: there is no such
- * library, or no folder for it. */
+ * nothing, so that a scene gives the same result for everyone. It begins without its code models,
+ * the elements whose names begin with "a": ngspice goes through all types of devices that it has
+ * several times in every step, and with these, which few netlists have, that is a fifteenth of a
+ * run. Errors, VS_RUN: there is no such library, or no folder for it. */
 vs_status vs_library_open(vs_library_begin begin, vs_error *err);
 
 /* Loads ngspice's code models where it has begun without them; where their folder is not found

@@ -2,6 +2,7 @@
 #include "versions.h"
 
 #include <ctype.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -145,4 +146,21 @@ bool vs_versions_differ(const char *line, bool pspice) {
     if (power) at += strspn(at, "*^") - 1;
   }
   return false;
+}
+
+/* ---- the end of a run ---- */
+
+/* In parts of the largest step; ngspice's own measure, ten times its shortest step. */
+static const double NEAR = 1e-10;
+/* How exactly a half is a half. */
+static const double ALIKE = 1e-6;
+
+bool vs_versions_at_end(double left_s, double max_step_s) {
+  return left_s < NEAR * max_step_s;
+}
+
+double vs_versions_step(vs_last_steps *ending, double left_s, double step_s) {
+  bool half = fabs(2 * step_s - left_s) < ALIKE * left_s;
+  ending->halves = half ? ending->halves + 1 : 0;
+  return ending->halves > 1 ? left_s : step_s;
 }

@@ -6,11 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "formulas.h"
-#include "moving_coil.h"
-#include "reluctance.h"
-#include "table.h"
-
 /* ---- keys ---- */
 
 #define A_(member) offsetof(vs_actuator_values, member)

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
+ * Law "moving_coil": a coil that moves in the field of a magnet, as in a shaker or a loudspeaker.
  *
  * With g = z - z_rest, so that lambda = 0 without current at rest:
  *
@@ -7,7 +8,7 @@
  *
  * Where k_f = k_e, F = dW/dz. Otherwise the magnet's motion takes k_e i g' from the circuit and
  * gives k_f i g' to the armature. */
-#include "moving_coil.h"
+#include "plant/law.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -12,7 +12,8 @@
  *       M, B and K, a row for each coordinate; of one coordinate a FORMULA alone will do. A machine
  *       without damping has no key damping
  *   bodies, springs: ...
- *       instead of these three, bodies in the plane from which the program finds them: see bodies.h
+ *       instead of these three, bodies in the plane from which the program finds them: see
+ *       blueprint.c
  *   forces:      {COORDINATE: FORMULA, ...}
  *       forces that never change: gravity, preload
  *   gap:         {along: {COORDINATE: FORMULA, ...}}

@@ -8,7 +8,7 @@
 /* Builds the model from the machine and the scene's sections machine, actuator and load, of which
  * each may be missing. The machine's formulas are bound to these values; the model borrows it.
  * The caller ends model->coil with vs_actuator_end, also after an error. Errors: what
- * vs_field_section_read and vs_assemble_model refuse (the model is then not whole, even if a check
+ * vs_field_section_read and building refuses (the model is then not whole, even if a check
  * carries on); a load where the machine has none. */
 vs_status vs_build_model(const vs_node *scene, vs_machine *machine, vs_model *model, vs_error *err);
 
@@ -21,7 +21,7 @@ vs_status vs_build_again(const vs_node *scene, vs_machine *machine, vs_model *mo
 
 /* Builds in `out` the model `from` with another load: these values of the section, of which the
  * share `riding` rides. `out` may be `from`; it borrows what that one's coil owns, and is not to be
- * ended. Errors: what vs_assemble_model refuses. */
+ * ended. Errors: a model that cannot be built, as of vs_build_model. */
 vs_status vs_build_loaded(vs_machine *machine, const vs_model *from, const vs_load_values *load,
                           double riding, vs_model *out, vs_error *err);
 

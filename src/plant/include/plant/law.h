@@ -7,8 +7,8 @@
 
 #include <stdbool.h>
 
-#include "base/text.h"
 #include "base/formula.h"
+#include "base/text.h"
 #include "base/tree.h"
 
 typedef struct vs_coil vs_coil; /* plant/coil.h */
@@ -56,8 +56,8 @@ typedef struct vs_law {
   const char *(*beyond)(const vs_coil *coil, double flux_wb, double z_m, char *text, size_t size);
   /* Writes for ngspice, of nodes whose voltages are lambda and z ("v(lam)", "v(z)"): the current
    * and the force as expressions of a B source; `lines` gets netlist lines that these need, in a
-   * subcircuit of their own. Numbers are written by vs_spice_number. NULL: the law cannot be written
-   * so, and tier circuit and export refuse it by name. */
+   * subcircuit of their own. Numbers are written by vs_spice_number. NULL: the law cannot be
+   * written so, and tier circuit and export refuse it by name. */
   void (*netlist)(const vs_coil *coil, const char *flux, const char *gap, vs_text *lines,
                   vs_text *current, vs_text *force);
   /* The path of the file that this coil was read from. NULL: there is none. */
@@ -66,5 +66,9 @@ typedef struct vs_law {
    * NULL: nothing. */
   const char *(*note)(const vs_coil *coil, char *text, size_t size);
 } vs_law;
+
+/* The laws, each in its own file (reluctance.c, ...); vs_actuator_laws (plant/actuator.h) lists
+ * them. */
+extern const vs_law vs_reluctance_law, vs_moving_coil_law, vs_formulas_law, vs_table_law;
 
 #endif
