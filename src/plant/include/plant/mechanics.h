@@ -7,13 +7,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "plant/model.h"
-
-/* Rows and columns are taken so many at a time, side by side, in half the time of one after the
- * other. Behind a matrix's last row its columns hold zeros. What is computed often has code of its
- * own for a machine that is just one block, where the compiler leaves no loop. */
-enum { VS_ROWS = 4 };
-_Static_assert(VS_MOST_DOF % VS_ROWS == 0, "columns are filled up with zeros");
+#include "plant/blocks.h"
 
 /* The travel g = c.q by which the gap is opened, and likewise its rate from q', m and m/s. */
 static inline double vs_mechanics_travel(const vs_model *model, const double *q) {
@@ -29,10 +23,6 @@ static inline double vs_mechanics_gap(const vs_model *model, const double *q) {
   return vs_coil_gap(&model->coil, vs_mechanics_travel(model, q));
 }
 
-/* What vs_mechanics_accelerations gives, for any number of coordinates. */
-void vs_mechanics_by_blocks(const vs_model *model, const double *q, const double *v, double force_n,
-                            double acceleration[VS_MOST_DOF]);
-
 /* The accelerations q" [m/s2, rad/s2] from q, q' and the force F [N] that closes the gap (Eq. 83):
  *   q" = M^-1 f0 - M^-1 c F - M^-1 K q - M^-1 B q'
  * Where there is just one block, it is written out. */
@@ -42,7 +32,7 @@ static inline void vs_mechanics_accelerations(const vs_model *model, const doubl
   const double(*k)[VS_MOST_DOF] = model->mk_column, (*b)[VS_MOST_DOF] = model->mb_column;
   double sum[VS_ROWS];
   if (model->dof != VS_ROWS || model->loaded) {
-    vs_mechanics_by_blocks(model, q, v, force_n, acceleration);
+    vs_block_accelerations(model, q, v, force_n, acceleration);
     return;
   }
   for (int i = 0; i < VS_ROWS; i++)
