@@ -23,7 +23,7 @@ typedef struct cell {
   bool stray;        /* something stands between the closing quote and the comma */
 } cell;
 
-/* Takes a quoted cell's text, in place; *at stands behind its closing quote then. */
+/* Removes a cell's quotes in place; *at then points behind its closing quote. */
 static char *take_quoted(char **at, bool *open) {
   char *s = *at + 1, *out = *at;
   while (*s && (*s != '"' || s[1] == '"')) {
@@ -35,8 +35,8 @@ static char *take_quoted(char **at, bool *open) {
   return out;
 }
 
-/* Takes off the row the cell that begins at *rest; afterwards *rest is where the next one begins,
- * or NULL. Text between a closing quote and the separator is added to the cell. */
+/* Cuts the cell that begins at *rest off the row; *rest becomes the beginning of the next one, or
+ * NULL. Text between a closing quote and the separator is added to the cell. */
 static cell take_cell(char **rest, char separator, bool trim) {
   const char ends[] = {separator, '\0'}, *blanks = blanks_beside(separator);
   char *s = *rest;

@@ -92,7 +92,7 @@ static void become_gnuplot(FILE *in, FILE *out, FILE *said) {
   _exit(127);
 }
 
-/* Hands on what gnuplot said on standard error, but for its warnings that a range is empty: it
+/* Passes on what gnuplot said on standard error, except its warnings that a range is empty: it
  * gives each curve that is constant a range of its own, and says so for every picture. */
 static void hand_on(FILE *said) {
   static const char *const EMPTY[] = {"Warning: empty x range", "Warning: empty y range"};

@@ -52,7 +52,8 @@ static bool is_hidden(const char *way) {
 /* How far a folder of a list lets a path be read. */
 typedef enum reach { OUTSIDE, HIDDEN, WITHIN } reach;
 
-/* The farthest of a list. flat: its folders hold only what lies directly in them. */
+/* The most that any folder of a list allows. flat: its folders allow only what lies directly in
+ * them. */
 static reach reach_of(const char *real, const vs_text *list, bool flat) {
   reach most = OUTSIDE;
   for (const char *s = list->text; s && *s; s += strcspn(s, "\n") + 1) {

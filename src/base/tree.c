@@ -45,7 +45,7 @@ static vs_node *copy_nodes(const vs_node *node) {
 
 /* ---- YAML: a text as libfyaml reads it, made into nodes ---- */
 
-/* What libfyaml 0.7 would not come back from, or takes minutes for, is refused before. */
+/* Text on which libfyaml 0.7 never returns, or takes minutes, is refused before it is parsed. */
 
 static vs_where place_of_node(struct fy_node *node, const char *file) {
   vs_where where = {.file = file};
@@ -218,7 +218,7 @@ static vs_where place_of_byte(const char *text, const char *at, const char *file
   return where;
 }
 
-/* Refuses bytes that are not UTF-8, with which libfyaml 0.7 does anything: behind a '%' it never
+/* Refuses bytes that are not UTF-8. libfyaml 0.7 does not check for them: behind a '%' it never
  * returns. */
 static vs_status check_bytes(const char *text, size_t length, const char *file, vs_error *err) {
   const char *bad = vs_text_not_utf8(text, length);
@@ -303,7 +303,7 @@ static vs_status yaml_read(const char *text, size_t length, const char *file, vs
 
 /* ---- files ---- */
 
-/* Gives nodes that stand nowhere, as an empty list or map does, the place of what they stand in. */
+/* Gives nodes without a place, such as an empty list or map, the place of the node around them. */
 static void stand_somewhere(vs_node *node, vs_where where) {
   for (; node; node = node->next) {
     if (!node->where.line) node->where = node->key_where.line ? node->key_where : where;

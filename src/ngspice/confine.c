@@ -15,7 +15,8 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-/* The machine whose numbers of calls the filter has; another one has no filter. */
+/* The architecture whose system call numbers the filter knows; on another one there is no filter.
+ */
 #if defined __x86_64__
 #define MACHINE AUDIT_ARCH_X86_64
 #define FIRST_OF_X32 0x40000000u
@@ -131,7 +132,7 @@ enum { N_REFUSED = sizeof REFUSED / sizeof *REFUSED };
 
 /* ---- the filter ---- */
 
-/* A program of the kernel's small machine for packet filters. It looks at one number at a time. */
+/* A program for the kernel's packet filter (BPF), which looks at one number at a time. */
 typedef struct program {
   struct sock_filter step[2 * N_REFUSED + 48];
   unsigned short count;
@@ -169,7 +170,7 @@ static void refuse_bits(program *p, int number, int k, uint32_t bits, bool set) 
   allow(p);
 }
 
-/* Refuses to type into the terminal that the process was started from, as if its user did. */
+/* Refuses to insert characters into the terminal's input, as if the user had typed them. */
 static void refuse_typing(program *p) {
   add_instruction(p, BPF_JMP | BPF_JEQ | BPF_K, SYS_ioctl, 0, 5);
   add_load(p, argument(1));
@@ -209,7 +210,8 @@ static void refuse_writing(program *p) {
 static void write_program(program *p, vs_confine level) {
   add_load(p, offsetof(struct seccomp_data, arch));
   add_instruction(p, BPF_JMP | BPF_JEQ | BPF_K, MACHINE, 1, 0);
-  add_refusal(p, EPERM); /* a call by the way of another machine has other numbers */
+  /* a call through the interface of another architecture has other numbers */
+  add_refusal(p, EPERM);
   add_load(p, offsetof(struct seccomp_data, nr));
 #ifdef FIRST_OF_X32
   add_instruction(p, BPF_JMP | BPF_JGE | BPF_K, FIRST_OF_X32, 0, 1);

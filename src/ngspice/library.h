@@ -2,9 +2,9 @@
  * libngspice, the library. It is loaded when the first circuit is to be solved, and not when the
  * program starts: most of what the program does needs none.
  *
- * A second thread could load it while the scene is read. That saved 0.3 ms of 4 ms, and made every
- * run 3 % longer: ngspice takes a lock around each of its requests for memory, and locks are dear
- * in a process that has ever had two threads. */
+ * Loading it in a second thread while the scene is read was tried. It saved 0.3 ms of 4 ms, and
+ * made every run 3 % longer: ngspice takes a lock around each of its requests for memory, and locks
+ * are dear in a process that has ever had two threads. */
 #ifndef VS_NGSPICE_LIBRARY_H
 #define VS_NGSPICE_LIBRARY_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The circuit seam over libngspice, by its documented shared-library interface only.
+ * Runs circuits (ngspice/circuit.h) on libngspice, by its documented shared-library interface only.
  *
  * ngspice calls back in this order for each step: source values at the candidate time, once per
  * Newton iteration; then, once the step is accepted, SendData. Steps it rejects it repeats by
@@ -279,7 +279,7 @@ static size_t find_port(const char *name) {
 }
 
 /* ngspice asks for its sources in the same order each time, which need not be that of the ports. So
- * the one is tried first that was asked for behind the last one before. */
+ * the port is tried first that followed the last one in the round before. */
 static int on_source(double *value, double t, char *name, int id, void *user) {
   (void)id, (void)user;
   *value = 0;
@@ -376,7 +376,8 @@ static vs_trial trial_of(const vs_circuit_job *job, const vs_circuit_host *host,
 
 /* Sets the dialect, which says what a netlist's words mean. In ngspice it is a setting that lasts.
  * ngspice 46 asks the system at every step whether there is memory for the run's vectors, and ends
- * the process where it thinks not; as it keeps one point of them (".save none"), it is not to. */
+ * the process where it finds none; as it keeps one point of them (".save none"), the question is
+ * switched off. */
 static void set_dialect(const char *dialect) {
   char command[64], unasked[] = "set no_mem_check";
   snprintf(command, sizeof command, *dialect ? "set ngbehavior=%sa" : "unset ngbehavior", dialect);

@@ -622,7 +622,7 @@ static vs_status read_feed(vs_machine *m, const vs_section *of, const vs_node **
   return s;
 }
 
-/* A law has its current as a formula, or its energy, of which the current is the slope. */
+/* Error: the file has a formula for the force, and neither for the current nor for the energy. */
 static vs_status check_law(const vs_machine *m, vs_error *err) {
   const char *const *words = vs_machine_law_words;
   const vs_node *force = vs_tree_child(m->own_actuator, words[VS_MACHINE_FORCE]);

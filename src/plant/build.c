@@ -35,8 +35,8 @@ static vs_status expression_value(vs_expression *e, const double *values, const 
                     *value);
 }
 
-/* A motion is linear in the coordinates to this part of itself; what is more is no
- * rounding. */
+/* A motion is linear in the coordinates but for this part of itself; a larger part is no rounding.
+ */
 static const double LINEAR_TO = 1e-12;
 
 /* The slopes of a linear form of the coordinates, which are its terms: its values at unit
@@ -248,7 +248,7 @@ static vs_where place_of(const vs_machine *m, int sum, int row, int column) {
   return e->text ? e->where : m->coordinates[row].where;
 }
 
-/* Two formulas of the same value may be rounded differently; what differs by more is a slip. */
+/* Two formulas of the same value may be rounded differently; a larger difference is a mistake. */
 static const double ROUNDING = 1e-9;
 
 static vs_status check_symmetric(const vs_machine *m, int sum, matrix a, vs_error *err) {
@@ -262,7 +262,8 @@ static vs_status check_symmetric(const vs_machine *m, int sum, matrix a, vs_erro
   return VS_OK;
 }
 
-/* Of a pivot smaller than this, relative to what it was, only rounding is left. */
+/* A pivot that is smaller than this, relative to the diagonal entry that it began as, is rounding
+ * alone. */
 static const double SMALLEST_PIVOT = 1e-14;
 
 /* The first coordinate at which a symmetric matrix turns out not to be positive definite, by
@@ -575,7 +576,8 @@ vs_status vs_build_model(const vs_node *scene, vs_machine *machine, vs_model *mo
                          vs_error *err) {
   *model = (vs_model){.machine = machine, .dof = machine->dof};
   size_t found = vs_error_count(err);
-  if (machine->lost) return VS_OK; /* a check carries on; what else it would find may be an echo */
+  if (machine->lost)
+    return VS_OK; /* a check carries on elsewhere: further errors here may only be consequences */
   merged all = {.count = 0};
   const vs_node *map = vs_tree_child(scene, "actuator"),
                 *own = without_law(&all, machine->own_actuator);

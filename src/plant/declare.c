@@ -127,8 +127,8 @@ static vs_status read_coordinate(vs_machine *m, const vs_node *node, vs_error *e
   return s;
 }
 
-/* Units and limits of `start`, chosen so that a slip of the pen is found: no armature starts a
- * metre away. Of other units nothing is known. */
+/* Units and limits of `start`, chosen so that a typing error is found: no armature starts a metre
+ * away. For other units the limits are wide. */
 static const struct start_limit {
   const char *unit, *shown;
   double most;
@@ -316,7 +316,8 @@ static vs_status read_declaration(const vs_node *node, declaration *d, vs_error 
   return s;
 }
 
-/* Says whether the default is one that a scene may have, as it is read where the scene has none. */
+/* Checks that a scene might have the default as its value: it is read in its place where the scene
+ * has none. */
 static vs_status check_default(const declaration *d, const vs_node *node, vs_error *err) {
   static const vs_section OF_FILE = {.name = "parameters"};
   double values[2];

@@ -65,7 +65,7 @@ void vs_dimension_text(const vs_dimension *d, char text[VS_DIMENSION_TEXT]) {
   }
 }
 
-/* A value that waits: its dimension, and its number where it is one written with digits. */
+/* A value on the stack: its dimension, and its number where it is written with digits. */
 typedef struct value {
   vs_dimension is;
   bool literal;

@@ -154,8 +154,8 @@ static vs_status check_wanted(const reader *r) {
 
 /* ---- reading ---- */
 
-/* A number with a unit, which stands behind a blank: "20 kN/m" is 20000. A formula never looks so.
- * Returns the unit; NULL: it is none. */
+/* A number with a unit, which stands behind a blank: "20 kN/m" is 20000. No formula looks like
+ * this. Returns the unit; NULL: it is none. */
 static const char *unit_of_quantity(const char *text, double *si) {
   char *end, why[200];
   double value = vs_text_to_number(text, &end);

@@ -314,7 +314,7 @@ static double place_on_grid(const double *x, size_t n) {
 
 bool vs_surface_rises(const vs_surface *s, double *z_m, double *i_a) {
   const size_t all = PARTS * (s->n_z - 1);
-  size_t good = all; /* so many gaps, from the smallest on, are good at all currents so far */
+  size_t good = all; /* how many gaps, from the smallest on, have passed at all currents so far */
   for (size_t n = 0; n < PARTS * (s->n_i - 1); n++) {
     vs_surface_line line = vs_surface_line_new(s, place_on_grid(s->i_a, n));
     for (size_t k = 0; k < good; k++) {

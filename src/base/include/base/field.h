@@ -49,7 +49,7 @@ typedef struct vs_field {
   const struct vs_options *options; /* VS_OPTION: what its maps have */
 } vs_field;
 
-/* True for a factor that is 1: whoever tells the values of a section leaves it out. */
+/* True for a factor that is 1; listings of a section's values leave it out. */
 bool vs_field_is_idle(const vs_field *field, const void *values);
 
 /* The quantity at t, SI. At a jump it is the later value. */
@@ -85,7 +85,8 @@ int vs_field_maps(const vs_field *field, const void *member);
 vs_status vs_field_section_read(const vs_section *section, const vs_node *map, void *out,
                                 vs_error *err);
 
-/* The two parts of it. Error: the map has a key that the section has not; a check carries on. */
+/* The two steps of vs_field_section_read. Error: the map has a key that the section has not; a
+ * check carries on. */
 vs_status vs_field_section_keys(const vs_section *section, const vs_node *map, vs_error *err);
 /* Fills one key's member of out, from the default where node is NULL. The default stays where the
  * scene's value is refused; a check carries on. */

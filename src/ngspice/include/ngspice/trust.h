@@ -2,8 +2,8 @@
  * Can the ngspice that runs be relied on? Users have other versions than the developers, and one
  * version may be right where the next is not. So each library is probed once (vs_trust_probe), in a
  * child process, and what came of it is remembered in $XDG_CACHE_HOME/vibrospice, or
- * ~/.cache/vibrospice. A library is told by its file: path, size, time of change. It is probed
- * again where the file is another one, with another version of this program, and each time a
+ * ~/.cache/vibrospice. A library is identified by its file: path, size, time of change. It is
+ * probed again where the file is another one, with another version of this program, and each time a
  * process begins where there is no folder to remember it in. */
 #ifndef VS_NGSPICE_TRUST_H
 #define VS_NGSPICE_TRUST_H

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * What an actuator's law is. From one energy W(lambda, z) follow the current i = dW/dlambda and the
- * force F = dW/dz, which is positive where it closes the gap. A law gives these three, and writes
- * the first two for the netlist. */
+ * The law of an actuator: how its current and its force follow from flux linkage and gap. From one
+ * energy W(lambda, z) follow the current i = dW/dlambda and the force F = dW/dz, which is positive
+ * where it closes the gap. A law gives these three, and writes the first two for the netlist. */
 #ifndef VS_PLANT_LAW_H
 #define VS_PLANT_LAW_H
 
@@ -54,8 +54,8 @@ typedef struct vs_law {
    * leaves them ends with an error that says why. NULL: everywhere. Returns NULL where (lambda, z)
    * is within, else what is wrong, in `text`. */
   const char *(*beyond)(const vs_coil *coil, double flux_wb, double z_m, char *text, size_t size);
-  /* Writes for ngspice, of nodes whose voltages are lambda and z ("v(lam)", "v(z)"): the current
-   * and the force as expressions of a B source; `lines` gets netlist lines that these need, in a
+  /* Writes the current and the force for ngspice, as expressions of a B source in nodes whose
+   * voltages are lambda and z ("v(lam)", "v(z)"); `lines` gets netlist lines that these need, in a
    * subcircuit of their own. Numbers are written by vs_spice_number. NULL: the law cannot be
    * written so, and tier circuit and export refuse it by name. */
   void (*netlist)(const vs_coil *coil, const char *flux, const char *gap, vs_text *lines,
