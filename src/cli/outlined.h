@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * JSON Schemas of what the tables of keys of studies and machines take (base/outline.h). */
+ * JSON Schemas of what the tables of keys of studies and machines take (base/field.h). */
 #ifndef VS_CLI_OUTLINED_H
 #define VS_CLI_OUTLINED_H
 
