@@ -111,7 +111,7 @@ static bool ends_open(const vs_csv *csv, const char *line, bool open) {
 
 /* Adds the file's next line to the row, whose bytes so far *size counts. Returns false at the
  * file's end, and with errno EFBIG where the row becomes too long. */
-static bool add_line(vs_csv *csv, size_t *size) {
+static bool append_line(vs_csv *csv, size_t *size) {
   char *line = NULL;
   size_t room = 0;
   const size_t most = VS_CSV_LONGEST - *size;
@@ -153,7 +153,7 @@ static char find_separator(const vs_csv *csv) {
 
 /* Reads all lines of the next row and takes the last line's end off. csv->n_lines is 0 at the
  * file's end. */
-static vs_status read_lines(vs_csv *csv, vs_error *err) {
+static vs_status read_row_lines(vs_csv *csv, vs_error *err) {
   static const char MARK[] = "\xEF\xBB\xBF"; /* some programs begin a UTF-8 text with it */
   size_t size = 0;
   bool open = false;
@@ -162,7 +162,7 @@ static vs_status read_lines(vs_csv *csv, vs_error *err) {
   csv->line += first;
   csv->n_lines = 0;
   errno = 0;
-  while (add_line(csv, &size)) {
+  while (append_line(csv, &size)) {
     const size_t begin = csv->begins[csv->n_lines - 1];
     if (begin + strlen(csv->text + begin) != size)
       return vs_fail_at(err, (vs_where){csv->file, csv->line + (int)csv->n_lines - 1, 1},
@@ -212,7 +212,7 @@ static vs_status cut_into_cells(vs_csv *csv, vs_error *err) {
 vs_status vs_csv_next(vs_csv *csv, vs_error *err) {
   vs_status status = VS_OK;
   csv->count = 0;
-  do status = read_lines(csv, err);
+  do status = read_row_lines(csv, err);
   while (!status && csv->n_lines && is_comment(csv));
   return status || !csv->n_lines ? status : cut_into_cells(csv, err);
 }

@@ -255,7 +255,7 @@ static bool take_symbol(reader *r, char symbol) {
 
 static bool read_sum(reader *r);
 
-static bool read_number(reader *r) {
+static bool read_formula_number(reader *r) {
   static const struct {
     const char *suffix;
     double factor;
@@ -393,7 +393,7 @@ static bool read_value(reader *r) {
     return take_symbol(r, c == '(' ? ')' : '}') ||
            fail_formula(r, c == '(' ? "')' is wanted" : "'}' is wanted");
   }
-  return isdigit((unsigned char)c) || c == '.' ? read_number(r) : read_word(r);
+  return isdigit((unsigned char)c) || c == '.' ? read_formula_number(r) : read_word(r);
 }
 
 /* Reads a value or a power. -x^y is -(x^y); x^-y and x^y^z are read from the right. */

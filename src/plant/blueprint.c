@@ -35,8 +35,8 @@ typedef struct source {
   vs_expression_kind kind;
 } source;
 
-static vs_status read_part(const vs_machine *m, const vs_node *node, source from,
-                           vs_expression *out, vs_error *err) {
+static vs_status read_component(const vs_machine *m, const vs_node *node, source from,
+                                vs_expression *out, vs_error *err) {
   char what[2 * VS_MACHINE_NAME + 32];
   const vs_dimension wanted = vs_dimension_of(from.unit);
   const vs_expression_use use = {from.kind, what, &wanted};
@@ -51,8 +51,8 @@ static vs_status read_two(const vs_machine *m, const vs_node *node, source from,
   if (!x || !x->next || x->next->next)
     return vs_fail_at(err, node->where, "%s.%s: two values are wanted: [x, y]", from.owner,
                       from.key);
-  vs_status s = read_part(m, x, from, &out[0], err);
-  return s ? s : read_part(m, x->next, from, &out[1], err);
+  vs_status s = read_component(m, x, from, &out[0], err);
+  return s ? s : read_component(m, x->next, from, &out[1], err);
 }
 
 static vs_status refuse_missing(const vs_node *node, const char *owner, const char *key,
@@ -106,7 +106,7 @@ static vs_status read_moves(const vs_machine *m, const vs_node *map, const char 
   for (int k = 0; k < 3 && !s; k++) {
     const vs_node *node = vs_tree_child(map, MOVES[k].key);
     const source from = {owner, WORDS[k], UNITS[k], VS_EXPRESSION_MOTION};
-    if (node) s = read_part(m, node, from, &moves[k], err);
+    if (node) s = read_component(m, node, from, &moves[k], err);
   }
   return s;
 }
@@ -117,10 +117,10 @@ static vs_status fill_body(vs_machine *m, const vs_node *node, const char *owner
                 *at = vs_tree_child(node, "at"), *on = vs_tree_child(node, "on");
   if (!mass || !at) return refuse_missing(node, owner, mass ? "at: [x, y]" : "mass", err);
   vs_status s =
-      read_part(m, mass, (source){owner, "mass", "kg", VS_EXPRESSION_CONSTANT}, &b->mass, err);
+      read_component(m, mass, (source){owner, "mass", "kg", VS_EXPRESSION_CONSTANT}, &b->mass, err);
   if (!s && inertia)
-    s = read_part(m, inertia, (source){owner, "inertia", "kg.m2", VS_EXPRESSION_CONSTANT},
-                  &b->inertia, err);
+    s = read_component(m, inertia, (source){owner, "inertia", "kg.m2", VS_EXPRESSION_CONSTANT},
+                       &b->inertia, err);
   if (!s) s = read_two(m, at, (source){owner, "at", "m", VS_EXPRESSION_CONSTANT}, b->at, err);
   if (!s && on) s = find_body(m, on->text ? on->text : "", on->where, &b->on, err);
   return s ? s : read_moves(m, vs_tree_child(node, "moves"), owner, b->moves, err);
@@ -145,8 +145,8 @@ static vs_status read_body(vs_machine *m, const vs_node *node, vs_error *err) {
 }
 
 /* {BODY: [x, y]} */
-static vs_status read_end(const vs_machine *m, const vs_node *node, const char *owner, vs_spring *s,
-                          vs_error *err) {
+static vs_status read_spring_end(const vs_machine *m, const vs_node *node, const char *owner,
+                                 vs_spring *s, vs_error *err) {
   int end = !strcmp(node->key, "to");
   if (node->kind != VS_NODE_MAP || !node->child || node->child->next)
     return vs_fail_at(err, node->where, "%s.%s: one body with a point is wanted: {BODY: [x, y]}",
@@ -161,7 +161,7 @@ static vs_status read_strength(const vs_machine *m, const vs_node *node, source 
   vs_expression *out =
       (vs_expression *)(size_t)(!strcmp(from.key, "damping") ? s->damping : s->stiffness);
   if (s->apart) return read_two(m, node, from, out, err);
-  return read_part(m, node, from, out, err);
+  return read_component(m, node, from, out, err);
 }
 
 static vs_status fill_spring(const vs_machine *m, const vs_node *node, const char *owner,
@@ -182,8 +182,8 @@ static vs_status fill_spring(const vs_machine *m, const vs_node *node, const cha
   if (!s->apart && !along && !from)
     return refuse_missing(node, owner, "a direction, by `from` or `along`, or stiffness: [x, y],",
                           err);
-  vs_status status = read_end(m, to, owner, s, err);
-  if (!status && from) status = read_end(m, from, owner, s, err);
+  vs_status status = read_spring_end(m, to, owner, s, err);
+  if (!status && from) status = read_spring_end(m, from, owner, s, err);
   if (!status && along)
     status =
         read_two(m, along, (source){owner, "along", NULL, VS_EXPRESSION_CONSTANT}, s->along, err);
@@ -372,7 +372,8 @@ static bool is_cut(const vs_node *list) {
   return false;
 }
 
-static vs_status read_row(vs_machine *m, int sum, int row, const vs_node *list, vs_error *err) {
+static vs_status read_matrix_row(vs_machine *m, int sum, int row, const vs_node *list,
+                                 vs_error *err) {
   const char *word = vs_machine_sum_words[sum];
   if (list->kind != VS_NODE_LIST || length_of(list) != m->dof)
     return vs_fail_at(err, list->where, "%s, row of %s: values: %d; wanted: %d, by coordinate%s",
@@ -406,7 +407,7 @@ static vs_status read_matrix(vs_machine *m, int sum, vs_error *err) {
   const vs_node *row = node->child;
   vs_status s = VS_OK;
   for (int i = 0; i < m->dof && !s; i++, row = row->next)
-    s = vs_error_carry_on(err, read_row(m, sum, i, row, err));
+    s = vs_error_carry_on(err, read_matrix_row(m, sum, i, row, err));
   return s;
 }
 
@@ -662,7 +663,7 @@ bool vs_blueprint_has_keys(const vs_tree *file) {
   return false;
 }
 
-static vs_status read_all(vs_machine *m, vs_error *err) {
+static vs_status read_machine(vs_machine *m, vs_error *err) {
   const vs_node *root = m->tree.root;
   vs_status s = vs_field_outline_keys(root, "a machine", vs_blueprint_keys, err);
   if (!s)
@@ -690,7 +691,7 @@ vs_status vs_blueprint_read(const char *path, vs_machine *m, vs_error *err) {
   size_t found = vs_error_count(err);
   snprintf(m->path, sizeof m->path, "%s", path);
   vs_status s = vs_tree_read(path, &m->tree, err);
-  if (!s) s = read_all(m, err);
+  if (!s) s = read_machine(m, err);
   m->lost = s || vs_error_count(err) > found;
   return s;
 }

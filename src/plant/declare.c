@@ -205,7 +205,7 @@ static vs_status take_unit(declaration *d, const vs_node *value, vs_error *err) 
 }
 
 /* One end of a range, in the parameter's unit: "1e-6 kg"; nothing: there is no such end. */
-static bool read_end(const declaration *d, const char *text, double none, double *value) {
+static bool read_range_end(const declaration *d, const char *text, double none, double *value) {
   char why[200], *end;
   double si;
   text += strspn(text, " ");
@@ -234,8 +234,8 @@ static vs_status read_range(declaration *d, const vs_node *node, vs_error *err) 
   if (dots) {
     *dots = '\0';
     for (char *c = dots; c > words && c[-1] == ' ';) *--c = '\0';
-    good = read_end(d, words, -INFINITY, &d->field.min) &&
-           read_end(d, dots + 2, INFINITY, &d->field.max) && d->field.min <= d->field.max;
+    good = read_range_end(d, words, -INFINITY, &d->field.min) &&
+           read_range_end(d, dots + 2, INFINITY, &d->field.max) && d->field.min <= d->field.max;
   }
   return good && dots ? VS_OK
                       : vs_fail_at(err, node->where,

@@ -31,7 +31,7 @@ typedef struct written {
   int panels;
 } written;
 
-static double value_at(const vs_formula *f, double flux_wb, double z_m) {
+static double formula_at(const vs_formula *f, double flux_wb, double z_m) {
   const double terms[TERMS] = {flux_wb, z_m};
   return vs_formula_value(f, terms);
 }
@@ -65,23 +65,23 @@ static void integrate(const written *w, const vs_formula *f, int over, const dou
 
 static double formula_current(const vs_coil *c, double flux_wb, double z_m) {
   const written *w = c->own;
-  return value_at(&w->current, flux_wb, z_m);
+  return formula_at(&w->current, flux_wb, z_m);
 }
 
 static double formula_force(const vs_coil *c, double flux_wb, double z_m) {
   const written *w = c->own;
-  return w->sign * value_at(&w->force, flux_wb, z_m);
+  return w->sign * formula_at(&w->force, flux_wb, z_m);
 }
 
 /* W = int_0^lambda i dlambda at z, plus the energy without flux: the integral of F(0, z) from the
  * gap at rest on, which is 0 but where there is a magnet. */
 static double formula_energy(const vs_coil *c, double flux_wb, double z_m) {
   const written *w = c->own;
-  if (w->energy.count) return value_at(&w->energy, flux_wb, z_m);
+  if (w->energy.count) return formula_at(&w->energy, flux_wb, z_m);
   double sum[3] = {0}, idle[3] = {0};
   const double point[TERMS] = {flux_wb, z_m}, without[TERMS] = {0, z_m};
   integrate(w, &w->current, LAMBDA, point, 0, false, sum);
-  if (w->force.count && value_at(&w->force, 0, z_m) != 0)
+  if (w->force.count && formula_at(&w->force, 0, z_m) != 0)
     integrate(w, &w->force, Z, without, c->gap_rest_m, false, idle);
   return sum[0] + w->sign * idle[0];
 }
@@ -119,7 +119,7 @@ static void integrated_along(const vs_coil *c, const double flux[3], const doubl
   double sum[3] = {0};
   path_of(&w->current, 1, flux, z, current);
   integrate(w, &w->slope, LAMBDA, point, 0, true, sum);
-  double g = value_at(&w->slope, flux[0], z[0]);
+  double g = formula_at(&w->slope, flux[0], z[0]);
   double g_lambda = partial_at(&w->slope, LAMBDA, flux[0], z[0]);
   double g_z = partial_at(&w->slope, Z, flux[0], z[0]);
   force[0] = sum[0];
@@ -214,7 +214,7 @@ static vs_status find_rest(vs_coil *c, vs_where where, vs_error *err) {
   double flux = 0, slope = 0, i = 0;
   for (int k = 0; k < 50; k++) {
     slope = partial_at(&w->current, LAMBDA, flux, c->gap_rest_m);
-    i = value_at(&w->current, flux, c->gap_rest_m);
+    i = formula_at(&w->current, flux, c->gap_rest_m);
     if (!(slope > 0) || !isfinite(slope) || fabs(i) <= 1e-14 * fabs(slope * flux) || i == 0) break;
     flux -= i / slope;
   }
@@ -242,7 +242,7 @@ typedef struct check {
 } check;
 
 static double side(const vs_formula *f, int to, double flux_wb, double z_m) {
-  return to == TERMS ? value_at(f, flux_wb, z_m) : partial_at(f, to, flux_wb, z_m);
+  return to == TERMS ? formula_at(f, flux_wb, z_m) : partial_at(f, to, flux_wb, z_m);
 }
 
 static vs_status compare_with_difference(const check *c, const range *r, vs_error *err) {

@@ -20,7 +20,8 @@
 /* ---- plain: the gap alone ---- */
 
 /* Adds a number for the netlist, with what stands around it. */
-static void add_number(vs_text *text, const char *before, double number, const char *after) {
+static void add_number_between(vs_text *text, const char *before, double number,
+                               const char *after) {
   vs_text_add(text, "%s", before);
   vs_spice_number(text, number);
   vs_text_add(text, "%s", after);
@@ -54,9 +55,9 @@ static void gap_netlist(const vs_coil *c, const char *flux, const char *gap, vs_
                         vs_text *current, vs_text *force) {
   (void)lines;
   vs_text_add(current, "(%s*%s", flux, gap);
-  add_number(current, "/", 2 * c->a_hm, ")");
+  add_number_between(current, "/", 2 * c->a_hm, ")");
   vs_text_add(force, "(%s*%s", flux, flux);
-  add_number(force, "/", 4 * c->a_hm, ")");
+  add_number_between(force, "/", 4 * c->a_hm, ")");
 }
 
 /* ---- with iron that saturates ---- */
@@ -146,8 +147,8 @@ static void multiplicative_along(const vs_coil *c, const double flux[3], const d
 /* Adds "pow(abs(lambda/lambda_s),n)". */
 static void put_power(vs_text *text, const saturation *s, const char *flux) {
   vs_text_add(text, "pow(abs(%s", flux);
-  add_number(text, "/", s->flux_wb, "),");
-  add_number(text, "", s->exponent, ")");
+  add_number_between(text, "/", s->flux_wb, "),");
+  add_number_between(text, "", s->exponent, ")");
 }
 
 static void series_netlist(const vs_coil *c, const char *flux, const char *gap, vs_text *lines,
@@ -155,13 +156,13 @@ static void series_netlist(const vs_coil *c, const char *flux, const char *gap, 
   (void)lines;
   const saturation *s = c->own;
   vs_text_add(current, "(%s*%s", flux, gap);
-  add_number(current, "/", 2 * c->a_hm, "+");
-  add_number(current, "", s->current_a, "*");
+  add_number_between(current, "/", 2 * c->a_hm, "+");
+  add_number_between(current, "", s->current_a, "*");
   vs_text_add(current, "sgn(%s)*", flux);
   put_power(current, s, flux);
   vs_text_add(current, ")");
   vs_text_add(force, "(%s*%s", flux, flux);
-  add_number(force, "/", 4 * c->a_hm, ")");
+  add_number_between(force, "/", 4 * c->a_hm, ")");
 }
 static void multiplicative_netlist(const vs_coil *c, const char *flux, const char *gap,
                                    vs_text *lines, vs_text *current, vs_text *force) {
@@ -170,10 +171,10 @@ static void multiplicative_netlist(const vs_coil *c, const char *flux, const cha
   vs_text raised = {0};
   put_power(&raised, s, flux);
   vs_text_add(current, "(%s*%s*(1+%s)", flux, gap, raised.text);
-  add_number(current, "/", 2 * c->a_hm, ")");
+  add_number_between(current, "/", 2 * c->a_hm, ")");
   vs_text_add(force, "(%s*%s*(0.5+%s", flux, flux, raised.text);
-  add_number(force, "/", s->exponent + 2, ")");
-  add_number(force, "/", 2 * c->a_hm, ")");
+  add_number_between(force, "/", s->exponent + 2, ")");
+  add_number_between(force, "/", 2 * c->a_hm, ")");
   vs_text_free(&raised);
 }
 

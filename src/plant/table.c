@@ -67,7 +67,7 @@ typedef struct rows {
 } rows;
 
 /* Finds out which column is which. */
-static vs_status read_head(vs_csv *csv, rows *r, vs_error *err) {
+static vs_status read_grid_head(vs_csv *csv, rows *r, vs_error *err) {
   for (int c = 0; c < COLUMNS; c++) r->column[c] = -1;
   for (size_t k = 0; k < csv->count; k++) {
     const char *word = csv->cell[k], *bar = strchr(word, '_');
@@ -97,7 +97,7 @@ static vs_status read_head(vs_csv *csv, rows *r, vs_error *err) {
   return VS_OK;
 }
 
-static vs_status read_row(const vs_csv *csv, const rows *r, row *out, vs_error *err) {
+static vs_status read_grid_row(const vs_csv *csv, const rows *r, row *out, vs_error *err) {
   *out = (row){.line = csv->line};
   for (int c = 0; c < COLUMNS; c++) {
     char *end;
@@ -125,13 +125,13 @@ static vs_status read_row(const vs_csv *csv, const rows *r, row *out, vs_error *
   return VS_OK;
 }
 
-static vs_status read_rows(vs_csv *csv, rows *r, vs_error *err) {
+static vs_status read_grid_rows(vs_csv *csv, rows *r, vs_error *err) {
   vs_status s = vs_csv_next(csv, err);
   if (!s && !csv->count)
     s = vs_fail_at(err, (vs_where){csv->file, 1, 1},
                    "the table is empty; its first line names its "
                    "columns: z_m,i_a,lambda_wb,force_n");
-  if (!s) s = read_head(csv, r, err);
+  if (!s) s = read_grid_head(csv, r, err);
   while (!s) {
     s = vs_csv_next(csv, err);
     if (s || !csv->count) break;
@@ -141,7 +141,7 @@ static vs_status read_rows(vs_csv *csv, rows *r, vs_error *err) {
       r->room = 2 * r->room + 64;
       r->item = vs_resize(r->item, r->room, sizeof *r->item);
     }
-    s = read_row(csv, r, &r->item[r->count], err);
+    s = read_grid_row(csv, r, &r->item[r->count], err);
     r->count++;
   }
   return s;
@@ -252,7 +252,7 @@ static vs_status grid_read(const char *file, FILE *stream, vs_grid *g, vs_error 
   vs_csv csv = {.file = file, .stream = stream, .trim = true, .comments = true};
   rows r = {0};
   *g = (vs_grid){0};
-  vs_status s = read_rows(&csv, &r, err);
+  vs_status s = read_grid_rows(&csv, &r, err);
   if (r.count) qsort(r.item, r.count, sizeof *r.item, by_gap_and_current);
   if (!s && r.count) g->added_zero = add_zeros(&r);
   if (!s) s = make_grid(&r, file, g, err);
@@ -297,7 +297,7 @@ static void compare_forces(const vs_grid *g, table *t) {
   }
 }
 
-static vs_status read_table(FILE *stream, table *t, vs_error *err) {
+static vs_status read_grid_into(FILE *stream, table *t, vs_error *err) {
   vs_grid g;
   double at_z, at_i;
   vs_status s = grid_read(t->file, stream, &g, err);
@@ -348,7 +348,7 @@ static vs_status table_build(const vs_actuator_values *v, const vs_node *map,
   FILE *stream;
   vs_status s = open_table(v->law, where, t->file, &stream, err);
   if (s) return s;
-  s = read_table(stream, t, err);
+  s = read_grid_into(stream, t, err);
   fclose(stream);
   if (s) return s;
   const double *z = t->surface.z_m, least_m = z[0], most_m = z[t->surface.n_z - 1];

@@ -88,7 +88,8 @@ static bool is_type(vs_word w, const char *type) {
   return w.n >= n && !strncasecmp(w.at, type, n) && !vs_words_goes_on(w.at[n]);
 }
 
-static vs_status refuse(const vs_rewriting *r, vs_word w, const char *what, const char *why) {
+static vs_status refuse_in_model(const vs_rewriting *r, vs_word w, const char *what,
+                                 const char *why) {
   return vs_fail_at(r->err, vs_rewriting_place(r, w.at, w.n), "%s %s", what, why);
 }
 
@@ -119,9 +120,10 @@ static vs_status judge_multiplier(vs_rewriting *r, vs_word type, vs_word name, c
     is = is || (is_type(type, MULTIPLIERS[k].type) && vs_words_is(name, MULTIPLIERS[k].name));
   if (!is || (strtod(value, &end) == 1 && end > value && !vs_words_goes_on(*end))) return VS_OK;
   if (!of_ngspice)
-    return refuse(r, name, "this parameter",
-                  "multiplies what an element says, in PSpice; ngspice leaves it out: write the "
-                  "values that it makes at the elements, and here 1, or nothing");
+    return refuse_in_model(
+        r, name, "this parameter",
+        "multiplies what an element says, in PSpice; ngspice leaves it out: write the "
+        "values that it makes at the elements, and here 1, or nothing");
   vs_tally_add(r->tally,
                "R= of a model RES multiplies a resistor's value in PSpice and LTspice; ngspice "
                "takes it for the value of resistors that have none",
@@ -153,16 +155,18 @@ static void rewrite_channel(vs_rewriting *r, vs_word type, vs_word channel) {
 }
 
 /* Judges one parameter of a model; *left_out says that it is not in the text any more. */
-static vs_status judge(vs_rewriting *r, vs_word type, vs_word name, bool *left_out) {
+static vs_status judge_parameter(vs_rewriting *r, vs_word type, vs_word name, bool *left_out) {
   const struct known *known = known_of(type);
-  if (!r->pspice && is_in_list(OF_PSPICE, name)) return refuse(r, name, "this parameter", PSPICE);
+  if (!r->pspice && is_in_list(OF_PSPICE, name))
+    return refuse_in_model(r, name, "this parameter", PSPICE);
   if (is_type(type, "d") && is_in_list(IDEAL, name))
-    return refuse(r, name, "this parameter",
-                  "belongs to an ideal diode of LTspice's, which ngspice would read as a common "
-                  "one; a like one is d(is=1e-9 n=0.1 rs=RON), with bv= for Vrev");
+    return refuse_in_model(
+        r, name, "this parameter",
+        "belongs to an ideal diode of LTspice's, which ngspice would read as a common "
+        "one; a like one is d(is=1e-9 n=0.1 rs=RON), with bv= for Vrev");
   if (is_in_list(" t_rel_local ", name))
-    return refuse(r, name, "this parameter",
-                  "is left out by ngspice; write T_ABS, or T_REL_GLOBAL, which it knows");
+    return refuse_in_model(r, name, "this parameter",
+                           "is left out by ngspice; write T_ABS, or T_REL_GLOBAL, which it knows");
   const char *value = strchr(name.at, '=') + 1;
   value += strspn(value, " \t");
   vs_status status = judge_multiplier(r, type, name, value);
@@ -226,9 +230,9 @@ static vs_status models_rewrite(vs_rewriting *r) {
   if (strncasecmp(r->text.text, ".model", 6)) return VS_OK;
   size_t count = vs_words_split(r->text.text, w);
   if (count < 3) return VS_OK;
-  if (!r->pspice && is_type(w[2], "ako")) return refuse(r, w[2], "AKO:", PSPICE);
+  if (!r->pspice && is_type(w[2], "ako")) return refuse_in_model(r, w[2], "AKO:", PSPICE);
   if (!r->pspice && (is_type(w[2], "vswitch") || is_type(w[2], "iswitch")))
-    return refuse(r, w[2], "a switch of that name", PSPICE);
+    return refuse_in_model(r, w[2], "a switch of that name", PSPICE);
   if (count > 3) rewrite_channel(r, w[2], w[3]);
   size_t type = (size_t)(w[2].at - r->text.text), type_n = w[2].n;
   if (is_type(w[2], "vswitch") || is_type(w[2], "iswitch")) complete_switch(r, w[2]);
@@ -242,7 +246,7 @@ static vs_status models_rewrite(vs_rewriting *r) {
     size_t from = (size_t)(begin - text);
     vs_status status = VS_OK;
     if (name.n > 0 && name.n < 30)
-      status = judge(r, (vs_word){text + type, type_n}, name, &left_out);
+      status = judge_parameter(r, (vs_word){text + type, type_n}, name, &left_out);
     if (status) return status;
     if (left_out) at = from > 0 ? from - 1 : 0;
   }
