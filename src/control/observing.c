@@ -240,7 +240,7 @@ static vs_status read_keys(const reading *r) {
   vs_observing_values *v = &r->o->v;
   vs_status s = vs_field_section_read(&vs_observing_section, NULL, v, r->err);
   if (!s && r->map->kind == VS_NODE_MAP)
-    s = vs_outline_known_keys(r->map, vs_observing_section.name, vs_observing_keys, r->err);
+    s = vs_field_outline_keys(r->map, vs_observing_section.name, vs_observing_keys, r->err);
   for (int k = 0; k < N_KEYS && !s; k++) {
     const vs_node *node = vs_tree_child(r->map, KEYS[k].key);
     if (node) s = vs_field_read(&vs_observing_section, &KEYS[k], node, v, r->err);

@@ -28,7 +28,7 @@ static inline vs_pair sizes(vs_pair x) {
   return (vs_pair){fabs(x[0]), fabs(x[1])};
 }
 
-/* As vs_function_power has it. */
+/* As vs_formula_power has it. */
 static inline vs_pair whole_power(vs_pair x, int exponent) {
   vs_pair y = {1, 1};
   for (; exponent; exponent >>= 1, x *= x)
@@ -37,7 +37,7 @@ static inline vs_pair whole_power(vs_pair x, int exponent) {
 }
 
 static bool is_whole(vs_pair y) {
-  return y[0] == y[1] && y[0] > 0 && y[0] <= VS_FUNCTION_WHOLE && y[0] == (int)y[0];
+  return y[0] == y[1] && y[0] > 0 && y[0] <= VS_FORMULA_WHOLE && y[0] == (int)y[0];
 }
 
 /* x^y, or, `odd`, sign(x) |x|^y. */
@@ -46,16 +46,16 @@ static inline __attribute__((always_inline)) void raise(vs_pair *x, const vs_pai
   for (size_t k = 0; k < n; k++) {
     vs_pair size = odd ? sizes(x[k]) : x[k], power;
     power = is_whole(y[k]) ? whole_power(size, (int)y[k][0])
-                           : (vs_pair){vs_function_power(size[0], y[k][0]),
-                                       vs_function_power(size[1], y[k][1])};
+                           : (vs_pair){vs_formula_power(size[0], y[k][0]),
+                                       vs_formula_power(size[1], y[k][1])};
     x[k] = odd ? (vs_pair){copysign(power[0], x[k][0]), copysign(power[1], x[k][1])} : power;
   }
 }
 
 static void apply_two(const vs_function *f, vs_pair *x, const vs_pair *y, size_t n) {
-  if (f->of_two == vs_function_power)
+  if (f->of_two == vs_formula_power)
     raise(x, y, n, false);
-  else if (f->of_two == vs_function_sign_power)
+  else if (f->of_two == vs_formula_sign_power)
     raise(x, y, n, true);
   else
     for (size_t k = 0; k < n; k++)
@@ -88,7 +88,7 @@ void vs_sweep(const vs_formula_quick *q, const vs_batch *b, vs_pair value[VS_BAT
       continue;
     }
     int of = op->kind - VS_OP_FUNCTION;
-    const vs_function *f = &vs_function_table[of];
+    const vs_function *f = &vs_formula_functions[of];
     if (!f->of_two) {
       apply(f, *top, b->count);
       continue;

@@ -227,7 +227,7 @@ vs_status vs_axis_values(vs_axis *axis, const vs_node *node, vs_error *err) {
                       axis->key);
   const vs_node *log = vs_tree_child(node, "log"), *lin = vs_tree_child(node, "lin");
   size_t found = vs_error_count(err);
-  vs_status status = vs_outline_known_keys(node, axis->key, log ? LOG : lin ? LIN : STEP, err);
+  vs_status status = vs_field_outline_keys(node, axis->key, log ? LOG : lin ? LIN : STEP, err);
   if (status || vs_error_count(err) > found) return status;
   return log || lin ? spaced(axis, node, log ? log : lin, err) : stepped(axis, node, err);
 }

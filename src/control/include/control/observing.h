@@ -13,7 +13,7 @@
 #define VS_CONTROL_OBSERVING_H
 
 #include "control/gain.h"
-#include "base/outline.h"
+#include "base/field.h"
 
 typedef struct vs_observing_values {
   int kind;                   /* which of the kinds, vs_gain_kinds[kind] */

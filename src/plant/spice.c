@@ -13,7 +13,7 @@
  *   - ln and log are both the natural logarithm; log10, abs, sqrt, exp, sgn (0 at 0), min, max and
  *     the trigonometric and hyperbolic functions are as in C. There is no atan2.
  *   - ln and sqrt of a negative number end the run. */
-#include "base/spice.h"
+#include "plant/spice.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -39,47 +39,47 @@ static bool is_number(const part *p, double value) {
   return !p->text && p->number == value;
 }
 
-static void add(vs_text *text, const part *p) {
+static void add_part(vs_text *text, const part *p) {
   if (p->text)
     vs_text_add(text, "%s", p->text);
   else
     vs_spice_number(text, p->number);
 }
 
-static void call(vs_text *text, const char *name, const part *x, const part *y) {
+static void add_call(vs_text *text, const char *name, const part *x, const part *y) {
   vs_text_add(text, "%s(", name);
-  add(text, x);
+  add_part(text, x);
   if (y) {
     vs_text_add(text, ",");
-    add(text, y);
+    add_part(text, y);
   }
   vs_text_add(text, ")");
 }
 
 /* |x|^y, or sign(x) |x|^y where `odd`. */
-static void raise_to(vs_text *text, const part *x, const part *y, bool odd) {
+static void add_raised(vs_text *text, const part *x, const part *y, bool odd) {
   if (odd) {
     vs_text_add(text, "(");
-    call(text, "sgn", x, NULL);
+    add_call(text, "sgn", x, NULL);
     vs_text_add(text, "*");
   }
   vs_text_add(text, "pow(abs(");
-  add(text, x);
+  add_part(text, x);
   vs_text_add(text, "),");
-  add(text, y);
+  add_part(text, y);
   vs_text_add(text, odd ? "))" : ")");
 }
 
 /* x^y for an x that may be negative where y is a whole number. */
-static void power(vs_text *text, const part *x, const part *y) {
+static void add_power(vs_text *text, const part *x, const part *y) {
   bool odd = !y->text && y->number == rint(y->number) && fmod(y->number, 2) != 0;
   const part up = {NULL, -y->number};
   if (y->text || y->number >= 0) {
-    raise_to(text, x, y, odd);
+    add_raised(text, x, y, odd);
     return;
   }
   vs_text_add(text, "(1/");
-  raise_to(text, x, &up, odd);
+  add_raised(text, x, &up, odd);
   vs_text_add(text, ")");
 }
 
@@ -88,7 +88,7 @@ static void power(vs_text *text, const part *x, const part *y) {
 static const part *simpler(int function, const part *x, const part *y) {
   static const part ZERO = {NULL, 0};
   bool product = function == VS_MULTIPLY, sum = function == VS_ADD;
-  bool power = vs_function_table[function].of_two == vs_function_power;
+  bool power = vs_formula_functions[function].of_two == vs_formula_power;
   if (product && (is_number(x, 0) || is_number(y, 0))) return &ZERO;
   if ((product && is_number(x, 1)) || (sum && is_number(x, 0))) return y;
   if ((product || function == VS_DIVIDE || power) && is_number(y, 1)) return x;
@@ -96,33 +96,33 @@ static const part *simpler(int function, const part *x, const part *y) {
   return NULL;
 }
 
-static void operation(vs_text *text, int function, const part *x, const part *y) {
-  const vs_function *f = &vs_function_table[function];
-  if (f->raises && f->of_two != vs_function_power) {
-    raise_to(text, x, y, true);
+static void add_operation(vs_text *text, int function, const part *x, const part *y) {
+  const vs_function *f = &vs_formula_functions[function];
+  if (f->raises && f->of_two != vs_formula_power) {
+    add_raised(text, x, y, true);
   } else if (f->raises) {
-    power(text, x, y);
+    add_power(text, x, y);
   } else if (function >= VS_OPERATORS) {
-    call(text, f->name, x, y);
+    add_call(text, f->name, x, y);
   } else {
     vs_text_add(text, "(");
-    if (y) add(text, x);
+    if (y) add_part(text, x);
     vs_text_add(text, "%s", y ? f->name : "-");
-    add(text, y ? y : x);
+    add_part(text, y ? y : x);
     vs_text_add(text, ")");
   }
 }
 
 /* Puts the operation's result in the place of x. */
-static void apply(int function, part *x, part *y) {
-  const vs_function *f = &vs_function_table[function];
+static void apply_as_text(int function, part *x, part *y) {
+  const vs_function *f = &vs_formula_functions[function];
   part result = {NULL, 0};
   if (!x->text && !(y && y->text)) {
     result.number = y ? f->of_two(x->number, y->number) : f->of(x->number);
   } else {
     const part *same = y ? simpler(function, x, y) : NULL;
     vs_text text = {0};
-    if (!same) operation(&text, function, x, y);
+    if (!same) add_operation(&text, function, x, y);
     if (same && same->text) vs_text_add(&text, "%s", same->text);
     result = (part){text.text, same ? same->number : 0};
   }
@@ -142,10 +142,10 @@ void vs_spice_formula(vs_text *text, const vs_formula *f, const char *const *ter
       continue;
     }
     int function = op->kind - VS_OP_FUNCTION;
-    bool two = vs_function_table[function].of_two;
+    bool two = vs_formula_functions[function].of_two;
     if (two) top--;
-    apply(function, &stack[top], two ? &stack[top + 1] : NULL);
+    apply_as_text(function, &stack[top], two ? &stack[top + 1] : NULL);
   }
-  add(text, &stack[0]);
+  add_part(text, &stack[0]);
   free(stack[0].text);
 }

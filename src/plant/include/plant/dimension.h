@@ -15,8 +15,8 @@
  * Angles are pure numbers here, so that N.m/rad is N.m and a sine takes radians. 0 has every unit.
  * A number with digits that is no whole number or half (9.81, 1.2566e-6) may carry a unit of its
  * own: what it takes part in is unknown and is not checked further. */
-#ifndef VS_BASE_DIMENSION_H
-#define VS_BASE_DIMENSION_H
+#ifndef VS_PLANT_DIMENSION_H
+#define VS_PLANT_DIMENSION_H
 
 #include "base/formula.h"
 #include "base/units.h"

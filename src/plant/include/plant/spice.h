@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A formula as ngspice's B sources write it. */
-#ifndef VS_BASE_SPICE_H
-#define VS_BASE_SPICE_H
+#ifndef VS_PLANT_SPICE_H
+#define VS_PLANT_SPICE_H
 
-#include "base/text.h"
 #include "base/formula.h"
+#include "base/text.h"
 
 /* Adds a number that ngspice reads as this one to the last bit or two; in brackets where it has a
  * sign or is a sum. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "base/dimension.h"
+#include "plant/dimension.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -25,14 +25,14 @@ vs_dimension vs_dimension_product(const vs_dimension *x, double n, const vs_dime
 }
 
 /* Powers are sums of a few roots and products, so that they differ by rounding alone. */
-static bool same(const vs_dimension *x, const vs_dimension *y) {
+static bool have_same_powers(const vs_dimension *x, const vs_dimension *y) {
   for (int k = 0; k < VS_UNIT_POWERS; k++)
     if (fabs(x->power[k] - y->power[k]) > 1e-9) return false;
   return true;
 }
 
 bool vs_dimension_fits(const vs_dimension *x, const vs_dimension *y) {
-  return x->unknown || x->any || y->unknown || y->any || same(x, y);
+  return x->unknown || x->any || y->unknown || y->any || have_same_powers(x, y);
 }
 
 static bool is_pure(const vs_dimension *x) {
@@ -53,7 +53,7 @@ void vs_dimension_text(const vs_dimension *d, char text[VS_DIMENSION_TEXT]) {
   if (d->unknown || d->any || is_pure(d)) return;
   for (size_t k = 0; k < sizeof USUAL / sizeof *USUAL; k++) {
     vs_dimension usual = vs_dimension_of(USUAL[k]);
-    if (!same(d, &usual)) continue;
+    if (!have_same_powers(d, &usual)) continue;
     snprintf(text, VS_DIMENSION_TEXT, "%s", USUAL[k]);
     return;
   }
@@ -65,7 +65,7 @@ void vs_dimension_text(const vs_dimension *d, char text[VS_DIMENSION_TEXT]) {
   }
 }
 
-/* A value that waits: its dimension, and its number where it is one written with digits. */
+/* A value on the stack: its dimension, and its number where it is written with digits. */
 typedef struct value {
   vs_dimension is;
   bool literal;
@@ -79,10 +79,10 @@ static value number_of(const vs_op *op) {
   return v;
 }
 
-static bool fail(vs_dimension_fault *fault, const vs_op *op, const char *format,
-                 const vs_dimension *x, const vs_dimension *y) {
+static bool units_differ(vs_dimension_fault *fault, const vs_op *op, const char *format,
+                         const vs_dimension *x, const vs_dimension *y) {
   char text[2][VS_DIMENSION_TEXT] = {"", ""};
-  const char *name = vs_function_table[op->kind - VS_OP_FUNCTION].name;
+  const char *name = vs_formula_functions[op->kind - VS_OP_FUNCTION].name;
   fault->at = op->at;
   vs_dimension_text(x, text[0]);
   if (y) vs_dimension_text(y, text[1]);
@@ -98,13 +98,13 @@ static bool fail(vs_dimension_fault *fault, const vs_op *op, const char *format,
 }
 
 /* Both values of a sum must be alike; the result is as the one that is known. */
-static bool alike(const vs_op *op, value *x, const value *y, vs_dimension_fault *fault) {
+static bool check_alike(const vs_op *op, value *x, const value *y, vs_dimension_fault *fault) {
   static const char *const SAYS[VS_OPERATORS] = {
       [VS_ADD] = "%y is added to %x", [VS_SUBTRACT] = "%y is subtracted from %x"};
   int function = op->kind - VS_OP_FUNCTION;
   if (!vs_dimension_fits(&x->is, &y->is))
-    return fail(fault, op, function < VS_OPERATORS ? SAYS[function] : "%f is of %x and %y", &x->is,
-                &y->is);
+    return units_differ(fault, op, function < VS_OPERATORS ? SAYS[function] : "%f is of %x and %y",
+                        &x->is, &y->is);
   bool unknown = x->is.unknown || y->is.unknown;
   if (x->is.any) x->is = y->is;
   if (unknown) x->is = (vs_dimension){.unknown = true};
@@ -112,8 +112,8 @@ static bool alike(const vs_op *op, value *x, const value *y, vs_dimension_fault 
 }
 
 /* x^y. With an exponent that is no number the result is known for a pure x alone. */
-static bool raise_to(const vs_op *op, value *x, const value *y, vs_dimension_fault *fault) {
-  if (!is_pure(&y->is)) return fail(fault, op, "the exponent is in %x", &y->is, NULL);
+static bool raise_unit(const vs_op *op, value *x, const value *y, vs_dimension_fault *fault) {
+  if (!is_pure(&y->is)) return units_differ(fault, op, "the exponent is in %x", &y->is, NULL);
   static const vs_dimension PURE = {0};
   if (y->literal)
     x->is = vs_dimension_product(&x->is, y->number, &PURE, 0);
@@ -122,18 +122,19 @@ static bool raise_to(const vs_op *op, value *x, const value *y, vs_dimension_fau
   return true;
 }
 
-static bool apply(const vs_op *op, value *x, const value *y, vs_dimension_fault *fault) {
+static bool apply_to_units(const vs_op *op, value *x, const value *y, vs_dimension_fault *fault) {
   static const vs_dimension PURE = {0};
   int function = op->kind - VS_OP_FUNCTION;
-  const vs_function *f = &vs_function_table[function];
+  const vs_function *f = &vs_formula_functions[function];
   bool literal = x->literal && (!y || y->literal), good = true;
   double number = !literal ? 0 : y ? f->of_two(x->number, y->number) : f->of(x->number);
   if (f->alike) {
-    good = alike(op, x, y, fault);
+    good = check_alike(op, x, y, fault);
   } else if (f->raises) {
-    good = raise_to(op, x, y, fault);
+    good = raise_unit(op, x, y, fault);
   } else if (f->pure) {
-    if (!is_pure(&x->is)) return fail(fault, op, "%f wants a pure number, not %x", &x->is, NULL);
+    if (!is_pure(&x->is))
+      return units_differ(fault, op, "%f wants a pure number, not %x", &x->is, NULL);
     x->is = PURE;
   } else
     x->is = vs_dimension_product(&x->is, f->power[0], y ? &y->is : &PURE, f->power[1]);
@@ -155,9 +156,9 @@ bool vs_dimension_find(const vs_formula *f, const vs_dimension *terms, const vs_
                                               : number_of(op);
       continue;
     }
-    bool two = vs_function_table[op->kind - VS_OP_FUNCTION].of_two;
+    bool two = vs_formula_functions[op->kind - VS_OP_FUNCTION].of_two;
     if (two) top--;
-    if (!apply(op, &stack[top], two ? &stack[top + 1] : NULL, fault)) return false;
+    if (!apply_to_units(op, &stack[top], two ? &stack[top + 1] : NULL, fault)) return false;
   }
   *found = stack[0].is;
   return true;
