@@ -1,10 +1,183 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "coupled/course.h"
 
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_odeiv2.h>
 #include <math.h>
 #include <string.h>
 
 #include "plant/coil.h"
+#include "plant/mechanics.h"
+
+/* ---- motion ---- */
+
+/* The machine between two of the circuit's knots: Eq. 54 under a flux linkage that is a cubic in
+ * time. Where the force follows from that alone and the armature is free, q is a Taylor series;
+ * else it is integrated by GSL's rkf45. The instant at which the armature meets or leaves its stop
+ * is located. */
+
+static int rhs(double s, const double x[], double rate[], void *user) {
+  const vs_motion *m = user;
+  const vs_model *model = m->model;
+  const double *q = x, *v = x + model->dof;
+  double flux = m->flux[0] + s * (m->flux[1] + s * (m->flux[2] + s * m->flux[3]));
+  double g = vs_mechanics_travel(model, q), a[VS_MOST_DOF];
+  double force = vs_coil_force(&model->coil, flux, vs_coil_gap(&model->coil, g));
+  if (m->touched)
+    force += vs_stops_force(&model->stops, m->touched, g, vs_mechanics_travel(model, v));
+  vs_mechanics_accelerations(model, q, v, force, a);
+  if (m->jammed) vs_mechanics_hold(model, a);
+  memcpy(rate, v, (size_t)model->dof * sizeof *rate);
+  memcpy(rate + model->dof, a, (size_t)model->dof * sizeof *rate);
+  return GSL_SUCCESS;
+}
+
+/* ---- a free swing as a series ---- */
+
+/* F = lambda^2/(4a) and its first four derivatives, at_s into the course of the flux. */
+static void force_rates(const vs_motion *m, double at_s, double f[5]) {
+  const double *c = m->flux, a4 = 4 * m->model->coil.a_hm;
+  double l0 = c[0] + at_s * (c[1] + at_s * (c[2] + at_s * c[3]));
+  double l1 = c[1] + at_s * (2 * c[2] + at_s * 3 * c[3]);
+  double l2 = 2 * c[2] + at_s * 6 * c[3], l3 = 6 * c[3];
+  f[0] = l0 * l0 / a4;
+  f[1] = 2 * l0 * l1 / a4;
+  f[2] = 2 * (l0 * l2 + l1 * l1) / a4;
+  f[3] = (2 * l0 * l3 + 6 * l1 * l2) / a4;
+  f[4] = (8 * l1 * l3 + 6 * l2 * l2) / a4;
+}
+
+/* The Taylor series of q up to its sixth derivative, which follows from Eq. 54, and of q' as far.
+ * Over the longest substep of 0.02 rad the rest is (0.02)^7/7! = 3e-16 of the amplitude of q and
+ * (0.02)^6/6! = 9e-14 of that of q'. */
+static inline __attribute__((always_inline)) void swing(const vs_motion *m, double at_s, double h,
+                                                        int dof, double *x) {
+  enum { ORDER = 6 };
+  const vs_model *model = m->model;
+  double d[ORDER + 1][VS_MOST_DOF], f[ORDER - 1];
+  force_rates(m, at_s, f);
+  memcpy(d[0], x, (size_t)dof * sizeof *x);
+  memcpy(d[1], x + dof, (size_t)dof * sizeof *x);
+  vs_mechanics_accelerations(model, d[0], d[1], f[0], d[2]);
+  for (int n = 1; n + 2 <= ORDER; n++) vs_mechanics_jerks(model, d[n], d[n + 1], f[n], d[n + 2]);
+  double h2 = h / 2, h3 = h / 3, h4 = h / 4, h5 = h / 5, h6 = h / 6;
+  for (int i = 0; i < dof; i++) {
+    x[i] = d[0][i] +
+           h * (d[1][i] +
+                h2 * (d[2][i] + h3 * (d[3][i] + h4 * (d[4][i] + h5 * (d[5][i] + h6 * d[6][i])))));
+    x[dof + i] =
+        d[1][i] + h * (d[2][i] + h2 * (d[3][i] + h3 * (d[4][i] + h4 * (d[5][i] + h5 * d[6][i]))));
+  }
+}
+
+/* ---- substeps ---- */
+
+static bool substep(vs_motion *m, double at_s, double h, double *x) {
+  double error[VS_MOST_STATES];
+  if (m->model->coil.square && !m->touched && !m->jammed) {
+    if (m->model->dof == VS_ROWS)
+      swing(m, at_s, h, VS_ROWS, x);
+    else
+      swing(m, at_s, h, m->model->dof, x);
+    return true;
+  }
+  return !gsl_odeiv2_step_apply(m->step, at_s, h, x, error, NULL, NULL, &m->system);
+}
+
+/* The armature meets or leaves a stop in the substep of h from x. Takes x to that instant, by
+ * Newton's iteration on the substep's length, and returns that length. */
+static double to_contact(vs_motion *m, const vs_stop *stop, bool leaves, double at_s, double h,
+                         double *x) {
+  const vs_model *model = m->model;
+  double from[VS_MOST_STATES], lower = 0, upper = h, sign = leaves ? 1 : -1;
+  memcpy(from, x, m->size);
+  for (int n = 0; n < 40; n++) {
+    memcpy(x, from, m->size);
+    if (!substep(m, at_s, h, x)) return NAN;
+    double left =
+        sign * vs_stop_depth(stop, vs_mechanics_travel(model, x)); /* falls through zero */
+    double rate = -sign * stop->side * vs_mechanics_travel(model, x + model->dof);
+    if (fabs(left) < 1e-15 * fabs(stop->at_m) || upper - lower < 1e-17) break;
+    if (left > 0)
+      lower = h;
+    else
+      upper = h;
+    double next = h - left / rate;
+    h = next > lower && next < upper ? next : (lower + upper) / 2;
+  }
+  return h;
+}
+
+/* Goes to the first of the contacts of these stops in the substep from x, says in m->changed which
+ * that is, and returns how far into the substep it is. */
+static double to_first_contact(vs_motion *m, unsigned stops, double at_s, double h, double *x) {
+  double from[VS_MOST_STATES], there[VS_MOST_STATES], first = INFINITY;
+  memcpy(from, x, m->size);
+  for (int k = 0; k < m->model->stops.count; k++) {
+    if (!(stops >> k & 1)) continue;
+    memcpy(there, from, m->size);
+    double at = to_contact(m, &m->model->stops.item[k], m->touched >> k & 1, at_s, h, there);
+    if (isnan(at)) return NAN;
+    if (at >= first) continue;
+    first = at;
+    m->changed = 1u << k;
+    memcpy(x, there, m->size);
+  }
+  return first;
+}
+
+/* Takes x = (q, q') on from `at_s` seconds into the course of the flux, to h seconds or to where
+ * the armature meets or leaves its stop. Returns how far it has come, s; NaN where GSL cannot step
+ * on. */
+static double motion_advance(vs_motion *m, double at_s, double h, double *x) {
+  const vs_model *model = m->model;
+  double longest = m->touched ? m->substep_touching_s : m->substep_s, before[VS_MOST_STATES];
+  double n = fmax(ceil((h - at_s) / longest), 1), sub = (h - at_s) / n;
+  for (double k = 0; k < n; k++) {
+    memcpy(before, x, m->size);
+    if (!substep(m, at_s + k * sub, sub, x)) return NAN;
+    unsigned changed = vs_stops_touched(&model->stops, vs_mechanics_travel(model, x)) ^ m->touched;
+    if (!changed) continue;
+    memcpy(x, before, m->size);
+    return at_s + k * sub + to_first_contact(m, changed, at_s + k * sub, sub, x);
+  }
+  return h;
+}
+
+/* How fast the armature may swing with its stops free, rad/s: the fastest mode, and what the
+ * force's slope over the gap makes of it where the flux linkage is held, without a current at
+ * first. */
+static double motion_fastest(const vs_model *model) {
+  const vs_coil *c = &model->coil;
+  if (c->square) return model->fastest_rad_s; /* the force hangs on the flux linkage alone */
+  double z = c->gap_rest_m, i[3], force[3];
+  const double flux[3] = {0}, moving[3] = {z, 1, 0};
+  c->law->along(c, flux, moving, i, force); /* the force's rate is then dF/dz */
+  return model->fastest_rad_s + sqrt(fabs(force[1] * model->per_newton_m_s2));
+}
+
+/* Goes on with another model of as many coordinates, which must outlive the motion. */
+static void motion_take(vs_motion *m, const vs_model *model) {
+  double fastest = motion_fastest(model);
+  m->model = model;
+  m->substep_s = 0.02 / fastest;
+  m->substep_touching_s = 0.02 / fmax(model->contact_rad_s, fastest);
+}
+
+/* The motion must stay where it is made, as its system points to it. The model must outlive it. */
+static void motion_begin(vs_motion *m, const vs_model *model) {
+  *m = (vs_motion){
+      .size = 2 * (size_t)model->dof * sizeof(double),
+      .system = {rhs, NULL, 2 * (size_t)model->dof, m},
+      .step = vs_checked(gsl_odeiv2_step_alloc(gsl_odeiv2_step_rkf45, 2 * (size_t)model->dof))};
+  motion_take(m, model);
+}
+
+static void motion_end(vs_motion *m) {
+  gsl_odeiv2_step_free(m->step);
+}
+
+/* ---- course ---- */
 
 /* Sets the polynomial of the flux linkage under which the machine moves on from the last knot, and
  * how the armature stands there. */
@@ -24,7 +197,7 @@ static void integrate(vs_course *c, double h, double x[VS_MOST_STATES]) {
   memcpy(x, k->x, sizeof k->x);
   set_flux(c, k->flux_wb, k->flux_rate_v, k->flux_rate2_v_s / 2, 0);
   for (double at = 0; at < h; c->motion.touched ^= c->motion.changed)
-    at = vs_motion_advance(&c->motion, at, h, x); /* a NaN ends this too, and move() will say so */
+    at = motion_advance(&c->motion, at, h, x); /* a NaN ends this too, and move() will say so */
 }
 
 /* The state after h seconds by its Taylor polynomial, with the derivatives up to the third of q. */
@@ -145,7 +318,7 @@ static const double SERIES_RAD = 0.1;
 
 static void take_model(vs_course *c, const vs_model *m) {
   c->frame.model = m;
-  c->series_s = SERIES_RAD / vs_motion_fastest(m);
+  c->series_s = SERIES_RAD / motion_fastest(m);
 }
 
 /* The load changes at the last knot: q and q' go on as they are, with another M. */
@@ -153,7 +326,7 @@ static vs_status change_load(vs_course *c, vs_error *err) {
   vs_knot *k = vs_course_next(c);
   vs_knot_copy(&c->frame, vs_course_last(c), k);
   take_model(c, &c->setup->loads.item[c->loads++].model);
-  vs_motion_take(&c->motion, c->frame.model);
+  motion_take(&c->motion, c->frame.model);
   complete(c, k);
   return vs_course_show(c, k, VS_EV_LOADS, err);
 }
@@ -182,7 +355,7 @@ static vs_status move_in_parts(vs_course *c, double at, double x[VS_MOST_STATES]
     complete(c, &cut);
     vs_status status = show_contact(c, &cut, err);
     if (status) return status;
-    at = vs_motion_advance(&c->motion, at, h, x);
+    at = motion_advance(&c->motion, at, h, x);
     if (isnan(at)) return vs_fail(err, VS_RUN, "t = %.9g s: GSL cannot step on", end.t_s);
   }
   memcpy(end.x, x, sizeof end.x);
@@ -195,7 +368,7 @@ static vs_status move(vs_course *c, vs_error *err) {
   vs_knot *end = vs_course_next(c);
   double h = end->t_s - start->t_s;
   memcpy(end->x, start->x, c->motion.size);
-  double at = vs_motion_advance(&c->motion, 0, h, end->x);
+  double at = motion_advance(&c->motion, 0, h, end->x);
   if (isnan(at)) return vs_fail(err, VS_RUN, "t = %.9g s: GSL cannot step on", end->t_s);
   if (at < h) {
     double x[VS_MOST_STATES];
@@ -236,7 +409,7 @@ void vs_course_begin(vs_course *c, const vs_setup *setup, const vs_frame *frame,
   c->knots[0] = vs_sim_start(setup, &c->frame);
   c->touched = vs_stops_touched(&m->stops, vs_mechanics_travel(m, c->knots[0].x));
   vs_anode_begin(&c->anode, &setup->deck, &setup->timeline);
-  vs_motion_begin(&c->motion, m);
+  motion_begin(&c->motion, m);
 }
 
 void vs_course_turn(vs_course *c, double by_s, const vs_setup *setup, const vs_observer *observer,
@@ -247,7 +420,7 @@ void vs_course_turn(vs_course *c, double by_s, const vs_setup *setup, const vs_o
   c->frame.timeline = &setup->timeline;
   c->anode.timeline = &setup->timeline;
   take_model(c, &setup->model);
-  vs_motion_take(&c->motion, &setup->model);
+  motion_take(&c->motion, &setup->model);
   c->jams_s = vs_setup_jams(setup);
   vs_anode_wind(&c->anode, by_s);
   c->knots[0].t_s -= by_s;
@@ -259,5 +432,5 @@ void vs_course_turn(vs_course *c, double by_s, const vs_setup *setup, const vs_o
 }
 
 void vs_course_end(vs_course *c) {
-  vs_motion_end(&c->motion);
+  motion_end(&c->motion);
 }

@@ -5,9 +5,25 @@
 #define VS_ENGINE_COURSE_H
 
 #include "coupled/anode.h"
-#include "coupled/motion.h"
 #include "drive/held.h"
 #include "engine/sim.h"
+#include "plant/mechanics.h"
+#include <gsl/gsl_odeiv2.h>
+
+/* The caller sets flux, touched and jammed. */
+typedef struct vs_motion {
+  const vs_model *model;
+  double flux[4];                       /* lambda(t0 + s) = flux[0] + s flux[1] + ..., Wb */
+  unsigned touched;                     /* the stops that the armature is in, as bits */
+  bool jammed;                          /* the armature stays where it is */
+  double substep_s, substep_touching_s; /* longest substep, free and in a stop: 0.02 rad of the
+                                           fastest swing, where the error of either is below 1e-12
+                                           of the amplitude; INFINITY for a free mass */
+  unsigned changed; /* behind a contact: the stop that was met or left, as a bit */
+  size_t size;      /* of a state, bytes */
+  gsl_odeiv2_system system;
+  gsl_odeiv2_step *step;
+} vs_motion;
 
 typedef struct vs_course {
   const vs_setup *setup;

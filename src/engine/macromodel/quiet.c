@@ -5,12 +5,186 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "plant/coil.h"
 #include "engine/events.h"
 #include "engine/gate.h"
-#include "macromodel/misfit.h"
-#include "macromodel/outlook.h"
+#include "macromodel/modal.h"
+#include "macromodel/record.h"
 #include "macromodel/walk.h"
+#include "plant/coil.h"
+
+/* ---- outlook ---- */
+
+/* What a one-port's law (oneport.h) says of the cycles of the mains to come, and what its errors
+ * may add up to in them. */
+
+/* Ten cycles of 50 Hz hold the slowest beats of the mains with a machine that is driven near its
+ * resonance. In each of them 100 instants, 3.6 degrees apart, meet a peak to 5e-4 of it. */
+enum { VS_OUTLOOK_CYCLES = 10, VS_OUTLOOK_STEPS = 100 };
+
+typedef struct vs_outlook {
+  /* The largest flux linkage in each cycle, relative to the largest in view: an error of the flux
+   * linkage makes one of the force in proportion to it. 0 for a cycle behind the end. */
+  double ratio[VS_OUTLOOK_CYCLES];
+  double reach; /* how far these cycles lie beyond what the law was fitted to (vs_oneport_reach);
+                   at least 1 */
+} vs_outlook;
+
+/* Where the signals may go, and behind the last of them the EVA's voltage. */
+typedef struct range {
+  double least[VS_SIGNALS + 1], most[VS_SIGNALS + 1];
+} range;
+
+/* Sets the range of signal n, or of the EVA's voltage behind the last one: as far as it went over
+ * the cycle in view, and half of that more at either end, for the beat of the machine with the
+ * mains. A signal that drifts has no limits. */
+static void see_range_of(const vs_record *r, const vs_oneport *port, size_t n, range *out) {
+  bool of_eva = n == vs_record_signals(r);
+  double least = INFINITY, most = -INFINITY;
+  for (size_t k = 0; k < r->n_seen; k++) {
+    const vs_seen *seen = r->seen[k];
+    double value = of_eva ? seen->knot.v_eva_v : vs_responses_seen(r->frame, seen, n);
+    least = fmin(least, value);
+    most = fmax(most, value);
+  }
+  double slack = (most - least) / 2 + (of_eva ? 0 : vs_record_allowed(r, n));
+  bool drifts = !of_eva && vs_responses_drift(vs_oneport_responses(port), n) != 0;
+  out->least[n] = drifts ? -INFINITY : least - slack;
+  out->most[n] = drifts ? INFINITY : most + slack;
+}
+
+static void see_range(const vs_record *r, const vs_oneport *port, range *out) {
+  for (size_t n = 0; n <= vs_record_signals(r); n++) see_range_of(r, port, n, out);
+}
+
+static bool in_range(const vs_record *r, const vs_oneport *port, const range *seen, double t_s,
+                     const vs_coil_state *c) {
+  double signal[VS_SIGNALS];
+  size_t count = vs_record_signals(r);
+  vs_responses_at(vs_oneport_responses(port), t_s, c, signal);
+  for (size_t n = 0; n < count; n++)
+    if (!(signal[n] >= seen->least[n] && signal[n] <= seen->most[n])) return false;
+  return c->v_v >= seen->least[count] && c->v_v <= seen->most[count];
+}
+
+static double largest_flux(const vs_record *r) {
+  double most = 0;
+  for (size_t k = 0; k < r->n_seen; k++) most = fmax(most, fabs(r->seen[k]->knot.flux_wb));
+  return most;
+}
+
+/* Follows the law from the record's last knot on, but not beyond until_s. Returns false where GSL
+ * cannot integrate, or where a signal or the EVA's voltage leaves the range that it had over the
+ * cycle in view: a law found there says nothing of what lies outside, as a diode may conduct there
+ * that did not, or block. */
+static bool outlook_find(const vs_record *r, vs_oneport *port, double until_s, vs_outlook *o) {
+  double y[VS_ONEPORT_STATES], t = r->last.knot.t_s, now = largest_flux(r);
+  double h = r->setup->timeline.period_s / VS_OUTLOOK_STEPS;
+  range seen;
+  see_range(r, port, &seen);
+  vs_oneport_state(&r->last.knot, y);
+  *o = (vs_outlook){.reach = 1};
+  for (int cycle = 0; cycle < VS_OUTLOOK_CYCLES && t < until_s; cycle++)
+    for (int n = 0; n < VS_OUTLOOK_STEPS; n++, t += h) {
+      if (!vs_oneport_advance(port, t, t + h, y)) return false;
+      vs_coil_state c = vs_oneport_coil(port, t + h, y);
+      if (!in_range(r, port, &seen, t + h, &c)) return false;
+      o->ratio[cycle] = fmax(o->ratio[cycle], fabs(c.flux_wb) / now);
+      o->reach = fmax(o->reach, vs_oneport_reach(port, t + h, &c));
+    }
+  return true;
+}
+
+/* Behind the cycles that were looked at, the last one's ratio goes on. A mode that decays holds no
+ * more than its errors of 1/(1 - exp(-T/tau)) cycles: the sum of a geometric series. */
+static double outlook_times(const vs_outlook *o, const vs_mode *m, double cycles, double period_s,
+                            double *walked) {
+  double sum = 0, rest = fmax(cycles - VS_OUTLOOK_CYCLES, 0);
+  double last = o->ratio[VS_OUTLOOK_CYCLES - 1], from = VS_OUTLOOK_CYCLES;
+  *walked = 0;
+  for (int n = 0; n < VS_OUTLOOK_CYCLES && n < cycles; n++) {
+    sum += o->ratio[n];
+    *walked += (n + 1) * o->ratio[n];
+  }
+  double held = -1 / expm1(-period_s / m->time_constant_s);
+  if (isfinite(m->time_constant_s) && held < rest) {
+    from = cycles - held;
+    rest = held;
+  }
+  *walked = o->reach * (*walked + rest * (from + cycles) / 2 * last);
+  return o->reach * (sum + rest * last);
+}
+
+/* ---- quiet ---- */
+
+/* ---- misfit ---- */
+
+/* How wrong a one-port's law (oneport.h) is over the cycle of the mains that is in view (record.h),
+ * where it is run beside the solver from the same state. */
+
+/* The largest errors at any knot in view. */
+typedef struct vs_misfit {
+  double force_n, current_a; /* of the coil */
+  double
+      mode[VS_MOST_STATES];  /* share of each mode in the error of (q, q'), in units of its shape */
+  double signal[VS_SIGNALS]; /* V or A */
+  vs_coil_state coil[VS_MOST_SEEN]; /* what the law says of the coil at each knot in view */
+} vs_misfit;
+
+/* That multiple: how much worse than in the cycle in view the law may be later. With five, the
+ * bound on leaving the solver held over the scenes of tests/long/quiet.csv. */
+static const double misfit_safety = 5;
+
+/* The error of the coil's force or current, whichever is worse, relative to its peak, that the law
+ * may make later: a multiple of the one found. */
+static double misfit_electric(const vs_record *r, const vs_misfit *wrong) {
+  return misfit_safety * fmax(wrong->force_n / r->peak_force_n, wrong->current_a / r->peak_a);
+}
+
+static void compare_modes(const vs_modal *modal, const double y[VS_ONEPORT_STATES],
+                          const vs_knot *seen, vs_misfit *wrong) {
+  double error[VS_MOST_STATES], share[VS_MOST_STATES];
+  int states = (int)modal->share->size;
+  for (int n = 0; n < states; n++) error[n] = y[VS_ONEPORT_Q + n] - seen->x[n];
+  vs_modal_shares(modal, error, share);
+  for (int n = 0; n < states; n++) wrong->mode[n] = fmax(wrong->mode[n], share[n]);
+}
+
+/* Runs the law beside the solver, and fills all but `signal`. Returns false, and ends there, where
+ * misfit_electric exceeds `most` or GSL cannot integrate. */
+static bool misfit_find(const vs_record *r, vs_oneport *port, const vs_modal *modal, double most,
+                        vs_misfit *wrong) {
+  const vs_model *m = &r->setup->model;
+  double y[VS_ONEPORT_STATES];
+  *wrong = (vs_misfit){0};
+  vs_oneport_state(&r->seen[0]->knot, y);
+  for (size_t k = 0; k < r->n_seen; k++) {
+    const vs_knot *seen = &r->seen[k]->knot;
+    if (k && !vs_oneport_advance(port, r->seen[k - 1]->knot.t_s, seen->t_s, y)) return false;
+    const vs_coil_state c = wrong->coil[k] = vs_oneport_coil(port, seen->t_s, y);
+    double z = vs_mechanics_gap(m, seen->x);
+    double force =
+        vs_coil_force(&m->coil, c.flux_wb, z) - vs_coil_force(&m->coil, seen->flux_wb, z);
+    wrong->force_n = fmax(wrong->force_n, fabs(force));
+    wrong->current_a = fmax(wrong->current_a, fabs(c.i_a - vs_oneport_knot_current(m, seen)));
+    if (!(misfit_electric(r, wrong) <= most)) return false;
+    compare_modes(modal, y, seen, wrong);
+  }
+  return true;
+}
+
+/* Then fills `signal`; needs vs_oneport_fit_signals. */
+static void misfit_find_signals(const vs_record *r, const vs_oneport *port, vs_misfit *wrong) {
+  double signal[VS_SIGNALS];
+  for (size_t k = 0; k < r->n_seen; k++) {
+    const vs_seen *seen = r->seen[k];
+    vs_responses_at(vs_oneport_responses(port), seen->knot.t_s, &wrong->coil[k], signal);
+    for (size_t n = 0; n < vs_record_signals(r); n++)
+      wrong->signal[n] =
+          fmax(wrong->signal[n], fabs(signal[n] - vs_responses_seen(r->frame, seen, n)));
+  }
+}
+
+/* ---- quiet ---- */
 
 /* Cycles that the signals are fitted to. Over one alone a beat of the machine with the mains may
  * look like the coil's share in a signal. */
@@ -100,9 +274,9 @@ static void mode_errors(const quiet *q, const vs_walk *w, const vs_outlook *ahea
   for (size_t k = 0; k < q->modal.share->size; k++) {
     const vs_mode *m = &q->modal.mode[k];
     double walked = 0, times = 1;
-    if (ahead) times = vs_outlook_times(ahead, m, (until_s - now) / period, period, &walked);
+    if (ahead) times = outlook_times(ahead, m, (until_s - now) / period, period, &walked);
     error[k] = q->carried[k] * exp(m->re_1_s * (now - q->carried_s)) +
-               vs_misfit_safety * q->misfit.mode[k] * times + (w ? w->mode[k] * walked : 0);
+               misfit_safety * q->misfit.mode[k] * times + (w ? w->mode[k] * walked : 0);
   }
 }
 
@@ -182,14 +356,14 @@ static bool find_law(quiet *q, bool dynamic, double until_s, vs_outlook *ahead) 
   double most = SHARE * q->setup->run.tolerance, error[VS_MOST_STATES];
   if (!vs_record_view(r, 1, 0) || !vs_oneport_fit(q->port, r->seen, r->n_seen, dynamic))
     return false;
-  if (!vs_misfit_find(r, q->port, &q->modal, most, &q->misfit)) return false;
+  if (!misfit_find(r, q->port, &q->modal, most, &q->misfit)) return false;
   mode_errors(q, NULL, NULL, until_s, error);
   if (!(motion_bound(q, error) <= most)) return false;
   if (!vs_record_view(r, FIT_CYCLES, 0) || !vs_oneport_fit_signals(q->port, r->seen, r->n_seen))
     return false;
   vs_record_view(r, 1, 0);
-  vs_misfit_find_signals(r, q->port, &q->misfit);
-  return signals_hold(q, until_s) && vs_outlook_find(r, q->port, until_s, ahead);
+  misfit_find_signals(r, q->port, &q->misfit);
+  return signals_hold(q, until_s) && outlook_find(r, q->port, until_s, ahead);
 }
 
 /* Returns the bound on p, u, w, phi, force and i if the law walks on like that, and gives each
@@ -198,7 +372,7 @@ static double machine_bound(const quiet *q, const vs_walk *w, const vs_outlook *
                             double until_s, double error[VS_MOST_STATES]) {
   double cycles = (until_s - q->record.last.knot.t_s) / q->setup->timeline.period_s;
   mode_errors(q, w, ahead, until_s, error);
-  double electric = ahead->reach * vs_misfit_electric(&q->record, &q->misfit) +
+  double electric = ahead->reach * misfit_electric(&q->record, &q->misfit) +
                     vs_walk_electric(&q->record, w, cycles);
   double bound = fmax(electric, motion_bound(q, error));
   return bound <= SHARE * q->setup->run.tolerance ? bound : INFINITY;
