@@ -9,9 +9,9 @@
 #include <string.h>
 #include <sys/wait.h>
 
-#include "plant/coil.h"
 #include "bench.h"
 #include "cli/export.h"
+#include "plant/coil.h"
 #include "suite.h"
 
 static const double PEAK_V = 622.2539674441618; /* 440 V rms */
@@ -372,7 +372,7 @@ static void late_firing_does_not_chatter(void) {
 
 static vs_status keep_last(void *ctx, const vs_step *step, vs_error *err) {
   (void)err;
-  vs_knot_copy(step->frame, step->to, ctx);
+  vs_step_copy_knot(step->frame, step->to, ctx);
   return VS_OK;
 }
 

@@ -14,11 +14,11 @@
 #include <sys/stat.h>
 
 #include "base/file.h"
+#include "base/units.h"
 #include "mechanism.h"
 #include "netlist/netlist.h"
-#include "engine/plain.h"
+#include "plain.h"
 #include "run/scene.h"
-#include "base/units.h"
 
 /* Measured under plain ngspice against the circuit tier at a tolerance of 1e-6, with steps of a
  * two-thousandth of a period by the trapezoidal rule: p is off by 3e-5 of its peak after a single
@@ -444,7 +444,7 @@ vs_status vs_export_command(const char *name, char *const *sets, size_t n_sets, 
                             vs_error *err) {
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_status status =
-      vs_scene_read(name, sets, n_sets, vs_manner_tier_words[VS_TIER_CIRCUIT], scene, err);
+      vs_scene_read(name, sets, n_sets, vs_setup_tier_words[VS_TIER_CIRCUIT], scene, err);
   if (!status) vs_scene_warn(scene);
   if (!status) status = check_whole(scene, err);
   if (!status) status = write_deck(scene, output, err);

@@ -7,12 +7,12 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "plant/build.h"
-#include "orbit/shooting.h"
-#include "measure/throw.h"
-#include "run/session.h"
-#include "orbit/picard.h"
 #include "engine/tiers.h"
+#include "measure/throw.h"
+#include "orbit/picard.h"
+#include "orbit/shooting.h"
+#include "plant/build.h"
+#include "run/session.h"
 
 enum { MOST_TRIALS = 40 };
 /* The share is found where the orbit's own differs by less: far below what an empirical number
@@ -336,8 +336,8 @@ vs_status vs_fraction_settle(vs_scene *scene, int periods, vs_error *err) {
     status = vs_build_loaded(setup->machine, &setup->model, &load, f.share, &setup->model, err);
   }
   if (!status)
-    status =
-        vs_loads_make(&setup->timeline.events, setup->machine, &setup->model, &setup->loads, err);
+    status = vs_setup_make_loads(&setup->timeline.events, setup->machine, &setup->model,
+                                 &setup->loads, err);
   if (!status && !f.is_alone) warn_of_another(scene, s);
   setup->throw_coefficient = f.coefficient;
   setup->other_fraction = f.other;

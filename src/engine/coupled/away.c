@@ -11,7 +11,7 @@ static vs_status go_without(vs_away *a, double t_s, vs_error *err) {
   double from_s = vs_course_last(c)->t_s, gone_s = t_s - from_s;
   double n = ceil(gone_s / fmin(a->kind->longest(a->law), gone_s / 4));
   vs_knot next;
-  vs_knot_copy(&c->frame, vs_course_last(c), &next);
+  vs_step_copy_knot(&c->frame, vs_course_last(c), &next);
   vs_status status = vs_course_show(c, &next, VS_EV_QUIET, err);
   c->without = true;
   for (double k = 1; k <= n && !status; k++) {
@@ -77,7 +77,7 @@ vs_status vs_away_consider(vs_away *a, const double *signals, vs_error *err) {
 static const vs_knot *goal_at(vs_away *a, double t_s) {
   vs_error err = {0};
   if (t_s == a->goal_s) return &a->goal;
-  vs_knot_copy(&a->course->frame, vs_course_last(a->course), &a->goal);
+  vs_step_copy_knot(&a->course->frame, vs_course_last(a->course), &a->goal);
   a->kind->step(a->law, &a->goal, t_s, &err);
   a->goal_s = t_s;
   return &a->goal;
@@ -111,7 +111,7 @@ static void come_back(vs_away *a, const vs_knot *own, const double *signals) {
 vs_status vs_away_follow(vs_away *a, double t_s, const double *signals, vs_error *err) {
   vs_course *c = a->course;
   vs_knot next;
-  vs_knot_copy(&c->frame, vs_course_last(c), &next);
+  vs_step_copy_knot(&c->frame, vs_course_last(c), &next);
   vs_status status = a->kind->step(a->law, &next, t_s, err);
   if (status) return status;
   a->follows = t_s < a->follows_until_s;
@@ -132,8 +132,8 @@ static const double LEADS_STEPS = 4;
 
 /* False where edges are so near to one another, all along the run, that the solver cannot be left:
  * vs_away_consider wants two cycles of the mains up to the next edge, and may_leave
- * (engine/stand_in.h) one up to the run's end. A law would then be fed at each step for nothing. Where
- * edges are not known yet, or are too many to be looked at, the time may come. */
+ * (macromodel/stand_in.h) one up to the run's end. A law would then be fed at each step for
+ * nothing. Where edges are not known yet, or are too many to be looked at, the time may come. */
 static bool may_come(const vs_setup *setup, const vs_run_order *order) {
   enum { MOST_EDGES = 100000 };
   double period_s = setup->timeline.period_s * (1 - 1e-6), until_s = setup->run.until_s, now_s = 0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Being away from the circuit's solver: leaving it once a stand-in (engine/stand_in.h) says that it
- * may be left, stepping on without it, and coming back to it.
+ * Being away from the circuit's solver: leaving it once a stand-in (macromodel/stand_in.h) says
+ * that it may be left, stepping on without it, and coming back to it.
  *
  * A solver that is left for good ends its run, and the stand-in goes on to the end. One that is
  * gone back to stands still at some phase of the mains while whole cycles pass without it. Then its
@@ -12,6 +12,7 @@
 
 #include "coupled/course.h"
 #include "coupled/names.h"
+#include "macromodel/stand_in.h"
 
 typedef struct vs_away {
   vs_course *course;

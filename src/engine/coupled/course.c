@@ -9,14 +9,14 @@
 #include "plant/coil.h"
 #include "plant/mechanics.h"
 
-/* ---- motion ---- */
-
-/* The machine between two of the circuit's knots: Eq. 54 under a flux linkage that is a cubic in
+/* ---- the machine over one step of the circuit ----
+ *
+ * The machine between two of the circuit's knots: Eq. 54 under a flux linkage that is a cubic in
  * time. Where the force follows from that alone and the armature is free, q is a Taylor series;
  * else it is integrated by GSL's rkf45. The instant at which the armature meets or leaves its stop
  * is located. */
 
-static int rhs(double s, const double x[], double rate[], void *user) {
+static int machine_rhs(double s, const double x[], double rate[], void *user) {
   const vs_motion *m = user;
   const vs_model *model = m->model;
   const double *q = x, *v = x + model->dof;
@@ -50,8 +50,8 @@ static void force_rates(const vs_motion *m, double at_s, double f[5]) {
 /* The Taylor series of q up to its sixth derivative, which follows from Eq. 54, and of q' as far.
  * Over the longest substep of 0.02 rad the rest is (0.02)^7/7! = 3e-16 of the amplitude of q and
  * (0.02)^6/6! = 9e-14 of that of q'. */
-static inline __attribute__((always_inline)) void swing(const vs_motion *m, double at_s, double h,
-                                                        int dof, double *x) {
+static inline __attribute__((always_inline)) void step_free_swing(const vs_motion *m, double at_s,
+                                                                  double h, int dof, double *x) {
   enum { ORDER = 6 };
   const vs_model *model = m->model;
   double d[ORDER + 1][VS_MOST_DOF], f[ORDER - 1];
@@ -72,13 +72,13 @@ static inline __attribute__((always_inline)) void swing(const vs_motion *m, doub
 
 /* ---- substeps ---- */
 
-static bool substep(vs_motion *m, double at_s, double h, double *x) {
+static bool step_machine(vs_motion *m, double at_s, double h, double *x) {
   double error[VS_MOST_STATES];
   if (m->model->coil.square && !m->touched && !m->jammed) {
     if (m->model->dof == VS_ROWS)
-      swing(m, at_s, h, VS_ROWS, x);
+      step_free_swing(m, at_s, h, VS_ROWS, x);
     else
-      swing(m, at_s, h, m->model->dof, x);
+      step_free_swing(m, at_s, h, m->model->dof, x);
     return true;
   }
   return !gsl_odeiv2_step_apply(m->step, at_s, h, x, error, NULL, NULL, &m->system);
@@ -93,7 +93,7 @@ static double to_contact(vs_motion *m, const vs_stop *stop, bool leaves, double 
   memcpy(from, x, m->size);
   for (int n = 0; n < 40; n++) {
     memcpy(x, from, m->size);
-    if (!substep(m, at_s, h, x)) return NAN;
+    if (!step_machine(m, at_s, h, x)) return NAN;
     double left =
         sign * vs_stop_depth(stop, vs_mechanics_travel(model, x)); /* falls through zero */
     double rate = -sign * stop->side * vs_mechanics_travel(model, x + model->dof);
@@ -135,7 +135,7 @@ static double motion_advance(vs_motion *m, double at_s, double h, double *x) {
   double n = fmax(ceil((h - at_s) / longest), 1), sub = (h - at_s) / n;
   for (double k = 0; k < n; k++) {
     memcpy(before, x, m->size);
-    if (!substep(m, at_s + k * sub, sub, x)) return NAN;
+    if (!step_machine(m, at_s + k * sub, sub, x)) return NAN;
     unsigned changed = vs_stops_touched(&model->stops, vs_mechanics_travel(model, x)) ^ m->touched;
     if (!changed) continue;
     memcpy(x, before, m->size);
@@ -168,7 +168,7 @@ static void motion_take(vs_motion *m, const vs_model *model) {
 static void motion_begin(vs_motion *m, const vs_model *model) {
   *m = (vs_motion){
       .size = 2 * (size_t)model->dof * sizeof(double),
-      .system = {rhs, NULL, 2 * (size_t)model->dof, m},
+      .system = {machine_rhs, NULL, 2 * (size_t)model->dof, m},
       .step = vs_checked(gsl_odeiv2_step_alloc(gsl_odeiv2_step_rkf45, 2 * (size_t)model->dof))};
   motion_take(m, model);
 }
@@ -177,11 +177,11 @@ static void motion_end(vs_motion *m) {
   gsl_odeiv2_step_free(m->step);
 }
 
-/* ---- course ---- */
+/* ---- the flux linkage of a step ---- */
 
 /* Sets the polynomial of the flux linkage under which the machine moves on from the last knot, and
  * how the armature stands there. */
-static void set_flux(vs_course *c, double f0, double f1, double f2, double f3) {
+static void set_flux_polynomial(vs_course *c, double f0, double f1, double f2, double f3) {
   const double flux[4] = {f0, f1, f2, f3};
   memcpy(c->motion.flux, flux, sizeof flux);
   c->motion.touched = c->touched;
@@ -192,16 +192,17 @@ static void set_flux(vs_course *c, double f0, double f1, double f2, double f3) {
 
 /* The state after h seconds by the mechanics' integration, for where the armature is in its stop or
  * may meet it. lambda goes on with the slope it has, and the slope as it last changed. */
-static void integrate(vs_course *c, double h, double x[VS_MOST_STATES]) {
+static void foretell_by_integration(vs_course *c, double h, double x[VS_MOST_STATES]) {
   const vs_knot *k = &c->knots[c->now];
   memcpy(x, k->x, sizeof k->x);
-  set_flux(c, k->flux_wb, k->flux_rate_v, k->flux_rate2_v_s / 2, 0);
+  set_flux_polynomial(c, k->flux_wb, k->flux_rate_v, k->flux_rate2_v_s / 2, 0);
   for (double at = 0; at < h; c->motion.touched ^= c->motion.changed)
-    at = motion_advance(&c->motion, at, h, x); /* a NaN ends this too, and move() will say so */
+    at = motion_advance(&c->motion, at, h,
+                        x); /* a NaN ends this too, and move_machine() will say so */
 }
 
 /* The state after h seconds by its Taylor polynomial, with the derivatives up to the third of q. */
-static void expand(const vs_course *c, double h, double x[VS_MOST_STATES]) {
+static void foretell_by_series(const vs_course *c, double h, double x[VS_MOST_STATES]) {
   const vs_knot *k = &c->knots[c->now];
   int dof = c->frame.model->dof;
   for (int i = 0; i < dof; i++) {
@@ -213,7 +214,7 @@ static void expand(const vs_course *c, double h, double x[VS_MOST_STATES]) {
 
 /* The travel follows its Taylor polynomial of third order. The next term is (w h)^4/24 of the
  * amplitude at most, with w of the fastest mode. */
-static void foretell(vs_course *c, double t_s) {
+static void foretell_machine(vs_course *c, double t_s) {
   const vs_knot *k = &c->knots[c->now];
   if (t_s == c->candidate_s) return;
   const vs_model *m = c->frame.model;
@@ -221,41 +222,41 @@ static void foretell(vs_course *c, double t_s) {
          g1 = vs_mechanics_travel(m, k->x + m->dof), g2 = vs_mechanics_travel(m, k->a),
          g3 = vs_mechanics_travel(m, k->j), g = g0 + h * (g1 + h / 2 * (g2 + h / 3 * g3));
   if (h > c->series_s || c->touched || vs_stops_touched(&m->stops, g)) {
-    integrate(c, h, c->candidate_x);
+    foretell_by_integration(c, h, c->candidate_x);
     g = vs_mechanics_travel(m, c->candidate_x);
   } else if (c->setup->deck.n_motions)
-    expand(c, h, c->candidate_x);
+    foretell_by_series(c, h, c->candidate_x);
   c->candidate_s = t_s;
   c->candidate_gap_m = vs_coil_gap(&m->coil, g);
 }
 
 double vs_course_gap(vs_course *c, double t_s) {
-  foretell(c, t_s);
+  foretell_machine(c, t_s);
   return c->candidate_gap_m;
 }
 
 double vs_course_motion(vs_course *c, int state, double t_s) {
   const vs_model *m = c->frame.model;
-  foretell(c, t_s);
+  foretell_machine(c, t_s);
   return state < 0 ? vs_mechanics_travel(m, c->candidate_x + m->dof) : c->candidate_x[state];
 }
 
 /* What a control decides next is not known, so that with one nothing is remembered. */
 double vs_course_edge(vs_course *c, double t_s) {
-  if (vs_held_at(&c->edge, t_s)) return c->edge.number;
+  if (vs_signals_cache_holds(&c->edge, t_s)) return c->edge.number;
   double edge_s = vs_setup_edge(c->setup, t_s);
   if (!c->setup->timeline.program)
-    c->edge = (vs_held){t_s, edge_s - vs_held_near(&c->setup->timeline, t_s), edge_s};
+    c->edge = (vs_signals_cache){t_s, edge_s - vs_signals_near(&c->setup->timeline, t_s), edge_s};
   return edge_s;
 }
 
 /* ---- shown ---- */
 
-static void complete(const vs_course *c, vs_knot *k) {
+static void complete_knot(const vs_course *c, vs_knot *k) {
   if (c->jammed)
-    vs_knot_hold(&c->frame, k);
+    vs_step_hold_knot(&c->frame, k);
   else
-    vs_knot_complete(&c->frame, k, c->touched);
+    vs_step_complete_knot(&c->frame, k, c->touched);
 }
 
 vs_status vs_course_show(vs_course *c, const vs_knot *k, vs_event what, vs_error *err) {
@@ -269,7 +270,7 @@ vs_status vs_course_show(vs_course *c, const vs_knot *k, vs_event what, vs_error
                   .periodic = c->without,
                   .held = c->jammed};
   step.event[0] = vs_anode_follow(&c->anode, from, k, &step.event_s[0]);
-  if (k != to) vs_knot_copy(&c->frame, k, to);
+  if (k != to) vs_step_copy_knot(&c->frame, k, to);
   step.event[1] = what;
   step.event_s[1] = to->t_s;
   step.bound = c->bound;
@@ -281,7 +282,7 @@ vs_status vs_course_show(vs_course *c, const vs_knot *k, vs_event what, vs_error
 /* ---- moved ---- */
 
 /* The knot `at_s` seconds behind a, on the way to b, under the present polynomial of the flux. */
-static vs_knot between(const vs_course *c, const vs_knot *a, const vs_knot *b, double at_s) {
+static vs_knot knot_between(const vs_course *c, const vs_knot *a, const vs_knot *b, double at_s) {
   const double *f = c->motion.flux, ratio = at_s / (b->t_s - a->t_s);
   vs_knot k = *b;
   k.t_s = a->t_s + at_s;
@@ -299,35 +300,35 @@ static vs_status show_contact(vs_course *c, vs_knot *cut, vs_error *err) {
   vs_status status = vs_course_show(
       c, cut, c->touched & c->motion.changed ? VS_EV_LEAVES_STOP : VS_EV_MEETS_STOP, err);
   c->touched = c->motion.touched = c->touched ^ c->motion.changed;
-  complete(c, cut);
+  complete_knot(c, cut);
   return status ? status : vs_course_show(c, cut, VS_EV_NONE, err);
 }
 
 /* The last knot is the instant at which the armature jams; it is shown from behind that too. */
-static vs_status jam(vs_course *c, vs_error *err) {
+static vs_status jam_armature(vs_course *c, vs_error *err) {
   vs_knot *k = vs_course_next(c);
-  vs_knot_copy(&c->frame, vs_course_last(c), k);
+  vs_step_copy_knot(&c->frame, vs_course_last(c), k);
   c->jammed = c->motion.jammed = true;
   vs_mechanics_hold(c->frame.model, k->x + c->frame.model->dof);
-  complete(c, k);
+  complete_knot(c, k);
   return vs_course_show(c, k, VS_EV_JAMS, err);
 }
 
 /* A cubic's error over 0.1 rad of the fastest swing is (0.1)^4/24 = 4e-6 of the amplitude. */
 static const double SERIES_RAD = 0.1;
 
-static void take_model(vs_course *c, const vs_model *m) {
+static void use_model(vs_course *c, const vs_model *m) {
   c->frame.model = m;
   c->series_s = SERIES_RAD / motion_fastest(m);
 }
 
 /* The load changes at the last knot: q and q' go on as they are, with another M. */
-static vs_status change_load(vs_course *c, vs_error *err) {
+static vs_status change_load_at_knot(vs_course *c, vs_error *err) {
   vs_knot *k = vs_course_next(c);
-  vs_knot_copy(&c->frame, vs_course_last(c), k);
-  take_model(c, &c->setup->loads.item[c->loads++].model);
+  vs_step_copy_knot(&c->frame, vs_course_last(c), k);
+  use_model(c, &c->setup->loads.item[c->loads++].model);
   motion_take(&c->motion, c->frame.model);
-  complete(c, k);
+  complete_knot(c, k);
   return vs_course_show(c, k, VS_EV_LOADS, err);
 }
 
@@ -338,9 +339,10 @@ static const double REACHED_S = 1e-12;
 static vs_status end_step(vs_course *c, vs_error *err) {
   double now_s = vs_course_last(c)->t_s;
   vs_status status = VS_OK;
-  if (now_s >= vs_loads_at(&c->setup->loads, c->loads) - REACHED_S) status = change_load(c, err);
+  if (now_s >= vs_setup_load_at(&c->setup->loads, c->loads) - REACHED_S)
+    status = change_load_at_knot(c, err);
   if (status || c->jammed || now_s < c->jams_s - REACHED_S) return status;
-  return jam(c, err);
+  return jam_armature(c, err);
 }
 
 /* From `at` seconds behind the last knot, where the armature meets or leaves a stop in the state x,
@@ -350,20 +352,20 @@ static vs_status move_in_parts(vs_course *c, double at, double x[VS_MOST_STATES]
   vs_knot end = *vs_course_next(c), cut; /* as the course's own are overwritten */
   double h = end.t_s - start.t_s;
   while (at < h) {
-    cut = between(c, &start, &end, at);
+    cut = knot_between(c, &start, &end, at);
     memcpy(cut.x, x, sizeof cut.x);
-    complete(c, &cut);
+    complete_knot(c, &cut);
     vs_status status = show_contact(c, &cut, err);
     if (status) return status;
     at = motion_advance(&c->motion, at, h, x);
     if (isnan(at)) return vs_fail(err, VS_RUN, "t = %.9g s: GSL cannot step on", end.t_s);
   }
   memcpy(end.x, x, sizeof end.x);
-  complete(c, &end);
+  complete_knot(c, &end);
   return vs_course_show(c, &end, VS_EV_NONE, err);
 }
 
-static vs_status move(vs_course *c, vs_error *err) {
+static vs_status move_machine(vs_course *c, vs_error *err) {
   const vs_knot *start = vs_course_last(c);
   vs_knot *end = vs_course_next(c);
   double h = end->t_s - start->t_s;
@@ -375,7 +377,7 @@ static vs_status move(vs_course *c, vs_error *err) {
     memcpy(x, end->x, sizeof x);
     return move_in_parts(c, at, x, err);
   }
-  complete(c, end);
+  complete_knot(c, end);
   return vs_course_show(c, end, VS_EV_NONE, err);
 }
 
@@ -383,12 +385,12 @@ vs_status vs_course_move(vs_course *c, vs_error *err) {
   const vs_knot *from = vs_course_last(c), *to = vs_course_next(c);
   /* lambda is the cubic through both ends' values and slopes */
   double h = to->t_s - from->t_s, slope = (to->flux_wb - from->flux_wb) / h;
-  set_flux(c, from->flux_wb, from->flux_rate_v,
-           (3 * slope - 2 * from->flux_rate_v - to->flux_rate_v) / h,
-           (from->flux_rate_v + to->flux_rate_v - 2 * slope) / (h * h));
+  set_flux_polynomial(c, from->flux_wb, from->flux_rate_v,
+                      (3 * slope - 2 * from->flux_rate_v - to->flux_rate_v) / h,
+                      (from->flux_rate_v + to->flux_rate_v - 2 * slope) / (h * h));
   c->candidate_s = -1;
   vs_anode_leave(&c->anode);
-  vs_status status = move(c, err);
+  vs_status status = move_machine(c, err);
   if (!status) status = end_step(c, err);
   vs_anode_take(&c->anode);
   return status;
@@ -405,7 +407,7 @@ void vs_course_begin(vs_course *c, const vs_setup *setup, const vs_frame *frame,
                    .candidate_s = -1,
                    .blank = true,
                    .jams_s = vs_setup_jams(setup)};
-  take_model(c, m);
+  use_model(c, m);
   c->knots[0] = vs_sim_start(setup, &c->frame);
   c->touched = vs_stops_touched(&m->stops, vs_mechanics_travel(m, c->knots[0].x));
   vs_anode_begin(&c->anode, &setup->deck, &setup->timeline);
@@ -419,7 +421,7 @@ void vs_course_turn(vs_course *c, double by_s, const vs_setup *setup, const vs_o
   c->observer = observer;
   c->frame.timeline = &setup->timeline;
   c->anode.timeline = &setup->timeline;
-  take_model(c, &setup->model);
+  use_model(c, &setup->model);
   motion_take(&c->motion, &setup->model);
   c->jams_s = vs_setup_jams(setup);
   vs_anode_wind(&c->anode, by_s);
@@ -428,7 +430,7 @@ void vs_course_turn(vs_course *c, double by_s, const vs_setup *setup, const vs_o
   memcpy(k->x, x, 2 * (size_t)setup->model.dof * sizeof *x);
   c->touched = vs_stops_touched(&setup->model.stops, vs_mechanics_travel(&setup->model, x));
   c->candidate_s = -1;
-  complete(c, k);
+  complete_knot(c, k);
 }
 
 void vs_course_end(vs_course *c) {

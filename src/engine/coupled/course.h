@@ -4,11 +4,12 @@
 #ifndef VS_ENGINE_COURSE_H
 #define VS_ENGINE_COURSE_H
 
+#include <gsl/gsl_odeiv2.h>
+
 #include "coupled/anode.h"
-#include "drive/held.h"
+#include "engine/signals.h"
 #include "engine/sim.h"
 #include "plant/mechanics.h"
-#include <gsl/gsl_odeiv2.h>
 
 /* The caller sets flux, touched and jammed. */
 typedef struct vs_motion {
@@ -33,7 +34,8 @@ typedef struct vs_course {
   int now;
   vs_anode anode;
   vs_motion motion;
-  vs_held edge;     /* the next edge of what drives the circuit; {0} where it may have changed */
+  vs_signals_cache
+      edge;         /* the next edge of what drives the circuit; {0} where it may have changed */
   unsigned touched; /* the stops that the armature is in, as bits */
   bool jammed;      /* the armature is jammed, since jams_s */
   double jams_s;    /* INFINITY: it never is */

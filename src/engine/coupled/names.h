@@ -4,8 +4,8 @@
 #ifndef VS_ENGINE_NAMES_H
 #define VS_ENGINE_NAMES_H
 
-#include "engine/knot.h"
-#include "engine/memory.h"
+#include "engine/step.h"
+#include "macromodel/memory.h"
 
 /* Signals: those of the EVA, the mains current, then two for each of the deck's terms, whose
  * difference the term is. Behind these stand two for each value that the circuit remembers. */

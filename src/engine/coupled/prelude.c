@@ -11,7 +11,7 @@ static vs_pilot *pilot_of(const vs_prelude *p) {
   return p->order->pilot;
 }
 
-static vs_status watch(void *ctx, const vs_step *step, vs_error *err) {
+static vs_status watch_settling(void *ctx, const vs_step *step, vs_error *err) {
   const vs_prelude *p = ctx;
   if (p->order->stop && *p->order->stop)
     return vs_fail(err, VS_SIGNAL, "stopped by a signal on the way to the orbit");
@@ -44,7 +44,7 @@ void vs_prelude_begin(vs_prelude *p, const vs_setup *setup, const vs_run_order *
   if (!pilot) return;
   pilot->begin(pilot->self, setup);
   p->calm = calm_of(setup, pilot);
-  p->watcher = (vs_observer){p, watch};
+  p->watcher = (vs_observer){p, watch_settling};
 }
 
 const vs_setup *vs_prelude_setup(const vs_prelude *p) {

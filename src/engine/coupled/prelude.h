@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The prelude of a run that is steered (engine/pilot.h): the solver's run begins with firing periods
- * that only the pilot sees. In each of them the run's time goes from 0 to the period, while the
- * solver's own time goes on. The setup is the run's own with its events silent. */
+ * The prelude of a run that is steered (vs_pilot, engine/sim.h): the solver's run begins with
+ * firing periods that only the pilot sees. In each of them the run's time goes from 0 to the
+ * period, while the solver's own time goes on. The setup is the run's own with its events silent.
+ */
 #ifndef VS_ENGINE_PRELUDE_H
 #define VS_ENGINE_PRELUDE_H
 

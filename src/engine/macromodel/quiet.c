@@ -1,5 +1,35 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "macromodel/quiet.h"
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Decides when the circuit tier may leave the circuit's solver, and goes on in its place: the
+ * stand-in that the program has (stand_in.h).
+ *
+ * Behind the last firing a scene is quiet: all that flows is a small current through the snubbers.
+ * That current follows a simple law, a one-port with a periodic source (oneport.h), which is far
+ * quicker to integrate than the netlist. The law is fitted to the last cycle of the mains. The
+ * solver is left only if the law's error is bounded up to the time at which the solver comes back:
+ *
+ *  - The law is run beside the solver over the last cycle, from the same state. Its error there,
+ *    times five for what that cycle may not show, is added up over all the cycles to come, always
+ *    in the same sense. It is added up less as the flux linkage falls and as the machine's modes
+ *    decay.
+ *  - The law is compared with earlier cycles, which shows how fast it goes wrong (walk.h).
+ *  - Every signal must stay in the range in which the solver showed it, widened at either end by
+ *    half of that range.
+ *  - The bound must hold at two looks in a row, as one alone may look right by chance.
+ *
+ * The solver is never left where the armature jams or the load changes; where the deck tells the
+ * time by itself; where it has no store, or a state that nobody sees; or where the machine has
+ * springs between p and the other coordinates. It is not left while the thyristor conducts, a gate
+ * is on, or an event needs short steps.
+ *
+ * A look costs as much as some of the solver's steps, so the question is answered at most four
+ * times a cycle, and only where two cycles are known and at least one is to come. The bound on the
+ * machine and the coil is within three quarters of run.tolerance; the rest is left to the other
+ * steps that the solver takes when it is gone back to. A signal of the deck may
+ * be wrong by three times run.tolerance in all: linear interpolation between knots uses one of the
+ * three already.
+ *
+ * record.h keeps what the solver showed; modal.h splits the machine's error into its modes. */
+#include "macromodel/stand_in.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -12,9 +42,9 @@
 #include "macromodel/walk.h"
 #include "plant/coil.h"
 
-/* ---- outlook ---- */
-
-/* What a one-port's law (oneport.h) says of the cycles of the mains to come, and what its errors
+/* ---- what the law says of the time to come ----
+ *
+ * What a one-port's law (oneport.h) says of the cycles of the mains to come, and what its errors
  * may add up to in them. */
 
 /* Ten cycles of 50 Hz hold the slowest beats of the mains with a machine that is driven near its
@@ -76,7 +106,7 @@ static double largest_flux(const vs_record *r) {
  * cannot integrate, or where a signal or the EVA's voltage leaves the range that it had over the
  * cycle in view: a law found there says nothing of what lies outside, as a diode may conduct there
  * that did not, or block. */
-static bool outlook_find(const vs_record *r, vs_oneport *port, double until_s, vs_outlook *o) {
+static bool find_outlook(const vs_record *r, vs_oneport *port, double until_s, vs_outlook *o) {
   double y[VS_ONEPORT_STATES], t = r->last.knot.t_s, now = largest_flux(r);
   double h = r->setup->timeline.period_s / VS_OUTLOOK_STEPS;
   range seen;
@@ -114,11 +144,9 @@ static double outlook_times(const vs_outlook *o, const vs_mode *m, double cycles
   return o->reach * (sum + rest * last);
 }
 
-/* ---- quiet ---- */
-
-/* ---- misfit ---- */
-
-/* How wrong a one-port's law (oneport.h) is over the cycle of the mains that is in view (record.h),
+/* ---- how wrong the law is now ----
+ *
+ * How wrong a one-port's law (oneport.h) is over the cycle of the mains that is in view (record.h),
  * where it is run beside the solver from the same state. */
 
 /* The largest errors at any knot in view. */
@@ -136,7 +164,7 @@ static const double misfit_safety = 5;
 
 /* The error of the coil's force or current, whichever is worse, relative to its peak, that the law
  * may make later: a multiple of the one found. */
-static double misfit_electric(const vs_record *r, const vs_misfit *wrong) {
+static double electric_misfit(const vs_record *r, const vs_misfit *wrong) {
   return misfit_safety * fmax(wrong->force_n / r->peak_force_n, wrong->current_a / r->peak_a);
 }
 
@@ -151,7 +179,7 @@ static void compare_modes(const vs_modal *modal, const double y[VS_ONEPORT_STATE
 
 /* Runs the law beside the solver, and fills all but `signal`. Returns false, and ends there, where
  * misfit_electric exceeds `most` or GSL cannot integrate. */
-static bool misfit_find(const vs_record *r, vs_oneport *port, const vs_modal *modal, double most,
+static bool find_misfit(const vs_record *r, vs_oneport *port, const vs_modal *modal, double most,
                         vs_misfit *wrong) {
   const vs_model *m = &r->setup->model;
   double y[VS_ONEPORT_STATES];
@@ -166,14 +194,14 @@ static bool misfit_find(const vs_record *r, vs_oneport *port, const vs_modal *mo
         vs_coil_force(&m->coil, c.flux_wb, z) - vs_coil_force(&m->coil, seen->flux_wb, z);
     wrong->force_n = fmax(wrong->force_n, fabs(force));
     wrong->current_a = fmax(wrong->current_a, fabs(c.i_a - vs_oneport_knot_current(m, seen)));
-    if (!(misfit_electric(r, wrong) <= most)) return false;
+    if (!(electric_misfit(r, wrong) <= most)) return false;
     compare_modes(modal, y, seen, wrong);
   }
   return true;
 }
 
 /* Then fills `signal`; needs vs_oneport_fit_signals. */
-static void misfit_find_signals(const vs_record *r, const vs_oneport *port, vs_misfit *wrong) {
+static void find_misfit_of_signals(const vs_record *r, const vs_oneport *port, vs_misfit *wrong) {
   double signal[VS_SIGNALS];
   for (size_t k = 0; k < r->n_seen; k++) {
     const vs_seen *seen = r->seen[k];
@@ -184,7 +212,7 @@ static void misfit_find_signals(const vs_record *r, const vs_oneport *port, vs_m
   }
 }
 
-/* ---- quiet ---- */
+/* ---- when the solver may be left ---- */
 
 /* Cycles that the signals are fitted to. Over one alone a beat of the machine with the mains may
  * look like the coil's share in a signal. */
@@ -243,23 +271,23 @@ typedef struct quiet {
       carried[VS_MOST_STATES]; /* each mode's error of having left before, at the time carried_s */
   double carried_s;
   double unfitted[VS_SIGNALS]; /* each signal's misfit of the law by which the solver was left */
-  double stepped[VS_SIGNALS];  /* the signals at the instant to which step() has come */
+  double stepped[VS_SIGNALS];  /* the signals at the instant to which step_macromodel() has come */
 } quiet;
 
-static void restart(void *self) {
+static void restart_macromodel(void *self) {
   quiet *q = self;
   vs_record_clear(&q->record);
   q->bound_before[0] = q->bound_before[1] = INFINITY;
 }
 
-static void take(void *self, const vs_knot *k, const double *memory, bool blocks) {
+static void record_solver_knot(void *self, const vs_knot *k, const double *memory, bool blocks) {
   quiet *q = self;
   double gone_s = q->record.any ? k->t_s - q->record.last.knot.t_s : 0;
   q->steps = 1 + q->steps * fmax(0, 1 - gone_s / q->setup->timeline.period_s);
   vs_record_take(&q->record, k, memory, blocks);
   q->blocks = blocks;
   if (blocks) return;
-  restart(q);
+  restart_macromodel(q);
   q->looked_s = q->blocks_s = k->t_s;
 }
 
@@ -351,19 +379,19 @@ static bool signals_hold(const quiet *q, double until_s) {
 
 /* Fits the law to the last cycle, compares it with the solver there, and looks ahead. Returns false
  * where the law is not good enough. What costs most, the signals and the look ahead, comes last. */
-static bool find_law(quiet *q, bool dynamic, double until_s, vs_outlook *ahead) {
+static bool fit_law_of_circuit(quiet *q, bool dynamic, double until_s, vs_outlook *ahead) {
   vs_record *r = &q->record;
   double most = SHARE * q->setup->run.tolerance, error[VS_MOST_STATES];
   if (!vs_record_view(r, 1, 0) || !vs_oneport_fit(q->port, r->seen, r->n_seen, dynamic))
     return false;
-  if (!misfit_find(r, q->port, &q->modal, most, &q->misfit)) return false;
+  if (!find_misfit(r, q->port, &q->modal, most, &q->misfit)) return false;
   mode_errors(q, NULL, NULL, until_s, error);
   if (!(motion_bound(q, error) <= most)) return false;
   if (!vs_record_view(r, FIT_CYCLES, 0) || !vs_oneport_fit_signals(q->port, r->seen, r->n_seen))
     return false;
   vs_record_view(r, 1, 0);
-  misfit_find_signals(r, q->port, &q->misfit);
-  return signals_hold(q, until_s) && outlook_find(r, q->port, until_s, ahead);
+  find_misfit_of_signals(r, q->port, &q->misfit);
+  return signals_hold(q, until_s) && find_outlook(r, q->port, until_s, ahead);
 }
 
 /* Returns the bound on p, u, w, phi, force and i if the law walks on like that, and gives each
@@ -372,7 +400,7 @@ static double machine_bound(const quiet *q, const vs_walk *w, const vs_outlook *
                             double until_s, double error[VS_MOST_STATES]) {
   double cycles = (until_s - q->record.last.knot.t_s) / q->setup->timeline.period_s;
   mode_errors(q, w, ahead, until_s, error);
-  double electric = ahead->reach * misfit_electric(&q->record, &q->misfit) +
+  double electric = ahead->reach * electric_misfit(&q->record, &q->misfit) +
                     vs_walk_electric(&q->record, w, cycles);
   double bound = fmax(electric, motion_bound(q, error));
   return bound <= SHARE * q->setup->run.tolerance ? bound : INFINITY;
@@ -381,12 +409,12 @@ static double machine_bound(const quiet *q, const vs_walk *w, const vs_outlook *
 /* Returns the bound with the law with G and C (dynamic) or the one without, and gives each mode's
  * error at until_s. INFINITY: that law is not good enough. Each earlier cycle gives a walk, and
  * each walk a bound; as one bound is enough to hold by, the smallest counts. */
-static double bound_of(quiet *q, bool dynamic, double until_s, double error[VS_MOST_STATES]) {
+static double bound_of_law(quiet *q, bool dynamic, double until_s, double error[VS_MOST_STATES]) {
   double best = INFINITY, tried[VS_MOST_STATES];
   vs_outlook ahead;
   vs_walk_shares fitted;
   vs_walk walk;
-  if (!find_law(q, dynamic, until_s, &ahead)) return INFINITY;
+  if (!fit_law_of_circuit(q, dynamic, until_s, &ahead)) return INFINITY;
   double cycles = (until_s - q->record.last.knot.t_s) / q->setup->timeline.period_s;
   vs_walk_shares_of(&q->record, q->port, &fitted);
   for (int ago = 1; ago < VS_CYCLES_KEPT && !(best <= vs_record_share(&q->record)); ago++) {
@@ -433,30 +461,32 @@ static bool something_is_on(const quiet *q) {
 
 /* Does a look pay? The solver is left at the second good look in a row, a wait later. Until until_s
  * it would take steps as it has of late. */
-static bool pays(const quiet *q, double wait_s, double until_s) {
+static bool leaving_pays(const quiet *q, double wait_s, double until_s) {
   bool held = isfinite(fmin(q->bound_before[0], q->bound_before[1]));
   double away_s = until_s - q->record.last.knot.t_s - (held ? 0 : wait_s);
   return q->steps * away_s / q->setup->timeline.period_s >= (held ? 1 : 2) * LOOK_STEPS;
 }
 
 /* Is it time for a look? Only when two cycles are known, and at least one is to come. */
-static bool is_due(const quiet *q, double until_s) {
+static bool look_is_due(const quiet *q, double until_s) {
   double period = q->setup->timeline.period_s, now = q->record.last.knot.t_s;
   if (q->record.blind || !vs_record_two_cycles(&q->record)) return false;
   double wait_s = fmax(period / LOOKS_PER_CYCLE, (now - q->blocks_s) / IN_VAIN);
-  return !(now < q->looked_s + wait_s || until_s < now + period) && pays(q, wait_s, until_s);
+  return !(now < q->looked_s + wait_s || until_s < now + period) &&
+         leaving_pays(q, wait_s, until_s);
 }
 
 /* A bound must hold at two looks in a row, so the larger of the two counts. Where the law with G
  * and C holds for the first time, the law without them is not tried in its place. */
-static bool may_leave(void *self, double until_s, double most_lag_s, double *bound) {
+static bool solver_may_be_left(void *self, double until_s, double most_lag_s, double *bound) {
   quiet *q = self;
   double most = vs_record_share(&q->record), error[VS_MOST_STATES];
-  if (something_is_on(q) || !is_due(q, until_s) || may_touch(q, &q->record.last.knot)) return false;
+  if (something_is_on(q) || !look_is_due(q, until_s) || may_touch(q, &q->record.last.knot))
+    return false;
   q->looked_s = q->record.last.knot.t_s;
   for (int dynamic = 1; dynamic >= 0; dynamic--) {
     double before = q->bound_before[dynamic];
-    q->bound_before[dynamic] = bound_of(q, dynamic, until_s, error);
+    q->bound_before[dynamic] = bound_of_law(q, dynamic, until_s, error);
     *bound =
         INTEGRATION + ITS_OWN * q->setup->run.tolerance + fmax(before, q->bound_before[dynamic]);
     if (vs_oneport_lag(q->port) > most_lag_s) continue;
@@ -471,7 +501,7 @@ static bool may_leave(void *self, double until_s, double most_lag_s, double *bou
 
 /* ---- going by it ---- */
 
-static vs_status step(void *self, vs_knot *k, double t_s, vs_error *err) {
+static vs_status step_macromodel(void *self, vs_knot *k, double t_s, vs_error *err) {
   quiet *q = self;
   double y[VS_ONEPORT_STATES], signal[VS_SIGNALS];
   vs_oneport_state(k, y);
@@ -488,19 +518,19 @@ static vs_status step(void *self, vs_knot *k, double t_s, vs_error *err) {
   memcpy(k->terms, signal, vs_record_terms(&q->record) * sizeof *signal);
   k->i_mains_a = signal[vs_record_terms(&q->record)];
   memcpy(q->stepped, signal, vs_record_signals(&q->record) * sizeof *signal);
-  vs_knot_complete(q->frame, k, 0);
+  vs_step_complete_knot(q->frame, k, 0);
   return VS_OK;
 }
 
-static double capacitance(const void *self) {
+static double capacitance_at_eva(const void *self) {
   const quiet *q = self;
   return vs_oneport_capacitance(q->port);
 }
 
 /* What the circuit remembers may miss by twice its misfit of the law: the solver was left with such
  * an error, and comes back to one. */
-static double missed(const void *self, const vs_knot *own, const vs_knot *solver,
-                     const double *memory) {
+static double difference_from_solver(const void *self, const vs_knot *own, const vs_knot *solver,
+                                     const double *memory) {
   const quiet *q = self;
   size_t terms = vs_record_terms(&q->record);
   const vs_seen a = {.knot = *own, .memory = q->stepped + terms + 1},
@@ -519,7 +549,7 @@ static double missed(const void *self, const vs_knot *own, const vs_knot *solver
 
 /* The deck's terms run straight from knot to knot. Between two points of a sine, h apart, a
  * straight line is off by (w h)^2/8 of the peak. For the mains' w that shall be run.tolerance. */
-static double longest(const void *self) {
+static double longest_macromodel_step(const void *self) {
   const quiet *q = self;
   double h = sqrt(8 * q->setup->run.tolerance) / q->setup->timeline.omega_rad_s;
   return fmin(h, STEP_RAD / q->setup->model.fastest_rad_s);
@@ -537,7 +567,7 @@ static bool can_stand_in(const vs_setup *setup, vs_memories *memories) {
 
 /* The one-port's law has i = lambda z/(2a), and may_touch() wants springs, and a rest at q = 0. An
  * element that reads the motion may do anything once that is where it has not been yet. */
-static const char *declines(const vs_setup *setup) {
+static const char *why_declined(const vs_setup *setup) {
   const vs_model *m = &setup->model;
   if (setup->deck.reads_eva.file) return "an element of the deck reads the machine's motion";
   if (!m->coil.square) return "its law is fitted to a coil with i = lambda z/(2a) alone";
@@ -546,7 +576,7 @@ static const char *declines(const vs_setup *setup) {
   return NULL;
 }
 
-static void end(void *self) {
+static void end_macromodel(void *self) {
   quiet *q = self;
   if (!q) return;
   vs_modal_end(&q->modal);
@@ -555,34 +585,34 @@ static void end(void *self) {
   free(q);
 }
 
-static void *begin(const vs_setup *setup, const vs_frame *frame) {
+static void *begin_macromodel(const vs_setup *setup, const vs_frame *frame) {
   quiet *q = vs_alloc(1, sizeof *q);
   q->setup = setup;
   q->frame = frame;
-  if (declines(setup) || !can_stand_in(setup, &q->memories)) {
+  if (why_declined(setup) || !can_stand_in(setup, &q->memories)) {
     free(q);
     return NULL;
   }
   vs_record_begin(&q->record, setup, frame, &q->memories);
   q->port = vs_oneport_new(setup, frame, q->memories.count);
-  restart(q);
+  restart_macromodel(q);
   if (vs_modal_begin(&q->modal, &setup->model)) return q;
-  end(q);
+  end_macromodel(q);
   return NULL;
 }
 
-static const vs_memories *memories(const void *self) {
+static const vs_memories *states_to_show(const void *self) {
   return &((const quiet *)self)->memories;
 }
 
-const vs_stand_in vs_quiet_stand_in = {.declines = declines,
-                                       .begin = begin,
-                                       .end = end,
-                                       .memories = memories,
-                                       .take = take,
-                                       .may_leave = may_leave,
-                                       .longest = longest,
-                                       .step = step,
-                                       .capacitance = capacitance,
-                                       .missed = missed,
-                                       .restart = restart};
+const vs_stand_in vs_quiet_stand_in = {.declines = why_declined,
+                                       .begin = begin_macromodel,
+                                       .end = end_macromodel,
+                                       .memories = states_to_show,
+                                       .take = record_solver_knot,
+                                       .may_leave = solver_may_be_left,
+                                       .longest = longest_macromodel_step,
+                                       .step = step_macromodel,
+                                       .capacitance = capacitance_at_eva,
+                                       .missed = difference_from_solver,
+                                       .restart = restart_macromodel};

@@ -20,7 +20,7 @@ static const double EXTREMES = 0.2;
 
 /* How much the error at knot k in view counts for each share: the sum over all knots is the share.
  */
-static void weights(const vs_record *r, size_t k, double weight[VS_WALK_SHARES]) {
+static void weights_of_shares(const vs_record *r, size_t k, double weight[VS_WALK_SHARES]) {
   size_t last = r->n_seen - 1;
   double span_s = r->seen[last]->knot.t_s - r->seen[0]->knot.t_s;
   double h = r->seen[k < last ? k + 1 : last]->knot.t_s - r->seen[k ? k - 1 : 0]->knot.t_s;
@@ -38,7 +38,7 @@ static void add_shares(const double weight[VS_WALK_SHARES], double error,
 }
 
 /* The largest value that the difference of two errors with these shares can have. */
-static double distance(const double a[VS_WALK_SHARES], const double b[VS_WALK_SHARES]) {
+static double distance_of_shares(const double a[VS_WALK_SHARES], const double b[VS_WALK_SHARES]) {
   double sum = fabs(a[0] - b[0]);
   for (int n = 1; n < VS_WALK_SHARES; n += 2) sum += hypot(a[n] - b[n], a[n + 1] - b[n + 1]);
   return sum;
@@ -53,7 +53,7 @@ void vs_walk_shares_of(const vs_record *r, const vs_oneport *port, vs_walk_share
     vs_oneport_state(&seen->knot, y);
     vs_coil_state c = vs_oneport_coil(port, seen->knot.t_s, y);
     vs_responses_at(vs_oneport_responses(port), seen->knot.t_s, &c, signal);
-    weights(r, k, weight);
+    weights_of_shares(r, k, weight);
     for (size_t n = 0; n < count; n++)
       add_shares(weight, signal[n] - vs_responses_seen(r->frame, seen, n), all->of[n]);
   }
@@ -65,7 +65,7 @@ void vs_walk_shares_of(const vs_record *r, const vs_oneport *port, vs_walk_share
  * mains' frequency, of any phase, and by a mean. The force is then larger in proportion to the
  * product of that and of the flux linkage; the return value is the size of that product's integral,
  * in the mode's own phase. */
-static double swing(const vs_record *r, const vs_mode *m, double sine, double mean) {
+static double force_swing_of_mode(const vs_record *r, const vs_mode *m, double sine, double mean) {
   double sum[3][2] = {{0}}, w = r->setup->timeline.omega_rad_s, t0 = r->seen[0]->knot.t_s;
   for (size_t k = 1; k < r->n_seen; k++) {
     const vs_knot *a = &r->seen[k - 1]->knot, *b = &r->seen[k]->knot;
@@ -103,7 +103,8 @@ static void walk_of_machine(const vs_record *r, const vs_oneport *port, const vs
   w->force_n = flux * to_flux * (sine + mean) / (2 * m->coil.a_hm);
   unit_force(r, modal, w->mode);
   for (int k = 0; k < 2 * m->dof; k++)
-    w->mode[k] *= to_flux / (2 * m->coil.a_hm) * swing(r, &modal->mode[k], sine, mean);
+    w->mode[k] *=
+        to_flux / (2 * m->coil.a_hm) * force_swing_of_mode(r, &modal->mode[k], sine, mean);
 }
 
 bool vs_walk_find(vs_record *r, const vs_oneport *port, const vs_modal *modal,
@@ -113,7 +114,7 @@ bool vs_walk_find(vs_record *r, const vs_oneport *port, const vs_modal *modal,
   walk_of_machine(r, port, modal, ago, w);
   vs_walk_shares_of(r, port, &earlier);
   for (size_t n = 0; n < vs_record_signals(r); n++)
-    w->signal[n] = distance(earlier.of[n], fitted->of[n]) / ago;
+    w->signal[n] = distance_of_shares(earlier.of[n], fitted->of[n]) / ago;
   return true;
 }
 
