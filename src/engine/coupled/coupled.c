@@ -27,10 +27,10 @@
 #include "base/text.h"
 #include "coupled/amend.h"
 #include "coupled/away.h"
-#include "coupled/course.h"
-#include "coupled/names.h"
 #include "coupled/prelude.h"
+#include "coupled/signal_map.h"
 #include "coupled/swing.h"
+#include "coupled/trajectory.h"
 #include "engine/events.h"
 #include "engine/pace.h"
 #include "engine/signals.h"
@@ -44,8 +44,8 @@ typedef struct coupling {
   vs_pace pace;
   vs_swing swing;
   vs_amend amend;
-  vs_names *names; /* owned */
-  vs_course course;
+  vs_signal_map *names; /* owned */
+  vs_trajectory trajectory;
   vs_away away;
   vs_prelude prelude;
   vs_signals_cache port[VS_DECK_MOST]; /* the deck's ports, as they were told last */
@@ -71,7 +71,7 @@ static void judge_step_length(coupling *c);
 static vs_status end_settling_cycle(coupling *c, vs_error *err);
 
 /* One coupled step. The solver has accepted a step that ends at solver_s, s by its clock; `signals`
- * are its node voltages, V, and branch currents, A, there, in the order of names.h. */
+ * are its node voltages, V, and branch currents, A, there, in the order of signal_map.h. */
 static vs_status accept_coupled_step(void *ctx, double solver_s, const double *signals,
                                      vs_error *err) {
   coupling *c = ctx;
@@ -91,7 +91,7 @@ static vs_status accept_coupled_step(void *ctx, double solver_s, const double *s
    * macromodel's steps are the run's (away.c). */
   if (c->away.follows) return follow_macromodel(c, t_s, signals, err);
 
-  /* Circuit -> mechanics: lambda, Wb, and its rate, V, at the step's end (names.c). */
+  /* Circuit -> mechanics: lambda, Wb, and its rate, V, at the step's end (signal_map.c). */
   take_circuit_state(c, t_s, signals);
 
   /* The truncation error of the solver's rule in lambda bounds the next step's length (amend.c,
@@ -99,8 +99,9 @@ static vs_status accept_coupled_step(void *ctx, double solver_s, const double *s
   judge_step_length(c);
 
   /* The machine moves over the same step, by Eq. 54 with F = lambda^2/(4a). Contacts with a stop
-   * cut it, a device fires or goes out in it, and the observer is shown it (course.c, anode.c). */
-  status = vs_course_move(&c->course, err);
+   * cut it, a device fires or goes out in it, and the observer is shown it (trajectory.c, anode.c).
+   */
+  status = vs_trajectory_move(&c->trajectory, err);
   if (status) return status;
 
   /* A run that begins on a periodic orbit settles first: the end of each cycle is the beginning of
@@ -123,18 +124,18 @@ static double run_time(const coupling *c, double solver_s) {
 static void forget_told_values(coupling *c) {
   c->asked_s = NAN;
   if (!c->prelude.on && !c->order->junction) return;
-  c->course.edge = (vs_signals_cache){0};
+  c->trajectory.edge = (vs_signals_cache){0};
   memset(c->port, 0, sizeof c->port);
 }
 
 /* Tells the run's junction that t_s is reached. It may change the events of the setup, which are
- * asked for whenever they are needed; only the instant of the jam is kept in the course. It is not
- * called while the run settles, as events come behind that. */
+ * asked for whenever they are needed; only the instant of the jam is kept in the trajectory. It is
+ * not called while the run settles, as events come behind that. */
 static vs_status reach_junction(coupling *c, double t_s, vs_error *err) {
   const vs_junction *junction = c->order->junction;
   if (!junction || c->prelude.on) return VS_OK;
   vs_status status = junction->reach(junction->ctx, t_s, err);
-  c->course.jams_s = vs_setup_jams(c->setup);
+  c->trajectory.jams_s = vs_setup_jams(c->setup);
   return status;
 }
 
@@ -148,11 +149,11 @@ static vs_status follow_macromodel(coupling *c, double t_s, const double *signal
  * the mean slope of v = dlambda/dt over the step, which is as much as a rule of second order has.
  */
 static void take_circuit_state(coupling *c, double t_s, const double *signals) {
-  const vs_knot *from = vs_course_last(&c->course);
-  vs_knot *next = vs_course_next(&c->course); /* vs_course_move gives it its state */
+  const vs_knot *from = vs_trajectory_last(&c->trajectory);
+  vs_knot *next = vs_trajectory_next(&c->trajectory); /* vs_trajectory_move gives it its state */
   next->t_s = t_s;
-  vs_names_take_coil(signals, next);
-  vs_names_take_terms(&c->setup->deck, signals, next);
+  vs_signal_map_take_coil(signals, next);
+  vs_signal_map_take_terms(&c->setup->deck, signals, next);
   next->flux_rate2_v_s = (next->flux_rate_v - from->flux_rate_v) / (t_s - from->t_s);
   next->flux_rate3_v_s2 = 0; /* not known; a cubic's weight for it is 0 */
 }
@@ -160,17 +161,18 @@ static void take_circuit_state(coupling *c, double t_s, const double *signals) {
 /* Takes the step's curvature of v, V/s^2, less what the rule was given back of it, for the length
  * of the steps to come. */
 static void judge_step_length(coupling *c) {
-  const vs_knot *from = vs_course_last(&c->course), *next = vs_course_next(&c->course);
-  const vs_amend_step step = {c->course.frame.model, from, next,
-                              vs_anode_conducts(&c->course.anode)};
+  const vs_knot *from = vs_trajectory_last(&c->trajectory),
+                *next = vs_trajectory_next(&c->trajectory);
+  const vs_amend_step step = {c->trajectory.frame.model, from, next,
+                              vs_anode_conducts(&c->trajectory.anode)};
   vs_swing_take(&c->swing, from, next, vs_amend_take(&c->amend, &step), step.driven);
-  c->course.strays = vs_swing_strays(&c->swing);
+  c->trajectory.strays = vs_swing_strays(&c->swing);
 }
 
 /* At the end of a settling cycle the clock goes back to 0. Once the orbit is found the run begins
  * there, which its junction is told. */
 static vs_status end_settling_cycle(coupling *c, vs_error *err) {
-  vs_status status = vs_prelude_follow(&c->prelude, &c->course, &c->away.shift_s, err);
+  vs_status status = vs_prelude_follow(&c->prelude, &c->trajectory, &c->away.shift_s, err);
   return status ? status : reach_junction(c, 0, err);
 }
 
@@ -180,8 +182,8 @@ static vs_status end_settling_cycle(coupling *c, vs_error *err) {
  * begin anew, as a device has switched or v alternates from step to step. */
 static double next_breakpoint(void *ctx, double solver_s) {
   coupling *c = ctx;
-  if (c->course.anode.crossed || c->swing.anew) return solver_s;
-  double now_s = run_time(c, solver_s), next_s = vs_course_edge(&c->course, now_s);
+  if (c->trajectory.anode.crossed || c->swing.anew) return solver_s;
+  double now_s = run_time(c, solver_s), next_s = vs_trajectory_edge(&c->trajectory, now_s);
   if (c->away.shift_s != 0 && !c->prelude.on) next_s = fmin(next_s, c->setup->run.until_s);
   return vs_prelude_edge(&c->prelude, now_s, next_s) - c->away.shift_s;
 }
@@ -192,18 +194,19 @@ static double next_breakpoint(void *ctx, double solver_s) {
  * 1e-7 on, which is the default of run.first_step, 75.9 V at any tolerance. Steps double from there
  * on, so that it costs ten. */
 static bool begins_with_a_jump(const coupling *c, double solver_s) {
-  return solver_s == 0 && !c->prelude.on && vs_timeline_voltage(&c->course.setup->timeline, 0) != 0;
+  return solver_s == 0 && !c->prelude.on &&
+         vs_timeline_voltage(&c->trajectory.setup->timeline, 0) != 0;
 }
 
 /* The least of what run.tolerance (pace.c), the ringing of the coil (swing.c), a device that is
  * about to switch (anode.c) and the events allow, s. */
 static double longest_step(void *ctx, double solver_s) {
   coupling *c = ctx;
-  vs_course *course = &c->course;
+  vs_trajectory *trajectory = &c->trajectory;
   double most = fmin(c->pace.max_step_s, vs_swing_longest(&c->swing));
   if (begins_with_a_jump(c, solver_s)) most *= c->setup->run.first_step;
-  most = fmin(most, vs_anode_longest(&course->anode, &c->swing, c->pace.max_step_s));
-  return fmin(most, vs_events_longest(&course->setup->timeline.events, run_time(c, solver_s)));
+  most = fmin(most, vs_anode_longest(&trajectory->anode, &c->swing, c->pace.max_step_s));
+  return fmin(most, vs_events_longest(&trajectory->setup->timeline.events, run_time(c, solver_s)));
 }
 
 /* ---- in a step: what drives the circuit ---- */
@@ -211,8 +214,8 @@ static double longest_step(void *ctx, double solver_s) {
 /* What is given back to the solver's rule, through one of the EVA's ports: V of dlambda/dt, or A of
  * the coil's current. */
 static double truncation_correction(coupling *c, size_t port, double t_s) {
-  const vs_amend_try at = {c->course.frame.model, vs_course_last(&c->course), t_s,
-                           vs_course_gap(&c->course, t_s)};
+  const vs_amend_try at = {c->trajectory.frame.model, vs_trajectory_last(&c->trajectory), t_s,
+                           vs_trajectory_gap(&c->trajectory, t_s)};
   if (c->away.follows) return 0;
   return port == VS_EVA_PORT_AMENDS_FLUX ? vs_amend_flux(&c->amend, &at)
                                          : vs_amend_current(&c->amend, &at);
@@ -223,18 +226,19 @@ static double deck_source(coupling *c, size_t port, double t_s) {
   const vs_port *p = &c->setup->deck.ports[port];
   double push_v = p->signal.drive == VS_PORT_MAINS ? vs_prelude_push(&c->prelude, t_s) : 0;
   return push_v +
-         vs_signals_voltage_cached(&c->port[port], &c->course.setup->timeline, &p->signal, t_s);
+         vs_signals_voltage_cached(&c->port[port], &c->trajectory.setup->timeline, &p->signal, t_s);
 }
 
-/* Ports are in the order of names.h: the deck's, the EVA's, and the motions that the deck names. */
+/* Ports are in the order of signal_map.h: the deck's, the EVA's, and the motions that the deck
+ * names. */
 static double compute_source(coupling *c, size_t port, double t_s) {
   size_t of_deck = c->setup->deck.n_ports;
   if (port < of_deck) return deck_source(c, port, t_s);
-  if (port == of_deck + VS_EVA_PORT_GAP) return vs_course_gap(&c->course, t_s);
+  if (port == of_deck + VS_EVA_PORT_GAP) return vs_trajectory_gap(&c->trajectory, t_s);
   size_t motion = port + c->setup->deck.n_motions;
   if (motion >= c->names->n_ports)
-    return vs_course_motion(&c->course, c->setup->deck.motions[motion - c->names->n_ports].state,
-                            t_s);
+    return vs_trajectory_motion(&c->trajectory,
+                                c->setup->deck.motions[motion - c->names->n_ports].state, t_s);
   if (port >= of_deck + VS_EVA_PORTS_LEADING) return vs_away_lead(&c->away, port - of_deck, t_s);
   return truncation_correction(c, port - of_deck, t_s);
 }
@@ -334,7 +338,7 @@ static vs_status run_solver(coupling *c, vs_error *err) {
   vs_status s = vs_netlist_make(&setup->deck, &setup->circuit_values, standard, VS_STANDARD,
                                 &netlist, &job.lines, err);
   job.netlist = netlist;
-  double shortest_s = fmin(c->pace.max_step_s, c->course.motion.substep_touching_s);
+  double shortest_s = fmin(c->pace.max_step_s, c->trajectory.motion.substep_touching_s);
   if (!s) s = vs_sim_refuse_endless(setup, shortest_s, err);
   if (!s) s = solver->load(&job, &host, &circuit, err);
   if (!s) s = solver->run(circuit, err);
@@ -360,13 +364,14 @@ static vs_status run_coupled(const vs_setup *setup, const vs_run_order *order,
                 .asked_s = NAN,
                 .names = vs_alloc(1, sizeof *c.names)};
   vs_prelude_begin(&c.prelude, setup, order, observer);
-  vs_course_begin(&c.course, vs_prelude_setup(&c.prelude), &frame, vs_prelude_observer(&c.prelude));
-  c.course.frame.timeline = &c.course.setup->timeline;
-  vs_away_begin(&c.away, order, &c.course, c.names, c.pace.max_step_s);
-  vs_names_of(&setup->deck, vs_away_memories(&c.away), c.names);
+  vs_trajectory_begin(&c.trajectory, vs_prelude_setup(&c.prelude), &frame,
+                      vs_prelude_observer(&c.prelude));
+  c.trajectory.frame.timeline = &c.trajectory.setup->timeline;
+  vs_away_begin(&c.away, order, &c.trajectory, c.names, c.pace.max_step_s);
+  vs_signal_map_of(&setup->deck, vs_away_memories(&c.away), c.names);
   vs_status s = run_solver(&c, err);
   vs_away_end(&c.away);
-  vs_course_end(&c.course);
+  vs_trajectory_end(&c.trajectory);
   free(c.names);
   return vs_prelude_end(&c.prelude, s, err);
 }

@@ -217,8 +217,8 @@ static double through_coil(const vs_oneport *o) {
   return 1 / (hypot(o->g_s + r / coil2, w * o->c_f - x / coil2) * sqrt(coil2));
 }
 
-void vs_oneport_walked(const vs_oneport *o, const vs_seen *const *seen, size_t count,
-                       double *sine_a, double *mean_a) {
+void vs_oneport_drifted(const vs_oneport *o, const vs_seen *const *seen, size_t count,
+                        double *sine_a, double *mean_a) {
   const size_t of_source = o->dynamic ? (size_t)LAW_CONSTANT + 1 : (size_t)STATIC_COLUMNS;
   vs_fit f = vs_fit_new(count, of_source);
   double x[LAW_COLUMNS], rate = o->dynamic ? o->setup->timeline.omega_rad_s : 1;

@@ -11,7 +11,7 @@
  *    times five for what that cycle may not show, is added up over all the cycles to come, always
  *    in the same sense. It is added up less as the flux linkage falls and as the machine's modes
  *    decay.
- *  - The law is compared with earlier cycles, which shows how fast it goes wrong (walk.h).
+ *  - The law is compared with earlier cycles, which shows how fast it goes wrong (law_drift.h).
  *  - Every signal must stay in the range in which the solver showed it, widened at either end by
  *    half of that range.
  *  - The bound must hold at two looks in a row, as one alone may look right by chance.
@@ -37,9 +37,9 @@
 
 #include "engine/events.h"
 #include "engine/gate.h"
+#include "macromodel/law_drift.h"
 #include "macromodel/modal.h"
 #include "macromodel/record.h"
-#include "macromodel/walk.h"
 #include "plant/coil.h"
 
 /* ---- what the law says of the time to come ----
@@ -49,15 +49,15 @@
 
 /* Ten cycles of 50 Hz hold the slowest beats of the mains with a machine that is driven near its
  * resonance. In each of them 100 instants, 3.6 degrees apart, meet a peak to 5e-4 of it. */
-enum { VS_OUTLOOK_CYCLES = 10, VS_OUTLOOK_STEPS = 100 };
+enum { FORECAST_CYCLES = 10, FORECAST_STEPS = 100 };
 
-typedef struct vs_outlook {
+typedef struct forecast {
   /* The largest flux linkage in each cycle, relative to the largest in view: an error of the flux
    * linkage makes one of the force in proportion to it. 0 for a cycle behind the end. */
-  double ratio[VS_OUTLOOK_CYCLES];
+  double ratio[FORECAST_CYCLES];
   double reach; /* how far these cycles lie beyond what the law was fitted to (vs_oneport_reach);
                    at least 1 */
-} vs_outlook;
+} forecast;
 
 /* Where the signals may go, and behind the last of them the EVA's voltage. */
 typedef struct range {
@@ -106,15 +106,15 @@ static double largest_flux(const vs_record *r) {
  * cannot integrate, or where a signal or the EVA's voltage leaves the range that it had over the
  * cycle in view: a law found there says nothing of what lies outside, as a diode may conduct there
  * that did not, or block. */
-static bool find_outlook(const vs_record *r, vs_oneport *port, double until_s, vs_outlook *o) {
+static bool find_forecast(const vs_record *r, vs_oneport *port, double until_s, forecast *o) {
   double y[VS_ONEPORT_STATES], t = r->last.knot.t_s, now = largest_flux(r);
-  double h = r->setup->timeline.period_s / VS_OUTLOOK_STEPS;
+  double h = r->setup->timeline.period_s / FORECAST_STEPS;
   range seen;
   see_range(r, port, &seen);
   vs_oneport_state(&r->last.knot, y);
-  *o = (vs_outlook){.reach = 1};
-  for (int cycle = 0; cycle < VS_OUTLOOK_CYCLES && t < until_s; cycle++)
-    for (int n = 0; n < VS_OUTLOOK_STEPS; n++, t += h) {
+  *o = (forecast){.reach = 1};
+  for (int cycle = 0; cycle < FORECAST_CYCLES && t < until_s; cycle++)
+    for (int n = 0; n < FORECAST_STEPS; n++, t += h) {
       if (!vs_oneport_advance(port, t, t + h, y)) return false;
       vs_coil_state c = vs_oneport_coil(port, t + h, y);
       if (!in_range(r, port, &seen, t + h, &c)) return false;
@@ -126,21 +126,21 @@ static bool find_outlook(const vs_record *r, vs_oneport *port, double until_s, v
 
 /* Behind the cycles that were looked at, the last one's ratio goes on. A mode that decays holds no
  * more than its errors of 1/(1 - exp(-T/tau)) cycles: the sum of a geometric series. */
-static double outlook_times(const vs_outlook *o, const vs_mode *m, double cycles, double period_s,
-                            double *walked) {
-  double sum = 0, rest = fmax(cycles - VS_OUTLOOK_CYCLES, 0);
-  double last = o->ratio[VS_OUTLOOK_CYCLES - 1], from = VS_OUTLOOK_CYCLES;
-  *walked = 0;
-  for (int n = 0; n < VS_OUTLOOK_CYCLES && n < cycles; n++) {
+static double forecast_times(const forecast *o, const vs_mode *m, double cycles, double period_s,
+                             double *drifted) {
+  double sum = 0, rest = fmax(cycles - FORECAST_CYCLES, 0);
+  double last = o->ratio[FORECAST_CYCLES - 1], from = FORECAST_CYCLES;
+  *drifted = 0;
+  for (int n = 0; n < FORECAST_CYCLES && n < cycles; n++) {
     sum += o->ratio[n];
-    *walked += (n + 1) * o->ratio[n];
+    *drifted += (n + 1) * o->ratio[n];
   }
   double held = -1 / expm1(-period_s / m->time_constant_s);
   if (isfinite(m->time_constant_s) && held < rest) {
     from = cycles - held;
     rest = held;
   }
-  *walked = o->reach * (*walked + rest * (from + cycles) / 2 * last);
+  *drifted = o->reach * (*drifted + rest * (from + cycles) / 2 * last);
   return o->reach * (sum + rest * last);
 }
 
@@ -150,13 +150,13 @@ static double outlook_times(const vs_outlook *o, const vs_mode *m, double cycles
  * where it is run beside the solver from the same state. */
 
 /* The largest errors at any knot in view. */
-typedef struct vs_misfit {
+typedef struct misfit {
   double force_n, current_a; /* of the coil */
   double
       mode[VS_MOST_STATES];  /* share of each mode in the error of (q, q'), in units of its shape */
   double signal[VS_SIGNALS]; /* V or A */
   vs_coil_state coil[VS_MOST_SEEN]; /* what the law says of the coil at each knot in view */
-} vs_misfit;
+} misfit;
 
 /* That multiple: how much worse than in the cycle in view the law may be later. With five, the
  * bound on leaving the solver held over the scenes of tests/long/quiet.csv. */
@@ -164,12 +164,12 @@ static const double misfit_safety = 5;
 
 /* The error of the coil's force or current, whichever is worse, relative to its peak, that the law
  * may make later: a multiple of the one found. */
-static double electric_misfit(const vs_record *r, const vs_misfit *wrong) {
+static double electric_misfit(const vs_record *r, const misfit *wrong) {
   return misfit_safety * fmax(wrong->force_n / r->peak_force_n, wrong->current_a / r->peak_a);
 }
 
 static void compare_modes(const vs_modal *modal, const double y[VS_ONEPORT_STATES],
-                          const vs_knot *seen, vs_misfit *wrong) {
+                          const vs_knot *seen, misfit *wrong) {
   double error[VS_MOST_STATES], share[VS_MOST_STATES];
   int states = (int)modal->share->size;
   for (int n = 0; n < states; n++) error[n] = y[VS_ONEPORT_Q + n] - seen->x[n];
@@ -180,10 +180,10 @@ static void compare_modes(const vs_modal *modal, const double y[VS_ONEPORT_STATE
 /* Runs the law beside the solver, and fills all but `signal`. Returns false, and ends there, where
  * misfit_electric exceeds `most` or GSL cannot integrate. */
 static bool find_misfit(const vs_record *r, vs_oneport *port, const vs_modal *modal, double most,
-                        vs_misfit *wrong) {
+                        misfit *wrong) {
   const vs_model *m = &r->setup->model;
   double y[VS_ONEPORT_STATES];
-  *wrong = (vs_misfit){0};
+  *wrong = (misfit){0};
   vs_oneport_state(&r->seen[0]->knot, y);
   for (size_t k = 0; k < r->n_seen; k++) {
     const vs_knot *seen = &r->seen[k]->knot;
@@ -201,7 +201,7 @@ static bool find_misfit(const vs_record *r, vs_oneport *port, const vs_modal *mo
 }
 
 /* Then fills `signal`; needs vs_oneport_fit_signals. */
-static void find_misfit_of_signals(const vs_record *r, const vs_oneport *port, vs_misfit *wrong) {
+static void find_misfit_of_signals(const vs_record *r, const vs_oneport *port, misfit *wrong) {
   double signal[VS_SIGNALS];
   for (size_t k = 0; k < r->n_seen; k++) {
     const vs_seen *seen = r->seen[k];
@@ -261,7 +261,7 @@ typedef struct quiet {
   vs_record record;
   vs_modal modal;
   vs_oneport *port;
-  vs_misfit misfit;          /* of the law that is looked at */
+  misfit misfit;             /* of the law that is looked at */
   double looked_s, blocks_s; /* time of the last look; since when the thyristor blocks */
   double steps; /* of the solver, of late: a step a cycle ago counts for 1/e. In a steady pace that
                    is how many a cycle takes */
@@ -295,16 +295,16 @@ static void record_solver_knot(void *self, const vs_knot *k, const double *memor
 
 /* Gives each mode's error at until_s: what is left of having left before, and what the mode takes
  * in a cycle, added up over all cycles in the same sense. Without `ahead` (NULL) that is added
- * once, and without w (NULL) the law does not walk. */
-static void mode_errors(const quiet *q, const vs_walk *w, const vs_outlook *ahead, double until_s,
-                        double error[VS_MOST_STATES]) {
+ * once, and without w (NULL) the law does not drift. */
+static void mode_errors(const quiet *q, const vs_law_drift *w, const forecast *ahead,
+                        double until_s, double error[VS_MOST_STATES]) {
   double period = q->setup->timeline.period_s, now = q->record.last.knot.t_s;
   for (size_t k = 0; k < q->modal.share->size; k++) {
     const vs_mode *m = &q->modal.mode[k];
-    double walked = 0, times = 1;
-    if (ahead) times = outlook_times(ahead, m, (until_s - now) / period, period, &walked);
+    double drifted = 0, times = 1;
+    if (ahead) times = forecast_times(ahead, m, (until_s - now) / period, period, &drifted);
     error[k] = q->carried[k] * exp(m->re_1_s * (now - q->carried_s)) +
-               misfit_safety * q->misfit.mode[k] * times + (w ? w->mode[k] * walked : 0);
+               misfit_safety * q->misfit.mode[k] * times + (w ? w->mode[k] * drifted : 0);
   }
 }
 
@@ -379,7 +379,7 @@ static bool signals_hold(const quiet *q, double until_s) {
 
 /* Fits the law to the last cycle, compares it with the solver there, and looks ahead. Returns false
  * where the law is not good enough. What costs most, the signals and the look ahead, comes last. */
-static bool fit_law_of_circuit(quiet *q, bool dynamic, double until_s, vs_outlook *ahead) {
+static bool fit_law_of_circuit(quiet *q, bool dynamic, double until_s, forecast *ahead) {
   vs_record *r = &q->record;
   double most = SHARE * q->setup->run.tolerance, error[VS_MOST_STATES];
   if (!vs_record_view(r, 1, 0) || !vs_oneport_fit(q->port, r->seen, r->n_seen, dynamic))
@@ -391,37 +391,38 @@ static bool fit_law_of_circuit(quiet *q, bool dynamic, double until_s, vs_outloo
     return false;
   vs_record_view(r, 1, 0);
   find_misfit_of_signals(r, q->port, &q->misfit);
-  return signals_hold(q, until_s) && find_outlook(r, q->port, until_s, ahead);
+  return signals_hold(q, until_s) && find_forecast(r, q->port, until_s, ahead);
 }
 
-/* Returns the bound on p, u, w, phi, force and i if the law walks on like that, and gives each
+/* Returns the bound on p, u, w, phi, force and i if the law drifts on like that, and gives each
  * mode's error at until_s. The bound is INFINITY where it is more than leaving may cost. */
-static double machine_bound(const quiet *q, const vs_walk *w, const vs_outlook *ahead,
+static double machine_bound(const quiet *q, const vs_law_drift *w, const forecast *ahead,
                             double until_s, double error[VS_MOST_STATES]) {
   double cycles = (until_s - q->record.last.knot.t_s) / q->setup->timeline.period_s;
   mode_errors(q, w, ahead, until_s, error);
   double electric = ahead->reach * electric_misfit(&q->record, &q->misfit) +
-                    vs_walk_electric(&q->record, w, cycles);
+                    vs_law_drift_electric(&q->record, w, cycles);
   double bound = fmax(electric, motion_bound(q, error));
   return bound <= SHARE * q->setup->run.tolerance ? bound : INFINITY;
 }
 
 /* Returns the bound with the law with G and C (dynamic) or the one without, and gives each mode's
- * error at until_s. INFINITY: that law is not good enough. Each earlier cycle gives a walk, and
- * each walk a bound; as one bound is enough to hold by, the smallest counts. */
+ * error at until_s. INFINITY: that law is not good enough. Each earlier cycle gives a drift, and
+ * each drift a bound; as one bound is enough to hold by, the smallest counts. */
 static double bound_of_law(quiet *q, bool dynamic, double until_s, double error[VS_MOST_STATES]) {
   double best = INFINITY, tried[VS_MOST_STATES];
-  vs_outlook ahead;
-  vs_walk_shares fitted;
-  vs_walk walk;
+  forecast ahead;
+  vs_law_drift_shares fitted;
+  vs_law_drift drift;
   if (!fit_law_of_circuit(q, dynamic, until_s, &ahead)) return INFINITY;
   double cycles = (until_s - q->record.last.knot.t_s) / q->setup->timeline.period_s;
-  vs_walk_shares_of(&q->record, q->port, &fitted);
+  vs_law_drift_shares_of(&q->record, q->port, &fitted);
   for (int ago = 1; ago < VS_CYCLES_KEPT && !(best <= vs_record_share(&q->record)); ago++) {
-    if (!vs_walk_find(&q->record, q->port, &q->modal, &fitted, ago, &walk)) break;
-    double bound = vs_walk_signals(&q->record, q->port, &q->modal, q->misfit.signal, &walk, cycles);
+    if (!vs_law_drift_find(&q->record, q->port, &q->modal, &fitted, ago, &drift)) break;
+    double bound =
+        vs_law_drift_signals(&q->record, q->port, &q->modal, q->misfit.signal, &drift, cycles);
     if (isinf(bound)) break;
-    bound = fmax(bound, machine_bound(q, &walk, &ahead, until_s, tried));
+    bound = fmax(bound, machine_bound(q, &drift, &ahead, until_s, tried));
     if (!(bound < best)) continue;
     best = bound;
     memcpy(error, tried, sizeof tried);

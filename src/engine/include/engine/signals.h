@@ -13,8 +13,8 @@ double vs_signals_voltage(const vs_timeline *timeline, const vs_signal *signal, 
  * those of all events together. */
 double vs_signals_edge(const vs_timeline *timeline, const vs_signal *signal, double t_s);
 
-/* True if the voltage stays as it is from one edge to the next, edges of events included. For
- * tests. */
+/* For tests: true if the voltage stays as it is from one edge to the next, edges of events
+ * included. */
 bool vs_signals_holds(const vs_signal *signal);
 
 /* ---- cached ----

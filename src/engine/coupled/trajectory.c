@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupled/course.h"
+#include "coupled/trajectory.h"
 
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>
@@ -34,7 +34,7 @@ static int machine_rhs(double s, const double x[], double rate[], void *user) {
 
 /* ---- a free swing as a series ---- */
 
-/* F = lambda^2/(4a) and its first four derivatives, at_s into the course of the flux. */
+/* F = lambda^2/(4a) and its first four derivatives, at_s into the flux linkage's polynomial. */
 static void force_rates(const vs_motion *m, double at_s, double f[5]) {
   const double *c = m->flux, a4 = 4 * m->model->coil.a_hm;
   double l0 = c[0] + at_s * (c[1] + at_s * (c[2] + at_s * c[3]));
@@ -126,9 +126,9 @@ static double to_first_contact(vs_motion *m, unsigned stops, double at_s, double
   return first;
 }
 
-/* Takes x = (q, q') on from `at_s` seconds into the course of the flux, to h seconds or to where
- * the armature meets or leaves its stop. Returns how far it has come, s; NaN where GSL cannot step
- * on. */
+/* Takes x = (q, q') on from `at_s` seconds into the flux linkage's polynomial, to h seconds or to
+ * where the armature meets or leaves its stop. Returns how far it has come, s; NaN where GSL cannot
+ * step on. */
 static double motion_advance(vs_motion *m, double at_s, double h, double *x) {
   const vs_model *model = m->model;
   double longest = m->touched ? m->substep_touching_s : m->substep_s, before[VS_MOST_STATES];
@@ -181,7 +181,7 @@ static void motion_end(vs_motion *m) {
 
 /* Sets the polynomial of the flux linkage under which the machine moves on from the last knot, and
  * how the armature stands there. */
-static void set_flux_polynomial(vs_course *c, double f0, double f1, double f2, double f3) {
+static void set_flux_polynomial(vs_trajectory *c, double f0, double f1, double f2, double f3) {
   const double flux[4] = {f0, f1, f2, f3};
   memcpy(c->motion.flux, flux, sizeof flux);
   c->motion.touched = c->touched;
@@ -192,7 +192,7 @@ static void set_flux_polynomial(vs_course *c, double f0, double f1, double f2, d
 
 /* The state after h seconds by the mechanics' integration, for where the armature is in its stop or
  * may meet it. lambda goes on with the slope it has, and the slope as it last changed. */
-static void foretell_by_integration(vs_course *c, double h, double x[VS_MOST_STATES]) {
+static void foretell_by_integration(vs_trajectory *c, double h, double x[VS_MOST_STATES]) {
   const vs_knot *k = &c->knots[c->now];
   memcpy(x, k->x, sizeof k->x);
   set_flux_polynomial(c, k->flux_wb, k->flux_rate_v, k->flux_rate2_v_s / 2, 0);
@@ -202,7 +202,7 @@ static void foretell_by_integration(vs_course *c, double h, double x[VS_MOST_STA
 }
 
 /* The state after h seconds by its Taylor polynomial, with the derivatives up to the third of q. */
-static void foretell_by_series(const vs_course *c, double h, double x[VS_MOST_STATES]) {
+static void foretell_by_series(const vs_trajectory *c, double h, double x[VS_MOST_STATES]) {
   const vs_knot *k = &c->knots[c->now];
   int dof = c->frame.model->dof;
   for (int i = 0; i < dof; i++) {
@@ -214,7 +214,7 @@ static void foretell_by_series(const vs_course *c, double h, double x[VS_MOST_ST
 
 /* The travel follows its Taylor polynomial of third order. The next term is (w h)^4/24 of the
  * amplitude at most, with w of the fastest mode. */
-static void foretell_machine(vs_course *c, double t_s) {
+static void foretell_machine(vs_trajectory *c, double t_s) {
   const vs_knot *k = &c->knots[c->now];
   if (t_s == c->candidate_s) return;
   const vs_model *m = c->frame.model;
@@ -230,19 +230,19 @@ static void foretell_machine(vs_course *c, double t_s) {
   c->candidate_gap_m = vs_coil_gap(&m->coil, g);
 }
 
-double vs_course_gap(vs_course *c, double t_s) {
+double vs_trajectory_gap(vs_trajectory *c, double t_s) {
   foretell_machine(c, t_s);
   return c->candidate_gap_m;
 }
 
-double vs_course_motion(vs_course *c, int state, double t_s) {
+double vs_trajectory_motion(vs_trajectory *c, int state, double t_s) {
   const vs_model *m = c->frame.model;
   foretell_machine(c, t_s);
   return state < 0 ? vs_mechanics_travel(m, c->candidate_x + m->dof) : c->candidate_x[state];
 }
 
 /* What a control decides next is not known, so that with one nothing is remembered. */
-double vs_course_edge(vs_course *c, double t_s) {
+double vs_trajectory_edge(vs_trajectory *c, double t_s) {
   if (vs_signals_cache_holds(&c->edge, t_s)) return c->edge.number;
   double edge_s = vs_setup_edge(c->setup, t_s);
   if (!c->setup->timeline.program)
@@ -252,14 +252,14 @@ double vs_course_edge(vs_course *c, double t_s) {
 
 /* ---- shown ---- */
 
-static void complete_knot(const vs_course *c, vs_knot *k) {
+static void complete_knot(const vs_trajectory *c, vs_knot *k) {
   if (c->jammed)
     vs_step_hold_knot(&c->frame, k);
   else
     vs_step_complete_knot(&c->frame, k, c->touched);
 }
 
-vs_status vs_course_show(vs_course *c, const vs_knot *k, vs_event what, vs_error *err) {
+vs_status vs_trajectory_show(vs_trajectory *c, const vs_knot *k, vs_event what, vs_error *err) {
   vs_knot *from = &c->knots[c->now], *to = &c->knots[1 - c->now];
   if (c->blank) memcpy(from->terms, k->terms, sizeof k->terms);
   c->blank = false;
@@ -282,7 +282,8 @@ vs_status vs_course_show(vs_course *c, const vs_knot *k, vs_event what, vs_error
 /* ---- moved ---- */
 
 /* The knot `at_s` seconds behind a, on the way to b, under the present polynomial of the flux. */
-static vs_knot knot_between(const vs_course *c, const vs_knot *a, const vs_knot *b, double at_s) {
+static vs_knot knot_between(const vs_trajectory *c, const vs_knot *a, const vs_knot *b,
+                            double at_s) {
   const double *f = c->motion.flux, ratio = at_s / (b->t_s - a->t_s);
   vs_knot k = *b;
   k.t_s = a->t_s + at_s;
@@ -296,48 +297,48 @@ static vs_knot knot_between(const vs_course *c, const vs_knot *a, const vs_knot 
 }
 
 /* Shows a knot at which the armature meets or leaves its stop, from both sides. */
-static vs_status show_contact(vs_course *c, vs_knot *cut, vs_error *err) {
-  vs_status status = vs_course_show(
+static vs_status show_contact(vs_trajectory *c, vs_knot *cut, vs_error *err) {
+  vs_status status = vs_trajectory_show(
       c, cut, c->touched & c->motion.changed ? VS_EV_LEAVES_STOP : VS_EV_MEETS_STOP, err);
   c->touched = c->motion.touched = c->touched ^ c->motion.changed;
   complete_knot(c, cut);
-  return status ? status : vs_course_show(c, cut, VS_EV_NONE, err);
+  return status ? status : vs_trajectory_show(c, cut, VS_EV_NONE, err);
 }
 
 /* The last knot is the instant at which the armature jams; it is shown from behind that too. */
-static vs_status jam_armature(vs_course *c, vs_error *err) {
-  vs_knot *k = vs_course_next(c);
-  vs_step_copy_knot(&c->frame, vs_course_last(c), k);
+static vs_status jam_armature(vs_trajectory *c, vs_error *err) {
+  vs_knot *k = vs_trajectory_next(c);
+  vs_step_copy_knot(&c->frame, vs_trajectory_last(c), k);
   c->jammed = c->motion.jammed = true;
   vs_mechanics_hold(c->frame.model, k->x + c->frame.model->dof);
   complete_knot(c, k);
-  return vs_course_show(c, k, VS_EV_JAMS, err);
+  return vs_trajectory_show(c, k, VS_EV_JAMS, err);
 }
 
 /* A cubic's error over 0.1 rad of the fastest swing is (0.1)^4/24 = 4e-6 of the amplitude. */
 static const double SERIES_RAD = 0.1;
 
-static void use_model(vs_course *c, const vs_model *m) {
+static void use_model(vs_trajectory *c, const vs_model *m) {
   c->frame.model = m;
   c->series_s = SERIES_RAD / motion_fastest(m);
 }
 
 /* The load changes at the last knot: q and q' go on as they are, with another M. */
-static vs_status change_load_at_knot(vs_course *c, vs_error *err) {
-  vs_knot *k = vs_course_next(c);
-  vs_step_copy_knot(&c->frame, vs_course_last(c), k);
+static vs_status change_load_at_knot(vs_trajectory *c, vs_error *err) {
+  vs_knot *k = vs_trajectory_next(c);
+  vs_step_copy_knot(&c->frame, vs_trajectory_last(c), k);
   use_model(c, &c->setup->loads.item[c->loads++].model);
   motion_take(&c->motion, c->frame.model);
   complete_knot(c, k);
-  return vs_course_show(c, k, VS_EV_LOADS, err);
+  return vs_trajectory_show(c, k, VS_EV_LOADS, err);
 }
 
 /* An event's instant counts as reached from here on, s: rounding. */
 static const double REACHED_S = 1e-12;
 
 /* What is due at the end of a step, which was shown. */
-static vs_status end_step(vs_course *c, vs_error *err) {
-  double now_s = vs_course_last(c)->t_s;
+static vs_status end_step(vs_trajectory *c, vs_error *err) {
+  double now_s = vs_trajectory_last(c)->t_s;
   vs_status status = VS_OK;
   if (now_s >= vs_setup_load_at(&c->setup->loads, c->loads) - REACHED_S)
     status = change_load_at_knot(c, err);
@@ -346,10 +347,11 @@ static vs_status end_step(vs_course *c, vs_error *err) {
 }
 
 /* From `at` seconds behind the last knot, where the armature meets or leaves a stop in the state x,
- * to vs_course_next, or to the next such instant. */
-static vs_status move_in_parts(vs_course *c, double at, double x[VS_MOST_STATES], vs_error *err) {
-  const vs_knot start = *vs_course_last(c);
-  vs_knot end = *vs_course_next(c), cut; /* as the course's own are overwritten */
+ * to vs_trajectory_next, or to the next such instant. */
+static vs_status move_in_parts(vs_trajectory *c, double at, double x[VS_MOST_STATES],
+                               vs_error *err) {
+  const vs_knot start = *vs_trajectory_last(c);
+  vs_knot end = *vs_trajectory_next(c), cut; /* as the trajectory's own are overwritten */
   double h = end.t_s - start.t_s;
   while (at < h) {
     cut = knot_between(c, &start, &end, at);
@@ -362,12 +364,12 @@ static vs_status move_in_parts(vs_course *c, double at, double x[VS_MOST_STATES]
   }
   memcpy(end.x, x, sizeof end.x);
   complete_knot(c, &end);
-  return vs_course_show(c, &end, VS_EV_NONE, err);
+  return vs_trajectory_show(c, &end, VS_EV_NONE, err);
 }
 
-static vs_status move_machine(vs_course *c, vs_error *err) {
-  const vs_knot *start = vs_course_last(c);
-  vs_knot *end = vs_course_next(c);
+static vs_status move_machine(vs_trajectory *c, vs_error *err) {
+  const vs_knot *start = vs_trajectory_last(c);
+  vs_knot *end = vs_trajectory_next(c);
   double h = end->t_s - start->t_s;
   memcpy(end->x, start->x, c->motion.size);
   double at = motion_advance(&c->motion, 0, h, end->x);
@@ -378,11 +380,11 @@ static vs_status move_machine(vs_course *c, vs_error *err) {
     return move_in_parts(c, at, x, err);
   }
   complete_knot(c, end);
-  return vs_course_show(c, end, VS_EV_NONE, err);
+  return vs_trajectory_show(c, end, VS_EV_NONE, err);
 }
 
-vs_status vs_course_move(vs_course *c, vs_error *err) {
-  const vs_knot *from = vs_course_last(c), *to = vs_course_next(c);
+vs_status vs_trajectory_move(vs_trajectory *c, vs_error *err) {
+  const vs_knot *from = vs_trajectory_last(c), *to = vs_trajectory_next(c);
   /* lambda is the cubic through both ends' values and slopes */
   double h = to->t_s - from->t_s, slope = (to->flux_wb - from->flux_wb) / h;
   set_flux_polynomial(c, from->flux_wb, from->flux_rate_v,
@@ -398,15 +400,15 @@ vs_status vs_course_move(vs_course *c, vs_error *err) {
 
 /* ---- begun and ended ---- */
 
-void vs_course_begin(vs_course *c, const vs_setup *setup, const vs_frame *frame,
-                     const vs_observer *observer) {
+void vs_trajectory_begin(vs_trajectory *c, const vs_setup *setup, const vs_frame *frame,
+                         const vs_observer *observer) {
   const vs_model *m = &setup->model;
-  *c = (vs_course){.setup = setup,
-                   .frame = *frame,
-                   .observer = observer,
-                   .candidate_s = -1,
-                   .blank = true,
-                   .jams_s = vs_setup_jams(setup)};
+  *c = (vs_trajectory){.setup = setup,
+                       .frame = *frame,
+                       .observer = observer,
+                       .candidate_s = -1,
+                       .blank = true,
+                       .jams_s = vs_setup_jams(setup)};
   use_model(c, m);
   c->knots[0] = vs_sim_start(setup, &c->frame);
   c->touched = vs_stops_touched(&m->stops, vs_mechanics_travel(m, c->knots[0].x));
@@ -414,8 +416,8 @@ void vs_course_begin(vs_course *c, const vs_setup *setup, const vs_frame *frame,
   motion_begin(&c->motion, m);
 }
 
-void vs_course_turn(vs_course *c, double by_s, const vs_setup *setup, const vs_observer *observer,
-                    const double *x) {
+void vs_trajectory_turn(vs_trajectory *c, double by_s, const vs_setup *setup,
+                        const vs_observer *observer, const double *x) {
   vs_knot *k = &c->knots[c->now];
   c->setup = setup;
   c->observer = observer;
@@ -433,6 +435,6 @@ void vs_course_turn(vs_course *c, double by_s, const vs_setup *setup, const vs_o
   complete_knot(c, k);
 }
 
-void vs_course_end(vs_course *c) {
+void vs_trajectory_end(vs_trajectory *c) {
   motion_end(&c->motion);
 }

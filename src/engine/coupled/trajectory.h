@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The course of a run on tier "circuit": the machine's motion beside the circuit, the contacts with
- * its stop, the thyristor's firing and extinction, and every step as the observer is shown it. */
-#ifndef VS_ENGINE_COURSE_H
-#define VS_ENGINE_COURSE_H
+ * The trajectory of a run on tier "circuit": the machine's motion beside the circuit, the contacts
+ * with its stop, the thyristor's firing and extinction, and every step as the observer is shown it.
+ */
+#ifndef VS_ENGINE_TRAJECTORY_H
+#define VS_ENGINE_TRAJECTORY_H
 
 #include <gsl/gsl_odeiv2.h>
 
@@ -26,7 +27,7 @@ typedef struct vs_motion {
   gsl_odeiv2_step *step;
 } vs_motion;
 
-typedef struct vs_course {
+typedef struct vs_trajectory {
   const vs_setup *setup;
   vs_frame frame;
   const vs_observer *observer;
@@ -49,47 +50,48 @@ typedef struct vs_course {
   double strays; /* as vs_step has it */
   double bound;  /* on the error of having left the solver so far, relative to
                    each probe's peak */
-} vs_course;
+} vs_trajectory;
 
-/* Begins at t = 0. Setup and observer must outlive the course. It stays where it is made, as its
- * motion points to itself. */
-void vs_course_begin(vs_course *course, const vs_setup *setup, const vs_frame *frame,
-                     const vs_observer *observer);
-void vs_course_end(vs_course *course);
+/* Begins at t = 0. Setup and observer must outlive the trajectory. It stays where it is made, as
+ * its motion points to itself. */
+void vs_trajectory_begin(vs_trajectory *trajectory, const vs_setup *setup, const vs_frame *frame,
+                         const vs_observer *observer);
+void vs_trajectory_end(vs_trajectory *trajectory);
 
 /* The last knot shown. */
-static inline const vs_knot *vs_course_last(const vs_course *course) {
-  return &course->knots[course->now];
+static inline const vs_knot *vs_trajectory_last(const vs_trajectory *trajectory) {
+  return &trajectory->knots[trajectory->now];
 }
 
-/* What vs_setup_edge returns of the course's setup, from memory as far as it holds. */
-double vs_course_edge(vs_course *course, double t_s);
+/* What vs_setup_edge returns of the trajectory's setup, from memory as far as it holds. */
+double vs_trajectory_edge(vs_trajectory *trajectory, double t_s);
 
 /* Room for the knot that comes next. It is void once a step was shown. */
-static inline vs_knot *vs_course_next(vs_course *course) {
-  return &course->knots[1 - course->now];
+static inline vs_knot *vs_trajectory_next(vs_trajectory *trajectory) {
+  return &trajectory->knots[1 - trajectory->now];
 }
 
 /* The gap, m, where the mechanics will be at t_s, foretold from the last knot. */
-double vs_course_gap(vs_course *course, double t_s);
+double vs_trajectory_gap(vs_trajectory *trajectory, double t_s);
 
 /* The machine's state there, SI, by its index in (q, q'), or the gap's rate, m/s, by -1. The deck
  * must name one. Over a step h the gap and q are foretold up to h^4, the rates up to h^3. */
-double vs_course_motion(vs_course *course, int state, double t_s);
+double vs_trajectory_motion(vs_trajectory *trajectory, int state, double t_s);
 
-/* Integrates the machine over the step from the last knot to vs_course_next and shows it. The
+/* Integrates the machine over the step from the last knot to vs_trajectory_next and shows it. The
  * caller has filled in what the circuit knows of that knot: time, lambda with two derivatives,
  * v_eva, i_mains, terms. The step is cut where the armature meets or leaves its stop, and such an
  * instant is shown from either side. Errors: the observer's; VS_RUN where GSL cannot integrate. */
-vs_status vs_course_move(vs_course *course, vs_error *err);
+vs_status vs_trajectory_move(vs_trajectory *trajectory, vs_error *err);
 
 /* The last knot becomes the first of another part of the run: its clock is set back by by_s, the
  * setup and the observer from there on are these, and the machine's state is x. */
-void vs_course_turn(vs_course *course, double by_s, const vs_setup *setup,
-                    const vs_observer *observer, const double *x);
+void vs_trajectory_turn(vs_trajectory *trajectory, double by_s, const vs_setup *setup,
+                        const vs_observer *observer, const double *x);
 
-/* Shows the step from the last knot to `to`, which is copied, or which is vs_course_next. `what`
- * happens at its end, besides what the thyristor does. Errors: the observer's. */
-vs_status vs_course_show(vs_course *course, const vs_knot *to, vs_event what, vs_error *err);
+/* Shows the step from the last knot to `to`, which is copied, or which is vs_trajectory_next.
+ * `what` happens at its end, besides what the thyristor does. Errors: the observer's. */
+vs_status vs_trajectory_show(vs_trajectory *trajectory, const vs_knot *to, vs_event what,
+                             vs_error *err);
 
 #endif
