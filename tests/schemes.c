@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "plant/coil.h"
 #include "base/text.h"
 #include "engine/gate.h"
-#include "plant/coil.h"
 
 /* Of an iteration: the largest change that counts as none, as a part of what the mains can build
  * up, and how many solutions it may take. */

@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "engine/events.h"
 #include "engine/gate.h"
+#include "engine/events.h"
 #include "schedule.h"
 
 /* ---- the surge generator ---- */

@@ -9,9 +9,9 @@
 #include <string.h>
 #include <sys/wait.h>
 
+#include "plant/coil.h"
 #include "bench.h"
 #include "cli/export.h"
-#include "plant/coil.h"
 #include "suite.h"
 
 static const double PEAK_V = 622.2539674441618; /* 440 V rms */

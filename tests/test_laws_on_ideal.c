@@ -6,10 +6,10 @@
 #include <math.h>
 #include <string.h>
 
-#include "engine/sim.h"
-#include "measure/energy.h"
 #include "plant/coil.h"
+#include "engine/sim.h"
 #include "suite.h"
+#include "measure/energy.h"
 
 /* ---- models ---- */
 

@@ -7,8 +7,8 @@
 
 #include "base/csv.h"
 #include "base/text.h"
-#include "measure/reducer.h"
 #include "program.h"
+#include "measure/reducer.h"
 
 /* Late, with small snubbers: what goes out in C2's ring and fires again hangs on the tolerance. The
  * deck with a rating of its own, for the sake of which a second run is made. */

@@ -14,11 +14,11 @@
 #include <sys/stat.h>
 
 #include "base/file.h"
-#include "base/units.h"
 #include "mechanism.h"
 #include "netlist/netlist.h"
 #include "plain.h"
 #include "run/scene.h"
+#include "base/units.h"
 
 /* Measured under plain ngspice against the circuit tier at a tolerance of 1e-6, with steps of a
  * two-thousandth of a period by the trapezoidal rule: p is off by 3e-5 of its peak after a single

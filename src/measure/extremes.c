@@ -4,8 +4,8 @@
 #include <float.h>
 #include <math.h>
 
-#include "engine/step.h"
 #include "plant/coil.h"
+#include "engine/step.h"
 
 /* ---- the extremes of one step ---- */
 

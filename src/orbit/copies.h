@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Multipliers of an orbit on tier circuit, by differences. At the orbit's beginning the process is
- * copied with all of the circuit's hidden state (ngspice/child.h). Each copy pushes one state of
- * the machine aside, runs on, and tells where the push has come to.
+ * copied with all of the circuit's hidden state (ngspice/child.h). Each copy pushes one state of the
+ * machine aside, runs on, and tells where the push has come to.
  *
  * A period later what the circuit forgets is gone. What is left of the pushes, z = (q, q', lambda)
  * behind the first period, shows all that the machine and one slow state of the circuit remember.
@@ -12,9 +12,9 @@
 #ifndef VS_ORBIT_COPIES_H
 #define VS_ORBIT_COPIES_H
 
+#include "orbit/multipliers.h"
 #include "engine/step.h"
 #include "ngspice/child.h"
-#include "orbit/multipliers.h"
 
 enum { VS_COPIES_MOST = VS_MOST_STATES, VS_COPIES_PERIODS = 3 };
 

@@ -7,12 +7,12 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "engine/tiers.h"
-#include "measure/throw.h"
-#include "orbit/picard.h"
-#include "orbit/shooting.h"
 #include "plant/build.h"
+#include "orbit/shooting.h"
+#include "measure/throw.h"
 #include "run/session.h"
+#include "orbit/picard.h"
+#include "engine/tiers.h"
 
 enum { MOST_TRIALS = 40 };
 /* The share is found where the orbit's own differs by less: far below what an empirical number

@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "engine/pace.h"
-#include "measure/sign.h"
 #include "ngspice/trust.h"
+#include "measure/sign.h"
 
 void vs_result_finish(vs_result *r) {
   vs_watchers_finish(&r->watchers, r->scene->setup.run.until_s, r->values);

@@ -8,9 +8,9 @@
 #include <time.h>
 
 #include "base/text.h"
-#include "base/units.h"
 #include "measure/onset.h"
 #include "run/shown.h"
+#include "base/units.h"
 
 /* ---- one attempt ---- */
 

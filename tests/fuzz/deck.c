@@ -5,11 +5,11 @@
 
 #include <string.h>
 
-#include "engine/macromodel/memory.h"
-#include "import/hint.h"
 #include "netlist/blame.h"
 #include "netlist/netlist.h"
 #include "netlist/parts.h"
+#include "import/hint.h"
+#include "engine/macromodel/memory.h"
 #include "targets.h"
 
 static const char *const FILES[] = {"a.inc", "b.inc", "c.lib", "d.inc", NULL};

@@ -7,9 +7,9 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "devices/reductions.h"
 #include "engine/batch.h"
 #include "measure/melting.h"
+#include "devices/reductions.h"
 
 /* The shots of a device that conducts or blocks. One that goes out in a ring and is fired again by
  * the same gate pulse is at the same shot, as long as the same half cycle of the mains may drive

@@ -8,9 +8,9 @@
 
 #include "base/csv.h"
 #include "base/file.h"
-#include "measure/unjudged.h"
 #include "run/session.h"
 #include "run/table.h"
+#include "measure/unjudged.h"
 #include "work/identity.h"
 
 const char *const vs_case_titles[VS_CASE_COLUMNS] = {

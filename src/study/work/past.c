@@ -8,8 +8,8 @@
 
 #include "engine/pace.h"
 #include "netlist/netlist.h"
-#include "ngspice/child.h"
 #include "work/parting.h"
+#include "ngspice/child.h"
 
 /* What becomes of a task: it waits for a trunk, has one, is to be run on its own, is answered. */
 typedef enum lot { WAITS, SHARES, OWN, DONE } lot;

@@ -6,8 +6,8 @@
 #ifndef VS_MEASURE_ONSET_H
 #define VS_MEASURE_ONSET_H
 
-#include "engine/sim.h"
 #include "measure/meter.h"
+#include "engine/sim.h"
 
 typedef struct vs_onset {
   vs_pilot pilot;                     /* for the run's order, in the place of `steers` */

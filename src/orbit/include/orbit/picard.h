@@ -14,9 +14,9 @@
 #ifndef VS_ORBIT_PICARD_H
 #define VS_ORBIT_PICARD_H
 
+#include "orbit/shooting.h"
 #include "engine/budget.h"
 #include "engine/sim.h"
-#include "orbit/shooting.h"
 
 /* Made by vs_picard_new, freed by vs_picard_free. */
 typedef struct vs_picard {
