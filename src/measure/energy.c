@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "plant/coil.h"
-#include "engine/sweep.h"
+#include "engine/batch.h"
 #include "measure/value.h"
 
 const char *const vs_energy_names[VS_ENERGIES] = {
@@ -119,7 +119,7 @@ bool vs_energy_is_due(const vs_energy *e) {
 static void add_loss(vs_energy *e, size_t n, const vs_batch *b) {
   const vs_formula_quick loss = {.formula = &e->frame->deck->losses.item[n].formula};
   vs_pair power[VS_BATCH_STEPS];
-  vs_sweep(&loss, b, power);
+  vs_batch_evaluate(&loss, b, power);
   for (size_t k = 0; k < b->count; k++) {
     double from = e->loss_w[n], to = power[k][1];
     double mid = b->periodic[k] ? (from + to) / 2 : power[k][0];

@@ -90,7 +90,7 @@ static vs_status unknown_channel(const vs_instrument *i, const char *name, vs_wh
   int numbers[VS_CH_MOST], n = vs_channel_listed(full, numbers);
   if (vs_channel_find(full, name) >= 0)
     return vs_fail_at(err, where, "%s: channel %s exists only where a deck is run; take tier %s",
-                      i->path, name, vs_manner_tier_words[VS_TIER_CIRCUIT]);
+                      i->path, name, vs_setup_tier_words[VS_TIER_CIRCUIT]);
   if (full->deck->lost & VS_LOST_PROBE) return VS_OK; /* a check carries on: it may be that one */
   for (int k = 0; k < n; k++) names[k] = vs_channel_at(full, numbers[k]).name;
   const char *nearest = vs_text_nearest(name, names, (size_t)n);

@@ -391,8 +391,8 @@ void vs_measures_accept(vs_measures *m, const vs_step *step) {
   m->last = 1 - m->last;
   if (m->steps < 2) m->steps++;
   vs_kept_step *kept = &m->kept[m->last];
-  vs_knot_copy(m->frame, step->from, &kept->from);
-  vs_knot_copy(m->frame, step->to, &kept->to);
+  vs_step_copy_knot(m->frame, step->from, &kept->from);
+  vs_step_copy_knot(m->frame, step->to, &kept->to);
   kept->step = *step;
   kept->step.from = &kept->from;
   kept->step.to = &kept->to;

@@ -27,7 +27,7 @@ static vs_status unknown(const vs_node *node, const vs_setup *setup, const vs_fr
   if (setup->deck.lost & VS_LOST_PROBE) return VS_OK; /* a check carries on: it may be that one */
   if (vs_channel_find(&full, name) >= 0)
     return vs_fail_at(err, node->where, "quality: %s exists only where a deck is run; take tier %s",
-                      name, vs_manner_tier_words[VS_TIER_CIRCUIT]);
+                      name, vs_setup_tier_words[VS_TIER_CIRCUIT]);
   for (int k = 0, listed = vs_channel_listed(&full, numbers); k < listed; k++)
     if (!strcmp(vs_channel_at(&full, numbers[k]).unit, "A"))
       names[n++] = vs_channel_at(&full, numbers[k]).name;

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-#include "engine/curve.h"
+#include "engine/step.h"
 
 /* ---- what is seen ---- */
 
@@ -42,11 +42,11 @@ enum { PARTS = 16 };
  * the course's values: where it turns need not be known well, as its value hardly changes there. */
 static void take_turns(vs_throw *w, const vs_step *step, const vs_curve *slope) {
   for (int p = 0; p < PARTS; p++) {
-    double lo = (double)p / PARTS, hi = (p + 1.0) / PARTS, before = vs_curve_value(slope, lo);
-    if (before * vs_curve_value(slope, hi) > 0) continue;
+    double lo = (double)p / PARTS, hi = (p + 1.0) / PARTS, before = vs_step_curve_value(slope, lo);
+    if (before * vs_step_curve_value(slope, hi) > 0) continue;
     for (int n = 0; n < 40; n++) {
       double mid = (lo + hi) / 2;
-      if (vs_curve_value(slope, mid) * before > 0)
+      if (vs_step_curve_value(slope, mid) * before > 0)
         lo = mid;
       else
         hi = mid;
@@ -59,10 +59,10 @@ void vs_throw_accept(vs_throw *w, const vs_step *step) {
   double value[VS_CURVE_POINTS][VS_THROW_COURSES], of[VS_CURVE_POINTS];
   w->model = step->frame->model;
   if (!(step->to->t_s > step->from->t_s)) return; /* the other side of an instant */
-  for (int j = 0; j < VS_CURVE_POINTS; j++) values_at(step, vs_curve_point(j), value[j]);
+  for (int j = 0; j < VS_CURVE_POINTS; j++) values_at(step, vs_step_curve_point(j), value[j]);
   for (int k = 0; k < VS_THROW_COURSES; k++) {
     for (int j = 0; j < VS_CURVE_POINTS; j++) of[j] = value[j][k];
-    const vs_curve curve = vs_curve_through(of), slope = vs_curve_slope(&curve, 1);
+    const vs_curve curve = vs_step_curve_through(of), slope = vs_step_curve_slope(&curve, 1);
     take_turns(w, step, &slope);
   }
   take_at(w, step, 0);

@@ -29,9 +29,10 @@ static void follow_absence(vs_absence *a, const vs_step *step) {
 
 static void follow_sequence(vs_sequence *sequence, const vs_step *step) {
   for (int k = 0; k < 2; k++) {
-    if (step->event[k] == VS_EV_FIRES) vs_sequence_add(sequence, VS_DEED_FIRES, step->event_s[k]);
+    if (step->event[k] == VS_EV_FIRES)
+      vs_reducer_add_deed(sequence, VS_DEED_FIRES, step->event_s[k]);
     if (step->event[k] == VS_EV_EXTINCT)
-      vs_sequence_add(sequence, VS_DEED_GOES_OUT, step->event_s[k]);
+      vs_reducer_add_deed(sequence, VS_DEED_GOES_OUT, step->event_s[k]);
   }
 }
 

@@ -22,7 +22,7 @@ static const vs_node *find_key(const vs_node *root, const vs_setup *setup, const
 
 const vs_node *vs_choice_node(const vs_node *root, const vs_setup *setup, const vs_tier_key *k) {
   const vs_node *node = find_key(root, setup, k);
-  bool is_stretch = !strcmp(k->section, vs_manner_measure.name);
+  bool is_stretch = !strcmp(k->section, vs_setup_measure_keys.name);
   if (is_stretch && vs_tree_child(root, "quality")) return NULL;
   if (!node || !k->value) return node;
   return node->kind == VS_NODE_TEXT && !strcmp(node->text, k->value) ? node : NULL;

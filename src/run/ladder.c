@@ -80,7 +80,7 @@ bool vs_ladder_climb(vs_ladder *l, const vs_scene *scene) {
     l->trtol = s->run.trtol;
     l->pivrel = s->run.pivrel;
   }
-  const double first_step = VS_MANNER_LONGER_FIRST_STEP;
+  const double first_step = VS_SETUP_LONGER_FIRST_STEP;
   bool jumps = vs_timeline_voltage(&s->timeline, 0) != 0;
   for (l->rung++; l->rung < N_RUNGS; l->rung++) {
     const rung *r = &RUNGS[l->rung];

@@ -277,11 +277,10 @@ static void warn_after(const vs_result *r, bool of_firing,
 
 const char *vs_result_declined(const vs_result *r) {
   const vs_scene *s = r->scene;
-  const vs_stand_in *stand_in = s->order.stand_in;
   if (s->tier->has_circuit && r->loop && !s->setup.run.stays)
     return "a control decides the firings, so that the next one is not known";
-  if (!s->tier->has_circuit || !stand_in || s->setup.run.stays) return NULL;
-  return stand_in->declines(&s->setup);
+  if (!s->tier->has_circuit || s->setup.run.stays) return NULL;
+  return vs_sim_why_stays(&s->order, &s->setup);
 }
 
 void vs_result_warnings(const vs_result *r, void (*each)(void *ctx, const char *text), void *ctx) {

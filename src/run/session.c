@@ -375,13 +375,14 @@ static void compare_sequences(vs_result *r, const vs_result *second) {
   for (size_t k = 0; a && b && k < a->count; k++) {
     const vs_kind *kind = a->item[k].device->kind;
     if (!kind->gated && !kind->melts) continue; /* a diode that rings fires nothing */
-    if (vs_sequence_agrees(&a->item[k].sequence, &b->item[k].sequence, window_s, &how)) continue;
+    if (vs_reducer_sequences_agree(&a->item[k].sequence, &b->item[k].sequence, window_s, &how))
+      continue;
     vs_verdict_tear(&r->verdict, a->item[k].device, how.parts_s);
     if (!name) first = how;
     if (!name) name = a->item[k].device->name;
   }
-  if (!name &&
-      !vs_sequence_agrees(&r->watchers.sequence, &second->watchers.sequence, window_s, &first))
+  if (!name && !vs_reducer_sequences_agree(&r->watchers.sequence, &second->watchers.sequence,
+                                           window_s, &first))
     name = "it";
   if (name)
     snprintf(r->second.sequence, sizeof r->second.sequence,
@@ -526,7 +527,7 @@ vs_status vs_session_try(const vs_tier *tier, const vs_setup *setup, vs_error *e
   bool begun = false;
   const vs_observer observer = {&begun, stop_at_once};
   vs_run_values run = setup->run; /* a run has the longer first step on the ladder */
-  run.first_step = fmax(run.first_step, VS_MANNER_LONGER_FIRST_STEP);
+  run.first_step = fmax(run.first_step, VS_SETUP_LONGER_FIRST_STEP);
   const vs_setup tried = vs_setup_varied(setup, &run, NULL);
   vs_status status = tier->run(&tried, &vs_tiers_order, &observer, err);
   return begun ? VS_OK : status;

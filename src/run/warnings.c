@@ -204,7 +204,7 @@ static void warn_of_loads(const vs_setup *s, vs_warnings *w) {
   const vs_model *before = &s->model;
   for (size_t k = 0; k < s->loads.count; k++) {
     const vs_model *after = &s->loads.item[k].model;
-    const vs_occurrence *e = vs_loads_event(&s->timeline.events, s->loads.item[k].at_s);
+    const vs_occurrence *e = vs_setup_load_event(&s->timeline.events, s->loads.item[k].at_s);
     char text[32];
     if (is_same_load(s, before, after, text, sizeof text))
       vs_fail_at(vs_warnings_add(w), e->where,

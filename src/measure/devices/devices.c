@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "engine/sweep.h"
+#include "engine/batch.h"
 #include "measure/melting.h"
 #include "devices/reductions.h"
 
@@ -176,12 +176,12 @@ static void evaluate(const vs_watched *w, const vs_device_watch *own, const vs_b
                      vs_courses *c) {
   vs_pair *v = c->of[VS_OF_V], *i = c->of[VS_OF_I];
   c->count = b->count;
-  vs_sweep(&own->voltage, b, v);
-  vs_sweep(&own->current, b, i);
+  vs_batch_evaluate(&own->voltage, b, v);
+  vs_batch_evaluate(&own->current, b, i);
   for (size_t n = 0; n < b->count; n++) c->of[VS_OF_POWER][n] = v[n] * i[n];
   for (size_t n = 0; n < b->count; n++) c->of[VS_OF_I2][n] = i[n] * i[n];
   for (size_t n = 0; n < b->count; n++) c->of[VS_OF_V2][n] = v[n] * v[n];
-  if (own->flux.formula) vs_sweep(&own->flux, b, c->of[VS_OF_FLUX]);
+  if (own->flux.formula) vs_batch_evaluate(&own->flux, b, c->of[VS_OF_FLUX]);
   for (int of = VS_OF_V; of < VS_COURSES; of++) integrate(b, c->of[of], w->last[of], c->more[of]);
 }
 
@@ -277,7 +277,7 @@ static void tell(vs_devices *d, const vs_watched *w, const vs_switch_news *news)
 }
 
 static void note_melting(vs_watched *w, vs_deed deed, double at_s) {
-  vs_sequence_add(&w->sequence, deed, at_s);
+  vs_reducer_add_deed(&w->sequence, deed, at_s);
   w->sequence.edge = true;
 }
 
@@ -310,11 +310,11 @@ static bool is_on_edge(const vs_switch *s, const vs_switch_news *news) {
 
 static void note_deeds(vs_watched *w, const vs_switch_news *news) {
   vs_sequence *q = &w->sequence;
-  if (news->extinct.known) vs_sequence_add(q, VS_DEED_GOES_OUT, news->extinct.at_s);
-  if (news->fires.known) vs_sequence_add(q, VS_DEED_FIRES, news->fires.at_s);
-  if (news->misfire.known) vs_sequence_add(q, VS_DEED_MISFIRES, news->misfire.at_s);
-  if (news->unintended.known) vs_sequence_add(q, VS_DEED_UNINTENDED, news->unintended.at_s);
-  if (news->commutation_failure) vs_sequence_add(q, VS_DEED_FAILS, news->unintended.at_s);
+  if (news->extinct.known) vs_reducer_add_deed(q, VS_DEED_GOES_OUT, news->extinct.at_s);
+  if (news->fires.known) vs_reducer_add_deed(q, VS_DEED_FIRES, news->fires.at_s);
+  if (news->misfire.known) vs_reducer_add_deed(q, VS_DEED_MISFIRES, news->misfire.at_s);
+  if (news->unintended.known) vs_reducer_add_deed(q, VS_DEED_UNINTENDED, news->unintended.at_s);
+  if (news->commutation_failure) vs_reducer_add_deed(q, VS_DEED_FAILS, news->unintended.at_s);
   q->edge = q->edge || (w->device->kind->gated && is_on_edge(w->states, news));
 }
 
@@ -382,7 +382,7 @@ void vs_devices_begin(vs_devices *d, const vs_step *step) {
     if (w->losses) vs_losses_resume(w->losses, w->last[VS_OF_V], w->last[VS_OF_I]);
     if (w->states) vs_switching_resume(w->states, w->last[VS_OF_I], w->last[VS_OF_V]);
     if (w->states && w->states->conduction.conducts)
-      vs_sequence_add(&w->sequence, VS_DEED_FIRES, d->began_s);
+      vs_reducer_add_deed(&w->sequence, VS_DEED_FIRES, d->began_s);
     for (size_t n = 0; n < own->n_busy; n++)
       if (own->busy[n]->by->begin) own->busy[n]->by->begin(w, own->busy[n], d->began_s);
   }

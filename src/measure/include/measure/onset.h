@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Instruments of a run that a pilot brings to its orbit first (engine/pilot.h). An onset stands in the
- * pilot's place, and hands everything on to it. Besides, it takes the low-passes of the instruments
- * along in the prelude. When the run begins it puts each low-pass to where the orbit has it, which
- * is the state that repeats after the prelude's last period. */
+ * Instruments of a run that a pilot brings to its orbit first (engine/sim.h). An onset stands in
+ * the pilot's place, and hands everything on to it. Besides, it takes the low-passes of the
+ * instruments along in the prelude. When the run begins it puts each low-pass to where the orbit
+ * has it, which is the state that repeats after the prelude's last period. */
 #ifndef VS_MEASURE_ONSET_H
 #define VS_MEASURE_ONSET_H
 
 #include "measure/meter.h"
-#include "engine/pilot.h"
+#include "engine/sim.h"
 
 typedef struct vs_onset {
   vs_pilot pilot;                     /* for the run's order, in the place of `steers` */

@@ -9,7 +9,8 @@
 #include "measure/measures.h"
 #include "measure/settled.h"
 
-/* The stretches of a run that went without ngspice, as the circuit was quiet (engine/macromodel/quiet.h). */
+/* The stretches of a run that went without ngspice, as the circuit was quiet
+ * (engine/macromodel/quiet.c). */
 typedef struct vs_absence {
   int times;      /* how often ngspice was left */
   double first_s; /* instant at which it was first left */

@@ -3,8 +3,8 @@
  * bit, until the first question of the run to which what drives them answers differently. Here
  * these questions are asked of both: the next edge, the longest step, the voltages of the deck's
  * ports, the instants at which the armature jams or the load changes. */
-#ifndef VS_ENGINE_PARTING_H
-#define VS_ENGINE_PARTING_H
+#ifndef VS_STUDY_PARTING_H
+#define VS_STUDY_PARTING_H
 
 #include "engine/setup.h"
 

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "engine/parting.h"
+#include "work/parting.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "engine/events.h"
-#include "drive/signals.h"
+#include "engine/signals.h"
 
 const double vs_parting_near_s = 1e-9;
 

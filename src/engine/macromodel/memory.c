@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "engine/memory.h"
+#include "macromodel/memory.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -8,10 +8,10 @@
 #include <string.h>
 #include <strings.h>
 
+#include "base/names.h"
 #include "base/text.h"
 #include "netlist/numbers.h"
 #include "netlist/words.h"
-#include "base/names.h"
 
 /* Bounds of what is taken apart; a netlist beyond them has no list. 48 words are more than any
  * device of ngspice has nodes; 12 levels are more than makers nest subcircuits; a path of 80 bytes
@@ -26,7 +26,7 @@ typedef struct words {
   bool cut; /* there were more than there is room for */
 } words;
 
-static void split(const char *line, words *w) {
+static void split_into_words(const char *line, words *w) {
   w->count = 0;
   w->cut = strlen(line) >= sizeof w->text;
   size_t used = 0;
@@ -78,7 +78,7 @@ static bool starts(const vs_line *line, const char *word) {
 }
 
 /* Returns the line behind the .ends that closes the .subckt at line k. */
-static size_t behind(const vs_deck *deck, size_t k) {
+static size_t line_behind_subcircuit(const vs_deck *deck, size_t k) {
   int depth = 0;
   for (; k < deck->n_lines; k++) {
     depth += starts(&deck->lines[k], ".subckt");
@@ -88,7 +88,7 @@ static size_t behind(const vs_deck *deck, size_t k) {
   return k;
 }
 
-static bool has(const vs_names *names, const char *name) {
+static bool has_name(const vs_names *names, const char *name) {
   return vs_names_find(names, name, strlen(name), NULL);
 }
 
@@ -126,15 +126,15 @@ static void list_names(search *s) {
   for (size_t k = 0; k < s->deck->n_lines; k++) list_function(s, &lines[k]);
   for (size_t k = 0; k < s->deck->n_lines; k++) {
     if (!starts(&lines[k], ".global")) continue;
-    split(lines[k].text, &w);
+    split_into_words(lines[k].text, &w);
     for (size_t n = 1; n < w.count; n++) vs_names_put(&s->globals, w.word[n], k);
   }
   for (size_t k = 0; k < s->deck->n_lines; k++) {
     if (!starts(&lines[k], ".subckt")) continue;
-    split(lines[k].text, &w);
-    if (w.count > 1 && has(&s->definitions, w.word[1])) vs_names_put(&s->twins, w.word[1], k);
+    split_into_words(lines[k].text, &w);
+    if (w.count > 1 && has_name(&s->definitions, w.word[1])) vs_names_put(&s->twins, w.word[1], k);
     if (w.count > 1) vs_names_put(&s->definitions, w.word[1], k);
-    k = behind(s->deck, k) - 1;
+    k = line_behind_subcircuit(s->deck, k) - 1;
   }
 }
 
@@ -148,10 +148,10 @@ static void full_name(const search *s, const level *l, const char *node, char ou
   if (vs_words_is_ground(vs_words_of(node)))
     snprintf(out, VS_MEMORY_NAME, "0");
   else
-    snprintf(out, VS_MEMORY_NAME, "%.80s%.70s", has(&s->globals, node) ? "" : l->path, node);
+    snprintf(out, VS_MEMORY_NAME, "%.80s%.70s", has_name(&s->globals, node) ? "" : l->path, node);
 }
 
-static bool add(const search *s, const vs_memory *m) {
+static bool add_state(const search *s, const vs_memory *m) {
   vs_memories *all = s->all;
   for (size_t k = 0; k < all->count; k++) {
     const vs_memory *old = &all->item[k];
@@ -173,7 +173,7 @@ static bool add_control(const search *s, const level *l, const char *plus, const
   full_name(s, l, minus, n);
   snprintf(m->plus, sizeof m->plus, "v(%.150s)", p);
   snprintf(m->minus, sizeof m->minus, "v(%.150s)", n);
-  return add(s, m);
+  return add_state(s, m);
 }
 
 static bool add_voltage(const search *s, const level *l, const char *plus, const char *minus) {
@@ -189,7 +189,7 @@ static bool add_current(const search *s, const level *l, const char *element, vs
   else
     snprintf(m->plus, sizeof m->plus, "i(%.64s)", element);
   snprintf(m->minus, sizeof m->minus, "v(0)");
-  return add(s, m);
+  return add_state(s, m);
 }
 
 /* Returns the next .model line of that name from *k on, and puts *k behind it; NULL: there is none.
@@ -198,7 +198,7 @@ static const char *next_model(const vs_deck *deck, const char *model, size_t *k,
   while (*k < deck->n_lines) {
     const vs_line *line = &deck->lines[(*k)++];
     if (!starts(line, ".model")) continue;
-    split(line->text, w);
+    split_into_words(line->text, w);
     if (w->count > 1 && !strcmp(w->word[1], model)) return line->text;
   }
   return NULL;
@@ -250,7 +250,7 @@ static bool forgets(const search *s, const words *w) {
 
 /* Adds what a transistor remembers, and what turns it on: one that conducts above a voltage is a
  * comparator, too. */
-static bool transistor(const search *s, const level *l, const words *w) {
+static bool add_transistor(const search *s, const level *l, const words *w) {
   const char *const *n = w->word + 1;
   vs_memory m = {.threshold = VS_THRESHOLD_UNKNOWN};
   if (w->count < 5 || !add_control(s, l, n[1], n[2], &m)) return false;
@@ -259,7 +259,7 @@ static bool transistor(const search *s, const level *l, const words *w) {
   return good && (**w->word == 'q' || add_voltage(s, l, n[0], n[2]));
 }
 
-static bool subcircuit(const search *s, const level *l, const words *w);
+static bool add_states_of_subcircuit(const search *s, const level *l, const words *w);
 
 /* Letters of elements that remember nothing of their own. k couples inductors, whose currents are
  * listed. */
@@ -267,7 +267,7 @@ static const char FORGETFUL[] = "bfhikrv";
 
 /* Adds an inductor's current. Returns false for one that is given by a formula: ngspice makes other
  * elements of it, and its current has no such name. */
-static bool inductor(const search *s, const level *l, const char *line, const words *w) {
+static bool add_inductor(const search *s, const level *l, const char *line, const words *w) {
   vs_memory m = {.threshold = VS_THRESHOLD_NONE};
   return !strcasestr(line, "v(") && !strcasestr(line, "i(") && add_current(s, l, w->word[0], &m);
 }
@@ -276,7 +276,7 @@ static bool inductor(const search *s, const level *l, const char *line, const wo
 
 /* Reads the number of a parameter of a model, 0 where the model does not give it. The bracket about
  * the parameters may end right behind it. False: it is a formula. */
-static bool plain(const char *model, const char *name, double *value) {
+static bool is_plain_number_of_model(const char *model, const char *name, double *value) {
   vs_word whole, given;
   *value = 0;
   if (!vs_words_parameter(model, name, &whole, &given)) return true;
@@ -298,7 +298,8 @@ static void threshold_of(const vs_deck *deck, const char *model, bool by_voltage
   if (w.count < 3 || strcmp(w.word[2], by_voltage ? "sw" : "csw")) return;
   text += strcspn(text, "(");
   text += *text == '(';
-  if (!plain(text, by_voltage ? "vt" : "it", &at) || !plain(text, by_voltage ? "vh" : "ih", &half))
+  if (!is_plain_number_of_model(text, by_voltage ? "vt" : "it", &at) ||
+      !is_plain_number_of_model(text, by_voltage ? "vh" : "ih", &half))
     return;
   m->threshold = VS_THRESHOLD_KNOWN;
   m->level[0] = at + fabs(half);
@@ -306,7 +307,7 @@ static void threshold_of(const vs_deck *deck, const char *model, bool by_voltage
 }
 
 /* Adds what a switch reads. */
-static bool control(const search *s, const level *l, const words *w) {
+static bool add_control_of_switch(const search *s, const level *l, const words *w) {
   bool by_voltage = *w->word[0] == 's';
   size_t model = by_voltage ? 5 : 4;
   vs_memory m = {.threshold = VS_THRESHOLD_NONE};
@@ -334,7 +335,7 @@ static bool add_read(const search *s, const level *l, char kind, const char *ope
 }
 
 /* True for a line that calls a function of the netlist's own. */
-static bool calls(const search *s, const char *line) {
+static bool calls_function(const search *s, const char *line) {
   for (const char *at = line; s->functions.count && (at = strchr(at, '(')); at++) {
     const char *end = at;
     while (end > line && strchr(" \t", end[-1])) end--;
@@ -347,8 +348,8 @@ static bool calls(const search *s, const char *line) {
 
 /* Adds every signal that a formula with branches reads. Which of the netlist's functions has them
  * is not told apart. Returns false where no signal of the line's own shows what is read. */
-static bool branches(const search *s, const level *l, const char *line) {
-  const bool called = (s->branching || s->reading) && calls(s, line);
+static bool add_branches(const search *s, const level *l, const char *line) {
+  const bool called = (s->branching || s->reading) && calls_function(s, line);
   if (called && s->reading) return false;
   if (!called && !has_branches(line)) return true;
   for (const char *at = line; (at = strpbrk(at, "vViI")); at++) {
@@ -361,35 +362,35 @@ static bool branches(const search *s, const level *l, const char *line) {
 }
 
 /* Adds what one element remembers. Returns false where no signal shows it. */
-static bool element(const search *s, const level *l, const char *line) {
+static bool add_states_of_element(const search *s, const level *l, const char *line) {
   words w;
-  split(line, &w);
+  split_into_words(line, &w);
   if (w.cut || w.count < 2) return false;
   const char *const *n = w.word + 1;
-  if (strchr("bcegr", **w.word) && !branches(s, l, line)) return false;
+  if (strchr("bcegr", **w.word) && !add_branches(s, l, line)) return false;
   if (strchr(FORGETFUL, **w.word)) return true;
   switch (**w.word) {
   case 's':
   case 'w':
-    return control(s, l, &w);
+    return add_control_of_switch(s, l, &w);
   case 'e':
   case 'g':
     return !strcasestr(line, "laplace") && !strcasestr(line, "freq");
   case 'c':
     return w.count > 2 && add_voltage(s, l, n[0], n[1]);
   case 'l':
-    return inductor(s, l, line, &w);
+    return add_inductor(s, l, line, &w);
   case 'd':
     return w.count > 2 && (!holds_charge(s, &w, 3) || add_voltage(s, l, n[0], n[1]));
   case 'q':
   case 'j':
   case 'z':
   case 'm':
-    return !strcasestr(line, "thermal") && transistor(s, l, &w);
+    return !strcasestr(line, "thermal") && add_transistor(s, l, &w);
   case 'a':
     return forgets(s, &w);
   case 'x':
-    return subcircuit(s, l, &w);
+    return add_states_of_subcircuit(s, l, &w);
   default:
     return false;
   }
@@ -399,8 +400,8 @@ static bool take_apart(const search *s, const level *l) {
   for (size_t k = l->first; k < l->last; k++) {
     const vs_line *line = &s->deck->lines[k];
     if (starts(line, ".subckt"))
-      k = behind(s->deck, k) - 1;
-    else if (*line->text != '.' && !element(s, l, line->text))
+      k = line_behind_subcircuit(s->deck, k) - 1;
+    else if (*line->text != '.' && !add_states_of_element(s, l, line->text))
       return false;
   }
   return true;
@@ -413,18 +414,18 @@ static size_t definition(const search *s, const level *at, const char *name, boo
   size_t found = deck->n_lines;
   if (!at->home) { /* the deck, which may have many thousands */
     vs_names_find(&s->definitions, name, strlen(name), &found);
-    *twice = *twice || has(&s->twins, name);
+    *twice = *twice || has_name(&s->twins, name);
     return found;
   }
   for (size_t k = at->first; k < at->last; k++) {
     words w;
     if (!starts(&deck->lines[k], ".subckt")) continue;
-    split(deck->lines[k].text, &w);
+    split_into_words(deck->lines[k].text, &w);
     if (w.count > 1 && !strcmp(w.word[1], name)) {
       *twice = *twice || found < deck->n_lines;
       found = k;
     }
-    k = behind(deck, k) - 1;
+    k = line_behind_subcircuit(deck, k) - 1;
   }
   return found;
 }
@@ -450,10 +451,11 @@ static size_t definition_for(const search *s, const char *name, const level **ho
 
 /* Fills the level of an instance w at level l, whose definition begins at that line. Returns false
  * where its nodes are not as many as the definition's, or its path is longer than there is room. */
-static bool descend(const search *s, const level *l, const words *w, size_t at, level *in) {
-  split(s->deck->lines[at].text, &in->inner);
+static bool enter_subcircuit(const search *s, const level *l, const words *w, size_t at,
+                             level *in) {
+  split_into_words(s->deck->lines[at].text, &in->inner);
   in->first = at + 1;
-  in->last = behind(s->deck, at) - 1;
+  in->last = line_behind_subcircuit(s->deck, at) - 1;
   in->depth = l->depth + 1;
   if (in->inner.cut || w->count != in->inner.count) return false;
   if (strlen(l->path) + strlen(w->word[0]) + 2 >= MOST_PATH) return false;
@@ -463,7 +465,7 @@ static bool descend(const search *s, const level *l, const words *w, size_t at, 
   return true;
 }
 
-static bool subcircuit(const search *s, const level *l, const words *w) {
+static bool add_states_of_subcircuit(const search *s, const level *l, const words *w) {
   const level *home = l;
   if (!*l->path && !strcmp(w->word[0], s->deck->eva)) return true;
   if (l->depth == MOST_DEPTH) return false;
@@ -471,7 +473,7 @@ static bool subcircuit(const search *s, const level *l, const words *w) {
   if (at == s->deck->n_lines) return false;
   level *in = vs_alloc(1, sizeof *in);
   in->home = home;
-  bool good = descend(s, l, w, at, in) && take_apart(s, in);
+  bool good = enter_subcircuit(s, l, w, at, in) && take_apart(s, in);
   free(in);
   return good;
 }

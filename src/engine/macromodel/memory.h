@@ -2,9 +2,9 @@
  * Lists what a circuit remembers, so that all of it can be watched: every capacitor's and every
  * junction's voltage and every inductor's current, in the whole netlist, with each instance of a
  * subcircuit taken apart. When all of these do as they did a cycle ago, so does the circuit; that
- * is what leaving its solver depends on (engine/macromodel/quiet.h). What turns over at a threshold does
- * something else once what it reads has drifted there, so that is listed, too: the control of every
- * switch, and every signal in a formula that has branches. */
+ * is what leaving its solver depends on (engine/macromodel/quiet.c). What turns over at a threshold
+ * does something else once what it reads has drifted there, so that is listed, too: the control of
+ * every switch, and every signal in a formula that has branches. */
 #ifndef VS_ENGINE_MEMORY_H
 #define VS_ENGINE_MEMORY_H
 

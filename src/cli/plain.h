@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The signals of a deck's ports as sources of plain ngspice, for `export`. */
-#ifndef VS_ENGINE_PLAIN_H
-#define VS_ENGINE_PLAIN_H
+#ifndef VS_CLI_PLAIN_H
+#define VS_CLI_PLAIN_H
 
 #include "base/text.h"
-#include "netlist/deck.h"
 #include "engine/timeline.h"
+#include "netlist/deck.h"
 
 /* Errors, VS_INPUT, of what such sources cannot say: an angle that changes over time; sub-pulses
  * that do not fit into the time between gate pulses; more edges of modulated pulses up to until_s

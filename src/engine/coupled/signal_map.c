@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "coupled/names.h"
+#include "coupled/signal_map.h"
 
 #include <stdio.h>
 
@@ -16,7 +16,7 @@ static const char *const SOURCES[VS_EVA_PORTS] = {[VS_EVA_PORT_GAP] = "v.%s.vgap
                                                   [VS_EVA_PORT_RATE] = "i.%s.irate",
                                                   [VS_EVA_PORT_CONDUCTANCE] = "i.%s.ilead"};
 
-static size_t name_own_ports(const vs_deck *deck, vs_names *n, size_t used) {
+static size_t name_own_ports(const vs_deck *deck, vs_signal_map *n, size_t used) {
   const char **of_eva = n->ports + deck->n_ports;
   for (size_t p = 0; p < deck->n_ports; p++) NAMED(n->ports[p], "%s", deck->ports[p].source);
   size_t count = deck->eva_led ? VS_EVA_PORTS : VS_EVA_PORTS_LEADING;
@@ -25,14 +25,14 @@ static size_t name_own_ports(const vs_deck *deck, vs_names *n, size_t used) {
   return used;
 }
 
-static size_t name_ports(const vs_deck *deck, vs_names *n) {
+static size_t name_ports(const vs_deck *deck, vs_signal_map *n) {
   size_t used = name_own_ports(deck, n, 0);
   for (size_t k = 0; k < deck->n_motions; k++)
     NAMED(n->ports[n->n_ports++], "v.%s.v%s", deck->eva, deck->motions[k].name);
   return used;
 }
 
-static void name_signals(const vs_deck *deck, vs_names *n, size_t used) {
+static void name_signals(const vs_deck *deck, vs_signal_map *n, size_t used) {
   const char *mains = NULL;
   for (size_t p = 0; p < deck->n_ports; p++)
     if (deck->ports[p].signal.drive == VS_PORT_MAINS) mains = deck->ports[p].source;
@@ -51,7 +51,7 @@ static void name_signals(const vs_deck *deck, vs_names *n, size_t used) {
   n->n_signals = VS_SIG_TERMS + 2 * deck->n_terms;
 }
 
-void vs_names_of(const vs_deck *deck, const vs_memories *memories, vs_names *n) {
+void vs_signal_map_of(const vs_deck *deck, const vs_memories *memories, vs_signal_map *n) {
   name_signals(deck, n, name_ports(deck, n));
   n->n_memories = memories ? memories->count : 0;
   for (size_t k = 0; k < n->n_memories; k++) {
@@ -60,19 +60,20 @@ void vs_names_of(const vs_deck *deck, const vs_memories *memories, vs_names *n) 
   }
 }
 
-void vs_names_take_terms(const vs_deck *deck, const double *signals, vs_knot *k) {
+void vs_signal_map_take_terms(const vs_deck *deck, const double *signals, vs_knot *k) {
   k->i_mains_a = -signals[VS_SIG_I_MAINS];
   for (size_t n = 0; n < deck->n_terms; n++)
     k->terms[n] = signals[VS_SIG_TERMS + 2 * n] - signals[VS_SIG_TERMS + 2 * n + 1];
 }
 
-void vs_names_take_coil(const double *signals, vs_knot *k) {
+void vs_signal_map_take_coil(const double *signals, vs_knot *k) {
   k->flux_wb = signals[VS_SIG_FLUX];
   k->flux_rate_v = signals[VS_SIG_COIL] - signals[VS_SIG_MINUS];
   k->v_eva_v = signals[VS_SIG_PLUS] - signals[VS_SIG_MINUS];
 }
 
-void vs_names_take_memory(const vs_names *n, const double *signals, double memory[VS_MEMORIES]) {
+void vs_signal_map_take_memory(const vs_signal_map *n, const double *signals,
+                               double memory[VS_MEMORIES]) {
   const double *s = signals + n->n_signals - 2 * n->n_memories;
   for (size_t k = 0; k < n->n_memories; k++) memory[k] = s[2 * k] - s[2 * k + 1];
 }

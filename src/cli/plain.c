@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "engine/plain.h"
+#include "plain.h"
 
 #include <math.h>
 #include <stdio.h>
 
 #include "engine/gate.h"
-#include "drive/signals.h"
+#include "engine/signals.h"
 
 /* ---- gates ---- */
 

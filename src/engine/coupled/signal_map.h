@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The signals and the ports of a circuit: by which names its solver knows them, in which order it
  * shows and asks for them, and what they mean in a knot. */
-#ifndef VS_ENGINE_NAMES_H
-#define VS_ENGINE_NAMES_H
+#ifndef VS_ENGINE_SIGNAL_MAP_H
+#define VS_ENGINE_SIGNAL_MAP_H
 
-#include "engine/knot.h"
-#include "engine/memory.h"
+#include "engine/step.h"
+#include "macromodel/memory.h"
 
 /* Signals: those of the EVA, the mains current, then two for each of the deck's terms, whose
  * difference the term is. Behind these stand two for each value that the circuit remembers. */
@@ -32,24 +32,25 @@ enum {
   VS_EVA_PORTS
 };
 
-typedef struct vs_names {
+typedef struct vs_signal_map {
   char text[VS_SIG_MOST + VS_DECK_MOST + VS_EVA_PORTS + VS_DECK_MOTIONS]
            [2 * VS_DECK_NAME + 8]; /* room for the names */
   const char *signals[VS_SIG_MOST + 2 * VS_MEMORIES];
   const char *ports[VS_DECK_MOST + VS_EVA_PORTS + VS_DECK_MOTIONS];
   size_t n_signals, n_ports;
   size_t n_memories; /* the last 2 n_memories signals are theirs */
-} vs_names;
+} vs_signal_map;
 
 /* Fills names that are all zero, and that stay where they are made, as they point into themselves.
  * The memories' own names are borrowed. memories NULL: none are to be shown. */
-void vs_names_of(const vs_deck *deck, const vs_memories *memories, vs_names *names);
+void vs_signal_map_of(const vs_deck *deck, const vs_memories *memories, vs_signal_map *names);
 
 /* Puts the deck's terms and the mains current into a knot. */
-void vs_names_take_terms(const vs_deck *deck, const double *signals, vs_knot *knot);
+void vs_signal_map_take_terms(const vs_deck *deck, const double *signals, vs_knot *knot);
 /* Puts lambda, its rate and the EVA's voltage into a knot. */
-void vs_names_take_coil(const double *signals, vs_knot *knot);
+void vs_signal_map_take_coil(const double *signals, vs_knot *knot);
 /* Gives the values that the circuit remembers, V or A. */
-void vs_names_take_memory(const vs_names *names, const double *signals, double memory[VS_MEMORIES]);
+void vs_signal_map_take_memory(const vs_signal_map *names, const double *signals,
+                               double memory[VS_MEMORIES]);
 
 #endif

@@ -2,13 +2,13 @@
  * What may stand in for the circuit. Behind the last firing little flows, and a simple law can then
  * say what the circuit does, far quicker than its solver. Tier "circuit" shows a stand-in all that
  * the solver shows, asks it whether the solver can be left, and lets it step on in the solver's
- * place. quiet/ has the one there is. */
+ * place. */
 #ifndef VS_ENGINE_STAND_IN_H
 #define VS_ENGINE_STAND_IN_H
 
 #include "engine/setup.h"
-#include "engine/knot.h"
-#include "engine/memory.h"
+#include "engine/step.h"
+#include "macromodel/memory.h"
 
 /* `self` is what `begin` returned. */
 typedef struct vs_stand_in {
@@ -57,5 +57,8 @@ typedef struct vs_stand_in {
   /* The solver has been gone back to: what it showed before does not count any more. */
   void (*restart)(void *self);
 } vs_stand_in;
+
+/* The one that the program has, in quiet.c. */
+extern const vs_stand_in vs_quiet_stand_in;
 
 #endif

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "macromodel/walk.h"
+#include "macromodel/law_drift.h"
 
 #include <math.h>
 #include <string.h>
 
-/* A walk counts twice: it is known from a few cycles alone, in which a beat of the machine with the
- * mains may hide some of it. Two is a choice, not a proof. */
+/* The drift counts twice: it is known from a few cycles alone, in which a beat of the machine with
+ * the mains may hide some of it. Two is a choice, not a proof. */
 static const double SAFETY = 2;
 
-/* Relative to its misfit, so much of a signal's walk is only made by where the knots lie: at either
- * end of a cycle one of the 200 may count or not, and in a harmonic it counts twice. */
+/* Relative to its misfit, so much of a signal's drift is only made by where the knots lie: at
+ * either end of a cycle one of the 200 may count or not, and in a harmonic it counts twice. */
 static const double SAMPLING = 0.02;
 
 /* Relative to run.tolerance: how much an extreme of a signal may be off besides, as it is read from
@@ -20,7 +20,7 @@ static const double EXTREMES = 0.2;
 
 /* How much the error at knot k in view counts for each share: the sum over all knots is the share.
  */
-static void weights(const vs_record *r, size_t k, double weight[VS_WALK_SHARES]) {
+static void weights_of_shares(const vs_record *r, size_t k, double weight[VS_LAW_DRIFT_SHARES]) {
   size_t last = r->n_seen - 1;
   double span_s = r->seen[last]->knot.t_s - r->seen[0]->knot.t_s;
   double h = r->seen[k < last ? k + 1 : last]->knot.t_s - r->seen[k ? k - 1 : 0]->knot.t_s;
@@ -32,20 +32,21 @@ static void weights(const vs_record *r, size_t k, double weight[VS_WALK_SHARES])
   }
 }
 
-static void add_shares(const double weight[VS_WALK_SHARES], double error,
-                       double share[VS_WALK_SHARES]) {
-  for (int n = 0; n < VS_WALK_SHARES; n++) share[n] += weight[n] * error;
+static void add_shares(const double weight[VS_LAW_DRIFT_SHARES], double error,
+                       double share[VS_LAW_DRIFT_SHARES]) {
+  for (int n = 0; n < VS_LAW_DRIFT_SHARES; n++) share[n] += weight[n] * error;
 }
 
 /* The largest value that the difference of two errors with these shares can have. */
-static double distance(const double a[VS_WALK_SHARES], const double b[VS_WALK_SHARES]) {
+static double distance_of_shares(const double a[VS_LAW_DRIFT_SHARES],
+                                 const double b[VS_LAW_DRIFT_SHARES]) {
   double sum = fabs(a[0] - b[0]);
-  for (int n = 1; n < VS_WALK_SHARES; n += 2) sum += hypot(a[n] - b[n], a[n + 1] - b[n + 1]);
+  for (int n = 1; n < VS_LAW_DRIFT_SHARES; n += 2) sum += hypot(a[n] - b[n], a[n + 1] - b[n + 1]);
   return sum;
 }
 
-void vs_walk_shares_of(const vs_record *r, const vs_oneport *port, vs_walk_shares *all) {
-  double signal[VS_SIGNALS], weight[VS_WALK_SHARES], y[VS_ONEPORT_STATES];
+void vs_law_drift_shares_of(const vs_record *r, const vs_oneport *port, vs_law_drift_shares *all) {
+  double signal[VS_SIGNALS], weight[VS_LAW_DRIFT_SHARES], y[VS_ONEPORT_STATES];
   size_t count = vs_record_signals(r);
   memset(all, 0, sizeof *all);
   for (size_t k = 0; k < r->n_seen; k++) {
@@ -53,19 +54,19 @@ void vs_walk_shares_of(const vs_record *r, const vs_oneport *port, vs_walk_share
     vs_oneport_state(&seen->knot, y);
     vs_coil_state c = vs_oneport_coil(port, seen->knot.t_s, y);
     vs_responses_at(vs_oneport_responses(port), seen->knot.t_s, &c, signal);
-    weights(r, k, weight);
+    weights_of_shares(r, k, weight);
     for (size_t n = 0; n < count; n++)
       add_shares(weight, signal[n] - vs_responses_seen(r->frame, seen, n), all->of[n]);
   }
 }
 
-/* ---- the walk from an earlier cycle ---- */
+/* ---- the drift from an earlier cycle ---- */
 
 /* How much more a mode takes from the cycle in view if the flux linkage is larger by a sine of the
  * mains' frequency, of any phase, and by a mean. The force is then larger in proportion to the
  * product of that and of the flux linkage; the return value is the size of that product's integral,
  * in the mode's own phase. */
-static double swing(const vs_record *r, const vs_mode *m, double sine, double mean) {
+static double force_swing_of_mode(const vs_record *r, const vs_mode *m, double sine, double mean) {
   double sum[3][2] = {{0}}, w = r->setup->timeline.omega_rad_s, t0 = r->seen[0]->knot.t_s;
   for (size_t k = 1; k < r->n_seen; k++) {
     const vs_knot *a = &r->seen[k - 1]->knot, *b = &r->seen[k]->knot;
@@ -89,13 +90,13 @@ static void unit_force(const vs_record *r, const vs_modal *modal, double share[V
   vs_modal_shares(modal, unit, share);
 }
 
-/* The walk of the coil and of the machine. A current that is larger makes the force larger in
+/* The drift of the coil and of the machine. A current that is larger makes the force larger in
  * proportion to the flux linkage that the coil has. */
-static void walk_of_machine(const vs_record *r, const vs_oneport *port, const vs_modal *modal,
-                            int cycles, vs_walk *w) {
+static void drift_of_machine(const vs_record *r, const vs_oneport *port, const vs_modal *modal,
+                             int cycles, vs_law_drift *w) {
   const vs_model *m = &r->setup->model;
   double flux = 0, sine, mean;
-  vs_oneport_walked(port, r->seen, r->n_seen, &sine, &mean);
+  vs_oneport_drifted(port, r->seen, r->n_seen, &sine, &mean);
   const double to_flux =
       2 * m->coil.a_hm / m->coil.gap_rest_m / cycles; /* Wb/A at the gap at rest, for one cycle */
   for (size_t k = 0; k < r->n_seen; k++) flux = fmax(flux, fabs(r->seen[k]->knot.flux_wb));
@@ -103,23 +104,24 @@ static void walk_of_machine(const vs_record *r, const vs_oneport *port, const vs
   w->force_n = flux * to_flux * (sine + mean) / (2 * m->coil.a_hm);
   unit_force(r, modal, w->mode);
   for (int k = 0; k < 2 * m->dof; k++)
-    w->mode[k] *= to_flux / (2 * m->coil.a_hm) * swing(r, &modal->mode[k], sine, mean);
+    w->mode[k] *=
+        to_flux / (2 * m->coil.a_hm) * force_swing_of_mode(r, &modal->mode[k], sine, mean);
 }
 
-bool vs_walk_find(vs_record *r, const vs_oneport *port, const vs_modal *modal,
-                  const vs_walk_shares *fitted, int ago, vs_walk *w) {
-  vs_walk_shares earlier;
+bool vs_law_drift_find(vs_record *r, const vs_oneport *port, const vs_modal *modal,
+                       const vs_law_drift_shares *fitted, int ago, vs_law_drift *w) {
+  vs_law_drift_shares earlier;
   if (!vs_record_view(r, 1, ago)) return false;
-  walk_of_machine(r, port, modal, ago, w);
-  vs_walk_shares_of(r, port, &earlier);
+  drift_of_machine(r, port, modal, ago, w);
+  vs_law_drift_shares_of(r, port, &earlier);
   for (size_t n = 0; n < vs_record_signals(r); n++)
-    w->signal[n] = distance(earlier.of[n], fitted->of[n]) / ago;
+    w->signal[n] = distance_of_shares(earlier.of[n], fitted->of[n]) / ago;
   return true;
 }
 
 /* ---- extrapolated ---- */
 
-double vs_walk_electric(const vs_record *r, const vs_walk *w, double cycles) {
+double vs_law_drift_electric(const vs_record *r, const vs_law_drift *w, double cycles) {
   return SAFETY * cycles * fmax(w->force_n / r->peak_force_n, w->current_a / r->peak_a);
 }
 
@@ -135,11 +137,12 @@ static double beat_cycles(const vs_modal *modal, double period) {
   return most;
 }
 
-/* What the circuit remembers is shown to nobody: only its walk counts, less what sampling makes of
+/* What the circuit remembers is shown to nobody: only its drift counts, less what sampling makes of
  * it. The error of a signal that hangs on the coil grows as long as a beat of the machine with the
- * mains and no longer, as the source's own walk is known better, by vs_walk_electric. */
-double vs_walk_signals(const vs_record *r, const vs_oneport *port, const vs_modal *modal,
-                       const double misfit_now[VS_SIGNALS], const vs_walk *w, double cycles) {
+ * mains and no longer, as the source's own drift is known better, by vs_law_drift_electric. */
+double vs_law_drift_signals(const vs_record *r, const vs_oneport *port, const vs_modal *modal,
+                            const double misfit_now[VS_SIGNALS], const vs_law_drift *w,
+                            double cycles) {
   double worst = 0, beat = beat_cycles(modal, r->setup->timeline.period_s);
   for (size_t n = 0; n < vs_record_signals(r); n++) {
     if (vs_record_is_control(r, n)) continue;
