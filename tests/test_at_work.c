@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "measure/heat.h"
+#include "orbit/heat.h"
 #include "program.h"
 #include "engine/sim.h"
 

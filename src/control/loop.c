@@ -5,8 +5,8 @@
 #include <stdlib.h>
 
 #include "base/text.h"
-#include "engine/firing.h"
 #include "base/units.h"
+#include "engine/firing.h"
 
 /* ---- decisions ---- */
 

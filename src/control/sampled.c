@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "engine/channel.h"
 #include "base/units.h"
+#include "engine/channel.h"
 
 /* ---- what an instrument measures ---- */
 
@@ -115,7 +115,8 @@ static double scale_of(const vs_sampled *p, size_t k) {
 }
 
 /* With (x, F, rise, 1)' = G (x, F, rise, 1), where F' = rise/T, the state one period on is
- * exp(G T) (x, F, rise, 1). The exponential is taken in scaled states (see engine/ideal/propagator.c). */
+ * exp(G T) (x, F, rise, 1). The exponential is taken in scaled states (see
+ * engine/ideal/propagator.c). */
 static void fill_samples(vs_sampled *p, const vs_model *m) {
   size_t states = (size_t)p->states, size = states + INPUTS;
   gsl_matrix *g = vs_checked(gsl_matrix_calloc(size, size)),

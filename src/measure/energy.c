@@ -5,9 +5,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "plant/coil.h"
 #include "engine/sweep.h"
 #include "measure/value.h"
+#include "plant/coil.h"
 
 const char *const vs_energy_names[VS_ENERGIES] = {
 #define VS_ENERGY_NAME(id, name, text) name,

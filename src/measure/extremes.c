@@ -4,8 +4,8 @@
 #include <float.h>
 #include <math.h>
 
-#include "plant/coil.h"
 #include "engine/curve.h"
+#include "plant/coil.h"
 
 /* ---- the extremes of one step ---- */
 

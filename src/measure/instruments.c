@@ -6,8 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "engine/channel.h"
 #include "base/units.h"
+#include "engine/channel.h"
 
 const vs_shelf vs_instrument_shelf = {"set of instruments", "instruments", ".yaml"};
 

@@ -8,8 +8,8 @@
 #include <string.h>
 
 #include "base/hash.h"
-#include "measure/chunk.h"
 #include "base/units.h"
+#include "measure/chunk.h"
 
 /* ---- noise ---- */
 
@@ -158,4 +158,74 @@ void vs_meter_accept(vs_meter *m, const vs_step *step) {
   if (step->to->t_s == step->from->t_s) return; /* the other side of an instant already shown */
   vs_meter_to(m, step, step->to->t_s);
   take_on(m, step, step->to->t_s);
+}
+
+/* ---- on the way to an orbit ---- */
+
+static void begin_all_meters(vs_meter_pilot *o) {
+  for (int k = 0; k < o->instruments->count; k++)
+    vs_meter_begin(&o->meters[k], &o->instruments->item[k], o->instruments->v.seed);
+}
+
+static void take_start_of_pilot(vs_meter_pilot *o) {
+  memcpy(o->pilot.x, o->steers->x, sizeof o->pilot.x);
+}
+
+static void begin_metered_pilot(void *self, const vs_setup *setup) {
+  vs_meter_pilot *o = self;
+  o->steers->begin(o->steers->self, setup);
+  take_start_of_pilot(o);
+}
+
+static void accept_metered_pilot(void *self, const vs_step *step) {
+  vs_meter_pilot *o = self;
+  o->steers->accept(o->steers->self, step);
+  for (int k = 0; k < o->instruments->count; k++) vs_meter_accept(&o->meters[k], step);
+}
+
+/* At the end of a part the clock goes back to 0, and the meters begin anew where their low-passes
+ * are. */
+static vs_status turn_metered_pilot(void *self, const vs_knot *end, bool *begins, vs_error *err) {
+  vs_meter_pilot *o = self;
+  vs_status status = o->steers->turn(o->steers->self, end, begins, err);
+  bool whole = ++o->parts % o->pilot.of_orbit == 0;
+  take_start_of_pilot(o);
+  for (int k = 0; k < o->instruments->count; k++) {
+    vs_lowpass *l = &o->meters[k].lowpass;
+    vs_instrument *i = &o->instruments->item[k];
+    if (*begins) vs_lowpass_close(l, o->from[k], o->pilot.of_orbit * o->pilot.period_s);
+    memcpy(i->x, l->x, sizeof i->x);
+    if (whole) memcpy(o->from[k], l->x, sizeof o->from[k]);
+  }
+  begin_all_meters(o);
+  return status;
+}
+
+static double push_metered_pilot(void *self, double t_s) {
+  const vs_meter_pilot *o = self;
+  return o->steers->push(o->steers->self, t_s);
+}
+
+static void end_metered_pilot(void *self) {
+  const vs_meter_pilot *o = self;
+  o->steers->end(o->steers->self);
+}
+
+void vs_meter_pilot_begin(vs_meter_pilot *o, vs_pilot *steers, vs_instruments *instruments,
+                          vs_meter *meters) {
+  *o = (vs_meter_pilot){
+      .pilot = *steers, .steers = steers, .instruments = instruments, .meters = meters};
+  o->pilot.self = o;
+  o->pilot.begin = begin_metered_pilot;
+  o->pilot.accept = accept_metered_pilot;
+  o->pilot.turn = turn_metered_pilot;
+  o->pilot.push = push_metered_pilot;
+  o->pilot.end = end_metered_pilot;
+  o->pilot.free = NULL;
+  for (int k = 0; k < instruments->count; k++) {
+    vs_instrument *i = &instruments->item[k];
+    i->on_orbit = true;
+    memset(i->x, 0, sizeof i->x);
+  }
+  begin_all_meters(o);
 }

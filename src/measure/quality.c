@@ -161,7 +161,7 @@ static void add_part(vs_quality *q, const vs_step *step, vs_span_s over) {
 /* A stretch of a step, on one side of each cut. */
 static void add_stretch(vs_quality *q, const vs_step *step, vs_span_s over) {
   double cut;
-  for (; (cut = vs_grouping_cut(&q->current.grouping, over.from_s)) < over.to_s; over.from_s = cut)
+  for (; (cut = vs_spectrum_cut(&q->current, over.from_s)) < over.to_s; over.from_s = cut)
     add_part(q, step, (vs_span_s){over.from_s, cut});
   add_part(q, step, over);
 }

@@ -35,6 +35,53 @@ static void follow_sequence(vs_sequence *sequence, const vs_step *step) {
   }
 }
 
+/* ---- the early end of a free swing ----
+ * Once the machine swings freely to the end of the run, some values cannot change any more: it is
+ * known how far the machine can still go. Where those are all that is wanted, the rest of the run
+ * is left out. */
+
+/* True if the value is the least (sense -1) or the largest (+1), whatever the rest brings. */
+static bool is_beyond_range(const vs_value *v, int sense, const vs_range *range) {
+  return v->known && sense * v->value > sense * range->middle + range->way;
+}
+
+/* True if no extremum of the rest makes a ripple of the first motion peak. */
+static bool is_a_peak(const vs_measures *m, const vs_rest *rest) {
+  double most = fabs(rest->travel.middle) + rest->travel.way;
+  return m->first.known && fabs(m->first.value) > vs_measures_ripple * most;
+}
+
+/* What follows from the current, the firing and the energy drawn does not change any more; what is
+ * left over by a balance is still to be found. */
+static void find_settled(const vs_measures *m, const vs_rest *rest, vs_measure_set *s) {
+  const vs_model *model = m->frame->model;
+  const bool peak = is_a_peak(m, rest), swung = rest->from_s > vs_measures_swing_ends_s;
+  vs_value v[VS_MEASURES];
+  vs_measures_finish(m, v);
+  for (int k = 0; k < VS_MEASURES; k++) s->has[k] = true;
+  s->has[VS_M_GAP_FIRST] = peak;
+  s->has[VS_M_GAP_SECOND] = peak && m->second.known;
+  s->has[VS_M_GAP_MIN] = is_beyond_range(&v[VS_M_GAP_MIN], -1, &rest->travel);
+  s->has[VS_M_GAP_MAX] = is_beyond_range(&v[VS_M_GAP_MAX], 1, &rest->travel);
+  s->has[VS_M_STROKE] = s->has[VS_M_GAP_MIN] && s->has[VS_M_GAP_MAX];
+  s->has[VS_M_F_RESONANCE] = s->has[VS_M_TAU_GAP] = swung;
+  s->has[VS_M_ENERGY_RESIDUAL] = false;
+  for (int i = 0; i < model->dof; i++) {
+    const vs_value *of = &v[VS_M_OF_COORDINATE(i, 0)];
+    const vs_range rate2 = {0, rest->rate2[i]};
+    s->has[VS_M_OF_COORDINATE(i, VS_LEAST)] = is_beyond_range(&of[VS_LEAST], -1, &rest->q[i]);
+    s->has[VS_M_OF_COORDINATE(i, VS_LARGEST)] = is_beyond_range(&of[VS_LARGEST], 1, &rest->q[i]);
+    s->has[VS_M_OF_COORDINATE(i, VS_PEAK)] = is_beyond_range(&of[VS_PEAK], 1, &rate2);
+  }
+}
+
+/* True if all values that are wanted are settled. */
+static bool are_all_settled(const vs_measure_set *s, const vs_measure_set *wanted) {
+  for (int k = 0; k < VS_MEASURES; k++)
+    if (wanted->has[k] && !s->has[k]) return false;
+  return true;
+}
+
 /* ---- all of them ---- */
 
 void vs_watchers_begin(vs_watchers *w, const vs_frame *frame, const vs_measure_set *wants) {
@@ -47,8 +94,8 @@ void vs_watchers_begin(vs_watchers *w, const vs_frame *frame, const vs_measure_s
 }
 
 bool vs_watchers_leave(vs_watchers *w, const vs_rest *rest, const vs_measure_set *wanted) {
-  vs_settled_find(w->measures, rest, &w->settled);
-  return vs_settled_all(&w->settled, wanted);
+  find_settled(w->measures, rest, &w->settled);
+  return are_all_settled(&w->settled, wanted);
 }
 
 /* Shows the steps that wait. */

@@ -8,7 +8,6 @@
 #include <time.h>
 
 #include "base/text.h"
-#include "measure/onset.h"
 #include "run/shown.h"
 #include "base/units.h"
 
@@ -145,10 +144,10 @@ static vs_status run_once(const vs_session *session, vs_scene *s, vs_result *r, 
   s->order.stop = session->stop;
   s->order.leaver = alone ? &leaver : NULL;
   vs_pilot *pilot = s->order.pilot;
-  vs_onset onset;
+  vs_meter_pilot metered;
   if (pilot && r->meters) {
-    vs_onset_begin(&onset, pilot, &s->instruments, r->meters);
-    s->order.pilot = &onset.pilot;
+    vs_meter_pilot_begin(&metered, pilot, &s->instruments, r->meters);
+    s->order.pilot = &metered.pilot;
   }
   double began_s = seconds(CLOCK_MONOTONIC);
   status = begin_loop(session, s, r, err);

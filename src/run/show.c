@@ -480,7 +480,7 @@ static void print_observer(const vs_result *r, int width, FILE *out) {
 }
 
 void vs_show_windows(const vs_spectrum *s, FILE *out) {
-  int windows = vs_grouping_windows(&s->grouping);
+  int windows = vs_spectrum_windows(s);
   if (!s->grouping.told) return;
   if (windows)
     fprintf(out,
@@ -512,7 +512,7 @@ static void print_quality(const vs_quality *q, FILE *out) {
   const vs_drawn drawn = vs_quality_drawn(q);
   double first_a = vs_spectrum_harmonic(&q->current, 1);
   fprintf(out, "\nquality of %s, over %d cycles of the mains\n", q->name, q->cycles);
-  const bool groups = vs_grouping_windows(&q->current.grouping) > 0;
+  const bool groups = vs_spectrum_windows(&q->current) > 0;
   fprintf(out, "%-10s %15s %15s %15s%s\n", "harmonic", "A rms", "of harmonic 1", "phase",
           groups ? "     group A rms" : "");
   for (int n = 0; n <= SHOWN; n++) {

@@ -200,7 +200,7 @@ void vs_summary_groups(vs_json *json, const char *key, const vs_spectrum *s) {
     vs_json_number(json, NULL, vs_spectrum_judged(s, n), DIGITS);
   vs_json_end(json);
   vs_json_object(json, "windows", VS_JSON_ROW);
-  vs_json_whole(json, "number", vs_grouping_windows(&s->grouping));
+  vs_json_whole(json, "number", vs_spectrum_windows(s));
   vs_json_whole(json, "cycles", s->grouping.each);
   vs_json_end(json);
 }

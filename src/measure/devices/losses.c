@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "measure/losses.h"
+#include "devices/losses.h"
 
 #include <math.h>
 

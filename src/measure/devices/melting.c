@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "measure/melting.h"
+#include "devices/melting.h"
 
 #include <math.h>
 

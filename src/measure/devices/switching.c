@@ -3,10 +3,10 @@
 
 #include <math.h>
 
-#include "netlist/parts.h"
 #include "engine/events.h"
 #include "engine/firing.h"
 #include "engine/gate.h"
+#include "netlist/parts.h"
 
 /* A current up to this is leakage: the device has not begun to conduct. */
 static const double QUIET_A = 0.001;

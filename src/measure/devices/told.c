@@ -1,12 +1,16 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "devices/told.h"
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Reductions of what those tell who follow a device: what it did (measure/switching.h), what its
+ * gate pulses were, and what its loss is made of (measure/devices/losses.h). */
+#include "devices/reductions.h"
 
 #include <math.h>
 #include <stdio.h>
 
 #include "base/text.h"
-#include "netlist/parts.h"
 #include "base/units.h"
+#include "devices/losses.h"
+#include "devices/melting.h"
+#include "netlist/parts.h"
 
 /* ---- news of a device that conducts or blocks ---- */
 

@@ -27,7 +27,7 @@ void vs_show_verdict(const vs_result *result, FILE *out);
 /* Prints all that stands behind the verdict: scene, tier, the measures in groups, the cost. */
 void vs_show_result(const vs_result *result, const vs_groups_options *options, FILE *out);
 
-/* Of a current whose groups are told (measure/grouping.h), prints the windows that they are over. */
+/* Of a current whose groups are told (measure/spectrum.h), prints the windows that they are over. */
 void vs_show_windows(const vs_spectrum *current, FILE *out);
 /* Prints for each class of apparatus which harmonic takes most of its limit, and how much. */
 void vs_show_classes(const vs_drawn *drawn, FILE *out);
