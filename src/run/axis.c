@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "run/keys.h"
 #include "base/units.h"
+#include "run/keys.h"
 
 enum { MOST_VALUES = 10000000 };
 

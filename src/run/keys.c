@@ -7,9 +7,9 @@
 #include <string.h>
 
 #include "base/text.h"
+#include "base/units.h"
 #include "netlist/devices.h"
 #include "run/sections.h"
-#include "base/units.h"
 
 enum { MOST_KEYS = 1024 };
 

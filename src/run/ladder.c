@@ -21,8 +21,8 @@
  *   quarter.
  * - Newton's iteration may have to end within what rounding leaves: behind an inductance alone, a
  *   step of picoseconds makes volts of the last digit of its current. So the tolerance goes back to
- *   where the solver's own is the coarsest (engine/coupled/pace.c). The steps stay as short as they were.
- *   What may be wrong is then told for that tolerance.
+ *   where the solver's own is the coarsest (engine/coupled/pace.c). The steps stay as short as they
+ * were. What may be wrong is then told for that tolerance.
  * - Where the model of the thyristor has no solution, an ideal thyristor has one. */
 typedef struct rung {
   const char *text;

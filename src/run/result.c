@@ -192,7 +192,8 @@ static void warn_of_signs(const vs_result *r, void (*each)(void *ctx, const char
   const vs_devices *d = r->watchers.devices;
   char text[VS_DECK_TEXT];
   for (size_t k = 0; d && k < d->count; k++)
-    if (vs_devices_sign_is_wrong(&d->item[k], vs_energy_whole(&r->watchers.energy), text, sizeof text))
+    if (vs_devices_sign_is_wrong(&d->item[k], vs_energy_whole(&r->watchers.energy), text,
+                                 sizeof text))
       each(ctx, text);
 }
 

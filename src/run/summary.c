@@ -4,13 +4,13 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "base/units.h"
+#include "engine/tiers.h"
 #include "measure/lowpass.h"
+#include "measure/unjudged.h"
 #include "run/sections.h"
 #include "run/shown.h"
 #include "run/version.h"
-#include "base/units.h"
-#include "engine/tiers.h"
-#include "measure/unjudged.h"
 
 enum {
   DIGITS = 12,

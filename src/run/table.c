@@ -8,8 +8,8 @@
 #include <unistd.h>
 
 #include "base/text.h"
-#include "netlist/limits.h"
 #include "base/units.h"
+#include "netlist/limits.h"
 
 static int instruments_of(const vs_table *table) {
   return table->instruments ? table->instruments->count : 0;

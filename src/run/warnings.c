@@ -5,12 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/units.h"
+#include "engine/firing.h"
+#include "engine/wave.h"
 #include "netlist/devices.h"
 #include "netlist/netlist.h"
 #include "netlist/parts.h"
-#include "engine/firing.h"
-#include "engine/wave.h"
-#include "base/units.h"
 
 /* ---- the list ---- */
 
