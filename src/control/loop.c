@@ -11,7 +11,7 @@
 /* ---- decisions ---- */
 
 /* Decides the next firing, whose cycle begins now, or, as the run begins, has begun before. */
-static vs_status decide(vs_loop *l, double t_s, vs_error *err) {
+static vs_status decide_firing(vs_loop *l, double t_s, vs_error *err) {
   const vs_control *c = l->control;
   vs_program *p = &l->program;
   double angle_rad = NAN;
@@ -52,7 +52,7 @@ vs_status vs_loop_begin(vs_loop *l, const vs_control *c, const vs_setup *setup,
   vs_status status = c->regulator->begin ? c->regulator->begin(l->self, &l->sight, err) : VS_OK;
   while (!status && l->program.count < l->program.size &&
          vs_firing_cycle_s(t, (double)l->program.count) <= vs_occurrence_rounding(0))
-    status = decide(l, 0, err);
+    status = decide_firing(l, 0, err);
   return status;
 }
 
@@ -101,7 +101,7 @@ vs_status vs_loop_accept(vs_loop *l, const vs_step *step, vs_error *err) {
   vs_loop_to(l, step, to_s);
   if (to_s < due_s - vs_occurrence_rounding(due_s)) return VS_OK;
   read_meters(l, step, to_s);
-  return decide(l, due_s, err);
+  return decide_firing(l, due_s, err);
 }
 
 /* ---- what it shows ---- */

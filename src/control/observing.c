@@ -59,14 +59,14 @@ static vs_status read_pole(const asking *q, const vs_node *node, vs_pole *pole) 
   return VS_OK;
 }
 
-static bool is_near(const vs_pole *a, const vs_pole *b) {
+static bool is_pole_near(const vs_pole *a, const vs_pole *b) {
   double size = hypot(a->re_1_s, a->im_rad_s);
   return hypot(a->re_1_s - b->re_1_s, a->im_rad_s - b->im_rad_s) <= 1e-6 * size;
 }
 
 static int how_often(const vs_pole *pole, const vs_pole *of, int count) {
   int often = 0;
-  for (int k = 0; k < count; k++) often += is_near(of, &pole[k]);
+  for (int k = 0; k < count; k++) often += is_pole_near(of, &pole[k]);
   return often;
 }
 
@@ -93,7 +93,7 @@ static vs_status pair_up(const asking *q, vs_pole *pole, int count) {
     if (pole[k].im_rad_s == 0) continue;
     vs_pole conjugate = {pole[k].re_1_s, -pole[k].im_rad_s};
     int other = k + 1;
-    while (!is_near(&conjugate, &pole[other])) other++;
+    while (!is_pole_near(&conjugate, &pole[other])) other++;
     vs_pole moved = pole[k + 1];
     if (pole[k].im_rad_s < 0) {
       vs_pole first = conjugate;
@@ -311,8 +311,8 @@ static const vs_instrument *find_instrument(const reading *r, const char *name) 
   return NULL;
 }
 
-static vs_status refuse_instrument(const reading *r, const char *key, const char *name,
-                                   vs_where where) {
+static vs_status refuse_observer_instrument(const reading *r, const char *key, const char *name,
+                                            vs_where where) {
   const char *names[VS_INSTRUMENT_MOST];
   for (int k = 0; k < r->instruments->count; k++) names[k] = r->instruments->item[k].name;
   const char *nearest = vs_text_nearest(name, names, (size_t)r->instruments->count);
@@ -328,7 +328,7 @@ static vs_status find_current(const reading *r) {
     if (r->instruments->item[k].channel == VS_CH_I) o->current = &r->instruments->item[k];
   if (!any) o->current = find_instrument(r, o->v.current);
   if (!any && !o->current)
-    return refuse_instrument(r, "current", o->v.current, place_of_key(r, "current"));
+    return refuse_observer_instrument(r, "current", o->v.current, place_of_key(r, "current"));
   if (o->current && o->current->channel == VS_CH_I) return VS_OK;
   return vs_fail_at(r->err, place_of_key(r, "current"),
                     "control.observer: no instrument measures the coil's current, from which the "
@@ -345,7 +345,7 @@ typedef struct found {
 static vs_status add_named(const reading *r, const vs_node *node, found *f) {
   const char *name = node->kind == VS_NODE_TEXT ? node->text : "";
   const vs_instrument *i = find_instrument(r, name);
-  if (!i) return refuse_instrument(r, "sensors", name, node->where);
+  if (!i) return refuse_observer_instrument(r, "sensors", name, node->where);
   for (int k = 0; k < f->count; k++)
     if (f->item[k] == i)
       return vs_fail_at(r->err, node->where,

@@ -46,7 +46,7 @@ static vs_status begin_phase(void *self, const vs_sight *s, vs_error *err) {
 }
 
 /* The sensor has risen through its middle at t. */
-static void rise(phase *p, double t_s) {
+static void note_rise(phase *p, double t_s) {
   p->period_s = t_s - p->rise_s;
   p->rise_s = t_s;
   p->middle = (p->high + p->low) / 2;
@@ -67,7 +67,7 @@ static void tick_phase(void *self, const vs_sight *s) {
   if (y > middle + HYSTERESIS * swing) p->was_high = true;
   if (p->was_high && y < middle - HYSTERESIS * swing) p->was_low = true;
   if (p->was_low && before < middle && y >= middle)
-    rise(p, before_s + (middle - before) / (y - before) * (s->t_s - before_s));
+    note_rise(p, before_s + (middle - before) / (y - before) * (s->t_s - before_s));
 }
 
 /* Two rises further apart than this many firing periods tell of no swing that goes on. */

@@ -128,7 +128,7 @@ static answer members_of(const vs_node *map) {
 }
 
 /* The text as it is shown in a message: its beginning, in one line. */
-static void shorten(const char *text, char shown[64]) {
+static void shorten_answer(const char *text, char shown[64]) {
   size_t n = strcspn(text, "\r\n"), most = 56;
   const char *wrong = vs_text_not_utf8(text, n);
   if (wrong) n = (size_t)(wrong - text);
@@ -177,7 +177,7 @@ static vs_status read_answer(const vs_remote *r, double *angle_deg, char *troubl
   vs_text_free(&assignment);
   if (good) return VS_OK;
   char shown[64];
-  shorten(r->in, shown);
+  shorten_answer(r->in, shown);
   return vs_fail(err, VS_RUN,
                  "t = %.9g s: control: %s answered '%s'; wanted: one line of JSON, "
                  "{\"angle_deg\": 95}, {\"angle_deg\": null} for no firing, or {\"error\": "

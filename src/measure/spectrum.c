@@ -145,7 +145,8 @@ void vs_spectrum_add(vs_spectrum *s, double t_s, double weight_s, double current
 }
 
 /* Takes a stretch of a step, which lies within one cycle where groups are told. */
-static void add_stretch(vs_spectrum *s, const vs_step *step, double from, double length) {
+static void add_stretch_of_spectrum(vs_spectrum *s, const vs_step *step, double from,
+                                    double length) {
   double y[VS_CH_MOST];
   int pieces = (int)ceil(length * s->omega_rad_s * PIECES / (2 * M_PI));
   for (int p = 0; p < pieces; p++)
@@ -164,8 +165,8 @@ void vs_spectrum_accept(vs_spectrum *s, const vs_step *step) {
   s->span_s += length;
   if (step->frame->source_is_coil && vs_step_is_quiet(step)) return;
   for (; (cut = grouping_cut(&s->grouping, from)) < step->to->t_s; from = cut)
-    add_stretch(s, step, from, cut - from);
-  add_stretch(s, step, from, step->to->t_s - from);
+    add_stretch_of_spectrum(s, step, from, cut - from);
+  add_stretch_of_spectrum(s, step, from, step->to->t_s - from);
 }
 
 double vs_spectrum_harmonic(const vs_spectrum *s, int n) {

@@ -124,7 +124,7 @@ void vs_watchers_accept(vs_watchers *w, const vs_step *step) {
 }
 
 /* What is no more than the rounding of what it was made of is told as 0, by all who tell it. */
-static void round_off(vs_watchers *w, vs_value values[VS_MEASURES]) {
+static void round_off_watched(vs_watchers *w, vs_value values[VS_MEASURES]) {
   vs_measures *m = w->measures;
   vs_energy_round_off(&w->energy);
   for (int k = 0; k < VS_MEASURES; k++) values[k].value = vs_value_told(values[k].value, 0);
@@ -141,7 +141,7 @@ void vs_watchers_finish(vs_watchers *w, double until_s, vs_value values[VS_MEASU
   if (w->batch && w->batch->count) look_at_batch(w);
   vs_measures_finish(w->measures, values);
   vs_energy_finish(&w->energy);
-  round_off(w, values);
+  round_off_watched(w, values);
   const double *joule = w->energy.joule;
   values[VS_M_ENERGY_IN] = (vs_value){true, joule[VS_E_SOURCE], NAN};
   values[VS_M_ENERGY_COPPER] = (vs_value){true, joule[VS_E_COPPER], NAN};

@@ -5,8 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "netlist/parts.h"
 #include "base/units.h"
+#include "netlist/parts.h"
 
 /* A device, and the file of its part; "": it has none. */
 typedef struct subject {
@@ -45,7 +45,7 @@ static const vs_reduced *largest_rise(const subject *s) {
 }
 
 /* Its part has a network, and its kind a junction. */
-static bool has_network(const subject *s) {
+static bool has_part_network(const subject *s) {
   return resistance_k_per_w(s) > 0 && largest_rise(s);
 }
 
@@ -60,7 +60,7 @@ static const vs_limit *junction_limit(const subject *s) {
 
 static bool limits_case(const subject *s) {
   const vs_limit *limit = junction_limit(s);
-  return has_network(s) && limit && isfinite(limit->value) &&
+  return has_part_network(s) && limit && isfinite(limit->value) &&
          vs_units_same_kind(limit->unit, "degC");
 }
 

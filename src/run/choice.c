@@ -13,7 +13,7 @@
 /* ---- which tier ---- */
 
 /* True if switches of the scene's deck are modulated, which no ideal tier can do. */
-static bool is_modulated(const vs_setup *setup) {
+static bool is_deck_modulated(const vs_setup *setup) {
   return vs_deck_has_port(&setup->deck, vs_port_is_modulated);
 }
 
@@ -115,7 +115,7 @@ static const char *needs_circuit(const vs_node *root, const vs_setup *setup, cha
                        : vs_tree_child(root, "waive") ? "waive"
                                                       : NULL;
   const vs_tier_key *key = first_own_key(root, setup, vs_tiers_automatic(true));
-  if (is_modulated(setup))
+  if (is_deck_modulated(setup))
     snprintf(buffer, size, "a deck with a port pwm, %s", HAS);
   else if (circuit && circuit->child)
     snprintf(buffer, size, "circuit.%s, %s", circuit->child->key, HAS);
@@ -162,7 +162,7 @@ vs_status vs_choice_make(const vs_node *root, const vs_setup *setup, const char 
     snprintf(why, VS_CHOICE_WHY, "asked for by run.tier");
   } else if (!vs_choice_is_known(root, setup)) {
     *tier = vs_tiers_automatic(true); /* it has all probes */
-  } else if (ideal && !is_modulated(setup)) {
+  } else if (ideal && !is_deck_modulated(setup)) {
     const bool own = vs_tree_child(vs_tree_child(root, ideal->section), ideal->key);
     const vs_node *deck = vs_tree_child(vs_tree_child(root, "circuit"), "deck");
     *tier = vs_tiers_automatic(false);
@@ -237,7 +237,7 @@ static vs_status refuse_ignored_event(const asked *s, const vs_occurrence *e, vs
  * pwm alone, direct voltage and firing.valve: none are obeyed. */
 static vs_status check_ignored_keys(const asked *s, vs_error *err) {
   vs_status status = VS_OK;
-  bool all = is_modulated(s->setup) && !vs_deck_has_port(&s->setup->deck, vs_port_is_gated);
+  bool all = is_deck_modulated(s->setup) && !vs_deck_has_port(&s->setup->deck, vs_port_is_gated);
   for (int t = 0; t < VS_TIERS; t++)
     for (const vs_tier_key *k = vs_tiers_all[t]->keys; k && k->section && !status; k++)
       if (!obeys(s->tier, k) && !(all && s->tier->has_circuit))
@@ -333,7 +333,7 @@ vs_status vs_choice_check(const vs_node *root, const vs_setup *setup, const vs_t
   vs_status status = check_law_on_tier(s, err);
   if (!status) status = check_feedback(s, err);
   if (status || s->tier->has_circuit) return status ? status : check_ignored_keys(s, err);
-  if (is_modulated(s->setup))
+  if (is_deck_modulated(s->setup))
     return vs_fail_at(err, vs_tree_place(s->root, "circuit.deck"),
                       "circuit.deck: tier %s (%s) has no port pwm; take tier %s or auto",
                       s->tier->name, s->why, vs_tiers_circuit());

@@ -132,7 +132,7 @@ static bool sequence_differs(const vs_result *r, char *text, size_t size) {
 
 /* Where the channel of an instrument was beyond its range, writes what is to be said of it. False:
  * nothing is to be said. */
-static bool is_beyond(const vs_meter *m, char *text, size_t size) {
+static bool is_meter_beyond(const vs_meter *m, char *text, size_t size) {
   const vs_instrument *i = m->instrument;
   if (!m->beyond) return false;
   snprintf(
@@ -266,7 +266,7 @@ static void warn_after(const vs_result *r, bool of_firing,
     each(ctx, text);
   warn_of_signs(r, each, ctx);
   for (int k = 0; r->meters && k < r->scene->instruments.count; k++)
-    if (is_beyond(&r->meters[k], text, sizeof text)) each(ctx, text);
+    if (is_meter_beyond(&r->meters[k], text, sizeof text)) each(ctx, text);
   for (int k = 0; k < r->n_quality; k++)
     if (vs_quality_warning(&r->quality[k], &r->scene->setup, text, sizeof text)) each(ctx, text);
   if (!*r->second.failed) return;
@@ -297,12 +297,12 @@ void vs_result_warnings(const vs_result *r, void (*each)(void *ctx, const char *
   warn_after(r, true, each, ctx);
 }
 
-static void print_warning(void *ctx, const char *text) {
+static void print_warning_of_result(void *ctx, const char *text) {
   (void)ctx;
   fprintf(stderr, "vibrospice: warning: %s\n", text);
 }
 
 void vs_result_warn(const vs_result *r) {
   bool whole_cycle = r->scene->setup.run.until_s >= r->scene->setup.timeline.period_s;
-  warn_after(r, whole_cycle, print_warning, NULL);
+  warn_after(r, whole_cycle, print_warning_of_result, NULL);
 }

@@ -241,7 +241,7 @@ static vs_status open_files(audience *a, vs_error *err) {
 }
 
 /* Removes a file of an older run in the folder, which this run's files would contradict. */
-static void remove_stale(const char *folder, const char *name) {
+static void remove_stale_file(const char *folder, const char *name) {
   char path[VS_PATH_SIZE];
   snprintf(path, sizeof path, "%s/%s", folder, name);
   unlink(path);
@@ -284,7 +284,7 @@ static void add_file_name(const char *folder, const char *name, vs_text *names) 
 
 static void remove_picture(const char *folder, const char *name, vs_text *names) {
   (void)names;
-  remove_stale(folder, name);
+  remove_stale_file(folder, name);
 }
 
 /* The names of an older run's files in the folder, which give way to this run's; empty: none. To be
@@ -316,7 +316,7 @@ static void keep_partial(audience *a, vs_error *err) {
   const char *folder = a->options->folder;
   vs_error second = {0};
   char *replaced = name_replaced(folder);
-  for (size_t k = 0; k < sizeof STALE / sizeof *STALE; k++) remove_stale(folder, STALE[k]);
+  for (size_t k = 0; k < sizeof STALE / sizeof *STALE; k++) remove_stale_file(folder, STALE[k]);
   remove_pictures(folder, replaced);
   bool csv = !vs_file_commit_as(&a->csv, folder, "run.partial.csv", &second);
   bool raw = a->raw.stream && !vs_file_commit_as(&a->raw, folder, "run.partial.raw", &second);
@@ -343,7 +343,7 @@ static void discard_files(audience *a) {
 static vs_status close_peaks(audience *a, vs_error *err) {
   a->found = vs_table_found(&a->table);
   if (a->found == VS_TABLE_SOME) return vs_file_commit(&a->peaks, err);
-  remove_stale(a->options->folder, VS_TABLE_PEAKS_FILE);
+  remove_stale_file(a->options->folder, VS_TABLE_PEAKS_FILE);
   if (a->found == VS_TABLE_BEYOND && !a->options->quiet)
     fprintf(stderr,
             "vibrospice: warning: " VS_TABLE_PEAKS_FILE " is left out, as it would have more than "
@@ -376,9 +376,9 @@ static vs_status close_files(audience *a, vs_status ran, const char *json, vs_er
   free(replaced);
   if (status) vs_file_folder_unmake(folder, a->made);
   if (status) return status;
-  if (!a->options->raw) remove_stale(folder, "run.raw");
-  remove_stale(folder, "run.partial.csv");
-  remove_stale(folder, "run.partial.raw");
+  if (!a->options->raw) remove_stale_file(folder, "run.raw");
+  remove_stale_file(folder, "run.partial.csv");
+  remove_stale_file(folder, "run.partial.raw");
   return VS_OK;
 }
 

@@ -537,7 +537,7 @@ static void write_allowed(const vs_judgement *j, double unit, char *text, size_t
 }
 
 /* What happened against the scene's expectation, or did not. */
-static vs_status judge_happening(const vs_judgement *j, vs_error *err) {
+static vs_status fail_of_happening(const vs_judgement *j, vs_error *err) {
   const char *device = j->device->name, *verb = vs_kinds_happening(j->measure)->verb;
   const char *undecided =
       vs_verdict_word(j) == VS_UNDECIDED ? "; the two runs differ in it, so it is undecided" : "";
@@ -556,7 +556,7 @@ vs_status vs_session_judge(const vs_result *r, vs_error *err) {
                    "first run's result is whole, its verdict unverified",
                    r->second.failed);
   if (!worst) return VS_OK;
-  if (vs_verdict_is_happening(worst)) return judge_happening(worst, err);
+  if (vs_verdict_is_happening(worst)) return fail_of_happening(worst, err);
   const char *unit_name = vs_verdict_unit(worst);
   char name[VS_JUDGED_NAME], allowed[2 * VS_DECK_NAME + 16], decides[96] = "", at[48] = "";
   double unit = vs_units_factor(unit_name);

@@ -53,7 +53,7 @@ static void print_models(const vs_judgement *j, const char *before, const char *
   vs_text_free(&text);
 }
 
-static void print_finding(const vs_judgement *j, FILE *out) {
+static void print_verdict_word(const vs_judgement *j, FILE *out) {
   vs_finding word = vs_verdict_word(j);
   fprintf(out, "  %s%s", word == VS_UNVERIFIED && j->margin < 0 ? "violated, " : "",
           vs_verdict_words[word]);
@@ -63,11 +63,11 @@ static void print_finding(const vs_judgement *j, FILE *out) {
 /* "  12.3 % +- 0.04 %  held" */
 static void print_margin(const vs_judgement *j, FILE *out) {
   print_number(j, true, out);
-  print_finding(j, out);
+  print_verdict_word(j, out);
 }
 
 /* What is rated, in the unit that its limit was written in: "76.54 A/us". */
-static const char *written(double si, const char *unit, char text[VS_AMOUNT_SIZE]) {
+static const char *text_as_written(double si, const char *unit, char text[VS_AMOUNT_SIZE]) {
   snprintf(text, VS_AMOUNT_SIZE, "%.4g %s", si / vs_units_factor(unit), unit);
   return text;
 }
@@ -174,11 +174,11 @@ static void print_weakest(const vs_judgement *j, FILE *out) {
   char name[VS_JUDGED_NAME], stress[VS_AMOUNT_SIZE], limit[VS_AMOUNT_SIZE];
   const char *unit = vs_verdict_unit(j);
   fprintf(out, "weakest: %s, %s where %s%s is allowed, margin ", vs_verdict_name(j, name),
-          written(j->stress.value, unit, stress), written(allowed(j), unit, limit),
+          text_as_written(j->stress.value, unit, stress), text_as_written(allowed(j), unit, limit),
           j->assumed ? " (assumed)" : "");
   print_number(j, false, out);
   print_models(j, " (", ")", out);
-  print_finding(j, out);
+  print_verdict_word(j, out);
   fputc('\n', out);
 }
 
@@ -214,7 +214,7 @@ void vs_verdict_table_word(const vs_verdict *v, FILE *out) {
     fprintf(out, "verdict: %s\n", vs_verdict_words[word]);
 }
 
-static int name_width(const vs_verdict *v) {
+static int width_of_names(const vs_verdict *v) {
   char name[VS_JUDGED_NAME];
   int width = 18;
   for (size_t k = 0; k < v->count; k++) {
@@ -225,8 +225,8 @@ static int name_width(const vs_verdict *v) {
 }
 
 /* The ratings come first; limits and stresses are shown in the unit they were written in. */
-static void print_lines(const vs_verdict *v, FILE *out) {
-  int width = name_width(v);
+static void print_verdict_lines(const vs_verdict *v, FILE *out) {
+  int width = width_of_names(v);
   size_t k = 0;
   if (v->item[0].rating)
     fprintf(out, "\n  %-*s %11s %11s %11s %11s %-5s %8s\n", width, "rating", "min", "least",
@@ -343,7 +343,7 @@ void vs_verdict_table_whole(const vs_result *r, FILE *out) {
   print_waived(&r->scene->expects, out);
   print_not_judged(r, out);
   vs_verdict_table_corners(r, out);
-  print_lines(v, out);
+  print_verdict_lines(v, out);
   vs_verdict_table_second(r, out);
 }
 
@@ -466,7 +466,7 @@ void vs_verdict_table_tightest(const vs_verdict *v, int room, FILE *out) {
     if (isfinite(v->item[k].margin) && !v->item[k].waived && !vs_verdict_is_happening(&v->item[k]))
       line[count++] = &v->item[k];
   qsort(line, count, sizeof *line, by_weakness);
-  const int width = name_width(v);
+  const int width = width_of_names(v);
   if (count)
     fprintf(out, "\n  %-*s %11s %11s %-5s %11s %8s\n", width, "tightest", "stress", "limit", "",
             "at", "margin +- its numerical error");

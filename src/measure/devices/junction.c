@@ -66,7 +66,7 @@ static void prepare_core(vs_watched *w, vs_reduced *r) {
   take_network(w, r, esr->value);
 }
 
-static bool has_network(const vs_watched *w, const vs_reduced *r) {
+static bool has_zth_network(const vs_watched *w, const vs_reduced *r) {
   const network *n = r->state;
   (void)w;
   return n->count;
@@ -249,7 +249,7 @@ const vs_reducer vs_junction_of_power = {.continuous = true,
                                          .state_size = sizeof(network),
                                          .again_size = KEPT * sizeof(heating),
                                          .prepare = prepare_junction,
-                                         .is_busy = has_network,
+                                         .is_busy = has_zth_network,
                                          .begin = begin_junction,
                                          .follow = follow_junction,
                                          .finish = finish_junction},
@@ -257,7 +257,7 @@ const vs_reducer vs_junction_of_power = {.continuous = true,
                                            .state_size = sizeof(network),
                                            .again_size = KEPT * sizeof(heating),
                                            .prepare = prepare_core,
-                                           .is_busy = has_network,
+                                           .is_busy = has_zth_network,
                                            .begin = begin_junction,
                                            .follow = follow_junction,
                                            .finish = finish_junction};

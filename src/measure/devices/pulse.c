@@ -38,7 +38,7 @@ typedef struct pulse {
   int top;                 /* the highest level passed */
 } pulse;
 
-static double level_v(int k) {
+static double heat_level_v(int k) {
   return k ? exp2((double)(k - 1) / IN_OCTAVE) : 0;
 }
 
@@ -58,7 +58,7 @@ typedef struct leg {
 
 /* The pulse's energy at `at`, a part of the step from its beginning on. Within a step the power
  * runs on a parabola. */
-static double energy_at(const leg *l, double at) {
+static double pulse_energy_at(const leg *l, double at) {
   const vs_course_step *c = l->c;
   double p0 = c->from[VS_OF_POWER], pm = c->mid[VS_OF_POWER], p1 = c->to[VS_OF_POWER];
   double slope = 4 * pm - 3 * p0 - p1, bend = 2 * (p0 - 2 * pm + p1);
@@ -68,17 +68,18 @@ static double energy_at(const leg *l, double at) {
 /* The pulse's energy when |v| is v; at the leg's end where |v| does not come there. */
 static double energy_when(const leg *l, double v) {
   bool comes = l->v0 != l->v1 && (v - l->v0) * (v - l->v1) <= 0;
-  return energy_at(l, comes ? l->at0 + (l->at1 - l->at0) * (v - l->v0) / (l->v1 - l->v0) : l->at1);
+  return pulse_energy_at(l, comes ? l->at0 + (l->at1 - l->at0) * (v - l->v0) / (l->v1 - l->v0)
+                                  : l->at1);
 }
 
 static void follow_leg(pulse *p, const leg *l) {
-  while (p->top + 1 < LEVELS && level_v(p->top + 1) <= l->v1) {
+  while (p->top + 1 < LEVELS && heat_level_v(p->top + 1) <= l->v1) {
     p->top++;
-    p->passed_j[p->top] = energy_when(l, level_v(p->top));
+    p->passed_j[p->top] = energy_when(l, heat_level_v(p->top));
   }
   int k = level_above(l->v1);
   if (k <= p->top) {
-    double v = l->v1 < l->v0 ? level_v(k) : INFINITY;
+    double v = l->v1 < l->v0 ? heat_level_v(k) : INFINITY;
     p->heat_j = fmax(p->heat_j, energy_when(l, v) - p->passed_j[k]);
   }
   if (p->begin_v < l->v1) return;
@@ -89,14 +90,14 @@ static void begin_pulse(pulse *p, const vs_course_step *c) {
   p->lasts = true;
   p->energy_j = p->heat_j = 0;
   p->begin_v = fabs(c->from[VS_OF_V]);
-  for (p->top = 0; p->top + 1 < LEVELS && level_v(p->top + 1) <= p->begin_v; p->top++)
+  for (p->top = 0; p->top + 1 < LEVELS && heat_level_v(p->top + 1) <= p->begin_v; p->top++)
     p->passed_j[p->top] = 0;
   p->passed_j[p->top] = 0;
 }
 
 /* Takes the next step of the device's course. Returns the heat of the present pulse, J; 0 where
  * there is none. */
-static double follow_pulse(pulse *p, const vs_course_step *c) {
+static double follow_heat_pulse(pulse *p, const vs_course_step *c) {
   bool current = fmax(fabs(c->from[VS_OF_I]), fabs(c->to[VS_OF_I])) >= PULSE_A;
   p->lasts = p->lasts && (current ? c->t0_s : c->t1_s) - p->current_s < p->rest_s;
   if (current && !p->lasts) begin_pulse(p, c);
@@ -111,7 +112,7 @@ static double follow_pulse(pulse *p, const vs_course_step *c) {
     follow_leg(p, &down);
   }
   follow_leg(p, &l);
-  p->energy_j = energy_at(&l, 1);
+  p->energy_j = pulse_energy_at(&l, 1);
   return p->heat_j;
 }
 
@@ -135,7 +136,7 @@ static void prepare_heat(vs_watched *w, vs_reduced *r) {
 
 static void follow_heat(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
   pulse *p = r->state;
-  double before = p->heat_j, heat = follow_pulse(p, c);
+  double before = p->heat_j, heat = follow_heat_pulse(p, c);
   (void)w;
   vs_reducer_take_largest(r, c, fmin(before, heat), heat);
 }

@@ -10,25 +10,25 @@
 
 /* ---- peaks ---- */
 
-static double in_sense(double value, int sense) {
+static double value_in_sense(double value, int sense) {
   return (sense ? sense * value : fabs(value)) + 0.0; /* no -0 */
 }
 
-static bool has_course(const vs_watched *w, const vs_reduced *r) {
+static bool has_measured_course(const vs_watched *w, const vs_reduced *r) {
   return r->measure->of != VS_OF_FLUX || w->device->has_flux;
 }
 
 static void begin_peak(const vs_watched *w, vs_reduced *r, double t_s) {
   const vs_device_measure *m = r->measure;
-  r->value = (vs_value){true, in_sense(w->last[m->of], m->sense), t_s};
+  r->value = (vs_value){true, value_in_sense(w->last[m->of], m->sense), t_s};
 }
 
 static void follow_peak(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
   const vs_device_measure *m = r->measure;
-  double to = in_sense(c->to[m->of], m->sense);
+  double to = value_in_sense(c->to[m->of], m->sense);
   (void)w;
   if (to > r->value.value) r->value = (vs_value){true, to, c->t1_s};
-  if (r->limit) vs_reducer_watch(r, c, in_sense(c->from[m->of], m->sense), to);
+  if (r->limit) vs_reducer_watch(r, c, value_in_sense(c->from[m->of], m->sense), to);
 }
 
 /* No step ends above the peak so far, nor above a limit that was not passed yet. */
@@ -39,14 +39,16 @@ static bool peak_rests(const vs_watched *w, const vs_reduced *r, const vs_course
   bool watched = r->limit && isnan(r->failed_s);
   (void)w;
   for (size_t n = 0; n < c->count; n++) {
-    double to = in_sense(y[n][1], m->sense);
+    double to = value_in_sense(y[n][1], m->sense);
     if (to > most) most = to;
   }
   return most <= r->value.value && !(watched && !(most <= r->limit->value));
 }
 
-static const vs_reducer peak = {
-    .is_busy = has_course, .begin = begin_peak, .follow = follow_peak, .rests = peak_rests};
+static const vs_reducer peak = {.is_busy = has_measured_course,
+                                .begin = begin_peak,
+                                .follow = follow_peak,
+                                .rests = peak_rests};
 
 /* ---- means, as measure/devices/means.h judges them ---- */
 
@@ -89,14 +91,14 @@ static bool is_stated(const vs_watched *w, const char *name) {
 
 /* Not judged, and no word of it: the part states no such limit, or the other one of v_rms and v_dc
  * is the one that holds. */
-static void leave_out(vs_reduced *r) {
+static void leave_out_rms_or_dc(vs_reduced *r) {
   r->limit = NULL;
   r->idle = true;
 }
 
 static void finish_alternating(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
   const bool direct = end->to_s > end->from_s && is_direct(w, r, end);
-  if (!r->limit || (direct && is_stated(w, "v_dc"))) leave_out(r);
+  if (!r->limit || (direct && is_stated(w, "v_dc"))) leave_out_rms_or_dc(r);
   finish_rms(w, r, end);
   if (direct || !is_stated(w, "v_dc") || is_stated(w, "v_rms")) return;
   r->idle = false;
@@ -109,7 +111,7 @@ static void finish_direct(const vs_watched *w, vs_reduced *r, const vs_run_end *
   const double span_s = end->to_s - end->from_s;
   const bool other_is_left = alternating->idle && is_stated(w, "v_rms"),
              direct = span_s > 0 && (other_is_left || is_direct(w, r, end));
-  if (!r->limit || !direct) leave_out(r);
+  if (!r->limit || !direct) leave_out_rms_or_dc(r);
   if (!(span_s > 0)) return;
   r->value = (vs_value){true, fabs(w->sum_meant[VS_OF_V] / span_s), NAN};
   vs_means_judge(w, r, end->to_s);
@@ -140,7 +142,8 @@ static const vs_reducer integral = {
     .is_busy = vs_reducer_has_limit, .follow = follow_integral, .finish = finish_integral};
 
 /* The state is the integral over the present conduction. */
-static void follow_pulse(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
+static void follow_conduction_integral(const vs_watched *w, vs_reduced *r,
+                                       const vs_course_step *c) {
   double *present = r->state;
   (void)w;
   if (!c->was_on && !c->on) return;
@@ -153,7 +156,7 @@ static const vs_reducer pulse = {.state_size = sizeof(double),
                                  .across = true,
                                  .hangs_on_sequence = true,
                                  .begin = vs_reducer_begin_at_zero,
-                                 .follow = follow_pulse};
+                                 .follow = follow_conduction_integral};
 
 /* ---- means of what is repeated ----
  * The integral over the run, divided by the time from one pulse to the next. Not known where no

@@ -45,12 +45,12 @@ static void follow_surge(const vs_watched *w, vs_reduced *r, const vs_course_ste
   vs_reducer_take_largest(r, c, sqrt(2 * before / SURGE_S), sqrt(2 * after / SURGE_S));
 }
 
-static void follow_melting(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
+static void follow_whole_fuse(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
   const window *in = r->state;
   if (!in->melted) follow_within(w, r, c);
 }
 
-static void note_melting(vs_reduced *r, const vs_melting_news *news) {
+static void note_fuse_melts(vs_reduced *r, const vs_melting_news *news) {
   window *in = r->state;
   in->melted = in->melted || !isnan(news->melts_s);
 }
@@ -73,13 +73,13 @@ static void finish_let_through(const vs_watched *w, vs_reduced *r, const vs_run_
 #define WITHIN .state_size = sizeof(window), .begin = begin_window
 const vs_reducer vs_surge_within = {WITHIN, .follow = follow_within},
                  vs_surge_let_through = {WITHIN, .follow = follow_within,
-                                         .take_melting = note_melting,
+                                         .take_melting = note_fuse_melts,
                                          .finish = finish_let_through},
                  vs_surge_melting = {WITHIN,
                                      .until_opens = true,
                                      .is_busy = vs_reducer_has_limit,
-                                     .follow = follow_melting,
-                                     .take_melting = note_melting,
+                                     .follow = follow_whole_fuse,
+                                     .take_melting = note_fuse_melts,
                                      .finish = finish_melting},
                  vs_surge_peak = {WITHIN, .across = true, .follow = follow_surge};
 #undef WITHIN

@@ -19,7 +19,7 @@ static void prepare_rise(vs_watched *w, vs_reduced *r) {
   if (w->states) w->states->rise.over_v = r->over_v;
 }
 
-static void take_stretch(vs_reduced *r, const vs_rose *rose) {
+static void take_told_stretch(vs_reduced *r, const vs_rose *rose) {
   vs_reducer_offer(r, rose->rate, false);
   if (!rose->rate.known || r->value.at_s != rose->rate.at_s || r->value.value != rose->rate.value)
     return;
@@ -29,7 +29,7 @@ static void take_stretch(vs_reduced *r, const vs_rose *rose) {
 
 static void take_rise(const vs_watched *w, vs_reduced *r, const vs_switch_news *news) {
   (void)w;
-  take_stretch(r, &news->rise);
+  take_told_stretch(r, &news->rise);
 }
 
 /* The last step of the run may be its steepest. */
@@ -49,7 +49,8 @@ typedef struct at_temperature {
   vs_limit limit;
 } at_temperature;
 
-static double between(const vs_limit_at *cold, double hot_degc, const vs_reduced *r, double degc) {
+static double limit_between(const vs_limit_at *cold, double hot_degc, const vs_reduced *r,
+                            double degc) {
   double part = (degc - cold->at_degc) / (hot_degc - cold->at_degc);
   part = fmin(fmax(part, 0), 1);
   if (r->measure->held == VS_AT_LEAST) return cold->value + part * (r->limit->value - cold->value);
@@ -64,7 +65,7 @@ static void settle_at_temperature(const vs_watched *w, vs_reduced *r) {
   const vs_reduced *t_j = vs_reducer_of(w, VS_R_HOTTEST);
   if (!cold || !t_j || !t_j->value.known || t_j->mean) return;
   own->limit = *r->limit;
-  own->limit.value = between(cold, hot_degc, r, t_j->value.value);
+  own->limit.value = limit_between(cold, hot_degc, r, t_j->value.value);
   own->limit.assumed = r->limit->assumed || cold->assumed || t_j->assumed;
   snprintf(own->limit.written, sizeof own->limit.written, "%.4g %s",
            own->limit.value / vs_units_factor(own->limit.unit), own->limit.unit);
@@ -127,7 +128,7 @@ static double limit_of_part(const vs_watched *w, const char *name) {
 
 /* Significant digits that a value is told with: three, and more where it would else have an
  * exponent. */
-static int digits(double value) {
+static int digits_of_value(double value) {
   return 1 + (int)fmax(2, log10(fabs(value) + 0.5));
 }
 
@@ -144,10 +145,11 @@ static void take_unintended(const vs_watched *w, vs_reduced *r, const vs_switch_
              most_v);
   else if (news->fired_rate > 0)
     snprintf(cause, VS_CAUSE_SIZE, "dv/dt of %.*g V/us over %.*g V, up to %.*g V",
-             digits(1e-6 * news->fired_rate), 1e-6 * news->fired_rate, digits(news->fired_over_v),
-             news->fired_over_v, digits(news->fired_v), news->fired_v);
+             digits_of_value(1e-6 * news->fired_rate), 1e-6 * news->fired_rate,
+             digits_of_value(news->fired_over_v), news->fired_over_v,
+             digits_of_value(news->fired_v), news->fired_v);
   else
-    snprintf(cause, VS_CAUSE_SIZE, "at %.*g V, without a rise", digits(news->fired_v),
+    snprintf(cause, VS_CAUSE_SIZE, "at %.*g V, without a rise", digits_of_value(news->fired_v),
              news->fired_v);
 }
 
@@ -192,7 +194,7 @@ static void settle_rise_error(const vs_watched *w, vs_reduced *r) {
 
 static void take_return_rise(const vs_watched *w, vs_reduced *r, const vs_switch_news *news) {
   (void)w;
-  take_stretch(r, &news->return_rise);
+  take_told_stretch(r, &news->return_rise);
 }
 
 static void take_fall(const vs_watched *w, vs_reduced *r, const vs_switch_news *news) {
