@@ -7,7 +7,7 @@
 
 #include "base/alloc.h"
 
-/* ---- groups ---- */
+/* ---- groups of lines, by IEC 61000-4-7 ---- */
 
 /* The windows of the standard, in cycles. Of mains of other frequencies it says nothing; they have
  * that of the nearer one. */
@@ -43,9 +43,8 @@ static void end_grouping(vs_grouping *g) {
   g->line = NULL;
 }
 
-/* The end of the cycle that begins at t_s or in which t_s lies. Whoever adds points over a piece of
- * time ends the piece there. INFINITY: groups are not told. */
-static double grouping_cut(const vs_grouping *g, double t_s) {
+double vs_spectrum_cut(const vs_spectrum *s, double t_s) {
+  const vs_grouping *g = &s->grouping;
   const double SAME = 1e-7; /* of a cycle, whose beginning is known to rounding */
   if (!g->set) return INFINITY;
   return g->from_s + (floor((t_s - g->from_s) / g->cycle_s + SAME) + 1) * g->cycle_s;
@@ -106,7 +105,7 @@ static void add_to_grouping(vs_grouping *g, double t_s, double weight_s, double 
 
 /* Group n, from 1 to VS_GROUPING_LAST, A rms, once the whole stretch was taken in. NaN: the stretch
  * is no whole number of periods. */
-static double grouping_at(const vs_grouping *g, int n) {
+static double group_rms(const vs_grouping *g, int n) {
   if (!g->set) return NAN;
   return sqrt((g->squares[n] + square_of_set(g, n)) / (double)g->sets);
 }
@@ -164,7 +163,7 @@ void vs_spectrum_accept(vs_spectrum *s, const vs_step *step) {
   if (!(length > 0)) return; /* the other side of an instant */
   s->span_s += length;
   if (step->frame->source_is_coil && vs_step_is_quiet(step)) return;
-  for (; (cut = grouping_cut(&s->grouping, from)) < step->to->t_s; from = cut)
+  for (; (cut = vs_spectrum_cut(s, from)) < step->to->t_s; from = cut)
     add_stretch_of_spectrum(s, step, from, cut - from);
   add_stretch_of_spectrum(s, step, from, step->to->t_s - from);
 }
@@ -175,7 +174,7 @@ double vs_spectrum_harmonic(const vs_spectrum *s, int n) {
 }
 
 double vs_spectrum_judged(const vs_spectrum *s, int n) {
-  return s->grouping.told ? grouping_at(&s->grouping, n) : vs_spectrum_harmonic(s, n);
+  return s->grouping.told ? group_rms(&s->grouping, n) : vs_spectrum_harmonic(s, n);
 }
 
 double vs_spectrum_mean(const vs_spectrum *s) {
@@ -193,10 +192,6 @@ double vs_spectrum_limit(int n) {
                                  0.77, 0.23, 0.40, NAN,  0.33, NAN,  0.21};
   if (n < (int)(sizeof FIRST / sizeof *FIRST) && (n % 2 || n < 8)) return FIRST[n];
   return n % 2 ? 0.15 * 15 / n : 0.23 * 8 / n;
-}
-
-double vs_spectrum_cut(const vs_spectrum *s, double t_s) {
-  return grouping_cut(&s->grouping, t_s);
 }
 
 int vs_spectrum_windows(const vs_spectrum *s) {

@@ -75,7 +75,7 @@ static const struct {
 } ROWS[] = {{"power", "W", "mean power", lacks_power, power_w},
             {"t_j_rise_mean", "K",
              "mean rise of the junction's temperature over the case, by the part's zth",
-             has_network, mean_rise_k},
+             has_part_network, mean_rise_k},
             {"t_case_max", "degC",
              "highest temperature of the case, as the junction stays below the part's t_j_max",
              limits_case, case_degc}};

@@ -270,7 +270,7 @@ static void write_further(const vs_table *table, const double *row) {
 }
 
 /* From now on `row` is the last one, which may be the same again. */
-static void write_row_or_pass(const vs_table *table, const double *row) {
+static void keep_last_row(const vs_table *table, const double *row) {
   vs_table_between *b = table->between;
   for (int k = 1; k <= table->count && !isnan(b->row[0]); k++) {
     b->run_least[k] = fmin(b->run_least[k], b->least[k]);
@@ -351,14 +351,14 @@ static vs_status write_row(vs_table *table, const vs_step *step, double at_s, do
   size_t length = make_line_of_table(table, cells);
   fwrite_unlocked(b->line, 1, length, table->stream);
   write_peaks(table, length);
-  write_row_or_pass(table, cells);
+  keep_last_row(table, cells);
   return check_streams(table, time, err);
 }
 
 /* Writes what stands behind the last row, as the run ends with the step. */
 static vs_status finish_table(const vs_table *table, vs_error *err) {
   write_further(table, NULL);
-  write_row_or_pass(table, table->between->row);
+  keep_last_row(table, table->between->row);
   return check_streams(table, table->until_s, err);
 }
 

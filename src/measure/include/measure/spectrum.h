@@ -23,10 +23,10 @@
  * over as many windows, one behind the other, as together hold whole periods. */
 enum { VS_GROUPING_LAST = 40, VS_GROUPING_COUNT };
 
-/* Start from {0}: groups are not told. Else begin with vs_grouping_begin, end with vs_grouping_end.
- * The stretch that is looked at is cut into sets of cycles. A set holds whole periods of the
- * current. Its windows follow each other; where the set ends within one of them, the window goes on
- * at the set's beginning, as the current repeats. */
+/* {0}: groups are not told. Else vs_spectrum_begin_groups begins them. The stretch that is looked
+ * at is cut into sets of cycles. A set holds whole periods of the current. Its windows follow each
+ * other; where the set ends within one of them, the window goes on at the set's beginning, as the
+ * current repeats. */
 typedef struct vs_grouping {
   bool told;         /* the current takes several cycles to repeat */
   int each;          /* N: cycles of a window, and lines from harmonic to harmonic */

@@ -74,10 +74,10 @@ enum { VS_OF_FLUX, VS_OF_V, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_OF_V2, VS_COURSES
   X(VS_R_WITHIN, vs_surge_within)                                                                  \
   X(VS_R_LET_THROUGH, vs_surge_let_through)                                                        \
   X(VS_R_MELTING, vs_surge_melting)                                                                \
-  X(VS_R_CLEARS, vs_told_clears)                                                                   \
-  X(VS_R_CURVE, vs_told_curve)                                                                     \
-  X(VS_R_OPEN, vs_told_open)                                                                       \
-  X(VS_R_ARC, vs_told_arc)                                                                         \
+  X(VS_R_CLEARS, vs_fuse_reduction_clears)                                                         \
+  X(VS_R_CURVE, vs_fuse_reduction_curve)                                                           \
+  X(VS_R_OPEN, vs_fuse_reduction_open)                                                             \
+  X(VS_R_ARC, vs_fuse_reduction_arc)                                                               \
   X(VS_R_SURGE, vs_surge_peak)                                                                     \
   X(VS_R_STEEPEST, steepest)                                                                       \
   X(VS_R_JUNCTION, vs_junction_of_power)                                                           \
@@ -89,8 +89,8 @@ enum { VS_OF_FLUX, VS_OF_V, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_OF_V2, VS_COURSES
   X(VS_R_MISFIRE, vs_told_misfire)                                                                 \
   X(VS_R_UNINTENDED, vs_told_unintended)                                                           \
   X(VS_R_COMMUTATION_FAILURE, vs_told_commutation_failure)                                         \
-  X(VS_R_OPENS, vs_told_opens)                                                                     \
-  X(VS_R_ARCS, vs_told_arcs)                                                                       \
+  X(VS_R_OPENS, vs_fuse_reduction_opens)                                                           \
+  X(VS_R_ARCS, vs_fuse_reduction_arcs)                                                             \
   X(VS_R_GATE_LEAST, vs_told_gate_least)                                                           \
   X(VS_R_CORE, vs_junction_of_current)                                                             \
   X(VS_R_RETURN_RISE, vs_told_return_rise)                                                         \
