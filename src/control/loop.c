@@ -61,6 +61,7 @@ vs_status vs_loop_begin(vs_loop *l, const vs_control *c, const vs_setup *setup,
 /* Instants that are meant to be the same may differ by rounding. */
 static const double SAME = 1e-9; /* of the time between two ticks */
 
+/* Has the instruments make the samples that are due up to t_s, and takes their values, in SI. */
 static void read_meters(vs_loop *l, const vs_step *step, double t_s) {
   for (int k = 0; k < l->sight.instruments->count; k++) {
     vs_meter_to(&l->meters[k], step, t_s);
@@ -98,7 +99,11 @@ void vs_loop_to(vs_loop *l, const vs_step *step, double t_s) {
 vs_status vs_loop_accept(vs_loop *l, const vs_step *step, vs_error *err) {
   double to_s = step->to->t_s, due_s = vs_firing_known_s(&l->sight.setup->timeline);
   if (to_s == step->from->t_s) return VS_OK; /* the other side of an instant already shown */
+
+  /* Every tick of the control's clock in the step. */
   vs_loop_to(l, step, to_s);
+
+  /* The next firing is decided at the beginning of its cycle, which no step goes beyond. */
   if (to_s < due_s - vs_occurrence_rounding(due_s)) return VS_OK;
   read_meters(l, step, to_s);
   return decide_firing(l, due_s, err);

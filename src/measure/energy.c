@@ -213,17 +213,25 @@ void vs_energy_accept(vs_energy *e, const vs_step *step) {
   const vs_model *m = step->frame->model;
   bool flows = !(step->frame->source_is_coil && vs_step_is_quiet(step));
   if (!e->steps++) begin_energy(e, step);
-  if (m != e->model) { /* the load changes: q and q' go on, M jumps */
+
+  /* Jumps of what the machine stores: a load that changes (q and q' go on, M jumps), and an
+   * armature that jams, in a step of no length, whose kinetic energy the stop takes. */
+  if (m != e->model) {
     e->joule[VS_E_LOAD] += mechanical(m, step->to) - mechanical(e->model, step->from);
     take_energy_model(e, m);
-  } else if (step->to->t_s == step->from->t_s) /* jams */
+  } else if (step->to->t_s == step->from->t_s)
     e->joule[VS_E_STOP] += mechanical(m, step->from) - mechanical(m, step->to);
+
+  /* The integrals over the step. The tier itself tells what damping takes of a swing that it goes
+   * along in one step. */
   if (step->glides)
     e->joule[VS_E_DAMPING] += step->lost_j;
   else if (flows || !is_far(step))
     integrate_energies(e, step, flows);
   else
     take_free_swing(e, step);
+
+  /* With a deck the balances wait for its losses (vs_energy_lose). */
   note_end(e, step->to);
   if (!step->frame->deck && vs_energy_is_due(e)) take_stock(e);
 }

@@ -254,6 +254,10 @@ void vs_verdict_reach(const vs_measures *m, const vs_devices *devices, const vs_
   size_t most = n_ratings + n_parts;
   for (size_t k = 0; devices && k < devices->count; k++) most += devices->item[k].count;
   *v = (vs_verdict){.item = vs_alloc(most, sizeof *v->item), .expects = expects};
+
+  /* A line for each rating of the deck, for each part whose limits no device is held to, and for
+   * each limit of a device and what happened to it. The scene's own ratings follow
+   * (vs_verdict_rate). */
   for (size_t k = 0; k < n_ratings; k++) v->item[v->count++] = judge_rating(m, k);
   for (size_t k = 0; k < n_parts; k++)
     if (is_unwatched(deck, k)) v->item[v->count++] = judge_unwatched(&deck->parts[k]);

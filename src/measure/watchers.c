@@ -106,16 +106,21 @@ static void look_at_batch(vs_watchers *w) {
 }
 
 void vs_watchers_accept(vs_watchers *w, const vs_step *step) {
+  /* From where the rest is left out on, only the books of energy go on: what is settled stays. */
   w->left = w->left || step->glides;
-  if (w->left) { /* what is settled stays */
+  if (w->left) {
     vs_energy_accept(&w->energy, step);
     return;
   }
+
+  /* Those that look at each step at once, as they need its dense output. */
   w->strays = step->strays;
   follow_absence(&w->absence, step);
   follow_sequence(&w->sequence, step);
   vs_measures_accept(w->measures, step);
   vs_energy_accept(&w->energy, step);
+
+  /* Those that evaluate the deck's formulas look at some steps at a time, which costs less. */
   if (!w->batch) return;
   if (!w->began) vs_devices_begin(w->devices, step);
   w->began = true;
@@ -137,16 +142,21 @@ static void round_off_watched(vs_watchers *w, vs_value values[VS_MEASURES]) {
 }
 
 void vs_watchers_finish(vs_watchers *w, double until_s, vs_value values[VS_MEASURES]) {
+  /* What waits is looked at; then each completes what only the end of the run tells. */
   end_absence(&w->absence, until_s);
   if (w->batch && w->batch->count) look_at_batch(w);
   vs_measures_finish(w->measures, values);
   vs_energy_finish(&w->energy);
   round_off_watched(w, values);
+
+  /* The energies are measures of every run. */
   const double *joule = w->energy.joule;
   values[VS_M_ENERGY_IN] = (vs_value){true, joule[VS_E_SOURCE], NAN};
   values[VS_M_ENERGY_COPPER] = (vs_value){true, joule[VS_E_COPPER], NAN};
   values[VS_M_WORK_FORCE] = (vs_value){true, joule[VS_E_WORK], NAN};
   values[VS_M_ENERGY_RESIDUAL] = (vs_value){true, w->energy.worst, NAN};
+
+  /* What the rest could have changed is not known. */
   for (int k = 0; w->left && k < VS_MEASURES; k++)
     if (!w->settled.has[k]) values[k] = (vs_value){.at_s = NAN};
   vs_devices_finish(w->devices);

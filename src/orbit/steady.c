@@ -11,9 +11,9 @@
 #include "heat.h"
 
 /* ---- reactions ----
- * What springs and dampers do along each coordinate, the rows of K q + B q'. Along a coordinate that
- * moves the whole machine against the ground alone this is the force that the mounts carry into the
- * foundation. */
+ * What springs and dampers do along each coordinate, the rows of K q + B q'. Along a coordinate
+ * that moves the whole machine against the ground alone this is the force that the mounts carry
+ * into the foundation. */
 
 /* A step is at most half a radian of the fastest mode long, so that in one of its PARTS a reaction
  * turns once at most. Five points are exact to degree 9 in each of them. */
@@ -30,7 +30,7 @@ static double reaction_row(const vs_model *m, int i, const double *a, const doub
   return sum;
 }
 
-static double reaction_at(const vs_step *step, double t_s, int i) {
+static double reaction_value_at(const vs_step *step, double t_s, int i) {
   double y[VS_CH_MOST];
   vs_step_groups_at(step, t_s, VS_GROUP_VELOCITIES, y);
   return reaction_row(step->frame->model, i, y + VS_CH_Q, y + vs_channel_rates(step->frame->model));
@@ -58,8 +58,8 @@ static void follow_reaction(vs_reaction *r, const vs_step *step, int i, double l
     else
       hi = mid;
   }
-  if (turns) keep_largest_reaction(&r->peak[i], reaction_at(step, hi, i), hi);
-  keep_largest_reaction(&r->peak[i], reaction_at(step, end, i), end);
+  if (turns) keep_largest_reaction(&r->peak[i], reaction_value_at(step, hi, i), hi);
+  keep_largest_reaction(&r->peak[i], reaction_value_at(step, end, i), end);
 }
 
 /* Takes one accepted step. */
@@ -72,7 +72,7 @@ static void accept_reactions(vs_reaction *r, const vs_step *step) {
       double lo = from + p * part, hi = p + 1 < PARTS ? lo + part : step->to->t_s;
       follow_reaction(r, step, i, lo, hi);
       for (int k = 0; k < POINTS; k++) {
-        double value = reaction_at(step, lo + AT[k] * part, i);
+        double value = reaction_value_at(step, lo + AT[k] * part, i);
         r->squared[i] += WEIGHT[k] * part * value * value;
       }
     }

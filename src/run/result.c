@@ -10,8 +10,12 @@
 #include "ngspice/trust.h"
 
 void vs_result_finish(vs_result *r) {
+  /* The measures; and what an expected opening of a fuse has to pass is not judged. */
   vs_watchers_finish(&r->watchers, r->scene->setup.run.until_s, r->values);
   vs_expect_excuse(&r->scene->expects, r->watchers.devices);
+
+  /* The verdict: a line for each rating of the deck and each limit of a device, and for each rating
+   * of the scene. */
   vs_verdict_reach(r->watchers.measures, r->watchers.devices, &r->scene->expects, &r->verdict);
   const vs_ratings_seen seen = {.values = r->values,
                                 .watchers = &r->watchers,

@@ -36,8 +36,8 @@ static void leave_orbit(vs_scene *scene);
 static vs_status begin_on_orbit(const vs_session *session, vs_scene *scene, vs_error *err);
 static vs_status run_attempt(const vs_session *session, vs_scene *s, vs_result *r, vs_error *err);
 static vs_scene *next_rung(const vs_scene *scene, vs_ladder *ladder);
-static void take_scene(vs_result *r, vs_scene *climbed);
-static vs_status say_rungs(const vs_scene *scene, const vs_ladder *ladder, vs_error *err);
+static void take_climbed_scene(vs_result *r, vs_scene *climbed);
+static vs_status fail_after_ladder(const vs_scene *scene, const vs_ladder *ladder, vs_error *err);
 static bool is_alone(const vs_session *session, const vs_scene *s);
 static void begin_watching(const vs_session *session, vs_scene *s, vs_result *r, bool alone);
 static vs_status run_tier(attempt *a, bool alone, vs_error *err);
@@ -77,11 +77,11 @@ static vs_status run_attempts(const vs_session *session, vs_scene *scene, vs_res
     /* ngspice gave up: the next rung's scene, if there is one, takes this one's place. */
     vs_ladder next = r->ladder;
     vs_scene *other = next_rung(scene, &next);
-    if (!other) return say_rungs(scene, &r->ladder, err);
+    if (!other) return fail_after_ladder(scene, &r->ladder, err);
     if (!next.failed[0]) memcpy(next.failed, err->text, sizeof next.failed);
     if (session->guest && session->guest->again)
       session->guest->again(session->guest->ctx, err->text, next.rung);
-    take_scene(r, other);
+    take_climbed_scene(r, other);
     r->ladder = next;
     *err = (vs_error){.findings = err->findings};
     now = other;
@@ -273,8 +273,8 @@ static vs_status run_tier(attempt *a, bool alone, vs_error *err) {
 
 /* ---- the ladder ---- */
 
-/* Goes to the next rung whose scene can be read, and reads it. An ideal thyristor is no rung for a
- * scene that sets what only its own one has. NULL: there is none. */
+/* Goes to the next rung and reads its scene. NULL: there is no rung left, or its scene cannot be
+ * read, as where an ideal thyristor would take the place of one whose own keys the scene sets. */
 static vs_scene *next_rung(const vs_scene *scene, vs_ladder *ladder) {
   vs_error err = {0};
   if (!vs_ladder_climb(ladder, scene)) return NULL;
@@ -285,7 +285,7 @@ static vs_scene *next_rung(const vs_scene *scene, vs_ladder *ladder) {
   return NULL;
 }
 
-static void take_scene(vs_result *r, vs_scene *climbed) {
+static void take_climbed_scene(vs_result *r, vs_scene *climbed) {
   vs_watchers_free(&r->watchers); /* they look at the scene that was run before, */
   vs_result_end_loop(r);          /* and the control is that scene's */
   if (r->climbed) vs_scene_free(r->climbed);
@@ -293,8 +293,8 @@ static void take_scene(vs_result *r, vs_scene *climbed) {
   r->climbed = climbed;
 }
 
-/* No rung helped: says how the last one and the scene as it is ended. */
-static vs_status say_rungs(const vs_scene *scene, const vs_ladder *ladder, vs_error *err) {
+/* No rung helped: the error tells how the last attempt ended, and how the scene as it is did. */
+static vs_status fail_after_ladder(const vs_scene *scene, const vs_ladder *ladder, vs_error *err) {
   const vs_error last = *err;
   const char *ideal =
       vs_ladder_stopped_short(scene)
@@ -365,7 +365,7 @@ static double resolution_of_rates(double tolerance) {
   return fmax(COARSE_RATE, FINE_RATE * fmin(1, FINE / tolerance));
 }
 
-/* True: something shows that the run's sequence of firings is on edge. */
+/* True if a small error could give the run another sequence of firings. */
 static bool is_run_on_edge(const vs_result *r) {
   const vs_devices *d = r->watchers.devices;
   for (size_t k = 0; d && k < d->count; k++)

@@ -353,19 +353,25 @@ static void keep_opening_step(opening *o, const vs_course_step *c) {
   o->step[o->count++].i2_s = c->more[VS_OF_I2];
 }
 
-/* The courses are there. */
+/* Takes one step of the k-th device, whose courses and their integrals c holds. */
 static void follow_step_of_device(vs_devices *d, size_t k, vs_course_step *c) {
   vs_watched *w = &d->item[k];
   vs_device_watch *own = &d->watch[k];
+
+  /* The integrals over the run; and what speaks for a wrong sign in the device's line. */
   for (int of = VS_OF_V; of < VS_COURSES; of++) w->sum[of] += c->more[of];
   if (c->more[VS_OF_POWER] < 0) w->given_j -= c->more[VS_OF_POWER];
   if (c->more[VS_OF_I] < 0) w->back_c -= c->more[VS_OF_I];
+
+  /* What the device did: conducted, blocked, melted. */
   c->was_on = c->on = true; /* a device that does not switch conducts all the time */
   if (w->states) follow_states(d, w, c);
   if (w->states) follow_shots(d, w, &own->shots, c);
   if (own->opening) keep_opening_step(own->opening, c);
   if (w->device->kind->melts) follow_fuse(d, w, &own->melting, c);
   if (w->losses) vs_losses_follow(w->losses, c);
+
+  /* The means, and the measures that any step may change. */
   follow_means(d, w, c);
   for (size_t n = 0; n < own->n_busy; n++) own->busy[n]->by->follow(w, own->busy[n], c);
 }
@@ -408,7 +414,8 @@ static bool only_adds_up(const vs_devices *d, size_t k, const vs_batch *b, const
   return rests;
 }
 
-/* What follow() does then. Such a device counts as conducting all the time. */
+/* Takes such steps at once, as follow_step_of_device would one by one. Such a device counts as
+ * conducting all the time. */
 static void add_up(vs_watched *w, double t_s, const vs_courses *c) {
   double *part = w->parts.count ? w->parts.sum[(size_t)number_of_part_at(&w->parts, t_s)] : NULL;
   for (int of = VS_OF_V; of < VS_COURSES; of++)
