@@ -7,9 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "measure/devices/losses.h"
 #include "program.h"
-#include "measure/losses.h"
-#include "measure/sign.h"
 
 /* ---- what the loss is made of: given courses ---- */
 
@@ -201,7 +200,7 @@ static void signs(void) {
     snprintf(part, sizeof part, PART("%s", ""), ROWS[k].kind);
     vs_trial *t = run_deck(deck, part, "30us", "10ns");
     const vs_watched *w = t->result.watchers.devices->item;
-    bool wrong = vs_sign_is_wrong(w, 1e-3, text, sizeof text);
+    bool wrong = vs_devices_sign_is_wrong(w, 1e-3, text, sizeof text);
     EXPECT(wrong == (ROWS[k].says != NULL), "%zu: %s", k, text);
     if (ROWS[k].says) EXPECT(strstr(text, ROWS[k].says), "%s", text);
     vs_trial_free(t);

@@ -442,9 +442,8 @@ static void groups_of_samples(void) {
     sampled_groups(x, count, ROWS[r].each * AT, ROWS[r].each, squares);
     for (int h = 1; h <= GROUPS; h++) /* the same sums in another order: rounding */
       CLOSE(vs_spectrum_judged(&s, h), sqrt(squares[h]), 1e-11);
-    EXPECT(s.grouping.each == ROWS[r].each && vs_grouping_windows(&s.grouping) == ROWS[r].windows,
-           "row %zu: %d windows of %d cycles", r, vs_grouping_windows(&s.grouping),
-           s.grouping.each);
+    EXPECT(s.grouping.each == ROWS[r].each && vs_spectrum_windows(&s) == ROWS[r].windows,
+           "row %zu: %d windows of %d cycles", r, vs_spectrum_windows(&s), s.grouping.each);
     vs_spectrum_end(&s);
   }
 }

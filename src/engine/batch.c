@@ -102,7 +102,7 @@ void vs_batch_evaluate(const vs_formula_quick *q, const vs_batch *b,
       continue;
     }
     int of = op->kind - VS_OP_FUNCTION;
-    const vs_function *f = &vs_function_table[of];
+    const vs_function *f = &vs_formula_functions[of];
     if (!f->of_two) {
       apply_to_row(f, *top, b->count);
       continue;

@@ -4,8 +4,8 @@
 #include <float.h>
 #include <math.h>
 
-#include "plant/coil.h"
 #include "engine/step.h"
+#include "plant/coil.h"
 
 /* ---- the extremes of one step ---- */
 
@@ -60,14 +60,14 @@ typedef struct search {
 } search;
 
 /* What of it is an extreme so far, in the sense of the search. */
-static double reach(const search *s) {
+static double reach_of_search(const search *s) {
   const vs_extreme *e = s->extreme;
   return e->sense ? e->sense * e->best.value : e->best.value;
 }
 
-static void take(const search *s, double y, double at_s) {
+static void keep_if_extreme(const search *s, double y, double at_s) {
   vs_extreme *e = s->extreme;
-  if (e->best.known && !(s->sign * y > reach(s))) return;
+  if (e->best.known && !(s->sign * y > reach_of_search(s))) return;
   e->best = (vs_value){true, e->sense ? y : s->sign * y + 0.0, at_s}; /* no -0 */
 }
 
@@ -78,8 +78,8 @@ static void take_inside(const search *s, double part) {
   double at_s = fmin(fmax(from + part * (to - from), from), to);
   double y = vs_step_channel(step, at_s, s->extreme->channel);
   double *best_at_s = &s->extreme->best.at_s;
-  bool same = s->sign * y >= reach(s) - s->rounding;
-  take(s, y, at_s);
+  bool same = s->sign * y >= reach_of_search(s) - s->rounding;
+  keep_if_extreme(s, y, at_s);
   if (same && (*best_at_s == from || *best_at_s == to)) *best_at_s = at_s;
 }
 
@@ -108,7 +108,7 @@ static void look_into(const search *s, vs_curve c, double lo, double width) {
     most = fmax(most, s->sign * c.b[k]);
     least = fmin(least, s->sign * c.b[k]);
   }
-  if (most < reach(s) - s->rounding || most - least <= s->rounding) return;
+  if (most < reach_of_search(s) - s->rounding || most - least <= s->rounding) return;
   vs_curve slope = vs_step_curve_slope(&c, s->sign);
   for (int k = 0; k <= slope.degree; k++) {
     int now = (slope.b[k] > 0) - (slope.b[k] < 0);
@@ -149,9 +149,9 @@ static inline outlook outlook_of(const vs_extreme *e, at_knot from, at_knot to, 
   return rises || falls ? AT_AN_END : UNKNOWN;
 }
 
-static void take_ends(const search *s, at_knot from, at_knot to) {
-  take(s, from.y, s->step->from->t_s);
-  take(s, to.y, s->step->to->t_s);
+static void take_ends_of_search(const search *s, at_knot from, at_knot to) {
+  keep_if_extreme(s, from.y, s->step->from->t_s);
+  keep_if_extreme(s, to.y, s->step->to->t_s);
 }
 
 /* True if nothing in the step has a corner or is stiffer than the step is long: no armature in a
@@ -187,7 +187,7 @@ static void look_sampled(const search *s, double lo, double width, double missed
     double at_s = from + h * (lo + width * vs_step_curve_point(k));
     y[k] = vs_step_channel(s->step, at_s, s->extreme->channel);
     most = fmax(most, s->sign * y[k]);
-    take(s, y[k], at_s);
+    keep_if_extreme(s, y[k], at_s);
   }
   const vs_curve c = vs_step_curve_through(y);
   for (int k = 1; k <= 3; k++) { /* in the middle of the step and at the sides, off the points */
@@ -202,7 +202,7 @@ static void look_sampled(const search *s, double lo, double width, double missed
     look_into(&in, c, lo, width);
     return;
   }
-  if (most + 100 * missed < reach(s) || width < 0x1p-30) return;
+  if (most + 100 * missed < reach_of_search(s) || width < 0x1p-30) return;
   look_sampled(s, lo, width / 2, missed, parts);
   look_sampled(s, lo + width / 2, width / 2, missed, parts);
 }
@@ -221,7 +221,7 @@ static void look_at_samples(const search *s) {
   if (size > 0) look_sampled(&in, 0, 1, INFINITY, &parts);
 }
 
-static void look_between(const search *s) {
+static void look_between_knots(const search *s) {
   const vs_step *step = s->step;
   search in = *s;
   if (!vs_step_curve_is_exact(step->frame->model, s->extreme->channel)) {
@@ -232,8 +232,8 @@ static void look_between(const search *s) {
   double size = 0;
   for (int k = 0; k <= c.degree; k++) size = fmax(size, fabs(c.b[k]));
   in.rounding = 4 * DBL_EPSILON * size;
-  take(&in, c.b[0], step->from->t_s);
-  take(&in, c.b[c.degree], step->to->t_s);
+  keep_if_extreme(&in, c.b[0], step->from->t_s);
+  keep_if_extreme(&in, c.b[c.degree], step->to->t_s);
   if (size > 0) look_into(&in, c, 0, 1);
 }
 
@@ -276,8 +276,8 @@ void vs_extreme_follow(vs_extreme *e, const vs_step *step, bool jammed) {
   for (int sign = 1; sign >= -1; sign -= 2) {
     const search s = {.extreme = e, .step = step, .sign = sign};
     if (e->sense && e->sense != sign) continue;
-    take_ends(&s, from, to);
-    if (seen == UNKNOWN) look_between(&s);
+    take_ends_of_search(&s, from, to);
+    if (seen == UNKNOWN) look_between_knots(&s);
   }
 }
 
@@ -287,8 +287,8 @@ void vs_extreme_follow_any(vs_extreme *e, const vs_step *step) {
     return;
   }
   const search s = {.extreme = e, .step = step, .sign = e->sense};
-  take(&s, vs_step_channel(step, step->from->t_s, e->channel), step->from->t_s);
-  take(&s, vs_step_channel(step, step->to->t_s, e->channel), step->to->t_s);
+  keep_if_extreme(&s, vs_step_channel(step, step->from->t_s, e->channel), step->from->t_s);
+  keep_if_extreme(&s, vs_step_channel(step, step->to->t_s, e->channel), step->to->t_s);
   look_at_samples(&s);
 }
 

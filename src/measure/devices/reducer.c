@@ -54,6 +54,11 @@ void vs_reducer_begin_at_zero(const vs_watched *w, vs_reduced *r, double t_s) {
   r->value = (vs_value){true, 0, NAN};
 }
 
+bool vs_reducer_has_limit(const vs_watched *w, const vs_reduced *r) {
+  (void)w;
+  return r->limit;
+}
+
 /* ---- a window ---- */
 
 void vs_reducer_window_begin(vs_window *w, double width_s, double t_s) {

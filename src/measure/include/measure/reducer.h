@@ -8,8 +8,6 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "measure/losses.h"
-#include "measure/melting.h"
 #include "measure/switching.h"
 
 /* ---- what a device did ---- */
@@ -64,6 +62,8 @@ bool vs_reducer_sequences_agree(const vs_sequence *one, const vs_sequence *other
                                 vs_sequence_difference *difference);
 
 typedef struct vs_reducer vs_reducer;
+typedef struct vs_losses vs_losses;             /* devices/losses.h */
+typedef struct vs_melting_news vs_melting_news; /* devices/melting.h */
 
 /* The stretch that means are over, in equal parts of whole firing cycles that end where it ends.
  * Kept where a limit of a mean or rms value is to be judged on a run that is no orbit. */
@@ -122,18 +122,18 @@ typedef struct vs_watched {
   double last[VS_COURSES]; /* its courses at the last knot */
   double sum[VS_COURSES];  /* integrals over the run so far; that of V.s stays 0 */
   double sum_meant[VS_COURSES]; /* the same integrals over the stretch that means are over */
-  double given_j;               /* energy of the steps in which it gave energy (measure/sign.h) */
-  double back_c;                /* charge of the steps in which its current was below zero */
-  const vs_cooling *cooling;    /* what cools the deck's devices */
-  vs_parts parts;               /* of that stretch; none where nothing is judged by them */
-  bool at_work;                 /* the run is whole periods of an orbit */
-  bool from_work;               /* the run begins on an orbit, and is no whole periods of it */
-  bool on_orbit;                /* it begins on one */
-  double ambient_degc;          /* the scene's */
-  bool again;                   /* it is, or an event repeats it: what heats comes more than once */
-  int starts;                   /* how many shots began in that stretch (devices.c) */
-  bool rests;                   /* the device did not conduct in all of that stretch */
-  vs_reduced *reduced;          /* one for each measure of its kind, in the kind's order; owned */
+  double given_j; /* energy of the steps in which it gave energy (vs_devices_sign_is_wrong) */
+  double back_c;  /* charge of the steps in which its current was below zero */
+  const vs_cooling *cooling; /* what cools the deck's devices */
+  vs_parts parts;            /* of that stretch; none where nothing is judged by them */
+  bool at_work;              /* the run is whole periods of an orbit */
+  bool from_work;            /* the run begins on an orbit, and is no whole periods of it */
+  bool on_orbit;             /* it begins on one */
+  double ambient_degc;       /* the scene's */
+  bool again;                /* it is, or an event repeats it: what heats comes more than once */
+  int starts;                /* how many shots began in that stretch (devices.c) */
+  bool rests;                /* the device did not conduct in all of that stretch */
+  vs_reduced *reduced;       /* one for each measure of its kind, in the kind's order; owned */
   size_t count;
 } vs_watched;
 
@@ -222,5 +222,7 @@ const vs_happening *vs_reducer_happening(const vs_reduced *r);
 const vs_reduced *vs_reducer_of(const vs_watched *w, vs_reduction how);
 /* A `begin` of a value that is 0 as the run begins. */
 void vs_reducer_begin_at_zero(const vs_watched *w, vs_reduced *r, double t_s);
+/* An `is_busy` of a measure that is followed only where it has a limit. */
+bool vs_reducer_has_limit(const vs_watched *w, const vs_reduced *r);
 
 #endif

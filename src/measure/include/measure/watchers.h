@@ -4,10 +4,10 @@
 #ifndef VS_MEASURE_WATCHERS_H
 #define VS_MEASURE_WATCHERS_H
 
+#include "engine/sim.h"
 #include "measure/devices.h"
 #include "measure/energy.h"
 #include "measure/measures.h"
-#include "measure/settled.h"
 
 /* The stretches of a run that went without ngspice, as the circuit was quiet
  * (engine/macromodel/quiet.c). */

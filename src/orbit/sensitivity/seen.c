@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "measure/seen.h"
+#include "orbit/seen.h"
 
 #include <math.h>
 #include <string.h>
@@ -50,7 +50,7 @@ static bool is_linear(const vs_frame *frame, int channel, double k[VS_SEEN_TERMS
 
 static const vs_seen_extreme NONE = {NAN, NAN};
 
-static void forget(vs_seen *s) {
+static void forget_extremes(vs_seen *s) {
   for (int k = 0; k < 2; k++) s->best[k] = s->next[k] = NONE;
 }
 
@@ -58,7 +58,7 @@ vs_status vs_seen_begin(vs_seen *s, const vs_frame *frame, const vs_seen_order *
                         vs_error *err) {
   const vs_channel channel = vs_channel_at(frame, order->channel);
   *s = (vs_seen){.order = *order, .unit = channel.unit};
-  forget(s);
+  forget_extremes(s);
   if (!is_linear(frame, order->channel, s->k))
     return vs_fail(err, VS_INPUT,
                    "%s is not linear in the motion, and has no row of a linear model; coordinates, "
@@ -107,7 +107,7 @@ static double signal_at(const part *p, double s, double *slope) {
 }
 
 /* side: 0 of a largest value, 1 of a least one. */
-static void take(vs_seen *s, int side, double value, double at_s) {
+static void keep_signal_extreme(vs_seen *s, int side, double value, double at_s) {
   double sense = side ? -1 : 1;
   vs_seen_extreme *best = &s->best[side], *next = &s->next[side];
   if (isnan(best->value) || sense * value > sense * best->value) {
@@ -119,7 +119,7 @@ static void take(vs_seen *s, int side, double value, double at_s) {
 }
 
 /* Takes the turn between two values of s; at the first the signal rises, or falls. */
-static void take_turn(vs_seen *s, const part *p, double lo, double hi, double from_s) {
+static void take_signal_turn(vs_seen *s, const part *p, double lo, double hi, double from_s) {
   double slope;
   for (int n = 0; n < 60; n++) {
     double mid = (lo + hi) / 2;
@@ -129,10 +129,10 @@ static void take_turn(vs_seen *s, const part *p, double lo, double hi, double fr
     else
       hi = mid;
   }
-  take(s, s->rises ? 0 : 1, signal_at(p, hi, &slope), from_s + hi * p->h_s);
+  keep_signal_extreme(s, s->rises ? 0 : 1, signal_at(p, hi, &slope), from_s + hi * p->h_s);
 }
 
-static void take_turns(vs_seen *s, const part *p, double from_s) {
+static void take_signal_turns(vs_seen *s, const part *p, double from_s) {
   enum { LOOKS = 4 };
   double slope;
   signal_at(p, 0, &slope);
@@ -141,7 +141,7 @@ static void take_turns(vs_seen *s, const part *p, double from_s) {
   for (int k = 0; k < LOOKS; k++) {
     signal_at(p, (k + 1.0) / LOOKS, &slope);
     if ((slope > 0) == s->rises) continue;
-    take_turn(s, p, (double)k / LOOKS, (k + 1.0) / LOOKS, from_s);
+    take_signal_turn(s, p, (double)k / LOOKS, (k + 1.0) / LOOKS, from_s);
     s->rises = slope > 0;
   }
 }
@@ -154,7 +154,7 @@ void vs_seen_accept(vs_seen *s, const vs_step *step) {
     double at_s = from_s + n * h_s;
     const vs_chunk c = vs_chunk_of(step, s->order.channel, at_s, at_s + h_s);
     vs_chunk_powers(&c, p.u);
-    take_turns(s, &p, at_s);
+    take_signal_turns(s, &p, at_s);
     if (s->states) vs_lowpass_advance(&s->lowpass, h_s, p.u);
   }
 }
@@ -163,7 +163,7 @@ void vs_seen_close(vs_seen *s, double period_s) {
   const double rest[2] = {0, 0};
   if (s->states) vs_lowpass_close(&s->lowpass, rest, period_s);
   memcpy(s->start, s->lowpass.x, sizeof s->start);
-  forget(s);
+  forget_extremes(s);
   s->began = false;
 }
 

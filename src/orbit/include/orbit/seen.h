@@ -4,11 +4,11 @@
  *
  * A channel is linear where it is a constant and a sum of coordinates, their rates and their second
  * rates, each times a number:  y = y_0 + k . (q, q', q"). */
-#ifndef VS_MEASURE_SEEN_H
-#define VS_MEASURE_SEEN_H
+#ifndef VS_ORBIT_SEEN_H
+#define VS_ORBIT_SEEN_H
 
-#include "measure/lowpass.h"
 #include "engine/step.h"
+#include "measure/lowpass.h"
 
 enum { VS_SEEN_TERMS = 3 * VS_MOST_DOF };
 

@@ -2,8 +2,8 @@
  * What the devices of a circuit turn into heat on an orbit, and how warm that makes a junction:
  * its mean rise over the case, and how warm the case may be. The largest rise over the period is a
  * measure of the device (netlist/kinds.c: t_j_rise). */
-#ifndef VS_MEASURE_HEAT_H
-#define VS_MEASURE_HEAT_H
+#ifndef VS_ORBIT_HEAT_H
+#define VS_ORBIT_HEAT_H
 
 #include "measure/devices.h"
 

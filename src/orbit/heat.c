@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "measure/heat.h"
+#include "heat.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "netlist/parts.h"
 #include "base/units.h"
+#include "netlist/parts.h"
 
 /* A device, and the file of its part; "": it has none. */
 typedef struct subject {
@@ -45,7 +45,7 @@ static const vs_reduced *largest_rise(const subject *s) {
 }
 
 /* Its part has a network, and its kind a junction. */
-static bool has_network(const subject *s) {
+static bool has_part_network(const subject *s) {
   return resistance_k_per_w(s) > 0 && largest_rise(s);
 }
 
@@ -60,7 +60,7 @@ static const vs_limit *junction_limit(const subject *s) {
 
 static bool limits_case(const subject *s) {
   const vs_limit *limit = junction_limit(s);
-  return has_network(s) && limit && isfinite(limit->value) &&
+  return has_part_network(s) && limit && isfinite(limit->value) &&
          vs_units_same_kind(limit->unit, "degC");
 }
 
@@ -75,7 +75,7 @@ static const struct {
 } ROWS[] = {{"power", "W", "mean power", lacks_power, power_w},
             {"t_j_rise_mean", "K",
              "mean rise of the junction's temperature over the case, by the part's zth",
-             has_network, mean_rise_k},
+             has_part_network, mean_rise_k},
             {"t_case_max", "degC",
              "highest temperature of the case, as the junction stays below the part's t_j_max",
              limits_case, case_degc}};
