@@ -10,6 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "fit/prediction.h"
+#include "slopes.h"
 #include "study/random.h"
 
 enum { MOST_ITERATIONS = 100, EARLY_ITERATIONS = 12 };

@@ -8,6 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "fit/prediction.h"
+#include "slopes.h"
+
 /* The data know nothing of a combination whose singular value is below FLAT: it may be wrong by a
  * factor of e^100. Nor of one below ROUNDING times the largest, as the slopes are not known
  * better. */

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "fit/slopes.h"
+#include "slopes.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/units.h"
 #include "orbit/kin.h"
 #include "sampler.h"
-#include "base/units.h"
 
 /* Runs of the scene that its kin take: to find the instants, how far they may go, to show them. */
 enum { RUNS_OF_KIN = 3 };

@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "path.h"
+
 /* ---- the kinds ---- */
 
 /* A multiplier passes 1 where the key turns, as its part in the branch's direction changes sign. */

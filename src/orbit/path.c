@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "orbit/path.h"
+#include "path.h"
 
 #include <gsl/gsl_linalg.h>
 #include <math.h>
@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "flight.h"
 #include "base/units.h"
+#include "flight.h"
 
 enum { MOST = VS_PATH_MOST };
 

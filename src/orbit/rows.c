@@ -4,9 +4,11 @@
 #include <math.h>
 
 #include "base/csv.h"
+#include "base/units.h"
+#include "path.h"
 #include "run/summary.h"
 #include "run/version.h"
-#include "base/units.h"
+#include "turns.h"
 
 enum { DIGITS = 12, SHOWN = 24 /* points in the table, besides the marks */ };
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "orbit/turns.h"
+#include "turns.h"
 
 #include <math.h>
 

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "path.h"
+
 /* ---- what is found ---- */
 
 /* Puts a row behind the first `behind` of them. */

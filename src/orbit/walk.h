@@ -8,6 +8,7 @@
 #include <signal.h>
 
 #include "orbit/marks.h"
+#include "path.h"
 
 /* A point as it was found, or a mark. */
 typedef struct vs_walk_row {

@@ -8,9 +8,12 @@
 
 #include "base/file.h"
 #include "base/path.h"
-#include "work/journal.h"
 #include "publish.h"
 #include "stale.h"
+#include "work/bits.h"
+#include "work/head.h"
+#include "work/journal.h"
+#include "work/row.h"
 
 /* ---- which ---- */
 

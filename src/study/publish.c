@@ -9,11 +9,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "array.h"
 #include "base/csv.h"
 #include "base/file.h"
 #include "base/packed.h"
 #include "base/path.h"
-#include "array.h"
+#include "work/row.h"
 
 static const char FAILURES[] = "failures.csv", MANIFEST[] = "manifest.json";
 const char *const vs_publish_files[VS_PUBLISH_FILES] = {MANIFEST, "study.csv", FAILURES};

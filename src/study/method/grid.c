@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What stands under vary: a grid, which is all combinations of the values listed, the last axis
  * running fastest; or a list, the rows of a CSV file. */
-#include "method/grid.h"
+#include "study/methods.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -10,8 +10,8 @@
 
 #include "base/csv.h"
 #include "base/hash.h"
-#include "study/plan.h"
 #include "base/units.h"
+#include "study/plan.h"
 
 /* ---- grid ---- */
 

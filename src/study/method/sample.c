@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Samples: `spread` says what of the scene is not known exactly (study/method/span.h), and the methods
- * choose points of it.
+ * Samples: `spread` says what of the scene is not known exactly (study/method/span.h), and the
+ * methods choose points of it.
  *
  *   sample:
  *     method: sobol          or latin_hypercube (lhs), monte_carlo, corners
@@ -12,7 +12,7 @@
  *
  * Corners: first the scene as it is, then all ends of all spreads (of a list: all it has), the
  * first axis running fastest. */
-#include "method/sample.h"
+#include "study/methods.h"
 
 #include <assert.h>
 #include <math.h>
@@ -22,9 +22,9 @@
 
 #include "base/json.h"
 #include "base/text.h"
+#include "base/units.h"
 #include "method/span.h"
 #include "study/plan.h"
-#include "base/units.h"
 
 static const vs_outline SPREAD[] = {{.takes = VS_OUTLINE_SPREAD, .instead = &vs_axis_many}, {0}},
                         ITEM = {.takes = VS_OUTLINE_TEXT},

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The cheapest snubber that holds: a search (study/method/search.h) over the axes under vary, R1 and C1
- * or more. A candidate is run with the scene as it is and, when it holds there, at every point of
- * sample (n of it, or its corners). It holds when in each of these runs no measure is more than
- * (1 - margin) of its rating and no rating of the deck is violated; a measure that a run does not
- * know is within none. What stands under vary may stand under sample.spread, too: its tolerance,
- * in %, is then one of the candidate's own value.
+ * The cheapest snubber that holds: a search (study/method/search.h) over the axes under vary, R1
+ * and C1 or more. A candidate is run with the scene as it is and, when it holds there, at every
+ * point of sample (n of it, or its corners). It holds when in each of these runs no measure is more
+ * than (1 - margin) of its rating and no rating of the deck is violated; a measure that a run does
+ * not know is within none. What stands under vary may stand under sample.spread, too: its
+ * tolerance, in %, is then one of the candidate's own value.
  *
  *   snubber:
  *     ratings: {thyristor.v_reverse: part, thyristor.di_dt: 100 A/us, r1.power: 2 W}
@@ -18,7 +18,7 @@
  * joules: the sum of C*v_peak^2/2 over the capacitors under vary and of power/f over the resistors,
  * of the candidate's worst run. Of candidates that do not hold, the one that is over its ratings by
  * less is better; and all of them are worse than any that holds. */
-#include "method/snubber.h"
+#include "study/methods.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -27,10 +27,10 @@
 
 #include "base/json.h"
 #include "base/text.h"
+#include "base/units.h"
+#include "headings.h"
 #include "method/search.h"
 #include "method/span.h"
-#include "headings.h"
-#include "base/units.h"
 
 enum { PER_AXIS = 80, MOST_CANDIDATES = 10000, RATINGS = 16 };
 

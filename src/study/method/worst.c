@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The worst case: the largest or least value of one measure, searched for (study/method/search.h) over
- * all axes: where vary has a range, all of it; of a list, what it lists; of a spread of sample's,
- * its whole reach, whatever their correlation. What was found is the worst case that was looked at,
- * no bound.
+ * The worst case: the largest or least value of one measure, searched for (study/method/search.h)
+ * over all axes: where vary has a range, all of it; of a list, what it lists; of a spread of
+ * sample's, its whole reach, whatever their correlation. What was found is the worst case that was
+ * looked at, no bound.
  *
  *   find:
  *     worst: max thyristor.v_reverse     or min MEASURE
@@ -10,7 +10,7 @@
  *     seed: 7
  *     finest: 0.1 %                      of each axis: shorter steps end the search
  */
-#include "method/worst.h"
+#include "study/methods.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -19,10 +19,10 @@
 
 #include "base/json.h"
 #include "base/text.h"
+#include "base/units.h"
+#include "headings.h"
 #include "method/search.h"
 #include "method/span.h"
-#include "headings.h"
-#include "base/units.h"
 
 enum { PER_AXIS = 100, MOST_CASES = 100000 };
 

@@ -9,14 +9,14 @@
  * circuit forgets slowly is moved on its own (orbit/creep.h).
  *
  * With a stop in reach the two tiers' Phi may have little in common, and corrections do not fall.
- * Then Phi is found by differences between copies of the process (orbit/pairs.h). If that does not
+ * Then Phi is found by differences between copies of the process. If that does not
  * do either the machine is left to itself, to tell what period it runs on. */
 #ifndef VS_ORBIT_PICARD_H
 #define VS_ORBIT_PICARD_H
 
-#include "orbit/shooting.h"
 #include "engine/budget.h"
 #include "engine/pilot.h"
+#include "orbit/shooting.h"
 
 /* Made by vs_picard_new, freed by vs_picard_free. */
 typedef struct vs_picard {

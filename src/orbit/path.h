@@ -12,8 +12,8 @@
 #define VS_ORBIT_PATH_H
 
 #include "orbit/along.h"
-#include "orbit/turns.h"
 #include "orbit/shooting.h"
+#include "turns.h"
 
 /* The numbers of z at most: the states, and the key behind the last of them. */
 enum { VS_PATH_MOST = VS_ORBIT_STATES + 1 };
