@@ -186,7 +186,7 @@ static vs_status no_unit(const vs_recorded *c, const vs_csv *csv, vs_error *err)
                     nearest ? "; there is '" : "", nearest ? nearest : "", nearest ? "'" : "");
 }
 
-static vs_status find_column(vs_recorded *c, const vs_csv *csv, vs_error *err) {
+static vs_status find_column_in_header(vs_recorded *c, const vs_csv *csv, vs_error *err) {
   char name[VS_NAME_SIZE + 16];
   vs_status status = find_cell(csv, c->name, c->unit, &c->cell, &c->factor, err);
   snprintf(name, sizeof name, "%s_error", c->name);
@@ -202,7 +202,7 @@ static vs_status find_column(vs_recorded *c, const vs_csv *csv, vs_error *err) {
   return VS_OK;
 }
 
-static bool is_used(const vs_columns *all, int cell) {
+static bool is_column_used(const vs_columns *all, int cell) {
   for (size_t k = 0; k < all->count; k++)
     if (all->item[k].cell == cell || all->item[k].cell_of_error == cell) return true;
   return false;
@@ -221,9 +221,10 @@ static vs_status columns_find(vs_columns *all, const vs_csv *csv, double *time_s
                       "the first column is the time with its unit: t_s, t_ms or t_us, not '%s'",
                       csv->cell[0]);
   vs_status status = VS_OK;
-  for (size_t k = 0; k < all->count && !status; k++) status = find_column(&all->item[k], csv, err);
+  for (size_t k = 0; k < all->count && !status; k++)
+    status = find_column_in_header(&all->item[k], csv, err);
   for (size_t k = 1; k < csv->count && !status; k++)
-    if (!is_used(all, (int)k))
+    if (!is_column_used(all, (int)k))
       vs_text_add(&all->unused, "%s%s", all->unused.length ? ", " : "", csv->cell[k]);
   return status;
 }
@@ -274,14 +275,14 @@ typedef struct rows {
 } rows;
 
 /* Where cells stand apart by something else, a decimal comma is as good as a point. */
-static void point(const vs_csv *csv, char *text) {
+static void make_decimal_point(const vs_csv *csv, char *text) {
   char *comma = strchr(text, ',');
   if (comma && csv->separator != ',' && !strchr(text, '.')) *comma = '.';
 }
 
-static vs_status read_number(const vs_csv *csv, size_t cell, double *value, vs_error *err) {
+static vs_status read_number_of_cell(const vs_csv *csv, size_t cell, double *value, vs_error *err) {
   char *text = csv->cell[cell], *end = text;
-  point(csv, text);
+  make_decimal_point(csv, text);
   *value = text[strspn(text, "0123456789+-.eE")] ? NAN : vs_text_to_number(text, &end);
   if (isfinite(*value) && *text && !*end) return VS_OK;
   if (vs_text_beyond(text) && !*end)
@@ -330,7 +331,7 @@ static vs_status read_error_of_sample(const vs_csv *csv, const vs_recorded *c, d
                                       vs_error *err) {
   if (c->cell_of_error < 0) return VS_OK;
   const size_t cell = (size_t)c->cell_of_error;
-  vs_status status = read_number(csv, cell, error, err);
+  vs_status status = read_number_of_cell(csv, cell, error, err);
   *error *= c->factor_of_error;
   if (!status && !(*error > 0))
     status = vs_fail_at(err, csv->where[cell], "the error '%s' is not above 0", csv->cell[cell]);
@@ -351,7 +352,7 @@ static vs_status read_sample(vs_recording *r, size_t column, const vs_csv *csv, 
   vs_status status = find_instant(r, c, where, &sample.t_s, &again, err);
   if (!status && again) r->again++;
   if (status || again) return status;
-  status = read_number(csv, cell, &sample.value, err);
+  status = read_number_of_cell(csv, cell, &sample.value, err);
   if (!status) status = read_error_of_sample(csv, c, &sample.error, err);
   if (!status && r->n_samples == MOST_SAMPLES)
     status =
@@ -368,14 +369,14 @@ static vs_status read_sample(vs_recording *r, size_t column, const vs_csv *csv, 
   return VS_OK;
 }
 
-static vs_status read_row(rows *f, vs_error *err) {
+static vs_status read_row_of_recording(rows *f, vs_error *err) {
   vs_recording *r = f->r;
   const vs_where where = f->csv.where[0];
   double t;
   if (f->csv.count != f->columns)
     return vs_fail_at(err, where, "cells in this row: %zu; columns in the header: %zu",
                       f->csv.count, f->columns);
-  vs_status status = read_number(&f->csv, 0, &t, err);
+  vs_status status = read_number_of_cell(&f->csv, 0, &t, err);
   if (status) return status;
   double t_s = t * f->time_s;
   if (t_s <= f->before_s)
@@ -398,12 +399,12 @@ static vs_status read_row(rows *f, vs_error *err) {
   return status;
 }
 
-static vs_status read_rows(rows *f, vs_error *err) {
+static vs_status read_rows_of_recording(rows *f, vs_error *err) {
   vs_recording *r = f->r;
   vs_status status = VS_OK;
   while (!status && !(status = vs_csv_next(&f->csv, err)) && f->csv.count) {
     if (f->columns) {
-      status = read_row(f, err);
+      status = read_row_of_recording(f, err);
     } else {
       f->columns = f->csv.count;
       status = columns_find(&r->columns, &f->csv, &f->time_s, err);
@@ -454,7 +455,7 @@ vs_status vs_recording_read(vs_recording *r, const vs_node *data, const char *be
               .csv = {.file = r->path, .stream = f, .trim = true, .comments = true, .guess = true},
               .before_s = -INFINITY,
               .until_s = scene->setup.run.until_s};
-  status = read_rows(&all, err);
+  status = read_rows_of_recording(&all, err);
   vs_csv_free(&all.csv);
   fclose(f);
   if (!status) qsort(r->samples, r->n_samples, sizeof *r->samples, by_instant);

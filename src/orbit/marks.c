@@ -158,7 +158,7 @@ typedef struct end {
 static const double CLOSE = 1e-10, NEAR_ZERO = 1e-2;
 
 /* By how much the key may differ between the ends: the search's own error. */
-static double width(const vs_path *p, const end *lo, const end *hi) {
+static double width_in_key(const vs_path *p, const end *lo, const end *hi) {
   double steepest = fmax(fabs(lo->at.way[p->count]), fabs(hi->at.way[p->count]));
   double rounding = fmax(lo->at.change, hi->at.change);
   return (steepest * fabs(hi->s - lo->s) + rounding) * p->unit[p->count];
@@ -182,7 +182,7 @@ static chord chord_of(const vs_path *p, const vs_marks_span *span) {
 }
 
 /* Finds the orbit at s, beginning between those of the ends. */
-static bool try(vs_path *p, const chord *c, const end *lo, const end *hi, end *at) {
+static bool try_orbit_between(vs_path *p, const chord *c, const end *lo, const end *hi, end *at) {
   vs_error why = {0};
   const vs_path_plane plane = {c->normal, c->from->z, at->s};
   double part = (at->s - lo->s) / (hi->s - lo->s);
@@ -197,7 +197,7 @@ static bool try_beside(vs_path *p, const chord *c, const end *lo, const end *hi,
   static const double PARTS[] = {0.5, 0.25, 0.75, 0.1, 0.9};
   for (size_t k = 0; k < sizeof PARTS / sizeof *PARTS; k++) {
     at->s = lo->s + PARTS[k] * (hi->s - lo->s);
-    if (try(p, c, lo, hi, at)) return true;
+    if (try_orbit_between(p, c, lo, hi, at)) return true;
   }
   return false;
 }
@@ -206,7 +206,7 @@ bool vs_mark_middle(vs_path *p, const vs_marks_span *span, double part, vs_path_
   const chord c = chord_of(p, span);
   const end lo = {.at = *span->a}, hi = {.s = c.length, .at = *span->b};
   end middle = {.s = part * c.length};
-  bool there = try(p, &c, &lo, &hi, &middle);
+  bool there = try_orbit_between(p, &c, &lo, &hi, &middle);
   *at = middle.at;
   return there;
 }
@@ -215,7 +215,7 @@ bool vs_mark_middle(vs_path *p, const vs_marks_span *span, double part, vs_path_
  * (the ITP method: Oliveira and Takahashi, ACM Transactions on Mathematical Software 47, 2020, with
  * kappa_1 = 0.2 over the first length, kappa_2 = 2). slack: by how much more than half of the
  * interval may remain. */
-static double next(const end *lo, const end *hi, double first, double slack) {
+static double next_of_secant(const end *lo, const end *hi, double first, double slack) {
   double a = lo->s, b = hi->s, middle = (a + b) / 2;
   double secant = (hi->value * a - lo->value * b) / (hi->value - lo->value);
   double toward = middle > secant ? 1 : -1, draw = 0.2 / first * (b - a) * (b - a);
@@ -231,20 +231,20 @@ bool vs_mark_locate(vs_path *p, const vs_marks_span *span, vs_mark *mark, vs_pat
   end hi = {c.length, mark->kind->value(span, span->b, mark->which), *span->b};
   const double first = hi.s, key = fabs(span->a->z[p->count]),
                close = CLOSE * fmax(key, NEAR_ZERO * p->unit[p->count]);
-  for (int n = 0; n < MOST_TRIES && width(p, &lo, &hi) > close; n++) {
+  for (int n = 0; n < MOST_TRIES && width_in_key(p, &lo, &hi) > close; n++) {
     end mid = {0};
     /* halving alone would have come down to first/2^n */
     double slack = fmax(ldexp(first, 1 - n) - (hi.s - lo.s) / 2, 0);
-    mid.s = next(&lo, &hi, first, slack);
+    mid.s = next_of_secant(&lo, &hi, first, slack);
     if (mid.s == lo.s || mid.s == hi.s) break;
-    if (!try(p, &c, &lo, &hi, &mid) && !try_beside(p, &c, &lo, &hi, &mid)) break;
+    if (!try_orbit_between(p, &c, &lo, &hi, &mid) && !try_beside(p, &c, &lo, &hi, &mid)) break;
     mid.value = mark->kind->value(span, &mid.at, mark->which);
     if ((mid.value > 0) == (lo.value > 0))
       lo = mid;
     else
       hi = mid;
   }
-  mark->error = width(p, &lo, &hi);
+  mark->error = width_in_key(p, &lo, &hi);
   *at = fabs(lo.value) < fabs(hi.value) ? lo.at : hi.at;
   return !mark->kind->holds || mark->kind->holds(at, p->count);
 }

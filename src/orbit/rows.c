@@ -12,7 +12,7 @@
 
 enum { DIGITS = 12, SHOWN = 24 /* points in the table, besides the marks */ };
 
-static const vs_model *model_of(const vs_walk *w) {
+static const vs_model *model_of_walk(const vs_walk *w) {
   return &w->along->scene->setup.model;
 }
 
@@ -87,7 +87,7 @@ static const char *mark_of(const vs_walk_row *row) {
 /* ---- CSV ---- */
 
 static void add_header(const vs_walk *w, FILE *out) {
-  const vs_model *m = model_of(w);
+  const vs_model *m = model_of_walk(w);
   char suffix[64];
   fprintf(out, "%s", w->along->axis.column);
   for (int i = 0; i < 2 * m->dof; i++) {
@@ -103,7 +103,7 @@ static void add_header(const vs_walk *w, FILE *out) {
 }
 
 void vs_rows_csv(const vs_walk *w, int digits, FILE *out) {
-  int dof = model_of(w)->dof;
+  int dof = model_of_walk(w)->dof;
   add_header(w, out);
   for (size_t r = 0; r < w->count; r++) {
     const vs_walk_row *row = &w->row[r];
@@ -142,8 +142,8 @@ static void add_end(const vs_walk *w, vs_text *text) {
 
 /* ---- JSON ---- */
 
-static void add_row(const vs_walk *w, const vs_walk_row *row, vs_json *json) {
-  const vs_model *m = model_of(w);
+static void add_row_of_branch(const vs_walk *w, const vs_walk_row *row, vs_json *json) {
+  const vs_model *m = model_of_walk(w);
   const char *beyond = vs_rows_beyond(&row->at);
   vs_json_object(json, NULL, VS_JSON_ROW);
   if (row->mark.kind) {
@@ -168,7 +168,7 @@ static void add_row(const vs_walk *w, const vs_walk_row *row, vs_json *json) {
 static void add_rows(const vs_walk *w, const char *name, bool marks, vs_json *json) {
   vs_json_array(json, name, VS_JSON_LINES);
   for (size_t r = 0; r < w->count; r++)
-    if (marks == (w->row[r].mark.kind != NULL)) add_row(w, &w->row[r], json);
+    if (marks == (w->row[r].mark.kind != NULL)) add_row_of_branch(w, &w->row[r], json);
   vs_json_end(json);
 }
 
@@ -198,7 +198,7 @@ void vs_rows_json(const vs_walk *w, vs_text *text) {
 
 /* ---- the table ---- */
 
-static void print_row(const vs_walk *w, const vs_walk_row *row, FILE *out) {
+static void print_row_of_branch(const vs_walk *w, const vs_walk_row *row, FILE *out) {
   const vs_path_point *at = &row->at;
   const char *beyond = vs_rows_beyond(at);
   fprintf(out, "%18.12g %14.7g %14.7g %5.0f %12.5g %12.9f  %-9s %-10s", at->z[w->path.count],
@@ -234,7 +234,7 @@ void vs_rows_print(const vs_walk *w, FILE *out) {
     bool mark = w->row[r].mark.kind != NULL;
     bool shown = mark || n % every == 0 || r + 1 == w->count;
     n += !mark;
-    if (shown) print_row(w, &w->row[r], out);
+    if (shown) print_row_of_branch(w, &w->row[r], out);
   }
   fputc('\n', out);
   print_kinds(w, out);

@@ -11,7 +11,7 @@
 /* ---- what is found ---- */
 
 /* Puts a row behind the first `behind` of them. */
-static void insert(vs_walk *w, size_t behind, const vs_path_point *at, const vs_mark *mark) {
+static void insert_row(vs_walk *w, size_t behind, const vs_path_point *at, const vs_mark *mark) {
   if (w->count == w->room) {
     w->room = w->room ? 2 * w->room : 256;
     w->row = vs_resize(w->row, w->room, sizeof *w->row);
@@ -22,12 +22,12 @@ static void insert(vs_walk *w, size_t behind, const vs_path_point *at, const vs_
   w->marks += mark->kind != NULL;
 }
 
-static void add_point(vs_walk *w, const vs_path_point *at) {
+static void add_point_of_walk(vs_walk *w, const vs_path_point *at) {
   const vs_mark none = {0};
-  insert(w, w->count, at, &none);
+  insert_row(w, w->count, at, &none);
 }
 
-static double distance(const vs_walk *w, const vs_path_point *a, const vs_path_point *b) {
+static double distance_of_points(const vs_walk *w, const vs_path_point *a, const vs_path_point *b) {
   double squared = 0;
   for (int j = 0; j <= w->path.count; j++) {
     double d = (b->z[j] - a->z[j]) / w->path.unit[j];
@@ -39,12 +39,12 @@ static double distance(const vs_walk *w, const vs_path_point *a, const vs_path_p
 /* Adds a mark behind the row of the point `first`, among other marks by how far they are from it.
  */
 static void add_mark(vs_walk *w, size_t first, const vs_path_point *at, const vs_mark *mark) {
-  double s = distance(w, &w->row[first].at, at);
+  double s = distance_of_points(w, &w->row[first].at, at);
   size_t behind = first + 1;
   while (behind < w->count && w->row[behind].mark.kind &&
-         distance(w, &w->row[first].at, &w->row[behind].at) < s)
+         distance_of_points(w, &w->row[first].at, &w->row[behind].at) < s)
     behind++;
-  insert(w, behind, at, mark);
+  insert_row(w, behind, at, mark);
 }
 
 static vs_marks_span span_of(const vs_walk *w, const vs_path_point *a, const vs_path_point *b) {
@@ -76,7 +76,7 @@ static void add_marks(vs_walk *w, size_t first, const vs_path_point *b) {
 /* A number and the two after it, of one sign, at distances s[0] and s[0] + s[1]. Where the parabola
  * through them has its bottom at less than half of the least of them, the number may be 0 twice in
  * between: returns how far the bottom is from the first. NaN: there is none. */
-static double bottom(const double f[3], const double s[2]) {
+static double bottom_of_parabola(const double f[3], const double s[2]) {
   double sign = f[0] > 0 ? 1 : -1, least = fmin(fabs(f[0]), fmin(fabs(f[1]), fabs(f[2])));
   double first = (f[1] - f[0]) / s[0], second = (f[2] - f[1]) / s[1];
   double bend = (second - first) / (s[0] + s[1]), at = (s[0] - first / bend) / 2;
@@ -97,10 +97,10 @@ static bool is_marked(const vs_walk *w, size_t first, const vs_mark_kind *kind) 
  * false where it is none, or is not found. */
 static bool come_nearer(vs_walk *w, vs_path_point t[3], const vs_mark_kind *kind) {
   const vs_marks_span all = span_of(w, &t[0], &t[2]);
-  const double s[] = {distance(w, &t[0], &t[1]), distance(w, &t[1], &t[2])};
+  const double s[] = {distance_of_points(w, &t[0], &t[1]), distance_of_points(w, &t[1], &t[2])};
   double f[3];
   for (int k = 0; k < 3; k++) f[k] = kind->value(&all, &t[k], 0);
-  double at = bottom(f, s);
+  double at = bottom_of_parabola(f, s);
   vs_path_point x;
   if (isnan(at) || !vs_mark_middle(&w->path, &all, at / (s[0] + s[1]), &x)) return false;
   bool lower = fabs(kind->value(&all, &x, 0)) < fabs(f[1]), before = at < s[0];
@@ -145,8 +145,8 @@ static size_t add_pairs(vs_walk *w, size_t before, size_t last, const vs_path_po
     if (!(*kind)->in_pairs) continue;
     const double f[] = {(*kind)->value(&span, &p, 0), (*kind)->value(&span, &a, 0),
                         (*kind)->value(&span, b, 0)};
-    const double s[] = {distance(w, &p, &a), distance(w, &a, b)};
-    double at = bottom(f, s);
+    const double s[] = {distance_of_points(w, &p, &a), distance_of_points(w, &a, b)};
+    double at = bottom_of_parabola(f, s);
     size_t count = w->count;
     if (at < s[0]) look_between(w, before, &a, at / s[0], *kind);
     if (at >= s[0]) look_between(w, last + moved, b, (at - s[0]) / s[1], *kind);
@@ -185,7 +185,7 @@ enum { FEW = 4, MOST_ROWS = 20000 };
  * two for a period of one; then the walk is stuck. */
 enum { MOST_CYCLES = 100000 };
 
-static double turn(const vs_path *p, const vs_path_point *a, const vs_path_point *b) {
+static double turn_of_branch(const vs_path *p, const vs_path_point *a, const vs_path_point *b) {
   double cosine = 0;
   for (int j = 0; j <= p->count; j++) cosine += a->way[j] * b->way[j];
   return cosine;
@@ -193,7 +193,8 @@ static double turn(const vs_path *p, const vs_path_point *a, const vs_path_point
 
 /* Tries a step of that length. Returns false where it fails, and says why: also where the iteration
  * ends farther from its beginning than the step is long, which is on another branch. */
-static bool try(vs_walk *w, const vs_path_point *a, double length, vs_path_point *b) {
+static bool try_step_of_branch(vs_walk *w, const vs_path_point *a, double length,
+                               vs_path_point *b) {
   const vs_path_plane plane = {a->way, a->z, length};
   vs_error err = {0};
   double guess[VS_PATH_MOST], off = 0;
@@ -212,11 +213,12 @@ static bool try(vs_walk *w, const vs_path_point *a, double length, vs_path_point
 
 /* Goes one step on from a; *length: how long it is tried, and then how long the next one may be.
  * Returns false where even the shortest fails. */
-static bool step(vs_walk *w, const vs_path_point *a, double *length, vs_path_point *b) {
+static bool step_along_branch(vs_walk *w, const vs_path_point *a, double *length,
+                              vs_path_point *b) {
   double longest = w->along->step / w->path.unit[w->path.count];
   for (double h = fmin(*length, longest);; h /= 2) {
-    bool there = try(w, a, h, b), shortest = h / 2 < SHORTEST;
-    double cosine = there ? turn(&w->path, a, b) : -1;
+    bool there = try_step_of_branch(w, a, h, b), shortest = h / 2 < SHORTEST;
+    double cosine = there ? turn_of_branch(&w->path, a, b) : -1;
     if (!there && shortest) return false;
     if (!there || (cosine < TURNS && !shortest)) continue;
     *length = cosine > EASES && b->iterations <= FEW ? 1.5 * h : h;
@@ -244,7 +246,7 @@ static bool is_allowed_ahead(vs_walk *w, const vs_path_point *a) {
 }
 
 /* Puts b, which lies beyond the bound, on it: between a and b. */
-static bool land(vs_walk *w, const vs_path_point *a, double bound, vs_path_point *b) {
+static bool land_on_bound(vs_walk *w, const vs_path_point *a, double bound, vs_path_point *b) {
   int k = w->path.count;
   double normal[VS_PATH_MOST] = {0}, origin[VS_PATH_MOST], part;
   vs_error err = {0};
@@ -265,7 +267,7 @@ static bool land(vs_walk *w, const vs_path_point *a, double bound, vs_path_point
 }
 
 /* Is the key beyond that end of the range, seen from the other? */
-static bool is_beyond(double key, double other, double end) {
+static bool is_beyond_end(double key, double other, double end) {
   return end > other ? key >= end : key <= end;
 }
 
@@ -277,28 +279,28 @@ static size_t point_before(const vs_walk *w, size_t behind) {
 }
 
 /* Looks for marks before the new point b, and adds both. Returns false where the branch merges. */
-static bool take(vs_walk *w, const vs_path_point *b) {
+static bool take_point_of_walk(vs_walk *w, const vs_path_point *b) {
   size_t last = point_before(w, w->count), before = point_before(w, last);
   if (last > before) last += add_pairs(w, before, last, b);
   add_marks(w, last, b);
   if (cut_merged(w, last, b) || b->repeats < SAME) return false;
-  add_point(w, b);
+  add_point_of_walk(w, b);
   return true;
 }
 
 /* Takes the step from the last point of the walk. Returns true where the walk ends. */
-static bool go_on(vs_walk *w, vs_path_point *a, double *length) {
+static bool walk_on(vs_walk *w, vs_path_point *a, double *length) {
   const vs_along *along = w->along;
   vs_path_point b;
   w->end = VS_WALK_STUCK;
   if (*length < AHEAD && !is_allowed_ahead(w, a)) return true;
-  if (!step(w, a, length, &b)) return true;
+  if (!step_along_branch(w, a, length, &b)) return true;
   double key = b.z[w->path.count];
-  bool there = is_beyond(key, along->from, along->to),
-       back = is_beyond(key, along->to, along->from);
-  if (there && !land(w, a, along->to, &b)) return true;
-  if (back && !land(w, a, along->from, &b)) return true;
-  if (!take(w, &b)) return w->end = VS_WALK_MERGED, true;
+  bool there = is_beyond_end(key, along->from, along->to),
+       back = is_beyond_end(key, along->to, along->from);
+  if (there && !land_on_bound(w, a, along->to, &b)) return true;
+  if (back && !land_on_bound(w, a, along->from, &b)) return true;
+  if (!take_point_of_walk(w, &b)) return w->end = VS_WALK_MERGED, true;
   w->end = there ? VS_WALK_REACHED : VS_WALK_BACK;
   vs_path_rescale(&w->path, &b);
   *a = b;
@@ -331,10 +333,10 @@ vs_status vs_walk_go(vs_walk *w, vs_along *along, int periods, const volatile si
                         .of = along->scene->order.budget,
                         .most = {MOST_CYCLES * cycles, 1},
                         .shows = shows};
-  add_point(w, &a);
+  add_point_of_walk(w, &a);
   vs_path_rescale(&w->path, &a);
   double length = along->step / w->path.unit[w->path.count] / 4;
-  while (!go_on(w, &a, &length)) {
+  while (!walk_on(w, &a, &length)) {
     if (stop && *stop) {
       w->end = VS_WALK_STOPPED;
       break;

@@ -15,7 +15,7 @@ typedef struct making {
   double tolerance;
 } making;
 
-static vs_setup make(const vs_scene *scene, void *ctx) {
+static vs_setup make_setup_of_fan(const vs_scene *scene, void *ctx) {
   const making *m = ctx;
   return vs_subject_setup(m->subject, scene, m->tolerance);
 }
@@ -26,7 +26,7 @@ vs_status vs_fan_begin(vs_fan *f, const vs_subject *subject, const char *key, vs
   *f = (vs_fan){0};
   vs_status status = vs_parameter_begin(&f->parameter, subject->scene, key, where, step, err);
   if (status) return status;
-  vs_parameter_take(&f->parameter, make, &as);
+  vs_parameter_take(&f->parameter, make_setup_of_fan, &as);
   for (int k = 0; k < RUNS; k++) {
     const vs_scene *from = f->parameter.scene[f->parameter.idle ? 0 : k];
     vs_scene *s = f->scene[k] = vs_alloc(1, sizeof *s);

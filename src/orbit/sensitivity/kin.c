@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "orbit/grazing.h"
 #include "engine/driven.h"
+#include "orbit/grazing.h"
 #include "run/session.h"
 
 enum { RUNS = VS_FAN_RUNS, ROWS = VS_VARIATION_MOST };
@@ -40,7 +40,7 @@ typedef struct pass {
   void (*take)(struct pass *pass, const vs_step *step);
 } pass;
 
-static void add_instant(pass *p, double t_s, double moved_s) {
+static void add_moved_instant(pass *p, double t_s, double moved_s) {
   if (p->count == p->room) {
     p->room = p->room ? 2 * p->room : 64;
     p->instants = vs_resize(p->instants, p->room, sizeof *p->instants);
@@ -65,7 +65,7 @@ static void take_instants(pass *p, const vs_step *step) {
   const vs_jump *jump = &p->variation.jump;
   state_of(step->frame->model, step->to, y, f);
   for (int i = 0; i < p->variation.rows; i++) p->scale[i] = fmax(p->scale[i], fabs(y[i]));
-  if (jump->count + 1 > (long)p->count) add_instant(p, jump->t_s, jump->moved_s);
+  if (jump->count + 1 > (long)p->count) add_moved_instant(p, jump->t_s, jump->moved_s);
 }
 
 /* A state smaller than this part of the largest of its kind need not be known as well as that. */
@@ -92,8 +92,8 @@ static double moved_at(const pass *p, double t_s) {
 }
 
 /* Y where the knot moves along. */
-static void follow(const pass *p, const vs_knot *knot, double moved_s, double y[ROWS],
-                   double way[ROWS]) {
+static void follow_derivative(const pass *p, const vs_knot *knot, double moved_s, double y[ROWS],
+                              double way[ROWS]) {
   double f[ROWS];
   state_of(p->variation.model, knot, y, f);
   for (int i = 0; i < p->variation.rows; i++)
@@ -103,7 +103,7 @@ static void follow(const pass *p, const vs_knot *knot, double moved_s, double y[
 static void take_sizes(pass *p, const vs_step *step) {
   double y[ROWS], way[ROWS];
   vs_grazing_accept(&p->grazing, &p->variation, step);
-  follow(p, step->to, moved_at(p, step->to->t_s), y, way);
+  follow_derivative(p, step->to, moved_at(p, step->to->t_s), y, way);
   for (int i = 0; i < p->variation.rows; i++)
     if (p->scale[i] > 0) p->ratio = fmax(p->ratio, fabs(way[i]) / p->scale[i]);
 }
@@ -138,7 +138,8 @@ static double stretch_of(const pass *p, int k) {
 }
 
 /* The knot of the k-th, whose derivatives follow from its state by its own equations. */
-static void fill(pass *p, int k, const vs_knot *own, const double y[ROWS], const double way[ROWS]) {
+static void fill_knot(pass *p, int k, const vs_knot *own, const double y[ROWS],
+                      const double way[ROWS]) {
   const vs_variation *v = &p->variation;
   const vs_parameter *near = &p->fan->parameter;
   const vs_setup *setup = &near->setup[k];
@@ -184,10 +185,10 @@ static void straighten(pass *p, size_t offset, int order, const double stretch[R
 static void fill_all(pass *p, const vs_knot *own) {
   const int dof = p->variation.model->dof;
   double y[ROWS], way[ROWS], stretch[RUNS];
-  follow(p, own, moved_at(p, own->t_s), y, way);
+  follow_derivative(p, own, moved_at(p, own->t_s), y, way);
   for (int k = 0; k < RUNS; k++) {
     stretch[k] = stretch_of(p, k);
-    fill(p, k, own, y, way);
+    fill_knot(p, k, own, y, way);
   }
   for (int i = 0; i < dof; i++) {
     size_t at = (size_t)i * sizeof(double);
@@ -240,7 +241,8 @@ static void renew_waves(pass *p) {
 
 /* ---- a run ---- */
 
-static vs_status accept(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
+static vs_status accept_step_of_pass(void *ctx, const vs_step *step, const vs_result *result,
+                                     vs_error *err) {
   pass *p = ctx;
   (void)result;
   long jumps = p->variation.jump.count;
@@ -253,9 +255,9 @@ static vs_status accept(void *ctx, const vs_step *step, const vs_result *result,
   return VS_OK;
 }
 
-static vs_status go(pass *p, void (*take)(pass *, const vs_step *), vs_error *err) {
+static vs_status run_pass(pass *p, void (*take)(pass *, const vs_step *), vs_error *err) {
   vs_result *none = vs_alloc(1, sizeof *none);
-  const vs_guest guest = {.ctx = p, .accept = accept};
+  const vs_guest guest = {.ctx = p, .accept = accept_step_of_pass};
   const vs_session session = {.guest = &guest, .bare = true, .stop = p->subject->stop};
   p->take = take;
   p->now = 0;
@@ -278,7 +280,7 @@ static const double TURN = 0.2;
  * the other attempt has its knots elsewhere, and smaller p. */
 static const double ELSEWHERE = 0.87, SMALLER = 0.1;
 
-static vs_setup make(const vs_scene *scene, void *ctx) {
+static vs_setup make_setup_of_pass(const vs_scene *scene, void *ctx) {
   const pass *p = ctx;
   vs_setup setup = vs_subject_setup(p->subject, scene, p->subject->scene->tier->finest);
   double most =
@@ -290,18 +292,18 @@ static vs_setup make(const vs_scene *scene, void *ctx) {
   return setup;
 }
 
-static vs_status begin(pass *p, vs_error *err) {
+static vs_status begin_pass(pass *p, vs_error *err) {
   const vs_scene *s = p->subject->scene;
   vs_status status =
       p->subject->calm ? vs_subject_start(p->subject, p->parameter, p->start, err) : VS_OK;
   if (status) return status;
-  vs_parameter_take(p->parameter, make, p);
+  vs_parameter_take(p->parameter, make_setup_of_pass, p);
   if (!p->subject->calm) vs_parameter_start(p->parameter, s->tier, p->start);
   p->scene = vs_alloc(1, sizeof *p->scene);
   *p->scene = *s;
-  p->scene->setup = make(s, p);
+  p->scene->setup = make_setup_of_pass(s, p);
   p->scene->frame = vs_sim_frame(s->tier, &p->scene->setup);
-  add_instant(p, 0, 0);
+  add_moved_instant(p, 0, 0);
   return VS_OK;
 }
 
@@ -317,14 +319,14 @@ static double end_moved(const vs_parameter *parameter) {
 
 /* ---- all of it ---- */
 
-static vs_status look(pass *p, vs_error *err) {
-  vs_status status = begin(p, err);
-  if (!status) status = go(p, take_instants, err);
+static vs_status look_for_instants(pass *p, vs_error *err) {
+  vs_status status = begin_pass(p, err);
+  if (!status) status = run_pass(p, take_instants, err);
   if (status) return status;
-  add_instant(p, p->scene->setup.run.until_s, end_moved(p->parameter));
+  add_moved_instant(p, p->scene->setup.run.until_s, end_moved(p->parameter));
   find_scales(p);
   look_at_stretches(p);
-  return go(p, take_sizes, err);
+  return run_pass(p, take_sizes, err);
 }
 
 /* The steps of the key that derivatives of coefficients are tried with: a shorter one where a
@@ -332,7 +334,7 @@ static vs_status look(pass *p, vs_error *err) {
 static const double STEPS[] = {1e-3, 1e-5, 1e-7};
 enum { N_STEPS = sizeof STEPS / sizeof *STEPS };
 
-static vs_status show(pass *p, vs_fan *fan, vs_where where, vs_error *err) {
+static vs_status show_to_watchers(pass *p, vs_fan *fan, vs_where where, vs_error *err) {
   double finest = p->subject->scene->tier->finest;
   double longest = fmin(LARGEST, p->parameter->step);
   double step = fmin(fmax(PART / p->ratio, LEAST), longest) * (p->again ? SMALLER : 1);
@@ -342,14 +344,14 @@ static vs_status show(pass *p, vs_fan *fan, vs_where where, vs_error *err) {
   p->fan = fan;
   fan->unresolved = UNRESOLVED * fmax(p->ratio, STEPS[0] / p->parameter->step);
   fan->grazing = p->grazing;
-  status = go(p, show_kin, err);
+  status = run_pass(p, show_kin, err);
   for (int k = 0; k < RUNS && !status; k++) vs_measured_finish(fan->measured[k]);
   if (status) vs_fan_end(fan);
   return status;
 }
 
-static vs_status find(vs_fan *fan, const vs_subject *subject, const vs_asked *key, bool again,
-                      double step, vs_error *err) {
+static vs_status find_in_passes(vs_fan *fan, const vs_subject *subject, const vs_asked *key,
+                                bool again, double step, vs_error *err) {
   pass *p = vs_alloc(1, sizeof *p);
   vs_parameter *parameter = vs_alloc(1, sizeof *parameter);
   p->subject = subject;
@@ -358,8 +360,8 @@ static vs_status find(vs_fan *fan, const vs_subject *subject, const vs_asked *ke
   p->grazing.by = INFINITY;
   vs_status status =
       vs_parameter_begin(parameter, subject->scene, key->name, key->where, step, err);
-  if (!status) status = look(p, err);
-  if (!status) status = show(p, fan, key->where, err);
+  if (!status) status = look_for_instants(p, err);
+  if (!status) status = show_to_watchers(p, fan, key->where, err);
   vs_parameter_end(parameter);
   free(p->instants);
   free(p->scene);
@@ -374,7 +376,7 @@ vs_status vs_kin_find(vs_fan *fan, const vs_subject *subject, const vs_asked *ke
   vs_status status = VS_RUN;
   for (int k = 0; k < N_STEPS && status == VS_RUN; k++) {
     why = (vs_error){0};
-    status = find(fan, subject, key, again, STEPS[k], &why);
+    status = find_in_passes(fan, subject, key, again, STEPS[k], &why);
   }
   if (status) *err = why;
   return status;

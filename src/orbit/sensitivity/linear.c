@@ -58,7 +58,7 @@ static void columns_end(state_columns *c) {
 }
 
 /* The machine's columns, and the delay's as the last. */
-static int driven(const state_columns *c) {
+static int driven_columns(const state_columns *c) {
   return c->machine + 1;
 }
 
@@ -68,11 +68,11 @@ static int columns_add(state_columns *c, const vs_seen *seen) {
   if (!seen->states) return -1;
   column_filter *f = &c->filter[c->filters++];
   *f = (column_filter){.seen = seen, .first = c->n};
-  for (int j = 0; j < driven(c) + 2; j++) {
+  for (int j = 0; j < driven_columns(c) + 2; j++) {
     f->column[j] = seen->lowpass;
     memset(f->column[j].x, 0, sizeof f->column[j].x);
   }
-  for (int k = 0; k < seen->states; k++) f->column[driven(c) + k].x[k] = 1;
+  for (int k = 0; k < seen->states; k++) f->column[driven_columns(c) + k].x[k] = 1;
   c->n += seen->states;
   return f->first;
 }
@@ -105,16 +105,16 @@ static double columns_state(state_columns *c, int i, int j) {
     int row = i - f->first, theirs = j - f->first, states = f->seen->states;
     if (row < 0 || row >= states) continue;
     if (!own) return f->column[column].x[row];
-    return theirs >= 0 && theirs < states ? f->column[driven(c) + theirs].x[row] : 0;
+    return theirs >= 0 && theirs < states ? f->column[driven_columns(c) + theirs].x[row] : 0;
   }
   return 0;
 }
 
-static void take_node(state_columns *c, const vs_step *step, int node) {
+static void take_filter_node(state_columns *c, const vs_step *step, int node) {
   vs_variation_rates(&c->variation, step, c->rates);
   for (int k = 0; k < c->filters; k++) {
     column_filter *f = &c->filter[k];
-    for (int j = 0; j < driven(c); j++) f->nodes[j][node] = signal_of(c, f->seen, j);
+    for (int j = 0; j < driven_columns(c); j++) f->nodes[j][node] = signal_of(c, f->seen, j);
   }
 }
 
@@ -137,9 +137,10 @@ static vs_status columns_to(state_columns *c, const vs_step *step, double t_s, v
   if (!(t_s > from_s)) return VS_OK;
   for (int node = c->filters ? NODES - 1 : 0; node >= 0 && !status; node--) {
     status = vs_variation_to(&c->variation, step, vs_chunk_instant(node, from_s, t_s), err);
-    if (c->filters && !status) take_node(c, step, node);
+    if (c->filters && !status) take_filter_node(c, step, node);
   }
-  for (int k = 0; k < c->filters && !status; k++) advance_lowpasses(&c->filter[k], driven(c), t_s - from_s);
+  for (int k = 0; k < c->filters && !status; k++)
+    advance_lowpasses(&c->filter[k], driven_columns(c), t_s - from_s);
   c->t_s = t_s;
   return status;
 }
@@ -261,8 +262,8 @@ static vs_status accept_look(void *ctx, const vs_step *step, const vs_result *re
 }
 
 /* Runs one period of the orbit. */
-static vs_status fly(const vs_scene *scene, const vs_setup *setup, const vs_guest *guest,
-                     vs_error *err) {
+static vs_status run_period(const vs_scene *scene, const vs_setup *setup, const vs_guest *guest,
+                            vs_error *err) {
   const vs_session session = {.guest = guest, .bare = true, .unguarded = true};
   vs_scene *own = vs_alloc(1, sizeof *own);
   vs_result *none = vs_alloc(1, sizeof *none);
@@ -281,10 +282,10 @@ static vs_status look_twice(const vs_scene *scene, const vs_setup *setup, vs_lin
                             vs_error *err) {
   look seen = {l, 0};
   const vs_guest guest = {.ctx = &seen, .accept = accept_look};
-  vs_status status = fly(scene, setup, &guest, err);
+  vs_status status = run_period(scene, setup, &guest, err);
   for (int k = 0; k < l->outputs; k++) vs_seen_close(&l->output[k].seen, l->period_s);
   l->contacts = seen.firings = 0;
-  if (!status) status = fly(scene, setup, &guest, err);
+  if (!status) status = run_period(scene, setup, &guest, err);
   if (status) return status;
   if (seen.firings != 1)
     return vs_fail(
@@ -373,7 +374,7 @@ static vs_status walk_along(const vs_scene *scene, const vs_setup *setup, vs_lin
   w->out = l;
   const vs_guest guest = {.ctx = w, .accept = accept_walk};
   vs_status status = begin_walk(w, setup, err);
-  if (!status) status = fly(scene, setup, &guest, err);
+  if (!status) status = run_period(scene, setup, &guest, err);
   for (int i = 0; i < l->n && !status; i++) {
     for (int j = 0; j < l->n; j++) l->a[i][j] = columns_state(&w->columns, i, j);
     l->b[i] = columns_state(&w->columns, i, l->n) * w->per_rad;

@@ -10,7 +10,7 @@
 #include "flight.h"
 #include "orbit/steady.h"
 
-static const char *inexact(const vs_scene *s) {
+static const char *why_inexact(const vs_scene *s) {
   const vs_setup *setup = &s->setup;
   if (s->tier->has_circuit) return "the circuit's equations are its solver's own";
   if (isfinite(vs_setup_jams(setup))) return "the armature jams";
@@ -22,7 +22,7 @@ static const char *inexact(const vs_scene *s) {
 }
 
 vs_status vs_subject_begin(vs_subject *s, const vs_scene *scene, int periods, vs_error *err) {
-  *s = (vs_subject){.scene = scene, .periods = periods, .inexact = inexact(scene)};
+  *s = (vs_subject){.scene = scene, .periods = periods, .inexact = why_inexact(scene)};
   if (s->inexact || (!periods && !scene->setup.steady)) return VS_OK;
   vs_status status =
       vs_tiers_require_orbits(periods ? "--steady" : "start: steady", scene->tier, scene->why,
@@ -70,7 +70,7 @@ vs_setup vs_subject_setup(const vs_subject *s, const vs_scene *scene, double tol
 enum { ROWS = VS_VARIATION_MOST };
 
 /* Solves (I - Phi) dx/dp = dx(T)/dp, in parts of each state's scale. */
-static bool solve(const vs_orbit *o, const vs_variation *v, double dx[ROWS]) {
+static bool solve_for_start(const vs_orbit *o, const vs_variation *v, double dx[ROWS]) {
   size_t n = (size_t)o->count, order[ROWS];
   double matrix[ROWS * ROWS], side[ROWS], d[ROWS], most = 0, least = INFINITY;
   int sign;
@@ -100,7 +100,7 @@ vs_status vs_subject_start(const vs_subject *s, vs_parameter *parameter, double 
   vs_flight_begin(&flight, s->calm);
   flight.parameter = parameter;
   vs_status status = vs_flight_go(&flight, s->orbit.x, s->orbit.n, true, err);
-  if (!status && !solve(&s->orbit, &flight.variation, start))
+  if (!status && !solve_for_start(&s->orbit, &flight.variation, start))
     status =
         vs_fail(err, VS_RUN, "the orbit turns back here, and has no derivative with respect to %s",
                 parameter->key.name);

@@ -7,8 +7,8 @@
 #include <unistd.h>
 
 #include "engine/pace.h"
-#include "netlist/netlist.h"
 #include "engine/parting.h"
+#include "netlist/netlist.h"
 #include "ngspice/child.h"
 
 /* What becomes of a task: it waits for a trunk, has one, is to be run on its own, is answered. */
@@ -131,7 +131,7 @@ static bool begin_other(vs_past *p, size_t k) {
 
 /* Finds out whether task k shares the trunk's past, and how far. Only a run with a prelude
  * (`start: steady`) has a past that ends at t = 0. */
-static void look_at(vs_past *p, size_t k) {
+static void compare_task(vs_past *p, size_t k) {
   if (!begin_other(p, k) || !is_alike(p, p->desk->tasks[k].point)) return;
   const vs_setup *own = &vs_case_scene(p->trunk)->setup;
   vs_setup *their = &vs_case_scene(p->other)->setup;
@@ -143,12 +143,12 @@ static void look_at(vs_past *p, size_t k) {
   p->lots[k] = past && isfinite(p->parts_s[k]) ? SHARES : OWN;
 }
 
-static void look_at_all(vs_past *p) {
+static void compare_tasks(vs_past *p) {
   for (size_t k = 0; k < p->desk->count; k++)
-    if (p->lots[k] == WAITS) look_at(p, k);
+    if (p->lots[k] == WAITS) compare_task(p, k);
 }
 
-static size_t count(const vs_past *p, lot which) {
+static size_t count_tasks(const vs_past *p, lot which) {
   size_t n = 0;
   for (size_t k = 0; k < p->desk->count; k++) n += p->lots[k] == which;
   return n;
@@ -161,13 +161,13 @@ static double first_parting(const vs_past *p) {
   return first_s;
 }
 
-static void take_lot(vs_past *p) {
+static void wait_for_all(vs_past *p) {
   for (size_t k = 0; k < p->desk->count; k++) p->lots[k] = WAITS;
 }
 
 /* ---- a branch ---- */
 
-static void stay(vs_past *p, double t_s) {
+static void stay_in_branch(vs_past *p, double t_s) {
   (void)p, (void)t_s;
 }
 
@@ -177,7 +177,7 @@ static void become_branch(vs_past *p, size_t k) {
   vs_error err = {0};
   p->branch = true;
   p->next_s = INFINITY;
-  p->arrive = stay;
+  p->arrive = stay_in_branch;
   if (vs_case_begin(p->other, task->index, task->point, &err)) _exit(VS_CHILD_BAD_RUN);
   if (vs_case_become(p->trunk, p->other)) _exit(VS_CHILD_BAD_RUN);
   const vs_pace pace = vs_pace_of(&vs_case_scene(p->trunk)->setup);
@@ -239,7 +239,8 @@ static void hear_scout(vs_past *p, const vs_child_copy *scout) {
     for (size_t k = 0; k < p->desk->count && whole; k++)
       if (p->desk->tasks[k].index == head.index) p->lots[k] = DONE;
     if (whole) vs_desk_answer(p->desk, &head, row);
-    if (count(p, SHARES)) vs_desk_deliver(p->desk); /* the last one once the scout has ended */
+    if (count_tasks(p, SHARES))
+      vs_desk_deliver(p->desk); /* the last one once the scout has ended */
     free(row);
   }
   vs_child_end_of(scout);
@@ -250,7 +251,7 @@ static void hear_scout(vs_past *p, const vs_child_copy *scout) {
 static bool send_scout(vs_past *p, double t_s) {
   vs_error err = {0};
   vs_child_copy scout;
-  if (!count(p, SHARES) || vs_child_fork(&scout, &err)) return false;
+  if (!count_tasks(p, SHARES) || vs_child_fork(&scout, &err)) return false;
   if (scout.pid == 0) {
     p->self = scout;
     p->arrive = send_branches;
@@ -263,24 +264,24 @@ static bool send_scout(vs_past *p, double t_s) {
 
 /* At the knot where the worker stays: serves lot after lot, until one has a task that this trunk is
  * of no use for. */
-static void camp(vs_past *p, double t_s) {
+static void serve_at_knot(vs_past *p, double t_s) {
   p->pace = vs_pace_of(&vs_case_scene(p->trunk)->setup);
   for (;;) {
     if (send_scout(p, t_s)) return;
     for (size_t k = 0; k < p->desk->count; k++)
       if (p->lots[k] == SHARES) p->lots[k] = OWN;
-    p->over = count(p, DONE) < p->desk->count;
+    p->over = count_tasks(p, DONE) < p->desk->count;
     if (p->over) return;
     vs_desk_deliver(p->desk);
     vs_desk_wait(p->desk);
-    take_lot(p);
-    look_at_all(p);
+    wait_for_all(p);
+    compare_tasks(p);
     for (size_t k = 0; k < p->desk->count; k++)
       if (p->lots[k] == SHARES && p->parts_s[k] < t_s - vs_parting_near_s) p->lots[k] = WAITS;
   }
 }
 
-static vs_status reach(void *ctx, double t_s, vs_error *err) {
+static vs_status reach_knot(void *ctx, double t_s, vs_error *err) {
   vs_past *p = ctx;
   if (t_s < p->next_s - vs_parting_near_s) return VS_OK;
   p->arrive(p, t_s);
@@ -290,7 +291,7 @@ static vs_status reach(void *ctx, double t_s, vs_error *err) {
 /* Makes the scene that the trunk has begun one in which the varied events never begin. It is not
  * run again where ngspice gives up: then each case is, with what its scene says. False: that cannot
  * be. */
-static bool calm(vs_past *p) {
+static bool put_varied_events_off(vs_past *p) {
   vs_setup *s = &vs_case_scene(p->trunk)->setup;
   vs_events *events = &s->timeline.events;
   vs_error err = {0};
@@ -308,15 +309,15 @@ static bool begin_trunk(vs_past *p, size_t k) {
   const vs_task *task = &p->desk->tasks[k];
   vs_error err = {0};
   if (!begin_other(p, k) || vs_case_begin(p->trunk, task->index, task->point, &err)) return false;
-  if (!calm(p)) return false;
+  if (!put_varied_events_off(p)) return false;
   const vs_setup *setup = &vs_case_scene(p->trunk)->setup;
   memcpy(p->point, task->point, sizeof p->point);
   vs_netlist_free(p->netlist, p->lines);
   p->netlist = NULL;
   p->lines = 0;
   if (!make_netlist(setup, &p->netlist, &p->lines)) return false;
-  look_at_all(p);
-  return count(p, SHARES) > 0;
+  compare_tasks(p);
+  return count_tasks(p, SHARES) > 0;
 }
 
 /* Runs the trunk of the first task that waits, for all tasks that share its past. */
@@ -327,7 +328,7 @@ static void run_trunk(vs_past *p) {
   vs_desk_deliver(p->desk);
   p->over = false;
   p->next_s = first_parting(p);
-  p->arrive = camp;
+  p->arrive = serve_at_knot;
   p->row.length = 0;
   s->order.junction = &p->junction;
   int status = vs_case_end(p->trunk, VS_OK, &p->row, &circuit, &err);
@@ -337,8 +338,8 @@ static void run_trunk(vs_past *p) {
 }
 
 void vs_past_run(vs_past *p) {
-  take_lot(p);
-  for (size_t k; (k = 0, count(p, WAITS));) {
+  wait_for_all(p);
+  for (size_t k; (k = 0, count_tasks(p, WAITS));) {
     while (p->lots[k] != WAITS) k++;
     bool shares = begin_trunk(p, k);
     if (p->lots[k] == WAITS) p->lots[k] = OWN;
@@ -354,6 +355,6 @@ void vs_past_run(vs_past *p) {
 vs_past *vs_past_new(const vs_plan *plan, vs_case *c, vs_desk *desk) {
   vs_past *p = vs_alloc(1, sizeof *p);
   *p = (vs_past){.plan = plan, .trunk = c, .desk = desk, .other = vs_case_new(plan, NULL)};
-  p->junction = (vs_junction){p, reach};
+  p->junction = (vs_junction){p, reach_knot};
   return p;
 }
