@@ -150,8 +150,8 @@ static void take_slopes(const kin_data *all, const vs_fan *fan, const vs_unknown
 }
 
 /* Error: the kin cannot tell. A key that the tier ignores may still be one of an instrument. */
-static vs_status follow_kin(const vs_subject *subject, kin_data *all, const vs_unknown *u,
-                            double *slope, vs_error *err) {
+static vs_status follow_kin(const vs_sensitivity_problem *subject, kin_data *all,
+                            const vs_unknown *u, double *slope, vs_error *err) {
   vs_fan *fan = vs_alloc(1, sizeof *fan);
   const vs_asked key = {u->axis.key, u->axis.where};
   all->fan = fan;
@@ -170,21 +170,21 @@ static vs_status follow_kin(const vs_subject *subject, kin_data *all, const vs_u
 
 /* Why the run has no kin; NULL: it has. Where a low-pass begins on an orbit, its state there
  * depends on the key, which the kin are not told. */
-static const char *lacks_kin(const vs_inquiry_run *run, const vs_subject *subject) {
+static const char *lacks_kin(const vs_inquiry_run *run, const vs_sensitivity_problem *subject) {
   if (subject->inexact) return subject->inexact;
   return subject->calm && sees_through(run) ? "an instrument begins on the orbit" : NULL;
 }
 
 static vs_status find_in_run(const vs_inquiry_run *run, const vs_unknown *u, kin_data *all,
                              double *slope, vs_error *err) {
-  vs_subject subject;
-  vs_status status = vs_subject_begin(&subject, run->scene, run->periods, err);
+  vs_sensitivity_problem subject;
+  vs_status status = vs_sensitivity_problem_begin(&subject, run->scene, run->periods, err);
   const char *why = status ? NULL : lacks_kin(run, &subject);
   subject.shown = run->recorded ? take_step : NULL;
   subject.ctx = all;
   if (why) status = vs_fail(err, VS_RUN, "%s", why);
   if (!status) status = follow_kin(&subject, all, u, slope, err);
-  vs_subject_end(&subject);
+  vs_sensitivity_problem_end(&subject);
   return status;
 }
 

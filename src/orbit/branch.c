@@ -8,9 +8,9 @@
 #include "base/file.h"
 #include "base/gnuplot.h"
 #include "base/leave.h"
-#include "path.h"
-#include "rows.h"
-#include "walk.h"
+#include "branch_output.h"
+#include "branch_points.h"
+#include "continuation.h"
 
 /* ---- the picture ---- */
 
@@ -30,11 +30,11 @@ static const part PARTS[] = {
 };
 enum { N_PARTS = sizeof PARTS / sizeof *PARTS };
 
-static bool is_of_part(const vs_path_point *at, const part *p) {
-  return (at->unstable > 0) == p->unstable && (*vs_rows_beyond(at) != 0) == p->beyond;
+static bool is_of_part(const vs_branch_point *at, const part *p) {
+  return (at->unstable > 0) == p->unstable && (*vs_branch_output_beyond(at) != 0) == p->beyond;
 }
 
-static void add_point_of_branch(const vs_walk *w, const vs_path_point *at, bool largest,
+static void add_point_of_branch(const vs_continuation *w, const vs_branch_point *at, bool largest,
                                 vs_script *script) {
   const vs_turns *t = &at->turns;
   vs_gnuplot_add(script, "%.9g %.9g\n", at->z[w->path.count],
@@ -43,10 +43,10 @@ static void add_point_of_branch(const vs_walk *w, const vs_path_point *at, bool 
 
 /* A curve's pieces of one kind, cut by blank lines. A piece begins at the point before it, which
  * is a mark where the kind changes. */
-static void add_pieces(const vs_walk *w, const part *p, bool largest, vs_script *script) {
+static void add_pieces(const vs_continuation *w, const part *p, bool largest, vs_script *script) {
   bool was = false;
   for (size_t r = 0; r < w->count; r++) {
-    const vs_path_point *at = &w->row[r].at;
+    const vs_branch_point *at = &w->row[r].at;
     bool is = is_of_part(at, p);
     if (is && !was && r) add_point_of_branch(w, &w->row[r - 1].at, largest, script);
     if (is) add_point_of_branch(w, at, largest, script);
@@ -56,13 +56,13 @@ static void add_pieces(const vs_walk *w, const part *p, bool largest, vs_script 
   vs_gnuplot_add(script, "\n");
 }
 
-static bool has_part(const vs_walk *w, const part *p) {
+static bool has_part(const vs_continuation *w, const part *p) {
   for (size_t r = 0; r < w->count; r++)
     if (is_of_part(&w->row[r].at, p)) return true;
   return false;
 }
 
-static void add_data_of_branch(const vs_walk *w, vs_script *script) {
+static void add_data_of_branch(const vs_continuation *w, vs_script *script) {
   for (int p = 0; p < N_PARTS; p++)
     for (int largest = 0; largest < 2; largest++) {
       vs_gnuplot_add(script, "$part%d%d << EOD\n", p, largest);
@@ -78,7 +78,7 @@ static void add_data_of_branch(const vs_walk *w, vs_script *script) {
   }
 }
 
-static bool has_mark(const vs_walk *w, const vs_mark_kind *kind) {
+static bool has_mark(const vs_continuation *w, const vs_mark_kind *kind) {
   for (size_t r = 0; r < w->count; r++)
     if (w->row[r].mark.kind == kind) return true;
   return false;
@@ -87,7 +87,7 @@ static bool has_mark(const vs_walk *w, const vs_mark_kind *kind) {
 /* gnuplot's types of points, all of them full. */
 static const int POINTS[] = {5, 7, 9, 11, 13, 15, 10, 8, 6};
 
-static void add_plot_of_branch(const vs_walk *w, vs_script *script) {
+static void add_plot_of_branch(const vs_continuation *w, vs_script *script) {
   const char *comma = "plot ";
   for (int p = 0; p < N_PARTS; p++) {
     if (!has_part(w, &PARTS[p])) continue;
@@ -106,7 +106,7 @@ static void add_plot_of_branch(const vs_walk *w, vs_script *script) {
   vs_gnuplot_add(script, "\n");
 }
 
-static void add_script_of_branch(const vs_walk *w, vs_script *script) {
+static void add_script_of_branch(const vs_continuation *w, vs_script *script) {
   const vs_axis *axis = &w->along->axis;
   vs_text label = {0};
   vs_text_add(&label, "%s%s%s", axis->key, *axis->unit ? " / " : "", axis->unit);
@@ -123,7 +123,7 @@ static void add_script_of_branch(const vs_walk *w, vs_script *script) {
 }
 
 /* Writes branch.png into the folder. Errors: those of vs_gnuplot_picture, and of the file. */
-static vs_status write_branch_picture(const vs_walk *w, const char *folder, vs_error *err) {
+static vs_status write_branch_picture(const vs_continuation *w, const char *folder, vs_error *err) {
   vs_script script = {0};
   char *picture = NULL;
   size_t size = 0;
@@ -151,18 +151,19 @@ static vs_status write_text_of_branch(const char *folder, const char *name, cons
   return vs_file_commit(&file, err);
 }
 
-static vs_status write_branch_csv(const vs_walk *w, const char *folder, int digits, vs_error *err) {
+static vs_status write_branch_csv(const vs_continuation *w, const char *folder, int digits,
+                                  vs_error *err) {
   vs_file file;
   vs_status status = vs_file_open(&file, folder, "branch.csv", err);
   if (status) return status;
-  vs_rows_csv(w, digits, file.stream);
+  vs_branch_output_csv(w, digits, file.stream);
   return vs_file_commit(&file, err);
 }
 
 /* The picture comes last. Where gnuplot is missing the numbers are there all the same; *drawn says
  * so. */
-static vs_status write_branch_files(const vs_walk *w, const vs_run_options *o, const char *json,
-                                    bool *drawn, vs_error *err) {
+static vs_status write_branch_files(const vs_continuation *w, const vs_run_options *o,
+                                    const char *json, bool *drawn, vs_error *err) {
   int made = 0;
   vs_error why = {0};
   vs_status status = vs_file_folder_make(o->folder, &made, err);
@@ -177,25 +178,25 @@ static vs_status write_branch_files(const vs_walk *w, const vs_run_options *o, c
 
 /* ---- the command ---- */
 
-static vs_status say_branch(const vs_walk *w, const vs_run_options *o, vs_error *err) {
+static vs_status say_branch(const vs_continuation *w, const vs_run_options *o, vs_error *err) {
   vs_text json = {0};
   bool drawn = false;
-  vs_rows_json(w, &json);
+  vs_branch_output_json(w, &json);
   vs_status status = o->folder ? write_branch_files(w, o, json.text, &drawn, err) : VS_OK;
   if (!status && o->json)
     fputs(json.text, stdout);
   else if (!status && !o->quiet) {
-    vs_rows_print(w, stdout);
+    vs_branch_output_print(w, stdout);
     if (o->folder)
       printf("written: branch.csv, branch.json%s in %s\n", drawn ? ", branch.png" : "", o->folder);
   }
   vs_text_free(&json);
-  if (!status && w->end == VS_WALK_STOPPED)
+  if (!status && w->end == VS_CONTINUATION_STOPPED)
     status = vs_fail(err, VS_SIGNAL, "stopped by a signal; the branch is told up to %s = %.9g%s%s",
                      w->along->axis.key, w->row[w->count - 1].at.z[w->path.count],
                      *w->along->axis.unit ? " " : "", w->along->axis.unit);
-  if (!status && (w->end == VS_WALK_STUCK || w->end == VS_WALK_SPENT))
-    status = vs_fail(err, w->end == VS_WALK_SPENT ? VS_BUDGET : VS_RUN,
+  if (!status && (w->end == VS_CONTINUATION_STUCK || w->end == VS_CONTINUATION_SPENT))
+    status = vs_fail(err, w->end == VS_CONTINUATION_SPENT ? VS_BUDGET : VS_RUN,
                      "the branch cannot be followed beyond %s = %.9g%s%s: %s", w->along->axis.key,
                      w->row[w->count - 1].at.z[w->path.count], *w->along->axis.unit ? " " : "",
                      w->along->axis.unit, w->why);
@@ -215,16 +216,16 @@ static vs_status refuse_tier(const vs_scene *s, vs_error *err) {
 
 static vs_status follow_branch(const vs_branch_options *o, vs_scene *scene, vs_error *err) {
   vs_along along = {0};
-  vs_walk walk = {0};
+  vs_continuation walk = {0};
   vs_status status = refuse_tier(scene, err);
   if (!status) status = vs_along_read(&along, scene, &o->words, err);
   vs_heed before = vs_leave_heed_set(VS_HEED_SOON);
-  if (!status) status = vs_walk_go(&walk, &along, o->periods, o->run->stop, err);
+  if (!status) status = vs_continuation_go(&walk, &along, o->periods, o->run->stop, err);
   vs_leave_heed_set(VS_HEED_KEEP);
   if (!status) status = vs_along_move(&along, along.from, err); /* which the files tell of */
   if (!status) status = say_branch(&walk, o->run, err);
   vs_leave_heed_set(before);
-  vs_walk_free(&walk);
+  vs_continuation_free(&walk);
   vs_along_free(&along);
   return status;
 }

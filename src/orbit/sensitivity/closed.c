@@ -7,6 +7,7 @@
 
 #include "base/text.h"
 #include "base/units.h"
+#include "orbit/linear.h"
 
 enum { N = VS_LINEAR_STATES };
 

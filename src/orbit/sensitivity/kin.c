@@ -9,6 +9,7 @@
 #include "base/text.h"
 #include "engine/driven.h"
 #include "orbit/grazing.h"
+#include "orbit/sensitivity_problem.h"
 #include "run/session.h"
 
 enum { RUNS = VS_FAN_RUNS, ROWS = VS_VARIATION_MOST };
@@ -21,7 +22,7 @@ typedef struct instant {
 /* One run along with Y. The first finds the instants, the second how far p may go, the third shows
  * the kin. */
 typedef struct pass {
-  const vs_subject *subject;
+  const vs_sensitivity_problem *subject;
   bool again; /* the other attempt */
   vs_parameter *parameter;
   vs_scene *scene; /* that is run */
@@ -282,7 +283,7 @@ static const double ELSEWHERE = 0.87, SMALLER = 0.1;
 
 static vs_setup make_setup_of_pass(const vs_scene *scene, void *ctx) {
   const pass *p = ctx;
-  vs_setup setup = vs_subject_setup(p->subject, scene, p->subject->scene->tier->finest);
+  vs_setup setup = vs_sensitivity_problem_setup(p->subject, scene, p->subject->scene->tier->finest);
   double most =
       TURN * (p->again ? ELSEWHERE : 1) / setup.model.fastest_rad_s; /* INFINITY: nothing swings */
   if (isfinite(most) && !(setup.run.max_step_s > 0 && setup.run.max_step_s < most))
@@ -294,8 +295,9 @@ static vs_setup make_setup_of_pass(const vs_scene *scene, void *ctx) {
 
 static vs_status begin_pass(pass *p, vs_error *err) {
   const vs_scene *s = p->subject->scene;
-  vs_status status =
-      p->subject->calm ? vs_subject_start(p->subject, p->parameter, p->start, err) : VS_OK;
+  vs_status status = p->subject->calm
+                         ? vs_sensitivity_problem_start(p->subject, p->parameter, p->start, err)
+                         : VS_OK;
   if (status) return status;
   vs_parameter_take(p->parameter, make_setup_of_pass, p);
   if (!p->subject->calm) vs_parameter_start(p->parameter, s->tier, p->start);
@@ -350,8 +352,8 @@ static vs_status show_to_watchers(pass *p, vs_fan *fan, vs_where where, vs_error
   return status;
 }
 
-static vs_status find_in_passes(vs_fan *fan, const vs_subject *subject, const vs_asked *key,
-                                bool again, double step, vs_error *err) {
+static vs_status find_in_passes(vs_fan *fan, const vs_sensitivity_problem *subject,
+                                const vs_asked *key, bool again, double step, vs_error *err) {
   pass *p = vs_alloc(1, sizeof *p);
   vs_parameter *parameter = vs_alloc(1, sizeof *parameter);
   p->subject = subject;
@@ -370,8 +372,8 @@ static vs_status find_in_passes(vs_fan *fan, const vs_subject *subject, const vs
   return status;
 }
 
-vs_status vs_kin_find(vs_fan *fan, const vs_subject *subject, const vs_asked *key, bool again,
-                      vs_error *err) {
+vs_status vs_kin_find(vs_fan *fan, const vs_sensitivity_problem *subject, const vs_asked *key,
+                      bool again, vs_error *err) {
   vs_error why = {0};
   vs_status status = VS_RUN;
   for (int k = 0; k < N_STEPS && status == VS_RUN; k++) {

@@ -8,6 +8,7 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "base/units.h"
+#include "orbit/linear.h"
 
 enum { N = VS_LINEAR_STATES, DIGITS = 17 };
 

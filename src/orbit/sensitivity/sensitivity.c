@@ -9,12 +9,13 @@
 #include "base/text.h"
 #include "base/units.h"
 #include "orbit/kin.h"
+#include "orbit/sensitivity_problem.h"
 
 /* What is being found. */
 typedef struct search {
   const vs_sensitivity_order *order;
   vs_budget budget;
-  vs_subject subject;
+  vs_sensitivity_problem subject;
   vs_sensitivity *out;
 } search;
 
@@ -351,12 +352,12 @@ vs_status vs_sensitivity_find(const vs_scene *scene, const vs_sensitivity_order 
   vs_scene *counted = vs_alloc(1, sizeof *counted); /* borrows all that the scene owns */
   *counted = *scene;
   counted->order.budget = &s.budget;
-  status = vs_subject_begin(&s.subject, counted, order->periods, err);
+  status = vs_sensitivity_problem_begin(&s.subject, counted, order->periods, err);
   s.subject.stop = order->stop;
   if (status && is_spent(&s)) status = refuse_spent_search(&s, 0, err);
   if (!status) status = find_all_entries(&s, err);
   vs_budget_end(&s.budget);
-  vs_subject_end(&s.subject);
+  vs_sensitivity_problem_end(&s.subject);
   free(counted);
   return status;
 }

@@ -17,7 +17,7 @@
  * knots and smaller p, where a measure was not resolved by the first. vs_fan_end only after VS_OK.
  * Errors: those of vs_fan_begin and of the run; VS_RUN, the run has no derivative: the orbit turns
  * back here, a firing comes or goes, or the armature touches its stop without a speed. */
-vs_status vs_kin_find(vs_fan *fan, const vs_subject *subject, const vs_asked *key, bool again,
-                      vs_error *err);
+vs_status vs_kin_find(vs_fan *fan, const vs_sensitivity_problem *subject, const vs_asked *key,
+                      bool again, vs_error *err);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "orbit/subject.h"
+#include "orbit/sensitivity_problem.h"
 
 #include <gsl/gsl_linalg.h>
 #include <math.h>
@@ -21,8 +21,9 @@ static const char *why_inexact(const vs_scene *s) {
   return NULL;
 }
 
-vs_status vs_subject_begin(vs_subject *s, const vs_scene *scene, int periods, vs_error *err) {
-  *s = (vs_subject){.scene = scene, .periods = periods, .inexact = why_inexact(scene)};
+vs_status vs_sensitivity_problem_begin(vs_sensitivity_problem *s, const vs_scene *scene,
+                                       int periods, vs_error *err) {
+  *s = (vs_sensitivity_problem){.scene = scene, .periods = periods, .inexact = why_inexact(scene)};
   if (s->inexact || (!periods && !scene->setup.steady)) return VS_OK;
   vs_status status =
       vs_tiers_require_orbits(periods ? "--steady" : "start: steady", scene->tier, scene->why,
@@ -39,7 +40,7 @@ vs_status vs_subject_begin(vs_subject *s, const vs_scene *scene, int periods, vs
   return vs_shooting_find(s->calm, periods ? periods : 1, &s->orbit, err);
 }
 
-void vs_subject_end(vs_subject *s) {
+void vs_sensitivity_problem_end(vs_sensitivity_problem *s) {
   free(s->calm);
   s->calm = NULL;
 }
@@ -50,7 +51,8 @@ static double firing_period(const vs_setup *setup) {
   return (line->firing.no_valve ? 1 : line->firing.every) * line->period_s;
 }
 
-vs_setup vs_subject_setup(const vs_subject *s, const vs_scene *scene, double tolerance) {
+vs_setup vs_sensitivity_problem_setup(const vs_sensitivity_problem *s, const vs_scene *scene,
+                                      double tolerance) {
   vs_run_values run = scene->setup.run;
   run.tolerance = tolerance;
   if (!s->calm) return vs_setup_varied(&scene->setup, &run, NULL);
@@ -94,8 +96,8 @@ static bool solve_for_start(const vs_orbit *o, const vs_variation *v, double dx[
   return true;
 }
 
-vs_status vs_subject_start(const vs_subject *s, vs_parameter *parameter, double start[ROWS],
-                           vs_error *err) {
+vs_status vs_sensitivity_problem_start(const vs_sensitivity_problem *s, vs_parameter *parameter,
+                                       double start[ROWS], vs_error *err) {
   vs_flight flight;
   vs_flight_begin(&flight, s->calm);
   flight.parameter = parameter;
