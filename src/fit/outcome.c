@@ -182,13 +182,17 @@ static double runs_for(const vs_inquiry *q) {
   return iterations * (1 + VALUES * (double)q->n_unknowns);
 }
 
-/* Finds the minimum and what it tells. */
+/* Finds the minimum, from all starts; then errors, correlations and residuals at it; then the
+ * profiles that are wanted. */
 static vs_status find_outcome(vs_descender *d, vs_outcome *o, vs_error *err) {
   vs_budget *budget = &o->prediction.budget;
   d->slopes = kind_of_slopes(o, true);
   vs_status status = vs_descents_search(d, &o->descents, err);
   if (status) return status;
   snprintf(budget->stage, sizeof budget->stage, "slopes at the minimum");
+
+  /* The search may have used differences for its slopes. Errors want the exact ones where the tier
+   * has them, and so the last steps to the minimum are made with these. */
   settle_at_minimum(d, o);
   status = vs_estimate_at(d, &o->descents.item[o->descents.best], &o->estimate, err);
   if (vs_prediction_spent(&o->prediction))

@@ -490,7 +490,7 @@ static void accept_step_of_search(void *self, const vs_step *step) {
   vs_creep_accept(&s->creep, step);
 }
 
-/* Why the search goes on; an error where it has gone on for too long. */
+/* Error: the search has gone on for too long, and why it did. */
 static vs_status check_search_goes_on(const vs_picard *p, vs_error *err) {
   const vs_search *s = p->search;
   const char *name = "";
@@ -522,10 +522,13 @@ static bool is_lost(const vs_search *s) {
          s->corrections.least > s->setup->run.tolerance && s->creep.area_v_s == 0;
 }
 
+/* A firing period of the prelude has ended at `end`. *begins: the orbit is found, and the run
+ * begins on it. Errors: the search's own (vs_picard_new). */
 static vs_status end_period_of_search(void *self, const vs_knot *end, bool *begins, vs_error *err) {
   vs_picard *p = self;
   vs_search *s = p->search;
   const char *name;
+  /* The end of every firing period: where the machine is goes on record. */
   vs_status status = s->copies.inside ? VS_OK : vs_budget_take(s->budget, true, s->of_mains, err);
   if (status) return status;
   s->cycles++;
@@ -533,12 +536,15 @@ static vs_status end_period_of_search(void *self, const vs_knot *end, bool *begi
   memcpy(s->between[s->passed], end->x, sizeof *s->between);
   memcpy(p->pilot.x, end->x, sizeof p->pilot.x);
   if (++s->passed < p->orbit.n) return VS_OK;
+  /* The end of a pass, which is as many firing periods as the orbit has. A copy tells its state; a
+   * pass of a pair, or of a free swing, is for pairs_turn. */
   s->passed = 0;
   if (s->copies.inside) {
     vs_copies_pass(&s->copies, end);
     return VS_OK;
   }
   if (s->pass != VS_SEARCH_STEERED) return pairs_turn(s, end, err);
+  /* Newton's step, but not behind a pass in which a flux was moved. */
   s->steered++;
   bool clean = vs_creep_turn(&s->creep, end);
   if (clean)
@@ -549,6 +555,7 @@ static vs_status end_period_of_search(void *self, const vs_knot *end, bool *begi
     memcpy(s->x, end->x, sizeof s->x);
     return pairs_begin(s, err);
   }
+  /* The run begins where the corrections are small enough, and nothing creeps any more. */
   memcpy(p->pilot.x, s->x, sizeof s->x);
   bool next_clean =
       vs_creep_is_told(&s->creep) && s->creep.area_v_s == 0 && !vs_creep_worst(&s->creep, &name);

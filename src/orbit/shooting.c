@@ -53,7 +53,8 @@ static bool solve_shooting_step(const vs_orbit *o, const double *end, double *d)
   return least > 1e-13 * most && !gsl_linalg_LU_solve(&a.matrix, &p, &b.vector, &by.vector);
 }
 
-/* Flies once around with derivatives, and corrects x; *change: by how much, relative to scale. */
+/* One iteration: runs the periods from x with derivatives, and corrects x by Newton's step; *change
+ * is the correction relative to scale. */
 static vs_status improve_start(vs_flight *f, vs_orbit *o, double *change, vs_error *err) {
   double d[MOST];
   vs_status status = vs_flight_go(f, o->x, o->n, true, err);
@@ -188,9 +189,9 @@ static vs_status judge_orbit_found(const vs_flight *f, const vs_shooting *how, v
 
 /* ---- all of it ---- */
 
-/* How many firing periods the program marches on, from the scene's start at first, before each
- * attempt at Newton's iteration. After the first march what decays fast is gone, and without a stop
- * in reach six iterations are enough; the others are for machines that hit their stops, and for
+/* How many firing periods are run, from the scene's start at first, before each attempt at Newton's
+ * iteration. After the first 30 the fast transients are gone, and without a stop in reach six
+ * iterations are enough; the longer ones are for machines that hit their stops, and for
  * subharmonics, beside which the orbit of a smaller period is unstable. */
 static const int MARCHES[] = {30, 300, 3000};
 /* A search ends at so many cycles of the mains, which take some 16 s. That of a short period ends
@@ -205,7 +206,7 @@ static void put_start(const vs_scene *s, double x[MOST]) {
     x[2 * m->dof] = vs_coil_idle_flux(&m->coil, vs_mechanics_gap(m, x));
 }
 
-/* Goes on from o->x by so many firing periods. */
+/* Runs on from o->x for so many firing periods, without derivatives. */
 static vs_status march_to_orbit(vs_flight *f, int periods, vs_orbit *o, vs_error *err) {
   const vs_model *m = &f->given->setup.model;
   vs_error why = {0};
@@ -277,6 +278,7 @@ static vs_status refuse_subharmonic(vs_flight *f, const vs_shooting *how, const 
                  missing, LONGEST, vs_shooting_weakens(f->given));
 }
 
+/* Alternates runs that let fast transients decay with Newton's iteration, until that converges. */
 static vs_status seek_orbit(vs_flight *f, const vs_shooting *how, vs_orbit *o, vs_error *err) {
   double x[MOST] = {0};
   vs_status status = VS_RUN;
@@ -285,6 +287,8 @@ static vs_status seek_orbit(vs_flight *f, const vs_shooting *how, vs_orbit *o, v
     memcpy(o->x, how->from, (size_t)o->count * sizeof *x);
   else
     put_start(f->given, o->x);
+  /* Each attempt runs on for longer before it iterates (MARCHES): the iteration converges from near
+   * the orbit alone, and with stops or subharmonics from very near. */
   for (int k = 0; k < ATTEMPTS; k++) {
     o->n = how->periods;
     if (!how->from && (status = march_to_orbit(f, MARCHES[k] * how->periods, o, err)))
@@ -297,6 +301,7 @@ static vs_status seek_orbit(vs_flight *f, const vs_shooting *how, vs_orbit *o, v
   }
   if (status && (how->from || how->quietly || status == VS_BUDGET))
     return vs_fail(err, status, "%s", why.text);
+  /* An unstable orbit is not what the machine does: say which orbit that is. */
   if (!how->from && !how->quietly && (status || !o->stable))
     status = refuse_subharmonic(f, how, x, o, status ? why.text : NULL, err);
   if (status) return status;

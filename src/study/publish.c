@@ -124,12 +124,14 @@ bool vs_publish_was_begun(const vs_journals *all, const char *folder) {
   return found;
 }
 
+/* Shows the row to the columns that may be words or numbers (vs_array_must_look). */
 static vs_status look_at_row(result *r, bool failed, char *row, vs_error *err) {
   (void)err;
   if (!failed) vs_array_look(r->columns, row);
   return VS_OK;
 }
 
+/* Writes the row into its file, as the journal has it. */
 static vs_status publish_row(result *r, bool failed, char *row, vs_error *err) {
   fprintf(failed ? r->failures.stream : r->rows, "%s\n", row);
   return failed || !r->columns ? VS_OK : vs_array_add(r->columns, row, err);
@@ -208,6 +210,8 @@ vs_status vs_publish_write(const vs_journals *all, const vs_format *format, cons
   result r = {0};
   const vs_head *head = &all->item[0].head;
   vs_row *shape = vs_row_new(head->columns, head->failures, head->manifest_end);
+  /* All files are written under other names, and get their own at the end, the manifest last: a
+   * folder with a manifest is whole. */
   vs_status status = check_count(all, err);
   if (!status) status = vs_publish_check(folder, format, err);
   if (!status) status = vs_file_open(&r.study, folder, format->rows, err);

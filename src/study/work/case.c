@@ -218,7 +218,7 @@ static void add_case_row(vs_case *c, vs_text *row) {
   vs_text_free(&warnings);
 }
 
-/* ---- who looks on: the run.csv that --keep runs asks for, and the orbit ---- */
+/* ---- observers of the run: the run.csv that --keep runs asks for, and the orbit ---- */
 
 typedef struct keeper {
   const vs_case *c;
@@ -314,8 +314,8 @@ static void discard_attempt(void *ctx, const char *failed, int next) {
 
 /* ---- the run ---- */
 
-/* Error: the orbit is unstable, so that the machine does not run on it. A study whose columns tell
- * that takes it. */
+/* Error: the orbit is unstable, so that the machine does not stay on it. A study that reports
+ * `stable` has the row nevertheless. */
 static vs_status judge_orbit(const vs_case *c, vs_error *err) {
   const vs_orbit *orbit = &c->steady->orbit;
   for (size_t k = 0; k < c->plan->n_columns; k++)
@@ -328,7 +328,7 @@ static vs_status judge_orbit(const vs_case *c, vs_error *err) {
                  hypot(orbit->multiplier[0].re, orbit->multiplier[0].im), VS_ATWORK_STABLE);
 }
 
-/* The run is over: completes what is known of a study's orbit. */
+/* Completes the measures of the orbit behind its run. */
 static vs_status end_orbit(vs_case *c, vs_error *err) {
   if (!c->steady) return VS_OK;
   vs_steady_finish(c->steady, c->result);
@@ -350,8 +350,8 @@ static bool want_measure(vs_case *c, const char *name) {
   return false;
 }
 
-/* Finds what is read of the case's result: its columns, and what a warning tells of a run in which
- * nothing fires. NULL: all of it. */
+/* Which values of the machine the case needs, so that the run computes no others: those of its
+ * columns, and the two that tell that nothing fires. NULL: all of them. */
 static const vs_measure_set *find_wants(vs_case *c) {
   const char *machine = c->scene->setup.model.parameters.model;
   if (c->plan->derivatives) return NULL;
@@ -364,6 +364,8 @@ static const vs_measure_set *find_wants(vs_case *c) {
   return c->wants_all ? NULL : &c->wants;
 }
 
+/* Runs the scene of the case that was begun, and adds its row. The row's values are those of the
+ * result; the axes' cells are the plan's own numbers (begin_row), not read back from the scene. */
 static vs_status run_scene(vs_case *c, vs_text *row, vs_error *err) {
   keeper k = {.c = c};
   const vs_guest guest = {.ctx = &k,
@@ -376,6 +378,8 @@ static vs_status run_scene(vs_case *c, vs_text *row, vs_error *err) {
                               .verify_edges = true,
                               .steady = vs_steady_start};
   *c->result = (vs_result){0};
+  /* Derivatives come first, as a run makes the scene its own; in a study of orbits the scene then
+   * becomes one period of its orbit; the run itself is as of `run`. */
   vs_status status = derive_measures(c, err);
   if (!status && c->steady) status = vs_steady_begin(c->steady, c->scene, c->plan->periods, err);
   if (!status) status = vs_session_run(&session, c->scene, c->result, err);
@@ -388,7 +392,9 @@ static vs_status run_scene(vs_case *c, vs_text *row, vs_error *err) {
   return status;
 }
 
-/* Reads the scene with the case's keys put over it. */
+/* Reads the scene with the case's keys put over it. The first case reads all of the scene; a later
+ * one reads again only what its keys change (vs_scene_again). An axis' value goes into the scene's
+ * tree as text with its unit, so that a key means the same in a study as in the scene's file. */
 static vs_status read_scene_of_case(vs_case *c, vs_error *err) {
   const vs_plan *plan = c->plan;
   bool again = c->begun;

@@ -81,8 +81,9 @@ static vs_status fail_case(vs_jobs *j, const vs_task *task, const char *why, vs_
   return status;
 }
 
-/* Replaces a worker that is gone, or, with `slow`, that is to end because it took too long. The
- * cases it had are run again, except one that was alone with it often enough: that has failed. */
+/* Ends a worker that is gone, or that, with `slow`, took too long; the next case starts another.
+ * The cases it had are run again, except one that was alone with it often enough: that has failed.
+ */
 static vs_status replace_worker(vs_jobs *j, vs_worker *w, bool slow, vs_error *err) {
   char why[256];
   int how = vs_worker_kill(w);
@@ -172,7 +173,7 @@ static vs_status deal_all(vs_jobs *j, vs_error *err) {
   return status;
 }
 
-/* ---- hearing ---- */
+/* ---- answers ---- */
 
 static vs_status hear_worker(vs_jobs *j, vs_worker *w, vs_error *err) {
   vs_answer answer;
@@ -238,6 +239,8 @@ vs_status vs_jobs_run(vs_jobs *j, const vs_dealer *dealer, vs_error *err) {
   j->dealt = false;
   j->turn_s = vs_worker_clock();
   vs_status status = VS_OK;
+  /* Fill the workers' queues, wait up to 50 ms for answers, hand these to the dealer; until every
+   * case is answered, the user stops the study, or something cannot be written. */
   while (!status) {
     if (*j->o.stop) {
       status = vs_fail(err, VS_SIGNAL, "stopped by a signal");

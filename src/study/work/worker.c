@@ -39,6 +39,8 @@ static _Noreturn void work_off_tasks(const vs_plan *plan, const char *keep, bool
   vs_desk *desk = vs_desk_new(plan, in, out);
   vs_case *c = vs_case_new(plan, keep);
   vs_past *past = share ? vs_past_new(plan, c, desk) : NULL;
+  /* Wait for a batch of tasks, run each, send the rows back. vs_desk_wait ends the process when the
+   * parent has closed the pipe. */
   for (;;) {
     vs_desk_wait(desk);
     if (past)
