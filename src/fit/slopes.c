@@ -9,7 +9,8 @@
 #include "orbit/kin.h"
 #include "sampler.h"
 
-/* Runs of the scene that its kin take: to find the instants, how far they may go, to show them. */
+/* Runs of the scene that derivatives take (orbit/kin.h): to find the instants, how far they may go,
+ * to show them. */
 enum { RUNS_OF_KIN = 3 };
 
 /* ---- differences ---- */
@@ -107,7 +108,7 @@ static bool sees_through(const vs_inquiry_run *run) {
   return any;
 }
 
-/* What a run and its kin say in the place of each of the run's data. */
+/* What a run and its neighbours say in the place of each of the run's data. */
 typedef struct kin_data {
   const vs_inquiry_run *run;
   const vs_fan *fan;
@@ -115,7 +116,7 @@ typedef struct kin_data {
   vs_sampler sampler[KIN];
 } kin_data;
 
-/* The kin are shown anew, from the begin on, where an attempt at them has failed. */
+/* The neighbours are shown anew, from the begin on, where an attempt at them has failed. */
 static void take_step(void *ctx, int k, const vs_step *step) {
   kin_data *all = ctx;
   if (step->from->t_s <= 0) vs_sampler_restart(&all->sampler[k], all->fan->scene[k]);
@@ -149,7 +150,8 @@ static void take_slopes(const kin_data *all, const vs_fan *fan, const vs_unknown
   }
 }
 
-/* Error: the kin cannot tell. A key that the tier ignores may still be one of an instrument. */
+/* Error: the neighbours cannot tell. A key that the tier ignores may still be one of an instrument.
+ */
 static vs_status follow_kin(const vs_sensitivity_problem *subject, kin_data *all,
                             const vs_unknown *u, double *slope, vs_error *err) {
   vs_fan *fan = vs_alloc(1, sizeof *fan);
@@ -168,8 +170,8 @@ static vs_status follow_kin(const vs_sensitivity_problem *subject, kin_data *all
   return status;
 }
 
-/* Why the run has no kin; NULL: it has. Where a low-pass begins on an orbit, its state there
- * depends on the key, which the kin are not told. */
+/* Why the run has no neighbours, that is, no derivative; NULL: it has one. Where a low-pass begins
+ * on an orbit, its state there depends on the key, which the neighbours are not told. */
 static const char *lacks_kin(const vs_inquiry_run *run, const vs_sensitivity_problem *subject) {
   if (subject->inexact) return subject->inexact;
   return subject->calm && sees_through(run) ? "an instrument begins on the orbit" : NULL;
@@ -204,7 +206,7 @@ static vs_status exact_in_run(vs_prediction *p, int number, size_t k, double *sl
   return status;
 }
 
-/* Where the kin cannot tell, as a run has no derivative, differences do. */
+/* Where the neighbours cannot tell, as a run has no derivative, differences do. */
 static vs_status slope_by_derivatives(vs_prediction *p, size_t k, const double *s,
                                       const double *computed, double *slope, vs_error *err) {
   const vs_inquiry *q = p->inquiry;

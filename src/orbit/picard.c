@@ -17,17 +17,17 @@
 /* ---- a search: the prelude of one run ---- */
 
 /* The longest period that the machine is asked for where it is left to itself. */
-enum { VS_SEARCH_LONGEST = 6 };
+enum { LONGEST_PERIOD = 6 };
 
 /* What a pass is for: */
-typedef enum vs_search_pass {
-  VS_SEARCH_STEERED, /* Newton's step behind it, with the Phi there is */
-  VS_SEARCH_FREE,    /* none: the machine is left to itself */
-  VS_SEARCH_FIRST,   /* the first of a pair, from which the circuit's own Phi comes, */
-  VS_SEARCH_SECOND   /* and the second of it */
-} vs_search_pass;
+typedef enum search_pass {
+  PASS_STEERED, /* Newton's step behind it, with the Phi there is */
+  PASS_FREE,    /* none: the machine is left to itself */
+  PASS_FIRST,   /* the first of a pair, from which the circuit's own Phi comes, */
+  PASS_SECOND   /* and the second of it */
+} search_pass;
 
-typedef struct vs_search {
+typedef struct vs_picard_search {
   const vs_setup *setup;
   vs_orbit *orbit;   /* where the search begins, and the Phi in use; the pilot's */
   bool guessed;      /* it is one of tier switched, or of a scene that is nearly the same */
@@ -48,21 +48,21 @@ typedef struct vs_search {
   vs_corrections corrections;
   vs_copies copies;
   vs_creep creep;
-  vs_search_pass pass;
-  int steered;                          /* passes that were steered */
-  int left;                             /* so many passes more the machine is left to itself */
-  bool marched;                         /* it was for long */
-  int pairs;                            /* since it was last */
-  double pair[2][VS_MOST_STATES];       /* where the last pair's passes ended */
-  double past_m[2 * VS_SEARCH_LONGEST]; /* the travel where the last firing periods ended */
-  double travel_m;                      /* the largest size of the travel so far */
-} vs_search;
+  search_pass pass;
+  int steered;                       /* passes that were steered */
+  int left;                          /* so many passes more the machine is left to itself */
+  bool swung;                        /* it was for long */
+  int pairs;                         /* since it was last */
+  double pair[2][VS_MOST_STATES];    /* where the last pair's passes ended */
+  double past_m[2 * LONGEST_PERIOD]; /* the travel where the last firing periods ended */
+  double travel_m;                   /* the largest size of the travel so far */
+} vs_picard_search;
 
 enum { MOST = VS_MOST_STATES };
 
 /* Finds (I - Phi)^-1, in parts of each state's scale. False: there is none, as Phi has the
  * multiplier 1. */
-static bool search_invert(vs_search *s) {
+static bool search_invert(vs_picard_search *s) {
   const vs_orbit *o = s->orbit;
   size_t n = (size_t)o->count, order[MOST];
   double matrix[MOST * MOST], found[MOST * MOST];
@@ -85,7 +85,7 @@ static bool search_invert(vs_search *s) {
 static const double UNMOVED = 1e-6;
 
 /* Sets the scales from the peaks of the pass that has ended. */
-static void search_scale(vs_search *s) {
+static void search_scale(vs_picard_search *s) {
   double largest[3] = {0};
   int dof = s->count / 2;
   for (int j = 0; j <= s->count; j++) largest[j / dof] = fmax(largest[j / dof], s->peak[j]);
@@ -97,29 +97,29 @@ static void search_scale(vs_search *s) {
 }
 
 /* Where the machine is to go on from. */
-static void search_go_on(vs_search *s, const double *x) {
+static void search_go_on(vs_picard_search *s, const double *x) {
   memcpy(s->next, x, sizeof s->x);
 }
 
 /* Counts so many passes on the budget: those of this process, or of copies. Error: VS_RUN, it has
  * none left. */
-static vs_status search_take(vs_search *s, int passes, vs_error *err) {
+static vs_status search_take(vs_picard_search *s, int passes, vs_error *err) {
   return vs_budget_take(s->budget, true, (long)passes * s->orbit->n * s->of_mains, err);
 }
 
 /* Begins, where orbit, guessed, own_phi, budget, of_mains, next and between are set, with orbit->x
  * and orbit's Phi. */
-static void search_begin(vs_search *s, const vs_setup *setup) {
+static void search_begin(vs_picard_search *s, const vs_setup *setup) {
   vs_orbit *orbit = s->orbit;
-  *s = (vs_search){.setup = setup,
-                   .orbit = orbit,
-                   .guessed = s->guessed,
-                   .own_phi = s->own_phi,
-                   .budget = s->budget,
-                   .of_mains = s->of_mains,
-                   .next = s->next,
-                   .between = s->between,
-                   .count = 2 * setup->model.dof};
+  *s = (vs_picard_search){.setup = setup,
+                          .orbit = orbit,
+                          .guessed = s->guessed,
+                          .own_phi = s->own_phi,
+                          .budget = s->budget,
+                          .of_mains = s->of_mains,
+                          .next = s->next,
+                          .between = s->between,
+                          .count = 2 * setup->model.dof};
   vs_corrections_begin(&s->corrections, setup->run.tolerance);
   memcpy(s->x, orbit->x, sizeof s->x);
   search_go_on(s, s->x);
@@ -135,13 +135,14 @@ static void search_begin(vs_search *s, const vs_setup *setup) {
  * and parts of it; the best one is taken. A run that fails, as the stop gives way, is then that of
  * a copy. */
 
-/* So many pairs follow on one march. */
-enum { VS_PAIRS = 8 };
+/* So many pairs follow one free swing. */
+enum { MOST_PAIRS = 8 };
 /* For so many firing periods the machine is left to itself: before the first pair where no orbit of
  * tier switched is known, times the orbit's period; and where pairs have come to nothing. */
-enum { VS_PAIRS_MARCH = 30, VS_PAIRS_LONG_MARCH = 200 };
-/* Passes that are not steered, but for the long march: two rounds of pairs, and the short march. */
-enum { VS_PAIRS_PASSES = 4 * VS_PAIRS + VS_PAIRS_MARCH + 1 };
+enum { FREE_SWING = 30, LONG_FREE_SWING = 200 };
+/* Passes that are not steered, but for the long free swing: two rounds of pairs, and the short one.
+ */
+enum { PAIR_PASSES = 4 * MOST_PAIRS + FREE_SWING + 1 };
 
 /* A copy's state is pushed by this part of its scale. */
 static const double PUSHED = 3e-4;
@@ -156,7 +157,7 @@ static const double COMES_BACK = 0.03;
 
 /* Begins a pair at search->x: sends the copies that Phi is found from. search->next is set, also in
  * a copy. Errors: VS_RUN, there are no processes to be had; the budget is spent. */
-static vs_status pairs_begin(vs_search *s, vs_error *err) {
+static vs_status pairs_begin(vs_picard_search *s, vs_error *err) {
   double start[MOST][MOST];
   vs_status status = search_take(s, 2 * s->count, err);
   if (status) return status;
@@ -164,12 +165,12 @@ static vs_status pairs_begin(vs_search *s, vs_error *err) {
     memcpy(start[j], s->x, sizeof s->x);
     start[j][j] += PUSHED * s->scale[j];
   }
-  s->pass = VS_SEARCH_FIRST;
+  s->pass = PASS_FIRST;
   search_go_on(s, s->x);
   return vs_copies_send(&s->copies, s->count, start, s->next, err);
 }
 
-static double pairs_residual(const vs_search *s, const double *from, const double *to) {
+static double pairs_residual(const vs_picard_search *s, const double *from, const double *to) {
   double most = 0;
   for (int j = 0; j < s->count; j++) most = fmax(most, fabs(to[j] - from[j]) / s->scale[j]);
   return most;
@@ -177,7 +178,7 @@ static double pairs_residual(const vs_search *s, const double *from, const doubl
 
 /* Tries parts of Newton's step from where the first pass ended, and sets s->x to the best. Returns
  * the residual there; INFINITY: all have failed. *inside: this is a copy. */
-static double try_steps(vs_search *s, const double *step, bool *inside, vs_error *err) {
+static double try_steps(vs_picard_search *s, const double *step, bool *inside, vs_error *err) {
   double start[TRIALS][MOST], part = 1, best = INFINITY;
   vs_copies_told told[VS_COPIES_MOST];
   bool came[VS_COPIES_MOST];
@@ -199,43 +200,43 @@ static double try_steps(vs_search *s, const double *step, bool *inside, vs_error
 }
 
 /* Passes are steered again: corrections before count no more. */
-static void steer_again(vs_search *s) {
-  s->pass = VS_SEARCH_STEERED;
+static void steer_again(vs_picard_search *s) {
+  s->pass = PASS_STEERED;
   vs_corrections_begin(&s->corrections, s->setup->run.tolerance);
   vs_creep_begin(&s->creep, s->creep.deck, s->creep.tolerance, s->creep.period_s);
 }
 
 /* Pairs have come to nothing: is the machine on another orbit? */
-static vs_status leave_alone(vs_search *s, vs_error *err) {
-  if (s->marched)
+static vs_status leave_alone(vs_picard_search *s, vs_error *err) {
+  if (s->swung)
     return vs_fail(
         err, VS_RUN,
         "with the circuit's own derivatives, too, the residual is still %.2g of the motion",
         s->corrections.last);
-  s->marched = true;
-  s->pass = VS_SEARCH_FREE;
-  s->left = VS_PAIRS_LONG_MARCH / s->orbit->n + 1;
+  s->swung = true;
+  s->pass = PASS_FREE;
+  s->left = LONG_FREE_SWING / s->orbit->n + 1;
   if (s->guessed) memcpy(s->x, s->orbit->x, sizeof s->x);
   search_go_on(s, s->x);
   return VS_OK;
 }
 
 /* The least number of firing periods after which the machine comes back to about where it was; 0:
- * there is none up to VS_SEARCH_LONGEST. */
-static int comes_back_after(const vs_search *s) {
-  for (int k = 1; k <= VS_SEARCH_LONGEST; k++) {
+ * there is none up to LONGEST_PERIOD. */
+static int comes_back_after(const vs_picard_search *s) {
+  for (int k = 1; k <= LONGEST_PERIOD; k++) {
     double off = 0;
-    for (int back = 0; back < VS_SEARCH_LONGEST; back++)
-      off = fmax(off, fabs(s->past_m[(s->cycles - back) % (2 * VS_SEARCH_LONGEST)] -
-                           s->past_m[(s->cycles - back - k) % (2 * VS_SEARCH_LONGEST)]));
+    for (int back = 0; back < LONGEST_PERIOD; back++)
+      off = fmax(off, fabs(s->past_m[(s->cycles - back) % (2 * LONGEST_PERIOD)] -
+                           s->past_m[(s->cycles - back - k) % (2 * LONGEST_PERIOD)]));
     off /= s->travel_m;
     if (off < COMES_BACK) return k;
   }
   return 0;
 }
 
-/* The long march has ended. */
-static vs_status look_around(vs_search *s, vs_error *err) {
+/* The long free swing has ended. */
+static vs_status look_around(vs_picard_search *s, vs_error *err) {
   int k = comes_back_after(s), n = s->orbit->n;
   if (k == n) return pairs_begin(s, err);
   if (k)
@@ -246,11 +247,11 @@ static vs_status look_around(vs_search *s, vs_error *err) {
   return vs_fail(err, VS_RUN,
                  "no orbit of period %d is found; nor does the machine, left to itself, come back "
                  "to where it was after up to %d periods",
-                 n, VS_SEARCH_LONGEST);
+                 n, LONGEST_PERIOD);
 }
 
 /* The pair has ended. */
-static vs_status end_pair(vs_search *s, vs_error *err) {
+static vs_status end_pair(vs_picard_search *s, vs_error *err) {
   bool inside;
   vs_error why = {0};
   double before = pairs_residual(s, s->pair[0], s->pair[1]), step[MOST] = {0};
@@ -270,26 +271,26 @@ static vs_status end_pair(vs_search *s, vs_error *err) {
     steer_again(s);
     return VS_OK;
   }
-  if (!isfinite(after) || ++s->pairs == VS_PAIRS) return leave_alone(s, err);
+  if (!isfinite(after) || ++s->pairs == MOST_PAIRS) return leave_alone(s, err);
   return pairs_begin(s, err);
 }
 
 /* A pass that was not steered has ended. Sets where the next one begins, and what it is for.
  * Errors: VS_INPUT, the machine, left to itself, comes back after another number of periods;
  * VS_RUN, it does not come back, or pairs lead nowhere. */
-static vs_status pairs_turn(vs_search *s, const vs_knot *end, vs_error *err) {
+static vs_status pairs_turn(vs_picard_search *s, const vs_knot *end, vs_error *err) {
   vs_status status = VS_OK;
   search_scale(s);
-  if (s->pass == VS_SEARCH_FREE) {
+  if (s->pass == PASS_FREE) {
     memcpy(s->x, end->x, sizeof s->x);
     search_go_on(s, s->x);
     if (--s->left > 0) return VS_OK;
     s->pairs = 0;
-    return s->marched ? look_around(s, err) : pairs_begin(s, err);
+    return s->swung ? look_around(s, err) : pairs_begin(s, err);
   }
-  memcpy(s->pair[s->pass == VS_SEARCH_SECOND], end->x, sizeof s->x);
-  if (s->pass == VS_SEARCH_FIRST) {
-    s->pass = VS_SEARCH_SECOND;
+  memcpy(s->pair[s->pass == PASS_SECOND], end->x, sizeof s->x);
+  if (s->pass == PASS_FIRST) {
+    s->pass = PASS_SECOND;
     search_go_on(s, end->x);
     return VS_OK;
   }
@@ -301,7 +302,7 @@ static vs_status pairs_turn(vs_search *s, const vs_knot *end, vs_error *err) {
 /* ---- Newton's step ---- */
 
 /* Corrects the pass that ended at `end`: s->x becomes where the next one begins. */
-static void correct_by_newton(vs_search *s, const double *end) {
+static void correct_by_newton(vs_picard_search *s, const double *end) {
   double step[MOST] = {0};
   search_scale(s);
   for (int i = 0; i < s->count; i++)
@@ -335,7 +336,7 @@ static void begin_at_start(const vs_scene *scene, double period_s, vs_orbit *o) 
 static const double REPEATS = 10;
 
 static int least_period(const vs_picard *p) {
-  const vs_search *s = p->search;
+  const vs_picard_search *s = p->search;
   for (int k = 1; k < p->orbit.n; k++) {
     double off = 0;
     if (p->orbit.n % k) continue;
@@ -352,7 +353,7 @@ static int least_period(const vs_picard *p) {
  * halfwave_snubbed at 90, 100 and 120 degrees. */
 static const double NOISE = 1e-3, CURVED = 0.015;
 
-static double part_pushed(const vs_search *s, double *error) {
+static double part_pushed(const vs_picard_search *s, double *error) {
   double noise = fmax(s->corrections.last, NOISE * s->setup->run.tolerance);
   *error = 2 * sqrt(CURVED * noise);
   return sqrt(noise / CURVED);
@@ -367,7 +368,7 @@ typedef struct side {
 /* Sends such copies and hears of them. In a copy search->copies.inside is true behind it. */
 static vs_status look_aside(const vs_picard *p, const vs_knot *end, double part, double *x,
                             side *to, vs_error *err) {
-  vs_search *s = p->search;
+  vs_picard_search *s = p->search;
   double orbit[MOST + 1];
   vs_status status = vs_copies_fork(&s->copies, &s->setup->model, s->scale, part, x, err);
   if (status || s->copies.inside) return status;
@@ -387,7 +388,7 @@ static double distance_of_sides(const side *a, const side *b) {
  * misses, the two sides differ by more, and that is the error. Returns true in a copy of the
  * process. */
 static bool find_multipliers(vs_picard *p, const vs_knot *end) {
-  vs_search *s = p->search;
+  vs_picard_search *s = p->search;
   vs_error why = {0};
   side up, down;
   p->multipliers = 0;
@@ -425,7 +426,7 @@ static vs_status refuse_subharmonic(const vs_picard *p, vs_error *err) {
 
 /* Notes what was found. *begins becomes false in a copy. */
 static vs_status take_orbit(vs_picard *p, const vs_knot *end, bool *begins, vs_error *err) {
-  vs_search *s = p->search;
+  vs_picard_search *s = p->search;
   int least = least_period(p);
   if (least < p->orbit.n)
     return vs_fail(
@@ -470,20 +471,20 @@ enum { MOST_PASSES = 200 };
 
 static void begin_search(void *self, const vs_setup *setup) {
   vs_picard *p = self;
-  vs_search *s = p->search;
+  vs_picard_search *s = p->search;
   p->budget = whole_search(p->ideal, p->orbit.n); /* a run anew */
   search_begin(s, setup);
   /* Where a stop is in reach, and there is no other Phi than the swing's own. */
   if (!s->guessed && setup->model.stops.count) {
-    s->pass = VS_SEARCH_FREE;
-    s->left = VS_PAIRS_MARCH;
+    s->pass = PASS_FREE;
+    s->left = FREE_SWING;
   }
   vs_creep_begin(&s->creep, &setup->deck, vs_corrections_crept * setup->run.tolerance,
                  p->pilot.period_s);
 }
 
 static void accept_step_of_search(void *self, const vs_step *step) {
-  vs_search *s = ((vs_picard *)self)->search;
+  vs_picard_search *s = ((vs_picard *)self)->search;
   for (int j = 0; j < s->count; j++) s->peak[j] = fmax(s->peak[j], fabs(step->to->x[j]));
   s->peak[s->count] = fmax(s->peak[s->count], fabs(step->to->flux_wb));
   s->travel_m = fmax(s->travel_m, fabs(vs_mechanics_travel(&s->setup->model, step->to->x)));
@@ -492,7 +493,7 @@ static void accept_step_of_search(void *self, const vs_step *step) {
 
 /* Error: the search has gone on for too long, and why it did. */
 static vs_status check_search_goes_on(const vs_picard *p, vs_error *err) {
-  const vs_search *s = p->search;
+  const vs_picard_search *s = p->search;
   const char *name = "";
   const vs_creep_probe *creeps = vs_creep_worst(&s->creep, &name);
   if (isfinite(s->corrections.last) && s->steered < MOST_PASSES) return VS_OK;
@@ -516,7 +517,7 @@ static vs_status check_search_goes_on(const vs_picard *p, vs_error *err) {
 static const double WILD = 0.4;
 enum { LOST = 5, SETTLES = 3 };
 
-static bool is_lost(const vs_search *s) {
+static bool is_lost(const vs_picard_search *s) {
   if (!s->setup->model.stops.count) return false;
   return (s->corrections.stalled >= LOST || (s->corrections.last > WILD && s->steered > SETTLES)) &&
          s->corrections.least > s->setup->run.tolerance && s->creep.area_v_s == 0;
@@ -526,13 +527,13 @@ static bool is_lost(const vs_search *s) {
  * begins on it. Errors: the search's own (vs_picard_new). */
 static vs_status end_period_of_search(void *self, const vs_knot *end, bool *begins, vs_error *err) {
   vs_picard *p = self;
-  vs_search *s = p->search;
+  vs_picard_search *s = p->search;
   const char *name;
   /* The end of every firing period: where the machine is goes on record. */
   vs_status status = s->copies.inside ? VS_OK : vs_budget_take(s->budget, true, s->of_mains, err);
   if (status) return status;
   s->cycles++;
-  s->past_m[s->cycles % (2 * VS_SEARCH_LONGEST)] = vs_mechanics_travel(&s->setup->model, end->x);
+  s->past_m[s->cycles % (2 * LONGEST_PERIOD)] = vs_mechanics_travel(&s->setup->model, end->x);
   memcpy(s->between[s->passed], end->x, sizeof *s->between);
   memcpy(p->pilot.x, end->x, sizeof p->pilot.x);
   if (++s->passed < p->orbit.n) return VS_OK;
@@ -543,7 +544,7 @@ static vs_status end_period_of_search(void *self, const vs_knot *end, bool *begi
     vs_copies_pass(&s->copies, end);
     return VS_OK;
   }
-  if (s->pass != VS_SEARCH_STEERED) return pairs_turn(s, end, err);
+  if (s->pass != PASS_STEERED) return pairs_turn(s, end, err);
   /* Newton's step, but not behind a pass in which a flux was moved. */
   s->steered++;
   bool clean = vs_creep_turn(&s->creep, end);
@@ -566,12 +567,12 @@ static vs_status end_period_of_search(void *self, const vs_knot *end, bool *begi
 }
 
 static double push_of_search(void *self, double t_s) {
-  const vs_search *s = ((vs_picard *)self)->search;
+  const vs_picard_search *s = ((vs_picard *)self)->search;
   return s->passed == 0 ? vs_creep_push(&s->creep, t_s) : 0;
 }
 
 static void end_search(void *self) {
-  const vs_search *s = ((vs_picard *)self)->search;
+  const vs_picard_search *s = ((vs_picard *)self)->search;
   if (s->copies.inside) vs_copies_fail(&s->copies);
   vs_budget_end(s->budget);
 }
@@ -637,8 +638,8 @@ vs_status vs_picard_new(const vs_scene *scene, int periods, bool wants_multiplie
   p->pilot = (vs_pilot){.self = p,
                         .period_s = p->orbit.period_s / p->orbit.n,
                         .of_orbit = p->orbit.n,
-                        .most = (MOST_PASSES + VS_PAIRS_PASSES + VS_COPIES_PERIODS) * periods +
-                                VS_PAIRS_LONG_MARCH,
+                        .most = (MOST_PASSES + PAIR_PASSES + VS_COPIES_PERIODS) * periods +
+                                LONG_FREE_SWING,
                         .begin = begin_search,
                         .accept = accept_step_of_search,
                         .turn = end_period_of_search,
@@ -668,7 +669,7 @@ vs_picard_past vs_picard_over(const vs_picard *p) {
 }
 
 void vs_picard_begin_near(vs_picard *p, const vs_picard_past *past) {
-  vs_search *s = p->search;
+  vs_picard_search *s = p->search;
   bool follows = s->guessed && past->guessed && !past->own_phi;
   for (int j = 0; j < p->orbit.count; j++)
     p->orbit.x[j] = past->orbit.x[j] + (follows ? p->orbit.x[j] - past->guess[j] : 0);

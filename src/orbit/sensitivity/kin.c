@@ -35,7 +35,7 @@ typedef struct pass {
   vs_grazing grazing;
   double ratio; /* how large Y is beside the state, at most */
   vs_fan *fan;
-  vs_driven driven[RUNS]; /* what drives each of the kin */
+  vs_driven driven[RUNS]; /* what drives each of the neighbours */
   vs_knot knot[RUNS][2];  /* the last one is knot[k][last] */
   int last;
   void (*take)(struct pass *pass, const vs_step *step);
@@ -121,12 +121,12 @@ static void look_at_stretches(pass *p) {
 /* What Y itself may be off by, relative to what is large of it. */
 static const double UNRESOLVED = 1e-12;
 
-/* The kin's p makes this part of the state at most. What a difference of sixth order leaves out is
- * then its sixth power. The least and the largest p: beyond them rounding, or the key's own range,
- * would tell. */
+/* The neighbours' p makes this part of the state at most. What a difference of sixth order leaves
+ * out is then its sixth power. The least and the largest p: beyond them rounding, or the key's own
+ * range, would tell. */
 static const double PART = 1e-3, LEAST = 1e-8, LARGEST = 1e-3;
 
-/* ---- the third: the kin ---- */
+/* ---- the third: the neighbours ---- */
 
 /* By how much a second of the run's time is longer for the k-th of the kin. */
 static double stretch_of(const pass *p, int k) {
@@ -163,9 +163,9 @@ static const double CORNER = 1e-3;
 
 /* Makes one number of the knots, the order-th derivative of something over time, such that it is
  * linear in p over the run's own time, in which the k-th's runs stretch[k] times as fast. What lies
- * between two knots is then linear in p, too, and no knot differs from its neighbours in what is of
- * second order. At a corner, as where some of the kin are beyond the end of a table, the numbers
- * stay as they are, so that the measures' own differences tell of it. */
+ * between two knots is then linear in p, too, and no knot differs from those beside it in what is
+ * of second order. At a corner, as where some of the neighbours are beyond the end of a table, the
+ * numbers stay as they are, so that the measures' own differences tell of it. */
 static void straighten(pass *p, size_t offset, int order, const double stretch[RUNS]) {
   const vs_parameter *near = &p->fan->parameter;
   double v[RUNS], coarse = 0;
@@ -206,7 +206,7 @@ static void take_waves(pass *p) {
   for (int k = 0; k < RUNS; k++) p->driven[k].mains = p->fan->parameter.mains[k];
 }
 
-static void show_kin(pass *p, const vs_step *step) {
+static void show_neighbours(pass *p, const vs_step *step) {
   fill_all(p, step->to);
   for (int k = 0; k < RUNS; k++) {
     const vs_knot *to = &p->knot[k][1 - p->last];
@@ -221,7 +221,7 @@ static void show_kin(pass *p, const vs_step *step) {
   p->last = 1 - p->last;
 }
 
-static void begin_kin(pass *p) {
+static void begin_neighbours(pass *p) {
   const vs_knot own = vs_sim_start(&p->scene->setup, &p->scene->frame);
   for (int k = 0; k < RUNS; k++) p->driven[k] = (vs_driven){.frame = &p->fan->scene[k]->frame};
   if (p->scene->setup.timeline.firing.no_valve) {
@@ -232,7 +232,7 @@ static void begin_kin(pass *p) {
   p->last = 1 - p->last;
 }
 
-/* The mains of the kin change where those of the run do. */
+/* The mains of the neighbours change where those of the run do. */
 static void renew_waves(pass *p) {
   const vs_jump *jump = &p->variation.jump;
   if (jump->fires) vs_parameter_fires(&p->fan->parameter, jump->asked_s, jump->t_s);
@@ -263,7 +263,7 @@ static vs_status run_pass(pass *p, void (*take)(pass *, const vs_step *), vs_err
   p->take = take;
   p->now = 0;
   vs_variation_begin_alone(&p->variation, &p->scene->setup, p->parameter, p->start);
-  if (p->fan) begin_kin(p);
+  if (p->fan) begin_neighbours(p);
   vs_status status = vs_session_take(p->scene, err);
   if (!status) status = vs_session_run(&session, p->scene, none, err);
   vs_variation_end(&p->variation);
@@ -275,7 +275,7 @@ static vs_status run_pass(pass *p, void (*take)(pass *, const vs_step *), vs_err
 /* ---- where it begins ---- */
 
 /* The angle that the fastest mode turns in a step at most. The polynomials of degree seven between
- * the knots of the kin leave out some 1e-13 of Y then. */
+ * the knots of the neighbours leave out some 1e-13 of Y then. */
 static const double TURN = 0.2;
 /* Where an extreme lies so near to a knot that what is of second order in p decides on which side,
  * the other attempt has its knots elsewhere, and smaller p. */
@@ -346,7 +346,7 @@ static vs_status show_to_watchers(pass *p, vs_fan *fan, vs_where where, vs_error
   p->fan = fan;
   fan->unresolved = UNRESOLVED * fmax(p->ratio, STEPS[0] / p->parameter->step);
   fan->grazing = p->grazing;
-  status = run_pass(p, show_kin, err);
+  status = run_pass(p, show_neighbours, err);
   for (int k = 0; k < RUNS && !status; k++) vs_measured_finish(fan->measured[k]);
   if (status) vs_fan_end(fan);
   return status;

@@ -17,8 +17,8 @@ typedef struct vs_fan {
   vs_parameter parameter;             /* which key, and by how much each run differs */
   vs_scene *scene[VS_FAN_RUNS];       /* that are run; owned, but for what they borrow */
   vs_measured *measured[VS_FAN_RUNS]; /* owned */
-  vs_grazing grazing;                 /* of kin: how little makes a contact come or go; else 0 */
-  double unresolved; /* what each slope may be off by besides, relative to the measure */
+  vs_grazing grazing; /* of neighbours: how little makes a contact come or go; else 0 */
+  double unresolved;  /* what each slope may be off by besides, relative to the measure */
 } vs_fan;
 
 /* The derivative of one measure m. */

@@ -29,10 +29,10 @@ typedef struct vs_picard {
   double known_to; /* about how well these are known; a smaller one is lost in rounding */
   char missing[256]; /* why none is, where they were wanted */
   bool wants_multipliers;
-  double guess[VS_ORBIT_STATES]; /* the orbit of tier switched, or the scene's start, at t = 0 */
-  vs_budget budget;              /* of this search */
-  vs_scene *ideal;               /* the scene on tier switched; owned */
-  struct vs_search *search;      /* the present one; owned */
+  double guess[VS_ORBIT_STATES];   /* the orbit of tier switched, or the scene's start, at t = 0 */
+  vs_budget budget;                /* of this search */
+  vs_scene *ideal;                 /* the scene on tier switched; owned */
+  struct vs_picard_search *search; /* the present one; owned */
 } vs_picard;
 
 /* Makes the pilot of a scene on tier circuit, for an orbit of that many firing periods. Its search

@@ -5,14 +5,14 @@
 #ifndef VS_ORBIT_STEADY_H
 #define VS_ORBIT_STEADY_H
 
-#include "orbit/shooting.h"
 #include "measure/heat.h"
 #include "measure/quality.h"
 #include "measure/reaction.h"
 #include "measure/spectrum.h"
 #include "measure/throw.h"
-#include "run/result.h"
 #include "orbit/picard.h"
+#include "orbit/shooting.h"
+#include "run/result.h"
 
 /* What a period tells besides the measures of every run: member, name, unit, text. */
 #define VS_STEADY_LIST(X)                                                                          \
