@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "orbit/path.h"
+#include "branch_points.h"
 
 #include <gsl/gsl_linalg.h>
 #include <math.h>
@@ -7,20 +7,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "flight.h"
 #include "base/units.h"
+#include "flight.h"
 
-enum { MOST = VS_PATH_MOST };
+enum { MOST = VS_BRANCH_POINT_NUMBERS };
 
 /* n.(z - z0) in the path's units. */
-static double offset_of(const vs_path *p, const vs_path_plane *plane, const double *z) {
+static double offset_of(const vs_branch_points *p, const vs_branch_plane *plane, const double *z) {
   double offset = 0;
   for (int j = 0; j <= p->count; j++)
     offset += plane->normal[j] * (z[j] - plane->origin[j]) / p->unit[j];
   return offset;
 }
 
-void vs_path_end(vs_path *p) {
+void vs_branch_points_end(vs_branch_points *p) {
   if (p->by) vs_parameter_end(p->by);
   free(p->by);
   p->by = NULL;
@@ -34,7 +34,7 @@ static const double WHOLE_MOTION = 4;
 /* A state that hardly moves counts as moving by this part of the largest of its kind. */
 static const double UNMOVED = 1e-6;
 
-static void take_units(vs_path *p, const double *size) {
+static void take_units(vs_branch_points *p, const double *size) {
   const vs_along *along = p->along;
   double largest[3] = {0};
   int dof = along->scene->setup.model.dof;
@@ -46,18 +46,18 @@ static void take_units(vs_path *p, const double *size) {
   p->unit[p->count] = fabs(along->to - along->from);
 }
 
-static void normalise(const vs_path *p, double *way) {
+static void normalise_way(const vs_branch_points *p, double *way) {
   double squared = 0;
   for (int j = 0; j <= p->count; j++) squared += way[j] * way[j];
   for (int j = 0; j <= p->count; j++) way[j] /= sqrt(squared);
 }
 
-void vs_path_rescale(vs_path *p, vs_path_point *at) {
+void vs_branch_points_rescale(vs_branch_points *p, vs_branch_point *at) {
   double was[MOST];
   memcpy(was, p->unit, sizeof was);
   take_units(p, at->size);
   for (int j = 0; j <= p->count; j++) at->way[j] *= was[j] / p->unit[j];
-  normalise(p, at->way);
+  normalise_way(p, at->way);
 }
 
 /* ---- the run over a period, and its derivatives ---- */
@@ -68,19 +68,19 @@ typedef struct image {
   double by_key[VS_ORBIT_STATES]; /* dP/dk */
 } image;
 
-static vs_status watch(void *ctx, const vs_step *step, vs_error *err) {
+static vs_status watch_turns(void *ctx, const vs_step *step, vs_error *err) {
   (void)err;
   vs_turns_accept(ctx, step);
   return VS_OK;
 }
 
 /* Moves the key and what the run's derivative with respect to it is made of. */
-static vs_status move_to(vs_path *p, double key, vs_error *err) {
+static vs_status move_to(vs_branch_points *p, double key, vs_error *err) {
   const vs_axis *axis = &p->along->axis;
   vs_error why = {0};
   vs_status status = vs_along_move(p->along, key, err);
   if (status || (p->by && !vs_parameter_again(p->by, &why))) return status;
-  vs_path_end(p);
+  vs_branch_points_end(p);
   vs_parameter *by = vs_alloc(1, sizeof *by);
   status = vs_parameter_begin(by, p->along->scene, axis->key, axis->where, 0, err);
   if (status)
@@ -91,7 +91,8 @@ static vs_status move_to(vs_path *p, double key, vs_error *err) {
 }
 
 /* The end of the run from the same state with another value of the key. */
-static vs_status end_at(vs_path *p, const double *x, double key, double *end, vs_error *err) {
+static vs_status end_at(vs_branch_points *p, const double *x, double key, double *end,
+                        vs_error *err) {
   vs_flight f;
   vs_status status = vs_along_move(p->along, key, err);
   if (status) return status;
@@ -111,7 +112,8 @@ static const double NUDGE = 1e-6;
 /* dP/dk by differences, where the run has no derivative of its own: a thyristor that fires in
  * another cycle at a key a thousandth beside this one has none (orbit/parameter.h). They are
  * one-sided where the key may not go farther. */
-static vs_status differ(vs_path *p, const double *z, double *by_key, vs_error *err) {
+static vs_status differ_by_key(vs_branch_points *p, const double *z, double *by_key,
+                               vs_error *err) {
   double h = NUDGE * p->unit[p->count], key = z[p->count], lower[MOST], upper[MOST];
   double lo = key - h, hi = key + h;
   vs_error why = {0};
@@ -124,9 +126,10 @@ static vs_status differ(vs_path *p, const double *z, double *by_key, vs_error *e
 }
 
 /* Runs over a period from at->z, with all derivatives but dP/dk. */
-static vs_status fly(vs_path *p, vs_path_point *at, image *to, vs_error *err) {
+static vs_status fly_one_period(vs_branch_points *p, vs_branch_point *at, image *to,
+                                vs_error *err) {
   vs_turns_begin(&at->turns, &p->along->scene->setup.model);
-  const vs_observer also = {&at->turns, watch};
+  const vs_observer also = {&at->turns, watch_turns};
   to->flight.also = &also;
   vs_status status = vs_flight_go(&to->flight, at->z, p->periods, true, err);
   to->flight.also = NULL;
@@ -135,7 +138,7 @@ static vs_status fly(vs_path *p, vs_path_point *at, image *to, vs_error *err) {
 }
 
 /* Makes the image of the point; vs_flight_end it where it has a scene. */
-static vs_status map(vs_path *p, vs_path_point *at, image *to, vs_error *err) {
+static vs_status map_point(vs_branch_points *p, vs_branch_point *at, image *to, vs_error *err) {
   vs_error why = {0};
   *to = (image){0};
   vs_status status = move_to(p, at->z[p->count], err);
@@ -143,11 +146,11 @@ static vs_status map(vs_path *p, vs_path_point *at, image *to, vs_error *err) {
   vs_flight_begin(&to->flight, p->along->scene);
   to->flight.budget = p->budget.most[VS_BUDGET_IDEAL] ? &p->budget : NULL;
   to->flight.parameter = p->by;
-  bool known = !fly(p, at, to, &why);
+  bool known = !fly_one_period(p, at, to, &why);
   if (!known) snprintf(p->kinked, sizeof p->kinked, "%.255s", why.text);
   to->flight.parameter = NULL;
-  if (!known) status = differ(p, at->z, to->by_key, err);
-  if (!known && !status) status = fly(p, at, to, err);
+  if (!known) status = differ_by_key(p, at->z, to->by_key, err);
+  if (!known && !status) status = fly_one_period(p, at, to, err);
   double unit = vs_units_factor(p->along->axis.unit) / p->by->size;
   for (int i = 0; i < p->count && known; i++)
     to->by_key[i] = unit * vs_variation_get(&to->flight.variation, i, p->count);
@@ -164,8 +167,8 @@ typedef struct linear {
   double way[MOST];  /* the branch's direction there */
 } linear;
 
-static bool solve(const vs_path *p, const vs_path_plane *plane, const double *z, image *im,
-                  linear *out) {
+static bool solve_newton_step(const vs_branch_points *p, const vs_branch_plane *plane,
+                              const double *z, image *im, linear *out) {
   size_t n = (size_t)p->count + 1, order[MOST];
   double matrix[MOST * MOST], missing[MOST], along[MOST] = {0};
   int sign;
@@ -187,14 +190,14 @@ static bool solve(const vs_path *p, const vs_path_plane *plane, const double *z,
   if (gsl_linalg_LU_decomp(&a.matrix, &order_of, &sign)) return false;
   if (gsl_linalg_LU_solve(&a.matrix, &order_of, &b.vector, &step.vector)) return false;
   if (gsl_linalg_LU_solve(&a.matrix, &order_of, &c.vector, &way.vector)) return false;
-  normalise(p, out->way);
+  normalise_way(p, out->way);
   for (size_t j = 0; j < n; j++)
     if (!isfinite(out->step[j]) || !isfinite(out->way[j])) return false;
   return true;
 }
 
 /* How near the orbit comes to the ends of the gap, of the machine at this value of the key. */
-static void measure_room(vs_path_point *at, const vs_model *m) {
+static void measure_room(vs_branch_point *at, const vs_model *m) {
   double least = at->turns.least.best.value;
   bool stop = m->stops.count && m->stops.item[0].side > 0;
   at->pole_m = m->coil.law->poles && !stop ? least + m->actuator.gap_m : NAN;
@@ -202,7 +205,8 @@ static void measure_room(vs_path_point *at, const vs_model *m) {
 }
 
 /* What the last run of the iteration tells of the orbit. */
-static vs_status conclude(const vs_path *p, vs_path_point *at, image *im, vs_error *err) {
+static vs_status conclude_point(const vs_branch_points *p, vs_branch_point *at, image *im,
+                                vs_error *err) {
   const vs_flight *f = &im->flight;
   double monodromy[VS_ORBIT_STATES][VS_ORBIT_STATES], scale[VS_ORBIT_STATES];
   if (!f->given->setup.timeline.firing.no_valve && f->flux_wb != 0)
@@ -241,13 +245,13 @@ static const double CLOSED = 1e-12, STALLED = 1e-9;
 enum { MOST_ITERATIONS = 12 };
 
 /* One step of the iteration; *done: it was the last. */
-static vs_status improve(vs_path *p, const vs_path_plane *plane, vs_path_point *at, bool *done,
-                         vs_error *err) {
+static vs_status improve_point(vs_branch_points *p, const vs_branch_plane *plane,
+                               vs_branch_point *at, bool *done, vs_error *err) {
   image im;
   linear l;
   double before = at->change, change = 0;
-  vs_status status = map(p, at, &im, err);
-  if (!status && !solve(p, plane, at->z, &im, &l))
+  vs_status status = map_point(p, at, &im, err);
+  if (!status && !solve_newton_step(p, plane, at->z, &im, &l))
     status = vs_fail(err, VS_RUN, "the equations of the branch have no single solution");
   if (!status) {
     memcpy(at->way, l.way, sizeof at->way);
@@ -257,19 +261,20 @@ static vs_status improve(vs_path *p, const vs_path_plane *plane, vs_path_point *
     for (int j = 0; j <= p->count; j++) at->z[j] += l.step[j] * p->unit[j];
     at->iterations++;
   }
-  if (!status && *done) status = conclude(p, at, &im, err);
+  if (!status && *done) status = conclude_point(p, at, &im, err);
   if (im.flight.scene) vs_flight_end(&im.flight);
   return status;
 }
 
-vs_status vs_path_solve(vs_path *p, const vs_path_plane *plane, vs_path_point *at, vs_error *err) {
+vs_status vs_branch_points_solve(vs_branch_points *p, const vs_branch_plane *plane,
+                                 vs_branch_point *at, vs_error *err) {
   bool done = false;
   at->iterations = 0;
   at->change = INFINITY;
   p->kinked[0] = '\0';
   for (int k = 0; k < MOST_ITERATIONS && !done; k++) {
     double before = at->change;
-    vs_status status = improve(p, plane, at, &done, err);
+    vs_status status = improve_point(p, plane, at, &done, err);
     if (status) return status;
     if (!done && k >= 2 && at->change > 4 * before) break;
   }
@@ -282,8 +287,8 @@ vs_status vs_path_solve(vs_path *p, const vs_path_plane *plane, vs_path_point *a
 
 /* ---- the beginning ---- */
 
-vs_status vs_path_begin(vs_path *p, vs_along *along, int periods, vs_path_point *first,
-                        vs_error *err) {
+vs_status vs_branch_points_begin(vs_branch_points *p, vs_along *along, int periods,
+                                 vs_branch_point *first, vs_error *err) {
   const vs_shooting how = {.periods = periods, .unguarded = true, .quietly = true};
   vs_orbit orbit;
   double normal[MOST] = {0};
@@ -295,14 +300,14 @@ vs_status vs_path_begin(vs_path *p, vs_along *along, int periods, vs_path_point 
                      periods, along->axis.key, along->from, *along->axis.unit ? " " : "",
                      along->axis.unit, orbit.n, orbit.n);
   if (status) return status;
-  *p = (vs_path){.along = along, .periods = periods, .count = orbit.count};
-  *first = (vs_path_point){0};
+  *p = (vs_branch_points){.along = along, .periods = periods, .count = orbit.count};
+  *first = (vs_branch_point){0};
   take_units(p, orbit.scale);
   memcpy(first->z, orbit.x, (size_t)orbit.count * sizeof *first->z);
   first->z[p->count] = along->from;
   normal[p->count] = along->to > along->from ? 1 : -1;
   double origin[MOST];
   memcpy(origin, first->z, sizeof origin);
-  const vs_path_plane here = {normal, origin, 0};
-  return vs_path_solve(p, &here, first, err);
+  const vs_branch_plane here = {normal, origin, 0};
+  return vs_branch_points_solve(p, &here, first, err);
 }

@@ -1,20 +1,22 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "rows.h"
+#include "branch_output.h"
 
 #include <math.h>
 
 #include "base/csv.h"
+#include "base/units.h"
+#include "branch_points.h"
 #include "run/summary.h"
 #include "run/version.h"
-#include "base/units.h"
+#include "turns.h"
 
 enum { DIGITS = 12, SHOWN = 24 /* points in the table, besides the marks */ };
 
-static const vs_model *model_of(const vs_walk *w) {
+static const vs_model *model_of_walk(const vs_continuation *w) {
   return &w->along->scene->setup.model;
 }
 
-const char *vs_rows_beyond(const vs_path_point *at) {
+const char *vs_branch_output_beyond(const vs_branch_point *at) {
   if (at->iron_m <= 0) return "iron";
   return at->pole_m < 0 ? "pole_cover" : "";
 }
@@ -24,8 +26,8 @@ const char *vs_rows_beyond(const vs_path_point *at) {
 static const double ABOUT_ONE = 1e-2;
 
 /* What becomes of a machine that is put on the orbit. */
-static const char *state_of(const vs_walk *w, const vs_walk_row *row) {
-  const vs_path_point *at = &row->at;
+static const char *state_of(const vs_continuation *w, const vs_continuation_row *row) {
+  const vs_branch_point *at = &row->at;
   bool neutral = row->mark.kind && row->mark.kind->neutral;
   for (int k = 0; k < w->path.count && neutral; k++)
     neutral = hypot(at->multiplier[k].re, at->multiplier[k].im) < 1 + ABOUT_ONE;
@@ -37,37 +39,37 @@ static const char *state_of(const vs_walk *w, const vs_walk_row *row) {
 /* A number of a point, besides the key and those of the coordinates. */
 typedef struct column {
   const char *name, *unit;
-  double (*value)(const vs_path_point *at);
+  double (*value)(const vs_branch_point *at);
 } column;
 
-static double least(const vs_path_point *at) {
+static double least(const vs_branch_point *at) {
   return at->turns.least.best.value;
 }
-static double largest(const vs_path_point *at) {
+static double largest(const vs_branch_point *at) {
   return at->turns.largest.best.value;
 }
-static double contacts(const vs_path_point *at) {
+static double contacts(const vs_branch_point *at) {
   return vs_turns_contacts(&at->turns);
 }
-static double speed(const vs_path_point *at) {
+static double speed(const vs_branch_point *at) {
   return at->turns.speed_m_s;
 }
-static double firings(const vs_path_point *at) {
+static double firings(const vs_branch_point *at) {
   return at->turns.fired;
 }
-static double period(const vs_path_point *at) {
+static double period(const vs_branch_point *at) {
   return at->period_s;
 }
-static double re(const vs_path_point *at) {
+static double re(const vs_branch_point *at) {
   return at->multiplier[0].re;
 }
-static double im(const vs_path_point *at) {
+static double im(const vs_branch_point *at) {
   return at->multiplier[0].im;
 }
-static double size(const vs_path_point *at) {
+static double size(const vs_branch_point *at) {
   return hypot(at->multiplier[0].re, at->multiplier[0].im);
 }
-static double unstable(const vs_path_point *at) {
+static double unstable(const vs_branch_point *at) {
   return at->unstable;
 }
 
@@ -78,14 +80,14 @@ static const column COLUMNS[] = {{"gap_min", "m", least},       {"gap_max", "m",
                                  {"multiplier_size", "", size}, {"unstable", "", unstable}};
 enum { N_COLUMNS = sizeof COLUMNS / sizeof *COLUMNS };
 
-static const char *mark_of(const vs_walk_row *row) {
+static const char *mark_of(const vs_continuation_row *row) {
   return row->mark.kind ? row->mark.kind->name : "";
 }
 
 /* ---- CSV ---- */
 
-static void add_header(const vs_walk *w, FILE *out) {
-  const vs_model *m = model_of(w);
+static void add_header(const vs_continuation *w, FILE *out) {
+  const vs_model *m = model_of_walk(w);
   char suffix[64];
   fprintf(out, "%s", w->along->axis.column);
   for (int i = 0; i < 2 * m->dof; i++) {
@@ -100,16 +102,16 @@ static void add_header(const vs_walk *w, FILE *out) {
   fputs(",state,beyond,mark,error\n", out);
 }
 
-void vs_rows_csv(const vs_walk *w, int digits, FILE *out) {
-  int dof = model_of(w)->dof;
+void vs_branch_output_csv(const vs_continuation *w, int digits, FILE *out) {
+  int dof = model_of_walk(w)->dof;
   add_header(w, out);
   for (size_t r = 0; r < w->count; r++) {
-    const vs_walk_row *row = &w->row[r];
+    const vs_continuation_row *row = &w->row[r];
     /* a mark is known to more digits than a curve needs */
     fprintf(out, "%.*g", digits > DIGITS ? digits : DIGITS, row->at.z[w->path.count]);
     for (int i = 0; i < 2 * dof; i++) fprintf(out, ",%.*g", digits, row->at.turns.of[i].best.value);
     for (int k = 0; k < N_COLUMNS; k++) fprintf(out, ",%.*g", digits, COLUMNS[k].value(&row->at));
-    fprintf(out, ",%s,%s,%s,", state_of(w, row), vs_rows_beyond(&row->at), mark_of(row));
+    fprintf(out, ",%s,%s,%s,", state_of(w, row), vs_branch_output_beyond(&row->at), mark_of(row));
     if (row->mark.kind) fprintf(out, "%.2g", row->mark.error);
     fputc('\n', out);
   }
@@ -117,20 +119,20 @@ void vs_rows_csv(const vs_walk *w, int digits, FILE *out) {
 
 /* ---- how it ended ---- */
 
-static void add_end(const vs_walk *w, vs_text *text) {
+static void add_end(const vs_continuation *w, vs_text *text) {
   const vs_along *a = w->along;
   const char *blank = *a->axis.unit ? " " : "", *unit = a->axis.unit;
   double last = w->row[w->count - 1].at.z[w->path.count];
   vs_text_add(text, "the branch ");
-  if (w->end == VS_WALK_REACHED)
+  if (w->end == VS_CONTINUATION_REACHED)
     vs_text_add(text, "leaves the range at %.9g%s%s, its other end", a->to, blank, unit);
-  else if (w->end == VS_WALK_BACK)
+  else if (w->end == VS_CONTINUATION_BACK)
     vs_text_add(text, "turns, and leaves the range where it began, at %.9g%s%s", a->from, blank,
                 unit);
-  else if (w->end == VS_WALK_MERGED)
+  else if (w->end == VS_CONTINUATION_MERGED)
     vs_text_add(text, "of period %d ends at %.9g%s%s, in one of a smaller period", w->path.periods,
                 last, blank, unit);
-  else if (w->end == VS_WALK_STOPPED)
+  else if (w->end == VS_CONTINUATION_STOPPED)
     vs_text_add(text, "was followed to %s = %.9g%s%s, where a signal stopped it", a->axis.key, last,
                 blank, unit);
   else
@@ -140,9 +142,10 @@ static void add_end(const vs_walk *w, vs_text *text) {
 
 /* ---- JSON ---- */
 
-static void add_row(const vs_walk *w, const vs_walk_row *row, vs_json *json) {
-  const vs_model *m = model_of(w);
-  const char *beyond = vs_rows_beyond(&row->at);
+static void add_row_of_branch(const vs_continuation *w, const vs_continuation_row *row,
+                              vs_json *json) {
+  const vs_model *m = model_of_walk(w);
+  const char *beyond = vs_branch_output_beyond(&row->at);
   vs_json_object(json, NULL, VS_JSON_ROW);
   if (row->mark.kind) {
     vs_json_text(json, "kind", row->mark.kind->name);
@@ -163,14 +166,14 @@ static void add_row(const vs_walk *w, const vs_walk_row *row, vs_json *json) {
   vs_json_end(json);
 }
 
-static void add_rows(const vs_walk *w, const char *name, bool marks, vs_json *json) {
+static void add_rows(const vs_continuation *w, const char *name, bool marks, vs_json *json) {
   vs_json_array(json, name, VS_JSON_LINES);
   for (size_t r = 0; r < w->count; r++)
-    if (marks == (w->row[r].mark.kind != NULL)) add_row(w, &w->row[r], json);
+    if (marks == (w->row[r].mark.kind != NULL)) add_row_of_branch(w, &w->row[r], json);
   vs_json_end(json);
 }
 
-void vs_rows_json(const vs_walk *w, vs_text *text) {
+void vs_branch_output_json(const vs_continuation *w, vs_text *text) {
   static const char *const ENDS[] = {"reached", "back", "merged", "stuck", "stopped"};
   const vs_along *a = w->along;
   vs_text end = {0};
@@ -196,9 +199,10 @@ void vs_rows_json(const vs_walk *w, vs_text *text) {
 
 /* ---- the table ---- */
 
-static void print_row(const vs_walk *w, const vs_walk_row *row, FILE *out) {
-  const vs_path_point *at = &row->at;
-  const char *beyond = vs_rows_beyond(at);
+static void print_row_of_branch(const vs_continuation *w, const vs_continuation_row *row,
+                                FILE *out) {
+  const vs_branch_point *at = &row->at;
+  const char *beyond = vs_branch_output_beyond(at);
   fprintf(out, "%18.12g %14.7g %14.7g %5.0f %12.5g %12.9f  %-9s %-10s", at->z[w->path.count],
           1e3 * least(at), 1e3 * largest(at), contacts(at), speed(at), size(at), state_of(w, row),
           beyond);
@@ -207,20 +211,20 @@ static void print_row(const vs_walk *w, const vs_walk_row *row, FILE *out) {
 }
 
 /* A line on each kind of mark that the branch has. */
-static void print_kinds(const vs_walk *w, FILE *out) {
+static void print_kinds(const vs_continuation *w, FILE *out) {
   for (const vs_mark_kind *const *kind = vs_mark_kinds; *kind; kind++) {
     int count = 0;
     for (size_t r = 0; r < w->count; r++) count += w->row[r].mark.kind == *kind;
     if (count) fprintf(out, "%-10s %3d  %s\n", (*kind)->name, count, (*kind)->text);
   }
   for (size_t r = 0; r < w->count; r++)
-    if (*vs_rows_beyond(&w->row[r].at)) {
+    if (*vs_branch_output_beyond(&w->row[r].at)) {
       fputs("beyond: computed as if there were room; the machine has no such orbit\n", out);
       break;
     }
 }
 
-void vs_rows_print(const vs_walk *w, FILE *out) {
+void vs_branch_output_print(const vs_continuation *w, FILE *out) {
   const vs_axis *axis = &w->along->axis;
   size_t points = w->count - w->marks, every = (points + SHOWN - 1) / SHOWN, n = 0;
   char head[VS_KEY_SIZE + 32];
@@ -232,7 +236,7 @@ void vs_rows_print(const vs_walk *w, FILE *out) {
     bool mark = w->row[r].mark.kind != NULL;
     bool shown = mark || n % every == 0 || r + 1 == w->count;
     n += !mark;
-    if (shown) print_row(w, &w->row[r], out);
+    if (shown) print_row_of_branch(w, &w->row[r], out);
   }
   fputc('\n', out);
   print_kinds(w, out);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "orbit/subject.h"
+#include "orbit/sensitivity_problem.h"
 
 #include <gsl/gsl_linalg.h>
 #include <math.h>
@@ -10,7 +10,7 @@
 #include "flight.h"
 #include "orbit/steady.h"
 
-static const char *inexact(const vs_scene *s) {
+static const char *why_inexact(const vs_scene *s) {
   const vs_setup *setup = &s->setup;
   if (s->tier->has_circuit) return "the circuit's equations are its solver's own";
   if (isfinite(vs_setup_jams(setup))) return "the armature jams";
@@ -21,8 +21,9 @@ static const char *inexact(const vs_scene *s) {
   return NULL;
 }
 
-vs_status vs_subject_begin(vs_subject *s, const vs_scene *scene, int periods, vs_error *err) {
-  *s = (vs_subject){.scene = scene, .periods = periods, .inexact = inexact(scene)};
+vs_status vs_sensitivity_problem_begin(vs_sensitivity_problem *s, const vs_scene *scene,
+                                       int periods, vs_error *err) {
+  *s = (vs_sensitivity_problem){.scene = scene, .periods = periods, .inexact = why_inexact(scene)};
   if (s->inexact || (!periods && !scene->setup.steady)) return VS_OK;
   vs_status status =
       vs_tiers_require_orbits(periods ? "--steady" : "start: steady", scene->tier, scene->why,
@@ -39,7 +40,7 @@ vs_status vs_subject_begin(vs_subject *s, const vs_scene *scene, int periods, vs
   return vs_shooting_find(s->calm, periods ? periods : 1, &s->orbit, err);
 }
 
-void vs_subject_end(vs_subject *s) {
+void vs_sensitivity_problem_end(vs_sensitivity_problem *s) {
   free(s->calm);
   s->calm = NULL;
 }
@@ -50,7 +51,8 @@ static double firing_period(const vs_setup *setup) {
   return (line->firing.no_valve ? 1 : line->firing.every) * line->period_s;
 }
 
-vs_setup vs_subject_setup(const vs_subject *s, const vs_scene *scene, double tolerance) {
+vs_setup vs_sensitivity_problem_setup(const vs_sensitivity_problem *s, const vs_scene *scene,
+                                      double tolerance) {
   vs_run_values run = scene->setup.run;
   run.tolerance = tolerance;
   if (!s->calm) return vs_setup_varied(&scene->setup, &run, NULL);
@@ -70,7 +72,7 @@ vs_setup vs_subject_setup(const vs_subject *s, const vs_scene *scene, double tol
 enum { ROWS = VS_VARIATION_MOST };
 
 /* Solves (I - Phi) dx/dp = dx(T)/dp, in parts of each state's scale. */
-static bool solve(const vs_orbit *o, const vs_variation *v, double dx[ROWS]) {
+static bool solve_for_start(const vs_orbit *o, const vs_variation *v, double dx[ROWS]) {
   size_t n = (size_t)o->count, order[ROWS];
   double matrix[ROWS * ROWS], side[ROWS], d[ROWS], most = 0, least = INFINITY;
   int sign;
@@ -94,13 +96,13 @@ static bool solve(const vs_orbit *o, const vs_variation *v, double dx[ROWS]) {
   return true;
 }
 
-vs_status vs_subject_start(const vs_subject *s, vs_parameter *parameter, double start[ROWS],
-                           vs_error *err) {
+vs_status vs_sensitivity_problem_start(const vs_sensitivity_problem *s, vs_parameter *parameter,
+                                       double start[ROWS], vs_error *err) {
   vs_flight flight;
   vs_flight_begin(&flight, s->calm);
   flight.parameter = parameter;
   vs_status status = vs_flight_go(&flight, s->orbit.x, s->orbit.n, true, err);
-  if (!status && !solve(&s->orbit, &flight.variation, start))
+  if (!status && !solve_for_start(&s->orbit, &flight.variation, start))
     status =
         vs_fail(err, VS_RUN, "the orbit turns back here, and has no derivative with respect to %s",
                 parameter->key.name);
