@@ -1,22 +1,33 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "check.h"
-
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The command `check`: tells all that can be known of a scene, a deck or a part before a run. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 
+#include "base/jail.h"
 #include "base/json.h"
+#include "base/path.h"
+#include "bench/acceptance.h"
+#include "commands.h"
+#include "fit/inquiry.h"
+#include "import/hint.h"
+#include "measure/unjudged.h"
 #include "netlist/catalogue.h"
 #include "netlist/netlist.h"
 #include "netlist/parts.h"
 #include "netlist/source.h"
-#include "plant/blueprint.h"
-#include "run/session.h"
 #include "ngspice/trust.h"
+#include "options.h"
+#include "plant/blueprint.h"
+#include "report/fitting.h"
+#include "run/findings.h"
+#include "run/session.h"
 #include "run/table.h"
-#include "measure/unjudged.h"
+#include "study/inspect.h"
+#include "study/methods.h"
 
 /* ---- print-out ---- */
 
@@ -332,7 +343,7 @@ static bool is_machine(const char *name) {
 /* The name's ending says which kind of file it is, and of a YAML file its keys. A name without one
  * is looked for among the scenes that come with the program, then among decks, machines and parts.
  */
-static vs_status check(report *r, vs_error *err) {
+static vs_status check_by_kind(report *r, vs_error *err) {
   const char *name = r->options->name;
   char path[VS_PATH_SIZE];
   vs_error none = {0};
@@ -388,11 +399,16 @@ static void print_json(const report *r, const vs_findings *all) {
   vs_text_free(&text);
 }
 
-vs_status vs_check_command(const vs_check_options *o, vs_error *err) {
+/* Reads the file to its end, and takes the first step of a run and no more. Prints all findings to
+ * standard error, each with its line of the file, or as JSON to standard output. Without findings
+ * it prints one line that describes the file, and warnings, and of a part what the bench found.
+ * Errors: VS_INPUT where there are findings, with an empty err, or with one line more where there
+ * were too many to keep; VS_RUN where a part does not do what its file asks. */
+static vs_status check_and_tell(const vs_check_options *o, vs_error *err) {
   vs_findings *all = vs_alloc(1, sizeof *all);
   report r = {.options = o};
   vs_error own = {.findings = all};
-  vs_status status = vs_error_carry_on(&own, check(&r, &own));
+  vs_status status = vs_error_carry_on(&own, check_by_kind(&r, &own));
   if (o->deep && !r.may_try)
     vs_text_add(&r.bench.table, "\nnothing is tried: --deep tries a scene or a deck");
   for (size_t k = 0; k < all->count && !o->json; k++) print_finding(o->name, "", &all->item[k]);
@@ -416,3 +432,92 @@ vs_status vs_check_command(const vs_check_options *o, vs_error *err) {
   free(all);
   return status;
 }
+
+/* ---- the command line ---- */
+
+typedef struct check_line {
+  vs_arguments common;
+  bool deep;
+} check_line;
+
+static vs_status check_study(const vs_check_options *o, vs_text *good, vs_error *err) {
+  return vs_inspect_study(o, vs_methods_all, good, err);
+}
+
+/* A file is read more than once: for its kind, for what it says, for the lines that messages quote.
+ * A pipe gives its text once. /dev/stdin of a file is called as the file is, whose ending tells the
+ * kind; `path` has room for that. */
+static vs_status find_named_file(const char **name, char path[VS_PATH_SIZE], vs_error *err) {
+  static const char DEVICES[] = "/dev/";
+  struct stat s;
+  if (stat(*name, &s)) return VS_OK;
+  if (!S_ISREG(s.st_mode) && !S_ISDIR(s.st_mode))
+    return vs_fail(err, VS_INPUT,
+                   "%s is a pipe or a device; check reads a file more than once: write it to a "
+                   "file, with the ending of its kind (.yaml, .cir, .inc)",
+                   *name);
+  char *real = strncmp(*name, DEVICES, sizeof DEVICES - 1) ? NULL : realpath(*name, NULL);
+  if (real && strlen(real) < VS_PATH_SIZE) {
+    snprintf(path, VS_PATH_SIZE, "%s", real);
+    vs_jail_allow_named(path);
+    *name = path;
+  }
+  free(real);
+  return VS_OK;
+}
+
+static vs_status check_command(const void *given, vs_error *err) {
+  const check_line *line = given;
+  const vs_arguments *a = &line->common;
+  const char *name = vs_command_name(a);
+  char path[VS_PATH_SIZE];
+  vs_status status = find_named_file(&name, path, err);
+  if (status) return status;
+  const vs_check_options o = {.name = name,
+                              .sets = a->sets,
+                              .n_sets = a->n_sets,
+                              .json = a->json,
+                              .quiet = a->quiet,
+                              .bench = vs_acceptance_try,
+                              .look = vs_hint_look,
+                              .deep = line->deep,
+                              .trial = vs_hint_try,
+                              .folder = a->output,
+                              .other = vs_inquiry_is(name) ? vs_fitting_check
+                                       : vs_inspect_is_study(name, vs_methods_all) ? check_study
+                                                                                   : NULL};
+  return check_and_tell(&o, err);
+}
+
+static const vs_option CHECK_OPTIONS[] = {
+    VS_OPTIONS_SET,
+    VS_OPTIONS_OUTPUT("DIR",
+                      "of a part: writes what was asked and what the bench got as bench.csv and "
+                      "bench.json there, and draws bench.png"),
+    VS_OPTIONS_FLAG(check_line, deep, "deep",
+                    "of a scene or deck: also tries the beginning of its run, with each of the "
+                    "solver's rules, and tells what was measured and what may help"),
+    VS_OPTIONS_FLAG(vs_arguments, json, "json",
+                    "findings as a JSON array of {file, line, column, message} on standard output; "
+                    "of a part also each figure of the bench, with further members"),
+    VS_OPTIONS_FLAG(vs_arguments, quiet, "quiet", "prints nothing but findings"),
+    VS_OPTIONS_JAIL,
+    VS_OPTIONS_NO_JAIL,
+    VS_OPTIONS_HELP,
+    {0}};
+
+const vs_command vs_check_cli = {
+    .name = "check",
+    .argument = "FILE",
+    .text =
+        "tells all that can be known of a scene, study, fit, machine or deck before a run: every "
+        "mistake, with its line; of a part also whether its model does what its file asks",
+    .examples = "  vibrospice check my.yaml\n"
+                "  vibrospice check my.cir\n"
+                "  vibrospice check my.inc -o bench\n"
+                "  vibrospice check my.yaml --deep\n"
+                "  vibrospice check paper --set run.tier=circuit --json\n",
+    .jailed = true,
+    .options = CHECK_OPTIONS,
+    .size = sizeof(check_line),
+    .run = check_command};

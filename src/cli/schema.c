@@ -1,23 +1,26 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "schema.h"
-
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The command `schema`: JSON Schemas (draft 2020-12) of the program's files, made from the tables
+ * of keys, for editors that complete and check YAML. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "commands.h"
 #include "control/regulators.h"
 #include "engine/events.h"
 #include "ground.h"
+#include "options.h"
 #include "outlined.h"
-#include "shape.h"
 #include "plant/blueprint.h"
 #include "plant/build.h"
-#include "study/plan.h"
 #include "run/sections.h"
+#include "shape.h"
+#include "study/methods.h"
+#include "study/plan.h"
 
 /* ---- a scene ---- */
 
-static void begin(vs_json *j, const char *title) {
+static void begin_schema(vs_json *j, const char *title) {
   vs_json_object(j, NULL, VS_JSON_LINES);
   vs_json_text(j, "$schema", "https://json-schema.org/draft/2020-12/schema");
   vs_json_text(j, "title", title);
@@ -319,7 +322,7 @@ static void put_heatsink(vs_json *j) {
 static void put_scene(vs_json *j, const vs_ground *ground) {
   static const int NAMED[] = {VS_SECTION_KEY_start, VS_SECTION_KEY_record, VS_SECTION_KEY_measured,
                               VS_SECTION_KEY_quality};
-  begin(j, "a scene of VibroSpice");
+  begin_schema(j, "a scene of VibroSpice");
   vs_json_object(j, "properties", VS_JSON_LINES);
   for (int s = 0; s < VS_SECTIONS; s++) {
     const vs_section *section = vs_section_fields(ground->machine, ground->deck, s);
@@ -349,7 +352,7 @@ static void put_scene(vs_json *j, const vs_ground *ground) {
 /* ---- studies and machines ---- */
 
 static void put_study(vs_json *j, const vs_ground *ground) {
-  begin(j, "a study of VibroSpice");
+  begin_schema(j, "a study of VibroSpice");
   vs_outlined_definitions(j, ground);
   vs_json_object(j, "properties", VS_JSON_LINES);
   for (const vs_outline *row = vs_plan_keys; row->takes; row++)
@@ -363,7 +366,7 @@ static void put_study(vs_json *j, const vs_ground *ground) {
 }
 
 static void put_machine(vs_json *j, const vs_ground *ground) {
-  begin(j, "a machine of VibroSpice");
+  begin_schema(j, "a machine of VibroSpice");
   vs_json_object(j, "properties", VS_JSON_LINES);
   for (const vs_outline *row = vs_blueprint_keys; row->takes; row++)
     vs_outlined_row(j, row->key, row, ground);
@@ -381,12 +384,24 @@ static const struct kind {
 } KINDS[] = {{"scene", put_scene}, {"study", put_study}, {"machine", put_machine}};
 enum { N_KINDS = sizeof KINDS / sizeof *KINDS };
 
-vs_status vs_schema_command(const vs_schema_options *o, vs_error *err) {
+typedef struct schema_line {
+  vs_arguments common;
+  const char *deck, *machine; /* whose keys a scene has that names none; NULL: those of an empty
+                                 scene */
+} schema_line;
+
+/* Prints the schema. It tells unknown and missing keys, words, kinds of values and units of the
+ * wrong dimension; ranges only of a scene's pure numbers. Of a scene that names a deck or a machine
+ * of its own, it lets any key pass in the sections that these declare. It looks into no formula and
+ * no name. Errors: there is no such kind; those of
+ * reading deck and machine. */
+static vs_status schema_command(const void *given, vs_error *err) {
+  const schema_line *o = given;
+  const char *kind = vs_command_name(&o->common);
   size_t k = 0;
-  while (o->kind && k < N_KINDS && strcmp(o->kind, KINDS[k].name) != 0) k++;
+  while (kind && k < N_KINDS && strcmp(kind, KINDS[k].name) != 0) k++;
   if (k == N_KINDS)
-    return vs_fail(err, VS_INPUT, "schema: no kind '%s'; there are: scene, study, machine",
-                   o->kind);
+    return vs_fail(err, VS_INPUT, "schema: no kind '%s'; there are: scene, study, machine", kind);
   vs_ground ground;
   vs_text text = {0};
   vs_json j = vs_json_new(&text);
@@ -397,3 +412,21 @@ vs_status vs_schema_command(const vs_schema_options *o, vs_error *err) {
   vs_ground_free(&ground);
   return status;
 }
+
+static const vs_option SCHEMA_OPTIONS[] = {
+    VS_OPTIONS_FILE(schema_line, deck, "deck", "DECK", "whose keys the section circuit has"),
+    VS_OPTIONS_FILE(schema_line, machine, "machine", "MACHINE",
+                    "whose keys the section machine has"),
+    VS_OPTIONS_HELP,
+    {0}};
+
+const vs_command vs_schema_cli = {
+    .name = "schema",
+    .argument = "[scene|study|machine]",
+    .text = "prints a JSON Schema of such files (default: scene), for editors that complete and "
+            "check YAML",
+    .examples = "  vibrospice schema scene > scene.schema.json\n",
+    .may_be_alone = true,
+    .options = SCHEMA_OPTIONS,
+    .size = sizeof(schema_line),
+    .run = schema_command};

@@ -1,6 +1,4 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "sensitivity.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,10 +8,15 @@
 #include "base/csv.h"
 #include "base/file.h"
 #include "base/json.h"
+#include "base/leave.h"
 #include "base/text.h"
-#include "orbit/sensitivity.h"
-#include "run/version.h"
+#include "commands.h"
 #include "ngspice/trust.h"
+#include "options.h"
+#include "orbit/sensitivity.h"
+#include "report/tornado.h"
+#include "run/version.h"
+#include "sensitivity.h"
 
 enum { MOST = 64, DIGITS = 12, ERROR_DIGITS = 2 };
 
@@ -252,3 +255,62 @@ vs_status vs_sensitivity_command(const vs_sensitivity_options *o, vs_error *err)
   free(to.text);
   return status;
 }
+
+/* ---- the command line ---- */
+
+typedef struct sensitivity_line {
+  vs_arguments common;
+  vs_sensitivity_options o;
+} sensitivity_line;
+
+static vs_status sensitivity_command(const void *given, vs_error *err) {
+  const sensitivity_line *line = given;
+  const vs_arguments *a = &line->common;
+  vs_sensitivity_options o = line->o;
+  o.scene = vs_command_name(a);
+  o.sets = a->sets;
+  o.n_sets = a->n_sets;
+  o.folder = a->output;
+  o.json = a->json;
+  o.quiet = a->quiet;
+  o.allow_code = a->allow_code;
+  o.stop = &vs_leave_requested;
+  vs_status status = vs_sensitivity_command(&o, err);
+  vs_error why = {0};
+  if (!status && a->output && vs_tornado_draw(a->output, a->quiet || a->json, &why))
+    fprintf(stderr, "vibrospice: warning: there is no picture: %s\n", why.text);
+  return status;
+}
+
+static const vs_option SENSITIVITY_OPTIONS[] = {
+    VS_OPTIONS_WORD(sensitivity_line, o.of, "of", "MEASURE,...", "of which measures"),
+    VS_OPTIONS_WORD(sensitivity_line, o.to, "to", "KEY,...",
+                    "with respect to which keys of the scene"),
+    VS_OPTIONS_FLAG(sensitivity_line, o.steady, "steady",
+                    "of a period of the orbit (see steady), instead of the scene's run"),
+    VS_OPTIONS_WHOLE(sensitivity_line, o.period, 1, 1000, "period", "N",
+                     "with --steady: of N firing periods (default 1)"),
+    VS_OPTIONS_SET,
+    VS_OPTIONS_TIER(sensitivity_line, o.tier),
+    VS_OPTIONS_OUTPUT("DIR", "writes sensitivity.csv, summary.json and the picture tornado there"),
+    VS_OPTIONS_JSON,
+    VS_OPTIONS_QUIET,
+    VS_OPTIONS_ALLOW_CODE,
+    VS_OPTIONS_JAIL,
+    VS_OPTIONS_NO_JAIL,
+    VS_OPTIONS_HELP,
+    {0}};
+
+const vs_command vs_sensitivity_cli = {
+    .name = "sensitivity",
+    .argument = "SCENE",
+    .text = "logarithmic derivatives of measures with respect to keys of the scene, of its run or "
+            "of its orbit, each with its error",
+    .examples =
+        "  vibrospice sensitivity paper --of p_first_peak --to firing.angle,supply.voltage\n"
+        "  vibrospice sensitivity paper --steady --set firing.every=1 --of p_min,power_in --to "
+        "firing.angle,actuator.gap -o tornado\n",
+    .options = SENSITIVITY_OPTIONS,
+    .size = sizeof(sensitivity_line),
+    .defaults = &(const sensitivity_line){.o.period = 1},
+    .run = sensitivity_command};

@@ -1,15 +1,19 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "steady.h"
-
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The command `steady`: the periodic orbit of a scene, or a branch of them; what is told and
+ * written. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/text.h"
-#include "orbit/closed.h"
-#include "orbit/matrices.h"
+#include "commands.h"
 #include "measure/classes.h"
 #include "ngspice/guard.h"
+#include "options.h"
+#include "orbit/branch.h"
+#include "orbit/closed.h"
+#include "orbit/marks.h"
+#include "orbit/matrices.h"
 #include "orbit/steady.h"
 #include "run/amount.h"
 #include "run/show.h"
@@ -368,7 +372,10 @@ static vs_status report(const vs_run_options *o, int periods, extras more_of, vs
   return status;
 }
 
-vs_status vs_steady_command(const vs_run_options *o, int periods, bool linear, vs_error *err) {
+/* options: those of `run`; raw is not looked at. periods: how many firing periods the orbit takes
+ * to repeat. linear: the linear models about it are told, too. Errors: those of vs_run_command,
+ * vs_steady_begin and vs_matrices_find. Where no orbit or no model is found nothing is written. */
+static vs_status report_orbit(const vs_run_options *o, int periods, bool linear, vs_error *err) {
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   scene->of_period = true;
   vs_status status = vs_scene_read(o->scene, o->sets, o->n_sets, o->tier, scene, err);
@@ -380,3 +387,94 @@ vs_status vs_steady_command(const vs_run_options *o, int periods, bool linear, v
   free(scene);
   return status;
 }
+
+/* ---- the command line ---- */
+
+typedef struct steady_line {
+  vs_arguments common;
+  vs_run_options run;
+  vs_along_words words;
+  int period;
+  bool linear;
+} steady_line;
+
+static vs_status steady_command(const void *given, vs_error *err) {
+  const steady_line *line = given;
+  const vs_along_words *w = &line->words;
+  const vs_run_options o = vs_options_of_run(&line->run, &line->common);
+  const vs_branch_options branch = {&o, *w, line->period};
+  if ((w->step || w->at) && !w->range)
+    return vs_fail(err, VS_INPUT, "--%s: it goes with --along; see vibrospice steady --help",
+                   w->step ? "step" : "at");
+  if (line->linear && w->range)
+    return vs_fail(err, VS_INPUT, "--linear: it is about one orbit, and does not go with --along");
+  return w->range ? vs_branch_command(&branch, err)
+                  : report_orbit(&o, line->period, line->linear, err);
+}
+
+static void explain_steady(vs_text *help) {
+  vs_text_add(help, "\nOver one period it reports, besides the measures of every run:\n");
+  vs_steady_measure m;
+  const vs_steady none = {0};
+  for (int k = 0; vs_steady_at(&none, k, &m); k++)
+    vs_text_add(help, "  %-17s %-2s %s\n", m.name, m.unit, m.text);
+  vs_text_add(help, "  %-17s    %s\n  %-17s    %s\n", "reaction_NAME",
+              "largest size of what springs and dampers do along the coordinate NAME",
+              "reaction_NAME_rms", "its root mean square");
+  vs_text_add(help, "With --along it reports, besides points of the branch:\n");
+  for (const vs_mark_kind *const *kind = vs_mark_kinds; *kind; kind++)
+    vs_text_add(help, "  %-17s    %s\n", (*kind)->name, (*kind)->text);
+  vs_text_add(help,
+              "Branches are followed on tier %s alone; a scene that would take another one "
+              "wants --tier %s.\n",
+              vs_tiers_automatic(false)->name, vs_tiers_automatic(false)->name);
+}
+
+static const vs_option STEADY_OPTIONS[] = {
+    VS_OPTIONS_SET,
+    VS_OPTIONS_TOLERANCE,
+    VS_OPTIONS_ANGLE,
+    VS_OPTIONS_TIER(steady_line, run.tier),
+    VS_OPTIONS_WHOLE(steady_line, period, 1, 1000, "period", "N",
+                     "the orbit repeats after N firing periods, of firing.every cycles of the "
+                     "mains each (default 1)"),
+    VS_OPTIONS_WORD(steady_line, words.range, "along", "KEY=FROM..TO",
+                    "follows the orbit over a scene key, around folds: where it grazes a stop, "
+                    "turns, loses its stability"),
+    VS_OPTIONS_WORD(steady_line, words.at, "at", "VALUE",
+                    "with --along: reports every orbit of the branch at that value of the key"),
+    VS_OPTIONS_WORD(steady_line, words.step, "step", "S",
+                    "the key's largest change from point to point (default a 50th of the range)"),
+    VS_OPTIONS_FLAG(steady_line, linear, "linear",
+                    "linear models about the orbit, from the firing angle to the state at the next "
+                    "firing and to the amplitude; with -o linear.json and linear_*.csv, too"),
+    VS_OPTIONS_OUTPUT(
+        "DIR", "writes run.csv of one period, events.csv and summary.json there, and peaks.csv "
+               "where peaks lie between the rows of run.csv; with "
+               "--along branch.csv, branch.json and branch.png"),
+    VS_OPTIONS_JSON,
+    VS_OPTIONS_QUIET,
+    VS_OPTIONS_ALL(steady_line, run.all),
+    VS_OPTIONS_REPRODUCIBLE(steady_line, run.reproducible),
+    VS_OPTIONS_DIGITS(steady_line, run.digits),
+    VS_OPTIONS_JAIL,
+    VS_OPTIONS_NO_JAIL,
+    VS_OPTIONS_HELP,
+    {0}};
+
+const vs_command vs_steady_cli = {
+    .name = "steady",
+    .argument = "SCENE",
+    .text = "finds the periodic motion of a machine that is fired in every cycle: stability, "
+            "power, harmonics, measures of one period",
+    .examples = "  vibrospice steady paper --set firing.every=1\n"
+                "  vibrospice steady two_mass --set firing.every=1 --set firing.angle=130deg -o "
+                "work\n"
+                "  vibrospice steady paper --set firing.every=1 --linear -o model\n"
+                "  vibrospice steady paper --set firing.every=1 --along "
+                "firing.angle=130deg..70deg -o branch\n",
+    .options = STEADY_OPTIONS,
+    .size = sizeof(steady_line),
+    .defaults = &(const steady_line){.run.digits = 9, .period = 1},
+    .run = steady_command,
+    .explain = explain_steady};

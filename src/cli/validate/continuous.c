@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Continuous firing on the switched tier: periodic orbits, start-up, the pole cover, the stop; and
  * what one pulse's first peak depends on. */
-#include "validate/continuous.h"
-
 #include <gsl/gsl_roots.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
 #include "base/text.h"
+#include "validate/experiment.h"
 #include "validate/orbit.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Phase control of R-L, closed form: what the analytic tier must give of the current. */
-#include "validate/phase_control.h"
-
 #include <gsl/gsl_integration.h>
 #include <gsl/gsl_roots.h>
 #include <math.h>
 #include <stdlib.h>
 
 #include "base/text.h"
+#include "validate/experiment.h"
 
 /* i(x) = U sqrt2/Z (sin(x - theta) - sin(alpha - theta) exp(-(x - alpha)/tan theta)), x from alpha
  * to beta, where it is zero again (Eq. 91). */

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Generators against the standards they are made for, the surge into a varistor, varistor laws, and
  * the I2t of a half sine. */
-#include "validate/surge.h"
 #include "engine/faults.h"
 #include "engine/generators.h"
+#include "validate/experiment.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 

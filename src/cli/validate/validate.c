@@ -9,17 +9,13 @@
 #include <unistd.h>
 
 #include "base/json.h"
+#include "base/leave.h"
 #include "base/text.h"
-#include "run/version.h"
+#include "commands.h"
 #include "ngspice/circuit.h"
 #include "ngspice/ng.h"
-#include "validate/continuous.h"
-#include "validate/machines.h"
-#include "validate/phase_control.h"
-#include "validate/single_shot.h"
-#include "validate/snubber.h"
-#include "validate/surge.h"
-#include "validate/tiers.h"
+#include "options.h"
+#include "run/version.h"
 
 /* An experiment that some of the chosen comparisons need. It is done when the first of them asks.
  */
@@ -250,10 +246,45 @@ vs_status vs_validate(const vs_comparisons *const *lists, size_t n_lists,
   return status;
 }
 
-vs_status vs_validate_command(const vs_validate_options *options, vs_error *err) {
-  static const vs_comparisons *const LISTS[] = {
-      &vs_single_shot_comparisons, &vs_phase_control_comparisons, &vs_continuous_comparisons,
-      &vs_tiers_comparisons,       &vs_snubber_comparisons,       &vs_surge_comparisons,
-      &vs_machines_comparisons};
-  return vs_validate(LISTS, sizeof LISTS / sizeof *LISTS, options, err);
+/* The program's own comparisons. */
+static const vs_comparisons *const LISTS[] = {
+    &vs_single_shot_comparisons, &vs_phase_control_comparisons, &vs_continuous_comparisons,
+    &vs_tiers_comparisons,       &vs_snubber_comparisons,       &vs_surge_comparisons,
+    &vs_machines_comparisons};
+
+/* ---- the command line ---- */
+
+typedef struct validate_line {
+  vs_arguments common;
+  bool list;
+} validate_line;
+
+static vs_status validate_command(const void *given, vs_error *err) {
+  const validate_line *line = given;
+  const vs_validate_options o = {.word = vs_command_name(&line->common),
+                                 .json = line->common.json,
+                                 .quiet = line->common.quiet,
+                                 .list = line->list,
+                                 .stop = &vs_leave_requested};
+  return vs_validate(LISTS, sizeof LISTS / sizeof *LISTS, &o, err);
 }
+
+static const vs_option VALIDATE_OPTIONS[] = {
+    VS_OPTIONS_FLAG(validate_line, list, "list", "names the checks and does none"),
+    VS_OPTIONS_JSON,
+    VS_OPTIONS_FLAG(vs_arguments, quiet, "quiet", "says only what is off"),
+    VS_OPTIONS_HELP,
+    {0}};
+
+const vs_command vs_validate_cli = {
+    .name = "validate",
+    .argument = "[WORD]",
+    .text = "compares with closed forms and reference solutions, and tier with tier, each with "
+            "its error; "
+            "WORD: only checks whose names have it",
+    .examples =
+        "  vibrospice validate\n  vibrospice validate snubber\n  vibrospice validate --json\n",
+    .may_be_alone = true,
+    .options = VALIDATE_OPTIONS,
+    .size = sizeof(validate_line),
+    .run = validate_command};

@@ -1,6 +1,5 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "fresh.h"
-
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The command `new`: a scene that names every key, made from the tables of keys. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,10 +7,17 @@
 
 #include "base/file.h"
 #include "base/path.h"
+#include "commands.h"
 #include "engine/events.h"
 #include "ground.h"
+#include "options.h"
 #include "run/scene.h"
 #include "run/sections.h"
+
+typedef struct new_line {
+  vs_arguments common;
+  const char *deck, *machine; /* the scene's, a path or a name; NULL: those of an empty scene */
+} new_line;
 
 static const char ENDING[] = ".yaml";
 
@@ -64,13 +70,13 @@ static void add_field(const vs_field *f, const char *set, vs_text *text) {
               f->kind == VS_NAME ? "" : ": ", f->text);
 }
 
-static const char *value_of(const vs_field *f, const vs_fresh_options *o) {
+static const char *value_of(const vs_field *f, const new_line *o) {
   return !strcmp(f->key, vs_deck_key.key)      ? o->deck
          : !strcmp(f->key, vs_machine_key.key) ? o->machine
                                                : NULL;
 }
 
-static void add_section(const vs_section *section, const vs_fresh_options *o, vs_text *text) {
+static void add_section(const vs_section *section, const new_line *o, vs_text *text) {
   vs_text_add(text, "\n%s:\n", section->name);
   for (size_t k = 0; k < section->count; k++)
     add_field(&section->fields[k], value_of(&section->fields[k], o), text);
@@ -131,22 +137,45 @@ static void say_next(const char *path) {
   free(scene);
 }
 
-vs_status vs_fresh_command(const vs_fresh_options *o, vs_error *err) {
+/* Writes a scene in which every key stands behind a '#', with its default, what is allowed and what
+ * it means; only the deck and the machine asked for are set. So it runs as it is. Where the program
+ * is installed the first line names the schema. Errors: VS_INPUT, the file is there already, or has
+ * another ending; those of reading deck and machine. */
+static vs_status new_command(const void *given, vs_error *err) {
+  const new_line *o = given;
+  const char *path = vs_command_name(&o->common);
   vs_ground ground;
   vs_text text = {0};
-  vs_status status = check_path(o->path, err);
+  vs_status status = check_path(path, err);
   if (status) return status;
   status = vs_ground_read(o->deck, o->machine, &ground, err);
   if (!status) {
     add_schema(&text);
-    vs_text_add(&text, HEAD, o->path, o->path);
+    vs_text_add(&text, HEAD, path, path);
     for (int s = 0; s < VS_SECTIONS; s++)
       add_section(vs_section_fields(ground.machine, ground.deck, s), o, &text);
     add_others(&text);
-    status = write_scene(o->path, &text, err);
+    status = write_scene(path, &text, err);
   }
-  if (!status && !o->quiet) say_next(o->path);
+  if (!status && !o->common.quiet) say_next(path);
   vs_text_free(&text);
   vs_ground_free(&ground);
   return status;
 }
+
+static const vs_option NEW_OPTIONS[] = {
+    VS_OPTIONS_FILE(new_line, deck, "deck", "DECK", "with that deck, and its keys"),
+    VS_OPTIONS_FILE(new_line, machine, "machine", "MACHINE", "with that machine, and its keys"),
+    VS_OPTIONS_FLAG(vs_arguments, quiet, "quiet", "prints nothing"),
+    VS_OPTIONS_HELP,
+    {0}};
+
+const vs_command vs_new_cli = {
+    .name = "new",
+    .argument = "FILE",
+    .text = "writes a scene that has every key, with its default, range and meaning, behind a '#'",
+    .examples = "  vibrospice new my.yaml && vibrospice run my.yaml\n"
+                "  vibrospice new my.yaml --machine two_mass\n",
+    .options = NEW_OPTIONS,
+    .size = sizeof(new_line),
+    .run = new_command};

@@ -1,13 +1,15 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "topics.h"
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The command `help`: of the program, of a command, of a topic; the source of the manual page. */
 
 #include <stdio.h>
 #include <string.h>
 
+#include "commands.h"
 #include "control/regulators.h"
-#include "netlist/kinds.h"
 #include "ground.h"
 #include "list.h"
+#include "netlist/kinds.h"
+#include "options.h"
 #include "run/sections.h"
 
 /* ---- topics with words of their own ---- */
@@ -115,7 +117,7 @@ static const struct topic {
            {"heatsink", "key of a scene: what cools devices", print_heat}};
 enum { N_OWN = sizeof OWN / sizeof *OWN };
 
-static const struct topic *own(const char *name) {
+static const struct topic *own_topic(const char *name) {
   for (size_t k = 0; k < N_OWN; k++)
     if (!strcmp(OWN[k].name, name)) return &OWN[k];
   return NULL;
@@ -154,14 +156,13 @@ static bool print_section(const char *name, const vs_ground *ground) {
 
 enum { MOST = 128 };
 
-static vs_status refuse(const char *topic, const char *const *others, size_t n_others,
-                        vs_error *err) {
+static vs_status refuse_topic(const char *topic, const vs_command *const *commands, vs_error *err) {
   const char *names[MOST], *name;
   size_t n = 0;
   for (size_t k = 0; k < N_OWN; k++) names[n++] = OWN[k].name;
   for (int k = 0; k < VS_SECTION_KEYS; k++) names[n++] = vs_section_keys[k];
   for (int k = 0; (name = vs_list_kind(k)) && n < MOST; k++) names[n++] = name;
-  for (size_t k = 0; k < n_others && n < MOST; k++) names[n++] = others[k];
+  for (size_t k = 0; commands[k] && n < MOST; k++) names[n++] = commands[k]->name;
   const char *nearest = vs_text_nearest(topic, names, n);
   return vs_fail(
       err, VS_INPUT,
@@ -171,10 +172,11 @@ static vs_status refuse(const char *topic, const char *const *others, size_t n_o
       nearest ? "'?" : "", topic);
 }
 
-vs_status vs_topics_print(const char *topic, const char *const *others, size_t n_others,
-                          vs_error *err) {
+/* Prints what there is to say of a topic that is no command. Error: there is no such topic; the
+ * nearest is named. */
+static vs_status print_topic(const char *topic, const vs_command *const *commands, vs_error *err) {
   const char *kind = topic;
-  if (own(topic)) return own(topic)->print(), VS_OK;
+  if (own_topic(topic)) return own_topic(topic)->print(), VS_OK;
   for (size_t k = 0; k < sizeof SAME / sizeof *SAME; k++)
     if (!strcmp(SAME[k].name, topic)) kind = SAME[k].kind;
   const vs_list_options o = {.kind = kind};
@@ -183,21 +185,130 @@ vs_status vs_topics_print(const char *topic, const char *const *others, size_t n
   bool found = !status && print_section(topic, &ground);
   vs_ground_free(&ground);
   if (status || found) return status;
-  return vs_list_has(kind) ? vs_list_command(&o, err) : refuse(topic, others, n_others, err);
+  return vs_list_has(kind) ? vs_list_command(&o, err) : refuse_topic(topic, commands, err);
 }
 
-bool vs_topics_is_section(const char *topic) {
+/* True for a section of a scene; a command may have that name, too. */
+static bool is_section(const char *topic) {
   for (int k = 0; k < VS_SECTION_KEYS; k++)
     if (!strcmp(vs_section_keys[k], topic)) return true;
   return false;
 }
 
-void vs_topics_list(void) {
+/* Prints one line for each topic. */
+static void list_topics(void) {
   const char *name;
   puts("Topics of vibrospice help TOPIC, besides commands:");
   for (size_t k = 0; k < N_OWN; k++) printf("  %-13s %s\n", OWN[k].name, OWN[k].text);
   for (int k = 0; (name = vs_list_kind(k)); k++) printf("  %-13s %s\n", name, vs_list_heading(k));
   for (int k = 0; k < VS_SECTION_KEYS; k++)
-    if (!vs_list_has(vs_section_keys[k]) && !own(vs_section_keys[k]))
+    if (!vs_list_has(vs_section_keys[k]) && !own_topic(vs_section_keys[k]))
       printf("  %-13s section of a scene: its keys\n", vs_section_keys[k]);
 }
+
+/* ---- the manual page ---- */
+
+/* Prints a text so that man(7) takes nothing in it for a request: a backslash and a hyphen are
+ * escaped, and no line begins with a point or an apostrophe. */
+static void print_for_man(const char *text) {
+  bool begins = true;
+  for (; *text; text++) {
+    if (begins && strchr(".'", *text)) fputs("\\&", stdout);
+    if (*text == '\\')
+      fputs("\\e", stdout);
+    else if (*text == '-')
+      fputs("\\-", stdout);
+    else
+      putchar(*text);
+    begins = *text == '\n';
+  }
+}
+
+static void print_option_for_man(const vs_option *o) {
+  fputs(".TP\n", stdout);
+  if (o->letter) printf("\\fB\\-%c\\fR, ", o->letter);
+  fputs("\\fB\\-\\-", stdout);
+  print_for_man(o->name);
+  fputs("\\fR", stdout);
+  if (o->value) fputs("=\\fI", stdout), print_for_man(o->value), fputs("\\fR", stdout);
+  putchar('\n');
+  print_for_man(o->text);
+  putchar('\n');
+}
+
+static void print_command_for_man(const vs_command *c) {
+  printf(".SS vibrospice %s ", c->name);
+  print_for_man(c->argument);
+  putchar('\n');
+  print_for_man(c->text);
+  putchar('\n');
+  for (const vs_option *o = c->options; o->name; o++) print_option_for_man(o);
+  fputs(".PP\nExamples:\n.PP\n.nf\n", stdout);
+  print_for_man(c->examples);
+  fputs(".fi\n", stdout);
+}
+
+/* Prints vibrospice(1) as a source of man(7) on standard output. */
+static void print_manual(const vs_command *const *commands) {
+  printf(".TH VIBROSPICE 1 \"\" \"vibrospice %s\" \"User Commands\"\n", VS_VERSION);
+  fputs(".SH NAME\nvibrospice \\- vibratory conveyor and thyristor converter, simulated together\n"
+        ".SH SYNOPSIS\n.B vibrospice\n.I COMMAND\n[\\fIOPTION\\fR]... [\\fINAME\\fR]...\n"
+        ".SH DESCRIPTION\n"
+        "Integrates a resonant vibrating machine with GSL and its converter with ngspice, stepped\n"
+        "together at every time step. For sizing snubbers, varistors and fuses.\n"
+        ".SH COMMANDS\n",
+        stdout);
+  for (size_t k = 0; commands[k]; k++) print_command_for_man(commands[k]);
+  fputs(".SH EXIT STATUS\n", stdout);
+#define EXIT_ROW(name, status, text) printf(".TP\n%d\n%s\n", status, text);
+  VS_STATUS_LIST(EXIT_ROW)
+#undef EXIT_ROW
+  fputs(".SH ENVIRONMENT\n.TP\nVIBROSPICE_PATH\nwhere decks, parts, machines and scenes are looked "
+        "for before the shipped ones\n"
+        ".TP\nNO_COLOR\nif set, the verdict has no colour on a terminal\n"
+        ".SH SEE ALSO\n.BR ngspice (1)\n",
+        stdout);
+}
+
+/* ---- the command ---- */
+
+static vs_status help_command(const void *given, vs_error *err) {
+  const vs_arguments *a = given;
+  const vs_command *const *all = a->commands;
+  const char *topic = vs_command_name(a);
+  if (!topic) {
+    vs_command_print_usage(all, stdout);
+    list_topics();
+    return VS_OK;
+  }
+  if (!strcmp(topic, "man")) {
+    print_manual(all);
+    return VS_OK;
+  }
+  for (size_t k = 0; all[k]; k++) {
+    char program[] = "vibrospice", name[32], option[] = "--help",
+         *words[] = {program, name, option};
+    snprintf(name, sizeof name, "%s", topic);
+    if (strcmp(topic, all[k]->name) != 0) continue;
+    vs_status status = vs_command_run(all, all[k], 3, words);
+    if (status || !is_section(topic)) return status;
+    printf("\nThe section %s of a scene:\n", topic);
+    break;
+  }
+  return print_topic(topic, all, err);
+}
+
+static const vs_option HELP_OPTIONS[] = {VS_OPTIONS_HELP, {0}};
+
+const vs_command vs_help_cli = {
+    .name = "help",
+    .argument = "[TOPIC]",
+    .text = "tells of a command, of a section of a scene and its keys, of tiers, events, units, "
+            "exit statuses; man: the manual page's source; without TOPIC: of the program, and "
+            "which topics there are",
+    .examples =
+        "  vibrospice help firing\n  vibrospice help exit\n  vibrospice help man | man -l -\n",
+    .may_be_alone = true,
+    .options = HELP_OPTIONS,
+    .size = sizeof(vs_arguments),
+    .run = help_command};
