@@ -6,22 +6,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "curves.h"
-#include "plausible.h"
 #include "base/csv.h"
 #include "base/file.h"
+#include "base/gnuplot.h"
 #include "base/json.h"
-#include "diode.h"
-#include "fuse.h"
-#include "passive.h"
-#include "thyristor.h"
-#include "transistor.h"
-#include "triac.h"
-#include "varistor.h"
+#include "base/units.h"
+#include "figures.h"
 #include "netlist/catalogue.h"
 #include "netlist/parts.h"
-#include "base/units.h"
 #include "ngspice/trust.h"
+#include "plausible.h"
+#include "report/scale.h"
 
 static const vs_figures_kind *const KINDS[] = {
     &vs_thyristor_kind,    &vs_triac_kind,      &vs_diode_kind,          &vs_transistor_mosfet,
@@ -106,6 +101,49 @@ static void add_json(const vs_figure *row, const char *file, vs_text *text) {
   vs_json_end(&json);
 }
 
+/* ---- the picture ---- */
+
+/* A gnuplot data block of at most MOST points: steps are dense where nothing shows. */
+static void add_curve_points(const vs_figures_curve *c, size_t number, vs_script *script) {
+  enum { MOST = 4000 };
+  size_t every = 1 + c->points / MOST;
+  vs_gnuplot_add(script, "$curve%zu << EOD\n", number);
+  for (size_t k = 0; k < c->points; k += every)
+    vs_gnuplot_add(script, "%.6g %.6g\n", c->x[k], c->y[k]);
+  vs_gnuplot_add(script, "EOD\n");
+}
+
+static void add_curve_panel(const vs_figures_curve *c, size_t number, vs_script *script) {
+  vs_gnuplot_add(script, c->log_x ? "set logscale x\nset title " : "unset logscale x\nset title ");
+  vs_gnuplot_caption(script, c->title, 380, 10);
+  vs_gnuplot_add(script, "\nset xlabel ");
+  vs_gnuplot_quoted(script, c->x_label);
+  vs_gnuplot_add(script, "\nset ylabel ");
+  vs_gnuplot_quoted(script, c->y_label);
+  vs_gnuplot_add(script, "\nplot $curve%zu using 1:2 with lines lw 1.5 lc rgb %s notitle\n", number,
+                 vs_scale_colours[number % VS_COLOURS]);
+}
+
+/* Draws all curves side by side into a PNG of `size` bytes, to be freed by the caller. Errors:
+ * VS_RUN, gnuplot is not installed or failed. */
+static vs_status draw_curves(const vs_figures *f, const char *title, char **picture, size_t *size,
+                             vs_error *err) {
+  vs_script script = {0};
+  for (size_t k = 0; k < f->n_curves; k++) add_curve_points(&f->curve[k], k, &script);
+  vs_gnuplot_add(&script,
+                 "set terminal pngcairo noenhanced size %zu,360 font 'sans,10' background rgb "
+                 "'white'\nset multiplot layout 1,%zu title ",
+                 420 * f->n_curves, f->n_curves);
+  vs_gnuplot_caption(&script, title, (int)(420 * f->n_curves), 10);
+  vs_gnuplot_add(&script,
+                 "\nset grid lt 1 lw 0.5 lc rgb '#d0d0d0'\nset border 3\nset tics nomirror\n");
+  for (size_t k = 0; k < f->n_curves; k++) add_curve_panel(&f->curve[k], k, &script);
+  vs_gnuplot_add(&script, "unset multiplot\n");
+  vs_status status = vs_gnuplot_picture(script.text.text, picture, size, err);
+  vs_gnuplot_free(&script);
+  return status;
+}
+
 /* ---- files ---- */
 
 static void add_csv(const vs_figures *f, vs_text *text) {
@@ -161,8 +199,7 @@ static vs_status write_folder(const vs_check_options *o, const vs_figures *f, co
   vs_status status = vs_file_folder_make(o->folder, &made, err);
   if (!status) status = write_file(o->folder, "bench.csv", csv.text, csv.length, err);
   if (!status) status = write_file(o->folder, "bench.json", json.text, json.length, err);
-  vs_status drawn =
-      status || !f->n_curves ? VS_OK : vs_curves_draw(f, title, &picture, &size, &why);
+  vs_status drawn = status || !f->n_curves ? VS_OK : draw_curves(f, title, &picture, &size, &why);
   if (!status && picture) status = write_file(o->folder, "bench.png", picture, size, err);
   if (drawn && !o->quiet)
     fprintf(stderr, "vibrospice: warning: there is no picture: %s\n", why.text);
@@ -194,7 +231,7 @@ static size_t count_assumed(const char *path) {
   return count;
 }
 
-static void tell(const vs_stand *s, const vs_figures *f, vs_check_bench *bench) {
+static void tell_figures(const vs_stand *s, const vs_figures *f, vs_check_bench *bench) {
   size_t assumed = count_assumed(s->file);
   add_table(f, &bench->table);
   for (size_t k = 0; k < f->count; k++) {
@@ -319,7 +356,7 @@ vs_status vs_acceptance_try(const vs_check_options *o, vs_check_bench *bench, vs
   if (kind) status = try_part(s, kind, &own);
   if (kind && !status) kind->measure(s, &f);
   if (!status) vs_plausible_warn(s, &f, bench->warnings);
-  if (f.count) tell(s, &f, bench);
+  if (f.count) tell_figures(s, &f, bench);
   if (f.count) tell_of_models(s, &f, bench);
   if (f.count && o->folder) status = write_folder(o, &f, s->subcircuit, &own);
   if (status) *err = (own.findings = err->findings, own);

@@ -1,9 +1,10 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "fuse.h"
-
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What a data sheet says of a fuse, tried: resistance, melting I2t, least melting current, clearing
+ * I2t, arc voltage. */
 #include <math.h>
 #include <stdio.h>
 
+#include "figures.h"
 #include "base/text.h"
 
 /* What the circuits are made for, SI: what is asked, or where nothing is asked what is usual. */

@@ -1,9 +1,11 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "passive.h"
-
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Resistors and capacitors, tried: resistance at 1 V; capacitance, and the resistance in series
+ * with it, also of a snubber; of an electrolytic capacitor these at 100 Hz, the resistance also at
+ * 10 kHz, and the leakage. */
 #include <math.h>
 #include <stdio.h>
 
+#include "figures.h"
 #include "base/text.h"
 
 static vs_status try_out(const vs_stand *s, const char *source, double until_s, vs_stand_record *r,

@@ -4,8 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "netlist/parts.h"
 #include "base/units.h"
+#include "netlist/parts.h"
 
 /* ---- numbers by themselves ---- */
 

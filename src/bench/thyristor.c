@@ -1,6 +1,6 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "thyristor.h"
-
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What a data sheet says of a thyristor, tried: V_T, I_GT, V_GT, I_L, I_H, dv/dt, t_q, Q_rr, and
+ * how fast the model turns on. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

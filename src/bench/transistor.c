@@ -1,6 +1,6 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "transistor.h"
-
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What a data sheet says of a MOSFET or an IGBT, tried: on-state, threshold, transconductance,
+ * breakdown, switching of an inductive load, the diode inside. */
 #include <math.h>
 #include <stdio.h>
 

@@ -1,6 +1,6 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "triac.h"
-
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What a data sheet says of a triac, tried in both directions: as a thyristor either way, the gate
+ * in four quadrants, and the rise behind a commutation. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

@@ -1,10 +1,10 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "varistor.h"
-
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What a data sheet says of a varistor, tried: its voltage at three currents. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "figures.h"
 #include "base/text.h"
 
 static vs_status try_out(const vs_stand *s, double until_s, const char *source, vs_stand_record *r,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A vendor's subcircuit, found in the vendor's file. */
-#ifndef VS_BENCH_WRAP_H
-#define VS_BENCH_WRAP_H
+#ifndef VS_CLI_WRAP_H
+#define VS_CLI_WRAP_H
 
 #include <stdbool.h>
 
