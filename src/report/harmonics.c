@@ -6,12 +6,12 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/gnuplot.h"
 #include "base/path.h"
 #include "base/text.h"
-#include "measure/quality.h"
-#include "base/gnuplot.h"
-#include "report/scale.h"
 #include "base/tree.h"
+#include "measure/quality.h"
+#include "report/scale.h"
 
 enum { MOST_KINDS = 16 /* classes in a panel */ };
 enum { PANELS = VS_QUALITY_MOST + 1, WIDTH = 900, HEIGHT = 320 /* of a panel, pixels */ };

@@ -7,9 +7,9 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "plot/album.h"
 #include "base/gnuplot.h"
 #include "page.h"
+#include "plot/album.h"
 
 /* What gnuplot drew. */
 typedef struct drawing {

@@ -9,8 +9,8 @@
 #include <unistd.h>
 
 #include "base/csv.h"
-#include "base/text.h"
 #include "base/gnuplot.h"
+#include "base/text.h"
 #include "report/scale.h"
 
 enum { MOST_BARS = 4096 };

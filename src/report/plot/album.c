@@ -4,12 +4,8 @@
 #include <assert.h>
 #include <string.h>
 
-#include "plot/charts.h"
-#include "plot/feasible.h"
-#include "plot/map.h"
-#include "plot/spread.h"
-
-/* A new kind of picture is a file with its const struct, and a row here; methods name it. */
+/* A new kind of picture is its const struct, declared in sketch.h, and a row here; methods name it.
+ */
 static const vs_chart *const CHARTS[] = {
     &vs_charts_curve,     &vs_charts_cases,   &vs_charts_path,      &vs_charts_cloud,
     &vs_map_chart,        &vs_feasible_chart, &vs_spread_histogram, &vs_spread_bars,

@@ -1,12 +1,12 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "plot/feasible.h"
-
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The kind of picture that shows what a search for something that holds has tried. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/gnuplot.h"
+#include "plot/sketch.h"
 
 typedef struct candidate {
   long number; /* the case's */
@@ -133,4 +133,7 @@ static vs_status draw(const vs_sketch *k, size_t column, vs_picture *p, vs_error
   return status;
 }
 
+/* "feasible": the candidates that the manifest names over the first two axes that have a range,
+ * which of them hold and which is the answer. It is the same for every column. Where the manifest
+ * names no candidates there is no picture. */
 const vs_chart vs_feasible_chart = {.name = "feasible", .whole = true, .draw = draw};

@@ -186,7 +186,7 @@ vs_status vs_fourier_csv(const vs_stretch *s, vs_text *csv, vs_error *err) {
   vs_text_add(csv, "%sfrequency_hz", s->runs > 1 ? "run," : "");
   for (int k = 0; k < s->probes.count; k++) {
     char name[VS_PROBE_SIZE + 8];
-    vs_probes_named(&s->probes.item[k], "rms", name, sizeof name);
+    vs_stretch_probe_named(&s->probes.item[k], "rms", name, sizeof name);
     vs_text_add(csv, ",%s", name);
   }
   vs_text_add(csv, "\n");

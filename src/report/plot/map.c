@@ -289,4 +289,7 @@ static vs_status draw(const vs_sketch *k, size_t column, vs_picture *p, vs_error
   return status;
 }
 
+/* "map": its axes are the two of most values. With further axes, or where values share a cell, a
+ * cell shows the least margin, or the largest amount, among its cases. It fits where each axis has
+ * so few values that the cases fill at least half of the map. */
 const vs_chart vs_map_chart = {.name = "map", .fits = fits, .draw = draw};

@@ -11,11 +11,11 @@
 
 #include "base/csv.h"
 #include "base/file.h"
-#include "base/text.h"
-#include "run/run.h"
 #include "base/gnuplot.h"
+#include "base/text.h"
 #include "plot/overlay.h"
 #include "plot/sheets.h"
+#include "run/run.h"
 #include "traces.h"
 
 enum { MOST_POINTS = 100 }; /* measured ones that are marked each */

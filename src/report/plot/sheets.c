@@ -9,9 +9,9 @@
 #include "base/csv.h"
 #include "base/path.h"
 #include "base/text.h"
-#include "plant/machine.h"
 #include "base/tree.h"
 #include "base/units.h"
+#include "plant/machine.h"
 
 /* A coordinate of the machine: the names of its columns, and its unit. */
 typedef struct coordinate {

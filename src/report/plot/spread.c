@@ -115,6 +115,8 @@ static vs_status draw_histogram(const vs_sketch *k, size_t column, vs_picture *p
   return status;
 }
 
+/* "histogram": how the column's values are spread, with the 5th, 50th and 95th percentile; of a
+ * margin also the yield. */
 const vs_chart vs_spread_histogram = {.name = "histogram", .draw = draw_histogram};
 
 /* ---- corners ---- */
@@ -196,6 +198,8 @@ static vs_status draw_bars(const vs_sketch *k, size_t column, vs_picture *p, vs_
   return status;
 }
 
+/* "bars": the worst corners as bars: those of the least margin, of other columns those of the
+ * largest amounts. */
 const vs_chart vs_spread_bars = {.name = "bars", .draw = draw_bars};
 
 /* ---- what moves it ---- */
@@ -292,6 +296,8 @@ static bool fits_influence(const vs_sketch *k) {
   return k->n_axes > 0;
 }
 
+/* "influence": the column's correlation with each axis that is a number. Where nothing moves the
+ * column there is no picture. */
 const vs_chart vs_spread_influence = {
     .name = "influence", .fits = fits_influence, .draw = draw_influence};
 
@@ -364,5 +370,7 @@ static vs_status draw_effect(const vs_sketch *k, size_t column, vs_picture *p, v
   return status;
 }
 
+/* "effect": the column's least, mean and largest value at each value of one axis, over all other
+ * axes. */
 const vs_chart vs_spread_effect = {
     .name = "effect", .fits = fits_effect, .each_axis = true, .draw = draw_effect};
