@@ -27,7 +27,7 @@ static const vs_figures_kind *const KINDS[] = {
 
 static const char *const SIGN[] = {[VS_HELD_NEAR] = "", "<= ", ">= ", ""};
 
-static double shown(const vs_figure *row, double si) {
+static double in_shown_unit(const vs_figure *row, double si) {
   return si / vs_units_factor(row->unit);
 }
 
@@ -35,10 +35,10 @@ static void write_asked(const vs_figure *row, char *text, size_t size) {
   if (row->held == VS_HELD_NOT)
     snprintf(text, size, "-");
   else if (row->held == VS_HELD_NEAR)
-    snprintf(text, size, "%.4g +- %.3g %s", shown(row, row->asked), shown(row, row->tolerance),
-             row->unit);
+    snprintf(text, size, "%.4g +- %.3g %s", in_shown_unit(row, row->asked),
+             in_shown_unit(row, row->tolerance), row->unit);
   else
-    snprintf(text, size, "%s%.4g %s", SIGN[row->held], shown(row, row->asked), row->unit);
+    snprintf(text, size, "%s%.4g %s", SIGN[row->held], in_shown_unit(row, row->asked), row->unit);
 }
 
 static void write_got(const vs_figure *row, char *text, size_t size) {
@@ -47,10 +47,10 @@ static void write_got(const vs_figure *row, char *text, size_t size) {
   else if (isinf(row->got))
     snprintf(text, size, "none");
   else
-    snprintf(text, size, "%.4g %s", shown(row, row->got), row->unit);
+    snprintf(text, size, "%.4g %s", in_shown_unit(row, row->got), row->unit);
 }
 
-static void add_table(const vs_figures *f, vs_text *table) {
+static void add_figures_table(const vs_figures *f, vs_text *table) {
   vs_text_add(table, "\n%-12s %-22s %-14s %-7s %s", "figure", "asked", "got", "word", "test");
   for (size_t k = 0; k < f->count; k++) {
     const vs_figure *row = &f->row[k];
@@ -65,7 +65,7 @@ static void add_table(const vs_figures *f, vs_text *table) {
 
 /* One object on a line. A row of check's array has a place and a message besides; there what is to
  * be told of the library has a row of its own. */
-static void add_json(const vs_figure *row, const char *file, vs_text *text) {
+static void add_figure_json(const vs_figure *row, const char *file, vs_text *text) {
   char asked[64], got[64];
   vs_json json = vs_json_new(text);
   vs_json_object(&json, NULL, VS_JSON_ROW);
@@ -87,9 +87,9 @@ static void add_json(const vs_figure *row, const char *file, vs_text *text) {
                : row->held == VS_HELD_AT_MOST  ? "at most"
                : row->held == VS_HELD_AT_LEAST ? "at least"
                                                : NULL);
-  vs_json_number(&json, "asked", shown(row, row->asked), 9);
-  vs_json_number(&json, "tolerance", shown(row, row->tolerance), 9);
-  vs_json_number(&json, "got", shown(row, row->got), 9);
+  vs_json_number(&json, "asked", in_shown_unit(row, row->asked), 9);
+  vs_json_number(&json, "tolerance", in_shown_unit(row, row->tolerance), 9);
+  vs_json_number(&json, "got", in_shown_unit(row, row->got), 9);
   vs_json_text(&json, "word", vs_figures_word(row));
   vs_json_text(&json, "test", row->text);
   vs_json_text(&json, "why", isnan(row->got) ? row->why : NULL);
@@ -150,8 +150,8 @@ static void add_csv(const vs_figures *f, vs_text *text) {
   vs_text_add(text, "figure,unit,held,asked,tolerance,got,word,test,warning\n");
   for (size_t k = 0; k < f->count; k++) {
     const vs_figure *row = &f->row[k];
-    const double number[] = {shown(row, row->asked), shown(row, row->tolerance),
-                             shown(row, row->got)};
+    const double number[] = {in_shown_unit(row, row->asked), in_shown_unit(row, row->tolerance),
+                             in_shown_unit(row, row->got)};
     vs_csv_cell(text, row->name);
     vs_text_add(text, ",");
     vs_csv_cell(text, row->unit);
@@ -173,8 +173,8 @@ static void add_csv(const vs_figures *f, vs_text *text) {
   }
 }
 
-static vs_status write_file(const char *folder, const char *name, const char *bytes, size_t size,
-                            vs_error *err) {
+static vs_status write_bench_file(const char *folder, const char *name, const char *bytes,
+                                  size_t size, vs_error *err) {
   vs_file file;
   vs_status status = vs_file_open(&file, folder, name, err);
   if (status) return status;
@@ -193,14 +193,14 @@ static vs_status write_folder(const vs_check_options *o, const vs_figures *f, co
   vs_text_add(&json, "[");
   for (size_t k = 0; k < f->count; k++) {
     vs_text_add(&json, "%s\n  ", k ? "," : "");
-    add_json(&f->row[k], NULL, &json);
+    add_figure_json(&f->row[k], NULL, &json);
   }
   vs_text_add(&json, "\n]\n");
   vs_status status = vs_file_folder_make(o->folder, &made, err);
-  if (!status) status = write_file(o->folder, "bench.csv", csv.text, csv.length, err);
-  if (!status) status = write_file(o->folder, "bench.json", json.text, json.length, err);
+  if (!status) status = write_bench_file(o->folder, "bench.csv", csv.text, csv.length, err);
+  if (!status) status = write_bench_file(o->folder, "bench.json", json.text, json.length, err);
   vs_status drawn = status || !f->n_curves ? VS_OK : draw_curves(f, title, &picture, &size, &why);
-  if (!status && picture) status = write_file(o->folder, "bench.png", picture, size, err);
+  if (!status && picture) status = write_bench_file(o->folder, "bench.png", picture, size, err);
   if (drawn && !o->quiet)
     fprintf(stderr, "vibrospice: warning: there is no picture: %s\n", why.text);
   free(picture);
@@ -233,13 +233,13 @@ static size_t count_assumed(const char *path) {
 
 static void tell_figures(const vs_stand *s, const vs_figures *f, vs_check_bench *bench) {
   size_t assumed = count_assumed(s->file);
-  add_table(f, &bench->table);
+  add_figures_table(f, &bench->table);
   for (size_t k = 0; k < f->count; k++) {
     const char *word = vs_figures_word(&f->row[k]);
     bool asked = f->row[k].held != VS_HELD_NOT;
     bench->off += asked && (!strcmp(word, "off") || !strcmp(word, "failed"));
     bench->figures += asked;
-    add_json(&f->row[k], s->name, &bench->rows);
+    add_figure_json(&f->row[k], s->name, &bench->rows);
     vs_text_add(&bench->rows, "\n");
   }
   if (assumed)

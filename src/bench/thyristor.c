@@ -27,7 +27,7 @@ static vs_status stays_off_after(const vs_stand *s, const void *ctx, double t_q,
   return status;
 }
 
-static void turn_off(const vs_stand *s, const vs_firing_plan *p, vs_figures *f) {
+static void turn_off_thyristor(const vs_stand *s, const vs_firing_plan *p, vs_figures *f) {
   vs_figure *row = vs_tryout_row(
       s, f, (const char *[]){"t_q", "us"},
       (vs_tryout_source){"t_q", "turn_off_time", VS_HELD_AT_MOST, 0.1, 0, true}, true);
@@ -100,7 +100,7 @@ static void turn_on(const vs_stand *s, const vs_firing_plan *p, vs_figures *f) {
 
 /* ---- all ---- */
 
-static void measure(const vs_stand *s, vs_figures *f) {
+static void measure_thyristor(const vs_stand *s, vs_figures *f) {
   const vs_firing_plan p = vs_firing_plan_of(s);
   vs_firing_on_state(s, &p, f);
   vs_firing_draw_on_state(s, &p, f);
@@ -108,9 +108,9 @@ static void measure(const vs_stand *s, vs_figures *f) {
   vs_firing_latching(s, &p, f);
   vs_firing_holding(s, &p, f);
   vs_firing_rise(s, &p, f);
-  turn_off(s, &p, f);
+  turn_off_thyristor(s, &p, f);
   recovery(s, &p, f);
   turn_on(s, &p, f);
 }
 
-const vs_figures_kind vs_thyristor_kind = {"thyristor", "t 0 g", measure};
+const vs_figures_kind vs_thyristor_kind = {"thyristor", "t 0 g", measure_thyristor};

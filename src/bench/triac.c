@@ -79,7 +79,7 @@ static void commutating_rise(const vs_stand *s, const vs_firing_plan *p, vs_figu
   if (isnan(row->got) && strstr(row->why, "not reached")) row->got = INFINITY;
 }
 
-static void measure(const vs_stand *s, vs_figures *f) {
+static void measure_triac(const vs_stand *s, vs_figures *f) {
   const vs_firing_plan way[] = {plan_of(s, FIRST, ", MT2+"), plan_of(s, THIRD, ", MT2-")};
   for (int n = 0; n < 2; n++) vs_firing_on_state(s, &way[n], f);
   vs_firing_draw_on_state(s, &way[0], f);
@@ -95,4 +95,4 @@ static void measure(const vs_stand *s, vs_figures *f) {
   }
 }
 
-const vs_figures_kind vs_triac_kind = {"triac", "t 0 g", measure};
+const vs_figures_kind vs_triac_kind = {"triac", "t 0 g", measure_triac};

@@ -63,7 +63,8 @@ static void print_finding(const char *name, const char *kind, const vs_error *e)
 }
 
 /* Adds a row. level: "warning"; NULL: it is a mistake. */
-static void add_json(const char *name, const vs_error *e, const char *level, vs_json *json) {
+static void add_finding_json(const char *name, const vs_error *e, const char *level,
+                             vs_json *json) {
   char file[sizeof e->text];
   snprintf(file, sizeof file, "%.*s", e->file_size, e->text);
   vs_json_object(json, NULL, VS_JSON_ROW);
@@ -326,7 +327,7 @@ static vs_status check_library(report *r, vs_error *err) {
   return status || vs_error_count(err) || !is_deck ? status : check_deck(r, err);
 }
 
-static bool ends_in(const char *name, const char *ending) {
+static bool has_ending(const char *name, const char *ending) {
   size_t n = strlen(name), m = strlen(ending);
   return n > m && !strcmp(name + n - m, ending);
 }
@@ -349,14 +350,14 @@ static vs_status check_by_kind(report *r, vs_error *err) {
   vs_error none = {0};
   if (r->options->other) return r->options->other(r->options, &r->good, err);
   for (size_t k = 0; k < sizeof DECKS / sizeof *DECKS; k++)
-    if (ends_in(name, DECKS[k])) return check_deck(r, err);
-  if (ends_in(name, ".lib")) return check_library(r, err);
-  if (ends_in(name, ".inc")) return check_part(r, err);
-  if (ends_in(name, ".tab"))
+    if (has_ending(name, DECKS[k])) return check_deck(r, err);
+  if (has_ending(name, ".lib")) return check_library(r, err);
+  if (has_ending(name, ".inc")) return check_part(r, err);
+  if (has_ending(name, ".tab"))
     return vs_fail_at(err, (vs_where){.file = name},
                       "a table of parts is checked row by row: check '%s#NAME'", name);
   if (is_machine(name)) return check_machine(r, err);
-  if (ends_in(name, ".yaml") || ends_in(name, ".yml") ||
+  if (has_ending(name, ".yaml") || has_ending(name, ".yml") ||
       !vs_path_find(&vs_scene_shelf, name, (vs_where){0}, path, &none))
     return check_scene(r, err);
   if (!vs_path_find(&vs_deck_shelf, name, (vs_where){0}, path, &none)) return check_deck(r, err);
@@ -374,18 +375,19 @@ static vs_status check_by_kind(report *r, vs_error *err) {
 }
 
 /* Prints mistakes, warnings and what the bench saw as one array. */
-static void print_json(const report *r, const vs_findings *all) {
+static void print_findings_json(const report *r, const vs_findings *all) {
   vs_text text = {0};
   vs_json json = vs_json_new(&text);
   bool any = all->count || r->warnings.count || r->bench.rows.text || *vs_trust_text();
   vs_json_array(&json, NULL, any ? VS_JSON_LINES : VS_JSON_ROW);
-  for (size_t k = 0; k < all->count; k++) add_json(r->options->name, &all->item[k], NULL, &json);
+  for (size_t k = 0; k < all->count; k++)
+    add_finding_json(r->options->name, &all->item[k], NULL, &json);
   for (size_t k = 0; k < r->warnings.count; k++)
-    add_json(r->options->name, &r->warnings.item[k], "warning", &json);
+    add_finding_json(r->options->name, &r->warnings.item[k], "warning", &json);
   vs_error library = {0};
   if (*vs_trust_text()) {
     vs_fail(&library, VS_RUN, "%s", vs_trust_text());
-    add_json(r->options->name, &library, "warning", &json);
+    add_finding_json(r->options->name, &library, "warning", &json);
   }
   char *rows = vs_copy(r->bench.rows.text ? r->bench.rows.text : ""), *rest = rows;
   for (char *row; (row = strsep(&rest, "\n"));)
@@ -415,7 +417,7 @@ static vs_status check_and_tell(const vs_check_options *o, vs_error *err) {
   for (size_t k = 0; k < r.warnings.count && !o->quiet; k++)
     print_finding(o->name, "warning: ", &r.warnings.item[k]);
   if (o->json)
-    print_json(&r, all);
+    print_findings_json(&r, all);
   else if (!status && !all->count && !o->quiet)
     printf("%s: %s%s\n", o->name, r.good.text, r.bench.table.text ? r.bench.table.text : "");
   if (status == VS_INPUT) vs_fail(err, status, "%s: and more than these", o->name); /* no room */

@@ -478,17 +478,17 @@ static void put_field(vs_entries *to, const char *section, const vs_field *f) {
     put_field(to, name, &f->options->keys.fields[k]);
 }
 
-static void put_section(vs_entries *to, const vs_section *section) {
+static void put_section_keys(vs_entries *to, const vs_section *section) {
   for (size_t k = 0; k < section->count; k++) put_field(to, section->name, &section->fields[k]);
 }
 
 static void list_parameters(const listed *of) {
   for (int s = 0; s < VS_SECTIONS; s++)
-    put_section(of->to, vs_section_fields(of->machine, of->deck, s));
-  put_section(of->to, &vs_instruments_section);
-  put_section(of->to, &vs_instrument_section);
-  put_section(of->to, &vs_control_section);
-  put_section(of->to, &vs_observing_section);
+    put_section_keys(of->to, vs_section_fields(of->machine, of->deck, s));
+  put_section_keys(of->to, &vs_instruments_section);
+  put_section_keys(of->to, &vs_instrument_section);
+  put_section_keys(of->to, &vs_control_section);
+  put_section_keys(of->to, &vs_observing_section);
   vs_field sink = vs_cooling_heatsink;
   sink.key = "heatsink.DEVICE";
   put_field(of->to, "", &vs_cooling_ambient);
@@ -578,7 +578,7 @@ static vs_status check_kind(const vs_list_options *o, vs_error *err) {
 }
 
 /* Prints the kinds as one JSON object that has an array for each. */
-static void print_json(const vs_entries *entries, const char *name, bool is_first) {
+static void print_kind_json(const vs_entries *entries, const char *name, bool is_first) {
   printf("%s  \"%s\": [%s%s]", is_first ? "{\n" : ",\n", name,
          entries->count ? entries->out.text : "", entries->count ? "\n  " : "");
 }
@@ -589,7 +589,7 @@ static int list_kind(const struct kind *kind, const vs_list_options *o, listed *
   of->to = &entries;
   kind->put(of);
   if (o->json)
-    print_json(&entries, kind->name, is_first);
+    print_kind_json(&entries, kind->name, is_first);
   else {
     if (!is_named(o) && (entries.count || !o->filter))
       printf("%s%s\n", is_first ? "" : "\n", kind->heading);
@@ -599,7 +599,7 @@ static int list_kind(const struct kind *kind, const vs_list_options *o, listed *
   return entries.count;
 }
 
-static void list_all(const vs_list_options *o, listed *of) {
+static void list_asked_kinds(const vs_list_options *o, listed *of) {
   int found = 0;
   bool is_first = true;
   for (size_t k = 0; k < N_KINDS; k++) {
@@ -620,7 +620,7 @@ vs_status vs_list_command(const vs_list_options *o, vs_error *err) {
   vs_ground ground;
   status = vs_ground_read(o->deck, o->machine, &ground, err);
   listed of = {.deck = ground.deck, .machine = ground.machine};
-  if (!status) list_all(o, &of);
+  if (!status) list_asked_kinds(o, &of);
   vs_ground_free(&ground);
   return status;
 }
@@ -641,7 +641,7 @@ const char *vs_list_kind(int k) {
 
 void vs_list_section(const vs_section *section) {
   vs_entries entries = {0};
-  put_section(&entries, section);
+  put_section_keys(&entries, section);
   if (entries.count) fputs(entries.out.text, stdout);
   vs_entry_free(&entries);
 }

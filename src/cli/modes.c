@@ -11,11 +11,11 @@
 #include "run/scene.h"
 
 /* the one of each conjugate pair with the positive imaginary part; overdamped ones stand alone */
-static bool shown(const vs_mode *mode) {
+static bool is_shown_mode(const vs_mode *mode) {
   return mode->im_rad_s >= 0;
 }
 
-static void print_table(const vs_model *model, const vs_mode *modes) {
+static void print_modes(const vs_model *model, const vs_mode *modes) {
   printf("%16s %18s %14s   %s", "frequency Hz", "time constant s", "damping ratio", "shape");
   for (int i = 0; i < model->dof; i++) {
     const vs_coordinate *c = &model->machine->coordinates[i];
@@ -24,7 +24,7 @@ static void print_table(const vs_model *model, const vs_mode *modes) {
   puts(", with angles in deg");
   for (int m = 0; m < 2 * model->dof; m++) {
     const vs_mode *mode = &modes[m];
-    if (!shown(mode)) continue;
+    if (!is_shown_mode(mode)) continue;
     printf("%16.10g %18.10g %14.6g  ", mode->frequency_hz, mode->time_constant_s,
            mode->damping_ratio);
     for (int i = 0; i < model->dof; i++)
@@ -35,14 +35,14 @@ static void print_table(const vs_model *model, const vs_mode *modes) {
   }
 }
 
-static void print_json(const vs_model *model, const vs_mode *modes) {
+static void print_modes_json(const vs_model *model, const vs_mode *modes) {
   vs_text text = {0};
   vs_json json = vs_json_new(&text);
   vs_json_object(&json, NULL, VS_JSON_ROW);
   vs_json_array(&json, "modes", VS_JSON_LINES);
   for (int m = 0; m < 2 * model->dof; m++) {
     const vs_mode *mode = &modes[m];
-    if (!shown(mode)) continue;
+    if (!is_shown_mode(mode)) continue;
     vs_json_object(&json, NULL, VS_JSON_ROW);
     vs_json_number(&json, "frequency_hz", mode->frequency_hz, 12);
     vs_json_number(&json, "time_constant_s", mode->time_constant_s, 12);
@@ -95,8 +95,8 @@ static vs_status write_modes(const char *folder, const vs_model *model, const vs
   return vs_file_commit(&file, err);
 }
 
-static vs_status write_all(const char *folder, const vs_model *model, const vs_mode *modes,
-                           vs_error *err) {
+static vs_status write_state_space(const char *folder, const vs_model *model, const vs_mode *modes,
+                                   vs_error *err) {
   vs_state_space s;
   vs_mechanics_state_space(model, &s);
   int made, dof = model->dof, states = 2 * dof;
@@ -126,11 +126,11 @@ static vs_status modes_command(const void *given, vs_error *err) {
         &scene->setup, vs_tree_place(scene->tree.root, "load.fraction"), "modes", err);
   if (!status && !vs_mechanics_modes(model, modes))
     status = vs_fail(err, VS_RUN, "no eigenvalues found");
-  if (!status && folder) status = write_all(folder, model, modes, err);
+  if (!status && folder) status = write_state_space(folder, model, modes, err);
   if (!status && a->json)
-    print_json(model, modes);
+    print_modes_json(model, modes);
   else if (!status && !a->quiet) {
-    print_table(model, modes);
+    print_modes(model, modes);
     if (folder)
       printf("written: modes.csv and the state space (x = velocities, then coordinates; input: "
              "generalised "

@@ -52,18 +52,18 @@ static const struct other {
 };
 
 /* The default as YAML: a pair stands in brackets. */
-static void add_default(const vs_field *f, vs_text *text) {
+static void add_default_value(const vs_field *f, vs_text *text) {
   vs_text_add(text, f->kind == VS_PAIR ? "[%s]" : "%s", f->default_text);
 }
 
-static void add_field(const vs_field *f, const char *set, vs_text *text) {
+static void add_key(const vs_field *f, const char *set, vs_text *text) {
   char range[160];
   size_t begin = text->length;
   vs_text_add(text, "  %s%s: ", set ? "" : "#", f->key);
   if (set)
     vs_text_add(text, "%s", set);
   else
-    add_default(f, text);
+    add_default_value(f, text);
   vs_field_range(f, range, sizeof range);
   int wide = (int)(text->length - begin), pad = wide < 36 ? 36 - wide : 1;
   vs_text_add(text, "%*s# %s%s%s\n", pad, "", f->kind == VS_NAME ? "" : range,
@@ -76,10 +76,10 @@ static const char *value_of(const vs_field *f, const new_line *o) {
                                                : NULL;
 }
 
-static void add_section(const vs_section *section, const new_line *o, vs_text *text) {
+static void add_scene_section(const vs_section *section, const new_line *o, vs_text *text) {
   vs_text_add(text, "\n%s:\n", section->name);
   for (size_t k = 0; k < section->count; k++)
-    add_field(&section->fields[k], value_of(&section->fields[k], o), text);
+    add_key(&section->fields[k], value_of(&section->fields[k], o), text);
 }
 
 static void add_others(vs_text *text) {
@@ -153,7 +153,7 @@ static vs_status new_command(const void *given, vs_error *err) {
     add_schema(&text);
     vs_text_add(&text, HEAD, path, path);
     for (int s = 0; s < VS_SECTIONS; s++)
-      add_section(vs_section_fields(ground.machine, ground.deck, s), o, &text);
+      add_scene_section(vs_section_fields(ground.machine, ground.deck, s), o, &text);
     add_others(&text);
     status = write_scene(path, &text, err);
   }

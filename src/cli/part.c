@@ -56,7 +56,7 @@ static vs_status read_name(const char *output, char name[VS_WRAP_NAME], vs_error
 
 /* ---- writing ---- */
 
-static void add_line(const char *line, const char *const with[WORDS], vs_text *text) {
+static void add_filled_line(const char *line, const char *const with[WORDS], vs_text *text) {
   while (*line) {
     int word = 0;
     while (word < WORDS && strncmp(line, WORD[word], strlen(WORD[word]))) word++;
@@ -70,21 +70,21 @@ static void add_line(const char *line, const char *const with[WORDS], vs_text *t
 
 /* The template without its first line, which names the program's licence: what is filled in is the
  * user's own. */
-static vs_status fill_in(const char *path, const char *const with[WORDS], vs_text *text,
-                         vs_error *err) {
+static vs_status fill_in_template(const char *path, const char *const with[WORDS], vs_text *text,
+                                  vs_error *err) {
   FILE *f = fopen(path, "r");
   if (!f) return vs_fail(err, VS_RUN, "%s: cannot be read: %s", path, strerror(errno));
   char *line = NULL;
   size_t size = 0;
   for (int n = 0; vs_alloc_line(&line, &size, f) >= 0; n++)
-    if (n > 0) add_line(line, with, text);
+    if (n > 0) add_filled_line(line, with, text);
   vs_status status = vs_file_was_read(f, path, err);
   free(line);
   fclose(f);
   return status;
 }
 
-static vs_status write_out(const char *output, const vs_text *text, vs_error *err) {
+static vs_status write_part(const char *output, const vs_text *text, vs_error *err) {
   char folder[VS_PATH_SIZE];
   vs_file file;
   snprintf(folder, sizeof folder, "%.*s", (int)(base_of(output) - output), output);
@@ -142,7 +142,7 @@ static void explain_kinds(vs_text *help) {
   vs_path_list(&SHELF, add_kind, help);
 }
 
-static vs_status list_kinds(void) {
+static vs_status print_template_kinds(void) {
   vs_text kinds = {0};
   vs_path_list(&SHELF, add_kind, &kinds);
   printf("%s", kinds.text ? kinds.text : "");
@@ -167,8 +167,8 @@ static vs_status write_template(const part_line *o, const char *path, const char
   const char *const with[WORDS] = {
       name,      subckt,    base_of(output), wrap.called,
       wrap.file, wrap.call, wrap.pins,       wrap.pspice ? "*$ compat ps\n" : ""};
-  if (!status) status = fill_in(path, with, &text, err);
-  if (!status) status = write_out(output, &text, err);
+  if (!status) status = fill_in_template(path, with, &text, err);
+  if (!status) status = write_part(output, &text, err);
   if (!status && !o->common.quiet)
     printf("%s: fill in the numbers marked assumed, then: vibrospice check %s\n", output, output);
   vs_text_free(&text);
@@ -181,7 +181,7 @@ static vs_status part_command(const void *given, vs_error *err) {
   const part_line *o = given;
   const char *output = o->common.output;
   char path[VS_PATH_SIZE], name[VS_WRAP_NAME];
-  if (!vs_command_name(&o->common)) return list_kinds();
+  if (!vs_command_name(&o->common)) return print_template_kinds();
   vs_status status = find_template(o, path, err);
   if (status) return status;
   if (!output) return vs_fail(err, VS_INPUT, "part: wants -o NAME.inc; see vibrospice part --help");

@@ -29,7 +29,7 @@ static void begin_schema(vs_json *j, const char *title) {
 
 /* A section; NULL stands for one that says nothing more than its name. own: the key that names a
  * file which declares the section's keys; with it any key passes. */
-static void put_section(vs_json *j, const vs_section *s, const char *own) {
+static void put_section_schema(vs_json *j, const vs_section *s, const char *own) {
   vs_json_object(j, s->name, VS_JSON_ROW);
   vs_json_array(j, "type", VS_JSON_ROW);
   vs_json_text(j, NULL, "object");
@@ -201,7 +201,7 @@ static void put_names_own(vs_json *j, int section, const char *key) {
 
 /* Sections whose keys and words are names of the machine's and the deck's: told only of scenes
  * that name neither. */
-static void put_named(vs_json *j, const vs_ground *ground) {
+static void put_named_schema(vs_json *j, const vs_ground *ground) {
   begin_member(j, "if");
   put_names_own(j, VS_SECTION_KEY_machine, vs_machine_key.key);
   put_names_own(j, VS_SECTION_KEY_circuit, vs_deck_key.key);
@@ -326,7 +326,7 @@ static void put_scene(vs_json *j, const vs_ground *ground) {
   vs_json_object(j, "properties", VS_JSON_LINES);
   for (int s = 0; s < VS_SECTIONS; s++) {
     const vs_section *section = vs_section_fields(ground->machine, ground->deck, s);
-    if (s != VS_SECTION_NUMBER_start) put_section(j, section, own_key(section->name));
+    if (s != VS_SECTION_NUMBER_start) put_section_schema(j, section, own_key(section->name));
   }
   put_events(j);
   put_instruments(j);
@@ -344,7 +344,7 @@ static void put_scene(vs_json *j, const vs_ground *ground) {
     vs_json_end(j);
   }
   vs_json_end(j);
-  put_named(j, ground);
+  put_named_schema(j, ground);
   vs_json_bool(j, "additionalProperties", false);
   vs_json_end(j);
 }

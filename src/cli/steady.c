@@ -65,18 +65,18 @@ static void add_material(const vs_steady *s, vs_json *json) {
 
 /* ---- what was found ---- */
 
-static double size_of(const vs_steady *s, int k) {
+static double multiplier_size(const vs_steady *s, int k) {
   return hypot(s->orbit.multiplier[k].re, s->orbit.multiplier[k].im);
 }
 
 /* On tier circuit multipliers are known to some error only, in which small ones are lost. */
 static bool is_resolved(const vs_steady *s, int k) {
-  return !s->picard || size_of(s, k) > s->picard->known_to;
+  return !s->picard || multiplier_size(s, k) > s->picard->known_to;
 }
 
 /* ---- JSON ---- */
 
-static void add_measures(const void *ctx, vs_json *json) {
+static void add_orbit_measures(const void *ctx, vs_json *json) {
   vs_steady_measure m;
   for (int k = 0; vs_steady_at(ctx, k, &m); k++) {
     if (m.value.known) vs_summary_measure(json, m.name, m.value, m.unit);
@@ -134,7 +134,7 @@ static void add_classes(const vs_steady *s, vs_json *json) {
   vs_json_end(json);
 }
 
-static void add_members(const void *ctx, vs_json *json) {
+static void add_orbit_members(const void *ctx, vs_json *json) {
   const vs_steady *s = ctx;
   vs_json_whole(json, "period", s->orbit.n);
   vs_json_number(json, "period_s", s->orbit.period_s, DIGITS);
@@ -225,7 +225,7 @@ static void print_orbit(const vs_steady *s, FILE *out) {
 }
 
 /* What a short table tells of an orbit, where it is known. */
-static void show_few(const vs_steady *s, FILE *out) {
+static void show_orbit_briefly(const vs_steady *s, FILE *out) {
   static const char *const FEW[] = {"power_in",        "i_rms", "power_factor", "thd", "throw_down",
                                     "conveying_speed", NULL};
   char text[VS_AMOUNT_SIZE];
@@ -242,7 +242,7 @@ static void show_few(const vs_steady *s, FILE *out) {
   if (material) fprintf(out, "material: %s\n", material);
 }
 
-static void show(const vs_steady *s, FILE *out) {
+static void show_orbit(const vs_steady *s, FILE *out) {
   const vs_drawn drawn = drawn_of(s);
   vs_steady_measure m;
   print_orbit(s, out);
@@ -272,17 +272,17 @@ typedef struct reporter {
   bool quiet, all;
 } reporter;
 
-static void begin(void *ctx, vs_scene *scene) {
+static void begin_period(void *ctx, vs_scene *scene) {
   reporter *r = ctx;
   r->scene = scene;
   vs_steady_again(&r->steady, scene);
 }
 
-static void accept(void *ctx, const vs_step *step) {
+static void accept_step_of_period(void *ctx, const vs_step *step) {
   vs_steady_accept(ctx, step);
 }
 
-static void finish(void *ctx, const vs_result *result) {
+static void finish_period(void *ctx, const vs_result *result) {
   reporter *r = ctx;
   const vs_warnings *w = &r->scene->warnings;
   size_t said = w->count;
@@ -291,22 +291,22 @@ static void finish(void *ctx, const vs_result *result) {
     fprintf(stderr, "vibrospice: warning: %s\n", vs_warnings_text(&w->item[k]));
 }
 
-static void show_all(const void *ctx, FILE *out) {
+static void show_period(const void *ctx, FILE *out) {
   const reporter *r = ctx;
   if (r->all) {
     vs_show_feed(&r->scene->setup, out);
-    show(ctx, out);
+    show_orbit(ctx, out);
   } else
-    show_few(ctx, out);
+    show_orbit_briefly(ctx, out);
   if (r->matrices) vs_matrices_print(r->matrices, out);
   if (r->closed && !*r->unclosed.text) vs_closed_print(r->closed, out);
   if (r->closed && *r->unclosed.text)
     fprintf(out, "control  its closed loop is not known: %s\n\n", r->unclosed.text);
 }
 
-static void add_all(const void *ctx, vs_json *json) {
+static void add_period_members(const void *ctx, vs_json *json) {
   const reporter *r = ctx;
-  add_members(ctx, json);
+  add_orbit_members(ctx, json);
   if (r->matrices) vs_matrices_json(r->matrices, json);
   if (r->closed && !*r->unclosed.text) vs_closed_json(r->closed, json);
   if (r->closed && *r->unclosed.text) vs_json_text(json, "closed_loop_missing", r->unclosed.text);
@@ -327,7 +327,7 @@ static vs_status write_linear(const vs_run_options *o, const vs_matrices *matric
 
 /* Finds the closed loop about its own orbit, where the scene's control, which is off by now, has
  * one that is told. That there is none is no error of the command. */
-static void close_loop(reporter *r, const vs_regulator *regulator, const vs_scene *scene) {
+static void find_closed_loop(reporter *r, const vs_regulator *regulator, const vs_scene *scene) {
   if (!regulator || !regulator->pi || scene->tier->has_circuit || r->steady.orbit.n > 1) return;
   r->closed = vs_alloc(1, sizeof *r->closed);
   if (vs_closed_find(scene, regulator, &r->steady.orbit, r->closed, &r->unclosed) &&
@@ -341,12 +341,17 @@ typedef struct extras {
   const vs_regulator *regulator; /* the scene's; NULL: it has none */
 } extras;
 
-static vs_status report(const vs_run_options *o, int periods, extras more_of, vs_scene *scene,
-                        vs_error *err) {
+static vs_status run_period(const vs_run_options *o, int periods, extras more_of, vs_scene *scene,
+                            vs_error *err) {
   bool linear = more_of.linear;
   reporter *r = vs_alloc(1, sizeof *r);
   vs_steady *s = &r->steady;
-  const vs_run_more more = {r, begin, accept, finish, show_all, {r, add_measures, add_all}};
+  const vs_run_more more = {r,
+                            begin_period,
+                            accept_step_of_period,
+                            finish_period,
+                            show_period,
+                            {r, add_orbit_measures, add_period_members}};
   scene->order.stop = o->stop;
   scene->order.shows = !o->quiet && isatty(STDERR_FILENO);
   vs_status status = linear ? vs_linear_check(scene, periods, err) : VS_OK;
@@ -358,7 +363,7 @@ static vs_status report(const vs_run_options *o, int periods, extras more_of, vs
     r->matrices = vs_alloc(1, sizeof *r->matrices);
     status = vs_matrices_find(r->matrices, scene, &s->orbit, err);
   }
-  if (!status) close_loop(r, more_of.regulator, scene);
+  if (!status) find_closed_loop(r, more_of.regulator, scene);
   if (!status) status = vs_run_scene(o, &more, scene, err);
   if (!status || status == VS_RATING) {
     vs_status written = write_linear(o, r->matrices, err);
@@ -382,7 +387,7 @@ static vs_status report_orbit(const vs_run_options *o, int periods, bool linear,
   const extras more = {linear, scene->control.regulator};
   if (!status) vs_scene_hold(scene);
   if (!status && !o->quiet && !vs_guard_again()) vs_scene_warn(scene);
-  if (!status) status = report(o, periods, more, scene, err);
+  if (!status) status = run_period(o, periods, more, scene, err);
   vs_scene_free(scene);
   free(scene);
   return status;

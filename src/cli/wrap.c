@@ -34,7 +34,7 @@ typedef struct search {
 /* ---- the vendor's file ---- */
 
 /* Reads the words behind ".subckt", up to a parameter. False: too many pins to be a part. */
-static bool read_head(char *line, subcircuit *s) {
+static bool read_subcircuit_head(char *line, subcircuit *s) {
   char *rest = line, *word;
   *s = (subcircuit){0};
   strtok_r(line, " \t", &rest);
@@ -50,14 +50,14 @@ static bool read_head(char *line, subcircuit *s) {
   return true;
 }
 
-static void take_line(search *f, char *line) {
+static void take_vendor_line(search *f, char *line) {
   static const char *const PSPICE[] = {"params:",   "value={", "value {",
                                        "value = {", "if(",     "table {"};
   subcircuit s;
   for (size_t k = 0; k < sizeof PSPICE / sizeof *PSPICE; k++)
     f->pspice = f->pspice || strcasestr(line, PSPICE[k]);
   if (strncasecmp(line, ".subckt", 7) || !isspace((unsigned char)line[7])) return;
-  if (!read_head(line, &s)) return;
+  if (!read_subcircuit_head(line, &s)) return;
   f->all++;
   if (f->wanted ? strcasecmp(s.name, f->wanted) != 0 : s.pins != f->pins) return;
   vs_text_add(&f->names, "%s%s", f->fitting ? ", " : "", s.name);
@@ -74,14 +74,14 @@ static vs_status take_file(search *f, FILE *file, const char *path, vs_error *er
     const char *text = line + strspn(line, " \t");
     if (!*text || *text == '*') continue;
     if (*text != '+') {
-      if (whole.text) take_line(f, whole.text);
+      if (whole.text) take_vendor_line(f, whole.text);
       vs_text_free(&whole);
       whole = (vs_text){0};
     }
     vs_text_add(&whole, "%s%s", *text == '+' ? " " : "", *text == '+' ? text + 1 : text);
   }
   vs_status status = vs_file_was_read(file, path, err);
-  if (whole.text) take_line(f, whole.text);
+  if (whole.text) take_vendor_line(f, whole.text);
   vs_text_free(&whole);
   free(line);
   return status;
@@ -189,7 +189,7 @@ static void name_file(const char *path, const char *output, vs_wrap *w) {
   free(ours);
 }
 
-static vs_status refuse(const search *f, const char *path, vs_error *err) {
+static vs_status refuse_vendor_file(const search *f, const char *path, vs_error *err) {
   const vs_where file = {.file = path};
   if (f->wanted && !f->fitting) return vs_fail_at(err, file, "has no subcircuit '%s'", f->wanted);
   if (!f->fitting)
@@ -215,7 +215,7 @@ vs_status vs_wrap_find(const char *word, const char *kind, const char *output, v
   vs_status status = take_file(&f, file, path, err);
   fclose(file);
   bool good = !status && f.fitting == 1 && f.best.pins == f.pins;
-  if (!good && !status) status = refuse(&f, path, err);
+  if (!good && !status) status = refuse_vendor_file(&f, path, err);
   if (good) {
     *w = (vs_wrap){.pspice = f.pspice};
     memcpy(w->called, f.best.name, sizeof w->called);

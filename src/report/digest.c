@@ -38,7 +38,7 @@ static void add_number(vs_html *html, const vs_node *line, const char *key, doub
                 value, *unit ? " " : "", unit);
 }
 
-static void add_line(vs_html *html, const vs_node *line) {
+static void add_verdict_line(vs_html *html, const vs_node *line) {
   const char *device = vs_member_word(line, "device"), *unit = vs_member_word(line, "unit");
   vs_text name = {0};
   if (*device)
@@ -119,7 +119,7 @@ static void add_verdict(vs_html *html, const vs_node *summary) {
     vs_html_add(html, "<div class=\"wide\"><table><tr><th>what</th><th>word</th><th>margin</th>"
                       "<th>its error</th><th>stress, or least</th><th>limit, or min</th>"
                       "<th>largest</th><th>max</th><th></th></tr>\n");
-    for (const vs_node *m = verdict->child; m; m = m->next) add_line(html, m);
+    for (const vs_node *m = verdict->child; m; m = m->next) add_verdict_line(html, m);
     vs_html_add(html, "</table></div>\n");
   }
   const vs_node *warnings = vs_tree_child(summary, "warnings");
@@ -193,7 +193,7 @@ static const struct {
              {"mechanical_J", "stored in motion and springs", 3}};
 
 /* A row, with its share of the largest flow as a bar. What is 0 is left out. */
-static void add_row(vs_html *html, const char *text, int depth, double joule, double whole) {
+static void add_energy_row(vs_html *html, const char *text, int depth, double joule, double whole) {
   char amount[VS_AMOUNT_SIZE], part[32] = "< 0.01 %";
   double share = joule / whole;
   if (!(fabs(share) < 1e-4)) snprintf(part, sizeof part, "%.3g %%", 100 * share);
@@ -212,7 +212,7 @@ static void add_accounts(vs_html *html, const vs_node *accounts, const char *wha
   for (const vs_node *m = accounts ? accounts->child : NULL; m; m = m->next) {
     vs_text text = {0};
     vs_text_add(&text, "%s %s", what, m->key);
-    add_row(html, text.text, 1, vs_member_number(m), whole);
+    add_energy_row(html, text.text, 1, vs_member_number(m), whole);
     vs_text_free(&text);
   }
 }
@@ -230,7 +230,7 @@ static void add_energy_flow(vs_html *html, const vs_node *energy) {
   for (size_t k = 0; k < sizeof FLOWS / sizeof *FLOWS && whole > 0; k++) {
     const vs_node *node = vs_tree_child(energy, FLOWS[k].key);
     if (FLOWS[k].text)
-      add_row(html, FLOWS[k].text, FLOWS[k].depth, vs_member_number(node), whole);
+      add_energy_row(html, FLOWS[k].text, FLOWS[k].depth, vs_member_number(node), whole);
     else
       add_accounts(html, node, !strcmp(FLOWS[k].key, "losses_J") ? "lost in" : "stored in", whole);
   }

@@ -329,7 +329,7 @@ typedef struct warner {
   void *ctx;
 } warner;
 
-static void warn(const warner *w, vs_text *text) {
+static void pass_warning(const warner *w, vs_text *text) {
   w->each(w->ctx, text->text);
   vs_text_free(text);
   *text = (vs_text){0};
@@ -345,11 +345,11 @@ static void warn_of_unknowns(const vs_outcome *o, const warner *w) {
                   "%s is on its bound, %.6g %s, and the data ask for more: it has no standard "
                   "error, and those of the others hold while it stays there",
                   u->name, e->value[k], u->axis.unit);
-      warn(w, &text);
+      pass_warning(w, &text);
     } else if (e->least[k] < u->from || e->most[k] > u->to) {
       vs_text_add(&text, "the 95 %% interval of %s passes its bounds, %g..%g %s", u->name, u->from,
                   u->to, u->axis.unit);
-      warn(w, &text);
+      pass_warning(w, &text);
     }
   }
 }
@@ -363,21 +363,21 @@ static void warn_of_recordings(const vs_outcome *o, const warner *w) {
                   "%s: %zu samples at an end of their A/D's range are left out, as they tell no "
                   "more than that",
                   rec->path, rec->at_end);
-      warn(w, &text);
+      pass_warning(w, &text);
     }
     if (rec->again) {
       vs_text_add(&text,
                   "%s: %zu cells show a sample that a row before has shown, and are left out",
                   rec->path, rec->again);
-      warn(w, &text);
+      pass_warning(w, &text);
     }
     if (rec->columns.unused.length) {
       vs_text_add(&text, "%s: not used: %s", rec->path, rec->columns.unused.text);
-      warn(w, &text);
+      pass_warning(w, &text);
     }
     if (rec->empty) {
       vs_text_add(&text, "%s: %zu cells that are empty or nan are left out", rec->path, rec->empty);
-      warn(w, &text);
+      pass_warning(w, &text);
     }
   }
 }
@@ -390,13 +390,13 @@ void vs_fitted_warnings(const vs_outcome *o, void (*each)(void *ctx, const char 
                 "chi2 = %.4g is far below the %ld degrees of freedom: the errors are stated too "
                 "large, or they are not independent",
                 o->estimate.minimum.chi2, o->estimate.freedom);
-    warn(&w, &text);
+    pass_warning(&w, &text);
   }
   if (o->estimate.unstable) {
     vs_text_add(&text,
                 "an orbit is unstable at the estimate: no machine stays there, so that it is "
                 "not the one that was measured");
-    warn(&w, &text);
+    pass_warning(&w, &text);
   }
   warn_of_unknowns(o, &w);
   for (size_t k = 0; k < o->n_columns; k++) {
@@ -406,13 +406,13 @@ void vs_fitted_warnings(const vs_outcome *o, void (*each)(void *ctx, const char 
                 "the residuals of %s in run %zu follow a pattern that chance hardly makes: the "
                 "model lacks something, or the errors are not independent",
                 o->inquiry->runs[c->run].recording.columns.item[c->column].name, c->run + 1);
-    warn(&w, &text);
+    pass_warning(&w, &text);
   }
   for (size_t k = 0; k < o->n_profiles; k++)
     if (o->profiles[k].lower_minimum) {
       vs_text_add(&text, "the profile of %s meets a lower chi2 than the fit: add starts",
                   o->inquiry->unknowns[o->profiles[k].unknown].name);
-      warn(&w, &text);
+      pass_warning(&w, &text);
     }
   warn_of_recordings(o, &w);
 }

@@ -31,7 +31,7 @@ typedef struct portrait {
 } portrait;
 
 /* Places the next panel, of that height; `under` of it are for what stands below its frame. */
-static void place(portrait *p, int high, int under) {
+static void place_panel(portrait *p, int high, int under) {
   double top = 1 - (double)p->at / p->height, bottom = 1 - (double)(p->at + high) / p->height;
   vs_gnuplot_add(&p->script, "set tmargin at screen %.6f\nset bmargin at screen %.6f\n",
                  top - 8. / p->height, bottom + (double)under / p->height);
@@ -87,14 +87,14 @@ static void draw_column(portrait *p, const vs_outcome_column *c) {
   if (p->o->inquiry->n_runs > 1)
     snprintf(name, sizeof name, "%s, run %zu", column->name, c->run + 1);
   add_samples(p, c, factor);
-  place(p, HIGH, UNDER);
+  place_panel(p, HIGH, UNDER);
   label(p, 'y', name, unit);
   vs_gnuplot_add(
       &p->script,
       "set xlabel ''\nset key top right\nplot $D using 1:2 with points pt 7 ps 0.35 lc rgb "
       "%s title 'measured', $D using 1:3 with lines lw 1.4 lc rgb %s title 'fitted'\n",
       vs_scale_colour_bad, vs_scale_colour_good);
-  place(p, LOW, UNDER_LABEL);
+  place_panel(p, LOW, UNDER_LABEL);
   vs_gnuplot_add(&p->script,
                  "set ylabel 'residual / std error'\nset xlabel 't / ms'\nplot 0 lt 1 lc rgb "
                  "'#404040' notitle, 2 lt 1 dt 2 lc rgb '#808080' notitle, -2 lt 1 dt 2 lc "
@@ -105,7 +105,7 @@ static void draw_column(portrait *p, const vs_outcome_column *c) {
 /* ---- the measures ---- */
 
 /* Adds $M: place, residual, name; one row for each measure. */
-static int portrait_add_measures(portrait *p) {
+static int add_measure_points(portrait *p) {
   const vs_inquiry *q = p->o->inquiry;
   int count = 0;
   vs_gnuplot_add(&p->script, "$M << EOD\n");
@@ -124,8 +124,8 @@ static int portrait_add_measures(portrait *p) {
 }
 
 static void draw_measures(portrait *p) {
-  int count = portrait_add_measures(p);
-  place(p, HIGH, UNDER_LABEL);
+  int count = add_measure_points(p);
+  place_panel(p, HIGH, UNDER_LABEL);
   vs_gnuplot_add(
       &p->script,
       "set ylabel 'residual / std error'\nset xlabel ''\nset xrange [0.3:%d.7]\n"
@@ -139,7 +139,7 @@ static void draw_measures(portrait *p) {
 
 /* ---- the picture ---- */
 
-static void begin(portrait *p, const char *name, bool measures) {
+static void begin_fit_picture(portrait *p, const char *name, bool measures) {
   bool svg = strlen(name) > 4 && !strcmp(name + strlen(name) - 4, ".svg");
   const char *slash = strrchr(p->o->inquiry->path, '/');
   char title[VS_PATH_SIZE + 64];
@@ -171,7 +171,7 @@ static vs_status portrait_draw(const vs_outcome *o, const char *folder, const ch
   vs_file file = {0};
   for (size_t n = 0; n < o->inquiry->n_data; n++)
     measures = measures || o->inquiry->data[n].aim >= 0;
-  begin(&p, name, measures);
+  begin_fit_picture(&p, name, measures);
   for (size_t k = 0; k < o->n_columns; k++) draw_column(&p, &o->columns[k]);
   if (measures) draw_measures(&p);
   vs_gnuplot_add(&p.script, "unset multiplot\n");
@@ -192,7 +192,7 @@ enum { DIGITS = 12 };
 
 /* ---- JSON ---- */
 
-static void add_pair(vs_json *json, const char *key, double from, double to) {
+static void add_range_json(vs_json *json, const char *key, double from, double to) {
   vs_json_array(json, key, VS_JSON_ROW);
   vs_json_number(json, NULL, from, DIGITS);
   vs_json_number(json, NULL, to, DIGITS);
@@ -207,13 +207,13 @@ static void add_unknown(const vs_outcome *o, size_t k, vs_json *json) {
   vs_json_text(json, "unit", u->axis.unit);
   vs_json_number(json, "standard_error", e->error[k] * (u->log ? e->value[k] : u->scale), DIGITS);
   if (u->log) vs_json_number(json, "standard_error_of_ln", e->error[k], DIGITS);
-  add_pair(json, "interval_95", e->least[k], e->most[k]);
+  add_range_json(json, "interval_95", e->least[k], e->most[k]);
   vs_json_number(json, "start", u->start, DIGITS);
-  add_pair(json, "bounds", u->from, u->to);
+  add_range_json(json, "bounds", u->from, u->to);
   vs_json_bool(json, "on_bound", e->minimum.bound[k]);
   for (size_t p = 0; p < o->n_profiles; p++)
     if (o->profiles[p].unknown == k)
-      add_pair(json, "profile_95", o->profiles[p].least, o->profiles[p].most);
+      add_range_json(json, "profile_95", o->profiles[p].least, o->profiles[p].most);
   vs_json_end(json);
 }
 
@@ -415,7 +415,7 @@ static void found_profiles(const vs_outcome *o, int digits, FILE *out) {
 
 typedef void (*csv_writer)(const vs_outcome *outcome, int digits, FILE *out);
 
-static void write_json(const vs_outcome *o, int digits, FILE *out) {
+static void write_fit_json(const vs_outcome *o, int digits, FILE *out) {
   vs_text json = {0};
   (void)digits;
   found_json(o, &json);
@@ -423,8 +423,8 @@ static void write_json(const vs_outcome *o, int digits, FILE *out) {
   vs_text_free(&json);
 }
 
-static vs_status write_file(const vs_fitting_options *options, const vs_outcome *o,
-                            const char *name, csv_writer write, vs_error *err) {
+static vs_status write_fit_file(const vs_fitting_options *options, const vs_outcome *o,
+                                const char *name, csv_writer write, vs_error *err) {
   vs_file file;
   vs_status status = vs_file_open(&file, options->folder, name, err);
   if (status) return status;
@@ -452,12 +452,12 @@ static vs_status write_pictures(const vs_fitting_options *options, const vs_outc
   return status;
 }
 
-static vs_status write_files(const vs_fitting_options *options, const vs_outcome *o,
-                             vs_error *err) {
-  vs_status status = write_file(options, o, "fit.json", write_json, err);
-  if (!status) status = write_file(options, o, "residuals.csv", found_residuals, err);
+static vs_status write_fit_files(const vs_fitting_options *options, const vs_outcome *o,
+                                 vs_error *err) {
+  vs_status status = write_fit_file(options, o, "fit.json", write_fit_json, err);
+  if (!status) status = write_fit_file(options, o, "residuals.csv", found_residuals, err);
   if (!status && o->n_profiles)
-    status = write_file(options, o, "profile.csv", found_profiles, err);
+    status = write_fit_file(options, o, "profile.csv", found_profiles, err);
   else if (!status)
     remove_stale(options->folder, "profile.csv");
   if (status) return status;
@@ -475,7 +475,7 @@ static void print_warning(void *ctx, const char *text) {
   fprintf(stderr, "vibrospice: warning: %s\n", text);
 }
 
-static void say(const vs_fitting_options *options, const vs_outcome *o) {
+static void print_fit(const vs_fitting_options *options, const vs_outcome *o) {
   vs_text json = {0};
   if (options->json) {
     found_json(o, &json);
@@ -486,7 +486,8 @@ static void say(const vs_fitting_options *options, const vs_outcome *o) {
   if (!options->quiet) vs_fitted_warnings(o, print_warning, NULL);
 }
 
-static vs_status fit(const vs_fitting_options *options, const vs_inquiry *q, vs_error *err) {
+static vs_status fit_and_report(const vs_fitting_options *options, const vs_inquiry *q,
+                                vs_error *err) {
   int made = 0;
   vs_outcome *o = vs_alloc(1, sizeof *o);
   vs_status status = options->folder ? vs_file_folder_make(options->folder, &made, err) : VS_OK;
@@ -494,10 +495,10 @@ static vs_status fit(const vs_fitting_options *options, const vs_inquiry *q, vs_
   if (made) vs_leave_remove(options->folder); /* a signal leaves no empty folder */
   if (!status) status = vs_outcome_of(q, o, err);
   if (made) vs_leave_forget(options->folder);
-  if (o->told) say(options, o);
+  if (o->told) print_fit(options, o);
   if (o->told && folder) {
     vs_error other = {0};
-    vs_status written = write_files(options, o, &other);
+    vs_status written = write_fit_files(options, o, &other);
     if (written) *err = other, status = written;
     folder = written;
   }
@@ -519,7 +520,7 @@ vs_status vs_fitting_command(const vs_fitting_options *options, vs_error *err) {
     q->runs[r].scene->allow_code = options->allow_code;
     status = vs_control_allow(&q->runs[r].scene->control, options->allow_code, err);
   }
-  if (!status) status = fit(options, q, err);
+  if (!status) status = fit_and_report(options, q, err);
   vs_inquiry_free(q);
   free(q);
   return status;

@@ -31,7 +31,7 @@ static void drop_alone(vs_stretch *s) {
   s->probes.count = kept;
 }
 
-static vs_status choose(vs_stretch *s, vs_error *err) {
+static vs_status choose_waves(vs_stretch *s, vs_error *err) {
   const vs_traces *t = &s->run[0].traces;
   vs_status status = vs_stretch_find_probes(NULL, t, &s->probes, err);
   if (!status) drop_alone(s);
@@ -73,7 +73,7 @@ vs_status vs_waves_open(vs_stretch *s, const char *const *folders, size_t count,
     s->to_s = fmax(s->to_s, vs_trace_time(t, t->rows - 1));
   }
   s->from_s = fmax(from, late);
-  return status ? status : choose(s, err);
+  return status ? status : choose_waves(s, err);
 }
 
 void vs_waves_close(vs_stretch *s) {

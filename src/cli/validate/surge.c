@@ -59,8 +59,8 @@ COUPLED(earth_short, "i_load", "earth", "circuit.load=1 mohm");
 
 /* ---- waves that come as a formula ---- */
 
-static void sample(double (*wave)(const vs_occurrence *, double), double until_s,
-                   const vs_occurrence *e, vs_numbers *out) {
+static void sample_wave(double (*wave)(const vs_occurrence *, double), double until_s,
+                        const vs_occurrence *e, vs_numbers *out) {
   enum { POINTS = 20000 };
   vs_experiment_curve curve = {0};
   for (int k = 0; k <= POINTS; k++) {
@@ -76,13 +76,13 @@ static const vs_occurrence OF_1V = {.v = {.level_v = 1, .frequency_hz = 5000, .d
 static vs_status perform_ring(const vs_experiment *e, const vs_observer *also, vs_numbers *out,
                               vs_error *err) {
   (void)e, (void)also, (void)err;
-  sample(vs_generators_ring_source, 20e-6, &OF_1V, out);
+  sample_wave(vs_generators_ring_source, 20e-6, &OF_1V, out);
   return VS_OK;
 }
 static vs_status perform_eft(const vs_experiment *e, const vs_observer *also, vs_numbers *out,
                              vs_error *err) {
   (void)e, (void)also, (void)err;
-  sample(vs_generators_eft_source, 200e-9, &OF_1V, out);
+  sample_wave(vs_generators_eft_source, 200e-9, &OF_1V, out);
   return VS_OK;
 }
 static const vs_experiment ring = {.perform = perform_ring}, eft = {.perform = perform_eft};

@@ -158,8 +158,8 @@ static vs_status find_window(const vs_closeup_options *o, vs_stretch *s, const c
 
 /* ---- pictures ---- */
 
-static vs_status add_script(const vs_closeup_options *o, const vs_stretch *s, bool svg,
-                            vs_script *script, vs_error *err) {
+static vs_status add_closeup_script(const vs_closeup_options *o, const vs_stretch *s, bool svg,
+                                    vs_script *script, vs_error *err) {
   int height = o->orbit ? SQUARE : VS_STRETCH_HEIGHT;
   vs_gnuplot_code(script,
                   svg ? "set terminal svg noenhanced dynamic" : "set terminal pngcairo noenhanced");
@@ -176,13 +176,13 @@ static vs_status draw_one(const vs_closeup_options *o, const vs_stretch *s, cons
   vs_script script = {0};
   size_t length = strlen(name);
   bool svg = length > 4 && !strcmp(name + length - 4, ".svg");
-  vs_status status = add_script(o, s, svg, &script, err);
+  vs_status status = add_closeup_script(o, s, svg, &script, err);
   if (!status) status = vs_gnuplot_draw(script.text.text, folder, name, o->quiet, err);
   vs_gnuplot_free(&script);
   return status;
 }
 
-static vs_status draw(const vs_closeup_options *o, const vs_stretch *s, vs_error *err) {
+static vs_status draw_closeup(const vs_closeup_options *o, const vs_stretch *s, vs_error *err) {
   static const char *const ENDINGS[] = {"png", "svg"};
   vs_status status = VS_OK;
   if (o->output) return draw_one(o, s, "", o->output, err);
@@ -232,7 +232,7 @@ vs_status vs_closeup_command(const vs_closeup_options *o, vs_error *err) {
   status = open_runs(o, s, err);
   if (!status && o->orbit && !o->probes) s->probes.count = 1;
   if (!status) status = find_window(o, s, &why, err);
-  if (!status) status = draw(o, s, err);
+  if (!status) status = draw_closeup(o, s, err);
   if (!status && o->fft) status = write_numbers(o, s, err);
   if (!status && why && !o->quiet) say_window(s, why);
   for (size_t k = 0; k < s->runs; k++) {

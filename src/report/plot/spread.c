@@ -18,7 +18,7 @@ double vs_spread_percentile(const double *rising, size_t count, double percent) 
   return rising[k] + (at - (double)k) * (rising[k + 1] - rising[k]);
 }
 
-static int rising(const void *a, const void *b) {
+static int compare_rising(const void *a, const void *b) {
   double one = *(const double *)a, other = *(const double *)b;
   return (one > other) - (one < other);
 }
@@ -109,7 +109,7 @@ static vs_status draw_histogram(const vs_sketch *k, size_t column, vs_picture *p
   double *v = vs_alloc(n, sizeof *v);
   for (size_t i = 0; i < n; i++) v[i] = s.item[i].y;
   vs_sketch_dots_free(&s);
-  qsort(v, n, sizeof *v, rising);
+  qsort(v, n, sizeof *v, compare_rising);
   if (!status && n) add_histogram(k, column, v, n, p);
   free(v);
   return status;
@@ -129,7 +129,7 @@ typedef struct chosen {
   vs_kept kept[MOST_BARS];
 } chosen;
 
-static vs_status choose(void *ctx, const vs_folder_row *row, vs_error *err) {
+static vs_status choose_corner(void *ctx, const vs_folder_row *row, vs_error *err) {
   chosen *c = ctx;
   double y;
   (void)err;
@@ -182,7 +182,7 @@ static void add_bars(const chosen *c, vs_picture *p) {
 
 static vs_status draw_bars(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
   chosen c = {.k = k, .column = column};
-  vs_status status = vs_folder_each(k->t, choose, &c, err);
+  vs_status status = vs_folder_each(k->t, choose_corner, &c, err);
   vs_sketch_title(k, column, " at the corners", p);
   p->width = 720;
   p->height = 120 + 24 * (int)c.n;

@@ -19,7 +19,7 @@ enum {
   LAST_CYCLES = 3 /* shown of a run in which nothing stands out */
 };
 
-static vs_status take(vs_moments *m, const vs_csv *csv, vs_error *err) {
+static vs_status read_moment(vs_moments *m, const vs_csv *csv, vs_error *err) {
   char *end = csv->cell[0];
   double at = strtod(csv->cell[0], &end);
   vs_where where = {csv->file, csv->line, 1};
@@ -44,7 +44,7 @@ vs_status vs_stretch_read_moments(const char *folder, vs_moments *m, vs_error *e
   status = vs_csv_next(&csv, err); /* the header */
   while (!status && csv.count) {
     status = vs_csv_next(&csv, err);
-    if (!status && csv.count) status = take(m, &csv, err);
+    if (!status && csv.count) status = read_moment(m, &csv, err);
   }
   vs_csv_free(&csv);
   fclose(f);
@@ -64,7 +64,7 @@ bool vs_stretch_eventful(const vs_moments *m) {
 }
 
 /* How often that happens. */
-static size_t times(const vs_moments *m, const char *what) {
+static size_t count_kind(const vs_moments *m, const char *what) {
   size_t n = 0;
   for (size_t k = 0; k < m->count; k++) n += !strcmp(m->item[k].what, what);
   return n;
@@ -72,9 +72,9 @@ static size_t times(const vs_moments *m, const char *what) {
 
 /* True if the moment's kind happens once, and another OFTEN times. */
 static bool is_rare(const vs_moments *m, size_t k) {
-  if (times(m, m->item[k].what) > 1) return false;
+  if (count_kind(m, m->item[k].what) > 1) return false;
   for (size_t other = 0; other < m->count && other < 64; other++)
-    if (times(m, m->item[other].what) >= OFTEN) return true;
+    if (count_kind(m, m->item[other].what) >= OFTEN) return true;
   return false;
 }
 
@@ -134,7 +134,7 @@ static const char *unit_of(const char *column, const char **unit) {
 }
 
 /* Lengths and angles are shown in thousandths. */
-static void fill(vs_probe_shown *p, const char *column) {
+static void fill_probe(vs_probe_shown *p, const char *column) {
   const char *unit, *at = unit_of(column, &unit);
   int length = (int)(at - column) - (*at != '\0');
   bool small = !strcmp(unit, "m") || !strcmp(unit, "rad");
@@ -157,7 +157,7 @@ static vs_status find_one(const char *word, const vs_traces *t, vs_probes_shown 
     if (is_named(t->name[c], word) && strlen(t->name[c]) < VS_PROBE_SIZE) {
       if (p->count == VS_PROBES_MOST)
         return vs_fail(err, VS_INPUT, "--probe: at most %d probes fit a picture", VS_PROBES_MOST);
-      fill(&p->item[p->count++], t->name[c]);
+      fill_probe(&p->item[p->count++], t->name[c]);
       return VS_OK;
     }
   const char *nearest = vs_text_nearest(word, (const char *const *)t->name + 1, t->columns - 1);
@@ -168,9 +168,10 @@ static vs_status find_one(const char *word, const vs_traces *t, vs_probes_shown 
 /* The first column, which is a coordinate where these are recorded, and what every tier has. */
 static void take_usual(const vs_traces *t, vs_probes_shown *p) {
   static const char *const USUAL[] = {"force_n", "i_a", "v_eva_v", "v_mains_v"};
-  if (t->columns > 1 && strlen(t->name[1]) < VS_PROBE_SIZE) fill(&p->item[p->count++], t->name[1]);
+  if (t->columns > 1 && strlen(t->name[1]) < VS_PROBE_SIZE)
+    fill_probe(&p->item[p->count++], t->name[1]);
   for (size_t k = 0; k < sizeof USUAL / sizeof *USUAL; k++)
-    if (vs_traces_find(t, USUAL[k]) > 1) fill(&p->item[p->count++], USUAL[k]);
+    if (vs_traces_find(t, USUAL[k]) > 1) fill_probe(&p->item[p->count++], USUAL[k]);
 }
 
 vs_status vs_stretch_find_probes(const char *words, const vs_traces *t, vs_probes_shown *p,
@@ -193,7 +194,7 @@ bool vs_stretch_probe_rate(const vs_probe_shown *probe, const vs_traces *t, vs_p
   unit_of(probe->column, &unit);
   snprintf(column, sizeof column, "v%s%s", probe->column, *unit ? "_s" : "");
   if (vs_traces_find(t, column) < 1 || strlen(column) >= VS_PROBE_SIZE) return false;
-  fill(rate, column);
+  fill_probe(rate, column);
   return true;
 }
 
