@@ -8,13 +8,13 @@
 #include "commands.h"
 #include "control/regulators.h"
 #include "engine/events.h"
+#include "field_schema.h"
 #include "ground.h"
 #include "options.h"
 #include "outlined.h"
 #include "plant/blueprint.h"
 #include "plant/build.h"
 #include "run/sections.h"
-#include "shape.h"
 #include "study/methods.h"
 #include "study/plan.h"
 
@@ -38,7 +38,7 @@ static void put_section_schema(vs_json *j, const vs_section *s, const char *own)
   if (own) {
     vs_json_object(j, "properties", VS_JSON_ROW);
     for (size_t k = 0; k < s->count; k++)
-      if (!strcmp(s->fields[k].key, own)) vs_shape_field(j, &s->fields[k]);
+      if (!strcmp(s->fields[k].key, own)) vs_field_schema_field(j, &s->fields[k]);
     vs_json_end(j);
     vs_json_object(j, "if", VS_JSON_ROW);
     vs_json_array(j, "required", VS_JSON_ROW);
@@ -47,7 +47,7 @@ static void put_section_schema(vs_json *j, const vs_section *s, const char *own)
     vs_json_end(j);
     vs_json_object(j, "else", VS_JSON_ROW);
   }
-  vs_shape_properties(j, s->fields, s->count);
+  vs_field_schema_properties(j, s->fields, s->count);
   if (own) vs_json_end(j);
   vs_json_end(j);
 }
@@ -65,7 +65,7 @@ static void end_member(vs_json *j) {
 }
 
 static void end_or_null(vs_json *j) {
-  vs_shape_type(j, "null");
+  vs_field_schema_type(j, "null");
   end_member(j);
 }
 
@@ -79,8 +79,8 @@ static void put_event(vs_json *j, const vs_event_kind *kind) {
   vs_json_object(j, "properties", VS_JSON_ROW);
   vs_json_key(j, "kind");
   vs_json word = vs_json_new(j->text);
-  vs_shape_word(&word, kind->name);
-  for (size_t k = 1; k < kind->n_fields; k++) vs_shape_field(j, &kind->fields[k]);
+  vs_field_schema_word(&word, kind->name);
+  for (size_t k = 1; k < kind->n_fields; k++) vs_field_schema_field(j, &kind->fields[k]);
   vs_json_end(j);
   vs_json_bool(j, "additionalProperties", false);
   vs_json_end(j);
@@ -119,7 +119,7 @@ typedef struct names {
 /* One of the names, or a list of them; word: what may stand instead. */
 static void put_names(vs_json *j, const char *key, const char *word, const names *n) {
   begin_member(j, key);
-  vs_shape_word(j, word);
+  vs_field_schema_word(j, word);
   for (int list = 0; list < 2; list++) {
     vs_json_object(j, NULL, VS_JSON_ROW);
     if (list) {
@@ -164,7 +164,7 @@ static void put_measured(vs_json *j, const vs_ground *ground) {
   for (int k = 0; vs_measure_at(model, k, &m); k++) {
     vs_json_object(j, m.name, VS_JSON_ROW);
     vs_json_array(j, "anyOf", VS_JSON_ROW);
-    vs_shape_quantity(j, &(vs_field){.unit = m.unit});
+    vs_field_schema_quantity(j, &(vs_field){.unit = m.unit});
     end_member(j);
   }
   vs_json_end(j);
@@ -179,9 +179,9 @@ static void put_start(vs_json *j, const vs_ground *ground) {
   const vs_section *start = &ground->machine->start;
   begin_member(j, vs_section_keys[VS_SECTION_KEY_start]);
   vs_json_object(j, NULL, VS_JSON_ROW);
-  vs_shape_keys(j, start->fields, start->count);
+  vs_field_schema_keys(j, start->fields, start->count);
   vs_json_end(j);
-  vs_shape_word(j, vs_setup_steady);
+  vs_field_schema_word(j, vs_setup_steady);
   end_or_null(j);
 }
 
@@ -223,11 +223,11 @@ static void put_instruments(vs_json *j) {
   vs_json_text(j, "type", "object");
   vs_json_object(j, "properties", VS_JSON_LINES);
   for (size_t k = 0; k < vs_instruments_section.count; k++)
-    vs_shape_field(j, &vs_instruments_section.fields[k]);
+    vs_field_schema_field(j, &vs_instruments_section.fields[k]);
   vs_json_end(j);
   vs_json_object(j, "additionalProperties", VS_JSON_ROW);
   vs_json_array(j, "anyOf", VS_JSON_ROW);
-  vs_shape_word(j, vs_instruments_left_out);
+  vs_field_schema_word(j, vs_instruments_left_out);
   vs_outlined_instrument(j);
   end_member(j);
   vs_json_end(j);
@@ -241,18 +241,18 @@ static void put_ratings(vs_json *j) {
   vs_json_text(j, "type", "object");
   vs_json_object(j, "additionalProperties", VS_JSON_ROW);
   vs_json_array(j, "anyOf", VS_JSON_ROW);
-  vs_shape_type(j, "string");
-  vs_shape_type(j, "object");
+  vs_field_schema_type(j, "string");
+  vs_field_schema_type(j, "object");
   end_member(j);
   vs_json_end(j);
-  vs_shape_word(j, vs_ratings_none);
+  vs_field_schema_word(j, vs_ratings_none);
   end_or_null(j);
 }
 
 static void put_observer(vs_json *j) {
   vs_json_object(j, vs_control_observer, VS_JSON_ROW);
   vs_json_array(j, "anyOf", VS_JSON_ROW);
-  vs_shape_type(j, "null");
+  vs_field_schema_type(j, "null");
   vs_outlined_map(j, vs_observing_keys);
   end_member(j);
 }
@@ -268,7 +268,7 @@ static void put_law(vs_json *j, const vs_regulator *law) {
   vs_json_object(j, keys[0]->key, VS_JSON_ROW);
   vs_json_text(j, "const", law->name);
   vs_json_end(j);
-  for (size_t k = 1; k < n; k++) vs_shape_field(j, keys[k]);
+  for (size_t k = 1; k < n; k++) vs_field_schema_field(j, keys[k]);
   put_observer(j);
   vs_json_end(j);
   vs_json_array(j, "required", VS_JSON_ROW);
@@ -313,7 +313,7 @@ static void put_heatsink(vs_json *j) {
   vs_json_text(j, "description", vs_cooling_heatsink.text);
   vs_json_object(j, "additionalProperties", VS_JSON_ROW);
   vs_json_array(j, "anyOf", VS_JSON_ROW);
-  vs_shape_quantity(j, &vs_cooling_heatsink);
+  vs_field_schema_quantity(j, &vs_cooling_heatsink);
   end_member(j);
   vs_json_end(j);
   end_or_null(j);
@@ -334,7 +334,7 @@ static void put_scene(vs_json *j, const vs_ground *ground) {
   put_of_devices(j, VS_SECTION_KEY_expect, "^[^ ]+ .*$");
   put_of_devices(j, VS_SECTION_KEY_waive, "^[^ .]+[.][^ ]+$");
   put_ratings(j);
-  vs_shape_field(j, &vs_cooling_ambient);
+  vs_field_schema_field(j, &vs_cooling_ambient);
   put_heatsink(j);
   vs_json_object(j, vs_section_keys[VS_SECTION_KEY_spread], VS_JSON_ROW);
   vs_json_text(j, "type", "object");

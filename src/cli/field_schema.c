@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "shape.h"
+#include "field_schema.h"
 
 #include <stdio.h>
 #include <string.h>
 
 #include "base/units.h"
 
-void vs_shape_type(vs_json *j, const char *type) {
+void vs_field_schema_type(vs_json *j, const char *type) {
   vs_json_object(j, NULL, VS_JSON_ROW);
   vs_json_text(j, "type", type);
   vs_json_end(j);
 }
 
-void vs_shape_word(vs_json *j, const char *word) {
+void vs_field_schema_word(vs_json *j, const char *word) {
   vs_json_object(j, NULL, VS_JSON_ROW);
   vs_json_text(j, "const", word);
   vs_json_end(j);
@@ -57,8 +57,8 @@ static void put_zero(vs_json *j) {
 /* The alternatives of one number with its unit. */
 static void put_quantity(vs_json *j, const vs_field *f) {
   if (!vs_units_known(f->unit)) {
-    vs_shape_type(j, "string");
-    vs_shape_type(j, "number");
+    vs_field_schema_type(j, "string");
+    vs_field_schema_type(j, "number");
     return;
   }
   put_pattern(j, f->unit);
@@ -68,7 +68,7 @@ static void put_quantity(vs_json *j, const vs_field *f) {
     put_number(j, "number", f);
 }
 
-void vs_shape_quantity(vs_json *j, const vs_field *f) {
+void vs_field_schema_quantity(vs_json *j, const vs_field *f) {
   vs_json_object(j, NULL, VS_JSON_ROW);
   vs_json_array(j, "anyOf", VS_JSON_ROW);
   put_quantity(j, f);
@@ -83,8 +83,8 @@ static void put_two(vs_json *j, const vs_field *first, const vs_field *second) {
   vs_json_whole(j, "minItems", 2);
   vs_json_whole(j, "maxItems", 2);
   vs_json_array(j, "prefixItems", VS_JSON_ROW);
-  vs_shape_quantity(j, first);
-  vs_shape_quantity(j, second);
+  vs_field_schema_quantity(j, first);
+  vs_field_schema_quantity(j, second);
   vs_json_end(j);
   vs_json_end(j);
 }
@@ -102,7 +102,7 @@ static void put_points(vs_json *j, const vs_field *f) {
   vs_json_end(j);
 }
 
-void vs_shape_words(vs_json *j, const char *choices) {
+void vs_field_schema_words(vs_json *j, const char *choices) {
   char words[256], *rest = words;
   snprintf(words, sizeof words, "%s", choices);
   vs_json_object(j, NULL, VS_JSON_ROW);
@@ -112,7 +112,7 @@ void vs_shape_words(vs_json *j, const char *choices) {
   vs_json_end(j);
 }
 
-void vs_shape_whole(vs_json *j, const vs_field *f) {
+void vs_field_schema_whole(vs_json *j, const vs_field *f) {
   put_number(j, "integer", f);
   vs_json_object(j, NULL, VS_JSON_ROW);
   vs_json_text(j, "type", "string");
@@ -127,7 +127,7 @@ void vs_shape_whole(vs_json *j, const vs_field *f) {
 static void put_form(vs_json *j, const vs_options *o, size_t form, const char *word) {
   const vs_section *keys = o->forms ? &o->forms[form] : &o->keys;
   vs_json_object(j, NULL, VS_JSON_ROW);
-  vs_shape_keys(j, keys->fields, keys->count);
+  vs_field_schema_keys(j, keys->fields, keys->count);
   if (word && form) {
     vs_json_array(j, "required", VS_JSON_ROW);
     vs_json_text(j, NULL, o->keys.fields[o->chooser].key);
@@ -179,15 +179,15 @@ static void put_name(vs_json *j, const vs_field *f) {
   static const char FILES[] = "FILE";
   char words[256], *rest = words;
   if (!f->choices) {
-    vs_shape_type(j, "string");
-    vs_shape_type(j, "number");
+    vs_field_schema_type(j, "string");
+    vs_field_schema_type(j, "number");
     return;
   }
   snprintf(words, sizeof words, "%s", f->choices);
   for (char *word; (word = strsep(&rest, "|"));) {
     vs_text ending = {0};
     if (strncmp(word, FILES, strlen(FILES)) != 0) {
-      vs_shape_word(j, word);
+      vs_field_schema_word(j, word);
       continue;
     }
     vs_text_add(&ending, ".\\%s$", word + strlen(FILES));
@@ -200,37 +200,37 @@ static void put_name(vs_json *j, const vs_field *f) {
 }
 
 /* One row for each kind of field: the values that it may have. */
-void vs_shape_values(vs_json *j, const vs_field *f) {
+void vs_field_schema_values(vs_json *j, const vs_field *f) {
   const bool has_word = f->choices && f->kind != VS_CHOICE && f->kind != VS_NAME;
-  if (has_word) vs_shape_word(j, f->choices);
+  if (has_word) vs_field_schema_word(j, f->choices);
   if (vs_field_is_real(f)) put_quantity(j, f);
   if (f->kind == VS_PROFILE) put_points(j, f);
   if (f->kind == VS_PAIR) put_two(j, f, f);
-  if (f->kind == VS_CHOICE) vs_shape_words(j, f->choices);
-  if (f->kind == VS_COUNT) vs_shape_whole(j, f);
+  if (f->kind == VS_CHOICE) vs_field_schema_words(j, f->choices);
+  if (f->kind == VS_COUNT) vs_field_schema_whole(j, f);
   if (f->kind == VS_OPTION) put_maps(j, f);
   if (f->kind == VS_NAME) put_name(j, f);
 }
 
-void vs_shape_field(vs_json *j, const vs_field *f) {
+void vs_field_schema_field(vs_json *j, const vs_field *f) {
   vs_json_object(j, f->key, VS_JSON_ROW);
   vs_json_text(j, "description", f->text);
   vs_json_text(j, "default", f->default_text);
   vs_json_array(j, "anyOf", VS_JSON_ROW);
-  vs_shape_values(j, f);
+  vs_field_schema_values(j, f);
   vs_json_end(j);
   vs_json_end(j);
 }
 
 /* The members of a schema of a map that has these keys and no others. */
-void vs_shape_keys(vs_json *j, const vs_field *fields, size_t count) {
+void vs_field_schema_keys(vs_json *j, const vs_field *fields, size_t count) {
   vs_json_text(j, "type", "object");
-  vs_shape_properties(j, fields, count);
+  vs_field_schema_properties(j, fields, count);
 }
 
-void vs_shape_properties(vs_json *j, const vs_field *fields, size_t count) {
+void vs_field_schema_properties(vs_json *j, const vs_field *fields, size_t count) {
   vs_json_object(j, "properties", VS_JSON_LINES);
-  for (size_t k = 0; k < count; k++) vs_shape_field(j, &fields[k]);
+  for (size_t k = 0; k < count; k++) vs_field_schema_field(j, &fields[k]);
   vs_json_end(j);
   vs_json_bool(j, "additionalProperties", false);
 }

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "firing.h"
+#include "latching.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-vs_firing_plan vs_firing_plan_of(const vs_stand *s) {
+vs_latching_plan vs_latching_plan_of(const vs_stand *s) {
   static const char *const GATE[] = {"i_gt", "gate_current", NULL},
                            *const LATCH[] = {"i_l", "latching_current", NULL},
                            *const BLOCK[] = {"blocking_voltage", "v_drm", NULL},
@@ -15,22 +15,22 @@ vs_firing_plan vs_firing_plan_of(const vs_stand *s) {
                            *const OFF[] = {"turn_off_time", "t_q", NULL};
   const double BACK_V_S = 20e6; /* where dv/dt is less than twice that, half of dv/dt is taken */
   double gate = vs_figures_first(s, GATE, 10e-3), rise_v_s = vs_figures_first(s, RISE, 200e6);
-  return (vs_firing_plan){.wiring = VS_FIRING_WIRING,
-                          .way = "",
-                          .gate_param = "gate_current",
-                          .gate_limit = "i_gt",
-                          .gate_a = gate,
-                          .latching_a = vs_figures_first(s, LATCH, 4 * gate),
-                          .block_v = vs_figures_first(s, BLOCK, 600),
-                          .test_a = vs_figures_first(s, TEST, 10),
-                          .test_a_s = vs_figures_first(s, FALL, 10e6),
-                          .slope_v_s = rise_v_s,
-                          .back_v_s = fmin(BACK_V_S, rise_v_s / 2),
-                          .turn_off_s = vs_figures_first(s, OFF, 50e-6)};
+  return (vs_latching_plan){.wiring = VS_LATCHING_WIRING,
+                            .way = "",
+                            .gate_param = "gate_current",
+                            .gate_limit = "i_gt",
+                            .gate_a = gate,
+                            .latching_a = vs_figures_first(s, LATCH, 4 * gate),
+                            .block_v = vs_figures_first(s, BLOCK, 600),
+                            .test_a = vs_figures_first(s, TEST, 10),
+                            .test_a_s = vs_figures_first(s, FALL, 10e6),
+                            .slope_v_s = rise_v_s,
+                            .back_v_s = fmin(BACK_V_S, rise_v_s / 2),
+                            .turn_off_s = vs_figures_first(s, OFF, 50e-6)};
 }
 
 /* Nothing is to be said of what never was on: 20 V are more than any thyristor's on-state. */
-vs_status vs_firing_not_on(vs_error *err) {
+vs_status vs_latching_not_on(vs_error *err) {
   return vs_fail(err, VS_RUN, "it does not conduct when its gate is driven");
 }
 
@@ -38,7 +38,7 @@ vs_status vs_firing_not_on(vs_error *err) {
 
 /* V_T0 + r_T i by the model's own parameters, or the limit v_t at i_tm. The current stands for 1
  * ms. 30 mV: the two junctions that the line leaves out add half of 60 mV a decade. */
-void vs_firing_on_state(const vs_stand *s, const vs_firing_plan *p, vs_figures *f) {
+void vs_latching_on_state(const vs_stand *s, const vs_latching_plan *p, vs_figures *f) {
   vs_figures_asked v0 = vs_figures_any(s, "on_voltage"), slope = vs_figures_any(s, "on_resistance"),
                    most = vs_figures_limit(s, "v_t");
   static const char *const AT[] = {"i_tm", NULL};
@@ -69,7 +69,7 @@ void vs_firing_on_state(const vs_stand *s, const vs_firing_plan *p, vs_figures *
 }
 
 /* The on-state curve for the picture: the current rises within 2 ms to twice the test current. */
-void vs_firing_draw_on_state(const vs_stand *s, const vs_firing_plan *p, vs_figures *f) {
+void vs_latching_draw_on_state(const vs_stand *s, const vs_latching_plan *p, vs_figures *f) {
   vs_stand_record r = {0};
   vs_error err = {0};
   if (!vs_tryout_run(s, (vs_tryout){p->wiring, 2.2e-3, 4e-6}, &r, &err,
@@ -82,7 +82,7 @@ void vs_firing_draw_on_state(const vs_stand *s, const vs_firing_plan *p, vs_figu
 /* ---- gate ---- */
 
 /* At 12 V, as is the custom, the gate current rising slowly to twice what is asked. */
-static vs_status rising_gate(const vs_stand *s, const vs_firing_plan *p, double gate_a,
+static vs_status rising_gate(const vs_stand *s, const vs_latching_plan *p, double gate_a,
                              vs_stand_record *r, double *fires_s, vs_error *err) {
   vs_status status =
       vs_tryout_run(s, (vs_tryout){p->wiring, 22e-3, 10e-6}, r, err,
@@ -94,7 +94,7 @@ static vs_status rising_gate(const vs_stand *s, const vs_firing_plan *p, double 
 
 /* 3 %: the steps are 0.1 %, and what the model leaves out of its sum is 2.5 % at most. A model of
  * which nothing is asked is looked for from a tenth of a microampere to ten amperes. */
-void vs_firing_gate(const vs_stand *s, const vs_firing_plan *p, vs_figures *f) {
+void vs_latching_gate(const vs_stand *s, const vs_latching_plan *p, vs_figures *f) {
   vs_figure *row = vs_tryout_row(
       s, f, (const char *[]){"I_GT", "mA"},
       (vs_tryout_source){p->gate_limit, p->gate_param, VS_HELD_AT_MOST, 0.03, 0, false}, false);
@@ -129,7 +129,7 @@ void vs_firing_gate(const vs_stand *s, const vs_firing_plan *p, vs_figures *f) {
 
 /* Is it on when a gate pulse of 0.2 ms is long over, at this anode current? */
 static vs_status latches(const vs_stand *s, const void *ctx, double i, bool *yes, vs_error *err) {
-  const vs_firing_plan *p = ctx;
+  const vs_latching_plan *p = ctx;
   double gate = 1.5 * p->gate_a;
   vs_stand_record r = {0};
   vs_status status = vs_tryout_run(s, (vs_tryout){p->wiring, 1e-3, 2e-6}, &r, err,
@@ -141,7 +141,7 @@ static vs_status latches(const vs_stand *s, const void *ctx, double i, bool *yes
   return status;
 }
 
-void vs_firing_latching(const vs_stand *s, const vs_firing_plan *p, vs_figures *f) {
+void vs_latching_current(const vs_stand *s, const vs_latching_plan *p, vs_figures *f) {
   vs_figure *row = vs_tryout_row(
       s, f, (const char *[]){"I_L", "mA"},
       (vs_tryout_source){"i_l", "latching_current", VS_HELD_AT_MOST, 0.05, 0, false}, true);
@@ -153,7 +153,7 @@ void vs_firing_latching(const vs_stand *s, const vs_firing_plan *p, vs_figures *
 
 /* The supply falls slowly from four times the latching current; the current is read 30 us (0.1 % of
  * it) before the voltage is back. */
-void vs_firing_holding(const vs_stand *s, const vs_firing_plan *p, vs_figures *f) {
+void vs_latching_holding(const vs_stand *s, const vs_latching_plan *p, vs_figures *f) {
   vs_figure *row = vs_tryout_row(
       s, f, (const char *[]){"I_H", "mA"},
       (vs_tryout_source){"i_h", "holding_current", VS_HELD_AT_MOST, 0.03, 0, false}, false);
@@ -165,7 +165,7 @@ void vs_firing_holding(const vs_stand *s, const vs_firing_plan *p, vs_figures *f
       s, (vs_tryout){p->wiring, 41e-3, 5e-6}, &r, &err,
       "V1 s 0 pwl(0 100 1m 100 41m 0)\nR1 s a %g\nIg 0 g pwl(0 %g 0.2m %g 0.201m 0)\n",
       25 / p->latching_a, gate, gate);
-  if (!status && vs_stand_at(&r, r.v, 0.9e-3) > 20) status = vs_firing_not_on(&err);
+  if (!status && vs_stand_at(&r, r.v, 0.9e-3) > 20) status = vs_latching_not_on(&err);
   double back_s = status ? NAN : vs_stand_crosses(&r, 1e-3, 5);
   if (!status && isfinite(back_s)) row->got = vs_stand_at(&r, r.i, back_s - 30e-6);
   if (!status && isnan(back_s)) /* it conducts to the end of the current */
@@ -180,7 +180,7 @@ void vs_firing_holding(const vs_stand *s, const vs_firing_plan *p, vs_figures *f
  * as ngspice ends one where the rise ends. */
 static vs_status fires_at(const vs_stand *s, const void *ctx, double slope, bool *yes,
                           vs_error *err) {
-  const vs_firing_plan *p = ctx;
+  const vs_latching_plan *p = ctx;
   double v = 0.67 * p->block_v, t = v / slope;
   vs_stand_record r = {0};
   vs_status status =
@@ -193,7 +193,7 @@ static vs_status fires_at(const vs_stand *s, const void *ctx, double slope, bool
 
 /* The model's own figure, within a tenth, and what the maker guarantees, of which it must do at
  * least nine tenths. */
-void vs_firing_rise(const vs_stand *s, const vs_firing_plan *p, vs_figures *f) {
+void vs_latching_rise(const vs_stand *s, const vs_latching_plan *p, vs_figures *f) {
   vs_figure *row = vs_tryout_row(
       s, f, (const char *[]){"dv/dt", "V/us"},
       (vs_tryout_source){"dv_dt", "critical_dvdt", VS_HELD_AT_LEAST, 0.12, 0.12, true}, true);
