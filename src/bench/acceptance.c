@@ -63,8 +63,8 @@ static void add_figures_table(const vs_figures *f, vs_text *table) {
   }
 }
 
-/* One object on a line. A row of check's array has a place and a message besides; there what is to
- * be told of the library has a row of its own. */
+/* Adds one object on a line. file: for a row of check's array, which has a place and a message
+ * besides, and where the warning about the library has a row of its own; NULL: for bench.json. */
 static void add_figure_json(const vs_figure *row, const char *file, vs_text *text) {
   char asked[64], got[64];
   vs_json json = vs_json_new(text);
@@ -249,15 +249,15 @@ static void tell_figures(const vs_stand *s, const vs_figures *f, vs_check_bench 
 
 /* ---- the model beside the sheet ---- */
 
-/* A figure is sought to 2 %, and another ngspice may end that search a step aside. A line that is
- * further off than that is of another model. */
+/* A search for a figure ends within 2 %, and with another version of ngspice it may end a step
+ * away. A line `model` that is further off than that belongs to another model. */
 static const double AGREES = 0.02;
 
 static double in_percent(double deviation) {
   return round(100 * deviation) + 0.0; /* no -0 */
 }
 
-/* Warns of a line model that is not what the stand got. */
+/* Warns of a line `model` that differs from what was measured on the stand. */
 static void warn_of_model(const vs_stand *s, const vs_model_line *line, double got,
                           vs_warnings *w) {
   const vs_where where = {s->name, line->where.line, line->where.column};
@@ -274,8 +274,8 @@ static void warn_of_model(const vs_stand *s, const vs_model_line *line, double g
                line->figure, 100 * line->deviation, in_percent(got));
 }
 
-/* Says which lines model are missing, so that they can be put into the file; warns of those that
- * are not so. Nothing is said of an ideal part, which has no finite limit. */
+/* Prints the lines `model` that the file lacks, so that they can be put into it; warns of those
+ * that are wrong. An ideal part has no finite limit, and nothing is said of it. */
 static void tell_of_models(const vs_stand *s, const vs_figures *f, vs_check_bench *bench) {
   const vs_part_file *file = vs_parts_file(&s->deck, s->file);
   bool real = false;
@@ -317,7 +317,7 @@ static vs_status try_part(const vs_stand *s, const vs_figures_kind *kind, vs_err
   return status ? VS_INPUT : VS_OK;
 }
 
-/* Says that nothing was tried, so that no figure is not taken for a good one. */
+/* Says that nothing was tried, so that the absence of figures is not taken for a good result. */
 static void tell_of_no_bench(const vs_stand *s, vs_check_bench *bench) {
   const vs_part_file *file = vs_parts_file(&s->deck, s->file);
   vs_text message = {0};

@@ -46,7 +46,7 @@ static vs_status try_fuse(const vs_stand *s, const char *source, double until_s,
   return status;
 }
 
-/* The rest of the row, once it was tried. */
+/* Completes the row after its test: why it failed, where it did. */
 static void end_fuse_row(vs_figure *row, vs_status status, const vs_error *err) {
   if (!status) return;
   row->got = NAN;
@@ -237,7 +237,8 @@ static void clearing(const vs_stand *s, const plan *p, vs_figures *f) {
 static void measure_fuse(const vs_stand *s, vs_figures *f) {
   plan p = plan_of(s);
   resistance(s, &p, f);
-  if (!melting(s, &p, f)) return; /* an ideal one; what stands below would take its time in vain */
+  if (!melting(s, &p, f))
+    return; /* an ideal fuse never melts; the tests below would take their time and find nothing */
   least_current(s, &p, f);
   clearing(s, &p, f);
 }

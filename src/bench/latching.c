@@ -29,7 +29,8 @@ vs_latching_plan vs_latching_plan_of(const vs_stand *s) {
                             .turn_off_s = vs_figures_first(s, OFF, 50e-6)};
 }
 
-/* Nothing is to be said of what never was on: 20 V are more than any thyristor's on-state. */
+/* A device that never turned on has no such figure. 20 V is above the on-state voltage of any
+ * thyristor. */
 vs_status vs_latching_not_on(vs_error *err) {
   return vs_fail(err, VS_RUN, "it does not conduct when its gate is driven");
 }
@@ -127,7 +128,7 @@ void vs_latching_gate(const vs_stand *s, const vs_latching_plan *p, vs_figures *
 
 /* ---- latching and holding ---- */
 
-/* Is it on when a gate pulse of 0.2 ms is long over, at this anode current? */
+/* True where the device is still on long after a gate pulse of 0.2 ms, at this anode current. */
 static vs_status latches(const vs_stand *s, const void *ctx, double i, bool *yes, vs_error *err) {
   const vs_latching_plan *p = ctx;
   double gate = 1.5 * p->gate_a;
@@ -176,8 +177,8 @@ void vs_latching_holding(const vs_stand *s, const vs_latching_plan *p, vs_figure
 
 /* ---- switching ---- */
 
-/* A straight rise to 0.67 V_DRM, gate open: is it on 60 us later? Steps of 2 ns are short enough,
- * as ngspice ends one where the rise ends. */
+/* A linear rise to 0.67 V_DRM with the gate open; true where the device is on 60 us later. Steps of
+ * 2 ns are short enough, as ngspice ends one where the rise ends. */
 static vs_status fires_at(const vs_stand *s, const void *ctx, double slope, bool *yes,
                           vs_error *err) {
   const vs_latching_plan *p = ctx;
@@ -191,8 +192,8 @@ static vs_status fires_at(const vs_stand *s, const void *ctx, double slope, bool
   return status;
 }
 
-/* The model's own figure, within a tenth, and what the maker guarantees, of which it must do at
- * least nine tenths. */
+/* Two rows: the model's own figure, to a tenth, and what the maker guarantees, of which the model
+ * must reach at least nine tenths. */
 void vs_latching_rise(const vs_stand *s, const vs_latching_plan *p, vs_figures *f) {
   vs_figure *row = vs_tryout_row(
       s, f, (const char *[]){"dv/dt", "V/us"},

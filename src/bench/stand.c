@@ -19,7 +19,7 @@
 #include "ngspice/ng.h"
 #include "ngspice/trust.h"
 
-/* A circuit of the stand takes some hundredths of a second. */
+/* Normally a circuit of the stand takes some hundredths of a second. */
 enum { MOST_SECONDS = 20 };
 
 static const vs_shelf SHELF = {"test stand", "templates", ".cir"};
@@ -151,7 +151,7 @@ static vs_status solve_netlist(char *const *netlist, size_t lines, const vs_stan
   return status;
 }
 
-/* A crash shall end the child by its signal, without a word and without a core file. */
+/* A crash ends the child by its signal; nothing is printed, and no core file is written. */
 static void live_quietly(void) {
   static const int SIGNALS_OF_CRASHES[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGALRM};
   const struct rlimit none = {0, 0};
@@ -183,7 +183,7 @@ static _Noreturn void solve_in(const vs_child_copy *copy, const vs_stand *stand,
 
 /* ---- in the parent ---- */
 
-/* Takes the rows that the child tells, and puts each column together. */
+/* Reads the rows that the child has written, and sorts them into columns. */
 static bool take_record(const vs_child_copy *copy, vs_stand_record *r) {
   size_t n = r->points;
   double *row = vs_alloc(n + 1, (1 + SIGNALS) * sizeof *row), *column[1 + SIGNALS];

@@ -63,7 +63,7 @@ static void print_entry(const vs_sensitivity_entry *e, FILE *out) {
   fprintf(out, " %17s%s", text, e->exact || isnan(e->value) ? " " : "~");
 }
 
-/* What is to be told of the library that solved the scene's circuit; empty: nothing. */
+/* The warning about the library that solved the scene's circuit; empty: there is none. */
 static const char *warning_of(const vs_scene *scene) {
   return scene->tier->has_circuit ? vs_trust_text() : "";
 }

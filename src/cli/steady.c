@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The command `steady`: the periodic orbit of a scene, or a branch of them; what is told and
- * written. */
+ * The command `steady`: finds the periodic orbit of a scene, or follows a branch of orbits, and
+ * reports it. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -262,7 +262,8 @@ static void show_orbit(const vs_steady *s, FILE *out) {
 
 /* ---- the command ---- */
 
-/* What the run of a period is told by. The functions above are given it as its first member. */
+/* Reports on the run of one period. The functions above get it as ctx, which points to its first
+ * member, too. */
 typedef struct reporter {
   vs_steady steady;
   vs_matrices *matrices; /* NULL: no linear model is wanted */
@@ -325,8 +326,8 @@ static vs_status write_linear(const vs_run_options *o, const vs_matrices *matric
   return status;
 }
 
-/* Finds the closed loop about its own orbit, where the scene's control, which is off by now, has
- * one that is told. That there is none is no error of the command. */
+/* Finds the closed loop of the scene's control about the orbit. The control itself is off while the
+ * orbit is sought. Where there is no loop, or it is not found, the command goes on without it. */
 static void find_closed_loop(reporter *r, const vs_regulator *regulator, const vs_scene *scene) {
   if (!regulator || !regulator->pi || scene->tier->has_circuit || r->steady.orbit.n > 1) return;
   r->closed = vs_alloc(1, sizeof *r->closed);

@@ -13,7 +13,7 @@ typedef struct study_line {
   const char *format;
 } study_line;
 
-/* More workers than any machine has cores are a slip of the keyboard. */
+/* More workers than any machine has cores is taken for a typing error. */
 static vs_status read_jobs(const vs_option *option, char *value, void *jobs, vs_error *err) {
   const vs_option within = {.name = option->name, .least = 1, .most = 4096};
   vs_error with_value = {0};

@@ -177,7 +177,7 @@ static void add_parameters(vs_html *html, const vs_node *summary) {
 
 /* ---- energy flow: where the energy of a run went, as a table with bars ---- */
 
-/* What flows where; what stands deeper is a part of what stands above it. */
+/* The flows of energy; what is indented deeper is a part of what stands above it. */
 static const struct {
   const char *key, *text;
   int depth;

@@ -439,7 +439,7 @@ static void remove_stale(const char *folder, const char *name) {
   unlink(path);
 }
 
-/* Without gnuplot there is no picture, which is said, and all the rest. */
+/* Without gnuplot there is no picture, which a warning says; all else is written. */
 static vs_status write_pictures(const vs_fitting_options *options, const vs_outcome *o) {
   static const char *const NAMES[] = {"fit.png", "fit.svg"};
   vs_error err = {0};

@@ -37,7 +37,7 @@ static vs_status draw_album(const vs_picture *p, bool svg, drawing *d, vs_error 
   return status;
 }
 
-/* Writes a file, which does not appear yet. */
+/* Writes a file under a temporary name; it appears when it is committed. */
 static vs_status prepare_folder(vs_file *file, const char *folder, const char *name,
                                 const drawing *d, vs_error *err) {
   vs_status status = vs_file_open(file, folder, name, err);

@@ -54,7 +54,7 @@ static void join_members(const vs_run_pair *p, const char *member, vs_member_vis
                   vs_tree_child(p->summary[1].root, member), visit, w);
 }
 
-/* Says how many rows were left out, being the same. */
+/* Says how many rows were left out because both runs have the same. */
 static void say_same(writer *w, const char *what) {
   if (w->same)
     vs_text_add(w->out, "  %s%d %s%s the same in both\n", w->rows ? "and " : "", w->same, what,

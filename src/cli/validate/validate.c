@@ -90,8 +90,8 @@ static void hide_progress(session *s) {
   s->shown_s = 0;
 }
 
-/* What is planned is scaled by what has been done so far; the present experiment counts with the
- * time it has taken, but not beyond its plan. */
+/* The planned time is scaled by what the experiments so far have taken; the present one counts with
+ * the time it has taken, but at most with its plan. */
 static void show_progress(session *s) {
   double now = wall_clock(), spent = now - s->began_s;
   if (!s->show_progress || spent < 1 || now - s->shown_s < 0.25) return;
