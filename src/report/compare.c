@@ -118,8 +118,8 @@ static double number_in(const vs_folder_row *row, int column) {
   return column >= 0 && vs_folder_number(row->cell[column], &value) ? value : NAN;
 }
 
-/* A case is violated where its margin lies below 0 by more than its error, or the error is not
- * known. */
+/* A case is violated where its margin lies below 0 by more than its error, or where that error is
+ * not known. */
 static const char *word_of(const vs_folder *t, const vs_folder_row *row) {
   double margin = number_in(row, t->margin), error = number_in(row, t->error);
   if (isnan(margin)) return "-";
