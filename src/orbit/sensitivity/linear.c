@@ -8,7 +8,7 @@
 
 #include "base/text.h"
 #include "measure/chunk.h"
-#include "measure/seen.h"
+#include "orbit/seen.h"
 #include "orbit/grazing.h"
 #include "orbit/steady.h"
 #include "orbit/variation.h"

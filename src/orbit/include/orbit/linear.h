@@ -19,7 +19,7 @@
 #ifndef VS_ORBIT_LINEAR_H
 #define VS_ORBIT_LINEAR_H
 
-#include "measure/seen.h"
+#include "orbit/seen.h"
 #include "orbit/shooting.h"
 
 enum {
