@@ -10,7 +10,7 @@
 #include "devices/losses.h"
 #include "devices/melting.h"
 #include "devices/reductions.h"
-#include "engine/sweep.h"
+#include "engine/batch.h"
 
 /* The shots of a device that conducts or blocks. One that goes out in a ring and is fired again by
  * the same gate pulse is at the same shot, as long as the same half cycle of the mains may drive

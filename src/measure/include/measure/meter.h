@@ -18,7 +18,7 @@
 #ifndef VS_MEASURE_METER_H
 #define VS_MEASURE_METER_H
 
-#include "engine/pilot.h"
+#include "engine/sim.h"
 #include "engine/step.h"
 #include "measure/instruments.h"
 #include "measure/lowpass.h"
