@@ -5,8 +5,8 @@
 libraries=$(pkg-config --cflags --libs gsl libfyaml libzstd ngspice)
 tool() { # NAME: of tools/precision
   # shellcheck disable=SC2086 # a list of words
-  "${CC:-cc}" -std=gnu11 -O2 -D_GNU_SOURCE -ffp-contract=off $(printf " -iquote %s" src src/*) $(printf " -I%s" src/*/include) -Itests -o "${dir:?}/precision_$1" \
-    "tools/precision/$1.c" tools/precision/race.c tests/oracle.c tests/conveyor.c tests/compare.c tests/schemes.c "$dir/libvs.a" $libraries -lm
+  "${CC:-cc}" -std=gnu11 -O2 -D_GNU_SOURCE -ffp-contract=off $(printf " -iquote %s" src src/*) $(printf " -I%s" src/*/include) -Itests/support -o "${dir:?}/precision_$1" \
+    "tools/precision/$1.c" tools/precision/race.c tests/support/oracle.c tests/support/conveyor.c tests/support/compare.c tests/support/schemes.c "$dir/libvs.a" $libraries -lm
 }
 # An exported deck with another step and reltol, nothing saved but p; what follows .control goes.
 deck() { # FILE RELTOL STEP COMMAND

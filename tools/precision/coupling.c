@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Part c of tools/work_precision: schemes that couple machine and circuit at fixed macro steps
- * (tests/schemes.h), and the product's switched tier beside them. Scene `paper` fired in every
+ * (tests/support/schemes.h), and the product's switched tier beside them. Scene `paper` fired in every
  * cycle, 0.2 s; error: run.tolerance's norm, against an independent solution. */
 #include <gsl/gsl_errno.h>
 #include <math.h>

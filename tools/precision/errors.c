@@ -2,7 +2,7 @@
  * What part d of tools/work_precision, and tools/bench_study, ask of the library:
  *
  *   errors reference TIER FILE [KEY=VALUE...]   p of the paper's scene every 0.1 ms of its 2 s (or
- *                                of run.until, at most as long), by tests/oracle.h
+ *                                of run.until, at most as long), by tests/support/oracle.h
  *   errors csv REF FILE          largest error of p in a run.csv, in parts of its peak
  *   errors bin REF FILE          in a record of the peers: p, u, w, phi, i as doubles
  *   errors deck REF FILE         in a table "time, p in mm, p' in mm/s" of ngspice's own points

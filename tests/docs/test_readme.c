@@ -73,7 +73,7 @@ static void write_a_scene(void) {
   try_section("## Write a scene", "my.yaml");
 }
 
-/* The study is checked; running it takes a minute, and tests/test_study.c runs others. */
+/* The study is checked; running it takes a minute, and tests/study/test_study.c runs others. */
 static void ask_many_at_once(void) {
   char *study = block("## Ask many at once", "yaml");
   write_file("snubbers.yaml", study);

@@ -223,7 +223,7 @@ static void schema_and_check_agree(void) {
   for (size_t k = 0; k < COUNT(PYTHONS) && status == 77; k++) {
     snprintf(
         command, sizeof command,
-        "command -v %s >/dev/null || exit 77; %s %s/schema_agrees.py %s %s/../spice >../agrees "
+        "command -v %s >/dev/null || exit 77; %s %s/cli/schema_agrees.py %s %s/../spice >../agrees "
         "2>&1",
         PYTHONS[k], PYTHONS[k], VS_TEST_FOLDER, VS_PROGRAM, VS_TEST_FOLDER);
     status = system(command);

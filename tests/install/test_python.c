@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The Python module of tools/python, tried by tests/python_module.py: with nothing but Python's
+ * The Python module of tools/python, tried by python_module.py here: with nothing but Python's
  * standard library, and with numpy and pandas where they are installed. Skipped (status 77) where
  * there is no python3. */
 #include <stdio.h>
@@ -10,7 +10,7 @@
 
 /* Runs one class of the checks; "without-numpy" hides numpy and pandas from it. */
 static void check(const char *class, const char *how) {
-  const char *const argv[] = {"env", "python3", VS_TEST_FOLDER "/python_module.py",
+  const char *const argv[] = {"env", "python3", VS_TEST_FOLDER "/install/python_module.py",
                               class, how,       NULL};
   ran r = collect(spawn_other("/usr/bin/env", argv, environ));
   EXPECT(r.status == 0, "%s: status %d: %s%s", class, r.status, r.out, r.err);

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-# tests/columns_agree.py DIR - reads DIR/columns by numpy and holds each element against its cell in DIR/study.csv. Prints
+# tests/study/columns_agree.py DIR - reads DIR/columns by numpy and holds each element against its cell in DIR/study.csv. Prints
 # what differs; exit status 1 when something does.
 import csv, json, os, sys
 import numpy

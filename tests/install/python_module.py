@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Checks of the Python module; tests/test_python.c runs them, one class at a time.
+"""Checks of the Python module; tests/install/test_python.c runs them, one class at a time.
 
 usage: python_module.py CLASS [without-numpy]
 

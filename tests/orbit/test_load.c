@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The load: changed by events (tests/test_disturbed.c has them against an integration of its own),
+ * The load: changed by events (engine/test_disturbed.c has them against an integration of its own),
  * found by the throw coefficient on the orbit, and what steady tells of the material that it is. */
 #include <math.h>
 #include <stdio.h>

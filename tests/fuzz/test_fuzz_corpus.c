@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "base/text.h"
-#include "fuzz/target.h"
+#include "target.h"
 #include "suite.h"
 
 enum { MOST = 4096, CHANGES = 30 };

@@ -69,8 +69,8 @@ static void numpy_agrees(const char *folder, int line) {
     fprintf(stderr, "no numpy (Debian: python3-numpy): the columns are not read back\n");
     return;
   }
-  snprintf(command, sizeof command, "%s " VS_TEST_FOLDER "/columns_agree.py %s >agree.out", python,
-           folder);
+  snprintf(command, sizeof command, "%s " VS_TEST_FOLDER "/study/columns_agree.py %s >agree.out",
+           python, folder);
   int status = system(command);
   char *said = read_file("agree.out");
   expect(status == 0, line, "%s: %.600s", folder, said);
