@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * What tools/bench_study measures with.
- * bench_cases STUDY       all cases of a study in this process, one after the other, without
- * workers, journal and files; prints cases, seconds, seconds of processor time bench_cases
- * COMMAND...  a program with its children: seconds, seconds of processor time, largest process in
- * MB. Its exit status may be 3 (a rating is violated). */
+ * What tools/bench/study measures with.
+ *
+ *   bench_cases STUDY       all cases of a study in this process, one after the other, without
+ *                           workers, journal and files; prints cases, s, s of processor time
+ *   bench_cases COMMAND...  a program with its children: s, s of processor time, largest process in
+ *                           MB. Its exit status may be 3 (a rating is violated). */
 #include <gsl/gsl_errno.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,12 +1,12 @@
 # shellcheck shell=sh
 # SPDX-License-Identifier: GPL-3.0-or-later
-# What tools/work_precision and tools/bench_study share. Wants: the repository as folder, $dir with a build, $work.
+# What tools/bench/work_precision and tools/bench/study share. Wants: the repository as folder, $dir with a build, $work.
 
 libraries=$(pkg-config --cflags --libs gsl libfyaml libzstd ngspice)
-tool() { # NAME: of tools/precision
+tool() { # NAME: of tools/bench/precision
   # shellcheck disable=SC2086 # a list of words
   "${CC:-cc}" -std=gnu11 -O2 -D_GNU_SOURCE -ffp-contract=off $(printf " -iquote %s" src src/*) $(printf " -I%s" src/*/include) -Itests/support -o "${dir:?}/precision_$1" \
-    "tools/precision/$1.c" tools/precision/race.c tests/support/oracle.c tests/support/conveyor.c tests/support/compare.c tests/support/schemes.c "$dir/libvs.a" $libraries -lm
+    "tools/bench/precision/$1.c" tools/bench/precision/race.c tests/support/oracle.c tests/support/conveyor.c tests/support/compare.c tests/support/schemes.c "$dir/libvs.a" $libraries -lm
 }
 # An exported deck with another step and reltol, nothing saved but p; what follows .control goes.
 deck() { # FILE RELTOL STEP COMMAND

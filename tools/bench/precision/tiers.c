@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Part b of tools/work_precision: the tiers, each against an independent solution of its own
+ * Part b of tools/bench/work_precision: the tiers, each against an independent solution of its own
  * equations, over run.tolerance (the paper's single shot, 0.2 s) and over run.max_step (the circuit
  * tier fired in every cycle). Error: run.tolerance's norm. */
 #include <gsl/gsl_errno.h>

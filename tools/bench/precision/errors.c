@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * What part d of tools/work_precision, and tools/bench_study, ask of the library:
+ * What part d of tools/bench/work_precision, and tools/bench/study, ask of the library:
  *
  *   errors reference TIER FILE [KEY=VALUE...]   p of the paper's scene every 0.1 ms of its 2 s (or
  *                                of run.until, at most as long), by tests/support/oracle.h

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * For the parts of tools/work_precision: attempts at one problem, timed in turn. */
+ * For the parts of tools/bench/work_precision: attempts at one problem, timed in turn. */
 #ifndef VS_TOOLS_RACE_H
 #define VS_TOOLS_RACE_H
 

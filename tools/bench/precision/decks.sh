@@ -1,6 +1,6 @@
 # shellcheck shell=sh
 # SPDX-License-Identifier: GPL-3.0-or-later
-# What tools/bench_study does in plain ngspice; behind tools/precision/common.sh. `study` is bench_study's. A setting is
+# What tools/bench/study does in plain ngspice; behind tools/bench/precision/common.sh. `study` is the former's. A setting is
 # a tolerance and a largest step in us: of a deck reltol and vs_step, of a study run.tolerance and run.max_step.
 
 # N values of R1, at equal ratios: a study, and a deck of each case as it is exported.

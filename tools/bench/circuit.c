@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The part of tools/bench that tells what a run on the circuit tier costs beside its circuit alone.
+ * The part of tools/bench/speed that tells what a run on the circuit tier costs beside its circuit
+ * alone.
  *
- *   bench_circuit ROUNDS [KEY=VALUE...]          the paper's scene with these keys, three ways in
- * turn bench_circuit WAY ROUNDS [KEY=VALUE...]      one of the ways alone, for a profiler, prints
- * nothing
+ *   bench_circuit ROUNDS [KEY=VALUE...]       the paper's scene with these keys, three ways in turn
+ *   bench_circuit WAY ROUNDS [KEY=VALUE...]   one of the ways alone, for a profiler; prints nothing
  *
  * The ways are
  *   all     the tier with every watcher of the program
@@ -12,8 +12,8 @@
  *
  * A first run, which is not counted, is taken down: each question that the solver asked its host,
  * with its instant, and the answer. The circuit alone is given these answers, in the same order. So
- * its sources have the gap z(t), the mains, the gates and what engine/coupled/amend.h gave back at every
- * Newton iteration as they were, its steps end at the same edges, and are as long. It takes the
+ * its sources have the gap z(t), the mains, the gates and what engine/coupled/amend.h gave back at
+ * every Newton iteration as they were, its steps end at the same edges, and are as long. It takes the
  * same steps to the bit, which is checked; an answer costs it no more than a look at the next
  * entry. ngspice's clocks stand still in all three (src/clocks.c).
  *

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The parts of tools/bench that need the library or a child's resource usage; it says what for.
+ * The parts of tools/bench/speed that need the library or a child's resource usage; it says what
+ * for.
  *
  * The paper's scene on the switched tier, EVERY: once, or 1 for a firing in every cycle:
  *   bench_runs error EVERY TOL REF       its errors against the reference
