@@ -13,8 +13,8 @@
  * A first run, which is not counted, is taken down: each question that the solver asked its host,
  * with its instant, and the answer. The circuit alone is given these answers, in the same order. So
  * its sources have the gap z(t), the mains, the gates and what engine/coupled/amend.h gave back at
- * every Newton iteration as they were, its steps end at the same edges, and are as long. It takes the
- * same steps to the bit, which is checked; an answer costs it no more than a look at the next
+ * every Newton iteration as they were, its steps end at the same edges, and are as long. It takes
+ * the same steps to the bit, which is checked; an answer costs it no more than a look at the next
  * entry. ngspice's clocks stand still in all three (src/clocks.c).
  *
  * Each round is a line of CSV without a header. Of the three ways in the order above: seconds, and
@@ -27,9 +27,9 @@
 #include <string.h>
 #include <time.h>
 
+#include "measure/watchers.h"
 #include "run/scene.h"
 #include "ngspice/ng.h"
-#include "measure/watchers.h"
 
 static _Noreturn void give_up(const char *what) {
   fprintf(stderr, "bench_circuit: %s\n", what);

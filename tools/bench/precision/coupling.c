@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Part c of tools/bench/work_precision: schemes that couple machine and circuit at fixed macro
- * steps (tests/support/schemes.h), and the product's switched tier beside them. Scene `paper` fired in
- * every cycle, 0.2 s; error: run.tolerance's norm, against an independent solution. */
+ * steps (tests/support/schemes.h), and the product's switched tier beside them. Scene `paper` fired
+ * in every cycle, 0.2 s; error: run.tolerance's norm, against an independent solution. */
 #include <gsl/gsl_errno.h>
 #include <math.h>
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Part a of tools/bench/work_precision: GSL's steppers and the product's exact propagator on one
- * course of the force, the single pulse of tier analytic, over 2 s. GSL's driver chooses the steps (they
- * end where the force begins and ends, and every 10 ms); error: of p, u, w, phi every 10 ms, in
- * parts of each one's peak. */
+ * course of the force, the single pulse of tier analytic, over 2 s. GSL's driver chooses the steps
+ * (they end where the force begins and ends, and every 10 ms); error: of p, u, w, phi every 10 ms,
+ * in parts of each one's peak. */
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>
 #include <math.h>
