@@ -38,7 +38,7 @@ try:
 except ImportError:
     pandas = None
 
-TESTS = pathlib.Path(__file__).resolve().parent
+TESTS = pathlib.Path(__file__).resolve().parent.parent
 PROGRAM = os.environ["VIBROSPICE"]
 VIOLATED = {"circuit": {"deck": "halfwave_paper", "c1": "1 uF",
                         "r1": vibrospice.Quantity(100, "ohm")},
