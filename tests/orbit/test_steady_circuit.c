@@ -66,10 +66,11 @@ static bool contains(const char *path, const char *what) {
 /* ---- numbers ---- */
 
 /* T3A at 100 degrees, found by shooting on the circuit's equations in another program. A run is
- * right to its run.tolerance, and the orbit to a hundredth of that. The losses have more: what the
- * varistors and snubbers take is a small part of power_in. */
+ * right to its run.tolerance, and the orbit to a hundredth of that; the finest, which takes three
+ * times as long, with VS_LONG. The losses have more: what the varistors and snubbers take is a
+ * small part of power_in. */
 static void at_100_degrees(void) {
-  static const double TOLERANCE[] = {1e-4, 1e-6};
+  const double TOLERANCE[] = {1e-4, getenv("VS_LONG") ? 1e-6 : 1e-5};
   static const double SIZE[] = {0.99948987, 0.99860011, 0.99439091, 0.97083055};
   for (size_t k = 0; k < COUNT(TOLERANCE); k++) {
     double tolerance = TOLERANCE[k];
@@ -84,12 +85,11 @@ static void at_100_degrees(void) {
     CLOSE(number(r.out, "t_extinction"), 0.013868338866, tolerance);
     CLOSE(number(r.out, "energy_copper"), 8.3001785 * 0.02, tolerance);
     CLOSE(number(r.out, "damping_J"), 0.48301747 * 0.02, 2 * tolerance); /* as p squared */
-    EXPECT(number(r.out, "cycles") <= (tolerance < 1e-5 ? 20 : 15), "%g cycles",
-           number(r.out, "cycles"));
+    EXPECT(number(r.out, "cycles") <= (k ? 20 : 15), "%g cycles", number(r.out, "cycles"));
     EXPECT(number(r.out, "correction") <= 0.01 * tolerance, "%g", number(r.out, "correction"));
     EXPECT(strstr(r.out, "\"stable\": true") != NULL, "stable");
     for (int i = 0; i < 4; i++) /* the differences' error */
-      CLOSE(size_of(r.out, 2 * i), SIZE[i], tolerance < 1e-5 ? 3e-5 : 2e-4);
+      CLOSE(size_of(r.out, 2 * i), SIZE[i], k ? 3e-5 : 2e-4);
     free_ran(&r);
   }
 }
