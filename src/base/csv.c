@@ -23,7 +23,7 @@ typedef struct cell {
   bool stray;        /* something stands between the closing quote and the comma */
 } cell;
 
-/* Takes a quoted cell's text, in place; *at stands behind its closing quote then. */
+/* Removes a cell's quotes in place; *at then points behind its closing quote. */
 static char *take_quoted(char **at, bool *open) {
   char *s = *at + 1, *out = *at;
   while (*s && (*s != '"' || s[1] == '"')) {
@@ -35,8 +35,8 @@ static char *take_quoted(char **at, bool *open) {
   return out;
 }
 
-/* Takes off the row the cell that begins at *rest; afterwards *rest is where the next one begins,
- * or NULL. Text between a closing quote and the separator is added to the cell. */
+/* Cuts the cell that begins at *rest off the row; *rest becomes the beginning of the next one, or
+ * NULL. Text between a closing quote and the separator is added to the cell. */
 static cell take_cell(char **rest, char separator, bool trim) {
   const char ends[] = {separator, '\0'}, *blanks = blanks_beside(separator);
   char *s = *rest;
@@ -111,7 +111,7 @@ static bool ends_open(const vs_csv *csv, const char *line, bool open) {
 
 /* Adds the file's next line to the row, whose bytes so far *size counts. Returns false at the
  * file's end, and with errno EFBIG where the row becomes too long. */
-static bool add_line(vs_csv *csv, size_t *size) {
+static bool append_line(vs_csv *csv, size_t *size) {
   char *line = NULL;
   size_t room = 0;
   const size_t most = VS_CSV_LONGEST - *size;
@@ -153,7 +153,7 @@ static char find_separator(const vs_csv *csv) {
 
 /* Reads all lines of the next row and takes the last line's end off. csv->n_lines is 0 at the
  * file's end. */
-static vs_status read_lines(vs_csv *csv, vs_error *err) {
+static vs_status read_row_lines(vs_csv *csv, vs_error *err) {
   static const char MARK[] = "\xEF\xBB\xBF"; /* some programs begin a UTF-8 text with it */
   size_t size = 0;
   bool open = false;
@@ -162,7 +162,7 @@ static vs_status read_lines(vs_csv *csv, vs_error *err) {
   csv->line += first;
   csv->n_lines = 0;
   errno = 0;
-  while (add_line(csv, &size)) {
+  while (append_line(csv, &size)) {
     const size_t begin = csv->begins[csv->n_lines - 1];
     if (begin + strlen(csv->text + begin) != size)
       return vs_fail_at(err, (vs_where){csv->file, csv->line + (int)csv->n_lines - 1, 1},
@@ -188,7 +188,7 @@ static vs_status read_lines(vs_csv *csv, vs_error *err) {
   return VS_OK;
 }
 
-static vs_status cut(vs_csv *csv, vs_error *err) {
+static vs_status cut_into_cells(vs_csv *csv, vs_error *err) {
   size_t room = 1, line = 0;
   for (const char *s = csv->text; *s; s++) room += *s == csv->separator;
   if (room > csv->most) {
@@ -212,9 +212,9 @@ static vs_status cut(vs_csv *csv, vs_error *err) {
 vs_status vs_csv_next(vs_csv *csv, vs_error *err) {
   vs_status status = VS_OK;
   csv->count = 0;
-  do status = read_lines(csv, err);
+  do status = read_row_lines(csv, err);
   while (!status && csv->n_lines && is_comment(csv));
-  return status || !csv->n_lines ? status : cut(csv, err);
+  return status || !csv->n_lines ? status : cut_into_cells(csv, err);
 }
 
 bool vs_csv_is_blank(const vs_csv *csv) {

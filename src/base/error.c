@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A message is one line whatever the user's words in it hold. */
+/* Keeps a message on one line, whatever text of the user's stands in it. */
 static void one_line(char *text) {
   for (; *text; text++)
     if ((unsigned char)*text < 0x20 || *text == 0x7f) *text = ' ';
@@ -60,8 +60,8 @@ static bool comes_before(const vs_error *a, const vs_error *b) {
   return a->line != b->line ? a->line < b->line : a->column < b->column;
 }
 
-/* The error goes behind those of its file that stand no later in it; the first of a file goes
- * behind all. */
+/* Inserts the error behind those of its file with no later line; the first error of a file goes to
+ * the end. */
 static size_t position_of(const vs_findings *all, const vs_error *err) {
   bool begun = false;
   for (size_t k = 0; k < all->count; k++) {

@@ -425,3 +425,14 @@ void vs_field_json(const vs_field *field, const void *values, vs_text *text) {
     break;
   }
 }
+
+vs_status vs_field_outline_keys(const vs_node *map, const char *what, const vs_outline *keys,
+                                vs_error *err) {
+  enum { MOST = 96 };
+  const char *names[MOST];
+  size_t n = 0;
+  for (const vs_outline *row = keys; row->takes && n < MOST; row++) names[n++] = row->key;
+  const vs_section *more = keys[n].section;
+  for (size_t k = 0; more && k < more->count && n < MOST; k++) names[n++] = more->fields[k].key;
+  return vs_field_known_keys(map, what, names, n, err);
+}

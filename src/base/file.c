@@ -162,9 +162,9 @@ static void sync_folder_of(const char *path) {
   close(fd);
 }
 
-/* Why an earlier write to the file has failed. The stream keeps that it has, and not why; so some
- * more is written to the file, which is given up anyway. What is left of a full disk's last blocks
- * may take the first of it. */
+/* Finds out why an earlier write to the file failed. The stream remembers that it failed, but not
+ * the reason; so more is written to the file, which is discarded anyway, until the error comes
+ * again. The last block of a full disk may still take the first bytes. */
 static const char *why_refused(int fd) {
   static const char MORE[1 << 16];
   for (int k = 0; k < 2; k++)

@@ -92,7 +92,7 @@ static void become_gnuplot(FILE *in, FILE *out, FILE *said) {
   _exit(127);
 }
 
-/* Hands on what gnuplot said on standard error, but for its warnings that a range is empty: it
+/* Passes on what gnuplot said on standard error, except its warnings that a range is empty: it
  * gives each curve that is constant a range of its own, and says so for every picture. */
 static void hand_on(FILE *said) {
   static const char *const EMPTY[] = {"Warning: empty x range", "Warning: empty y range"};
@@ -108,7 +108,8 @@ static void hand_on(FILE *said) {
 }
 
 /* Files, not pipes: neither side then waits for the other to read. */
-static vs_status between(const char *script, FILE *in, FILE *out, FILE *said, vs_error *err) {
+static vs_status run_with_files(const char *script, FILE *in, FILE *out, FILE *said,
+                                vs_error *err) {
   if (fputs(script, in) < 0 || fflush(in) || fseek(in, 0, SEEK_SET))
     return vs_fail(err, VS_RUN, "no script for gnuplot: %s", strerror(errno));
   fflush(NULL);
@@ -128,7 +129,7 @@ static vs_status between(const char *script, FILE *in, FILE *out, FILE *said, vs
 }
 
 /* All of a file from its beginning. */
-static vs_status take(FILE *file, char **text, size_t *size, vs_error *err) {
+static vs_status read_whole(FILE *file, char **text, size_t *size, vs_error *err) {
   long length = fseek(file, 0, SEEK_END) ? -1 : ftell(file);
   if (length <= 0) return vs_fail(err, VS_RUN, "gnuplot drew nothing");
   rewind(file);
@@ -148,10 +149,10 @@ static FILE *nameless(void) {
   return file;
 }
 
-static vs_status run(const char *script, FILE *out, vs_error *err) {
+static vs_status run_gnuplot(const char *script, FILE *out, vs_error *err) {
   FILE *in = nameless(), *said = nameless();
   vs_status status = in && said
-                         ? between(script, in, out, said, err)
+                         ? run_with_files(script, in, out, said, err)
                          : vs_fail(err, VS_RUN, "no script for gnuplot: %s", strerror(errno));
   if (in) fclose(in);
   if (said) fclose(said);
@@ -162,8 +163,8 @@ vs_status vs_gnuplot_picture(const char *script, char **picture, size_t *size, v
   *picture = NULL;
   FILE *out = nameless();
   if (!out) return vs_fail(err, VS_RUN, "no room for a picture: %s", strerror(errno));
-  vs_status status = run(script, out, err);
-  if (!status) status = take(out, picture, size, err);
+  vs_status status = run_gnuplot(script, out, err);
+  if (!status) status = read_whole(out, picture, size, err);
   fclose(out);
   return status;
 }

@@ -33,7 +33,7 @@ static const uint32_t ROUND[64] = {
     0x19a4c116, 0x1e376c08, 0x2748774c, 0x34b0bcb5, 0x391c0cb3, 0x4ed8aa4a, 0x5b9cca4f, 0x682e6ff3,
     0x748f82ee, 0x78a5636f, 0x84c87814, 0x8cc70208, 0x90befffa, 0xa4506ceb, 0xbef9a3f7, 0xc67178f2};
 
-static uint32_t turn(uint32_t x, int by) {
+static uint32_t rotate_right(uint32_t x, int by) {
   return x >> by | x << (32 - by);
 }
 
@@ -43,13 +43,14 @@ static void compress(uint32_t state[8], const unsigned char block[64]) {
     w[k] = (uint32_t)block[4 * k] << 24 | (uint32_t)block[4 * k + 1] << 16 |
            (uint32_t)block[4 * k + 2] << 8 | block[4 * k + 3];
   for (int k = 16; k < 64; k++)
-    w[k] = w[k - 16] + (turn(w[k - 15], 7) ^ turn(w[k - 15], 18) ^ w[k - 15] >> 3) + w[k - 7] +
-           (turn(w[k - 2], 17) ^ turn(w[k - 2], 19) ^ w[k - 2] >> 10);
+    w[k] = w[k - 16] + (rotate_right(w[k - 15], 7) ^ rotate_right(w[k - 15], 18) ^ w[k - 15] >> 3) +
+           w[k - 7] + (rotate_right(w[k - 2], 17) ^ rotate_right(w[k - 2], 19) ^ w[k - 2] >> 10);
   memcpy(s, state, sizeof s);
   for (int k = 0; k < 64; k++) {
-    uint32_t one = s[7] + (turn(s[4], 6) ^ turn(s[4], 11) ^ turn(s[4], 25)) +
+    uint32_t one = s[7] +
+                   (rotate_right(s[4], 6) ^ rotate_right(s[4], 11) ^ rotate_right(s[4], 25)) +
                    ((s[4] & s[5]) ^ (~s[4] & s[6])) + ROUND[k] + w[k];
-    uint32_t two = (turn(s[0], 2) ^ turn(s[0], 13) ^ turn(s[0], 22)) +
+    uint32_t two = (rotate_right(s[0], 2) ^ rotate_right(s[0], 13) ^ rotate_right(s[0], 22)) +
                    ((s[0] & s[1]) ^ (s[0] & s[2]) ^ (s[1] & s[2]));
     memmove(s + 1, s, 7 * sizeof *s);
     s[4] += one;
@@ -106,7 +107,7 @@ void vs_hash_hold(bool on) {
 }
 
 /* Error: the file was read before, and then had another sum. */
-static vs_status hold(const char *path, const char *sum, vs_error *err) {
+static vs_status hold_file(const char *path, const char *sum, vs_error *err) {
   size_t k = 0;
   while (k < holding.count && strcmp(holding.file[k].path, path)) k++;
   if (k == holding.count) {
@@ -148,7 +149,7 @@ static vs_status copy_held(const char *path, size_t size, FILE *file, FILE **cop
   const int why = ferror(file) ? errno : EBUSY; /* it has grown while it was read */
   vs_hash_end(&hash, sum);
   fclose(file);
-  vs_status status = whole ? hold(path, sum, err) : VS_OK;
+  vs_status status = whole ? hold_file(path, sum, err) : VS_OK;
   if (whole && !status) {
     rewind(*copy);
     return VS_OK;

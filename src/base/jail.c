@@ -52,7 +52,8 @@ static bool is_hidden(const char *way) {
 /* How far a folder of a list lets a path be read. */
 typedef enum reach { OUTSIDE, HIDDEN, WITHIN } reach;
 
-/* The farthest of a list. flat: its folders hold only what lies directly in them. */
+/* The most that any folder of a list allows. flat: its folders allow only what lies directly in
+ * them. */
 static reach reach_of(const char *real, const vs_text *list, bool flat) {
   reach most = OUTSIDE;
   for (const char *s = list->text; s && *s; s += strcspn(s, "\n") + 1) {
@@ -65,14 +66,14 @@ static reach reach_of(const char *real, const vs_text *list, bool flat) {
 }
 
 /* A path that has a newline would be read as two. */
-static void add(vs_text *list, const char *real) {
+static void add_to_list(vs_text *list, const char *real) {
   if (real && !strchr(real, '\n') && reach_of(real, list, false) != WITHIN)
     vs_text_add(list, "%s\n", real);
 }
 
 void vs_jail_allow(const char *folder) {
   char *real = realpath(folder, NULL);
-  add(&jail.shipped, real);
+  add_to_list(&jail.shipped, real);
   free(real);
 }
 
@@ -116,7 +117,7 @@ static void allow_working_folder(const char *real_file) {
   const char *home = getenv("HOME");
   char *here = realpath(".", NULL);
   if (here && home && *home && is_below(real_file, here) && !is_broad(here))
-    add(&jail.folders, here);
+    add_to_list(&jail.folders, here);
   free(here);
 }
 
@@ -139,13 +140,13 @@ void vs_jail_allow_named(const char *name) {
   if (strcmp(file, name) != 0) add_name(&jail.named, file);
   struct stat s;
   if (real && !stat(real, &s) && S_ISDIR(s.st_mode))
-    add(is_broad(real) ? &jail.broad : &jail.folders, real);
+    add_to_list(is_broad(real) ? &jail.broad : &jail.folders, real);
   else if (real && strlen(name) < sizeof folder && strncmp(file, "/dev/", strlen("/dev/")) != 0) {
     snprintf(folder, sizeof folder, "%s", file);
     folder_of(folder);
     around = realpath(folder, NULL);
     allow_working_folder(real);
-    if (around) add(is_broad(around) ? &jail.broad : &jail.folders, around);
+    if (around) add_to_list(is_broad(around) ? &jail.broad : &jail.folders, around);
   }
   free(around);
   free(real);
@@ -215,8 +216,8 @@ static bool is_no_file(const char *real) {
   return !stat(real, &s) && !S_ISREG(s.st_mode) && !S_ISDIR(s.st_mode);
 }
 
-static vs_status refuse(const char *path, const char *real, bool hidden, vs_where where,
-                        vs_error *err) {
+static vs_status refuse_path(const char *path, const char *real, bool hidden, vs_where where,
+                             vs_error *err) {
   vs_text folders = {0};
   add_folders(&folders, "below ", &jail.folders);
   add_folders(&folders, "directly in (a home folder or one above it, so not below) ", &jail.broad);
@@ -242,7 +243,7 @@ vs_status vs_jail_check(const char *path, vs_where where, vs_error *err) {
   reach most = OUTSIDE;
   for (size_t k = 0; k < sizeof by / sizeof *by; k++)
     if (by[k] > most) most = by[k];
-  vs_status status = most == WITHIN ? VS_OK : refuse(path, real, most == HIDDEN, where, err);
+  vs_status status = most == WITHIN ? VS_OK : refuse_path(path, real, most == HIDDEN, where, err);
   if (!status && by[2] != WITHIN && is_linked(real)) status = refuse_linked(path, where, err);
   if (!status && is_no_file(real))
     status = vs_fail_at(err, where, "%s is a pipe, a device or a socket; a file is wanted", path);

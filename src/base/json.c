@@ -58,7 +58,8 @@ void vs_json_key(vs_json *json, const char *key) {
   vs_text_add(json->text, ": ");
 }
 
-static void begin(vs_json *json, const char *key, vs_json_layout layout, const char *brackets) {
+static void begin_level(vs_json *json, const char *key, vs_json_layout layout,
+                        const char *brackets) {
   vs_json_key(json, key);
   assert(json->depth < VS_JSON_DEPTH);
   json->level[json->depth].close = brackets[1];
@@ -69,11 +70,11 @@ static void begin(vs_json *json, const char *key, vs_json_layout layout, const c
 }
 
 void vs_json_object(vs_json *json, const char *key, vs_json_layout layout) {
-  begin(json, key, layout, "{}");
+  begin_level(json, key, layout, "{}");
 }
 
 void vs_json_array(vs_json *json, const char *key, vs_json_layout layout) {
-  begin(json, key, layout, "[]");
+  begin_level(json, key, layout, "[]");
 }
 
 void vs_json_end(vs_json *json) {

@@ -38,7 +38,7 @@ void vs_leave_now(int status, int child_status, const char *text, size_t size) {
   _exit(status);
 }
 
-static _Noreturn void leave(void) {
+static _Noreturn void leave_process(void) {
   static const char TEXT[] = "vibrospice: stopped by a signal\n";
   vs_leave_now(VS_SIGNAL, VS_SIGNAL, TEXT, sizeof TEXT - 1);
 }
@@ -46,7 +46,7 @@ static _Noreturn void leave(void) {
 /* The grace time is over: nobody heeded the signal. */
 static void on_alarm(int number) {
   (void)number;
-  if (heed == VS_HEED_SOON) leave();
+  if (heed == VS_HEED_SOON) leave_process();
 }
 
 static void set_alarm(void) {
@@ -64,7 +64,7 @@ static void on_end(int number) {
 static void on_stop(int number) {
   bool again = vs_leave_requested;
   vs_leave_requested = 1;
-  if (heed == VS_HEED_NOT || getpid() != owner) leave();
+  if (heed == VS_HEED_NOT || getpid() != owner) leave_process();
   if (again && number != SIGTERM) on_end(number); /* a second Ctrl-C ends the process at once */
   if (!again && heed == VS_HEED_SOON) set_alarm();
 }

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void forget(vs_remembered *r) {
+static void forget_section(vs_remembered *r) {
   for (size_t k = 0; k < r->count; k++) free(r->word[k]);
   free(r->word);
   free(r->known);
@@ -13,11 +13,11 @@ static void forget(vs_remembered *r) {
 }
 
 void vs_memo_free(vs_memo *memo) {
-  for (size_t k = 0; k < VS_MEMO_SECTIONS; k++) forget(&memo->section[k]);
+  for (size_t k = 0; k < VS_MEMO_SECTIONS; k++) forget_section(&memo->section[k]);
 }
 
 /* The section as it was read last, or room for it; NULL: there is no room. */
-static vs_remembered *find(vs_memo *memo, const vs_section *section, size_t size) {
+static vs_remembered *find_section(vs_memo *memo, const vs_section *section, size_t size) {
   size_t k = 0;
   while (k < VS_MEMO_SECTIONS && memo->section[k].fields &&
          memo->section[k].fields != section->fields)
@@ -39,7 +39,7 @@ static bool is_known(const vs_remembered *r, size_t k, const vs_node *node) {
   return node ? r->word[k] && !strcmp(r->word[k], node->text) : !r->word[k];
 }
 
-static void note(vs_remembered *r, size_t k, const vs_node *node) {
+static void note_key(vs_remembered *r, size_t k, const vs_node *node) {
   free(r->word[k]);
   r->word[k] = node && node->kind == VS_NODE_TEXT ? vs_copy(node->text) : NULL;
   r->known[k] = !node || node->kind == VS_NODE_TEXT;
@@ -54,7 +54,7 @@ static vs_status read_changed(vs_remembered *r, const vs_section *section, const
     if (is_known(r, k, node)) continue;
     r->known[k] = false;
     status = vs_field_read_key(section, &section->fields[k], node, r->values, err);
-    if (!status) note(r, k, node);
+    if (!status) note_key(r, k, node);
   }
   return status;
 }
@@ -62,7 +62,7 @@ static vs_status read_changed(vs_remembered *r, const vs_section *section, const
 vs_status vs_memo_read(vs_memo *memo, const vs_section *section, const vs_node *map, void *out,
                        size_t size, vs_error *err) {
   bool plain = !map || map->kind == VS_NODE_MAP;
-  vs_remembered *r = memo && plain && !err->findings ? find(memo, section, size) : NULL;
+  vs_remembered *r = memo && plain && !err->findings ? find_section(memo, section, size) : NULL;
   if (!r) return vs_field_section_read(section, map, out, err);
   vs_status status = read_changed(r, section, map, err);
   memcpy(out, r->values, size);

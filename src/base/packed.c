@@ -10,9 +10,10 @@
 
 #include "base/text.h"
 
-/* How hard is packed, from 1 to 19. Rows of numbers gain nothing by more: 131,072 of them, of 21
- * columns, took 39 % of their bytes at level 1, 43 % at level 3, 41 % at level 9 in nine times the
- * time of level 3, and 36 % at level 19 in 250 times (tools/bench_format; zstd 1.5.4). */
+/* The level of compression, from 1 to 19. Rows of numbers gain nothing from a higher one: 131,072
+ * of them, of 21 columns, took 39 % of their bytes at level 1, 43 % at level 3, 41 % at level 9 in
+ * nine times the time of level 3, and 36 % at level 19 in 250 times (tools/bench_format; zstd
+ * 1.5.4). */
 enum { LEVEL = 1 };
 
 static bool is_packed(const char *name) {
@@ -33,8 +34,9 @@ typedef struct unpacker {
 } unpacker;
 
 /* Rows of numbers become a half to a tenth of their size; where all but the case's number and id
- * stays the same, a thirtieth. zstd itself can say a gigabyte in thirty kilobytes. What holds more
- * than SLACK bytes and MOST times the file's size is no table of ours. */
+ * stays the same, a thirtieth. zstd can pack a gigabyte into thirty kilobytes. A file that unpacks
+ * to more than SLACK bytes and to more than MOST times its size is refused: the program writes no
+ * such table. */
 enum { MOST = 256, SLACK = 1 << 24 };
 
 const char *vs_packed_why(int why) {
@@ -129,7 +131,7 @@ static bool pack(packer *p, const char *from, size_t size, ZSTD_EndDirective how
   return true;
 }
 
-static ssize_t take(void *cookie, const char *from, size_t size) {
+static ssize_t pack_bytes(void *cookie, const char *from, size_t size) {
   return pack(cookie, from, size, ZSTD_e_continue) ? (ssize_t)size : 0;
 }
 
@@ -154,7 +156,7 @@ FILE *vs_packed_write(FILE *file, const char *name) {
   ZSTD_CCtx_setParameter(p->context, ZSTD_c_compressionLevel, LEVEL);
   ZSTD_CCtx_setParameter(p->context, ZSTD_c_checksumFlag, 1);
   return vs_checked(
-      fopencookie(p, "w", (cookie_io_functions_t){.write = take, .close = end_packer}));
+      fopencookie(p, "w", (cookie_io_functions_t){.write = pack_bytes, .close = end_packer}));
 }
 
 vs_status vs_packed_end(FILE *stream, FILE *file, const char *name, vs_error *err) {

@@ -179,8 +179,8 @@ vs_status vs_path_check_result(const char *path, vs_error *err) {
 }
 
 /* Fails with the nearest name on the shelf; `looked` says where else there is no such file. */
-static vs_status refuse(const vs_shelf *shelf, const char *name, vs_where where, const char *looked,
-                        vs_error *err) {
+static vs_status refuse_name(const vs_shelf *shelf, const char *name, vs_where where,
+                             const char *looked, vs_error *err) {
   struct names known = {.shelf = shelf};
   vs_path_list(shelf, collect_name, &known);
   const char *nearest = vs_text_nearest(name, known.names, known.count);
@@ -205,11 +205,11 @@ vs_status vs_path_find(const vs_shelf *shelf, const char *name, vs_where where,
   }
   if (vs_path_shipped(shelf, name, path)) return vs_jail_check(path, where, err);
   if (strchr(name, '/') && vs_jail_check(name, where, err)) return VS_INPUT;
-  return refuse(shelf, name, where, "not a file", err);
+  return refuse_name(shelf, name, where, "not a file", err);
 }
 
 vs_status vs_path_find_shipped(const vs_shelf *shelf, const char *name, vs_where where,
                                const char *looked, char path[VS_PATH_SIZE], vs_error *err) {
   if (vs_path_shipped(shelf, name, path)) return vs_jail_check(path, where, err);
-  return refuse(shelf, name, where, looked, err);
+  return refuse_name(shelf, name, where, looked, err);
 }

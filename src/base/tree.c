@@ -3,6 +3,9 @@
 
 #include <ctype.h>
 #include <errno.h>
+#include <libfyaml.h>
+#include <stdbool.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,9 +13,297 @@
 #include "base/hash.h"
 #include "base/jail.h"
 #include "base/text.h"
-#include "yaml.h"
 
-/* Gives nodes that stand nowhere, as an empty list or map does, the place of what they stand in. */
+/* ---- nodes ---- */
+
+/* Frees the node, its siblings behind it, and all below them; NULL: there is nothing to free. */
+static void free_nodes(vs_node *node) {
+  while (node) {
+    vs_node *next = node->next;
+    free_nodes(node->child);
+    free(node->key);
+    free(node->text);
+    free(node);
+    node = next;
+  }
+}
+
+/* Copies the node, its siblings behind it, and all below them. Their places point to the same file
+ * names. The caller frees the copy. */
+static vs_node *copy_nodes(const vs_node *node) {
+  vs_node *first = NULL, **tail = &first;
+  for (; node; node = node->next, tail = &(*tail)->next) {
+    *tail = vs_alloc(1, sizeof **tail);
+    **tail = *node;
+    (*tail)->next = NULL;
+    (*tail)->key = node->key ? vs_copy(node->key) : NULL;
+    (*tail)->text = node->text ? vs_copy(node->text) : NULL;
+    (*tail)->child = copy_nodes(node->child);
+  }
+  return first;
+}
+
+/* ---- YAML: a text as libfyaml reads it, made into nodes ---- */
+
+/* Text on which libfyaml 0.7 never returns, or takes minutes, is refused before it is parsed. */
+
+static vs_where place_of_node(struct fy_node *node, const char *file) {
+  vs_where where = {.file = file};
+  if (!node) return where;
+  struct fy_token *token = fy_node_is_scalar(node) ? fy_node_get_scalar_token(node) : NULL;
+  const struct fy_mark *mark = token ? fy_token_start_mark(token) : NULL;
+  if (!mark) { /* a list or map begins where its first element does */
+    struct fy_node *first = NULL;
+    if (fy_node_is_sequence(node))
+      first = fy_node_sequence_get_by_index(node, 0);
+    else if (fy_node_is_mapping(node)) {
+      struct fy_node_pair *pair = fy_node_mapping_get_by_index(node, 0);
+      first = pair ? fy_node_pair_key(pair) : NULL;
+    }
+    return first ? place_of_node(first, file) : where;
+  }
+  where.line = mark->line + 1;
+  where.column = mark->column + 1;
+  return where;
+}
+
+typedef struct ranked_key {
+  const vs_node *node;
+  size_t rank; /* the how-manieth key of the map it is */
+} ranked_key;
+
+static int by_key(const void *a, const void *b) {
+  const ranked_key *x = a, *y = b;
+  int order = strcmp(x->node->key, y->node->key);
+  return order ? order : x->rank < y->rank ? -1 : x->rank > y->rank;
+}
+
+/* Returns the first key that the map has twice; NULL: there is none. The keys are sorted for that,
+ * because libfyaml's own check compares each key with all before it, which takes 4 s for 10,000
+ * keys and minutes for 60,000. */
+static const vs_node *second_of_a_key(const vs_node *map) {
+  size_t count = 0, first = SIZE_MAX;
+  for (const vs_node *n = map->child; n; n = n->next) count++;
+  ranked_key *keys = vs_alloc(count, sizeof *keys);
+  size_t k = 0;
+  for (const vs_node *n = map->child; n; n = n->next, k++) keys[k] = (ranked_key){n, k};
+  qsort(keys, count, sizeof *keys, by_key);
+  const vs_node *second = NULL;
+  for (k = 1; k < count; k++)
+    if (!strcmp(keys[k - 1].node->key, keys[k].node->key) && keys[k].rank < first) {
+      first = keys[k].rank;
+      second = keys[k].node;
+    }
+  free(keys);
+  return second;
+}
+
+/* Of what stands nowhere, the file's begin. */
+static vs_where or_begin(vs_where where) {
+  return where.line ? where : (vs_where){where.file, 1, 1};
+}
+
+/* Refuses a decimal comma: of {until: 0,1 s} YAML makes the number 0 and a key "1 s" that has
+ * nothing. */
+static vs_status check_comma(const vs_node *before, const char *key, vs_where where,
+                             vs_error *err) {
+  const char *whole = before && before->kind == VS_NODE_TEXT ? before->text : "";
+  const size_t n = strlen(whole), sign = n && strchr("+-", *whole) ? 1 : 0;
+  if (n == sign || strspn(whole + sign, "0123456789") < n - sign) return VS_OK;
+  if (*key < '0' || *key > '9' || before->where.line != where.line ||
+      before->where.column + (int)n + 1 != where.column)
+    return VS_OK;
+  return vs_fail_at(err, before->where,
+                    "'%s,%s': a comma ends a value here, as the decimal sign is a point; write "
+                    "%s.%s",
+                    whole, key, whole, key);
+}
+
+static vs_status convert_node(struct fy_node *fy, const char *file, vs_node **out, vs_error *err);
+
+static vs_status convert_children_of(struct fy_node *fy, const char *file, vs_node *parent,
+                                     vs_error *err) {
+  vs_node **tail = &parent->child;
+  void *position = NULL;
+  if (parent->kind == VS_NODE_LIST) {
+    struct fy_node *item;
+    while ((item = fy_node_sequence_iterate(fy, &position))) {
+      vs_status status = convert_node(item, file, tail, err);
+      if (status) return status;
+      if (!(*tail)->where.line) (*tail)->where = parent->where; /* an empty item stands nowhere */
+      tail = &(*tail)->next;
+    }
+    return VS_OK;
+  }
+  struct fy_node_pair *pair;
+  const vs_node *before = NULL;
+  while ((pair = fy_node_mapping_iterate(fy, &position))) {
+    struct fy_node *key = fy_node_pair_key(pair);
+    if (!key || !fy_node_is_scalar(key))
+      return vs_fail_at(err, or_begin(parent->where), "a key must be a plain name");
+    vs_where key_where = place_of_node(key, file);
+    size_t length;
+    const char *name = fy_node_get_scalar(key, &length);
+    char *copy = vs_alloc_part(name ? name : "", length);
+    vs_status status = convert_node(fy_node_pair_value(pair), file, tail, err);
+    if (!status && (*tail)->kind == VS_NODE_TEXT && !*(*tail)->text)
+      status = check_comma(before, copy, key_where, err);
+    if (status) {
+      free(copy);
+      return status;
+    }
+    (*tail)->key = copy;
+    if (!key_where.line) key_where = (*tail)->where; /* an empty key stands nowhere */
+    if (!(*tail)->where.line) (*tail)->where = key_where;
+    (*tail)->key_where = key_where;
+    before = *tail;
+    tail = &(*tail)->next;
+  }
+  const vs_node *second = second_of_a_key(parent);
+  return second ? vs_fail_at(err, second->key_where,
+                             "not YAML: duplicate key; a map has each key once")
+                : VS_OK;
+}
+
+static vs_status convert_node(struct fy_node *fy, const char *file, vs_node **out, vs_error *err) {
+  vs_node *node = vs_alloc(1, sizeof *node);
+  *out = node;
+  node->where = (vs_where){.file = file};
+  if (fy) node->where = place_of_node(fy, file);
+  if (fy && fy_node_is_alias(fy))
+    return vs_fail_at(err, node->where, "aliases (*name) are not read here; write the value out");
+  if (fy && !fy_node_is_scalar(fy)) {
+    node->kind = fy_node_is_sequence(fy) ? VS_NODE_LIST : VS_NODE_MAP;
+    return convert_children_of(fy, file, node, err);
+  }
+  size_t length = 0;
+  const char *text = fy ? fy_node_get_scalar(fy, &length) : NULL;
+  bool nothing = !text || (length == 1 && *text == '~'); /* YAML's way to say so */
+  node->text = nothing ? vs_copy("") : vs_alloc_part(text, length);
+  return VS_OK;
+}
+
+/* What would be right where the parser complains so. */
+static const char *instead_of(const char *complaint) {
+  static const struct {
+    const char *says, *instead;
+  } ROWS[] = {
+      {"'-'", "a - that begins no list is written in quotes: '-'"},
+      {"block sequence on the same line", "a - that begins no list is written in quotes: '-'"},
+      {"tab", "blanks are wanted in its place"},
+      {"quote", "a quote that is opened is closed on its line"},
+      {"closing", "what [ or { opens, ] or } closes"},
+      {"comma", "between [ and ], or { and }, commas stand between values"}};
+  for (size_t k = 0; k < sizeof ROWS / sizeof *ROWS; k++)
+    if (strstr(complaint, ROWS[k].says)) return ROWS[k].instead;
+  return "lines 'key: value' are wanted, and what belongs to a key stands farther to the right";
+}
+
+/* Makes the parser's first complaint an error of this program. */
+static vs_status report_yaml(struct fy_diag *diag, const char *file, vs_error *err) {
+  void *position = NULL;
+  struct fy_diag_error *first = fy_diag_errors_iterate(diag, &position);
+  if (!first) return vs_fail_at(err, (vs_where){file, 1, 1}, "cannot be read as YAML");
+  vs_where where = {file, first->line > 0 ? first->line : 1, first->column > 0 ? first->column : 1};
+  return vs_fail_at(err, where, "not YAML: %s; %s", first->msg, instead_of(first->msg));
+}
+
+/* The place of a byte `at` of the text. */
+static vs_where place_of_byte(const char *text, const char *at, const char *file) {
+  vs_where where = {.file = file, .line = 1};
+  const char *line = text;
+  for (const char *end; (end = memchr(line, '\n', (size_t)(at - line))); where.line++)
+    line = end + 1;
+  where.column = vs_text_column(line, at);
+  return where;
+}
+
+/* Refuses bytes that are not UTF-8. libfyaml 0.7 does not check for them: behind a '%' it never
+ * returns. */
+static vs_status check_bytes(const char *text, size_t length, const char *file, vs_error *err) {
+  const char *bad = vs_text_not_utf8(text, length);
+  if (!bad) return VS_OK;
+  return vs_fail_at(err, place_of_byte(text, bad, file),
+                    "the byte 0x%02x is not UTF8; what is read here is written in UTF-8",
+                    (unsigned char)*bad);
+}
+
+/* The time libfyaml 0.7 takes for two things grows with the square of their number: anchors (it
+ * compares each with all before it; 30,000 take a minute) and empty lines in a row (30,000 in a
+ * text block take 4 s). So many as are allowed here take less than half a second, and no scene
+ * needs more. */
+enum { MOST_ANCHORS = 1000, MOST_EMPTY_LINES = 10000 };
+
+static vs_status check_patience(const char *text, size_t length, const char *file, vs_error *err) {
+  int anchors = 0, empty = 0;
+  vs_where where = {.file = file, .line = 1, .column = 1};
+  char before = '\n';
+  for (size_t k = 0; k < length; before = text[k++]) {
+    bool breaks = text[k] == '\n' || text[k] == '\r';
+    anchors += text[k] == '&' && strchr(" \t\r\n[{,:-?", before);
+    empty = breaks ? empty + 1 : text[k] == ' ' || text[k] == '\t' ? empty : 0;
+    where.line += text[k] == '\n';
+    if (anchors > MOST_ANCHORS)
+      return vs_fail_at(err, where, "more than %d anchors (&name); none are of use here",
+                        MOST_ANCHORS);
+    if (empty > MOST_EMPTY_LINES)
+      return vs_fail_at(err, where, "more than %d empty lines in a row", MOST_EMPTY_LINES);
+  }
+  return VS_OK;
+}
+
+/* Reads the text, which errors call `file`. A text that says nothing gives an empty map. Nodes that
+ * YAML writes with no characters, as an empty list, may have no line. The caller frees *root by
+ * free_nodes, also after an error. Errors, with their place: the text is no YAML, is not
+ * UTF-8, has a key twice, an alias or a second document. */
+static vs_status yaml_read(const char *text, size_t length, const char *file, vs_node **root,
+                           vs_error *err) {
+  vs_status status = check_bytes(text, length, file, err);
+  if (!status) status = check_patience(text, length, file, err);
+  if (status) return status;
+  struct fy_diag_cfg diag_cfg;
+  fy_diag_cfg_default(&diag_cfg);
+  diag_cfg.fp = NULL;
+  diag_cfg.level = FYET_ERROR;
+  struct fy_diag *diag = fy_diag_create(&diag_cfg);
+  fy_diag_set_collect_errors(diag, true);
+  struct fy_parse_cfg cfg = {.flags = FYPCF_QUIET | FYPCF_ALLOW_DUPLICATE_KEYS, .diag = diag};
+  struct fy_parser *parser = fy_parser_create(&cfg);
+  struct fy_document *document = NULL, *second = NULL;
+  if (!parser || fy_parser_set_string(parser, text, length))
+    status = vs_fail_at(err, (vs_where){file, 1, 1}, "cannot be read as YAML");
+  if (!status) {
+    document = fy_parse_load_document(parser);
+    if (fy_parser_get_stream_error(parser)) status = report_yaml(diag, file, err);
+  }
+  struct fy_node *fy = document ? fy_document_root(document) : NULL;
+  if (!status) {
+    if (fy)
+      status = convert_node(fy, file, root, err);
+    else {
+      *root = vs_alloc(1, sizeof **root);
+      (*root)->kind = VS_NODE_MAP;
+      (*root)->where = (vs_where){.file = file};
+    }
+  }
+  if (!status && document) {
+    second = fy_parse_load_document(parser);
+    if (second)
+      status = vs_fail_at(err, or_begin(place_of_node(fy_document_root(second), file)),
+                          "a second document (after '---') begins here; a file holds one");
+    else if (fy_parser_get_stream_error(parser))
+      status = report_yaml(diag, file, err);
+  }
+  fy_parse_document_destroy(parser, second);
+  fy_parse_document_destroy(parser, document);
+  fy_parser_destroy(parser);
+  fy_diag_destroy(diag);
+  return status;
+}
+
+/* ---- files ---- */
+
+/* Gives nodes without a place, such as an empty list or map, the place of the node around them. */
 static void stand_somewhere(vs_node *node, vs_where where) {
   for (; node; node = node->next) {
     if (!node->where.line) node->where = node->key_where.line ? node->key_where : where;
@@ -25,7 +316,7 @@ static void stand_somewhere(vs_node *node, vs_where where) {
  * megabyte holds some 60,000 keys. */
 enum { LONGEST_TEXT = 1 << 23 };
 
-static vs_status slurp(const char *path, char **text, size_t *length, vs_error *err) {
+static vs_status read_text(const char *path, char **text, size_t *length, vs_error *err) {
   const vs_where where = {.file = path};
   *text = NULL;
   vs_status status = vs_jail_check(path, where, err);
@@ -50,7 +341,7 @@ static vs_status slurp(const char *path, char **text, size_t *length, vs_error *
     vs_text_add(&all, "%s", part);
     if (strlen(part) < n) {
       const char *before = all.text ? all.text : "";
-      status = vs_fail_at(err, vs_yaml_place(before, before + all.length, path),
+      status = vs_fail_at(err, place_of_byte(before, before + all.length, path),
                           "a zero byte; this is no text");
       break;
     }
@@ -62,8 +353,8 @@ static vs_status slurp(const char *path, char **text, size_t *length, vs_error *
   return status;
 }
 
-static vs_status plant(const char *text, size_t length, vs_tree *tree, vs_error *err) {
-  vs_status status = vs_yaml_read(text, length, tree->name, &tree->root, err);
+static vs_status make_tree(const char *text, size_t length, vs_tree *tree, vs_error *err) {
+  vs_status status = yaml_read(text, length, tree->name, &tree->root, err);
   if (!status) stand_somewhere(tree->root, (vs_where){tree->name, 1, 1});
   if (!status && tree->root->kind == VS_NODE_TEXT && !*tree->root->text)
     tree->root->kind = VS_NODE_MAP; /* a file that is "~" says nothing */
@@ -76,15 +367,15 @@ vs_status vs_tree_read(const char *path, vs_tree *tree, vs_error *err) {
   *tree = (vs_tree){.name = vs_copy(path)};
   char *text;
   size_t length;
-  vs_status status = slurp(path, &text, &length, err);
-  if (!status) status = plant(text, length, tree, err);
+  vs_status status = read_text(path, &text, &length, err);
+  if (!status) status = make_tree(text, length, tree, err);
   free(text);
   return status;
 }
 
 vs_status vs_tree_parse(const char *text, const char *name, vs_tree *tree, vs_error *err) {
   *tree = (vs_tree){.name = vs_copy(name)};
-  return plant(text, strlen(text), tree, err);
+  return make_tree(text, strlen(text), tree, err);
 }
 
 vs_node vs_tree_word(const char *key, const char *text, vs_where where) {
@@ -184,7 +475,7 @@ static vs_node *child_with_dots(const vs_node *map, const char *key) {
 
 /* Returns the node of a dotted key; one of its words may be the number of a list's element. It is
  * made where it is missing, and so are the maps above it. */
-static vs_node *reach(vs_tree *tree, const char *dotted, vs_where where) {
+static vs_node *reach_key(vs_tree *tree, const char *dotted, vs_where where) {
   vs_node *at = tree->root;
   char *path = vs_copy(dotted), *rest = path;
   for (char *key; rest;) {
@@ -198,7 +489,7 @@ static vs_node *reach(vs_tree *tree, const char *dotted, vs_where where) {
       continue;
     }
     if (at->kind != VS_NODE_MAP) { /* a text stands where a map is wanted: the newer value wins */
-      vs_node_free(at->child);
+      free_nodes(at->child);
       free(at->text);
       at->text = NULL;
       at->child = NULL;
@@ -212,16 +503,16 @@ static vs_node *reach(vs_tree *tree, const char *dotted, vs_where where) {
 }
 
 void vs_tree_copy(const vs_tree *tree, vs_tree *copy) {
-  *copy = (vs_tree){.root = vs_node_copy(tree->root), .name = vs_copy(tree->name)};
+  *copy = (vs_tree){.root = copy_nodes(tree->root), .name = vs_copy(tree->name)};
 }
 
 static void graft(vs_tree *tree, const char *key, const vs_node *value) {
-  vs_node *at = reach(tree, key, value->key_where);
-  vs_node_free(at->child);
+  vs_node *at = reach_key(tree, key, value->key_where);
+  free_nodes(at->child);
   free(at->text);
   at->kind = value->kind;
   at->text = value->text ? vs_copy(value->text) : NULL;
-  at->child = vs_node_copy(value->child);
+  at->child = copy_nodes(value->child);
   at->where = value->where;
   at->key_where = value->key_where;
 }
@@ -240,7 +531,7 @@ void vs_tree_put(vs_tree *tree, const char *key, const char *text, vs_where wher
 /* Reads the text behind the sign as YAML. */
 static vs_status parse_value(const char *text, vs_where where, vs_node **value, vs_error *err) {
   const char *yaml = strcmp(text, "-") ? text : "'-'"; /* a lone - is a text here, no list */
-  vs_status status = vs_yaml_read(yaml, strlen(yaml), "--set", value, err);
+  vs_status status = yaml_read(yaml, strlen(yaml), "--set", value, err);
   if (status) {
     const vs_error why = *err;
     return vs_fail_at(err, where, "the value cannot be read: %s", why.text + why.place_size);
@@ -254,7 +545,7 @@ static vs_status parse_value(const char *text, vs_where where, vs_node **value, 
 
 /* Moves the value's contents to the node, and frees what is left of the value. */
 static void take_value(vs_node *at, vs_node *value, vs_where where) {
-  vs_node_free(at->child);
+  free_nodes(at->child);
   free(at->text);
   at->kind = value->kind;
   at->text = value->text;
@@ -276,10 +567,10 @@ vs_status vs_tree_set(vs_tree *tree, const char *assignment, vs_error *err) {
                          : parse_value(equals + 1, where, &value, err);
   char *path = vs_alloc_part(assignment, equals ? (size_t)(equals - assignment) : 0);
   if (!status) status = check_lists(tree, path, where, err);
-  if (!status) take_value(reach(tree, path, where), value, where);
+  if (!status) take_value(reach_key(tree, path, where), value, where);
   free(path);
   if (status) {
-    vs_node_free(value);
+    free_nodes(value);
     vs_text_free(&label);
     return status;
   }
@@ -291,8 +582,8 @@ vs_status vs_tree_set(vs_tree *tree, const char *assignment, vs_error *err) {
 }
 
 void vs_tree_free(vs_tree *tree) {
-  vs_node_free(tree->root);
-  vs_node_free(tree->labels);
+  free_nodes(tree->root);
+  free_nodes(tree->labels);
   free(tree->name);
   *tree = (vs_tree){0};
 }

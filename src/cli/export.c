@@ -16,7 +16,7 @@
 #include "base/file.h"
 #include "mechanism.h"
 #include "netlist/netlist.h"
-#include "engine/plain.h"
+#include "plain.h"
 #include "run/scene.h"
 #include "base/units.h"
 
@@ -444,7 +444,7 @@ vs_status vs_export_command(const char *name, char *const *sets, size_t n_sets, 
                             vs_error *err) {
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_status status =
-      vs_scene_read(name, sets, n_sets, vs_manner_tier_words[VS_TIER_CIRCUIT], scene, err);
+      vs_scene_read(name, sets, n_sets, vs_setup_tier_words[VS_TIER_CIRCUIT], scene, err);
   if (!status) vs_scene_warn(scene);
   if (!status) status = check_whole(scene, err);
   if (!status) status = write_deck(scene, output, err);

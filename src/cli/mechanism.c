@@ -10,7 +10,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "base/spice.h"
+#include "plant/spice.h"
 
 /* ---- the machine's nodes ---- */
 

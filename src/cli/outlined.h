@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * JSON Schemas of what the tables of keys of studies and machines take (base/outline.h). */
+ * JSON Schemas of what the tables of keys of studies and machines take (base/field.h). */
 #ifndef VS_CLI_OUTLINED_H
 #define VS_CLI_OUTLINED_H
 
 #include "base/json.h"
 #include "ground.h"
-#include "base/outline.h"
+#include "base/field.h"
 
 /* Adds the member `key` with what the row takes. A study's scene keys are the ground's; those of a
  * machine, a deck and what a scene names itself may have any value. */

@@ -34,7 +34,7 @@ static void print_scene(void) {
 
 static void print_quality(void) {
   puts("quality: the probes of currents whose period is compared with the mains' sine, as\n"
-       "quality: [i]. What is then told of each: vibrospice steady --help, docs/quality.md.");
+       "quality: [i]. What is then told of each: vibrospice steady --help, docs/power.md.");
 }
 
 static void print_expect(void) {
@@ -74,7 +74,7 @@ static void print_spread(void) {
       "up to 6 keys, or pairs as supply.voltage with circuit.line_voltage, and breaks where one "
       "of\n"
       "them breaks. More keys, and more processes: a study with sample: {method: corners, spread:\n"
-      "{...}}. More: docs/faults.md.");
+      "{...}}. More: docs/verdict.md.");
 }
 
 static void print_ratings(void) {
@@ -83,7 +83,7 @@ static void print_ratings(void) {
        "..}\n"
        "Each is a line of the verdict. What can be rated: vibrospice list measures, vibrospice "
        "list\n"
-       "probes, and what quality tells. More: docs/ratings.md.");
+       "probes, and what quality tells. More: docs/verdict.md.");
 }
 
 static void print_heat(void) {
@@ -97,7 +97,7 @@ static void print_heat(void) {
       "where\n"
       "that counts; one without a heat sink may state r_th_ja. Told is then t_case, and t_j, which "
       "is\n"
-      "held against the part's t_j_max. More: docs/operation.md.");
+      "held against the part's t_j_max. More: docs/power.md.");
 }
 
 static const struct topic {

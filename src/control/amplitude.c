@@ -1,4 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
+ * Regulator "amplitude": a PI controller that holds half the peak to peak value of a sensor at a
+ * set point.
+ *
  * With a the amplitude of the period before, r the set point and e = r - a, a firing has the angle
  *
  *   alpha = alpha_0 - K_p e - I,   I = K_i T sum of e over the firings so far,
@@ -6,7 +9,7 @@
  * alpha_0 being firing.angle and T the time from firing to firing. A smaller angle gives more
  * amplitude, hence the signs. A step of I goes as far as takes alpha to its limit, and no further
  * (anti-windup by conditional integration). */
-#include "amplitude.h"
+#include "control/regulators.h"
 
 #include <math.h>
 
@@ -39,7 +42,7 @@ static double sensor_gain(const vs_sight *s) {
   return isnan(s->v->sensor_gain) ? gain : s->v->sensor_gain;
 }
 
-static vs_status begin(void *self, const vs_sight *s, vs_error *err) {
+static vs_status begin_amplitude(void *self, const vs_sight *s, vs_error *err) {
   (void)err;
   amplitude *a = self;
   a->gain = sensor_gain(s);
@@ -48,13 +51,13 @@ static vs_status begin(void *self, const vs_sight *s, vs_error *err) {
   return VS_OK;
 }
 
-static void tick(void *self, const vs_sight *s) {
+static void tick_amplitude(void *self, const vs_sight *s) {
   amplitude *a = self;
   a->low = fmin(a->low, s->value[s->sensor]); /* fmin passes a NaN over */
   a->high = fmax(a->high, s->value[s->sensor]);
 }
 
-static vs_status decide(void *self, const vs_sight *s, double *angle_rad, vs_error *err) {
+static vs_status decide_amplitude(void *self, const vs_sight *s, double *angle_rad, vs_error *err) {
   (void)err;
   amplitude *a = self;
   const vs_timeline *t = &s->setup->timeline;
@@ -75,13 +78,13 @@ static vs_status decide(void *self, const vs_sight *s, double *angle_rad, vs_err
   return VS_OK;
 }
 
-static double output(const void *self, int k) {
+static double output_amplitude(const void *self, int k) {
   const amplitude *a = self;
   return k == 0 ? a->setpoint : a->measured;
 }
 
 /* With the last set point, and firing.angle as it is then: for ever. */
-static vs_regulator_pi pi(const vs_sight *s) {
+static vs_regulator_pi amplitude_as_pi(const vs_sight *s) {
   const vs_timeline *t = &s->setup->timeline;
   double gain = sensor_gain(s), at_s = INFINITY;
   return (vs_regulator_pi){.wanted = gain * vs_field_profile_at(&s->v->setpoint, at_s),
@@ -98,8 +101,8 @@ const vs_regulator vs_amplitude_regulator = {
     .senses = true,
     .outputs = {{"setpoint", "~"}, {"amplitude_meas", "~"}},
     .size = sizeof(amplitude),
-    .begin = begin,
-    .tick = tick,
-    .decide = decide,
-    .output = output,
-    .pi = pi};
+    .begin = begin_amplitude,
+    .tick = tick_amplitude,
+    .decide = decide_amplitude,
+    .output = output_amplitude,
+    .pi = amplitude_as_pi};

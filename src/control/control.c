@@ -52,7 +52,7 @@ static void make_unit(const char *unit, const char *sensors, char *text, size_t 
              mark + 1);
 }
 
-static void add_field(vs_control *c, const vs_field *field) {
+static void add_control_field(vs_control *c, const vs_field *field) {
   size_t k = c->section.count++;
   c->fields[k] = *field;
   make_unit(field->unit, c->unit, c->units[k], sizeof c->units[k]);
@@ -60,14 +60,14 @@ static void add_field(vs_control *c, const vs_field *field) {
 }
 
 /* Makes the keys of this control, as its law and its sensor's unit are now known. */
-static void make_section(vs_control *c) {
+static void make_control_section(vs_control *c) {
   const vs_field *keys[VS_CONTROL_FIELDS];
   const size_t n = vs_control_keys(c->regulator, keys);
   c->section = (vs_section){vs_control_section.name, c->fields, 0};
-  for (size_t k = 0; k < n; k++) add_field(c, keys[k]);
+  for (size_t k = 0; k < n; k++) add_control_field(c, keys[k]);
 }
 
-static vs_status find_law(const vs_node *section, vs_control *c, vs_error *err) {
+static vs_status find_law_of_control(const vs_node *section, vs_control *c, vs_error *err) {
   const vs_node *law = vs_tree_child(section, "law");
   const char *names[16], *named = law && law->kind == VS_NODE_TEXT ? law->text : "none";
   size_t n = 0;
@@ -156,8 +156,8 @@ static vs_status read_keys(const vs_node *section, vs_control *c, vs_error *err)
 }
 
 /* Error: the scene has no firings to decide, or the control no angle to choose. */
-static vs_status check_scene(const vs_node *section, const vs_setup *setup, const vs_control *c,
-                             vs_error *err) {
+static vs_status check_scene_of_control(const vs_node *section, const vs_setup *setup,
+                                        const vs_control *c, vs_error *err) {
   enum { MOST_TICKS = 1000000000 };
   const vs_timeline *t = &setup->timeline;
   const vs_node *angle = vs_tree_child(section, "angle"), *rate = vs_tree_child(section, "rate");
@@ -192,17 +192,17 @@ vs_status vs_control_read(const vs_node *section, const vs_setup *setup,
     return vs_error_carry_on(
         err, vs_fail_at(err, section->where,
                         "control: a map is wanted: {law: amplitude, sensor: NAME, ...}"));
-  vs_status s = vs_error_carry_on(err, find_law(section, c, err));
+  vs_status s = vs_error_carry_on(err, find_law_of_control(section, c, err));
   if (s || !c->regulator) return s;
   s = vs_error_carry_on(err, read_observer(section, setup, instruments, c, err));
   if (!s && vs_error_count(err) == found)
     s = vs_error_carry_on(err, find_sensor(section, instruments, c, err));
   if (!s && vs_error_count(err) == found) {
-    make_section(c);
+    make_control_section(c);
     s = read_keys(section, c, err);
     if (!s && vs_error_count(err) == found) s = vs_error_carry_on(err, find_code(section, c, err));
     if (!s && vs_error_count(err) == found)
-      s = vs_error_carry_on(err, check_scene(section, setup, c, err));
+      s = vs_error_carry_on(err, check_scene_of_control(section, setup, c, err));
   }
   if (s || vs_error_count(err) > found) c->regulator = NULL;
   return s;

@@ -9,7 +9,7 @@
 /* The flux linkage at which the coil has this current. Newton's iteration begins at the last
  * sample's; a law that is linear in lambda takes one step. Where it does not settle, the last value
  * stays. */
-static double flux_of(const vs_estimator *e, double current_a, double z_m) {
+static double estimated_flux(const vs_estimator *e, double current_a, double z_m) {
   enum { STEPS = 50 };
   const vs_coil *c = &e->model->coil;
   const double z[3] = {z_m, 0, 0};
@@ -35,7 +35,7 @@ static double force_at(vs_estimator *e, const double *x, double current_a) {
   const vs_model *m = e->model;
   double rest_m = m->coil.gap_rest_m, z = e->gap_at_rest ? rest_m : vs_mechanics_gap(m, x);
   if (m->coil.law->poles) z = fmax(z, LEAST_GAP * rest_m);
-  e->flux_wb = flux_of(e, current_a, z);
+  e->flux_wb = estimated_flux(e, current_a, z);
   return vs_coil_force(&m->coil, e->flux_wb, z);
 }
 
@@ -49,7 +49,7 @@ static double channel_at(const vs_sensor *s, int states, const double *x, double
 }
 
 /* By how much it is beyond the range; 0 within it. */
-static double beyond(const vs_sensor *s, double y) {
+static double beyond_sensor_range(const vs_sensor *s, double y) {
   return y > s->range[1] ? y - s->range[1] : y < s->range[0] ? y - s->range[0] : 0;
 }
 
@@ -59,7 +59,7 @@ static void limit_sensors(vs_estimator *e, double *x, double force_n) {
   const vs_sampled *p = e->observing->system;
   for (int k = 0; k < p->sensors; k++) {
     const vs_sensor *s = &p->sensor[k];
-    double was = e->beyond[k], is = beyond(s, channel_at(s, 2 * p->dof, x, force_n));
+    double was = e->beyond[k], is = beyond_sensor_range(s, channel_at(s, 2 * p->dof, x, force_n));
     for (int j = 0; j < s->states; j++)
       x[s->at + j] -= s->response[0][j] * was + s->response[1][j] * is;
     e->beyond[k] = is;
@@ -76,7 +76,7 @@ static void begin_sensors(vs_estimator *e) {
     const vs_sensor *s = &p->sensor[k];
     bool on_orbit = s->instrument->on_orbit && e->observing->v.knows_start;
     double y = channel_at(s, 2 * p->dof, e->x, e->force_n);
-    e->beyond[k] = beyond(s, y);
+    e->beyond[k] = beyond_sensor_range(s, y);
     const double settled[2] = {y - e->beyond[k], 0};
     if (s->states)
       memcpy(e->x + s->at, on_orbit ? s->instrument->x : settled,
@@ -85,7 +85,7 @@ static void begin_sensors(vs_estimator *e) {
 }
 
 /* Takes the estimate on by one period, to the present current. */
-static void predict(vs_estimator *e, double current_a) {
+static void predict_state(vs_estimator *e, double current_a) {
   const vs_sampled *p = e->observing->system;
   double x[VS_SAMPLED_MOST], ahead[VS_SAMPLED_MOST];
   for (int i = 0; i < p->states; i++) {
@@ -101,7 +101,7 @@ static void predict(vs_estimator *e, double current_a) {
   e->force_n = force;
 }
 
-static void correct(vs_estimator *e, const double *y) {
+static void correct_state(vs_estimator *e, const double *y) {
   const vs_sampled *p = e->observing->system;
   double off[VS_SENSOR_MOST];
   for (int k = 0; k < p->sensors; k++) {
@@ -126,9 +126,9 @@ void vs_estimator_sample(vs_estimator *e, double current_a, const double *y) {
     e->force_n = force_at(e, e->x, current_a);
     begin_sensors(e);
   } else {
-    predict(e, current_a);
+    predict_state(e, current_a);
   }
-  correct(e, y);
+  correct_state(e, y);
   e->force_n = force_at(e, e->x, current_a);
   e->samples++;
 }

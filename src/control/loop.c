@@ -5,13 +5,13 @@
 #include <stdlib.h>
 
 #include "base/text.h"
-#include "engine/firing.h"
 #include "base/units.h"
+#include "engine/firing.h"
 
 /* ---- decisions ---- */
 
 /* Decides the next firing, whose cycle begins now, or, as the run begins, has begun before. */
-static vs_status decide(vs_loop *l, double t_s, vs_error *err) {
+static vs_status decide_firing(vs_loop *l, double t_s, vs_error *err) {
   const vs_control *c = l->control;
   vs_program *p = &l->program;
   double angle_rad = NAN;
@@ -52,7 +52,7 @@ vs_status vs_loop_begin(vs_loop *l, const vs_control *c, const vs_setup *setup,
   vs_status status = c->regulator->begin ? c->regulator->begin(l->self, &l->sight, err) : VS_OK;
   while (!status && l->program.count < l->program.size &&
          vs_firing_cycle_s(t, (double)l->program.count) <= vs_occurrence_rounding(0))
-    status = decide(l, 0, err);
+    status = decide_firing(l, 0, err);
   return status;
 }
 
@@ -61,6 +61,7 @@ vs_status vs_loop_begin(vs_loop *l, const vs_control *c, const vs_setup *setup,
 /* Instants that are meant to be the same may differ by rounding. */
 static const double SAME = 1e-9; /* of the time between two ticks */
 
+/* Has the instruments make the samples that are due up to t_s, and takes their values, in SI. */
 static void read_meters(vs_loop *l, const vs_step *step, double t_s) {
   for (int k = 0; k < l->sight.instruments->count; k++) {
     vs_meter_to(&l->meters[k], step, t_s);
@@ -98,10 +99,14 @@ void vs_loop_to(vs_loop *l, const vs_step *step, double t_s) {
 vs_status vs_loop_accept(vs_loop *l, const vs_step *step, vs_error *err) {
   double to_s = step->to->t_s, due_s = vs_firing_known_s(&l->sight.setup->timeline);
   if (to_s == step->from->t_s) return VS_OK; /* the other side of an instant already shown */
+
+  /* Every tick of the control's clock in the step. */
   vs_loop_to(l, step, to_s);
+
+  /* The next firing is decided at the beginning of its cycle, which no step goes beyond. */
   if (to_s < due_s - vs_occurrence_rounding(due_s)) return VS_OK;
   read_meters(l, step, to_s);
-  return decide(l, due_s, err);
+  return decide_firing(l, due_s, err);
 }
 
 /* ---- what it shows ---- */

@@ -1,8 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The child process loads the object and says how that went. Then it takes firing after firing, as
+ * A law of the user's own as a shared object (vibrospice/law.h):
+ *
+ *   control: {law: object, file: ./mylaw.so}
+ *
+ * The object is loaded into a child process, which is asked once for each firing. It
+ * loads the object and says how that went. Then it takes firing after firing, as
  * the bytes of a vs_view, and answers each. As it is a copy of this process, what the view points
  * to has the same address in both. */
-#include "object.h"
+#include "control/regulators.h"
 
 #include <dlfcn.h>
 #include <errno.h>
@@ -43,7 +48,7 @@ typedef struct object {
 /* ---- the child ---- */
 
 /* Both end the child where the parent is gone. */
-static void read_all(int from, void *data, size_t size) {
+static void read_all_of_pipe(int from, void *data, size_t size) {
   for (char *at = data; size;) {
     ssize_t n = read(from, at, size);
     if (n <= 0) {
@@ -55,7 +60,7 @@ static void read_all(int from, void *data, size_t size) {
   }
 }
 
-static void write_all(int to, const void *data, size_t size) {
+static void write_all_to_pipe(int to, const void *data, size_t size) {
   if (write(to, data, size) != (ssize_t)size) _exit(1); /* a pipe takes that much at once */
 }
 
@@ -102,7 +107,7 @@ static void *open_object(const object *o, hello *h) {
 }
 
 /* Loads the object. NULL: it is of no use, and h tells why. */
-static law load(const object *o, hello *h) {
+static law load_object(const object *o, hello *h) {
   void *handle = open_object(o, h);
   if (!handle) return NULL;
   const int *version = dlsym(handle, "vibrospice_law_version");
@@ -126,14 +131,14 @@ static law load(const object *o, hello *h) {
 static void work(void *ctx, int in, int out) {
   object *o = ctx;
   hello h = {{0}};
-  law decides = load(o, &h);
-  write_all(out, &h, sizeof h);
+  law decides = load_object(o, &h);
+  write_all_to_pipe(out, &h, sizeof h);
   while (decides) {
     reply r = {0};
-    read_all(in, &o->view, vs_view_size(&o->view));
+    read_all_of_pipe(in, &o->view, vs_view_size(&o->view));
     r.angle_deg = decides(&o->view.firing, r.trouble);
     r.trouble[sizeof r.trouble - 1] = '\0';
-    write_all(out, &r, sizeof r);
+    write_all_to_pipe(out, &r, sizeof r);
   }
 }
 
@@ -147,19 +152,20 @@ static const vs_field KEYS[] = {
      .text = "wall-clock time within which it must answer"}};
 #undef AT
 
-static bool file(const vs_control_values *v, vs_where where, int k, char path[VS_PATH_SIZE]) {
+static bool file_of_object(const vs_control_values *v, vs_where where, int k,
+                           char path[VS_PATH_SIZE]) {
   return k == 0 && vs_view_path(v->file, where, path);
 }
 
-static vs_status check(const vs_control_values *v, vs_where where, vs_error *err) {
+static vs_status check_object(const vs_control_values *v, vs_where where, vs_error *err) {
   char path[VS_PATH_SIZE];
-  if (!file(v, where, 0, path))
+  if (!file_of_object(v, where, 0, path))
     return vs_fail_at(err, where, "control.file: %s: name too long", v->file);
   if (!access(path, R_OK)) return VS_OK;
   return vs_fail_at(err, where, "control.file: %s cannot be read: %s", path, strerror(errno));
 }
 
-static vs_status begin(void *self, const vs_sight *sight, vs_error *err) {
+static vs_status begin_object(void *self, const vs_sight *sight, vs_error *err) {
   object *o = self;
   const char *name = sight->v->file, *slash = strrchr(name, '/');
   char *path = o->named, sum[VS_HASH_TEXT];
@@ -167,7 +173,7 @@ static vs_status begin(void *self, const vs_sight *sight, vs_error *err) {
   o->remote.name = slash ? slash + 1 : name;
   o->remote.timeout_s = sight->v->timeout_s;
   vs_view_begin(&o->view, sight);
-  vs_status status = check(sight->v, sight->where, err);
+  vs_status status = check_object(sight->v, sight->where, err);
   if (status) return status;
   vs_view_path(name, sight->where, path);
   if (!realpath(path, o->path)) /* dlopen looks elsewhere for a name without a slash */
@@ -182,12 +188,13 @@ static vs_status begin(void *self, const vs_sight *sight, vs_error *err) {
   return *h.trouble ? vs_fail_at(err, sight->where, "control.file: %s %s", path, h.trouble) : VS_OK;
 }
 
-static void tick(void *self, const vs_sight *sight) {
+static void tick_object(void *self, const vs_sight *sight) {
   object *o = self;
   vs_view_tick(&o->view, sight);
 }
 
-static vs_status decide(void *self, const vs_sight *sight, double *angle_rad, vs_error *err) {
+static vs_status decide_object(void *self, const vs_sight *sight, double *angle_rad,
+                               vs_error *err) {
   object *o = self;
   reply r;
   vs_view_ask(&o->view, sight);
@@ -199,7 +206,7 @@ static vs_status decide(void *self, const vs_sight *sight, double *angle_rad, vs
   return vs_view_answer(&o->view, o->remote.name, r.angle_deg, r.trouble, angle_rad, err);
 }
 
-static void end(void *self) {
+static void end_object(void *self) {
   object *o = self;
   vs_remote_end(&o->remote);
 }
@@ -211,9 +218,9 @@ const vs_regulator vs_object_regulator = {
     .n_fields = sizeof KEYS / sizeof *KEYS,
     .code = "file",
     .size = sizeof(object),
-    .check = check,
-    .file = file,
-    .begin = begin,
-    .tick = tick,
-    .decide = decide,
-    .end = end};
+    .check = check_object,
+    .file = file_of_object,
+    .begin = begin_object,
+    .tick = tick_object,
+    .decide = decide_object,
+    .end = end_object};

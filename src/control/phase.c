@@ -1,4 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
+ * Regulator "phase": fires at a phase of the motion, and so keeps pace with the machine's own
+ * frequency, whatever the load makes of it.
+ *
  * The motion's phase is 0 where the sensor rises through the middle between its last largest and
  * smallest values. With t_z the last such instant and T the time from the one before,
  *
@@ -8,7 +11,7 @@
  * within its limits of the angle, and leaves the firing out where it does not. The sensor's
  * low-pass shows the motion late by its own phase at 1/T, which is taken back. As long as the
  * sensor swings less than `threshold`, it fires at firing.angle. */
-#include "phase.h"
+#include "control/regulators.h"
 
 #include <math.h>
 
@@ -33,7 +36,7 @@ typedef struct phase {
   double rise_s, period_s; /* the last rise, and the time from the one before; NaN: unknown */
 } phase;
 
-static vs_status begin(void *self, const vs_sight *s, vs_error *err) {
+static vs_status begin_phase(void *self, const vs_sight *s, vs_error *err) {
   (void)err;
   phase *p = self;
   p->lowpass = vs_regulator_lowpass(s);
@@ -43,7 +46,7 @@ static vs_status begin(void *self, const vs_sight *s, vs_error *err) {
 }
 
 /* The sensor has risen through its middle at t. */
-static void rise(phase *p, double t_s) {
+static void note_rise(phase *p, double t_s) {
   p->period_s = t_s - p->rise_s;
   p->rise_s = t_s;
   p->middle = (p->high + p->low) / 2;
@@ -52,7 +55,7 @@ static void rise(phase *p, double t_s) {
   p->was_high = p->was_low = false;
 }
 
-static void tick(void *self, const vs_sight *s) {
+static void tick_phase(void *self, const vs_sight *s) {
   phase *p = self;
   double y = s->value[s->sensor], before = p->before, before_s = p->before_s;
   p->low = fmin(p->low, y);
@@ -64,13 +67,13 @@ static void tick(void *self, const vs_sight *s) {
   if (y > middle + HYSTERESIS * swing) p->was_high = true;
   if (p->was_high && y < middle - HYSTERESIS * swing) p->was_low = true;
   if (p->was_low && before < middle && y >= middle)
-    rise(p, before_s + (middle - before) / (y - before) * (s->t_s - before_s));
+    note_rise(p, before_s + (middle - before) / (y - before) * (s->t_s - before_s));
 }
 
 /* Two rises further apart than this many firing periods tell of no swing that goes on. */
 static const double STALE = 3;
 
-static vs_status decide(void *self, const vs_sight *s, double *angle_rad, vs_error *err) {
+static vs_status decide_phase(void *self, const vs_sight *s, double *angle_rad, vs_error *err) {
   (void)err;
   const phase *p = self;
   const vs_timeline *t = &s->setup->timeline;
@@ -89,7 +92,7 @@ static vs_status decide(void *self, const vs_sight *s, double *angle_rad, vs_err
   return VS_OK;
 }
 
-static double output(const void *self, int k) {
+static double output_phase(const void *self, int k) {
   const phase *p = self;
   return k == 0 ? 1 / p->period_s : p->swing;
 }
@@ -102,7 +105,7 @@ const vs_regulator vs_phase_regulator = {
     .senses = true,
     .outputs = {{"f_motion", "Hz"}, {"swing_meas", "~"}},
     .size = sizeof(phase),
-    .begin = begin,
-    .tick = tick,
-    .decide = decide,
-    .output = output};
+    .begin = begin_phase,
+    .tick = tick_phase,
+    .decide = decide_phase,
+    .output = output_phase};

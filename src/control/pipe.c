@@ -1,5 +1,18 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "pipe.h"
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * A law of the user's own as a process on a pipe, in any language:
+ *
+ *   control: {law: pipe, command: python3 mylaw.py, timeout: 5 s}
+ *
+ * The command is started without a shell, in the folder of the file that names it. For each firing
+ * it reads one line of JSON from its standard input,
+ *
+ *   {"t_s": 0.04, "firing": 3, "last_angle_deg": 95, "now": {"p_meas_m": 0.0004, ...},
+ *    "least": {...}, "largest": {...}}
+ *
+ * which has no line break in it, and writes one to its standard output: {"angle_deg": 95},
+ * {"angle_deg": null} for no firing, or {"error": "why"}, which ends the run. What is not known is
+ * null. */
+#include "control/regulators.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -12,9 +25,9 @@
 #include "base/json.h"
 #include "base/path.h"
 #include "base/text.h"
+#include "base/tree.h"
 #include "remote.h"
 #include "view.h"
-#include "base/tree.h"
 
 /* ---- the command's words ---- */
 
@@ -28,7 +41,7 @@ typedef struct words {
 /* Cuts the command into words, as a shell does: at blanks, where these are not between 'single
  * quotes' or "double quotes". A backslash takes the next character as it is, except between single
  * quotes. Nothing else has a meaning. Returns what is wrong; NULL: nothing. */
-static const char *cut(const char *command, words *w) {
+static const char *cut_into_words(const char *command, words *w) {
   char *to = w->text, quote = '\0';
   bool within = false; /* a word has begun */
   w->count = 0;
@@ -59,7 +72,7 @@ static const char *cut(const char *command, words *w) {
 /* ---- question and answer ---- */
 
 /* Adds a number with as few digits as give the same number when they are read. */
-static void add_number(vs_json *json, const char *key, double value) {
+static void add_json_number(vs_json *json, const char *key, double value) {
   char text[VS_NUMBER_SIZE];
   int digits = 15;
   for (; digits < 17; digits++) {
@@ -75,7 +88,7 @@ static void add_values(vs_json *json, const char *key, const vs_view *view, size
     const vibrospice_channel *c = &view->channel[k];
     double value;
     memcpy(&value, (const char *)c + member, sizeof value);
-    add_number(json, c->name, value);
+    add_json_number(json, c->name, value);
   }
   vs_json_end(json);
 }
@@ -85,9 +98,9 @@ static void write_question(const vs_view *view, vs_text *line) {
   line->length = 0;
   vs_json json = vs_json_new(line);
   vs_json_object(&json, NULL, VS_JSON_ROW);
-  add_number(&json, "t_s", view->firing.t_s);
+  add_json_number(&json, "t_s", view->firing.t_s);
   vs_json_whole(&json, "firing", view->firing.number);
-  add_number(&json, "last_angle_deg", view->firing.last_angle_deg);
+  add_json_number(&json, "last_angle_deg", view->firing.last_angle_deg);
   add_values(&json, "now", view, offsetof(vibrospice_channel, now));
   add_values(&json, "least", view, offsetof(vibrospice_channel, least));
   add_values(&json, "largest", view, offsetof(vibrospice_channel, largest));
@@ -115,7 +128,7 @@ static answer members_of(const vs_node *map) {
 }
 
 /* The text as it is shown in a message: its beginning, in one line. */
-static void shorten(const char *text, char shown[64]) {
+static void shorten_answer(const char *text, char shown[64]) {
   size_t n = strcspn(text, "\r\n"), most = 56;
   const char *wrong = vs_text_not_utf8(text, n);
   if (wrong) n = (size_t)(wrong - text);
@@ -164,7 +177,7 @@ static vs_status read_answer(const vs_remote *r, double *angle_deg, char *troubl
   vs_text_free(&assignment);
   if (good) return VS_OK;
   char shown[64];
-  shorten(r->in, shown);
+  shorten_answer(r->in, shown);
   return vs_fail(err, VS_RUN,
                  "t = %.9g s: control: %s answered '%s'; wanted: one line of JSON, "
                  "{\"angle_deg\": 95}, {\"angle_deg\": null} for no firing, or {\"error\": "
@@ -190,16 +203,17 @@ typedef struct pipe_law {
   bool answered; /* since it began */
 } pipe_law;
 
-static vs_status check(const vs_control_values *v, vs_where where, vs_error *err) {
+static vs_status check_pipe(const vs_control_values *v, vs_where where, vs_error *err) {
   words w;
-  const char *wrong = cut(v->command, &w);
+  const char *wrong = cut_into_words(v->command, &w);
   return wrong ? vs_fail_at(err, where, "control.command: %s", wrong) : VS_OK;
 }
 
 /* The words that are files: a script, most likely, and what else it is given. */
-static bool file(const vs_control_values *v, vs_where where, int k, char path[VS_PATH_SIZE]) {
+static bool file_of_pipe(const vs_control_values *v, vs_where where, int k,
+                         char path[VS_PATH_SIZE]) {
   words w;
-  if (cut(v->command, &w)) return false;
+  if (cut_into_words(v->command, &w)) return false;
   for (int n = 0; n < w.count; n++) {
     struct stat s;
     bool is = vs_view_path(w.word[n], where, path) && !stat(path, &s) && S_ISREG(s.st_mode);
@@ -212,31 +226,31 @@ static bool file(const vs_control_values *v, vs_where where, int k, char path[VS
 static vs_status check_files(const vs_sight *sight, vs_error *err) {
   char path[VS_PATH_SIZE], sum[VS_HASH_TEXT];
   vs_status status = VS_OK;
-  for (int k = 0; !status && file(sight->v, sight->where, k, path); k++)
+  for (int k = 0; !status && file_of_pipe(sight->v, sight->where, k, path); k++)
     status = vs_hash_file(path, sum, err);
   return status;
 }
 
-static vs_status begin(void *self, const vs_sight *sight, vs_error *err) {
+static vs_status begin_pipe(void *self, const vs_sight *sight, vs_error *err) {
   pipe_law *p = self;
   char folder[VS_PATH_SIZE];
   p->remote.name = sight->v->command;
   p->remote.timeout_s = sight->v->timeout_s;
   vs_view_begin(&p->view, sight);
-  vs_status status = check(sight->v, sight->where, err);
+  vs_status status = check_pipe(sight->v, sight->where, err);
   if (!status) status = check_files(sight, err);
   if (status) return status;
-  cut(sight->v->command, &p->words);
+  cut_into_words(sight->v->command, &p->words);
   if (!vs_view_path("", sight->where, folder)) *folder = '\0';
   return vs_remote_exec(&p->remote, p->words.word, folder, sight->where, err);
 }
 
-static void tick(void *self, const vs_sight *sight) {
+static void tick_pipe(void *self, const vs_sight *sight) {
   pipe_law *p = self;
   vs_view_tick(&p->view, sight);
 }
 
-static vs_status decide(void *self, const vs_sight *sight, double *angle_rad, vs_error *err) {
+static vs_status decide_pipe(void *self, const vs_sight *sight, double *angle_rad, vs_error *err) {
   pipe_law *p = self;
   vs_remote *r = &p->remote;
   double angle_deg = NAN;
@@ -251,7 +265,7 @@ static vs_status decide(void *self, const vs_sight *sight, double *angle_rad, vs
   return status ? status : vs_view_answer(&p->view, r->name, angle_deg, trouble, angle_rad, err);
 }
 
-static void end(void *self) {
+static void end_pipe(void *self) {
   pipe_law *p = self;
   vs_remote_end(&p->remote);
   vs_text_free(&p->question);
@@ -264,9 +278,9 @@ const vs_regulator vs_pipe_regulator = {
     .n_fields = sizeof KEYS / sizeof *KEYS,
     .code = "command",
     .size = sizeof(pipe_law),
-    .check = check,
-    .file = file,
-    .begin = begin,
-    .tick = tick,
-    .decide = decide,
-    .end = end};
+    .check = check_pipe,
+    .file = file_of_pipe,
+    .begin = begin_pipe,
+    .tick = tick_pipe,
+    .decide = decide_pipe,
+    .end = end_pipe};

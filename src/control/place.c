@@ -70,13 +70,13 @@ static gsl_matrix_complex *space_of(const placing *p, const gsl_matrix *a, const
 
 /* ---- vectors ---- */
 
-static bool is_pair(const placing *p, size_t j) {
+static bool is_pole_pair(const placing *p, size_t j) {
   return GSL_IMAG(p->poles[j]) != 0;
 }
 
 /* Puts the vector S g into the column j, or into j and the next. It is scaled to a length of 1; of
  * a pair, whose vector may be turned by any angle, so that a and b are at right angles. */
-static void put(placing *p, size_t j, const gsl_vector_complex *g) {
+static void put_eigenvector(placing *p, size_t j, const gsl_vector_complex *g) {
   gsl_vector_complex *v = vs_checked(gsl_vector_complex_alloc(p->n));
   gsl_blas_zgemv(CblasNoTrans, GSL_COMPLEX_ONE, p->space[j], g, GSL_COMPLEX_ZERO, v);
   gsl_complex square = GSL_COMPLEX_ZERO; /* v^T v = |a|^2 - |b|^2 + 2 j a.b, made real */
@@ -90,7 +90,7 @@ static void put(placing *p, size_t j, const gsl_vector_complex *g) {
   for (size_t i = 0; i < p->n; i++) {
     gsl_complex one = gsl_vector_complex_get(v, i);
     gsl_matrix_set(p->x, i, j, GSL_REAL(one));
-    if (is_pair(p, j)) gsl_matrix_set(p->x, i, j + 1, GSL_IMAG(one));
+    if (is_pole_pair(p, j)) gsl_matrix_set(p->x, i, j + 1, GSL_IMAG(one));
   }
   gsl_vector_complex_free(v);
 }
@@ -99,12 +99,12 @@ static void put(placing *p, size_t j, const gsl_vector_complex *g) {
 static void begin_anywhere(placing *p) {
   gsl_vector_complex *g = vs_checked(gsl_vector_complex_alloc(p->m));
   unsigned long random = 1;
-  for (size_t j = 0; j < p->n; j += 1 + is_pair(p, j)) {
+  for (size_t j = 0; j < p->n; j += 1 + is_pole_pair(p, j)) {
     for (size_t i = 0; i < p->m; i++) {
       random = (random * 1103515245UL + 12345UL) & 0x7fffffffUL;
       gsl_vector_complex_set(g, i, gsl_complex_rect((double)random / 0x7fffffff - 0.5, 0));
     }
-    put(p, j, g);
+    put_eigenvector(p, j, g);
   }
   gsl_vector_complex_free(g);
 }
@@ -152,7 +152,7 @@ static double turn_single(placing *p, size_t j) {
   right_angles(p, j, 1, y);
   project(p->space[j], y, 0, g);
   double share = gsl_blas_dznrm2(g);
-  if (share > 0) put(p, j, g);
+  if (share > 0) put_eigenvector(p, j, g);
   gsl_vector_complex_free(g);
   gsl_matrix_free(y);
   return share;
@@ -186,7 +186,7 @@ static double turn_pair(placing *p, size_t j) {
   gsl_eigen_hermv_sort(values, vectors, GSL_EIGEN_SORT_ABS_DESC);
   double share = fabs(gsl_vector_get(values, 0));
   gsl_vector_complex_view g = gsl_matrix_complex_column(vectors, 0);
-  if (share > 0) put(p, j, &g.vector);
+  if (share > 0) put_eigenvector(p, j, &g.vector);
   gsl_eigen_hermv_free(work);
   gsl_vector_free(values);
   gsl_vector_complex_free(u1);
@@ -204,8 +204,8 @@ static void find_vectors(placing *p) {
   double before = -INFINITY;
   for (int round = 0; round < ROUNDS; round++) {
     double sum = 0;
-    for (size_t j = 0; j < p->n; j += 1 + is_pair(p, j))
-      sum += log(is_pair(p, j) ? turn_pair(p, j) : turn_single(p, j));
+    for (size_t j = 0; j < p->n; j += 1 + is_pole_pair(p, j))
+      sum += log(is_pole_pair(p, j) ? turn_pair(p, j) : turn_single(p, j));
     if (!(fabs(sum - before) > 1e-3)) return;
     before = sum;
   }
@@ -263,7 +263,7 @@ bool vs_place(const gsl_matrix *a, const gsl_matrix *b, const gsl_complex *poles
   gsl_matrix_memcpy(qr, b);
   gsl_linalg_QR_decomp(qr, tau);
   gsl_linalg_QR_unpack(qr, tau, u, r);
-  for (size_t j = 0; j < n; j += 1 + is_pair(&p, j)) p.space[j] = space_of(&p, a, u, poles[j]);
+  for (size_t j = 0; j < n; j += 1 + is_pole_pair(&p, j)) p.space[j] = space_of(&p, a, u, poles[j]);
   begin_anywhere(&p);
   find_vectors(&p);
   bool good = find_gain(&p, a, u, r, k);

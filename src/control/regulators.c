@@ -3,15 +3,21 @@
 
 #include <string.h>
 
-#include "amplitude.h"
-#include "object.h"
-#include "phase.h"
-#include "pipe.h"
-#include "profile.h"
+/* Regulator "none": fires at firing.angle, whatever the instruments show. For a scene whose control
+ * has an observer alone. */
+static vs_status decide_by_profile(void *self, const vs_sight *s, double *angle_rad,
+                                   vs_error *err) {
+  (void)self, (void)err;
+  *angle_rad = vs_field_profile_at(&s->setup->timeline.firing.angle, s->t_s);
+  return VS_OK;
+}
 
-const vs_regulator *const vs_regulators[] = {&vs_profile_regulator, &vs_amplitude_regulator,
-                                             &vs_phase_regulator,   &vs_object_regulator,
-                                             &vs_pipe_regulator,    NULL};
+static const vs_regulator open_loop = {
+    .name = "none", .text = "open loop: fires at firing.angle", .decide = decide_by_profile};
+
+const vs_regulator *const vs_regulators[] = {&open_loop,          &vs_amplitude_regulator,
+                                             &vs_phase_regulator, &vs_object_regulator,
+                                             &vs_pipe_regulator,  NULL};
 
 const vs_regulator *vs_regulators_find(const char *name) {
   for (const vs_regulator *const *r = vs_regulators; *r; r++)

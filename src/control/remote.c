@@ -42,7 +42,7 @@ enum { CHILD_IN = 3, CHILD_OUT, CHILD_WHY, CHILD_FIRST_FREE };
 /* The child heeds signals as a program does that was just started, and leaves no core file. A group
  * of its own lets the parent end it with all that it has started; and Ctrl-C, which the terminal
  * sends to the parent's group, is the parent's to heed. */
-static void settle_in(pid_t parent) {
+static void settle_child(pid_t parent) {
   const struct rlimit none = {0, 0};
   sigset_t nothing;
   prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -56,7 +56,7 @@ static void settle_in(pid_t parent) {
 
 /* Gives the three ends their numbers, and closes all that is open beyond them: the files that the
  * parent writes, and its pipes to others. */
-static void take_ends(int in, int out, int why) {
+static void take_pipe_ends(int in, int out, int why) {
   in = fcntl(in, F_DUPFD, CHILD_FIRST_FREE);
   out = fcntl(out, F_DUPFD, CHILD_FIRST_FREE);
   why = fcntl(why, F_DUPFD, CHILD_FIRST_FREE);
@@ -70,7 +70,7 @@ static void take_ends(int in, int out, int why) {
 /* A second child, the watchman, lives in the group of the first and does nothing until this process
  * dies: then it ends the group. The kernel ends the first child alone, and not what that has
  * started. */
-static _Noreturn void watch(pid_t owner, pid_t group) {
+static _Noreturn void watch_over_group(pid_t owner, pid_t group) {
   sigset_t all, died;
   int number;
   sigfillset(&all);
@@ -142,8 +142,8 @@ static vs_status start(vs_remote *r, const task *t, int *why, vs_error *err) {
   fflush(NULL); /* what is not written yet would be written twice */
   pid_t parent = getpid(), pid = fork();
   if (pid == 0) {
-    settle_in(parent);
-    take_ends(there[0], back[1], trouble[1]);
+    settle_child(parent);
+    take_pipe_ends(there[0], back[1], trouble[1]);
     t->work ? do_work(t) : become(t);
   }
   int no_process = errno;
@@ -154,7 +154,7 @@ static vs_status start(vs_remote *r, const task *t, int *why, vs_error *err) {
   }
   setpgid(pid, pid); /* both processes do this, and either may be first */
   r->watchman = fork();
-  if (r->watchman == 0) watch(parent, pid);
+  if (r->watchman == 0) watch_over_group(parent, pid);
   while (read(trouble[0], why, sizeof *why) < 0 && errno == EINTR) {
   }
   close(trouble[0]);
@@ -197,7 +197,7 @@ static void wait_for_end(pid_t pid, int *how) {
 /* Ends the child and whatever is left of its group. True: it has ended by itself within the grace,
  * and *how is what waitpid gives. A child that has ended keeps its number, and that of its group,
  * until it is waited for. */
-static bool finish(vs_remote *r, double grace_s, int *how) {
+static bool finish_child(vs_remote *r, double grace_s, int *how) {
   const double until_s = wall_s() + grace_s;
   const struct timespec pause = {0, 1000000};
   siginfo_t ended = {0};
@@ -221,14 +221,14 @@ static bool finish(vs_remote *r, double grace_s, int *how) {
 /* Ends the child at once, for a reason that the caller tells. */
 static void dismiss(vs_remote *r) {
   int how;
-  finish(r, 0, &how);
+  finish_child(r, 0, &how);
 }
 
 void vs_remote_end(vs_remote *r) {
   if (!r->pid) return;
   int how;
   if (r->owner == getpid())
-    finish(r, GRACE_S, &how);
+    finish_child(r, GRACE_S, &how);
   else { /* a copy of the owner has the pipes, but the child is not its own */
     close(r->to);
     close(r->from);
@@ -248,7 +248,7 @@ static vs_status tell_end(const vs_remote *r, int how, vs_error *err) {
 /* The child has closed a pipe: says how it ended, which it may be about to. */
 static vs_status has_ended(vs_remote *r, vs_error *err) {
   int how = 0;
-  if (finish(r, GRACE_S, &how)) return tell_end(r, how, err);
+  if (finish_child(r, GRACE_S, &how)) return tell_end(r, how, err);
   return vs_fail(err, VS_RUN, "t = %.9g s: control: %s closed its pipe, without an answer", r->t_s,
                  r->name);
 }
@@ -257,7 +257,7 @@ static vs_status has_ended(vs_remote *r, vs_error *err) {
  * open. */
 static vs_status is_late(vs_remote *r, vs_error *err) {
   int how = 0;
-  if (finish(r, 0, &how)) return tell_end(r, how, err);
+  if (finish_child(r, 0, &how)) return tell_end(r, how, err);
   return vs_fail(err, VS_RUN, "t = %.9g s: control: %s gave no answer within control.timeout, %g s",
                  r->t_s, r->name, r->timeout_s);
 }

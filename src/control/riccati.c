@@ -8,12 +8,12 @@
 #include "base/alloc.h"
 
 /* z = x y, or x^T y, or x y^T. */
-static void product(CBLAS_TRANSPOSE_t tx, CBLAS_TRANSPOSE_t ty, const gsl_matrix *x,
-                    const gsl_matrix *y, gsl_matrix *z) {
+static void matrix_product(CBLAS_TRANSPOSE_t tx, CBLAS_TRANSPOSE_t ty, const gsl_matrix *x,
+                           const gsl_matrix *y, gsl_matrix *z) {
   gsl_blas_dgemm(tx, ty, 1, x, y, 0, z);
 }
 
-static double largest(const gsl_matrix *m) {
+static double largest_element(const gsl_matrix *m) {
   double least, most;
   gsl_matrix_minmax(m, &least, &most);
   return fmax(fabs(least), fabs(most));
@@ -37,7 +37,7 @@ typedef struct doubling {
 } doubling;
 
 /* x = W^-1 y, where W is decomposed. */
-static void divide(const doubling *d, const gsl_matrix *y, gsl_matrix *x) {
+static void divide_doubling(const doubling *d, const gsl_matrix *y, gsl_matrix *x) {
   gsl_matrix_memcpy(x, y);
   for (size_t j = 0; j < x->size2; j++) {
     gsl_vector_view column = gsl_matrix_column(x, j);
@@ -56,34 +56,34 @@ static double take_twice(doubling *d) {
   gsl_matrix_set_identity(d->w);
   gsl_blas_dgemm(CblasNoTrans, CblasNoTrans, 1, d->g, d->h, 1, d->w);
   gsl_linalg_LU_decomp(d->w, d->order, &sign);
-  divide(d, d->f, d->wf);
-  divide(d, d->g, d->wg);
+  divide_doubling(d, d->f, d->wf);
+  divide_doubling(d, d->g, d->wg);
 
-  product(CblasNoTrans, CblasNoTrans, d->h, d->wf, d->w);
-  product(CblasTrans, CblasNoTrans, d->f, d->w, d->room);
+  matrix_product(CblasNoTrans, CblasNoTrans, d->h, d->wf, d->w);
+  matrix_product(CblasTrans, CblasNoTrans, d->f, d->w, d->room);
   make_symmetric(d->room);
   gsl_matrix_add(d->h, d->room);
-  size = largest(d->h);
-  double change = size > 0 ? largest(d->room) / size : 0;
+  size = largest_element(d->h);
+  double change = size > 0 ? largest_element(d->room) / size : 0;
 
-  product(CblasNoTrans, CblasNoTrans, d->f, d->wg, d->w);
-  product(CblasNoTrans, CblasTrans, d->w, d->f, d->room);
+  matrix_product(CblasNoTrans, CblasNoTrans, d->f, d->wg, d->w);
+  matrix_product(CblasNoTrans, CblasTrans, d->w, d->f, d->room);
   make_symmetric(d->room);
   gsl_matrix_add(d->g, d->room);
 
-  product(CblasNoTrans, CblasNoTrans, d->f, d->wf, d->room);
+  matrix_product(CblasNoTrans, CblasNoTrans, d->f, d->wf, d->room);
   gsl_matrix_memcpy(d->f, d->room);
   return change;
 }
 
-static void begin(doubling *d, size_t n) {
+static void begin_doubling(doubling *d, size_t n) {
   gsl_matrix **all[] = {&d->f, &d->g, &d->h, &d->w, &d->wf, &d->wg, &d->room};
   for (size_t k = 0; k < sizeof all / sizeof *all; k++)
     *all[k] = vs_checked(gsl_matrix_alloc(n, n));
   d->order = vs_checked(gsl_permutation_alloc(n));
 }
 
-static void end(doubling *d) {
+static void end_doubling(doubling *d) {
   gsl_matrix *all[] = {d->f, d->g, d->h, d->w, d->wf, d->wg, d->room};
   for (size_t k = 0; k < sizeof all / sizeof *all; k++) gsl_matrix_free(all[k]);
   gsl_permutation_free(d->order);
@@ -100,7 +100,7 @@ static void set_information(const gsl_matrix *c, const gsl_matrix *r, gsl_matrix
     gsl_vector_view column = gsl_matrix_column(rc, j);
     gsl_linalg_cholesky_svx(l, &column.vector);
   }
-  product(CblasTrans, CblasNoTrans, c, rc, g);
+  matrix_product(CblasTrans, CblasNoTrans, c, rc, g);
   gsl_matrix_free(rc);
   gsl_matrix_free(l);
 }
@@ -114,7 +114,7 @@ bool vs_riccati(const gsl_matrix *a, const gsl_matrix *c, const gsl_matrix *q, c
   const double settled = 1e-14;
   doubling d;
   double change = INFINITY;
-  begin(&d, a->size1);
+  begin_doubling(&d, a->size1);
   gsl_matrix_transpose_memcpy(d.f, a);
   set_information(c, r, d.g);
   gsl_matrix_memcpy(d.h, q);
@@ -123,7 +123,7 @@ bool vs_riccati(const gsl_matrix *a, const gsl_matrix *c, const gsl_matrix *q, c
     if (!isfinite(change)) break;
   }
   gsl_matrix_memcpy(p, d.h);
-  end(&d);
+  end_doubling(&d);
   return change <= settled;
 }
 
@@ -131,7 +131,7 @@ void vs_riccati_gain(const gsl_matrix *p, const gsl_matrix *c, const gsl_matrix 
                      gsl_matrix *gain) {
   size_t n = p->size1, m = c->size1;
   gsl_matrix *pc = vs_checked(gsl_matrix_alloc(n, m)), *s = vs_checked(gsl_matrix_alloc(m, m));
-  product(CblasNoTrans, CblasTrans, p, c, pc);
+  matrix_product(CblasNoTrans, CblasTrans, p, c, pc);
   gsl_matrix_memcpy(s, r);
   gsl_blas_dgemm(CblasNoTrans, CblasNoTrans, 1, c, pc, 1, s);
   make_symmetric(s);

@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "engine/channel.h"
 #include "base/units.h"
+#include "engine/channel.h"
 
 /* ---- what an instrument measures ---- */
 
@@ -25,7 +25,7 @@ static void measure_acceleration(const vs_model *m, int coordinate, vs_sensor *s
 }
 
 /* Fills row, of_force and constant. Returns false where the channel is not linear in these. */
-static bool measure(const vs_model *m, int channel, vs_sensor *s) {
+static bool measure_channel(const vs_model *m, int channel, vs_sensor *s) {
   int of_motion = channel - VS_CH_Q;
   *s = (vs_sensor){0};
   if (channel == VS_CH_Z) {
@@ -43,13 +43,13 @@ static bool measure(const vs_model *m, int channel, vs_sensor *s) {
 
 bool vs_sampled_takes(const vs_model *model, const vs_instrument *instrument) {
   vs_sensor s;
-  return measure(model, instrument->channel, &s);
+  return measure_channel(model, instrument->channel, &s);
 }
 
 static void add_sensor(vs_sampled *p, const vs_model *m, const vs_instrument *i) {
   const double falls[VS_LOWPASS_TERMS] = {1, -1}, rises[VS_LOWPASS_TERMS] = {0, 1};
   vs_sensor *s = &p->sensor[p->sensors++];
-  measure(m, i->channel, s);
+  measure_channel(m, i->channel, s);
   s->instrument = i;
   for (int k = 0; k < 2; k++) s->range[k] = i->v.range[k] / vs_units_factor(i->unit);
   s->lowpass = vs_lowpass_make(i->v.bandwidth_hz, i->v.order, i->v.damping);
@@ -85,7 +85,7 @@ static void set_scales(vs_sampled *p, const vs_model *m) {
 /* The columns behind those of x: F, by how much F rises in one period, and 1. */
 enum { FORCE, RISE, ONE, INPUTS };
 
-static void fill_motion(gsl_matrix *g, const vs_model *m) {
+static void fill_motion_matrix(gsl_matrix *g, const vs_model *m) {
   size_t dof = (size_t)m->dof, inputs = g->size1 - INPUTS;
   for (size_t i = 0; i < dof; i++) {
     gsl_matrix_set(g, i, dof + i, 1);
@@ -110,24 +110,26 @@ static void fill_lowpass(gsl_matrix *g, const vs_sensor *s, int dof) {
   gsl_matrix_set(g, driven, inputs + ONE, l->rate * s->constant);
 }
 
-static double scale_of(const vs_sampled *p, size_t k) {
+static double scale_of_state(const vs_sampled *p, size_t k) {
   return k < (size_t)p->states ? p->scale[k] : 1;
 }
 
 /* With (x, F, rise, 1)' = G (x, F, rise, 1), where F' = rise/T, the state one period on is
- * exp(G T) (x, F, rise, 1). The exponential is taken in scaled states (see engine/ideal/propagator.c). */
+ * exp(G T) (x, F, rise, 1). The exponential is taken in scaled states (see
+ * engine/ideal/propagator.c). */
 static void fill_samples(vs_sampled *p, const vs_model *m) {
   size_t states = (size_t)p->states, size = states + INPUTS;
   gsl_matrix *g = vs_checked(gsl_matrix_calloc(size, size)),
              *e = vs_checked(gsl_matrix_alloc(size, size));
-  fill_motion(g, m);
+  fill_motion_matrix(g, m);
   for (int k = 0; k < p->sensors; k++)
     if (p->sensor[k].states) fill_lowpass(g, &p->sensor[k], p->dof);
   gsl_matrix_set(g, states + FORCE, states + RISE, 1 / p->period_s);
   for (size_t i = 0; i < size; i++)
     for (size_t j = 0; j < size; j++)
       gsl_matrix_set(g, i, j,
-                     gsl_matrix_get(g, i, j) * p->period_s * scale_of(p, j) / scale_of(p, i));
+                     gsl_matrix_get(g, i, j) * p->period_s * scale_of_state(p, j) /
+                         scale_of_state(p, i));
   gsl_linalg_exponential_ss(g, e, GSL_PREC_DOUBLE);
   for (size_t i = 0; i < states; i++) {
     for (size_t j = 0; j < states; j++)

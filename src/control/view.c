@@ -11,7 +11,7 @@
 
 static const double RAD_PER_DEG = M_PI / 180;
 
-static void add(vs_view *view, const char *column, const char *unit) {
+static void add_channel_to_view(vs_view *view, const char *column, const char *unit) {
   const int k = view->firing.count++;
   char suffix[32];
   vs_units_suffix(unit, suffix, sizeof suffix);
@@ -24,8 +24,10 @@ void vs_view_begin(vs_view *view, const vs_sight *sight) {
   const vs_instruments *all = sight->instruments;
   const vs_observing *o = sight->observing;
   view->firing.channel = view->channel;
-  for (int k = 0; k < all->count; k++) add(view, all->item[k].column, all->item[k].unit);
-  for (int k = 0; k < o->estimates; k++) add(view, o->estimate[k].column, o->estimate[k].unit);
+  for (int k = 0; k < all->count; k++)
+    add_channel_to_view(view, all->item[k].column, all->item[k].unit);
+  for (int k = 0; k < o->estimates; k++)
+    add_channel_to_view(view, o->estimate[k].column, o->estimate[k].unit);
 }
 
 void vs_view_tick(vs_view *view, const vs_sight *sight) {
@@ -46,7 +48,7 @@ void vs_view_ask(vs_view *view, const vs_sight *sight) {
 
 /* Makes one line of a law's trouble, which may hold anything: its beginning, up to what is not
  * UTF-8 (as where it was cut within a character). */
-static void make_line(const char *trouble, char line[VIBROSPICE_LAW_TEXT]) {
+static void make_one_line(const char *trouble, char line[VIBROSPICE_LAW_TEXT]) {
   const char *wrong = vs_text_not_utf8(trouble, strnlen(trouble, VIBROSPICE_LAW_TEXT - 1));
   snprintf(line, VIBROSPICE_LAW_TEXT, "%.*s",
            wrong ? (int)(wrong - trouble) : VIBROSPICE_LAW_TEXT - 1, trouble);
@@ -59,7 +61,7 @@ vs_status vs_view_answer(vs_view *view, const char *who, double angle_deg, const
   const double t_s = view->firing.t_s;
   if (*trouble) {
     char line[VIBROSPICE_LAW_TEXT];
-    make_line(trouble, line);
+    make_one_line(trouble, line);
     return vs_fail(err, VS_RUN, "t = %.9g s: control: %s says: %s", t_s, who, line);
   }
   if (!isnan(angle_deg) && !(angle_deg > 0 && angle_deg < 180))

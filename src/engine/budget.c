@@ -12,17 +12,17 @@ static double wall_clock(void) {
 }
 
 /* The part of the budget that is spent: of the kind of cycle that is nearer to its end. */
-static double part_of(const vs_budget *b) {
+static double part_spent(const vs_budget *b) {
   double part = 0;
   for (int k = 0; k < VS_BUDGET_KINDS; k++)
     part = fmax(part, (double)b->spent[k] / (double)b->most[k]);
   return part;
 }
 
-static void show(vs_budget *b) {
+static void show_progress(vs_budget *b) {
   double now = wall_clock();
   if (b->began_s == 0) b->began_s = now;
-  double spent = now - b->began_s, part = part_of(b);
+  double spent = now - b->began_s, part = part_spent(b);
   if (spent < 1 || now - b->shown_s < 0.25) return;
   b->shown_s = now;
   fprintf(stderr, "\r%s: %s%s%.0f %% of the budget, at most %.0f s left \033[K", b->what, b->stage,
@@ -39,7 +39,7 @@ vs_status vs_budget_take(vs_budget *b, bool has_circuit, long cycles, vs_error *
   vs_status status = vs_budget_take(b->of, has_circuit, cycles, err);
   if (status) return status;
   b->spent[kind] += cycles;
-  if (b->shows) show(b);
+  if (b->shows) show_progress(b);
   return VS_OK;
 }
 

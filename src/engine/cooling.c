@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/units.h"
 #include "netlist/devices.h"
 #include "netlist/parts.h"
-#include "base/units.h"
 
 /* The default is the temperature at which sheets give what they do not give for a hot junction. */
 const vs_field vs_cooling_ambient = {.key = "ambient",
@@ -31,7 +31,7 @@ const vs_field vs_cooling_ambient = {.key = "ambient",
 
 /* ---- reading ---- */
 
-static vs_status no_device(const vs_node *node, const vs_deck *deck, vs_error *err) {
+static vs_status refuse_unknown_device(const vs_node *node, const vs_deck *deck, vs_error *err) {
   const char *names[VS_DECK_DEVICES];
   for (size_t k = 0; k < deck->n_devices; k++) names[k] = deck->devices[k].name;
   const char *nearest = vs_text_nearest(node->key, names, deck->n_devices);
@@ -65,7 +65,7 @@ static vs_status read_sink(const vs_node *node, const vs_deck *deck, vs_cooling 
   double k_per_w = 0;
   size_t k = 0;
   while (k < deck->n_devices && strcmp(deck->devices[k].name, node->key)) k++;
-  if (k == deck->n_devices) return no_device(node, deck, err);
+  if (k == deck->n_devices) return refuse_unknown_device(node, deck, err);
   if (node->kind != VS_NODE_TEXT)
     return vs_fail_at(err, node->where, "heatsink.%s: one thermal resistance is wanted, as 12 K/W",
                       node->key);

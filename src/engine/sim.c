@@ -5,11 +5,12 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "plant/coil.h"
+#include "engine/events.h"
+#include "macromodel/stand_in.h"
 #include "netlist/netlist.h"
 #include "netlist/parts.h"
-#include "engine/events.h"
 #include "ngspice/ng.h"
+#include "plant/coil.h"
 
 vs_frame vs_sim_frame(const vs_tier *tier, const vs_setup *setup) {
   return (vs_frame){.model = &setup->model,
@@ -30,7 +31,7 @@ vs_knot vs_sim_start(const vs_setup *setup, const vs_frame *frame) {
   memcpy(k.x, setup->start.x, sizeof k.x);
   const vs_model *m = &setup->model;
   k.flux_wb = vs_coil_idle_flux(&m->coil, vs_mechanics_gap(m, k.x)) + setup->start.flux_wb;
-  vs_knot_complete(frame, &k, vs_stops_touched(&m->stops, vs_mechanics_travel(m, k.x)));
+  vs_step_complete_knot(frame, &k, vs_stops_touched(&m->stops, vs_mechanics_travel(m, k.x)));
   return k;
 }
 
@@ -105,4 +106,8 @@ vs_status vs_sim_run(const vs_tier *tier, const vs_setup *setup, const vs_run_or
                      const vs_observer *observer, vs_error *err) {
   const vs_observer guarded = {(void *)(size_t)observer, guard};
   return tier->run(setup, order, &guarded, err);
+}
+
+const char *vs_sim_why_stays(const vs_run_order *order, const vs_setup *setup) {
+  return order->stand_in ? order->stand_in->declines(setup) : NULL;
 }

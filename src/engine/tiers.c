@@ -3,10 +3,7 @@
 
 #include <string.h>
 
-#include "coupled/coupled.h"
-#include "ideal/analytic.h"
-#include "ideal/switched.h"
-#include "macromodel/quiet.h"
+#include "macromodel/stand_in.h"
 #include "ngspice/trust.h"
 
 const vs_tier *const vs_tiers_all[VS_TIERS] = {

@@ -18,7 +18,7 @@ vs_prediction vs_prediction_of(const vs_inquiry *q) {
 /* ---- its budget ---- */
 
 /* Cycles of the mains that the search for an orbit takes, for each in its period, if it ends well:
- * the most that docs/operation.md and docs/load.md tell of. Without a circuit it marches on where
+ * the most that docs/operation.md and docs/power.md tell of. Without a circuit it marches on where
  * it is slow. */
 enum { ORBIT_IDEAL = 4300, ORBIT_CIRCUIT = 60 };
 /* What no budget has to exceed, and a long holds on every machine. */

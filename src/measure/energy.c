@@ -5,9 +5,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "plant/coil.h"
-#include "engine/sweep.h"
+#include "engine/batch.h"
 #include "measure/value.h"
+#include "plant/coil.h"
 
 const char *const vs_energy_names[VS_ENERGIES] = {
 #define VS_ENERGY_NAME(id, name, text) name,
@@ -57,7 +57,7 @@ static double mechanical(const vs_model *m, const vs_knot *k) {
          vs_stops_energy(&m->stops, vs_stops_touched(&m->stops, g), g);
 }
 
-static void take_model(vs_energy *e, const vs_model *m) {
+static void take_energy_model(vs_energy *e, const vs_model *m) {
   e->model = m;
   e->n_damping = 0;
   for (int i = 0; i < m->dof; i++)
@@ -69,11 +69,11 @@ static void take_model(vs_energy *e, const vs_model *m) {
       }
 }
 
-static void begin(vs_energy *e, const vs_step *step) {
+static void begin_energy(vs_energy *e, const vs_step *step) {
   const vs_deck *deck = step->frame->deck;
   e->first = *step->from;
   e->began_j = mechanical(step->frame->model, step->from);
-  take_model(e, step->frame->model);
+  take_energy_model(e, step->frame->model);
   for (size_t n = 0; deck && n < deck->losses.count; n++)
     e->loss_w[n] = vs_formula_value(&deck->losses.item[n].formula, e->first.terms);
 }
@@ -119,7 +119,7 @@ bool vs_energy_is_due(const vs_energy *e) {
 static void add_loss(vs_energy *e, size_t n, const vs_batch *b) {
   const vs_formula_quick loss = {.formula = &e->frame->deck->losses.item[n].formula};
   vs_pair power[VS_BATCH_STEPS];
-  vs_sweep(&loss, b, power);
+  vs_batch_evaluate(&loss, b, power);
   for (size_t k = 0; k < b->count; k++) {
     double from = e->loss_w[n], to = power[k][1];
     double mid = b->periodic[k] ? (from + to) / 2 : power[k][0];
@@ -142,7 +142,7 @@ static double damping_power(const vs_energy *e, const double *v) {
 }
 
 /* Adds what the channels y at one instant bring, which stands for w seconds. */
-static void add_instant(vs_energy *e, const double *y, double w, bool flows) {
+static void add_energy_instant(vs_energy *e, const double *y, double w, bool flows) {
   const vs_model *m = e->frame->model;
   const double *v = y + vs_channel_rates(m);
   double at = y[VS_CH_TRAVEL], g_rate = vs_mechanics_travel(m, v);
@@ -171,7 +171,7 @@ static int parts_of(const vs_step *step) {
 }
 
 /* What a step without a current and without stops changes: only what damping takes. */
-static void swing(vs_energy *e, const vs_step *step) {
+static void take_free_swing(vs_energy *e, const vs_step *step) {
   double h = step->to->t_s - step->from->t_s, v[VS_MOST_DOF];
   for (int g = step->cubic_flux ? 0 : 1, k = 0; k < GAUSS[g].count; k++) {
     vs_step_velocities_at(step, step->from->t_s + h * GAUSS[g].at[k], v);
@@ -189,14 +189,14 @@ static bool is_far(const vs_step *step) {
          (vs_stops_nearness(&m->stops, from) < 0.5 && vs_stops_nearness(&m->stops, to) < 0.5);
 }
 
-static void integrate(vs_energy *e, const vs_step *step, bool flows) {
+static void integrate_energies(vs_energy *e, const vs_step *step, bool flows) {
   unsigned groups = VS_GROUP_VELOCITIES | (flows ? VS_GROUP_V_EVA | VS_GROUP_V_MAINS : 0);
   const int g = step->cubic_flux ? 0 : 1, parts = parts_of(step);
   double h = (step->to->t_s - step->from->t_s) / parts, y[VS_CH_MOST];
   for (int part = 0; part < parts; part++)
     for (int k = 0; k < GAUSS[g].count; k++) {
       vs_step_groups_at(step, step->from->t_s + h * part + h * GAUSS[g].at[k], groups, y);
-      add_instant(e, y, h * GAUSS[g].weight[k], flows);
+      add_energy_instant(e, y, h * GAUSS[g].weight[k], flows);
     }
 }
 
@@ -212,18 +212,26 @@ static void note_end(vs_energy *e, const vs_knot *k) {
 void vs_energy_accept(vs_energy *e, const vs_step *step) {
   const vs_model *m = step->frame->model;
   bool flows = !(step->frame->source_is_coil && vs_step_is_quiet(step));
-  if (!e->steps++) begin(e, step);
-  if (m != e->model) { /* the load changes: q and q' go on, M jumps */
+  if (!e->steps++) begin_energy(e, step);
+
+  /* Jumps of what the machine stores: a load that changes (q and q' go on, M jumps), and an
+   * armature that jams, in a step of no length, whose kinetic energy the stop takes. */
+  if (m != e->model) {
     e->joule[VS_E_LOAD] += mechanical(m, step->to) - mechanical(e->model, step->from);
-    take_model(e, m);
-  } else if (step->to->t_s == step->from->t_s) /* jams */
+    take_energy_model(e, m);
+  } else if (step->to->t_s == step->from->t_s)
     e->joule[VS_E_STOP] += mechanical(m, step->from) - mechanical(m, step->to);
+
+  /* The integrals over the step. The tier itself tells what damping takes of a swing that it goes
+   * along in one step. */
   if (step->glides)
     e->joule[VS_E_DAMPING] += step->lost_j;
   else if (flows || !is_far(step))
-    integrate(e, step, flows);
+    integrate_energies(e, step, flows);
   else
-    swing(e, step);
+    take_free_swing(e, step);
+
+  /* With a deck the balances wait for its losses (vs_energy_lose). */
   note_end(e, step->to);
   if (!step->frame->deck && vs_energy_is_due(e)) take_stock(e);
 }

@@ -74,8 +74,8 @@ typedef struct listed {
                     vs_error *err);
 } listed;
 
-static vs_status no_device(const listed *of, const vs_node *node, const char *name,
-                           const vs_deck *deck, vs_error *err) {
+static vs_status refuse_unknown_device(const listed *of, const vs_node *node, const char *name,
+                                       const vs_deck *deck, vs_error *err) {
   const char **names = vs_alloc(deck->n_devices + 1, sizeof *names);
   for (size_t k = 0; k < deck->n_devices; k++) names[k] = deck->devices[k].name;
   const char *nearest = vs_text_nearest(name, names, deck->n_devices);
@@ -163,8 +163,8 @@ static const listed LISTS[] = {
     {"expect", "a device and what happens to it", "fuse_2 opens", ' ', read_expected},
     {"waive", "a device and its measure or limit", "varistor_1.power", '.', read_waiver}};
 
-static vs_status read_entry(const listed *of, const vs_node *node, const vs_deck *deck,
-                            vs_expects *expects, vs_error *err) {
+static vs_status read_expectation(const listed *of, const vs_node *node, const vs_deck *deck,
+                                  vs_expects *expects, vs_error *err) {
   char name[VS_NAME_SIZE] = "";
   const char *text = node->kind == VS_NODE_TEXT ? node->text : "",
              *rest = strchr(text, of->between);
@@ -176,20 +176,20 @@ static vs_status read_entry(const listed *of, const vs_node *node, const vs_deck
   for (size_t k = 0; k < deck->n_devices; k++)
     if (!strcmp(deck->devices[k].name, name))
       return of->read(node, &deck->devices[k], rest, expects, err);
-  return no_device(of, node, name, deck, err);
+  return refuse_unknown_device(of, node, name, deck, err);
 }
 
-static vs_status read_list(const listed *of, const vs_node *node, const vs_deck *deck,
-                           vs_expects *expects, vs_error *err) {
+static vs_status read_expectations(const listed *of, const vs_node *node, const vs_deck *deck,
+                                   vs_expects *expects, vs_error *err) {
   vs_status status = VS_OK;
   if (!node || (node->kind == VS_NODE_TEXT && !*node->text)) return VS_OK;
   if (node->kind == VS_NODE_MAP)
     return vs_error_carry_on(
         err, vs_fail_at(err, node->where, "%s: a list is wanted: [%s, ...]", of->key, of->example));
   if (node->kind == VS_NODE_TEXT)
-    return vs_error_carry_on(err, read_entry(of, node, deck, expects, err));
+    return vs_error_carry_on(err, read_expectation(of, node, deck, expects, err));
   for (const vs_node *item = node->child; item && !status; item = item->next)
-    status = vs_error_carry_on(err, read_entry(of, item, deck, expects, err));
+    status = vs_error_carry_on(err, read_expectation(of, item, deck, expects, err));
   return status;
 }
 
@@ -198,6 +198,6 @@ vs_status vs_expect_read(const vs_node *scene, const vs_deck *deck, vs_expects *
   vs_status status = VS_OK;
   expects->count = expects->n_waivers = 0;
   for (size_t k = 0; k < sizeof LISTS / sizeof *LISTS && !status; k++)
-    status = read_list(&LISTS[k], vs_tree_child(scene, LISTS[k].key), deck, expects, err);
+    status = read_expectations(&LISTS[k], vs_tree_child(scene, LISTS[k].key), deck, expects, err);
   return status;
 }

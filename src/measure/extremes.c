@@ -4,8 +4,8 @@
 #include <float.h>
 #include <math.h>
 
+#include "engine/step.h"
 #include "plant/coil.h"
-#include "engine/curve.h"
 
 /* ---- the extremes of one step ---- */
 
@@ -60,14 +60,14 @@ typedef struct search {
 } search;
 
 /* What of it is an extreme so far, in the sense of the search. */
-static double reach(const search *s) {
+static double reach_of_search(const search *s) {
   const vs_extreme *e = s->extreme;
   return e->sense ? e->sense * e->best.value : e->best.value;
 }
 
-static void take(const search *s, double y, double at_s) {
+static void keep_if_extreme(const search *s, double y, double at_s) {
   vs_extreme *e = s->extreme;
-  if (e->best.known && !(s->sign * y > reach(s))) return;
+  if (e->best.known && !(s->sign * y > reach_of_search(s))) return;
   e->best = (vs_value){true, e->sense ? y : s->sign * y + 0.0, at_s}; /* no -0 */
 }
 
@@ -78,8 +78,8 @@ static void take_inside(const search *s, double part) {
   double at_s = fmin(fmax(from + part * (to - from), from), to);
   double y = vs_step_channel(step, at_s, s->extreme->channel);
   double *best_at_s = &s->extreme->best.at_s;
-  bool same = s->sign * y >= reach(s) - s->rounding;
-  take(s, y, at_s);
+  bool same = s->sign * y >= reach_of_search(s) - s->rounding;
+  keep_if_extreme(s, y, at_s);
   if (same && (*best_at_s == from || *best_at_s == to)) *best_at_s = at_s;
 }
 
@@ -88,9 +88,10 @@ bool vs_extreme_turn_of_travel(const vs_step *step, vs_value *turn) {
   double before = vs_mechanics_travel(m, step->from->x + m->dof),
          behind = vs_mechanics_travel(m, step->to->x + m->dof), y[VS_CH_MOST];
   if (!(before * behind < 0)) return false;
-  vs_curve g = vs_curve_of(step, VS_CH_TRAVEL), slope = vs_curve_slope(&g, before > 0 ? 1 : -1);
+  vs_curve g = vs_step_curve_of(step, VS_CH_TRAVEL),
+           slope = vs_step_curve_slope(&g, before > 0 ? 1 : -1);
   double h = step->to->t_s - step->from->t_s;
-  turn->at_s = step->from->t_s + h * vs_curve_root(slope);
+  turn->at_s = step->from->t_s + h * vs_step_curve_root(slope);
   vs_step_groups_at(step, turn->at_s, 0, y);
   turn->value = y[VS_CH_TRAVEL];
   turn->known = true;
@@ -107,8 +108,8 @@ static void look_into(const search *s, vs_curve c, double lo, double width) {
     most = fmax(most, s->sign * c.b[k]);
     least = fmin(least, s->sign * c.b[k]);
   }
-  if (most < reach(s) - s->rounding || most - least <= s->rounding) return;
-  vs_curve slope = vs_curve_slope(&c, s->sign);
+  if (most < reach_of_search(s) - s->rounding || most - least <= s->rounding) return;
+  vs_curve slope = vs_step_curve_slope(&c, s->sign);
   for (int k = 0; k <= slope.degree; k++) {
     int now = (slope.b[k] > 0) - (slope.b[k] < 0);
     if (!now) continue;
@@ -118,9 +119,9 @@ static void look_into(const search *s, vs_curve c, double lo, double width) {
   }
   if (!changes || (changes == 1 && first < 0)) return; /* largest at an end */
   if (changes == 1)
-    take_inside(s, lo + width * vs_curve_root(slope));
+    take_inside(s, lo + width * vs_step_curve_root(slope));
   else if (width > 0x1p-25) {
-    vs_curve half = vs_curve_halve(&c);
+    vs_curve half = vs_step_curve_halve(&c);
     look_into(s, half, lo, width / 2);
     look_into(s, c, lo + width / 2, width / 2);
   }
@@ -148,9 +149,9 @@ static inline outlook outlook_of(const vs_extreme *e, at_knot from, at_knot to, 
   return rises || falls ? AT_AN_END : UNKNOWN;
 }
 
-static void take_ends(const search *s, at_knot from, at_knot to) {
-  take(s, from.y, s->step->from->t_s);
-  take(s, to.y, s->step->to->t_s);
+static void take_ends_of_search(const search *s, at_knot from, at_knot to) {
+  keep_if_extreme(s, from.y, s->step->from->t_s);
+  keep_if_extreme(s, to.y, s->step->to->t_s);
 }
 
 /* True if nothing in the step has a corner or is stiffer than the step is long: no armature in a
@@ -183,16 +184,16 @@ static void look_sampled(const search *s, double lo, double width, double missed
   const double from = s->step->from->t_s, h = s->step->to->t_s - from;
   double y[VS_CURVE_POINTS], most = -INFINITY, missed = 0;
   for (int k = 0; k < VS_CURVE_POINTS; k++) {
-    double at_s = from + h * (lo + width * vs_curve_point(k));
+    double at_s = from + h * (lo + width * vs_step_curve_point(k));
     y[k] = vs_step_channel(s->step, at_s, s->extreme->channel);
     most = fmax(most, s->sign * y[k]);
-    take(s, y[k], at_s);
+    keep_if_extreme(s, y[k], at_s);
   }
-  const vs_curve c = vs_curve_through(y);
+  const vs_curve c = vs_step_curve_through(y);
   for (int k = 1; k <= 3; k++) { /* in the middle of the step and at the sides, off the points */
-    double at = (vs_curve_point(3 * k) + vs_curve_point(3 * k + 1)) / 2;
+    double at = (vs_step_curve_point(3 * k) + vs_step_curve_point(3 * k + 1)) / 2;
     double truly = vs_step_channel(s->step, from + h * (lo + width * at), s->extreme->channel);
-    missed = fmax(missed, fabs(vs_curve_value(&c, at) - truly));
+    missed = fmax(missed, fabs(vs_step_curve_value(&c, at) - truly));
   }
   bool rounding = missed > missed_before / 2 && missed * MISSED < s->rounding * MOST_ROUNDING;
   if (missed <= s->rounding || rounding) {
@@ -201,7 +202,7 @@ static void look_sampled(const search *s, double lo, double width, double missed
     look_into(&in, c, lo, width);
     return;
   }
-  if (most + 100 * missed < reach(s) || width < 0x1p-30) return;
+  if (most + 100 * missed < reach_of_search(s) || width < 0x1p-30) return;
   look_sampled(s, lo, width / 2, missed, parts);
   look_sampled(s, lo + width / 2, width / 2, missed, parts);
 }
@@ -212,7 +213,7 @@ static void look_at_samples(const search *s) {
   int parts = 0;
   double size = 0;
   for (int k = 0; k < VS_CURVE_POINTS; k++) {
-    double part = vs_curve_point(k),
+    double part = vs_step_curve_point(k),
            at_s = step->from->t_s + part * (step->to->t_s - step->from->t_s);
     size = fmax(size, fabs(vs_step_channel(step, at_s, s->extreme->channel)));
   }
@@ -220,19 +221,19 @@ static void look_at_samples(const search *s) {
   if (size > 0) look_sampled(&in, 0, 1, INFINITY, &parts);
 }
 
-static void look_between(const search *s) {
+static void look_between_knots(const search *s) {
   const vs_step *step = s->step;
   search in = *s;
-  if (!vs_curve_is_exact(step->frame->model, s->extreme->channel)) {
+  if (!vs_step_curve_is_exact(step->frame->model, s->extreme->channel)) {
     look_at_samples(s);
     return;
   }
-  vs_curve c = vs_curve_of(step, s->extreme->channel);
+  vs_curve c = vs_step_curve_of(step, s->extreme->channel);
   double size = 0;
   for (int k = 0; k <= c.degree; k++) size = fmax(size, fabs(c.b[k]));
   in.rounding = 4 * DBL_EPSILON * size;
-  take(&in, c.b[0], step->from->t_s);
-  take(&in, c.b[c.degree], step->to->t_s);
+  keep_if_extreme(&in, c.b[0], step->from->t_s);
+  keep_if_extreme(&in, c.b[c.degree], step->to->t_s);
   if (size > 0) look_into(&in, c, 0, 1);
 }
 
@@ -267,7 +268,7 @@ void vs_extreme_follow(vs_extreme *e, const vs_step *step, bool jammed) {
   const at_knot from = knot_of(step->frame, step->from, e->channel),
                 to = knot_of(step->frame, step->to, e->channel);
   bool of_rates2 = e->channel >= vs_channel_rates2(m);
-  bool exact = vs_curve_is_exact(m, e->channel);
+  bool exact = vs_step_curve_is_exact(m, e->channel);
   outlook seen = UNKNOWN;
   if (!of_rates2 || is_smooth(step, jammed))
     seen = outlook_of(e, from, to, step->to->t_s - step->from->t_s, exact);
@@ -275,8 +276,8 @@ void vs_extreme_follow(vs_extreme *e, const vs_step *step, bool jammed) {
   for (int sign = 1; sign >= -1; sign -= 2) {
     const search s = {.extreme = e, .step = step, .sign = sign};
     if (e->sense && e->sense != sign) continue;
-    take_ends(&s, from, to);
-    if (seen == UNKNOWN) look_between(&s);
+    take_ends_of_search(&s, from, to);
+    if (seen == UNKNOWN) look_between_knots(&s);
   }
 }
 
@@ -286,8 +287,8 @@ void vs_extreme_follow_any(vs_extreme *e, const vs_step *step) {
     return;
   }
   const search s = {.extreme = e, .step = step, .sign = e->sense};
-  take(&s, vs_step_channel(step, step->from->t_s, e->channel), step->from->t_s);
-  take(&s, vs_step_channel(step, step->to->t_s, e->channel), step->to->t_s);
+  keep_if_extreme(&s, vs_step_channel(step, step->from->t_s, e->channel), step->from->t_s);
+  keep_if_extreme(&s, vs_step_channel(step, step->to->t_s, e->channel), step->to->t_s);
   look_at_samples(&s);
 }
 

@@ -6,8 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "engine/channel.h"
 #include "base/units.h"
+#include "engine/channel.h"
 
 const vs_shelf vs_instrument_shelf = {"set of instruments", "instruments", ".yaml"};
 
@@ -55,7 +55,7 @@ static bool is_common(const char *key) {
   return false;
 }
 
-static bool is_word(const vs_node *node, const char *word) {
+static bool is_instrument_word(const vs_node *node, const char *word) {
   return node && node->kind == VS_NODE_TEXT && !strcmp(node->text, word);
 }
 
@@ -66,14 +66,14 @@ typedef struct entry {
   const vs_node *own, *base;
 } entry;
 
-static const vs_node *key_of(const entry *e, const char *key) {
+static const vs_node *key_of_entry(const entry *e, const char *key) {
   const vs_node *own = vs_tree_child(e->own, key);
   return own ? own : vs_tree_child(e->base, key);
 }
 
 /* Where a key stands; where it has none, the instrument's name. */
-static vs_where place_of(const entry *e, const vs_instrument *i, const char *key) {
-  const vs_node *node = key_of(e, key);
+static vs_where place_of_entry(const entry *e, const vs_instrument *i, const char *key) {
+  const vs_node *node = key_of_entry(e, key);
   return node ? node->where : i->where;
 }
 
@@ -90,7 +90,7 @@ static vs_status unknown_channel(const vs_instrument *i, const char *name, vs_wh
   int numbers[VS_CH_MOST], n = vs_channel_listed(full, numbers);
   if (vs_channel_find(full, name) >= 0)
     return vs_fail_at(err, where, "%s: channel %s exists only where a deck is run; take tier %s",
-                      i->path, name, vs_manner_tier_words[VS_TIER_CIRCUIT]);
+                      i->path, name, vs_setup_tier_words[VS_TIER_CIRCUIT]);
   if (full->deck->lost & VS_LOST_PROBE) return VS_OK; /* a check carries on: it may be that one */
   for (int k = 0; k < n; k++) names[k] = vs_channel_at(full, numbers[k]).name;
   const char *nearest = vs_text_nearest(name, names, (size_t)n);
@@ -100,8 +100,8 @@ static vs_status unknown_channel(const vs_instrument *i, const char *name, vs_wh
 }
 
 /* Error: the name is none that a column can have. */
-static vs_status check_name(const vs_instrument *i, const char *name, const vs_frame *full,
-                            vs_error *err) {
+static vs_status check_instrument_name(const vs_instrument *i, const char *name,
+                                       const vs_frame *full, vs_error *err) {
   bool good = isalpha((unsigned char)*name) && strlen(name) < VS_INSTRUMENT_NAME;
   for (const char *c = name; *c; c++) good = good && (isalnum((unsigned char)*c) || *c == '_');
   if (!good)
@@ -127,7 +127,7 @@ static vs_status check_name(const vs_instrument *i, const char *name, const vs_f
 }
 
 /* Makes its keys, as the channel's unit is now known. */
-static void make_section(vs_instrument *i) {
+static void make_instrument_section(vs_instrument *i) {
   memcpy(i->fields, KEYS, sizeof KEYS);
   i->fields[0].default_text = i->name;
   i->fields[RANGE].default_text = "0, 0";
@@ -139,13 +139,14 @@ static void make_section(vs_instrument *i) {
  * scene changes makes no error of what its set says. */
 static vs_status check_lowpass(const vs_instrument *i, const entry *e, vs_error *err) {
   const bool own_order = vs_tree_child(e->own, "order") != NULL;
-  if (i->v.order == 1 && (vs_tree_child(e->own, "damping") || (!own_order && key_of(e, "damping"))))
-    return vs_fail_at(err, place_of(e, i, "damping"),
+  if (i->v.order == 1 &&
+      (vs_tree_child(e->own, "damping") || (!own_order && key_of_entry(e, "damping"))))
+    return vs_fail_at(err, place_of_entry(e, i, "damping"),
                       "%s.damping: a low-pass of order 1 has none; write order: 2, or leave it out",
                       i->path);
-  const char *key = key_of(e, "order") ? "order" : "damping";
-  if (key_of(e, key) && !key_of(e, "bandwidth"))
-    return vs_fail_at(err, place_of(e, i, key),
+  const char *key = key_of_entry(e, "order") ? "order" : "damping";
+  if (key_of_entry(e, key) && !key_of_entry(e, "bandwidth"))
+    return vs_fail_at(err, place_of_entry(e, i, key),
                       "%s.%s: without a bandwidth there is no low-pass; write one, as bandwidth: "
                       "100 Hz, or leave this out",
                       i->path, key);
@@ -158,16 +159,16 @@ static vs_status check_values(const vs_instrument *i, const entry *e, double unt
   enum { MOST_SAMPLES = 1000000000 };
   const vs_instrument_values *v = &i->v;
   double unit = vs_units_factor(i->unit);
-  if (!key_of(e, "range"))
+  if (!key_of_entry(e, "range"))
     return vs_fail_at(err, i->where,
                       "%s: 'range' is wanted: what its sensor can show, as range: [-1 %s, 1 %s]",
                       i->path, i->unit, i->unit);
   if (!(v->range[0] < v->range[1]))
-    return vs_fail_at(err, place_of(e, i, "range"),
+    return vs_fail_at(err, place_of_entry(e, i, "range"),
                       "%s.range: from %g to %g %s is empty; the first must be the lower end",
                       i->path, v->range[0] / unit, v->range[1] / unit, i->unit);
   if (v->rate_hz * until_s > MOST_SAMPLES)
-    return vs_fail_at(err, place_of(e, i, "rate"),
+    return vs_fail_at(err, place_of_entry(e, i, "rate"),
                       "%s.rate: %g Hz makes %.3g samples up to run.until = %g s; allowed there: at "
                       "most %g Hz",
                       i->path, v->rate_hz, v->rate_hz * until_s, until_s, MOST_SAMPLES / until_s);
@@ -195,7 +196,7 @@ static bool is_silent(const vs_node *node) {
 static vs_status read_channel(vs_instrument *i, const entry *e, const vs_setup *setup,
                               const vs_frame *frame, vs_error *err) {
   const vs_frame full = full_frame(setup, frame);
-  const vs_node *node = key_of(e, "channel");
+  const vs_node *node = key_of_entry(e, "channel");
   const char *name = node && node->kind == VS_NODE_TEXT ? node->text : i->name;
   i->channel = vs_channel_find(frame, name);
   if (i->channel < 0) return unknown_channel(i, name, node ? node->where : i->where, &full, err);
@@ -203,8 +204,8 @@ static vs_status read_channel(vs_instrument *i, const entry *e, const vs_setup *
   return VS_OK;
 }
 
-static vs_status read_one(vs_instruments *all, const entry *e, const vs_setup *setup,
-                          const vs_frame *frame, vs_error *err) {
+static vs_status read_instrument(vs_instruments *all, const entry *e, const vs_setup *setup,
+                                 const vs_frame *frame, vs_error *err) {
   const vs_node *node = e->own ? e->own : e->base;
   const vs_frame full = full_frame(setup, frame);
   size_t found = vs_error_count(err);
@@ -218,10 +219,10 @@ static vs_status read_one(vs_instruments *all, const entry *e, const vs_setup *s
   if (node->kind != VS_NODE_MAP && !is_silent(node))
     return vs_fail_at(err, node->where, "%s: a map of keys is wanted: {range: [-1, 1], ...}%s",
                       i->path, e->own && e->base ? ", or none" : "");
-  vs_status s = check_name(i, node->key, &full, err);
+  vs_status s = check_instrument_name(i, node->key, &full, err);
   if (!s) s = read_channel(i, e, setup, frame, err);
   if (s || i->channel < 0) return s;
-  make_section(i);
+  make_instrument_section(i);
   s = vs_field_section_read(&i->section, e->base, &i->v, err);
   if (!s) s = read_over(i, e->own, err);
   if (!s && vs_error_count(err) == found) s = check_values(i, e, setup->run.until_s, err);
@@ -268,18 +269,19 @@ static vs_status find_set(const vs_node *section, const vs_setup *setup, vs_inst
 /* ---- all ---- */
 
 /* Reads the instruments of the set, then those that only the scene has. */
-static vs_status read_all(const vs_node *section, const vs_node *set, const vs_setup *setup,
-                          const vs_frame *frame, vs_instruments *all, vs_error *err) {
+static vs_status read_all_instruments(const vs_node *section, const vs_node *set,
+                                      const vs_setup *setup, const vs_frame *frame,
+                                      vs_instruments *all, vs_error *err) {
   vs_status s = VS_OK;
   for (const vs_node *n = set ? set->child : NULL; n && !s; n = n->next) {
     const entry e = {vs_tree_child(section, n->key), n};
-    if (!is_word(e.own, vs_instruments_left_out))
-      s = vs_error_carry_on(err, read_one(all, &e, setup, frame, err));
+    if (!is_instrument_word(e.own, vs_instruments_left_out))
+      s = vs_error_carry_on(err, read_instrument(all, &e, setup, frame, err));
   }
   for (const vs_node *n = section->child; n && !s; n = n->next) {
     const entry e = {n, NULL};
     if (!is_common(n->key) && !vs_tree_child(set, n->key))
-      s = vs_error_carry_on(err, read_one(all, &e, setup, frame, err));
+      s = vs_error_carry_on(err, read_instrument(all, &e, setup, frame, err));
   }
   return s;
 }
@@ -309,7 +311,7 @@ vs_status vs_instruments_read(const vs_node *section, const vs_setup *setup, con
   vs_status s = read_common(section, &all->v, err);
   if (!s) s = vs_error_carry_on(err, find_set(section, setup, all, &set, err));
   if (s || vs_error_count(err) > found) return s;
-  s = read_all(section, set, setup, frame, all, err);
+  s = read_all_instruments(section, set, setup, frame, all, err);
   if (s || all->count || vs_error_count(err) > found) return s;
   return vs_error_carry_on(
       err, vs_fail_at(err, section->where,
@@ -327,7 +329,7 @@ void vs_instruments_free(vs_instruments *all) {
 const char *vs_instruments_names(const vs_node *section, const vs_node **at) {
   const bool is_map = section && section->kind == VS_NODE_MAP; /* else reading it refuses it */
   for (const vs_node *i = *at ? (*at)->next : is_map ? section->child : NULL; i; i = i->next) {
-    if (is_common(i->key) || is_word(i, vs_instruments_left_out)) continue;
+    if (is_common(i->key) || is_instrument_word(i, vs_instruments_left_out)) continue;
     const vs_node *channel = vs_tree_child(i, "channel");
     *at = i;
     return channel && channel->kind == VS_NODE_TEXT ? channel->text : i->key;

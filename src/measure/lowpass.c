@@ -26,7 +26,7 @@ void vs_lowpass_settle(vs_lowpass *p, double u) {
 }
 
 /* y = z M v, where z = w h. */
-static void times(const vs_lowpass *p, double z, const double v[2], double y[2]) {
+static void times_lowpass_matrix(const vs_lowpass *p, double z, const double v[2], double y[2]) {
   double a = z * (p->m[0][0] * v[0] + p->m[0][1] * v[1]);
   y[1] = z * (p->m[1][0] * v[0] + p->m[1][1] * v[1]);
   y[0] = a;
@@ -50,7 +50,7 @@ static void transition(const vs_lowpass *p, double z, const double v[2], double 
   double zeta = p->damping, turn = z * sqrt(1 - zeta * zeta);
   double decay = exp(-zeta * z), sinc = turn > 1e-8 ? sin(turn) / turn : 1;
   double bv[2];
-  times(p, z, v, bv);
+  times_lowpass_matrix(p, z, v, bv);
   for (int i = 0; i < 2; i++) y[i] = decay * (cos(turn) * v[i] + sinc * (bv[i] + zeta * z * v[i]));
 }
 
@@ -74,10 +74,10 @@ static void find_phi(const vs_lowpass *p, double z, double phi[VS_LOWPASS_TERMS 
     for (int j = 1; j < 80 && fabs(term[0]) + fabs(term[1]) > 1e-20 / FACTORIAL[last]; j++) {
       phi[last][0] += term[0];
       phi[last][1] += term[1];
-      times(p, z / (j + last), term, term);
+      times_lowpass_matrix(p, z / (j + last), term, term);
     }
     for (int k = last - 1; k > 0; k--) {
-      times(p, z, phi[k + 1], phi[k]);
+      times_lowpass_matrix(p, z, phi[k + 1], phi[k]);
       phi[k][0] += b[0] / FACTORIAL[k];
       phi[k][1] += b[1] / FACTORIAL[k];
     }

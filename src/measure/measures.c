@@ -33,7 +33,7 @@ bool vs_measure_has_alias(const vs_model *model) {
   return sole(model) >= 0;
 }
 
-static const vs_coordinate *coordinate(const vs_model *model, int i) {
+static const vs_coordinate *coordinate_of_measure(const vs_model *model, int i) {
   return &model->machine->coordinates[i];
 }
 
@@ -51,7 +51,7 @@ static void standard(const vs_model *model, int id, vs_measure *m) {
   *m = (vs_measure){.unit = STANDARD[id].unit, .slot = id, .factor = 1};
   snprintf(m->name, sizeof m->name, "%s", STANDARD[id].name);
   write_named(m->text, sizeof m->text, STANDARD[id].text,
-              opens < 0 ? "the travel" : coordinate(model, opens)->name);
+              opens < 0 ? "the travel" : coordinate_of_measure(model, opens)->name);
 }
 
 /* A measure of the travel under the name of the coordinate that has the same. */
@@ -63,7 +63,7 @@ static void alias(const vs_model *model, int id, vs_measure *m) {
       [VS_M_GAP_SECOND] = {"%s_second_peak", "the extremum of %s that follows it"},
       [VS_M_TAU_GAP] = {"tau_%s", "decay time of %s there, from the envelope of its extremes"}};
   int i = sole(model);
-  const vs_coordinate *c = coordinate(model, i);
+  const vs_coordinate *c = coordinate_of_measure(model, i);
   bool is_time = id == VS_M_TAU_GAP;
   *m = (vs_measure){
       .unit = is_time ? "s" : c->unit, .slot = id, .factor = is_time ? 1 : model->along[i]};
@@ -72,7 +72,7 @@ static void alias(const vs_model *model, int id, vs_measure *m) {
 }
 
 static void of_coordinate(const vs_model *model, int i, int which, vs_measure *m) {
-  const vs_coordinate *c = coordinate(model, i);
+  const vs_coordinate *c = coordinate_of_measure(model, i);
   static const struct {
     const char *name, *text;
   } OF[VS_OF_COORDINATE] = {[VS_LEAST] = {"%s_min", "least %s"},
@@ -90,7 +90,7 @@ int vs_measures_count(const vs_model *model) {
 }
 
 /* Takes the next `count` measures off k; true: the k-th was among them. */
-static bool among(int *k, int count) {
+static bool is_among(int *k, int count) {
   if (*k < count) return true;
   *k -= count;
   return false;
@@ -99,21 +99,21 @@ static bool among(int *k, int count) {
 bool vs_measure_at(const vs_model *model, int k, vs_measure *m) {
   int own = sole(model), dof = model->dof, others = own < 0 ? dof : dof - 1;
   if (k >= vs_measures_count(model)) return false;
-  if (among(&k, VS_M_GAP_FIRST))
+  if (is_among(&k, VS_M_GAP_FIRST))
     standard(model, k, m);
-  else if (own >= 0 && among(&k, 2))
+  else if (own >= 0 && is_among(&k, 2))
     alias(model, VS_M_GAP_FIRST + k, m);
-  else if (own >= 0 && among(&k, 2))
+  else if (own >= 0 && is_among(&k, 2))
     of_coordinate(model, own, k, m);
-  else if (among(&k, VS_M_F_RESONANCE - VS_M_GAP_FIRST))
+  else if (is_among(&k, VS_M_F_RESONANCE - VS_M_GAP_FIRST))
     standard(model, VS_M_GAP_FIRST + k, m);
-  else if (among(&k, 2 * others))
+  else if (is_among(&k, 2 * others))
     of_coordinate(model, k / 2 + (own >= 0 && k / 2 >= own), k % 2, m);
-  else if (among(&k, dof))
+  else if (is_among(&k, dof))
     of_coordinate(model, k, VS_PEAK, m);
-  else if (among(&k, 1))
+  else if (is_among(&k, 1))
     standard(model, VS_M_F_RESONANCE, m);
-  else if (own >= 0 && among(&k, 1))
+  else if (own >= 0 && is_among(&k, 1))
     alias(model, VS_M_TAU_GAP, m);
   else
     standard(model, VS_M_TAU_GAP + k, m);
@@ -127,7 +127,7 @@ const double vs_measures_ripple = 0.01;
 
 enum { OF_CURRENT, OF_FORCE, OF_COORDINATES }; /* where these extremes stand */
 
-static void add_extreme(vs_measures *m, int channel, int sense) {
+static void add_measured_extreme(vs_measures *m, int channel, int sense) {
   m->extremes[m->n_extremes++] = (vs_extreme){.channel = channel, .sense = sense};
 }
 
@@ -149,19 +149,20 @@ vs_measures *vs_measures_new(const vs_frame *frame, const vs_measure_set *wants)
   const vs_model *model = frame->model;
   vs_measures *m = vs_alloc(1, sizeof *m);
   m->frame = frame;
-  add_extreme(m, VS_CH_I, 0);
-  add_extreme(m, VS_CH_FORCE, model->coil.square ? 1 : 0); /* a square force only closes the gap */
+  add_measured_extreme(m, VS_CH_I, 0);
+  add_measured_extreme(m, VS_CH_FORCE,
+                       model->coil.square ? 1 : 0); /* a square force only closes the gap */
   for (int i = 0; i < model->dof; i++) {
-    add_extreme(m, VS_CH_Q + i, -1);
-    add_extreme(m, VS_CH_Q + i, 1);
-    add_extreme(m, vs_channel_rates2(model) + i, 0);
+    add_measured_extreme(m, VS_CH_Q + i, -1);
+    add_measured_extreme(m, VS_CH_Q + i, 1);
+    add_measured_extreme(m, vs_channel_rates2(model) + i, 0);
   }
   m->of_travel = m->n_extremes;
   for (int sense = -1; sense <= 1 && sole(model) < 0; sense += 2)
-    add_extreme(m, VS_CH_TRAVEL, sense);
+    add_measured_extreme(m, VS_CH_TRAVEL, sense);
   m->of_probes = m->n_extremes;
   for (int c = vs_channel_deck(model); c < vs_channel_count(frame); c++)
-    for (int sense = -1; sense <= 1; sense += 2) add_extreme(m, c, sense);
+    for (int sense = -1; sense <= 1; sense += 2) add_measured_extreme(m, c, sense);
   if (wants) leave_idle(m, wants);
   for (int k = 0; k < VS_DECK_MOST; k++) m->passed_s[k] = NAN;
   m->fired_s = m->extinct_s = m->refired_s = NAN;
@@ -199,7 +200,7 @@ typedef struct course {
   int channel;
 } course;
 
-static double value_at(double t_s, void *user) {
+static double travel_at(double t_s, void *user) {
   const course *c = user;
   const vs_kept_step *newer = &c->measures->kept[c->measures->last];
   const vs_kept_step *older = &c->measures->kept[1 - c->measures->last];
@@ -210,8 +211,8 @@ static double value_at(double t_s, void *user) {
 /* The instant between lo and hi at which the channel is 0; NaN where it does not change sign there.
  */
 static double find_root(const vs_measures *m, course *c, double lo, double hi) {
-  gsl_function f = {value_at, c};
-  double at_lo = value_at(lo, c), at_hi = value_at(hi, c);
+  gsl_function f = {travel_at, c};
+  double at_lo = travel_at(lo, c), at_hi = travel_at(hi, c);
   if (!(lo < hi) || !(at_lo * at_hi < 0)) return NAN;
   if (gsl_root_fsolver_set(m->solver, &f, lo, hi)) return NAN;
   for (int n = 0; n < 100; n++) {
@@ -391,8 +392,8 @@ void vs_measures_accept(vs_measures *m, const vs_step *step) {
   m->last = 1 - m->last;
   if (m->steps < 2) m->steps++;
   vs_kept_step *kept = &m->kept[m->last];
-  vs_knot_copy(m->frame, step->from, &kept->from);
-  vs_knot_copy(m->frame, step->to, &kept->to);
+  vs_step_copy_knot(m->frame, step->from, &kept->from);
+  vs_step_copy_knot(m->frame, step->to, &kept->to);
   kept->step = *step;
   kept->step.from = &kept->from;
   kept->step.to = &kept->to;

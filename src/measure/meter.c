@@ -8,8 +8,8 @@
 #include <string.h>
 
 #include "base/hash.h"
-#include "measure/chunk.h"
 #include "base/units.h"
+#include "measure/chunk.h"
 
 /* ---- noise ---- */
 
@@ -42,7 +42,7 @@ void vs_meter_begin(vs_meter *m, const vs_instrument *i, int seed) {
 /* ---- the sensor ---- */
 
 /* What the sensor shows of y, which may be beyond its range. */
-static double shown(vs_meter *m, double y) {
+static double shown_by_sensor(vs_meter *m, double y) {
   double within = y < m->range[0] ? m->range[0] : y > m->range[1] ? m->range[1] : y;
   m->outside = m->outside || within != y;
   return within;
@@ -64,7 +64,7 @@ typedef struct walk {
 
 /* Takes the low-pass along the channel, as the sensor shows it, from one instant of the step to
  * another. depth: how often the part was halved. */
-static void follow(vs_meter *m, walk *w, vs_span_s part, int depth) {
+static void follow_sensor(vs_meter *m, walk *w, vs_span_s part, int depth) {
   const vs_chunk c = vs_chunk_of(w->step, m->instrument->channel, part.from_s, part.to_s);
   double low = c.a[0] - c.reach, high = c.a[0] + c.reach, u[VS_LOWPASS_TERMS] = {0};
   double near = fmax(NEAR * (m->range[1] - m->range[0]), ROUNDING * fmax(fabs(low), fabs(high)));
@@ -74,20 +74,20 @@ static void follow(vs_meter *m, walk *w, vs_span_s part, int depth) {
   double middle_s = (part.from_s + part.to_s) / 2;
   if (!is_good && depth < HALVES && w->left > 0 && middle_s > part.from_s && middle_s < part.to_s) {
     w->left--;
-    follow(m, w, (vs_span_s){part.from_s, middle_s}, depth + 1);
-    follow(m, w, (vs_span_s){middle_s, part.to_s}, depth + 1);
+    follow_sensor(m, w, (vs_span_s){part.from_s, middle_s}, depth + 1);
+    follow_sensor(m, w, (vs_span_s){middle_s, part.to_s}, depth + 1);
     return;
   }
   if (is_within)
     vs_chunk_powers(&c, u);
   else
-    u[0] = shown(m, c.a[0]);
+    u[0] = shown_by_sensor(m, c.a[0]);
   vs_lowpass_advance(&m->lowpass, part.to_s - part.from_s, u);
 }
 
 static void take_on(vs_meter *m, const vs_step *step, double t_s) {
   walk w = {step, PARTS};
-  if (t_s > m->t_s && m->lowpass.rate > 0) follow(m, &w, (vs_span_s){m->t_s, t_s}, 0);
+  if (t_s > m->t_s && m->lowpass.rate > 0) follow_sensor(m, &w, (vs_span_s){m->t_s, t_s}, 0);
   m->t_s = t_s;
 }
 
@@ -115,10 +115,10 @@ double vs_meter_quantised(const double range[2], int bits, double y) {
 /* What is shown where the low-pass has come to. */
 static double output(vs_meter *m, const vs_step *step) {
   if (m->lowpass.rate > 0) return m->lowpass.x[0];
-  return shown(m, vs_step_channel(step, m->t_s, m->instrument->channel));
+  return shown_by_sensor(m, vs_step_channel(step, m->t_s, m->instrument->channel));
 }
 
-static void sample(vs_meter *m, const vs_step *step) {
+static void make_sample(vs_meter *m, const vs_step *step) {
   double y = output(m, step);
   m->value = vs_meter_quantised(m->range, m->instrument->v.bits, y + noise(m));
   if (m->outside && !m->beyond++) m->beyond_s = m->t_s;
@@ -133,7 +133,8 @@ double vs_meter_next_s(const vs_meter *m) {
 static void begin_at(vs_meter *m, const vs_step *step) {
   m->t_s = step->from->t_s;
   if (!m->instrument->on_orbit)
-    vs_lowpass_settle(&m->lowpass, shown(m, vs_step_channel(step, m->t_s, m->instrument->channel)));
+    vs_lowpass_settle(&m->lowpass,
+                      shown_by_sensor(m, vs_step_channel(step, m->t_s, m->instrument->channel)));
 }
 
 /* Instants that are meant to be the same may differ by rounding. */
@@ -144,7 +145,7 @@ void vs_meter_to(vs_meter *m, const vs_step *step, double t_s) {
   if (isnan(m->t_s)) begin_at(m, step);
   for (double next_s; (next_s = vs_meter_next_s(m)) <= t_s + slack_s;) {
     take_on(m, step, fmin(next_s, step->to->t_s));
-    sample(m, step);
+    make_sample(m, step);
   }
 }
 
@@ -158,4 +159,74 @@ void vs_meter_accept(vs_meter *m, const vs_step *step) {
   if (step->to->t_s == step->from->t_s) return; /* the other side of an instant already shown */
   vs_meter_to(m, step, step->to->t_s);
   take_on(m, step, step->to->t_s);
+}
+
+/* ---- on the way to an orbit ---- */
+
+static void begin_all_meters(vs_meter_pilot *o) {
+  for (int k = 0; k < o->instruments->count; k++)
+    vs_meter_begin(&o->meters[k], &o->instruments->item[k], o->instruments->v.seed);
+}
+
+static void take_start_of_pilot(vs_meter_pilot *o) {
+  memcpy(o->pilot.x, o->steers->x, sizeof o->pilot.x);
+}
+
+static void begin_metered_pilot(void *self, const vs_setup *setup) {
+  vs_meter_pilot *o = self;
+  o->steers->begin(o->steers->self, setup);
+  take_start_of_pilot(o);
+}
+
+static void accept_metered_pilot(void *self, const vs_step *step) {
+  vs_meter_pilot *o = self;
+  o->steers->accept(o->steers->self, step);
+  for (int k = 0; k < o->instruments->count; k++) vs_meter_accept(&o->meters[k], step);
+}
+
+/* At the end of a part the clock goes back to 0, and the meters begin anew where their low-passes
+ * are. */
+static vs_status turn_metered_pilot(void *self, const vs_knot *end, bool *begins, vs_error *err) {
+  vs_meter_pilot *o = self;
+  vs_status status = o->steers->turn(o->steers->self, end, begins, err);
+  bool whole = ++o->parts % o->pilot.of_orbit == 0;
+  take_start_of_pilot(o);
+  for (int k = 0; k < o->instruments->count; k++) {
+    vs_lowpass *l = &o->meters[k].lowpass;
+    vs_instrument *i = &o->instruments->item[k];
+    if (*begins) vs_lowpass_close(l, o->from[k], o->pilot.of_orbit * o->pilot.period_s);
+    memcpy(i->x, l->x, sizeof i->x);
+    if (whole) memcpy(o->from[k], l->x, sizeof o->from[k]);
+  }
+  begin_all_meters(o);
+  return status;
+}
+
+static double push_metered_pilot(void *self, double t_s) {
+  const vs_meter_pilot *o = self;
+  return o->steers->push(o->steers->self, t_s);
+}
+
+static void end_metered_pilot(void *self) {
+  const vs_meter_pilot *o = self;
+  o->steers->end(o->steers->self);
+}
+
+void vs_meter_pilot_begin(vs_meter_pilot *o, vs_pilot *steers, vs_instruments *instruments,
+                          vs_meter *meters) {
+  *o = (vs_meter_pilot){
+      .pilot = *steers, .steers = steers, .instruments = instruments, .meters = meters};
+  o->pilot.self = o;
+  o->pilot.begin = begin_metered_pilot;
+  o->pilot.accept = accept_metered_pilot;
+  o->pilot.turn = turn_metered_pilot;
+  o->pilot.push = push_metered_pilot;
+  o->pilot.end = end_metered_pilot;
+  o->pilot.free = NULL;
+  for (int k = 0; k < instruments->count; k++) {
+    vs_instrument *i = &instruments->item[k];
+    i->on_orbit = true;
+    memset(i->x, 0, sizeof i->x);
+  }
+  begin_all_meters(o);
 }

@@ -11,14 +11,14 @@ static const char KEY[] = "quality";
 const char vs_quality_mains[] = "mains", vs_quality_none[] = "none";
 
 /* How many cycles of the mains the means are over; NaN: no whole number. */
-static double cycles_of(const vs_setup *setup) {
+static double cycles_of_quality(const vs_setup *setup) {
   const double SAME = 1e-6; /* of a cycle: its length is written with few digits */
   double n = (setup->means.to_s - setup->means.from_s) / setup->timeline.period_s;
   return n > 0.5 && fabs(n - round(n)) < SAME ? round(n) : NAN;
 }
 
-static vs_status unknown(const vs_node *node, const vs_setup *setup, const vs_frame *frame,
-                         vs_error *err) {
+static vs_status refuse_current(const vs_node *node, const vs_setup *setup, const vs_frame *frame,
+                                vs_error *err) {
   const char *names[VS_CH_MOST + 1], *name = node->kind == VS_NODE_TEXT ? node->text : "a list";
   int numbers[VS_CH_MOST];
   size_t n = 0;
@@ -27,7 +27,7 @@ static vs_status unknown(const vs_node *node, const vs_setup *setup, const vs_fr
   if (setup->deck.lost & VS_LOST_PROBE) return VS_OK; /* a check carries on: it may be that one */
   if (vs_channel_find(&full, name) >= 0)
     return vs_fail_at(err, node->where, "quality: %s exists only where a deck is run; take tier %s",
-                      name, vs_manner_tier_words[VS_TIER_CIRCUIT]);
+                      name, vs_setup_tier_words[VS_TIER_CIRCUIT]);
   for (int k = 0, listed = vs_channel_listed(&full, numbers); k < listed; k++)
     if (!strcmp(vs_channel_at(&full, numbers[k]).unit, "A"))
       names[n++] = vs_channel_at(&full, numbers[k]).name;
@@ -38,11 +38,11 @@ static vs_status unknown(const vs_node *node, const vs_setup *setup, const vs_fr
                     nearest ? "'?" : "; see 'vibrospice list probes', or write mains");
 }
 
-static vs_status take(const vs_node *node, const vs_setup *setup, const vs_frame *frame,
-                      vs_quality_list *list, vs_error *err) {
+static vs_status take_current(const vs_node *node, const vs_setup *setup, const vs_frame *frame,
+                              vs_quality_list *list, vs_error *err) {
   bool word = node->kind == VS_NODE_TEXT, mains = word && !strcmp(node->text, vs_quality_mains);
   int channel = mains ? VS_CH_I_MAINS : word ? vs_channel_find(frame, node->text) : -1;
-  if (channel < 0) return unknown(node, setup, frame, err);
+  if (channel < 0) return refuse_current(node, setup, frame, err);
   const char *unit = vs_channel_at(frame, channel).unit;
   if (strcmp(unit, "A"))
     return vs_fail_at(err, node->where, "quality: %s is in %s; a current is wanted", node->text,
@@ -82,8 +82,8 @@ vs_status vs_quality_read(const vs_node *node, const vs_setup *setup, const vs_f
                                              "leave it out",
                                              KEY));
   for (const vs_node *n = text ? node : node->child; n && !s; n = text ? NULL : n->next)
-    s = vs_error_carry_on(err, take(n, setup, frame, list, err));
-  if (s || of_period || !isnan(cycles_of(setup))) return s;
+    s = vs_error_carry_on(err, take_current(n, setup, frame, list, err));
+  if (s || of_period || !isnan(cycles_of_quality(setup))) return s;
   return vs_error_carry_on(
       err, vs_fail_at(err, node->where,
                       "%s: whole cycles of the mains are wanted, and means are over %.9g s, which "
@@ -103,7 +103,7 @@ enum { SHORT_POINTS = 6, POINTS = 24, PIECES = 20 };
 void vs_quality_begin(vs_quality *q, const vs_quality_current *current, const vs_setup *setup) {
   *q = (vs_quality){.channel = current->channel, .over = setup->means};
   int every = setup->timeline.firing.every > 0 ? setup->timeline.firing.every : 1;
-  double cycles = cycles_of(setup);
+  double cycles = cycles_of_quality(setup);
   memcpy(q->name, current->name, sizeof q->name);
   q->cycles = isnan(cycles) ? 0 : (int)cycles;
   q->half = setup->at_work ? 0 : q->cycles / 2 / every * every;
@@ -119,7 +119,7 @@ void vs_quality_end(vs_quality *q) {
   q->short_rule = NULL;
 }
 
-static void add_point(vs_quality *q, double t_s, double weight_s, const double *y) {
+static void add_point_of_current(vs_quality *q, double t_s, double weight_s, const double *y) {
   double i = y[q->channel], v = y[VS_CH_V_MAINS], angle = q->current.omega_rad_s * t_s;
   vs_spectrum_add(&q->current, t_s, weight_s, i);
   q->voltage[0] += weight_s * v * cos(angle);
@@ -130,7 +130,8 @@ static void add_point(vs_quality *q, double t_s, double weight_s, const double *
 
 /* A piece of a step, over which the integrals are taken by one application of the rule. It lies
  * wholly within or without each of the two ends that are compared. */
-static void add_piece(vs_quality *q, const vs_step *step, vs_span_s piece, bool is_short) {
+static void add_piece_of_current(vs_quality *q, const vs_step *step, vs_span_s piece,
+                                 bool is_short) {
   const gsl_integration_glfixed_table *rule = is_short ? q->short_rule : q->current.rule;
   const unsigned groups = VS_GROUP_V_MAINS | vs_channel_groups(step->frame->model, &q->channel, 1);
   const double length_s = q->half * 2 * M_PI / q->current.omega_rad_s;
@@ -139,7 +140,7 @@ static void add_piece(vs_quality *q, const vs_step *step, vs_span_s piece, bool 
     double t, weight;
     gsl_integration_glfixed_point(piece.from_s, piece.to_s, k, &t, &weight, rule);
     vs_step_groups_at(step, t, groups, y);
-    add_point(q, t, weight, y);
+    add_point_of_current(q, t, weight, y);
   }
   double middle_s = (piece.from_s + piece.to_s) / 2, added = q->current.squared - before;
   if (middle_s < q->over.from_s + length_s) q->ends_squared[0] += added;
@@ -147,23 +148,23 @@ static void add_piece(vs_quality *q, const vs_step *step, vs_span_s piece, bool 
 }
 
 /* A stretch of a step, on one side of each cut, and within one cycle where groups are told. */
-static void add_part(vs_quality *q, const vs_step *step, vs_span_s over) {
+static void add_part_of_current(vs_quality *q, const vs_step *step, vs_span_s over) {
   double length_s = over.to_s - over.from_s, turn = length_s * q->current.omega_rad_s;
   bool is_short = turn * VS_SPECTRUM_LAST <= TURN;
   int pieces = is_short ? 1 : (int)ceil(turn * PIECES / (2 * M_PI));
   for (int p = 0; p < pieces; p++)
-    add_piece(
+    add_piece_of_current(
         q, step,
         (vs_span_s){over.from_s + length_s * p / pieces, over.from_s + length_s * (p + 1) / pieces},
         is_short);
 }
 
 /* A stretch of a step, on one side of each cut. */
-static void add_stretch(vs_quality *q, const vs_step *step, vs_span_s over) {
+static void add_stretch_of_current(vs_quality *q, const vs_step *step, vs_span_s over) {
   double cut;
-  for (; (cut = vs_grouping_cut(&q->current.grouping, over.from_s)) < over.to_s; over.from_s = cut)
-    add_part(q, step, (vs_span_s){over.from_s, cut});
-  add_part(q, step, over);
+  for (; (cut = vs_spectrum_cut(&q->current, over.from_s)) < over.to_s; over.from_s = cut)
+    add_part_of_current(q, step, (vs_span_s){over.from_s, cut});
+  add_part_of_current(q, step, over);
 }
 
 void vs_quality_accept(vs_quality *q, const vs_step *step) {
@@ -174,10 +175,10 @@ void vs_quality_accept(vs_quality *q, const vs_step *step) {
   q->current.span_s += to_s - from_s;
   for (int k = 0; k < 2; k++)
     if (cuts_s[k] > from_s && cuts_s[k] < to_s) {
-      add_stretch(q, step, (vs_span_s){from_s, cuts_s[k]});
+      add_stretch_of_current(q, step, (vs_span_s){from_s, cuts_s[k]});
       from_s = cuts_s[k];
     }
-  add_stretch(q, step, (vs_span_s){from_s, to_s});
+  add_stretch_of_current(q, step, (vs_span_s){from_s, to_s});
 }
 
 /* ---- what it comes to ---- */
@@ -196,7 +197,7 @@ double vs_quality_thc(const vs_spectrum *s) {
   return sqrt(sum);
 }
 
-static double power(const vs_quality *q) {
+static double mean_power_w(const vs_quality *q) {
   return q->energy_j / q->current.span_s;
 }
 
@@ -223,7 +224,7 @@ static double others(const vs_quality *q) {
 }
 
 static double power_factor(const vs_quality *q) {
-  return power(q) / (rms(q) * sqrt(q->voltage_squared / q->current.span_s));
+  return mean_power_w(q) / (rms(q) * sqrt(q->voltage_squared / q->current.span_s));
 }
 
 static double displacement(const vs_quality *q) {
@@ -231,7 +232,7 @@ static double displacement(const vs_quality *q) {
   return vs_quality_displacement(current, q->voltage);
 }
 
-static double worst_part(const vs_quality *q) {
+static double worst_part_of_limits(const vs_quality *q) {
   const vs_drawn drawn = vs_quality_drawn(q);
   double part;
   vs_classes_worst(&vs_classes_all[0], &drawn, &part);
@@ -239,7 +240,7 @@ static double worst_part(const vs_quality *q) {
 }
 
 vs_drawn vs_quality_drawn(const vs_quality *q) {
-  return (vs_drawn){&q->current, power(q), power_factor(q)};
+  return (vs_drawn){&q->current, mean_power_w(q), power_factor(q)};
 }
 
 /* A harmonic below this part of the root mean square is rounding. */
@@ -254,7 +255,7 @@ static const struct {
   const char *name, *unit, *text;
   double (*of)(const vs_quality *q);
 } MEASURES[] = {
-    {"power", "W", "mean of the mains' voltage times this current", power},
+    {"power", "W", "mean of the mains' voltage times this current", mean_power_w},
     {"i_rms", "A", "root mean square of the current", rms},
     {"i_dc", "A", "its mean, the direct part", mean},
     {"thc", "A", "root of the sum of squares of harmonics 2 to 40", thc},
@@ -264,7 +265,8 @@ static const struct {
      power_factor},
     {"displacement_factor", "", "cosine of the angle between harmonic 1 and that of the voltage",
      displacement},
-    {"harmonic_part", "", "largest part that a harmonic takes of its limit in class A", worst_part},
+    {"harmonic_part", "", "largest part that a harmonic takes of its limit in class A",
+     worst_part_of_limits},
 };
 enum { N_MEASURES = sizeof MEASURES / sizeof *MEASURES };
 

@@ -58,8 +58,8 @@ static const char *why_not(const vs_watched *w, const vs_reduced *r, const vs_ve
 }
 
 /* The n-th limit of the device's part that nothing is held to, from 0; NULL: there are no more. */
-static const vs_limit *left_of(const vs_deck *deck, const vs_device *d, const vs_expects *expects,
-                               size_t n) {
+static const vs_limit *limit_left_of(const vs_deck *deck, const vs_device *d,
+                                     const vs_expects *expects, size_t n) {
   const char *file = d->part < 0 ? NULL : deck->parts[d->part].file;
   for (size_t k = 0; file && k < deck->n_limits; k++)
     if (!strcmp(deck->limits[k].where.file, file) &&
@@ -71,7 +71,8 @@ static const vs_limit *left_of(const vs_deck *deck, const vs_device *d, const vs
 
 /* ---- of one device ---- */
 
-static void fill(vs_unjudged *entry, const vs_device *d, const char *name, const char *why) {
+static void fill_unjudged(vs_unjudged *entry, const vs_device *d, const char *name,
+                          const char *why) {
   snprintf(entry->name, sizeof entry->name, "%s.%s", d->name, name);
   entry->why = why;
 }
@@ -80,15 +81,15 @@ static bool entry_of(const vs_watched *w, const vs_verdict *v, size_t k, vs_unju
   for (size_t n = 0; n < w->count; n++) {
     const char *why = why_not(w, &w->reduced[n], v);
     if (!why || k-- > 0) continue;
-    fill(entry, w->device, w->reduced[n].measure->name, why);
+    fill_unjudged(entry, w->device, w->reduced[n].measure->name, why);
     return true;
   }
-  const vs_limit *left = left_of(w->deck, w->device, v->expects, k);
-  if (left) fill(entry, w->device, left->name, NOT_HELD);
+  const vs_limit *left = limit_left_of(w->deck, w->device, v->expects, k);
+  if (left) fill_unjudged(entry, w->device, left->name, NOT_HELD);
   return left;
 }
 
-static bool is_judged(const vs_watched *w, const vs_verdict *v) {
+static bool is_device_judged(const vs_watched *w, const vs_verdict *v) {
   for (size_t n = 0; n < w->count; n++)
     if (is_lacking(w, &w->reduced[n]) || is_rated(w, &w->reduced[n], v) ||
         (w->reduced[n].limit && w->reduced[n].value.known))
@@ -99,7 +100,7 @@ static bool is_judged(const vs_watched *w, const vs_verdict *v) {
 /* True where all of the device's entries have one reason and none of its measures is judged. */
 static bool is_left_whole(const vs_watched *w, const vs_verdict *v) {
   vs_unjudged first, next;
-  if (is_judged(w, v) || !entry_of(w, v, 0, &first)) return false;
+  if (is_device_judged(w, v) || !entry_of(w, v, 0, &first)) return false;
   size_t k = 1;
   while (entry_of(w, v, k, &next))
     if (k++, next.why != first.why) return false;
@@ -161,7 +162,7 @@ void vs_unjudged_write(const vs_devices *devices, const vs_verdict *v, vs_text *
 void vs_unjudged_write_left(const vs_deck *deck, vs_text *text) {
   for (size_t d = 0; d < deck->n_devices; d++) {
     const vs_limit *left;
-    for (size_t n = 0; (left = left_of(deck, &deck->devices[d], NULL, n)); n++)
+    for (size_t n = 0; (left = limit_left_of(deck, &deck->devices[d], NULL, n)); n++)
       vs_text_add(text, "%s%s.%s", text->length ? ", " : "", deck->devices[d].name, left->name);
   }
 }

@@ -15,7 +15,7 @@
  * which sign the probe may have: keeping it is no margin, however near to 0 the probe comes, so the
  * room is INFINITY as well. Beyond such a limit by more than the slack, the room is a part of the
  * rating's range, or of the probe's largest magnitude where the other end is infinite or 0. */
-static double part_of(double room, double limit, double slack, const vs_judgement *j) {
+static double margin_of_room(double room, double limit, double slack, const vs_judgement *j) {
   double range = j->rating->max - j->rating->min;
   if (isinf(limit)) return INFINITY;
   if (limit != 0) return room / fabs(limit);
@@ -34,8 +34,8 @@ static vs_judgement judge_rating(const vs_measures *m, size_t k) {
                     .largest = pair[1].best,
                     .stress = pair[0].best};
   double slack = vs_measures_slack(m, r);
-  double below = part_of(j.least.value - r->min, r->min, slack, &j);
-  double above = part_of(r->max - j.largest.value, r->max, slack, &j);
+  double below = margin_of_room(j.least.value - r->min, r->min, slack, &j);
+  double above = margin_of_room(r->max - j.largest.value, r->max, slack, &j);
   j.room[0] = below;
   j.room[1] = above;
   j.margin_error = NAN;
@@ -50,7 +50,7 @@ static vs_judgement judge_rating(const vs_measures *m, size_t k) {
 
 /* What the margin is a part of, at the end that is nearer: that end, or what stands for one of 0.
  */
-static double scale_of(const vs_judgement *j) {
+static double scale_of_judgement(const vs_judgement *j) {
   double end = j->room[0] < j->room[1] ? j->rating->min : j->rating->max;
   double range = j->rating->max - j->rating->min;
   if (end != 0 && isfinite(end)) return fabs(end);
@@ -76,11 +76,11 @@ static vs_judgement judge_rated(const vs_rated *own, double tolerance) {
   if (own->unknown) return j;
   double range = r->max - r->min, size = fmax(fabs(j.least.value), fabs(j.largest.value)),
          slack = tolerance * (isfinite(range) ? range : size);
-  j.room[0] = part_of(j.least.value - r->min, r->min, slack, &j);
-  j.room[1] = part_of(r->max - j.largest.value, r->max, slack, &j);
+  j.room[0] = margin_of_room(j.least.value - r->min, r->min, slack, &j);
+  j.room[1] = margin_of_room(r->max - j.largest.value, r->max, slack, &j);
   j.margin = fmin(j.room[0], j.room[1]);
   if (j.room[1] < j.room[0]) j.stress = j.largest;
-  double scale = scale_of(&j);
+  double scale = scale_of_judgement(&j);
   if (own->doubt > 0) j.doubt = own->doubt / scale;
   if (own->spread > 0) j.spread = own->spread / scale;
   if (j.margin < 0) j.failed_s = isnan(own->passed_s) ? j.stress.at_s : own->passed_s;
@@ -139,8 +139,8 @@ static const vs_limit NEVER = {.text = "must not happen unless the scene expects
                       EXPECTED = {.text = "the scene expects it", .value = 1};
 
 /* Writes the line of what happened to a device. False: it neither happened nor was expected. */
-static bool judge_happening(const vs_device *d, const vs_reduced *r, const vs_expects *expects,
-                            vs_judgement *j) {
+static bool add_happening_line(const vs_device *d, const vs_reduced *r, const vs_expects *expects,
+                               vs_judgement *j) {
   const vs_happening *h = vs_reducer_happening(r);
   const bool expected = vs_expect_has(expects, d, r->measure);
   if (!h || (!h->times && !expected)) return false;
@@ -178,7 +178,7 @@ static void judge_devices(const vs_devices *devices, const vs_expects *expects, 
     }
     for (size_t n = 0; n < w->count; n++) {
       vs_judgement *j = &v->item[v->count];
-      if (!judge_happening(w->device, &w->reduced[n], expects, j)) continue;
+      if (!add_happening_line(w->device, &w->reduced[n], expects, j)) continue;
       j->n_models = vs_parts_models(w->deck, w->device, j->measure, j->model);
       v->count++;
     }
@@ -254,6 +254,10 @@ void vs_verdict_reach(const vs_measures *m, const vs_devices *devices, const vs_
   size_t most = n_ratings + n_parts;
   for (size_t k = 0; devices && k < devices->count; k++) most += devices->item[k].count;
   *v = (vs_verdict){.item = vs_alloc(most, sizeof *v->item), .expects = expects};
+
+  /* A line for each rating of the deck, for each part whose limits no device is held to, and for
+   * each limit of a device and what happened to it. The scene's own ratings follow
+   * (vs_verdict_rate). */
   for (size_t k = 0; k < n_ratings; k++) v->item[v->count++] = judge_rating(m, k);
   for (size_t k = 0; k < n_parts; k++)
     if (is_unwatched(deck, k)) v->item[v->count++] = judge_unwatched(&deck->parts[k]);
@@ -322,7 +326,7 @@ const vs_judgement *vs_verdict_breach(const vs_verdict *v) {
 }
 
 /* True for the same line of two runs of one deck. A probe may have several ratings. */
-static bool is_same(const vs_judgement *a, const vs_judgement *b) {
+static bool is_same_line(const vs_judgement *a, const vs_judgement *b) {
   char left[VS_JUDGED_NAME], right[VS_JUDGED_NAME];
   if (!a->device != !b->device) return false;
   if (!a->device && (a->rating->min != b->rating->min || a->rating->max != b->rating->max))
@@ -343,7 +347,7 @@ static const double CREPT = 2;
 /* The error of the room to one end. The stress is 1 - room, in parts of the limit. The resolution
  * counts for the stress or the limit, whichever is more: a stress that is next to nothing need not
  * be known to more digits than its limit. */
-static double error_of(double room, double second, double resolution) {
+static double error_of_margin(double room, double second, double resolution) {
   return SAFETY * fabs(room - second) + resolution * fmax(fabs(1 - room), 1);
 }
 
@@ -355,7 +359,7 @@ static double margin_error(const vs_judgement *j, const vs_judgement *second, do
     if (isinf(own) && isinf(other)) continue;
     if (isinf(own)) own = 0; /* an end at 0 that only one of the two passed */
     if (isinf(other)) other = 0;
-    double error = error_of(own, other, resolution);
+    double error = error_of_margin(own, other, resolution);
     least = fmin(least, own - error);
     largest = fmin(largest, own + error);
   }
@@ -368,12 +372,12 @@ static double least_margin(const vs_judgement *j) {
 }
 
 /* Adds what happened in the second run alone: whether it happens is not known. */
-static void add_happenings(vs_verdict *v, const vs_verdict *second, const vs_deck *deck) {
+static void add_happenings_of_second(vs_verdict *v, const vs_verdict *second, const vs_deck *deck) {
   for (size_t n = 0; n < second->count; n++) {
     const vs_judgement *other = &second->item[n];
     size_t k = 0;
     if (!vs_verdict_is_happening(other)) continue;
-    while (k < v->count && !is_same(&v->item[k], other)) k++;
+    while (k < v->count && !is_same_line(&v->item[k], other)) k++;
     if (k < v->count) continue;
     v->item = vs_resize(v->item, v->count + 1, sizeof *v->item);
     vs_judgement *j = &v->item[v->count++];
@@ -382,6 +386,8 @@ static void add_happenings(vs_verdict *v, const vs_verdict *second, const vs_dec
     j->failed_s = NAN; /* it did not fail in this run */
     for (size_t d = 0; d < deck->n_devices; d++)
       if (!strcmp(deck->devices[d].name, other->device->name)) j->device = &deck->devices[d];
+    /* what it hangs on stood in the second run's deck, which is freed */
+    j->n_models = vs_parts_models(deck, j->device, j->measure, j->model);
   }
   summarise(v); /* which points into the list */
 }
@@ -407,7 +413,7 @@ void vs_verdict_compare(vs_verdict *v, const vs_verdict *second, const vs_deck *
     vs_judgement *j = &v->item[k];
     size_t n = 0;
     if (j->unknown) continue;
-    while (n < second->count && !is_same(j, &second->item[n])) n++;
+    while (n < second->count && !is_same_line(j, &second->item[n])) n++;
     j->margin_error = INFINITY;
     double own = j->is_rate ? rates : resolution;
     if (n < second->count && !vs_verdict_is_happening(j))
@@ -417,7 +423,7 @@ void vs_verdict_compare(vs_verdict *v, const vs_verdict *second, const vs_deck *
     j->margin_error += CREPT * j->doubt + resolution * j->spread + j->scatter;
     if (isnan(j->margin_error)) j->margin_error = INFINITY;
   }
-  add_happenings(v, second, deck);
+  add_happenings_of_second(v, second, deck);
   find_weakest(v);
 }
 

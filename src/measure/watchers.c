@@ -29,10 +29,58 @@ static void follow_absence(vs_absence *a, const vs_step *step) {
 
 static void follow_sequence(vs_sequence *sequence, const vs_step *step) {
   for (int k = 0; k < 2; k++) {
-    if (step->event[k] == VS_EV_FIRES) vs_sequence_add(sequence, VS_DEED_FIRES, step->event_s[k]);
+    if (step->event[k] == VS_EV_FIRES)
+      vs_reducer_add_deed(sequence, VS_DEED_FIRES, step->event_s[k]);
     if (step->event[k] == VS_EV_EXTINCT)
-      vs_sequence_add(sequence, VS_DEED_GOES_OUT, step->event_s[k]);
+      vs_reducer_add_deed(sequence, VS_DEED_GOES_OUT, step->event_s[k]);
   }
+}
+
+/* ---- the early end of a free swing ----
+ * Once the machine swings freely to the end of the run, some values cannot change any more: it is
+ * known how far the machine can still go. Where those are all that is wanted, the rest of the run
+ * is left out. */
+
+/* True if the value is the least (sense -1) or the largest (+1), whatever the rest brings. */
+static bool is_beyond_range(const vs_value *v, int sense, const vs_range *range) {
+  return v->known && sense * v->value > sense * range->middle + range->way;
+}
+
+/* True if no extremum of the rest makes a ripple of the first motion peak. */
+static bool is_a_peak(const vs_measures *m, const vs_rest *rest) {
+  double most = fabs(rest->travel.middle) + rest->travel.way;
+  return m->first.known && fabs(m->first.value) > vs_measures_ripple * most;
+}
+
+/* What follows from the current, the firing and the energy drawn does not change any more; what is
+ * left over by a balance is still to be found. */
+static void find_settled(const vs_measures *m, const vs_rest *rest, vs_measure_set *s) {
+  const vs_model *model = m->frame->model;
+  const bool peak = is_a_peak(m, rest), swung = rest->from_s > vs_measures_swing_ends_s;
+  vs_value v[VS_MEASURES];
+  vs_measures_finish(m, v);
+  for (int k = 0; k < VS_MEASURES; k++) s->has[k] = true;
+  s->has[VS_M_GAP_FIRST] = peak;
+  s->has[VS_M_GAP_SECOND] = peak && m->second.known;
+  s->has[VS_M_GAP_MIN] = is_beyond_range(&v[VS_M_GAP_MIN], -1, &rest->travel);
+  s->has[VS_M_GAP_MAX] = is_beyond_range(&v[VS_M_GAP_MAX], 1, &rest->travel);
+  s->has[VS_M_STROKE] = s->has[VS_M_GAP_MIN] && s->has[VS_M_GAP_MAX];
+  s->has[VS_M_F_RESONANCE] = s->has[VS_M_TAU_GAP] = swung;
+  s->has[VS_M_ENERGY_RESIDUAL] = false;
+  for (int i = 0; i < model->dof; i++) {
+    const vs_value *of = &v[VS_M_OF_COORDINATE(i, 0)];
+    const vs_range rate2 = {0, rest->rate2[i]};
+    s->has[VS_M_OF_COORDINATE(i, VS_LEAST)] = is_beyond_range(&of[VS_LEAST], -1, &rest->q[i]);
+    s->has[VS_M_OF_COORDINATE(i, VS_LARGEST)] = is_beyond_range(&of[VS_LARGEST], 1, &rest->q[i]);
+    s->has[VS_M_OF_COORDINATE(i, VS_PEAK)] = is_beyond_range(&of[VS_PEAK], 1, &rate2);
+  }
+}
+
+/* True if all values that are wanted are settled. */
+static bool are_all_settled(const vs_measure_set *s, const vs_measure_set *wanted) {
+  for (int k = 0; k < VS_MEASURES; k++)
+    if (wanted->has[k] && !s->has[k]) return false;
+  return true;
 }
 
 /* ---- all of them ---- */
@@ -47,8 +95,8 @@ void vs_watchers_begin(vs_watchers *w, const vs_frame *frame, const vs_measure_s
 }
 
 bool vs_watchers_leave(vs_watchers *w, const vs_rest *rest, const vs_measure_set *wanted) {
-  vs_settled_find(w->measures, rest, &w->settled);
-  return vs_settled_all(&w->settled, wanted);
+  find_settled(w->measures, rest, &w->settled);
+  return are_all_settled(&w->settled, wanted);
 }
 
 /* Shows the steps that wait. */
@@ -59,16 +107,21 @@ static void look_at_batch(vs_watchers *w) {
 }
 
 void vs_watchers_accept(vs_watchers *w, const vs_step *step) {
+  /* From where the rest is left out on, only the books of energy go on: what is settled stays. */
   w->left = w->left || step->glides;
-  if (w->left) { /* what is settled stays */
+  if (w->left) {
     vs_energy_accept(&w->energy, step);
     return;
   }
+
+  /* Those that look at each step at once, as they need its dense output. */
   w->strays = step->strays;
   follow_absence(&w->absence, step);
   follow_sequence(&w->sequence, step);
   vs_measures_accept(w->measures, step);
   vs_energy_accept(&w->energy, step);
+
+  /* Those that evaluate the deck's formulas look at some steps at a time, which costs less. */
   if (!w->batch) return;
   if (!w->began) vs_devices_begin(w->devices, step);
   w->began = true;
@@ -77,7 +130,7 @@ void vs_watchers_accept(vs_watchers *w, const vs_step *step) {
 }
 
 /* What is no more than the rounding of what it was made of is told as 0, by all who tell it. */
-static void round_off(vs_watchers *w, vs_value values[VS_MEASURES]) {
+static void round_off_watched(vs_watchers *w, vs_value values[VS_MEASURES]) {
   vs_measures *m = w->measures;
   vs_energy_round_off(&w->energy);
   for (int k = 0; k < VS_MEASURES; k++) values[k].value = vs_value_told(values[k].value, 0);
@@ -90,16 +143,21 @@ static void round_off(vs_watchers *w, vs_value values[VS_MEASURES]) {
 }
 
 void vs_watchers_finish(vs_watchers *w, double until_s, vs_value values[VS_MEASURES]) {
+  /* What waits is looked at; then each completes what only the end of the run tells. */
   end_absence(&w->absence, until_s);
   if (w->batch && w->batch->count) look_at_batch(w);
   vs_measures_finish(w->measures, values);
   vs_energy_finish(&w->energy);
-  round_off(w, values);
+  round_off_watched(w, values);
+
+  /* The energies are measures of every run. */
   const double *joule = w->energy.joule;
   values[VS_M_ENERGY_IN] = (vs_value){true, joule[VS_E_SOURCE], NAN};
   values[VS_M_ENERGY_COPPER] = (vs_value){true, joule[VS_E_COPPER], NAN};
   values[VS_M_WORK_FORCE] = (vs_value){true, joule[VS_E_WORK], NAN};
   values[VS_M_ENERGY_RESIDUAL] = (vs_value){true, w->energy.worst, NAN};
+
+  /* What the rest could have changed is not known. */
   for (int k = 0; w->left && k < VS_MEASURES; k++)
     if (!w->settled.has[k]) values[k] = (vs_value){.at_s = NAN};
   vs_devices_finish(w->devices);

@@ -9,9 +9,9 @@
 #include <strings.h>
 
 #include "base/text.h"
+#include "base/units.h"
 #include "netlist/devices.h"
 #include "netlist/parts.h"
-#include "base/units.h"
 
 /* What vs_text_beyond says of an end of the range; NULL: nothing. */
 static const char *beyond_in(const char *range) {
@@ -29,8 +29,8 @@ static bool read_range(char *token, double *min, double *max) {
 }
 
 /* param NAME = PART part [KIND] "TEXT", from behind the word part on */
-static vs_status read_part(vs_deck *deck, vs_cursor *c, vs_field *field, vs_where where,
-                           vs_error *err) {
+static vs_status read_param_part(vs_deck *deck, vs_cursor *c, vs_field *field, vs_where where,
+                                 vs_error *err) {
   char text[VS_DECK_TEXT], kind[VS_DECK_NAME] = "";
   if (deck->n_parts >= VS_DECK_PARTS)
     return vs_fail_at(err, where, "more than %d parts", VS_DECK_PARTS);
@@ -82,7 +82,7 @@ static vs_status set_range(vs_field *field, param_text *p, char *default_text, s
 }
 
 /* param NAME = VALUE UNIT MIN..MAX [assumed] "TEXT", from behind the range on */
-static vs_status read_number(vs_deck *deck, vs_cursor *c, param_text *p, vs_error *err) {
+static vs_status read_param_number(vs_deck *deck, vs_cursor *c, param_text *p, vs_error *err) {
   char text[VS_DECK_TEXT], default_text[2 * VS_DECK_NAME];
   vs_field field = {.kind = VS_REAL, .key = p->name, .unit = p->unit, .default_text = default_text};
   vs_status status = set_range(&field, p, default_text, sizeof default_text, err);
@@ -114,9 +114,9 @@ static vs_status read_param(vs_deck *deck, vs_cursor *c, vs_error *err) {
     memcpy(p.unit, p.range, sizeof p.unit);
     if (strcmp(p.unit, "part")) vs_cursor_token(c, p.range, sizeof p.range);
   }
-  if (strcmp(p.unit, "part")) return read_number(deck, c, &p, err);
+  if (strcmp(p.unit, "part")) return read_param_number(deck, c, &p, err);
   vs_field field = {.key = p.name, .unit = "", .default_text = p.value};
-  return read_part(deck, c, &field, p.where, err);
+  return read_param_part(deck, c, &field, p.where, err);
 }
 
 /* port mains = SOURCE, port gate+180deg = SOURCE */

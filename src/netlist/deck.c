@@ -11,8 +11,8 @@
 
 #include "base/text.h"
 #include "netlist/catalogue.h"
-#include "netlist/words.h"
 #include "netlist/reserved.h"
+#include "netlist/words.h"
 
 const vs_shelf vs_deck_shelf = {"deck", "", ".cir"},
                vs_deck_parts_shelf = {"part", "parts", ".inc"};
@@ -37,12 +37,12 @@ const char *const vs_deck_standard_names[] = {
 _Static_assert(sizeof vs_deck_standard_names / sizeof *vs_deck_standard_names == VS_STANDARD,
                "a name for each parameter of the program's");
 
-static bool among(const char *name, const char *const *list, size_t count) {
+static bool is_in_list(const char *name, const char *const *list, size_t count) {
   for (size_t k = 0; k < count; k++)
     if (!strcasecmp(name, list[k])) return true;
   return false;
 }
-#define AMONG(name, list) among(name, list, sizeof(list) / sizeof *(list))
+#define AMONG(name, list) is_in_list(name, list, sizeof(list) / sizeof *(list))
 
 bool vs_deck_is_standard(const char *name) {
   return AMONG(name, vs_deck_standard_names);
@@ -150,7 +150,7 @@ typedef struct formula_scope {
   const vs_cursor *line;
 } formula_scope;
 
-static vs_where place(const formula_scope *scope, const char *at) {
+static vs_where place_in_formula(const formula_scope *scope, const char *at) {
   vs_cursor c = *scope->line;
   c.at = at;
   return vs_cursor_here(&c);
@@ -158,7 +158,8 @@ static vs_where place(const formula_scope *scope, const char *at) {
 
 static int formula_term(void *ctx, const char *at, const vs_formula_term *term) {
   const formula_scope *scope = ctx;
-  return vs_deck_add_term(scope->deck, place(scope, at), term->quantity, term->first, term->second);
+  return vs_deck_add_term(scope->deck, place_in_formula(scope, at), term->quantity, term->first,
+                          term->second);
 }
 
 static int formula_name(void *ctx, const char *at, const char *name) {
@@ -169,7 +170,7 @@ static int formula_name(void *ctx, const char *at, const char *name) {
   if (deck->n_names >= VS_DECK_MOST) return -1;
   vs_named *named = &deck->names[deck->n_names++];
   snprintf(named->name, sizeof named->name, "%s", name);
-  named->where = place(scope, at);
+  named->where = place_in_formula(scope, at);
   return (int)deck->n_names - 1;
 }
 

@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "netlist/parts.h"
 #include "base/units.h"
+#include "netlist/parts.h"
 
 /* ---- reading ---- */
 
@@ -471,7 +471,7 @@ static void narrow(bracket *b, double x, double at, double y) {
 }
 
 /* The power law between them. Below the first row it is that row's; above the last it is NaN. */
-static double between(const bracket *b, double at) {
+static double power_law_between(const bracket *b, double at) {
   if (isinf(b->x[1])) return NAN;
   if (isinf(b->x[0]) || b->x[0] == b->x[1]) return b->y[1];
   double part = log(at / b->x[0]) / log(b->x[1] / b->x[0]);
@@ -488,7 +488,7 @@ static double at_width(const vs_deck *deck, const char *file, double number, dou
     narrow(&b, d->width_s, width_s, d->current_a);
     *assumed = *assumed || d->assumed;
   }
-  return between(&b, width_s);
+  return power_law_between(&b, width_s);
 }
 
 double vs_devices_bears(const vs_deck *deck, const vs_device *device, double width_s, double number,
@@ -501,7 +501,7 @@ double vs_devices_bears(const vs_deck *deck, const vs_device *device, double wid
       narrow(&b, deck->deratings[k].number, number, 0);
   for (int n = 0; n < 2; n++)
     b.y[n] = isinf(b.x[n]) ? NAN : at_width(deck, file, b.x[n], width_s, assumed);
-  return between(&b, number);
+  return power_law_between(&b, number);
 }
 
 /* ---- a time-current curve ---- */
@@ -529,7 +529,7 @@ double vs_devices_melts_at(const vs_deck *deck, const vs_device *device, double 
     narrow(&b, row->time_s, time_s, row->current_a);
     *assumed = *assumed || row->assumed;
   }
-  return isinf(b.x[0]) ? NAN : between(&b, time_s);
+  return isinf(b.x[0]) ? NAN : power_law_between(&b, time_s);
 }
 
 /* ---- what is left at an ambient temperature ---- */
@@ -607,7 +607,7 @@ double vs_devices_bears_surge(const vs_deck *deck, const vs_device *device, doub
     narrow(&b, row->number, number, row->current_a);
     *assumed = *assumed || row->assumed;
   }
-  return between(&b, number);
+  return power_law_between(&b, number);
 }
 
 double vs_devices_most_surges(const vs_deck *deck, const vs_device *device) {
@@ -653,7 +653,7 @@ double vs_devices_r_th(const vs_deck *deck, const vs_device *device, const char 
 static const double AGREES = 0.2;
 
 /* The value of the part's finite limit of that name; NaN: it has none. */
-static double value_of(const vs_deck *deck, const char *file, const char *name) {
+static double limit_value(const vs_deck *deck, const char *file, const char *name) {
   const vs_limit *limit = vs_parts_find_limit(deck, file, name);
   return limit && isfinite(limit->value) ? limit->value : NAN;
 }
@@ -699,7 +699,7 @@ static vs_status check_first_surge(const vs_surge_row *row, const vs_deck *deck,
  * that the part does not state, without t_j_max or not below it. */
 static vs_status check_rows(const vs_deck *deck, const char *file, vs_error *err) {
   vs_status status = VS_OK;
-  double t_j_max = value_of(deck, file, "t_j_max");
+  double t_j_max = limit_value(deck, file, "t_j_max");
   for (size_t k = 0; k < deck->n_surges && !status; k++) {
     const vs_surge_row *a = &deck->surges[k];
     if (!strcmp(a->where.file, file)) status = check_first_surge(a, deck, file, err);

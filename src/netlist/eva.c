@@ -198,8 +198,8 @@ static vs_status take_mention(vs_deck *deck, const own_line *own, const char *at
 }
 
 /* Takes the nodes that one line of the netlist names. */
-static vs_status take_line(vs_deck *deck, const own_line *own, const node_names *names,
-                           vs_error *err) {
+static vs_status take_nodes_of_line(vs_deck *deck, const own_line *own, const node_names *names,
+                                    vs_error *err) {
   char node[VS_DECK_NAME], other[VS_DECK_NAME];
   const vs_line *line = own->line;
   const char *text = line->text, *written = line->written ? line->written : text;
@@ -229,7 +229,7 @@ vs_status vs_eva_take_motions(vs_deck *deck, const vs_machine *machine, vs_error
     const vs_line *line = &deck->lines[k];
     depth += is_statement(line->text, ".subckt");
     const own_line own = {line, depth > 0};
-    if (is_of_the_deck(deck, line->where)) status = take_line(deck, &own, &names, err);
+    if (is_of_the_deck(deck, line->where)) status = take_nodes_of_line(deck, &own, &names, err);
     depth -= is_statement(line->text, ".ends");
   }
   for (size_t k = 0; k < deck->n_terms && !status; k++) {

@@ -11,15 +11,15 @@
 
 #include "base/jail.h"
 #include "base/text.h"
+#include "dialect/functions.h"
+#include "dialect/translate.h"
+#include "lint/slips.h"
 #include "netlist/catalogue.h"
 #include "netlist/contract.h"
 #include "netlist/rules.h"
-#include "dialect/functions.h"
 #include "netlist/source.h"
 #include "netlist/statements.h"
-#include "dialect/translate.h"
 #include "netlist/words.h"
-#include "lint/slips.h"
 
 /* Where includes are found that are not beside the file that includes them. */
 static const vs_shelf INCLUDE_SHELF = {"include file", "", ""},
@@ -164,7 +164,7 @@ static vs_status take_circuit(vs_deck *deck, vs_line *line, bool *skip, vs_error
 
 /* Takes a line, joined with those that continue it, into the deck. The line is the deck's then, or
  * freed. */
-static vs_status take_line(vs_deck *deck, vs_line line, vs_error *err) {
+static vs_status take_line_into_deck(vs_deck *deck, vs_line line, vs_error *err) {
   const char *text = line.text;
   char word[16];
   snprintf(word, sizeof word, "%.*s", (int)strcspn(text, " \t"), text);
@@ -196,7 +196,7 @@ typedef struct reading {
 static vs_status end_line(vs_deck *deck, reading *r, vs_error *err) {
   vs_line line = r->line;
   r->line = (vs_line){0};
-  return line.text ? vs_error_carry_on(err, take_line(deck, line, err)) : VS_OK;
+  return line.text ? vs_error_carry_on(err, take_line_into_deck(deck, line, err)) : VS_OK;
 }
 
 /* Cuts the end of a line that ngspice takes for a comment: from ';' or '//' on, or from a '$'

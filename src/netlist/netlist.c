@@ -12,26 +12,26 @@
 
 #include "base/jail.h"
 #include "base/text.h"
-#include "netlist/catalogue.h"
-#include "netlist/contract.h"
-#include "netlist/devices.h"
-#include "netlist/eva.h"
+#include "base/units.h"
 #include "files.h"
-#include "netlist/parts.h"
-#include "probes.h"
-#include "netlist/rules.h"
-#include "netlist/numbers.h"
-#include "netlist/words.h"
 #include "lint/couplings.h"
 #include "lint/cycles.h"
 #include "lint/doubles.h"
 #include "lint/growth.h"
 #include "lint/nesting.h"
 #include "lint/parameters.h"
-#include "netlist/reserved.h"
 #include "lint/slips.h"
 #include "lint/subcircuits.h"
-#include "base/units.h"
+#include "netlist/catalogue.h"
+#include "netlist/contract.h"
+#include "netlist/devices.h"
+#include "netlist/eva.h"
+#include "netlist/numbers.h"
+#include "netlist/parts.h"
+#include "netlist/reserved.h"
+#include "netlist/rules.h"
+#include "netlist/words.h"
+#include "probes.h"
 
 /* ---- files ---- */
 
@@ -572,8 +572,8 @@ static double parameter(const vs_deck *deck, const vs_circuit_values *values, vs
 
 /* The value of the deck's element R or C of that name, where it is a number or a parameter in
  * braces; NaN: it is none of these, or there is no such element outside of subcircuits. */
-static double element(const vs_deck *deck, const vs_circuit_values *values, const char *name,
-                      const char *unit) {
+static double element_value(const vs_deck *deck, const vs_circuit_values *values, const char *name,
+                            const char *unit) {
   vs_word w[VS_WORDS_MOST];
   double value;
   int depth = 0;
@@ -588,11 +588,11 @@ static double element(const vs_deck *deck, const vs_circuit_values *values, cons
   return NAN;
 }
 
-static double value_of(const vs_deck *deck, const vs_circuit_values *values, const char *name,
-                       const char *unit) {
+static double value_in_braces(const vs_deck *deck, const vs_circuit_values *values,
+                              const char *name, const char *unit) {
   const char *underscore = strrchr(name, '_');
   double value = parameter(deck, values, vs_words_of(name), unit);
-  if (isnan(value)) value = element(deck, values, name, unit);
+  if (isnan(value)) value = element_value(deck, values, name, unit);
   if (isnan(value) && underscore)
     value = parameter(deck, values, (vs_word){name, (size_t)(underscore - name)}, unit);
   return value;
@@ -611,7 +611,7 @@ bool vs_netlist_beyond_series(const vs_deck *deck, const vs_circuit_values *valu
                  *most = vs_parts_find_limit(deck, p->file, "r_most"),
                  *rated = vs_parts_find_limit(deck, p->file, "c_rated");
   if (rated && isfinite(rated->value)) {
-    double c_f = value_of(deck, values, name, rated->unit);
+    double c_f = value_in_braces(deck, values, name, rated->unit);
     if (isnan(c_f) || fabs(c_f - rated->value) <= TOLERANCE * rated->value) return false;
     snprintf(text, size, "circuit.%s: %s has %s, and %s is %.6g %s; a part of that value is wanted",
              p->name, p->subcircuit, rated->written, name, c_f / vs_units_factor(rated->unit),
@@ -619,7 +619,7 @@ bool vs_netlist_beyond_series(const vs_deck *deck, const vs_circuit_values *valu
     return true;
   }
   if (!least || !most || !isfinite(least->value) || !isfinite(most->value)) return false;
-  double r_ohm = value_of(deck, values, name, "ohm");
+  double r_ohm = value_in_braces(deck, values, name, "ohm");
   if (isnan(r_ohm) || (r_ohm >= least->value && r_ohm <= most->value)) return false;
   const char *unit = r_ohm < least->value ? least->unit : most->unit;
   snprintf(text, size, "circuit.%s: %s is made from %s to %s, and %s is %.6g %s", p->name,

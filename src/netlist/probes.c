@@ -4,11 +4,11 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "netlist/rules.h"
-#include "netlist/words.h"
 #include "base/names.h"
 #include "base/sets.h"
 #include "base/units.h"
+#include "netlist/rules.h"
+#include "netlist/words.h"
 
 /* The nodes of a deck, but for those within subcircuits, and which of them branches join: a current
  * flows from each node of a group to each other one, and not by way of ground alone. */
@@ -35,7 +35,7 @@ static size_t group_of(groups *g, vs_word node) {
 }
 
 /* Takes the two nodes of a branch for one group. */
-static void join(groups *g, vs_word a, vs_word b) {
+static void join_nodes(groups *g, vs_word a, vs_word b) {
   if (vs_words_is_ground(a) || vs_words_is_ground(b)) return;
   const size_t of_a = number_of(g, a), of_b = number_of(g, b);
   vs_sets_join(&g->sets, of_a, of_b);
@@ -65,7 +65,7 @@ static void find_groups(const vs_deck *deck, groups *g) {
     const size_t pins = within ? 0 : pins_of(text);
     nodes_of(text, node, pins);
     for (size_t p = 1; p < pins; p++)
-      for (size_t q = 0; q < p; q++) join(g, node[p], node[q]);
+      for (size_t q = 0; q < p; q++) join_nodes(g, node[p], node[q]);
   }
 }
 

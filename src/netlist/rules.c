@@ -8,16 +8,16 @@
 #include <strings.h>
 
 #include "base/text.h"
+#include "netlist/reserved.h"
 #include "netlist/source.h"
 #include "netlist/words.h"
-#include "netlist/reserved.h"
 
-static bool among(const char *word, const char *const *list, size_t count) {
+static bool is_rule_word(const char *word, const char *const *list, size_t count) {
   for (size_t k = 0; k < count; k++)
     if (!strcasecmp(word, list[k])) return true;
   return false;
 }
-#define AMONG(word, list) among(word, list, sizeof(list) / sizeof *(list))
+#define AMONG(word, list) is_rule_word(word, list, sizeof(list) / sizeof *(list))
 
 /* The same for the n characters at s. */
 static bool begins_among(const char *s, size_t n, const char *const *list, size_t count) {
@@ -129,7 +129,7 @@ static const char *find_random(const char *line, bool pspice, const char **word)
 
 /* Finds the place of a word in its file, which is read again: the line at hand is joined from
  * several. */
-static vs_where place_of(const char *word, bool call, vs_where where) {
+static vs_where place_in_file(const char *word, bool call, vs_where where) {
   vs_source source;
   vs_error unread = {0};
   bool found = vs_source_read(where.file, &source, &unread) != VS_OK;
@@ -151,14 +151,14 @@ vs_status vs_rules_random(const char *line, bool pspice, vs_where where, vs_erro
   bool noise = !strncmp(word, "tr", 2);
   if (pspice && !strcmp(word, "limit"))
     return vs_fail_at(
-        err, place_of(word, true, where),
+        err, place_in_file(word, true, where),
         "limit: in PSpice's dialect ngspice knows LIMIT(x, least, most), of three and "
         "with no blank before '('");
   if (!strcmp(word, "limit") && cuts_off(call))
-    return vs_fail_at(err, place_of(word, true, where),
+    return vs_fail_at(err, place_in_file(word, true, where),
                       "limit: LIMIT(x, least, most), of three, is PSpice's; with a line '*$ compat "
                       "ps' the deck is read in that dialect. ngspice's own, of two, is random");
-  return vs_fail_at(err, place_of(word, !noise, where),
+  return vs_fail_at(err, place_in_file(word, !noise, where),
                     noise ? "%s is random anew in each run; a course that is the same each time "
                             "would be right, or a study over a parameter"
                           : "%s(...) is random anew in each run of ngspice's; a number would be "

@@ -15,7 +15,7 @@
 #include "base/alloc.h"
 #include "ngspice/confine.h"
 
-/* A crash shall end the child by its signal, without a word and without a core file. */
+/* A crash ends the child by its signal, without a message and without a core file. */
 static void die_quietly(void) {
   static const int CRASHES[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
   const struct rlimit none = {0, 0};
@@ -49,7 +49,7 @@ static _Noreturn void attempt_alone(vs_child_end (*attempt)(void *), void *ctx,
 }
 
 /* Takes what the child says and waits for its end, which it gives as waitpid does. A signal that
- * this process handles is the wish to stop. */
+ * this process handles means that it is to stop. */
 static vs_status hear_child(pid_t child, int pipe_end, vs_complaints *c, int *how, vs_error *err) {
   ssize_t n = read(pipe_end, c->item, sizeof c->item);
   bool stopped = n < 0 && errno == EINTR;
@@ -92,7 +92,7 @@ vs_status vs_child_try(vs_child_end (*attempt)(void *), void *ctx, vs_complaints
   int how = 0;
   *end = VS_CHILD_GOOD;
   vs_status status = try_once(attempt, ctx, complaints, &how, err);
-  /* no circuit does that; once it may be somebody's doing */
+  /* a circuit does not cause a SIGKILL; the first one may have come from outside */
   if (!status && was_killed(how)) status = try_once(attempt, ctx, complaints, &how, err);
   if (status) return status;
   if (WIFSIGNALED(how) && WTERMSIG(how) == SIGALRM)

@@ -15,7 +15,8 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-/* The machine whose numbers of calls the filter has; another one has no filter. */
+/* The architecture whose system call numbers the filter knows; on another one there is no filter.
+ */
 #if defined __x86_64__
 #define MACHINE AUDIT_ARCH_X86_64
 #define FIRST_OF_X32 0x40000000u
@@ -131,27 +132,27 @@ enum { N_REFUSED = sizeof REFUSED / sizeof *REFUSED };
 
 /* ---- the filter ---- */
 
-/* A program of the kernel's small machine for packet filters. It looks at one number at a time. */
+/* A program for the kernel's packet filter (BPF), which looks at one number at a time. */
 typedef struct program {
   struct sock_filter step[2 * N_REFUSED + 48];
   unsigned short count;
 } program;
 
-static void add(program *p, int code, uint32_t value, int if_true, int if_false) {
+static void add_instruction(program *p, int code, uint32_t value, int if_true, int if_false) {
   p->step[p->count++] = (struct sock_filter){(unsigned short)code, (unsigned char)if_true,
                                              (unsigned char)if_false, value};
 }
 
-static void load(program *p, size_t offset) {
-  add(p, BPF_LD | BPF_W | BPF_ABS, (uint32_t)offset, 0, 0);
+static void add_load(program *p, size_t offset) {
+  add_instruction(p, BPF_LD | BPF_W | BPF_ABS, (uint32_t)offset, 0, 0);
 }
 
-static void refuse(program *p, int why) {
-  add(p, BPF_RET | BPF_K, SECCOMP_RET_ERRNO | ((uint32_t)why & SECCOMP_RET_DATA), 0, 0);
+static void add_refusal(program *p, int why) {
+  add_instruction(p, BPF_RET | BPF_K, SECCOMP_RET_ERRNO | ((uint32_t)why & SECCOMP_RET_DATA), 0, 0);
 }
 
 static void allow(program *p) {
-  add(p, BPF_RET | BPF_K, SECCOMP_RET_ALLOW, 0, 0);
+  add_instruction(p, BPF_RET | BPF_K, SECCOMP_RET_ALLOW, 0, 0);
 }
 
 /* The low half of a call's argument, where flags are; both machines have it first. */
@@ -162,20 +163,20 @@ static size_t argument(int k) {
 /* Refuses call `number` by the low half of its argument k: where any of these bits is set in it, or
  * where none is. */
 static void refuse_bits(program *p, int number, int k, uint32_t bits, bool set) {
-  add(p, BPF_JMP | BPF_JEQ | BPF_K, (uint32_t)number, 0, 4);
-  load(p, argument(k));
-  add(p, BPF_JMP | BPF_JSET | BPF_K, bits, !set, set);
-  refuse(p, EPERM);
+  add_instruction(p, BPF_JMP | BPF_JEQ | BPF_K, (uint32_t)number, 0, 4);
+  add_load(p, argument(k));
+  add_instruction(p, BPF_JMP | BPF_JSET | BPF_K, bits, !set, set);
+  add_refusal(p, EPERM);
   allow(p);
 }
 
-/* Refuses to type into the terminal that the process was started from, as if its user did. */
+/* Refuses to insert characters into the terminal's input, as if the user had typed them. */
 static void refuse_typing(program *p) {
-  add(p, BPF_JMP | BPF_JEQ | BPF_K, SYS_ioctl, 0, 5);
-  load(p, argument(1));
-  add(p, BPF_JMP | BPF_JEQ | BPF_K, TIOCSTI, 1, 0);
-  add(p, BPF_JMP | BPF_JEQ | BPF_K, TIOCLINUX, 0, 1);
-  refuse(p, EPERM);
+  add_instruction(p, BPF_JMP | BPF_JEQ | BPF_K, SYS_ioctl, 0, 5);
+  add_load(p, argument(1));
+  add_instruction(p, BPF_JMP | BPF_JEQ | BPF_K, TIOCSTI, 1, 0);
+  add_instruction(p, BPF_JMP | BPF_JEQ | BPF_K, TIOCLINUX, 0, 1);
+  add_refusal(p, EPERM);
   allow(p);
 }
 
@@ -183,16 +184,16 @@ static void refuse_typing(program *p) {
  * where the filter cannot look; programs fall back to the older calls where these are not there. */
 static void refuse_processes(program *p) {
   refuse_bits(p, SYS_clone, 0, CLONE_THREAD, false);
-  add(p, BPF_JMP | BPF_JEQ | BPF_K, SYS_clone3, 0, 1);
-  refuse(p, ENOSYS);
+  add_instruction(p, BPF_JMP | BPF_JEQ | BPF_K, SYS_clone3, 0, 1);
+  add_refusal(p, ENOSYS);
 }
 
 /* A process may signal itself, as abort() does, and no other. */
 static void refuse_signals(program *p) {
-  add(p, BPF_JMP | BPF_JEQ | BPF_K, SYS_tgkill, 0, 4);
-  load(p, argument(0));
-  add(p, BPF_JMP | BPF_JEQ | BPF_K, (uint32_t)getpid(), 1, 0);
-  refuse(p, EPERM);
+  add_instruction(p, BPF_JMP | BPF_JEQ | BPF_K, SYS_tgkill, 0, 4);
+  add_load(p, argument(0));
+  add_instruction(p, BPF_JMP | BPF_JEQ | BPF_K, (uint32_t)getpid(), 1, 0);
+  add_refusal(p, EPERM);
   allow(p);
 }
 
@@ -202,23 +203,24 @@ static void refuse_writing(program *p) {
   refuse_bits(p, SYS_open, 1, writes, true);
 #endif
   refuse_bits(p, SYS_openat, 2, writes, true);
-  add(p, BPF_JMP | BPF_JEQ | BPF_K, SYS_openat2, 0, 1);
-  refuse(p, ENOSYS);
+  add_instruction(p, BPF_JMP | BPF_JEQ | BPF_K, SYS_openat2, 0, 1);
+  add_refusal(p, ENOSYS);
 }
 
 static void write_program(program *p, vs_confine level) {
-  load(p, offsetof(struct seccomp_data, arch));
-  add(p, BPF_JMP | BPF_JEQ | BPF_K, MACHINE, 1, 0);
-  refuse(p, EPERM); /* a call by the way of another machine has other numbers */
-  load(p, offsetof(struct seccomp_data, nr));
+  add_load(p, offsetof(struct seccomp_data, arch));
+  add_instruction(p, BPF_JMP | BPF_JEQ | BPF_K, MACHINE, 1, 0);
+  /* a call through the interface of another architecture has other numbers */
+  add_refusal(p, EPERM);
+  add_load(p, offsetof(struct seccomp_data, nr));
 #ifdef FIRST_OF_X32
-  add(p, BPF_JMP | BPF_JGE | BPF_K, FIRST_OF_X32, 0, 1);
-  refuse(p, EPERM);
+  add_instruction(p, BPF_JMP | BPF_JGE | BPF_K, FIRST_OF_X32, 0, 1);
+  add_refusal(p, EPERM);
 #endif
   for (size_t k = 0; k < N_REFUSED; k++) {
     if (REFUSED[k].from > level) continue;
-    add(p, BPF_JMP | BPF_JEQ | BPF_K, (uint32_t)REFUSED[k].number, 0, 1);
-    refuse(p, EPERM);
+    add_instruction(p, BPF_JMP | BPF_JEQ | BPF_K, (uint32_t)REFUSED[k].number, 0, 1);
+    add_refusal(p, EPERM);
   }
   refuse_typing(p);
   if (level == VS_CONFINE_TRIAL) {

@@ -31,7 +31,7 @@ static struct {
   struct sigaction before[SIGNALS];
 } guard;
 
-/* What a process says that dies is no message for a user: standard output and error go nowhere
+/* What a dying process prints is no message for a user: standard output and error go to /dev/null
  * while the guard is on. */
 static void hush(void) {
   int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
@@ -52,7 +52,7 @@ static void speak(void) {
   }
 }
 
-/* Begins anew. Calls nothing that a signal handler must not. */
+/* Starts the program anew by exec. Calls only what a signal handler may. */
 static void begin_anew(void) {
   sigset_t none;
   if (!guard.on) return;
@@ -85,7 +85,7 @@ static size_t read_words(void) {
 }
 
 /* Makes the words and the environment of the process to come. */
-static bool prepare(void) {
+static bool prepare_restart(void) {
   size_t size = read_words(), n = 0;
   if (size == 0 || guard.words[size - 1] != '\0') return false;
   for (size_t k = 0; k < size; k++) n += guard.words[k] == '\0';
@@ -114,10 +114,10 @@ static void put_on(void) {
   alarm(VS_CHILD_SECONDS);
 }
 
-/* A process that has been asked to stop has an alarm of its own, which is left alone. */
+/* A process that has been asked to stop uses the alarm for its grace period; it is left alone. */
 bool vs_guard_begin(void) {
   sigset_t before;
-  if (guard.once || vs_guard_again() || !prepare()) return false;
+  if (guard.once || vs_guard_again() || !prepare_restart()) return false;
   vs_leave_hold(&before);
   bool stopping = vs_leave_requested;
   if (!stopping) put_on();

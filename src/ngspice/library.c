@@ -29,23 +29,23 @@ static struct {
 /* ---- the library ---- */
 
 /* Writes the address of a function to *function. C has no cast from data to a function. */
-static bool find(void *handle, const char *name, void *function) {
+static bool find_function(void *handle, const char *name, void *function) {
   void *found = dlsym(handle, name);
   if (!found) snprintf(spice.why, sizeof spice.why, "%s", dlerror());
   memcpy(function, &found, sizeof found);
   return found;
 }
 
-static bool load(void) {
+static bool load_library(void) {
   if (spice.loaded) return true;
   vs_library *l = &spice.library;
   void *handle = dlopen(VS_NGSPICE, RTLD_LAZY | RTLD_LOCAL);
   if (!handle) snprintf(spice.why, sizeof spice.why, "%s", dlerror());
-  spice.loaded = handle && find(handle, "ngSpice_Init", &l->init) &&
-                 find(handle, "ngSpice_Init_Sync", &l->init_sync) &&
-                 find(handle, "ngSpice_Circ", &l->circuit) &&
-                 find(handle, "ngSpice_Command", &l->command) &&
-                 find(handle, "ngSpice_SetBkpt", &l->set_breakpoint);
+  spice.loaded = handle && find_function(handle, "ngSpice_Init", &l->init) &&
+                 find_function(handle, "ngSpice_Init_Sync", &l->init_sync) &&
+                 find_function(handle, "ngSpice_Circ", &l->circuit) &&
+                 find_function(handle, "ngSpice_Command", &l->command) &&
+                 find_function(handle, "ngSpice_SetBkpt", &l->set_breakpoint);
   return spice.loaded;
 }
 
@@ -174,7 +174,7 @@ static int find_models(glob_t *found) {
 vs_status vs_library_open(vs_library_begin begin, vs_error *err) {
   glob_t models;
   spice.begin = begin;
-  if (!load()) return vs_fail(err, VS_RUN, "ngspice cannot be loaded: %s", spice.why);
+  if (!load_library()) return vs_fail(err, VS_RUN, "ngspice cannot be loaded: %s", spice.why);
   forget_environment();
   if (!find_models(&models)) begin_lean(), globfree(&models);
   vs_status status = begin_here(err);

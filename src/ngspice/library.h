@@ -2,9 +2,9 @@
  * libngspice, the library. It is loaded when the first circuit is to be solved, and not when the
  * program starts: most of what the program does needs none.
  *
- * A second thread could load it while the scene is read. That saved 0.3 ms of 4 ms, and made every
- * run 3 % longer: ngspice takes a lock around each of its requests for memory, and locks are dear
- * in a process that has ever had two threads. */
+ * Loading it in a second thread while the scene is read was tried. It saved 0.3 ms of 4 ms, and
+ * made every run 3 % longer: ngspice takes a lock around each of its requests for memory, and locks
+ * are dear in a process that has ever had two threads. */
 #ifndef VS_NGSPICE_LIBRARY_H
 #define VS_NGSPICE_LIBRARY_H
 
@@ -29,10 +29,10 @@ typedef void (*vs_library_begin)(const vs_library *library);
 
 /* Loads the library and calls begin; it is called once in a process. ngspice reads .spiceinit from
  * the working directory, else from the user's home; begin is called in a folder with one that says
- * nothing, so that a scene gives the same result for everyone. It begins without its code models, the elements whose names begin with
- * "a": ngspice goes through all types of devices that it has several times in every step, and with
- * these, which few netlists have, that is a fifteenth of a run. Errors, VS_RUN: there is no such
- * library, or no folder for it. */
+ * nothing, so that a scene gives the same result for everyone. It begins without its code models,
+ * the elements whose names begin with "a": ngspice goes through all types of devices that it has
+ * several times in every step, and with these, which few netlists have, that is a fifteenth of a
+ * run. Errors, VS_RUN: there is no such library, or no folder for it. */
 vs_status vs_library_open(vs_library_begin begin, vs_error *err);
 
 /* Loads ngspice's code models where it has begun without them; where their folder is not found

@@ -1,30 +1,112 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The circuit seam over libngspice, by its documented shared-library interface only.
+ * Runs circuits (ngspice/circuit.h) on libngspice, by its documented shared-library interface only.
  *
  * ngspice calls back in this order for each step: source values at the candidate time, once per
  * Newton iteration; then, once the step is accepted, SendData. Steps it rejects it repeats by
  * itself. Its return codes say nothing: whether a run was good is seen from the time it reached and
  * from its log. */
+#include "ngspice/ng.h"
+
 #include <ctype.h>
 #include <math.h>
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "base/jail.h"
 #include "base/text.h"
+#include "library.h"
+#include "netlist/words.h"
 #include "ngspice/child.h"
-#include "code_models.h"
 #include "ngspice/confine.h"
 #include "ngspice/guard.h"
-#include "library.h"
-#include "ngspice/ng.h"
 #include "rawfile.h"
 #include "trial.h"
 #include "versions.h"
-#include "ending.h"
-#include "progress.h"
+
+/* ---- does a run make progress? ---- */
+
+/* A circuit may have an instant that ngspice
+ * neither gets past nor gives up at: it shrinks its step until one converges, doubles it until one
+ * fails, and so on. */
+
+/* Start from {0} with each run. */
+typedef struct stretch {
+  double from_s; /* where the stretch that is looked at began */
+  long tries;    /* steps in that stretch, failed ones too */
+} stretch;
+
+/* So many steps in one stretch are too many. */
+enum { PROGRESS_TRIES = 100000 };
+
+/* A run makes no progress when it takes PROGRESS_TRIES steps, failed ones too, for PROGRESS_S or
+ * for one largest step. At such instants steps of 1e-12 s on average were measured, which is 1e7
+ * steps for PROGRESS_S; a junction that rings undamped takes 3e3 at its worst. Steps are counted
+ * and not seconds, so that every computer ends the run at the same step. */
+static const double PROGRESS_S = 1e-5;
+
+/* Counts a step that was tried, from where the run has reached reached_s. False: no progress has
+ * been made since from_s. */
+static bool progress_made(stretch *progress, double reached_s, double max_step_s) {
+  progress->tries++;
+  if (reached_s - progress->from_s >= fmin(max_step_s, PROGRESS_S))
+    *progress = (stretch){.from_s = reached_s};
+  return progress->tries < PROGRESS_TRIES;
+}
+
+/* ---- does a netlist need code models? ---- */
+
+/* ngspice's code models: types of devices that it loads from files beside its library, among them
+ * the one that it makes a source with POLY of. Results are the same to the bit with and without
+ * them, so that they are loaded for the first circuit that may need one (library.h). */
+
+/* What turns a line E, F, G or H, or one that continues it, into a code model. */
+static bool has_form(const char *line) {
+  static const char *const FORMS[] = {"poly", "table", "laplace", "freq", "and(", "or("};
+  bool found = false;
+  for (size_t k = 0; k < sizeof FORMS / sizeof *FORMS && !found; k++)
+    found = strcasestr(line, FORMS[k]);
+  return found;
+}
+
+/* A polynomial need not be called one: ngspice knows it by the number of words, too. What an
+ * .include brings is not seen here. */
+static bool may_need(const char *line) {
+  vs_word w[VS_WORDS_MOST];
+  size_t count = vs_words_split(line, w);
+  if (count == 0) return false;
+  switch (tolower((unsigned char)*w[0].at)) {
+  case 'a':
+  case 'n':
+  case 'u':
+    return true;
+  case 'e':
+  case 'g':
+    return count != 6 || strchr(line, '=') || has_form(line);
+  case 'f':
+  case 'h':
+    return count != 5 || strchr(line, '=') || has_form(line);
+  case '+':
+    return has_form(line);
+  case '.':
+    return !strncasecmp(w[0].at, ".inc", 4) || !strncasecmp(w[0].at, ".lib", 4);
+  default:
+    return false;
+  }
+}
+
+/* True where ngspice may make a code model of a line of the netlist. In another dialect it may do
+ * so with almost any line. The first line is the title. */
+static bool code_models_needed(char *const *netlist, size_t lines, const char *dialect) {
+  bool needed = *dialect;
+  for (size_t k = 1; k < lines && !needed; k++) needed = may_need(netlist[k]);
+  return needed;
+}
+
+/* ---- the one libngspice of a process, and its callbacks ---- */
 
 /* In the place of a vector's index: of a signal that is 0, and of one that the circuit has not. */
 enum { GROUND = -1, MISSING = -2 };
@@ -41,8 +123,8 @@ static struct {
   int *raw_vector; /* per vector of the rawfile: its index in SendData */
   double *raw_values;
   double reached_s, edge_s;
-  vs_progress progress;
-  vs_ending ending;
+  stretch progress;
+  vs_last_steps ending;
   vs_status status;   /* the run ends once it is not VS_OK */
   bool enough;        /* the host has seen enough: the run ends with VS_OK */
   const char **asked; /* per port: where ngspice has its name; NULL: not known yet */
@@ -167,7 +249,7 @@ static int on_accepted(pvecvaluesall all, int count, int id, void *user) {
   (void)count, (void)id, (void)user;
   if (!ng.job || ng.time_vector < 0 || ng.status || ng.enough) return 0;
   double t = all->vecsa[ng.time_vector]->creal;
-  if (t <= ng.reached_s || vs_ending_reached(ng.job->until_s - ng.reached_s, ng.job->max_step_s))
+  if (t <= ng.reached_s || vs_versions_at_end(ng.job->until_s - ng.reached_s, ng.job->max_step_s))
     return 0;
   if (ng.trial) vs_child_finish();
   vs_guard_end();
@@ -197,7 +279,7 @@ static size_t find_port(const char *name) {
 }
 
 /* ngspice asks for its sources in the same order each time, which need not be that of the ports. So
- * the one is tried first that was asked for behind the last one before. */
+ * the port is tried first that followed the last one in the round before. */
 static int on_source(double *value, double t, char *name, int id, void *user) {
   (void)id, (void)user;
   *value = 0;
@@ -213,9 +295,9 @@ static int on_source(double *value, double t, char *name, int id, void *user) {
 
 static vs_status guard_progress(void) {
   if (ng.job->tries) ++*ng.job->tries;
-  if (vs_progress_made(&ng.progress, ng.reached_s, ng.job->max_step_s)) return VS_OK;
+  if (progress_made(&ng.progress, ng.reached_s, ng.job->max_step_s)) return VS_OK;
   vs_fail(ng.err, VS_RUN, "t = %.9g s: ngspice makes no progress: %d steps for %.2g s",
-          clock_at(ng.reached_s), VS_PROGRESS_TRIES, ng.reached_s - ng.progress.from_s);
+          clock_at(ng.reached_s), PROGRESS_TRIES, ng.reached_s - ng.progress.from_s);
   ng.err->gave_up = true;
   return VS_RUN;
 }
@@ -227,13 +309,13 @@ static int on_sync(double t, double *step, double old_step, int redo, int id, in
   (void)old_step, (void)redo, (void)id, (void)user;
   if (ng.job && place == 1 && !ng.status && !ng.enough) stop_with(guard_progress());
   if (ng.job && place == 0 && !ng.status)
-    *step = fmin(vs_ending_step(&ng.ending, ng.job->until_s - t, *step),
+    *step = fmin(vs_versions_step(&ng.ending, ng.job->until_s - t, *step),
                  ng.host->longest(ng.host->ctx, t));
   if (ng.status || ng.enough) *step = 0;
   return 0;
 }
 
-static void begin(const vs_library *library) {
+static void init_ngspice(const vs_library *library) {
   int id = 0;
   ng.library = library;
   library->init(on_text, on_status, on_exit_wanted, on_accepted, on_vectors, on_thread, NULL);
@@ -245,7 +327,7 @@ vs_status vs_ng_begin(vs_error *err) {
   if (ng.ended)
     return vs_fail(err, VS_RUN, "ngspice ended itself in an earlier run of this process");
   if (ng.initialised) return VS_OK;
-  vs_status status = vs_library_open(begin, err);
+  vs_status status = vs_library_open(init_ngspice, err);
   ng.initialised = !status;
   if (ng.initialised && vs_jail_is_on()) vs_confine_process(VS_CONFINE_NETWORK);
   return status;
@@ -260,7 +342,7 @@ static void take_job(const vs_circuit_job *job, const vs_circuit_host *host) {
   ng.behind = vs_alloc(job->n_ports, sizeof *ng.behind);
 }
 
-static void step_on(vs_error *err) {
+static void step_through(vs_error *err) {
   ng.err = err;
   ng.status = VS_OK;
   ng.enough = false;
@@ -268,8 +350,8 @@ static void step_on(vs_error *err) {
   ng.edge_s = INFINITY;
   ng.time_vector = -1;
   ng.reached_s = 0;
-  ng.progress = (vs_progress){0};
-  ng.ending = (vs_ending){0};
+  ng.progress = (stretch){0};
+  ng.ending = (vs_last_steps){0};
   ng.raw = (vs_rawfile){0};
   char command[] = "run";
   ng.library->command(command);
@@ -278,23 +360,24 @@ static void step_on(vs_error *err) {
 
 /* In the child: loads the circuit and runs it up to its first accepted step, where on_accepted ends
  * the child. What goes wrong without harm to the process is left to the parent to find. */
-static vs_child_end attempt(const vs_trial *t) {
+static vs_child_end attempt_first_step(const vs_trial *t) {
   vs_error err = {0};
   ng.library->circuit(t->lines);
   if (ng.ended) return VS_CHILD_BAD_LOAD;
   ng.trial = true;
   take_job(t->job, t->host);
-  step_on(&err);
+  step_through(&err);
   return ng.ended ? VS_CHILD_BAD_RUN : VS_CHILD_GOOD;
 }
 
 static vs_trial trial_of(const vs_circuit_job *job, const vs_circuit_host *host, char **lines) {
-  return (vs_trial){attempt, job, host, lines, &ng.complaints};
+  return (vs_trial){attempt_first_step, job, host, lines, &ng.complaints};
 }
 
 /* Sets the dialect, which says what a netlist's words mean. In ngspice it is a setting that lasts.
  * ngspice 46 asks the system at every step whether there is memory for the run's vectors, and ends
- * the process where it thinks not; as it keeps one point of them (".save none"), it is not to. */
+ * the process where it finds none; as it keeps one point of them (".save none"), the question is
+ * switched off. */
 static void set_dialect(const char *dialect) {
   char command[64], unasked[] = "set no_mem_check";
   snprintf(command, sizeof command, *dialect ? "set ngbehavior=%sa" : "unset ngbehavior", dialect);
@@ -302,7 +385,7 @@ static void set_dialect(const char *dialect) {
   ng.library->command(unasked);
 }
 
-static void forget(void) {
+static void forget_circuit(void) {
   char remove[] = "remcirc";
   if (ng.loaded.length && !ng.ended) ng.library->command(remove);
   ng.loaded.length = 0;
@@ -323,9 +406,8 @@ static vs_status load_anew(const vs_circuit_job *job, const vs_circuit_host *hos
                            vs_text *netlist, vs_error *err) {
   char place[VS_COMPLAINTS_LINE];
   vs_status status = VS_OK;
-  forget();
-  if (vs_code_models_needed(job->netlist, job->lines, job->dialect))
-    status = vs_library_complete(err);
+  forget_circuit();
+  if (code_models_needed(job->netlist, job->lines, job->dialect)) status = vs_library_complete(err);
   if (status) return status;
   set_dialect(job->dialect);
   vs_trial trial = trial_of(job, host, lines);
@@ -344,8 +426,8 @@ static vs_status load_anew(const vs_circuit_job *job, const vs_circuit_host *hos
   return VS_OK;
 }
 
-static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, void **circuit,
-                      vs_error *err) {
+static vs_status load_circuit(const vs_circuit_job *job, const vs_circuit_host *host,
+                              void **circuit, vs_error *err) {
   *circuit = NULL;
   vs_status status = vs_ng_begin(err);
   if (status) return status;
@@ -400,7 +482,7 @@ static vs_status tell_of_run(vs_error *err) {
 }
 
 /* How the run went, once ngspice has come back from it. */
-static vs_status outcome(vs_error *err) {
+static vs_status outcome_of_run(vs_error *err) {
   if (ng.status || ng.enough) return ng.status;
   if (ng.time_vector < 0 || ng.reached_s == 0) return tell_of_run(err);
   if (ng.reached_s >= ng.job->until_s * (1 - 1e-9)) return VS_OK;
@@ -412,17 +494,17 @@ static vs_status outcome(vs_error *err) {
   return VS_RUN;
 }
 
-static vs_status run(void *circuit, vs_error *err) {
+static vs_status run_circuit(void *circuit, vs_error *err) {
   (void)circuit;
-  step_on(err);
-  vs_status status = outcome(err);
+  step_through(err);
+  vs_status status = outcome_of_run(err);
   ng.sound = !status;
   vs_error second = {0};
   if (ng.raw.stream && vs_rawfile_end(&ng.raw, status ? &second : err) && !status) return VS_RUN;
   return status;
 }
 
-static void release(void *circuit) {
+static void release_circuit(void *circuit) {
   if (!circuit) return;
   vs_guard_end();
   free(ng.vector);
@@ -439,10 +521,10 @@ static void release(void *circuit) {
   if (ng.ended) return;
   char destroy[] = "destroy all";
   ng.library->command(destroy);
-  if (!ng.sound) forget();
+  if (!ng.sound) forget_circuit();
 }
 
-const vs_circuit_kind vs_ng_kind = {"ngspice", load, run, release};
+const vs_circuit_kind vs_ng_kind = {"ngspice", load_circuit, run_circuit, release_circuit};
 
 bool vs_ng_usable(void) {
   return !ng.ended;

@@ -13,23 +13,23 @@
 #include "netlist/blame.h"
 #include "ngspice/guard.h"
 
-static vs_child_end attempt(void *ctx) {
+static vs_child_end attempt_netlist(void *ctx) {
   const vs_trial *t = ctx;
   return t->attempt(t);
 }
 
 /* Only a child that gets through the first step is good: it ends there. */
-static vs_child_end attempt_strictly(void *ctx) {
-  attempt(ctx);
+static vs_child_end attempt_that_must_step(void *ctx) {
+  attempt_netlist(ctx);
   return VS_CHILD_BAD_RUN;
 }
 
 /* ---- which line it is ---- */
 
-/* A search is counted in lines that ngspice is given, so that it has the same end on a busy
- * machine: those of a trial, and EACH for the process of its own. MOST of them take a few seconds,
- * which is some hundred trials of a circuit of fifty lines. The clock is asked too, as ngspice may
- * take far longer for a line. */
+/* A search is limited by the number of lines that ngspice is given, so that it ends at the same
+ * point on a busy machine: those of a trial, and EACH for the process of its own. MOST of them take
+ * a few seconds, which is some hundred trials of a circuit of fifty lines. The clock is asked too,
+ * as ngspice may take far longer for a line. */
 enum { MOST = 100000, EACH = 300, MOST_SECONDS = 20 };
 
 /* How a trial ends: the circuit runs; it has the complaint, or the death, that the search is about;
@@ -75,7 +75,7 @@ static ending try_lines(search *s) {
   if (s->left < cost) return OVER;
   s->left -= cost;
   vs_complaints_clear(c);
-  vs_status status = vs_child_try(attempt_strictly, t, c, &end, &why);
+  vs_status status = vs_child_try(attempt_that_must_step, t, c, &end, &why);
   if (status && !strstr(why.text, VS_CHILD_DIED)) s->left = 0;
   if (status) return !s->left ? OVER : s->died ? SAME : OTHER;
   if (end == VS_CHILD_GOOD) return GOOD;
@@ -174,8 +174,8 @@ static size_t find_line(vs_trial *t, bool died) {
   return good ? good : call ? call : other;
 }
 
-/* Of what ngspice does not say, or dies of, the line is found by leaving lines out. Notes it, and
- * writes its words with VS_BLAME_WITHOUT before them; nothing where no line is found. */
+/* Finds the line of a complaint that does not name it, or of a death, by leaving lines out. Notes
+ * it, and writes its words with VS_BLAME_WITHOUT before them; nothing where no line is found. */
 static void find_culprit(vs_trial *t, bool died, char *text, size_t size) {
   size_t found = find_line(t, died);
   *text = '\0';
@@ -201,7 +201,7 @@ void vs_trial_blame(vs_trial *t) {
   if (*text) vs_complaints_add(t->complaints, text);
 }
 
-/* Of ngspice's death the line, too, where one is found. */
+/* Adds to the error of ngspice's death the line that causes it, where one is found. */
 static vs_status blame_death(vs_trial *t, vs_error *err) {
   char text[VS_COMPLAINTS_LINE] = "";
   const vs_error plain = *err;
@@ -219,7 +219,7 @@ vs_status vs_trial_first(vs_trial *t, vs_error *err) {
   const vs_circuit_job *job = t->job;
   if (job->tried || (job->unbegun && vs_guard_begin())) return VS_OK;
   vs_child_end end;
-  vs_status status = vs_child_try(attempt, t, t->complaints, &end, err);
+  vs_status status = vs_child_try(attempt_netlist, t, t->complaints, &end, err);
   if (!status && end == VS_CHILD_GOOD && job->unbegun && vs_guard_again())
     return vs_fail(err, VS_INPUT, "ngspice cannot take the circuit: it died of it the first time");
   if (status == VS_INPUT) return blame_death(t, err);

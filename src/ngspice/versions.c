@@ -2,6 +2,7 @@
 #include "versions.h"
 
 #include <ctype.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -36,7 +37,7 @@ static const char *find_pulse(const char *line) {
 }
 
 /* The end of the argument that begins there: a number, a name, or an expression. */
-static const char *end_of(const char *at) {
+static const char *end_of_argument(const char *at) {
   if (*at == '\'') {
     const char *end = strchr(at + 1, '\'');
     return end ? end + 1 : at + strlen(at);
@@ -61,7 +62,7 @@ static bool is_zero(const char *text, size_t size) {
 }
 
 /* The line with all arguments of its pulse; NULL: it has them, or no pulse. */
-static char *complete(const char *line, double until_s) {
+static char *complete_pulse(const char *line, double until_s) {
   const char *begin = find_pulse(line), *at = begin;
   vs_text text = {0};
   int count = 0;
@@ -72,7 +73,7 @@ static char *complete(const char *line, double until_s) {
   for (;; count++) {
     at += strspn(at, " \t,");
     if (!*at || *at == ')' || (!closed && isalpha((unsigned char)*at))) break;
-    const char *end = end_of(at);
+    const char *end = end_of_argument(at);
     if (end == at) break;
     bool none = (count == WIDTH || count == PERIOD) && is_zero(at, (size_t)(end - at));
     if (none)
@@ -98,7 +99,7 @@ static char *complete(const char *line, double until_s) {
 void vs_versions_complete(char **lines, size_t count, double until_s) {
   for (size_t k = 1; k < count; k++) {
     char letter = lines[k][strspn(lines[k], " \t")];
-    char *completed = letter && strchr("vViI", letter) ? complete(lines[k], until_s) : NULL;
+    char *completed = letter && strchr("vViI", letter) ? complete_pulse(lines[k], until_s) : NULL;
     if (completed) lines[k] = completed;
   }
 }
@@ -145,4 +146,21 @@ bool vs_versions_differ(const char *line, bool pspice) {
     if (power) at += strspn(at, "*^") - 1;
   }
   return false;
+}
+
+/* ---- the end of a run ---- */
+
+/* In parts of the largest step; ngspice's own measure, ten times its shortest step. */
+static const double NEAR = 1e-10;
+/* How exactly a half is a half. */
+static const double ALIKE = 1e-6;
+
+bool vs_versions_at_end(double left_s, double max_step_s) {
+  return left_s < NEAR * max_step_s;
+}
+
+double vs_versions_step(vs_last_steps *ending, double left_s, double step_s) {
+  bool half = fabs(2 * step_s - left_s) < ALIKE * left_s;
+  ending->halves = half ? ending->halves + 1 : 0;
+  return ending->halves > 1 ? left_s : step_s;
 }

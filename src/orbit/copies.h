@@ -13,7 +13,7 @@
 #define VS_ORBIT_COPIES_H
 
 #include "orbit/multipliers.h"
-#include "engine/knot.h"
+#include "engine/step.h"
 #include "ngspice/child.h"
 
 enum { VS_COPIES_MOST = VS_MOST_STATES, VS_COPIES_PERIODS = 3 };

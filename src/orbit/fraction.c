@@ -336,8 +336,8 @@ vs_status vs_fraction_settle(vs_scene *scene, int periods, vs_error *err) {
     status = vs_build_loaded(setup->machine, &setup->model, &load, f.share, &setup->model, err);
   }
   if (!status)
-    status =
-        vs_loads_make(&setup->timeline.events, setup->machine, &setup->model, &setup->loads, err);
+    status = vs_setup_make_loads(&setup->timeline.events, setup->machine, &setup->model,
+                                 &setup->loads, err);
   if (!status && !f.is_alone) warn_of_another(scene, s);
   setup->throw_coefficient = f.coefficient;
   setup->other_fraction = f.other;

@@ -6,11 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "formulas.h"
-#include "moving_coil.h"
-#include "reluctance.h"
-#include "table.h"
-
 /* ---- keys ---- */
 
 #define A_(member) offsetof(vs_actuator_values, member)
@@ -124,7 +119,7 @@ static bool ends_in(const char *word, const char *ending) {
   return n > m && !strcmp(word + n - m, ending);
 }
 
-/* Finds the law of that name, or that of files that end like it. */
+/* Finds the law of that name, or the one that reads files of that ending. */
 static vs_status find_law(const char *name, const vs_node *map, const vs_law **law, vs_error *err) {
   enum { MOST = sizeof vs_actuator_laws / sizeof *vs_actuator_laws };
   const char *names[MOST];
@@ -185,8 +180,8 @@ void vs_actuator_end(vs_coil *coil) {
 
 /* ---- stops ---- */
 
-/* A stop met where the gap is as at rest ends the opening. What is nearer to that than this part of
- * the gap differs from it by the rounding of D + d alone. */
+/* A stop that is met at the gap at rest limits the opening. A place that differs from the gap at
+ * rest by less than this part of it differs by the rounding of D + d alone. */
 static const double ROUNDING = 1e-12;
 
 static vs_stop stop_of(const vs_actuator_values *v, const vs_stop_values *s) {

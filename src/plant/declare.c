@@ -104,7 +104,7 @@ static vs_status read_coordinate(vs_machine *m, const vs_node *node, vs_error *e
   if (node->kind != VS_NODE_MAP)
     return vs_fail_at(err, node->where, "%s: {unit: m, text: ...} is wanted", what);
   const vs_node *unit = vs_tree_child(node, "unit");
-  s = vs_outline_known_keys(node, what, vs_declare_coordinate_keys, err);
+  s = vs_field_outline_keys(node, what, vs_declare_coordinate_keys, err);
   if (!s) s = vs_declare_text(unit, what, c.unit, sizeof c.unit, err);
   if (!s) s = vs_declare_text(vs_tree_child(node, "text"), what, c.text, sizeof c.text, err);
   if (s) return s;
@@ -127,8 +127,8 @@ static vs_status read_coordinate(vs_machine *m, const vs_node *node, vs_error *e
   return s;
 }
 
-/* Units and limits of `start`, chosen so that a slip of the pen is found: no armature starts a
- * metre away. Of other units nothing is known. */
+/* Units and limits of `start`, chosen so that a typing error is found: no armature starts a metre
+ * away. For other units the limits are wide. */
 static const struct start_limit {
   const char *unit, *shown;
   double most;
@@ -205,7 +205,7 @@ static vs_status take_unit(declaration *d, const vs_node *value, vs_error *err) 
 }
 
 /* One end of a range, in the parameter's unit: "1e-6 kg"; nothing: there is no such end. */
-static bool read_end(const declaration *d, const char *text, double none, double *value) {
+static bool read_range_end(const declaration *d, const char *text, double none, double *value) {
   char why[200], *end;
   double si;
   text += strspn(text, " ");
@@ -234,8 +234,8 @@ static vs_status read_range(declaration *d, const vs_node *node, vs_error *err) 
   if (dots) {
     *dots = '\0';
     for (char *c = dots; c > words && c[-1] == ' ';) *--c = '\0';
-    good = read_end(d, words, -INFINITY, &d->field.min) &&
-           read_end(d, dots + 2, INFINITY, &d->field.max) && d->field.min <= d->field.max;
+    good = read_range_end(d, words, -INFINITY, &d->field.min) &&
+           read_range_end(d, dots + 2, INFINITY, &d->field.max) && d->field.min <= d->field.max;
   }
   return good && dots ? VS_OK
                       : vs_fail_at(err, node->where,
@@ -301,7 +301,7 @@ static vs_status read_declaration(const vs_node *node, declaration *d, vs_error 
   if (node->kind != VS_NODE_MAP)
     return vs_fail_at(err, node->where,
                       "%s: {default: 20 kg, range: 0 kg .. 100 kg, text: ...} is wanted", d->what);
-  vs_status s = vs_outline_known_keys(node, d->what, vs_declare_parameter_keys, err);
+  vs_status s = vs_field_outline_keys(node, d->what, vs_declare_parameter_keys, err);
   if (!s) s = read_default(d, node, err);
   if (!s && range && d->field.kind == VS_CHOICE)
     s = vs_fail_at(err, range->where, "%s: a choice has no range", d->what);
@@ -316,7 +316,8 @@ static vs_status read_declaration(const vs_node *node, declaration *d, vs_error 
   return s;
 }
 
-/* Says whether the default is one that a scene may have, as it is read where the scene has none. */
+/* Checks that a scene might have the default as its value: it is read in its place where the scene
+ * has none. */
 static vs_status check_default(const declaration *d, const vs_node *node, vs_error *err) {
   static const vs_section OF_FILE = {.name = "parameters"};
   double values[2];

@@ -3,8 +3,8 @@
 #ifndef VS_PLANT_DECLARE_H
 #define VS_PLANT_DECLARE_H
 
+#include "base/field.h"
 #include "plant/machine.h"
-#include "base/outline.h"
 
 /* The keys of a coordinate, and those of a parameter. */
 extern const vs_outline vs_declare_coordinate_keys[], vs_declare_parameter_keys[];

@@ -84,7 +84,7 @@ static const vs_formula *named_formula(void *ctx, const char *name) {
   return &let->of;
 }
 
-static vs_where place(const vs_expression *e, const char *at) {
+static vs_where place_in_expression(const vs_expression *e, const char *at) {
   vs_where where = e->where;
   if (where.line > 0) where.column += vs_text_column(e->text, at) - 1;
   return where;
@@ -99,7 +99,7 @@ static vs_status unknown_name(const reader *r, const char *at, const char *name)
   const vs_machine *m = r->machine;
   const char *names[MOST_TERMS + VS_MACHINE_NAMES], *what = r->use->what;
   size_t n = 0;
-  vs_where where = place(r->expression, at);
+  vs_where where = place_in_expression(r->expression, at);
   if (stands_below(m, name))
     return vs_fail_at(r->err, where, "%s: let '%s' is not read yet; a let names those above it",
                       what, name);
@@ -122,7 +122,7 @@ static int take_name(void *ctx, const char *at, const char *name) {
     r->status = unknown_name(r, at, name);
   else if (let_of_gap(r->machine, k))
     r->status = vs_fail_at(
-        r->err, place(r->expression, at),
+        r->err, place_in_expression(r->expression, at),
         "%s: let '%s' is made of lambda or z; it is for the formulas under actuator alone",
         r->use->what, name);
   return k < 0 ? 0 : k;
@@ -137,7 +137,8 @@ static vs_status check_units(const reader *r) {
   for (int k = 0; k < MOST_TERMS; k++) terms[k] = vs_dimension_of(r->terms[k].unit);
   for (int k = 0; k < r->machine->n_names; k++) names[k] = r->machine->names[k].dimension;
   if (!vs_dimension_find(&e->of, terms, names, &e->dimension, &fault))
-    return vs_fail_at(r->err, place(e, e->text + fault.at), "%s: %s", r->use->what, fault.why);
+    return vs_fail_at(r->err, place_in_expression(e, e->text + fault.at), "%s: %s", r->use->what,
+                      fault.why);
   return VS_OK;
 }
 
@@ -153,8 +154,8 @@ static vs_status check_wanted(const reader *r) {
 
 /* ---- reading ---- */
 
-/* A number with a unit, which stands behind a blank: "20 kN/m" is 20000. A formula never looks so.
- * Returns the unit; NULL: it is none. */
+/* A number with a unit, which stands behind a blank: "20 kN/m" is 20000. No formula looks like
+ * this. Returns the unit; NULL: it is none. */
 static const char *unit_of_quantity(const char *text, double *si) {
   char *end, why[200];
   double value = vs_text_to_number(text, &end);
@@ -164,7 +165,7 @@ static const char *unit_of_quantity(const char *text, double *si) {
   return vs_units_known(end) && vs_units_read(text, end, si, why, sizeof why) ? end : NULL;
 }
 
-static vs_status parse(reader *r, const char *text) {
+static vs_status parse_expression(reader *r, const char *text) {
   vs_expression *e = r->expression;
   char why[200] = "an operator or the end of the formula is wanted here";
   const char *bad = NULL;
@@ -177,7 +178,8 @@ static vs_status parse(reader *r, const char *text) {
   if (end) end += strspn(end, " \t\n");
   if (r->status) return r->status;
   return end && !*end ? VS_OK
-                      : vs_fail_at(r->err, place(e, end ? end : bad), "%s: %s", r->use->what, why);
+                      : vs_fail_at(r->err, place_in_expression(e, end ? end : bad), "%s: %s",
+                                   r->use->what, why);
 }
 
 vs_status vs_expression_read(const vs_machine *machine, const vs_node *node,
@@ -192,7 +194,7 @@ vs_status vs_expression_read(const vs_machine *machine, const vs_node *node,
   know_terms(&r);
   const char *unit = unit_of_quantity(node->text, &si);
   snprintf(number, sizeof number, "%.17g", si);
-  vs_status status = parse(&r, unit ? number : node->text);
+  vs_status status = parse_expression(&r, unit ? number : node->text);
   if (!status && !unit) status = check_units(&r);
   if (unit) out->dimension = vs_dimension_of(unit);
   if (!status) status = check_wanted(&r);

@@ -1,5 +1,12 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "formulas.h"
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Law "formula": current, energy and force from the formulas of a machine's file. The file writes
+ * the force as -dW/dz at fixed lambda, which is negative where it closes the gap; the program's
+ * force is +dW/dz.
+ *
+ * One of current and energy must be there. What is missing follows: the current is dW/dlambda, the
+ * force -dW/dz, each as a formula; without a formula for the energy it is the integral of the
+ * current over lambda, and the force without one the integral of di/dz. */
+#include "plant/law.h"
 
 #include <gsl/gsl_integration.h>
 #include <math.h>
@@ -7,11 +14,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "derivative.h"
 #include "plant/coil.h"
+#include "plant/spice.h"
 #include "plant/values.h"
-#include "base/jet.h"
-#include "base/slope.h"
-#include "base/spice.h"
 
 enum { LAMBDA, Z, TERMS };             /* the terms of the formulas */
 enum { CURRENT, ENERGY, FORCE };       /* the order of vs_law_formulas.where */
@@ -25,15 +31,15 @@ typedef struct written {
   int panels;
 } written;
 
-static double value(const vs_formula *f, double flux_wb, double z_m) {
+static double formula_at(const vs_formula *f, double flux_wb, double z_m) {
   const double terms[TERMS] = {flux_wb, z_m};
   return vs_formula_value(f, terms);
 }
 
-static double partial(const vs_formula *f, int to, double flux_wb, double z_m) {
+static double partial_at(const vs_formula *f, int to, double flux_wb, double z_m) {
   vs_jet terms[TERMS] = {{{flux_wb}}, {{z_m}}};
   terms[to].d[1] = 1;
-  return vs_jet_of(f, terms).d[1];
+  return vs_derivative_along(f, terms).d[1];
 }
 
 /* Adds to sum[k] the integral of a formula over one term, the other fixed: its value and, where
@@ -52,47 +58,47 @@ static void integrate(const written *w, const vs_formula *f, int over, const dou
         sum[0] += weight * vs_formula_value(f, terms);
         continue;
       }
-      vs_jet at = vs_jet_of(f, jets);
+      vs_jet at = vs_derivative_along(f, jets);
       for (int k = 0; k < 3; k++) sum[k] += weight * at.d[k];
     }
 }
 
-static double current(const vs_coil *c, double flux_wb, double z_m) {
+static double formula_current(const vs_coil *c, double flux_wb, double z_m) {
   const written *w = c->own;
-  return value(&w->current, flux_wb, z_m);
+  return formula_at(&w->current, flux_wb, z_m);
 }
 
-static double force(const vs_coil *c, double flux_wb, double z_m) {
+static double formula_force(const vs_coil *c, double flux_wb, double z_m) {
   const written *w = c->own;
-  return w->sign * value(&w->force, flux_wb, z_m);
+  return w->sign * formula_at(&w->force, flux_wb, z_m);
 }
 
 /* W = int_0^lambda i dlambda at z, plus the energy without flux: the integral of F(0, z) from the
  * gap at rest on, which is 0 but where there is a magnet. */
-static double energy(const vs_coil *c, double flux_wb, double z_m) {
+static double formula_energy(const vs_coil *c, double flux_wb, double z_m) {
   const written *w = c->own;
-  if (w->energy.count) return value(&w->energy, flux_wb, z_m);
+  if (w->energy.count) return formula_at(&w->energy, flux_wb, z_m);
   double sum[3] = {0}, idle[3] = {0};
   const double point[TERMS] = {flux_wb, z_m}, without[TERMS] = {0, z_m};
   integrate(w, &w->current, LAMBDA, point, 0, false, sum);
-  if (w->force.count && value(&w->force, 0, z_m) != 0)
+  if (w->force.count && formula_at(&w->force, 0, z_m) != 0)
     integrate(w, &w->force, Z, without, c->gap_rest_m, false, idle);
   return sum[0] + w->sign * idle[0];
 }
 
 /* A formula's value and rates on the path. */
-static void jet(const vs_formula *f, double sign, const double flux[3], const double z[3],
-                double out[3]) {
+static void path_of(const vs_formula *f, double sign, const double flux[3], const double z[3],
+                    double out[3]) {
   const vs_jet terms[TERMS] = {{{flux[0], flux[1], flux[2]}}, {{z[0], z[1], z[2]}}};
-  vs_jet found = vs_jet_of(f, terms);
+  vs_jet found = vs_derivative_along(f, terms);
   for (int k = 0; k < 3; k++) out[k] = sign * found.d[k];
 }
 
-static void along(const vs_coil *c, const double flux[3], const double z[3], double current[3],
-                  double force[3]) {
+static void formula_along(const vs_coil *c, const double flux[3], const double z[3],
+                          double current[3], double force[3]) {
   const written *w = c->own;
-  jet(&w->current, 1, flux, z, current);
-  jet(&w->force, w->sign, flux, z, force);
+  path_of(&w->current, 1, flux, z, current);
+  path_of(&w->force, w->sign, flux, z, force);
 }
 
 static double integrated_force(const vs_coil *c, double flux_wb, double z_m) {
@@ -111,19 +117,20 @@ static void integrated_along(const vs_coil *c, const double flux[3], const doubl
   const written *w = c->own;
   const double point[TERMS] = {flux[0], z[0]};
   double sum[3] = {0};
-  jet(&w->current, 1, flux, z, current);
+  path_of(&w->current, 1, flux, z, current);
   integrate(w, &w->slope, LAMBDA, point, 0, true, sum);
-  double g = value(&w->slope, flux[0], z[0]);
-  double g_lambda = partial(&w->slope, LAMBDA, flux[0], z[0]);
-  double g_z = partial(&w->slope, Z, flux[0], z[0]);
+  double g = formula_at(&w->slope, flux[0], z[0]);
+  double g_lambda = partial_at(&w->slope, LAMBDA, flux[0], z[0]);
+  double g_z = partial_at(&w->slope, Z, flux[0], z[0]);
   force[0] = sum[0];
   force[1] = g * flux[1] + sum[1] * z[1];
   force[2] = g * flux[2] + g_lambda * flux[1] * flux[1] + 2 * g_z * flux[1] * z[1] +
              sum[2] * z[1] * z[1] + sum[1] * z[2];
 }
 
-static const char *beyond(const vs_coil *c, double flux_wb, double z_m, char *text, size_t size) {
-  if (isfinite(current(c, flux_wb, z_m))) return NULL;
+static const char *formula_beyond(const vs_coil *c, double flux_wb, double z_m, char *text,
+                                  size_t size) {
+  if (isfinite(formula_current(c, flux_wb, z_m))) return NULL;
   snprintf(text, size,
            "the formula of the current is no finite number at lambda = %.6g Wb, "
            "z = %.6g mm",
@@ -131,8 +138,8 @@ static const char *beyond(const vs_coil *c, double flux_wb, double z_m, char *te
   return text;
 }
 
-static void netlist(const vs_coil *c, const char *flux, const char *gap, vs_text *lines,
-                    vs_text *current, vs_text *force) {
+static void formula_netlist(const vs_coil *c, const char *flux, const char *gap, vs_text *lines,
+                            vs_text *current, vs_text *force) {
   (void)lines;
   const written *w = c->own;
   const char *const terms[TERMS] = {flux, gap};
@@ -151,10 +158,10 @@ static vs_formula copy(const vs_formula *f) {
 }
 
 /* The formula as it stands in the file, or else the derivative of another one. */
-static vs_status take(const vs_formula *own, const vs_formula *other, int term, vs_where where,
-                      vs_formula *out, vs_error *err) {
+static vs_status take_or_derive(const vs_formula *own, const vs_formula *other, int term,
+                                vs_where where, vs_formula *out, vs_error *err) {
   if (own) *out = copy(own);
-  if (own || !other || vs_slope_of(other, term, out)) return VS_OK;
+  if (own || !other || vs_derivative_to(other, term, out)) return VS_OK;
   return vs_fail_at(err, where,
                     "the derivative of this formula grows too long; write the file's current and "
                     "force as formulas, too");
@@ -169,10 +176,12 @@ static vs_status take_all(const vs_law_formulas *f, const vs_node *map, written 
   }
   if (f->energy) w->energy = copy(f->energy);
   w->sign = f->force ? -1 : 1;
-  vs_status status = take(f->current, f->energy, LAMBDA, f->where[ENERGY], &w->current, err);
+  vs_status status =
+      take_or_derive(f->current, f->energy, LAMBDA, f->where[ENERGY], &w->current, err);
   if (status) return status;
-  if (f->force || f->energy) return take(f->force, f->energy, Z, f->where[ENERGY], &w->force, err);
-  return take(NULL, &w->current, Z, f->where[CURRENT], &w->slope, err);
+  if (f->force || f->energy)
+    return take_or_derive(f->force, f->energy, Z, f->where[ENERGY], &w->force, err);
+  return take_or_derive(NULL, &w->current, Z, f->where[CURRENT], &w->slope, err);
 }
 
 /* The range over which the formulas are checked and the integrals are tried. */
@@ -185,8 +194,8 @@ enum { FLUXES = 12, GAPS = 7 };
  * current at rest is some 10 A, or as far as the formula is finite. */
 static range working_range(const vs_actuator_values *v, const vs_coil *c) {
   range r = {1e-9, v->pole_cover_m > 0 ? v->pole_cover_m : c->gap_rest_m / 50, 1.5 * c->gap_rest_m};
-  while (r.flux_wb < 1e6 && fabs(current(c, r.flux_wb, c->gap_rest_m)) < 10 &&
-         isfinite(current(c, 2 * r.flux_wb, c->gap_rest_m)))
+  while (r.flux_wb < 1e6 && fabs(formula_current(c, r.flux_wb, c->gap_rest_m)) < 10 &&
+         isfinite(formula_current(c, 2 * r.flux_wb, c->gap_rest_m)))
     r.flux_wb *= 2;
   return r;
 }
@@ -204,8 +213,8 @@ static vs_status find_rest(vs_coil *c, vs_where where, vs_error *err) {
   const written *w = c->own;
   double flux = 0, slope = 0, i = 0;
   for (int k = 0; k < 50; k++) {
-    slope = partial(&w->current, LAMBDA, flux, c->gap_rest_m);
-    i = value(&w->current, flux, c->gap_rest_m);
+    slope = partial_at(&w->current, LAMBDA, flux, c->gap_rest_m);
+    i = formula_at(&w->current, flux, c->gap_rest_m);
     if (!(slope > 0) || !isfinite(slope) || fabs(i) <= 1e-14 * fabs(slope * flux) || i == 0) break;
     flux -= i / slope;
   }
@@ -233,10 +242,10 @@ typedef struct check {
 } check;
 
 static double side(const vs_formula *f, int to, double flux_wb, double z_m) {
-  return to == TERMS ? value(f, flux_wb, z_m) : partial(f, to, flux_wb, z_m);
+  return to == TERMS ? formula_at(f, flux_wb, z_m) : partial_at(f, to, flux_wb, z_m);
 }
 
-static vs_status compare(const check *c, const range *r, vs_error *err) {
+static vs_status compare_with_difference(const check *c, const range *r, vs_error *err) {
   for (int n = 0; n < GAPS; n++) {
     double z = gap_of(r, n), largest = 0;
     for (int k = 0; k < FLUXES; k++) {
@@ -284,9 +293,9 @@ static vs_status check_all(const written *w, const vs_law_formulas *f, const ran
                       .sign = -1,
                       .where = f->where[FORCE]};
   vs_status status = VS_OK;
-  if (f->current && f->energy) status = compare(&current, r, err);
-  if (!status && f->force && f->energy) status = compare(&force, r, err);
-  if (!status && f->force && !f->energy) status = compare(&both, r, err);
+  if (f->current && f->energy) status = compare_with_difference(&current, r, err);
+  if (!status && f->force && f->energy) status = compare_with_difference(&force, r, err);
+  if (!status && f->force && !f->energy) status = compare_with_difference(&both, r, err);
   return status;
 }
 
@@ -301,7 +310,7 @@ static void choose_panels(vs_coil *c, const range *r) {
     for (int k = 0; k < FLUXES; k++)
       for (int n = 0; n < GAPS; n++) {
         double flux = flux_of(r, k), z = gap_of(r, n);
-        double now = w->slope.count ? integrated_force(c, flux, z) : energy(c, flux, z);
+        double now = w->slope.count ? integrated_force(c, flux, z) : formula_energy(c, flux, z);
         if (fabs(now) > 0) worst = fmax(worst, fabs(now - before[k][n]) / fabs(now));
         before[k][n] = now;
       }
@@ -318,8 +327,8 @@ static void fold(written *w) {
   vs_formula_fold(&w->slope);
 }
 
-static vs_status build(const vs_actuator_values *v, const vs_node *map,
-                       const vs_law_formulas *formulas, vs_coil *c, vs_error *err) {
+static vs_status formula_build(const vs_actuator_values *v, const vs_node *map,
+                               const vs_law_formulas *formulas, vs_coil *c, vs_error *err) {
   written *w = vs_alloc(1, sizeof *w);
   c->own = w;
   vs_status status = take_all(formulas, map, w, err);
@@ -334,7 +343,7 @@ static vs_status build(const vs_actuator_values *v, const vs_node *map,
   return VS_OK;
 }
 
-static void end(vs_coil *c) {
+static void formula_end(vs_coil *c) {
   written *w = c->own;
   if (!w) return;
   vs_formula_free(&w->current);
@@ -348,23 +357,23 @@ static void end(vs_coil *c) {
 /* The law whose force is an integral, which no netlist can hold. */
 static const vs_law INTEGRATED = {.name = "formula",
                                   .text = "with the force as an integral of the current",
-                                  .end = end,
+                                  .end = formula_end,
                                   .poles = true,
-                                  .current = current,
+                                  .current = formula_current,
                                   .force = integrated_force,
-                                  .energy = energy,
+                                  .energy = formula_energy,
                                   .along = integrated_along,
-                                  .beyond = beyond};
+                                  .beyond = formula_beyond};
 
 const vs_law vs_formulas_law = {.name = "formula",
                                 .text = "the formulas of the machine's file: current, energy and "
                                         "force in lambda and z",
-                                .build = build,
-                                .end = end,
+                                .build = formula_build,
+                                .end = formula_end,
                                 .poles = true,
-                                .current = current,
-                                .force = force,
-                                .energy = energy,
-                                .along = along,
-                                .beyond = beyond,
-                                .netlist = netlist};
+                                .current = formula_current,
+                                .force = formula_force,
+                                .energy = formula_energy,
+                                .along = formula_along,
+                                .beyond = formula_beyond,
+                                .netlist = formula_netlist};

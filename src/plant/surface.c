@@ -65,7 +65,7 @@ static void second_derivatives(const double *x, const double *y, size_t n, left_
 /* A spline may swing where the flux linkage bends sharply. Slopes within 0 and three times the
  * lesser secant beside them keep it rising (F. N. Fritsch and R. E. Carlson, SIAM J. Numer. Anal.
  * 17, 1980); a tenth of that secant keeps dlambda/di away from 0 (assumed). */
-static double rising(double slope, double before, double behind) {
+static double limited_slope(double slope, double before, double behind) {
   double secant = fmin(before, behind);
   return fmax(0.1 * secant, fmin(slope, 3 * secant));
 }
@@ -81,7 +81,7 @@ static void fill_row(const double *x, const double *y, size_t n, vs_surface_piec
            behind = k + 1 < n ? (y[k + 1] - y[k]) / h1 : INFINITY;
     slope[k] = k + 1 < n ? behind - h1 * (2 * m[k] + m[k + 1]) / 6
                          : before + h0 * (m[k - 1] + 2 * m[k]) / 6;
-    slope[k] = rising(slope[k], before, behind);
+    slope[k] = limited_slope(slope[k], before, behind);
   }
   double coenergy = 0;
   for (size_t k = 0; k < n; k++) {
@@ -145,7 +145,8 @@ static size_t interval(const double *x, size_t most, double at) {
 
 /* Taylor coefficients in i of Q at one gap, at t behind the beginning of a piece. In the piece that
  * begins at i = 0, i^2 is taken out of both Wc and i^2/2. */
-static void row_at(const vs_surface_piece *p, bool first, double i, double t, double q[4]) {
+static void coefficients_at(const vs_surface_piece *p, bool first, double i, double t,
+                            double q[4]) {
   const double *c = p->flux_wb;
   double over[4] = {i * i / 2, i, 0.5, 0}, under[4];
   if (first) {
@@ -182,8 +183,8 @@ static void across(const double y[2], const double m[2], double h, double t, dou
 
 /* Taylor coefficients of Q behind the gap k, from those in i and the spline's second derivatives
  * there and at the next gap. */
-static vs_surface_point between(const vs_surface *s, size_t k, double y[2][4], double m[2][4],
-                                double z_m) {
+static vs_surface_point point_between_gaps(const vs_surface *s, size_t k, double y[2][4],
+                                           double m[2][4], double z_m) {
   vs_surface_point point = {0};
   for (int a = 0; a < 4; a++)
     across((double[]){y[0][a], y[1][a]}, (double[]){m[0][a], m[1][a]}, s->z_m[k + 1] - s->z_m[k],
@@ -199,7 +200,7 @@ static vs_surface_point reluctance_at(const vs_surface *s, double i_a, double z_
   const double *bend = s->bend + k * s->n_z;
   double y[2][4] = {{0}}, m[2][4] = {{0}}, q[4];
   for (size_t j = 0; j < s->n_z; j++) {
-    row_at(&s->piece[j * s->n_i + n], n == 0, i_a, i_a - s->i_a[n], q);
+    coefficients_at(&s->piece[j * s->n_i + n], n == 0, i_a, i_a - s->i_a[n], q);
     if (j == k) memcpy(y[0], q, sizeof q);
     if (j == k + 1) memcpy(y[1], q, sizeof q);
     for (int a = 0; a < 4; a++) {
@@ -207,7 +208,7 @@ static vs_surface_point reluctance_at(const vs_surface *s, double i_a, double z_
       m[1][a] += bend[s->n_z + j] * q[a];
     }
   }
-  return between(s, k, y, m, z_m);
+  return point_between_gaps(s, k, y, m, z_m);
 }
 
 /* Taylor coefficients of Wc from those of Q. */
@@ -238,7 +239,7 @@ vs_surface_line vs_surface_line_new(const vs_surface *s, double i_a) {
   line.bend = line.value + 4 * s->n_z;
   for (size_t k = 0; k < s->n_z; k++) {
     double q[4];
-    row_at(&s->piece[k * s->n_i + n], n == 0, i_a, i_a - s->i_a[n], q);
+    coefficients_at(&s->piece[k * s->n_i + n], n == 0, i_a, i_a - s->i_a[n], q);
     for (size_t a = 0; a < 4; a++) line.value[a * s->n_z + k] = q[a];
   }
   for (size_t a = 0; a < 4; a++)
@@ -260,7 +261,7 @@ vs_surface_point vs_surface_line_at(const vs_surface_line *line, double z_m) {
       y[side][a] = line->value[a * s->n_z + k + side];
       m[side][a] = line->bend[a * s->n_z + k + side];
     }
-  return energy_of(between(s, k, y, m, z_m), line->i_a);
+  return energy_of(point_between_gaps(s, k, y, m, z_m), line->i_a);
 }
 
 /* ---- the current ---- */
@@ -306,18 +307,18 @@ double vs_surface_current(const vs_surface *s, double flux_wb, double z_m) {
 
 /* The n-th place between the points of a grid, of which each interval has PARTS. */
 enum { PARTS = 4 };
-static double place(const double *x, size_t n) {
+static double place_on_grid(const double *x, size_t n) {
   const double *from = x + n / PARTS;
   return from[0] + (double)(n % PARTS) / PARTS * (from[1] - from[0]);
 }
 
 bool vs_surface_rises(const vs_surface *s, double *z_m, double *i_a) {
   const size_t all = PARTS * (s->n_z - 1);
-  size_t good = all; /* so many gaps, from the smallest on, are good at all currents so far */
+  size_t good = all; /* how many gaps, from the smallest on, have passed at all currents so far */
   for (size_t n = 0; n < PARTS * (s->n_i - 1); n++) {
-    vs_surface_line line = vs_surface_line_new(s, place(s->i_a, n));
+    vs_surface_line line = vs_surface_line_new(s, place_on_grid(s->i_a, n));
     for (size_t k = 0; k < good; k++) {
-      double z = place(s->z_m, k);
+      double z = place_on_grid(s->z_m, k);
       if (vs_surface_line_at(&line, z).c[2][0] > 0) continue;
       good = k;
       *z_m = z;

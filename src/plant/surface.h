@@ -14,9 +14,9 @@ typedef struct vs_surface_piece {
   double flux_wb[4]; /* lambda = sum of flux_wb[n] t^n, t the current behind its beginning */
 } vs_surface_piece;
 
-/* Constant once built; vs_surface_free it. Behind the largest current lambda goes on straight, and
- * beyond the gaps of the grid i^2/(2 Wc) does; both so that a step that looks too far finds
- * numbers. */
+/* Constant once built; vs_surface_free it. Beyond the largest current lambda is extrapolated as a
+ * straight line, and beyond the gaps of the grid i^2/(2 Wc) is, so that a trial step beyond the
+ * table finds numbers. */
 typedef struct vs_surface {
   size_t n_z, n_i;         /* how many gaps and currents; at least 4 each */
   double *z_m, *i_a;       /* rising; i_a[0] is 0 */

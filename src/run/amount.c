@@ -27,7 +27,7 @@ static int power_of(double value, const char *unit) {
   return power < -5 ? -5 : power > 3 ? 3 : power;
 }
 
-static const char *prefix_of(int power) {
+static const char *prefix_of_power(int power) {
   static const char *const PREFIXES[] = {"f", "p", "n", "u", "m", "", "k", "M", "G"};
   return PREFIXES[power + 5];
 }
@@ -35,7 +35,7 @@ static const char *prefix_of(int power) {
 const char *vs_amount_text(double value, const char *unit, char text[VS_AMOUNT_SIZE]) {
   int power = power_of(value, unit);
   snprintf(text, VS_AMOUNT_SIZE, "%.4g%s%s%s", value / pow(1000, power), *unit ? " " : "",
-           prefix_of(power), unit);
+           prefix_of_power(power), unit);
   return text;
 }
 
@@ -46,6 +46,6 @@ const char *vs_amount_range(double least, double largest, const char *unit,
   if (fabs(least) < next_to_nothing) least = 0;
   if (fabs(largest) < next_to_nothing) largest = 0;
   snprintf(text, (size_t)(2 * VS_AMOUNT_SIZE), "%.4g .. %.4g%s%s%s", least / scale, largest / scale,
-           *unit ? " " : "", prefix_of(power), unit);
+           *unit ? " " : "", prefix_of_power(power), unit);
   return text;
 }

@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "run/keys.h"
 #include "base/units.h"
+#include "run/keys.h"
 
 enum { MOST_VALUES = 10000000 };
 
@@ -26,7 +26,7 @@ static double nominal_of(const vs_key *key) {
                                       : to_12_digits(value / vs_units_factor(key->field->unit));
 }
 
-static vs_status describe(vs_axis *axis, const vs_key *key, vs_error *err) {
+static vs_status describe_axis(vs_axis *axis, const vs_key *key, vs_error *err) {
   char suffix[64];
   const vs_field *f = key->field;
   if (f->kind == VS_PAIR)
@@ -52,7 +52,7 @@ vs_status vs_axis_init(vs_axis *axis, const vs_scene *scene, const vs_node *node
   vs_status status = vs_key_find(scene, node->key, node->key_where, &key, err);
   *axis = (vs_axis){.by = by, .where = node->key_where};
   snprintf(axis->key, sizeof axis->key, "%s", node->key);
-  if (!status) status = describe(axis, &key, err);
+  if (!status) status = describe_axis(axis, &key, err);
   if (!status && scene->setup.steady && !strcmp(key.section, START))
     status = vs_fail_at(
         err, axis->where,
@@ -70,7 +70,7 @@ void vs_axis_free(vs_axis *axis) {
 
 /* ---- values ---- */
 
-static double add_word(vs_axis *axis, const vs_node *node) {
+static double add_axis_word(vs_axis *axis, const vs_node *node) {
   for (size_t k = 0; k < axis->n_words; k++)
     if (!strcmp(axis->word[k], node->text)) return (double)k;
   size_t n = axis->n_words++;
@@ -96,7 +96,7 @@ vs_status vs_axis_number(vs_axis *axis, const vs_node *node, double *number, vs_
   if (vs_field_is_real(&field) && isnan(value.real))
     return vs_fail_at(err, node->where, "%s: an axis has numbers; write one instead of '%s'",
                       axis->key, node->text);
-  *number = axis->is_word            ? add_word(axis, node)
+  *number = axis->is_word            ? add_axis_word(axis, node)
             : field.kind == VS_COUNT ? value.whole
                                      : to_12_digits(value.real / vs_units_factor(axis->unit));
   return VS_OK;
@@ -129,7 +129,8 @@ static vs_status read_ends(vs_axis *axis, const vs_node *from, const vs_node *to
   return status;
 }
 
-static void cut(vs_axis *axis, size_t count, double (*at)(const vs_axis *, double), double step) {
+static void cut_axis(vs_axis *axis, size_t count, double (*at)(const vs_axis *, double),
+                     double step) {
   axis->n_values = count;
   axis->value = vs_alloc(count, sizeof *axis->value);
   for (size_t k = 0; k < count; k++) axis->value[k] = to_12_digits(at(axis, (double)k * step));
@@ -184,7 +185,7 @@ static vs_status stepped(vs_axis *axis, const vs_node *map, vs_error *err) {
     double n = fabs(axis->to - axis->from);
     if (n >= MOST_VALUES)
       return vs_fail_at(err, map->where, "%s: more than %d values", axis->key, MOST_VALUES);
-    cut(axis, (size_t)n + 1, lin_at, 1 / n);
+    cut_axis(axis, (size_t)n + 1, lin_at, 1 / n);
     return VS_OK;
   }
   if (status || !step) return status;
@@ -195,7 +196,7 @@ static vs_status stepped(vs_axis *axis, const vs_node *map, vs_error *err) {
   if (!(steps > 0) || steps > MOST_VALUES)
     return vs_fail_at(err, step->where, "%s: steps of %s lead from %s to %s %s", axis->key,
                       step->text, from->text, to->text, steps > 0 ? "in too many" : "never");
-  cut(axis, (size_t)floor(steps * (1 + 1e-9)) + 1, lin_at, 1 / steps);
+  cut_axis(axis, (size_t)floor(steps * (1 + 1e-9)) + 1, lin_at, 1 / steps);
   return whole_values(axis, map, err);
 }
 
@@ -214,7 +215,7 @@ static vs_status spaced(vs_axis *axis, const vs_node *map, const vs_node *ends, 
                       axis->key);
   status = vs_axis_whole(map, "n", 2, MOST_VALUES, &n, err);
   if (status || !n) return status;
-  cut(axis, (size_t)n, axis->log ? log_at : lin_at, 1 / (double)(n - 1));
+  cut_axis(axis, (size_t)n, axis->log ? log_at : lin_at, 1 / (double)(n - 1));
   axis->value[n - 1] = axis->to;
   return whole_values(axis, map, err);
 }
@@ -227,7 +228,7 @@ vs_status vs_axis_values(vs_axis *axis, const vs_node *node, vs_error *err) {
                       axis->key);
   const vs_node *log = vs_tree_child(node, "log"), *lin = vs_tree_child(node, "lin");
   size_t found = vs_error_count(err);
-  vs_status status = vs_outline_known_keys(node, axis->key, log ? LOG : lin ? LIN : STEP, err);
+  vs_status status = vs_field_outline_keys(node, axis->key, log ? LOG : lin ? LIN : STEP, err);
   if (status || vs_error_count(err) > found) return status;
   return log || lin ? spaced(axis, node, log ? log : lin, err) : stepped(axis, node, err);
 }
@@ -262,14 +263,14 @@ vs_status vs_axis_word(const vs_node *map, const char *name, const char *words, 
 
 /* Returns the word that the number stands for: an axis of words has one for each, a count may have
  * one for 0 ("once"). NULL: it is a number. */
-static const char *word_of(const vs_axis *axis, double number) {
+static const char *word_of_axis(const vs_axis *axis, double number) {
   if (axis->is_word) return axis->word[(size_t)number];
   return axis->field->kind == VS_COUNT && axis->field->choices && number == 0 ? axis->field->choices
                                                                               : NULL;
 }
 
 void vs_axis_print(const vs_axis *axis, double number, char *text, size_t size) {
-  const char *word = word_of(axis, number);
+  const char *word = word_of_axis(axis, number);
   if (word)
     snprintf(text, size, "%s", word);
   else
@@ -278,7 +279,7 @@ void vs_axis_print(const vs_axis *axis, double number, char *text, size_t size) 
 
 /* Writes the number as text that the scene reads ("330 ohm"). */
 static void print_with_unit(const vs_axis *axis, double number, char *text, size_t size) {
-  const char *word = word_of(axis, number);
+  const char *word = word_of_axis(axis, number);
   if (word)
     snprintf(text, size, "%s", word);
   else

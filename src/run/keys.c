@@ -7,9 +7,9 @@
 #include <string.h>
 
 #include "base/text.h"
+#include "base/units.h"
 #include "netlist/devices.h"
 #include "run/sections.h"
-#include "base/units.h"
 
 enum { MOST_KEYS = 1024 };
 
@@ -18,10 +18,10 @@ typedef struct key_list {
   size_t count;
 } key_list;
 
-static void add_maps(key_list *list, const vs_field *f, const char *member);
+static void add_keys_of_maps(key_list *list, const vs_field *f, const char *member);
 
-static void add_keys(key_list *list, const char *section, const vs_section *fields,
-                     const void *values) {
+static void add_keys_of_section(key_list *list, const char *section, const vs_section *fields,
+                                const void *values) {
   for (size_t k = 0; k < fields->count && list->count < MOST_KEYS; k++) {
     const vs_field *f = &fields->fields[k];
     const char *member = values ? (const char *)values + f->offset : NULL;
@@ -30,30 +30,30 @@ static void add_keys(key_list *list, const char *section, const vs_section *fiel
     snprintf(key->section, sizeof key->section, "%s", section);
     key->field = f;
     key->value = member;
-    if (f->kind == VS_OPTION) add_maps(list, f, member);
+    if (f->kind == VS_OPTION) add_keys_of_maps(list, f, member);
   }
 }
 
 /* The keys of an option's maps: NAME.KEY where it has none or one, NAME.1.KEY, ... where it has a
  * list of them. */
-static void add_maps(key_list *list, const vs_field *f, const char *member) {
+static void add_keys_of_maps(key_list *list, const vs_field *f, const char *member) {
   char name[VS_KEY_SIZE], part[VS_KEY_SIZE + 16];
   const vs_options *o = f->options;
   int count = member ? vs_field_maps(f, member) : 0;
   snprintf(name, sizeof name, "%s", list->item[list->count - 1].name);
-  if (!count) add_keys(list, name, &o->keys, NULL);
+  if (!count) add_keys_of_section(list, name, &o->keys, NULL);
   for (int k = 0; k < count; k++) {
     const char *values = member + (size_t)k * o->size;
     snprintf(part, sizeof part, count > 1 ? "%s.%d" : "%s", name, k + 1);
-    add_keys(list, part, vs_field_form(o, values), values);
+    add_keys_of_section(list, part, vs_field_form(o, values), values);
   }
 }
 
-static void add_event(key_list *list, const vs_occurrence *e) {
+static void add_keys_of_event(key_list *list, const vs_occurrence *e) {
   char name[VS_KEY_SIZE];
   snprintf(name, sizeof name, "events.%s", e->name);
   const vs_section section = {name, e->kind->fields, e->kind->n_fields};
-  add_keys(list, name, &section, &e->v);
+  add_keys_of_section(list, name, &section, &e->v);
 }
 
 /* `ambient`, and the heat sinks that the scene has. */
@@ -78,20 +78,23 @@ static key_list *all_keys(const vs_scene *scene) {
   key_list *list = vs_alloc(1, sizeof *list);
   for (int p = 0; p < VS_SECTIONS; p++) {
     vs_filled_section part = vs_section_at(setup, p);
-    add_keys(list, part.section->name, part.section, part.values);
+    add_keys_of_section(list, part.section->name, part.section, part.values);
   }
   if (instruments->count)
-    add_keys(list, vs_instruments_section.name, &vs_instruments_section, &instruments->v);
+    add_keys_of_section(list, vs_instruments_section.name, &vs_instruments_section,
+                        &instruments->v);
   for (int k = 0; k < instruments->count; k++)
-    add_keys(list, instruments->item[k].path, &instruments->item[k].section,
-             &instruments->item[k].v);
+    add_keys_of_section(list, instruments->item[k].path, &instruments->item[k].section,
+                        &instruments->item[k].v);
   if (scene->control.regulator)
-    add_keys(list, scene->control.section.name, &scene->control.section, &scene->control.v);
+    add_keys_of_section(list, scene->control.section.name, &scene->control.section,
+                        &scene->control.v);
   if (scene->control.observing.system)
-    add_keys(list, vs_observing_section.name, &vs_observing_section, &scene->control.observing.v);
+    add_keys_of_section(list, vs_observing_section.name, &vs_observing_section,
+                        &scene->control.observing.v);
   const vs_events *events = &setup->timeline.events;
-  for (size_t e = 0; e < events->count; e++) add_event(list, &events->item[e]);
-  for (size_t e = 0; e < events->n_unbuilt; e++) add_event(list, &events->unbuilt[e]);
+  for (size_t e = 0; e < events->count; e++) add_keys_of_event(list, &events->item[e]);
+  for (size_t e = 0; e < events->n_unbuilt; e++) add_keys_of_event(list, &events->unbuilt[e]);
   add_cooling(list, setup);
   return list;
 }
@@ -108,19 +111,19 @@ static vs_status refuse_section(const vs_key *one, vs_where where, vs_error *err
 }
 
 /* Refuses a key of instruments in a scene without any. */
-static vs_status refuse_instrument(const char *name, vs_where where, vs_error *err) {
+static vs_status refuse_instrument_key(const char *name, vs_where where, vs_error *err) {
   return vs_fail_at(err, where,
                     "%s: the scene has no section instruments; give it one, as instruments.set=own "
                     "(in a study set: {instruments.set: own})",
                     name);
 }
 
-static vs_status refuse_name(const vs_scene *scene, const key_list *list, const char *name,
-                             vs_where where, vs_error *err) {
+static vs_status refuse_key_name(const vs_scene *scene, const key_list *list, const char *name,
+                                 vs_where where, vs_error *err) {
   const char *names[MOST_KEYS], *section = vs_instruments_section.name;
   size_t length = strlen(section);
   if (!scene->instruments.count && !strncmp(name, section, length) && name[length] == '.')
-    return refuse_instrument(name, where, err);
+    return refuse_instrument_key(name, where, err);
   for (size_t k = 0; k < list->count; k++) {
     names[k] = list->item[k].name;
     if (!strcmp(list->item[k].section, name)) return refuse_section(&list->item[k], where, err);
@@ -140,7 +143,7 @@ vs_status vs_key_find(const vs_scene *scene, const char *name, vs_where where, v
   if (k < list->count)
     *key = list->item[k];
   else
-    status = refuse_name(scene, list, name, where, err);
+    status = refuse_key_name(scene, list, name, where, err);
   free(list);
   return status;
 }
@@ -253,7 +256,7 @@ static vs_status add_ends(const vs_key *key, const double value[2], vs_where whe
   return VS_OK;
 }
 
-static bool has_course(const vs_key *key) {
+static bool has_key_course(const vs_key *key) {
   return key->field->kind == VS_PROFILE && key->value &&
          ((const vs_field_profile *)key->value)->count;
 }
@@ -265,8 +268,8 @@ typedef struct stated {
 } stated;
 
 /* Adds one key of a spread. */
-static vs_status add_key(const vs_scene *scene, const char *name, const stated *t,
-                         vs_spreads *spreads, vs_error *err) {
+static vs_status add_spread_key(const vs_scene *scene, const char *name, const stated *t,
+                                vs_spreads *spreads, vs_error *err) {
   vs_key key;
   double end[2] = {1, 1}, value[2] = {0, 0};
   const char *way = t->way;
@@ -278,7 +281,7 @@ static vs_status add_key(const vs_scene *scene, const char *name, const stated *
       return vs_fail_at(err, t->at_key, "spread: %s stands here a second time; leave one out",
                         name);
   const double nominal = vs_field_is_real(key.field) ? vs_key_number(&key) : NAN;
-  if (has_course(&key))
+  if (has_key_course(&key))
     return vs_fail_at(err, where,
                       "spread: %s changes over time; a key with one value is wanted there", name);
   if (isnan(nominal))
@@ -309,15 +312,15 @@ static vs_status add_spread(const vs_scene *scene, const char *name, const state
                       "{method: corners} takes more",
                       VS_SPREADS_MOST, 1 << VS_SPREADS_MOST);
   snprintf(first, sizeof first, "%.*s", with ? (int)(with - name) : VS_KEY_SIZE - 1, name);
-  vs_status status = add_key(scene, first, t, spreads, err);
-  if (!status && with) status = add_key(scene, with + strlen(WITH), t, spreads, err);
+  vs_status status = add_spread_key(scene, first, t, spreads, err);
+  if (!status && with) status = add_spread_key(scene, with + strlen(WITH), t, spreads, err);
   if (!status) spreads->spreads++;
   return status;
 }
 
 /* Adds the key by the tolerance, unless the scene has no such key. */
-static vs_status add_usual(const vs_scene *scene, const char *name, const char *way,
-                           vs_spreads *spreads, vs_error *err) {
+static vs_status add_usual_spread(const vs_scene *scene, const char *name, const char *way,
+                                  vs_spreads *spreads, vs_error *err) {
   vs_key key;
   vs_error none = {0};
   if (vs_key_find(scene, name, (vs_where){0}, &key, &none)) return VS_OK;
@@ -337,7 +340,7 @@ static const char *way_of(const vs_deck *deck, const vs_device *d) {
 
 /* What is not known exactly where the scene does not say: the mains, and varistors. A device that
  * is called varistor has the factor of all for its own. */
-static vs_status take_usual(const vs_scene *scene, vs_spreads *spreads, vs_error *err) {
+static vs_status take_usual_spreads(const vs_scene *scene, vs_spreads *spreads, vs_error *err) {
   static const char ALL[] = "circuit.varistor_scale", LINE[] = "circuit.line_voltage",
                     BOTH[] = "supply.voltage with circuit.line_voltage";
   const vs_deck *deck = &scene->setup.deck;
@@ -358,9 +361,9 @@ static vs_status take_usual(const vs_scene *scene, vs_spreads *spreads, vs_error
     ways[count++] = way_of(deck, d);
   }
   if (!count || spreads->spreads + count > VS_SPREADS_MOST)
-    return status ? status : add_usual(scene, ALL, "10 %", spreads, err);
+    return status ? status : add_usual_spread(scene, ALL, "10 %", spreads, err);
   for (size_t k = 0; k < count && !status; k++)
-    status = add_usual(scene, names[k], ways[k], spreads, err);
+    status = add_usual_spread(scene, names[k], ways[k], spreads, err);
   return status;
 }
 
@@ -368,7 +371,7 @@ vs_status vs_key_spreads(const vs_scene *scene, vs_spreads *spreads, vs_error *e
   const vs_node *map = vs_tree_child(scene->tree.root, "spread");
   vs_status status = VS_OK;
   spreads->count = spreads->spreads = 0;
-  if (!map) return take_usual(scene, spreads, err);
+  if (!map) return take_usual_spreads(scene, spreads, err);
   if (map->kind != VS_NODE_MAP || !map->child)
     return vs_error_carry_on(
         err, vs_fail_at(err, map->where,

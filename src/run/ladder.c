@@ -21,8 +21,8 @@
  *   quarter.
  * - Newton's iteration may have to end within what rounding leaves: behind an inductance alone, a
  *   step of picoseconds makes volts of the last digit of its current. So the tolerance goes back to
- *   where the solver's own is the coarsest (engine/coupled/pace.c). The steps stay as short as they were.
- *   What may be wrong is then told for that tolerance.
+ *   where the solver's own is the coarsest (engine/coupled/pace.c). The steps stay as short as they
+ * were. What may be wrong is then told for that tolerance.
  * - Where the model of the thyristor has no solution, an ideal thyristor has one. */
 typedef struct rung {
   const char *text;
@@ -61,8 +61,9 @@ bool vs_ladder_stopped_short(const vs_scene *scene) {
          can_be_ideal(&scene->setup);
 }
 
-static void add_key(vs_ladder *l, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static void add_key(vs_ladder *l, const char *format, ...) {
+static void add_rung_key(vs_ladder *l, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+static void add_rung_key(vs_ladder *l, const char *format, ...) {
   va_list values;
   va_start(values, format);
   vsnprintf(l->keys[l->n_keys++], sizeof l->keys[0], format, values);
@@ -80,7 +81,7 @@ bool vs_ladder_climb(vs_ladder *l, const vs_scene *scene) {
     l->trtol = s->run.trtol;
     l->pivrel = s->run.pivrel;
   }
-  const double first_step = VS_MANNER_LONGER_FIRST_STEP;
+  const double first_step = VS_SETUP_LONGER_FIRST_STEP;
   bool jumps = vs_timeline_voltage(&s->timeline, 0) != 0;
   for (l->rung++; l->rung < N_RUNGS; l->rung++) {
     const rung *r = &RUNGS[l->rung];
@@ -88,16 +89,16 @@ bool vs_ladder_climb(vs_ladder *l, const vs_scene *scene) {
                  r->quarter || (r->coarse && l->tolerance < COARSE_TOLERANCE) || r->ideal;
     if (!other || (r->ideal && (s->run.ladder != VS_LADDER_IDEAL || !can_be_ideal(s)))) continue;
     l->n_keys = 0;
-    if (r->gear) add_key(l, "run.method=gear");
-    if (r->other_order) add_key(l, "run.pivrel=%.9g", OTHER_PIVREL);
-    if (r->quarter) add_key(l, "run.max_step=%.9gus", 1e6 * l->step_s / 4);
-    if (r->loose) add_key(l, "run.trtol=%.9g", fmax(100, l->trtol));
+    if (r->gear) add_rung_key(l, "run.method=gear");
+    if (r->other_order) add_rung_key(l, "run.pivrel=%.9g", OTHER_PIVREL);
+    if (r->quarter) add_rung_key(l, "run.max_step=%.9gus", 1e6 * l->step_s / 4);
+    if (r->loose) add_rung_key(l, "run.trtol=%.9g", fmax(100, l->trtol));
     if (r->coarse) {
-      add_key(l, "run.tolerance=%.9g", COARSE_TOLERANCE);
-      add_key(l, "run.max_step=%.9gus", 1e6 * l->own_step_s);
+      add_rung_key(l, "run.tolerance=%.9g", COARSE_TOLERANCE);
+      add_rung_key(l, "run.max_step=%.9gus", 1e6 * l->own_step_s);
     }
-    if (r->ideal) add_key(l, "circuit.thyristor=latch");
-    if (jumps && s->run.first_step < first_step) add_key(l, "run.first_step=%.9g", first_step);
+    if (r->ideal) add_rung_key(l, "circuit.thyristor=latch");
+    if (jumps && s->run.first_step < first_step) add_rung_key(l, "run.first_step=%.9g", first_step);
     return true;
   }
   return false;
@@ -112,7 +113,7 @@ static const char *thyristor_file(const vs_deck *deck) {
   return NULL;
 }
 
-static bool is_of(const vs_limit *limit, const char *file) {
+static bool is_limit_of_file(const vs_limit *limit, const char *file) {
   return file && !strcmp(limit->where.file, file);
 }
 
@@ -124,9 +125,9 @@ static void give_limits(const vs_deck *from, vs_deck *to) {
   to->n_ratings = from->n_ratings;
   memcpy(to->ratings, from->ratings, sizeof to->ratings);
   for (size_t k = 0; k < to->n_limits; k++)
-    if (!is_of(&to->limits[k], ideal)) to->limits[n++] = to->limits[k];
+    if (!is_limit_of_file(&to->limits[k], ideal)) to->limits[n++] = to->limits[k];
   for (size_t k = 0; k < from->n_limits && n < VS_DECK_LIMITS; k++) {
-    if (!is_of(&from->limits[k], own)) continue;
+    if (!is_limit_of_file(&from->limits[k], own)) continue;
     to->limits[n] = from->limits[k];
     to->limits[n++].where = (vs_where){.file = ideal};
   }

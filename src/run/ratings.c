@@ -80,7 +80,7 @@ static bool device_at(source *s, int k, subject *of) {
   return false;
 }
 
-static bool quality_at(source *s, int k, subject *of) {
+static bool find_quality_at(source *s, int k, subject *of) {
   vs_quality_measure m;
   for (int q = 0; q < s->quality->count; q++) {
     vs_quality blank = {.name = ""};
@@ -112,10 +112,10 @@ static bool probe_at(source *s, int k, subject *of) {
 
 /* The k-th of those of one kind, from 0. False: there are no more. */
 static bool (*const OF_KIND[])(source *s, int k, subject *of) = {measure_at, extreme_at, device_at,
-                                                                 quality_at, probe_at};
+                                                                 find_quality_at, probe_at};
 enum { KINDS = sizeof OF_KIND / sizeof *OF_KIND };
 
-static bool find(source *s, const char *name, subject *of) {
+static bool find_rated(source *s, const char *name, subject *of) {
   for (int kind = 0; kind < KINDS; kind++)
     for (int k = 0; OF_KIND[kind](s, k, of); k++)
       if (!strcmp(of->name, name)) return true;
@@ -139,7 +139,7 @@ static bool lacks_quality(const source *s, const char *name, char *current, size
   return false;
 }
 
-static vs_status unknown(source *s, const char *name, vs_where where, vs_error *err) {
+static vs_status refuse_rated_name(source *s, const char *name, vs_where where, vs_error *err) {
   enum { MOST = 2048 };
   char current[VS_JUDGED_NAME];
   size_t n = 0;
@@ -172,7 +172,7 @@ static char *trim(char *text) {
 }
 
 /* What stands behind the number of an end: its unit. */
-static const char *unit_of(const char *end) {
+static const char *unit_of_end(const char *end) {
   char *rest;
   strtod(end, &rest);
   while (isspace((unsigned char)*rest)) rest++;
@@ -180,19 +180,20 @@ static const char *unit_of(const char *end) {
 }
 
 /* Reads an end. unit: of its measure; other: the unit of the other end, for one without. */
-static vs_status read_end(const char *written, const char *unit, const char *other,
-                          const vs_own_rating *r, double *si, vs_where where, vs_error *err) {
+static vs_status read_end_of_rating(const char *written, const char *unit, const char *other,
+                                    const vs_own_rating *r, double *si, vs_where where,
+                                    vs_error *err) {
   char text[256], why[256];
   if (!*written) return VS_OK; /* this end is open */
-  const bool borrows = !*unit_of(written) && *other;
+  const bool borrows = !*unit_of_end(written) && *other;
   snprintf(text, sizeof text, "%s%s%s", written, borrows ? " " : "", borrows ? other : "");
   if (vs_units_read(text, unit, si, why, sizeof why)) return VS_OK;
   return vs_fail_at(err, where, "ratings.%s: %s", r->name, why);
 }
 
 /* Reads "A .. B UNIT", ".. B UNIT" or "A UNIT ..". */
-static vs_status read_range(const vs_node *node, const char *unit, vs_own_rating *r,
-                            vs_error *err) {
+static vs_status read_range_of_rating(const vs_node *node, const char *unit, vs_own_rating *r,
+                                      vs_error *err) {
   char text[256];
   vs_rating *of = &r->rating;
   bool long_one = snprintf(text, sizeof text, "%s", node->text) >= (int)sizeof text;
@@ -204,9 +205,9 @@ static vs_status read_range(const vs_node *node, const char *unit, vs_own_rating
         err, node->where, "ratings.%s: a range is wanted: 'A .. B%s%s', '.. B%s%s' or 'A%s%s ..'",
         r->name, *unit ? " " : "", unit, *unit ? " " : "", unit, *unit ? " " : "", unit);
   of->min = -INFINITY, of->max = INFINITY;
-  const char *units[] = {unit_of(lower), unit_of(upper)};
-  vs_status status = read_end(lower, unit, units[1], r, &of->min, node->where, err);
-  if (!status) status = read_end(upper, unit, units[0], r, &of->max, node->where, err);
+  const char *units[] = {unit_of_end(lower), unit_of_end(upper)};
+  vs_status status = read_end_of_rating(lower, unit, units[1], r, &of->min, node->where, err);
+  if (!status) status = read_end_of_rating(upper, unit, units[0], r, &of->max, node->where, err);
   if (status) return status;
   const char *shown = *units[1] ? units[1] : units[0];
   bool known = *shown && strlen(shown) < sizeof of->unit && vs_units_known(shown);
@@ -218,14 +219,14 @@ static vs_status read_range(const vs_node *node, const char *unit, vs_own_rating
                     r->name, of->min / factor, of->max / factor, of->unit);
 }
 
-static vs_status take(source *s, const vs_node *node, const char *name, vs_ratings *ratings,
-                      vs_error *err) {
+static vs_status take_rating(source *s, const vs_node *node, const char *name, vs_ratings *ratings,
+                             vs_error *err) {
   subject of = {.name = ""};
   vs_own_rating r = {.rating = {.probe = -1, .where = node->where}};
   if (node->kind != VS_NODE_TEXT)
     return vs_fail_at(err, node->where, "ratings.%s: a range is wanted, as '0 .. 5 mm'", name);
-  if (strlen(name) >= sizeof r.name || !find(s, name, &of))
-    return unknown(s, name, node->key_where, err);
+  if (strlen(name) >= sizeof r.name || !find_rated(s, name, &of))
+    return refuse_rated_name(s, name, node->key_where, err);
   snprintf(r.name, sizeof r.name, "%s", name);
   snprintf(r.rating.text, sizeof r.rating.text, "%.*s", VS_DECK_TEXT - 1, of.text);
   r.kind = of.kind, r.which = of.which, r.part = of.part, r.factor = of.factor;
@@ -234,7 +235,7 @@ static vs_status take(source *s, const vs_node *node, const char *name, vs_ratin
       return vs_fail_at(err, node->key_where,
                         "ratings: %s stands here a second time; leave one out", name);
   if (!strcmp(node->text, vs_ratings_none)) return VS_OK;
-  vs_status status = read_range(node, of.unit, &r, err);
+  vs_status status = read_range_of_rating(node, of.unit, &r, err);
   if (status) return status;
   if (ratings->count == VS_RATINGS_MOST)
     return vs_fail_at(err, node->where, "ratings: more than %d", VS_RATINGS_MOST);
@@ -259,12 +260,13 @@ vs_status vs_ratings_read(const vs_node *node, const vs_setup *setup,
   s->full = vs_sim_frame(vs_tiers_automatic(true), setup);
   s->n_channels = vs_channel_listed(&s->full, s->channels);
   for (const vs_node *n = node->child; n && !status; n = n->next) {
-    if (n->kind != VS_NODE_MAP) status = vs_error_carry_on(err, take(s, n, n->key, ratings, err));
+    if (n->kind != VS_NODE_MAP)
+      status = vs_error_carry_on(err, take_rating(s, n, n->key, ratings, err));
     /* {r1: {power: .. 2 W}}, as --set ratings.r1.power makes it */
     for (const vs_node *m = n->kind == VS_NODE_MAP ? n->child : NULL; m && !status; m = m->next) {
       char name[VS_NAME_SIZE];
       snprintf(name, sizeof name, "%.120s.%.120s", n->key, m->key);
-      status = vs_error_carry_on(err, take(s, m, name, ratings, err));
+      status = vs_error_carry_on(err, take_rating(s, m, name, ratings, err));
     }
   }
   free(s);

@@ -8,11 +8,14 @@
 
 #include "engine/pace.h"
 #include "ngspice/trust.h"
-#include "measure/sign.h"
 
 void vs_result_finish(vs_result *r) {
+  /* The measures; and what an expected opening of a fuse has to pass is not judged. */
   vs_watchers_finish(&r->watchers, r->scene->setup.run.until_s, r->values);
   vs_expect_excuse(&r->scene->expects, r->watchers.devices);
+
+  /* The verdict: a line for each rating of the deck and each limit of a device, and for each rating
+   * of the scene. */
   vs_verdict_reach(r->watchers.measures, r->watchers.devices, &r->scene->expects, &r->verdict);
   const vs_ratings_seen seen = {.values = r->values,
                                 .watchers = &r->watchers,
@@ -133,7 +136,7 @@ static bool sequence_differs(const vs_result *r, char *text, size_t size) {
 
 /* Where the channel of an instrument was beyond its range, writes what is to be said of it. False:
  * nothing is to be said. */
-static bool is_beyond(const vs_meter *m, char *text, size_t size) {
+static bool is_meter_beyond(const vs_meter *m, char *text, size_t size) {
   const vs_instrument *i = m->instrument;
   if (!m->beyond) return false;
   snprintf(
@@ -193,7 +196,8 @@ static void warn_of_signs(const vs_result *r, void (*each)(void *ctx, const char
   const vs_devices *d = r->watchers.devices;
   char text[VS_DECK_TEXT];
   for (size_t k = 0; d && k < d->count; k++)
-    if (vs_sign_is_wrong(&d->item[k], vs_energy_whole(&r->watchers.energy), text, sizeof text))
+    if (vs_devices_sign_is_wrong(&d->item[k], vs_energy_whole(&r->watchers.energy), text,
+                                 sizeof text))
       each(ctx, text);
 }
 
@@ -266,7 +270,7 @@ static void warn_after(const vs_result *r, bool of_firing,
     each(ctx, text);
   warn_of_signs(r, each, ctx);
   for (int k = 0; r->meters && k < r->scene->instruments.count; k++)
-    if (is_beyond(&r->meters[k], text, sizeof text)) each(ctx, text);
+    if (is_meter_beyond(&r->meters[k], text, sizeof text)) each(ctx, text);
   for (int k = 0; k < r->n_quality; k++)
     if (vs_quality_warning(&r->quality[k], &r->scene->setup, text, sizeof text)) each(ctx, text);
   if (!*r->second.failed) return;
@@ -277,11 +281,10 @@ static void warn_after(const vs_result *r, bool of_firing,
 
 const char *vs_result_declined(const vs_result *r) {
   const vs_scene *s = r->scene;
-  const vs_stand_in *stand_in = s->order.stand_in;
   if (s->tier->has_circuit && r->loop && !s->setup.run.stays)
     return "a control decides the firings, so that the next one is not known";
-  if (!s->tier->has_circuit || !stand_in || s->setup.run.stays) return NULL;
-  return stand_in->declines(&s->setup);
+  if (!s->tier->has_circuit || s->setup.run.stays) return NULL;
+  return vs_sim_why_stays(&s->order, &s->setup);
 }
 
 void vs_result_warnings(const vs_result *r, void (*each)(void *ctx, const char *text), void *ctx) {
@@ -297,12 +300,12 @@ void vs_result_warnings(const vs_result *r, void (*each)(void *ctx, const char *
   warn_after(r, true, each, ctx);
 }
 
-static void print_warning(void *ctx, const char *text) {
+static void print_warning_of_result(void *ctx, const char *text) {
   (void)ctx;
   fprintf(stderr, "vibrospice: warning: %s\n", text);
 }
 
 void vs_result_warn(const vs_result *r) {
   bool whole_cycle = r->scene->setup.run.until_s >= r->scene->setup.timeline.period_s;
-  warn_after(r, whole_cycle, print_warning, NULL);
+  warn_after(r, whole_cycle, print_warning_of_result, NULL);
 }

@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,11 +14,133 @@
 
 #include "base/file.h"
 #include "base/leave.h"
-#include "corners.h"
-#include "run/session.h"
 #include "ngspice/guard.h"
+#include "run/result.h"
+#include "run/session.h"
 #include "run/show.h"
 #include "run/table.h"
+#include "verdict_table.h"
+
+/* ---- corners ----
+ * Runs at all ends of what the scene's key `spread` says is not known exactly, and the worst line
+ * of each one's verdict. */
+
+/* How the scene is read and run; all of it is borrowed. */
+typedef struct corners_order {
+  const char *scene; /* its name or path */
+  char *const *sets; /* KEY=VALUE of each --set */
+  size_t n_sets;
+  bool allow_code, quiet;
+  vs_status (*steady)(vs_scene *scene, vs_error *err); /* as in vs_session */
+  const volatile sig_atomic_t *stop;                   /* set by a signal: the run ends */
+} corners_order;
+
+/* The line that breaks the verdict; else the weakest. NULL: nothing is rated. */
+static void keep_worst(const vs_verdict *v, vs_corner *corner) {
+  const vs_judgement *breach = vs_verdict_breach(v), *j = breach ? breach : v->weakest;
+  *corner = (vs_corner){.margin = NAN, .error = NAN, .breaks = breach};
+  if (!j) return;
+  vs_verdict_name(j, corner->line);
+  corner->margin = j->margin;
+  corner->error = j->margin_error;
+  corner->word = vs_verdict_word(j);
+}
+
+/* True where a is worse than b: violated before undecided before held before what has no line; then
+ * by the margin, of which one that is not known is the worst. */
+static bool is_worse(const vs_corner *a, const vs_corner *b) {
+  const vs_corner *both[] = {a, b};
+  int rank[2];
+  for (int k = 0; k < 2; k++)
+    rank[k] = !*both[k]->line ? 0 : !both[k]->breaks ? 1 : both[k]->word == VS_UNDECIDED ? 2 : 3;
+  if (rank[0] != rank[1]) return rank[0] > rank[1];
+  return rank[0] && (a->margin < b->margin || (isnan(a->margin) && !isnan(b->margin)));
+}
+
+static vs_status read_corner(const corners_order *o, const char *tier, const vs_spreads *spread,
+                             size_t k, vs_scene *scene, vs_error *err) {
+  char text[VS_KEY_SIZE + 64];
+  vs_status status = vs_scene_open(o->scene, (vs_where){0}, scene, err);
+  for (size_t n = 0; n < o->n_sets && !status; n++)
+    status = vs_tree_set(&scene->tree, o->sets[n], err);
+  for (size_t n = 0; n < spread->count && !status; n++) {
+    snprintf(text, sizeof text, "%s=%.12g %s", spread->item[n].key, vs_key_spread_at(spread, n, k),
+             spread->item[n].unit);
+    status = vs_tree_set(&scene->tree, text, err);
+  }
+  if (!status) status = vs_scene_settle(scene, tier, err);
+  scene->allow_code = o->allow_code;
+  return status ? status : vs_control_allow(&scene->control, o->allow_code, err);
+}
+
+/* Refuses corners that cannot be read, before any is run: input that is wrong at one end only. */
+static vs_status read_all_corners(const corners_order *o, const char *tier, const vs_corners *c,
+                                  vs_error *err) {
+  char at[1024];
+  vs_status status = VS_OK;
+  vs_scene *scene = vs_alloc(1, sizeof *scene);
+  for (size_t k = 0; k < c->count && !status; k++) {
+    vs_error why = {0};
+    status = read_corner(o, tier, &c->spread, k, scene, &why);
+    vs_scene_free(scene);
+    if (status)
+      vs_fail(err, status, "%.*sthe corner %s: %s", why.place_size, why.text,
+              vs_result_corner(c, k, at, sizeof at), why.text + why.place_size);
+  }
+  free(scene);
+  return status;
+}
+
+/* Runs a corner. Error: VS_SIGNAL. A run that fails is noted, and the others go on. */
+static vs_status run_corner(const corners_order *o, const char *tier, vs_corners *c, size_t k,
+                            vs_error *err) {
+  const vs_session session = {.verify = true, .steady = o->steady, .stop = o->stop};
+  vs_corner *corner = &c->item[k];
+  vs_error why = {0};
+  vs_scene *scene = vs_alloc(1, sizeof *scene);
+  vs_result *result = vs_alloc(1, sizeof *result);
+  vs_status status = read_corner(o, tier, &c->spread, k, scene, &why);
+  if (!status) status = vs_session_run(&session, scene, result, &why);
+  if (!status && result->second.stopped) status = vs_fail(&why, VS_SIGNAL, "stopped by a signal");
+  if (!status) keep_worst(&result->verdict, corner);
+  vs_result_free(result);
+  free(result);
+  vs_scene_free(scene);
+  free(scene);
+  if (status == VS_SIGNAL) return vs_fail(err, status, "%s", why.text);
+  if (!status) return VS_OK;
+  *corner = (vs_corner){.margin = NAN, .error = NAN};
+  snprintf(corner->failed, sizeof corner->failed, "%.*s", (int)sizeof corner->failed - 1, why.text);
+  c->failed++;
+  return VS_OK;
+}
+
+/* Reads all of them, then runs them, one behind the other, each with a second run for the errors of
+ * its margins. One that fails is noted, and the others go on. Nothing is written or printed but
+ * progress. Errors: those of the key spread, and of a scene that cannot be read at a corner, which
+ * name the corner, with nothing run; VS_SIGNAL. */
+static vs_status run_corners(const corners_order *o, const vs_scene *nominal, vs_corners *c,
+                             vs_error *err) {
+  vs_status status = vs_key_spreads(nominal, &c->spread, err);
+  const bool shows = !o->quiet && isatty(STDERR_FILENO);
+  const char *tier = nominal->tier->name;
+  c->count = status ? 0 : (size_t)1 << c->spread.spreads;
+  c->held = c->failed = 0;
+  c->worst = c->count;
+  if (!status) status = read_all_corners(o, tier, c, err);
+  for (size_t k = 0; k < c->count && !status; k++) {
+    vs_corner *corner = &c->item[k];
+    if (shows) dprintf(STDERR_FILENO, "\rcorner %zu of %zu \033[K", k + 1, c->count);
+    status = run_corner(o, tier, c, k, err);
+    if (status || !*corner->line) continue;
+    if (!corner->breaks) c->held++;
+    if (c->worst == c->count || is_worse(corner, &c->item[c->worst])) c->worst = k;
+  }
+  if (shows) dprintf(STDERR_FILENO, "\r\033[K");
+  return status;
+}
+
+/* ---- the files of a run, and its progress ---- */
 
 /* What the command adds to a run: its files and its progress line. */
 typedef struct audience {
@@ -33,15 +156,15 @@ typedef struct audience {
   bool show_progress;
 } audience;
 
-static double wall_clock(void) {
+static double wall_clock_s(void) {
   struct timespec now;
   clock_gettime(CLOCK_MONOTONIC, &now);
   return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-static void progress(audience *a, double t_s, long steps) {
+static void print_progress(audience *a, double t_s, long steps) {
   if (!a->show_progress || steps % 256) return;
-  double now = wall_clock(), spent = now - a->began_s, until = a->scene->setup.run.until_s;
+  double now = wall_clock_s(), spent = now - a->began_s, until = a->scene->setup.run.until_s;
   if (spent < 1 || now - a->shown_s < 0.25) return;
   a->shown_s = now;
   dprintf(STDERR_FILENO, "\r%5.1f %%  t = %.4g s of %.4g s, %.0f s left \033[K", 100 * t_s / until,
@@ -53,7 +176,8 @@ static bool is_told_by_devices(const vs_devices *devices, vs_event event) {
   return devices && devices->tells && (event == VS_EV_FIRES || event == VS_EV_EXTINCT);
 }
 
-static vs_status accept(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
+static vs_status accept_step_for_files(void *ctx, const vs_step *step, const vs_result *result,
+                                       vs_error *err) {
   static const char *const WHAT[] = {[VS_EV_FIRES] = "thyristor fires",
                                      [VS_EV_EXTINCT] = "thyristor extinct",
                                      [VS_EV_MEETS_STOP] = "armature meets the stop",
@@ -84,7 +208,7 @@ static vs_status accept(void *ctx, const vs_step *step, const vs_result *result,
     const vs_incident *i = &devices->incidents[k];
     fprintf(a->events.stream, "%.*g,%s %s\n", a->options->digits, i->at_s, i->device, i->what);
   }
-  progress(a, step->to->t_s, result->steps);
+  print_progress(a, step->to->t_s, result->steps);
   return status;
 }
 
@@ -117,7 +241,7 @@ static vs_status open_files(audience *a, vs_error *err) {
 }
 
 /* Removes a file of an older run in the folder, which this run's files would contradict. */
-static void remove_stale(const char *folder, const char *name) {
+static void remove_stale_file(const char *folder, const char *name) {
   char path[VS_PATH_SIZE];
   snprintf(path, sizeof path, "%s/%s", folder, name);
   unlink(path);
@@ -153,14 +277,14 @@ static void each_picture(const char *folder, file_visit each, vs_text *names) {
   if (access(path, F_OK)) visit_file(folder, "report.html", each, names);
 }
 
-static void add_name(const char *folder, const char *name, vs_text *names) {
+static void add_file_name(const char *folder, const char *name, vs_text *names) {
   (void)folder;
   vs_text_add(names, ", %s", name);
 }
 
 static void remove_picture(const char *folder, const char *name, vs_text *names) {
   (void)names;
-  remove_stale(folder, name);
+  remove_stale_file(folder, name);
 }
 
 /* The names of an older run's files in the folder, which give way to this run's; empty: none. To be
@@ -176,7 +300,7 @@ static char *name_replaced(const char *folder) {
     snprintf(path, sizeof path, "%s/%s", folder, FILES[k]);
     if (!access(path, F_OK)) vs_text_add(&names, "%s%s", names.length ? ", " : "", FILES[k]);
   }
-  if (names.length) each_picture(folder, add_name, &names);
+  if (names.length) each_picture(folder, add_file_name, &names);
   return names.text;
 }
 
@@ -192,7 +316,7 @@ static void keep_partial(audience *a, vs_error *err) {
   const char *folder = a->options->folder;
   vs_error second = {0};
   char *replaced = name_replaced(folder);
-  for (size_t k = 0; k < sizeof STALE / sizeof *STALE; k++) remove_stale(folder, STALE[k]);
+  for (size_t k = 0; k < sizeof STALE / sizeof *STALE; k++) remove_stale_file(folder, STALE[k]);
   remove_pictures(folder, replaced);
   bool csv = !vs_file_commit_as(&a->csv, folder, "run.partial.csv", &second);
   bool raw = a->raw.stream && !vs_file_commit_as(&a->raw, folder, "run.partial.raw", &second);
@@ -219,7 +343,7 @@ static void discard_files(audience *a) {
 static vs_status close_peaks(audience *a, vs_error *err) {
   a->found = vs_table_found(&a->table);
   if (a->found == VS_TABLE_SOME) return vs_file_commit(&a->peaks, err);
-  remove_stale(a->options->folder, VS_TABLE_PEAKS_FILE);
+  remove_stale_file(a->options->folder, VS_TABLE_PEAKS_FILE);
   if (a->found == VS_TABLE_BEYOND && !a->options->quiet)
     fprintf(stderr,
             "vibrospice: warning: " VS_TABLE_PEAKS_FILE " is left out, as it would have more than "
@@ -252,9 +376,9 @@ static vs_status close_files(audience *a, vs_status ran, const char *json, vs_er
   free(replaced);
   if (status) vs_file_folder_unmake(folder, a->made);
   if (status) return status;
-  if (!a->options->raw) remove_stale(folder, "run.raw");
-  remove_stale(folder, "run.partial.csv");
-  remove_stale(folder, "run.partial.raw");
+  if (!a->options->raw) remove_stale_file(folder, "run.raw");
+  remove_stale_file(folder, "run.partial.csv");
+  remove_stale_file(folder, "run.partial.raw");
   return VS_OK;
 }
 
@@ -269,7 +393,7 @@ static bool can_begin_anew(const audience *a) {
   return file && a->made <= 1 && !a->scene->control.regulator;
 }
 
-static vs_status begin(void *ctx, vs_scene *scene, vs_error *err) {
+static vs_status begin_files(void *ctx, vs_scene *scene, vs_error *err) {
   audience *a = ctx;
   a->scene = scene;
   if (a->more && a->more->begin) a->more->begin(a->more->ctx, scene);
@@ -278,7 +402,7 @@ static vs_status begin(void *ctx, vs_scene *scene, vs_error *err) {
   scene->order.raw = a->raw.stream;
   scene->order.raw_where = until ? until->where : (vs_where){0};
   scene->order.unbegun = can_begin_anew(a);
-  a->began_s = wall_clock();
+  a->began_s = wall_clock_s();
   a->shown_s = 0;
   return status;
 }
@@ -288,7 +412,7 @@ static void end_progress(const audience *a) {
 }
 
 /* Nothing is kept of an attempt that another one follows. */
-static void again(void *ctx, const char *failed, int next) {
+static void drop_attempt(void *ctx, const char *failed, int next) {
   audience *a = ctx;
   end_progress(a);
   if (a->options->folder) {
@@ -317,24 +441,23 @@ static bool changes_machine(const vs_run_options *o) {
   return false;
 }
 
-static void show_all(const vs_result *r, const vs_groups_options *groups,
-                     const vs_show_more *more) {
-  if (!more->show || r->verdict.count) vs_show_verdict(r, stdout);
+static void print_all(const vs_result *r, const vs_show_options *groups, const vs_show_more *more) {
+  if (!more->show || r->verdict.count) vs_verdict_table_whole(r, stdout);
   if (more->show && r->verdict.count) fputc('\n', stdout);
   if (more->show) more->show(more->ctx, stdout);
   vs_show_result(r, groups, stdout);
 }
 
-static void say_result(const audience *a, const vs_run_more *more, const vs_result *r,
-                       const char *json) {
+static void print_result(const audience *a, const vs_run_more *more, const vs_result *r,
+                         const char *json) {
   const vs_run_options *o = a->options;
   if (o->json)
     fputs(json, stdout);
   else if (!o->quiet) {
-    const vs_groups_options groups = {.most = INT_MAX, .measured = !changes_machine(o)};
+    const vs_show_options groups = {.most = INT_MAX, .measured = !changes_machine(o)};
     const vs_show_more shown = {more ? more->show : NULL, more ? more->ctx : NULL};
     if (o->all)
-      show_all(r, &groups, &shown);
+      print_all(r, &groups, &shown);
     else
       vs_show_brief(r, &groups, &shown, stdout);
     if (o->folder)
@@ -376,7 +499,7 @@ static vs_status judge_corners(const vs_corners *c, vs_error *err) {
 vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scene *scene,
                        vs_error *err) {
   audience a = {.options = o, .more = more, .show_progress = !o->quiet && isatty(STDERR_FILENO)};
-  const vs_guest guest = {&a, begin, accept, again, !o->folder};
+  const vs_guest guest = {&a, begin_files, accept_step_for_files, drop_attempt, !o->folder};
   const vs_session session = {
       .guest = &guest, .verify = true, .steady = o->steady, .stop = o->stop};
   vs_result *result = vs_alloc(1, sizeof *result);
@@ -393,7 +516,7 @@ vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scen
   if (o->folder) status = close_files(&a, status, json.text, err);
   if (o->folder) vs_leave_forget(o->folder);
   vs_leave_heed_set(before);
-  if (!status) say_result(&a, more, result, json.text);
+  if (!status) print_result(&a, more, result, json.text);
   if (!status && o->judged && !result->second.stopped) status = look_for_failed(o->judged, err);
   if (!status) status = vs_session_judge(result, err);
   if (!status && o->judged) status = judge_corners(o->judged, err);
@@ -403,7 +526,7 @@ vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scen
   return status;
 }
 
-static vs_status read_scene(const vs_run_options *o, vs_scene *scene, vs_error *err) {
+static vs_status read_scene_of_command(const vs_run_options *o, vs_scene *scene, vs_error *err) {
   vs_status status = vs_scene_open(o->scene, (vs_where){0}, scene, err);
   for (size_t k = 0; k < o->n_sets && !status; k++)
     status = vs_error_carry_on(err, vs_tree_set(&scene->tree, o->sets[k], err));
@@ -414,18 +537,18 @@ vs_status vs_run_command(const vs_run_options *o, vs_error *err) {
   if (o->raw && !o->folder)
     return vs_fail(err, VS_INPUT, "--raw: run.raw goes into a folder; name one with -o DIR");
   vs_scene *scene = vs_alloc(1, sizeof *scene);
-  vs_status status = read_scene(o, scene, err);
+  vs_status status = read_scene_of_command(o, scene, err);
   scene->allow_code = o->allow_code;
   if (!status) status = vs_control_allow(&scene->control, o->allow_code, err);
   if (!status && o->raw) status = vs_scene_take_circuit(scene, "--raw", err);
   if (!status && !o->quiet && !vs_guard_again()) vs_scene_warn(scene);
   vs_run_options own = *o;
-  const vs_corners_order order = {o->scene, o->sets,   o->n_sets, o->allow_code,
-                                  o->quiet, o->steady, o->stop};
+  const corners_order order = {o->scene, o->sets,   o->n_sets, o->allow_code,
+                               o->quiet, o->steady, o->stop};
   vs_corners *corners = o->corners ? vs_alloc(1, sizeof *corners) : NULL;
   vs_spreads spreads;
   if (!status) status = vs_key_spreads(scene, &spreads, err);
-  if (!status && corners) status = vs_corners_run(&order, scene, corners, err);
+  if (!status && corners) status = run_corners(&order, scene, corners, err);
   own.judged = corners;
   if (!status) status = vs_run_scene(&own, NULL, scene, err);
   free(corners);

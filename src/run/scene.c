@@ -5,11 +5,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "netlist/devices.h"
-#include "netlist/parts.h"
-#include "run/sections.h"
 #include "base/units.h"
-#include "ignored.h"
+#include "engine/tiers.h"
+#include "run/sections.h"
 
 const vs_shelf vs_scene_shelf = {"scene", "scenes", ".yaml"},
                vs_scene_study_shelf = {"study", "studies", ".yaml"},
@@ -106,7 +104,7 @@ static vs_status check_tolerance(const vs_scene *s, vs_error *err) {
 
 enum { MOST_ROWS = 1000000000 }; /* of run.csv: some hundred gigabytes */
 
-static vs_status check_rows(const vs_scene *s, vs_error *err) {
+static vs_status check_rows_of_csv(const vs_scene *s, vs_error *err) {
   const vs_run_values *run = &s->setup.run;
   const vs_node *map = vs_tree_child(s->tree.root, "run"), *node = vs_tree_child(map, "sample");
   if (run->until_s / run->sample_s <= MOST_ROWS) return VS_OK;
@@ -136,7 +134,7 @@ static void take_control_off(vs_scene *s) {
 }
 
 /* Finds the warnings anew. */
-static void warn(vs_scene *s) {
+static void find_warnings(vs_scene *s) {
   s->warnings.count = 0;
   vs_warnings_of_scene(s->tree.root, &s->setup, &s->frame, &s->warnings);
   vs_warnings_of_instruments(&s->instruments, &s->warnings);
@@ -170,14 +168,14 @@ static vs_status check_start(const vs_scene *s, vs_error *err) {
 }
 
 /* What follows from the setup. */
-static vs_status conclude(vs_scene *s, const char *tier, vs_error *err) {
+static vs_status follow_from_setup(vs_scene *s, const char *tier, vs_error *err) {
   vs_status status = vs_choice_make(s->tree.root, &s->setup, tier, &s->tier, s->why, err);
   if (status) return status;
   s->frame = vs_sim_frame(s->tier, &s->setup);
-  status = vs_ignored_check(s->tree.root, &s->setup, s->tier, s->why, err);
+  status = vs_choice_check(s->tree.root, &s->setup, s->tier, s->why, err);
   if (!status) status = vs_error_carry_on(err, check_start(s, err));
   if (!status) status = vs_error_carry_on(err, check_tolerance(s, err));
-  if (!status) status = vs_error_carry_on(err, check_rows(s, err));
+  if (!status) status = vs_error_carry_on(err, check_rows_of_csv(s, err));
   return status;
 }
 
@@ -203,21 +201,21 @@ vs_status vs_scene_settle(vs_scene *s, const char *tier, vs_error *err) {
   s->tier_named = tier;
   s->order = vs_tiers_order;
   if (!status) status = vs_setup_build(s->tree.root, &s->setup, err);
-  if (!status) status = conclude(s, tier, err);
+  if (!status) status = follow_from_setup(s, tier, err);
   if (status) return status;
   status = read_instruments(s, err);
   if (!status) status = vs_error_carry_on(err, read_record(s, err));
   if (!status) status = read_measured(s, err);
-  warn(s);
+  find_warnings(s);
   return status;
 }
 
 vs_status vs_scene_again(vs_scene *s, vs_error *err) {
   if (!vs_setup_keeps_deck(s->tree.root, &s->setup)) s->order.tried = false;
   vs_status status = vs_setup_again(s->tree.root, &s->setup, err);
-  if (!status) status = conclude(s, NULL, err);
+  if (!status) status = follow_from_setup(s, NULL, err);
   if (!status) status = read_instruments(s, err);
-  if (!status) warn(s);
+  if (!status) find_warnings(s);
   return status;
 }
 
@@ -257,9 +255,9 @@ vs_status vs_scene_take_circuit(vs_scene *s, const char *asks, vs_error *err) {
   s->tier = vs_tiers_automatic(true);
   snprintf(s->why, sizeof s->why, "auto: %s asks for it", asks);
   s->frame = vs_sim_frame(s->tier, &s->setup);
-  warn(s);
+  find_warnings(s);
   s->n_record = 0;
-  vs_status status = vs_ignored_check(s->tree.root, &s->setup, s->tier, s->why, err);
+  vs_status status = vs_choice_check(s->tree.root, &s->setup, s->tier, s->why, err);
   if (!status) status = check_start(s, err);
   if (!status) status = check_tolerance(s, err);
   if (!status) status = read_instruments(s, err); /* another tier has other channels */

@@ -1,4 +1,14 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * One run of one scene. The first three functions tell it from top to bottom, and everything else
+ * in the file is a part of one of them:
+ *
+ *   vs_session_run   attempts, until one runs to its end; then a second run for the errors
+ *   run_attempts     the scene as it is, then with the settings of rung after rung of the ladder
+ *   run_attempt      one attempt: scene, watchers, tier, result
+ *
+ * What is before it: vs_scene_read (run/scene.c) reads the scene's text, has its setup built
+ * (engine/setup.c) and its tier chosen (run/choice.c). What is behind it: the verdict becomes an
+ * exit code (vs_session_judge, below), a table (run/show.c) and summary.json (run/summary.c). */
 #include "run/session.h"
 
 #include <math.h>
@@ -8,18 +18,104 @@
 #include <time.h>
 
 #include "base/text.h"
-#include "measure/onset.h"
-#include "run/shown.h"
 #include "base/units.h"
+#include "run/shown.h"
 
-/* ---- one attempt ---- */
-
+/* One attempt at the run, which the parts below are shown. */
 typedef struct attempt {
   const vs_session *session;
+  vs_scene *scene;
   vs_result *result;
 } attempt;
 
-static vs_status accept(void *ctx, const vs_step *step, vs_error *err) {
+static vs_status run_attempts(const vs_session *session, vs_scene *scene, vs_result *r,
+                              vs_error *err);
+static bool wants_second(const vs_session *session, const vs_result *r);
+static void run_second(const vs_session *session, vs_result *r);
+static void leave_orbit(vs_scene *scene);
+static vs_status begin_on_orbit(const vs_session *session, vs_scene *scene, vs_error *err);
+static vs_status run_attempt(const vs_session *session, vs_scene *s, vs_result *r, vs_error *err);
+static vs_scene *next_rung(const vs_scene *scene, vs_ladder *ladder);
+static void take_climbed_scene(vs_result *r, vs_scene *climbed);
+static vs_status fail_after_ladder(const vs_scene *scene, const vs_ladder *ladder, vs_error *err);
+static bool is_alone(const vs_session *session, const vs_scene *s);
+static void begin_watching(const vs_session *session, vs_scene *s, vs_result *r, bool alone);
+static vs_status run_tier(attempt *a, bool alone, vs_error *err);
+static vs_status close_books(vs_result *r, double tolerance, vs_error *err);
+
+/* ---- the story ---- */
+
+vs_status vs_session_run(const vs_session *session, vs_scene *scene, vs_result *r, vs_error *err) {
+  *r = (vs_result){.scene = scene};
+
+  /* Code of the user's own, as a law of control, runs only where the command line allows it. */
+  vs_status status = vs_control_allow(&scene->control, scene->allow_code || session->bare, err);
+
+  /* The run itself, with the settings of the ladder's next rung where ngspice gives up. */
+  if (!status) status = run_attempts(session, scene, r, err);
+  if (!status && scene->tier->has_circuit)
+    scene->order.tried = true; /* until another deck is read */
+
+  /* The same scene at another tolerance: how far the two differ is the error of each margin. */
+  if (!status && wants_second(session, r)) run_second(session, r);
+
+  leave_orbit(scene);
+  if (r->climbed) leave_orbit(r->climbed);
+  return status;
+}
+
+/* Returns how the last attempt ended. */
+static vs_status run_attempts(const vs_session *session, vs_scene *scene, vs_result *r,
+                              vs_error *err) {
+  vs_scene *now = scene;
+  for (;;) {
+    /* `start: steady` and `load.fraction: auto` are found first. */
+    vs_status status = begin_on_orbit(session, now, err);
+    if (!status) status = run_attempt(session, now, r, err);
+    if (status != VS_RUN || !err->gave_up || session->bare) return status;
+
+    /* ngspice gave up: the next rung's scene, if there is one, takes this one's place. */
+    vs_ladder next = r->ladder;
+    vs_scene *other = next_rung(scene, &next);
+    if (!other) return fail_after_ladder(scene, &r->ladder, err);
+    if (!next.failed[0]) memcpy(next.failed, err->text, sizeof next.failed);
+    if (session->guest && session->guest->again)
+      session->guest->again(session->guest->ctx, err->text, next.rung);
+    take_climbed_scene(r, other);
+    r->ladder = next;
+    *err = (vs_error){.findings = err->findings};
+    now = other;
+  }
+}
+
+static vs_status run_attempt(const vs_session *session, vs_scene *s, vs_result *r, vs_error *err) {
+  attempt a = {session, s, r};
+  const vs_guest *guest = session->guest;
+
+  /* The scene. Its guest, as the command `run` with its files, may still change what is ordered. */
+  r->scene = s;
+  r->steps = 0;
+  vs_status status = guest && guest->begin ? guest->begin(guest->ctx, s, err) : VS_OK;
+  if (status) return status;
+
+  /* The watchers, who will be shown each accepted step. */
+  const bool alone = is_alone(session, s);
+  begin_watching(session, s, r, alone);
+
+  /* The tier, which owns time from the scene's start to run.until. */
+  status = run_tier(&a, alone, err);
+  if (status || session->bare) return status;
+
+  /* The result: measures and verdict of what the watchers have seen, and the books of energy. */
+  vs_result_finish(r);
+  return close_books(r, s->setup.run.tolerance, err);
+}
+
+/* ---- one attempt: its parts ---- */
+
+/* Takes one accepted step of the tier: each who looks at the run is shown it, in this order. The
+ * control may decide the next firing by it. */
+static vs_status accept_step_of_run(void *ctx, const vs_step *step, vs_error *err) {
   const attempt *a = ctx;
   const vs_guest *guest = a->session->guest;
   vs_result *r = a->result;
@@ -35,7 +131,8 @@ static vs_status accept(void *ctx, const vs_step *step, vs_error *err) {
   return status;
 }
 
-static bool leaves(void *ctx, const vs_rest *rest) {
+/* Asked where the machine swings freely from now on: true ends the run there. */
+static bool may_leave_rest(void *ctx, const vs_rest *rest) {
   const attempt *a = ctx;
   return vs_watchers_leave(&a->result->watchers, rest, a->session->wants);
 }
@@ -46,7 +143,7 @@ static bool is_alone(const vs_session *session, const vs_scene *s) {
          !s->quality.count && !s->ratings.count && !s->control.regulator && !s->order.pilot;
 }
 
-static double seconds(clockid_t clock) {
+static double clock_s(clockid_t clock) {
   struct timespec now;
   clock_gettime(clock, &now);
   return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
@@ -105,7 +202,7 @@ static vs_status close_books(vs_result *r, double tolerance, vs_error *err) {
 }
 
 /* Begins the scene's instruments anew. */
-static void begin_meters(const vs_session *session, const vs_scene *s, vs_result *r) {
+static void begin_instruments(const vs_session *session, const vs_scene *s, vs_result *r) {
   const vs_instruments *all = &s->instruments;
   free(r->meters);
   r->meters = NULL;
@@ -116,7 +213,8 @@ static void begin_meters(const vs_session *session, const vs_scene *s, vs_result
 
 /* Begins the scene's control anew, which then decides when the setup's thyristors fire. The circuit
  * is not left in such a run, as nobody knows when the next firing comes. */
-static vs_status begin_loop(const vs_session *session, vs_scene *s, vs_result *r, vs_error *err) {
+static vs_status begin_control(const vs_session *session, vs_scene *s, vs_result *r,
+                               vs_error *err) {
   vs_result_end_loop(r);
   s->setup.timeline.program = NULL;
   if (!s->control.regulator || session->bare) return VS_OK;
@@ -126,32 +224,38 @@ static vs_status begin_loop(const vs_session *session, vs_scene *s, vs_result *r
   return vs_loop_begin(r->loop, &s->control, &s->setup, &s->instruments, r->meters, err);
 }
 
-static vs_status run_once(const vs_session *session, vs_scene *s, vs_result *r, vs_error *err) {
-  attempt a = {session, r};
-  const vs_observer observer = {&a, accept};
-  const vs_leaver leaver = {&a, leaves};
+/* Begins all that looks at the steps: watchers, instruments, ratings of probes, the quality of
+ * currents. alone: nobody but the watchers will look, so that these need only see what is wanted.
+ */
+static void begin_watching(const vs_session *session, vs_scene *s, vs_result *r, bool alone) {
   const vs_guest *guest = session->guest;
-  r->scene = s;
-  r->steps = 0;
-  vs_status status = guest && guest->begin ? guest->begin(guest->ctx, s, err) : VS_OK;
-  if (status) return status;
-  const bool alone = is_alone(session, s);
   if (!session->bare) vs_watchers_begin(&r->watchers, &s->frame, alone ? session->wants : NULL);
   r->watchers.prompt =
       (guest && guest->accept && !guest->late) || s->control.regulator || s->order.junction;
-  begin_meters(session, s, r);
+  begin_instruments(session, s, r);
   if (!session->bare) vs_ratings_follow(&s->ratings, r->watchers.measures);
   if (!session->bare) vs_result_begin_quality(r, s);
+}
+
+/* Lets the tier run from the scene's start to run.until. Where a pilot brings the machine to its
+ * orbit first, the instruments' low-passes go along, and the start that it has found becomes the
+ * scene's. */
+static vs_status run_tier(attempt *a, bool alone, vs_error *err) {
+  const vs_session *session = a->session;
+  vs_result *r = a->result;
+  vs_scene *s = a->scene;
+  const vs_observer observer = {a, accept_step_of_run};
+  const vs_leaver leaver = {a, may_leave_rest};
+  vs_pilot *pilot = s->order.pilot;
+  vs_meter_pilot metered;
   s->order.stop = session->stop;
   s->order.leaver = alone ? &leaver : NULL;
-  vs_pilot *pilot = s->order.pilot;
-  vs_onset onset;
   if (pilot && r->meters) {
-    vs_onset_begin(&onset, pilot, &s->instruments, r->meters);
-    s->order.pilot = &onset.pilot;
+    vs_meter_pilot_begin(&metered, pilot, &s->instruments, r->meters);
+    s->order.pilot = &metered.pilot;
   }
-  double began_s = seconds(CLOCK_MONOTONIC);
-  status = begin_loop(session, s, r, err);
+  double began_s = clock_s(CLOCK_MONOTONIC);
+  vs_status status = begin_control(session, s, r, err);
   if (!status)
     status = session->unguarded ? s->tier->run(&s->setup, &s->order, &observer, err)
                                 : vs_sim_run(s->tier, &s->setup, &s->order, &observer, err);
@@ -161,18 +265,16 @@ static vs_status run_once(const vs_session *session, vs_scene *s, vs_result *r, 
   }
   s->order.pilot = pilot;
   s->order.leaver = NULL;
-  r->wall_s = seconds(CLOCK_MONOTONIC) - began_s;
+  r->wall_s = clock_s(CLOCK_MONOTONIC) - began_s;
   if (!status && s->order.pilot) /* which has found the start */
     memcpy(s->setup.start.x, s->order.pilot->x, sizeof s->setup.start.x);
-  if (status || session->bare) return status;
-  vs_result_finish(r);
-  return close_books(r, s->setup.run.tolerance, err);
+  return status;
 }
 
 /* ---- the ladder ---- */
 
-/* Goes to the next rung whose scene can be read, and reads it. An ideal thyristor is no rung for a
- * scene that sets what only its own one has. NULL: there is none. */
+/* Goes to the next rung and reads its scene. NULL: there is no rung left, or its scene cannot be
+ * read, as where an ideal thyristor would take the place of one whose own keys the scene sets. */
 static vs_scene *next_rung(const vs_scene *scene, vs_ladder *ladder) {
   vs_error err = {0};
   if (!vs_ladder_climb(ladder, scene)) return NULL;
@@ -183,7 +285,7 @@ static vs_scene *next_rung(const vs_scene *scene, vs_ladder *ladder) {
   return NULL;
 }
 
-static void take_scene(vs_result *r, vs_scene *climbed) {
+static void take_climbed_scene(vs_result *r, vs_scene *climbed) {
   vs_watchers_free(&r->watchers); /* they look at the scene that was run before, */
   vs_result_end_loop(r);          /* and the control is that scene's */
   if (r->climbed) vs_scene_free(r->climbed);
@@ -191,8 +293,8 @@ static void take_scene(vs_result *r, vs_scene *climbed) {
   r->climbed = climbed;
 }
 
-/* No rung helped: says how the last one and the scene as it is ended. */
-static vs_status say_rungs(const vs_scene *scene, const vs_ladder *ladder, vs_error *err) {
+/* No rung helped: the error tells how the last attempt ended, and how the scene as it is did. */
+static vs_status fail_after_ladder(const vs_scene *scene, const vs_ladder *ladder, vs_error *err) {
   const vs_error last = *err;
   const char *ideal =
       vs_ladder_stopped_short(scene)
@@ -229,25 +331,6 @@ static void leave_orbit(vs_scene *scene) {
   pilot->free(pilot->self);
 }
 
-static vs_status climb(const vs_session *session, vs_scene *scene, vs_result *r, vs_error *err) {
-  vs_scene *now = scene;
-  for (;;) {
-    vs_status status = begin_on_orbit(session, now, err);
-    if (!status) status = run_once(session, now, r, err);
-    if (status != VS_RUN || !err->gave_up || session->bare) return status;
-    vs_ladder next = r->ladder;
-    vs_scene *other = next_rung(scene, &next);
-    if (!other) return say_rungs(scene, &r->ladder, err);
-    if (!next.failed[0]) memcpy(next.failed, err->text, sizeof next.failed);
-    if (session->guest && session->guest->again)
-      session->guest->again(session->guest->ctx, err->text, next.rung);
-    take_scene(r, other);
-    r->ladder = next;
-    *err = (vs_error){.findings = err->findings};
-    now = other;
-  }
-}
-
 /* ---- the second run ---- */
 
 /* The second run's tolerance is COARSER times the first's. Steps go with the root of the tolerance,
@@ -282,8 +365,8 @@ static double resolution_of_rates(double tolerance) {
   return fmax(COARSE_RATE, FINE_RATE * fmin(1, FINE / tolerance));
 }
 
-/* True: something shows that the run's sequence of firings is on edge. */
-static bool is_on_edge(const vs_result *r) {
+/* True if a small error could give the run another sequence of firings. */
+static bool is_run_on_edge(const vs_result *r) {
   const vs_devices *d = r->watchers.devices;
   for (size_t k = 0; d && k < d->count; k++)
     if (d->item[k].sequence.edge) return true;
@@ -295,7 +378,7 @@ static bool wants_second(const vs_session *session, const vs_result *r) {
   bool told = r->verdict.count || r->scene->tier->has_circuit; /* what a second run tells */
   if (word == VS_VERIFY_ALWAYS && told) return true;
   if (word != VS_VERIFY_AUTO || !r->verdict.count) return false;
-  return session->verify || (session->verify_edges && is_on_edge(r));
+  return session->verify || (session->verify_edges && is_run_on_edge(r));
 }
 
 /* With run.verify: always, an extreme of a probe is told which a finer run has otherwise by more
@@ -375,13 +458,14 @@ static void compare_sequences(vs_result *r, const vs_result *second) {
   for (size_t k = 0; a && b && k < a->count; k++) {
     const vs_kind *kind = a->item[k].device->kind;
     if (!kind->gated && !kind->melts) continue; /* a diode that rings fires nothing */
-    if (vs_sequence_agrees(&a->item[k].sequence, &b->item[k].sequence, window_s, &how)) continue;
+    if (vs_reducer_sequences_agree(&a->item[k].sequence, &b->item[k].sequence, window_s, &how))
+      continue;
     vs_verdict_tear(&r->verdict, a->item[k].device, how.parts_s);
     if (!name) first = how;
     if (!name) name = a->item[k].device->name;
   }
-  if (!name &&
-      !vs_sequence_agrees(&r->watchers.sequence, &second->watchers.sequence, window_s, &first))
+  if (!name && !vs_reducer_sequences_agree(&r->watchers.sequence, &second->watchers.sequence,
+                                           window_s, &first))
     name = "it";
   if (name)
     snprintf(r->second.sequence, sizeof r->second.sequence,
@@ -400,7 +484,7 @@ static void run_second(const vs_session *session, vs_result *r) {
   vs_error why = {0};
   *other = *r->scene;
   change_settings(other, factor);
-  vs_status status = run_once(&plain, other, second, &why);
+  vs_status status = run_attempt(&plain, other, second, &why);
   r->second.tolerance = other->setup.run.tolerance;
   r->second.wall_s = second->wall_s;
   r->second.done = !status;
@@ -424,18 +508,6 @@ static void run_second(const vs_session *session, vs_result *r) {
   free(other);
 }
 
-vs_status vs_session_run(const vs_session *session, vs_scene *scene, vs_result *r, vs_error *err) {
-  *r = (vs_result){.scene = scene};
-  vs_status status = vs_control_allow(&scene->control, scene->allow_code || session->bare, err);
-  if (!status) status = climb(session, scene, r, err);
-  if (!status && scene->tier->has_circuit)
-    scene->order.tried = true; /* until another deck is read */
-  if (!status && wants_second(session, r)) run_second(session, r);
-  leave_orbit(scene);
-  if (r->climbed) leave_orbit(r->climbed);
-  return status;
-}
-
 /* ---- what it takes ---- */
 
 /* More cycles than any search has time for, and few enough to be counted in 32 bits. */
@@ -453,7 +525,7 @@ vs_status vs_session_take(const vs_scene *scene, vs_error *err) {
 
 /* ---- what follows ---- */
 
-static void print_allowed(const vs_judgement *j, double unit, char *text, size_t size) {
+static void write_allowed(const vs_judgement *j, double unit, char *text, size_t size) {
   const bool below = j->name && isinf(j->rating->min), above = j->name && isinf(j->rating->max);
   if (below || above)
     snprintf(text, size, "%s %g", below ? "at most" : "at least",
@@ -466,7 +538,7 @@ static void print_allowed(const vs_judgement *j, double unit, char *text, size_t
 }
 
 /* What happened against the scene's expectation, or did not. */
-static vs_status say_happening(const vs_judgement *j, vs_error *err) {
+static vs_status fail_of_happening(const vs_judgement *j, vs_error *err) {
   const char *device = j->device->name, *verb = vs_kinds_happening(j->measure)->verb;
   const char *undecided =
       vs_verdict_word(j) == VS_UNDECIDED ? "; the two runs differ in it, so it is undecided" : "";
@@ -485,11 +557,11 @@ vs_status vs_session_judge(const vs_result *r, vs_error *err) {
                    "first run's result is whole, its verdict unverified",
                    r->second.failed);
   if (!worst) return VS_OK;
-  if (vs_verdict_is_happening(worst)) return say_happening(worst, err);
+  if (vs_verdict_is_happening(worst)) return fail_of_happening(worst, err);
   const char *unit_name = vs_verdict_unit(worst);
   char name[VS_JUDGED_NAME], allowed[2 * VS_DECK_NAME + 16], decides[96] = "", at[48] = "";
   double unit = vs_units_factor(unit_name);
-  if (!worst->lacks) print_allowed(worst, unit, allowed, sizeof allowed);
+  if (!worst->lacks) write_allowed(worst, unit, allowed, sizeof allowed);
   vs_verdict_name(worst, name);
   if (!isnan(worst->stress.at_s)) snprintf(at, sizeof at, " at %.6g s", worst->stress.at_s);
   if (worst->lacks)
@@ -526,7 +598,7 @@ vs_status vs_session_try(const vs_tier *tier, const vs_setup *setup, vs_error *e
   bool begun = false;
   const vs_observer observer = {&begun, stop_at_once};
   vs_run_values run = setup->run; /* a run has the longer first step on the ladder */
-  run.first_step = fmax(run.first_step, VS_MANNER_LONGER_FIRST_STEP);
+  run.first_step = fmax(run.first_step, VS_SETUP_LONGER_FIRST_STEP);
   const vs_setup tried = vs_setup_varied(setup, &run, NULL);
   vs_status status = tier->run(&tried, &vs_tiers_order, &observer, err);
   return begun ? VS_OK : status;

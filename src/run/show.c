@@ -1,303 +1,218 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "run/show.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "base/alloc.h"
-#include "engine/firing.h"
 #include "base/units.h"
-#include "run/amount.h"
+#include "engine/firing.h"
 #include "engine/tiers.h"
-#include "measure/unjudged.h"
+#include "run/amount.h"
+#include "run/shown.h"
+#include "verdict_table.h"
 
-/* A margin beyond this is told as more than it, and one below its negative as less: a time that is
- * many times the one that is wanted, a stress that is many times its limit. */
-static const double FAR = 9.99;
+/* ---- the measures in groups: what the scene asks for, motion, electrical, devices, energy ---- */
 
-/* "12.3 %", ">999 %", "<-999 %"; of a margin that is not known "-". */
-static const char *margin_text(double margin, char text[VS_AMOUNT_SIZE]) {
-  if (isnan(margin))
-    snprintf(text, VS_AMOUNT_SIZE, "-");
-  else if (fabs(margin) > FAR)
-    snprintf(text, VS_AMOUNT_SIZE, margin > 0 ? ">%.0f %%" : "<-%.0f %%", 100 * FAR);
-  else
-    snprintf(text, VS_AMOUNT_SIZE, "%.1f %%", 100 * margin);
-  return text;
+enum { ROW = 40, WORTH_A_HEADING = 5 };
+
+static const char *const HEADINGS[VS_SHOWN_GROUPS] = {[VS_SHOWN_MOTION] = "motion",
+                                                      [VS_SHOWN_ELECTRICAL] = "electrical",
+                                                      [VS_SHOWN_DEVICES] = "devices",
+                                                      [VS_SHOWN_ENERGY] = "energy",
+                                                      [VS_SHOWN_QUALITY] = "quality"};
+
+/* One pass over the measures. */
+typedef struct rows {
+  const vs_result *result;
+  const vs_show_options *options;
+  FILE *out;
+  int standard; /* the first so many measures may have been measured */
+  int group;    /* that is printed; -1: what is asked for */
+  bool begun;   /* its heading is printed */
+  int printed, lines;
+} rows;
+
+/* What a short table tells of every run. */
+static const char *const ALWAYS[] = {"stroke", "i_peak", "t_extinction", "energy_in"};
+
+/* ---- which of them ---- */
+
+static const vs_value *measured_of(const rows *r, int k) {
+  const vs_value *measured = &r->result->scene->measured[k < r->standard ? k : 0];
+  return r->options->measured && k < r->standard && measured->known ? measured : NULL;
 }
 
-/* "  12.3 % +- 0.04 %", padded where it stands in a column. */
-static void print_number(const vs_judgement *j, bool padded, FILE *out) {
-  char margin[VS_AMOUNT_SIZE], error[VS_AMOUNT_SIZE] = "";
-  const bool told = !isnan(j->margin) && fabs(j->margin) <= FAR && !isnan(j->margin_error);
-  const double percent = 100 * j->margin_error;
-  if (told && isfinite(percent))
-    snprintf(error, sizeof error, percent < 99.5 ? "+- %-*.2g %%" : "+- %-*.0f %%", padded ? 6 : 0,
-             percent);
-  else if (told)
-    snprintf(error, sizeof error, "+- ?");
-  margin_text(j->margin, margin);
-  if (padded)
-    fprintf(out, "%9s %11s", margin, error);
-  else
-    fprintf(out, "%s%s%s", margin, *error ? " " : "", error);
-}
-
-/* How far the models that it hangs on are from their sheets: "  (model v_clamp -6 % of sheet)". */
-static void print_models(const vs_judgement *j, const char *before, const char *after, FILE *out) {
-  vs_text text = {0};
-  vs_verdict_models(j, &text);
-  if (text.length) fprintf(out, "%s%s%s", before, text.text, after);
-  vs_text_free(&text);
-}
-
-static void print_finding(const vs_judgement *j, FILE *out) {
-  vs_finding word = vs_verdict_word(j);
-  fprintf(out, "  %s%s", word == VS_UNVERIFIED && j->margin < 0 ? "violated, " : "",
-          vs_verdict_words[word]);
-  if (j->torn) fprintf(out, ", as the sequence is");
-}
-
-/* "  12.3 % +- 0.04 %  held" */
-static void print_margin(const vs_judgement *j, FILE *out) {
-  print_number(j, true, out);
-  print_finding(j, out);
-}
-
-/* What is rated, in the unit that its limit was written in: "76.54 A/us". */
-static const char *written(double si, const char *unit, char text[VS_AMOUNT_SIZE]) {
-  snprintf(text, VS_AMOUNT_SIZE, "%.4g %s", si / vs_units_factor(unit), unit);
-  return text;
-}
-
-/* An end of a range, which the scene may leave open. */
-static const char *end_text(const vs_judgement *j, double si, char text[VS_AMOUNT_SIZE]) {
-  bool open = j->name && isinf(si);
-  snprintf(text, VS_AMOUNT_SIZE, open ? "-" : "%.4g", si / vs_units_factor(j->rating->unit));
-  return text;
-}
-
-static void print_rating(const vs_judgement *j, int width, FILE *out) {
-  char name[VS_JUDGED_NAME], end[VS_AMOUNT_SIZE];
-  double unit = vs_units_factor(j->rating->unit);
-  fprintf(out, "  %-*s %11s ", width, vs_verdict_name(j, name), end_text(j, j->rating->min, end));
-  if (j->unknown)
-    fprintf(out, "%11s %11s", "-", "-");
-  else
-    fprintf(out, "%11.4g %11.4g", j->least.value / unit, j->largest.value / unit);
-  fprintf(out, " %11s %-5s ", end_text(j, j->rating->max, end), j->rating->unit);
-  print_margin(j, out);
-  print_models(j, "  (", ")", out);
-  if (j->unknown) fprintf(out, ": %s", j->unknown);
-  fprintf(out, "%s\n", j->assumed ? "  assumed" : "");
-}
-
-/* The end of what is allowed that the stress is nearer to, or further beyond. */
-static double allowed(const vs_judgement *j) {
-  if (j->limit) return j->limit->value;
-  return j->room[0] < j->room[1] ? j->rating->min : j->rating->max;
-}
-
-static void print_device(const vs_judgement *j, int width, FILE *out) {
-  char name[VS_JUDGED_NAME], at[VS_AMOUNT_SIZE] = "", why[2 * VS_DECK_NAME + 16];
-  const char *unit_name = vs_verdict_unit(j);
-  double unit = vs_units_factor(unit_name);
-  if (!isnan(j->stress.at_s)) vs_amount_text(j->stress.at_s, "s", at);
-  fprintf(out, "  %-*s %11.4g ", width, vs_verdict_name(j, name), j->stress.value / unit);
-  if (j->lacks)
-    fprintf(out, "%11s", "-");
-  else
-    fprintf(out, "%11.4g", allowed(j) / unit);
-  fprintf(out, " %-5s %11s ", unit_name, at);
-  print_margin(j, out);
-  print_models(j, "  (", ")", out);
-  if (j->lacks) fprintf(out, ": %s", vs_verdict_unknown(j, why, sizeof why));
-  if (j->over_v > 0) fprintf(out, "  over %.4g V", j->over_v);
-  if (j->device && !isnan(j->over_from_s)) fprintf(out, "  from %.6g s on", j->over_from_s);
-  if (j->ward) fprintf(out, "  limit of %s", j->ward->name);
-  if (j->measure && j->measure->how == VS_R_RETURN_RISE)
-    fputs("  compared: a model need not obey it", out);
-  fprintf(out, "%s\n", j->assumed ? "  assumed" : "");
-}
-
-/* "undecided: v_ak, t_fire (the run has no value of it)", and a line for each limit that a part
- * does not state: "undecided: varistor_1.power: s20k510 states no p_max; waive: [varistor_1.power]
- * leaves it out"
- */
-static void print_undecided(const vs_verdict *v, bool lacking, FILE *out) {
-  char name[VS_JUDGED_NAME], why[2 * VS_DECK_NAME + 16];
-  size_t n = 0;
-  for (size_t k = 0; k < v->count; k++)
-    if (vs_verdict_word(&v->item[k]) == VS_UNDECIDED && !v->item[k].lacks) {
-      fprintf(out, "%s%s", n++ ? ", " : "undecided: ", vs_verdict_name(&v->item[k], name));
-      if (v->item[k].unknown) fprintf(out, " (%s)", v->item[k].unknown);
-    }
-  if (n) fputc('\n', out);
-  for (size_t k = 0; lacking && k < v->count; k++) {
-    const vs_judgement *j = &v->item[k];
-    if (!j->lacks || j->waived) continue;
-    vs_verdict_name(j, name);
-    fprintf(out, "undecided: %s: %s; waive: [%s] leaves it out\n", name,
-            vs_verdict_unknown(j, why, sizeof why), name);
+static bool begins_with_recorded(const rows *r, const char *name) {
+  const vs_scene *s = r->result->scene;
+  int listed[VS_CH_MOST];
+  if (s->n_record == vs_channel_listed(&s->frame, listed)) return false; /* record: all */
+  for (int k = 0; k < s->n_record; k++) {
+    vs_channel channel = vs_channel_at(&s->frame, s->record[k]);
+    size_t n = strlen(channel.name);
+    if (!strncmp(name, channel.name, n) && name[n] == '_') return true;
   }
+  return false;
 }
 
-/* "waived: varistor_1.power, thyristor.t_q" */
-static void print_waived(const vs_expects *expects, FILE *out) {
-  for (size_t k = 0; k < expects->n_waivers; k++)
-    fprintf(out, "%s%s.%s", k ? ", " : "waived: ", expects->waiver[k].device,
-            expects->waiver[k].name);
-  if (expects->n_waivers) fputc('\n', out);
+static bool is_measure_asked(const rows *r, const vs_shown *m, int k) {
+  return measured_of(r, k) || begins_with_recorded(r, m->name);
 }
 
-/* "happened: thyristor fires without a gate pulse at 40.83 ms, 3 times (dv/dt of 324 V/us up to
- * 406 V)", and whether the scene expects it. */
-static void print_happening(const vs_judgement *j, FILE *out) {
-  const char *device = j->device->name, *verb = vs_kinds_happening(j->measure)->verb;
+static bool is_measure_wanted(const rows *r, const vs_shown *m, int k) {
+  if (is_measure_asked(r, m, k)) return r->group < 0;
+  if ((int)m->group != r->group) return false;
+  if (r->options->most == INT_MAX) return true;
+  for (size_t n = 0; n < sizeof ALWAYS / sizeof *ALWAYS; n++)
+    if (!strcmp(m->name, ALWAYS[n])) return false;
+  return m->value.known && m->value.value != 0 && !m->doubled;
+}
+
+/* ---- their rows ---- */
+
+static void begin_group(rows *r) {
+  if (r->begun) return;
+  fprintf(r->out, "\n%s\n", r->group < 0 ? "asked for" : HEADINGS[r->group]);
+  r->begun = true;
+  r->lines += 2;
+}
+
+/* The name to the left and the value to the right of a row. */
+static void print_pair(const char *name, int length, const char *value, FILE *out) {
+  int room = ROW - length;
+  fprintf(out, "  %.*s %*s", length, name, room > 0 ? room : 0, value);
+}
+
+/* "   at 5.556 ms" */
+static void print_at(double at_s, const char *before, FILE *out) {
   char at[VS_AMOUNT_SIZE];
-  if (!(j->stress.value > 0)) {
-    fprintf(out, "did not happen, though expected: %s %s\n", device, verb);
+  if (!isnan(at_s)) fprintf(out, "%s%s", before, vs_amount_text(at_s, "s", at));
+}
+
+static void print_measure(rows *r, const vs_shown *m, int k) {
+  char value[VS_AMOUNT_SIZE];
+  const vs_value *measured = measured_of(r, k);
+  if (!m->value.known) {
+    print_pair(m->name, (int)strlen(m->name), "-\n", r->out);
     return;
   }
-  fprintf(out, "happened: %s %s at %s", device, verb, vs_amount_text(j->stress.at_s, "s", at));
-  if (j->stress.value > 1) fprintf(out, ", %.0f times", j->stress.value);
-  fprintf(out, " (%s", j->cause);
-  print_models(j, "; ", "", out);
-  fprintf(out, ")%s%s\n", j->expected ? ", as expected" : "",
-          vs_verdict_word(j) == VS_UNDECIDED ? ", in one of two runs" : "");
-}
-
-/* "weakest: thyristor.di_dt, 76.54 A/us where 50 A/us is allowed, margin -53.1 % ..." */
-static void print_weakest(const vs_judgement *j, FILE *out) {
-  char name[VS_JUDGED_NAME], stress[VS_AMOUNT_SIZE], limit[VS_AMOUNT_SIZE];
-  const char *unit = vs_verdict_unit(j);
-  fprintf(out, "weakest: %s, %s where %s%s is allowed, margin ", vs_verdict_name(j, name),
-          written(j->stress.value, unit, stress), written(allowed(j), unit, limit),
-          j->assumed ? " (assumed)" : "");
-  print_number(j, false, out);
-  print_models(j, " (", ")", out);
-  print_finding(j, out);
-  fputc('\n', out);
-}
-
-static void print_first_to_fail(const vs_judgement *j, FILE *out) {
-  char name[VS_JUDGED_NAME], at[VS_AMOUNT_SIZE];
-  fprintf(out, "first to fail: %s, at %s\n", vs_verdict_name(j, name),
-          vs_amount_text(j->failed_s, "s", at));
-}
-
-/* The word of the whole: that of its worst line. It is coloured where people look. */
-static void print_word(const vs_verdict *v, FILE *out) {
-  static const char *const COLOURS[VS_WORDS] = {[VS_HELD] = "32",
-                                                [VS_VIOLATED] = "31",
-                                                [VS_UNDECIDED] = "33",
-                                                [VS_UNVERIFIED] = "33",
-                                                [VS_WAIVED] = "33"};
-  const vs_judgement *breach = vs_verdict_breach(v);
-  vs_finding word = VS_WAIVED; /* of all lines, where nothing else is said */
-  for (size_t k = 0; k < v->count; k++) {
-    vs_finding own = vs_verdict_word(&v->item[k]);
-    if (own == VS_UNVERIFIED || (own == VS_HELD && word == VS_WAIVED)) word = own;
+  print_pair(m->name, (int)strlen(m->name), vs_amount_text(m->value.value, m->unit, value), r->out);
+  print_at(m->value.at_s, "   at ", r->out);
+  if (measured) {
+    fprintf(r->out, "   measured %s", vs_amount_text(measured->value, m->unit, value));
+    if (measured->value != 0)
+      fprintf(r->out, ": computed is %+.1f %%", 100 * (m->value.value / measured->value - 1));
   }
-  if (breach)
-    word = breach->margin < 0 && vs_verdict_word(breach) == VS_UNVERIFIED ? VS_VIOLATED
-                                                                          : vs_verdict_word(breach);
-  const char *terminal = getenv("TERM");
-  bool coloured = out == stdout && isatty(STDOUT_FILENO) && !getenv("NO_COLOR") &&
-                  !(terminal && !strcmp(terminal, "dumb")); /* it would show the codes */
-  fflush(out);
-  if (coloured)
-    dprintf(STDOUT_FILENO, "verdict: \033[1;%sm%s\033[0m\n", COLOURS[word], vs_verdict_words[word]);
+  if (m->over_v > 0) fprintf(r->out, "   over %s", vs_amount_text(m->over_v, "V", value));
+  if (m->unjudged) fprintf(r->out, "   %s", m->unjudged);
+  fputc('\n', r->out);
+}
+
+/* True where `largest` is the largest value of what `least` is the least of: "u_min", "u_max". */
+static bool are_ends(const vs_shown *least, const vs_shown *largest) {
+  size_t n = strlen(least->name);
+  return n > 4 && n == strlen(largest->name) && !strcmp(least->name + n - 4, "_min") &&
+         !strcmp(largest->name + n - 4, "_max") && !strncmp(least->name, largest->name, n - 4);
+}
+
+static void print_ends(rows *r, const vs_shown *least, const vs_shown *largest) {
+  char range[2 * VS_AMOUNT_SIZE];
+  print_pair(least->name, (int)strlen(least->name) - 4,
+             vs_amount_range(least->value.value, largest->value.value, least->unit, range), r->out);
+  print_at(least->value.at_s, "   at ", r->out);
+  print_at(largest->value.at_s, ", ", r->out);
+  fputc('\n', r->out);
+}
+
+/* Prints the k-th measure, and with it the next one where the two are the ends of a range. Returns
+ * how many these were. */
+static int print_next(rows *r, const vs_shown *m, int k) {
+  const vs_frame *frame = &r->result->scene->frame;
+  vs_shown next;
+  const bool two =
+      !measured_of(r, k) && vs_shown_at(frame, r->result, k + 1, &next) && !measured_of(r, k + 1) &&
+      is_measure_asked(r, m, k) == is_measure_asked(r, &next, k + 1) && are_ends(m, &next) &&
+      (r->options->most == INT_MAX || (next.value.known && next.value.value != 0));
+  if (two)
+    print_ends(r, m, &next);
   else
-    fprintf(out, "verdict: %s\n", vs_verdict_words[word]);
+    print_measure(r, m, k);
+  r->lines++;
+  r->printed += two ? 2 : 1;
+  return two ? 2 : 1;
 }
 
-static int name_width(const vs_verdict *v) {
-  char name[VS_JUDGED_NAME];
-  int width = 18;
-  for (size_t k = 0; k < v->count; k++) {
-    int n = (int)strlen(vs_verdict_name(&v->item[k], name));
-    if (n > width) width = n;
-  }
-  return width;
-}
-
-/* The ratings come first; limits and stresses are shown in the unit they were written in. */
-static void print_lines(const vs_verdict *v, FILE *out) {
-  int width = name_width(v);
-  size_t k = 0;
-  if (v->item[0].rating)
-    fprintf(out, "\n  %-*s %11s %11s %11s %11s %-5s %8s\n", width, "rating", "min", "least",
-            "largest", "max", "", "margin +- its numerical error");
-  for (; k < v->count && v->item[k].rating; k++) print_rating(&v->item[k], width, out);
-  if (k < v->count && !vs_verdict_is_happening(&v->item[v->count - 1]))
-    fprintf(out, "\n  %-*s %11s %11s %-5s %11s %8s\n", width, "device", "stress", "limit", "", "at",
-            "margin +- its numerical error");
-  for (; k < v->count; k++)
-    if (!vs_verdict_is_happening(&v->item[k])) print_device(&v->item[k], width, out);
-}
-
-/* "not judged: r1.power, c1.v_peak (no limit stated)" */
-static void print_not_judged(const vs_result *r, FILE *out) {
-  vs_text text = {0};
-  vs_unjudged_write(r->watchers.devices, &r->verdict, &text);
-  if (text.length) fprintf(out, "not judged: %s\n", text.text);
-  vs_text_free(&text);
-}
-
-/* "varistor_1.i_peak     -6.1 % +- 0.01 %  violated", or why the corner has no such line. */
-static void print_corner(const vs_corner *one, FILE *out) {
-  if (!*one->line) {
-    fprintf(out, "%s%s", *one->failed ? "failed: " : "nothing is rated", one->failed);
-    return;
-  }
-  fprintf(out, "%s ", one->line);
-  char margin[VS_AMOUNT_SIZE];
-  fprintf(out, "%9s", margin_text(one->margin, margin));
-  if (isfinite(one->error)) fprintf(out, " +- %.2g %%", 100 * one->error);
-  fprintf(out, "  %s", vs_verdict_words[one->word]);
-}
-
-/* "corners: 7 of 8 held, 1 failed; " */
-static void print_held(const vs_corners *c, FILE *out) {
-  fprintf(out, "corners: %zu of %zu held", c->held, c->count);
-  if (c->failed) fprintf(out, ", %zu failed", c->failed);
-  fputs("; ", out);
-}
-
-/* What was varied: nothing, or the corners, with the worst line of each. */
-static void print_corners(const vs_result *r, FILE *out) {
-  char at[1024];
-  const vs_corners *c = r->corners;
-  if (!c) {
-    fputs("nominal values; corners not judged\n", out);
-    return;
-  }
-  print_held(c, out);
-  fputs("the worst line of each:\n", out);
-  for (size_t k = 0; k < c->count; k++) {
-    fprintf(out, "  %s: ", vs_result_corner(c, k, at, sizeof at));
-    print_corner(&c->item[k], out);
-    fputs(k == c->worst && c->count > 1 ? "  worst\n" : "\n", out);
+static void print_group(rows *r) {
+  vs_shown m;
+  r->begun = false;
+  for (int k = 0; vs_shown_at(&r->result->scene->frame, r->result, k, &m);) {
+    const bool prints = is_measure_wanted(r, &m, k) && r->lines < r->options->most;
+    if (prints) begin_group(r);
+    k += prints ? print_next(r, &m, k) : 1;
   }
 }
 
-/* How the errors of the margins were found, and what would decide those that are not. */
-static void print_second(const vs_result *r, FILE *out) {
-  const vs_second_run *second = &r->second;
-  if (second->done)
-    fprintf(out, "errors of margins: by a second run at run.tolerance = %.3g", second->tolerance);
-  else if (r->verdict.count)
-    fprintf(out, "errors of margins: not computed (%s)",
-            second->stopped   ? "the second run was stopped by a signal"
-            : *second->failed ? "the second run failed"
-                              : "run.verify");
-  if (second->decides > 0)
-    fprintf(out, "; run.tolerance = %.1g may decide what is undecided", second->decides);
-  if (second->done || r->verdict.count) fputc('\n', out);
+/* Prints the measure of that name where it says something and does not stand there already. */
+static void print_named(rows *r, const char *name) {
+  vs_shown m;
+  for (int k = 0; vs_shown_at(&r->result->scene->frame, r->result, k, &m); k++)
+    if (!strcmp(m.name, name) && m.value.known && m.value.value != 0 && !is_measure_asked(r, &m, k))
+      print_next(r, &m, k);
 }
+
+/* Prints what the deck's probes have of its first few currents. */
+static void print_currents(rows *r) {
+  enum { CURRENTS = 2 };
+  vs_shown m;
+  int printed = 0;
+  for (int k = 0; vs_shown_at(&r->result->scene->frame, r->result, k, &m) && printed < CURRENTS;) {
+    const bool prints = m.channel >= 0 && !strcmp(m.unit, "A") && m.value.known &&
+                        r->lines < r->options->most && !is_measure_asked(r, &m, k);
+    printed += prints;
+    k += prints ? print_next(r, &m, k) : 1;
+  }
+}
+
+/* Prints what is asked for, what every short table tells, and the motion where there is room. */
+static void print_few(rows *r) {
+  r->group = -1;
+  print_group(r);
+  if (!r->begun) fputc('\n', r->out);
+  for (size_t k = 0; k < sizeof ALWAYS / sizeof *ALWAYS && r->lines < r->options->most; k++)
+    print_named(r, ALWAYS[k]);
+  print_currents(r);
+  r->group = VS_SHOWN_MOTION;
+  if (r->options->most - r->lines >= WORTH_A_HEADING) print_group(r);
+}
+
+/* Prints the groups. Asked for is what `measured` names, and, where `record` is a list, each
+ * measure whose name begins with that of a recorded channel. Where there is no room for all, what
+ * is asked for is followed by the stroke, the currents, the extinction and the energy drawn, and by
+ * the motion as far as there is room.
+ * Returns how many measures are left out. */
+static int print_groups(const vs_result *result, const vs_show_options *options, FILE *out) {
+  const vs_scene *s = result->scene;
+  rows r = {.result = result,
+            .options = options,
+            .out = out,
+            .standard = vs_measures_count(&s->setup.model)};
+  vs_shown m;
+  int count = 0;
+  bool measured = false;
+  while (vs_shown_at(&s->frame, result, count, &m)) count++;
+  for (int k = 0; k < r.standard; k++) measured = measured || s->measured[k].known;
+  if (options->most < INT_MAX)
+    print_few(&r);
+  else
+    for (r.group = -1; r.group < VS_SHOWN_GROUPS; r.group++) print_group(&r);
+  if (measured && !options->measured)
+    fputs("what was measured is not shown: --set has changed what it was measured of\n", out);
+  return count - r.printed;
+}
+
+/* ---- what was run ---- */
 
 /* What generators have on the line besides what the deck has, and since when. */
 static void print_on_line(const vs_events *events, FILE *out) {
@@ -319,7 +234,7 @@ static void print_on_line(const vs_events *events, FILE *out) {
 
 /* Which way the heat of each device goes, where its case is known, and how warm that is taken for.
  */
-static void print_heat(const vs_result *r, FILE *out) {
+static void print_ways_of_heat(const vs_result *r, FILE *out) {
   const vs_devices *d = r->watchers.devices;
   for (size_t k = 0; d && k < d->count; k++) {
     const vs_watched *w = &d->item[k];
@@ -412,10 +327,12 @@ static void print_head(const vs_result *r, FILE *out) {
   if (declined) fprintf(out, "quiet  ngspice is not left: %s\n", declined);
   print_on_line(&s->setup.timeline.events, out);
   print_load(s, out);
-  print_heat(r, out);
+  print_ways_of_heat(r, out);
   if (r->watchers.devices)
     fprintf(out, "means  over %.9g..%.9g s\n", s->setup.means.from_s, s->setup.means.to_s);
 }
+
+/* ---- instruments, control, quality ---- */
 
 /* What each instrument makes of a sine of the frequency at which the machine works. */
 static void print_instruments(const vs_result *r, int width, FILE *out) {
@@ -480,7 +397,7 @@ static void print_observer(const vs_result *r, int width, FILE *out) {
 }
 
 void vs_show_windows(const vs_spectrum *s, FILE *out) {
-  int windows = vs_grouping_windows(&s->grouping);
+  int windows = vs_spectrum_windows(s);
   if (!s->grouping.told) return;
   if (windows)
     fprintf(out,
@@ -508,11 +425,11 @@ void vs_show_classes(const vs_drawn *drawn, FILE *out) {
 enum { SHOWN = 10 }; /* the last harmonic in the table; JSON has all */
 
 /* The harmonics of a current, and what limits are set for them. */
-static void print_quality(const vs_quality *q, FILE *out) {
+static void print_quality_of_current(const vs_quality *q, FILE *out) {
   const vs_drawn drawn = vs_quality_drawn(q);
   double first_a = vs_spectrum_harmonic(&q->current, 1);
   fprintf(out, "\nquality of %s, over %d cycles of the mains\n", q->name, q->cycles);
-  const bool groups = vs_grouping_windows(&q->current.grouping) > 0;
+  const bool groups = vs_spectrum_windows(&q->current) > 0;
   fprintf(out, "%-10s %15s %15s %15s%s\n", "harmonic", "A rms", "of harmonic 1", "phase",
           groups ? "     group A rms" : "");
   for (int n = 0; n <= SHOWN; n++) {
@@ -529,6 +446,8 @@ static void print_quality(const vs_quality *q, FILE *out) {
   vs_show_classes(&drawn, out);
 }
 
+/* ---- all of it ---- */
+
 /* What the force of the analytic tier has done besides. */
 static void print_one_way(const vs_result *r, FILE *out) {
   const double work_j = r->watchers.energy.joule[VS_E_WORK];
@@ -537,61 +456,15 @@ static void print_one_way(const vs_result *r, FILE *out) {
             work_j);
 }
 
-/* Something is limited, and nothing of that is judged. */
-static bool nothing_is_judged(const vs_result *r) {
-  return vs_unjudged_is_told(r->watchers.devices, &r->verdict);
-}
-
-/* Why there is no verdict, and how to have one. */
-static void print_none(const vs_result *r, FILE *out) {
-  if (nothing_is_judged(r)) {
-    fputs("verdict: none, as nothing that the deck and its parts limit is judged\n", out);
-    return;
-  }
-  const bool has_circuit = r->scene->tier->has_circuit;
-  fprintf(out, "verdict: none, as %s%s\n",
-          has_circuit ? "the deck and its parts rate nothing"
-                      : "this tier has no circuit whose parts could be rated",
-          has_circuit && !r->second.done
-              ? "; run.verify: always would tell which extremes hang on the steps"
-              : "");
-  if (has_circuit)
-    fputs("to have one: choose parts that have limits, as circuit.thyristor ('vibrospice list "
-          "parts'), or write a line '*$ rating' into the deck\n",
-          out);
-}
-
-void vs_show_verdict(const vs_result *r, FILE *out) {
-  const vs_verdict *v = &r->verdict;
-  if (!v->count) {
-    print_none(r, out);
-    if (!nothing_is_judged(r)) return;
-    print_waived(&r->scene->expects, out);
-    print_not_judged(r, out);
-    return;
-  }
-  print_word(v, out);
-  for (size_t k = 0; k < v->count; k++)
-    if (vs_verdict_is_happening(&v->item[k])) print_happening(&v->item[k], out);
-  if (v->weakest && !vs_verdict_is_happening(v->weakest)) print_weakest(v->weakest, out);
-  if (v->first_to_fail) print_first_to_fail(v->first_to_fail, out);
-  print_undecided(v, true, out);
-  print_waived(&r->scene->expects, out);
-  print_not_judged(r, out);
-  print_corners(r, out);
-  print_lines(v, out);
-  print_second(r, out);
-}
-
-void vs_show_result(const vs_result *r, const vs_groups_options *options, FILE *out) {
+void vs_show_result(const vs_result *r, const vs_show_options *options, FILE *out) {
   const int width = 18;
   print_head(r, out);
-  vs_groups_print(r, options, out);
+  print_groups(r, options, out);
   print_one_way(r, out);
   print_instruments(r, width, out);
   print_loop(r, width, out);
   print_observer(r, width, out);
-  for (int k = 0; k < r->n_quality; k++) print_quality(&r->quality[k], out);
+  for (int k = 0; k < r->n_quality; k++) print_quality_of_current(&r->quality[k], out);
   fprintf(out, "\n%ld steps in %.3g s\n", r->steps, r->wall_s);
 }
 
@@ -599,156 +472,10 @@ void vs_show_result(const vs_result *r, const vs_groups_options *options, FILE *
 
 /* The table has at most LINES, and one more tells what was written. With an orbit it has a few
  * more. The lines of the verdict get what the others leave, and at least three. */
-enum { LINES = 24, LINES_OF_ORBIT = 30, LEAST_LINES = 3, WEAK = 3, HAPPENINGS = 3, NAMES = 3 };
-
-/* Devices without a line that are named with their tightest margin; further ones are counted. */
-enum { OTHERS = 10 };
+enum { LINES = 24, LINES_OF_ORBIT = 30, LEAST_LINES = 3 };
 
 /* What is measured has more room where nothing is judged, and less where an orbit is told. */
 enum { ROWS = 6, ROWS_ALONE = 15, ROWS_OF_ORBIT = 3 };
-
-/* Devices none of whose margins is below this are counted and not shown, besides the weakest. */
-static const double AMPLE = 0.9;
-
-/* What was not expected goes before what was. */
-static void tell_happenings(const vs_verdict *v, FILE *out) {
-  int told = 0, left = 0;
-  for (int expected = 0; expected < 2; expected++)
-    for (size_t k = 0; k < v->count; k++) {
-      const vs_judgement *j = &v->item[k];
-      if (!vs_verdict_is_happening(j) || (j->margin > 0) != (bool)expected) continue;
-      if (told < HAPPENINGS)
-        print_happening(j, out), told++;
-      else
-        left++;
-    }
-  if (left) fprintf(out, "happened: %d more of that (--all)\n", left);
-}
-
-/* All that leaves the verdict undecided is named; limits that parts do not state on one line. */
-static void tell_undecided(const vs_verdict *v, FILE *out) {
-  char name[VS_JUDGED_NAME];
-  vs_text lacking = {0};
-  size_t n = 0;
-  for (size_t k = 0; k < v->count; k++)
-    if (v->item[k].lacks && !v->item[k].waived)
-      vs_text_add(&lacking, "%s%s", n++ ? ", " : "", vs_verdict_name(&v->item[k], name));
-  print_undecided(v, n < 2, out);
-  if (n > 1)
-    fprintf(out, "undecided: %s: their parts state no such limit; waive: [%s] leaves them out\n",
-            lacking.text, lacking.text);
-  vs_text_free(&lacking);
-}
-
-/* "not judged: fuse_2.v_open, varistor_1.power, varistor_1.v_rms and 5 more (--all)" */
-static void tell_not_judged(const vs_result *r, FILE *out) {
-  const vs_devices *devices = r->watchers.devices;
-  vs_unjudged entry;
-  size_t count = 0;
-  while (vs_unjudged_at(devices, &r->verdict, count, &entry)) count++;
-  if (count <= NAMES) {
-    print_not_judged(r, out);
-    return;
-  }
-  for (size_t k = 0; k < NAMES && vs_unjudged_at(devices, &r->verdict, k, &entry); k++)
-    fprintf(out, "%s%s", k ? ", " : "not judged: ", entry.name);
-  fprintf(out, " and %zu more (--all)\n", count - NAMES);
-}
-
-static int by_weakness(const void *left, const void *right) {
-  const vs_judgement *a = *(const vs_judgement *const *)left,
-                     *b = *(const vs_judgement *const *)right;
-  if (vs_verdict_is_weaker(a, b)) return -1;
-  return vs_verdict_is_weaker(b, a) ? 1 : (a < b) - (a > b); /* as of v->weakest */
-}
-
-/* True where none of the first n lines is of what the line is of. */
-static bool is_first_of_its(const vs_judgement *j, const vs_judgement *const *line, size_t n) {
-  for (size_t k = 0; k < n; k++)
-    if (j->device && line[k]->device == j->device) return false;
-  return true;
-}
-
-/* "; fuse_2 69 %, r1 99 %, varistor_1 99 %": of each device that none of the first shown lines is
- * of, its tightest margin, rounded down. */
-static void tell_others(const vs_judgement *const *line, size_t shown, size_t count, FILE *out) {
-  size_t told = 0, left = 0;
-  for (size_t k = shown; k < count; k++) {
-    if (!line[k]->device || !is_first_of_its(line[k], line, k)) continue;
-    if (told == OTHERS) {
-      left++;
-      continue;
-    }
-    double least = line[k]->margin;
-    for (size_t m = k + 1; m < count; m++)
-      if (line[m]->device == line[k]->device) least = fmin(least, line[m]->margin);
-    const double percent = fmin(floor(100 * least + 1e-9), 99);
-    fprintf(out, "%s%s %.0f %%", told++ ? ", " : "; ", line[k]->device->name, percent);
-  }
-  if (left) fprintf(out, " and %zu more", left);
-}
-
-/* "11 more above 41 %, 9 of them above 90 %; c1 41 %, varistor_1 99 %". The first shown lines have
- * been printed. */
-static void tell_rest(const vs_judgement *const *all, size_t shown, size_t of_all, FILE *out) {
-  const vs_judgement *const *line = all + shown;
-  const size_t count = of_all - shown;
-  double least = INFINITY;
-  size_t ample = 0, violated = 0;
-  for (size_t k = 0; k < count; k++) {
-    least = fmin(least, line[k]->margin);
-    ample += line[k]->margin > AMPLE;
-    violated += line[k]->margin < 0;
-  }
-  if (!count) return;
-  least = ample == count ? AMPLE : least;
-  fprintf(out, "  %zu more above %.0f %%", count, floor(100 * least + 1e-9));
-  if (violated) fprintf(out, ", %zu of them violated", violated);
-  if (ample && ample < count) fprintf(out, ", %zu of them above %.0f %%", ample, 100 * AMPLE);
-  tell_others(all, shown, of_all, out);
-  fputc('\n', out);
-}
-
-/* The weakest lines whatever they are of, and the tightest of each other device, as far as there is
- * room. */
-static void tell_lines(const vs_verdict *v, int room, FILE *out) {
-  const vs_judgement **line = vs_alloc(v->count, sizeof *line);
-  size_t count = 0, shown = 0;
-  for (size_t k = 0; k < v->count; k++)
-    if (isfinite(v->item[k].margin) && !v->item[k].waived && !vs_verdict_is_happening(&v->item[k]))
-      line[count++] = &v->item[k];
-  qsort(line, count, sizeof *line, by_weakness);
-  const int width = name_width(v);
-  if (count)
-    fprintf(out, "\n  %-*s %11s %11s %-5s %11s %8s\n", width, "tightest", "stress", "limit", "",
-            "at", "margin +- its numerical error");
-  for (size_t k = 0; k < count; k++) {
-    const vs_judgement *j = line[k];
-    const bool shows = k < WEAK || (j->margin < AMPLE && is_first_of_its(j, line, k));
-    if (!shows || shown >= (size_t)room) continue;
-    print_device(j, width, out);
-    memmove(line + shown + 1, line + shown, (k - shown) * sizeof *line);
-    line[shown++] = j;
-  }
-  tell_rest(line, shown, count, out);
-  free(line);
-}
-
-static void tell_verdict(const vs_result *r, FILE *out) {
-  const vs_verdict *v = &r->verdict;
-  const vs_corners *c = r->corners;
-  char at[1024];
-  tell_happenings(v, out);
-  if (v->weakest && !vs_verdict_is_happening(v->weakest)) print_weakest(v->weakest, out);
-  if (v->first_to_fail) print_first_to_fail(v->first_to_fail, out);
-  tell_undecided(v, out);
-  print_waived(&r->scene->expects, out);
-  if (!c) return;
-  print_held(c, out);
-  fprintf(out, "the worst is %s: ", vs_result_corner(c, c->worst, at, sizeof at));
-  print_corner(&c->item[c->worst], out);
-  fputc('\n', out);
-}
 
 /* "quality of mains, over 4 cycles of the mains: harmonic 2 takes 10.8 % of its limit of class A"
  */
@@ -765,14 +492,14 @@ static void tell_quality(const vs_quality *q, FILE *out) {
 }
 
 /* What stands behind the verdict. */
-static void tell_result(const vs_result *r, const vs_groups_options *options, const vs_show_more *m,
+static void tell_result(const vs_result *r, const vs_show_options *options, const vs_show_more *m,
                         FILE *out) {
   const vs_scene *s = r->scene;
   const bool judged = r->verdict.count > 0;
-  const vs_groups_options few = {m->show  ? ROWS_OF_ORBIT
-                                 : judged ? ROWS
-                                          : ROWS_ALONE,
-                                 options->measured};
+  const vs_show_options few = {m->show  ? ROWS_OF_ORBIT
+                               : judged ? ROWS
+                                        : ROWS_ALONE,
+                               options->measured};
   fprintf(out, "%sscene  %s\n", judged || !m->show ? "\n" : "", s->path);
   vs_show_feed(&s->setup, out);
   fprintf(out, "tier   %s (%s)\n", s->tier->name, s->why);
@@ -780,42 +507,43 @@ static void tell_result(const vs_result *r, const vs_groups_options *options, co
   print_on_line(&s->setup.timeline.events, out);
   print_load(s, out);
   if (m->show) m->show(m->ctx, out);
-  int left = vs_groups_print(r, &few, out);
+  int left = print_groups(r, &few, out);
   print_one_way(r, out);
   print_control(r, 0, out);
   for (int k = 0; k < r->n_quality; k++) tell_quality(&r->quality[k], out);
-  if (judged || nothing_is_judged(r)) tell_not_judged(r, out);
+  if (judged || vs_verdict_table_judges_nothing(r)) vs_verdict_table_not_judged(r, out);
   if (judged) {
-    if (!r->corners) print_corners(r, out);
-    if (!r->second.done || r->second.decides > 0) print_second(r, out);
+    if (!r->corners) vs_verdict_table_corners(r, out);
+    if (!r->second.done || r->second.decides > 0) vs_verdict_table_second(r, out);
   }
   fprintf(out, "%ld steps in %.3g s; --all shows %d measures more%s\n", r->steps, r->wall_s, left,
           judged ? ", and every line of the verdict" : "");
 }
 
-static int lines_of(const char *text) {
+static int count_lines(const char *text) {
   int n = 0;
   for (; *text; text++) n += *text == '\n';
   return n;
 }
 
-void vs_show_brief(const vs_result *r, const vs_groups_options *options, const vs_show_more *more,
+void vs_show_brief(const vs_result *r, const vs_show_options *options, const vs_show_more *more,
                    FILE *out) {
   char *front = NULL, *behind = NULL;
   size_t size;
   FILE *first = vs_alloc_stream(&front, &size), *last = vs_alloc_stream(&behind, &size);
-  if (r->verdict.count) tell_verdict(r, first);
+  if (r->verdict.count) vs_verdict_table_head(r, first);
   tell_result(r, options, more, last);
   vs_alloc_streamed(first);
   vs_alloc_streamed(last);
   if (r->verdict.count) {
-    const int others = 1 + lines_of(front) + 3 + lines_of(behind); /* 3: what frames the lines */
+    const int others =
+        1 + count_lines(front) + 3 + count_lines(behind); /* 3: what frames the lines */
     const int room = (more->show ? LINES_OF_ORBIT : LINES) - others;
-    print_word(&r->verdict, out);
+    vs_verdict_table_word(&r->verdict, out);
     fputs(front, out);
-    tell_lines(&r->verdict, room < LEAST_LINES ? LEAST_LINES : room, out);
+    vs_verdict_table_tightest(&r->verdict, room < LEAST_LINES ? LEAST_LINES : room, out);
   } else if (!more->show)
-    print_none(r, out);
+    vs_verdict_table_none(r, out);
   fputs(behind, out);
   free(front);
   free(behind);

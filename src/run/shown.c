@@ -34,7 +34,7 @@ static bool device_measure_at(const vs_devices *devices, size_t k, vs_shown *m) 
 }
 
 /* The k-th measure of the quality of currents. False: there are no more. */
-static bool quality_at(const vs_result *r, int k, vs_shown *m) {
+static bool shown_quality_at(const vs_result *r, int k, vs_shown *m) {
   vs_quality_measure of;
   for (int q = 0; q < r->n_quality; q++)
     for (int n = 0; vs_quality_at(&r->quality[q], n, false, &of); n++)
@@ -102,7 +102,7 @@ bool vs_shown_at(const vs_frame *frame, const vs_result *r, int k, vs_shown *m) 
   k += measures->of_probes - vs_measures_count(frame->model); /* the others are shown already */
   if (k >= measures->n_extremes)
     return device_measure_at(r->watchers.devices, (size_t)(k - measures->n_extremes), m) ||
-           quality_at(r, k - measures->n_extremes - of_devices(r->watchers.devices), m);
+           shown_quality_at(r, k - measures->n_extremes - of_devices(r->watchers.devices), m);
   const vs_extreme *e = &measures->extremes[k];
   vs_channel channel = vs_channel_at(frame, e->channel);
   snprintf(m->name, sizeof m->name, "%s_%s", channel.name, e->sense < 0 ? "min" : "max");

@@ -4,20 +4,20 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "base/units.h"
+#include "engine/tiers.h"
 #include "measure/lowpass.h"
+#include "measure/unjudged.h"
 #include "run/sections.h"
 #include "run/shown.h"
 #include "run/version.h"
-#include "base/units.h"
-#include "engine/tiers.h"
-#include "measure/unjudged.h"
 
 enum {
   DIGITS = 12,
   POLE_DIGITS = 6 /* those of an observer follow from eigenvalues, whose last digits are rounding */
 };
 
-static void add_event(vs_json *json, const vs_occurrence *e, bool built) {
+static void add_event_to_summary(vs_json *json, const vs_occurrence *e, bool built) {
   vs_json_object(json, e->name, VS_JSON_ROW);
   vs_json_number(json, "starts_s", e->start_s, DIGITS);
   if (!built) vs_json_bool(json, "built", false);
@@ -29,11 +29,12 @@ static void add_event(vs_json *json, const vs_occurrence *e, bool built) {
 }
 
 /* Each with its keys, and when it begins; those that are not built last. */
-static void add_events(vs_json *json, const vs_events *events) {
+static void add_events_to_summary(vs_json *json, const vs_events *events) {
   bool any = events->count || events->n_unbuilt;
   vs_json_object(json, "events", any ? VS_JSON_LINES : VS_JSON_ROW);
-  for (size_t k = 0; k < events->count; k++) add_event(json, &events->item[k], true);
-  for (size_t k = 0; k < events->n_unbuilt; k++) add_event(json, &events->unbuilt[k], false);
+  for (size_t k = 0; k < events->count; k++) add_event_to_summary(json, &events->item[k], true);
+  for (size_t k = 0; k < events->n_unbuilt; k++)
+    add_event_to_summary(json, &events->unbuilt[k], false);
   vs_json_end(json);
 }
 
@@ -61,7 +62,8 @@ static void add_on_line(vs_json *json, const vs_scene *s) {
 
 /* The keys of the set, then each instrument with its keys and with what it makes of a sine of the
  * frequency at which the machine works. */
-static void add_instruments(vs_json *json, const vs_instruments *all, double frequency_hz) {
+static void add_instruments_to_summary(vs_json *json, const vs_instruments *all,
+                                       double frequency_hz) {
   const vs_section *common = &vs_instruments_section;
   if (!all->count) return;
   vs_json_object(json, common->name, VS_JSON_LINES);
@@ -110,7 +112,7 @@ static void add_observing(vs_json *json, const vs_observing *o) {
   vs_json_end(json);
 }
 
-static void add_control(vs_json *json, const vs_control *c) {
+static void add_control_to_summary(vs_json *json, const vs_control *c) {
   if (!c->regulator) return;
   vs_json_object(json, c->section.name, VS_JSON_LINES);
   for (size_t k = 0; k < c->section.count; k++) {
@@ -135,9 +137,9 @@ void vs_summary_scene(vs_json *json, const vs_scene *s) {
     vs_json_end(json);
   }
   if (s->setup.steady) vs_json_bool(json, "steady", true);
-  add_events(json, &s->setup.timeline.events);
-  add_instruments(json, &s->instruments, vs_instruments_working_hz(&s->setup));
-  add_control(json, &s->control);
+  add_events_to_summary(json, &s->setup.timeline.events);
+  add_instruments_to_summary(json, &s->instruments, vs_instruments_working_hz(&s->setup));
+  add_control_to_summary(json, &s->control);
   vs_ratings_json(&s->ratings, json);
   vs_cooling_json(&s->setup.cooling, &s->setup.deck, json);
   vs_json_end(json);
@@ -160,8 +162,8 @@ static void add_over(vs_json *json, double over_v) {
   vs_json_end(json);
 }
 
-static void add_measures(vs_json *json, const vs_scene *s, const vs_result *r,
-                         const vs_summary_more *more) {
+static void add_measures_to_summary(vs_json *json, const vs_scene *s, const vs_result *r,
+                                    const vs_summary_more *more) {
   vs_shown m;
   int standard = vs_measures_count(&s->setup.model);
   vs_json_object(json, "measures", VS_JSON_LINES);
@@ -200,13 +202,13 @@ void vs_summary_groups(vs_json *json, const char *key, const vs_spectrum *s) {
     vs_json_number(json, NULL, vs_spectrum_judged(s, n), DIGITS);
   vs_json_end(json);
   vs_json_object(json, "windows", VS_JSON_ROW);
-  vs_json_whole(json, "number", vs_grouping_windows(&s->grouping));
+  vs_json_whole(json, "number", vs_spectrum_windows(s));
   vs_json_whole(json, "cycles", s->grouping.each);
   vs_json_end(json);
 }
 
 /* What limits each class of apparatus sets for the current. */
-static void add_limits(vs_json *json, const vs_drawn *drawn) {
+static void add_limits_to_summary(vs_json *json, const vs_drawn *drawn) {
   vs_json_array(json, "classes", VS_JSON_LINES);
   for (const vs_class *c = vs_classes_all; c->name; c++) {
     double part;
@@ -243,7 +245,7 @@ static void add_quality(vs_json *json, const vs_result *r) {
     for (int n = 0; n < VS_SPECTRUM_LINES; n++)
       vs_json_number(json, NULL, vs_quality_phase(q, n) / vs_units_factor("deg"), DIGITS);
     vs_json_end(json);
-    add_limits(json, &drawn);
+    add_limits_to_summary(json, &drawn);
     vs_json_end(json);
   }
   vs_json_end(json);
@@ -274,21 +276,22 @@ static void add_joined(vs_json *json, const char *name, const char *ending, doub
 }
 
 /* {"r1": 0.0655, ...}: the deck's own accounts, J */
-static void add_accounts(vs_json *json, const char *key, const vs_accounts *accounts,
-                         const double *joule) {
+static void add_accounts_to_summary(vs_json *json, const char *key, const vs_accounts *accounts,
+                                    const double *joule) {
   vs_json_object(json, key, VS_JSON_ROW);
   for (size_t k = 0; k < accounts->count; k++)
     vs_json_number(json, accounts->item[k].name, joule[k], DIGITS);
   vs_json_end(json);
 }
 
-static void add_energy(vs_json *json, const vs_scene *s, const vs_energy *e, const char *books) {
+static void add_energy_to_summary(vs_json *json, const vs_scene *s, const vs_energy *e,
+                                  const char *books) {
   vs_json_object(json, "energy", VS_JSON_ROW);
   for (int k = 0; k < VS_ENERGIES; k++)
     if (vs_energy_has(s->frame.model, k)) add_joined(json, vs_energy_names[k], "_J", e->joule[k]);
   if (s->frame.deck) {
-    add_accounts(json, "losses_J", &s->frame.deck->losses, e->loss_j);
-    add_accounts(json, "stores_J", &s->frame.deck->stores, e->store_j);
+    add_accounts_to_summary(json, "losses_J", &s->frame.deck->losses, e->loss_j);
+    add_accounts_to_summary(json, "stores_J", &s->frame.deck->stores, e->store_j);
   }
   if (s->frame.gap_at_rest) vs_json_number(json, "unsupplied_J", e->joule[VS_E_WORK], DIGITS);
   for (int b = 0; b < VS_BALANCES; b++)
@@ -299,7 +302,7 @@ static void add_energy(vs_json *json, const vs_scene *s, const vs_energy *e, con
   vs_json_end(json);
 }
 
-static void add_extreme(vs_json *json, const char *name, vs_value v, double unit) {
+static void add_extreme_to_summary(vs_json *json, const char *name, vs_value v, double unit) {
   vs_json_number(json, name, v.value / unit, DIGITS);
   add_joined(json, name, "_at_s", v.at_s);
 }
@@ -313,13 +316,13 @@ static void add_rating(vs_json *json, const vs_judgement *j) {
   vs_json_text(json, "text", j->rating->text);
   vs_json_number(json, "min", j->rating->min / unit, DIGITS);
   vs_json_number(json, "max", j->rating->max / unit, DIGITS);
-  add_extreme(json, "least", j->least, unit);
-  add_extreme(json, "largest", j->largest, unit);
+  add_extreme_to_summary(json, "least", j->least, unit);
+  add_extreme_to_summary(json, "largest", j->largest, unit);
   vs_json_bool(json, "assumed", j->assumed);
   if (j->unknown) vs_json_text(json, "unknown", j->unknown);
 }
 
-static void add_device(vs_json *json, const vs_judgement *j) {
+static void add_device_to_summary(vs_json *json, const vs_judgement *j) {
   double unit = vs_units_factor(vs_verdict_unit(j));
   char why[2 * VS_DECK_NAME + 16];
   vs_json_text(json, "device", j->device->name);
@@ -353,13 +356,13 @@ static void add_judged(vs_json *json, const char *key, const vs_judgement *j) {
   vs_json_text(json, key, j ? vs_verdict_name(j, name) : NULL);
 }
 
-static void add_verdict(vs_json *json, const vs_verdict *v) {
+static void add_verdict_to_summary(vs_json *json, const vs_verdict *v) {
   vs_json_array(json, "verdict", v->count ? VS_JSON_LINES : VS_JSON_ROW);
   for (size_t k = 0; k < v->count; k++) {
     const vs_judgement *j = &v->item[k];
     vs_json_object(json, NULL, VS_JSON_ROW);
     if (j->device)
-      add_device(json, j);
+      add_device_to_summary(json, j);
     else
       add_rating(json, j);
     vs_json_number(json, "margin", j->margin, DIGITS);
@@ -377,7 +380,7 @@ static void add_verdict(vs_json *json, const vs_verdict *v) {
 }
 
 /* What happened, and what did not though it was expected. */
-static void add_happenings(vs_json *json, const vs_verdict *v) {
+static void add_happenings_to_summary(vs_json *json, const vs_verdict *v) {
   for (int happened = 1; happened >= 0; happened--) {
     vs_json_array(json, happened ? "happened" : "did_not_happen", VS_JSON_ROW);
     for (size_t k = 0; k < v->count; k++) {
@@ -400,7 +403,7 @@ static void add_happenings(vs_json *json, const vs_verdict *v) {
 }
 
 /* What the verdict leaves out: by itself, and by the scene's key waive. */
-static void add_not_judged(vs_json *json, const vs_result *r) {
+static void add_not_judged_to_summary(vs_json *json, const vs_result *r) {
   const vs_expects *expects = &r->scene->expects;
   vs_unjudged entry;
   vs_json_array(json, "not_judged", VS_JSON_ROW);
@@ -417,7 +420,7 @@ static void add_not_judged(vs_json *json, const vs_result *r) {
 }
 
 /* Adds corner number k: where it is, and its worst line or why it failed. */
-static void add_corner(vs_json *json, const char *name, const vs_corners *c, size_t k) {
+static void add_corner_to_summary(vs_json *json, const char *name, const vs_corners *c, size_t k) {
   const vs_corner *one = &c->item[k];
   vs_json_object(json, name, VS_JSON_ROW);
   vs_json_object(json, "at", VS_JSON_ROW);
@@ -447,16 +450,16 @@ static void add_corners(vs_json *json, const vs_corners *c) {
   vs_json_whole(json, "held", (int)c->held);
   vs_json_whole(json, "failed", (int)c->failed);
   if (c->worst < c->count)
-    add_corner(json, "worst", c, c->worst);
+    add_corner_to_summary(json, "worst", c, c->worst);
   else
     vs_json_text(json, "worst", NULL);
   vs_json_array(json, "each", VS_JSON_LINES);
-  for (size_t k = 0; k < c->count; k++) add_corner(json, NULL, c, k);
+  for (size_t k = 0; k < c->count; k++) add_corner_to_summary(json, NULL, c, k);
   vs_json_end(json);
   vs_json_end(json);
 }
 
-static void add_warning(void *ctx, const char *text) {
+static void add_warning_to_summary(void *ctx, const char *text) {
   vs_json_text(ctx, NULL, text);
 }
 
@@ -549,24 +552,24 @@ void vs_summary_json(const vs_result *r, bool with_cost, const vs_summary_more *
   add_quiet(&json, r);
   add_on_line(&json, s);
   vs_json_array(&json, "warnings", VS_JSON_ROW);
-  vs_result_warnings(r, add_warning, &json);
+  vs_result_warnings(r, add_warning_to_summary, &json);
   vs_json_end(&json);
   vs_json_object(&json, "measure", VS_JSON_ROW);
   vs_json_number(&json, "from_s", s->setup.means.from_s, DIGITS);
   vs_json_number(&json, "to_s", s->setup.means.to_s, DIGITS);
   vs_json_end(&json);
-  add_measures(&json, s, r, more);
+  add_measures_to_summary(&json, s, r, more);
   add_estimates(&json, r);
   if (more && more->members) more->members(more->ctx, &json);
   add_loop(&json, r->loop);
   add_quality(&json, r);
   add_fraction(&json, s);
-  add_energy(&json, s, &r->watchers.energy, r->books);
+  add_energy_to_summary(&json, s, &r->watchers.energy, r->books);
   if (with_cost) add_cost(&json, r);
   add_second(&json, &r->second);
-  add_verdict(&json, &r->verdict);
-  add_happenings(&json, &r->verdict);
-  add_not_judged(&json, r);
+  add_verdict_to_summary(&json, &r->verdict);
+  add_happenings_to_summary(&json, &r->verdict);
+  add_not_judged_to_summary(&json, r);
   add_corners(&json, r->corners);
   vs_json_end(&json);
   vs_text_add(text, "\n");

@@ -8,14 +8,14 @@
 #include <unistd.h>
 
 #include "base/text.h"
-#include "netlist/limits.h"
 #include "base/units.h"
+#include "netlist/limits.h"
 
 static int instruments_of(const vs_table *table) {
   return table->instruments ? table->instruments->count : 0;
 }
 
-static int columns_of(const vs_table *table) {
+static int columns_of_table(const vs_table *table) {
   vs_control_column column;
   int n = 1 + table->count + instruments_of(table), k = 0;
   while (table->control && vs_control_column_at(table->control, k, &column)) k++;
@@ -106,7 +106,7 @@ static void thin(const vs_table *table) {
 }
 
 /* The cells of a row, which the caller has filled in where the next instant stands, are seen. */
-static void look(const vs_table *table) {
+static void look_at_channels(const vs_table *table) {
   vs_table_between *b = table->between;
   const double *cells = cells_of(b, b->count);
   if (isnan(b->row[0])) return;
@@ -180,7 +180,7 @@ static void write_name(const vs_table *table, const char *name, const char *unit
 void vs_table_begin(vs_table *table) {
   table->next = 0;
   vs_table_end(table);
-  new_between(table, columns_of(table));
+  new_between(table, columns_of_table(table));
   fputs("t_s", table->stream);
   for (int k = 0; k < table->count; k++) {
     vs_channel c = vs_channel_at(table->frame, table->channels[k]);
@@ -200,12 +200,12 @@ void vs_table_begin(vs_table *table) {
  * to 4.3 were seen. */
 enum { BESIDES = 5 };
 
-static double rows_of(const vs_table *table) {
+static double rows_of_table(const vs_table *table) {
   return floor(table->until_s / table->sample_s) + 1;
 }
 
 double vs_table_bytes(const vs_table *table) {
-  return rows_of(table) * columns_of(table) * (table->digits + BESIDES);
+  return rows_of_table(table) * columns_of_table(table) * (table->digits + BESIDES);
 }
 
 vs_where vs_table_where(const vs_node *scene) {
@@ -222,7 +222,7 @@ vs_status vs_table_check(const vs_table *table, const vs_node *scene, double mos
                     "run.csv would have about %s, in %.4g rows of %d columns; limits.csv = "
                     "%.9g bytes allows no more: take a longer run.sample, record fewer probes, or "
                     "raise it",
-                    size, rows_of(table), columns_of(table), most);
+                    size, rows_of_table(table), columns_of_table(table), most);
 }
 
 static void write_peaks(const vs_table *table, size_t length) {
@@ -248,7 +248,7 @@ static void copy_rows(const vs_table *table) {
 }
 
 /* Makes the row's text and returns its length. */
-static size_t make_line(const vs_table *table, const double *cells) {
+static size_t make_line_of_table(const vs_table *table, const double *cells) {
   char *line = table->between->line, *s = line;
   for (int k = 0; k < table->between->width; k++) {
     if (k) *s++ = ',';
@@ -265,12 +265,12 @@ static void write_further(const vs_table *table, const double *row) {
   if (!b->has_further) copy_rows(table);
   b->has_further = true;
   for (int n = 0; n < b->count; n++)
-    if (b->marked[n]) write_peaks(table, make_line(table, cells_of(b, n)));
+    if (b->marked[n]) write_peaks(table, make_line_of_table(table, cells_of(b, n)));
   unmark(b);
 }
 
 /* From now on `row` is the last one, which may be the same again. */
-static void go_on(const vs_table *table, const double *row) {
+static void keep_last_row(const vs_table *table, const double *row) {
   vs_table_between *b = table->between;
   for (int k = 1; k <= table->count && !isnan(b->row[0]); k++) {
     b->run_least[k] = fmin(b->run_least[k], b->least[k]);
@@ -285,7 +285,8 @@ static void go_on(const vs_table *table, const double *row) {
 /* ---- steps ---- */
 
 /* Fills in what the columns show at an instant of the step; time is what the row says it is. */
-static void show(vs_table *table, const vs_step *step, double at_s, double time, double *cells) {
+static void take_table_row(vs_table *table, const vs_step *step, double at_s, double time,
+                           double *cells) {
   double y[VS_CH_MOST];
   const bool moves = step->to->t_s > step->from->t_s;
   vs_control_column column;
@@ -304,7 +305,8 @@ static void show(vs_table *table, const vs_step *step, double at_s, double time,
 enum { MOST_INSTANTS = VS_MOST_EXTREMES + 2 * VS_CH_MOST };
 
 /* Adds the instant of an extreme where it is within the step and not at one of its ends. */
-static void add_instant(const vs_extreme *e, const vs_step *step, double *at_s, int *count) {
+static void add_instant_of_peak(const vs_extreme *e, const vs_step *step, double *at_s,
+                                int *count) {
   const double t = e->best.at_s;
   int n = *count;
   if (!e->best.known || !(t > step->from->t_s && t < step->to->t_s) || n == MOST_INSTANTS) return;
@@ -317,16 +319,17 @@ static void add_instant(const vs_extreme *e, const vs_step *step, double *at_s, 
 static int find_instants(const vs_table *table, const vs_step *step, double *at_s) {
   const vs_measures *m = table->peaks ? table->measures : NULL;
   int count = 0;
-  for (int k = 0; m && k < m->of_probes; k++) add_instant(&m->extremes[k], step, at_s, &count);
+  for (int k = 0; m && k < m->of_probes; k++)
+    add_instant_of_peak(&m->extremes[k], step, at_s, &count);
   for (size_t k = 0; m && k < m->n_followed; k++)
-    for (int n = 0; n < 2; n++) add_instant(&m->followed[k].end[n], step, at_s, &count);
+    for (int n = 0; n < 2; n++) add_instant_of_peak(&m->followed[k].end[n], step, at_s, &count);
   return count;
 }
 
-static void look_at(vs_table *table, const vs_step *step, double at_s) {
+static void look_at_peak(vs_table *table, const vs_step *step, double at_s) {
   if (!table->peaks) return;
-  show(table, step, at_s, at_s, cells_of(table->between, table->between->count));
-  look(table);
+  take_table_row(table, step, at_s, at_s, cells_of(table->between, table->between->count));
+  look_at_channels(table);
 }
 
 static vs_status check_streams(const vs_table *table, double t_s, vs_error *err) {
@@ -343,19 +346,19 @@ static vs_status write_row(vs_table *table, const vs_step *step, double at_s, do
                            vs_error *err) {
   vs_table_between *b = table->between;
   double *cells = cells_of(b, b->count); /* there is always room for one more */
-  show(table, step, at_s, time, cells);
+  take_table_row(table, step, at_s, time, cells);
   write_further(table, cells);
-  size_t length = make_line(table, cells);
+  size_t length = make_line_of_table(table, cells);
   fwrite_unlocked(b->line, 1, length, table->stream);
   write_peaks(table, length);
-  go_on(table, cells);
+  keep_last_row(table, cells);
   return check_streams(table, time, err);
 }
 
 /* Writes what stands behind the last row, as the run ends with the step. */
-static vs_status finish(const vs_table *table, vs_error *err) {
+static vs_status finish_table(const vs_table *table, vs_error *err) {
   write_further(table, NULL);
-  go_on(table, table->between->row);
+  keep_last_row(table, table->between->row);
   return check_streams(table, table->until_s, err);
 }
 
@@ -371,10 +374,11 @@ vs_status vs_table_accept(vs_table *table, const vs_step *step, vs_error *err) {
   for (bool moves = to_s > step->from->t_s; moves && !status; table->next++) {
     const double t = table->next * table->sample_s, within = t < to_s ? t : to_s;
     if (t > to_s + (ends ? slack : 0)) break;
-    for (; seen < count && instants[seen] < within; seen++) look_at(table, step, instants[seen]);
+    for (; seen < count && instants[seen] < within; seen++)
+      look_at_peak(table, step, instants[seen]);
     status = write_row(table, step, within, t, err);
   }
-  for (; seen < count && !status; seen++) look_at(table, step, instants[seen]);
-  if (!status) look_at(table, step, to_s);
-  return status || !ends || isnan(table->between->row[0]) ? status : finish(table, err);
+  for (; seen < count && !status; seen++) look_at_peak(table, step, instants[seen]);
+  if (!status) look_at_peak(table, step, to_s);
+  return status || !ends || isnan(table->between->row[0]) ? status : finish_table(table, err);
 }

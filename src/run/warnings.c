@@ -5,12 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/units.h"
+#include "engine/firing.h"
+#include "engine/wave.h"
 #include "netlist/devices.h"
 #include "netlist/netlist.h"
 #include "netlist/parts.h"
-#include "engine/firing.h"
-#include "engine/wave.h"
-#include "base/units.h"
 
 /* ---- the list ---- */
 
@@ -37,7 +37,7 @@ const char *vs_warnings_text(const vs_error *warning) {
 
 /* ---- a scene ---- */
 
-static vs_where place_of(const vs_node *node) {
+static vs_where place_of_value(const vs_node *node) {
   return node ? node->where : (vs_where){0};
 }
 
@@ -49,7 +49,7 @@ static void warn_below_theta(const vs_node *root, const vs_setup *s, vs_warnings
   double range[2];
   vs_firing_range(&s->timeline, range);
   if (range[0] >= theta) return;
-  vs_fail_at(vs_warnings_add(w), place_of(angle),
+  vs_fail_at(vs_warnings_add(w), place_of_value(angle),
              "firing.angle = %.6g deg is below theta = %.6g deg, the lower end of the control "
              "range (Eq. 92): "
              "the thyristor conducts as Eq. 91 says, for more than 180 deg",
@@ -65,7 +65,7 @@ static void warn_of_long_pulses(const vs_node *root, const vs_setup *s, vs_warni
   vs_firing_range(t, range);
   double ends_s = range[1] / t->omega_rad_s + t->firing.pulse_width_s;
   if (t->firing.no_valve || t->supply.direct || !t->firing.every || ends_s <= t->period_s) return;
-  vs_fail_at(vs_warnings_add(w), place_of(width ? width : vs_tree_child(firing, "angle")),
+  vs_fail_at(vs_warnings_add(w), place_of_value(width ? width : vs_tree_child(firing, "angle")),
              "firing.pulse_width: the pulse lasts until %.6g ms, and forward voltage is back at "
              "%.6g ms: it may fire there, whatever firing.angle says; a shorter pulse does not",
              1e3 * ends_s, 1e3 * t->period_s);
@@ -112,19 +112,19 @@ static void warn_of_parts(const vs_node *circuit, const vs_setup *s, double main
   for (size_t p = 0; p < deck->n_parts; p++)
     if (vs_parts_below_mains(deck, p, mains_v, text, sizeof text) ||
         vs_netlist_beyond_series(deck, &s->circuit_values, p, text, sizeof text))
-      vs_fail_at(vs_warnings_add(w), place_of(vs_tree_child(circuit, deck->parts[p].name)), "%s",
-                 text);
+      vs_fail_at(vs_warnings_add(w), place_of_value(vs_tree_child(circuit, deck->parts[p].name)),
+                 "%s", text);
   for (size_t d = 0; d < deck->n_devices; d++)
     if (vs_devices_fails_ward(deck, d, text, sizeof text)) {
       const char *part = deck->parts[deck->devices[d].part].name;
-      vs_fail_at(vs_warnings_add(w), place_of(vs_tree_child(circuit, part)), "%s", text);
+      vs_fail_at(vs_warnings_add(w), place_of_value(vs_tree_child(circuit, part)), "%s", text);
     }
 }
 
-static bool is_high(const vs_signal *signal) {
+static bool is_high_pwm(const vs_signal *signal) {
   return signal->drive == VS_PORT_PWM;
 }
-static bool is_low(const vs_signal *signal) {
+static bool is_low_pwm(const vs_signal *signal) {
   return signal->drive == VS_PORT_PWM_LOW;
 }
 
@@ -155,9 +155,9 @@ static void warn_of_pwm(const vs_node *pwm, const vs_timeline *t, const vs_deck 
     return;
   }
   for (int low = 0; low < 2; low++)
-    if (vs_deck_has_port(deck, low ? is_low : is_high) &&
+    if (vs_deck_has_port(deck, low ? is_low_pwm : is_high_pwm) &&
         vs_pwm_drops(&t->pwm, low, text, sizeof text))
-      vs_fail_at(vs_warnings_add(w), place_of(dead ? dead : pwm), "%s", text);
+      vs_fail_at(vs_warnings_add(w), place_of_value(dead ? dead : pwm), "%s", text);
 }
 
 /* What the coil's law has to say, such as how far a table's forces are from its flux linkages. */
@@ -165,7 +165,8 @@ static void warn_of_law(const vs_node *root, const vs_coil *coil, vs_warnings *w
   char text[640];
   const char *note = coil->law && coil->law->note ? coil->law->note(coil, text, sizeof text) : NULL;
   if (note)
-    vs_fail_at(vs_warnings_add(w), place_of(vs_tree_child(vs_tree_child(root, "actuator"), "law")),
+    vs_fail_at(vs_warnings_add(w),
+               place_of_value(vs_tree_child(vs_tree_child(root, "actuator"), "law")),
                "actuator.law: %s", note);
 }
 
@@ -173,7 +174,7 @@ static void warn_of_law(const vs_node *root, const vs_coil *coil, vs_warnings *w
 static void warn_of_growth(const vs_node *root, const vs_model *m, vs_warnings *w) {
   if (m->growth_1_s > 0)
     vs_fail_at(
-        vs_warnings_add(w), place_of(vs_tree_child(root, "machine")),
+        vs_warnings_add(w), place_of_value(vs_tree_child(root, "machine")),
         "machine: a mode of the machine grows by itself, by a factor of e in %.3g s; look at "
         "the signs of its damping",
         1 / m->growth_1_s);
@@ -204,7 +205,7 @@ static void warn_of_loads(const vs_setup *s, vs_warnings *w) {
   const vs_model *before = &s->model;
   for (size_t k = 0; k < s->loads.count; k++) {
     const vs_model *after = &s->loads.item[k].model;
-    const vs_occurrence *e = vs_loads_event(&s->timeline.events, s->loads.item[k].at_s);
+    const vs_occurrence *e = vs_setup_load_event(&s->timeline.events, s->loads.item[k].at_s);
     char text[32];
     if (is_same_load(s, before, after, text, sizeof text))
       vs_fail_at(vs_warnings_add(w), e->where,
@@ -216,10 +217,10 @@ static void warn_of_loads(const vs_setup *s, vs_warnings *w) {
 }
 
 /* Where the scene says when an event begins. */
-static vs_where place_in_time(const vs_node *root, const vs_occurrence *e) {
+static vs_where place_of_beginning(const vs_node *root, const vs_occurrence *e) {
   const vs_node *map = vs_tree_child(vs_tree_child(root, "events"), e->name);
   const vs_node *at = vs_tree_child(map, "at"), *cycle = vs_tree_child(map, "cycle");
-  return at || cycle ? place_of(at ? at : cycle) : e->where;
+  return at || cycle ? place_of_value(at ? at : cycle) : e->where;
 }
 
 /* Events that would begin once the run is over. Who turns one off knows. */
@@ -227,7 +228,7 @@ static void warn_of_late_events(const vs_node *root, const vs_setup *s, vs_warni
   const vs_events *events = &s->timeline.events;
   for (size_t k = 0; k < events->n_unbuilt; k++)
     if (!events->unbuilt[k].v.off)
-      vs_fail_at(vs_warnings_add(w), place_in_time(root, &events->unbuilt[k]),
+      vs_fail_at(vs_warnings_add(w), place_of_beginning(root, &events->unbuilt[k]),
                  "events.%s: it would begin at %.9g s, and the run ends at run.until = %.9g s: it "
                  "is not built, and the run is the one without it",
                  events->unbuilt[k].name, events->unbuilt[k].start_s, s->run.until_s);
@@ -271,7 +272,7 @@ static void warn_of_repetition(const vs_node *root, const vs_setup *s, vs_warnin
   for (size_t k = 0; e && k < deck->n_devices; k++) {
     if (!bears_one_pulse(deck, &deck->devices[k])) continue;
     const vs_node *map = vs_tree_child(vs_tree_child(root, "events"), e->name);
-    vs_fail_at(vs_warnings_add(w), place_of(vs_tree_child(map, "times")),
+    vs_fail_at(vs_warnings_add(w), place_of_value(vs_tree_child(map, "times")),
                "events.%s.times: %d pulses; %s states no derating over number (pulse), so its "
                "limits for one pulse were used",
                e->name, e->v.times, deck->devices[k].name);
@@ -284,7 +285,7 @@ static void warn_of_supply(const vs_node *root, const vs_setup *s, vs_warnings *
   const double r_ohm = vs_setup_source_ohm(s);
   if (r_ohm != supply->resistance_ohm)
     vs_fail_at(vs_warnings_add(w),
-               place_of(vs_tree_child(vs_tree_child(root, "supply"), "resistance")),
+               place_of_value(vs_tree_child(vs_tree_child(root, "supply"), "resistance")),
                "supply.resistance: ngspice has no resistor of 0 ohm and takes %g mohm in its place",
                1e3 * r_ohm);
 }
@@ -364,7 +365,7 @@ void vs_warnings_of_control(const vs_node *root, const vs_setup *s, const vs_con
   if (!c->regulator) return;
   warn_of_late_pulses(section, s, c, w);
   if (vs_control_note(c, s, instruments, text, sizeof text))
-    vs_fail_at(vs_warnings_add(w), place_of(vs_tree_child(section, "sensor")), "%s", text);
+    vs_fail_at(vs_warnings_add(w), place_of_value(vs_tree_child(section, "sensor")), "%s", text);
 }
 
 void vs_warnings_of_instruments(const vs_instruments *all, vs_warnings *w) {

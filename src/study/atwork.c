@@ -24,7 +24,7 @@ vs_status vs_atwork_read(const vs_node *holder, int *periods, vs_error *err) {
   if (node->kind != VS_NODE_MAP)
     return vs_fail_at(err, node->where,
                       "steady: true is wanted, or a map: {period: N}, N firing periods");
-  vs_status status = vs_outline_known_keys(node, KEY, vs_atwork_keys, err);
+  vs_status status = vs_field_outline_keys(node, KEY, vs_atwork_keys, err);
   if (!status)
     status = vs_error_carry_on(
         err, vs_axis_whole(node, vs_atwork_keys[0].key, 1, MOST_PERIODS, &n, err));

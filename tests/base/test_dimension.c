@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "suite.h"
-#include "base/dimension.h"
+#include "plant/dimension.h"
 
 static const char *const NAMES[] = {"mass",  "spring", "damping",  "torsion", "arm",
                                     "angle", "zeta",   "exponent", "flux",    "inductance"};

@@ -6,9 +6,8 @@
 #include <unistd.h>
 
 #include "program.h"
-#include "base/jet.h"
-#include "base/slope.h"
-#include "base/spice.h"
+#include "plant/derivative.h"
+#include "plant/spice.h"
 
 /* Names "a", "b.x" and "Big" are names 0, 1, 2; x, y and z are terms 0, 1 and 2; "twice" is a
  * formula. */
@@ -79,7 +78,7 @@ static void test_jets(void) {
     vs_formula f = formula(SMOOTH[k]);
     double v[5];
     for (int n = 0; n < 5; n++) v[n] = at_time(&f, (n - 2) * h);
-    vs_jet jet = vs_jet_of(&f, path);
+    vs_jet jet = vs_derivative_along(&f, path);
     double rate = (8 * (v[3] - v[1]) - (v[4] - v[0])) / (12 * h);
     double rate2 = (16 * (v[3] + v[1]) - (v[4] + v[0]) - 30 * v[2]) / (12 * h * h);
     EXPECT(jet.d[0] == v[2], "%s: value %.17g, not %.17g", SMOOTH[k], jet.d[0], v[2]);
@@ -99,8 +98,8 @@ static void test_slopes(void) {
       vs_jet point[] = {{{1.3}}, {{0.8}}, {{2.1}}};
       const double terms[] = {1.3, 0.8, 2.1};
       point[term].d[1] = 1;
-      double want = vs_jet_of(&f, point).d[1];
-      EXPECT(vs_slope_of(&f, term, &slope), "%s: no derivative", SMOOTH[k]);
+      double want = vs_derivative_along(&f, point).d[1];
+      EXPECT(vs_derivative_to(&f, term, &slope), "%s: no derivative", SMOOTH[k]);
       double got = vs_formula_value(&slope, terms);
       EXPECT(fabs(got - want) <= 1e-13 * (1 + fabs(want)), "%s to %c: %.17g, not %.17g", SMOOTH[k],
              "xyz"[term], got, want);
@@ -121,7 +120,7 @@ static void test_zero_base(void) {
   const vs_jet terms[] = {{{0, 1, 3}}, {{0}}, {{2.5, 1, 0}}};
   for (size_t k = 0; k < COUNT(ROW); k++) {
     vs_formula f = formula(ROW[k].text);
-    vs_jet jet = vs_jet_of(&f, terms);
+    vs_jet jet = vs_derivative_along(&f, terms);
     for (int n = 0; n < 3; n++)
       EXPECT(jet.d[n] == ROW[k].want[n], "%s: derivative %d is %g, not %g", ROW[k].text, n,
              jet.d[n], ROW[k].want[n]);

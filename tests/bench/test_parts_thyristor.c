@@ -362,7 +362,8 @@ static void in_the_papers_scene(void) {
      * draws no more than its leakage, which does not count: it is extinct some 10 us before. */
     CLOSE_OF(t[1]->result.values[VS_M_T_EXTINCTION].value,
              t[0]->result.values[VS_M_T_EXTINCTION].value, 1, 20e-6);
-    CU_ASSERT(t[1]->result.steps < 1.1 * (double)t[0]->result.steps);
+    /* A tenth more: behind the gate's edges, and where the voltage is back before t_q has passed. */
+    CU_ASSERT(t[1]->result.steps < 1.15 * (double)t[0]->result.steps);
     for (int k = 0; k < 2; k++) vs_trial_free(t[k]);
   }
 }

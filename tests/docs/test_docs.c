@@ -207,9 +207,9 @@ static void other_pages(void) {
   static const struct {
     const char *name;
     int files, commands;
-  } PAGES[] = {{"scenes.md", 1, 6},   {"faults.md", 1, 4},          {"accuracy.md", 0, 1},
-               {"tutorial.md", 2, 9}, {"strangers.md", 1, 2},       {"walk.md", 0, 0},
-               {"glossary.md", 0, 0}, {"troubleshooting.md", 0, 0}, {"ratings.md", 1, 2}};
+  } PAGES[] = {{"scenes.md", 1, 6},   {"faults.md", 1, 2},          {"accuracy.md", 0, 1},
+               {"tutorial.md", 2, 9}, {"strangers.md", 1, 2},       {"hardening.md", 0, 0},
+               {"glossary.md", 0, 0}, {"troubleshooting.md", 0, 0}, {"verdict.md", 1, 2}};
   for (size_t k = 0; k < COUNT(PAGES); k++) {
     page p = {.name = PAGES[k].name};
     try_page(&p);

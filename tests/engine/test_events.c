@@ -8,7 +8,7 @@
 
 #include "base/text.h"
 #include "engine/gate.h"
-#include "engine/generators.h"
+#include "engine/events.h"
 #include "schedule.h"
 
 /* ---- the surge generator ---- */
@@ -216,25 +216,26 @@ static void peak_of_wave(const vs_occurrence *e, double (*wave)(const vs_occurre
 static void ring_wave_and_eft(void) {
   vs_occurrence e = {.v = {.level_v = 1000, .frequency_hz = 5000, .duration_s = 15e-3}};
   double at, peak;
-  peak_of_wave(&e, vs_generators_ring_source, 1e-9, &at, &peak);
+  const vs_event_kind *ring = vs_events_find("ring_wave"), *eft = vs_events_find("eft");
+  peak_of_wave(&e, ring->source, 1e-9, &at, &peak);
   CLOSE(peak, 1000.1, 1e-3);
-  CLOSE(first_at(&e, vs_generators_ring_source, 0.9 * peak, 0, 1e-10) -
-            first_at(&e, vs_generators_ring_source, 0.1 * peak, 0, 1e-10),
+  CLOSE(first_at(&e, ring->source, 0.9 * peak, 0, 1e-10) -
+            first_at(&e, ring->source, 0.1 * peak, 0, 1e-10),
         0.4999e-6, 2e-3);
-  CU_ASSERT(vs_generators_ring_source(&e, 5e-6) < 0 && vs_generators_ring_source(&e, 10e-6) > 0);
-  peak_of_wave(&e, vs_generators_eft_source, 0.1e-9, &at, &peak);
+  CU_ASSERT(ring->source(&e, 5e-6) < 0 && ring->source(&e, 10e-6) > 0);
+  peak_of_wave(&e, eft->source, 0.1e-9, &at, &peak);
   CLOSE(peak, 1000, 0.03); /* the standard's equation has its scale for other reasons */
-  double up = first_at(&e, vs_generators_eft_source, 0.5 * peak, 0, 1e-12), down = at;
-  while (vs_generators_eft_source(&e, down) > 0.5 * peak) down += 1e-12;
-  CLOSE(first_at(&e, vs_generators_eft_source, 0.9 * peak, 0, 1e-12) -
-            first_at(&e, vs_generators_eft_source, 0.1 * peak, 0, 1e-12),
+  double up = first_at(&e, eft->source, 0.5 * peak, 0, 1e-12), down = at;
+  while (eft->source(&e, down) > 0.5 * peak) down += 1e-12;
+  CLOSE(first_at(&e, eft->source, 0.9 * peak, 0, 1e-12) -
+            first_at(&e, eft->source, 0.1 * peak, 0, 1e-12),
         5.12e-9, 3e-3);
   CLOSE(down - up, 49.4e-9, 3e-3);
-  CLOSE(vs_generators_eft_source(&e, 3 * 200e-6 + at), peak, 1e-6); /* 75 pulses, 200 us apart */
-  CU_ASSERT_EQUAL(vs_generators_eft_source(&e, 15e-3 + at), 0);
-  CLOSE(vs_generators_eft_edge(&e, 0.1e-3), 0.2e-3, 1e-12);
-  CLOSE(vs_generators_eft_edge(&e, 0.2e-3), 0.4e-3, 1e-12);
-  CU_ASSERT_EQUAL(vs_generators_eft_edge(&e, 14.85e-3), INFINITY);
+  CLOSE(eft->source(&e, 3 * 200e-6 + at), peak, 1e-6); /* 75 pulses, 200 us apart */
+  CU_ASSERT_EQUAL(eft->source(&e, 15e-3 + at), 0);
+  CLOSE(eft->edge(&e, 0.1e-3), 0.2e-3, 1e-12);
+  CLOSE(eft->edge(&e, 0.2e-3), 0.4e-3, 1e-12);
+  CU_ASSERT_EQUAL(eft->edge(&e, 14.85e-3), INFINITY);
 }
 
 /* ---- the mains and the gate ---- */

@@ -372,7 +372,7 @@ static void late_firing_does_not_chatter(void) {
 
 static vs_status keep_last(void *ctx, const vs_step *step, vs_error *err) {
   (void)err;
-  vs_knot_copy(step->frame, step->to, ctx);
+  vs_step_copy_knot(step->frame, step->to, ctx);
   return VS_OK;
 }
 

@@ -4,8 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "engine/sweep.h"
-#include "engine/drive/held.h"
+#include "engine/batch.h"
+#include "engine/signals.h"
 #include "schedule.h"
 
 /* ---- from edge to edge ---- */
@@ -42,12 +42,12 @@ static void remembered(void) {
   srand(1);
   for (size_t k = 0; k < COUNT(DRIVES); k++) {
     const vs_signal s = {.drive = DRIVES[k], .shift_rad = k == 1 ? M_PI : 0};
-    vs_held held = {0};
+    vs_signals_cache held = {0};
     long asked = 0, wrong = 0, known = 0;
     for (double now_s = 0; now_s < 0.2; now_s = fmax(next_s(&t, &s, now_s), 0)) {
       asked++;
-      known += vs_held_at(&held, now_s);
-      wrong += vs_held_voltage(&held, &t, &s, now_s) != vs_signals_voltage(&t, &s, now_s);
+      known += vs_signals_cache_holds(&held, now_s);
+      wrong += vs_signals_voltage_cached(&held, &t, &s, now_s) != vs_signals_voltage(&t, &s, now_s);
     }
     EXPECT(wrong == 0, "drive %d: %ld of %ld answers are wrong", DRIVES[k], wrong, asked);
     EXPECT(!vs_signals_holds(&s) || known > asked / 2, "drive %d: %ld of %ld are from memory",
@@ -99,7 +99,7 @@ static void at_once(void) {
     vs_formula_bind(&f, &p);
     const vs_formula_quick quick = vs_formula_quicken(&f);
     vs_pair value[VS_BATCH_STEPS];
-    vs_sweep(&quick, &b, value);
+    vs_batch_evaluate(&quick, &b, value);
     for (size_t n = 0; n < 2 * b.count; n++) {
       double terms[3];
       for (int t = 0; t < 3; t++) terms[t] = b.term[t][n / 2][n % 2];

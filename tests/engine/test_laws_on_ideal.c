@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "plant/coil.h"
-#include "engine/ideal/switched.h"
+#include "engine/sim.h"
 #include "suite.h"
 #include "measure/energy.h"
 

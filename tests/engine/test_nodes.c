@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The machine's motion in the circuit: nodes of the EVA that a deck may name. Their values are the
- * machine's state, to the order of the step that engine/coupled/course.h states, on every machine that
+ * machine's state, to the order of the step that engine/coupled/trajectory.h states, on every machine that
  * ships, with every file and law of the EVA, and in the exported deck. The netlist has a source for
  * a node only where the deck names it. */
 #include <math.h>

@@ -9,7 +9,7 @@
 #include "netlist/netlist.h"
 #include "netlist/parts.h"
 #include "import/hint.h"
-#include "engine/memory.h"
+#include "engine/macromodel/memory.h"
 #include "targets.h"
 
 static const char *const FILES[] = {"a.inc", "b.inc", "c.lib", "d.inc", NULL};

@@ -5,10 +5,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "base/dimension.h"
-#include "base/jet.h"
-#include "base/slope.h"
-#include "base/spice.h"
+#include "plant/dimension.h"
+#include "plant/derivative.h"
+#include "plant/spice.h"
 #include "targets.h"
 
 enum { WORDS = 8 }; /* terms, and names, that there are */
@@ -95,11 +94,11 @@ static void use(vs_formula *f, bool derive) {
   double value = vs_formula_value(f, VALUES);
   vs_formula_pair(f, VALUES, other, both);
   FUZZ_HOLDS(same(both[0], value) && same(both[1], vs_formula_value(f, other)));
-  FUZZ_HOLDS(same(vs_jet_of(f, known.jets).d[0], value));
+  FUZZ_HOLDS(same(vs_derivative_along(f, known.jets).d[0], value));
   if (vs_formula_is_term(f, &of, &factor)) FUZZ_HOLDS(of >= 0 && of < WORDS);
   vs_spice_formula(&text, f, NODES);
   vs_text_free(&text);
-  if (derive && vs_slope_of(f, 0, &slope)) vs_formula_value(&slope, VALUES);
+  if (derive && vs_derivative_to(f, 0, &slope)) vs_formula_value(&slope, VALUES);
   vs_formula_free(&slope);
   vs_formula_fold(f);
   FUZZ_HOLDS(same(vs_formula_value(f, VALUES), value));

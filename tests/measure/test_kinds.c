@@ -7,9 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "measure/devices/losses.h"
 #include "program.h"
-#include "measure/losses.h"
-#include "measure/sign.h"
 
 /* ---- what the loss is made of: given courses ---- */
 
@@ -201,7 +200,7 @@ static void signs(void) {
     snprintf(part, sizeof part, PART("%s", ""), ROWS[k].kind);
     vs_trial *t = run_deck(deck, part, "30us", "10ns");
     const vs_watched *w = t->result.watchers.devices->item;
-    bool wrong = vs_sign_is_wrong(w, 1e-3, text, sizeof text);
+    bool wrong = vs_devices_sign_is_wrong(w, 1e-3, text, sizeof text);
     EXPECT(wrong == (ROWS[k].says != NULL), "%zu: %s", k, text);
     if (ROWS[k].says) EXPECT(strstr(text, ROWS[k].says), "%s", text);
     vs_trial_free(t);
@@ -461,11 +460,11 @@ static bool has_row(const char *section, const char *name, const char *limit) {
 static void the_page(void) {
   static const struct {
     const char *kind, *head;
-  } ROWS[] = {{"triac", "\n## Triac"},
-              {"diode", "\n## Diode"},
-              {"mosfet", "\n## MOSFET"},
-              {"igbt", "\n## MOSFET"},
-              {"electrolytic", "\n## Electrolytic"}};
+  } ROWS[] = {{"thyristor", "\n## Semiconductors"},   {"triac", "\n## Semiconductors"},
+              {"diode", "\n## Semiconductors"},       {"mosfet", "\n## Semiconductors"},
+              {"igbt", "\n## Semiconductors"},        {"varistor", "\n## Passive parts"},
+              {"resistor", "\n## Passive parts"},     {"capacitor", "\n## Passive parts"},
+              {"electrolytic", "\n## Passive parts"}, {"fuse", "\n## Fuses"}};
   char *text = read_file(VS_TEST_FOLDER "/../docs/devices.md");
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     const char *section = strstr(text, ROWS[k].head);

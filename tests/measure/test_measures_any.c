@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "engine/curve.h"
+#include "engine/step.h"
 #include "suite.h"
 
 /* ---- names ---- */
@@ -146,10 +146,10 @@ static void extremes(void) {
 /* A polynomial of degree 14 through values of a smooth function is that function to rounding. */
 static void through_points(void) {
   double y[VS_CURVE_POINTS], worst = 0;
-  for (int k = 0; k < VS_CURVE_POINTS; k++) y[k] = exp(2 * vs_curve_point(k));
-  const vs_curve c = vs_curve_through(y);
+  for (int k = 0; k < VS_CURVE_POINTS; k++) y[k] = exp(2 * vs_step_curve_point(k));
+  const vs_curve c = vs_step_curve_through(y);
   for (int n = 0; n <= 1000; n++)
-    worst = fmax(worst, fabs(vs_curve_value(&c, n / 1000.0) / exp(2 * n / 1000.0) - 1));
+    worst = fmax(worst, fabs(vs_step_curve_value(&c, n / 1000.0) / exp(2 * n / 1000.0) - 1));
   CU_ASSERT(worst <
             1e-13); /* 2^15/(2^29 15!), the error of Chebyshev's points, is below rounding */
 }

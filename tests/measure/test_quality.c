@@ -318,7 +318,7 @@ static void shown_and_drawn(void) {
   free_ran(&r);
 }
 
-/* The block of docs/quality.md that begins with this text, up to its end; free() it. */
+/* The block of docs/power.md that begins with this text, up to its end; free() it. */
 static char *block_of(const char *page, const char *begins) {
   const char *from = strstr(page, begins), *to = from ? strstr(from, "\n```") : NULL;
   EXPECT(to != NULL, "no block %s", begins);
@@ -364,7 +364,7 @@ static void expect_line(const char *printed, char *line) {
 }
 
 static void the_page(void) {
-  char *page = read_file(VS_TEST_FOLDER "/../docs/quality.md");
+  char *page = read_file(VS_TEST_FOLDER "/../docs/power.md");
   char *scene = block_of(page, "# quality.yaml"), *text = block_of(page, "mains.power  "),
        *rest = text;
   write_file("quality.yaml", scene);
@@ -442,9 +442,8 @@ static void groups_of_samples(void) {
     sampled_groups(x, count, ROWS[r].each * AT, ROWS[r].each, squares);
     for (int h = 1; h <= GROUPS; h++) /* the same sums in another order: rounding */
       CLOSE(vs_spectrum_judged(&s, h), sqrt(squares[h]), 1e-11);
-    EXPECT(s.grouping.each == ROWS[r].each && vs_grouping_windows(&s.grouping) == ROWS[r].windows,
-           "row %zu: %d windows of %d cycles", r, vs_grouping_windows(&s.grouping),
-           s.grouping.each);
+    EXPECT(s.grouping.each == ROWS[r].each && vs_spectrum_windows(&s) == ROWS[r].windows,
+           "row %zu: %d windows of %d cycles", r, vs_spectrum_windows(&s), s.grouping.each);
     vs_spectrum_end(&s);
   }
 }
@@ -528,7 +527,7 @@ static void groups_on_the_orbit(void) {
   EXPECT(strstr(r.out, "group A rms") && strstr(r.out, "harmonic 2 takes 9.53 % of its own") &&
              strstr(r.out, "root mean square of 1 window of 10 cycles"),
          "%s", r.out);
-  char *page = read_file(VS_TEST_FOLDER "/../docs/quality.md"),
+  char *page = read_file(VS_TEST_FOLDER "/../docs/power.md"),
        *text = block_of(page, "harmonic             A rms     group"), *rest = text;
   for (char *of_page; (of_page = strsep(&rest, "\n"));)
     if (*of_page) expect_line(r.out, of_page);

@@ -627,9 +627,9 @@ static void refused_of_scenes(void) {
 
 /* ---- the page ---- */
 
-/* docs/operation.md: what its example prints. The numbers are known to 4 digits. */
+/* docs/power.md: what its example prints. The numbers are known to 4 digits. */
 static void the_example_of_the_page(void) {
-  char *page = read_file(VS_TEST_FOLDER "/../docs/operation.md");
+  char *page = read_file(VS_TEST_FOLDER "/../docs/power.md");
   char *line = strstr(page, "vibrospice steady paper --set firing.every=1 --set circuit.thyristor");
   CU_ASSERT_PTR_NOT_NULL_FATAL(line);
   char *shown = strstr(line, "  thyristor.t_j "), *heat_line = strstr(line, "\nheat   ");

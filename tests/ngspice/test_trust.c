@@ -11,8 +11,7 @@
 #include "program.h"
 #include "ngspice/ng.h"
 #include "ngspice/versions.h"
-#include "ngspice/ending.h"
-#include "ngspice/probe.h"
+#include "ngspice/trust.h"
 
 /* ---- solvers that are wrong on purpose: ngspice, and between it and the host a liar ---- */
 
@@ -118,21 +117,21 @@ static vs_status fails(void *circuit, vs_error *err) {
 
 static void each_lie_is_told(void) {
   static const vs_circuit_kind LIAR = {"a liar", load, go, release};
-  char wrong[VS_PROBE_TEXT];
+  char wrong[VS_TRUST_TEXT];
   for (size_t k = 0; k < COUNT(LIES); k++) {
     told = &LIES[k];
-    vs_probe_run(&LIAR, wrong);
+    vs_trust_probe(&LIAR, wrong);
     EXPECT(strstr(wrong, LIES[k].says), "'%s' is not '%s'", wrong, LIES[k].says);
   }
   static const vs_circuit_kind FAILS = {"one that fails", load, fails, release};
   told = &LIES[0];
-  vs_probe_run(&FAILS, wrong);
+  vs_trust_probe(&FAILS, wrong);
   EXPECT(!strcmp(wrong, "a small circuit fails: t = 0.01 s: the solver gave up"), "%s", wrong);
 }
 
 static void this_one_is_right(void) {
-  char wrong[VS_PROBE_TEXT];
-  vs_probe_run(&vs_ng_kind, wrong);
+  char wrong[VS_TRUST_TEXT];
+  vs_trust_probe(&vs_ng_kind, wrong);
   EXPECT(!*wrong, "ngspice %s: %s", vs_ng_running(), wrong);
 }
 
@@ -140,15 +139,15 @@ static void this_one_is_right(void) {
 
 /* What ngspice 46 would do of itself: half of what is left, and again. */
 static void halves_become_a_whole(void) {
-  vs_ending e = {0};
-  CU_ASSERT_EQUAL(vs_ending_step(&e, 8e-5, 4e-5), 4e-5);
-  CU_ASSERT_EQUAL(vs_ending_step(&e, 4e-5, 2e-5), 4e-5);
-  CU_ASSERT_EQUAL(vs_ending_step(&e, 3e-5, 1e-5), 1e-5); /* a third is no half */
-  CU_ASSERT_EQUAL(vs_ending_step(&e, 2e-5, 1e-5), 1e-5);
-  CU_ASSERT_EQUAL(vs_ending_step(&e, 1e-5, 1e-5), 1e-5);
-  CU_ASSERT(!vs_ending_reached(1e-14, 2.5e-5));
-  CU_ASSERT(vs_ending_reached(1.1e-11 * 2.5e-5, 2.5e-5));
-  CU_ASSERT(vs_ending_reached(-1e-20, 2.5e-5));
+  vs_last_steps e = {0};
+  CU_ASSERT_EQUAL(vs_versions_step(&e, 8e-5, 4e-5), 4e-5);
+  CU_ASSERT_EQUAL(vs_versions_step(&e, 4e-5, 2e-5), 4e-5);
+  CU_ASSERT_EQUAL(vs_versions_step(&e, 3e-5, 1e-5), 1e-5); /* a third is no half */
+  CU_ASSERT_EQUAL(vs_versions_step(&e, 2e-5, 1e-5), 1e-5);
+  CU_ASSERT_EQUAL(vs_versions_step(&e, 1e-5, 1e-5), 1e-5);
+  CU_ASSERT(!vs_versions_at_end(1e-14, 2.5e-5));
+  CU_ASSERT(vs_versions_at_end(1.1e-11 * 2.5e-5, 2.5e-5));
+  CU_ASSERT(vs_versions_at_end(-1e-20, 2.5e-5));
 }
 
 /* ---- what a line leaves out ---- */
@@ -289,7 +288,7 @@ static const struct door {
 };
 
 static void each_door_tells(void) {
-  write_file("fit.yaml", "scene: short.yaml\nmeasures: {i_peak: {value: 20 mA, error: 1 %}}\n"
+  write_file("fit.yaml", "scene: short.yaml\nmeasures: {i_peak: {value: 20 mA, error: 1 A}}\n"
                          "free: {supply.voltage: {from: 300 V, to: 480 V}}\n");
   for (size_t k = 0; k < COUNT(DOORS); k++) {
     const struct door *d = &DOORS[k];

@@ -7,9 +7,9 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "measure/heat.h"
-#include "program.h"
 #include "engine/sim.h"
+#include "orbit/heat.h"
+#include "program.h"
 
 /* ---- devices ---- */
 

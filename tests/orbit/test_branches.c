@@ -417,9 +417,9 @@ static bool is_printed(const char *line, const char *printed) {
   return false;
 }
 
-/* The example of docs/branches.md prints the marks that the page shows. */
+/* The example of docs/operation.md prints the marks that the page shows. */
 static void the_page(void) {
-  char *page = read_file(VS_TEST_FOLDER "/../docs/branches.md");
+  char *page = read_file(VS_TEST_FOLDER "/../docs/operation.md");
   char *scene = between(page, "# jump.yaml", "\n```");
   char *rest = between(page, "vibrospice steady jump.yaml", "![");
   char *line = between(rest, "vibrospice steady", "\n"),

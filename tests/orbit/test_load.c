@@ -457,9 +457,10 @@ static char *block(const char *at, const char *kind) {
 }
 
 static void the_page(void) {
-  char *page = read_file(VS_TEST_FOLDER "/../docs/load.md");
-  char *yaml = block(page, "yaml"), *lines = block(page, "sh"), *rest = lines, *line;
-  char *text = block(page, "text"), *expected = text;
+  char *page = read_file(VS_TEST_FOLDER "/../docs/power.md");
+  const char *load = strstr(page, "\n## The load");
+  char *yaml = block(load, "yaml"), *lines = block(load, "sh"), *rest = lines, *line;
+  char *text = block(load, "text"), *expected = text;
   vs_text said = {0};
   write_file("charge.yaml", yaml);
   while ((line = strsep(&rest, "\n"))) {

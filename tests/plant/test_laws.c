@@ -7,8 +7,7 @@
 #include <unistd.h>
 
 #include "plant/coil.h"
-#include "plant/formulas.h"
-#include "plant/reluctance.h"
+#include "plant/law.h"
 #include "plant/values.h"
 #include "program.h"
 

@@ -8,7 +8,7 @@
 #include "base/csv.h"
 #include "base/text.h"
 #include "program.h"
-#include "engine/sequence.h"
+#include "measure/reducer.h"
 
 /* Late, with small snubbers: what goes out in C2's ring and fires again hangs on the tolerance. The
  * deck with a rating of its own, for the sake of which a second run is made. */
@@ -175,15 +175,15 @@ static void a_case_on_edge(void) {
 static void sequences_compared(void) {
   static vs_sequence one, other;
   vs_sequence_difference how;
-  vs_sequence_add(&one, VS_DEED_FIRES, 1);
-  vs_sequence_add(&one, VS_DEED_GOES_OUT, 2);
-  CU_ASSERT(!vs_sequence_agrees(&one, &other, 0.1, &how));
+  vs_reducer_add_deed(&one, VS_DEED_FIRES, 1);
+  vs_reducer_add_deed(&one, VS_DEED_GOES_OUT, 2);
+  CU_ASSERT(!vs_reducer_sequences_agree(&one, &other, 0.1, &how));
   EXPECT(!strcmp(how.one, "fires once") && !strcmp(how.other, "0 times"), "%s, %s", how.one,
          how.other);
-  vs_sequence_add(&other, VS_DEED_FIRES, 1.09);
-  vs_sequence_add(&other, VS_DEED_GOES_OUT, 1.91);
-  CU_ASSERT(vs_sequence_agrees(&one, &other, 0.1, &how));
-  CU_ASSERT(!vs_sequence_agrees(&one, &other, 0.05, &how));
+  vs_reducer_add_deed(&other, VS_DEED_FIRES, 1.09);
+  vs_reducer_add_deed(&other, VS_DEED_GOES_OUT, 1.91);
+  CU_ASSERT(vs_reducer_sequences_agree(&one, &other, 0.1, &how));
+  CU_ASSERT(!vs_reducer_sequences_agree(&one, &other, 0.05, &how));
   EXPECT(!strcmp(how.one, "fires at 1 s") && !strcmp(how.other, "fires at 1.09 s"), "%s, %s",
          how.one, how.other);
 }

@@ -188,7 +188,7 @@ static void show(const cosim *c) {
     k->flux_rate_v = flux ? rate : 2 * m->coil.a_hm * (rate - y * k->x[VS_DOF + P] / z) / z;
     k->i_mains_a = flux ? vs_coil_current(&m->coil, y, z) : y;
     k->v_eva_v = c->conducts[n] ? vs_timeline_voltage(c->timeline, k->t_s) : 0;
-    vs_knot_complete(&frame, k, false);
+    vs_step_complete_knot(&frame, k, false);
     if (n > 0) c->show(c->ctx, &c->knots[1 - n % 2], k);
   }
 }

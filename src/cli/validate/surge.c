@@ -2,8 +2,7 @@
  * Generators against the standards they are made for, the surge into a varistor, varistor laws, and
  * the I2t of a half sine. */
 #include "validate/surge.h"
-#include "engine/faults.h"
-#include "engine/generators.h"
+#include "engine/events.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
@@ -76,13 +75,13 @@ static const vs_occurrence OF_1V = {.v = {.level_v = 1, .frequency_hz = 5000, .d
 static vs_status perform_ring(const vs_experiment *e, const vs_observer *also, vs_numbers *out,
                               vs_error *err) {
   (void)e, (void)also, (void)err;
-  sample(vs_generators_ring_source, 20e-6, &OF_1V, out);
+  sample(vs_events_find("ring_wave")->source, 20e-6, &OF_1V, out);
   return VS_OK;
 }
 static vs_status perform_eft(const vs_experiment *e, const vs_observer *also, vs_numbers *out,
                              vs_error *err) {
   (void)e, (void)also, (void)err;
-  sample(vs_generators_eft_source, 200e-9, &OF_1V, out);
+  sample(vs_events_find("eft")->source, 200e-9, &OF_1V, out);
   return VS_OK;
 }
 static const vs_experiment ring = {.perform = perform_ring}, eft = {.perform = perform_eft};

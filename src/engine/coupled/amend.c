@@ -45,7 +45,7 @@ void vs_amend_restart(vs_amend *a) {
 /* ---- the line ---- */
 
 /* Returns false where too few steps are known. */
-static bool fit(const vs_amend_sums *s, vs_amend_line *l) {
+static bool fit_line(const vs_amend_sums *s, vs_amend_line *l) {
   if (s->count < LEAST_STEPS) return false;
   double v = s->v / s->weight, bend = s->bend / s->weight, square = s->v_v / s->weight;
   double variance = square - v * v + LEVEL * square;
@@ -57,7 +57,7 @@ static bool fit(const vs_amend_sums *s, vs_amend_line *l) {
 
 /* The weight is relative to the size of v'' of late: where a transient dies away, its beginning
  * would else outweigh all that comes behind it. */
-static void add(vs_amend *a, double v, double bend) {
+static void add_to_line(vs_amend *a, double v, double bend) {
   vs_amend_sums *s = &a->sums;
   const vs_amend_line *l = &a->line;
   if (a->fitted && !(fabs(bend - l->rest - l->slope * v) <= OTHER * a->size_v_s2))
@@ -69,12 +69,12 @@ static void add(vs_amend *a, double v, double bend) {
   s->bend = FADES * s->bend + weight * bend;
   s->v_v = FADES * s->v_v + weight * v * v;
   s->v_bend = FADES * s->v_bend + weight * v * bend;
-  a->fitted = fit(s, &a->line);
+  a->fitted = fit_line(s, &a->line);
 }
 
 /* Takes in v and v'' at an instant that is at_s behind the last knot. */
-static void see(vs_amend *a, double v, double bend, double at_s) {
-  add(a, v, bend);
+static void see_curvature(vs_amend *a, double v, double bend, double at_s) {
+  add_to_line(a, v, bend);
   a->seen_v[1] = a->seen_v[0];
   a->seen_v_s2[1] = a->seen_v_s2[0];
   a->seen_v[0] = v;
@@ -137,7 +137,7 @@ static double part_outside(const vs_amend_outside *o, double *capacitance_f) {
 /* True where the swing is the coil's own, or as slow as the mains. A faster one is that of some
  * other inductance with these capacitances: it goes on with the error that the rule makes there.
  * While a thyristor conducts, what the coil shows of the capacitances is little. */
-static bool is_own(const vs_amend *a, const vs_amend_step *step, double capacitance_f) {
+static bool is_coils_own_swing(const vs_amend *a, const vs_amend_step *step, double capacitance_f) {
   const vs_knot *k = step->from;
   const vs_model *m = step->model;
   if (step->driven || !a->fitted) return false;
@@ -147,9 +147,9 @@ static bool is_own(const vs_amend *a, const vs_amend_step *step, double capacita
 }
 
 /* By how much v'' was other than the rule was given, V/s^2. */
-static double missed(vs_amend *a, const vs_amend_step *step, double bend) {
+static double curvature_missed(vs_amend *a, const vs_amend_step *step, double bend) {
   double given = a->given_v_s2[1], capacitance_f, part = part_outside(&a->outside, &capacitance_f);
-  bool own = given != 0 && is_own(a, step, capacitance_f);
+  bool own = given != 0 && is_coils_own_swing(a, step, capacitance_f);
   if (!own) return fmax(fabs(bend - given), fabs(bend));
   return fmax(CARE * fabs(bend - given) + part * fabs(given), LEFT * fabs(bend));
 }
@@ -162,10 +162,10 @@ double vs_amend_take(vs_amend *a, const vs_amend_step *step) {
     double both = h + a->h_s, bend = 2 * (rise - a->rise_v_s) / both;
     double behind = (h - a->h_s) / 3, slope = (a->h_s * rise + h * a->rise_v_s) / both;
     if (!step->driven) look_outside(a, step);
-    off = missed(a, step, bend);
+    off = curvature_missed(a, step, bend);
     follow_size(a, bend, fmin(h, a->h_s));
     a->good = fabs(bend - a->foretold_v_s2[1]) <= OFF * a->size_v_s2 ? a->good + 1 : 0;
-    see(a, from->flux_rate_v + behind * (slope + behind * bend / 2), bend, behind - h);
+    see_curvature(a, from->flux_rate_v + behind * (slope + behind * bend / 2), bend, behind - h);
   }
   a->driven = step->driven;
   a->foretold_v_s2[1] = a->foretold_v_s2[0];
@@ -185,14 +185,14 @@ typedef struct solution {
   double even, odd, whole;
 } solution;
 
-static solution solve(double slope, double h) {
+static solution solve_line(double slope, double h) {
   double x = -slope * h * h, part = 1 - x / 12 * (1 - x / 30 * (1 - x / 56));
   return (solution){1 - x / 2 * part, h * (1 - x / 6 * (1 - x / 20 * (1 - x / 42))),
                     h * h / 2 * part};
 }
 
 /* The line with which the next step is foretold: it goes on to be off as it was of late. */
-static bool next_line(const vs_amend *a, double h, vs_amend_line *l) {
+static bool predict_line(const vs_amend *a, double h, vs_amend_line *l) {
   if (!a->fitted) return false;
   *l = a->line;
   double off = a->seen_v_s2[0] - l->rest - l->slope * a->seen_v[0];
@@ -203,9 +203,9 @@ static bool next_line(const vs_amend *a, double h, vs_amend_line *l) {
 }
 
 /* lambda, v and v' after h seconds on the line. */
-static void go_on(const vs_amend *a, const vs_knot *k, double h, const vs_amend_line *l,
-                  double flux[3]) {
-  solution back = solve(l->slope, a->h_s), on = solve(l->slope, h);
+static void extrapolate_on_line(const vs_amend *a, const vs_knot *k, double h,
+                                const vs_amend_line *l, double flux[3]) {
+  solution back = solve_line(l->slope, a->h_s), on = solve_line(l->slope, h);
   double v = k->flux_rate_v, rate = (v * back.even + l->rest * back.whole - a->v0_v) / back.odd;
   flux[1] = v * on.even + rate * on.odd + l->rest * on.whole;
   flux[2] = rate * on.even + (l->rest + l->slope * v) * on.odd;
@@ -214,8 +214,8 @@ static void go_on(const vs_amend *a, const vs_knot *k, double h, const vs_amend_
 
 /* On a swing of the angle y over half a step the rule's error is the factor tan(y)/y: that is
  * h^2/12 (1 + x/10) of the second derivative, with x = 4 y^2. */
-static void give(vs_amend *a, const vs_amend_try *at, double h, const vs_amend_line *l,
-                 const double flux[3]) {
+static void correct_step(vs_amend *a, const vs_amend_try *at, double h, const vs_amend_line *l,
+                         const double flux[3]) {
   const vs_model *m = at->model;
   const vs_knot *k = at->last;
   const double z[3] = {at->z_m, vs_mechanics_travel(m, k->x + m->dof),
@@ -228,24 +228,24 @@ static void give(vs_amend *a, const vs_amend_try *at, double h, const vs_amend_l
   a->current_a = -part * i[2];
 }
 
-static void ask(vs_amend *a, const vs_amend_try *at) {
+static void predict_correction(vs_amend *a, const vs_amend_try *at) {
   double h = at->t_s - at->last->t_s, flux[3];
   vs_amend_line l;
   if (h == a->try_s) return;
   a->try_s = h;
   a->flux_v = a->current_a = a->given_v_s2[0] = a->foretold_v_s2[0] = 0;
-  if (!a->on || !(h > 0) || !next_line(a, h, &l)) return;
-  go_on(a, at->last, h, &l, flux);
+  if (!a->on || !(h > 0) || !predict_line(a, h, &l)) return;
+  extrapolate_on_line(a, at->last, h, &l, flux);
   a->foretold_v_s2[0] = l.rest + l.slope * flux[1];
-  if (a->good >= LEAST_GOOD && !a->driven) give(a, at, h, &l, flux);
+  if (a->good >= LEAST_GOOD && !a->driven) correct_step(a, at, h, &l, flux);
 }
 
 double vs_amend_flux(vs_amend *a, const vs_amend_try *at) {
-  ask(a, at);
+  predict_correction(a, at);
   return a->flux_v;
 }
 
 double vs_amend_current(vs_amend *a, const vs_amend_try *at) {
-  ask(a, at);
+  predict_correction(a, at);
   return a->current_a;
 }

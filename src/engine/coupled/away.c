@@ -7,22 +7,22 @@
 
 /* From the last knot to t_s, in at least four steps. */
 static vs_status go_without(vs_away *a, double t_s, vs_error *err) {
-  vs_course *c = a->course;
-  double from_s = vs_course_last(c)->t_s, gone_s = t_s - from_s;
+  vs_trajectory *c = a->trajectory;
+  double from_s = vs_trajectory_last(c)->t_s, gone_s = t_s - from_s;
   double n = ceil(gone_s / fmin(a->kind->longest(a->law), gone_s / 4));
   vs_knot next;
-  vs_knot_copy(&c->frame, vs_course_last(c), &next);
-  vs_status status = vs_course_show(c, &next, VS_EV_QUIET, err);
+  vs_step_copy_knot(&c->frame, vs_trajectory_last(c), &next);
+  vs_status status = vs_trajectory_show(c, &next, VS_EV_QUIET, err);
   c->without = true;
   for (double k = 1; k <= n && !status; k++) {
     status = a->kind->step(a->law, &next, k < n ? from_s + gone_s * (k / n) : t_s, err);
-    if (!status) status = vs_course_show(c, &next, VS_EV_NONE, err);
+    if (!status) status = vs_trajectory_show(c, &next, VS_EV_NONE, err);
   }
   return status;
 }
 
 vs_status vs_away_finish(vs_away *a, vs_error *err) {
-  return a->ends ? go_without(a, a->course->setup->run.until_s, err) : VS_OK;
+  return a->ends ? go_without(a, a->trajectory->setup->run.until_s, err) : VS_OK;
 }
 
 /* ---- left and led back ---- */
@@ -38,9 +38,9 @@ static const double FOLLOWS = 0.9, MOST_LAG = 0.09;
 static const double OTHER_STEPS = 0.1;
 
 static vs_status go_without_for(vs_away *a, double cycles, vs_error *err) {
-  vs_course *c = a->course;
+  vs_trajectory *c = a->trajectory;
   double period_s = c->setup->timeline.period_s;
-  double away_s = cycles * period_s, back_s = vs_course_last(c)->t_s + away_s;
+  double away_s = cycles * period_s, back_s = vs_trajectory_last(c)->t_s + away_s;
   c->bound += OTHER_STEPS * c->setup->run.tolerance;
   vs_status status = go_without(a, back_s, err);
   a->shift_s += away_s;
@@ -51,16 +51,16 @@ static vs_status go_without_for(vs_away *a, double cycles, vs_error *err) {
 }
 
 vs_status vs_away_consider(vs_away *a, const double *signals, vs_error *err) {
-  vs_course *c = a->course;
+  vs_trajectory *c = a->trajectory;
   const vs_setup *setup = c->setup;
-  double now = vs_course_last(c)->t_s, until = setup->run.until_s, memory[VS_MEMORIES];
+  double now = vs_trajectory_last(c)->t_s, until = setup->run.until_s, memory[VS_MEMORIES];
   bool conducts = vs_anode_conducts(&c->anode);
   if (!a->law || a->stays) return VS_OK;
-  vs_names_take_memory(a->names, signals, memory);
-  a->kind->take(a->law, vs_course_last(c), memory, !conducts);
+  vs_signal_map_take_memory(a->names, signals, memory);
+  a->kind->take(a->law, vs_trajectory_last(c), memory, !conducts);
   if (conducts || c->touched) return VS_OK;
   double cycles = INFINITY, most_lag_s = INFINITY, period_s = setup->timeline.period_s;
-  double next = vs_course_edge(c, now);
+  double next = vs_trajectory_edge(c, now);
   if (next < until) {
     if (!setup->deck.eva_led) return VS_OK;
     cycles = floor((next - now) / period_s) - 1; /* the last of them is for being led back */
@@ -77,7 +77,7 @@ vs_status vs_away_consider(vs_away *a, const double *signals, vs_error *err) {
 static const vs_knot *goal_at(vs_away *a, double t_s) {
   vs_error err = {0};
   if (t_s == a->goal_s) return &a->goal;
-  vs_knot_copy(&a->course->frame, vs_course_last(a->course), &a->goal);
+  vs_step_copy_knot(&a->trajectory->frame, vs_trajectory_last(a->trajectory), &a->goal);
   a->kind->step(a->law, &a->goal, t_s, &err);
   a->goal_s = t_s;
   return &a->goal;
@@ -94,11 +94,11 @@ double vs_away_lead(vs_away *a, size_t port, double t_s) {
 /* The solver is gone back to. If it has not come to where the stand-in is, that difference becomes
  * part of the bound, and the solver is not left again. */
 static void come_back(vs_away *a, const vs_knot *own, const double *signals) {
-  vs_course *c = a->course;
+  vs_trajectory *c = a->trajectory;
   vs_knot solver;
   double memory[VS_MEMORIES];
-  vs_names_take_terms(&c->setup->deck, signals, &solver);
-  vs_names_take_memory(a->names, signals, memory);
+  vs_signal_map_take_terms(&c->setup->deck, signals, &solver);
+  vs_signal_map_take_memory(a->names, signals, memory);
   double missed = a->kind->missed(a->law, own, &solver, memory);
   c->without = false;
   a->kind->restart(a->law);
@@ -109,20 +109,20 @@ static void come_back(vs_away *a, const vs_knot *own, const double *signals) {
 }
 
 vs_status vs_away_follow(vs_away *a, double t_s, const double *signals, vs_error *err) {
-  vs_course *c = a->course;
+  vs_trajectory *c = a->trajectory;
   vs_knot next;
-  vs_knot_copy(&c->frame, vs_course_last(c), &next);
+  vs_step_copy_knot(&c->frame, vs_trajectory_last(c), &next);
   vs_status status = a->kind->step(a->law, &next, t_s, err);
   if (status) return status;
   a->follows = t_s < a->follows_until_s;
   if (!a->follows) come_back(a, &next, signals);
-  return vs_course_show(c, &next, a->follows ? VS_EV_NONE : VS_EV_BACK, err);
+  return vs_trajectory_show(c, &next, a->follows ? VS_EV_NONE : VS_EV_BACK, err);
 }
 
 bool vs_away_enough(const vs_away *a) {
-  double until_s = a->course->setup->run.until_s;
-  return a->ends || (a->shift_s != 0 &&
-                     vs_course_last(a->course)->t_s >= until_s - vs_occurrence_rounding(until_s));
+  double until_s = a->trajectory->setup->run.until_s;
+  return a->ends || (a->shift_s != 0 && vs_trajectory_last(a->trajectory)->t_s >=
+                                            until_s - vs_occurrence_rounding(until_s));
 }
 
 /* ---- begun and ended ---- */
@@ -132,8 +132,8 @@ static const double LEADS_STEPS = 4;
 
 /* False where edges are so near to one another, all along the run, that the solver cannot be left:
  * vs_away_consider wants two cycles of the mains up to the next edge, and may_leave
- * (engine/stand_in.h) one up to the run's end. A law would then be fed at each step for nothing. Where
- * edges are not known yet, or are too many to be looked at, the time may come. */
+ * (macromodel/stand_in.h) one up to the run's end. A law would then be fed at each step for
+ * nothing. Where edges are not known yet, or are too many to be looked at, the time may come. */
 static bool may_come(const vs_setup *setup, const vs_run_order *order) {
   enum { MOST_EDGES = 100000 };
   double period_s = setup->timeline.period_s * (1 - 1e-6), until_s = setup->run.until_s, now_s = 0;
@@ -147,17 +147,17 @@ static bool may_come(const vs_setup *setup, const vs_run_order *order) {
   return true;
 }
 
-void vs_away_begin(vs_away *a, const vs_run_order *order, vs_course *course, const vs_names *names,
-                   double max_step_s) {
-  const vs_setup *setup = course->setup;
-  *a = (vs_away){.course = course,
+void vs_away_begin(vs_away *a, const vs_run_order *order, vs_trajectory *trajectory,
+                   const vs_signal_map *names, double max_step_s) {
+  const vs_setup *setup = trajectory->setup;
+  *a = (vs_away){.trajectory = trajectory,
                  .names = names,
                  .kind = order->stand_in,
                  .lead_rate_1_s = 1 / (LEADS_STEPS * max_step_s),
                  .goal_s = -1};
   /* not where the user forbids it, or wants all that the solver shows */
   if (order->stand_in && !setup->run.stays && !order->raw && may_come(setup, order))
-    a->law = order->stand_in->begin(setup, &course->frame);
+    a->law = order->stand_in->begin(setup, &trajectory->frame);
 }
 
 void vs_away_end(vs_away *a) {

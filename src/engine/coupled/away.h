@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Being away from the circuit's solver: leaving it once a stand-in (engine/stand_in.h) says that it
- * may be left, stepping on without it, and coming back to it.
+ * Being away from the circuit's solver: leaving it once a stand-in (macromodel/stand_in.h) says
+ * that it may be left, stepping on without it, and coming back to it.
  *
  * A solver that is left for good ends its run, and the stand-in goes on to the end. One that is
  * gone back to stands still at some phase of the mains while whole cycles pass without it. Then its
@@ -10,12 +10,13 @@
 #ifndef VS_ENGINE_AWAY_H
 #define VS_ENGINE_AWAY_H
 
-#include "coupled/course.h"
-#include "coupled/names.h"
+#include "coupled/signal_map.h"
+#include "coupled/trajectory.h"
+#include "macromodel/stand_in.h"
 
 typedef struct vs_away {
-  vs_course *course;
-  const vs_names *names;
+  vs_trajectory *trajectory;
+  const vs_signal_map *names;
   const vs_stand_in *kind;
   void *law;              /* the stand-in; NULL: the solver goes on to the end. Owned */
   bool stays;             /* a bound was missed, and the solver is not left again */
@@ -29,10 +30,10 @@ typedef struct vs_away {
   vs_knot goal;
 } vs_away;
 
-/* Begins in the solver. max_step_s is its longest step. The course and the names must outlive it;
- * the names may be filled in later, with what vs_away_memories returns. */
-void vs_away_begin(vs_away *away, const vs_run_order *order, vs_course *course,
-                   const vs_names *names, double max_step_s);
+/* Begins in the solver. max_step_s is its longest step. The trajectory and the names must outlive
+ * it; the names may be filled in later, with what vs_away_memories returns. */
+void vs_away_begin(vs_away *away, const vs_run_order *order, vs_trajectory *trajectory,
+                   const vs_signal_map *names, double max_step_s);
 void vs_away_end(vs_away *away);
 
 /* What the solver shall show of what the circuit remembers; NULL: nothing. */
@@ -41,9 +42,9 @@ const vs_memories *vs_away_memories(const vs_away *away);
 /* What a port that leads the EVA (VS_PORT_...) has at t_s. 0 while the solver is not led. */
 double vs_away_lead(vs_away *away, size_t port, double t_s);
 
-/* Takes in what the solver shows at the course's last knot, and leaves the solver if the circuit is
- * quiet. If it is left for some cycles, their steps are shown here. Errors: the observer's; VS_RUN
- * where the law cannot be integrated. */
+/* Takes in what the solver shows at the trajectory's last knot, and leaves the solver if the
+ * circuit is quiet. If it is left for some cycles, their steps are shown here. Errors: the
+ * observer's; VS_RUN where the law cannot be integrated. */
 vs_status vs_away_consider(vs_away *away, const double *signals, vs_error *err);
 
 /* Takes in that the solver, which is led, has come to t_s, and shows the stand-in's step to there.

@@ -5,43 +5,50 @@
  * Mechanics -> circuit: the gap z at the candidate time of each of the solver's steps, foretold
  * from the last accepted step. Circuit -> mechanics: the flux linkage lambda of the accepted step,
  * under which the mechanics are integrated over it. The coil's current and force are functions of
- * lambda and z, in C as in the netlist (netlist/eva.h), so nothing else need be exchanged; what else
- * of the motion the deck names is foretold as the gap is.
+ * lambda and z, in C as in the netlist (netlist/eva.h), so nothing else need be exchanged; what
+ * else of the motion the deck names is foretold as the gap is.
  *
- * This file is the solver's host. course.h moves the machine and shows the steps, pace.h, swing.h
- * and anode.h say how long a step may be, amend.h gives back what the solver's rule leaves out at
- * the coil, away.h leaves the solver where the circuit is quiet. */
-#include "coupled/coupled.h"
+ * The solver owns the loop over time: ngspice proposes a step, solves it by Newton's method,
+ * accepts or shortens it. What it needs for that it asks this file for, its host, in this order:
+ *
+ *   next_breakpoint     the instant that the step must not pass
+ *   longest_step        how long it may be
+ *   source_value        what drives the circuit at its end: once per port and candidate time
+ *   accept_coupled_step the step is accepted, and the machine is taken over it
+ *
+ * The last one tells what a coupled step is. The others stand behind it, and run_coupled at the end
+ * puts it all together. */
+#include "engine/sim.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/text.h"
-#include "netlist/blame.h"
 #include "coupled/amend.h"
 #include "coupled/away.h"
-#include "coupled/course.h"
-#include "coupled/names.h"
-#include "engine/pace.h"
 #include "coupled/prelude.h"
+#include "coupled/signal_map.h"
 #include "coupled/swing.h"
-#include "netlist/netlist.h"
+#include "coupled/trajectory.h"
 #include "engine/events.h"
-#include "drive/held.h"
+#include "engine/pace.h"
+#include "engine/signals.h"
+#include "netlist/blame.h"
+#include "netlist/netlist.h"
 
+/* A run under way. */
 typedef struct coupling {
   const vs_setup *setup;
   const vs_run_order *order;
   vs_pace pace;
   vs_swing swing;
   vs_amend amend;
-  vs_names *names; /* owned */
-  vs_course course;
+  vs_signal_map *names; /* owned */
+  vs_trajectory trajectory;
   vs_away away;
   vs_prelude prelude;
-  vs_held edge,
-      port[VS_DECK_MOST]; /* the next edge, and the deck's ports, as they were told last */
+  vs_signals_cache port[VS_DECK_MOST]; /* the deck's ports, as they were told last */
   /* What the sources were told at the candidate time that the solver asked for last: it asks for
    * each once per Newton iteration. */
   double asked_s;  /* by the solver's clock; NaN: at none since the last step */
@@ -52,65 +59,131 @@ typedef struct coupling {
   } told[VS_DECK_MOST + VS_EVA_PORTS + VS_DECK_MOTIONS];
 } coupling;
 
-/* ---- the solver's host ---- */
+/* ---- one step ---- */
+
+/* The parts of a step, in their order; each is defined below. */
+static double run_time(const coupling *c, double solver_s);
+static void forget_told_values(coupling *c);
+static vs_status reach_junction(coupling *c, double t_s, vs_error *err);
+static vs_status follow_macromodel(coupling *c, double t_s, const double *signals, vs_error *err);
+static void take_circuit_state(coupling *c, double t_s, const double *signals);
+static void judge_step_length(coupling *c);
+static vs_status end_settling_cycle(coupling *c, vs_error *err);
+
+/* One coupled step. The solver has accepted a step that ends at solver_s, s by its clock; `signals`
+ * are its node voltages, V, and branch currents, A, there, in the order of signal_map.h. */
+static vs_status accept_coupled_step(void *ctx, double solver_s, const double *signals,
+                                     vs_error *err) {
+  coupling *c = ctx;
+
+  /* What the sources were told held for candidates of this step. */
+  forget_told_values(c);
+
+  /* The run's clock, s, differs from the solver's by the cycles that it settled for, and by those
+   * for which a macromodel stood in for it. */
+  double t_s = run_time(c, solver_s);
+
+  /* A study may go on from here with other events, as another run (study/work/past.c). */
+  vs_status status = reach_junction(c, t_s, err);
+  if (status) return status;
+
+  /* After a quiet stretch the solver is led to where the macromodel is. As long as it is, the
+   * macromodel's steps are the run's (away.c). */
+  if (c->away.follows) return follow_macromodel(c, t_s, signals, err);
+
+  /* Circuit -> mechanics: lambda, Wb, and its rate, V, at the step's end (signal_map.c). */
+  take_circuit_state(c, t_s, signals);
+
+  /* The truncation error of the solver's rule in lambda bounds the next step's length (amend.c,
+   * swing.c). */
+  judge_step_length(c);
+
+  /* The machine moves over the same step, by Eq. 54 with F = lambda^2/(4a). Contacts with a stop
+   * cut it, a device fires or goes out in it, and the observer is shown it (trajectory.c, anode.c).
+   */
+  status = vs_trajectory_move(&c->trajectory, err);
+  if (status) return status;
+
+  /* A run that begins on a periodic orbit settles first: the end of each cycle is the beginning of
+   * the next, with another state of the machine (prelude.c). */
+  if (c->prelude.on) return end_settling_cycle(c, err);
+
+  /* Where only small currents flow, a macromodel of the circuit goes on without the solver, which
+   * is quicker (away.c, macromodel/quiet.c). */
+  return vs_away_consider(&c->away, signals, err);
+}
+
+/* ---- what a step consists of ---- */
 
 static double run_time(const coupling *c, double solver_s) {
   return vs_prelude_time(&c->prelude, solver_s, c->away.shift_s);
 }
 
-/* What is given back to the solver's rule, through one of the EVA's ports. */
-static double amended(coupling *c, size_t port, double t_s) {
-  const vs_amend_try at = {c->course.frame.model, vs_course_last(&c->course), t_s,
-                           vs_course_gap(&c->course, t_s)};
-  if (c->away.follows) return 0;
-  return port == VS_EVA_PORT_AMENDS_FLUX ? vs_amend_flux(&c->amend, &at)
-                                         : vs_amend_current(&c->amend, &at);
-}
-
-static double deck_source(coupling *c, size_t port, double t_s) {
-  const vs_port *p = &c->setup->deck.ports[port];
-  double push_v = p->signal.drive == VS_PORT_MAINS ? vs_prelude_push(&c->prelude, t_s) : 0;
-  return push_v + vs_held_voltage(&c->port[port], &c->course.setup->timeline, &p->signal, t_s);
-}
-
-static double find_source(coupling *c, size_t port, double t_s) {
-  size_t of_deck = c->setup->deck.n_ports;
-  if (port < of_deck) return deck_source(c, port, t_s);
-  if (port == of_deck + VS_EVA_PORT_GAP) return vs_course_gap(&c->course, t_s);
-  size_t motion = port + c->setup->deck.n_motions;
-  if (motion >= c->names->n_ports)
-    return vs_course_motion(&c->course, c->setup->deck.motions[motion - c->names->n_ports].state,
-                            t_s);
-  if (port >= of_deck + VS_EVA_PORTS_LEADING) return vs_away_lead(&c->away, port - of_deck, t_s);
-  return amended(c, port - of_deck, t_s);
-}
-
-static __attribute__((noinline)) double tell_source(coupling *c, size_t port, double solver_s) {
-  if (solver_s != c->asked_s) c->asking++;
-  c->asked_s = solver_s;
-  c->told[port].asking = c->asking;
-  return c->told[port].value = find_source(c, port, run_time(c, solver_s));
-}
-
-static double source(void *ctx, size_t port, double solver_s) {
-  coupling *c = ctx;
-  bool again = solver_s == c->asked_s && c->told[port].asking == c->asking;
-  return again ? c->told[port].value : tell_source(c, port, solver_s);
-}
-
-/* A step was accepted: what was told does not hold any more, and where events may change on the
- * way, or another part of the run may have begun, neither does what is told from edge to edge. */
-static void forget(coupling *c) {
+/* What was told does not hold any more, and where events may change on the way, or another part of
+ * the run may have begun, neither does what is told from edge to edge. */
+static void forget_told_values(coupling *c) {
   c->asked_s = NAN;
   if (!c->prelude.on && !c->order->junction) return;
-  c->course.edge = (vs_held){0};
+  c->trajectory.edge = (vs_signals_cache){0};
   memset(c->port, 0, sizeof c->port);
 }
 
-static double edge(void *ctx, double solver_s) {
+/* Tells the run's junction that t_s is reached. It may change the events of the setup, which are
+ * asked for whenever they are needed; only the instant of the jam is kept in the trajectory. It is
+ * not called while the run settles, as events come behind that. */
+static vs_status reach_junction(coupling *c, double t_s, vs_error *err) {
+  const vs_junction *junction = c->order->junction;
+  if (!junction || c->prelude.on) return VS_OK;
+  vs_status status = junction->reach(junction->ctx, t_s, err);
+  c->trajectory.jams_s = vs_setup_jams(c->setup);
+  return status;
+}
+
+/* What the solver's rule leaves out is not known from steps in which it is led. */
+static vs_status follow_macromodel(coupling *c, double t_s, const double *signals, vs_error *err) {
+  vs_amend_restart(&c->amend);
+  return vs_away_follow(&c->away, t_s, signals, err);
+}
+
+/* Fills the next knot with what the circuit knows of it. Its second derivative of lambda, V/s, is
+ * the mean slope of v = dlambda/dt over the step, which is as much as a rule of second order has.
+ */
+static void take_circuit_state(coupling *c, double t_s, const double *signals) {
+  const vs_knot *from = vs_trajectory_last(&c->trajectory);
+  vs_knot *next = vs_trajectory_next(&c->trajectory); /* vs_trajectory_move gives it its state */
+  next->t_s = t_s;
+  vs_signal_map_take_coil(signals, next);
+  vs_signal_map_take_terms(&c->setup->deck, signals, next);
+  next->flux_rate2_v_s = (next->flux_rate_v - from->flux_rate_v) / (t_s - from->t_s);
+  next->flux_rate3_v_s2 = 0; /* not known; a cubic's weight for it is 0 */
+}
+
+/* Takes the step's curvature of v, V/s^2, less what the rule was given back of it, for the length
+ * of the steps to come. */
+static void judge_step_length(coupling *c) {
+  const vs_knot *from = vs_trajectory_last(&c->trajectory),
+                *next = vs_trajectory_next(&c->trajectory);
+  const vs_amend_step step = {c->trajectory.frame.model, from, next,
+                              vs_anode_conducts(&c->trajectory.anode)};
+  vs_swing_take(&c->swing, from, next, vs_amend_take(&c->amend, &step), step.driven);
+  c->trajectory.strays = vs_swing_strays(&c->swing);
+}
+
+/* At the end of a settling cycle the clock goes back to 0. Once the orbit is found the run begins
+ * there, which its junction is told. */
+static vs_status end_settling_cycle(coupling *c, vs_error *err) {
+  vs_status status = vs_prelude_follow(&c->prelude, &c->trajectory, &c->away.shift_s, err);
+  return status ? status : reach_junction(c, 0, err);
+}
+
+/* ---- before a step: how far it may go ---- */
+
+/* An edge of the mains, of a gate, or of an event ends a step. At once: the solver's rule is to
+ * begin anew, as a device has switched or v alternates from step to step. */
+static double next_breakpoint(void *ctx, double solver_s) {
   coupling *c = ctx;
-  if (c->course.anode.crossed || c->swing.anew) return solver_s; /* the solver's rule begins anew */
-  double now_s = run_time(c, solver_s), next_s = vs_course_edge(&c->course, now_s);
+  if (c->trajectory.anode.crossed || c->swing.anew) return solver_s;
+  double now_s = run_time(c, solver_s), next_s = vs_trajectory_edge(&c->trajectory, now_s);
   if (c->away.shift_s != 0 && !c->prelude.on) next_s = fmin(next_s, c->setup->run.until_s);
   return vs_prelude_edge(&c->prelude, now_s, next_s) - c->away.shift_s;
 }
@@ -121,74 +194,87 @@ static double edge(void *ctx, double solver_s) {
  * 1e-7 on, which is the default of run.first_step, 75.9 V at any tolerance. Steps double from there
  * on, so that it costs ten. */
 static bool begins_with_a_jump(const coupling *c, double solver_s) {
-  return solver_s == 0 && !c->prelude.on && vs_timeline_voltage(&c->course.setup->timeline, 0) != 0;
+  return solver_s == 0 && !c->prelude.on &&
+         vs_timeline_voltage(&c->trajectory.setup->timeline, 0) != 0;
 }
 
-static double longest(void *ctx, double solver_s) {
+/* The least of what run.tolerance (pace.c), the ringing of the coil (swing.c), a device that is
+ * about to switch (anode.c) and the events allow, s. */
+static double longest_step(void *ctx, double solver_s) {
   coupling *c = ctx;
-  vs_course *course = &c->course;
+  vs_trajectory *trajectory = &c->trajectory;
   double most = fmin(c->pace.max_step_s, vs_swing_longest(&c->swing));
   if (begins_with_a_jump(c, solver_s)) most *= c->setup->run.first_step;
-  most = fmin(most, vs_anode_longest(&course->anode, &c->swing, c->pace.max_step_s));
-  return fmin(most, vs_events_longest(&course->setup->timeline.events, run_time(c, solver_s)));
+  most = fmin(most, vs_anode_longest(&trajectory->anode, &c->swing, c->pace.max_step_s));
+  return fmin(most, vs_events_longest(&trajectory->setup->timeline.events, run_time(c, solver_s)));
 }
 
-/* Tells the run's junction that t_s is reached. It may change the events of the setup, which are
- * asked for whenever they are needed; only the instant of the jam is kept in the course. It is not
- * called in a prelude, as events come behind that. */
-static vs_status reach_junction(coupling *c, double t_s, vs_error *err) {
-  const vs_junction *junction = c->order->junction;
-  if (!junction) return VS_OK;
-  vs_status status = junction->reach(junction->ctx, t_s, err);
-  c->course.jams_s = vs_setup_jams(c->setup);
-  return status;
+/* ---- in a step: what drives the circuit ---- */
+
+/* What is given back to the solver's rule, through one of the EVA's ports: V of dlambda/dt, or A of
+ * the coil's current. */
+static double truncation_correction(coupling *c, size_t port, double t_s) {
+  const vs_amend_try at = {c->trajectory.frame.model, vs_trajectory_last(&c->trajectory), t_s,
+                           vs_trajectory_gap(&c->trajectory, t_s)};
+  if (c->away.follows) return 0;
+  return port == VS_EVA_PORT_AMENDS_FLUX ? vs_amend_flux(&c->amend, &at)
+                                         : vs_amend_current(&c->amend, &at);
 }
 
-static vs_status accept(void *ctx, double solver_s, const double *signals, vs_error *err) {
+/* A port of the deck, V: mains, a gate, a modulated switch, or an event. */
+static double deck_source(coupling *c, size_t port, double t_s) {
+  const vs_port *p = &c->setup->deck.ports[port];
+  double push_v = p->signal.drive == VS_PORT_MAINS ? vs_prelude_push(&c->prelude, t_s) : 0;
+  return push_v +
+         vs_signals_voltage_cached(&c->port[port], &c->trajectory.setup->timeline, &p->signal, t_s);
+}
+
+/* Ports are in the order of signal_map.h: the deck's, the EVA's, and the motions that the deck
+ * names. */
+static double compute_source(coupling *c, size_t port, double t_s) {
+  size_t of_deck = c->setup->deck.n_ports;
+  if (port < of_deck) return deck_source(c, port, t_s);
+  if (port == of_deck + VS_EVA_PORT_GAP) return vs_trajectory_gap(&c->trajectory, t_s);
+  size_t motion = port + c->setup->deck.n_motions;
+  if (motion >= c->names->n_ports)
+    return vs_trajectory_motion(&c->trajectory,
+                                c->setup->deck.motions[motion - c->names->n_ports].state, t_s);
+  if (port >= of_deck + VS_EVA_PORTS_LEADING) return vs_away_lead(&c->away, port - of_deck, t_s);
+  return truncation_correction(c, port - of_deck, t_s);
+}
+
+static __attribute__((noinline)) double tell_source(coupling *c, size_t port, double solver_s) {
+  if (solver_s != c->asked_s) c->asking++;
+  c->asked_s = solver_s;
+  c->told[port].asking = c->asking;
+  return c->told[port].value = compute_source(c, port, run_time(c, solver_s));
+}
+
+static double source_value(void *ctx, size_t port, double solver_s) {
   coupling *c = ctx;
-  forget(c);
-  double t_s = run_time(c, solver_s);
-  vs_status status = c->prelude.on ? VS_OK : reach_junction(c, t_s, err);
-  if (status) return status;
-  if (c->away.follows) {
-    vs_amend_restart(&c->amend);
-    return vs_away_follow(&c->away, t_s, signals, err);
-  }
-  const vs_knot *from = vs_course_last(&c->course);
-  vs_knot *next = vs_course_next(&c->course); /* vs_course_move gives it its state */
-  next->t_s = t_s;
-  vs_names_take_coil(signals, next);
-  vs_names_take_terms(&c->setup->deck, signals, next);
-  next->flux_rate2_v_s = (next->flux_rate_v - from->flux_rate_v) / (t_s - from->t_s);
-  next->flux_rate3_v_s2 = 0; /* not known; a cubic's weight for it is 0 */
-  const vs_amend_step step = {c->course.frame.model, from, next,
-                              vs_anode_conducts(&c->course.anode)};
-  vs_swing_take(&c->swing, from, next, vs_amend_take(&c->amend, &step), step.driven);
-  c->course.strays = vs_swing_strays(&c->swing);
-  status = vs_course_move(&c->course, err);
-  if (status) return status;
-  if (!c->prelude.on) return vs_away_consider(&c->away, signals, err);
-  status = vs_prelude_follow(&c->prelude, &c->course, &c->away.shift_s, err);
-  return status || c->prelude.on ? status : reach_junction(c, 0, err);
+  bool again = solver_s == c->asked_s && c->told[port].asking == c->asking;
+  return again ? c->told[port].value : tell_source(c, port, solver_s);
 }
 
-static bool enough(void *ctx) {
+/* ---- after a step ---- */
+
+static bool run_is_complete(void *ctx) {
   const coupling *c = ctx;
   return !c->prelude.on && vs_away_enough(&c->away);
 }
 
-static double clock_at(void *ctx, double solver_s) {
+static double run_time_of_solver(void *ctx, double solver_s) {
   return run_time(ctx, solver_s);
 }
 
-static bool hides(void *ctx) {
+static bool step_is_hidden(void *ctx) {
   const coupling *c = ctx;
   return c->prelude.on;
 }
 
 /* ---- a run ---- */
 
-static void locate(const void *deck, size_t culprit, vs_error *err) {
+static void locate_culprit(const void *deck, size_t culprit, vs_error *err) {
   vs_blame_locate(deck, culprit, err);
 }
 
@@ -196,7 +282,7 @@ static void locate(const void *deck, size_t culprit, vs_error *err) {
  * jump: then the solver gave up, and may do with a longer one. */
 static vs_status forgive_first_step(const coupling *c, vs_error *err) {
   const vs_error plain = *err;
-  if (c->setup->run.first_step >= VS_MANNER_LONGER_FIRST_STEP || !begins_with_a_jump(c, 0) ||
+  if (c->setup->run.first_step >= VS_SETUP_LONGER_FIRST_STEP || !begins_with_a_jump(c, 0) ||
       !strstr(plain.text, "imestep too small"))
     return VS_INPUT;
   vs_fail(err, VS_RUN, "t = 0 s: %s", plain.text);
@@ -228,24 +314,31 @@ static vs_circuit_job job_of(const coupling *c) {
                           .current_tolerance_a = c->pace.current_a,
                           .voltage_tolerance_v = c->pace.voltage_v,
                           .charge_tolerance_c = c->pace.charge_c,
-                          .locate = locate,
+                          .locate = locate_culprit,
                           .author = &setup->deck};
 }
 
 /* Takes the deck through the solver, and on to the end if the solver is left for good before it. */
-static vs_status go(coupling *c, vs_error *err) {
+static vs_status run_solver(coupling *c, vs_error *err) {
   const vs_setup *setup = c->setup;
   const vs_circuit_kind *solver = c->order->solver;
   vs_deck_value standard[VS_STANDARD];
   vs_circuit_job job = job_of(c);
-  const vs_circuit_host host = {c, source, edge, longest, accept, enough, clock_at, hides};
+  const vs_circuit_host host = {.ctx = c,
+                                .source = source_value,
+                                .edge = next_breakpoint,
+                                .longest = longest_step,
+                                .accept = accept_coupled_step,
+                                .enough = run_is_complete,
+                                .clock = run_time_of_solver,
+                                .hides = step_is_hidden};
   char **netlist = NULL;
   void *circuit = NULL;
   vs_setup_standard(setup, standard);
   vs_status s = vs_netlist_make(&setup->deck, &setup->circuit_values, standard, VS_STANDARD,
                                 &netlist, &job.lines, err);
   job.netlist = netlist;
-  double shortest_s = fmin(c->pace.max_step_s, c->course.motion.substep_touching_s);
+  double shortest_s = fmin(c->pace.max_step_s, c->trajectory.motion.substep_touching_s);
   if (!s) s = vs_sim_refuse_endless(setup, shortest_s, err);
   if (!s) s = solver->load(&job, &host, &circuit, err);
   if (!s) s = solver->run(circuit, err);
@@ -256,8 +349,8 @@ static vs_status go(coupling *c, vs_error *err) {
   return s;
 }
 
-static vs_status run(const vs_setup *setup, const vs_run_order *order, const vs_observer *observer,
-                     vs_error *err) {
+static vs_status run_coupled(const vs_setup *setup, const vs_run_order *order,
+                             const vs_observer *observer, vs_error *err) {
   const vs_frame frame = vs_sim_frame(&vs_coupled_tier, setup);
   /* Nothing is given back in a search for an orbit, which compares cycles from almost the same
    * state: what is given makes steps of their own in each, and the differences would show these.
@@ -271,18 +364,18 @@ static vs_status run(const vs_setup *setup, const vs_run_order *order, const vs_
                 .asked_s = NAN,
                 .names = vs_alloc(1, sizeof *c.names)};
   vs_prelude_begin(&c.prelude, setup, order, observer);
-  vs_course_begin(&c.course, vs_prelude_setup(&c.prelude), &frame, vs_prelude_observer(&c.prelude));
-  c.course.frame.timeline = &c.course.setup->timeline;
-  vs_away_begin(&c.away, order, &c.course, c.names, c.pace.max_step_s);
-  vs_names_of(&setup->deck, vs_away_memories(&c.away), c.names);
-  vs_status s = go(&c, err);
+  vs_trajectory_begin(&c.trajectory, vs_prelude_setup(&c.prelude), &frame,
+                      vs_prelude_observer(&c.prelude));
+  c.trajectory.frame.timeline = &c.trajectory.setup->timeline;
+  vs_away_begin(&c.away, order, &c.trajectory, c.names, c.pace.max_step_s);
+  vs_signal_map_of(&setup->deck, vs_away_memories(&c.away), c.names);
+  vs_status s = run_solver(&c, err);
   vs_away_end(&c.away);
-  vs_course_end(&c.course);
+  vs_trajectory_end(&c.trajectory);
   free(c.names);
   return vs_prelude_end(&c.prelude, s, err);
 }
 
-/* What stands between the mains and the deck, and what its solver alone is told. */
 /* This tier alone has a source's impedance, ngspice, a gate drive that is fed with bursts, switches
  * that are modulated, and devices with means and ratings. */
 static const vs_tier_key KEYS[] = {
@@ -311,10 +404,10 @@ static const vs_tier_key KEYS[] = {
 };
 
 const vs_tier vs_coupled_tier = {
-    .name = vs_manner_tier_words[VS_TIER_CIRCUIT],
+    .name = vs_setup_tier_words[VS_TIER_CIRCUIT],
     .text = "the ngspice netlist, F = lambda^2/(4a) from it: anything about devices",
     .finest = 1e-8,
     .automatic = true,
     .has_circuit = true,
     .keys = KEYS,
-    .run = run};
+    .run = run_coupled};

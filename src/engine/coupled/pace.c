@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-#include "ideal/switched.h"
+#include "engine/sim.h"
 
 /* 1/800 of a period at a tolerance of 1e-4, and never more than 1/200. Measured on T3A (tests):
  * with 25 us in a period of 20 ms the trapezoidal rule is wrong by 6.5e-5 of the first peak, which

@@ -11,7 +11,7 @@ static vs_pilot *pilot_of(const vs_prelude *p) {
   return p->order->pilot;
 }
 
-static vs_status watch(void *ctx, const vs_step *step, vs_error *err) {
+static vs_status watch_settling(void *ctx, const vs_step *step, vs_error *err) {
   const vs_prelude *p = ctx;
   if (p->order->stop && *p->order->stop)
     return vs_fail(err, VS_SIGNAL, "stopped by a signal on the way to the orbit");
@@ -44,7 +44,7 @@ void vs_prelude_begin(vs_prelude *p, const vs_setup *setup, const vs_run_order *
   if (!pilot) return;
   pilot->begin(pilot->self, setup);
   p->calm = calm_of(setup, pilot);
-  p->watcher = (vs_observer){p, watch};
+  p->watcher = (vs_observer){p, watch_settling};
 }
 
 const vs_setup *vs_prelude_setup(const vs_prelude *p) {
@@ -79,16 +79,18 @@ double vs_prelude_time(const vs_prelude *p, double solver_s, double shift_s) {
   return fabs(t_s - p->edge_s) <= vs_occurrence_rounding(solver_s) ? p->edge_s : t_s;
 }
 
-vs_status vs_prelude_follow(vs_prelude *p, vs_course *course, double *shift_s, vs_error *err) {
+vs_status vs_prelude_follow(vs_prelude *p, vs_trajectory *trajectory, double *shift_s,
+                            vs_error *err) {
   vs_pilot *pilot = pilot_of(p);
   bool begins = false;
-  if (vs_course_last(course)->t_s < pilot->period_s) return VS_OK;
-  vs_status status = pilot->turn(pilot->self, vs_course_last(course), &begins, err);
+  if (vs_trajectory_last(trajectory)->t_s < pilot->period_s) return VS_OK;
+  vs_status status = pilot->turn(pilot->self, vs_trajectory_last(trajectory), &begins, err);
   p->refused = status == VS_INPUT;
   if (status) return p->refused ? VS_RUN : status; /* what only a search finds is no bad input */
   *shift_s = -(double)++p->parts * pilot->period_s;
   p->on = !begins;
-  vs_course_turn(course, pilot->period_s, vs_prelude_setup(p), vs_prelude_observer(p), pilot->x);
+  vs_trajectory_turn(trajectory, pilot->period_s, vs_prelude_setup(p), vs_prelude_observer(p),
+                     pilot->x);
   return VS_OK;
 }
 

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The prelude of a run that is steered (engine/pilot.h): the solver's run begins with firing periods
- * that only the pilot sees. In each of them the run's time goes from 0 to the period, while the
- * solver's own time goes on. The setup is the run's own with its events silent. */
+ * The prelude of a run that is steered (vs_pilot, engine/sim.h): the solver's run begins with
+ * firing periods that only the pilot sees. In each of them the run's time goes from 0 to the
+ * period, while the solver's own time goes on. The setup is the run's own with its events silent.
+ */
 #ifndef VS_ENGINE_PRELUDE_H
 #define VS_ENGINE_PRELUDE_H
 
-#include "coupled/course.h"
+#include "coupled/trajectory.h"
 
 /* Begins with vs_prelude_begin, all zero without a pilot, and ends with vs_prelude_end. It stays
  * where it is made. */
@@ -25,7 +26,7 @@ typedef struct vs_prelude {
 void vs_prelude_begin(vs_prelude *prelude, const vs_setup *setup, const vs_run_order *order,
                       const vs_observer *observer);
 
-/* What a run's course begins with: those of the prelude, or of the run. */
+/* What a run's trajectory begins with: those of the prelude, or of the run. */
 const vs_setup *vs_prelude_setup(const vs_prelude *prelude);
 const vs_observer *vs_prelude_observer(const vs_prelude *prelude);
 
@@ -44,9 +45,10 @@ double vs_prelude_edge(vs_prelude *prelude, double now_s, double next_s);
  * rounding. shift_s: the run's time less the solver's. */
 double vs_prelude_time(const vs_prelude *prelude, double solver_s, double shift_s);
 
-/* Takes in that the course has come to another knot. At a part's end the pilot has its turn, and
- * *shift_s changes with the clock. Errors: the pilot's; VS_SIGNAL. */
-vs_status vs_prelude_follow(vs_prelude *prelude, vs_course *course, double *shift_s, vs_error *err);
+/* Takes in that the trajectory has come to another knot. At a part's end the pilot has its turn,
+ * and *shift_s changes with the clock. Errors: the pilot's; VS_SIGNAL. */
+vs_status vs_prelude_follow(vs_prelude *prelude, vs_trajectory *trajectory, double *shift_s,
+                            vs_error *err);
 
 /* The run has ended. An error in the prelude gets words that say so. */
 vs_status vs_prelude_end(vs_prelude *prelude, vs_status status, vs_error *err);

@@ -1,5 +1,7 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "drive/disturbances.h"
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Kinds of events that disturb the mains: sag, swell, interruption, notch, jump of phase,
+ * harmonic. */
+#include "engine/occurrence.h"
 
 #include <math.h>
 

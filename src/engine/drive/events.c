@@ -8,10 +8,6 @@
 #include <strings.h>
 
 #include "base/text.h"
-#include "drive/disturbances.h"
-#include "engine/faults.h"
-#include "engine/generators.h"
-#include "drive/pulses.h"
 #include "base/units.h"
 
 /* ---- the kinds ---- */
@@ -27,6 +23,13 @@ const vs_event_kind *vs_events_kind(size_t number) {
   return NULL;
 }
 
+const vs_event_kind *vs_events_find(const char *name) {
+  const vs_event_kind *kind;
+  for (size_t n = 0; (kind = vs_events_kind(n)); n++)
+    if (!strcmp(name, kind->name)) return kind;
+  return NULL;
+}
+
 /* ---- reading ---- */
 
 /* Finds the kind that an event's map names. NULL, with an error in *status: there is none of that
@@ -35,10 +38,10 @@ static const vs_event_kind *find_kind(const vs_node *map, const char *name, vs_s
                                       vs_error *err) {
   const vs_node *node = vs_tree_child(map, "kind");
   const char *word = node && node->kind == VS_NODE_TEXT ? node->text : "";
-  const vs_event_kind *kind;
+  const vs_event_kind *kind = vs_events_find(word);
   size_t count = 0, n = 0;
-  for (; (kind = vs_events_kind(count)); count++)
-    if (!strcmp(word, kind->name)) return kind;
+  if (kind) return kind;
+  while (vs_events_kind(count)) count++;
   const char **names = vs_alloc(count, sizeof *names);
   vs_text all = {0};
   for (; (kind = vs_events_kind(n)); n++) {
@@ -148,7 +151,7 @@ static vs_status check_count(const vs_node *map, const vs_timeline *t, const vs_
                     e->name, 1e3 * e->v.duration_s, 1e3 * t->period_s);
 }
 
-static bool meet(const vs_occurrence *a, const vs_occurrence *b) {
+static bool events_overlap(const vs_occurrence *a, const vs_occurrence *b) {
   return a->start_s <= b->end_s && b->start_s <= a->end_s;
 }
 
@@ -178,8 +181,8 @@ static vs_status clash(const vs_events *events, const vs_occurrence *e, vs_error
     const vs_occurrence *o = &events->item[k];
     bool gate = vs_occurrence_at_gate(e, o->gate_rad) || vs_occurrence_at_gate(o, e->gate_rad);
     bool cycle = e->kind->pulse && o->kind->pulse && e->v.cycle == o->v.cycle && gate;
-    bool mains = e->kind->mains && e->kind == o->kind && !e->kind->adds_up && meet(e, o);
-    bool added = e->kind->adds_pulse && o->kind->adds_pulse && meet(e, o) && gate;
+    bool mains = e->kind->mains && e->kind == o->kind && !e->kind->adds_up && events_overlap(e, o);
+    bool added = e->kind->adds_pulse && o->kind->adds_pulse && events_overlap(e, o) && gate;
     if (cycle || mains || added)
       return vs_fail_at(err, e->where, "events.%s: it clashes with events.%s: %s", e->name, o->name,
                         cycle ? "the same pulse" : "at the same time");

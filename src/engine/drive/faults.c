@@ -1,5 +1,7 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "engine/faults.h"
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Kinds of events in the plant: an element of the deck opens or is shorted, the coil's turns are
+ * shorted, the armature is stuck, the load changes. */
+#include "engine/occurrence.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -8,8 +10,8 @@
 #include <strings.h>
 
 #include "base/text.h"
-#include "netlist/rules.h"
 #include "drive/wiring.h"
+#include "netlist/rules.h"
 
 /* ---- keys ---- */
 

@@ -1,13 +1,17 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "engine/generators.h"
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Kinds of events that are generators of a standard, coupled to the deck's line ('*$ line NODE
+ * NODE'): surge, ring wave, fast transients. Several may come together, and closer than their waves
+ * last: each is one of its own, with a network of its own on the line, which loads the others'
+ * waves; a run warns of that (run/warnings.c). */
+#include "engine/occurrence.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
-#include "netlist/words.h"
 #include "drive/wiring.h"
+#include "netlist/words.h"
 
 /* YAML has no bare - as a value: it begins a list. The odd choices are negative. */
 #define POLARITY                                                                                   \
@@ -237,7 +241,9 @@ static const vs_field RING_WAVE[] = {
      "of the generator", NULL, NULL},
     COUPLED("line to line, 18 uF; line to earth, 9 uF and 10 ohm (all assumed)")};
 
-double vs_generators_ring_source(const vs_occurrence *e, double t_s) {
+/* Open-circuit voltage, V, per volt of its level: 1.590 (1 - exp(-t/0.533 us)) exp(-t/9.788 us)
+ * cos(2 pi 100 kHz t). */
+static double ring_source(const vs_occurrence *e, double t_s) {
   double t_us = 1e6 * (t_s - e->start_s);
   if (t_us <= 0 || t_us > 300) return 0; /* 5e-14 of the peak */
   return sign(e) * e->v.level_v * 1.590 * (1 - exp(-t_us / 0.533)) * exp(-t_us / 9.788) *
@@ -291,13 +297,15 @@ static double since_pulse(const vs_occurrence *e, double t_s) {
   return n < 0 ? -1 : t_s - e->start_s - fmin(n, most) / e->v.frequency_hz;
 }
 
-/* 2 us are 39 time constants of a pulse's fall. */
-double vs_generators_eft_source(const vs_occurrence *e, double t_s) {
+/* Open-circuit voltage, V, by the equation of the pulse that IEC 61000-4-4 gives. 2 us are 39 time
+ * constants of a pulse's fall. */
+static double eft_source(const vs_occurrence *e, double t_s) {
   double since = since_pulse(e, t_s);
   return since > 0 && since < 2e-6 ? sign(e) * e->v.level_v * eft_pulse(1e9 * since) : 0;
 }
 
-double vs_generators_eft_edge(const vs_occurrence *e, double t_s) {
+/* The beginning of the burst's first pulse after t; INFINITY: none. */
+static double next_eft_pulse(const vs_occurrence *e, double t_s) {
   /* 1e-9 of a period: an edge reached is passed */
   double n = t_s < e->start_s ? 0 : floor((t_s - e->start_s) * e->v.frequency_hz + 1e-9) + 1;
   return n / e->v.frequency_hz < e->v.duration_s ? e->start_s + n / e->v.frequency_hz : INFINITY;
@@ -309,7 +317,7 @@ static double eft_longest(const vs_occurrence *e, double t_s) {
 
 /* The same, and when the network comes onto the line. */
 static double eft_edge(const vs_occurrence *e, double t_s) {
-  double pulse_s = vs_generators_eft_edge(e, t_s);
+  double pulse_s = next_eft_pulse(e, t_s);
   return t_s < e->on_line_s ? fmin(e->on_line_s, pulse_s) : pulse_s;
 }
 
@@ -333,9 +341,7 @@ const vs_event_kind vs_generators[] = {
      .longest = surge_longest, .wire = surge_wire, .source = surge_source,
      .network = surge_network},
     {"ring_wave", "100 kHz ring wave of IEEE C62.41", VS_EVENT_KEYS(RING_WAVE), .edge = wave_edge,
-     .longest = ring_longest, .wire = ring_wire, .source = vs_generators_ring_source,
-     .network = ring_network},
+     .longest = ring_longest, .wire = ring_wire, .source = ring_source, .network = ring_network},
     {"eft", "burst of 5/50 ns pulses of IEC 61000-4-4", VS_EVENT_KEYS(EFT), .edge = eft_edge,
-     .longest = eft_longest, .wire = eft_wire, .source = vs_generators_eft_source,
-     .network = eft_network},
+     .longest = eft_longest, .wire = eft_wire, .source = eft_source, .network = eft_network},
     {.name = NULL}};

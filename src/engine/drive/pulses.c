@@ -1,5 +1,6 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "drive/pulses.h"
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Kinds of events at the gate: a pulse that is missing, short, weak, or one too many. */
+#include "engine/occurrence.h"
 
 #include <math.h>
 

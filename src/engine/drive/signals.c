@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "drive/signals.h"
+#include "engine/signals.h"
 
 #include <math.h>
 
+#include "engine/events.h"
 #include "engine/gate.h"
 #include "engine/pwm.h"
 
@@ -68,4 +69,28 @@ double vs_signals_edge(const vs_timeline *t, const vs_signal *s, double t_s) {
 
 bool vs_signals_holds(const vs_signal *s) {
   return DRIVES[s->drive].holds;
+}
+
+/* ---- cached ---- */
+
+/* Edges are told from one another by vs_occurrence_rounding, or by 1e-9 of the time between two of
+ * them (engine/drive/generators.c, engine/drive/disturbances.c), which is a period of the mains at
+ * most. */
+static const double ROUNDINGS = 8, OF_PERIOD = 2e-9;
+
+double vs_signals_near(const vs_timeline *t, double t_s) {
+  return fmax(ROUNDINGS * vs_occurrence_rounding(fabs(t_s)), OF_PERIOD * t->period_s);
+}
+
+/* What a control decides next is not known, so that with one nothing is remembered. On an edge the
+ * voltage still is what it was before it. */
+double vs_signals_voltage_cached(vs_signals_cache *h, const vs_timeline *t, const vs_signal *s,
+                                 double t_s) {
+  if (vs_signals_cache_holds(h, t_s)) return h->number;
+  double v = vs_signals_voltage(t, s, t_s);
+  if (!vs_signals_holds(s) || t->program) return v;
+  double near_s = vs_signals_near(t, t_s), before_s = t_s - near_s;
+  double edge_s = fmin(vs_signals_edge(t, s, before_s), vs_events_edge(&t->events, before_s));
+  *h = (vs_signals_cache){t_s, edge_s - near_s, v};
+  return v;
 }

@@ -14,9 +14,9 @@ double vs_wave_edge(const vs_timeline *t, double t_s) {
   return next;
 }
 
-/* Puts the events that are on behind t into the wave, by the stages of engine/timeline.h. What is on
- * is asked for half way to the next edge, where rounding does not matter. */
-static void disturb(const vs_timeline *t, double t_s, vs_wave *w) {
+/* Puts the events that are on behind t into the wave, by the stages of engine/timeline.h. What is
+ * on is asked for half way to the next edge, where rounding does not matter. */
+static void add_disturbances(const vs_timeline *t, double t_s, vs_wave *w) {
   double edge = vs_wave_edge(t, t_s);
   double inside = isinf(edge) ? t_s + t->period_s : t_s + (edge - t_s) / 2;
   double factor = vs_timeline_stage(t, VS_MAINS_FACTOR, inside);
@@ -36,7 +36,7 @@ static void disturb(const vs_timeline *t, double t_s, vs_wave *w) {
 }
 
 /* Direct voltage behind t. Of the events only the factors act on it. */
-static void direct(const vs_timeline *t, double t_s, vs_wave *w) {
+static void make_direct_wave(const vs_timeline *t, double t_s, vs_wave *w) {
   double edge = vs_wave_edge(t, t_s), inside = isinf(edge) ? t_s + t->period_s : (t_s + edge) / 2;
   w->count = 0;
   w->highest_rad_s = 0;
@@ -45,14 +45,14 @@ static void direct(const vs_timeline *t, double t_s, vs_wave *w) {
 
 void vs_wave_of(const vs_timeline *t, double t_s, vs_wave *w) {
   if (t->supply.direct) {
-    direct(t, t_s, w);
+    make_direct_wave(t, t_s, w);
     return;
   }
   w->direct_v = 0;
   w->count = 1;
   w->highest_rad_s = t->omega_rad_s;
   w->sine[0] = (vs_sine){t->peak_v, t->omega_rad_s, remainder(vs_timeline_phase(t, t_s), 2 * M_PI)};
-  if (t->events.count) disturb(t, t_s, w);
+  if (t->events.count) add_disturbances(t, t_s, w);
 }
 
 void vs_wave_at(const vs_wave *w, double since_s, double u[3]) {

@@ -22,8 +22,8 @@ void vs_wiring_line(vs_deck *deck, vs_where where, const char *format, ...) {
 }
 
 /* Adds a port of the event, with the source that it drives. */
-static vs_status add_port(vs_deck *deck, const vs_occurrence *e, const vs_signal *signal,
-                          const char *source, vs_error *err) {
+static vs_status add_event_port(vs_deck *deck, const vs_occurrence *e, const vs_signal *signal,
+                                const char *source, vs_error *err) {
   vs_port port = {.signal = *signal, .where = e->where};
   if (deck->n_ports >= VS_DECK_MOST)
     return vs_fail_at(err, e->where, "events.%s: more than %d ports", e->name, VS_DECK_MOST);
@@ -37,7 +37,7 @@ vs_status vs_wiring_source(vs_deck *deck, const vs_occurrence *e, size_t index, 
   char name[VS_DECK_NAME - 1];
   snprintf(name, sizeof name, "vs_e%zu", index);
   const vs_signal signal = {.drive = VS_PORT_EVENT, .event = index};
-  vs_status status = add_port(deck, e, &signal, name, err);
+  vs_status status = add_event_port(deck, e, &signal, name, err);
   if (!status) vs_wiring_line(deck, e->where, "V%s %s %s external", name, plus, minus);
   return status;
 }
@@ -46,7 +46,7 @@ vs_status vs_wiring_on_line(vs_deck *deck, const vs_occurrence *e, size_t index,
   char name[VS_DECK_NAME - 1];
   snprintf(name, sizeof name, "vs_w%zu", index);
   const vs_signal signal = {.drive = VS_PORT_ON_LINE, .event = index};
-  vs_status status = add_port(deck, e, &signal, name, err);
+  vs_status status = add_event_port(deck, e, &signal, name, err);
   if (!status) vs_wiring_line(deck, e->where, "V%s %s 0 external", name, name);
   return status;
 }
@@ -94,7 +94,7 @@ static bool is_doubted(const vs_deck *deck, const char *name) {
   return false;
 }
 
-static void list(vs_text *lines, const char *name) {
+static void add_to_list(vs_text *lines, const char *name) {
   vs_text_add(lines, "%s%s", lines->length ? ", " : "", name);
 }
 
@@ -103,7 +103,7 @@ static void list_accounts(const vs_deck *deck, const vs_accounts *all, const rec
                           vs_text *lines) {
   for (size_t k = 0; k < all->count; k++)
     if (reckons(deck, &all->item[k].formula, r) && !is_doubted(deck, all->item[k].name))
-      list(lines, all->item[k].name);
+      add_to_list(lines, all->item[k].name);
 }
 
 static void list_all(vs_deck *deck, const reckoned *r, vs_text *lines) {
@@ -111,7 +111,7 @@ static void list_all(vs_deck *deck, const reckoned *r, vs_text *lines) {
     vs_device *d = &deck->devices[k];
     if (!reckons(deck, &d->current, r) && !reckons(deck, &d->voltage, r)) continue;
     d->doubtful = true;
-    list(lines, d->name);
+    add_to_list(lines, d->name);
   }
   list_accounts(deck, &deck->losses, r, lines);
   list_accounts(deck, &deck->stores, r, lines);

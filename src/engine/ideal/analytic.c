@@ -5,20 +5,20 @@
  * t_f, i = U sqrt2/sqrt(R_c^2 + (w L)^2) [sin(w t - theta) - exp(-(t - t_f)/tau) sin(w t_f -
  * theta)] (Eq. 91) is the solution of dlambda/dt = u - R_c i with lambda = L(0) i, for which k_i
  * i^2 (Eq. 89) is lambda^2/(4a): the switched tier's equations with the gap at rest. */
-#include "ideal/analytic.h"
+#include "engine/sim.h"
 
 #include "ideal/phases.h"
 
-static vs_status run(const vs_setup *setup, const vs_run_order *order, const vs_observer *observer,
-                     vs_error *err) {
+static vs_status run_analytic(const vs_setup *setup, const vs_run_order *order,
+                              const vs_observer *observer, vs_error *err) {
   const vs_frame frame = vs_sim_frame(&vs_analytic_tier, setup);
   return vs_phases_run(setup, order, &frame, observer, err);
 }
 
 const vs_tier vs_analytic_tier = {
-    .name = vs_manner_tier_words[VS_TIER_ANALYTIC],
+    .name = vs_setup_tier_words[VS_TIER_ANALYTIC],
     .text = "Eq. 91 with L(0), F = k_i i^2: the paper's own simulation; mechanics only",
     .finest = 1e-10,
     .gap_at_rest = true,
     .keys = vs_phases_keys,
-    .run = run};
+    .run = run_analytic};

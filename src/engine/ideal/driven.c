@@ -3,14 +3,14 @@
 
 #include <math.h>
 
-#include "plant/coil.h"
 #include "engine/firing.h"
+#include "plant/coil.h"
 
-static void complete(const vs_driven *d, vs_knot *k) {
+static void complete_driven_knot(const vs_driven *d, vs_knot *k) {
   if (d->held)
-    vs_knot_hold(d->frame, k);
+    vs_step_hold_knot(d->frame, k);
   else
-    vs_knot_complete(d->frame, k, d->touched);
+    vs_step_complete_knot(d->frame, k, d->touched);
 }
 
 /* The last two derivatives of lambda where i = lambda z/(2a). */
@@ -37,7 +37,7 @@ void vs_driven_fill(const vs_driven *d, double since_s, vs_knot *k) {
   const vs_model *m = d->frame->model;
   k->flux_rate_v = k->flux_rate2_v_s = k->flux_rate3_v_s2 = 0;
   if (!d->conducting) {
-    complete(d, k);
+    complete_driven_knot(d, k);
     return;
   }
   double u[3], moves = d->frame->gap_at_rest ? 0 : 1, z[3];
@@ -51,7 +51,7 @@ void vs_driven_fill(const vs_driven *d, double since_s, vs_knot *k) {
     k->flux_rate_v =
         u[0] - m->actuator.resistance_ohm * vs_coil_current(&m->coil, k->flux_wb, z[0]);
   }
-  complete(d, k);
+  complete_driven_knot(d, k);
   z[2] = moves * vs_mechanics_travel(m, k->a);
   if (m->coil.square)
     square_rates(m, u, z, k);

@@ -24,7 +24,7 @@ void vs_general_restart(vs_general *g) {
 /* ---- the equations, of a vector (q, q', lambda) without a gap ---- */
 
 /* dlambda/dt = u - R_c i, and the machine's accelerations with the forces of coil and stops. */
-static int equations(double since_s, const double *y, double *rate, void *params) {
+static int machine_and_coil_rhs(double since_s, const double *y, double *rate, void *params) {
   const vs_driven *d = params;
   const vs_model *m = d->frame->model;
   int dof = m->dof;
@@ -70,7 +70,7 @@ static double go_half(vs_general *g, double since_s, double h_s, const vs_knot *
   int dof = d->frame->model->dof;
   size_t states = 2 * (size_t)dof;
   double y[VS_MOST_STATES + 1], error[VS_MOST_STATES + 1], rate[VS_MOST_STATES + 1], worst;
-  gsl_odeiv2_system system = {equations, NULL, states + 1, (void *)(size_t)d};
+  gsl_odeiv2_system system = {machine_and_coil_rhs, NULL, states + 1, (void *)(size_t)d};
   memcpy(y, from->x, states * sizeof *y);
   y[states] = from->flux_wb;
   memcpy(rate, from->x + dof, (size_t)dof * sizeof *rate);

@@ -64,7 +64,7 @@ static void step_by_blocks(const vs_propagator *p, const double *x, double *rest
 }
 
 /* E x. */
-static inline void multiply(const vs_propagator *p, const double *x, double *restrict y) {
+static inline void multiply_matrix(const vs_propagator *p, const double *x, double *restrict y) {
   const double(*e)[VS_MOST_STATES] = p->column;
   double sum[2 * VS_ROWS];
   if (p->states == 2 * VS_ROWS) {
@@ -78,7 +78,7 @@ static inline void multiply(const vs_propagator *p, const double *x, double *res
 }
 
 void vs_propagator_step(const vs_propagator *p, const double *x, double *restrict y) {
-  multiply(p, x, y);
+  multiply_matrix(p, x, y);
   for (int i = 0; p->loaded && i < p->states; i++) y[i] += p->constant[i];
 }
 
@@ -86,7 +86,7 @@ void vs_propagator_step(const vs_propagator *p, const double *x, double *restric
 static void redouble(const vs_propagator *once, vs_propagator *twice) {
   twice->states = once->states;
   twice->loaded = once->loaded;
-  for (int j = 0; j < once->states; j++) multiply(once, once->column[j], twice->column[j]);
+  for (int j = 0; j < once->states; j++) multiply_matrix(once, once->column[j], twice->column[j]);
   if (once->loaded) vs_propagator_step(once, once->constant, twice->constant);
 }
 

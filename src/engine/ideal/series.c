@@ -8,13 +8,13 @@
 
 /* n-th term of a product of two series. The newest terms are added last, so that the sum over the
  * others need not wait for them. */
-static double product(const double *x, const double *y, int n) {
+static double product_of_series(const double *x, const double *y, int n) {
   double sum = 0;
   for (int j = 1; j < n; j++) sum += x[j] * y[n - j];
   return n ? sum + x[0] * y[n] + x[n] * y[0] : x[0] * y[0];
 }
 
-static double larger(double a, double b) {
+static double larger_of(double a, double b) {
   return a > b ? a : b;
 }
 
@@ -82,8 +82,9 @@ void vs_series_make(const vs_driven *driven, const vs_knot *knot, double span_s,
     if (driven->conducting) { /* lambda[n+1] (Eqs. 80, 81), F[n] = lambda^2/(4a) */
       double ratio = span_s / (n + 1), u = mains_term(sine, mains->count, n);
       z[n] += moves ? vs_mechanics_travel(m, s->q[n]) : 0;
-      force = product(s->flux, s->flux, n) * per_2a / 2;
-      s->flux[n + 1] = ratio * (u - m->actuator.resistance_ohm * per_2a * product(s->flux, z, n));
+      force = product_of_series(s->flux, s->flux, n) * per_2a / 2;
+      s->flux[n + 1] =
+          ratio * (u - m->actuator.resistance_ohm * per_2a * product_of_series(s->flux, z, n));
     }
     if (n + 2 > VS_SERIES_ORDER) continue;
     if (m->dof == VS_ROWS)
@@ -94,10 +95,10 @@ void vs_series_make(const vs_driven *driven, const vs_knot *knot, double span_s,
 }
 
 double vs_series_term(const vs_driven *driven, const vs_series *s, int n) {
-  double largest = fabs(s->flux[n]) / larger(driven->flux_wb, fabs(s->flux[0]));
+  double largest = fabs(s->flux[n]) / larger_of(driven->flux_wb, fabs(s->flux[0]));
   for (int i = 0; i < s->model->dof; i++) {
-    double size = larger(driven->coordinate[i], fabs(s->q[0][i]) + fabs(s->q[1][i]));
-    largest = larger(largest, fabs(s->q[n][i]) / size);
+    double size = larger_of(driven->coordinate[i], fabs(s->q[0][i]) + fabs(s->q[1][i]));
+    largest = larger_of(largest, fabs(s->q[n][i]) / size);
   }
   return largest;
 }
@@ -176,7 +177,7 @@ static void bernstein(const double c[VS_SERIES_ORDER + 1], stretch *s) {
 }
 
 /* The coefficients on either half of the stretch, by de Casteljau's scheme. */
-static void halve(const stretch *s, stretch *left, stretch *right) {
+static void halve_series(const stretch *s, stretch *left, stretch *right) {
   *right = *s;
   left->lower = s->lower;
   left->upper = right->lower = (s->lower + s->upper) / 2;
@@ -191,7 +192,7 @@ typedef enum falls { NEVER, ONCE, UNKNOWN } falls;
 /* Tells by the signs of the coefficients whether the polynomial falls below zero: they change as
  * often as it has zeros, or an even number of times more. Between -nothing and nothing a
  * coefficient has the sign of the one before. */
-static falls judge(const stretch *s, double nothing) {
+static falls judge_series(const stretch *s, double nothing) {
   int changes = 0, sign = 1;
   bool below = false;
   for (int k = 0; k <= VS_SERIES_ORDER; k++) {
@@ -212,14 +213,14 @@ bool vs_series_flux_falls(const vs_series *series, double at_s, double nothing_w
   bernstein(c, &waiting[0]);
   for (size_t count = 1; count;) {
     stretch s = waiting[--count];
-    falls f = judge(&s, nothing_wb);
+    falls f = judge_series(&s, nothing_wb);
     if (f == UNKNOWN && s.upper - s.lower < ldexp(1, -DEEPEST))
       f = s.b[VS_SERIES_ORDER] < -nothing_wb ? ONCE : NEVER;
     *lower_s = s.lower * at_s;
     *upper_s = s.upper * at_s;
     if (f == ONCE) return true;
     if (f == NEVER) continue;
-    halve(&s, &waiting[count + 1], &waiting[count]);
+    halve_series(&s, &waiting[count + 1], &waiting[count]);
     count += 2;
   }
   return false;

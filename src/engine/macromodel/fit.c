@@ -56,7 +56,7 @@ static void reflect(const double *v, double tau, double *w, size_t size) {
 }
 
 /* f->turned := Q^T b. Q is a product of reflections, whose vectors stand below R's diagonal. */
-static void turn(vs_fit *f) {
+static void rotate_rows(vs_fit *f) {
   gsl_vector_memcpy(f->turned, f->b);
   for (size_t j = 0; j < f->a->size2; j++)
     reflect(gsl_matrix_ptr(f->columns, j, j), gsl_vector_get(f->tau, j),
@@ -67,7 +67,7 @@ static void turn(vs_fit *f) {
  * weight. Q keeps lengths, so what is left over of b is as long as the other rows of Q^T b, and
  * need not be turned back by Q. */
 double vs_fit_solve(vs_fit *f, double *x) {
-  turn(f);
+  rotate_rows(f);
   gsl_vector_set_zero(f->x);
   gsl_matrix_const_view r = gsl_matrix_const_submatrix(f->a, 0, 0, f->rank, f->rank);
   gsl_vector_view known = gsl_vector_subvector(f->x, 0, f->rank),

@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "plant/coil.h"
 #include "macromodel/fit.h"
+#include "plant/coil.h"
 
 /* Columns of the law, one for each of its numbers. The source is one sine: harmonics would take for
  * their own what the mains' beat with the machine makes, as one cycle cannot tell the two apart. */
@@ -62,7 +62,7 @@ double vs_oneport_knot_current_rate(const vs_model *m, const vs_knot *k) {
 
 /* Returns i_N at t_s, A. *rate is its rate, A/s, of the static law; of the dynamic law it has no
  * meaning to the caller. */
-static double source(const vs_oneport *o, double t_s, double *rate) {
+static double source_current(const vs_oneport *o, double t_s, double *rate) {
   double w = o->setup->timeline.omega_rad_s, c = cos(w * t_s), s = sin(w * t_s);
   *rate = w * (o->sine * c - o->cosine * s);
   return o->mean_a + (o->dynamic ? *rate : o->cosine * c + o->sine * s);
@@ -72,7 +72,7 @@ vs_coil_state vs_oneport_coil(const vs_oneport *o, double t_s, const double y[VS
   const vs_model *m = &o->setup->model;
   const double *q = y + VS_ONEPORT_Q;
   double z = vs_mechanics_gap(m, q), z_rate = vs_mechanics_travel(m, q + m->dof);
-  double rate, i_n = source(o, t_s, &rate);
+  double rate, i_n = source_current(o, t_s, &rate);
   vs_coil_state c;
   if (o->dynamic) {
     c.flux_wb = y[VS_ONEPORT_FLUX];
@@ -92,7 +92,7 @@ vs_coil_state vs_oneport_coil(const vs_oneport *o, double t_s, const double y[VS
   return c;
 }
 
-static int rhs(double t_s, const double y[], double rate[], void *user) {
+static int oneport_rhs(double t_s, const double y[], double rate[], void *user) {
   const vs_oneport *o = user;
   vs_coil_state c = vs_oneport_coil(o, t_s, y);
   const vs_model *m = &o->setup->model;
@@ -194,7 +194,7 @@ static double fit_law(vs_oneport *o, const sight *in, size_t count, double x[LAW
  * drift, as from a store that empties slowly, and is not periodic. */
 static const double LAW_DRIFTS = 0.5;
 
-static bool find_law(vs_oneport *o, const sight *in) {
+static bool fit_oneport_law(vs_oneport *o, const sight *in) {
   double x[LAW_ROOM], drifting[LAW_ROOM];
   size_t count = law_columns(o);
   double without = fit_law(o, in, count, x), with = fit_law(o, in, count + 1, drifting);
@@ -217,8 +217,8 @@ static double through_coil(const vs_oneport *o) {
   return 1 / (hypot(o->g_s + r / coil2, w * o->c_f - x / coil2) * sqrt(coil2));
 }
 
-void vs_oneport_walked(const vs_oneport *o, const vs_seen *const *seen, size_t count,
-                       double *sine_a, double *mean_a) {
+void vs_oneport_drifted(const vs_oneport *o, const vs_seen *const *seen, size_t count,
+                        double *sine_a, double *mean_a) {
   const size_t of_source = o->dynamic ? (size_t)LAW_CONSTANT + 1 : (size_t)STATIC_COLUMNS;
   vs_fit f = vs_fit_new(count, of_source);
   double x[LAW_COLUMNS], rate = o->dynamic ? o->setup->timeline.omega_rad_s : 1;
@@ -273,7 +273,7 @@ static double reach_of(vs_oneport *o, const sight *in) {
  * rkf45's error over 0.1 rad of the machine's swing is 1e-9 of it; over 0.2 rad of the swing of the
  * coil with its capacitances, which dies away, it is 1e-7. The electrical half at rest is
  * lambda' = v - R k lambda, C v' = -G v - k lambda - tau k (v - R k lambda) with k = z/(2a). */
-static double substep(const vs_oneport *o) {
+static double longest_substep(const vs_oneport *o) {
   const vs_model *m = &o->setup->model;
   double h = 0.1 / fmax(m->fastest_rad_s, o->setup->timeline.omega_rad_s);
   if (o->dynamic) {
@@ -290,8 +290,8 @@ static double substep(const vs_oneport *o) {
 bool vs_oneport_fit(vs_oneport *o, const vs_seen *const *seen, size_t count, bool dynamic) {
   const sight in = {seen, count};
   o->dynamic = dynamic;
-  if (!find_law(o, &in)) return false;
-  o->substep_s = substep(o);
+  if (!fit_oneport_law(o, &in)) return false;
+  o->substep_s = longest_substep(o);
   if (dynamic) o->reach_seen = reach_of(o, &in);
   return o->substep_s > 0;
 }
@@ -324,7 +324,8 @@ vs_oneport *vs_oneport_new(const vs_setup *setup, const vs_frame *frame, size_t 
   o->frame = frame;
   vs_responses_begin(&o->signals, setup->timeline.omega_rad_s, frame->deck->n_terms + 1 + memories);
   /* only the states that the machine has: the others' rates are not set */
-  o->system = (gsl_odeiv2_system){rhs, NULL, VS_ONEPORT_Q + 2 * (size_t)setup->model.dof, o};
+  o->system =
+      (gsl_odeiv2_system){oneport_rhs, NULL, VS_ONEPORT_Q + 2 * (size_t)setup->model.dof, o};
   o->step = vs_checked(gsl_odeiv2_step_alloc(gsl_odeiv2_step_rkf45, o->system.dimension));
   return o;
 }

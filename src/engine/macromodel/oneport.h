@@ -15,8 +15,8 @@
 #ifndef VS_ENGINE_ONEPORT_H
 #define VS_ENGINE_ONEPORT_H
 
-#include "macromodel/responses.h"
 #include "engine/setup.h"
+#include "macromodel/responses.h"
 
 /* The state that the law integrates: lambda, Wb, v, V, and then q and q' of the machine. */
 enum {
@@ -59,8 +59,8 @@ const vs_responses *vs_oneport_responses(const vs_oneport *o);
  * to. With that source the current, A, of a coil at rest would be another: *sine_a is the amplitude
  * of the sine by which it would change, *mean_a the size of the mean. Both are INFINITY where GSL
  * finds no fit. The law stays as it is. */
-void vs_oneport_walked(const vs_oneport *o, const vs_seen *const *seen, size_t count,
-                       double *sine_a, double *mean_a);
+void vs_oneport_drifted(const vs_oneport *o, const vs_seen *const *seen, size_t count,
+                        double *sine_a, double *mean_a);
 
 /* Error amplification where the law is used beyond the knots it was fitted to: a fit error of e at
  * most over those knots becomes at most (return value) times e in the current at t_s. 1 for the

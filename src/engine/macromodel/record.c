@@ -116,7 +116,7 @@ static void keep_last(vs_record *r, const double *memory) {
 
 void vs_record_take(vs_record *r, const vs_knot *k, const double *memory, bool keep) {
   if (r->any) integrate_port(r, k);
-  vs_knot_copy(r->frame, k, &r->last.knot);
+  vs_step_copy_knot(r->frame, k, &r->last.knot);
   r->any = true;
   take_peaks(r, k);
   take_memory(r, memory);

@@ -12,7 +12,7 @@
 #include "macromodel/oneport.h"
 
 /* Four cycles: the law is fitted to the last one and its signals to the last two, and the three
- * before the last tell whether the law walks away (walk.h). */
+ * before the last tell whether the law drifts away (law_drift.h). */
 enum { VS_CYCLES_KEPT = 4 };
 
 /* Others read it freely, and change it by the functions below alone. */

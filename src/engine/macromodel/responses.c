@@ -99,7 +99,7 @@ typedef struct sight {
   kind_of_fit kind[FITS];
 } sight;
 
-static bool decompose(const vs_responses *s, const sight *in, int kind, vs_fit *f) {
+static bool decompose_fit(const vs_responses *s, const sight *in, int kind, vs_fit *f) {
   *f = vs_fit_new(in->knots, columns_of(kind));
   for (size_t k = 0; k < in->knots; k++) {
     double column[VS_SIGNAL_COLUMNS];
@@ -113,7 +113,7 @@ static bool decompose(const vs_responses *s, const sight *in, int kind, vs_fit *
 static double fit_kind(const vs_responses *s, sight *in, size_t n, int kind,
                        double x[VS_SIGNAL_COLUMNS]) {
   kind_of_fit *of = &in->kind[kind];
-  if (!of->decomposed) of->good = decompose(s, in, kind, &of->fit);
+  if (!of->decomposed) of->good = decompose_fit(s, in, kind, &of->fit);
   of->decomposed = true;
   if (!of->good) return INFINITY;
   for (size_t k = 0; k < in->knots; k++)
@@ -121,7 +121,7 @@ static double fit_kind(const vs_responses *s, sight *in, size_t n, int kind,
   return vs_fit_solve(&of->fit, x);
 }
 
-static void keep(vs_responses *s, size_t n, int kind, const double x[VS_SIGNAL_COLUMNS]) {
+static void keep_weights(vs_responses *s, size_t n, int kind, const double x[VS_SIGNAL_COLUMNS]) {
   memset(s->weight[n], 0, sizeof s->weight[n]);
   for (size_t j = 0; j < columns_of(kind); j++) s->weight[n][column_at(kind, j)] = x[j];
 }
@@ -133,19 +133,19 @@ static bool fit_signal(vs_responses *s, sight *in, size_t n) {
   double x[VS_SIGNAL_COLUMNS], all[VS_SIGNAL_COLUMNS];
   double best = fit_kind(s, in, n, 0, x);
   if (!isfinite(best)) return false;
-  keep(s, n, 0, x);
+  keep_weights(s, n, 0, x);
   double left = fit_kind(s, in, n, WITH_COIL, x);
   if (left < HANGS * best) {
     best = left;
-    keep(s, n, WITH_COIL, x);
+    keep_weights(s, n, WITH_COIL, x);
   }
   double least = fit_kind(s, in, n, WITH_COIL | WITH_DRIFT, all);
   left = least < FAR * BETTER * best ? fit_kind(s, in, n, WITH_DRIFT, x) : INFINITY;
   if (left < BETTER * best) {
     best = left;
-    keep(s, n, WITH_DRIFT, x);
+    keep_weights(s, n, WITH_DRIFT, x);
   }
-  if (least < BETTER * best) keep(s, n, WITH_COIL | WITH_DRIFT, all);
+  if (least < BETTER * best) keep_weights(s, n, WITH_COIL | WITH_DRIFT, all);
   return true;
 }
 

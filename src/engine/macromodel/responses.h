@@ -5,12 +5,12 @@
  * integral.
  *
  * Signals are numbered: the deck's terms (V or A), then the mains current (A), then what else the
- * circuit remembers (V or A, engine/memory.h). */
+ * circuit remembers (V or A, memory.h). */
 #ifndef VS_ENGINE_RESPONSES_H
 #define VS_ENGINE_RESPONSES_H
 
-#include "engine/knot.h"
-#include "engine/memory.h"
+#include "engine/step.h"
+#include "macromodel/memory.h"
 
 /* Room for all signals. */
 enum { VS_SIGNALS = VS_DECK_MOST + 1 + VS_MEMORIES };

@@ -7,9 +7,10 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "engine/sweep.h"
-#include "measure/melting.h"
+#include "devices/losses.h"
+#include "devices/melting.h"
 #include "devices/reductions.h"
+#include "engine/sweep.h"
 
 /* The shots of a device that conducts or blocks. One that goes out in a ring and is fired again by
  * the same gate pulse is at the same shot, as long as the same half cycle of the mains may drive
@@ -158,31 +159,32 @@ void vs_devices_free(vs_devices *d) {
 
 /* ---- courses ---- */
 
-static void complete(double course[VS_COURSES]) {
+static void complete_courses(double course[VS_COURSES]) {
   course[VS_OF_POWER] = course[VS_OF_V] * course[VS_OF_I];
   course[VS_OF_I2] = course[VS_OF_I] * course[VS_OF_I];
   course[VS_OF_V2] = course[VS_OF_V] * course[VS_OF_V];
 }
 
 /* Integrates a course over each step of a batch by Simpson's rule. */
-static void integrate(const vs_batch *b, const vs_pair *y, double last, double *more) {
+static void integrate_course(const vs_batch *b, const vs_pair *y, double last, double *more) {
   for (size_t n = 0; n < b->count; n++) {
     more[n] = (b->t1_s[n] - b->t0_s[n]) * (last + 4 * y[n][0] + y[n][1]) / 6;
     last = y[n][1];
   }
 }
 
-static void evaluate(const vs_watched *w, const vs_device_watch *own, const vs_batch *b,
-                     vs_courses *c) {
+static void evaluate_course(const vs_watched *w, const vs_device_watch *own, const vs_batch *b,
+                            vs_courses *c) {
   vs_pair *v = c->of[VS_OF_V], *i = c->of[VS_OF_I];
   c->count = b->count;
-  vs_sweep(&own->voltage, b, v);
-  vs_sweep(&own->current, b, i);
+  vs_batch_evaluate(&own->voltage, b, v);
+  vs_batch_evaluate(&own->current, b, i);
   for (size_t n = 0; n < b->count; n++) c->of[VS_OF_POWER][n] = v[n] * i[n];
   for (size_t n = 0; n < b->count; n++) c->of[VS_OF_I2][n] = i[n] * i[n];
   for (size_t n = 0; n < b->count; n++) c->of[VS_OF_V2][n] = v[n] * v[n];
-  if (own->flux.formula) vs_sweep(&own->flux, b, c->of[VS_OF_FLUX]);
-  for (int of = VS_OF_V; of < VS_COURSES; of++) integrate(b, c->of[of], w->last[of], c->more[of]);
+  if (own->flux.formula) vs_batch_evaluate(&own->flux, b, c->of[VS_OF_FLUX]);
+  for (int of = VS_OF_V; of < VS_COURSES; of++)
+    integrate_course(b, c->of[of], w->last[of], c->more[of]);
 }
 
 /* ---- means ---- */
@@ -197,7 +199,7 @@ static void integrate_part(const vs_course_step *c, double from, double to,
     double s = from + (to - from) * k / 2, mid = 4 * s * (1 - s), end = s * (2 * s - 1);
     for (int of = VS_OF_V; of <= VS_OF_I; of++)
       y[k][of] = (1 - mid - end) * c->from[of] + mid * c->mid[of] + end * c->to[of];
-    complete(y[k]);
+    complete_courses(y[k]);
   }
   for (int of = VS_OF_V; of < VS_COURSES; of++)
     sum[of] += (to - from) * c->h_s * (y[0][of] + 4 * y[1][of] + y[2][of]) / 6;
@@ -217,13 +219,14 @@ static void follow_shots(const vs_devices *d, vs_watched *w, shots *s, const vs_
 }
 
 /* The part into which an instant falls; below 0, or the count and more: none. */
-static double part_at(const vs_parts *p, double t_s) {
+static double number_of_part_at(const vs_parts *p, double t_s) {
   return floor((t_s - p->from_s) / p->part_s);
 }
 
 /* Adds to the integrals over the parts of that stretch into which the step reaches. */
 static void follow_parts(vs_parts *p, const vs_course_step *c) {
-  const double first = part_at(p, c->t0_s), last = part_at(p, c->t1_s), count = (double)p->count;
+  const double first = number_of_part_at(p, c->t0_s), last = number_of_part_at(p, c->t1_s),
+               count = (double)p->count;
   for (double k = fmax(first, 0); k <= last && k < count; k++) {
     double *sum = p->sum[(size_t)k];
     if (first == last) {
@@ -252,7 +255,7 @@ static void follow_means(const vs_devices *d, vs_watched *w, const vs_course_ste
 
 /* ---- step by step ---- */
 
-static void say(vs_devices *d, double at_s, const char *device, const char *what) {
+static void add_incident(vs_devices *d, double at_s, const char *device, const char *what) {
   d->incidents[d->n_incidents++] = (vs_incident){at_s, device, what};
 }
 
@@ -262,34 +265,34 @@ static void tell_firing(vs_devices *d, const vs_watched *w, const vs_switch_news
                            *const EXTINCT[] = {"extinct (negative half cycle)", "extinct",
                                                "extinct (positive half cycle)"};
   int half = w->device->kind->both_ways ? (news->way < 0 ? 0 : 2) : 1;
-  if (news->extinct.known) say(d, news->extinct.at_s, w->device->name, EXTINCT[half]);
-  if (news->fires.known) say(d, news->fires.at_s, w->device->name, FIRES[half]);
+  if (news->extinct.known) add_incident(d, news->extinct.at_s, w->device->name, EXTINCT[half]);
+  if (news->fires.known) add_incident(d, news->fires.at_s, w->device->name, FIRES[half]);
 }
 
-static void tell(vs_devices *d, const vs_watched *w, const vs_switch_news *news) {
+static void tell_switch_news(vs_devices *d, const vs_watched *w, const vs_switch_news *news) {
   const char *name = w->device->name;
-  if (news->misfire.known) say(d, news->misfire.at_s, name, "misfires");
+  if (news->misfire.known) add_incident(d, news->misfire.at_s, name, "misfires");
   if (d->tells && w->device->kind->gated) tell_firing(d, w, news);
   if (news->unintended.known)
-    say(d, news->unintended.at_s, name,
-        news->commutation_failure ? "fires without a gate pulse (commutation failure)"
-                                  : "fires without a gate pulse (unintended firing)");
+    add_incident(d, news->unintended.at_s, name,
+                 news->commutation_failure ? "fires without a gate pulse (commutation failure)"
+                                           : "fires without a gate pulse (unintended firing)");
 }
 
-static void note_melting(vs_watched *w, vs_deed deed, double at_s) {
-  vs_sequence_add(&w->sequence, deed, at_s);
+static void note_fuse_deed(vs_watched *w, vs_deed deed, double at_s) {
+  vs_reducer_add_deed(&w->sequence, deed, at_s);
   w->sequence.edge = true;
 }
 
-static void follow_melting(vs_devices *d, vs_watched *w, vs_melting *m, const vs_course_step *c) {
+static void follow_fuse(vs_devices *d, vs_watched *w, vs_melting *m, const vs_course_step *c) {
   vs_melting_news news = vs_melting_follow(m, c);
   const char *name = w->device->name;
-  if (!isnan(news.melts_s)) note_melting(w, VS_DEED_MELTS, news.melts_s);
-  if (!isnan(news.cleared_s)) note_melting(w, VS_DEED_CLEARS, news.cleared_s);
-  if (!isnan(news.again_s)) note_melting(w, VS_DEED_ARCS_AGAIN, news.again_s);
-  if (!isnan(news.melts_s)) say(d, news.melts_s, name, "melts");
-  if (!isnan(news.cleared_s)) say(d, news.cleared_s, name, "has cleared");
-  if (!isnan(news.again_s)) say(d, news.again_s, name, "arcs again");
+  if (!isnan(news.melts_s)) note_fuse_deed(w, VS_DEED_MELTS, news.melts_s);
+  if (!isnan(news.cleared_s)) note_fuse_deed(w, VS_DEED_CLEARS, news.cleared_s);
+  if (!isnan(news.again_s)) note_fuse_deed(w, VS_DEED_ARCS_AGAIN, news.again_s);
+  if (!isnan(news.melts_s)) add_incident(d, news.melts_s, name, "melts");
+  if (!isnan(news.cleared_s)) add_incident(d, news.cleared_s, name, "has cleared");
+  if (!isnan(news.again_s)) add_incident(d, news.again_s, name, "arcs again");
   for (size_t k = 0; k < w->count; k++)
     if (w->reduced[k].by->take_melting) w->reduced[k].by->take_melting(&w->reduced[k], &news);
 }
@@ -310,11 +313,11 @@ static bool is_on_edge(const vs_switch *s, const vs_switch_news *news) {
 
 static void note_deeds(vs_watched *w, const vs_switch_news *news) {
   vs_sequence *q = &w->sequence;
-  if (news->extinct.known) vs_sequence_add(q, VS_DEED_GOES_OUT, news->extinct.at_s);
-  if (news->fires.known) vs_sequence_add(q, VS_DEED_FIRES, news->fires.at_s);
-  if (news->misfire.known) vs_sequence_add(q, VS_DEED_MISFIRES, news->misfire.at_s);
-  if (news->unintended.known) vs_sequence_add(q, VS_DEED_UNINTENDED, news->unintended.at_s);
-  if (news->commutation_failure) vs_sequence_add(q, VS_DEED_FAILS, news->unintended.at_s);
+  if (news->extinct.known) vs_reducer_add_deed(q, VS_DEED_GOES_OUT, news->extinct.at_s);
+  if (news->fires.known) vs_reducer_add_deed(q, VS_DEED_FIRES, news->fires.at_s);
+  if (news->misfire.known) vs_reducer_add_deed(q, VS_DEED_MISFIRES, news->misfire.at_s);
+  if (news->unintended.known) vs_reducer_add_deed(q, VS_DEED_UNINTENDED, news->unintended.at_s);
+  if (news->commutation_failure) vs_reducer_add_deed(q, VS_DEED_FAILS, news->unintended.at_s);
   q->edge = q->edge || (w->device->kind->gated && is_on_edge(w->states, news));
 }
 
@@ -338,10 +341,10 @@ static void follow_states(vs_devices *d, vs_watched *w, vs_course_step *c) {
   note_deeds(w, &news);
   for (size_t k = 0; k < w->count; k++)
     if (w->reduced[k].by->take_news) w->reduced[k].by->take_news(w, &w->reduced[k], &news);
-  tell(d, w, &news);
+  tell_switch_news(d, w, &news);
 }
 
-static void keep(opening *o, const vs_course_step *c) {
+static void keep_opening_step(opening *o, const vs_course_step *c) {
   o->over = o->over || (c->on && !c->was_on) || o->count == KEPT;
   if (o->over) return;
   o->step[o->count].at_s = c->t1_s;
@@ -350,19 +353,25 @@ static void keep(opening *o, const vs_course_step *c) {
   o->step[o->count++].i2_s = c->more[VS_OF_I2];
 }
 
-/* The courses are there. */
-static void follow(vs_devices *d, size_t k, vs_course_step *c) {
+/* Takes one step of the k-th device, whose courses and their integrals c holds. */
+static void follow_step_of_device(vs_devices *d, size_t k, vs_course_step *c) {
   vs_watched *w = &d->item[k];
   vs_device_watch *own = &d->watch[k];
+
+  /* The integrals over the run; and what speaks for a wrong sign in the device's line. */
   for (int of = VS_OF_V; of < VS_COURSES; of++) w->sum[of] += c->more[of];
   if (c->more[VS_OF_POWER] < 0) w->given_j -= c->more[VS_OF_POWER];
   if (c->more[VS_OF_I] < 0) w->back_c -= c->more[VS_OF_I];
+
+  /* What the device did: conducted, blocked, melted. */
   c->was_on = c->on = true; /* a device that does not switch conducts all the time */
   if (w->states) follow_states(d, w, c);
   if (w->states) follow_shots(d, w, &own->shots, c);
-  if (own->opening) keep(own->opening, c);
-  if (w->device->kind->melts) follow_melting(d, w, &own->melting, c);
+  if (own->opening) keep_opening_step(own->opening, c);
+  if (w->device->kind->melts) follow_fuse(d, w, &own->melting, c);
   if (w->losses) vs_losses_follow(w->losses, c);
+
+  /* The means, and the measures that any step may change. */
   follow_means(d, w, c);
   for (size_t n = 0; n < own->n_busy; n++) own->busy[n]->by->follow(w, own->busy[n], c);
 }
@@ -378,11 +387,11 @@ void vs_devices_begin(vs_devices *d, const vs_step *step) {
     w->last[VS_OF_V] = vs_formula_value(own->voltage.formula, terms);
     w->last[VS_OF_I] = vs_formula_value(own->current.formula, terms);
     if (own->flux.formula) w->last[VS_OF_FLUX] = vs_formula_value(own->flux.formula, terms);
-    complete(w->last);
+    complete_courses(w->last);
     if (w->losses) vs_losses_resume(w->losses, w->last[VS_OF_V], w->last[VS_OF_I]);
     if (w->states) vs_switching_resume(w->states, w->last[VS_OF_I], w->last[VS_OF_V]);
     if (w->states && w->states->conduction.conducts)
-      vs_sequence_add(&w->sequence, VS_DEED_FIRES, d->began_s);
+      vs_reducer_add_deed(&w->sequence, VS_DEED_FIRES, d->began_s);
     for (size_t n = 0; n < own->n_busy; n++)
       if (own->busy[n]->by->begin) own->busy[n]->by->begin(w, own->busy[n], d->began_s);
   }
@@ -395,18 +404,20 @@ static bool only_adds_up(const vs_devices *d, size_t k, const vs_batch *b, const
   const vs_device_watch *own = &d->watch[k];
   bool meant = b->t0_s[0] >= d->means.from_s && b->t1_s[b->count - 1] <= d->means.to_s;
   if (w->parts.count)
-    meant = meant && part_at(&w->parts, b->t0_s[0]) >= 0 &&
-            part_at(&w->parts, b->t0_s[0]) == part_at(&w->parts, b->t1_s[b->count - 1]) &&
-            part_at(&w->parts, b->t0_s[0]) < (double)w->parts.count;
+    meant = meant && number_of_part_at(&w->parts, b->t0_s[0]) >= 0 &&
+            number_of_part_at(&w->parts, b->t0_s[0]) ==
+                number_of_part_at(&w->parts, b->t1_s[b->count - 1]) &&
+            number_of_part_at(&w->parts, b->t0_s[0]) < (double)w->parts.count;
   bool rests = meant && !w->states && !w->losses && !w->device->kind->melts;
   for (size_t n = 0; n < own->n_busy && rests; n++)
     rests = own->busy[n]->by->rests && own->busy[n]->by->rests(w, own->busy[n], c);
   return rests;
 }
 
-/* What follow() does then. Such a device counts as conducting all the time. */
+/* Takes such steps at once, as follow_step_of_device would one by one. Such a device counts as
+ * conducting all the time. */
 static void add_up(vs_watched *w, double t_s, const vs_courses *c) {
-  double *part = w->parts.count ? w->parts.sum[(size_t)part_at(&w->parts, t_s)] : NULL;
+  double *part = w->parts.count ? w->parts.sum[(size_t)number_of_part_at(&w->parts, t_s)] : NULL;
   for (int of = VS_OF_V; of < VS_COURSES; of++)
     for (size_t n = 0; n < c->count; n++) {
       w->sum[of] += c->more[of][n];
@@ -437,7 +448,7 @@ static void follow_steps(vs_devices *d, size_t k, const vs_batch *b, const vs_co
     }
     for (int of = VS_OF_V; of < VS_COURSES; of++) c.more[of] = all->more[of][n];
     if (n + 1 < b->count) d->n_incidents = 0; /* nobody asks for those of a step before the last */
-    follow(d, k, &c);
+    follow_step_of_device(d, k, &c);
   }
 }
 
@@ -445,7 +456,7 @@ static void follow_device(vs_devices *d, size_t k, const vs_batch *b) {
   vs_watched *w = &d->item[k];
   vs_courses c;
   size_t last = b->count - 1;
-  evaluate(w, &d->watch[k], b, &c);
+  evaluate_course(w, &d->watch[k], b, &c);
   if (only_adds_up(d, k, b, &c))
     add_up(w, b->t0_s[0], &c);
   else
@@ -477,7 +488,7 @@ static void follow_again(const vs_watched *w, vs_course_step *c) {
 
 /* Follows the device from the period's end on, through its opening. What is found there is told
  * with its instant within the period. */
-static void follow_on(const vs_devices *d, const vs_watched *w, const opening *o) {
+static void follow_across_period(const vs_devices *d, const vs_watched *w, const opening *o) {
   const double period_s = d->now_s - d->began_s;
   vs_course_step c = {.t1_s = d->now_s};
   memcpy(c.to, w->last, sizeof c.to);
@@ -489,7 +500,7 @@ static void follow_on(const vs_devices *d, const vs_watched *w, const opening *o
     c.to[VS_OF_V] = o->step[n].v;
     c.to[VS_OF_I] = o->step[n].i;
     c.more[VS_OF_I2] = o->step[n].i2_s;
-    complete(c.to);
+    complete_courses(c.to);
     if (c.h_s > 0) follow_again(w, &c);
   }
   for (size_t m = 0; m < w->count; m++) {
@@ -524,23 +535,23 @@ static sizes find_sizes(const vs_devices *d) {
  * of sixteen such terms, more than a node has, is off by their number times the rounding of one. */
 enum { TERMS = 16 };
 
-static double size_of(const char *unit, const sizes *z) {
+static double size_of_unit(const char *unit, const sizes *z) {
   if (!strcmp(unit, "A")) return z->a;
   if (!strcmp(unit, "V")) return z->v;
   if (!strcmp(unit, "W")) return z->a * z->v;
   return !strcmp(unit, "J") ? z->a * z->v * z->s : 0;
 }
 
-static void round_off(const vs_watched *w, vs_reduced *r, const sizes *z) {
+static void round_off_reduced(const vs_watched *w, vs_reduced *r, const sizes *z) {
   const char *unit = r->measure->unit;
   const double whole = !strcmp(unit, "J") ? fabs(w->sum[VS_OF_POWER]) : 0; /* it is a part of */
-  r->value.value = vs_value_told(r->value.value, fmax(TERMS * size_of(unit, z), whole));
+  r->value.value = vs_value_told(r->value.value, fmax(TERMS * size_of_unit(unit, z), whole));
 }
 
 void vs_devices_finish(vs_devices *d) {
   if (!d || isnan(d->began_s)) return;
   for (size_t k = 0; k < d->count; k++)
-    if (d->watch[k].opening) follow_on(d, &d->item[k], d->watch[k].opening);
+    if (d->watch[k].opening) follow_across_period(d, &d->item[k], d->watch[k].opening);
   const vs_run_end end = {d->now_s, fmax(d->began_s, d->means.from_s),
                           fmin(d->now_s, d->means.to_s)};
   for (size_t k = 0; k < d->count; k++)
@@ -556,7 +567,7 @@ void vs_devices_finish(vs_devices *d) {
   const sizes z = find_sizes(d);
   for (size_t k = 0; k < d->count; k++)
     for (size_t n = 0; n < d->item[k].count; n++)
-      round_off(&d->item[k], &d->item[k].reduced[n], &z);
+      round_off_reduced(&d->item[k], &d->item[k].reduced[n], &z);
 }
 
 bool vs_devices_unclear(const vs_devices *d, size_t which, char *text, size_t size) {
@@ -570,5 +581,40 @@ bool vs_devices_unclear(const vs_devices *d, size_t which, char *text, size_t si
            "which drives its current on; a fuse whose arc has more is wanted",
            w->device->name, m->arc_v, direct ? "the direct voltage" : "the crest of the mains",
            drives_v);
+  return true;
+}
+
+/* ---- a wrong sign in a line of the deck ---- */
+
+/* The wrong way must be this many times the right one: what a capacitance inside gives back is
+ * about what it took before. */
+static const double TIMES = 3;
+/* Below this share of the run's energy a device's own says nothing: a capacitance inside that was
+ * charged as the run began gives what it had. */
+static const double LEAST_SHARE = 1e-4;
+/* No diode and no thyristor drops as much while it conducts, V. What leaks backwards does so at
+ * more. */
+static const double ON_V = 10;
+
+bool vs_devices_sign_is_wrong(const vs_watched *w, double whole_j, char *text, size_t size) {
+  const vs_kind *kind = w->device->kind;
+  double net_j = w->sum[VS_OF_POWER], least_j = LEAST_SHARE * whole_j;
+  double taken_j = net_j + w->given_j, forth_c = w->sum[VS_OF_I] + w->back_c;
+  const char *name = w->device->name;
+  if (kind->stores) return false;
+  if (w->given_j > least_j && w->given_j > TIMES * taken_j) {
+    snprintf(text, size,
+             "device %s gives %.3g J, which no %s does: the sign of its voltage or of its current "
+             "is wrong in its line, and so are its measures",
+             name, -net_j, kind->name);
+    return true;
+  }
+  bool one_way = kind->switches && !kind->both_ways;
+  bool conducts = net_j > least_j && net_j < ON_V * w->back_c;
+  if (!one_way || !conducts || !(w->back_c > TIMES * forth_c)) return false;
+  snprintf(text, size,
+           "device %s conducts backwards, which no %s does: its voltage and its current have the "
+           "wrong sign in its line, and so have its measures",
+           name, kind->name);
   return true;
 }

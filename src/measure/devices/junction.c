@@ -1,11 +1,20 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "devices/junction.h"
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Reductions to the largest rise of a temperature, by the transient thermal impedance of the
+ * device's part (its lines zth): that of a junction, under the device's power; that of a
+ * capacitor's core, under ESR i^2. Without such lines, or without a limit esr, no value is known.
+ *
+ * And to temperatures: that of the case, by the mean power and the heat sink, and the largest one
+ * of the junction, which is the case's and the rise. */
+#include "devices/reductions.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "netlist/parts.h"
 #include "devices/means.h"
+#include "netlist/devices.h"
+#include "netlist/parts.h"
+
+/* ---- the rise ---- */
 
 /* On an orbit the rise at the period's beginning is that at its end. A run that is repeated (the
  * keys times and every of an event) begins with what the runs before it have left. Both are known
@@ -57,7 +66,7 @@ static void prepare_core(vs_watched *w, vs_reduced *r) {
   take_network(w, r, esr->value);
 }
 
-static bool has_network(const vs_watched *w, const vs_reduced *r) {
+static bool has_zth_network(const vs_watched *w, const vs_reduced *r) {
   const network *n = r->state;
   (void)w;
   return n->count;
@@ -98,7 +107,7 @@ static double heat_up(network *n, double power_w, double h_s) {
   return rise_of(n);
 }
 
-static void halve(network *n) {
+static void halve_kept(network *n) {
   double from_s = n->begun_s;
   for (size_t k = 0; k < KEPT / 2; k++) {
     const heating *a = &n->kept[2 * k], *b = a + 1;
@@ -110,8 +119,8 @@ static void halve(network *n) {
   n->n_kept = KEPT / 2;
 }
 
-static void keep(network *n, double end_s, double power_w) {
-  if (n->n_kept == KEPT) halve(n);
+static void keep_power(network *n, double end_s, double power_w) {
+  if (n->n_kept == KEPT) halve_kept(n);
   n->kept[n->n_kept++] = (heating){end_s, power_w};
 }
 
@@ -143,7 +152,7 @@ static double follow_orbit(vs_reduced *r, const vs_course_step *c, double power_
   const double length_s = n->orbit_ends_s - n->begun_s;
   heat_up(n, power_w, h_s);
   n->orbit_j += power_w * h_s;
-  keep(n, c->t0_s + h_s, power_w);
+  keep_power(n, c->t0_s + h_s, power_w);
   if (n->orbit_ends_s - c->t1_s > 1e-9 * length_s) return 0;
   for (size_t k = 0; k < n->count; k++) n->rise_k[k] *= of_orbit(length_s, n->tau_s[k]);
   go_again(r);
@@ -160,7 +169,7 @@ static void follow_junction(const vs_watched *w, vs_reduced *r, const vs_course_
   if (n->orbit_ends_s > 0 || !(h_s > 0)) return;
   double after = heat_up(n, power_w, h_s);
   if (w->again)
-    keep(n, c->t1_s, power_w);
+    keep_power(n, c->t1_s, power_w);
   else
     vs_reducer_take_largest(r, c, before, after);
 }
@@ -174,7 +183,7 @@ static double of_times(const vs_occurrence *e, double length_s, double tau_s) {
 }
 
 /* From what the run begins with it is gone through once more. */
-static void repeat(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
+static void repeat_rise(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
   network *n = r->state;
   const vs_occurrence *e = vs_occurrence_repeated(&w->timeline->events);
   const double length_s = end->now_s - n->begun_s;
@@ -182,6 +191,16 @@ static void repeat(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
     n->rise_k[k] *=
         w->at_work ? of_orbit(length_s, n->tau_s[k]) : of_times(e, length_s, n->tau_s[k]);
   go_again(r);
+}
+
+/* Of a run that began cold and ended at end_s: what its terms lack of where that mean power would
+ * take them in the long run, K. */
+static double rise_lacks_k(const vs_reduced *rise, double end_s, double power_w) {
+  const network *n = rise->state;
+  double lacks_k = 0;
+  for (size_t k = 0; k < n->count; k++)
+    lacks_k += fmax(power_w, 0) * n->gain[k] * exp(-(end_s - n->begun_s) / n->tau_s[k]);
+  return lacks_k;
 }
 
 /* What a settled rise may still lack, as a part of its limit. It counts as the value's error. */
@@ -193,13 +212,13 @@ static const char SETTLING[] = "not judged: it has not settled; vibrospice stead
 
 /* A rise that begins cold lacks what went before the run, unless that is all that there is. Where
  * the mean heat is known so is what it lacks. */
-static void hold(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
+static void hold_rise(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
   double level;
   const bool too_hot = r->limit && r->value.known && r->value.value > r->limit->value;
   if (w->at_work || !r->value.known) return;
   if (!w->from_work && (w->again || vs_means_is_over(w))) return;
   const char *why = vs_means_of(w, r->measure->of, end, &level);
-  const double lacks_k = why ? INFINITY : vs_junction_lacks_k(r, end->now_s, level);
+  const double lacks_k = why ? INFINITY : rise_lacks_k(r, end->now_s, level);
   if (w->from_work && why && !w->again && !too_hot) r->value.known = false;
   if (!r->limit || too_hot) return;
   r->doubt = lacks_k;
@@ -213,19 +232,15 @@ static void hold(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
 static void finish_junction(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
   network *n = r->state;
   if (n->orbit_ends_s > 0) r->value.known = false;
-  if (w->again && n->count) repeat(w, r, end);
-  if (n->count && !isfinite(n->orbit_w)) hold(w, r, end);
+  if (w->again && n->count) repeat_rise(w, r, end);
+  if (n->count && !isfinite(n->orbit_w)) hold_rise(w, r, end);
 }
 
-double vs_junction_lacks_k(const vs_reduced *rise, double end_s, double power_w) {
-  const network *n = rise->state;
-  double lacks_k = 0;
-  for (size_t k = 0; k < n->count; k++)
-    lacks_k += fmax(power_w, 0) * n->gain[k] * exp(-(end_s - n->begun_s) / n->tau_s[k]);
-  return lacks_k;
-}
-
-double vs_junction_orbit_w(const vs_reduced *rise) {
+/* Of a run that begins on an orbit the first period stands for all that was before it, unless an
+ * event comes within it: the rise begins as it is on the orbit. Returns the mean power of that
+ * period, W, of a measure by vs_junction_of_power; NaN: there was none, or the part has no lines
+ * zth. */
+static double orbit_mean_w(const vs_reduced *rise) {
   const network *n = rise->state;
   return n->count && rise->value.known ? n->orbit_w : NAN;
 }
@@ -234,7 +249,7 @@ const vs_reducer vs_junction_of_power = {.continuous = true,
                                          .state_size = sizeof(network),
                                          .again_size = KEPT * sizeof(heating),
                                          .prepare = prepare_junction,
-                                         .is_busy = has_network,
+                                         .is_busy = has_zth_network,
                                          .begin = begin_junction,
                                          .follow = follow_junction,
                                          .finish = finish_junction},
@@ -242,7 +257,104 @@ const vs_reducer vs_junction_of_power = {.continuous = true,
                                            .state_size = sizeof(network),
                                            .again_size = KEPT * sizeof(heating),
                                            .prepare = prepare_core,
-                                           .is_busy = has_network,
+                                           .is_busy = has_zth_network,
                                            .begin = begin_junction,
                                            .follow = follow_junction,
                                            .finish = finish_junction};
+
+/* ---- temperatures ----
+ * A heat sink takes minutes to warm, a junction milliseconds. So the case is as warm as the mean
+ * power makes it in the long run where that mean is judged, or a run is repeated or begins on an
+ * orbit; else it stays as it begins, at the ambient. The junction's largest rise over it is the
+ * measure of its own. */
+
+static const char NO_SINK[] = "not judged: no heat sink is stated, nor r_th_ja",
+                  NO_ZTH[] = "not judged: the part has no lines zth",
+                  ON_MEAN[] = "not judged: the mean alone is known, as the part has no lines zth",
+                  WARM[] = "not judged: the case is warm at the start; 'steady' judges it";
+
+/* The mean power of what goes on for ever: of a run that is repeated, as in power_repeated; where a
+ * mean of the run is judged, that; else that of the orbit on which the run begins. Returns why none
+ * is known, as "not judged: one shot"; NULL: one is. */
+static const char *long_run_w(const vs_watched *w, const vs_run_end *end, double *power_w) {
+  const vs_occurrence *e = vs_occurrence_repeated(&w->timeline->events);
+  *power_w = e ? w->sum[VS_OF_POWER] / e->v.every_s : NAN;
+  if (!w->at_work && e) return NULL;
+  const char *unjudged = vs_means_of(w, VS_OF_POWER, end, power_w);
+  if (!unjudged) return NULL;
+  *power_w = orbit_mean_w(vs_reducer_of(w, VS_R_JUNCTION));
+  return isfinite(*power_w) ? NULL : unjudged;
+}
+
+static void finish_case(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
+  double power_w;
+  const char *cold = long_run_w(w, end, &power_w);
+  const double to_ambient = vs_cooling_to_ambient(w->cooling, w->deck, w->device, &r->assumed);
+  if (!w->cooling->stated && isnan(to_ambient)) return;
+  if (cold ? w->from_work : isnan(to_ambient)) return;
+  r->note = cold ? cold + strlen("not judged: ") : NULL;
+  r->value = (vs_value){true, w->cooling->ambient_degc, NAN};
+  if (!cold) r->value.value += to_ambient * power_w;
+}
+
+/* The limit is left, for this reason. */
+static void leave_limit(vs_reduced *r, const char *why) {
+  if (r->limit) r->unjudged = why;
+  r->limit = NULL;
+}
+
+/* Without lines zth the mean temperature is known, if that. It may break the limit, and cannot hold
+ * it. */
+static void finish_mean_junction(const vs_watched *w, vs_reduced *r, double case_degc,
+                                 const vs_run_end *end) {
+  bool assumed = false;
+  double power_w, r_jc = vs_devices_r_th(w->deck, w->device, "r_th_jc", &assumed);
+  if (long_run_w(w, end, &power_w)) {
+    leave_limit(r, NO_ZTH);
+    return;
+  }
+  r->assumed = r->assumed || assumed;
+  r->mean = true;
+  r->value = (vs_value){true, case_degc + (isfinite(r_jc) ? r_jc * power_w : 0), NAN};
+  if (r->limit && r->value.value > r->limit->value)
+    r->failed_s = end->to_s;
+  else
+    leave_limit(r, ON_MEAN);
+}
+
+/* What the largest rise of a run that begins cold lacks, K, where its mean power goes on. */
+static double cold_rise_lacks_k(const vs_watched *w, const vs_reduced *rise,
+                                const vs_run_end *end) {
+  double power_w;
+  const bool from_cold =
+      !w->at_work && !w->from_work && !vs_occurrence_repeated(&w->timeline->events);
+  if (!from_cold || long_run_w(w, end, &power_w)) return 0;
+  return rise_lacks_k(rise, end->now_s, power_w);
+}
+
+static void finish_hottest(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
+  const vs_reduced *of_case = vs_reducer_of(w, VS_R_CASE), *rise = vs_reducer_of(w, VS_R_JUNCTION);
+  if (!of_case->value.known) {
+    double power_w;
+    const bool warm = long_run_w(w, end, &power_w) && w->from_work;
+    leave_limit(r, warm && vs_cooling_has(w->cooling, w->deck, w->device) ? WARM : NO_SINK);
+    return;
+  }
+  r->assumed = of_case->assumed || rise->assumed;
+  if (!rise->value.known) {
+    finish_mean_junction(w, r, of_case->value.value, end);
+    return;
+  }
+  const double rise_k = rise->value.value + cold_rise_lacks_k(w, rise, end);
+  r->value = (vs_value){true, of_case->value.value + rise_k, rise->value.at_s};
+  if (r->limit && r->value.value > r->limit->value)
+    r->failed_s = rise->value.at_s;
+  else if (of_case->note &&
+           !vs_means_is_over(w)) { /* the case will be warmer: that may only break it */
+    double power_w;
+    leave_limit(r, long_run_w(w, end, &power_w));
+  }
+}
+
+const vs_reducer vs_junction_case = {.continuous = true, .finish = finish_case},
+                 vs_junction_hottest = {.finish = finish_hottest};

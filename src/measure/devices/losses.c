@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "measure/losses.h"
+#include "devices/losses.h"
 
 #include <math.h>
 
@@ -11,7 +11,7 @@ void vs_losses_begin(vs_losses *l, bool rectifies) {
 }
 
 /* V1 */
-static double level_v(const vs_losses *l) {
+static double on_level_v(const vs_losses *l) {
   return l->most_v < ON_V ? ON_V : fmin(ON_SHARE * l->most_v, ON_V);
 }
 
@@ -23,7 +23,7 @@ static double level_a(const vs_losses *l) {
 /* ---- which phase ---- */
 
 static int phase_of_switch(const vs_losses *l, double v, double i) {
-  if (fabs(v) <= level_v(l)) return VS_LOSS_CONDUCTION;
+  if (fabs(v) <= on_level_v(l)) return VS_LOSS_CONDUCTION;
   if (fabs(i) <= level_a(l)) return VS_LOSS_BLOCKING;
   bool was_on = l->phase == VS_LOSS_CONDUCTION || l->phase == VS_LOSS_OFF;
   return was_on ? VS_LOSS_OFF : VS_LOSS_ON;
@@ -41,12 +41,12 @@ static int phase_of(const vs_losses *l, double v, double i) {
 
 /* ---- the parts of a step ---- */
 
-static double between(double y0, double y1, double at) {
+static double between_ends(double y0, double y1, double at) {
   return y0 + at * (y1 - y0);
 }
 
 /* The first part of the step behind `at` at which the course is `level`, and not behind `end`. */
-static double crossing(double y0, double y1, double level, double at, double end) {
+static double crossing_of_level(double y0, double y1, double level, double at, double end) {
   double s = y0 == y1 ? INFINITY : (level - y0) / (y1 - y0);
   return s > at + 1e-12 && s < end ? s : end;
 }
@@ -54,16 +54,16 @@ static double crossing(double y0, double y1, double level, double at, double end
 /* The next instant at which the phase may change: within the part that begins there it does not. */
 static double next_cut(const vs_losses *l, const vs_course_step *c, double at) {
   double v0 = c->from[VS_OF_V], v1 = c->to[VS_OF_V], i0 = c->from[VS_OF_I], i1 = c->to[VS_OF_I];
-  double v = l->rectifies ? 0 : level_v(l), i = level_a(l), end = 1;
-  end = crossing(v0, v1, v, at, end);
-  end = crossing(v0, v1, -v, at, end);
-  end = crossing(i0, i1, i, at, end);
-  end = crossing(i0, i1, -i, at, end);
-  return l->rectifies ? crossing(i0, i1, 0, at, end) : end;
+  double v = l->rectifies ? 0 : on_level_v(l), i = level_a(l), end = 1;
+  end = crossing_of_level(v0, v1, v, at, end);
+  end = crossing_of_level(v0, v1, -v, at, end);
+  end = crossing_of_level(i0, i1, i, at, end);
+  end = crossing_of_level(i0, i1, -i, at, end);
+  return l->rectifies ? crossing_of_level(i0, i1, 0, at, end) : end;
 }
 
 /* The energy up to a part of the step. The power runs on a parabola. */
-static double energy_at(const vs_course_step *c, double at) {
+static double loss_energy_at(const vs_course_step *c, double at) {
   double p0 = c->from[VS_OF_POWER], pm = c->mid[VS_OF_POWER], p1 = c->to[VS_OF_POWER];
   double slope = 4 * pm - 3 * p0 - p1, bend = 2 * (p0 - 2 * pm + p1);
   return c->h_s * at * (p0 + at * (slope / 2 + at * bend / 3));
@@ -74,7 +74,7 @@ static void keep_largest(vs_value *largest, double value, double at_s) {
 }
 
 /* The phase ends, and `next` begins. */
-static void turn(vs_losses *l, int next, double at_s) {
+static void turn_phase(vs_losses *l, int next, double at_s) {
   bool turned_on = l->phase == VS_LOSS_ON && next == VS_LOSS_CONDUCTION;
   bool turned_off = l->phase == VS_LOSS_OFF && next == VS_LOSS_BLOCKING;
   if (turned_on || turned_off || l->phase == VS_LOSS_RECOVERY)
@@ -86,16 +86,16 @@ static void turn(vs_losses *l, int next, double at_s) {
 }
 
 /* Takes the part of the step from `at` to `end`, and its current at that end. */
-static void take_part(vs_losses *l, const vs_course_step *c, double at, double end) {
+static void take_part_of_loss(vs_losses *l, const vs_course_step *c, double at, double end) {
   double mid = (at + end) / 2;
-  double v = between(c->from[VS_OF_V], c->to[VS_OF_V], mid);
-  double i = between(c->from[VS_OF_I], c->to[VS_OF_I], mid);
+  double v = between_ends(c->from[VS_OF_V], c->to[VS_OF_V], mid);
+  double i = between_ends(c->from[VS_OF_I], c->to[VS_OF_I], mid);
   int phase = phase_of(l, v, i);
-  if (phase != l->phase) turn(l, phase, c->t0_s + at * c->h_s);
-  double joule = energy_at(c, end) - energy_at(c, at);
+  if (phase != l->phase) turn_phase(l, phase, c->t0_s + at * c->h_s);
+  double joule = loss_energy_at(c, end) - loss_energy_at(c, at);
   l->joule[phase] += joule;
   l->stretch_j += joule;
-  double end_a = between(c->from[VS_OF_I], c->to[VS_OF_I], end);
+  double end_a = between_ends(c->from[VS_OF_I], c->to[VS_OF_I], end);
   if (phase == VS_LOSS_CONDUCTION) l->on_a = fabs(end_a);
   if (phase == VS_LOSS_RECOVERY) l->reverse_a = fmax(l->reverse_a, -end_a);
 }
@@ -113,7 +113,7 @@ void vs_losses_follow(vs_losses *l, const vs_course_step *c) {
   double at = 0;
   for (int n = 0; at < 1 && n < MOST_PARTS; n++) {
     double end = n + 1 < MOST_PARTS ? next_cut(l, c, at) : 1;
-    take_part(l, c, at, end);
+    take_part_of_loss(l, c, at, end);
     at = end;
   }
   l->most_v = fmax(l->most_v, fabs(c->to[VS_OF_V]));

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "measure/melting.h"
+#include "devices/melting.h"
 
 #include <math.h>
 
@@ -8,15 +8,15 @@ static const double HOTTER = 3, STEP_V = 10, SHARE = 0.1, LEAST_A = 1e-3, LEAKS_
                     REST_S = 1e-3;
 
 /* How far the voltage is beyond that of a whole fuse, V. */
-static double beyond(double ohm, double v, double i) {
+static double beyond_whole_fuse_v(double ohm, double v, double i) {
   return fabs(v) - HOTTER * ohm * fabs(i) - STEP_V;
 }
 
 /* Returns when it melts in the step; NaN: it does not. */
 static double melts(vs_melting *m, const vs_course_step *c) {
   double ohm = m->i2_s > 0 ? fmax(m->vi_s / m->i2_s, 0) : 0;
-  double b0 = beyond(ohm, c->from[VS_OF_V], c->from[VS_OF_I]);
-  double b1 = beyond(ohm, c->to[VS_OF_V], c->to[VS_OF_I]);
+  double b0 = beyond_whole_fuse_v(ohm, c->from[VS_OF_V], c->from[VS_OF_I]);
+  double b1 = beyond_whole_fuse_v(ohm, c->to[VS_OF_V], c->to[VS_OF_I]);
   m->vi_s += c->more[VS_OF_POWER];
   m->i2_s += c->more[VS_OF_I2];
   if (b1 <= 0 || c->more[VS_OF_I2] > SHARE * m->i2_s) return NAN;

@@ -2,6 +2,7 @@
 #include "measure/reducer.h"
 
 #include <math.h>
+#include <stdio.h>
 
 void vs_reducer_watch(vs_reduced *r, const vs_course_step *c, double before, double after) {
   if (!r->limit || !isnan(r->failed_s) || !(after > r->limit->value)) return;
@@ -53,6 +54,11 @@ void vs_reducer_begin_at_zero(const vs_watched *w, vs_reduced *r, double t_s) {
   r->value = (vs_value){true, 0, NAN};
 }
 
+bool vs_reducer_has_limit(const vs_watched *w, const vs_reduced *r) {
+  (void)w;
+  return r->limit;
+}
+
 /* ---- a window ---- */
 
 void vs_reducer_window_begin(vs_window *w, double width_s, double t_s) {
@@ -82,4 +88,65 @@ double vs_reducer_window_add(vs_window *w, const vs_course_step *c, double more)
   double oldest = w->part[(w->now + 1) % (VS_WINDOW_PARTS + 1)];
   double still_in = fmax(1 - (c->t1_s - w->starts_s) / w->part_s, 0);
   return w->sum = w->whole + w->part[w->now] + still_in * oldest;
+}
+
+/* ---- what a device did ---- */
+
+static const char *const WORDS[VS_DEEDS] = {[VS_DEED_FIRES] = "fires",
+                                            [VS_DEED_GOES_OUT] = "goes out",
+                                            [VS_DEED_MISFIRES] = "misfires",
+                                            [VS_DEED_UNINTENDED] = "fires without a gate pulse",
+                                            [VS_DEED_FAILS] = "fails to commutate",
+                                            [VS_DEED_MELTS] = "melts",
+                                            [VS_DEED_CLEARS] = "has cleared",
+                                            [VS_DEED_ARCS_AGAIN] = "arcs again"};
+
+void vs_reducer_add_deed(vs_sequence *s, vs_deed deed, double at_s) {
+  s->count[deed]++;
+  if (s->kept == VS_SEQUENCE_KEPT) return;
+  s->item[s->kept].at_s = at_s;
+  s->item[s->kept++].deed = deed;
+}
+
+static void say_count(char text[VS_SEQUENCE_SAYS], const char *word, long count) {
+  if (count == 1)
+    snprintf(text, VS_SEQUENCE_SAYS, "%s%sonce", word, *word ? " " : "");
+  else
+    snprintf(text, VS_SEQUENCE_SAYS, "%s%s%ld times", word, *word ? " " : "", count);
+}
+
+/* How many deeds of the two are the same, from the first one on. */
+static size_t common(const vs_sequence *one, const vs_sequence *other, double window_s) {
+  size_t k = 0;
+  while (k < one->kept && k < other->kept && one->item[k].deed == other->item[k].deed &&
+         fabs(one->item[k].at_s - other->item[k].at_s) <= window_s)
+    k++;
+  return k;
+}
+
+/* When the sequences part, behind `same` deeds that are the same in both. Behind all that are kept
+ * it is told early. */
+static double parting(const vs_sequence *one, const vs_sequence *other, size_t same) {
+  double a_s = same < one->kept ? one->item[same].at_s : INFINITY;
+  double b_s = same < other->kept ? other->item[same].at_s : INFINITY;
+  double last_s = same ? one->item[same - 1].at_s : -INFINITY;
+  return isinf(a_s) && isinf(b_s) ? last_s : fmin(a_s, b_s);
+}
+
+bool vs_reducer_sequences_agree(const vs_sequence *one, const vs_sequence *other, double window_s,
+                                vs_sequence_difference *d) {
+  size_t same = common(one, other, window_s);
+  d->parts_s = parting(one, other, same);
+  for (int k = 0; k < VS_DEEDS; k++) {
+    if (one->count[k] == other->count[k]) continue;
+    say_count(d->one, WORDS[k], one->count[k]);
+    say_count(d->other, "", other->count[k]);
+    return false;
+  }
+  if (same == one->kept) return true; /* as many are kept of the other */
+  snprintf(d->one, sizeof d->one, "%s at %.6g s", WORDS[one->item[same].deed],
+           one->item[same].at_s);
+  snprintf(d->other, sizeof d->other, "%s at %.6g s", WORDS[other->item[same].deed],
+           other->item[same].at_s);
+  return false;
 }

@@ -1,38 +1,34 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The reductions of a course alone: its peak, its mean or rms value, its integral, its rate; and
+ * the table of all reductions, most of which stand in files of their own. */
 #include "devices/reductions.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <string.h>
 
-#include "netlist/devices.h"
-#include "netlist/parts.h"
-#include "devices/junction.h"
 #include "devices/means.h"
-#include "devices/pulse.h"
-#include "devices/told.h"
+#include "netlist/devices.h"
 
 /* ---- peaks ---- */
 
-static double in_sense(double value, int sense) {
+static double value_in_sense(double value, int sense) {
   return (sense ? sense * value : fabs(value)) + 0.0; /* no -0 */
 }
 
-static bool has_course(const vs_watched *w, const vs_reduced *r) {
+static bool has_measured_course(const vs_watched *w, const vs_reduced *r) {
   return r->measure->of != VS_OF_FLUX || w->device->has_flux;
 }
 
 static void begin_peak(const vs_watched *w, vs_reduced *r, double t_s) {
   const vs_device_measure *m = r->measure;
-  r->value = (vs_value){true, in_sense(w->last[m->of], m->sense), t_s};
+  r->value = (vs_value){true, value_in_sense(w->last[m->of], m->sense), t_s};
 }
 
 static void follow_peak(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
   const vs_device_measure *m = r->measure;
-  double to = in_sense(c->to[m->of], m->sense);
+  double to = value_in_sense(c->to[m->of], m->sense);
   (void)w;
   if (to > r->value.value) r->value = (vs_value){true, to, c->t1_s};
-  if (r->limit) vs_reducer_watch(r, c, in_sense(c->from[m->of], m->sense), to);
+  if (r->limit) vs_reducer_watch(r, c, value_in_sense(c->from[m->of], m->sense), to);
 }
 
 /* No step ends above the peak so far, nor above a limit that was not passed yet. */
@@ -43,14 +39,16 @@ static bool peak_rests(const vs_watched *w, const vs_reduced *r, const vs_course
   bool watched = r->limit && isnan(r->failed_s);
   (void)w;
   for (size_t n = 0; n < c->count; n++) {
-    double to = in_sense(y[n][1], m->sense);
+    double to = value_in_sense(y[n][1], m->sense);
     if (to > most) most = to;
   }
   return most <= r->value.value && !(watched && !(most <= r->limit->value));
 }
 
-static const vs_reducer peak = {
-    .is_busy = has_course, .begin = begin_peak, .follow = follow_peak, .rests = peak_rests};
+static const vs_reducer peak = {.is_busy = has_measured_course,
+                                .begin = begin_peak,
+                                .follow = follow_peak,
+                                .rests = peak_rests};
 
 /* ---- means, as measure/devices/means.h judges them ---- */
 
@@ -93,14 +91,14 @@ static bool is_stated(const vs_watched *w, const char *name) {
 
 /* Not judged, and no word of it: the part states no such limit, or the other one of v_rms and v_dc
  * is the one that holds. */
-static void leave_out(vs_reduced *r) {
+static void leave_out_rms_or_dc(vs_reduced *r) {
   r->limit = NULL;
   r->idle = true;
 }
 
 static void finish_alternating(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
   const bool direct = end->to_s > end->from_s && is_direct(w, r, end);
-  if (!r->limit || (direct && is_stated(w, "v_dc"))) leave_out(r);
+  if (!r->limit || (direct && is_stated(w, "v_dc"))) leave_out_rms_or_dc(r);
   finish_rms(w, r, end);
   if (direct || !is_stated(w, "v_dc") || is_stated(w, "v_rms")) return;
   r->idle = false;
@@ -113,7 +111,7 @@ static void finish_direct(const vs_watched *w, vs_reduced *r, const vs_run_end *
   const double span_s = end->to_s - end->from_s;
   const bool other_is_left = alternating->idle && is_stated(w, "v_rms"),
              direct = span_s > 0 && (other_is_left || is_direct(w, r, end));
-  if (!r->limit || !direct) leave_out(r);
+  if (!r->limit || !direct) leave_out_rms_or_dc(r);
   if (!(span_s > 0)) return;
   r->value = (vs_value){true, fabs(w->sum_meant[VS_OF_V] / span_s), NAN};
   vs_means_judge(w, r, end->to_s);
@@ -130,11 +128,6 @@ static const vs_reducer mean = {.continuous = true, .finish = finish_mean},
 
 /* ---- integrals ---- */
 
-static bool has_limit(const vs_watched *w, const vs_reduced *r) {
-  (void)w;
-  return r->limit;
-}
-
 static void follow_integral(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
   int of = r->measure->of;
   vs_reducer_watch(r, c, w->sum[of] - c->more[of], w->sum[of]);
@@ -146,10 +139,11 @@ static void finish_integral(const vs_watched *w, vs_reduced *r, const vs_run_end
 }
 
 static const vs_reducer integral = {
-    .is_busy = has_limit, .follow = follow_integral, .finish = finish_integral};
+    .is_busy = vs_reducer_has_limit, .follow = follow_integral, .finish = finish_integral};
 
 /* The state is the integral over the present conduction. */
-static void follow_pulse(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
+static void follow_conduction_integral(const vs_watched *w, vs_reduced *r,
+                                       const vs_course_step *c) {
   double *present = r->state;
   (void)w;
   if (!c->was_on && !c->on) return;
@@ -162,241 +156,7 @@ static const vs_reducer pulse = {.state_size = sizeof(double),
                                  .across = true,
                                  .hangs_on_sequence = true,
                                  .begin = vs_reducer_begin_at_zero,
-                                 .follow = follow_pulse};
-
-/* ---- heat of one pulse ---- */
-
-static void prepare_heat(vs_watched *w, vs_reduced *r) {
-  vs_pulse *p = r->state;
-  p->rest_s = w->timeline->period_s / 4;
-}
-
-static void follow_heat(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
-  vs_pulse *p = r->state;
-  double before = p->heat_j, heat = vs_pulse_follow(p, c);
-  (void)w;
-  vs_reducer_take_largest(r, c, fmin(before, heat), heat);
-}
-
-static bool heat_rests(const vs_watched *w, const vs_reduced *r, const vs_courses *c) {
-  const vs_pulse *p = r->state;
-  bool rests = vs_pulse_rests(p, w->last[VS_OF_I]);
-  for (size_t n = 0; n < c->count && rests; n++) rests = vs_pulse_rests(p, c->of[VS_OF_I][n][1]);
-  return rests;
-}
-
-/* What the present current has brought as the run ends counts whole. No pulse has more heat than
- * the run, whose integral may be less by the rounding of sums. */
-static void finish_heat(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
-  double heat_j = vs_pulse_unfinished(r->state, end->now_s);
-  if (heat_j > r->value.value) r->value = (vs_value){true, heat_j, end->now_s};
-  r->value.value = fmin(r->value.value, fmax(w->sum[VS_OF_POWER], 0));
-  if (r->limit && isnan(r->failed_s) && r->value.value > r->limit->value) r->failed_s = end->now_s;
-}
-
-static const vs_reducer heat = {.state_size = sizeof(vs_pulse),
-                                .prepare = prepare_heat,
-                                .begin = vs_reducer_begin_at_zero,
-                                .follow = follow_heat,
-                                .rests = heat_rests,
-                                .finish = finish_heat};
-
-/* ---- within 10 ms ---- */
-
-/* The surge that I_TSM is given for is a half sine of 10 ms. Fuses' figures of I2t are for 10 ms
- * and less, below which no heat leaves the element. */
-static const double SURGE_S = 10e-3;
-
-typedef struct window {
-  vs_window last; /* 10 ms */
-  bool melted;    /* it is of a fuse that has */
-} window;
-
-static void begin_window(const vs_watched *w, vs_reduced *r, double t_s) {
-  window *in = r->state;
-  vs_reducer_window_begin(&in->last, SURGE_S, t_s);
-  vs_reducer_begin_at_zero(w, r, t_s);
-}
-
-static void follow_within(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
-  window *in = r->state;
-  double before = in->last.sum,
-         after = vs_reducer_window_add(&in->last, c, c->more[r->measure->of]);
-  (void)w;
-  vs_reducer_take_largest(r, c, before, after);
-}
-
-/* Up to 10 ms what a junction bears is a constant int i^2 dt; that of a half sine is
- * peak^2 length/2. */
-static void follow_surge(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
-  window *in = r->state;
-  double before = in->last.sum,
-         after = vs_reducer_window_add(&in->last, c, c->more[r->measure->of]);
-  (void)w;
-  vs_reducer_take_largest(r, c, sqrt(2 * before / SURGE_S), sqrt(2 * after / SURGE_S));
-}
-
-static void follow_melting(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
-  const window *in = r->state;
-  if (!in->melted) follow_within(w, r, c);
-}
-
-static void note_melting(vs_reduced *r, const vs_melting_news *news) {
-  window *in = r->state;
-  in->melted = in->melted || !isnan(news->melts_s);
-}
-
-/* One fuse of a type melts at an I2t up to this part above or below that of the next. Data sheets
- * give one number, and most say that it is a typical one; the standards' gates are wider. */
-static const double MELTS_WITHIN = 0.15;
-
-static void finish_melting(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
-  (void)w, (void)end;
-  if (r->limit) r->scatter = MELTS_WITHIN * r->limit->value;
-}
-
-static void finish_let_through(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
-  const window *in = r->state;
-  (void)w, (void)end;
-  if (in->melted) r->scatter = MELTS_WITHIN * r->value.value;
-}
-
-#define WITHIN .state_size = sizeof(window), .begin = begin_window
-static const vs_reducer within = {WITHIN, .follow = follow_within},
-                        let_through = {WITHIN, .follow = follow_within,
-                                       .take_melting = note_melting, .finish = finish_let_through},
-                        melting = {WITHIN,
-                                   .until_opens = true,
-                                   .is_busy = has_limit,
-                                   .follow = follow_melting,
-                                   .take_melting = note_melting,
-                                   .finish = finish_melting},
-                        surge = {WITHIN, .across = true, .follow = follow_surge};
-#undef WITHIN
-
-/* ---- rates ---- */
-
-static void follow_slope(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
-  int of = r->measure->of;
-  (void)w;
-  double rate =
-      vs_switching_rate(r->state, c->t0_s, c->from[of], c->t1_s, c->to[of], r->measure->sense);
-  vs_reducer_offer(r, (vs_value){rate >= 0, rate, c->t1_s}, vs_reducer_is_held_from_below(r));
-}
-
-static const vs_reducer steepest = {
-    .state_size = sizeof(vs_slope), .is_rate = true, .follow = follow_slope};
-
-/* ---- against tables ---- */
-
-/* Of several values the one that comes nearest to what the part's table allows it. */
-typedef struct judged {
-  double part;    /* of what is allowed, the most that a value was; 0: there was none */
-  vs_limit limit; /* of that value */
-} judged;
-
-/* Takes a value of which the part bears `allowed`, if it comes nearer to that than those before. */
-static bool take_judged(vs_reduced *r, judged *d, vs_value v, double allowed, bool assumed) {
-  double part = v.value / allowed;
-  if (!(part > d->part)) return false;
-  d->part = part;
-  d->limit.value = allowed;
-  d->limit.assumed = assumed;
-  r->value = v;
-  r->limit = &d->limit;
-  if (part > 1 && isnan(r->failed_s)) r->failed_s = v.at_s;
-  return true;
-}
-
-/* The pulses, or conductions, that a run may have and a row of them is told of. */
-enum { MOST_PULSES = 512 };
-
-/* ---- against a table of pulses ----
- * The peak current of a pulse, held against what the part's table of pulses (netlist/devices.h) allows
- * for the pulse's width and for its number. A pulse lasts while |i| is 1 mA or more and of one
- * sign; its width is its charge over its peak. Its number is how many pulses of the run have its
- * peak or more, times how often an event repeats the run. On an orbit pulses have no end, and no
- * table has their number. A pulse beyond the table's end leaves the others unjudged, unless they
- * pass the table or its current is none that the table speaks of. Not known where the part has no
- * table. */
-
-/* Below this a varistor has no pulse but its leakage, A; as in measure/devices/pulse.c. */
-static const double LEAST_A = 1e-3;
-
-typedef struct pulse_of {
-  double peak_a, charge_c, at_s; /* at_s: of its peak */
-} pulse_of;
-typedef struct pulses {
-  pulse_of present;
-  size_t count, more;         /* of those kept; of smaller ones besides */
-  pulse_of kept[MOST_PULSES]; /* the largest, in order */
-  judged worst;
-} pulses;
-
-static bool has_table(const vs_watched *w, const vs_reduced *r) {
-  (void)r;
-  return vs_devices_least_pulse(w->deck, w->device) > 0;
-}
-
-/* The smallest pulse goes where there is no place. */
-static void end_pulse(pulses *all) {
-  if (!(all->present.peak_a > 0)) return;
-  const bool full = all->count == MOST_PULSES;
-  size_t k = all->count - full;
-  all->more += full;
-  if (!full || all->present.peak_a > all->kept[k].peak_a) {
-    for (; k > 0 && all->kept[k - 1].peak_a < all->present.peak_a; k--)
-      all->kept[k] = all->kept[k - 1];
-    all->kept[k] = all->present;
-  }
-  all->count += !full;
-  all->present = (pulse_of){0};
-}
-
-static void follow_derated(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
-  pulses *all = r->state;
-  double to_a = fabs(c->to[VS_OF_I]);
-  (void)w;
-  if (to_a < LEAST_A || c->from[VS_OF_I] * c->to[VS_OF_I] < 0) end_pulse(all);
-  if (to_a < LEAST_A) return;
-  all->present.charge_c += fabs(c->more[VS_OF_I]);
-  if (to_a > all->present.peak_a) all->present.peak_a = to_a, all->present.at_s = c->t1_s;
-}
-
-/* Holds one pulse against the table. False: it lies beyond the table's end. */
-static bool judge_pulse(const vs_watched *w, vs_reduced *r, const pulse_of *p, double number) {
-  pulses *all = r->state;
-  const double width_s = p->charge_c / p->peak_a;
-  bool assumed;
-  double allowed_a = vs_devices_bears(w->deck, w->device, width_s, number, &assumed);
-  if (isnan(allowed_a)) return p->peak_a <= vs_devices_least_pulse(w->deck, w->device);
-  if (!take_judged(r, &all->worst, (vs_value){true, p->peak_a, p->at_s}, allowed_a, assumed))
-    return true;
-  vs_limit *limit = &all->worst.limit;
-  snprintf(limit->name, sizeof limit->name, "pulse");
-  snprintf(limit->unit, sizeof limit->unit, "A");
-  snprintf(limit->text, sizeof limit->text, "%.4g pulses of %.4g us", number, 1e6 * width_s);
-  snprintf(limit->written, sizeof limit->written, "%.4g A", allowed_a);
-  return true;
-}
-
-static void finish_derated(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
-  pulses *all = r->state;
-  const vs_occurrence *e = vs_occurrence_repeated(&w->timeline->events);
-  const pulse_of *beyond = NULL;
-  (void)end;
-  if (!has_table(w, r)) return;
-  end_pulse(all);
-  for (size_t k = 0; k < all->count; k++) {
-    const double of_run = (double)(k + 1 + (k + 1 == all->count ? all->more : 0));
-    const double number = w->at_work ? INFINITY : e ? of_run * e->v.times : of_run;
-    if (!judge_pulse(w, r, &all->kept[k], number) && !beyond) beyond = &all->kept[k];
-  }
-  if (!beyond || all->worst.part > 1) return;
-  r->value = (vs_value){true, beyond->peak_a, beyond->at_s};
-  r->limit = NULL;
-  r->unjudged = "not judged: the part's table of pulses ends before this width or number";
-}
+                                 .follow = follow_conduction_integral};
 
 /* ---- means of what is repeated ----
  * The integral over the run, divided by the time from one pulse to the next. Not known where no
@@ -410,251 +170,20 @@ static void finish_repeated(const vs_watched *w, vs_reduced *r, const vs_run_end
   if (r->limit && r->value.value > r->limit->value) r->failed_s = end->now_s;
 }
 
-static const vs_reducer derated = {.state_size = sizeof(pulses),
-                                   .is_busy = has_table,
-                                   .follow = follow_derated,
-                                   .finish = finish_derated},
-                        repeated = {.finish = finish_repeated};
+static const vs_reducer repeated = {.finish = finish_repeated};
 
-/* ---- temperatures ----
- * A heat sink takes minutes to warm, a junction milliseconds. So the case is as warm as the mean
- * power makes it in the long run where that mean is judged, or a run is repeated or begins on an
- * orbit; else it stays as it begins, at the ambient. The junction's largest rise over it is the
- * measure of its own. */
+/* ---- rates ---- */
 
-static const char NO_SINK[] = "not judged: no heat sink is stated, nor r_th_ja",
-                  NO_ZTH[] = "not judged: the part has no lines zth",
-                  ON_MEAN[] = "not judged: the mean alone is known, as the part has no lines zth",
-                  WARM[] = "not judged: the case is warm at the start; 'steady' judges it";
-
-/* The mean power of what goes on for ever: of a run that is repeated, as in power_repeated; where a
- * mean of the run is judged, that; else that of the orbit on which the run begins. Returns why none
- * is known, as "not judged: one shot"; NULL: one is. */
-static const char *long_run_w(const vs_watched *w, const vs_run_end *end, double *power_w) {
-  const vs_occurrence *e = vs_occurrence_repeated(&w->timeline->events);
-  *power_w = e ? w->sum[VS_OF_POWER] / e->v.every_s : NAN;
-  if (!w->at_work && e) return NULL;
-  const char *unjudged = vs_means_of(w, VS_OF_POWER, end, power_w);
-  if (!unjudged) return NULL;
-  *power_w = vs_junction_orbit_w(vs_reducer_of(w, VS_R_JUNCTION));
-  return isfinite(*power_w) ? NULL : unjudged;
+static void follow_slope(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
+  int of = r->measure->of;
+  (void)w;
+  double rate =
+      vs_switching_rate(r->state, c->t0_s, c->from[of], c->t1_s, c->to[of], r->measure->sense);
+  vs_reducer_offer(r, (vs_value){rate >= 0, rate, c->t1_s}, vs_reducer_is_held_from_below(r));
 }
 
-static void finish_case(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
-  double power_w;
-  const char *cold = long_run_w(w, end, &power_w);
-  const double to_ambient = vs_cooling_to_ambient(w->cooling, w->deck, w->device, &r->assumed);
-  if (!w->cooling->stated && isnan(to_ambient)) return;
-  if (cold ? w->from_work : isnan(to_ambient)) return;
-  r->note = cold ? cold + strlen("not judged: ") : NULL;
-  r->value = (vs_value){true, w->cooling->ambient_degc, NAN};
-  if (!cold) r->value.value += to_ambient * power_w;
-}
-
-/* The limit is left, for this reason. */
-static void leave(vs_reduced *r, const char *why) {
-  if (r->limit) r->unjudged = why;
-  r->limit = NULL;
-}
-
-/* Without lines zth the mean temperature is known, if that. It may break the limit, and cannot hold
- * it. */
-static void finish_mean_junction(const vs_watched *w, vs_reduced *r, double case_degc,
-                                 const vs_run_end *end) {
-  bool assumed = false;
-  double power_w, r_jc = vs_devices_r_th(w->deck, w->device, "r_th_jc", &assumed);
-  if (long_run_w(w, end, &power_w)) {
-    leave(r, NO_ZTH);
-    return;
-  }
-  r->assumed = r->assumed || assumed;
-  r->mean = true;
-  r->value = (vs_value){true, case_degc + (isfinite(r_jc) ? r_jc * power_w : 0), NAN};
-  if (r->limit && r->value.value > r->limit->value)
-    r->failed_s = end->to_s;
-  else
-    leave(r, ON_MEAN);
-}
-
-/* What the largest rise of a run that begins cold lacks, K, where its mean power goes on. */
-static double lacks_k(const vs_watched *w, const vs_reduced *rise, const vs_run_end *end) {
-  double power_w;
-  const bool from_cold =
-      !w->at_work && !w->from_work && !vs_occurrence_repeated(&w->timeline->events);
-  if (!from_cold || long_run_w(w, end, &power_w)) return 0;
-  return vs_junction_lacks_k(rise, end->now_s, power_w);
-}
-
-static void finish_hottest(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
-  const vs_reduced *of_case = vs_reducer_of(w, VS_R_CASE), *rise = vs_reducer_of(w, VS_R_JUNCTION);
-  if (!of_case->value.known) {
-    double power_w;
-    const bool warm = long_run_w(w, end, &power_w) && w->from_work;
-    leave(r, warm && vs_cooling_has(w->cooling, w->deck, w->device) ? WARM : NO_SINK);
-    return;
-  }
-  r->assumed = of_case->assumed || rise->assumed;
-  if (!rise->value.known) {
-    finish_mean_junction(w, r, of_case->value.value, end);
-    return;
-  }
-  const double rise_k = rise->value.value + lacks_k(w, rise, end);
-  r->value = (vs_value){true, of_case->value.value + rise_k, rise->value.at_s};
-  if (r->limit && r->value.value > r->limit->value)
-    r->failed_s = rise->value.at_s;
-  else if (of_case->note &&
-           !vs_means_is_over(w)) { /* the case will be warmer: that may only break it */
-    double power_w;
-    leave(r, long_run_w(w, end, &power_w));
-  }
-}
-
-static const vs_reducer case_temperature = {.continuous = true, .finish = finish_case},
-                        hottest = {.finish = finish_hottest};
-
-/* ---- surges ----
- * Each conduction, or half cycle of a triac, counts by its int i^2 dt. */
-
-/* The half sines of consecutive cycles; of a triac the whole sines. */
-typedef struct row_of {
-  double i2_s[MOST_PULSES], end_s[MOST_PULSES]; /* of the last conductions, in a ring */
-  size_t count;                                 /* of all so far */
-  double present_i2_s;
-  judged worst;
-} row_of;
-
-static bool has_surges(const vs_watched *w, const vs_reduced *r) {
-  (void)r;
-  return vs_devices_most_surges(w->deck, w->device) > 0;
-}
-
-/* What one sine of that peak has over a cycle, as a part of its peak squared, s: half sines of 10
- * ms, two of them where the device conducts both ways. */
-static double of_cycle(const vs_watched *w) {
-  return w->device->kind->both_ways ? SURGE_S : SURGE_S / 2;
-}
-
-/* How many cycles conductions span of which the last ends so long behind the first. A device that
- * conducts both ways has one in each half cycle. */
-static double spans(const vs_watched *w, double behind_s) {
-  const double halves = round(2 * behind_s / w->timeline->period_s);
-  return w->device->kind->both_ways ? fmax(1, (halves + 1) / 2) : round(halves / 2) + 1;
-}
-
-/* Holds a row of consecutive cycles against what the part bears, with the row's int i^2 dt. */
-static void judge_row(const vs_watched *w, vs_reduced *r, double i2_s, double cycles,
-                      double end_s) {
-  row_of *row = r->state;
-  bool assumed;
-  double allowed_a = vs_devices_bears_surge(w->deck, w->device, cycles, &assumed);
-  const vs_value v = {true, sqrt(i2_s / (cycles * of_cycle(w))), end_s};
-  if (!take_judged(r, &row->worst, v, allowed_a, assumed)) return;
-  vs_limit *limit = &row->worst.limit;
-  snprintf(limit->name, sizeof limit->name, "surge");
-  snprintf(limit->unit, sizeof limit->unit, "A");
-  snprintf(limit->text, sizeof limit->text, "%g cycles", cycles);
-  snprintf(limit->written, sizeof limit->written, "%.4g A", allowed_a);
-}
-
-/* The row of the last conductions that come nearest to what the part bears: with each conduction
- * further back the row spans so many cycles, in which the mean square counts. */
-static void end_conduction(const vs_watched *w, vs_reduced *r, double end_s) {
-  row_of *row = r->state;
-  const double most = vs_devices_most_surges(w->deck, w->device);
-  const size_t now = row->count++ % MOST_PULSES;
-  double sum = 0;
-  row->i2_s[now] = row->present_i2_s;
-  row->end_s[now] = end_s;
-  row->present_i2_s = 0;
-  for (size_t k = 0; k < row->count && k < MOST_PULSES; k++) {
-    const size_t n = (now + MOST_PULSES - k) % MOST_PULSES;
-    const double cycles = spans(w, end_s - row->end_s[n]);
-    if (cycles > most) break;
-    sum += row->i2_s[n];
-    judge_row(w, r, sum, cycles, end_s);
-  }
-}
-
-static void follow_surges(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
-  row_of *row = r->state;
-  if (!c->was_on && !c->on) return;
-  row->present_i2_s += c->more[VS_OF_I2];
-  if (!c->on) end_conduction(w, r, c->t1_s);
-}
-
-static void finish_surges(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
-  row_of *row = r->state;
-  if (!has_surges(w, r)) return;
-  if (row->present_i2_s > 0) end_conduction(w, r, end->now_s);
-  const double most = vs_devices_most_surges(w->deck, w->device);
-  if (w->at_work && row->count) { /* an orbit goes on beyond the table's end */
-    const double cycles = (end->to_s - end->from_s) / w->timeline->period_s;
-    judge_row(w, r, w->sum[VS_OF_I2] * most / cycles, most, end->now_s);
-  } else if (row->count > MOST_PULSES) {
-    const size_t last = (row->count - 1) % MOST_PULSES, first = row->count % MOST_PULSES;
-    if (most > spans(w, row->end_s[last] - row->end_s[first]))
-      r->unjudged = "not judged: its table goes on beyond 512 conductions in a row; vibrospice "
-                    "steady SCENE judges them";
-  }
-}
-
-/* One conduction below 10 ms, by its int i^2 dt and its peak. The half sine of the same two lasts
- * 2 int i^2 dt / peak^2. What the part bears is i2sqrt_t times the root of that. */
-typedef struct short_of {
-  double i2_s, peak_a;
-  judged worst;
-} short_of;
-
-static const vs_limit *root_limit(const vs_watched *w) {
-  const char *file = w->device->part < 0 ? NULL : w->deck->parts[w->device->part].file;
-  const vs_limit *limit = file ? vs_parts_find_limit(w->deck, file, "i2sqrt_t") : NULL;
-  return limit && isfinite(limit->value) ? limit : NULL;
-}
-
-static bool has_root(const vs_watched *w, const vs_reduced *r) {
-  (void)r;
-  return root_limit(w);
-}
-
-static void end_short(const vs_watched *w, vs_reduced *r, double end_s) {
-  short_of *s = r->state;
-  const vs_limit *root = root_limit(w);
-  const double length_s = 2 * s->i2_s / (s->peak_a * s->peak_a);
-  const vs_value v = {true, s->i2_s, end_s};
-  s->i2_s = s->peak_a = 0;
-  if (!(length_s > 0) || length_s >= SURGE_S) return;
-  double allowed = root->value * sqrt(length_s);
-  if (!take_judged(r, &s->worst, v, allowed, root->assumed)) return;
-  vs_limit *limit = &s->worst.limit;
-  snprintf(limit->name, sizeof limit->name, "i2sqrt_t");
-  snprintf(limit->unit, sizeof limit->unit, "A2.s");
-  snprintf(limit->text, sizeof limit->text, "half sine of %.4g ms", 1e3 * length_s);
-  snprintf(limit->written, sizeof limit->written, "%.4g A2.s", allowed);
-}
-
-static void follow_short(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
-  short_of *s = r->state;
-  if (!c->was_on && !c->on) return;
-  s->i2_s += c->more[VS_OF_I2];
-  s->peak_a = fmax(s->peak_a, fmax(fabs(c->from[VS_OF_I]), fabs(c->to[VS_OF_I])));
-  if (!c->on) end_short(w, r, c->t1_s);
-}
-
-static void finish_short(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
-  const short_of *s = r->state;
-  if (s->i2_s > 0) end_short(w, r, end->now_s);
-}
-
-static const vs_reducer surges = {.state_size = sizeof(row_of),
-                                  .hangs_on_sequence = true,
-                                  .is_busy = has_surges,
-                                  .follow = follow_surges,
-                                  .finish = finish_surges},
-                        short_pulse = {.state_size = sizeof(short_of),
-                                       .hangs_on_sequence = true,
-                                       .is_busy = has_root,
-                                       .follow = follow_short,
-                                       .finish = finish_short};
+static const vs_reducer steepest = {
+    .state_size = sizeof(vs_slope), .is_rate = true, .follow = follow_slope};
 
 /* ---- the table ---- */
 

@@ -3,10 +3,10 @@
 
 #include <math.h>
 
-#include "netlist/parts.h"
 #include "engine/events.h"
 #include "engine/firing.h"
 #include "engine/gate.h"
+#include "netlist/parts.h"
 
 /* A current up to this is leakage: the device has not begun to conduct. */
 static const double QUIET_A = 0.001;
@@ -50,13 +50,13 @@ void vs_switching_gate_follow(vs_gate_watch *g, const vs_course_step *c) {
 }
 
 /* True while a gate pulse is known to be there. The device is then meant to conduct. */
-static bool is_gated(const vs_switch *s) {
+static bool is_rise_gated(const vs_switch *s) {
   return s->gate.on && s->gate.gates.count;
 }
 
 /* True while its gate is driven: within a pulse, and there within a sub-pulse. */
 static bool is_driven(const vs_switch *s, const vs_course_step *c) {
-  if (!is_gated(s) || !s->gate.bursts) return is_gated(s);
+  if (!is_rise_gated(s) || !s->gate.bursts) return is_rise_gated(s);
   double at_s = vs_gate_of_step(c->t0_s, c->t1_s);
   for (size_t k = 0; k < s->gate.gates.count; k++)
     if (vs_gate_burst(s->gate.timeline, s->gate.gates.rad[k], at_s)) return true;
@@ -75,7 +75,7 @@ static void begin_rise(vs_rise *r, double t_s, double v) {
 }
 
 /* Notes that it rose by over_v from one instant to another. */
-static void take_stretch(vs_rise *r, vs_instant from, vs_instant to) {
+static void take_stretch_of_rise(vs_rise *r, vs_instant from, vs_instant to) {
   if (to.t_s - from.t_s < r->best.took_s)
     r->best = (vs_ascent){from.t_s, to.t_s - from.t_s, r->over_v, from.bent_s + to.bent_s};
 }
@@ -86,7 +86,7 @@ static void take_stretch(vs_rise *r, vs_instant from, vs_instant to) {
 static void pass_level(vs_rise *r, double level, vs_instant at) {
   if (level >= VS_RISE_PARTS) {
     const vs_passed *below = &r->passed[(size_t)(level - VS_RISE_PARTS) % VS_RISE_LEVELS];
-    if (below->number == level - VS_RISE_PARTS + 1) take_stretch(r, below->at, at);
+    if (below->number == level - VS_RISE_PARTS + 1) take_stretch_of_rise(r, below->at, at);
   }
   r->passed[(size_t)level % VS_RISE_LEVELS] = (vs_passed){level + 1, at};
 }
@@ -146,7 +146,7 @@ static climbed climbed_of(const vs_rising *c, double slope_v_s) {
 }
 
 /* Part of the step, 0 to 1, at which the cubic is at v, by Newton's method within a bracket. */
-static double part_at(const climbed *c, double v, double part) {
+static double part_of_cubic_at(const climbed *c, double v, double part) {
   const double rise = c->v1 - c->v0, b = 3 * rise - 2 * c->k0 - c->k1, a = c->k0 + c->k1 - 2 * rise;
   double low = 0, high = 1;
   for (int n = 0; n < 60; n++) {
@@ -167,14 +167,14 @@ static vs_instant instant_at(const climbed *c, double v) {
   const double straight_s = c->zero_s + (v - c->low_v) * c->s_per_v;
   if (!c->bent) return (vs_instant){straight_s, 0};
   const double part = (straight_s - c->t0_s) / c->h_s,
-               t_s = c->t0_s + part_at(c, v, fmin(fmax(part, 0), 1)) * c->h_s;
+               t_s = c->t0_s + part_of_cubic_at(c, v, fmin(fmax(part, 0), 1)) * c->h_s;
   return (vs_instant){t_s, c->bow_s};
 }
 
 /* Takes a stretch that began at a kept point, where it ends in this step. */
 static void pass_end(vs_rise *r, vs_instant from, double from_v, const climbed *c) {
   double end_v = from_v + r->over_v;
-  if (c->low_v <= end_v && end_v <= c->v1) take_stretch(r, from, instant_at(c, end_v));
+  if (c->low_v <= end_v && end_v <= c->v1) take_stretch_of_rise(r, from, instant_at(c, end_v));
 }
 
 /* Takes the step that waits, with the slope at its end, or NaN. On a straight line those between
@@ -248,7 +248,7 @@ static vs_ascent four_fifths(const vs_rise *r) {
 }
 
 /* True where four fifths of the present rise are less than over_v. */
-static bool is_low(const vs_rise *r) {
+static bool is_rise_low(const vs_rise *r) {
   return 0.8 * (r->top_v - r->foot_v) < r->over_v;
 }
 
@@ -313,7 +313,7 @@ static void follow_conduction(vs_switch *s, const vs_course_step *c, vs_switch_n
   const vs_conduction_step step = {c->t0_s,        c->t1_s,          c->from[VS_OF_I],
                                    c->to[VS_OF_I], c->from[VS_OF_V], c->to[VS_OF_V]};
   double event_s = NAN;
-  s->conduction.gated = is_gated(s);
+  s->conduction.gated = is_rise_gated(s);
   switch (vs_conduction_follow(&s->conduction, &step, &event_s)) {
   case VS_EV_FIRES:
     s->fired_s = event_s;
@@ -354,13 +354,13 @@ static void fall_back(vs_switch *s, const vs_course_step *c, vs_switch_news *new
 }
 
 /* Forward voltage has returned. */
-static void turn_off(vs_switch *s, double returned_s) {
+static void turn_off_switch(vs_switch *s, double returned_s) {
   s->rest = REST_FORWARD_AGAIN;
   s->offers = true;
   s->offered_s = fmax(returned_s - s->zero_s, 0);
   s->offer = (vs_switch_news){.doubt_s = s->conduction.tail_s,
                               .spread_s = s->conduction.peak_a / s->conduction.tail_a_s};
-  if (!is_gated(s)) /* else it is meant to conduct */
+  if (!is_rise_gated(s)) /* else it is meant to conduct */
     s->offer.offered = (vs_value){true, s->offered_s, returned_s};
 }
 
@@ -387,13 +387,13 @@ static void follow_rest(vs_switch *s, const vs_course_step *c, vs_switch_news *n
       s->rose_s = v0 < FORWARD_V ? c->t0_s + (FORWARD_V - v0) / (v1 - v0) * c->h_s : s->zero_s;
     if (s->fired_v < FORWARD_V || v1 < s->fired_v / 2) break;
     if (s->latched) {
-      turn_off(s, isnan(s->rose_s) ? c->t1_s : s->rose_s);
+      turn_off_switch(s, isnan(s->rose_s) ? c->t1_s : s->rose_s);
       tell_offered(s, news);
     } else
       fall_back(s, c, news);
     break;
   case REST_REVERSED:
-    if (v1 > 0) turn_off(s, v0 < 0 ? c->t0_s - v0 / (v1 - v0) * c->h_s : c->t0_s);
+    if (v1 > 0) turn_off_switch(s, v0 < 0 ? c->t0_s - v0 / (v1 - v0) * c->h_s : c->t0_s);
     if (v1 > FORWARD_V) tell_offered(s, news);
     break;
   case REST_FORWARD_AGAIN:
@@ -407,14 +407,14 @@ static void follow_rest(vs_switch *s, const vs_course_step *c, vs_switch_news *n
 /* The blocking device's voltage has changed its sign: the other half cycle begins. Behind a
  * conduction this is the return of forward voltage. A rest is over with the half cycle behind it,
  * which the voltage must have gone to 10 V in: up to there it is noise about zero. */
-static void turn_over(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
+static void turn_half_cycle(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
   double v0 = c->from[VS_OF_V], v1 = c->to[VS_OF_V];
   double zero_s = v0 * v1 < 0 ? c->t0_s + v0 / (v0 - v1) * c->h_s : c->t0_s;
   s->way = -s->way;
   s->rise.rate_v_s = -s->rise.rate_v_s;
   vs_conduction_turn(&s->conduction, zero_s);
   if (s->rest == REST_NO_REVERSE_YET) {
-    turn_off(s, zero_s);
+    turn_off_switch(s, zero_s);
     tell_offered(s, news);
     s->rose_s = NAN;
   } else if (!isnan(s->rose_s))
@@ -445,7 +445,7 @@ static void judge_firing(vs_switch *s, vs_switch_news *news) {
 /* Follows whether the device answers its gate pulses. A pulse that found forward voltage and has
  * ended is unanswered; as long as a small current flows, though, it may still have been answered.
  */
-static void follow_pulse(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
+static void follow_gate_pulse(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
   if (s->gate.begins) s->forward = s->conducted = false;
   if (s->gate.on) {
     s->conducted = s->conducted || s->conduction.conducts;
@@ -486,7 +486,7 @@ void vs_switching_resume(vs_switch *s, double i_a, double v_v) {
   s->fired_s = -INFINITY;
 }
 
-static void follow_current(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
+static void follow_switch_current(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
   bool was_on = s->conduction.conducts;
   if (!was_on) follow_rest(s, c, news);
   if (was_on && s->both_ways) follow_fall(s, c);
@@ -525,7 +525,7 @@ static void tell_rise(vs_rise *r, vs_switch_news *news) {
 
 /* The first rise of 10 V or more behind a conduction has ended: it is (dv/dt)c, too. */
 static void tell_return(vs_switch *s, vs_switch_news *news) {
-  vs_ascent ascent = is_low(&s->rise) ? four_fifths(&s->rise) : s->rise.best;
+  vs_ascent ascent = is_rise_low(&s->rise) ? four_fifths(&s->rise) : s->rise.best;
   tell_ascent(&ascent, &news->return_rise);
   s->commutates = s->commutates && !news->return_rise.rate.known;
 }
@@ -581,13 +581,13 @@ static void follow_rises(vs_switch *s, const vs_course_step *c, bool was_on, boo
     begin_rise(&s->rise, c->t1_s, fmax(c->to[VS_OF_V], 0));
 }
 
-static void follow(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
+static void follow_switch(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
   bool was_on = s->conduction.conducts, commutated = s->commutates;
   double off_rate = forward_rate(&s->off, c);
   double on_rate = vs_switching_rate(&s->on, c->t0_s, c->from[VS_OF_I], c->t1_s, c->to[VS_OF_I], 1);
   vs_switching_gate_follow(&s->gate, c);
-  follow_current(s, c, news);
-  follow_pulse(s, c, news);
+  follow_switch_current(s, c, news);
+  follow_gate_pulse(s, c, news);
   if (s->rise.over_v > 0) follow_rises(s, c, was_on, commutated, news);
   if (!was_on && !s->conduction.conducts) {
     if (off_rate > s->off_rate) news->off_rate = (vs_value){true, off_rate, c->t1_s};
@@ -606,11 +606,11 @@ void vs_switching_finish(vs_switch *s, vs_switch_news *news) {
 void vs_switching_follow(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
   *news = (vs_switch_news){0};
   if (!s->both_ways)
-    follow(s, c, news);
+    follow_switch(s, c, news);
   else {
-    if (!s->conduction.conducts && s->way * c->to[VS_OF_V] < 0) turn_over(s, c, news);
+    if (!s->conduction.conducts && s->way * c->to[VS_OF_V] < 0) turn_half_cycle(s, c, news);
     vs_course_step half = in_half_cycle(s, c);
-    follow(s, &half, news);
+    follow_switch(s, &half, news);
   }
   news->way = s->way;
   news->any = news->rise.rate.known || news->off_rate.known || news->on_rate.known ||
@@ -650,7 +650,7 @@ static double course_at(const vs_slope *s, double t_s, double t0_s, double y0, d
   return tb > ta ? ya + (yb - ya) * (t_s - ta) / (tb - ta) : yb;
 }
 
-static double in_sense(double change, int sense) {
+static double change_in_sense(double change, int sense) {
   return sense ? sense * change : fabs(change);
 }
 
@@ -660,8 +660,8 @@ static double rate_of_long(vs_slope *s, double t0_s, double y0, double t1_s, dou
   const double window_s = window_of(s);
   double rate = (y1 - y0) / (t1_s - t0_s), after = y0 + rate * (t0_s + window_s - t0_s);
   double before = y0 + rate * (t1_s - window_s - t0_s);
-  double first = in_sense((after - y0) / window_s, sense);
-  double last = in_sense((y1 - before) / window_s, sense), largest = -INFINITY;
+  double first = change_in_sense((after - y0) / window_s, sense);
+  double last = change_in_sense((y1 - before) / window_s, sense), largest = -INFINITY;
   s->first = 0;
   s->t_s[0] = t0_s;
   s->y[0] = y0;
@@ -684,7 +684,7 @@ double vs_switching_rate(vs_slope *s, double t0_s, double y0, double t1_s, doubl
     if (begin_s < s->t_s[s->first] || (!last && (end_s <= t0_s || end_s > t1_s))) continue;
     double begin = last ? course_at(s, begin_s, t0_s, y0, rate) : s->y[knot_at(s, n)];
     double end = last ? y1 : y0 + rate * (end_s - t0_s), change = (end - begin) / window_s;
-    double own = in_sense(change, sense);
+    double own = change_in_sense(change, sense);
     if (own > largest) largest = own; /* fmax would be called */
   }
   while (s->count > 1 && s->t_s[knot_at(s, 1)] <= t1_s - window_s) {

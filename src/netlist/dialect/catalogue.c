@@ -52,7 +52,7 @@ typedef struct table {
   size_t columns;
 } table;
 
-static vs_where place_of(const table *t, size_t line, const char *at) {
+static vs_where place_in_table(const table *t, size_t line, const char *at) {
   return (vs_where){t->path, (int)line + 1, vs_text_column(t->source.line[line], at)};
 }
 
@@ -64,7 +64,7 @@ static const char *contract_of(const char *line) {
 }
 
 /* The line's words up to MOST_COLUMNS and one more, without the quotes of ngspice's. */
-static size_t split(const char *text, vs_word words[MOST_COLUMNS + 1]) {
+static size_t split_columns(const char *text, vs_word words[MOST_COLUMNS + 1]) {
   size_t count = 0;
   for (const char *s = text + strspn(text, " \t"); *s && count <= MOST_COLUMNS;) {
     size_t n = strcspn(s, " \t");
@@ -79,30 +79,31 @@ static bool is_row_line(const char *line) {
   return *line && *line != '*';
 }
 
-static vs_status read_head(table *t, vs_error *err) {
+static vs_status read_table_head(table *t, vs_error *err) {
   const char *head = contract_of(t->source.line[t->rows]) + sizeof ROWS - 1;
-  t->columns = split(head, t->column);
+  t->columns = split_columns(head, t->column);
   if (t->columns == 0 || !vs_words_is(t->column[0], "NAME"))
-    return vs_fail_at(err, place_of(t, t->rows, head), "'rows NAME COLUMN...' is wanted here");
+    return vs_fail_at(err, place_in_table(t, t->rows, head),
+                      "'rows NAME COLUMN...' is wanted here");
   if (t->columns > MOST_COLUMNS)
-    return vs_fail_at(err, place_of(t, t->rows, head), "more than %d columns", MOST_COLUMNS);
+    return vs_fail_at(err, place_in_table(t, t->rows, head), "more than %d columns", MOST_COLUMNS);
   for (size_t k = 1; k < t->columns; k++)
     for (size_t n = 0; n < k; n++)
       if (!vs_words_compare(t->column[k], t->column[n]))
-        return vs_fail_at(err, place_of(t, t->rows, t->column[k].at),
+        return vs_fail_at(err, place_in_table(t, t->rows, t->column[k].at),
                           "column %.*s stands here a second time", (int)t->column[k].n,
                           t->column[k].at);
   return VS_OK;
 }
 
 /* Reads the file; free_table is due also after an error. */
-static vs_status read_table(const char *path, table *t, vs_error *err) {
+static vs_status read_part_table(const char *path, table *t, vs_error *err) {
   *t = (table){.path = path};
   vs_status status = vs_source_read(path, &t->source, err);
   if (status) return status;
   while (t->rows < t->source.count) {
     const char *text = contract_of(t->source.line[t->rows]);
-    if (text && vs_words_begin(text, ROWS)) return read_head(t, err);
+    if (text && vs_words_begin(text, ROWS)) return read_table_head(t, err);
     t->rows++;
   }
   return vs_fail_at(err, (vs_where){.file = path},
@@ -125,7 +126,7 @@ static vs_status refuse_name(const table *t, const char *name, vs_error *err) {
   char **names = vs_alloc(t->source.count, sizeof *names);
   for (size_t k = t->rows + 1; k < t->source.count; k++) {
     vs_word cell[MOST_COLUMNS + 1];
-    if (is_row_line(t->source.line[k]) && split(t->source.line[k], cell))
+    if (is_row_line(t->source.line[k]) && split_columns(t->source.line[k], cell))
       names[count++] = vs_alloc_part(cell[0].at, cell[0].n);
   }
   const char *nearest = vs_text_nearest(name, (const char *const *)names, count);
@@ -141,7 +142,7 @@ static vs_status refuse_name(const table *t, const char *name, vs_error *err) {
 static vs_status check_name(const table *t, size_t line, vs_word name, vs_error *err) {
   for (size_t k = 0; k < name.n; k++)
     if (!isalnum((unsigned char)name.at[k]) && (k == 0 || !strchr("_-", name.at[k])))
-      return vs_fail_at(err, place_of(t, line, name.at),
+      return vs_fail_at(err, place_in_table(t, line, name.at),
                         "'%.*s' is no name of a part; letters, digits, '_' and '-' are wanted",
                         (int)name.n, name.at);
   return VS_OK;
@@ -153,19 +154,19 @@ static vs_status find_row(const table *t, const char *name, row *r, vs_error *er
   for (size_t k = t->rows + 1; k < t->source.count && !status; k++) {
     vs_word cell[MOST_COLUMNS + 1];
     if (!is_row_line(t->source.line[k])) continue;
-    size_t count = split(t->source.line[k], cell);
+    size_t count = split_columns(t->source.line[k], cell);
     if (!vs_words_is(cell[0], name)) continue;
     status = check_name(t, k, cell[0], err);
     if (!status && r->line)
-      status = vs_fail_at(err, place_of(t, k, cell[0].at),
+      status = vs_fail_at(err, place_in_table(t, k, cell[0].at),
                           "%s stands here a second time, as in line %zu", name, r->line + 1);
     if (!status && count != t->columns)
-      status =
-          vs_fail_at(err, place_of(t, k, count > t->columns ? cell[t->columns].at : cell[0].at),
-                     "%s has %s%zu cells, and the line 'rows' has %zu columns; '-' is a cell "
-                     "of which the source says nothing",
-                     name, count > MOST_COLUMNS ? "more than " : "",
-                     count > MOST_COLUMNS ? (size_t)MOST_COLUMNS : count, t->columns);
+      status = vs_fail_at(
+          err, place_in_table(t, k, count > t->columns ? cell[t->columns].at : cell[0].at),
+          "%s has %s%zu cells, and the line 'rows' has %zu columns; '-' is a cell "
+          "of which the source says nothing",
+          name, count > MOST_COLUMNS ? "more than " : "",
+          count > MOST_COLUMNS ? (size_t)MOST_COLUMNS : count, t->columns);
     r->line = k;
     memcpy(r->cell, cell, sizeof cell);
   }
@@ -185,7 +186,7 @@ typedef struct making {
   vs_error *err;
 } making;
 
-static void put(making *m, const char *bytes, size_t n, int column) {
+static void put_bytes(making *m, const char *bytes, size_t n, int column) {
   for (size_t k = 0; k < n; k++) {
     m->column = vs_alloc_grow(m->column, m->text.length + k, sizeof *m->column);
     m->column[m->text.length + k] = column;
@@ -214,10 +215,10 @@ static vs_status put_cell(making *m, vs_word name, size_t line, bool contract, b
   name.n -= marks;
   while (k < m->t->columns && vs_words_compare(m->t->column[k], name)) k++;
   if (k == m->t->columns)
-    return vs_fail_at(m->err, place_of(m->t, line, name.at), "the line 'rows' has no column '%.*s'",
-                      (int)name.n, name.at);
+    return vs_fail_at(m->err, place_in_table(m->t, line, name.at),
+                      "the line 'rows' has no column '%.*s'", (int)name.n, name.at);
   const vs_word cell = m->r->cell[k], number = number_of(cell);
-  const vs_where where = place_of(m->t, m->r->line, cell.at);
+  const vs_where where = place_in_table(m->t, m->r->line, cell.at);
   const bool none = vs_words_is(cell, "-");
   if (!m->cell) m->cell = where.column;
   m->skip = m->skip || (none && contract);
@@ -226,7 +227,7 @@ static vs_status put_cell(making *m, vs_word name, size_t line, bool contract, b
     return vs_fail_at(m->err, where, "%.*s: a number is wanted, as the model is made of it",
                       (int)name.n, name.at);
   if (marks) {
-    if (number.n < cell.n) put(m, "assumed", strlen("assumed"), where.column);
+    if (number.n < cell.n) put_bytes(m, "assumed", strlen("assumed"), where.column);
     return VS_OK;
   }
   if (!quoted && k > 0 && !is_number(number))
@@ -234,7 +235,7 @@ static vs_status put_cell(making *m, vs_word name, size_t line, bool contract, b
                       "%.*s: a number is wanted, with a '?' behind it if it is assumed, or '-', "
                       "not '%.*s'",
                       (int)name.n, name.at, (int)cell.n, cell.at);
-  put(m, number.at, number.n, where.column);
+  put_bytes(m, number.at, number.n, where.column);
   return VS_OK;
 }
 
@@ -250,14 +251,14 @@ static vs_status put_line(making *m, size_t line, bool contract) {
     size_t n = *s == '@' ? strcspn(s + 1, "@ \t") : 0;
     quoted = quoted != (*s == '"');
     if (n == 0 || s[n + 1] != '@') {
-      put(m, s++, 1, m->cell);
+      put_bytes(m, s++, 1, m->cell);
       continue;
     }
     const vs_word word = {s + 1, n};
     if (n == strlen("SUBCKT") && !strncmp(word.at, "SUBCKT", n))
       for (size_t k = 0; k < name.n; k++)
-        put(m, (char[]){(char)tolower((unsigned char)name.at[k])}, 1,
-            place_of(m->t, m->r->line, name.at).column);
+        put_bytes(m, (char[]){(char)tolower((unsigned char)name.at[k])}, 1,
+                  place_in_table(m->t, m->r->line, name.at).column);
     else
       status = put_cell(m, word, line, contract, quoted);
     s += n + 2;
@@ -267,7 +268,7 @@ static vs_status put_line(making *m, size_t line, bool contract) {
 
 /* Where a line of the contract has a cell, it has the row's place; else its own. A line of the
  * netlist has its own place, as what is wrong with it is the law's. */
-static vs_status make(making *m, vs_catalogue_part *part) {
+static vs_status make_part(making *m, vs_catalogue_part *part) {
   vs_status status = VS_OK;
   for (size_t k = 0; k < m->t->rows && !status; k++) {
     const char *line = m->t->source.line[k] + strspn(m->t->source.line[k], " \t");
@@ -279,7 +280,7 @@ static vs_status make(making *m, vs_catalogue_part *part) {
       m->text.length = begin;
       continue;
     }
-    put(m, "\n", 1, m->cell);
+    put_bytes(m, "\n", 1, m->cell);
     part->line = vs_resize(part->line, part->source.count + 1, sizeof *part->line);
     part->line[part->source.count++] = (int)(contract && m->cell ? m->r->line : k) + 1;
     for (size_t b = begin; b < m->text.length; b++)
@@ -289,7 +290,7 @@ static vs_status make(making *m, vs_catalogue_part *part) {
 }
 
 /* Takes the text apart. */
-static void take(making *m, vs_catalogue_part *part) {
+static void take_text_apart(making *m, vs_catalogue_part *part) {
   part->source.text = m->text.text;
   part->source.line = vs_alloc(part->source.count + 1, sizeof *part->source.line);
   part->column = m->column;
@@ -309,14 +310,14 @@ vs_status vs_catalogue_read(const char *path, vs_catalogue_part *part, vs_error 
   row r;
   *part = (vs_catalogue_part){0};
   vs_catalogue_file(path, file);
-  vs_status status = read_table(file, &t, err);
+  vs_status status = read_part_table(file, &t, err);
   if (!status) status = find_row(&t, path + strlen(file) + 1, &r, err);
   making m = {.t = &t, .r = &r, .err = err};
-  if (!status) status = make(&m, part);
+  if (!status) status = make_part(&m, part);
   if (status)
     part->source.count = 0;
   else
-    take(&m, part);
+    take_text_apart(&m, part);
   vs_text_free(&m.text);
   free(m.column);
   free_table(&t);
@@ -343,10 +344,10 @@ static void tell_rows(void *ctx, const char *path) {
   table t;
   vs_error unread = {0};
   char whole[2 * VS_PATH_SIZE];
-  vs_status status = read_table(path, &t, &unread);
+  vs_status status = read_part_table(path, &t, &unread);
   for (size_t k = t.rows + 1; !status && k < t.source.count; k++) {
     vs_word cell[MOST_COLUMNS + 1];
-    if (!is_row_line(t.source.line[k]) || !split(t.source.line[k], cell)) continue;
+    if (!is_row_line(t.source.line[k]) || !split_columns(t.source.line[k], cell)) continue;
     snprintf(whole, sizeof whole, "%s#%.*s", path, (int)cell[0].n, cell[0].at);
     to->each(to->ctx, whole);
   }
@@ -370,7 +371,7 @@ typedef struct search {
   size_t count;
 } search;
 
-static void look(void *ctx, const char *path) {
+static void look_in_table(void *ctx, const char *path) {
   search *s = ctx;
   size_t n;
   const char *name = vs_catalogue_name(path, &n);
@@ -384,7 +385,7 @@ static void look(void *ctx, const char *path) {
   s->exact = same;
 }
 
-static void end(search *s) {
+static void end_search(search *s) {
   for (size_t k = 0; k < s->count; k++) free(s->all[k]);
   free(s->all);
 }
@@ -392,8 +393,8 @@ static void end(search *s) {
 bool vs_catalogue_shipped(const vs_shelf *shelf, const char *name, char path[VS_PATH_SIZE]) {
   if (vs_path_shipped(shelf, name, path)) return true;
   search s = {.name = name, .path = path};
-  vs_catalogue_list(shelf, look, &s);
-  end(&s);
+  vs_catalogue_list(shelf, look_in_table, &s);
+  end_search(&s);
   return s.found;
 }
 
@@ -421,7 +422,7 @@ vs_status vs_catalogue_find(const vs_shelf *shelf, const char *name, vs_where wh
       vs_path_shipped(shelf, name, path))
     return vs_path_find(shelf, name, where, path, err);
   search s = {.name = name, .path = path};
-  vs_catalogue_list(shelf, look, &s);
+  vs_catalogue_list(shelf, look_in_table, &s);
   const char *nearest = vs_text_nearest(name, (const char *const *)s.all, s.count);
   vs_status status =
       s.found ? vs_jail_check(path, where, err)
@@ -429,7 +430,7 @@ vs_status vs_catalogue_find(const vs_shelf *shelf, const char *name, vs_where wh
                            "no %s '%s': not a file, and not a %s that comes with the program%s%s%s",
                            shelf->what, name, shelf->what, nearest ? "; did you mean '" : "",
                            nearest ? nearest : "", nearest ? "'?" : "");
-  end(&s);
+  end_search(&s);
   return status;
 }
 

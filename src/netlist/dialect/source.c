@@ -77,7 +77,7 @@ static encoding find_encoding(const bytes *b) {
 }
 
 /* Writes a character as UTF-8, in at most four bytes, and returns the byte behind it. */
-static char *put(char *to, uint32_t c) {
+static char *put_utf8(char *to, uint32_t c) {
   if (c < 0x80) {
     *to++ = (char)c;
     return to;
@@ -111,7 +111,7 @@ static vs_status from_utf16(const bytes *b, const encoding *e, const char *path,
                              : "a zero byte; a netlist is a text");
     if (first) unit = 0x10000 + ((first - 0xd800) << 10) + (unit - 0xdc00);
     first = high ? unit : 0;
-    if (!high) to = put(to, unit);
+    if (!high) to = put_utf8(to, unit);
   }
   *to = '\0';
   return first || (b->count - e->mark) % 2
@@ -130,7 +130,7 @@ static vs_status from_bytes(const bytes *b, size_t mark, const char *path, char 
       return vs_fail_at(err, (vs_where){path, line_of(text, to), 1},
                         "a zero byte; a netlist is a text");
     if (latin)
-      to = put(to, c);
+      to = put_utf8(to, c);
     else
       *to++ = (char)c;
   }
@@ -153,7 +153,7 @@ static size_t end_length(const char *s) {
   return s[n] == '\n' ? n + 1 : n > 0;
 }
 
-static void split(vs_source *s) {
+static void split_lines(vs_source *s) {
   size_t room = 0;
   for (char *at = s->text; *at;) {
     if (s->count == room) {
@@ -201,7 +201,7 @@ vs_status vs_source_read(const char *path, vs_source *source, vs_error *err) {
   free(b.at);
   if (status) return status;
   cut_end(source->text);
-  split(source);
+  split_lines(source);
   return check_encryption(source, path, err);
 }
 

@@ -9,12 +9,12 @@
 
 #include "base/cursor.h"
 
-static bool among(const char *word, const char *const *list, size_t count) {
+static bool is_statement_word(const char *word, const char *const *list, size_t count) {
   for (size_t k = 0; k < count; k++)
     if (!strcasecmp(word, list[k])) return true;
   return false;
 }
-#define AMONG(word, list) among(word, list, sizeof(list) / sizeof *(list))
+#define AMONG(word, list) is_statement_word(word, list, sizeof(list) / sizeof *(list))
 
 /* ---- what is skipped ---- */
 

@@ -3,16 +3,258 @@
 
 #include <ctype.h>
 #include <stdbool.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
+#include "base/cursor.h"
 #include "base/text.h"
 #include "dialect/elements.h"
 #include "dialect/functions.h"
-#include "dialect/models.h"
+#include "dialect/rewriting.h"
 #include "netlist/numbers.h"
 #include "netlist/words.h"
+
+/* ---- models: lines .model as PSpice and LTspice write them ---- */
+
+static const char PSPICE[] = "is PSpice's; a line '*$ compat ps' has the deck read in its dialect";
+
+/* Parameters that say what a part may bear and where it is from. ngspice takes a word behind '='
+ * for a parameter's name, and ends there. */
+static const char RATINGS[] = " mfg pn type vpk ipk iave irms diss vceo icrating qg vds ";
+
+/* Parameters of an ideal diode, which ngspice reads as a common one without them. */
+static const char IDEAL[] = " vfwd vrev ron roff rrev epsilon ilimit revilimit revepsilon ";
+
+/* Parameters that ngspice takes in PSpice's dialect only. */
+static const char OF_PSPICE[] = " t_abs t_measured t_rel_global t_rel_local ";
+
+/* The parameters that ngspice 39 knows of these types of model, from the tables of its devices. Of
+ * others it says "unrecognized parameter - ignored", where nobody reads it. */
+static const struct known {
+  const char *types, *names;
+} KNOWN[] = {
+    {" d ", " level is js jsw isw tnom tref rs rsw trs trs1 trs2 n ns tt ttt1 ttt2 cjo cj0 cj vj "
+            "pb m mj tm1 tm2 cjp cjsw php vjsw mjsw ikf ik ikr ikp nbv nz area pj tlev tlevc eg "
+            "gap1 gap2 xti cta ctc ctp tpb tvj tphp jtun jtunsw ntun xtitun keg kf af fc fcs bv "
+            "vb vrb var ibv ib tcv tbv1 isr nr vp fv_max bv_max id_max te_max pd_max rth0 cth0 lm "
+            "lp wm wp xom xoi xm xp xw "},
+    {" npn pnp ",
+     " level subs tnom tref is ibe ibc bf nf vaf va ikf ik ise c2 ne br nr var vb ikr isc "
+     "c4 nc rb irb rbm re rc cje vje pe mje me tf xtf vtf itf ptf cjc vjc pc mjc mc xcjc "
+     "tr cjs csub ccs vjs ps mjs ms xtb eg xti fc kf af iss ns rco vo gamma qco tlev tlevc "
+     "tbf1 tbf2 tbr1 tbr2 tikf1 tikf2 tikr1 tikr2 tirb1 tirb2 tnc1 tnc2 tne1 tne2 tnf1 "
+     "tnf2 tnr1 tnr2 trb1 trb trb2 trc1 trc trc2 tre1 tre tre2 trm1 trm2 tvaf1 tvaf2 tvar1 "
+     "tvar2 ctc cte cts tvjc tvje tvjs titf1 titf2 ttf1 ttf2 ttr1 ttr2 tmje1 tmje2 tmjc1 "
+     "tmjc2 tmjs1 tmjs2 tns1 tns2 nkf nk tis1 tis2 tise1 tise2 tisc1 tisc2 tiss1 tiss2 "
+     "quasimod vg cn d vbe_max vbc_max vce_max pd_max ic_max ib_max te_max rth0 "},
+    {" sw ", " vt vh ron roff "},
+    {" csw ", " it ih ron roff "},
+    {" r res ",
+     " rsh narrow dw dlr short tc1 tc1r tc2 tc2r tce defw w l kf af tnom r res bv_max lf "
+     "wf ef "},
+    {" c cap ",
+     " cap c cj cox cjsw capsw defw w defl l narrow short del tc1 tc2 tnom di thick bv_max "},
+    {" l ind ", " ind l tc1 tc2 tnom csect dia length nt mu "},
+    {" njf pjf ",
+     " level vt0 vto beta lambda rd rs cgs cgd pb is n fc b tnom tcv vtotc bex betatce xti "
+     "eg kf af nlev gdsnoi "},
+    {" vdmos vdmosn vdmosp ",
+     " vto vth0 kp phi lambda theta rd rs rg tnom kf af rq vq mtriode tcvth vtotc mu bex "
+     "texp0 texp1 trd1 trd2 trg1 trg2 trs1 trs2 trb1 trb2 subshift ksubthres tksubthres1 "
+     "tksubthres2 bv ibv nbv rds rb n tt eg xti is vj vp cjo m fc cgdmin cgdmax a cgs "
+     "rthjc rthca cthj vgs_max vgd_max vds_max vgsr_max vgdr_max pd_max id_max idr_max "
+     "te_max rth_ext derating ron "},
+};
+
+static bool is_in_list(const char *list, vs_word w) {
+  char padded[40];
+  snprintf(padded, sizeof padded, " %.*s ", (int)w.n, w.at);
+  vs_cursor_lower(padded);
+  return strstr(list, padded) != NULL;
+}
+
+static const struct known *known_of(vs_word type) {
+  type.n = strcspn(type.at, " \t(");
+  for (size_t k = 0; k < sizeof KNOWN / sizeof *KNOWN; k++)
+    if (is_in_list(KNOWN[k].types, type)) return &KNOWN[k];
+  return NULL;
+}
+
+/* The word behind which a model's parameters stand: the type is this one up to '('. */
+static bool is_type(vs_word w, const char *type) {
+  size_t n = strlen(type);
+  return w.n >= n && !strncasecmp(w.at, type, n) && !vs_words_goes_on(w.at[n]);
+}
+
+static vs_status refuse_in_model(const vs_rewriting *r, vs_word w, const char *what,
+                                 const char *why) {
+  return vs_fail_at(r->err, vs_rewriting_place(r, w.at, w.n), "%s %s", what, why);
+}
+
+/* Leaves out "NAME = VALUE"; what stands behind it moves up. */
+static void leave_out(vs_rewriting *r, vs_word name) {
+  size_t begin = (size_t)(name.at - r->text.text);
+  const char *value = strchr(name.at, '=') + 1;
+  value += strspn(value, " \t");
+  const char *end = strchr("\"'", *value) && *value ? strchr(value + 1, *value) : NULL;
+  end = end ? end + 1 : value + strcspn(value, " \t,)");
+  vs_tally_add(r->tally,
+               "ratings in a .model (mfg, type, Vpk, Iave, Vceo, ...), LTspice's, are no part of "
+               "the model and left out",
+               vs_rewriting_place(r, name.at, name.n));
+  vs_rewriting_replace(r, begin, (size_t)(end - name.at), "");
+}
+
+/* Types of models by which PSpice multiplies an element's value: R1 a b rm 1k, .model rm RES(R=2).
+ * ngspice takes R= for the value of an element that has none, and so leaves it out. */
+static const struct multiplier {
+  const char *type, *name;
+} MULTIPLIERS[] = {{"res", "r"}, {"cap", "c"}, {"ind", "l"}};
+
+static vs_status judge_multiplier(vs_rewriting *r, vs_word type, vs_word name, const char *value) {
+  bool is = false, of_ngspice = !r->pspice && is_type(type, "res");
+  char *end;
+  for (size_t k = 0; k < sizeof MULTIPLIERS / sizeof *MULTIPLIERS; k++)
+    is = is || (is_type(type, MULTIPLIERS[k].type) && vs_words_is(name, MULTIPLIERS[k].name));
+  if (!is || (strtod(value, &end) == 1 && end > value && !vs_words_goes_on(*end))) return VS_OK;
+  if (!of_ngspice)
+    return refuse_in_model(
+        r, name, "this parameter",
+        "multiplies what an element says, in PSpice; ngspice leaves it out: write the "
+        "values that it makes at the elements, and here 1, or nothing");
+  vs_tally_add(r->tally,
+               "R= of a model RES multiplies a resistor's value in PSpice and LTspice; ngspice "
+               "takes it for the value of resistors that have none",
+               vs_rewriting_place(r, name.at, name.n));
+  return VS_OK;
+}
+
+/* CAP and IND, PSpice's and LTspice's, are C and L in ngspice, which finds no model of these names.
+ */
+static void rewrite_type(vs_rewriting *r, size_t type) {
+  static const char *const TYPES[][2] = {{"cap", "c"}, {"ind", "l"}};
+  for (size_t k = 0; k < sizeof TYPES / sizeof *TYPES; k++)
+    if (is_type((vs_word){r->text.text + type, strlen(r->text.text + type)}, TYPES[k][0])) {
+      vs_rewriting_replace(r, type, strlen(TYPES[k][0]), TYPES[k][1]);
+      return;
+    }
+}
+
+/* KiCad writes "VDMOS NCHAN ( vto=3 ... )", from which ngspice 39 never comes back. Without these
+ * brackets it reads the same. */
+static void rewrite_channel(vs_rewriting *r, vs_word type, vs_word channel) {
+  channel.n = strcspn(channel.at, "( \t");
+  const char *open = channel.at + channel.n + strspn(channel.at + channel.n, " \t");
+  if (!is_type(type, "vdmos") || *open != '(') return;
+  if (!is_type(channel, "nchan") && !is_type(channel, "pchan")) return;
+  char *close = strrchr(r->text.text, ')');
+  r->text.text[open - r->text.text] = ' ';
+  if (close) *close = ' ';
+}
+
+/* Judges one parameter of a model; *left_out says that it is not in the text any more. */
+static vs_status judge_parameter(vs_rewriting *r, vs_word type, vs_word name, bool *left_out) {
+  const struct known *known = known_of(type);
+  if (!r->pspice && is_in_list(OF_PSPICE, name))
+    return refuse_in_model(r, name, "this parameter", PSPICE);
+  if (is_type(type, "d") && is_in_list(IDEAL, name))
+    return refuse_in_model(
+        r, name, "this parameter",
+        "belongs to an ideal diode of LTspice's, which ngspice would read as a common "
+        "one; a like one is d(is=1e-9 n=0.1 rs=RON), with bv= for Vrev");
+  if (is_in_list(" t_rel_local ", name))
+    return refuse_in_model(r, name, "this parameter",
+                           "is left out by ngspice; write T_ABS, or T_REL_GLOBAL, which it knows");
+  const char *value = strchr(name.at, '=') + 1;
+  value += strspn(value, " \t");
+  vs_status status = judge_multiplier(r, type, name, value);
+  if (status) return status;
+  bool passive = is_type(type, "res") || is_type(type, "cap") || is_type(type, "ind");
+  if (is_type(type, "sw") && is_in_list(" vh ", name) && *value == '-')
+    vs_tally_add(r->tally,
+                 "Vh below 0: LTspice's switch goes over smoothly from Vt-|Vh| to Vt+|Vh|; "
+                 "ngspice's jumps where it enters that range, a little sooner",
+                 vs_rewriting_place(r, name.at, name.n));
+  *left_out = is_in_list(RATINGS, name);
+  if (*left_out)
+    leave_out(r, name);
+  else if (known && (!r->pspice || (passive && !is_in_list(OF_PSPICE, name))) &&
+           !is_in_list(known->names, name))
+    vs_tally_add(r->tally,
+                 "ngspice has no such parameter in a model of this type, and leaves it out",
+                 vs_rewriting_place(r, name.at, name.n));
+  return VS_OK;
+}
+
+/* Adds what a switch of PSpice's leaves to its defaults: ngspice dies of one without Von or Voff.
+ */
+static void complete_switch(vs_rewriting *r, vs_word type) {
+  static const struct {
+    const char *type, *name, *value;
+  } DEFAULTS[] = {{"vswitch", "ron", "1"},    {"vswitch", "roff", "1e6"},
+                  {"vswitch", "von", "1"},    {"vswitch", "voff", "0"},
+                  {"iswitch", "ron", "1"},    {"iswitch", "roff", "1e6"},
+                  {"iswitch", "ion", "1e-3"}, {"iswitch", "ioff", "0"}};
+  static const char TOLD[] =
+      "a switch of PSpice's without Ron, Roff, Von or Voff (Ion, Ioff): 1 ohm, 1 Mohm, 1 V and 0 V "
+      "(1 mA, 0 A) are taken, PSpice's own";
+  vs_word whole, value;
+  size_t at = (size_t)(type.at - r->text.text), n = strcspn(type.at, " \t(");
+  char kind[8];
+  snprintf(kind, sizeof kind, "%.*s", (int)n, type.at);
+  char *bracket = strchr(r->text.text + at, '(');
+  if (bracket) *bracket = ' ';
+  bool vt = vs_words_parameter(r->text.text + at, "vt", &whole, &value) ||
+            vs_words_parameter(r->text.text + at, "it", &whole, &value);
+  vs_text added = {0};
+  for (size_t k = 0; k < sizeof DEFAULTS / sizeof *DEFAULTS && !vt; k++)
+    if (!strcasecmp(DEFAULTS[k].type, kind) &&
+        !vs_words_parameter(r->text.text + at, DEFAULTS[k].name, &whole, &value))
+      vs_text_add(&added, " %s=%s ", DEFAULTS[k].name, DEFAULTS[k].value);
+  if (bracket) *bracket = '(';
+  if (added.text) {
+    size_t place = bracket ? (size_t)(bracket - r->text.text) + 1 : at + n;
+    vs_rewriting_replace(r, place, 0, added.text);
+    vs_rewriting_tell(r, TOLD);
+  }
+  vs_text_free(&added);
+}
+
+/* Leaves out ratings that a model tells besides (mfg, Vpk, ...), and tells it. Errors with their
+ * place: what ngspice takes no notice of, or does not know, unless it reads PSpice's dialect; an
+ * ideal diode of LTspice's. */
+static vs_status models_rewrite(vs_rewriting *r) {
+  vs_word w[VS_WORDS_MOST];
+  if (strncasecmp(r->text.text, ".model", 6)) return VS_OK;
+  size_t count = vs_words_split(r->text.text, w);
+  if (count < 3) return VS_OK;
+  if (!r->pspice && is_type(w[2], "ako")) return refuse_in_model(r, w[2], "AKO:", PSPICE);
+  if (!r->pspice && (is_type(w[2], "vswitch") || is_type(w[2], "iswitch")))
+    return refuse_in_model(r, w[2], "a switch of that name", PSPICE);
+  if (count > 3) rewrite_channel(r, w[2], w[3]);
+  size_t type = (size_t)(w[2].at - r->text.text), type_n = w[2].n;
+  if (is_type(w[2], "vswitch") || is_type(w[2], "iswitch")) complete_switch(r, w[2]);
+  for (size_t at = type; r->text.text[at]; at++) {
+    const char *text = r->text.text, *end = text + at, *begin;
+    if (*end != '=') continue;
+    while (end > text + type && strchr(" \t", end[-1])) end--;
+    for (begin = end; begin > text + type && vs_words_goes_on(begin[-1]);) begin--;
+    vs_word name = {begin, (size_t)(end - begin)};
+    bool left_out = false;
+    size_t from = (size_t)(begin - text);
+    vs_status status = VS_OK;
+    if (name.n > 0 && name.n < 30)
+      status = judge_parameter(r, (vs_word){text + type, type_n}, name, &left_out);
+    if (status) return status;
+    if (left_out) at = from > 0 ? from - 1 : 0;
+  }
+  rewrite_type(r, type);
+  return VS_OK;
+}
+
+/* ---- all lines ---- */
 
 /* Commas between assignments, "a=1, b=2", which ngspice never comes back from, become blanks. */
 static void rewrite_commas(vs_rewriting *r) {
@@ -103,7 +345,7 @@ vs_status vs_translate(vs_rewriting *r) {
   status = check_sine(r);
   if (!status) status = check_points(r);
   if (!status) tell_of_edges(r);
-  if (!status) status = vs_models_rewrite(r);
+  if (!status) status = models_rewrite(r);
   if (!status) status = vs_elements_rewrite(r);
   if (!status) status = vs_functions_rewrite(r);
   return status;

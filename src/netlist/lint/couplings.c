@@ -10,10 +10,10 @@
 #include <strings.h>
 
 #include "base/alloc.h"
+#include "base/sets.h"
 #include "base/text.h"
 #include "netlist/numbers.h"
 #include "netlist/words.h"
-#include "base/sets.h"
 
 /* ---- one line ---- */
 
@@ -80,7 +80,7 @@ typedef struct couplings {
   size_t inductors, count;
 } couplings;
 
-static int compare(const void *a, const void *b) {
+static int compare_couplings(const void *a, const void *b) {
   const inductor *x = a, *y = b;
   if (x->scope != y->scope) return x->scope < y->scope ? -1 : 1;
   return vs_words_compare(x->name, y->name);
@@ -101,7 +101,7 @@ static bool read_coupling(const vs_line *line, vs_word name[2], coupling *c) {
 }
 
 /* Finds all lines K, and the inductors of each. */
-static void find_all(couplings *all, const vs_line *lines, size_t count) {
+static void find_couplings(couplings *all, const vs_line *lines, size_t count) {
   size_t *open = NULL, depth = 0, scopes = 0, conditions = 0, n = 0;
   for (size_t k = 0; k < count; k++) {
     const char *text = lines[k].text;
@@ -126,14 +126,14 @@ static void find_all(couplings *all, const vs_line *lines, size_t count) {
   free(open);
   inductor *given = vs_alloc(n + 1, sizeof *given); /* two of each K, in the order of lines */
   if (n) memcpy(given, all->inductor, n * sizeof *given);
-  if (n) qsort(all->inductor, n, sizeof *all->inductor, compare);
+  if (n) qsort(all->inductor, n, sizeof *all->inductor, compare_couplings);
   for (size_t k = 0; k < n; k++)
-    if (!k || compare(&all->inductor[k], &all->inductor[all->inductors - 1]))
+    if (!k || compare_couplings(&all->inductor[k], &all->inductor[all->inductors - 1]))
       all->inductor[all->inductors++] = all->inductor[k];
   for (size_t k = 0; k < n; k++)
     all->list[k / 2].end[k % 2] =
         (size_t)((inductor *)bsearch(&given[k], all->inductor, all->inductors, sizeof *given,
-                                     compare) -
+                                     compare_couplings) -
                  all->inductor);
   free(given);
 }
@@ -215,7 +215,7 @@ static int compare_sets(const void *a, const void *b, void *ctx) {
 vs_status vs_couplings_check(const vs_line *lines, size_t count, vs_error *err) {
   couplings all = {0};
   vs_status status = VS_OK;
-  find_all(&all, lines, count);
+  find_couplings(&all, lines, count);
   find_sets(&all);
   const coupling **sorted = vs_alloc(all.count + 1, sizeof *sorted);
   for (size_t k = 0; k < all.count; k++) sorted[k] = &all.list[k];

@@ -6,7 +6,7 @@
 #include "lint/circle.h"
 
 /* Goes to the next definition that this one names. */
-static size_t next(const void *ctx, vs_circle_step *at) {
+static size_t next_named(const void *ctx, vs_circle_step *at) {
   const vs_definitions *d = ctx;
   const vs_definition *of = &d->list[at->thing];
   const char *end = of->body.at + of->body.n;
@@ -30,7 +30,7 @@ static const char *verb(const void *ctx, size_t thing, vs_word *name) {
 
 vs_status vs_cycles_check(const vs_definitions *d, vs_error *err) {
   vs_circle_step *path = vs_alloc(d->count + 1, sizeof *path);
-  const size_t count = vs_circle_find(d->count, next, d, path, NULL);
+  const size_t count = vs_circle_find(d->count, next_named, d, path, NULL);
   if (count) {
     const vs_definition *first = &d->list[path[0].thing];
     vs_text text = {0};
@@ -55,7 +55,7 @@ vs_status vs_cycles_check_depth(const vs_definitions *d, vs_error *err) {
     const size_t most = of->function ? VS_CYCLES_FUNCTIONS : VS_CYCLES_PARAMETERS;
     vs_circle_step at = {.thing = order[k]};
     size_t deepest = 0; /* of those of its kind that it names */
-    for (size_t to; (to = next(d, &at)) < d->count;)
+    for (size_t to; (to = next_named(d, &at)) < d->count;)
       if (d->list[to].function == of->function && depth[to] > deepest) deepest = depth[to];
     depth[order[k]] = deepest + 1;
     if (deepest >= most)
@@ -74,6 +74,6 @@ vs_status vs_cycles_check_depth(const vs_definitions *d, vs_error *err) {
 
 void vs_cycles_order(const vs_definitions *d, size_t *order) {
   vs_circle_step *path = vs_alloc(d->count + 1, sizeof *path);
-  vs_circle_find(d->count, next, d, path, order);
+  vs_circle_find(d->count, next_named, d, path, order);
   free(path);
 }

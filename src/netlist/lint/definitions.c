@@ -20,7 +20,7 @@ static size_t length_of_name(const char *s) {
   return n;
 }
 
-static void add(vs_definitions *d, vs_definition definition) {
+static void add_definition(vs_definitions *d, vs_definition definition) {
   d->list = vs_alloc_grow(d->list, d->count, sizeof *d->list);
   d->list[d->count++] = definition;
 }
@@ -46,7 +46,7 @@ static void read_parameters(vs_definitions *d, const vs_line *line, const char *
     behind = vs_parameters_next(line->text, value, &next.at, &next.n);
     const vs_word body = {value, behind ? (size_t)(next.at - value) : strlen(value)};
     if (name.n && length_of_name(name.at) == name.n)
-      add(d, (vs_definition){.line = line, .name = name, .body = body});
+      add_definition(d, (vs_definition){.line = line, .name = name, .body = body});
   }
 }
 
@@ -58,14 +58,14 @@ static void read_line(vs_definitions *d, const vs_line *line, size_t scope) {
   s += strspn(s, BLANKS);
   vs_definition f = {.line = line, .scope = scope};
   if (read_function(s, &f))
-    add(d, f);
+    add_definition(d, f);
   else if (parameters && scope == 0)
     read_parameters(d, line, s);
 }
 
 /* ---- finding ---- */
 
-static int compare(const vs_definition *a, const vs_definition *b) {
+static int compare_definitions(const vs_definition *a, const vs_definition *b) {
   int order = vs_words_compare(a->name, b->name);
   if (!order) order = (a->function > b->function) - (a->function < b->function);
   return order ? order : (a->scope > b->scope) - (a->scope < b->scope);
@@ -73,7 +73,7 @@ static int compare(const vs_definition *a, const vs_definition *b) {
 
 static int compare_entries(const void *a, const void *b) {
   const vs_definition *x = *(const vs_definition *const *)a, *y = *(const vs_definition *const *)b;
-  int order = compare(x, y);
+  int order = compare_definitions(x, y);
   return order ? order : (x > y) - (x < y);
 }
 
@@ -110,12 +110,12 @@ static size_t find_like(const vs_definitions *d, const vs_definition *wanted,
   size_t low = 0, high = d->count, n = 0;
   while (low < high) {
     const size_t middle = (low + high) / 2;
-    if (compare(d->sorted[middle], wanted) < 0)
+    if (compare_definitions(d->sorted[middle], wanted) < 0)
       low = middle + 1;
     else
       high = middle;
   }
-  for (; low + n < d->count && n < 2 && !compare(d->sorted[low + n], wanted); n++)
+  for (; low + n < d->count && n < 2 && !compare_definitions(d->sorted[low + n], wanted); n++)
     *first = d->sorted[low];
   return n;
 }

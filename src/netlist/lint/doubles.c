@@ -24,7 +24,7 @@ static vs_word second_word(const char *text) {
   return vs_words_split(text, w) > 1 ? w[1] : (vs_word){text, 0};
 }
 
-static int compare(const void *a, const void *b) {
+static int compare_doubles(const void *a, const void *b) {
   const definition *x = a, *y = b;
   if (x->model != y->model) return x->model - y->model;
   if (x->scope != y->scope) return x->scope < y->scope ? -1 : 1;
@@ -32,7 +32,7 @@ static int compare(const void *a, const void *b) {
   return order ? order : (x->line > y->line) - (x->line < y->line);
 }
 
-static bool is_same(const definition *a, const definition *b) {
+static bool is_same_definition(const definition *a, const definition *b) {
   return a->model == b->model && a->scope == b->scope && !vs_words_compare(a->name, b->name);
 }
 
@@ -115,9 +115,9 @@ void vs_doubles_look(const vs_line *lines, size_t count, vs_doubles_tell *tell, 
     }
     if (begins && depth++ < MOST_OPEN) open[depth - 1] = k;
   }
-  if (n) qsort(list, n, sizeof *list, compare);
+  if (n) qsort(list, n, sizeof *list, compare_doubles);
   for (size_t k = 1, first = 0; k < n; k++)
-    if (!is_same(&list[first], &list[k]))
+    if (!is_same_definition(&list[first], &list[k]))
       first = k;
     else if (!say_the_same(lines, count, &list[first], &list[k]))
       tell_second(lines, &list[first], &list[k], tell, ctx);

@@ -24,7 +24,7 @@ typedef struct reading {
 enum { DEEPEST = 200 }; /* calls within calls; deeper ones count as they stand */
 
 /* Adds `times` the text from `s` to before `end`. */
-static void add(const reading *r, const char *s, const char *end, double times, int depth) {
+static void add_growth(const reading *r, const char *s, const char *end, double times, int depth) {
   vs_mention m;
   while (vs_definitions_mention(s, end, &m)) {
     const vs_definition *to = NULL;
@@ -43,7 +43,8 @@ static void add(const reading *r, const char *s, const char *end, double times, 
       const size_t known = vs_definitions_arguments(to);
       r->sum->own += times * f->own;
       for (size_t j = 0; j < count && j < known; j++)
-        add(r, argument[j].at, argument[j].at + argument[j].n, times * f->copies[j], depth + 1);
+        add_growth(r, argument[j].at, argument[j].at + argument[j].n, times * f->copies[j],
+                   depth + 1);
     } else {
       behind = m.name.at + m.name.n;
       if (k < 0) r->sum->own += times * (double)m.name.n;
@@ -53,7 +54,7 @@ static void add(const reading *r, const char *s, const char *end, double times, 
   r->sum->own += times * (double)(end - s);
 }
 
-static vs_status refuse(vs_where where, double characters, vs_error *err) {
+static vs_status refuse_growth(vs_where where, double characters, vs_error *err) {
   return vs_fail_at(err, where,
                     "with its functions written out, as ngspice needs it, this line has %.3g "
                     "characters, and at most %d are taken; give inner functions sources of their "
@@ -73,10 +74,10 @@ static vs_status size_functions(const vs_definitions *d, form *of, vs_error *err
     const size_t n = vs_definitions_arguments(f);
     sum->copies = vs_alloc(n, sizeof *sum->copies);
     const reading r = {d, of, f, f->scope, sum};
-    add(&r, f->body.at, f->body.at + f->body.n, 1, 0);
+    add_growth(&r, f->body.at, f->body.at + f->body.n, 1, 0);
     double all = sum->own;
     for (size_t j = 0; j < n; j++) all += sum->copies[j];
-    if (all > VS_GROWTH_MOST) status = refuse(f->line->where, all, err);
+    if (all > VS_GROWTH_MOST) status = refuse_growth(f->line->where, all, err);
   }
   free(order);
   return status;
@@ -92,9 +93,9 @@ static vs_status check_lines(const vs_definitions *d, const form *of, const vs_l
     if (vs_words_begin(text, ".ends")) scope = d->outer[scope];
     if (!strchr(text, '(') || vs_words_begin(text, ".func")) continue;
     const reading r = {d, of, NULL, scope, &sum};
-    add(&r, text, text + strlen(text), 1, 0);
+    add_growth(&r, text, text + strlen(text), 1, 0);
     if (sum.own > VS_GROWTH_MOST && sum.own > (double)strlen(text))
-      return refuse(lines[k].where, sum.own, err);
+      return refuse_growth(lines[k].where, sum.own, err);
   }
   return VS_OK;
 }

@@ -25,7 +25,7 @@ static int compare_names(const void *a, const void *b) {
 }
 
 /* Finds the subcircuits in their order. */
-static void find_all(netlist *all, size_t n_lines) {
+static void find_subcircuits(netlist *all, size_t n_lines) {
   size_t *open = NULL, depth = 0;
   for (size_t k = 0; k < n_lines; k++) {
     vs_word w[VS_WORDS_MOST];
@@ -45,7 +45,7 @@ static void find_all(netlist *all, size_t n_lines) {
 }
 
 /* The only subcircuit of that name; all->count: there is none, or several. */
-static size_t find(const netlist *all, vs_word name) {
+static size_t find_only(const netlist *all, vs_word name) {
   const subcircuit wanted = {.name = name}, *end = all->sorted + all->count;
   const subcircuit *found = bsearch(&wanted, all->sorted, all->count, sizeof wanted, compare_names);
   if (!found || (found > all->sorted && !compare_names(found - 1, found)) ||
@@ -55,7 +55,7 @@ static size_t find(const netlist *all, vs_word name) {
 }
 
 /* Goes to the next subcircuit that this one has an instance of, past those that it defines. */
-static size_t next(const void *ctx, vs_circle_step *at) {
+static size_t next_instance(const void *ctx, vs_circle_step *at) {
   const netlist *all = ctx;
   const subcircuit *of = &all->list[at->thing];
   size_t inner = at->thing + 1; /* the next subcircuit by lines */
@@ -65,7 +65,7 @@ static size_t next(const void *ctx, vs_circle_step *at) {
       k = all->list[inner].end;
       continue;
     }
-    const size_t to = all->called[k].n ? find(all, all->called[k]) : all->count;
+    const size_t to = all->called[k].n ? find_only(all, all->called[k]) : all->count;
     if (to == all->count) continue;
     at->line = k;
     at->name = all->called[k];
@@ -82,9 +82,9 @@ static const char *verb(const void *ctx, size_t thing, vs_word *name) {
 vs_status vs_nesting_check(const vs_line *lines, const vs_word *called, size_t count,
                            vs_error *err) {
   netlist all = {.lines = lines, .called = called};
-  find_all(&all, count);
+  find_subcircuits(&all, count);
   vs_circle_step *path = vs_alloc(all.count + 1, sizeof *path);
-  const size_t length = vs_circle_find(all.count, next, &all, path, NULL);
+  const size_t length = vs_circle_find(all.count, next_instance, &all, path, NULL);
   if (length) {
     const vs_word name = all.list[path[0].thing].name;
     vs_text text = {0};

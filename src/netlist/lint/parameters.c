@@ -70,17 +70,17 @@ vs_status vs_parameters_check(const vs_line *line, vs_error *err) {
 
 /* ---- names that are defined ---- */
 
-static int compare(const void *a, const void *b) {
+static int compare_names(const void *a, const void *b) {
   return vs_words_compare(*(const vs_word *)a, *(const vs_word *)b);
 }
 
-static void add(vs_parameters *p, const char *at, size_t n) {
+static void add_name(vs_parameters *p, const char *at, size_t n) {
   p->name = vs_alloc_grow(p->name, p->count, sizeof *p->name);
   p->name[p->count++] = (vs_word){at, n};
 }
 
 void vs_parameters_add(vs_parameters *p, const char *name) {
-  add(p, name, strlen(name));
+  add_name(p, name, strlen(name));
 }
 
 void vs_parameters_find(vs_parameters *p, const vs_line *lines, size_t n_lines) {
@@ -89,9 +89,9 @@ void vs_parameters_find(vs_parameters *p, const vs_line *lines, size_t n_lines) 
   for (size_t k = 0; k < n_lines; k++) {
     const char *text = lines[k].text;
     if (!vs_words_begin(text, ".param") && !vs_words_begin(text, ".subckt")) continue;
-    for (const char *s = text; (s = vs_parameters_next(text, s, &at, &n));) add(p, at, n);
+    for (const char *s = text; (s = vs_parameters_next(text, s, &at, &n));) add_name(p, at, n);
   }
-  if (p->count) qsort(p->name, p->count, sizeof *p->name, compare);
+  if (p->count) qsort(p->name, p->count, sizeof *p->name, compare_names);
 }
 
 void vs_parameters_free(vs_parameters *p) {
@@ -127,7 +127,7 @@ vs_status vs_parameters_check_gain(const vs_parameters *p, const vs_line *line, 
   const vs_word gain = gain_of(line->text);
   const int n = (int)gain.n;
   if (!n) return VS_OK;
-  if (!p->count || !bsearch(&gain, p->name, p->count, sizeof *p->name, compare))
+  if (!p->count || !bsearch(&gain, p->name, p->count, sizeof *p->name, compare_names))
     return vs_fail_at(err, vs_line_place_of(line, gain),
                       "ngspice takes the gain %.*s for 0, as no .param defines it; write a number, "
                       "or a line '.param %.*s=...'",

@@ -10,8 +10,8 @@
 
 #include "base/alloc.h"
 #include "base/text.h"
-#include "netlist/words.h"
 #include "lint/parameters.h"
+#include "netlist/words.h"
 
 enum { NAME = 64, MOST_NAMES = 64, MOST_OF_A_NAME = 8 };
 
@@ -59,7 +59,7 @@ void vs_subcircuits_free(vs_subcircuits *s) {
 }
 
 /* The first of the subcircuits of that name; s->count: there is none. */
-static size_t find(const vs_subcircuits *s, const char *name) {
+static size_t find_first(const vs_subcircuits *s, const char *name) {
   size_t low = 0, high = s->count;
   while (low < high) {
     size_t middle = (low + high) / 2;
@@ -93,8 +93,8 @@ static bool has_in_line(const char *line, const char *name, size_t n, candidates
 }
 
 /* The same for a whole subcircuit. A .param below it is one of its parameters to ngspice. */
-static bool has(const vs_subcircuits *s, size_t first, const char *name, size_t n,
-                candidates *known) {
+static bool subcircuit_has(const vs_subcircuits *s, size_t first, const char *name, size_t n,
+                           candidates *known) {
   if (has_in_line(s->lines[first].text, name, n, known)) return true;
   size_t depth = 1;
   for (size_t k = first + 1; k < s->n_lines && depth; k++) {
@@ -107,8 +107,8 @@ static bool has(const vs_subcircuits *s, size_t first, const char *name, size_t 
   return false;
 }
 
-static vs_status refuse(const vs_line *line, const char *at, size_t n, const char *subcircuit,
-                        const candidates *known, vs_error *err) {
+static vs_status refuse_parameter(const vs_line *line, const char *at, size_t n,
+                                  const char *subcircuit, const candidates *known, vs_error *err) {
   char name[NAME];
   const char *list[MOST_NAMES], *nearest;
   vs_text all = {0};
@@ -134,7 +134,7 @@ static vs_status refuse(const vs_line *line, const char *at, size_t n, const cha
 vs_status vs_subcircuits_check(const vs_subcircuits *s, const vs_line *line, const char *behind,
                                const char *subcircuit, vs_error *err) {
   const char *at;
-  size_t n, first = find(s, subcircuit), last = first;
+  size_t n, first = find_first(s, subcircuit), last = first;
   while (last < s->count && last - first <= MOST_OF_A_NAME &&
          !compare_words(name_in(s->lines[s->first[last]].text), subcircuit))
     last++;
@@ -143,8 +143,9 @@ vs_status vs_subcircuits_check(const vs_subcircuits *s, const vs_line *line, con
   for (const char *from = behind; (from = vs_parameters_next(line->text, from, &at, &n));) {
     candidates known = {.count = 0};
     bool found = n == 0 || (n == 1 && tolower((unsigned char)*at) == 'm');
-    for (size_t k = first; k < last && !found; k++) found = has(s, s->first[k], at, n, &known);
-    if (!found) return refuse(line, at, n, subcircuit, &known, err);
+    for (size_t k = first; k < last && !found; k++)
+      found = subcircuit_has(s, s->first[k], at, n, &known);
+    if (!found) return refuse_parameter(line, at, n, subcircuit, &known, err);
   }
   return VS_OK;
 }

@@ -62,7 +62,7 @@ vs_status vs_sensitivity_check(const vs_scene *scene, const vs_sensitivity_order
  * those of differences 7 more. As many of them may look for an orbit as ORBITS. */
 enum { RUNS = 40, ORBITS = 8 };
 /* Cycles of the mains that the search for an orbit takes at most, for each in its period, if it
- * ends well: docs/operation.md and docs/load.md. */
+ * ends well: docs/operation.md and docs/power.md. */
 enum { ORBIT_IDEAL = 4300, ORBIT_CIRCUIT = 60 };
 static const double MOST_CYCLES = 2e9; /* that a long holds on every machine */
 

@@ -52,7 +52,7 @@ static vs_status read_derivatives(vs_plan *plan, const vs_node *section, void **
                                   vs_error *err) {
   derivatives *d = *state = vs_alloc(1, sizeof *d);
   d->order = (vs_sensitivity_order){.of = d->of, .to = d->to, .periods = plan->periods};
-  vs_status status = vs_outline_known_keys(section, "sensitivity", KEYS, err);
+  vs_status status = vs_field_outline_keys(section, "sensitivity", KEYS, err);
   if (!status) status = read_names(section, "of", d->of, &d->order.n_of, err);
   if (!status) status = read_names(section, "to", d->to, &d->order.n_to, err);
   if (!status) status = vs_sensitivity_check(plan->base, &d->order, err);

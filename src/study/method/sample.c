@@ -166,7 +166,7 @@ static vs_status sample_read(vs_plan *plan, const vs_node *section, void **state
   const size_t first = plan->n_axes;
   double sigmas;
   sample *s = *state = vs_alloc(1, sizeof *s);
-  vs_status status = vs_outline_known_keys(section, "sample", KEYS, err);
+  vs_status status = vs_field_outline_keys(section, "sample", KEYS, err);
   if (!status) status = read_numbers(plan, section, s, &sigmas, err);
   if (!status) status = read_spread(plan, section, sigmas, err);
   if (!status) status = read_correlation(plan, section, first, s, err);

@@ -138,7 +138,7 @@ static vs_status read_snubber(vs_plan *plan, const vs_node *section, void **stat
   s->finest = 0.01;
   for (size_t p = 0; p < plan->n_stages; p++)
     if (plan->stages[p].method->uncertain) s->sample = &plan->stages[p];
-  vs_status status = vs_outline_known_keys(section, "snubber", KEYS, err);
+  vs_status status = vs_field_outline_keys(section, "snubber", KEYS, err);
   if (!status) status = vs_error_carry_on(err, read_ratings(plan, section, s, err));
   if (!status)
     status = vs_error_carry_on(err, read_part_of_one(section, "margin", 1, &s->margin, err));

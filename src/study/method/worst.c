@@ -73,7 +73,7 @@ static vs_status read_worst(vs_plan *plan, const vs_node *section, void **state,
   const vs_node *finest = vs_tree_child(section, "finest");
   char why[256];
   w->finest = 1e-3;
-  vs_status status = vs_outline_known_keys(section, "find", KEYS, err);
+  vs_status status = vs_field_outline_keys(section, "find", KEYS, err);
   if (!status) status = vs_error_carry_on(err, read_aim(plan, section, w, err));
   if (!status)
     status = vs_error_carry_on(err, vs_axis_whole(section, "n", 1, MOST_CASES, &w->n, err));

@@ -487,7 +487,8 @@ vs_status vs_case_become(vs_case *c, vs_case *other) {
   theirs->tree = tree;
   theirs->warnings = warnings;
   c->present = other->present;
-  return vs_loads_make(&setup->timeline.events, setup->machine, &setup->model, &setup->loads, &err);
+  return vs_setup_make_loads(&setup->timeline.events, setup->machine, &setup->model, &setup->loads,
+                             &err);
 }
 
 void vs_case_failure(const vs_plan *plan, uint64_t index, const double *point, const char *why,

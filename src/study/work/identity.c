@@ -98,7 +98,8 @@ static vs_status add_section(const vs_plan *plan, const vs_filled_section *secti
   const vs_deck *deck = &setup->deck;
   const vs_machine *own = setup->machine;
   static const char *const OUT[] = {"tier", "sample", "verify", NULL}; /* keys of run */
-  const bool run = section->section == &vs_manner_run, circuit = section->section == &deck->section,
+  const bool run = section->section == &vs_setup_run_keys,
+             circuit = section->section == &deck->section,
              machine = section->section == &own->section;
   const vs_coil *coil = &setup->model.coil;
   const char *table =

@@ -8,7 +8,7 @@
 
 #include "engine/pace.h"
 #include "netlist/netlist.h"
-#include "engine/parting.h"
+#include "work/parting.h"
 #include "ngspice/child.h"
 
 /* What becomes of a task: it waits for a trunk, has one, is to be run on its own, is answered. */
@@ -300,7 +300,7 @@ static bool calm(vs_past *p) {
     if (is_varied(p->plan, &events->item[k])) vs_occurrence_put_off(&events->item[k], k);
   s->run.ladder = VS_LADDER_STAY;
   s->run.verify = VS_VERIFY_NEVER;
-  return !vs_loads_make(events, s->machine, &s->model, &s->loads, &err);
+  return !vs_setup_make_loads(events, s->machine, &s->model, &s->loads, &err);
 }
 
 /* Begins the trunk of task k. False: no task shares its past. */

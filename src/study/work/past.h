@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Cases that share their past. Cases of tier circuit that differ in keys of events alone make the
- * same run, to the last bit, until what drives them first differs (engine/parting.h). A worker makes
+ * same run, to the last bit, until what drives them first differs (parting.h). A worker makes
  * that part of their runs once and goes on from there for each of them: it forks within a callback
  * of ngspice, whose whole state is copied so. The rows are those of runs on their own, to the byte.
  *

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The one door to memory: what is asked for here is there, or the process ends. No caller checks a
- * result, and none can forget to. The files that the process has begun are removed first
+ * All memory is requested here. A request that cannot be met ends the process, so no caller checks
+ * a result, and none can forget to. The files that the process has begun are removed first
  * (base/leave.h), and one line on standard error says how many bytes were wanted; the exit status
  * is 1. Nothing that was kept is lost: a file appears whole or not at all, and a study's journal
  * has its rows. A forked child says nothing and ends with VS_ALLOC_STATUS, so that its parent can
  * tell the user what became of it. To hand the failure up instead would need a way back through
  * every function and through the callbacks of the libraries, of which most would never be tried.
- * Programs over the library end in the same way; where they do not call vs_leave_begin, files that
- * were begun stay behind under their temporary names, until the next one is begun there.
+ * Programs that use the library end in the same way; where they do not call vs_leave_begin, files
+ * that were begun stay behind under their temporary names, until the next one is begun there.
  *
  * src/heap.c does the same for what the program's libraries ask for.
  *

@@ -71,7 +71,7 @@ vs_status vs_fail_at(vs_error *err, vs_where where, const char *format, ...)
 vs_status vs_error_carry_on(vs_error *err, vs_status status);
 
 /* Returns how many errors were kept so far; 0 without findings. A caller compares the count before
- * and after a step: what fails behind a kept error may be nothing but its echo. */
+ * and after a step: what fails after a kept error may only be a consequence of it. */
 size_t vs_error_count(const vs_error *err);
 
 #endif

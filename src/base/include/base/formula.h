@@ -16,7 +16,40 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "base/function.h"
+/* ---- operators and functions ---- */
+
+/* How each is computed, how its value changes with those it is of, and what it makes of their
+ * units. One of `of` and `of_two` is NULL. x is the first value and y the second. */
+typedef struct vs_function {
+  const char *name; /* an operator's sign, "neg" for a sign before a value */
+  double (*of)(double x);
+  double (*of_two)(double x, double y);
+  /* First and second partial derivatives: of one value f_x, f_xx; of two f_x, f_y, f_xx, f_xy,
+   * f_yy. At a kink they are those of one branch. Where f does not depend on y, NaN may stand for
+   * a derivative to y. */
+  void (*slopes)(double x, double y, double d[5]);
+  const char *slope[2]; /* f_x and f_y as formulas in x and y */
+  bool alike;           /* both values must have the same unit, which is the result's */
+  bool pure;            /* the value must be a pure number, as the result is */
+  bool raises;          /* x^y: y must be pure; the result's unit is x's to the power y */
+  double power[2];      /* else the unit is x's to power[0] times y's to power[1] */
+} vs_function;
+
+/* The operators come first, in this order. */
+enum { VS_ADD, VS_SUBTRACT, VS_MULTIPLY, VS_DIVIDE, VS_POWER, VS_NEGATE, VS_OPERATORS };
+enum { VS_FUNCTIONS = VS_OPERATORS + 19 };
+extern const vs_function vs_formula_functions[VS_FUNCTIONS];
+
+/* Whole exponents up to this, of either sign, are multiplied. */
+enum { VS_FORMULA_WHOLE = 100 };
+
+/* x^y. Most exponents are whole numbers, as of squares and of varistors' laws; for these pow is
+ * five times slower than multiplying. */
+double vs_formula_power(double x, double y);
+/* sign(x) |x|^y */
+double vs_formula_sign_power(double x, double y);
+
+/* ---- formulas ---- */
 
 /* How many values may wait for their operator at a time; a longer formula is refused. */
 enum { VS_FORMULA_DEPTH = 32 };
@@ -26,7 +59,7 @@ enum { VS_OP_NUMBER, VS_OP_TERM, VS_OP_NAME, VS_OP_FUNCTION };
 
 /* One operation of a formula. */
 typedef struct vs_op {
-  int kind;     /* VS_OP_FUNCTION + k is vs_function_table[k] */
+  int kind;     /* VS_OP_FUNCTION + k is vs_formula_functions[k] */
   int index;    /* of a term or a name, as the scope gave it; of a number: 1 where it is pi */
   double value; /* of a number; of a name, once it is bound */
   int at;       /* where it stands in the text, in bytes from its begin */

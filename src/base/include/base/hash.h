@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Two checksums. CRC-32 (ISO 3309, with zlib's bit order) finds torn lines; SHA-256 (FIPS 180-4)
- * tells files apart. The one reader of input stands here, too: it hands out a file's bytes, and
- * sees to it that they are the same each time. */
+ * tells files apart. Input files are opened here, too, so that every reader of a file gets the same
+ * bytes (vs_hash_hold). */
 #ifndef VS_BASE_HASH_H
 #define VS_BASE_HASH_H
 

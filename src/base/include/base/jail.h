@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Out of which folders input may be read. A stranger's scene or deck can name any file of the
+ * The folders from which input may be read. A stranger's scene or deck can name any file of the
  * machine, and messages quote lines of what was read. In the jail a file is read only if it lies
  * below one of these folders: that of a file that the user has named on the command line; the
  * working directory, if such a file lies below it; those that come with the program. The system is
  * asked where a file really lies, so that links and ".." give no way out. Below such a folder,
  * files and folders whose names begin with a dot are not read. Of the root, and of a home folder or
  * one above it, only the files that lie directly in it are read. A file that has a second name, a
- * hard link, is not read: nothing tells where the other one lies. Who made a copy by hard links
- * copies the file, or does without the jail.
+ * hard link, is not read: nothing tells where the other one lies. Whoever keeps copies as hard
+ * links makes a real copy, or does without the jail.
  *
- * The jail is one for the whole process, as its working directory is: every door through which
- * input comes asks it, and none can be left out by a caller that forgets to pass it on. */
+ * There is one jail for the whole process, as there is one working directory: every function that
+ * opens input asks it, and no caller can forget to pass it on. */
 #ifndef VS_BASE_JAIL_H
 #define VS_BASE_JAIL_H
 

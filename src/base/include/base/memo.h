@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * What sections of a scene were read from, so that of a scene that is read again, with some of its
- * keys changed, only these are read anew. */
+ * A cache of a scene's sections. When a scene is read again with some of its keys changed, as for
+ * each case of a study, only those keys are parsed anew. */
 #ifndef VS_BASE_MEMO_H
 #define VS_BASE_MEMO_H
 

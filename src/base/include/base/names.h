@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Names and the number of each, so that a file of many thousand names is read in a time that grows
- * as the file does. Capitals make no difference. */
+ * A hash table from names to numbers, so that reading a file of many thousand names takes a time
+ * proportional to its size. Capitals make no difference. */
 #ifndef VS_BASE_NAMES_H
 #define VS_BASE_NAMES_H
 

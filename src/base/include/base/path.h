@@ -16,14 +16,14 @@ typedef struct vs_shelf {
   const char *ending; /* ".yaml" */
 } vs_shelf;
 
-/* Writes to path where the file called name lies. A file that names it has it beside itself; else
- * it is the path given, from the working folder (vs_path_is_fallback), or NAME+ending on the shelf
- * in the first library folder that has it. The library folders are, in this order: those of
+/* Writes to path where the file called name lies. It is looked for beside the file that names it;
+ * then at the path given, from the working folder (vs_path_is_fallback); then as NAME+ending on the
+ * shelf in the first library folder that has it. The library folders are, in this order: those of
  * $VIBROSPICE_PATH (separated by colons), share/vibrospice beside the executable, and the build's
  * VS_LIBRARY: spice/ of the source tree, or where the Debian package installs it. where is the
  * place that names the file, for the message. Errors: there is no such file; the message names the
- * nearest shipped one; the jail does not let it be read; a file names it and it is no plain one,
- * while a person may name a pipe. */
+ * nearest shipped one; the jail does not let it be read; a file names it and it is no plain file
+ * (the command line may name a pipe). */
 vs_status vs_path_find(const vs_shelf *shelf, const char *name, vs_where where,
                        char path[VS_PATH_SIZE], vs_error *err);
 

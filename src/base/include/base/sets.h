@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Sets of the numbers 0, 1, 2, ...: each number is in one set, and sets can be joined (a union-find
- * forest). */
+ * Disjoint sets of the numbers 0, 1, 2, ...: each number is in one set, and sets can be joined (a
+ * union-find forest). */
 #ifndef VS_BASE_SETS_H
 #define VS_BASE_SETS_H
 

@@ -32,10 +32,11 @@ const char *vs_text_nearest(const char *name, const char *const *candidates, siz
  * overlong, no surrogate and at most U+10FFFF; NULL: the text is UTF-8. */
 const char *vs_text_not_utf8(const char *text, size_t length);
 
-/* Writes to `shown` the character at `text`, which is no end, and returns how many bytes it has. A
- * character that a terminal or a page obeys in place of showing it is written as its number in
- * hexadecimal, as \u001b: controls but for tab and newline, and those of the direction of writing,
- * by which a line reads otherwise than it is. A byte that is no UTF-8 is written as \xff. */
+/* Writes the character at `text`, which is not at its end, to `shown`, and returns how many bytes
+ * it has. A character that a terminal or a page obeys in place of showing it is written as its
+ * number in hexadecimal, as \u001b: controls but for tab and newline, and those of the direction of
+ * writing, by which a line reads otherwise than it is. A byte that is no UTF-8 is written as \xff.
+ */
 enum { VS_SHOWN_SIZE = 8 }; /* bytes, the end included */
 size_t vs_text_next(const char *text, char shown[VS_SHOWN_SIZE]);
 

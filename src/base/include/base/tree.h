@@ -1,9 +1,24 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * A scene or study file as a tree of keys, lists and texts that remember where they stood. */
+ * A scene or study file, which is YAML, as a tree of keys, lists and texts that remember where they
+ * stood. */
 #ifndef VS_BASE_TREE_H
 #define VS_BASE_TREE_H
 
-#include "base/node.h"
+#include "base/error.h"
+
+typedef enum vs_node_kind { VS_NODE_TEXT, VS_NODE_LIST, VS_NODE_MAP } vs_node_kind;
+
+/* One key with its value, or one element of a list. Nodes of a tree own their strings and what
+ * hangs below them. */
+typedef struct vs_node {
+  vs_node_kind kind;
+  char *key;             /* its name inside a map, else NULL */
+  char *text;            /* a VS_NODE_TEXT's text, else NULL */
+  struct vs_node *child; /* first element of a list or map */
+  struct vs_node *next;  /* next sibling */
+  vs_where where;        /* where the value stands */
+  vs_where key_where;    /* where its key stands */
+} vs_node;
 
 typedef struct vs_tree {
   vs_node *root;   /* always a map; empty for an empty file, which is a valid scene */
@@ -23,8 +38,9 @@ vs_status vs_tree_parse(const char *text, const char *name, vs_tree *tree, vs_er
 void vs_tree_copy(const vs_tree *tree, vs_tree *copy);
 
 /* Sets "a.b.c=value" over what stands there; "a.1.c" is c of the first element of a list a. The
- * value is read as YAML; its place is called "--set a.b.c=value". Error: there is no sign, the value
- * is not YAML, or the key goes through a list without the number of an element that it has. */
+ * value is read as YAML; its place is called "--set a.b.c=value". Error: there is no sign, the
+ * value is not YAML, or the key goes through a list without the number of an element that it has.
+ */
 vs_status vs_tree_set(vs_tree *tree, const char *assignment, vs_error *err);
 
 /* Both set the dotted key, and make the maps above it that are missing: to a copy of value with its

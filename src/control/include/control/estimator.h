@@ -15,7 +15,7 @@
 #define VS_CONTROL_ESTIMATOR_H
 
 #include "control/observing.h"
-#include "engine/frame.h"
+#include "engine/channel.h"
 
 /* The largest differences between the estimates and the true motion, at the samples, in the units
  * of the coordinates and their rates. */
@@ -30,7 +30,7 @@ typedef struct vs_estimator_errors {
 typedef struct vs_estimator {
   const vs_observing *observing; /* borrowed, as is the frame's model */
   const vs_model *model;
-  bool gap_at_rest;          /* the law of the coil is taken at the gap at rest (engine/frame.h) */
+  bool gap_at_rest; /* the law of the coil is taken at the gap at rest (engine/channel.h) */
   double x[VS_SAMPLED_MOST]; /* the estimate: q, q', and the states of the sensors' low-passes */
   double force_n;            /* F at the last sample */
   double flux_wb;            /* the coil's, from which it was computed */

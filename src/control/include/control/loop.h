@@ -6,8 +6,8 @@
 #define VS_CONTROL_LOOP_H
 
 #include "control/control.h"
-#include "measure/meter.h"
 #include "control/estimator.h"
+#include "measure/meter.h"
 
 typedef struct vs_loop {
   const vs_control *control; /* borrowed, as all but self and the program's angles */

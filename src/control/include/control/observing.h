@@ -12,11 +12,21 @@
 #ifndef VS_CONTROL_OBSERVING_H
 #define VS_CONTROL_OBSERVING_H
 
-#include "control/gain.h"
-#include "base/outline.h"
+#include "base/field.h"
+#include "control/sampled.h"
+
+/* The values of the keys that not all kinds of observers have. */
+typedef struct vs_gain_values {
+  double force_noise_n; /* kalman: by how much F is wrong, root mean square in each period */
+  double spread; /* kalman: what other forces add to each coordinate's rate, as a part of what the
+                    force noise adds to all rates, by energy */
+} vs_gain_values;
+
+/* The words of the kinds, in the order of their rows (observing.c). */
+#define VS_GAIN_WORDS "kalman|luenberger"
 
 typedef struct vs_observing_values {
-  int kind;                   /* which of the kinds, vs_gain_kinds[kind] */
+  int kind;                   /* which of the kinds, in the order of VS_GAIN_WORDS */
   char current[VS_NAME_SIZE]; /* the instrument that measures the coil's current; "auto" */
   vs_gain_values gain;
   int knows_start; /* 1: the estimate begins where the run begins; 0: at rest */

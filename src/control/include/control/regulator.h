@@ -3,14 +3,15 @@
  * the control's clock, and is asked for the angle of each firing at the beginning of that firing's
  * cycle. It knows nothing else of the run, and is the same for every tier.
  *
- * A new one is a file with a constant struct, and a row in control/regulators.c. */
+ * A new one is a file with a constant struct, a line in control/regulators.h and a row in
+ * control/regulators.c. */
 #ifndef VS_CONTROL_REGULATOR_H
 #define VS_CONTROL_REGULATOR_H
 
 #include <math.h>
 
-#include "measure/lowpass.h"
 #include "control/observing.h"
+#include "measure/lowpass.h"
 
 /* The keys of all regulators; each reads only those that its fields name. */
 typedef struct vs_control_values {

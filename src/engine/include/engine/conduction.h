@@ -23,8 +23,8 @@
 #ifndef VS_ENGINE_CONDUCTION_H
 #define VS_ENGINE_CONDUCTION_H
 
-#include "netlist/devices.h"
 #include "engine/step.h"
+#include "netlist/devices.h"
 
 /* One step of the device's course: i its current, v its voltage from anode to cathode, at either
  * end. Both voltages are 0 where they are not known. */

@@ -9,8 +9,8 @@
 #define VS_ENGINE_COOLING_H
 
 #include "base/json.h"
-#include "netlist/deck.h"
 #include "base/tree.h"
+#include "netlist/deck.h"
 
 typedef struct vs_cooling {
   bool stated;                          /* the scene has one of the two keys */

@@ -4,8 +4,8 @@
 #ifndef VS_ENGINE_DRIVEN_H
 #define VS_ENGINE_DRIVEN_H
 
-#include "engine/wave.h"
 #include "engine/step.h"
+#include "engine/wave.h"
 
 /* The state as one vector: y = (q, q', lambda), lambda in its last place whatever the number of
  * coordinates. */

@@ -15,6 +15,9 @@
  */
 const vs_event_kind *vs_events_kind(size_t number);
 
+/* The kind of that name; NULL: there is none. */
+const vs_event_kind *vs_events_find(const char *name);
+
 /* Reads the section (NULL: there is none) into *events. until_s is the end of the run; an event
  * that begins there or later is not built. Errors, each of which a check carries on from: an
  * unknown kind or key, a level its generator does not have, a generator that comes onto the line

@@ -11,8 +11,8 @@
 #include <stddef.h>
 
 #include "base/error.h"
-#include "netlist/deck.h"
 #include "base/field.h"
+#include "netlist/deck.h"
 
 enum { VS_EVENTS_MOST = 32, VS_EVENT_NAME = 64 };
 
@@ -98,6 +98,10 @@ typedef struct vs_event_kind {
   /* Of a generator: what of it lies on the line, "18 uF + 2 ohm". */
   void (*network)(const vs_occurrence *e, char *text, size_t size);
 } vs_event_kind;
+
+/* The kinds, in FILE.c for vs_FILE; the last row of each has no name. A new kind is one row of one
+ * of these tables, with its keys and functions above it. */
+extern const vs_event_kind vs_generators[], vs_disturbances[], vs_pulses[], vs_faults[];
 
 /* Returns the tolerance, s, within which a step that ends at t_s counts as ending on an edge. */
 double vs_occurrence_rounding(double t_s);

@@ -3,10 +3,99 @@
 #ifndef VS_ENGINE_SETUP_H
 #define VS_ENGINE_SETUP_H
 
-#include "netlist/limits.h"
+#include "engine/channel.h"
 #include "engine/cooling.h"
-#include "engine/loads.h"
-#include "engine/manner.h"
+#include "engine/timeline.h"
+#include "netlist/limits.h"
+#include "plant/model.h"
+
+/* ---- how a scene is run ----
+ *
+ * How a scene is to be run: the keys of its sections `run` and `measure`, and the tiers, whose
+ * names are the words of run.tier. */
+
+/* The tiers, from the simplest to the fullest: id, file, and the word for run.tier and --tier. The
+ * file defines `const vs_tier vs_FILE_tier` (engine/sim.h); everything else that lists tiers, or
+ * names them to the user, is made from these rows. */
+#define VS_TIER_LIST(X)                                                                            \
+  X(VS_TIER_ANALYTIC, analytic, "analytic")                                                        \
+  X(VS_TIER_SWITCHED, switched, "switched")                                                        \
+  X(VS_TIER_CIRCUIT, coupled, "circuit")
+
+enum {
+#define VS_TIER_ID(id, file, word) id,
+  VS_TIER_LIST(VS_TIER_ID)
+#undef VS_TIER_ID
+      VS_TIERS
+};
+extern const char vs_setup_tier_words[VS_TIERS][16];
+#define VS_TIER_FITS(id, file, word) _Static_assert(sizeof word <= 16, "a longer word: more room");
+VS_TIER_LIST(VS_TIER_FITS)
+#undef VS_TIER_FITS
+
+/* What run.ladder and run.verify may be, and their words in the same order. */
+enum { VS_LADDER_CLIMB, VS_LADDER_IDEAL, VS_LADDER_STAY };
+#define VS_LADDER_WORDS "climb|ideal|stay"
+enum { VS_VERIFY_AUTO, VS_VERIFY_ALWAYS, VS_VERIFY_NEVER };
+#define VS_VERIFY_WORDS "auto|always|never"
+
+typedef struct vs_run_values {
+  int tier; /* as the scene chooses it: 0 is auto, 1 + VS_TIER_... a tier */
+  double until_s, sample_s;
+  double tolerance;  /* largest error wanted, relative to each quantity's own peak */
+  double max_step_s; /* 0: it follows from the tolerance */
+  double first_step; /* where the mains are not at their zero at t = 0; a part of the largest */
+  double trtol;      /* ngspice's own: a factor on the truncation error a step may have */
+  double pivrel;     /* ngspice's own: decides the order in which it eliminates */
+  int gear;          /* the circuit's rule: 0 is the trapezoidal, 1 Gear's of second order */
+  int ladder;        /* how far it is climbed where ngspice gives up: VS_LADDER_... */
+  int verify;        /* whether a second run tells the margins' errors: VS_VERIFY_... */
+  int stays;         /* 1: in the circuit's solver to the end, also when the circuit is quiet */
+} vs_run_values;
+
+/* run.first_step on the rungs of the ladder. */
+#define VS_SETUP_LONGER_FIRST_STEP 1e-4
+
+/* What means are taken over: from one instant to another, or the run's last cycles of the mains. */
+typedef struct vs_measure_values {
+  double from_s, to_s; /* to_s 0 stands for run.until */
+  double last_cycles;  /* 0: from_s and to_s hold */
+} vs_measure_values;
+
+extern const vs_section vs_setup_run_keys, vs_setup_measure_keys; /* the keys with their defaults */
+
+/* ---- the load over time ----
+ *
+ * The machine of a scene over time: events may change its load, and with it its masses. What is
+ * added arrives with the trough's velocity, and what is taken away leaves with it, so that q and q'
+ * go on as they are while M jumps. */
+
+/* The machine from an instant on. */
+typedef struct vs_loaded {
+  double at_s;
+  vs_model model; /* borrows what the coil of the scene's own model owns */
+} vs_loaded;
+
+/* Start from {0}; vs_setup_free frees it. */
+typedef struct vs_loads {
+  size_t count;
+  vs_loaded *item; /* in order of time; owned */
+} vs_loads;
+
+/* Builds the machine that each event leaves behind from the scene's own, `model`, whose member
+ * `reloaded` it sets. What an event does not name stays as it was before it. What `loads` had is
+ * freed. Errors: the machine has no load; an event names neither of its keys; two events at one
+ * instant; what vs_build_loaded refuses. */
+vs_status vs_setup_make_loads(const vs_events *events, vs_machine *machine, vs_model *model,
+                              vs_loads *loads, vs_error *err);
+
+/* The event that changes the load at that instant; NULL: there is none. */
+const vs_occurrence *vs_setup_load_event(const vs_events *events, double at_s);
+
+/* When the change number k takes place, s; INFINITY: there are not so many. */
+double vs_setup_load_at(const vs_loads *loads, size_t k);
+
+/* ---- a scene as numbers ---- */
 
 /* The machine's state at t = 0: q, q'. The circuit always begins without current and charge. */
 typedef struct vs_start_values {
@@ -73,7 +162,8 @@ bool vs_setup_keeps_deck(const vs_node *scene, const vs_setup *setup);
 
 /* What the circuit has for supply.resistance: this, or what its solver takes in the place of 0. */
 double vs_setup_source_ohm(const vs_setup *setup);
-/* The values of the parameters that every deck may use, and of those of its EVA (netlist/deck.h). */
+/* The values of the parameters that every deck may use, and of those of its EVA (netlist/deck.h).
+ */
 void vs_setup_standard(const vs_setup *setup, vs_deck_value standard[VS_STANDARD]);
 
 /* First instant after t_s that must be the end of a step for the circuit: an edge of what a port of

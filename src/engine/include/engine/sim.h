@@ -1,16 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A sim lets time pass for a scene through one tier, and shows every accepted step to an observer.
- * This is the seam between the tiers (ideal/, coupling/) and those who run them (scene/). */
+ * This is the seam between the tiers (ideal/, coupled/) and those who run them (run/). */
 #ifndef VS_ENGINE_SIM_H
 #define VS_ENGINE_SIM_H
 
 #include <signal.h>
 #include <stdio.h>
 
-#include "engine/setup.h"
 #include "engine/budget.h"
-#include "engine/pilot.h"
-#include "engine/stand_in.h"
+#include "engine/setup.h"
 #include "engine/step.h"
 #include "ngspice/circuit.h"
 
@@ -52,11 +50,39 @@ typedef struct vs_junction {
   vs_status (*reach)(void *ctx, double t_s, vs_error *err);
 } vs_junction;
 
+/* Who steers a run of tier "circuit" before it begins. The circuit's hidden state cannot be set,
+ * but the machine's can. So a run that is to begin on a periodic orbit has a prelude: firing
+ * periods without the scene's events, each of which goes from t = 0 to the period's end. At each
+ * end the pilot puts the machine into another state, while the solver goes on. Once the pilot says
+ * so, t = 0 is the beginning of the run that the observer sees.
+ *
+ * orbit/picard.h is one. */
+typedef struct vs_pilot {
+  void *self;
+  double period_s;          /* of the prelude's parts, a number of whole cycles of the mains */
+  int of_orbit;             /* so many of them make a period of the orbit */
+  int most;                 /* so many of them there may be; then `turn` must end the run */
+  double x[VS_MOST_STATES]; /* q, q' at the beginning of each part, and then of the run */
+  /* A run of this setup begins: sets x. */
+  void (*begin)(void *self, const vs_setup *setup);
+  /* Is shown the steps of the prelude. */
+  void (*accept)(void *self, const vs_step *step);
+  /* A part of the prelude has ended, with this knot: sets x. *begins: the run begins. An error ends
+   * the run with VS_RUN. VS_INPUT: an orbit of another period is to be asked for. */
+  vs_status (*turn)(void *self, const vs_knot *end, bool *begins, vs_error *err);
+  /* The voltage, V, that is added to the mains at t_s of this part of the prelude. */
+  double (*push)(void *self, double t_s);
+  /* The run has come to its end, or has failed. */
+  void (*end)(void *self);
+  /* Frees the pilot, where the run's session is to do that; NULL: its owner does. */
+  void (*free)(void *self);
+} vs_pilot;
+
 /* What one run has besides its setup. Only a tier with a circuit looks at it, but for the leaver.
  */
 typedef struct vs_run_order {
-  const vs_circuit_kind *solver; /* who solves the circuit: vs_trust_kind, or a test's own */
-  const vs_stand_in *stand_in;   /* who may stand in for the circuit; NULL: nobody may */
+  const vs_circuit_kind *solver;      /* who solves the circuit: vs_trust_kind, or a test's own */
+  const struct vs_stand_in *stand_in; /* who may stand in for the circuit; NULL: nobody may */
   FILE *raw;          /* gets a rawfile of the run; NULL: none is written. The caller owns it */
   vs_where raw_where; /* the key to blame if the rawfile becomes too large: that of the run's end */
   bool tried; /* this deck with these parts was run in this process before, so that the solver need
@@ -83,9 +109,9 @@ typedef struct vs_tier_key {
 } vs_tier_key;
 
 /* One way of computing a scene. Each tier is a constant in its own file, named in VS_TIER_LIST
- * (engine/manner.h). */
+ * (engine/setup.h). */
 typedef struct vs_tier {
-  const char *name; /* vs_manner_tier_words[VS_TIER_...] */
+  const char *name; /* vs_setup_tier_words[VS_TIER_...] */
   const char *text; /* for lists */
   double finest;    /* smallest run.tolerance it can hold */
   bool automatic;   /* run.tier: auto may take it; of several the first in VS_TIER_LIST */
@@ -100,6 +126,7 @@ typedef struct vs_tier {
   vs_status (*run)(const vs_setup *setup, const vs_run_order *order, const vs_observer *observer,
                    vs_error *err);
 } vs_tier;
+extern const vs_tier vs_analytic_tier, vs_switched_tier, vs_coupled_tier;
 
 /* The frame of all steps that this tier makes of this setup. */
 vs_frame vs_sim_frame(const vs_tier *tier, const vs_setup *setup);
@@ -120,5 +147,9 @@ vs_status vs_sim_check(const vs_step *step, vs_error *err);
  * beyond sense. The observer is not shown such a step. */
 vs_status vs_sim_run(const vs_tier *tier, const vs_setup *setup, const vs_run_order *order,
                      const vs_observer *observer, vs_error *err);
+
+/* Why no run of this setup may leave the circuit's solver for what may stand in for it, as the user
+ * is told; NULL: one may, or the order has nothing that stands in. */
+const char *vs_sim_why_stays(const vs_run_order *order, const vs_setup *setup);
 
 #endif

@@ -1,12 +1,41 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * One accepted step, as a watcher is shown it: two knots, the channels anywhere between them, and
- * what happened on the way. */
+ * One accepted step, as a watcher is shown it: the states at its two ends (knots), the channels
+ * anywhere between them, and what happened on the way. */
 #ifndef VS_ENGINE_STEP_H
 #define VS_ENGINE_STEP_H
 
 #include "base/error.h"
 #include "engine/channel.h"
-#include "engine/knot.h"
+#include "plant/mechanics.h"
+
+/* ---- knots ---- */
+
+/* A knot: the state at one end of a step, with the derivatives that the polynomials between two
+ * knots need. */
+typedef struct vs_knot {
+  double t_s;
+  double x[VS_MOST_STATES];              /* q, q' (plant/model.h): m, rad, m/s, rad/s */
+  double a[VS_MOST_DOF], j[VS_MOST_DOF]; /* q", q"' */
+  /* lambda and its derivatives. Where a step's cubic_flux is set the last two do not count, but are
+   * finite all the same. */
+  double flux_wb, flux_rate_v, flux_rate2_v_s, flux_rate3_v_s2;
+  double v_eva_v, i_mains_a;  /* as the circuit has them; not set on a tier without a circuit */
+  double terms[VS_DECK_MOST]; /* of the deck's probes and formulas, V or A, in the deck's order; the
+                                 last member, so that a copy may leave out those behind the deck's
+                                 own */
+} vs_knot;
+
+/* Copies a knot, with no more terms than the deck has. */
+void vs_step_copy_knot(const vs_frame *frame, const vs_knot *from, vs_knot *to);
+
+/* Sets q" and q"' of a knot from its q, q' and flux linkage by Eq. 54. `touched`: the
+ * stops whose force counts, as vs_stops_touched has them. On the instant of contact a knot belongs
+ * to either side, so that q alone cannot tell. */
+void vs_step_complete_knot(const vs_frame *frame, vs_knot *knot, unsigned touched);
+/* The same for a jammed armature: the gap's rate is 0 and stays 0. */
+void vs_step_hold_knot(const vs_frame *frame, vs_knot *knot);
+
+/* ---- steps ---- */
 
 typedef enum vs_event {
   VS_EV_NONE,
@@ -16,7 +45,7 @@ typedef enum vs_event {
   VS_EV_LEAVES_STOP,
   VS_EV_JAMS,
   VS_EV_LOADS, /* the load changes: the step of no length has the new model in its frame */
-  VS_EV_QUIET, /* the circuit's solver is left (engine/stand_in.h) */
+  VS_EV_QUIET, /* the circuit's solver is left (engine/macromodel/stand_in.h) */
   VS_EV_BACK   /* it has been gone back to */
 } vs_event;
 
@@ -54,5 +83,40 @@ void vs_step_velocities_at(const vs_step *step, double t_s, double *v);
 double vs_step_channel(const vs_step *step, double t_s, int channel);
 /* True if there is no flux anywhere in the step, and so neither current nor force. */
 bool vs_step_is_quiet(const vs_step *step);
+
+/* ---- channels as polynomials ----
+ *
+ * Channels over a step as polynomials in Bernstein's form. The argument runs from 0 at the step's
+ * beginning to 1 at its end. A polynomial never leaves the range of its Bernstein coefficients, of
+ * which the first and the last are its values at the ends. */
+
+enum { VS_CURVE_MOST = 14, VS_CURVE_POINTS = VS_CURVE_MOST + 1 };
+typedef struct vs_curve {
+  int degree;
+  double b[VS_CURVE_POINTS];
+} vs_curve;
+
+/* True if vs_step_curve_of gives the channel exactly. That is so for q and the travel of every
+ * machine, and for the current, the force and the accelerations where the model is plain. */
+bool vs_step_curve_is_exact(const vs_model *model, int channel);
+/* The channel over the step: a coordinate, a second rate, VS_CH_TRAVEL, VS_CH_I or VS_CH_FORCE,
+ * for which vs_step_curve_is_exact. */
+vs_curve vs_step_curve_of(const vs_step *step, int channel);
+
+/* The k-th of the points at which vs_step_curve_through wants its values: Chebyshev's, from 0 to 1.
+ */
+double vs_step_curve_point(int k);
+/* The polynomial of degree 14 through these values at those points. */
+vs_curve vs_step_curve_through(const double y[VS_CURVE_POINTS]);
+
+/* The slope; h: the length of the argument's range in the unit that the slope is to be in. */
+vs_curve vs_step_curve_slope(const vs_curve *curve, double h);
+/* Cuts the curve in the middle. The first half is returned, the second one is left. */
+vs_curve vs_step_curve_halve(vs_curve *curve);
+/* The value at s, 0..1. */
+double vs_step_curve_value(const vs_curve *curve, double s);
+/* The root of a curve that changes its sign once, from > 0 to < 0. What rounding makes of a curve
+ * of degree 13 moves the root by 1e-11. */
+double vs_step_curve_root(vs_curve curve);
 
 #endif

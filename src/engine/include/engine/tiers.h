@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The table of tiers. A tier is a constant in a file of its own; a row of VS_TIER_LIST
- * (engine/manner.h) puts it into this table, into the choices of run.tier and into what --tier
+ * (engine/setup.h) puts it into this table, into the choices of run.tier and into what --tier
  * takes.
  */
 #ifndef VS_ENGINE_TIERS_H
@@ -34,8 +34,8 @@ vs_status vs_tiers_require_orbits(const char *who, const vs_tier *tier, const ch
 #define VS_TIER_WORDS "auto" VS_TIER_LIST(VS_TIER_WORD)
 extern const char vs_tiers_words[];
 
-/* What a run of the product has: ngspice for its solver, the one-port (engine/macromodel/quiet.h) for its
- * stand-in, no rawfile. */
+/* What a run of the product has: ngspice for its solver, the one-port (engine/macromodel/quiet.c)
+ * for its stand-in, no rawfile. */
 extern const vs_run_order vs_tiers_order;
 
 #endif

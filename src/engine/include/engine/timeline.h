@@ -10,12 +10,12 @@
 #ifndef VS_ENGINE_TIMELINE_H
 #define VS_ENGINE_TIMELINE_H
 
-#include "plant/feed.h"
 #include "base/error.h"
-#include "engine/pwm.h"
-#include "engine/occurrence.h"
-#include "plant/machine.h"
 #include "base/memo.h"
+#include "engine/occurrence.h"
+#include "engine/pwm.h"
+#include "plant/feed.h"
+#include "plant/machine.h"
 
 /* The angles that a control decides while a run goes on, one for each firing, in order. */
 typedef struct vs_program {

@@ -52,4 +52,10 @@ void vs_devices_finish(vs_devices *devices);
  * text says so. False where the mains at the fuse are not known. */
 bool vs_devices_unclear(const vs_devices *devices, size_t which, char *text, size_t size);
 
+/* True: the line of the device in the deck has a wrong sign; text says which. The power v i of a
+ * device is what it takes. So one that cannot store energy, and still gives more than it takes, has
+ * the sign of its voltage or of its current wrong. A diode or a thyristor that conducts backwards
+ * has both wrong. whole_j: the energy of the run, against which a small one says nothing. */
+bool vs_devices_sign_is_wrong(const vs_watched *w, double whole_j, char *text, size_t size);
+
 #endif

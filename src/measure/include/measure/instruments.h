@@ -12,9 +12,9 @@
 #ifndef VS_MEASURE_INSTRUMENTS_H
 #define VS_MEASURE_INSTRUMENTS_H
 
+#include "base/field.h"
 #include "base/path.h"
 #include "engine/setup.h"
-#include "base/field.h"
 
 enum {
   VS_INSTRUMENT_MOST = 32,
@@ -57,7 +57,7 @@ typedef struct vs_instruments_values {
 } vs_instruments_values;
 
 /* Start from {0}; vs_instruments_free at the end, also after an error. Not to be moved. Constant
- * once it is read, but for `on_orbit` and `x`, which orbit/steady.h sets, or measure/onset.h.
+ * once it is read, but for `on_orbit` and `x`, which orbit/steady.h sets, or measure/meter.h.
  */
 typedef struct vs_instruments {
   vs_instruments_values v;

@@ -18,9 +18,10 @@
 #ifndef VS_MEASURE_METER_H
 #define VS_MEASURE_METER_H
 
+#include "engine/pilot.h"
+#include "engine/step.h"
 #include "measure/instruments.h"
 #include "measure/lowpass.h"
-#include "engine/step.h"
 
 typedef struct vs_meter {
   const vs_instrument *instrument; /* borrowed */
@@ -60,5 +61,25 @@ double vs_meter_next_s(const vs_meter *meter);
  * middle of two the upper one, to the last bit of y. 0 bits: there is none, and y stays. For tests.
  */
 double vs_meter_quantised(const double range[2], int bits, double y);
+
+/* ---- on the way to an orbit ---- */
+
+/* Instruments of a run that a pilot brings to its orbit first (engine/pilot.h). A metered pilot
+ * stands in the pilot's place, and hands everything on to it. Besides, it takes the low-passes of
+ * the instruments along in the prelude. When the run begins it puts each low-pass to where the
+ * orbit has it, which is the state that repeats after the prelude's last period. */
+typedef struct vs_meter_pilot {
+  vs_pilot pilot;                     /* for the run's order, in the place of `steers` */
+  vs_pilot *steers;                   /* borrowed, as what follows */
+  vs_instruments *instruments;        /* their on_orbit and x are set */
+  vs_meter *meters;                   /* of these instruments, in their order */
+  double from[VS_INSTRUMENT_MOST][2]; /* of the low-passes where the present period
+                                                         of the orbit began */
+  long parts;                         /* of the prelude that are behind */
+} vs_meter_pilot;
+
+/* Begins the meters anew, with low-passes at 0. Not to be moved; owns nothing. */
+void vs_meter_pilot_begin(vs_meter_pilot *metered, vs_pilot *steers, vs_instruments *instruments,
+                          vs_meter *meters);
 
 #endif

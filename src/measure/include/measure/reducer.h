@@ -5,12 +5,65 @@
 #ifndef VS_MEASURE_REDUCER_H
 #define VS_MEASURE_REDUCER_H
 
-#include "engine/sequence.h"
-#include "measure/losses.h"
-#include "measure/melting.h"
+#include <stdbool.h>
+#include <stddef.h>
+
 #include "measure/switching.h"
 
+/* ---- what a device did ---- */
+
+/* The sequence of what a device did in a run: its firings and the ends of its conductions, in their
+ * order and with their instants, and what went against its gate; of a fuse, when it melts, clears
+ * and arcs again. Two runs of a scene that differ in how finely they are solved must have the same
+ * sequence; where they do not, what hangs on it is not known from either of them.
+ *
+ * A single run, too, may show that its sequence is on edge: that something happened which a small
+ * error may undo, or that was near to happening. */
+
+/* What is counted. */
+typedef enum vs_deed {
+  VS_DEED_FIRES,
+  VS_DEED_GOES_OUT,
+  VS_DEED_MISFIRES,
+  VS_DEED_UNINTENDED,
+  VS_DEED_FAILS, /* to commutate */
+  VS_DEED_MELTS,
+  VS_DEED_CLEARS,
+  VS_DEED_ARCS_AGAIN,
+  VS_DEEDS
+} vs_deed;
+
+/* Start from {0}. */
+enum { VS_SEQUENCE_KEPT = 512 };
+typedef struct vs_sequence {
+  long count[VS_DEEDS];
+  size_t kept; /* how many deeds are kept with their instants: the first ones of the run */
+  struct {
+    double at_s;
+    vs_deed deed;
+  } item[VS_SEQUENCE_KEPT];
+  bool edge; /* a sign was seen that the sequence is on edge */
+} vs_sequence;
+
+/* Adds a deed at its instant. */
+void vs_reducer_add_deed(vs_sequence *sequence, vs_deed deed, double at_s);
+
+/* What two sequences have differently: "fires 3 times" and "once", or "fires at 0.1 s" and "at 0.2
+ * s". */
+enum { VS_SEQUENCE_SAYS = 64 };
+typedef struct vs_sequence_difference {
+  char one[VS_SEQUENCE_SAYS], other[VS_SEQUENCE_SAYS];
+  double parts_s; /* instant of the first deed that is not the same in both */
+} vs_sequence_difference;
+
+/* Returns true where the two sequences are the same: as many deeds of each kind, in the same order,
+ * and each within `window_s` of the other's. Else *difference tells the first that differs. */
+bool vs_reducer_sequences_agree(const vs_sequence *one, const vs_sequence *other, double window_s,
+                                vs_sequence_difference *difference);
+
 typedef struct vs_reducer vs_reducer;
+typedef struct vs_losses vs_losses;             /* devices/losses.h */
+typedef struct vs_melting_news vs_melting_news; /* devices/melting.h */
 
 /* The stretch that means are over, in equal parts of whole firing cycles that end where it ends.
  * Kept where a limit of a mean or rms value is to be judged on a run that is no orbit. */
@@ -69,18 +122,18 @@ typedef struct vs_watched {
   double last[VS_COURSES]; /* its courses at the last knot */
   double sum[VS_COURSES];  /* integrals over the run so far; that of V.s stays 0 */
   double sum_meant[VS_COURSES]; /* the same integrals over the stretch that means are over */
-  double given_j;               /* energy of the steps in which it gave energy (measure/sign.h) */
-  double back_c;                /* charge of the steps in which its current was below zero */
-  const vs_cooling *cooling;    /* what cools the deck's devices */
-  vs_parts parts;               /* of that stretch; none where nothing is judged by them */
-  bool at_work;                 /* the run is whole periods of an orbit */
-  bool from_work;               /* the run begins on an orbit, and is no whole periods of it */
-  bool on_orbit;                /* it begins on one */
-  double ambient_degc;          /* the scene's */
-  bool again;                   /* it is, or an event repeats it: what heats comes more than once */
-  int starts;                   /* how many shots began in that stretch (devices.c) */
-  bool rests;                   /* the device did not conduct in all of that stretch */
-  vs_reduced *reduced;          /* one for each measure of its kind, in the kind's order; owned */
+  double given_j; /* energy of the steps in which it gave energy (vs_devices_sign_is_wrong) */
+  double back_c;  /* charge of the steps in which its current was below zero */
+  const vs_cooling *cooling; /* what cools the deck's devices */
+  vs_parts parts;            /* of that stretch; none where nothing is judged by them */
+  bool at_work;              /* the run is whole periods of an orbit */
+  bool from_work;            /* the run begins on an orbit, and is no whole periods of it */
+  bool on_orbit;             /* it begins on one */
+  double ambient_degc;       /* the scene's */
+  bool again;                /* it is, or an event repeats it: what heats comes more than once */
+  int starts;                /* how many shots began in that stretch (devices.c) */
+  bool rests;                /* the device did not conduct in all of that stretch */
+  vs_reduced *reduced;       /* one for each measure of its kind, in the kind's order; owned */
   size_t count;
 } vs_watched;
 
@@ -169,5 +222,7 @@ const vs_happening *vs_reducer_happening(const vs_reduced *r);
 const vs_reduced *vs_reducer_of(const vs_watched *w, vs_reduction how);
 /* A `begin` of a value that is 0 as the run begins. */
 void vs_reducer_begin_at_zero(const vs_watched *w, vs_reduced *r, double t_s);
+/* An `is_busy` of a measure that is followed only where it has a limit. */
+bool vs_reducer_has_limit(const vs_watched *w, const vs_reduced *r);
 
 #endif

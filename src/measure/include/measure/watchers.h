@@ -4,12 +4,13 @@
 #ifndef VS_MEASURE_WATCHERS_H
 #define VS_MEASURE_WATCHERS_H
 
+#include "engine/sim.h"
 #include "measure/devices.h"
 #include "measure/energy.h"
 #include "measure/measures.h"
-#include "measure/settled.h"
 
-/* The stretches of a run that went without ngspice, as the circuit was quiet (engine/macromodel/quiet.h). */
+/* The stretches of a run that went without ngspice, as the circuit was quiet
+ * (engine/macromodel/quiet.c). */
 typedef struct vs_absence {
   int times;      /* how often ngspice was left */
   double first_s; /* instant at which it was first left */

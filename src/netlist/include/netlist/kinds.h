@@ -4,8 +4,8 @@
  *
  * A new measure is one row of its kind's table in kinds.c, with its limit, if any, in the same row;
  * where it needs a way of becoming one number that there is not yet, a row of VS_REDUCTION_LIST
- * besides, and its plug in measure/devices/reductions.c. A new kind is a table of measures and one row of
- * vs_kinds_all. */
+ * besides, and its plug in measure/devices/reductions.c. A new kind is a table of measures and one
+ * row of vs_kinds_all. */
 #ifndef VS_NETLIST_KINDS_H
 #define VS_NETLIST_KINDS_H
 
@@ -18,7 +18,7 @@
 enum { VS_OF_FLUX, VS_OF_V, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_OF_V2, VS_COURSES };
 
 /* How a course becomes one number. Each row is an id and the name of its plug, which
- * measure/devices/reductions.c has or includes. Those from VS_R_RISE to VS_R_COMMUTATION_FAILURE are of a
+ * measure/devices/reductions.h declares. Those from VS_R_RISE to VS_R_COMMUTATION_FAILURE are of a
  * device that conducts or blocks, VS_R_GATE_LEAST is of one with a gate.
  *   VS_R_PEAK         largest value, in the sense that the measure gives
  *   VS_R_MEAN         mean over the stretch that the scene's section measure says
@@ -28,7 +28,7 @@ enum { VS_OF_FLUX, VS_OF_V, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_OF_V2, VS_COURSES
  *   VS_R_CARRIED      the same as VS_R_RMS, of what a fuse carries
  *   VS_R_INTEGRAL     integral over the run
  *   VS_R_PULSE        largest integral over one conduction
- *   VS_R_HEAT         most that one pulse turned into heat: measure/devices/pulse.h
+ *   VS_R_HEAT         most that one pulse turned into heat: measure/devices/pulse.c
  *   VS_R_WITHIN       largest integral within 10 ms
  *   VS_R_LET_THROUGH  the same, of a fuse: 15 % from one to the next, once it has melted
  *   VS_R_MELTING      the same, of a fuse while it is whole
@@ -47,20 +47,18 @@ enum { VS_OF_FLUX, VS_OF_V, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_OF_V2, VS_COURSES
  *                     least, over any 0.1 us
  *   VS_R_OFFERED      shortest time between a conduction and forward voltage without a gate pulse
  *   VS_R_MISFIRE, VS_R_UNINTENDED, VS_R_COMMUTATION_FAILURE   how often: measure/switching.h
- *   VS_R_OPENS, VS_R_ARCS   how often a fuse melts, and arcs again behind that: measure/melting.h
- *   VS_R_GATE_LEAST   smallest of all gate pulses' peaks
- *   VS_R_CORE         rise of a capacitor's core, by the part's lines zth and its ESR
- *   VS_R_RETURN_RISE, VS_R_FALL   (dv/dt)c and (di/dt)c of a triac: measure/switching.h
- *   VS_R_CONDUCTION, VS_R_SWITCHING, VS_R_RECOVERY, VS_R_BLOCKING   the parts of the loss, which
- *                     are all of it: measure/losses.h
- *   VS_R_E_ON, VS_R_E_OFF, VS_R_E_RECOVERY   the largest of a single switching
- *   VS_R_TURNED_OFF   largest current that was turned off
- *   VS_R_DERATED      peak of the pulse that comes nearest to what the part's lines `pulse` allow
- *                     for its width and number
- *   VS_R_REPEATED     mean over the time from one pulse to the next, where events repeat the run
- *   VS_R_CASE, VS_R_HOTTEST   temperature of the case; the junction's largest
- *   VS_R_SURGES       peak of half sines in consecutive cycles, against the part's lines `surge`
- *   VS_R_SHORT        integral over one conduction below 10 ms, against the part's i2sqrt_t */
+ *   VS_R_OPENS, VS_R_ARCS   how often a fuse melts, and arcs again behind that:
+ * measure/devices/melting.h VS_R_GATE_LEAST   smallest of all gate pulses' peaks VS_R_CORE rise of
+ * a capacitor's core, by the part's lines zth and its ESR VS_R_RETURN_RISE, VS_R_FALL   (dv/dt)c
+ * and (di/dt)c of a triac: measure/switching.h VS_R_CONDUCTION, VS_R_SWITCHING, VS_R_RECOVERY,
+ * VS_R_BLOCKING   the parts of the loss, which are all of it: measure/devices/losses.h VS_R_E_ON,
+ * VS_R_E_OFF, VS_R_E_RECOVERY   the largest of a single switching VS_R_TURNED_OFF   largest current
+ * that was turned off VS_R_DERATED      peak of the pulse that comes nearest to what the part's
+ * lines `pulse` allow for its width and number VS_R_REPEATED     mean over the time from one pulse
+ * to the next, where events repeat the run VS_R_CASE, VS_R_HOTTEST   temperature of the case; the
+ * junction's largest VS_R_SURGES       peak of half sines in consecutive cycles, against the part's
+ * lines `surge` VS_R_SHORT        integral over one conduction below 10 ms, against the part's
+ * i2sqrt_t */
 #define VS_REDUCTION_LIST(X)                                                                       \
   X(VS_R_PEAK, peak)                                                                               \
   X(VS_R_MEAN, mean)                                                                               \
@@ -70,15 +68,15 @@ enum { VS_OF_FLUX, VS_OF_V, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_OF_V2, VS_COURSES
   X(VS_R_CARRIED, carried)                                                                         \
   X(VS_R_INTEGRAL, integral)                                                                       \
   X(VS_R_PULSE, pulse)                                                                             \
-  X(VS_R_HEAT, heat)                                                                               \
-  X(VS_R_WITHIN, within)                                                                           \
-  X(VS_R_LET_THROUGH, let_through)                                                                 \
-  X(VS_R_MELTING, melting)                                                                         \
-  X(VS_R_CLEARS, vs_told_clears)                                                                   \
-  X(VS_R_CURVE, vs_told_curve)                                                                     \
-  X(VS_R_OPEN, vs_told_open)                                                                       \
-  X(VS_R_ARC, vs_told_arc)                                                                         \
-  X(VS_R_SURGE, surge)                                                                             \
+  X(VS_R_HEAT, vs_pulse_heat)                                                                      \
+  X(VS_R_WITHIN, vs_surge_within)                                                                  \
+  X(VS_R_LET_THROUGH, vs_surge_let_through)                                                        \
+  X(VS_R_MELTING, vs_surge_melting)                                                                \
+  X(VS_R_CLEARS, vs_fuse_reduction_clears)                                                         \
+  X(VS_R_CURVE, vs_fuse_reduction_curve)                                                           \
+  X(VS_R_OPEN, vs_fuse_reduction_open)                                                             \
+  X(VS_R_ARC, vs_fuse_reduction_arc)                                                               \
+  X(VS_R_SURGE, vs_surge_peak)                                                                     \
   X(VS_R_STEEPEST, steepest)                                                                       \
   X(VS_R_JUNCTION, vs_junction_of_power)                                                           \
   X(VS_R_RISE, vs_told_rise)                                                                       \
@@ -89,8 +87,8 @@ enum { VS_OF_FLUX, VS_OF_V, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_OF_V2, VS_COURSES
   X(VS_R_MISFIRE, vs_told_misfire)                                                                 \
   X(VS_R_UNINTENDED, vs_told_unintended)                                                           \
   X(VS_R_COMMUTATION_FAILURE, vs_told_commutation_failure)                                         \
-  X(VS_R_OPENS, vs_told_opens)                                                                     \
-  X(VS_R_ARCS, vs_told_arcs)                                                                       \
+  X(VS_R_OPENS, vs_fuse_reduction_opens)                                                           \
+  X(VS_R_ARCS, vs_fuse_reduction_arcs)                                                             \
   X(VS_R_GATE_LEAST, vs_told_gate_least)                                                           \
   X(VS_R_CORE, vs_junction_of_current)                                                             \
   X(VS_R_RETURN_RISE, vs_told_return_rise)                                                         \
@@ -103,12 +101,12 @@ enum { VS_OF_FLUX, VS_OF_V, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_OF_V2, VS_COURSES
   X(VS_R_E_OFF, vs_told_e_off)                                                                     \
   X(VS_R_E_RECOVERY, vs_told_e_recovery)                                                           \
   X(VS_R_TURNED_OFF, vs_told_turned_off)                                                           \
-  X(VS_R_DERATED, derated)                                                                         \
+  X(VS_R_DERATED, vs_surge_pulses)                                                                 \
   X(VS_R_REPEATED, repeated)                                                                       \
-  X(VS_R_CASE, case_temperature)                                                                   \
-  X(VS_R_HOTTEST, hottest)                                                                         \
-  X(VS_R_SURGES, surges)                                                                           \
-  X(VS_R_SHORT, short_pulse)
+  X(VS_R_CASE, vs_junction_case)                                                                   \
+  X(VS_R_HOTTEST, vs_junction_hottest)                                                             \
+  X(VS_R_SURGES, vs_surge_rows)                                                                    \
+  X(VS_R_SHORT, vs_surge_short)
 
 typedef enum vs_reduction {
 #define VS_REDUCTION_ID(id, plug) id,

@@ -2,7 +2,7 @@
  * What may drive a source of the circuit, and what a deck calls it in its lines
  * `*$ port NAME = SOURCE`: mains, gate[+ANGLE], burst[+ANGLE], pwm[+ANGLE], pwm_low[+ANGLE]. The
  * voltage that such a signal has
- * at an instant is computed in engine/drive/signals.h. */
+ * at an instant is computed in engine/signals.h. */
 #ifndef VS_NETLIST_PORT_H
 #define VS_NETLIST_PORT_H
 

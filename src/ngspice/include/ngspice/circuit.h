@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The seam behind which a circuit is solved: ngspice in the product (ngspice/ng.h), a formula in
- * tests. The circuit owns its time loop and asks its host for what it needs. */
+ * The interface to a circuit solver: ngspice in the product (ngspice/ng.h), a formula in tests. The
+ * circuit owns its time loop and asks its host for what it needs. */
 #ifndef VS_NGSPICE_CIRCUIT_H
 #define VS_NGSPICE_CIRCUIT_H
 

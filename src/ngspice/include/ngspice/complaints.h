@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * What ngspice says of what went wrong. Its return codes say nothing, so the lines of its log are
- * searched for signs of trouble, and those that tell most are kept. */
+ * The errors in ngspice's log. Its return codes say nothing, so the lines of its log are searched
+ * for known phrases of errors, and the most telling ones are kept. */
 #ifndef VS_NGSPICE_COMPLAINTS_H
 #define VS_NGSPICE_COMPLAINTS_H
 

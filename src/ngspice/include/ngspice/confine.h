@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What a process gives up before it lets ngspice read a netlist that others have written. A fault
- * in ngspice may let a netlist do what its author likes; what the process cannot do any more, the
- * netlist cannot either. A filter of the kernel's (seccomp) refuses the calls with EPERM, so that
- * the process goes on. It holds for the rest of the process and for all it starts, and cannot be
- * taken off. docs/strangers.md lists what is refused. */
+ * in ngspice may let a netlist do what its author likes; what the process can no longer do, the
+ * netlist cannot do either. A filter of system calls in the kernel (seccomp) refuses them with
+ * EPERM, so that the process goes on. It holds for the rest of the process and for all it starts,
+ * and cannot be taken off. docs/strangers.md lists what is refused. */
 #ifndef VS_NGSPICE_CONFINE_H
 #define VS_NGSPICE_CONFINE_H
 

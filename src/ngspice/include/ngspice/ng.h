@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The circuit seam over libngspice. libngspice is one global instance in a process, so a process
- * has one such circuit at a time. */
+ * Circuits (ngspice/circuit.h) on libngspice. libngspice is one global instance in a process, so a
+ * process has one such circuit at a time. */
 #ifndef VS_NGSPICE_NG_H
 #define VS_NGSPICE_NG_H
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Can the ngspice that runs be relied on? Users have other versions than the developers, and one
- * version may be right where the next is not. So each library is probed once (ngspice/probe.h), in a
+ * version may be right where the next is not. So each library is probed once (vs_trust_probe), in a
  * child process, and what came of it is remembered in $XDG_CACHE_HOME/vibrospice, or
- * ~/.cache/vibrospice. A library is told by its file: path, size, time of change. It is probed
- * again where the file is another one, with another version of this program, and each time a
+ * ~/.cache/vibrospice. A library is identified by its file: path, size, time of change. It is
+ * probed again where the file is another one, with another version of this program, and each time a
  * process begins where there is no folder to remember it in. */
 #ifndef VS_NGSPICE_TRUST_H
 #define VS_NGSPICE_TRUST_H
@@ -23,5 +23,11 @@ vs_status vs_trust_find(vs_error *err);
  * Whatever writes results asks this: summary.json and study.csv (run/result.h), sensitivity,
  * check, the bench of parts, fit. It was printed on standard error when it was found. */
 const char *vs_trust_text(void);
+
+enum { VS_TRUST_TEXT = 200 };
+/* Lets the solver run the probe's circuit, by the trapezoidal rule. `wrong` becomes the first thing
+ * that is wrong with it, a sentence without a full stop; empty: nothing is. A run that fails is
+ * wrong, too. For tests, which have solvers that lie. */
+void vs_trust_probe(const vs_circuit_kind *solver, char wrong[VS_TRUST_TEXT]);
 
 #endif

@@ -9,7 +9,7 @@
 #ifndef VS_ORBIT_COLUMNS_H
 #define VS_ORBIT_COLUMNS_H
 
-#include "measure/seen.h"
+#include "orbit/seen.h"
 #include "orbit/variation.h"
 
 enum {

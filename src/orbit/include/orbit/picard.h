@@ -16,7 +16,7 @@
 
 #include "orbit/shooting.h"
 #include "engine/budget.h"
-#include "engine/pilot.h"
+#include "engine/sim.h"
 
 /* Made by vs_picard_new, freed by vs_picard_free. */
 typedef struct vs_picard {

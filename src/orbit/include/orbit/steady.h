@@ -5,14 +5,22 @@
 #ifndef VS_ORBIT_STEADY_H
 #define VS_ORBIT_STEADY_H
 
-#include "orbit/shooting.h"
-#include "measure/heat.h"
+#include "engine/step.h"
+#include "measure/devices.h"
+#include "measure/extremes.h"
 #include "measure/quality.h"
-#include "measure/reaction.h"
 #include "measure/spectrum.h"
 #include "measure/throw.h"
-#include "run/result.h"
 #include "orbit/picard.h"
+#include "orbit/shooting.h"
+#include "run/result.h"
+
+/* The reactions of springs and dampers along each coordinate. Start from {0}. */
+typedef struct vs_reaction {
+  vs_value peak[VS_MOST_DOF];  /* the largest size, N or N m, and when */
+  double squared[VS_MOST_DOF]; /* int (reaction)^2 dt, N^2 s or N^2 m^2 s */
+  double span_s;               /* what was taken in so far */
+} vs_reaction;
 
 /* What a period tells besides the measures of every run: member, name, unit, text. */
 #define VS_STEADY_LIST(X)                                                                          \
@@ -95,7 +103,7 @@ void vs_steady_finish(vs_steady *steady, const vs_result *result);
 /* Fills `measure` with the k-th measure, from 0, and returns true; false: there are no more. First
  * come those of VS_STEADY_LIST; then, of each coordinate NAME, reaction_NAME, the largest size of
  * the reaction along it, and reaction_NAME_rms; then those of VS_STEADY_THROW_LIST, of which some
- * are not known; then those of the devices (measure/heat.h). */
+ * are not known; then those of the devices (heat.h). */
 bool vs_steady_at(const vs_steady *steady, int k, vs_steady_measure *measure);
 
 /* Makes the scene without events, and as if it began at rest: what `start: steady` means the orbit

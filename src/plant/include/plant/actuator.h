@@ -12,8 +12,8 @@ extern const vs_section vs_actuator_section;
 extern const vs_law *const vs_actuator_laws[];
 
 /* Makes the coil and the stops of these values. map: the section they were read from, for the
- * places of errors; NULL where the scene has none. Errors: a law that there is not, a key that the
- * law does not use, and the law's own; the coil then has no law. The caller frees the coil with
+ * places of errors; NULL where the scene has none. Errors: an unknown law, a key that the law does
+ * not use, and the law's own; the coil then has no law. The caller frees the coil with
  * vs_actuator_end. */
 vs_status vs_actuator_build(const vs_actuator_values *values, const vs_node *map,
                             const vs_law_formulas *formulas, vs_coil *coil, vs_stops *stops,

@@ -12,7 +12,8 @@
  *       M, B and K, a row for each coordinate; of one coordinate a FORMULA alone will do. A machine
  *       without damping has no key damping
  *   bodies, springs: ...
- *       instead of these three, bodies in the plane from which the program finds them: see bodies.h
+ *       instead of these three, bodies in the plane from which the program finds them: see
+ *       blueprint.c
  *   forces:      {COORDINATE: FORMULA, ...}
  *       forces that never change: gravity, preload
  *   gap:         {along: {COORDINATE: FORMULA, ...}}
@@ -35,8 +36,8 @@
 #ifndef VS_PLANT_BLUEPRINT_H
 #define VS_PLANT_BLUEPRINT_H
 
+#include "base/field.h"
 #include "plant/machine.h"
-#include "base/outline.h"
 
 /* Reads the file into a machine that vs_machine_begin has made. Errors with their place; a check
  * carries on from most of them, and machine->lost is true then. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * What an actuator is fed from and how it is fired: the keys of the sections supply and firing, of
- * a scene and of a machine's file. engine/timeline.h makes voltages and pulses of them. */
+ * The actuator's supply and firing: the keys of the sections supply and firing, of a scene and of a
+ * machine's file. engine/timeline.h makes voltages and pulses of them. */
 #ifndef VS_PLANT_FEED_H
 #define VS_PLANT_FEED_H
 

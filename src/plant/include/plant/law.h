@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * What an actuator's law is. From one energy W(lambda, z) follow the current i = dW/dlambda and the
- * force F = dW/dz, which is positive where it closes the gap. A law gives these three, and writes
- * the first two for the netlist. */
+ * The law of an actuator: how its current and its force follow from flux linkage and gap. From one
+ * energy W(lambda, z) follow the current i = dW/dlambda and the force F = dW/dz, which is positive
+ * where it closes the gap. A law gives these three, and writes the first two for the netlist. */
 #ifndef VS_PLANT_LAW_H
 #define VS_PLANT_LAW_H
 
 #include <stdbool.h>
 
-#include "base/text.h"
 #include "base/formula.h"
+#include "base/text.h"
 #include "base/tree.h"
 
 typedef struct vs_coil vs_coil; /* plant/coil.h */
@@ -54,10 +54,10 @@ typedef struct vs_law {
    * leaves them ends with an error that says why. NULL: everywhere. Returns NULL where (lambda, z)
    * is within, else what is wrong, in `text`. */
   const char *(*beyond)(const vs_coil *coil, double flux_wb, double z_m, char *text, size_t size);
-  /* Writes for ngspice, of nodes whose voltages are lambda and z ("v(lam)", "v(z)"): the current
-   * and the force as expressions of a B source; `lines` gets netlist lines that these need, in a
-   * subcircuit of their own. Numbers are written by vs_spice_number. NULL: the law cannot be written
-   * so, and tier circuit and export refuse it by name. */
+  /* Writes the current and the force for ngspice, as expressions of a B source in nodes whose
+   * voltages are lambda and z ("v(lam)", "v(z)"); `lines` gets netlist lines that these need, in a
+   * subcircuit of their own. Numbers are written by vs_spice_number. NULL: the law cannot be
+   * written so, and tier circuit and export refuse it by name. */
   void (*netlist)(const vs_coil *coil, const char *flux, const char *gap, vs_text *lines,
                   vs_text *current, vs_text *force);
   /* The path of the file that this coil was read from. NULL: there is none. */
@@ -66,5 +66,9 @@ typedef struct vs_law {
    * NULL: nothing. */
   const char *(*note)(const vs_coil *coil, char *text, size_t size);
 } vs_law;
+
+/* The laws, each in its own file (reluctance.c, ...); vs_actuator_laws (plant/actuator.h) lists
+ * them. */
+extern const vs_law vs_reluctance_law, vs_moving_coil_law, vs_formulas_law, vs_table_law;
 
 #endif

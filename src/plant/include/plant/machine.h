@@ -8,11 +8,11 @@
 #ifndef VS_PLANT_MACHINE_H
 #define VS_PLANT_MACHINE_H
 
-#include "base/path.h"
-#include "base/dimension.h"
 #include "base/field.h"
 #include "base/formula.h"
+#include "base/path.h"
 #include "base/tree.h"
+#include "plant/dimension.h"
 
 enum {
   VS_MACHINE_COORDINATES = 16,

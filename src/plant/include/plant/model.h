@@ -68,7 +68,7 @@ typedef struct vs_model {
   double per_newton_m_s2; /* c.mf: the gap's acceleration per newton of F; negative */
   double way[VS_MACHINE_WAYS][VS_MOST_DOF]; /* how the trough moves, m per coordinate; all 0 where
                                                the machine's file does not say */
-  bool reloaded;                            /* events change the load in the run (engine/loads.h) */
+  bool reloaded;                            /* events change the load in the run (engine/setup.h) */
   bool plain; /* the coil is square and the stop, if there is one, is a single linear one
                  at the pole cover: the motion is polynomials' products (engine/ideal/series.h) */
   vs_mode mode[VS_MOST_STATES]; /* of the free motion, as vs_mechanics_modes sorts them */

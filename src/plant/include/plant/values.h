@@ -4,8 +4,8 @@
 #ifndef VS_PLANT_VALUES_H
 #define VS_PLANT_VALUES_H
 
-#include "plant/stops.h"
 #include "base/field.h"
+#include "plant/stops.h"
 
 typedef struct vs_stop_values {
   int present;                    /* 0: there is no stop, and behind a list's last one */

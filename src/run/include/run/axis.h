@@ -7,7 +7,7 @@
 
 #include "run/keys.h"
 #include "run/scene.h"
-#include "base/outline.h"
+#include "base/field.h"
 
 /* All numbers of an axis are in `unit`. */
 typedef struct vs_axis {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Which tier runs a scene: the one that is asked for, or the simplest that has all it names. */
+ * Which tier runs a scene: the one that is asked for, or the simplest that has all it names; and
+ * whether that tier would ignore something that the scene says. */
 #ifndef VS_RUN_CHOICE_H
 #define VS_RUN_CHOICE_H
 
@@ -17,12 +18,10 @@ vs_status vs_choice_make(const vs_node *root, const vs_setup *setup, const char 
 /* False: run.tier is no tier, so that it is not known which one is meant. A check carries on. */
 bool vs_choice_is_known(const vs_node *root, const vs_setup *setup);
 
-/* True if switches of the scene's deck are modulated, which no ideal tier can do. */
-bool vs_choice_is_modulated(const vs_setup *setup);
-
-/* Returns the scene's value of that key, or its machine's. NULL: they do not have the key, or has
- * another word there, or every tier obeys it, as `measure` in a scene that asks for the quality of
- * currents. */
-const vs_node *vs_choice_node(const vs_node *root, const vs_setup *setup, const vs_tier_key *key);
+/* Error, where it stands: the tier would ignore something that the scene with that root says. The
+ * name of the deck alone is no such thing, as it says what the tiers stand for. why: why the scene
+ * has this tier. A check carries on. */
+vs_status vs_choice_check(const vs_node *root, const vs_setup *setup, const vs_tier *tier,
+                          const char *why, vs_error *err);
 
 #endif

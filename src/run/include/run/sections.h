@@ -22,7 +22,7 @@
   OTHER(events, )                                                                                  \
   OTHER(instruments, )                                                                             \
   OTHER(control, )                                                                                 \
-  SECTION(run, &vs_manner_run, run)                                                                \
+  SECTION(run, &vs_setup_run_keys, run)                                                            \
   SECTION(start, NULL, start)                                                                      \
   OTHER(record, )                                                                                  \
   OTHER(measured, )                                                                                \
@@ -33,7 +33,7 @@
   OTHER(ratings, )                                                                                 \
   OTHER(ambient, )                                                                                 \
   OTHER(heatsink, )                                                                                \
-  SECTION(measure, &vs_manner_measure, measure)                                                    \
+  SECTION(measure, &vs_setup_measure_keys, measure)                                                \
   SECTION(limits, &vs_limits_section, limits)
 
 /* How many sections have fields, and how many keys there are. */

@@ -19,7 +19,7 @@ void vs_summary_measure(vs_json *json, const char *name, vs_value value, const c
 /* Adds how a limit of harmonics is held: "held", the harmonic "worst", and the "worst_part" that it
  * takes of its limit; all null where part is NaN. */
 void vs_summary_limit(vs_json *json, int worst, double part);
-/* Of a current whose groups are told (measure/grouping.h), adds these as an array with that key, A
+/* Of a current whose groups are told (measure/spectrum.h), adds these as an array with that key, A
  * rms, from the direct part on, which has none; and "windows", over which they are. */
 void vs_summary_groups(vs_json *json, const char *key, const vs_spectrum *current);
 

@@ -10,7 +10,7 @@
 
 #include "run/shown.h"
 #include "orbit/steady.h"
-#include "base/outline.h"
+#include "base/field.h"
 
 /* The column that tells whether the orbit is stable, 1, or not, 0. */
 #define VS_ATWORK_STABLE "stable"
