@@ -6,22 +6,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "curves.h"
-#include "plausible.h"
 #include "base/csv.h"
 #include "base/file.h"
+#include "base/gnuplot.h"
 #include "base/json.h"
-#include "diode.h"
-#include "fuse.h"
-#include "passive.h"
-#include "thyristor.h"
-#include "transistor.h"
-#include "triac.h"
-#include "varistor.h"
+#include "base/units.h"
+#include "figures.h"
 #include "netlist/catalogue.h"
 #include "netlist/parts.h"
-#include "base/units.h"
 #include "ngspice/trust.h"
+#include "plausible.h"
+#include "report/scale.h"
 
 static const vs_figures_kind *const KINDS[] = {
     &vs_thyristor_kind,    &vs_triac_kind,      &vs_diode_kind,          &vs_transistor_mosfet,
@@ -32,7 +27,7 @@ static const vs_figures_kind *const KINDS[] = {
 
 static const char *const SIGN[] = {[VS_HELD_NEAR] = "", "<= ", ">= ", ""};
 
-static double shown(const vs_figure *row, double si) {
+static double in_shown_unit(const vs_figure *row, double si) {
   return si / vs_units_factor(row->unit);
 }
 
@@ -40,10 +35,10 @@ static void write_asked(const vs_figure *row, char *text, size_t size) {
   if (row->held == VS_HELD_NOT)
     snprintf(text, size, "-");
   else if (row->held == VS_HELD_NEAR)
-    snprintf(text, size, "%.4g +- %.3g %s", shown(row, row->asked), shown(row, row->tolerance),
-             row->unit);
+    snprintf(text, size, "%.4g +- %.3g %s", in_shown_unit(row, row->asked),
+             in_shown_unit(row, row->tolerance), row->unit);
   else
-    snprintf(text, size, "%s%.4g %s", SIGN[row->held], shown(row, row->asked), row->unit);
+    snprintf(text, size, "%s%.4g %s", SIGN[row->held], in_shown_unit(row, row->asked), row->unit);
 }
 
 static void write_got(const vs_figure *row, char *text, size_t size) {
@@ -52,10 +47,10 @@ static void write_got(const vs_figure *row, char *text, size_t size) {
   else if (isinf(row->got))
     snprintf(text, size, "none");
   else
-    snprintf(text, size, "%.4g %s", shown(row, row->got), row->unit);
+    snprintf(text, size, "%.4g %s", in_shown_unit(row, row->got), row->unit);
 }
 
-static void add_table(const vs_figures *f, vs_text *table) {
+static void add_figures_table(const vs_figures *f, vs_text *table) {
   vs_text_add(table, "\n%-12s %-22s %-14s %-7s %s", "figure", "asked", "got", "word", "test");
   for (size_t k = 0; k < f->count; k++) {
     const vs_figure *row = &f->row[k];
@@ -68,9 +63,9 @@ static void add_table(const vs_figures *f, vs_text *table) {
   }
 }
 
-/* One object on a line. A row of check's array has a place and a message besides; there what is to
- * be told of the library has a row of its own. */
-static void add_json(const vs_figure *row, const char *file, vs_text *text) {
+/* Adds one object on a line. file: for a row of check's array, which has a place and a message
+ * besides, and where the warning about the library has a row of its own; NULL: for bench.json. */
+static void add_figure_json(const vs_figure *row, const char *file, vs_text *text) {
   char asked[64], got[64];
   vs_json json = vs_json_new(text);
   vs_json_object(&json, NULL, VS_JSON_ROW);
@@ -92,9 +87,9 @@ static void add_json(const vs_figure *row, const char *file, vs_text *text) {
                : row->held == VS_HELD_AT_MOST  ? "at most"
                : row->held == VS_HELD_AT_LEAST ? "at least"
                                                : NULL);
-  vs_json_number(&json, "asked", shown(row, row->asked), 9);
-  vs_json_number(&json, "tolerance", shown(row, row->tolerance), 9);
-  vs_json_number(&json, "got", shown(row, row->got), 9);
+  vs_json_number(&json, "asked", in_shown_unit(row, row->asked), 9);
+  vs_json_number(&json, "tolerance", in_shown_unit(row, row->tolerance), 9);
+  vs_json_number(&json, "got", in_shown_unit(row, row->got), 9);
   vs_json_text(&json, "word", vs_figures_word(row));
   vs_json_text(&json, "test", row->text);
   vs_json_text(&json, "why", isnan(row->got) ? row->why : NULL);
@@ -106,14 +101,57 @@ static void add_json(const vs_figure *row, const char *file, vs_text *text) {
   vs_json_end(&json);
 }
 
+/* ---- the picture ---- */
+
+/* A gnuplot data block of at most MOST points: steps are dense where nothing shows. */
+static void add_curve_points(const vs_figures_curve *c, size_t number, vs_script *script) {
+  enum { MOST = 4000 };
+  size_t every = 1 + c->points / MOST;
+  vs_gnuplot_add(script, "$curve%zu << EOD\n", number);
+  for (size_t k = 0; k < c->points; k += every)
+    vs_gnuplot_add(script, "%.6g %.6g\n", c->x[k], c->y[k]);
+  vs_gnuplot_add(script, "EOD\n");
+}
+
+static void add_curve_panel(const vs_figures_curve *c, size_t number, vs_script *script) {
+  vs_gnuplot_add(script, c->log_x ? "set logscale x\nset title " : "unset logscale x\nset title ");
+  vs_gnuplot_caption(script, c->title, 380, 10);
+  vs_gnuplot_add(script, "\nset xlabel ");
+  vs_gnuplot_quoted(script, c->x_label);
+  vs_gnuplot_add(script, "\nset ylabel ");
+  vs_gnuplot_quoted(script, c->y_label);
+  vs_gnuplot_add(script, "\nplot $curve%zu using 1:2 with lines lw 1.5 lc rgb %s notitle\n", number,
+                 vs_scale_colours[number % VS_COLOURS]);
+}
+
+/* Draws all curves side by side into a PNG of `size` bytes, to be freed by the caller. Errors:
+ * VS_RUN, gnuplot is not installed or failed. */
+static vs_status draw_curves(const vs_figures *f, const char *title, char **picture, size_t *size,
+                             vs_error *err) {
+  vs_script script = {0};
+  for (size_t k = 0; k < f->n_curves; k++) add_curve_points(&f->curve[k], k, &script);
+  vs_gnuplot_add(&script,
+                 "set terminal pngcairo noenhanced size %zu,360 font 'sans,10' background rgb "
+                 "'white'\nset multiplot layout 1,%zu title ",
+                 420 * f->n_curves, f->n_curves);
+  vs_gnuplot_caption(&script, title, (int)(420 * f->n_curves), 10);
+  vs_gnuplot_add(&script,
+                 "\nset grid lt 1 lw 0.5 lc rgb '#d0d0d0'\nset border 3\nset tics nomirror\n");
+  for (size_t k = 0; k < f->n_curves; k++) add_curve_panel(&f->curve[k], k, &script);
+  vs_gnuplot_add(&script, "unset multiplot\n");
+  vs_status status = vs_gnuplot_picture(script.text.text, picture, size, err);
+  vs_gnuplot_free(&script);
+  return status;
+}
+
 /* ---- files ---- */
 
 static void add_csv(const vs_figures *f, vs_text *text) {
   vs_text_add(text, "figure,unit,held,asked,tolerance,got,word,test,warning\n");
   for (size_t k = 0; k < f->count; k++) {
     const vs_figure *row = &f->row[k];
-    const double number[] = {shown(row, row->asked), shown(row, row->tolerance),
-                             shown(row, row->got)};
+    const double number[] = {in_shown_unit(row, row->asked), in_shown_unit(row, row->tolerance),
+                             in_shown_unit(row, row->got)};
     vs_csv_cell(text, row->name);
     vs_text_add(text, ",");
     vs_csv_cell(text, row->unit);
@@ -135,8 +173,8 @@ static void add_csv(const vs_figures *f, vs_text *text) {
   }
 }
 
-static vs_status write_file(const char *folder, const char *name, const char *bytes, size_t size,
-                            vs_error *err) {
+static vs_status write_bench_file(const char *folder, const char *name, const char *bytes,
+                                  size_t size, vs_error *err) {
   vs_file file;
   vs_status status = vs_file_open(&file, folder, name, err);
   if (status) return status;
@@ -155,15 +193,14 @@ static vs_status write_folder(const vs_check_options *o, const vs_figures *f, co
   vs_text_add(&json, "[");
   for (size_t k = 0; k < f->count; k++) {
     vs_text_add(&json, "%s\n  ", k ? "," : "");
-    add_json(&f->row[k], NULL, &json);
+    add_figure_json(&f->row[k], NULL, &json);
   }
   vs_text_add(&json, "\n]\n");
   vs_status status = vs_file_folder_make(o->folder, &made, err);
-  if (!status) status = write_file(o->folder, "bench.csv", csv.text, csv.length, err);
-  if (!status) status = write_file(o->folder, "bench.json", json.text, json.length, err);
-  vs_status drawn =
-      status || !f->n_curves ? VS_OK : vs_curves_draw(f, title, &picture, &size, &why);
-  if (!status && picture) status = write_file(o->folder, "bench.png", picture, size, err);
+  if (!status) status = write_bench_file(o->folder, "bench.csv", csv.text, csv.length, err);
+  if (!status) status = write_bench_file(o->folder, "bench.json", json.text, json.length, err);
+  vs_status drawn = status || !f->n_curves ? VS_OK : draw_curves(f, title, &picture, &size, &why);
+  if (!status && picture) status = write_bench_file(o->folder, "bench.png", picture, size, err);
   if (drawn && !o->quiet)
     fprintf(stderr, "vibrospice: warning: there is no picture: %s\n", why.text);
   free(picture);
@@ -194,15 +231,15 @@ static size_t count_assumed(const char *path) {
   return count;
 }
 
-static void tell(const vs_stand *s, const vs_figures *f, vs_check_bench *bench) {
+static void tell_figures(const vs_stand *s, const vs_figures *f, vs_check_bench *bench) {
   size_t assumed = count_assumed(s->file);
-  add_table(f, &bench->table);
+  add_figures_table(f, &bench->table);
   for (size_t k = 0; k < f->count; k++) {
     const char *word = vs_figures_word(&f->row[k]);
     bool asked = f->row[k].held != VS_HELD_NOT;
     bench->off += asked && (!strcmp(word, "off") || !strcmp(word, "failed"));
     bench->figures += asked;
-    add_json(&f->row[k], s->name, &bench->rows);
+    add_figure_json(&f->row[k], s->name, &bench->rows);
     vs_text_add(&bench->rows, "\n");
   }
   if (assumed)
@@ -212,15 +249,15 @@ static void tell(const vs_stand *s, const vs_figures *f, vs_check_bench *bench) 
 
 /* ---- the model beside the sheet ---- */
 
-/* A figure is sought to 2 %, and another ngspice may end that search a step aside. A line that is
- * further off than that is of another model. */
+/* A search for a figure ends within 2 %, and with another version of ngspice it may end a step
+ * away. A line `model` that is further off than that belongs to another model. */
 static const double AGREES = 0.02;
 
 static double in_percent(double deviation) {
   return round(100 * deviation) + 0.0; /* no -0 */
 }
 
-/* Warns of a line model that is not what the stand got. */
+/* Warns of a line `model` that differs from what was measured on the stand. */
 static void warn_of_model(const vs_stand *s, const vs_model_line *line, double got,
                           vs_warnings *w) {
   const vs_where where = {s->name, line->where.line, line->where.column};
@@ -237,8 +274,8 @@ static void warn_of_model(const vs_stand *s, const vs_model_line *line, double g
                line->figure, 100 * line->deviation, in_percent(got));
 }
 
-/* Says which lines model are missing, so that they can be put into the file; warns of those that
- * are not so. Nothing is said of an ideal part, which has no finite limit. */
+/* Prints the lines `model` that the file lacks, so that they can be put into it; warns of those
+ * that are wrong. An ideal part has no finite limit, and nothing is said of it. */
 static void tell_of_models(const vs_stand *s, const vs_figures *f, vs_check_bench *bench) {
   const vs_part_file *file = vs_parts_file(&s->deck, s->file);
   bool real = false;
@@ -280,7 +317,7 @@ static vs_status try_part(const vs_stand *s, const vs_figures_kind *kind, vs_err
   return status ? VS_INPUT : VS_OK;
 }
 
-/* Says that nothing was tried, so that no figure is not taken for a good one. */
+/* Says that nothing was tried, so that the absence of figures is not taken for a good result. */
 static void tell_of_no_bench(const vs_stand *s, vs_check_bench *bench) {
   const vs_part_file *file = vs_parts_file(&s->deck, s->file);
   vs_text message = {0};
@@ -319,7 +356,7 @@ vs_status vs_acceptance_try(const vs_check_options *o, vs_check_bench *bench, vs
   if (kind) status = try_part(s, kind, &own);
   if (kind && !status) kind->measure(s, &f);
   if (!status) vs_plausible_warn(s, &f, bench->warnings);
-  if (f.count) tell(s, &f, bench);
+  if (f.count) tell_figures(s, &f, bench);
   if (f.count) tell_of_models(s, &f, bench);
   if (f.count && o->folder) status = write_folder(o, &f, s->subcircuit, &own);
   if (status) *err = (own.findings = err->findings, own);

@@ -135,7 +135,7 @@ void vs_diode_breakdown(const vs_stand *s, const char *wiring, const char *const
 
 /* ---- all ---- */
 
-static void measure(const vs_stand *s, vs_figures *f) {
+static void measure_diode(const vs_stand *s, vs_figures *f) {
   static const char *const TEST[] = {"i_test", "test_current", "i_f_av", NULL}, *const FALL[] = {
                                                                                     "di_test",
                                                                                     "test_slope",
@@ -154,4 +154,4 @@ static void measure(const vs_stand *s, vs_figures *f) {
   vs_diode_recovery(s, &p, f);
 }
 
-const vs_figures_kind vs_diode_kind = {"diode", "t 0", measure};
+const vs_figures_kind vs_diode_kind = {"diode", "t 0", measure_diode};

@@ -21,6 +21,4 @@ void vs_diode_recovery(const vs_stand *stand, const vs_diode_plan *plan, vs_figu
 void vs_diode_breakdown(const vs_stand *stand, const char *wiring, const char *const name_limit[2],
                         int up, vs_figures *figures);
 
-extern const vs_figures_kind vs_diode_kind;
-
 #endif

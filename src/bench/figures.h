@@ -102,4 +102,9 @@ typedef struct vs_figures_kind {
   void (*measure)(const vs_stand *stand, vs_figures *figures);
 } vs_figures_kind;
 
+/* All kinds that there are; the table of them stands in acceptance.c. */
+extern const vs_figures_kind vs_thyristor_kind, vs_triac_kind, vs_diode_kind, vs_transistor_mosfet,
+    vs_transistor_igbt, vs_varistor_kind, vs_fuse_kind, vs_passive_resistor, vs_passive_capacitor,
+    vs_passive_snubber, vs_passive_electrolytic;
+
 #endif

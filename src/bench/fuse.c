@@ -1,10 +1,11 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "fuse.h"
-
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What a data sheet says of a fuse, tried: resistance, melting I2t, least melting current, clearing
+ * I2t, arc voltage. */
 #include <math.h>
 #include <stdio.h>
 
 #include "base/text.h"
+#include "figures.h"
 
 /* What the circuits are made for, SI: what is asked, or where nothing is asked what is usual. */
 typedef struct plan {
@@ -35,8 +36,8 @@ static vs_figures_asked asked_of(const vs_stand *s, const char *limit, const cha
   return isnan(a.value) ? vs_figures_own(s, own) : a;
 }
 
-static vs_status try_out(const vs_stand *s, const char *source, double until_s, double step_s,
-                         vs_stand_record *r, vs_error *err) {
+static vs_status try_fuse(const vs_stand *s, const char *source, double until_s, double step_s,
+                          vs_stand_record *r, vs_error *err) {
   vs_text text = {0};
   vs_text_add(&text, "%s\nVm m a 0\nXdut a 0 %s\nRg g 0 1\n", source, s->subcircuit);
   const vs_stand_circuit c = {text.text, until_s, step_s, 0};
@@ -45,8 +46,8 @@ static vs_status try_out(const vs_stand *s, const char *source, double until_s, 
   return status;
 }
 
-/* The rest of the row, once it was tried. */
-static void end(vs_figure *row, vs_status status, const vs_error *err) {
+/* Completes the row after its test: why it failed, where it did. */
+static void end_fuse_row(vs_figure *row, vs_status status, const vs_error *err) {
   if (!status) return;
   row->got = NAN;
   snprintf(row->why, sizeof row->why, "%.190s", err->text);
@@ -79,10 +80,10 @@ static void resistance(const vs_stand *s, plan *p, vs_figures *f) {
   double until_s = 1e-3 * p->melt_a2s / (p->rated_a * p->rated_a);
   snprintf(source, sizeof source, "Is 0 m %.9g", p->rated_a);
   snprintf(row->text, sizeof row->text, "at %.4g A, cold", p->rated_a);
-  vs_status status = try_out(s, source, until_s, until_s / 50, &r, &err);
+  vs_status status = try_fuse(s, source, until_s, until_s / 50, &r, &err);
   if (!status) row->got = vs_stand_at(&r, r.v, until_s) / p->rated_a;
   p->r_ohm = isfinite(row->got) ? row->got : 0;
-  end(row, status, &err);
+  end_fuse_row(row, status, &err);
   vs_stand_free(&r);
 }
 
@@ -93,7 +94,7 @@ static vs_status constant(const vs_stand *s, const plan *p, double i, const doub
   char source[128];
   double v = fmax(100, 20 * p->r_ohm * i);
   snprintf(source, sizeof source, "Vs s 0 %.9g\nRs s m %.17g", v, v / i - p->r_ohm);
-  vs_status status = try_out(s, source, course[0], course[1], r, err);
+  vs_status status = try_fuse(s, source, course[0], course[1], r, err);
   *melted = !status && r->points > 0 && fabs(r->i[r->points - 1]) < i / 2;
   return status;
 }
@@ -116,7 +117,7 @@ static bool melting(const vs_stand *s, const plan *p, vs_figures *f) {
     vs_stand_free(&r);
   }
   if (!status && !melted) row->got = INFINITY;
-  end(row, status, &err);
+  end_fuse_row(row, status, &err);
   return melted;
 }
 
@@ -146,7 +147,7 @@ static void least_current(const vs_stand *s, const plan *p, vs_figures *f) {
 
 /* ---- clearing ---- */
 
-static void draw(const vs_stand_record *r, size_t last, vs_figures *f) {
+static void draw_fuse(const vs_stand_record *r, size_t last, vs_figures *f) {
   const double *column[] = {r->i, r->v};
   static const char *const LABEL[] = {"i / A", "v / V"}, *const TITLE[] = {"clearing: current",
                                                                            "clearing: voltage"};
@@ -175,7 +176,7 @@ static vs_status short_circuit(const vs_stand *s, const plan *p, double times, v
            "Vs s 0 sin(0 %.9g 50 %.9g)\nSs s x ct 0 closing\nVct ct 0 pwl(0 -1 99u -1 101u 1)\n"
            ".model closing sw(ron=%.9g roff=1e9 vt=0 vh=0.1)\nRs x y %.9g\nLs y m %.17g ic=0",
            e, 1e-4 - 5e-3, 1e-3 * z, 0.149 * z, z * sqrt(1 - 0.15 * 0.15) / omega);
-  return try_out(s, source, 20e-3, 5e-6, r, err);
+  return try_fuse(s, source, 20e-3, 5e-6, r, err);
 }
 
 /* True where it melts well within the first half cycle. A time-lag fuse takes 30 times its rated
@@ -227,18 +228,19 @@ static void clearing(const vs_stand *s, const plan *p, vs_figures *f) {
   snprintf(volt->text, sizeof volt->text, "its peak in that test");
   for (size_t k = 0; k <= at && k < worst.points; k++)
     volt->got = k ? fmax(volt->got, fabs(worst.v[k])) : 0;
-  if (!status && worst.points > 0) draw(&worst, at, f);
-  end(row, status, &err);
-  end(volt, status, &err);
+  if (!status && worst.points > 0) draw_fuse(&worst, at, f);
+  end_fuse_row(row, status, &err);
+  end_fuse_row(volt, status, &err);
   vs_stand_free(&worst);
 }
 
-static void measure(const vs_stand *s, vs_figures *f) {
+static void measure_fuse(const vs_stand *s, vs_figures *f) {
   plan p = plan_of(s);
   resistance(s, &p, f);
-  if (!melting(s, &p, f)) return; /* an ideal one; what stands below would take its time in vain */
+  if (!melting(s, &p, f))
+    return; /* an ideal fuse never melts; the tests below would take their time and find nothing */
   least_current(s, &p, f);
   clearing(s, &p, f);
 }
 
-const vs_figures_kind vs_fuse_kind = {"fuse", "t 0", measure};
+const vs_figures_kind vs_fuse_kind = {"fuse", "t 0", measure_fuse};

@@ -1,13 +1,15 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "passive.h"
-
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Resistors and capacitors, tried: resistance at 1 V; capacitance, and the resistance in series
+ * with it, also of a snubber; of an electrolytic capacitor these at 100 Hz, the resistance also at
+ * 10 kHz, and the leakage. */
 #include <math.h>
 #include <stdio.h>
 
 #include "base/text.h"
+#include "figures.h"
 
-static vs_status try_out(const vs_stand *s, const char *source, double until_s, vs_stand_record *r,
-                         vs_error *err) {
+static vs_status try_passive(const vs_stand *s, const char *source, double until_s,
+                             vs_stand_record *r, vs_error *err) {
   vs_text text = {0};
   vs_text_add(&text, "%s\nVm m a 0\nXdut a 0 %s\nRg g 0 1\n", source, s->subcircuit);
   const vs_stand_circuit c = {text.text, until_s, until_s / 200, 1e-6};
@@ -16,7 +18,7 @@ static vs_status try_out(const vs_stand *s, const char *source, double until_s, 
   return status;
 }
 
-static void fail(vs_figure *row, const vs_error *err) {
+static void fail_row(vs_figure *row, const vs_error *err) {
   snprintf(row->why, sizeof row->why, "%.190s", err->text);
 }
 
@@ -27,22 +29,22 @@ static void measure_resistor(const vs_stand *s, vs_figures *f) {
   vs_stand_record r = {0};
   vs_error err = {0};
   snprintf(row->text, sizeof row->text, "at 1 V");
-  vs_status status = try_out(s, "Vs m 0 pwl(0 0 1m 1)", 1, &r, &err);
+  vs_status status = try_passive(s, "Vs m 0 pwl(0 0 1m 1)", 1, &r, &err);
   if (status)
-    fail(row, &err);
+    fail_row(row, &err);
   else
     row->got = vs_stand_at(&r, r.v, 0.99) / vs_stand_at(&r, r.i, 0.99);
   vs_stand_free(&r);
 }
 
 /* The voltage rises by 10 V in 10 ms: i = C dv/dt, read over the second half, without leakage. */
-static void capacitance(const vs_stand *s, vs_figure *row) {
+static void measure_capacitance(const vs_stand *s, vs_figure *row) {
   vs_stand_record r = {0};
   vs_error err = {0};
-  vs_status status = try_out(s, "Vs m 0 pwl(0 0 10m 10)", 10e-3, &r, &err);
+  vs_status status = try_passive(s, "Vs m 0 pwl(0 0 10m 10)", 10e-3, &r, &err);
   snprintf(row->text, sizeof row->text, "at 1 V/ms");
   if (status)
-    fail(row, &err);
+    fail_row(row, &err);
   else
     row->got = vs_stand_at(&r, r.i, 9e-3) / 1e3;
   vs_stand_free(&r);
@@ -56,10 +58,10 @@ static void series_resistance(const vs_stand *s, double c_f, vs_figure *row) {
   vs_error err = {0};
   char source[128];
   snprintf(source, sizeof source, "Is 0 m pwl(0 0 %.9g 1)", until_s / 1000);
-  vs_status status = try_out(s, source, until_s, &r, &err);
+  vs_status status = try_passive(s, source, until_s, &r, &err);
   snprintf(row->text, sizeof row->text, "in series, at 1 A");
   if (status)
-    fail(row, &err);
+    fail_row(row, &err);
   else
     row->got =
         2 * vs_stand_at(&r, r.v, 0.5 * until_s + 0.25e-3 * until_s) - vs_stand_at(&r, r.v, until_s);
@@ -71,7 +73,7 @@ static void measure_series(const vs_stand *s, vs_figures *f, vs_figures_asked c_
   vs_figure *row = vs_figures_add(f, "C", "uF", c_f, 0.01, VS_HELD_NEAR),
             *resistor =
                 vs_figures_add(f, r_name_unit[0], r_name_unit[1], r_ohm, 0.02, VS_HELD_NEAR);
-  capacitance(s, row);
+  measure_capacitance(s, row);
   if (row->got > 0)
     series_resistance(s, row->got, resistor);
   else
@@ -99,7 +101,7 @@ static vs_status impedance(const vs_stand *s, double hz, double *c_f, double *r_
   char source[96];
   double re = 0, im = 0;
   snprintf(source, sizeof source, "Is 0 m sin(0 1 %g)", hz);
-  vs_status status = try_out(s, source, 4 / hz, &r, err);
+  vs_status status = try_passive(s, source, 4 / hz, &r, err);
   double mean = status ? NAN : vs_stand_at(&r, r.v, from);
   for (size_t k = 1; k < r.points && !status; k++) {
     if (r.t_s[k - 1] < from) continue;
@@ -115,7 +117,7 @@ static vs_status impedance(const vs_stand *s, double hz, double *c_f, double *r_
 }
 
 /* The rated voltage through so much resistance that it is there after a twentieth of a second. */
-static void leakage(const vs_stand *s, double c_f, vs_figures *f) {
+static void measure_leakage(const vs_stand *s, double c_f, vs_figures *f) {
   static const char *const RATED[] = {"v_rated", "rated_voltage", NULL};
   vs_figures_asked own = vs_figures_any(s, "leakage"), most = vs_figures_limit(s, "i_leakage");
   bool limited = isfinite(most.value);
@@ -128,9 +130,9 @@ static void leakage(const vs_stand *s, double c_f, vs_figures *f) {
   snprintf(source, sizeof source, "Vs w 0 pwl(0 0 0.1 %g)\nRs w m %g", v, ohm);
   snprintf(row->text, sizeof row->text, "at %.4g V", v);
   vs_status status = isnan(v) ? vs_fail(&err, VS_RUN, "its rated voltage is not known")
-                              : try_out(s, source, 2, &r, &err);
+                              : try_passive(s, source, 2, &r, &err);
   if (status)
-    fail(row, &err);
+    fail_row(row, &err);
   else
     row->got = vs_stand_at(&r, r.i, 1.99);
   vs_stand_free(&r);
@@ -147,11 +149,12 @@ static void measure_electrolytic(const vs_stand *s, vs_figures *f) {
       vs_figures_add(f, "ESR", "mohm", vs_figures_any(s, "esr_high"), 0.05, VS_HELD_NEAR)};
   vs_error err = {0};
   double ignored;
-  if (impedance(s, 100, &row[0]->got, &row[1]->got, &err)) fail(row[0], &err), fail(row[1], &err);
-  if (impedance(s, 10e3, &ignored, &row[2]->got, &err)) fail(row[2], &err);
+  if (impedance(s, 100, &row[0]->got, &row[1]->got, &err))
+    fail_row(row[0], &err), fail_row(row[1], &err);
+  if (impedance(s, 10e3, &ignored, &row[2]->got, &err)) fail_row(row[2], &err);
   for (int n = 0; n < 3; n++)
     snprintf(row[n]->text, sizeof row[n]->text, "at %s", n < 2 ? "100 Hz" : "10 kHz");
-  leakage(s, row[0]->got > 0 ? row[0]->got : 100e-6, f);
+  measure_leakage(s, row[0]->got > 0 ? row[0]->got : 100e-6, f);
 }
 
 const vs_figures_kind vs_passive_resistor = {"resistor", "t 0", measure_resistor},

@@ -4,8 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "netlist/parts.h"
 #include "base/units.h"
+#include "netlist/parts.h"
 
 /* ---- numbers by themselves ---- */
 
@@ -204,7 +204,7 @@ static bool is_named(const vs_warnings *w, int line) {
   return false;
 }
 
-/* A model may keep what is asked by being no device at all. */
+/* A model may meet what is asked because it is ideal, as no device is. */
 static void warn_of_figure(const vs_stand *s, const vs_figure *row, vs_warnings *w) {
   static const double FAR = 20; /* times better than what is asked */
   vs_where where = row->where.file ? row->where : part_line(s);

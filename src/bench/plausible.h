@@ -3,8 +3,8 @@
 #ifndef VS_BENCH_PLAUSIBLE_H
 #define VS_BENCH_PLAUSIBLE_H
 
-#include "run/warnings.h"
 #include "figures.h"
+#include "run/warnings.h"
 
 /* Adds a warning for each implausible number: of the file's limits, parameters and thermal
  * impedance, and of what was measured. Says nothing of a part without any limit, which is ideal. */

@@ -19,7 +19,7 @@
 #include "ngspice/ng.h"
 #include "ngspice/trust.h"
 
-/* A circuit of the stand takes some hundredths of a second. */
+/* Normally a circuit of the stand takes some hundredths of a second. */
 enum { MOST_SECONDS = 20 };
 
 static const vs_shelf SHELF = {"test stand", "templates", ".cir"};
@@ -97,7 +97,7 @@ static double no_edge(void *ctx, double t_s) {
 }
 
 /* Steps are gathered outside of ngspice, where its own memory is not in play. */
-static vs_status accept(void *ctx, double t_s, const double *signals, vs_error *err) {
+static vs_status record_step_of_stand(void *ctx, double t_s, const double *signals, vs_error *err) {
   static const size_t MOST = 2000000;
   steps *s = ctx;
   if (s->count == MOST) return vs_fail(err, VS_RUN, "more than %zu steps", MOST);
@@ -113,7 +113,7 @@ static vs_status accept(void *ctx, double t_s, const double *signals, vs_error *
 
 /* What is wrong in the stand's own deck, or stands nowhere, is the part's doing. A line around the
  * part that ngspice does better without tells a user nothing. */
-static void locate(const void *author, size_t culprit, vs_error *err) {
+static void locate_culprit(const void *author, size_t culprit, vs_error *err) {
   const vs_stand *stand = author;
   const char *deck = stand->deck.files[0];
   char *without = strstr(err->text, VS_BLAME_WITHOUT);
@@ -124,8 +124,8 @@ static void locate(const void *author, size_t culprit, vs_error *err) {
   vs_fail_at(err, (vs_where){.file = stand->name}, "%s", plain.text + plain.place_size);
 }
 
-static vs_status solve(char *const *netlist, size_t lines, const vs_stand *stand,
-                       const vs_stand_circuit *c, bool search, steps *seen, vs_error *err) {
+static vs_status solve_netlist(char *const *netlist, size_t lines, const vs_stand *stand,
+                               const vs_stand_circuit *c, bool search, steps *seen, vs_error *err) {
   static const char *const PORTS[] = {"v.xeva.vgap"}, *const NAMES[] = {"v(a)", "i(vm)", "v(g)"};
   const vs_circuit_job job = {.netlist = netlist,
                               .lines = lines,
@@ -139,10 +139,11 @@ static vs_status solve(char *const *netlist, size_t lines, const vs_stand *stand
                               .dialect = stand->deck.compat,
                               .relative_tolerance = c->tolerance > 0 ? c->tolerance : 1e-4,
                               .current_tolerance_a = 1e-9,
-                              .locate = locate,
+                              .locate = locate_culprit,
                               .author = stand,
                               .tried = !search};
-  const vs_circuit_host host = {seen, gap, no_edge, no_edge, accept, NULL, NULL, NULL};
+  const vs_circuit_host host = {seen, gap,  no_edge, no_edge, record_step_of_stand,
+                                NULL, NULL, NULL};
   void *circuit = NULL;
   vs_status status = vs_ng_kind.load(&job, &host, &circuit, err);
   if (!status) status = vs_ng_kind.run(circuit, err);
@@ -150,7 +151,7 @@ static vs_status solve(char *const *netlist, size_t lines, const vs_stand *stand
   return status;
 }
 
-/* A crash shall end the child by its signal, without a word and without a core file. */
+/* A crash ends the child by its signal; nothing is printed, and no core file is written. */
 static void live_quietly(void) {
   static const int SIGNALS_OF_CRASHES[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGALRM};
   const struct rlimit none = {0, 0};
@@ -174,7 +175,7 @@ static _Noreturn void solve_in(const vs_child_copy *copy, const vs_stand *stand,
   memcpy(netlist, stand->netlist, stand->lines * sizeof *netlist);
   for (char *line; (line = strsep(&rest, "\n"));)
     if (*line) netlist[lines++] = line;
-  h.status = solve(netlist, lines, stand, c, search, &seen, &h.err);
+  h.status = solve_netlist(netlist, lines, stand, c, search, &seen, &h.err);
   h.points = seen.count;
   vs_child_say(copy, &h, sizeof h);
   vs_child_tell(copy, seen.row, seen.count * (1 + SIGNALS) * sizeof *seen.row);
@@ -182,7 +183,7 @@ static _Noreturn void solve_in(const vs_child_copy *copy, const vs_stand *stand,
 
 /* ---- in the parent ---- */
 
-/* Takes the rows that the child tells, and puts each column together. */
+/* Reads the rows that the child has written, and sorts them into columns. */
 static bool take_record(const vs_child_copy *copy, vs_stand_record *r) {
   size_t n = r->points;
   double *row = vs_alloc(n + 1, (1 + SIGNALS) * sizeof *row), *column[1 + SIGNALS];
@@ -196,8 +197,8 @@ static bool take_record(const vs_child_copy *copy, vs_stand_record *r) {
   return whole;
 }
 
-static vs_status run_once(const vs_stand *stand, const vs_stand_circuit *c, bool search,
-                          vs_stand_record *r, int *how, vs_error *err) {
+static vs_status run_on_stand(const vs_stand *stand, const vs_stand_circuit *c, bool search,
+                              vs_stand_record *r, int *how, vs_error *err) {
   vs_child_copy copy;
   head h = {0};
   *r = (vs_stand_record){0};
@@ -228,12 +229,12 @@ vs_status vs_stand_run(const vs_stand *stand, const vs_stand_circuit *c, vs_stan
                        vs_error *err) {
   int how = 0;
   vs_status status = vs_trust_find(err);
-  if (!status) status = run_once(stand, c, false, r, &how, err);
+  if (!status) status = run_on_stand(stand, c, false, r, &how, err);
   bool died = WIFSIGNALED(how) && WTERMSIG(how) != SIGALRM && WTERMSIG(how) != SIGSYS;
   if (!died && (status != VS_INPUT || !strstr(err->text, vs_complaints_nowhere))) return status;
   vs_error found = {.findings = err->findings};
   vs_stand_free(r);
-  if (run_once(stand, c, true, r, &how, &found) == VS_INPUT) {
+  if (run_on_stand(stand, c, true, r, &how, &found) == VS_INPUT) {
     *err = found;
     status = VS_INPUT;
   }

@@ -1,6 +1,6 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "transistor.h"
-
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What a data sheet says of a MOSFET or an IGBT, tried: on-state, threshold, transconductance,
+ * breakdown, switching of an inductive load, the diode inside. */
 #include <math.h>
 #include <stdio.h>
 
@@ -54,7 +54,7 @@ static double voltage_at(const vs_stand *s, const plan *p, double i, vs_figure *
   return v;
 }
 
-static void resistance(const vs_stand *s, const plan *p, vs_figures *f) {
+static void channel_resistance(const vs_stand *s, const plan *p, vs_figures *f) {
   vs_figure *row = vs_tryout_row(
       s, f, (const char *[]){"R_DS(on)", "mohm"},
       (vs_tryout_source){"r_ds_on", "on_resistance", VS_HELD_AT_MOST, 0.03, 0, false}, false);
@@ -206,7 +206,7 @@ static void diode_inside(const vs_stand *s, const plan *p, vs_figures *f) {
 static void measure_mosfet(const vs_stand *s, vs_figures *f) {
   const plan usual = {"V_GS(th)", "v_gs_th", .drive_v = 10, .threshold_a = 0.25e-3},
              p = plan_of(s, &usual);
-  resistance(s, &p, f);
+  channel_resistance(s, &p, f);
   transfer(s, &p, f);
   vs_diode_breakdown(s, WIRING, (const char *[]){"V_DS", "v_dss"}, 1, f);
   switching(s, &p, f);

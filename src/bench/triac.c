@@ -1,11 +1,11 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "triac.h"
-
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What a data sheet says of a triac, tried in both directions: as a thyristor either way, the gate
+ * in four quadrants, and the rise behind a commutation. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "firing.h"
+#include "latching.h"
 
 /* The quadrants: the part's main terminal 2 at t and its gate at g, or in the mirror. In the first,
  * MT2 and the gate are positive; in the second the gate is negative; in the third both are. */
@@ -17,10 +17,10 @@ static const struct quadrant {
                  {VS_TRYOUT_MIRROR "Xdut m 0 g %s", ", MT2-, gate +", "gate_current_4", "i_gt_4"}};
 enum { FIRST, SECOND, THIRD, FOURTH };
 
-static vs_firing_plan plan_of(const vs_stand *s, int quadrant, const char *way) {
+static vs_latching_plan plan_of(const vs_stand *s, int quadrant, const char *way) {
   const struct quadrant *q = &QUADRANTS[quadrant];
   const char *const gate[] = {q->param, q->limit, "gate_current", NULL};
-  vs_firing_plan p = vs_firing_plan_of(s);
+  vs_latching_plan p = vs_latching_plan_of(s);
   p.wiring = q->wiring;
   p.way = way ? way : q->way;
   p.gate_param = q->param;
@@ -39,7 +39,7 @@ static bool is_asked(const vs_stand *s, int quadrant) {
 /* A current falls at (dI/dt)c to zero; then the voltage the other way rises by dv/dt to 0.67 V_DRM:
  * does it conduct? */
 typedef struct commutation {
-  const vs_firing_plan *p;
+  const vs_latching_plan *p;
   double a_s;
   double fall_s; /* how long the current falls: longer than anything of it is remembered */
 } commutation;
@@ -57,13 +57,13 @@ static vs_status conducts_again(const vs_stand *s, const void *ctx, double v_s, 
       "S1 a w ct 0 joined\n.model joined sw(ron=10 roff=1meg vt=0.5 vh=0.1)\n"
       "Vct ct 0 pwl(0 0 %.9g 0 %.9g 1)\nVw w 0 pwl(0 0 %.9g 0 %.9g %g)\n",
       i, begin, i, zero, gate, gate, zero, zero + 1e-7, zero, end, -v);
-  if (!status && vs_stand_at(&r, r.v, 0.99 * begin) > 20) status = vs_firing_not_on(err);
+  if (!status && vs_stand_at(&r, r.v, 0.99 * begin) > 20) status = vs_latching_not_on(err);
   *yes = !status && r.points > 0 && r.v[r.points - 1] > -v / 2;
   vs_stand_free(&r);
   return status;
 }
 
-static void commutating_rise(const vs_stand *s, const vs_firing_plan *p, vs_figures *f) {
+static void commutating_rise(const vs_stand *s, const vs_latching_plan *p, vs_figures *f) {
   static const char *const RISE[] = {"dv_dt_c", NULL}, *const FALL[] = {"commutating_didt",
                                                                         "di_dt_c", NULL};
   vs_figure *row =
@@ -79,20 +79,20 @@ static void commutating_rise(const vs_stand *s, const vs_firing_plan *p, vs_figu
   if (isnan(row->got) && strstr(row->why, "not reached")) row->got = INFINITY;
 }
 
-static void measure(const vs_stand *s, vs_figures *f) {
-  const vs_firing_plan way[] = {plan_of(s, FIRST, ", MT2+"), plan_of(s, THIRD, ", MT2-")};
-  for (int n = 0; n < 2; n++) vs_firing_on_state(s, &way[n], f);
-  vs_firing_draw_on_state(s, &way[0], f);
+static void measure_triac(const vs_stand *s, vs_figures *f) {
+  const vs_latching_plan way[] = {plan_of(s, FIRST, ", MT2+"), plan_of(s, THIRD, ", MT2-")};
+  for (int n = 0; n < 2; n++) vs_latching_on_state(s, &way[n], f);
+  vs_latching_draw_on_state(s, &way[0], f);
   for (int q = FIRST; q <= FOURTH; q++) {
-    vs_firing_plan p = plan_of(s, q, NULL);
-    if (q == FIRST || is_asked(s, q)) vs_firing_gate(s, &p, f);
+    vs_latching_plan p = plan_of(s, q, NULL);
+    if (q == FIRST || is_asked(s, q)) vs_latching_gate(s, &p, f);
   }
   for (int n = 0; n < 2; n++) {
-    vs_firing_latching(s, &way[n], f);
-    vs_firing_holding(s, &way[n], f);
-    vs_firing_rise(s, &way[n], f);
+    vs_latching_current(s, &way[n], f);
+    vs_latching_holding(s, &way[n], f);
+    vs_latching_rise(s, &way[n], f);
     commutating_rise(s, &way[n], f);
   }
 }
 
-const vs_figures_kind vs_triac_kind = {"triac", "t 0 g", measure};
+const vs_figures_kind vs_triac_kind = {"triac", "t 0 g", measure_triac};

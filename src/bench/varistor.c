@@ -1,14 +1,14 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "varistor.h"
-
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What a data sheet says of a varistor, tried: its voltage at three currents. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "base/text.h"
+#include "figures.h"
 
-static vs_status try_out(const vs_stand *s, double until_s, const char *source, vs_stand_record *r,
-                         vs_error *err) {
+static vs_status try_varistor(const vs_stand *s, double until_s, const char *source,
+                              vs_stand_record *r, vs_error *err) {
   vs_text text = {0};
   vs_text_add(&text, "%s\nVm s a 0\nXdut a 0 %s\nRg g 0 1\n", source, s->subcircuit);
   const vs_stand_circuit c = {text.text, until_s, until_s / 400, 1e-6};
@@ -27,7 +27,7 @@ static vs_status voltage_at(const vs_stand *s, double i, double *v, vs_error *er
   snprintf(source, sizeof source, "Is 0 s %.17g", i);
   for (double until_s = 50e-6 / i; !status && !settled && until_s < 5e-2 / i; until_s *= 10) {
     vs_stand_record r = {0};
-    status = try_out(s, until_s, source, &r, err);
+    status = try_varistor(s, until_s, source, &r, err);
     *v = status ? NAN : vs_stand_at(&r, r.v, until_s);
     settled = !status && fabs(*v - vs_stand_at(&r, r.v, 0.9 * until_s)) < 1e-4 * fabs(*v);
     vs_stand_free(&r);
@@ -52,13 +52,13 @@ static vs_figures_asked by_law(const vs_stand *s, double i) {
 }
 
 /* The current of the picture rises from 10 uA by `decades` within 1 s. */
-static void draw(const vs_stand *s, double decades, vs_figures *f) {
+static void draw_varistor(const vs_stand *s, double decades, vs_figures *f) {
   vs_stand_record r = {0};
   vs_error err = {0};
   char source[96];
   snprintf(source, sizeof source, "Bs 0 s I = 1e-5*exp(%.9g*time)", decades * log(10));
   vs_figures_curve *c = NULL;
-  if (!try_out(s, 1, source, &r, &err)) c = vs_figures_add_curve(f, r.points);
+  if (!try_varistor(s, 1, source, &r, &err)) c = vs_figures_add_curve(f, r.points);
   if (c) {
     c->title = "voltage over current", c->x_label = "i / A", c->y_label = "v / V", c->log_x = true;
     memcpy(c->x, r.i, r.points * sizeof *c->x);
@@ -72,7 +72,7 @@ static void draw(const vs_stand *s, double decades, vs_figures *f) {
 /* A limit is held as a buyer's test would: the voltage at 1 mA within the 10 % that makers allow,
  * and the one at the class current at most what is said. 0.1 % for what a
  * parameter asks: the inverse of the polynomial is off by 0.02 % up to 10 kA. */
-static void measure(const vs_stand *s, vs_figures *f) {
+static void measure_varistor(const vs_stand *s, vs_figures *f) {
   static const char *const CLASS[] = {"i_clamp", NULL}, *const SURGE[] = {"i_surge", NULL},
                            *const WORDS[] = {"v_1ma", "v_clamp", NULL};
   const struct {
@@ -104,7 +104,7 @@ static void measure(const vs_stand *s, vs_figures *f) {
       snprintf(row->why, sizeof row->why, "%.190s", err.text);
     }
   }
-  draw(s, log10(ROWS[2].i_a / 1e-5), f);
+  draw_varistor(s, log10(ROWS[2].i_a / 1e-5), f);
 }
 
-const vs_figures_kind vs_varistor_kind = {"varistor", "t 0", measure};
+const vs_figures_kind vs_varistor_kind = {"varistor", "t 0", measure_varistor};

@@ -1,22 +1,33 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "check.h"
-
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The command `check`: tells all that can be known of a scene, a deck or a part before a run. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 
+#include "base/jail.h"
 #include "base/json.h"
+#include "base/path.h"
+#include "bench/acceptance.h"
+#include "commands.h"
+#include "fit/inquiry.h"
+#include "import/hint.h"
+#include "measure/unjudged.h"
 #include "netlist/catalogue.h"
 #include "netlist/netlist.h"
 #include "netlist/parts.h"
 #include "netlist/source.h"
-#include "plant/blueprint.h"
-#include "run/session.h"
 #include "ngspice/trust.h"
+#include "options.h"
+#include "plant/blueprint.h"
+#include "report/fitting.h"
+#include "run/findings.h"
+#include "run/session.h"
 #include "run/table.h"
-#include "measure/unjudged.h"
+#include "study/inspect.h"
+#include "study/methods.h"
 
 /* ---- print-out ---- */
 
@@ -52,7 +63,8 @@ static void print_finding(const char *name, const char *kind, const vs_error *e)
 }
 
 /* Adds a row. level: "warning"; NULL: it is a mistake. */
-static void add_json(const char *name, const vs_error *e, const char *level, vs_json *json) {
+static void add_finding_json(const char *name, const vs_error *e, const char *level,
+                             vs_json *json) {
   char file[sizeof e->text];
   snprintf(file, sizeof file, "%.*s", e->file_size, e->text);
   vs_json_object(json, NULL, VS_JSON_ROW);
@@ -315,7 +327,7 @@ static vs_status check_library(report *r, vs_error *err) {
   return status || vs_error_count(err) || !is_deck ? status : check_deck(r, err);
 }
 
-static bool ends_in(const char *name, const char *ending) {
+static bool has_ending(const char *name, const char *ending) {
   size_t n = strlen(name), m = strlen(ending);
   return n > m && !strcmp(name + n - m, ending);
 }
@@ -332,20 +344,20 @@ static bool is_machine(const char *name) {
 /* The name's ending says which kind of file it is, and of a YAML file its keys. A name without one
  * is looked for among the scenes that come with the program, then among decks, machines and parts.
  */
-static vs_status check(report *r, vs_error *err) {
+static vs_status check_by_kind(report *r, vs_error *err) {
   const char *name = r->options->name;
   char path[VS_PATH_SIZE];
   vs_error none = {0};
   if (r->options->other) return r->options->other(r->options, &r->good, err);
   for (size_t k = 0; k < sizeof DECKS / sizeof *DECKS; k++)
-    if (ends_in(name, DECKS[k])) return check_deck(r, err);
-  if (ends_in(name, ".lib")) return check_library(r, err);
-  if (ends_in(name, ".inc")) return check_part(r, err);
-  if (ends_in(name, ".tab"))
+    if (has_ending(name, DECKS[k])) return check_deck(r, err);
+  if (has_ending(name, ".lib")) return check_library(r, err);
+  if (has_ending(name, ".inc")) return check_part(r, err);
+  if (has_ending(name, ".tab"))
     return vs_fail_at(err, (vs_where){.file = name},
                       "a table of parts is checked row by row: check '%s#NAME'", name);
   if (is_machine(name)) return check_machine(r, err);
-  if (ends_in(name, ".yaml") || ends_in(name, ".yml") ||
+  if (has_ending(name, ".yaml") || has_ending(name, ".yml") ||
       !vs_path_find(&vs_scene_shelf, name, (vs_where){0}, path, &none))
     return check_scene(r, err);
   if (!vs_path_find(&vs_deck_shelf, name, (vs_where){0}, path, &none)) return check_deck(r, err);
@@ -363,18 +375,19 @@ static vs_status check(report *r, vs_error *err) {
 }
 
 /* Prints mistakes, warnings and what the bench saw as one array. */
-static void print_json(const report *r, const vs_findings *all) {
+static void print_findings_json(const report *r, const vs_findings *all) {
   vs_text text = {0};
   vs_json json = vs_json_new(&text);
   bool any = all->count || r->warnings.count || r->bench.rows.text || *vs_trust_text();
   vs_json_array(&json, NULL, any ? VS_JSON_LINES : VS_JSON_ROW);
-  for (size_t k = 0; k < all->count; k++) add_json(r->options->name, &all->item[k], NULL, &json);
+  for (size_t k = 0; k < all->count; k++)
+    add_finding_json(r->options->name, &all->item[k], NULL, &json);
   for (size_t k = 0; k < r->warnings.count; k++)
-    add_json(r->options->name, &r->warnings.item[k], "warning", &json);
+    add_finding_json(r->options->name, &r->warnings.item[k], "warning", &json);
   vs_error library = {0};
   if (*vs_trust_text()) {
     vs_fail(&library, VS_RUN, "%s", vs_trust_text());
-    add_json(r->options->name, &library, "warning", &json);
+    add_finding_json(r->options->name, &library, "warning", &json);
   }
   char *rows = vs_copy(r->bench.rows.text ? r->bench.rows.text : ""), *rest = rows;
   for (char *row; (row = strsep(&rest, "\n"));)
@@ -388,18 +401,23 @@ static void print_json(const report *r, const vs_findings *all) {
   vs_text_free(&text);
 }
 
-vs_status vs_check_command(const vs_check_options *o, vs_error *err) {
+/* Reads the file to its end, and takes the first step of a run and no more. Prints all findings to
+ * standard error, each with its line of the file, or as JSON to standard output. Without findings
+ * it prints one line that describes the file, and warnings, and of a part what the bench found.
+ * Errors: VS_INPUT where there are findings, with an empty err, or with one line more where there
+ * were too many to keep; VS_RUN where a part does not do what its file asks. */
+static vs_status check_and_tell(const vs_check_options *o, vs_error *err) {
   vs_findings *all = vs_alloc(1, sizeof *all);
   report r = {.options = o};
   vs_error own = {.findings = all};
-  vs_status status = vs_error_carry_on(&own, check(&r, &own));
+  vs_status status = vs_error_carry_on(&own, check_by_kind(&r, &own));
   if (o->deep && !r.may_try)
     vs_text_add(&r.bench.table, "\nnothing is tried: --deep tries a scene or a deck");
   for (size_t k = 0; k < all->count && !o->json; k++) print_finding(o->name, "", &all->item[k]);
   for (size_t k = 0; k < r.warnings.count && !o->quiet; k++)
     print_finding(o->name, "warning: ", &r.warnings.item[k]);
   if (o->json)
-    print_json(&r, all);
+    print_findings_json(&r, all);
   else if (!status && !all->count && !o->quiet)
     printf("%s: %s%s\n", o->name, r.good.text, r.bench.table.text ? r.bench.table.text : "");
   if (status == VS_INPUT) vs_fail(err, status, "%s: and more than these", o->name); /* no room */
@@ -416,3 +434,92 @@ vs_status vs_check_command(const vs_check_options *o, vs_error *err) {
   free(all);
   return status;
 }
+
+/* ---- the command line ---- */
+
+typedef struct check_line {
+  vs_arguments common;
+  bool deep;
+} check_line;
+
+static vs_status check_study(const vs_check_options *o, vs_text *good, vs_error *err) {
+  return vs_inspect_study(o, vs_methods_all, good, err);
+}
+
+/* A file is read more than once: for its kind, for what it says, for the lines that messages quote.
+ * A pipe gives its text once. /dev/stdin of a file is called as the file is, whose ending tells the
+ * kind; `path` has room for that. */
+static vs_status find_named_file(const char **name, char path[VS_PATH_SIZE], vs_error *err) {
+  static const char DEVICES[] = "/dev/";
+  struct stat s;
+  if (stat(*name, &s)) return VS_OK;
+  if (!S_ISREG(s.st_mode) && !S_ISDIR(s.st_mode))
+    return vs_fail(err, VS_INPUT,
+                   "%s is a pipe or a device; check reads a file more than once: write it to a "
+                   "file, with the ending of its kind (.yaml, .cir, .inc)",
+                   *name);
+  char *real = strncmp(*name, DEVICES, sizeof DEVICES - 1) ? NULL : realpath(*name, NULL);
+  if (real && strlen(real) < VS_PATH_SIZE) {
+    snprintf(path, VS_PATH_SIZE, "%s", real);
+    vs_jail_allow_named(path);
+    *name = path;
+  }
+  free(real);
+  return VS_OK;
+}
+
+static vs_status check_command(const void *given, vs_error *err) {
+  const check_line *line = given;
+  const vs_arguments *a = &line->common;
+  const char *name = vs_command_name(a);
+  char path[VS_PATH_SIZE];
+  vs_status status = find_named_file(&name, path, err);
+  if (status) return status;
+  const vs_check_options o = {.name = name,
+                              .sets = a->sets,
+                              .n_sets = a->n_sets,
+                              .json = a->json,
+                              .quiet = a->quiet,
+                              .bench = vs_acceptance_try,
+                              .look = vs_hint_look,
+                              .deep = line->deep,
+                              .trial = vs_hint_try,
+                              .folder = a->output,
+                              .other = vs_inquiry_is(name) ? vs_fitting_check
+                                       : vs_inspect_is_study(name, vs_methods_all) ? check_study
+                                                                                   : NULL};
+  return check_and_tell(&o, err);
+}
+
+static const vs_option CHECK_OPTIONS[] = {
+    VS_OPTIONS_SET,
+    VS_OPTIONS_OUTPUT("DIR",
+                      "of a part: writes what was asked and what the bench got as bench.csv and "
+                      "bench.json there, and draws bench.png"),
+    VS_OPTIONS_FLAG(check_line, deep, "deep",
+                    "of a scene or deck: also tries the beginning of its run, with each of the "
+                    "solver's rules, and tells what was measured and what may help"),
+    VS_OPTIONS_FLAG(vs_arguments, json, "json",
+                    "findings as a JSON array of {file, line, column, message} on standard output; "
+                    "of a part also each figure of the bench, with further members"),
+    VS_OPTIONS_FLAG(vs_arguments, quiet, "quiet", "prints nothing but findings"),
+    VS_OPTIONS_JAIL,
+    VS_OPTIONS_NO_JAIL,
+    VS_OPTIONS_HELP,
+    {0}};
+
+const vs_command vs_check_cli = {
+    .name = "check",
+    .argument = "FILE",
+    .text =
+        "tells all that can be known of a scene, study, fit, machine or deck before a run: every "
+        "mistake, with its line; of a part also whether its model does what its file asks",
+    .examples = "  vibrospice check my.yaml\n"
+                "  vibrospice check my.cir\n"
+                "  vibrospice check my.inc -o bench\n"
+                "  vibrospice check my.yaml --deep\n"
+                "  vibrospice check paper --set run.tier=circuit --json\n",
+    .jailed = true,
+    .options = CHECK_OPTIONS,
+    .size = sizeof(check_line),
+    .run = check_command};

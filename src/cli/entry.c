@@ -16,7 +16,7 @@ void vs_entry_begin(vs_entries *e) {
 }
 
 /* True if the text has the word, capitals aside. */
-static bool has(const char *text, const char *word) {
+static bool text_has(const char *text, const char *word) {
   size_t n = strlen(word);
   for (; *text; text++)
     if (!strncasecmp(text, word, n)) return true;
@@ -25,7 +25,7 @@ static bool has(const char *text, const char *word) {
 
 void vs_entry_end(vs_entries *e) {
   vs_json_end(&e->json);
-  if (e->lines.length) e->matched = !e->filter || has(e->sought.text, e->filter);
+  if (e->lines.length) e->matched = !e->filter || text_has(e->sought.text, e->filter);
   if (!e->matched) return;
   if (e->as_json)
     vs_text_add(&e->out, "%s\n    %s", e->count ? "," : "", e->object.text);

@@ -14,11 +14,13 @@
 #include <sys/stat.h>
 
 #include "base/file.h"
+#include "base/units.h"
+#include "commands.h"
 #include "mechanism.h"
 #include "netlist/netlist.h"
+#include "options.h"
 #include "plain.h"
 #include "run/scene.h"
-#include "base/units.h"
 
 /* Measured under plain ngspice against the circuit tier at a tolerance of 1e-6, with steps of a
  * two-thousandth of a period by the trapezoidal rule: p is off by 3e-5 of its peak after a single
@@ -453,3 +455,28 @@ vs_status vs_export_command(const char *name, char *const *sets, size_t n_sets, 
   free(scene);
   return status;
 }
+
+/* ---- the command line ---- */
+
+static vs_status export_command(const void *given, vs_error *err) {
+  const vs_arguments *a = given;
+  if (!a->output)
+    return vs_fail(err, VS_INPUT, "export: wants -o FILE; see vibrospice export --help");
+  return vs_export_command(vs_command_name(a), a->sets, a->n_sets, a->output, err);
+}
+
+static const vs_option EXPORT_OPTIONS[] = {
+    VS_OPTIONS_SET,  VS_OPTIONS_OUTPUT("FILE", "writes the netlist there"),
+    VS_OPTIONS_JAIL, VS_OPTIONS_NO_JAIL,
+    VS_OPTIONS_HELP, {0}};
+
+const vs_command vs_export_cli = {
+    .name = "export",
+    .argument = "SCENE",
+    .text =
+        "writes one netlist for plain ngspice: the scene's circuit tier, with the machine in it",
+    .examples = "  vibrospice export paper -o paper.cir && ngspice -b paper.cir\n"
+                "  vibrospice export my.yaml --set run.until=0.1s -o my.cir\n",
+    .options = EXPORT_OPTIONS,
+    .size = sizeof(vs_arguments),
+    .run = export_command};

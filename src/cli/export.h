@@ -12,7 +12,7 @@
  * the analysis, and commands that measure and write a table. scene: as for vs_scene_read. sets:
  * KEY=VALUE of each --set. Errors: everything a scene can be wrong in; VS_INPUT, the deck uses the
  * export's own names, or firing.burst_frequency does not fit into the firing's period; the file
- * cannot be written. */
+ * cannot be written. For tests. */
 vs_status vs_export_command(const char *scene, char *const *sets, size_t n_sets, const char *output,
                             vs_error *err);
 

@@ -6,16 +6,23 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/path.h"
+#include "base/units.h"
+#include "commands.h"
 #include "control/regulators.h"
-#include "netlist/devices.h"
 #include "engine/events.h"
 #include "entry.h"
 #include "ground.h"
-#include "stock.h"
+#include "netlist/catalogue.h"
+#include "netlist/deck.h"
+#include "netlist/devices.h"
+#include "netlist/kinds.h"
+#include "netlist/netlist.h"
+#include "options.h"
+#include "plant/blueprint.h"
 #include "plant/build.h"
 #include "run/scene.h"
 #include "run/sections.h"
-#include "base/units.h"
 
 /* What is listed: whose probes, measures and parameters, and where the entries go. */
 typedef struct listed {
@@ -24,30 +31,267 @@ typedef struct listed {
   vs_entries *to;
 } listed;
 
-/* ---- files that come with the program ---- */
+/* ---- a file that comes with the program, as an entry ---- */
+
+/* Adds to the entry what the file at `path` says of itself; nothing, or why, where it cannot be
+ * read. */
+typedef void put_details(vs_entries *to, const char *path);
+
+/* The files of one shelf, and what is told of each besides its name and path. */
+typedef struct shelf_walk {
+  const vs_shelf *shelf;
+  put_details *more; /* NULL: nothing */
+  vs_entries *to;
+} shelf_walk;
+
+static void put_file(void *ctx, const char *path) {
+  const shelf_walk *walk = ctx;
+  size_t n;
+  const char *base = vs_catalogue_name(path, &n);
+  char name[VS_PATH_SIZE];
+  if (!vs_catalogue_is_row(path)) n = strlen(base) - strlen(walk->shelf->ending);
+  snprintf(name, sizeof name, "%.*s", (int)n, base);
+  vs_entry_begin(walk->to);
+  vs_entry_put(walk->to, "name", 20, name);
+  vs_entry_path(walk->to, "path", path);
+  vs_entry_line(walk->to);
+  if (walk->more) walk->more(walk->to, path);
+  vs_entry_end(walk->to);
+}
+
+/* Adds an entry for each file of the shelf: its name, its path, and what `more` tells of it. more
+ * may be NULL. */
+static void list_shelf(vs_entries *to, const vs_shelf *shelf, put_details *more) {
+  const shelf_walk walk = {shelf, more, to};
+  if (shelf == &vs_deck_parts_shelf)
+    vs_catalogue_list(shelf, put_file, (void *)(size_t)&walk);
+  else
+    vs_path_list(shelf, put_file, (void *)(size_t)&walk);
+}
+
+static void put_title(vs_entries *to, const char *title) {
+  vs_entry_say(to, "%-20s", "");
+  vs_entry_put(to, "title", 0, title);
+  vs_entry_line(to);
+}
+
+static void put_deck_title(vs_entries *to, const char *path) {
+  vs_deck *deck = vs_alloc(1, sizeof *deck);
+  vs_error err = {0};
+  if (!vs_netlist_read(path, deck, &err)) put_title(to, deck->title);
+  vs_deck_free(deck);
+  free(deck);
+}
+
+static void put_machine_title(vs_entries *to, const char *path) {
+  vs_machine *machine = vs_alloc(1, sizeof *machine);
+  vs_error err = {0};
+  vs_machine_begin(machine);
+  vs_blueprint_read(path, machine, &err);
+  if (*machine->title) put_title(to, machine->title);
+  vs_machine_free(machine);
+  free(machine);
+}
+
+static void put_limit(vs_entries *to, const vs_limit *limit) {
+  vs_entry_object(to);
+  vs_entry_say(to, "    limit");
+  vs_entry_put(to, "name", 18, limit->name);
+  vs_entry_put(to, "value", 14, limit->written);
+  vs_entry_put(to, "text", 0, limit->text);
+  if (limit->assumed) vs_entry_true(to, "assumed");
+  if (limit->assumed) vs_entry_say(to, " (assumed)");
+  vs_entry_line(to);
+  vs_entry_object_end(to);
+}
+
+static void put_derating(vs_entries *to, const vs_derating *d) {
+  vs_entry_object(to);
+  vs_entry_number(to, "width_s", d->width_s);
+  vs_entry_number(to, "number", d->number);
+  vs_entry_number(to, "current_a", d->current_a);
+  if (d->assumed) vs_entry_true(to, "assumed");
+  vs_entry_say(to, "    pulse %g s, %g times, %g A%s", d->width_s, d->number, d->current_a,
+               d->assumed ? " (assumed)" : "");
+  vs_entry_line(to);
+  vs_entry_object_end(to);
+}
+
+static void put_surges(vs_entries *to, const vs_deck *part) {
+  if (part->n_surges) vs_entry_array(to, "surges");
+  for (size_t k = 0; k < part->n_surges; k++) {
+    const vs_surge_row *row = &part->surges[k];
+    vs_entry_object(to);
+    vs_entry_number(to, "number", row->number);
+    vs_entry_number(to, "current_a", row->current_a);
+    if (row->assumed) vs_entry_true(to, "assumed");
+    vs_entry_say(to, "    surge %g cycles, %g A%s", row->number, row->current_a,
+                 row->assumed ? " (assumed)" : "");
+    vs_entry_line(to);
+    vs_entry_object_end(to);
+  }
+  if (part->n_surges) vs_entry_array_end(to);
+}
+
+static void put_limits_at(vs_entries *to, const vs_deck *part) {
+  if (part->n_limits_at) vs_entry_array(to, "limits_at");
+  for (size_t k = 0; k < part->n_limits_at; k++) {
+    const vs_limit_at *at = &part->limits_at[k];
+    vs_entry_object(to);
+    vs_entry_text(to, "name", at->name);
+    vs_entry_number(to, "at_degc", at->at_degc);
+    vs_entry_number(to, "value", at->value);
+    if (at->assumed) vs_entry_true(to, "assumed");
+    vs_entry_say(to, "    at %g degC %s = %g%s", at->at_degc, at->name,
+                 at->value / vs_units_factor(vs_kinds_limit_unit(at->name)),
+                 at->assumed ? " (assumed)" : "");
+    vs_entry_line(to);
+    vs_entry_object_end(to);
+  }
+  if (part->n_limits_at) vs_entry_array_end(to);
+}
+
+static void put_models(vs_entries *to, const vs_deck *part) {
+  if (part->n_models) vs_entry_array(to, "models");
+  for (size_t k = 0; k < part->n_models; k++) {
+    const vs_model_line *m = &part->models[k];
+    vs_entry_object(to);
+    vs_entry_text(to, "figure", m->figure);
+    vs_entry_number(to, "deviation", m->deviation);
+    vs_entry_say(to, "    model %s, %+.3g %% of sheet", m->figure, 100 * m->deviation);
+    vs_entry_line(to);
+    vs_entry_object_end(to);
+  }
+  if (part->n_models) vs_entry_array_end(to);
+}
+
+static void put_melting(vs_entries *to, const vs_melting_row *row) {
+  vs_entry_object(to);
+  vs_entry_number(to, "time_s", row->time_s);
+  vs_entry_number(to, "current_a", row->current_a);
+  if (row->assumed) vs_entry_true(to, "assumed");
+  vs_entry_say(to, "    time_current %g s, %g A%s", row->time_s, row->current_a,
+               row->assumed ? " (assumed)" : "");
+  vs_entry_line(to);
+  vs_entry_object_end(to);
+}
+
+static void put_ambient(vs_entries *to, const vs_ambient_row *row) {
+  vs_entry_object(to);
+  vs_entry_text(to, "limit", row->limit);
+  vs_entry_number(to, "ambient_degc", row->ambient_degc);
+  vs_entry_number(to, "factor", row->factor);
+  if (row->assumed) vs_entry_true(to, "assumed");
+  vs_entry_say(to, "    derate %s, %g degC, %g %%%s", row->limit, row->ambient_degc,
+               100 * row->factor, row->assumed ? " (assumed)" : "");
+  vs_entry_line(to);
+  vs_entry_object_end(to);
+}
+
+/* What limits are over another quantity. */
+static void put_tables(vs_entries *to, const vs_deck *part) {
+  if (part->n_melting) vs_entry_array(to, "time_current");
+  for (size_t k = 0; k < part->n_melting; k++) put_melting(to, &part->melting[k]);
+  if (part->n_melting) vs_entry_array_end(to);
+  if (part->n_ambients) vs_entry_array(to, "derate");
+  for (size_t k = 0; k < part->n_ambients; k++) put_ambient(to, &part->ambients[k]);
+  if (part->n_ambients) vs_entry_array_end(to);
+}
+
+static void put_limits(vs_entries *to, const vs_deck *part) {
+  if (part->n_limits) vs_entry_array(to, "limits");
+  for (size_t k = 0; k < part->n_limits; k++) put_limit(to, &part->limits[k]);
+  if (part->n_limits) vs_entry_array_end(to);
+  if (part->n_zth) vs_entry_array(to, "zth");
+  for (size_t k = 0; k < part->n_zth; k++) {
+    vs_entry_object(to);
+    vs_entry_number(to, "k_per_w", part->zth[k].k_per_w);
+    vs_entry_number(to, "tau_s", part->zth[k].tau_s);
+    if (part->zth[k].assumed) vs_entry_true(to, "assumed");
+    vs_entry_say(to, "    zth   %g K/W, %g s%s", part->zth[k].k_per_w, part->zth[k].tau_s,
+                 part->zth[k].assumed ? " (assumed)" : "");
+    vs_entry_line(to);
+    vs_entry_object_end(to);
+  }
+  if (part->n_zth) vs_entry_array_end(to);
+  if (part->n_deratings) vs_entry_array(to, "pulses");
+  for (size_t k = 0; k < part->n_deratings; k++) put_derating(to, &part->deratings[k]);
+  if (part->n_deratings) vs_entry_array_end(to);
+  put_surges(to, part);
+  put_limits_at(to, part);
+  put_models(to, part);
+}
+
+static void put_part(vs_entries *to, const vs_deck *part) {
+  if (part->n_part_files) {
+    vs_entry_say(to, "    %s: %s", part->part_files[0].kind, part->part_files[0].text);
+    vs_entry_line(to);
+    vs_entry_text(to, "kind", part->part_files[0].kind);
+    vs_entry_text(to, "text", part->part_files[0].text);
+  }
+  put_limits(to, part);
+  put_tables(to, part);
+  vs_entry_array(to, "parameters");
+  for (size_t k = 1; k < part->section.count; k++) {
+    const vs_field *f = &part->section.fields[k];
+    vs_entry_object(to);
+    vs_entry_say(to, "    param");
+    vs_entry_put(to, "name", 18, f->key);
+    vs_entry_put(to, "default", 14, f->default_text);
+    vs_entry_put(to, "text", 0, f->text);
+    vs_entry_line(to);
+    vs_entry_object_end(to);
+  }
+  vs_entry_array_end(to);
+}
+
+/* What it is, what its maker allows, and its parameters. */
+static void put_part_details(vs_entries *to, const char *path) {
+  vs_deck *part = vs_alloc(1, sizeof *part);
+  vs_error err = {0};
+  if (!vs_netlist_read_part(path, part, &err)) {
+    put_part(to, part);
+  } else {
+    vs_entry_say(to, "    %s", err.text);
+    vs_entry_text(to, "error", err.text);
+    vs_entry_line(to);
+  }
+  vs_deck_free(part);
+  free(part);
+}
+
+static void put_set_title(vs_entries *to, const char *path) {
+  vs_tree tree = {0};
+  vs_error err = {0};
+  const vs_node *title = vs_tree_read(path, &tree, &err) ? NULL : vs_tree_child(tree.root, "title");
+  if (title && title->text) put_title(to, title->text);
+  vs_tree_free(&tree);
+}
+
+/* ---- all files that come with the program ---- */
 
 static void list_scenes(const listed *of) {
-  vs_stock_list(of->to, &vs_scene_shelf, NULL);
+  list_shelf(of->to, &vs_scene_shelf, NULL);
 }
 
 static void list_studies(const listed *of) {
-  vs_stock_list(of->to, &vs_scene_study_shelf, NULL);
+  list_shelf(of->to, &vs_scene_study_shelf, NULL);
 }
 
 static void list_fits(const listed *of) {
-  vs_stock_list(of->to, &vs_scene_fit_shelf, NULL);
+  list_shelf(of->to, &vs_scene_fit_shelf, NULL);
 }
 
 static void list_decks(const listed *of) {
-  vs_stock_list(of->to, &vs_deck_shelf, vs_stock_deck);
+  list_shelf(of->to, &vs_deck_shelf, put_deck_title);
 }
 
 static void list_machines(const listed *of) {
-  vs_stock_list(of->to, &vs_machine_shelf, vs_stock_machine);
+  list_shelf(of->to, &vs_machine_shelf, put_machine_title);
 }
 
 static void list_parts(const listed *of) {
-  vs_stock_list(of->to, &vs_deck_parts_shelf, vs_stock_part);
+  list_shelf(of->to, &vs_deck_parts_shelf, put_part_details);
 }
 
 static void put_instrument(vs_entries *to, const vs_instrument *i) {
@@ -80,7 +324,7 @@ static void list_instruments(const listed *of) {
   vs_setup *setup = vs_alloc(1, sizeof *setup);
   vs_error err = {0};
   const vs_node section = vs_tree_word("instruments", "", (vs_where){0});
-  vs_stock_list(of->to, &vs_instrument_shelf, vs_stock_set);
+  list_shelf(of->to, &vs_instrument_shelf, put_set_title);
   setup->machine = of->machine;
   setup->deck = *of->deck;
   setup->model = (vs_model){.machine = of->machine, .dof = of->machine->dof};
@@ -234,17 +478,17 @@ static void put_field(vs_entries *to, const char *section, const vs_field *f) {
     put_field(to, name, &f->options->keys.fields[k]);
 }
 
-static void put_section(vs_entries *to, const vs_section *section) {
+static void put_section_keys(vs_entries *to, const vs_section *section) {
   for (size_t k = 0; k < section->count; k++) put_field(to, section->name, &section->fields[k]);
 }
 
 static void list_parameters(const listed *of) {
   for (int s = 0; s < VS_SECTIONS; s++)
-    put_section(of->to, vs_section_fields(of->machine, of->deck, s));
-  put_section(of->to, &vs_instruments_section);
-  put_section(of->to, &vs_instrument_section);
-  put_section(of->to, &vs_control_section);
-  put_section(of->to, &vs_observing_section);
+    put_section_keys(of->to, vs_section_fields(of->machine, of->deck, s));
+  put_section_keys(of->to, &vs_instruments_section);
+  put_section_keys(of->to, &vs_instrument_section);
+  put_section_keys(of->to, &vs_control_section);
+  put_section_keys(of->to, &vs_observing_section);
   vs_field sink = vs_cooling_heatsink;
   sink.key = "heatsink.DEVICE";
   put_field(of->to, "", &vs_cooling_ambient);
@@ -334,7 +578,7 @@ static vs_status check_kind(const vs_list_options *o, vs_error *err) {
 }
 
 /* Prints the kinds as one JSON object that has an array for each. */
-static void print_json(const vs_entries *entries, const char *name, bool is_first) {
+static void print_kind_json(const vs_entries *entries, const char *name, bool is_first) {
   printf("%s  \"%s\": [%s%s]", is_first ? "{\n" : ",\n", name,
          entries->count ? entries->out.text : "", entries->count ? "\n  " : "");
 }
@@ -345,7 +589,7 @@ static int list_kind(const struct kind *kind, const vs_list_options *o, listed *
   of->to = &entries;
   kind->put(of);
   if (o->json)
-    print_json(&entries, kind->name, is_first);
+    print_kind_json(&entries, kind->name, is_first);
   else {
     if (!is_named(o) && (entries.count || !o->filter))
       printf("%s%s\n", is_first ? "" : "\n", kind->heading);
@@ -355,7 +599,7 @@ static int list_kind(const struct kind *kind, const vs_list_options *o, listed *
   return entries.count;
 }
 
-static void list_all(const vs_list_options *o, listed *of) {
+static void list_asked_kinds(const vs_list_options *o, listed *of) {
   int found = 0;
   bool is_first = true;
   for (size_t k = 0; k < N_KINDS; k++) {
@@ -376,7 +620,7 @@ vs_status vs_list_command(const vs_list_options *o, vs_error *err) {
   vs_ground ground;
   status = vs_ground_read(o->deck, o->machine, &ground, err);
   listed of = {.deck = ground.deck, .machine = ground.machine};
-  if (!status) list_all(o, &of);
+  if (!status) list_asked_kinds(o, &of);
   vs_ground_free(&ground);
   return status;
 }
@@ -397,7 +641,52 @@ const char *vs_list_kind(int k) {
 
 void vs_list_section(const vs_section *section) {
   vs_entries entries = {0};
-  put_section(&entries, section);
+  put_section_keys(&entries, section);
   if (entries.count) fputs(entries.out.text, stdout);
   vs_entry_free(&entries);
 }
+
+/* ---- the command line ---- */
+
+typedef struct list_line {
+  vs_arguments common;
+  vs_list_options o;
+} list_line;
+
+static vs_status list_command(const void *given, vs_error *err) {
+  const list_line *line = given;
+  const vs_arguments *a = &line->common;
+  if (a->n_names > 2)
+    return vs_fail(err, VS_INPUT, "list: one argument too many: '%s'; see vibrospice list --help",
+                   a->names[2]);
+  vs_list_options o = line->o;
+  o.kind = vs_command_name(a);
+  o.filter = a->n_names > 1 ? a->names[1] : NULL;
+  o.json = a->json;
+  return vs_list_command(&o, err);
+}
+
+static const vs_option LIST_OPTIONS[] = {
+    VS_OPTIONS_FILE(list_line, o.deck, "deck", "DECK",
+                    "whose probes and parameters (default halfwave_snubbed)"),
+    VS_OPTIONS_FILE(list_line, o.machine, "machine", "MACHINE", "likewise (default conveyor)"),
+    VS_OPTIONS_FLAG(vs_arguments, json, "json",
+                    "an object with an array of entries for each kind, on standard output"),
+    VS_OPTIONS_HELP,
+    {0}};
+
+const vs_command vs_list_cli = {
+    .name = "list",
+    .argument = "[KIND [FILTER]]",
+    .text = "lists scenes, studies, fits, machines, decks, parts, instruments, kinds, tiers, laws, "
+            "regulators, probes, measures, "
+            "parameters (with "
+            "unit, default, range); FILTER: only what has that text",
+    .examples = "  vibrospice list parameters\n  vibrospice list probes --deck my.cir\n"
+                "  vibrospice list parameters angle --json\n"
+                "  vibrospice list parameters --machine two_mass\n",
+    .may_be_alone = true,
+    .takes_many = true,
+    .options = LIST_OPTIONS,
+    .size = sizeof(list_line),
+    .run = list_command};

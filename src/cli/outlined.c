@@ -4,10 +4,10 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "shape.h"
+#include "base/units.h"
+#include "field_schema.h"
 #include "run/keys.h"
 #include "run/sections.h"
-#include "base/units.h"
 
 /* What a row is written for. */
 typedef struct context {
@@ -27,32 +27,32 @@ static bool is_word(const vs_field *f) {
 
 static void put_nothing(context c, const vs_outline *row) {
   (void)row;
-  vs_shape_type(c.j, "null");
+  vs_field_schema_type(c.j, "null");
 }
 
 static void put_text(context c, const vs_outline *row) {
   (void)row;
-  vs_shape_type(c.j, "string");
-  vs_shape_type(c.j, "number");
+  vs_field_schema_type(c.j, "string");
+  vs_field_schema_type(c.j, "number");
 }
 
 static void put_whole(context c, const vs_outline *row) {
   (void)row;
-  vs_shape_whole(c.j, &(vs_field){.unit = ""});
+  vs_field_schema_whole(c.j, &(vs_field){.unit = ""});
 }
 
 static void put_part(context c, const vs_outline *row) {
   (void)row;
-  vs_shape_quantity(c.j, &(vs_field){.unit = ""});
+  vs_field_schema_quantity(c.j, &(vs_field){.unit = ""});
 }
 
 static void put_flag(context c, const vs_outline *row) {
   (void)row;
-  vs_shape_type(c.j, "boolean");
+  vs_field_schema_type(c.j, "boolean");
 }
 
 static void put_word(context c, const vs_outline *row) {
-  vs_shape_words(c.j, row->words);
+  vs_field_schema_words(c.j, row->words);
 }
 
 static void put_list(context c, const vs_outline *row) {
@@ -78,12 +78,12 @@ static void put_instrument_keys(vs_json *j) {
     if (vs_instruments_follows(&keys->fields[k])) fields[k].unit = "~"; /* whatever it is */
   }
   vs_json_object(j, NULL, VS_JSON_ROW);
-  vs_shape_keys(j, fields, keys->count);
+  vs_field_schema_keys(j, fields, keys->count);
   vs_json_end(j);
 }
 
 void vs_outlined_instrument(vs_json *j) {
-  vs_shape_type(j, "null");
+  vs_field_schema_type(j, "null");
   put_instrument_keys(j);
 }
 
@@ -141,7 +141,7 @@ static void put_spread(context c, const vs_outline *row) {
 static void put_setting(context c, const vs_outline *row) {
   (void)row;
   if (c.field) {
-    vs_shape_values(c.j, c.field);
+    vs_field_schema_values(c.j, c.field);
     return;
   }
   vs_json_object(c.j, NULL, VS_JSON_ROW);
@@ -177,7 +177,7 @@ static void put_definition(void *ctx, const char *key, const vs_field *f) {
   if (f->kind == VS_PAIR || f->kind == VS_OPTION) return;
   vs_json_object(j, key, VS_JSON_ROW);
   vs_json_array(j, "anyOf", VS_JSON_ROW);
-  vs_shape_values(j, &axis);
+  vs_field_schema_values(j, &axis);
   vs_json_end(j);
   vs_json_end(j);
 }
@@ -263,9 +263,9 @@ static void put_sections(context c) {
     vs_json_object(c.j, section->name, VS_JSON_ROW);
     vs_json_array(c.j, "anyOf", VS_JSON_ROW);
     vs_json_object(c.j, NULL, VS_JSON_ROW);
-    vs_shape_keys(c.j, section->fields, section->count);
+    vs_field_schema_keys(c.j, section->fields, section->count);
     vs_json_end(c.j);
-    vs_shape_type(c.j, "null");
+    vs_field_schema_type(c.j, "null");
     vs_json_end(c.j);
     vs_json_end(c.j);
   }
@@ -283,7 +283,7 @@ static void put_map_keys(context c, const vs_outline *keys) {
     else
       any = row;
   for (size_t k = 0; row->section && k < row->section->count; k++)
-    vs_shape_field(c.j, &row->section->fields[k]);
+    vs_field_schema_field(c.j, &row->section->fields[k]);
   vs_json_end(c.j);
   vs_outlined_required(c.j, keys);
   if (of_scene_keys(keys)) put_other_keys(&(keyed){c, keys});

@@ -1,23 +1,26 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "schema.h"
-
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The command `schema`: JSON Schemas (draft 2020-12) of the program's files, made from the tables
+ * of keys, for editors that complete and check YAML. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "commands.h"
 #include "control/regulators.h"
 #include "engine/events.h"
+#include "field_schema.h"
 #include "ground.h"
+#include "options.h"
 #include "outlined.h"
-#include "shape.h"
 #include "plant/blueprint.h"
 #include "plant/build.h"
-#include "study/plan.h"
 #include "run/sections.h"
+#include "study/methods.h"
+#include "study/plan.h"
 
 /* ---- a scene ---- */
 
-static void begin(vs_json *j, const char *title) {
+static void begin_schema(vs_json *j, const char *title) {
   vs_json_object(j, NULL, VS_JSON_LINES);
   vs_json_text(j, "$schema", "https://json-schema.org/draft/2020-12/schema");
   vs_json_text(j, "title", title);
@@ -26,7 +29,7 @@ static void begin(vs_json *j, const char *title) {
 
 /* A section; NULL stands for one that says nothing more than its name. own: the key that names a
  * file which declares the section's keys; with it any key passes. */
-static void put_section(vs_json *j, const vs_section *s, const char *own) {
+static void put_section_schema(vs_json *j, const vs_section *s, const char *own) {
   vs_json_object(j, s->name, VS_JSON_ROW);
   vs_json_array(j, "type", VS_JSON_ROW);
   vs_json_text(j, NULL, "object");
@@ -35,7 +38,7 @@ static void put_section(vs_json *j, const vs_section *s, const char *own) {
   if (own) {
     vs_json_object(j, "properties", VS_JSON_ROW);
     for (size_t k = 0; k < s->count; k++)
-      if (!strcmp(s->fields[k].key, own)) vs_shape_field(j, &s->fields[k]);
+      if (!strcmp(s->fields[k].key, own)) vs_field_schema_field(j, &s->fields[k]);
     vs_json_end(j);
     vs_json_object(j, "if", VS_JSON_ROW);
     vs_json_array(j, "required", VS_JSON_ROW);
@@ -44,7 +47,7 @@ static void put_section(vs_json *j, const vs_section *s, const char *own) {
     vs_json_end(j);
     vs_json_object(j, "else", VS_JSON_ROW);
   }
-  vs_shape_properties(j, s->fields, s->count);
+  vs_field_schema_properties(j, s->fields, s->count);
   if (own) vs_json_end(j);
   vs_json_end(j);
 }
@@ -62,7 +65,7 @@ static void end_member(vs_json *j) {
 }
 
 static void end_or_null(vs_json *j) {
-  vs_shape_type(j, "null");
+  vs_field_schema_type(j, "null");
   end_member(j);
 }
 
@@ -76,8 +79,8 @@ static void put_event(vs_json *j, const vs_event_kind *kind) {
   vs_json_object(j, "properties", VS_JSON_ROW);
   vs_json_key(j, "kind");
   vs_json word = vs_json_new(j->text);
-  vs_shape_word(&word, kind->name);
-  for (size_t k = 1; k < kind->n_fields; k++) vs_shape_field(j, &kind->fields[k]);
+  vs_field_schema_word(&word, kind->name);
+  for (size_t k = 1; k < kind->n_fields; k++) vs_field_schema_field(j, &kind->fields[k]);
   vs_json_end(j);
   vs_json_bool(j, "additionalProperties", false);
   vs_json_end(j);
@@ -116,7 +119,7 @@ typedef struct names {
 /* One of the names, or a list of them; word: what may stand instead. */
 static void put_names(vs_json *j, const char *key, const char *word, const names *n) {
   begin_member(j, key);
-  vs_shape_word(j, word);
+  vs_field_schema_word(j, word);
   for (int list = 0; list < 2; list++) {
     vs_json_object(j, NULL, VS_JSON_ROW);
     if (list) {
@@ -161,7 +164,7 @@ static void put_measured(vs_json *j, const vs_ground *ground) {
   for (int k = 0; vs_measure_at(model, k, &m); k++) {
     vs_json_object(j, m.name, VS_JSON_ROW);
     vs_json_array(j, "anyOf", VS_JSON_ROW);
-    vs_shape_quantity(j, &(vs_field){.unit = m.unit});
+    vs_field_schema_quantity(j, &(vs_field){.unit = m.unit});
     end_member(j);
   }
   vs_json_end(j);
@@ -176,9 +179,9 @@ static void put_start(vs_json *j, const vs_ground *ground) {
   const vs_section *start = &ground->machine->start;
   begin_member(j, vs_section_keys[VS_SECTION_KEY_start]);
   vs_json_object(j, NULL, VS_JSON_ROW);
-  vs_shape_keys(j, start->fields, start->count);
+  vs_field_schema_keys(j, start->fields, start->count);
   vs_json_end(j);
-  vs_shape_word(j, vs_setup_steady);
+  vs_field_schema_word(j, vs_setup_steady);
   end_or_null(j);
 }
 
@@ -198,7 +201,7 @@ static void put_names_own(vs_json *j, int section, const char *key) {
 
 /* Sections whose keys and words are names of the machine's and the deck's: told only of scenes
  * that name neither. */
-static void put_named(vs_json *j, const vs_ground *ground) {
+static void put_named_schema(vs_json *j, const vs_ground *ground) {
   begin_member(j, "if");
   put_names_own(j, VS_SECTION_KEY_machine, vs_machine_key.key);
   put_names_own(j, VS_SECTION_KEY_circuit, vs_deck_key.key);
@@ -220,11 +223,11 @@ static void put_instruments(vs_json *j) {
   vs_json_text(j, "type", "object");
   vs_json_object(j, "properties", VS_JSON_LINES);
   for (size_t k = 0; k < vs_instruments_section.count; k++)
-    vs_shape_field(j, &vs_instruments_section.fields[k]);
+    vs_field_schema_field(j, &vs_instruments_section.fields[k]);
   vs_json_end(j);
   vs_json_object(j, "additionalProperties", VS_JSON_ROW);
   vs_json_array(j, "anyOf", VS_JSON_ROW);
-  vs_shape_word(j, vs_instruments_left_out);
+  vs_field_schema_word(j, vs_instruments_left_out);
   vs_outlined_instrument(j);
   end_member(j);
   vs_json_end(j);
@@ -238,18 +241,18 @@ static void put_ratings(vs_json *j) {
   vs_json_text(j, "type", "object");
   vs_json_object(j, "additionalProperties", VS_JSON_ROW);
   vs_json_array(j, "anyOf", VS_JSON_ROW);
-  vs_shape_type(j, "string");
-  vs_shape_type(j, "object");
+  vs_field_schema_type(j, "string");
+  vs_field_schema_type(j, "object");
   end_member(j);
   vs_json_end(j);
-  vs_shape_word(j, vs_ratings_none);
+  vs_field_schema_word(j, vs_ratings_none);
   end_or_null(j);
 }
 
 static void put_observer(vs_json *j) {
   vs_json_object(j, vs_control_observer, VS_JSON_ROW);
   vs_json_array(j, "anyOf", VS_JSON_ROW);
-  vs_shape_type(j, "null");
+  vs_field_schema_type(j, "null");
   vs_outlined_map(j, vs_observing_keys);
   end_member(j);
 }
@@ -265,7 +268,7 @@ static void put_law(vs_json *j, const vs_regulator *law) {
   vs_json_object(j, keys[0]->key, VS_JSON_ROW);
   vs_json_text(j, "const", law->name);
   vs_json_end(j);
-  for (size_t k = 1; k < n; k++) vs_shape_field(j, keys[k]);
+  for (size_t k = 1; k < n; k++) vs_field_schema_field(j, keys[k]);
   put_observer(j);
   vs_json_end(j);
   vs_json_array(j, "required", VS_JSON_ROW);
@@ -310,7 +313,7 @@ static void put_heatsink(vs_json *j) {
   vs_json_text(j, "description", vs_cooling_heatsink.text);
   vs_json_object(j, "additionalProperties", VS_JSON_ROW);
   vs_json_array(j, "anyOf", VS_JSON_ROW);
-  vs_shape_quantity(j, &vs_cooling_heatsink);
+  vs_field_schema_quantity(j, &vs_cooling_heatsink);
   end_member(j);
   vs_json_end(j);
   end_or_null(j);
@@ -319,11 +322,11 @@ static void put_heatsink(vs_json *j) {
 static void put_scene(vs_json *j, const vs_ground *ground) {
   static const int NAMED[] = {VS_SECTION_KEY_start, VS_SECTION_KEY_record, VS_SECTION_KEY_measured,
                               VS_SECTION_KEY_quality};
-  begin(j, "a scene of VibroSpice");
+  begin_schema(j, "a scene of VibroSpice");
   vs_json_object(j, "properties", VS_JSON_LINES);
   for (int s = 0; s < VS_SECTIONS; s++) {
     const vs_section *section = vs_section_fields(ground->machine, ground->deck, s);
-    if (s != VS_SECTION_NUMBER_start) put_section(j, section, own_key(section->name));
+    if (s != VS_SECTION_NUMBER_start) put_section_schema(j, section, own_key(section->name));
   }
   put_events(j);
   put_instruments(j);
@@ -331,7 +334,7 @@ static void put_scene(vs_json *j, const vs_ground *ground) {
   put_of_devices(j, VS_SECTION_KEY_expect, "^[^ ]+ .*$");
   put_of_devices(j, VS_SECTION_KEY_waive, "^[^ .]+[.][^ ]+$");
   put_ratings(j);
-  vs_shape_field(j, &vs_cooling_ambient);
+  vs_field_schema_field(j, &vs_cooling_ambient);
   put_heatsink(j);
   vs_json_object(j, vs_section_keys[VS_SECTION_KEY_spread], VS_JSON_ROW);
   vs_json_text(j, "type", "object");
@@ -341,7 +344,7 @@ static void put_scene(vs_json *j, const vs_ground *ground) {
     vs_json_end(j);
   }
   vs_json_end(j);
-  put_named(j, ground);
+  put_named_schema(j, ground);
   vs_json_bool(j, "additionalProperties", false);
   vs_json_end(j);
 }
@@ -349,7 +352,7 @@ static void put_scene(vs_json *j, const vs_ground *ground) {
 /* ---- studies and machines ---- */
 
 static void put_study(vs_json *j, const vs_ground *ground) {
-  begin(j, "a study of VibroSpice");
+  begin_schema(j, "a study of VibroSpice");
   vs_outlined_definitions(j, ground);
   vs_json_object(j, "properties", VS_JSON_LINES);
   for (const vs_outline *row = vs_plan_keys; row->takes; row++)
@@ -363,7 +366,7 @@ static void put_study(vs_json *j, const vs_ground *ground) {
 }
 
 static void put_machine(vs_json *j, const vs_ground *ground) {
-  begin(j, "a machine of VibroSpice");
+  begin_schema(j, "a machine of VibroSpice");
   vs_json_object(j, "properties", VS_JSON_LINES);
   for (const vs_outline *row = vs_blueprint_keys; row->takes; row++)
     vs_outlined_row(j, row->key, row, ground);
@@ -381,12 +384,24 @@ static const struct kind {
 } KINDS[] = {{"scene", put_scene}, {"study", put_study}, {"machine", put_machine}};
 enum { N_KINDS = sizeof KINDS / sizeof *KINDS };
 
-vs_status vs_schema_command(const vs_schema_options *o, vs_error *err) {
+typedef struct schema_line {
+  vs_arguments common;
+  const char *deck, *machine; /* whose keys a scene has that names none; NULL: those of an empty
+                                 scene */
+} schema_line;
+
+/* Prints the schema. It tells unknown and missing keys, words, kinds of values and units of the
+ * wrong dimension; ranges only of a scene's pure numbers. Of a scene that names a deck or a machine
+ * of its own, it lets any key pass in the sections that these declare. It looks into no formula and
+ * no name. Errors: there is no such kind; those of
+ * reading deck and machine. */
+static vs_status schema_command(const void *given, vs_error *err) {
+  const schema_line *o = given;
+  const char *kind = vs_command_name(&o->common);
   size_t k = 0;
-  while (o->kind && k < N_KINDS && strcmp(o->kind, KINDS[k].name) != 0) k++;
+  while (kind && k < N_KINDS && strcmp(kind, KINDS[k].name) != 0) k++;
   if (k == N_KINDS)
-    return vs_fail(err, VS_INPUT, "schema: no kind '%s'; there are: scene, study, machine",
-                   o->kind);
+    return vs_fail(err, VS_INPUT, "schema: no kind '%s'; there are: scene, study, machine", kind);
   vs_ground ground;
   vs_text text = {0};
   vs_json j = vs_json_new(&text);
@@ -397,3 +412,21 @@ vs_status vs_schema_command(const vs_schema_options *o, vs_error *err) {
   vs_ground_free(&ground);
   return status;
 }
+
+static const vs_option SCHEMA_OPTIONS[] = {
+    VS_OPTIONS_FILE(schema_line, deck, "deck", "DECK", "whose keys the section circuit has"),
+    VS_OPTIONS_FILE(schema_line, machine, "machine", "MACHINE",
+                    "whose keys the section machine has"),
+    VS_OPTIONS_HELP,
+    {0}};
+
+const vs_command vs_schema_cli = {
+    .name = "schema",
+    .argument = "[scene|study|machine]",
+    .text = "prints a JSON Schema of such files (default: scene), for editors that complete and "
+            "check YAML",
+    .examples = "  vibrospice schema scene > scene.schema.json\n",
+    .may_be_alone = true,
+    .options = SCHEMA_OPTIONS,
+    .size = sizeof(schema_line),
+    .run = schema_command};

@@ -1,6 +1,4 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "sensitivity.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,10 +8,15 @@
 #include "base/csv.h"
 #include "base/file.h"
 #include "base/json.h"
+#include "base/leave.h"
 #include "base/text.h"
-#include "orbit/sensitivity.h"
-#include "run/version.h"
+#include "commands.h"
 #include "ngspice/trust.h"
+#include "options.h"
+#include "orbit/sensitivity.h"
+#include "report/tornado.h"
+#include "run/version.h"
+#include "sensitivity.h"
 
 enum { MOST = 64, DIGITS = 12, ERROR_DIGITS = 2 };
 
@@ -26,8 +29,8 @@ typedef struct names {
   size_t count;
 } names;
 
-static vs_status cut(const char *option, const char *what, const char *list, names *out,
-                     vs_error *err) {
+static vs_status cut_names(const char *option, const char *what, const char *list, names *out,
+                           vs_error *err) {
   const vs_where where = {.file = option};
   if (!list) return vs_fail(err, VS_INPUT, "%s %s,... is wanted", option, what);
   out->text = vs_copy(list);
@@ -60,12 +63,12 @@ static void print_entry(const vs_sensitivity_entry *e, FILE *out) {
   fprintf(out, " %17s%s", text, e->exact || isnan(e->value) ? " " : "~");
 }
 
-/* What is to be told of the library that solved the scene's circuit; empty: nothing. */
+/* The warning about the library that solved the scene's circuit; empty: there is none. */
 static const char *warning_of(const vs_scene *scene) {
   return scene->tier->has_circuit ? vs_trust_text() : "";
 }
 
-static void print_table(const vs_sensitivity *s, const char *warning, FILE *out) {
+static void print_derivatives(const vs_sensitivity *s, const char *warning, FILE *out) {
   double exact = 0;
   bool some = false, differences = false;
   fprintf(out, "%-30s %12s %-9s", "d ln|measure| / d ln key", "value", "");
@@ -110,8 +113,8 @@ static void add_how(vs_json *json, const char *key, const vs_sensitivity_entry *
   vs_json_text(json, key, e->exact ? "exact" : "differences");
 }
 
-static void add_all(vs_json *json, const char *name, const vs_sensitivity *s,
-                    void (*add)(vs_json *, const char *, const vs_sensitivity_entry *)) {
+static void add_derivatives(vs_json *json, const char *name, const vs_sensitivity *s,
+                            void (*add)(vs_json *, const char *, const vs_sensitivity_entry *)) {
   vs_json_object(json, name, VS_JSON_LINES);
   for (size_t m = 0; m < s->n_of; m++) {
     vs_json_object(json, s->of[m].name, VS_JSON_LINES);
@@ -132,8 +135,8 @@ static void add_notes(vs_json *json, const char *notes) {
   vs_json_end(json);
 }
 
-static void write_json(const vs_sensitivity_options *o, const vs_scene *scene,
-                       const vs_sensitivity *s, vs_text *text) {
+static void write_derivatives_json(const vs_sensitivity_options *o, const vs_scene *scene,
+                                   const vs_sensitivity *s, vs_text *text) {
   vs_json json = vs_json_new(text);
   vs_json_object(&json, NULL, VS_JSON_LINES);
   vs_version_json(&json);
@@ -142,9 +145,9 @@ static void write_json(const vs_sensitivity_options *o, const vs_scene *scene,
   vs_json_bool(&json, "steady", o->steady);
   add_names(&json, "of", s->of, s->n_of);
   add_names(&json, "to", s->to, s->n_to);
-  add_all(&json, "derivatives", s, add_entry);
-  add_all(&json, "errors", s, add_error);
-  add_all(&json, "how", s, add_how);
+  add_derivatives(&json, "derivatives", s, add_entry);
+  add_derivatives(&json, "errors", s, add_error);
+  add_derivatives(&json, "how", s, add_how);
   add_notes(&json, s->notes.text);
   vs_json_array(&json, "warnings", VS_JSON_ROW);
   if (*warning_of(scene)) vs_json_text(&json, NULL, warning_of(scene));
@@ -155,7 +158,7 @@ static void write_json(const vs_sensitivity_options *o, const vs_scene *scene,
 
 /* ---- files ---- */
 
-static void write_rows(const vs_sensitivity *s, const char *warning, FILE *out) {
+static void write_derivative_rows(const vs_sensitivity *s, const char *warning, FILE *out) {
   vs_text cell = {0};
   vs_csv_cell(&cell, warning);
   fputs("measure,key,derivative,error,how,measure_value,measure_unit,key_value,key_unit,warnings\n",
@@ -175,15 +178,15 @@ static void write_rows(const vs_sensitivity *s, const char *warning, FILE *out) 
   vs_text_free(&cell);
 }
 
-static vs_status write_files(const char *folder, const vs_sensitivity *s, const char *json,
-                             const char *warning, vs_error *err) {
+static vs_status write_derivative_files(const char *folder, const vs_sensitivity *s,
+                                        const char *json, const char *warning, vs_error *err) {
   vs_file table = {0}, summary = {0};
   int made;
   vs_status status = vs_file_folder_make(folder, &made, err);
   if (!status) status = vs_file_open(&table, folder, "sensitivity.csv", err);
   if (!status) status = vs_file_open(&summary, folder, "summary.json", err);
   if (!status) {
-    write_rows(s, warning, table.stream);
+    write_derivative_rows(s, warning, table.stream);
     fputs(json, summary.stream);
     status = vs_file_commit(&table, err);
   }
@@ -196,22 +199,22 @@ static vs_status write_files(const char *folder, const vs_sensitivity *s, const 
 
 /* ---- the command ---- */
 
-static vs_status report(const vs_sensitivity_options *o, const vs_scene *scene,
-                        const vs_sensitivity *s, vs_error *err) {
+static vs_status report_derivatives(const vs_sensitivity_options *o, const vs_scene *scene,
+                                    const vs_sensitivity *s, vs_error *err) {
   vs_text json = {0};
-  write_json(o, scene, s, &json);
+  write_derivatives_json(o, scene, s, &json);
   vs_status status =
-      o->folder ? write_files(o->folder, s, json.text, warning_of(scene), err) : VS_OK;
+      o->folder ? write_derivative_files(o->folder, s, json.text, warning_of(scene), err) : VS_OK;
   if (!status && o->json)
     fputs(json.text, stdout);
   else if (!status && !o->quiet)
-    print_table(s, warning_of(scene), stdout);
+    print_derivatives(s, warning_of(scene), stdout);
   vs_text_free(&json);
   return status;
 }
 
-static vs_status find(const vs_sensitivity_options *o, const vs_sensitivity_order *order,
-                      vs_error *err) {
+static vs_status find_derivatives(const vs_sensitivity_options *o,
+                                  const vs_sensitivity_order *order, vs_error *err) {
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_sensitivity s = {0};
   scene->of_period = o->steady;
@@ -224,7 +227,7 @@ static vs_status find(const vs_sensitivity_options *o, const vs_sensitivity_orde
   if (!status) status = vs_sensitivity_find(scene, order, &s, err);
   if (!status || (status == VS_BUDGET && s.told)) {
     vs_error other = {0};
-    vs_status reported = report(o, scene, &s, &other);
+    vs_status reported = report_derivatives(o, scene, &s, &other);
     if (reported) *err = other, status = reported;
   }
   vs_sensitivity_free(&s);
@@ -237,8 +240,8 @@ vs_status vs_sensitivity_command(const vs_sensitivity_options *o, vs_error *err)
   names of = {0}, to = {0};
   if (o->period != 1 && !o->steady)
     return vs_fail(err, VS_INPUT, "--period %d: it is of an orbit; write --steady, too", o->period);
-  vs_status status = cut("--of", "MEASURE", o->of, &of, err);
-  if (!status) status = cut("--to", "KEY", o->to, &to, err);
+  vs_status status = cut_names("--of", "MEASURE", o->of, &of, err);
+  if (!status) status = cut_names("--to", "KEY", o->to, &to, err);
   const vs_sensitivity_order order = {
       .of = of.item,
       .to = to.item,
@@ -247,8 +250,67 @@ vs_status vs_sensitivity_command(const vs_sensitivity_options *o, vs_error *err)
       .periods = o->steady ? o->period : 0,
       .stop = o->stop,
   };
-  if (!status) status = find(o, &order, err);
+  if (!status) status = find_derivatives(o, &order, err);
   free(of.text);
   free(to.text);
   return status;
 }
+
+/* ---- the command line ---- */
+
+typedef struct sensitivity_line {
+  vs_arguments common;
+  vs_sensitivity_options o;
+} sensitivity_line;
+
+static vs_status sensitivity_command(const void *given, vs_error *err) {
+  const sensitivity_line *line = given;
+  const vs_arguments *a = &line->common;
+  vs_sensitivity_options o = line->o;
+  o.scene = vs_command_name(a);
+  o.sets = a->sets;
+  o.n_sets = a->n_sets;
+  o.folder = a->output;
+  o.json = a->json;
+  o.quiet = a->quiet;
+  o.allow_code = a->allow_code;
+  o.stop = &vs_leave_requested;
+  vs_status status = vs_sensitivity_command(&o, err);
+  vs_error why = {0};
+  if (!status && a->output && vs_tornado_draw(a->output, a->quiet || a->json, &why))
+    fprintf(stderr, "vibrospice: warning: there is no picture: %s\n", why.text);
+  return status;
+}
+
+static const vs_option SENSITIVITY_OPTIONS[] = {
+    VS_OPTIONS_WORD(sensitivity_line, o.of, "of", "MEASURE,...", "of which measures"),
+    VS_OPTIONS_WORD(sensitivity_line, o.to, "to", "KEY,...",
+                    "with respect to which keys of the scene"),
+    VS_OPTIONS_FLAG(sensitivity_line, o.steady, "steady",
+                    "of a period of the orbit (see steady), instead of the scene's run"),
+    VS_OPTIONS_WHOLE(sensitivity_line, o.period, 1, 1000, "period", "N",
+                     "with --steady: of N firing periods (default 1)"),
+    VS_OPTIONS_SET,
+    VS_OPTIONS_TIER(sensitivity_line, o.tier),
+    VS_OPTIONS_OUTPUT("DIR", "writes sensitivity.csv, summary.json and the picture tornado there"),
+    VS_OPTIONS_JSON,
+    VS_OPTIONS_QUIET,
+    VS_OPTIONS_ALLOW_CODE,
+    VS_OPTIONS_JAIL,
+    VS_OPTIONS_NO_JAIL,
+    VS_OPTIONS_HELP,
+    {0}};
+
+const vs_command vs_sensitivity_cli = {
+    .name = "sensitivity",
+    .argument = "SCENE",
+    .text = "logarithmic derivatives of measures with respect to keys of the scene, of its run or "
+            "of its orbit, each with its error",
+    .examples =
+        "  vibrospice sensitivity paper --of p_first_peak --to firing.angle,supply.voltage\n"
+        "  vibrospice sensitivity paper --steady --set firing.every=1 --of p_min,power_in --to "
+        "firing.angle,actuator.gap -o tornado\n",
+    .options = SENSITIVITY_OPTIONS,
+    .size = sizeof(sensitivity_line),
+    .defaults = &(const sensitivity_line){.o.period = 1},
+    .run = sensitivity_command};

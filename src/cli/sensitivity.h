@@ -24,7 +24,7 @@ typedef struct vs_sensitivity_options {
 } vs_sensitivity_options;
 
 /* Errors, with nothing written: those of vs_scene_read and vs_sensitivity_find; VS_INPUT, nothing
- * is asked for. */
+ * is asked for. For tests. */
 vs_status vs_sensitivity_command(const vs_sensitivity_options *options, vs_error *err);
 
 #endif

@@ -1,15 +1,19 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "steady.h"
-
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The command `steady`: finds the periodic orbit of a scene, or follows a branch of orbits, and
+ * reports it. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/text.h"
-#include "orbit/closed.h"
-#include "orbit/matrices.h"
+#include "commands.h"
 #include "measure/classes.h"
 #include "ngspice/guard.h"
+#include "options.h"
+#include "orbit/branch.h"
+#include "orbit/closed.h"
+#include "orbit/marks.h"
+#include "orbit/matrices.h"
 #include "orbit/steady.h"
 #include "run/amount.h"
 #include "run/show.h"
@@ -61,18 +65,18 @@ static void add_material(const vs_steady *s, vs_json *json) {
 
 /* ---- what was found ---- */
 
-static double size_of(const vs_steady *s, int k) {
+static double multiplier_size(const vs_steady *s, int k) {
   return hypot(s->orbit.multiplier[k].re, s->orbit.multiplier[k].im);
 }
 
 /* On tier circuit multipliers are known to some error only, in which small ones are lost. */
 static bool is_resolved(const vs_steady *s, int k) {
-  return !s->picard || size_of(s, k) > s->picard->known_to;
+  return !s->picard || multiplier_size(s, k) > s->picard->known_to;
 }
 
 /* ---- JSON ---- */
 
-static void add_measures(const void *ctx, vs_json *json) {
+static void add_orbit_measures(const void *ctx, vs_json *json) {
   vs_steady_measure m;
   for (int k = 0; vs_steady_at(ctx, k, &m); k++) {
     if (m.value.known) vs_summary_measure(json, m.name, m.value, m.unit);
@@ -130,7 +134,7 @@ static void add_classes(const vs_steady *s, vs_json *json) {
   vs_json_end(json);
 }
 
-static void add_members(const void *ctx, vs_json *json) {
+static void add_orbit_members(const void *ctx, vs_json *json) {
   const vs_steady *s = ctx;
   vs_json_whole(json, "period", s->orbit.n);
   vs_json_number(json, "period_s", s->orbit.period_s, DIGITS);
@@ -221,7 +225,7 @@ static void print_orbit(const vs_steady *s, FILE *out) {
 }
 
 /* What a short table tells of an orbit, where it is known. */
-static void show_few(const vs_steady *s, FILE *out) {
+static void show_orbit_briefly(const vs_steady *s, FILE *out) {
   static const char *const FEW[] = {"power_in",        "i_rms", "power_factor", "thd", "throw_down",
                                     "conveying_speed", NULL};
   char text[VS_AMOUNT_SIZE];
@@ -238,7 +242,7 @@ static void show_few(const vs_steady *s, FILE *out) {
   if (material) fprintf(out, "material: %s\n", material);
 }
 
-static void show(const vs_steady *s, FILE *out) {
+static void show_orbit(const vs_steady *s, FILE *out) {
   const vs_drawn drawn = drawn_of(s);
   vs_steady_measure m;
   print_orbit(s, out);
@@ -258,7 +262,8 @@ static void show(const vs_steady *s, FILE *out) {
 
 /* ---- the command ---- */
 
-/* What the run of a period is told by. The functions above are given it as its first member. */
+/* Reports on the run of one period. The functions above get it as ctx, which points to its first
+ * member, too. */
 typedef struct reporter {
   vs_steady steady;
   vs_matrices *matrices; /* NULL: no linear model is wanted */
@@ -268,17 +273,17 @@ typedef struct reporter {
   bool quiet, all;
 } reporter;
 
-static void begin(void *ctx, vs_scene *scene) {
+static void begin_period(void *ctx, vs_scene *scene) {
   reporter *r = ctx;
   r->scene = scene;
   vs_steady_again(&r->steady, scene);
 }
 
-static void accept(void *ctx, const vs_step *step) {
+static void accept_step_of_period(void *ctx, const vs_step *step) {
   vs_steady_accept(ctx, step);
 }
 
-static void finish(void *ctx, const vs_result *result) {
+static void finish_period(void *ctx, const vs_result *result) {
   reporter *r = ctx;
   const vs_warnings *w = &r->scene->warnings;
   size_t said = w->count;
@@ -287,22 +292,22 @@ static void finish(void *ctx, const vs_result *result) {
     fprintf(stderr, "vibrospice: warning: %s\n", vs_warnings_text(&w->item[k]));
 }
 
-static void show_all(const void *ctx, FILE *out) {
+static void show_period(const void *ctx, FILE *out) {
   const reporter *r = ctx;
   if (r->all) {
     vs_show_feed(&r->scene->setup, out);
-    show(ctx, out);
+    show_orbit(ctx, out);
   } else
-    show_few(ctx, out);
+    show_orbit_briefly(ctx, out);
   if (r->matrices) vs_matrices_print(r->matrices, out);
   if (r->closed && !*r->unclosed.text) vs_closed_print(r->closed, out);
   if (r->closed && *r->unclosed.text)
     fprintf(out, "control  its closed loop is not known: %s\n\n", r->unclosed.text);
 }
 
-static void add_all(const void *ctx, vs_json *json) {
+static void add_period_members(const void *ctx, vs_json *json) {
   const reporter *r = ctx;
-  add_members(ctx, json);
+  add_orbit_members(ctx, json);
   if (r->matrices) vs_matrices_json(r->matrices, json);
   if (r->closed && !*r->unclosed.text) vs_closed_json(r->closed, json);
   if (r->closed && *r->unclosed.text) vs_json_text(json, "closed_loop_missing", r->unclosed.text);
@@ -321,9 +326,9 @@ static vs_status write_linear(const vs_run_options *o, const vs_matrices *matric
   return status;
 }
 
-/* Finds the closed loop about its own orbit, where the scene's control, which is off by now, has
- * one that is told. That there is none is no error of the command. */
-static void close_loop(reporter *r, const vs_regulator *regulator, const vs_scene *scene) {
+/* Finds the closed loop of the scene's control about the orbit. The control itself is off while the
+ * orbit is sought. Where there is no loop, or it is not found, the command goes on without it. */
+static void find_closed_loop(reporter *r, const vs_regulator *regulator, const vs_scene *scene) {
   if (!regulator || !regulator->pi || scene->tier->has_circuit || r->steady.orbit.n > 1) return;
   r->closed = vs_alloc(1, sizeof *r->closed);
   if (vs_closed_find(scene, regulator, &r->steady.orbit, r->closed, &r->unclosed) &&
@@ -337,12 +342,17 @@ typedef struct extras {
   const vs_regulator *regulator; /* the scene's; NULL: it has none */
 } extras;
 
-static vs_status report(const vs_run_options *o, int periods, extras more_of, vs_scene *scene,
-                        vs_error *err) {
+static vs_status run_period(const vs_run_options *o, int periods, extras more_of, vs_scene *scene,
+                            vs_error *err) {
   bool linear = more_of.linear;
   reporter *r = vs_alloc(1, sizeof *r);
   vs_steady *s = &r->steady;
-  const vs_run_more more = {r, begin, accept, finish, show_all, {r, add_measures, add_all}};
+  const vs_run_more more = {r,
+                            begin_period,
+                            accept_step_of_period,
+                            finish_period,
+                            show_period,
+                            {r, add_orbit_measures, add_period_members}};
   scene->order.stop = o->stop;
   scene->order.shows = !o->quiet && isatty(STDERR_FILENO);
   vs_status status = linear ? vs_linear_check(scene, periods, err) : VS_OK;
@@ -354,7 +364,7 @@ static vs_status report(const vs_run_options *o, int periods, extras more_of, vs
     r->matrices = vs_alloc(1, sizeof *r->matrices);
     status = vs_matrices_find(r->matrices, scene, &s->orbit, err);
   }
-  if (!status) close_loop(r, more_of.regulator, scene);
+  if (!status) find_closed_loop(r, more_of.regulator, scene);
   if (!status) status = vs_run_scene(o, &more, scene, err);
   if (!status || status == VS_RATING) {
     vs_status written = write_linear(o, r->matrices, err);
@@ -368,15 +378,109 @@ static vs_status report(const vs_run_options *o, int periods, extras more_of, vs
   return status;
 }
 
-vs_status vs_steady_command(const vs_run_options *o, int periods, bool linear, vs_error *err) {
+/* options: those of `run`; raw is not looked at. periods: how many firing periods the orbit takes
+ * to repeat. linear: the linear models about it are told, too. Errors: those of vs_run_command,
+ * vs_steady_begin and vs_matrices_find. Where no orbit or no model is found nothing is written. */
+static vs_status report_orbit(const vs_run_options *o, int periods, bool linear, vs_error *err) {
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   scene->of_period = true;
   vs_status status = vs_scene_read(o->scene, o->sets, o->n_sets, o->tier, scene, err);
   const extras more = {linear, scene->control.regulator};
   if (!status) vs_scene_hold(scene);
   if (!status && !o->quiet && !vs_guard_again()) vs_scene_warn(scene);
-  if (!status) status = report(o, periods, more, scene, err);
+  if (!status) status = run_period(o, periods, more, scene, err);
   vs_scene_free(scene);
   free(scene);
   return status;
 }
+
+/* ---- the command line ---- */
+
+typedef struct steady_line {
+  vs_arguments common;
+  vs_run_options run;
+  vs_along_words words;
+  int period;
+  bool linear;
+} steady_line;
+
+static vs_status steady_command(const void *given, vs_error *err) {
+  const steady_line *line = given;
+  const vs_along_words *w = &line->words;
+  const vs_run_options o = vs_options_of_run(&line->run, &line->common);
+  const vs_branch_options branch = {&o, *w, line->period};
+  if ((w->step || w->at) && !w->range)
+    return vs_fail(err, VS_INPUT, "--%s: it goes with --along; see vibrospice steady --help",
+                   w->step ? "step" : "at");
+  if (line->linear && w->range)
+    return vs_fail(err, VS_INPUT, "--linear: it is about one orbit, and does not go with --along");
+  return w->range ? vs_branch_command(&branch, err)
+                  : report_orbit(&o, line->period, line->linear, err);
+}
+
+static void explain_steady(vs_text *help) {
+  vs_text_add(help, "\nOver one period it reports, besides the measures of every run:\n");
+  vs_steady_measure m;
+  const vs_steady none = {0};
+  for (int k = 0; vs_steady_at(&none, k, &m); k++)
+    vs_text_add(help, "  %-17s %-2s %s\n", m.name, m.unit, m.text);
+  vs_text_add(help, "  %-17s    %s\n  %-17s    %s\n", "reaction_NAME",
+              "largest size of what springs and dampers do along the coordinate NAME",
+              "reaction_NAME_rms", "its root mean square");
+  vs_text_add(help, "With --along it reports, besides points of the branch:\n");
+  for (const vs_mark_kind *const *kind = vs_mark_kinds; *kind; kind++)
+    vs_text_add(help, "  %-17s    %s\n", (*kind)->name, (*kind)->text);
+  vs_text_add(help,
+              "Branches are followed on tier %s alone; a scene that would take another one "
+              "wants --tier %s.\n",
+              vs_tiers_automatic(false)->name, vs_tiers_automatic(false)->name);
+}
+
+static const vs_option STEADY_OPTIONS[] = {
+    VS_OPTIONS_SET,
+    VS_OPTIONS_TOLERANCE,
+    VS_OPTIONS_ANGLE,
+    VS_OPTIONS_TIER(steady_line, run.tier),
+    VS_OPTIONS_WHOLE(steady_line, period, 1, 1000, "period", "N",
+                     "the orbit repeats after N firing periods, of firing.every cycles of the "
+                     "mains each (default 1)"),
+    VS_OPTIONS_WORD(steady_line, words.range, "along", "KEY=FROM..TO",
+                    "follows the orbit over a scene key, around folds: where it grazes a stop, "
+                    "turns, loses its stability"),
+    VS_OPTIONS_WORD(steady_line, words.at, "at", "VALUE",
+                    "with --along: reports every orbit of the branch at that value of the key"),
+    VS_OPTIONS_WORD(steady_line, words.step, "step", "S",
+                    "the key's largest change from point to point (default a 50th of the range)"),
+    VS_OPTIONS_FLAG(steady_line, linear, "linear",
+                    "linear models about the orbit, from the firing angle to the state at the next "
+                    "firing and to the amplitude; with -o linear.json and linear_*.csv, too"),
+    VS_OPTIONS_OUTPUT(
+        "DIR", "writes run.csv of one period, events.csv and summary.json there, and peaks.csv "
+               "where peaks lie between the rows of run.csv; with "
+               "--along branch.csv, branch.json and branch.png"),
+    VS_OPTIONS_JSON,
+    VS_OPTIONS_QUIET,
+    VS_OPTIONS_ALL(steady_line, run.all),
+    VS_OPTIONS_REPRODUCIBLE(steady_line, run.reproducible),
+    VS_OPTIONS_DIGITS(steady_line, run.digits),
+    VS_OPTIONS_JAIL,
+    VS_OPTIONS_NO_JAIL,
+    VS_OPTIONS_HELP,
+    {0}};
+
+const vs_command vs_steady_cli = {
+    .name = "steady",
+    .argument = "SCENE",
+    .text = "finds the periodic motion of a machine that is fired in every cycle: stability, "
+            "power, harmonics, measures of one period",
+    .examples = "  vibrospice steady paper --set firing.every=1\n"
+                "  vibrospice steady two_mass --set firing.every=1 --set firing.angle=130deg -o "
+                "work\n"
+                "  vibrospice steady paper --set firing.every=1 --linear -o model\n"
+                "  vibrospice steady paper --set firing.every=1 --along "
+                "firing.angle=130deg..70deg -o branch\n",
+    .options = STEADY_OPTIONS,
+    .size = sizeof(steady_line),
+    .defaults = &(const steady_line){.run.digits = 9, .period = 1},
+    .run = steady_command,
+    .explain = explain_steady};

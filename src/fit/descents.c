@@ -10,6 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "fit/prediction.h"
+#include "slopes.h"
 #include "study/random.h"
 
 enum { MOST_ITERATIONS = 100, EARLY_ITERATIONS = 12 };
@@ -38,7 +40,7 @@ typedef struct search {
 } search;
 
 /* True if the datum counts: a measure does, and a sample in the part of its recording. */
-static bool counts(const search *w, size_t datum) {
+static bool datum_counts(const search *w, size_t datum) {
   const vs_inquiry *q = w->d->prediction->inquiry;
   if (w->part >= 1 || datum >= q->n_data || q->data[datum].aim >= 0) return true;
   const vs_recording *r = &q->runs[q->data[datum].run].recording;
@@ -56,7 +58,7 @@ static void take_t(search *w, const gsl_vector *t) {
   }
 }
 
-static bool run(search *w, const gsl_vector *t) {
+static bool run_residuals(search *w, const gsl_vector *t) {
   vs_error err = {0};
   take_t(w, t);
   if (!vs_prediction_run(w->d->prediction, -1, w->s, w->computed, &err)) return true;
@@ -66,13 +68,13 @@ static bool run(search *w, const gsl_vector *t) {
 
 static int find_residuals(const gsl_vector *t, void *ctx, gsl_vector *f) {
   search *w = ctx;
-  bool good = run(w, t);
+  bool good = run_residuals(w, t);
   if (vs_prediction_spent(w->d->prediction)) return GSL_EFAILED;
   if (good) vs_prediction_residuals(w->d->prediction, w->s, w->computed, f->data);
   for (size_t n = 0; n < f->size; n++)
     if (!good || !isfinite(gsl_vector_get(f, n)))
       gsl_vector_set(f, n, NOWHERE);
-    else if (!counts(w, n))
+    else if (!datum_counts(w, n))
       gsl_vector_set(f, n, 0);
   return GSL_SUCCESS;
 }
@@ -84,13 +86,13 @@ static int find_slopes(const gsl_vector *t, void *ctx, gsl_matrix *j) {
   memcpy(last, w->s, sizeof last);
   take_t(w, t);
   bool same = !memcmp(last, w->s, w->d->prediction->n_unknowns * sizeof *last);
-  if ((!same && !run(w, t)) ||
+  if ((!same && !run_residuals(w, t)) ||
       vs_slopes_fill(w->d->slopes, w->d->prediction, w->s, w->computed, w->slopes, &err)) {
     if (*err.text) w->failed = err;
     return GSL_EFAILED;
   }
   for (size_t n = 0; n < j->size1; n++)
-    for (size_t k = 0; k < w->d->prediction->n_unknowns && !counts(w, n); k++)
+    for (size_t k = 0; k < w->d->prediction->n_unknowns && !datum_counts(w, n); k++)
       gsl_matrix_set(w->slopes, n, k, 0);
   for (size_t k = 0; k < w->n_free; k++) {
     const vs_unknown *u = &w->d->prediction->inquiry->unknowns[w->index[k]];
@@ -104,7 +106,7 @@ static int find_slopes(const gsl_vector *t, void *ctx, gsl_matrix *j) {
 /* ---- how far the minimum is ---- */
 
 /* How far s may go on against the gradient until it meets a bound. */
-static double room(const vs_unknown *u, double s, double gradient) {
+static double room_to_bound(const vs_unknown *u, double s, double gradient) {
   return gradient > 0 ? s - vs_unknown_least(u) : vs_unknown_most(u) - s;
 }
 
@@ -121,7 +123,7 @@ static double find_decrement(search *w, const gsl_vector *residual, vs_descent *
     gsl_vector_view column = gsl_matrix_column(w->slopes, w->index[k]);
     double g, size = gsl_blas_dnrm2(&column.vector);
     gsl_blas_ddot(&column.vector, residual, &g);
-    double way = room(u, w->s[w->index[k]], g);
+    double way = room_to_bound(u, w->s[w->index[k]], g);
     out->bound[w->index[k]] = size > 0 && fabs(g) / (size * size) > way;
     if (out->bound[w->index[k]])
       fall += 2 * fabs(g) * fmax(way, 0);
@@ -149,7 +151,7 @@ static double find_decrement(search *w, const gsl_vector *residual, vs_descent *
 /* ---- one search ---- */
 
 /* Notes where the search stands. Returns true where it need not go on. */
-static bool look(search *w, const gsl_multifit_nlinear_workspace *gsl, vs_descent *out) {
+static bool check_descent(search *w, const gsl_multifit_nlinear_workspace *gsl, vs_descent *out) {
   const gsl_vector *residual = gsl_multifit_nlinear_residual(gsl);
   take_t(w, gsl_multifit_nlinear_position(gsl));
   memcpy(out->s, w->s, sizeof out->s);
@@ -159,15 +161,16 @@ static bool look(search *w, const gsl_multifit_nlinear_workspace *gsl, vs_descen
   return out->decrement < WHOLE * fmax(1, out->chi2);
 }
 
-static void descend(search *w, gsl_multifit_nlinear_workspace *gsl, vs_descent *out) {
+static void descend_by_trust_region(search *w, gsl_multifit_nlinear_workspace *gsl,
+                                    vs_descent *out) {
   int failed = GSL_SUCCESS;
-  bool whole = look(w, gsl, out);
+  bool whole = check_descent(w, gsl, out);
   const int most = w->part < 1 ? EARLY_ITERATIONS : MOST_ITERATIONS;
   for (int n = 0; !whole && n < most && !(w->part < 1 && out->converged); n++) {
     failed = gsl_multifit_nlinear_iterate(gsl);
     if (failed) break;
     out->iterations++;
-    whole = look(w, gsl, out);
+    whole = check_descent(w, gsl, out);
   }
   if (out->converged) return;
   if (failed && failed != GSL_ENOPROG && *w->failed.text)
@@ -197,7 +200,7 @@ static void go_down(search *w, gsl_multifit_nlinear_workspace *gsl, const double
   if (failed || first == NOWHERE)
     snprintf(out->why, sizeof out->why, "the run at its start fails: %.200s", w->failed.text);
   else
-    descend(w, gsl, out);
+    descend_by_trust_region(w, gsl, out);
   gsl_vector_free(t);
 }
 
@@ -214,7 +217,7 @@ static void go_by_parts(search *w, gsl_multifit_nlinear_workspace *gsl, vs_desce
 }
 
 /* All unknowns are held: chi2 is what it is. */
-static void stay(search *w, vs_descent *out) {
+static void hold_all_unknowns(search *w, vs_descent *out) {
   const vs_prediction *p = w->d->prediction;
   double *residual = vs_alloc(p->n_residuals, sizeof *residual);
   memcpy(out->s, w->start, p->n_unknowns * sizeof *out->s);
@@ -241,7 +244,7 @@ void vs_descent_from(vs_descender *d, const double *start, vs_descent *out) {
     go_by_parts(&w, gsl, out);
     gsl_multifit_nlinear_free(gsl);
   } else
-    stay(&w, out);
+    hold_all_unknowns(&w, out);
   gsl_matrix_free(w.slopes);
   free(w.computed);
 }
@@ -251,7 +254,7 @@ void vs_descent_from(vs_descender *d, const double *start, vs_descent *out) {
 /* How far an unknown without a bound may start from its first start, in s. */
 static const double AWAY = 0.7;
 
-static void place(const vs_inquiry *q, const vs_sobol *sobol, size_t index, double *s) {
+static void place_start(const vs_inquiry *q, const vs_sobol *sobol, size_t index, double *s) {
   for (size_t k = 0; k < q->n_unknowns; k++) {
     const vs_unknown *u = &q->unknowns[k];
     double first = vs_unknown_natural(u, u->start), a = vs_unknown_least(u), b = vs_unknown_most(u);
@@ -358,7 +361,7 @@ vs_status vs_descents_search(vs_descender *d, vs_descents *all, vs_error *err) {
   all->item = vs_alloc(all->count, sizeof *all->item);
   all->best = all->count;
   vs_random_sobol_begin(sobol, q->n_unknowns, q->starts, q->seed);
-  place(q, sobol, 0, first);
+  place_start(q, sobol, 0, first);
   vs_status status = try_first(d, first, &all->first_chi2, err);
   if (!status && vs_prediction_spent(d->prediction))
     status = vs_descents_spent(d, all, "before the first start", err);
@@ -366,7 +369,7 @@ vs_status vs_descents_search(vs_descender *d, vs_descents *all, vs_error *err) {
   for (size_t k = 0; k < all->count && !status; k++) {
     vs_descent *found = &all->item[k];
     vs_budget *budget = &d->prediction->budget;
-    place(q, sobol, k, s);
+    place_start(q, sobol, k, s);
     snprintf(budget->stage, sizeof budget->stage, "start %zu of %zu", k + 1, all->count);
     vs_descent_from(d, s, found);
     if (vs_prediction_spent(d->prediction)) status = vs_descents_spent(d, all, budget->stage, err);

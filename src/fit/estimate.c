@@ -8,6 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "fit/prediction.h"
+#include "slopes.h"
+
 /* The data know nothing of a combination whose singular value is below FLAT: it may be wrong by a
  * factor of e^100. Nor of one below ROUNDING times the largest, as the slopes are not known
  * better. */
@@ -29,7 +32,7 @@ static double error_of(const vs_estimate *e, const double *exponent) {
 }
 
 /* Writes x^a * y^b; or a*x + b*y, each x divided by its scale, where not all s are logarithms. */
-static void spell(const vs_estimate *e, vs_combination *c) {
+static void spell_combination(const vs_estimate *e, vs_combination *c) {
   vs_text text = {0};
   c->product = true;
   for (size_t k = 0; k < e->n; k++)
@@ -56,7 +59,7 @@ static void spell(const vs_estimate *e, vs_combination *c) {
 
 /* Rounds a direction to the coarsest exponents that are as well known, and no better: 0 and 1, then
  * halves, thirds, tenths, hundredths, thousandths. */
-static void round_off(const vs_estimate *e, vs_combination *c) {
+static void round_exponents(const vs_estimate *e, vs_combination *c) {
   static const double PARTS[] = {1, 2, 3, 10, 100, 1000};
   double largest = 0, scaled[VS_INQUIRY_UNKNOWNS];
   for (size_t k = 0; k < e->n; k++)
@@ -68,7 +71,7 @@ static void round_off(const vs_estimate *e, vs_combination *c) {
     c->error = error_of(e, c->exponent);
     if (c->error < ROUND_COSTS * exact && c->error > exact / ROUND_COSTS) break;
   }
-  spell(e, c);
+  spell_combination(e, c);
 }
 
 /* Of two unknowns that are strongly correlated, s_i/error_i -+ s_k/error_k is known best. */
@@ -82,7 +85,7 @@ static void find_pairs(vs_estimate *e) {
       *c = (vs_combination){0};
       c->exact[i] = e->error[k];
       c->exact[k] = r < 0 ? e->error[i] : -e->error[i];
-      round_off(e, c);
+      round_exponents(e, c);
       if (c->error * PAIR_GAINS < fmin(e->error[i], e->error[k])) e->n_pairs++;
     }
 }
@@ -96,7 +99,8 @@ typedef struct decomposed {
 } decomposed;
 
 /* all: with the unknowns that are on a bound. */
-static void decompose(const vs_estimate *e, const gsl_matrix *slopes, bool all, decomposed *d) {
+static void decompose_slopes(const vs_estimate *e, const gsl_matrix *slopes, bool all,
+                             decomposed *d) {
   *d = (decomposed){.count = 0};
   for (size_t k = 0; k < e->n; k++)
     if (all || !e->minimum.bound[k]) d->index[d->count++] = k;
@@ -162,7 +166,7 @@ static vs_status find_flat(const vs_estimate *e, const decomposed *d, vs_error *
 
 static vs_status check_rank(const vs_estimate *e, const gsl_matrix *slopes, vs_error *err) {
   decomposed all;
-  decompose(e, slopes, true, &all);
+  decompose_slopes(e, slopes, true, &all);
   vs_status status = find_flat(e, &all, err);
   free_decomposed(&all);
   return status;
@@ -170,7 +174,7 @@ static vs_status check_rank(const vs_estimate *e, const gsl_matrix *slopes, vs_e
 
 /* ---- all of it ---- */
 
-static void conclude(vs_estimate *e, size_t n_residuals) {
+static void conclude_estimate(vs_estimate *e, size_t n_residuals) {
   size_t moving = 0;
   for (size_t k = 0; k < e->n; k++) {
     const vs_unknown *u = &e->inquiry->unknowns[k];
@@ -184,7 +188,7 @@ static void conclude(vs_estimate *e, size_t n_residuals) {
   }
   e->freedom = (long)n_residuals - (long)moving;
   e->probability = e->freedom > 0 ? gsl_cdf_chisq_Q(e->minimum.chi2, (double)e->freedom) : NAN;
-  for (size_t c = 0; c < e->n_directions; c++) round_off(e, &e->directions[c]);
+  for (size_t c = 0; c < e->n_directions; c++) round_exponents(e, &e->directions[c]);
   find_pairs(e);
 }
 
@@ -204,10 +208,10 @@ vs_status vs_estimate_at(vs_descender *d, const vs_descent *minimum, vs_estimate
   }
   if (!status) {
     decomposed parts;
-    decompose(e, slopes, false, &parts);
+    decompose_slopes(e, slopes, false, &parts);
     take_directions(e, &parts);
     free_decomposed(&parts);
-    conclude(e, p->n_residuals);
+    conclude_estimate(e, p->n_residuals);
   }
   gsl_matrix_free(slopes);
   return status;

@@ -44,8 +44,8 @@ static vs_status put_set(const vs_node *set, vs_scene *scene, vs_error *err) {
 }
 
 /* Reads the scene of a run. own: the run's map; NULL: the fit has one run. */
-static vs_status read_scene(const vs_inquiry *q, const vs_node *own, vs_scene *scene,
-                            vs_error *err) {
+static vs_status read_scene_of_run(const vs_inquiry *q, const vs_node *own, vs_scene *scene,
+                                   vs_error *err) {
   const vs_node *name = vs_tree_child(own, "scene"), *root = q->tree.root;
   vs_status status = open_scene(name ? name : vs_tree_child(root, "scene"), scene, err);
   if (!status) status = put_set(vs_tree_child(root, "set"), scene, err);
@@ -58,7 +58,7 @@ static vs_status read_scene(const vs_inquiry *q, const vs_node *own, vs_scene *s
 /* ---- runs ---- */
 
 /* A run that is only sampled ends with its last sample. */
-static vs_status shorten(vs_inquiry_run *run, vs_error *err) {
+static vs_status shorten_run(vs_inquiry_run *run, vs_error *err) {
   char text[VS_NAME_SIZE];
   const vs_recording *r = &run->recording;
   double last_s = r->samples[r->n_samples - 1].t_s;
@@ -89,7 +89,7 @@ static vs_status read_run(vs_inquiry *q, const vs_node *own, const vs_node *hold
   const vs_node *measures = vs_tree_child(holder, "measures"),
                 *data = vs_tree_child(holder, "data");
   run->scene = vs_alloc(1, sizeof *run->scene);
-  vs_status status = read_scene(q, own, run->scene, err);
+  vs_status status = read_scene_of_run(q, own, run->scene, err);
   if (!status && !measures && !data)
     status = vs_fail_at(err, own ? own->where : (vs_where){q->tree.name, 1, 1},
                         "nothing was measured: measures or data is wanted");
@@ -99,7 +99,7 @@ static vs_status read_run(vs_inquiry *q, const vs_node *own, const vs_node *hold
   if (!status && data) {
     run->recorded = true;
     status = vs_recording_read(&run->recording, data, q->path, run->scene, err);
-    if (!status) status = shorten(run, err);
+    if (!status) status = shorten_run(run, err);
   }
   return status;
 }
@@ -235,7 +235,7 @@ static void add_data(vs_inquiry *q, int number) {
   run->data = q->n_data - run->datum;
 }
 
-static vs_status gather(vs_inquiry *q, vs_error *err) {
+static vs_status gather_data(vs_inquiry *q, vs_error *err) {
   size_t count = 0;
   for (size_t r = 0; r < q->n_runs; r++)
     count += q->runs[r].aims.count + q->runs[r].recording.n_samples;
@@ -328,7 +328,7 @@ vs_status vs_inquiry_read(const char *name, char *const *sets, size_t n_sets, co
   if (!status) status = read_settings(q, err);
   if (!status) status = read_runs(q, err);
   if (!status) status = read_unknowns(q, err);
-  if (!status) status = gather(q, err);
+  if (!status) status = gather_data(q, err);
   return status ? status : read_profile(q, profile, err);
 }
 

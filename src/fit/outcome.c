@@ -1,9 +1,98 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fit/outcome.h"
 
+#include <gsl/gsl_cdf.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+
+#include "fit/descents.h"
+#include "fit/estimate.h"
+#include "fit/prediction.h"
+#include "slopes.h"
+
+/* ---- profile likelihood ---- */
+
+/* The profile likelihood of an unknown: chi2 over its value, where all other unknowns are fitted
+ * anew for each value. Its 95 % interval is where chi2 rises by no more than 3.841 above the least.
+ * Where the model is not linear in the unknown, that interval is truer than the standard error. */
+
+enum { MOST_STEPS = 24 };
+/* How close to the rise of chi2 an end is found, as a share of its root, and how much lower than
+ * the estimate's a chi2 must be to be another minimum's. */
+static const double CLOSE = 1e-4, LOWER = 1e-3;
+
+/* One side of a profile. */
+typedef struct side {
+  vs_descender *d;
+  const vs_estimate *e;
+  vs_likelihood *profile;
+  size_t k;
+  double near_s[VS_INQUIRY_UNKNOWNS]; /* the last point's unknowns, from which the next search
+                                         starts */
+} side;
+
+/* The root of the rise of chi2 where the unknown is held at s; NaN: the search fails. */
+static double rise_of_chi2(side *w, double s) {
+  vs_descent found;
+  double start[VS_INQUIRY_UNKNOWNS];
+  memcpy(start, w->near_s, sizeof start);
+  start[w->k] = s;
+  vs_descent_from(w->d, start, &found);
+  if (!found.converged) return NAN;
+  memcpy(w->near_s, found.s, sizeof w->near_s);
+  vs_likelihood *p = w->profile;
+  double more = found.chi2 - w->e->minimum.chi2;
+  if (p->count < VS_LIKELIHOOD_POINTS) p->point[p->count++] = (vs_likelihood_point){s, found.chi2};
+  if (more < -LOWER * fmax(1, w->e->minimum.chi2)) p->lower_minimum = true;
+  return sqrt(fmax(more, 0));
+}
+
+/* Goes from the estimate in steps until chi2 has risen by enough, then closes in: the root of the
+ * rise is nearly straight over s. Returns s of the end; NaN: it is open. */
+static double find_end_of_profile(side *w, double sign, double bound) {
+  const double wanted = sqrt(gsl_cdf_chisq_Pinv(0.95, 1));
+  double centre = w->e->minimum.s[w->k], error = w->e->error[w->k];
+  double step = isnan(error) ? 0.05 : wanted * error;
+  double inner = 0, inner_rise = 0, outer = NAN, outer_rise = NAN, most = fabs(bound - centre);
+  memcpy(w->near_s, w->e->minimum.s, sizeof w->near_s);
+  for (int n = 0; n < MOST_STEPS; n++) {
+    double part = n % 4 == 3 ? 0.5 : (wanted - inner_rise) / (outer_rise - inner_rise);
+    double way = isnan(outer) ? fmin(inner + step, most) : inner + (outer - inner) * part;
+    double r = rise_of_chi2(w, centre + sign * way);
+    if (isnan(r)) return NAN;
+    if (fabs(r - wanted) < CLOSE * wanted) return centre + sign * way;
+    if (r > wanted)
+      outer = way, outer_rise = r;
+    else if (way >= most)
+      return NAN;
+    else
+      inner = way, inner_rise = r;
+    if (isnan(outer) && n) step *= 1.5;
+  }
+  return NAN;
+}
+
+static int by_s(const void *a, const void *b) {
+  const vs_likelihood_point *x = a, *y = b;
+  return (x->s > y->s) - (x->s < y->s);
+}
+
+/* Follows the profile of the unknown on both sides of its estimate. */
+static void follow_profile(vs_descender *d, const vs_estimate *e, size_t k, vs_likelihood *p) {
+  const vs_unknown *u = &e->inquiry->unknowns[k];
+  side w = {.d = d, .e = e, .profile = p, .k = k};
+  *p = (vs_likelihood){.unknown = k, .count = 1, .point = {{e->minimum.s[k], e->minimum.chi2}}};
+  bool held = d->held[k];
+  d->held[k] = true;
+  p->least = vs_unknown_value(u, find_end_of_profile(&w, -1, vs_unknown_least(u)));
+  p->most = vs_unknown_value(u, find_end_of_profile(&w, 1, vs_unknown_most(u)));
+  d->held[k] = held;
+  qsort(p->point, p->count, sizeof *p->point, by_s);
+}
+
+/* ---- the outcome ---- */
 
 /* Two searches came to the same minimum where their chi2 differ by less, or by less than this share
  * of it. */
@@ -31,7 +120,7 @@ static vs_status follow_profiles(vs_descender *d, vs_outcome *o, vs_error *err) 
   for (size_t k = 0; k < o->inquiry->n_unknowns; k++) {
     if (!o->inquiry->profiled[k]) continue;
     snprintf(budget->stage, sizeof budget->stage, "profile of %.64s", o->inquiry->unknowns[k].name);
-    vs_likelihood_of(d, &o->estimate, k, &o->profiles[o->n_profiles]);
+    follow_profile(d, &o->estimate, k, &o->profiles[o->n_profiles]);
     if (vs_prediction_spent(&o->prediction))
       return vs_descents_spent(d, &o->descents, budget->stage, err);
     o->n_profiles++;
@@ -62,7 +151,7 @@ static void test_columns(vs_outcome *o) {
 }
 
 /* Who finds the slopes during the search, and who at the minimum. */
-static const vs_slopes_kind *kind_of(const vs_outcome *o, bool searching) {
+static const vs_slopes_kind *kind_of_slopes(const vs_outcome *o, bool searching) {
   vs_slopes_word word = o->inquiry->slopes;
   bool exact = word == VS_SLOPES_EXACT || (word == VS_SLOPES_AUTO && !searching);
   return exact && vs_slopes_exact.serves(&o->prediction) ? &vs_slopes_exact
@@ -70,9 +159,9 @@ static const vs_slopes_kind *kind_of(const vs_outcome *o, bool searching) {
 }
 
 /* Goes on from the minimum with the slopes that its errors are told by. */
-static void settle(vs_descender *d, vs_outcome *o) {
+static void settle_at_minimum(vs_descender *d, vs_outcome *o) {
   vs_descent *best = &o->descents.item[o->descents.best], better;
-  const vs_slopes_kind *kind = kind_of(o, false);
+  const vs_slopes_kind *kind = kind_of_slopes(o, false);
   o->slopes = kind->name;
   if (kind == d->slopes) return;
   d->slopes = kind;
@@ -93,19 +182,23 @@ static double runs_for(const vs_inquiry *q) {
   return iterations * (1 + VALUES * (double)q->n_unknowns);
 }
 
-/* Finds the minimum and what it tells. */
-static vs_status find(vs_descender *d, vs_outcome *o, vs_error *err) {
+/* Finds the minimum, from all starts; then errors, correlations and residuals at it; then the
+ * profiles that are wanted. */
+static vs_status find_outcome(vs_descender *d, vs_outcome *o, vs_error *err) {
   vs_budget *budget = &o->prediction.budget;
-  d->slopes = kind_of(o, true);
+  d->slopes = kind_of_slopes(o, true);
   vs_status status = vs_descents_search(d, &o->descents, err);
   if (status) return status;
   snprintf(budget->stage, sizeof budget->stage, "slopes at the minimum");
-  settle(d, o);
+
+  /* The search may have used differences for its slopes. Errors want the exact ones where the tier
+   * has them, and so the last steps to the minimum are made with these. */
+  settle_at_minimum(d, o);
   status = vs_estimate_at(d, &o->descents.item[o->descents.best], &o->estimate, err);
   if (vs_prediction_spent(&o->prediction))
     status = vs_descents_spent(d, &o->descents, budget->stage, err);
   if (status) return status;
-  d->slopes = kind_of(o, true);
+  d->slopes = kind_of_slopes(o, true);
   count_starts(o);
   o->told = true;
   test_columns(o);
@@ -117,7 +210,7 @@ vs_status vs_outcome_of(const vs_inquiry *q, vs_outcome *o, vs_error *err) {
   o->prediction = vs_prediction_of(q);
   vs_descender d = {.prediction = &o->prediction};
   vs_prediction_limit(&o->prediction, runs_for(q));
-  vs_status status = find(&d, o, err);
+  vs_status status = find_outcome(&d, o, err);
   vs_prediction_unlimit(&o->prediction);
   return status;
 }

@@ -4,8 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "sampler.h"
 #include "run/session.h"
+#include "sampler.h"
 
 vs_prediction vs_prediction_of(const vs_inquiry *q) {
   vs_prediction p = {
@@ -24,7 +24,7 @@ enum { ORBIT_IDEAL = 4300, ORBIT_CIRCUIT = 60 };
 /* What no budget has to exceed, and a long holds on every machine. */
 static const double MOST_CYCLES = 2e9;
 
-static void add_run(const vs_inquiry_run *run, double cycles[VS_BUDGET_KINDS]) {
+static void add_cycles_of_run(const vs_inquiry_run *run, double cycles[VS_BUDGET_KINDS]) {
   const vs_scene *s = run->scene;
   const int every = s->setup.timeline.firing.every > 1 ? s->setup.timeline.firing.every : 1;
   const double period = (run->periods ? run->periods : 1) * every;
@@ -39,7 +39,7 @@ static void add_run(const vs_inquiry_run *run, double cycles[VS_BUDGET_KINDS]) {
 void vs_prediction_limit(vs_prediction *p, double often) {
   const vs_inquiry *q = p->inquiry;
   double cycles[VS_BUDGET_KINDS] = {0};
-  for (size_t r = 0; r < q->n_runs; r++) add_run(&q->runs[r], cycles);
+  for (size_t r = 0; r < q->n_runs; r++) add_cycles_of_run(&q->runs[r], cycles);
   p->budget = (vs_budget){.what = "fit"};
   for (int k = 0; k < VS_BUDGET_KINDS; k++)
     p->budget.most[k] =
@@ -61,13 +61,14 @@ bool vs_prediction_spent(const vs_prediction *p) {
 
 /* ---- a run ---- */
 
-static vs_status begin(void *ctx, vs_scene *scene, vs_error *err) {
+static vs_status begin_run_of_fit(void *ctx, vs_scene *scene, vs_error *err) {
   (void)err;
   vs_sampler_restart(ctx, scene);
   return VS_OK;
 }
 
-static vs_status accept(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
+static vs_status accept_step_of_fit(void *ctx, const vs_step *step, const vs_result *result,
+                                    vs_error *err) {
   (void)result, (void)err;
   vs_sampler_accept(ctx, step);
   return VS_OK;
@@ -84,7 +85,7 @@ static vs_status take_aims(const vs_inquiry_run *run, const vs_measured *measure
 static vs_status run_copy(const vs_inquiry_run *run, vs_scene *scene, vs_measured *measured,
                           double *computed, vs_error *err) {
   vs_sampler looks;
-  const vs_guest guest = {.ctx = &looks, .begin = begin, .accept = accept};
+  const vs_guest guest = {.ctx = &looks, .begin = begin_run_of_fit, .accept = accept_step_of_fit};
   const vs_session session = {.guest = run->recorded ? &guest : NULL,
                               .bare = !run->aims.count && !run->scene->tier->has_circuit &&
                                       !run->scene->control.regulator};
@@ -122,8 +123,8 @@ vs_status vs_prediction_settle(const vs_prediction *p, int number, const double 
   return vs_scene_again(scene, err);
 }
 
-static vs_status predict(vs_prediction *p, int number, const double *s, double *computed,
-                         vs_error *err) {
+static vs_status predict_run(vs_prediction *p, int number, const double *s, double *computed,
+                             vs_error *err) {
   p->runs++;
   vs_status status = vs_prediction_settle(p, number, s, err);
   return status ? status : run_scene(p, &p->inquiry->runs[number], computed, err);
@@ -134,7 +135,7 @@ vs_status vs_prediction_run(vs_prediction *p, int number, const double *s, doubl
   vs_status status = VS_OK;
   p->unstable = false;
   for (int r = 0; r < (int)p->inquiry->n_runs && !status; r++)
-    if (number < 0 || r == number) status = predict(p, r, s, computed, err);
+    if (number < 0 || r == number) status = predict_run(p, r, s, computed, err);
   if (!status) return VS_OK;
   p->failures++;
   p->failed = *err;

@@ -30,7 +30,7 @@ void vs_sampler_restart(vs_sampler *s, const vs_scene *scene) {
 }
 
 /* Takes the meters, whose low-passes have to follow the channel all the time, to the step's end. */
-static void follow(vs_sampler *s, const vs_step *step) {
+static void follow_meters(vs_sampler *s, const vs_step *step) {
   const vs_columns *columns = &s->recording->columns;
   for (size_t k = 0; k < columns->count; k++)
     if (columns->item[k].instrument >= 0) vs_meter_shown(&s->meters[k], step, step->to->t_s);
@@ -41,14 +41,14 @@ static const double ROUNDING = 1e-9;
 
 /* Up to which instant the step has come; one that reaches the run's end has come to its last
  * sample. */
-static double reached(const vs_sampler *s, const vs_step *step) {
+static double sampled_until_s(const vs_sampler *s, const vs_step *step) {
   double until_s = s->scene->setup.run.until_s;
   return step->to->t_s >= until_s * (1 - ROUNDING) ? fmax(step->to->t_s, until_s) : step->to->t_s;
 }
 
 void vs_sampler_accept(vs_sampler *s, const vs_step *step) {
   const vs_recording *r = s->recording;
-  const double reached_s = reached(s, step);
+  const double reached_s = sampled_until_s(s, step);
   double at_s = NAN;
   if (step->to->t_s == step->from->t_s) return; /* the other side of an instant already shown */
   if (s->next == r->n_samples) return;
@@ -65,5 +65,5 @@ void vs_sampler_accept(vs_sampler *s, const vs_step *step) {
     }
     s->computed[s->next] *= c->si;
   }
-  follow(s, step);
+  follow_meters(s, step);
 }

@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "fit/slopes.h"
+#include "slopes.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/units.h"
 #include "orbit/kin.h"
 #include "sampler.h"
-#include "base/units.h"
 
-/* Runs of the scene that its kin take: to find the instants, how far they may go, to show them. */
+/* Runs of the scene that derivatives take (orbit/kin.h): to find the instants, how far they may go,
+ * to show them. */
 enum { RUNS_OF_KIN = 3 };
 
 /* ---- differences ---- */
@@ -22,8 +23,8 @@ enum { RUNS_OF_KIN = 3 };
 static const double STEP = 3e-4, STEP_WHERE_ROUGH = 2e-2;
 
 /* Runs with unknown k moved by `by`, and fills moved[n_data]. */
-static vs_status move(vs_prediction *p, size_t k, const double *s, double by, double *moved,
-                      vs_error *err) {
+static vs_status run_moved(vs_prediction *p, size_t k, const double *s, double by, double *moved,
+                           vs_error *err) {
   double *at = vs_alloc(p->n_unknowns, sizeof *at);
   memcpy(at, s, p->n_unknowns * sizeof *at);
   at[k] += by;
@@ -43,20 +44,20 @@ static const formula FORWARD = {{1, 2, 3, 4}, {4, -3, 4. / 3, -1. / 4}};
 static const double FORWARD_AT_0 = -25. / 12;
 
 /* The data of the run that has the unknown; of all where it is common. */
-static void span(const vs_inquiry *q, size_t unknown, size_t *from, size_t *to) {
+static void data_of_unknown(const vs_inquiry *q, size_t unknown, size_t *from, size_t *to) {
   int run = q->unknowns[unknown].run;
   *from = run < 0 ? 0 : q->runs[run].datum;
   *to = run < 0 ? q->n_data : *from + q->runs[run].data;
 }
 
-static vs_status apply(vs_prediction *p, size_t k, const double *s, const formula *f, double h,
-                       double *slope, vs_error *err) {
+static vs_status apply_difference(vs_prediction *p, size_t k, const double *s, const formula *f,
+                                  double h, double *slope, vs_error *err) {
   size_t from, to;
   double *moved = vs_alloc(p->inquiry->n_data, sizeof *moved);
   vs_status status = VS_OK;
-  span(p->inquiry, k, &from, &to);
+  data_of_unknown(p->inquiry, k, &from, &to);
   for (int j = 0; j < 4 && !status; j++) {
-    status = move(p, k, s, f->place[j] * h, moved, err);
+    status = run_moved(p, k, s, f->place[j] * h, moved, err);
     for (size_t n = from; n < to && !status; n++) slope[n] += f->weight[j] * moved[n] / h;
   }
   free(moved);
@@ -66,25 +67,25 @@ static vs_status apply(vs_prediction *p, size_t k, const double *s, const formul
 static vs_status one_sided(vs_prediction *p, size_t k, const double *s, double h,
                            const double *computed, double *slope, vs_error *err) {
   size_t from, to;
-  span(p->inquiry, k, &from, &to);
+  data_of_unknown(p->inquiry, k, &from, &to);
   memset(slope, 0, p->inquiry->n_data * sizeof *slope);
   for (size_t n = from; n < to; n++) slope[n] = FORWARD_AT_0 * computed[n] / h;
-  return apply(p, k, s, &FORWARD, h, slope, err);
+  return apply_difference(p, k, s, &FORWARD, h, slope, err);
 }
 
 /* Where a run on one side fails, as the machine does not exist there, the other side tells. */
-static vs_status difference(vs_prediction *p, size_t k, const double *s, const double *computed,
-                            double *slope, vs_error *err) {
+static vs_status slope_by_differences(vs_prediction *p, size_t k, const double *s,
+                                      const double *computed, double *slope, vs_error *err) {
   const double h = p->rough ? STEP_WHERE_ROUGH : STEP;
   memset(slope, 0, p->inquiry->n_data * sizeof *slope);
-  if (!apply(p, k, s, &CENTRAL, h, slope, err)) return VS_OK;
+  if (!apply_difference(p, k, s, &CENTRAL, h, slope, err)) return VS_OK;
   *err = (vs_error){0};
   if (!one_sided(p, k, s, h, computed, slope, err)) return VS_OK;
   *err = (vs_error){0};
   return one_sided(p, k, s, -h, computed, slope, err);
 }
 
-static bool always(const vs_prediction *p) {
+static bool serves_always(const vs_prediction *p) {
   (void)p;
   return true;
 }
@@ -107,7 +108,7 @@ static bool sees_through(const vs_inquiry_run *run) {
   return any;
 }
 
-/* What a run and its kin say in the place of each of the run's data. */
+/* What a run and its neighbours say in the place of each of the run's data. */
 typedef struct kin_data {
   const vs_inquiry_run *run;
   const vs_fan *fan;
@@ -115,7 +116,7 @@ typedef struct kin_data {
   vs_sampler sampler[KIN];
 } kin_data;
 
-/* The kin are shown anew, from the begin on, where an attempt at them has failed. */
+/* The neighbours are shown anew, from the begin on, where an attempt at them has failed. */
 static void take_step(void *ctx, int k, const vs_step *step) {
   kin_data *all = ctx;
   if (step->from->t_s <= 0) vs_sampler_restart(&all->sampler[k], all->fan->scene[k]);
@@ -149,9 +150,10 @@ static void take_slopes(const kin_data *all, const vs_fan *fan, const vs_unknown
   }
 }
 
-/* Error: the kin cannot tell. A key that the tier ignores may still be one of an instrument. */
-static vs_status follow_kin(const vs_subject *subject, kin_data *all, const vs_unknown *u,
-                            double *slope, vs_error *err) {
+/* Error: the neighbours cannot tell. A key that the tier ignores may still be one of an instrument.
+ */
+static vs_status follow_kin(const vs_sensitivity_problem *subject, kin_data *all,
+                            const vs_unknown *u, double *slope, vs_error *err) {
   vs_fan *fan = vs_alloc(1, sizeof *fan);
   const vs_asked key = {u->axis.key, u->axis.where};
   all->fan = fan;
@@ -168,23 +170,23 @@ static vs_status follow_kin(const vs_subject *subject, kin_data *all, const vs_u
   return status;
 }
 
-/* Why the run has no kin; NULL: it has. Where a low-pass begins on an orbit, its state there
- * depends on the key, which the kin are not told. */
-static const char *lacks_kin(const vs_inquiry_run *run, const vs_subject *subject) {
+/* Why the run has no neighbours, that is, no derivative; NULL: it has one. Where a low-pass begins
+ * on an orbit, its state there depends on the key, which the neighbours are not told. */
+static const char *lacks_kin(const vs_inquiry_run *run, const vs_sensitivity_problem *subject) {
   if (subject->inexact) return subject->inexact;
   return subject->calm && sees_through(run) ? "an instrument begins on the orbit" : NULL;
 }
 
 static vs_status find_in_run(const vs_inquiry_run *run, const vs_unknown *u, kin_data *all,
                              double *slope, vs_error *err) {
-  vs_subject subject;
-  vs_status status = vs_subject_begin(&subject, run->scene, run->periods, err);
+  vs_sensitivity_problem subject;
+  vs_status status = vs_sensitivity_problem_begin(&subject, run->scene, run->periods, err);
   const char *why = status ? NULL : lacks_kin(run, &subject);
   subject.shown = run->recorded ? take_step : NULL;
   subject.ctx = all;
   if (why) status = vs_fail(err, VS_RUN, "%s", why);
   if (!status) status = follow_kin(&subject, all, u, slope, err);
-  vs_subject_end(&subject);
+  vs_sensitivity_problem_end(&subject);
   return status;
 }
 
@@ -204,9 +206,9 @@ static vs_status exact_in_run(vs_prediction *p, int number, size_t k, double *sl
   return status;
 }
 
-/* Where the kin cannot tell, as a run has no derivative, differences do. */
-static vs_status exact(vs_prediction *p, size_t k, const double *s, const double *computed,
-                       double *slope, vs_error *err) {
+/* Where the neighbours cannot tell, as a run has no derivative, differences do. */
+static vs_status slope_by_derivatives(vs_prediction *p, size_t k, const double *s,
+                                      const double *computed, double *slope, vs_error *err) {
   const vs_inquiry *q = p->inquiry;
   vs_error why = {0};
   vs_status status = VS_OK;
@@ -218,13 +220,14 @@ static vs_status exact(vs_prediction *p, size_t k, const double *s, const double
   }
   if (!status) return VS_OK;
   p->inexact++;
-  return difference(p, k, s, computed, slope, err);
+  return slope_by_differences(p, k, s, computed, slope, err);
 }
 
 /* ---- the table ---- */
 
-const vs_slopes_kind vs_slopes_exact = {"exact derivatives", has_kin, exact},
-                     vs_slopes_differences = {"differences of fourth order", always, difference};
+const vs_slopes_kind vs_slopes_exact = {"exact derivatives", has_kin, slope_by_derivatives},
+                     vs_slopes_differences = {"differences of fourth order", serves_always,
+                                              slope_by_differences};
 
 vs_status vs_slopes_fill(const vs_slopes_kind *kind, vs_prediction *p, const double *s,
                          const double *computed, gsl_matrix *slopes, vs_error *err) {

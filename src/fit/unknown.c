@@ -86,8 +86,8 @@ vs_status vs_unknown_error(const vs_node *node, const char *what, const char *un
   return VS_OK;
 }
 
-static vs_status read_number(vs_unknown *u, const vs_node *map, const char *key, double *x,
-                             vs_error *err) {
+static vs_status read_number_of_unknown(vs_unknown *u, const vs_node *map, const char *key,
+                                        double *x, vs_error *err) {
   const vs_node *node = vs_tree_child(map, key);
   return node ? vs_axis_number(&u->axis, node, x, err) : VS_OK;
 }
@@ -129,7 +129,7 @@ static vs_status read_prior(vs_unknown *u, const vs_node *map, vs_error *err) {
     return vs_fail_at(err, prior->where, "%s: prior: {value: %g %s, error: 5 %%} is wanted",
                       u->name, u->start, u->axis.unit);
   vs_status status = vs_field_known_keys(prior, "prior", KEYS, 2, err);
-  if (!status) status = read_number(u, prior, "value", &x, err);
+  if (!status) status = read_number_of_unknown(u, prior, "value", &x, err);
   if (!status) status = vs_unknown_error(error, u->name, u->axis.unit, &amount, &relative, err);
   if (status) return status;
   if (!relative) amount /= vs_units_factor(u->axis.unit);
@@ -163,9 +163,9 @@ vs_status vs_unknown_read(vs_unknown *u, const vs_scene *scene, const vs_node *n
   const vs_node *map = node->kind == VS_NODE_MAP ? node : NULL;
   status = vs_field_known_keys(map, u->name, KEYS, 4, err);
   u->start = u->axis.nominal;
-  if (!status) status = read_number(u, map, "from", &u->from, err);
-  if (!status) status = read_number(u, map, "to", &u->to, err);
-  if (!status) status = read_number(u, map, "start", &u->start, err);
+  if (!status) status = read_number_of_unknown(u, map, "from", &u->from, err);
+  if (!status) status = read_number_of_unknown(u, map, "to", &u->to, err);
+  if (!status) status = read_number_of_unknown(u, map, "start", &u->start, err);
   if (status) return status;
   if (isnan(u->start))
     return vs_fail_at(err, u->axis.where, "%s: the scene has no number here; add start", u->name);

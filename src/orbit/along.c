@@ -33,7 +33,7 @@ static vs_status refuse_key(const vs_along *a, vs_error *err) {
   return VS_OK;
 }
 
-static vs_status read_end(vs_along *a, const char *text, double *end, vs_error *err) {
+static vs_status read_end_of_range(vs_along *a, const char *text, double *end, vs_error *err) {
   const vs_node node = vs_tree_word(NULL, text, a->axis.where);
   return vs_axis_number(&a->axis, &node, end, err);
 }
@@ -62,7 +62,7 @@ static vs_status read_at(vs_along *a, const char *at, vs_error *err) {
 }
 
 /* The key and its range, of which `words` is cut up. */
-static vs_status read_range(vs_along *a, char *words, vs_error *err) {
+static vs_status read_range_of_key(vs_along *a, char *words, vs_error *err) {
   const vs_where where = {.file = a->place};
   char *sign = strchr(words, '='), *dots = sign ? strstr(sign, "..") : NULL;
   if (!dots || sign == words)
@@ -72,8 +72,8 @@ static vs_status read_range(vs_along *a, char *words, vs_error *err) {
   node.key_where = where;
   vs_status status = vs_axis_init(&a->axis, a->scene, &node, "along", err);
   if (!status) status = refuse_key(a, err);
-  if (!status) status = read_end(a, sign + 1, &a->from, err);
-  if (!status) status = read_end(a, dots + 2, &a->to, err);
+  if (!status) status = read_end_of_range(a, sign + 1, &a->from, err);
+  if (!status) status = read_end_of_range(a, dots + 2, &a->to, err);
   if (!status && a->from == a->to)
     status = vs_fail_at(err, where, "%s: the range ends where it begins", a->axis.key);
   return status;
@@ -83,7 +83,7 @@ vs_status vs_along_read(vs_along *a, vs_scene *scene, const vs_along_words *w, v
   *a = (vs_along){.scene = scene};
   snprintf(a->place, sizeof a->place, "--along %s", w->range);
   char *words = vs_copy(w->range);
-  vs_status status = read_range(a, words, err);
+  vs_status status = read_range_of_key(a, words, err);
   free(words);
   if (!status) status = read_step(a, w->step, err);
   if (!status) status = read_at(a, w->at, err);

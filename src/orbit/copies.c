@@ -90,7 +90,7 @@ static void take_pair(const vs_copies_told *told, int period, const double *orbi
 
 /* R of n columns: R from = to. Returns false where the columns do not tell n states apart: the last
  * one adds no more than `lost` to what the others show. */
-static bool solve(const pairs *p, size_t n, double lost, double r[][VS_VARIATION_MOST]) {
+static bool solve_for_map(const pairs *p, size_t n, double lost, double r[][VS_VARIATION_MOST]) {
   double a[MOST * MOST], least = INFINITY, most = 0;
   size_t order[MOST];
   int sign;
@@ -135,7 +135,7 @@ vs_status vs_copies_map(const vs_copies *c, double base[][VS_MOST_STATES], const
       p.to[j][i] = (told[j].z[1][i] - base[1][i]) / scale[i];
     }
   }
-  if (!solve(&p, (size_t)c->count, 0, r))
+  if (!solve_for_map(&p, (size_t)c->count, 0, r))
     return vs_fail(err, VS_RUN, "the derivatives of a period cannot be found");
   for (int i = 0; i < c->count; i++)
     for (int j = 0; j < c->count; j++) r[i][j] *= scale[i] / scale[j];
@@ -160,8 +160,9 @@ vs_status vs_copies_hear(const vs_copies *c, const double *orbit, const double *
   for (int j = 0; j < n; j++) take_pair(&told[j], 0, orbit, unit, n + 1, p.from[j], p.to[j]);
   take_pair(&told[c->leader], 1, orbit, unit, n + 1, p.from[n], p.to[n]);
   for (int j = 0; j <= n; j++) ones[j] = 1;
-  *found = solve(&p, (size_t)n + 1, lost, r) ? n + 1 : n;
-  if ((*found == n && !solve(&p, (size_t)n, 0, r)) || !vs_multipliers_find(*found, r, ones, out))
+  *found = solve_for_map(&p, (size_t)n + 1, lost, r) ? n + 1 : n;
+  if ((*found == n && !solve_for_map(&p, (size_t)n, 0, r)) ||
+      !vs_multipliers_find(*found, r, ones, out))
     return vs_fail(err, VS_RUN, "the orbit's multipliers cannot be found");
   return VS_OK;
 }

@@ -29,7 +29,7 @@ void vs_corrections_begin(vs_corrections *c, double tolerance) {
 static const double SLOW = 0.6, SAME = 0.1, LASTS = 200;
 enum { ENOUGH = 5 };
 
-static void follow(vs_corrections *c) {
+static void follow_ratio(vs_corrections *c) {
   double ratio = c->before > 0 ? c->last / c->before : NAN;
   bool same = fabs(ratio - c->ratio) <= SAME && ratio >= SLOW; /* false with NaN */
   c->steady = same ? c->steady + 1 : 0;
@@ -43,7 +43,7 @@ static void follow(vs_corrections *c) {
 
 void vs_corrections_take(vs_corrections *c, double size) {
   c->last = size;
-  follow(c);
+  follow_ratio(c);
   bool falls = c->last < FALLS * c->least;
   c->least = fmin(c->least, c->last);
   c->stalled = falls ? 0 : c->stalled + 1;

@@ -10,13 +10,13 @@ void vs_creep_begin(vs_creep *c, const vs_deck *deck, double tolerance, double p
   for (size_t k = 0; k < deck->n_probes; k++) c->probe[k].ratio = NAN;
 }
 
-static double value_at(const vs_creep *c, size_t k, const vs_knot *knot) {
+static double value_of_probe(const vs_creep *c, size_t k, const vs_knot *knot) {
   return c->deck->probes[k].sign * knot->terms[c->deck->probes[k].term];
 }
 
 void vs_creep_accept(vs_creep *c, const vs_step *step) {
   for (size_t k = 0; k < c->deck->n_probes; k++)
-    c->probe[k].peak = fmax(c->probe[k].peak, fabs(value_at(c, k, step->to)));
+    c->probe[k].peak = fmax(c->probe[k].peak, fabs(value_of_probe(c, k, step->to)));
 }
 
 /* ---- what creeps ---- */
@@ -37,7 +37,7 @@ enum { ENOUGH = 2 };
 /* A change that hardly falls is taken to go on for this many passes. */
 static const double LASTS = 200;
 
-static void follow(vs_creep_probe *p, double value, bool first, bool second) {
+static void follow_creeping_probe(vs_creep_probe *p, double value, bool first, bool second) {
   double change = value - p->value, ratio = second ? NAN : change / p->change;
   bool same = fabs(ratio - p->ratio) <= SAME && ratio >= SLOW; /* false with NaN */
   p->steady = same ? p->steady + 1 : 0;
@@ -66,7 +66,7 @@ const vs_creep_probe *vs_creep_worst(const vs_creep *c, const char **name) {
 /* ---- what is moved ---- */
 
 /* The flux linkage that creeps most is moved from then on. */
-static void choose(vs_creep *c) {
+static void choose_flux(vs_creep *c) {
   double most = 0;
   for (size_t k = 0; k < c->deck->n_probes; k++) {
     const vs_creep_probe *p = &c->probe[k];
@@ -94,24 +94,24 @@ static void take_point(vs_creep *c, double flux_wb, double change_wb) {
 
 /* How far from a, Wb, the straight line through two clean passes has no change; NaN: nowhere, or
  * where it would be driven away from. */
-static double secant(const vs_creep_point *a, const vs_creep_point *b) {
+static double secant_of_creep(const vs_creep_point *a, const vs_creep_point *b) {
   double slope = (a->change_wb - b->change_wb) / (a->flux_wb - b->flux_wb);
   return slope < 0 ? -a->change_wb / slope : NAN;
 }
 
 /* How far from the last clean pass's beginning the flux linkage would stay, Wb. */
-static double distance(const vs_creep *c, double scale) {
+static double distance_of_creep(const vs_creep *c, double scale) {
   double most = MOST_MOVED * scale, way = copysign(most, c->last.change_wb);
-  double by = c->points > 1 ? secant(&c->last, &c->before) : NAN;
+  double by = c->points > 1 ? secant_of_creep(&c->last, &c->before) : NAN;
   if (!c->bracketed) return isnan(by) ? way : fmin(fmax(by, -most), most);
   double gap = c->across.flux_wb - c->last.flux_wb;
-  return by / gap > 0 && by / gap < 1 ? by : secant(&c->last, &c->across);
+  return by / gap > 0 && by / gap < 1 ? by : secant_of_creep(&c->last, &c->across);
 }
 
 /* A push that would move less than this part of what is wanted anyway is not worth a pass. */
-static void decide(vs_creep *c, double end_wb) {
+static void decide_push(vs_creep *c, double end_wb) {
   const vs_creep_probe *p = &c->probe[c->moved];
-  double by = c->last.flux_wb + distance(c, p->scale) - end_wb;
+  double by = c->last.flux_wb + distance_of_creep(c, p->scale) - end_wb;
   c->area_v_s = 0;
   if (!(fabs(by) > c->tolerance * p->scale)) return;
   c->from_wb = end_wb;
@@ -120,7 +120,7 @@ static void decide(vs_creep *c, double end_wb) {
 }
 
 /* The pushed pass has ended: what the push was good for. */
-static void learn(vs_creep *c, double end_wb) {
+static void learn_gain(vs_creep *c, double end_wb) {
   double gain = (end_wb - c->from_wb - c->nature_wb) / c->area_v_s;
   if (gain > c->gain / 4 && gain < 4 * c->gain) c->gain = gain;
 }
@@ -130,18 +130,18 @@ bool vs_creep_turn(vs_creep *c, const vs_knot *end) {
   double begun_wb = c->moved < 0 ? 0 : c->probe[c->moved].value;
   c->passes = clean ? c->passes + 1 : 0;
   for (size_t k = 0; k < c->deck->n_probes; k++)
-    follow(&c->probe[k], value_at(c, k, end), c->passes < 1, c->passes < 2);
+    follow_creeping_probe(&c->probe[k], value_of_probe(c, k, end), c->passes < 1, c->passes < 2);
   if (c->moved < 0) {
-    choose(c);
+    choose_flux(c);
     if (c->moved < 0) return clean;
     begun_wb = c->probe[c->moved].value - c->probe[c->moved].change;
   }
   const vs_creep_probe *p = &c->probe[c->moved];
   if (clean) {
     take_point(c, begun_wb, p->value - begun_wb);
-    decide(c, p->value);
+    decide_push(c, p->value);
   } else {
-    learn(c, p->value);
+    learn_gain(c, p->value);
     c->area_v_s = 0;
   }
   return clean;

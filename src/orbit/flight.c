@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "plant/coil.h"
 #include "base/text.h"
+#include "plant/coil.h"
 #include "run/session.h"
 
 static int states_of(const vs_scene *s) {
@@ -34,7 +34,7 @@ void vs_flight_begin(vs_flight *f, const vs_scene *scene) {
 }
 
 /* Forgets the last run. */
-static void forget(vs_flight *f) {
+static void forget_flight(vs_flight *f) {
   if (f->derives) vs_variation_end(&f->variation);
   free(f->passed);
   f->passed = NULL;
@@ -42,14 +42,14 @@ static void forget(vs_flight *f) {
 }
 
 void vs_flight_end(vs_flight *f) {
-  forget(f);
+  forget_flight(f);
   free(f->scene);
   f->scene = NULL;
 }
 
 /* ---- what is seen ---- */
 
-static void take(const vs_model *m, const vs_knot *k, double x[VS_VARIATION_MOST]) {
+static void take_state(const vs_model *m, const vs_knot *k, double x[VS_VARIATION_MOST]) {
   memcpy(x, k->x, 2 * (size_t)m->dof * sizeof *x);
   x[2 * m->dof] = k->flux_wb;
 }
@@ -69,7 +69,7 @@ static void look_deep(vs_flight *f, const vs_step *step) {
   double x[VS_VARIATION_MOST], lo = step->from->t_s, hi = step->to->t_s;
   bool turns = vs_mechanics_travel(m, step->from->x + m->dof) < 0 &&
                vs_mechanics_travel(m, step->to->x + m->dof) > 0;
-  take(m, step->to, x);
+  take_state(m, step->to, x);
   for (int n = 0; n < 50 && turns; n++) {
     double mid = (lo + hi) / 2;
     take_at(step, mid, x);
@@ -94,12 +94,13 @@ static void look_for_law(vs_flight *f, const vs_knot *k) {
   f->left_s = k->t_s;
 }
 
-static vs_status accept(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
+static vs_status accept_step_of_flight(void *ctx, const vs_step *step, const vs_result *result,
+                                       vs_error *err) {
   vs_flight *f = ctx;
   const vs_model *m = step->frame->model;
   double from = step->from->t_s, to = step->to->t_s, x[VS_VARIATION_MOST];
   (void)result;
-  take(m, step->to, x);
+  take_state(m, step->to, x);
   for (int j = 0; j < f->states; j++) {
     if (!isfinite(x[j]))
       return vs_fail(err, VS_RUN, "t = %.9g s: the state is not a number any more", to);
@@ -140,12 +141,12 @@ static void begin_variation(vs_flight *f, const vs_run_values *run, const double
 }
 
 vs_status vs_flight_go(vs_flight *f, const double *x, int periods, bool derives, vs_error *err) {
-  forget(f);
+  forget_flight(f);
   vs_status within =
       vs_budget_take(f->budget, f->given->tier->has_circuit,
                      lround(periods * f->cycle_s / f->given->setup.timeline.period_s), err);
   if (within) return within;
-  const vs_guest guest = {.ctx = f, .accept = accept};
+  const vs_guest guest = {.ctx = f, .accept = accept_step_of_flight};
   const vs_session session = {.guest = &guest, .bare = true, .unguarded = true};
   vs_run_values run = f->given->setup.run;
   run.until_s = periods * f->cycle_s;

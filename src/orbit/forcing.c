@@ -5,14 +5,14 @@
 
 enum { ALL = 1 + VS_PARAMETER_NEAR };
 
-static double along(const vs_parameter *p, const double *q) {
+static double along_slope(const vs_parameter *p, const double *q) {
   double g = 0;
   for (int i = 0; i < p->setup->model.dof; i++) g += p->slopes.along[i] * q[i];
   return g;
 }
 
 double vs_forcing_surface(const vs_parameter *p, int stop, const double *q) {
-  return along(p, q) - p->slopes.at_m[stop];
+  return along_slope(p, q) - p->slopes.at_m[stop];
 }
 
 /* The stops' part of the force F that closes the gap, and its derivative at a given state. All
@@ -22,7 +22,7 @@ double vs_forcing_surface(const vs_parameter *p, int stop, const double *q) {
 static double add_stops(const vs_parameter *p, const vs_forcing_place *at, double *slope) {
   const vs_model *m = &p->setup->model;
   double g = vs_mechanics_travel(m, at->q), g1 = vs_mechanics_travel(m, at->rate), force = 0;
-  double dg = along(p, at->q), dg1 = along(p, at->rate);
+  double dg = along_slope(p, at->q), dg1 = along_slope(p, at->rate);
   for (int n = 0; n < m->stops.count; n++) {
     vs_stop stop = m->stops.item[n];
     if (!(at->touched >> n & 1)) continue;
@@ -49,7 +49,7 @@ static pull pull_of(const vs_parameter *p, const vs_forcing_place *at) {
   const vs_coil *c = &p->setup->model.coil;
   bool at_rest = at->frame->gap_at_rest;
   double z = vs_mechanics_gap(&p->setup->model, at->q), force[ALL], i[ALL];
-  double dz = p->slopes.gap_rest_m + along(p, at->q);
+  double dz = p->slopes.gap_rest_m + along_slope(p, at->q);
   for (int k = 0; k < ALL; k++) { /* other numbers of the law, at the same lambda and z */
     const vs_coil *other = &p->setup[k].model.coil;
     force[k] = vs_coil_force(other, at->flux_wb, z);

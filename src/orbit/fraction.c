@@ -7,12 +7,12 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "plant/build.h"
-#include "orbit/shooting.h"
-#include "measure/throw.h"
-#include "run/session.h"
-#include "orbit/picard.h"
 #include "engine/tiers.h"
+#include "measure/throw.h"
+#include "orbit/picard.h"
+#include "orbit/shooting.h"
+#include "plant/build.h"
+#include "run/session.h"
 
 enum { MOST_TRIALS = 40 };
 /* The share is found where the orbit's own differs by less: far below what an empirical number
@@ -20,7 +20,7 @@ enum { MOST_TRIALS = 40 };
 static const double SAME = 1e-11;
 /* On a tier with a circuit the share is to be known as well as the run, whose orbits, and K with
  * them, are known to run.tolerance. */
-static double sameness(const vs_scene *scene) {
+static double tolerance_of_share(const vs_scene *scene) {
   return scene->tier->has_circuit ? fmax(SAME, scene->setup.run.tolerance) : SAME;
 }
 
@@ -49,7 +49,8 @@ typedef struct search {
 
 /* ---- a trial ---- */
 
-static vs_status accept(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
+static vs_status accept_step_of_fraction(void *ctx, const vs_step *step, const vs_result *result,
+                                         vs_error *err) {
   (void)result;
   (void)err;
   vs_throw_accept(ctx, step);
@@ -58,9 +59,9 @@ static vs_status accept(void *ctx, const vs_step *step, const vs_result *result,
 
 /* Runs a period of the orbit, for K. With a circuit, `pilot` finds the orbit before; else it is
  * NULL. */
-static vs_status measure(search *s, const vs_orbit *orbit, vs_pilot *pilot, vs_error *err) {
+static vs_status measure_throw(search *s, const vs_orbit *orbit, vs_pilot *pilot, vs_error *err) {
   vs_throw thrown = {0};
-  const vs_guest guest = {.ctx = &thrown, .accept = accept};
+  const vs_guest guest = {.ctx = &thrown, .accept = accept_step_of_fraction};
   const vs_session session = {
       .guest = &guest, .bare = true, .unguarded = !pilot, .stop = s->scene->order.stop};
   vs_scene *along = vs_alloc(1, sizeof *along);
@@ -87,7 +88,7 @@ static vs_status follow_ideal(search *s, vs_error *err) {
   vs_error none = {0};
   vs_status status = s->has_orbit ? vs_shooting_seek(s->scene, &near, &s->orbit, &none) : VS_RUN;
   if (status) status = vs_shooting_seek(s->scene, &anew, &s->orbit, err);
-  return status ? status : measure(s, &s->orbit, NULL, err);
+  return status ? status : measure_throw(s, &s->orbit, NULL, err);
 }
 
 /* With a circuit the run finds the orbit itself, in its prelude. */
@@ -96,7 +97,7 @@ static vs_status follow_circuit(search *s, vs_error *err) {
   vs_status status = vs_picard_new(s->scene, s->periods, false, &picard, err);
   if (status) return status;
   if (s->has_past) vs_picard_begin_near(picard, &s->past);
-  status = measure(s, &picard->orbit, &picard->pilot, err);
+  status = measure_throw(s, &picard->orbit, &picard->pilot, err);
   s->has_past = !status;
   if (s->has_past) s->past = vs_picard_over(picard);
   vs_picard_free(picard);
@@ -104,7 +105,7 @@ static vs_status follow_circuit(search *s, vs_error *err) {
 }
 
 /* Finds the orbit with this share, and by how much the share that follows from it is more. */
-static vs_status try(search *s, double share, double *more, vs_error *err) {
+static vs_status try_share(search *s, double share, double *more, vs_error *err) {
   vs_setup *setup = &s->scene->setup;
   const vs_load_values load = setup->model.load;
   vs_error why = {0};
@@ -136,21 +137,21 @@ static const double LOOSE = 1e-4;
 
 /* The share is known well enough for a loose tolerance: the trials that follow have the scene's.
  * What was known to hold the share is known to that only. */
-static void tighten(search *s, double tolerance) {
-  double same = TELLS_BY * sameness(s->scene);
+static void tighten_tolerance(search *s, double tolerance) {
+  double same = TELLS_BY * tolerance_of_share(s->scene);
   s->scene->setup.run.tolerance = tolerance;
   s->lower = fmax(vs_model_load_range.least, s->lower - same);
   s->upper = fmin(vs_model_load_range.most, s->upper + same);
 }
 
-static double tells(const search *s) {
-  return s->scene->tier->has_circuit ? fmax(TELLS, TELLS_BY * sameness(s->scene)) : TELLS;
+static double least_change_that_tells(const search *s) {
+  return s->scene->tier->has_circuit ? fmax(TELLS, TELLS_BY * tolerance_of_share(s->scene)) : TELLS;
 }
 
 /* Looks for a share from `at` on. Where no slope is known the first step goes to the share that
  * this one's orbit asks for, the others by the secant through the last two trials; where that leads
  * out of what is known to hold a share, it is again the share asked for, or the middle. */
-static vs_status find(search *s, double at, double *share, vs_error *err) {
+static vs_status find_riding_share(search *s, double at, double *share, vs_error *err) {
   vs_run_values *run = &s->scene->setup.run;
   const double tolerance = run->tolerance;
   double more, before = NAN, more_before = NAN;
@@ -161,9 +162,9 @@ static vs_status find(search *s, double at, double *share, vs_error *err) {
   s->upper = vs_model_load_range.most;
   for (int k = 0; k < MOST_TRIALS; k++) {
     snprintf(s->budget->stage, sizeof s->budget->stage, "trial %d, with %.6g", ++s->trials, at);
-    vs_status status = try(s, at, &more, err);
+    vs_status status = try_share(s, at, &more, err);
     const bool is_loose = run->tolerance > tolerance;
-    const bool is_near = !status && fabs(more) < sameness(s->scene);
+    const bool is_near = !status && fabs(more) < tolerance_of_share(s->scene);
     *share = at;
     if (status || (is_near && !is_loose)) {
       run->tolerance = tolerance;
@@ -173,8 +174,9 @@ static vs_status find(search *s, double at, double *share, vs_error *err) {
       s->lower = at;
     else
       s->upper = at;
-    if (fabs(at - before) > tells(s)) s->slope = (more - more_before) / (at - before);
-    if (is_near) tighten(s, tolerance);
+    if (fabs(at - before) > least_change_that_tells(s))
+      s->slope = (more - more_before) / (at - before);
+    if (is_near) tighten_tolerance(s, tolerance);
     double next = at - more / (isnan(s->slope) ? -1 : s->slope);
     if (is_near && !(next >= s->lower && next <= s->upper)) next = at;
     if (is_near && next == at) { /* the same share, looked at more closely */
@@ -213,14 +215,14 @@ typedef struct found {
 static vs_status find_both(search *s, double from, double from_other, found *f, vs_error *err) {
   vs_error none = {0};
   const double slope = s->slope;
-  vs_status status = find(s, from, &f->share, err);
+  vs_status status = find_riding_share(s, from, &f->share, err);
   f->coefficient = s->coefficient;
   f->other = NAN;
   f->is_alone = true;
   if (status || isnan(from_other)) return status;
-  double apart = fmax(APART, APART_BY * sameness(s->scene)), other;
+  double apart = fmax(APART, APART_BY * tolerance_of_share(s->scene)), other;
   s->slope = slope;
-  status = find(s, from_other, &other, &none);
+  status = find_riding_share(s, from_other, &other, &none);
   if (!status && fabs(other - f->share) >= apart) f->other = other;
   f->is_alone = !is_out(s);
   return status == VS_SIGNAL ? vs_fail(err, status, "%s", none.text) : VS_OK;
@@ -280,7 +282,7 @@ static vs_scene *undisturbed(const vs_scene *scene) {
 }
 
 /* The budget is spent before a share is found: says how far the search came. */
-static vs_status give_up(const search *s, vs_error *err) {
+static vs_status refuse_spent_search_of_share(const search *s, vs_error *err) {
   const vs_budget *b = s->budget;
   char last[128] = "none has come to its end";
   if (!isnan(s->at))
@@ -330,7 +332,8 @@ vs_status vs_fraction_settle(vs_scene *scene, int periods, vs_error *err) {
   s->slope = NAN;
   vs_status status = find_guided(s, &f, err);
   vs_budget_end(&budget);
-  if ((status == VS_RUN || status == VS_BUDGET) && is_out(s)) status = give_up(s, err);
+  if ((status == VS_RUN || status == VS_BUDGET) && is_out(s))
+    status = refuse_spent_search_of_share(s, err);
   if (!status) {
     const vs_load_values load = setup->model.load;
     status = vs_build_loaded(setup->machine, &setup->model, &load, f.share, &setup->model, err);

@@ -12,7 +12,7 @@ int vs_multiplier_order(const vs_multiplier *a, const vs_multiplier *b) {
   return (a->im < b->im) - (a->im > b->im);
 }
 
-static int falling(const void *left, const void *right) {
+static int by_falling_size(const void *left, const void *right) {
   return vs_multiplier_order(left, right);
 }
 
@@ -33,7 +33,7 @@ bool vs_multipliers_of(int count, double *matrix, vs_multiplier *out) {
   }
   gsl_eigen_nonsymm_free(work);
   gsl_vector_complex_free(values);
-  qsort(out, n, sizeof *out, falling);
+  qsort(out, n, sizeof *out, by_falling_size);
   return good;
 }
 

@@ -7,10 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "plant/coil.h"
 #include "base/text.h"
-#include "engine/gate.h"
 #include "base/units.h"
+#include "engine/gate.h"
+#include "plant/coil.h"
 
 enum { NEAR = VS_PARAMETER_NEAR, ALL = 1 + NEAR };
 
@@ -68,13 +68,13 @@ static void free_near(vs_parameter *p) {
 
 /* Is another cycle of the mains the first? Its number, from which firings are counted, jumps where
  * supply.phase passes 0. */
-static bool jumps(const vs_scene *scene, const vs_scene *other) {
+static bool does_cycle_jump(const vs_scene *scene, const vs_scene *other) {
   const vs_timeline *a = &scene->setup.timeline, *b = &other->setup.timeline;
   return fabs(a->first_zero_s / a->period_s - b->first_zero_s / b->period_s) > 0.5;
 }
 
 /* The key of the k-th scene. */
-static double value_at(const vs_parameter *p, int k) {
+static double key_of_scene(const vs_parameter *p, int k) {
   return p->value != 0 ? p->value * (1 + p->at[k]) : p->size * p->at[k];
 }
 
@@ -85,8 +85,8 @@ static vs_status read_near(vs_parameter *p, const stencil *where, vs_error *err)
     p->weight[k] = where->weight[k - 1] / p->step;
     p->coarse[k] = where->coarse[k - 1] / p->step;
     p->scene[k] = vs_alloc(1, sizeof **p->scene);
-    status = read_with(p, value_at(p, k), p->scene[k], err);
-    if (!status && jumps(p->scene[0], p->scene[k]))
+    status = read_with(p, key_of_scene(p, k), p->scene[k], err);
+    if (!status && does_cycle_jump(p->scene[0], p->scene[k]))
       status = vs_fail(err, VS_INPUT, "the first cycle begins elsewhere");
   }
   if (status) free_near(p);
@@ -98,7 +98,7 @@ static bool near(double a, double b) {
 }
 
 /* Do two setups have the same numbers, but for the rounding of how a key is written? */
-static bool alike(const vs_setup *a, const vs_setup *b) {
+static bool are_same_setups(const vs_setup *a, const vs_setup *b) {
   const vs_model *m = &a->model, *n = &b->model;
   const vs_timeline *t = &a->timeline, *u = &b->timeline;
   bool same = m->stops.count == n->stops.count && near(m->coil.gap_rest_m, n->coil.gap_rest_m) &&
@@ -130,7 +130,7 @@ static vs_status try_key(vs_parameter *p, vs_where where, vs_error *err) {
   const char *text = why.text + why.place_size;
   p->idle = status == VS_INPUT && !strncmp(text, p->key.name, strlen(p->key.name));
   snprintf(p->why, sizeof p->why, "%.255s", p->idle ? text : "");
-  bool other = !status && !alike(&same->setup, &p->scene[0]->setup);
+  bool other = !status && !are_same_setups(&same->setup, &p->scene[0]->setup);
   vs_scene_free(same);
   free(same);
   if (other)
@@ -200,7 +200,7 @@ static vs_setup setup_of(const vs_scene *scene, void *ctx) {
 
 /* ---- beginning ---- */
 
-static vs_status refuse(const vs_parameter *p, vs_where where, vs_error *err) {
+static vs_status refuse_key_of_parameter(const vs_parameter *p, vs_where where, vs_error *err) {
   const vs_field *f = p->key.field;
   if (f->kind == VS_COUNT)
     return vs_fail_at(err, where, "%s is a whole number, and has no derivative", p->key.name);
@@ -227,7 +227,7 @@ vs_status vs_parameter_begin(vs_parameter *p, const vs_scene *scene, const char 
   vs_status status = vs_key_find(scene, key, where, &p->key, err);
   if (status) return status;
   p->value = vs_key_number(&p->key);
-  status = refuse(p, where, err);
+  status = refuse_key_of_parameter(p, where, err);
   if (status) return status;
   p->size = p->value != 0 ? p->value : vs_units_factor(p->key.field->unit);
   status = try_key(p, where, err);
@@ -255,7 +255,7 @@ vs_status vs_parameter_again(vs_parameter *p, vs_error *err) {
     return vs_fail(err, VS_INPUT, "%s: its scenes have to be made anew", p->key.name);
   p->value = p->size = value;
   for (int k = 1; k < ALL && !status; k++) {
-    print_value(p, value_at(p, k), text);
+    print_value(p, key_of_scene(p, k), text);
     vs_tree_put(&p->scene[k]->tree, p->key.name, text, (vs_where){0});
     status = vs_scene_again(p->scene[k], err);
   }
@@ -283,12 +283,12 @@ void vs_parameter_start(const vs_parameter *p, const vs_tier *tier, double *y) {
 /* ---- the instants ---- */
 
 /* How much longer the period of the k-th scene is. */
-static double ratio(const vs_parameter *p, int k) {
+static double period_ratio(const vs_parameter *p, int k) {
   return p->setup[k].timeline.period_s / p->setup->timeline.period_s;
 }
 
 double vs_parameter_time(const vs_parameter *p, int k, double t_s) {
-  return t_s * ratio(p, k);
+  return t_s * period_ratio(p, k);
 }
 
 /* Two scenes' instants that are further apart than this part of a period are not the same one. */
@@ -314,11 +314,11 @@ static bool begin_alike(const vs_parameter *p) {
 static double begin_waves(vs_parameter *p, const double at_s[ALL]) {
   double common_s[ALL], most = APART * p->setup->timeline.period_s;
   for (int k = 0; k < ALL; k++)
-    if (!(fabs(at_s[k] / ratio(p, k) - at_s[0]) < most)) return NAN;
+    if (!(fabs(at_s[k] / period_ratio(p, k) - at_s[0]) < most)) return NAN;
   for (int k = 0; k < ALL; k++) {
     p->origin_s[k] = at_s[k];
     vs_wave_of(&p->setup[k].timeline, at_s[k], &p->mains[k]);
-    common_s[k] = at_s[k] / ratio(p, k);
+    common_s[k] = at_s[k] / period_ratio(p, k);
   }
   return begin_alike(p) ? vs_parameter_slope(p, common_s) : NAN;
 }
@@ -328,8 +328,8 @@ double vs_parameter_fires(vs_parameter *p, double off_s, double t_s) {
   double until_s = t_s + p->setup->timeline.period_s;
   for (int k = 0; k < ALL; k++) {
     const vs_timeline *line = &p->setup[k].timeline;
-    double since = off_s * ratio(p, k);
-    at_s[k] = line->events.count ? vs_wave_conduction(line, since, until_s * ratio(p, k))
+    double since = off_s * period_ratio(p, k);
+    at_s[k] = line->events.count ? vs_wave_conduction(line, since, until_s * period_ratio(p, k))
                                  : vs_gate_next_conduction(line, since);
   }
   return begin_waves(p, at_s);
@@ -338,12 +338,12 @@ double vs_parameter_fires(vs_parameter *p, double off_s, double t_s) {
 double vs_parameter_edge(vs_parameter *p, double before_s, double t_s) {
   double at_s[ALL];
   for (int k = 0; k < ALL; k++)
-    at_s[k] = k ? vs_wave_edge(&p->setup[k].timeline, before_s * ratio(p, k)) : t_s;
+    at_s[k] = k ? vs_wave_edge(&p->setup[k].timeline, before_s * period_ratio(p, k)) : t_s;
   return begin_waves(p, at_s);
 }
 
 void vs_parameter_connects(vs_parameter *p, double t_s) {
   double at_s[ALL];
-  for (int k = 0; k < ALL; k++) at_s[k] = t_s * ratio(p, k);
+  for (int k = 0; k < ALL; k++) at_s[k] = t_s * period_ratio(p, k);
   begin_waves(p, at_s);
 }

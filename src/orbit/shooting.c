@@ -6,9 +6,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "plant/coil.h"
 #include "engine/firing.h"
 #include "flight.h"
+#include "plant/coil.h"
 
 enum { MOST = VS_ORBIT_STATES };
 
@@ -33,7 +33,7 @@ static void find_scales(const vs_flight *f, int dof, vs_orbit *o) {
 
 /* Solves (I - P) d = x(T) - x, in parts of each state's scale. Returns false where the matrix is
  * singular to rounding. */
-static bool solve(const vs_orbit *o, const double *end, double *d) {
+static bool solve_shooting_step(const vs_orbit *o, const double *end, double *d) {
   size_t n = (size_t)o->count, order[MOST];
   double matrix[MOST * MOST], missing[MOST], most = 0, least = INFINITY;
   int sign;
@@ -53,15 +53,16 @@ static bool solve(const vs_orbit *o, const double *end, double *d) {
   return least > 1e-13 * most && !gsl_linalg_LU_solve(&a.matrix, &p, &b.vector, &by.vector);
 }
 
-/* Flies once around with derivatives, and corrects x; *change: by how much, relative to scale. */
-static vs_status improve(vs_flight *f, vs_orbit *o, double *change, vs_error *err) {
+/* One iteration: runs the periods from x with derivatives, and corrects x by Newton's step; *change
+ * is the correction relative to scale. */
+static vs_status improve_start(vs_flight *f, vs_orbit *o, double *change, vs_error *err) {
   double d[MOST];
   vs_status status = vs_flight_go(f, o->x, o->n, true, err);
   for (int i = 0; i < o->count && !status; i++)
     for (int j = 0; j < o->count; j++) o->monodromy[i][j] = vs_variation_get(&f->variation, i, j);
   if (status) return status;
   find_scales(f, f->given->setup.model.dof, o);
-  if (!solve(o, f->end, d))
+  if (!solve_shooting_step(o, f->end, d))
     return vs_fail(err, VS_RUN,
                    "the orbit's equations have no single solution: an orbit turns back here, or a "
                    "coordinate has no spring");
@@ -78,12 +79,12 @@ static vs_status improve(vs_flight *f, vs_orbit *o, double *change, vs_error *er
 static const double CLOSED = 1e-12, STALLED = 1e-9;
 enum { MOST_ITERATIONS = VS_ORBIT_ITERATIONS / 2 };
 
-static vs_status iterate(vs_flight *f, vs_orbit *o, vs_error *err) {
+static vs_status iterate_newton(vs_flight *f, vs_orbit *o, vs_error *err) {
   double change = INFINITY, before = INFINITY;
   for (int k = 0; k < MOST_ITERATIONS; k++) {
     vs_error why = {0};
     before = change;
-    vs_status status = improve(f, o, &change, &why);
+    vs_status status = improve_start(f, o, &change, &why);
     if (status == VS_BUDGET && isfinite(before))
       return vs_fail(err, status,
                      "no periodic orbit is found: in iteration %d, where the last correction was "
@@ -123,7 +124,7 @@ static int least_period(const vs_flight *f, const vs_orbit *o) {
 /* ---- what is refused ---- */
 
 /* The place of the scene's key. */
-static vs_where at(const vs_scene *s, const char *key) {
+static vs_where place_of_key(const vs_scene *s, const char *key) {
   return vs_tree_place(s->tree.root, key);
 }
 
@@ -132,12 +133,12 @@ vs_status vs_shooting_check(const vs_scene *s, int periods, vs_error *err) {
   if (periods < 1) return vs_fail(err, VS_INPUT, "--period %d: allowed: 1 and more", periods);
   if (vs_deck_has_port(&s->setup.deck, vs_port_is_modulated))
     return vs_fail_at(
-        err, at(s, "circuit.deck"),
+        err, place_of_key(s, "circuit.deck"),
         "circuit.deck: the deck has a port pwm, for which no periodic orbit is sought; "
         "run it until it repeats, with means over its end as measure: {from: ..., "
         "to: ...} says");
   if (line->supply.direct)
-    return vs_fail_at(err, at(s, "supply.kind"),
+    return vs_fail_at(err, place_of_key(s, "supply.kind"),
                       "supply.kind: step has no period, and so no periodic orbit; sine has one");
   if (line->events.count)
     return vs_fail_at(err, line->events.item[0].where,
@@ -145,11 +146,11 @@ vs_status vs_shooting_check(const vs_scene *s, int periods, vs_error *err) {
                       "on it",
                       line->events.item[0].name);
   if (!line->firing.no_valve && !line->firing.every)
-    return vs_fail_at(err, at(s, "firing.every"),
+    return vs_fail_at(err, place_of_key(s, "firing.every"),
                       "firing.every: a periodic orbit needs continuous firing, not 'once'; write "
                       "firing.every: 1");
   if (!vs_firing_is_even(line))
-    return vs_fail_at(err, at(s, "firing.angle"),
+    return vs_fail_at(err, place_of_key(s, "firing.angle"),
                       "firing.angle: a periodic orbit has one angle, and this is a table over "
                       "time; write one angle");
   return VS_OK;
@@ -161,7 +162,8 @@ const char *vs_shooting_weakens(const vs_scene *s) {
 }
 
 /* Refuses what was found where it is no orbit of the machine, or none of this period. */
-static vs_status judge(const vs_flight *f, const vs_shooting *how, vs_orbit *o, vs_error *err) {
+static vs_status judge_orbit_found(const vs_flight *f, const vs_shooting *how, vs_orbit *o,
+                                   vs_error *err) {
   const vs_model *m = &f->given->setup.model;
   if (!how->unguarded && vs_mechanics_closed(m, f->deepest_m))
     return vs_fail(
@@ -187,9 +189,9 @@ static vs_status judge(const vs_flight *f, const vs_shooting *how, vs_orbit *o, 
 
 /* ---- all of it ---- */
 
-/* How many firing periods the program marches on, from the scene's start at first, before each
- * attempt at Newton's iteration. After the first march what decays fast is gone, and without a stop
- * in reach six iterations are enough; the others are for machines that hit their stops, and for
+/* How many firing periods are run, from the scene's start at first, before each attempt at Newton's
+ * iteration. After the first 30 the fast transients are gone, and without a stop in reach six
+ * iterations are enough; the longer ones are for machines that hit their stops, and for
  * subharmonics, beside which the orbit of a smaller period is unstable. */
 static const int MARCHES[] = {30, 300, 3000};
 /* A search ends at so many cycles of the mains, which take some 16 s. That of a short period ends
@@ -204,8 +206,8 @@ static void put_start(const vs_scene *s, double x[MOST]) {
     x[2 * m->dof] = vs_coil_idle_flux(&m->coil, vs_mechanics_gap(m, x));
 }
 
-/* Goes on from o->x by so many firing periods. */
-static vs_status march(vs_flight *f, int periods, vs_orbit *o, vs_error *err) {
+/* Runs on from o->x for so many firing periods, without derivatives. */
+static vs_status march_to_orbit(vs_flight *f, int periods, vs_orbit *o, vs_error *err) {
   const vs_model *m = &f->given->setup.model;
   vs_error why = {0};
   vs_status status = vs_flight_go(f, o->x, periods, false, &why);
@@ -226,11 +228,11 @@ static vs_status march(vs_flight *f, int periods, vs_orbit *o, vs_error *err) {
  * another one. */
 static vs_status close_in(vs_flight *f, vs_orbit *o, vs_error *err) {
   o->iterations = 0;
-  vs_status status = iterate(f, o, err);
+  vs_status status = iterate_newton(f, o, err);
   int least = status ? o->n : least_period(f, o);
   if (!status && least < o->n) {
     o->n = least;
-    status = iterate(f, o, err);
+    status = iterate_newton(f, o, err);
   }
   if (status) return status;
   if (!vs_multipliers_find(o->count, o->monodromy, o->scale, o->multiplier))
@@ -276,7 +278,8 @@ static vs_status refuse_subharmonic(vs_flight *f, const vs_shooting *how, const 
                  missing, LONGEST, vs_shooting_weakens(f->given));
 }
 
-static vs_status seek(vs_flight *f, const vs_shooting *how, vs_orbit *o, vs_error *err) {
+/* Alternates runs that let fast transients decay with Newton's iteration, until that converges. */
+static vs_status seek_orbit(vs_flight *f, const vs_shooting *how, vs_orbit *o, vs_error *err) {
   double x[MOST] = {0};
   vs_status status = VS_RUN;
   vs_error why = {0};
@@ -284,9 +287,12 @@ static vs_status seek(vs_flight *f, const vs_shooting *how, vs_orbit *o, vs_erro
     memcpy(o->x, how->from, (size_t)o->count * sizeof *x);
   else
     put_start(f->given, o->x);
+  /* Each attempt runs on for longer before it iterates (MARCHES): the iteration converges from near
+   * the orbit alone, and with stops or subharmonics from very near. */
   for (int k = 0; k < ATTEMPTS; k++) {
     o->n = how->periods;
-    if (!how->from && (status = march(f, MARCHES[k] * how->periods, o, err))) return status;
+    if (!how->from && (status = march_to_orbit(f, MARCHES[k] * how->periods, o, err)))
+      return status;
     memcpy(x, o->x, sizeof x);
     why = (vs_error){0};
     status = close_in(f, o, &why);
@@ -295,22 +301,24 @@ static vs_status seek(vs_flight *f, const vs_shooting *how, vs_orbit *o, vs_erro
   }
   if (status && (how->from || how->quietly || status == VS_BUDGET))
     return vs_fail(err, status, "%s", why.text);
+  /* An unstable orbit is not what the machine does: say which orbit that is. */
   if (!how->from && !how->quietly && (status || !o->stable))
     status = refuse_subharmonic(f, how, x, o, status ? why.text : NULL, err);
   if (status) return status;
   o->period_s = o->n * f->cycle_s;
-  return judge(f, how, o, err);
+  return judge_orbit_found(f, how, o, err);
 }
 
 vs_status vs_shooting_seek(const vs_scene *scene, const vs_shooting *how, vs_orbit *o,
                            vs_error *err) {
   vs_status status = vs_shooting_check(scene, how->periods, err);
   if (!status)
-    status = vs_setup_require_fraction(&scene->setup, at(scene, "load.fraction"), "an orbit", err);
+    status = vs_setup_require_fraction(&scene->setup, place_of_key(scene, "load.fraction"),
+                                       "an orbit", err);
   *o = (vs_orbit){.n = how->periods};
   if (!status && scene->tier->has_circuit)
     status =
-        vs_fail_at(err, at(scene, "run.tier"),
+        vs_fail_at(err, place_of_key(scene, "run.tier"),
                    "tier %s: an orbit is shot for on an ideal tier, as the circuit's own state "
                    "is not known",
                    scene->tier->name);
@@ -323,7 +331,7 @@ vs_status vs_shooting_seek(const vs_scene *scene, const vs_shooting *how, vs_orb
   vs_flight_begin(&flight, scene);
   flight.budget = &own;
   o->count = flight.states;
-  status = seek(&flight, how, o, err);
+  status = seek_orbit(&flight, how, o, err);
   vs_flight_end(&flight);
   vs_budget_end(&own);
   return status;

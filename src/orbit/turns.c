@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "orbit/turns.h"
+#include "turns.h"
 
 #include <math.h>
 
@@ -12,7 +12,7 @@ void vs_turns_begin(vs_turns *t, const vs_model *model) {
 }
 
 /* The step ends where a stop is met: the one whose surface is there. */
-static void meet(vs_turns *t, const vs_step *step) {
+static void meet_stop(vs_turns *t, const vs_step *step) {
   const vs_model *m = step->frame->model;
   const vs_stops *stops = &m->stops;
   double g = vs_mechanics_travel(m, step->to->x), nearest = INFINITY;
@@ -31,7 +31,7 @@ void vs_turns_accept(vs_turns *t, const vs_step *step) {
   const vs_model *m = step->frame->model;
   vs_value turn;
   t->fired += step->event[0] == VS_EV_FIRES;
-  if (step->event[0] == VS_EV_MEETS_STOP) meet(t, step);
+  if (step->event[0] == VS_EV_MEETS_STOP) meet_stop(t, step);
   if (!(step->to->t_s > step->from->t_s)) return;
   vs_extreme_follow(&t->least, step, false);
   vs_extreme_follow(&t->largest, step, false);

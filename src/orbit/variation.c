@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "plant/coil.h"
 #include "base/text.h"
 #include "engine/propagator.h"
 #include "forcing.h"
+#include "plant/coil.h"
 
 void vs_variation_begin(vs_variation *v, const vs_setup *setup) {
   const vs_model *m = &setup->model;
@@ -29,7 +29,7 @@ void vs_variation_begin(vs_variation *v, const vs_setup *setup) {
 }
 
 /* Adds a column that begins with these numbers. */
-static void add_column(vs_variation *v, const double *y) {
+static void add_variation_column(vs_variation *v, const double *y) {
   size_t rows = (size_t)v->rows, size = rows * (size_t)(v->columns + 1);
   double *s = vs_alloc(size, sizeof *s);
   memcpy(s, v->s, (size - rows) * sizeof *s);
@@ -41,14 +41,14 @@ static void add_column(vs_variation *v, const double *y) {
 }
 
 void vs_variation_add(vs_variation *v, vs_parameter *parameter, const double *y) {
-  add_column(v, y);
+  add_variation_column(v, y);
   v->parameter = parameter;
   if (!v->valve) vs_parameter_connects(parameter, 0);
 }
 
 void vs_variation_add_delay(vs_variation *v) {
   const double unmoved[VS_VARIATION_MOST] = {0};
-  add_column(v, unmoved);
+  add_variation_column(v, unmoved);
   v->delays = true;
 }
 
@@ -73,7 +73,7 @@ void vs_variation_end(vs_variation *v) {
 
 /* ---- free: the propagator ---- */
 
-static void swing(vs_variation *v) {
+static void swing_freely(vs_variation *v) {
   size_t states = 2 * (size_t)v->model->dof;
   double x[VS_MOST_STATES + VS_ROWS] = {0}, y[VS_MOST_STATES + VS_ROWS];
   vs_propagator p;
@@ -130,7 +130,7 @@ typedef struct part {
 } part;
 
 /* Adds df/dp to the rates of the parameter's column. */
-static void add_parameter(const part *of, double t_s, double *rate) {
+static void add_parameter_rates(const part *of, double t_s, double *rate) {
   const vs_variation *v = of->variation;
   const vs_model *m = v->model;
   double y[VS_CH_MOST], own[VS_VARIATION_MOST];
@@ -146,7 +146,7 @@ static void add_parameter(const part *of, double t_s, double *rate) {
   for (int i = 0; i < v->rows; i++) rate[i] += own[i];
 }
 
-static int equations(double t_s, const double *s, double *rate, void *params) {
+static int variation_equations(double t_s, const double *s, double *rate, void *params) {
   const part *of = params;
   const vs_variation *v = of->variation;
   const vs_model *m = v->model;
@@ -162,7 +162,7 @@ static int equations(double t_s, const double *s, double *rate, void *params) {
     memcpy(rate, q1, bytes);
     memcpy(rate + m->dof, q2, bytes);
     rate[2 * m->dof] = v->conducting ? -r * (d.i_flux * flux + d.i_gap * g) : 0;
-    if (j == v->columns && v->parameter) add_parameter(of, t_s, rate);
+    if (j == v->columns && v->parameter) add_parameter_rates(of, t_s, rate);
   }
   return GSL_SUCCESS;
 }
@@ -172,12 +172,12 @@ static int equations(double t_s, const double *s, double *rate, void *params) {
 static const double TURN = 0.2;
 
 /* From one instant of the step to another, in equal parts. */
-static vs_status integrate(vs_variation *v, const vs_step *step, double from_s, double to_s,
-                           vs_error *err) {
+static vs_status integrate_variation(vs_variation *v, const vs_step *step, double from_s,
+                                     double to_s, vs_error *err) {
   const vs_model *m = v->model;
   size_t size = (size_t)v->rows * (size_t)all_columns(v);
   part of = {v, step};
-  gsl_odeiv2_system system = {equations, NULL, size, &of};
+  gsl_odeiv2_system system = {variation_equations, NULL, size, &of};
   double error[VS_VARIATION_MOST * (VS_VARIATION_MOST + 1)];
   double fastest = fmax(v->touched ? m->contact_rad_s : m->fastest_rad_s, v->mains_rad_s);
   double coil = m->actuator.resistance_ohm * partials_at(v, step, from_s).i_flux;
@@ -193,7 +193,8 @@ static vs_status integrate(vs_variation *v, const vs_step *step, double from_s, 
 /* Returns the first instant in the step at which a stop's damping begins or ceases to be felt,
  * which is a kink of its force, as seen from before; *behind_s is the next instant, which lies
  * behind it. Where there is none, both are the step's end. */
-static double kink(const vs_variation *v, const vs_step *step, double from_s, double *behind_s) {
+static double first_kink(const vs_variation *v, const vs_step *step, double from_s,
+                         double *behind_s) {
   enum { LOOKS = 8, HALVINGS = 50 };
   double to_s = step->to->t_s, was = partials_at(v, step, from_s).f_rate, lo = from_s;
   for (int k = 1; k <= LOOKS; k++) {
@@ -240,7 +241,7 @@ static void rates_of(const vs_model *m, const vs_knot *k, double f[VS_VARIATION_
 }
 
 /* The step shows an instant that the state moves from its two sides. */
-static vs_status jump(vs_variation *v, const vs_step *step, vs_error *err) {
+static vs_status jump_at_instant(vs_variation *v, const vs_step *step, vs_error *err) {
   const vs_model *m = v->model;
   double before[VS_VARIATION_MOST], after[VS_VARIATION_MOST];
   bool flux = v->ending == VS_EV_EXTINCT;
@@ -297,7 +298,7 @@ static vs_status jump_by_parameter(vs_variation *v, const vs_step *step, bool fi
 }
 
 /* The thyristor fires, and the delay's column takes what a second of delay makes of the state. */
-static void delay(vs_variation *v, const vs_step *step) {
+static void jump_of_delay(vs_variation *v, const vs_step *step) {
   double before[VS_VARIATION_MOST], after[VS_VARIATION_MOST], *s = v->s + v->columns * v->rows;
   rates_of(v->model, step->from, before);
   rates_of(v->model, step->to, after);
@@ -318,10 +319,10 @@ static vs_status go_along(vs_variation *v, const vs_step *step, double from, dou
     v->free_s += to - from;
     return VS_OK;
   }
-  swing(v);
+  swing_freely(v);
   while (from < to && !status) {
-    double behind = to, end = v->touched ? kink(v, step, from, &behind) : to;
-    status = integrate(v, step, from, fmin(end, to), err);
+    double behind = to, end = v->touched ? first_kink(v, step, from, &behind) : to;
+    status = integrate_variation(v, step, from, fmin(end, to), err);
     from = behind;
   }
   return status;
@@ -338,10 +339,10 @@ vs_status vs_variation_accept(vs_variation *v, const vs_step *step, vs_error *er
   double to = step->to->t_s;
   vs_event event = step->event[0];
   bool was_free = is_free(v);
-  if (v->ending != VS_EV_NONE) return jump(v, step, err);
+  if (v->ending != VS_EV_NONE) return jump_at_instant(v, step, err);
   vs_status status = go_along(v, step, fmax(step->from->t_s, v->at_s), to, err);
   if (event == VS_EV_NONE && was_free) return VS_OK;
-  swing(v);
+  swing_freely(v);
   bool edge = v->conducting && step->from->t_s == to && step->frame->timeline->events.count;
   if (event == VS_EV_LOADS && v->parameter)
     return vs_fail(err, VS_RUN,
@@ -349,7 +350,7 @@ vs_status vs_variation_accept(vs_variation *v, const vs_step *step, vs_error *er
   if (event == VS_EV_LOADS) v->model = step->frame->model; /* q and q' go on, and so does S */
   if (v->parameter && (event == VS_EV_FIRES || edge) && !status)
     status = jump_by_parameter(v, step, event == VS_EV_FIRES, err);
-  if (event == VS_EV_FIRES && v->delays) delay(v, step);
+  if (event == VS_EV_FIRES && v->delays) jump_of_delay(v, step);
   if (event == VS_EV_FIRES) v->conducting = true;
   if (event == VS_EV_EXTINCT || event == VS_EV_MEETS_STOP || event == VS_EV_LEAVES_STOP)
     v->ending = event;
@@ -358,11 +359,11 @@ vs_status vs_variation_accept(vs_variation *v, const vs_step *step, vs_error *er
 
 void vs_variation_rates(vs_variation *v, const vs_step *step, double *rate) {
   const part of = {v, step};
-  swing(v);
-  equations(v->at_s, v->s, rate, (void *)(size_t)&of);
+  swing_freely(v);
+  variation_equations(v->at_s, v->s, rate, (void *)(size_t)&of);
 }
 
 double vs_variation_get(vs_variation *v, int i, int j) {
-  swing(v);
+  swing_freely(v);
   return v->s[j * v->rows + i];
 }

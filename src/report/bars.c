@@ -9,9 +9,9 @@
 
 #include "base/text.h"
 #include "members.h"
-#include "run_pair.h"
 #include "report/scale.h"
 #include "run/amount.h"
+#include "run_pair.h"
 
 enum { MOST_BARS = 12, LONGEST = 100 /* characters of a label */ };
 

@@ -26,7 +26,7 @@ typedef struct sums {
   double time_s, squared;  /* integrals of 1 and of (B - A)^2 */
 } sums;
 
-static void take(vs_departure *d, sums *sum, double t_s, double a, double b) {
+static void add_difference(vs_departure *d, sums *sum, double t_s, double a, double b) {
   double apart = b - a;
   if (!isnan(apart)) {
     double size = fmax(fabs(a), fabs(b)), h = t_s - sum->before_s;
@@ -53,7 +53,7 @@ vs_departure vs_departure_of(const vs_traces *one, int a, const vs_traces *other
     while (i < one->rows && vs_trace_time(one, i) <= now) i++;
     while (k < other->rows && vs_trace_time(other, k) <= now) k++;
     double left = value_at(&first, now), right = value_at(&second, now);
-    take(&d, &sum, now, left, right);
+    add_difference(&d, &sum, now, left, right);
   }
   d.rms = sum.time_s > 0 ? sqrt(sum.squared / sum.time_s) : fabs(d.largest);
   return d;

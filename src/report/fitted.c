@@ -5,8 +5,99 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "rerun.h"
 #include "base/units.h"
+#include "fit/outcome.h"
+
+/* ---- how a fitted scene is run by itself: `vibrospice run`, with --set of what the fit found ----
+ */
+
+/* Writes a value as it may stand behind `--set KEY=`. */
+static void add_value(const vs_node *node, vs_text *text) {
+  const bool map = node->kind == VS_NODE_MAP;
+  if (node->kind == VS_NODE_TEXT) {
+    vs_text_add(text, "%s", node->text);
+    return;
+  }
+  vs_text_add(text, map ? "{" : "[");
+  for (const vs_node *n = node->child; n; n = n->next) {
+    if (map) vs_text_add(text, "%s: ", n->key);
+    add_value(n, text);
+    if (n->next) vs_text_add(text, ", ");
+  }
+  vs_text_add(text, map ? "}" : "]");
+}
+
+/* Prints a word of the command, in quotes where a shell would take it apart. */
+static void print_set(const char *set, FILE *out) {
+  static const char PLAIN[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                              "_.,:/%+-=@";
+  const char *quote = set[strspn(set, PLAIN)] ? "'" : "";
+  fprintf(out, " --set %s%s%s", quote, set, quote);
+}
+
+/* ---- what the fit set ---- */
+
+/* A map is told key by key, as it goes over the scene's own map key by key. */
+static void show_node(const char *key, const vs_node *node, FILE *out) {
+  vs_text set = {0};
+  if (node->kind == VS_NODE_MAP && node->child) {
+    for (const vs_node *n = node->child; n; n = n->next) {
+      vs_text below = {0};
+      vs_text_add(&below, "%s.%s", key, n->key);
+      show_node(below.text, n, out);
+      vs_text_free(&below);
+    }
+    return;
+  }
+  vs_text_add(&set, "%s=", key);
+  add_value(node, &set);
+  print_set(set.text, out);
+  vs_text_free(&set);
+}
+
+static void show_map(const vs_node *map, FILE *out) {
+  for (const vs_node *n = map ? map->child : NULL; n; n = n->next) show_node(n->key, n, out);
+}
+
+/* ---- a run ---- */
+
+/* The map of the run with that number; NULL: the fit has but one, at its root. */
+static const vs_node *find_run(const vs_inquiry *q, size_t number) {
+  const vs_node *runs = vs_tree_child(q->tree.root, "runs");
+  const vs_node *own = runs ? runs->child : NULL;
+  for (size_t k = 0; own && k < number; k++) own = own->next;
+  return own;
+}
+
+static void show_run(const vs_outcome *o, size_t number, FILE *out) {
+  const vs_inquiry *q = o->inquiry;
+  const vs_node *root = q->tree.root, *own = find_run(q, number);
+  const vs_node *scene = vs_tree_child(own, "scene");
+  if (!scene) scene = vs_tree_child(root, "scene");
+  int periods = q->runs[number].periods;
+  fprintf(out, "vibrospice %s %s", periods ? "steady" : "run",
+          scene && scene->text ? scene->text : "paper");
+  if (periods > 1) fprintf(out, " --period %d", periods);
+  show_map(vs_tree_child(root, "set"), out);
+  show_map(vs_tree_child(own, "set"), out);
+  for (size_t k = 0; k < q->n_sets; k++)
+    if (!vs_inquiry_owns(q->sets[k])) print_set(q->sets[k], out);
+  for (size_t k = 0; k < q->n_unknowns; k++) {
+    const vs_unknown *u = &q->unknowns[k];
+    if (u->run < 0 || u->run == (int)number)
+      fprintf(out, " --set %s=%.7g%s", u->axis.key, o->estimate.value[k], u->axis.unit);
+  }
+  fputc('\n', out);
+}
+
+/* Prints, for each run of a fit, the command that runs its scene with the estimates: with what the
+ * fit set over the scene, and the unknowns, to seven digits. */
+static void rerun_show(const vs_outcome *o, FILE *out) {
+  for (size_t r = 0; r < o->inquiry->n_runs; r++) {
+    fputs(r ? "        " : "\nrun it  ", out);
+    show_run(o, r, out);
+  }
+}
 
 enum { FIGURE = 32 }; /* room for a number in a table */
 
@@ -204,7 +295,7 @@ void vs_fitted_show(const vs_outcome *o, FILE *out) {
   show_aims(o, out);
   show_priors(o, out);
   show_columns(o, out);
-  vs_rerun_show(o, out);
+  rerun_show(o, out);
 }
 
 /* ---- a model that does not fit ---- */
@@ -238,7 +329,7 @@ typedef struct warner {
   void *ctx;
 } warner;
 
-static void warn(const warner *w, vs_text *text) {
+static void pass_warning(const warner *w, vs_text *text) {
   w->each(w->ctx, text->text);
   vs_text_free(text);
   *text = (vs_text){0};
@@ -254,11 +345,11 @@ static void warn_of_unknowns(const vs_outcome *o, const warner *w) {
                   "%s is on its bound, %.6g %s, and the data ask for more: it has no standard "
                   "error, and those of the others hold while it stays there",
                   u->name, e->value[k], u->axis.unit);
-      warn(w, &text);
+      pass_warning(w, &text);
     } else if (e->least[k] < u->from || e->most[k] > u->to) {
       vs_text_add(&text, "the 95 %% interval of %s passes its bounds, %g..%g %s", u->name, u->from,
                   u->to, u->axis.unit);
-      warn(w, &text);
+      pass_warning(w, &text);
     }
   }
 }
@@ -272,21 +363,21 @@ static void warn_of_recordings(const vs_outcome *o, const warner *w) {
                   "%s: %zu samples at an end of their A/D's range are left out, as they tell no "
                   "more than that",
                   rec->path, rec->at_end);
-      warn(w, &text);
+      pass_warning(w, &text);
     }
     if (rec->again) {
       vs_text_add(&text,
                   "%s: %zu cells show a sample that a row before has shown, and are left out",
                   rec->path, rec->again);
-      warn(w, &text);
+      pass_warning(w, &text);
     }
     if (rec->columns.unused.length) {
       vs_text_add(&text, "%s: not used: %s", rec->path, rec->columns.unused.text);
-      warn(w, &text);
+      pass_warning(w, &text);
     }
     if (rec->empty) {
       vs_text_add(&text, "%s: %zu cells that are empty or nan are left out", rec->path, rec->empty);
-      warn(w, &text);
+      pass_warning(w, &text);
     }
   }
 }
@@ -299,13 +390,13 @@ void vs_fitted_warnings(const vs_outcome *o, void (*each)(void *ctx, const char 
                 "chi2 = %.4g is far below the %ld degrees of freedom: the errors are stated too "
                 "large, or they are not independent",
                 o->estimate.minimum.chi2, o->estimate.freedom);
-    warn(&w, &text);
+    pass_warning(&w, &text);
   }
   if (o->estimate.unstable) {
     vs_text_add(&text,
                 "an orbit is unstable at the estimate: no machine stays there, so that it is "
                 "not the one that was measured");
-    warn(&w, &text);
+    pass_warning(&w, &text);
   }
   warn_of_unknowns(o, &w);
   for (size_t k = 0; k < o->n_columns; k++) {
@@ -315,13 +406,13 @@ void vs_fitted_warnings(const vs_outcome *o, void (*each)(void *ctx, const char 
                 "the residuals of %s in run %zu follow a pattern that chance hardly makes: the "
                 "model lacks something, or the errors are not independent",
                 o->inquiry->runs[c->run].recording.columns.item[c->column].name, c->run + 1);
-    warn(&w, &text);
+    pass_warning(&w, &text);
   }
   for (size_t k = 0; k < o->n_profiles; k++)
     if (o->profiles[k].lower_minimum) {
       vs_text_add(&text, "the profile of %s meets a lower chi2 than the fit: add starts",
                   o->inquiry->unknowns[o->profiles[k].unknown].name);
-      warn(&w, &text);
+      pass_warning(&w, &text);
     }
   warn_of_recordings(o, &w);
 }

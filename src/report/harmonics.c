@@ -6,12 +6,12 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/gnuplot.h"
 #include "base/path.h"
 #include "base/text.h"
-#include "measure/quality.h"
-#include "base/gnuplot.h"
-#include "report/scale.h"
 #include "base/tree.h"
+#include "measure/quality.h"
+#include "report/scale.h"
 
 enum { MOST_KINDS = 16 /* classes in a panel */ };
 enum { PANELS = VS_QUALITY_MOST + 1, WIDTH = 900, HEIGHT = 320 /* of a panel, pixels */ };
@@ -117,7 +117,7 @@ static void add_script_of(vs_script *script, const panel *p, int k) {
   vs_gnuplot_add(script, "\n");
 }
 
-static void add_script(const panels *all, bool svg, vs_script *script) {
+static void add_harmonics_script(const panels *all, bool svg, vs_script *script) {
   vs_gnuplot_code(script, svg ? "set terminal svg" : "set terminal pngcairo");
   vs_gnuplot_add(
       script,
@@ -131,9 +131,10 @@ static void add_script(const panels *all, bool svg, vs_script *script) {
   vs_gnuplot_add(script, "unset multiplot\n");
 }
 
-static vs_status draw(const panels *all, const char *folder, bool svg, bool quiet, vs_error *err) {
+static vs_status draw_harmonics(const panels *all, const char *folder, bool svg, bool quiet,
+                                vs_error *err) {
   vs_script script = {0};
-  add_script(all, svg, &script);
+  add_harmonics_script(all, svg, &script);
   vs_status status = vs_gnuplot_draw(script.text.text, folder,
                                      svg ? "harmonics.svg" : "harmonics.png", quiet, err);
   vs_gnuplot_free(&script);
@@ -148,8 +149,8 @@ vs_status vs_harmonics_draw(const char *folder, bool quiet, vs_error *err) {
   if (access(path, R_OK)) return VS_OK;
   vs_status status = vs_tree_read(path, &tree, err);
   if (!status) find_panels(&tree, &all);
-  if (!status && all.count) status = draw(&all, folder, false, quiet, err);
-  if (!status && all.count) status = draw(&all, folder, true, quiet, err);
+  if (!status && all.count) status = draw_harmonics(&all, folder, false, quiet, err);
+  if (!status && all.count) status = draw_harmonics(&all, folder, true, quiet, err);
   vs_tree_free(&tree);
   return status;
 }

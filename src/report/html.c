@@ -113,8 +113,8 @@ void vs_html_number(vs_html *html, double value) {
     vs_html_add(html, "<td class=\"n\">%.6g</td>", value);
 }
 
-/* What stands before each picture. Where the picture is small its letters grow. The wheel goes on
- * scrolling the page unless Ctrl is held. */
+/* The script before each picture. It enlarges the letters where the picture is shown small, and
+ * lets the wheel scroll the page unless Ctrl is held. */
 static const char FRAME[] = "<style>body{margin:0;overflow:hidden}svg{display:block;width:100%}"
                             "polygon{shape-rendering:crispEdges}"
                             "@media(max-width:480px){g[font-size='15.00']{font-size:18px}g[font-"

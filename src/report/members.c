@@ -91,14 +91,14 @@ static bool are_same(const vs_node *a, const vs_node *b) {
 }
 
 /* Recursion ends with the depth of the tree. */
-static void look(void *ctx, const char *key, const vs_node *a, const vs_node *b) {
+static void look_into_member(void *ctx, const char *key, const vs_node *a, const vs_node *b) {
   const unlike *u = ctx;
   vs_text name = {0};
   vs_text_add(&name, "%s%s", u->prefix, key);
   if ((is_map(a) || is_map(b)) && !(a && is_value(a)) && !(b && is_value(b))) {
     vs_text_add(&name, ".");
     unlike inner = {name.text, u->visit, u->ctx};
-    vs_members_join(a, b, look, &inner);
+    vs_members_join(a, b, look_into_member, &inner);
   } else if (!a != !b || !(are_same(a, b) || are_equal(a, b)))
     u->visit(u->ctx, name.text, a, b);
   vs_text_free(&name);
@@ -106,5 +106,5 @@ static void look(void *ctx, const char *key, const vs_node *a, const vs_node *b)
 
 void vs_members_unlike(const vs_node *a, const vs_node *b, vs_member_visit visit, void *ctx) {
   unlike u = {"", visit, ctx};
-  vs_members_join(a, b, look, &u);
+  vs_members_join(a, b, look_into_member, &u);
 }

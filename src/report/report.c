@@ -7,9 +7,9 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "plot/album.h"
 #include "base/gnuplot.h"
 #include "page.h"
+#include "plot/album.h"
 
 /* What gnuplot drew. */
 typedef struct drawing {
@@ -23,7 +23,7 @@ typedef struct report {
   vs_album album;
 } report;
 
-static vs_status draw(const vs_picture *p, bool svg, drawing *d, vs_error *err) {
+static vs_status draw_album(const vs_picture *p, bool svg, drawing *d, vs_error *err) {
   vs_script script = {0};
   vs_gnuplot_add(&script,
                  svg ? "set terminal svg dynamic mousing standalone noenhanced size %d,%d font "
@@ -37,9 +37,9 @@ static vs_status draw(const vs_picture *p, bool svg, drawing *d, vs_error *err) 
   return status;
 }
 
-/* Writes a file, which does not appear yet. */
-static vs_status prepare(vs_file *file, const char *folder, const char *name, const drawing *d,
-                         vs_error *err) {
+/* Writes a file under a temporary name; it appears when it is committed. */
+static vs_status prepare_folder(vs_file *file, const char *folder, const char *name,
+                                const drawing *d, vs_error *err) {
   vs_status status = vs_file_open(file, folder, name, err);
   if (!status && fwrite(d->bytes, 1, d->size, file->stream) != d->size)
     status = vs_fail(err, VS_RUN, "%s: cannot be written: %s", file->path, strerror(errno));
@@ -58,8 +58,9 @@ static vs_status write_one(const report *r, const vs_plot_options *o, vs_error *
   drawing d = {0};
   if (!r->album.count)
     return vs_fail_at(err, (vs_where){r->table.path, 1, 1}, "holds nothing to draw");
-  vs_status status = draw(&r->album.item[0], n > 4 && !strcmp(o->output + n - 4, ".svg"), &d, err);
-  if (!status) status = prepare(&file, "", o->output, &d, err);
+  vs_status status =
+      draw_album(&r->album.item[0], n > 4 && !strcmp(o->output + n - 4, ".svg"), &d, err);
+  if (!status) status = prepare_folder(&file, "", o->output, &d, err);
   if (!status) status = appear(&file, o->quiet, err);
   vs_file_discard(&file);
   free(d.bytes);
@@ -67,24 +68,24 @@ static vs_status write_one(const report *r, const vs_plot_options *o, vs_error *
 }
 
 /* Draws all pictures, makes the page, and then lets all files appear. */
-static vs_status write_all(const report *r, const vs_plot_options *o, vs_error *err) {
+static vs_status write_report(const report *r, const vs_plot_options *o, vs_error *err) {
   size_t n = r->album.count;
   vs_file *files = vs_alloc(n + 1, sizeof *files);
   char **svg = vs_alloc(n + 1, sizeof *svg), name[300];
   vs_status status = VS_OK;
   for (size_t k = 0; k < n && !status; k++) {
     drawing vector = {0}, pixels = {0};
-    status = draw(&r->album.item[k], true, &vector, err);
+    status = draw_album(&r->album.item[k], true, &vector, err);
     svg[k] = vector.bytes;
-    if (!status) status = draw(&r->album.item[k], false, &pixels, err);
+    if (!status) status = draw_album(&r->album.item[k], false, &pixels, err);
     snprintf(name, sizeof name, "%s.png", r->album.item[k].name);
-    if (!status) status = prepare(&files[k], o->folder, name, &pixels, err);
+    if (!status) status = prepare_folder(&files[k], o->folder, name, &pixels, err);
     free(pixels.bytes);
   }
   vs_html html = {0};
   if (!status) vs_page_write(&r->table, &r->survey, &r->album, svg, &html);
   const drawing page = {html.text.text, html.text.length};
-  if (!status) status = prepare(&files[n], o->folder, "report.html", &page, err);
+  if (!status) status = prepare_folder(&files[n], o->folder, "report.html", &page, err);
   for (size_t k = 0; k <= n && !status; k++) status = appear(&files[k], o->quiet, err);
   for (size_t k = 0; k <= n; k++) {
     vs_file_discard(&files[k]);
@@ -106,7 +107,7 @@ vs_status vs_report_command(const vs_plot_options *o, const vs_method *const *me
   if (!status) status = vs_folder_open(&r->table, o->folder, methods, err);
   if (!status) status = vs_survey_take(&r->table, &r->survey, err);
   if (!status) status = vs_album_make(&r->table, &r->survey, &r->album, err);
-  if (!status) status = o->output ? write_one(r, o, err) : write_all(r, o, err);
+  if (!status) status = o->output ? write_one(r, o, err) : write_report(r, o, err);
   vs_album_free(&r->album);
   vs_survey_free(&r->table, &r->survey);
   vs_folder_close(&r->table);

@@ -48,12 +48,13 @@ typedef struct writer {
 } writer;
 
 /* Calls visit for that member of both summaries. */
-static void join(const vs_run_pair *p, const char *member, vs_member_visit visit, writer *w) {
+static void join_members(const vs_run_pair *p, const char *member, vs_member_visit visit,
+                         writer *w) {
   vs_members_join(vs_tree_child(p->summary[0].root, member),
                   vs_tree_child(p->summary[1].root, member), visit, w);
 }
 
-/* Says how many rows were left out, being the same. */
+/* Says how many rows were left out because both runs have the same. */
 static void say_same(writer *w, const char *what) {
   if (w->same)
     vs_text_add(w->out, "  %s%d %s%s the same in both\n", w->rows ? "and " : "", w->same, what,
@@ -305,7 +306,7 @@ void vs_run_pair_table(const vs_run_pair *p, vs_text *out) {
                     vs_tree_child(p->summary[1].root, "scene"), show_key, &w);
   say_same(&w, "key");
   vs_text_add(out, "\n%-28s %16s %16s %16s %11s\n", "measures", "A", "B", "B - A", "of |A|");
-  join(p, "measures", show_measure, &w);
+  join_members(p, "measures", show_measure, &w);
   say_same(&w, "measure");
   vs_text_add(out, "\n%-28s %11s %13s %12s %11s %11s\n", "curves", "peak", "largest B-A", "at",
               "of the peak", "rms");
@@ -338,7 +339,7 @@ void vs_run_pair_json(const vs_run_pair *p, vs_text *out) {
              vs_tree_child(p->summary[1].root, "verdict"));
   vs_json_end(&json);
   vs_json_object(&json, "measures", VS_JSON_LINES);
-  join(p, "measures", show_measure, &w);
+  join_members(p, "measures", show_measure, &w);
   vs_json_end(&json);
   vs_json_object(&json, "curves", VS_JSON_LINES);
   show_curves(p, &w);

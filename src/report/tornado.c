@@ -9,8 +9,8 @@
 #include <unistd.h>
 
 #include "base/csv.h"
-#include "base/text.h"
 #include "base/gnuplot.h"
+#include "base/text.h"
 #include "report/scale.h"
 
 enum { MOST_BARS = 4096 };
@@ -40,7 +40,7 @@ bool vs_tornado_here(const char *folder) {
 /* ---- what is drawn ---- */
 
 /* Rows of one measure stand together. One without a derivative is left out. */
-static void take_row(const vs_csv *csv, tornado *t) {
+static void take_sensitivity_row(const vs_csv *csv, tornado *t) {
   bar *b = &t->item[t->count], *last = t->count ? b - 1 : NULL;
   if (!*csv->cell[2]) return;
   snprintf(b->measure, sizeof b->measure, "%s", csv->cell[0]);
@@ -50,7 +50,7 @@ static void take_row(const vs_csv *csv, tornado *t) {
   t->count++;
 }
 
-static vs_status read_table(const char *folder, tornado *t, vs_error *err) {
+static vs_status read_sensitivity_table(const char *folder, tornado *t, vs_error *err) {
   enum { COLUMNS = 9 };
   char path[VS_PATH_SIZE];
   name_table(folder, path);
@@ -65,7 +65,7 @@ static vs_status read_table(const char *folder, tornado *t, vs_error *err) {
       status =
           vs_fail_at(err, (vs_where){path, csv.line, 1}, "at least %d cells are wanted", COLUMNS);
     else
-      take_row(&csv, t);
+      take_sensitivity_row(&csv, t);
   }
   vs_csv_free(&csv);
   fclose(f);
@@ -125,7 +125,7 @@ static void add_panel(vs_script *script, const bar *first, size_t count, double 
   vs_gnuplot_add(script, "\n");
 }
 
-static void add_script(const tornado *t, bool svg, vs_script *script) {
+static void add_tornado_script(const tornado *t, bool svg, vs_script *script) {
   size_t bars = t->count + (size_t)t->panels; /* a title takes a bar's room */
   int height = EDGE + BAR * (int)bars + 40 * t->panels;
   double unit = (double)BAR / height, top = 1 - 45.0 / height;
@@ -148,9 +148,10 @@ static void add_script(const tornado *t, bool svg, vs_script *script) {
   vs_gnuplot_add(script, "unset multiplot\n");
 }
 
-static vs_status draw(const tornado *t, const char *folder, bool svg, bool quiet, vs_error *err) {
+static vs_status draw_tornado(const tornado *t, const char *folder, bool svg, bool quiet,
+                              vs_error *err) {
   vs_script script = {0};
-  add_script(t, svg, &script);
+  add_tornado_script(t, svg, &script);
   vs_status status =
       vs_gnuplot_draw(script.text.text, folder, svg ? "tornado.svg" : "tornado.png", quiet, err);
   vs_gnuplot_free(&script);
@@ -159,10 +160,10 @@ static vs_status draw(const tornado *t, const char *folder, bool svg, bool quiet
 
 vs_status vs_tornado_draw(const char *folder, bool quiet, vs_error *err) {
   tornado t = {.item = vs_alloc(MOST_BARS, sizeof *t.item)};
-  vs_status status = read_table(folder, &t, err);
+  vs_status status = read_sensitivity_table(folder, &t, err);
   qsort(t.item, t.count, sizeof *t.item, longest_first);
-  if (!status) status = draw(&t, folder, false, quiet, err);
-  if (!status) status = draw(&t, folder, true, quiet, err);
+  if (!status) status = draw_tornado(&t, folder, false, quiet, err);
+  if (!status) status = draw_tornado(&t, folder, true, quiet, err);
   free(t.item);
   return status;
 }

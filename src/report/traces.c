@@ -106,7 +106,7 @@ static void make_room(vs_traces *t, size_t *room) {
 }
 
 /* Reads line `number`; *more is false where there is none. Error: it holds a zero byte, behind
- * which nobody would look. */
+ * which text would be ignored. */
 static vs_status next_line(const vs_traces *t, FILE *f, vs_text *line, int number, bool *more,
                            vs_error *err) {
   ssize_t n = vs_alloc_row(&line->text, &line->capacity, VS_CSV_LONGEST, f);

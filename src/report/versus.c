@@ -8,10 +8,10 @@
 
 #include "base/file.h"
 #include "members.h"
-#include "waves.h"
 #include "report/html.h"
-#include "study/folder.h"
 #include "run/amount.h"
+#include "study/folder.h"
+#include "waves.h"
 
 static double number_of(const vs_node *map, const char *key) {
   return vs_member_number(vs_tree_child(map, key));

@@ -5,8 +5,8 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-#include "plot/strips.h"
 #include "base/gnuplot.h"
+#include "plot/strips.h"
 #include "report/html.h"
 
 enum {
@@ -31,14 +31,14 @@ static void drop_alone(vs_stretch *s) {
   s->probes.count = kept;
 }
 
-static vs_status choose(vs_stretch *s, vs_error *err) {
+static vs_status choose_waves(vs_stretch *s, vs_error *err) {
   const vs_traces *t = &s->run[0].traces;
-  vs_status status = vs_probes_find(NULL, t, &s->probes, err);
+  vs_status status = vs_stretch_find_probes(NULL, t, &s->probes, err);
   if (!status) drop_alone(s);
   int mains = vs_traces_find(t, "v_mains_v");
   for (size_t c = (size_t)(mains + 1); !status && mains > 0 && c < t->columns; c++)
     if (s->probes.count < VS_PROBES_MOST && is_in_all(s, t->name[c]))
-      status = vs_probes_find(t->name[c], t, &s->probes, err);
+      status = vs_stretch_find_probes(t->name[c], t, &s->probes, err);
   return status;
 }
 
@@ -56,7 +56,7 @@ static size_t first_drawn(const vs_traces *t) {
 static vs_status open_run(vs_stretch_run *run, const char *folder, vs_error *err) {
   run->folder = folder;
   vs_status status = vs_traces_read(folder, &run->traces, err);
-  return status ? status : vs_moments_read(folder, &run->moments, err);
+  return status ? status : vs_stretch_read_moments(folder, &run->moments, err);
 }
 
 vs_status vs_waves_open(vs_stretch *s, const char *const *folders, size_t count, vs_error *err) {
@@ -73,13 +73,13 @@ vs_status vs_waves_open(vs_stretch *s, const char *const *folders, size_t count,
     s->to_s = fmax(s->to_s, vs_trace_time(t, t->rows - 1));
   }
   s->from_s = fmax(from, late);
-  return status ? status : choose(s, err);
+  return status ? status : choose_waves(s, err);
 }
 
 void vs_waves_close(vs_stretch *s) {
   for (size_t k = 0; k < s->runs; k++) {
     vs_traces_free(&s->run[k].traces);
-    vs_moments_free(&s->run[k].moments);
+    vs_stretch_free_moments(&s->run[k].moments);
   }
 }
 

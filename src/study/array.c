@@ -127,7 +127,7 @@ static const element *element_of(const column *c, size_t position) {
 
 /* Writes the name of the file of column k. Where another column before it has the same, but for
  * slashes, the number k stands in it. */
-static void name_file(char *const *names, size_t k, char file[NAME_MAX + 1]) {
+static void name_array_file(char *const *names, size_t k, char file[NAME_MAX + 1]) {
   bool twice = false;
   for (size_t c = 0; c < k && !twice; c++) {
     const char *a = names[c], *b = names[k];
@@ -166,7 +166,7 @@ vs_array *vs_array_new(const vs_row *shape) {
     c->of = vs_row_column_at(shape, k);
     c->numbers = true;
     names[k] = (char *)c->of.name;
-    name_file(names, k, c->file);
+    name_array_file(names, k, c->file);
   }
   free(names);
   return a;
@@ -230,7 +230,7 @@ vs_status vs_array_add(vs_array *a, char *row, vs_error *err) {
 
 /* ---- columns.json ---- */
 
-static void add_column(const column *c, vs_json *json) {
+static void add_array_column(const column *c, vs_json *json) {
   vs_json_object(json, NULL, VS_JSON_ROW);
   vs_json_text(json, "column", c->of.name);
   vs_json_text(json, "file", c->file);
@@ -255,7 +255,7 @@ static vs_status write_list(const vs_array *a, vs_error *err) {
   vs_json_object(&json, NULL, VS_JSON_LINES);
   vs_json_whole(&json, "rows", (int64_t)a->rows);
   vs_json_array(&json, "columns", VS_JSON_LINES);
-  for (size_t k = 0; k < a->count; k++) add_column(&a->column[k], &json);
+  for (size_t k = 0; k < a->count; k++) add_array_column(&a->column[k], &json);
   vs_json_end(&json);
   vs_json_end(&json);
   fprintf(file.stream, "%s\n", text.text);
@@ -286,7 +286,7 @@ void vs_array_remove(int folder, const char *header) {
   int columns = openat(folder, VS_ARRAY_FOLDER, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
   if (columns >= 0) vs_file_remove(columns, "columns.json");
   for (size_t k = 0; k < count && columns >= 0; k++) {
-    name_file(names, k, file);
+    name_array_file(names, k, file);
     vs_file_remove(columns, file);
   }
   if (columns >= 0) close(columns);

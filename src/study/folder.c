@@ -12,11 +12,11 @@
 #include "base/packed.h"
 #include "base/path.h"
 #include "base/text.h"
-#include "study/format.h"
 #include "base/units.h"
+#include "study/format.h"
 #include "work/case.h"
 
-static bool is_there(const char *folder, const char *name) {
+static bool is_file_there(const char *folder, const char *name) {
   char path[VS_PATH_SIZE];
   snprintf(path, sizeof path, "%s/%s", folder, name);
   return !access(path, F_OK);
@@ -24,7 +24,7 @@ static bool is_there(const char *folder, const char *name) {
 
 bool vs_folder_here(const char *folder) {
   char path[VS_PATH_SIZE];
-  return is_there(folder, "manifest.json") || vs_format_find_rows(folder, path);
+  return is_file_there(folder, "manifest.json") || vs_format_find_rows(folder, path);
 }
 
 bool vs_folder_number(const char *cell, double *value) {
@@ -41,8 +41,8 @@ bool vs_folder_number(const char *cell, double *value) {
 
 /* Makes a row of the file's present one. Its case must come after *before, and it must have as many
  * cells as `cells`. */
-static vs_status take_row(const vs_csv *csv, size_t cells, vs_folder_row *row, long *before,
-                          vs_error *err) {
+static vs_status take_folder_row(const vs_csv *csv, size_t cells, vs_folder_row *row, long *before,
+                                 vs_error *err) {
   const vs_where at = {csv->file, csv->line, 1};
   char *end;
   *row = (vs_folder_row){.line = csv->line, .cell = csv->cell, .count = csv->count};
@@ -60,7 +60,8 @@ static vs_status take_row(const vs_csv *csv, size_t cells, vs_folder_row *row, l
 }
 
 /* Calls visit for all rows behind the header, and frees the reader. */
-static vs_status each(vs_csv *csv, size_t cells, vs_folder_visit visit, void *ctx, vs_error *err) {
+static vs_status visit_rows(vs_csv *csv, size_t cells, vs_folder_visit visit, void *ctx,
+                            vs_error *err) {
   long before = -1;
   vs_folder_row row;
   vs_status status = vs_csv_next(csv, err);
@@ -68,7 +69,7 @@ static vs_status each(vs_csv *csv, size_t cells, vs_folder_visit visit, void *ct
     status = vs_fail_at(err, (vs_where){csv->file, 1, 1},
                         "the file is empty; its first line names columns");
   while (!status && !(status = vs_csv_next(csv, err)) && csv->count) {
-    status = take_row(csv, cells, &row, &before, err);
+    status = take_folder_row(csv, cells, &row, &before, err);
     if (!status) status = visit(ctx, &row, err);
   }
   vs_csv_free(csv);
@@ -80,7 +81,7 @@ vs_status vs_folder_each(const vs_folder *t, vs_folder_visit visit, void *ctx, v
   if (status) return status;
   FILE *f = vs_packed_read(fopen(t->path, "r"), t->path);
   if (!f) return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", t->path, strerror(errno));
-  status = each(&(vs_csv){.file = t->path, .stream = f}, t->count, visit, ctx, err);
+  status = visit_rows(&(vs_csv){.file = t->path, .stream = f}, t->count, visit, ctx, err);
   fclose(f);
   return status;
 }
@@ -97,30 +98,31 @@ vs_status vs_folder_each_failure(const vs_folder *t, vs_folder_visit visit, void
   FILE *f = fopen(path, "r");
   if (!f && errno == ENOENT) return VS_OK;
   if (!f) return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", path, strerror(errno));
-  status = each(&(vs_csv){.file = path, .stream = f}, cells, visit, ctx, err);
+  status = visit_rows(&(vs_csv){.file = path, .stream = f}, cells, visit, ctx, err);
   fclose(f);
   return status;
 }
 
 /* ---- manifest.json ---- */
 
-static const char *text_of(const vs_node *node) {
+static const char *text_of_node(const vs_node *node) {
   return node && node->kind == VS_NODE_TEXT ? node->text : NULL;
 }
 
-static vs_status wanted(const vs_folder *t, const vs_node *node, const char *what, vs_error *err) {
+static vs_status refuse_manifest(const vs_folder *t, const vs_node *node, const char *what,
+                                 vs_error *err) {
   return vs_fail_at(err, node ? node->where : (vs_where){t->manifest_path, 1, 1},
                     "%s; this is no manifest of a study", what);
 }
 
 static vs_status take_count(const vs_folder *t, const char *key, long *count, vs_error *err) {
   const vs_node *node = vs_tree_child(t->manifest.root, key);
-  const char *text = text_of(node);
+  const char *text = text_of_node(node);
   char *end = NULL, what[64];
   *count = text ? strtol(text, &end, 10) : -1;
   if (*count >= 0 && !*end && end != text) return VS_OK;
   snprintf(what, sizeof what, "\"%s\" must be a number of cases", key);
-  return wanted(t, node, what, err);
+  return refuse_manifest(t, node, what, err);
 }
 
 /* Returns a column's title in study.csv where the manifest does not say it: name_unit. */
@@ -132,15 +134,16 @@ static char *title_of(const char *name, const char *unit) {
   return title.text;
 }
 
-static vs_folder_column *find(vs_folder *t, const char *title) {
+static vs_folder_column *find_folder_column(vs_folder *t, const char *title) {
   for (size_t c = 0; c < t->count; c++)
     if (!strcmp(t->column[c].title, title)) return &t->column[c];
   return NULL;
 }
 
-static void describe(vs_folder_column *c, const vs_node *node, const char *name, const char *unit) {
-  const char *text = text_of(vs_tree_child(node, "text"));
-  const char *rating = text_of(vs_tree_child(node, "rating"));
+static void describe_column(vs_folder_column *c, const vs_node *node, const char *name,
+                            const char *unit) {
+  const char *text = text_of_node(vs_tree_child(node, "text"));
+  const char *rating = text_of_node(vs_tree_child(node, "rating"));
   free(c->name);
   free(c->unit);
   free(c->text);
@@ -158,20 +161,21 @@ static vs_status take_list(vs_folder *t, const char *list, const char *key, vs_f
   const vs_node *all = vs_tree_child(t->manifest.root, list);
   char what[96];
   snprintf(what, sizeof what, "\"%s\" must be a list of {\"%s\", \"unit\", ...}", list, key);
-  if (!all || all->kind != VS_NODE_LIST) return wanted(t, all, what, err);
+  if (!all || all->kind != VS_NODE_LIST) return refuse_manifest(t, all, what, err);
   for (const vs_node *n = all->child; n; n = n->next) {
-    const char *name = text_of(vs_tree_child(n, key)), *unit = text_of(vs_tree_child(n, "unit"));
-    if (!name) return wanted(t, n, what, err);
+    const char *name = text_of_node(vs_tree_child(n, key)),
+               *unit = text_of_node(vs_tree_child(n, "unit"));
+    if (!name) return refuse_manifest(t, n, what, err);
     if (!unit || !strcmp(unit, "null")) unit = "";
-    const char *column = text_of(vs_tree_child(n, "column"));
+    const char *column = text_of_node(vs_tree_child(n, "column"));
     char *title = column ? vs_copy(column) : title_of(name, unit);
-    vs_folder_column *c = find(t, title);
+    vs_folder_column *c = find_folder_column(t, title);
     if (!c)
       vs_fail_at(err, (vs_where){t->path, 1, 1}, "has no column '%s', which %s names", title,
                  t->manifest_path);
     free(title);
     if (!c) return VS_INPUT;
-    describe(c, n, name, unit);
+    describe_column(c, n, name, unit);
     if (c->role == VS_ROLE_REPORT || c->role == VS_ROLE_AXIS) c->role = role;
   }
   return VS_OK;
@@ -179,10 +183,10 @@ static vs_status take_list(vs_folder *t, const char *list, const char *key, vs_f
 
 static vs_status read_manifest(vs_folder *t, vs_error *err) {
   vs_status status = vs_tree_read(t->manifest_path, &t->manifest, err);
-  if (status && t->manifest.root) return wanted(t, t->manifest.root, "not {...}", err);
+  if (status && t->manifest.root) return refuse_manifest(t, t->manifest.root, "not {...}", err);
   if (status) return status;
-  t->method = text_of(vs_tree_child(t->manifest.root, "method"));
-  if (!t->method) return wanted(t, NULL, "\"method\" is missing", err);
+  t->method = text_of_node(vs_tree_child(t->manifest.root, "method"));
+  if (!t->method) return refuse_manifest(t, NULL, "\"method\" is missing", err);
   status = take_count(t, "cases", &t->cases, err);
   if (!status) status = take_count(t, "done", &t->done, err);
   if (!status) status = take_count(t, "failed", &t->failed, err);
@@ -262,7 +266,7 @@ static vs_status take_header(vs_folder *t, char *const *cell, size_t count, vs_e
   return VS_OK;
 }
 
-static vs_status read_header(vs_folder *t, vs_error *err) {
+static vs_status read_folder_header(vs_folder *t, vs_error *err) {
   vs_status status = vs_path_check_result(t->path, err);
   if (status) return status;
   FILE *f = vs_packed_read(fopen(t->path, "r"), t->path);
@@ -297,7 +301,7 @@ vs_status vs_folder_open(vs_folder *t, const char *folder, const vs_method *cons
   snprintf(t->manifest_path, sizeof t->manifest_path, "%s/manifest.json", folder);
   vs_status status = read_manifest(t, err);
   if (!status) find_methods(t, methods);
-  if (!status) status = read_header(t, err);
+  if (!status) status = read_folder_header(t, err);
   if (!status) status = take_list(t, "axes", "key", VS_ROLE_AXIS, err);
   if (!status) status = take_list(t, "report", "name", VS_ROLE_REPORT, err);
   if (!status) status = check_columns(t, err);
@@ -329,7 +333,7 @@ bool vs_folder_is_sampled(const vs_folder *t) {
 size_t vs_folder_aim(const vs_folder *t, bool *largest) {
   const vs_node *search = vs_folder_search(t);
   const char *key = search && search->kind == VS_NODE_MAP ? t->search->report.aim : NULL;
-  const char *words = key ? text_of(vs_tree_child(search, key)) : NULL;
+  const char *words = key ? text_of_node(vs_tree_child(search, key)) : NULL;
   const char *name = words ? strrchr(words, ' ') : NULL;
   *largest = name && !strncmp(words, "max", 3);
   for (size_t c = 1; name && c < t->count; c++)
@@ -342,6 +346,6 @@ long vs_folder_found(const vs_folder *t) {
   const vs_node *search = vs_folder_search(t);
   const vs_node *found =
       search && search->kind == VS_NODE_MAP ? vs_tree_child(search, "found") : NULL;
-  const char *number = text_of(vs_tree_child(found, "case"));
+  const char *number = text_of_node(vs_tree_child(found, "case"));
   return number && *number ? strtol(number, NULL, 10) : -1;
 }

@@ -8,8 +8,8 @@
 
 #include "base/hash.h"
 #include "base/json.h"
-#include "run/version.h"
 #include "ngspice/ng.h"
+#include "run/version.h"
 #include "work/case.h"
 
 enum { MOST_VALUES_SHOWN = 1000 };
@@ -17,7 +17,7 @@ enum { MOST_VALUES_SHOWN = 1000 };
 /* Returns a SHA-256 over the plan and all it is made of. Files enter by their contents, as their
  * paths may differ from machine to machine. The header of study.csv (columns) enters, too, as rows
  * of another layout cannot be added. */
-static char *identify(const vs_plan *plan, const char *columns) {
+static char *identify_plan(const vs_plan *plan, const char *columns) {
   vs_hash hash;
   vs_text text = {0};
   char digits[VS_HASH_TEXT];
@@ -45,7 +45,7 @@ static void add_begin(const vs_plan *plan, const char *name, vs_text *text) {
 }
 
 /* Adds a number as study.csv has it, or a word. */
-static void add_number(const vs_axis *axis, const char *key, double number, vs_json *json) {
+static void add_axis_number(const vs_axis *axis, const char *key, double number, vs_json *json) {
   char text[VS_NAME_SIZE];
   vs_axis_print(axis, number, text, sizeof text);
   char *end;
@@ -74,7 +74,7 @@ static void add_axis(const vs_plan *plan, size_t k, vs_json *json) {
   vs_json_text(json, "unit", axis->unit);
   vs_json_text(json, "by", stage ? stage->method->name : axis->by);
   vs_json_text(json, "text", axis->field->text);
-  if (isfinite(axis->nominal)) add_number(axis, "nominal", axis->nominal, json);
+  if (isfinite(axis->nominal)) add_axis_number(axis, "nominal", axis->nominal, json);
   if (axis->ranged) {
     vs_json_number(json, "from", axis->from, 12);
     vs_json_number(json, "to", axis->to, 12);
@@ -82,14 +82,14 @@ static void add_axis(const vs_plan *plan, size_t k, vs_json *json) {
   }
   if (axis->n_values && axis->n_values <= MOST_VALUES_SHOWN) {
     vs_json_array(json, "values", VS_JSON_ROW);
-    for (size_t v = 0; v < axis->n_values; v++) add_number(axis, NULL, axis->value[v], json);
+    for (size_t v = 0; v < axis->n_values; v++) add_axis_number(axis, NULL, axis->value[v], json);
     vs_json_end(json);
   }
   if (stage && stage->method->axis_json) stage->method->axis_json(axis, json);
   vs_json_end(json);
 }
 
-static void add_column(const vs_report_column *column, vs_json *json) {
+static void add_report_column(const vs_report_column *column, vs_json *json) {
   const bool rated = isfinite(column->rating);
   vs_json_object(json, NULL, VS_JSON_ROW);
   vs_json_text(json, "name", column->name);
@@ -126,7 +126,7 @@ static void add_end(const vs_plan *plan, const char *name, vs_text *text) {
   for (size_t k = 0; k < plan->n_axes; k++) add_axis(plan, k, &json);
   vs_json_end(&json);
   vs_json_array(&json, "report", VS_JSON_LINES);
-  for (size_t k = 0; k < plan->n_columns; k++) add_column(&plan->columns[k], &json);
+  for (size_t k = 0; k < plan->n_columns; k++) add_report_column(&plan->columns[k], &json);
   vs_json_end(&json);
   vs_json_array(&json, "inputs", VS_JSON_LINES);
   for (size_t k = 0; k < plan->n_inputs; k++) add_input(&plan->inputs[k], &json);
@@ -145,7 +145,7 @@ void vs_manifest_head(const vs_plan *plan, const char *name, vs_head *head) {
   vs_case_failure_header(plan, &text[1]);
   add_begin(plan, name, &text[2]);
   add_end(plan, name, &text[3]);
-  *head = (vs_head){.identity = identify(plan, text[0].text),
+  *head = (vs_head){.identity = identify_plan(plan, text[0].text),
                     .columns = text[0].text,
                     .failures = text[1].text,
                     .manifest_begin = text[2].text,

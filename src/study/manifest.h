@@ -4,8 +4,8 @@
 #ifndef VS_STUDY_MANIFEST_H
 #define VS_STUDY_MANIFEST_H
 
-#include "work/journal.h"
 #include "study/plan.h"
+#include "work/head.h"
 
 /* Fills the head of the plan's journal: what identifies the plan, and the text of its manifest
  * before and behind the counts. name is the study's as the user gave it. vs_head_free it,

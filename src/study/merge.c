@@ -8,13 +8,16 @@
 
 #include "base/file.h"
 #include "base/path.h"
-#include "work/journal.h"
 #include "publish.h"
 #include "stale.h"
+#include "work/bits.h"
+#include "work/head.h"
+#include "work/journal.h"
+#include "work/row.h"
 
 /* ---- which ---- */
 
-static bool number(const char *text, uint64_t *value) {
+static bool read_task_number(const char *text, uint64_t *value) {
   char *end;
   if (!text || *text < '0' || *text > '9') return false;
   *value = strtoull(text, &end, 10);
@@ -24,13 +27,13 @@ static bool number(const char *text, uint64_t *value) {
 /* Slurm numbers the tasks of an array MIN, MIN + STEP, ..., COUNT of them. */
 static vs_status read_slurm(uint64_t *shard, uint64_t *shards, vs_error *err) {
   uint64_t id, min = 0, step = 1;
-  if (!number(getenv("SLURM_ARRAY_TASK_ID"), &id) ||
-      !number(getenv("SLURM_ARRAY_TASK_COUNT"), shards) ||
-      !number(getenv("SLURM_ARRAY_TASK_MIN"), &min))
+  if (!read_task_number(getenv("SLURM_ARRAY_TASK_ID"), &id) ||
+      !read_task_number(getenv("SLURM_ARRAY_TASK_COUNT"), shards) ||
+      !read_task_number(getenv("SLURM_ARRAY_TASK_MIN"), &min))
     return vs_fail(err, VS_INPUT,
                    "--shard auto: wants the variables of a Slurm job array (SLURM_ARRAY_TASK_ID, "
                    "_COUNT, _MIN); without one write --shard I/N");
-  number(getenv("SLURM_ARRAY_TASK_STEP"), &step);
+  read_task_number(getenv("SLURM_ARRAY_TASK_STEP"), &step);
   *shard = id < min || !step || (id - min) % step ? 0 : (id - min) / step + 1;
   return VS_OK;
 }
@@ -42,7 +45,7 @@ vs_status vs_merge_shard_read(const char *text, uint64_t *shard, uint64_t *shard
   snprintf(first, sizeof first, "%.*s", slash ? (int)(slash - text) : 0, text);
   if (!strcmp(text, "auto"))
     status = read_slurm(shard, shards, err);
-  else if (!slash || !number(first, shard) || !number(slash + 1, shards))
+  else if (!slash || !read_task_number(first, shard) || !read_task_number(slash + 1, shards))
     *shard = 0;
   if (!status && (!*shard || *shard > *shards || *shards > VS_MOST_SHARDS))
     status =
@@ -167,7 +170,7 @@ static vs_status write_merged(const shards *all, const vs_merge_options *o, cons
 }
 
 /* True if the manifest says what these shards' does, except for the counts. */
-static bool is_of(const char *manifest, const vs_head *head) {
+static bool is_manifest_of(const char *manifest, const vs_head *head) {
   size_t n = strlen(head->manifest_begin);
   return !strncmp(manifest, head->manifest_begin, n) &&
          strstr(manifest + n, head->manifest_end) != NULL;
@@ -198,7 +201,7 @@ static bool has_other_result(const char *folder, const vs_journals *all) {
     return vs_publish_found(folder) && !vs_journal_exists(folder) &&
            !vs_publish_was_begun(all, folder);
   while (vs_alloc_line(&line, &size, f) > 0) vs_text_add(&manifest, "%s", line);
-  bool same = manifest.length && is_of(manifest.text, head);
+  bool same = manifest.length && is_manifest_of(manifest.text, head);
   vs_text_free(&manifest);
   free(line);
   fclose(f);

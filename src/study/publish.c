@@ -9,18 +9,19 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "array.h"
 #include "base/csv.h"
 #include "base/file.h"
 #include "base/packed.h"
 #include "base/path.h"
-#include "array.h"
+#include "work/row.h"
 
 static const char FAILURES[] = "failures.csv", MANIFEST[] = "manifest.json";
 const char *const vs_publish_files[VS_PUBLISH_FILES] = {MANIFEST, "study.csv", FAILURES};
 
 /* ---- what is there ---- */
 
-static bool is_there(const char *folder, const char *name) {
+static bool is_result_there(const char *folder, const char *name) {
   char path[VS_PATH_SIZE + 32];
   struct stat s;
   snprintf(path, sizeof path, "%.4000s/%s", folder, name);
@@ -35,10 +36,10 @@ static void remove_file(const char *folder, const char *name) {
 
 const char *vs_publish_found(const char *folder) {
   for (size_t k = 0; k < VS_PUBLISH_FILES; k++)
-    if (is_there(folder, vs_publish_files[k])) return vs_publish_files[k];
+    if (is_result_there(folder, vs_publish_files[k])) return vs_publish_files[k];
   for (const vs_format *f = vs_format_all; f->name; f++)
-    if (is_there(folder, f->rows)) return f->rows;
-  return is_there(folder, VS_ARRAY_LIST) ? VS_ARRAY_LIST : NULL;
+    if (is_result_there(folder, f->rows)) return f->rows;
+  return is_result_there(folder, VS_ARRAY_LIST) ? VS_ARRAY_LIST : NULL;
 }
 
 void vs_publish_remove(const char *folder) {
@@ -85,7 +86,7 @@ static vs_status each_row(const vs_journals *all, visit take, result *r, vs_erro
 }
 
 /* The next line of the file that is read must be this row, as far as it belongs there. */
-static vs_status meet(result *r, bool failed, char *row, vs_error *err) {
+static vs_status meet_row(result *r, bool failed, char *row, vs_error *err) {
   (void)err;
   char *line = NULL;
   size_t size = 0;
@@ -106,30 +107,32 @@ static bool has_rows(const vs_journals *all, const char *folder, const char *nam
   if (vs_path_check_result(path, &none)) return false;
   result r = {.rows = vs_packed_read(fopen(path, "r"), name)};
   if (!r.rows) return false;
-  const bool same = !meet(&r, false, all->item[0].head.columns, &none) &&
-                    !each_row(all, meet, &r, &none) && getc(r.rows) == EOF;
+  const bool same = !meet_row(&r, false, all->item[0].head.columns, &none) &&
+                    !each_row(all, meet_row, &r, &none) && getc(r.rows) == EOF;
   fclose(r.rows);
   return same;
 }
 
 bool vs_publish_was_begun(const vs_journals *all, const char *folder) {
   bool found = false;
-  if (is_there(folder, MANIFEST)) return false;
+  if (is_result_there(folder, MANIFEST)) return false;
   for (const vs_format *f = vs_format_all; f->name; f++) {
-    if (!is_there(folder, f->rows)) continue;
+    if (!is_result_there(folder, f->rows)) continue;
     if (!has_rows(all, folder, f->rows)) return false;
     found = true;
   }
   return found;
 }
 
-static vs_status look(result *r, bool failed, char *row, vs_error *err) {
+/* Shows the row to the columns that may be words or numbers (vs_array_must_look). */
+static vs_status look_at_row(result *r, bool failed, char *row, vs_error *err) {
   (void)err;
   if (!failed) vs_array_look(r->columns, row);
   return VS_OK;
 }
 
-static vs_status take(result *r, bool failed, char *row, vs_error *err) {
+/* Writes the row into its file, as the journal has it. */
+static vs_status publish_row(result *r, bool failed, char *row, vs_error *err) {
   fprintf(failed ? r->failures.stream : r->rows, "%s\n", row);
   return failed || !r->columns ? VS_OK : vs_array_add(r->columns, row, err);
 }
@@ -139,7 +142,7 @@ static vs_status open_columns(result *r, const vs_journals *all, const vs_row *s
   const uint64_t done = vs_publish_count(all).done;
   vs_status status = VS_OK;
   r->columns = vs_array_new(shape);
-  if (vs_array_must_look(r->columns)) status = each_row(all, look, r, err);
+  if (vs_array_must_look(r->columns)) status = each_row(all, look_at_row, r, err);
   return status ? status : vs_array_open(r->columns, folder, done, err);
 }
 
@@ -147,7 +150,7 @@ static vs_status write_rows(result *r, const vs_journals *all, const char *name,
   const vs_head *head = &all->item[0].head;
   fprintf(r->rows, "%s\n", head->columns);
   fprintf(r->failures.stream, "%s\n", head->failures);
-  vs_status status = each_row(all, take, r, err);
+  vs_status status = each_row(all, publish_row, r, err);
   FILE *rows = r->rows;
   r->rows = NULL;
   vs_error second = {0};
@@ -180,7 +183,7 @@ vs_head_counts vs_publish_count(const vs_journals *all) {
   return counts;
 }
 
-static vs_status commit(result *r, const vs_journals *all, vs_error *err) {
+static vs_status commit_result(result *r, const vs_journals *all, vs_error *err) {
   vs_text text = {0};
   const vs_head_counts counts = vs_publish_count(all);
   vs_head_manifest(&all->item[0].head, &counts, all->count > 1, all->more, &text);
@@ -207,6 +210,8 @@ vs_status vs_publish_write(const vs_journals *all, const vs_format *format, cons
   result r = {0};
   const vs_head *head = &all->item[0].head;
   vs_row *shape = vs_row_new(head->columns, head->failures, head->manifest_end);
+  /* All files are written under other names, and get their own at the end, the manifest last: a
+   * folder with a manifest is whole. */
   vs_status status = check_count(all, err);
   if (!status) status = vs_publish_check(folder, format, err);
   if (!status) status = vs_file_open(&r.study, folder, format->rows, err);
@@ -217,7 +222,7 @@ vs_status vs_publish_write(const vs_journals *all, const vs_format *format, cons
     r.rows = vs_packed_write(r.study.stream, format->rows);
     status = write_rows(&r, all, r.study.path, err);
   }
-  if (!status) status = commit(&r, all, err);
+  if (!status) status = commit_result(&r, all, err);
   if (!status) remove_others(head, format, folder);
   vs_array_free(r.columns);
   vs_row_free(shape);

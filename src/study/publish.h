@@ -4,8 +4,9 @@
 #ifndef VS_STUDY_PUBLISH_H
 #define VS_STUDY_PUBLISH_H
 
-#include "work/journal.h"
 #include "study/format.h"
+#include "work/head.h"
+#include "work/journal.h"
 
 /* The files of the default format. */
 enum { VS_PUBLISH_FILES = 3 };

@@ -56,8 +56,8 @@ static vs_status read_stages(vs_plan *plan, vs_error *err) {
   return status;
 }
 
-/* What a study may have unless its key most_cases says otherwise: this process keeps eight bytes
- * for each, and its journal some hundred. */
+/* The most cases unless the key most_cases says otherwise: this process keeps eight bytes for each,
+ * and its journal some hundred. */
 enum { USUAL_CASES = 10000000 };
 
 static vs_status too_many(const vs_plan *plan, const vs_plan_stage *stage, uint64_t most,
@@ -249,20 +249,29 @@ static vs_status check_keys(const vs_plan *plan, vs_error *err) {
 vs_status vs_reading_plan(const char *name, const vs_method *const *methods, char *const *sets,
                           size_t n_sets, vs_plan *plan, vs_error *err) {
   *plan = (vs_plan){.methods = methods, .sets = sets, .n_sets = n_sets};
+
+  /* The file, with those --set that are the study's own. */
   vs_status status = vs_path_find(&vs_scene_study_shelf, name, (vs_where){0}, plan->path, err);
   if (!status) status = vs_tree_read(plan->path, &plan->tree, err);
   for (size_t k = 0; k < n_sets && !status; k++)
     if (vs_plan_is_own(plan, sets[k]))
       status = vs_error_carry_on(err, vs_tree_set(&plan->tree, sets[k], err));
   if (!status) status = check_keys(plan, err);
+
+  /* The scene that is varied: its sections say which keys there are, with their units. */
   if (!status) status = vs_error_carry_on(err, read_base(plan, err));
   if (status || !has_sections(plan->base))
     return status; /* without the scene's keys no axis can be read */
+
+  /* The methods with their axes, then the columns. */
   status = read_stages(plan, err);
   if (!status) status = vs_headings_read(plan, err);
   if (status) return status;
   if (vs_error_count(err))
     return vs_headings_resolve(plan, plan->base, vs_tiers_automatic(true), err);
+
+  /* How many cases there are; the scenes of the first ones are settled, so that a study that cannot
+   * run is refused here. */
   status = count_cases(plan, err);
   return status ? status : try_cases(plan, err);
 }

@@ -9,13 +9,13 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "array.h"
 #include "base/csv.h"
 #include "base/file.h"
 #include "base/packed.h"
 #include "base/text.h"
-#include "array.h"
-#include "study/format.h"
 #include "run/table.h"
+#include "study/format.h"
 #include "work/case.h"
 
 /* ---- pictures ---- */
@@ -61,7 +61,7 @@ typedef struct header {
   size_t count;
 } header;
 
-static header read_header(int folder, const char *name) {
+static header read_old_header(int folder, const char *name) {
   header h = {0};
   size_t size = 0, most = 1;
   FILE *f = open_file(folder, name);
@@ -78,7 +78,7 @@ static header read_header(int folder, const char *name) {
   return h;
 }
 
-static void discard(header *h) {
+static void discard_old_header(header *h) {
   free(h->cell);
   free(h->line);
 }
@@ -87,15 +87,16 @@ static void discard(header *h) {
  * margin. */
 static void remove_report(int folder) {
   for (size_t k = 0; k < sizeof NAMES / sizeof *NAMES; k++) vs_file_remove(folder, NAMES[k]);
-  header done = read_header(folder, rows_of(folder)), failed = read_header(folder, "failures.csv");
+  header done = read_old_header(folder, rows_of(folder)),
+         failed = read_old_header(folder, "failures.csv");
   bool axis = true, measure = failed.count;
   for (size_t k = 2; k < done.count && measure; k++) {
     axis = axis && k < failed.count && !strcmp(done.cell[k], failed.cell[k]);
     remove_pictures_of(folder, axis ? AXIS : MEASURE, done.cell[k]);
     measure = strcmp(done.cell[k], vs_case_titles[VS_CASE_MARGIN]) != 0;
   }
-  discard(&done);
-  discard(&failed);
+  discard_old_header(&done);
+  discard_old_header(&failed);
 }
 
 /* ---- columns ---- */
@@ -153,7 +154,7 @@ static int open_folder(int in, const char *name) {
   return openat(in, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
 }
 
-static bool is_number(const char *name) {
+static bool is_case_number(const char *name) {
   return *name && !name[strspn(name, "0123456789")] && (*name != '0' || !name[1]);
 }
 
@@ -161,7 +162,7 @@ static void remove_runs(int folder, const vs_journal *old, const cases *listed) 
   int runs = open_folder(folder, "runs");
   DIR *list = runs < 0 ? NULL : fdopendir(runs);
   for (struct dirent *entry; list && (entry = readdir(list));) {
-    if (!is_number(entry->d_name)) continue;
+    if (!is_case_number(entry->d_name)) continue;
     if (!had_case(old, listed, strtoull(entry->d_name, NULL, 10))) continue;
     int run = open_folder(runs, entry->d_name);
     if (run < 0) continue;

@@ -1,4 +1,6 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The command `study`, from the study's file to its result. vs_study_command tells it; the parts
+ * stand below in the same order. */
 #include "study/study.h"
 
 #include <ctype.h>
@@ -14,15 +16,32 @@
 #include "base/hash.h"
 #include "base/json.h"
 #include "base/leave.h"
+#include "manifest.h"
+#include "publish.h"
 #include "reading.h"
 #include "run/session.h"
-#include "cases.h"
-#include "manifest.h"
-#include "study/merge.h"
-#include "publish.h"
 #include "stale.h"
+#include "study/merge.h"
+#include "study/plan.h"
+#include "work/bits.h"
+#include "work/case.h"
+#include "work/head.h"
 #include "work/jobs.h"
+#include "work/journal.h"
 #include "work/past.h"
+#include "work/row.h"
+#include "work/worker.h"
+
+/* The cases of a study under way: which point each of them is and, of a search, which cases it
+ * has asked for and what has come of them. Begins as zeros but for plan and journal, which are
+ * borrowed. cases_free. The arrays are a search's, as vs_results has them. */
+typedef struct vs_cases {
+  const vs_plan *plan;
+  const vs_journal *journal;
+  double *points, *values;
+  int *status;
+  uint64_t room;
+} vs_cases;
 
 /* A study under way. */
 typedef struct session {
@@ -35,6 +54,8 @@ typedef struct session {
   char own[VS_PUBLISH_FILES + 1][VS_PATH_SIZE + 16]; /* without -o: the files in the folder, and
                                                  their journal, to be removed */
   int made;                                          /* how many folders were made for the output */
+  bool named;                                        /* the folder has its name */
+  uint64_t count;       /* cases of the study; of a search those it has come to in the end */
   uint64_t next, until; /* cases to deal; of a search those of the present generation */
   uint64_t total;       /* cases of this shard, for the progress */
   uint64_t shared;      /* how many had their past from another (study/work/past.h) */
@@ -43,111 +64,205 @@ typedef struct session {
   bool show; /* progress is shown on a terminal */
 } session;
 
-/* ---- dealing ---- */
+/* ---- a study, from top to bottom ---- */
 
-static bool next_case(void *ctx, vs_task *task) {
-  session *s = ctx;
-  const vs_head *head = &s->journal.head;
-  for (; s->next < s->until; s->next += head->shards) {
-    if (vs_journal_has(&s->journal, s->next)) continue;
-    task->index = s->next;
-    vs_cases_point(&s->cases, s->next, task->point);
-    s->next += head->shards;
-    return true;
+static session *begin_session(const vs_study_options *options);
+static vs_status check_options(const vs_study_options *options, vs_error *err);
+static vs_status read_plan(session *s, vs_error *err);
+static vs_status open_folder(session *s, vs_error *err);
+static vs_status run_study(session *s, vs_error *err);
+static vs_status write_result(session *s, vs_error *err);
+static vs_status say_result(const session *s, vs_error *err);
+static vs_status judge_study(const session *s, vs_error *err);
+static vs_status end_session(session *s, vs_status status, vs_error *err);
+
+vs_status vs_study_command(const vs_study_options *o, vs_error *err) {
+  session *s = begin_session(o);
+  vs_status status = check_options(o, err);
+
+  /* Plan: the study's file says which scene is run, which of its keys are varied by which methods
+   * (study/methods.h), and which measures are reported. A plan knows its cases by number: case k is
+   * a point, a number for each axis (study/plan.h). The scene of the first case is settled on trial
+   * (reading.c). */
+  if (!status) status = read_plan(s, err);
+
+  /* Journal: the record, in the study's folder, of the cases that are done (work/journal.h). With
+   * --resume a study goes on with the one that is there; else a new one is begun. */
+  if (!status) status = open_folder(s, err);
+
+  /* Cases and workers: the cases that the journal lacks are dealt out to worker processes
+   * (work/jobs.h). A worker puts the case's point over the scene as keys, runs the scene as `run`
+   * does, and answers with a row of study.csv (work/case.h), which is added to the journal. A
+   * method that searches is shown these rows, and asks for the next generation of cases. */
+  if (!status) status = run_study(s, err);
+
+  /* Rows: all rows of the journal in the order of the cases, whatever the order in which workers
+   * came to their end: study.csv, failures.csv and manifest.json (publish.h). */
+  if (!status) status = write_result(s, err);
+
+  /* Report: the counts on standard output; failed cases and violated ratings in the exit status. */
+  if (!status) status = say_result(s, err);
+  if (!status) status = judge_study(s, err);
+  return end_session(s, status, err);
+}
+
+/* ---- beginning and end ---- */
+
+/* Errors: options that do not go together. */
+static vs_status check_options(const vs_study_options *o, vs_error *err) {
+  if (o->resume && o->overwrite)
+    return vs_fail(err, VS_INPUT,
+                   "--resume goes on with what is there, --overwrite throws it "
+                   "away; give one of them");
+  if (o->again && !o->resume)
+    return vs_fail(err, VS_INPUT,
+                   "--again: it says what --resume does besides going on; give both");
+  const char *wants_folder = o->format != vs_format_all ? "--format"
+                             : o->resume                ? "--resume"
+                             : o->overwrite             ? "--overwrite"
+                             : o->keep_runs             ? "--keep runs"
+                             : o->progress_json         ? "--progress json"
+                             : o->shard                 ? "--shard"
+                                                        : NULL;
+  if (o->folder || !wants_folder) return VS_OK;
+  return vs_fail(err, VS_INPUT, "%s: wants a folder; name one with -o DIR", wants_folder);
+}
+
+static void cases_free(vs_cases *c) {
+  free(c->points);
+  free(c->values);
+  free(c->status);
+  *c = (vs_cases){0};
+}
+
+static void discard_folder(const session *s) {
+  for (size_t k = 0; k <= VS_PUBLISH_FILES; k++) {
+    unlink(s->own[k]);
+    vs_leave_forget(s->own[k]);
   }
-  return false;
+  rmdir(s->folder);
+  vs_leave_forget(s->folder);
 }
 
-static uint64_t cases_left(void *ctx) {
-  const session *s = ctx;
-  uint64_t shards = s->journal.head.shards;
-  return s->next < s->until ? (s->until - s->next + shards - 1) / shards : 0;
+static session *begin_session(const vs_study_options *o) {
+  session *s = vs_alloc(1, sizeof *s);
+  s->o = o;
+  s->journal.fd = s->journal.folder = -1;
+  s->cases = (vs_cases){.plan = &s->plan, .journal = &s->journal};
+  vs_hash_hold(true); /* before the first file is read */
+  return s;
 }
 
-static vs_status take_row(void *ctx, const vs_answer *answer, vs_error *err) {
-  session *s = ctx;
-  s->shared += answer->shared;
-  return vs_journal_add(&s->journal, answer->index, answer->status, answer->row, answer->length,
-                        err);
-}
-
-/* ---- progress ---- */
-
-static void show_progress(const session *s, double now) {
-  uint64_t over = s->journal.done + s->journal.failed;
-  double rate = (double)(over - s->before) / fmax(now - s->began_s, 1e-9);
-  double left = rate > 0 ? (double)(s->total - over) / rate : NAN;
-  if (s->o->progress_json) {
-    vs_text text = {0};
-    vs_json json = vs_json_new(&text);
-    vs_json_object(&json, NULL, VS_JSON_ROW);
-    vs_json_whole(&json, "done", (int64_t)s->journal.done);
-    vs_json_whole(&json, "failed", (int64_t)s->journal.failed);
-    vs_json_whole(&json, "total", (int64_t)s->total);
-    if (s->shared) vs_json_whole(&json, "shared", (int64_t)s->shared);
-    vs_json_number(&json, "per_s", rate, 6);
-    vs_json_number(&json, "eta_s", left, 6);
-    vs_json_end(&json);
-    puts(text.text);
-    fflush(stdout);
-    vs_text_free(&text);
-  } else if (s->show)
-    dprintf(STDERR_FILENO, "\r%llu of %s%llu cases, %llu failed, %.4g a second, %.0f s left \033[K",
-            (unsigned long long)over, s->plan.adaptive ? "at most " : "",
-            (unsigned long long)s->total, (unsigned long long)s->journal.failed, rate, left);
-}
-
-/* Shows the progress once a second; what it says is done is on the disk by then. */
-static vs_status beat(void *ctx, vs_error *err) {
-  session *s = ctx;
-  double now = vs_worker_clock();
-  vs_status status = vs_journal_flush(&s->journal, now - s->shown_s >= 1, err);
-  if (status || now - s->shown_s < 1) return status;
-  s->shown_s = now;
-  show_progress(s, now);
-  return VS_OK;
-}
-
-/* ---- running ---- */
-
-static vs_status run_cases(session *s, uint64_t first, uint64_t until, vs_error *err) {
-  const vs_dealer dealer = {s, next_case, cases_left, take_row, beat};
-  s->next = first;
-  s->until = until;
-  vs_status status = vs_jobs_run(s->jobs, &dealer, err);
-  vs_error second = {0};
-  vs_status kept = vs_journal_flush(&s->journal, true, status ? &second : err);
-  return status ? status : kept;
-}
-
-/* Runs generation after generation, as the method asks for them by the results so far. */
-static vs_status run_adaptive(session *s, uint64_t *count, vs_error *err) {
-  const vs_plan_stage *stage = s->plan.adaptive;
-  vs_status status = VS_OK;
-  *count = 0;
-  for (bool more = true; more && !status;) {
-    vs_generation g = {.n_axes = s->plan.n_axes};
-    const vs_results results = vs_cases_results(&s->cases, *count);
-    status = stage->method->next(&s->plan, stage, &results, &g, err);
-    more = !status && g.count;
-    if (more) {
-      const uint64_t first = *count, until = first + g.count;
-      vs_cases_ask(&s->cases, first, &g);
-      if (s->o->resume) status = vs_cases_check(&s->cases, first, until, err);
-      if (!status) status = run_cases(s, first, until, err);
-      if (!status) status = vs_cases_answer(&s->cases, first, until, err);
-      *count = until;
-    }
-    free(g.points);
-  }
+/* Frees the session, and says of one that a signal ended how to go on. */
+static vs_status end_session(session *s, vs_status status, vs_error *err) {
+  if (status == VS_SIGNAL && s->o->folder)
+    status = vs_fail(err, VS_SIGNAL, "stopped by a signal; --resume goes on: %llu cases are done",
+                     (unsigned long long)(s->journal.done + s->journal.failed));
+  if (s->named && !s->o->folder) discard_folder(s);
+  vs_journal_close(&s->journal);
+  vs_plan_free(&s->plan);
+  cases_free(&s->cases);
+  free(s);
+  vs_hash_hold(false);
   return status;
 }
 
-/* ---- the folder ---- */
+/* ---- plan ---- */
+
+static vs_status read_plan(session *s, vs_error *err) {
+  const vs_study_options *o = s->o;
+  vs_status status = vs_reading_plan(o->name, o->methods, o->sets, o->n_sets, &s->plan, err);
+  s->plan.allow_code = o->allow_code;
+  s->count = s->plan.count;
+  return status ? status : vs_control_allow(&s->plan.first->control, o->allow_code, err);
+}
+
+/* ---- cases ---- */
+
+/* Writes the point of case `index`, point[n_axes]. A search must have asked for it. */
+static void cases_point(const vs_cases *c, uint64_t index, double *point) {
+  const size_t axes = c->plan->n_axes;
+  if (c->plan->adaptive)
+    memcpy(point, c->points + index * axes, axes * sizeof *point);
+  else
+    vs_plan_point(c->plan, index, point);
+}
+
+/* ---- rows that are there already ---- */
+
+static vs_status check_row_of_case(const vs_cases *c, vs_case *one, uint64_t index, vs_error *err) {
+  double point[VS_PLAN_AXES];
+  vs_text row = {0};
+  char why[256];
+  bool failed;
+  cases_point(c, index, point);
+  vs_status status = vs_journal_row(c->journal, index, &row, &failed, err);
+  if (!status && !vs_case_is_row(one, index, point, failed, row.text, why, sizeof why))
+    status = vs_fail_at(err, (vs_where){c->journal->path, 1, 1},
+                        "case %llu: %s; this record is of another study, or was changed",
+                        (unsigned long long)index, why);
+  vs_text_free(&row);
+  return status;
+}
+
+/* Error: the journal has a row of a case from `first` up to before `until` that is not that case's.
+ * A journal that is gone on with may have been changed. */
+static vs_status cases_check(const vs_cases *c, uint64_t first, uint64_t until, vs_error *err) {
+  const vs_head *head = &c->journal->head;
+  vs_case *one = vs_case_new(c->plan, NULL);
+  vs_status status = VS_OK;
+  for (uint64_t k = first; k < until && !status; k++)
+    if (k % head->shards + 1 == head->shard && vs_journal_has(c->journal, k))
+      status = check_row_of_case(c, one, k, err);
+  vs_case_free(one);
+  return status;
+}
+
+/* ---- what a search asks for, and is told ---- */
+
+static void cases_ask(vs_cases *c, uint64_t count, const vs_generation *g) {
+  const size_t axes = c->plan->n_axes, width = 1 + c->plan->n_columns;
+  const uint64_t need = count + g->count;
+  if (need > c->room) {
+    c->room = 2 * need;
+    c->points = vs_resize(c->points, c->room * axes, sizeof *c->points);
+    c->values = vs_resize(c->values, c->room * width, sizeof *c->values);
+    c->status = vs_resize(c->status, c->room, sizeof *c->status);
+  }
+  memcpy(c->points + count * axes, g->points, g->count * axes * sizeof *c->points);
+}
+
+static vs_status read_answer(vs_cases *c, uint64_t index, vs_error *err) {
+  const size_t width = 1 + c->plan->n_columns;
+  double *value = c->values + index * width;
+  vs_text row = {0};
+  bool failed = false;
+  vs_status status = vs_journal_row(c->journal, index, &row, &failed, err);
+  for (size_t k = 0; k < width; k++) value[k] = NAN;
+  c->status[index] = VS_CASE_FAILED;
+  if (!status && !failed) vs_case_values(c->plan, row.text, value, &c->status[index]);
+  vs_text_free(&row);
+  return status;
+}
+
+/* Takes from the journal what has come of those cases, once they are done. Their rows tell it, not
+ * their runs, so that a study that goes on has the same. */
+static vs_status cases_answer(vs_cases *c, uint64_t first, uint64_t until, vs_error *err) {
+  vs_status status = VS_OK;
+  for (uint64_t k = first; k < until && !status; k++) status = read_answer(c, k, err);
+  return status;
+}
+
+/* The first `count` cases, as a method is shown them. */
+static vs_results cases_results(const vs_cases *c, uint64_t count) {
+  return (vs_results){c->plan, count, c->points, c->values, c->status};
+}
+
+/* ---- journal ---- */
 
 /* Error: the folder holds a study's result, which may be hours of work and is not thrown away
  * unasked. */
-static vs_status check_free(const session *s, bool journal, vs_error *err) {
+static vs_status check_folder_is_free(const session *s, bool journal, vs_error *err) {
   const char *result = vs_publish_found(s->folder);
   if (s->o->overwrite || (!journal && !result)) return VS_OK;
   if (!journal)
@@ -204,7 +319,7 @@ static void warn_of_bits(const vs_journal *j) {
   vs_text_free(&list);
 }
 
-static vs_status go_on(session *s, vs_head *head, vs_error *err) {
+static vs_status resume_journal(session *s, vs_head *head, vs_error *err) {
   vs_journal *j = &s->journal;
   vs_status status = vs_journal_open(j, s->folder, true, err);
   if (status) return status;
@@ -226,14 +341,14 @@ static vs_status go_on(session *s, vs_head *head, vs_error *err) {
   if (j->mended && !s->o->quiet)
     fprintf(stderr, "vibrospice: warning: %s: its head was damaged, and is taken from a copy\n",
             j->path);
-  status = s->plan.adaptive ? VS_OK : vs_cases_check(&s->cases, 0, s->plan.count, err);
+  status = s->plan.adaptive ? VS_OK : cases_check(&s->cases, 0, s->plan.count, err);
   if (!status && s->o->again) status = run_failed_again(s, err);
   if (!status && !s->o->quiet) warn_of_bits(j);
   return status;
 }
 
 /* Begins a new journal, and removes what the folder has of an older study. */
-static vs_status begin_anew(session *s, vs_head *head, vs_error *err) {
+static vs_status begin_journal(session *s, vs_head *head, vs_error *err) {
   vs_journal old;
   const bool known = vs_journal_peek(&old, s->folder);
   vs_status status = vs_journal_create(&s->journal, s->folder, head, err);
@@ -266,10 +381,10 @@ static vs_status open_journal(session *s, vs_error *err) {
   if (!status) status = vs_file_folder_make(s->folder, &s->made, err);
   bool there = !status && vs_journal_exists(s->folder);
   if (!status && there && s->o->resume)
-    status = go_on(s, &head, err);
+    status = resume_journal(s, &head, err);
   else if (!status)
-    status = check_free(s, there, err);
-  if (!status && !(there && s->o->resume)) status = begin_anew(s, &head, err);
+    status = check_folder_is_free(s, there, err);
+  if (!status && !(there && s->o->resume)) status = begin_journal(s, &head, err);
   vs_head_free(&head);
   return status;
 }
@@ -302,30 +417,175 @@ static vs_status name_folder(session *s, vs_error *err) {
   return VS_OK;
 }
 
-static void discard_folder(const session *s) {
-  for (size_t k = 0; k <= VS_PUBLISH_FILES; k++) {
-    unlink(s->own[k]);
-    vs_leave_forget(s->own[k]);
-  }
-  rmdir(s->folder);
-  vs_leave_forget(s->folder);
+static vs_status open_folder(session *s, vs_error *err) {
+  vs_status status = name_folder(s, err);
+  s->named = !status;
+  if (status) return status;
+  status = open_journal(s, err);
+  if (status) vs_file_folder_unmake(s->folder, s->made);
+  return status;
 }
 
-/* ---- the command ---- */
+/* ---- cases are dealt to workers, and their rows taken ---- */
 
-static vs_status write_result(session *s, uint64_t cases, vs_error *err) {
+static bool next_case(void *ctx, vs_task *task) {
+  session *s = ctx;
+  const vs_head *head = &s->journal.head;
+  for (; s->next < s->until; s->next += head->shards) {
+    if (vs_journal_has(&s->journal, s->next)) continue;
+    task->index = s->next;
+    cases_point(&s->cases, s->next, task->point);
+    s->next += head->shards;
+    return true;
+  }
+  return false;
+}
+
+static uint64_t cases_left(void *ctx) {
+  const session *s = ctx;
+  uint64_t shards = s->journal.head.shards;
+  return s->next < s->until ? (s->until - s->next + shards - 1) / shards : 0;
+}
+
+static vs_status record_row(void *ctx, const vs_answer *answer, vs_error *err) {
+  session *s = ctx;
+  s->shared += answer->shared;
+  return vs_journal_add(&s->journal, answer->index, answer->status, answer->row, answer->length,
+                        err);
+}
+
+/* ---- progress ---- */
+
+static void print_progress(const session *s, double now) {
+  uint64_t over = s->journal.done + s->journal.failed;
+  double rate = (double)(over - s->before) / fmax(now - s->began_s, 1e-9);
+  double left = rate > 0 ? (double)(s->total - over) / rate : NAN;
+  if (s->o->progress_json) {
+    vs_text text = {0};
+    vs_json json = vs_json_new(&text);
+    vs_json_object(&json, NULL, VS_JSON_ROW);
+    vs_json_whole(&json, "done", (int64_t)s->journal.done);
+    vs_json_whole(&json, "failed", (int64_t)s->journal.failed);
+    vs_json_whole(&json, "total", (int64_t)s->total);
+    if (s->shared) vs_json_whole(&json, "shared", (int64_t)s->shared);
+    vs_json_number(&json, "per_s", rate, 6);
+    vs_json_number(&json, "eta_s", left, 6);
+    vs_json_end(&json);
+    puts(text.text);
+    fflush(stdout);
+    vs_text_free(&text);
+  } else if (s->show)
+    dprintf(STDERR_FILENO, "\r%llu of %s%llu cases, %llu failed, %.4g a second, %.0f s left \033[K",
+            (unsigned long long)over, s->plan.adaptive ? "at most " : "",
+            (unsigned long long)s->total, (unsigned long long)s->journal.failed, rate, left);
+}
+
+/* Shows the progress once a second; what it says is done is on the disk by then. */
+static vs_status keep_progress(void *ctx, vs_error *err) {
+  session *s = ctx;
+  double now = vs_worker_clock();
+  vs_status status = vs_journal_flush(&s->journal, now - s->shown_s >= 1, err);
+  if (status || now - s->shown_s < 1) return status;
+  s->shown_s = now;
+  print_progress(s, now);
+  return VS_OK;
+}
+
+/* ---- running ---- */
+
+static vs_status run_cases(session *s, uint64_t first, uint64_t until, vs_error *err) {
+  const vs_dealer dealer = {s, next_case, cases_left, record_row, keep_progress};
+  s->next = first;
+  s->until = until;
+  vs_status status = vs_jobs_run(s->jobs, &dealer, err);
+  vs_error second = {0};
+  vs_status kept = vs_journal_flush(&s->journal, true, status ? &second : err);
+  return status ? status : kept;
+}
+
+/* Runs generation after generation, as the method asks for them by the results so far. s->count
+ * becomes the number of cases it came to. */
+static vs_status run_adaptive(session *s, vs_error *err) {
+  const vs_plan_stage *stage = s->plan.adaptive;
+  vs_status status = VS_OK;
+  s->count = 0;
+  for (bool more = true; more && !status;) {
+    vs_generation g = {.n_axes = s->plan.n_axes};
+    const vs_results results = cases_results(&s->cases, s->count);
+    status = stage->method->next(&s->plan, stage, &results, &g, err);
+    more = !status && g.count;
+    if (more) {
+      const uint64_t first = s->count, until = first + g.count;
+      cases_ask(&s->cases, first, &g);
+      if (s->o->resume) status = cases_check(&s->cases, first, until, err);
+      if (!status) status = run_cases(s, first, until, err);
+      if (!status) status = cases_answer(&s->cases, first, until, err);
+      s->count = until;
+    }
+    free(g.points);
+  }
+  return status;
+}
+
+/* A worker may outlive its killed parent by a moment, in which its case is already run again. What
+ * it has left of its run.csv then lies beside the other one. */
+static void sweep_runs(const session *s) {
+  char folder[VS_PATH_SIZE + 32];
+  for (uint64_t k = 0; k < s->count && s->o->keep_runs && s->o->resume; k++) {
+    snprintf(folder, sizeof folder, "%s/%llu", s->keep, (unsigned long long)k);
+    vs_file_sweep(folder);
+  }
+}
+
+/* Runs the cases that are not done yet, with the progress shown. */
+static vs_status run_study(session *s, vs_error *err) {
+  const vs_head *head = &s->journal.head;
+  int jobs = s->o->jobs ? s->o->jobs : vs_jobs_cores();
+  s->total = (s->count + head->shards - head->shard) / head->shards;
+  s->before = s->journal.done + s->journal.failed;
+  s->began_s = s->shown_s = vs_worker_clock();
+  s->show = !s->o->quiet && !s->o->progress_json && isatty(STDERR_FILENO);
+  if ((uint64_t)jobs > s->total && s->total) jobs = (int)s->total;
+  /* a branch would have no file of its own for run.csv */
+  bool share = !s->o->alone && !s->o->keep_runs && vs_past_fits(&s->plan);
+  const vs_jobs_options options = {
+      &s->plan, s->o->keep_runs ? s->keep : NULL, share, jobs, s->o->timeout_s, s->o->stop};
+  s->jobs = vs_jobs_new(&options);
+  vs_heed heed = vs_leave_heed_set(VS_HEED_KEEP);
+  void (*before)(int) = signal(SIGPIPE, SIG_IGN); /* whoever reads the progress may be gone */
+  vs_status status =
+      s->plan.adaptive ? run_adaptive(s, err) : run_cases(s, head->shard - 1, s->count, err);
+  vs_jobs_free(s->jobs);
+  vs_leave_heed_set(heed); /* the rows are in the journal: what follows can be done again */
+  if (s->plan.adaptive) s->total = s->count;
+  if (s->show) dprintf(STDERR_FILENO, "\r\033[K");
+  if (!status) print_progress(s, vs_worker_clock());
+  if (s->show) dprintf(STDERR_FILENO, "\r\033[K");
+  if (s->show && s->shared)
+    fprintf(stderr, "shared pasts: %llu of %llu cases\n", (unsigned long long)s->shared,
+            (unsigned long long)s->total);
+  sweep_runs(s);
+  signal(SIGPIPE, before);
+  return status;
+}
+
+/* ---- result ---- */
+
+static vs_status write_result(session *s, vs_error *err) {
+  void (*before)(int) = signal(SIGPIPE, SIG_IGN);
   vs_text more = {0};
   const vs_plan_stage *stage = s->plan.adaptive;
-  const vs_results results = vs_cases_results(&s->cases, cases);
+  const vs_results results = cases_results(&s->cases, s->count);
   vs_json json = vs_json_inside(&more);
   if (stage && stage->method->json) {
     vs_json_same_row(&json);
     stage->method->json(&s->plan, stage, &results, &json);
   }
   vs_bits_json(&s->journal.bits, &json);
-  const vs_journals all = {&s->journal, 1, cases, more.text};
+  const vs_journals all = {&s->journal, 1, s->count, more.text};
   vs_status status = vs_publish_write(&all, s->o->format, s->folder, err);
   vs_text_free(&more);
+  signal(SIGPIPE, before);
   return status;
 }
 
@@ -350,7 +610,7 @@ static vs_status say_result(const session *s, vs_error *err) {
   return VS_OK;
 }
 
-static vs_status judge(const session *s, vs_error *err) {
+static vs_status judge_study(const session *s, vs_error *err) {
   const vs_journal *j = &s->journal;
   unsigned long long all = j->done + j->failed;
   if (j->failed)
@@ -361,101 +621,4 @@ static vs_status judge(const session *s, vs_error *err) {
     return vs_fail(err, VS_RATING, "a rating is violated or undecided in %llu of %llu cases",
                    (unsigned long long)j->violated, all);
   return VS_OK;
-}
-
-/* A worker may outlive its killed parent by a moment, in which its case is already run again. What
- * it has left of its run.csv then lies beside the other one. */
-static void sweep_runs(const session *s, uint64_t cases) {
-  char folder[VS_PATH_SIZE + 32];
-  for (uint64_t k = 0; k < cases && s->o->keep_runs && s->o->resume; k++) {
-    snprintf(folder, sizeof folder, "%s/%llu", s->keep, (unsigned long long)k);
-    vs_file_sweep(folder);
-  }
-}
-
-static vs_status run_session(session *s, vs_error *err) {
-  const vs_head *head = &s->journal.head;
-  uint64_t cases = s->plan.count;
-  int jobs = s->o->jobs ? s->o->jobs : vs_jobs_cores();
-  s->total = (cases + head->shards - head->shard) / head->shards;
-  s->before = s->journal.done + s->journal.failed;
-  s->began_s = s->shown_s = vs_worker_clock();
-  s->show = !s->o->quiet && !s->o->progress_json && isatty(STDERR_FILENO);
-  if ((uint64_t)jobs > s->total && s->total) jobs = (int)s->total;
-  /* a branch would have no file of its own for run.csv */
-  bool share = !s->o->alone && !s->o->keep_runs && vs_past_fits(&s->plan);
-  const vs_jobs_options options = {
-      &s->plan, s->o->keep_runs ? s->keep : NULL, share, jobs, s->o->timeout_s, s->o->stop};
-  s->jobs = vs_jobs_new(&options);
-  vs_heed heed = vs_leave_heed_set(VS_HEED_KEEP);
-  void (*before)(int) = signal(SIGPIPE, SIG_IGN); /* whoever reads the progress may be gone */
-  vs_status status =
-      s->plan.adaptive ? run_adaptive(s, &cases, err) : run_cases(s, head->shard - 1, cases, err);
-  vs_jobs_free(s->jobs);
-  vs_leave_heed_set(heed); /* the rows are in the journal: what follows can be done again */
-  if (s->plan.adaptive) s->total = cases;
-  if (s->show) dprintf(STDERR_FILENO, "\r\033[K");
-  if (!status) show_progress(s, vs_worker_clock());
-  if (s->show) dprintf(STDERR_FILENO, "\r\033[K");
-  if (s->show && s->shared)
-    fprintf(stderr, "shared pasts: %llu of %llu cases\n", (unsigned long long)s->shared,
-            (unsigned long long)s->total);
-  sweep_runs(s, cases);
-  if (!status) status = write_result(s, cases, err);
-  signal(SIGPIPE, before);
-  if (!status) status = say_result(s, err);
-  return status ? status : judge(s, err);
-}
-
-/* Errors: options that do not go together. */
-static vs_status check_options(const vs_study_options *o, vs_error *err) {
-  if (o->resume && o->overwrite)
-    return vs_fail(err, VS_INPUT,
-                   "--resume goes on with what is there, --overwrite throws it "
-                   "away; give one of them");
-  if (o->again && !o->resume)
-    return vs_fail(err, VS_INPUT,
-                   "--again: it says what --resume does besides going on; give both");
-  const char *wants_folder = o->format != vs_format_all ? "--format"
-                             : o->resume                ? "--resume"
-                             : o->overwrite             ? "--overwrite"
-                             : o->keep_runs             ? "--keep runs"
-                             : o->progress_json         ? "--progress json"
-                             : o->shard                 ? "--shard"
-                                                        : NULL;
-  if (o->folder || !wants_folder) return VS_OK;
-  return vs_fail(err, VS_INPUT, "%s: wants a folder; name one with -o DIR", wants_folder);
-}
-
-static void free_session(session *s) {
-  vs_journal_close(&s->journal);
-  vs_plan_free(&s->plan);
-  vs_cases_free(&s->cases);
-  free(s);
-}
-
-vs_status vs_study_command(const vs_study_options *o, vs_error *err) {
-  session *s = vs_alloc(1, sizeof *s);
-  s->o = o;
-  s->journal.fd = s->journal.folder = -1;
-  s->cases = (vs_cases){.plan = &s->plan, .journal = &s->journal};
-  vs_status status = check_options(o, err);
-  vs_hash_hold(true); /* before the first file is read */
-  if (!status) status = vs_reading_plan(o->name, o->methods, o->sets, o->n_sets, &s->plan, err);
-  s->plan.allow_code = o->allow_code;
-  if (!status) status = vs_control_allow(&s->plan.first->control, o->allow_code, err);
-  if (!status) status = name_folder(s, err);
-  bool named = !status;
-  if (!status) {
-    status = open_journal(s, err);
-    if (status) vs_file_folder_unmake(s->folder, s->made);
-  }
-  if (!status) status = run_session(s, err);
-  if (status == VS_SIGNAL && o->folder)
-    status = vs_fail(err, VS_SIGNAL, "stopped by a signal; --resume goes on: %llu cases are done",
-                     (unsigned long long)(s->journal.done + s->journal.failed));
-  if (named && !o->folder) discard_folder(s);
-  free_session(s);
-  vs_hash_hold(false);
-  return status;
 }

@@ -54,7 +54,7 @@ void vs_survey_kept_free(vs_kept *kept, size_t count, size_t cells) {
 /* ---- what a column holds ---- */
 
 /* Returns where value stands, or would stand, among the rising ones. */
-static size_t place_of(const vs_profile *p, double value) {
+static size_t place_of_value(const vs_profile *p, double value) {
   size_t low = 0, high = p->count;
   while (low < high) {
     size_t middle = (low + high) / 2;
@@ -68,7 +68,7 @@ static size_t place_of(const vs_profile *p, double value) {
 
 static void note_value(vs_profile *p, double value) {
   if (p->many) return;
-  size_t k = place_of(p, value);
+  size_t k = place_of_value(p, value);
   if (k < p->count && p->value[k] == value) return;
   if (p->count == VS_DISTINCT) {
     p->many = true;
@@ -110,7 +110,7 @@ long vs_survey_index(const vs_profile *p, const char *cell) {
   if (p->many) return -1;
   if (p->is_number) {
     if (!vs_folder_number(cell, &value) || isnan(value)) return -1;
-    size_t k = place_of(p, value);
+    size_t k = place_of_value(p, value);
     return k < p->count && p->value[k] == value ? (long)k : -1;
   }
   for (size_t k = 0; k < p->count; k++)
@@ -129,7 +129,7 @@ vs_extent vs_survey_extent(const vs_profile *p) {
 }
 
 /* True if the column holds names rather than numbers. */
-static bool is_name(const vs_folder_column *column) {
+static bool holds_names(const vs_folder_column *column) {
   return column->role == VS_ROLE_ID || column->role == VS_ROLE_WEAKEST ||
          column->role == VS_ROLE_HAPPENED || column->role == VS_ROLE_NOT_JUDGED ||
          column->role == VS_ROLE_WARNINGS;
@@ -213,7 +213,7 @@ static vs_status note_row(void *ctx, const vs_folder_row *row, vs_error *err) {
   double margin = NAN;
   vs_status status = VS_OK;
   for (size_t c = 1; c < t->count && !status; c++)
-    if (!is_name(&t->column[c])) status = note_cell(r, c, row, err);
+    if (!holds_names(&t->column[c])) status = note_cell(r, c, row, err);
   if (status) return status;
   s->rows++;
   if (t->margin >= 0) vs_folder_number(row->cell[t->margin], &margin);
@@ -246,7 +246,7 @@ vs_status vs_survey_take(const vs_folder *t, vs_survey *s, vs_error *err) {
   *s = (vs_survey){0};
   for (size_t c = 0; c < t->count; c++)
     s->profile[c] =
-        (vs_profile){.is_number = !is_name(&t->column[c]), .least = NAN, .largest = NAN};
+        (vs_profile){.is_number = !holds_names(&t->column[c]), .least = NAN, .largest = NAN};
   reader r = {.t = t, .s = s};
   r.aim = vs_folder_aim(t, &r.largest);
   r.found = vs_folder_found(t);

@@ -9,7 +9,6 @@
 #include <string.h>
 
 #include "program.h"
-#include "cli/validate/single_shot.h"
 
 #if defined(__SANITIZE_ADDRESS__)
 enum { SANITIZED = true };

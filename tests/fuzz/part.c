@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "bench/wrap.h"
+#include "cli/wrap.h"
 #include "netlist/netlist.h"
 #include "run/warnings.h"
 #include "bench/stand.h"

@@ -4,11 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "report/plot/moments.h"
+#include "report/plot/stretch.h"
 #include "report/compare.h"
 #include "report/bars.h"
-#include "report/chapters.h"
-#include "report/flow.h"
+#include "report/digest.h"
 #include "study/methods.h"
 #include "base/gnuplot.h"
 #include "report/plot/sheets.h"
@@ -29,11 +28,9 @@ static void page(const vs_node *root) {
   int size[2];
   if (vs_bars_script(root, false, &bars, size)) is_harmless(bars.text.text);
   vs_gnuplot_free(&bars);
-  vs_chapter_head(&html, "run", root, 1);
-  vs_chapter_verdict(&html, root);
-  vs_flow_add(&html, vs_tree_child(root, "energy"));
-  vs_chapter_measures(&html, root);
-  vs_chapter_parameters(&html, root);
+  vs_digest_head(&html, "run", root, 1);
+  vs_digest_verdict(&html, root);
+  vs_digest_values(&html, root);
   is_harmless(html.text.text);
   FUZZ_HOLDS(!strstr(html.text.text, "<script"));
   vs_html_free(&html);
@@ -63,8 +60,8 @@ static void take(const char *text, size_t size) {
   fuzz_judge(status, &err);
   if (!status) page(summary.root);
   vs_tree_free(&summary);
-  fuzz_judge(vs_moments_read(fuzz_folder(), &moments, &err), &err);
-  vs_moments_free(&moments);
+  fuzz_judge(vs_stretch_read_moments(fuzz_folder(), &moments, &err), &err);
+  vs_stretch_free_moments(&moments);
   free(vs_sheets_new(fuzz_folder(), "t_s,p_m,v_ak_v"));
   for (int json = 0; json < 2; json++) {
     const vs_compare_options o = {fuzz_folder(), fuzz_folder(), json, vs_methods_all};

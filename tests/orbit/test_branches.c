@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "orbit/rows.h"
-#include "orbit/walk.h"
+#include "orbit/branch_output.h"
+#include "orbit/continuation.h"
 #include "orbit/flight.h"
 #include "program.h"
 
@@ -22,7 +22,7 @@ static const double CLOSE_BY = 1e-9;
 typedef struct tour {
   vs_trial *trial;
   vs_along along;
-  vs_walk walk;
+  vs_continuation walk;
 } tour;
 
 static tour *go(const char *const *sets, const vs_along_words *words, int periods) {
@@ -31,22 +31,22 @@ static tour *go(const char *const *sets, const vs_along_words *words, int period
   vs_error *err = &t->trial->err;
   vs_status status = t->trial->status;
   if (!status) status = vs_along_read(&t->along, &t->trial->scene, words, err);
-  if (!status) status = vs_walk_go(&t->walk, &t->along, periods, NULL, err);
+  if (!status) status = vs_continuation_go(&t->walk, &t->along, periods, NULL, err);
   EXPECT(!status, "%s: %s", words->range, err->text);
   return t;
 }
 
 static void done(tour *t) {
-  vs_walk_free(&t->walk);
+  vs_continuation_free(&t->walk);
   vs_along_free(&t->along);
   vs_trial_free(t->trial);
   free(t);
 }
 
 /* The row of the n-th mark of that kind, from 0; NULL: there are not so many. */
-static const vs_walk_row *mark(tour *t, const char *kind, int n) {
+static const vs_continuation_row *mark(tour *t, const char *kind, int n) {
   for (size_t r = 0; r < t->walk.count; r++) {
-    const vs_walk_row *row = &t->walk.row[r];
+    const vs_continuation_row *row = &t->walk.row[r];
     if (row->mark.kind && !strcmp(row->mark.kind->name, kind) && n-- == 0) return row;
   }
   return NULL;
@@ -60,7 +60,7 @@ static int marks(tour *t, const char *kind) {
 
 /* The key of that mark; NaN: there is none. It must say that it is as near as promised. */
 static double key_of(tour *t, const char *kind, int n) {
-  const vs_walk_row *row = mark(t, kind, n);
+  const vs_continuation_row *row = mark(t, kind, n);
   double key = row ? row->at.z[t->walk.path.count] : NAN;
   EXPECT(row && row->mark.error <= CLOSE_BY * key, "%s %d: %g", kind, n,
          row ? row->mark.error : NAN);
@@ -115,7 +115,8 @@ static void the_pole_cover_is_touched(void) {
   const vs_along_words angles = {"firing.angle=85deg..75deg", NULL, NULL},
                        frequencies = {"supply.frequency=50Hz..62Hz", NULL, NULL};
   tour *a = go(BY_ANGLE, &angles, 1), *f = go(BY_FREQUENCY, &frequencies, 1);
-  EXPECT(a->walk.end == VS_WALK_REACHED && f->walk.end == VS_WALK_REACHED, "%d", a->walk.end);
+  EXPECT(a->walk.end == VS_CONTINUATION_REACHED && f->walk.end == VS_CONTINUATION_REACHED, "%d",
+         a->walk.end);
   EXPECT(marks(a, "pole_cover") == 1 && marks(f, "pole_cover") == 2, "%d", marks(f, "pole_cover"));
   double keys[] = {key_of(a, "pole_cover", 0), key_of(f, "pole_cover", 0),
                    key_of(f, "pole_cover", 1)};
@@ -145,7 +146,7 @@ static void the_bound_moves(void) {
 /* ---- the hysteresis ---- */
 
 /* The row of the last point before the mark, or of the first behind it. */
-static const vs_walk_row *neighbour(const vs_walk_row *of, int side) {
+static const vs_continuation_row *neighbour(const vs_continuation_row *of, int side) {
   do of += side;
   while (of->mark.kind);
   return of;
@@ -155,7 +156,7 @@ static const vs_walk_row *neighbour(const vs_walk_row *of, int side) {
  * from the fold, a state of the orbits on either side is x0 +- c h + d h^2 ..., so that the square
  * of their difference is a power series in the key, and 0 at the fold. A polynomial of degree three
  * through four of them finds that. */
-static double fold_by_extrapolation(tour *t, const vs_walk_row *fold, double step) {
+static double fold_by_extrapolation(tour *t, const vs_continuation_row *fold, double step) {
   enum { N = 4 };
   double key = fold->at.z[t->walk.path.count], square[N], zero = key;
   vs_orbit o[2];
@@ -193,9 +194,9 @@ static void one_walk_has_both_branches(void) {
   const vs_along_words words = {"supply.frequency=50Hz..72Hz", NULL, "60Hz"};
   static const double P_MIN[] = {-6.793e-3, -6.3146e-3, -3.433e-3};
   tour *t = go(SETS, &words, 1);
-  EXPECT(t->walk.end == VS_WALK_REACHED && marks(t, "at") == 3, "%d", marks(t, "at"));
+  EXPECT(t->walk.end == VS_CONTINUATION_REACHED && marks(t, "at") == 3, "%d", marks(t, "at"));
   for (int n = 0; n < 3 && mark(t, "at", n); n++) {
-    const vs_walk_row *row = mark(t, "at", n);
+    const vs_continuation_row *row = mark(t, "at", n);
     vs_orbit o;
     vs_error err = {0};
     CLOSE(row->at.turns.least.best.value, P_MIN[n], 5e-4);
@@ -220,12 +221,12 @@ static void a_fold_beside_its_grazing(void) {
   static const char *const SETS[] = {"firing.every=1", "firing.angle=90deg", STOP, NULL};
   const vs_along_words words = {"supply.frequency=60Hz..57Hz", NULL, NULL};
   tour *t = go(SETS, &words, 1);
-  const vs_walk_row *row = mark(t, "fold", 0);
+  const vs_continuation_row *row = mark(t, "fold", 0);
   double fold = key_of(t, "fold", 0), graze = key_of(t, "grazing", 0);
   vs_orbit o;
   vs_error err = {0};
-  EXPECT(t->walk.end == VS_WALK_BACK && graze > fold && graze < fold + 1e-4, "%.12g, %.12g", fold,
-         graze);
+  EXPECT(t->walk.end == VS_CONTINUATION_BACK && graze > fold && graze < fold + 1e-4, "%.12g, %.12g",
+         fold, graze);
   if (row) {
     vs_status above = orbit_at(t, fold * (1 + 1e-8), row->at.z, &o, &err);
     double off = above ? INFINITY : fabs(o.x[0] - row->at.z[0]) / o.scale[0];
@@ -267,7 +268,7 @@ static void a_branch_of_twice_the_period_ends_at_a_flip(void) {
                        up = {"supply.frequency=48Hz..56Hz", NULL, NULL};
   tour *one = go(SETS, &all, 1), *two = go(SETS, &up, 2);
   EXPECT(marks(one, "flip") == 2 && marks(one, "torus") == 2, "%d", marks(one, "torus"));
-  EXPECT(two->walk.end == VS_WALK_MERGED, "%d", two->walk.end);
+  EXPECT(two->walk.end == VS_CONTINUATION_MERGED, "%d", two->walk.end);
   CLOSE(key_of(two, "merging", 0), key_of(one, "flip", 1), CLOSE_BY);
   if (marks(one, "flip") == 2 && marks(one, "torus") == 2) {
     CLOSE(key_of(one, "flip", 0), bisect(one, 45.6, 45.8, has_flipped), CLOSE_BY);
@@ -283,16 +284,17 @@ static void a_walk_ends_where_orbits_end(void) {
   static const char *const SETS[] = {"firing.every=3", "firing.angle=120deg", NULL};
   const vs_along_words words = {"supply.frequency=75Hz..90Hz", NULL, NULL};
   tour *t = go(SETS, &words, 1);
-  const vs_walk_row *last = &t->walk.row[t->walk.count - 1];
-  EXPECT(t->walk.end == VS_WALK_STUCK && *t->walk.why && !marks(t, "fold"), "%d", t->walk.end);
+  const vs_continuation_row *last = &t->walk.row[t->walk.count - 1];
+  EXPECT(t->walk.end == VS_CONTINUATION_STUCK && *t->walk.why && !marks(t, "fold"), "%d",
+         t->walk.end);
   CLOSE(last->at.z[t->walk.path.count], (2.0 / 3) / 8e-3, 1e-7);
   done(t);
   static const char *const FIRED[] = {"firing.every=1", NULL};
   const vs_along_words longer = {"firing.pulse_width=8ms..16ms", NULL, NULL};
   t = go(FIRED, &longer, 1);
   last = &t->walk.row[t->walk.count - 1];
-  EXPECT(t->walk.end == VS_WALK_STUCK && strstr(t->walk.why, "fires in another cycle"), "%s",
-         t->walk.why);
+  EXPECT(t->walk.end == VS_CONTINUATION_STUCK && strstr(t->walk.why, "fires in another cycle"),
+         "%s", t->walk.why);
   CLOSE(last->at.z[t->walk.path.count], 20 - 20 / 3.6, 1e-6);
   done(t);
 }
@@ -306,9 +308,9 @@ static void a_budget_is_kept(void) {
   t->trial = vs_trial_read("paper", "switched", sets);
   vs_status status = vs_along_read(&t->along, &t->trial->scene, &words, &t->trial->err);
   t->trial->scene.order.budget = &budget;
-  if (!status) status = vs_walk_go(&t->walk, &t->along, 1, NULL, &t->trial->err);
-  EXPECT(!status && t->walk.end == VS_WALK_SPENT && t->walk.count > 2, "%d %d %zu %s", status,
-         t->walk.end, t->walk.count, t->trial->err.text);
+  if (!status) status = vs_continuation_go(&t->walk, &t->along, 1, NULL, &t->trial->err);
+  EXPECT(!status && t->walk.end == VS_CONTINUATION_SPENT && t->walk.count > 2, "%d %d %zu %s",
+         status, t->walk.end, t->walk.count, t->trial->err.text);
   EXPECT(strstr(t->walk.why, "budget of 150 cycles of the mains is spent, after "), "%s",
          t->walk.why);
   CU_ASSERT(budget.spent[VS_BUDGET_IDEAL] <= 150);
@@ -323,11 +325,11 @@ static void a_signal_ends_a_walk(void) {
   tour *t = vs_alloc(1, sizeof *t);
   t->trial = vs_trial_read("paper", "switched", SETS);
   vs_status status = vs_along_read(&t->along, &t->trial->scene, &words, &t->trial->err);
-  if (!status) status = vs_walk_go(&t->walk, &t->along, 1, &stop, &t->trial->err);
-  EXPECT(!status && t->walk.end == VS_WALK_STOPPED && t->walk.count == 2, "%d %s", status,
+  if (!status) status = vs_continuation_go(&t->walk, &t->along, 1, &stop, &t->trial->err);
+  EXPECT(!status && t->walk.end == VS_CONTINUATION_STOPPED && t->walk.count == 2, "%d %s", status,
          t->trial->err.text);
   vs_text json = {0};
-  vs_rows_json(&t->walk, &json);
+  vs_branch_output_json(&t->walk, &json);
   EXPECT(strstr(json.text, "where a signal stopped it"), "%s", json.text);
   vs_text_free(&json);
   done(t);

@@ -77,7 +77,7 @@ static void the_single_shot_has_the_published_ones(void) {
 
 /* The derivative of each measure by differences of runs, each of which finds its own orbit. Their
  * steps are as short as the kin's, so that the same is compared. */
-static void compare(vs_subject *subject, const char *key, double step, double allowed) {
+static void compare(vs_sensitivity_problem *subject, const char *key, double step, double allowed) {
   vs_fan exact = {0}, runs = {0};
   vs_error err = {0};
   const vs_asked asked = {key, {0}};
@@ -147,14 +147,14 @@ static void kin_are_as_runs_are(void) {
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     const char *sets[SETS] = {NULL};
-    vs_subject subject = {0};
+    vs_sensitivity_problem subject = {0};
     memcpy(sets, ROWS[k].sets, sizeof ROWS[k].sets);
     vs_trial *t = vs_trial_read(ROWS[k].scene, "switched", sets);
     EXPECT(!t->status, "%s", t->err.text);
-    vs_status status = vs_subject_begin(&subject, &t->scene, ROWS[k].periods, &t->err);
+    vs_status status = vs_sensitivity_problem_begin(&subject, &t->scene, ROWS[k].periods, &t->err);
     EXPECT(!status, "%s: %s", ROWS[k].scene, t->err.text);
     if (!status) compare(&subject, ROWS[k].key, ROWS[k].step, ROWS[k].allowed);
-    vs_subject_end(&subject);
+    vs_sensitivity_problem_end(&subject);
     vs_trial_free(t);
   }
 }
@@ -168,7 +168,7 @@ static void events_move(void) {
   const char *const none[] = {NULL};
   for (size_t k = 0; k < COUNT(KEYS) * COUNT(AT); k++) {
     char text[256];
-    vs_subject subject;
+    vs_sensitivity_problem subject;
     snprintf(text, sizeof text,
              "start: steady\nfiring: {every: 1}\n"
              "run: {until: 0.08 s, tier: switched, max_step: 0.2 ms}\n"
@@ -176,9 +176,10 @@ static void events_move(void) {
              AT[k / COUNT(KEYS)]);
     write_file("dip.yaml", text);
     vs_trial *t = vs_trial_read("dip.yaml", NULL, none);
-    EXPECT(!t->status && !vs_subject_begin(&subject, &t->scene, 0, &t->err), "%s", t->err.text);
+    EXPECT(!t->status && !vs_sensitivity_problem_begin(&subject, &t->scene, 0, &t->err), "%s",
+           t->err.text);
     compare(&subject, KEYS[k % COUNT(KEYS)], 1e-4, 1e-8);
-    vs_subject_end(&subject);
+    vs_sensitivity_problem_end(&subject);
     vs_trial_free(t);
   }
 }

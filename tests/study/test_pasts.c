@@ -160,7 +160,7 @@ static void every_kind_of_event(void) {
   }
 }
 
-/* A search asks for its cases lot after lot; the trunk is there for all of them. */
+/* A search asks for its cases batch after batch; the shared prefix is there for all of them. */
 static void a_search(void) {
   write_file("f.yaml", "set: {firing.every: 1, run: {until: 46 ms, tolerance: 1e-2}, events: "
                        "{surge1: {kind: surge, cycle: 3}}}\n"
@@ -201,7 +201,7 @@ static pid_t child_of(pid_t parent) {
   return (pid_t)atoi(text);
 }
 
-/* The process so many forks below the study's own: its worker, that one's scout, its branch; 0:
+/* The process so many forks below the study's own: its worker, that one's runner, its branch; 0:
  * there is none now. */
 static pid_t below(pid_t master, int forks) {
   pid_t pid = master;
@@ -227,7 +227,7 @@ static bool signal_below(pid_t master, int forks, int number) {
   return false;
 }
 
-/* kill -9 of a branch, of a scout, of a worker: the study does not mind. */
+/* kill -9 of a branch, of a runner, of a worker: the study does not mind. */
 static void a_copy_is_killed(void) {
   write_surges();
   for (int forks = 1; forks <= 3; forks++) {

@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Continuous firing on the switched tier: periodic orbits, start-up, the pole cover, the stop; and
  * what one pulse's first peak depends on. */
-#include "validate/continuous.h"
-
 #include <gsl/gsl_roots.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
 #include "base/text.h"
+#include "validate/experiment.h"
 #include "validate/orbit.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
@@ -107,7 +106,7 @@ static double clearance(double value, void *ctx) {
   return c->status ? 0 : p_min + gap_m;
 }
 
-static double solve(contact *c, double lo, double hi) {
+static double solve_contact(contact *c, double lo, double hi) {
   gsl_function f = {clearance, c};
   gsl_root_fsolver *solver = vs_checked(gsl_root_fsolver_alloc(gsl_root_fsolver_brent));
   double root = NAN;
@@ -133,7 +132,7 @@ static vs_status perform_contact(const vs_experiment *e, const vs_observer *also
   vs_status status = VS_OK;
   for (size_t k = 0; k < COUNT(ROWS) && !status; k++) {
     contact c = {e, also, ROWS[k].format, ROWS[k].in_orbit, VS_OK, err};
-    vs_experiment_add(out, solve(&c, ROWS[k].lo, ROWS[k].hi), "%s", ROWS[k].name);
+    vs_experiment_add(out, solve_contact(&c, ROWS[k].lo, ROWS[k].hi), "%s", ROWS[k].name);
     status = c.status;
   }
   return status;

@@ -136,7 +136,7 @@ static void note_events(watch *w, const vs_step *step) {
     }
 }
 
-static vs_status accept(void *ctx, const vs_step *step, vs_error *err) {
+static vs_status note_step_of_experiment(void *ctx, const vs_step *step, vs_error *err) {
   watch *w = ctx;
   double begin = step->from->t_s, end = step->to->t_s, half = (end - begin) / 2;
   for (int k = 0; k < VS_EXPERIMENT_LOOKS; k++) {
@@ -211,7 +211,7 @@ static double left_over(const vs_energy *e) {
   return most / whole;
 }
 
-static void add_all(const vs_trial *t, const watch *w, vs_numbers *out) {
+static void add_run_numbers(const vs_trial *t, const watch *w, vs_numbers *out) {
   double until = t->scene.setup.run.until_s;
   vs_experiment_add_measures(&t->scene.setup.model, &t->result, out);
   for (int k = 0; k < VS_ENERGIES; k++)
@@ -240,7 +240,7 @@ static void add_all(const vs_trial *t, const watch *w, vs_numbers *out) {
 vs_status vs_experiment_perform(const vs_experiment *e, const vs_observer *also, vs_numbers *out,
                                 vs_error *err) {
   watch w = {.experiment = e, .also = also, .channel = -1, .event_s = {NAN, NAN}};
-  const vs_observer observer = {&w, accept};
+  const vs_observer observer = {&w, note_step_of_experiment};
   const char *sets[VS_EXPERIMENT_SETS + 1] = {NULL};
   memcpy(sets, e->sets, sizeof e->sets);
   vs_trial *t = vs_trial_run(e->scene ? e->scene : EMPTY_SCENE, e->tier, sets, &observer);
@@ -251,7 +251,7 @@ vs_status vs_experiment_perform(const vs_experiment *e, const vs_observer *also,
     status =
         vs_fail(err, VS_RUN, "ngspice gave up on the scene as it is: %s", t->result.ladder.failed);
   else
-    add_all(t, &w, out);
+    add_run_numbers(t, &w, out);
   vs_trial_free(t);
   vs_experiment_curve_free(&w.curve);
   return status;

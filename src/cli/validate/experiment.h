@@ -4,8 +4,8 @@
 #ifndef VS_CLI_EXPERIMENT_H
 #define VS_CLI_EXPERIMENT_H
 
-#include "run/trial.h"
 #include "engine/sim.h"
+#include "run/trial.h"
 
 typedef struct vs_number {
   char name[64];
@@ -55,6 +55,11 @@ typedef struct vs_comparisons {
   const vs_comparison *item;
   size_t count;
 } vs_comparisons;
+
+/* The program's own comparisons: one list a file, plugs of the command's table (validate.c). */
+extern const vs_comparisons vs_single_shot_comparisons, vs_phase_control_comparisons,
+    vs_continuous_comparisons, vs_tiers_comparisons, vs_snubber_comparisons, vs_surge_comparisons,
+    vs_machines_comparisons;
 
 /* Runs the experiment's scene with its sets, and adds: every measure, and its
  * instant as NAME.at; energy.NAME; loss.NAME; NAME_min and NAME_max of the deck's probes;

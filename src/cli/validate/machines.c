@@ -2,8 +2,7 @@
  * The machines that come with the program besides the conveyor: modes, single shots, periodic
  * orbits, a shaker and a solenoid on a voltage that is switched on; and the paper's machine with
  * saturation and leakage. */
-#include "validate/machines.h"
-
+#include "validate/experiment.h"
 #include "validate/orbit.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))

@@ -7,16 +7,17 @@
 #include "base/text.h"
 #include "orbit/shooting.h"
 
-static vs_status accept(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
+static vs_status accept_step_of_orbit(void *ctx, const vs_step *step, const vs_result *result,
+                                      vs_error *err) {
   const vs_observer *also = ctx;
   (void)result;
   return also->accept(also->ctx, step, err);
 }
 
 /* Over one period of the orbit. */
-static vs_status measure(const vs_scene *s, const vs_orbit *orbit, const vs_observer *also,
-                         vs_numbers *out, vs_error *err) {
-  const vs_guest guest = {.ctx = (void *)(size_t)also, .accept = accept};
+static vs_status measure_orbit(const vs_scene *s, const vs_orbit *orbit, const vs_observer *also,
+                               vs_numbers *out, vs_error *err) {
+  const vs_guest guest = {.ctx = (void *)(size_t)also, .accept = accept_step_of_orbit};
   const vs_session session = {.guest = also ? &guest : NULL, .unguarded = true};
   vs_scene *once = vs_alloc(1, sizeof *once); /* borrows what s owns */
   vs_result *r = vs_alloc(1, sizeof *r);
@@ -41,12 +42,12 @@ static vs_status measure(const vs_scene *s, const vs_orbit *orbit, const vs_obse
   return status;
 }
 
-static vs_status find(const vs_scene *s, const vs_observer *also, bool multipliers, vs_numbers *out,
-                      vs_error *err) {
+static vs_status find_and_measure_orbit(const vs_scene *s, const vs_observer *also,
+                                        bool multipliers, vs_numbers *out, vs_error *err) {
   const vs_shooting how = {.periods = 1, .unguarded = true};
   vs_orbit orbit;
   vs_status status = vs_shooting_seek(s, &how, &orbit, err);
-  if (!status) status = measure(s, &orbit, also, out, err);
+  if (!status) status = measure_orbit(s, &orbit, also, out, err);
   for (int k = 0; k < orbit.count && multipliers && !status; k++)
     vs_experiment_add(out, hypot(orbit.multiplier[k].re, orbit.multiplier[k].im), "multiplier%d",
                       k + 1);
@@ -55,14 +56,14 @@ static vs_status find(const vs_scene *s, const vs_observer *also, bool multiplie
 
 vs_status vs_orbit_find(const vs_scene *s, const vs_observer *also, vs_numbers *out,
                         vs_error *err) {
-  return find(s, also, false, out, err);
+  return find_and_measure_orbit(s, also, false, out, err);
 }
 
 vs_status vs_orbit_perform(const vs_experiment *e, const vs_observer *also, vs_numbers *out,
                            vs_error *err) {
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_status status = vs_experiment_scene(e, NULL, scene, err);
-  if (!status) status = find(scene, also, e->multipliers, out, err);
+  if (!status) status = find_and_measure_orbit(scene, also, e->multipliers, out, err);
   vs_scene_free(scene);
   free(scene);
   return status;

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Phase control of R-L, closed form: what the analytic tier must give of the current. */
-#include "validate/phase_control.h"
-
 #include <gsl/gsl_integration.h>
 #include <gsl/gsl_roots.h>
 #include <math.h>
 #include <stdlib.h>
 
 #include "base/text.h"
+#include "validate/experiment.h"
 
 /* i(x) = U sqrt2/Z (sin(x - theta) - sin(alpha - theta) exp(-(x - alpha)/tan theta)), x from alpha
  * to beta, where it is zero again (Eq. 91). */
@@ -16,7 +15,7 @@ typedef struct pulse {
   double peak_a;       /* U sqrt2/Z */
 } pulse;
 
-static double current(double x, void *ctx) {
+static double current_of_rl(double x, void *ctx) {
   const pulse *p = ctx;
   double fade = exp(-(x - p->alpha) / tan(p->theta));
   return p->peak_a * (sin(x - p->theta) - sin(p->alpha - p->theta) * fade);
@@ -29,7 +28,7 @@ static double slope(double x, void *ctx) {
 }
 
 static double square(double x, void *ctx) {
-  return pow(current(x, ctx), 2);
+  return pow(current_of_rl(x, ctx), 2);
 }
 
 static double root_of(double (*function)(double, void *), pulse *p, double lo, double hi) {
@@ -63,11 +62,11 @@ static vs_status perform_closed_form(const vs_experiment *e, const vs_observer *
     const vs_actuator_values *coil = &scene->setup.model.actuator;
     double x_ohm = line->omega_rad_s * coil->inductance_h, r_ohm = coil->resistance_ohm;
     pulse p = {line->firing.angle.first, atan2(x_ohm, r_ohm), line->peak_v / hypot(x_ohm, r_ohm)};
-    double beta = root_of(current, &p, fmax(p.alpha, p.theta) + 0.1, 2 * M_PI);
+    double beta = root_of(current_of_rl, &p, fmax(p.alpha, p.theta) + 0.1, 2 * M_PI);
     vs_experiment_add(out, beta / line->omega_rad_s, "t_extinction");
     vs_experiment_add(out, (beta - p.alpha) / line->omega_rad_s, "conduction_time");
-    vs_experiment_add(out, current(root_of(slope, &p, p.alpha, beta), &p), "i_peak");
-    vs_experiment_add(out, integral_of(current, &p, p.alpha, beta) / (2 * M_PI), "i_mean");
+    vs_experiment_add(out, current_of_rl(root_of(slope, &p, p.alpha, beta), &p), "i_peak");
+    vs_experiment_add(out, integral_of(current_of_rl, &p, p.alpha, beta) / (2 * M_PI), "i_mean");
     vs_experiment_add(out, sqrt(integral_of(square, &p, p.alpha, beta) / (2 * M_PI)), "i_rms");
   }
   vs_scene_free(scene);

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The paper's scene, one current pulse at 100 degrees, on each tier against independent solutions;
  * the machine's modes. */
-#include "validate/single_shot.h"
-
 #include <stdlib.h>
 
 #include "base/text.h"
+#include "validate/experiment.h"
 
 #define REFERENCE "independent high-order solution"
 #define COUNT(array) (sizeof(array) / sizeof *(array))

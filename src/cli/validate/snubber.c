@@ -2,8 +2,7 @@
  * The RC snubber: a voltage E switched onto R-L with R_S-C across the open switch, by ngspice,
  * against closed forms. omega0 = 1/sqrt(LC), zeta = R/2 sqrt(C/L), chi = I_RR/E sqrt(L/C). Here E
  * is 100 V, L 1 mH and C 100 nF, so that R is 200 ohm zeta, I_RR 1 A chi and E omega0 10 V/us. */
-#include "validate/snubber.h"
-
+#include "validate/experiment.h"
 #define WIDTH "circuit.deck=validate/snubber", "run.tolerance=1e-6"
 #define NORMAL WIDTH, "run.until=50us", "run.max_step=10ns", "supply.voltage=1 V"
 #define BENCH(name, ...)                                                                           \

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Generators against the standards they are made for, the surge into a varistor, varistor laws, and
  * the I2t of a half sine. */
-#include "validate/surge.h"
 #include "engine/events.h"
+#include "validate/experiment.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
@@ -58,8 +58,8 @@ COUPLED(earth_short, "i_load", "earth", "circuit.load=1 mohm");
 
 /* ---- waves that come as a formula ---- */
 
-static void sample(double (*wave)(const vs_occurrence *, double), double until_s,
-                   const vs_occurrence *e, vs_numbers *out) {
+static void sample_wave(double (*wave)(const vs_occurrence *, double), double until_s,
+                        const vs_occurrence *e, vs_numbers *out) {
   enum { POINTS = 20000 };
   vs_experiment_curve curve = {0};
   for (int k = 0; k <= POINTS; k++) {
@@ -75,13 +75,13 @@ static const vs_occurrence OF_1V = {.v = {.level_v = 1, .frequency_hz = 5000, .d
 static vs_status perform_ring(const vs_experiment *e, const vs_observer *also, vs_numbers *out,
                               vs_error *err) {
   (void)e, (void)also, (void)err;
-  sample(vs_events_find("ring_wave")->source, 20e-6, &OF_1V, out);
+  sample_wave(vs_events_find("ring_wave")->source, 20e-6, &OF_1V, out);
   return VS_OK;
 }
 static vs_status perform_eft(const vs_experiment *e, const vs_observer *also, vs_numbers *out,
                              vs_error *err) {
   (void)e, (void)also, (void)err;
-  sample(vs_events_find("eft")->source, 200e-9, &OF_1V, out);
+  sample_wave(vs_events_find("eft")->source, 200e-9, &OF_1V, out);
   return VS_OK;
 }
 static const vs_experiment ring = {.perform = perform_ring}, eft = {.perform = perform_eft};

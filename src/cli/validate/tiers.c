@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Tier against tier, where both are valid. */
-#include "validate/tiers.h"
-
+#include "validate/experiment.h"
 #define SCENE(name, tier_name, seconds, ...)                                                       \
   static const vs_experiment name = {.perform = vs_experiment_perform,                             \
                                      .wall_s = seconds,                                            \

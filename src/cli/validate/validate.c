@@ -9,17 +9,13 @@
 #include <unistd.h>
 
 #include "base/json.h"
+#include "base/leave.h"
 #include "base/text.h"
-#include "run/version.h"
+#include "commands.h"
 #include "ngspice/circuit.h"
 #include "ngspice/ng.h"
-#include "validate/continuous.h"
-#include "validate/machines.h"
-#include "validate/phase_control.h"
-#include "validate/single_shot.h"
-#include "validate/snubber.h"
-#include "validate/surge.h"
-#include "validate/tiers.h"
+#include "options.h"
+#include "run/version.h"
 
 /* An experiment that some of the chosen comparisons need. It is done when the first of them asks.
  */
@@ -61,14 +57,14 @@ static outcome *outcome_of(session *s, const vs_experiment *e) {
   return NULL;
 }
 
-static void plan(session *s, const vs_experiment *e) {
+static void plan_experiment(session *s, const vs_experiment *e) {
   if (!e || outcome_of(s, e)) return;
   s->outcomes[s->n_outcomes++].experiment = e;
   s->planned_s += e->wall_s;
 }
 
-static vs_status choose(session *s, const vs_comparisons *const *lists, size_t n_lists,
-                        vs_error *err) {
+static vs_status choose_comparisons(session *s, const vs_comparisons *const *lists, size_t n_lists,
+                                    vs_error *err) {
   const char *word = s->options->word;
   size_t most = 0;
   for (size_t l = 0; l < n_lists; l++) most += lists[l]->count;
@@ -79,8 +75,8 @@ static vs_status choose(session *s, const vs_comparisons *const *lists, size_t n
       const vs_comparison *c = &lists[l]->item[k];
       if (word && !strcasestr(c->name, word)) continue;
       s->chosen[s->n_chosen++] = c;
-      plan(s, c->experiment);
-      plan(s, c->other);
+      plan_experiment(s, c->experiment);
+      plan_experiment(s, c->other);
     }
   if (s->n_chosen) return VS_OK;
   return vs_fail(err, VS_INPUT,
@@ -94,8 +90,8 @@ static void hide_progress(session *s) {
   s->shown_s = 0;
 }
 
-/* What is planned is scaled by what has been done so far; the present experiment counts with the
- * time it has taken, but not beyond its plan. */
+/* The planned time is scaled by what the experiments so far have taken; the present one counts with
+ * the time it has taken, but at most with its plan. */
 static void show_progress(session *s) {
   double now = wall_clock(), spent = now - s->began_s;
   if (!s->show_progress || spent < 1 || now - s->shown_s < 0.25) return;
@@ -105,17 +101,17 @@ static void show_progress(session *s) {
           spent * (1 - part) / part, s->now->name);
 }
 
-static vs_status watch(void *ctx, const vs_step *step, vs_error *err) {
+static vs_status watch_validation(void *ctx, const vs_step *step, vs_error *err) {
   session *s = ctx;
   (void)step;
   if (s->steps++ % 256 == 0) show_progress(s);
   return *s->options->stop ? vs_fail(err, VS_SIGNAL, "validate: stopped by a signal") : VS_OK;
 }
 
-static outcome *perform(session *s, const vs_experiment *e) {
+static outcome *perform_experiment(session *s, const vs_experiment *e) {
   outcome *o = outcome_of(s, e);
   if (o->done) return o;
-  const vs_observer observer = {s, watch};
+  const vs_observer observer = {s, watch_validation};
   s->stage_s = wall_clock();
   s->present = e;
   show_progress(s);
@@ -135,9 +131,10 @@ typedef struct verdict {
   const char *failure; /* of a run, one line; NULL: none */
 } verdict;
 
-static verdict judge(session *s, const vs_comparison *c, vs_status *status) {
+static verdict judge_comparison(session *s, const vs_comparison *c, vs_status *status) {
   verdict v = {.expected = c->expected, .got = NAN};
-  const outcome *o = perform(s, c->experiment), *other = c->other ? perform(s, c->other) : NULL;
+  const outcome *o = perform_experiment(s, c->experiment),
+                *other = c->other ? perform_experiment(s, c->other) : NULL;
   if (o->status) v.failure = o->err.text;
   if (other && other->status) v.failure = other->err.text;
   if (o->status == VS_SIGNAL || (other && other->status == VS_SIGNAL)) *status = VS_SIGNAL;
@@ -157,13 +154,13 @@ static int name_width(const session *s) {
   return (int)width;
 }
 
-static void print_row(const session *s, const vs_comparison *c, const verdict *v) {
+static void print_comparison(const session *s, const vs_comparison *c, const verdict *v) {
   printf("%-3s %-*s %15.10g %15.10g %-6s %8.1e %8.1e  %s; %s\n", v->good ? "ok" : "OFF",
          name_width(s), c->name, v->expected, v->got, c->unit, v->error, c->tolerance, c->source,
          c->why);
 }
 
-static void add_row(session *s, const vs_comparison *c, const verdict *v) {
+static void add_comparison_json(session *s, const vs_comparison *c, const verdict *v) {
   enum { DIGITS = 17 }; /* a double's, exactly */
   vs_json *json = &s->json;
   vs_json_object(json, NULL, VS_JSON_ROW);
@@ -188,7 +185,7 @@ static void begin_json(session *s) {
   vs_json_array(&s->json, "checks", VS_JSON_LINES);
 }
 
-static void print_json(session *s) {
+static void print_comparisons_json(session *s) {
   vs_json_end(&s->json);
   vs_json_whole(&s->json, "count", (int64_t)s->n_chosen);
   vs_json_same_row(&s->json);
@@ -199,21 +196,21 @@ static void print_json(session *s) {
   puts(s->text.text);
 }
 
-static void show(session *s, const vs_comparison *c, const verdict *v) {
+static void show_comparison(session *s, const vs_comparison *c, const verdict *v) {
   hide_progress(s);
   if (!v->good && s->options->quiet)
     fprintf(stderr,
             "vibrospice: validate: %s: expected %.10g, got %.10g %s: off by %.2g, allowed %.2g\n",
             c->name, v->expected, v->got, c->unit, v->error, c->tolerance);
   if (s->options->json)
-    add_row(s, c, v);
+    add_comparison_json(s, c, v);
   else if (!s->options->quiet) {
-    print_row(s, c, v);
+    print_comparison(s, c, v);
     fflush(stdout);
   }
 }
 
-static vs_status validate(session *s, vs_error *err) {
+static vs_status make_comparisons(session *s, vs_error *err) {
   vs_status status = VS_OK;
   begin_json(s);
   if (!s->options->json && !s->options->quiet)
@@ -221,14 +218,14 @@ static vs_status validate(session *s, vs_error *err) {
            "", "error", "allowed", "source; tolerance");
   for (size_t k = 0; k < s->n_chosen; k++) {
     s->now = s->chosen[k];
-    const verdict v = judge(s, s->now, &status);
+    const verdict v = judge_comparison(s, s->now, &status);
     if (status || *s->options->stop) break;
     s->failed += !v.good;
-    show(s, s->now, &v);
+    show_comparison(s, s->now, &v);
   }
   hide_progress(s);
   if (status || *s->options->stop) return vs_fail(err, VS_SIGNAL, "validate: stopped by a signal");
-  if (s->options->json) print_json(s);
+  if (s->options->json) print_comparisons_json(s);
   if (!s->options->json && !s->options->quiet)
     printf("%zu check%s, %zu off, in %.1f s\n", s->n_chosen, s->n_chosen > 1 ? "s" : "", s->failed,
            wall_clock() - s->began_s);
@@ -240,9 +237,9 @@ vs_status vs_validate(const vs_comparisons *const *lists, size_t n_lists,
                       const vs_validate_options *options, vs_error *err) {
   session s = {.options = options, .began_s = wall_clock()};
   s.show_progress = !options->quiet && isatty(STDERR_FILENO);
-  vs_status status = choose(&s, lists, n_lists, err);
+  vs_status status = choose_comparisons(&s, lists, n_lists, err);
   for (size_t k = 0; k < s.n_chosen && options->list; k++) puts(s.chosen[k]->name);
-  if (!status && !options->list) status = validate(&s, err);
+  if (!status && !options->list) status = make_comparisons(&s, err);
   for (size_t k = 0; k < s.n_outcomes; k++) vs_experiment_numbers_free(&s.outcomes[k].numbers);
   vs_text_free(&s.text);
   free(s.outcomes);
@@ -250,10 +247,45 @@ vs_status vs_validate(const vs_comparisons *const *lists, size_t n_lists,
   return status;
 }
 
-vs_status vs_validate_command(const vs_validate_options *options, vs_error *err) {
-  static const vs_comparisons *const LISTS[] = {
-      &vs_single_shot_comparisons, &vs_phase_control_comparisons, &vs_continuous_comparisons,
-      &vs_tiers_comparisons,       &vs_snubber_comparisons,       &vs_surge_comparisons,
-      &vs_machines_comparisons};
-  return vs_validate(LISTS, sizeof LISTS / sizeof *LISTS, options, err);
+/* The program's own comparisons. */
+static const vs_comparisons *const LISTS[] = {
+    &vs_single_shot_comparisons, &vs_phase_control_comparisons, &vs_continuous_comparisons,
+    &vs_tiers_comparisons,       &vs_snubber_comparisons,       &vs_surge_comparisons,
+    &vs_machines_comparisons};
+
+/* ---- the command line ---- */
+
+typedef struct validate_line {
+  vs_arguments common;
+  bool list;
+} validate_line;
+
+static vs_status validate_command(const void *given, vs_error *err) {
+  const validate_line *line = given;
+  const vs_validate_options o = {.word = vs_command_name(&line->common),
+                                 .json = line->common.json,
+                                 .quiet = line->common.quiet,
+                                 .list = line->list,
+                                 .stop = &vs_leave_requested};
+  return vs_validate(LISTS, sizeof LISTS / sizeof *LISTS, &o, err);
 }
+
+static const vs_option VALIDATE_OPTIONS[] = {
+    VS_OPTIONS_FLAG(validate_line, list, "list", "names the checks and does none"),
+    VS_OPTIONS_JSON,
+    VS_OPTIONS_FLAG(vs_arguments, quiet, "quiet", "says only what is off"),
+    VS_OPTIONS_HELP,
+    {0}};
+
+const vs_command vs_validate_cli = {
+    .name = "validate",
+    .argument = "[WORD]",
+    .text = "compares with closed forms and reference solutions, and tier with tier, each with "
+            "its error; "
+            "WORD: only checks whose names have it",
+    .examples =
+        "  vibrospice validate\n  vibrospice validate snubber\n  vibrospice validate --json\n",
+    .may_be_alone = true,
+    .options = VALIDATE_OPTIONS,
+    .size = sizeof(validate_line),
+    .run = validate_command};

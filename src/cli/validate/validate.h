@@ -24,7 +24,4 @@ typedef struct vs_validate_options {
 vs_status vs_validate(const vs_comparisons *const *lists, size_t n_lists,
                       const vs_validate_options *options, vs_error *err);
 
-/* Makes the program's own comparisons. */
-vs_status vs_validate_command(const vs_validate_options *options, vs_error *err);
-
 #endif

@@ -22,7 +22,7 @@ static double _Complex of_gsl(gsl_complex z) {
 }
 
 /* Solves V w = B. */
-static bool solve(modes *m, const vs_linear *l) {
+static bool solve_modes(modes *m, const vs_linear *l) {
   size_t order[N];
   int sign;
   gsl_matrix_complex *v = vs_checked(gsl_matrix_complex_alloc(m->n, m->n));
@@ -77,7 +77,7 @@ static bool find_modes(const vs_linear *l, modes *m) {
   gsl_vector_complex_free(values);
   gsl_matrix_complex_free(v);
   gsl_matrix_free(a);
-  return good && solve(m, l);
+  return good && solve_modes(m, l);
 }
 
 static vs_averaged_pole pole_of(double _Complex m, double period_s) {
@@ -143,7 +143,7 @@ static void take_output(const vs_linear *l, const modes *m, int output, vs_avera
 /* ---- all of it ---- */
 
 /* The gain without the modes tells whether these are known: their sum must not cancel. */
-static bool agrees(const vs_averaged *a, const double gain[VS_LINEAR_OUTPUTS]) {
+static bool does_gain_agree(const vs_averaged *a, const double gain[VS_LINEAR_OUTPUTS]) {
   for (int k = 0; k < a->outputs; k++)
     if (!(fabs(gain[k] - a->gain[k]) <= 1e-6 * (fabs(gain[k]) + fabs(a->at_once[k])))) return false;
   return true;
@@ -159,7 +159,7 @@ vs_status vs_averaged_find(const vs_linear *l, vs_averaged *a, vs_error *err) {
   for (int k = 0; k < a->outputs && good; k++) take_output(l, m, k, a);
   free(m);
   if (status) return status;
-  return good && agrees(a, gain)
+  return good && does_gain_agree(a, gain)
              ? VS_OK
              : vs_fail(err, VS_RUN,
                        "the poles of the linear model cannot be told apart, so that there is no "

@@ -7,6 +7,7 @@
 
 #include "base/text.h"
 #include "base/units.h"
+#include "orbit/linear.h"
 
 enum { N = VS_LINEAR_STATES };
 
@@ -105,7 +106,7 @@ static vs_status try_angle(search *s, double angle_rad, vs_error *err) {
 
 /* Newton's iteration for the angle. With an integral part the amplitude is the one wanted; without,
  * angle = start + P (m - wanted). */
-static vs_status rest(search *s, const double limits[2], vs_closed *c, vs_error *err) {
+static vs_status find_rest_of_loop(search *s, const double limits[2], vs_closed *c, vs_error *err) {
   enum { ITERATIONS = 40 };
   static const double CLOSED = 1e-9; /* of the angle, rad */
   const vs_regulator_pi *pi = &c->pi;
@@ -152,7 +153,7 @@ static void find_step(vs_closed *c) {
 }
 
 static vs_status close_loop(search *s, const double limits[2], vs_closed *c, vs_error *err) {
-  vs_status status = rest(s, limits, c, err);
+  vs_status status = find_rest_of_loop(s, limits, c, err);
   if (status) return status;
   /* the control's P and I are per SI, the model's output is in the channel's unit */
   const vs_regulator_pi own = {.proportional = c->pi.proportional * s->unit,

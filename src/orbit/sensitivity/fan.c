@@ -6,27 +6,28 @@
 #include <stdlib.h>
 
 #include "base/text.h"
+#include "orbit/sensitivity_problem.h"
 #include "run/session.h"
 
 enum { RUNS = VS_FAN_RUNS };
 
 typedef struct making {
-  const vs_subject *subject;
+  const vs_sensitivity_problem *subject;
   double tolerance;
 } making;
 
-static vs_setup make(const vs_scene *scene, void *ctx) {
+static vs_setup make_setup_of_fan(const vs_scene *scene, void *ctx) {
   const making *m = ctx;
-  return vs_subject_setup(m->subject, scene, m->tolerance);
+  return vs_sensitivity_problem_setup(m->subject, scene, m->tolerance);
 }
 
-vs_status vs_fan_begin(vs_fan *f, const vs_subject *subject, const char *key, vs_where where,
-                       double step, double tolerance, vs_error *err) {
+vs_status vs_fan_begin(vs_fan *f, const vs_sensitivity_problem *subject, const char *key,
+                       vs_where where, double step, double tolerance, vs_error *err) {
   making as = {subject, tolerance};
   *f = (vs_fan){0};
   vs_status status = vs_parameter_begin(&f->parameter, subject->scene, key, where, step, err);
   if (status) return status;
-  vs_parameter_take(&f->parameter, make, &as);
+  vs_parameter_take(&f->parameter, make_setup_of_fan, &as);
   for (int k = 0; k < RUNS; k++) {
     const vs_scene *from = f->parameter.scene[f->parameter.idle ? 0 : k];
     vs_scene *s = f->scene[k] = vs_alloc(1, sizeof *s);
@@ -53,7 +54,7 @@ void vs_fan_end(vs_fan *f) {
 /* ---- runs of their own ---- */
 
 /* Each run finds its own orbit, where it begins on one or is a period of one. */
-static vs_status run_one(vs_fan *f, const vs_subject *subject, int k, double tolerance,
+static vs_status run_one(vs_fan *f, const vs_sensitivity_problem *subject, int k, double tolerance,
                          vs_error *err) {
   vs_scene *scene = f->scene[k];
   const vs_session session = {.stop = subject->stop};
@@ -65,7 +66,8 @@ static vs_status run_one(vs_fan *f, const vs_subject *subject, int k, double tol
   return vs_measured_run(f->measured[k], scene, subject->periods, &session, err);
 }
 
-vs_status vs_fan_run(vs_fan *f, const vs_subject *subject, double tolerance, vs_error *err) {
+vs_status vs_fan_run(vs_fan *f, const vs_sensitivity_problem *subject, double tolerance,
+                     vs_error *err) {
   vs_status status = VS_OK;
   for (int k = 0; k < RUNS && !status; k++) {
     vs_error why = {0};

@@ -7,8 +7,9 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "orbit/grazing.h"
 #include "engine/driven.h"
+#include "orbit/grazing.h"
+#include "orbit/sensitivity_problem.h"
 #include "run/session.h"
 
 enum { RUNS = VS_FAN_RUNS, ROWS = VS_VARIATION_MOST };
@@ -21,7 +22,7 @@ typedef struct instant {
 /* One run along with Y. The first finds the instants, the second how far p may go, the third shows
  * the kin. */
 typedef struct pass {
-  const vs_subject *subject;
+  const vs_sensitivity_problem *subject;
   bool again; /* the other attempt */
   vs_parameter *parameter;
   vs_scene *scene; /* that is run */
@@ -34,13 +35,13 @@ typedef struct pass {
   vs_grazing grazing;
   double ratio; /* how large Y is beside the state, at most */
   vs_fan *fan;
-  vs_driven driven[RUNS]; /* what drives each of the kin */
+  vs_driven driven[RUNS]; /* what drives each of the neighbours */
   vs_knot knot[RUNS][2];  /* the last one is knot[k][last] */
   int last;
   void (*take)(struct pass *pass, const vs_step *step);
 } pass;
 
-static void add_instant(pass *p, double t_s, double moved_s) {
+static void add_moved_instant(pass *p, double t_s, double moved_s) {
   if (p->count == p->room) {
     p->room = p->room ? 2 * p->room : 64;
     p->instants = vs_resize(p->instants, p->room, sizeof *p->instants);
@@ -65,7 +66,7 @@ static void take_instants(pass *p, const vs_step *step) {
   const vs_jump *jump = &p->variation.jump;
   state_of(step->frame->model, step->to, y, f);
   for (int i = 0; i < p->variation.rows; i++) p->scale[i] = fmax(p->scale[i], fabs(y[i]));
-  if (jump->count + 1 > (long)p->count) add_instant(p, jump->t_s, jump->moved_s);
+  if (jump->count + 1 > (long)p->count) add_moved_instant(p, jump->t_s, jump->moved_s);
 }
 
 /* A state smaller than this part of the largest of its kind need not be known as well as that. */
@@ -92,8 +93,8 @@ static double moved_at(const pass *p, double t_s) {
 }
 
 /* Y where the knot moves along. */
-static void follow(const pass *p, const vs_knot *knot, double moved_s, double y[ROWS],
-                   double way[ROWS]) {
+static void follow_derivative(const pass *p, const vs_knot *knot, double moved_s, double y[ROWS],
+                              double way[ROWS]) {
   double f[ROWS];
   state_of(p->variation.model, knot, y, f);
   for (int i = 0; i < p->variation.rows; i++)
@@ -103,7 +104,7 @@ static void follow(const pass *p, const vs_knot *knot, double moved_s, double y[
 static void take_sizes(pass *p, const vs_step *step) {
   double y[ROWS], way[ROWS];
   vs_grazing_accept(&p->grazing, &p->variation, step);
-  follow(p, step->to, moved_at(p, step->to->t_s), y, way);
+  follow_derivative(p, step->to, moved_at(p, step->to->t_s), y, way);
   for (int i = 0; i < p->variation.rows; i++)
     if (p->scale[i] > 0) p->ratio = fmax(p->ratio, fabs(way[i]) / p->scale[i]);
 }
@@ -120,12 +121,12 @@ static void look_at_stretches(pass *p) {
 /* What Y itself may be off by, relative to what is large of it. */
 static const double UNRESOLVED = 1e-12;
 
-/* The kin's p makes this part of the state at most. What a difference of sixth order leaves out is
- * then its sixth power. The least and the largest p: beyond them rounding, or the key's own range,
- * would tell. */
+/* The neighbours' p makes this part of the state at most. What a difference of sixth order leaves
+ * out is then its sixth power. The least and the largest p: beyond them rounding, or the key's own
+ * range, would tell. */
 static const double PART = 1e-3, LEAST = 1e-8, LARGEST = 1e-3;
 
-/* ---- the third: the kin ---- */
+/* ---- the third: the neighbours ---- */
 
 /* By how much a second of the run's time is longer for the k-th of the kin. */
 static double stretch_of(const pass *p, int k) {
@@ -138,7 +139,8 @@ static double stretch_of(const pass *p, int k) {
 }
 
 /* The knot of the k-th, whose derivatives follow from its state by its own equations. */
-static void fill(pass *p, int k, const vs_knot *own, const double y[ROWS], const double way[ROWS]) {
+static void fill_knot(pass *p, int k, const vs_knot *own, const double y[ROWS],
+                      const double way[ROWS]) {
   const vs_variation *v = &p->variation;
   const vs_parameter *near = &p->fan->parameter;
   const vs_setup *setup = &near->setup[k];
@@ -161,9 +163,9 @@ static const double CORNER = 1e-3;
 
 /* Makes one number of the knots, the order-th derivative of something over time, such that it is
  * linear in p over the run's own time, in which the k-th's runs stretch[k] times as fast. What lies
- * between two knots is then linear in p, too, and no knot differs from its neighbours in what is of
- * second order. At a corner, as where some of the kin are beyond the end of a table, the numbers
- * stay as they are, so that the measures' own differences tell of it. */
+ * between two knots is then linear in p, too, and no knot differs from those beside it in what is
+ * of second order. At a corner, as where some of the neighbours are beyond the end of a table, the
+ * numbers stay as they are, so that the measures' own differences tell of it. */
 static void straighten(pass *p, size_t offset, int order, const double stretch[RUNS]) {
   const vs_parameter *near = &p->fan->parameter;
   double v[RUNS], coarse = 0;
@@ -184,10 +186,10 @@ static void straighten(pass *p, size_t offset, int order, const double stretch[R
 static void fill_all(pass *p, const vs_knot *own) {
   const int dof = p->variation.model->dof;
   double y[ROWS], way[ROWS], stretch[RUNS];
-  follow(p, own, moved_at(p, own->t_s), y, way);
+  follow_derivative(p, own, moved_at(p, own->t_s), y, way);
   for (int k = 0; k < RUNS; k++) {
     stretch[k] = stretch_of(p, k);
-    fill(p, k, own, y, way);
+    fill_knot(p, k, own, y, way);
   }
   for (int i = 0; i < dof; i++) {
     size_t at = (size_t)i * sizeof(double);
@@ -204,7 +206,7 @@ static void take_waves(pass *p) {
   for (int k = 0; k < RUNS; k++) p->driven[k].mains = p->fan->parameter.mains[k];
 }
 
-static void show_kin(pass *p, const vs_step *step) {
+static void show_neighbours(pass *p, const vs_step *step) {
   fill_all(p, step->to);
   for (int k = 0; k < RUNS; k++) {
     const vs_knot *to = &p->knot[k][1 - p->last];
@@ -219,7 +221,7 @@ static void show_kin(pass *p, const vs_step *step) {
   p->last = 1 - p->last;
 }
 
-static void begin_kin(pass *p) {
+static void begin_neighbours(pass *p) {
   const vs_knot own = vs_sim_start(&p->scene->setup, &p->scene->frame);
   for (int k = 0; k < RUNS; k++) p->driven[k] = (vs_driven){.frame = &p->fan->scene[k]->frame};
   if (p->scene->setup.timeline.firing.no_valve) {
@@ -230,7 +232,7 @@ static void begin_kin(pass *p) {
   p->last = 1 - p->last;
 }
 
-/* The mains of the kin change where those of the run do. */
+/* The mains of the neighbours change where those of the run do. */
 static void renew_waves(pass *p) {
   const vs_jump *jump = &p->variation.jump;
   if (jump->fires) vs_parameter_fires(&p->fan->parameter, jump->asked_s, jump->t_s);
@@ -240,7 +242,8 @@ static void renew_waves(pass *p) {
 
 /* ---- a run ---- */
 
-static vs_status accept(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
+static vs_status accept_step_of_pass(void *ctx, const vs_step *step, const vs_result *result,
+                                     vs_error *err) {
   pass *p = ctx;
   (void)result;
   long jumps = p->variation.jump.count;
@@ -253,14 +256,14 @@ static vs_status accept(void *ctx, const vs_step *step, const vs_result *result,
   return VS_OK;
 }
 
-static vs_status go(pass *p, void (*take)(pass *, const vs_step *), vs_error *err) {
+static vs_status run_pass(pass *p, void (*take)(pass *, const vs_step *), vs_error *err) {
   vs_result *none = vs_alloc(1, sizeof *none);
-  const vs_guest guest = {.ctx = p, .accept = accept};
+  const vs_guest guest = {.ctx = p, .accept = accept_step_of_pass};
   const vs_session session = {.guest = &guest, .bare = true, .stop = p->subject->stop};
   p->take = take;
   p->now = 0;
   vs_variation_begin_alone(&p->variation, &p->scene->setup, p->parameter, p->start);
-  if (p->fan) begin_kin(p);
+  if (p->fan) begin_neighbours(p);
   vs_status status = vs_session_take(p->scene, err);
   if (!status) status = vs_session_run(&session, p->scene, none, err);
   vs_variation_end(&p->variation);
@@ -272,15 +275,15 @@ static vs_status go(pass *p, void (*take)(pass *, const vs_step *), vs_error *er
 /* ---- where it begins ---- */
 
 /* The angle that the fastest mode turns in a step at most. The polynomials of degree seven between
- * the knots of the kin leave out some 1e-13 of Y then. */
+ * the knots of the neighbours leave out some 1e-13 of Y then. */
 static const double TURN = 0.2;
 /* Where an extreme lies so near to a knot that what is of second order in p decides on which side,
  * the other attempt has its knots elsewhere, and smaller p. */
 static const double ELSEWHERE = 0.87, SMALLER = 0.1;
 
-static vs_setup make(const vs_scene *scene, void *ctx) {
+static vs_setup make_setup_of_pass(const vs_scene *scene, void *ctx) {
   const pass *p = ctx;
-  vs_setup setup = vs_subject_setup(p->subject, scene, p->subject->scene->tier->finest);
+  vs_setup setup = vs_sensitivity_problem_setup(p->subject, scene, p->subject->scene->tier->finest);
   double most =
       TURN * (p->again ? ELSEWHERE : 1) / setup.model.fastest_rad_s; /* INFINITY: nothing swings */
   if (isfinite(most) && !(setup.run.max_step_s > 0 && setup.run.max_step_s < most))
@@ -290,18 +293,19 @@ static vs_setup make(const vs_scene *scene, void *ctx) {
   return setup;
 }
 
-static vs_status begin(pass *p, vs_error *err) {
+static vs_status begin_pass(pass *p, vs_error *err) {
   const vs_scene *s = p->subject->scene;
-  vs_status status =
-      p->subject->calm ? vs_subject_start(p->subject, p->parameter, p->start, err) : VS_OK;
+  vs_status status = p->subject->calm
+                         ? vs_sensitivity_problem_start(p->subject, p->parameter, p->start, err)
+                         : VS_OK;
   if (status) return status;
-  vs_parameter_take(p->parameter, make, p);
+  vs_parameter_take(p->parameter, make_setup_of_pass, p);
   if (!p->subject->calm) vs_parameter_start(p->parameter, s->tier, p->start);
   p->scene = vs_alloc(1, sizeof *p->scene);
   *p->scene = *s;
-  p->scene->setup = make(s, p);
+  p->scene->setup = make_setup_of_pass(s, p);
   p->scene->frame = vs_sim_frame(s->tier, &p->scene->setup);
-  add_instant(p, 0, 0);
+  add_moved_instant(p, 0, 0);
   return VS_OK;
 }
 
@@ -317,14 +321,14 @@ static double end_moved(const vs_parameter *parameter) {
 
 /* ---- all of it ---- */
 
-static vs_status look(pass *p, vs_error *err) {
-  vs_status status = begin(p, err);
-  if (!status) status = go(p, take_instants, err);
+static vs_status look_for_instants(pass *p, vs_error *err) {
+  vs_status status = begin_pass(p, err);
+  if (!status) status = run_pass(p, take_instants, err);
   if (status) return status;
-  add_instant(p, p->scene->setup.run.until_s, end_moved(p->parameter));
+  add_moved_instant(p, p->scene->setup.run.until_s, end_moved(p->parameter));
   find_scales(p);
   look_at_stretches(p);
-  return go(p, take_sizes, err);
+  return run_pass(p, take_sizes, err);
 }
 
 /* The steps of the key that derivatives of coefficients are tried with: a shorter one where a
@@ -332,7 +336,7 @@ static vs_status look(pass *p, vs_error *err) {
 static const double STEPS[] = {1e-3, 1e-5, 1e-7};
 enum { N_STEPS = sizeof STEPS / sizeof *STEPS };
 
-static vs_status show(pass *p, vs_fan *fan, vs_where where, vs_error *err) {
+static vs_status show_to_watchers(pass *p, vs_fan *fan, vs_where where, vs_error *err) {
   double finest = p->subject->scene->tier->finest;
   double longest = fmin(LARGEST, p->parameter->step);
   double step = fmin(fmax(PART / p->ratio, LEAST), longest) * (p->again ? SMALLER : 1);
@@ -342,14 +346,14 @@ static vs_status show(pass *p, vs_fan *fan, vs_where where, vs_error *err) {
   p->fan = fan;
   fan->unresolved = UNRESOLVED * fmax(p->ratio, STEPS[0] / p->parameter->step);
   fan->grazing = p->grazing;
-  status = go(p, show_kin, err);
+  status = run_pass(p, show_neighbours, err);
   for (int k = 0; k < RUNS && !status; k++) vs_measured_finish(fan->measured[k]);
   if (status) vs_fan_end(fan);
   return status;
 }
 
-static vs_status find(vs_fan *fan, const vs_subject *subject, const vs_asked *key, bool again,
-                      double step, vs_error *err) {
+static vs_status find_in_passes(vs_fan *fan, const vs_sensitivity_problem *subject,
+                                const vs_asked *key, bool again, double step, vs_error *err) {
   pass *p = vs_alloc(1, sizeof *p);
   vs_parameter *parameter = vs_alloc(1, sizeof *parameter);
   p->subject = subject;
@@ -358,8 +362,8 @@ static vs_status find(vs_fan *fan, const vs_subject *subject, const vs_asked *ke
   p->grazing.by = INFINITY;
   vs_status status =
       vs_parameter_begin(parameter, subject->scene, key->name, key->where, step, err);
-  if (!status) status = look(p, err);
-  if (!status) status = show(p, fan, key->where, err);
+  if (!status) status = look_for_instants(p, err);
+  if (!status) status = show_to_watchers(p, fan, key->where, err);
   vs_parameter_end(parameter);
   free(p->instants);
   free(p->scene);
@@ -368,13 +372,13 @@ static vs_status find(vs_fan *fan, const vs_subject *subject, const vs_asked *ke
   return status;
 }
 
-vs_status vs_kin_find(vs_fan *fan, const vs_subject *subject, const vs_asked *key, bool again,
-                      vs_error *err) {
+vs_status vs_kin_find(vs_fan *fan, const vs_sensitivity_problem *subject, const vs_asked *key,
+                      bool again, vs_error *err) {
   vs_error why = {0};
   vs_status status = VS_RUN;
   for (int k = 0; k < N_STEPS && status == VS_RUN; k++) {
     why = (vs_error){0};
-    status = find(fan, subject, key, again, STEPS[k], &why);
+    status = find_in_passes(fan, subject, key, again, STEPS[k], &why);
   }
   if (status) *err = why;
   return status;

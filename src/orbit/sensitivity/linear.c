@@ -7,10 +7,148 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "orbit/columns.h"
+#include "measure/chunk.h"
+#include "orbit/seen.h"
 #include "orbit/grazing.h"
-#include "run/session.h"
 #include "orbit/steady.h"
+#include "orbit/variation.h"
+#include "run/session.h"
+
+/* ---- columns of the state, and of signals behind low-passes ---- */
+
+/* What a change of the state at a run's beginning, or a delay of its firing, makes of the state and
+ * of signals on the way: the columns of orbit/variation.h, and beside them the states of low-passes
+ * through which signals are seen.
+ *
+ * The columns of x are the machine's, q then q', and behind them those of each low-pass, whose
+ * signals' number and order are the caller's. A low-pass goes along exact polynomials of each
+ * column's signal. */
+
+/* What becomes of one low-pass: by the machine's columns, the delay's, then its own states. */
+typedef struct column_filter {
+  const vs_seen *seen; /* borrowed */
+  int first;           /* of its states in x */
+  vs_lowpass column[VS_VARIATION_MOST + 1 + 2];
+  double nodes[VS_VARIATION_MOST]
+              [VS_LOWPASS_TERMS]; /* the columns' signals in one part of a step */
+} column_filter;
+
+/* Begin with columns_begin, end with columns_end. */
+typedef struct state_columns {
+  int n;       /* states in x */
+  int machine; /* of these the machine's own */
+  vs_variation variation;
+  double rates[VS_VARIATION_MOST * (VS_VARIATION_MOST + 1)]; /* of its columns */
+  column_filter filter[VS_LINEAR_FILTERED];
+  int filters;
+  double t_s; /* how far they have come */
+} state_columns;
+
+enum { NODES = VS_LOWPASS_TERMS };
+
+/* The run begins at the start of the setup, which must outlive this; it has a valve. */
+static void columns_begin(state_columns *c, const vs_setup *setup) {
+  *c = (state_columns){.n = 2 * setup->model.dof, .machine = 2 * setup->model.dof};
+  vs_variation_begin(&c->variation, setup);
+  vs_variation_add_delay(&c->variation);
+}
+
+static void columns_end(state_columns *c) {
+  vs_variation_end(&c->variation);
+}
+
+/* The machine's columns, and the delay's as the last. */
+static int driven_columns(const state_columns *c) {
+  return c->machine + 1;
+}
+
+/* Adds the states of a signal's low-pass. Returns the first one's place in x, -1 where the signal
+ * has none. To be called before the first step. The signal must outlive this. */
+static int columns_add(state_columns *c, const vs_seen *seen) {
+  if (!seen->states) return -1;
+  column_filter *f = &c->filter[c->filters++];
+  *f = (column_filter){.seen = seen, .first = c->n};
+  for (int j = 0; j < driven_columns(c) + 2; j++) {
+    f->column[j] = seen->lowpass;
+    memset(f->column[j].x, 0, sizeof f->column[j].x);
+  }
+  for (int k = 0; k < seen->states; k++) f->column[driven_columns(c) + k].x[k] = 1;
+  c->n += seen->states;
+  return f->first;
+}
+
+/* What the variation's column j makes of a signal. The rates are there already. */
+static double signal_of(state_columns *c, const vs_seen *seen, int j) {
+  int dof = c->variation.model->dof;
+  double sum = 0;
+  for (int i = 0; i < 2 * dof; i++) sum += seen->k[i] * vs_variation_get(&c->variation, i, j);
+  for (int i = 0; i < dof; i++)
+    sum += seen->k[2 * dof + i] * c->rates[j * c->variation.rows + dof + i];
+  return sum;
+}
+
+/* The same of a signal that is not seen through a low-pass, at an instant of this step. */
+static double columns_signal(state_columns *c, const vs_step *step, const vs_seen *seen, int j) {
+  if (j >= c->machine && j < c->n) return 0; /* a low-pass moves nothing */
+  vs_variation_rates(&c->variation, step, c->rates);
+  return signal_of(c, seen, j < c->n ? j : c->machine);
+}
+
+/* What column j makes of state i at the instant that was come to; j = n: what a delay of the firing
+ * does, per second. */
+static double columns_state(state_columns *c, int i, int j) {
+  bool own = j >= c->machine && j < c->n; /* of a low-pass */
+  int column = j < c->n ? j : c->machine; /* of the variation */
+  if (i < c->machine) return own ? 0 : vs_variation_get(&c->variation, i, column);
+  for (int k = 0; k < c->filters; k++) {
+    const column_filter *f = &c->filter[k];
+    int row = i - f->first, theirs = j - f->first, states = f->seen->states;
+    if (row < 0 || row >= states) continue;
+    if (!own) return f->column[column].x[row];
+    return theirs >= 0 && theirs < states ? f->column[driven_columns(c) + theirs].x[row] : 0;
+  }
+  return 0;
+}
+
+static void take_filter_node(state_columns *c, const vs_step *step, int node) {
+  vs_variation_rates(&c->variation, step, c->rates);
+  for (int k = 0; k < c->filters; k++) {
+    column_filter *f = &c->filter[k];
+    for (int j = 0; j < driven_columns(c); j++) f->nodes[j][node] = signal_of(c, f->seen, j);
+  }
+}
+
+static void advance_lowpasses(column_filter *f, int columns, double h_s) {
+  const double none[NODES] = {0};
+  double u[NODES];
+  for (int j = 0; j < columns; j++) {
+    const vs_chunk chunk = vs_chunk_through(f->nodes[j]);
+    vs_chunk_powers(&chunk, u);
+    vs_lowpass_advance(&f->column[j], h_s, u);
+  }
+  for (int k = 0; k < 2; k++) vs_lowpass_advance(&f->column[columns + k], h_s, none);
+}
+
+/* Goes on to an instant within the step that is to be accepted next, not further than a part of it
+ * (vs_seen_parts). Errors: as of vs_variation_accept. */
+static vs_status columns_to(state_columns *c, const vs_step *step, double t_s, vs_error *err) {
+  double from_s = c->t_s;
+  vs_status status = VS_OK;
+  if (!(t_s > from_s)) return VS_OK;
+  for (int node = c->filters ? NODES - 1 : 0; node >= 0 && !status; node--) {
+    status = vs_variation_to(&c->variation, step, vs_chunk_instant(node, from_s, t_s), err);
+    if (c->filters && !status) take_filter_node(c, step, node);
+  }
+  for (int k = 0; k < c->filters && !status; k++)
+    advance_lowpasses(&c->filter[k], driven_columns(c), t_s - from_s);
+  c->t_s = t_s;
+  return status;
+}
+
+/* Accepts the step, to whose end they have come. */
+static vs_status columns_accept(state_columns *c, const vs_step *step, vs_error *err) {
+  return vs_variation_accept(&c->variation, step, err);
+}
 
 enum { N = VS_LINEAR_STATES };
 
@@ -26,7 +164,7 @@ typedef struct mark {
 
 typedef struct walk {
   vs_linear *out;
-  vs_columns columns;
+  state_columns columns;
   mark marks[2 * VS_LINEAR_OUTPUTS + 1];
   int n_marks;
   double per_rad; /* delay of the firing, s/rad */
@@ -34,14 +172,14 @@ typedef struct walk {
 
 /* What column j of x, or the delay's, makes of an output. */
 static double output_of(walk *w, const vs_step *step, const vs_linear_output *o, int j) {
-  return o->first >= 0 ? vs_columns_state(&w->columns, o->first, j)
-                       : vs_columns_signal(&w->columns, step, &o->seen, j);
+  return o->first >= 0 ? columns_state(&w->columns, o->first, j)
+                       : columns_signal(&w->columns, step, &o->seen, j);
 }
 
 static void take_mark(walk *w, const mark *m, const vs_step *step) {
   vs_linear *l = w->out;
   for (int i = 0; m->output < 0 && i < l->n; i++)
-    for (int j = 0; j < l->n; j++) l->to_firing[i][j] = vs_columns_state(&w->columns, i, j);
+    for (int j = 0; j < l->n; j++) l->to_firing[i][j] = columns_state(&w->columns, i, j);
   if (m->output < 0) return;
   const vs_linear_output *o = &l->output[m->output];
   for (int j = 0; j < l->n; j++) l->c[m->output][j] += m->share * output_of(w, step, o, j);
@@ -61,11 +199,11 @@ static mark *mark_until(walk *w, double to_s) {
 static vs_status go_marks(walk *w, const vs_step *step, double to_s, vs_error *err) {
   vs_status status = VS_OK;
   for (mark *m; !status && (m = mark_until(w, to_s));) {
-    status = vs_columns_to(&w->columns, step, m->t_s, err);
+    status = columns_to(&w->columns, step, m->t_s, err);
     if (!status) take_mark(w, m, step);
     m->taken = true;
   }
-  return status ? status : vs_columns_to(&w->columns, step, to_s, err);
+  return status ? status : columns_to(&w->columns, step, to_s, err);
 }
 
 static vs_status accept_walk(void *ctx, const vs_step *step, const vs_result *result,
@@ -77,7 +215,7 @@ static vs_status accept_walk(void *ctx, const vs_step *step, const vs_result *re
   (void)result;
   for (int n = 1; n <= parts && !status; n++)
     status = go_marks(w, step, n < parts ? from_s + n * (h_s / parts) : step->to->t_s, err);
-  return status ? status : vs_columns_accept(&w->columns, step, err);
+  return status ? status : columns_accept(&w->columns, step, err);
 }
 
 /* ---- along the orbit ---- */
@@ -124,8 +262,8 @@ static vs_status accept_look(void *ctx, const vs_step *step, const vs_result *re
 }
 
 /* Runs one period of the orbit. */
-static vs_status fly(const vs_scene *scene, const vs_setup *setup, const vs_guest *guest,
-                     vs_error *err) {
+static vs_status run_period(const vs_scene *scene, const vs_setup *setup, const vs_guest *guest,
+                            vs_error *err) {
   const vs_session session = {.guest = guest, .bare = true, .unguarded = true};
   vs_scene *own = vs_alloc(1, sizeof *own);
   vs_result *none = vs_alloc(1, sizeof *none);
@@ -144,10 +282,10 @@ static vs_status look_twice(const vs_scene *scene, const vs_setup *setup, vs_lin
                             vs_error *err) {
   look seen = {l, 0};
   const vs_guest guest = {.ctx = &seen, .accept = accept_look};
-  vs_status status = fly(scene, setup, &guest, err);
+  vs_status status = run_period(scene, setup, &guest, err);
   for (int k = 0; k < l->outputs; k++) vs_seen_close(&l->output[k].seen, l->period_s);
   l->contacts = seen.firings = 0;
-  if (!status) status = fly(scene, setup, &guest, err);
+  if (!status) status = run_period(scene, setup, &guest, err);
   if (status) return status;
   if (seen.firings != 1)
     return vs_fail(
@@ -200,17 +338,17 @@ static vs_status add_outputs(const vs_frame *frame, const vs_seen_order *signals
     vs_linear_output *o = &l->output[l->outputs++];
     status = vs_seen_begin(&o->seen, frame, &signals[k], err);
     filters += o->seen.states > 0;
-    if (!status && filters <= VS_COLUMNS_FILTERED) add_filter(l, o);
+    if (!status && filters <= VS_LINEAR_FILTERED) add_filter(l, o);
   }
-  if (status || (count <= VS_LINEAR_OUTPUTS && filters <= VS_COLUMNS_FILTERED)) return status;
+  if (status || (count <= VS_LINEAR_OUTPUTS && filters <= VS_LINEAR_FILTERED)) return status;
   return vs_fail(err, VS_INPUT, "a linear model has at most %d outputs, %d of them with a low-pass",
-                 (int)VS_LINEAR_OUTPUTS, (int)VS_COLUMNS_FILTERED);
+                 (int)VS_LINEAR_OUTPUTS, (int)VS_LINEAR_FILTERED);
 }
 
 static vs_status begin_walk(walk *w, const vs_setup *setup, vs_error *err) {
   vs_linear *l = w->out;
   w->per_rad = 1 / setup->timeline.omega_rad_s;
-  vs_columns_begin(&w->columns, setup);
+  columns_begin(&w->columns, setup);
   w->marks[w->n_marks++] = (mark){.t_s = l->fires_s, .output = -1};
   for (int k = 0; k < l->outputs; k++) {
     const vs_linear_output *o = &l->output[k];
@@ -221,7 +359,7 @@ static vs_status begin_walk(walk *w, const vs_setup *setup, vs_error *err) {
                      o->seen.order.name);
     for (int side = 0; side < 2; side++)
       w->marks[w->n_marks++] = (mark){o->seen.best[side].at_s, k, side ? -0.5 : 0.5, false};
-    vs_columns_add(&w->columns, &o->seen);
+    columns_add(&w->columns, &o->seen);
     for (int i = 0; i < o->seen.states; i++) {
       l->x[o->first + i] = o->seen.start[i];
       l->scale[o->first + i] = amplitude;
@@ -236,12 +374,12 @@ static vs_status walk_along(const vs_scene *scene, const vs_setup *setup, vs_lin
   w->out = l;
   const vs_guest guest = {.ctx = w, .accept = accept_walk};
   vs_status status = begin_walk(w, setup, err);
-  if (!status) status = fly(scene, setup, &guest, err);
+  if (!status) status = run_period(scene, setup, &guest, err);
   for (int i = 0; i < l->n && !status; i++) {
-    for (int j = 0; j < l->n; j++) l->a[i][j] = vs_columns_state(&w->columns, i, j);
-    l->b[i] = vs_columns_state(&w->columns, i, l->n) * w->per_rad;
+    for (int j = 0; j < l->n; j++) l->a[i][j] = columns_state(&w->columns, i, j);
+    l->b[i] = columns_state(&w->columns, i, l->n) * w->per_rad;
   }
-  vs_columns_end(&w->columns);
+  columns_end(&w->columns);
   free(w);
   return status;
 }

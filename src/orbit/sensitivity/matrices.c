@@ -8,6 +8,7 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "base/units.h"
+#include "orbit/linear.h"
 
 enum { N = VS_LINEAR_STATES, DIGITS = 17 };
 
@@ -141,7 +142,7 @@ void vs_matrices_print(const vs_matrices *m, FILE *out) {
 
 /* ---- JSON ---- */
 
-static void add_row(vs_json *json, const char *key, const double *values, int count) {
+static void add_row_of_numbers(vs_json *json, const char *key, const double *values, int count) {
   vs_json_array(json, key, VS_JSON_ROW);
   for (int k = 0; k < count; k++) vs_json_number(json, NULL, values[k], DIGITS);
   vs_json_end(json);
@@ -149,7 +150,7 @@ static void add_row(vs_json *json, const char *key, const double *values, int co
 
 static void add_matrix(vs_json *json, const char *key, double rows[][N], int count, int columns) {
   vs_json_array(json, key, VS_JSON_LINES);
-  for (int k = 0; k < count; k++) add_row(json, NULL, rows[k], columns);
+  for (int k = 0; k < count; k++) add_row_of_numbers(json, NULL, rows[k], columns);
   vs_json_end(json);
 }
 
@@ -196,14 +197,14 @@ static void add_shares(const vs_matrices *m, int pole, vs_json *json) {
   for (int k = 0; k < m->averaged.outputs; k++) {
     double _Complex share = m->averaged.share[k][pole] * degree();
     const double parts[] = {creal(share), cimag(share)};
-    add_row(json, NULL, parts, 2);
+    add_row_of_numbers(json, NULL, parts, 2);
   }
   vs_json_end(json);
   vs_json_array(json, "residues_per_deg", VS_JSON_ROW);
   for (int k = 0; k < m->averaged.outputs; k++) {
     double _Complex residue = m->averaged.residue[k][pole] * degree();
     const double parts[] = {creal(residue), cimag(residue)};
-    add_row(json, NULL, parts, 2);
+    add_row_of_numbers(json, NULL, parts, 2);
   }
   vs_json_end(json);
 }
@@ -225,7 +226,7 @@ static void add_poles(const vs_matrices *m, vs_json *json) {
   vs_json_end(json);
 }
 
-static void add_notes(const vs_matrices *m, vs_json *json) {
+static void add_notes_of_linear(const vs_matrices *m, vs_json *json) {
   vs_json_array(json, "notes", VS_JSON_LINES);
   for (const char *line = m->notes; line && *line;) {
     int length = (int)strcspn(line, "\n");
@@ -256,15 +257,15 @@ static void add_members(const vs_matrices *m, vs_json *json) {
   add_states(l, json);
   add_outputs(m, json);
   add_matrix(json, "A", l->a, l->n, l->n);
-  add_row(json, "B", l->b, l->n);
+  add_row_of_numbers(json, "B", l->b, l->n);
   add_matrix(json, "C", l->c, l->outputs, l->n);
-  add_row(json, "D", l->d, l->outputs);
+  add_row_of_numbers(json, "D", l->d, l->outputs);
   add_matrix(json, "to_firing", l->to_firing, l->n, l->n);
   add_matrix(json, "A_firing", l->a_firing, l->n, l->n);
-  add_row(json, "B_firing", l->b_firing, l->n);
+  add_row_of_numbers(json, "B_firing", l->b_firing, l->n);
   add_matrix(json, "C_firing", l->c_firing, l->outputs, l->n);
   add_poles(m, json);
-  add_notes(m, json);
+  add_notes_of_linear(m, json);
 }
 
 void vs_matrices_json(const vs_matrices *m, vs_json *json) {
@@ -329,7 +330,7 @@ static void write_poles(const vs_matrices *m, FILE *out) {
   fputc('\n', out);
 }
 
-static void write_json(const vs_matrices *m, FILE *out) {
+static void write_linear_json(const vs_matrices *m, FILE *out) {
   vs_text text = {0};
   vs_json json = vs_json_new(&text);
   vs_json_object(&json, NULL, VS_JSON_LINES);
@@ -340,9 +341,9 @@ static void write_json(const vs_matrices *m, FILE *out) {
   vs_text_free(&text);
 }
 
-static void write_all(const vs_matrices *m, vs_file *files) {
+static void write_linear_files(const vs_matrices *m, vs_file *files) {
   vs_linear *l = (vs_linear *)(size_t)&m->linear; /* only read */
-  write_json(m, files[TO_JSON].stream);
+  write_linear_json(m, files[TO_JSON].stream);
   write_matrix(l, l->a, l->n, files[TO_A].stream);
   write_column(l->b, l->n, files[TO_B].stream);
   write_matrix(l, l->c, l->outputs, files[TO_C].stream);
@@ -359,7 +360,7 @@ vs_status vs_matrices_write(const vs_matrices *m, const char *folder, vs_error *
   vs_status status = VS_OK;
   for (int k = 0; k < FILES && !status; k++)
     status = vs_file_open(&files[k], folder, NAMES[k], err);
-  if (!status) write_all(m, files);
+  if (!status) write_linear_files(m, files);
   for (int k = 0; k < FILES && !status; k++) status = vs_file_commit(&files[k], err);
   for (int k = 0; k < FILES; k++) vs_file_discard(&files[k]);
   free(files);

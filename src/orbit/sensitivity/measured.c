@@ -29,14 +29,15 @@ void vs_measured_free(vs_measured *m) {
 
 /* ---- a run of its own ---- */
 
-static vs_status begin(void *ctx, vs_scene *scene, vs_error *err) {
+static vs_status begin_run_of_measures(void *ctx, vs_scene *scene, vs_error *err) {
   vs_measured *m = ctx;
   (void)err;
   vs_steady_again(&m->steady, scene);
   return VS_OK;
 }
 
-static vs_status accept(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
+static vs_status accept_step_of_measures(void *ctx, const vs_step *step, const vs_result *result,
+                                         vs_error *err) {
   vs_measured *m = ctx;
   (void)result, (void)err;
   vs_steady_accept(&m->steady, step);
@@ -45,7 +46,8 @@ static vs_status accept(void *ctx, const vs_step *step, const vs_result *result,
 
 vs_status vs_measured_run(vs_measured *m, vs_scene *scene, int periods, const vs_session *session,
                           vs_error *err) {
-  const vs_guest guest = {.ctx = m, .begin = begin, .accept = accept};
+  const vs_guest guest = {
+      .ctx = m, .begin = begin_run_of_measures, .accept = accept_step_of_measures};
   vs_session along = *session;
   along.steady = vs_steady_start;
   m->period = periods > 0;

@@ -7,14 +7,15 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "orbit/kin.h"
 #include "base/units.h"
+#include "orbit/kin.h"
+#include "orbit/sensitivity_problem.h"
 
 /* What is being found. */
 typedef struct search {
   const vs_sensitivity_order *order;
   vs_budget budget;
-  vs_subject subject;
+  vs_sensitivity_problem subject;
   vs_sensitivity *out;
 } search;
 
@@ -91,7 +92,7 @@ static bool is_spent(const search *s) {
 
 /* The budget is spent before the derivatives to this key are all there: those to it and to the keys
  * behind it are not known. */
-static vs_status give_up(search *s, size_t to, vs_error *err) {
+static vs_status refuse_spent_search(search *s, size_t to, vs_error *err) {
   const int kind = s->budget.out[VS_BUDGET_CIRCUIT] ? VS_BUDGET_CIRCUIT : VS_BUDGET_IDEAL;
   for (size_t k = to; k < s->order->n_to; k++)
     for (size_t m = 0; m < s->order->n_of; m++)
@@ -188,7 +189,7 @@ static bool has_corners(const search *s) {
 static const double MARGIN = 10;
 
 /* Of two attempts the better one. */
-static vs_sensitivity_entry better(vs_sensitivity_entry a, vs_sensitivity_entry b) {
+static vs_sensitivity_entry better_entry(vs_sensitivity_entry a, vs_sensitivity_entry b) {
   double apart = fabs(a.value - b.value);
   vs_sensitivity_entry best = b.error < a.error ? b : a;
   if (apart > MARGIN * (a.error + b.error)) best.error = two_digits(MARGIN * apart);
@@ -263,7 +264,7 @@ static vs_status take_kin(search *s, size_t to, bool again, bool *whole, vs_erro
     vs_sensitivity_entry *e = vs_sensitivity_at(s->out, k, to), before = *e;
     if (again && is_resolved(e) && !has_corners(s)) continue;
     take_entry(s, fan, k, to, true);
-    if (again) *e = better(before, *e);
+    if (again) *e = better_entry(before, *e);
     *whole = *whole && is_resolved(e);
   }
   vs_fan_end(fan);
@@ -310,7 +311,7 @@ static void say_zero(search *s, size_t to) {
 
 /* ---- all of it ---- */
 
-static vs_status find_all(search *s, vs_error *err) {
+static vs_status find_all_entries(search *s, vs_error *err) {
   vs_status status = VS_OK;
   for (size_t k = 0; k < s->order->n_to && !status; k++) status = look_at_key(s, k, err);
   for (size_t k = 0; k < s->order->n_to && !status; k++) {
@@ -318,7 +319,7 @@ static vs_status find_all(search *s, vs_error *err) {
       return vs_fail(err, VS_SIGNAL, "stopped by a signal before %s", s->order->to[k].name);
     snprintf(s->budget.stage, sizeof s->budget.stage, "key %zu of %zu", k + 1, s->order->n_to);
     status = find_key(s, k, err);
-    if (is_spent(s)) status = give_up(s, k, err);
+    if (is_spent(s)) status = refuse_spent_search(s, k, err);
     if (!status) s->out->told = k + 1;
     if (!status) say_zero(s, k);
   }
@@ -351,12 +352,12 @@ vs_status vs_sensitivity_find(const vs_scene *scene, const vs_sensitivity_order 
   vs_scene *counted = vs_alloc(1, sizeof *counted); /* borrows all that the scene owns */
   *counted = *scene;
   counted->order.budget = &s.budget;
-  status = vs_subject_begin(&s.subject, counted, order->periods, err);
+  status = vs_sensitivity_problem_begin(&s.subject, counted, order->periods, err);
   s.subject.stop = order->stop;
-  if (status && is_spent(&s)) status = give_up(&s, 0, err);
-  if (!status) status = find_all(&s, err);
+  if (status && is_spent(&s)) status = refuse_spent_search(&s, 0, err);
+  if (!status) status = find_all_entries(&s, err);
   vs_budget_end(&s.budget);
-  vs_subject_end(&s.subject);
+  vs_sensitivity_problem_end(&s.subject);
   free(counted);
   return status;
 }

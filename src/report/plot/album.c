@@ -4,12 +4,8 @@
 #include <assert.h>
 #include <string.h>
 
-#include "plot/charts.h"
-#include "plot/feasible.h"
-#include "plot/map.h"
-#include "plot/spread.h"
-
-/* A new kind of picture is a file with its const struct, and a row here; methods name it. */
+/* A new kind of picture is its const struct, declared in sketch.h, and a row here; methods name it.
+ */
 static const vs_chart *const CHARTS[] = {
     &vs_charts_curve,     &vs_charts_cases,   &vs_charts_path,      &vs_charts_cloud,
     &vs_map_chart,        &vs_feasible_chart, &vs_spread_histogram, &vs_spread_bars,
@@ -33,7 +29,7 @@ static const vs_chart *find_chart(const char *name) {
   return CHARTS[k];
 }
 
-static bool fits(const vs_chart *chart, const vs_sketch *k) {
+static bool chart_fits(const vs_chart *chart, const vs_sketch *k) {
   return !chart->fits || chart->fits(k);
 }
 
@@ -45,7 +41,7 @@ static const vs_chart *every_column(const vs_sketch *k) {
   for (size_t m = 0; m < k->t->n_methods; m++)
     if (k->t->methods[m]->report.each) names = k->t->methods[m]->report.each;
   for (; *names; names++)
-    if (fits(find_chart(*names), k)) return find_chart(*names);
+    if (chart_fits(find_chart(*names), k)) return find_chart(*names);
   return &vs_charts_cases;
 }
 
@@ -65,8 +61,8 @@ static vs_status add_one(const vs_sketch *k, const vs_chart *chart, size_t colum
   return status;
 }
 
-static vs_status add(const vs_sketch *k, const vs_chart *chart, size_t column, vs_album *album,
-                     vs_error *err) {
+static vs_status add_pictures_of(const vs_sketch *k, const vs_chart *chart, size_t column,
+                                 vs_album *album, vs_error *err) {
   vs_sketch of_axis = *k;
   vs_status status = VS_OK;
   if (!chart->each_axis) return add_one(k, chart, column, album, err);
@@ -84,9 +80,9 @@ static vs_status add_list(const vs_sketch *k, const char *const *names, size_t c
   vs_status status = VS_OK;
   for (; names && *names && !status; names++) {
     const vs_chart *chart = find_chart(*names);
-    if (!fits(chart, k)) continue;
+    if (!chart_fits(chart, k)) continue;
     *shown = *shown || !chart->whole;
-    status = add(k, chart, column, album, err);
+    status = add_pictures_of(k, chart, column, album, err);
   }
   return status;
 }
@@ -123,7 +119,8 @@ vs_status vs_album_make(const vs_folder *t, const vs_survey *s, vs_album *album,
   for (size_t m = t->n_methods; m-- > 0 && !status;)
     status = add_list(&k, t->methods[m]->report.lead, column[0], &shown, album, err);
   const vs_chart *chart = every_column(&k);
-  for (size_t i = shown; i < n && !status; i++) status = add(&k, chart, column[i], album, err);
+  for (size_t i = shown; i < n && !status; i++)
+    status = add_pictures_of(&k, chart, column[i], album, err);
   for (size_t m = t->n_methods; m-- > 0 && !status;)
     status = add_list(&k, t->methods[m]->report.last, column[0], &shown, album, err);
   return status;

@@ -1,12 +1,12 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "plot/charts.h"
-
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Kinds of picture that show a column case by case, or over one or two axes. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/gnuplot.h"
+#include "plot/sketch.h"
 
 enum { FAMILY = 7 /* lines at most */, MOST_POINTS = 2000, FEW_POINTS = 100 };
 
@@ -117,6 +117,8 @@ static vs_status draw_curve(const vs_sketch *k, size_t column, vs_picture *p, vs
   return status;
 }
 
+/* "curve": the column over the one axis. Where there is a second axis that has few words, a line
+ * for each of them. */
 const vs_chart vs_charts_curve = {.name = "curve", .fits = fits_curve, .draw = draw_curve};
 
 /* ---- cases, and the path of a search ---- */
@@ -138,6 +140,7 @@ static vs_status draw_cases(const vs_sketch *k, size_t column, vs_picture *p, vs
   return status;
 }
 
+/* "cases": the column over the number of the case. */
 const vs_chart vs_charts_cases = {.name = "cases", .draw = draw_cases};
 
 /* The points that are better than all before them, and one at the end of the search. */
@@ -184,6 +187,7 @@ static vs_status draw_path(const vs_sketch *k, size_t column, vs_picture *p, vs_
   return status;
 }
 
+/* "path": the same with the worst so far, for a search. */
 const vs_chart vs_charts_path = {.name = "path", .draw = draw_path};
 
 /* ---- points in colour ---- */
@@ -270,4 +274,5 @@ static vs_status draw_cloud(const vs_sketch *k, size_t column, vs_picture *p, vs
   return status;
 }
 
+/* "cloud": points in colour, for cases that lie anywhere between two axes that are numbers. */
 const vs_chart vs_charts_cloud = {.name = "cloud", .fits = fits_cloud, .draw = draw_cloud};

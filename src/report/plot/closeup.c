@@ -6,15 +6,60 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/error.h"
 #include "base/file.h"
-#include "plot/fourier.h"
-#include "plot/phase_plane.h"
-#include "plot/strips.h"
-#include "members.h"
 #include "base/gnuplot.h"
-#include "report/plot.h"
 #include "base/units.h"
+#include "members.h"
+#include "plot/fourier.h"
+#include "plot/stretch.h"
+#include "plot/strips.h"
+#include "report/plot.h"
 #include "run/amount.h"
+
+/* ---- orbits: a coordinate and its rate over one another ---- */
+
+static vs_status add_curve(const vs_stretch *s, const vs_probe_shown *p, size_t run,
+                           vs_script *script, vs_error *err) {
+  const vs_traces *t = &s->run[run].traces;
+  vs_probe_shown rate;
+  if (!vs_stretch_probe_rate(p, t, &rate))
+    return vs_fail(err, VS_INPUT,
+                   "--orbit: %s has no column of the rate of '%s', which coordinates have", t->path,
+                   p->column);
+  if (!run) {
+    vs_gnuplot_add(script, "set xlabel ");
+    vs_gnuplot_quoted(script, p->label);
+    vs_gnuplot_add(script, "\nset ylabel ");
+    vs_gnuplot_quoted(script, rate.label);
+    vs_gnuplot_add(script, "\nplot ");
+  }
+  vs_gnuplot_add(script, run ? ", " : "");
+  vs_gnuplot_path(script, t->path);
+  vs_gnuplot_add(script,
+                 " using ($1 >= %.12g && $1 <= %.12g ? $%d*%g : NaN):($%d*%g) skip 1 with lines lc "
+                 "rgb %s lw 1.2 title ",
+                 s->from_s, s->to_s, vs_traces_find(t, p->column) + 1, p->scale,
+                 vs_traces_find(t, rate.column) + 1, rate.scale, vs_stretch_colour(run));
+  vs_gnuplot_quoted(script, s->run[run].folder);
+  return VS_OK;
+}
+
+/* Adds the orbits to a script for gnuplot. Error, VS_INPUT: a run has no column of a probe's rate.
+ */
+static vs_status phase_plane_add(const vs_stretch *s, vs_script *script, vs_error *err) {
+  vs_status status = VS_OK;
+  vs_stretch_begin(script);
+  vs_gnuplot_add(script, "set multiplot layout %d,1\n", s->probes.count);
+  vs_stretch_legend(s, script);
+  for (int k = 0; k < s->probes.count; k++) {
+    for (size_t r = 0; r < s->runs && !status; r++)
+      status = add_curve(s, &s->probes.item[k], r, script, err);
+    vs_gnuplot_add(script, "\n");
+  }
+  vs_gnuplot_add(script, "unset multiplot\n");
+  return status;
+}
 
 enum { WIDTH = 940, HEAD = 70, SQUARE = 420 }; /* pixels */
 
@@ -50,8 +95,8 @@ static vs_status open_runs(const vs_closeup_options *o, vs_stretch *s, vs_error 
       return vs_fail(err, VS_INPUT, "plot: a line break in a name");
     run->folder = o->folders[k];
     status = vs_traces_read(run->folder, &run->traces, err);
-    if (!status) status = vs_moments_read(run->folder, &run->moments, err);
-    if (!status) status = vs_probes_find(o->probes, &run->traces, &probes, err);
+    if (!status) status = vs_stretch_read_moments(run->folder, &run->moments, err);
+    if (!status) status = vs_stretch_find_probes(o->probes, &run->traces, &probes, err);
     if (!status && !k) s->probes = probes;
     if (!status) run->cycle_s = cycle_of(run->folder);
   }
@@ -86,7 +131,7 @@ static vs_status find_window(const vs_closeup_options *o, vs_stretch *s, const c
   for (size_t k = 0; k < s->runs; k++) {
     const vs_traces *t = &s->run[k].traces;
     double a, b, end = vs_trace_time(t, t->rows - 1);
-    const char *reason = vs_moments_window(&s->run[k].moments, s->run[k].cycle_s, end, &a, &b);
+    const char *reason = vs_stretch_window(&s->run[k].moments, s->run[k].cycle_s, end, &a, &b);
     if (!k) *why = reason;
     from = fmin(from, a), to = fmax(to, b), until = fmax(until, end);
     start = fmin(start, vs_trace_time(t, 0));
@@ -113,15 +158,15 @@ static vs_status find_window(const vs_closeup_options *o, vs_stretch *s, const c
 
 /* ---- pictures ---- */
 
-static vs_status add_script(const vs_closeup_options *o, const vs_stretch *s, bool svg,
-                            vs_script *script, vs_error *err) {
+static vs_status add_closeup_script(const vs_closeup_options *o, const vs_stretch *s, bool svg,
+                                    vs_script *script, vs_error *err) {
   int height = o->orbit ? SQUARE : VS_STRETCH_HEIGHT;
   vs_gnuplot_code(script,
                   svg ? "set terminal svg noenhanced dynamic" : "set terminal pngcairo noenhanced");
   vs_gnuplot_add(script, " size %d,%d font 'sans,11' background rgb 'white'\n",
                  o->orbit ? 560 : WIDTH, HEAD + height * s->probes.count);
   if (o->fft) return vs_fourier_add(s, script, err);
-  if (o->orbit) return vs_phase_plane_add(s, script, err);
+  if (o->orbit) return phase_plane_add(s, script, err);
   vs_strips_add(s, script);
   return VS_OK;
 }
@@ -131,13 +176,13 @@ static vs_status draw_one(const vs_closeup_options *o, const vs_stretch *s, cons
   vs_script script = {0};
   size_t length = strlen(name);
   bool svg = length > 4 && !strcmp(name + length - 4, ".svg");
-  vs_status status = add_script(o, s, svg, &script, err);
+  vs_status status = add_closeup_script(o, s, svg, &script, err);
   if (!status) status = vs_gnuplot_draw(script.text.text, folder, name, o->quiet, err);
   vs_gnuplot_free(&script);
   return status;
 }
 
-static vs_status draw(const vs_closeup_options *o, const vs_stretch *s, vs_error *err) {
+static vs_status draw_closeup(const vs_closeup_options *o, const vs_stretch *s, vs_error *err) {
   static const char *const ENDINGS[] = {"png", "svg"};
   vs_status status = VS_OK;
   if (o->output) return draw_one(o, s, "", o->output, err);
@@ -187,12 +232,12 @@ vs_status vs_closeup_command(const vs_closeup_options *o, vs_error *err) {
   status = open_runs(o, s, err);
   if (!status && o->orbit && !o->probes) s->probes.count = 1;
   if (!status) status = find_window(o, s, &why, err);
-  if (!status) status = draw(o, s, err);
+  if (!status) status = draw_closeup(o, s, err);
   if (!status && o->fft) status = write_numbers(o, s, err);
   if (!status && why && !o->quiet) say_window(s, why);
   for (size_t k = 0; k < s->runs; k++) {
     vs_traces_free(&s->run[k].traces);
-    vs_moments_free(&s->run[k].moments);
+    vs_stretch_free_moments(&s->run[k].moments);
   }
   free(s);
   return status;
@@ -201,7 +246,8 @@ vs_status vs_closeup_command(const vs_closeup_options *o, vs_error *err) {
 bool vs_closeup_wanted(const char *folder) {
   vs_moments moments = {0};
   vs_error unread = {0};
-  bool wanted = !vs_moments_read(folder, &moments, &unread) && vs_moments_eventful(&moments);
-  vs_moments_free(&moments);
+  bool wanted =
+      !vs_stretch_read_moments(folder, &moments, &unread) && vs_stretch_eventful(&moments);
+  vs_stretch_free_moments(&moments);
   return wanted;
 }

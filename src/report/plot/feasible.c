@@ -1,12 +1,12 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "plot/feasible.h"
-
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The kind of picture that shows what a search for something that holds has tried. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/gnuplot.h"
+#include "plot/sketch.h"
 
 typedef struct candidate {
   long number; /* the case's */
@@ -22,7 +22,7 @@ typedef struct region {
   size_t count;
 } region;
 
-static const char *word(const vs_node *map, const char *key) {
+static const char *candidate_word(const vs_node *map, const char *key) {
   const vs_node *node = vs_tree_child(map, key);
   return node && node->kind == VS_NODE_TEXT ? node->text : "";
 }
@@ -50,15 +50,15 @@ static bool find_candidates(region *r) {
   if (axes < 2 || !n) return false;
   r->item = vs_alloc(n, sizeof *r->item);
   for (const vs_node *c = list->child; c; c = c->next)
-    r->item[r->count++] =
-        (candidate){strtol(word(c, "case"), NULL, 10), !strcmp(word(c, "holds"), "true"), NAN, NAN};
+    r->item[r->count++] = (candidate){strtol(candidate_word(c, "case"), NULL, 10),
+                                      !strcmp(candidate_word(c, "holds"), "true"), NAN, NAN};
   qsort(r->item, r->count, sizeof *r->item, by_number);
   for (int n_axis = 0; n_axis < 2; n_axis++)
     r->factor[n_axis] = vs_sketch_scale(r->k, r->column[n_axis]).factor;
   return true;
 }
 
-static vs_status place(void *ctx, const vs_folder_row *row, vs_error *err) {
+static vs_status place_candidate(void *ctx, const vs_folder_row *row, vs_error *err) {
   region *r = ctx;
   const candidate key = {.number = row->number};
   candidate *c = bsearch(&key, r->item, r->count, sizeof key, by_number);
@@ -112,11 +112,11 @@ static void add_range(const vs_sketch *k, size_t column, char axis, vs_script *s
                    scale.log ? largest * 1.3 : largest + room);
 }
 
-static vs_status draw(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
+static vs_status draw_feasible(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
   region r = {.k = k};
   bool any = false;
   if (!find_candidates(&r)) return VS_OK;
-  vs_status status = vs_folder_each(k->t, place, &r, err);
+  vs_status status = vs_folder_each(k->t, place_candidate, &r, err);
   snprintf(p->name, sizeof p->name, "feasible");
   p->width = 720;
   p->height = 520;
@@ -133,4 +133,7 @@ static vs_status draw(const vs_sketch *k, size_t column, vs_picture *p, vs_error
   return status;
 }
 
-const vs_chart vs_feasible_chart = {.name = "feasible", .whole = true, .draw = draw};
+/* "feasible": the candidates that the manifest names over the first two axes that have a range,
+ * which of them hold and which is the answer. It is the same for every column. Where the manifest
+ * names no candidates there is no picture. */
+const vs_chart vs_feasible_chart = {.name = "feasible", .whole = true, .draw = draw_feasible};

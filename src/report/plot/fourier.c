@@ -18,7 +18,7 @@ static const double FLOOR = 1e-6; /* what is this share of a probe's largest lin
 
 /* The number, or the next one whose prime factors are all small, as the transform of a large prime
  * of points takes long. */
-static size_t smooth(size_t n) {
+static size_t smooth_length(size_t n) {
   for (;; n++) {
     size_t rest = n;
     for (size_t factor = 2; factor <= MOST_FACTOR; factor++)
@@ -80,7 +80,7 @@ vs_status vs_fourier_take(const vs_traces *t, int column, const double window_s[
                    "--fft: no whole cycle of the mains, %.4g ms, lies between %.6g "
                    "ms and %.6g ms of %s",
                    1e3 * cycle_s, 1e3 * window_s[0], 1e3 * window_s[1], t->path);
-  n = smooth(n);
+  n = smooth_length(n);
   double *y = vs_alloc(n, sizeof *y);
   bool known = resample(t, column, f, first, y, n);
   if (known) transform(y, n, f);
@@ -91,7 +91,8 @@ vs_status vs_fourier_take(const vs_traces *t, int column, const double window_s[
 }
 
 /* The spectrum of a probe of a run over what is shown. */
-static vs_status take(const vs_stretch *s, int probe, size_t run, vs_fourier *f, vs_error *err) {
+static vs_status take_spectrum(const vs_stretch *s, int probe, size_t run, vs_fourier *f,
+                               vs_error *err) {
   const vs_traces *t = &s->run[run].traces;
   return vs_fourier_take(t, vs_traces_find(t, s->probes.item[probe].column),
                          (double[]){s->from_s, s->to_s}, s->run[run].cycle_s, f, err);
@@ -111,7 +112,7 @@ static vs_status add_block(const vs_stretch *s, int probe, size_t run, vs_script
                            double *largest, vs_error *err) {
   const vs_probe_shown *p = &s->probes.item[probe];
   vs_fourier f;
-  vs_status status = take(s, probe, run, &f, err);
+  vs_status status = take_spectrum(s, probe, run, &f, err);
   if (status) return status;
   vs_gnuplot_add(script, "$lines_%d_%zu << EOD\n", probe, run);
   for (size_t k = 0; k < f.lines; k++) {
@@ -166,7 +167,8 @@ static vs_status add_rows(const vs_stretch *s, size_t run, vs_text *csv, vs_erro
   vs_fourier f[VS_PROBES_MOST] = {{.rms = NULL}};
   vs_status status = VS_OK;
   char number[VS_NUMBER_SIZE];
-  for (int k = 0; k < s->probes.count && !status; k++) status = take(s, k, run, &f[k], err);
+  for (int k = 0; k < s->probes.count && !status; k++)
+    status = take_spectrum(s, k, run, &f[k], err);
   for (size_t line = 0; !status && line < f[0].lines; line++) {
     if (s->runs > 1) vs_csv_cell(csv, s->run[run].folder);
     vs_text_number(number, (double)line / f[0].span_s, DIGITS);
@@ -186,7 +188,7 @@ vs_status vs_fourier_csv(const vs_stretch *s, vs_text *csv, vs_error *err) {
   vs_text_add(csv, "%sfrequency_hz", s->runs > 1 ? "run," : "");
   for (int k = 0; k < s->probes.count; k++) {
     char name[VS_PROBE_SIZE + 8];
-    vs_probes_named(&s->probes.item[k], "rms", name, sizeof name);
+    vs_stretch_probe_named(&s->probes.item[k], "rms", name, sizeof name);
     vs_text_add(csv, ",%s", name);
   }
   vs_text_add(csv, "\n");
@@ -199,7 +201,7 @@ vs_status vs_fourier_say(const vs_stretch *s, vs_text *words, vs_error *err) {
   for (size_t r = 0; r < s->runs && !status; r++) {
     vs_fourier f = {.rms = NULL};
     char from[VS_AMOUNT_SIZE], to[VS_AMOUNT_SIZE], apart[VS_AMOUNT_SIZE];
-    status = take(s, 0, r, &f, err);
+    status = take_spectrum(s, 0, r, &f, err);
     free(f.rms);
     if (status) break;
     vs_text_add(words, "spectrum of %s: from %s to %s, lines %s apart\n", s->run[r].folder,

@@ -11,7 +11,7 @@ enum { MOST_CELLS = 80 }; /* along each axis; more values share a cell */
 
 /* ---- the contour ---- */
 
-static double between(double a, double b, double part, bool is_log) {
+static double place_between(double a, double b, double part, bool is_log) {
   return is_log ? a * pow(b / a, part) : a + part * (b - a);
 }
 
@@ -21,12 +21,12 @@ typedef struct corner {
 } corner;
 
 /* Finds where the level is met between two corners; false: nowhere. */
-static bool crossing(const vs_field_grid *g, const corner *a, const corner *b, double level,
-                     double at[2]) {
+static bool level_crossing(const vs_field_grid *g, const corner *a, const corner *b, double level,
+                           double at[2]) {
   if ((a->z < level) == (b->z < level)) return false;
   double part = (level - a->z) / (b->z - a->z);
-  at[0] = between(a->x, b->x, part, g->x_log && a->x != b->x);
-  at[1] = between(a->y, b->y, part, g->y_log && a->y != b->y);
+  at[0] = place_between(a->x, b->x, part, g->x_log && a->x != b->x);
+  at[1] = place_between(a->y, b->y, part, g->y_log && a->y != b->y);
   return true;
 }
 
@@ -43,7 +43,7 @@ void vs_map_contour(const vs_field_grid *g, double level,
       int n = 0, first = 0;
       if (isnan(c[0].z + c[1].z + c[2].z + c[3].z)) continue;
       for (int k = 0; k < 4; k++) {
-        bool met = crossing(g, &c[k], &c[(k + 1) % 4], level, at[n]);
+        bool met = level_crossing(g, &c[k], &c[(k + 1) % 4], level, at[n]);
         if (met && !n) first = k;
         n += met;
       }
@@ -87,14 +87,15 @@ static void cut_side(map_side *s) {
   s->cells = (count + s->each - 1) / s->each;
   for (size_t c = 0; c < s->cells; c++) {
     size_t last = (c + 1) * s->each < count ? (c + 1) * s->each - 1 : count - 1;
-    s->middle[c] = between(value_at(s, c * s->each), value_at(s, last), 0.5, is_log);
+    s->middle[c] = place_between(value_at(s, c * s->each), value_at(s, last), 0.5, is_log);
   }
   for (size_t c = 1; c < s->cells; c++)
-    s->edge[c] = between(s->middle[c - 1], s->middle[c], 0.5, is_log);
+    s->edge[c] = place_between(s->middle[c - 1], s->middle[c], 0.5, is_log);
   bool alone = s->cells < 2;
-  s->edge[0] = alone ? s->middle[0] - 0.5 : between(s->middle[0], s->edge[1], -1, is_log);
-  s->edge[s->cells] = alone ? s->middle[0] + 0.5
-                            : between(s->middle[s->cells - 1], s->edge[s->cells - 1], -1, is_log);
+  s->edge[0] = alone ? s->middle[0] - 0.5 : place_between(s->middle[0], s->edge[1], -1, is_log);
+  s->edge[s->cells] =
+      alone ? s->middle[0] + 0.5
+            : place_between(s->middle[s->cells - 1], s->edge[s->cells - 1], -1, is_log);
 }
 
 static vs_status fill_cell(void *ctx, const vs_folder_row *row, vs_error *err) {
@@ -129,7 +130,7 @@ static void choose_sides(const vs_sketch *k, size_t side[2]) {
   }
 }
 
-static bool fits(const vs_sketch *k) {
+static bool map_fits(const vs_sketch *k) {
   size_t side[2];
   choose_sides(k, side);
   if (!side[0] || !side[1]) return false;
@@ -167,9 +168,9 @@ static void add_cells(const map *m, vs_script *script) {
       bool more_x = i + 1 < m->x.cells && !isnan(m->z[j * m->x.cells + i + 1]);
       bool more_y = j + 1 < m->y.cells && !isnan(m->z[(j + 1) * m->x.cells + i]);
       if (more_x && more_y && isnan(m->z[(j + 1) * m->x.cells + i + 1])) more_y = false;
-      double right = more_x ? between(m->x.edge[i + 1], m->x.edge[i + 2], 0.2, m->x.scale.log)
+      double right = more_x ? place_between(m->x.edge[i + 1], m->x.edge[i + 2], 0.2, m->x.scale.log)
                             : m->x.edge[i + 1];
-      double top = more_y ? between(m->y.edge[j + 1], m->y.edge[j + 2], 0.2, m->y.scale.log)
+      double top = more_y ? place_between(m->y.edge[j + 1], m->y.edge[j + 2], 0.2, m->y.scale.log)
                           : m->y.edge[j + 1];
       vs_gnuplot_add(script, "%.7g %.7g %.7g %.7g %.7g %.7g %.7g\n", m->x.middle[i], m->y.middle[j],
                      m->x.edge[i], right, m->y.edge[j], top, z);
@@ -276,7 +277,7 @@ static void add_map(const map *m, vs_picture *p) {
   if (has_holes(m)) vs_text_add(&p->caption, "Grey: no case, or one that failed. ");
 }
 
-static vs_status draw(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
+static vs_status draw_map(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
   map m;
   vs_status status = make_map(&m, k, column, err);
   add_title(&m, p);
@@ -289,4 +290,7 @@ static vs_status draw(const vs_sketch *k, size_t column, vs_picture *p, vs_error
   return status;
 }
 
-const vs_chart vs_map_chart = {.name = "map", .fits = fits, .draw = draw};
+/* "map": its axes are the two of most values. With further axes, or where values share a cell, a
+ * cell shows the least margin, or the largest amount, among its cases. It fits where each axis has
+ * so few values that the cases fill at least half of the map. */
+const vs_chart vs_map_chart = {.name = "map", .fits = map_fits, .draw = draw_map};

@@ -5,11 +5,6 @@
 
 #include "plot/sketch.h"
 
-/* "map": its axes are the two of most values. With further axes, or where values share a cell, a
- * cell shows the least margin, or the largest amount, among its cases. It fits where each axis has
- * so few values that the cases fill at least half of the map. */
-extern const vs_chart vs_map_chart;
-
 /* A field on the points of a grid. */
 typedef struct vs_field_grid {
   size_t nx, ny;

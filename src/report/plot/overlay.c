@@ -12,10 +12,10 @@
 #include "base/csv.h"
 #include "base/path.h"
 #include "base/text.h"
-#include "plant/blueprint.h"
-#include "engine/step.h"
 #include "base/tree.h"
 #include "base/units.h"
+#include "engine/step.h"
+#include "plant/blueprint.h"
 
 enum { MOST_COLUMNS = VS_CH_MOST + 1, LONGEST_UNIT = 8 };
 

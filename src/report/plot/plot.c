@@ -11,11 +11,11 @@
 
 #include "base/csv.h"
 #include "base/file.h"
-#include "base/text.h"
-#include "run/run.h"
 #include "base/gnuplot.h"
+#include "base/text.h"
 #include "plot/overlay.h"
 #include "plot/sheets.h"
+#include "run/run.h"
 #include "traces.h"
 
 enum { MOST_POINTS = 100 }; /* measured ones that are marked each */
@@ -181,8 +181,8 @@ static vs_status write_picture(const char *output, const char *picture, size_t s
   return vs_file_commit(&file, err);
 }
 
-static vs_status draw(const run_file *run, const vs_sheet *s, const char *output, bool quiet,
-                      vs_error *err) {
+static vs_status draw_sheets(const run_file *run, const vs_sheet *s, const char *output, bool quiet,
+                             vs_error *err) {
   vs_script script = {0};
   char *picture = NULL;
   size_t size = 0;
@@ -235,7 +235,7 @@ static vs_status draw_all(const char *folder, const run_file *run, const vs_shee
       char output[VS_PATH_SIZE];
       if (there && !count_panels(run, &all->set[k])) continue;
       snprintf(output, sizeof output, "%s/%s.%s", folder, all->set[k].name, ENDINGS[e]);
-      status = draw(run, &all->set[k], output, quiet, err);
+      status = draw_sheets(run, &all->set[k], output, quiet, err);
     }
   return status;
 }
@@ -275,7 +275,7 @@ vs_status vs_plot_command(const vs_plot_options *o, vs_error *err) {
   run.sheets = all;
   if (!status && o->output) {
     add_measured(&all->overview, 1, all, &run.overlay);
-    status = draw(&run, &all->overview, o->output, o->quiet, err);
+    status = draw_sheets(&run, &all->overview, o->output, o->quiet, err);
   } else if (!status) {
     add_measured(all->set, VS_SHEETS_OF_RUN, all, &run.overlay);
     status = draw_all(o->folder, &run, all, o->quiet, err);

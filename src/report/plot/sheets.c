@@ -9,9 +9,9 @@
 #include "base/csv.h"
 #include "base/path.h"
 #include "base/text.h"
-#include "plant/machine.h"
 #include "base/tree.h"
 #include "base/units.h"
+#include "plant/machine.h"
 
 /* A coordinate of the machine: the names of its columns, and its unit. */
 typedef struct coordinate {
@@ -29,7 +29,7 @@ typedef struct found {
 
 /* ---- which coordinates the machine has ---- */
 
-static void take(found *f, const char *name, size_t length, const char *unit) {
+static void note_found(found *f, const char *name, size_t length, const char *unit) {
   coordinate c = {.name = ""};
   char suffix[32];
   snprintf(c.name, sizeof c.name, "%.*s", (int)length, name);
@@ -53,7 +53,7 @@ static void ask_measures(found *f, const vs_node *measures) {
     char unit[16];
     if (length <= per || strcmp(node->text + length - per, PER)) continue;
     snprintf(unit, sizeof unit, "%.*s", (int)(length - per), node->text);
-    take(f, m->key + 1, n - 1 - tail, unit);
+    note_found(f, m->key + 1, n - 1 - tail, unit);
   }
 }
 
@@ -89,9 +89,9 @@ static void ask_header(found *f, const char *header, const vs_node *instruments,
       if (length < tail + 2 - alone || strcmp(cells[k] + length - tail, ending)) continue;
       if (filled_by(instruments, cells[k], &unit)) continue;
       if (alone && strcmp(cells[k], "z_m"))
-        take(f, cells[k], length - tail, UNITS[u]);
+        note_found(f, cells[k], length - tail, UNITS[u]);
       else if (!alone && *cells[k] == 'a')
-        take(f, cells[k] + 1, length - tail - 1, UNITS[u]);
+        note_found(f, cells[k] + 1, length - tail - 1, UNITS[u]);
     }
   free(text);
 }
@@ -177,7 +177,7 @@ const vs_sheet_shown *vs_sheets_shown(const vs_sheets *all, const char *column, 
 /* ---- labels ---- */
 
 /* A coordinate's name as it is written: Greek letters as such. */
-static const char *written(const char *name) {
+static const char *as_written(const char *name) {
   static const char *const GREEK[][2] = {
       {"alpha", "α"}, {"beta", "β"},  {"gamma", "γ"}, {"delta", "δ"}, {"theta", "θ"},
       {"xi", "ξ"},    {"sigma", "σ"}, {"phi", "φ"},   {"psi", "ψ"},   {"eta", "η"}};
@@ -210,13 +210,13 @@ static bool in_thousandths(const coordinate *c) {
 static void add_coordinate(vs_sheet *s, const coordinate *c) {
   char label[VS_SHEET_NAME];
   bool small = in_thousandths(c);
-  snprintf(label, sizeof label, "%s / %s%s", written(c->name), small ? "m" : "", c->unit);
+  snprintf(label, sizeof label, "%s / %s%s", as_written(c->name), small ? "m" : "", c->unit);
   vs_sheet_add(s, c->column, label, small ? 1e3 : 1);
 }
 
 static void add_acceleration(vs_sheet *s, const coordinate *c) {
   char label[VS_SHEET_NAME], name[VS_SHEET_NAME / 2 + 4];
-  write_dotted(name, sizeof name, written(c->name));
+  write_dotted(name, sizeof name, as_written(c->name));
   snprintf(label, sizeof label, "%s / (%s/s²)", name, c->unit);
   vs_sheet_add(s, c->column2, label, 1);
 }
@@ -311,7 +311,7 @@ static void fill_control(vs_sheets *all, vs_sheet *s, const char *header, const 
 }
 
 /* The k-th sheet; behind those of the set comes the overview. */
-static void fill(vs_sheet *s, int k, const found *f) {
+static void fill_sheet(vs_sheet *s, int k, const found *f) {
   /* of any machine, of the paper's, and of the paper's scene */
   static const struct {
     const char *name, *title[3];
@@ -370,8 +370,8 @@ vs_sheets *vs_sheets_new(const char *folder, const char *header) {
   vs_sheets *all = vs_alloc(1, sizeof *all);
   found f = {.count = 0};
   find_coordinates(&f, folder, header);
-  for (int k = 0; k < VS_SHEETS; k++) fill(&all->set[k], k, &f);
-  fill(&all->overview, VS_SHEETS, &f);
+  for (int k = 0; k < VS_SHEETS; k++) fill_sheet(&all->set[k], k, &f);
+  fill_sheet(&all->overview, VS_SHEETS, &f);
   find_shown(all, folder, header);
   for (int k = VS_SHEETS_OF_RUN; k < VS_SHEETS - 1; k++) add_measured(&all->set[k], all);
   fill_control(all, &all->set[VS_SHEETS - 1], header, &f);

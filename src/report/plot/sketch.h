@@ -4,8 +4,8 @@
 #ifndef VS_REPORT_SKETCH_H
 #define VS_REPORT_SKETCH_H
 
-#include "base/text.h"
 #include "base/gnuplot.h"
+#include "base/text.h"
 #include "report/scale.h"
 #include "study/survey.h"
 
@@ -38,6 +38,16 @@ typedef struct vs_chart {
    * longer be read. */
   vs_status (*draw)(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err);
 } vs_chart;
+
+/* All kinds of picture. charts.c: a column over the one axis, with a line for each word of a second
+ * one ("curve"); over the number of the case ("cases"), for a search with the worst so far
+ * ("path"); points in colour, for cases that lie anywhere between two axes that are numbers
+ * ("cloud"). map.c: cells in colour over two axes ("map"). feasible.c: what a search for something
+ * that holds has tried ("feasible"). spread.c: how a column is spread over many cases
+ * ("histogram"), its worst corners ("bars"), and what moves it ("influence", "effect"). */
+extern const vs_chart vs_charts_curve, vs_charts_cases, vs_charts_path, vs_charts_cloud,
+    vs_map_chart, vs_feasible_chart, vs_spread_histogram, vs_spread_bars, vs_spread_influence,
+    vs_spread_effect;
 
 /* How the column is shown; column 0 is the number of the case. */
 vs_scale vs_sketch_scale(const vs_sketch *k, size_t column);

@@ -18,7 +18,7 @@ double vs_spread_percentile(const double *rising, size_t count, double percent) 
   return rising[k] + (at - (double)k) * (rising[k + 1] - rising[k]);
 }
 
-static int rising(const void *a, const void *b) {
+static int compare_rising(const void *a, const void *b) {
   double one = *(const double *)a, other = *(const double *)b;
   return (one > other) - (one < other);
 }
@@ -109,12 +109,14 @@ static vs_status draw_histogram(const vs_sketch *k, size_t column, vs_picture *p
   double *v = vs_alloc(n, sizeof *v);
   for (size_t i = 0; i < n; i++) v[i] = s.item[i].y;
   vs_sketch_dots_free(&s);
-  qsort(v, n, sizeof *v, rising);
+  qsort(v, n, sizeof *v, compare_rising);
   if (!status && n) add_histogram(k, column, v, n, p);
   free(v);
   return status;
 }
 
+/* "histogram": how the column's values are spread, with the 5th, 50th and 95th percentile; of a
+ * margin also the yield. */
 const vs_chart vs_spread_histogram = {.name = "histogram", .draw = draw_histogram};
 
 /* ---- corners ---- */
@@ -127,7 +129,7 @@ typedef struct chosen {
   vs_kept kept[MOST_BARS];
 } chosen;
 
-static vs_status choose(void *ctx, const vs_folder_row *row, vs_error *err) {
+static vs_status choose_corner(void *ctx, const vs_folder_row *row, vs_error *err) {
   chosen *c = ctx;
   double y;
   (void)err;
@@ -180,7 +182,7 @@ static void add_bars(const chosen *c, vs_picture *p) {
 
 static vs_status draw_bars(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
   chosen c = {.k = k, .column = column};
-  vs_status status = vs_folder_each(k->t, choose, &c, err);
+  vs_status status = vs_folder_each(k->t, choose_corner, &c, err);
   vs_sketch_title(k, column, " at the corners", p);
   p->width = 720;
   p->height = 120 + 24 * (int)c.n;
@@ -196,6 +198,8 @@ static vs_status draw_bars(const vs_sketch *k, size_t column, vs_picture *p, vs_
   return status;
 }
 
+/* "bars": the worst corners as bars: those of the least margin, of other columns those of the
+ * largest amounts. */
 const vs_chart vs_spread_bars = {.name = "bars", .draw = draw_bars};
 
 /* ---- what moves it ---- */
@@ -292,6 +296,8 @@ static bool fits_influence(const vs_sketch *k) {
   return k->n_axes > 0;
 }
 
+/* "influence": the column's correlation with each axis that is a number. Where nothing moves the
+ * column there is no picture. */
 const vs_chart vs_spread_influence = {
     .name = "influence", .fits = fits_influence, .draw = draw_influence};
 
@@ -364,5 +370,7 @@ static vs_status draw_effect(const vs_sketch *k, size_t column, vs_picture *p, v
   return status;
 }
 
+/* "effect": the column's least, mean and largest value at each value of one axis, over all other
+ * axes. */
 const vs_chart vs_spread_effect = {
     .name = "effect", .fits = fits_effect, .each_axis = true, .draw = draw_effect};

@@ -5,19 +5,6 @@
 
 #include "plot/sketch.h"
 
-/* "histogram": how the column's values are spread, with the 5th, 50th and 95th percentile; of a
- * margin also the yield. */
-extern const vs_chart vs_spread_histogram;
-/* "bars": the worst corners as bars: those of the least margin, of other columns those of the
- * largest amounts. */
-extern const vs_chart vs_spread_bars;
-/* "influence": the column's correlation with each axis that is a number. Where nothing moves the
- * column there is no picture. */
-extern const vs_chart vs_spread_influence;
-/* "effect": the column's least, mean and largest value at each value of one axis, over all other
- * axes. */
-extern const vs_chart vs_spread_effect;
-
 /* Returns the percentile of a rising list by linear interpolation between its values, which is type
  * 7 of Hyndman and Fan (The American Statistician, 1996). NaN: the list is empty. For tests. */
 double vs_spread_percentile(const double *rising, size_t count, double percent);

@@ -1,12 +1,76 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * What a close-up shows: probes of one run or several over a stretch of time. */
+ * What a close-up shows: probes of one run or several over a stretch of time, and what happened in
+ * it. */
 #ifndef VS_REPORT_STRETCH_H
 #define VS_REPORT_STRETCH_H
 
-#include "base/text.h"
-#include "plot/moments.h"
-#include "plot/probes.h"
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/error.h"
 #include "base/gnuplot.h"
+#include "base/text.h"
+#include "traces.h"
+
+/* ---- what happened in a run and when, as its events.csv tells ---- */
+
+typedef struct vs_moment {
+  double at_s;
+  char *what;
+  bool is_event; /* an event of the scene begins */
+} vs_moment;
+
+/* Start from {0}; vs_stretch_free_moments even after an error. */
+typedef struct vs_moments {
+  vs_moment *item;
+  size_t count;
+} vs_moments;
+
+/* Reads the folder's events.csv; where there is none, nothing has happened. Errors, VS_INPUT, with
+ * the line: a row has not two cells, or its first is no number. */
+vs_status vs_stretch_read_moments(const char *folder, vs_moments *moments, vs_error *err);
+void vs_stretch_free_moments(vs_moments *moments);
+
+/* True if an event of the scene begins in the run. */
+bool vs_stretch_eventful(const vs_moments *moments);
+
+/* Gives the stretch of time to show, within 0 to until_s, and returns in words why that one. It
+ * lies around the first of these that there are: events of the scene; what happens once where other
+ * things happen often; all that happens, where this is little. Else it is the end of the run. A
+ * cycle, cycle_s, is shown before and two behind. */
+const char *vs_stretch_window(const vs_moments *moments, double cycle_s, double until_s,
+                              double *from_s, double *to_s);
+
+/* ---- probes as people name them: "v_ak" for the column v_ak_v ---- */
+
+enum { VS_PROBES_MOST = 12, VS_PROBE_SIZE = 96 };
+
+typedef struct vs_probe_shown {
+  char column[VS_PROBE_SIZE]; /* its column in run.csv */
+  char label[VS_PROBE_SIZE];  /* for an axis: "p / mm" */
+  double scale;               /* from the column's unit to the label's */
+} vs_probe_shown;
+
+typedef struct vs_probes_shown {
+  vs_probe_shown item[VS_PROBES_MOST];
+  int count;
+} vs_probes_shown;
+
+/* Finds the probes that the words, parted by commas, name: columns, or columns without their unit.
+ * words NULL: some that every run has. Errors, VS_INPUT: the run has no such column, the nearest is
+ * named; there are too many. */
+vs_status vs_stretch_find_probes(const char *words, const vs_traces *traces,
+                                 vs_probes_shown *probes, vs_error *err);
+
+/* Fills the column of the rate of a probe, v_m_s of a coordinate's m, with its label; false: the
+ * run has none. */
+bool vs_stretch_probe_rate(const vs_probe_shown *probe, const vs_traces *traces,
+                           vs_probe_shown *rate);
+
+/* Writes the probe's column with a word before its unit: "i_rms_a" of i_a and "rms". */
+void vs_stretch_probe_named(const vs_probe_shown *probe, const char *word, char *name, size_t size);
+
+/* ---- the stretch ---- */
 
 enum {
   VS_STRETCH_RUNS = 8,    /* over one another, at most */

@@ -20,7 +20,7 @@ static bool is_shown(const vs_stretch *s, const vs_moment *m) {
   return m->at_s >= s->from_s && m->at_s <= s->to_s;
 }
 
-/* True if the same was shown before, and many are. */
+/* True where a moment with the same words was marked before, and there are many moments. */
 static bool is_repeated(const vs_stretch *s, const vs_moments *m, size_t k) {
   size_t shown = 0;
   bool before = false;

@@ -7,7 +7,7 @@
  *     of: [p_min, power_in]                        or one measure
  *     to: [firing.angle, actuator.gap]             or one key
  */
-#include "method/derivatives.h"
+#include "study/methods.h"
 
 #include <stdlib.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What stands under vary: a grid, which is all combinations of the values listed, the last axis
  * running fastest; or a list, the rows of a CSV file. */
-#include "method/grid.h"
+#include "study/methods.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -10,15 +10,15 @@
 
 #include "base/csv.h"
 #include "base/hash.h"
-#include "study/plan.h"
 #include "base/units.h"
+#include "study/plan.h"
 
 /* ---- grid ---- */
 
 static const vs_outline AXES[] = {{.takes = VS_OUTLINE_VALUE, .instead = &vs_axis_many}, {0}};
 static const vs_outline VARY = {.takes = VS_OUTLINE_TEXT | VS_OUTLINE_MAP, .of = AXES};
 
-static bool is_map(const vs_node *section) {
+static bool claims_grid(const vs_node *section) {
   return section->kind != VS_NODE_TEXT;
 }
 
@@ -61,7 +61,7 @@ const vs_method vs_grid_method = {.name = "grid",
                                   .key = "vary",
                                   .keys = &VARY,
                                   .text = "all combinations of the values listed",
-                                  .claims = is_map,
+                                  .claims = claims_grid,
                                   .read = read_grid,
                                   .count = count_grid,
                                   .point = grid_point,
@@ -87,7 +87,7 @@ typedef struct reader {
 
 /* Reads a title, which is a key ("circuit.r1") or what study.csv calls it ("circuit.r1_ohm"); cells
  * under the latter are plain numbers. */
-static vs_status read_header(reader *c, size_t k, vs_error *err) {
+static vs_status read_list_header(reader *c, size_t k, vs_error *err) {
   const char *cell = c->csv.cell[k];
   const vs_where where = c->csv.where[k];
   vs_node node = vs_tree_word(cell, NULL, where);
@@ -121,7 +121,7 @@ static vs_status read_cell(reader *c, size_t k, vs_error *err) {
   return VS_OK;
 }
 
-static vs_status read_row(reader *c, vs_error *err) {
+static vs_status read_list_row(reader *c, vs_error *err) {
   const size_t n = c->csv.count;
   const bool header = !c->columns;
   const vs_where where = {c->csv.file, c->csv.line, 1};
@@ -130,18 +130,18 @@ static vs_status read_row(reader *c, vs_error *err) {
     return vs_fail_at(err, where, "%zu cells, and the header has %zu", n, c->columns);
   vs_status status = VS_OK;
   for (size_t k = 0; k < n && !status; k++)
-    status = header ? read_header(c, k, err) : read_cell(c, k, err);
+    status = header ? read_list_header(c, k, err) : read_cell(c, k, err);
   if (header) c->columns = n;
   return status;
 }
 
 /* Reads all rows. An error in the header ends the reading, as no cell can be read without it; a
  * check goes on behind errors in other rows. */
-static vs_status read_rows(reader *c, vs_error *err) {
+static vs_status read_list_rows(reader *c, vs_error *err) {
   vs_status status = VS_OK;
   while (!status && !(status = vs_csv_next(&c->csv, err)) && c->csv.count) {
     bool header = !c->columns;
-    status = read_row(c, err);
+    status = read_list_row(c, err);
     if (!header) status = vs_error_carry_on(err, status);
   }
   return status;
@@ -162,7 +162,7 @@ static vs_status read_list(vs_plan *plan, const vs_node *section, void **state, 
                       .comments = true}};
   if (!f) return vs_fail_at(err, section->where, "%s: cannot be opened: %s", path, strerror(errno));
   size_t found = vs_error_count(err);
-  status = read_rows(&c, err);
+  status = read_list_rows(&c, err);
   vs_csv_free(&c.csv);
   fclose(f);
   if (!status && vs_error_count(err) == found && (!c.columns || !c.axis[0]->n_values))

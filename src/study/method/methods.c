@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "study/methods.h"
 
-#include "method/derivatives.h"
-#include "method/grid.h"
-#include "method/sample.h"
-#include "method/snubber.h"
-#include "method/worst.h"
-
 const vs_method *const vs_methods_all[] = {&vs_grid_list,          &vs_grid_method,
                                            &vs_sample_sobol,       &vs_sample_latin,
                                            &vs_sample_monte_carlo, &vs_sample_corners,

@@ -12,7 +12,7 @@
 
 #include "base/text.h"
 
-static uint64_t mix(uint64_t x) {
+static uint64_t mix_bits(uint64_t x) {
   x += 0x9e3779b97f4a7c15u;
   x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
   x = (x ^ x >> 27) * 0x94d049bb133111ebu;
@@ -20,7 +20,7 @@ static uint64_t mix(uint64_t x) {
 }
 
 uint64_t vs_random_bits(uint64_t seed, uint64_t index, uint64_t axis) {
-  return mix(mix(mix(seed) ^ axis) ^ index);
+  return mix_bits(mix_bits(mix_bits(seed) ^ axis) ^ index);
 }
 
 /* Returns the middle of one of 2^52 equal pieces; with 2^53 of them the last one's would round

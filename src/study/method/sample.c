@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Samples: `spread` says what of the scene is not known exactly (study/method/span.h), and the methods
- * choose points of it.
+ * Samples: `spread` says what of the scene is not known exactly (study/method/span.h), and the
+ * methods choose points of it.
  *
  *   sample:
  *     method: sobol          or latin_hypercube (lhs), monte_carlo, corners
@@ -12,7 +12,7 @@
  *
  * Corners: first the scene as it is, then all ends of all spreads (of a list: all it has), the
  * first axis running fastest. */
-#include "method/sample.h"
+#include "study/methods.h"
 
 #include <assert.h>
 #include <math.h>
@@ -22,9 +22,9 @@
 
 #include "base/json.h"
 #include "base/text.h"
+#include "base/units.h"
 #include "method/span.h"
 #include "study/plan.h"
-#include "base/units.h"
 
 static const vs_outline SPREAD[] = {{.takes = VS_OUTLINE_SPREAD, .instead = &vs_axis_many}, {0}},
                         ITEM = {.takes = VS_OUTLINE_TEXT},
@@ -173,7 +173,7 @@ static vs_status sample_read(vs_plan *plan, const vs_node *section, void **state
   return status;
 }
 
-static bool claims(const vs_node *section, const char *method) {
+static bool claims_method(const vs_node *section, const char *method) {
   return !strcmp(method_of(section), method);
 }
 
@@ -198,7 +198,7 @@ static uint64_t sample_count(const vs_plan *plan, const vs_plan_stage *stage) {
 }
 
 /* Turns value[], a point of the unit cube, into one of the axes. */
-static void place(const vs_plan *plan, const vs_plan_stage *stage, double *value) {
+static void place_in_axes(const vs_plan *plan, const vs_plan_stage *stage, double *value) {
   const sample *s = stage->state;
   if (s->correlation) vs_random_correlate(s->correlation, value);
   for (size_t d = 0; d < stage->n; d++)
@@ -206,28 +206,28 @@ static void place(const vs_plan *plan, const vs_plan_stage *stage, double *value
 }
 
 static bool is_latin(const vs_node *section) {
-  return claims(section, "lhs") || claims(section, "latin_hypercube");
+  return claims_method(section, "lhs") || claims_method(section, "latin_hypercube");
 }
 
 static void latin_point(const vs_plan *plan, const vs_plan_stage *stage, uint64_t index,
                         double *value) {
   const sample *s = stage->state;
   for (size_t d = 0; d < stage->n; d++) value[d] = vs_random_latin(plan->seed, index, s->n, d);
-  place(plan, stage, value);
+  place_in_axes(plan, stage, value);
 }
 
 static bool is_monte_carlo(const vs_node *section) {
-  return claims(section, "monte_carlo");
+  return claims_method(section, "monte_carlo");
 }
 
 static void monte_carlo_point(const vs_plan *plan, const vs_plan_stage *stage, uint64_t index,
                               double *value) {
   for (size_t d = 0; d < stage->n; d++) value[d] = vs_random_uniform(plan->seed, index, d);
-  place(plan, stage, value);
+  place_in_axes(plan, stage, value);
 }
 
 static bool is_sobol(const vs_node *section) {
-  return claims(section, "sobol");
+  return claims_method(section, "sobol");
 }
 
 static vs_status sobol_read(vs_plan *plan, const vs_node *section, void **state, vs_error *err) {
@@ -248,11 +248,11 @@ static void sobol_point(const vs_plan *plan, const vs_plan_stage *stage, uint64_
                         double *value) {
   const sample *s = stage->state;
   for (size_t d = 0; d < stage->n; d++) value[d] = vs_random_sobol_at(s->sobol, index, d);
-  place(plan, stage, value);
+  place_in_axes(plan, stage, value);
 }
 
 static bool is_corners(const vs_node *section) {
-  return claims(section, "corners");
+  return claims_method(section, "corners");
 }
 
 static uint64_t corners_count(const vs_plan *plan, const vs_plan_stage *stage) {

@@ -45,11 +45,11 @@ struct vs_search {
   int turned;
 };
 
-static bool better(double value, double than) {
+static bool is_better(double value, double than) {
   return !isnan(value) && (isnan(than) || value < than);
 }
 
-static void snap(const vs_search_setup *setup, double *x) {
+static void snap_to_levels(const vs_search_setup *setup, double *x) {
   for (size_t d = 0; d < setup->axes; d++) {
     int n = setup->levels[d];
     x[d] = fmin(fmax(x[d], 0), 1);
@@ -57,12 +57,12 @@ static void snap(const vs_search_setup *setup, double *x) {
   }
 }
 
-static double *point(const vs_search *s, size_t k) { /* of this generation */
+static double *point_of_search(const vs_search *s, size_t k) { /* of this generation */
   return &s->points[(s->asked + k) * s->setup.axes];
 }
 
-static double *add(vs_search *s) {
-  return point(s, s->count++);
+static double *add_point_of_search(vs_search *s) {
+  return point_of_search(s, s->count++);
 }
 
 static size_t start_count(const vs_search *s) {
@@ -77,15 +77,15 @@ static void ask_start(vs_search *s) {
   vs_sobol *sobol = vs_alloc(1, sizeof *sobol);
   vs_random_sobol_begin(sobol, s->setup.axes, n, s->setup.seed);
   for (size_t i = 0; i < n; i++) {
-    double *x = add(s);
+    double *x = add_point_of_search(s);
     for (size_t d = 0; d < s->setup.axes; d++) x[d] = vs_random_sobol_at(sobol, i, d);
-    snap(&s->setup, x);
+    snap_to_levels(&s->setup, x);
   }
   free(sobol);
 }
 
 /* Returns a member of the population that is none of those chosen so far. */
-static size_t pick(const vs_search *s, uint64_t child, const size_t *taken, size_t n_taken) {
+static size_t pick_member(const vs_search *s, uint64_t child, const size_t *taken, size_t n_taken) {
   uint64_t draw = 0;
   for (;; draw++) {
     uint64_t bits =
@@ -99,11 +99,11 @@ static size_t pick(const vs_search *s, uint64_t child, const size_t *taken, size
 
 /* Makes the mutant: a member and the weighted difference of two others. A coordinate beyond a bound
  * is put halfway to it. */
-static void breed(const vs_search *s, size_t parent, double *x) {
+static void breed_mutant(const vs_search *s, size_t parent, double *x) {
   const size_t n = s->setup.axes;
   const uint64_t child = s->generation * MOST + parent;
   size_t taken[3] = {parent};
-  for (size_t k = 1; k < 3; k++) taken[k] = pick(s, child, taken, k);
+  for (size_t k = 1; k < 3; k++) taken[k] = pick_member(s, child, taken, k);
   const double *own = &s->member[parent * n], *a = &s->member[taken[1] * n],
                *b = &s->member[taken[2] * n];
   const double weight = 0.4 + 0.5 * vs_random_uniform(s->setup.seed, child, SALT_CROSS);
@@ -116,20 +116,20 @@ static void breed(const vs_search *s, size_t parent, double *x) {
     if (mutant > 1) mutant = (own[d] + 1) / 2;
     x[d] = crossed || d == always ? mutant : own[d];
   }
-  snap(&s->setup, x);
+  snap_to_levels(&s->setup, x);
 }
 
 /* Adds the point unless it was asked for before, as no such point is better than the centre. */
 static void add_new(vs_search *s, double *x) {
   const size_t bytes = s->setup.axes * sizeof *x;
-  snap(&s->setup, x);
+  snap_to_levels(&s->setup, x);
   for (size_t k = 0; k < s->asked + s->count; k++)
     if (!memcmp(x, &s->points[k * s->setup.axes], bytes)) return;
-  memcpy(add(s), x, bytes);
+  memcpy(add_point_of_search(s), x, bytes);
 }
 
 /* Makes a random direction of length 1. */
-static void direction(const vs_search *s, double *v) {
+static void random_direction(const vs_search *s, double *v) {
   const size_t n = s->setup.axes;
   double sum = 0;
   for (size_t d = 0; d < n; d++) {
@@ -143,10 +143,10 @@ static void direction(const vs_search *s, double *v) {
 /* Asks for the points one step away, both ways along each axis. When it is turned, the axes are
  * mirrored at a random plane, so that the pattern does not come to rest in a valley or at an edge
  * that lies askew. */
-static void poll(vs_search *s) {
+static void poll_neighbours(vs_search *s) {
   double x[VS_SEARCH_AXES], v[VS_SEARCH_AXES] = {0};
   const size_t n = s->setup.axes;
-  if (s->turned) direction(s, v);
+  if (s->turned) random_direction(s, v);
   for (size_t k = 0; k < 2 * n; k++) {
     for (size_t d = 0; d < n; d++) {
       int levels = s->setup.levels[d];
@@ -168,49 +168,50 @@ static void ask_pattern(vs_search *s) {
     for (size_t d = 0; d < n; d++) x[d] = s->center[d] + reach * s->came[d];
     add_new(s, x);
   }
-  poll(s);
+  poll_neighbours(s);
 }
 
 /* Returns how many of the start's points near to point k are better than it. */
-static size_t betters(const vs_search *s, const double *values, size_t k) {
+static size_t count_better(const vs_search *s, const double *values, size_t k) {
   size_t n = 0;
   const double reach = 1.5 / pow((double)s->count, 1 / (double)s->setup.axes);
   for (size_t i = 0; i < s->count; i++) {
     double far = 0;
     for (size_t d = 0; d < s->setup.axes; d++)
-      far = fmax(far, fabs(point(s, i)[d] - point(s, k)[d]));
-    n += far <= reach && better(values[i], values[k]);
+      far = fmax(far, fabs(point_of_search(s, i)[d] - point_of_search(s, k)[d]));
+    n += far <= reach && is_better(values[i], values[k]);
   }
   return n;
 }
 
-static void take(vs_search *s, const double *values, size_t from) {
-  memcpy(&s->member[s->members * s->setup.axes], point(s, from), s->setup.axes * sizeof *s->member);
+static void take_results(vs_search *s, const double *values, size_t from) {
+  memcpy(&s->member[s->members * s->setup.axes], point_of_search(s, from),
+         s->setup.axes * sizeof *s->member);
   s->fitness[s->members++] = values[from];
 }
 
 /* Chooses the population among the start's points. Up to half of it are points than which none near
  * them is better, so that a narrow valley is not passed over for the slopes of a wide one. The
  * others are the best there are. */
-static void settle(vs_search *s, const double *values) {
+static void settle_population(vs_search *s, const double *values) {
   bool *gone = vs_alloc(s->count, sizeof *gone);
   if (s->population > s->count) s->population = s->count;
   for (int pass = 0; pass < 2; pass++)
     while (s->members < (pass ? s->population : s->population / 2)) {
       size_t found = SIZE_MAX;
       for (size_t i = 0; i < s->count; i++) {
-        if (gone[i] || (!pass && betters(s, values, i))) continue;
-        if (found == SIZE_MAX || better(values[i], values[found])) found = i;
+        if (gone[i] || (!pass && count_better(s, values, i))) continue;
+        if (found == SIZE_MAX || is_better(values[i], values[found])) found = i;
       }
       if (found == SIZE_MAX) break;
       gone[found] = true;
-      take(s, values, found);
+      take_results(s, values, found);
     }
   free(gone);
 }
 
 /* Returns the member of the population that is nearest to a point. */
-static size_t nearest(const vs_search *s, const double *x) {
+static size_t nearest_member(const vs_search *s, const double *x) {
   size_t found = 0;
   double least = INFINITY;
   for (size_t k = 0; k < s->population; k++) {
@@ -227,15 +228,16 @@ static size_t nearest(const vs_search *s, const double *x) {
  * seen. */
 static void select_children(vs_search *s, const double *values) {
   for (size_t k = 0; k < s->count; k++) {
-    size_t at = nearest(s, point(s, k));
-    if (!better(values[k], s->fitness[at])) continue;
-    memcpy(&s->member[at * s->setup.axes], point(s, k), s->setup.axes * sizeof *s->member);
+    size_t at = nearest_member(s, point_of_search(s, k));
+    if (!is_better(values[k], s->fitness[at])) continue;
+    memcpy(&s->member[at * s->setup.axes], point_of_search(s, k),
+           s->setup.axes * sizeof *s->member);
     s->fitness[at] = values[k];
   }
 }
 
 /* Returns the longest side of the box that the population lies in. */
-static double extent(const vs_search *s) {
+static double extent_of_population(const vs_search *s) {
   double longest = 0;
   for (size_t d = 0; d < s->setup.axes; d++) {
     double low = 1, high = 0;
@@ -253,11 +255,11 @@ static void begin_pattern(vs_search *s) {
   memcpy(s->center, s->best, sizeof s->center);
   memset(s->came, 0, sizeof s->came);
   s->center_value = s->best_value;
-  s->step = fmin(FIRST_STEP, fmax(extent(s) / 4, 4 * s->setup.finest));
+  s->step = fmin(FIRST_STEP, fmax(extent_of_population(s) / 4, 4 * s->setup.finest));
 }
 
-static void move(vs_search *s) {
-  if (better(s->best_value, s->center_value)) {
+static void move_search(vs_search *s) {
+  if (is_better(s->best_value, s->center_value)) {
     for (size_t d = 0; d < s->setup.axes; d++) s->came[d] = s->best[d] - s->center[d];
     memcpy(s->center, s->best, sizeof s->center);
     s->center_value = s->best_value;
@@ -274,38 +276,38 @@ static void move(vs_search *s) {
 const double *vs_search_ask(vs_search *s, size_t *count) {
   if (!s->count && s->phase == START) ask_start(s);
   if (!s->count && s->phase == EVOLUTION)
-    for (size_t k = 0; k < s->population; k++) breed(s, k, add(s));
+    for (size_t k = 0; k < s->population; k++) breed_mutant(s, k, add_point_of_search(s));
   while (!s->count && s->phase == PATTERN) {
     ask_pattern(s);
-    if (!s->count) move(s); /* all points about it are known, so the step is halved */
+    if (!s->count) move_search(s); /* all points about it are known, so the step is halved */
   }
   size_t left = s->setup.most - s->asked;
   if (s->count > left) s->count = left;
   if (!s->count) s->phase = OVER;
   *count = s->count;
-  return point(s, 0);
+  return point_of_search(s, 0);
 }
 
 void vs_search_tell(vs_search *s, const double *values) {
   assert(s->count);
   for (size_t k = 0; k < s->count; k++)
-    if (better(values[k], s->best_value)) {
-      memcpy(s->best, point(s, k), s->setup.axes * sizeof *s->best);
+    if (is_better(values[k], s->best_value)) {
+      memcpy(s->best, point_of_search(s, k), s->setup.axes * sizeof *s->best);
       s->best_value = values[k];
     }
   s->generation++;
   if (s->phase == START) {
-    settle(s, values);
+    settle_population(s, values);
     s->phase = EVOLUTION;
   } else if (s->phase == EVOLUTION)
     select_children(s, values);
   else
-    move(s);
+    move_search(s);
   s->asked += s->count;
   s->count = 0;
   if (s->phase == EVOLUTION &&
       ((double)(s->asked + s->population) > GLOBAL_PART * (double)s->setup.most ||
-       s->population < 4 || extent(s) < 4 * s->setup.finest))
+       s->population < 4 || extent_of_population(s) < 4 * s->setup.finest))
     begin_pattern(s);
   if (isnan(s->best_value) && s->phase == PATTERN)
     s->phase = OVER; /* no point has a value, so there is nowhere to begin */

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The cheapest snubber that holds: a search (study/method/search.h) over the axes under vary, R1 and C1
- * or more. A candidate is run with the scene as it is and, when it holds there, at every point of
- * sample (n of it, or its corners). It holds when in each of these runs no measure is more than
- * (1 - margin) of its rating and no rating of the deck is violated; a measure that a run does not
- * know is within none. What stands under vary may stand under sample.spread, too: its tolerance,
- * in %, is then one of the candidate's own value.
+ * The cheapest snubber that holds: a search (study/method/search.h) over the axes under vary, R1
+ * and C1 or more. A candidate is run with the scene as it is and, when it holds there, at every
+ * point of sample (n of it, or its corners). It holds when in each of these runs no measure is more
+ * than (1 - margin) of its rating and no rating of the deck is violated; a measure that a run does
+ * not know is within none. What stands under vary may stand under sample.spread, too: its
+ * tolerance, in %, is then one of the candidate's own value.
  *
  *   snubber:
  *     ratings: {thyristor.v_reverse: part, thyristor.di_dt: 100 A/us, r1.power: 2 W}
@@ -18,7 +18,7 @@
  * joules: the sum of C*v_peak^2/2 over the capacitors under vary and of power/f over the resistors,
  * of the candidate's worst run. Of candidates that do not hold, the one that is over its ratings by
  * less is better; and all of them are worse than any that holds. */
-#include "method/snubber.h"
+#include "study/methods.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -27,10 +27,10 @@
 
 #include "base/json.h"
 #include "base/text.h"
+#include "base/units.h"
+#include "headings.h"
 #include "method/search.h"
 #include "method/span.h"
-#include "headings.h"
-#include "base/units.h"
 
 enum { PER_AXIS = 80, MOST_CANDIDATES = 10000, RATINGS = 16 };
 
@@ -217,7 +217,8 @@ static double left_of(const rating *r, const vs_results *results, uint64_t index
   return (at_least ? value - r->limit : r->limit - value) / fabs(r->limit);
 }
 
-static void judge(const snubber *s, const vs_results *results, uint64_t index, candidate *c) {
+static void judge_candidate(const snubber *s, const vs_results *results, uint64_t index,
+                            candidate *c) {
   const double *point = &results->points[index * results->plan->n_axes];
   double margin = vs_plan_results_value(results, index, VS_COLUMN_MARGIN);
   double over = fmax(0, -margin), cost_j = 0;
@@ -239,7 +240,7 @@ static void judge(const snubber *s, const vs_results *results, uint64_t index, c
   c->cost_j = fmax(c->cost_j, cost_j);
 }
 
-static bool holds(const candidate *c) {
+static bool candidate_holds(const candidate *c) {
   return !c->failed && c->over == 0;
 }
 
@@ -265,7 +266,7 @@ typedef struct hunt {
 
 _Static_assert((int)VS_PLAN_AXES <= (int)VS_SEARCH_AXES, "all axes of a plan can be searched");
 
-static vs_search *begin(const vs_plan *plan, const snubber *s) {
+static vs_search *begin_snubber_search(const vs_plan *plan, const snubber *s) {
   vs_search_setup setup = {.axes = s->n_design,
                            .seed = plan->seed,
                            .most = (size_t)candidates(plan, s),
@@ -298,7 +299,7 @@ static bool nominal_runs(hunt *h) {
   for (size_t k = 0; k < h->count; k++) {
     h->candidate[k] = (candidate){.nominal = h->used + k};
     if (known)
-      judge(h->s, h->results, h->used + k, &h->candidate[k]);
+      judge_candidate(h->s, h->results, h->used + k, &h->candidate[k]);
     else if (h->generation)
       add_case(h, k, UINT64_MAX);
   }
@@ -311,15 +312,15 @@ static bool nominal_runs(hunt *h) {
 static bool spread_runs(hunt *h) {
   const uint64_t n = spreads(h->plan, h->s);
   uint64_t wanted = 0;
-  for (size_t k = 0; k < h->count; k++) wanted += holds(&h->candidate[k]) ? n : 0;
+  for (size_t k = 0; k < h->count; k++) wanted += candidate_holds(&h->candidate[k]) ? n : 0;
   const bool known = h->used + wanted <= h->results->count;
   for (size_t k = 0; k < h->count; k++) {
     candidate *c = &h->candidate[k];
-    if (!holds(c)) continue;
+    if (!candidate_holds(c)) continue;
     c->first = h->used;
     for (uint64_t i = 0; i < n; i++)
       if (known)
-        judge(h->s, h->results, h->used++, c);
+        judge_candidate(h->s, h->results, h->used++, c);
       else if (h->generation)
         add_case(h, k, i);
   }
@@ -328,9 +329,9 @@ static bool spread_runs(hunt *h) {
 
 /* Goes through the results, generation by generation, and calls each(ctx, candidate). At their end
  * it asks for the next cases. */
-static void go(hunt *h, void (*each)(void *ctx, const candidate *), void *ctx) {
+static void go_through_results(hunt *h, void (*each)(void *ctx, const candidate *), void *ctx) {
   bool known = true;
-  h->search = begin(h->plan, h->s);
+  h->search = begin_snubber_search(h->plan, h->s);
   while (known && (h->points = vs_search_ask(h->search, &h->count), h->count)) {
     double *values = vs_alloc(h->count, sizeof *values);
     h->candidate = vs_alloc(h->count, sizeof *h->candidate);
@@ -350,7 +351,7 @@ static vs_status next_snubber(const vs_plan *plan, const vs_plan_stage *stage,
                               const vs_results *results, vs_generation *generation, vs_error *err) {
   (void)err;
   hunt h = {.plan = plan, .s = stage->state, .results = results, .generation = generation};
-  go(&h, NULL, NULL);
+  go_through_results(&h, NULL, NULL);
   return VS_OK;
 }
 
@@ -368,12 +369,12 @@ static void list_candidate(void *ctx, const candidate *c) {
   vs_json_whole(l->json, "case", (int64_t)c->nominal);
   vs_json_whole(l->json, "spread", (int64_t)c->first);
   vs_json_whole(l->json, "runs", (int64_t)c->runs);
-  vs_json_bool(l->json, "holds", holds(c));
+  vs_json_bool(l->json, "holds", candidate_holds(c));
   vs_json_number(l->json, "over", c->failed ? NAN : c->over, 12);
   vs_json_number(l->json, "cost_j", c->failed ? NAN : c->cost_j, 12);
   vs_json_end(l->json);
-  if (holds(c) && (!l->held || c->cost_j < l->best.cost_j)) l->best = *c;
-  l->held += holds(c);
+  if (candidate_holds(c) && (!l->held || c->cost_j < l->best.cost_j)) l->best = *c;
+  l->held += candidate_holds(c);
 }
 
 static void add_ratings(const vs_plan *plan, const snubber *s, vs_json *json) {
@@ -394,7 +395,7 @@ static void add_candidates(const vs_plan *plan, const snubber *s, const vs_resul
   list l = {.json = json};
   hunt h = {.plan = plan, .s = s, .results = results};
   vs_json_array(json, "candidates", VS_JSON_ROW);
-  go(&h, list_candidate, &l);
+  go_through_results(&h, list_candidate, &l);
   vs_json_end(json);
   if (!l.held) {
     vs_json_null(json, "found");

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The worst case: the largest or least value of one measure, searched for (study/method/search.h) over
- * all axes: where vary has a range, all of it; of a list, what it lists; of a spread of sample's,
- * its whole reach, whatever their correlation. What was found is the worst case that was looked at,
- * no bound.
+ * The worst case: the largest or least value of one measure, searched for (study/method/search.h)
+ * over all axes: where vary has a range, all of it; of a list, what it lists; of a spread of
+ * sample's, its whole reach, whatever their correlation. What was found is the worst case that was
+ * looked at, no bound.
  *
  *   find:
  *     worst: max thyristor.v_reverse     or min MEASURE
@@ -10,7 +10,7 @@
  *     seed: 7
  *     finest: 0.1 %                      of each axis: shorter steps end the search
  */
-#include "method/worst.h"
+#include "study/methods.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -19,10 +19,10 @@
 
 #include "base/json.h"
 #include "base/text.h"
+#include "base/units.h"
+#include "headings.h"
 #include "method/search.h"
 #include "method/span.h"
-#include "headings.h"
-#include "base/units.h"
 
 enum { PER_AXIS = 100, MOST_CASES = 100000 };
 
@@ -100,7 +100,7 @@ static uint64_t worst_count(const vs_plan *plan, const vs_plan_stage *stage) {
 
 _Static_assert((int)VS_PLAN_AXES <= (int)VS_SEARCH_AXES, "all axes of a plan can be searched");
 
-static vs_search *begin(const vs_plan *plan, const vs_plan_stage *stage) {
+static vs_search *begin_worst_search(const vs_plan *plan, const vs_plan_stage *stage) {
   const worst *w = stage->state;
   vs_search_setup setup = {.axes = plan->n_axes,
                            .seed = plan->seed,
@@ -113,8 +113,8 @@ static vs_search *begin(const vs_plan *plan, const vs_plan_stage *stage) {
 /* Tells the search of the results from `done` on, generation by generation, and returns how many of
  * them it then knows. phases: a list to which the search's phases are added, with the case each
  * began with; NULL: none is wanted. */
-static uint64_t replay(vs_search *search, const worst *w, const vs_results *results, uint64_t done,
-                       vs_json *phases) {
+static uint64_t replay_results(vs_search *search, const worst *w, const vs_results *results,
+                               uint64_t done, vs_json *phases) {
   const char *phase = "";
   for (size_t count; vs_search_ask(search, &count), count && done + count <= results->count;) {
     if (phases && strcmp(phase, vs_search_phase(search))) {
@@ -142,10 +142,10 @@ static vs_status worst_next(const vs_plan *plan, const vs_plan_stage *stage,
   if (!w->search ||
       results->count < w->done) { /* begins anew; otherwise it goes on where it stands */
     vs_search_free(w->search);
-    w->search = begin(plan, stage);
+    w->search = begin_worst_search(plan, stage);
     w->done = 0;
   }
-  w->done = replay(w->search, w, results, w->done, NULL);
+  w->done = replay_results(w->search, w, results, w->done, NULL);
   const double *points = vs_search_ask(w->search, &count);
   for (size_t k = 0; k < count; k++) {
     double value[VS_PLAN_AXES];
@@ -172,9 +172,9 @@ static uint64_t find_best(const worst *w, const vs_results *results) {
 static void add_found(const vs_plan *plan, const vs_plan_stage *stage, const vs_results *results,
                       vs_json *json) {
   const worst *w = stage->state;
-  vs_search *search = begin(plan, stage);
+  vs_search *search = begin_worst_search(plan, stage);
   vs_json_array(json, "phases", VS_JSON_ROW);
-  replay(search, w, results, 0, json);
+  replay_results(search, w, results, 0, json);
   vs_json_end(json);
   vs_search_free(search);
   const uint64_t best = find_best(w, results);

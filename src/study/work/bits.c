@@ -74,7 +74,7 @@ const char *vs_bits_here(void) {
 
 /* ---- lists ---- */
 
-static bool has(const vs_text *list, const char *line, size_t n) {
+static bool has_line_of_bits(const vs_text *list, const char *line, size_t n) {
   for (const char *s = list->text; s && *s; s += strcspn(s, "\n") + 1)
     if (strcspn(s, "\n") == n && !strncmp(s, line, n)) return true;
   return false;
@@ -83,7 +83,7 @@ static bool has(const vs_text *list, const char *line, size_t n) {
 void vs_bits_add(vs_text *list, const char *lines) {
   for (const char *s = lines; s && *s;) {
     const size_t n = strcspn(s, "\n");
-    if (!has(list, s, n)) vs_text_add(list, "%.*s\n", (int)n, s);
+    if (!has_line_of_bits(list, s, n)) vs_text_add(list, "%.*s\n", (int)n, s);
     s += n + (s[n] == '\n');
   }
 }

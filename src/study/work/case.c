@@ -8,9 +8,9 @@
 
 #include "base/csv.h"
 #include "base/file.h"
+#include "measure/unjudged.h"
 #include "run/session.h"
 #include "run/table.h"
-#include "measure/unjudged.h"
 #include "work/identity.h"
 
 const char *const vs_case_titles[VS_CASE_COLUMNS] = {
@@ -117,7 +117,7 @@ static void add_failure(const vs_case *c, const char *why, vs_text *row) {
   vs_csv_cell(row, why);
 }
 
-static void add_number(vs_text *row, double value) {
+static void add_number_cell(vs_text *row, double value) {
   char text[VS_NUMBER_SIZE];
   vs_text_number(text, value, 12);
   vs_text_add(row, ",%s", isfinite(value) ? text : "");
@@ -144,13 +144,13 @@ static vs_value find_value(vs_case *c, size_t k) {
 }
 
 /* Adds a warning to the one cell that holds all. */
-static void add_warning(void *ctx, const char *text) {
+static void add_warning_to_cell(void *ctx, const char *text) {
   vs_text *all = ctx;
   vs_text_add(all, "%s%s", all->length ? " | " : "", text);
 }
 
 /* Adds what is to be said of the derivatives. */
-static void add_notes(const vs_sensitivity *derived, vs_text *warnings) {
+static void add_notes_of_derivatives(const vs_sensitivity *derived, vs_text *warnings) {
   const char *line = derived->notes.text;
   for (const char *end; line && (end = strchr(line, '\n')); line = end + 1)
     vs_text_add(warnings, "%s%.*s", warnings->length ? " | " : "", (int)(end - line), line);
@@ -192,7 +192,7 @@ static void add_not_judged(const vs_result *r, vs_text *row) {
   vs_text_free(&all);
 }
 
-static void add_row(vs_case *c, vs_text *row) {
+static void add_case_row(vs_case *c, vs_text *row) {
   const vs_result *r = c->result;
   const vs_judgement *weakest = r->verdict.weakest;
   char name[VS_JUDGED_NAME];
@@ -200,14 +200,14 @@ static void add_row(vs_case *c, vs_text *row) {
   begin_row(c->plan, &c->present, row);
   for (size_t k = 0; k < c->plan->n_columns; k++) {
     vs_value v = find_value(c, k);
-    add_number(row, v.known ? v.value : NAN);
+    add_number_cell(row, v.known ? v.value : NAN);
   }
-  add_number(row, weakest ? weakest->margin : NAN);
-  add_number(row, weakest ? weakest->margin_error : NAN);
-  vs_result_warnings(r, add_warning, &warnings);
-  add_notes(&c->derived, &warnings);
+  add_number_cell(row, weakest ? weakest->margin : NAN);
+  add_number_cell(row, weakest ? weakest->margin_error : NAN);
+  vs_result_warnings(r, add_warning_to_cell, &warnings);
+  add_notes_of_derivatives(&c->derived, &warnings);
   vs_text_add(row, ",%s,%d", weakest ? vs_verdict_name(weakest, name) : "", r->ladder.rung);
-  add_number(row, r->watchers.absence.bound);
+  add_number_cell(row, r->watchers.absence.bound);
   vs_text_add(row, ",");
   add_happened(&r->verdict, row);
   vs_text_add(row, ",");
@@ -218,7 +218,7 @@ static void add_row(vs_case *c, vs_text *row) {
   vs_text_free(&warnings);
 }
 
-/* ---- who looks on: the run.csv that --keep runs asks for, and the orbit ---- */
+/* ---- observers of the run: the run.csv that --keep runs asks for, and the orbit ---- */
 
 typedef struct keeper {
   const vs_case *c;
@@ -276,13 +276,14 @@ static vs_status begin_csv(keeper *k, const vs_scene *s, vs_error *err) {
   return VS_OK;
 }
 
-static vs_status begin_run(void *ctx, vs_scene *s, vs_error *err) {
+static vs_status begin_run_of_case(void *ctx, vs_scene *s, vs_error *err) {
   keeper *k = ctx;
   if (k->c->steady) vs_steady_again(k->c->steady, s);
   return k->c->keep ? begin_csv(k, s, err) : VS_OK;
 }
 
-static vs_status accept(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
+static vs_status accept_step_of_case(void *ctx, const vs_step *step, const vs_result *result,
+                                     vs_error *err) {
   keeper *k = ctx;
   k->table.meters = result->meters;
   k->table.loop = result->loop;
@@ -305,7 +306,7 @@ static vs_status commit_csv(keeper *k, vs_error *err) {
   return status;
 }
 
-static void again(void *ctx, const char *failed, int next) {
+static void discard_attempt(void *ctx, const char *failed, int next) {
   keeper *k = ctx;
   (void)failed, (void)next;
   discard_csv(k);
@@ -313,8 +314,8 @@ static void again(void *ctx, const char *failed, int next) {
 
 /* ---- the run ---- */
 
-/* Error: the orbit is unstable, so that the machine does not run on it. A study whose columns tell
- * that takes it. */
+/* Error: the orbit is unstable, so that the machine does not stay on it. A study that reports
+ * `stable` has the row nevertheless. */
 static vs_status judge_orbit(const vs_case *c, vs_error *err) {
   const vs_orbit *orbit = &c->steady->orbit;
   for (size_t k = 0; k < c->plan->n_columns; k++)
@@ -327,7 +328,7 @@ static vs_status judge_orbit(const vs_case *c, vs_error *err) {
                  hypot(orbit->multiplier[0].re, orbit->multiplier[0].im), VS_ATWORK_STABLE);
 }
 
-/* The run is over: completes what is known of a study's orbit. */
+/* Completes the measures of the orbit behind its run. */
 static vs_status end_orbit(vs_case *c, vs_error *err) {
   if (!c->steady) return VS_OK;
   vs_steady_finish(c->steady, c->result);
@@ -336,21 +337,21 @@ static vs_status end_orbit(vs_case *c, vs_error *err) {
 
 /* Finds the derivatives of the case's measures, where the study has some: before the run, which
  * makes the scene its own. */
-static vs_status derive(vs_case *c, vs_error *err) {
+static vs_status derive_measures(vs_case *c, vs_error *err) {
   const vs_sensitivity_order *order = c->plan->derivatives;
   return order ? vs_sensitivity_find(c->scene, order, &c->derived, err) : VS_OK;
 }
 
 /* Marks the value of that name. False: no value of the machine's has it. */
-static bool want(vs_case *c, const char *name) {
+static bool want_measure(vs_case *c, const char *name) {
   vs_measure m;
   for (int k = 0; vs_measure_at(&c->scene->setup.model, k, &m); k++)
     if (!strcmp(m.name, name)) return c->wants.has[m.slot] = true;
   return false;
 }
 
-/* Finds what is read of the case's result: its columns, and what a warning tells of a run in which
- * nothing fires. NULL: all of it. */
+/* Which values of the machine the case needs, so that the run computes no others: those of its
+ * columns, and the two that tell that nothing fires. NULL: all of them. */
 static const vs_measure_set *find_wants(vs_case *c) {
   const char *machine = c->scene->setup.model.parameters.model;
   if (c->plan->derivatives) return NULL;
@@ -359,24 +360,31 @@ static const vs_measure_set *find_wants(vs_case *c) {
   c->wants = (vs_measure_set){.has = {[VS_M_T_FIRE] = true, [VS_M_I_PEAK] = true}};
   c->wants_all = false;
   for (size_t k = 0; k < c->plan->n_columns; k++)
-    c->wants_all = !want(c, c->plan->columns[k].name) || c->wants_all;
+    c->wants_all = !want_measure(c, c->plan->columns[k].name) || c->wants_all;
   return c->wants_all ? NULL : &c->wants;
 }
 
+/* Runs the scene of the case that was begun, and adds its row. The row's values are those of the
+ * result; the axes' cells are the plan's own numbers (begin_row), not read back from the scene. */
 static vs_status run_scene(vs_case *c, vs_text *row, vs_error *err) {
   keeper k = {.c = c};
-  const vs_guest guest = {
-      .ctx = &k, .begin = begin_run, .accept = accept, .again = again, .late = true};
+  const vs_guest guest = {.ctx = &k,
+                          .begin = begin_run_of_case,
+                          .accept = accept_step_of_case,
+                          .again = discard_attempt,
+                          .late = true};
   const vs_session session = {.guest = c->keep || c->steady ? &guest : NULL,
                               .wants = find_wants(c),
                               .verify_edges = true,
                               .steady = vs_steady_start};
   *c->result = (vs_result){0};
-  vs_status status = derive(c, err);
+  /* Derivatives come first, as a run makes the scene its own; in a study of orbits the scene then
+   * becomes one period of its orbit; the run itself is as of `run`. */
+  vs_status status = derive_measures(c, err);
   if (!status && c->steady) status = vs_steady_begin(c->steady, c->scene, c->plan->periods, err);
   if (!status) status = vs_session_run(&session, c->scene, c->result, err);
   if (!status) status = end_orbit(c, err);
-  if (!status) add_row(c, row);
+  if (!status) add_case_row(c, row);
   if (!status) status = commit_csv(&k, err);
   discard_csv(&k);
   if (c->steady) vs_steady_end(c->steady);
@@ -384,8 +392,10 @@ static vs_status run_scene(vs_case *c, vs_text *row, vs_error *err) {
   return status;
 }
 
-/* Reads the scene with the case's keys put over it. */
-static vs_status read_scene(vs_case *c, vs_error *err) {
+/* Reads the scene with the case's keys put over it. The first case reads all of the scene; a later
+ * one reads again only what its keys change (vs_scene_again). An axis' value goes into the scene's
+ * tree as text with its unit, so that a key means the same in a study as in the scene's file. */
+static vs_status read_scene_of_case(vs_case *c, vs_error *err) {
   const vs_plan *plan = c->plan;
   bool again = c->begun;
   vs_status status = VS_OK;
@@ -403,14 +413,14 @@ static vs_status read_scene(vs_case *c, vs_error *err) {
 
 vs_status vs_case_begin(vs_case *c, uint64_t index, const double *point, vs_error *err) {
   c->present = (which){.index = index, .point = point};
-  vs_status status = read_scene(c, err);
+  vs_status status = read_scene_of_case(c, err);
   if (!status) status = vs_identity_of(c->identity, c->scene, c->present.id, err);
   return status;
 }
 
 /* How well a row's cell is the axis' number: 2, to its last digit; 1, as another machine's libm may
  * have rounded that; 0, not. */
-static int agrees(const char *cell, const char *number) {
+static int cell_agrees(const char *cell, const char *number) {
   /* an axis has 12 digits, of which the last is at most 1e-11 of it; twice that for rounding */
   enum { DIGITS = 12 };
   const double most = 2 * pow(10, 1 - DIGITS);
@@ -432,7 +442,7 @@ bool vs_case_is_row(vs_case *c, uint64_t index, const double *point, bool failed
   }
   for (size_t k = 0; k < plan->n_axes; k++) {
     vs_axis_print(&plan->axes[k], point[k], number, sizeof number);
-    const int agreed = agrees(cell[HEAD + k], number);
+    const int agreed = cell_agrees(cell[HEAD + k], number);
     exact = exact && agreed == 2;
     if (agreed) continue;
     snprintf(why, size, "its %.64s is %.64s; its row has '%.64s'", plan->axes[k].column, number,

@@ -27,7 +27,7 @@ vs_desk *vs_desk_new(const vs_plan *plan, int in, int out) {
 
 /* ---- tasks ---- */
 
-static bool read_all(int fd, void *to, size_t size) {
+static bool read_task_bytes(int fd, void *to, size_t size) {
   for (char *at = to; size;) {
     ssize_t n = read(fd, at, size);
     if (n < 0 && errno == EINTR) continue;
@@ -40,17 +40,17 @@ static bool read_all(int fd, void *to, size_t size) {
 
 void vs_desk_wait(vs_desk *d) {
   uint32_t count;
-  bool whole = read_all(d->in, &count, sizeof count);
+  bool whole = read_task_bytes(d->in, &count, sizeof count);
   for (uint32_t k = 0; k < count && whole; k++)
-    whole = read_all(d->in, &d->tasks[k].index, sizeof d->tasks[k].index) &&
-            read_all(d->in, d->tasks[k].point, d->plan->n_axes * sizeof(double));
+    whole = read_task_bytes(d->in, &d->tasks[k].index, sizeof d->tasks[k].index) &&
+            read_task_bytes(d->in, d->tasks[k].point, d->plan->n_axes * sizeof(double));
   if (!whole) _exit(0); /* exit() would flush and remove what is the parent's */
   d->count = count;
 }
 
 /* ---- answers ---- */
 
-static void put(vs_desk *d, const void *bytes, size_t size) {
+static void put_in_box(vs_desk *d, const void *bytes, size_t size) {
   if (!d->size) d->since_s = now_s();
   if (d->size + size > d->room) {
     d->room = 2 * (d->size + size);
@@ -62,8 +62,8 @@ static void put(vs_desk *d, const void *bytes, size_t size) {
 }
 
 void vs_desk_answer(vs_desk *d, const vs_desk_head *head, const char *row) {
-  put(d, head, sizeof *head);
-  put(d, row, head->length);
+  put_in_box(d, head, sizeof *head);
+  put_in_box(d, row, head->length);
 }
 
 void vs_desk_deliver(vs_desk *d) {

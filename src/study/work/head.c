@@ -27,7 +27,7 @@ static const struct {
              {"manifest_end", offsetof(vs_head, manifest_end)}};
 enum { N_TEXTS = sizeof TEXTS / sizeof *TEXTS, MANIFEST = 3 /* the first text of it */ };
 
-static char **text_of(vs_head *head, size_t k) {
+static char **text_of_head(vs_head *head, size_t k) {
   return (char **)(void *)((char *)head + TEXTS[k].offset);
 }
 
@@ -36,7 +36,7 @@ static const char *text_in(const vs_head *head, size_t k) {
 }
 
 void vs_head_free(vs_head *head) {
-  for (size_t k = 0; k < N_TEXTS; k++) free(*text_of(head, k));
+  for (size_t k = 0; k < N_TEXTS; k++) free(*text_of_head(head, k));
   *head = (vs_head){0};
 }
 
@@ -90,7 +90,8 @@ void vs_head_print_copy(vs_text *to, const vs_head *head) {
 
 void vs_head_fill(vs_head *head, const vs_head *copy) {
   for (size_t k = 0; k < N_TEXTS; k++)
-    if (!*text_of(head, k) && text_in(copy, k)) *text_of(head, k) = vs_copy(text_in(copy, k));
+    if (!*text_of_head(head, k) && text_in(copy, k))
+      *text_of_head(head, k) = vs_copy(text_in(copy, k));
   if (head->shards) return;
   head->cases = copy->cases;
   head->shard = copy->shard;
@@ -103,7 +104,7 @@ bool vs_head_is_foreign(const char *text) {
 }
 
 /* Turns \n back into line ends, and two backslashes into one. */
-static char *unfold(const char *text) {
+static char *unfold_line_ends(const char *text) {
   char *copy = vs_copy(text), *out = copy;
   for (const char *s = copy; *s; s++)
     if (s[0] == '\\' && (s[1] == 'n' || s[1] == '\\'))
@@ -146,7 +147,7 @@ bool vs_head_read(vs_head *head, const char *text, bool first, bool *twice) {
   for (size_t k = 0; k < N_TEXTS; k++) {
     size_t n = strlen(TEXTS[k].name);
     if (strncmp(text, TEXTS[k].name, n) || text[n] != '=') continue;
-    char *now = unfold(text + n + 1), **at = text_of(head, k);
+    char *now = unfold_line_ends(text + n + 1), **at = text_of_head(head, k);
     const bool again = *at && !strcmp(*at, now);
     *twice = *twice || (*at && !again);
     if (*at)

@@ -45,7 +45,7 @@ static void sum_of(const vs_text *text, char sum[VS_ID_SIZE]) {
   sum[VS_ID_SIZE - 1] = '\0';
 }
 
-static bool is_among(const char *key, const char *const *keys) {
+static bool is_key_among(const char *key, const char *const *keys) {
   for (; *keys; keys++)
     if (!strcmp(*keys, key)) return true;
   return false;
@@ -53,7 +53,7 @@ static bool is_among(const char *key, const char *const *keys) {
 
 /* Adds a value without its key, which is known by its place: a section's keys come in its table's
  * order, a deck's in the order of its file, whose contents are in the sum. -0 counts as 0. */
-static void add_value(const vs_field *field, const void *values, vs_text *text) {
+static void add_value_to_id(const vs_field *field, const void *values, vs_text *text) {
   const char *member = (const char *)values + field->offset;
   const bool points =
       field->kind == VS_PROFILE && ((const vs_field_profile *)(const void *)member)->count;
@@ -107,16 +107,17 @@ static vs_status add_section(const vs_plan *plan, const vs_filled_section *secti
   for (size_t k = 0; k < section->section->count; k++) {
     const vs_field *field = &section->section->fields[k];
     if (vs_field_is_idle(field, section->values)) continue;
-    if (run && is_among(field->key, OUT)) continue;
+    if (run && is_key_among(field->key, OUT)) continue;
     if ((circuit || machine || table) && field->kind == VS_NAME)
       continue; /* deck, parts, machine and table are known by their files */
-    add_value(field, section->values, text);
+    add_value_to_id(field, section->values, text);
   }
   if (machine || table) return add_file(plan, table ? table : own->path, text, err);
   return circuit ? add_files(plan, deck, text, err) : VS_OK;
 }
 
-static vs_status update(vs_identity *identity, int index, const vs_scene *scene, vs_error *err) {
+static vs_status update_section_of_id(vs_identity *identity, int index, const vs_scene *scene,
+                                      vs_error *err) {
   kept *k = &identity->kept[index];
   const vs_filled_section section = vs_section_at(&scene->setup, index);
   if (k->values && !memcmp(k->values, section.values, section.size)) return VS_OK;
@@ -136,35 +137,37 @@ static void add_events(const vs_events *events, vs_text *text) {
     vs_json_string(text, e->name);
     vs_text_add(text, " at %.12g\n", e->start_s);
     for (size_t f = 0; f < e->kind->n_fields; f++)
-      if (!is_among(e->kind->fields[f].key, OUT)) add_value(&e->kind->fields[f], &e->v, text);
+      if (!is_key_among(e->kind->fields[f].key, OUT))
+        add_value_to_id(&e->kind->fields[f], &e->v, text);
   }
 }
 
-static void add_instruments(const vs_instruments *all, vs_text *text) {
+static void add_instruments_to_id(const vs_instruments *all, vs_text *text) {
   if (all->count) vs_text_add(text, "instruments %d\n", all->v.seed);
   for (int k = 0; k < all->count; k++) {
     const vs_instrument *i = &all->item[k];
     vs_text_add(text, "%s\n", i->name);
-    for (size_t f = 0; f < i->section.count; f++) add_value(&i->section.fields[f], &i->v, text);
+    for (size_t f = 0; f < i->section.count; f++)
+      add_value_to_id(&i->section.fields[f], &i->v, text);
   }
 }
 
 /* The observer's map as it was written. */
-static void add_node(const vs_node *node, vs_text *text) {
+static void add_node_to_id(const vs_node *node, vs_text *text) {
   if (node->key) vs_text_add(text, "%s ", node->key);
   vs_text_add(text, "%s\n", node->text ? node->text : "[");
-  for (const vs_node *n = node->child; n; n = n->next) add_node(n, text);
+  for (const vs_node *n = node->child; n; n = n->next) add_node_to_id(n, text);
 }
 
-static vs_status add_control(const vs_plan *plan, const vs_control *c, vs_text *text,
-                             vs_error *err) {
+static vs_status add_control_to_id(const vs_plan *plan, const vs_control *c, vs_text *text,
+                                   vs_error *err) {
   static const char *const OUT[] = {"file", "timeout", NULL};
   char path[VS_PATH_SIZE];
   vs_status status = VS_OK;
   for (size_t k = 0; c->regulator && k < c->section.count; k++) {
-    if (is_among(c->section.fields[k].key, OUT)) continue;
+    if (is_key_among(c->section.fields[k].key, OUT)) continue;
     vs_text_add(text, "control.%s\n", c->section.fields[k].key);
-    add_value(&c->section.fields[k], &c->v, text);
+    add_value_to_id(&c->section.fields[k], &c->v, text);
   }
   for (int k = 0; !status && vs_control_file(c, k, path); k++)
     status = add_file(plan, path, text, err);
@@ -180,20 +183,20 @@ vs_status vs_identity_of(vs_identity *identity, const vs_scene *scene, char id[V
   vs_text_add(whole, "%s\n", scene->tier->name);
   for (int p = 0; p < VS_SECTIONS; p++) {
     if (!vs_section_counts(&scene->setup, p)) continue;
-    if ((status = update(identity, p, scene, err))) return status;
+    if ((status = update_section_of_id(identity, p, scene, err))) return status;
     vs_text_add(whole, "%s\n", identity->kept[p].sum);
   }
   add_events(&scene->setup.timeline.events, whole);
-  add_instruments(&scene->instruments, whole);
+  add_instruments_to_id(&scene->instruments, whole);
   const vs_expects *expects = &scene->expects;
   for (size_t k = 0; scene->tier->has_circuit && k < expects->count; k++)
     vs_text_add(whole, "expect %s %s\n", expects->item[k].device,
                 vs_kinds_happening(expects->item[k].measure)->what);
   for (size_t k = 0; scene->tier->has_circuit && k < expects->n_waivers; k++)
     vs_text_add(whole, "waive %s.%s\n", expects->waiver[k].device, expects->waiver[k].name);
-  if ((status = add_control(identity->plan, &scene->control, whole, err))) return status;
+  if ((status = add_control_to_id(identity->plan, &scene->control, whole, err))) return status;
   const vs_node *section = vs_tree_child(scene->tree.root, vs_control_section.name);
-  if (scene->control.observing.system) add_node(vs_tree_child(section, "observer"), whole);
+  if (scene->control.observing.system) add_node_to_id(vs_tree_child(section, "observer"), whole);
   vs_ratings_identify(&scene->ratings, whole);
   vs_cooling_identify(&scene->setup.cooling, &scene->setup.deck, whole);
   if (scene->setup.steady) vs_text_add(whole, "start steady\n");

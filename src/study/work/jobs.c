@@ -71,7 +71,7 @@ static void put_back(vs_jobs *j, const vs_task *task) {
   j->again[j->n_again++] = *task;
 }
 
-static vs_status give_up(vs_jobs *j, const vs_task *task, const char *why, vs_error *err) {
+static vs_status fail_case(vs_jobs *j, const vs_task *task, const char *why, vs_error *err) {
   vs_text row = {0};
   vs_case_failure(j->o.plan, task->index, task->point, why, &row);
   const vs_answer answer = {
@@ -81,9 +81,10 @@ static vs_status give_up(vs_jobs *j, const vs_task *task, const char *why, vs_er
   return status;
 }
 
-/* Replaces a worker that is gone, or, with `slow`, that is to end because it took too long. The
- * cases it had are run again, except one that was alone with it often enough: that has failed. */
-static vs_status bury(vs_jobs *j, vs_worker *w, bool slow, vs_error *err) {
+/* Ends a worker that is gone, or that, with `slow`, took too long; the next case starts another.
+ * The cases it had are run again, except one that was alone with it often enough: that has failed.
+ */
+static vs_status replace_worker(vs_jobs *j, vs_worker *w, bool slow, vs_error *err) {
   char why[256];
   int how = vs_worker_kill(w);
   bool alone = w->queued == 1;
@@ -103,7 +104,7 @@ static vs_status bury(vs_jobs *j, vs_worker *w, bool slow, vs_error *err) {
     vs_task *task = &w->queue[w->first];
     task->tries += alone;
     if (alone && (slow || task->tries >= MOST_TRIES))
-      status = status ? status : give_up(j, task, why, err);
+      status = status ? status : fail_case(j, task, why, err);
     else
       put_back(j, task);
   }
@@ -129,7 +130,7 @@ static size_t wanted_together(const vs_jobs *j) {
 }
 
 /* Chooses tasks for the worker and returns how many; 0: it has enough, or there are none. */
-static size_t choose(vs_jobs *j, const vs_worker *w, bool *alone) {
+static size_t choose_tasks(vs_jobs *j, const vs_worker *w, bool *alone) {
   size_t n = 0, most = j->o.share ? wanted_together(j) : wanted_ahead(w);
   *alone = j->n_again > 0;
   if (w->queued && j->o.share) return 0; /* what comes later shares with what it has then */
@@ -151,9 +152,9 @@ static size_t choose(vs_jobs *j, const vs_worker *w, bool *alone) {
 
 /* Fills the worker's queue up if it is half empty. A case that is run again gets a worker of its
  * own. */
-static vs_status deal(vs_jobs *j, vs_worker *w, vs_error *err) {
+static vs_status deal_to_worker(vs_jobs *j, vs_worker *w, vs_error *err) {
   bool alone;
-  size_t n = choose(j, w, &alone);
+  size_t n = choose_tasks(j, w, &alone);
   if (!n) return VS_OK;
   if (w->circuits >= MOST_CIRCUITS) vs_worker_kill(w);
   if (!w->pid) {
@@ -168,13 +169,13 @@ static vs_status deal(vs_jobs *j, vs_worker *w, vs_error *err) {
 
 static vs_status deal_all(vs_jobs *j, vs_error *err) {
   vs_status status = VS_OK;
-  for (int k = 0; k < j->o.count && !status; k++) status = deal(j, &j->workers[k], err);
+  for (int k = 0; k < j->o.count && !status; k++) status = deal_to_worker(j, &j->workers[k], err);
   return status;
 }
 
-/* ---- hearing ---- */
+/* ---- answers ---- */
 
-static vs_status hear(vs_jobs *j, vs_worker *w, vs_error *err) {
+static vs_status hear_worker(vs_jobs *j, vs_worker *w, vs_error *err) {
   vs_answer answer;
   vs_status status = VS_OK;
   bool alive = vs_worker_hear(w);
@@ -189,7 +190,7 @@ static vs_status hear(vs_jobs *j, vs_worker *w, vs_error *err) {
     w->case_s = w->case_s > 0 ? 0.7 * w->case_s + 0.3 * each : each;
     w->heard_s = now;
   }
-  return status || alive ? status : bury(j, w, false, err);
+  return status || alive ? status : replace_worker(j, w, false, err);
 }
 
 /* While this process stands still, nobody hears the workers, and they may stand still, too: it
@@ -205,10 +206,10 @@ static void leave_pause_out(vs_jobs *j) {
 static vs_status check_time(vs_jobs *j, vs_worker *w, vs_error *err) {
   leave_pause_out(j);
   if (!w->pid || !w->queued || !(j->o.timeout_s > 0)) return VS_OK;
-  return vs_worker_clock() - w->heard_s > j->o.timeout_s ? bury(j, w, true, err) : VS_OK;
+  return vs_worker_clock() - w->heard_s > j->o.timeout_s ? replace_worker(j, w, true, err) : VS_OK;
 }
 
-static bool is_over(const vs_jobs *j) {
+static bool are_cases_over(const vs_jobs *j) {
   for (int k = 0; k < j->o.count; k++)
     if (j->workers[k].queued) return false;
   return j->dealt && !j->n_again;
@@ -225,7 +226,7 @@ static vs_status hear_all(vs_jobs *j, vs_error *err) {
   for (int k = 0; k < j->o.count && !status; k++) {
     if (!j->workers[k].pid) continue;
     short events = j->polls[n++].revents;
-    if (events) status = hear(j, &j->workers[k], err);
+    if (events) status = hear_worker(j, &j->workers[k], err);
     if (!status) status = check_time(j, &j->workers[k], err);
   }
   return status;
@@ -238,13 +239,15 @@ vs_status vs_jobs_run(vs_jobs *j, const vs_dealer *dealer, vs_error *err) {
   j->dealt = false;
   j->turn_s = vs_worker_clock();
   vs_status status = VS_OK;
+  /* Fill the workers' queues, wait up to 50 ms for answers, hand these to the dealer; until every
+   * case is answered, the user stops the study, or something cannot be written. */
   while (!status) {
     if (*j->o.stop) {
       status = vs_fail(err, VS_SIGNAL, "stopped by a signal");
       break;
     }
     status = deal_all(j, err);
-    if (status || is_over(j)) break;
+    if (status || are_cases_over(j)) break;
     status = hear_all(j, err);
     if (!status) status = dealer->beat(dealer->ctx, err);
   }

@@ -4,45 +4,218 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
+#include <stdbool.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
+#include "base/error.h"
 #include "base/file.h"
 #include "base/path.h"
-#include "work/lock.h"
+#include "base/text.h"
 #include "study/plan.h"
+#include "work/bits.h"
 
-static const char NAME[] = "journal";
+/* ---- locks ---- */
 
-static vs_lines lines_of(const vs_journal *j) {
-  return (vs_lines){j->fd, j->path, j->part};
+/* Locks, by which a study belongs to one process at a time. They end with the process. Each waits a
+ * moment, as a worker that was just forked holds the lock, too, and may outlive its killed parent
+ * by so long. On a file system without locks there are none, and both succeed. */
+
+static vs_status wait_for_lock(int fd, bool (*try)(int fd), const char *path, vs_error *err) {
+  const struct timespec pause = {.tv_nsec = 20000000};
+  for (int k = 0; k < 10 && !try(fd); k++) {
+    if (errno != EACCES && errno != EAGAIN) return VS_OK; /* a file system without locks */
+    if (k == 9) return vs_fail(err, VS_INPUT, "%s: another process is at this study", path);
+    nanosleep(&pause, NULL);
+  }
+  return VS_OK;
+}
+
+static bool try_file(int fd) {
+  struct flock whole = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
+  return !fcntl(fd, F_OFD_SETLK, &whole);
+}
+
+static bool try_folder(int fd) {
+  return !flock(fd, LOCK_EX | LOCK_NB);
+}
+
+/* Locks the file that is open as fd, for this descriptor alone: closing another one of the same
+ * file keeps the lock. path is for the message. Error: another process has it. */
+static vs_status lock_file(int fd, const char *path, vs_error *err) {
+  return wait_for_lock(fd, try_file, path, err);
+}
+
+/* Opens the folder as *fd and locks it, so that of two processes that begin a study in it only one
+ * goes on. *fd is -1 where it cannot be opened. Error: another process has it. */
+static vs_status lock_folder(const char *folder, const char *path, int *fd, vs_error *err) {
+  *fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  return *fd < 0 ? VS_OK : wait_for_lock(*fd, try_folder, path, err);
+}
+
+/* On some network file systems a file's number changes; its length does not. */
+static vs_status lock_keeps(int fd, const char *path, vs_error *err) {
+  struct stat held, named;
+  if (fstat(fd, &held)) return VS_OK;
+  if (stat(path, &named) ? errno != ENOENT && errno != ENOTDIR && errno != ESTALE
+                         : (named.st_ino == held.st_ino && named.st_dev == held.st_dev) ||
+                               named.st_size == held.st_size)
+    return VS_OK;
+  return vs_fail(
+      err, VS_RUN,
+      "%s: is gone, or is another file: its folder was moved, removed or unmounted while "
+      "the study ran; put it back, and --resume goes on with it",
+      path);
+}
+
+/* ---- lines of the file ---- */
+
+/* The lines of a journal's file, as bytes: all of them in their order, or the one that begins at a
+ * known byte. Many are read at a time, as each read may have to go over a network. */
+/* An open file. All is borrowed; path is for messages. */
+typedef struct line_file {
+  int fd;
+  const char *path;
+  vs_lines_part *part; /* only lines_read needs it */
+} line_file;
+
+/* A line that was read. */
+typedef struct line_entry {
+  const char *text;
+  size_t length;       /* in bytes, without its end; more than the text's if one of them is zero */
+  uint64_t at, number; /* where it begins, in bytes; which it is, from 1 */
+} line_entry;
+
+/* What lines_each has seen. */
+typedef struct lines_seen {
+  uint64_t count; /* lines */
+  uint64_t end;   /* where the last whole one ends, in bytes */
+  bool torn;      /* the last one has no line end; it is counted, and was not shown */
+} lines_seen;
+
+/* Shows all lines to `visit`, from the first on, until the file or *enough ends it. Errors: that of
+ * visit; the file cannot be read. */
+typedef vs_status (*line_visit)(void *ctx, const line_entry *line, bool *enough, vs_error *err);
+static vs_status lines_each(const line_file *file, line_visit visit, void *ctx, lines_seen *seen,
+                            vs_error *err) {
+  enum { AT_ONCE = 1 << 16 };
+  *seen = (lines_seen){0};
+  int copy = dup(file->fd);
+  FILE *f = copy < 0 ? NULL : fdopen(copy, "r");
+  if (!f) return vs_fail(err, VS_RUN, "%s: cannot be read: %s", file->path, strerror(errno));
+  char *text = NULL;
+  size_t size = 0;
+  ssize_t n;
+  uint64_t at = 0;
+  bool enough = false;
+  vs_status status = VS_OK;
+  rewind(f);
+  char *room = vs_alloc(1, AT_ONCE);
+  setvbuf(f, room, _IOFBF, AT_ONCE);
+  while (!status && !enough && (n = vs_alloc_line(&text, &size, f)) > 0) {
+    seen->count++;
+    seen->torn = text[n - 1] != '\n';
+    if (!seen->torn) {
+      text[n - 1] = '\0';
+      status = visit(ctx, &(line_entry){text, (size_t)n - 1, at, seen->count}, &enough, err);
+      seen->end = at + (uint64_t)n;
+    }
+    at += (uint64_t)n;
+  }
+  if (!status) status = vs_file_was_read(f, file->path, err);
+  free(text);
+  fclose(f);
+  free(room);
+  return status;
+}
+
+/* Rows are mostly asked for in the order in which they stand in the file. A merge has one part for
+ * each shard. */
+enum { PART = 4096 };
+struct vs_lines_part {
+  uint64_t at; /* of its first byte in the file */
+  size_t size;
+  char bytes[PART];
+};
+
+static vs_lines_part *lines_part_new(void) {
+  return vs_alloc(1, sizeof(vs_lines_part));
+}
+
+/* Forgets what was read: the file is about to change there. */
+static void lines_forget(vs_lines_part *part) {
+  part->size = 0;
+}
+
+/* Reads the part from byte `at` on. Behind the file's end it is empty. */
+static vs_status read_part(const line_file *file, uint64_t at, vs_error *err) {
+  vs_lines_part *p = file->part;
+  ssize_t n;
+  do n = pread(file->fd, p->bytes, sizeof p->bytes, (off_t)at);
+  while (n < 0 && errno == EINTR);
+  p->at = at;
+  p->size = n > 0 ? (size_t)n : 0;
+  return n < 0 ? vs_fail(err, VS_RUN, "%s: cannot be read: %s", file->path, strerror(errno))
+               : VS_OK;
+}
+
+/* Reads the line that begins at byte `at` into text, without its end; behind the file's end it is
+ * empty. *length is how many bytes stand there: more than the text's if one of them is zero. Error:
+ * the file cannot be read. */
+static vs_status lines_read(const line_file *file, uint64_t at, vs_text *text, size_t *length,
+                            vs_error *err) {
+  const vs_lines_part *p = file->part;
+  text->length = *length = 0;
+  for (bool ended = false; !ended;) {
+    vs_status status = VS_OK;
+    if (at < p->at || at >= p->at + p->size) status = read_part(file, at, err);
+    if (status) return status;
+    const char *from = p->bytes + (at - p->at);
+    const size_t left = p->size - (size_t)(at - p->at);
+    const char *end = memchr(from, '\n', left);
+    const size_t n = end ? (size_t)(end - from) : left;
+    vs_text_add(text, "%.*s", (int)n, from);
+    *length += n;
+    at += n;
+    ended = end || !left;
+  }
+  return VS_OK;
 }
 
 /* ---- opening ---- */
 
-static void name_file(vs_journal *j, const char *folder) {
+static const char NAME[] = "journal";
+
+static line_file lines_of_journal(const vs_journal *j) {
+  return (line_file){j->fd, j->path, j->part};
+}
+
+static void name_journal(vs_journal *j, const char *folder) {
   snprintf(j->path, sizeof j->path, "%.4000s/%s", folder, NAME);
 }
 
 bool vs_journal_exists(const char *folder) {
   vs_journal j;
-  name_file(&j, folder);
+  name_journal(&j, folder);
   return !access(j.path, F_OK);
 }
 
 /* Returns the index of a case among the shard's own. */
-static uint64_t own(const vs_journal *j, uint64_t index) {
+static uint64_t place_in_shard(const vs_journal *j, uint64_t index) {
   return index / j->head.shards;
 }
 
-static bool is_own(const vs_journal *j, uint64_t index) {
+static bool is_of_shard(const vs_journal *j, uint64_t index) {
   return index % j->head.shards + 1 == j->head.shard && (!j->head.cases || index < j->head.cases);
 }
 
-static void make_room(vs_journal *j, uint64_t cases) {
+static void make_room_for_cases(vs_journal *j, uint64_t cases) {
   if (cases <= j->room) return;
   uint64_t room = cases > 2 * j->room ? cases : 2 * j->room;
   j->place = vs_resize(j->place, room, sizeof *j->place);
@@ -51,17 +224,17 @@ static void make_room(vs_journal *j, uint64_t cases) {
 }
 
 /* Makes room for all cases of a study that this process begins, whose count comes from its plan. */
-static void reserve(vs_journal *j) {
+static void reserve_places(vs_journal *j) {
   const vs_head *h = &j->head;
-  if (h->cases) make_room(j, (h->cases + h->shards - h->shard) / h->shards);
+  if (h->cases) make_room_for_cases(j, (h->cases + h->shards - h->shard) / h->shards);
 }
 
 vs_status vs_journal_remove(const char *folder, vs_error *err) {
   vs_journal j = {.fd = -1, .folder = -1};
-  name_file(&j, folder);
-  vs_status status = vs_lock_folder(folder, j.path, &j.folder, err);
+  name_journal(&j, folder);
+  vs_status status = lock_folder(folder, j.path, &j.folder, err);
   if (!status) j.fd = open(j.path, O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-  if (j.fd >= 0) status = vs_lock_file(j.fd, j.path, err);
+  if (j.fd >= 0) status = lock_file(j.fd, j.path, err);
   if (!status && unlink(j.path))
     status = vs_fail(err, VS_RUN, "%s: cannot be removed: %s", j.path, strerror(errno));
   vs_journal_close(&j);
@@ -80,10 +253,10 @@ vs_status vs_journal_create(vs_journal *j, const char *folder, vs_head *head, vs
   vs_file file = {0};
   vs_text text = {0};
   *j = (vs_journal){.fd = -1, .folder = -1, .head = *head};
-  j->part = vs_lines_part_new();
+  j->part = lines_part_new();
   *head = (vs_head){0};
-  name_file(j, folder);
-  vs_status status = vs_lock_folder(folder, j->path, &j->folder, err);
+  name_journal(j, folder);
+  vs_status status = lock_folder(folder, j->path, &j->folder, err);
   if (!status) status = vs_file_open(&file, folder, NAME, err);
   vs_head_print(&text, &j->head);
   say_bits(j, &text);
@@ -96,8 +269,8 @@ vs_status vs_journal_create(vs_journal *j, const char *folder, vs_head *head, vs
   if (status) return status;
   j->fd = open(j->path, O_RDWR | O_NOFOLLOW | O_CLOEXEC);
   if (j->fd < 0) return vs_fail(err, VS_RUN, "%s: cannot be opened: %s", j->path, strerror(errno));
-  reserve(j);
-  return vs_lock_file(j->fd, j->path, err);
+  reserve_places(j);
+  return lock_file(j->fd, j->path, err);
 }
 
 /* False where a study cannot have written that case at byte `at`, so that no memory is taken for
@@ -106,18 +279,18 @@ vs_status vs_journal_create(vs_journal *j, const char *folder, vs_head *head, vs
  * SHORTEST_LINE. */
 static bool is_in_reach(const vs_journal *j, uint64_t index, uint64_t at) {
   enum { AHEAD = 4096 * 256, SHORTEST_LINE = 12 };
-  return own(j, index) <= at / SHORTEST_LINE + AHEAD;
+  return place_in_shard(j, index) <= at / SHORTEST_LINE + AHEAD;
 }
 
-static vs_status refuse_row(const vs_journal *j, const vs_lines_entry *e, size_t at,
-                            const char *why, vs_error *err) {
+static vs_status refuse_row(const vs_journal *j, const line_entry *e, size_t at, const char *why,
+                            vs_error *err) {
   const vs_where where = {j->path, (int)e->number,
                           vs_text_column(e->text, e->text + VS_HEAD_TEXT + at)};
   return vs_fail_at(err, where, "%s; this record is of no study, or was changed", why);
 }
 
-static vs_status read_row(vs_journal *j, const vs_lines_entry *e, vs_row_counts *counts,
-                          vs_error *err) {
+static vs_status read_journal_row(vs_journal *j, const line_entry *e, vs_row_counts *counts,
+                                  vs_error *err) {
   const vs_head *h = &j->head;
   char why[256];
   size_t at;
@@ -129,7 +302,7 @@ static vs_status read_row(vs_journal *j, const vs_lines_entry *e, vs_row_counts 
 }
 
 /* The row of a case that the journal's study does not have, or that another shard has. */
-static vs_status refuse_case(const vs_journal *j, const vs_lines_entry *e, vs_error *err) {
+static vs_status refuse_case(const vs_journal *j, const line_entry *e, vs_error *err) {
   const vs_head *h = &j->head;
   char why[160];
   snprintf(why, sizeof why,
@@ -142,8 +315,7 @@ static vs_status refuse_case(const vs_journal *j, const vs_lines_entry *e, vs_er
 
 /* A study that goes on leaves out the cases that have a row, so that none has two. Where a file
  * system has no locks two processes may have done the same work; that tells nothing else. */
-static vs_status check_double(vs_journal *j, const vs_lines_entry *e, uint64_t index,
-                              vs_error *err) {
+static vs_status check_double(vs_journal *j, const line_entry *e, uint64_t index, vs_error *err) {
   vs_text row = {0};
   char why[96];
   bool failed;
@@ -156,16 +328,16 @@ static vs_status check_double(vs_journal *j, const vs_lines_entry *e, uint64_t i
   return refuse_row(j, e, 0, why, err);
 }
 
-static vs_status count_row(vs_journal *j, const vs_lines_entry *e, vs_error *err) {
+static vs_status count_journal_row(vs_journal *j, const line_entry *e, vs_error *err) {
   const char kind = e->text[VS_HEAD_KIND];
   vs_row_counts counts;
-  vs_status status = read_row(j, e, &counts, err);
+  vs_status status = read_journal_row(j, e, &counts, err);
   if (status) return status;
   const uint64_t index = counts.index;
-  if (!is_own(j, index) || !is_in_reach(j, index, e->at)) return refuse_case(j, e, err);
-  make_room(j, own(j, index) + 1);
-  if (j->place[own(j, index)]) return check_double(j, e, index, err);
-  j->place[own(j, index)] = e->at + 1;
+  if (!is_of_shard(j, index) || !is_in_reach(j, index, e->at)) return refuse_case(j, e, err);
+  make_room_for_cases(j, place_in_shard(j, index) + 1);
+  if (j->place[place_in_shard(j, index)]) return check_double(j, e, index, err);
+  j->place[place_in_shard(j, index)] = e->at + 1;
   j->done += kind == '=';
   j->failed += kind == '!';
   j->violated += kind == '=' && counts.violated;
@@ -173,16 +345,16 @@ static vs_status count_row(vs_journal *j, const vs_lines_entry *e, vs_error *err
 }
 
 /* What is known while a journal is read. */
-typedef struct reading {
+typedef struct journal_reading {
   vs_journal *journal;
   vs_head found; /* the head, each line from the first place that has it; whole, or of no use */
   vs_head copy;  /* the copy that is being read */
   bool foreign;  /* it is of a version that this program does not read */
-} reading;
+} journal_reading;
 
 /* Gives a head that lacks a line what copies have. Where the journal's lines still stand where they
  * were written, `at` is the place behind the head, and the head can be written again. */
-static void mend_head(vs_journal *j, const reading *r, uint64_t at) {
+static void mend_head(vs_journal *j, const journal_reading *r, uint64_t at) {
   vs_text head = {0};
   if (vs_head_is_whole(&j->head) || !vs_head_is_whole(&r->found)) return;
   vs_head_fill(&j->head, &r->found);
@@ -195,7 +367,7 @@ static void mend_head(vs_journal *j, const reading *r, uint64_t at) {
 
 /* Takes a line of the head. A copy is there to be compared, once it is whole. A line that the copy
  * has already begins the next copy: the one before lacks a line, which was damaged. */
-static void take_head(vs_journal *j, const vs_lines_entry *e, reading *r) {
+static void take_head(vs_journal *j, const line_entry *e, journal_reading *r) {
   const char *text = e->text + VS_HEAD_TEXT;
   bool other = false;
   if (e->text[VS_HEAD_KIND] == 'h') {
@@ -212,23 +384,23 @@ static void take_head(vs_journal *j, const vs_lines_entry *e, reading *r) {
 }
 
 /* A case's row of failures.csv does not count any more. */
-static void call_back(vs_journal *j, const vs_lines_entry *e) {
+static void call_row_back(vs_journal *j, const line_entry *e) {
   char *end;
   const uint64_t index = strtoull(e->text + VS_HEAD_TEXT, &end, 10);
-  const bool known = !*end && is_own(j, index) && vs_journal_has(j, index);
+  const bool known = !*end && is_of_shard(j, index) && vs_journal_has(j, index);
   vs_text row = {0};
   vs_error none = {0};
   bool failed = false;
   if (known && !vs_journal_row(j, index, &row, &failed, &none) && failed) {
-    j->place[own(j, index)] = 0;
+    j->place[place_in_shard(j, index)] = 0;
     j->failed--;
   } else
     j->bad++;
   vs_text_free(&row);
 }
 
-static vs_status take_line(void *ctx, const vs_lines_entry *e, bool *enough, vs_error *err) {
-  reading *r = ctx;
+static vs_status take_journal_line(void *ctx, const line_entry *e, bool *enough, vs_error *err) {
+  journal_reading *r = ctx;
   vs_journal *j = r->journal;
   const char kind = vs_head_kind(e->text, e->length);
   if (kind && kind != 'h') mend_head(j, r, e->at);
@@ -238,9 +410,9 @@ static vs_status take_line(void *ctx, const vs_lines_entry *e, bool *enough, vs_
   else if (kind == 'm')
     vs_bits_add(&j->bits, e->text + VS_HEAD_TEXT);
   else if (kind == '~' && headed)
-    call_back(j, e);
+    call_row_back(j, e);
   else if ((kind == '=' || kind == '!') && headed)
-    return count_row(j, e, err);
+    return count_journal_row(j, e, err);
   else
     j->bad++;
   *enough = j->two_heads;
@@ -248,8 +420,8 @@ static vs_status take_line(void *ctx, const vs_lines_entry *e, bool *enough, vs_
 }
 
 /* Looks for the head alone. */
-static vs_status find_head(void *ctx, const vs_lines_entry *e, bool *enough, vs_error *err) {
-  reading *r = ctx;
+static vs_status find_head(void *ctx, const line_entry *e, bool *enough, vs_error *err) {
+  journal_reading *r = ctx;
   const char kind = vs_head_kind(e->text, e->length);
   bool again = false;
   (void)err;
@@ -262,16 +434,16 @@ static vs_status find_head(void *ctx, const vs_lines_entry *e, bool *enough, vs_
 
 /* Reads all lines. The head is looked for first, as a row cannot be read without it; in a journal
  * that is not damaged that takes its first lines. */
-static vs_status read_lines(vs_journal *j, vs_error *err) {
-  const vs_lines lines = lines_of(j);
-  vs_lines_seen seen;
-  reading r = {.journal = j};
-  vs_status status = vs_lines_each(&lines, find_head, &r, &seen, err);
+static vs_status read_journal(vs_journal *j, vs_error *err) {
+  const line_file lines = lines_of_journal(j);
+  lines_seen seen;
+  journal_reading r = {.journal = j};
+  vs_status status = lines_each(&lines, find_head, &r, &seen, err);
   if (!status && r.foreign)
     status = vs_fail_at(err, (vs_where){j->path, 1, 1},
                         "is of another version of the journal than this program reads; go on with "
                         "the program that began it, or take another folder");
-  if (!status) status = vs_lines_each(&lines, take_line, &r, &seen, err);
+  if (!status) status = lines_each(&lines, take_journal_line, &r, &seen, err);
   j->end = seen.end;
   j->bad += seen.torn;
   if (!status && !j->done && !j->failed) mend_head(j, &r, j->end);
@@ -314,9 +486,9 @@ static vs_status write_head(vs_journal *j, vs_error *err) {
 
 vs_status vs_journal_open(vs_journal *j, const char *folder, bool mend, vs_error *err) {
   *j = (vs_journal){.fd = -1, .folder = -1};
-  j->part = vs_lines_part_new();
-  name_file(j, folder);
-  vs_status status = mend ? vs_lock_folder(folder, j->path, &j->folder, err) : VS_OK;
+  j->part = lines_part_new();
+  name_journal(j, folder);
+  vs_status status = mend ? lock_folder(folder, j->path, &j->folder, err) : VS_OK;
   if (status) return status;
   status = vs_path_check_result(j->path, err);
   if (status) return status;
@@ -324,10 +496,10 @@ vs_status vs_journal_open(vs_journal *j, const char *folder, bool mend, vs_error
   if (j->fd < 0)
     return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", j->path, strerror(errno));
   /* locked before it is read, as whoever had the lock may have added lines */
-  if (mend) status = vs_lock_file(j->fd, j->path, err);
-  if (!status) status = read_lines(j, err);
+  if (mend) status = lock_file(j->fd, j->path, err);
+  if (!status) status = read_journal(j, err);
   if (!status) status = check_head(j, err);
-  vs_lines_forget(j->part); /* a torn line that it has is cut off, and others come in its place */
+  lines_forget(j->part); /* a torn line that it has is cut off, and others come in its place */
   if (!status && mend && ftruncate(j->fd, (off_t)j->end))
     status = vs_fail(err, VS_RUN, "%s: cannot be written: %s", j->path, strerror(errno));
   return !status && mend && j->mended && j->in_place ? write_head(j, err) : status;
@@ -337,7 +509,7 @@ bool vs_journal_peek(vs_journal *j, const char *folder) {
   struct stat s;
   vs_error none = {0};
   *j = (vs_journal){.fd = -1, .folder = -1};
-  name_file(j, folder);
+  name_journal(j, folder);
   return !stat(j->path, &s) && S_ISREG(s.st_mode) && !vs_journal_open(j, folder, false, &none);
 }
 
@@ -356,19 +528,19 @@ void vs_journal_close(vs_journal *j) {
 /* ---- rows ---- */
 
 bool vs_journal_has(const vs_journal *j, uint64_t index) {
-  return own(j, index) < j->room && j->place[own(j, index)];
+  return place_in_shard(j, index) < j->room && j->place[place_in_shard(j, index)];
 }
 
 bool vs_journal_had(const vs_journal *j, uint64_t index) {
-  return is_own(j, index) && (j->head.cases || vs_journal_has(j, index));
+  return is_of_shard(j, index) && (j->head.cases || vs_journal_has(j, index));
 }
 
 vs_status vs_journal_add(vs_journal *j, uint64_t index, int status, const char *row, size_t length,
                          vs_error *err) {
   const bool failed = status == 1;
   say_bits(j, &j->fresh);
-  make_room(j, own(j, index) + 1);
-  j->place[own(j, index)] = j->end + j->fresh.length + 1;
+  make_room_for_cases(j, place_in_shard(j, index) + 1);
+  j->place[place_in_shard(j, index)] = j->end + j->fresh.length + 1;
   vs_head_line(&j->fresh, failed ? '!' : '=', row, length);
   j->done += !failed;
   j->failed += failed;
@@ -378,7 +550,7 @@ vs_status vs_journal_add(vs_journal *j, uint64_t index, int status, const char *
 
 /* Puts a copy of the head behind the fresh lines, once the journal is twice as long as it was at
  * the copy before. */
-static void add_copy(vs_journal *j) {
+static void add_copy_of_head(vs_journal *j) {
   const uint64_t end = j->end + j->fresh.length;
   if (!j->fresh.length || end < j->copy_at) return;
   vs_head_print_copy(&j->fresh, &j->head);
@@ -387,7 +559,7 @@ static void add_copy(vs_journal *j) {
 
 vs_status vs_journal_flush(vs_journal *j, bool sync, vs_error *err) {
   size_t done = 0;
-  add_copy(j);
+  add_copy_of_head(j);
   while (done < j->fresh.length) {
     ssize_t n = pwrite(j->fd, j->fresh.text + done, j->fresh.length - done, (off_t)(j->end + done));
     if (n < 0 && errno == EINTR) continue;
@@ -403,7 +575,7 @@ vs_status vs_journal_flush(vs_journal *j, bool sync, vs_error *err) {
     return vs_fail(err, VS_RUN, "%s: cannot be written: %s; --resume goes on with it", j->path,
                    strerror(errno));
   if (sync) j->unsynced = false;
-  return sync ? vs_lock_keeps(j->fd, j->path, err) : VS_OK;
+  return sync ? lock_keeps(j->fd, j->path, err) : VS_OK;
 }
 
 vs_status vs_journal_call_back(vs_journal *j, uint64_t *count, vs_error *err) {
@@ -430,8 +602,8 @@ vs_status vs_journal_call_back(vs_journal *j, uint64_t *count, vs_error *err) {
 vs_status vs_journal_row(const vs_journal *j, uint64_t index, vs_text *row, bool *failed,
                          vs_error *err) {
   size_t length;
-  const vs_lines lines = lines_of(j);
-  vs_status status = vs_lines_read(&lines, j->place[own(j, index)] - 1, row, &length, err);
+  const line_file lines = lines_of_journal(j);
+  vs_status status = lines_read(&lines, j->place[place_in_shard(j, index)] - 1, row, &length, err);
   if (status) return status;
   const char kind = vs_head_kind(row->text, length);
   if ((kind != '=' && kind != '!') || !vs_row_is_of(row->text + VS_HEAD_TEXT, index))

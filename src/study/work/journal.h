@@ -26,14 +26,17 @@
 #ifndef VS_STUDY_JOURNAL_H
 #define VS_STUDY_JOURNAL_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
+#include "base/error.h"
 #include "base/path.h"
 #include "base/text.h"
-#include "work/bits.h"
 #include "work/head.h"
-#include "work/lines.h"
 #include "work/row.h"
+
+/* The part of the file that was read last. */
+typedef struct vs_lines_part vs_lines_part;
 
 typedef struct vs_journal {
   char path[VS_PATH_SIZE];

@@ -8,30 +8,30 @@
 
 #include "engine/pace.h"
 #include "netlist/netlist.h"
-#include "work/parting.h"
 #include "ngspice/child.h"
+#include "work/parting.h"
 
-/* What becomes of a task: it waits for a trunk, has one, is to be run on its own, is answered. */
-typedef enum lot { WAITS, SHARES, OWN, DONE } lot;
+/* What becomes of a task: it waits for a prefix, has one, is to be run on its own, is answered. */
+typedef enum task_state { WAITS, SHARES, OWN, DONE } task_state;
 
 struct vs_past {
   const vs_plan *plan;
-  vs_case *trunk; /* the one that is run */
-  vs_case *other; /* begun, never run on tier circuit: the case that is compared with the trunk */
+  vs_case *prefix; /* the one that is run */
+  vs_case *other;  /* begun, never run on tier circuit: the case that is compared with the prefix */
   vs_desk *desk;
   vs_junction junction;
-  double point[VS_PLAN_AXES]; /* of the trunk; the axes of events do not count */
-  char **netlist;             /* of the trunk, as its solver has it */
+  double point[VS_PLAN_AXES]; /* of the prefix; the axes of events do not count */
+  char **netlist;             /* of the prefix, as its solver has it */
   size_t lines;
   vs_pace pace;                              /* of its run */
   double next_s;                             /* when this process has something to do next */
   void (*arrive)(vs_past *past, double t_s); /* what it does there */
-  vs_child_copy self;                        /* of a scout or a branch */
+  vs_child_copy self;                        /* of a runner or a branch */
   bool branch;                               /* this process is one */
-  bool over;                                 /* the trunk is not needed any more */
-  lot lots[VS_DESK_TASKS];                   /* of the desk's tasks */
-  double parts_s[VS_DESK_TASKS];             /* where such a task parts from the trunk */
-  vs_text row;    /* of the trunk's run, which is a case's in a branch alone */
+  bool over;                                 /* the prefix is not needed any more */
+  task_state states[VS_DESK_TASKS];          /* of the desk's tasks */
+  double parts_s[VS_DESK_TASKS];             /* where such a task parts from the prefix */
+  vs_text row;    /* of the run that begins with the prefix: in a branch it is a case's */
   vs_text answer; /* of a case without a circuit */
 };
 
@@ -105,14 +105,14 @@ static bool same_wiring(const vs_setup *a, const vs_setup *b) {
   return same;
 }
 
-/* Does the case that `other` has begun make the trunk's run, but for its events? */
+/* Does the case that `other` has begun make the prefix's run, but for its events? */
 static bool is_alike(const vs_past *p, const double *point) {
-  const vs_scene *a = vs_case_scene(p->trunk), *b = vs_case_scene(p->other);
+  const vs_scene *a = vs_case_scene(p->prefix), *b = vs_case_scene(p->other);
   return same_point(p, point) && a->tier == b->tier && same_wiring(&a->setup, &b->setup) &&
          same_netlist(p, &b->setup);
 }
 
-/* ---- a lot of tasks ---- */
+/* ---- a batch of tasks ---- */
 
 /* Begins task k as `other`. Where it needs no circuit it is run and answered here. */
 static bool begin_other(vs_past *p, size_t k) {
@@ -125,49 +125,49 @@ static bool begin_other(vs_past *p, size_t k) {
   int status = vs_case_end(p->other, begun, &p->answer, &circuit, &err);
   const vs_desk_head head = {task->index, p->answer.length, status, circuit, 0, 0};
   vs_desk_answer(p->desk, &head, p->answer.text);
-  p->lots[k] = DONE;
+  p->states[k] = DONE;
   return false;
 }
 
-/* Finds out whether task k shares the trunk's past, and how far. Only a run with a prelude
- * (`start: steady`) has a past that ends at t = 0. */
-static void look_at(vs_past *p, size_t k) {
+/* Finds out whether the run of task k begins as the prefix does, and up to when. Only a run with a
+ * prelude (`start: steady`) has something to share where the two part at t = 0 already. */
+static void compare_task(vs_past *p, size_t k) {
   if (!begin_other(p, k) || !is_alike(p, p->desk->tasks[k].point)) return;
-  const vs_setup *own = &vs_case_scene(p->trunk)->setup;
+  const vs_setup *own = &vs_case_scene(p->prefix)->setup;
   vs_setup *their = &vs_case_scene(p->other)->setup;
   const vs_events events = their->timeline.events;
   their->timeline = own->timeline; /* an orbit may have set when it is fired first */
   their->timeline.events = events;
   p->parts_s[k] = vs_parting_of(own, their);
   bool past = p->parts_s[k] > 0 || own->steady;
-  p->lots[k] = past && isfinite(p->parts_s[k]) ? SHARES : OWN;
+  p->states[k] = past && isfinite(p->parts_s[k]) ? SHARES : OWN;
 }
 
-static void look_at_all(vs_past *p) {
+static void compare_tasks(vs_past *p) {
   for (size_t k = 0; k < p->desk->count; k++)
-    if (p->lots[k] == WAITS) look_at(p, k);
+    if (p->states[k] == WAITS) compare_task(p, k);
 }
 
-static size_t count(const vs_past *p, lot which) {
+static size_t count_tasks(const vs_past *p, task_state which) {
   size_t n = 0;
-  for (size_t k = 0; k < p->desk->count; k++) n += p->lots[k] == which;
+  for (size_t k = 0; k < p->desk->count; k++) n += p->states[k] == which;
   return n;
 }
 
 static double first_parting(const vs_past *p) {
   double first_s = INFINITY;
   for (size_t k = 0; k < p->desk->count; k++)
-    if (p->lots[k] == SHARES) first_s = fmin(first_s, p->parts_s[k]);
+    if (p->states[k] == SHARES) first_s = fmin(first_s, p->parts_s[k]);
   return first_s;
 }
 
-static void take_lot(vs_past *p) {
-  for (size_t k = 0; k < p->desk->count; k++) p->lots[k] = WAITS;
+static void wait_for_all(vs_past *p) {
+  for (size_t k = 0; k < p->desk->count; k++) p->states[k] = WAITS;
 }
 
 /* ---- a branch ---- */
 
-static void stay(vs_past *p, double t_s) {
+static void stay_in_branch(vs_past *p, double t_s) {
   (void)p, (void)t_s;
 }
 
@@ -177,10 +177,10 @@ static void become_branch(vs_past *p, size_t k) {
   vs_error err = {0};
   p->branch = true;
   p->next_s = INFINITY;
-  p->arrive = stay;
+  p->arrive = stay_in_branch;
   if (vs_case_begin(p->other, task->index, task->point, &err)) _exit(VS_CHILD_BAD_RUN);
-  if (vs_case_become(p->trunk, p->other)) _exit(VS_CHILD_BAD_RUN);
-  const vs_pace pace = vs_pace_of(&vs_case_scene(p->trunk)->setup);
+  if (vs_case_become(p->prefix, p->other)) _exit(VS_CHILD_BAD_RUN);
+  const vs_pace pace = vs_pace_of(&vs_case_scene(p->prefix)->setup);
   if (!same_pace(&pace, &p->pace)) _exit(VS_CHILD_BAD_RUN); /* it would have taken other steps */
 }
 
@@ -190,7 +190,7 @@ static _Noreturn void end_branch(const vs_past *p, int status) {
   vs_child_tell(&p->self, p->row.text, p->row.length);
 }
 
-/* ---- the scout ---- */
+/* ---- the runner ---- */
 
 /* Passes on what a branch tells, if it comes to its end. */
 static void pass_on(vs_past *p, const vs_child_copy *branch, uint64_t index) {
@@ -206,14 +206,14 @@ static void pass_on(vs_past *p, const vs_child_copy *branch, uint64_t index) {
   free(row);
 }
 
-/* At the knot t_s: sends a branch for each task that parts from the trunk here, one after the
+/* At the knot t_s: sends a branch for each task that parts from the prefix here, one after the
  * other. In the branch it returns at once. */
-static void send_branches(vs_past *p, double t_s) {
+static void fork_branches(vs_past *p, double t_s) {
   for (size_t k = 0; k < p->desk->count; k++) {
-    if (p->lots[k] != SHARES || p->parts_s[k] > t_s + vs_parting_near_s) continue;
+    if (p->states[k] != SHARES || p->parts_s[k] > t_s + vs_parting_near_s) continue;
     vs_error err = {0};
     vs_child_copy branch;
-    p->lots[k] = OWN;
+    p->states[k] = OWN;
     if (p->parts_s[k] < t_s - vs_parting_near_s) continue; /* its knot was passed over */
     if (vs_child_fork(&branch, &err)) continue;
     if (branch.pid == 0) {
@@ -230,71 +230,73 @@ static void send_branches(vs_past *p, double t_s) {
 
 /* ---- the worker ---- */
 
-/* Answers what the scout passes on. Tasks of which it says nothing are to be run on their own. */
-static void hear_scout(vs_past *p, const vs_child_copy *scout) {
+/* Answers the cases whose rows the runner passes on. Tasks of which it says nothing are to be run
+ * on their own. */
+static void hear_runner(vs_past *p, const vs_child_copy *runner) {
   vs_desk_head head;
-  while (vs_child_listen(scout, &head, sizeof head)) {
+  while (vs_child_listen(runner, &head, sizeof head)) {
     char *row = vs_alloc(head.length + 1, 1);
-    bool whole = vs_child_listen(scout, row, head.length);
+    bool whole = vs_child_listen(runner, row, head.length);
     for (size_t k = 0; k < p->desk->count && whole; k++)
-      if (p->desk->tasks[k].index == head.index) p->lots[k] = DONE;
+      if (p->desk->tasks[k].index == head.index) p->states[k] = DONE;
     if (whole) vs_desk_answer(p->desk, &head, row);
-    if (count(p, SHARES)) vs_desk_deliver(p->desk); /* the last one once the scout has ended */
+    if (count_tasks(p, SHARES))
+      vs_desk_deliver(p->desk); /* the last one once the runner has ended */
     free(row);
   }
-  vs_child_end_of(scout);
+  vs_child_end_of(runner);
   vs_desk_deliver(p->desk);
 }
 
-/* Sends a scout for the tasks that share the trunk's past. In the scout it returns true. */
-static bool send_scout(vs_past *p, double t_s) {
+/* Forks a runner for the tasks that share the prefix. In the runner it returns true. */
+static bool fork_runner(vs_past *p, double t_s) {
   vs_error err = {0};
-  vs_child_copy scout;
-  if (!count(p, SHARES) || vs_child_fork(&scout, &err)) return false;
-  if (scout.pid == 0) {
-    p->self = scout;
-    p->arrive = send_branches;
-    send_branches(p, t_s);
+  vs_child_copy runner;
+  if (!count_tasks(p, SHARES) || vs_child_fork(&runner, &err)) return false;
+  if (runner.pid == 0) {
+    p->self = runner;
+    p->arrive = fork_branches;
+    fork_branches(p, t_s);
     return true;
   }
-  hear_scout(p, &scout);
+  hear_runner(p, &runner);
   return false;
 }
 
-/* At the knot where the worker stays: serves lot after lot, until one has a task that this trunk is
- * of no use for. */
-static void camp(vs_past *p, double t_s) {
-  p->pace = vs_pace_of(&vs_case_scene(p->trunk)->setup);
+/* At the knot where the worker stays: serves batch after batch, until one has a task that this
+ * prefix is of no use for. */
+static void serve_at_knot(vs_past *p, double t_s) {
+  p->pace = vs_pace_of(&vs_case_scene(p->prefix)->setup);
   for (;;) {
-    if (send_scout(p, t_s)) return;
+    if (fork_runner(p, t_s)) return;
     for (size_t k = 0; k < p->desk->count; k++)
-      if (p->lots[k] == SHARES) p->lots[k] = OWN;
-    p->over = count(p, DONE) < p->desk->count;
+      if (p->states[k] == SHARES) p->states[k] = OWN;
+    p->over = count_tasks(p, DONE) < p->desk->count;
     if (p->over) return;
     vs_desk_deliver(p->desk);
     vs_desk_wait(p->desk);
-    take_lot(p);
-    look_at_all(p);
+    wait_for_all(p);
+    compare_tasks(p);
     for (size_t k = 0; k < p->desk->count; k++)
-      if (p->lots[k] == SHARES && p->parts_s[k] < t_s - vs_parting_near_s) p->lots[k] = WAITS;
+      if (p->states[k] == SHARES && p->parts_s[k] < t_s - vs_parting_near_s) p->states[k] = WAITS;
   }
 }
 
-static vs_status reach(void *ctx, double t_s, vs_error *err) {
+static vs_status reach_knot(void *ctx, double t_s, vs_error *err) {
   vs_past *p = ctx;
   if (t_s < p->next_s - vs_parting_near_s) return VS_OK;
   p->arrive(p, t_s);
   return p->over ? vs_fail(err, VS_RUN, "t = %.9g s: the trunk is left", t_s) : VS_OK;
 }
 
-/* Makes the scene that the trunk has begun one in which the varied events never begin. It is not
+/* Turns the scene of the prefix into one in which the varied events never begin. It is not
  * run again where ngspice gives up: then each case is, with what its scene says. False: that cannot
  * be. */
-static bool calm(vs_past *p) {
-  vs_setup *s = &vs_case_scene(p->trunk)->setup;
+static bool put_varied_events_off(vs_past *p) {
+  vs_setup *s = &vs_case_scene(p->prefix)->setup;
   vs_events *events = &s->timeline.events;
   vs_error err = {0};
-  if (vs_case_scene(p->trunk)->control.regulator)
+  if (vs_case_scene(p->prefix)->control.regulator)
     return false; /* it would decide for one of them */
   for (size_t k = 0; k < events->count; k++)
     if (is_varied(p->plan, &events->item[k])) vs_occurrence_put_off(&events->item[k], k);
@@ -303,57 +305,58 @@ static bool calm(vs_past *p) {
   return !vs_setup_make_loads(events, s->machine, &s->model, &s->loads, &err);
 }
 
-/* Begins the trunk of task k. False: no task shares its past. */
-static bool begin_trunk(vs_past *p, size_t k) {
+/* Begins a prefix with the keys of task k. False: no task shares it. */
+static bool begin_prefix(vs_past *p, size_t k) {
   const vs_task *task = &p->desk->tasks[k];
   vs_error err = {0};
-  if (!begin_other(p, k) || vs_case_begin(p->trunk, task->index, task->point, &err)) return false;
-  if (!calm(p)) return false;
-  const vs_setup *setup = &vs_case_scene(p->trunk)->setup;
+  if (!begin_other(p, k) || vs_case_begin(p->prefix, task->index, task->point, &err)) return false;
+  if (!put_varied_events_off(p)) return false;
+  const vs_setup *setup = &vs_case_scene(p->prefix)->setup;
   memcpy(p->point, task->point, sizeof p->point);
   vs_netlist_free(p->netlist, p->lines);
   p->netlist = NULL;
   p->lines = 0;
   if (!make_netlist(setup, &p->netlist, &p->lines)) return false;
-  look_at_all(p);
-  return count(p, SHARES) > 0;
+  compare_tasks(p);
+  return count_tasks(p, SHARES) > 0;
 }
 
-/* Runs the trunk of the first task that waits, for all tasks that share its past. */
-static void run_trunk(vs_past *p) {
+/* Runs the prefix, and from it all tasks that share it. */
+static void run_prefix(vs_past *p) {
   vs_error err = {0};
-  vs_scene *s = vs_case_scene(p->trunk);
+  vs_scene *s = vs_case_scene(p->prefix);
   bool circuit;
   vs_desk_deliver(p->desk);
   p->over = false;
   p->next_s = first_parting(p);
-  p->arrive = camp;
+  p->arrive = serve_at_knot;
   p->row.length = 0;
   s->order.junction = &p->junction;
-  int status = vs_case_end(p->trunk, VS_OK, &p->row, &circuit, &err);
+  int status = vs_case_end(p->prefix, VS_OK, &p->row, &circuit, &err);
   s->order.junction = NULL;
   if (p->branch) end_branch(p, status);
-  if (p->arrive == send_branches) _exit(VS_CHILD_BAD_RUN); /* a scout whose trunk ended too early */
+  if (p->arrive == fork_branches)
+    _exit(VS_CHILD_BAD_RUN); /* a runner whose prefix ended too early */
 }
 
 void vs_past_run(vs_past *p) {
-  take_lot(p);
-  for (size_t k; (k = 0, count(p, WAITS));) {
-    while (p->lots[k] != WAITS) k++;
-    bool shares = begin_trunk(p, k);
-    if (p->lots[k] == WAITS) p->lots[k] = OWN;
-    if (shares) run_trunk(p);
+  wait_for_all(p);
+  for (size_t k; (k = 0, count_tasks(p, WAITS));) {
+    while (p->states[k] != WAITS) k++;
+    bool shares = begin_prefix(p, k);
+    if (p->states[k] == WAITS) p->states[k] = OWN;
+    if (shares) run_prefix(p);
     for (k = 0; k < p->desk->count; k++) {
-      if (p->lots[k] != SHARES && p->lots[k] != OWN) continue;
-      p->lots[k] = DONE;
-      vs_desk_run(p->desk, p->trunk, k);
+      if (p->states[k] != SHARES && p->states[k] != OWN) continue;
+      p->states[k] = DONE;
+      vs_desk_run(p->desk, p->prefix, k);
     }
   }
 }
 
 vs_past *vs_past_new(const vs_plan *plan, vs_case *c, vs_desk *desk) {
   vs_past *p = vs_alloc(1, sizeof *p);
-  *p = (vs_past){.plan = plan, .trunk = c, .desk = desk, .other = vs_case_new(plan, NULL)};
-  p->junction = (vs_junction){p, reach};
+  *p = (vs_past){.plan = plan, .prefix = c, .desk = desk, .other = vs_case_new(plan, NULL)};
+  p->junction = (vs_junction){p, reach_knot};
   return p;
 }

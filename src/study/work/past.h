@@ -1,22 +1,23 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Cases that share their past. Cases of tier circuit that differ in keys of events alone make the
- * same run, to the last bit, until what drives them first differs (parting.h). A worker makes
- * that part of their runs once and goes on from there for each of them: it forks within a callback
- * of ngspice, whose whole state is copied so. The rows are those of runs on their own, to the byte.
+ * Cases whose runs begin alike. Cases of tier circuit that differ in keys of events alone make the
+ * same run, to the last bit, until what drives them first differs (parting.h). A worker
+ * makes this shared prefix of their runs once, and goes on from there for each of them: it forks
+ * within a callback of ngspice, whose whole state is copied so. The rows are those of runs on their
+ * own, to the byte.
  *
  * The processes, each of which waits for the next one:
  *
- *   the worker   runs the trunk: a scene in which the events that some axis varies never begin. At
- *                the first knot where a case of its tasks parts from that it stops, and stays there
- *                for all tasks to come that part from it no earlier.
- *   a scout      a copy of the worker, one for each lot of tasks: it takes the trunk on, from knot
- *                to knot at which a case parts.
- *   a branch     a copy of the scout: it takes the events of one case for the trunk's, and goes on
- *                to that case's end. Its row goes back through pipes.
+ *   the worker   runs the prefix: a scene in which the events that some axis varies never begin. At
+ *                the first knot where one of its tasks parts from that it stops, and stays there
+ * for all later tasks that part from it no earlier. a runner     a copy of the worker, one for each
+ * batch of tasks: it takes the prefix on, from knot to knot at which a case parts. a branch     a
+ * copy of the runner: it takes the events of one case for those of the prefix, and goes on to that
+ * case's end. Its row goes back through pipes.
  *
- * What cannot be shared is run by the worker, as without all this: a case whose netlist or whose
- * other keys are not the trunk's (which may have a trunk of its own next), one that differs from
- * the first instant on, and one whose scout or branch did not come to its end. */
+ * The worker runs by itself, as without all this, what shares nothing: a case whose netlist or
+ * whose other keys are not those of the prefix (which may have a prefix of its own next), a case
+ * that differs from the first instant on, and a case whose runner or branch did not come to its
+ * end. */
 #ifndef VS_STUDY_PAST_H
 #define VS_STUDY_PAST_H
 

@@ -30,7 +30,7 @@ struct vs_row {
   header done, failed;
 };
 
-static header cut(const char *row) {
+static header cut_header(const char *row) {
   header h = {.text = vs_copy(row)};
   size_t most = 1;
   for (const char *s = row; *s; s++) most += *s == ',';
@@ -41,7 +41,7 @@ static header cut(const char *row) {
   return h;
 }
 
-static void discard(header *h) {
+static void free_header(header *h) {
   for (size_t k = 0; k < h->count; k++) free(h->unit[k]);
   free(h->unit);
   free(h->text);
@@ -73,7 +73,7 @@ static cell_kind kind_of_axis(const char *column, const char *manifest) {
 }
 
 /* Of a column that is no axis. */
-static cell_kind kind_of(const char *name, bool failed) {
+static cell_kind kind_of_column(const char *name, bool failed) {
   static const struct {
     const char *name;
     cell_kind kind;
@@ -92,14 +92,14 @@ static void find_kinds(header *h, const header *other, bool failed, const char *
     alike = alike && k < other->count && !strcmp(h->name[k], other->name[k]);
     h->kind[k] = k == 0           ? COUNT
                  : k > 1 && alike ? kind_of_axis(h->name[k], manifest)
-                                  : kind_of(h->name[k], failed);
+                                  : kind_of_column(h->name[k], failed);
   }
 }
 
 vs_row *vs_row_new(const char *columns, const char *failures, const char *manifest) {
   vs_row *shape = vs_alloc(1, sizeof *shape);
-  shape->done = cut(columns);
-  shape->failed = cut(failures);
+  shape->done = cut_header(columns);
+  shape->failed = cut_header(failures);
   find_kinds(&shape->done, &shape->failed, false, manifest);
   find_kinds(&shape->failed, &shape->done, true, manifest);
   for (size_t k = 0; k < shape->done.count; k++)
@@ -109,8 +109,8 @@ vs_row *vs_row_new(const char *columns, const char *failures, const char *manife
 
 void vs_row_free(vs_row *shape) {
   if (!shape) return;
-  discard(&shape->done);
-  discard(&shape->failed);
+  free_header(&shape->done);
+  free_header(&shape->failed);
   free(shape);
 }
 
@@ -145,7 +145,7 @@ static bool is_count(const char *cell) {
   return *cell && !cell[strspn(cell, "0123456789")] && (*cell != '0' || !cell[1]);
 }
 
-static bool holds(const char *cell, cell_kind kind) {
+static bool cell_holds(const char *cell, cell_kind kind) {
   switch (kind) {
   case WORD:
     return *cell;
@@ -164,7 +164,7 @@ static bool holds(const char *cell, cell_kind kind) {
   }
 }
 
-static void count(const header *h, char *const *cell, vs_row_counts *counts) {
+static void count_row_cells(const header *h, char *const *cell, vs_row_counts *counts) {
   *counts = (vs_row_counts){0};
   for (size_t k = 0; k < h->count; k++)
     if (k == 0)
@@ -186,14 +186,14 @@ bool vs_row_read(const vs_row *shape, bool failed, const char *row, vs_row_count
   else if (!fits)
     snprintf(why, size, "cells in this row: %s%zu; columns in its header: %zu",
              n > h->count ? "at least " : "", n, h->count);
-  while (fits && k < n && holds(cell[k], h->kind[k])) k++;
+  while (fits && k < n && cell_holds(cell[k], h->kind[k])) k++;
   if (fits && k < n) {
     fits = false;
     *at = (size_t)(cell[k] - copy);
     snprintf(why, size, "column %.64s holds '%.64s'; %s is wanted there", h->name[k], cell[k],
              WANTED[h->kind[k]]);
   }
-  if (fits) count(h, cell, counts);
+  if (fits) count_row_cells(h, cell, counts);
   free(cell);
   free(copy);
   return fits;

@@ -21,7 +21,7 @@ double vs_worker_clock(void) {
   return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-static bool write_all(int fd, const void *from, size_t size) {
+static bool write_message(int fd, const void *from, size_t size) {
   for (const char *at = from; size;) {
     ssize_t n = write(fd, at, size);
     if (n < 0 && errno == EINTR) continue;
@@ -34,10 +34,13 @@ static bool write_all(int fd, const void *from, size_t size) {
 
 /* ---- the child ---- */
 
-static _Noreturn void work(const vs_plan *plan, const char *keep, bool share, int in, int out) {
+static _Noreturn void work_off_tasks(const vs_plan *plan, const char *keep, bool share, int in,
+                                     int out) {
   vs_desk *desk = vs_desk_new(plan, in, out);
   vs_case *c = vs_case_new(plan, keep);
   vs_past *past = share ? vs_past_new(plan, c, desk) : NULL;
+  /* Wait for a batch of tasks, run each, send the rows back. vs_desk_wait ends the process when the
+   * parent has closed the pipe. */
   for (;;) {
     vs_desk_wait(desk);
     if (past)
@@ -68,7 +71,7 @@ static void settle_in(pid_t parent, int in, int out) {
 }
 
 /* A scene's own code may do whatever its user lets it do. */
-static void confine(const vs_plan *plan) {
+static void confine_worker(const vs_plan *plan) {
   if (!plan->allow_code) vs_confine_process(VS_CONFINE_WORKER);
 }
 
@@ -86,8 +89,8 @@ vs_status vs_worker_start(vs_worker *w, const vs_plan *plan, const char *keep, b
   pid_t parent = getpid(), pid = fork();
   if (pid == 0) {
     settle_in(parent, there[0], back[1]);
-    confine(plan);
-    work(plan, keep, share, there[0], back[1]);
+    confine_worker(plan);
+    work_off_tasks(plan, keep, share, there[0], back[1]);
   }
   int why = errno;
   close(there[0]), close(back[1]);
@@ -118,7 +121,7 @@ bool vs_worker_send(vs_worker *w, const vs_plan *plan, const vs_task *tasks, siz
   }
   if (!w->queued) w->heard_s = vs_worker_clock();
   w->queued += count;
-  bool sent = write_all(w->to, message, sizeof n + count * each);
+  bool sent = write_message(w->to, message, sizeof n + count * each);
   free(message);
   return sent;
 }

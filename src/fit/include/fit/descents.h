@@ -5,7 +5,9 @@
 #ifndef VS_FIT_DESCENTS_H
 #define VS_FIT_DESCENTS_H
 
-#include "fit/slopes.h"
+#include "fit/prediction.h"
+
+struct vs_slopes_kind; /* slopes.h */
 
 /* A minimum of chi2, or where a search ended without one. */
 typedef struct vs_descent {
@@ -21,7 +23,7 @@ typedef struct vs_descent {
 /* Who finds minima: the runs, their slopes, and which unknowns stay as they are. */
 typedef struct vs_descender {
   vs_prediction *prediction;
-  const vs_slopes_kind *slopes;
+  const struct vs_slopes_kind *slopes;
   bool held[VS_INQUIRY_UNKNOWNS];
   bool by_parts; /* first the begin of each recording is fitted, then more and more of it: for
                     starts that are far from the minimum */

@@ -3,8 +3,27 @@
 #ifndef VS_FIT_OUTCOME_H
 #define VS_FIT_OUTCOME_H
 
-#include "fit/likelihood.h"
+#include "fit/estimate.h"
 #include "fit/pattern.h"
+
+/* A point of a profile likelihood: chi2 where the unknown is held at s and all others are fitted
+ * anew. */
+typedef struct vs_likelihood_point {
+  double s, chi2;
+} vs_likelihood_point;
+
+enum { VS_LIKELIHOOD_POINTS = 64 }; /* at most */
+
+/* The profile likelihood of an unknown. Its 95 % interval is where chi2 rises by no more than 3.841
+ * above the least: truer than the standard error where the model is not linear in the unknown. */
+typedef struct vs_likelihood {
+  size_t unknown;
+  double least, most; /* ends of the interval, in the unit of the key; NaN: it is open there, as
+                         chi2 does not rise so far before the bound, or before the search fails */
+  bool lower_minimum; /* a chi2 below that of the estimate was met: it is not the least one */
+  vs_likelihood_point point[VS_LIKELIHOOD_POINTS]; /* by rising s */
+  size_t count;
+} vs_likelihood;
 
 /* The residuals of one column of a recording. */
 typedef struct vs_outcome_column {

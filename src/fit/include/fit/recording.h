@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What was recorded of a run: a CSV file whose first column is the time and whose other columns are
- * those of fit/columns.h.
+ * the columns that are fitted (vs_recorded).
  *
  * An instrument shows a sample until it takes the next one, at 0, 1/rate, 2/rate, ... A row at
  * another instant either shows the sample before (`rows: held`, as the program's own run.csv does),
@@ -8,7 +8,36 @@
 #ifndef VS_FIT_RECORDING_H
 #define VS_FIT_RECORDING_H
 
-#include "fit/columns.h"
+#include "base/csv.h"
+#include "run/scene.h"
+
+/* At most. */
+enum { VS_COLUMNS_MOST = 64, VS_COLUMNS_CELLS = 512 };
+
+/* A column that is fitted. */
+typedef struct vs_recorded {
+  char name[VS_NAME_SIZE]; /* of the channel, or of the instrument's column */
+  int channel;
+  int instrument;   /* place among the scene's instruments; -1: the channel itself was recorded */
+  double rate_hz;   /* of that instrument */
+  double ends[2];   /* SI; a sample beyond them tells only that its A/D was at an end of its range;
+                       infinite: there is no A/D */
+  const char *unit; /* of the channel; borrowed from the scene */
+  double si;        /* the value of one such unit */
+  vs_where where;   /* in the fit file */
+  double error;     /* SI; NaN: it stands in a column NAME_error of its own */
+  bool own;         /* the error is that of the instrument */
+  int cell, cell_of_error;        /* where in a row, from 0; -1: nowhere */
+  double factor, factor_of_error; /* from the file's unit to SI */
+  size_t samples;
+  double last_s; /* instant of the last sample; -INFINITY before it */
+} vs_recorded;
+
+typedef struct vs_columns {
+  vs_recorded *item; /* [count]; owned */
+  size_t count;
+  vs_text unused; /* names of the file's other columns, with commas; owned */
+} vs_columns;
 
 /* One number that was recorded. */
 typedef struct vs_sample {

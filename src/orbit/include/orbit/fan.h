@@ -7,8 +7,8 @@
 
 #include "orbit/grazing.h"
 #include "orbit/measured.h"
-#include "orbit/subject.h"
 #include "orbit/parameter.h"
+#include "orbit/sensitivity_problem.h"
 
 enum { VS_FAN_RUNS = 1 + VS_PARAMETER_NEAR };
 
@@ -17,8 +17,8 @@ typedef struct vs_fan {
   vs_parameter parameter;             /* which key, and by how much each run differs */
   vs_scene *scene[VS_FAN_RUNS];       /* that are run; owned, but for what they borrow */
   vs_measured *measured[VS_FAN_RUNS]; /* owned */
-  vs_grazing grazing;                 /* of kin: how little makes a contact come or go; else 0 */
-  double unresolved; /* what each slope may be off by besides, relative to the measure */
+  vs_grazing grazing; /* of neighbours: how little makes a contact come or go; else 0 */
+  double unresolved;  /* what each slope may be off by besides, relative to the measure */
 } vs_fan;
 
 /* The derivative of one measure m. */
@@ -32,13 +32,14 @@ typedef struct vs_slope_of {
 
 /* Makes the scenes, whose p are `step` apart, and their setups at run.tolerance. Errors: those of
  * vs_parameter_begin. */
-vs_status vs_fan_begin(vs_fan *fan, const vs_subject *subject, const char *key, vs_where where,
-                       double step, double tolerance, vs_error *err);
+vs_status vs_fan_begin(vs_fan *fan, const vs_sensitivity_problem *subject, const char *key,
+                       vs_where where, double step, double tolerance, vs_error *err);
 void vs_fan_end(vs_fan *fan);
 
 /* Runs them all at run.tolerance, each from its own start or on its own orbit. Errors: those of
  * vs_session_run and vs_steady_begin. */
-vs_status vs_fan_run(vs_fan *fan, const vs_subject *subject, double tolerance, vs_error *err);
+vs_status vs_fan_run(vs_fan *fan, const vs_sensitivity_problem *subject, double tolerance,
+                     vs_error *err);
 
 /* The derivative of the measure of that name. */
 vs_slope_of vs_fan_slope(const vs_fan *fan, const char *measure);

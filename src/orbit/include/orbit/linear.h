@@ -19,12 +19,13 @@
 #ifndef VS_ORBIT_LINEAR_H
 #define VS_ORBIT_LINEAR_H
 
-#include "orbit/columns.h"
+#include "orbit/seen.h"
 #include "orbit/shooting.h"
 
 enum {
-  VS_LINEAR_STATES = VS_COLUMNS_STATES,
-  VS_LINEAR_OUTPUTS = VS_MOST_DOF + 1 + VS_COLUMNS_FILTERED /* of which so many with a low-pass */
+  VS_LINEAR_FILTERED = 4, /* signals with a low-pass, at most */
+  VS_LINEAR_STATES = VS_MOST_STATES + 2 * VS_LINEAR_FILTERED,
+  VS_LINEAR_OUTPUTS = VS_MOST_DOF + 1 + VS_LINEAR_FILTERED /* of which so many with a low-pass */
 };
 
 /* A state, or an output, and its unit. */

@@ -4,9 +4,9 @@
 #ifndef VS_ORBIT_MEASURED_H
 #define VS_ORBIT_MEASURED_H
 
+#include "orbit/steady.h"
 #include "run/session.h"
 #include "run/shown.h"
-#include "orbit/steady.h"
 
 /* Start from {0} and free with vs_measured_free. Not to be copied. */
 typedef struct vs_measured {

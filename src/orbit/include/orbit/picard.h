@@ -9,14 +9,14 @@
  * circuit forgets slowly is moved on its own (orbit/creep.h).
  *
  * With a stop in reach the two tiers' Phi may have little in common, and corrections do not fall.
- * Then Phi is found by differences between copies of the process (orbit/pairs.h). If that does not
+ * Then Phi is found by differences between copies of the process. If that does not
  * do either the machine is left to itself, to tell what period it runs on. */
 #ifndef VS_ORBIT_PICARD_H
 #define VS_ORBIT_PICARD_H
 
-#include "orbit/shooting.h"
 #include "engine/budget.h"
 #include "engine/sim.h"
+#include "orbit/shooting.h"
 
 /* Made by vs_picard_new, freed by vs_picard_free. */
 typedef struct vs_picard {
@@ -29,10 +29,10 @@ typedef struct vs_picard {
   double known_to; /* about how well these are known; a smaller one is lost in rounding */
   char missing[256]; /* why none is, where they were wanted */
   bool wants_multipliers;
-  double guess[VS_ORBIT_STATES]; /* the orbit of tier switched, or the scene's start, at t = 0 */
-  vs_budget budget;              /* of this search */
-  vs_scene *ideal;               /* the scene on tier switched; owned */
-  struct vs_search *search;      /* the present one; owned */
+  double guess[VS_ORBIT_STATES];   /* the orbit of tier switched, or the scene's start, at t = 0 */
+  vs_budget budget;                /* of this search */
+  vs_scene *ideal;                 /* the scene on tier switched; owned */
+  struct vs_picard_search *search; /* the present one; owned */
 } vs_picard;
 
 /* Makes the pilot of a scene on tier circuit, for an orbit of that many firing periods. Its search

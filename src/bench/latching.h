@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What a data sheet says of a device that a gate's pulse fires and that then stays on: a thyristor,
+ * and a triac in each of its directions. */
+#ifndef VS_BENCH_LATCHING_H
+#define VS_BENCH_LATCHING_H
+
+#include "tryout.h"
+
+/* Anode, cathode and gate of the device in a trial's circuit. */
+#define VS_LATCHING_WIRING "Xdut t 0 g %s"
+
+/* What the circuits are made for, SI: what is asked, or where nothing is asked what is usual. */
+typedef struct vs_latching_plan {
+  const char *wiring, *way;            /* of the trials; the direction, in words, or "" */
+  const char *gate_param, *gate_limit; /* where I_GT is asked; NULL: nowhere */
+  double gate_a, latching_a;           /* I_GT, I_L */
+  double block_v;                      /* V_DRM */
+  double test_a, test_a_s;             /* of t_q and Q_rr */
+  double slope_v_s, turn_off_s;        /* dv/dt, t_q: first guesses */
+  double back_v_s;                     /* of t_q: how fast the forward voltage comes back */
+} vs_latching_plan;
+
+/* The plan of a thyristor, by what the part's file asks. */
+vs_latching_plan vs_latching_plan_of(const vs_stand *stand);
+
+/* Each adds rows of one figure: V_T at two currents, I_GT and V_GT, I_L, I_H, dv/dt. */
+void vs_latching_on_state(const vs_stand *stand, const vs_latching_plan *plan, vs_figures *figures);
+void vs_latching_gate(const vs_stand *stand, const vs_latching_plan *plan, vs_figures *figures);
+void vs_latching_current(const vs_stand *stand, const vs_latching_plan *plan, vs_figures *figures);
+void vs_latching_holding(const vs_stand *stand, const vs_latching_plan *plan, vs_figures *figures);
+void vs_latching_rise(const vs_stand *stand, const vs_latching_plan *plan, vs_figures *figures);
+/* Adds the on-state's curve. */
+void vs_latching_draw_on_state(const vs_stand *stand, const vs_latching_plan *plan,
+                               vs_figures *figures);
+
+/* The error of a device that was never on, so that nothing is to be said of it. */
+vs_status vs_latching_not_on(vs_error *err);
+
+#endif

@@ -1,0 +1,227 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "wrap.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <libgen.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "base/text.h"
+
+enum { MOST_PINS = 8 };
+
+/* One subcircuit's head. */
+typedef struct subcircuit {
+  char name[VS_WRAP_NAME], pin[MOST_PINS][VS_WRAP_NAME];
+  size_t pins;
+} subcircuit;
+
+/* What is gone through. */
+typedef struct search {
+  const char *wanted; /* the subcircuit's name; NULL: any */
+  size_t pins;        /* how many it must have */
+  subcircuit best;
+  size_t fitting, all;
+  vs_text names; /* of all that fit, for the message */
+  bool pspice;
+} search;
+
+/* ---- the vendor's file ---- */
+
+/* Reads the words behind ".subckt", up to a parameter. False: too many pins to be a part. */
+static bool read_subcircuit_head(char *line, subcircuit *s) {
+  char *rest = line, *word;
+  *s = (subcircuit){0};
+  strtok_r(line, " \t", &rest);
+  word = strtok_r(NULL, " \t", &rest);
+  if (!word) return false;
+  snprintf(s->name, sizeof s->name, "%s", word);
+  while ((word = strtok_r(NULL, " \t", &rest))) {
+    if (strchr(word, '=') || strchr(word, ':') || !strcasecmp(word, "params")) break;
+    if (rest && rest[strspn(rest, " \t")] == '=') break;
+    if (s->pins == MOST_PINS) return false;
+    snprintf(s->pin[s->pins++], VS_WRAP_NAME, "%s", word);
+  }
+  return true;
+}
+
+static void take_vendor_line(search *f, char *line) {
+  static const char *const PSPICE[] = {"params:",   "value={", "value {",
+                                       "value = {", "if(",     "table {"};
+  subcircuit s;
+  for (size_t k = 0; k < sizeof PSPICE / sizeof *PSPICE; k++)
+    f->pspice = f->pspice || strcasestr(line, PSPICE[k]);
+  if (strncasecmp(line, ".subckt", 7) || !isspace((unsigned char)line[7])) return;
+  if (!read_subcircuit_head(line, &s)) return;
+  f->all++;
+  if (f->wanted ? strcasecmp(s.name, f->wanted) != 0 : s.pins != f->pins) return;
+  vs_text_add(&f->names, "%s%s", f->fitting ? ", " : "", s.name);
+  if (!f->fitting++) f->best = s;
+}
+
+/* Lines are joined with those that go on with '+'; comments are left out. */
+static vs_status take_file(search *f, FILE *file, const char *path, vs_error *err) {
+  char *line = NULL;
+  size_t size = 0;
+  vs_text whole = {0};
+  while (vs_alloc_line(&line, &size, file) >= 0) {
+    line[strcspn(line, "\r\n;")] = '\0';
+    const char *text = line + strspn(line, " \t");
+    if (!*text || *text == '*') continue;
+    if (*text != '+') {
+      if (whole.text) take_vendor_line(f, whole.text);
+      vs_text_free(&whole);
+      whole = (vs_text){0};
+    }
+    vs_text_add(&whole, "%s%s", *text == '+' ? " " : "", *text == '+' ? text + 1 : text);
+  }
+  vs_status status = vs_file_was_read(file, path, err);
+  if (whole.text) take_vendor_line(f, whole.text);
+  vs_text_free(&whole);
+  free(line);
+  return status;
+}
+
+/* ---- pins ---- */
+
+enum { MOST_NODES = 3 };
+
+/* The nodes of a part of each kind, in the order of its template, with the beginnings of the names
+ * that vendors give to such a pin, in small letters, each between blanks; and the order that is
+ * assumed where the names do not say. */
+static const struct layout {
+  const char *kind;
+  struct {
+    const char *node, *what, *beginnings;
+  } pin[MOST_NODES];
+  int assumed[MOST_NODES];
+} LAYOUTS[] = {
+    {"thyristor",
+     {{"a", "anode", " a "}, {"k", "cathode", " k c "}, {"g", "gate", " g "}},
+     {0, 2, 1}},
+    {"triac",
+     {{"mt2", "main terminal 2", " mt2 t2 a2 m2 "},
+      {"mt1", "main terminal 1", " mt1 t1 a1 m1 k "},
+      {"g", "gate", " g "}},
+     {0, 2, 1}},
+    {"diode", {{"a", "anode", " a p "}, {"k", "cathode", " k c n "}, {NULL, NULL, NULL}}, {0, 1}},
+    {"mosfet", {{"d", "drain", " d "}, {"g", "gate", " g "}, {"s", "source", " s "}}, {0, 1, 2}},
+    {"igbt", {{"c", "collector", " c "}, {"g", "gate", " g "}, {"e", "emitter", " e "}}, {0, 1, 2}},
+    {"varistor", {{"a", NULL, ""}, {"b", NULL, ""}, {NULL, NULL, NULL}}, {0, 1}},
+    {"fuse", {{"a", NULL, ""}, {"b", NULL, ""}, {NULL, NULL, NULL}}, {0, 1}},
+    {NULL, {{NULL, NULL, NULL}}, {0}}};
+
+static const struct layout *layout_of(const char *kind) {
+  const struct layout *l = LAYOUTS;
+  while (l->kind && strcmp(l->kind, kind)) l++;
+  return l;
+}
+
+static size_t count_nodes(const struct layout *l) {
+  size_t n = 0;
+  while (n < MOST_NODES && l->pin[n].node) n++;
+  return n;
+}
+
+/* The node that a pin of this name is; -1: its name does not say. */
+static int node_of(const struct layout *l, const char *pin) {
+  for (int k = 0; k < MOST_NODES && l->pin[k].node; k++)
+    for (const char *at = l->pin[k].beginnings; *at == ' ' && at[1];) {
+      size_t n = strcspn(at + 1, " ");
+      if (!strncasecmp(pin, at + 1, n)) return k;
+      at += 1 + n;
+    }
+  return -1;
+}
+
+/* Pins by their names, or else in the order that is assumed; of two that are alike in the order
+ * they have. */
+static void map_pins(const subcircuit *s, const struct layout *l, vs_wrap *w) {
+  int node[MOST_NODES] = {-1, -1, -1};
+  size_t n = 0, call = 0;
+  bool alike = !l->pin[0].what, named = !alike;
+  for (size_t k = 0; k < s->pins; k++) {
+    node[k] = node_of(l, s->pin[k]);
+    named = named && node[k] >= 0;
+    for (size_t other = 0; other < k; other++) named = named && node[other] != node[k];
+  }
+  if (!named) memcpy(node, l->assumed, sizeof node);
+  n += (size_t)snprintf(w->pins, sizeof w->pins, "Pins of %s: ", s->name);
+  for (size_t k = 0; k < s->pins && n < sizeof w->pins; k++) {
+    const char *what = l->pin[node[k]].what;
+    call += (size_t)snprintf(w->call + call, sizeof w->call - call, "%s ", l->pin[node[k]].node);
+    n += (size_t)snprintf(w->pins + n, sizeof w->pins - n, "%s%s is %s%s%s%s", k ? ", " : "",
+                          s->pin[k], l->pin[node[k]].node, what ? " (" : "", what ? what : "",
+                          what ? ")" : "");
+  }
+  snprintf(w->call + call, sizeof w->call - call, "%s", s->name);
+  if (n < sizeof w->pins)
+    snprintf(w->pins + n, sizeof w->pins - n, "%s",
+             alike   ? "."
+             : named ? ", by their names."
+                     : ": assumed, as the names do not say; look at the vendor's text.");
+}
+
+/* ---- all ---- */
+
+/* The name that finds the vendor's file from where the part's file will be: its own name in the
+ * same folder, else its whole path. */
+static void name_file(const char *path, const char *output, vs_wrap *w) {
+  char *whole = realpath(path, NULL), *one = vs_copy(whole ? whole : path),
+       *other = vs_copy(output), *theirs = realpath(dirname(one), NULL),
+       *ours = realpath(dirname(other), NULL);
+  bool same = theirs && ours && !strcmp(theirs, ours);
+  const char *slash = strrchr(path, '/');
+  snprintf(w->file, sizeof w->file, "\"%s\"",
+           same && slash ? slash + 1
+           : same        ? path
+           : whole       ? whole
+                         : path);
+  free(whole);
+  free(one);
+  free(other);
+  free(theirs);
+  free(ours);
+}
+
+static vs_status refuse_vendor_file(const search *f, const char *path, vs_error *err) {
+  const vs_where file = {.file = path};
+  if (f->wanted && !f->fitting) return vs_fail_at(err, file, "has no subcircuit '%s'", f->wanted);
+  if (!f->fitting)
+    return vs_fail_at(err, file, "none of its %zu subcircuits has %zu pins", f->all, f->pins);
+  if (f->best.pins != f->pins)
+    return vs_fail_at(err, file, "the subcircuit %s has %zu pins, and %zu are wanted", f->best.name,
+                      f->best.pins, f->pins);
+  return vs_fail_at(err, file, "has %zu subcircuits of %zu pins; say which: --wrap FILE:NAME of %s",
+                    f->fitting, f->pins, f->names.text);
+}
+
+vs_status vs_wrap_find(const char *word, const char *kind, const char *output, vs_wrap *w,
+                       vs_error *err) {
+  char path[VS_PATH_SIZE];
+  const char *colon = strrchr(word, ':');
+  bool split = colon && access(word, R_OK);
+  snprintf(path, sizeof path, "%.*s", split ? (int)(colon - word) : (int)strlen(word), word);
+  const struct layout *layout = layout_of(kind);
+  search f = {.wanted = split ? colon + 1 : NULL, .pins = count_nodes(layout)};
+  FILE *file = fopen(path, "r");
+  if (!file)
+    return vs_fail_at(err, (vs_where){.file = path}, "cannot be read: %s", strerror(errno));
+  vs_status status = take_file(&f, file, path, err);
+  fclose(file);
+  bool good = !status && f.fitting == 1 && f.best.pins == f.pins;
+  if (!good && !status) status = refuse_vendor_file(&f, path, err);
+  if (good) {
+    *w = (vs_wrap){.pspice = f.pspice};
+    memcpy(w->called, f.best.name, sizeof w->called);
+    map_pins(&f.best, layout, w);
+    name_file(path, output, w);
+  }
+  vs_text_free(&f.names);
+  return status;
+}
