@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The numbers of tools/stability_map, as CSV on standard output: what becomes of the periodic orbit
- * under firing in every cycle when machine and circuit are coupled by a scheme of tests/schemes.h
- * in macro steps of H, over H and the strength of the coupling. */
+ * under firing in every cycle when machine and circuit are coupled by a scheme of
+ * tests/support/schemes.h in macro steps of H, over H and the strength of the coupling. */
 #include <gsl/gsl_errno.h>
 #include <math.h>
 #include <stdio.h>
