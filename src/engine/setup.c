@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "base/error.h"
 #include "base/text.h"
@@ -688,5 +689,16 @@ double vs_setup_jams(const vs_setup *setup) {
   double first_s = INFINITY;
   for (size_t k = 0; k < events->count; k++)
     if (events->item[k].kind->jams) first_s = fmin(first_s, events->item[k].start_s);
+  return first_s;
+}
+
+double vs_setup_coil_cut(const vs_setup *setup) {
+  const vs_events *events = &setup->timeline.events;
+  double first_s = INFINITY;
+  for (size_t k = 0; k < events->count; k++) {
+    const vs_occurrence *e = &events->item[k];
+    if (e->kind->cuts && !strcasecmp(e->kind->element(e, &setup->deck), setup->deck.eva))
+      first_s = fmin(first_s, e->start_s);
+  }
   return first_s;
 }

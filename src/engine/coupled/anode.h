@@ -60,9 +60,9 @@ void vs_anode_leave(vs_anode *a);
 void vs_anode_take(vs_anode *a);
 
 /* Returns the longest step, s, that should be taken from the last knot towards a current's zero,
- * which is foretold from the last two knots, or while a thyristor may let go of its current, with
- * an error of its charge of so much of swing's (vs_swing_charge). INFINITY: no zero is within two
- * steps of max_step_s, and none may let go. */
+ * which is foretold from the last two knots, behind an event's edge while a latch conducts, or
+ * while a thyristor may let go of its current, with an error of its charge of so much of swing's
+ * (vs_swing_charge). INFINITY: no zero is within two steps of max_step_s, and none may let go. */
 double vs_anode_longest(vs_anode *a, const vs_swing *swing, double max_step_s);
 
 #endif

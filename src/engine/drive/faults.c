@@ -242,7 +242,8 @@ static vs_status coil_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_e
 
 const vs_event_kind vs_faults[] = {
     {"open", "an element of the deck is cut off", VS_EVENT_KEYS(OPEN), .wants_element = true,
-     .edge = vs_occurrence_edge, .element = element_named, .wire = open_wire, .source = opening},
+     .cuts = true, .edge = vs_occurrence_edge, .element = element_named, .wire = open_wire,
+     .source = opening},
     {"short", "an element of the deck is shorted", VS_EVENT_KEYS(SHORT), .wants_element = true,
      .edge = short_edge, .longest = short_longest, .element = element_named, .wire = short_wire,
      .source = short_source},

@@ -75,6 +75,7 @@ typedef struct vs_event_kind {
   bool adds_up;       /* two of them at the same time on the mains add up; else they clash */
   bool adds_pulse;    /* it is a gate pulse from its start to its end */
   bool jams;          /* the armature stays where it is from its start on */
+  bool cuts;          /* its element carries nothing from its start on */
   /* Sets what the scene's load becomes at its start; what the event does not name stays as it is.
    */
   void (*load)(const vs_occurrence *e, double *fraction, double *volume_m3);

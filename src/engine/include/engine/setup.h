@@ -179,4 +179,7 @@ vs_status vs_setup_require_fraction(const vs_setup *setup, vs_where where, const
 /* When an event jams the armature first, s; INFINITY: none does. */
 double vs_setup_jams(const vs_setup *setup);
 
+/* When an event cuts the coil off from the deck first, s; INFINITY: none does. */
+double vs_setup_coil_cut(const vs_setup *setup);
+
 #endif
