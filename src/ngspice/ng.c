@@ -394,7 +394,7 @@ static void forget_circuit(void) {
 
 /* True where ngspice has this netlist loaded and it has run well. It then need not be loaded again:
  * a run starts from its initial conditions, whatever was before, and gives the same to the bit
- * (tests/test_study.c). */
+ * (tests/study/test_study.c). */
 static bool is_loaded(const vs_text *netlist) {
   return ng.sound && ng.loaded.length == netlist->length &&
          !memcmp(ng.loaded.text, netlist->text, netlist->length);

@@ -172,7 +172,7 @@ static bool fraction_is_one_of_two(const vs_result *r, char *text, size_t size) 
 }
 
 /* A run with a thyristor of two transistors took 4 times as many steps as the largest step asks
- * for, those that crawled 39 times and more (tests/test_hints.c). A short run is no trouble,
+ * for, those that crawled 39 times and more (tests/cli/test_hints.c). A short run is no trouble,
  * however it went. */
 static const double CRAWLS = 20;
 static const long FEW_STEPS = 20000;

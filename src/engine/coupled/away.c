@@ -33,7 +33,7 @@ vs_status vs_away_finish(vs_away *a, vs_error *err) {
 static const double FOLLOWS = 0.9, MOST_LAG = 0.09;
 
 /* Relative to run.tolerance: how much a run may differ from one that stayed in the solver, because
- * the solver takes other steps once it is gone back to. Over the scenes of tests/test_quiet.c this
+ * the solver takes other steps once it is gone back to. Over the scenes of tests/engine/test_quiet.c this
  * exceeded the rest of the bound by 0.028 at most. */
 static const double OTHER_STEPS = 0.1;
 

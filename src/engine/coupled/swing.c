@@ -16,7 +16,7 @@
  * with what of lambda''' the rule is not given back (amend.h), over the time T that the ring may
  * last: LASTS radians of its own, and no more than a cycle of the mains, in which the coil's
  * resistance, if nothing else, has damped it. Measured over the 100 scenes of
- * tests/test_tolerance_grid.c: with SHARE 0.3 an error is up to 2 times the tolerance, with 1 up
+ * tests/engine/test_tolerance_grid.c: with SHARE 0.3 an error is up to 2 times the tolerance, with 1 up
  * to 4.8 times. With half of LASTS, or less of T, it is more. */
 static const double SHARE = 0.2, LASTS = 100;
 
