@@ -8,10 +8,10 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "base/leave.h"
+#include "base/shutdown.h"
 #include "base/text.h"
 #include "cli/commands.h"
-#include "ngspice/ng.h"
+#include "ngspice/ngspice.h"
 
 void terminal_begin(void); /* terminal.c */
 
@@ -25,7 +25,8 @@ static const vs_command *const COMMANDS[] = {
 enum { N_COMMANDS = sizeof COMMANDS / sizeof *COMMANDS - 1 };
 
 static void print_version(FILE *out) {
-  fprintf(out, "vibrospice %s (ngspice %s, GSL %s)\n", VS_VERSION, vs_ng_version(), gsl_version);
+  fprintf(out, "vibrospice %s (ngspice %s, GSL %s)\n", VS_VERSION, vs_ngspice_version(),
+          gsl_version);
 }
 
 static const vs_command *find_command(const char *word) {
@@ -83,7 +84,7 @@ int main(int argc, char **argv) {
   }
   const vs_command *command = find_command(argv[1]);
   if (!command) return VS_INPUT;
-  vs_leave_begin();
+  vs_shutdown_begin();
   signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is an error to report, like a full disk */
   vs_status status = vs_command_run(COMMANDS, command, argc, argv);
   return (int)(status ? status : end_output());

@@ -8,14 +8,14 @@
 #include <string.h>
 
 #include "base/error.h"
-#include "base/leave.h"
+#include "base/shutdown.h"
 
 void vs_alloc_failed(size_t bytes) {
   char text[96];
   int n = bytes
               ? snprintf(text, sizeof text, "vibrospice: out of memory: %zu bytes wanted\n", bytes)
               : snprintf(text, sizeof text, "vibrospice: out of memory\n");
-  vs_leave_now(VS_RUN, VS_ALLOC_STATUS, text, (size_t)n);
+  vs_shutdown_now(VS_RUN, VS_ALLOC_STATUS, text, (size_t)n);
 }
 
 /* The product; one too large for a size_t is more than there ever is. */
@@ -57,7 +57,7 @@ FILE *vs_alloc_stream(char **text, size_t *size) {
   return vs_checked(open_memstream(text, size));
 }
 
-void vs_alloc_streamed(FILE *stream) {
+void vs_alloc_stream_close(FILE *stream) {
   if (fclose(stream)) vs_alloc_failed(0);
 }
 

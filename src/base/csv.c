@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/packed.h"
+#include "base/compressed.h"
 
 static const char BLANKS[] = " \t";
 
@@ -182,7 +182,7 @@ static vs_status read_row_lines(vs_csv *csv, vs_error *err) {
   if (!csv->n_lines && !first) csv->line--;
   if (ferror(csv->stream))
     return vs_fail_at(err, (vs_where){.file = csv->file}, "cannot be read: %s",
-                      vs_packed_why(errno));
+                      vs_compressed_strerror(errno));
   if (size && csv->text[size - 1] == '\n') csv->text[--size] = '\0';
   if (size && csv->text[size - 1] == '\r') csv->text[--size] = '\0';
   return VS_OK;

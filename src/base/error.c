@@ -72,7 +72,7 @@ static size_t position_of(const vs_findings *all, const vs_error *err) {
   return all->count;
 }
 
-vs_status vs_error_carry_on(vs_error *err, vs_status status) {
+vs_status vs_error_keep(vs_error *err, vs_status status) {
   vs_findings *all = err->findings;
   if (status != VS_INPUT || !all || all->count >= VS_MOST_FINDINGS) return status;
   size_t position = position_of(all, err);

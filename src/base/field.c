@@ -173,7 +173,7 @@ static vs_status read_map(const vs_field *field, const vs_node *map, void *out, 
     const vs_node *node = vs_tree_child(map, chooser->key);
     vs_status status = read_default(&options->keys, chooser, out, err);
     if (!status && node)
-      status = vs_error_carry_on(err, vs_field_read(&options->keys, chooser, node, out, err));
+      status = vs_error_keep(err, vs_field_read(&options->keys, chooser, node, out, err));
     if (status) return status;
   }
   memcpy(out, &present, sizeof present);
@@ -199,7 +199,7 @@ static vs_status read_option(const char *name, const vs_field *field, const vs_n
                           name, options->keys.fields[0].key, options->keys.fields[0].default_text);
     else
       status = read_map(field, item, member + (size_t)k * options->size, err);
-    status = vs_error_carry_on(err, status);
+    status = vs_error_keep(err, status);
     if (k == options->most) break;
   }
   return status;
@@ -237,7 +237,7 @@ vs_status vs_field_read(const vs_section *section, const vs_field *field, const 
   if (!x || !x->next || x->next->next)
     return vs_fail_at(err, node->where, "%s: two values are wanted: [x, y]", name);
   double *pair = (double *)(void *)member;
-  vs_status status = vs_error_carry_on(err, read_real(name, field, x, pair, err));
+  vs_status status = vs_error_keep(err, read_real(name, field, x, pair, err));
   return status ? status : read_real(name, field, x->next, pair + 1, err);
 }
 
@@ -284,7 +284,7 @@ vs_status vs_field_known_keys(const vs_node *map, const char *what, const char *
     vs_status status = vs_fail_at(err, n->key_where, "%s has no key '%s'; %s%s%s%s", what, n->key,
                                   nearest ? "did you mean '" : "", nearest ? nearest : "",
                                   nearest ? "'? " : "", known_keys);
-    status = vs_error_carry_on(err, status);
+    status = vs_error_keep(err, status);
     if (status) return status;
   }
   return VS_OK;
@@ -303,7 +303,7 @@ vs_status vs_field_read_key(const vs_section *section, const vs_field *field, co
                             void *out, vs_error *err) {
   vs_status status = read_default(section, field, out, err);
   if (status || !node) return status;
-  return vs_error_carry_on(err, vs_field_read(section, field, node, out, err));
+  return vs_error_keep(err, vs_field_read(section, field, node, out, err));
 }
 
 vs_status vs_field_section_read(const vs_section *section, const vs_node *map, void *out,
@@ -314,7 +314,7 @@ vs_status vs_field_section_read(const vs_section *section, const vs_node *map, v
   if (map && map->kind != VS_NODE_MAP) {
     status = vs_fail_at(err, map->where, "%s: a map of keys is wanted: {key: value, ...}",
                         section->name);
-    status = vs_error_carry_on(err, status);
+    status = vs_error_keep(err, status);
     map = NULL;
   }
   if (!status) status = vs_field_section_keys(section, map, err);

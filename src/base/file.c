@@ -12,8 +12,8 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
-#include "base/leave.h"
-#include "base/packed.h"
+#include "base/compressed.h"
+#include "base/shutdown.h"
 
 vs_status vs_file_folder_make(const char *folder, int *made, vs_error *err) {
   char path[VS_PATH_SIZE];
@@ -138,10 +138,10 @@ vs_status vs_file_open(vs_file *file, const char *folder, const char *name, vs_e
   snprintf(place, sizeof place, "%.*s", size, file->path);
   vs_file_sweep(place);
   sigset_t before;
-  vs_leave_hold(&before);
+  vs_shutdown_block_signals(&before);
   int fd = make_temporary(file, size), why = errno;
-  if (fd >= 0) vs_leave_remove(file->temporary);
-  vs_leave_release(&before);
+  if (fd >= 0) vs_shutdown_remove(file->temporary);
+  vs_shutdown_unblock_signals(&before);
   if (fd < 0) return vs_fail(err, VS_INPUT, "%s: cannot be written: %s", file->path, strerror(why));
   mode_t mask = umask(0);
   umask(mask);
@@ -190,7 +190,7 @@ vs_status vs_file_commit(vs_file *file, vs_error *err) {
   }
   if (bad) unlink(file->temporary);
   if (lock >= 0) close(lock);
-  vs_leave_forget(file->temporary);
+  vs_shutdown_forget(file->temporary);
   if (!bad) {
     sync_folder_of(file->path);
     return VS_OK;
@@ -204,7 +204,7 @@ void vs_file_discard(vs_file *file) {
   fclose(file->stream);
   file->stream = NULL;
   unlink(file->temporary);
-  vs_leave_forget(file->temporary);
+  vs_shutdown_forget(file->temporary);
 }
 
 vs_status vs_file_commit_as(vs_file *file, const char *folder, const char *name, vs_error *err) {
@@ -218,7 +218,7 @@ vs_status vs_file_was_read(FILE *stream, const char *path, vs_error *err) {
                    "%s: a line in it is too long; no table or journal has such lines", path);
   if (!ferror(stream)) return VS_OK;
   return vs_fail(err, VS_INPUT, "%s: cannot be read: %s", path,
-                 errno ? vs_packed_why(errno) : "a part of it was refused");
+                 errno ? vs_compressed_strerror(errno) : "a part of it was refused");
 }
 
 void vs_file_remove(int folder, const char *name) {

@@ -264,7 +264,7 @@ static bool read_formula_number(reader *r) {
   char *end;
   const char *begin = r->at;
   double value = vs_text_to_number(r->at, &end);
-  const char *beyond = vs_text_beyond(r->at);
+  const char *beyond = vs_text_out_of_range(r->at);
   if (beyond) return fail_formula(r, beyond);
   if (end == r->at || !isfinite(value)) return fail_formula(r, "a number is wanted here");
   for (size_t k = 0; k < sizeof SUFFIX / sizeof *SUFFIX; k++)
@@ -513,8 +513,8 @@ bool vs_formula_is_term(const vs_formula *f, int *term, double *factor) {
   return terms == 1;
 }
 
-vs_formula_quick vs_formula_quicken(const vs_formula *f) {
-  vs_formula_quick q = {.formula = f};
+vs_formula_prepared vs_formula_prepare(const vs_formula *f) {
+  vs_formula_prepared q = {.formula = f};
   q.is_term = vs_formula_is_term(f, &q.term, &q.factor);
   return q;
 }

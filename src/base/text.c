@@ -246,7 +246,7 @@ static bool has_digits(const char *text, const char *end) {
   return false;
 }
 
-const char *vs_text_beyond(const char *text) {
+const char *vs_text_out_of_range(const char *text) {
   char *end;
   const double value = strtod(text, &end);
   const size_t before = strspn(text, " \t+-");
@@ -259,7 +259,7 @@ const char *vs_text_beyond(const char *text) {
 
 double vs_text_to_number(const char *text, char **end) {
   const double value = strtod(text, end);
-  return (isinf(value) || fabs(value) < DBL_MIN) && vs_text_beyond(text) ? NAN : value;
+  return (isinf(value) || fabs(value) < DBL_MIN) && vs_text_out_of_range(text) ? NAN : value;
 }
 
 size_t vs_text_characters(const char *text) {

@@ -14,8 +14,8 @@
 #include "figures.h"
 #include "netlist/catalogue.h"
 #include "netlist/parts.h"
-#include "ngspice/trust.h"
-#include "plausible.h"
+#include "ngspice/self_test.h"
+#include "plausibility.h"
 #include "report/scale.h"
 
 static const vs_figures_kind *const KINDS[] = {
@@ -97,7 +97,7 @@ static void add_figure_json(const vs_figure *row, const char *file, vs_text *tex
     vs_json_text(&json, "of", row->of);
     vs_json_number(&json, "model_deviation", row->got / row->sheet - 1, 9);
   }
-  if (!file) vs_json_text(&json, "warning", *vs_trust_text() ? vs_trust_text() : NULL);
+  if (!file) vs_json_text(&json, "warning", *vs_self_test_text() ? vs_self_test_text() : NULL);
   vs_json_end(&json);
 }
 
@@ -168,7 +168,7 @@ static void add_csv(const vs_figures *f, vs_text *text) {
     vs_text_add(text, ",%s,", vs_figures_word(row));
     vs_csv_cell(text, row->text);
     vs_text_add(text, ",");
-    vs_csv_cell(text, vs_trust_text());
+    vs_csv_cell(text, vs_self_test_text());
     vs_text_add(text, "\n");
   }
 }
@@ -355,7 +355,7 @@ vs_status vs_acceptance_try(const vs_check_options *o, vs_check_bench *bench, vs
   if (!kind && !status) tell_of_no_bench(s, bench);
   if (kind) status = try_part(s, kind, &own);
   if (kind && !status) kind->measure(s, &f);
-  if (!status) vs_plausible_warn(s, &f, bench->warnings);
+  if (!status) vs_plausibility_warn(s, &f, bench->warnings);
   if (f.count) tell_figures(s, &f, bench);
   if (f.count) tell_of_models(s, &f, bench);
   if (f.count && o->folder) status = write_folder(o, &f, s->subcircuit, &own);

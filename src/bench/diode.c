@@ -10,10 +10,10 @@ static double forward_at(const vs_stand *s, const vs_diode_plan *p, double i, vs
   vs_stand_record r = {0};
   vs_error err = {0};
   double v = NAN;
-  vs_status status = vs_tryout_run(s, (vs_tryout){p->wiring, 1.1e-3, 2e-6}, &r, &err,
-                                   "I1 0 a pwl(0 0 10u 0 110u %g 1.1m %g)\nVg g 0 0\n", i, i);
+  vs_status status = vs_test_circuit_run(s, (vs_test_circuit){p->wiring, 1.1e-3, 2e-6}, &r, &err,
+                                         "I1 0 a pwl(0 0 10u 0 110u %g 1.1m %g)\nVg g 0 0\n", i, i);
   if (status)
-    vs_tryout_fail(row, &err);
+    vs_test_circuit_fail(row, &err);
   else
     v = vs_stand_at(&r, r.v, 1.09e-3);
   vs_stand_free(&r);
@@ -47,10 +47,11 @@ void vs_diode_forward(const vs_stand *s, const vs_diode_plan *p, vs_figures *f) 
 static void draw_forward(const vs_stand *s, const vs_diode_plan *p, vs_figures *f) {
   vs_stand_record r = {0};
   vs_error err = {0};
-  if (!vs_tryout_run(s, (vs_tryout){p->wiring, 2.2e-3, 4e-6}, &r, &err,
-                     "I1 0 a pwl(0 0 0.2m 0 2.2m %g)\n", 2 * p->test_a))
-    vs_tryout_draw(f, &r, (vs_tryout_view){"forward", "V_F / V", "I_F / A", 0.21e-3, 2.2e-3},
-                   (const double *[]){r.v, r.i}, (const double[]){1, 1});
+  if (!vs_test_circuit_run(s, (vs_test_circuit){p->wiring, 2.2e-3, 4e-6}, &r, &err,
+                           "I1 0 a pwl(0 0 0.2m 0 2.2m %g)\n", 2 * p->test_a))
+    vs_test_circuit_draw(f, &r,
+                         (vs_test_circuit_view){"forward", "V_F / V", "I_F / A", 0.21e-3, 2.2e-3},
+                         (const double *[]){r.v, r.i}, (const double[]){1, 1});
   vs_stand_free(&r);
 }
 
@@ -77,12 +78,15 @@ static void read_recovery(const vs_stand_record *r, double from_s, double out[3]
  * capacitance's part counts with it. */
 void vs_diode_recovery(const vs_stand *s, const vs_diode_plan *p, vs_figures *f) {
   vs_figure *row[] = {
-      vs_tryout_row(s, f, (const char *[]){"Q_rr", "A*us"},
-                    (vs_tryout_source){"q_rr", p->q_param, VS_HELD_AT_MOST, 0.1, 0, true}, false),
-      vs_tryout_row(s, f, (const char *[]){"t_rr", "ns"},
-                    (vs_tryout_source){"t_rr", NULL, VS_HELD_AT_MOST, 0, 0, false}, false),
-      vs_tryout_row(s, f, (const char *[]){"I_RM", "A"},
-                    (vs_tryout_source){"i_rm", NULL, VS_HELD_AT_MOST, 0, 0, false}, false)};
+      vs_test_circuit_row(
+          s, f, (const char *[]){"Q_rr", "A*us"},
+          (vs_test_circuit_source){"q_rr", p->q_param, VS_HELD_AT_MOST, 0.1, 0, true}, false),
+      vs_test_circuit_row(s, f, (const char *[]){"t_rr", "ns"},
+                          (vs_test_circuit_source){"t_rr", NULL, VS_HELD_AT_MOST, 0, 0, false},
+                          false),
+      vs_test_circuit_row(s, f, (const char *[]){"I_RM", "A"},
+                          (vs_test_circuit_source){"i_rm", NULL, VS_HELD_AT_MOST, 0, 0, false},
+                          false)};
   bool own = isfinite(vs_figures_any(s, p->q_param).value);
   double i = vs_figures_condition(s, own, (const char *[]){"i_test", "test_current"}, p->test_a),
          slope =
@@ -92,23 +96,24 @@ void vs_diode_recovery(const vs_stand *s, const vs_diode_plan *p, vs_figures *f)
          zero = before + fall, end = before + 10 * fall;
   vs_stand_record r = {0};
   vs_error err = {0};
-  vs_status status = vs_tryout_run(s, (vs_tryout){p->wiring, end, fall / 100}, &r, &err,
-                                   "I1 0 a pwl(0 0 %.9g %g %.9g %g %.9g %g)\nVg g 0 0\n"
-                                   "Rs a c 10\nCs c 0 1n\nDc vc a clamp\nVc vc 0 -25\n"
-                                   ".model clamp d(is=1n rs=10m)\n",
-                                   before / 4, i, before, i, end, -9 * i);
+  vs_status status = vs_test_circuit_run(s, (vs_test_circuit){p->wiring, end, fall / 100}, &r, &err,
+                                         "I1 0 a pwl(0 0 %.9g %g %.9g %g %.9g %g)\nVg g 0 0\n"
+                                         "Rs a c 10\nCs c 0 1n\nDc vc a clamp\nVc vc 0 -25\n"
+                                         ".model clamp d(is=1n rs=10m)\n",
+                                         before / 4, i, before, i, end, -9 * i);
   if (!status && !(vs_stand_at(&r, r.v, 0.99 * before) < p->least_v))
     status = vs_fail(&err, VS_RUN, "it does not conduct");
   if (!status) read_recovery(&r, before, out);
   if (!status)
-    vs_tryout_draw(
-        f, &r, (vs_tryout_view){"recovery", "t / us", "i / A", zero - 0.5 * fall, zero + 3 * fall},
+    vs_test_circuit_draw(
+        f, &r,
+        (vs_test_circuit_view){"recovery", "t / us", "i / A", zero - 0.5 * fall, zero + 3 * fall},
         (const double *[]){r.t_s, r.i}, (const double[]){1e-6, 1});
   for (int n = 0; n < 3; n++) {
     row[n]->got = out[n];
     snprintf(row[n]->text, sizeof row[n]->text, "%.4g A falling at %.4g A/us%s%s", i, slope * 1e-6,
              n == 1 ? ", to a quarter of I_RM" : "", p->way);
-    if (status) vs_tryout_fail(row[n], &err);
+    if (status) vs_test_circuit_fail(row[n], &err);
   }
   vs_stand_free(&r);
 }
@@ -124,10 +129,10 @@ void vs_diode_breakdown(const vs_stand *s, const char *wiring, const char *const
   vs_stand_record r = {0};
   vs_error err = {0};
   snprintf(row->text, sizeof row->text, "breakdown, at 1 mA");
-  vs_status status = vs_tryout_run(s, (vs_tryout){wiring, 20e-3, 20e-6}, &r, &err,
-                                   "I1 0 a pwl(0 0 10m %g)\nVg g 0 0\n", up * 1e-3);
+  vs_status status = vs_test_circuit_run(s, (vs_test_circuit){wiring, 20e-3, 20e-6}, &r, &err,
+                                         "I1 0 a pwl(0 0 10m %g)\nVg g 0 0\n", up * 1e-3);
   if (status)
-    vs_tryout_fail(row, &err);
+    vs_test_circuit_fail(row, &err);
   else
     row->got = up * vs_stand_at(&r, r.v, 19e-3);
   vs_stand_free(&r);

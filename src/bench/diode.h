@@ -3,7 +3,7 @@
 #ifndef VS_BENCH_DIODE_H
 #define VS_BENCH_DIODE_H
 
-#include "tryout.h"
+#include "test_circuit.h"
 
 /* What the circuits are made for, SI, and by which words the part's file asks. */
 typedef struct vs_diode_plan {

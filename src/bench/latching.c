@@ -58,11 +58,11 @@ void vs_latching_on_state(const vs_stand *s, const vs_latching_plan *p, vs_figur
              n == 2                  ? ""
              : isfinite(asked.value) ? ", of on_voltage and on_resistance"
                                      : "");
-    vs_status status = vs_tryout_run(s, (vs_tryout){p->wiring, 1.1e-3, 1e-6}, &r, &err,
-                                     "I1 0 a pwl(0 0 10u 0 110u %g 1.1m %g)\nIg 0 g %g\n",
-                                     current[n], current[n], 3 * p->gate_a);
+    vs_status status = vs_test_circuit_run(s, (vs_test_circuit){p->wiring, 1.1e-3, 1e-6}, &r, &err,
+                                           "I1 0 a pwl(0 0 10u 0 110u %g 1.1m %g)\nIg 0 g %g\n",
+                                           current[n], current[n], 3 * p->gate_a);
     if (status)
-      vs_tryout_fail(row, &err);
+      vs_test_circuit_fail(row, &err);
     else
       row->got = vs_stand_at(&r, r.v, 1.09e-3);
     vs_stand_free(&r);
@@ -73,10 +73,12 @@ void vs_latching_on_state(const vs_stand *s, const vs_latching_plan *p, vs_figur
 void vs_latching_draw_on_state(const vs_stand *s, const vs_latching_plan *p, vs_figures *f) {
   vs_stand_record r = {0};
   vs_error err = {0};
-  if (!vs_tryout_run(s, (vs_tryout){p->wiring, 2.2e-3, 4e-6}, &r, &err,
-                     "I1 0 a pwl(0 0 0.2m 0 2.2m %g)\nIg 0 g %g\n", 2 * p->test_a, 3 * p->gate_a))
-    vs_tryout_draw(f, &r, (vs_tryout_view){"on-state", "V_T / V", "I_T / A", 0.25e-3, 2.2e-3},
-                   (const double *[]){r.v, r.i}, (const double[]){1, 1});
+  if (!vs_test_circuit_run(s, (vs_test_circuit){p->wiring, 2.2e-3, 4e-6}, &r, &err,
+                           "I1 0 a pwl(0 0 0.2m 0 2.2m %g)\nIg 0 g %g\n", 2 * p->test_a,
+                           3 * p->gate_a))
+    vs_test_circuit_draw(f, &r,
+                         (vs_test_circuit_view){"on-state", "V_T / V", "I_T / A", 0.25e-3, 2.2e-3},
+                         (const double *[]){r.v, r.i}, (const double[]){1, 1});
   vs_stand_free(&r);
 }
 
@@ -86,9 +88,9 @@ void vs_latching_draw_on_state(const vs_stand *s, const vs_latching_plan *p, vs_
 static vs_status rising_gate(const vs_stand *s, const vs_latching_plan *p, double gate_a,
                              vs_stand_record *r, double *fires_s, vs_error *err) {
   vs_status status =
-      vs_tryout_run(s, (vs_tryout){p->wiring, 22e-3, 10e-6}, r, err,
-                    "V1 s 0 pwl(0 0 1m 12)\nR1 s a %g\nIg 0 g pwl(0 0 2m 0 22m %g)\n",
-                    1.2 / p->latching_a, 2 * gate_a);
+      vs_test_circuit_run(s, (vs_test_circuit){p->wiring, 22e-3, 10e-6}, r, err,
+                          "V1 s 0 pwl(0 0 1m 12)\nR1 s a %g\nIg 0 g pwl(0 0 2m 0 22m %g)\n",
+                          1.2 / p->latching_a, 2 * gate_a);
   *fires_s = status ? NAN : vs_stand_crosses(r, 2e-3, 6);
   return status;
 }
@@ -96,9 +98,10 @@ static vs_status rising_gate(const vs_stand *s, const vs_latching_plan *p, doubl
 /* 3 %: the steps are 0.1 %, and what the model leaves out of its sum is 2.5 % at most. A model of
  * which nothing is asked is looked for from a tenth of a microampere to ten amperes. */
 void vs_latching_gate(const vs_stand *s, const vs_latching_plan *p, vs_figures *f) {
-  vs_figure *row = vs_tryout_row(
+  vs_figure *row = vs_test_circuit_row(
       s, f, (const char *[]){"I_GT", "mA"},
-      (vs_tryout_source){p->gate_limit, p->gate_param, VS_HELD_AT_MOST, 0.03, 0, false}, false);
+      (vs_test_circuit_source){p->gate_limit, p->gate_param, VS_HELD_AT_MOST, 0.03, 0, false},
+      false);
   vs_figure *volt = vs_figures_add(f, "V_GT", "V", vs_figures_limit(s, "v_gt"), 0, VS_HELD_AT_MOST);
   double scale = p->gate_a, fires_s = NAN;
   vs_error err = {0};
@@ -113,8 +116,9 @@ void vs_latching_gate(const vs_stand *s, const vs_latching_plan *p, vs_figures *
     if (good) {
       row->got = part * 2 * scale;
       volt->got = vs_stand_at(&r, r.g, fires_s - 20e-6);
-      vs_tryout_draw(
-          f, &r, (vs_tryout_view){"gate: it fires at 12 V", "i_G / mA", "v_AK / V", 2e-3, 22e-3},
+      vs_test_circuit_draw(
+          f, &r,
+          (vs_test_circuit_view){"gate: it fires at 12 V", "i_G / mA", "v_AK / V", 2e-3, 22e-3},
           (const double *[]){r.t_s, r.v}, (const double[]){20e-3 / (2e3 * scale), 1});
     }
     vs_stand_free(&r);
@@ -122,8 +126,8 @@ void vs_latching_gate(const vs_stand *s, const vs_latching_plan *p, vs_figures *
     scale *= isnan(fires_s) ? 5 : 0.04;
   }
   if (!status) vs_fail(&err, VS_RUN, "it did not fire up to %.3g mA", 2e3 * scale / 5);
-  vs_tryout_fail(row, &err);
-  vs_tryout_fail(volt, &err);
+  vs_test_circuit_fail(row, &err);
+  vs_test_circuit_fail(volt, &err);
 }
 
 /* ---- latching and holding ---- */
@@ -133,19 +137,19 @@ static vs_status latches(const vs_stand *s, const void *ctx, double i, bool *yes
   const vs_latching_plan *p = ctx;
   double gate = 1.5 * p->gate_a;
   vs_stand_record r = {0};
-  vs_status status = vs_tryout_run(s, (vs_tryout){p->wiring, 1e-3, 2e-6}, &r, err,
-                                   "V1 s 0 pwl(0 0 100u 100)\nR1 s a %g\n"
-                                   "Ig 0 g pwl(0 0 200u 0 201u %g 400u %g 401u 0)\n",
-                                   99 / i, gate, gate);
+  vs_status status = vs_test_circuit_run(s, (vs_test_circuit){p->wiring, 1e-3, 2e-6}, &r, err,
+                                         "V1 s 0 pwl(0 0 100u 100)\nR1 s a %g\n"
+                                         "Ig 0 g pwl(0 0 200u 0 201u %g 400u %g 401u 0)\n",
+                                         99 / i, gate, gate);
   *yes = !status && r.points > 0 && r.i[r.points - 1] > i / 2;
   vs_stand_free(&r);
   return status;
 }
 
 void vs_latching_current(const vs_stand *s, const vs_latching_plan *p, vs_figures *f) {
-  vs_figure *row = vs_tryout_row(
+  vs_figure *row = vs_test_circuit_row(
       s, f, (const char *[]){"I_L", "mA"},
-      (vs_tryout_source){"i_l", "latching_current", VS_HELD_AT_MOST, 0.05, 0, false}, true);
+      (vs_test_circuit_source){"i_l", "latching_current", VS_HELD_AT_MOST, 0.05, 0, false}, true);
   if (!row) return;
   snprintf(row->text, sizeof row->text, "0.6 ms after a gate pulse of 0.2 ms and 1.5 I_GT%s",
            p->way);
@@ -155,15 +159,15 @@ void vs_latching_current(const vs_stand *s, const vs_latching_plan *p, vs_figure
 /* The supply falls slowly from four times the latching current; the current is read 30 us (0.1 % of
  * it) before the voltage is back. */
 void vs_latching_holding(const vs_stand *s, const vs_latching_plan *p, vs_figures *f) {
-  vs_figure *row = vs_tryout_row(
+  vs_figure *row = vs_test_circuit_row(
       s, f, (const char *[]){"I_H", "mA"},
-      (vs_tryout_source){"i_h", "holding_current", VS_HELD_AT_MOST, 0.03, 0, false}, false);
+      (vs_test_circuit_source){"i_h", "holding_current", VS_HELD_AT_MOST, 0.03, 0, false}, false);
   vs_stand_record r = {0};
   vs_error err = {0};
   double gate = 3 * p->gate_a;
   snprintf(row->text, sizeof row->text, "gate open, the current falling slowly%s", p->way);
-  vs_status status = vs_tryout_run(
-      s, (vs_tryout){p->wiring, 41e-3, 5e-6}, &r, &err,
+  vs_status status = vs_test_circuit_run(
+      s, (vs_test_circuit){p->wiring, 41e-3, 5e-6}, &r, &err,
       "V1 s 0 pwl(0 100 1m 100 41m 0)\nR1 s a %g\nIg 0 g pwl(0 %g 0.2m %g 0.201m 0)\n",
       25 / p->latching_a, gate, gate);
   if (!status && vs_stand_at(&r, r.v, 0.9e-3) > 20) status = vs_latching_not_on(&err);
@@ -171,7 +175,7 @@ void vs_latching_holding(const vs_stand *s, const vs_latching_plan *p, vs_figure
   if (!status && isfinite(back_s)) row->got = vs_stand_at(&r, r.i, back_s - 30e-6);
   if (!status && isnan(back_s)) /* it conducts to the end of the current */
     row->got = fmax(vs_stand_at(&r, r.i, 40.9e-3), 0);
-  if (status) vs_tryout_fail(row, &err);
+  if (status) vs_test_circuit_fail(row, &err);
   vs_stand_free(&r);
 }
 
@@ -184,9 +188,9 @@ static vs_status fires_at(const vs_stand *s, const void *ctx, double slope, bool
   const vs_latching_plan *p = ctx;
   double v = 0.67 * p->block_v, t = v / slope;
   vs_stand_record r = {0};
-  vs_status status =
-      vs_tryout_run(s, (vs_tryout){p->wiring, 65e-6 + t, fmax(fmin(t / 100, 50e-9), 2e-9)}, &r, err,
-                    "V1 s 0 pwl(0 0 5u 0 %g %g)\nR1 s a 10\n", 5e-6 + t, v);
+  vs_status status = vs_test_circuit_run(
+      s, (vs_test_circuit){p->wiring, 65e-6 + t, fmax(fmin(t / 100, 50e-9), 2e-9)}, &r, err,
+      "V1 s 0 pwl(0 0 5u 0 %g %g)\nR1 s a 10\n", 5e-6 + t, v);
   *yes = !status && r.points > 0 && r.v[r.points - 1] < v / 2;
   vs_stand_free(&r);
   return status;
@@ -195,9 +199,9 @@ static vs_status fires_at(const vs_stand *s, const void *ctx, double slope, bool
 /* Two rows: the model's own figure, to a tenth, and what the maker guarantees, of which the model
  * must reach at least nine tenths. */
 void vs_latching_rise(const vs_stand *s, const vs_latching_plan *p, vs_figures *f) {
-  vs_figure *row = vs_tryout_row(
+  vs_figure *row = vs_test_circuit_row(
       s, f, (const char *[]){"dv/dt", "V/us"},
-      (vs_tryout_source){"dv_dt", "critical_dvdt", VS_HELD_AT_LEAST, 0.12, 0.12, true}, true);
+      (vs_test_circuit_source){"dv_dt", "critical_dvdt", VS_HELD_AT_LEAST, 0.12, 0.12, true}, true);
   if (!row) return;
   snprintf(row->text, sizeof row->text, "straight to %.4g V, gate open%s", 0.67 * p->block_v,
            p->way);

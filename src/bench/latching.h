@@ -4,7 +4,7 @@
 #ifndef VS_BENCH_LATCHING_H
 #define VS_BENCH_LATCHING_H
 
-#include "tryout.h"
+#include "test_circuit.h"
 
 /* Anode, cathode and gate of the device in a trial's circuit. */
 #define VS_LATCHING_WIRING "Xdut t 0 g %s"

@@ -12,12 +12,12 @@
 #include <unistd.h>
 
 #include "base/text.h"
-#include "netlist/blame.h"
+#include "netlist/location.h"
 #include "netlist/netlist.h"
 #include "netlist/parts.h"
 #include "ngspice/child.h"
-#include "ngspice/ng.h"
-#include "ngspice/trust.h"
+#include "ngspice/ngspice.h"
+#include "ngspice/self_test.h"
 
 /* Normally a circuit of the stand takes some hundredths of a second. */
 enum { MOST_SECONDS = 20 };
@@ -116,9 +116,9 @@ static vs_status record_step_of_stand(void *ctx, double t_s, const double *signa
 static void locate_culprit(const void *author, size_t culprit, vs_error *err) {
   const vs_stand *stand = author;
   const char *deck = stand->deck.files[0];
-  char *without = strstr(err->text, VS_BLAME_WITHOUT);
+  char *without = strstr(err->text, VS_LOCATION_WITHOUT);
   if (without && culprit >= stand->lines) *without = '\0';
-  vs_blame_locate(&stand->deck, culprit, err);
+  vs_location_locate(&stand->deck, culprit, err);
   if ((size_t)err->file_size != strlen(deck) || strncmp(err->text, deck, strlen(deck)) != 0) return;
   const vs_error plain = *err;
   vs_fail_at(err, (vs_where){.file = stand->name}, "%s", plain.text + plain.place_size);
@@ -145,9 +145,9 @@ static vs_status solve_netlist(char *const *netlist, size_t lines, const vs_stan
   const vs_circuit_host host = {seen, gap,  no_edge, no_edge, record_step_of_stand,
                                 NULL, NULL, NULL};
   void *circuit = NULL;
-  vs_status status = vs_ng_kind.load(&job, &host, &circuit, err);
-  if (!status) status = vs_ng_kind.run(circuit, err);
-  vs_ng_kind.free(circuit);
+  vs_status status = vs_ngspice_kind.load(&job, &host, &circuit, err);
+  if (!status) status = vs_ngspice_kind.run(circuit, err);
+  vs_ngspice_kind.free(circuit);
   return status;
 }
 
@@ -228,10 +228,10 @@ static vs_status run_on_stand(const vs_stand *stand, const vs_stand_circuit *c, 
 vs_status vs_stand_run(const vs_stand *stand, const vs_stand_circuit *c, vs_stand_record *r,
                        vs_error *err) {
   int how = 0;
-  vs_status status = vs_trust_find(err);
+  vs_status status = vs_self_test_find(err);
   if (!status) status = run_on_stand(stand, c, false, r, &how, err);
   bool died = WIFSIGNALED(how) && WTERMSIG(how) != SIGALRM && WTERMSIG(how) != SIGSYS;
-  if (!died && (status != VS_INPUT || !strstr(err->text, vs_complaints_nowhere))) return status;
+  if (!died && (status != VS_INPUT || !strstr(err->text, vs_solver_errors_nowhere))) return status;
   vs_error found = {.findings = err->findings};
   vs_stand_free(r);
   if (run_on_stand(stand, c, true, r, &how, &found) == VS_INPUT) {

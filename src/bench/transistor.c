@@ -5,7 +5,7 @@
 #include <stdio.h>
 
 #include "diode.h"
-#include "tryout.h"
+#include "test_circuit.h"
 
 /* The part in a trial: drain or collector at t, gate at g, source or emitter at 0. In the mirror
  * the diode inside conducts, its gate at source or emitter. */
@@ -43,21 +43,21 @@ static double voltage_at(const vs_stand *s, const plan *p, double i, vs_figure *
   vs_stand_record r = {0};
   vs_error err = {0};
   double v = NAN;
-  vs_status status = vs_tryout_run(
-      s, (vs_tryout){WIRING, 1.1e-3, 2e-6}, &r, &err,
+  vs_status status = vs_test_circuit_run(
+      s, (vs_test_circuit){WIRING, 1.1e-3, 2e-6}, &r, &err,
       "I1 0 a pwl(0 0 0.2m 0 0.3m %g 1.1m %g)\nVg g 0 pwl(0 0 0.1m %g)\n", i, i, p->drive_v);
   if (!status) v = vs_stand_at(&r, r.v, 1.09e-3);
   if (!status && v > p->block_v / 2)
     v = NAN, status = vs_fail(&err, VS_RUN, "it does not conduct when its gate is driven");
-  if (status) vs_tryout_fail(row, &err);
+  if (status) vs_test_circuit_fail(row, &err);
   vs_stand_free(&r);
   return v;
 }
 
 static void channel_resistance(const vs_stand *s, const plan *p, vs_figures *f) {
-  vs_figure *row = vs_tryout_row(
+  vs_figure *row = vs_test_circuit_row(
       s, f, (const char *[]){"R_DS(on)", "mohm"},
-      (vs_tryout_source){"r_ds_on", "on_resistance", VS_HELD_AT_MOST, 0.03, 0, false}, false);
+      (vs_test_circuit_source){"r_ds_on", "on_resistance", VS_HELD_AT_MOST, 0.03, 0, false}, false);
   snprintf(row->text, sizeof row->text, "at %.4g A, gate at %.4g V", p->test_a, p->drive_v);
   row->got = voltage_at(s, p, p->test_a, row) / p->test_a;
 }
@@ -96,30 +96,31 @@ static double gate_at(const vs_stand_record *r, double i) {
 
 /* The gate rises within 20 ms to its drive at 20 V or 0.4 V_DSS. */
 static void transfer(const vs_stand *s, const plan *p, vs_figures *f) {
-  vs_figure *row = vs_tryout_row(s, f, (const char *[]){p->threshold_name, "V"},
-                                 (vs_tryout_source){p->threshold_limit, "threshold",
-                                                    VS_HELD_AT_MOST, 0.02, 0, false},
-                                 false),
+  vs_figure *row = vs_test_circuit_row(s, f, (const char *[]){p->threshold_name, "V"},
+                                       (vs_test_circuit_source){p->threshold_limit, "threshold",
+                                                                VS_HELD_AT_MOST, 0.02, 0, false},
+                                       false),
             *slope = vs_figures_add(f, "g_fs", "A/V", vs_figures_any(s, "transconductance"), 0.05,
                                     VS_HELD_AT_LEAST);
   double v = fmin(20, 0.4 * p->block_v), near = 0.05 * p->slope_a;
   vs_stand_record r = {0};
   vs_error err = {0};
   vs_status status =
-      vs_tryout_run(s, (vs_tryout){WIRING, 22e-3, 10e-6}, &r, &err,
-                    "V1 a 0 pwl(0 0 1m %g)\nVg g 0 pwl(0 0 2m 0 22m %g)\n", v, p->drive_v);
+      vs_test_circuit_run(s, (vs_test_circuit){WIRING, 22e-3, 10e-6}, &r, &err,
+                          "V1 a 0 pwl(0 0 1m %g)\nVg g 0 pwl(0 0 2m 0 22m %g)\n", v, p->drive_v);
   snprintf(row->text, sizeof row->text, "at %.4g mA and %.4g V", p->threshold_a * 1e3, v);
   snprintf(slope->text, sizeof slope->text, "at %.4g A and %.4g V", p->slope_a, v);
   if (!status) {
     row->got = gate_at(&r, p->threshold_a);
     slope->got = 2 * near / (gate_at(&r, p->slope_a + near) - gate_at(&r, p->slope_a - near));
-    vs_tryout_draw(f, &r, (vs_tryout_view){"transfer", "gate / V", "i / A", 2e-3, 22e-3},
-                   (const double *[]){r.g, r.i}, (const double[]){1, 1});
+    vs_test_circuit_draw(f, &r,
+                         (vs_test_circuit_view){"transfer", "gate / V", "i / A", 2e-3, 22e-3},
+                         (const double *[]){r.g, r.i}, (const double[]){1, 1});
   }
   if (!status && isnan(row->got))
     status = vs_fail(&err, VS_RUN, "its current stays below that up to %.4g V", p->drive_v);
-  if (status) vs_tryout_fail(row, &err);
-  if (status) vs_tryout_fail(slope, &err);
+  if (status) vs_test_circuit_fail(row, &err);
+  if (status) vs_test_circuit_fail(slope, &err);
   vs_stand_free(&r);
 }
 
@@ -138,13 +139,13 @@ static double falls_below(const vs_stand_record *r, const double *column, double
  * until 5 % of the voltage are left, E_off until 2 % of the current are. A sixth for the model's
  * own, as the gate's part of E_off is an estimate. */
 static void switching(const vs_stand *s, const plan *p, vs_figures *f) {
-  vs_figure *on = vs_tryout_row(s, f, (const char *[]){"E_on", "mJ"},
-                                (vs_tryout_source){"e_on", NULL, VS_HELD_AT_MOST, 0, 0, false},
-                                false),
-            *off = vs_tryout_row(
-                s, f, (const char *[]){"E_off", "mJ"},
-                (vs_tryout_source){"e_off", "turn_off_energy", VS_HELD_AT_MOST, 1.0 / 6, 0, true},
-                false);
+  vs_figure *on = vs_test_circuit_row(
+                s, f, (const char *[]){"E_on", "mJ"},
+                (vs_test_circuit_source){"e_on", NULL, VS_HELD_AT_MOST, 0, 0, false}, false),
+            *off = vs_test_circuit_row(s, f, (const char *[]){"E_off", "mJ"},
+                                       (vs_test_circuit_source){"e_off", "turn_off_energy",
+                                                                VS_HELD_AT_MOST, 1.0 / 6, 0, true},
+                                       false);
   const double ON = 50e-6, OFF = 150e-6;
   bool own = isfinite(vs_figures_any(s, "turn_off_energy").value);
   double v = vs_figures_condition(s, own, (const char *[]){"v_test", "test_voltage"}, p->test_v),
@@ -152,8 +153,8 @@ static void switching(const vs_stand *s, const plan *p, vs_figures *f) {
          ohm = vs_figures_condition(s, own, (const char *[]){"r_test", "test_resistance"}, 10);
   vs_stand_record r = {0};
   vs_error err = {0};
-  vs_status status = vs_tryout_run(
-      s, (vs_tryout){WIRING, 250e-6, 0.5e-6}, &r, &err,
+  vs_status status = vs_test_circuit_run(
+      s, (vs_test_circuit){WIRING, 250e-6, 0.5e-6}, &r, &err,
       "Vdd p 0 pwl(0 0 10u %g)\nIl p a pwl(0 0 10u 0 20u %g)\nDf a p free\n"
       ".model free d(is=1n rs=5m)\nVs gs 0 pwl(0 0 50u 0 50.02u %g 150u %g 150.02u 0)\n"
       "Rgs gs g %g\n",
@@ -164,19 +165,19 @@ static void switching(const vs_stand *s, const plan *p, vs_figures *f) {
     vs_figure *row = n ? off : on;
     snprintf(row->text, sizeof row->text, "%.4g V, %.4g A, gate %.4g ohm, diode without recovery",
              v, i, ohm);
-    if (status) vs_tryout_fail(row, &err);
+    if (status) vs_test_circuit_fail(row, &err);
   }
   if (!status) {
     double on_s = falls_below(&r, r.v, ON, 0.05 * v),
            off_s = falls_below(&r, r.i, falls_below(&r, r.i, OFF, 0.5 * i), 0.02 * i);
-    on->got = vs_tryout_energy(&r, ON, on_s);
-    off->got = vs_tryout_energy(&r, OFF, off_s);
-    vs_tryout_draw(f, &r,
-                   (vs_tryout_view){"turn-off", "t / us", "v / V", OFF, OFF + 2 * (off_s - OFF)},
-                   (const double *[]){r.t_s, r.v}, (const double[]){1e-6, 1});
-    vs_tryout_draw(f, &r,
-                   (vs_tryout_view){"turn-off", "t / us", "i / A", OFF, OFF + 2 * (off_s - OFF)},
-                   (const double *[]){r.t_s, r.i}, (const double[]){1e-6, 1});
+    on->got = vs_test_circuit_energy(&r, ON, on_s);
+    off->got = vs_test_circuit_energy(&r, OFF, off_s);
+    vs_test_circuit_draw(
+        f, &r, (vs_test_circuit_view){"turn-off", "t / us", "v / V", OFF, OFF + 2 * (off_s - OFF)},
+        (const double *[]){r.t_s, r.v}, (const double[]){1e-6, 1});
+    vs_test_circuit_draw(
+        f, &r, (vs_test_circuit_view){"turn-off", "t / us", "i / A", OFF, OFF + 2 * (off_s - OFF)},
+        (const double *[]){r.t_s, r.i}, (const double[]){1e-6, 1});
   }
   vs_stand_free(&r);
 }

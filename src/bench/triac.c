@@ -50,9 +50,9 @@ static vs_status conducts_again(const vs_stand *s, const void *ctx, double v_s, 
   double i = c->a_s * c->fall_s, begin = 0.3e-3, zero = begin + c->fall_s, v = 0.67 * c->p->block_v,
          end = zero + v / v_s, gate = 3 * c->p->gate_a;
   vs_stand_record r = {0};
-  vs_status status = vs_tryout_run(
-      s, (vs_tryout){c->p->wiring, end + 60e-6, fmin(2e-6, fmax(v / v_s / 50, end / 4000))}, &r,
-      err,
+  vs_status status = vs_test_circuit_run(
+      s, (vs_test_circuit){c->p->wiring, end + 60e-6, fmin(2e-6, fmax(v / v_s / 50, end / 4000))},
+      &r, err,
       "I1 0 a pwl(0 0 20u 0 70u %g %g %g %.9g 0)\nIg 0 g pwl(0 %g 0.2m %g 0.201m 0)\n"
       "S1 a w ct 0 joined\n.model joined sw(ron=10 roff=1meg vt=0.5 vh=0.1)\n"
       "Vct ct 0 pwl(0 0 %.9g 0 %.9g 1)\nVw w 0 pwl(0 0 %.9g 0 %.9g %g)\n",
@@ -66,9 +66,9 @@ static vs_status conducts_again(const vs_stand *s, const void *ctx, double v_s, 
 static void commutating_rise(const vs_stand *s, const vs_latching_plan *p, vs_figures *f) {
   static const char *const RISE[] = {"dv_dt_c", NULL}, *const FALL[] = {"commutating_didt",
                                                                         "di_dt_c", NULL};
-  vs_figure *row =
-      vs_tryout_row(s, f, (const char *[]){"(dv/dt)c", "V/us"},
-                    (vs_tryout_source){"dv_dt_c", NULL, VS_HELD_AT_LEAST, 0, 0.1, false}, true);
+  vs_figure *row = vs_test_circuit_row(
+      s, f, (const char *[]){"(dv/dt)c", "V/us"},
+      (vs_test_circuit_source){"dv_dt_c", NULL, VS_HELD_AT_LEAST, 0, 0.1, false}, true);
   if (!row) return;
   double rise = vs_figures_first(s, RISE, 10e6), fall = vs_figures_first(s, FALL, 5e3);
   const commutation c = {p, fall,

@@ -12,22 +12,22 @@
 #include "base/path.h"
 #include "bench/acceptance.h"
 #include "commands.h"
-#include "fit/inquiry.h"
+#include "fit/fit_problem.h"
 #include "import/hint.h"
 #include "measure/unjudged.h"
 #include "netlist/catalogue.h"
 #include "netlist/netlist.h"
 #include "netlist/parts.h"
 #include "netlist/source.h"
-#include "ngspice/trust.h"
+#include "ngspice/self_test.h"
 #include "options.h"
-#include "plant/blueprint.h"
-#include "report/fitting.h"
+#include "plant/machine_file.h"
+#include "report/fit_command.h"
 #include "run/findings.h"
 #include "run/session.h"
 #include "run/table.h"
-#include "study/inspect.h"
 #include "study/methods.h"
+#include "study/study_check.h"
 
 /* ---- print-out ---- */
 
@@ -336,7 +336,7 @@ static bool has_ending(const char *name, const char *ending) {
 static bool is_machine(const char *name) {
   vs_tree tree = {0};
   vs_error unread = {0};
-  bool is = !vs_tree_read(name, &tree, &unread) && vs_blueprint_has_keys(&tree);
+  bool is = !vs_tree_read(name, &tree, &unread) && vs_machine_file_has_keys(&tree);
   vs_tree_free(&tree);
   return is;
 }
@@ -370,7 +370,7 @@ static vs_status check_by_kind(report *r, vs_error *err) {
     return check_part(r, err);
   }
   vs_status status =
-      vs_error_carry_on(err, vs_path_find(&vs_scene_shelf, name, (vs_where){0}, path, err));
+      vs_error_keep(err, vs_path_find(&vs_scene_shelf, name, (vs_where){0}, path, err));
   return status ? status : vs_path_find(&vs_deck_shelf, name, (vs_where){0}, path, err);
 }
 
@@ -378,15 +378,15 @@ static vs_status check_by_kind(report *r, vs_error *err) {
 static void print_findings_json(const report *r, const vs_findings *all) {
   vs_text text = {0};
   vs_json json = vs_json_new(&text);
-  bool any = all->count || r->warnings.count || r->bench.rows.text || *vs_trust_text();
+  bool any = all->count || r->warnings.count || r->bench.rows.text || *vs_self_test_text();
   vs_json_array(&json, NULL, any ? VS_JSON_LINES : VS_JSON_ROW);
   for (size_t k = 0; k < all->count; k++)
     add_finding_json(r->options->name, &all->item[k], NULL, &json);
   for (size_t k = 0; k < r->warnings.count; k++)
     add_finding_json(r->options->name, &r->warnings.item[k], "warning", &json);
   vs_error library = {0};
-  if (*vs_trust_text()) {
-    vs_fail(&library, VS_RUN, "%s", vs_trust_text());
+  if (*vs_self_test_text()) {
+    vs_fail(&library, VS_RUN, "%s", vs_self_test_text());
     add_finding_json(r->options->name, &library, "warning", &json);
   }
   char *rows = vs_copy(r->bench.rows.text ? r->bench.rows.text : ""), *rest = rows;
@@ -410,7 +410,7 @@ static vs_status check_and_tell(const vs_check_options *o, vs_error *err) {
   vs_findings *all = vs_alloc(1, sizeof *all);
   report r = {.options = o};
   vs_error own = {.findings = all};
-  vs_status status = vs_error_carry_on(&own, check_by_kind(&r, &own));
+  vs_status status = vs_error_keep(&own, check_by_kind(&r, &own));
   if (o->deep && !r.may_try)
     vs_text_add(&r.bench.table, "\nnothing is tried: --deep tries a scene or a deck");
   for (size_t k = 0; k < all->count && !o->json; k++) print_finding(o->name, "", &all->item[k]);
@@ -443,7 +443,7 @@ typedef struct check_line {
 } check_line;
 
 static vs_status check_study(const vs_check_options *o, vs_text *good, vs_error *err) {
-  return vs_inspect_study(o, vs_methods_all, good, err);
+  return vs_study_check_read(o, vs_methods_all, good, err);
 }
 
 /* A file is read more than once: for its kind, for what it says, for the lines that messages quote.
@@ -485,9 +485,9 @@ static vs_status check_command(const void *given, vs_error *err) {
                               .deep = line->deep,
                               .trial = vs_hint_try,
                               .folder = a->output,
-                              .other = vs_inquiry_is(name) ? vs_fitting_check
-                                       : vs_inspect_is_study(name, vs_methods_all) ? check_study
-                                                                                   : NULL};
+                              .other = vs_fit_problem_is(name) ? vs_fit_command_check
+                                       : vs_study_check_is_study(name, vs_methods_all) ? check_study
+                                                                                       : NULL};
   return check_and_tell(&o, err);
 }
 

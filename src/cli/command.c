@@ -9,7 +9,7 @@
 
 #include "base/jail.h"
 #include "base/path.h"
-#include "ngspice/confine.h"
+#include "ngspice/sandbox.h"
 
 typedef struct parser {
   const vs_command *command;
@@ -134,7 +134,7 @@ static vs_status enter_jail(const vs_command *c, const char *line, vs_error *err
                    "--allow-code runs what the scene brings along, --jail trusts it with nothing; "
                    "give one of them");
   if (!a->jail && ((!c->jailed && !c->results) || a->no_jail)) return VS_OK;
-  if (!c->results && !vs_confine_works() && !a->quiet)
+  if (!c->results && !vs_sandbox_works() && !a->quiet)
     fputs(
         "vibrospice: warning: this kernel has no filter of calls (seccomp), so that ngspice could "
         "reach the network if a netlist misused a fault in it\n",

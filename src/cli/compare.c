@@ -5,7 +5,7 @@
 #include "commands.h"
 #include "options.h"
 #include "report/compare.h"
-#include "report/versus.h"
+#include "report/compare_page.h"
 #include "study/methods.h"
 
 static vs_status compare_command(const void *given, vs_error *err) {
@@ -16,11 +16,11 @@ static vs_status compare_command(const void *given, vs_error *err) {
                    "compare --help");
   vs_compare_options o = {a->names[0], a->names[1], true, vs_methods_all};
   vs_text json = {0}, table = {0};
-  vs_status status = a->output ? vs_versus_check(a->output, err) : VS_OK;
+  vs_status status = a->output ? vs_compare_page_check(a->output, err) : VS_OK;
   if (!status && (a->json || a->output)) status = vs_compare_tell(&o, &json, err);
   o.json = false;
   if (!status && !a->json) status = vs_compare_tell(&o, &table, err);
-  if (!status && a->output) status = vs_versus_write(json.text, a->output, err);
+  if (!status && a->output) status = vs_compare_page_write(json.text, a->output, err);
   if (!status && !a->quiet) fputs(a->json ? json.text : table.text, stdout);
   if (!status && !a->quiet && !a->json && a->output) printf("%s/report.html\n", a->output);
   vs_text_free(&json);

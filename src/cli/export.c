@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The netlist of `vibrospice export`: parameters, the deck with sources of its own, the machine
- * (mechanism.h), the analysis, and commands that measure. Whatever {expression} a B source holds
- * stands in brackets: ngspice pastes it as text. */
+ * (export_machine.h), the analysis, and commands that measure. Whatever {expression} a B source
+ * holds stands in brackets: ngspice pastes it as text. */
 #include "export.h"
 
 #include <assert.h>
@@ -16,11 +16,11 @@
 #include "base/file.h"
 #include "base/units.h"
 #include "commands.h"
-#include "mechanism.h"
+#include "export_machine.h"
 #include "netlist/netlist.h"
 #include "options.h"
-#include "plain.h"
 #include "run/scene.h"
+#include "spice_sources.h"
 
 /* Measured under plain ngspice against the circuit tier at a tolerance of 1e-6, with steps of a
  * two-thousandth of a period by the trapezoidal rule: p is off by 3e-5 of its peak after a single
@@ -86,7 +86,7 @@ static size_t find_columns(const vs_scene *scene, column columns[MOST_COLUMNS]) 
   column *ours = columns + m->dof;
   for (int k = 0; k < m->dof; k++) {
     name_column(&columns[k], vs_channel_at(frame, VS_CH_Q + k));
-    vs_text_add(&columns[k].value, "v(vs_%s)/1000", vs_mechanism_state(m, k));
+    vs_text_add(&columns[k].value, "v(vs_%s)/1000", vs_export_machine_state(m, k));
   }
   for (int k = 0; k < OUR_COLUMNS; k++) name_column(&ours[k], vs_channel_at(frame, OURS[k]));
   vs_text_add(&ours[0].value, "v(%s.z)", deck->eva);
@@ -139,8 +139,8 @@ typedef char measured_name[VS_DECK_NAME + 32];
 
 static void name_measured(const vs_scene *scene, measured_name names[N_MEASURED]) {
   const vs_model *m = &scene->setup.model;
-  int one = vs_mechanism_travel_is(m);
-  const char *of = one < 0 ? "gap" : vs_mechanism_state(m, one);
+  int one = vs_export_machine_travel_is(m);
+  const char *of = one < 0 ? "gap" : vs_export_machine_state(m, one);
   snprintf(names[MEASURED_FIRST], sizeof *names, "%s_first_peak_m", of);
   snprintf(names[MEASURED_LEAST], sizeof *names, "%s_min_m", of);
   snprintf(names[MEASURED_I], sizeof *names, "i_peak_a");
@@ -180,7 +180,7 @@ static vs_status check_names(const vs_scene *scene, const column *columns, size_
     if (!strncasecmp(deck->section.fields[k].key, "vs_", 3))
       return vs_fail_at(err, (vs_where){deck->files[0], 1, 1}, "param %s: %s",
                         deck->section.fields[k].key, OURS);
-  vs_status status = vs_mechanism_check(&scene->setup, err);
+  vs_status status = vs_export_machine_check(&scene->setup, err);
   for (size_t k = 0; k < count && !status; k++) {
     const char *name = columns[k].name;
     bool twice = false;
@@ -251,9 +251,9 @@ static void add_scene(vs_text *t, const vs_setup *s) {
   vs_text_add(t, "*\n* The scene, in SI. Change a value and run again.\n");
   add_params(t, ROWS, sizeof ROWS / sizeof *ROWS);
   for (int k = 0; k < 2 * s->model.dof; k++)
-    vs_text_add(t, ".param vs_%s0=%.17g ; SI, %s\n", vs_mechanism_state(&s->model, k),
+    vs_text_add(t, ".param vs_%s0=%.17g ; SI, %s\n", vs_export_machine_state(&s->model, k),
                 s->start.x[k], s->model.machine->start.fields[k].text);
-  vs_mechanism_params(t, &s->model);
+  vs_export_machine_params(t, &s->model);
 }
 
 /* The source of a port, or one of the EVA's (port: NULL), in the place of "NAME n m external". */
@@ -261,10 +261,10 @@ static void add_source(vs_text *t, const char *line, const vs_port *port, const 
   char name[VS_DECK_NAME], plus[VS_DECK_NAME], minus[VS_DECK_NAME];
   sscanf(line, "%63s %63s %63s", name, plus, minus);
   if (port)
-    vs_plain_write(t, &(vs_plain_source){name, plus, minus, &port->signal}, &s->timeline,
-                   s->run.until_s);
+    vs_spice_sources_write(t, &(vs_spice_sources_source){name, plus, minus, &port->signal},
+                           &s->timeline, s->run.until_s);
   else
-    vs_mechanism_motion(t, s, name, (const char *[]){plus, minus});
+    vs_export_machine_motion(t, s, name, (const char *[]){plus, minus});
 }
 
 /* The netlist with its external sources replaced. The EVA's stands after the deck's own lines. */
@@ -274,7 +274,7 @@ static vs_status add_netlist(vs_text *t, const vs_setup *s, vs_error *err) {
   size_t count;
   vs_setup_standard(s, standard);
   vs_text_add(t, "*\n* The converter.\n");
-  vs_status status = vs_plain_check(&s->timeline, &s->deck, s->run.until_s, err);
+  vs_status status = vs_spice_sources_check(&s->timeline, &s->deck, s->run.until_s, err);
   if (status) return status;
   status =
       vs_netlist_make(&s->deck, &s->circuit_values, standard, VS_STANDARD, &lines, &count, err);
@@ -306,10 +306,11 @@ static void add_analysis(vs_text *t, const vs_setup *s) {
   const vs_deck *deck = &s->deck;
   const vs_model *m = &s->model;
   vs_text_add(t, ".save");
-  for (int k = 0; k < m->dof; k++) vs_text_add(t, " v(vs_%s)", vs_mechanism_state(m, k));
-  if (vs_mechanism_travel_is(m) < 0) vs_text_add(t, " v(vs_%s)", vs_mechanism_node(m, false));
-  vs_text_add(t, " v(vs_%s) v(vs_f) v(%s.z) v(%s.lam)%s\n", vs_mechanism_node(m, true), deck->eva,
-              deck->eva, m->coil.square ? "" : " v(vs_i)");
+  for (int k = 0; k < m->dof; k++) vs_text_add(t, " v(vs_%s)", vs_export_machine_state(m, k));
+  if (vs_export_machine_travel_is(m) < 0)
+    vs_text_add(t, " v(vs_%s)", vs_export_machine_node(m, false));
+  vs_text_add(t, " v(vs_%s) v(vs_f) v(%s.z) v(%s.lam)%s\n", vs_export_machine_node(m, true),
+              deck->eva, deck->eva, m->coil.square ? "" : " v(vs_i)");
   for (int k = 0; k < m->machine->n_probes; k++) vs_text_add(t, ".save v(vs_probe%d)\n", k + 1);
   char signal[VS_DECK_NAME + 4];
   for (int k = 0; k < 2; k++) {
@@ -336,14 +337,14 @@ static void add_validity(vs_text *t, const vs_model *m, const char *travel) {
         t,
         "if vecmin(%s) < -vs_d\n  echo \"ERROR: the armature meets the pole cover (%s = -D) "
         "and there is no stop; this is not physical\"\n  quit 1\nend\n",
-        travel, vs_mechanism_travel(m));
+        travel, vs_export_machine_travel(m));
   vs_text_add(t, "if vecmin(z_m) <= 0\n  echo \"ERROR: the gap is closed\"\n  quit 1\nend\n");
 }
 
 static void add_commands(vs_text *t, const vs_scene *scene, const column *columns, size_t count,
                          const char *table_name) {
   const vs_model *m = &scene->setup.model;
-  int one = vs_mechanism_travel_is(m);
+  int one = vs_export_machine_travel_is(m);
   const char *travel = one < 0 ? "vs_travel" : columns[one].name;
   measured_name measured[N_MEASURED];
   name_measured(scene, measured);
@@ -352,10 +353,10 @@ static void add_commands(vs_text *t, const vs_scene *scene, const column *column
                  "  echo \"ERROR: ngspice gave up before the end of the run\"\n  quit 1\nend\n");
   for (size_t k = 0; k < count; k++)
     vs_text_add(t, "let %s = %s\n", columns[k].name, columns[k].value.text);
-  if (one < 0) vs_text_add(t, "let vs_travel = v(vs_%s)/1000\n", vs_mechanism_node(m, false));
+  if (one < 0) vs_text_add(t, "let vs_travel = v(vs_%s)/1000\n", vs_export_machine_node(m, false));
   add_validity(t, m, travel);
   vs_text_add(t, "meas tran %s find %s when v(vs_%s)=0 %s=1 td=$&vs_fired\n",
-              measured[MEASURED_FIRST], travel, vs_mechanism_node(m, true),
+              measured[MEASURED_FIRST], travel, vs_export_machine_node(m, true),
               opens_the_gap(m) ? "fall" : "rise");
   vs_text_add(t, "meas tran %s min %s\n", measured[MEASURED_LEAST], travel);
   vs_text_add(t, "let vs_size = abs(i_a)\nmeas tran %s max vs_size\n", measured[MEASURED_I]);
@@ -391,9 +392,9 @@ static vs_status write_text(vs_text *t, const vs_scene *scene, const char *name,
   vs_status status = check_names(scene, columns, count, err);
   add_head(t, scene, deck_name, table_name);
   add_scene(t, &scene->setup);
-  vs_plain_timing(t, &scene->setup.timeline, &scene->setup.deck);
+  vs_spice_sources_timing(t, &scene->setup.timeline, &scene->setup.deck);
   if (!status) status = add_netlist(t, &scene->setup, err);
-  vs_mechanism_write(t, &scene->setup);
+  vs_export_machine_write(t, &scene->setup);
   add_analysis(t, &scene->setup);
   add_commands(t, scene, columns, count, table_name);
   for (size_t k = 0; k < count; k++) vs_text_free(&columns[k].value);

@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The command `fit`: parameters of scenes from what was measured. */
 #include "commands.h"
-#include "fit/aims.h"
+#include "fit/targets.h"
 #include "options.h"
-#include "report/fitting.h"
+#include "report/fit_command.h"
 
 typedef struct fit_line {
   vs_arguments common;
-  vs_fitting_options o;
+  vs_fit_command_options o;
 } fit_line;
 
 static vs_status fit_command(const void *given, vs_error *err) {
   const fit_line *line = given;
   const vs_arguments *a = &line->common;
-  vs_fitting_options o = line->o;
+  vs_fit_command_options o = line->o;
   o.name = vs_command_name(a);
   o.sets = a->sets;
   o.n_sets = a->n_sets;
@@ -21,13 +21,13 @@ static vs_status fit_command(const void *given, vs_error *err) {
   o.json = a->json;
   o.quiet = a->quiet;
   o.allow_code = a->allow_code;
-  return vs_fitting_command(&o, err);
+  return vs_fit_command_command(&o, err);
 }
 
 static void explain_fit(vs_text *help) {
   vs_text_add(help, "\nBesides the measures of every run, and with steady: true those of steady, a "
                     "fit may use:\n");
-  vs_aim_explain(help);
+  vs_target_explain(help);
 }
 
 static const vs_option FIT_OPTIONS[] = {

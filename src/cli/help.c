@@ -6,7 +6,7 @@
 
 #include "commands.h"
 #include "control/regulators.h"
-#include "ground.h"
+#include "default_models.h"
 #include "list.h"
 #include "netlist/kinds.h"
 #include "options.h"
@@ -130,14 +130,14 @@ static const struct {
   const char *name;
   const vs_section *keys[2];
 } BESIDES[] = {{"instruments", {&vs_instruments_section, &vs_instrument_section}},
-               {"control", {&vs_control_section, &vs_observing_section}}};
+               {"control", {&vs_control_section, &vs_state_observer_section}}};
 
 /* Topics whose matter another one has. */
 static const struct {
   const char *name, *kind;
 } SAME[] = {{"record", "probes"}, {"measured", "measures"}};
 
-static bool print_section(const char *name, const vs_ground *ground) {
+static bool print_section(const char *name, const vs_default_models *ground) {
   for (int s = 0; s < VS_SECTIONS; s++) {
     const vs_section *section = vs_section_fields(ground->machine, ground->deck, s);
     if (strcmp(section->name, name) != 0) continue;
@@ -180,10 +180,10 @@ static vs_status print_topic(const char *topic, const vs_command *const *command
   for (size_t k = 0; k < sizeof SAME / sizeof *SAME; k++)
     if (!strcmp(SAME[k].name, topic)) kind = SAME[k].kind;
   const vs_list_options o = {.kind = kind};
-  vs_ground ground;
-  vs_status status = vs_ground_read(NULL, NULL, &ground, err);
+  vs_default_models ground;
+  vs_status status = vs_default_models_read(NULL, NULL, &ground, err);
   bool found = !status && print_section(topic, &ground);
-  vs_ground_free(&ground);
+  vs_default_models_free(&ground);
   if (status || found) return status;
   return vs_list_has(kind) ? vs_list_command(&o, err) : refuse_topic(topic, commands, err);
 }

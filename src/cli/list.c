@@ -10,17 +10,17 @@
 #include "base/units.h"
 #include "commands.h"
 #include "control/regulators.h"
+#include "default_models.h"
 #include "engine/events.h"
-#include "entry.h"
-#include "ground.h"
+#include "list_entry.h"
 #include "netlist/catalogue.h"
 #include "netlist/deck.h"
 #include "netlist/devices.h"
 #include "netlist/kinds.h"
 #include "netlist/netlist.h"
 #include "options.h"
-#include "plant/blueprint.h"
 #include "plant/build.h"
+#include "plant/machine_file.h"
 #include "run/scene.h"
 #include "run/sections.h"
 
@@ -51,12 +51,12 @@ static void put_file(void *ctx, const char *path) {
   char name[VS_PATH_SIZE];
   if (!vs_catalogue_is_row(path)) n = strlen(base) - strlen(walk->shelf->ending);
   snprintf(name, sizeof name, "%.*s", (int)n, base);
-  vs_entry_begin(walk->to);
-  vs_entry_put(walk->to, "name", 20, name);
-  vs_entry_path(walk->to, "path", path);
-  vs_entry_line(walk->to);
+  vs_list_entry_begin(walk->to);
+  vs_list_entry_put(walk->to, "name", 20, name);
+  vs_list_entry_path(walk->to, "path", path);
+  vs_list_entry_line(walk->to);
   if (walk->more) walk->more(walk->to, path);
-  vs_entry_end(walk->to);
+  vs_list_entry_end(walk->to);
 }
 
 /* Adds an entry for each file of the shelf: its name, its path, and what `more` tells of it. more
@@ -70,9 +70,9 @@ static void list_shelf(vs_entries *to, const vs_shelf *shelf, put_details *more)
 }
 
 static void put_title(vs_entries *to, const char *title) {
-  vs_entry_say(to, "%-20s", "");
-  vs_entry_put(to, "title", 0, title);
-  vs_entry_line(to);
+  vs_list_entry_say(to, "%-20s", "");
+  vs_list_entry_put(to, "title", 0, title);
+  vs_list_entry_line(to);
 }
 
 static void put_deck_title(vs_entries *to, const char *path) {
@@ -87,136 +87,136 @@ static void put_machine_title(vs_entries *to, const char *path) {
   vs_machine *machine = vs_alloc(1, sizeof *machine);
   vs_error err = {0};
   vs_machine_begin(machine);
-  vs_blueprint_read(path, machine, &err);
+  vs_machine_file_read(path, machine, &err);
   if (*machine->title) put_title(to, machine->title);
   vs_machine_free(machine);
   free(machine);
 }
 
 static void put_limit(vs_entries *to, const vs_limit *limit) {
-  vs_entry_object(to);
-  vs_entry_say(to, "    limit");
-  vs_entry_put(to, "name", 18, limit->name);
-  vs_entry_put(to, "value", 14, limit->written);
-  vs_entry_put(to, "text", 0, limit->text);
-  if (limit->assumed) vs_entry_true(to, "assumed");
-  if (limit->assumed) vs_entry_say(to, " (assumed)");
-  vs_entry_line(to);
-  vs_entry_object_end(to);
+  vs_list_entry_object(to);
+  vs_list_entry_say(to, "    limit");
+  vs_list_entry_put(to, "name", 18, limit->name);
+  vs_list_entry_put(to, "value", 14, limit->written);
+  vs_list_entry_put(to, "text", 0, limit->text);
+  if (limit->assumed) vs_list_entry_true(to, "assumed");
+  if (limit->assumed) vs_list_entry_say(to, " (assumed)");
+  vs_list_entry_line(to);
+  vs_list_entry_object_end(to);
 }
 
 static void put_derating(vs_entries *to, const vs_derating *d) {
-  vs_entry_object(to);
-  vs_entry_number(to, "width_s", d->width_s);
-  vs_entry_number(to, "number", d->number);
-  vs_entry_number(to, "current_a", d->current_a);
-  if (d->assumed) vs_entry_true(to, "assumed");
-  vs_entry_say(to, "    pulse %g s, %g times, %g A%s", d->width_s, d->number, d->current_a,
-               d->assumed ? " (assumed)" : "");
-  vs_entry_line(to);
-  vs_entry_object_end(to);
+  vs_list_entry_object(to);
+  vs_list_entry_number(to, "width_s", d->width_s);
+  vs_list_entry_number(to, "number", d->number);
+  vs_list_entry_number(to, "current_a", d->current_a);
+  if (d->assumed) vs_list_entry_true(to, "assumed");
+  vs_list_entry_say(to, "    pulse %g s, %g times, %g A%s", d->width_s, d->number, d->current_a,
+                    d->assumed ? " (assumed)" : "");
+  vs_list_entry_line(to);
+  vs_list_entry_object_end(to);
 }
 
 static void put_surges(vs_entries *to, const vs_deck *part) {
-  if (part->n_surges) vs_entry_array(to, "surges");
+  if (part->n_surges) vs_list_entry_array(to, "surges");
   for (size_t k = 0; k < part->n_surges; k++) {
     const vs_surge_row *row = &part->surges[k];
-    vs_entry_object(to);
-    vs_entry_number(to, "number", row->number);
-    vs_entry_number(to, "current_a", row->current_a);
-    if (row->assumed) vs_entry_true(to, "assumed");
-    vs_entry_say(to, "    surge %g cycles, %g A%s", row->number, row->current_a,
-                 row->assumed ? " (assumed)" : "");
-    vs_entry_line(to);
-    vs_entry_object_end(to);
+    vs_list_entry_object(to);
+    vs_list_entry_number(to, "number", row->number);
+    vs_list_entry_number(to, "current_a", row->current_a);
+    if (row->assumed) vs_list_entry_true(to, "assumed");
+    vs_list_entry_say(to, "    surge %g cycles, %g A%s", row->number, row->current_a,
+                      row->assumed ? " (assumed)" : "");
+    vs_list_entry_line(to);
+    vs_list_entry_object_end(to);
   }
-  if (part->n_surges) vs_entry_array_end(to);
+  if (part->n_surges) vs_list_entry_array_end(to);
 }
 
 static void put_limits_at(vs_entries *to, const vs_deck *part) {
-  if (part->n_limits_at) vs_entry_array(to, "limits_at");
+  if (part->n_limits_at) vs_list_entry_array(to, "limits_at");
   for (size_t k = 0; k < part->n_limits_at; k++) {
     const vs_limit_at *at = &part->limits_at[k];
-    vs_entry_object(to);
-    vs_entry_text(to, "name", at->name);
-    vs_entry_number(to, "at_degc", at->at_degc);
-    vs_entry_number(to, "value", at->value);
-    if (at->assumed) vs_entry_true(to, "assumed");
-    vs_entry_say(to, "    at %g degC %s = %g%s", at->at_degc, at->name,
-                 at->value / vs_units_factor(vs_kinds_limit_unit(at->name)),
-                 at->assumed ? " (assumed)" : "");
-    vs_entry_line(to);
-    vs_entry_object_end(to);
+    vs_list_entry_object(to);
+    vs_list_entry_text(to, "name", at->name);
+    vs_list_entry_number(to, "at_degc", at->at_degc);
+    vs_list_entry_number(to, "value", at->value);
+    if (at->assumed) vs_list_entry_true(to, "assumed");
+    vs_list_entry_say(to, "    at %g degC %s = %g%s", at->at_degc, at->name,
+                      at->value / vs_units_factor(vs_kinds_limit_unit(at->name)),
+                      at->assumed ? " (assumed)" : "");
+    vs_list_entry_line(to);
+    vs_list_entry_object_end(to);
   }
-  if (part->n_limits_at) vs_entry_array_end(to);
+  if (part->n_limits_at) vs_list_entry_array_end(to);
 }
 
 static void put_models(vs_entries *to, const vs_deck *part) {
-  if (part->n_models) vs_entry_array(to, "models");
+  if (part->n_models) vs_list_entry_array(to, "models");
   for (size_t k = 0; k < part->n_models; k++) {
     const vs_model_line *m = &part->models[k];
-    vs_entry_object(to);
-    vs_entry_text(to, "figure", m->figure);
-    vs_entry_number(to, "deviation", m->deviation);
-    vs_entry_say(to, "    model %s, %+.3g %% of sheet", m->figure, 100 * m->deviation);
-    vs_entry_line(to);
-    vs_entry_object_end(to);
+    vs_list_entry_object(to);
+    vs_list_entry_text(to, "figure", m->figure);
+    vs_list_entry_number(to, "deviation", m->deviation);
+    vs_list_entry_say(to, "    model %s, %+.3g %% of sheet", m->figure, 100 * m->deviation);
+    vs_list_entry_line(to);
+    vs_list_entry_object_end(to);
   }
-  if (part->n_models) vs_entry_array_end(to);
+  if (part->n_models) vs_list_entry_array_end(to);
 }
 
 static void put_melting(vs_entries *to, const vs_melting_row *row) {
-  vs_entry_object(to);
-  vs_entry_number(to, "time_s", row->time_s);
-  vs_entry_number(to, "current_a", row->current_a);
-  if (row->assumed) vs_entry_true(to, "assumed");
-  vs_entry_say(to, "    time_current %g s, %g A%s", row->time_s, row->current_a,
-               row->assumed ? " (assumed)" : "");
-  vs_entry_line(to);
-  vs_entry_object_end(to);
+  vs_list_entry_object(to);
+  vs_list_entry_number(to, "time_s", row->time_s);
+  vs_list_entry_number(to, "current_a", row->current_a);
+  if (row->assumed) vs_list_entry_true(to, "assumed");
+  vs_list_entry_say(to, "    time_current %g s, %g A%s", row->time_s, row->current_a,
+                    row->assumed ? " (assumed)" : "");
+  vs_list_entry_line(to);
+  vs_list_entry_object_end(to);
 }
 
 static void put_ambient(vs_entries *to, const vs_ambient_row *row) {
-  vs_entry_object(to);
-  vs_entry_text(to, "limit", row->limit);
-  vs_entry_number(to, "ambient_degc", row->ambient_degc);
-  vs_entry_number(to, "factor", row->factor);
-  if (row->assumed) vs_entry_true(to, "assumed");
-  vs_entry_say(to, "    derate %s, %g degC, %g %%%s", row->limit, row->ambient_degc,
-               100 * row->factor, row->assumed ? " (assumed)" : "");
-  vs_entry_line(to);
-  vs_entry_object_end(to);
+  vs_list_entry_object(to);
+  vs_list_entry_text(to, "limit", row->limit);
+  vs_list_entry_number(to, "ambient_degc", row->ambient_degc);
+  vs_list_entry_number(to, "factor", row->factor);
+  if (row->assumed) vs_list_entry_true(to, "assumed");
+  vs_list_entry_say(to, "    derate %s, %g degC, %g %%%s", row->limit, row->ambient_degc,
+                    100 * row->factor, row->assumed ? " (assumed)" : "");
+  vs_list_entry_line(to);
+  vs_list_entry_object_end(to);
 }
 
 /* What limits are over another quantity. */
 static void put_tables(vs_entries *to, const vs_deck *part) {
-  if (part->n_melting) vs_entry_array(to, "time_current");
+  if (part->n_melting) vs_list_entry_array(to, "time_current");
   for (size_t k = 0; k < part->n_melting; k++) put_melting(to, &part->melting[k]);
-  if (part->n_melting) vs_entry_array_end(to);
-  if (part->n_ambients) vs_entry_array(to, "derate");
+  if (part->n_melting) vs_list_entry_array_end(to);
+  if (part->n_ambients) vs_list_entry_array(to, "derate");
   for (size_t k = 0; k < part->n_ambients; k++) put_ambient(to, &part->ambients[k]);
-  if (part->n_ambients) vs_entry_array_end(to);
+  if (part->n_ambients) vs_list_entry_array_end(to);
 }
 
 static void put_limits(vs_entries *to, const vs_deck *part) {
-  if (part->n_limits) vs_entry_array(to, "limits");
+  if (part->n_limits) vs_list_entry_array(to, "limits");
   for (size_t k = 0; k < part->n_limits; k++) put_limit(to, &part->limits[k]);
-  if (part->n_limits) vs_entry_array_end(to);
-  if (part->n_zth) vs_entry_array(to, "zth");
+  if (part->n_limits) vs_list_entry_array_end(to);
+  if (part->n_zth) vs_list_entry_array(to, "zth");
   for (size_t k = 0; k < part->n_zth; k++) {
-    vs_entry_object(to);
-    vs_entry_number(to, "k_per_w", part->zth[k].k_per_w);
-    vs_entry_number(to, "tau_s", part->zth[k].tau_s);
-    if (part->zth[k].assumed) vs_entry_true(to, "assumed");
-    vs_entry_say(to, "    zth   %g K/W, %g s%s", part->zth[k].k_per_w, part->zth[k].tau_s,
-                 part->zth[k].assumed ? " (assumed)" : "");
-    vs_entry_line(to);
-    vs_entry_object_end(to);
+    vs_list_entry_object(to);
+    vs_list_entry_number(to, "k_per_w", part->zth[k].k_per_w);
+    vs_list_entry_number(to, "tau_s", part->zth[k].tau_s);
+    if (part->zth[k].assumed) vs_list_entry_true(to, "assumed");
+    vs_list_entry_say(to, "    zth   %g K/W, %g s%s", part->zth[k].k_per_w, part->zth[k].tau_s,
+                      part->zth[k].assumed ? " (assumed)" : "");
+    vs_list_entry_line(to);
+    vs_list_entry_object_end(to);
   }
-  if (part->n_zth) vs_entry_array_end(to);
-  if (part->n_deratings) vs_entry_array(to, "pulses");
+  if (part->n_zth) vs_list_entry_array_end(to);
+  if (part->n_deratings) vs_list_entry_array(to, "pulses");
   for (size_t k = 0; k < part->n_deratings; k++) put_derating(to, &part->deratings[k]);
-  if (part->n_deratings) vs_entry_array_end(to);
+  if (part->n_deratings) vs_list_entry_array_end(to);
   put_surges(to, part);
   put_limits_at(to, part);
   put_models(to, part);
@@ -224,25 +224,25 @@ static void put_limits(vs_entries *to, const vs_deck *part) {
 
 static void put_part(vs_entries *to, const vs_deck *part) {
   if (part->n_part_files) {
-    vs_entry_say(to, "    %s: %s", part->part_files[0].kind, part->part_files[0].text);
-    vs_entry_line(to);
-    vs_entry_text(to, "kind", part->part_files[0].kind);
-    vs_entry_text(to, "text", part->part_files[0].text);
+    vs_list_entry_say(to, "    %s: %s", part->part_files[0].kind, part->part_files[0].text);
+    vs_list_entry_line(to);
+    vs_list_entry_text(to, "kind", part->part_files[0].kind);
+    vs_list_entry_text(to, "text", part->part_files[0].text);
   }
   put_limits(to, part);
   put_tables(to, part);
-  vs_entry_array(to, "parameters");
+  vs_list_entry_array(to, "parameters");
   for (size_t k = 1; k < part->section.count; k++) {
     const vs_field *f = &part->section.fields[k];
-    vs_entry_object(to);
-    vs_entry_say(to, "    param");
-    vs_entry_put(to, "name", 18, f->key);
-    vs_entry_put(to, "default", 14, f->default_text);
-    vs_entry_put(to, "text", 0, f->text);
-    vs_entry_line(to);
-    vs_entry_object_end(to);
+    vs_list_entry_object(to);
+    vs_list_entry_say(to, "    param");
+    vs_list_entry_put(to, "name", 18, f->key);
+    vs_list_entry_put(to, "default", 14, f->default_text);
+    vs_list_entry_put(to, "text", 0, f->text);
+    vs_list_entry_line(to);
+    vs_list_entry_object_end(to);
   }
-  vs_entry_array_end(to);
+  vs_list_entry_array_end(to);
 }
 
 /* What it is, what its maker allows, and its parameters. */
@@ -252,9 +252,9 @@ static void put_part_details(vs_entries *to, const char *path) {
   if (!vs_netlist_read_part(path, part, &err)) {
     put_part(to, part);
   } else {
-    vs_entry_say(to, "    %s", err.text);
-    vs_entry_text(to, "error", err.text);
-    vs_entry_line(to);
+    vs_list_entry_say(to, "    %s", err.text);
+    vs_list_entry_text(to, "error", err.text);
+    vs_list_entry_line(to);
   }
   vs_deck_free(part);
   free(part);
@@ -297,25 +297,27 @@ static void list_parts(const listed *of) {
 static void put_instrument(vs_entries *to, const vs_instrument *i) {
   const vs_instrument_values *v = &i->v;
   double unit = vs_units_factor(i->unit);
-  vs_entry_begin(to);
-  vs_entry_put(to, "name", 20, i->column);
-  vs_entry_put(to, "unit", 7, i->unit);
-  vs_entry_say(to, " %s: %g..%g %s, ", v->channel, v->range[0] / unit, v->range[1] / unit, i->unit);
-  if (isfinite(v->bandwidth_hz)) vs_entry_say(to, "%g Hz of order %d, ", v->bandwidth_hz, v->order);
-  vs_entry_say(to, "%g samples/s, ", v->rate_hz);
-  if (v->bits) vs_entry_say(to, "%d bits, ", v->bits);
-  vs_entry_say(to, "noise %g %s; %s", v->noise / unit, i->unit, v->text);
-  vs_entry_line(to);
-  vs_entry_text(to, "channel", v->channel);
-  vs_entry_number(to, "from", v->range[0] / unit);
-  vs_entry_number(to, "to", v->range[1] / unit);
-  if (isfinite(v->bandwidth_hz)) vs_entry_number(to, "bandwidth_hz", v->bandwidth_hz);
-  if (isfinite(v->bandwidth_hz)) vs_entry_number(to, "order", v->order);
-  vs_entry_number(to, "rate_hz", v->rate_hz);
-  if (v->bits) vs_entry_number(to, "bits", v->bits);
-  vs_entry_number(to, "noise", v->noise / unit);
-  vs_entry_text(to, "text", v->text);
-  vs_entry_end(to);
+  vs_list_entry_begin(to);
+  vs_list_entry_put(to, "name", 20, i->column);
+  vs_list_entry_put(to, "unit", 7, i->unit);
+  vs_list_entry_say(to, " %s: %g..%g %s, ", v->channel, v->range[0] / unit, v->range[1] / unit,
+                    i->unit);
+  if (isfinite(v->bandwidth_hz))
+    vs_list_entry_say(to, "%g Hz of order %d, ", v->bandwidth_hz, v->order);
+  vs_list_entry_say(to, "%g samples/s, ", v->rate_hz);
+  if (v->bits) vs_list_entry_say(to, "%d bits, ", v->bits);
+  vs_list_entry_say(to, "noise %g %s; %s", v->noise / unit, i->unit, v->text);
+  vs_list_entry_line(to);
+  vs_list_entry_text(to, "channel", v->channel);
+  vs_list_entry_number(to, "from", v->range[0] / unit);
+  vs_list_entry_number(to, "to", v->range[1] / unit);
+  if (isfinite(v->bandwidth_hz)) vs_list_entry_number(to, "bandwidth_hz", v->bandwidth_hz);
+  if (isfinite(v->bandwidth_hz)) vs_list_entry_number(to, "order", v->order);
+  vs_list_entry_number(to, "rate_hz", v->rate_hz);
+  if (v->bits) vs_list_entry_number(to, "bits", v->bits);
+  vs_list_entry_number(to, "noise", v->noise / unit);
+  vs_list_entry_text(to, "text", v->text);
+  vs_list_entry_end(to);
 }
 
 /* The sets, and what that of the machine has. */
@@ -331,11 +333,11 @@ static void list_instruments(const listed *of) {
   const vs_frame frame = {.model = &setup->model, .deck = &setup->deck};
   vs_instruments_read(&section, setup, &frame, all, &err); /* without a set there are none */
   if (all->count) {
-    vs_entry_begin(of->to);
-    vs_entry_put(of->to, "name", 20, "own");
-    vs_entry_put(of->to, "title", 0, "the machine's: column, unit, channel, range, ...");
-    vs_entry_line(of->to);
-    vs_entry_end(of->to);
+    vs_list_entry_begin(of->to);
+    vs_list_entry_put(of->to, "name", 20, "own");
+    vs_list_entry_put(of->to, "title", 0, "the machine's: column, unit, channel, range, ...");
+    vs_list_entry_line(of->to);
+    vs_list_entry_end(of->to);
   }
   for (int k = 0; k < all->count; k++) put_instrument(of->to, &all->item[k]);
   vs_instruments_free(all);
@@ -347,40 +349,40 @@ static void list_instruments(const listed *of) {
 
 /* A name and what it means. */
 static void put_named(vs_entries *to, const char *name, const char *text) {
-  vs_entry_put(to, "name", 20, name);
-  vs_entry_put(to, "text", 0, text);
-  vs_entry_line(to);
+  vs_list_entry_put(to, "name", 20, name);
+  vs_list_entry_put(to, "text", 0, text);
+  vs_list_entry_line(to);
 }
 
 static void list_tiers(const listed *of) {
   for (int k = 0; k < VS_TIERS; k++) {
-    vs_entry_begin(of->to);
+    vs_list_entry_begin(of->to);
     put_named(of->to, vs_tiers_all[k]->name, vs_tiers_all[k]->text);
-    vs_entry_end(of->to);
+    vs_list_entry_end(of->to);
   }
 }
 
 static void list_laws(const listed *of) {
   for (const vs_law *const *law = vs_actuator_laws; *law; law++) {
-    vs_entry_begin(of->to);
+    vs_list_entry_begin(of->to);
     put_named(of->to, (*law)->name, (*law)->text);
-    vs_entry_end(of->to);
+    vs_list_entry_end(of->to);
   }
 }
 
 /* Begins an entry of a quantity: its name, unit and meaning. */
 static void begin_quantity(vs_entries *to, const char *name, const char *unit, const char *text) {
-  vs_entry_begin(to);
-  vs_entry_put(to, "name", 20, name);
-  vs_entry_put(to, "unit", 7, unit);
-  vs_entry_put(to, "text", 0, text);
+  vs_list_entry_begin(to);
+  vs_list_entry_put(to, "name", 20, name);
+  vs_list_entry_put(to, "unit", 7, unit);
+  vs_list_entry_put(to, "text", 0, text);
 }
 
 /* Ends its line; on_circuit: only a run with the circuit has it. */
 static void end_quantity(vs_entries *to, bool on_circuit) {
-  if (on_circuit) vs_entry_text(to, "tier", "circuit");
-  vs_entry_line(to);
-  vs_entry_end(to);
+  if (on_circuit) vs_list_entry_text(to, "tier", "circuit");
+  vs_list_entry_line(to);
+  vs_list_entry_end(to);
 }
 
 static void list_probes(const listed *of) {
@@ -391,7 +393,7 @@ static void list_probes(const listed *of) {
     vs_channel c = vs_channel_at(&frame, numbers[k]);
     bool on_circuit = numbers[k] >= vs_channel_deck(&model);
     begin_quantity(of->to, c.name, c.unit, c.text);
-    if (on_circuit) vs_entry_say(of->to, " (tier circuit)");
+    if (on_circuit) vs_list_entry_say(of->to, " (tier circuit)");
     end_quantity(of->to, on_circuit);
   }
 }
@@ -404,12 +406,12 @@ static void list_of_kind(vs_entries *to, const char *name, const vs_kind *kind, 
     char of[VS_DECK_NAME + 24];
     snprintf(of, sizeof of, "%s.%s", name, m->name);
     begin_quantity(to, of, m->unit, m->text);
-    if (on_circuit) vs_entry_say(to, " (tier circuit)");
-    if (m->limit) vs_entry_say(to, "; limit %s", m->limit);
-    if (protects) vs_entry_say(to, " of what it protects");
-    if (m->held == VS_NEVER) vs_entry_say(to, "; must not happen unless 'expect' names it");
-    if (m->limit) vs_entry_text(to, "limit", m->limit);
-    if (protects) vs_entry_text(to, "limit_of", "what it protects");
+    if (on_circuit) vs_list_entry_say(to, " (tier circuit)");
+    if (m->limit) vs_list_entry_say(to, "; limit %s", m->limit);
+    if (protects) vs_list_entry_say(to, " of what it protects");
+    if (m->held == VS_NEVER) vs_list_entry_say(to, "; must not happen unless 'expect' names it");
+    if (m->limit) vs_list_entry_text(to, "limit", m->limit);
+    if (protects) vs_list_entry_text(to, "limit_of", "what it protects");
     end_quantity(to, on_circuit);
   }
 }
@@ -425,15 +427,15 @@ static void put_extremes(vs_entries *to, const vs_probe *probe) {
   for (int k = 0; k < 2; k++) {
     char name[VS_DECK_NAME + 8];
     snprintf(name, sizeof name, "%s_%s", probe->name, ENDS[k]);
-    vs_entry_begin(to);
+    vs_list_entry_begin(to);
     if (k == 0)
-      vs_entry_say(to, "%s_min, %s_max  %s  extremes of the probe (tier circuit)\n", probe->name,
-                   probe->name, probe->unit);
-    vs_entry_text(to, "name", name);
-    vs_entry_text(to, "unit", probe->unit);
-    vs_entry_text(to, "text", k ? "largest value of the probe" : "least value of the probe");
-    vs_entry_text(to, "tier", "circuit");
-    vs_entry_end(to);
+      vs_list_entry_say(to, "%s_min, %s_max  %s  extremes of the probe (tier circuit)\n",
+                        probe->name, probe->name, probe->unit);
+    vs_list_entry_text(to, "name", name);
+    vs_list_entry_text(to, "unit", probe->unit);
+    vs_list_entry_text(to, "text", k ? "largest value of the probe" : "least value of the probe");
+    vs_list_entry_text(to, "tier", "circuit");
+    vs_list_entry_end(to);
   }
 }
 
@@ -460,20 +462,20 @@ static void list_measures(const listed *of) {
 static void put_key(vs_entries *to, const vs_field *f, int width, const char *is_name) {
   char range[128];
   vs_field_range(f, range, sizeof range);
-  vs_entry_put(to, "default", width, f->default_text);
-  vs_entry_put(to, "allowed", 26, f->kind == VS_NAME ? is_name : range);
-  vs_entry_put(to, "text", 0, f->text);
-  vs_entry_line(to);
-  if (*f->unit) vs_entry_text(to, "unit", f->unit);
+  vs_list_entry_put(to, "default", width, f->default_text);
+  vs_list_entry_put(to, "allowed", 26, f->kind == VS_NAME ? is_name : range);
+  vs_list_entry_put(to, "text", 0, f->text);
+  vs_list_entry_line(to);
+  if (*f->unit) vs_list_entry_text(to, "unit", f->unit);
 }
 
 static void put_field(vs_entries *to, const char *section, const vs_field *f) {
   char name[128];
   snprintf(name, sizeof name, "%s%s%s", section, *section ? "." : "", f->key);
-  vs_entry_begin(to);
-  vs_entry_put(to, "name", 28, name);
+  vs_list_entry_begin(to);
+  vs_list_entry_put(to, "name", 28, name);
   put_key(to, f, 18, "a name or path");
-  vs_entry_end(to);
+  vs_list_entry_end(to);
   for (size_t k = 0; f->options && k < f->options->keys.count; k++)
     put_field(to, name, &f->options->keys.fields[k]);
 }
@@ -488,7 +490,7 @@ static void list_parameters(const listed *of) {
   put_section_keys(of->to, &vs_instruments_section);
   put_section_keys(of->to, &vs_instrument_section);
   put_section_keys(of->to, &vs_control_section);
-  put_section_keys(of->to, &vs_observing_section);
+  put_section_keys(of->to, &vs_state_observer_section);
   vs_field sink = vs_cooling_heatsink;
   sink.key = "heatsink.DEVICE";
   put_field(of->to, "", &vs_cooling_ambient);
@@ -497,33 +499,33 @@ static void list_parameters(const listed *of) {
 
 /* An entry whose keys stand below it. */
 static void put_keys(vs_entries *to, const vs_field *fields, size_t count) {
-  vs_entry_array(to, "keys");
+  vs_list_entry_array(to, "keys");
   for (size_t k = 0; k < count; k++) {
-    vs_entry_object(to);
-    vs_entry_say(to, "   ");
-    vs_entry_put(to, "key", 16, fields[k].key);
+    vs_list_entry_object(to);
+    vs_list_entry_say(to, "   ");
+    vs_list_entry_put(to, "key", 16, fields[k].key);
     put_key(to, &fields[k], 12, "a name");
-    vs_entry_object_end(to);
+    vs_list_entry_object_end(to);
   }
-  vs_entry_array_end(to);
+  vs_list_entry_array_end(to);
 }
 
 static void list_events(const listed *of) {
   const vs_event_kind *kind;
   for (size_t k = 0; (kind = vs_events_kind(k)); k++) {
-    vs_entry_begin(of->to);
+    vs_list_entry_begin(of->to);
     put_named(of->to, kind->name, kind->text);
     put_keys(of->to, kind->fields + 1, kind->n_fields - 1);
-    vs_entry_end(of->to);
+    vs_list_entry_end(of->to);
   }
 }
 
 static void list_regulators(const listed *of) {
   for (const vs_regulator *const *r = vs_regulators; *r; r++) {
-    vs_entry_begin(of->to);
+    vs_list_entry_begin(of->to);
     put_named(of->to, (*r)->name, (*r)->text);
     put_keys(of->to, (*r)->fields, (*r)->n_fields);
-    vs_entry_end(of->to);
+    vs_list_entry_end(of->to);
   }
 }
 
@@ -595,7 +597,7 @@ static int list_kind(const struct kind *kind, const vs_list_options *o, listed *
       printf("%s%s\n", is_first ? "" : "\n", kind->heading);
     if (entries.count) fputs(entries.out.text, stdout);
   }
-  vs_entry_free(&entries);
+  vs_list_entry_free(&entries);
   return entries.count;
 }
 
@@ -617,11 +619,11 @@ static void list_asked_kinds(const vs_list_options *o, listed *of) {
 vs_status vs_list_command(const vs_list_options *o, vs_error *err) {
   vs_status status = check_kind(o, err);
   if (status) return status;
-  vs_ground ground;
-  status = vs_ground_read(o->deck, o->machine, &ground, err);
+  vs_default_models ground;
+  status = vs_default_models_read(o->deck, o->machine, &ground, err);
   listed of = {.deck = ground.deck, .machine = ground.machine};
   if (!status) list_asked_kinds(o, &of);
-  vs_ground_free(&ground);
+  vs_default_models_free(&ground);
   return status;
 }
 
@@ -643,7 +645,7 @@ void vs_list_section(const vs_section *section) {
   vs_entries entries = {0};
   put_section_keys(&entries, section);
   if (entries.count) fputs(entries.out.text, stdout);
-  vs_entry_free(&entries);
+  vs_list_entry_free(&entries);
 }
 
 /* ---- the command line ---- */

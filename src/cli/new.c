@@ -8,8 +8,8 @@
 #include "base/file.h"
 #include "base/path.h"
 #include "commands.h"
+#include "default_models.h"
 #include "engine/events.h"
-#include "ground.h"
 #include "options.h"
 #include "run/scene.h"
 #include "run/sections.h"
@@ -144,11 +144,11 @@ static void say_next(const char *path) {
 static vs_status new_command(const void *given, vs_error *err) {
   const new_line *o = given;
   const char *path = vs_command_name(&o->common);
-  vs_ground ground;
+  vs_default_models ground;
   vs_text text = {0};
   vs_status status = check_path(path, err);
   if (status) return status;
-  status = vs_ground_read(o->deck, o->machine, &ground, err);
+  status = vs_default_models_read(o->deck, o->machine, &ground, err);
   if (!status) {
     add_schema(&text);
     vs_text_add(&text, HEAD, path, path);
@@ -159,7 +159,7 @@ static vs_status new_command(const void *given, vs_error *err) {
   }
   if (!status && !o->common.quiet) say_next(path);
   vs_text_free(&text);
-  vs_ground_free(&ground);
+  vs_default_models_free(&ground);
   return status;
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "options.h"
 
-#include "base/leave.h"
+#include "base/shutdown.h"
 #include "orbit/steady.h"
 
 vs_run_options vs_options_of_run(const vs_run_options *asked, const vs_arguments *line) {
@@ -14,7 +14,7 @@ vs_run_options vs_options_of_run(const vs_run_options *asked, const vs_arguments
   o.json = line->json;
   o.quiet = line->quiet;
   o.allow_code = line->allow_code;
-  o.stop = &vs_leave_requested;
+  o.stop = &vs_shutdown_requested;
   return o;
 }
 

@@ -3,47 +3,47 @@
 #include "report/plot.h"
 #include "commands.h"
 #include "options.h"
-#include "report/bars.h"
-#include "report/closeup.h"
-#include "report/digest.h"
 #include "report/harmonics.h"
+#include "report/margin_bars.h"
+#include "report/plot_window.h"
 #include "report/report.h"
+#include "report/run_page.h"
 #include "report/tornado.h"
 #include "study/folder.h"
 #include "study/methods.h"
 
 typedef struct plot_line {
   vs_arguments common;
-  vs_closeup_options window;
+  vs_plot_window_options window;
   const char *overlay;
 } plot_line;
 
 /* A window of a run's time: what was asked for, or where an event of the scene begins. */
 static vs_status draw_window(const plot_line *line, vs_error *err) {
-  vs_closeup_options o = line->window;
+  vs_plot_window_options o = line->window;
   o.folders = line->common.names;
   o.n_folders = line->common.n_names;
   o.output = line->common.output;
   o.quiet = line->common.quiet;
-  return vs_closeup_command(&o, err);
+  return vs_plot_window_command(&o, err);
 }
 
 /* All pictures of a run. */
 static vs_status plot_run(const plot_line *line, const vs_plot_options *o, vs_error *err) {
   const bool all = !o->output && !o->overlay;
   vs_status status = vs_plot_check(o, err);
-  if (!status && all) status = vs_bars_draw(o->folder, o->quiet, err);
+  if (!status && all) status = vs_margin_bars_draw(o->folder, o->quiet, err);
   if (!status) status = vs_plot_command(o, err);
   if (status || !all) return status;
   status = vs_harmonics_draw(o->folder, o->quiet, err);
-  if (!status && vs_closeup_wanted(o->folder)) status = draw_window(line, err);
-  return status ? status : vs_digest_write(o->folder, o->quiet, err);
+  if (!status && vs_plot_window_wanted(o->folder)) status = draw_window(line, err);
+  return status ? status : vs_run_page_write(o->folder, o->quiet, err);
 }
 
 static vs_status plot_command(const void *given, vs_error *err) {
   const plot_line *line = given;
   const vs_arguments *a = &line->common;
-  const vs_closeup_options *w = &line->window;
+  const vs_plot_window_options *w = &line->window;
   const char *folder = vs_command_name(a);
   const vs_plot_options o = {folder, a->output, line->overlay, a->quiet};
   bool close = a->n_names > 1 || w->probes || w->from || w->to || w->fft || w->orbit;

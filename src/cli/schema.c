@@ -7,13 +7,13 @@
 
 #include "commands.h"
 #include "control/regulators.h"
+#include "default_models.h"
 #include "engine/events.h"
 #include "field_schema.h"
-#include "ground.h"
 #include "options.h"
-#include "outlined.h"
-#include "plant/blueprint.h"
+#include "outline_schema.h"
 #include "plant/build.h"
+#include "plant/machine_file.h"
 #include "run/sections.h"
 #include "study/methods.h"
 #include "study/plan.h"
@@ -137,7 +137,7 @@ static void put_names(vs_json *j, const char *key, const char *word, const names
   end_or_null(j);
 }
 
-static void put_channels(vs_json *j, const vs_ground *ground) {
+static void put_channels(vs_json *j, const vs_default_models *ground) {
   const vs_model model = {.machine = ground->machine, .dof = ground->machine->dof};
   const vs_frame frame = {.model = &model, .deck = ground->deck};
   int numbers[VS_CH_MOST], count = vs_channel_listed(&frame, numbers);
@@ -152,7 +152,7 @@ static void put_channels(vs_json *j, const vs_ground *ground) {
   put_names(j, vs_section_keys[VS_SECTION_KEY_quality], vs_quality_none, &currents);
 }
 
-static void put_measured(vs_json *j, const vs_ground *ground) {
+static void put_measured(vs_json *j, const vs_default_models *ground) {
   vs_model *model = vs_alloc(1, sizeof *model);
   vs_error err = {0};
   vs_measure m;
@@ -175,7 +175,7 @@ static void put_measured(vs_json *j, const vs_ground *ground) {
   free(model);
 }
 
-static void put_start(vs_json *j, const vs_ground *ground) {
+static void put_start(vs_json *j, const vs_default_models *ground) {
   const vs_section *start = &ground->machine->start;
   begin_member(j, vs_section_keys[VS_SECTION_KEY_start]);
   vs_json_object(j, NULL, VS_JSON_ROW);
@@ -201,7 +201,7 @@ static void put_names_own(vs_json *j, int section, const char *key) {
 
 /* Sections whose keys and words are names of the machine's and the deck's: told only of scenes
  * that name neither. */
-static void put_named_schema(vs_json *j, const vs_ground *ground) {
+static void put_named_schema(vs_json *j, const vs_default_models *ground) {
   begin_member(j, "if");
   put_names_own(j, VS_SECTION_KEY_machine, vs_machine_key.key);
   put_names_own(j, VS_SECTION_KEY_circuit, vs_deck_key.key);
@@ -228,7 +228,7 @@ static void put_instruments(vs_json *j) {
   vs_json_object(j, "additionalProperties", VS_JSON_ROW);
   vs_json_array(j, "anyOf", VS_JSON_ROW);
   vs_field_schema_word(j, vs_instruments_left_out);
-  vs_outlined_instrument(j);
+  vs_outline_schema_instrument(j);
   end_member(j);
   vs_json_end(j);
   end_or_null(j);
@@ -253,7 +253,7 @@ static void put_observer(vs_json *j) {
   vs_json_object(j, vs_control_observer, VS_JSON_ROW);
   vs_json_array(j, "anyOf", VS_JSON_ROW);
   vs_field_schema_type(j, "null");
-  vs_outlined_map(j, vs_observing_keys);
+  vs_outline_schema_map(j, vs_state_observer_keys);
   end_member(j);
 }
 
@@ -319,7 +319,7 @@ static void put_heatsink(vs_json *j) {
   end_or_null(j);
 }
 
-static void put_scene(vs_json *j, const vs_ground *ground) {
+static void put_scene(vs_json *j, const vs_default_models *ground) {
   static const int NAMED[] = {VS_SECTION_KEY_start, VS_SECTION_KEY_record, VS_SECTION_KEY_measured,
                               VS_SECTION_KEY_quality};
   begin_schema(j, "a scene of VibroSpice");
@@ -351,27 +351,27 @@ static void put_scene(vs_json *j, const vs_ground *ground) {
 
 /* ---- studies and machines ---- */
 
-static void put_study(vs_json *j, const vs_ground *ground) {
+static void put_study(vs_json *j, const vs_default_models *ground) {
   begin_schema(j, "a study of VibroSpice");
-  vs_outlined_definitions(j, ground);
+  vs_outline_schema_definitions(j, ground);
   vs_json_object(j, "properties", VS_JSON_LINES);
   for (const vs_outline *row = vs_plan_keys; row->takes; row++)
-    vs_outlined_row(j, row->key, row, ground);
+    vs_outline_schema_row(j, row->key, row, ground);
   const char *before = "";
   for (const vs_method *const *m = vs_methods_all; *m; before = (*m)->key, m++)
-    if (strcmp(before, (*m)->key) != 0) vs_outlined_row(j, (*m)->key, (*m)->keys, ground);
+    if (strcmp(before, (*m)->key) != 0) vs_outline_schema_row(j, (*m)->key, (*m)->keys, ground);
   vs_json_end(j);
   vs_json_bool(j, "additionalProperties", false);
   vs_json_end(j);
 }
 
-static void put_machine(vs_json *j, const vs_ground *ground) {
+static void put_machine(vs_json *j, const vs_default_models *ground) {
   begin_schema(j, "a machine of VibroSpice");
   vs_json_object(j, "properties", VS_JSON_LINES);
-  for (const vs_outline *row = vs_blueprint_keys; row->takes; row++)
-    vs_outlined_row(j, row->key, row, ground);
+  for (const vs_outline *row = vs_machine_file_keys; row->takes; row++)
+    vs_outline_schema_row(j, row->key, row, ground);
   vs_json_end(j);
-  vs_outlined_required(j, vs_blueprint_keys);
+  vs_outline_schema_required(j, vs_machine_file_keys);
   vs_json_bool(j, "additionalProperties", false);
   vs_json_end(j);
 }
@@ -380,7 +380,7 @@ static void put_machine(vs_json *j, const vs_ground *ground) {
 
 static const struct kind {
   const char *name;
-  void (*put)(vs_json *j, const vs_ground *ground);
+  void (*put)(vs_json *j, const vs_default_models *ground);
 } KINDS[] = {{"scene", put_scene}, {"study", put_study}, {"machine", put_machine}};
 enum { N_KINDS = sizeof KINDS / sizeof *KINDS };
 
@@ -402,14 +402,14 @@ static vs_status schema_command(const void *given, vs_error *err) {
   while (kind && k < N_KINDS && strcmp(kind, KINDS[k].name) != 0) k++;
   if (k == N_KINDS)
     return vs_fail(err, VS_INPUT, "schema: no kind '%s'; there are: scene, study, machine", kind);
-  vs_ground ground;
+  vs_default_models ground;
   vs_text text = {0};
   vs_json j = vs_json_new(&text);
-  vs_status status = vs_ground_read(o->deck, o->machine, &ground, err);
+  vs_status status = vs_default_models_read(o->deck, o->machine, &ground, err);
   if (!status) KINDS[k].put(&j, &ground);
   if (!status) puts(text.text);
   vs_text_free(&text);
-  vs_ground_free(&ground);
+  vs_default_models_free(&ground);
   return status;
 }
 

@@ -8,10 +8,10 @@
 #include "base/csv.h"
 #include "base/file.h"
 #include "base/json.h"
-#include "base/leave.h"
+#include "base/shutdown.h"
 #include "base/text.h"
 #include "commands.h"
-#include "ngspice/trust.h"
+#include "ngspice/self_test.h"
 #include "options.h"
 #include "orbit/sensitivity.h"
 #include "report/tornado.h"
@@ -65,7 +65,7 @@ static void print_entry(const vs_sensitivity_entry *e, FILE *out) {
 
 /* The warning about the library that solved the scene's circuit; empty: there is none. */
 static const char *warning_of(const vs_scene *scene) {
-  return scene->tier->has_circuit ? vs_trust_text() : "";
+  return scene->tier->has_circuit ? vs_self_test_text() : "";
 }
 
 static void print_derivatives(const vs_sensitivity *s, const char *warning, FILE *out) {
@@ -220,7 +220,7 @@ static vs_status find_derivatives(const vs_sensitivity_options *o,
   scene->of_period = o->steady;
   vs_status status = vs_scene_read(o->scene, o->sets, o->n_sets, o->tier, scene, err);
   scene->allow_code = o->allow_code;
-  if (!status && o->steady) vs_scene_hold(scene);
+  if (!status && o->steady) vs_scene_disable_control(scene);
   if (!status) status = vs_control_allow(&scene->control, o->allow_code, err);
   if (!status && !o->quiet) vs_scene_warn(scene);
   scene->order.shows = !o->quiet && isatty(STDERR_FILENO);
@@ -274,7 +274,7 @@ static vs_status sensitivity_command(const void *given, vs_error *err) {
   o.json = a->json;
   o.quiet = a->quiet;
   o.allow_code = a->allow_code;
-  o.stop = &vs_leave_requested;
+  o.stop = &vs_shutdown_requested;
   vs_status status = vs_sensitivity_command(&o, err);
   vs_error why = {0};
   if (!status && a->output && vs_tornado_draw(a->output, a->quiet || a->json, &why))

@@ -7,15 +7,15 @@
 
 #include "base/text.h"
 #include "commands.h"
-#include "measure/classes.h"
-#include "ngspice/guard.h"
+#include "measure/harmonic_classes.h"
+#include "ngspice/crash_guard.h"
 #include "options.h"
 #include "orbit/branch.h"
-#include "orbit/closed.h"
+#include "orbit/closed_loop.h"
+#include "orbit/linear_report.h"
 #include "orbit/marks.h"
-#include "orbit/matrices.h"
 #include "orbit/steady.h"
-#include "run/amount.h"
+#include "run/engineering.h"
 #include "run/show.h"
 
 enum { DIGITS = 12, SHOWN = 10 /* the last harmonic in the table; JSON has all */ };
@@ -115,16 +115,16 @@ static void add_harmonics(const vs_steady *s, vs_json *json) {
   vs_json_end(json);
 }
 
-static vs_drawn drawn_of(const vs_steady *s) {
-  return (vs_drawn){&s->spectrum, s->power_in_w, s->power_factor};
+static vs_drawn_current drawn_of(const vs_steady *s) {
+  return (vs_drawn_current){&s->spectrum, s->power_in_w, s->power_factor};
 }
 
 static void add_classes(const vs_steady *s, vs_json *json) {
-  const vs_drawn drawn = drawn_of(s);
+  const vs_drawn_current drawn = drawn_of(s);
   vs_json_array(json, "harmonic_classes", VS_JSON_LINES);
-  for (const vs_class *c = vs_classes_all; c->name; c++) {
+  for (const vs_harmonic_class *c = vs_harmonic_classes_all; c->name; c++) {
     double part;
-    int worst = vs_classes_worst(c, &drawn, &part);
+    int worst = vs_harmonic_classes_worst(c, &drawn, &part);
     vs_json_object(json, NULL, VS_JSON_ROW);
     vs_json_text(json, "class", c->name);
     vs_json_text(json, "text", c->text);
@@ -228,7 +228,7 @@ static void print_orbit(const vs_steady *s, FILE *out) {
 static void show_orbit_briefly(const vs_steady *s, FILE *out) {
   static const char *const FEW[] = {"power_in",        "i_rms", "power_factor", "thd", "throw_down",
                                     "conveying_speed", NULL};
-  char text[VS_AMOUNT_SIZE];
+  char text[VS_ENGINEERING_SIZE];
   vs_steady_measure m;
   print_orbit(s, out);
   print_stability(s, out);
@@ -236,14 +236,14 @@ static void show_orbit_briefly(const vs_steady *s, FILE *out) {
   for (int k = 0; vs_steady_at(s, k, &m); k++)
     for (const char *const *name = FEW; *name; name++)
       if (m.value.known && !strcmp(m.name, *name))
-        fprintf(out, "%-16s %13s   %s\n", m.name, vs_amount_text(m.value.value, m.unit, text),
+        fprintf(out, "%-16s %13s   %s\n", m.name, vs_engineering_text(m.value.value, m.unit, text),
                 m.text);
   const char *material = of_material(s);
   if (material) fprintf(out, "material: %s\n", material);
 }
 
 static void show_orbit(const vs_steady *s, FILE *out) {
-  const vs_drawn drawn = drawn_of(s);
+  const vs_drawn_current drawn = drawn_of(s);
   vs_steady_measure m;
   print_orbit(s, out);
   fputc('\n', out);
@@ -266,9 +266,9 @@ static void show_orbit(const vs_steady *s, FILE *out) {
  * member, too. */
 typedef struct reporter {
   vs_steady steady;
-  vs_matrices *matrices; /* NULL: no linear model is wanted */
-  vs_closed *closed;     /* the closed loop of the scene's control; NULL: it has none to tell */
-  vs_error unclosed;     /* why there is none of a control that should have one */
+  vs_linear_report *matrices; /* NULL: no linear model is wanted */
+  vs_closed_loop *closed; /* the closed loop of the scene's control; NULL: it has none to tell */
+  vs_error unclosed;      /* why there is none of a control that should have one */
   vs_scene *scene;
   bool quiet, all;
 } reporter;
@@ -295,12 +295,12 @@ static void finish_period(void *ctx, const vs_result *result) {
 static void show_period(const void *ctx, FILE *out) {
   const reporter *r = ctx;
   if (r->all) {
-    vs_show_feed(&r->scene->setup, out);
+    vs_show_machine_and_supply(&r->scene->setup, out);
     show_orbit(ctx, out);
   } else
     show_orbit_briefly(ctx, out);
-  if (r->matrices) vs_matrices_print(r->matrices, out);
-  if (r->closed && !*r->unclosed.text) vs_closed_print(r->closed, out);
+  if (r->matrices) vs_linear_report_print(r->matrices, out);
+  if (r->closed && !*r->unclosed.text) vs_closed_loop_print(r->closed, out);
   if (r->closed && *r->unclosed.text)
     fprintf(out, "control  its closed loop is not known: %s\n\n", r->unclosed.text);
 }
@@ -308,21 +308,22 @@ static void show_period(const void *ctx, FILE *out) {
 static void add_period_members(const void *ctx, vs_json *json) {
   const reporter *r = ctx;
   add_orbit_members(ctx, json);
-  if (r->matrices) vs_matrices_json(r->matrices, json);
-  if (r->closed && !*r->unclosed.text) vs_closed_json(r->closed, json);
+  if (r->matrices) vs_linear_report_json(r->matrices, json);
+  if (r->closed && !*r->unclosed.text) vs_closed_loop_json(r->closed, json);
   if (r->closed && *r->unclosed.text) vs_json_text(json, "closed_loop_missing", r->unclosed.text);
 }
 
 /* The linear model's files lie beside those of the run, which has just been written. */
-static vs_status write_linear(const vs_run_options *o, const vs_matrices *matrices, vs_error *err) {
+static vs_status write_linear(const vs_run_options *o, const vs_linear_report *matrices,
+                              vs_error *err) {
   if (!o->folder) return VS_OK;
   if (!matrices) {
-    vs_matrices_remove(o->folder);
+    vs_linear_report_remove(o->folder);
     return VS_OK;
   }
-  vs_status status = vs_matrices_write(matrices, o->folder, err);
+  vs_status status = vs_linear_report_write(matrices, o->folder, err);
   if (!status && !o->quiet && !o->json)
-    printf("written: %s in %s\n", vs_matrices_files(), o->folder);
+    printf("written: %s in %s\n", vs_linear_report_files(), o->folder);
   return status;
 }
 
@@ -331,7 +332,7 @@ static vs_status write_linear(const vs_run_options *o, const vs_matrices *matric
 static void find_closed_loop(reporter *r, const vs_regulator *regulator, const vs_scene *scene) {
   if (!regulator || !regulator->pi || scene->tier->has_circuit || r->steady.orbit.n > 1) return;
   r->closed = vs_alloc(1, sizeof *r->closed);
-  if (vs_closed_find(scene, regulator, &r->steady.orbit, r->closed, &r->unclosed) &&
+  if (vs_closed_loop_find(scene, regulator, &r->steady.orbit, r->closed, &r->unclosed) &&
       !*r->unclosed.text)
     vs_fail(&r->unclosed, VS_RUN, "it was not found");
 }
@@ -362,7 +363,7 @@ static vs_status run_period(const vs_run_options *o, int periods, extras more_of
   r->all = o->all;
   if (!status && linear) {
     r->matrices = vs_alloc(1, sizeof *r->matrices);
-    status = vs_matrices_find(r->matrices, scene, &s->orbit, err);
+    status = vs_linear_report_find(r->matrices, scene, &s->orbit, err);
   }
   if (!status) find_closed_loop(r, more_of.regulator, scene);
   if (!status) status = vs_run_scene(o, &more, scene, err);
@@ -371,7 +372,7 @@ static vs_status run_period(const vs_run_options *o, int periods, extras more_of
     status = written ? written : status;
   }
   vs_steady_end(s);
-  if (r->matrices) vs_matrices_free(r->matrices);
+  if (r->matrices) vs_linear_report_free(r->matrices);
   free(r->matrices);
   free(r->closed);
   free(r);
@@ -380,14 +381,15 @@ static vs_status run_period(const vs_run_options *o, int periods, extras more_of
 
 /* options: those of `run`; raw is not looked at. periods: how many firing periods the orbit takes
  * to repeat. linear: the linear models about it are told, too. Errors: those of vs_run_command,
- * vs_steady_begin and vs_matrices_find. Where no orbit or no model is found nothing is written. */
+ * vs_steady_begin and vs_linear_report_find. Where no orbit or no model is found nothing is
+ * written. */
 static vs_status report_orbit(const vs_run_options *o, int periods, bool linear, vs_error *err) {
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   scene->of_period = true;
   vs_status status = vs_scene_read(o->scene, o->sets, o->n_sets, o->tier, scene, err);
   const extras more = {linear, scene->control.regulator};
-  if (!status) vs_scene_hold(scene);
-  if (!status && !o->quiet && !vs_guard_again()) vs_scene_warn(scene);
+  if (!status) vs_scene_disable_control(scene);
+  if (!status && !o->quiet && !vs_crash_guard_again()) vs_scene_warn(scene);
   if (!status) status = run_period(o, periods, more, scene, err);
   vs_scene_free(scene);
   free(scene);
@@ -399,14 +401,14 @@ static vs_status report_orbit(const vs_run_options *o, int periods, bool linear,
 typedef struct steady_line {
   vs_arguments common;
   vs_run_options run;
-  vs_along_words words;
+  vs_branch_parameter_words words;
   int period;
   bool linear;
 } steady_line;
 
 static vs_status steady_command(const void *given, vs_error *err) {
   const steady_line *line = given;
-  const vs_along_words *w = &line->words;
+  const vs_branch_parameter_words *w = &line->words;
   const vs_run_options o = vs_options_of_run(&line->run, &line->common);
   const vs_branch_options branch = {&o, *w, line->period};
   if ((w->step || w->at) && !w->range)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The command `study`: many scenes. */
 #include "study/study.h"
-#include "base/leave.h"
+#include "base/shutdown.h"
 #include "base/units.h"
 #include "commands.h"
 #include "options.h"
@@ -43,7 +43,7 @@ static vs_status study_command(const void *given, vs_error *err) {
   o.n_sets = a->n_sets;
   o.quiet = a->quiet;
   o.allow_code = a->allow_code;
-  o.stop = &vs_leave_requested;
+  o.stop = &vs_shutdown_requested;
   return vs_study_command(&o, err);
 }
 

@@ -35,14 +35,14 @@ typedef struct amplitude {
   double integral_rad; /* I */
 } amplitude;
 
-static double sensor_gain(const vs_sight *s) {
+static double sensor_gain(const vs_control_input *s) {
   const vs_lowpass p = vs_regulator_lowpass(s);
   double gain, phase_rad;
   vs_lowpass_response(&p, vs_instruments_working_hz(s->setup), &gain, &phase_rad);
   return isnan(s->v->sensor_gain) ? gain : s->v->sensor_gain;
 }
 
-static vs_status begin_amplitude(void *self, const vs_sight *s, vs_error *err) {
+static vs_status begin_amplitude(void *self, const vs_control_input *s, vs_error *err) {
   (void)err;
   amplitude *a = self;
   a->gain = sensor_gain(s);
@@ -51,13 +51,14 @@ static vs_status begin_amplitude(void *self, const vs_sight *s, vs_error *err) {
   return VS_OK;
 }
 
-static void tick_amplitude(void *self, const vs_sight *s) {
+static void tick_amplitude(void *self, const vs_control_input *s) {
   amplitude *a = self;
   a->low = fmin(a->low, s->value[s->sensor]); /* fmin passes a NaN over */
   a->high = fmax(a->high, s->value[s->sensor]);
 }
 
-static vs_status decide_amplitude(void *self, const vs_sight *s, double *angle_rad, vs_error *err) {
+static vs_status decide_amplitude(void *self, const vs_control_input *s, double *angle_rad,
+                                  vs_error *err) {
   (void)err;
   amplitude *a = self;
   const vs_timeline *t = &s->setup->timeline;
@@ -84,7 +85,7 @@ static double output_amplitude(const void *self, int k) {
 }
 
 /* With the last set point, and firing.angle as it is then: for ever. */
-static vs_regulator_pi amplitude_as_pi(const vs_sight *s) {
+static vs_regulator_pi amplitude_as_pi(const vs_control_input *s) {
   const vs_timeline *t = &s->setup->timeline;
   double gain = sensor_gain(s), at_s = INFINITY;
   return (vs_regulator_pi){.wanted = gain * vs_field_profile_at(&s->v->setpoint, at_s),

@@ -138,7 +138,7 @@ static vs_status read_observer(const vs_node *section, const vs_setup *setup,
   vs_status s = vs_field_section_read(&vs_control_section, NULL, &v, err);
   if (!s && rate) s = vs_field_read(&vs_control_section, &COMMON[RATE], rate, &v, err);
   if (s) return s;
-  return vs_observing_read(map, &setup->model, instruments, v.rate_hz, &c->observing, err);
+  return vs_state_observer_read(map, &setup->model, instruments, v.rate_hz, &c->observing, err);
 }
 
 /* Reads the keys of this control, besides the observer's map. */
@@ -149,8 +149,7 @@ static vs_status read_keys(const vs_node *section, vs_control *c, vs_error *err)
   if (!s) s = vs_field_section_read(&c->section, NULL, &c->v, err);
   for (size_t k = 0; k < c->section.count && !s; k++) {
     const vs_node *node = vs_tree_child(section, c->fields[k].key);
-    if (node)
-      s = vs_error_carry_on(err, vs_field_read(&c->section, &c->fields[k], node, &c->v, err));
+    if (node) s = vs_error_keep(err, vs_field_read(&c->section, &c->fields[k], node, &c->v, err));
   }
   return s;
 }
@@ -189,20 +188,20 @@ vs_status vs_control_read(const vs_node *section, const vs_setup *setup,
   *c = (vs_control){.sensor = -1, .unit = ""};
   if (!section || setup->machine->lost) return VS_OK;
   if (section->kind != VS_NODE_MAP)
-    return vs_error_carry_on(
+    return vs_error_keep(
         err, vs_fail_at(err, section->where,
                         "control: a map is wanted: {law: amplitude, sensor: NAME, ...}"));
-  vs_status s = vs_error_carry_on(err, find_law_of_control(section, c, err));
+  vs_status s = vs_error_keep(err, find_law_of_control(section, c, err));
   if (s || !c->regulator) return s;
-  s = vs_error_carry_on(err, read_observer(section, setup, instruments, c, err));
+  s = vs_error_keep(err, read_observer(section, setup, instruments, c, err));
   if (!s && vs_error_count(err) == found)
-    s = vs_error_carry_on(err, find_sensor(section, instruments, c, err));
+    s = vs_error_keep(err, find_sensor(section, instruments, c, err));
   if (!s && vs_error_count(err) == found) {
     make_control_section(c);
     s = read_keys(section, c, err);
-    if (!s && vs_error_count(err) == found) s = vs_error_carry_on(err, find_code(section, c, err));
+    if (!s && vs_error_count(err) == found) s = vs_error_keep(err, find_code(section, c, err));
     if (!s && vs_error_count(err) == found)
-      s = vs_error_carry_on(err, check_scene_of_control(section, setup, c, err));
+      s = vs_error_keep(err, check_scene_of_control(section, setup, c, err));
   }
   if (s || vs_error_count(err) > found) c->regulator = NULL;
   return s;
@@ -215,7 +214,7 @@ int vs_control_outputs(const vs_control *c) {
 }
 
 void vs_control_free(vs_control *c) {
-  vs_observing_free(&c->observing);
+  vs_state_observer_free(&c->observing);
 }
 
 bool vs_control_column_at(const vs_control *c, int k, vs_control_column *column) {

@@ -56,7 +56,7 @@ static double beyond_sensor_range(const vs_sensor *s, double y) {
 /* Notes how far the channels are beyond their ranges, and takes from the low-passes what the
  * sensors did not show since the last sample. */
 static void limit_sensors(vs_estimator *e, double *x, double force_n) {
-  const vs_sampled *p = e->observing->system;
+  const vs_sampled_system *p = e->observing->system;
   for (int k = 0; k < p->sensors; k++) {
     const vs_sensor *s = &p->sensor[k];
     double was = e->beyond[k], is = beyond_sensor_range(s, channel_at(s, 2 * p->dof, x, force_n));
@@ -71,7 +71,7 @@ static void limit_sensors(vs_estimator *e, double *x, double force_n) {
 /* Puts the low-passes to where the run has them at its beginning: settled, or as its orbit has
  * them. */
 static void begin_sensors(vs_estimator *e) {
-  const vs_sampled *p = e->observing->system;
+  const vs_sampled_system *p = e->observing->system;
   for (int k = 0; k < p->sensors; k++) {
     const vs_sensor *s = &p->sensor[k];
     bool on_orbit = s->instrument->on_orbit && e->observing->v.knows_start;
@@ -86,7 +86,7 @@ static void begin_sensors(vs_estimator *e) {
 
 /* Takes the estimate on by one period, to the present current. */
 static void predict_state(vs_estimator *e, double current_a) {
-  const vs_sampled *p = e->observing->system;
+  const vs_sampled_system *p = e->observing->system;
   double x[VS_SAMPLED_MOST], ahead[VS_SAMPLED_MOST];
   for (int i = 0; i < p->states; i++) {
     double sum = p->constant[i] + p->b[0][i] * e->force_n;
@@ -102,7 +102,7 @@ static void predict_state(vs_estimator *e, double current_a) {
 }
 
 static void correct_state(vs_estimator *e, const double *y) {
-  const vs_sampled *p = e->observing->system;
+  const vs_sampled_system *p = e->observing->system;
   double off[VS_SENSOR_MOST];
   for (int k = 0; k < p->sensors; k++) {
     const vs_sensor *s = &p->sensor[k];
@@ -114,7 +114,7 @@ static void correct_state(vs_estimator *e, const double *y) {
     for (int k = 0; k < p->sensors; k++) e->x[i] += e->observing->gain[i][k] * off[k];
 }
 
-void vs_estimator_begin(vs_estimator *e, const vs_observing *observing, const vs_frame *frame,
+void vs_estimator_begin(vs_estimator *e, const vs_state_observer *observing, const vs_frame *frame,
                         const double *start) {
   *e = (vs_estimator){
       .observing = observing, .model = frame->model, .gap_at_rest = frame->gap_at_rest};

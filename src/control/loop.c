@@ -36,14 +36,14 @@ vs_status vs_loop_begin(vs_loop *l, const vs_control *c, const vs_setup *setup,
                         const vs_instruments *instruments, vs_meter *meters, vs_error *err) {
   const vs_timeline *t = &setup->timeline;
   *l = (vs_loop){.control = c, .meters = meters};
-  l->sight = (vs_sight){.v = &c->v,
-                        .setup = setup,
-                        .instruments = instruments,
-                        .observing = &c->observing,
-                        .value = l->value,
-                        .sensor = c->sensor,
-                        .where = c->code,
-                        .last_rad = NAN};
+  l->sight = (vs_control_input){.v = &c->v,
+                                .setup = setup,
+                                .instruments = instruments,
+                                .observing = &c->observing,
+                                .value = l->value,
+                                .sensor = c->sensor,
+                                .where = c->code,
+                                .last_rad = NAN};
   for (size_t k = 0; k < sizeof l->value / sizeof *l->value; k++) l->value[k] = NAN;
   l->program.size = firings_of(t, setup->run.until_s);
   l->program.angle_rad = vs_alloc((size_t)l->program.size, sizeof *l->program.angle_rad);
@@ -51,7 +51,7 @@ vs_status vs_loop_begin(vs_loop *l, const vs_control *c, const vs_setup *setup,
   l->self = vs_alloc(1, c->regulator->size + 1);
   vs_status status = c->regulator->begin ? c->regulator->begin(l->self, &l->sight, err) : VS_OK;
   while (!status && l->program.count < l->program.size &&
-         vs_firing_cycle_s(t, (double)l->program.count) <= vs_occurrence_rounding(0))
+         vs_firing_cycle_s(t, (double)l->program.count) <= vs_scene_event_rounding(0))
     status = decide_firing(l, 0, err);
   return status;
 }
@@ -72,7 +72,7 @@ static void read_meters(vs_loop *l, const vs_step *step, double t_s) {
 /* A sample of the observer at t_s, from what the meters show. It is compared with the true motion.
  */
 static void estimate(vs_loop *l, const vs_step *step, double t_s) {
-  const vs_observing *o = &l->control->observing;
+  const vs_state_observer *o = &l->control->observing;
   double y[VS_SENSOR_MOST], all[VS_CH_MOST];
   double *value = l->value + l->sight.instruments->count;
   if (!o->system) return;
@@ -85,7 +85,7 @@ static void estimate(vs_loop *l, const vs_step *step, double t_s) {
     value[k] = l->estimator.x[k] * vs_units_factor(o->estimate[k].unit);
 }
 
-void vs_loop_to(vs_loop *l, const vs_step *step, double t_s) {
+void vs_loop_run_to(vs_loop *l, const vs_step *step, double t_s) {
   const vs_regulator *r = l->control->regulator;
   const double rate_hz = l->control->v.rate_hz;
   for (double next_s; (next_s = (double)l->ticks / rate_hz) <= t_s + SAME / rate_hz; l->ticks++) {
@@ -101,10 +101,10 @@ vs_status vs_loop_accept(vs_loop *l, const vs_step *step, vs_error *err) {
   if (to_s == step->from->t_s) return VS_OK; /* the other side of an instant already shown */
 
   /* Every tick of the control's clock in the step. */
-  vs_loop_to(l, step, to_s);
+  vs_loop_run_to(l, step, to_s);
 
   /* The next firing is decided at the beginning of its cycle, which no step goes beyond. */
-  if (to_s < due_s - vs_occurrence_rounding(due_s)) return VS_OK;
+  if (to_s < due_s - vs_scene_event_rounding(due_s)) return VS_OK;
   read_meters(l, step, to_s);
   return decide_firing(l, due_s, err);
 }

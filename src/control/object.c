@@ -5,8 +5,8 @@
  *
  * The object is loaded into a child process, which is asked once for each firing. It
  * loads the object and says how that went. Then it takes firing after firing, as
- * the bytes of a vs_view, and answers each. As it is a copy of this process, what the view points
- * to has the same address in both. */
+ * the bytes of a vs_law_input, and answers each. As it is a copy of this process, what the view
+ * points to has the same address in both. */
 #include "control/regulators.h"
 
 #include <dlfcn.h>
@@ -19,8 +19,8 @@
 
 #include "base/hash.h"
 #include "base/path.h"
-#include "remote.h"
-#include "view.h"
+#include "child_process.h"
+#include "law_input.h"
 
 typedef double (*law)(const vibrospice_firing *firing, char *error);
 
@@ -39,8 +39,8 @@ _Static_assert(sizeof(hello) <= VS_REMOTE_MOST && sizeof(reply) <= VS_REMOTE_MOS
                "a remote takes both");
 
 typedef struct object {
-  vs_view view;
-  vs_remote remote;
+  vs_law_input view;
+  vs_child_process remote;
   char named[VS_PATH_SIZE]; /* the object, as the scene names it */
   char path[VS_PATH_SIZE];  /* the same, from the root */
 } object;
@@ -135,7 +135,7 @@ static void work(void *ctx, int in, int out) {
   write_all_to_pipe(out, &h, sizeof h);
   while (decides) {
     reply r = {0};
-    read_all_of_pipe(in, &o->view, vs_view_size(&o->view));
+    read_all_of_pipe(in, &o->view, vs_law_input_size(&o->view));
     r.angle_deg = decides(&o->view.firing, r.trouble);
     r.trouble[sizeof r.trouble - 1] = '\0';
     write_all_to_pipe(out, &r, sizeof r);
@@ -154,7 +154,7 @@ static const vs_field KEYS[] = {
 
 static bool file_of_object(const vs_control_values *v, vs_where where, int k,
                            char path[VS_PATH_SIZE]) {
-  return k == 0 && vs_view_path(v->file, where, path);
+  return k == 0 && vs_law_input_path(v->file, where, path);
 }
 
 static vs_status check_object(const vs_control_values *v, vs_where where, vs_error *err) {
@@ -165,50 +165,51 @@ static vs_status check_object(const vs_control_values *v, vs_where where, vs_err
   return vs_fail_at(err, where, "control.file: %s cannot be read: %s", path, strerror(errno));
 }
 
-static vs_status begin_object(void *self, const vs_sight *sight, vs_error *err) {
+static vs_status begin_object(void *self, const vs_control_input *sight, vs_error *err) {
   object *o = self;
   const char *name = sight->v->file, *slash = strrchr(name, '/');
   char *path = o->named, sum[VS_HASH_TEXT];
   hello h;
   o->remote.name = slash ? slash + 1 : name;
   o->remote.timeout_s = sight->v->timeout_s;
-  vs_view_begin(&o->view, sight);
+  vs_law_input_begin(&o->view, sight);
   vs_status status = check_object(sight->v, sight->where, err);
   if (status) return status;
-  vs_view_path(name, sight->where, path);
+  vs_law_input_path(name, sight->where, path);
   if (!realpath(path, o->path)) /* dlopen looks elsewhere for a name without a slash */
     return vs_fail_at(err, sight->where, "control.file: %s: %s", path, strerror(errno));
   status = vs_hash_file(path, sum, err); /* which names the file that has changed */
   if (status) return status;
-  status = vs_remote_fork(&o->remote, work, o, err);
-  if (!status) status = vs_remote_answer(&o->remote, sizeof h, err);
+  status = vs_child_process_fork(&o->remote, work, o, err);
+  if (!status) status = vs_child_process_answer(&o->remote, sizeof h, err);
   if (status) return status;
   memcpy(&h, o->remote.in, sizeof h);
   h.trouble[sizeof h.trouble - 1] = '\0'; /* the object may have written into the pipe itself */
   return *h.trouble ? vs_fail_at(err, sight->where, "control.file: %s %s", path, h.trouble) : VS_OK;
 }
 
-static void tick_object(void *self, const vs_sight *sight) {
+static void tick_object(void *self, const vs_control_input *sight) {
   object *o = self;
-  vs_view_tick(&o->view, sight);
+  vs_law_input_tick(&o->view, sight);
 }
 
-static vs_status decide_object(void *self, const vs_sight *sight, double *angle_rad,
+static vs_status decide_object(void *self, const vs_control_input *sight, double *angle_rad,
                                vs_error *err) {
   object *o = self;
   reply r;
-  vs_view_ask(&o->view, sight);
-  vs_status status = vs_remote_ask(&o->remote, sight->t_s, &o->view, vs_view_size(&o->view), err);
-  if (!status) status = vs_remote_answer(&o->remote, sizeof r, err);
+  vs_law_input_ask(&o->view, sight);
+  vs_status status =
+      vs_child_process_ask(&o->remote, sight->t_s, &o->view, vs_law_input_size(&o->view), err);
+  if (!status) status = vs_child_process_answer(&o->remote, sizeof r, err);
   if (status) return status;
   memcpy(&r, o->remote.in, sizeof r);
   r.trouble[sizeof r.trouble - 1] = '\0';
-  return vs_view_answer(&o->view, o->remote.name, r.angle_deg, r.trouble, angle_rad, err);
+  return vs_law_input_answer(&o->view, o->remote.name, r.angle_deg, r.trouble, angle_rad, err);
 }
 
 static void end_object(void *self) {
   object *o = self;
-  vs_remote_end(&o->remote);
+  vs_child_process_end(&o->remote);
 }
 
 const vs_regulator vs_object_regulator = {

@@ -36,7 +36,7 @@ typedef struct phase {
   double rise_s, period_s; /* the last rise, and the time from the one before; NaN: unknown */
 } phase;
 
-static vs_status begin_phase(void *self, const vs_sight *s, vs_error *err) {
+static vs_status begin_phase(void *self, const vs_control_input *s, vs_error *err) {
   (void)err;
   phase *p = self;
   p->lowpass = vs_regulator_lowpass(s);
@@ -55,7 +55,7 @@ static void note_rise(phase *p, double t_s) {
   p->was_high = p->was_low = false;
 }
 
-static void tick_phase(void *self, const vs_sight *s) {
+static void tick_phase(void *self, const vs_control_input *s) {
   phase *p = self;
   double y = s->value[s->sensor], before = p->before, before_s = p->before_s;
   p->low = fmin(p->low, y);
@@ -73,7 +73,8 @@ static void tick_phase(void *self, const vs_sight *s) {
 /* Two rises further apart than this many firing periods tell of no swing that goes on. */
 static const double STALE = 3;
 
-static vs_status decide_phase(void *self, const vs_sight *s, double *angle_rad, vs_error *err) {
+static vs_status decide_phase(void *self, const vs_control_input *s, double *angle_rad,
+                              vs_error *err) {
   (void)err;
   const phase *p = self;
   const vs_timeline *t = &s->setup->timeline;

@@ -26,8 +26,8 @@
 #include "base/path.h"
 #include "base/text.h"
 #include "base/tree.h"
-#include "remote.h"
-#include "view.h"
+#include "child_process.h"
+#include "law_input.h"
 
 /* ---- the command's words ---- */
 
@@ -82,7 +82,7 @@ static void add_json_number(vs_json *json, const char *key, double value) {
   vs_json_number(json, key, value, digits);
 }
 
-static void add_values(vs_json *json, const char *key, const vs_view *view, size_t member) {
+static void add_values(vs_json *json, const char *key, const vs_law_input *view, size_t member) {
   vs_json_object(json, key, VS_JSON_ROW);
   for (int k = 0; k < view->firing.count; k++) {
     const vibrospice_channel *c = &view->channel[k];
@@ -94,7 +94,7 @@ static void add_values(vs_json *json, const char *key, const vs_view *view, size
 }
 
 /* Writes the firing as one line. What it has for numbers is exact. */
-static void write_question(const vs_view *view, vs_text *line) {
+static void write_question(const vs_law_input *view, vs_text *line) {
   line->length = 0;
   vs_json json = vs_json_new(line);
   vs_json_object(&json, NULL, VS_JSON_ROW);
@@ -154,12 +154,12 @@ static bool read_angle(const char *text, double *angle_deg) {
   *angle_deg = NAN;
   if (!strcmp(text, "null")) return true;
   *angle_deg = strtod(text, &end);
-  return *text && !*end && (isinf(*angle_deg) || !vs_text_beyond(text));
+  return *text && !*end && (isinf(*angle_deg) || !vs_text_out_of_range(text));
 }
 
 /* Takes the line apart: an angle, or the law's own trouble. */
-static vs_status read_answer(const vs_remote *r, double *angle_deg, char *trouble, size_t size,
-                             vs_error *err) {
+static vs_status read_answer(const vs_child_process *r, double *angle_deg, char *trouble,
+                             size_t size, vs_error *err) {
   vs_tree tree = {0};
   vs_error none = {0};
   vs_text assignment = {0};
@@ -196,8 +196,8 @@ static const vs_field KEYS[] = {
 #undef AT
 
 typedef struct pipe_law {
-  vs_view view;
-  vs_remote remote;
+  vs_law_input view;
+  vs_child_process remote;
   words words;
   vs_text question;
   bool answered; /* since it began */
@@ -216,14 +216,14 @@ static bool file_of_pipe(const vs_control_values *v, vs_where where, int k,
   if (cut_into_words(v->command, &w)) return false;
   for (int n = 0; n < w.count; n++) {
     struct stat s;
-    bool is = vs_view_path(w.word[n], where, path) && !stat(path, &s) && S_ISREG(s.st_mode);
+    bool is = vs_law_input_path(w.word[n], where, path) && !stat(path, &s) && S_ISREG(s.st_mode);
     if (is && k-- == 0) return true;
   }
   return false;
 }
 
 /* Error: one of the files has changed since the study began. */
-static vs_status check_files(const vs_sight *sight, vs_error *err) {
+static vs_status check_files(const vs_control_input *sight, vs_error *err) {
   char path[VS_PATH_SIZE], sum[VS_HASH_TEXT];
   vs_status status = VS_OK;
   for (int k = 0; !status && file_of_pipe(sight->v, sight->where, k, path); k++)
@@ -231,43 +231,45 @@ static vs_status check_files(const vs_sight *sight, vs_error *err) {
   return status;
 }
 
-static vs_status begin_pipe(void *self, const vs_sight *sight, vs_error *err) {
+static vs_status begin_pipe(void *self, const vs_control_input *sight, vs_error *err) {
   pipe_law *p = self;
   char folder[VS_PATH_SIZE];
   p->remote.name = sight->v->command;
   p->remote.timeout_s = sight->v->timeout_s;
-  vs_view_begin(&p->view, sight);
+  vs_law_input_begin(&p->view, sight);
   vs_status status = check_pipe(sight->v, sight->where, err);
   if (!status) status = check_files(sight, err);
   if (status) return status;
   cut_into_words(sight->v->command, &p->words);
-  if (!vs_view_path("", sight->where, folder)) *folder = '\0';
-  return vs_remote_exec(&p->remote, p->words.word, folder, sight->where, err);
+  if (!vs_law_input_path("", sight->where, folder)) *folder = '\0';
+  return vs_child_process_exec(&p->remote, p->words.word, folder, sight->where, err);
 }
 
-static void tick_pipe(void *self, const vs_sight *sight) {
+static void tick_pipe(void *self, const vs_control_input *sight) {
   pipe_law *p = self;
-  vs_view_tick(&p->view, sight);
+  vs_law_input_tick(&p->view, sight);
 }
 
-static vs_status decide_pipe(void *self, const vs_sight *sight, double *angle_rad, vs_error *err) {
+static vs_status decide_pipe(void *self, const vs_control_input *sight, double *angle_rad,
+                             vs_error *err) {
   pipe_law *p = self;
-  vs_remote *r = &p->remote;
+  vs_child_process *r = &p->remote;
   double angle_deg = NAN;
   char trouble[VIBROSPICE_LAW_TEXT] = "";
-  vs_view_ask(&p->view, sight);
+  vs_law_input_ask(&p->view, sight);
   write_question(&p->view, &p->question);
-  vs_status status = vs_remote_ask(r, sight->t_s, p->question.text, p->question.length, err);
-  if (!status) status = vs_remote_answer(r, 0, err);
+  vs_status status = vs_child_process_ask(r, sight->t_s, p->question.text, p->question.length, err);
+  if (!status) status = vs_child_process_answer(r, 0, err);
   if (!status && !p->answered) status = check_files(sight, err); /* as it has read them by now */
   p->answered = true;
   if (!status) status = read_answer(r, &angle_deg, trouble, sizeof trouble, err);
-  return status ? status : vs_view_answer(&p->view, r->name, angle_deg, trouble, angle_rad, err);
+  return status ? status
+                : vs_law_input_answer(&p->view, r->name, angle_deg, trouble, angle_rad, err);
 }
 
 static void end_pipe(void *self) {
   pipe_law *p = self;
-  vs_remote_end(&p->remote);
+  vs_child_process_end(&p->remote);
   vs_text_free(&p->question);
 }
 

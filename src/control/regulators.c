@@ -5,7 +5,7 @@
 
 /* Regulator "none": fires at firing.angle, whatever the instruments show. For a scene whose control
  * has an observer alone. */
-static vs_status decide_by_profile(void *self, const vs_sight *s, double *angle_rad,
+static vs_status decide_by_profile(void *self, const vs_control_input *s, double *angle_rad,
                                    vs_error *err) {
   (void)self, (void)err;
   *angle_rad = vs_field_profile_at(&s->setup->timeline.firing.angle, s->t_s);

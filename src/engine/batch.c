@@ -58,9 +58,9 @@ static inline __attribute__((always_inline)) void raise_row(vs_pair *x, const vs
                                                             bool odd) {
   for (size_t k = 0; k < n; k++) {
     vs_pair size = odd ? absolute_pair(x[k]) : x[k], power;
-    power = is_whole_pair(y[k]) ? whole_power(size, (int)y[k][0])
-                                : (vs_pair){vs_formula_power(size[0], y[k][0]),
-                                            vs_formula_power(size[1], y[k][1])};
+    power = is_whole_pair(y[k])
+                ? whole_power(size, (int)y[k][0])
+                : (vs_pair){vs_formula_power(size[0], y[k][0]), vs_formula_power(size[1], y[k][1])};
     x[k] = odd ? (vs_pair){copysign(power[0], x[k][0]), copysign(power[1], x[k][1])} : power;
   }
 }
@@ -87,7 +87,7 @@ static void put_operand(const vs_op *op, const vs_batch *b, vs_pair *y) {
     for (size_t k = 0; k < b->count; k++) y[k] = (vs_pair){op->value, op->value};
 }
 
-void vs_batch_evaluate(const vs_formula_quick *q, const vs_batch *b,
+void vs_batch_evaluate(const vs_formula_prepared *q, const vs_batch *b,
                        vs_pair value[VS_BATCH_STEPS]) {
   row stack[VS_FORMULA_DEPTH + 1], *top = stack; /* *top is the last row */
   if (q->is_term) {

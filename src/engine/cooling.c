@@ -85,11 +85,11 @@ static vs_status read_sinks(const vs_node *map, const vs_deck *deck, vs_cooling 
   vs_status status = VS_OK;
   if (map->kind == VS_NODE_TEXT && !*map->text) return VS_OK;
   if (map->kind != VS_NODE_MAP)
-    return vs_error_carry_on(
+    return vs_error_keep(
         err, vs_fail_at(err, map->where,
                         "heatsink: a map of devices is wanted: {thyristor: 12 K/W, ...}"));
   for (const vs_node *n = map->child; n && !status; n = n->next)
-    status = vs_error_carry_on(err, read_sink(n, deck, cooling, err));
+    status = vs_error_keep(err, read_sink(n, deck, cooling, err));
   return status;
 }
 
@@ -120,10 +120,9 @@ vs_status vs_cooling_read(const vs_node *scene, const vs_deck *deck, vs_cooling 
   *cooling = (vs_cooling){.stated = ambient || sinks};
   vs_units_read(vs_cooling_ambient.default_text, "degC", &cooling->ambient_degc, why, sizeof why);
   if (ambient && (ambient->kind != VS_NODE_TEXT || *ambient->text))
-    status =
-        vs_error_carry_on(err, vs_field_read(&top, &vs_cooling_ambient, ambient, cooling, err));
+    status = vs_error_keep(err, vs_field_read(&top, &vs_cooling_ambient, ambient, cooling, err));
   if (status || deck->lost) return status;
-  if (ambient) status = vs_error_carry_on(err, check_ambient(ambient, deck, cooling, err));
+  if (ambient) status = vs_error_keep(err, check_ambient(ambient, deck, cooling, err));
   return status || !sinks ? status : read_sinks(sinks, deck, cooling, err);
 }
 

@@ -21,8 +21,8 @@
 #include "netlist/netlist.h"
 #include "netlist/parts.h"
 #include "netlist/words.h"
-#include "plant/blueprint.h"
 #include "plant/build.h"
+#include "plant/machine_file.h"
 #include "plant/mechanics.h"
 #include "plant/model.h"
 
@@ -131,10 +131,11 @@ static vs_status find_averaging_window(const vs_measure_values *v, const vs_node
 
 /* The event that changes the load next behind `before`, NULL: behind the beginning; or NULL: there
  * is none. */
-static const vs_occurrence *next_load_event(const vs_events *events, const vs_occurrence *before) {
-  const vs_occurrence *next = NULL;
+static const vs_scene_event *next_load_event(const vs_events *events,
+                                             const vs_scene_event *before) {
+  const vs_scene_event *next = NULL;
   for (size_t k = 0; k < events->count; k++) {
-    const vs_occurrence *e = &events->item[k];
+    const vs_scene_event *e = &events->item[k];
     bool later = !before || e->start_s > before->start_s;
     if (e->kind->load && later && (!next || e->start_s < next->start_s)) next = e;
   }
@@ -144,7 +145,7 @@ static const vs_occurrence *next_load_event(const vs_events *events, const vs_oc
 static vs_status check_load_events(const vs_events *events, const vs_machine *machine,
                                    vs_error *err) {
   for (size_t k = 0; k < events->count; k++) {
-    const vs_occurrence *e = &events->item[k];
+    const vs_scene_event *e = &events->item[k];
     double fraction = NAN, volume_m3 = NAN;
     if (!e->kind->load) continue;
     if (machine->load.adds < 0)
@@ -182,7 +183,7 @@ vs_status vs_setup_make_loads(const vs_events *events, vs_machine *machine, vs_m
   if (s || !count) return s;
   loads->item = vs_alloc(count, sizeof *loads->item);
   const vs_model *from = model;
-  for (const vs_occurrence *e = NULL; (e = next_load_event(events, e)) && !s; loads->count++) {
+  for (const vs_scene_event *e = NULL; (e = next_load_event(events, e)) && !s; loads->count++) {
     vs_loaded *to = &loads->item[loads->count];
     vs_load_values load = from->load;
     double fraction = NAN;
@@ -196,7 +197,7 @@ vs_status vs_setup_make_loads(const vs_events *events, vs_machine *machine, vs_m
   return s;
 }
 
-const vs_occurrence *vs_setup_load_event(const vs_events *events, double at_s) {
+const vs_scene_event *vs_setup_load_event(const vs_events *events, double at_s) {
   for (size_t k = 0; k < events->count; k++)
     if (events->item[k].kind->load && events->item[k].start_s == at_s) return &events->item[k];
   return NULL;
@@ -225,15 +226,14 @@ static vs_status check_names_of_machine(const vs_machine *m, vs_error *err) {
     const char *const names[] = {c->name, c->rate, c->rate2};
     for (int d = 0; d < 3 && !s; d++)
       if (is_the_programs(names[d]))
-        s = vs_error_carry_on(err, vs_fail_at(err, c->where,
-                                              "coordinate %s: the name %s is the program's",
-                                              c->name, names[d]));
+        s = vs_error_keep(err,
+                          vs_fail_at(err, c->where, "coordinate %s: the name %s is the program's",
+                                     c->name, names[d]));
   }
   for (int k = 0; k < m->n_probes && !s; k++)
     if (vs_channel_is_standard(m->probes[k].name))
-      s = vs_error_carry_on(err,
-                            vs_fail_at(err, m->probes[k].where,
-                                       "probe %s: that name is the program's", m->probes[k].name));
+      s = vs_error_keep(err, vs_fail_at(err, m->probes[k].where,
+                                        "probe %s: that name is the program's", m->probes[k].name));
   return s;
 }
 
@@ -247,10 +247,10 @@ static vs_status refuse_taken_names(const vs_model *model, const vs_deck *deck, 
     bool taken = machines || !strcmp(probe->name, "t") || !strcmp(probe->name, "gap") ||
                  vs_channel_is_standard(probe->name);
     if (taken)
-      s = vs_error_carry_on(err, vs_fail_at(err, probe->where, "probe %s: that name is %s%s",
-                                            probe->name,
-                                            machines ? "taken by the machine " : "the program's",
-                                            machines ? model->machine->path : ""));
+      s = vs_error_keep(err,
+                        vs_fail_at(err, probe->where, "probe %s: that name is %s%s", probe->name,
+                                   machines ? "taken by the machine " : "the program's",
+                                   machines ? model->machine->path : ""));
   }
   return s;
 }
@@ -286,7 +286,7 @@ static vs_status refuse_one_column(const vs_model *model, const vs_deck *deck, v
     int j = 0;
     while (j < k && !is_one_column(c, vs_channel_at(&frame, j))) j++;
     if (j < k)
-      s = vs_error_carry_on(
+      s = vs_error_keep(
           err, vs_fail_at(err, channel_place(&frame, k),
                           "%s: its column in a run's table is that of %s; give it another name",
                           c.name, vs_channel_at(&frame, j).name));
@@ -325,7 +325,7 @@ static vs_status read_machine(const vs_node *scene, vs_machine *machine, vs_erro
   if (!s)
     s = vs_path_find(&vs_machine_shelf, values.model, named ? named->where : (vs_where){0}, path,
                      err);
-  if (!s) s = vs_blueprint_read(path, machine, err);
+  if (!s) s = vs_machine_file_read(path, machine, err);
   return s ? s : check_names_of_machine(machine, err);
 }
 
@@ -349,7 +349,7 @@ static void forget_setup(vs_setup *setup) {
   vs_actuator_end(&setup->model.coil);
   setup->model.coil = (vs_coil){0};
   vs_text_free(&setup->written);
-  vs_memo_free(&setup->memo);
+  vs_section_cache_free(&setup->memo);
 }
 
 /* ---- the circuit ---- */
@@ -358,7 +358,8 @@ static void forget_setup(vs_setup *setup) {
 static vs_status read_values(const vs_node *map, vs_setup *setup, vs_error *err) {
   vs_circuit_values *values = &setup->circuit_values;
   if (setup->deck.lost & VS_LOST_PARAM) map = NULL; /* a key may be that one's */
-  vs_status s = vs_memo_read(&setup->memo, &setup->deck.section, map, values, sizeof *values, err);
+  vs_status s =
+      vs_section_cache_read(&setup->memo, &setup->deck.section, map, values, sizeof *values, err);
   vs_deck_value standard[VS_STANDARD];
   vs_setup_standard(setup, standard);
   size_t found = vs_error_count(err);
@@ -479,7 +480,7 @@ static vs_status read_steady(const vs_node *scene, const vs_node *map, vs_setup 
                    map->text, setup->machine->coordinates[0].name);
   setup->steady = !s;
   if (!s) s = check_steady(scene, setup, map, err);
-  return vs_error_carry_on(err, s);
+  return vs_error_keep(err, s);
 }
 
 /* Reads the section start. Error: the armature would begin beyond the pole cover, or beyond the
@@ -496,7 +497,8 @@ static vs_status read_start(const vs_node *scene, vs_setup *setup, vs_error *err
     s = read_steady(scene, map, setup, err);
     map = NULL;
   }
-  if (!s) s = vs_memo_read(&setup->memo, section, map, &setup->start, sizeof setup->start, err);
+  if (!s)
+    s = vs_section_cache_read(&setup->memo, section, map, &setup->start, sizeof setup->start, err);
   if (s || vs_error_count(err) || !m->coil.law->poles) return s; /* of the gap, perhaps */
   double least = -(a->gap_m + (m->stops.count ? a->pole_cover_m : 0));
   double g = vs_mechanics_travel(m, setup->start.x);
@@ -516,7 +518,7 @@ static vs_status read_means(const vs_node *scene, vs_setup *setup, vs_error *err
   double until_s = setup->run.until_s;
   setup->means = (vs_span_s){0, until_s};
   size_t found = vs_error_count(err);
-  vs_status s = vs_memo_read(&setup->memo, &vs_setup_measure_keys, map, v, sizeof *v, err);
+  vs_status s = vs_section_cache_read(&setup->memo, &vs_setup_measure_keys, map, v, sizeof *v, err);
   if (s || vs_error_count(err) > found || !map || map->kind != VS_NODE_MAP) return s;
   return find_averaging_window(v, map, until_s, setup->timeline.period_s, &setup->means, err);
 }
@@ -526,9 +528,9 @@ static vs_status read_limits(const vs_node *scene, vs_setup *setup, bool has_dec
   const vs_node *map = vs_tree_child(scene, vs_limits_section.name);
   vs_limits_values *v = &setup->limits;
   size_t found = vs_error_count(err);
-  vs_status s = vs_memo_read(&setup->memo, &vs_limits_section, map, v, sizeof *v, err);
+  vs_status s = vs_section_cache_read(&setup->memo, &vs_limits_section, map, v, sizeof *v, err);
   if (s || has_deck || vs_error_count(err) > found) return s;
-  return vs_error_carry_on(err, vs_expansion_check(&setup->deck, v->devices, err));
+  return vs_error_keep(err, vs_expansion_check(&setup->deck, v->devices, err));
 }
 
 /* The EVA begins without a current. */
@@ -547,9 +549,9 @@ static vs_status choose_eva(vs_setup *setup, bool has_motions, vs_error *err) {
   if (vs_error_count(err)) return VS_OK; /* there may be no coil */
   vs_eva_take_law(&setup->deck, &setup->model.coil);
   begin_eva(setup);
-  vs_status s = vs_error_carry_on(err, vs_eva_check_names(&setup->deck, &setup->model.coil, err));
+  vs_status s = vs_error_keep(err, vs_eva_check_names(&setup->deck, &setup->model.coil, err));
   if (!s && !has_motions)
-    s = vs_error_carry_on(err, vs_eva_take_motions(&setup->deck, setup->machine, err));
+    s = vs_error_keep(err, vs_eva_take_motions(&setup->deck, setup->machine, err));
   return s;
 }
 
@@ -561,11 +563,11 @@ static vs_status build_events(const vs_node *scene, vs_setup *setup, vs_error *e
   vs_events *events = &line->events;
   vs_status s =
       vs_events_read(vs_tree_child(scene, "events"), line, setup->run.until_s, events, err);
-  if (!s) s = vs_error_carry_on(err, check_decoupling(scene, setup, err));
+  if (!s) s = vs_error_keep(err, check_decoupling(scene, setup, err));
   if (!s) s = vs_cooling_read(scene, &setup->deck, &setup->cooling, err);
   if (!s) s = vs_events_wire(events, &setup->deck, err);
   if (!s && !setup->machine->lost && !vs_error_count(err))
-    s = vs_error_carry_on(
+    s = vs_error_keep(
         err, vs_setup_make_loads(events, setup->machine, &setup->model, &setup->loads, err));
   return s;
 }
@@ -577,30 +579,30 @@ static vs_status build_setup(const vs_node *scene, vs_setup *setup, bool has_dec
   const bool has_machine = setup->machine;
   if (!has_machine) {
     setup->machine = vs_alloc(1, sizeof *setup->machine);
-    s = vs_error_carry_on(err, read_machine(scene, setup->machine, err));
+    s = vs_error_keep(err, read_machine(scene, setup->machine, err));
   }
   if (!s)
-    s = vs_error_carry_on(
-        err, vs_build_again(scene, setup->machine, &setup->model, &setup->written, err));
+    s = vs_error_keep(err,
+                      vs_build_again(scene, setup->machine, &setup->model, &setup->written, err));
   if (!s)
-    s = vs_error_carry_on(
+    s = vs_error_keep(
         err, vs_timeline_build(scene, setup->machine, &setup->timeline, &setup->memo, err));
   if (!s && has_deck)
     s = read_values(vs_tree_child(scene, "circuit"), setup, err);
   else if (!s)
-    s = vs_error_carry_on(err, read_circuit(scene, setup, err));
+    s = vs_error_keep(err, read_circuit(scene, setup, err));
   if (!s)
-    s = vs_memo_read(&setup->memo, &vs_setup_run_keys, vs_tree_child(scene, "run"), &setup->run,
-                     sizeof setup->run, err);
+    s = vs_section_cache_read(&setup->memo, &vs_setup_run_keys, vs_tree_child(scene, "run"),
+                              &setup->run, sizeof setup->run, err);
   if (!s) s = read_limits(scene, setup, has_deck, err);
   if (!s)
-    s = vs_error_carry_on(
+    s = vs_error_keep(
         err, vs_timeline_settle(scene, setup->machine, &setup->timeline, &setup->deck, err));
   if (!s) s = build_events(scene, setup, err);
   setup->wants_fraction = isnan(setup->model.load.fraction);
-  if (!s) s = vs_error_carry_on(err, check_fraction(scene, setup, err));
-  if (!s) s = vs_error_carry_on(err, read_start(scene, setup, err));
-  if (!s) s = vs_error_carry_on(err, read_means(scene, setup, err));
+  if (!s) s = vs_error_keep(err, check_fraction(scene, setup, err));
+  if (!s) s = vs_error_keep(err, read_start(scene, setup, err));
+  if (!s) s = vs_error_keep(err, read_means(scene, setup, err));
   if (!s) s = choose_eva(setup, has_deck && has_machine, err);
   return s;
 }
@@ -668,7 +670,7 @@ double vs_setup_edge(const vs_setup *setup, double t_s) {
     next_s = fmin(next_s, vs_signals_edge(&setup->timeline, s, t_s));
   }
   double known_s = vs_firing_known_s(&setup->timeline);
-  return known_s > t_s + vs_occurrence_rounding(t_s) ? fmin(next_s, known_s) : next_s;
+  return known_s > t_s + vs_scene_event_rounding(t_s) ? fmin(next_s, known_s) : next_s;
 }
 
 bool vs_setup_found_fraction(const vs_setup *setup) {
@@ -696,7 +698,7 @@ double vs_setup_coil_cut(const vs_setup *setup) {
   const vs_events *events = &setup->timeline.events;
   double first_s = INFINITY;
   for (size_t k = 0; k < events->count; k++) {
-    const vs_occurrence *e = &events->item[k];
+    const vs_scene_event *e = &events->item[k];
     if (e->kind->cuts && !strcasecmp(e->kind->element(e, &setup->deck), setup->deck.eva))
       first_s = fmin(first_s, e->start_s);
   }

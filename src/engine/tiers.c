@@ -3,8 +3,8 @@
 
 #include <string.h>
 
-#include "macromodel/stand_in.h"
-#include "ngspice/trust.h"
+#include "macromodel/macromodel.h"
+#include "ngspice/self_test.h"
 
 const vs_tier *const vs_tiers_all[VS_TIERS] = {
 #define TIER_ROW(id, file, word) [id] = &vs_##file##_tier,
@@ -14,7 +14,8 @@ const vs_tier *const vs_tiers_all[VS_TIERS] = {
 
 const char vs_tiers_words[] = VS_TIER_WORDS;
 
-const vs_run_order vs_tiers_order = {.solver = &vs_trust_kind, .stand_in = &vs_quiet_stand_in};
+const vs_run_order vs_tiers_order = {.solver = &vs_self_test_kind,
+                                     .stand_in = &vs_oneport_macromodel};
 
 const vs_tier *vs_tiers_find(const char *name) {
   for (int k = 0; k < VS_TIERS; k++)

@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "fit/prediction.h"
-#include "slopes.h"
+#include "jacobian.h"
 
 /* The data know nothing of a combination whose singular value is below FLAT: it may be wrong by a
  * factor of e^100. Nor of one below ROUNDING times the largest, as the slopes are not known
@@ -192,7 +192,7 @@ static void conclude_estimate(vs_estimate *e, size_t n_residuals) {
   find_pairs(e);
 }
 
-vs_status vs_estimate_at(vs_descender *d, const vs_descent *minimum, vs_estimate *e,
+vs_status vs_estimate_at(vs_minimizer *d, const vs_minimization *minimum, vs_estimate *e,
                          vs_error *err) {
   vs_prediction *p = d->prediction;
   *e = (vs_estimate){.inquiry = p->inquiry, .minimum = *minimum, .n = p->n_unknowns};
@@ -201,7 +201,7 @@ vs_status vs_estimate_at(vs_descender *d, const vs_descent *minimum, vs_estimate
   gsl_matrix *slopes = vs_checked(gsl_matrix_alloc(p->n_residuals, p->n_unknowns));
   vs_status status = vs_prediction_run(p, -1, minimum->s, e->computed, err);
   e->unstable = p->unstable;
-  if (!status) status = vs_slopes_fill(d->slopes, p, minimum->s, e->computed, slopes, err);
+  if (!status) status = vs_jacobian_fill(d->slopes, p, minimum->s, e->computed, slopes, err);
   if (!status) {
     vs_prediction_residuals(p, minimum->s, e->computed, e->residual);
     status = check_rank(e, slopes, err);

@@ -7,9 +7,9 @@
 #include "run/session.h"
 #include "sampler.h"
 
-vs_prediction vs_prediction_of(const vs_inquiry *q) {
+vs_prediction vs_prediction_of(const vs_fit_problem *q) {
   vs_prediction p = {
-      .inquiry = q, .n_unknowns = q->n_unknowns, .n_residuals = vs_inquiry_residuals(q)};
+      .inquiry = q, .n_unknowns = q->n_unknowns, .n_residuals = vs_fit_problem_residuals(q)};
   for (size_t r = 0; r < q->n_runs; r++)
     p.rough = p.rough || q->runs[r].scene->tier->has_circuit || q->runs[r].scene->control.regulator;
   return p;
@@ -24,7 +24,7 @@ enum { ORBIT_IDEAL = 4300, ORBIT_CIRCUIT = 60 };
 /* What no budget has to exceed, and a long holds on every machine. */
 static const double MOST_CYCLES = 2e9;
 
-static void add_cycles_of_run(const vs_inquiry_run *run, double cycles[VS_BUDGET_KINDS]) {
+static void add_cycles_of_run(const vs_fit_problem_run *run, double cycles[VS_BUDGET_KINDS]) {
   const vs_scene *s = run->scene;
   const int every = s->setup.timeline.firing.every > 1 ? s->setup.timeline.firing.every : 1;
   const double period = (run->periods ? run->periods : 1) * every;
@@ -37,7 +37,7 @@ static void add_cycles_of_run(const vs_inquiry_run *run, double cycles[VS_BUDGET
 }
 
 void vs_prediction_limit(vs_prediction *p, double often) {
-  const vs_inquiry *q = p->inquiry;
+  const vs_fit_problem *q = p->inquiry;
   double cycles[VS_BUDGET_KINDS] = {0};
   for (size_t r = 0; r < q->n_runs; r++) add_cycles_of_run(&q->runs[r], cycles);
   p->budget = (vs_budget){.what = "fit"};
@@ -74,18 +74,19 @@ static vs_status accept_step_of_fit(void *ctx, const vs_step *step, const vs_res
   return VS_OK;
 }
 
-static vs_status take_aims(const vs_inquiry_run *run, const vs_measured *measured, double *computed,
-                           vs_error *err) {
+static vs_status take_aims(const vs_fit_problem_run *run, const vs_measured *measured,
+                           double *computed, vs_error *err) {
   vs_status status = VS_OK;
   for (size_t k = 0; k < run->aims.count && !status; k++)
-    status = vs_aim_computed(&run->aims.item[k], run->scene, measured, &computed[k], err);
+    status = vs_target_computed(&run->aims.item[k], run->scene, measured, &computed[k], err);
   return status;
 }
 
-static vs_status run_copy(const vs_inquiry_run *run, vs_scene *scene, vs_measured *measured,
+static vs_status run_copy(const vs_fit_problem_run *run, vs_scene *scene, vs_measured *measured,
                           double *computed, vs_error *err) {
   vs_sampler looks;
-  const vs_guest guest = {.ctx = &looks, .begin = begin_run_of_fit, .accept = accept_step_of_fit};
+  const vs_session_listener guest = {
+      .ctx = &looks, .begin = begin_run_of_fit, .accept = accept_step_of_fit};
   const vs_session session = {.guest = run->recorded ? &guest : NULL,
                               .bare = !run->aims.count && !run->scene->tier->has_circuit &&
                                       !run->scene->control.regulator};
@@ -100,7 +101,7 @@ static vs_status run_copy(const vs_inquiry_run *run, vs_scene *scene, vs_measure
 }
 
 /* A period of an orbit makes another scene of the one that is run, so that a copy is run. */
-static vs_status run_scene(vs_prediction *p, const vs_inquiry_run *run, double *computed,
+static vs_status run_scene(vs_prediction *p, const vs_fit_problem_run *run, double *computed,
                            vs_error *err) {
   vs_measured *measured = vs_alloc(1, sizeof *measured);
   vs_scene *scene = vs_alloc(1, sizeof *scene);
@@ -115,12 +116,12 @@ static vs_status run_scene(vs_prediction *p, const vs_inquiry_run *run, double *
 }
 
 vs_status vs_prediction_settle(const vs_prediction *p, int number, const double *s, vs_error *err) {
-  const vs_inquiry *q = p->inquiry;
+  const vs_fit_problem *q = p->inquiry;
   vs_scene *scene = q->runs[number].scene;
   for (size_t k = 0; k < q->n_unknowns; k++)
     if (q->unknowns[k].run < 0 || q->unknowns[k].run == number)
       vs_unknown_put(&q->unknowns[k], s[k], &scene->tree);
-  return vs_scene_again(scene, err);
+  return vs_scene_reread(scene, err);
 }
 
 static vs_status predict_run(vs_prediction *p, int number, const double *s, double *computed,
@@ -145,21 +146,21 @@ vs_status vs_prediction_run(vs_prediction *p, int number, const double *s, doubl
 /* ---- residuals ---- */
 
 /* NaN: a logarithm is asked for of numbers of unlike signs. */
-static double find_residual(const vs_inquiry *q, const vs_datum *d, double computed) {
+static double find_residual(const vs_fit_problem *q, const vs_datum *d, double computed) {
   if (!d->relative) return (computed - d->value) / d->error;
   if (q->difference) return (computed / d->value - 1) / d->error;
   double ratio = computed / d->value;
   return ratio > 0 ? log(ratio) / d->error : NAN;
 }
 
-double vs_prediction_weight(const vs_inquiry *q, const vs_datum *d, double computed) {
+double vs_prediction_weight(const vs_fit_problem *q, const vs_datum *d, double computed) {
   if (!d->relative) return 1 / d->error;
   return 1 / ((q->difference ? d->value : computed) * d->error);
 }
 
 void vs_prediction_residuals(const vs_prediction *p, const double *s, const double *computed,
                              double *residual) {
-  const vs_inquiry *q = p->inquiry;
+  const vs_fit_problem *q = p->inquiry;
   size_t n = 0;
   for (; n < q->n_data; n++) residual[n] = find_residual(q, &q->data[n], computed[n]);
   for (size_t k = 0; k < q->n_unknowns; k++)
@@ -168,7 +169,7 @@ void vs_prediction_residuals(const vs_prediction *p, const double *s, const doub
 }
 
 vs_status vs_prediction_check_signs(const vs_prediction *p, const double *computed, vs_error *err) {
-  const vs_inquiry *q = p->inquiry;
+  const vs_fit_problem *q = p->inquiry;
   for (size_t n = 0; n < q->n_data; n++) {
     const vs_datum *d = &q->data[n];
     if (!isnan(find_residual(q, d, computed[n]))) continue;
@@ -176,7 +177,7 @@ vs_status vs_prediction_check_signs(const vs_prediction *p, const double *comput
         err, d->where,
         "%s: %.6g was measured and %.6g is computed at the start; their signs "
         "are unlike, so that they have no ratio; change the sign, or write residual: difference",
-        vs_inquiry_name(q, d), d->value, computed[n]);
+        vs_fit_problem_name(q, d), d->value, computed[n]);
   }
   return VS_OK;
 }

@@ -285,8 +285,8 @@ static vs_status read_number_of_cell(const vs_csv *csv, size_t cell, double *val
   make_decimal_point(csv, text);
   *value = text[strspn(text, "0123456789+-.eE")] ? NAN : vs_text_to_number(text, &end);
   if (isfinite(*value) && *text && !*end) return VS_OK;
-  if (vs_text_beyond(text) && !*end)
-    return vs_fail_at(err, csv->where[cell], "'%s': %s", text, vs_text_beyond(text));
+  if (vs_text_out_of_range(text) && !*end)
+    return vs_fail_at(err, csv->where[cell], "'%s': %s", text, vs_text_out_of_range(text));
   return vs_fail_at(err, csv->where[cell], "'%s' is not a finite number%s", text,
                     strchr(text, ',') ? "; a decimal comma is read where semicolons or tabs stand "
                                         "between the cells"

@@ -7,8 +7,8 @@
 #include <string.h>
 #include <strings.h>
 
-#include "netlist/rules.h"
 #include "base/cursor.h"
+#include "netlist/rules.h"
 
 /* ---- words ---- */
 
@@ -288,7 +288,7 @@ vs_status vs_elements_read(vs_elements *w, const vs_listing *l, vs_error *err) {
   w->listing = l;
   for (size_t k = 0; k < l->count && !status; k++)
     if (l->cards[k].kind == VS_CARD_ELEMENT && l->cards[k].depth == 0 && !l->cards[k].included)
-      status = vs_error_carry_on(err, add_element(w, k, err));
+      status = vs_error_keep(err, add_element(w, k, err));
   mark_coupled(w);
   return status;
 }

@@ -372,16 +372,16 @@ static void name_all(vs_fate *p) {
 
 vs_status vs_fate_make(vs_fate *p, const char *asked, vs_error *err) {
   const vs_elements *w = p->wiring;
-  vs_status status = vs_error_carry_on(err, vs_pins_check(w, asked, err));
+  vs_status status = vs_error_keep(err, vs_pins_check(w, asked, err));
   p->of = vs_alloc(w->count + 1, sizeof *p->of);
   for (size_t k = 0; k < w->count && !status; k++) {
     const vs_element *e = &w->elements[k];
-    status = vs_error_carry_on(err, vs_pins_find(w, asked, e, &p->of[k].pins, err));
-    if (!status) status = vs_error_carry_on(err, check_model(p, e, &p->of[k].pins, err));
-    if (!status) status = vs_error_carry_on(err, check_element(p, e, err));
+    status = vs_error_keep(err, vs_pins_find(w, asked, e, &p->of[k].pins, err));
+    if (!status) status = vs_error_keep(err, check_model(p, e, &p->of[k].pins, err));
+    if (!status) status = vs_error_keep(err, check_element(p, e, err));
   }
   for (size_t k = 0; k < p->values->count && !status; k++)
-    status = vs_error_carry_on(err, check_standard(p, &p->values->item[k], err));
+    status = vs_error_keep(err, check_standard(p, &p->values->item[k], err));
   if (status) return status;
   name_all(p);
   add_params(p);

@@ -11,11 +11,11 @@
 #include "base/jail.h"
 #include "base/path.h"
 #include "cast.h"
-#include "start.h"
 #include "copying.h"
 #include "lines.h"
-#include "settings.h"
 #include "run/session.h"
+#include "settings.h"
+#include "start.h"
 
 /* Netlists that come with the program, as examples. */
 static const vs_shelf SHELF = {"netlist", "import", ""};
@@ -272,7 +272,7 @@ static vs_status write_deck(work *w, const char *folder, vs_findings *all, vs_er
   fputs(w->deck.text, file.stream);
   fflush(file.stream);
   vs_jail_allow_named(file.temporary);
-  status = vs_error_carry_on(&own, try_deck(w, file.temporary, &own));
+  status = vs_error_keep(&own, try_deck(w, file.temporary, &own));
   for (size_t k = 0; k < all->count; k++) place_in_netlist(w, file.temporary, &all->item[k]);
   if (status) *err = own;
   if (!status && !all->count) return vs_file_commit(&file, err);
@@ -379,7 +379,7 @@ static vs_status import(const vs_import_options *o, vs_error *err) {
   bool deck = !access(o->output, F_OK), scene = o->scene && !access(o->scene, F_OK);
   w->o = o;
   folder_of(o->output, folder, full);
-  vs_status status = vs_error_carry_on(&own, plan_all(w, full, &own));
+  vs_status status = vs_error_keep(&own, plan_all(w, full, &own));
   if (status) *err = own;
   if (!status && !all->count) status = write_deck(w, folder, all, err);
   if (all->count) say_findings(o, all);

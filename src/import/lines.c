@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "netlist/kinds.h"
-#include "feeds.h"
 #include "base/cursor.h"
+#include "feeds.h"
+#include "netlist/kinds.h"
 
 /* The voltage of an element, from the node where its current is sensed, or its first, on. */
 static void voltage_of(const vs_fate *p, const vs_element *e, const vs_fate_element *own,
@@ -367,7 +367,7 @@ static void note_unmeasured(vs_fate *p) {
 vs_status vs_lines_add(vs_fate *p, vs_error *err) {
   vs_status status = VS_OK;
   for (size_t k = 0; k < p->wiring->count && !status; k++)
-    status = vs_error_carry_on(err, check_part(p, &p->wiring->elements[k], &p->of[k], err));
+    status = vs_error_keep(err, check_part(p, &p->wiring->elements[k], &p->of[k], err));
   add_valves(p);
   vs_feeds_add(p);
   add_others(p);

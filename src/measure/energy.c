@@ -117,7 +117,7 @@ bool vs_energy_is_due(const vs_energy *e) {
  * step, as the solver is. Where the circuit is periodic the trapezoidal rule adds up whole cycles
  * exactly. */
 static void add_loss(vs_energy *e, size_t n, const vs_batch *b) {
-  const vs_formula_quick loss = {.formula = &e->frame->deck->losses.item[n].formula};
+  const vs_formula_prepared loss = {.formula = &e->frame->deck->losses.item[n].formula};
   vs_pair power[VS_BATCH_STEPS];
   vs_batch_evaluate(&loss, b, power);
   for (size_t k = 0; k < b->count; k++) {
@@ -128,7 +128,7 @@ static void add_loss(vs_energy *e, size_t n, const vs_batch *b) {
   }
 }
 
-void vs_energy_lose(vs_energy *e, const vs_batch *b) {
+void vs_energy_take_losses(vs_energy *e, const vs_batch *b) {
   for (size_t n = 0; n < e->frame->deck->losses.count; n++) add_loss(e, n, b);
   if (vs_energy_is_due(e)) take_stock(e);
 }
@@ -231,7 +231,7 @@ void vs_energy_accept(vs_energy *e, const vs_step *step) {
   else
     take_free_swing(e, step);
 
-  /* With a deck the balances wait for its losses (vs_energy_lose). */
+  /* With a deck the balances wait for its losses (vs_energy_take_losses). */
   note_end(e, step->to);
   if (!step->frame->deck && vs_energy_is_due(e)) take_stock(e);
 }

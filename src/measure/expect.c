@@ -184,12 +184,12 @@ static vs_status read_expectations(const listed *of, const vs_node *node, const 
   vs_status status = VS_OK;
   if (!node || (node->kind == VS_NODE_TEXT && !*node->text)) return VS_OK;
   if (node->kind == VS_NODE_MAP)
-    return vs_error_carry_on(
+    return vs_error_keep(
         err, vs_fail_at(err, node->where, "%s: a list is wanted: [%s, ...]", of->key, of->example));
   if (node->kind == VS_NODE_TEXT)
-    return vs_error_carry_on(err, read_expectation(of, node, deck, expects, err));
+    return vs_error_keep(err, read_expectation(of, node, deck, expects, err));
   for (const vs_node *item = node->child; item && !status; item = item->next)
-    status = vs_error_carry_on(err, read_expectation(of, item, deck, expects, err));
+    status = vs_error_keep(err, read_expectation(of, item, deck, expects, err));
   return status;
 }
 

@@ -182,8 +182,7 @@ static vs_status read_over(vs_instrument *i, const vs_node *map, vs_error *err) 
   vs_status s = vs_field_known_keys(map, i->path, names, VS_INSTRUMENT_FIELDS, err);
   for (int k = 0; k < VS_INSTRUMENT_FIELDS && !s; k++) {
     const vs_node *node = vs_tree_child(map, names[k]);
-    if (node)
-      s = vs_error_carry_on(err, vs_field_read(&i->section, &i->fields[k], node, &i->v, err));
+    if (node) s = vs_error_keep(err, vs_field_read(&i->section, &i->fields[k], node, &i->v, err));
   }
   return s;
 }
@@ -276,12 +275,12 @@ static vs_status read_all_instruments(const vs_node *section, const vs_node *set
   for (const vs_node *n = set ? set->child : NULL; n && !s; n = n->next) {
     const entry e = {vs_tree_child(section, n->key), n};
     if (!is_instrument_word(e.own, vs_instruments_left_out))
-      s = vs_error_carry_on(err, read_instrument(all, &e, setup, frame, err));
+      s = vs_error_keep(err, read_instrument(all, &e, setup, frame, err));
   }
   for (const vs_node *n = section->child; n && !s; n = n->next) {
     const entry e = {n, NULL};
     if (!is_common(n->key) && !vs_tree_child(set, n->key))
-      s = vs_error_carry_on(err, read_instrument(all, &e, setup, frame, err));
+      s = vs_error_keep(err, read_instrument(all, &e, setup, frame, err));
   }
   return s;
 }
@@ -291,7 +290,7 @@ static vs_status read_common(const vs_node *section, vs_instruments_values *v, v
   for (int k = 0; k < N_COMMON && !s; k++) {
     const vs_node *node = vs_tree_child(section, COMMON[k].key);
     if (node)
-      s = vs_error_carry_on(err, vs_field_read(&vs_instruments_section, &COMMON[k], node, v, err));
+      s = vs_error_keep(err, vs_field_read(&vs_instruments_section, &COMMON[k], node, v, err));
   }
   return s;
 }
@@ -304,16 +303,16 @@ vs_status vs_instruments_read(const vs_node *section, const vs_setup *setup, con
   all->tree = (vs_tree){0};
   if (!section || setup->machine->lost) return VS_OK;
   if (section->kind != VS_NODE_MAP && !is_silent(section))
-    return vs_error_carry_on(
+    return vs_error_keep(
         err, vs_fail_at(err, section->where,
                         "instruments: a map is wanted: {set: own, seed: 1, NAME: {...}}"));
   size_t found = vs_error_count(err);
   vs_status s = read_common(section, &all->v, err);
-  if (!s) s = vs_error_carry_on(err, find_set(section, setup, all, &set, err));
+  if (!s) s = vs_error_keep(err, find_set(section, setup, all, &set, err));
   if (s || vs_error_count(err) > found) return s;
   s = read_all_instruments(section, set, setup, frame, all, err);
   if (s || all->count || vs_error_count(err) > found) return s;
-  return vs_error_carry_on(
+  return vs_error_keep(
       err, vs_fail_at(err, section->where,
                       "instruments: there are none: %s has no set of its own; name one, as set: "
                       "NAME, or write {NAME: {range: [-1, 1]}}",

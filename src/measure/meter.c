@@ -9,7 +9,7 @@
 
 #include "base/hash.h"
 #include "base/units.h"
-#include "measure/chunk.h"
+#include "measure/chebyshev.h"
 
 /* ---- noise ---- */
 
@@ -65,12 +65,12 @@ typedef struct walk {
 /* Takes the low-pass along the channel, as the sensor shows it, from one instant of the step to
  * another. depth: how often the part was halved. */
 static void follow_sensor(vs_meter *m, walk *w, vs_span_s part, int depth) {
-  const vs_chunk c = vs_chunk_of(w->step, m->instrument->channel, part.from_s, part.to_s);
+  const vs_chebyshev c = vs_chebyshev_of(w->step, m->instrument->channel, part.from_s, part.to_s);
   double low = c.a[0] - c.reach, high = c.a[0] + c.reach, u[VS_LOWPASS_TERMS] = {0};
   double near = fmax(NEAR * (m->range[1] - m->range[0]), ROUNDING * fmax(fabs(low), fabs(high)));
   bool is_beyond = high <= m->range[0] || low >= m->range[1] || !isfinite(c.reach),
        is_within = low >= m->range[0] - near && high <= m->range[1] + near;
-  bool is_good = is_beyond || (is_within && vs_chunk_error(&c) <= near);
+  bool is_good = is_beyond || (is_within && vs_chebyshev_error(&c) <= near);
   double middle_s = (part.from_s + part.to_s) / 2;
   if (!is_good && depth < HALVES && w->left > 0 && middle_s > part.from_s && middle_s < part.to_s) {
     w->left--;
@@ -79,7 +79,7 @@ static void follow_sensor(vs_meter *m, walk *w, vs_span_s part, int depth) {
     return;
   }
   if (is_within)
-    vs_chunk_powers(&c, u);
+    vs_chebyshev_powers(&c, u);
   else
     u[0] = shown_by_sensor(m, c.a[0]);
   vs_lowpass_advance(&m->lowpass, part.to_s - part.from_s, u);
@@ -212,7 +212,7 @@ static void end_metered_pilot(void *self) {
   o->steers->end(o->steers->self);
 }
 
-void vs_meter_pilot_begin(vs_meter_pilot *o, vs_pilot *steers, vs_instruments *instruments,
+void vs_meter_pilot_begin(vs_meter_pilot *o, vs_orbit_search *steers, vs_instruments *instruments,
                           vs_meter *meters) {
   *o = (vs_meter_pilot){
       .pilot = *steers, .steers = steers, .instruments = instruments, .meters = meters};

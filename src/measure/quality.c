@@ -73,18 +73,18 @@ vs_status vs_quality_read(const vs_node *node, const vs_setup *setup, const vs_f
   if (!node || (text && !*node->text) || (text && !strcmp(node->text, vs_quality_none)))
     return VS_OK;
   if (node->kind == VS_NODE_MAP || (node->kind == VS_NODE_LIST && !node->child))
-    return vs_error_carry_on(
+    return vs_error_keep(
         err,
         vs_fail_at(err, node->where, "%s: a list of currents is wanted: [mains], or none", KEY));
   if (setup->timeline.supply.direct)
-    return vs_error_carry_on(err, vs_fail_at(err, node->where,
-                                             "%s: the mains are a direct voltage, without cycles; "
-                                             "leave it out",
-                                             KEY));
+    return vs_error_keep(err, vs_fail_at(err, node->where,
+                                         "%s: the mains are a direct voltage, without cycles; "
+                                         "leave it out",
+                                         KEY));
   for (const vs_node *n = text ? node : node->child; n && !s; n = text ? NULL : n->next)
-    s = vs_error_carry_on(err, take_current(n, setup, frame, list, err));
+    s = vs_error_keep(err, take_current(n, setup, frame, list, err));
   if (s || of_period || !isnan(cycles_of_quality(setup))) return s;
-  return vs_error_carry_on(
+  return vs_error_keep(
       err, vs_fail_at(err, node->where,
                       "%s: whole cycles of the mains are wanted, and means are over %.9g s, which "
                       "is %.6g; write measure: {last: 5 cycles}",
@@ -233,14 +233,14 @@ static double displacement(const vs_quality *q) {
 }
 
 static double worst_part_of_limits(const vs_quality *q) {
-  const vs_drawn drawn = vs_quality_drawn(q);
+  const vs_drawn_current drawn = vs_quality_drawn(q);
   double part;
-  vs_classes_worst(&vs_classes_all[0], &drawn, &part);
+  vs_harmonic_classes_worst(&vs_harmonic_classes_all[0], &drawn, &part);
   return part;
 }
 
-vs_drawn vs_quality_drawn(const vs_quality *q) {
-  return (vs_drawn){&q->current, mean_power_w(q), power_factor(q)};
+vs_drawn_current vs_quality_drawn(const vs_quality *q) {
+  return (vs_drawn_current){&q->current, mean_power_w(q), power_factor(q)};
 }
 
 /* A harmonic below this part of the root mean square is rounding. */

@@ -247,8 +247,8 @@ static vs_judgement judge_unwatched(const vs_part *part) {
                         .failed_s = NAN};
 }
 
-void vs_verdict_reach(const vs_measures *m, const vs_devices *devices, const vs_expects *expects,
-                      vs_verdict *v) {
+void vs_verdict_make(const vs_measures *m, const vs_devices *devices, const vs_expects *expects,
+                     vs_verdict *v) {
   const vs_deck *deck = m->frame->deck;
   const size_t n_ratings = deck ? deck->n_ratings : 0, n_parts = deck ? deck->n_parts : 0;
   size_t most = n_ratings + n_parts;
@@ -427,7 +427,7 @@ void vs_verdict_compare(vs_verdict *v, const vs_verdict *second, const vs_deck *
   find_weakest(v);
 }
 
-void vs_verdict_tear(vs_verdict *v, const vs_device *device, double parts_s) {
+void vs_verdict_undecide_sequence(vs_verdict *v, const vs_device *device, double parts_s) {
   for (size_t k = 0; k < v->count; k++) {
     vs_judgement *j = &v->item[k];
     bool passed = j->margin < 0 && j->failed_s < parts_s; /* and that is for good */

@@ -47,14 +47,14 @@ static bool is_beyond_range(const vs_value *v, int sense, const vs_range *range)
 }
 
 /* True if no extremum of the rest makes a ripple of the first motion peak. */
-static bool is_a_peak(const vs_measures *m, const vs_rest *rest) {
+static bool is_a_peak(const vs_measures *m, const vs_swing_rest *rest) {
   double most = fabs(rest->travel.middle) + rest->travel.way;
   return m->first.known && fabs(m->first.value) > vs_measures_ripple * most;
 }
 
 /* What follows from the current, the firing and the energy drawn does not change any more; what is
  * left over by a balance is still to be found. */
-static void find_settled(const vs_measures *m, const vs_rest *rest, vs_measure_set *s) {
+static void find_settled(const vs_measures *m, const vs_swing_rest *rest, vs_measure_set *s) {
   const vs_model *model = m->frame->model;
   const bool peak = is_a_peak(m, rest), swung = rest->from_s > vs_measures_swing_ends_s;
   vs_value v[VS_MEASURES];
@@ -94,7 +94,8 @@ void vs_watchers_begin(vs_watchers *w, const vs_frame *frame, const vs_measure_s
   w->energy.frame = frame;
 }
 
-bool vs_watchers_leave(vs_watchers *w, const vs_rest *rest, const vs_measure_set *wanted) {
+bool vs_watchers_may_end_early(vs_watchers *w, const vs_swing_rest *rest,
+                               const vs_measure_set *wanted) {
   find_settled(w->measures, rest, &w->settled);
   return are_all_settled(&w->settled, wanted);
 }
@@ -102,7 +103,7 @@ bool vs_watchers_leave(vs_watchers *w, const vs_rest *rest, const vs_measure_set
 /* Shows the steps that wait. */
 static void look_at_batch(vs_watchers *w) {
   vs_devices_follow(w->devices, w->batch);
-  vs_energy_lose(&w->energy, w->batch);
+  vs_energy_take_losses(&w->energy, w->batch);
   w->batch->count = 0;
 }
 

@@ -13,10 +13,10 @@
 #include "netlist/devices.h"
 #include "netlist/parts.h"
 
-/* What vs_text_beyond says of an end of the range; NULL: nothing. */
+/* What vs_text_out_of_range says of an end of the range; NULL: nothing. */
 static const char *beyond_in(const char *range) {
-  const char *dots = strstr(range, ".."), *first = vs_text_beyond(range);
-  return first || !dots ? first : vs_text_beyond(dots + 2);
+  const char *dots = strstr(range, ".."), *first = vs_text_out_of_range(range);
+  return first || !dots ? first : vs_text_out_of_range(dots + 2);
 }
 
 static bool read_range(char *token, double *min, double *max) {
@@ -61,9 +61,9 @@ static vs_status set_range(vs_field *field, param_text *p, char *default_text, s
   char why[200];
   double si;
   snprintf(default_text, size, "%s%s%s", p->value, *p->unit ? " " : "", p->unit);
-  if (vs_text_beyond(p->value))
+  if (vs_text_out_of_range(p->value))
     return vs_fail_at(err, p->where, "param %s: %s: %s", p->name, p->value,
-                      vs_text_beyond(p->value));
+                      vs_text_out_of_range(p->value));
   if (!vs_units_known(p->unit) || !vs_units_read(default_text, p->unit, &si, why, sizeof why))
     return vs_fail_at(err, p->where,
                       "param %s: '%s' is not a number with a unit known here; both are words of "

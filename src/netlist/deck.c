@@ -77,7 +77,7 @@ void vs_deck_remark(vs_deck *deck, vs_where where, const char *format, ...) {
   va_end(args);
   if (!deck->remarks) deck->remarks = vs_alloc(1, sizeof *deck->remarks);
   vs_error own = {.findings = deck->remarks, .elsewhere = true};
-  if (vs_error_carry_on(&own, vs_fail_at(&own, where, "%s", text)))
+  if (vs_error_keep(&own, vs_fail_at(&own, where, "%s", text)))
     vs_fail(&deck->remarks->item[VS_MOST_FINDINGS - 1], VS_INPUT,
             "the netlist has more that is to be warned of than the %d shown", VS_MOST_FINDINGS - 1);
 }
@@ -322,7 +322,7 @@ vs_status vs_deck_bind(vs_deck *deck, const vs_circuit_values *values,
   vs_status status = VS_OK;
   double of_name[VS_DECK_MOST];
   for (size_t n = 0; n < deck->n_names && !status; n++)
-    status = vs_error_carry_on(
+    status = vs_error_keep(
         err, find_value(deck, &deck->names[n], values, standard, n_standard, &of_name[n], err));
   each_formula(deck, vs_formula_bind, of_name);
   double u_rms = NAN;

@@ -575,7 +575,7 @@ static vs_status check_tables(const vs_deck *deck, vs_error *err) {
   for (size_t k = 0; k < deck->n_ambients && !status; k++) {
     const vs_ambient_row *row = &deck->ambients[k];
     if (vs_parts_find_limit(deck, row->where.file, row->limit)) continue;
-    status = vs_error_carry_on(
+    status = vs_error_keep(
         err, vs_fail_at(err, row->where,
                         "derate %s: the file has no line '*$ limit %s = VALUE UNIT', of which this "
                         "would be a part",
@@ -585,7 +585,7 @@ static vs_status check_tables(const vs_deck *deck, vs_error *err) {
     const vs_melting_row *row = &deck->melting[k];
     const vs_limit *rated = vs_parts_find_limit(deck, row->where.file, "i_rated");
     if (!rated || isinf(rated->value) || row->current_a > rated->value) continue;
-    status = vs_error_carry_on(
+    status = vs_error_keep(
         err, vs_fail_at(err, row->where,
                         "time_current: %.9g A is no more than i_rated, %s, which the fuse carries "
                         "for ever; a current above that is wanted",
@@ -667,13 +667,13 @@ static vs_status check_heat(const vs_deck *deck, const vs_device *d, vs_error *e
   const vs_limit *ja = file ? vs_parts_find_limit(deck, file, "r_th_ja") : NULL;
   vs_status status = VS_OK;
   if (jc && isfinite(jc->value) && fabs(jc->value - r_jc) > AGREES * r_jc)
-    status = vs_error_carry_on(
+    status = vs_error_keep(
         err, vs_fail_at(err, jc->where,
                         "limit r_th_jc: %s contradicts the lines zth, whose terms add up to %.4g "
                         "K/W; a value within 20 %% of that is wanted, or other terms",
                         jc->written, r_jc));
   if (!status && ja && ja->value < r_jc)
-    status = vs_error_carry_on(
+    status = vs_error_keep(
         err, vs_fail_at(err, ja->where,
                         "limit r_th_ja: %s is less than from junction to case alone, %.4g K/W; a "
                         "larger value is wanted",
@@ -727,7 +727,7 @@ static vs_status check_rows(const vs_deck *deck, const char *file, vs_error *err
                           "degC' is wanted, and here a temperature below it",
                           at->name);
   }
-  return vs_error_carry_on(err, status);
+  return vs_error_keep(err, status);
 }
 
 static vs_status check_limits(const vs_deck *deck, const vs_device *d, vs_error *err) {
@@ -747,7 +747,7 @@ static vs_status check_limits(const vs_deck *deck, const vs_device *d, vs_error 
     else
       status = vs_fail_at(err, limit->where, "limit %s: a unit as %s is wanted, for %s.%s",
                           limit->name, m->unit, d->name, m->name);
-    status = vs_error_carry_on(err, status);
+    status = vs_error_keep(err, status);
   }
   return status;
 }
@@ -756,10 +756,10 @@ vs_status vs_devices_resolve(vs_deck *deck, vs_error *err) {
   vs_status status = VS_OK;
   for (size_t k = 0; k < deck->n_devices && !status; k++) {
     vs_device *d = &deck->devices[k];
-    status = vs_error_carry_on(err, resolve_kind(deck, d, err));
-    if (!status) status = vs_error_carry_on(err, resolve_gates(deck, d, err));
-    if (!status) status = vs_error_carry_on(err, check_flux(d, err));
-    if (!status) status = vs_error_carry_on(err, resolve_ward(deck, d, err));
+    status = vs_error_keep(err, resolve_kind(deck, d, err));
+    if (!status) status = vs_error_keep(err, resolve_gates(deck, d, err));
+    if (!status) status = vs_error_keep(err, check_flux(d, err));
+    if (!status) status = vs_error_keep(err, resolve_ward(deck, d, err));
   }
   for (size_t k = 0; k < deck->n_devices && !status; k++)
     status = check_limits(deck, &deck->devices[k], err);

@@ -210,7 +210,7 @@ static vs_status take_nodes_of_line(vs_deck *deck, const own_line *own, const no
     /* where the text was changed, the place is that of the first node */
     const char *in_file = line->written ? find_node(deck->eva, written, written, other) : at;
     vs_where where = vs_line_place(line, in_file ? in_file : written);
-    status = vs_error_carry_on(err, take_mention(deck, own, at, node, names, where, err));
+    status = vs_error_keep(err, take_mention(deck, own, at, node, names, where, err));
     if (reads && !deck->reads_eva.file) deck->reads_eva = where;
   }
   return status;
@@ -237,7 +237,7 @@ vs_status vs_eva_take_motions(vs_deck *deck, const vs_machine *machine, vs_error
     const char *of[] = {term->plus, term->minus};
     for (int n = 0; n < 2 && is_of_the_deck(deck, term->where) && !status; n++)
       if (find_node(deck->eva, of[n], of[n], node))
-        status = vs_error_carry_on(err, take_node(deck, node, &names, term->where, err));
+        status = vs_error_keep(err, take_node(deck, node, &names, term->where, err));
   }
   return status;
 }

@@ -196,7 +196,7 @@ typedef struct reading {
 static vs_status end_line(vs_deck *deck, reading *r, vs_error *err) {
   vs_line line = r->line;
   r->line = (vs_line){0};
-  return line.text ? vs_error_carry_on(err, take_line_into_deck(deck, line, err)) : VS_OK;
+  return line.text ? vs_error_keep(err, take_line_into_deck(deck, line, err)) : VS_OK;
 }
 
 /* Cuts the end of a line that ngspice takes for a comment: from ';' or '//' on, or from a '$'
@@ -307,7 +307,7 @@ static vs_status read_lines(vs_deck *deck, const char *file, const vs_source *so
     const int *column = r->row ? r->row->column + (line - source->text) : NULL;
     deck->column = column && *column ? column : NULL;
     if (is_statement(line, ".end")) end = k;
-    status = vs_error_carry_on(err, read_line(deck, line, where, r, err));
+    status = vs_error_keep(err, read_line(deck, line, where, r, err));
     deck->column = NULL;
     while (commands && k + 1 < end && !is_statement(source->line[k], ".endc")) k++;
   }
@@ -404,13 +404,13 @@ vs_status vs_files_read(vs_deck *deck, const char *path, bool library, vs_error 
   const size_t before = deck->n_lines;
   vs_status status = read_file(deck, path, library, err);
   if (!status && !deck->lost && deck->n_lines > before)
-    status = vs_error_carry_on(
-        err, vs_slips_conditions(deck->lines + before, deck->n_lines - before, err));
+    status =
+        vs_error_keep(err, vs_slips_conditions(deck->lines + before, deck->n_lines - before, err));
   vs_translate_names(deck->lines, deck->n_lines, &deck->changes);
   tell_skipped(deck);
   if (status || deck->subcircuits == 0) return status;
   deck->subcircuits = 0;
-  return vs_error_carry_on(
+  return vs_error_keep(
       err, vs_fail_at(err, deck->subcircuit,
                       "this .subckt has no .ends that closes it; write one behind its last line"));
 }

@@ -48,15 +48,15 @@ static vs_status match_sources(const vs_deck *deck, vs_error *err) {
     if (p < deck->n_ports)
       driven[p] = true;
     else if (!(deck->lost & VS_LOST_PORT))
-      status = vs_error_carry_on(
+      status = vs_error_keep(
           err, vs_fail_at(err, deck->lines[k].where,
                           "the external source %s has no line '*$ port ... = %s'", name, name));
   }
   for (size_t p = 0; p < deck->n_ports && !status; p++)
     if (!driven[p] && !(deck->lost & VS_LOST_ELEMENT))
-      status = vs_error_carry_on(err, vs_fail_at(err, deck->ports[p].where,
-                                                 "port: the deck has no source '%s n m external'",
-                                                 deck->ports[p].source));
+      status = vs_error_keep(err, vs_fail_at(err, deck->ports[p].where,
+                                             "port: the deck has no source '%s n m external'",
+                                             deck->ports[p].source));
   return status;
 }
 
@@ -67,7 +67,7 @@ static vs_status check_definitions(const vs_deck *deck, vs_error *err) {
   vs_status status = vs_cycles_check(&definitions, err);
   if (!status) status = vs_cycles_check_depth(&definitions, err);
   if (!status) status = vs_growth_check(&definitions, deck->lines, deck->n_lines, err);
-  status = vs_error_carry_on(err, status);
+  status = vs_error_keep(err, status);
   vs_definitions_free(&definitions);
   return status;
 }
@@ -86,8 +86,8 @@ static vs_status check_instances(const vs_deck *deck, vs_error *err) {
     for (size_t p = 0; p < deck->n_parts; p++)
       if (!strcasecmp(deck->parts[p].name, name))
         snprintf(name, sizeof name, "%s", deck->parts[p].subcircuit);
-    status = vs_error_carry_on(
-        err, vs_subcircuits_check(&subcircuits, &deck->lines[k], at + n, name, err));
+    status =
+        vs_error_keep(err, vs_subcircuits_check(&subcircuits, &deck->lines[k], at + n, name, err));
   }
   vs_subcircuits_free(&subcircuits);
   return status;
@@ -105,8 +105,7 @@ static vs_status check_nesting(const vs_deck *deck, vs_error *err) {
       break;
     }
   }
-  vs_status status =
-      vs_error_carry_on(err, vs_nesting_check(deck->lines, called, deck->n_lines, err));
+  vs_status status = vs_error_keep(err, vs_nesting_check(deck->lines, called, deck->n_lines, err));
   free(called);
   return status;
 }
@@ -120,7 +119,7 @@ static vs_status check_gains(const vs_deck *deck, vs_error *err) {
     vs_parameters_add(&names, deck->section.fields[k].key);
   vs_parameters_find(&names, deck->lines, deck->n_lines);
   for (size_t k = 0; k < deck->n_lines && !status; k++)
-    status = vs_error_carry_on(err, vs_parameters_check_gain(&names, &deck->lines[k], err));
+    status = vs_error_keep(err, vs_parameters_check_gain(&names, &deck->lines[k], err));
   vs_parameters_free(&names);
   return status;
 }
@@ -141,7 +140,7 @@ static void tell_double(void *ctx, vs_where where, bool apart, const char *text)
   if (!apart || d->status) return;
   char within[VS_PATH_SIZE];
   where = vs_deck_mendable(d->deck, where, within, sizeof within);
-  d->status = vs_error_carry_on(d->err, vs_fail_at(d->err, where, "%s%s", text, within));
+  d->status = vs_error_keep(d->err, vs_fail_at(d->err, where, "%s%s", text, within));
 }
 
 static vs_status check_doubles(vs_deck *deck, vs_error *err) {
@@ -168,7 +167,7 @@ static vs_status check_whole(vs_deck *deck, vs_error *err) {
   if (!status) status = check_nesting(deck, err);
   if (!status) status = check_instances(deck, err);
   if (!status) status = check_gains(deck, err);
-  if (!status) status = vs_error_carry_on(err, vs_slips_names(deck->lines, deck->n_lines, err));
+  if (!status) status = vs_error_keep(err, vs_slips_names(deck->lines, deck->n_lines, err));
   if (!status) status = vs_couplings_check(deck->lines, deck->n_lines, err);
   if (!status) status = vs_probes_check_units(deck, err);
   if (!status) status = check_doubles(deck, err);
@@ -217,12 +216,12 @@ vs_status vs_netlist_read(const char *path, vs_deck *deck, vs_error *err) {
   deck->has_title_line = true;
   vs_status status = vs_files_read(deck, path, false, err);
   if (!status && deck->n_part_files)
-    status = vs_error_carry_on(
+    status = vs_error_keep(
         err, vs_fail_at(err, deck->part_files[0].where,
                         "'*$ part' belongs into a part's file, not into a deck; a deck takes "
                         "a part by a line '*$ param thyristor = NAME part thyristor'"));
   if (!status && !*deck->eva && !(deck->lost & VS_LOST_ELEMENT))
-    status = vs_error_carry_on(err, refuse_no_eva(deck, err));
+    status = vs_error_keep(err, refuse_no_eva(deck, err));
   return status;
 }
 
@@ -538,16 +537,15 @@ static vs_status add_series(vs_deck *deck, const vs_node *section, vs_error *err
 }
 
 vs_status vs_netlist_read_parts(vs_deck *deck, const vs_node *section, vs_error *err) {
-  vs_status status = vs_error_carry_on(err, add_series(deck, section, err));
+  vs_status status = vs_error_keep(err, add_series(deck, section, err));
   for (size_t p = 0, k = 1; p < deck->n_parts && !status; k++) {
     const vs_field *field = &deck->section.fields[k];
     if (field->kind != VS_NAME) continue;
     const vs_node *node = vs_tree_child(section, field->key);
     bool given = node && node->kind == VS_NODE_TEXT;
     vs_where where = given ? node->where : deck->parts[p].where;
-    status =
-        vs_error_carry_on(err, take_part(deck, section, &deck->parts[p++],
-                                         given ? node->text : field->default_text, where, err));
+    status = vs_error_keep(err, take_part(deck, section, &deck->parts[p++],
+                                          given ? node->text : field->default_text, where, err));
   }
   if (!status) status = vs_parts_resolve(deck, err);
   if (!status) status = vs_devices_resolve(deck, err);

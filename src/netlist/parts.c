@@ -8,8 +8,8 @@
 #include <strings.h>
 
 #include "base/text.h"
-#include "netlist/kinds.h"
 #include "base/units.h"
+#include "netlist/kinds.h"
 
 /* ---- reading ---- */
 
@@ -358,7 +358,7 @@ static vs_status check_model(const vs_deck *deck, const vs_model_line *m, vs_err
 
 /* Two figures for the same that differ by more than these factors contradict each other. One pulse
  * of a table may be narrower than that of i_surge. An i2t that is nearer may be of another width
- * than 10 ms, which `check` of the part warns of (bench/plausible.c). */
+ * than 10 ms, which `check` of the part warns of (bench/plausibility.c). */
 static const double CONTRADICTS = 2, I2T_CONTRADICTS = 20;
 
 /* Error: an i2t that is not that of a half sine of 10 ms with the peak that one surge may have. */
@@ -405,29 +405,28 @@ vs_status vs_parts_resolve(vs_deck *deck, vs_error *err) {
   vs_status status = VS_OK;
   size_t kept = 0;
   for (size_t k = 0; k < deck->n_limits && !status; k++)
-    status = vs_error_carry_on(err, check_surge(deck, &deck->limits[k], err));
+    status = vs_error_keep(err, check_surge(deck, &deck->limits[k], err));
   for (size_t k = 0; k < deck->n_deratings && !status; k++)
-    status = vs_error_carry_on(err, check_pulse(deck, &deck->deratings[k], err));
+    status = vs_error_keep(err, check_pulse(deck, &deck->deratings[k], err));
   for (size_t k = 0; k < deck->n_limits && !status; k++)
-    status = vs_error_carry_on(err, check_over(deck, &deck->limits[k], err));
+    status = vs_error_keep(err, check_over(deck, &deck->limits[k], err));
   for (size_t k = 0; k < deck->n_limits && !status; k++)
-    status = vs_error_carry_on(err, check_order(deck, &deck->limits[k], err));
+    status = vs_error_keep(err, check_order(deck, &deck->limits[k], err));
   for (size_t k = 0; k < deck->n_models && !status; k++)
-    status = vs_error_carry_on(err, check_model(deck, &deck->models[k], err));
+    status = vs_error_keep(err, check_model(deck, &deck->models[k], err));
   for (size_t k = 0; k < deck->n_ratings && !status; k++) {
     vs_rating r = deck->ratings[k];
     r.min = -INFINITY;
     r.max = INFINITY;
-    status = vs_error_carry_on(err, resolve_bound(deck, &r, &r.bounds[0], &r.min, err));
-    if (!status)
-      status = vs_error_carry_on(err, resolve_bound(deck, &r, &r.bounds[1], &r.max, err));
+    status = vs_error_keep(err, resolve_bound(deck, &r, &r.bounds[0], &r.min, err));
+    if (!status) status = vs_error_keep(err, resolve_bound(deck, &r, &r.bounds[1], &r.max, err));
     if (!status && r.min > r.max)
-      status = vs_error_carry_on(
-          err,
-          vs_fail_at(err, r.where,
-                     "rating: from %g to %g %s there is nothing; MIN..MAX is "
-                     "wanted",
-                     r.min / vs_units_factor(r.unit), r.max / vs_units_factor(r.unit), r.unit));
+      status =
+          vs_error_keep(err, vs_fail_at(err, r.where,
+                                        "rating: from %g to %g %s there is nothing; MIN..MAX is "
+                                        "wanted",
+                                        r.min / vs_units_factor(r.unit),
+                                        r.max / vs_units_factor(r.unit), r.unit));
     if (isfinite(r.min) || isfinite(r.max)) deck->ratings[kept++] = r;
   }
   deck->n_ratings = kept;
@@ -470,7 +469,7 @@ vs_status vs_parts_require_hold(const vs_deck *deck, const vs_circuit_values *va
     status = vs_fail_at(err, node ? node->where : r->where, "circuit: %s is wanted%s%s%s, and %s",
                         r->written, *r->text ? " (" : "", r->text, *r->text ? ")" : "",
                         text.text ? text.text : "it is not so");
-    status = vs_error_carry_on(err, status);
+    status = vs_error_keep(err, status);
     vs_text_free(&text);
   }
   return status;

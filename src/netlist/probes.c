@@ -4,8 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/disjoint_sets.h"
 #include "base/names.h"
-#include "base/sets.h"
 #include "base/units.h"
 #include "netlist/rules.h"
 #include "netlist/words.h"
@@ -13,8 +13,8 @@
 /* The nodes of a deck, but for those within subcircuits, and which of them branches join: a current
  * flows from each node of a group to each other one, and not by way of ground alone. */
 typedef struct groups {
-  vs_names numbers; /* of the nodes, in the order in which they are named */
-  vs_sets sets;     /* of these numbers; each is a group */
+  vs_names numbers;      /* of the nodes, in the order in which they are named */
+  vs_disjoint_sets sets; /* of these numbers; each is a group */
 } groups;
 
 /* The number of a node. One that no line has named yet is a group of its own. */
@@ -23,7 +23,7 @@ static size_t number_of(groups *g, vs_word node) {
   char name[VS_DECK_NAME];
   snprintf(name, sizeof name, "%.*s", (int)node.n, node.at);
   if (vs_names_find(&g->numbers, name, strlen(name), &k)) return k;
-  k = vs_sets_add(&g->sets);
+  k = vs_disjoint_sets_add(&g->sets);
   vs_names_put(&g->numbers, name, k);
   return k;
 }
@@ -31,14 +31,14 @@ static size_t number_of(groups *g, vs_word node) {
 /* The number that stands for the group of a node. */
 static size_t group_of(groups *g, vs_word node) {
   const size_t k = number_of(g, node);
-  return vs_sets_find(&g->sets, k);
+  return vs_disjoint_sets_find(&g->sets, k);
 }
 
 /* Takes the two nodes of a branch for one group. */
 static void join_nodes(groups *g, vs_word a, vs_word b) {
   if (vs_words_is_ground(a) || vs_words_is_ground(b)) return;
   const size_t of_a = number_of(g, a), of_b = number_of(g, b);
-  vs_sets_join(&g->sets, of_a, of_b);
+  vs_disjoint_sets_join(&g->sets, of_a, of_b);
 }
 
 /* The first `count` words behind the name in a line; those that are not there are empty. */
@@ -139,8 +139,8 @@ vs_status vs_probes_check_units(const vs_deck *deck, vs_error *err) {
   groups g = {0};
   vs_status status = VS_OK;
   for (size_t k = 0; k < deck->n_probes && !status; k++)
-    status = vs_error_carry_on(err, check_unit(deck, &g, &deck->probes[k], err));
+    status = vs_error_keep(err, check_unit(deck, &g, &deck->probes[k], err));
   vs_names_free(&g.numbers);
-  vs_sets_free(&g.sets);
+  vs_disjoint_sets_free(&g.sets);
   return status;
 }

@@ -206,7 +206,7 @@ vs_status vs_rules_params(const vs_deck *deck, vs_error *err) {
         depth > 0 && (vs_words_begin(line->text, ".ends") || vs_words_begin(line->text, ".endif"));
     if (depth || !vs_words_begin(line->text, ".param")) continue;
     const place p = {deck, vs_deck_mendable(deck, line->where, within, sizeof within), err};
-    status = vs_error_carry_on(err, assignments(line->text, param_rule, (void *)(size_t)&p));
+    status = vs_error_keep(err, assignments(line->text, param_rule, (void *)(size_t)&p));
   }
   return status;
 }

@@ -13,7 +13,7 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
-#include "ngspice/confine.h"
+#include "ngspice/sandbox.h"
 
 /* A crash ends the child by its signal, without a message and without a core file. */
 static void die_quietly(void) {
@@ -31,32 +31,34 @@ _Noreturn void vs_child_finish(void) {
 }
 
 /* The complaints are written at once, as a pipe takes that many bytes whole. */
-_Static_assert(sizeof((vs_complaints *)0)->item <= PIPE_BUF, "a pipe takes all complaints at once");
+_Static_assert(sizeof((vs_solver_errors *)0)->item <= PIPE_BUF,
+               "a pipe takes all complaints at once");
 
 /* The child's own life. */
 static _Noreturn void attempt_alone(vs_child_end (*attempt)(void *), void *ctx,
-                                    const vs_complaints *complaints, int pipe_end) {
+                                    const vs_solver_errors *complaints, int pipe_end) {
   prctl(PR_SET_PDEATHSIG, SIGKILL); /* nobody outlives the parent */
   signal(SIGALRM, SIG_DFL);
   alarm(VS_CHILD_SECONDS);
   die_quietly();
-  vs_confine_process(VS_CONFINE_TRIAL);
+  vs_sandbox_process(VS_SANDBOX_TRIAL);
   vs_child_end end = attempt(ctx);
   if (end == VS_CHILD_GOOD) vs_child_finish();
-  size_t size = complaints->count * VS_COMPLAINTS_LINE;
+  size_t size = complaints->count * VS_SOLVER_ERRORS_LINE;
   if (write(pipe_end, complaints->item, size) < 0) end = VS_CHILD_BAD_LOAD;
   _exit((int)end);
 }
 
 /* Takes what the child says and waits for its end, which it gives as waitpid does. A signal that
  * this process handles means that it is to stop. */
-static vs_status hear_child(pid_t child, int pipe_end, vs_complaints *c, int *how, vs_error *err) {
+static vs_status hear_child(pid_t child, int pipe_end, vs_solver_errors *c, int *how,
+                            vs_error *err) {
   ssize_t n = read(pipe_end, c->item, sizeof c->item);
   bool stopped = n < 0 && errno == EINTR;
   if (stopped) kill(child, SIGKILL);
   while (waitpid(child, how, 0) < 0 && errno == EINTR) {
   }
-  c->count = n > 0 ? (size_t)n / VS_COMPLAINTS_LINE : 0;
+  c->count = n > 0 ? (size_t)n / VS_SOLVER_ERRORS_LINE : 0;
   return stopped ? vs_fail(err, VS_SIGNAL, "t = 0 s: stopped by a signal") : VS_OK;
 }
 
@@ -72,7 +74,7 @@ static bool was_killed(int how) {
   return WIFSIGNALED(how) && WTERMSIG(how) == SIGKILL;
 }
 
-static vs_status try_once(vs_child_end (*attempt)(void *), void *ctx, vs_complaints *complaints,
+static vs_status try_once(vs_child_end (*attempt)(void *), void *ctx, vs_solver_errors *complaints,
                           int *how, vs_error *err) {
   int ends[2];
   if (pipe(ends)) return vs_fail(err, VS_RUN, "no pipe: %s", strerror(errno));
@@ -87,7 +89,7 @@ static vs_status try_once(vs_child_end (*attempt)(void *), void *ctx, vs_complai
   return status;
 }
 
-vs_status vs_child_try(vs_child_end (*attempt)(void *), void *ctx, vs_complaints *complaints,
+vs_status vs_child_try(vs_child_end (*attempt)(void *), void *ctx, vs_solver_errors *complaints,
                        vs_child_end *end, vs_error *err) {
   int how = 0;
   *end = VS_CHILD_GOOD;

@@ -11,8 +11,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "base/leave.h"
 #include "base/path.h"
+#include "base/shutdown.h"
 
 #ifndef VS_NGSPICE
 #error "the build names the file of libngspice"
@@ -104,12 +104,12 @@ static bool make_folder(char path[VS_PATH_SIZE]) {
  * paths of what is removed if the process ends meanwhile. Returns -1 where it cannot. */
 static int open_home(void) {
   int home = open(".", O_PATH | O_DIRECTORY | O_CLOEXEC);
-  if (home >= 0) vs_leave_from(home);
+  if (home >= 0) vs_shutdown_paths_from(home);
   return home;
 }
 
 static void close_home(int home) {
-  vs_leave_from(AT_FDCWD);
+  vs_shutdown_paths_from(AT_FDCWD);
   close(home);
 }
 
@@ -120,10 +120,10 @@ static vs_status begin_in_private(int home, vs_error *err) {
   vs_status status = VS_OK;
   sigset_t before;
   int empty = -1;
-  vs_leave_hold(&before);
+  vs_shutdown_block_signals(&before);
   bool made = make_folder(folder);
   snprintf(settings, sizeof settings, "%s/%s", folder, INIT);
-  if (made) vs_leave_remove(folder), vs_leave_remove(settings);
+  if (made) vs_shutdown_remove(folder), vs_shutdown_remove(settings);
   if (made && !chdir(folder)) empty = open(INIT, O_WRONLY | O_CREAT | O_EXCL, 0600);
   if (empty < 0)
     status = vs_fail(err, VS_RUN, "no private folder for ngspice: %s: %s", folder, strerror(errno));
@@ -135,8 +135,8 @@ static vs_status begin_in_private(int home, vs_error *err) {
   if (made && fchdir(home) && !status)
     status = vs_fail(err, VS_RUN, "the working directory is gone: %s", strerror(errno));
   if (made) rmdir(folder);
-  vs_leave_forget(folder), vs_leave_forget(settings);
-  vs_leave_release(&before);
+  vs_shutdown_forget(folder), vs_shutdown_forget(settings);
+  vs_shutdown_unblock_signals(&before);
   return status;
 }
 

@@ -10,8 +10,8 @@
 #include <time.h>
 
 #include "base/alloc.h"
-#include "netlist/blame.h"
-#include "ngspice/guard.h"
+#include "netlist/location.h"
+#include "ngspice/crash_guard.h"
 
 static vs_child_end attempt_netlist(void *ctx) {
   const vs_trial *t = ctx;
@@ -38,11 +38,11 @@ typedef enum ending { GOOD, SAME, OTHER, OVER } ending;
 
 typedef struct search {
   vs_trial *t;
-  vs_complaints kept; /* what the search is about */
-  bool died;          /* it is about ngspice's death */
-  char **all;         /* the lines of t, none of them left out */
-  long left;          /* lines that may still be tried */
-  time_t end_s;       /* of the monotonic clock */
+  vs_solver_errors kept; /* what the search is about */
+  bool died;             /* it is about ngspice's death */
+  char **all;            /* the lines of t, none of them left out */
+  long left;             /* lines that may still be tried */
+  time_t end_s;          /* of the monotonic clock */
 } search;
 
 static char LEFT_OUT[] = "*";
@@ -65,7 +65,7 @@ static bool are_alike(const char *a, const char *b) {
 
 static ending try_lines(search *s) {
   vs_trial *t = s->t;
-  vs_complaints *c = t->complaints;
+  vs_solver_errors *c = t->complaints;
   vs_error why = {0};
   vs_child_end end;
   long cost = EACH;
@@ -74,13 +74,13 @@ static ending try_lines(search *s) {
   if (s->left < cost || now_s() >= s->end_s) s->left = 0;
   if (s->left < cost) return OVER;
   s->left -= cost;
-  vs_complaints_clear(c);
+  vs_solver_errors_clear(c);
   vs_status status = vs_child_try(attempt_that_must_step, t, c, &end, &why);
   if (status && !strstr(why.text, VS_CHILD_DIED)) s->left = 0;
   if (status) return !s->left ? OVER : s->died ? SAME : OTHER;
   if (end == VS_CHILD_GOOD) return GOOD;
-  return !s->died && are_alike(vs_complaints_first(&s->kept), vs_complaints_first(c)) ? SAME
-                                                                                      : OTHER;
+  return !s->died && are_alike(vs_solver_errors_first(&s->kept), vs_solver_errors_first(c)) ? SAME
+                                                                                            : OTHER;
 }
 
 static bool is_statement(const char *line) {
@@ -146,7 +146,7 @@ static void reduce(search *s) {
  * they are. */
 static size_t find_line(vs_trial *t, bool died) {
   const size_t n = t->job->lines;
-  const vs_complaints kept = *t->complaints;
+  const vs_solver_errors kept = *t->complaints;
   char **all = vs_alloc(2 * n, sizeof *all), **less = all + n, **lines = t->lines;
   search s = {t, kept, died, all, MOST, now_s() + MOST_SECONDS};
   size_t good = 0, call = 0, other = 0;
@@ -175,39 +175,39 @@ static size_t find_line(vs_trial *t, bool died) {
 }
 
 /* Finds the line of a complaint that does not name it, or of a death, by leaving lines out. Notes
- * it, and writes its words with VS_BLAME_WITHOUT before them; nothing where no line is found. */
+ * it, and writes its words with VS_LOCATION_WITHOUT before them; nothing where no line is found. */
 static void find_culprit(vs_trial *t, bool died, char *text, size_t size) {
   size_t found = find_line(t, died);
   *text = '\0';
   t->complaints->culprit = found;
-  if (found) snprintf(text, size, VS_BLAME_WITHOUT "%s", t->lines[found]);
+  if (found) snprintf(text, size, VS_LOCATION_WITHOUT "%s", t->lines[found]);
 }
 
-void vs_trial_place(const vs_complaints *complaints, const vs_circuit_job *job, char *text,
+void vs_trial_place(const vs_solver_errors *complaints, const vs_circuit_job *job, char *text,
                     size_t size) {
   vs_error found = {0};
   *text = '\0';
   if (!job->locate) return;
-  vs_fail(&found, VS_INPUT, "ngspice: %s", vs_complaints_first(complaints));
+  vs_fail(&found, VS_INPUT, "ngspice: %s", vs_solver_errors_first(complaints));
   job->locate(job->author, 0, &found);
   if (found.line > 0) snprintf(text, size, " (%.*s)", found.place_size - 2, found.text);
 }
 
 void vs_trial_blame(vs_trial *t) {
-  char text[VS_COMPLAINTS_LINE];
+  char text[VS_SOLVER_ERRORS_LINE];
   vs_trial_place(t->complaints, t->job, text, sizeof text);
   if (*text || !t->job->locate) return;
   find_culprit(t, false, text, sizeof text);
-  if (*text) vs_complaints_add(t->complaints, text);
+  if (*text) vs_solver_errors_add(t->complaints, text);
 }
 
 /* Adds to the error of ngspice's death the line that causes it, where one is found. */
 static vs_status blame_death(vs_trial *t, vs_error *err) {
-  char text[VS_COMPLAINTS_LINE] = "";
+  char text[VS_SOLVER_ERRORS_LINE] = "";
   const vs_error plain = *err;
   if (t->job->locate && strstr(plain.text, VS_CHILD_DIED)) find_culprit(t, true, text, sizeof text);
   vs_fail(err, VS_INPUT, "%s%s", plain.text, text);
-  vs_complaints_place(t->job, t->complaints->culprit, err);
+  vs_solver_errors_place(t->job, t->complaints->culprit, err);
   return VS_INPUT;
 }
 
@@ -217,13 +217,13 @@ static vs_status blame_death(vs_trial *t, vs_error *err) {
  * survives. */
 vs_status vs_trial_first(vs_trial *t, vs_error *err) {
   const vs_circuit_job *job = t->job;
-  if (job->tried || (job->unbegun && vs_guard_begin())) return VS_OK;
+  if (job->tried || (job->unbegun && vs_crash_guard_begin())) return VS_OK;
   vs_child_end end;
   vs_status status = vs_child_try(attempt_netlist, t, t->complaints, &end, err);
-  if (!status && end == VS_CHILD_GOOD && job->unbegun && vs_guard_again())
+  if (!status && end == VS_CHILD_GOOD && job->unbegun && vs_crash_guard_again())
     return vs_fail(err, VS_INPUT, "ngspice cannot take the circuit: it died of it the first time");
   if (status == VS_INPUT) return blame_death(t, err);
   if (status || end == VS_CHILD_GOOD) return status;
   vs_trial_blame(t);
-  return vs_complaints_tell(t->complaints, job, end == VS_CHILD_BAD_RUN ? "run" : "load", err);
+  return vs_solver_errors_tell(t->complaints, job, end == VS_CHILD_BAD_RUN ? "run" : "load", err);
 }

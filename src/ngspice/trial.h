@@ -9,7 +9,7 @@
 
 #include "ngspice/child.h"
 #include "ngspice/circuit.h"
-#include "ngspice/complaints.h"
+#include "ngspice/solver_errors.h"
 
 /* All is borrowed. */
 typedef struct vs_trial {
@@ -19,12 +19,12 @@ typedef struct vs_trial {
   vs_child_end (*attempt)(const struct vs_trial *trial);
   const vs_circuit_job *job;
   const vs_circuit_host *host;
-  char **lines;              /* of the job's netlist as ngspice gets it, and what follows them */
-  vs_complaints *complaints; /* those that attempt() gathers */
+  char **lines;                 /* of the job's netlist as ngspice gets it, and what follows them */
+  vs_solver_errors *complaints; /* those that attempt() gathers */
 } vs_trial;
 
-/* Tries the netlist, where that is needed; else begins a guard (ngspice/guard.h). Errors: VS_INPUT,
- * the netlist is no good, with the line where one is found; those of vs_child_try. */
+/* Tries the netlist, where that is needed; else begins a guard (ngspice/crash_guard.h). Errors:
+ * VS_INPUT, the netlist is no good, with the line where one is found; those of vs_child_try. */
 vs_status vs_trial_first(vs_trial *trial, vs_error *err);
 
 /* Adds to the first complaint the line that causes it, if its own words do not name the line. */
@@ -32,7 +32,7 @@ void vs_trial_blame(vs_trial *trial);
 
 /* Writes " (FILE:LINE:COLUMN)", the place of the node or element that the first complaint names;
  * nothing where it names none that is found. */
-void vs_trial_place(const vs_complaints *complaints, const vs_circuit_job *job, char *text,
+void vs_trial_place(const vs_solver_errors *complaints, const vs_circuit_job *job, char *text,
                     size_t size);
 
 #endif

@@ -7,7 +7,7 @@
 
 #include "base/file.h"
 #include "base/gnuplot.h"
-#include "base/leave.h"
+#include "base/shutdown.h"
 #include "branch_output.h"
 #include "branch_points.h"
 #include "continuation.h"
@@ -36,7 +36,7 @@ static bool is_of_part(const vs_branch_point *at, const part *p) {
 
 static void add_point_of_branch(const vs_continuation *w, const vs_branch_point *at, bool largest,
                                 vs_script *script) {
-  const vs_turns *t = &at->turns;
+  const vs_orbit_extremes *t = &at->turns;
   vs_gnuplot_add(script, "%.9g %.9g\n", at->z[w->path.count],
                  1e3 * (largest ? t->largest : t->least).best.value);
 }
@@ -215,18 +215,19 @@ static vs_status refuse_tier(const vs_scene *s, vs_error *err) {
 }
 
 static vs_status follow_branch(const vs_branch_options *o, vs_scene *scene, vs_error *err) {
-  vs_along along = {0};
+  vs_branch_parameter along = {0};
   vs_continuation walk = {0};
   vs_status status = refuse_tier(scene, err);
-  if (!status) status = vs_along_read(&along, scene, &o->words, err);
-  vs_heed before = vs_leave_heed_set(VS_HEED_SOON);
+  if (!status) status = vs_branch_parameter_read(&along, scene, &o->words, err);
+  vs_shutdown_mode before = vs_shutdown_mode_set(VS_SHUTDOWN_WITH_TIMEOUT);
   if (!status) status = vs_continuation_go(&walk, &along, o->periods, o->run->stop, err);
-  vs_leave_heed_set(VS_HEED_KEEP);
-  if (!status) status = vs_along_move(&along, along.from, err); /* which the files tell of */
+  vs_shutdown_mode_set(VS_SHUTDOWN_WHEN_KEPT);
+  if (!status)
+    status = vs_branch_parameter_move(&along, along.from, err); /* which the files tell of */
   if (!status) status = say_branch(&walk, o->run, err);
-  vs_leave_heed_set(before);
+  vs_shutdown_mode_set(before);
   vs_continuation_free(&walk);
-  vs_along_free(&along);
+  vs_branch_parameter_free(&along);
   return status;
 }
 
@@ -235,7 +236,7 @@ vs_status vs_branch_command(const vs_branch_options *o, vs_error *err) {
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   scene->of_period = true;
   vs_status status = vs_scene_read(run->scene, run->sets, run->n_sets, run->tier, scene, err);
-  if (!status) vs_scene_hold(scene);
+  if (!status) vs_scene_disable_control(scene);
   scene->order.shows = !run->quiet && isatty(STDERR_FILENO);
   if (!status && !run->quiet) vs_scene_warn(scene);
   if (!status) status = follow_branch(o, scene, err);

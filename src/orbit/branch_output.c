@@ -6,9 +6,9 @@
 #include "base/csv.h"
 #include "base/units.h"
 #include "branch_points.h"
+#include "orbit_extremes.h"
 #include "run/summary.h"
 #include "run/version.h"
-#include "turns.h"
 
 enum { DIGITS = 12, SHOWN = 24 /* points in the table, besides the marks */ };
 
@@ -49,7 +49,7 @@ static double largest(const vs_branch_point *at) {
   return at->turns.largest.best.value;
 }
 static double contacts(const vs_branch_point *at) {
-  return vs_turns_contacts(&at->turns);
+  return vs_orbit_extremes_contacts(&at->turns);
 }
 static double speed(const vs_branch_point *at) {
   return at->turns.speed_m_s;
@@ -120,7 +120,7 @@ void vs_branch_output_csv(const vs_continuation *w, int digits, FILE *out) {
 /* ---- how it ended ---- */
 
 static void add_end(const vs_continuation *w, vs_text *text) {
-  const vs_along *a = w->along;
+  const vs_branch_parameter *a = w->along;
   const char *blank = *a->axis.unit ? " " : "", *unit = a->axis.unit;
   double last = w->row[w->count - 1].at.z[w->path.count];
   vs_text_add(text, "the branch ");
@@ -175,7 +175,7 @@ static void add_rows(const vs_continuation *w, const char *name, bool marks, vs_
 
 void vs_branch_output_json(const vs_continuation *w, vs_text *text) {
   static const char *const ENDS[] = {"reached", "back", "merged", "stuck", "stopped"};
-  const vs_along *a = w->along;
+  const vs_branch_parameter *a = w->along;
   vs_text end = {0};
   add_end(w, &end);
   vs_json json = vs_json_new(text);

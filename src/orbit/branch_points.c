@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "base/units.h"
-#include "flight.h"
+#include "poincare_map.h"
 
 enum { MOST = VS_BRANCH_POINT_NUMBERS };
 
@@ -35,7 +35,7 @@ static const double WHOLE_MOTION = 4;
 static const double UNMOVED = 1e-6;
 
 static void take_units(vs_branch_points *p, const double *size) {
-  const vs_along *along = p->along;
+  const vs_branch_parameter *along = p->along;
   double largest[3] = {0};
   int dof = along->scene->setup.model.dof;
   for (int j = 0; j < p->count; j++) largest[j / dof] = fmax(largest[j / dof], size[j]);
@@ -64,13 +64,13 @@ void vs_branch_points_rescale(vs_branch_points *p, vs_branch_point *at) {
 
 /* P(z) and what is known of it. */
 typedef struct image {
-  vs_flight flight;
+  vs_poincare_map flight;
   double by_key[VS_ORBIT_STATES]; /* dP/dk */
 } image;
 
 static vs_status watch_turns(void *ctx, const vs_step *step, vs_error *err) {
   (void)err;
-  vs_turns_accept(ctx, step);
+  vs_orbit_extremes_accept(ctx, step);
   return VS_OK;
 }
 
@@ -78,7 +78,7 @@ static vs_status watch_turns(void *ctx, const vs_step *step, vs_error *err) {
 static vs_status move_to(vs_branch_points *p, double key, vs_error *err) {
   const vs_axis *axis = &p->along->axis;
   vs_error why = {0};
-  vs_status status = vs_along_move(p->along, key, err);
+  vs_status status = vs_branch_parameter_move(p->along, key, err);
   if (status || (p->by && !vs_parameter_again(p->by, &why))) return status;
   vs_branch_points_end(p);
   vs_parameter *by = vs_alloc(1, sizeof *by);
@@ -93,14 +93,14 @@ static vs_status move_to(vs_branch_points *p, double key, vs_error *err) {
 /* The end of the run from the same state with another value of the key. */
 static vs_status end_at(vs_branch_points *p, const double *x, double key, double *end,
                         vs_error *err) {
-  vs_flight f;
-  vs_status status = vs_along_move(p->along, key, err);
+  vs_poincare_map f;
+  vs_status status = vs_branch_parameter_move(p->along, key, err);
   if (status) return status;
-  vs_flight_begin(&f, p->along->scene);
+  vs_poincare_map_begin(&f, p->along->scene);
   f.budget = p->budget.most[VS_BUDGET_IDEAL] ? &p->budget : NULL;
-  status = vs_flight_go(&f, x, p->periods, false, err);
+  status = vs_poincare_map_go(&f, x, p->periods, false, err);
   memcpy(end, f.end, (size_t)p->count * sizeof *end);
-  vs_flight_end(&f);
+  vs_poincare_map_end(&f);
   p->runs++;
   return status;
 }
@@ -122,28 +122,28 @@ static vs_status differ_by_key(vs_branch_points *p, const double *z, double *by_
   if (!status && end_at(p, z, hi, upper, &why)) status = end_at(p, z, hi = key, upper, err);
   if (status || lo == hi) return status ? status : vs_fail(err, VS_INPUT, "%s", why.text);
   for (int i = 0; i < p->count; i++) by_key[i] = (upper[i] - lower[i]) / (hi - lo);
-  return vs_along_move(p->along, key, err);
+  return vs_branch_parameter_move(p->along, key, err);
 }
 
 /* Runs over a period from at->z, with all derivatives but dP/dk. */
 static vs_status fly_one_period(vs_branch_points *p, vs_branch_point *at, image *to,
                                 vs_error *err) {
-  vs_turns_begin(&at->turns, &p->along->scene->setup.model);
+  vs_orbit_extremes_begin(&at->turns, &p->along->scene->setup.model);
   const vs_observer also = {&at->turns, watch_turns};
   to->flight.also = &also;
-  vs_status status = vs_flight_go(&to->flight, at->z, p->periods, true, err);
+  vs_status status = vs_poincare_map_go(&to->flight, at->z, p->periods, true, err);
   to->flight.also = NULL;
   p->runs++;
   return status;
 }
 
-/* Makes the image of the point; vs_flight_end it where it has a scene. */
+/* Makes the image of the point; vs_poincare_map_end it where it has a scene. */
 static vs_status map_point(vs_branch_points *p, vs_branch_point *at, image *to, vs_error *err) {
   vs_error why = {0};
   *to = (image){0};
   vs_status status = move_to(p, at->z[p->count], err);
   if (status) return status;
-  vs_flight_begin(&to->flight, p->along->scene);
+  vs_poincare_map_begin(&to->flight, p->along->scene);
   to->flight.budget = p->budget.most[VS_BUDGET_IDEAL] ? &p->budget : NULL;
   to->flight.parameter = p->by;
   bool known = !fly_one_period(p, at, to, &why);
@@ -207,7 +207,7 @@ static void measure_room(vs_branch_point *at, const vs_model *m) {
 /* What the last run of the iteration tells of the orbit. */
 static vs_status conclude_point(const vs_branch_points *p, vs_branch_point *at, image *im,
                                 vs_error *err) {
-  const vs_flight *f = &im->flight;
+  const vs_poincare_map *f = &im->flight;
   double monodromy[VS_ORBIT_STATES][VS_ORBIT_STATES], scale[VS_ORBIT_STATES];
   if (!f->given->setup.timeline.firing.no_valve && f->flux_wb != 0)
     return vs_fail(err, VS_RUN,
@@ -262,7 +262,7 @@ static vs_status improve_point(vs_branch_points *p, const vs_branch_plane *plane
     at->iterations++;
   }
   if (!status && *done) status = conclude_point(p, at, &im, err);
-  if (im.flight.scene) vs_flight_end(&im.flight);
+  if (im.flight.scene) vs_poincare_map_end(&im.flight);
   return status;
 }
 
@@ -287,7 +287,7 @@ vs_status vs_branch_points_solve(vs_branch_points *p, const vs_branch_plane *pla
 
 /* ---- the beginning ---- */
 
-vs_status vs_branch_points_begin(vs_branch_points *p, vs_along *along, int periods,
+vs_status vs_branch_points_begin(vs_branch_points *p, vs_branch_parameter *along, int periods,
                                  vs_branch_point *first, vs_error *err) {
   const vs_shooting how = {.periods = periods, .unguarded = true, .quietly = true};
   vs_orbit orbit;

@@ -11,9 +11,9 @@
 #ifndef VS_ORBIT_BRANCH_POINTS_H
 #define VS_ORBIT_BRANCH_POINTS_H
 
-#include "orbit/along.h"
+#include "orbit/branch_parameter.h"
 #include "orbit/shooting.h"
-#include "turns.h"
+#include "orbit_extremes.h"
 
 /* The numbers of z at most: the states, and the key behind the last of them. */
 enum { VS_BRANCH_POINT_NUMBERS = VS_ORBIT_STATES + 1 };
@@ -31,17 +31,17 @@ typedef struct vs_branch_point {
                      the motion: the nearest; INFINITY: one period was asked for */
   vs_multiplier multiplier[VS_ORBIT_STATES]; /* the largest first */
   int unstable;                              /* how many lie on the unit circle or beyond */
-  vs_turns turns;
+  vs_orbit_extremes turns;
   double pole_m; /* how far the least travel is from the pole cover, where no stop is before it, m;
                     NaN: that is no bound of this machine */
   double iron_m; /* the gap that is left at the least travel, pole cover and all, m; likewise */
 } vs_branch_point;
 
 typedef struct vs_branch_points {
-  vs_along *along;  /* borrowed */
-  vs_parameter *by; /* the key as a parameter of the run; owned; NULL: not yet */
-  int periods;      /* n: P is the run over as many firing periods */
-  int count;        /* of the states; z[count] is the key */
+  vs_branch_parameter *along; /* borrowed */
+  vs_parameter *by;           /* the key as a parameter of the run; owned; NULL: not yet */
+  int periods;                /* n: P is the run over as many firing periods */
+  int count;                  /* of the states; z[count] is the key */
   double unit[VS_BRANCH_POINT_NUMBERS]; /* what counts as 1 along each number of z */
   vs_budget budget;                     /* of the runs; without a limit where `most` is 0 */
   long runs;                            /* over a period, that were made so far */
@@ -63,7 +63,7 @@ void vs_branch_points_end(vs_branch_points *path);
  * the units are those of that orbit, and of the key's range. The point's way leads from
  * along->from to along->to. Errors: those of vs_shooting_seek; VS_RUN, the orbit found has a
  * smaller period. */
-vs_status vs_branch_points_begin(vs_branch_points *path, vs_along *along, int periods,
+vs_status vs_branch_points_begin(vs_branch_points *path, vs_branch_parameter *along, int periods,
                                  vs_branch_point *first, vs_error *err);
 
 /* Takes the units from the size of the motion at the point, and brings its way over to them. */

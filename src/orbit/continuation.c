@@ -240,12 +240,12 @@ static const double AHEAD = 1e-3;
 
 /* Does the scene allow values of the key ahead of the point, within the range? Says why not. */
 static bool is_allowed_ahead(vs_continuation *w, const vs_branch_point *a) {
-  const vs_along *along = w->along;
+  const vs_branch_parameter *along = w->along;
   int k = w->path.count;
   double key = a->z[k] + copysign(AHEAD * w->path.unit[k], a->way[k]);
   vs_error err = {0};
   if (key < fmin(along->from, along->to) || key > fmax(along->from, along->to)) return true;
-  if (!vs_along_move(w->along, key, &err)) return true;
+  if (!vs_branch_parameter_move(w->along, key, &err)) return true;
   snprintf(w->why, sizeof w->why, "behind it the scene is refused: %.450s", err.text);
   return false;
 }
@@ -296,7 +296,7 @@ static bool take_point_of_walk(vs_continuation *w, const vs_branch_point *b) {
 
 /* Takes the step from the last point of the walk. Returns true where the walk ends. */
 static bool walk_on(vs_continuation *w, vs_branch_point *a, double *length) {
-  const vs_along *along = w->along;
+  const vs_branch_parameter *along = w->along;
   vs_branch_point b;
   w->end = VS_CONTINUATION_STUCK;
   if (*length < AHEAD && !is_allowed_ahead(w, a)) return true;
@@ -325,7 +325,7 @@ static void look_at_budget(vs_continuation *w) {
            b->most[VS_BUDGET_IDEAL], w->count - w->marks);
 }
 
-vs_status vs_continuation_go(vs_continuation *w, vs_along *along, int periods,
+vs_status vs_continuation_go(vs_continuation *w, vs_branch_parameter *along, int periods,
                              const volatile sig_atomic_t *stop, vs_error *err) {
   vs_branch_point a;
   *w = (vs_continuation){.along = along};

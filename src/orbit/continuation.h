@@ -29,7 +29,7 @@ typedef enum vs_continuation_end {
 
 /* Free with vs_continuation_free, also after an error. */
 typedef struct vs_continuation {
-  vs_along *along; /* borrowed */
+  vs_branch_parameter *along; /* borrowed */
   vs_branch_points path;
   vs_continuation_row
       *row; /* in the order along the branch, marks between their neighbours; owned */
@@ -42,7 +42,7 @@ typedef struct vs_continuation {
 /* Walks. stop: set by a signal, the walk ends behind the next point. Errors: those of
  * vs_branch_points_begin, where nothing is found. A walk that is stuck, spent or stopped is no
  * error; walk->end says so. */
-vs_status vs_continuation_go(vs_continuation *walk, vs_along *along, int periods,
+vs_status vs_continuation_go(vs_continuation *walk, vs_branch_parameter *along, int periods,
                              const volatile sig_atomic_t *stop, vs_error *err);
 void vs_continuation_free(vs_continuation *walk);
 

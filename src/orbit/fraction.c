@@ -59,9 +59,10 @@ static vs_status accept_step_of_fraction(void *ctx, const vs_step *step, const v
 
 /* Runs a period of the orbit, for K. With a circuit, `pilot` finds the orbit before; else it is
  * NULL. */
-static vs_status measure_throw(search *s, const vs_orbit *orbit, vs_pilot *pilot, vs_error *err) {
+static vs_status measure_throw(search *s, const vs_orbit *orbit, vs_orbit_search *pilot,
+                               vs_error *err) {
   vs_throw thrown = {0};
-  const vs_guest guest = {.ctx = &thrown, .accept = accept_step_of_fraction};
+  const vs_session_listener guest = {.ctx = &thrown, .accept = accept_step_of_fraction};
   const vs_session session = {
       .guest = &guest, .bare = true, .unguarded = !pilot, .stop = s->scene->order.stop};
   vs_scene *along = vs_alloc(1, sizeof *along);

@@ -55,7 +55,7 @@ static vs_status read_with(const vs_parameter *p, double value, vs_scene *other,
   other->held = s->held;
   other->of_period = s->of_period;
   vs_status status = vs_tree_set(&other->tree, text, err);
-  return status ? status : vs_scene_settle(other, s->tier->name, err);
+  return status ? status : vs_scene_read_sections(other, s->tier->name, err);
 }
 
 static void free_near(vs_parameter *p) {
@@ -257,7 +257,7 @@ vs_status vs_parameter_again(vs_parameter *p, vs_error *err) {
   for (int k = 1; k < ALL && !status; k++) {
     print_value(p, key_of_scene(p, k), text);
     vs_tree_put(&p->scene[k]->tree, p->key.name, text, (vs_where){0});
-    status = vs_scene_again(p->scene[k], err);
+    status = vs_scene_reread(p->scene[k], err);
   }
   return status;
 }

@@ -7,12 +7,12 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "copies.h"
-#include "corrections.h"
-#include "creep.h"
+#include "convergence.h"
 #include "engine/budget.h"
 #include "engine/propagator.h"
 #include "orbit/shooting.h"
+#include "process_copies.h"
+#include "slow_modes.h"
 
 /* ---- a search: the prelude of one run ---- */
 
@@ -45,9 +45,9 @@ typedef struct vs_picard_search {
                                     last one */
   double (
       *between)[VS_MOST_STATES]; /* the states at the ends of the pass's firing periods; owned */
-  vs_corrections corrections;
-  vs_copies copies;
-  vs_creep creep;
+  vs_convergence corrections;
+  vs_process_copies copies;
+  vs_slow_modes creep;
   search_pass pass;
   int steered;                       /* passes that were steered */
   int left;                          /* so many passes more the machine is left to itself */
@@ -120,7 +120,7 @@ static void search_begin(vs_picard_search *s, const vs_setup *setup) {
                           .next = s->next,
                           .between = s->between,
                           .count = 2 * setup->model.dof};
-  vs_corrections_begin(&s->corrections, setup->run.tolerance);
+  vs_convergence_begin(&s->corrections, setup->run.tolerance);
   memcpy(s->x, orbit->x, sizeof s->x);
   search_go_on(s, s->x);
   search_invert(s);
@@ -167,7 +167,7 @@ static vs_status pairs_begin(vs_picard_search *s, vs_error *err) {
   }
   s->pass = PASS_FIRST;
   search_go_on(s, s->x);
-  return vs_copies_send(&s->copies, s->count, start, s->next, err);
+  return vs_process_copies_send(&s->copies, s->count, start, s->next, err);
 }
 
 static double pairs_residual(const vs_picard_search *s, const double *from, const double *to) {
@@ -180,16 +180,16 @@ static double pairs_residual(const vs_picard_search *s, const double *from, cons
  * the residual there; INFINITY: all have failed. *inside: this is a copy. */
 static double try_steps(vs_picard_search *s, const double *step, bool *inside, vs_error *err) {
   double start[TRIALS][MOST], part = 1, best = INFINITY;
-  vs_copies_told told[VS_COPIES_MOST];
+  vs_process_copies_told told[VS_COPIES_MOST];
   bool came[VS_COPIES_MOST];
   for (int k = 0; k < TRIALS; k++, part *= SHORTER)
     for (int j = 0; j < s->count; j++) start[k][j] = s->pair[0][j] + part * step[j];
   *inside = false;
   if (search_take(s, 2 * TRIALS, err)) return INFINITY;
-  if (vs_copies_send(&s->copies, TRIALS, start, s->next, err)) return INFINITY;
+  if (vs_process_copies_send(&s->copies, TRIALS, start, s->next, err)) return INFINITY;
   *inside = s->copies.inside;
   if (*inside) return 0;
-  vs_copies_await(&s->copies, told, came);
+  vs_process_copies_await(&s->copies, told, came);
   for (int k = 0; k < TRIALS; k++) {
     double off = came[k] ? pairs_residual(s, told[k].z[0], told[k].z[1]) : INFINITY;
     if (!(off < best)) continue;
@@ -202,8 +202,8 @@ static double try_steps(vs_picard_search *s, const double *step, bool *inside, v
 /* Passes are steered again: corrections before count no more. */
 static void steer_again(vs_picard_search *s) {
   s->pass = PASS_STEERED;
-  vs_corrections_begin(&s->corrections, s->setup->run.tolerance);
-  vs_creep_begin(&s->creep, s->creep.deck, s->creep.tolerance, s->creep.period_s);
+  vs_convergence_begin(&s->corrections, s->setup->run.tolerance);
+  vs_slow_modes_begin(&s->creep, s->creep.deck, s->creep.tolerance, s->creep.period_s);
 }
 
 /* Pairs have come to nothing: is the machine on another orbit? */
@@ -255,7 +255,8 @@ static vs_status end_pair(vs_picard_search *s, vs_error *err) {
   bool inside;
   vs_error why = {0};
   double before = pairs_residual(s, s->pair[0], s->pair[1]), step[MOST] = {0};
-  vs_status status = vs_copies_map(&s->copies, s->pair, s->scale, s->orbit->monodromy, &why);
+  vs_status status =
+      vs_process_copies_map(&s->copies, s->pair, s->scale, s->orbit->monodromy, &why);
   memcpy(s->orbit->scale, s->scale, sizeof s->scale);
   memcpy(s->x, s->pair[1], sizeof s->x);
   s->corrections.last = before;
@@ -312,7 +313,7 @@ static void correct_by_newton(vs_picard_search *s, const double *end) {
     s->x[j] += step[j];
     size = fmax(size, fabs(step[j]) / s->scale[j]);
   }
-  vs_corrections_take(&s->corrections, size);
+  vs_convergence_take(&s->corrections, size);
 }
 
 /* ---- Phi of the machine's swing alone ---- */
@@ -370,11 +371,12 @@ static vs_status look_aside(const vs_picard *p, const vs_knot *end, double part,
                             side *to, vs_error *err) {
   vs_picard_search *s = p->search;
   double orbit[MOST + 1];
-  vs_status status = vs_copies_fork(&s->copies, &s->setup->model, s->scale, part, x, err);
+  vs_status status = vs_process_copies_fork(&s->copies, &s->setup->model, s->scale, part, x, err);
   if (status || s->copies.inside) return status;
   memcpy(orbit, s->x, (size_t)s->count * sizeof *orbit);
   orbit[s->count] = end->flux_wb;
-  return vs_copies_hear(&s->copies, orbit, s->scale, p->known_to, to->multiplier, &to->found, err);
+  return vs_process_copies_hear(&s->copies, orbit, s->scale, p->known_to, to->multiplier,
+                                &to->found, err);
 }
 
 /* How far the largest multipliers of the two sides lie apart. */
@@ -479,8 +481,8 @@ static void begin_search(void *self, const vs_setup *setup) {
     s->pass = PASS_FREE;
     s->left = FREE_SWING;
   }
-  vs_creep_begin(&s->creep, &setup->deck, vs_corrections_crept * setup->run.tolerance,
-                 p->pilot.period_s);
+  vs_slow_modes_begin(&s->creep, &setup->deck, vs_convergence_crept * setup->run.tolerance,
+                      p->pilot.period_s);
 }
 
 static void accept_step_of_search(void *self, const vs_step *step) {
@@ -488,14 +490,14 @@ static void accept_step_of_search(void *self, const vs_step *step) {
   for (int j = 0; j < s->count; j++) s->peak[j] = fmax(s->peak[j], fabs(step->to->x[j]));
   s->peak[s->count] = fmax(s->peak[s->count], fabs(step->to->flux_wb));
   s->travel_m = fmax(s->travel_m, fabs(vs_mechanics_travel(&s->setup->model, step->to->x)));
-  vs_creep_accept(&s->creep, step);
+  vs_slow_modes_accept(&s->creep, step);
 }
 
 /* Error: the search has gone on for too long, and why it did. */
 static vs_status check_search_goes_on(const vs_picard *p, vs_error *err) {
   const vs_picard_search *s = p->search;
   const char *name = "";
-  const vs_creep_probe *creeps = vs_creep_worst(&s->creep, &name);
+  const vs_slow_modes_probe *creeps = vs_slow_modes_worst(&s->creep, &name);
   if (isfinite(s->corrections.last) && s->steered < MOST_PASSES) return VS_OK;
   if (creeps && s->corrections.last <= s->corrections.wanted)
     return vs_fail(err, VS_RUN, "%s still creeps by %.2g of its largest size a period", name,
@@ -541,26 +543,26 @@ static vs_status end_period_of_search(void *self, const vs_knot *end, bool *begi
    * pass of a pair, or of a free swing, is for pairs_turn. */
   s->passed = 0;
   if (s->copies.inside) {
-    vs_copies_pass(&s->copies, end);
+    vs_process_copies_pass(&s->copies, end);
     return VS_OK;
   }
   if (s->pass != PASS_STEERED) return pairs_turn(s, end, err);
   /* Newton's step, but not behind a pass in which a flux was moved. */
   s->steered++;
-  bool clean = vs_creep_turn(&s->creep, end);
+  bool clean = vs_slow_modes_turn(&s->creep, end);
   if (clean)
     correct_by_newton(s, end->x);
   else /* the machine goes back to where it was; what was moved may have been what crept */
-    vs_corrections_forget(&s->corrections);
+    vs_convergence_forget(&s->corrections);
   if (is_lost(s)) {
     memcpy(s->x, end->x, sizeof s->x);
     return pairs_begin(s, err);
   }
   /* The run begins where the corrections are small enough, and nothing creeps any more. */
   memcpy(p->pilot.x, s->x, sizeof s->x);
-  bool next_clean =
-      vs_creep_is_told(&s->creep) && s->creep.area_v_s == 0 && !vs_creep_worst(&s->creep, &name);
-  *begins = clean && next_clean && vs_corrections_close(&s->corrections);
+  bool next_clean = vs_slow_modes_is_told(&s->creep) && s->creep.area_v_s == 0 &&
+                    !vs_slow_modes_worst(&s->creep, &name);
+  *begins = clean && next_clean && vs_convergence_close(&s->corrections);
   status = *begins ? take_orbit(p, end, begins, err) : check_search_goes_on(p, err);
   if (*begins) vs_budget_end(s->budget);
   return status;
@@ -568,12 +570,12 @@ static vs_status end_period_of_search(void *self, const vs_knot *end, bool *begi
 
 static double push_of_search(void *self, double t_s) {
   const vs_picard_search *s = ((vs_picard *)self)->search;
-  return s->passed == 0 ? vs_creep_push(&s->creep, t_s) : 0;
+  return s->passed == 0 ? vs_slow_modes_push(&s->creep, t_s) : 0;
 }
 
 static void end_search(void *self) {
   const vs_picard_search *s = ((vs_picard *)self)->search;
-  if (s->copies.inside) vs_copies_fail(&s->copies);
+  if (s->copies.inside) vs_process_copies_fail(&s->copies);
   vs_budget_end(s->budget);
 }
 
@@ -635,17 +637,17 @@ vs_status vs_picard_new(const vs_scene *scene, int periods, bool wants_multiplie
   }
   memcpy(p->guess, p->orbit.x, sizeof p->guess);
   p->search->between = vs_alloc((size_t)periods, sizeof *p->search->between);
-  p->pilot = (vs_pilot){.self = p,
-                        .period_s = p->orbit.period_s / p->orbit.n,
-                        .of_orbit = p->orbit.n,
-                        .most = (MOST_PASSES + PAIR_PASSES + VS_COPIES_PERIODS) * periods +
-                                LONG_FREE_SWING,
-                        .begin = begin_search,
-                        .accept = accept_step_of_search,
-                        .turn = end_period_of_search,
-                        .push = push_of_search,
-                        .end = end_search,
-                        .free = free_search_pilot};
+  p->pilot = (vs_orbit_search){.self = p,
+                               .period_s = p->orbit.period_s / p->orbit.n,
+                               .of_orbit = p->orbit.n,
+                               .most = (MOST_PASSES + PAIR_PASSES + VS_COPIES_PERIODS) * periods +
+                                       LONG_FREE_SWING,
+                               .begin = begin_search,
+                               .accept = accept_step_of_search,
+                               .turn = end_period_of_search,
+                               .push = push_of_search,
+                               .end = end_search,
+                               .free = free_search_pilot};
   *picard = p;
   return VS_OK;
 }

@@ -7,13 +7,13 @@
 #include <string.h>
 
 #include "engine/firing.h"
-#include "flight.h"
 #include "plant/coil.h"
+#include "poincare_map.h"
 
 enum { MOST = VS_ORBIT_STATES };
 
 vs_setup vs_shooting_setup(const vs_scene *scene, const vs_run_values *run, const vs_orbit *orbit) {
-  return vs_flight_setup(scene, run, orbit->x);
+  return vs_poincare_map_setup(scene, run, orbit->x);
 }
 
 /* ---- Newton's iteration ---- */
@@ -22,7 +22,7 @@ vs_setup vs_shooting_setup(const vs_scene *scene, const vs_run_values *run, cons
  * of its kind. */
 static const double UNMOVED = 1e-9;
 
-static void find_scales(const vs_flight *f, int dof, vs_orbit *o) {
+static void find_scales(const vs_poincare_map *f, int dof, vs_orbit *o) {
   double largest[3] = {0};
   for (int j = 0; j < o->count; j++) largest[j / dof] = fmax(largest[j / dof], f->size[j]);
   for (int j = 0; j < o->count; j++) {
@@ -55,9 +55,9 @@ static bool solve_shooting_step(const vs_orbit *o, const double *end, double *d)
 
 /* One iteration: runs the periods from x with derivatives, and corrects x by Newton's step; *change
  * is the correction relative to scale. */
-static vs_status improve_start(vs_flight *f, vs_orbit *o, double *change, vs_error *err) {
+static vs_status improve_start(vs_poincare_map *f, vs_orbit *o, double *change, vs_error *err) {
   double d[MOST];
-  vs_status status = vs_flight_go(f, o->x, o->n, true, err);
+  vs_status status = vs_poincare_map_go(f, o->x, o->n, true, err);
   for (int i = 0; i < o->count && !status; i++)
     for (int j = 0; j < o->count; j++) o->monodromy[i][j] = vs_variation_get(&f->variation, i, j);
   if (status) return status;
@@ -79,7 +79,7 @@ static vs_status improve_start(vs_flight *f, vs_orbit *o, double *change, vs_err
 static const double CLOSED = 1e-12, STALLED = 1e-9;
 enum { MOST_ITERATIONS = VS_ORBIT_ITERATIONS / 2 };
 
-static vs_status iterate_newton(vs_flight *f, vs_orbit *o, vs_error *err) {
+static vs_status iterate_newton(vs_poincare_map *f, vs_orbit *o, vs_error *err) {
   double change = INFINITY, before = INFINITY;
   for (int k = 0; k < MOST_ITERATIONS; k++) {
     vs_error why = {0};
@@ -109,7 +109,7 @@ static vs_status iterate_newton(vs_flight *f, vs_orbit *o, vs_error *err) {
 static const double REPEATS = 1e-8;
 
 /* The least number of firing periods after which the state repeats: a divisor of n. */
-static int least_period(const vs_flight *f, const vs_orbit *o) {
+static int least_period(const vs_poincare_map *f, const vs_orbit *o) {
   for (int k = 1; k < o->n; k++) {
     double off = 0;
     if (o->n % k) continue;
@@ -162,7 +162,7 @@ const char *vs_shooting_weakens(const vs_scene *s) {
 }
 
 /* Refuses what was found where it is no orbit of the machine, or none of this period. */
-static vs_status judge_orbit_found(const vs_flight *f, const vs_shooting *how, vs_orbit *o,
+static vs_status judge_orbit_found(const vs_poincare_map *f, const vs_shooting *how, vs_orbit *o,
                                    vs_error *err) {
   const vs_model *m = &f->given->setup.model;
   if (!how->unguarded && vs_mechanics_closed(m, f->deepest_m))
@@ -207,10 +207,10 @@ static void put_start(const vs_scene *s, double x[MOST]) {
 }
 
 /* Runs on from o->x for so many firing periods, without derivatives. */
-static vs_status march_to_orbit(vs_flight *f, int periods, vs_orbit *o, vs_error *err) {
+static vs_status march_to_orbit(vs_poincare_map *f, int periods, vs_orbit *o, vs_error *err) {
   const vs_model *m = &f->given->setup.model;
   vs_error why = {0};
-  vs_status status = vs_flight_go(f, o->x, periods, false, &why);
+  vs_status status = vs_poincare_map_go(f, o->x, periods, false, &why);
   if (!status) memcpy(o->x, f->end, (size_t)o->count * sizeof *o->x);
   if (!status) return VS_OK;
   if (!isnan(f->beyond_s))
@@ -226,7 +226,7 @@ static vs_status march_to_orbit(vs_flight *f, int periods, vs_orbit *o, vs_error
 
 /* Newton's iteration from o->x, and once more where the orbit repeats earlier, as its own map is
  * another one. */
-static vs_status close_in(vs_flight *f, vs_orbit *o, vs_error *err) {
+static vs_status close_in(vs_poincare_map *f, vs_orbit *o, vs_error *err) {
   o->iterations = 0;
   vs_status status = iterate_newton(f, o, err);
   int least = status ? o->n : least_period(f, o);
@@ -244,8 +244,9 @@ static vs_status close_in(vs_flight *f, vs_orbit *o, vs_error *err) {
 /* Where the orbit found is unstable, the machine may have been marched to one of a longer period;
  * where none is found, to one of any other. That is looked for from the state x, where the march
  * ended. `missing` says why none is found; it is NULL where one is. */
-static vs_status refuse_subharmonic(vs_flight *f, const vs_shooting *how, const double x[MOST],
-                                    vs_orbit *o, const char *missing, vs_error *err) {
+static vs_status refuse_subharmonic(vs_poincare_map *f, const vs_shooting *how,
+                                    const double x[MOST], vs_orbit *o, const char *missing,
+                                    vs_error *err) {
   enum { LONGEST = 6 };
   vs_orbit other = *o;
   int least = missing ? 0 : o->n;
@@ -279,7 +280,8 @@ static vs_status refuse_subharmonic(vs_flight *f, const vs_shooting *how, const 
 }
 
 /* Alternates runs that let fast transients decay with Newton's iteration, until that converges. */
-static vs_status seek_orbit(vs_flight *f, const vs_shooting *how, vs_orbit *o, vs_error *err) {
+static vs_status seek_orbit(vs_poincare_map *f, const vs_shooting *how, vs_orbit *o,
+                            vs_error *err) {
   double x[MOST] = {0};
   vs_status status = VS_RUN;
   vs_error why = {0};
@@ -323,16 +325,16 @@ vs_status vs_shooting_seek(const vs_scene *scene, const vs_shooting *how, vs_orb
                    "is not known",
                    scene->tier->name);
   if (status) return status;
-  vs_flight flight;
+  vs_poincare_map flight;
   vs_budget own = {.what = "periodic orbit",
                    .of = scene->order.budget,
                    .most = {MOST_CYCLES, 1},
                    .shows = scene->order.shows && !scene->order.budget};
-  vs_flight_begin(&flight, scene);
+  vs_poincare_map_begin(&flight, scene);
   flight.budget = &own;
   o->count = flight.states;
   status = seek_orbit(&flight, how, o, err);
-  vs_flight_end(&flight);
+  vs_poincare_map_end(&flight);
   vs_budget_end(&own);
   return status;
 }

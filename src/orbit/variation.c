@@ -8,7 +8,7 @@
 
 #include "base/text.h"
 #include "engine/propagator.h"
-#include "forcing.h"
+#include "parameter_rates.h"
 #include "plant/coil.h"
 
 void vs_variation_begin(vs_variation *v, const vs_setup *setup) {
@@ -135,14 +135,14 @@ static void add_parameter_rates(const part *of, double t_s, double *rate) {
   const vs_model *m = v->model;
   double y[VS_CH_MOST], own[VS_VARIATION_MOST];
   vs_step_groups_at(of->step, t_s, VS_GROUP_VELOCITIES, y);
-  const vs_forcing_place place = {.frame = of->step->frame,
-                                  .t_s = t_s,
-                                  .q = y + VS_CH_Q,
-                                  .rate = y + vs_channel_rates(m),
-                                  .flux_wb = y[VS_CH_LAMBDA],
-                                  .conducting = v->conducting,
-                                  .touched = v->touched};
-  vs_forcing_rates(v->parameter, &place, own);
+  const vs_parameter_rates_place place = {.frame = of->step->frame,
+                                          .t_s = t_s,
+                                          .q = y + VS_CH_Q,
+                                          .rate = y + vs_channel_rates(m),
+                                          .flux_wb = y[VS_CH_LAMBDA],
+                                          .conducting = v->conducting,
+                                          .touched = v->touched};
+  vs_parameter_rates_rates(v->parameter, &place, own);
   for (int i = 0; i < v->rows; i++) rate[i] += own[i];
 }
 
@@ -256,7 +256,7 @@ static vs_status jump_at_instant(vs_variation *v, const vs_step *step, vs_error 
   for (int j = 0; j < all_columns(v); j++) {
     double *s = v->s + j * v->rows, way = flux ? s[2 * m->dof] : vs_mechanics_travel(m, s);
     if (j == v->columns && v->parameter && !flux)
-      way += vs_forcing_surface(v->parameter, stop, step->from->x);
+      way += vs_parameter_rates_surface(v->parameter, stop, step->from->x);
     for (int i = 0; i < v->rows; i++) s[i] += (after[i] - before[i]) * (way / rate);
     if (flux) s[2 * m->dof] = 0;
     moved_s = -way / rate; /* the last column's stays */

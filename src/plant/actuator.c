@@ -165,7 +165,7 @@ static vs_status refuse_unused(const vs_law *law, const vs_node *map, vs_error *
     for (const vs_law *const *l = vs_actuator_laws; *l && !own; l++)
       own = is_one_of(n->key, (*l)->keys);
     if (own && !is_one_of(n->key, law->keys))
-      status = vs_error_carry_on(
+      status = vs_error_keep(
           err, vs_fail_at(err, n->key_where,
                           "actuator.%s: law %s has no use for it; leave it out, or choose a law "
                           "that has",

@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "base/memo.h"
+#include "base/section_cache.h"
 #include "expression.h"
 #include "plant/machine.h"
 #include "plant/mechanics.h"
@@ -18,7 +18,8 @@
  * such; M, B, K, f0 and c of formulas; checks; and what follows from the matrices: M^-1 B, modes,
  * the speeds that step lengths follow. */
 
-/* ---- M, B and K of bodies and springs in the plane (plant/blueprint.h), for small motion ---- */
+/* ---- M, B and K of bodies and springs in the plane (plant/machine_file.h), for small motion ----
+ */
 
 enum { X, Y, TURN, MOTIONS, DOF = VS_MACHINE_COORDINATES };
 
@@ -370,8 +371,8 @@ static vs_status assemble_model(vs_machine *m, vs_model *model, vs_error *err) {
   model->alone = sole_opener(model);
   model->loaded = false;
   for (int i = 0; i < m->dof; i++) model->loaded = model->loaded || model->constant[i] != 0;
-  s = vs_error_carry_on(err, check_mass(m, model, err));
-  if (!s) s = vs_error_carry_on(err, check_stiffness(m, model, err));
+  s = vs_error_keep(err, check_mass(m, model, err));
+  if (!s) s = vs_error_keep(err, check_stiffness(m, model, err));
   return s ? s : check_gap(m, model, err);
 }
 
@@ -564,7 +565,7 @@ static vs_status read_sections(const vs_node *scene, const vs_node *actuator, vs
   const vs_machine *machine = model->machine;
   const vs_node *load = vs_tree_child(scene, "load");
   const vs_section *section = &machine->section;
-  vs_status s = vs_error_carry_on(err, check_load(machine, load, err));
+  vs_status s = vs_error_keep(err, check_load(machine, load, err));
   if (!s)
     s = vs_field_section_read(section, vs_tree_child(scene, section->name), &model->parameters,
                               err);
@@ -587,7 +588,7 @@ vs_status vs_build_model(const vs_node *scene, vs_machine *machine, vs_model *mo
   else if (own && (!map || (map->kind == VS_NODE_TEXT && !*map->text)))
     map = own;
   vs_status s = read_sections(scene, map, model, err);
-  if (!s) s = vs_error_carry_on(err, check_auto(machine, &model->load, scene, err));
+  if (!s) s = vs_error_keep(err, check_auto(machine, &model->load, scene, err));
   if (s || vs_error_count(err) > found) return s;
   model->riding = isnan(model->load.fraction) ? vs_model_load_range.least : model->load.fraction;
   s = assemble_model(machine, model, err);
@@ -607,7 +608,7 @@ vs_status vs_build_again(const vs_node *scene, vs_machine *machine, vs_model *mo
   const char *const sections[] = {machine->section.name, "actuator", "load"};
   vs_text now = {0};
   for (size_t k = 0; k < sizeof sections / sizeof *sections; k++)
-    vs_memo_write(vs_tree_child(scene, sections[k]), &now);
+    vs_section_cache_key(vs_tree_child(scene, sections[k]), &now);
   bool same = written->length == now.length && !memcmp(written->text, now.text, now.length);
   vs_text_free(written);
   if (same && model->machine == machine && !isnan(model->load.fraction)) {

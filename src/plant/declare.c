@@ -167,13 +167,13 @@ static void make_start(vs_machine *m) {
 vs_status vs_declare_coordinates(vs_machine *m, const vs_node *map, vs_error *err) {
   vs_status s = VS_OK;
   if (!map || map->kind != VS_NODE_MAP)
-    return vs_error_carry_on(
+    return vs_error_keep(
         err, vs_fail_at(err, map ? map->where : (vs_where){m->tree.name, 1, 1},
                         "coordinates are wanted: coordinates: {x: {unit: m, text: ...}, ...}"));
   for (const vs_node *n = map->child; n && !s; n = n->next)
-    s = vs_error_carry_on(err, read_coordinate(m, n, err));
+    s = vs_error_keep(err, read_coordinate(m, n, err));
   if (!s && !m->dof && !vs_error_count(err))
-    s = vs_error_carry_on(err, vs_fail_at(err, map->where, "coordinates: one at least is wanted"));
+    s = vs_error_keep(err, vs_fail_at(err, map->where, "coordinates: one at least is wanted"));
   if (!s) make_start(m);
   return s;
 }
@@ -193,9 +193,9 @@ static vs_status take_unit(declaration *d, const vs_node *value, vs_error *err) 
   strtod(value->text, &end);
   end += strspn(end, " ");
   snprintf(d->unit, sizeof d->unit, "%s", end == value->text ? "" : end);
-  if (vs_text_beyond(value->text))
+  if (vs_text_out_of_range(value->text))
     return vs_fail_at(err, value->where, "%s: the default '%s': %s", d->what, value->text,
-                      vs_text_beyond(value->text));
+                      vs_text_out_of_range(value->text));
   if (!vs_units_known(d->unit) || !vs_units_read(value->text, d->unit, &si, why, sizeof why))
     return vs_fail_at(
         err, value->where,
@@ -228,8 +228,8 @@ static vs_status read_range(declaration *d, const vs_node *node, vs_error *err) 
   bool good = node->kind == VS_NODE_TEXT && strlen(node->text) < sizeof words;
   snprintf(words, sizeof words, "%s", good ? node->text : "");
   char *dots = strstr(words, "..");
-  const char *first = vs_text_beyond(words),
-             *beyond = first || !dots ? first : vs_text_beyond(dots + 2);
+  const char *first = vs_text_out_of_range(words),
+             *beyond = first || !dots ? first : vs_text_out_of_range(dots + 2);
   if (beyond) return vs_fail_at(err, node->where, "%s: '%s': %s", d->what, words, beyond);
   if (dots) {
     *dots = '\0';
@@ -366,10 +366,10 @@ vs_status vs_declare_parameters(vs_machine *m, const vs_node *map, vs_error *err
   vs_status s = VS_OK;
   if (map && map->kind == VS_NODE_TEXT && !*map->text) return VS_OK;
   if (map && map->kind != VS_NODE_MAP)
-    return vs_error_carry_on(err, vs_fail_at(err, map->where,
-                                             "parameters: a map is wanted: {NAME: {default: "
-                                             "20 kg, ...}, ...}"));
+    return vs_error_keep(err, vs_fail_at(err, map->where,
+                                         "parameters: a map is wanted: {NAME: {default: "
+                                         "20 kg, ...}, ...}"));
   for (const vs_node *n = map ? map->child : NULL; n && !s; n = n->next)
-    s = vs_error_carry_on(err, read_parameter(m, n, err));
+    s = vs_error_keep(err, read_parameter(m, n, err));
   return s;
 }

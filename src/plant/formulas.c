@@ -15,8 +15,8 @@
 #include <string.h>
 
 #include "derivative.h"
+#include "plant/b_source.h"
 #include "plant/coil.h"
-#include "plant/spice.h"
 #include "plant/values.h"
 
 enum { LAMBDA, Z, TERMS };             /* the terms of the formulas */
@@ -143,9 +143,9 @@ static void formula_netlist(const vs_coil *c, const char *flux, const char *gap,
   (void)lines;
   const written *w = c->own;
   const char *const terms[TERMS] = {flux, gap};
-  vs_spice_formula(current, &w->current, terms);
+  vs_b_source_formula(current, &w->current, terms);
   if (w->sign < 0) vs_text_add(force, "(-");
-  vs_spice_formula(force, &w->force, terms);
+  vs_b_source_formula(force, &w->force, terms);
   if (w->sign < 0) vs_text_add(force, ")");
 }
 

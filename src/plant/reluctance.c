@@ -13,8 +13,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "plant/b_source.h"
 #include "plant/coil.h"
-#include "plant/spice.h"
 #include "plant/values.h"
 
 /* ---- plain: the gap alone ---- */
@@ -23,7 +23,7 @@
 static void add_number_between(vs_text *text, const char *before, double number,
                                const char *after) {
   vs_text_add(text, "%s", before);
-  vs_spice_number(text, number);
+  vs_b_source_number(text, number);
   vs_text_add(text, "%s", after);
 }
 
@@ -300,7 +300,7 @@ static void leaky_netlist(const vs_coil *c, const char *flux, const char *gap, v
   const leaky_coil *l = c->own;
   l->inner.law->netlist(&l->inner, "v(lamg)", gap, lines, current, force);
   vs_text_add(lines, "Blamg 0 lamg I = %s-v(lamg)-", flux);
-  vs_spice_number(lines, l->leakage_h);
+  vs_b_source_number(lines, l->leakage_h);
   vs_text_add(lines, "*(%s)\n", current->text);
 }
 

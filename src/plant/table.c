@@ -2,7 +2,7 @@
  * Law of a file: flux linkage over gap and current as a table, from a field solver or measured. Its
  * column of forces, if it has one, is compared only, in size.
  *
- * From the co-energy Wc(z, i) of the table's flux linkages (plant/surface.h) follow, with i from
+ * From the co-energy Wc(z, i) of the table's flux linkages (plant/coenergy.h) follow, with i from
  * lambda = dWc/di,
  *
  *   W = lambda i - Wc     F = dW/dz at constant lambda = -dWc/dz at constant i
@@ -26,9 +26,9 @@
 #include "base/path.h"
 #include "base/text.h"
 #include "base/units.h"
+#include "coenergy.h"
 #include "plant/coil.h"
 #include "plant/values.h"
-#include "surface.h"
 
 /* ---- the grid of a file ---- */
 
@@ -108,8 +108,9 @@ static vs_status read_grid_row(const vs_csv *csv, const rows *r, row *out, vs_er
                         "the row has %zu cells, and its column %s is the %zu.", csv->count,
                         COLUMN[c].example, k + 1);
     double value = vs_text_to_number(csv->cell[k], &end);
-    if (vs_text_beyond(csv->cell[k]))
-      return vs_fail_at(err, csv->where[k], "'%s': %s", csv->cell[k], vs_text_beyond(csv->cell[k]));
+    if (vs_text_out_of_range(csv->cell[k]))
+      return vs_fail_at(err, csv->where[k], "'%s': %s", csv->cell[k],
+                        vs_text_out_of_range(csv->cell[k]));
     if (end == csv->cell[k] || *end || !isfinite(value))
       return vs_fail_at(err, csv->where[k], "'%s' is not a number; write one as 1.5e-3",
                         csv->cell[k]);
@@ -269,7 +270,7 @@ static void grid_free(vs_grid *g) {
 /* ---- the coil of a grid ---- */
 
 typedef struct table {
-  vs_surface surface;
+  vs_coenergy surface;
   double most_a;                        /* the largest current */
   bool has_force;                       /* the column is there */
   bool added_zero;                      /* rows of i = 0 were not */
@@ -282,10 +283,10 @@ typedef struct table {
 static void compare_forces(const vs_grid *g, table *t) {
   t->has_force = g->force_n != NULL;
   for (size_t n = 0; t->has_force && n < g->n_i; n++) {
-    vs_surface_line line = vs_surface_line_new(&t->surface, g->i_a[n]);
+    vs_coenergy_line line = vs_coenergy_line_new(&t->surface, g->i_a[n]);
     for (size_t k = 0; k < g->n_z; k++) {
       const double given = fabs(g->force_n[k * g->n_i + n]);
-      const double own = vs_surface_line_at(&line, g->z_m[k]).c[0][1];
+      const double own = vs_coenergy_line_at(&line, g->z_m[k]).c[0][1];
       const double off = fabs(given - fabs(own));
       t->largest_n = fmax(t->largest_n, given);
       if (off <= t->worst_n) continue;
@@ -293,7 +294,7 @@ static void compare_forces(const vs_grid *g, table *t) {
       t->worst_z_m = g->z_m[k];
       t->worst_i_a = g->i_a[n];
     }
-    vs_surface_line_free(&line);
+    vs_coenergy_line_free(&line);
   }
 }
 
@@ -302,12 +303,12 @@ static vs_status read_grid_into(FILE *stream, table *t, vs_error *err) {
   double at_z, at_i;
   vs_status s = grid_read(t->file, stream, &g, err);
   if (s) return s;
-  t->surface = vs_surface_new(g.z_m, g.n_z, g.i_a, g.n_i, g.flux_wb);
+  t->surface = vs_coenergy_new(g.z_m, g.n_z, g.i_a, g.n_i, g.flux_wb);
   t->most_a = g.i_a[g.n_i - 1];
   t->added_zero = g.added_zero;
   compare_forces(&g, t);
   grid_free(&g);
-  if (vs_surface_rises(&t->surface, &at_z, &at_i)) return VS_OK;
+  if (vs_coenergy_rises(&t->surface, &at_z, &at_i)) return VS_OK;
   return vs_fail_at(err, (vs_where){t->file, 1, 1},
                     "between the table's gaps, at z = %.6g m, lambda does not rise with i at %.6g "
                     "A; give more gaps there",
@@ -358,29 +359,29 @@ static vs_status table_build(const vs_actuator_values *v, const vs_node *map,
                       "actuator.law: the gap at rest, gap + pole_cover = %.9g mm, is not within "
                       "those of the table, %.9g..%.9g mm",
                       1e3 * c->gap_rest_m, 1e3 * least_m, 1e3 * most_m);
-  c->rest_h = 2 * vs_surface_at(&t->surface, 0, c->gap_rest_m).c[2][0];
+  c->rest_h = 2 * vs_coenergy_at(&t->surface, 0, c->gap_rest_m).c[2][0];
   return VS_OK;
 }
 
 static void table_end(vs_coil *c) {
   table *t = c->own;
-  if (t) vs_surface_free(&t->surface);
+  if (t) vs_coenergy_free(&t->surface);
   free(t);
   c->own = NULL;
 }
 
-static const vs_surface *surface_of(const vs_coil *c) {
+static const vs_coenergy *surface_of(const vs_coil *c) {
   return &((const table *)c->own)->surface;
 }
 
 /* The size of the current, A, and the co-energy there. */
-static vs_surface_point point_at(const vs_coil *c, double flux_wb, double z_m, double *size_a) {
-  *size_a = vs_surface_current(surface_of(c), fabs(flux_wb), z_m);
-  return vs_surface_at(surface_of(c), *size_a, z_m);
+static vs_coenergy_point point_at(const vs_coil *c, double flux_wb, double z_m, double *size_a) {
+  *size_a = vs_coenergy_current(surface_of(c), fabs(flux_wb), z_m);
+  return vs_coenergy_at(surface_of(c), *size_a, z_m);
 }
 
 static double table_current(const vs_coil *c, double flux_wb, double z_m) {
-  return copysign(vs_surface_current(surface_of(c), fabs(flux_wb), z_m), flux_wb);
+  return copysign(vs_coenergy_current(surface_of(c), fabs(flux_wb), z_m), flux_wb);
 }
 
 static double table_force(const vs_coil *c, double flux_wb, double z_m) {
@@ -398,7 +399,7 @@ static double table_energy(const vs_coil *c, double flux_wb, double z_m) {
 static void table_along(const vs_coil *c, const double flux[3], const double z[3], double i[3],
                         double f[3]) {
   double sign = flux[0] < 0 ? -1 : 1, size[3];
-  const vs_surface_point p = point_at(c, flux[0], z[0], size);
+  const vs_coenergy_point p = point_at(c, flux[0], z[0], size);
   const double w_ii = 2 * p.c[2][0], w_iz = p.c[1][1], w_zz = 2 * p.c[0][2], w_iii = 6 * p.c[3][0],
                w_iiz = 2 * p.c[2][1], w_izz = 2 * p.c[1][2], w_zzz = 6 * p.c[0][3];
   size[1] = (sign * flux[1] - w_iz * z[1]) / w_ii;
@@ -415,7 +416,7 @@ static void table_along(const vs_coil *c, const double flux[3], const double z[3
 static const char *table_beyond(const vs_coil *c, double flux_wb, double z_m, char *text,
                                 size_t size) {
   const table *t = c->own;
-  const vs_surface *s = &t->surface;
+  const vs_coenergy *s = &t->surface;
   double least_m = s->z_m[0], most_m = s->z_m[s->n_z - 1], slack = 1e-9 * most_m;
   if (z_m < least_m - slack || z_m > most_m + slack) {
     snprintf(text, size, "the gap, %.6g mm, is outside the table %s, which has %.6g..%.6g mm",

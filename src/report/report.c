@@ -8,8 +8,8 @@
 
 #include "base/file.h"
 #include "base/gnuplot.h"
-#include "page.h"
-#include "plot/album.h"
+#include "plot/study_pictures.h"
+#include "study_page.h"
 
 /* What gnuplot drew. */
 typedef struct drawing {
@@ -19,8 +19,8 @@ typedef struct drawing {
 
 typedef struct report {
   vs_folder table;
-  vs_survey survey;
-  vs_album album;
+  vs_study_results survey;
+  vs_study_pictures album;
 } report;
 
 static vs_status draw_album(const vs_picture *p, bool svg, drawing *d, vs_error *err) {
@@ -83,7 +83,7 @@ static vs_status write_report(const report *r, const vs_plot_options *o, vs_erro
     free(pixels.bytes);
   }
   vs_html html = {0};
-  if (!status) vs_page_write(&r->table, &r->survey, &r->album, svg, &html);
+  if (!status) vs_study_page_write(&r->table, &r->survey, &r->album, svg, &html);
   const drawing page = {html.text.text, html.text.length};
   if (!status) status = prepare_folder(&files[n], o->folder, "report.html", &page, err);
   for (size_t k = 0; k <= n && !status; k++) status = appear(&files[k], o->quiet, err);
@@ -105,11 +105,11 @@ vs_status vs_report_command(const vs_plot_options *o, const vs_method *const *me
     status = vs_fail(err, VS_INPUT, "--overlay %s: goes over a run; %s holds a study", o->overlay,
                      o->folder);
   if (!status) status = vs_folder_open(&r->table, o->folder, methods, err);
-  if (!status) status = vs_survey_take(&r->table, &r->survey, err);
-  if (!status) status = vs_album_make(&r->table, &r->survey, &r->album, err);
+  if (!status) status = vs_study_results_take(&r->table, &r->survey, err);
+  if (!status) status = vs_study_pictures_make(&r->table, &r->survey, &r->album, err);
   if (!status) status = o->output ? write_one(r, o, err) : write_report(r, o, err);
-  vs_album_free(&r->album);
-  vs_survey_free(&r->table, &r->survey);
+  vs_study_pictures_free(&r->album);
+  vs_study_results_free(&r->table, &r->survey);
   vs_folder_close(&r->table);
   free(r);
   return status;

@@ -6,9 +6,9 @@
 #include <string.h>
 
 #include "base/json.h"
-#include "departure.h"
+#include "curve_difference.h"
 #include "members.h"
-#include "run/amount.h"
+#include "run/engineering.h"
 
 enum { DIGITS = 12 }; /* as summary.json has */
 
@@ -205,10 +205,10 @@ static void show_measure(void *ctx, const char *name, const vs_node *a, const vs
     w->same++;
     return;
   }
-  char cell[4][VS_AMOUNT_SIZE] = {"-", "-", "-", "-"};
-  if (!isnan(one)) vs_amount_text(one, unit, cell[0]);
-  if (!isnan(other)) vs_amount_text(other, vs_member_word(b, "unit"), cell[1]);
-  if (!isnan(apart)) vs_amount_text(apart, unit, cell[2]);
+  char cell[4][VS_ENGINEERING_SIZE] = {"-", "-", "-", "-"};
+  if (!isnan(one)) vs_engineering_text(one, unit, cell[0]);
+  if (!isnan(other)) vs_engineering_text(other, vs_member_word(b, "unit"), cell[1]);
+  if (!isnan(apart)) vs_engineering_text(apart, unit, cell[2]);
   if (!isnan(relative)) snprintf(cell[3], sizeof cell[3], "%+.3g %%", 100 * relative);
   vs_text_add(w->out, "  %-26s %16s %16s %16s %11s\n", name, cell[0], cell[1], cell[2], cell[3]);
   w->rows++;
@@ -216,7 +216,7 @@ static void show_measure(void *ctx, const char *name, const vs_node *a, const vs
 
 /* ---- curves ---- */
 
-static void show_curve(writer *w, const char *name, const vs_departure *d) {
+static void show_curve(writer *w, const char *name, const vs_curve_difference *d) {
   double share = d->peak > 0 ? d->largest / d->peak : NAN, rms = d->rms / d->peak;
   if (w->json) {
     vs_json_object(w->json, name, VS_JSON_ROW);
@@ -233,13 +233,13 @@ static void show_curve(writer *w, const char *name, const vs_departure *d) {
     w->same++;
     return;
   }
-  char at[VS_AMOUNT_SIZE] = "-";
+  char at[VS_ENGINEERING_SIZE] = "-";
   w->rows++;
   if (isnan(d->largest)) {
     vs_text_add(w->out, "  %-26s is never known in both at the same time\n", name);
     return;
   }
-  vs_amount_text(d->at_s, "s", at);
+  vs_engineering_text(d->at_s, "s", at);
   vs_text_add(w->out, "  %-26s %11.4g %13.4g %12s %9.3g %% %9.3g %%\n", name, d->peak, d->largest,
               at, 100 * share, 100 * rms);
 }
@@ -249,7 +249,7 @@ static void show_curves(const vs_run_pair *p, writer *w) {
   for (size_t c = 1; c < a->columns; c++) {
     int other = vs_traces_find(b, a->name[c]);
     if (other < 1) continue;
-    vs_departure d = vs_departure_of(a, (int)c, b, other);
+    vs_curve_difference d = vs_curve_difference_of(a, (int)c, b, other);
     show_curve(w, a->name[c], &d);
   }
 }
@@ -284,12 +284,12 @@ static double end_of(const vs_traces *t) {
 
 static void add_heads(const vs_run_pair *p, vs_text *out) {
   for (int k = 0; k < 2; k++) {
-    char from[VS_AMOUNT_SIZE], until[VS_AMOUNT_SIZE];
+    char from[VS_ENGINEERING_SIZE], until[VS_ENGINEERING_SIZE];
     const vs_traces *t = &p->traces[k];
     vs_text_add(out, "%c: %s, tier %s, from %s to %s\n", "AB"[k], p -> folder[k],
                 vs_member_word(p->summary[k].root, "tier"),
-                vs_amount_text(vs_trace_time(t, 0), "s", from),
-                vs_amount_text(end_of(t), "s", until));
+                vs_engineering_text(vs_trace_time(t, 0), "s", from),
+                vs_engineering_text(end_of(t), "s", until));
   }
 }
 

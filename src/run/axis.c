@@ -115,7 +115,7 @@ static vs_status list_values(vs_axis *axis, const vs_node *list, vs_error *err) 
   if (!list->child) return vs_fail_at(err, list->where, "%s: the list is empty", axis->key);
   vs_status status = VS_OK;
   for (const vs_node *item = list->child; item && !status; item = item->next)
-    status = vs_error_carry_on(err, one_value(axis, item, err));
+    status = vs_error_keep(err, one_value(axis, item, err));
   return status;
 }
 

@@ -49,7 +49,7 @@ static void add_keys_of_maps(key_list *list, const vs_field *f, const char *memb
   }
 }
 
-static void add_keys_of_event(key_list *list, const vs_occurrence *e) {
+static void add_keys_of_event(key_list *list, const vs_scene_event *e) {
   char name[VS_KEY_SIZE];
   snprintf(name, sizeof name, "events.%s", e->name);
   const vs_section section = {name, e->kind->fields, e->kind->n_fields};
@@ -90,7 +90,7 @@ static key_list *all_keys(const vs_scene *scene) {
     add_keys_of_section(list, scene->control.section.name, &scene->control.section,
                         &scene->control.v);
   if (scene->control.observing.system)
-    add_keys_of_section(list, vs_observing_section.name, &vs_observing_section,
+    add_keys_of_section(list, vs_state_observer_section.name, &vs_state_observer_section,
                         &scene->control.observing.v);
   const vs_events *events = &setup->timeline.events;
   for (size_t e = 0; e < events->count; e++) add_keys_of_event(list, &events->item[e]);
@@ -373,12 +373,12 @@ vs_status vs_key_spreads(const vs_scene *scene, vs_spreads *spreads, vs_error *e
   spreads->count = spreads->spreads = 0;
   if (!map) return take_usual_spreads(scene, spreads, err);
   if (map->kind != VS_NODE_MAP || !map->child)
-    return vs_error_carry_on(
+    return vs_error_keep(
         err, vs_fail_at(err, map->where,
                         "spread: a map is wanted: {supply.voltage: 10 %%, circuit.r1: 5 %%}"));
   for (const vs_node *n = map->child; n && !status; n = n->next) {
     const stated t = {n->kind == VS_NODE_TEXT ? n->text : "", n->key_where, n->where};
-    status = vs_error_carry_on(err, add_spread(scene, n->key, &t, spreads, err));
+    status = vs_error_keep(err, add_spread(scene, n->key, &t, spreads, err));
   }
   return status;
 }

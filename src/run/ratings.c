@@ -251,7 +251,7 @@ vs_status vs_ratings_read(const vs_node *node, const vs_setup *setup,
       (node->kind == VS_NODE_TEXT && (!*node->text || !strcmp(node->text, vs_ratings_none))))
     return VS_OK;
   if (node->kind != VS_NODE_MAP)
-    return vs_error_carry_on(
+    return vs_error_keep(
         err, vs_fail_at(err, node->where,
                         "%s: a map is wanted: {stroke: 0.5 mm .. 1.5 mm, r1.power: .. 2 W}", KEY));
   source *s = vs_alloc(1, sizeof *s);
@@ -261,12 +261,12 @@ vs_status vs_ratings_read(const vs_node *node, const vs_setup *setup,
   s->n_channels = vs_channel_listed(&s->full, s->channels);
   for (const vs_node *n = node->child; n && !status; n = n->next) {
     if (n->kind != VS_NODE_MAP)
-      status = vs_error_carry_on(err, take_rating(s, n, n->key, ratings, err));
+      status = vs_error_keep(err, take_rating(s, n, n->key, ratings, err));
     /* {r1: {power: .. 2 W}}, as --set ratings.r1.power makes it */
     for (const vs_node *m = n->kind == VS_NODE_MAP ? n->child : NULL; m && !status; m = m->next) {
       char name[VS_NAME_SIZE];
       snprintf(name, sizeof name, "%.120s.%.120s", n->key, m->key);
-      status = vs_error_carry_on(err, take_rating(s, m, name, ratings, err));
+      status = vs_error_keep(err, take_rating(s, m, name, ratings, err));
     }
   }
   free(s);

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "engine/pace.h"
-#include "ngspice/trust.h"
+#include "ngspice/self_test.h"
 
 void vs_result_finish(vs_result *r) {
   /* The measures; and what an expected opening of a fuse has to pass is not judged. */
@@ -16,7 +16,7 @@ void vs_result_finish(vs_result *r) {
 
   /* The verdict: a line for each rating of the deck and each limit of a device, and for each rating
    * of the scene. */
-  vs_verdict_reach(r->watchers.measures, r->watchers.devices, &r->scene->expects, &r->verdict);
+  vs_verdict_make(r->watchers.measures, r->watchers.devices, &r->scene->expects, &r->verdict);
   const vs_ratings_seen seen = {.values = r->values,
                                 .watchers = &r->watchers,
                                 .quality = r->quality,
@@ -177,7 +177,7 @@ static bool fraction_is_one_of_two(const vs_result *r, char *text, size_t size) 
 static const double CRAWLS = 20;
 static const long FEW_STEPS = 20000;
 
-bool vs_result_crawls(const vs_result *r, char *text, size_t size) {
+bool vs_result_steps_are_short(const vs_result *r, char *text, size_t size) {
   const vs_setup *s = &r->scene->setup;
   double solved_s = s->run.until_s - r->watchers.absence.total_s;
   double asked = solved_s / vs_pace_largest_step(s);
@@ -254,7 +254,7 @@ static void warn_after(const vs_result *r, bool of_firing,
   if (hangs_on_latching(r, text, sizeof text)) each(ctx, text);
   const vs_devices *devices = r->watchers.devices;
   for (size_t k = 0; devices && k < devices->count; k++)
-    if (vs_devices_unclear(devices, k, text, sizeof text)) each(ctx, text);
+    if (vs_devices_fails_to_clear(devices, k, text, sizeof text)) each(ctx, text);
   if (r->watchers.strays > PROMISED) {
     snprintf(text, sizeof text,
              "p, u, w, phi, i and force may be off by %.2g times run.tolerance: the coil rings for "
@@ -296,7 +296,7 @@ void vs_result_warnings(const vs_result *r, void (*each)(void *ctx, const char *
              vs_ladder_text(r->ladder.rung), r->ladder.failed);
     each(ctx, text);
   }
-  if (s->tier->has_circuit && *vs_trust_text()) each(ctx, vs_trust_text());
+  if (s->tier->has_circuit && *vs_self_test_text()) each(ctx, vs_self_test_text());
   warn_after(r, true, each, ctx);
 }
 

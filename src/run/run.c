@@ -13,8 +13,8 @@
 #include <unistd.h>
 
 #include "base/file.h"
-#include "base/leave.h"
-#include "ngspice/guard.h"
+#include "base/shutdown.h"
+#include "ngspice/crash_guard.h"
 #include "run/result.h"
 #include "run/session.h"
 #include "run/show.h"
@@ -68,7 +68,7 @@ static vs_status read_corner(const corners_order *o, const char *tier, const vs_
              spread->item[n].unit);
     status = vs_tree_set(&scene->tree, text, err);
   }
-  if (!status) status = vs_scene_settle(scene, tier, err);
+  if (!status) status = vs_scene_read_sections(scene, tier, err);
   scene->allow_code = o->allow_code;
   return status ? status : vs_control_allow(&scene->control, o->allow_code, err);
 }
@@ -225,7 +225,7 @@ static vs_status open_files(audience *a, vs_error *err) {
                         .until_s = s->setup.run.until_s};
   vs_status status = vs_table_check(&a->table, s->tree.root, s->setup.limits.csv_bytes, err);
   if (!status) status = vs_file_folder_make(folder, &a->made, err);
-  if (!status && a->made == 1) vs_leave_remove(folder);
+  if (!status && a->made == 1) vs_shutdown_remove(folder);
   if (!status) status = vs_file_open(&a->csv, folder, "run.csv", err);
   if (!status) status = vs_file_open(&a->peaks, folder, VS_TABLE_PEAKS_FILE, err);
   if (!status) status = vs_file_open(&a->events, folder, "events.csv", err);
@@ -416,7 +416,7 @@ static void drop_attempt(void *ctx, const char *failed, int next) {
   audience *a = ctx;
   end_progress(a);
   if (a->options->folder) {
-    vs_leave_forget(a->options->folder);
+    vs_shutdown_forget(a->options->folder);
     discard_files(a);
     vs_file_folder_unmake(a->options->folder, a->made);
   }
@@ -468,7 +468,7 @@ static void print_result(const audience *a, const vs_run_more *more, const vs_re
   }
   if (!o->quiet) vs_result_warn(r);
   char text[512];
-  if (!o->quiet && vs_result_crawls(r, text, sizeof text))
+  if (!o->quiet && vs_result_steps_are_short(r, text, sizeof text))
     fprintf(stderr, "vibrospice: hint: %s\n", text);
 }
 
@@ -499,23 +499,24 @@ static vs_status judge_corners(const vs_corners *c, vs_error *err) {
 vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scene *scene,
                        vs_error *err) {
   audience a = {.options = o, .more = more, .show_progress = !o->quiet && isatty(STDERR_FILENO)};
-  const vs_guest guest = {&a, begin_files, accept_step_for_files, drop_attempt, !o->folder};
+  const vs_session_listener guest = {&a, begin_files, accept_step_for_files, drop_attempt,
+                                     !o->folder};
   const vs_session session = {
       .guest = &guest, .verify = true, .steady = o->steady, .stop = o->stop};
   vs_result *result = vs_alloc(1, sizeof *result);
   vs_text json = {0};
-  vs_heed before = vs_leave_heed_set(VS_HEED_SOON);
+  vs_shutdown_mode before = vs_shutdown_mode_set(VS_SHUTDOWN_WITH_TIMEOUT);
   scene->order.shows = a.show_progress;
   vs_status status = vs_session_run(&session, scene, result, err);
-  vs_leave_heed_set(VS_HEED_KEEP);
+  vs_shutdown_mode_set(VS_SHUTDOWN_WHEN_KEPT);
   end_progress(&a);
   result->corners = o->judged;
   if (!status && more && more->finish) more->finish(more->ctx, result);
   if (!status && (o->json || o->folder))
     vs_summary_json(result, !o->reproducible, more ? &more->summary : NULL, &json);
   if (o->folder) status = close_files(&a, status, json.text, err);
-  if (o->folder) vs_leave_forget(o->folder);
-  vs_leave_heed_set(before);
+  if (o->folder) vs_shutdown_forget(o->folder);
+  vs_shutdown_mode_set(before);
   if (!status) print_result(&a, more, result, json.text);
   if (!status && o->judged && !result->second.stopped) status = look_for_failed(o->judged, err);
   if (!status) status = vs_session_judge(result, err);
@@ -529,8 +530,8 @@ vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scen
 static vs_status read_scene_of_command(const vs_run_options *o, vs_scene *scene, vs_error *err) {
   vs_status status = vs_scene_open(o->scene, (vs_where){0}, scene, err);
   for (size_t k = 0; k < o->n_sets && !status; k++)
-    status = vs_error_carry_on(err, vs_tree_set(&scene->tree, o->sets[k], err));
-  return status ? status : vs_scene_settle(scene, o->tier, err);
+    status = vs_error_keep(err, vs_tree_set(&scene->tree, o->sets[k], err));
+  return status ? status : vs_scene_read_sections(scene, o->tier, err);
 }
 
 vs_status vs_run_command(const vs_run_options *o, vs_error *err) {
@@ -541,7 +542,7 @@ vs_status vs_run_command(const vs_run_options *o, vs_error *err) {
   scene->allow_code = o->allow_code;
   if (!status) status = vs_control_allow(&scene->control, o->allow_code, err);
   if (!status && o->raw) status = vs_scene_take_circuit(scene, "--raw", err);
-  if (!status && !o->quiet && !vs_guard_again()) vs_scene_warn(scene);
+  if (!status && !o->quiet && !vs_crash_guard_again()) vs_scene_warn(scene);
   vs_run_options own = *o;
   const corners_order order = {o->scene, o->sets,   o->n_sets, o->allow_code,
                                o->quiet, o->steady, o->stop};

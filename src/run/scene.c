@@ -64,7 +64,7 @@ static vs_status read_record(vs_scene *s, vs_error *err) {
   if (node->kind == VS_NODE_TEXT) return take_probe(s, node, err);
   vs_status status = VS_OK;
   for (const vs_node *item = node->child; item && !status; item = item->next)
-    status = vs_error_carry_on(err, take_probe(s, item, err));
+    status = vs_error_keep(err, take_probe(s, item, err));
   return status;
 }
 
@@ -87,15 +87,16 @@ static vs_status read_measured(vs_scene *s, vs_error *err) {
     s->measured[k].known = true;
     if (node->kind != VS_NODE_TEXT ||
         !vs_units_read(node->text, all[k].unit, &s->measured[k].value, why, sizeof why))
-      status = vs_error_carry_on(
-          err, vs_fail_at(err, node->where, "measured.%s: %s", names[k],
-                          node->kind == VS_NODE_TEXT ? why : "one value is wanted"));
+      status =
+          vs_error_keep(err, vs_fail_at(err, node->where, "measured.%s: %s", names[k],
+                                        node->kind == VS_NODE_TEXT ? why : "one value is wanted"));
   }
   return status;
 }
 
 static vs_status check_tolerance(const vs_scene *s, vs_error *err) {
-  if (s->setup.run.tolerance >= s->tier->finest || !vs_choice_is_known(s->tree.root, &s->setup))
+  if (s->setup.run.tolerance >= s->tier->finest ||
+      !vs_tier_choice_is_known(s->tree.root, &s->setup))
     return VS_OK;
   return vs_fail_at(err, vs_tree_place(s->tree.root, "run.tolerance"),
                     "run.tolerance: %g is finer than tier %s can hold; allowed there: %g..0.1",
@@ -118,9 +119,9 @@ static vs_status check_rows_of_csv(const vs_scene *s, vs_error *err) {
 /* What the control's observer is not told. */
 static void warn_of_observer(vs_scene *s) {
   const vs_node *section = vs_tree_child(s->tree.root, vs_control_section.name);
-  const vs_observing *o = &s->control.observing;
+  const vs_state_observer *o = &s->control.observing;
   char text[512];
-  if (o->system && vs_observing_note(o, &s->setup, text, sizeof text))
+  if (o->system && vs_state_observer_note(o, &s->setup, text, sizeof text))
     vs_fail_at(vs_warnings_add(&s->warnings), section->key_where, "%s", text);
 }
 
@@ -143,7 +144,7 @@ static void find_warnings(vs_scene *s) {
   if (s->held) take_control_off(s);
 }
 
-void vs_scene_hold(vs_scene *s) {
+void vs_scene_disable_control(vs_scene *s) {
   s->held = true;
   take_control_off(s);
 }
@@ -162,20 +163,20 @@ vs_status vs_scene_open(const char *name, vs_where where, vs_scene *s, vs_error 
 
 /* `start: steady` wants a tier that knows orbits. */
 static vs_status check_start(const vs_scene *s, vs_error *err) {
-  if (!s->setup.steady || !vs_choice_is_known(s->tree.root, &s->setup)) return VS_OK;
+  if (!s->setup.steady || !vs_tier_choice_is_known(s->tree.root, &s->setup)) return VS_OK;
   return vs_tiers_require_orbits("start: steady", s->tier, s->why,
                                  vs_tree_place(s->tree.root, "start"), err);
 }
 
 /* What follows from the setup. */
 static vs_status follow_from_setup(vs_scene *s, const char *tier, vs_error *err) {
-  vs_status status = vs_choice_make(s->tree.root, &s->setup, tier, &s->tier, s->why, err);
+  vs_status status = vs_tier_choice_make(s->tree.root, &s->setup, tier, &s->tier, s->why, err);
   if (status) return status;
   s->frame = vs_sim_frame(s->tier, &s->setup);
-  status = vs_choice_check(s->tree.root, &s->setup, s->tier, s->why, err);
-  if (!status) status = vs_error_carry_on(err, check_start(s, err));
-  if (!status) status = vs_error_carry_on(err, check_tolerance(s, err));
-  if (!status) status = vs_error_carry_on(err, check_rows_of_csv(s, err));
+  status = vs_tier_choice_check(s->tree.root, &s->setup, s->tier, s->why, err);
+  if (!status) status = vs_error_keep(err, check_start(s, err));
+  if (!status) status = vs_error_keep(err, check_tolerance(s, err));
+  if (!status) status = vs_error_keep(err, check_rows_of_csv(s, err));
   return status;
 }
 
@@ -195,7 +196,7 @@ static vs_status read_instruments(vs_scene *s, vs_error *err) {
   return status ? status : vs_control_read(section, &s->setup, &s->instruments, &s->control, err);
 }
 
-vs_status vs_scene_settle(vs_scene *s, const char *tier, vs_error *err) {
+vs_status vs_scene_read_sections(vs_scene *s, const char *tier, vs_error *err) {
   vs_status status =
       vs_field_known_keys(s->tree.root, "a scene", vs_section_keys, VS_SECTION_KEYS, err);
   s->tier_named = tier;
@@ -204,13 +205,13 @@ vs_status vs_scene_settle(vs_scene *s, const char *tier, vs_error *err) {
   if (!status) status = follow_from_setup(s, tier, err);
   if (status) return status;
   status = read_instruments(s, err);
-  if (!status) status = vs_error_carry_on(err, read_record(s, err));
+  if (!status) status = vs_error_keep(err, read_record(s, err));
   if (!status) status = read_measured(s, err);
   find_warnings(s);
   return status;
 }
 
-vs_status vs_scene_again(vs_scene *s, vs_error *err) {
+vs_status vs_scene_reread(vs_scene *s, vs_error *err) {
   if (!vs_setup_keeps_deck(s->tree.root, &s->setup)) s->order.tried = false;
   vs_status status = vs_setup_again(s->tree.root, &s->setup, err);
   if (!status) status = follow_from_setup(s, NULL, err);
@@ -229,7 +230,7 @@ vs_status vs_scene_with(const vs_scene *s, const char *const *keys, size_t n_key
   vs_tree_copy(&s->tree, &other->tree);
   vs_status status = VS_OK;
   for (size_t k = 0; k < n_keys && !status; k++) status = vs_tree_set(&other->tree, keys[k], err);
-  if (!status) status = vs_scene_settle(other, s->tier_named, err);
+  if (!status) status = vs_scene_read_sections(other, s->tier_named, err);
   return status || !s->asks ? status : vs_scene_take_circuit(other, s->asks, err);
 }
 
@@ -237,8 +238,8 @@ vs_status vs_scene_read(const char *name, char *const *sets, size_t n_sets, cons
                         vs_scene *s, vs_error *err) {
   vs_status status = vs_scene_open(name, (vs_where){0}, s, err);
   for (size_t k = 0; k < n_sets && !status; k++)
-    status = vs_error_carry_on(err, vs_tree_set(&s->tree, sets[k], err));
-  return status ? status : vs_scene_settle(s, tier, err);
+    status = vs_error_keep(err, vs_tree_set(&s->tree, sets[k], err));
+  return status ? status : vs_scene_read_sections(s, tier, err);
 }
 
 vs_status vs_scene_take_circuit(vs_scene *s, const char *asks, vs_error *err) {
@@ -257,7 +258,7 @@ vs_status vs_scene_take_circuit(vs_scene *s, const char *asks, vs_error *err) {
   s->frame = vs_sim_frame(s->tier, &s->setup);
   find_warnings(s);
   s->n_record = 0;
-  vs_status status = vs_choice_check(s->tree.root, &s->setup, s->tier, s->why, err);
+  vs_status status = vs_tier_choice_check(s->tree.root, &s->setup, s->tier, s->why, err);
   if (!status) status = check_start(s, err);
   if (!status) status = check_tolerance(s, err);
   if (!status) status = read_instruments(s, err); /* another tier has other channels */

@@ -7,8 +7,8 @@
  *   run_attempt      one attempt: scene, watchers, tier, result
  *
  * What is before it: vs_scene_read (run/scene.c) reads the scene's text, has its setup built
- * (engine/setup.c) and its tier chosen (run/choice.c). What is behind it: the verdict becomes an
- * exit code (vs_session_judge, below), a table (run/show.c) and summary.json (run/summary.c). */
+ * (engine/setup.c) and its tier chosen (run/tier_choice.c). What is behind it: the verdict becomes
+ * an exit code (vs_session_judge, below), a table (run/show.c) and summary.json (run/summary.c). */
 #include "run/session.h"
 
 #include <math.h>
@@ -19,7 +19,7 @@
 
 #include "base/text.h"
 #include "base/units.h"
-#include "run/shown.h"
+#include "run/listed_measure.h"
 
 /* One attempt at the run, which the parts below are shown. */
 typedef struct attempt {
@@ -90,7 +90,7 @@ static vs_status run_attempts(const vs_session *session, vs_scene *scene, vs_res
 
 static vs_status run_attempt(const vs_session *session, vs_scene *s, vs_result *r, vs_error *err) {
   attempt a = {session, s, r};
-  const vs_guest *guest = session->guest;
+  const vs_session_listener *guest = session->guest;
 
   /* The scene. Its guest, as the command `run` with its files, may still change what is ordered. */
   r->scene = s;
@@ -117,7 +117,7 @@ static vs_status run_attempt(const vs_session *session, vs_scene *s, vs_result *
  * control may decide the next firing by it. */
 static vs_status accept_step_of_run(void *ctx, const vs_step *step, vs_error *err) {
   const attempt *a = ctx;
-  const vs_guest *guest = a->session->guest;
+  const vs_session_listener *guest = a->session->guest;
   vs_result *r = a->result;
   r->steps++;
   if (!a->session->bare) vs_watchers_accept(&r->watchers, step);
@@ -132,9 +132,9 @@ static vs_status accept_step_of_run(void *ctx, const vs_step *step, vs_error *er
 }
 
 /* Asked where the machine swings freely from now on: true ends the run there. */
-static bool may_leave_rest(void *ctx, const vs_rest *rest) {
+static bool may_leave_rest(void *ctx, const vs_swing_rest *rest) {
   const attempt *a = ctx;
-  return vs_watchers_leave(&a->result->watchers, rest, a->session->wants);
+  return vs_watchers_may_end_early(&a->result->watchers, rest, a->session->wants);
 }
 
 /* True if nobody but the watchers looks at the run, and these need not see all of it. */
@@ -228,7 +228,7 @@ static vs_status begin_control(const vs_session *session, vs_scene *s, vs_result
  * currents. alone: nobody but the watchers will look, so that these need only see what is wanted.
  */
 static void begin_watching(const vs_session *session, vs_scene *s, vs_result *r, bool alone) {
-  const vs_guest *guest = session->guest;
+  const vs_session_listener *guest = session->guest;
   if (!session->bare) vs_watchers_begin(&r->watchers, &s->frame, alone ? session->wants : NULL);
   r->watchers.prompt =
       (guest && guest->accept && !guest->late) || s->control.regulator || s->order.junction;
@@ -245,11 +245,11 @@ static vs_status run_tier(attempt *a, bool alone, vs_error *err) {
   vs_result *r = a->result;
   vs_scene *s = a->scene;
   const vs_observer observer = {a, accept_step_of_run};
-  const vs_leaver leaver = {a, may_leave_rest};
-  vs_pilot *pilot = s->order.pilot;
+  const vs_early_end early_end = {a, may_leave_rest};
+  vs_orbit_search *pilot = s->order.pilot;
   vs_meter_pilot metered;
   s->order.stop = session->stop;
-  s->order.leaver = alone ? &leaver : NULL;
+  s->order.early_end = alone ? &early_end : NULL;
   if (pilot && r->meters) {
     vs_meter_pilot_begin(&metered, pilot, &s->instruments, r->meters);
     s->order.pilot = &metered.pilot;
@@ -264,7 +264,7 @@ static vs_status run_tier(attempt *a, bool alone, vs_error *err) {
     vs_fail_at(err, vs_tree_place(s->tree.root, "run"), "%s", plain.text);
   }
   s->order.pilot = pilot;
-  s->order.leaver = NULL;
+  s->order.early_end = NULL;
   r->wall_s = clock_s(CLOCK_MONOTONIC) - began_s;
   if (!status && s->order.pilot) /* which has found the start */
     memcpy(s->setup.start.x, s->order.pilot->x, sizeof s->setup.start.x);
@@ -325,7 +325,7 @@ static vs_status begin_on_orbit(const vs_session *session, vs_scene *scene, vs_e
 
 /* Frees the pilot that begin_on_orbit has given the scene. */
 static void leave_orbit(vs_scene *scene) {
-  vs_pilot *pilot = scene->order.pilot;
+  vs_orbit_search *pilot = scene->order.pilot;
   if (!scene->setup.steady || !pilot) return;
   scene->order.pilot = NULL;
   pilot->free(pilot->self);
@@ -390,13 +390,13 @@ static const double UNSURE = 0.03, NOTHING = 1e-6;
 /* Names the extreme of a probe that the second run has most differently. */
 static void tell_unsure(vs_result *r, const vs_result *second) {
   const vs_frame *frame = &r->scene->frame;
-  vs_shown one, other, worst = {.name = ""};
+  vs_listed_measure one, other, worst = {.name = ""};
   bool coarser = second->scene->setup.run.tolerance > r->scene->setup.run.tolerance;
   const double allowed = coarser ? 3 * UNSURE : UNSURE;
   double most = allowed, by = NAN;
   int count = 0;
-  for (int k = 0; vs_shown_at(frame, r, k, &one); k++) {
-    if (one.channel < 0 || !vs_shown_at(frame, second, k, &other)) continue;
+  for (int k = 0; vs_listed_measure_at(frame, r, k, &one); k++) {
+    if (one.channel < 0 || !vs_listed_measure_at(frame, second, k, &other)) continue;
     const vs_extreme *ends =
         vs_measures_of_probe(r->watchers.measures, one.channel - vs_channel_deck(frame->model));
     double peak = fmax(fabs(ends[0].best.value), fabs(ends[1].best.value));
@@ -460,7 +460,7 @@ static void compare_sequences(vs_result *r, const vs_result *second) {
     if (!kind->gated && !kind->melts) continue; /* a diode that rings fires nothing */
     if (vs_reducer_sequences_agree(&a->item[k].sequence, &b->item[k].sequence, window_s, &how))
       continue;
-    vs_verdict_tear(&r->verdict, a->item[k].device, how.parts_s);
+    vs_verdict_undecide_sequence(&r->verdict, a->item[k].device, how.parts_s);
     if (!name) first = how;
     if (!name) name = a->item[k].device->name;
   }
@@ -518,7 +518,7 @@ long vs_session_cycles(const vs_scene *scene) {
   return lround(fmin(fmax(ceil(setup->run.until_s / setup->timeline.period_s - 1e-9), 1), COUNTED));
 }
 
-vs_status vs_session_take(const vs_scene *scene, vs_error *err) {
+vs_status vs_session_charge_budget(const vs_scene *scene, vs_error *err) {
   return vs_budget_take(scene->order.budget, scene->tier->has_circuit, vs_session_cycles(scene),
                         err);
 }

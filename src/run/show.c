@@ -10,8 +10,8 @@
 #include "base/units.h"
 #include "engine/firing.h"
 #include "engine/tiers.h"
-#include "run/amount.h"
-#include "run/shown.h"
+#include "run/engineering.h"
+#include "run/listed_measure.h"
 #include "verdict_table.h"
 
 /* ---- the measures in groups: what the scene asks for, motion, electrical, devices, energy ---- */
@@ -57,11 +57,11 @@ static bool begins_with_recorded(const rows *r, const char *name) {
   return false;
 }
 
-static bool is_measure_asked(const rows *r, const vs_shown *m, int k) {
+static bool is_measure_asked(const rows *r, const vs_listed_measure *m, int k) {
   return measured_of(r, k) || begins_with_recorded(r, m->name);
 }
 
-static bool is_measure_wanted(const rows *r, const vs_shown *m, int k) {
+static bool is_measure_wanted(const rows *r, const vs_listed_measure *m, int k) {
   if (is_measure_asked(r, m, k)) return r->group < 0;
   if ((int)m->group != r->group) return false;
   if (r->options->most == INT_MAX) return true;
@@ -87,40 +87,42 @@ static void print_pair(const char *name, int length, const char *value, FILE *ou
 
 /* "   at 5.556 ms" */
 static void print_at(double at_s, const char *before, FILE *out) {
-  char at[VS_AMOUNT_SIZE];
-  if (!isnan(at_s)) fprintf(out, "%s%s", before, vs_amount_text(at_s, "s", at));
+  char at[VS_ENGINEERING_SIZE];
+  if (!isnan(at_s)) fprintf(out, "%s%s", before, vs_engineering_text(at_s, "s", at));
 }
 
-static void print_measure(rows *r, const vs_shown *m, int k) {
-  char value[VS_AMOUNT_SIZE];
+static void print_measure(rows *r, const vs_listed_measure *m, int k) {
+  char value[VS_ENGINEERING_SIZE];
   const vs_value *measured = measured_of(r, k);
   if (!m->value.known) {
     print_pair(m->name, (int)strlen(m->name), "-\n", r->out);
     return;
   }
-  print_pair(m->name, (int)strlen(m->name), vs_amount_text(m->value.value, m->unit, value), r->out);
+  print_pair(m->name, (int)strlen(m->name), vs_engineering_text(m->value.value, m->unit, value),
+             r->out);
   print_at(m->value.at_s, "   at ", r->out);
   if (measured) {
-    fprintf(r->out, "   measured %s", vs_amount_text(measured->value, m->unit, value));
+    fprintf(r->out, "   measured %s", vs_engineering_text(measured->value, m->unit, value));
     if (measured->value != 0)
       fprintf(r->out, ": computed is %+.1f %%", 100 * (m->value.value / measured->value - 1));
   }
-  if (m->over_v > 0) fprintf(r->out, "   over %s", vs_amount_text(m->over_v, "V", value));
+  if (m->over_v > 0) fprintf(r->out, "   over %s", vs_engineering_text(m->over_v, "V", value));
   if (m->unjudged) fprintf(r->out, "   %s", m->unjudged);
   fputc('\n', r->out);
 }
 
 /* True where `largest` is the largest value of what `least` is the least of: "u_min", "u_max". */
-static bool are_ends(const vs_shown *least, const vs_shown *largest) {
+static bool are_ends(const vs_listed_measure *least, const vs_listed_measure *largest) {
   size_t n = strlen(least->name);
   return n > 4 && n == strlen(largest->name) && !strcmp(least->name + n - 4, "_min") &&
          !strcmp(largest->name + n - 4, "_max") && !strncmp(least->name, largest->name, n - 4);
 }
 
-static void print_ends(rows *r, const vs_shown *least, const vs_shown *largest) {
-  char range[2 * VS_AMOUNT_SIZE];
+static void print_ends(rows *r, const vs_listed_measure *least, const vs_listed_measure *largest) {
+  char range[2 * VS_ENGINEERING_SIZE];
   print_pair(least->name, (int)strlen(least->name) - 4,
-             vs_amount_range(least->value.value, largest->value.value, least->unit, range), r->out);
+             vs_engineering_range(least->value.value, largest->value.value, least->unit, range),
+             r->out);
   print_at(least->value.at_s, "   at ", r->out);
   print_at(largest->value.at_s, ", ", r->out);
   fputc('\n', r->out);
@@ -128,13 +130,14 @@ static void print_ends(rows *r, const vs_shown *least, const vs_shown *largest) 
 
 /* Prints the k-th measure, and with it the next one where the two are the ends of a range. Returns
  * how many these were. */
-static int print_next(rows *r, const vs_shown *m, int k) {
+static int print_next(rows *r, const vs_listed_measure *m, int k) {
   const vs_frame *frame = &r->result->scene->frame;
-  vs_shown next;
-  const bool two =
-      !measured_of(r, k) && vs_shown_at(frame, r->result, k + 1, &next) && !measured_of(r, k + 1) &&
-      is_measure_asked(r, m, k) == is_measure_asked(r, &next, k + 1) && are_ends(m, &next) &&
-      (r->options->most == INT_MAX || (next.value.known && next.value.value != 0));
+  vs_listed_measure next;
+  const bool two = !measured_of(r, k) && vs_listed_measure_at(frame, r->result, k + 1, &next) &&
+                   !measured_of(r, k + 1) &&
+                   is_measure_asked(r, m, k) == is_measure_asked(r, &next, k + 1) &&
+                   are_ends(m, &next) &&
+                   (r->options->most == INT_MAX || (next.value.known && next.value.value != 0));
   if (two)
     print_ends(r, m, &next);
   else
@@ -145,9 +148,9 @@ static int print_next(rows *r, const vs_shown *m, int k) {
 }
 
 static void print_group(rows *r) {
-  vs_shown m;
+  vs_listed_measure m;
   r->begun = false;
-  for (int k = 0; vs_shown_at(&r->result->scene->frame, r->result, k, &m);) {
+  for (int k = 0; vs_listed_measure_at(&r->result->scene->frame, r->result, k, &m);) {
     const bool prints = is_measure_wanted(r, &m, k) && r->lines < r->options->most;
     if (prints) begin_group(r);
     k += prints ? print_next(r, &m, k) : 1;
@@ -156,8 +159,8 @@ static void print_group(rows *r) {
 
 /* Prints the measure of that name where it says something and does not stand there already. */
 static void print_named(rows *r, const char *name) {
-  vs_shown m;
-  for (int k = 0; vs_shown_at(&r->result->scene->frame, r->result, k, &m); k++)
+  vs_listed_measure m;
+  for (int k = 0; vs_listed_measure_at(&r->result->scene->frame, r->result, k, &m); k++)
     if (!strcmp(m.name, name) && m.value.known && m.value.value != 0 && !is_measure_asked(r, &m, k))
       print_next(r, &m, k);
 }
@@ -165,9 +168,10 @@ static void print_named(rows *r, const char *name) {
 /* Prints what the deck's probes have of its first few currents. */
 static void print_currents(rows *r) {
   enum { CURRENTS = 2 };
-  vs_shown m;
+  vs_listed_measure m;
   int printed = 0;
-  for (int k = 0; vs_shown_at(&r->result->scene->frame, r->result, k, &m) && printed < CURRENTS;) {
+  for (int k = 0;
+       vs_listed_measure_at(&r->result->scene->frame, r->result, k, &m) && printed < CURRENTS;) {
     const bool prints = m.channel >= 0 && !strcmp(m.unit, "A") && m.value.known &&
                         r->lines < r->options->most && !is_measure_asked(r, &m, k);
     printed += prints;
@@ -198,10 +202,10 @@ static int print_groups(const vs_result *result, const vs_show_options *options,
             .options = options,
             .out = out,
             .standard = vs_measures_count(&s->setup.model)};
-  vs_shown m;
+  vs_listed_measure m;
   int count = 0;
   bool measured = false;
-  while (vs_shown_at(&s->frame, result, count, &m)) count++;
+  while (vs_listed_measure_at(&s->frame, result, count, &m)) count++;
   for (int k = 0; k < r.standard; k++) measured = measured || s->measured[k].known;
   if (options->most < INT_MAX)
     print_few(&r);
@@ -216,20 +220,20 @@ static int print_groups(const vs_result *result, const vs_show_options *options,
 
 /* What generators have on the line besides what the deck has, and since when. */
 static void print_on_line(const vs_events *events, FILE *out) {
-  char network[VS_DECK_TEXT], from[VS_AMOUNT_SIZE];
+  char network[VS_DECK_TEXT], from[VS_ENGINEERING_SIZE];
   for (size_t k = 0; k < events->count; k++) {
-    const vs_occurrence *e = &events->item[k];
-    if (!vs_occurrence_network(e, network, sizeof network)) continue;
+    const vs_scene_event *e = &events->item[k];
+    if (!vs_scene_event_network(e, network, sizeof network)) continue;
     fprintf(out, "line   on the line from %s: %s %s (%s)\n",
-            e->on_line_s > 0 ? vs_amount_text(e->on_line_s, "s", from) : "the start", e->kind->name,
-            e->name, network);
+            e->on_line_s > 0 ? vs_engineering_text(e->on_line_s, "s", from) : "the start",
+            e->kind->name, e->name, network);
   }
-  const vs_occurrence *repeated = vs_occurrence_repeated(events);
+  const vs_scene_event *repeated = vs_scene_event_repeated(events);
   if (repeated)
     fprintf(out,
             "pulses %d, %s apart: one is simulated, and t_j_rise and i_pulse are told for the last "
             "of them\n",
-            repeated->v.times, vs_amount_text(repeated->v.every_s, "s", from));
+            repeated->v.times, vs_engineering_text(repeated->v.every_s, "s", from));
 }
 
 /* Which way the heat of each device goes, where its case is known, and how warm that is taken for.
@@ -277,7 +281,7 @@ static void print_firing(const vs_timeline *timeline, FILE *out) {
 }
 
 /* What was run, and how. */
-void vs_show_feed(const vs_setup *setup, FILE *out) {
+void vs_show_machine_and_supply(const vs_setup *setup, FILE *out) {
   const vs_supply_values *supply = &setup->timeline.supply;
   const char *model = setup->model.parameters.model, *title = setup->machine->title;
   const bool titled = *title != '\0';
@@ -313,7 +317,7 @@ static void print_head(const vs_result *r, FILE *out) {
   const vs_scene *s = r->scene;
   const vs_absence *absence = &r->watchers.absence;
   fprintf(out, "\nscene  %s\n", s->path);
-  vs_show_feed(&s->setup, out);
+  vs_show_machine_and_supply(&s->setup, out);
   fprintf(out, "tier   %s (%s)\n", s->tier->name, s->why);
   print_rung(r, out);
   if (absence->times)
@@ -379,7 +383,7 @@ static double percent(double part, double of) {
 
 /* How far the observer's estimates were from the true motion. */
 static void print_observer(const vs_result *r, int width, FILE *out) {
-  const vs_observing *o = &r->scene->control.observing;
+  const vs_state_observer *o = &r->scene->control.observing;
   if (!r->loop || !o->system) return;
   const vs_estimator_errors *e = &r->loop->estimator.errors;
   char settled[48];
@@ -409,11 +413,11 @@ void vs_show_windows(const vs_spectrum *s, FILE *out) {
           out);
 }
 
-void vs_show_classes(const vs_drawn *drawn, FILE *out) {
+void vs_show_classes(const vs_drawn_current *drawn, FILE *out) {
   fprintf(out, "%-10s %15s %15s   %s\n", "class", "worst harmonic", "part of limit", "of");
-  for (const vs_class *c = vs_classes_all; c->name; c++) {
+  for (const vs_harmonic_class *c = vs_harmonic_classes_all; c->name; c++) {
     double part;
-    int worst = vs_classes_worst(c, drawn, &part);
+    int worst = vs_harmonic_classes_worst(c, drawn, &part);
     if (isnan(part))
       fprintf(out, "%-10s %15s %15s   %s\n", c->name, "-", "-", c->text);
     else
@@ -426,7 +430,7 @@ enum { SHOWN = 10 }; /* the last harmonic in the table; JSON has all */
 
 /* The harmonics of a current, and what limits are set for them. */
 static void print_quality_of_current(const vs_quality *q, FILE *out) {
-  const vs_drawn drawn = vs_quality_drawn(q);
+  const vs_drawn_current drawn = vs_quality_drawn(q);
   double first_a = vs_spectrum_harmonic(&q->current, 1);
   fprintf(out, "\nquality of %s, over %d cycles of the mains\n", q->name, q->cycles);
   const bool groups = vs_spectrum_windows(&q->current) > 0;
@@ -480,15 +484,15 @@ enum { ROWS = 6, ROWS_ALONE = 15, ROWS_OF_ORBIT = 3 };
 /* "quality of mains, over 4 cycles of the mains: harmonic 2 takes 10.8 % of its limit of class A"
  */
 static void tell_quality(const vs_quality *q, FILE *out) {
-  const vs_drawn drawn = vs_quality_drawn(q);
+  const vs_drawn_current drawn = vs_quality_drawn(q);
   double part;
-  int worst = vs_classes_worst(vs_classes_all, &drawn, &part);
+  int worst = vs_harmonic_classes_worst(vs_harmonic_classes_all, &drawn, &part);
   fprintf(out, "quality of %s, over %d cycles of the mains: ", q->name, q->cycles);
   if (isnan(part))
-    fprintf(out, "nothing is held against the limits of class %s\n", vs_classes_all->name);
+    fprintf(out, "nothing is held against the limits of class %s\n", vs_harmonic_classes_all->name);
   else
     fprintf(out, "harmonic %d takes %.3g %% of its limit of class %s\n", worst, 100 * part,
-            vs_classes_all->name);
+            vs_harmonic_classes_all->name);
 }
 
 /* What stands behind the verdict. */
@@ -501,7 +505,7 @@ static void tell_result(const vs_result *r, const vs_show_options *options, cons
                                         : ROWS_ALONE,
                                options->measured};
   fprintf(out, "%sscene  %s\n", judged || !m->show ? "\n" : "", s->path);
-  vs_show_feed(&s->setup, out);
+  vs_show_machine_and_supply(&s->setup, out);
   fprintf(out, "tier   %s (%s)\n", s->tier->name, s->why);
   print_rung(r, out);
   print_on_line(&s->setup.timeline.events, out);
@@ -533,8 +537,8 @@ void vs_show_brief(const vs_result *r, const vs_show_options *options, const vs_
   FILE *first = vs_alloc_stream(&front, &size), *last = vs_alloc_stream(&behind, &size);
   if (r->verdict.count) vs_verdict_table_head(r, first);
   tell_result(r, options, more, last);
-  vs_alloc_streamed(first);
-  vs_alloc_streamed(last);
+  vs_alloc_stream_close(first);
+  vs_alloc_stream_close(last);
   if (r->verdict.count) {
     const int others =
         1 + count_lines(front) + 3 + count_lines(behind); /* 3: what frames the lines */

@@ -8,8 +8,8 @@
 #include "engine/tiers.h"
 #include "measure/lowpass.h"
 #include "measure/unjudged.h"
+#include "run/listed_measure.h"
 #include "run/sections.h"
-#include "run/shown.h"
 #include "run/version.h"
 
 enum {
@@ -17,7 +17,7 @@ enum {
   POLE_DIGITS = 6 /* those of an observer follow from eigenvalues, whose last digits are rounding */
 };
 
-static void add_event_to_summary(vs_json *json, const vs_occurrence *e, bool built) {
+static void add_event_to_summary(vs_json *json, const vs_scene_event *e, bool built) {
   vs_json_object(json, e->name, VS_JSON_ROW);
   vs_json_number(json, "starts_s", e->start_s, DIGITS);
   if (!built) vs_json_bool(json, "built", false);
@@ -44,8 +44,8 @@ static void add_on_line(vs_json *json, const vs_scene *s) {
   char network[VS_DECK_TEXT];
   bool any = false;
   for (size_t k = 0; k < events->count; k++) {
-    const vs_occurrence *e = &events->item[k];
-    if (!vs_occurrence_network(e, network, sizeof network)) continue;
+    const vs_scene_event *e = &events->item[k];
+    if (!vs_scene_event_network(e, network, sizeof network)) continue;
     if (!any) vs_json_array(json, "on_line", VS_JSON_LINES);
     any = true;
     vs_json_object(json, NULL, VS_JSON_ROW);
@@ -90,11 +90,11 @@ static void add_instruments_to_summary(vs_json *json, const vs_instruments *all,
 }
 
 /* Its keys, what it measures with, and the poles that its error has. */
-static void add_observing(vs_json *json, const vs_observing *o) {
+static void add_observing(vs_json *json, const vs_state_observer *o) {
   vs_json_object(json, "observer", VS_JSON_ROW);
-  for (size_t k = 0; k < vs_observing_section.count; k++) {
-    vs_json_key(json, vs_observing_section.fields[k].key);
-    vs_field_json(&vs_observing_section.fields[k], &o->v, json->text);
+  for (size_t k = 0; k < vs_state_observer_section.count; k++) {
+    vs_json_key(json, vs_state_observer_section.fields[k].key);
+    vs_field_json(&vs_state_observer_section.fields[k], &o->v, json->text);
   }
   vs_json_array(json, "sensors", VS_JSON_ROW);
   for (int k = 0; k < o->system->sensors; k++)
@@ -164,10 +164,10 @@ static void add_over(vs_json *json, double over_v) {
 
 static void add_measures_to_summary(vs_json *json, const vs_scene *s, const vs_result *r,
                                     const vs_summary_more *more) {
-  vs_shown m;
+  vs_listed_measure m;
   int standard = vs_measures_count(&s->setup.model);
   vs_json_object(json, "measures", VS_JSON_LINES);
-  for (int k = 0; vs_shown_at(&s->frame, r, k, &m); k++) {
+  for (int k = 0; vs_listed_measure_at(&s->frame, r, k, &m); k++) {
     if (!m.value.known) continue;
     vs_json_object(json, m.name, VS_JSON_ROW);
     vs_json_number(json, "value", m.value.value, DIGITS);
@@ -208,11 +208,11 @@ void vs_summary_groups(vs_json *json, const char *key, const vs_spectrum *s) {
 }
 
 /* What limits each class of apparatus sets for the current. */
-static void add_limits_to_summary(vs_json *json, const vs_drawn *drawn) {
+static void add_limits_to_summary(vs_json *json, const vs_drawn_current *drawn) {
   vs_json_array(json, "classes", VS_JSON_LINES);
-  for (const vs_class *c = vs_classes_all; c->name; c++) {
+  for (const vs_harmonic_class *c = vs_harmonic_classes_all; c->name; c++) {
     double part;
-    int worst = vs_classes_worst(c, drawn, &part);
+    int worst = vs_harmonic_classes_worst(c, drawn, &part);
     vs_json_object(json, NULL, VS_JSON_ROW);
     vs_json_text(json, "class", c->name);
     vs_json_text(json, "text", c->text);
@@ -233,7 +233,7 @@ static void add_quality(vs_json *json, const vs_result *r) {
   vs_json_object(json, "quality", VS_JSON_LINES);
   for (int k = 0; k < r->n_quality; k++) {
     const vs_quality *q = &r->quality[k];
-    const vs_drawn drawn = vs_quality_drawn(q);
+    const vs_drawn_current drawn = vs_quality_drawn(q);
     vs_json_object(json, q->name, VS_JSON_LINES);
     vs_json_whole(json, "cycles", q->cycles);
     vs_json_array(json, "harmonics_A", VS_JSON_ROW);
@@ -485,7 +485,7 @@ static void add_quiet(vs_json *json, const vs_result *r) {
 
 /* How far the observer's estimates were from the true motion, in their units. */
 static void add_estimates(vs_json *json, const vs_result *r) {
-  const vs_observing *o = &r->scene->control.observing;
+  const vs_state_observer *o = &r->scene->control.observing;
   if (!r->loop || !o->system) return;
   const vs_estimator_errors *e = &r->loop->estimator.errors;
   vs_json_object(json, "estimates", VS_JSON_LINES);
@@ -508,7 +508,7 @@ static void add_cost(vs_json *json, const vs_result *r) {
   vs_json_number(json, "second_run_s", r->second.wall_s, 6);
   vs_json_whole(json, "steps", r->steps);
   char text[512];
-  if (vs_result_crawls(r, text, sizeof text)) vs_json_text(json, "hint", text);
+  if (vs_result_steps_are_short(r, text, sizeof text)) vs_json_text(json, "hint", text);
   vs_json_end(json);
 }
 

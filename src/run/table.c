@@ -293,7 +293,7 @@ static void take_table_row(vs_table *table, const vs_step *step, double at_s, do
   vs_step_at(step, at_s, y);
   *cells++ = time;
   for (int k = 0; k < table->count; k++) *cells++ = y[table->channels[k]];
-  if (table->loop && moves) vs_loop_to(table->loop, step, at_s);
+  if (table->loop && moves) vs_loop_run_to(table->loop, step, at_s);
   for (int k = 0; k < instruments_of(table); k++) {
     if (moves) vs_meter_to(&table->meters[k], step, at_s);
     *cells++ = table->meters[k].value;

@@ -22,7 +22,7 @@ vs_trial *vs_trial_read(const char *name, const char *tier, const char *const *s
 
 void vs_trial_go(vs_trial *t, const vs_observer *also) {
   if (t->status) return;
-  const vs_guest guest = {.ctx = (void *)(size_t)also, .accept = accept_step_of_trial};
+  const vs_session_listener guest = {.ctx = (void *)(size_t)also, .accept = accept_step_of_trial};
   const vs_session session = {.guest = also ? &guest : NULL};
   t->status = vs_session_run(&session, &t->scene, &t->result, &t->err);
 }

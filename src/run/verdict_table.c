@@ -9,7 +9,7 @@
 #include "base/alloc.h"
 #include "base/units.h"
 #include "measure/unjudged.h"
-#include "run/amount.h"
+#include "run/engineering.h"
 
 /* ---- a line of the verdict ---- */
 
@@ -18,19 +18,19 @@
 static const double FAR = 9.99;
 
 /* "12.3 %", ">999 %", "<-999 %"; of a margin that is not known "-". */
-static const char *margin_text(double margin, char text[VS_AMOUNT_SIZE]) {
+static const char *margin_text(double margin, char text[VS_ENGINEERING_SIZE]) {
   if (isnan(margin))
-    snprintf(text, VS_AMOUNT_SIZE, "-");
+    snprintf(text, VS_ENGINEERING_SIZE, "-");
   else if (fabs(margin) > FAR)
-    snprintf(text, VS_AMOUNT_SIZE, margin > 0 ? ">%.0f %%" : "<-%.0f %%", 100 * FAR);
+    snprintf(text, VS_ENGINEERING_SIZE, margin > 0 ? ">%.0f %%" : "<-%.0f %%", 100 * FAR);
   else
-    snprintf(text, VS_AMOUNT_SIZE, "%.1f %%", 100 * margin);
+    snprintf(text, VS_ENGINEERING_SIZE, "%.1f %%", 100 * margin);
   return text;
 }
 
 /* "  12.3 % +- 0.04 %", padded where it stands in a column. */
 static void print_number(const vs_judgement *j, bool padded, FILE *out) {
-  char margin[VS_AMOUNT_SIZE], error[VS_AMOUNT_SIZE] = "";
+  char margin[VS_ENGINEERING_SIZE], error[VS_ENGINEERING_SIZE] = "";
   const bool told = !isnan(j->margin) && fabs(j->margin) <= FAR && !isnan(j->margin_error);
   const double percent = 100 * j->margin_error;
   if (told && isfinite(percent))
@@ -67,20 +67,20 @@ static void print_margin(const vs_judgement *j, FILE *out) {
 }
 
 /* What is rated, in the unit that its limit was written in: "76.54 A/us". */
-static const char *text_as_written(double si, const char *unit, char text[VS_AMOUNT_SIZE]) {
-  snprintf(text, VS_AMOUNT_SIZE, "%.4g %s", si / vs_units_factor(unit), unit);
+static const char *text_as_written(double si, const char *unit, char text[VS_ENGINEERING_SIZE]) {
+  snprintf(text, VS_ENGINEERING_SIZE, "%.4g %s", si / vs_units_factor(unit), unit);
   return text;
 }
 
 /* An end of a range, which the scene may leave open. */
-static const char *end_text(const vs_judgement *j, double si, char text[VS_AMOUNT_SIZE]) {
+static const char *end_text(const vs_judgement *j, double si, char text[VS_ENGINEERING_SIZE]) {
   bool open = j->name && isinf(si);
-  snprintf(text, VS_AMOUNT_SIZE, open ? "-" : "%.4g", si / vs_units_factor(j->rating->unit));
+  snprintf(text, VS_ENGINEERING_SIZE, open ? "-" : "%.4g", si / vs_units_factor(j->rating->unit));
   return text;
 }
 
 static void print_rating(const vs_judgement *j, int width, FILE *out) {
-  char name[VS_JUDGED_NAME], end[VS_AMOUNT_SIZE];
+  char name[VS_JUDGED_NAME], end[VS_ENGINEERING_SIZE];
   double unit = vs_units_factor(j->rating->unit);
   fprintf(out, "  %-*s %11s ", width, vs_verdict_name(j, name), end_text(j, j->rating->min, end));
   if (j->unknown)
@@ -101,10 +101,10 @@ static double allowed(const vs_judgement *j) {
 }
 
 static void print_device(const vs_judgement *j, int width, FILE *out) {
-  char name[VS_JUDGED_NAME], at[VS_AMOUNT_SIZE] = "", why[2 * VS_DECK_NAME + 16];
+  char name[VS_JUDGED_NAME], at[VS_ENGINEERING_SIZE] = "", why[2 * VS_DECK_NAME + 16];
   const char *unit_name = vs_verdict_unit(j);
   double unit = vs_units_factor(unit_name);
-  if (!isnan(j->stress.at_s)) vs_amount_text(j->stress.at_s, "s", at);
+  if (!isnan(j->stress.at_s)) vs_engineering_text(j->stress.at_s, "s", at);
   fprintf(out, "  %-*s %11.4g ", width, vs_verdict_name(j, name), j->stress.value / unit);
   if (j->lacks)
     fprintf(out, "%11s", "-");
@@ -156,12 +156,12 @@ static void print_waived(const vs_expects *expects, FILE *out) {
  * 406 V)", and whether the scene expects it. */
 static void print_happening(const vs_judgement *j, FILE *out) {
   const char *device = j->device->name, *verb = vs_kinds_happening(j->measure)->verb;
-  char at[VS_AMOUNT_SIZE];
+  char at[VS_ENGINEERING_SIZE];
   if (!(j->stress.value > 0)) {
     fprintf(out, "did not happen, though expected: %s %s\n", device, verb);
     return;
   }
-  fprintf(out, "happened: %s %s at %s", device, verb, vs_amount_text(j->stress.at_s, "s", at));
+  fprintf(out, "happened: %s %s at %s", device, verb, vs_engineering_text(j->stress.at_s, "s", at));
   if (j->stress.value > 1) fprintf(out, ", %.0f times", j->stress.value);
   fprintf(out, " (%s", j->cause);
   print_models(j, "; ", "", out);
@@ -171,7 +171,7 @@ static void print_happening(const vs_judgement *j, FILE *out) {
 
 /* "weakest: thyristor.di_dt, 76.54 A/us where 50 A/us is allowed, margin -53.1 % ..." */
 static void print_weakest(const vs_judgement *j, FILE *out) {
-  char name[VS_JUDGED_NAME], stress[VS_AMOUNT_SIZE], limit[VS_AMOUNT_SIZE];
+  char name[VS_JUDGED_NAME], stress[VS_ENGINEERING_SIZE], limit[VS_ENGINEERING_SIZE];
   const char *unit = vs_verdict_unit(j);
   fprintf(out, "weakest: %s, %s where %s%s is allowed, margin ", vs_verdict_name(j, name),
           text_as_written(j->stress.value, unit, stress), text_as_written(allowed(j), unit, limit),
@@ -183,9 +183,9 @@ static void print_weakest(const vs_judgement *j, FILE *out) {
 }
 
 static void print_first_to_fail(const vs_judgement *j, FILE *out) {
-  char name[VS_JUDGED_NAME], at[VS_AMOUNT_SIZE];
+  char name[VS_JUDGED_NAME], at[VS_ENGINEERING_SIZE];
   fprintf(out, "first to fail: %s, at %s\n", vs_verdict_name(j, name),
-          vs_amount_text(j->failed_s, "s", at));
+          vs_engineering_text(j->failed_s, "s", at));
 }
 
 /* The word of the whole: that of its worst line. It is coloured where people look. */
@@ -254,7 +254,7 @@ static void print_corner(const vs_corner *one, FILE *out) {
     return;
   }
   fprintf(out, "%s ", one->line);
-  char margin[VS_AMOUNT_SIZE];
+  char margin[VS_ENGINEERING_SIZE];
   fprintf(out, "%9s", margin_text(one->margin, margin));
   if (isfinite(one->error)) fprintf(out, " +- %.2g %%", 100 * one->error);
   fprintf(out, "  %s", vs_verdict_words[one->word]);

@@ -4,12 +4,12 @@
 #include <gsl/gsl_version.h>
 
 #include "ngspice/circuit.h"
-#include "ngspice/ng.h"
+#include "ngspice/ngspice.h"
 
 void vs_version_json(vs_json *json) {
   vs_json_object(json, "program", VS_JSON_ROW);
   vs_json_text(json, "version", VS_VERSION);
-  vs_json_text(json, "ngspice", vs_ng_running());
+  vs_json_text(json, "ngspice", vs_ngspice_running());
   vs_json_text(json, "gsl", gsl_version);
   vs_json_end(json);
 }

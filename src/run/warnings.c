@@ -205,7 +205,7 @@ static void warn_of_loads(const vs_setup *s, vs_warnings *w) {
   const vs_model *before = &s->model;
   for (size_t k = 0; k < s->loads.count; k++) {
     const vs_model *after = &s->loads.item[k].model;
-    const vs_occurrence *e = vs_setup_load_event(&s->timeline.events, s->loads.item[k].at_s);
+    const vs_scene_event *e = vs_setup_load_event(&s->timeline.events, s->loads.item[k].at_s);
     char text[32];
     if (is_same_load(s, before, after, text, sizeof text))
       vs_fail_at(vs_warnings_add(w), e->where,
@@ -217,7 +217,7 @@ static void warn_of_loads(const vs_setup *s, vs_warnings *w) {
 }
 
 /* Where the scene says when an event begins. */
-static vs_where place_of_beginning(const vs_node *root, const vs_occurrence *e) {
+static vs_where place_of_beginning(const vs_node *root, const vs_scene_event *e) {
   const vs_node *map = vs_tree_child(vs_tree_child(root, "events"), e->name);
   const vs_node *at = vs_tree_child(map, "at"), *cycle = vs_tree_child(map, "cycle");
   return at || cycle ? place_of_value(at ? at : cycle) : e->where;
@@ -237,9 +237,9 @@ static void warn_of_late_events(const vs_node *root, const vs_setup *s, vs_warni
 /* Generators whose networks lie on the line together. In a laboratory there is one at a time. */
 static void warn_of_generators(const vs_setup *s, vs_warnings *w) {
   const vs_events *events = &s->timeline.events;
-  const vs_occurrence *before = NULL;
+  const vs_scene_event *before = NULL;
   for (size_t k = 0; k < events->count; k++) {
-    const vs_occurrence *e = &events->item[k];
+    const vs_scene_event *e = &events->item[k];
     if (!e->kind->network) continue;
     double both_s = before ? fmax(e->on_line_s, before->on_line_s) : 0;
     if (before)
@@ -267,7 +267,7 @@ static bool bears_one_pulse(const vs_deck *deck, const vs_device *d) {
 
 /* Devices of which nothing is known for more than one pulse. */
 static void warn_of_repetition(const vs_node *root, const vs_setup *s, vs_warnings *w) {
-  const vs_occurrence *e = vs_occurrence_repeated(&s->timeline.events);
+  const vs_scene_event *e = vs_scene_event_repeated(&s->timeline.events);
   const vs_deck *deck = &s->deck;
   for (size_t k = 0; e && k < deck->n_devices; k++) {
     if (!bears_one_pulse(deck, &deck->devices[k])) continue;

@@ -8,8 +8,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/compressed.h"
 #include "base/csv.h"
-#include "base/packed.h"
 #include "base/path.h"
 #include "base/text.h"
 #include "base/units.h"
@@ -79,7 +79,7 @@ static vs_status visit_rows(vs_csv *csv, size_t cells, vs_folder_visit visit, vo
 vs_status vs_folder_each(const vs_folder *t, vs_folder_visit visit, void *ctx, vs_error *err) {
   vs_status status = vs_path_check_result(t->path, err);
   if (status) return status;
-  FILE *f = vs_packed_read(fopen(t->path, "r"), t->path);
+  FILE *f = vs_compressed_read(fopen(t->path, "r"), t->path);
   if (!f) return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", t->path, strerror(errno));
   status = visit_rows(&(vs_csv){.file = t->path, .stream = f}, t->count, visit, ctx, err);
   fclose(f);
@@ -269,7 +269,7 @@ static vs_status take_header(vs_folder *t, char *const *cell, size_t count, vs_e
 static vs_status read_folder_header(vs_folder *t, vs_error *err) {
   vs_status status = vs_path_check_result(t->path, err);
   if (status) return status;
-  FILE *f = vs_packed_read(fopen(t->path, "r"), t->path);
+  FILE *f = vs_compressed_read(fopen(t->path, "r"), t->path);
   if (!f)
     return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s; a study that ended has one", t->path,
                    strerror(errno));

@@ -8,7 +8,7 @@
 
 #include "base/hash.h"
 #include "base/json.h"
-#include "ngspice/ng.h"
+#include "ngspice/ngspice.h"
 #include "run/version.h"
 #include "work/case.h"
 
@@ -21,7 +21,7 @@ static char *identify_plan(const vs_plan *plan, const char *columns) {
   vs_hash hash;
   vs_text text = {0};
   char digits[VS_HASH_TEXT];
-  vs_text_add(&text, "%s\n%s\n%s\n%s\n%s\n", VS_VERSION, vs_version_sources(), vs_ng_version(),
+  vs_text_add(&text, "%s\n%s\n%s\n%s\n%s\n", VS_VERSION, vs_version_sources(), vs_ngspice_version(),
               gsl_version, columns);
   for (size_t k = 0; k < plan->n_inputs; k++) vs_text_add(&text, "%s\n", plan->inputs[k].sha256);
   for (size_t k = 0; k < plan->n_sets; k++) vs_text_add(&text, "--set %s\n", plan->sets[k]);
@@ -139,18 +139,18 @@ static void add_end(const vs_plan *plan, const char *name, vs_text *text) {
   }
 }
 
-void vs_manifest_head(const vs_plan *plan, const char *name, vs_head *head) {
+void vs_manifest_head(const vs_plan *plan, const char *name, vs_journal_head *head) {
   vs_text text[4] = {{0}};
   vs_case_header(plan, &text[0]);
   vs_case_failure_header(plan, &text[1]);
   add_begin(plan, name, &text[2]);
   add_end(plan, name, &text[3]);
-  *head = (vs_head){.identity = identify_plan(plan, text[0].text),
-                    .columns = text[0].text,
-                    .failures = text[1].text,
-                    .manifest_begin = text[2].text,
-                    .manifest_end = text[3].text,
-                    .cases = plan->adaptive ? 0 : plan->count,
-                    .shard = 1,
-                    .shards = 1};
+  *head = (vs_journal_head){.identity = identify_plan(plan, text[0].text),
+                            .columns = text[0].text,
+                            .failures = text[1].text,
+                            .manifest_begin = text[2].text,
+                            .manifest_end = text[3].text,
+                            .cases = plan->adaptive ? 0 : plan->count,
+                            .shard = 1,
+                            .shards = 1};
 }

@@ -5,11 +5,11 @@
 #define VS_STUDY_MANIFEST_H
 
 #include "study/plan.h"
-#include "work/head.h"
+#include "work/journal_head.h"
 
 /* Fills the head of the plan's journal: what identifies the plan, and the text of its manifest
- * before and behind the counts. name is the study's as the user gave it. vs_head_free it,
+ * before and behind the counts. name is the study's as the user gave it. vs_journal_head_free it,
  * unless a journal takes it over. */
-void vs_manifest_head(const vs_plan *plan, const char *name, vs_head *head);
+void vs_manifest_head(const vs_plan *plan, const char *name, vs_journal_head *head);
 
 #endif

@@ -8,12 +8,12 @@
 
 #include "base/file.h"
 #include "base/path.h"
+#include "cleanup.h"
 #include "publish.h"
-#include "stale.h"
-#include "work/bits.h"
-#include "work/head.h"
 #include "work/journal.h"
-#include "work/row.h"
+#include "work/journal_head.h"
+#include "work/platform.h"
+#include "work/row_shape.h"
 
 /* ---- which ---- */
 
@@ -96,7 +96,7 @@ static uint64_t first_gap(const vs_journal *j) {
   return k < j->head.cases ? k : j->head.cases;
 }
 
-static bool is_same_study(const vs_head *a, const vs_head *b) {
+static bool is_same_study(const vs_journal_head *a, const vs_journal_head *b) {
   return !strcmp(a->identity, b->identity) && !strcmp(a->columns, b->columns) &&
          !strcmp(a->failures, b->failures) && a->cases == b->cases && a->shards == b->shards;
 }
@@ -105,10 +105,10 @@ static vs_status check_shards(const shards *all, vs_error *err) {
   const vs_journal *first = &all->item[0];
   for (size_t k = 0; k < all->count; k++) {
     const vs_journal *j = &all->item[k];
-    const vs_head *h = &j->head;
+    const vs_journal_head *h = &j->head;
     char one[160], other[160];
     if (strcmp(h->identity, first->head.identity) != 0 &&
-        vs_head_programs(h, &first->head, one, other, sizeof one))
+        vs_journal_head_programs(h, &first->head, one, other, sizeof one))
       return vs_fail(err, VS_INPUT,
                      "%s: was made by %s, and %s by %s; rows of two programs are not mixed",
                      j->path, one, first->path, other);
@@ -137,15 +137,15 @@ static vs_status check_shards(const shards *all, vs_error *err) {
 static vs_status write_merged(const shards *all, const vs_merge_options *o, const char *folder,
                               vs_error *err) {
   int made;
-  const vs_head *head = &all->item[0].head;
+  const vs_journal_head *head = &all->item[0].head;
   vs_text bits = {0}, more = {0};
-  for (size_t k = 0; k < all->count; k++) vs_bits_add(&bits, all->item[k].bits.text);
+  for (size_t k = 0; k < all->count; k++) vs_platform_add(&bits, all->item[k].bits.text);
   vs_json json = vs_json_inside(&more);
-  vs_bits_json(&bits, &json);
+  vs_platform_json(&bits, &json);
   const vs_journals journals = {all->item, all->count, head->cases, more.text};
-  vs_row *shape = vs_row_new(head->columns, head->failures, head->manifest_end);
-  if (vs_bits_differ(&bits) && !o->quiet) vs_bits_warn(&bits, shape, folder);
-  vs_row_free(shape);
+  vs_row_shape *shape = vs_row_shape_new(head->columns, head->failures, head->manifest_end);
+  if (vs_platform_differ(&bits) && !o->quiet) vs_platform_warn(&bits, shape, folder);
+  vs_row_shape_free(shape);
   vs_status status = vs_file_folder_make(folder, &made, err);
   if (!status) {
     status = vs_publish_write(&journals, o->format, folder, err);
@@ -154,7 +154,7 @@ static vs_status write_merged(const shards *all, const vs_merge_options *o, cons
   vs_text_free(&bits);
   vs_text_free(&more);
   if (status) return status;
-  const vs_head_counts counts = vs_publish_count(&journals);
+  const vs_journal_head_counts counts = vs_publish_count(&journals);
   const unsigned long long done = counts.done, failed = counts.failed, violated = counts.violated;
   if (!o->quiet)
     printf("shards %zu\ncases  %llu done, %llu failed, in %llu a rating is violated or undecided\n"
@@ -170,14 +170,14 @@ static vs_status write_merged(const shards *all, const vs_merge_options *o, cons
 }
 
 /* True if the manifest says what these shards' does, except for the counts. */
-static bool is_manifest_of(const char *manifest, const vs_head *head) {
+static bool is_manifest_of(const char *manifest, const vs_journal_head *head) {
   size_t n = strlen(head->manifest_begin);
   return !strncmp(manifest, head->manifest_begin, n) &&
          strstr(manifest + n, head->manifest_end) != NULL;
 }
 
 /* Does the folder hold another study's journal, or one that cannot be read? */
-static bool has_other_journal(const char *folder, const vs_head *head) {
+static bool has_other_journal(const char *folder, const vs_journal_head *head) {
   vs_journal j;
   if (!vs_journal_exists(folder)) return false;
   bool other = !vs_journal_peek(&j, folder) || !is_same_study(&j.head, head);
@@ -189,7 +189,7 @@ static bool has_other_journal(const char *folder, const vs_head *head) {
  * shards' own journal a study was broken off as it wrote its result; and so was an earlier merge
  * that has left these same rows without a manifest. */
 static bool has_other_result(const char *folder, const vs_journals *all) {
-  const vs_head *head = &all->item[0].head;
+  const vs_journal_head *head = &all->item[0].head;
   char path[VS_PATH_SIZE + 16], *line = NULL;
   size_t size = 0;
   vs_text manifest = {0};
@@ -225,7 +225,7 @@ static vs_status remove_others(const char *folder, const others *o, vs_error *er
   vs_journal old;
   const bool known = vs_journal_peek(&old, folder);
   vs_status status = o->journal ? vs_journal_remove(folder, err) : VS_OK;
-  if (!status) vs_stale_remove(folder, known && o->journal ? &old : NULL);
+  if (!status) vs_cleanup_folder(folder, known && o->journal ? &old : NULL);
   vs_journal_close(&old);
   return status;
 }

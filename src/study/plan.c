@@ -16,7 +16,7 @@ const vs_outline vs_plan_keys[] = {
     {"scene", .takes = VS_OUTLINE_TEXT},
     {"set", .takes = VS_OUTLINE_NOTHING | VS_OUTLINE_MAP, .of = SETTINGS},
     {"most_cases", .takes = VS_OUTLINE_WHOLE},
-    {"steady", .takes = VS_OUTLINE_FLAG | VS_OUTLINE_MAP, .of = vs_atwork_keys},
+    {"steady", .takes = VS_OUTLINE_FLAG | VS_OUTLINE_MAP, .of = vs_orbit_columns_keys},
     {"report", .takes = VS_OUTLINE_NOTHING | VS_OUTLINE_TEXT | VS_OUTLINE_LIST, .of = &NAME,
      .count = -1},
     {0}};
@@ -66,10 +66,10 @@ vs_status vs_plan_scene(const vs_plan *plan, vs_scene *scene, vs_error *err) {
   if (set && (set->kind == VS_NODE_LIST || (set->kind == VS_NODE_TEXT && *set->text)))
     return vs_fail_at(err, set->where, "set: a map of keys is wanted: {run.until: 0.1 s, ...}");
   for (const vs_node *n = set ? set->child : NULL; n && !status; n = n->next)
-    status = vs_error_carry_on(err, vs_tree_graft(&scene->tree, n->key, n, err));
+    status = vs_error_keep(err, vs_tree_graft(&scene->tree, n->key, n, err));
   for (size_t k = 0; k < plan->n_sets && !status; k++)
     if (!vs_plan_is_own(plan, plan->sets[k]))
-      status = vs_error_carry_on(err, vs_tree_set(&scene->tree, plan->sets[k], err));
+      status = vs_error_keep(err, vs_tree_set(&scene->tree, plan->sets[k], err));
   return status;
 }
 

@@ -9,12 +9,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "array.h"
+#include "base/compressed.h"
 #include "base/csv.h"
 #include "base/file.h"
-#include "base/packed.h"
 #include "base/path.h"
-#include "work/row.h"
+#include "npy.h"
+#include "work/row_shape.h"
 
 static const char FAILURES[] = "failures.csv", MANIFEST[] = "manifest.json";
 const char *const vs_publish_files[VS_PUBLISH_FILES] = {MANIFEST, "study.csv", FAILURES};
@@ -64,8 +64,8 @@ vs_status vs_publish_check(const char *folder, const vs_format *format, vs_error
 /* A result under way. Its members are in the order in which they are committed. */
 typedef struct result {
   vs_file study, failures, manifest;
-  FILE *rows;        /* what packs into `study`, or its stream; NULL: it has ended */
-  vs_array *columns; /* NULL: none are written */
+  FILE *rows;      /* what packs into `study`, or its stream; NULL: it has ended */
+  vs_npy *columns; /* NULL: none are written */
 } result;
 
 /* Takes one row, which may be cut up. */
@@ -105,7 +105,7 @@ static bool has_rows(const vs_journals *all, const char *folder, const char *nam
   vs_error none = {0};
   snprintf(path, sizeof path, "%.4000s/%s", folder, name);
   if (vs_path_check_result(path, &none)) return false;
-  result r = {.rows = vs_packed_read(fopen(path, "r"), name)};
+  result r = {.rows = vs_compressed_read(fopen(path, "r"), name)};
   if (!r.rows) return false;
   const bool same = !meet_row(&r, false, all->item[0].head.columns, &none) &&
                     !each_row(all, meet_row, &r, &none) && getc(r.rows) == EOF;
@@ -124,37 +124,37 @@ bool vs_publish_was_begun(const vs_journals *all, const char *folder) {
   return found;
 }
 
-/* Shows the row to the columns that may be words or numbers (vs_array_must_look). */
+/* Shows the row to the columns that may be words or numbers (vs_npy_must_look). */
 static vs_status look_at_row(result *r, bool failed, char *row, vs_error *err) {
   (void)err;
-  if (!failed) vs_array_look(r->columns, row);
+  if (!failed) vs_npy_look(r->columns, row);
   return VS_OK;
 }
 
 /* Writes the row into its file, as the journal has it. */
 static vs_status publish_row(result *r, bool failed, char *row, vs_error *err) {
   fprintf(failed ? r->failures.stream : r->rows, "%s\n", row);
-  return failed || !r->columns ? VS_OK : vs_array_add(r->columns, row, err);
+  return failed || !r->columns ? VS_OK : vs_npy_add(r->columns, row, err);
 }
 
-static vs_status open_columns(result *r, const vs_journals *all, const vs_row *shape,
+static vs_status open_columns(result *r, const vs_journals *all, const vs_row_shape *shape,
                               const char *folder, vs_error *err) {
   const uint64_t done = vs_publish_count(all).done;
   vs_status status = VS_OK;
-  r->columns = vs_array_new(shape);
-  if (vs_array_must_look(r->columns)) status = each_row(all, look_at_row, r, err);
-  return status ? status : vs_array_open(r->columns, folder, done, err);
+  r->columns = vs_npy_new(shape);
+  if (vs_npy_must_look(r->columns)) status = each_row(all, look_at_row, r, err);
+  return status ? status : vs_npy_open(r->columns, folder, done, err);
 }
 
 static vs_status write_rows(result *r, const vs_journals *all, const char *name, vs_error *err) {
-  const vs_head *head = &all->item[0].head;
+  const vs_journal_head *head = &all->item[0].head;
   fprintf(r->rows, "%s\n", head->columns);
   fprintf(r->failures.stream, "%s\n", head->failures);
   vs_status status = each_row(all, publish_row, r, err);
   FILE *rows = r->rows;
   r->rows = NULL;
   vs_error second = {0};
-  const vs_status ended = vs_packed_end(rows, r->study.stream, name, status ? &second : err);
+  const vs_status ended = vs_compressed_end(rows, r->study.stream, name, status ? &second : err);
   return status ? status : ended;
 }
 
@@ -173,8 +173,8 @@ static vs_status check_count(const vs_journals *all, vs_error *err) {
   return VS_OK;
 }
 
-vs_head_counts vs_publish_count(const vs_journals *all) {
-  vs_head_counts counts = {.cases = all->cases};
+vs_journal_head_counts vs_publish_count(const vs_journals *all) {
+  vs_journal_head_counts counts = {.cases = all->cases};
   for (uint64_t k = 0; k < all->count; k++) {
     counts.done += all->item[k].done;
     counts.failed += all->item[k].failed;
@@ -185,31 +185,32 @@ vs_head_counts vs_publish_count(const vs_journals *all) {
 
 static vs_status commit_result(result *r, const vs_journals *all, vs_error *err) {
   vs_text text = {0};
-  const vs_head_counts counts = vs_publish_count(all);
-  vs_head_manifest(&all->item[0].head, &counts, all->count > 1, all->more, &text);
+  const vs_journal_head_counts counts = vs_publish_count(all);
+  vs_journal_head_manifest(&all->item[0].head, &counts, all->count > 1, all->more, &text);
   fprintf(r->manifest.stream, "%s\n", text.text);
   vs_text_free(&text);
   vs_status status = vs_file_commit(&r->study, err);
-  if (!status && r->columns) status = vs_array_commit(r->columns, err);
+  if (!status && r->columns) status = vs_npy_commit(r->columns, err);
   if (!status) status = vs_file_commit(&r->failures, err);
   return status ? status : vs_file_commit(&r->manifest, err);
 }
 
 /* Removes what other formats than this one have left of the same study. */
-static void remove_others(const vs_head *head, const vs_format *format, const char *folder) {
+static void remove_others(const vs_journal_head *head, const vs_format *format,
+                          const char *folder) {
   for (const vs_format *f = vs_format_all; f->name; f++)
     if (strcmp(f->rows, format->rows)) remove_file(folder, f->rows);
   int fd = format->columns ? -1 : open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (fd < 0) return;
-  vs_array_remove(fd, head->columns);
+  vs_npy_remove(fd, head->columns);
   close(fd);
 }
 
 vs_status vs_publish_write(const vs_journals *all, const vs_format *format, const char *folder,
                            vs_error *err) {
   result r = {0};
-  const vs_head *head = &all->item[0].head;
-  vs_row *shape = vs_row_new(head->columns, head->failures, head->manifest_end);
+  const vs_journal_head *head = &all->item[0].head;
+  vs_row_shape *shape = vs_row_shape_new(head->columns, head->failures, head->manifest_end);
   /* All files are written under other names, and get their own at the end, the manifest last: a
    * folder with a manifest is whole. */
   vs_status status = check_count(all, err);
@@ -219,13 +220,13 @@ vs_status vs_publish_write(const vs_journals *all, const vs_format *format, cons
   if (!status) status = vs_file_open(&r.manifest, folder, MANIFEST, err);
   if (!status && format->columns) status = open_columns(&r, all, shape, folder, err);
   if (!status) {
-    r.rows = vs_packed_write(r.study.stream, format->rows);
+    r.rows = vs_compressed_write(r.study.stream, format->rows);
     status = write_rows(&r, all, r.study.path, err);
   }
   if (!status) status = commit_result(&r, all, err);
   if (!status) remove_others(head, format, folder);
-  vs_array_free(r.columns);
-  vs_row_free(shape);
+  vs_npy_free(r.columns);
+  vs_row_shape_free(shape);
   vs_file_discard(&r.study);
   vs_file_discard(&r.failures);
   vs_file_discard(&r.manifest);

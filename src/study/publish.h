@@ -5,8 +5,8 @@
 #define VS_STUDY_PUBLISH_H
 
 #include "study/format.h"
-#include "work/head.h"
 #include "work/journal.h"
+#include "work/journal_head.h"
 
 /* The files of the default format. */
 enum { VS_PUBLISH_FILES = 3 };
@@ -14,14 +14,14 @@ extern const char *const vs_publish_files[VS_PUBLISH_FILES];
 
 /* Returns the name of a file of a result, of any format, that the folder holds; NULL: none. */
 const char *vs_publish_found(const char *folder);
-/* Removes the result's files, of any format. What study/stale.h removes goes before. */
+/* Removes the result's files, of any format. What study/cleanup.h removes goes before. */
 void vs_publish_remove(const char *folder);
 
 /* Error: the format wants a folder of columns, and something else has its name. */
 vs_status vs_publish_check(const char *folder, const vs_format *format, vs_error *err);
 
 /* What has come of all the journals' cases. */
-vs_head_counts vs_publish_count(const vs_journals *journals);
+vs_journal_head_counts vs_publish_count(const vs_journals *journals);
 
 /* Writes the result into the folder, in the order of the cases, and removes what the same study has
  * left there in other formats. Error: a journal has more rows than cases, or one that was changed

@@ -15,22 +15,22 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/json.h"
-#include "base/leave.h"
+#include "base/shutdown.h"
+#include "cleanup.h"
 #include "manifest.h"
 #include "publish.h"
-#include "reading.h"
 #include "run/session.h"
-#include "stale.h"
 #include "study/merge.h"
 #include "study/plan.h"
-#include "work/bits.h"
+#include "study_file.h"
 #include "work/case.h"
-#include "work/head.h"
-#include "work/jobs.h"
 #include "work/journal.h"
-#include "work/past.h"
-#include "work/row.h"
+#include "work/journal_head.h"
+#include "work/platform.h"
+#include "work/row_shape.h"
+#include "work/shared_prefix.h"
 #include "work/worker.h"
+#include "work/worker_pool.h"
 
 /* The cases of a study under way: which point each of them is and, of a search, which cases it
  * has asked for and what has come of them. Begins as zeros but for plan and journal, which are
@@ -49,7 +49,7 @@ typedef struct session {
   vs_plan plan;
   vs_journal journal;
   vs_cases cases;
-  vs_jobs *jobs;
+  vs_worker_pool *jobs;
   char folder[VS_PATH_SIZE], keep[VS_PATH_SIZE + 8];
   char own[VS_PUBLISH_FILES + 1][VS_PATH_SIZE + 16]; /* without -o: the files in the folder, and
                                                  their journal, to be removed */
@@ -58,7 +58,7 @@ typedef struct session {
   uint64_t count;       /* cases of the study; of a search those it has come to in the end */
   uint64_t next, until; /* cases to deal; of a search those of the present generation */
   uint64_t total;       /* cases of this shard, for the progress */
-  uint64_t shared;      /* how many had their past from another (study/work/past.h) */
+  uint64_t shared;      /* how many had their past from another (study/work/shared_prefix.h) */
   uint64_t before;      /* how many were done when this process began */
   double began_s, shown_s;
   bool show; /* progress is shown on a terminal */
@@ -83,7 +83,7 @@ vs_status vs_study_command(const vs_study_options *o, vs_error *err) {
   /* Plan: the study's file says which scene is run, which of its keys are varied by which methods
    * (study/methods.h), and which measures are reported. A plan knows its cases by number: case k is
    * a point, a number for each axis (study/plan.h). The scene of the first case is settled on trial
-   * (reading.c). */
+   * (study_file.c). */
   if (!status) status = read_plan(s, err);
 
   /* Journal: the record, in the study's folder, of the cases that are done (work/journal.h). With
@@ -91,8 +91,8 @@ vs_status vs_study_command(const vs_study_options *o, vs_error *err) {
   if (!status) status = open_folder(s, err);
 
   /* Cases and workers: the cases that the journal lacks are dealt out to worker processes
-   * (work/jobs.h). A worker puts the case's point over the scene as keys, runs the scene as `run`
-   * does, and answers with a row of study.csv (work/case.h), which is added to the journal. A
+   * (work/worker_pool.h). A worker puts the case's point over the scene as keys, runs the scene as
+   * `run` does, and answers with a row of study.csv (work/case.h), which is added to the journal. A
    * method that searches is shown these rows, and asks for the next generation of cases. */
   if (!status) status = run_study(s, err);
 
@@ -138,10 +138,10 @@ static void cases_free(vs_cases *c) {
 static void discard_folder(const session *s) {
   for (size_t k = 0; k <= VS_PUBLISH_FILES; k++) {
     unlink(s->own[k]);
-    vs_leave_forget(s->own[k]);
+    vs_shutdown_forget(s->own[k]);
   }
   rmdir(s->folder);
-  vs_leave_forget(s->folder);
+  vs_shutdown_forget(s->folder);
 }
 
 static session *begin_session(const vs_study_options *o) {
@@ -171,7 +171,7 @@ static vs_status end_session(session *s, vs_status status, vs_error *err) {
 
 static vs_status read_plan(session *s, vs_error *err) {
   const vs_study_options *o = s->o;
-  vs_status status = vs_reading_plan(o->name, o->methods, o->sets, o->n_sets, &s->plan, err);
+  vs_status status = vs_study_file_read(o->name, o->methods, o->sets, o->n_sets, &s->plan, err);
   s->plan.allow_code = o->allow_code;
   s->count = s->plan.count;
   return status ? status : vs_control_allow(&s->plan.first->control, o->allow_code, err);
@@ -208,7 +208,7 @@ static vs_status check_row_of_case(const vs_cases *c, vs_case *one, uint64_t ind
 /* Error: the journal has a row of a case from `first` up to before `until` that is not that case's.
  * A journal that is gone on with may have been changed. */
 static vs_status cases_check(const vs_cases *c, uint64_t first, uint64_t until, vs_error *err) {
-  const vs_head *head = &c->journal->head;
+  const vs_journal_head *head = &c->journal->head;
   vs_case *one = vs_case_new(c->plan, NULL);
   vs_status status = VS_OK;
   for (uint64_t k = first; k < until && !status; k++)
@@ -293,9 +293,9 @@ static vs_status run_failed_again(session *s, vs_error *err) {
 }
 
 /* The journal has another identity than the study. */
-static vs_status refuse_other(const vs_journal *j, const vs_head *head, vs_error *err) {
+static vs_status refuse_other(const vs_journal *j, const vs_journal_head *head, vs_error *err) {
   char theirs[160], ours[160];
-  if (vs_head_programs(&j->head, head, theirs, ours, sizeof theirs))
+  if (vs_journal_head_programs(&j->head, head, theirs, ours, sizeof theirs))
     return vs_fail_at(err, (vs_where){j->path, 1, 1},
                       "was begun by %s, and this is %s; rows of two programs are not mixed: go on "
                       "with that one, or take another folder",
@@ -307,19 +307,19 @@ static vs_status refuse_other(const vs_journal *j, const vs_head *head, vs_error
 
 /* Warns where the journal lacks cases, and those that it has were made on something else. */
 static void warn_of_bits(const vs_journal *j) {
-  const vs_head *h = &j->head;
+  const vs_journal_head *h = &j->head;
   const bool whole =
       h->cases && j->done + j->failed == (h->cases + h->shards - h->shard) / h->shards;
   vs_text list = {0};
-  vs_bits_add(&list, j->bits.text);
-  if (list.length) vs_bits_add(&list, vs_bits_here());
-  vs_row *shape = vs_row_new(h->columns, h->failures, h->manifest_end);
-  if (!whole && vs_bits_differ(&list)) vs_bits_warn(&list, shape, j->path);
-  vs_row_free(shape);
+  vs_platform_add(&list, j->bits.text);
+  if (list.length) vs_platform_add(&list, vs_platform_here());
+  vs_row_shape *shape = vs_row_shape_new(h->columns, h->failures, h->manifest_end);
+  if (!whole && vs_platform_differ(&list)) vs_platform_warn(&list, shape, j->path);
+  vs_row_shape_free(shape);
   vs_text_free(&list);
 }
 
-static vs_status resume_journal(session *s, vs_head *head, vs_error *err) {
+static vs_status resume_journal(session *s, vs_journal_head *head, vs_error *err) {
   vs_journal *j = &s->journal;
   vs_status status = vs_journal_open(j, s->folder, true, err);
   if (status) return status;
@@ -327,7 +327,7 @@ static vs_status resume_journal(session *s, vs_head *head, vs_error *err) {
   if (j->head.shard != head->shard || j->head.shards != head->shards)
     return vs_fail_at(err, (vs_where){j->path, 1, 1}, "is of shard %llu/%llu: give --shard so",
                       (unsigned long long)j->head.shard, (unsigned long long)j->head.shards);
-  const char *differs = vs_head_differs(&j->head, head);
+  const char *differs = vs_journal_head_differs(&j->head, head);
   if (differs)
     return vs_fail_at(err, (vs_where){j->path, 1, 1},
                       "the line %s= of its head is not as this study writes it; this record was "
@@ -348,18 +348,18 @@ static vs_status resume_journal(session *s, vs_head *head, vs_error *err) {
 }
 
 /* Begins a new journal, and removes what the folder has of an older study. */
-static vs_status begin_journal(session *s, vs_head *head, vs_error *err) {
+static vs_status begin_journal(session *s, vs_journal_head *head, vs_error *err) {
   vs_journal old;
   const bool known = vs_journal_peek(&old, s->folder);
   vs_status status = vs_journal_create(&s->journal, s->folder, head, err);
-  if (!status) vs_stale_remove(s->folder, known ? &old : NULL);
+  if (!status) vs_cleanup_folder(s->folder, known ? &old : NULL);
   if (!status) vs_publish_remove(s->folder);
   vs_journal_close(&old);
   return status;
 }
 
 static vs_status open_journal(session *s, vs_error *err) {
-  vs_head head;
+  vs_journal_head head;
   vs_manifest_head(&s->plan, s->o->name, &head);
   vs_status status = s->o->keep_runs ? vs_case_check_csv(s->plan.first, s->plan.count, err) : VS_OK;
   if (!status && s->o->shard)
@@ -385,7 +385,7 @@ static vs_status open_journal(session *s, vs_error *err) {
   else if (!status)
     status = check_folder_is_free(s, there, err);
   if (!status && !(there && s->o->resume)) status = begin_journal(s, &head, err);
-  vs_head_free(&head);
+  vs_journal_head_free(&head);
   return status;
 }
 
@@ -396,16 +396,16 @@ static vs_status make_own_folder(session *s, vs_error *err) {
   sigset_t before;
   snprintf(s->folder, sizeof s->folder, "%.4000s/vibrospice.XXXXXX",
            temporary && *temporary ? temporary : "/tmp");
-  vs_leave_hold(&before);
+  vs_shutdown_block_signals(&before);
   bool made = mkdtemp(s->folder) != NULL;
   int why = errno;
-  if (made) vs_leave_remove(s->folder);
-  vs_leave_release(&before);
+  if (made) vs_shutdown_remove(s->folder);
+  vs_shutdown_unblock_signals(&before);
   if (!made) return vs_fail(err, VS_RUN, "%s: cannot be made: %s", s->folder, strerror(why));
   for (size_t k = 0; k <= VS_PUBLISH_FILES; k++) {
     snprintf(s->own[k], sizeof s->own[k], "%s/%s", s->folder,
              k < VS_PUBLISH_FILES ? vs_publish_files[k] : "journal");
-    vs_leave_remove(s->own[k]);
+    vs_shutdown_remove(s->own[k]);
   }
   return VS_OK;
 }
@@ -430,7 +430,7 @@ static vs_status open_folder(session *s, vs_error *err) {
 
 static bool next_case(void *ctx, vs_task *task) {
   session *s = ctx;
-  const vs_head *head = &s->journal.head;
+  const vs_journal_head *head = &s->journal.head;
   for (; s->next < s->until; s->next += head->shards) {
     if (vs_journal_has(&s->journal, s->next)) continue;
     task->index = s->next;
@@ -494,10 +494,10 @@ static vs_status keep_progress(void *ctx, vs_error *err) {
 /* ---- running ---- */
 
 static vs_status run_cases(session *s, uint64_t first, uint64_t until, vs_error *err) {
-  const vs_dealer dealer = {s, next_case, cases_left, record_row, keep_progress};
+  const vs_task_source dealer = {s, next_case, cases_left, record_row, keep_progress};
   s->next = first;
   s->until = until;
-  vs_status status = vs_jobs_run(s->jobs, &dealer, err);
+  vs_status status = vs_worker_pool_run(s->jobs, &dealer, err);
   vs_error second = {0};
   vs_status kept = vs_journal_flush(&s->journal, true, status ? &second : err);
   return status ? status : kept;
@@ -539,24 +539,24 @@ static void sweep_runs(const session *s) {
 
 /* Runs the cases that are not done yet, with the progress shown. */
 static vs_status run_study(session *s, vs_error *err) {
-  const vs_head *head = &s->journal.head;
-  int jobs = s->o->jobs ? s->o->jobs : vs_jobs_cores();
+  const vs_journal_head *head = &s->journal.head;
+  int jobs = s->o->jobs ? s->o->jobs : vs_worker_pool_cores();
   s->total = (s->count + head->shards - head->shard) / head->shards;
   s->before = s->journal.done + s->journal.failed;
   s->began_s = s->shown_s = vs_worker_clock();
   s->show = !s->o->quiet && !s->o->progress_json && isatty(STDERR_FILENO);
   if ((uint64_t)jobs > s->total && s->total) jobs = (int)s->total;
   /* a branch would have no file of its own for run.csv */
-  bool share = !s->o->alone && !s->o->keep_runs && vs_past_fits(&s->plan);
-  const vs_jobs_options options = {
+  bool share = !s->o->alone && !s->o->keep_runs && vs_shared_prefix_applies(&s->plan);
+  const vs_worker_pool_options options = {
       &s->plan, s->o->keep_runs ? s->keep : NULL, share, jobs, s->o->timeout_s, s->o->stop};
-  s->jobs = vs_jobs_new(&options);
-  vs_heed heed = vs_leave_heed_set(VS_HEED_KEEP);
+  s->jobs = vs_worker_pool_new(&options);
+  vs_shutdown_mode heed = vs_shutdown_mode_set(VS_SHUTDOWN_WHEN_KEPT);
   void (*before)(int) = signal(SIGPIPE, SIG_IGN); /* whoever reads the progress may be gone */
   vs_status status =
       s->plan.adaptive ? run_adaptive(s, err) : run_cases(s, head->shard - 1, s->count, err);
-  vs_jobs_free(s->jobs);
-  vs_leave_heed_set(heed); /* the rows are in the journal: what follows can be done again */
+  vs_worker_pool_free(s->jobs);
+  vs_shutdown_mode_set(heed); /* the rows are in the journal: what follows can be done again */
   if (s->plan.adaptive) s->total = s->count;
   if (s->show) dprintf(STDERR_FILENO, "\r\033[K");
   if (!status) print_progress(s, vs_worker_clock());
@@ -581,7 +581,7 @@ static vs_status write_result(session *s, vs_error *err) {
     vs_json_same_row(&json);
     stage->method->json(&s->plan, stage, &results, &json);
   }
-  vs_bits_json(&s->journal.bits, &json);
+  vs_platform_json(&s->journal.bits, &json);
   const vs_journals all = {&s->journal, 1, s->count, more.text};
   vs_status status = vs_publish_write(&all, s->o->format, s->folder, err);
   vs_text_free(&more);

@@ -11,15 +11,15 @@
 #include <unistd.h>
 
 #include "base/csv.h"
+#include "base/field.h"
 #include "base/file.h"
+#include "base/gnuplot.h"
 #include "base/json.h"
 #include "base/text.h"
-#include "base/gnuplot.h"
-#include "suite.h"
-#include "base/field.h"
 #include "base/tree.h"
 #include "base/units.h"
-#include "run/amount.h"
+#include "run/engineering.h"
+#include "suite.h"
 
 /* The first bytes of a file; empty when it is not there. */
 static const char *head(const char *path, char text[256]) {
@@ -400,14 +400,13 @@ static void errors_can_be_carried_on_from(void) {
   static const char *const SORTED[] = {"b:1:2: e", "b:1:9: e", "b:2:1: e", "a: e", "a:3:1: e", "e"};
   vs_findings *all = vs_alloc(1, sizeof *all);
   vs_error err = {0};
-  CU_ASSERT_EQUAL(vs_error_carry_on(&err, vs_fail(&err, VS_INPUT, "e")),
-                  VS_INPUT); /* kept nowhere */
+  CU_ASSERT_EQUAL(vs_error_keep(&err, vs_fail(&err, VS_INPUT, "e")), VS_INPUT); /* kept nowhere */
   CU_ASSERT_EQUAL(vs_error_count(&err), 0);
   err.findings = all;
   for (size_t k = 0; k < COUNT(PLACES); k++) /* one of them twice */
-    CU_ASSERT_EQUAL(vs_error_carry_on(&err, vs_fail_at(&err, PLACES[k], "e")), VS_OK);
-  CU_ASSERT_EQUAL(vs_error_carry_on(&err, VS_OK), VS_OK);
-  CU_ASSERT_EQUAL(vs_error_carry_on(&err, vs_fail(&err, VS_RUN, "no input")), VS_RUN);
+    CU_ASSERT_EQUAL(vs_error_keep(&err, vs_fail_at(&err, PLACES[k], "e")), VS_OK);
+  CU_ASSERT_EQUAL(vs_error_keep(&err, VS_OK), VS_OK);
+  CU_ASSERT_EQUAL(vs_error_keep(&err, vs_fail(&err, VS_RUN, "no input")), VS_RUN);
   CU_ASSERT_EQUAL_FATAL(vs_error_count(&err), COUNT(SORTED));
   for (size_t k = 0; k < COUNT(SORTED); k++) CU_ASSERT_STRING_EQUAL(all->item[k].text, SORTED[k]);
   const vs_error *e = &all->item[1];
@@ -416,8 +415,8 @@ static void errors_can_be_carried_on_from(void) {
   CU_ASSERT_EQUAL(e->file_size, 1);
   CU_ASSERT_STRING_EQUAL(e->text + e->place_size, "e");
   for (int k = 0; vs_error_count(&err) < VS_MOST_FINDINGS; k++)
-    vs_error_carry_on(&err, vs_fail(&err, VS_INPUT, "%d", k));
-  CU_ASSERT_EQUAL(vs_error_carry_on(&err, vs_fail(&err, VS_INPUT, "no room")), VS_INPUT);
+    vs_error_keep(&err, vs_fail(&err, VS_INPUT, "%d", k));
+  CU_ASSERT_EQUAL(vs_error_keep(&err, vs_fail(&err, VS_INPUT, "no room")), VS_INPUT);
   free(all);
 }
 
@@ -934,12 +933,13 @@ static void amounts(void) {
               {INFINITY, "V", "inf V"},
               {NAN, "V", "nan V"},
               {0.25, "", "0.25"}};
-  char text[2 * VS_AMOUNT_SIZE];
+  char text[2 * VS_ENGINEERING_SIZE];
   for (size_t k = 0; k < COUNT(ROWS); k++)
-    CU_ASSERT_STRING_EQUAL(vs_amount_text(ROWS[k].value, ROWS[k].unit, text), ROWS[k].text);
-  CU_ASSERT_STRING_EQUAL(vs_amount_range(-0.99997, 0.5, "m", text), "-1 .. 0.5 m");
-  CU_ASSERT_STRING_EQUAL(vs_amount_range(4.441e-16, 0.003169, "A2.s", text), "0 .. 0.003169 A2.s");
-  CU_ASSERT_STRING_EQUAL(vs_amount_range(-2e-3, 1e3, "V", text), "-2e-06 .. 1 kV");
+    CU_ASSERT_STRING_EQUAL(vs_engineering_text(ROWS[k].value, ROWS[k].unit, text), ROWS[k].text);
+  CU_ASSERT_STRING_EQUAL(vs_engineering_range(-0.99997, 0.5, "m", text), "-1 .. 0.5 m");
+  CU_ASSERT_STRING_EQUAL(vs_engineering_range(4.441e-16, 0.003169, "A2.s", text),
+                         "0 .. 0.003169 A2.s");
+  CU_ASSERT_STRING_EQUAL(vs_engineering_range(-2e-3, 1e3, "V", text), "-2e-06 .. 1 kV");
 }
 
 /* A caption ends at a word's end, and has no more characters than there is room for. */

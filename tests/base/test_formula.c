@@ -5,9 +5,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "program.h"
+#include "plant/b_source.h"
 #include "plant/derivative.h"
-#include "plant/spice.h"
+#include "program.h"
 
 /* Names "a", "b.x" and "Big" are names 0, 1, 2; x, y and z are terms 0, 1 and 2; "twice" is a
  * formula. */
@@ -195,7 +195,7 @@ static void check_printed(const char *how) {
   for (size_t k = 0; k < COUNT(PRINTED); k++) {
     vs_formula f = formula(PRINTED[k]);
     vs_text_add(&deck, "B%zu o%zu 0 V = ", k, k);
-    vs_spice_formula(&deck, &f, NODE);
+    vs_b_source_formula(&deck, &f, NODE);
     vs_text_add(&deck, "\n");
     vs_formula_free(&f);
   }

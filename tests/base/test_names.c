@@ -6,8 +6,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/disjoint_sets.h"
 #include "import/elements.h"
-#include "base/sets.h"
 #include "suite.h"
 
 static size_t number_of(const vs_names *names, const char *name) {
@@ -45,17 +45,17 @@ static void names_have_numbers(void) {
 /* The numbers with the same rest are joined, the larger ones first. */
 static void numbers_in_sets(void) {
   enum { MANY = 3000, SETS = 7 };
-  vs_sets sets = {0};
-  for (size_t k = 0; k < MANY; k++) CU_ASSERT_EQUAL_FATAL(vs_sets_add(&sets), k);
+  vs_disjoint_sets sets = {0};
+  for (size_t k = 0; k < MANY; k++) CU_ASSERT_EQUAL_FATAL(vs_disjoint_sets_add(&sets), k);
   size_t joined = 0, wrong = 0;
-  for (size_t k = MANY - 1; k >= SETS; k--) joined += vs_sets_join(&sets, k, k - SETS);
+  for (size_t k = MANY - 1; k >= SETS; k--) joined += vs_disjoint_sets_join(&sets, k, k - SETS);
   CU_ASSERT_EQUAL(joined, MANY - SETS);
-  CU_ASSERT_FALSE(vs_sets_join(&sets, 0, MANY / SETS * SETS));
-  for (size_t k = 0; k < MANY; k++) wrong += vs_sets_find(&sets, k) != k % SETS;
+  CU_ASSERT_FALSE(vs_disjoint_sets_join(&sets, 0, MANY / SETS * SETS));
+  for (size_t k = 0; k < MANY; k++) wrong += vs_disjoint_sets_find(&sets, k) != k % SETS;
   CU_ASSERT_EQUAL(wrong, 0);
-  CU_ASSERT_TRUE(vs_sets_join(&sets, 5, 3));
-  CU_ASSERT_EQUAL(vs_sets_find(&sets, 5 + SETS), 3);
-  vs_sets_free(&sets);
+  CU_ASSERT_TRUE(vs_disjoint_sets_join(&sets, 5, 3));
+  CU_ASSERT_EQUAL(vs_disjoint_sets_find(&sets, 5 + SETS), 3);
+  vs_disjoint_sets_free(&sets);
   CU_ASSERT_EQUAL(sets.count, 0);
 }
 

@@ -6,11 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/units.h"
 #include "engine/firing.h"
 #include "engine/gate.h"
-#include "program.h"
 #include "orbit/steady.h"
-#include "base/units.h"
+#include "program.h"
 
 static const double DEG = M_PI / 180;
 
@@ -234,7 +234,7 @@ static void shipped_scenes(void) {
                 {"control_sag", 0.7}};
   for (size_t k = 0; k < COUNT(SCENES); k++) {
     swing s = {.from_s = SCENES[k].step_s};
-    const vs_guest guest = {.ctx = &s, .accept = follow};
+    const vs_session_listener guest = {.ctx = &s, .accept = follow};
     const vs_session session = {.guest = &guest, .steady = vs_steady_start};
     vs_error err = {0};
     vs_scene *scene = vs_alloc(1, sizeof *scene);

@@ -9,10 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "measure/meter.h"
 #include "control/estimator.h"
-#include "control/place.h"
+#include "control/pole_placement.h"
 #include "control/riccati.h"
+#include "measure/meter.h"
 #include "program.h"
 
 /* ---- any matrices ---- */
@@ -65,7 +65,7 @@ static void double_integrator(void) {
                         bv = gsl_matrix_const_view_array(b, 2, 1);
   gsl_matrix_view kv = gsl_matrix_view_array(k, 1, 2);
   for (size_t n = 0; n < COUNT(poles); n++) {
-    EXPECT(vs_place(&av.matrix, &bv.matrix, poles[n], &kv.matrix), "no gain");
+    EXPECT(vs_pole_placement(&av.matrix, &bv.matrix, poles[n], &kv.matrix), "no gain");
     gsl_complex product = gsl_complex_mul(poles[n][0], poles[n][1]),
                 sum = gsl_complex_add(poles[n][0], poles[n][1]);
     CLOSE(k[0], GSL_REAL(product), 1e-13);
@@ -88,7 +88,7 @@ static void any_poles(void) {
       }
       if (n % 3 == 1) poles[n - 1] = gsl_complex_rect(-1.7, 0);
       if (m > 1 && n > 5) poles[5] = poles[2];
-      EXPECT(vs_place(a, b, poles, k), "%zu states, %zu inputs: no gain", n, m);
+      EXPECT(vs_pole_placement(a, b, poles, k), "%zu states, %zu inputs: no gain", n, m);
       gsl_blas_dgemm(CblasNoTrans, CblasNoTrans, -1, b, k, 1, a);
       double off = eigenvalues_off(a, poles);
       EXPECT(off < 1e-5, "%zu states, %zu inputs: off by %g", n, m, off);
@@ -104,10 +104,12 @@ static void reach(void) {
   gsl_matrix_const_view av = gsl_matrix_const_view_array(a, 2, 2),
                         bv = gsl_matrix_const_view_array(b, 2, 1),
                         same = gsl_matrix_const_view_array(both, 2, 2);
-  CLOSE(vs_place_reach(&av.matrix, &bv.matrix, gsl_complex_rect(1, 0)), 1, 1e-14);
-  EXPECT(vs_place_reach(&av.matrix, &bv.matrix, gsl_complex_rect(2, 0)) < 1e-15, "2 is moved");
-  CLOSE(vs_place_reach(&av.matrix, &bv.matrix, gsl_complex_rect(2, 0.5)), 0.5, 1e-14);
-  EXPECT(vs_place_independence(&same.matrix) < 1e-15 && vs_place_independence(&av.matrix) > 0.4,
+  CLOSE(vs_pole_placement_reach(&av.matrix, &bv.matrix, gsl_complex_rect(1, 0)), 1, 1e-14);
+  EXPECT(vs_pole_placement_reach(&av.matrix, &bv.matrix, gsl_complex_rect(2, 0)) < 1e-15,
+         "2 is moved");
+  CLOSE(vs_pole_placement_reach(&av.matrix, &bv.matrix, gsl_complex_rect(2, 0.5)), 0.5, 1e-14);
+  EXPECT(vs_pole_placement_independence(&same.matrix) < 1e-15 &&
+             vs_pole_placement_independence(&av.matrix) > 0.4,
          "independence");
 }
 
@@ -203,7 +205,7 @@ static void period_after_period(void) {
 
 typedef struct watch {
   vs_tree tree; /* of the observer's map */
-  vs_observing observing;
+  vs_state_observer observing;
   vs_estimator estimator;
   vs_meter current, sensor[VS_SENSOR_MOST];
   double rate_hz;
@@ -216,7 +218,7 @@ typedef struct watch {
 
 static vs_status look(void *ctx, const vs_step *step, vs_error *err) {
   watch *w = ctx;
-  const vs_sampled *p = w->observing.system;
+  const vs_sampled_system *p = w->observing.system;
   double y[VS_SENSOR_MOST], all[VS_CH_MOST];
   (void)err;
   if (step->to->t_s == step->from->t_s) return VS_OK;
@@ -246,10 +248,10 @@ static void begin_watch(watch *w, const char *map) {
   w->status = vs_tree_read("observer.yaml", &w->tree, &w->err);
   const vs_node *node = vs_tree_child(w->tree.root, "observer");
   if (!w->status)
-    w->status = vs_observing_read(node, &w->scene->setup.model, &w->scene->instruments, w->rate_hz,
-                                  &w->observing, &w->err);
+    w->status = vs_state_observer_read(node, &w->scene->setup.model, &w->scene->instruments,
+                                       w->rate_hz, &w->observing, &w->err);
   if (w->status) return;
-  const vs_sampled *p = w->observing.system;
+  const vs_sampled_system *p = w->observing.system;
   vs_meter_begin(&w->current, w->observing.current, w->scene->instruments.v.seed);
   for (int k = 0; k < p->sensors; k++)
     vs_meter_begin(&w->sensor[k], p->sensor[k].instrument, w->scene->instruments.v.seed);
@@ -257,7 +259,7 @@ static void begin_watch(watch *w, const char *map) {
 }
 
 static void end_watch(watch *w, vs_trial *t) {
-  vs_observing_free(&w->observing);
+  vs_state_observer_free(&w->observing);
   vs_tree_free(&w->tree);
   vs_trial_free(t);
 }
@@ -276,7 +278,7 @@ static vs_trial *read_watched(watch *w, const char *scene, const char *tier,
 
 /* Runge's and Kutta's integration of the motion and of the low-passes, with F straight from f[0] to
  * f[1] in the period; far finer than the period. */
-static void slopes(const vs_sampled *p, const vs_model *m, double force, const double *x,
+static void slopes(const vs_sampled_system *p, const vs_model *m, double force, const double *x,
                    double *d) {
   int dof = m->dof;
   memcpy(d, x + dof, (size_t)dof * sizeof *d);
@@ -297,7 +299,7 @@ static void slopes(const vs_sampled *p, const vs_model *m, double force, const d
   }
 }
 
-static void integrate(const vs_sampled *p, const vs_model *m, const double f[2], double *x) {
+static void integrate(const vs_sampled_system *p, const vs_model *m, const double f[2], double *x) {
   static const double AT[] = {0, 0.5, 0.5, 1}, WEIGHT[] = {1, 2, 2, 1};
   enum { PIECES = 400 };
   double h = p->period_s / PIECES;
@@ -315,7 +317,7 @@ static void integrate(const vs_sampled *p, const vs_model *m, const double f[2],
 static void one_period(const char *scene, const char *const *sets, const char *map) {
   watch w = {.rate_hz = 2000};
   vs_trial *t = read_watched(&w, scene, "switched", sets, map);
-  const vs_sampled *p = w.observing.system;
+  const vs_sampled_system *p = w.observing.system;
   const double f[] = {30, 50};
   double x[VS_SAMPLED_MOST], next[VS_SAMPLED_MOST];
   EXPECT(!w.status, "%s", w.err.text);
@@ -337,7 +339,7 @@ static void as_of_modes(void) {
   static const char *const SETS[] = {"instruments={}", NULL};
   watch w = {.rate_hz = 2000};
   vs_trial *t = read_watched(&w, "paper", "switched", SETS, "{}");
-  const vs_sampled *p = w.observing.system;
+  const vs_sampled_system *p = w.observing.system;
   vs_state_space space;
   vs_mechanics_state_space(&t->scene.setup.model, &space);
   enum { N = 8, PARTS = 64 };
@@ -414,7 +416,7 @@ static void stated_poles(void) {
   vs_trial *t = read_watched(&w, "paper", "analytic", SETS, map);
   EXPECT(!w.status, "%s", w.err.text);
   if (!w.status) {
-    const vs_sampled *p = w.observing.system;
+    const vs_sampled_system *p = w.observing.system;
     size_t n = COUNT(POLES);
     double y[] = {1e-4, -3};
     gsl_matrix *m = gsl_matrix_alloc(n, n);
@@ -618,7 +620,7 @@ static void notes(void) {
     watch w = {.rate_hz = 5000};
     vs_trial *t = read_watched(&w, "paper", "switched", k ? PLAIN : SETS, "{}");
     EXPECT(!w.status, "%s", w.err.text);
-    const char *said = vs_observing_note(&w.observing, &t->scene.setup, text, sizeof text);
+    const char *said = vs_state_observer_note(&w.observing, &t->scene.setup, text, sizeof text);
     EXPECT(k ? !said
              : said && strstr(said, "samples of p are up to 0.125 ms old") &&
                    strstr(said, "late by 0.159 ms") && strstr(said, "without a stop") &&

@@ -11,8 +11,8 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "base/leave.h"
-#include "control/remote.h"
+#include "base/shutdown.h"
+#include "control/child_process.h"
 #include "program.h"
 
 /* ---- the process by itself ---- */
@@ -46,25 +46,25 @@ static void answer_bytes(void *ctx, int in, int out) {
   }
 }
 
-static vs_status ask_number(vs_remote *r, const char *question, int *number, vs_error *err) {
-  vs_status status = vs_remote_ask(r, 0.5, question, strlen(question), err);
-  if (!status) status = vs_remote_answer(r, sizeof *number, err);
+static vs_status ask_number(vs_child_process *r, const char *question, int *number, vs_error *err) {
+  vs_status status = vs_child_process_ask(r, 0.5, question, strlen(question), err);
+  if (!status) status = vs_child_process_answer(r, sizeof *number, err);
   if (!status) memcpy(number, r->in, sizeof *number);
   return status;
 }
 
 static void a_copy_answers(void) {
-  vs_remote r = {.name = "copy", .timeout_s = 20};
+  vs_child_process r = {.name = "copy", .timeout_s = 20};
   vs_error err = {0};
   int first = 5, number = 0;
-  CU_ASSERT(!vs_remote_fork(&r, answer_bytes, &first, &err));
+  CU_ASSERT(!vs_child_process_fork(&r, answer_bytes, &first, &err));
   for (int k = 0; k < 100 && !err.text[0]; k++) {
     ask_number(&r, "n", &number, &err);
     EXPECT(number == 5 + k, "%d instead of %d", number, 5 + k);
   }
   EXPECT(!err.text[0], "%s", err.text);
-  vs_remote_end(&r);
-  vs_remote_end(&r); /* which does nothing */
+  vs_child_process_end(&r);
+  vs_child_process_end(&r); /* which does nothing */
   expect_alone(__LINE__);
 }
 
@@ -76,26 +76,26 @@ static void a_copy_fails(void) {
               {"e", "t = 0.5 s: control: copy ended with status 7, without an answer"},
               {"s", "t = 0.5 s: control: copy gave no answer within control.timeout, 0.2 s"}};
   for (size_t k = 0; k < COUNT(WAYS); k++) {
-    vs_remote r = {.name = "copy", .timeout_s = k == 2 ? 0.2 : 20};
+    vs_child_process r = {.name = "copy", .timeout_s = k == 2 ? 0.2 : 20};
     vs_error err = {0};
     int first = 0, number;
     double began_s = wall_s();
-    CU_ASSERT(!vs_remote_fork(&r, answer_bytes, &first, &err));
+    CU_ASSERT(!vs_child_process_fork(&r, answer_bytes, &first, &err));
     EXPECT(ask_number(&r, WAYS[k].ask, &number, &err) == VS_RUN, "%s: no error", WAYS[k].ask);
     EXPECT(!strcmp(err.text, WAYS[k].says), "%s", err.text);
     EXPECT(wall_s() - began_s < 10, "%s: took %g s", WAYS[k].ask, wall_s() - began_s);
     EXPECT(ask_number(&r, "n", &number, &err) == VS_RUN, "%s: it lives on", WAYS[k].ask);
-    vs_remote_end(&r);
+    vs_child_process_end(&r);
     expect_alone(__LINE__);
   }
 }
 
 /* An answer to no question could be taken for one to the next. */
 static void unasked(void) {
-  vs_remote r = {.name = "copy", .timeout_s = 20};
+  vs_child_process r = {.name = "copy", .timeout_s = 20};
   vs_error err = {0};
   int first = 0, number;
-  CU_ASSERT(!vs_remote_fork(&r, answer_bytes, &first, &err));
+  CU_ASSERT(!vs_child_process_fork(&r, answer_bytes, &first, &err));
   ask_number(&r, "nu", &number, &err);
   usleep(300000); /* until it has said the rest */
   EXPECT(ask_number(&r, "n", &number, &err) == VS_RUN, "it was taken");
@@ -103,43 +103,43 @@ static void unasked(void) {
                  "t = 0.5 s: control: copy answered before it was asked; wanted: one answer "
                  "for each question"),
          "%s", err.text);
-  vs_remote_end(&r);
+  vs_child_process_end(&r);
   expect_alone(__LINE__);
 }
 
-static vs_status ask_line(vs_remote *r, const char *question, vs_error *err) {
-  vs_status status = vs_remote_ask(r, 0.5, question, strlen(question), err);
-  return status ? status : vs_remote_answer(r, 0, err);
+static vs_status ask_line(vs_child_process *r, const char *question, vs_error *err) {
+  vs_status status = vs_child_process_ask(r, 0.5, question, strlen(question), err);
+  return status ? status : vs_child_process_answer(r, 0, err);
 }
 
 static void a_program_answers(void) {
-  vs_remote r = {.name = "cat", .timeout_s = 20};
+  vs_child_process r = {.name = "cat", .timeout_s = 20};
   vs_error err = {0};
   char *words[] = {"cat", NULL};
-  CU_ASSERT(!vs_remote_exec(&r, words, "/", (vs_where){0}, &err));
+  CU_ASSERT(!vs_child_process_exec(&r, words, "/", (vs_where){0}, &err));
   for (int k = 0; k < 3; k++) {
     ask_line(&r, "what is this?\n", &err);
     EXPECT(!strcmp(r.in, "what is this?"), "%s; %s", r.in, err.text);
   }
   EXPECT(ask_line(&r, "one\ntwo\n", &err) == VS_RUN, "two lines were taken");
   EXPECT(strstr(err.text, "more than one line") != NULL, "%s", err.text);
-  vs_remote_end(&r);
+  vs_child_process_end(&r);
   expect_alone(__LINE__);
 }
 
 /* What becomes of a program that is asked once. */
 static void expect_line(char *const *words, double timeout_s, const char *says, int line) {
-  vs_remote r = {.name = "it", .timeout_s = timeout_s};
+  vs_child_process r = {.name = "it", .timeout_s = timeout_s};
   vs_error err = {0};
   double began_s = wall_s();
-  vs_status status = vs_remote_exec(&r, words, "", (vs_where){.file = "s.yaml"}, &err);
+  vs_status status = vs_child_process_exec(&r, words, "", (vs_where){.file = "s.yaml"}, &err);
   if (!status) {
     usleep(100000);
     status = ask_line(&r, "?\n", &err);
   }
   expect(status && strstr(err.text, says), line, "'%s' instead of '%s'", err.text, says);
   expect(wall_s() - began_s < 10, line, "took %g s", wall_s() - began_s);
-  vs_remote_end(&r);
+  vs_child_process_end(&r);
   expect_alone(line);
 }
 
@@ -172,14 +172,14 @@ static bool is_gone(pid_t process) {
 
 /* A program that heeds nothing, with one more that it has started, is ended with it. */
 static void a_program_is_ended(void) {
-  vs_remote r = {.name = "it", .timeout_s = 20};
+  vs_child_process r = {.name = "it", .timeout_s = 20};
   vs_error err = {0};
   char *words[] = {"sh", "-c", "trap '' TERM; sleep 77 & echo $!; sleep 77", NULL};
-  CU_ASSERT(!vs_remote_exec(&r, words, "", (vs_where){0}, &err));
-  CU_ASSERT(!vs_remote_answer(&r, 0, &err));
+  CU_ASSERT(!vs_child_process_exec(&r, words, "", (vs_where){0}, &err));
+  CU_ASSERT(!vs_child_process_answer(&r, 0, &err));
   pid_t other = (pid_t)atol(r.in), own = r.pid;
   EXPECT(other > 0 && !is_gone(other), "it is not there: %s", r.in);
-  vs_remote_end(&r);
+  vs_child_process_end(&r);
   EXPECT(is_gone(own), "it is still there");
   for (int k = 0; k < 100 && !is_gone(other); k++) usleep(10000);
   EXPECT(is_gone(other), "what it has started is still there");
@@ -194,10 +194,11 @@ static void a_program_outlives_nobody(void) {
   fflush(NULL);
   pid_t owner = fork();
   if (!owner) {
-    vs_remote r = {.name = "it", .timeout_s = 20};
+    vs_child_process r = {.name = "it", .timeout_s = 20};
     vs_error err = {0};
     pid_t told[2] = {0, 0};
-    if (!vs_remote_exec(&r, words, "", (vs_where){0}, &err) && !vs_remote_answer(&r, 0, &err))
+    if (!vs_child_process_exec(&r, words, "", (vs_where){0}, &err) &&
+        !vs_child_process_answer(&r, 0, &err))
       told[0] = r.pid, told[1] = (pid_t)atol(r.in);
     if (write(ends[1], told, sizeof told) < 0) _exit(1);
     pause();
@@ -216,34 +217,34 @@ static void a_program_outlives_nobody(void) {
 
 /* A signal that asks this process to end is heeded while it waits. */
 static void a_signal_is_heeded(void) {
-  vs_remote r = {.name = "sleep", .timeout_s = 60};
+  vs_child_process r = {.name = "sleep", .timeout_s = 60};
   vs_error err = {0};
   char *words[] = {"sleep", "77", NULL};
-  CU_ASSERT(!vs_remote_exec(&r, words, "", (vs_where){0}, &err));
-  vs_leave_requested = 1;
+  CU_ASSERT(!vs_child_process_exec(&r, words, "", (vs_where){0}, &err));
+  vs_shutdown_requested = 1;
   EXPECT(ask_line(&r, "?\n", &err) == VS_SIGNAL, "%s", err.text);
-  vs_leave_requested = 0;
+  vs_shutdown_requested = 0;
   expect_alone(__LINE__);
 }
 
 /* A copy of the owner neither asks its process nor ends it. */
 static void a_copy_of_the_owner(void) {
-  vs_remote r = {.name = "cat", .timeout_s = 20};
+  vs_child_process r = {.name = "cat", .timeout_s = 20};
   vs_error err = {0};
   char *words[] = {"cat", NULL};
   int how = 0;
-  CU_ASSERT(!vs_remote_exec(&r, words, "", (vs_where){0}, &err));
+  CU_ASSERT(!vs_child_process_exec(&r, words, "", (vs_where){0}, &err));
   fflush(NULL);
   pid_t copy = fork();
   if (!copy) {
     bool refused = ask_line(&r, "?\n", &err) == VS_RUN;
-    vs_remote_end(&r);
+    vs_child_process_end(&r);
     _exit(refused ? 0 : 1);
   }
   waitpid(copy, &how, 0);
   EXPECT(how == 0, "the copy asked");
   EXPECT(!ask_line(&r, "still there\n", &err) && !strcmp(r.in, "still there"), "%s", err.text);
-  vs_remote_end(&r);
+  vs_child_process_end(&r);
   expect_alone(__LINE__);
 }
 

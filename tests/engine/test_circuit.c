@@ -11,7 +11,7 @@
 #include <sys/time.h>
 #include <unistd.h>
 
-#include "ngspice/ng.h"
+#include "ngspice/ngspice.h"
 #include "suite.h"
 
 /* Reference solution of T3A with exact switching instants, digits agreeing between integrators. */
@@ -184,9 +184,9 @@ static void device_extremes_and_energies(void) {
 
 /* ngspice's trapezoidal rule alone is wrong by 2.4e-4 of the first peak with 50 us, by 6.5e-5 with
  * 25 us, and so on with the square of the step. Given back what it leaves out at the coil
- * (engine/coupled/amend.h), it is wrong by less than a tenth of that: 1.5e-5, 4.8e-6, 1.4e-6, 3.9e-7.
- * Newton and truncation control are held at 1e-5; of the tolerance 0.1, at these steps the largest
- * step alone decides. */
+ * (engine/coupled/truncation.h), it is wrong by less than a tenth of
+ * that: 1.5e-5, 4.8e-6, 1.4e-6, 3.9e-7. Newton and truncation control are held at 1e-5; of the
+ * tolerance 0.1, at these steps the largest step alone decides. */
 static void given_back_what_the_rule_leaves_out(void) {
   static const struct {
     const char *step;
@@ -414,13 +414,13 @@ static vs_status load_counted(const vs_circuit_job *job, const vs_circuit_host *
   counted.asked = 0;
   counted.host = counted.counting = *host;
   counted.counting.source = count_source; /* hands on to the host's own, whatever its ctx */
-  return vs_ng_kind.load(job, &counted.counting, circuit, err);
+  return vs_ngspice_kind.load(job, &counted.counting, circuit, err);
 }
 static vs_status run_counted(void *circuit, vs_error *err) {
-  return vs_ng_kind.run(circuit, err);
+  return vs_ngspice_kind.run(circuit, err);
 }
 static void free_counted(void *circuit) {
-  vs_ng_kind.free(circuit);
+  vs_ngspice_kind.free(circuit);
 }
 
 /* Newton's second iteration has the gap exactly and finds the EVA linear; a third would only see
@@ -491,10 +491,10 @@ static vs_status try_bare(const char *netlist, bool only_load, bare *b, long *st
   FILE *f = tmpfile();
   CU_ASSERT_PTR_NOT_NULL_FATAL(f);
   b->accepted = fileno(f);
-  vs_status status = vs_ng_kind.load(&job, &host, &circuit, &b->err);
+  vs_status status = vs_ngspice_kind.load(&job, &host, &circuit, &b->err);
   CU_ASSERT_EQUAL(circuit != NULL, status == VS_OK);
-  if (!status && !only_load) status = vs_ng_kind.run(circuit, &b->err);
-  vs_ng_kind.free(circuit);
+  if (!status && !only_load) status = vs_ngspice_kind.run(circuit, &b->err);
+  vs_ngspice_kind.free(circuit);
   *steps = bytes_in(b->accepted);
   fclose(f);
   free(text);

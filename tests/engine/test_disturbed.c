@@ -28,12 +28,12 @@ typedef struct march {
   gsl_odeiv2_step *step;
 } march;
 
-static bool is(const vs_occurrence *e, const char *kind) {
+static bool is(const vs_scene_event *e, const char *kind) {
   return !strcmp(e->kind->name, kind);
 }
 
 /* By `at` alone: the scenes here say no cycle and angle of what has a time. */
-static bool within(const vs_occurrence *e, double t_s) {
+static bool within(const vs_scene_event *e, double t_s) {
   double since = t_s - e->v.at_s, period = 1 / 50.0;
   if (is(e, "phase_jump") || is(e, "jam") || is(e, "load")) return since > 0;
   if (is(e, "notch") && since > 0 && since < e->v.count * period) since = fmod(since, period);
@@ -48,7 +48,7 @@ static double mains(const march *m, double t_s) {
     if (is(&all->item[k], "phase_jump") && within(&all->item[k], m->mid_s))
       angle += all->item[k].v.phase_rad;
   for (size_t k = 0; k < all->count; k++) {
-    const vs_occurrence *e = &all->item[k];
+    const vs_scene_event *e = &all->item[k];
     if (!within(e, m->mid_s)) continue;
     if (is(e, "harmonic")) added += e->v.fraction * sin(e->v.order * angle + e->v.phase_rad);
     if (is(e, "sag") || is(e, "swell")) factor *= e->v.fraction;
@@ -65,7 +65,7 @@ static bool pulse(const march *m, int cycle, double *from_s, double *to_s) {
   *from_s = (cycle - 1 + f->angle.first / (2 * M_PI)) / 50;
   double width = f->pulse_width_s;
   for (size_t k = 0; k < all->count; k++) {
-    const vs_occurrence *e = &all->item[k];
+    const vs_scene_event *e = &all->item[k];
     if (is(e, "missing_pulse") && e->v.cycle == cycle) return false;
     if (is(e, "short_pulse") && e->v.cycle == cycle) width = fmin(width, e->v.duration_s);
   }
@@ -144,9 +144,9 @@ static double load_of(const march *s) {
   const vs_events *all = &s->setup->timeline.events;
   vs_load_values load = s->setup->model.load;
   for (double done_s = 0;;) {
-    const vs_occurrence *next = NULL;
+    const vs_scene_event *next = NULL;
     for (size_t k = 0; k < all->count; k++) {
-      const vs_occurrence *e = &all->item[k];
+      const vs_scene_event *e = &all->item[k];
       if (is(e, "load") && within(e, s->mid_s) && e->v.at_s > done_s &&
           (!next || e->v.at_s < next->v.at_s))
         next = e;
@@ -247,7 +247,7 @@ static void find_edges(march *s, double sample_s, size_t rows) {
   for (int cycle = 1; cycle < 20; cycle++)
     if (pulse(s, cycle, &from, &to)) add_edge(s, from), add_edge(s, to);
   for (size_t k = 0; k < all->count; k++) {
-    const vs_occurrence *e = &all->item[k];
+    const vs_scene_event *e = &all->item[k];
     if (e->kind->at_cycle) continue;
     for (int n = 0; n < (e->v.count > 1 ? e->v.count : 1); n++) {
       add_edge(s, e->v.at_s + n / 50.0);
@@ -275,7 +275,7 @@ static void integrate(march *s, double sample_s, double step_s, size_t rows, dou
     s->t_s = fmax(end, s->t_s);
     double next = e + 1 < s->edges ? (end + s->edge_s[e + 1]) / 2 : end;
     for (size_t n = 0; n < s->setup->timeline.events.count; n++) {
-      const vs_occurrence *o = &s->setup->timeline.events.item[n];
+      const vs_scene_event *o = &s->setup->timeline.events.item[n];
       if (!s->jammed && is(o, "jam") && within(o, next)) jam(s);
     }
     if (fabs(s->t_s - (double)(k + 1) * sample_s) > 1e-12) continue;

@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "engine/gate.h"
 #include "engine/events.h"
+#include "engine/gate.h"
 #include "schedule.h"
 
 /* ---- the surge generator ---- */
@@ -196,7 +196,7 @@ static void books_of_an_idle_machine(void) {
 
 /* ---- waves that come as a formula ---- */
 
-static double first_at(const vs_occurrence *e, double (*wave)(const vs_occurrence *, double),
+static double first_at(const vs_scene_event *e, double (*wave)(const vs_scene_event *, double),
                        double level, double from_s, double step_s) {
   double t = from_s;
   for (; fabs(wave(e, t)) < level; t += step_s) {
@@ -204,7 +204,7 @@ static double first_at(const vs_occurrence *e, double (*wave)(const vs_occurrenc
   return t;
 }
 
-static void peak_of_wave(const vs_occurrence *e, double (*wave)(const vs_occurrence *, double),
+static void peak_of_wave(const vs_scene_event *e, double (*wave)(const vs_scene_event *, double),
                          double step_s, double *at_s, double *peak) {
   *at_s = *peak = 0;
   for (double t = 0; t < 1000 * step_s; t += step_s)
@@ -214,7 +214,7 @@ static void peak_of_wave(const vs_occurrence *e, double (*wave)(const vs_occurre
 /* Ring wave: peak 1.0001 of the level, rise time (10 to 90 %) 0.4999 us, 100 kHz. EFT: 5.12 ns and
  * 49.4 ns at half. Figures of the formulas' own; the steps of the search are 0.1 %. */
 static void ring_wave_and_eft(void) {
-  vs_occurrence e = {.v = {.level_v = 1000, .frequency_hz = 5000, .duration_s = 15e-3}};
+  vs_scene_event e = {.v = {.level_v = 1000, .frequency_hz = 5000, .duration_s = 15e-3}};
   double at, peak;
   const vs_event_kind *ring = vs_events_find("ring_wave"), *eft = vs_events_find("eft");
   peak_of_wave(&e, ring->source, 1e-9, &at, &peak);

@@ -21,7 +21,7 @@ static double next_s(const vs_timeline *t, const vs_signal *s, double now_s) {
   if (share < 0.1) return now_s - 20e-6 * random_share();
   if (share < 0.2 && edge_s < now_s + 1e-3) return edge_s;
   if (share < 0.3 && edge_s < now_s + 1e-3)
-    return edge_s + 4 * (random_share() - 0.5) * vs_occurrence_rounding(edge_s);
+    return edge_s + 4 * (random_share() - 0.5) * vs_scene_event_rounding(edge_s);
   if (share < 0.4) return now_s + 1e-15 * random_share();
   return now_s + 60e-6 * random_share();
 }
@@ -97,13 +97,13 @@ static void at_once(void) {
     const char *end = vs_formula_read(TEXT[k], &SCOPE, &f, &bad, why, sizeof why);
     EXPECT(end && !*end, "%s: %s", TEXT[k], why);
     vs_formula_bind(&f, &p);
-    const vs_formula_quick quick = vs_formula_quicken(&f);
+    const vs_formula_prepared quick = vs_formula_prepare(&f);
     vs_pair value[VS_BATCH_STEPS];
     vs_batch_evaluate(&quick, &b, value);
     for (size_t n = 0; n < 2 * b.count; n++) {
       double terms[3];
       for (int t = 0; t < 3; t++) terms[t] = b.term[t][n / 2][n % 2];
-      double one = vs_formula_quick_value(&quick, terms), many = value[n / 2][n % 2];
+      double one = vs_formula_prepared_value(&quick, terms), many = value[n / 2][n % 2];
       EXPECT(one == many || (isnan(one) && isnan(many)), "%s: %.17g, not %.17g", TEXT[k], many,
              one);
     }

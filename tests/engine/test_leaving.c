@@ -66,7 +66,8 @@ static double difference(const course *a, const course *b) {
 }
 
 /* An extreme is of a signal whose peak is the larger of its two; below 1 V and 0.1 A the solver
- * tells nothing apart (engine/macromodel/quiet.c), a third of which counts as a peak. */
+ * tells nothing apart (engine/macromodel/oneport_macromodel.c), a third of which counts as a peak.
+ */
 static double extremes_off(const vs_trial *a, const vs_trial *b) {
   double worst = 0;
   for (int k = 0; k < a->result.watchers.measures->n_extremes; k++) {

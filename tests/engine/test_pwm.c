@@ -9,7 +9,7 @@
 
 #include "engine/gate.h"
 #include "engine/pwm.h"
-#include "engine/occurrence.h"
+#include "engine/scene_event.h"
 #include "program.h"
 #include "suite.h"
 
@@ -24,7 +24,7 @@ static bool behind(const vs_pwm_values *p, vs_pwm_switch of, double t_s) {
 
 /* With a constant duty the upper switch is on around the middle of its pulse, n/f: it ends at
  * (n + duty/2)/f and begins at (n + 1 - duty/2)/f + dead_time, the lower one the other way round.
- * A step's instants are told apart from vs_occurrence_rounding on, which is the tolerance. */
+ * A step's instants are told apart from vs_scene_event_rounding on, which is the tolerance. */
 static void closed_form(void) {
   static const double CYCLES[] = {0, 1, 7, 12345, 1e6, 1e9};
   static const double DUTIES[] = {0.1, 0.5, 0.87}, DEAD[] = {0, 1.5e-6};
@@ -32,7 +32,7 @@ static void closed_form(void) {
     double n = CYCLES[k / 6], d = DUTIES[k / 2 % 3], dead = DEAD[k % 2], f = 20e3;
     const vs_pwm_values p = {.carrier_hz = f, .duty = {.first = d}, .dead_s = dead};
     double ends = (n + d / 2) / f, begins = (n + 1 - d / 2) / f,
-           slack = vs_occurrence_rounding(ends);
+           slack = vs_scene_event_rounding(ends);
     CLOSE_OF(vs_pwm_edge(&p, HIGH, n / f), ends, 1, slack);
     CLOSE_OF(vs_pwm_edge(&p, HIGH, ends), begins + dead, 1, slack);
     CLOSE_OF(vs_pwm_edge(&p, LOW, n / f), ends + dead, 1, slack);

@@ -9,9 +9,9 @@
 #include <string.h>
 
 #include "base/csv.h"
-#include "fit/outcome.h"
-#include "study/random.h"
+#include "fit/fit_result.h"
 #include "program.h"
+#include "study/random.h"
 
 /* ---- numbers out of JSON ---- */
 
@@ -249,19 +249,19 @@ static void a_record_with_noise(void) {
 /* ---- how often an interval holds the truth ---- */
 
 /* Counts, for each unknown, the seeds whose 95 % interval holds the truth. */
-static void count_held(vs_inquiry *q, noise of, uint64_t seeds, int held[]) {
+static void count_held(vs_fit_problem *q, noise of, uint64_t seeds, int held[]) {
   double *clean = vs_alloc(q->n_data, sizeof *clean);
   for (size_t n = 0; n < q->n_data; n++) clean[n] = q->data[n].value;
   for (uint64_t seed = 1; seed <= seeds; seed++) {
-    vs_outcome *o = vs_alloc(1, sizeof *o);
+    vs_fit_result *o = vs_alloc(1, sizeof *o);
     vs_error err = {0};
     for (size_t n = 0; n < q->n_data; n++)
       q->data[n].value = clean[n] + of(seed, n, 0, q->data[n].error);
-    vs_status status = vs_outcome_of(q, o, &err);
+    vs_status status = vs_fit_result_of(q, o, &err);
     EXPECT(!status, "seed %llu: %s", (unsigned long long)seed, err.text);
     for (size_t k = 0; k < q->n_unknowns && !status; k++)
       held[k] += o->estimate.least[k] <= TRUTH[k] && TRUTH[k] <= o->estimate.most[k];
-    vs_outcome_free(o);
+    vs_fit_result_free(o);
     free(o);
   }
   free(clean);
@@ -274,18 +274,18 @@ static void intervals_hold_the_truth(void) {
   uint64_t seeds = all ? 500 : 8;
   int held[VS_INQUIRY_UNKNOWNS] = {0}, least = all ? 459 : 5;
   char *const sets[] = {"starts=1", "slopes=differences"};
-  vs_inquiry *q = vs_alloc(1, sizeof *q);
+  vs_fit_problem *q = vs_alloc(1, sizeof *q);
   vs_error err = {0};
   record(none, 0);
   write_file("f.yaml", RECORD_FIT);
-  vs_status status = vs_inquiry_read("f.yaml", sets, 2, NULL, q, &err);
+  vs_status status = vs_fit_problem_read("f.yaml", sets, 2, NULL, q, &err);
   EXPECT(!status, "%s", err.text);
   if (!status) count_held(q, white, seeds, held);
   for (int k = 0; k < 5; k++) {
     EXPECT(held[k] >= least, "%s: %d of %d", FIVE[k], held[k], (int)seeds);
     if (all) printf("%s: %d of %d\n", FIVE[k], held[k], (int)seeds);
   }
-  vs_inquiry_free(q);
+  vs_fit_problem_free(q);
   free(q);
 }
 
@@ -442,17 +442,17 @@ static void patterns(void) {
   enum { N = 400 };
   double residual[N];
   for (int k = 0; k < N; k++) residual[k] = k % 2 ? 1 : -1;
-  vs_pattern p = vs_pattern_of(residual, N);
+  vs_residual_tests p = vs_residual_tests_of(residual, N);
   CU_ASSERT_EQUAL(p.runs, N);
   CLOSE(p.runs_expected, 1 + N / 2., 1e-15);
   CLOSE(p.durbin_watson, 4. * (N - 1) / N, 1e-14);
   CU_ASSERT_TRUE(p.found);
   for (int k = 0; k < N; k++) residual[k] = sin(0.1 * k);
-  CU_ASSERT_TRUE(vs_pattern_of(residual, N).found);
+  CU_ASSERT_TRUE(vs_residual_tests_of(residual, N).found);
 
   /* Of four numbers by hand: r1 = (0.75*-0.25 + -0.25*-1.25 + -1.25*0.75)/2.75, and so on. */
   const double four[] = {1, 0, -1, 1};
-  p = vs_pattern_of(four, 4);
+  p = vs_residual_tests_of(four, 4);
   CU_ASSERT_TRUE(isnan(p.runs_probability) && isnan(p.ljung_box));
   CLOSE(p.durbin_watson, 6. / 3, 1e-15);
   CLOSE(p.rms, sqrt(0.75), 1e-15);
@@ -462,7 +462,7 @@ static void patterns(void) {
   int found = 0, low = 0;
   for (uint64_t seed = 0; seed < 500; seed++) {
     for (uint64_t k = 0; k < N; k++) residual[k] = white(seed, k, 0, 1);
-    p = vs_pattern_of(residual, N);
+    p = vs_residual_tests_of(residual, N);
     found += p.found;
     low += p.ljung_box_probability < 0.05;
   }
@@ -585,24 +585,24 @@ static void does_not_converge(void) {
 
 /* How many cycles of the mains a fit of two measures to a mass and a gap takes, and what it says
  * where it has one less in its search, or while it follows profiles. */
-static vs_status fit_within(long cycles, const char *profile, vs_outcome *o, vs_error *err) {
+static vs_status fit_within(long cycles, const char *profile, vs_fit_result *o, vs_error *err) {
   char *const sets[] = {"starts=2"};
-  vs_inquiry *q = vs_alloc(1, sizeof *q);
+  vs_fit_problem *q = vs_alloc(1, sizeof *q);
   write_file("f.yaml", "set: {run: {until: 0.1 s, tier: switched}}\n"
                        "free: {machine.trough_mass: {}, actuator.gap: {}}\n"
                        "measures: {i_peak: {value: 0.85 A, error: 3 %}, p_min: {value: -1.4 mm, "
                        "error: 2 %}, f_resonance: {value: 56 Hz, error: 1 %}}\n");
-  vs_status status = vs_inquiry_read("f.yaml", sets, 1, profile, q, err);
+  vs_status status = vs_fit_problem_read("f.yaml", sets, 1, profile, q, err);
   q->most_cycles = cycles;
-  if (!status) status = vs_outcome_of(q, o, err);
+  if (!status) status = vs_fit_result_of(q, o, err);
   CU_ASSERT(!q->runs[0].scene->order.budget);
-  vs_inquiry_free(q);
+  vs_fit_problem_free(q);
   free(q);
   return status;
 }
 
 static void a_budget_is_kept(void) {
-  vs_outcome *o = vs_alloc(1, sizeof *o);
+  vs_fit_result *o = vs_alloc(1, sizeof *o);
   vs_error err = {0};
   vs_status status = fit_within(0, NULL, o, &err);
   const long whole = o->prediction.budget.spent[VS_BUDGET_IDEAL];
@@ -610,7 +610,7 @@ static void a_budget_is_kept(void) {
   /* a fit that ends well keeps far from its end */
   EXPECT(whole < o->prediction.budget.most[VS_BUDGET_IDEAL] / 3, "%ld of %ld", whole,
          o->prediction.budget.most[VS_BUDGET_IDEAL]);
-  vs_outcome_free(o);
+  vs_fit_result_free(o);
   err = (vs_error){0};
   status = fit_within(whole / 4, NULL, o, &err);
   EXPECT(status == VS_BUDGET && !o->told && strstr(err.text, "in the circuit") == NULL &&
@@ -618,14 +618,14 @@ static void a_budget_is_kept(void) {
              strstr(err.text, "machine.trough_mass = "),
          "%d %s", status, err.text);
   CU_ASSERT(o->prediction.budget.spent[VS_BUDGET_IDEAL] <= whole / 4);
-  vs_outcome_free(o);
+  vs_fit_result_free(o);
   err = (vs_error){0};
   status = fit_within(whole + 20, "all", o, &err);
   EXPECT(status == VS_BUDGET && o->told && !o->n_profiles &&
              strstr(err.text, "profile of machine.trough_mass; so far the least chi2 is") &&
              strstr(err.text, "which converged"),
          "%d %s", status, err.text);
-  vs_outcome_free(o);
+  vs_fit_result_free(o);
   free(o);
 }
 

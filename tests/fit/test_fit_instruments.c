@@ -8,35 +8,35 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "fit/outcome.h"
-#include "program.h"
 #include "base/units.h"
+#include "fit/fit_result.h"
+#include "program.h"
 
 /* ---- fits ---- */
 
 /* Fits what stands in f.yaml, with so many --set. */
-static vs_outcome *fit_with(char *const *sets, size_t n, vs_inquiry *q) {
-  vs_outcome *o = vs_alloc(1, sizeof *o);
+static vs_fit_result *fit_with(char *const *sets, size_t n, vs_fit_problem *q) {
+  vs_fit_result *o = vs_alloc(1, sizeof *o);
   vs_error err = {0};
-  vs_status status = vs_inquiry_read("f.yaml", sets, n, NULL, q, &err);
-  if (!status) status = vs_outcome_of(q, o, &err);
+  vs_status status = vs_fit_problem_read("f.yaml", sets, n, NULL, q, &err);
+  if (!status) status = vs_fit_result_of(q, o, &err);
   EXPECT(!status, "%s", err.text);
-  if (status) *o = (vs_outcome){.estimate.n = 0, .inquiry = q};
+  if (status) *o = (vs_fit_result){.estimate.n = 0, .inquiry = q};
   return o;
 }
 
-static void end_fit(vs_outcome *o, vs_inquiry *q) {
-  vs_outcome_free(o);
-  vs_inquiry_free(q);
+static void end_fit(vs_fit_result *o, vs_fit_problem *q) {
+  vs_fit_result_free(o);
+  vs_fit_problem_free(q);
   free(o);
   free(q);
 }
 
 /* Fits f.yaml and holds what is found against these, in the order of the unknowns. */
 static void expect_found(const char *fit, const double *truth, size_t n, double tolerance) {
-  vs_inquiry *q = vs_alloc(1, sizeof *q);
+  vs_fit_problem *q = vs_alloc(1, sizeof *q);
   write_file("f.yaml", fit);
-  vs_outcome *o = fit_with(NULL, 0, q);
+  vs_fit_result *o = fit_with(NULL, 0, q);
   CU_ASSERT_EQUAL(o->estimate.n, n);
   for (size_t k = 0; k < o->estimate.n; k++) CLOSE(o->estimate.value[k], truth[k], tolerance);
   end_fit(o, q);
@@ -44,8 +44,8 @@ static void expect_found(const char *fit, const double *truth, size_t n, double 
 
 /* Both ways to the slopes tell the same; `inexact`: the exact one gives way to differences. */
 static void expect_same_slopes(const char *fit, bool inexact, double tolerance) {
-  vs_inquiry *q[2];
-  vs_outcome *o[2];
+  vs_fit_problem *q[2];
+  vs_fit_result *o[2];
   write_file("f.yaml", fit);
   for (int k = 0; k < 2; k++) {
     char *const sets[] = {"starts=1", k ? "slopes=differences" : "slopes=auto"};
@@ -199,13 +199,13 @@ typedef struct tally {
 static void count_seed(int seed, tally *t) {
   char words[512];
   char *const sets[] = {"starts=1"};
-  vs_inquiry *q = vs_alloc(1, sizeof *q);
+  vs_fit_problem *q = vs_alloc(1, sizeof *q);
   snprintf(words, sizeof words,
            "run paper --tier switched --set instruments={} --set instruments.seed=%d " TRUE_FIVE
            "--set run.until=0.1s %s --quiet --digits 12 -o seen",
            seed, getenv("VS_LONG") ? "" : "--set run.sample=0.5ms");
   run_good(words, __LINE__);
-  vs_outcome *o = fit_with(sets, 1, q);
+  vs_fit_result *o = fit_with(sets, 1, q);
   for (size_t k = 0; k < o->estimate.n; k++) {
     const vs_estimate *e = &o->estimate;
     double off = log(e->value[k] / FIVE[k]) / e->error[k];
@@ -287,19 +287,19 @@ static void other_ways_to_write_it(void) {
   };
   double first = NAN;
   for (size_t k = 0; k < COUNT(ALL); k++) {
-    vs_inquiry *q = vs_alloc(1, sizeof *q);
+    vs_fit_problem *q = vs_alloc(1, sizeof *q);
     vs_error err = {0};
     write_record(ALL[k].header, ALL[k].row, ALL[k].end, ALL[k].commas);
     write_file("f.yaml",
                "free: {machine.trough_mass: }\ndata: {file: d.csv, columns: {p: 5 um}}\n");
-    vs_status status = vs_inquiry_read("f.yaml", NULL, 0, NULL, q, &err);
+    vs_status status = vs_fit_problem_read("f.yaml", NULL, 0, NULL, q, &err);
     EXPECT(!status && q->n_data == 8, "%zu: %s", k, err.text);
     for (size_t n = 0; n < q->n_data && !status; n++) {
       if (!k) first = q->data[3].value;
       CLOSE_OF(q->data[n].value, n == 3 ? first : q->data[n].value, 1e-3, 1e-15);
     }
     CLOSE(q->n_data > 3 ? q->data[3].value : NAN, -1.4e-3, 1e-12);
-    vs_inquiry_free(q);
+    vs_fit_problem_free(q);
     free(q);
   }
 }

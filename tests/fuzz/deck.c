@@ -5,11 +5,11 @@
 
 #include <string.h>
 
-#include "netlist/blame.h"
+#include "engine/macromodel/circuit_states.h"
+#include "import/hint.h"
+#include "netlist/location.h"
 #include "netlist/netlist.h"
 #include "netlist/parts.h"
-#include "import/hint.h"
-#include "engine/macromodel/memory.h"
 #include "targets.h"
 
 static const char *const FILES[] = {"a.inc", "b.inc", "c.lib", "d.inc", NULL};
@@ -31,7 +31,7 @@ static void locate(const vs_deck *deck) {
     if (length > 200) length = 200;
     snprintf(err.text + n, sizeof err.text - n, "%.*s%.*s%s", (int)(hole - says), says, (int)length,
              line, hole + 2);
-    vs_blame_locate(deck, k % 3 ? 0 : k, &err);
+    vs_location_locate(deck, k % 3 ? 0 : k, &err);
     FUZZ_HOLDS(*err.text);
   }
 }
@@ -50,7 +50,7 @@ static void look(const vs_deck *deck, const char *path) {
 }
 
 static void use(vs_deck *deck, const char *path, vs_circuit_values *values) {
-  static vs_memories memories;
+  static vs_circuit_states memories;
   vs_error err = {0};
   char **lines = NULL, text[VS_DECK_TEXT + VS_NAME_SIZE];
   size_t count = 0;
@@ -58,8 +58,8 @@ static void use(vs_deck *deck, const char *path, vs_circuit_values *values) {
   fuzz_judge(status, &err);
   if (!status) vs_netlist_free(lines, count);
   memories.count = 0;
-  vs_memory_list(deck, &memories);
-  vs_memory_is_hidden(deck);
+  vs_circuit_states_list(deck, &memories);
+  vs_circuit_states_are_hidden(deck);
   for (size_t p = 0; p < deck->n_parts; p++) vs_parts_below_mains(deck, p, 440, text, sizeof text);
   look(deck, path);
   locate(deck);

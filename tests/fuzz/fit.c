@@ -2,19 +2,19 @@
  * Fits, with the recording that they name. */
 #include <string.h>
 
-#include "fit/inquiry.h"
+#include "fit/fit_problem.h"
 #include "targets.h"
 
 static const char *const FILES[] = {"data.csv", "scene.yaml", NULL};
 
 static vs_status read_once(const char *path, vs_findings *all) {
-  static vs_inquiry of; /* too large to be made anew for each text */
-  vs_inquiry *inquiry = &of;
+  static vs_fit_problem of; /* too large to be made anew for each text */
+  vs_fit_problem *inquiry = &of;
   vs_error err = {.findings = all};
   memset(inquiry, 0, sizeof *inquiry);
-  vs_status status = vs_inquiry_read(path, NULL, 0, NULL, inquiry, &err);
+  vs_status status = vs_fit_problem_read(path, NULL, 0, NULL, inquiry, &err);
   fuzz_judge(status, &err);
-  vs_inquiry_free(inquiry);
+  vs_fit_problem_free(inquiry);
   return status;
 }
 

@@ -5,9 +5,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "plant/dimension.h"
+#include "plant/b_source.h"
 #include "plant/derivative.h"
-#include "plant/spice.h"
+#include "plant/dimension.h"
 #include "targets.h"
 
 enum { WORDS = 8 }; /* terms, and names, that there are */
@@ -96,7 +96,7 @@ static void use(vs_formula *f, bool derive) {
   FUZZ_HOLDS(same(both[0], value) && same(both[1], vs_formula_value(f, other)));
   FUZZ_HOLDS(same(vs_derivative_along(f, known.jets).d[0], value));
   if (vs_formula_is_term(f, &of, &factor)) FUZZ_HOLDS(of >= 0 && of < WORDS);
-  vs_spice_formula(&text, f, NODES);
+  vs_b_source_formula(&text, f, NODES);
   vs_text_free(&text);
   if (derive && vs_derivative_to(f, 0, &slope)) vs_formula_value(&slope, VALUES);
   vs_formula_free(&slope);

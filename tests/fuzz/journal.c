@@ -31,11 +31,11 @@ static void take(const char *text, size_t size) {
   vs_status status = vs_journal_open(&j, fuzz_folder(), false, &err);
   fuzz_judge(status, &err);
   if (!status) {
-    const vs_head_counts counts = {j.head.cases, j.done, j.failed, j.violated};
+    const vs_journal_head_counts counts = {j.head.cases, j.done, j.failed, j.violated};
     vs_text manifest = {0};
     read_rows(&j);
-    vs_head_manifest(&j.head, &counts, false, NULL, &manifest);
-    FUZZ_HOLDS(!vs_head_differs(&j.head, &j.head));
+    vs_journal_head_manifest(&j.head, &counts, false, NULL, &manifest);
+    FUZZ_HOLDS(!vs_journal_head_differs(&j.head, &j.head));
     vs_text_free(&manifest);
   }
   vs_journal_close(&j);

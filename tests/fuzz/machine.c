@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "plant/blueprint.h"
 #include "plant/build.h"
+#include "plant/machine_file.h"
 #include "targets.h"
 
 static const char *const FILES[] = {"table.csv", NULL};
@@ -26,7 +26,7 @@ static vs_status read_once(const char *path, vs_findings *all) {
   vs_error err = {.findings = all};
   memset(machine, 0, sizeof *machine);
   vs_machine_begin(machine);
-  vs_status status = vs_blueprint_read(path, machine, &err);
+  vs_status status = vs_machine_file_read(path, machine, &err);
   fuzz_judge(status, &err);
   if (!status && !machine->lost) build(machine, all);
   vs_machine_free(machine);

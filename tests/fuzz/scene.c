@@ -19,7 +19,7 @@ static vs_status read_once(const char *path, vs_findings *all) {
   memset(scene, 0, sizeof *scene);
   vs_status status = vs_scene_read(path, &set, set ? 1 : 0, NULL, scene, &err);
   fuzz_judge(status, &err);
-  if (!status && scene->control.regulator) vs_scene_hold(scene);
+  if (!status && scene->control.regulator) vs_scene_disable_control(scene);
   vs_scene_free(scene);
   return status;
 }

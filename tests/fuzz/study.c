@@ -3,10 +3,10 @@
  * journal. */
 #include <stdlib.h>
 
-#include "study/work/row.h"
-#include "study/methods.h"
-#include "study/reading.h"
 #include "study/manifest.h"
+#include "study/methods.h"
+#include "study/study_file.h"
+#include "study/work/row_shape.h"
 #include "targets.h"
 
 static const char *const FILES[] = {"scene.yaml", "points.csv", NULL};
@@ -14,20 +14,20 @@ static const char *const FILES[] = {"scene.yaml", "points.csv", NULL};
 static void use(const vs_plan *plan) {
   double point[VS_PLAN_AXES];
   char method[256];
-  vs_head head = {0};
+  vs_journal_head head = {0};
   vs_plan_method(plan, method, sizeof method);
   for (uint64_t k = 0; k < 3 && !plan->adaptive; k++)
     if (k < plan->count) vs_plan_point(plan, k, point);
   if (!plan->adaptive && plan->count) vs_plan_point(plan, plan->count - 1, point);
   vs_manifest_head(plan, "study", &head);
-  vs_row_free(vs_row_new(head.columns, head.failures, head.manifest_end));
-  vs_head_free(&head);
+  vs_row_shape_free(vs_row_shape_new(head.columns, head.failures, head.manifest_end));
+  vs_journal_head_free(&head);
 }
 
 static vs_status read_once(const char *path, vs_findings *all) {
   vs_plan *plan = vs_alloc(1, sizeof *plan);
   vs_error err = {.findings = all};
-  vs_status status = vs_reading_plan(path, vs_methods_all, NULL, 0, plan, &err);
+  vs_status status = vs_study_file_read(path, vs_methods_all, NULL, 0, plan, &err);
   fuzz_judge(status, &err);
   if (!status && !vs_error_count(&err)) use(plan);
   vs_plan_free(plan);

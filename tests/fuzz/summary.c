@@ -4,13 +4,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "report/plot/stretch.h"
-#include "report/compare.h"
-#include "report/bars.h"
-#include "report/digest.h"
-#include "study/methods.h"
 #include "base/gnuplot.h"
+#include "report/compare.h"
+#include "report/margin_bars.h"
 #include "report/plot/sheets.h"
+#include "report/plot/time_window.h"
+#include "report/run_page.h"
+#include "study/methods.h"
 #include "targets.h"
 
 static const char *const FILES[] = {"run.csv", "events.csv", "manifest.json", NULL};
@@ -26,11 +26,11 @@ static void page(const vs_node *root) {
   vs_html html = {0};
   vs_script bars = {0};
   int size[2];
-  if (vs_bars_script(root, false, &bars, size)) is_harmless(bars.text.text);
+  if (vs_margin_bars_script(root, false, &bars, size)) is_harmless(bars.text.text);
   vs_gnuplot_free(&bars);
-  vs_digest_head(&html, "run", root, 1);
-  vs_digest_verdict(&html, root);
-  vs_digest_values(&html, root);
+  vs_run_page_head(&html, "run", root, 1);
+  vs_run_page_verdict(&html, root);
+  vs_run_page_values(&html, root);
   is_harmless(html.text.text);
   FUZZ_HOLDS(!strstr(html.text.text, "<script"));
   vs_html_free(&html);
@@ -60,8 +60,8 @@ static void take(const char *text, size_t size) {
   fuzz_judge(status, &err);
   if (!status) page(summary.root);
   vs_tree_free(&summary);
-  fuzz_judge(vs_stretch_read_moments(fuzz_folder(), &moments, &err), &err);
-  vs_stretch_free_moments(&moments);
+  fuzz_judge(vs_time_window_read_moments(fuzz_folder(), &moments, &err), &err);
+  vs_time_window_free_moments(&moments);
   free(vs_sheets_new(fuzz_folder(), "t_s,p_m,v_ak_v"));
   for (int json = 0; json < 2; json++) {
     const vs_compare_options o = {fuzz_folder(), fuzz_folder(), json, vs_methods_all};

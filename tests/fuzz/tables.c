@@ -5,9 +5,9 @@
 #include <string.h>
 
 #include "report/compare.h"
+#include "report/study_page.h"
 #include "study/methods.h"
-#include "report/page.h"
-#include "study/survey.h"
+#include "study/study_results.h"
 #include "targets.h"
 
 static const struct {
@@ -33,10 +33,10 @@ static const struct {
 static const char *const OTHERS[] = {"failures.csv", "study.csv", NULL};
 
 /* The page of the study, without pictures: nothing on it is obeyed. */
-static void page(const vs_folder *folder, const vs_survey *all) {
-  const vs_album album = {0};
+static void page(const vs_folder *folder, const vs_study_results *all) {
+  const vs_study_pictures album = {0};
   vs_html html = {0};
-  vs_page_write(folder, all, &album, NULL, &html);
+  vs_study_page_write(folder, all, &album, NULL, &html);
   for (const char *s = html.text.text; *s; s++)
     FUZZ_HOLDS((unsigned char)*s >= ' ' || *s == '\n' || *s == '\t');
   FUZZ_HOLDS(!strstr(html.text.text, "<script"));
@@ -44,17 +44,17 @@ static void page(const vs_folder *folder, const vs_survey *all) {
 }
 
 static void survey(const vs_folder *folder) {
-  vs_survey *all = vs_alloc(1, sizeof *all);
+  vs_study_results *all = vs_alloc(1, sizeof *all);
   vs_error err = {0};
   bool largest;
   vs_folder_aim(folder, &largest);
   vs_folder_search(folder);
   vs_folder_found(folder);
   vs_folder_is_sampled(folder);
-  fuzz_judge(vs_survey_take(folder, all, &err), &err);
-  vs_survey_ranked(folder, all);
+  fuzz_judge(vs_study_results_take(folder, all, &err), &err);
+  vs_study_results_ranked(folder, all);
   page(folder, all);
-  vs_survey_free(folder, all);
+  vs_study_results_free(folder, all);
   free(all);
 }
 

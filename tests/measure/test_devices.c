@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "program.h"
 #include "measure/verdict.h"
+#include "program.h"
 
 /* The EVA stands aside; device t is a part p unless a deck says otherwise. */
 #define ASIDE "Re e 0 1\nXeva e 0 eva\n"
@@ -129,7 +129,7 @@ static void continuous_current(void) {
     CU_ASSERT_EQUAL(r->limit != NULL, k == 1);
     if (k) CLOSE(r->failed_s, 1, 1e-9);
     vs_verdict v;
-    vs_verdict_reach(t->result.watchers.measures, t->result.watchers.devices, NULL, &v);
+    vs_verdict_make(t->result.watchers.measures, t->result.watchers.devices, NULL, &v);
     CU_ASSERT_EQUAL(v.first_to_fail != NULL, k == 1);
     if (k && v.first_to_fail) CLOSE(v.first_to_fail->margin, -8.0 / 12, 1e-6);
     vs_verdict_free(&v);
@@ -305,7 +305,7 @@ static void time_to_rest(void) {
   CLOSE(measure(t, "t", "t_off")->value.at_s, 340e-6, 1e-4);
   CLOSE(measure(t, "t", "t_off")->failed_s, 340e-6, 1e-4);
   vs_verdict *v = vs_alloc(1, sizeof *v);
-  vs_verdict_reach(t->result.watchers.measures, t->result.watchers.devices, NULL, v);
+  vs_verdict_make(t->result.watchers.measures, t->result.watchers.devices, NULL, v);
   size_t k = 0;
   while (k < v->count && !v->item[k].limit) k++; /* the part states no other limit */
   CU_ASSERT_FATAL(k < v->count);

@@ -7,9 +7,9 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "program.h"
-#include "run/shown.h"
 #include "base/units.h"
+#include "program.h"
+#include "run/listed_measure.h"
 
 /* ---- a run in this process ---- */
 
@@ -25,8 +25,8 @@ static const vs_judgement *line_of(const vs_trial *t, const char *name) {
 }
 
 static double value_of(const vs_trial *t, const char *name) {
-  vs_shown m;
-  for (int k = 0; vs_shown_at(&t->scene.frame, &t->result, k, &m); k++)
+  vs_listed_measure m;
+  for (int k = 0; vs_listed_measure_at(&t->scene.frame, &t->result, k, &m); k++)
     if (!strcmp(m.name, name)) return m.value.known ? m.value.value * vs_units_factor(m.unit) : NAN;
   EXPECT(false, "no measure %s", name);
   return NAN;

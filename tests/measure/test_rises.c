@@ -8,9 +8,9 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "measure/switching.h"
 #include "part_rows.h"
 #include "program.h"
-#include "measure/switching.h"
 
 /* ---- the steepest stretch, by itself ---- */
 
@@ -47,7 +47,7 @@ static vs_switch_news followed(const course *c, double over_v, const vs_timeline
     step.from[VS_OF_I] = c->i[k - 1];
     step.to[VS_OF_I] = c->i[k];
     vs_switching_follow(&s, &step, &news);
-    vs_rose rise = all.rise;
+    vs_rise_rate rise = all.rise;
     if (news.unintended.known) all = news;
     all.rise = rise;
     if (!news.rise.rate.known || (rise.rate.known && rise.rate.value >= news.rise.rate.value))
@@ -275,7 +275,7 @@ static void between_sparse_knots(void) {
       const double t_s = -4e-3 + 150e-6 * (n + 0.8 * sin(7 * n + round)) + 4e-6 * round;
       add_knot(c, t_s, 325 * sin(w * t_s), 0);
     }
-    const vs_rose rose = followed(c, 120, NULL, &(vs_gates){.count = 0}).rise;
+    const vs_rise_rate rose = followed(c, 120, NULL, &(vs_gates){.count = 0}).rise;
     CLOSE(rose.rate.value, exact, 1e-4);
     const double straight = brute_rate(c, 120);
     EXPECT(fabs(straight - exact) < rose.error + 1e-4 * exact && rose.error < 5e-3 * exact,

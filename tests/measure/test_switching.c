@@ -7,9 +7,9 @@
 #include <string.h>
 
 #include "engine/gate.h"
-#include "engine/occurrence.h"
-#include "program.h"
+#include "engine/scene_event.h"
 #include "measure/switching.h"
+#include "program.h"
 
 /* ---- edges of gate pulses ---- */
 
@@ -21,7 +21,7 @@ static int wrong_behind(vs_gate_watch *g, double *at_s, double edge_s, double fi
   vs_course_step c = {.t0_s = *at_s, .t1_s = edge_s};
   vs_switching_gate_follow(g, &c);
   wrong += g->on == on;
-  for (double h = first * vs_occurrence_rounding(edge_s); h < 1e-6; h *= 2) {
+  for (double h = first * vs_scene_event_rounding(edge_s); h < 1e-6; h *= 2) {
     c.t0_s = c.t1_s;
     c.t1_s += h;
     if (!(c.t1_s > c.t0_s)) continue;

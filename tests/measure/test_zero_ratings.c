@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "suite.h"
 #include "measure/verdict.h"
+#include "suite.h"
 
 /* Nothing but sources that follow the mains of 100 V rms: v_half is its forward half; v_tiny goes
  * 1 mV below 0 besides, v_deep 20 V; v_minus is v_half with its sign turned. */
@@ -37,7 +37,7 @@ static void judge(const row *r) {
   vs_trial *t = vs_trial_run("paper", "circuit", sets, NULL);
   EXPECT(t->status == VS_OK, "%s", t->err.text);
   vs_verdict *v = vs_alloc(1, sizeof *v);
-  if (!t->status) vs_verdict_reach(t->result.watchers.measures, NULL, NULL, v);
+  if (!t->status) vs_verdict_make(t->result.watchers.measures, NULL, NULL, v);
   const vs_judgement *j = v->item;
   EXPECT(v->count == 1, "%s: %zu judged", r->rating, v->count);
   if (v->count == 1 && isfinite(r->margin)) {

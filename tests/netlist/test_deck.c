@@ -10,8 +10,8 @@
 #include <unistd.h>
 
 #include "base/text.h"
-#include "suite.h"
 #include "measure/verdict.h"
+#include "suite.h"
 
 /* ---- formulas ---- */
 
@@ -748,7 +748,7 @@ static void ratings_are_judged(void) {
   vs_trial *t = run_deck("rated.cir", "supply.resistance=0", NULL);
   CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
   vs_verdict *v = vs_alloc(1, sizeof *v);
-  vs_verdict_reach(t->result.watchers.measures, NULL, NULL, v);
+  vs_verdict_make(t->result.watchers.measures, NULL, NULL, v);
   const vs_judgement *j = v->item;
   CU_ASSERT_EQUAL_FATAL(v->count, 2);
   double peak = 100 * sqrt(2),

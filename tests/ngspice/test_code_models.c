@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "bench.h"
-#include "ngspice/ng.h"
+#include "ngspice/ngspice.h"
 #include "suite.h"
 
 /* v(a) at the end of a run of 1 ms. */

@@ -21,9 +21,9 @@
 #include <unistd.h>
 
 #include "base/jail.h"
-#include "program.h"
 #include "ngspice/child.h"
-#include "ngspice/confine.h"
+#include "ngspice/sandbox.h"
+#include "program.h"
 
 /* A word that no message may show. */
 #define SECRET "xyzzy"
@@ -382,7 +382,7 @@ static bool cannot_start(void) {
 }
 
 /* A bit for each call that is not refused as it should be. */
-static int tried(vs_confine level) {
+static int tried(vs_sandbox level) {
   int wrong = 0;
   wrong |= is_refused(socket(AF_INET, SOCK_STREAM, 0)) ? 0 : 1;
   wrong |= is_refused(socket(AF_UNIX, SOCK_STREAM, 0)) ? 0 : 2;
@@ -391,10 +391,10 @@ static int tried(vs_confine level) {
   int file = open("/dev/null", O_RDONLY);
   wrong |= file >= 0 ? 0 : 4;
   if (file >= 0) close(file);
-  if (level >= VS_CONFINE_WORKER) wrong |= cannot_start() ? 0 : 8;
+  if (level >= VS_SANDBOX_WORKER) wrong |= cannot_start() ? 0 : 8;
   file = open("written", O_WRONLY | O_CREAT, 0600);
   if (file >= 0) close(file);
-  if (level < VS_CONFINE_TRIAL) return wrong | (file >= 0 ? 0 : 16);
+  if (level < VS_SANDBOX_TRIAL) return wrong | (file >= 0 ? 0 : 16);
   wrong |= file < 0 ? 0 : 32;
   pid_t child = fork();
   if (child == 0) _exit(0);
@@ -403,11 +403,11 @@ static int tried(vs_confine level) {
   return wrong;
 }
 
-static int tried_in_child(vs_confine level) {
+static int tried_in_child(vs_sandbox level) {
   int how = 0;
   pid_t child = fork();
   if (child == 0) {
-    vs_confine_process(level);
+    vs_sandbox_process(level);
     _exit(tried(level));
   }
   CU_ASSERT_EQUAL(waitpid(child, &how, 0), child);
@@ -415,27 +415,27 @@ static int tried_in_child(vs_confine level) {
 }
 
 static void calls_are_refused(void) {
-  if (!vs_confine_works()) {
+  if (!vs_sandbox_works()) {
     puts("this kernel has no seccomp: nothing to be seen");
     return;
   }
-  CU_ASSERT_EQUAL(tried_in_child(VS_CONFINE_NETWORK), 0);
-  CU_ASSERT_EQUAL(tried_in_child(VS_CONFINE_WORKER), 0);
+  CU_ASSERT_EQUAL(tried_in_child(VS_SANDBOX_NETWORK), 0);
+  CU_ASSERT_EQUAL(tried_in_child(VS_SANDBOX_WORKER), 0);
   unlink("written");
-  CU_ASSERT_EQUAL(tried_in_child(VS_CONFINE_TRIAL), 0);
+  CU_ASSERT_EQUAL(tried_in_child(VS_SANDBOX_TRIAL), 0);
   CU_ASSERT(access("written", F_OK));
 }
 
 static vs_child_end attempt(void *ctx) {
   (void)ctx;
-  return tried(VS_CONFINE_TRIAL) ? VS_CHILD_BAD_RUN : VS_CHILD_GOOD;
+  return tried(VS_SANDBOX_TRIAL) ? VS_CHILD_BAD_RUN : VS_CHILD_GOOD;
 }
 
 static void a_trial_is_confined(void) {
-  vs_complaints complaints = {0};
+  vs_solver_errors complaints = {0};
   vs_child_end end = VS_CHILD_BAD_LOAD;
   vs_error err = {0};
-  if (!vs_confine_works()) return;
+  if (!vs_sandbox_works()) return;
   CU_ASSERT_EQUAL(vs_child_try(attempt, NULL, &complaints, &end, &err), VS_OK);
   CU_ASSERT_EQUAL(end, VS_CHILD_GOOD);
 }
@@ -459,7 +459,7 @@ static bool kill_who_filters(void) {
 static void a_filter_outside_is_named(void) {
   static const char SAYS[] = "ended by signal SIGSYS: a filter of system calls outside of the";
   int how = 0;
-  if (!vs_confine_works()) return;
+  if (!vs_sandbox_works()) return;
   write_file("s.yaml", "circuit: {deck: halfwave_bare}\nrun: {until: 12 ms}\n");
   write_file("st.yaml", "scene: s.yaml\nvary: {firing.angle: [90 deg, 91 deg]}\n");
   pid_t child = fork();
@@ -498,7 +498,7 @@ static void workers_are_confined(void) {
   char words[] = "study long.yaml -o long --jobs 2 --quiet", path[64];
   const char *argv[MOST_WORDS];
   int pid[2] = {0}, count = 0;
-  if (!vs_confine_works()) return;
+  if (!vs_sandbox_works()) return;
   write_file("long.yaml", "set: {run.sample: 1 ms, run.tier: switched, run.until: 9e5 s}\n"
                           "vary: {firing.angle: [90 deg, 91 deg]}\n");
   split(words, argv);

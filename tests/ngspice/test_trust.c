@@ -8,10 +8,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "program.h"
-#include "ngspice/ng.h"
+#include "ngspice/ngspice.h"
+#include "ngspice/self_test.h"
 #include "ngspice/versions.h"
-#include "ngspice/trust.h"
+#include "program.h"
 
 /* ---- solvers that are wrong on purpose: ngspice, and between it and the host a liar ---- */
 
@@ -101,13 +101,13 @@ static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, vo
   if (!liar.lying.edge) liar.lying.edge = honest_edge;
   if (!liar.lying.longest) liar.lying.longest = honest_longest;
   if (!liar.lying.accept) liar.lying.accept = honest_accept;
-  return vs_ng_kind.load(&liar.job, &liar.lying, circuit, err);
+  return vs_ngspice_kind.load(&liar.job, &liar.lying, circuit, err);
 }
 static vs_status go(void *circuit, vs_error *err) {
-  return vs_ng_kind.run(circuit, err);
+  return vs_ngspice_kind.run(circuit, err);
 }
 static void release(void *circuit) {
-  vs_ng_kind.free(circuit);
+  vs_ngspice_kind.free(circuit);
 }
 
 static vs_status fails(void *circuit, vs_error *err) {
@@ -117,22 +117,22 @@ static vs_status fails(void *circuit, vs_error *err) {
 
 static void each_lie_is_told(void) {
   static const vs_circuit_kind LIAR = {"a liar", load, go, release};
-  char wrong[VS_TRUST_TEXT];
+  char wrong[VS_SELF_TEST_TEXT];
   for (size_t k = 0; k < COUNT(LIES); k++) {
     told = &LIES[k];
-    vs_trust_probe(&LIAR, wrong);
+    vs_self_test_probe(&LIAR, wrong);
     EXPECT(strstr(wrong, LIES[k].says), "'%s' is not '%s'", wrong, LIES[k].says);
   }
   static const vs_circuit_kind FAILS = {"one that fails", load, fails, release};
   told = &LIES[0];
-  vs_trust_probe(&FAILS, wrong);
+  vs_self_test_probe(&FAILS, wrong);
   EXPECT(!strcmp(wrong, "a small circuit fails: t = 0.01 s: the solver gave up"), "%s", wrong);
 }
 
 static void this_one_is_right(void) {
-  char wrong[VS_TRUST_TEXT];
-  vs_trust_probe(&vs_ng_kind, wrong);
-  EXPECT(!*wrong, "ngspice %s: %s", vs_ng_running(), wrong);
+  char wrong[VS_SELF_TEST_TEXT];
+  vs_self_test_probe(&vs_ngspice_kind, wrong);
+  EXPECT(!*wrong, "ngspice %s: %s", vs_ngspice_running(), wrong);
 }
 
 /* ---- how a run ends ---- */
@@ -316,7 +316,7 @@ static void a_wrong_one_is_told(void) {
   char *altered = vs_alloc(strlen(text) + 64, 1);
   sprintf(altered, "%.*s\nits twos\033are\nthrees\nend\n", (int)(end - text), text);
   write_file(path, altered);
-  snprintf(wanted, sizeof wanted, "ngspice %s (", vs_ng_running());
+  snprintf(wanted, sizeof wanted, "ngspice %s (", vs_ngspice_running());
   ran r = run("%s", RUN);
   EXPECT(r.status == 0 && strstr(r.err, "warning: ngspice") && strstr(r.err, wanted) &&
              strstr(r.err, "not to be relied on: its twos are threes"),

@@ -9,7 +9,7 @@
 
 #include "orbit/branch_output.h"
 #include "orbit/continuation.h"
-#include "orbit/flight.h"
+#include "orbit/poincare_map.h"
 #include "program.h"
 
 #define STOP "actuator.stop={stiffness: 1e6 N/m, damping: 50 N.s/m}"
@@ -21,16 +21,16 @@ static const double CLOSE_BY = 1e-9;
 /* A scene, and the walk along a key of it. Free with done. */
 typedef struct tour {
   vs_trial *trial;
-  vs_along along;
+  vs_branch_parameter along;
   vs_continuation walk;
 } tour;
 
-static tour *go(const char *const *sets, const vs_along_words *words, int periods) {
+static tour *go(const char *const *sets, const vs_branch_parameter_words *words, int periods) {
   tour *t = vs_alloc(1, sizeof *t);
   t->trial = vs_trial_read("paper", "switched", sets);
   vs_error *err = &t->trial->err;
   vs_status status = t->trial->status;
-  if (!status) status = vs_along_read(&t->along, &t->trial->scene, words, err);
+  if (!status) status = vs_branch_parameter_read(&t->along, &t->trial->scene, words, err);
   if (!status) status = vs_continuation_go(&t->walk, &t->along, periods, NULL, err);
   EXPECT(!status, "%s: %s", words->range, err->text);
   return t;
@@ -38,7 +38,7 @@ static tour *go(const char *const *sets, const vs_along_words *words, int period
 
 static void done(tour *t) {
   vs_continuation_free(&t->walk);
-  vs_along_free(&t->along);
+  vs_branch_parameter_free(&t->along);
   vs_trial_free(t->trial);
   free(t);
 }
@@ -73,7 +73,7 @@ static double key_of(tour *t, const char *kind, int n) {
 static vs_status orbit_at(tour *t, double key, const double *from, vs_orbit *o, vs_error *err) {
   const vs_shooting how = {
       .periods = t->walk.path.periods, .from = from, .unguarded = true, .quietly = true};
-  vs_status status = vs_along_move(&t->along, key, err);
+  vs_status status = vs_branch_parameter_move(&t->along, key, err);
   return status ? status : vs_shooting_seek(t->along.scene, &how, o, err);
 }
 
@@ -96,14 +96,14 @@ static double bisect(tour *t, double without, double with, bool (*has)(tour *t, 
 static bool goes_deep(tour *t, double key) {
   vs_orbit o = {0};
   vs_error err = {0};
-  vs_flight flight;
+  vs_poincare_map flight;
   const vs_scene *s = t->along.scene;
   vs_status status = orbit_at(t, key, t->walk.row[0].at.z, &o, &err);
-  vs_flight_begin(&flight, s);
-  if (!status) status = vs_flight_go(&flight, o.x, 1, false, &err);
+  vs_poincare_map_begin(&flight, s);
+  if (!status) status = vs_poincare_map_go(&flight, o.x, 1, false, &err);
   EXPECT(!status, "%g: %s", key, err.text);
   bool deep = flight.deepest_m < -s->setup.model.actuator.gap_m;
-  vs_flight_end(&flight);
+  vs_poincare_map_end(&flight);
   return deep;
 }
 
@@ -112,8 +112,8 @@ static bool goes_deep(tour *t, double key) {
 static void the_pole_cover_is_touched(void) {
   static const char *const BY_ANGLE[] = {"firing.every=1", NULL};
   static const char *const BY_FREQUENCY[] = {"firing.every=1", "firing.angle=90deg", NULL};
-  const vs_along_words angles = {"firing.angle=85deg..75deg", NULL, NULL},
-                       frequencies = {"supply.frequency=50Hz..62Hz", NULL, NULL};
+  const vs_branch_parameter_words angles = {"firing.angle=85deg..75deg", NULL, NULL},
+                                  frequencies = {"supply.frequency=50Hz..62Hz", NULL, NULL};
   tour *a = go(BY_ANGLE, &angles, 1), *f = go(BY_FREQUENCY, &frequencies, 1);
   EXPECT(a->walk.end == VS_CONTINUATION_REACHED && f->walk.end == VS_CONTINUATION_REACHED, "%d",
          a->walk.end);
@@ -133,7 +133,7 @@ static void the_pole_cover_is_touched(void) {
 /* The bound may move with the key: the cover is where the gap at rest says. */
 static void the_bound_moves(void) {
   static const char *const SETS[] = {"firing.every=1", "firing.angle=85deg", NULL};
-  const vs_along_words words = {"actuator.gap=6mm..5mm", NULL, NULL};
+  const vs_branch_parameter_words words = {"actuator.gap=6mm..5mm", NULL, NULL};
   tour *t = go(SETS, &words, 1);
   double gap = key_of(t, "pole_cover", 0), iron = key_of(t, "iron", 0);
   if (mark(t, "iron", 0)) {
@@ -191,7 +191,7 @@ static double fold_by_extrapolation(tour *t, const vs_continuation_row *fold, do
  * swept down (validation.md, section 2), and the unstable one between them. */
 static void one_walk_has_both_branches(void) {
   static const char *const SETS[] = {"firing.every=1", "firing.angle=90deg", STOP, NULL};
-  const vs_along_words words = {"supply.frequency=50Hz..72Hz", NULL, "60Hz"};
+  const vs_branch_parameter_words words = {"supply.frequency=50Hz..72Hz", NULL, "60Hz"};
   static const double P_MIN[] = {-6.793e-3, -6.3146e-3, -3.433e-3};
   tour *t = go(SETS, &words, 1);
   EXPECT(t->walk.end == VS_CONTINUATION_REACHED && marks(t, "at") == 3, "%d", marks(t, "at"));
@@ -219,7 +219,7 @@ static void one_walk_has_both_branches(void) {
  * orbits 1e-8 of the key above it, and none nearby as far below. */
 static void a_fold_beside_its_grazing(void) {
   static const char *const SETS[] = {"firing.every=1", "firing.angle=90deg", STOP, NULL};
-  const vs_along_words words = {"supply.frequency=60Hz..57Hz", NULL, NULL};
+  const vs_branch_parameter_words words = {"supply.frequency=60Hz..57Hz", NULL, NULL};
   tour *t = go(SETS, &words, 1);
   const vs_continuation_row *row = mark(t, "fold", 0);
   double fold = key_of(t, "fold", 0), graze = key_of(t, "grazing", 0);
@@ -264,8 +264,8 @@ static bool beats(tour *t, double key) {
 static void a_branch_of_twice_the_period_ends_at_a_flip(void) {
   static const char *const SETS[] = {"firing.every=1", "firing.angle=60deg", "actuator.stop={}",
                                      NULL};
-  const vs_along_words all = {"supply.frequency=44Hz..57Hz", NULL, NULL},
-                       up = {"supply.frequency=48Hz..56Hz", NULL, NULL};
+  const vs_branch_parameter_words all = {"supply.frequency=44Hz..57Hz", NULL, NULL},
+                                  up = {"supply.frequency=48Hz..56Hz", NULL, NULL};
   tour *one = go(SETS, &all, 1), *two = go(SETS, &up, 2);
   EXPECT(marks(one, "flip") == 2 && marks(one, "torus") == 2, "%d", marks(one, "torus"));
   EXPECT(two->walk.end == VS_CONTINUATION_MERGED, "%d", two->walk.end);
@@ -282,7 +282,7 @@ static void a_branch_of_twice_the_period_ends_at_a_flip(void) {
  * frequency at which the firing at 120 degrees and 8 ms make up a cycle. */
 static void a_walk_ends_where_orbits_end(void) {
   static const char *const SETS[] = {"firing.every=3", "firing.angle=120deg", NULL};
-  const vs_along_words words = {"supply.frequency=75Hz..90Hz", NULL, NULL};
+  const vs_branch_parameter_words words = {"supply.frequency=75Hz..90Hz", NULL, NULL};
   tour *t = go(SETS, &words, 1);
   const vs_continuation_row *last = &t->walk.row[t->walk.count - 1];
   EXPECT(t->walk.end == VS_CONTINUATION_STUCK && *t->walk.why && !marks(t, "fold"), "%d",
@@ -290,7 +290,7 @@ static void a_walk_ends_where_orbits_end(void) {
   CLOSE(last->at.z[t->walk.path.count], (2.0 / 3) / 8e-3, 1e-7);
   done(t);
   static const char *const FIRED[] = {"firing.every=1", NULL};
-  const vs_along_words longer = {"firing.pulse_width=8ms..16ms", NULL, NULL};
+  const vs_branch_parameter_words longer = {"firing.pulse_width=8ms..16ms", NULL, NULL};
   t = go(FIRED, &longer, 1);
   last = &t->walk.row[t->walk.count - 1];
   EXPECT(t->walk.end == VS_CONTINUATION_STUCK && strstr(t->walk.why, "fires in another cycle"),
@@ -302,11 +302,11 @@ static void a_walk_ends_where_orbits_end(void) {
 /* A walk that has spent its budget is told up to where it came, and by that reason. */
 static void a_budget_is_kept(void) {
   const char *const sets[] = {"firing.every=1", NULL};
-  const vs_along_words words = {.range = "firing.angle=130deg..100deg"};
+  const vs_branch_parameter_words words = {.range = "firing.angle=130deg..100deg"};
   tour *t = vs_alloc(1, sizeof *t);
   vs_budget budget = {.what = "test", .most = {150, 1}};
   t->trial = vs_trial_read("paper", "switched", sets);
-  vs_status status = vs_along_read(&t->along, &t->trial->scene, &words, &t->trial->err);
+  vs_status status = vs_branch_parameter_read(&t->along, &t->trial->scene, &words, &t->trial->err);
   t->trial->scene.order.budget = &budget;
   if (!status) status = vs_continuation_go(&t->walk, &t->along, 1, NULL, &t->trial->err);
   EXPECT(!status && t->walk.end == VS_CONTINUATION_SPENT && t->walk.count > 2, "%d %d %zu %s",
@@ -320,11 +320,11 @@ static void a_budget_is_kept(void) {
 /* A signal ends the walk behind the next point, and what was found is there. */
 static void a_signal_ends_a_walk(void) {
   static const char *const SETS[] = {"firing.every=1", NULL};
-  const vs_along_words words = {"firing.angle=120deg..100deg", NULL, NULL};
+  const vs_branch_parameter_words words = {"firing.angle=120deg..100deg", NULL, NULL};
   const volatile sig_atomic_t stop = 1;
   tour *t = vs_alloc(1, sizeof *t);
   t->trial = vs_trial_read("paper", "switched", SETS);
-  vs_status status = vs_along_read(&t->along, &t->trial->scene, &words, &t->trial->err);
+  vs_status status = vs_branch_parameter_read(&t->along, &t->trial->scene, &words, &t->trial->err);
   if (!status) status = vs_continuation_go(&t->walk, &t->along, 1, &stop, &t->trial->err);
   EXPECT(!status && t->walk.end == VS_CONTINUATION_STOPPED && t->walk.count == 2, "%d %s", status,
          t->trial->err.text);

@@ -8,10 +8,10 @@
 #include <unistd.h>
 
 #include "base/text.h"
-#include "orbit/averaged.h"
 #include "measure/meter.h"
-#include "program.h"
+#include "orbit/averaged.h"
 #include "orbit/steady.h"
+#include "program.h"
 
 enum { FIRINGS = 200, STATES = VS_LINEAR_STATES, OUTPUTS = VS_LINEAR_OUTPUTS };
 static const double DEGREE = 0.017453292519943295;
@@ -28,7 +28,8 @@ typedef struct record {
 } record;
 
 /* The signal of an output without a low-pass, and its rate. */
-static double signal_of(const vs_step *step, const vs_seen *seen, double t_s, double *rate) {
+static double signal_of(const vs_step *step, const vs_linear_signal *seen, double t_s,
+                        double *rate) {
   const vs_model *m = step->frame->model;
   double y[VS_CH_MOST], value = 0;
   vs_step_groups_at(step, t_s, VS_GROUP_VELOCITIES, y);
@@ -53,7 +54,7 @@ static void take_value(record *r, int output, double t_s, double value) {
 
 /* Takes the turns of a signal between two instants, by bisection of its rate. */
 static void take_turn(record *r, const vs_step *step, int output, double lo, double hi) {
-  const vs_seen *seen = &r->linear->output[output].seen;
+  const vs_linear_signal *seen = &r->linear->output[output].seen;
   double before, after, rate;
   signal_of(step, seen, lo, &before);
   signal_of(step, seen, hi, &after);
@@ -114,7 +115,7 @@ static vs_status take(void *ctx, const vs_step *step, const vs_result *result, v
 /* Runs the scene from a state at the section, at an angle, for FIRINGS periods, and shows its
  * steps. */
 static void show_run(const vs_scene *scene, const vs_orbit *orbit, double angle_rad,
-                     const vs_guest *guest) {
+                     const vs_session_listener *guest) {
   vs_run_values run = scene->setup.run;
   run.until_s = (FIRINGS + 0.9) * orbit->period_s;
   run.tolerance = scene->tier->finest;
@@ -134,7 +135,7 @@ static void show_run(const vs_scene *scene, const vs_orbit *orbit, double angle_
 }
 
 static void fly(const vs_scene *scene, const vs_orbit *orbit, double angle_rad, record *r) {
-  const vs_guest guest = {.ctx = r, .accept = take};
+  const vs_session_listener guest = {.ctx = r, .accept = take};
   for (int k = 0; k <= FIRINGS; k++)
     for (int i = 0; i < OUTPUTS; i++) r->most[k][i][0] = r->most[k][i][1] = -INFINITY;
   show_run(scene, orbit, angle_rad, &guest);
@@ -151,7 +152,7 @@ typedef struct subject {
 } subject;
 
 static subject *begin(const char *name, const char *const *sets, size_t n_sets,
-                      const vs_seen_order *signals, int count) {
+                      const vs_linear_signal_order *signals, int count) {
   subject *s = vs_alloc(1, sizeof *s);
   vs_error err = {0};
   vs_status status =
@@ -271,8 +272,9 @@ static void through_low_passes(void) {
   for (int k = 0; k < 4; k++) {
     vs_scene probe = {0};
     vs_error err = {0};
-    vs_seen_order orders[2] = {{.name = "direct", .bandwidth_hz = NAN},
-                               {.name = "seen", .bandwidth_hz = 100 + 40 * k, .damping = 0.7}};
+    vs_linear_signal_order orders[2] = {
+        {.name = "direct", .bandwidth_hz = NAN},
+        {.name = "seen", .bandwidth_hz = 100 + 40 * k, .damping = 0.7}};
     orders[1].order = 1 + k % 2;
     vs_status status =
         vs_scene_read("paper", (char *const *)(size_t)SETS, COUNT(SETS), NULL, &probe, &err);
@@ -282,7 +284,7 @@ static void through_low_passes(void) {
     vs_scene_free(&probe);
     subject *s = begin("paper", SETS, COUNT(SETS), orders, 2);
     vs_instrument *i = vs_alloc(1, sizeof *i);
-    const vs_seen *seen = &s->linear.output[1].seen;
+    const vs_linear_signal *seen = &s->linear.output[1].seen;
     *i = (vs_instrument){.channel = orders[1].channel, .unit = seen->unit, .on_orbit = true};
     i->v = (vs_instrument_values){.range = {-1e6, 1e6},
                                   .bandwidth_hz = orders[1].bandwidth_hz,
@@ -318,7 +320,7 @@ static vs_status take_turns(void *ctx, const vs_step *step, const vs_result *res
   (void)result, (void)err;
   for (int k = 0; k < t->linear->outputs; k++)
     for (int n = 0; n < LOOKS && h > 0; n++) {
-      const vs_seen *seen = &t->linear->output[k].seen;
+      const vs_linear_signal *seen = &t->linear->output[k].seen;
       double lo = step->from->t_s + n * h, before, after, rate;
       signal_of(step, seen, lo, &before);
       signal_of(step, seen, lo + h, &after);
@@ -339,18 +341,18 @@ static void second_extremes(void) {
   static const char *const SETS[] = {"firing.every=3", "firing.angle=140deg"};
   subject *s = begin("two_mass", SETS, COUNT(SETS), NULL, 0);
   turns t = {.linear = &s->linear};
-  const vs_guest guest = {.ctx = &t, .accept = take_turns};
+  const vs_session_listener guest = {.ctx = &t, .accept = take_turns};
   int several = 0;
   for (int k = 0; k < OUTPUTS; k++)
     for (int side = 0; side < 2; side++) t.best[k][side] = t.next[k][side] = -INFINITY;
   show_run(&s->scene, &s->orbit, s->linear.angle_rad, &guest);
   for (int k = 0; k < s->linear.outputs; k++) {
-    const vs_seen *seen = &s->linear.output[k].seen;
+    const vs_linear_signal *seen = &s->linear.output[k].seen;
     const double amplitude = (t.best[k][0] + t.best[k][1]) / 2,
                  margin = fmin(t.best[k][0] - t.next[k][0], t.best[k][1] - t.next[k][1]);
-    CLOSE(vs_seen_amplitude(seen), amplitude, 1e-6);
-    EXPECT(fabs(vs_seen_margin(seen) - margin) < 1e-6 * amplitude, "%s: %g for %g, of %g",
-           seen->order.name, vs_seen_margin(seen), margin, amplitude);
+    CLOSE(vs_linear_signal_amplitude(seen), amplitude, 1e-6);
+    EXPECT(fabs(vs_linear_signal_margin(seen) - margin) < 1e-6 * amplitude, "%s: %g for %g, of %g",
+           seen->order.name, vs_linear_signal_margin(seen), margin, amplitude);
     several += isfinite(margin);
   }
   EXPECT(several > 0, "no output has a second turn");
@@ -383,15 +385,15 @@ static void probes_of_a_machine(void) {
   write_file("s.yaml", "machine: {model: m.yaml}\nrun: {until: 1 s}\n");
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     vs_scene scene = {0};
-    vs_seen seen = {0};
+    vs_linear_signal seen = {0};
     vs_error err = {0};
     const bool linear = ROWS[k].k[1] != 0;
     write_machine(ROWS[k].of);
     vs_status status = vs_scene_read("s.yaml", NULL, 0, NULL, &scene, &err);
     EXPECT(!status, "%s: %s", ROWS[k].of, err.text);
-    const vs_seen_order order = {.channel = vs_channel_find(&scene.frame, "own"),
-                                 .bandwidth_hz = NAN};
-    if (!status) status = vs_seen_begin(&seen, &scene.frame, &order, &err);
+    const vs_linear_signal_order order = {.channel = vs_channel_find(&scene.frame, "own"),
+                                          .bandwidth_hz = NAN};
+    if (!status) status = vs_linear_signal_begin(&seen, &scene.frame, &order, &err);
     EXPECT((status == VS_OK) == linear, "%s: %d %s", ROWS[k].of, status, err.text);
     for (int n = 0; n < 2 && linear; n++) CLOSE(seen.k[n], ROWS[k].k[n], 1e-12);
     for (int n = 2; n < 6 && linear; n++) CU_ASSERT_EQUAL(seen.k[n], 0);
@@ -415,14 +417,14 @@ static void files(void) {
   EXPECT_FILES("model", "events.csv peaks.csv run.csv summary.json ");
 }
 
-/* The gain of an amplitude by the derivatives of its two extremes, which orbit/kin.h finds in
+/* The gain of an amplitude by the derivatives of its two extremes, which orbit/tangent.h finds in
  * another way: through the orbit's own derivative. */
 static void gain_by_sensitivity(void) {
   ran r = run("sensitivity paper --steady --set firing.every=1 --of p_min,p_max --to firing.angle "
               "--json --quiet");
   const char *const SETS[] = {"firing.every=1"};
   subject *s = begin("paper", SETS, 1, NULL, 0);
-  const vs_seen *seen = &s->linear.output[0].seen;
+  const vs_linear_signal *seen = &s->linear.output[0].seen;
   double slope[2] = {0};
   for (int side = 0; side < 2; side++) {
     const char *at = strstr(r.out, side ? "\"p_min\": {\n      \"firing.angle\": "

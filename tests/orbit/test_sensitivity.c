@@ -10,8 +10,8 @@
 
 #include "base/text.h"
 #include "cli/sensitivity.h"
-#include "orbit/kin.h"
 #include "orbit/sensitivity.h"
+#include "orbit/tangent.h"
 #include "program.h"
 #include "report/tornado.h"
 
@@ -78,18 +78,18 @@ static void the_single_shot_has_the_published_ones(void) {
 /* The derivative of each measure by differences of runs, each of which finds its own orbit. Their
  * steps are as short as the kin's, so that the same is compared. */
 static void compare(vs_sensitivity_problem *subject, const char *key, double step, double allowed) {
-  vs_fan exact = {0}, runs = {0};
+  vs_stencil exact = {0}, runs = {0};
   vs_error err = {0};
   const vs_asked asked = {key, {0}};
-  vs_status status = vs_kin_find(&exact, subject, &asked, false, &err);
+  vs_status status = vs_tangent_find(&exact, subject, &asked, false, &err);
   if (!status)
-    status =
-        vs_fan_begin(&runs, subject, key, (vs_where){0}, step, subject->scene->tier->finest, &err);
-  if (!status) status = vs_fan_run(&runs, subject, subject->scene->tier->finest, &err);
+    status = vs_stencil_begin(&runs, subject, key, (vs_where){0}, step,
+                              subject->scene->tier->finest, &err);
+  if (!status) status = vs_stencil_run(&runs, subject, subject->scene->tier->finest, &err);
   EXPECT(!status, "%s: %s", key, err.text);
   vs_measured_value m;
   for (int k = 0; !status && vs_measured_at(exact.measured[0], k, &m); k++) {
-    vs_slope_of a = vs_fan_slope(&exact, m.name), b = vs_fan_slope(&runs, m.name);
+    vs_slope_of a = vs_stencil_slope(&exact, m.name), b = vs_stencil_slope(&runs, m.name);
     /* what is left of a balance is rounding, and has no derivative */
     if (!m.value.known || a.value == 0 || !strcmp(m.name, "energy_residual") ||
         !strcmp(m.name, "energy_stored"))
@@ -99,8 +99,8 @@ static void compare(vs_sensitivity_problem *subject, const char *key, double ste
     EXPECT(a.known && b.known && fabs(a.slope - b.slope) <= allowed * size + 2 * a.error,
            "%s to %s: %.12g, by runs %.12g", m.name, key, a.slope / a.value, b.slope / b.value);
   }
-  if (!status) vs_fan_end(&exact);
-  vs_fan_end(&runs);
+  if (!status) vs_stencil_end(&exact);
+  vs_stencil_end(&runs);
 }
 
 typedef struct held {

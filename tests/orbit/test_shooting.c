@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "plant/coil.h"
 #include "orbit/shooting.h"
 #include "orbit/variation.h"
+#include "plant/coil.h"
 #include "suite.h"
 
 enum { MOST = VS_VARIATION_MOST };
@@ -45,7 +45,7 @@ static void go(const vs_scene *s, const vs_setup *setup, looker *l) {
   vs_scene *other = vs_alloc(1, sizeof *other);
   vs_result *r = vs_alloc(1, sizeof *r);
   vs_error err = {0};
-  const vs_guest guest = {.ctx = l, .accept = look};
+  const vs_session_listener guest = {.ctx = l, .accept = look};
   const vs_session session = {.guest = &guest, .bare = true, .unguarded = true};
   *other = *s;
   other->setup = *setup;

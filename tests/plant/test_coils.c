@@ -9,8 +9,8 @@
 #include <string.h>
 
 #include "plant/actuator.h"
+#include "plant/coenergy.h"
 #include "suite.h"
-#include "plant/surface.h"
 
 /* ---- an actuator from the text of a scene ---- */
 
@@ -537,36 +537,36 @@ static void a_line_is_the_surface(void) {
     for (size_t n = 0; n < N_I; n++)
       flux_wb[k * N_I + n] = i_a[n] / (1 + 0.2 * i_a[n]) / (double)(k + 1);
   }
-  vs_surface s = vs_surface_new(z_m, N_Z, i_a, N_I, flux_wb);
+  vs_coenergy s = vs_coenergy_new(z_m, N_Z, i_a, N_I, flux_wb);
   for (double i = 0; i < 3; i += 0.25) {
-    vs_surface_line line = vs_surface_line_new(&s, i);
+    vs_coenergy_line line = vs_coenergy_line_new(&s, i);
     for (double z = 0.5e-3; z < 9e-3; z += 0.4e-3) {
-      vs_surface_point whole = vs_surface_at(&s, i, z), own = vs_surface_line_at(&line, z);
+      vs_coenergy_point whole = vs_coenergy_at(&s, i, z), own = vs_coenergy_line_at(&line, z);
       for (int a = 0; a < 4; a++)
         for (int b = 0; a + b < 4; b++)
           EXPECT(fabs(own.c[a][b] - whole.c[a][b]) <= 1e-9 * (fabs(whole.c[a][b]) + 1e-6),
                  "%g A, %g m: c[%d][%d] is %g and not %g", i, z, a, b, own.c[a][b], whole.c[a][b]);
     }
-    vs_surface_line_free(&line);
+    vs_coenergy_line_free(&line);
   }
-  CU_ASSERT(vs_surface_rises(&s, &at_z, &at_i));
-  vs_surface_free(&s);
+  CU_ASSERT(vs_coenergy_rises(&s, &at_z, &at_i));
+  vs_coenergy_free(&s);
   /* at one gap the flux linkage rises late and steeply, and the spline swings beside it */
   static const double STEEP[N_I] = {0, 0.1, 0.2, 5, 10};
   for (size_t k = 0; k < N_Z * N_I; k++) flux_wb[k] = k / N_I == 3 ? STEEP[k % N_I] : i_a[k % N_I];
-  s = vs_surface_new(z_m, N_Z, i_a, N_I, flux_wb);
-  CU_ASSERT_FALSE_FATAL(vs_surface_rises(&s, &at_z, &at_i));
+  s = vs_coenergy_new(z_m, N_Z, i_a, N_I, flux_wb);
+  CU_ASSERT_FALSE_FATAL(vs_coenergy_rises(&s, &at_z, &at_i));
   bool earlier = false, there = false; /* at smaller gaps, or at smaller currents */
   for (size_t k = 0; k < 4 * (N_Z - 1); k++)
     for (size_t n = 0; n < 4 * (N_I - 1); n++) {
       double z = z_m[k / 4] + (double)(k % 4) / 4 * (z_m[k / 4 + 1] - z_m[k / 4]);
       double i = i_a[n / 4] + (double)(n % 4) / 4 * (i_a[n / 4 + 1] - i_a[n / 4]);
-      if (vs_surface_at(&s, i, z).c[2][0] > 0) continue;
+      if (vs_coenergy_at(&s, i, z).c[2][0] > 0) continue;
       if (z == at_z && i == at_i) there = true;
       earlier = earlier || z < at_z || (z == at_z && i < at_i);
     }
   CU_ASSERT(there && !earlier);
-  vs_surface_free(&s);
+  vs_coenergy_free(&s);
 }
 
 static const vs_test TESTS[] = {

@@ -529,7 +529,7 @@ static void machines_may_follow_each_other(void) {
     CU_ASSERT_EQUAL_FATAL(fresh->status, VS_OK);
     for (int n = 0; sets[n]; n++)
       CU_ASSERT_EQUAL(vs_tree_set(&t->scene.tree, sets[n], &t->err), VS_OK);
-    CU_ASSERT_EQUAL_FATAL(vs_scene_again(&t->scene, &t->err), VS_OK);
+    CU_ASSERT_EQUAL_FATAL(vs_scene_reread(&t->scene, &t->err), VS_OK);
     const vs_model *a = &t->scene.setup.model, *b = &fresh->scene.setup.model;
     CU_ASSERT_EQUAL(a->dof, b->dof);
     CU_ASSERT_EQUAL(memcmp(a->mk_column, b->mk_column, sizeof a->mk_column), 0);

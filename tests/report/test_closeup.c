@@ -8,9 +8,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "report/plot/fourier.h"
-#include "report/plot/stretch.h"
 #include "program.h"
+#include "report/plot/fourier.h"
+#include "report/plot/time_window.h"
 
 /* ---- the stretch of time ---- */
 
@@ -24,12 +24,12 @@ static void window_of(const char *rows, double from_ms, double to_ms, const char
   vs_text_add(&text, "t_s,what\n%s", rows);
   write_file("happened/events.csv", text.text);
   vs_text_free(&text);
-  CU_ASSERT_EQUAL(vs_stretch_read_moments("happened", &m, &err), VS_OK);
-  const char *got = vs_stretch_window(&m, 0.02, 1, &from, &to);
+  CU_ASSERT_EQUAL(vs_time_window_read_moments("happened", &m, &err), VS_OK);
+  const char *got = vs_time_window_choose(&m, 0.02, 1, &from, &to);
   vs_close(1e3 * from, from_ms, 1e3, 1e-12, rows, line);
   vs_close(1e3 * to, to_ms, 1e3, 1e-12, rows, line);
   expect(strstr(got, why) != NULL, line, "%s, not %s", got, why);
-  vs_stretch_free_moments(&m);
+  vs_time_window_free_moments(&m);
 }
 
 static void windows(void) {
@@ -55,19 +55,19 @@ static void probes(void) {
   vs_probes_shown p = {.count = 0};
   vs_probe_shown rate;
   vs_error err = {0};
-  CU_ASSERT_EQUAL(vs_stretch_find_probes("i,p, v_ak_v,share", &t, &p, &err), VS_OK);
+  CU_ASSERT_EQUAL(vs_time_window_find_probes("i,p, v_ak_v,share", &t, &p, &err), VS_OK);
   CU_ASSERT_EQUAL_FATAL(p.count, 4);
   CU_ASSERT_STRING_EQUAL(p.item[0].column, "i_a"); /* not i_thyristor_a */
   CU_ASSERT_STRING_EQUAL(p.item[1].label, "p / mm");
   CLOSE(p.item[1].scale, 1e3, 0);
   CU_ASSERT_STRING_EQUAL(p.item[2].label, "v_ak / V");
   CU_ASSERT_STRING_EQUAL(p.item[3].label, "share");
-  CU_ASSERT_TRUE_FATAL(vs_stretch_probe_rate(&p.item[1], &t, &rate));
+  CU_ASSERT_TRUE_FATAL(vs_time_window_probe_rate(&p.item[1], &t, &rate));
   CU_ASSERT_STRING_EQUAL(rate.column, "vp_m_s");
   CU_ASSERT_STRING_EQUAL(rate.label, "vp / m/s");
-  CU_ASSERT_FALSE(vs_stretch_probe_rate(&p.item[0], &t, &rate));
+  CU_ASSERT_FALSE(vs_time_window_probe_rate(&p.item[0], &t, &rate));
   p.count = 0;
-  CU_ASSERT_EQUAL(vs_stretch_find_probes("v_ak_w", &t, &p, &err), VS_INPUT);
+  CU_ASSERT_EQUAL(vs_time_window_find_probes("v_ak_w", &t, &p, &err), VS_INPUT);
   CU_ASSERT_PTR_NOT_NULL(strstr(err.text, "did you mean 'v_ak_v'"));
 }
 

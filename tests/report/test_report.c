@@ -9,10 +9,10 @@
 #include <unistd.h>
 
 #include "base/text.h"
+#include "program.h"
 #include "report/plot/map.h"
 #include "report/plot/spread.h"
-#include "program.h"
-#include "report/page.h"
+#include "report/study_page.h"
 
 /* ---- study folders ---- */
 
@@ -112,16 +112,16 @@ static void percentiles(void) {
 
 static void shares(void) {
   double least, largest;
-  vs_page_wilson(8, 10, &least,
-                 &largest); /* by hand: (0.8 + z²/20 ∓ z√(0.016 + z²/400))/(1 + z²/10) */
+  vs_study_page_wilson(8, 10, &least,
+                       &largest); /* by hand: (0.8 + z²/20 ∓ z√(0.016 + z²/400))/(1 + z²/10) */
   CLOSE(least, 0.4901624715, 1e-9);
   CLOSE(largest, 0.9433178485, 1e-9);
-  vs_page_wilson(0, 4, &least, &largest);
+  vs_study_page_wilson(0, 4, &least, &largest);
   CLOSE_OF(least, 0, 1, 1e-15);
   CLOSE(largest, 3.841458820694124 / (4 + 3.841458820694124), 1e-12); /* z²/(n + z²) */
-  CLOSE(vs_page_share(4095, 4096), 99.97, 0);
-  CLOSE(vs_page_share(999999, 1000000), 99.99, 0); /* never 100 when one is missing */
-  CLOSE(vs_page_share(7, 7), 100, 0);
+  CLOSE(vs_study_page_share(4095, 4096), 99.97, 0);
+  CLOSE(vs_study_page_share(999999, 1000000), 99.99, 0); /* never 100 when one is missing */
+  CLOSE(vs_study_page_share(7, 7), 100, 0);
 }
 
 typedef struct pieces {

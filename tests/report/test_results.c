@@ -7,7 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/packed.h"
+#include "base/compressed.h"
 #include "program.h"
 
 /* Gives every text of a file of JSON an end that a page, a terminal or gnuplot would obey. */
@@ -151,21 +151,21 @@ static void too_much(void) {
   write_file("a.yaml", "set: {run.until: 20 ms}\nvary: {firing.angle: [90 deg, 95 deg]}\n");
   RUN_GOOD("study a.yaml -o s --quiet");
   CU_ASSERT(!unlink("s/study.csv"));
-  FILE *f = fopen("s/study.csv.zst", "w"), *packed = vs_packed_write(f, "study.csv.zst");
+  FILE *f = fopen("s/study.csv.zst", "w"), *packed = vs_compressed_write(f, "study.csv.zst");
   vs_error err = {0};
   memset(block, 'x', sizeof block);
   for (int k = 0; k < 1 << 10; k++) fwrite(block, 1, sizeof block, packed);
-  CU_ASSERT(!vs_packed_end(packed, f, "x", &err));
+  CU_ASSERT(!vs_compressed_end(packed, f, "x", &err));
   fclose(f);
   ran r = run("plot s --quiet");
   EXPECT(r.status == 2 && strstr(r.err, "s/study.csv.zst:1:1: a row of more than 1048576 bytes"),
          "%d %s", r.status, r.err);
   free_ran(&r);
-  f = vs_packed_read(fopen("s/study.csv.zst", "r"), "study.csv.zst");
+  f = vs_compressed_read(fopen("s/study.csv.zst", "r"), "study.csv.zst");
   size_t n = 0, all = 0;
   while ((n = fread(read, 1, sizeof read, f)) > 0) all += n;
-  EXPECT(ferror(f) && strstr(vs_packed_why(errno), "256 times") && all < 40u << 20, "%zu: %s", all,
-         vs_packed_why(errno));
+  EXPECT(ferror(f) && strstr(vs_compressed_strerror(errno), "256 times") && all < 40u << 20,
+         "%zu: %s", all, vs_compressed_strerror(errno));
   fclose(f);
   remove_tree("s");
   unlink("a.yaml");

@@ -7,9 +7,9 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "report/departure.h"
-#include "report/bars.h"
 #include "program.h"
+#include "report/curve_difference.h"
+#include "report/margin_bars.h"
 
 static void write_run(const char *folder, const char *csv, const char *summary) {
   char path[64];
@@ -27,17 +27,17 @@ static void departure(void) {
   char *names[] = {"t_s", "y"};
   vs_traces a = {.name = names, .value = left, .columns = 2, .rows = 3},
             b = {.name = names, .value = right, .columns = 2, .rows = 3};
-  vs_departure d = vs_departure_of(&a, 1, &b, 1);
+  vs_curve_difference d = vs_curve_difference_of(&a, 1, &b, 1);
   CLOSE(d.largest, 1, 1e-15);
   CLOSE(d.at_s, 0.5, 1e-15);
   CLOSE(d.peak, 1.5, 1e-15); /* A at 1.5 s, where both end being known */
   CLOSE(d.to_s, 1.5, 1e-15);
   CLOSE(d.rms, sqrt((0.5 + 0.75) / 3 / 1.5), 1e-14);
-  d = vs_departure_of(&b, 1, &a, 1);
+  d = vs_curve_difference_of(&b, 1, &a, 1);
   CLOSE(d.largest, -1, 1e-15);
   double late[] = {3, 0, 4, 1};
   vs_traces c = {.name = names, .value = late, .columns = 2, .rows = 2};
-  CU_ASSERT(isnan(vs_departure_of(&a, 1, &c, 1).largest));
+  CU_ASSERT(isnan(vs_curve_difference_of(&a, 1, &c, 1).largest));
 }
 
 static const char A[] =
@@ -427,7 +427,7 @@ static void bars_in_order(void) {
   int size[2];
   write_verdict();
   CU_ASSERT_EQUAL(vs_tree_read("v/summary.json", &tree, &err), VS_OK);
-  CU_ASSERT(vs_bars_script(tree.root, false, &script, size));
+  CU_ASSERT(vs_margin_bars_script(tree.root, false, &script, size));
   expect_order(script.text.text, SAYS, __LINE__);
   EXPECT(!strchr(script.text.text, '`'), "%s", script.text.text);
   vs_gnuplot_free(&script);
@@ -451,7 +451,7 @@ static void bars_beyond(void) {
   vs_script script = {0};
   int size[2];
   CU_ASSERT_EQUAL(vs_tree_parse(TEXT, "text", &tree, &err), VS_OK);
-  CU_ASSERT(vs_bars_script(tree.root, true, &script, size));
+  CU_ASSERT(vs_margin_bars_script(tree.root, true, &script, size));
   expect_order(script.text.text, SAYS, __LINE__);
   vs_gnuplot_free(&script);
   vs_tree_free(&tree);

@@ -2,8 +2,8 @@
  * Rows of tables that nothing would miss: a kind of event that does nothing, a picture that a
  * method names and nobody draws. */
 #include "engine/events.h"
+#include "report/plot/study_pictures.h"
 #include "study/methods.h"
-#include "report/plot/album.h"
 #include "suite.h"
 
 static void every_event_does_something(void) {
@@ -17,7 +17,7 @@ static void every_event_does_something(void) {
 static size_t known_of(const char *method, const char *const *names) {
   size_t count = 0;
   for (; names && names[count]; count++)
-    EXPECT(vs_album_knows(names[count]), "%s names the picture %s", method, names[count]);
+    EXPECT(vs_study_pictures_knows(names[count]), "%s names the picture %s", method, names[count]);
   return count;
 }
 
@@ -29,7 +29,7 @@ static void every_picture_is_there(void) {
              known_of((*m)->name, r->last);
   }
   CU_ASSERT(count > 0);
-  CU_ASSERT_FALSE(vs_album_knows("none of them"));
+  CU_ASSERT_FALSE(vs_study_pictures_knows("none of them"));
 }
 
 static const vs_test TESTS[] = {

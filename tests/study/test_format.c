@@ -10,7 +10,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "base/packed.h"
+#include "base/compressed.h"
 #include "program.h"
 #include "study/format.h"
 
@@ -152,12 +152,12 @@ static void packed(void) {
 static void streams(void) {
   vs_error err = {0};
   for (int part = 0; part < 2; part++) {
-    FILE *file = fopen("x.zst", part ? "a" : "w"), *to = vs_packed_write(file, "x.zst");
+    FILE *file = fopen("x.zst", part ? "a" : "w"), *to = vs_compressed_write(file, "x.zst");
     for (int k = 0; k < 300000; k++) fprintf(to, "%d\n", (int)((unsigned)k * 2654435761u));
-    EXPECT(!vs_packed_end(to, file, "x.zst", &err), "%s", err.text);
+    EXPECT(!vs_compressed_end(to, file, "x.zst", &err), "%s", err.text);
     fclose(file);
   }
-  FILE *from = vs_packed_read(fopen("x.zst", "r"), "x.zst");
+  FILE *from = vs_compressed_read(fopen("x.zst", "r"), "x.zst");
   long rows = 0, wrong = 0;
   for (int number; fscanf(from, "%d", &number) == 1; rows++)
     wrong += number != (int)((unsigned)(rows % 300000) * 2654435761u);

@@ -225,7 +225,7 @@ static void keys(void) {
     vs_error one = {0}, other = {0};
     set[n] = CHANGES[n];
     CU_ASSERT_EQUAL_FATAL(vs_tree_set(&again->tree, CHANGES[n], &err), VS_OK);
-    vs_status a = vs_scene_again(again, &one);
+    vs_status a = vs_scene_reread(again, &one);
     vs_status b =
         vs_scene_read("/dev/null", (char *const *)(size_t)set, n + 1, NULL, fresh, &other);
     EXPECT(a == b, "%s: %s / %s", CHANGES[n], one.text, other.text);

@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "study/methods.h"
-#include "study/reading.h"
 #include "program.h"
+#include "study/methods.h"
+#include "study/study_file.h"
 
 /* A study that is there as long as a test needs it. */
 typedef struct study {
@@ -20,7 +20,7 @@ typedef struct study {
 static study *read_study(const char *text) {
   study *s = vs_alloc(1, sizeof *s);
   write_file("study.yaml", text);
-  s->status = vs_reading_plan("study.yaml", vs_methods_all, NULL, 0, &s->plan, &s->err);
+  s->status = vs_study_file_read("study.yaml", vs_methods_all, NULL, 0, &s->plan, &s->err);
   return s;
 }
 

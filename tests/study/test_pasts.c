@@ -13,7 +13,7 @@
 #include "base/text.h"
 #include "engine/events.h"
 #include "program.h"
-#include "study/work/parting.h"
+#include "study/work/divergence.h"
 
 /* Surges on a machine that has been fired twice. */
 static const char SURGES[] =
@@ -276,7 +276,7 @@ static double parts(const char *one, const char *other) {
                                                                                "firing.every=1",
                                                                                other, NULL};
   vs_trial *x = vs_trial_read("paper", "circuit", a), *y = vs_trial_read("paper", "circuit", b);
-  double parts_s = vs_parting_of(&x->scene.setup, &y->scene.setup);
+  double parts_s = vs_divergence_of(&x->scene.setup, &y->scene.setup);
   CU_ASSERT_EQUAL(x->status + y->status, 0);
   vs_trial_free(x), vs_trial_free(y);
   return parts_s;

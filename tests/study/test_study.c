@@ -15,11 +15,11 @@
 #include "age.h"
 #include "base/csv.h"
 #include "base/hash.h"
-#include "study/work/journal.h"
 #include "study/methods.h"
-#include "study/reading.h"
+#include "study/study_file.h"
 #include "study/work/case.h"
 #include "study/work/identity.h"
+#include "study/work/journal.h"
 
 /* Fast: switched, 12 x 10 cases of 0.1 s; the last angle of each voltage is below theta, and some
  * of them meet the pole cover. */
@@ -472,7 +472,7 @@ static void a_case_that_kills(void) {
   char *failures = read_file("k/failures.csv"), id[32] = "";
   vs_plan *plan = vs_alloc(1, sizeof *plan);
   vs_error err = {0};
-  CU_ASSERT_EQUAL_FATAL(vs_reading_plan("k.yaml", vs_methods_all, NULL, 0, plan, &err), VS_OK);
+  CU_ASSERT_EQUAL_FATAL(vs_study_file_read("k.yaml", vs_methods_all, NULL, 0, plan, &err), VS_OK);
   vs_identity *identity = vs_identity_new(plan);
   vs_error why = {0};
   CU_ASSERT(!vs_identity_of(identity, plan->first, id, &why));

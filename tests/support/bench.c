@@ -8,7 +8,7 @@
 #include "base/text.h"
 #include "netlist/netlist.h"
 #include "netlist/parts.h"
-#include "ngspice/ng.h"
+#include "ngspice/ngspice.h"
 #include "suite.h"
 
 static double gap(void *ctx, size_t port, double t_s) {
@@ -48,9 +48,9 @@ static vs_status solve(bench *b, const vs_deck *deck, char **netlist, size_t lin
   vs_circuit_host host = {b, gap, no_edge, no_edge, accept, NULL, NULL, NULL};
   void *circuit = NULL;
   b->steps = 0;
-  vs_status s = vs_ng_kind.load(&job, &host, &circuit, err);
-  if (!s) s = vs_ng_kind.run(circuit, err);
-  vs_ng_kind.free(circuit);
+  vs_status s = vs_ngspice_kind.load(&job, &host, &circuit, err);
+  if (!s) s = vs_ngspice_kind.run(circuit, err);
+  vs_ngspice_kind.free(circuit);
   return s;
 }
 

@@ -12,7 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "ngspice/ng.h"
+#include "ngspice/ngspice.h"
 
 int vs_suite(const char *name, const vs_test *tests, size_t count) {
   gsl_set_error_handler_off();
@@ -91,7 +91,7 @@ bool on_path(const char *program) {
 }
 
 bool is_newer_ngspice(void) {
-  return strtod(vs_ng_version(), NULL) >= 44;
+  return strtod(vs_ngspice_version(), NULL) >= 44;
 }
 
 bool is_newer_yaml(void) {

@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 #include "study/methods.h"
-#include "study/reading.h"
+#include "study/study_file.h"
 #include "study/work/worker.h"
 
 static double processor_s(int who) {
@@ -45,7 +45,7 @@ int main(int argc, char **argv) {
   vs_plan *plan = vs_alloc(1, sizeof *plan);
   gsl_set_error_handler_off();
   if (argc > 2) return run_child(argv + 1);
-  if (argc != 2 || vs_reading_plan(argv[1], vs_methods_all, NULL, 0, plan, &err)) {
+  if (argc != 2 || vs_study_file_read(argv[1], vs_methods_all, NULL, 0, plan, &err)) {
     fprintf(stderr, "bench_cases: %s\n", argc == 2 ? err.text : "wants a study or a command");
     return 1;
   }

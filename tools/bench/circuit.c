@@ -12,10 +12,10 @@
  *
  * A first run, which is not counted, is taken down: each question that the solver asked its host,
  * with its instant, and the answer. The circuit alone is given these answers, in the same order. So
- * its sources have the gap z(t), the mains, the gates and what engine/coupled/amend.h gave back at
- * every Newton iteration as they were, its steps end at the same edges, and are as long. It takes
- * the same steps to the bit, which is checked; an answer costs it no more than a look at the next
- * entry. ngspice's clocks stand still in all three (src/clocks.c).
+ * its sources have the gap z(t), the mains, the gates and what engine/coupled/truncation.h gave
+ * back at every Newton iteration as they were, its steps end at the same edges, and are as long. It
+ * takes the same steps to the bit, which is checked; an answer costs it no more than a look at the
+ * next entry. ngspice's clocks stand still in all three (src/clocks.c).
  *
  * Each round is a line of CSV without a header. Of the three ways in the order above: seconds, and
  * seconds without loading; then the steps and the source calls, which are the same in all of them.
@@ -28,8 +28,8 @@
 #include <time.h>
 
 #include "measure/watchers.h"
+#include "ngspice/ngspice.h"
 #include "run/scene.h"
-#include "ngspice/ng.h"
 
 static _Noreturn void give_up(const char *what) {
   fprintf(stderr, "bench_circuit: %s\n", what);
@@ -144,19 +144,23 @@ static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, vo
   noted.accept = noted_accept;
   run_of.host = *host;
   run_of.sources.now = run_of.edges.now = run_of.limits.now = run_of.now = 0;
-  return vs_ng_kind.load(job, run_of.alone ? &alone : run_of.noting ? &noted : host, circuit, err);
+  return vs_ngspice_kind.load(job,
+                              run_of.alone    ? &alone
+                              : run_of.noting ? &noted
+                                              : host,
+                              circuit, err);
 }
 
 static vs_status solve(void *circuit, vs_error *err) {
   double began_s = processor_s();
-  vs_status status = vs_ng_kind.run(circuit, err);
+  vs_status status = vs_ngspice_kind.run(circuit, err);
   run_of.solving_s = processor_s() - began_s;
   if (run_of.alone && run_of.now != run_of.steps) give_up("the circuit alone takes other steps");
   return status;
 }
 
 static void release(void *circuit) {
-  vs_ng_kind.free(circuit);
+  vs_ngspice_kind.free(circuit);
 }
 
 /* ---- the runs ---- */

@@ -17,7 +17,7 @@ static vs_status accept_step_of_orbit(void *ctx, const vs_step *step, const vs_r
 /* Over one period of the orbit. */
 static vs_status measure_orbit(const vs_scene *s, const vs_orbit *orbit, const vs_observer *also,
                                vs_numbers *out, vs_error *err) {
-  const vs_guest guest = {.ctx = (void *)(size_t)also, .accept = accept_step_of_orbit};
+  const vs_session_listener guest = {.ctx = (void *)(size_t)also, .accept = accept_step_of_orbit};
   const vs_session session = {.guest = also ? &guest : NULL, .unguarded = true};
   vs_scene *once = vs_alloc(1, sizeof *once); /* borrows what s owns */
   vs_result *r = vs_alloc(1, sizeof *r);

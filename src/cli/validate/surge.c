@@ -58,8 +58,8 @@ COUPLED(earth_short, "i_load", "earth", "circuit.load=1 mohm");
 
 /* ---- waves that come as a formula ---- */
 
-static void sample_wave(double (*wave)(const vs_occurrence *, double), double until_s,
-                        const vs_occurrence *e, vs_numbers *out) {
+static void sample_wave(double (*wave)(const vs_scene_event *, double), double until_s,
+                        const vs_scene_event *e, vs_numbers *out) {
   enum { POINTS = 20000 };
   vs_experiment_curve curve = {0};
   for (int k = 0; k <= POINTS; k++) {
@@ -70,7 +70,8 @@ static void sample_wave(double (*wave)(const vs_occurrence *, double), double un
   vs_experiment_curve_free(&curve);
 }
 
-static const vs_occurrence OF_1V = {.v = {.level_v = 1, .frequency_hz = 5000, .duration_s = 15e-3}};
+static const vs_scene_event OF_1V = {
+    .v = {.level_v = 1, .frequency_hz = 5000, .duration_s = 15e-3}};
 
 static vs_status perform_ring(const vs_experiment *e, const vs_observer *also, vs_numbers *out,
                               vs_error *err) {

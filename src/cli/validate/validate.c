@@ -9,11 +9,11 @@
 #include <unistd.h>
 
 #include "base/json.h"
-#include "base/leave.h"
+#include "base/shutdown.h"
 #include "base/text.h"
 #include "commands.h"
 #include "ngspice/circuit.h"
-#include "ngspice/ng.h"
+#include "ngspice/ngspice.h"
 #include "options.h"
 #include "run/version.h"
 
@@ -266,7 +266,7 @@ static vs_status validate_command(const void *given, vs_error *err) {
                                  .json = line->common.json,
                                  .quiet = line->common.quiet,
                                  .list = line->list,
-                                 .stop = &vs_leave_requested};
+                                 .stop = &vs_shutdown_requested};
   return vs_validate(LISTS, sizeof LISTS / sizeof *LISTS, &o, err);
 }
 

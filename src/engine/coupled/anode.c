@@ -11,11 +11,11 @@
 #include "netlist/words.h"
 
 static double current_at(const vs_anode_current *m, const vs_knot *k) {
-  return m->way * vs_formula_quick_value(&m->i, k->terms);
+  return m->way * vs_formula_prepared_value(&m->i, k->terms);
 }
 
 static double voltage_at(const vs_anode_current *m, const vs_knot *k) {
-  return m->device ? m->way * vs_formula_quick_value(&m->v, k->terms) : 0;
+  return m->device ? m->way * vs_formula_prepared_value(&m->v, k->terms) : 0;
 }
 
 /* The current without leakage. At its zero an ideal latch lets go. */
@@ -265,10 +265,11 @@ static void add(vs_anode *a, const vs_deck *deck, const vs_probe *probe, const v
                             .forward_s = -INFINITY,
                             .near_s = recovers ? NEAR_RECOVERING_S : NEAR_S,
                             .crosses_s = INFINITY};
-    if (device) m->v = vs_formula_quicken(&device->voltage);
-    m->i =
-        probe ? (vs_formula_quick){.is_term = true, .term = (int)probe->term, .factor = probe->sign}
-              : vs_formula_quicken(&device->current);
+    if (device) m->v = vs_formula_prepare(&device->voltage);
+    m->i = probe ? (vs_formula_prepared){.is_term = true,
+                                         .term = (int)probe->term,
+                                         .factor = probe->sign}
+                 : vs_formula_prepare(&device->current);
     vs_conduction_begin(&m->conduction);
     m->conduction.recovers = recovers;
   }

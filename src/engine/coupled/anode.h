@@ -9,13 +9,13 @@
 #ifndef VS_ENGINE_ANODE_H
 #define VS_ENGINE_ANODE_H
 
-#include "engine/conduction.h"
 #include "coupled/swing.h"
+#include "engine/conduction.h"
 
 /* One current that is followed. */
 typedef struct vs_anode_current {
-  const vs_device *device; /* the thyristor whose current it is; NULL: not known */
-  vs_formula_quick i, v;   /* the current, and the device's voltage where that is known */
+  const vs_device *device;  /* the thyristor whose current it is; NULL: not known */
+  vs_formula_prepared i, v; /* the current, and the device's voltage where that is known */
   double last_a, last_v, before_a, before_v; /* at the last two knots shown */
   double way;                                /* -1: of a triac, its other direction; else +1 */
   double out_s, forward_s; /* when it last went out, and since when its voltage is forward;

@@ -25,16 +25,16 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "coupled/amend.h"
-#include "coupled/away.h"
-#include "coupled/prelude.h"
+#include "coupled/settling.h"
 #include "coupled/signal_map.h"
+#include "coupled/solver_switch.h"
 #include "coupled/swing.h"
 #include "coupled/trajectory.h"
+#include "coupled/truncation.h"
 #include "engine/events.h"
 #include "engine/pace.h"
 #include "engine/signals.h"
-#include "netlist/blame.h"
+#include "netlist/location.h"
 #include "netlist/netlist.h"
 
 /* A run under way. */
@@ -43,11 +43,11 @@ typedef struct coupling {
   const vs_run_order *order;
   vs_pace pace;
   vs_swing swing;
-  vs_amend amend;
+  vs_truncation amend;
   vs_signal_map *names; /* owned */
   vs_trajectory trajectory;
-  vs_away away;
-  vs_prelude prelude;
+  vs_solver_switch away;
+  vs_settling prelude;
   vs_signals_cache port[VS_DECK_MOST]; /* the deck's ports, as they were told last */
   /* What the sources were told at the candidate time that the solver asked for last: it asks for
    * each once per Newton iteration. */
@@ -64,7 +64,7 @@ typedef struct coupling {
 /* The parts of a step, in their order; each is defined below. */
 static double run_time(const coupling *c, double solver_s);
 static void forget_told_values(coupling *c);
-static vs_status reach_junction(coupling *c, double t_s, vs_error *err);
+static vs_status reach_fork_point(coupling *c, double t_s, vs_error *err);
 static vs_status follow_macromodel(coupling *c, double t_s, const double *signals, vs_error *err);
 static void take_circuit_state(coupling *c, double t_s, const double *signals);
 static void judge_step_length(coupling *c);
@@ -83,19 +83,19 @@ static vs_status accept_coupled_step(void *ctx, double solver_s, const double *s
    * for which a macromodel stood in for it. */
   double t_s = run_time(c, solver_s);
 
-  /* A study may go on from here with other events, as another run (study/work/past.c). */
-  vs_status status = reach_junction(c, t_s, err);
+  /* A study may go on from here with other events, as another run (study/work/shared_prefix.c). */
+  vs_status status = reach_fork_point(c, t_s, err);
   if (status) return status;
 
   /* After a quiet stretch the solver is led to where the macromodel is. As long as it is, the
-   * macromodel's steps are the run's (away.c). */
+   * macromodel's steps are the run's (solver_switch.c). */
   if (c->away.follows) return follow_macromodel(c, t_s, signals, err);
 
   /* Circuit -> mechanics: lambda, Wb, and its rate, V, at the step's end (signal_map.c). */
   take_circuit_state(c, t_s, signals);
 
-  /* The truncation error of the solver's rule in lambda bounds the next step's length (amend.c,
-   * swing.c). */
+  /* The truncation error of the solver's rule in lambda bounds the next step's length
+   * (truncation.c, swing.c). */
   judge_step_length(c);
 
   /* The machine moves over the same step, by Eq. 54 with F = lambda^2/(4a). Contacts with a stop
@@ -105,18 +105,18 @@ static vs_status accept_coupled_step(void *ctx, double solver_s, const double *s
   if (status) return status;
 
   /* A run that begins on a periodic orbit settles first: the end of each cycle is the beginning of
-   * the next, with another state of the machine (prelude.c). */
+   * the next, with another state of the machine (settling.c). */
   if (c->prelude.on) return end_settling_cycle(c, err);
 
   /* Where only small currents flow, a macromodel of the circuit goes on without the solver, which
-   * is quicker (away.c, macromodel/quiet.c). */
-  return vs_away_consider(&c->away, signals, err);
+   * is quicker (solver_switch.c, macromodel/oneport_macromodel.c). */
+  return vs_solver_switch_consider(&c->away, signals, err);
 }
 
 /* ---- what a step consists of ---- */
 
 static double run_time(const coupling *c, double solver_s) {
-  return vs_prelude_time(&c->prelude, solver_s, c->away.shift_s);
+  return vs_settling_time(&c->prelude, solver_s, c->away.shift_s);
 }
 
 /* What was told does not hold any more, and where events may change on the way, or another part of
@@ -131,8 +131,8 @@ static void forget_told_values(coupling *c) {
 /* Tells the run's junction that t_s is reached. It may change the events of the setup, which are
  * asked for whenever they are needed; only the instant of the jam is kept in the trajectory. It is
  * not called while the run settles, as events come behind that. */
-static vs_status reach_junction(coupling *c, double t_s, vs_error *err) {
-  const vs_junction *junction = c->order->junction;
+static vs_status reach_fork_point(coupling *c, double t_s, vs_error *err) {
+  const vs_fork_point *junction = c->order->junction;
   if (!junction || c->prelude.on) return VS_OK;
   vs_status status = junction->reach(junction->ctx, t_s, err);
   c->trajectory.jams_s = vs_setup_jams(c->setup);
@@ -141,8 +141,8 @@ static vs_status reach_junction(coupling *c, double t_s, vs_error *err) {
 
 /* What the solver's rule leaves out is not known from steps in which it is led. */
 static vs_status follow_macromodel(coupling *c, double t_s, const double *signals, vs_error *err) {
-  vs_amend_restart(&c->amend);
-  return vs_away_follow(&c->away, t_s, signals, err);
+  vs_truncation_restart(&c->amend);
+  return vs_solver_switch_follow(&c->away, t_s, signals, err);
 }
 
 /* Fills the next knot with what the circuit knows of it. Its second derivative of lambda, V/s, is
@@ -163,17 +163,17 @@ static void take_circuit_state(coupling *c, double t_s, const double *signals) {
 static void judge_step_length(coupling *c) {
   const vs_knot *from = vs_trajectory_last(&c->trajectory),
                 *next = vs_trajectory_next(&c->trajectory);
-  const vs_amend_step step = {c->trajectory.frame.model, from, next,
-                              vs_anode_conducts(&c->trajectory.anode)};
-  vs_swing_take(&c->swing, from, next, vs_amend_take(&c->amend, &step), step.driven);
+  const vs_truncation_step step = {c->trajectory.frame.model, from, next,
+                                   vs_anode_conducts(&c->trajectory.anode)};
+  vs_swing_take(&c->swing, from, next, vs_truncation_take_step(&c->amend, &step), step.driven);
   c->trajectory.strays = vs_swing_strays(&c->swing);
 }
 
 /* At the end of a settling cycle the clock goes back to 0. Once the orbit is found the run begins
  * there, which its junction is told. */
 static vs_status end_settling_cycle(coupling *c, vs_error *err) {
-  vs_status status = vs_prelude_follow(&c->prelude, &c->trajectory, &c->away.shift_s, err);
-  return status ? status : reach_junction(c, 0, err);
+  vs_status status = vs_settling_follow(&c->prelude, &c->trajectory, &c->away.shift_s, err);
+  return status ? status : reach_fork_point(c, 0, err);
 }
 
 /* ---- before a step: how far it may go ---- */
@@ -185,7 +185,7 @@ static double next_breakpoint(void *ctx, double solver_s) {
   if (c->trajectory.anode.crossed || c->swing.anew) return solver_s;
   double now_s = run_time(c, solver_s), next_s = vs_trajectory_edge(&c->trajectory, now_s);
   if (c->away.shift_s != 0 && !c->prelude.on) next_s = fmin(next_s, c->setup->run.until_s);
-  return vs_prelude_edge(&c->prelude, now_s, next_s) - c->away.shift_s;
+  return vs_settling_edge(&c->prelude, now_s, next_s) - c->away.shift_s;
 }
 
 /* At t = 0 the circuit is without currents, so mains that are not at their zero jump. What rings by
@@ -214,17 +214,18 @@ static double longest_step(void *ctx, double solver_s) {
 /* What is given back to the solver's rule, through one of the EVA's ports: V of dlambda/dt, or A of
  * the coil's current. */
 static double truncation_correction(coupling *c, size_t port, double t_s) {
-  const vs_amend_try at = {c->trajectory.frame.model, vs_trajectory_last(&c->trajectory), t_s,
-                           vs_trajectory_gap(&c->trajectory, t_s)};
+  const vs_truncation_try at = {c->trajectory.frame.model, vs_trajectory_last(&c->trajectory), t_s,
+                                vs_trajectory_gap(&c->trajectory, t_s)};
   if (c->away.follows) return 0;
-  return port == VS_EVA_PORT_AMENDS_FLUX ? vs_amend_flux(&c->amend, &at)
-                                         : vs_amend_current(&c->amend, &at);
+  return port == VS_EVA_PORT_CORRECTS_FLUX ? vs_truncation_flux_correction(&c->amend, &at)
+                                           : vs_truncation_current_correction(&c->amend, &at);
 }
 
 /* A port of the deck, V: mains, a gate, a modulated switch, or an event. */
 static double deck_source(coupling *c, size_t port, double t_s) {
   const vs_port *p = &c->setup->deck.ports[port];
-  double push_v = p->signal.drive == VS_PORT_MAINS ? vs_prelude_push(&c->prelude, t_s) : 0;
+  double push_v =
+      p->signal.drive == VS_PORT_MAINS ? vs_settling_extra_voltage(&c->prelude, t_s) : 0;
   return push_v +
          vs_signals_voltage_cached(&c->port[port], &c->trajectory.setup->timeline, &p->signal, t_s);
 }
@@ -239,7 +240,8 @@ static double compute_source(coupling *c, size_t port, double t_s) {
   if (motion >= c->names->n_ports)
     return vs_trajectory_motion(&c->trajectory,
                                 c->setup->deck.motions[motion - c->names->n_ports].state, t_s);
-  if (port >= of_deck + VS_EVA_PORTS_LEADING) return vs_away_lead(&c->away, port - of_deck, t_s);
+  if (port >= of_deck + VS_EVA_PORTS_LEADING)
+    return vs_solver_switch_lead(&c->away, port - of_deck, t_s);
   return truncation_correction(c, port - of_deck, t_s);
 }
 
@@ -260,7 +262,7 @@ static double source_value(void *ctx, size_t port, double solver_s) {
 
 static bool run_is_complete(void *ctx) {
   const coupling *c = ctx;
-  return !c->prelude.on && vs_away_enough(&c->away);
+  return !c->prelude.on && vs_solver_switch_enough(&c->away);
 }
 
 static double run_time_of_solver(void *ctx, double solver_s) {
@@ -275,7 +277,7 @@ static bool step_is_hidden(void *ctx) {
 /* ---- a run ---- */
 
 static void locate_culprit(const void *deck, size_t culprit, vs_error *err) {
-  vs_blame_locate(deck, culprit, err);
+  vs_location_locate(deck, culprit, err);
 }
 
 /* A circuit that cannot make its first step is no circuit, unless that step is as short as behind a
@@ -298,7 +300,7 @@ static vs_circuit_job job_of(const coupling *c) {
                           .signals = c->names->signals,
                           .n_signals = c->names->n_signals,
                           .n_wanted = 2 * c->names->n_memories,
-                          .until_s = vs_prelude_until(&c->prelude),
+                          .until_s = vs_settling_until(&c->prelude),
                           .gear = setup->run.gear,
                           .dialect = setup->deck.compat,
                           .max_step_s = c->pace.max_step_s,
@@ -343,7 +345,7 @@ static vs_status run_solver(coupling *c, vs_error *err) {
   if (!s) s = solver->load(&job, &host, &circuit, err);
   if (!s) s = solver->run(circuit, err);
   if (s == VS_INPUT) s = forgive_first_step(c, err);
-  if (!s) s = vs_away_finish(&c->away, err);
+  if (!s) s = vs_solver_switch_finish(&c->away, err);
   solver->free(circuit);
   vs_netlist_free(netlist, job.lines);
   return s;
@@ -360,20 +362,20 @@ static vs_status run_coupled(const vs_setup *setup, const vs_run_order *order,
                 .order = order,
                 .pace = pace,
                 .swing = vs_swing_of(setup),
-                .amend = vs_amend_of(setup, !order->pilot && !pace.blows),
+                .amend = vs_truncation_begin(setup, !order->pilot && !pace.blows),
                 .asked_s = NAN,
                 .names = vs_alloc(1, sizeof *c.names)};
-  vs_prelude_begin(&c.prelude, setup, order, observer);
-  vs_trajectory_begin(&c.trajectory, vs_prelude_setup(&c.prelude), &frame,
-                      vs_prelude_observer(&c.prelude));
+  vs_settling_begin(&c.prelude, setup, order, observer);
+  vs_trajectory_begin(&c.trajectory, vs_settling_setup(&c.prelude), &frame,
+                      vs_settling_observer(&c.prelude));
   c.trajectory.frame.timeline = &c.trajectory.setup->timeline;
-  vs_away_begin(&c.away, order, &c.trajectory, c.names, c.pace.max_step_s);
-  vs_signal_map_of(&setup->deck, vs_away_memories(&c.away), c.names);
+  vs_solver_switch_begin(&c.away, order, &c.trajectory, c.names, c.pace.max_step_s);
+  vs_signal_map_of(&setup->deck, vs_solver_switch_memories(&c.away), c.names);
   vs_status s = run_solver(&c, err);
-  vs_away_end(&c.away);
+  vs_solver_switch_end(&c.away);
   vs_trajectory_end(&c.trajectory);
   free(c.names);
-  return vs_prelude_end(&c.prelude, s, err);
+  return vs_settling_end(&c.prelude, s, err);
 }
 
 /* This tier alone has a source's impedance, ngspice, a gate drive that is fed with bursts, switches

@@ -9,8 +9,8 @@
 
 /* The sources in eva_led.inc, by the port each is. */
 static const char *const SOURCES[VS_EVA_PORTS] = {[VS_EVA_PORT_GAP] = "v.%s.vgap",
-                                                  [VS_EVA_PORT_AMENDS_FLUX] = "i.%s.iamend_l",
-                                                  [VS_EVA_PORT_AMENDS_CURRENT] = "i.%s.iamend_i",
+                                                  [VS_EVA_PORT_CORRECTS_FLUX] = "i.%s.iamend_l",
+                                                  [VS_EVA_PORT_CORRECTS_CURRENT] = "i.%s.iamend_i",
                                                   [VS_EVA_PORT_FLUX] = "i.%s.igoal_l",
                                                   [VS_EVA_PORT_VOLTAGE] = "i.%s.igoal_v",
                                                   [VS_EVA_PORT_RATE] = "i.%s.irate",
@@ -51,7 +51,7 @@ static void name_signals(const vs_deck *deck, vs_signal_map *n, size_t used) {
   n->n_signals = VS_SIG_TERMS + 2 * deck->n_terms;
 }
 
-void vs_signal_map_of(const vs_deck *deck, const vs_memories *memories, vs_signal_map *n) {
+void vs_signal_map_of(const vs_deck *deck, const vs_circuit_states *memories, vs_signal_map *n) {
   name_signals(deck, n, name_ports(deck, n));
   n->n_memories = memories ? memories->count : 0;
   for (size_t k = 0; k < n->n_memories; k++) {
@@ -73,7 +73,7 @@ void vs_signal_map_take_coil(const double *signals, vs_knot *k) {
 }
 
 void vs_signal_map_take_memory(const vs_signal_map *n, const double *signals,
-                               double memory[VS_MEMORIES]) {
+                               double memory[VS_CIRCUIT_STATES_MOST]) {
   const double *s = signals + n->n_signals - 2 * n->n_memories;
   for (size_t k = 0; k < n->n_memories; k++) memory[k] = s[2 * k] - s[2 * k + 1];
 }

@@ -3,8 +3,8 @@
 
 #include <math.h>
 
-#include "plant/coil.h"
 #include "engine/firing.h"
+#include "plant/coil.h"
 
 /* The trapezoidal rule makes an error of lambda of h^2/12 of its third derivative in each second.
  * While the coil rings with the snubbers, these errors add up to an error of the ring's phase. At
@@ -13,11 +13,11 @@
  *
  *   h^2/12 |lambda'''| T <= SHARE run.tolerance max |lambda|
  *
- * with what of lambda''' the rule is not given back (amend.h), over the time T that the ring may
- * last: LASTS radians of its own, and no more than a cycle of the mains, in which the coil's
+ * with what of lambda''' the rule is not given back (truncation.h), over the time T that the ring
+ * may last: LASTS radians of its own, and no more than a cycle of the mains, in which the coil's
  * resistance, if nothing else, has damped it. Measured over the 100 scenes of
- * tests/engine/test_tolerance_grid.c: with SHARE 0.3 an error is up to 2 times the tolerance, with 1 up
- * to 4.8 times. With half of LASTS, or less of T, it is more. */
+ * tests/engine/test_tolerance_grid.c: with SHARE 0.3 an error is up to 2 times the tolerance, with
+ * 1 up to 4.8 times. With half of LASTS, or less of T, it is more. */
 static const double SHARE = 0.2, LASTS = 100;
 
 /* The sizes of the derivatives fade by this factor a step of a run at 1e-4, and so are remembered
@@ -107,9 +107,9 @@ static double common_slope(const vs_knot *from, const vs_knot *to) {
 
 /* In a swing the errors of a rule's steps add up to one of its phase. A step is as long as keeps
  * that over LASTS radians of it. A fast swing may last longer, as where a coil is cut off and rings
- * with the contact. The trapezoidal rule is given back most of the error (amend.h). Gear's rule
- * makes four times as much and is given nothing: over 1500 radians the current was 73 tolerances
- * off. */
+ * with the contact. The trapezoidal rule is given back most of the error (truncation.h). Gear's
+ * rule makes four times as much and is given nothing: over 1500 radians the current was 73
+ * tolerances off. */
 static void follow_strays(vs_swing *w, double h, double bend, bool driven) {
   w->strays_wb = driven ? 0 : w->strays_wb + h * h * h / 3 * bend;
   w->strayed_wb = fmax(w->strayed_wb, w->amplifies * w->strays_wb);

@@ -36,7 +36,7 @@ typedef struct vs_swing {
 vs_swing vs_swing_of(const vs_setup *setup);
 
 /* Takes in the solver's step between two knots. The flux_rate2_v_s of each is the mean over the
- * step that ends there. missed_v_s2: what of v'' the rule was not given back (amend.h), V/s^2.
+ * step that ends there. missed_v_s2: what of v'' the rule was not given back (truncation.h), V/s^2.
  * driven: a thyristor conducts. */
 void vs_swing_take(vs_swing *swing, const vs_knot *from, const vs_knot *to, double missed_v_s2,
                    bool driven);

@@ -49,18 +49,17 @@ static const vs_event_kind *find_kind(const vs_node *map, const char *name, vs_s
     vs_text_add(&all, "%s%s", n ? ", " : "", kind->name);
   }
   const char *nearest = *word ? vs_text_nearest(word, names, count) : NULL;
-  *status =
-      vs_error_carry_on(err, vs_fail_at(err, node ? node->where : map->where,
-                                        "events.%s.kind: '%s' is none; there are: %s%s%s%s", name,
-                                        word, all.text, nearest ? "; did you mean '" : "",
-                                        nearest ? nearest : "", nearest ? "'?" : ""));
+  *status = vs_error_keep(err, vs_fail_at(err, node ? node->where : map->where,
+                                          "events.%s.kind: '%s' is none; there are: %s%s%s%s", name,
+                                          word, all.text, nearest ? "; did you mean '" : "",
+                                          nearest ? nearest : "", nearest ? "'?" : ""));
   vs_text_free(&all);
   free(names);
   return NULL;
 }
 
 /* Sets the event's start, from `at` or from cycle and angle, and its end. */
-static vs_status place_in_time(const vs_node *map, const vs_timeline *t, vs_occurrence *e,
+static vs_status place_in_time(const vs_node *map, const vs_timeline *t, vs_scene_event *e,
                                vs_error *err) {
   const vs_node *at = vs_tree_child(map, "at"), *cycle = vs_tree_child(map, "cycle"),
                 *angle = vs_tree_child(map, "angle");
@@ -79,7 +78,7 @@ static vs_status place_in_time(const vs_node *map, const vs_timeline *t, vs_occu
 }
 
 /* Sets since when a generator's network lies on the line, once its start is known. */
-static vs_status place_on_line(const vs_node *map, vs_occurrence *e, vs_error *err) {
+static vs_status place_on_line(const vs_node *map, vs_scene_event *e, vs_error *err) {
   char why[200];
   const vs_node *from = vs_tree_child(map, "from");
   if (!e->kind->network || !strcmp(e->v.from, "start")) return VS_OK;
@@ -104,7 +103,7 @@ static bool has_firing(const vs_firing_values *f, int cycle) {
 
 /* Error: the event changes the pulse of a cycle that has none, or would shorten it to more than its
  * length. */
-static vs_status check_pulse(const vs_node *map, const vs_timeline *t, const vs_occurrence *e,
+static vs_status check_pulse(const vs_node *map, const vs_timeline *t, const vs_scene_event *e,
                              vs_error *err) {
   const vs_firing_values *f = &t->firing;
   if (!e->kind->pulse) return VS_OK;
@@ -125,7 +124,7 @@ static vs_status check_pulse(const vs_node *map, const vs_timeline *t, const vs_
   return VS_OK;
 }
 
-static vs_status read_gate(const vs_node *map, vs_occurrence *e, vs_error *err) {
+static vs_status read_gate(const vs_node *map, vs_scene_event *e, vs_error *err) {
   if (!*e->v.gate || !strcmp(e->v.gate, "all") || vs_port_read_gate(e->v.gate, &e->gate_rad))
     return VS_OK;
   return vs_fail_at(err, vs_tree_child(map, "gate")->where,
@@ -134,7 +133,7 @@ static vs_status read_gate(const vs_node *map, vs_occurrence *e, vs_error *err) 
 }
 
 /* Error: an event of this kind needs an element, and none is said. */
-static vs_status check_element(const vs_occurrence *e, vs_error *err) {
+static vs_status check_element(const vs_scene_event *e, vs_error *err) {
   if (!e->kind->wants_element || *e->v.element) return VS_OK;
   return vs_fail_at(err, e->where,
                     "events.%s: 'element' is wanted: the deck's to %s, by its name, as R1", e->name,
@@ -142,7 +141,7 @@ static vs_status check_element(const vs_occurrence *e, vs_error *err) {
 }
 
 /* Error: a repetition, which comes a cycle after the one before it, overlaps that one. */
-static vs_status check_count(const vs_node *map, const vs_timeline *t, const vs_occurrence *e,
+static vs_status check_count(const vs_node *map, const vs_timeline *t, const vs_scene_event *e,
                              vs_error *err) {
   if (e->v.count <= 1 || e->v.duration_s < t->period_s) return VS_OK;
   return vs_fail_at(err, vs_tree_child(map, "count")->where,
@@ -151,15 +150,15 @@ static vs_status check_count(const vs_node *map, const vs_timeline *t, const vs_
                     e->name, 1e3 * e->v.duration_s, 1e3 * t->period_s);
 }
 
-static bool events_overlap(const vs_occurrence *a, const vs_occurrence *b) {
+static bool events_overlap(const vs_scene_event *a, const vs_scene_event *b) {
   return a->start_s <= b->end_s && b->start_s <= a->end_s;
 }
 
 /* Error: the pulses of a generator follow one another faster than the run is long, which has one of
  * them; or another event repeats the run already. */
 static vs_status check_times(const vs_node *map, const vs_events *events, double until_s,
-                             const vs_occurrence *e, vs_error *err) {
-  const vs_occurrence *other = vs_occurrence_repeated(events);
+                             const vs_scene_event *e, vs_error *err) {
+  const vs_scene_event *other = vs_scene_event_repeated(events);
   if (e->v.times <= 1) return VS_OK;
   const vs_node *times = vs_tree_child(map, "times"), *every = vs_tree_child(map, "every");
   if (e->v.every_s < until_s)
@@ -176,10 +175,10 @@ static vs_status check_times(const vs_node *map, const vs_events *events, double
 
 /* Error: the event and one before it act at the same time, and one would hide the other. Generators
  * do not: each is coupled to the line on its own, and what they bring adds up. */
-static vs_status clash(const vs_events *events, const vs_occurrence *e, vs_error *err) {
+static vs_status clash(const vs_events *events, const vs_scene_event *e, vs_error *err) {
   for (size_t k = 0; k < events->count; k++) {
-    const vs_occurrence *o = &events->item[k];
-    bool gate = vs_occurrence_at_gate(e, o->gate_rad) || vs_occurrence_at_gate(o, e->gate_rad);
+    const vs_scene_event *o = &events->item[k];
+    bool gate = vs_scene_event_at_gate(e, o->gate_rad) || vs_scene_event_at_gate(o, e->gate_rad);
     bool cycle = e->kind->pulse && o->kind->pulse && e->v.cycle == o->v.cycle && gate;
     bool mains = e->kind->mains && e->kind == o->kind && !e->kind->adds_up && events_overlap(e, o);
     bool added = e->kind->adds_pulse && o->kind->adds_pulse && events_overlap(e, o) && gate;
@@ -191,7 +190,7 @@ static vs_status clash(const vs_events *events, const vs_occurrence *e, vs_error
 }
 
 /* Error: the event acts on what the scene's supply and valve have not. */
-static vs_status check_supply(const vs_timeline *t, const vs_occurrence *e, vs_error *err) {
+static vs_status check_supply(const vs_timeline *t, const vs_scene_event *e, vs_error *err) {
   const vs_event_kind *kind = e->kind;
   if (t->supply.direct && kind->mains && kind->stage != VS_MAINS_FACTOR)
     return vs_fail_at(err, e->where,
@@ -211,14 +210,14 @@ static vs_status check_supply(const vs_timeline *t, const vs_occurrence *e, vs_e
  */
 static vs_status read_event(const vs_node *map, const vs_timeline *t, double until_s,
                             vs_events *events, vs_error *err) {
-  vs_occurrence e = {.period_s = t->period_s, .gate_rad = NAN, .where = map->key_where};
+  vs_scene_event e = {.period_s = t->period_s, .gate_rad = NAN, .where = map->key_where};
   vs_status status = VS_OK;
   snprintf(e.name, sizeof e.name, "%s", map->key);
   if (map->kind != VS_NODE_MAP)
-    return vs_error_carry_on(err, vs_fail_at(err, map->where,
-                                             "events.%s: a map is wanted: {kind: "
-                                             "surge, cycle: 3, angle: 90 deg}",
-                                             map->key));
+    return vs_error_keep(err, vs_fail_at(err, map->where,
+                                         "events.%s: a map is wanted: {kind: "
+                                         "surge, cycle: 3, angle: 90 deg}",
+                                         map->key));
   e.kind = find_kind(map, map->key, &status, err);
   if (!e.kind) return status;
   char section_name[VS_EVENT_NAME + 8];
@@ -229,27 +228,24 @@ static vs_status read_event(const vs_node *map, const vs_timeline *t, double unt
   if (!strcmp(e.v.element, "-")) *e.v.element = '\0';
   e.v.polarity %= 2; /* + and positive are the same choice, and so are - and negative */
   if (!status && vs_error_count(err) == found)
-    status = vs_error_carry_on(err, place_in_time(map, t, &e, err));
+    status = vs_error_keep(err, place_in_time(map, t, &e, err));
   if (!status && vs_error_count(err) == found && (e.v.off || !(e.start_s < until_s))) {
     events->unbuilt[events->n_unbuilt++] = e;
     return status;
   }
+  if (!status && vs_error_count(err) == found) status = vs_error_keep(err, read_gate(map, &e, err));
+  if (!status && vs_error_count(err) == found) status = vs_error_keep(err, check_element(&e, err));
   if (!status && vs_error_count(err) == found)
-    status = vs_error_carry_on(err, read_gate(map, &e, err));
+    status = vs_error_keep(err, check_supply(t, &e, err));
   if (!status && vs_error_count(err) == found)
-    status = vs_error_carry_on(err, check_element(&e, err));
+    status = vs_error_keep(err, check_count(map, t, &e, err));
   if (!status && vs_error_count(err) == found)
-    status = vs_error_carry_on(err, check_supply(t, &e, err));
+    status = vs_error_keep(err, place_on_line(map, &e, err));
   if (!status && vs_error_count(err) == found)
-    status = vs_error_carry_on(err, check_count(map, t, &e, err));
+    status = vs_error_keep(err, check_times(map, events, until_s, &e, err));
   if (!status && vs_error_count(err) == found)
-    status = vs_error_carry_on(err, place_on_line(map, &e, err));
-  if (!status && vs_error_count(err) == found)
-    status = vs_error_carry_on(err, check_times(map, events, until_s, &e, err));
-  if (!status && vs_error_count(err) == found)
-    status = vs_error_carry_on(err, check_pulse(map, t, &e, err));
-  if (!status && vs_error_count(err) == found)
-    status = vs_error_carry_on(err, clash(events, &e, err));
+    status = vs_error_keep(err, check_pulse(map, t, &e, err));
+  if (!status && vs_error_count(err) == found) status = vs_error_keep(err, clash(events, &e, err));
   if (!status && vs_error_count(err) == found) events->item[events->count++] = e;
   return status;
 }
@@ -260,10 +256,9 @@ vs_status vs_events_read(const vs_node *map, const vs_timeline *t, double until_
   events->count = events->n_unbuilt = 0;
   if (!map || (map->kind == VS_NODE_TEXT && !*map->text)) return VS_OK;
   if (map->kind != VS_NODE_MAP)
-    return vs_error_carry_on(err,
-                             vs_fail_at(err, map->where,
-                                        "events: a map of names is wanted: {surge1: {kind: surge, "
-                                        "cycle: 3, angle: 90 deg}}"));
+    return vs_error_keep(err, vs_fail_at(err, map->where,
+                                         "events: a map of names is wanted: {surge1: {kind: surge, "
+                                         "cycle: 3, angle: 90 deg}}"));
   for (const vs_node *n = map->child; n && !status; n = n->next)
     status = events->count + events->n_unbuilt < VS_EVENTS_MOST
                  ? read_event(n, t, until_s, events, err)
@@ -272,11 +267,11 @@ vs_status vs_events_read(const vs_node *map, const vs_timeline *t, double until_
 }
 
 /* Error: the gate that the event names is none of the deck's ports. */
-static vs_status check_gate(const vs_occurrence *e, const vs_deck *deck, vs_error *err) {
+static vs_status check_gate(const vs_scene_event *e, const vs_deck *deck, vs_error *err) {
   bool found = isnan(e->gate_rad) || deck->lost & VS_LOST_PORT;
   for (size_t p = 0; p < deck->n_ports && !found; p++) {
     const vs_signal *s = &deck->ports[p].signal;
-    found = vs_port_is_gated(s) && vs_occurrence_at_gate(e, s->shift_rad);
+    found = vs_port_is_gated(s) && vs_scene_event_at_gate(e, s->shift_rad);
   }
   return found
              ? VS_OK
@@ -284,7 +279,7 @@ static vs_status check_gate(const vs_occurrence *e, const vs_deck *deck, vs_erro
 }
 
 /* The element of the deck that the event changes; "": none. */
-static const char *element_of(const vs_occurrence *e, const vs_deck *deck) {
+static const char *element_of(const vs_scene_event *e, const vs_deck *deck) {
   return e->kind->element ? e->kind->element(e, deck) : "";
 }
 
@@ -292,7 +287,7 @@ static const char *element_of(const vs_occurrence *e, const vs_deck *deck) {
  * were not there. */
 static vs_status check_switch(const vs_events *events, size_t k, const vs_deck *deck,
                               vs_error *err) {
-  const vs_occurrence *e = &events->item[k];
+  const vs_scene_event *e = &events->item[k];
   for (size_t n = 0; n < k && *element_of(e, deck); n++)
     if (!strcasecmp(element_of(e, deck), element_of(&events->item[n], deck)))
       return vs_fail_at(err, e->where, "events.%s: it clashes with events.%s: the same element",
@@ -303,14 +298,14 @@ static vs_status check_switch(const vs_events *events, size_t k, const vs_deck *
 vs_status vs_events_wire(const vs_events *events, vs_deck *deck, vs_error *err) {
   vs_status status = VS_OK;
   for (size_t k = 0; k < events->count && !status; k++)
-    status = vs_error_carry_on(err, check_gate(&events->item[k], deck, err));
+    status = vs_error_keep(err, check_gate(&events->item[k], deck, err));
   size_t found = vs_error_count(err);
   for (size_t k = 0; k < events->count && !status; k++)
-    status = vs_error_carry_on(err, check_switch(events, k, deck, err));
+    status = vs_error_keep(err, check_switch(events, k, deck, err));
   if (vs_error_count(err) > found) return status;
   for (size_t k = 0; k < events->count && !status; k++)
     if (events->item[k].kind->wire)
-      status = vs_error_carry_on(err, events->item[k].kind->wire(&events->item[k], k, deck, err));
+      status = vs_error_keep(err, events->item[k].kind->wire(&events->item[k], k, deck, err));
   return status;
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Kinds of events in the plant: an element of the deck opens or is shorted, the coil's turns are
  * shorted, the armature is stuck, the load changes. */
-#include "engine/occurrence.h"
+#include "engine/scene_event.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -36,19 +36,19 @@ static const vs_field LOAD[] = {
     {"volume", VS_REAL, "cm3", "unchanged", 0, 1e9, false, VS_EVENT_V_(volume_m3),
      "V_k, the volume of the material from then on", "unchanged", NULL}};
 
-static const char *element_named(const vs_occurrence *e, const vs_deck *deck) {
+static const char *element_named(const vs_scene_event *e, const vs_deck *deck) {
   (void)deck;
   return e->v.element;
 }
 
-static const char *the_coil(const vs_occurrence *e, const vs_deck *deck) {
+static const char *the_coil(const vs_scene_event *e, const vs_deck *deck) {
   (void)e;
   return deck->eva;
 }
 
 /* ---- the load ---- */
 
-static void becomes(const vs_occurrence *e, double *fraction, double *volume_m3) {
+static void becomes(const vs_scene_event *e, double *fraction, double *volume_m3) {
   if (!isnan(e->v.fraction)) *fraction = e->v.fraction;
   if (!isnan(e->v.volume_m3)) *volume_m3 = e->v.volume_m3;
 }
@@ -57,11 +57,11 @@ static void becomes(const vs_occurrence *e, double *fraction, double *volume_m3)
  * An element is opened by a switch in series, of 1 mohm or 1 Gohm, whose control conducts above
  * zero. So are turns of the coil shorted, which the EVA of the deck does by itself. */
 
-static double closing(const vs_occurrence *e, double t_s) {
-  return t_s > e->start_s + vs_occurrence_rounding(t_s) ? 1 : -1;
+static double closing(const vs_scene_event *e, double t_s) {
+  return t_s > e->start_s + vs_scene_event_rounding(t_s) ? 1 : -1;
 }
 
-static double opening(const vs_occurrence *e, double t_s) {
+static double opening(const vs_scene_event *e, double t_s) {
   return -closing(e, t_s);
 }
 
@@ -74,32 +74,32 @@ static double opening(const vs_occurrence *e, double t_s) {
 static const double CLOSES_S = 1e-6, OPEN_OHM = 1e9, CLOSED_OHM = 1e-3;
 
 /* The logarithm of its conductance in S. */
-static double short_source(const vs_occurrence *e, double t_s) {
+static double short_source(const vs_scene_event *e, double t_s) {
   double part = fmin(fmax((t_s - e->start_s) / CLOSES_S, 0), 1);
   return -log(OPEN_OHM) + part * log(OPEN_OHM / CLOSED_OHM);
 }
 
-static double short_edge(const vs_occurrence *e, double t_s) {
+static double short_edge(const vs_scene_event *e, double t_s) {
   double closed_s = e->start_s + CLOSES_S;
   return t_s < e->start_s ? e->start_s : t_s < closed_s ? closed_s : INFINITY;
 }
 
-static double short_longest(const vs_occurrence *e, double t_s) {
-  double since_s = t_s - e->start_s, near_s = vs_occurrence_rounding(t_s);
+static double short_longest(const vs_scene_event *e, double t_s) {
+  double since_s = t_s - e->start_s, near_s = vs_scene_event_rounding(t_s);
   return since_s > -near_s && since_s < CLOSES_S ? CLOSES_S / 150 : INFINITY;
 }
 
 /* All turns of a coil are shorted at its terminals, some of them by a switch. */
-static bool is_whole(const vs_occurrence *e) {
+static bool is_whole(const vs_scene_event *e) {
   return e->v.fraction >= 1;
 }
-static double coil_source(const vs_occurrence *e, double t_s) {
+static double coil_source(const vs_scene_event *e, double t_s) {
   return is_whole(e) ? short_source(e, t_s) : closing(e, t_s);
 }
-static double coil_edge(const vs_occurrence *e, double t_s) {
-  return is_whole(e) ? short_edge(e, t_s) : vs_occurrence_edge(e, t_s);
+static double coil_edge(const vs_scene_event *e, double t_s) {
+  return is_whole(e) ? short_edge(e, t_s) : vs_scene_event_edge(e, t_s);
 }
-static double coil_longest(const vs_occurrence *e, double t_s) {
+static double coil_longest(const vs_scene_event *e, double t_s) {
   return is_whole(e) ? short_longest(e, t_s) : INFINITY;
 }
 
@@ -120,7 +120,7 @@ static bool has_two_nodes(const char *line) {
   return sscanf(head, "%63s %63s %63s %63s", word[0], word[1], word[2], word[3]) == 3;
 }
 
-static vs_status find_element(vs_deck *deck, const vs_occurrence *e, const char *wanted,
+static vs_status find_element(vs_deck *deck, const vs_scene_event *e, const char *wanted,
                               element *found, vs_error *err) {
   enum { MOST = 4 * VS_DECK_MOST }; /* names to choose the nearest from */
   const char *names[MOST];
@@ -155,7 +155,7 @@ static vs_status find_element(vs_deck *deck, const vs_occurrence *e, const char 
 /* Puts `line`, an element between the nodes vs_l<k> and `other`, next to a node of the deck, with
  * its control vs_c<k> and the account of the energy it takes. Both nodes are our own, as not every
  * name of a node can stand in a formula. */
-static vs_status add_driven(vs_deck *deck, const vs_occurrence *e, size_t k, const char *node,
+static vs_status add_driven(vs_deck *deck, const vs_scene_event *e, size_t k, const char *node,
                             const char *other, const char *line, vs_error *err) {
   char control[VS_DECK_NAME], between[2 * VS_DECK_NAME];
   snprintf(control, sizeof control, "vs_c%zu", k);
@@ -169,13 +169,13 @@ static vs_status add_driven(vs_deck *deck, const vs_occurrence *e, size_t k, con
 }
 
 /* What follows its second node is the element's value. */
-static void doubt(vs_deck *deck, const vs_occurrence *e, const element *at) {
+static void doubt(vs_deck *deck, const vs_scene_event *e, const element *at) {
   const char *value = at->rest + strspn(at->rest, " \t");
   value += strcspn(value, " \t");
   vs_wiring_doubt(deck, e, &(vs_wiring_element){at->name, {at->node[0], at->node[1]}, value});
 }
 
-static vs_status open_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_error *err) {
+static vs_status open_wire(const vs_scene_event *e, size_t k, vs_deck *deck, vs_error *err) {
   element at;
   char node[VS_DECK_NAME], line[1024];
   vs_status status = find_element(deck, e, e->kind->element(e, deck), &at, err);
@@ -202,7 +202,7 @@ static vs_status open_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_e
   return status;
 }
 
-static vs_status short_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_error *err) {
+static vs_status short_wire(const vs_scene_event *e, size_t k, vs_deck *deck, vs_error *err) {
   element at;
   char line[256], other[VS_DECK_NAME];
   vs_status status = find_element(deck, e, e->kind->element(e, deck), &at, err);
@@ -218,7 +218,7 @@ static vs_status short_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_
 /* Where all turns are shorted, the coil is shorted at its terminals. Where some are, another EVA
  * takes the place of the deck's; the event's loss is then what goes in at the EVA's terminals
  * beyond what the energy audit counts as the coil's. */
-static vs_status coil_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_error *err) {
+static vs_status coil_wire(const vs_scene_event *e, size_t k, vs_deck *deck, vs_error *err) {
   element at;
   char line[1024], control[VS_DECK_NAME], plus[VS_DECK_NAME];
   if (is_whole(e)) return short_wire(e, k, deck, err);
@@ -242,7 +242,7 @@ static vs_status coil_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_e
 
 const vs_event_kind vs_faults[] = {
     {"open", "an element of the deck is cut off", VS_EVENT_KEYS(OPEN), .wants_element = true,
-     .cuts = true, .edge = vs_occurrence_edge, .element = element_named, .wire = open_wire,
+     .cuts = true, .edge = vs_scene_event_edge, .element = element_named, .wire = open_wire,
      .source = opening},
     {"short", "an element of the deck is shorted", VS_EVENT_KEYS(SHORT), .wants_element = true,
      .edge = short_edge, .longest = short_longest, .element = element_named, .wire = short_wire,
@@ -251,7 +251,7 @@ const vs_event_kind vs_faults[] = {
      .edge = coil_edge, .longest = coil_longest, .element = the_coil, .wire = coil_wire,
      .source = coil_source},
     {"jam", "the armature is stuck: p stays what it is", VS_EVENT_KEYS(JAM), .ideal = true,
-     .jams = true, .edge = vs_occurrence_edge},
+     .jams = true, .edge = vs_scene_event_edge},
     {"load", "the load changes; what is added arrives with the trough's velocity",
-     VS_EVENT_KEYS(LOAD), .ideal = true, .load = becomes, .edge = vs_occurrence_edge},
+     VS_EVENT_KEYS(LOAD), .ideal = true, .load = becomes, .edge = vs_scene_event_edge},
     {.name = NULL}};

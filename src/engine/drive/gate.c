@@ -36,7 +36,7 @@ static double last_of_uneven(const vs_timeline *t, double shift_rad, double befo
 
 /* The number of the last pulse that started before t, strictly but for rounding; -1: none yet. */
 static double last_pulse(const vs_timeline *t, double shift_rad, double t_s) {
-  double slack = vs_occurrence_rounding(t_s);
+  double slack = vs_scene_event_rounding(t_s);
   if (!vs_firing_is_even(t)) return last_of_uneven(t, shift_rad, t_s - slack);
   double since = t_s - pulse_start(t, shift_rad, 0);
   if (since <= slack) return -1;
@@ -51,9 +51,9 @@ static void pulse(const vs_timeline *t, double shift_rad, double n, double *widt
   *voltage = 1;
   if (is_left_out(t, n)) *width_s = *voltage = 0;
   for (size_t k = 0; k < t->events.count; k++) {
-    const vs_occurrence *e = &t->events.item[k];
+    const vs_scene_event *e = &t->events.item[k];
     if (e->kind->pulse && e->v.cycle == t->firing.first_cycle + n * t->firing.every &&
-        vs_occurrence_at_gate(e, shift_rad))
+        vs_scene_event_at_gate(e, shift_rad))
       e->kind->pulse(e, width_s, voltage);
   }
 }
@@ -78,10 +78,10 @@ bool vs_gate_stretch(const vs_timeline *t, double shift_rad, double t_s, double 
                      double *from_s, double *to_s) {
   bool found = train_stretch(t, shift_rad, t_s, until_s, from_s, to_s);
   for (size_t k = 0; k < t->events.count; k++) {
-    const vs_occurrence *e = &t->events.item[k];
+    const vs_scene_event *e = &t->events.item[k];
     double from = fmax(e->start_s, t_s);
     if (!e->kind->adds_pulse || e->end_s <= t_s || e->start_s >= until_s ||
-        !vs_occurrence_at_gate(e, shift_rad) || (found && *from_s <= from))
+        !vs_scene_event_at_gate(e, shift_rad) || (found && *from_s <= from))
       continue;
     found = true;
     *from_s = from;
@@ -93,12 +93,12 @@ bool vs_gate_stretch(const vs_timeline *t, double shift_rad, double t_s, double 
 /* The start and the end of a pulse at t that an event adds to the train; the start is -INFINITY
  * where there is none. */
 static double added_pulse(const vs_timeline *t, double shift_rad, double t_s, double *end_s) {
-  double slack = vs_occurrence_rounding(t_s);
+  double slack = vs_scene_event_rounding(t_s);
   for (size_t k = 0; k < t->events.count; k++) {
-    const vs_occurrence *e = &t->events.item[k];
+    const vs_scene_event *e = &t->events.item[k];
     *end_s = e->end_s;
     if (e->kind->adds_pulse && t_s > e->start_s + slack && t_s <= e->end_s + slack &&
-        vs_occurrence_at_gate(e, shift_rad))
+        vs_scene_event_at_gate(e, shift_rad))
       return e->start_s;
   }
   return -INFINITY;
@@ -106,7 +106,7 @@ static double added_pulse(const vs_timeline *t, double shift_rad, double t_s, do
 
 double vs_gate_voltage(const vs_timeline *t, double shift_rad, double t_s) {
   double n = last_pulse(t, shift_rad, t_s), width, voltage, end,
-         slack = vs_occurrence_rounding(t_s);
+         slack = vs_scene_event_rounding(t_s);
   if (t->events.count && added_pulse(t, shift_rad, t_s, &end) > -INFINITY) return 1;
   if (n < 0) return 0;
   pulse(t, shift_rad, n, &width, &voltage);
@@ -118,11 +118,11 @@ bool vs_gate_is_on(const vs_timeline *t, double shift_rad, double t_s) {
 }
 
 double vs_gate_of_step(double t0_s, double t1_s) {
-  return fmax(t1_s, t0_s + 2 * vs_occurrence_rounding(t1_s));
+  return fmax(t1_s, t0_s + 2 * vs_scene_event_rounding(t1_s));
 }
 
 double vs_gate_edge(const vs_timeline *t, double shift_rad, double t_s) {
-  double n = last_pulse(t, shift_rad, t_s), slack = vs_occurrence_rounding(t_s), width, voltage;
+  double n = last_pulse(t, shift_rad, t_s), slack = vs_scene_event_rounding(t_s), width, voltage;
   double fall = -INFINITY;
   if (n >= 0) pulse(t, shift_rad, n, &width, &voltage), fall = pulse_start(t, shift_rad, n) + width;
   if (fall > t_s + slack) return fall;
@@ -136,7 +136,7 @@ double vs_gate_edge(const vs_timeline *t, double shift_rad, double t_s) {
  * its gate pulse. Returns false where t lies in no sub-pulse's period. */
 static bool last_sub_pulse(const vs_timeline *t, double shift_rad, double t_s, double *start_s,
                            double *end_s) {
-  double n = last_pulse(t, shift_rad, t_s), slack = vs_occurrence_rounding(t_s), width, voltage;
+  double n = last_pulse(t, shift_rad, t_s), slack = vs_scene_event_rounding(t_s), width, voltage;
   double start = t->events.count ? added_pulse(t, shift_rad, t_s, end_s) : -INFINITY, k;
   if (start == -INFINITY && n < 0) return false;
   if (start == -INFINITY) {
@@ -150,13 +150,13 @@ static bool last_sub_pulse(const vs_timeline *t, double shift_rad, double t_s, d
 }
 
 bool vs_gate_burst(const vs_timeline *t, double shift_rad, double t_s) {
-  double start, end, slack = vs_occurrence_rounding(t_s);
+  double start, end, slack = vs_scene_event_rounding(t_s);
   return last_sub_pulse(t, shift_rad, t_s, &start, &end) &&
          t_s <= fmin(start + t->firing.burst_duty / t->firing.burst_hz, end) + slack;
 }
 
 double vs_gate_burst_edge(const vs_timeline *t, double shift_rad, double t_s) {
-  double start, end, slack = vs_occurrence_rounding(t_s);
+  double start, end, slack = vs_scene_event_rounding(t_s);
   if (last_sub_pulse(t, shift_rad, t_s + 2 * slack, &start, &end)) { /* with one that begins at t */
     double fall = fmin(start + t->firing.burst_duty / t->firing.burst_hz, end);
     double rise = start + 1 / t->firing.burst_hz;

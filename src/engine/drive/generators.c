@@ -3,7 +3,7 @@
  * NODE'): surge, ring wave, fast transients. Several may come together, and closer than their waves
  * last: each is one of its own, with a network of its own on the line, which loads the others'
  * waves; a run warns of that (run/warnings.c). */
-#include "engine/occurrence.h"
+#include "engine/scene_event.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -53,7 +53,7 @@
 
 /* ---- what they have in common ---- */
 
-static double sign(const vs_occurrence *e) {
+static double sign(const vs_scene_event *e) {
   return e->v.polarity % 2 ? -1 : 1;
 }
 
@@ -68,8 +68,8 @@ static double steps_of(double since_s, double front_s, double tail_s) {
 }
 
 /* When the network comes onto the line, and when the wave begins. */
-static double wave_edge(const vs_occurrence *e, double t_s) {
-  double start_s = vs_occurrence_edge(e, t_s);
+static double wave_edge(const vs_scene_event *e, double t_s) {
+  double start_s = vs_scene_event_edge(e, t_s);
   return t_s < e->on_line_s ? fmin(e->on_line_s, start_s) : start_s;
 }
 
@@ -79,7 +79,7 @@ static double wave_edge(const vs_occurrence *e, double t_s) {
  * (IEC 61000-4-5). For a surge that is the standard's; for a ring wave it is assumed; fast
  * transients have 33 nF both ways. */
 
-static const char *return_of(const vs_occurrence *e, const vs_deck *deck) {
+static const char *return_of(const vs_scene_event *e, const vs_deck *deck) {
   return e->v.earth ? deck->earth : deck->line[1];
 }
 
@@ -98,7 +98,7 @@ static bool names_node(const vs_deck *deck, const char *node) {
   return false;
 }
 
-static vs_status check_line(const vs_occurrence *e, const vs_deck *deck, vs_error *err) {
+static vs_status check_line(const vs_scene_event *e, const vs_deck *deck, vs_error *err) {
   if (!*deck->line[0])
     return vs_fail_at(err, e->where,
                       "events.%s: the deck has no line '*$ line NODE NODE', which says where a %s "
@@ -132,7 +132,7 @@ static vs_status check_line(const vs_occurrence *e, const vs_deck *deck, vs_erro
  * because of the switch alone, and the line does not jump. The 10 uohm of the closed switch are a
  * hundred thousandth of what follows. 1 fF is little enough to leave ngspice's steps alone: its
  * charge at 1 V is what an error of a charge does not matter below (engine/coupled/pace.c). */
-static vs_status switch_on(const vs_occurrence *e, size_t k, vs_deck *deck, vs_error *err) {
+static vs_status switch_on(const vs_scene_event *e, size_t k, vs_deck *deck, vs_error *err) {
   const char *back = return_of(e, deck);
   vs_status status = vs_wiring_on_line(deck, e, k, err);
   if (status) return status;
@@ -149,7 +149,7 @@ static vs_status switch_on(const vs_occurrence *e, size_t k, vs_deck *deck, vs_e
 
 /* Puts the generator's source and its connection to the deck's line into the deck. Node vs_g<index>
  * is the source's. */
-static vs_status at_line(const vs_occurrence *e, size_t k, vs_deck *deck, vs_error *err) {
+static vs_status at_line(const vs_scene_event *e, size_t k, vs_deck *deck, vs_error *err) {
   char node[VS_DECK_NAME], nodes[2 * VS_DECK_NAME + 1];
   vs_status status = check_line(e, deck, err);
   if (status) return status;
@@ -171,7 +171,7 @@ typedef struct coupling {
 
 /* Puts the coupling between the generator's output, node vs_o<index>, and what at_line has put
  * there. */
-static void couple(const vs_occurrence *e, size_t k, vs_deck *deck, const coupling *by) {
+static void couple(const vs_scene_event *e, size_t k, vs_deck *deck, const coupling *by) {
   const char end = e->on_line_s > 0 ? 'k' : 'l';
   bool resists = e->v.earth && by->earth_resistor;
   if (resists)
@@ -196,18 +196,18 @@ static const vs_field SURGE[] = {
     VS_EVENT_LEVEL("1 kV", 0.5, 4, "open-circuit voltage of the generator (IEC 61000-4-5)"),
     POLARITY, COUPLED("line to line, 18 uF; line to earth, 9 uF and 10 ohm")};
 
-static double surge_source(const vs_occurrence *e, double t_s) {
-  return t_s > e->start_s + vs_occurrence_rounding(t_s) ? sign(e) * 1.06044 * e->v.level_v : 0;
+static double surge_source(const vs_scene_event *e, double t_s) {
+  return t_s > e->start_s + vs_scene_event_rounding(t_s) ? sign(e) * 1.06044 * e->v.level_v : 0;
 }
 
 /* Behind the wave the mains' inductance rings with the 18 uF, at some kHz and tens of amperes: a
  * step of 5 us there leaves 1 mJ in the energy audit, by h di dv/12 of that inductance. */
-static double surge_longest(const vs_occurrence *e, double t_s) {
+static double surge_longest(const vs_scene_event *e, double t_s) {
   double since = t_s - e->start_s, rings = since >= 0 && since < 600e-6 ? 2e-6 : INFINITY;
   return fmin(steps_of(since, 1.2e-6, 50e-6), rings);
 }
 
-static vs_status surge_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_error *err) {
+static vs_status surge_wire(const vs_scene_event *e, size_t k, vs_deck *deck, vs_error *err) {
   vs_status status = at_line(e, k, deck, err);
   if (status) return status;
   const char *back = return_of(e, deck);
@@ -223,7 +223,7 @@ static vs_status surge_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_
   return VS_OK;
 }
 
-static void surge_network(const vs_occurrence *e, char *text, size_t size) {
+static void surge_network(const vs_scene_event *e, char *text, size_t size) {
   snprintf(text, size, e->v.earth ? "9 uF + 10 ohm + 2 ohm" : "18 uF + 2 ohm");
 }
 
@@ -243,18 +243,18 @@ static const vs_field RING_WAVE[] = {
 
 /* Open-circuit voltage, V, per volt of its level: 1.590 (1 - exp(-t/0.533 us)) exp(-t/9.788 us)
  * cos(2 pi 100 kHz t). */
-static double ring_source(const vs_occurrence *e, double t_s) {
+static double ring_source(const vs_scene_event *e, double t_s) {
   double t_us = 1e6 * (t_s - e->start_s);
   if (t_us <= 0 || t_us > 300) return 0; /* 5e-14 of the peak */
   return sign(e) * e->v.level_v * 1.590 * (1 - exp(-t_us / 0.533)) * exp(-t_us / 9.788) *
          cos(2 * M_PI * 0.1 * t_us);
 }
 
-static double ring_longest(const vs_occurrence *e, double t_s) {
+static double ring_longest(const vs_scene_event *e, double t_s) {
   return steps_of(t_s - e->start_s, 0.5e-6, 10e-6);
 }
 
-static vs_status ring_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_error *err) {
+static vs_status ring_wire(const vs_scene_event *e, size_t k, vs_deck *deck, vs_error *err) {
   vs_status status = at_line(e, k, deck, err);
   if (status) return status;
   vs_wiring_line(deck, e->where, "Rvs_g%zu vs_g%zu vs_o%zu %.17g", k, k, k, e->v.impedance_ohm);
@@ -262,7 +262,7 @@ static vs_status ring_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_e
   return VS_OK;
 }
 
-static void ring_network(const vs_occurrence *e, char *text, size_t size) {
+static void ring_network(const vs_scene_event *e, char *text, size_t size) {
   snprintf(text, size, "%s + %.6g ohm", e->v.earth ? "9 uF + 10 ohm" : "18 uF", e->v.impedance_ohm);
 }
 
@@ -291,7 +291,7 @@ static double eft_pulse(double t_ns) {
 
 /* Time since the last pulse of the burst began, s; negative: none did. A pulse that begins within
  * NEAR_S counts: the step from there on is its first. */
-static double since_pulse(const vs_occurrence *e, double t_s) {
+static double since_pulse(const vs_scene_event *e, double t_s) {
   double n = floor((t_s - e->start_s + NEAR_S) * e->v.frequency_hz);
   double most = ceil(e->v.duration_s * e->v.frequency_hz) - 1;
   return n < 0 ? -1 : t_s - e->start_s - fmin(n, most) / e->v.frequency_hz;
@@ -299,29 +299,29 @@ static double since_pulse(const vs_occurrence *e, double t_s) {
 
 /* Open-circuit voltage, V, by the equation of the pulse that IEC 61000-4-4 gives. 2 us are 39 time
  * constants of a pulse's fall. */
-static double eft_source(const vs_occurrence *e, double t_s) {
+static double eft_source(const vs_scene_event *e, double t_s) {
   double since = since_pulse(e, t_s);
   return since > 0 && since < 2e-6 ? sign(e) * e->v.level_v * eft_pulse(1e9 * since) : 0;
 }
 
 /* The beginning of the burst's first pulse after t; INFINITY: none. */
-static double next_eft_pulse(const vs_occurrence *e, double t_s) {
+static double next_eft_pulse(const vs_scene_event *e, double t_s) {
   /* 1e-9 of a period: an edge reached is passed */
   double n = t_s < e->start_s ? 0 : floor((t_s - e->start_s) * e->v.frequency_hz + 1e-9) + 1;
   return n / e->v.frequency_hz < e->v.duration_s ? e->start_s + n / e->v.frequency_hz : INFINITY;
 }
 
-static double eft_longest(const vs_occurrence *e, double t_s) {
+static double eft_longest(const vs_scene_event *e, double t_s) {
   return steps_of(since_pulse(e, t_s), 5e-9, 50e-9);
 }
 
 /* The same, and when the network comes onto the line. */
-static double eft_edge(const vs_occurrence *e, double t_s) {
+static double eft_edge(const vs_scene_event *e, double t_s) {
   double pulse_s = next_eft_pulse(e, t_s);
   return t_s < e->on_line_s ? fmin(e->on_line_s, pulse_s) : pulse_s;
 }
 
-static vs_status eft_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_error *err) {
+static vs_status eft_wire(const vs_scene_event *e, size_t k, vs_deck *deck, vs_error *err) {
   vs_status status = at_line(e, k, deck, err);
   if (status) return status;
   vs_wiring_line(deck, e->where, "Rvs_g%zu vs_g%zu vs_o%zu 50", k, k, k);
@@ -329,7 +329,7 @@ static vs_status eft_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_er
   return VS_OK;
 }
 
-static void eft_network(const vs_occurrence *e, char *text, size_t size) {
+static void eft_network(const vs_scene_event *e, char *text, size_t size) {
   (void)e;
   snprintf(text, size, "33 nF + 50 ohm");
 }

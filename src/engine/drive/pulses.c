@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Kinds of events at the gate: a pulse that is missing, short, weak, or one too many. */
-#include "engine/occurrence.h"
+#include "engine/scene_event.h"
 
 #include <math.h>
 
@@ -19,17 +19,17 @@ static const vs_field WEAK_PULSE[] = {VS_EVENT_KIND, VS_EVENT_CYCLE,
 static const vs_field SPURIOUS_PULSE[] = {VS_EVENT_KIND, VS_EVENT_AT, VS_EVENT_DURATION("0.1 ms"),
                                           GATE};
 
-static void missing(const vs_occurrence *e, double *width_s, double *voltage) {
+static void missing(const vs_scene_event *e, double *width_s, double *voltage) {
   (void)e;
   *width_s = *voltage = 0;
 }
 
-static void shorter(const vs_occurrence *e, double *width_s, double *voltage) {
+static void shorter(const vs_scene_event *e, double *width_s, double *voltage) {
   (void)voltage;
   *width_s = fmin(*width_s, e->v.duration_s);
 }
 
-static void weaker(const vs_occurrence *e, double *width_s, double *voltage) {
+static void weaker(const vs_scene_event *e, double *width_s, double *voltage) {
   (void)width_s;
   *voltage *= e->v.fraction;
 }
@@ -42,5 +42,5 @@ const vs_event_kind vs_pulses[] = {
     {"weak_pulse", "a weaker gate pulse in that cycle", VS_EVENT_KEYS(WEAK_PULSE), .at_cycle = true,
      .pulse = weaker},
     {"spurious_pulse", "one more gate pulse", VS_EVENT_KEYS(SPURIOUS_PULSE), .ideal = true,
-     .adds_pulse = true, .edge = vs_occurrence_edge},
+     .adds_pulse = true, .edge = vs_scene_event_edge},
     {.name = NULL}};

@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
-#include "engine/occurrence.h"
+#include "engine/scene_event.h"
 
 #define P_(member) offsetof(vs_pwm_values, member)
 
@@ -88,7 +88,7 @@ static bool turns_off_between(const vs_pwm_values *p, vs_pwm_switch of, double t
 }
 
 bool vs_pwm_is_on(const vs_pwm_values *p, vs_pwm_switch of, double t_s) {
-  double before_s = t_s - vs_occurrence_rounding(t_s), since_s = before_s - p->dead_s;
+  double before_s = t_s - vs_scene_event_rounding(t_s), since_s = before_s - p->dead_s;
   if (!is_wanted(p, of, before_s)) return false;
   return p->dead_s == 0 ||
          (is_wanted(p, of, since_s) && !turns_off_between(p, of, since_s, before_s));
@@ -107,7 +107,7 @@ static double edge_of(const vs_pwm_values *p, vs_pwm_switch of, double k) {
 
 double vs_pwm_edge(const vs_pwm_values *p, vs_pwm_switch of, double t_s) {
   enum { FLANKS = 5 };
-  double slack = vs_occurrence_rounding(t_s);
+  double slack = vs_scene_event_rounding(t_s);
   double k = floor(2 * p->carrier_hz * (t_s - p->dead_s - slack));
   for (int n = 0; n < FLANKS; n++, k++) {
     double at_s = edge_of(p, of, k);

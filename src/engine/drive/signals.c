@@ -38,11 +38,11 @@ static double pwm_edge(const vs_timeline *t, const vs_signal *s, double t_s) {
   return vs_pwm_edge(&t->pwm, switch_of(s), t_s);
 }
 static double event_voltage(const vs_timeline *t, const vs_signal *s, double t_s) {
-  const vs_occurrence *e = &t->events.item[s->event];
+  const vs_scene_event *e = &t->events.item[s->event];
   return e->kind->source(e, t_s);
 }
 static double on_line_voltage(const vs_timeline *t, const vs_signal *s, double t_s) {
-  return vs_occurrence_on_line(&t->events.item[s->event], t_s);
+  return vs_scene_event_on_line(&t->events.item[s->event], t_s);
 }
 
 /* By VS_PORT_.... */
@@ -73,13 +73,13 @@ bool vs_signals_holds(const vs_signal *s) {
 
 /* ---- cached ---- */
 
-/* Edges are told from one another by vs_occurrence_rounding, or by 1e-9 of the time between two of
+/* Edges are told from one another by vs_scene_event_rounding, or by 1e-9 of the time between two of
  * them (engine/drive/generators.c, engine/drive/disturbances.c), which is a period of the mains at
  * most. */
 static const double ROUNDINGS = 8, OF_PERIOD = 2e-9;
 
 double vs_signals_near(const vs_timeline *t, double t_s) {
-  return fmax(ROUNDINGS * vs_occurrence_rounding(fabs(t_s)), OF_PERIOD * t->period_s);
+  return fmax(ROUNDINGS * vs_scene_event_rounding(fabs(t_s)), OF_PERIOD * t->period_s);
 }
 
 /* What a control decides next is not known, so that with one nothing is remembered. On an edge the

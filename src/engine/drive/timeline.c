@@ -59,17 +59,19 @@ static vs_status require_feed(const vs_node *scene, const vs_timeline *t, const 
 }
 
 vs_status vs_timeline_build(const vs_node *scene, const vs_machine *machine, vs_timeline *t,
-                            vs_memo *memo, vs_error *err) {
+                            vs_section_cache *memo, vs_error *err) {
   t->events.count = t->events.n_unbuilt = 0; /* its items are many, and count no more */
   t->program = NULL;
   size_t found = vs_error_count(err);
   const vs_node *firing = vs_tree_child(scene, "firing");
-  vs_status s = vs_memo_read(memo, section_of(machine, false), vs_tree_child(scene, "supply"),
-                             &t->supply, sizeof t->supply, err);
+  vs_status s =
+      vs_section_cache_read(memo, section_of(machine, false), vs_tree_child(scene, "supply"),
+                            &t->supply, sizeof t->supply, err);
   if (!s)
-    s = vs_memo_read(memo, section_of(machine, true), firing, &t->firing, sizeof t->firing, err);
+    s = vs_section_cache_read(memo, section_of(machine, true), firing, &t->firing, sizeof t->firing,
+                              err);
   const vs_node *pwm = vs_tree_child(scene, vs_pwm_section.name);
-  if (!s) s = vs_memo_read(memo, &vs_pwm_section, pwm, &t->pwm, sizeof t->pwm, err);
+  if (!s) s = vs_section_cache_read(memo, &vs_pwm_section, pwm, &t->pwm, sizeof t->pwm, err);
   if (s) return s;
   t->peak_v = t->supply.voltage_v * (t->supply.direct ? 1 : M_SQRT2);
   t->omega_rad_s = 2 * M_PI * t->supply.frequency_hz;
@@ -77,7 +79,7 @@ vs_status vs_timeline_build(const vs_node *scene, const vs_machine *machine, vs_
   double turns = -t->supply.phase_rad / (2 * M_PI);
   t->first_zero_s = (turns - floor(turns)) * t->period_s;
   if (vs_error_count(err) > found) return VS_OK;
-  s = vs_error_carry_on(err, vs_pwm_check(pwm, &t->pwm, err));
+  s = vs_error_keep(err, vs_pwm_check(pwm, &t->pwm, err));
   if (s || t->supply.direct) return s;
   if (t->firing.no_valve) return refuse_unused(scene, t, NO_VALVE, err);
   if (t->firing.every && t->firing.pulse_width_s >= t->firing.every * t->period_s) {
@@ -118,7 +120,7 @@ vs_status vs_timeline_settle(const vs_node *scene, const vs_machine *machine, vs
 static double staged(const vs_timeline *t, vs_mains_stage stage, double t_s, double angle_rad) {
   double number = stage == VS_MAINS_FACTOR ? 1 : 0;
   for (size_t k = 0; k < t->events.count; k++) {
-    const vs_occurrence *e = &t->events.item[k];
+    const vs_scene_event *e = &t->events.item[k];
     if (!e->kind->mains || e->kind->stage != stage) continue;
     double own = e->kind->mains(e, t_s, angle_rad);
     number = stage == VS_MAINS_FACTOR ? number * own : number + own;

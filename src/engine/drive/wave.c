@@ -8,7 +8,7 @@
 double vs_wave_edge(const vs_timeline *t, double t_s) {
   double next = INFINITY;
   for (size_t k = 0; k < t->events.count; k++) {
-    const vs_occurrence *e = &t->events.item[k];
+    const vs_scene_event *e = &t->events.item[k];
     if (e->kind->mains && e->kind->edge) next = fmin(next, e->kind->edge(e, t_s));
   }
   return next;
@@ -23,8 +23,8 @@ static void add_disturbances(const vs_timeline *t, double t_s, vs_wave *w) {
   vs_sine *first = &w->sine[0];
   first->phase_rad += vs_timeline_stage(t, VS_MAINS_ANGLE, inside);
   for (size_t k = 0; k < t->events.count; k++) {
-    const vs_occurrence *e = &t->events.item[k];
-    if (!e->kind->mains || e->kind->stage != VS_MAINS_ADDED || !vs_occurrence_is_on(e, inside))
+    const vs_scene_event *e = &t->events.item[k];
+    if (!e->kind->mains || e->kind->stage != VS_MAINS_ADDED || !vs_scene_event_is_on(e, inside))
       continue;
     int order = e->v.order;
     double phase = remainder(order * first->phase_rad, 2 * M_PI) + e->v.phase_rad;

@@ -22,7 +22,7 @@ void vs_wiring_line(vs_deck *deck, vs_where where, const char *format, ...) {
 }
 
 /* Adds a port of the event, with the source that it drives. */
-static vs_status add_event_port(vs_deck *deck, const vs_occurrence *e, const vs_signal *signal,
+static vs_status add_event_port(vs_deck *deck, const vs_scene_event *e, const vs_signal *signal,
                                 const char *source, vs_error *err) {
   vs_port port = {.signal = *signal, .where = e->where};
   if (deck->n_ports >= VS_DECK_MOST)
@@ -32,7 +32,7 @@ static vs_status add_event_port(vs_deck *deck, const vs_occurrence *e, const vs_
   return VS_OK;
 }
 
-vs_status vs_wiring_source(vs_deck *deck, const vs_occurrence *e, size_t index, const char *plus,
+vs_status vs_wiring_source(vs_deck *deck, const vs_scene_event *e, size_t index, const char *plus,
                            const char *minus, vs_error *err) {
   char name[VS_DECK_NAME - 1];
   snprintf(name, sizeof name, "vs_e%zu", index);
@@ -42,7 +42,7 @@ vs_status vs_wiring_source(vs_deck *deck, const vs_occurrence *e, size_t index, 
   return status;
 }
 
-vs_status vs_wiring_on_line(vs_deck *deck, const vs_occurrence *e, size_t index, vs_error *err) {
+vs_status vs_wiring_on_line(vs_deck *deck, const vs_scene_event *e, size_t index, vs_error *err) {
   char name[VS_DECK_NAME - 1];
   snprintf(name, sizeof name, "vs_w%zu", index);
   const vs_signal signal = {.drive = VS_PORT_ON_LINE, .event = index};
@@ -51,7 +51,7 @@ vs_status vs_wiring_on_line(vs_deck *deck, const vs_occurrence *e, size_t index,
   return status;
 }
 
-vs_status vs_wiring_account(vs_deck *deck, const vs_occurrence *e, const char *line,
+vs_status vs_wiring_account(vs_deck *deck, const vs_scene_event *e, const char *line,
                             vs_error *err) {
   vs_error why = {0};
   return vs_contract_line(deck, line, (vs_where){.column = 1}, &why)
@@ -59,7 +59,7 @@ vs_status vs_wiring_account(vs_deck *deck, const vs_occurrence *e, const char *l
              : VS_OK;
 }
 
-vs_status vs_wiring_loss(vs_deck *deck, const vs_occurrence *e, size_t index, const char *between,
+vs_status vs_wiring_loss(vs_deck *deck, const vs_scene_event *e, size_t index, const char *between,
                          vs_error *err) {
   char line[300];
   snprintf(line, sizeof line, "*$ loss %s = v(%s)*i(vvs_s%zu)", e->name, between, index);
@@ -117,7 +117,7 @@ static void list_all(vs_deck *deck, const reckoned *r, vs_text *lines) {
   list_accounts(deck, &deck->stores, r, lines);
 }
 
-void vs_wiring_doubt(vs_deck *deck, const vs_occurrence *e, const vs_wiring_element *element) {
+void vs_wiring_doubt(vs_deck *deck, const vs_scene_event *e, const vs_wiring_element *element) {
   reckoned r = {0};
   for (int n = 0; n < 2; n++) snprintf(r.node[n], VS_DECK_NAME, "v(%.58s)", element->node[n]);
   for (; r.name < (int)deck->n_names; r.name++) {

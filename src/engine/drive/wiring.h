@@ -7,27 +7,28 @@
 #ifndef VS_ENGINE_WIRING_H
 #define VS_ENGINE_WIRING_H
 
-#include "engine/occurrence.h"
+#include "engine/scene_event.h"
 
 /* Adds a line to the netlist, formatted as printf does. */
 void vs_wiring_line(vs_deck *deck, vs_where where, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
 /* Adds the source vvs_e<index> between two nodes, driven by the event. Error: too many ports. */
-vs_status vs_wiring_source(vs_deck *deck, const vs_occurrence *e, size_t index, const char *plus,
+vs_status vs_wiring_source(vs_deck *deck, const vs_scene_event *e, size_t index, const char *plus,
                            const char *minus, vs_error *err);
 
 /* Adds the source vvs_w<index> from node vs_w<index> to ground: 1 V once the event's network is to
  * lie on the line, before that 0 V. Error: too many ports. */
-vs_status vs_wiring_on_line(vs_deck *deck, const vs_occurrence *e, size_t index, vs_error *err);
+vs_status vs_wiring_on_line(vs_deck *deck, const vs_scene_event *e, size_t index, vs_error *err);
 
 /* Adds a line of the contract ("*$ loss ..."). */
-vs_status vs_wiring_account(vs_deck *deck, const vs_occurrence *e, const char *line, vs_error *err);
+vs_status vs_wiring_account(vs_deck *deck, const vs_scene_event *e, const char *line,
+                            vs_error *err);
 
 /* Accounts for what goes into the event as a loss in the event's name, negative where the event
  * delivers energy: the voltage `between` its two nodes ("a,b") times the current of source
  * vvs_s<index>, which the caller adds. */
-vs_status vs_wiring_loss(vs_deck *deck, const vs_occurrence *e, size_t index, const char *between,
+vs_status vs_wiring_loss(vs_deck *deck, const vs_scene_event *e, size_t index, const char *between,
                          vs_error *err);
 
 /* An element of two nodes, of which `value` is what stands behind them in its line. */
@@ -38,6 +39,6 @@ typedef struct vs_wiring_element {
 /* Warns of the lines of the contract that reckon with an element's voltage and a parameter of its
  * value, as the current v(a,b)/{r1} of R1: once the event has begun, these do not give the current
  * any more. What is held against limits of such devices is then not known. */
-void vs_wiring_doubt(vs_deck *deck, const vs_occurrence *e, const vs_wiring_element *element);
+void vs_wiring_doubt(vs_deck *deck, const vs_scene_event *e, const vs_wiring_element *element);
 
 #endif

@@ -11,8 +11,8 @@
 #include "engine/gate.h"
 #include "engine/propagator.h"
 #include "engine/sim.h"
-#include "ideal/general.h"
-#include "ideal/series.h"
+#include "ideal/runge_kutta.h"
+#include "ideal/taylor.h"
 #include "plant/coil.h"
 
 /* ---- what ends a stretch of motion ----
@@ -23,7 +23,7 @@
 /* A step that was just taken, before its end is shown to the observers. All is borrowed. */
 typedef struct vs_taken {
   const vs_driven *driven; /* what drives the machine; since_s is that of `from` */
-  const vs_series *series; /* from `from` on */
+  const vs_taylor *series; /* from `from` on */
   const vs_knot *from, *to;
   bool valve;     /* a thyristor stands between mains and coil */
   bool disturbed; /* the scene has events */
@@ -71,10 +71,10 @@ static bool crossing_meets(const vs_taken *t) {
 }
 
 static double falling_quantity(const vs_taken *t, vs_crossing e, double at_s, double *rate) {
-  if (e.kind == VS_FLUX_ENDS) return vs_series_flux(t->series, at_s, rate);
+  if (e.kind == VS_FLUX_ENDS) return vs_taylor_flux(t->series, at_s, rate);
   const vs_stop *stop = &t->driven->frame->model->stops.item[e.stop];
   int sign = e.kind == VS_CONTACT_BEGINS ? stop->side : -stop->side;
-  double way = vs_series_travel(t->series, at_s, rate) - stop->at_m;
+  double way = vs_taylor_travel(t->series, at_s, rate) - stop->at_m;
   *rate *= sign;
   return sign * way;
 }
@@ -105,7 +105,7 @@ static bool flux_ends(const vs_taken *t, double full_s, double *lower_s, double 
   double turn;
   if (!t->driven->conducting || !t->valve) return false;
   if (t->disturbed)
-    return vs_series_flux_falls(t->series, full_s, NOTHING * t->driven->flux_wb, lower_s, upper_s);
+    return vs_taylor_flux_falls(t->series, full_s, NOTHING * t->driven->flux_wb, lower_s, upper_s);
   turn = vs_driven_mains_turn(t->driven, false, INFINITY) - t->driven->since_s;
   *lower_s = fmax(turn, 0);
   *upper_s = full_s;
@@ -145,12 +145,12 @@ static vs_crossing find_crossing(const vs_taken *t, double *length) {
  * of energy hold two computations against each other that share nothing but M, B and K. */
 
 /* q(t) = middle + sum over k of share[k] exp(s[k] t), t being the time since the knot. */
-typedef struct vs_glide {
+typedef struct free_motion {
   const vs_model *model; /* borrowed */
   double began_s;        /* the knot's time */
   double middle[VS_MOST_DOF];
   double complex s[VS_MOST_STATES], share[VS_MOST_STATES][VS_MOST_DOF];
-} vs_glide;
+} free_motion;
 
 /* What the sum of the modes may miss of the knot's state, relative to the sum of their sizes. */
 static const double MISSED = 1e-9;
@@ -182,7 +182,7 @@ static bool find_middle(const vs_model *m, double middle[VS_MOST_DOF]) {
 
 /* With symmetric M, B and K each mode's shape f is also the left one, and
  *   share = f (f.(s M + B) q0 + f.M v0)/(f.(2 s M + B) f) */
-static void find_share(vs_glide *g, int mode, const double *q0, const double *v0) {
+static void find_share(free_motion *g, int mode, const double *q0, const double *v0) {
   const vs_model *m = g->model;
   const vs_mode *of = &m->mode[mode];
   const double complex s = of->re_1_s + of->im_rad_s * I;
@@ -199,7 +199,7 @@ static void find_share(vs_glide *g, int mode, const double *q0, const double *v0
 }
 
 /* Does the sum give the state back? */
-static bool gives_back(const vs_glide *g, const double *q0, const double *v0) {
+static bool gives_back(const free_motion *g, const double *q0, const double *v0) {
   const vs_model *m = g->model;
   for (int i = 0; i < m->dof; i++) {
     double complex q = -q0[i], v = -v0[i];
@@ -219,7 +219,7 @@ static bool gives_back(const vs_glide *g, const double *q0, const double *v0) {
 /* Finds the shares of the modes in the motion that begins at the knot, without flux and outside of
  * all stops. Returns false where there is no such sum that gives the knot's state back: two modes
  * are alike, B couples what K does not, or constant forces push where no spring holds. */
-static bool glide_make(const vs_model *m, const vs_knot *knot, vs_glide *g) {
+static bool make_free_swing(const vs_model *m, const vs_knot *knot, free_motion *g) {
   double q0[VS_MOST_DOF];
   const double *v0 = knot->x + m->dof;
   g->model = m;
@@ -231,9 +231,10 @@ static bool glide_make(const vs_model *m, const vs_knot *knot, vs_glide *g) {
 }
 
 /* Fills what holds of the motion from from_s to to_s. */
-static void glide_rest(const vs_glide *g, double from_s, double to_s, vs_rest *rest) {
+static void rest_of_free_swing(const free_motion *g, double from_s, double to_s,
+                               vs_swing_rest *rest) {
   const vs_model *m = g->model;
-  *rest = (vs_rest){.from_s = from_s, .to_s = to_s};
+  *rest = (vs_swing_rest){.from_s = from_s, .to_s = to_s};
   rest->travel.middle = vs_mechanics_travel(m, g->middle);
   for (int i = 0; i < m->dof; i++) rest->q[i].middle = g->middle[i];
   for (int k = 0; k < 2 * m->dof; k++) {
@@ -252,7 +253,7 @@ static void glide_rest(const vs_glide *g, double from_s, double to_s, vs_rest *r
 
 /* Returns true if the rest may be left out as far as the tier goes: the armature cannot come near a
  * stop or the poles, and the coil's law takes any gap. */
-static bool glide_is_clear(const vs_glide *g, const vs_rest *rest) {
+static bool free_swing_is_clear(const free_motion *g, const vs_swing_rest *rest) {
   const vs_model *m = g->model;
   const double least = rest->travel.middle - rest->travel.way,
                most = rest->travel.middle + rest->travel.way;
@@ -269,7 +270,7 @@ static double complex mean_growth(double complex x) {
 
 /* q' = sum of w exp(s t), w being s share exp(s from), and the integral of each product follows:
  *   int q'.B q' = h sum over k, l of w_k.B w_l (exp(x) - 1)/x,  x = (s_k + s_l) h */
-static double glide_lost(const vs_glide *g, double from_s, double to_s) {
+static double free_swing_loss(const free_motion *g, double from_s, double to_s) {
   const vs_model *m = g->model;
   const double h = to_s - from_s;
   double complex w[VS_MOST_STATES][VS_MOST_DOF];
@@ -297,10 +298,10 @@ static double glide_lost(const vs_glide *g, double from_s, double to_s) {
 typedef struct phases {
   const vs_setup *setup;
   const vs_observer *observer;
-  const vs_leaver *leaver; /* NULL: all steps are needed */
-  vs_frame frame;          /* its model is the one in effect, as events may change the load */
-  size_t loads;            /* how many of these changes are behind */
-  vs_knot knots[2];        /* the last accepted one is knots[now], the one to come the other */
+  const vs_early_end *early_end; /* NULL: all steps are needed */
+  vs_frame frame;                /* its model is the one in effect, as events may change the load */
+  size_t loads;                  /* how many of these changes are behind */
+  vs_knot knots[2]; /* the last accepted one is knots[now], the one to come the other */
   int now;
   vs_driven driven;          /* what drives the machine from the last knot on */
   bool valve;                /* a thyristor stands between mains and coil */
@@ -315,9 +316,9 @@ typedef struct phases {
   double rough;              /* by how much dense output may be off, relative to what is large */
   double negligible;         /* how much a series may leave out, relative to what is large */
   vs_propagator propagator;  /* for steps of longest_s */
-  vs_series series;          /* from the last knot on */
-  bool by_series;            /* the series is Taylor's; else general.c makes it */
-  vs_general general;
+  vs_taylor series;          /* from the last knot on */
+  bool by_series;            /* the series is Taylor's; else runge_kutta.c makes it */
+  vs_runge_kutta general;
 } phases;
 
 /* The polynomial of degree seven between two knots is off by (w h)^8/10321920 at most, w being the
@@ -392,7 +393,7 @@ static vs_status change_phase(phases *p, bool conducting, unsigned touched, vs_e
   }
   p->driven.conducting = conducting;
   p->driven.touched = touched;
-  vs_general_restart(&p->general);
+  vs_runge_kutta_restart(&p->general);
   if (event == VS_EV_JAMS) { /* the blow */
     p->driven.held = true;
     vs_mechanics_hold(m, y + m->dof);
@@ -419,7 +420,7 @@ static vs_taken step_to_next_knot(const phases *p) {
 
 static void make_series(phases *p, double span_s) {
   p->driven.since_s = p->since_s;
-  vs_series_make(&p->driven, &p->knots[p->now], span_s, &p->series);
+  vs_taylor_make(&p->driven, &p->knots[p->now], span_s, &p->series);
 }
 
 /* By which factor the books of energy ask lambda to be better than `rough` says. The voltage of
@@ -436,13 +437,13 @@ static double books_factor(const phases *p) {
 /* Returns how far the series may be used, s: its last term must be negligible there, and its term
  * of degree eight within what dense output may be off by. A neighbour of each counts too, as one
  * term alone may vanish. */
-static double reach_of_series(const phases *p, const vs_series *s) {
+static double reach_of_series(const phases *p, const vs_taylor *s) {
   enum { EIGHTH = 8, LAST = VS_SERIES_ORDER };
   _Static_assert(EIGHTH + 1 <= LAST, "the series has the terms that dense output is judged by");
   double rough = p->rough * books_factor(p);
   double dense =
-      fmax(vs_series_term(&p->driven, s, EIGHTH), vs_series_term(&p->driven, s, EIGHTH + 1));
-  double last = fmax(vs_series_term(&p->driven, s, LAST - 1), vs_series_term(&p->driven, s, LAST));
+      fmax(vs_taylor_term(&p->driven, s, EIGHTH), vs_taylor_term(&p->driven, s, EIGHTH + 1));
+  double last = fmax(vs_taylor_term(&p->driven, s, LAST - 1), vs_taylor_term(&p->driven, s, LAST));
   double r = fmin(pow(256 * rough / dense, 1.0 / EIGHTH), pow(p->negligible / last, 1.0 / LAST));
   return fmin(r, 1) * s->span_s;
 }
@@ -469,9 +470,9 @@ static double longest_by_series(const phases *p) {
 static double make_motion(phases *p, double left_s) {
   if (!p->by_series) {
     p->driven.since_s = p->since_s;
-    return vs_general_make(&p->general, &p->driven, &p->knots[p->now],
-                           fmin(longest_by_series(p), left_s), p->rough * books_factor(p),
-                           &p->series);
+    return vs_runge_kutta_make(&p->general, &p->driven, &p->knots[p->now],
+                               fmin(longest_by_series(p), left_s), p->rough * books_factor(p),
+                               &p->series);
   }
   make_series(p, longest_by_series(p));
   return reach_of_series(p, &p->series);
@@ -495,13 +496,13 @@ static double choose_length(phases *p, double left_s) {
  * the time to it. */
 static vs_crossing go_by_series(phases *p, double *length) {
   double y[VS_CONDUCTING];
-  vs_series_at(&p->series, *length, y);
+  vs_taylor_at(&p->series, *length, y);
   fill_next_knot(p, p->since_s + *length, y);
   const vs_taken step = step_to_next_knot(p);
   vs_crossing e = find_crossing(&step, length);
   if (e.kind == VS_GOES_ON)
     return (vs_crossing){conduction_is_over(p) ? VS_FLUX_ENDS : VS_GOES_ON, 0};
-  vs_series_at(&p->series, *length, y);
+  vs_taylor_at(&p->series, *length, y);
   fill_next_knot(p, p->since_s + *length, y);
   return e;
 }
@@ -539,17 +540,17 @@ enum { OFFERS = 16 };
 
 /* Does the observer leave the rest of the swing out? glide: the swing by its modes; NULL: there is
  * nothing to offer. */
-static bool rest_is_not_needed(const phases *p, const vs_glide *glide, double end_s) {
-  vs_rest rest;
+static bool rest_is_not_needed(const phases *p, const free_motion *glide, double end_s) {
+  vs_swing_rest rest;
   if (!glide) return false;
-  glide_rest(glide, p->knots[p->now].t_s, end_s, &rest);
-  return glide_is_clear(glide, &rest) && p->leaver->leaves(p->leaver->ctx, &rest);
+  rest_of_free_swing(glide, p->knots[p->now].t_s, end_s, &rest);
+  return free_swing_is_clear(glide, &rest) && p->early_end->leaves(p->early_end->ctx, &rest);
 }
 
-static vs_status show_glide(phases *p, const vs_glide *glide, vs_error *err) {
+static vs_status show_free_swing(phases *p, const free_motion *glide, vs_error *err) {
   vs_step step = next_ideal_step(p, VS_EV_NONE);
   step.glides = true;
-  step.lost_j = glide_lost(glide, step.from->t_s, step.to->t_s);
+  step.lost_j = free_swing_loss(glide, step.from->t_s, step.to->t_s);
   return show_ideal_step(p, &step, err);
 }
 
@@ -560,8 +561,8 @@ static vs_status swing_until(phases *p, double end_s, vs_error *err) {
   double began = p->since_s, n = floor((end_s - p->knots[p->now].t_s) / p->longest_s) - 1;
   double y[VS_CONDUCTING] = {[VS_FLUX] = 0}, steps;
   vs_status status = VS_OK;
-  vs_glide modes, *glide = p->leaver && end_s == p->setup->run.until_s ? &modes : NULL;
-  if (glide && (p->disturbed || !glide_make(model_of_run(p), &p->knots[p->now], glide)))
+  free_motion modes, *glide = p->early_end && end_s == p->setup->run.until_s ? &modes : NULL;
+  if (glide && (p->disturbed || !make_free_swing(model_of_run(p), &p->knots[p->now], glide)))
     glide = NULL;
   for (double k = 0; k < n && !status; k += steps) {
     const bool left = fmod(k, OFFERS) == 0 && n > k + 1 && rest_is_not_needed(p, glide, end_s);
@@ -572,7 +573,7 @@ static vs_status swing_until(phases *p, double end_s, vs_error *err) {
     const vs_taken step = step_to_next_knot(p);
     if (!left && crossing_meets(&step)) return drive_until(p, end_s, err);
     p->since_s = since;
-    status = left ? show_glide(p, glide, err) : show_next_knot(p, VS_EV_NONE, err);
+    status = left ? show_free_swing(p, glide, err) : show_next_knot(p, VS_EV_NONE, err);
   }
   return status;
 }
@@ -593,7 +594,7 @@ static void find_steps(phases *p) {
                     : m->actuator.resistance_ohm / m->coil.rest_h;
   p->longest_s = longest_ideal_step(p, pow(DENSE * 6 * p->rough, 1.0 / 8), m->fastest_rad_s);
   p->longest_driven_s = longest_ideal_step(p, 1, fmax(fmax(m->fastest_rad_s, mains), coil / 8));
-  /* general.c finds its own, and a stop of any kind has no one bound that is worth much */
+  /* runge_kutta.c finds its own, and a stop of any kind has no one bound that is worth much */
   p->longest_touching_s =
       p->by_series ? fmin(longest_ideal_step(p, 1, m->contact_rad_s), p->longest_driven_s)
                    : p->longest_driven_s;
@@ -646,7 +647,7 @@ vs_status vs_phases_run(const vs_setup *setup, const vs_run_order *order, const 
   double until = setup->run.until_s, tolerance = setup->run.tolerance;
   phases p = {.setup = setup,
               .observer = observer,
-              .leaver = order ? order->leaver : NULL,
+              .early_end = order ? order->early_end : NULL,
               .frame = *frame,
               .rough = fmin(ROUGH * tolerance, ROUGHEST)};
   p.negligible = 1e-3 * p.rough;
@@ -659,7 +660,7 @@ vs_status vs_phases_run(const vs_setup *setup, const vs_run_order *order, const 
   p.driven.touched = vs_stops_touched(&m->stops, vs_mechanics_travel(m, p.knots[0].x));
   vs_driven_find_large(&p.driven, p.valve);
   find_steps(&p);
-  vs_general_begin(&p.general, m->dof);
+  vs_runge_kutta_begin(&p.general, m->dof);
   vs_status status = vs_sim_refuse_endless(setup, p.longest_touching_s, err);
   while (!status && p.knots[p.now].t_s < until) {
     double t = p.knots[p.now].t_s, fires = next_firing(&p, t), end = fmin(fires, until);
@@ -673,6 +674,6 @@ vs_status vs_phases_run(const vs_setup *setup, const vs_run_order *order, const 
     else
       status = p.disturbed ? run_disturbed_until(&p, end, err) : run_until(&p, end, err);
   }
-  vs_general_end(&p.general);
+  vs_runge_kutta_end(&p.general);
   return status;
 }

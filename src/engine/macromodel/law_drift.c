@@ -50,7 +50,7 @@ void vs_law_drift_shares_of(const vs_record *r, const vs_oneport *port, vs_law_d
   size_t count = vs_record_signals(r);
   memset(all, 0, sizeof *all);
   for (size_t k = 0; k < r->n_seen; k++) {
-    const vs_seen *seen = r->seen[k];
+    const vs_observation *seen = r->seen[k];
     vs_oneport_state(&seen->knot, y);
     vs_coil_state c = vs_oneport_coil(port, seen->knot.t_s, y);
     vs_responses_at(vs_oneport_responses(port), seen->knot.t_s, &c, signal);

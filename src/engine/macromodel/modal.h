@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The machine's free modes as a basis of its states: any state is a sum of modes, and each mode
- * goes its own way. The test whether the circuit's solver may be left (quiet.h) splits errors into
- * modes, as an error in a mode that hardly decays stays to the end of the run. */
+ * goes its own way. The test whether the circuit's solver may be left (oneport_macromodel.h) splits
+ * errors into modes, as an error in a mode that hardly decays stays to the end of the run. */
 #ifndef VS_ENGINE_MODAL_H
 #define VS_ENGINE_MODAL_H
 

@@ -125,7 +125,7 @@ bool vs_oneport_advance(vs_oneport *o, double from_s, double to_s, double y[VS_O
 
 /* The knots from which the numbers are found, in order of time. */
 typedef struct sight {
-  const vs_seen *const *seen;
+  const vs_observation *const *seen;
   size_t count;
 } sight;
 
@@ -141,7 +141,7 @@ static void keep_shape(vs_oneport *o, const vs_fit *f) {
 
 /* A row of the law in its integral form, which needs no derivative of what the solver showed:
  * q + tau i + G int v + C v = a sine + mean t + constant (+ drift t^2/2), q being the charge. */
-static void law_row(const vs_oneport *o, const vs_seen *s, const vs_seen *first,
+static void law_row(const vs_oneport *o, const vs_observation *s, const vs_observation *first,
                     double row[LAW_ROOM]) {
   double angle = o->setup->timeline.omega_rad_s * s->knot.t_s, t = s->knot.t_s - first->knot.t_s;
   row[LAW_COSINE] = cos(angle);
@@ -155,7 +155,7 @@ static void law_row(const vs_oneport *o, const vs_seen *s, const vs_seen *first,
 }
 
 /* A row of the static law: i = a sine + mean (+ drift t). */
-static void static_row(const vs_oneport *o, const vs_seen *s, const vs_seen *first,
+static void static_row(const vs_oneport *o, const vs_observation *s, const vs_observation *first,
                        double row[LAW_ROOM]) {
   double angle = o->setup->timeline.omega_rad_s * s->knot.t_s;
   row[STATIC_COSINE] = cos(angle);
@@ -165,7 +165,7 @@ static void static_row(const vs_oneport *o, const vs_seen *s, const vs_seen *fir
 }
 
 /* A row of either law, and its right side: the charge, C, or the current, A. */
-static double row_of(const vs_oneport *o, const vs_seen *s, const vs_seen *first,
+static double row_of(const vs_oneport *o, const vs_observation *s, const vs_observation *first,
                      double row[LAW_ROOM]) {
   (o->dynamic ? law_row : static_row)(o, s, first, row);
   return o->dynamic ? s->charge_c - first->charge_c
@@ -217,7 +217,7 @@ static double through_coil(const vs_oneport *o) {
   return 1 / (hypot(o->g_s + r / coil2, w * o->c_f - x / coil2) * sqrt(coil2));
 }
 
-void vs_oneport_drifted(const vs_oneport *o, const vs_seen *const *seen, size_t count,
+void vs_oneport_drifted(const vs_oneport *o, const vs_observation *const *seen, size_t count,
                         double *sine_a, double *mean_a) {
   const size_t of_source = o->dynamic ? (size_t)LAW_CONSTANT + 1 : (size_t)STATIC_COLUMNS;
   vs_fit f = vs_fit_new(count, of_source);
@@ -287,7 +287,7 @@ static double longest_substep(const vs_oneport *o) {
   return h > 5e-4 * o->setup->timeline.period_s ? h : 0; /* 2000 a cycle */
 }
 
-bool vs_oneport_fit(vs_oneport *o, const vs_seen *const *seen, size_t count, bool dynamic) {
+bool vs_oneport_fit(vs_oneport *o, const vs_observation *const *seen, size_t count, bool dynamic) {
   const sight in = {seen, count};
   o->dynamic = dynamic;
   if (!fit_oneport_law(o, &in)) return false;
@@ -296,7 +296,7 @@ bool vs_oneport_fit(vs_oneport *o, const vs_seen *const *seen, size_t count, boo
   return o->substep_s > 0;
 }
 
-bool vs_oneport_fit_signals(vs_oneport *o, const vs_seen *const *seen, size_t count) {
+bool vs_oneport_fit_signals(vs_oneport *o, const vs_observation *const *seen, size_t count) {
   vs_coil_state coil[VS_MOST_SEEN];
   double y[VS_ONEPORT_STATES];
   for (size_t k = 0; k < count; k++) {

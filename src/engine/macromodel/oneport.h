@@ -36,11 +36,11 @@ void vs_oneport_free(vs_oneport *o); /* NULL is fine */
 /* Fits the dynamic or the static law to `count` knots in order of time. Returns false where there
  * is no fit, where the source drifts, or where the law is unstable or so stiff that it would take
  * more than 2000 steps a cycle. All functions below that take a vs_oneport need a law. */
-bool vs_oneport_fit(vs_oneport *o, const vs_seen *const *seen, size_t count, bool dynamic);
+bool vs_oneport_fit(vs_oneport *o, const vs_observation *const *seen, size_t count, bool dynamic);
 
 /* Then fits every signal to these knots, which may be others than the law's. Returns false where
  * GSL finds no fit. */
-bool vs_oneport_fit_signals(vs_oneport *o, const vs_seen *const *seen, size_t count);
+bool vs_oneport_fit_signals(vs_oneport *o, const vs_observation *const *seen, size_t count);
 
 /* Copies the law's state out of a knot. */
 void vs_oneport_state(const vs_knot *knot, double y[VS_ONEPORT_STATES]);
@@ -59,7 +59,7 @@ const vs_responses *vs_oneport_responses(const vs_oneport *o);
  * to. With that source the current, A, of a coil at rest would be another: *sine_a is the amplitude
  * of the sine by which it would change, *mean_a the size of the mean. Both are INFINITY where GSL
  * finds no fit. The law stays as it is. */
-void vs_oneport_drifted(const vs_oneport *o, const vs_seen *const *seen, size_t count,
+void vs_oneport_drifted(const vs_oneport *o, const vs_observation *const *seen, size_t count,
                         double *sine_a, double *mean_a);
 
 /* Error amplification where the law is used beyond the knots it was fitted to: a fit error of e at

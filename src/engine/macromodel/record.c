@@ -17,7 +17,8 @@ _Static_assert(VS_MOST_SEEN >= 2 * PER_CYCLE, "a view has room for the two cycle
 static const double LATE = 0.02;
 
 /* A signal may be wrong by three times run.tolerance, relative to its peak. The deck's signals run
- * straight from knot to knot, which alone takes one of the three (quiet.c, longest()). */
+ * straight from knot to knot, which alone takes one of the three (oneport_macromodel.c, longest()).
+ */
 static const double SIGNAL_SHARE = 3;
 
 /* In any case a signal may be wrong by run.tolerance of 1 V or 0.1 A: that is the size below which
@@ -54,7 +55,7 @@ double vs_record_allowed(const vs_record *r, size_t n) {
   return r->setup->run.tolerance * fmax(SIGNAL_SHARE * r->peak_signal[n], least);
 }
 
-static vs_seen *kept_at(const vs_record *r, size_t k) {
+static vs_observation *kept_at(const vs_record *r, size_t k) {
   return &r->kept[(r->first + k) % MOST_KEPT];
 }
 
@@ -107,8 +108,8 @@ static void keep_last(vs_record *r, const double *memory) {
     r->first = (r->first + 1) % MOST_KEPT;
     r->count--;
   }
-  vs_seen *seen = kept_at(r, r->count++);
-  double *own = r->memory + (size_t)(seen - r->kept) * VS_MEMORIES;
+  vs_observation *seen = kept_at(r, r->count++);
+  double *own = r->memory + (size_t)(seen - r->kept) * VS_CIRCUIT_STATES_MOST;
   memcpy(own, memory, r->memories->count * sizeof *memory);
   *seen = r->last;
   seen->memory = own;
@@ -144,11 +145,12 @@ bool vs_record_view(vs_record *r, int some, int ago) {
 }
 
 void vs_record_begin(vs_record *r, const vs_setup *setup, const vs_frame *frame,
-                     const vs_memories *memories) {
+                     const vs_circuit_states *memories) {
   *r = (vs_record){.setup = setup, .frame = frame, .memories = memories};
   r->kept = vs_alloc(MOST_KEPT, sizeof *r->kept);
-  r->memory = vs_alloc(MOST_KEPT * VS_MEMORIES, sizeof *r->memory);
-  for (size_t n = 0; n < VS_MEMORIES; n++) r->least[n] = INFINITY, r->most[n] = -INFINITY;
+  r->memory = vs_alloc(MOST_KEPT * VS_CIRCUIT_STATES_MOST, sizeof *r->memory);
+  for (size_t n = 0; n < VS_CIRCUIT_STATES_MOST; n++)
+    r->least[n] = INFINITY, r->most[n] = -INFINITY;
 }
 
 void vs_record_end(vs_record *r) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What the circuit's solver showed of late: a ring of its knots over the last four cycles of the
  * mains, which begins anew whenever the thyristor conducts, and the peaks of the whole run so far.
- * The test whether the solver may be left (quiet.h) reads one stretch of the ring at a time, the
- * view.
+ * The test whether the solver may be left (oneport_macromodel.h) reads one stretch of the ring at a
+ * time, the view.
  *
  * Signals are numbered as in oneport.h: the deck's terms (V or A), the mains current (A), then what
  * else the circuit remembers (V or A). */
@@ -19,27 +19,28 @@ enum { VS_CYCLES_KEPT = 4 };
 typedef struct vs_record {
   const vs_setup *setup;
   const vs_frame *frame;
-  const vs_memories *memories;
-  vs_seen *kept;       /* the ring; owned */
-  double *memory;      /* VS_MEMORIES values for each of its knots; owned */
-  size_t first, count; /* where the ring's oldest knot stands, and how many there are */
-  vs_seen last;        /* the last knot taken, also where the ring does not keep it */
-  bool any;            /* false: there is no last knot yet */
-  bool blind;          /* the solver did not show all that the circuit remembers */
+  const vs_circuit_states *memories;
+  vs_observation *kept; /* the ring; owned */
+  double *memory;       /* VS_CIRCUIT_STATES_MOST values for each of its knots; owned */
+  size_t first, count;  /* where the ring's oldest knot stands, and how many there are */
+  vs_observation last;  /* the last knot taken, also where the ring does not keep it */
+  bool any;             /* false: there is no last knot yet */
+  bool blind;           /* the solver did not show all that the circuit remembers */
 
-  const vs_seen *seen[VS_MOST_SEEN]; /* the view, in order of time; it points into the ring */
+  const vs_observation
+      *seen[VS_MOST_SEEN]; /* the view, in order of time; it points into the ring */
   size_t n_seen;
 
   /* Largest sizes so far: of q, m and rad; of the force; of the coil's current; of each signal, V
    * or A, where for what the circuit remembers it is half of the range it went over. */
   double peak_x[VS_MOST_DOF], peak_force_n, peak_a;
   double peak_signal[VS_SIGNALS];
-  double least[VS_MEMORIES], most[VS_MEMORIES]; /* that range, V or A */
+  double least[VS_CIRCUIT_STATES_MOST], most[VS_CIRCUIT_STATES_MOST]; /* that range, V or A */
 } vs_record;
 
 /* Begins without a knot. Setup, frame and memories must outlive the record. */
 void vs_record_begin(vs_record *r, const vs_setup *setup, const vs_frame *frame,
-                     const vs_memories *memories);
+                     const vs_circuit_states *memories);
 void vs_record_end(vs_record *r); /* fine for one that is all zero */
 
 /* Takes in the next knot, and what the circuit remembers there. `keep` is false for a knot that no

@@ -12,7 +12,7 @@ void vs_responses_begin(vs_responses *s, double omega_rad_s, size_t count) {
   *s = (vs_responses){.omega_rad_s = omega_rad_s, .count = count};
 }
 
-double vs_responses_seen(const vs_frame *frame, const vs_seen *seen, size_t n) {
+double vs_responses_seen(const vs_frame *frame, const vs_observation *seen, size_t n) {
   size_t terms = frame->deck->n_terms;
   if (n < terms) return seen->knot.terms[n];
   return n == terms ? seen->knot.i_mains_a : seen->memory[n - terms - 1];
@@ -93,7 +93,7 @@ typedef struct kind_of_fit {
 /* What the signals are fitted to. */
 typedef struct sight {
   const vs_frame *frame;
-  const vs_seen *const *seen;
+  const vs_observation *const *seen;
   const vs_coil_state *coil;
   size_t knots;
   kind_of_fit kind[FITS];
@@ -149,7 +149,7 @@ static bool fit_signal(vs_responses *s, sight *in, size_t n) {
   return true;
 }
 
-bool vs_responses_fit(vs_responses *s, const vs_frame *frame, const vs_seen *const *seen,
+bool vs_responses_fit(vs_responses *s, const vs_frame *frame, const vs_observation *const *seen,
                       const vs_coil_state *coil, size_t knots) {
   sight in = {.frame = frame, .seen = seen, .coil = coil, .knots = knots};
   bool good = true;

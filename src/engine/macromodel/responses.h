@@ -5,15 +5,15 @@
  * integral.
  *
  * Signals are numbered: the deck's terms (V or A), then the mains current (A), then what else the
- * circuit remembers (V or A, memory.h). */
+ * circuit remembers (V or A, circuit_states.h). */
 #ifndef VS_ENGINE_RESPONSES_H
 #define VS_ENGINE_RESPONSES_H
 
 #include "engine/step.h"
-#include "macromodel/memory.h"
+#include "macromodel/circuit_states.h"
 
 /* Room for all signals. */
-enum { VS_SIGNALS = VS_DECK_MOST + 1 + VS_MEMORIES };
+enum { VS_SIGNALS = VS_DECK_MOST + 1 + VS_CIRCUIT_STATES_MOST };
 
 /* The mains' harmonics that a signal is made of: the first three. */
 enum { VS_HARMONICS = 3 };
@@ -36,11 +36,11 @@ enum { VS_LEAST_SEEN = 80, VS_MOST_SEEN = 640 };
 
 /* A knot that the solver showed. The integrals of i and v up to it, C and Wb, may begin anywhere.
  * `memory` points to what the circuit remembered there, V or A; the record (record.h) owns it. */
-typedef struct vs_seen {
+typedef struct vs_observation {
   vs_knot knot;
   double charge_c, flux_in_wb;
   const double *memory;
-} vs_seen;
+} vs_observation;
 
 /* The coil at one instant: current, flux linkage and the EVA's voltage, each with its rate. The
  * static law (oneport.h) does not know v_rate_v_s and leaves it 0. */
@@ -60,8 +60,8 @@ void vs_responses_begin(vs_responses *signals, double omega_rad_s, size_t count)
 
 /* Fits every signal to `knots` knots in order of time, coil[k] being the coil at the k-th. Returns
  * false where GSL finds no fit. */
-bool vs_responses_fit(vs_responses *signals, const vs_frame *frame, const vs_seen *const *seen,
-                      const vs_coil_state *coil, size_t knots);
+bool vs_responses_fit(vs_responses *signals, const vs_frame *frame,
+                      const vs_observation *const *seen, const vs_coil_state *coil, size_t knots);
 
 /* Gives all signals at t_s for that coil, V or A. */
 void vs_responses_at(const vs_responses *signals, double t_s, const vs_coil_state *coil,
@@ -74,6 +74,6 @@ bool vs_responses_hangs(const vs_responses *signals, size_t n);
 double vs_responses_drift(const vs_responses *signals, size_t n);
 
 /* Signal n as the solver showed it at a knot, V or A. */
-double vs_responses_seen(const vs_frame *frame, const vs_seen *seen, size_t n);
+double vs_responses_seen(const vs_frame *frame, const vs_observation *seen, size_t n);
 
 #endif

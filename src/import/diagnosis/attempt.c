@@ -97,7 +97,7 @@ static void attempt(const vs_attempt_plan *plan, vs_attempt *trial) {
   vs_result *result = vs_alloc(1, sizeof *result);
   vs_error err = {0};
   *o = (onlooker){.plan = plan, .trial = trial, .channels = vs_channel_count(&scene->frame)};
-  const vs_guest guest = {.ctx = o, .accept = see};
+  const vs_session_listener guest = {.ctx = o, .accept = see};
   const vs_session session = {.guest = &guest, .bare = true};
   scene->setup.run.gear = plan->gear;
   scene->setup.run.until_s = plan->until_s;

@@ -5,18 +5,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/sets.h"
+#include "base/disjoint_sets.h"
 
 /* Each node in a set of its own. */
-static vs_sets sets_of(const vs_wiring *w) {
-  vs_sets sets = {0};
-  for (size_t k = 0; k < w->n_nodes; k++) vs_sets_add(&sets);
+static vs_disjoint_sets sets_of(const vs_wiring *w) {
+  vs_disjoint_sets sets = {0};
+  for (size_t k = 0; k < w->n_nodes; k++) vs_disjoint_sets_add(&sets);
   return sets;
 }
 
 /* Joins the sets of two pins; false: they were one already. */
-static bool join(vs_sets *sets, int a, int b) {
-  return vs_sets_join(sets, (size_t)a, (size_t)b);
+static bool join(vs_disjoint_sets *sets, int a, int b) {
+  return vs_disjoint_sets_join(sets, (size_t)a, (size_t)b);
 }
 
 /* ---- a way to ground ---- */
@@ -36,10 +36,10 @@ static bool holds(const vs_wire *wire) {
   return false;
 }
 
-static const vs_wire *first_at(const vs_wiring *w, vs_sets *sets, size_t root) {
+static const vs_wire *first_at(const vs_wiring *w, vs_disjoint_sets *sets, size_t root) {
   for (size_t k = 0; k < w->count; k++)
     for (int p = 0; p < w->wires[k].n_pins; p++)
-      if (vs_sets_find(sets, (size_t)w->wires[k].pins[p]) == root) return &w->wires[k];
+      if (vs_disjoint_sets_find(sets, (size_t)w->wires[k].pins[p]) == root) return &w->wires[k];
   return NULL;
 }
 
@@ -50,10 +50,10 @@ static const vs_wire *first_looking(const vs_wiring *w, int node) {
 }
 
 /* Adds the names of the nodes of a set, the first four. */
-static void name_nodes(const vs_wiring *w, vs_sets *sets, size_t root, vs_text *names) {
+static void name_nodes(const vs_wiring *w, vs_disjoint_sets *sets, size_t root, vs_text *names) {
   int count = 0;
   for (size_t k = 1; k < w->n_nodes; k++)
-    if (vs_sets_find(sets, k) == root && count++ < 4)
+    if (vs_disjoint_sets_find(sets, k) == root && count++ < 4)
       vs_text_add(names, "%s%s", count > 1 ? ", " : "", w->nodes[k]);
   if (count > 4) vs_text_add(names, " and %d more", count - 4);
 }
@@ -64,7 +64,7 @@ static bool is_in_eva(const vs_wiring *w, size_t node) {
   return n > 0 && !strncmp(w->nodes[node], w->deck->eva, n) && w->nodes[node][n] == '.';
 }
 
-static void tell_group(const vs_wiring *w, vs_sets *sets, size_t root, vs_notes *notes) {
+static void tell_group(const vs_wiring *w, vs_disjoint_sets *sets, size_t root, vs_notes *notes) {
   const vs_wire *at = first_at(w, sets, root), *looking = first_looking(w, (int)root);
   vs_text names = {0};
   name_nodes(w, sets, root, &names);
@@ -82,13 +82,13 @@ static void tell_group(const vs_wiring *w, vs_sets *sets, size_t root, vs_notes 
 }
 
 static void find_groups(const vs_wiring *w, vs_notes *notes) {
-  vs_sets sets = sets_of(w);
+  vs_disjoint_sets sets = sets_of(w);
   for (size_t k = 0; k < w->count; k++)
     for (int p = 1; p < w->wires[k].n_pins && holds(&w->wires[k]); p++)
       join(&sets, w->wires[k].pins[0], w->wires[k].pins[p]);
   for (size_t k = 1; k < w->n_nodes; k++)
-    if (vs_sets_find(&sets, k) == k && !is_in_eva(w, k)) tell_group(w, &sets, k, notes);
-  vs_sets_free(&sets);
+    if (vs_disjoint_sets_find(&sets, k) == k && !is_in_eva(w, k)) tell_group(w, &sets, k, notes);
+  vs_disjoint_sets_free(&sets);
 }
 
 /* ---- open ends ---- */
@@ -130,7 +130,7 @@ static void find_open_ends(const vs_wiring *w, vs_notes *notes) {
 
 /* Sources of voltage alone that form a loop: their currents have no solution, or any. */
 static void find_loops(const vs_wiring *w, vs_notes *notes) {
-  vs_sets sets = sets_of(w);
+  vs_disjoint_sets sets = sets_of(w);
   for (size_t k = 0; k < w->count; k++) {
     const vs_wire *wire = &w->wires[k];
     if (!wire->voltage || wire->n_pins < 2 || join(&sets, wire->pins[0], wire->pins[1])) continue;
@@ -141,7 +141,7 @@ static void find_loops(const vs_wiring *w, vs_notes *notes) {
         "1 mohm",
         wire->name, w->nodes[wire->pins[0]], w->nodes[wire->pins[1]]);
   }
-  vs_sets_free(&sets);
+  vs_disjoint_sets_free(&sets);
 }
 
 void vs_floating_find(const vs_wiring *w, vs_notes *notes) {

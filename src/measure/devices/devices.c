@@ -35,7 +35,7 @@ typedef struct opening {
 } opening;
 
 struct vs_device_watch {
-  vs_formula_quick voltage, current, flux; /* flux: of a device that has one */
+  vs_formula_prepared voltage, current, flux; /* flux: of a device that has one */
   shots shots;
   vs_melting melting; /* of a fuse */
   opening *opening;   /* of a device that conducts or blocks, on an orbit; NULL: of any other. Owned
@@ -99,11 +99,11 @@ static void begin_device(vs_watched *w, vs_device_watch *own, const vs_frame *fr
                     .from_work = frame->from_work,
                     .ambient_degc = frame->cooling ? frame->cooling->ambient_degc : 25,
                     .on_orbit = frame->on_orbit,
-                    .again = frame->at_work || vs_occurrence_repeated(&frame->timeline->events),
+                    .again = frame->at_work || vs_scene_event_repeated(&frame->timeline->events),
                     .count = d->kind->n_measures};
-  own->voltage = vs_formula_quicken(&d->voltage);
-  own->current = vs_formula_quicken(&d->current);
-  if (d->has_flux) own->flux = vs_formula_quicken(&d->flux);
+  own->voltage = vs_formula_prepare(&d->voltage);
+  own->current = vs_formula_prepare(&d->current);
+  if (d->has_flux) own->flux = vs_formula_prepare(&d->flux);
   if (d->kind->switches) {
     w->states = vs_alloc(1, sizeof *w->states);
     static const vs_gates NONE = {0};
@@ -570,7 +570,7 @@ void vs_devices_finish(vs_devices *d) {
       round_off_reduced(&d->item[k], &d->item[k].reduced[n], &z);
 }
 
-bool vs_devices_unclear(const vs_devices *d, size_t which, char *text, size_t size) {
+bool vs_devices_fails_to_clear(const vs_devices *d, size_t which, char *text, size_t size) {
   const vs_watched *w = &d->item[which];
   const vs_melting *m = &d->watch[which].melting;
   const bool direct = w->timeline->supply.direct, goes_on = m->melted && (!m->cleared || m->again);

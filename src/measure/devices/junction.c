@@ -177,7 +177,7 @@ static void follow_junction(const vs_watched *w, vs_reduced *r, const vs_course_
 /* What b at the end of a run becomes until the run that comes n-th begins, T behind the one before
  * it, with that of all runs before it: b e^(-(T-D)/tau) (1 - q^(n-1))/(1 - q), q = e^(-T/tau); D is
  * how long the run is. */
-static double of_times(const vs_occurrence *e, double length_s, double tau_s) {
+static double of_times(const vs_scene_event *e, double length_s, double tau_s) {
   double q_to_n = (e->v.times - 1) * e->v.every_s / tau_s;
   return exp(-(e->v.every_s - length_s) / tau_s) * expm1(-q_to_n) / expm1(-e->v.every_s / tau_s);
 }
@@ -185,7 +185,7 @@ static double of_times(const vs_occurrence *e, double length_s, double tau_s) {
 /* From what the run begins with it is gone through once more. */
 static void repeat_rise(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
   network *n = r->state;
-  const vs_occurrence *e = vs_occurrence_repeated(&w->timeline->events);
+  const vs_scene_event *e = vs_scene_event_repeated(&w->timeline->events);
   const double length_s = end->now_s - n->begun_s;
   for (size_t k = 0; k < n->count; k++)
     n->rise_k[k] *=
@@ -277,7 +277,7 @@ static const char NO_SINK[] = "not judged: no heat sink is stated, nor r_th_ja",
  * mean of the run is judged, that; else that of the orbit on which the run begins. Returns why none
  * is known, as "not judged: one shot"; NULL: one is. */
 static const char *long_run_w(const vs_watched *w, const vs_run_end *end, double *power_w) {
-  const vs_occurrence *e = vs_occurrence_repeated(&w->timeline->events);
+  const vs_scene_event *e = vs_scene_event_repeated(&w->timeline->events);
   *power_w = e ? w->sum[VS_OF_POWER] / e->v.every_s : NAN;
   if (!w->at_work && e) return NULL;
   const char *unjudged = vs_means_of(w, VS_OF_POWER, end, power_w);
@@ -327,7 +327,7 @@ static double cold_rise_lacks_k(const vs_watched *w, const vs_reduced *rise,
                                 const vs_run_end *end) {
   double power_w;
   const bool from_cold =
-      !w->at_work && !w->from_work && !vs_occurrence_repeated(&w->timeline->events);
+      !w->at_work && !w->from_work && !vs_scene_event_repeated(&w->timeline->events);
   if (!from_cold || long_run_w(w, end, &power_w)) return 0;
   return rise_lacks_k(rise, end->now_s, power_w);
 }

@@ -46,7 +46,7 @@ static bool is_one_shot(const vs_watched *w) {
 static double last_event_s(const vs_timeline *t, double to_s) {
   double last_s = -INFINITY;
   for (size_t k = 0; k < t->events.count; k++) {
-    const vs_occurrence *e = &t->events.item[k];
+    const vs_scene_event *e = &t->events.item[k];
     const double at_s[] = {e->on_line_s > 0 ? e->on_line_s : -INFINITY, e->start_s, e->end_s};
     for (size_t n = 0; n < sizeof at_s / sizeof *at_s; n++)
       if (at_s[n] < to_s) last_s = fmax(last_s, at_s[n]);

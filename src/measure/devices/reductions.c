@@ -163,7 +163,7 @@ static const vs_reducer pulse = {.state_size = sizeof(double),
  * event repeats the run. */
 
 static void finish_repeated(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
-  const vs_occurrence *e = vs_occurrence_repeated(&w->timeline->events);
+  const vs_scene_event *e = vs_scene_event_repeated(&w->timeline->events);
   r->idle = !e;
   if (!e) return;
   r->value = (vs_value){true, w->sum[r->measure->of] / e->v.every_s, NAN};

@@ -11,12 +11,16 @@
 extern const vs_reducer *const vs_reductions_all[VS_REDUCTIONS];
 
 /* Those that stand in files of their own. */
-extern const vs_reducer vs_told_rise, vs_told_rise_error, vs_told_off_rate, vs_told_on_rate,
-    vs_told_return_rise, vs_told_fall, vs_told_offered, vs_told_misfire, vs_told_unintended,
-    vs_told_commutation_failure;
-extern const vs_reducer vs_told_gate_least;
-extern const vs_reducer vs_told_conduction, vs_told_switching, vs_told_recovery, vs_told_blocking,
-    vs_told_e_on, vs_told_e_off, vs_told_e_recovery, vs_told_turned_off;
+extern const vs_reducer vs_switching_reductions_rise, vs_switching_reductions_rise_error,
+    vs_switching_reductions_off_rate, vs_switching_reductions_on_rate,
+    vs_switching_reductions_return_rise, vs_switching_reductions_fall,
+    vs_switching_reductions_offered, vs_switching_reductions_misfire,
+    vs_switching_reductions_unintended, vs_switching_reductions_commutation_failure;
+extern const vs_reducer vs_switching_reductions_gate_least;
+extern const vs_reducer vs_switching_reductions_conduction, vs_switching_reductions_switching,
+    vs_switching_reductions_recovery, vs_switching_reductions_blocking,
+    vs_switching_reductions_e_on, vs_switching_reductions_e_off, vs_switching_reductions_e_recovery,
+    vs_switching_reductions_turned_off;
 extern const vs_reducer vs_fuse_reduction_opens, vs_fuse_reduction_arcs, vs_fuse_reduction_curve,
     vs_fuse_reduction_open, vs_fuse_reduction_arc, vs_fuse_reduction_clears;
 extern const vs_reducer vs_pulse_heat;

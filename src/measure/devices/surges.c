@@ -179,7 +179,7 @@ static bool judge_pulse(const vs_watched *w, vs_reduced *r, const pulse_of *p, d
 
 static void finish_derated(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
   pulses *all = r->state;
-  const vs_occurrence *e = vs_occurrence_repeated(&w->timeline->events);
+  const vs_scene_event *e = vs_scene_event_repeated(&w->timeline->events);
   const pulse_of *beyond = NULL;
   (void)end;
   if (!has_table(w, r)) return;

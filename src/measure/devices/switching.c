@@ -36,7 +36,7 @@ void vs_switching_gate_follow(vs_gate_watch *g, const vs_course_step *c) {
   double at_s = vs_gate_of_step(c->t0_s, c->t1_s);
   /* an edge that is not told from this instant counts as one to come, so that the next step asks
    * again */
-  double before_s = at_s - 3 * vs_occurrence_rounding(at_s);
+  double before_s = at_s - 3 * vs_scene_event_rounding(at_s);
   g->on = false;
   /* an event may add a pulse; a pulse that a control has not decided yet is not known */
   g->edge_s = fmin(vs_events_edge(&g->timeline->events, before_s), vs_firing_known_s(g->timeline));
@@ -70,14 +70,14 @@ static void begin_rise(vs_rise *r, double t_s, double v) {
   r->foot = (vs_instant){t_s, 0};
   r->foot_v = r->top_v = v;
   r->s_per_v = INFINITY;
-  r->best = (vs_ascent){.took_s = INFINITY};
+  r->best = (vs_rise_stretch){.took_s = INFINITY};
   r->told_s = INFINITY;
 }
 
 /* Notes that it rose by over_v from one instant to another. */
 static void take_stretch_of_rise(vs_rise *r, vs_instant from, vs_instant to) {
   if (to.t_s - from.t_s < r->best.took_s)
-    r->best = (vs_ascent){from.t_s, to.t_s - from.t_s, r->over_v, from.bent_s + to.bent_s};
+    r->best = (vs_rise_stretch){from.t_s, to.t_s - from.t_s, r->over_v, from.bent_s + to.bent_s};
 }
 
 /* Notes when the voltage went through a level. The stretch that ends there begins as it last went
@@ -230,11 +230,11 @@ static bool follow_rise(vs_rise *r, const vs_course_step *c, bool gated) {
 
 /* The steepest stretch of four fifths of what the present rise did, where that is less than over_v.
  * took_s is INFINITY where it rose by less than 10 V. */
-static vs_ascent four_fifths(const vs_rise *r) {
+static vs_rise_stretch four_fifths(const vs_rise *r) {
   double height_v = r->top_v - r->foot_v, each_v = r->over_v / VS_RISE_PARTS;
   double high = fmin(floor(0.8 * height_v / each_v), VS_RISE_PARTS),
          last = floor(r->top_v / each_v);
-  vs_ascent best = {.took_s = INFINITY};
+  vs_rise_stretch best = {.took_s = INFINITY};
   if (height_v < FORWARD_V || high < 1) return best;
   for (double level = ceil(r->foot_v / each_v); level + high <= last; level++) {
     const vs_passed *from = &r->passed[(size_t)level % VS_RISE_LEVELS];
@@ -242,7 +242,8 @@ static vs_ascent four_fifths(const vs_rise *r) {
     bool kept = from->number == level + 1 && to->number == level + high + 1;
     double took_s = to->at.t_s - from->at.t_s;
     if (kept && took_s > 0 && took_s < best.took_s)
-      best = (vs_ascent){from->at.t_s, took_s, high * each_v, from->at.bent_s + to->at.bent_s};
+      best =
+          (vs_rise_stretch){from->at.t_s, took_s, high * each_v, from->at.bent_s + to->at.bent_s};
   }
   return best;
 }
@@ -252,14 +253,14 @@ static bool is_rise_low(const vs_rise *r) {
   return 0.8 * (r->top_v - r->foot_v) < r->over_v;
 }
 
-static double rate_of(const vs_ascent *a) {
+static double rate_of(const vs_rise_stretch *a) {
   return a->over_v / a->took_s;
 }
 
-static void tell_ascent(const vs_ascent *a, vs_rose *told) {
+static void tell_ascent(const vs_rise_stretch *a, vs_rise_rate *told) {
   if (!isfinite(a->took_s)) return;
   const double error = rate_of(a) * a->bent_s / a->took_s;
-  *told = (vs_rose){{true, rate_of(a), a->from_s}, a->over_v, error};
+  *told = (vs_rise_rate){{true, rate_of(a), a->from_s}, a->over_v, error};
 }
 
 /* ---- conduction ---- */
@@ -525,13 +526,13 @@ static void tell_rise(vs_rise *r, vs_switch_news *news) {
 
 /* The first rise of 10 V or more behind a conduction has ended: it is (dv/dt)c, too. */
 static void tell_return(vs_switch *s, vs_switch_news *news) {
-  vs_ascent ascent = is_rise_low(&s->rise) ? four_fifths(&s->rise) : s->rise.best;
+  vs_rise_stretch ascent = is_rise_low(&s->rise) ? four_fifths(&s->rise) : s->rise.best;
   tell_ascent(&ascent, &news->return_rise);
   s->commutates = s->commutates && !news->return_rise.rate.known;
 }
 
 /* What the present rise may fire the device by: its steepest stretch. */
-static vs_ascent drive_of(const vs_rise *r) {
+static vs_rise_stretch drive_of(const vs_rise *r) {
   return isfinite(r->best.took_s) ? r->best : four_fifths(r);
 }
 
@@ -539,7 +540,7 @@ static vs_ascent drive_of(const vs_rise *r) {
  * may fire the device some time later. One that is less steep is kept in its place once the charge
  * of the one before has decayed. */
 static void keep_rise(vs_switch *s, double now_s) {
-  vs_ascent ascent = drive_of(&s->rise);
+  vs_rise_stretch ascent = drive_of(&s->rise);
   bool decayed = now_s - s->stored_at_s > stores_s(s);
   if (!isfinite(ascent.took_s) || !(decayed || rate_of(&ascent) > rate_of(&s->stored))) return;
   s->stored = ascent;
@@ -557,7 +558,7 @@ static void tell_blocked(vs_switch *s, double now_s, bool ended, vs_switch_news 
 /* The device has fired. The rise that it fired by may have ended before. */
 static void tell_fired(vs_switch *s, bool commutated, vs_switch_news *news) {
   climb(&s->rise, NAN);
-  vs_ascent by = drive_of(&s->rise);
+  vs_rise_stretch by = drive_of(&s->rise);
   bool stored = s->fired_s - s->stored_at_s <= stores_s(s);
   if (stored && rate_of(&s->stored) > rate_of(&by)) by = s->stored;
   news->fired_v = s->fired_v;

@@ -90,7 +90,7 @@ static const char *beyond(const char *s, size_t n) {
   size_t length;
   if (!memchr(s, 'e', n) && !memchr(s, 'E', n)) return NULL;
   const double number = strtod(s, &end), value = number * vs_numbers_factor(end, &length);
-  const char *of_number = vs_text_beyond(s);
+  const char *of_number = vs_text_out_of_range(s);
   if (!isfinite(value))
     return "is too large: ngspice takes it for infinity; a number below 1e308 is wanted";
   if (of_number || (number != 0 && fabs(value) < DBL_MIN))

@@ -10,7 +10,7 @@
 #include <strings.h>
 
 #include "base/alloc.h"
-#include "base/sets.h"
+#include "base/disjoint_sets.h"
 #include "base/text.h"
 #include "netlist/numbers.h"
 #include "netlist/words.h"
@@ -139,12 +139,13 @@ static void find_couplings(couplings *all, const vs_line *lines, size_t count) {
 }
 
 static void find_sets(couplings *all) {
-  vs_sets sets = {0};
-  for (size_t k = 0; k < all->inductors; k++) vs_sets_add(&sets);
+  vs_disjoint_sets sets = {0};
+  for (size_t k = 0; k < all->inductors; k++) vs_disjoint_sets_add(&sets);
   for (size_t k = 0; k < all->count; k++)
-    vs_sets_join(&sets, all->list[k].end[0], all->list[k].end[1]);
-  for (size_t k = 0; k < all->inductors; k++) all->inductor[k].set = vs_sets_find(&sets, k);
-  vs_sets_free(&sets);
+    vs_disjoint_sets_join(&sets, all->list[k].end[0], all->list[k].end[1]);
+  for (size_t k = 0; k < all->inductors; k++)
+    all->inductor[k].set = vs_disjoint_sets_find(&sets, k);
+  vs_disjoint_sets_free(&sets);
 }
 
 /* Windings without leakage, K of 1 between all, have a matrix whose least eigenvalue is 0. What
@@ -223,7 +224,7 @@ vs_status vs_couplings_check(const vs_line *lines, size_t count, vs_error *err) 
   for (size_t k = 0, end; k < all.count && !status; k = end) {
     const size_t set = all.inductor[sorted[k]->end[0]].set;
     for (end = k; end < all.count && all.inductor[sorted[end]->end[0]].set == set;) end++;
-    status = vs_error_carry_on(err, check_set(&all, set, sorted + k, end - k, err));
+    status = vs_error_keep(err, check_set(&all, set, sorted + k, end - k, err));
   }
   free(sorted);
   free(all.list);

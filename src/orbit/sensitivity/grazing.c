@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-#include "forcing.h"
+#include "parameter_rates.h"
 
 /* It turns at the zero of the travel's rate, which is found by bisection. */
 double vs_grazing_depth(const vs_step *step, const vs_stop *stop) {
@@ -29,7 +29,8 @@ void vs_grazing_accept(vs_grazing *g, const vs_variation *v, const vs_step *step
   for (int n = 0; n < m->stops.count && step->to->t_s > step->from->t_s; n++) {
     double depth = vs_grazing_depth(step, &m->stops.item[n]);
     if (isnan(depth)) continue;
-    double way = vs_mechanics_travel(m, v->s) + vs_forcing_surface(v->parameter, n, step->to->x);
+    double way =
+        vs_mechanics_travel(m, v->s) + vs_parameter_rates_surface(v->parameter, n, step->to->x);
     double by = fabs(depth / way);
     if (by < g->by) *g = (vs_grazing){by, step->to->t_s};
   }

@@ -7,9 +7,9 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "measure/chunk.h"
-#include "orbit/seen.h"
+#include "measure/chebyshev.h"
 #include "orbit/grazing.h"
+#include "orbit/linear_signal.h"
 #include "orbit/steady.h"
 #include "orbit/variation.h"
 #include "run/session.h"
@@ -26,8 +26,8 @@
 
 /* What becomes of one low-pass: by the machine's columns, the delay's, then its own states. */
 typedef struct column_filter {
-  const vs_seen *seen; /* borrowed */
-  int first;           /* of its states in x */
+  const vs_linear_signal *seen; /* borrowed */
+  int first;                    /* of its states in x */
   vs_lowpass column[VS_VARIATION_MOST + 1 + 2];
   double nodes[VS_VARIATION_MOST]
               [VS_LOWPASS_TERMS]; /* the columns' signals in one part of a step */
@@ -64,7 +64,7 @@ static int driven_columns(const state_columns *c) {
 
 /* Adds the states of a signal's low-pass. Returns the first one's place in x, -1 where the signal
  * has none. To be called before the first step. The signal must outlive this. */
-static int columns_add(state_columns *c, const vs_seen *seen) {
+static int columns_add(state_columns *c, const vs_linear_signal *seen) {
   if (!seen->states) return -1;
   column_filter *f = &c->filter[c->filters++];
   *f = (column_filter){.seen = seen, .first = c->n};
@@ -78,7 +78,7 @@ static int columns_add(state_columns *c, const vs_seen *seen) {
 }
 
 /* What the variation's column j makes of a signal. The rates are there already. */
-static double signal_of(state_columns *c, const vs_seen *seen, int j) {
+static double signal_of(state_columns *c, const vs_linear_signal *seen, int j) {
   int dof = c->variation.model->dof;
   double sum = 0;
   for (int i = 0; i < 2 * dof; i++) sum += seen->k[i] * vs_variation_get(&c->variation, i, j);
@@ -88,7 +88,8 @@ static double signal_of(state_columns *c, const vs_seen *seen, int j) {
 }
 
 /* The same of a signal that is not seen through a low-pass, at an instant of this step. */
-static double columns_signal(state_columns *c, const vs_step *step, const vs_seen *seen, int j) {
+static double columns_signal(state_columns *c, const vs_step *step, const vs_linear_signal *seen,
+                             int j) {
   if (j >= c->machine && j < c->n) return 0; /* a low-pass moves nothing */
   vs_variation_rates(&c->variation, step, c->rates);
   return signal_of(c, seen, j < c->n ? j : c->machine);
@@ -122,21 +123,21 @@ static void advance_lowpasses(column_filter *f, int columns, double h_s) {
   const double none[NODES] = {0};
   double u[NODES];
   for (int j = 0; j < columns; j++) {
-    const vs_chunk chunk = vs_chunk_through(f->nodes[j]);
-    vs_chunk_powers(&chunk, u);
+    const vs_chebyshev chunk = vs_chebyshev_through(f->nodes[j]);
+    vs_chebyshev_powers(&chunk, u);
     vs_lowpass_advance(&f->column[j], h_s, u);
   }
   for (int k = 0; k < 2; k++) vs_lowpass_advance(&f->column[columns + k], h_s, none);
 }
 
 /* Goes on to an instant within the step that is to be accepted next, not further than a part of it
- * (vs_seen_parts). Errors: as of vs_variation_accept. */
+ * (vs_linear_signal_parts). Errors: as of vs_variation_accept. */
 static vs_status columns_to(state_columns *c, const vs_step *step, double t_s, vs_error *err) {
   double from_s = c->t_s;
   vs_status status = VS_OK;
   if (!(t_s > from_s)) return VS_OK;
   for (int node = c->filters ? NODES - 1 : 0; node >= 0 && !status; node--) {
-    status = vs_variation_to(&c->variation, step, vs_chunk_instant(node, from_s, t_s), err);
+    status = vs_variation_to(&c->variation, step, vs_chebyshev_instant(node, from_s, t_s), err);
     if (c->filters && !status) take_filter_node(c, step, node);
   }
   for (int k = 0; k < c->filters && !status; k++)
@@ -210,7 +211,7 @@ static vs_status accept_walk(void *ctx, const vs_step *step, const vs_result *re
                              vs_error *err) {
   walk *w = ctx;
   double from_s = step->from->t_s, h_s = step->to->t_s - from_s;
-  int parts = h_s > 0 ? vs_seen_parts(step) : 0;
+  int parts = h_s > 0 ? vs_linear_signal_parts(step) : 0;
   vs_status status = VS_OK;
   (void)result;
   for (int n = 1; n <= parts && !status; n++)
@@ -251,7 +252,7 @@ static vs_status accept_look(void *ctx, const vs_step *step, const vs_result *re
   (void)result, (void)err;
   look_at_event(l, step);
   if (!(step->to->t_s > step->from->t_s)) return VS_OK;
-  for (int k = 0; k < l->out->outputs; k++) vs_seen_accept(&l->out->output[k].seen, step);
+  for (int k = 0; k < l->out->outputs; k++) vs_linear_signal_accept(&l->out->output[k].seen, step);
   for (int k = 0; k < stops->count; k++) {
     double depth = fabs(vs_grazing_depth(step, &stops->item[k]));
     if (!(depth < l->out->grazing_m) && !(isnan(l->out->grazing_m) && !isnan(depth))) continue;
@@ -262,8 +263,8 @@ static vs_status accept_look(void *ctx, const vs_step *step, const vs_result *re
 }
 
 /* Runs one period of the orbit. */
-static vs_status run_period(const vs_scene *scene, const vs_setup *setup, const vs_guest *guest,
-                            vs_error *err) {
+static vs_status run_period(const vs_scene *scene, const vs_setup *setup,
+                            const vs_session_listener *guest, vs_error *err) {
   const vs_session session = {.guest = guest, .bare = true, .unguarded = true};
   vs_scene *own = vs_alloc(1, sizeof *own);
   vs_result *none = vs_alloc(1, sizeof *none);
@@ -281,9 +282,9 @@ static vs_status run_period(const vs_scene *scene, const vs_setup *setup, const 
 static vs_status look_twice(const vs_scene *scene, const vs_setup *setup, vs_linear *l,
                             vs_error *err) {
   look seen = {l, 0};
-  const vs_guest guest = {.ctx = &seen, .accept = accept_look};
+  const vs_session_listener guest = {.ctx = &seen, .accept = accept_look};
   vs_status status = run_period(scene, setup, &guest, err);
-  for (int k = 0; k < l->outputs; k++) vs_seen_close(&l->output[k].seen, l->period_s);
+  for (int k = 0; k < l->outputs; k++) vs_linear_signal_close(&l->output[k].seen, l->period_s);
   l->contacts = seen.firings = 0;
   if (!status) status = run_period(scene, setup, &guest, err);
   if (status) return status;
@@ -330,13 +331,13 @@ static void add_filter(vs_linear *l, vs_linear_output *o) {
   }
 }
 
-static vs_status add_outputs(const vs_frame *frame, const vs_seen_order *signals, int count,
-                             vs_linear *l, vs_error *err) {
+static vs_status add_outputs(const vs_frame *frame, const vs_linear_signal_order *signals,
+                             int count, vs_linear *l, vs_error *err) {
   vs_status status = VS_OK;
   int filters = 0;
   for (int k = 0; k < count && k < VS_LINEAR_OUTPUTS && !status; k++) {
     vs_linear_output *o = &l->output[l->outputs++];
-    status = vs_seen_begin(&o->seen, frame, &signals[k], err);
+    status = vs_linear_signal_begin(&o->seen, frame, &signals[k], err);
     filters += o->seen.states > 0;
     if (!status && filters <= VS_LINEAR_FILTERED) add_filter(l, o);
   }
@@ -352,7 +353,7 @@ static vs_status begin_walk(walk *w, const vs_setup *setup, vs_error *err) {
   w->marks[w->n_marks++] = (mark){.t_s = l->fires_s, .output = -1};
   for (int k = 0; k < l->outputs; k++) {
     const vs_linear_output *o = &l->output[k];
-    double amplitude = vs_seen_amplitude(&o->seen);
+    double amplitude = vs_linear_signal_amplitude(&o->seen);
     if (!(amplitude > 0))
       return vs_fail(err, VS_RUN,
                      "%s does not move on the orbit, so that its amplitude has no slope",
@@ -372,7 +373,7 @@ static vs_status walk_along(const vs_scene *scene, const vs_setup *setup, vs_lin
                             vs_error *err) {
   walk *w = vs_alloc(1, sizeof *w);
   w->out = l;
-  const vs_guest guest = {.ctx = w, .accept = accept_walk};
+  const vs_session_listener guest = {.ctx = w, .accept = accept_walk};
   vs_status status = begin_walk(w, setup, err);
   if (!status) status = run_period(scene, setup, &guest, err);
   for (int i = 0; i < l->n && !status; i++) {
@@ -477,12 +478,12 @@ vs_status vs_linear_check(const vs_scene *scene, int periods, vs_error *err) {
 }
 
 /* The coordinates, and the travel where no coordinate is the same. Returns how many there are. */
-static int usual_signals(const vs_frame *frame, vs_seen_order *signals) {
+static int usual_signals(const vs_frame *frame, vs_linear_signal_order *signals) {
   const vs_model *m = frame->model;
   int count = m->dof + (m->alone ? 0 : 1);
   for (int k = 0; k < count; k++) {
     int channel = k < m->dof ? VS_CH_Q + k : VS_CH_TRAVEL;
-    signals[k] = (vs_seen_order){.channel = channel, .bandwidth_hz = NAN};
+    signals[k] = (vs_linear_signal_order){.channel = channel, .bandwidth_hz = NAN};
     snprintf(signals[k].name, sizeof signals[k].name, "%s", vs_channel_at(frame, channel).name);
   }
   return count;
@@ -495,9 +496,10 @@ int vs_linear_travel(const vs_linear *l, const vs_model *m) {
   return -1;
 }
 
-vs_status vs_linear_find(const vs_scene *scene, const vs_orbit *orbit, const vs_seen_order *signals,
-                         int count, vs_linear *l, vs_error *err) {
-  vs_seen_order *usual = vs_alloc(VS_LINEAR_OUTPUTS, sizeof *usual);
+vs_status vs_linear_find(const vs_scene *scene, const vs_orbit *orbit,
+                         const vs_linear_signal_order *signals, int count, vs_linear *l,
+                         vs_error *err) {
+  vs_linear_signal_order *usual = vs_alloc(VS_LINEAR_OUTPUTS, sizeof *usual);
   vs_run_values run = scene->setup.run;
   run.until_s = orbit->period_s;
   run.tolerance = scene->tier->finest;

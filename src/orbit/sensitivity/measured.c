@@ -46,7 +46,7 @@ static vs_status accept_step_of_measures(void *ctx, const vs_step *step, const v
 
 vs_status vs_measured_run(vs_measured *m, vs_scene *scene, int periods, const vs_session *session,
                           vs_error *err) {
-  const vs_guest guest = {
+  const vs_session_listener guest = {
       .ctx = m, .begin = begin_run_of_measures, .accept = accept_step_of_measures};
   vs_session along = *session;
   along.steady = vs_steady_start;
@@ -55,7 +55,7 @@ vs_status vs_measured_run(vs_measured *m, vs_scene *scene, int periods, const vs
   scene->warnings =
       (vs_warnings){0}; /* those of the scene that it was copied from are not its own */
   vs_status status = m->period ? vs_steady_begin(&m->steady, scene, periods, err) : VS_OK;
-  if (!status) status = vs_session_take(scene, err);
+  if (!status) status = vs_session_charge_budget(scene, err);
   if (!status) status = vs_session_run(&along, scene, &m->result, err);
   if (!status && m->period) vs_steady_finish(&m->steady, &m->result);
   vs_warnings_free(&scene->warnings);
@@ -65,17 +65,17 @@ vs_status vs_measured_run(vs_measured *m, vs_scene *scene, int periods, const vs
 /* ---- measures ---- */
 
 bool vs_measured_at(const vs_measured *m, int k, vs_measured_value *v) {
-  vs_shown shown;
+  vs_listed_measure shown;
   vs_steady_measure own;
   int count = 0;
-  if (vs_shown_at(&m->result.scene->frame, &m->result, k, &shown)) {
+  if (vs_listed_measure_at(&m->result.scene->frame, &m->result, k, &shown)) {
     snprintf(v->name, sizeof v->name, "%s", shown.name);
     snprintf(v->unit, sizeof v->unit, "%s", shown.unit);
     v->value = shown.value;
     return true;
   }
   if (!m->period) return false;
-  while (vs_shown_at(&m->result.scene->frame, &m->result, count, &shown)) count++;
+  while (vs_listed_measure_at(&m->result.scene->frame, &m->result, count, &shown)) count++;
   if (!vs_steady_at(&m->steady, k - count, &own)) return false;
   snprintf(v->name, sizeof v->name, "%s", own.name);
   snprintf(v->unit, sizeof v->unit, "%s", own.unit);

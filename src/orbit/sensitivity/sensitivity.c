@@ -8,8 +8,8 @@
 
 #include "base/text.h"
 #include "base/units.h"
-#include "orbit/kin.h"
 #include "orbit/sensitivity_problem.h"
+#include "orbit/tangent.h"
 
 /* What is being found. */
 typedef struct search {
@@ -141,9 +141,9 @@ static void say_bend(search *s, const vs_parameter *p, size_t of, double bend) {
               p->value / vs_units_factor(p->key.field->unit), p->key.field->unit, bend);
 }
 
-static void take_entry(search *s, const vs_fan *fan, size_t of, size_t to, bool exact) {
+static void take_entry(search *s, const vs_stencil *fan, size_t of, size_t to, bool exact) {
   vs_sensitivity_entry *e = vs_sensitivity_at(s->out, of, to);
-  vs_slope_of slope = vs_fan_slope(fan, s->order->of[of].name);
+  vs_slope_of slope = vs_stencil_slope(fan, s->order->of[of].name);
   double per = slope.value != 0 ? slope.value : 1;
   const vs_parameter *p = &fan->parameter;
   if (!slope.known) {
@@ -160,7 +160,7 @@ static void take_entry(search *s, const vs_fan *fan, size_t of, size_t to, bool 
 }
 
 /* The measures' values, as the scene itself has them. Error: one is not there. */
-static vs_status take_values(search *s, const vs_fan *fan, vs_error *err) {
+static vs_status take_values(search *s, const vs_stencil *fan, vs_error *err) {
   for (size_t k = 0; k < s->order->n_of; k++) {
     const vs_asked *asked = &s->order->of[k];
     vs_measured_value v;
@@ -208,12 +208,12 @@ static vs_status take_differences(search *s, size_t to, bool exact, vs_error *er
   const vs_scene *scene = s->subject.scene;
   bool circuit = scene->tier->has_circuit;
   double tolerance = circuit ? scene->setup.run.tolerance : scene->tier->finest;
-  vs_fan *fan = vs_alloc(1, sizeof *fan);
-  vs_status status = vs_fan_begin(fan, &s->subject, asked->name, asked->where,
-                                  circuit ? STEP_CIRCUIT : STEP_IDEAL, tolerance, err);
+  vs_stencil *fan = vs_alloc(1, sizeof *fan);
+  vs_status status = vs_stencil_begin(fan, &s->subject, asked->name, asked->where,
+                                      circuit ? STEP_CIRCUIT : STEP_IDEAL, tolerance, err);
   if (!status) {
     fan->unresolved = UNRESOLVED * tolerance / (circuit ? 1 : STEP_IDEAL);
-    status = vs_fan_run(fan, &s->subject, tolerance, err);
+    status = vs_stencil_run(fan, &s->subject, tolerance, err);
   }
   if (!status && !exact) status = take_values(s, fan, err);
   for (size_t k = 0; k < s->order->n_of && !status; k++) {
@@ -222,7 +222,7 @@ static vs_status take_differences(search *s, size_t to, bool exact, vs_error *er
     take_entry(s, fan, k, to, false);
     if (exact && !(e->error < before.error)) *e = before;
   }
-  vs_fan_end(fan);
+  vs_stencil_end(fan);
   free(fan);
   return status;
 }
@@ -244,7 +244,7 @@ static vs_status add_differences(search *s, size_t to, vs_error *err) {
 /* A contact that so small a change of a key makes come or go is said. */
 static const double GRAZES = 1e-6;
 
-static void say_grazing(search *s, const vs_fan *fan) {
+static void say_grazing(search *s, const vs_stencil *fan) {
   if (fan->grazing.by >= GRAZES) return;
   vs_text_add(
       &s->out->notes,
@@ -255,8 +255,8 @@ static void say_grazing(search *s, const vs_fan *fan) {
 
 /* Takes the exact derivatives. *whole: all are resolved. */
 static vs_status take_kin(search *s, size_t to, bool again, bool *whole, vs_error *err) {
-  vs_fan *fan = vs_alloc(1, sizeof *fan);
-  vs_status status = vs_kin_find(fan, &s->subject, &s->order->to[to], again, err);
+  vs_stencil *fan = vs_alloc(1, sizeof *fan);
+  vs_status status = vs_tangent_find(fan, &s->subject, &s->order->to[to], again, err);
   if (!status && !again) say_grazing(s, fan);
   if (!status && !again) status = take_values(s, fan, err);
   *whole = true;
@@ -267,7 +267,7 @@ static vs_status take_kin(search *s, size_t to, bool again, bool *whole, vs_erro
     if (again) *e = better_entry(before, *e);
     *whole = *whole && is_resolved(e);
   }
-  vs_fan_end(fan);
+  vs_stencil_end(fan);
   free(fan);
   return status;
 }

@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "flight.h"
 #include "orbit/steady.h"
+#include "poincare_map.h"
 
 static const char *why_inexact(const vs_scene *s) {
   const vs_setup *setup = &s->setup;
@@ -98,14 +98,14 @@ static bool solve_for_start(const vs_orbit *o, const vs_variation *v, double dx[
 
 vs_status vs_sensitivity_problem_start(const vs_sensitivity_problem *s, vs_parameter *parameter,
                                        double start[ROWS], vs_error *err) {
-  vs_flight flight;
-  vs_flight_begin(&flight, s->calm);
+  vs_poincare_map flight;
+  vs_poincare_map_begin(&flight, s->calm);
   flight.parameter = parameter;
-  vs_status status = vs_flight_go(&flight, s->orbit.x, s->orbit.n, true, err);
+  vs_status status = vs_poincare_map_go(&flight, s->orbit.x, s->orbit.n, true, err);
   if (!status && !solve_for_start(&s->orbit, &flight.variation, start))
     status =
         vs_fail(err, VS_RUN, "the orbit turns back here, and has no derivative with respect to %s",
                 parameter->key.name);
-  vs_flight_end(&flight);
+  vs_poincare_map_end(&flight);
   return status;
 }

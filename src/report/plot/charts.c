@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/gnuplot.h"
-#include "plot/sketch.h"
+#include "plot/study_plot.h"
 
 enum { FAMILY = 7 /* lines at most */, MOST_POINTS = 2000, FEW_POINTS = 100 };
 
@@ -14,7 +14,7 @@ enum { FAMILY = 7 /* lines at most */, MOST_POINTS = 2000, FEW_POINTS = 100 };
 
 /* Sorts the rows into lines, one for each word of an axis. */
 typedef struct picker {
-  const vs_sketch *k;
+  const vs_study_plot *k;
   size_t x, y, words; /* columns */
   double x_factor, y_factor;
   vs_dots line[FAMILY];
@@ -24,7 +24,7 @@ static vs_status pick_row(void *ctx, const vs_folder_row *row, vs_error *err) {
   picker *m = ctx;
   double x, y;
   (void)err;
-  long line = vs_survey_index(&m->k->s->profile[m->words], row->cell[m->words]);
+  long line = vs_study_results_index(&m->k->s->profile[m->words], row->cell[m->words]);
   if (line < 0 || line >= FAMILY) return VS_OK;
   if (!vs_folder_number(row->cell[m->x], &x) || !vs_folder_number(row->cell[m->y], &y))
     return VS_OK;
@@ -46,21 +46,21 @@ static void add_line(vs_script *script, const char *name, int colour, bool point
   vs_gnuplot_quoted(script, title);
 }
 
-static vs_status draw_family(const vs_sketch *k, size_t x, size_t words, size_t y, vs_picture *p,
-                             vs_error *err) {
+static vs_status draw_family(const vs_study_plot *k, size_t x, size_t words, size_t y,
+                             vs_picture *p, vs_error *err) {
   picker m = {.k = k, .x = x, .y = y, .words = words};
-  m.x_factor = vs_sketch_scale(k, x).factor;
-  m.y_factor = vs_sketch_scale(k, y).factor;
+  m.x_factor = vs_study_plot_scale(k, x).factor;
+  m.y_factor = vs_study_plot_scale(k, y).factor;
   const vs_profile *w = &k->s->profile[words];
   char name[32];
   for (size_t n = 0; n < w->count; n++)
     m.line[n].item = vs_alloc((size_t)k->s->rows, sizeof(vs_dot));
   vs_status status = vs_folder_each(k->t, pick_row, &m, err);
   for (size_t n = 0; n < w->count; n++) {
-    vs_sketch_dots_sort(&m.line[n]);
-    vs_sketch_dots_thin(&m.line[n], MOST_POINTS);
+    vs_study_plot_dots_sort(&m.line[n]);
+    vs_study_plot_dots_thin(&m.line[n], MOST_POINTS);
     snprintf(name, sizeof name, "line%zu", n);
-    vs_sketch_data(&p->script, name, &m.line[n], false);
+    vs_study_plot_data(&p->script, name, &m.line[n], false);
   }
   vs_text_add(&p->caption, "A line for each %s. ", k->t->column[words].name);
   vs_gnuplot_add(&p->script, "set key tmargin center horizontal samplen 2\nplot ");
@@ -71,12 +71,12 @@ static vs_status draw_family(const vs_sketch *k, size_t x, size_t words, size_t 
     add_line(&p->script, name, (int)n, m.line[n].count <= FEW_POINTS, w->word[n]);
   }
   vs_gnuplot_add(&p->script, "\n");
-  for (size_t n = 0; n < w->count; n++) vs_sketch_dots_free(&m.line[n]);
+  for (size_t n = 0; n < w->count; n++) vs_study_plot_dots_free(&m.line[n]);
   return status;
 }
 
 /* Over the one axis; with a second axis of few words, a line for each. */
-static bool fits_curve(const vs_sketch *k) {
+static bool fits_curve(const vs_study_plot *k) {
   const vs_profile *profile = k->s->profile;
   if (k->n_axes == 1) return !profile[k->axis[0]].many;
   if (k->n_axes != 2) return false;
@@ -85,24 +85,24 @@ static bool fits_curve(const vs_sketch *k) {
   return !words->is_number && words->count <= FAMILY && numbers->is_number;
 }
 
-static vs_status draw_curve(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
+static vs_status draw_curve(const vs_study_plot *k, size_t column, vs_picture *p, vs_error *err) {
   size_t x = k->n_axes ? k->axis[0] : 0, words = 0;
   if (k->n_axes > 1) {
     bool first = k->s->profile[x].is_number;
     words = k->axis[first ? 1 : 0];
     x = k->axis[first ? 0 : 1];
   }
-  vs_sketch_title(k, column, "", p);
-  vs_sketch_begin(k, x, column, p);
-  vs_sketch_axis(k, column, 'y', &p->script);
-  vs_sketch_range(k, column, 'y', false, p);
+  vs_study_plot_title(k, column, "", p);
+  vs_study_plot_begin(k, x, column, p);
+  vs_study_plot_axis(k, column, 'y', &p->script);
+  vs_study_plot_range(k, column, 'y', false, p);
   if (words) return draw_family(k, x, words, column, p, err);
   vs_dots s;
-  vs_status status = vs_sketch_dots_load(k, x, column, &s, err);
+  vs_status status = vs_study_plot_dots_load(k, x, column, &s, err);
   bool few = s.count <= FEW_POINTS;
-  vs_sketch_dots_sort(&s);
-  vs_sketch_dots_thin(&s, MOST_POINTS);
-  vs_sketch_data(&p->script, "line", &s, k->t->failed > 0 && few);
+  vs_study_plot_dots_sort(&s);
+  vs_study_plot_dots_thin(&s, MOST_POINTS);
+  vs_study_plot_data(&p->script, "line", &s, k->t->failed > 0 && few);
   vs_gnuplot_add(&p->script, "plot ");
   if (x && !k->s->profile[x].is_number)
     vs_gnuplot_add(
@@ -113,7 +113,7 @@ static vs_status draw_curve(const vs_sketch *k, size_t column, vs_picture *p, vs
   else
     add_line(&p->script, "line", 0, few, "");
   vs_gnuplot_add(&p->script, "\n");
-  vs_sketch_dots_free(&s);
+  vs_study_plot_dots_free(&s);
   return status;
 }
 
@@ -123,20 +123,20 @@ const vs_chart vs_charts_curve = {.name = "curve", .fits = fits_curve, .draw = d
 
 /* ---- cases, and the path of a search ---- */
 
-static vs_status draw_cases(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
+static vs_status draw_cases(const vs_study_plot *k, size_t column, vs_picture *p, vs_error *err) {
   vs_dots s;
-  vs_sketch_title(k, column, ", case by case", p);
-  vs_sketch_begin(k, 0, column, p);
-  vs_sketch_axis(k, column, 'y', &p->script);
-  vs_sketch_range(k, column, 'y', false, p);
-  vs_status status = vs_sketch_dots_load(k, 0, column, &s, err);
+  vs_study_plot_title(k, column, ", case by case", p);
+  vs_study_plot_begin(k, 0, column, p);
+  vs_study_plot_axis(k, column, 'y', &p->script);
+  vs_study_plot_range(k, column, 'y', false, p);
+  vs_status status = vs_study_plot_dots_load(k, 0, column, &s, err);
   if (s.count > MOST_POINTS)
     vs_text_add(&p->caption, "%zu cases; of each stretch the least and the largest. ", s.count);
-  vs_sketch_dots_thin(&s, MOST_POINTS);
-  vs_sketch_data(&p->script, "cases", &s, false);
+  vs_study_plot_dots_thin(&s, MOST_POINTS);
+  vs_study_plot_data(&p->script, "cases", &s, false);
   vs_gnuplot_add(&p->script, "plot $cases using 1:2 with points pt 7 ps %g lc rgb %s\n",
                  s.count <= FEW_POINTS ? 0.8 : 0.4, vs_scale_colours[0]);
-  vs_sketch_dots_free(&s);
+  vs_study_plot_dots_free(&s);
   return status;
 }
 
@@ -157,33 +157,34 @@ static vs_dots best_so_far(const vs_dots *s, bool largest) {
   return best;
 }
 
-static vs_status draw_path(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
+static vs_status draw_path(const vs_study_plot *k, size_t column, vs_picture *p, vs_error *err) {
   bool largest;
   bool aim = vs_folder_aim(k->t, &largest) == column;
   if (!aim) largest = k->t->column[column].role != VS_ROLE_MARGIN;
   vs_dots s;
-  vs_sketch_title(k, column, largest ? ": search for the largest" : ": search for the least", p);
-  vs_sketch_begin(k, 0, column, p);
-  vs_sketch_axis(k, column, 'y', &p->script);
-  vs_sketch_range(k, column, 'y', false, p);
+  vs_study_plot_title(k, column, largest ? ": search for the largest" : ": search for the least",
+                      p);
+  vs_study_plot_begin(k, 0, column, p);
+  vs_study_plot_axis(k, column, 'y', &p->script);
+  vs_study_plot_range(k, column, 'y', false, p);
   vs_gnuplot_add(&p->script,
                  "set xlabel 'evaluation'\nset key tmargin center horizontal samplen 2\n");
-  vs_status status = vs_sketch_dots_load(k, 0, column, &s, err);
+  vs_status status = vs_study_plot_dots_load(k, 0, column, &s, err);
   vs_dots best = best_so_far(&s, largest);
   if (best.count)
     vs_text_add(&p->caption, "The worst found, %.6g %s, at evaluation %ld of %zu. ",
-                best.item[best.count - 1].y, vs_sketch_scale(k, column).unit,
+                best.item[best.count - 1].y, vs_study_plot_scale(k, column).unit,
                 best.item[best.count - 1].number, s.count);
-  vs_sketch_dots_thin(&s, MOST_POINTS);
-  vs_sketch_data(&p->script, "all", &s, false);
-  vs_sketch_data(&p->script, "best", &best, false);
+  vs_study_plot_dots_thin(&s, MOST_POINTS);
+  vs_study_plot_data(&p->script, "all", &s, false);
+  vs_study_plot_data(&p->script, "best", &best, false);
   vs_gnuplot_add(
       &p->script,
       "plot $all using 1:2 with points pt 7 ps 0.4 lc rgb '#999999' title 'tried', $best "
       "using 1:2 with steps lw 2.4 lc rgb %s title 'worst so far'\n",
       vs_scale_colour_bad);
-  vs_sketch_dots_free(&s);
-  vs_sketch_dots_free(&best);
+  vs_study_plot_dots_free(&s);
+  vs_study_plot_dots_free(&best);
   return status;
 }
 
@@ -196,7 +197,7 @@ const vs_chart vs_charts_path = {.name = "path", .draw = draw_path};
 enum { CLOUD_CELLS = 100 };
 
 typedef struct cloud {
-  const vs_sketch *k;
+  const vs_study_plot *k;
   size_t column[3];
   double factor[3], least[2], step[2];
   bool margin;
@@ -222,7 +223,7 @@ static vs_status add_point(void *ctx, const vs_folder_row *row, vs_error *err) {
   return VS_OK;
 }
 
-static bool fits_cloud(const vs_sketch *k) {
+static bool fits_cloud(const vs_study_plot *k) {
   return k->n_axes == 2 && k->s->profile[k->axis[0]].is_number &&
          k->s->profile[k->axis[1]].is_number;
 }
@@ -247,10 +248,10 @@ static void add_cloud(const cloud *c, vs_picture *p) {
   vs_gnuplot_add(&p->script, "\n");
 }
 
-static vs_status draw_cloud(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
+static vs_status draw_cloud(const vs_study_plot *k, size_t column, vs_picture *p, vs_error *err) {
   cloud c = {.k = k, .column = {k->axis[0], k->axis[1], column}};
   c.margin = k->t->column[column].role == VS_ROLE_MARGIN;
-  for (int n = 0; n < 3; n++) c.factor[n] = vs_sketch_scale(k, c.column[n]).factor;
+  for (int n = 0; n < 3; n++) c.factor[n] = vs_study_plot_scale(k, c.column[n]).factor;
   for (int n = 0; n < 2; n++) {
     const vs_profile *f = &k->s->profile[c.column[n]];
     c.least[n] = f->least * c.factor[n];
@@ -259,15 +260,15 @@ static vs_status draw_cloud(const vs_sketch *k, size_t column, vs_picture *p, vs
   c.point = vs_alloc(CLOUD_CELLS * CLOUD_CELLS, sizeof *c.point);
   for (size_t n = 0; n < CLOUD_CELLS * CLOUD_CELLS; n++) c.point[n][2] = NAN;
   vs_status status = vs_folder_each(k->t, add_point, &c, err);
-  vs_sketch_title(k, column, " of each case", p);
+  vs_study_plot_title(k, column, " of each case", p);
   p->width = 720;
   p->height = 520;
-  vs_sketch_begin(k, c.column[0], column, p);
+  vs_study_plot_begin(k, c.column[0], column, p);
   snprintf(p->name, sizeof p->name, "cloud_%.200s", k->t->column[column].title);
-  vs_sketch_axis(k, c.column[1], 'y', &p->script);
+  vs_study_plot_axis(k, c.column[1], 'y', &p->script);
   vs_gnuplot_code(&p->script, vs_scale_palette);
   vs_gnuplot_add(&p->script, "set cblabel ");
-  vs_gnuplot_quoted(&p->script, vs_sketch_scale(k, column).label);
+  vs_gnuplot_quoted(&p->script, vs_study_plot_scale(k, column).label);
   vs_gnuplot_add(&p->script, "\nset rmargin 16\n");
   add_cloud(&c, p);
   free(c.point);

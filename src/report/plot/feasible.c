@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/gnuplot.h"
-#include "plot/sketch.h"
+#include "plot/study_plot.h"
 
 typedef struct candidate {
   long number; /* the case's */
@@ -15,7 +15,7 @@ typedef struct candidate {
 } candidate;
 
 typedef struct region {
-  const vs_sketch *k;
+  const vs_study_plot *k;
   size_t column[2]; /* the first two axes that have a range */
   double factor[2];
   candidate *item;
@@ -54,7 +54,7 @@ static bool find_candidates(region *r) {
                                       !strcmp(candidate_word(c, "holds"), "true"), NAN, NAN};
   qsort(r->item, r->count, sizeof *r->item, by_number);
   for (int n_axis = 0; n_axis < 2; n_axis++)
-    r->factor[n_axis] = vs_sketch_scale(r->k, r->column[n_axis]).factor;
+    r->factor[n_axis] = vs_study_plot_scale(r->k, r->column[n_axis]).factor;
   return true;
 }
 
@@ -101,9 +101,9 @@ static void add_points(const region *r, int kind, bool *any, vs_picture *p) {
 }
 
 /* Sets the axis' range to all that was tried, with a little room. */
-static void add_range(const vs_sketch *k, size_t column, char axis, vs_script *script) {
+static void add_range(const vs_study_plot *k, size_t column, char axis, vs_script *script) {
   const vs_profile *f = &k->s->profile[column];
-  const vs_scale scale = vs_sketch_scale(k, column);
+  const vs_scale scale = vs_study_plot_scale(k, column);
   double least = f->least * scale.factor, largest = f->largest * scale.factor;
   double room = 0.05 * (largest - least);
   if (largest > least)
@@ -112,7 +112,8 @@ static void add_range(const vs_sketch *k, size_t column, char axis, vs_script *s
                    scale.log ? largest * 1.3 : largest + room);
 }
 
-static vs_status draw_feasible(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
+static vs_status draw_feasible(const vs_study_plot *k, size_t column, vs_picture *p,
+                               vs_error *err) {
   region r = {.k = k};
   bool any = false;
   if (!find_candidates(&r)) return VS_OK;
@@ -121,8 +122,8 @@ static vs_status draw_feasible(const vs_sketch *k, size_t column, vs_picture *p,
   p->width = 720;
   p->height = 520;
   vs_text_add(&p->title, "What was tried, and what holds over the spread");
-  vs_sketch_begin(k, r.column[0], column, p);
-  vs_sketch_axis(k, r.column[1], 'y', &p->script);
+  vs_study_plot_begin(k, r.column[0], column, p);
+  vs_study_plot_axis(k, r.column[1], 'y', &p->script);
   vs_gnuplot_add(&p->script, "set key tmargin center horizontal samplen 1\n");
   add_range(k, r.column[0], 'x', &p->script);
   add_range(k, r.column[1], 'y', &p->script);

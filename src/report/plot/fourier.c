@@ -7,7 +7,7 @@
 
 #include "base/csv.h"
 #include "base/gnuplot.h"
-#include "run/amount.h"
+#include "run/engineering.h"
 
 enum {
   MOST_FACTOR = 101,  /* of the points */
@@ -91,7 +91,7 @@ vs_status vs_fourier_take(const vs_traces *t, int column, const double window_s[
 }
 
 /* The spectrum of a probe of a run over what is shown. */
-static vs_status take_spectrum(const vs_stretch *s, int probe, size_t run, vs_fourier *f,
+static vs_status take_spectrum(const vs_time_window *s, int probe, size_t run, vs_fourier *f,
                                vs_error *err) {
   const vs_traces *t = &s->run[run].traces;
   return vs_fourier_take(t, vs_traces_find(t, s->probes.item[probe].column),
@@ -101,14 +101,14 @@ static vs_status take_spectrum(const vs_stretch *s, int probe, size_t run, vs_fo
 /* ---- the picture ---- */
 
 /* The highest frequency that the picture shows, Hz: that of the run with the fastest mains. */
-static double top_of(const vs_stretch *s) {
+static double top_of(const vs_time_window *s) {
   double cycle_s = s->run[0].cycle_s;
   for (size_t r = 1; r < s->runs; r++) cycle_s = fmin(cycle_s, s->run[r].cycle_s);
   return (LAST_HARMONIC + 0.5) / cycle_s;
 }
 
 /* Adds the lines up to top_of() as a data block, one for each probe and run. */
-static vs_status add_block(const vs_stretch *s, int probe, size_t run, vs_script *script,
+static vs_status add_block(const vs_time_window *s, int probe, size_t run, vs_script *script,
                            double *largest, vs_error *err) {
   const vs_probe_shown *p = &s->probes.item[probe];
   vs_fourier f;
@@ -126,7 +126,7 @@ static vs_status add_block(const vs_stretch *s, int probe, size_t run, vs_script
   return VS_OK;
 }
 
-static void add_panel(const vs_stretch *s, int probe, double largest, vs_script *script) {
+static void add_panel(const vs_time_window *s, int probe, double largest, vs_script *script) {
   vs_text label = {0};
   vs_text_add(&label, "%s rms", s->probes.item[probe].label);
   if (probe + 1 == s->probes.count) vs_gnuplot_add(script, "set xlabel 'f / Hz'\n");
@@ -138,22 +138,22 @@ static void add_panel(const vs_stretch *s, int probe, double largest, vs_script 
   for (size_t r = 0; r < s->runs; r++) {
     vs_gnuplot_add(script, r ? ", " : "");
     vs_gnuplot_add(script, "$lines_%d_%zu using 1:2 with impulses lc rgb %s lw %zu title ", probe,
-                   r, vs_stretch_colour(r), 2 * (s->runs - r));
+                   r, vs_time_window_colour(r), 2 * (s->runs - r));
     vs_gnuplot_quoted(script, s->run[r].folder);
   }
   vs_gnuplot_add(script, "\n");
 }
 
-vs_status vs_fourier_add(const vs_stretch *s, vs_script *script, vs_error *err) {
+vs_status vs_fourier_add(const vs_time_window *s, vs_script *script, vs_error *err) {
   vs_status status = VS_OK;
   double largest[VS_PROBES_MOST] = {0};
-  vs_stretch_begin(script);
+  vs_time_window_begin(script);
   for (int k = 0; k < s->probes.count; k++)
     for (size_t r = 0; r < s->runs && !status; r++)
       status = add_block(s, k, r, script, &largest[k], err);
   vs_gnuplot_add(script, "set multiplot layout %d,1\nset logscale y\nset format y '%%g'\n",
                  s->probes.count);
-  vs_stretch_legend(s, script);
+  vs_time_window_legend(s, script);
   vs_gnuplot_add(script, "set xrange [%g:%g]\n", -top_of(s) / (2 * LAST_HARMONIC + 1), top_of(s));
   for (int k = 0; k < s->probes.count && !status; k++) add_panel(s, k, largest[k], script);
   vs_gnuplot_add(script, "unset multiplot\n");
@@ -163,7 +163,7 @@ vs_status vs_fourier_add(const vs_stretch *s, vs_script *script, vs_error *err) 
 /* ---- the numbers ---- */
 
 /* Adds the rows of a run. All its probes have the same lines, as they have the same times. */
-static vs_status add_rows(const vs_stretch *s, size_t run, vs_text *csv, vs_error *err) {
+static vs_status add_rows(const vs_time_window *s, size_t run, vs_text *csv, vs_error *err) {
   vs_fourier f[VS_PROBES_MOST] = {{.rms = NULL}};
   vs_status status = VS_OK;
   char number[VS_NUMBER_SIZE];
@@ -183,12 +183,12 @@ static vs_status add_rows(const vs_stretch *s, size_t run, vs_text *csv, vs_erro
   return status;
 }
 
-vs_status vs_fourier_csv(const vs_stretch *s, vs_text *csv, vs_error *err) {
+vs_status vs_fourier_csv(const vs_time_window *s, vs_text *csv, vs_error *err) {
   vs_status status = VS_OK;
   vs_text_add(csv, "%sfrequency_hz", s->runs > 1 ? "run," : "");
   for (int k = 0; k < s->probes.count; k++) {
     char name[VS_PROBE_SIZE + 8];
-    vs_stretch_probe_named(&s->probes.item[k], "rms", name, sizeof name);
+    vs_time_window_probe_named(&s->probes.item[k], "rms", name, sizeof name);
     vs_text_add(csv, ",%s", name);
   }
   vs_text_add(csv, "\n");
@@ -196,17 +196,18 @@ vs_status vs_fourier_csv(const vs_stretch *s, vs_text *csv, vs_error *err) {
   return status;
 }
 
-vs_status vs_fourier_say(const vs_stretch *s, vs_text *words, vs_error *err) {
+vs_status vs_fourier_say(const vs_time_window *s, vs_text *words, vs_error *err) {
   vs_status status = VS_OK;
   for (size_t r = 0; r < s->runs && !status; r++) {
     vs_fourier f = {.rms = NULL};
-    char from[VS_AMOUNT_SIZE], to[VS_AMOUNT_SIZE], apart[VS_AMOUNT_SIZE];
+    char from[VS_ENGINEERING_SIZE], to[VS_ENGINEERING_SIZE], apart[VS_ENGINEERING_SIZE];
     status = take_spectrum(s, 0, r, &f, err);
     free(f.rms);
     if (status) break;
     vs_text_add(words, "spectrum of %s: from %s to %s, lines %s apart\n", s->run[r].folder,
-                vs_amount_text(f.from_s, "s", from), vs_amount_text(f.from_s + f.span_s, "s", to),
-                vs_amount_text(1 / f.span_s, "Hz", apart));
+                vs_engineering_text(f.from_s, "s", from),
+                vs_engineering_text(f.from_s + f.span_s, "s", to),
+                vs_engineering_text(1 / f.span_s, "Hz", apart));
   }
   return status;
 }

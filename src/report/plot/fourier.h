@@ -4,7 +4,7 @@
 #define VS_REPORT_FOURIER_H
 
 #include "base/error.h"
-#include "plot/stretch.h"
+#include "plot/time_window.h"
 
 /* Lines of a spectrum; line k is at k/span_s. */
 typedef struct vs_fourier {
@@ -21,13 +21,13 @@ vs_status vs_fourier_take(const vs_traces *traces, int column, const double wind
                           double cycle_s, vs_fourier *spectrum, vs_error *err);
 
 /* Adds the spectra of all probes and runs to a script for gnuplot. */
-vs_status vs_fourier_add(const vs_stretch *stretch, vs_script *script, vs_error *err);
+vs_status vs_fourier_add(const vs_time_window *stretch, vs_script *script, vs_error *err);
 
 /* Adds all lines as CSV: frequency_hz, then the rms of each probe's line as NAME_rms_UNIT in the
  * column's own unit. Of several runs the first column is the run's folder. */
-vs_status vs_fourier_csv(const vs_stretch *stretch, vs_text *csv, vs_error *err);
+vs_status vs_fourier_csv(const vs_time_window *stretch, vs_text *csv, vs_error *err);
 
 /* Adds in words, a line for each run, over which time its spectrum is taken. */
-vs_status vs_fourier_say(const vs_stretch *stretch, vs_text *words, vs_error *err);
+vs_status vs_fourier_say(const vs_time_window *stretch, vs_text *words, vs_error *err);
 
 #endif

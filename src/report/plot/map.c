@@ -69,7 +69,7 @@ typedef struct map_side {
 } map_side;
 
 typedef struct map {
-  const vs_sketch *k;
+  const vs_study_plot *k;
   map_side x, y;
   size_t column;
   bool margin;
@@ -102,8 +102,8 @@ static vs_status fill_cell(void *ctx, const vs_folder_row *row, vs_error *err) {
   map *m = ctx;
   double z;
   (void)err;
-  long i = vs_survey_index(m->x.profile, row->cell[m->x.column]);
-  long j = vs_survey_index(m->y.profile, row->cell[m->y.column]);
+  long i = vs_study_results_index(m->x.profile, row->cell[m->x.column]);
+  long j = vs_study_results_index(m->y.profile, row->cell[m->y.column]);
   if (i < 0 || j < 0 || !vs_folder_number(row->cell[m->column], &z) || isnan(z)) return VS_OK;
   double *cell = &m->z[(size_t)j / m->y.each * m->x.cells + (size_t)i / m->x.each];
   z *= m->factor;
@@ -112,7 +112,7 @@ static vs_status fill_cell(void *ctx, const vs_folder_row *row, vs_error *err) {
 }
 
 /* Chooses the two axes that have most values; they stand in the order of the columns. */
-static void choose_sides(const vs_sketch *k, size_t side[2]) {
+static void choose_sides(const vs_study_plot *k, size_t side[2]) {
   side[0] = side[1] = 0;
   for (int n = 0; n < 2; n++) {
     size_t most = 0;
@@ -130,7 +130,7 @@ static void choose_sides(const vs_sketch *k, size_t side[2]) {
   }
 }
 
-static bool map_fits(const vs_sketch *k) {
+static bool map_fits(const vs_study_plot *k) {
   size_t side[2];
   choose_sides(k, side);
   if (!side[0] || !side[1]) return false;
@@ -140,17 +140,19 @@ static bool map_fits(const vs_sketch *k) {
   return (double)(k->s->rows + k->t->failed) >= 0.5 * cells;
 }
 
-static vs_status make_map(map *m, const vs_sketch *k, size_t column, vs_error *err) {
+static vs_status make_map(map *m, const vs_study_plot *k, size_t column, vs_error *err) {
   size_t side[2];
   choose_sides(k, side);
   *m = (map){.k = k, .column = column, .margin = k->t->column[column].role == VS_ROLE_MARGIN};
-  m->x = (map_side){
-      .column = side[0], .profile = &k->s->profile[side[0]], .scale = vs_sketch_scale(k, side[0])};
-  m->y = (map_side){
-      .column = side[1], .profile = &k->s->profile[side[1]], .scale = vs_sketch_scale(k, side[1])};
+  m->x = (map_side){.column = side[0],
+                    .profile = &k->s->profile[side[0]],
+                    .scale = vs_study_plot_scale(k, side[0])};
+  m->y = (map_side){.column = side[1],
+                    .profile = &k->s->profile[side[1]],
+                    .scale = vs_study_plot_scale(k, side[1])};
   cut_side(&m->x);
   cut_side(&m->y);
-  m->factor = vs_sketch_scale(k, column).factor;
+  m->factor = vs_study_plot_scale(k, column).factor;
   m->z = vs_alloc(m->x.cells * m->y.cells, sizeof *m->z);
   for (size_t n = 0; n < m->x.cells * m->y.cells; n++) m->z[n] = NAN;
   return vs_folder_each(k->t, fill_cell, m, err);
@@ -214,7 +216,7 @@ static void add_colours(const map *m, vs_picture *p) {
   double room = largest > least ? 0 : least != 0 ? 0.01 * fabs(least) : 1;
   vs_gnuplot_code(&p->script, vs_scale_palette);
   vs_gnuplot_add(&p->script, "set cbrange [%.9g:%.9g]\nset cblabel ", least - room, largest + room);
-  vs_gnuplot_quoted(&p->script, vs_sketch_scale(m->k, m->column).label);
+  vs_gnuplot_quoted(&p->script, vs_study_plot_scale(m->k, m->column).label);
   vs_gnuplot_add(&p->script, " offset 1.5,0"); /* letters that grow on narrow pages have room */
   if (least > 0 && largest > MOST_EVEN * least) vs_gnuplot_add(&p->script, "\nset logscale cb");
   vs_gnuplot_add(&p->script, "\nset colorbox user origin 0.81,0.15 size 0.025,0.72\nset rmargin "
@@ -223,7 +225,7 @@ static void add_colours(const map *m, vs_picture *p) {
 
 /* Where there are more than two axes, says in the caption which of its cases a cell shows. */
 static void add_title(const map *m, vs_picture *p) {
-  const vs_sketch *k = m->k;
+  const vs_study_plot *k = m->k;
   vs_text what = {0};
   vs_text_add(&what, "%s", "");
   if (k->n_axes > 2) {
@@ -232,7 +234,7 @@ static void add_title(const map *m, vs_picture *p) {
       if (k->axis[a] != m->x.column && k->axis[a] != m->y.column)
         vs_text_add(&what, "%s%s", n++ ? ", " : "", k->t->column[k->axis[a]].name);
   }
-  vs_sketch_title(k, m->column, what.text, p);
+  vs_study_plot_title(k, m->column, what.text, p);
   vs_text_free(&what);
   if (m->x.each > 1 || m->y.each > 1)
     vs_text_add(&p->caption, "A cell holds %zu by %zu values of its axes. ", m->x.each, m->y.each);
@@ -245,7 +247,7 @@ static bool has_holes(const map *m) {
 }
 
 static void add_map(const map *m, vs_picture *p) {
-  double limit = vs_sketch_limit(m->k, m->column);
+  double limit = vs_study_plot_limit(m->k, m->column);
   vs_gnuplot_add(&p->script, "set xrange [%.9g:%.9g]\nset yrange [%.9g:%.9g]\n", m->x.edge[0],
                  m->x.edge[m->x.cells], m->y.edge[0], m->y.edge[m->y.cells]);
   add_colours(m, p);
@@ -257,7 +259,7 @@ static void add_map(const map *m, vs_picture *p) {
       "fs solid noborder behind\nunset grid\nset tics out nomirror\nset key tmargin right "
       "samplen 2\n"
       "plot $cells using 1:2:3:4:5:6:7 with boxxyerror fs solid noborder lc palette");
-  const char *unit = vs_sketch_scale(m->k, m->column).unit;
+  const char *unit = vs_study_plot_scale(m->k, m->column).unit;
   if (met) {
     vs_text line = {0};
     vs_text_add(&line, "%s %.4g %s", m->margin ? "margin" : "limit", limit, unit);
@@ -277,14 +279,14 @@ static void add_map(const map *m, vs_picture *p) {
   if (has_holes(m)) vs_text_add(&p->caption, "Grey: no case, or one that failed. ");
 }
 
-static vs_status draw_map(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
+static vs_status draw_map(const vs_study_plot *k, size_t column, vs_picture *p, vs_error *err) {
   map m;
   vs_status status = make_map(&m, k, column, err);
   add_title(&m, p);
   p->width = 720;
   p->height = 520;
-  vs_sketch_begin(k, m.x.column, column, p);
-  vs_sketch_axis(k, m.y.column, 'y', &p->script);
+  vs_study_plot_begin(k, m.x.column, column, p);
+  vs_study_plot_axis(k, m.y.column, 'y', &p->script);
   add_map(&m, p);
   free(m.z);
   return status;

@@ -3,7 +3,7 @@
 #ifndef VS_REPORT_MAP_H
 #define VS_REPORT_MAP_H
 
-#include "plot/sketch.h"
+#include "plot/study_plot.h"
 
 /* A field on the points of a grid. */
 typedef struct vs_field_grid {

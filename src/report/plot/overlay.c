@@ -15,7 +15,7 @@
 #include "base/tree.h"
 #include "base/units.h"
 #include "engine/step.h"
-#include "plant/blueprint.h"
+#include "plant/machine_file.h"
 
 enum { MOST_COLUMNS = VS_CH_MOST + 1, LONGEST_UNIT = 8 };
 
@@ -80,7 +80,7 @@ static void ask_machine(reader *r, const char *name) {
   vs_machine *machine = vs_alloc(1, sizeof *machine);
   vs_machine_begin(machine);
   if (!vs_path_find(&vs_machine_shelf, name, (vs_where){0}, path, &unread))
-    vs_blueprint_read(path, machine, &unread);
+    vs_machine_file_read(path, machine, &unread);
   const vs_model model = {.machine = machine, .dof = machine->dof};
   const vs_frame frame = {.model = &model};
   int numbers[VS_CH_MOST], count = vs_channel_listed(&frame, numbers);

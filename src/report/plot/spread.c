@@ -78,11 +78,12 @@ static void add_percentiles(const double *v, size_t n, const char *unit, vs_pict
   vs_text_add(&p->caption, ". ");
 }
 
-static void add_histogram(const vs_sketch *k, size_t column, double *v, size_t n, vs_picture *p) {
+static void add_histogram(const vs_study_plot *k, size_t column, double *v, size_t n,
+                          vs_picture *p) {
   bool margin = k->t->column[column].role == VS_ROLE_MARGIN;
-  double limit = vs_sketch_limit(k, column);
-  vs_sketch_range(k, column, 'x', false, p);
-  add_percentiles(v, n, vs_sketch_scale(k, column).unit, p);
+  double limit = vs_study_plot_limit(k, column);
+  vs_study_plot_range(k, column, 'x', false, p);
+  add_percentiles(v, n, vs_study_plot_scale(k, column).unit, p);
   const vs_bins bins = vs_spread_bins(v, n, limit);
   add_bins(&p->script, &bins, n);
   vs_gnuplot_add(&p->script, "set ylabel 'share of cases / %%'\nset yrange [0:*]\n"
@@ -96,19 +97,20 @@ static void add_histogram(const vs_sketch *k, size_t column, double *v, size_t n
   if (margin) vs_text_add(&p->caption, "Left of 0, in orange: a rating is violated. ");
 }
 
-static vs_status draw_histogram(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
+static vs_status draw_histogram(const vs_study_plot *k, size_t column, vs_picture *p,
+                                vs_error *err) {
   vs_dots s;
-  vs_sketch_title(k, column, ": how it is spread", p);
+  vs_study_plot_title(k, column, ": how it is spread", p);
   p->width = 720;
   p->height = 470;
   p->labels_above = true;
-  vs_sketch_begin(k, column, column, p);
+  vs_study_plot_begin(k, column, column, p);
   vs_gnuplot_add(&p->script, "unset logscale x\nset rmargin 10\n"); /* a percentile's label */
-  vs_status status = vs_sketch_dots_load(k, 0, column, &s, err);
+  vs_status status = vs_study_plot_dots_load(k, 0, column, &s, err);
   size_t n = s.count;
   double *v = vs_alloc(n, sizeof *v);
   for (size_t i = 0; i < n; i++) v[i] = s.item[i].y;
-  vs_sketch_dots_free(&s);
+  vs_study_plot_dots_free(&s);
   qsort(v, n, sizeof *v, compare_rising);
   if (!status && n) add_histogram(k, column, v, n, p);
   free(v);
@@ -124,7 +126,7 @@ const vs_chart vs_spread_histogram = {.name = "histogram", .draw = draw_histogra
 enum { MOST_BARS = 32 };
 
 typedef struct chosen {
-  const vs_sketch *k;
+  const vs_study_plot *k;
   size_t column, n;
   vs_kept kept[MOST_BARS];
 } chosen;
@@ -135,12 +137,12 @@ static vs_status choose_corner(void *ctx, const vs_folder_row *row, vs_error *er
   (void)err;
   if (!vs_folder_number(row->cell[c->column], &y) || isnan(y)) return VS_OK;
   bool margin = c->k->t->column[c->column].role == VS_ROLE_MARGIN;
-  vs_survey_keep(c->kept, &c->n, MOST_BARS, margin ? y : -fabs(y), row);
+  vs_study_results_keep(c->kept, &c->n, MOST_BARS, margin ? y : -fabs(y), row);
   return VS_OK;
 }
 
 /* Says at which end of its range each axis is: "+−+". */
-static void add_corner(const vs_sketch *k, char **cell, vs_text *label) {
+static void add_corner(const vs_study_plot *k, char **cell, vs_text *label) {
   vs_text_add(label, "case %s  ", cell[0]);
   for (size_t a = 0; a < k->n_axes; a++) {
     const vs_profile *p = &k->s->profile[k->axis[a]];
@@ -155,7 +157,7 @@ static void add_corner(const vs_sketch *k, char **cell, vs_text *label) {
 }
 
 static void add_bars(const chosen *c, vs_picture *p) {
-  double factor = vs_sketch_scale(c->k, c->column).factor, y;
+  double factor = vs_study_plot_scale(c->k, c->column).factor, y;
   vs_gnuplot_add(&p->script, "set ytics (");
   for (size_t n = 0; n < c->n; n++) {
     vs_text label = {0};
@@ -180,21 +182,21 @@ static void add_bars(const chosen *c, vs_picture *p) {
       vs_scale_colour_good, margin ? vs_scale_colour_bad : vs_scale_colour_good);
 }
 
-static vs_status draw_bars(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
+static vs_status draw_bars(const vs_study_plot *k, size_t column, vs_picture *p, vs_error *err) {
   chosen c = {.k = k, .column = column};
   vs_status status = vs_folder_each(k->t, choose_corner, &c, err);
-  vs_sketch_title(k, column, " at the corners", p);
+  vs_study_plot_title(k, column, " at the corners", p);
   p->width = 720;
   p->height = 120 + 24 * (int)c.n;
-  vs_sketch_begin(k, column, column, p);
-  vs_sketch_range(k, column, 'x', true, p);
+  vs_study_plot_begin(k, column, column, p);
+  vs_study_plot_range(k, column, 'x', true, p);
   if ((size_t)k->s->rows > c.n) vs_text_add(&p->caption, "The %zu worst of %ld. ", c.n, k->s->rows);
   vs_text_add(&p->caption, "−, +: the axis at its least, its largest value; in the order ");
   for (size_t a = 0; a < k->n_axes; a++)
     vs_text_add(&p->caption, "%s%s", a ? ", " : "", k->t->column[k->axis[a]].name);
   vs_text_add(&p->caption, ". ");
   if (c.n) add_bars(&c, p);
-  vs_survey_kept_free(c.kept, c.n, k->t->count);
+  vs_study_results_kept_free(c.kept, c.n, k->t->count);
   return status;
 }
 
@@ -205,7 +207,7 @@ const vs_chart vs_spread_bars = {.name = "bars", .draw = draw_bars};
 /* ---- what moves it ---- */
 
 typedef struct moments {
-  const vs_sketch *k;
+  const vs_study_plot *k;
   size_t column;
   long n[VS_STUDY_COLUMNS]; /* by column, as all that follow; running means and products */
   double x[VS_STUDY_COLUMNS], y[VS_STUDY_COLUMNS];
@@ -243,8 +245,8 @@ static int by_strength(const void *a, const void *b) {
 }
 
 /* The strongest influences on the column, the first of them the strongest; *count of them. */
-static vs_status find_influences(const vs_sketch *k, size_t column, influence all[VS_STUDY_COLUMNS],
-                                 size_t *count, vs_error *err) {
+static vs_status find_influences(const vs_study_plot *k, size_t column,
+                                 influence all[VS_STUDY_COLUMNS], size_t *count, vs_error *err) {
   moments *m = vs_alloc(1, sizeof *m);
   size_t n = 0;
   m->k = k;
@@ -261,7 +263,8 @@ static vs_status find_influences(const vs_sketch *k, size_t column, influence al
   return status;
 }
 
-static vs_status draw_influence(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
+static vs_status draw_influence(const vs_study_plot *k, size_t column, vs_picture *p,
+                                vs_error *err) {
   influence all[VS_STUDY_COLUMNS];
   size_t n;
   vs_status status = find_influences(k, column, all, &n, err);
@@ -272,7 +275,7 @@ static vs_status draw_influence(const vs_sketch *k, size_t column, vs_picture *p
   vs_text_add(&p->title, "What moves %s", k->t->column[column].name);
   vs_text_add(&p->caption, "Linear correlation with each axis, over all cases: 1 or -1 where it "
                            "alone decides, 0 where it has no part that is linear. ");
-  vs_sketch_begin(k, 0, column, p);
+  vs_study_plot_begin(k, 0, column, p);
   vs_gnuplot_add(
       &p->script,
       "unset key\nset xlabel 'correlation'\nset xrange [-1:1]\nset grid noytics\nset ytics (");
@@ -292,7 +295,7 @@ static vs_status draw_influence(const vs_sketch *k, size_t column, vs_picture *p
   return status;
 }
 
-static bool fits_influence(const vs_sketch *k) {
+static bool fits_influence(const vs_study_plot *k) {
   return k->n_axes > 0;
 }
 
@@ -304,7 +307,7 @@ const vs_chart vs_spread_influence = {
 /* ---- one axis among many ---- */
 
 typedef struct effects {
-  const vs_sketch *k;
+  const vs_study_plot *k;
   size_t axis, column;
   struct {
     double least, largest, sum;
@@ -316,7 +319,7 @@ static vs_status add_effect(void *ctx, const vs_folder_row *row, vs_error *err) 
   effects *e = ctx;
   double y;
   (void)err;
-  long k = vs_survey_index(&e->k->s->profile[e->axis], row->cell[e->axis]);
+  long k = vs_study_results_index(&e->k->s->profile[e->axis], row->cell[e->axis]);
   if (k < 0 || !vs_folder_number(row->cell[e->column], &y) || isnan(y)) return VS_OK;
   e->at[k].least = e->at[k].n ? fmin(e->at[k].least, y) : y;
   e->at[k].largest = e->at[k].n ? fmax(e->at[k].largest, y) : y;
@@ -328,8 +331,8 @@ static vs_status add_effect(void *ctx, const vs_folder_row *row, vs_error *err) 
 /* The data, least, mean and largest at each value of the axis, and the script to plot them. */
 static void add_effects(const effects *e, vs_picture *p) {
   const vs_profile *profile = &e->k->s->profile[e->axis];
-  const double x_factor = vs_sketch_scale(e->k, e->axis).factor,
-               factor = vs_sketch_scale(e->k, e->column).factor;
+  const double x_factor = vs_study_plot_scale(e->k, e->axis).factor,
+               factor = vs_study_plot_scale(e->k, e->column).factor;
   vs_gnuplot_add(&p->script, "$e << EOD\n");
   for (size_t i = 0; i < profile->count; i++)
     if (e->at[i].n)
@@ -348,11 +351,11 @@ static void add_effects(const effects *e, vs_picture *p) {
 }
 
 /* With one or two axes and nothing random, other pictures show all there is. */
-static bool fits_effect(const vs_sketch *k) {
+static bool fits_effect(const vs_study_plot *k) {
   return k->n_axes > 2 || vs_folder_is_sampled(k->t);
 }
 
-static vs_status draw_effect(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
+static vs_status draw_effect(const vs_study_plot *k, size_t column, vs_picture *p, vs_error *err) {
   const size_t axis = k->one;
   effects *e = vs_alloc(1, sizeof *e);
   e->k = k;
@@ -362,9 +365,9 @@ static vs_status draw_effect(const vs_sketch *k, size_t column, vs_picture *p, v
   vs_text_add(&p->title, "%s over %s, all else as it may be", k->t->column[column].name,
               k->t->column[axis].name);
   snprintf(p->name, sizeof p->name, "over_%.200s", k->t->column[axis].title);
-  vs_sketch_begin(k, axis, column, p);
-  vs_sketch_axis(k, column, 'y', &p->script);
-  vs_sketch_range(k, column, 'y', false, p);
+  vs_study_plot_begin(k, axis, column, p);
+  vs_study_plot_axis(k, column, 'y', &p->script);
+  vs_study_plot_range(k, column, 'y', false, p);
   add_effects(e, p);
   free(e);
   return status;

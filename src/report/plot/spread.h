@@ -3,7 +3,7 @@
 #ifndef VS_REPORT_SPREAD_H
 #define VS_REPORT_SPREAD_H
 
-#include "plot/sketch.h"
+#include "plot/study_plot.h"
 
 /* Returns the percentile of a rising list by linear interpolation between its values, which is type
  * 7 of Hyndman and Fan (The American Statistician, 1996). NaN: the list is empty. For tests. */

@@ -12,16 +12,16 @@ enum {
   CROWD = 8         /* among more moments than these, words of a kind stand once */
 };
 
-static double time_scale(const vs_stretch *s) {
+static double time_scale(const vs_time_window *s) {
   return s->to_s <= 2 ? 1e3 : 1;
 }
 
-static bool is_shown(const vs_stretch *s, const vs_moment *m) {
+static bool is_shown(const vs_time_window *s, const vs_moment *m) {
   return m->at_s >= s->from_s && m->at_s <= s->to_s;
 }
 
 /* True where a moment with the same words was marked before, and there are many moments. */
-static bool is_repeated(const vs_stretch *s, const vs_moments *m, size_t k) {
+static bool is_repeated(const vs_time_window *s, const vs_moments *m, size_t k) {
   size_t shown = 0;
   bool before = false;
   for (size_t other = 0; other < m->count; other++) {
@@ -34,11 +34,11 @@ static bool is_repeated(const vs_stretch *s, const vs_moments *m, size_t k) {
 
 /* The lines of one run's moments, and where `words` is not 0 what they are: down that many strips.
  */
-static void add_moments(const vs_stretch *s, size_t run, int words, vs_script *script) {
+static void add_moments(const vs_time_window *s, size_t run, int words, vs_script *script) {
   const vs_moments *m = &s->run[run].moments;
   double scale = time_scale(s), last = -INFINITY, room = (s->to_s - s->from_s) / APART;
   int lines = 0;
-  const int room_pixels = words * VS_STRETCH_HEIGHT;
+  const int room_pixels = words * VS_TIME_WINDOW_HEIGHT;
   for (size_t k = 0; k < m->count && lines < MOST_LINES; k++) {
     const vs_moment *now = &m->item[k];
     if (!is_shown(s, now)) continue;
@@ -47,7 +47,7 @@ static void add_moments(const vs_stretch *s, size_t run, int words, vs_script *s
                    "set arrow from first %.9g, graph 0 to first %.9g, graph 1 nohead lc rgb %s lw "
                    "%.1f dt 3 back\n",
                    scale * now->at_s, scale * now->at_s,
-                   s->runs > 1 ? vs_stretch_colour(run) : "#808080", now->is_event ? 1.8 : 0.9);
+                   s->runs > 1 ? vs_time_window_colour(run) : "#808080", now->is_event ? 1.8 : 0.9);
     if (!words || (!now->is_event && (now->at_s - last < room || is_repeated(s, m, k)))) continue;
     last = now->at_s;
     vs_gnuplot_add(script, "set label ");
@@ -60,7 +60,7 @@ static void add_moments(const vs_stretch *s, size_t run, int words, vs_script *s
 }
 
 /* The first strip has the words, the last one the axis of time; one that stands alone has both. */
-static void add_strip(const vs_stretch *s, int probe, bool alone, vs_script *script) {
+static void add_strip(const vs_time_window *s, int probe, bool alone, vs_script *script) {
   const vs_probe_shown *p = &s->probes.item[probe];
   bool legend = s->runs > 1 && (alone || !probe);
   vs_gnuplot_add(script, "unset label\nunset arrow\n");
@@ -78,24 +78,25 @@ static void add_strip(const vs_stretch *s, int probe, bool alone, vs_script *scr
     vs_gnuplot_add(script, r ? ", " : "");
     vs_gnuplot_path(script, t->drawn);
     vs_gnuplot_add(script, " using ($1*%g):($%d*%g) skip 1 with lines lc rgb %s lw 1.2 title ",
-                   time_scale(s), vs_traces_find(t, p->column) + 1, p->scale, vs_stretch_colour(r));
+                   time_scale(s), vs_traces_find(t, p->column) + 1, p->scale,
+                   vs_time_window_colour(r));
     vs_gnuplot_quoted(script, s->run[r].folder);
   }
   vs_gnuplot_add(script, "\n");
 }
 
-void vs_strips_add(const vs_stretch *s, vs_script *script) {
+void vs_strips_add(const vs_time_window *s, vs_script *script) {
   double scale = time_scale(s);
-  vs_stretch_begin(script);
+  vs_time_window_begin(script);
   vs_gnuplot_add(script, "set multiplot layout %d,1\nset xrange [%.9g:%.9g]\n", s->probes.count,
                  scale * s->from_s, scale * s->to_s);
   for (int k = 0; k < s->probes.count; k++) add_strip(s, k, false, script);
   vs_gnuplot_add(script, "unset multiplot\n");
 }
 
-void vs_strips_one(const vs_stretch *s, int probe, vs_script *script) {
+void vs_strips_one(const vs_time_window *s, int probe, vs_script *script) {
   double scale = time_scale(s);
-  vs_stretch_begin(script);
+  vs_time_window_begin(script);
   vs_gnuplot_add(script, "set xrange [%.9g:%.9g]\n", scale * s->from_s, scale * s->to_s);
   add_strip(s, probe, true, script);
 }

@@ -3,13 +3,13 @@
 #ifndef VS_REPORT_STRIPS_H
 #define VS_REPORT_STRIPS_H
 
-#include "plot/stretch.h"
+#include "plot/time_window.h"
 
 /* Adds the strips to a script for gnuplot. Moments of the first run have their words beside their
  * lines, as far as there is room; those of the others have lines in their colour. */
-void vs_strips_add(const vs_stretch *stretch, vs_script *script);
+void vs_strips_add(const vs_time_window *stretch, vs_script *script);
 
 /* Adds one probe's strip alone, as a picture of its own. */
-void vs_strips_one(const vs_stretch *stretch, int probe, vs_script *script);
+void vs_strips_one(const vs_time_window *stretch, int probe, vs_script *script);
 
 #endif

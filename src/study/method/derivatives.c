@@ -11,7 +11,7 @@
 
 #include <stdlib.h>
 
-#include "headings.h"
+#include "report_columns.h"
 
 enum { MOST = VS_PLAN_COLUMNS / 2 };
 
@@ -56,7 +56,7 @@ static vs_status read_derivatives(vs_plan *plan, const vs_node *section, void **
   if (!status) status = read_names(section, "of", d->of, &d->order.n_of, err);
   if (!status) status = read_names(section, "to", d->to, &d->order.n_to, err);
   if (!status) status = vs_sensitivity_check(plan->base, &d->order, err);
-  return status ? status : vs_headings_derive(plan, &d->order, section->where, err);
+  return status ? status : vs_report_columns_derive(plan, &d->order, section->where, err);
 }
 
 static uint64_t count_one(const vs_plan *plan, const vs_plan_stage *stage) {

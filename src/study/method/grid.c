@@ -33,7 +33,7 @@ static vs_status read_grid(vs_plan *plan, const vs_node *section, void **state, 
     vs_axis *axis = NULL;
     status = vs_plan_axis(plan, node, "vary", &axis, err);
     if (!status) status = vs_axis_values(axis, node, err);
-    status = vs_error_carry_on(err, status);
+    status = vs_error_keep(err, status);
   }
   return status;
 }
@@ -142,7 +142,7 @@ static vs_status read_list_rows(reader *c, vs_error *err) {
   while (!status && !(status = vs_csv_next(&c->csv, err)) && c->csv.count) {
     bool header = !c->columns;
     status = read_list_row(c, err);
-    if (!header) status = vs_error_carry_on(err, status);
+    if (!header) status = vs_error_keep(err, status);
   }
   return status;
 }

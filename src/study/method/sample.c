@@ -69,7 +69,7 @@ static vs_status read_spread(vs_plan *plan, const vs_node *section, double sigma
     vs_axis *axis;
     status = vs_plan_axis(plan, node, "sample", &axis, err);
     if (!status) status = vs_span_read(axis, node, sigmas, err);
-    status = vs_error_carry_on(err, status);
+    status = vs_error_keep(err, status);
   }
   return status;
 }
@@ -128,7 +128,7 @@ static vs_status read_correlation(vs_plan *plan, const vs_node *section, size_t 
   double *matrix = vs_alloc(n * n + 1, sizeof *matrix);
   for (size_t k = 0; k < n; k++) matrix[k * n + k] = 1;
   for (const vs_node *pair = list->child; pair && !status; pair = pair->next)
-    status = vs_error_carry_on(err, read_pair(plan, first, pair, matrix, err));
+    status = vs_error_keep(err, read_pair(plan, first, pair, matrix, err));
   if (!status && n && !(s->correlation = vs_random_correlation(n, matrix)))
     status = vs_fail_at(err, list->where,
                         "sample.correlation: no numbers can be correlated like this (the matrix is "
@@ -146,15 +146,14 @@ static vs_status read_numbers(vs_plan *plan, const vs_node *section, sample *s, 
   char why[256];
   s->n = 256;
   *sigmas = 3;
-  vs_status status =
-      vs_error_carry_on(err, vs_axis_whole(section, "n", 1, VS_PLAN_CASES, &s->n, err));
+  vs_status status = vs_error_keep(err, vs_axis_whole(section, "n", 1, VS_PLAN_CASES, &s->n, err));
   if (!status)
-    status = vs_error_carry_on(
-        err, vs_axis_whole(section, "seed", 0, UINT64_MAX >> 12, &plan->seed, err));
+    status =
+        vs_error_keep(err, vs_axis_whole(section, "seed", 0, UINT64_MAX >> 12, &plan->seed, err));
   if (status) return status;
   if (corners && vs_tree_child(section, "n"))
-    status = vs_error_carry_on(err, vs_fail_at(err, vs_tree_child(section, "n")->key_where,
-                                               "sample.n: there are as many corners as there are"));
+    status = vs_error_keep(err, vs_fail_at(err, vs_tree_child(section, "n")->key_where,
+                                           "sample.n: there are as many corners as there are"));
   if (!node || status) return status;
   if (node->kind != VS_NODE_TEXT || !vs_units_read(node->text, "", sigmas, why, sizeof why) ||
       !(*sigmas > 0 && *sigmas <= 10))

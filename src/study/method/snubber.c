@@ -28,9 +28,9 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "base/units.h"
-#include "headings.h"
 #include "method/search.h"
 #include "method/span.h"
+#include "report_columns.h"
 
 enum { PER_AXIS = 80, MOST_CANDIDATES = 10000, RATINGS = 16 };
 
@@ -91,8 +91,8 @@ static vs_status read_ratings(vs_plan *plan, const vs_node *section, snubber *s,
                           RATINGS);
     else
       s->ratings[s->n_ratings++] =
-          (rating){node, vs_headings_column(plan, node->key, node->where), NAN};
-    status = vs_error_carry_on(err, status);
+          (rating){node, vs_report_columns_add(plan, node->key, node->where), NAN};
+    status = vs_error_keep(err, status);
   }
   return status;
 }
@@ -114,7 +114,7 @@ static vs_status read_prices(vs_plan *plan, const vs_node *section, snubber *s, 
     snprintf(measure, sizeof measure, "%s.%s", name + 1, c ? "v_peak" : "power");
     if (strlen(measure) >= VS_JUDGED_NAME)
       return vs_fail_at(err, axis->where, "snubber: the name is too long");
-    s->prices[s->n_design] = (price){vs_headings_column(plan, measure, axis->where),
+    s->prices[s->n_design] = (price){vs_report_columns_add(plan, measure, axis->where),
                                      c ? vs_units_factor(axis->unit) : 0};
   }
   if (s->n_design) return VS_OK;
@@ -139,16 +139,15 @@ static vs_status read_snubber(vs_plan *plan, const vs_node *section, void **stat
   for (size_t p = 0; p < plan->n_stages; p++)
     if (plan->stages[p].method->uncertain) s->sample = &plan->stages[p];
   vs_status status = vs_field_outline_keys(section, "snubber", KEYS, err);
-  if (!status) status = vs_error_carry_on(err, read_ratings(plan, section, s, err));
+  if (!status) status = vs_error_keep(err, read_ratings(plan, section, s, err));
+  if (!status) status = vs_error_keep(err, read_part_of_one(section, "margin", 1, &s->margin, err));
   if (!status)
-    status = vs_error_carry_on(err, read_part_of_one(section, "margin", 1, &s->margin, err));
+    status = vs_error_keep(err, read_part_of_one(section, "finest", 0.1, &s->finest, err));
   if (!status)
-    status = vs_error_carry_on(err, read_part_of_one(section, "finest", 0.1, &s->finest, err));
+    status = vs_error_keep(err, vs_axis_whole(section, "n", 1, MOST_CANDIDATES, &s->n, err));
   if (!status)
-    status = vs_error_carry_on(err, vs_axis_whole(section, "n", 1, MOST_CANDIDATES, &s->n, err));
-  if (!status)
-    status = vs_error_carry_on(
-        err, vs_axis_whole(section, "seed", 0, UINT64_MAX >> 12, &plan->seed, err));
+    status =
+        vs_error_keep(err, vs_axis_whole(section, "seed", 0, UINT64_MAX >> 12, &plan->seed, err));
   return status ? status : read_prices(plan, section, s, err);
 }
 
@@ -179,7 +178,7 @@ static vs_status ready_snubber(const vs_plan *plan, const vs_plan_stage *stage, 
   snubber *s = stage->state;
   vs_status status = VS_OK;
   for (size_t k = 0; k < s->n_ratings && !status; k++)
-    status = vs_error_carry_on(err, take_limit(plan, &s->ratings[k], err));
+    status = vs_error_keep(err, take_limit(plan, &s->ratings[k], err));
   return status;
 }
 

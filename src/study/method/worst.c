@@ -20,9 +20,9 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "base/units.h"
-#include "headings.h"
 #include "method/search.h"
 #include "method/span.h"
+#include "report_columns.h"
 
 enum { PER_AXIS = 100, MOST_CASES = 100000 };
 
@@ -57,7 +57,7 @@ static vs_status read_aim(vs_plan *plan, const vs_node *section, worst *w, vs_er
                       "find.worst: 'max MEASURE' or 'min MEASURE' is wanted, for example 'max "
                       "thyristor.v_reverse'");
   snprintf(w->measure, sizeof w->measure, "%s", measure);
-  w->column = vs_headings_column(plan, w->measure, node->where);
+  w->column = vs_report_columns_add(plan, w->measure, node->where);
   return VS_OK;
 }
 
@@ -74,19 +74,18 @@ static vs_status read_worst(vs_plan *plan, const vs_node *section, void **state,
   char why[256];
   w->finest = 1e-3;
   vs_status status = vs_field_outline_keys(section, "find", KEYS, err);
-  if (!status) status = vs_error_carry_on(err, read_aim(plan, section, w, err));
+  if (!status) status = vs_error_keep(err, read_aim(plan, section, w, err));
+  if (!status) status = vs_error_keep(err, vs_axis_whole(section, "n", 1, MOST_CASES, &w->n, err));
   if (!status)
-    status = vs_error_carry_on(err, vs_axis_whole(section, "n", 1, MOST_CASES, &w->n, err));
-  if (!status)
-    status = vs_error_carry_on(
-        err, vs_axis_whole(section, "seed", 0, UINT64_MAX >> 12, &plan->seed, err));
+    status =
+        vs_error_keep(err, vs_axis_whole(section, "seed", 0, UINT64_MAX >> 12, &plan->seed, err));
   if (!status && finest &&
       (finest->kind != VS_NODE_TEXT ||
        !vs_units_read(finest->text, "", &w->finest, why, sizeof why) ||
        !(w->finest >= 1e-9 && w->finest <= 0.1)))
-    status = vs_error_carry_on(
-        err, vs_fail_at(err, finest->where,
-                        "find.finest: a part of each axis is wanted, 1e-9 to 10 %%"));
+    status =
+        vs_error_keep(err, vs_fail_at(err, finest->where,
+                                      "find.finest: a part of each axis is wanted, 1e-9 to 10 %%"));
   if (!status && !plan->n_axes)
     status = vs_fail_at(err, section->where,
                         "find: nowhere to look; name axes under vary or sample.spread");

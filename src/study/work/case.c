@@ -132,10 +132,10 @@ static vs_value find_value(vs_case *c, size_t k) {
     return (vs_value){!isnan(e->value), derivative < 0 ? e->error : e->value, NAN};
   }
   const char *name = c->plan->columns[k].name;
-  const vs_atwork of = {&c->result->scene->frame, c->result, c->steady};
-  vs_shown m;
-  if (vs_atwork_at(&of, c->shown[k], &m) && !strcmp(m.name, name)) return m.value;
-  for (int n = 0; vs_atwork_at(&of, n, &m); n++)
+  const vs_orbit_columns of = {&c->result->scene->frame, c->result, c->steady};
+  vs_listed_measure m;
+  if (vs_orbit_columns_at(&of, c->shown[k], &m) && !strcmp(m.name, name)) return m.value;
+  for (int n = 0; vs_orbit_columns_at(&of, n, &m); n++)
     if (!strcmp(m.name, name)) {
       c->shown[k] = n;
       return m.value;
@@ -319,13 +319,14 @@ static void discard_attempt(void *ctx, const char *failed, int next) {
 static vs_status judge_orbit(const vs_case *c, vs_error *err) {
   const vs_orbit *orbit = &c->steady->orbit;
   for (size_t k = 0; k < c->plan->n_columns; k++)
-    if (!strcmp(c->plan->columns[k].name, VS_ATWORK_STABLE) && c->plan->columns[k].where.file)
+    if (!strcmp(c->plan->columns[k].name, VS_ORBIT_COLUMNS_STABLE) &&
+        c->plan->columns[k].where.file)
       return VS_OK;
   if (orbit->stable || !vs_steady_is_judged(c->steady)) return VS_OK;
   return vs_fail(err, VS_RUN,
                  "the orbit is unstable: its largest multiplier has the size %.6g, so the machine "
                  "does not stay on it; report: [%s, ...] has it in the table nevertheless",
-                 hypot(orbit->multiplier[0].re, orbit->multiplier[0].im), VS_ATWORK_STABLE);
+                 hypot(orbit->multiplier[0].re, orbit->multiplier[0].im), VS_ORBIT_COLUMNS_STABLE);
 }
 
 /* Completes the measures of the orbit behind its run. */
@@ -368,11 +369,11 @@ static const vs_measure_set *find_wants(vs_case *c) {
  * result; the axes' cells are the plan's own numbers (begin_row), not read back from the scene. */
 static vs_status run_scene(vs_case *c, vs_text *row, vs_error *err) {
   keeper k = {.c = c};
-  const vs_guest guest = {.ctx = &k,
-                          .begin = begin_run_of_case,
-                          .accept = accept_step_of_case,
-                          .again = discard_attempt,
-                          .late = true};
+  const vs_session_listener guest = {.ctx = &k,
+                                     .begin = begin_run_of_case,
+                                     .accept = accept_step_of_case,
+                                     .again = discard_attempt,
+                                     .late = true};
   const vs_session session = {.guest = c->keep || c->steady ? &guest : NULL,
                               .wants = find_wants(c),
                               .verify_edges = true,
@@ -393,7 +394,7 @@ static vs_status run_scene(vs_case *c, vs_text *row, vs_error *err) {
 }
 
 /* Reads the scene with the case's keys put over it. The first case reads all of the scene; a later
- * one reads again only what its keys change (vs_scene_again). An axis' value goes into the scene's
+ * one reads again only what its keys change (vs_scene_reread). An axis' value goes into the scene's
  * tree as text with its unit, so that a key means the same in a study as in the scene's file. */
 static vs_status read_scene_of_case(vs_case *c, vs_error *err) {
   const vs_plan *plan = c->plan;
@@ -406,8 +407,8 @@ static vs_status read_scene_of_case(vs_case *c, vs_error *err) {
   for (size_t k = 0; k < plan->n_axes && !status; k++)
     vs_axis_put(&plan->axes[k], c->present.point[k], &c->scene->tree);
   if (status) return status;
-  status = again ? vs_scene_again(c->scene, err) : vs_scene_settle(c->scene, NULL, err);
-  if (!status && plan->periods) vs_scene_hold(c->scene);
+  status = again ? vs_scene_reread(c->scene, err) : vs_scene_read_sections(c->scene, NULL, err);
+  if (!status && plan->periods) vs_scene_disable_control(c->scene);
   return status;
 }
 

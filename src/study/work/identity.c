@@ -133,7 +133,7 @@ static vs_status update_section_of_id(vs_identity *identity, int index, const vs
 static void add_events(const vs_events *events, vs_text *text) {
   static const char *const OUT[] = {"at", "cycle", "angle", NULL};
   for (size_t k = 0; k < events->count; k++) {
-    const vs_occurrence *e = &events->item[k];
+    const vs_scene_event *e = &events->item[k];
     vs_json_string(text, e->name);
     vs_text_add(text, " at %.12g\n", e->start_s);
     for (size_t f = 0; f < e->kind->n_fields; f++)

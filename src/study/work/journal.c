@@ -19,7 +19,7 @@
 #include "base/path.h"
 #include "base/text.h"
 #include "study/plan.h"
-#include "work/bits.h"
+#include "work/platform.h"
 
 /* ---- locks ---- */
 
@@ -225,7 +225,7 @@ static void make_room_for_cases(vs_journal *j, uint64_t cases) {
 
 /* Makes room for all cases of a study that this process begins, whose count comes from its plan. */
 static void reserve_places(vs_journal *j) {
-  const vs_head *h = &j->head;
+  const vs_journal_head *h = &j->head;
   if (h->cases) make_room_for_cases(j, (h->cases + h->shards - h->shard) / h->shards);
 }
 
@@ -244,21 +244,22 @@ vs_status vs_journal_remove(const char *folder, vs_error *err) {
 /* Adds the line that says on what the rows behind it were made. */
 static void say_bits(vs_journal *j, vs_text *to) {
   if (j->says_bits) return;
-  vs_head_line(to, 'm', vs_bits_here(), strlen(vs_bits_here()));
-  vs_bits_add(&j->bits, vs_bits_here());
+  vs_journal_head_line(to, 'm', vs_platform_here(), strlen(vs_platform_here()));
+  vs_platform_add(&j->bits, vs_platform_here());
   j->says_bits = true;
 }
 
-vs_status vs_journal_create(vs_journal *j, const char *folder, vs_head *head, vs_error *err) {
+vs_status vs_journal_create(vs_journal *j, const char *folder, vs_journal_head *head,
+                            vs_error *err) {
   vs_file file = {0};
   vs_text text = {0};
   *j = (vs_journal){.fd = -1, .folder = -1, .head = *head};
   j->part = lines_part_new();
-  *head = (vs_head){0};
+  *head = (vs_journal_head){0};
   name_journal(j, folder);
   vs_status status = lock_folder(folder, j->path, &j->folder, err);
   if (!status) status = vs_file_open(&file, folder, NAME, err);
-  vs_head_print(&text, &j->head);
+  vs_journal_head_print(&text, &j->head);
   say_bits(j, &text);
   if (!status) {
     fputs(text.text, file.stream);
@@ -274,7 +275,7 @@ vs_status vs_journal_create(vs_journal *j, const char *folder, vs_head *head, vs
 }
 
 /* False where a study cannot have written that case at byte `at`, so that no memory is taken for
- * it. Cases may be done out of order by as many as all workers have at a time (VS_DESK_TASKS
+ * it. Cases may be done out of order by as many as all workers have at a time (VS_TASK_PIPE_MOST
  * each, of at most 4096 workers); the others have their lines before it, which are longer than
  * SHORTEST_LINE. */
 static bool is_in_reach(const vs_journal *j, uint64_t index, uint64_t at) {
@@ -289,21 +290,21 @@ static vs_status refuse_row(const vs_journal *j, const line_entry *e, size_t at,
   return vs_fail_at(err, where, "%s; this record is of no study, or was changed", why);
 }
 
-static vs_status read_journal_row(vs_journal *j, const line_entry *e, vs_row_counts *counts,
+static vs_status read_journal_row(vs_journal *j, const line_entry *e, vs_row_shape_counts *counts,
                                   vs_error *err) {
-  const vs_head *h = &j->head;
+  const vs_journal_head *h = &j->head;
   char why[256];
   size_t at;
-  if (!j->shape) j->shape = vs_row_new(h->columns, h->failures, h->manifest_end);
-  if (vs_row_read(j->shape, e->text[VS_HEAD_KIND] == '!', e->text + VS_HEAD_TEXT, counts, &at, why,
-                  sizeof why))
+  if (!j->shape) j->shape = vs_row_shape_new(h->columns, h->failures, h->manifest_end);
+  if (vs_row_shape_read(j->shape, e->text[VS_HEAD_KIND] == '!', e->text + VS_HEAD_TEXT, counts, &at,
+                        why, sizeof why))
     return VS_OK;
   return refuse_row(j, e, at, why, err);
 }
 
 /* The row of a case that the journal's study does not have, or that another shard has. */
 static vs_status refuse_case(const vs_journal *j, const line_entry *e, vs_error *err) {
-  const vs_head *h = &j->head;
+  const vs_journal_head *h = &j->head;
   char why[160];
   snprintf(why, sizeof why,
            "its case is none of this journal's, which is shard %" PRIu64 "/%" PRIu64
@@ -330,7 +331,7 @@ static vs_status check_double(vs_journal *j, const line_entry *e, uint64_t index
 
 static vs_status count_journal_row(vs_journal *j, const line_entry *e, vs_error *err) {
   const char kind = e->text[VS_HEAD_KIND];
-  vs_row_counts counts;
+  vs_row_shape_counts counts;
   vs_status status = read_journal_row(j, e, &counts, err);
   if (status) return status;
   const uint64_t index = counts.index;
@@ -347,18 +348,19 @@ static vs_status count_journal_row(vs_journal *j, const line_entry *e, vs_error 
 /* What is known while a journal is read. */
 typedef struct journal_reading {
   vs_journal *journal;
-  vs_head found; /* the head, each line from the first place that has it; whole, or of no use */
-  vs_head copy;  /* the copy that is being read */
-  bool foreign;  /* it is of a version that this program does not read */
+  vs_journal_head
+      found; /* the head, each line from the first place that has it; whole, or of no use */
+  vs_journal_head copy; /* the copy that is being read */
+  bool foreign;         /* it is of a version that this program does not read */
 } journal_reading;
 
 /* Gives a head that lacks a line what copies have. Where the journal's lines still stand where they
  * were written, `at` is the place behind the head, and the head can be written again. */
 static void mend_head(vs_journal *j, const journal_reading *r, uint64_t at) {
   vs_text head = {0};
-  if (vs_head_is_whole(&j->head) || !vs_head_is_whole(&r->found)) return;
-  vs_head_fill(&j->head, &r->found);
-  vs_head_print(&head, &j->head);
+  if (vs_journal_head_is_whole(&j->head) || !vs_journal_head_is_whole(&r->found)) return;
+  vs_journal_head_fill(&j->head, &r->found);
+  vs_journal_head_print(&head, &j->head);
   j->mended = true;
   j->in_place = head.length == at;
   j->bad = 0; /* these were the head's */
@@ -371,15 +373,15 @@ static void take_head(vs_journal *j, const line_entry *e, journal_reading *r) {
   const char *text = e->text + VS_HEAD_TEXT;
   bool other = false;
   if (e->text[VS_HEAD_KIND] == 'h') {
-    j->bad += !vs_head_read(&j->head, text, !e->at, &j->two_heads);
+    j->bad += !vs_journal_head_read(&j->head, text, !e->at, &j->two_heads);
     return;
   }
-  if (!vs_head_read(&r->copy, text, false, &other) || other) {
-    vs_head_free(&r->copy);
-    j->bad += !vs_head_read(&r->copy, text, false, &other);
+  if (!vs_journal_head_read(&r->copy, text, false, &other) || other) {
+    vs_journal_head_free(&r->copy);
+    j->bad += !vs_journal_head_read(&r->copy, text, false, &other);
   }
-  if (vs_head_is_whole(&r->copy) && vs_head_is_whole(&j->head) &&
-      vs_head_differs(&r->copy, &j->head))
+  if (vs_journal_head_is_whole(&r->copy) && vs_journal_head_is_whole(&j->head) &&
+      vs_journal_head_differs(&r->copy, &j->head))
     j->two_heads = true;
 }
 
@@ -402,13 +404,13 @@ static void call_row_back(vs_journal *j, const line_entry *e) {
 static vs_status take_journal_line(void *ctx, const line_entry *e, bool *enough, vs_error *err) {
   journal_reading *r = ctx;
   vs_journal *j = r->journal;
-  const char kind = vs_head_kind(e->text, e->length);
+  const char kind = vs_journal_head_kind(e->text, e->length);
   if (kind && kind != 'h') mend_head(j, r, e->at);
-  const bool headed = vs_head_is_whole(&j->head);
+  const bool headed = vs_journal_head_is_whole(&j->head);
   if (kind == 'h' || kind == 'H')
     take_head(j, e, r);
   else if (kind == 'm')
-    vs_bits_add(&j->bits, e->text + VS_HEAD_TEXT);
+    vs_platform_add(&j->bits, e->text + VS_HEAD_TEXT);
   else if (kind == '~' && headed)
     call_row_back(j, e);
   else if ((kind == '=' || kind == '!') && headed)
@@ -422,13 +424,13 @@ static vs_status take_journal_line(void *ctx, const line_entry *e, bool *enough,
 /* Looks for the head alone. */
 static vs_status find_head(void *ctx, const line_entry *e, bool *enough, vs_error *err) {
   journal_reading *r = ctx;
-  const char kind = vs_head_kind(e->text, e->length);
+  const char kind = vs_journal_head_kind(e->text, e->length);
   bool again = false;
   (void)err;
   if (kind != 'h' && kind != 'H') return VS_OK;
-  r->foreign = r->foreign || (!e->at && vs_head_is_foreign(e->text + VS_HEAD_TEXT));
-  vs_head_read(&r->found, e->text + VS_HEAD_TEXT, true, &again);
-  *enough = vs_head_is_whole(&r->found);
+  r->foreign = r->foreign || (!e->at && vs_journal_head_is_foreign(e->text + VS_HEAD_TEXT));
+  vs_journal_head_read(&r->found, e->text + VS_HEAD_TEXT, true, &again);
+  *enough = vs_journal_head_is_whole(&r->found);
   return VS_OK;
 }
 
@@ -451,14 +453,14 @@ static vs_status read_journal(vs_journal *j, vs_error *err) {
     status = vs_fail_at(err, (vs_where){j->path, (int)seen.count, 1},
                         "has two heads, so that its rows may be of two studies; a journal has one, "
                         "in its first lines");
-  vs_head_free(&r.found);
-  vs_head_free(&r.copy);
+  vs_journal_head_free(&r.found);
+  vs_journal_head_free(&r.copy);
   return status;
 }
 
 /* Errors: the head lacks a line, or its parts of the manifest are no JSON. */
 static vs_status check_head(const vs_journal *j, vs_error *err) {
-  if (!vs_head_is_whole(&j->head))
+  if (!vs_journal_head_is_whole(&j->head))
     return vs_fail_at(
         err, (vs_where){j->path, 1, 1},
         "is no journal of a study: its head lacks a line, or has counts that no study has (at most "
@@ -466,7 +468,7 @@ static vs_status check_head(const vs_journal *j, vs_error *err) {
         "journal of version 1, put the file back from a backup, or begin the study anew: with "
         "--overwrite, or in another folder",
         VS_PLAN_CASES, VS_MOST_SHARDS);
-  if (!vs_head_has_manifest(&j->head))
+  if (!vs_journal_head_has_manifest(&j->head))
     return vs_fail_at(err, (vs_where){j->path, 1, 1},
                       "manifest_begin and manifest_end of its head are not the two parts of a "
                       "manifest.json; this record is of no study, or was changed");
@@ -477,7 +479,7 @@ static vs_status check_head(const vs_journal *j, vs_error *err) {
  * cannot be written. */
 static vs_status write_head(vs_journal *j, vs_error *err) {
   vs_text head = {0};
-  vs_head_print(&head, &j->head);
+  vs_journal_head_print(&head, &j->head);
   bool written = pwrite(j->fd, head.text, head.length, 0) == (ssize_t)head.length;
   vs_text_free(&head);
   return written ? VS_OK
@@ -516,9 +518,9 @@ bool vs_journal_peek(vs_journal *j, const char *folder) {
 void vs_journal_close(vs_journal *j) {
   if (j->fd >= 0) close(j->fd);
   if (j->folder >= 0) close(j->folder);
-  vs_head_free(&j->head);
+  vs_journal_head_free(&j->head);
   free(j->place);
-  vs_row_free(j->shape);
+  vs_row_shape_free(j->shape);
   vs_text_free(&j->fresh);
   vs_text_free(&j->bits);
   free(j->part);
@@ -541,7 +543,7 @@ vs_status vs_journal_add(vs_journal *j, uint64_t index, int status, const char *
   say_bits(j, &j->fresh);
   make_room_for_cases(j, place_in_shard(j, index) + 1);
   j->place[place_in_shard(j, index)] = j->end + j->fresh.length + 1;
-  vs_head_line(&j->fresh, failed ? '!' : '=', row, length);
+  vs_journal_head_line(&j->fresh, failed ? '!' : '=', row, length);
   j->done += !failed;
   j->failed += failed;
   j->violated += status == 3;
@@ -553,7 +555,7 @@ vs_status vs_journal_add(vs_journal *j, uint64_t index, int status, const char *
 static void add_copy_of_head(vs_journal *j) {
   const uint64_t end = j->end + j->fresh.length;
   if (!j->fresh.length || end < j->copy_at) return;
-  vs_head_print_copy(&j->fresh, &j->head);
+  vs_journal_head_print_copy(&j->fresh, &j->head);
   j->copy_at = 2 * end;
 }
 
@@ -590,7 +592,7 @@ vs_status vs_journal_call_back(vs_journal *j, uint64_t *count, vs_error *err) {
     status = vs_journal_row(j, index, &row, &failed, err);
     if (status || !failed) continue;
     int n = snprintf(number, sizeof number, "%" PRIu64, index);
-    vs_head_line(&j->fresh, '~', number, (size_t)n);
+    vs_journal_head_line(&j->fresh, '~', number, (size_t)n);
     j->place[k] = 0;
     j->failed--;
     ++*count;
@@ -605,8 +607,8 @@ vs_status vs_journal_row(const vs_journal *j, uint64_t index, vs_text *row, bool
   const line_file lines = lines_of_journal(j);
   vs_status status = lines_read(&lines, j->place[place_in_shard(j, index)] - 1, row, &length, err);
   if (status) return status;
-  const char kind = vs_head_kind(row->text, length);
-  if ((kind != '=' && kind != '!') || !vs_row_is_of(row->text + VS_HEAD_TEXT, index))
+  const char kind = vs_journal_head_kind(row->text, length);
+  if ((kind != '=' && kind != '!') || !vs_row_shape_is_of(row->text + VS_HEAD_TEXT, index))
     return vs_fail(err, VS_RUN,
                    "%s: row of case %llu was changed while the study ran or was merged; let "
                    "nothing else write to this file, and --resume runs again what is lost",

@@ -32,8 +32,8 @@
 #include "base/error.h"
 #include "base/path.h"
 #include "base/text.h"
-#include "work/head.h"
-#include "work/row.h"
+#include "work/journal_head.h"
+#include "work/row_shape.h"
 
 /* The part of the file that was read last. */
 typedef struct vs_lines_part vs_lines_part;
@@ -42,25 +42,25 @@ typedef struct vs_journal {
   char path[VS_PATH_SIZE];
   int fd;     /* of the file; -1: closed */
   int folder; /* of the folder, locked as long as this process runs the study; -1: not locked */
-  vs_head head;
+  vs_journal_head head;
   uint64_t *place; /* [room], by the shard's cases: where the case's line begins, plus 1; 0: it is
                       not done */
   uint64_t room;
-  uint64_t end;      /* bytes in the file, without `fresh` */
-  uint64_t done;     /* cases with a row in study.csv */
-  uint64_t failed;   /* cases with a row in failures.csv */
-  uint64_t violated; /* those of `done` that have status 3 */
-  vs_row *shape;     /* that every row must have; NULL: no row was read yet */
-  bool two_heads;    /* a line of the head stands there twice, or behind rows, or a copy of it says
-                        something else */
-  bool mended;       /* the head lacked a line, which a copy had */
-  bool in_place;     /* what stands behind that head stands where it did */
-  uint64_t copy_at;  /* bytes from which on the next copy of the head is written */
-  uint64_t bad;      /* lines that did not count when it was opened */
-  vs_text fresh;     /* lines that are not written yet */
+  uint64_t end;        /* bytes in the file, without `fresh` */
+  uint64_t done;       /* cases with a row in study.csv */
+  uint64_t failed;     /* cases with a row in failures.csv */
+  uint64_t violated;   /* those of `done` that have status 3 */
+  vs_row_shape *shape; /* that every row must have; NULL: no row was read yet */
+  bool two_heads;   /* a line of the head stands there twice, or behind rows, or a copy of it says
+                       something else */
+  bool mended;      /* the head lacked a line, which a copy had */
+  bool in_place;    /* what stands behind that head stands where it did */
+  uint64_t copy_at; /* bytes from which on the next copy of the head is written */
+  uint64_t bad;     /* lines that did not count when it was opened */
+  vs_text fresh;    /* lines that are not written yet */
   vs_lines_part *part; /* of the file, as it was read last; NULL: closed */
   bool unsynced;       /* lines were written since the last fsync */
-  vs_text bits;        /* on what its rows were made (study/work/bits.h), a line each */
+  vs_text bits;        /* on what its rows were made (study/work/platform.h), a line each */
   bool says_bits;      /* the lines that this process adds stand behind one that says on what */
 } vs_journal;
 
@@ -70,7 +70,8 @@ bool vs_journal_exists(const char *folder);
 vs_status vs_journal_remove(const char *folder, vs_error *err);
 /* Begins a new journal in place of an older one. It takes the head's strings over. Errors: another
  * process is at the study in that folder; the file cannot be written. */
-vs_status vs_journal_create(vs_journal *journal, const char *folder, vs_head *head, vs_error *err);
+vs_status vs_journal_create(vs_journal *journal, const char *folder, vs_journal_head *head,
+                            vs_error *err);
 /* Opens the journal that the folder holds and reads what is done. With `mend` the study goes on:
  * the folder is locked, and a torn last line is cut off. Errors: there is no journal; it is of a
  * version that this program does not know; it has two heads, or one whose manifest is no JSON, or

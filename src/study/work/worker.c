@@ -12,8 +12,8 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "ngspice/confine.h"
-#include "work/past.h"
+#include "ngspice/sandbox.h"
+#include "work/shared_prefix.h"
 
 double vs_worker_clock(void) {
   struct timespec now;
@@ -36,18 +36,18 @@ static bool write_message(int fd, const void *from, size_t size) {
 
 static _Noreturn void work_off_tasks(const vs_plan *plan, const char *keep, bool share, int in,
                                      int out) {
-  vs_desk *desk = vs_desk_new(plan, in, out);
+  vs_task_pipe *desk = vs_task_pipe_new(plan, in, out);
   vs_case *c = vs_case_new(plan, keep);
-  vs_past *past = share ? vs_past_new(plan, c, desk) : NULL;
-  /* Wait for a batch of tasks, run each, send the rows back. vs_desk_wait ends the process when the
-   * parent has closed the pipe. */
+  vs_shared_prefix *past = share ? vs_shared_prefix_new(plan, c, desk) : NULL;
+  /* Wait for a batch of tasks, run each, send the rows back. vs_task_pipe_wait ends the process
+   * when the parent has closed the pipe. */
   for (;;) {
-    vs_desk_wait(desk);
+    vs_task_pipe_wait(desk);
     if (past)
-      vs_past_run(past);
+      vs_shared_prefix_run(past);
     else
-      for (size_t k = 0; k < desk->count; k++) vs_desk_run(desk, c, k);
-    vs_desk_deliver(desk);
+      for (size_t k = 0; k < desk->count; k++) vs_task_pipe_run(desk, c, k);
+    vs_task_pipe_deliver(desk);
   }
 }
 
@@ -72,7 +72,7 @@ static void settle_in(pid_t parent, int in, int out) {
 
 /* A scene's own code may do whatever its user lets it do. */
 static void confine_worker(const vs_plan *plan) {
-  if (!plan->allow_code) vs_confine_process(VS_CONFINE_WORKER);
+  if (!plan->allow_code) vs_sandbox_process(VS_SANDBOX_WORKER);
 }
 
 /* ---- the parent ---- */
@@ -117,7 +117,7 @@ bool vs_worker_send(vs_worker *w, const vs_plan *plan, const vs_task *tasks, siz
   for (size_t k = 0; k < count; k++, at += each) {
     memcpy(at, &tasks[k].index, sizeof(uint64_t));
     memcpy(at + sizeof(uint64_t), tasks[k].point, point);
-    w->queue[(w->first + w->queued + k) % VS_DESK_TASKS] = tasks[k];
+    w->queue[(w->first + w->queued + k) % VS_TASK_PIPE_MOST] = tasks[k];
   }
   if (!w->queued) w->heard_s = vs_worker_clock();
   w->queued += count;
@@ -147,17 +147,17 @@ bool vs_worker_hear(vs_worker *w) {
 static void take_off(vs_worker *w, uint64_t index) {
   vs_task *first = &w->queue[w->first];
   for (size_t k = 0; k < w->queued; k++) {
-    vs_task *task = &w->queue[(w->first + k) % VS_DESK_TASKS];
+    vs_task *task = &w->queue[(w->first + k) % VS_TASK_PIPE_MOST];
     if (task->index != index) continue;
     *task = *first;
     break;
   }
-  w->first = (w->first + 1) % VS_DESK_TASKS;
+  w->first = (w->first + 1) % VS_TASK_PIPE_MOST;
   w->queued--;
 }
 
 bool vs_worker_take(vs_worker *w, vs_answer *answer) {
-  vs_desk_head head;
+  vs_task_pipe_head head;
   if (w->n_in - w->at < sizeof head) return false;
   memcpy(&head, w->in + w->at, sizeof head);
   if (w->n_in - w->at - sizeof head < head.length) return false;

@@ -8,23 +8,23 @@
 #include <stdint.h>
 #include <sys/types.h>
 
-#include "work/desk.h"
+#include "work/task_pipe.h"
 
 /* What came of a case. */
 typedef struct vs_answer {
   uint64_t index;
   int status;      /* VS_CASE_... */
   bool circuit;    /* ngspice was used, in the worker's own process */
-  bool shared;     /* the case's run began as a copy of another's (study/work/past.h) */
+  bool shared;     /* the case's run began as a copy of another's (study/work/shared_prefix.h) */
   const char *row; /* as vs_case_run adds it; lives until the next answer is taken */
   size_t length;   /* of row, in bytes */
 } vs_answer;
 
 /* A worker as its sender sees it. Start from {0}. */
 typedef struct vs_worker {
-  pid_t pid;                    /* 0: there is no process */
-  int to, from;                 /* pipes; reading from the latter does not block */
-  vs_task queue[VS_DESK_TASKS]; /* a ring of tasks sent and not answered, from `first` on */
+  pid_t pid;                        /* 0: there is no process */
+  int to, from;                     /* pipes; reading from the latter does not block */
+  vs_task queue[VS_TASK_PIPE_MOST]; /* a ring of tasks sent and not answered, from `first` on */
   size_t first, queued;
   bool alone;     /* the task it has is one that is tried again */
   long circuits;  /* how many of the process' cases used ngspice */
@@ -34,8 +34,8 @@ typedef struct vs_worker {
   size_t n_in, at, room;
 } vs_worker;
 
-/* Starts the process. keep: as for vs_case_new; share: cases may share their past (study/work/past.h).
- * Error: no process or no pipe can be made. */
+/* Starts the process. keep: as for vs_case_new; share: cases may share their past
+ * (study/work/shared_prefix.h). Error: no process or no pipe can be made. */
 vs_status vs_worker_start(vs_worker *worker, const vs_plan *plan, const char *keep, bool share,
                           vs_error *err);
 /* Sends it tasks and queues them. false: the process is gone, and its pipe broken. */

@@ -8,8 +8,8 @@
 #include <stdlib.h>
 
 #include "base/text.h"
+#include "ngspice/ngspice.h"
 #include "race.h"
-#include "ngspice/ng.h"
 
 typedef struct lap {
   const char *tier;
@@ -32,13 +32,13 @@ static vs_status load_even(const vs_circuit_job *job, const vs_circuit_host *hos
   told = *host;
   told.longest = evenly;
   even_s = job->max_step_s;
-  return vs_ng_kind.load(job, &told, circuit, err);
+  return vs_ngspice_kind.load(job, &told, circuit, err);
 }
 static vs_status run_even(void *circuit, vs_error *err) {
-  return vs_ng_kind.run(circuit, err);
+  return vs_ngspice_kind.run(circuit, err);
 }
 static void free_even(void *circuit) {
-  vs_ng_kind.free(circuit);
+  vs_ngspice_kind.free(circuit);
 }
 static const vs_circuit_kind EVEN = {"ngspice, even steps", load_even, run_even, free_even};
 

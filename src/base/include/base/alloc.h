@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * All memory is requested here. A request that cannot be met ends the process, so no caller checks
  * a result, and none can forget to. The files that the process has begun are removed first
- * (base/leave.h), and one line on standard error says how many bytes were wanted; the exit status
- * is 1. Nothing that was kept is lost: a file appears whole or not at all, and a study's journal
- * has its rows. A forked child says nothing and ends with VS_ALLOC_STATUS, so that its parent can
- * tell the user what became of it. To hand the failure up instead would need a way back through
- * every function and through the callbacks of the libraries, of which most would never be tried.
- * Programs that use the library end in the same way; where they do not call vs_leave_begin, files
- * that were begun stay behind under their temporary names, until the next one is begun there.
+ * (base/shutdown.h), and one line on standard error says how many bytes were wanted; the exit
+ * status is 1. Nothing that was kept is lost: a file appears whole or not at all, and a study's
+ * journal has its rows. A forked child says nothing and ends with VS_ALLOC_STATUS, so that its
+ * parent can tell the user what became of it. To hand the failure up instead would need a way back
+ * through every function and through the callbacks of the libraries, of which most would never be
+ * tried. Programs that use the library end in the same way; where they do not call
+ * vs_shutdown_begin, files that were begun stay behind under their temporary names, until the next
+ * one is begun there.
  *
  * src/heap.c does the same for what the program's libraries ask for.
  *
@@ -36,10 +37,10 @@ char *vs_copy(const char *string);
 /* Returns memory that a library has allocated; ends the process where it is NULL. */
 void *vs_checked(void *memory);
 
-/* Returns a stream into memory. vs_alloc_streamed closes it; then *text is what was written, *size
- * bytes and a '\0' behind them, which the caller frees. */
+/* Returns a stream into memory. vs_alloc_stream_close closes it; then *text is what was written,
+ * *size bytes and a '\0' behind them, which the caller frees. */
 FILE *vs_alloc_stream(char **text, size_t *size);
-void vs_alloc_streamed(FILE *stream);
+void vs_alloc_stream_close(FILE *stream);
 
 /* Returns a copy of the string's first `length` bytes, or of all if it is shorter. */
 char *vs_alloc_part(const char *string, size_t length);

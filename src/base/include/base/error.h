@@ -68,7 +68,7 @@ vs_status vs_fail_at(vs_error *err, vs_where where, const char *format, ...)
 /* For a caller that reads many things one after the other. When status is VS_INPUT and err has
  * findings with room, the error is kept there and the result is VS_OK: the caller goes on, and the
  * fields that failed to parse keep their defaults. Otherwise the result is status. */
-vs_status vs_error_carry_on(vs_error *err, vs_status status);
+vs_status vs_error_keep(vs_error *err, vs_status status);
 
 /* Returns how many errors were kept so far; 0 without findings. A caller compares the count before
  * and after a step: what fails after a kept error may only be a consequence of it. */

@@ -119,15 +119,15 @@ bool vs_formula_is_term(const vs_formula *formula, int *term, double *factor);
 
 /* A formula that is evaluated often. Where it is one term times a constant, that is all there is to
  * it. */
-typedef struct vs_formula_quick {
+typedef struct vs_formula_prepared {
   const vs_formula *formula; /* borrowed; NULL: there is none */
   bool is_term;
   int term;
   double factor;
-} vs_formula_quick;
+} vs_formula_prepared;
 
 /* The formula's names must be bound. */
-vs_formula_quick vs_formula_quicken(const vs_formula *formula);
+vs_formula_prepared vs_formula_prepare(const vs_formula *formula);
 
 /* The values for two sets of terms, in less time than one after the other. */
 void vs_formula_pair(const vs_formula *formula, const double *first, const double *second,
@@ -135,7 +135,7 @@ void vs_formula_pair(const vs_formula *formula, const double *first, const doubl
 /* The value for one set of terms; NULL will do where the formula has none. */
 double vs_formula_value(const vs_formula *formula, const double *terms);
 
-static inline double vs_formula_quick_value(const vs_formula_quick *q, const double *terms) {
+static inline double vs_formula_prepared_value(const vs_formula_prepared *q, const double *terms) {
   return q->is_term ? q->factor * terms[q->term] : vs_formula_value(q->formula, terms);
 }
 

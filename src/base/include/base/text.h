@@ -60,6 +60,6 @@ size_t vs_text_number(char text[VS_NUMBER_SIZE], double value, int digits);
 double vs_text_to_number(const char *text, char **end);
 /* Says of a number that the text begins with why it is read as NaN, and what would be right, as
  * "too large a number: one below 1e300 is wanted"; NULL: it is not. */
-const char *vs_text_beyond(const char *text);
+const char *vs_text_out_of_range(const char *text);
 
 #endif

@@ -18,10 +18,10 @@ typedef struct vs_control {
   vs_control_values v;
   int sensor; /* its number among the scene's instruments, behind which stand the observer's
                  estimates; -1: none is named */
-  vs_observing observing; /* its key `observer`; none where that is missing */
-  const char *unit;       /* the sensor's; "" where there is none */
-  vs_where code;          /* of the key that names code; no place: there is none */
-  vs_section section;     /* its keys with their units; it fills `v` */
+  vs_state_observer observing; /* its key `observer`; none where that is missing */
+  const char *unit;            /* the sensor's; "" where there is none */
+  vs_where code;               /* of the key that names code; no place: there is none */
+  vs_section section;          /* its keys with their units; it fills `v` */
   vs_field fields[VS_CONTROL_FIELDS];
   char units[VS_CONTROL_FIELDS]
             [VS_CONTROL_UNIT]; /* of fields whose unit follows from the sensor's */
@@ -31,7 +31,7 @@ typedef struct vs_control {
 extern const vs_section vs_control_section;
 
 /* Writes the keys of a control with this law, and returns how many they are. A unit may have "~"
- * for the sensor's. Besides, each has the key `observer` (control/observing.h). */
+ * for the sensor's. Besides, each has the key `observer` (control/state_observer.h). */
 size_t vs_control_keys(const vs_regulator *law, const vs_field *keys[VS_CONTROL_FIELDS]);
 extern const char vs_control_observer[], vs_control_sensor[];
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * An observer at work in a run: at each sample of the control it computes where the machine is now
  * from where it was, corrects that by what the sensors show, and so has an estimate of all
- * coordinates and their rates. What it is made of stands in control/observing.h.
+ * coordinates and their rates. What it is made of stands in control/state_observer.h.
  *
  *   1. The force F follows from the measured current by the coil's law, at the gap that is
  *      estimated. F runs straight from sample to sample.
@@ -14,7 +14,7 @@
 #ifndef VS_CONTROL_ESTIMATOR_H
 #define VS_CONTROL_ESTIMATOR_H
 
-#include "control/observing.h"
+#include "control/state_observer.h"
 #include "engine/channel.h"
 
 /* The largest differences between the estimates and the true motion, at the samples, in the units
@@ -28,7 +28,7 @@ typedef struct vs_estimator_errors {
 
 /* A plain struct: a copy made by `=` goes on by itself. */
 typedef struct vs_estimator {
-  const vs_observing *observing; /* borrowed, as is the frame's model */
+  const vs_state_observer *observing; /* borrowed, as is the frame's model */
   const vs_model *model;
   bool gap_at_rest; /* the law of the coil is taken at the gap at rest (engine/channel.h) */
   double x[VS_SAMPLED_MOST]; /* the estimate: q, q', and the states of the sensors' low-passes */
@@ -41,7 +41,7 @@ typedef struct vs_estimator {
 
 /* Begins a run. start: the run's q and q' at its beginning, of which the observer is told where its
  * key `start` says so; else the estimate begins at rest. */
-void vs_estimator_begin(vs_estimator *estimator, const vs_observing *observing,
+void vs_estimator_begin(vs_estimator *estimator, const vs_state_observer *observing,
                         const vs_frame *frame, const double *start);
 
 /* The sample number estimator->samples, at that number times the system's period. current_a: what

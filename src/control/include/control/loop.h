@@ -13,7 +13,7 @@ typedef struct vs_loop {
   const vs_control *control; /* borrowed, as all but self and the program's angles */
   vs_meter *meters;
   vs_program program; /* what it has decided; the run's timeline points to it */
-  vs_sight sight;
+  vs_control_input sight;
   double value[VS_INSTRUMENT_MOST + VS_MOST_STATES]; /* of the meters and the estimates, SI;
                                                         sight.value */
   vs_estimator estimator;  /* of the control's observer, where it has one */
@@ -31,7 +31,7 @@ vs_status vs_loop_begin(vs_loop *loop, const vs_control *control, const vs_setup
                         const vs_instruments *instruments, vs_meter *meters, vs_error *err);
 
 /* Goes on to t_s, an instant within the step. */
-void vs_loop_to(vs_loop *loop, const vs_step *step, double t_s);
+void vs_loop_run_to(vs_loop *loop, const vs_step *step, double t_s);
 /* Goes on to the step's end, and decides what is due there. Every step is to be shown, in order of
  * time. Error: the regulator's. */
 vs_status vs_loop_accept(vs_loop *loop, const vs_step *step, vs_error *err);

@@ -10,7 +10,7 @@
 
 #include <math.h>
 
-#include "control/observing.h"
+#include "control/state_observer.h"
 #include "measure/lowpass.h"
 
 /* The keys of all regulators; each reads only those that its fields name. */
@@ -30,11 +30,11 @@ typedef struct vs_control_values {
 } vs_control_values;
 
 /* What a regulator is shown. Values are in SI. */
-typedef struct vs_sight {
+typedef struct vs_control_input {
   const vs_control_values *v;
   const vs_setup *setup; /* of the run; constant */
   const vs_instruments *instruments;
-  const vs_observing *observing; /* whose estimates there are */
+  const vs_state_observer *observing; /* whose estimates there are */
   const double *value; /* of the instruments' last samples, in their order, then of the estimates;
                           NaN: none */
   int sensor;          /* the number of v->sensor among them; -1: none is named */
@@ -42,7 +42,7 @@ typedef struct vs_sight {
   double t_s;          /* now */
   long firing;         /* that is to be decided, from 0 */
   double last_rad;     /* angle of the firing before it; NaN: there was none */
-} vs_sight;
+} vs_control_input;
 
 /* How a regulator answers to a sensor's amplitude m, half of what its samples go up and down by
  * from decision to decision, in the sensor's unit, SI: angle = start + proportional (m - wanted) +
@@ -75,21 +75,21 @@ typedef struct vs_regulator {
   vs_status (*check)(const vs_control_values *v, vs_where where, vs_error *err);
   /* Writes the path of the k-th file, from 0, whose contents make the law. False: it is none. */
   bool (*file)(const vs_control_values *v, vs_where where, int k, char path[VS_PATH_SIZE]);
-  vs_status (*begin)(void *self, const vs_sight *sight, vs_error *err);
-  void (*tick)(void *self, const vs_sight *sight);
+  vs_status (*begin)(void *self, const vs_control_input *sight, vs_error *err);
+  void (*tick)(void *self, const vs_control_input *sight);
   /* Sets the angle of firing number sight->firing, rad; NaN: it is left out. What lies beyond
    * v->angle_rad becomes its nearer end. An error ends the run. */
-  vs_status (*decide)(void *self, const vs_sight *sight, double *angle_rad, vs_error *err);
+  vs_status (*decide)(void *self, const vs_control_input *sight, double *angle_rad, vs_error *err);
   double (*output)(const void *self, int k);
   void (*end)(void *self);
   /* For those that are a PI controller of an amplitude, within the limits of the angle;
    * sight->value is not there. NULL: it is none, and its closed loop is not told
-   * (orbit/closed.h). */
-  vs_regulator_pi (*pi)(const vs_sight *sight);
+   * (orbit/closed_loop.h). */
+  vs_regulator_pi (*pi)(const vs_control_input *sight);
 } vs_regulator;
 
 /* The low-pass of the one that is named; none of an estimate, which comes at once. */
-static inline vs_lowpass vs_regulator_lowpass(const vs_sight *s) {
+static inline vs_lowpass vs_regulator_lowpass(const vs_control_input *s) {
   if (s->sensor >= s->instruments->count) return vs_lowpass_make(NAN, 1, 1);
   const vs_instrument_values *v = &s->instruments->item[s->sensor].v;
   return vs_lowpass_make(v->bandwidth_hz, v->order, v->damping);

@@ -24,9 +24,9 @@ typedef struct vs_batch {
 /* Adds a step of a tier with a circuit. There must be room for it. */
 void vs_batch_take(vs_batch *batch, const vs_step *step);
 
-/* Writes the formula's values in each step of the batch. They are those of vs_formula_quick_value
- * to the bit. */
-void vs_batch_evaluate(const vs_formula_quick *formula, const vs_batch *batch,
+/* Writes the formula's values in each step of the batch. They are those of
+ * vs_formula_prepared_value to the bit. */
+void vs_batch_evaluate(const vs_formula_prepared *formula, const vs_batch *batch,
                        vs_pair value[VS_BATCH_STEPS]);
 
 #endif

@@ -90,7 +90,7 @@ vs_status vs_setup_make_loads(const vs_events *events, vs_machine *machine, vs_m
                               vs_loads *loads, vs_error *err);
 
 /* The event that changes the load at that instant; NULL: there is none. */
-const vs_occurrence *vs_setup_load_event(const vs_events *events, double at_s);
+const vs_scene_event *vs_setup_load_event(const vs_events *events, double at_s);
 
 /* When the change number k takes place, s; INFINITY: there are not so many. */
 double vs_setup_load_at(const vs_loads *loads, size_t k);
@@ -132,9 +132,9 @@ typedef struct vs_setup {
   vs_deck deck;    /* the scene's, also for a tier that does not use it; with what the scene's
                       events put into it */
   vs_circuit_values circuit_values;
-  vs_cooling cooling; /* of the deck's devices */
-  vs_text written;    /* what the model was built from (plant/build.h); owned */
-  vs_memo memo;       /* what other sections were read from; owned */
+  vs_cooling cooling;    /* of the deck's devices */
+  vs_text written;       /* what the model was built from (plant/build.h); owned */
+  vs_section_cache memo; /* what other sections were read from; owned */
 } vs_setup;
 
 /* Reads the scene's sections machine, actuator, load, supply, firing, circuit, run, events, start

@@ -19,12 +19,12 @@ typedef struct vs_range {
 
 /* What is known of the rest of a run in which nothing happens any more: the machine swings freely,
  * without flux and outside of all stops. */
-typedef struct vs_rest {
+typedef struct vs_swing_rest {
   double from_s, to_s;
   vs_range q[VS_MOST_DOF]; /* of the coordinates, and of the travel c.q */
   vs_range travel;
   double rate2[VS_MOST_DOF]; /* the largest |q"| */
-} vs_rest;
+} vs_swing_rest;
 
 /* Someone who is shown the steps, in order of time. A status other than VS_OK ends the run, which
  * then returns it. */
@@ -34,21 +34,21 @@ typedef struct vs_observer {
 } vs_observer;
 
 /* Someone who knows what the observer of a run needs. */
-typedef struct vs_leaver {
+typedef struct vs_early_end {
   void *ctx;
   /* Returns true if no more of the run is needed than its last state and its energies, so that the
    * tier may go on to rest->to_s in one step (vs_step.glides). */
-  bool (*leaves)(void *ctx, const vs_rest *rest);
-} vs_leaver;
+  bool (*leaves)(void *ctx, const vs_swing_rest *rest);
+} vs_early_end;
 
-/* Someone who may make another run of this one on the way (study/work/past.h). */
-typedef struct vs_junction {
+/* Someone who may make another run of this one on the way (study/work/shared_prefix.h). */
+typedef struct vs_fork_point {
   void *ctx;
   /* Called with the end t_s of each of the solver's steps, before the run is told of the step. It
    * may change the events of the run's setup, from t_s on. A status other than VS_OK ends the run,
    * which then returns it. */
   vs_status (*reach)(void *ctx, double t_s, vs_error *err);
-} vs_junction;
+} vs_fork_point;
 
 /* Who steers a run of tier "circuit" before it begins. The circuit's hidden state cannot be set,
  * but the machine's can. So a run that is to begin on a periodic orbit has a prelude: firing
@@ -57,7 +57,7 @@ typedef struct vs_junction {
  * so, t = 0 is the beginning of the run that the observer sees.
  *
  * orbit/picard.h is one. */
-typedef struct vs_pilot {
+typedef struct vs_orbit_search {
   void *self;
   double period_s;          /* of the prelude's parts, a number of whole cycles of the mains */
   int of_orbit;             /* so many of them make a period of the orbit */
@@ -76,13 +76,14 @@ typedef struct vs_pilot {
   void (*end)(void *self);
   /* Frees the pilot, where the run's session is to do that; NULL: its owner does. */
   void (*free)(void *self);
-} vs_pilot;
+} vs_orbit_search;
 
-/* What one run has besides its setup. Only a tier with a circuit looks at it, but for the leaver.
+/* What one run has besides its setup. Only a tier with a circuit looks at it, but for the
+ * early_end.
  */
 typedef struct vs_run_order {
-  const vs_circuit_kind *solver;      /* who solves the circuit: vs_trust_kind, or a test's own */
-  const struct vs_stand_in *stand_in; /* who may stand in for the circuit; NULL: nobody may */
+  const vs_circuit_kind *solver; /* who solves the circuit: vs_self_test_kind, or a test's own */
+  const struct vs_macromodel *stand_in; /* who may stand in for the circuit; NULL: nobody may */
   FILE *raw;          /* gets a rawfile of the run; NULL: none is written. The caller owns it */
   vs_where raw_where; /* the key to blame if the rawfile becomes too large: that of the run's end */
   bool tried; /* this deck with these parts was run in this process before, so that the solver need
@@ -91,15 +92,15 @@ typedef struct vs_run_order {
                    it does not survive makes it do so, and try then */
   long *tries;  /* counts the steps that the solver tries, rejected ones too; NULL: nobody asks.
                    Borrowed */
-  vs_pilot *pilot;                   /* steers the run's prelude; NULL: it has none. Borrowed */
+  vs_orbit_search *pilot;            /* steers the run's prelude; NULL: it has none. Borrowed */
   const volatile sig_atomic_t *stop; /* set by a signal: the prelude ends with VS_SIGNAL, as the
                                         observer sees nothing of it; NULL: no signal ends it */
   vs_budget *budget; /* what the search may take that this run, or its prelude, is a part of; NULL:
                         there is no limit. Borrowed */
   bool shows;        /* a search before the run shows on standard error how far it is */
-  const vs_junction *junction; /* NULL: the run goes its own way to the end. Borrowed */
-  const vs_leaver *leaver;     /* asked on the ideal tiers; NULL: all steps are needed.
-                                  Borrowed */
+  const vs_fork_point *junction; /* NULL: the run goes its own way to the end. Borrowed */
+  const vs_early_end *early_end; /* asked on the ideal tiers; NULL: all steps are needed.
+                              Borrowed */
 } vs_run_order;
 
 /* A key of a section that every tier reads. */

@@ -45,7 +45,7 @@ typedef enum vs_event {
   VS_EV_LEAVES_STOP,
   VS_EV_JAMS,
   VS_EV_LOADS, /* the load changes: the step of no length has the new model in its frame */
-  VS_EV_QUIET, /* the circuit's solver is left (engine/macromodel/stand_in.h) */
+  VS_EV_QUIET, /* the circuit's solver is left (engine/macromodel/macromodel.h) */
   VS_EV_BACK   /* it has been gone back to */
 } vs_event;
 

@@ -34,8 +34,8 @@ vs_status vs_tiers_require_orbits(const char *who, const vs_tier *tier, const ch
 #define VS_TIER_WORDS "auto" VS_TIER_LIST(VS_TIER_WORD)
 extern const char vs_tiers_words[];
 
-/* What a run of the product has: ngspice for its solver, the one-port (engine/macromodel/quiet.c)
- * for its stand-in, no rawfile. */
+/* What a run of the product has: ngspice for its solver, the one-port
+ * (engine/macromodel/oneport_macromodel.c) for its stand-in, no rawfile. */
 extern const vs_run_order vs_tiers_order;
 
 #endif

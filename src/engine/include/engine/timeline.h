@@ -11,9 +11,9 @@
 #define VS_ENGINE_TIMELINE_H
 
 #include "base/error.h"
-#include "base/memo.h"
-#include "engine/occurrence.h"
+#include "base/section_cache.h"
 #include "engine/pwm.h"
+#include "engine/scene_event.h"
 #include "plant/feed.h"
 #include "plant/machine.h"
 
@@ -41,7 +41,7 @@ typedef struct vs_timeline {
  * they were read from the last time; NULL: nothing is known of it. Errors: what
  * vs_field_section_read and vs_pwm_check refuse; a pulse that reaches into the next one. */
 vs_status vs_timeline_build(const vs_node *scene, const vs_machine *machine, vs_timeline *timeline,
-                            vs_memo *memo, vs_error *err);
+                            vs_section_cache *memo, vs_error *err);
 
 /* Looks whether there is a gate to be fired: where the deck has ports pwm and no gate there is
  * none, which then counts as firing.valve: none. Errors: neither scene nor machine says what the

@@ -11,7 +11,7 @@
 #ifndef VS_FIT_ESTIMATE_H
 #define VS_FIT_ESTIMATE_H
 
-#include "fit/descents.h"
+#include "fit/minimizations.h"
 
 /* A combination of unknowns with round numbers for exponents, scaled to a largest one of 1. */
 typedef struct vs_combination {
@@ -24,8 +24,8 @@ typedef struct vs_combination {
 } vs_combination;
 
 typedef struct vs_estimate {
-  const vs_inquiry *inquiry;
-  vs_descent minimum;
+  const vs_fit_problem *inquiry;
+  vs_minimization minimum;
   size_t n;                          /* unknowns */
   double value[VS_INQUIRY_UNKNOWNS]; /* in the unit of the key */
   double error[VS_INQUIRY_UNKNOWNS]; /* standard error of s; NaN: on a bound */
@@ -47,8 +47,8 @@ typedef struct vs_estimate {
 /* Finds all of it at a minimum. Errors: VS_RUN, the runs fail; VS_INPUT, the data do not carry so
  * many unknowns; the message names the combination that they do not know. vs_estimate_free even
  * then. */
-vs_status vs_estimate_at(vs_descender *descender, const vs_descent *minimum, vs_estimate *estimate,
-                         vs_error *err);
+vs_status vs_estimate_at(vs_minimizer *descender, const vs_minimization *minimum,
+                         vs_estimate *estimate, vs_error *err);
 void vs_estimate_free(vs_estimate *estimate);
 
 /* False: a true model has a chi2 as large as this in less than one case of a thousand. */

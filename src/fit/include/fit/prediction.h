@@ -3,12 +3,12 @@
 #ifndef VS_FIT_PREDICTION_H
 #define VS_FIT_PREDICTION_H
 
-#include "fit/inquiry.h"
+#include "fit/fit_problem.h"
 
 typedef struct vs_prediction {
-  const vs_inquiry *inquiry; /* borrowed; its scenes are altered */
-  vs_budget budget;          /* of its runs and of their searches for orbits, behind
-                                vs_prediction_limit */
+  const vs_fit_problem *inquiry; /* borrowed; its scenes are altered */
+  vs_budget budget;              /* of its runs and of their searches for orbits, behind
+                                    vs_prediction_limit */
   size_t n_unknowns, n_residuals;
   long runs;       /* how often a scene was run so far */
   long failures;   /* how many of these failed */
@@ -21,7 +21,7 @@ typedef struct vs_prediction {
 } vs_prediction;
 
 /* The inquiry must outlive it. */
-vs_prediction vs_prediction_of(const vs_inquiry *inquiry);
+vs_prediction vs_prediction_of(const vs_fit_problem *inquiry);
 
 /* Gives the scenes' orders a budget, with which each of the inquiry's scenes can be run about so
  * often. The prediction must stay where it is until vs_prediction_unlimit. */
@@ -42,7 +42,7 @@ vs_status vs_prediction_run(vs_prediction *prediction, int run, const double *s,
                             vs_error *err);
 
 /* d residual/d computed, for slopes. */
-double vs_prediction_weight(const vs_inquiry *inquiry, const vs_datum *datum, double computed);
+double vs_prediction_weight(const vs_fit_problem *inquiry, const vs_datum *datum, double computed);
 
 /* Fills residual[n_residuals] by computed[n_data] and, for the priors, by s. A residual is NaN
  * where a logarithm is asked for of numbers of unlike signs. */

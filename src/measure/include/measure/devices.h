@@ -50,7 +50,7 @@ void vs_devices_finish(vs_devices *devices);
 /* True where a fuse has melted and does not clear, or arcs again, and the voltage of its arc is
  * below the crest of the mains that drive it, or their direct voltage: that is the cause, and the
  * text says so. False where the mains at the fuse are not known. */
-bool vs_devices_unclear(const vs_devices *devices, size_t which, char *text, size_t size);
+bool vs_devices_fails_to_clear(const vs_devices *devices, size_t which, char *text, size_t size);
 
 /* True: the line of the device in the deck has a wrong sign; text says which. The power v i of a
  * device is what it takes. So one that cannot store energy, and still gives more than it takes, has

@@ -69,8 +69,8 @@ double vs_meter_quantised(const double range[2], int bits, double y);
  * the instruments along in the prelude. When the run begins it puts each low-pass to where the
  * orbit has it, which is the state that repeats after the prelude's last period. */
 typedef struct vs_meter_pilot {
-  vs_pilot pilot;                     /* for the run's order, in the place of `steers` */
-  vs_pilot *steers;                   /* borrowed, as what follows */
+  vs_orbit_search pilot;              /* for the run's order, in the place of `steers` */
+  vs_orbit_search *steers;            /* borrowed, as what follows */
   vs_instruments *instruments;        /* their on_orbit and x are set */
   vs_meter *meters;                   /* of these instruments, in their order */
   double from[VS_INSTRUMENT_MOST][2]; /* of the low-passes where the present period
@@ -79,7 +79,7 @@ typedef struct vs_meter_pilot {
 } vs_meter_pilot;
 
 /* Begins the meters anew, with low-passes at 0. Not to be moved; owns nothing. */
-void vs_meter_pilot_begin(vs_meter_pilot *metered, vs_pilot *steers, vs_instruments *instruments,
-                          vs_meter *meters);
+void vs_meter_pilot_begin(vs_meter_pilot *metered, vs_orbit_search *steers,
+                          vs_instruments *instruments, vs_meter *meters);
 
 #endif

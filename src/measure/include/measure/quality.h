@@ -10,9 +10,9 @@
 #ifndef VS_MEASURE_QUALITY_H
 #define VS_MEASURE_QUALITY_H
 
-#include "measure/classes.h"
 #include "engine/setup.h"
 #include "measure/extremes.h"
+#include "measure/harmonic_classes.h"
 
 enum { VS_QUALITY_MOST = 8 };
 
@@ -61,8 +61,8 @@ void vs_quality_end(vs_quality *quality);
 /* Takes one accepted step. */
 void vs_quality_accept(vs_quality *quality, const vs_step *step);
 
-/* What limits depend on, as vs_classes_all want it. */
-vs_drawn vs_quality_drawn(const vs_quality *quality);
+/* What limits depend on, as vs_harmonic_classes_all want it. */
+vs_drawn_current vs_quality_drawn(const vs_quality *quality);
 
 /* The phase of harmonic n, rad: of the sine sin(n w t + phase), where w t counts from the mains'
  * rise through zero at t = 0. NaN: there is no such harmonic. */

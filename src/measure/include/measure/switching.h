@@ -41,8 +41,8 @@
 
 #include "engine/batch.h"
 #include "engine/conduction.h"
-#include "netlist/devices.h"
 #include "measure/value.h"
+#include "netlist/devices.h"
 
 /* ---- the largest rate over a window ---- */
 
@@ -102,11 +102,11 @@ void vs_switching_gate_begin(vs_gate_watch *gate, const vs_timeline *timeline,
 void vs_switching_gate_follow(vs_gate_watch *gate, const vs_course_step *c);
 
 /* A stretch of a rise, over which a mean rate is told. */
-typedef struct vs_ascent {
+typedef struct vs_rise_stretch {
   double from_s, took_s; /* took_s: INFINITY where there is no such stretch */
   double over_v;         /* how far it rises */
   double bent_s;         /* how far straight lines are from the cubics in the steps of its ends */
-} vs_ascent;
+} vs_rise_stretch;
 
 /* An instant at which a course is at some value. bent_s: by no more than this the straight line
  * from knot to knot is elsewhere, anywhere in that step. */
@@ -145,29 +145,29 @@ typedef struct vs_rise {
   double rate_v_s, h_s; /* of the last step, rising or not; 0: there was none */
   bool waits;       /* the last step rose, and is taken once the next one tells its end's slope */
   vs_rising rising; /* that step */
-  vs_ascent best;   /* its steepest stretch of over_v */
-  double told_s;    /* took_s of the last one of its stretches that was told */
+  vs_rise_stretch best;             /* its steepest stretch of over_v */
+  double told_s;                    /* took_s of the last one of its stretches that was told */
   vs_passed passed[VS_RISE_LEVELS]; /* level k, from 0, in number k modulo VS_RISE_LEVELS */
 } vs_rise;
 
 /* A rate of rise, V/s: the mean of a stretch that rises by over_v. error: what it may be wrong by
  * for how the voltage runs between its knots. */
-typedef struct vs_rose {
+typedef struct vs_rise_rate {
   vs_value rate;
   double over_v, error;
-} vs_rose;
+} vs_rise_rate;
 
 /* What a step brought. Values that are not known were not brought. */
 typedef struct vs_switch_news {
-  bool any;                /* one of the values is known */
-  double way;              /* the half cycle that the step belongs to, as in vs_switch */
-  vs_value fires, extinct; /* only their instants mean anything */
-  vs_rose rise;            /* of a stretch of a rise, above all before of this rise */
-  vs_value off_rate;       /* a rate of blocked forward voltage, V/s, above all before */
-  vs_value on_rate;        /* a rate of the current as it turns on, A/s */
-  vs_value fall;           /* (di/dt)c, A/s */
-  vs_rose return_rise;     /* (dv/dt)c */
-  vs_value offered;        /* the time offered, s, where no gate pulse was there at its end */
+  bool any;                 /* one of the values is known */
+  double way;               /* the half cycle that the step belongs to, as in vs_switch */
+  vs_value fires, extinct;  /* only their instants mean anything */
+  vs_rise_rate rise;        /* of a stretch of a rise, above all before of this rise */
+  vs_value off_rate;        /* a rate of blocked forward voltage, V/s, above all before */
+  vs_value on_rate;         /* a rate of the current as it turns on, A/s */
+  vs_value fall;            /* (di/dt)c, A/s */
+  vs_rise_rate return_rise; /* (dv/dt)c */
+  vs_value offered;         /* the time offered, s, where no gate pulse was there at its end */
   double doubt_s; /* error of the time offered: how long the current crept before its zero */
   double
       spread_s; /* sensitivity: a relative error e of the current changes the time by e spread_s */
@@ -205,7 +205,7 @@ typedef struct vs_switch {
   bool conducted;       /* in the present gate pulse it conducted */
   double unanswered_s;  /* end of a gate pulse that may have failed; NaN: there is none */
   vs_rise rise;
-  vs_ascent stored;   /* steepest stretch of a rise that ended before, while it blocked */
+  vs_rise_stretch stored; /* steepest stretch of a rise that ended before, while it blocked */
   double stored_at_s; /* when that rise ended; -INFINITY: there was none since the last firing */
   vs_slope off, on;   /* rates of its forward voltage and of its current, followed all the time */
   double off_rate;    /* the largest of its forward voltage while it blocked, V/s */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Watcher of the trough's throw: how hard it is accelerated along the ways that the machine's file
- * names (plant/blueprint.h), and what follows for the material on it.
+ * names (plant/machine_file.h), and what follows for the material on it.
  *
  * The material leaves the trough where that is accelerated downwards by more than g. The conveying
  * speed is the theoretical one of VDI 2333: a trough that swings along a straight line throws a

@@ -5,10 +5,10 @@
 #ifndef VS_MEASURE_VERDICT_H
 #define VS_MEASURE_VERDICT_H
 
-#include "netlist/parts.h"
 #include "measure/devices.h"
 #include "measure/expect.h"
 #include "measure/measures.h"
+#include "netlist/parts.h"
 
 /* A rating of the scene, and what the run has of what it rates: a measure, or a probe. In SI. */
 typedef struct vs_rated {
@@ -88,8 +88,8 @@ typedef struct vs_verdict {
 
 /* Judges a run and fills the verdict, which vs_verdict_free frees. devices may be NULL. On a tier
  * without a deck nothing is judged, nor is a device of which nothing was measured. */
-void vs_verdict_reach(const vs_measures *measures, const vs_devices *devices,
-                      const vs_expects *expects, vs_verdict *verdict);
+void vs_verdict_make(const vs_measures *measures, const vs_devices *devices,
+                     const vs_expects *expects, vs_verdict *verdict);
 /* Adds the ratings of a scene to a verdict that was reached. tolerance: the run's. */
 void vs_verdict_rate(vs_verdict *verdict, const vs_rated *rated, size_t count, double tolerance);
 void vs_verdict_free(vs_verdict *verdict);
@@ -129,7 +129,7 @@ void vs_verdict_compare(vs_verdict *verdict, const vs_verdict *second, const vs_
 /* The two runs have another sequence of what `device` does from parts_s on: its lines that hang on
  * that become undecided, but for those whose value is of an instant before. Called behind
  * vs_verdict_compare. */
-void vs_verdict_tear(vs_verdict *verdict, const vs_device *device, double parts_s);
+void vs_verdict_undecide_sequence(vs_verdict *verdict, const vs_device *device, double parts_s);
 
 /* True: a line is so near to its limit that its device may fire without its gate, or may not. */
 bool vs_verdict_on_edge(const vs_verdict *verdict);

@@ -10,7 +10,7 @@
 #include "measure/measures.h"
 
 /* The stretches of a run that went without ngspice, as the circuit was quiet
- * (engine/macromodel/quiet.c). */
+ * (engine/macromodel/oneport_macromodel.c). */
 typedef struct vs_absence {
   int times;      /* how often ngspice was left */
   double first_s; /* instant at which it was first left */
@@ -34,7 +34,7 @@ typedef struct vs_watchers {
   vs_absence absence;
   double strays;          /* of the last step (engine/step.h) */
   vs_sequence sequence;   /* of the run's own firings and ends (engine/step.h) */
-  vs_measure_set settled; /* as vs_watchers_leave found it the last time */
+  vs_measure_set settled; /* as vs_watchers_may_end_early found it the last time */
   bool left;              /* the rest of the run was left out: what is not settled is not known */
 } vs_watchers;
 
@@ -44,7 +44,8 @@ void vs_watchers_begin(vs_watchers *watchers, const vs_frame *frame, const vs_me
 void vs_watchers_accept(vs_watchers *watchers, const vs_step *step);
 /* Returns true if the rest of the run cannot change any of the values that are wanted, so that it
  * may be left out (vs_observer.leaves). What it could change is then not known at the end. */
-bool vs_watchers_leave(vs_watchers *watchers, const vs_rest *rest, const vs_measure_set *wanted);
+bool vs_watchers_may_end_early(vs_watchers *watchers, const vs_swing_rest *rest,
+                               const vs_measure_set *wanted);
 /* The run has ended at until_s: completes what each has seen and gives the standard measures, the
  * energies included, values[VS_MEASURES]. */
 void vs_watchers_finish(vs_watchers *watchers, double until_s, vs_value values[VS_MEASURES]);

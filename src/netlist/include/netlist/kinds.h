@@ -79,28 +79,28 @@ enum { VS_OF_FLUX, VS_OF_V, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_OF_V2, VS_COURSES
   X(VS_R_SURGE, vs_surge_peak)                                                                     \
   X(VS_R_STEEPEST, steepest)                                                                       \
   X(VS_R_JUNCTION, vs_junction_of_power)                                                           \
-  X(VS_R_RISE, vs_told_rise)                                                                       \
-  X(VS_R_RISE_ERROR, vs_told_rise_error)                                                           \
-  X(VS_R_OFF_RATE, vs_told_off_rate)                                                               \
-  X(VS_R_ON_RATE, vs_told_on_rate)                                                                 \
-  X(VS_R_OFFERED, vs_told_offered)                                                                 \
-  X(VS_R_MISFIRE, vs_told_misfire)                                                                 \
-  X(VS_R_UNINTENDED, vs_told_unintended)                                                           \
-  X(VS_R_COMMUTATION_FAILURE, vs_told_commutation_failure)                                         \
+  X(VS_R_RISE, vs_switching_reductions_rise)                                                       \
+  X(VS_R_RISE_ERROR, vs_switching_reductions_rise_error)                                           \
+  X(VS_R_OFF_RATE, vs_switching_reductions_off_rate)                                               \
+  X(VS_R_ON_RATE, vs_switching_reductions_on_rate)                                                 \
+  X(VS_R_OFFERED, vs_switching_reductions_offered)                                                 \
+  X(VS_R_MISFIRE, vs_switching_reductions_misfire)                                                 \
+  X(VS_R_UNINTENDED, vs_switching_reductions_unintended)                                           \
+  X(VS_R_COMMUTATION_FAILURE, vs_switching_reductions_commutation_failure)                         \
   X(VS_R_OPENS, vs_fuse_reduction_opens)                                                           \
   X(VS_R_ARCS, vs_fuse_reduction_arcs)                                                             \
-  X(VS_R_GATE_LEAST, vs_told_gate_least)                                                           \
+  X(VS_R_GATE_LEAST, vs_switching_reductions_gate_least)                                           \
   X(VS_R_CORE, vs_junction_of_current)                                                             \
-  X(VS_R_RETURN_RISE, vs_told_return_rise)                                                         \
-  X(VS_R_FALL, vs_told_fall)                                                                       \
-  X(VS_R_CONDUCTION, vs_told_conduction)                                                           \
-  X(VS_R_SWITCHING, vs_told_switching)                                                             \
-  X(VS_R_RECOVERY, vs_told_recovery)                                                               \
-  X(VS_R_BLOCKING, vs_told_blocking)                                                               \
-  X(VS_R_E_ON, vs_told_e_on)                                                                       \
-  X(VS_R_E_OFF, vs_told_e_off)                                                                     \
-  X(VS_R_E_RECOVERY, vs_told_e_recovery)                                                           \
-  X(VS_R_TURNED_OFF, vs_told_turned_off)                                                           \
+  X(VS_R_RETURN_RISE, vs_switching_reductions_return_rise)                                         \
+  X(VS_R_FALL, vs_switching_reductions_fall)                                                       \
+  X(VS_R_CONDUCTION, vs_switching_reductions_conduction)                                           \
+  X(VS_R_SWITCHING, vs_switching_reductions_switching)                                             \
+  X(VS_R_RECOVERY, vs_switching_reductions_recovery)                                               \
+  X(VS_R_BLOCKING, vs_switching_reductions_blocking)                                               \
+  X(VS_R_E_ON, vs_switching_reductions_e_on)                                                       \
+  X(VS_R_E_OFF, vs_switching_reductions_e_off)                                                     \
+  X(VS_R_E_RECOVERY, vs_switching_reductions_e_recovery)                                           \
+  X(VS_R_TURNED_OFF, vs_switching_reductions_turned_off)                                           \
   X(VS_R_DERATED, vs_surge_pulses)                                                                 \
   X(VS_R_REPEATED, repeated)                                                                       \
   X(VS_R_CASE, vs_junction_case)                                                                   \

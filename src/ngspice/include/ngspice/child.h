@@ -9,7 +9,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "ngspice/complaints.h"
+#include "ngspice/solver_errors.h"
 
 /* What errors say of a child that died of a signal, and of one that did not come back. */
 #define VS_CHILD_DIED "ngspice died of it"
@@ -23,16 +23,16 @@ enum { VS_CHILD_SECONDS = 20 };
 typedef enum vs_child_end { VS_CHILD_GOOD, VS_CHILD_BAD_LOAD, VS_CHILD_BAD_RUN } vs_child_end;
 
 /* The reason for a child process that SIGSYS ended. This program's own filter only refuses calls
- * (ngspice/confine.h), so another filter ended it. */
+ * (ngspice/sandbox.h), so another filter ended it. */
 extern const char vs_child_forbidden[];
 
 /* Calls attempt(ctx) in a child process, without standard output and error and confined as
- * ngspice/confine.h says, and waits for the child's end. *end is what attempt returned, or what it
+ * ngspice/sandbox.h says, and waits for the child's end. *end is what attempt returned, or what it
  * gave to vs_child_finish; unless that is VS_CHILD_GOOD, the child's *complaints are then this
  * process's. Errors: VS_INPUT, the child died of a signal or did not come back in VS_CHILD_SECONDS;
  * VS_SIGNAL, a signal that is handled came meanwhile; VS_RUN, there is no child to be had, it
  * ran out of memory, or a filter of system calls killed it. */
-vs_status vs_child_try(vs_child_end (*attempt)(void *ctx), void *ctx, vs_complaints *complaints,
+vs_status vs_child_try(vs_child_end (*attempt)(void *ctx), void *ctx, vs_solver_errors *complaints,
                        vs_child_end *end, vs_error *err);
 
 /* Ends the child at once from within the attempt, as VS_CHILD_GOOD. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The interface to a circuit solver: ngspice in the product (ngspice/ng.h), a formula in tests. The
- * circuit owns its time loop and asks its host for what it needs. */
+ * The interface to a circuit solver: ngspice in the product (ngspice/ngspice.h), a formula in
+ * tests. The circuit owns its time loop and asks its host for what it needs. */
 #ifndef VS_NGSPICE_CIRCUIT_H
 #define VS_NGSPICE_CIRCUIT_H
 
@@ -42,7 +42,7 @@ typedef struct vs_circuit_job {
   bool tried;         /* this process has run a netlist that differs in parameters' values at most:
                          no trial in a child */
   bool unbegun;       /* this process can begin anew without harm: a guard in the place of a trial
-                         (ngspice/guard.h) */
+                         (ngspice/crash_guard.h) */
   long *tries;        /* counts the steps that are tried, rejected ones too; NULL: nobody asks */
   FILE *raw;          /* gets all the circuit's vectors at every accepted step as a rawfile
                          (ngspice/rawfile.h); its head is filled in also when the run fails. NULL: none */

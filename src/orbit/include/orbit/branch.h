@@ -3,12 +3,12 @@
 #ifndef VS_ORBIT_BRANCH_H
 #define VS_ORBIT_BRANCH_H
 
-#include "orbit/along.h"
+#include "orbit/branch_parameter.h"
 #include "run/run.h"
 
 typedef struct vs_branch_options {
   const vs_run_options *run; /* scene, sets, tier, folder, json, quiet, digits and stop count */
-  vs_along_words words;
+  vs_branch_parameter_words words;
   int periods;
 } vs_branch_options;
 

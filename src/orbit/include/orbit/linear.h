@@ -19,7 +19,7 @@
 #ifndef VS_ORBIT_LINEAR_H
 #define VS_ORBIT_LINEAR_H
 
-#include "orbit/seen.h"
+#include "orbit/linear_signal.h"
 #include "orbit/shooting.h"
 
 enum {
@@ -34,8 +34,8 @@ typedef struct vs_linear_name {
 } vs_linear_name;
 
 typedef struct vs_linear_output {
-  vs_seen seen; /* the signal on the orbit: amplitude, extremes and when they are */
-  int first;    /* the first of the states of its low-pass; -1: it has none */
+  vs_linear_signal seen; /* the signal on the orbit: amplitude, extremes and when they are */
+  int first;             /* the first of the states of its low-pass; -1: it has none */
 } vs_linear_output;
 
 /* The matrices are filled up to n and `outputs`; [i][j] is row i, column j. */
@@ -75,10 +75,12 @@ vs_status vs_linear_check(const vs_scene *scene, int periods, vs_error *err);
 /* Finds the model about an orbit of one firing period of the scene, which may have been put on that
  * orbit. signals: the outputs that are wanted, `count` of them; NULL: the coordinates,
  * and the travel where no coordinate is the same. Errors: those of vs_linear_check; of
- * vs_seen_begin; VS_RUN, the model does not exist: the thyristor fires twice in the period, or not
- * at its angle; the armature touches a stop without a speed; an output does not move. */
-vs_status vs_linear_find(const vs_scene *scene, const vs_orbit *orbit, const vs_seen_order *signals,
-                         int count, vs_linear *linear, vs_error *err);
+ * vs_linear_signal_begin; VS_RUN, the model does not exist: the thyristor fires twice in the
+ * period, or not at its angle; the armature touches a stop without a speed; an output does not
+ * move. */
+vs_status vs_linear_find(const vs_scene *scene, const vs_orbit *orbit,
+                         const vs_linear_signal_order *signals, int count, vs_linear *linear,
+                         vs_error *err);
 
 /* Gives what a lasting change of the angle makes of each output in the end, C (I - A)^-1 B + D, per
  * rad. Error, VS_RUN: a multiplier is 1. */

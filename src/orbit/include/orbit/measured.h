@@ -5,8 +5,8 @@
 #define VS_ORBIT_MEASURED_H
 
 #include "orbit/steady.h"
+#include "run/listed_measure.h"
 #include "run/session.h"
-#include "run/shown.h"
 
 /* Start from {0} and free with vs_measured_free. Not to be copied. */
 typedef struct vs_measured {
@@ -27,7 +27,8 @@ void vs_measured_free(vs_measured *measured);
  * on one; or, with periods above 0, those of one period of its orbit of so many firing periods. The
  * scene is altered: give a copy, which may borrow. session: its guest is only asked into a run.
  * Fill *measured with {0} before. It counts on the budget of
- * the scene's order. Errors: those of vs_session_run, vs_session_take and vs_steady_begin. */
+ * the scene's order. Errors: those of vs_session_run, vs_session_charge_budget and vs_steady_begin.
+ */
 vs_status vs_measured_run(vs_measured *measured, vs_scene *scene, int periods,
                           const vs_session *session, vs_error *err);
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * How a run on an ideal tier depends on one numeric key of its scene: the coefficients of its
- * equations, and those instants that the state does not fix. orbit/forcing.h makes df/dp of it.
+ * equations, and those instants that the state does not fix. orbit/parameter_rates.h makes df/dp of
+ * it.
  *
  * The parameter p is the key in parts of its own value: key = size (1 + p), so that d/dp is
  * d/d ln(key). Where the key is 0 it is key = size p instead, and size is one unit of the key.
@@ -60,8 +61,8 @@ vs_status vs_parameter_begin(vs_parameter *parameter, const vs_scene *scene, con
 void vs_parameter_end(vs_parameter *parameter);
 
 /* Goes on with another value of the key, which the scene has by now: the other scenes get theirs by
- * vs_scene_again, so that their tier must stand in them. The setups are to be taken anew. Errors:
- * those of vs_scene_again, and VS_INPUT where the key is or was 0; the parameter is then only good
+ * vs_scene_reread, so that their tier must stand in them. The setups are to be taken anew. Errors:
+ * those of vs_scene_reread, and VS_INPUT where the key is or was 0; the parameter is then only good
  * to end it. */
 vs_status vs_parameter_again(vs_parameter *parameter, vs_error *err);
 

@@ -6,7 +6,7 @@
  *   x + (I - Phi)^-1 (x' - x),
  * with Phi = dx'/dx of tier switched, which is near enough: what Phi is off, and what the circuit
  * remembers, makes the corrections fall by a factor of two to four from period to period. What the
- * circuit forgets slowly is moved on its own (orbit/creep.h).
+ * circuit forgets slowly is moved on its own (orbit/slow_modes.h).
  *
  * With a stop in reach the two tiers' Phi may have little in common, and corrections do not fall.
  * Then Phi is found by differences between copies of the process. If that does not
@@ -20,9 +20,9 @@
 
 /* Made by vs_picard_new, freed by vs_picard_free. */
 typedef struct vs_picard {
-  vs_pilot pilot;  /* for the order of the run (engine/sim.h) */
-  vs_orbit orbit;  /* what was found; before that, where the search begins */
-  int cycles;      /* firing periods that the search took */
+  vs_orbit_search pilot; /* for the order of the run (engine/sim.h) */
+  vs_orbit orbit;        /* what was found; before that, where the search begins */
+  int cycles;            /* firing periods that the search took */
   bool found;      /* the orbit is found. A run that follows, as that for the errors of margins, has
                       a search of its own, and changes nothing here */
   int multipliers; /* how many of them are known; 0: none */

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Logarithmic derivatives of a scene's measures with respect to its keys, each with its error. On
- * the ideal tiers they are exact (orbit/kin.h); elsewhere, and where a measure is not smooth
- * enough for that, they are Richardson's differences of runs (orbit/fan.h). */
+ * the ideal tiers they are exact (orbit/tangent.h); elsewhere, and where a measure is not smooth
+ * enough for that, they are Richardson's differences of runs (orbit/stencil.h). */
 #ifndef VS_ORBIT_SENSITIVITY_H
 #define VS_ORBIT_SENSITIVITY_H
 
 #include <signal.h>
 
-#include "orbit/fan.h"
+#include "orbit/stencil.h"
 
 /* What is asked for. */
 typedef struct vs_sensitivity_order {

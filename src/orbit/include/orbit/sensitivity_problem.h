@@ -25,7 +25,7 @@ typedef struct vs_sensitivity_problem {
   const char *inexact; /* why the equations have no derivative that orbit/variation.h knows, so that
                           runs are to be compared, which find their own orbits; NULL: they have */
   /* Is shown each step of the run (k = 0) and of its neighbours (k = 1 and on) besides their
-   * measures (orbit/kin.h); NULL: nobody is. To be set once the subject has begun. */
+   * measures (orbit/tangent.h); NULL: nobody is. To be set once the subject has begun. */
   void (*shown)(void *ctx, int k, const vs_step *step);
   void *ctx;
 } vs_sensitivity_problem;

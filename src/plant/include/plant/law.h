@@ -56,7 +56,7 @@ typedef struct vs_law {
   const char *(*beyond)(const vs_coil *coil, double flux_wb, double z_m, char *text, size_t size);
   /* Writes the current and the force for ngspice, as expressions of a B source in nodes whose
    * voltages are lambda and z ("v(lam)", "v(z)"); `lines` gets netlist lines that these need, in a
-   * subcircuit of their own. Numbers are written by vs_spice_number. NULL: the law cannot be
+   * subcircuit of their own. Numbers are written by vs_b_source_number. NULL: the law cannot be
    * written so, and tier circuit and export refuse it by name. */
   void (*netlist)(const vs_coil *coil, const char *flux, const char *gap, vs_text *lines,
                   vs_text *current, vs_text *force);

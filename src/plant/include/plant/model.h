@@ -70,7 +70,7 @@ typedef struct vs_model {
                                                the machine's file does not say */
   bool reloaded;                            /* events change the load in the run (engine/setup.h) */
   bool plain; /* the coil is square and the stop, if there is one, is a single linear one
-                 at the pole cover: the motion is polynomials' products (engine/ideal/series.h) */
+                 at the pole cover: the motion is polynomials' products (engine/ideal/taylor.h) */
   vs_mode mode[VS_MOST_STATES]; /* of the free motion, as vs_mechanics_modes sorts them */
   double growth_1_s; /* the largest Re s of the modes that is more than rounding; 0: none grows */
   double fastest_rad_s; /* the largest |s| of the mechanics' modes; 0 for a free mass */

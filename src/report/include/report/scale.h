@@ -7,7 +7,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "study/survey.h"
+#include "study/study_results.h"
 
 typedef struct vs_scale {
   double factor;   /* study.csv's number times factor is shown */

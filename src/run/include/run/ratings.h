@@ -4,8 +4,9 @@
  *
  *   ratings: {stroke: 0.5 mm .. 1.5 mm, r1.power: .. 2 W, v_ak: -900 .. 900 V, p_min: -5 mm ..}
  *
- * A measure is one that the run shows (run/shown.h), or a harmonic of a current whose quality it
- * tells. A probe is any channel that can be recorded; its least and its largest value count. */
+ * A measure is one that the run shows (run/listed_measure.h), or a harmonic of a current whose
+ * quality it tells. A probe is any channel that can be recorded; its least and its largest value
+ * count. */
 #ifndef VS_RUN_RATINGS_H
 #define VS_RUN_RATINGS_H
 

@@ -4,10 +4,10 @@
 #define VS_RUN_RESULT_H
 
 #include "control/loop.h"
-#include "run/keys.h"
-#include "run/ladder.h"
 #include "measure/verdict.h"
 #include "measure/watchers.h"
+#include "run/keys.h"
+#include "run/ladder.h"
 
 /* The second run of the scene, which tells the errors of the margins. */
 typedef struct vs_second_run {
@@ -82,7 +82,7 @@ void vs_result_warnings(const vs_result *result, void (*each)(void *ctx, const c
 /* True for a run by the trapezoidal rule whose steps are that much shorter than the mains and
  * run.tolerance ask for that the other rule may be worth a trial; writes what is to be said of it.
  */
-bool vs_result_crawls(const vs_result *result, char *text, size_t size);
+bool vs_result_steps_are_short(const vs_result *result, char *text, size_t size);
 
 /* Prints a line on standard error for each warning that is known only once the scene was run. That
  * nothing fires is not said of a run shorter than a cycle of the mains: whoever asks for one does

@@ -6,11 +6,11 @@
 
 #include "base/path.h"
 #include "control/control.h"
-#include "run/ratings.h"
-#include "run/warnings.h"
-#include "run/choice.h"
 #include "measure/expect.h"
 #include "measure/measures.h"
+#include "run/ratings.h"
+#include "run/tier_choice.h"
+#include "run/warnings.h"
 
 /* The word of `record` for all probes. */
 extern const char vs_scene_all_probes[];
@@ -30,10 +30,10 @@ typedef struct vs_scene {
   const char *tier_named; /* the word of --tier, borrowed; NULL: not given */
   const char *asks; /* what the command line asked the circuit tier for, borrowed; NULL: nothing */
   bool allow_code;  /* the command line allows code of the user's own (--allow-code) */
-  bool held;        /* its control is off (vs_scene_hold) */
+  bool held;        /* its control is off (vs_scene_disable_control) */
   bool of_period;   /* a period of its orbit is wanted, not its run; set before it is read */
   const vs_tier *tier;
-  char why[VS_CHOICE_WHY];             /* why this tier */
+  char why[VS_TIER_CHOICE_WHY];        /* why this tier */
   vs_frame frame;                      /* of this tier */
   vs_instruments instruments;          /* none where the scene has no such section */
   vs_control control;                  /* likewise */
@@ -56,21 +56,21 @@ void vs_scene_free(vs_scene *scene);
 /* vs_scene_read in two halves, for callers that alter the tree in between. where: the place at
  * which the name was written. */
 vs_status vs_scene_open(const char *name, vs_where where, vs_scene *scene, vs_error *err);
-vs_status vs_scene_settle(vs_scene *scene, const char *tier, vs_error *err);
+vs_status vs_scene_read_sections(vs_scene *scene, const char *tier, vs_error *err);
 /* Settles the scene once more after its tree was altered. Setup, tier and warnings are made anew,
- * as vs_scene_settle without --tier makes them; the deck is read again only where another is named.
- * `record` and `measured` stay as they are. */
-vs_status vs_scene_again(vs_scene *scene, vs_error *err);
+ * as vs_scene_read_sections without --tier makes them; the deck is read again only where another is
+ * named. `record` and `measured` stay as they are. */
+vs_status vs_scene_reread(vs_scene *scene, vs_error *err);
 
 /* Reads the same scene into `other` with these KEY=VALUE over its tree. `other` is to be freed
- * before `scene`, also after an error. Errors: those of vs_scene_settle. */
+ * before `scene`, also after an error. Errors: those of vs_scene_read_sections. */
 vs_status vs_scene_with(const vs_scene *scene, const char *const *keys, size_t n_keys,
                         vs_scene *other, vs_error *err);
 
 /* Takes the scene's control off for good, also where it is settled again, and adds a warning that
  * says so. A scene without a control stays as it is. Whoever asks for a periodic orbit gets that of
  * the angle firing.angle. */
-void vs_scene_hold(vs_scene *scene);
+void vs_scene_disable_control(vs_scene *scene);
 
 /* Prints a line on standard error for each of the scene's warnings. */
 void vs_scene_warn(const vs_scene *scene);

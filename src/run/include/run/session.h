@@ -11,7 +11,7 @@
 
 /* Someone who takes part in a run besides its watchers: who writes files, shows progress or looks
  * on. Members may be NULL. */
-typedef struct vs_guest {
+typedef struct vs_session_listener {
   void *ctx;
   /* Called before the first step of each attempt. scene: the one that is run, with the keys of the
    * ladder's rung. An error ends the run. */
@@ -25,13 +25,13 @@ typedef struct vs_guest {
   void (*again)(void *ctx, const char *failed, int next);
   bool
       late; /* `accept` does not ask the watchers, so that these may look at some steps at a time */
-} vs_guest;
+} vs_session_listener;
 
 typedef struct vs_session {
-  const vs_guest *guest; /* NULL: nobody */
-  bool verify;           /* what `run.verify: auto` means: a second run where something is rated */
-  bool verify_edges;     /* what it means besides: a second run where the first one shows that its
-                            sequence of firings is on edge */
+  const vs_session_listener *guest; /* NULL: nobody */
+  bool verify;       /* what `run.verify: auto` means: a second run where something is rated */
+  bool verify_edges; /* what it means besides: a second run where the first one shows that its
+                        sequence of firings is on edge */
   bool bare; /* no watchers, no ladder and no control, so that the angle is firing.angle: of the
                 result only wall_s and steps are filled */
   const vs_measure_set
@@ -61,7 +61,7 @@ vs_status vs_session_run(const vs_session *session, vs_scene *scene, vs_result *
 long vs_session_cycles(const vs_scene *scene);
 
 /* Counts them on the budget of the scene's order, for who searches by runs. Error: VS_BUDGET. */
-vs_status vs_session_take(const vs_scene *scene, vs_error *err);
+vs_status vs_session_charge_budget(const vs_scene *scene, vs_error *err);
 
 /* What follows from the verdict. VS_SIGNAL: its second run was stopped. VS_OK: every line is held,
  * or is unverified and within its limit. VS_RATING: a line is violated or undecided; err then names

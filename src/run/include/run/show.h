@@ -37,10 +37,10 @@ void vs_show_result(const vs_result *result, const vs_show_options *options, FIL
  */
 void vs_show_windows(const vs_spectrum *current, FILE *out);
 /* Prints for each class of apparatus which harmonic takes most of its limit, and how much. */
-void vs_show_classes(const vs_drawn *drawn, FILE *out);
+void vs_show_classes(const vs_drawn_current *drawn, FILE *out);
 
 /* The line of a table's head that names the machine and what feeds it: "machine conveyor, supply
  * 440 V rms, 50 Hz". */
-void vs_show_feed(const vs_setup *setup, FILE *out);
+void vs_show_machine_and_supply(const vs_setup *setup, FILE *out);
 
 #endif

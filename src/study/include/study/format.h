@@ -12,8 +12,9 @@
 /* One format: a plug of vs_format_all. */
 typedef struct vs_format {
   const char *name, *text;
-  const char *rows; /* the file of rows; a name that ends with ".zst" is packed (base/packed.h) */
-  bool columns;     /* the folder of columns (study/array.h) is written, too */
+  const char
+      *rows;    /* the file of rows; a name that ends with ".zst" is packed (base/compressed.h) */
+  bool columns; /* the folder of columns (study/npy.h) is written, too */
   const char *written; /* the files, for the line that names them */
 } vs_format;
 

@@ -14,9 +14,9 @@ struct vs_generation;
 
 /* What a report makes of the method's cases. */
 typedef struct vs_method_report {
-  /* Names of kinds of picture (the table in report/plot/album.c). NULL ends a list, or is an empty one.
-   * lead and last are for the column by which cases are judged: all that fit are drawn, those of
-   * lead before all other pictures, those of last behind them. */
+  /* Names of kinds of picture (the table in report/plot/study_pictures.c). NULL ends a list, or is
+   * an empty one. lead and last are for the column by which cases are judged: all that fit are
+   * drawn, those of lead before all other pictures, those of last behind them. */
   const char *const *lead, *const *last;
   const char *const *each; /* for every column: the first that fits is drawn */
   bool sampled;     /* the cases are random samples: the share of those that hold is a yield */
@@ -42,8 +42,8 @@ typedef struct vs_method {
   bool (*claims)(const vs_node *section);
 
   /* Reads the section: adds axes (vs_plan_axis, vs_axis_values), registers the columns it needs
-   * (vs_headings_column), keeps what else it wants in *state, which may stay NULL. Errors carry
-   * their place (vs_fail_at); a check carries on from each (vs_error_carry_on). */
+   * (vs_report_columns_add), keeps what else it wants in *state, which may stay NULL. Errors carry
+   * their place (vs_fail_at); a check carries on from each (vs_error_keep). */
   vs_status (*read)(struct vs_plan *plan, const vs_node *section, void **state, vs_error *err);
 
   /* Checks the section once the plan's columns have their units and ratings. NULL: there is nothing

@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A study file as it was read: which scene, what is varied and by which methods, what is reported.
- * study/reading.h reads it. A plan knows its cases by number: case k is a point, which has one
+ * study/study_file.h reads it. A plan knows its cases by number: case k is a point, which has one
  * number for each axis.
  *
  *   scene:   NAME or path                 the default: paper
  *   set:     {KEY: VALUE, ...}            over what the scene says
- *   vary:    {KEY: VALUES, ...}           study/method/grid.c: grid; or the name of a CSV file: list
- *   sample:  {method: NAME, ...}          study/method/sample.c
- *   find:    {worst: max MEASURE, ...}    study/method/worst.c
- *   snubber: {...}                        study/method/snubber.c
- *   steady:  {period: N}                  study/atwork.h: each case is a period of its orbit
- *   report:  [MEASURE, ...]               the default: the measures of every run, or of every orbit
+ *   vary:    {KEY: VALUES, ...}           study/method/grid.c: grid; or the name of a CSV file:
+ * list sample:  {method: NAME, ...}          study/method/sample.c find:    {worst: max MEASURE,
+ * ...}    study/method/worst.c snubber: {...}                        study/method/snubber.c steady:
+ * {period: N}                  study/orbit_columns.h: each case is a period of its orbit report:
+ * [MEASURE, ...]               the default: the measures of every run, or of every orbit
  *
  * A study that has vary and sample runs all pairs of their points, the last one's index running
  * fastest. A method that chooses its cases by earlier ones' results (find, snubber) uses all axes
@@ -20,10 +19,10 @@
 
 #include <stdint.h>
 
-#include "orbit/sensitivity.h"
-#include "study/atwork.h"
-#include "study/method.h"
 #include "measure/verdict.h"
+#include "orbit/sensitivity.h"
+#include "study/method.h"
+#include "study/orbit_columns.h"
 
 enum { VS_PLAN_AXES = 32, VS_PLAN_COLUMNS = 96 }; /* at most */
 #define VS_PLAN_CASES 100000000ull                /* at most */
@@ -81,7 +80,7 @@ typedef struct vs_plan {
   size_t n_inputs;
 } vs_plan;
 
-/* Frees what vs_reading_plan made (study/reading.h). */
+/* Frees what vs_study_file_read made (study/study_file.h). */
 void vs_plan_free(vs_plan *plan);
 
 /* The keys of a study's file besides those of methods, with all below them. */
@@ -103,7 +102,7 @@ void vs_plan_method(const vs_plan *plan, char *text, size_t size);
 /* Writes the point of case `index`, point[n_axes]. Not for a plan in which a method searches. */
 void vs_plan_point(const vs_plan *plan, uint64_t index, double *point);
 
-/* Reads the scene with `set` and --set, to be altered and then settled (vs_scene_settle). */
+/* Reads the scene with `set` and --set, to be altered and then settled (vs_scene_read_sections). */
 vs_status vs_plan_scene(const vs_plan *plan, vs_scene *scene, vs_error *err);
 
 /* ---- for methods ---- */

@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Being away from the circuit's solver: leaving it once a stand-in (macromodel/macromodel.h) says
+ * that it may be left, stepping on without it, and coming back to it.
+ *
+ * A solver that is left for good ends its run, and the stand-in goes on to the end. One that is
+ * gone back to stands still at some phase of the mains while whole cycles pass without it. Then its
+ * clock is moved on by these cycles, and it is led: sources in the EVA pull its flux linkage and
+ * voltage to where the stand-in has come. While it is led the stand-in's steps are still the ones
+ * shown. */
+#ifndef VS_ENGINE_SOLVER_SWITCH_H
+#define VS_ENGINE_SOLVER_SWITCH_H
+
+#include "coupled/signal_map.h"
+#include "coupled/trajectory.h"
+#include "macromodel/macromodel.h"
+
+typedef struct vs_solver_switch {
+  vs_trajectory *trajectory;
+  const vs_signal_map *names;
+  const vs_macromodel *kind;
+  void *law;              /* the stand-in; NULL: the solver goes on to the end. Owned */
+  bool stays;             /* a bound was missed, and the solver is not left again */
+  bool ends;              /* the solver is not needed any more */
+  bool follows;           /* the solver is led */
+  double follows_until_s; /* while it is */
+  double lead_rate_1_s;   /* how fast it is led */
+  double shift_s; /* the run's time less the solver's: the cycles it was left for, less those
+                     of the prelude */
+  double goal_s;  /* when the stand-in is at `goal`; -1: at no time */
+  vs_knot goal;
+} vs_solver_switch;
+
+/* Begins in the solver. max_step_s is its longest step. The trajectory and the names must outlive
+ * it; the names may be filled in later, with what vs_solver_switch_memories returns. */
+void vs_solver_switch_begin(vs_solver_switch *away, const vs_run_order *order,
+                            vs_trajectory *trajectory, const vs_signal_map *names,
+                            double max_step_s);
+void vs_solver_switch_end(vs_solver_switch *away);
+
+/* What the solver shall show of what the circuit remembers; NULL: nothing. */
+const vs_circuit_states *vs_solver_switch_memories(const vs_solver_switch *away);
+
+/* What a port that leads the EVA (VS_PORT_...) has at t_s. 0 while the solver is not led. */
+double vs_solver_switch_lead(vs_solver_switch *away, size_t port, double t_s);
+
+/* Takes in what the solver shows at the trajectory's last knot, and leaves the solver if the
+ * circuit is quiet. If it is left for some cycles, their steps are shown here. Errors: the
+ * observer's; VS_RUN where the law cannot be integrated. */
+vs_status vs_solver_switch_consider(vs_solver_switch *away, const double *signals, vs_error *err);
+
+/* Takes in that the solver, which is led, has come to t_s, and shows the stand-in's step to there.
+ * Errors as above. */
+vs_status vs_solver_switch_follow(vs_solver_switch *away, double t_s, const double *signals,
+                                  vs_error *err);
+
+/* True if the solver's run can end: it was left for good, or the run's end has come before the
+ * solver's own. */
+bool vs_solver_switch_enough(const vs_solver_switch *away);
+
+/* Goes on without the solver, which is left for good, to the run's end. Errors as above. */
+vs_status vs_solver_switch_finish(vs_solver_switch *away, vs_error *err);
+
+#endif

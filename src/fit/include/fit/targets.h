@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * An aim of a fit: one number that was measured of a run, with its error. It is a measure of every
+ * run (i_peak, f_resonance, ...); of a period of an orbit one that `steady` tells (power_in, ...);
+ * or one of the machine at rest, which needs no run:
+ *
+ *   working_frequency   Hz, at which the mode that the force drives hardest swings freely:
+ *                       Im s/(2 pi)
+ *   working_decay       s, in which that mode decays to 1/e: -1/Re s
+ */
+#ifndef VS_FIT_TARGETS_H
+#define VS_FIT_TARGETS_H
+
+#include "orbit/measured.h"
+
+typedef struct vs_target {
+  char name[VS_JUDGED_NAME];
+  char unit[24];  /* in which it is shown */
+  vs_where where; /* of its key in the fit file */
+  double value;   /* as it was measured, SI */
+  double error;   /* its standard error: a share of the value, or SI */
+  bool relative;  /* error is a share */
+  int place;      /* among those of vs_measured_at; -1: it is one of the machine at rest */
+} vs_target;
+
+typedef struct vs_targets {
+  vs_target *item; /* [count]; owned */
+  size_t count;
+} vs_targets;
+
+/* Reads the map `measures` of a fit file, NAME: {value: 1.5 mm, error: 3 %}. periods: 0, they are
+ * those of the scene's run; else of a period of its orbit, of so many firing periods. Free
+ * aims->item even after an error. Errors: no such measure; no value, no error; an error that is not
+ * above 0. */
+vs_status vs_targets_read(vs_targets *aims, const vs_node *map, const vs_scene *scene, int periods,
+                          vs_error *err);
+
+/* Finds what a run of the scene gave, SI. Error: VS_RUN, it has no such number, as nothing fired.
+ */
+vs_status vs_target_computed(const vs_target *aim, const vs_scene *scene, const vs_measured *measured,
+                          double *value, vs_error *err);
+
+/* Adds a line for each measure of the machine at rest, for --help. */
+void vs_target_explain(vs_text *help);
+
+#endif

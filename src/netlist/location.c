@@ -1,0 +1,280 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "netlist/location.h"
+
+#include <ctype.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+#include "message.h"
+#include "netlist/deck.h"
+#include "netlist/netlist.h"
+#include "netlist/reserved.h"
+#include "netlist/rules.h"
+#include "netlist/words.h"
+
+/* ---- which lines it may be in ---- */
+
+/* In which lines of a deck that may stand which a complaint of ngspice's speaks of. */
+
+/* Lines of the deck from `begin` on, up to the one before `end`. */
+typedef struct vs_scope {
+  const vs_deck *deck;
+  size_t begin, end;
+} vs_scope;
+
+/* The line behind the end of the subcircuit that begins in line k; 0: none does. */
+static size_t end_of(const vs_deck *deck, size_t k) {
+  size_t depth = vs_words_begin(deck->lines[k].text, ".subckt"), end = depth ? k + 1 : 0;
+  for (; depth && end < deck->n_lines; end++) {
+    depth += vs_words_begin(deck->lines[end].text, ".subckt");
+    depth -= vs_words_begin(deck->lines[end].text, ".ends");
+  }
+  return end;
+}
+
+/* True for text whose first word is those n bytes. */
+static bool is_named(const char *line, const char *name, size_t n) {
+  return !strncasecmp(line, name, n) && strchr(" \t", line[n]);
+}
+
+/* Finds the lines below the .subckt of that name, or of the part that is chosen for it. Returns
+ * false where there is none. */
+static bool scope_enter(vs_scope *in, const char *name, size_t n) {
+  const vs_deck *deck = in->deck;
+  for (size_t p = 0; p < deck->n_parts; p++)
+    if (strlen(deck->parts[p].name) == n && !strncasecmp(deck->parts[p].name, name, n))
+      name = deck->parts[p].subcircuit, n = strlen(name);
+  for (size_t k = 0; k < deck->n_lines; k++) {
+    const char *text = deck->lines[k].text, *word = text + strcspn(text, " \t");
+    word += strspn(word, " \t");
+    if (vs_words_begin(text, ".subckt") && is_named(word, name, n)) {
+      in->begin = k + 1;
+      in->end = end_of(deck, k);
+      return true;
+    }
+  }
+  return false;
+}
+
+/* Finds the subcircuit of a path, as "b.xs.xq.bk" or "xs.xq.kk", by its instances. */
+static vs_scope scope_of(const vs_deck *deck, const char *path) {
+  vs_scope in = {deck, 0, deck->n_lines};
+  const char *last = vs_message_behind_path(path);
+  if (path[1] == '.') path += 2; /* the element's letter */
+  while (path < last) {
+    size_t n = strcspn(path, "."), length = 0, k = in.begin;
+    while (k < in.end && !is_named(deck->lines[k].text, path, n)) {
+      const size_t inner = end_of(deck, k); /* what stands in there has a longer path */
+      k = inner ? inner : k + 1;
+    }
+    const char *name = k < in.end ? vs_rules_instance_of(deck->lines[k].text, &length) : NULL;
+    if (!name || !scope_enter(&in, name, length)) return (vs_scope){deck, 0, deck->n_lines};
+    path += n + 1;
+  }
+  return in;
+}
+
+/* Finds the lines that a message is about: those of the subcircuit of the first path in it, such as
+ * "b.xs.xq.bk"; else all of the deck. */
+static vs_scope scope_find(const vs_deck *deck, const char *message) {
+  static const char *const BEFORE[] = {"check node ", "instance ", "trouble with node \"", ": "};
+  for (size_t k = 0; k < sizeof BEFORE / sizeof *BEFORE; k++)
+    for (const char *s = message; (s = strstr(s, BEFORE[k]));) {
+      s += strlen(BEFORE[k]);
+      if (!isalpha((unsigned char)*s) || vs_message_behind_path(s) == s) continue;
+      vs_scope in = scope_of(deck, s);
+      if (in.end - in.begin < deck->n_lines) return in;
+    }
+  return (vs_scope){deck, 0, deck->n_lines};
+}
+
+/* True where a line gives a parameter of that name a value, or describes a model of that name. */
+static bool declares(const char *line, const char *name, size_t n, bool parameter) {
+  if (!parameter) {
+    const char *word = line + strcspn(line, " \t");
+    return vs_words_begin(line, ".model") &&
+           vs_words_find(word, word, name, n) == word + strspn(word, " \t");
+  }
+  if (!vs_words_begin(line, ".param") && !vs_words_begin(line, ".subckt")) return false;
+  for (const char *at = line; (at = vs_words_find(line, at, name, n)); at += n)
+    if (vs_words_is_given(at + n)) return true;
+  return false;
+}
+
+/* True where the subcircuit that line k stands in, or one around that, has the parameter or the
+ * model whose lack the message is of. */
+static bool scope_has_what_lacks(const vs_deck *deck, size_t k, const char *message) {
+  size_t n = 0;
+  const char *name = vs_message_parameter(message, &n);
+  const bool parameter = name;
+  if (!name) name = vs_message_model(message, &n);
+  for (size_t from = 0; from < k && name; from++) {
+    size_t end = end_of(deck, from);
+    if (end <= k) continue;
+    for (size_t j = from; j < end; j++) {
+      size_t inner = j > from ? end_of(deck, j) : 0;
+      if (inner)
+        j = inner - 1;
+      else if (declares(deck->lines[j].text, name, n, parameter))
+        return true;
+    }
+  }
+  return false;
+}
+
+/* ---- what it speaks of ---- */
+
+/* What a complaint of ngspice's speaks of, looked for in one line of the netlist. Each function
+ * returns where it begins in the line; NULL: it is not in this line. */
+
+/* True where the message speaks of the line's element, by one of its ways: "...: r1 a b ...", "...:
+ * r1: ...", "... instance r1 ...", "... check node r1#branch". */
+static bool is_element_of(const char *line, const char *message) {
+  static const char *const BEFORE[] = {": ", "instance ", "check node ", "(instance: x"};
+  size_t n = strcspn(line, " \t");
+  if (n < 2 || *line == '.' || *line == '+') return false;
+  for (size_t k = 0; k < sizeof BEFORE / sizeof *BEFORE; k++)
+    for (const char *s = message; (s = strstr(s, BEFORE[k]));) {
+      s = vs_message_behind_path(s + strlen(BEFORE[k]));
+      if (!strncasecmp(s, line, n) && strchr(" :#)", s[n])) return true;
+    }
+  return false;
+}
+
+/* The node that is named: "check node b", "trouble with node "xa.b"", of which the last part is
+ * looked for in lines of elements. */
+static const char *subject_node(const char *line, const char *message) {
+  static const char *const BEFORE[] = {"check node ", "trouble with node \""};
+  for (size_t k = 0; k < sizeof BEFORE / sizeof *BEFORE && *line != '.'; k++) {
+    const char *s = strstr(message, BEFORE[k]);
+    if (!s) continue;
+    s += strlen(BEFORE[k]);
+    size_t n = strcspn(s, " \"");
+    for (size_t dot = 0; dot < n; dot++)
+      if (s[dot] == '.') s += dot + 1, n -= dot + 1, dot = 0;
+    const char *from = line + strcspn(line, " \t");
+    return n ? vs_words_find(line, from, s, n) : NULL;
+  }
+  return NULL;
+}
+
+/* The function whose argument was out of its range. */
+static const char *subject_function(const char *line, const char *message) {
+  static const char *const POWERS[] = {"pow", "pwr", "pwrs"};
+  const char *name = vs_message_function(message), *found = NULL;
+  if (!name || *line == '.') return NULL;
+  found = vs_words_find(line, line, name, strcspn(name, " "));
+  if (found || !vs_message_is_of_power(message) || !strchr("bBeEgG", *line)) return found;
+  found = strstr(line, "**");
+  if (!found) found = strchr(line, '^');
+  for (size_t k = 0; k < sizeof POWERS / sizeof *POWERS && !found; k++)
+    found = vs_words_find(line, line, POWERS[k], strlen(POWERS[k]));
+  return found;
+}
+
+/* Finds a '=' with nothing behind it, which ngspice takes for an expression of no characters, or of
+ * the next bracket. */
+static const char *find_no_value(const char *line) {
+  for (const char *s = line; (s = strchr(s, '=')); s++)
+    if (strchr(")}", s[1 + strspn(s + 1, " \t")])) return s; /* or the end */
+  return NULL;
+}
+
+/* The parameter that is not defined, the expression that cannot be read, the element or the word
+ * that is named. */
+static const char *subject_find(const char *line, const char *message) {
+  size_t n = 0;
+  const char *name = vs_message_parameter(message, &n);
+  if (name) { /* a parameter stands in an expression, and so behind the first '{', quote or '=' */
+    const char *from = *line == '.' ? strpbrk(line, "{'=( ") : strpbrk(line, "{'=");
+    from = from ? vs_words_find(line, from, name, n) : NULL;
+    while (from && vs_words_is_given(from + n)) from = vs_words_find(line, from + n, name, n);
+    return from;
+  }
+  const char *expression = strstr(message, "xpression err: ");
+  if (expression) {
+    expression += 15;
+    if (strlen(expression) < 2) return find_no_value(line); /* it may stand in any line */
+    const char *whole = strcasestr(line, expression);
+    while (vs_words_goes_on(expression[n])) n++;
+    return whole || n < 2 ? whole : vs_words_find(line, line, expression, n);
+  }
+  name = vs_message_between(message, " '", '\'', &n);
+  const char *word = name ? vs_words_find(line, line, name, n) : NULL;
+  if (is_element_of(line, message)) return word ? word : line;
+  return strstr(message, "circuit: no such function '") ? word : NULL;
+}
+
+/* True where the message quotes that line of an element, all of it. */
+static bool subject_is_quoted(const char *line, const char *message) {
+  const char *at = isalpha((unsigned char)*line) ? strcasestr(message, line) : NULL;
+  return at && !vs_words_goes_on(at[strlen(line)]);
+}
+
+/* ---- where that stands ---- */
+
+/* Finds the first line in which `find` finds what a message speaks of. */
+static vs_where place_in_lines(const vs_deck *deck, const char *message,
+                               const char *(*find)(const char *line, const char *message)) {
+  const vs_scope in = scope_find(deck, message);
+  bool quoted = false; /* the message has a line as a whole, which is not another one then */
+  for (size_t k = in.begin; k < in.end && !quoted; k++)
+    quoted = subject_is_quoted(deck->lines[k].text, message);
+  for (size_t k = in.begin; k < in.end; k++) {
+    const vs_line *line = &deck->lines[k];
+    if (quoted && !subject_is_quoted(line->text, message)) continue;
+    const char *at = find(line->written ? line->written : line->text, message);
+    if (!at && !(line->written && find(line->text, message))) continue;
+    if (!scope_has_what_lacks(deck, k, message)) return at ? vs_line_place(line, at) : line->where;
+  }
+  return (vs_where){0};
+}
+
+/* The place within a line of what a message speaks of; else the line's. */
+static vs_where place_in_line(const vs_line *line, const char *message) {
+  const char *at = subject_find(line->written ? line->written : line->text, message);
+  return at ? vs_line_place(line, at) : line->where;
+}
+
+/* A wrong number of nodes is told of the instance. Where that comes with the program, or is none of
+ * the deck's lines, the user's subcircuit is what has to be mended: its place. */
+static vs_where place_of_pins(const vs_deck *deck, const char *message, vs_where where) {
+  size_t n = 0;
+  const char *name = vs_message_between(message, "parameters for subcircuit type \"", '"', &n);
+  vs_scope in = {deck, 0, 0};
+  if (!name || (where.file && !vs_deck_is_shipped(where.file)) || !scope_enter(&in, name, n))
+    return where;
+  const vs_where its = deck->lines[in.begin - 1].where;
+  return vs_deck_is_shipped(its.file) ? where : its;
+}
+
+/* Where a formula or a probe asks for the signal that is not there. */
+static vs_where place_of_signal(const vs_deck *deck, const char *message) {
+  static const char SAYS[] = "the circuit has no ";
+  const char *signal = strstr(message, SAYS);
+  if (signal) signal += strlen(SAYS);
+  for (size_t k = deck->n_terms; signal && k-- > 0;)
+    if (!strcmp(signal, deck->terms[k].plus) || !strcmp(signal, deck->terms[k].minus))
+      return deck->terms[k].where;
+  return (vs_where){0};
+}
+
+void vs_location_locate(const vs_deck *deck, size_t culprit, vs_error *err) {
+  const vs_line *line = vs_netlist_line(deck, culprit);
+  vs_reserved_restore(err->text);
+  vs_where where = place_of_signal(deck, err->text);
+  if (!where.file && line) where = place_in_line(line, err->text);
+  if (!where.file) where = place_in_lines(deck, err->text, subject_find);
+  if (!where.file) where = place_in_lines(deck, err->text, subject_node);
+  if (!where.file) where = place_in_lines(deck, err->text, subject_function);
+  where = place_of_pins(deck, err->text, where);
+  vs_error plain = *err;
+  char within[VS_PATH_SIZE] = "";
+  if (!where.file)
+    where.file = deck->files[0];
+  else
+    where = vs_deck_mendable(deck, where, within, sizeof within);
+  vs_fail_at(err, where, "%s%s%s", plain.text, within, vs_message_remedy(plain.text));
+}

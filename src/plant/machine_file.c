@@ -1,0 +1,697 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "plant/machine_file.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "base/field.h"
+#include "base/units.h"
+#include "declare.h"
+#include "expression.h"
+#include "plant/actuator.h"
+#include "plant/feed.h"
+#include "plant/machine.h"
+
+/* ---- bodies and springs ---- */
+
+/* Bodies and springs in the plane, which a machine's file may have instead of matrices:
+ *
+ *   bodies:  {NAME: {mass: FORMULA, inertia: FORMULA, at: [x, y], on: BODY,
+ *                    moves: {x: FORMULA, y: FORMULA, turn: FORMULA}}, ...}
+ *       at: its centre of mass at rest. moves: its small motion, linear in the coordinates; what is
+ *       left out is 0, and so is the inertia. on: a body above it, whose motion it shares besides
+ *   springs: {NAME: {from: {BODY: [x, y]}, to: {BODY: [x, y]}, along: [x, y],
+ *                    stiffness: FORMULA, damping: FORMULA}, ...}
+ *       from: without it, the ground at the same point; BODY may be `ground`. The spring pulls
+ *       along the line between its points, or along the direction `along`; with stiffness: [x, y]
+ *       and damping: [x, y] along both axes. Springs are without force at rest */
+
+static const char GROUND[] = "ground";
+
+/* Where an expression is read from and what it is for. */
+typedef struct source {
+  const char *owner, *key; /* "bodies.base", "mass" */
+  const char *unit;
+  vs_expression_kind kind;
+} source;
+
+static vs_status read_component(const vs_machine *m, const vs_node *node, source from,
+                                vs_expression *out, vs_error *err) {
+  char what[2 * VS_MACHINE_NAME + 32];
+  const vs_dimension wanted = vs_dimension_of(from.unit);
+  const vs_expression_use use = {from.kind, what, &wanted};
+  snprintf(what, sizeof what, "%s.%s", from.owner, from.key);
+  return vs_expression_read(m, node, &use, out, err);
+}
+
+/* [x, y] */
+static vs_status read_two(const vs_machine *m, const vs_node *node, source from,
+                          vs_expression out[2], vs_error *err) {
+  const vs_node *x = node->kind == VS_NODE_LIST ? node->child : NULL;
+  if (!x || !x->next || x->next->next)
+    return vs_fail_at(err, node->where, "%s.%s: two values are wanted: [x, y]", from.owner,
+                      from.key);
+  vs_status s = read_component(m, x, from, &out[0], err);
+  return s ? s : read_component(m, x->next, from, &out[1], err);
+}
+
+static vs_status refuse_missing(const vs_node *node, const char *owner, const char *key,
+                                vs_error *err) {
+  return vs_fail_at(err, node->key_where, "%s: %s is wanted", owner, key);
+}
+
+static vs_status find_body(const vs_machine *m, const char *name, vs_where where, int *body,
+                           vs_error *err) {
+  const char *names[VS_MACHINE_BODIES + 1] = {GROUND};
+  *body = -1;
+  if (!strcmp(name, GROUND)) return VS_OK;
+  for (int k = 0; k < m->n_bodies; k++) {
+    names[k + 1] = m->bodies[k].name;
+    if (!strcmp(name, names[k + 1])) *body = k;
+  }
+  if (*body >= 0) return VS_OK;
+  const char *nearest = vs_text_nearest(name, names, (size_t)m->n_bodies + 1);
+  return vs_fail_at(err, where, "no body '%s' stands above%s%s%s", name,
+                    nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+}
+
+static const vs_outline FORMULA = {.takes = VS_OUTLINE_TEXT},
+                        POINT[] = {{.takes = VS_OUTLINE_LIST, .of = &FORMULA, .count = 2}, {0}};
+static const vs_outline MOVES[] = {{"x", .takes = VS_OUTLINE_TEXT},
+                                   {"y", .takes = VS_OUTLINE_TEXT},
+                                   {"turn", .takes = VS_OUTLINE_TEXT},
+                                   {0}};
+static const vs_outline body_keys[] = {
+    {"mass", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_TEXT},
+    {"inertia", .takes = VS_OUTLINE_TEXT},
+    {"at", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_LIST, .of = &FORMULA, .count = 2},
+    {"on", .takes = VS_OUTLINE_TEXT},
+    {"moves", .takes = VS_OUTLINE_MAP, .of = MOVES},
+    {0}};
+static const vs_outline spring_keys[] = {
+    {"from", .takes = VS_OUTLINE_MAP, .of = POINT, .count = 1},
+    {"to", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_MAP, .of = POINT, .count = 1},
+    {"along", .takes = VS_OUTLINE_LIST, .of = &FORMULA, .count = 2},
+    {"stiffness", .takes = VS_OUTLINE_TEXT | VS_OUTLINE_LIST, .of = &FORMULA, .count = 2},
+    {"damping", .takes = VS_OUTLINE_TEXT | VS_OUTLINE_LIST, .of = &FORMULA, .count = 2},
+    {0}};
+
+static vs_status read_moves(const vs_machine *m, const vs_node *map, const char *owner,
+                            vs_expression moves[3], vs_error *err) {
+  static const char *const WORDS[] = {"moves.x", "moves.y", "moves.turn"}, *const UNITS[] = {
+                                                                               "m", "m", "rad"};
+  if (map && map->kind != VS_NODE_MAP)
+    return vs_fail_at(err, map->where, "%s.moves: {x: ..., y: ..., turn: ...} is wanted", owner);
+  vs_status s = vs_field_outline_keys(map, "moves", MOVES, err);
+  for (int k = 0; k < 3 && !s; k++) {
+    const vs_node *node = vs_tree_child(map, MOVES[k].key);
+    const source from = {owner, WORDS[k], UNITS[k], VS_EXPRESSION_MOTION};
+    if (node) s = read_component(m, node, from, &moves[k], err);
+  }
+  return s;
+}
+
+static vs_status fill_body(vs_machine *m, const vs_node *node, const char *owner, vs_body *b,
+                           vs_error *err) {
+  const vs_node *mass = vs_tree_child(node, "mass"), *inertia = vs_tree_child(node, "inertia"),
+                *at = vs_tree_child(node, "at"), *on = vs_tree_child(node, "on");
+  if (!mass || !at) return refuse_missing(node, owner, mass ? "at: [x, y]" : "mass", err);
+  vs_status s =
+      read_component(m, mass, (source){owner, "mass", "kg", VS_EXPRESSION_CONSTANT}, &b->mass, err);
+  if (!s && inertia)
+    s = read_component(m, inertia, (source){owner, "inertia", "kg.m2", VS_EXPRESSION_CONSTANT},
+                       &b->inertia, err);
+  if (!s) s = read_two(m, at, (source){owner, "at", "m", VS_EXPRESSION_CONSTANT}, b->at, err);
+  if (!s && on) s = find_body(m, on->text ? on->text : "", on->where, &b->on, err);
+  return s ? s : read_moves(m, vs_tree_child(node, "moves"), owner, b->moves, err);
+}
+
+static vs_status read_body(vs_machine *m, const vs_node *node, vs_error *err) {
+  char owner[VS_MACHINE_NAME + 16];
+  snprintf(owner, sizeof owner, "bodies.%.*s", VS_MACHINE_NAME - 1, node->key);
+  if (m->n_bodies >= VS_MACHINE_BODIES)
+    return vs_fail_at(err, node->key_where, "more than %d bodies", VS_MACHINE_BODIES);
+  if (!strcmp(node->key, GROUND))
+    return vs_fail_at(err, node->key_where, "%s: that name is the program's", owner);
+  if (node->kind != VS_NODE_MAP)
+    return vs_fail_at(err, node->where, "%s: {mass: ..., at: [x, y], moves: ...} is wanted", owner);
+  vs_status s = vs_field_outline_keys(node, owner, body_keys, err);
+  vs_body *b = &m->bodies[m->n_bodies];
+  b->on = -1;
+  if (!s) s = fill_body(m, node, owner, b, err);
+  snprintf(b->name, sizeof b->name, "%.*s", VS_MACHINE_NAME - 1, node->key);
+  m->n_bodies++; /* it is freed with the machine, also where it is not good */
+  return s;
+}
+
+/* {BODY: [x, y]} */
+static vs_status read_spring_end(const vs_machine *m, const vs_node *node, const char *owner,
+                                 vs_spring *s, vs_error *err) {
+  int end = !strcmp(node->key, "to");
+  if (node->kind != VS_NODE_MAP || !node->child || node->child->next)
+    return vs_fail_at(err, node->where, "%s.%s: one body with a point is wanted: {BODY: [x, y]}",
+                      owner, node->key);
+  vs_status status = find_body(m, node->child->key, node->child->key_where, &s->body[end], err);
+  const source from = {owner, node->key, "m", VS_EXPRESSION_CONSTANT};
+  return status ? status : read_two(m, node->child, from, s->point[end], err);
+}
+
+static vs_status read_strength(const vs_machine *m, const vs_node *node, source from,
+                               const vs_spring *s, vs_error *err) {
+  vs_expression *out =
+      (vs_expression *)(size_t)(!strcmp(from.key, "damping") ? s->damping : s->stiffness);
+  if (s->apart) return read_two(m, node, from, out, err);
+  return read_component(m, node, from, out, err);
+}
+
+static vs_status fill_spring(const vs_machine *m, const vs_node *node, const char *owner,
+                             vs_spring *s, vs_error *err) {
+  const vs_node *from = vs_tree_child(node, "from"), *to = vs_tree_child(node, "to"),
+                *along = vs_tree_child(node, "along"),
+                *stiffness = vs_tree_child(node, "stiffness"),
+                *damping = vs_tree_child(node, "damping"),
+                *strong = stiffness ? stiffness : damping;
+  if (!to || !strong)
+    return refuse_missing(node, owner, to ? "stiffness or damping" : "to: {BODY: [x, y]}", err);
+  s->apart = strong->kind == VS_NODE_LIST;
+  s->directed = along != NULL;
+  s->where = node->key_where;
+  if (s->apart && along)
+    return vs_fail_at(err, along->key_where,
+                      "%s.along: with [x, y] for its stiffness a spring has no direction", owner);
+  if (!s->apart && !along && !from)
+    return refuse_missing(node, owner, "a direction, by `from` or `along`, or stiffness: [x, y],",
+                          err);
+  vs_status status = read_spring_end(m, to, owner, s, err);
+  if (!status && from) status = read_spring_end(m, from, owner, s, err);
+  if (!status && along)
+    status =
+        read_two(m, along, (source){owner, "along", NULL, VS_EXPRESSION_CONSTANT}, s->along, err);
+  if (!status && stiffness)
+    status = read_strength(m, stiffness,
+                           (source){owner, "stiffness", "N/m", VS_EXPRESSION_CONSTANT}, s, err);
+  if (!status && damping)
+    status = read_strength(m, damping, (source){owner, "damping", "N.s/m", VS_EXPRESSION_CONSTANT},
+                           s, err);
+  return status;
+}
+
+static vs_status read_spring(vs_machine *m, const vs_node *node, vs_error *err) {
+  char owner[VS_MACHINE_NAME + 16];
+  snprintf(owner, sizeof owner, "springs.%.*s", VS_MACHINE_NAME - 1, node->key);
+  if (m->n_springs >= VS_MACHINE_SPRINGS)
+    return vs_fail_at(err, node->key_where, "more than %d springs", VS_MACHINE_SPRINGS);
+  if (node->kind != VS_NODE_MAP)
+    return vs_fail_at(err, node->where, "%s: {from: ..., to: ..., stiffness: ...} is wanted",
+                      owner);
+  vs_status status = vs_field_outline_keys(node, owner, spring_keys, err);
+  vs_spring *s = &m->springs[m->n_springs++];
+  s->body[0] = s->body[1] = -1;
+  snprintf(s->name, sizeof s->name, "%.*s", VS_MACHINE_NAME - 1, node->key);
+  return status ? status : fill_spring(m, node, owner, s, err);
+}
+
+static vs_status read_each(vs_machine *m, const char *key,
+                           vs_status (*read)(vs_machine *, const vs_node *, vs_error *),
+                           vs_error *err) {
+  const vs_node *map = vs_tree_child(m->tree.root, key);
+  vs_status s = VS_OK;
+  if (map && map->kind != VS_NODE_MAP)
+    return vs_error_keep(
+        err, vs_fail_at(err, map->where, "%s: a map is wanted: {NAME: {...}, ...}", key));
+  for (const vs_node *n = map ? map->child : NULL; n && !s; n = n->next)
+    s = vs_error_keep(err, read(m, n, err));
+  return s;
+}
+
+/* Reads both keys. Errors with their place; a check carries on. */
+static vs_status read_bodies(vs_machine *m, vs_error *err) {
+  const vs_node *springs = vs_tree_child(m->tree.root, "springs");
+  vs_status s = read_each(m, "bodies", read_body, err);
+  if (!s && springs && !m->n_bodies)
+    return vs_fail_at(err, springs->key_where, "springs: there are no bodies to hold");
+  return s ? s : read_each(m, "springs", read_spring, err);
+}
+
+/* ---- the keys of a machine's file ---- */
+
+static const vs_outline ROW = {.takes = VS_OUTLINE_LIST, .of = &FORMULA},
+                        SUM = {.takes = VS_OUTLINE_WORD, .words = "mass|damping|stiffness|forces"};
+static const vs_outline FORMULAS[] = {{.takes = VS_OUTLINE_TEXT}, {0}};
+static const vs_outline GAP[] = {
+    {"along", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_MAP, .of = FORMULAS}, {0}};
+static const vs_outline LOAD[] = {
+    {"adds", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_TEXT},
+    {"to", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_LIST, .of = &SUM, .instead = &SUM},
+    {"along", .takes = VS_OUTLINE_TEXT},
+    {"up", .takes = VS_OUTLINE_TEXT},
+    {"forward", .takes = VS_OUTLINE_TEXT},
+    {0}};
+static const vs_outline PROBE[] = {{"of", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_TEXT},
+                                   {"unit", .takes = VS_OUTLINE_TEXT},
+                                   {"text", .takes = VS_OUTLINE_TEXT | VS_OUTLINE_NOTHING},
+                                   {0}};
+static const vs_outline ACTUATOR[] = {{"current", .takes = VS_OUTLINE_TEXT},
+                                      {"energy", .takes = VS_OUTLINE_TEXT},
+                                      {"force", .takes = VS_OUTLINE_TEXT},
+                                      {.section = &vs_actuator_section}};
+
+static const vs_outline SUPPLY[] = {{.section = &vs_feed_supply}},
+                        FIRING[] = {{.section = &vs_feed_firing}};
+static const vs_outline COORDINATES[] = {
+    {.takes = VS_OUTLINE_MAP, .of = vs_declare_coordinate_keys}, {0}};
+static const vs_outline PARAMETERS[] = {{.takes = VS_OUTLINE_MAP, .of = vs_declare_parameter_keys},
+                                        {0}};
+static const vs_outline BODIES[] = {{.takes = VS_OUTLINE_MAP, .of = body_keys}, {0}};
+static const vs_outline SPRINGS[] = {{.takes = VS_OUTLINE_MAP, .of = spring_keys}, {0}};
+static const vs_outline PROBES[] = {{.takes = VS_OUTLINE_MAP, .of = PROBE}, {0}};
+
+enum { EMPTY = VS_OUTLINE_NOTHING | VS_OUTLINE_MAP, MATRIX = VS_OUTLINE_TEXT | VS_OUTLINE_LIST };
+const vs_outline vs_machine_file_keys[] = {
+    {"title", .takes = VS_OUTLINE_TEXT | VS_OUTLINE_NOTHING},
+    {"coordinates", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_MAP, .of = COORDINATES},
+    {"parameters", EMPTY, .of = PARAMETERS},
+    {"let", EMPTY, .of = FORMULAS},
+    {"mass", MATRIX, .of = &ROW},
+    {"damping", MATRIX, .of = &ROW},
+    {"stiffness", MATRIX, .of = &ROW},
+    {"bodies", .takes = VS_OUTLINE_MAP, .of = BODIES},
+    {"springs", .takes = VS_OUTLINE_MAP, .of = SPRINGS},
+    {"forces", EMPTY, .of = FORMULAS},
+    {"gap", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_MAP, .of = GAP},
+    {"load", EMPTY, .of = LOAD},
+    {"probes", EMPTY, .of = PROBES},
+    {"actuator", EMPTY, .of = ACTUATOR},
+    {"supply", EMPTY, .of = SUPPLY},
+    {"firing", EMPTY, .of = FIRING},
+    {"instruments", .takes = VS_OUTLINE_NOTHING | VS_OUTLINE_SENSORS},
+    {0}};
+
+/* ---- maps ---- */
+
+static bool is_map(const vs_node *node) {
+  return node && node->kind == VS_NODE_MAP;
+}
+
+/* The map of that key; NULL where the file has none, or none that can be read. */
+static vs_status map_of(const vs_machine *m, const char *key, const vs_node **map, vs_error *err) {
+  const vs_node *node = vs_tree_child(m->tree.root, key);
+  *map = is_map(node) ? node : NULL;
+  if (!node || *map || (node->kind == VS_NODE_TEXT && !*node->text)) return VS_OK;
+  return vs_error_keep(err,
+                       vs_fail_at(err, node->where, "%s: a map is wanted: {NAME: ..., ...}", key));
+}
+
+/* ---- lets ---- */
+
+static vs_status read_let(vs_machine *m, const vs_node *node, vs_error *err) {
+  int k = m->n_names - m->n_parameters;
+  char what[VS_MACHINE_NAME + 8];
+  vs_expression let;
+  if (k >= VS_MACHINE_LETS)
+    return vs_fail_at(err, node->key_where, "more than %d lets", VS_MACHINE_LETS);
+  snprintf(what, sizeof what, "let %.*s", VS_MACHINE_NAME - 1, node->key);
+  const vs_expression_use use = {VS_EXPRESSION_LET, what, NULL};
+  vs_status s = vs_expression_read(m, node, &use, &let, err);
+  const vs_machine_name name = {.dimension = let.dimension, .choice = -1};
+  if (!s) s = vs_declare_name(m, node->key, name, node->key_where, err);
+  if (s)
+    vs_formula_free(&let.of);
+  else
+    m->lets[k] = let;
+  return s;
+}
+
+static vs_status read_lets(vs_machine *m, vs_error *err) {
+  const vs_node *map;
+  vs_status s = map_of(m, "let", &map, err);
+  for (const vs_node *n = map ? map->child : NULL; n && !s; n = n->next)
+    s = vs_error_keep(err, read_let(m, n, err));
+  return s;
+}
+
+/* ---- matrices ---- */
+
+/* An entry of a matrix. */
+typedef struct cell {
+  int sum, row, column;
+} cell;
+
+/* The dimension of an entry. Times q", q' or q it is a force on a coordinate, and such a force
+ * times that coordinate is an energy. Column -1: the force itself. M: J s2/(u_i u_j);  B: J s/(u_i
+ * u_j);  K: J/(u_i u_j);  f0: J/u_i */
+static vs_dimension dimension_of(const vs_machine *m, cell c) {
+  const int seconds[VS_MACHINE_SUMS] = {[VS_MACHINE_MASS] = 2, [VS_MACHINE_DAMPING] = 1};
+  vs_dimension joule = vs_dimension_of("J"), second = vs_dimension_of("s"),
+               by_row = vs_dimension_of(m->coordinates[c.row].unit),
+               by_column = vs_dimension_of(c.column < 0 ? "" : m->coordinates[c.column].unit);
+  vs_dimension force = vs_dimension_product(&joule, 1, &by_row, -1);
+  vs_dimension slope = vs_dimension_product(&force, 1, &by_column, -1);
+  return vs_dimension_product(&slope, 1, &second, seconds[c.sum]);
+}
+
+static vs_status read_entry(vs_machine *m, cell c, const vs_node *node, vs_error *err) {
+  char what[2 * VS_MACHINE_NAME + 24];
+  snprintf(what, sizeof what, "%s of %s, %s", vs_machine_sum_words[c.sum],
+           m->coordinates[c.row].name, m->coordinates[c.column].name);
+  const vs_dimension wanted = dimension_of(m, c);
+  const vs_expression_use use = {VS_EXPRESSION_CONSTANT, what, &wanted};
+  return vs_expression_read(m, node, &use, &m->sums[c.sum][c.row][c.column], err);
+}
+
+static int length_of(const vs_node *list) {
+  int n = 0;
+  for (const vs_node *c = list->child; c; c = c->next) n++;
+  return n;
+}
+
+/* True where a comma inside a function's brackets has cut a formula in two. */
+static bool is_cut(const vs_node *list) {
+  for (const vs_node *n = list->child; n; n = n->next)
+    if (n->kind == VS_NODE_TEXT && strchr(n->text, '(') && !strchr(n->text, ')')) return true;
+  return false;
+}
+
+static vs_status read_matrix_row(vs_machine *m, int sum, int row, const vs_node *list,
+                                 vs_error *err) {
+  const char *word = vs_machine_sum_words[sum];
+  if (list->kind != VS_NODE_LIST || length_of(list) != m->dof)
+    return vs_fail_at(err, list->where, "%s, row of %s: values: %d; wanted: %d, by coordinate%s",
+                      word, m->coordinates[row].name,
+                      list->kind == VS_NODE_LIST ? length_of(list) : 1, m->dof,
+                      is_cut(list) ? "; in a list a formula with a comma stands in quotes" : "");
+  const vs_node *node = list->child;
+  vs_status s = VS_OK;
+  for (int j = 0; j < m->dof && !s; j++, node = node->next)
+    s = vs_error_keep(err, read_entry(m, (cell){sum, row, j}, node, err));
+  return s;
+}
+
+static vs_status read_matrix(vs_machine *m, int sum, vs_error *err) {
+  const char *word = vs_machine_sum_words[sum];
+  const vs_node *node = vs_tree_child(m->tree.root, word);
+  if (node && m->n_bodies)
+    return vs_fail_at(err, node->key_where,
+                      "%s: bodies and springs give it already; leave it out, or those", word);
+  if (m->n_bodies) return VS_OK;
+  if (!node && sum == VS_MACHINE_DAMPING) return VS_OK;
+  if (!node)
+    return vs_fail_at(err, (vs_where){m->tree.name, 1, 1},
+                      "%s is wanted: a list of rows, [[a, b], [c, d]], of a formula for each "
+                      "pair of coordinates",
+                      word);
+  if (m->dof == 1 && node->kind == VS_NODE_TEXT) return read_entry(m, (cell){sum, 0, 0}, node, err);
+  if (node->kind != VS_NODE_LIST || length_of(node) != m->dof)
+    return vs_fail_at(err, node->where, "%s: rows: %d; wanted: %d, one for each coordinate", word,
+                      node->kind == VS_NODE_LIST ? length_of(node) : 0, m->dof);
+  const vs_node *row = node->child;
+  vs_status s = VS_OK;
+  for (int i = 0; i < m->dof && !s; i++, row = row->next)
+    s = vs_error_keep(err, read_matrix_row(m, sum, i, row, err));
+  return s;
+}
+
+/* ---- what stands by coordinates ---- */
+
+/* {COORDINATE: FORMULA, ...}; along: it is how they open the gap, else they are forces. */
+static vs_status read_by_coordinate(vs_machine *m, const vs_node *map, bool along, vs_error *err) {
+  const char *names[VS_MACHINE_COORDINATES], *what = along ? "gap.along" : "forces";
+  char each[2 * VS_MACHINE_NAME];
+  for (int k = 0; k < m->dof; k++) names[k] = m->coordinates[k].name;
+  vs_status s = vs_field_known_keys(map, what, names, (size_t)m->dof, err);
+  for (int k = 0; k < m->dof && !s; k++) {
+    const vs_node *node = vs_tree_child(map, names[k]);
+    vs_dimension metre = vs_dimension_of("m"), unit = vs_dimension_of(m->coordinates[k].unit),
+                 wanted = along ? vs_dimension_product(&metre, 1, &unit, -1)
+                                : dimension_of(m, (cell){VS_MACHINE_FORCES, k, -1});
+    const vs_expression_use use = {VS_EXPRESSION_CONSTANT, each, &wanted};
+    snprintf(each, sizeof each, "%s of %s", what, names[k]);
+    if (node)
+      s = vs_error_keep(
+          err, vs_expression_read(m, node, &use, along ? &m->along[k] : &m->forces[k], err));
+  }
+  return s;
+}
+
+static vs_status read_forces(vs_machine *m, vs_error *err) {
+  const vs_node *map;
+  vs_status s = map_of(m, "forces", &map, err);
+  return s || !map ? s : read_by_coordinate(m, map, false, err);
+}
+
+static vs_status read_gap(vs_machine *m, vs_error *err) {
+  const vs_node *map, *along;
+  vs_status s = map_of(m, "gap", &map, err);
+  if (!s) s = vs_field_outline_keys(map, "gap", GAP, err);
+  if (s) return s;
+  along = vs_tree_child(map, "along");
+  m->where_along = along ? along->key_where : map ? map->where : (vs_where){m->tree.name, 1, 1};
+  if (!is_map(along))
+    return vs_fail_at(err, along ? along->where : m->where_along,
+                      "gap: how the coordinates open it is wanted: gap: {along: {%s: 1}}",
+                      m->coordinates[0].name);
+  return read_by_coordinate(m, along, true, err);
+}
+
+/* ---- the load ---- */
+
+static vs_status read_load_sum(vs_machine *m, const vs_node *node, vs_error *err) {
+  for (int s = 0; s < VS_MACHINE_SUMS && node->kind == VS_NODE_TEXT; s++)
+    if (!strcmp(node->text, vs_machine_sum_words[s])) {
+      m->load.to[s] = true;
+      return VS_OK;
+    }
+  return vs_fail_at(err, node->where, "load.to: there are: mass, damping, stiffness, forces");
+}
+
+/* How the trough moves. */
+static vs_status read_ways(vs_machine *m, const vs_node *map, vs_error *err) {
+  const vs_dimension metre = vs_dimension_of("m");
+  char what[24];
+  vs_status s = VS_OK;
+  for (int k = 0; k < VS_MACHINE_WAYS && !s; k++) {
+    const vs_node *node = vs_tree_child(map, vs_machine_way_words[k]);
+    const vs_expression_use use = {VS_EXPRESSION_MOTION, what, &metre};
+    snprintf(what, sizeof what, "load.%s", vs_machine_way_words[k]);
+    if (node) s = vs_error_keep(err, vs_expression_read(m, node, &use, &m->load.way[k], err));
+  }
+  return s;
+}
+
+static vs_status read_load(vs_machine *m, vs_error *err) {
+  const vs_node *map;
+  const char *names[VS_MACHINE_NAMES];
+  vs_status s = map_of(m, "load", &map, err);
+  if (s || !map) return s;
+  s = vs_field_outline_keys(map, "load", LOAD, err);
+  if (!s) s = read_ways(m, map, err);
+  const vs_node *adds = vs_tree_child(map, "adds"), *to = vs_tree_child(map, "to");
+  if (s) return s;
+  if (!adds || adds->kind != VS_NODE_TEXT || !to)
+    return vs_fail_at(err, map->where, "load: wanted: {adds: PARAMETER, to: [mass]}");
+  for (int k = 0; k < m->n_parameters; k++) {
+    names[k] = m->names[k].name;
+    if (!strcmp(names[k], adds->text)) m->load.adds = k;
+  }
+  const char *nearest = vs_text_nearest(adds->text, names, (size_t)m->n_parameters);
+  if (m->load.adds < 0)
+    return vs_fail_at(err, adds->where, "load.adds: no parameter '%s'%s%s%s", adds->text,
+                      nearest ? "; did you mean '" : "", nearest ? nearest : "",
+                      nearest ? "'?" : "");
+  const vs_dimension mass = vs_dimension_of("kg");
+  if (!vs_dimension_fits(&m->names[m->load.adds].dimension, &mass))
+    return vs_fail_at(err, adds->where, "load.adds: %s is no mass, in kg, as the load is",
+                      adds->text);
+  if (to->kind == VS_NODE_TEXT) return read_load_sum(m, to, err);
+  if (to->kind != VS_NODE_LIST || !to->child)
+    return vs_fail_at(err, to->where, "load.to: what the load rides in is wanted: [mass]");
+  for (const vs_node *n = to->child; n && !s; n = n->next)
+    s = vs_error_keep(err, read_load_sum(m, n, err));
+  return s;
+}
+
+/* ---- probes ---- */
+
+static const vs_formula *the_probe(void *ctx, const char *name) {
+  (void)name;
+  return ctx;
+}
+
+/* Makes the formula give the probe in its unit, of which it gives the SI value. */
+static vs_status scale_probe(vs_machine_probe *probe, vs_error *err) {
+  const vs_formula_scope scope = {
+      .ctx = &probe->of, .of_machine = true, .named_formula = the_probe};
+  char text[64], why[200];
+  const char *bad;
+  vs_formula shown = {0};
+  double factor = vs_units_factor(probe->unit);
+  if (factor == 1) return VS_OK;
+  snprintf(text, sizeof text, "itself/%.17g", factor);
+  const char *end = vs_formula_read(text, &scope, &shown, &bad, why, sizeof why);
+  vs_formula_free(&probe->of);
+  probe->of = shown;
+  return end ? VS_OK : vs_fail_at(err, probe->where, "probes.%s: %s", probe->name, why);
+}
+
+static vs_status read_probe(vs_machine *m, const vs_node *node, vs_error *err) {
+  char what[VS_MACHINE_NAME + 16];
+  vs_machine_probe probe = {.where = node->key_where};
+  vs_expression of = {0};
+  snprintf(what, sizeof what, "probes.%.*s", VS_MACHINE_NAME - 1, node->key);
+  vs_status s = vs_declare_check(m, "probe", node->key, node->key_where, err);
+  if (s) return s;
+  const vs_node *formula = vs_tree_child(node, "of"), *unit = vs_tree_child(node, "unit");
+  if (m->n_probes >= VS_MACHINE_PROBES)
+    return vs_fail_at(err, node->key_where, "more than %d probes", VS_MACHINE_PROBES);
+  if (node->kind != VS_NODE_MAP || !formula)
+    return vs_fail_at(err, node->where, "%s: {of: FORMULA, unit: m, text: ...} is wanted", what);
+  snprintf(probe.name, sizeof probe.name, "%s", node->key);
+  s = vs_field_outline_keys(node, what, PROBE, err);
+  if (!s) s = vs_declare_text(unit, what, probe.unit, sizeof probe.unit, err);
+  if (!s)
+    s = vs_declare_text(vs_tree_child(node, "text"), what, probe.text, sizeof probe.text, err);
+  if (!s && !vs_units_known(probe.unit))
+    s = vs_fail_at(err, unit->where, "%s: '%s' is no unit known here", what, probe.unit);
+  const vs_dimension wanted = vs_dimension_of(probe.unit);
+  const vs_expression_use use = {VS_EXPRESSION_PROBE, what, &wanted};
+  if (!s) s = vs_expression_read(m, formula, &use, &of, err);
+  if (s) return s;
+  probe.of = of.of;
+  s = scale_probe(&probe, err);
+  if (s)
+    vs_formula_free(&probe.of);
+  else
+    m->probes[m->n_probes++] = probe;
+  return s;
+}
+
+static vs_status read_probes(vs_machine *m, vs_error *err) {
+  const vs_node *map;
+  vs_status s = map_of(m, "probes", &map, err);
+  for (const vs_node *n = map ? map->child : NULL; n && !s; n = n->next)
+    s = vs_error_keep(err, read_probe(m, n, err));
+  return s;
+}
+
+/* ---- the actuator ---- */
+
+/* Adds a field of a scene's section with the file's value for its default: words and numbers are
+ * shown and read as any default. tried: room for what the section fills. */
+static vs_status add_default(const vs_section *of, vs_field field, const vs_node *own,
+                             vs_section *section, void *tried, vs_error *err) {
+  vs_status s = own ? vs_error_keep(err, vs_field_read(of, &field, own, tried, err)) : VS_OK;
+  if (own && own->kind == VS_NODE_TEXT) field.default_text = own->text;
+  vs_machine_add_field(section, &field);
+  return s;
+}
+
+/* The scene's section actuator with this file's defaults; of lists and maps they are read by
+ * plant/build.c. */
+static vs_status make_actuator(vs_machine *m, vs_error *err) {
+  vs_status s = VS_OK;
+  vs_actuator_values tried;
+  bool has_formulas = false;
+  for (int k = 0; k < VS_MACHINE_LAWS; k++) has_formulas |= m->law[k].text != NULL;
+  for (size_t k = 0; k < vs_actuator_section.count && !s; k++) {
+    vs_field field = vs_actuator_section.fields[k];
+    if (has_formulas && !strcmp(field.key, "law")) field.default_text = "formula";
+    s = add_default(&vs_actuator_section, field, vs_tree_child(m->own_actuator, field.key),
+                    &m->actuator, &tried, err);
+  }
+  return s;
+}
+
+/* The same for the section supply or firing, which has words and numbers alone. */
+static vs_status read_feed(vs_machine *m, const vs_section *of, const vs_node **own,
+                           vs_section *section, vs_error *err) {
+  union {
+    vs_supply_values supply;
+    vs_firing_values firing;
+  } tried;
+  vs_status s = map_of(m, of->name, own, err);
+  if (!s) s = vs_field_section_keys(of, *own, err);
+  for (size_t k = 0; k < of->count && !s; k++) {
+    const vs_node *node = vs_tree_child(*own, of->fields[k].key);
+    if (node && node->kind != VS_NODE_TEXT) {
+      s = vs_error_keep(err, vs_fail_at(err, node->where,
+                                        "%s.%s: one value is wanted in a machine's file", of->name,
+                                        of->fields[k].key));
+      node = NULL;
+    }
+    if (!s) s = add_default(of, of->fields[k], node, section, &tried, err);
+  }
+  return s;
+}
+
+/* Error: the file has a formula for the force, and neither for the current nor for the energy. */
+static vs_status check_law(const vs_machine *m, vs_error *err) {
+  const char *const *words = vs_machine_law_words;
+  const vs_node *force = vs_tree_child(m->own_actuator, words[VS_MACHINE_FORCE]);
+  if (!force || vs_tree_child(m->own_actuator, words[VS_MACHINE_CURRENT]) ||
+      vs_tree_child(m->own_actuator, words[VS_MACHINE_ENERGY]))
+    return VS_OK;
+  return vs_fail_at(err, force->key_where,
+                    "actuator.%s stands without actuator.%s, the current as a formula in lambda "
+                    "and z, or actuator.%s; write one of these too",
+                    words[VS_MACHINE_FORCE], words[VS_MACHINE_CURRENT], words[VS_MACHINE_ENERGY]);
+}
+
+static vs_status read_actuator(vs_machine *m, vs_error *err) {
+  static const char *const units[VS_MACHINE_LAWS] = {
+      [VS_MACHINE_CURRENT] = "A", [VS_MACHINE_ENERGY] = "J", [VS_MACHINE_FORCE] = "N"};
+  char what[40];
+  vs_status s = map_of(m, "actuator", &m->own_actuator, err);
+  if (!s) s = vs_field_outline_keys(m->own_actuator, "actuator", ACTUATOR, err);
+  for (int k = 0; k < VS_MACHINE_LAWS && !s; k++) {
+    const vs_node *node = vs_tree_child(m->own_actuator, vs_machine_law_words[k]);
+    const vs_dimension wanted = vs_dimension_of(units[k]);
+    const vs_expression_use use = {VS_EXPRESSION_LAW, what, &wanted};
+    snprintf(what, sizeof what, "actuator.%s", vs_machine_law_words[k]);
+    if (node) s = vs_error_keep(err, vs_expression_read(m, node, &use, &m->law[k], err));
+  }
+  if (!s) s = vs_error_keep(err, check_law(m, err));
+  return s ? s : make_actuator(m, err);
+}
+
+/* ---- the file ---- */
+
+bool vs_machine_file_has_keys(const vs_tree *file) {
+  static const char *const OWN[] = {"coordinates", "parameters", "let",    "mass",   "damping",
+                                    "stiffness",   "gap",        "probes", "bodies", "springs"};
+  for (size_t k = 0; k < sizeof OWN / sizeof *OWN; k++)
+    if (vs_tree_child(file->root, OWN[k])) return true;
+  return false;
+}
+
+static vs_status read_machine(vs_machine *m, vs_error *err) {
+  const vs_node *root = m->tree.root;
+  vs_status s = vs_field_outline_keys(root, "a machine", vs_machine_file_keys, err);
+  if (!s)
+    s = vs_error_keep(err, vs_declare_text(vs_tree_child(root, "title"), "title", m->title,
+                                           sizeof m->title, err));
+  size_t found = vs_error_count(err);
+  if (!s) s = vs_declare_coordinates(m, vs_tree_child(root, "coordinates"), err);
+  if (!s) s = vs_declare_parameters(m, vs_tree_child(root, "parameters"), err);
+  if (!s && vs_error_count(err) == found) s = read_lets(m, err);
+  if (s || !m->dof || vs_error_count(err) > found) return s; /* a name may be one that was lost */
+  s = read_bodies(m, err);
+  if (s || vs_error_count(err) > found) return s;
+  for (int sum = 0; sum < VS_MACHINE_FORCES && !s; sum++)
+    s = vs_error_keep(err, read_matrix(m, sum, err));
+  if (!s) s = vs_error_keep(err, read_forces(m, err));
+  if (!s) s = vs_error_keep(err, read_gap(m, err));
+  if (!s) s = vs_error_keep(err, read_load(m, err));
+  if (!s) s = read_probes(m, err);
+  if (!s) s = read_feed(m, &vs_feed_supply, &m->own_supply, &m->supply, err);
+  if (!s) s = read_feed(m, &vs_feed_firing, &m->own_firing, &m->firing, err);
+  return s ? s : read_actuator(m, err);
+}
+
+vs_status vs_machine_file_read(const char *path, vs_machine *m, vs_error *err) {
+  size_t found = vs_error_count(err);
+  snprintf(m->path, sizeof m->path, "%s", path);
+  vs_status s = vs_tree_read(path, &m->tree, err);
+  if (!s) s = read_machine(m, err);
+  m->lost = s || vs_error_count(err) > found;
+  return s;
+}

@@ -1,0 +1,200 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "plot/study_plot.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/gnuplot.h"
+
+vs_scale vs_study_plot_scale(const vs_study_plot *k, size_t column) {
+  if (column)
+    return vs_scale_of(&k->t->column[column], vs_study_results_extent(&k->s->profile[column]));
+  return (vs_scale){.factor = 1, .label = "case"};
+}
+
+double vs_study_plot_limit(const vs_study_plot *k, size_t column) {
+  const vs_folder_column *c = &k->t->column[column];
+  if (c->role == VS_ROLE_MARGIN) return 0;
+  return c->rating * vs_study_plot_scale(k, column).factor;
+}
+
+/* ---- columns ---- */
+
+typedef struct loader {
+  const vs_profile *x_profile;
+  size_t x, y;
+  double x_factor, y_factor;
+  vs_dots *series;
+  size_t capacity;
+} loader;
+
+static vs_status load_row(void *ctx, const vs_folder_row *row, vs_error *err) {
+  loader *l = ctx;
+  double x = (double)row->number, y;
+  (void)err;
+  if (l->x && l->x_profile->is_number)
+    vs_folder_number(row->cell[l->x], &x);
+  else if (l->x)
+    x = (double)vs_study_results_index(l->x_profile, row->cell[l->x]);
+  if (!vs_folder_number(row->cell[l->y], &y) || isnan(x) || isnan(y)) return VS_OK;
+  if (l->series->count < l->capacity)
+    l->series->item[l->series->count++] = (vs_dot){x * l->x_factor, y * l->y_factor, row->number};
+  return VS_OK;
+}
+
+vs_status vs_study_plot_dots_load(const vs_study_plot *k, size_t x, size_t y, vs_dots *series,
+                                  vs_error *err) {
+  size_t rows = (size_t)k->s->rows;
+  bool number = x && k->s->profile[x].is_number;
+  *series = (vs_dots){.item = vs_alloc(rows, sizeof *series->item)};
+  loader l = {&k->s->profile[x],
+              x,
+              y,
+              number ? vs_study_plot_scale(k, x).factor : 1,
+              vs_study_plot_scale(k, y).factor,
+              series,
+              rows};
+  return vs_folder_each(k->t, load_row, &l, err);
+}
+
+void vs_study_plot_dots_free(vs_dots *series) {
+  free(series->item);
+  *series = (vs_dots){0};
+}
+
+static int by_x(const void *a, const void *b) {
+  const vs_dot *one = a, *other = b;
+  if (one->x != other->x) return one->x < other->x ? -1 : 1;
+  return (one->number > other->number) - (one->number < other->number);
+}
+
+void vs_study_plot_dots_sort(vs_dots *series) {
+  qsort(series->item, series->count, sizeof *series->item, by_x);
+}
+
+void vs_study_plot_dots_thin(vs_dots *s, size_t most) {
+  if (s->count <= most) return;
+  size_t kept = 0, stretch = 2 * s->count / most + 1;
+  for (size_t begin = 0; begin < s->count; begin += stretch) {
+    size_t least = begin, largest = begin;
+    for (size_t k = begin; k < begin + stretch && k < s->count; k++) {
+      if (s->item[k].y < s->item[least].y) least = k;
+      if (s->item[k].y > s->item[largest].y) largest = k;
+    }
+    vs_dot first = s->item[least < largest ? least : largest];
+    vs_dot second = s->item[least < largest ? largest : least];
+    s->item[kept++] = first;
+    if (least != largest) s->item[kept++] = second;
+  }
+  s->count = kept;
+}
+
+/* ---- scripts ---- */
+
+void vs_study_plot_title(const vs_study_plot *k, size_t column, const char *what, vs_picture *p) {
+  const vs_folder_column *c = &k->t->column[column];
+  vs_text_add(&p->title, "%s%s", c->name, what);
+  if (*c->text && strcmp(c->text, "null")) vs_text_add(&p->caption, "%s. ", c->text);
+}
+
+void vs_study_plot_axis(const vs_study_plot *k, size_t column, char axis, vs_script *script) {
+  vs_scale scale = vs_study_plot_scale(k, column);
+  const vs_profile *p = &k->s->profile[column];
+  vs_gnuplot_add(script, "set %clabel ", axis);
+  vs_gnuplot_caption(script, scale.label, axis == 'y' ? 430 : 600, 12);
+  vs_gnuplot_add(script, "\n");
+  if (scale.log) vs_gnuplot_add(script, "set logscale %c\n", axis);
+  if (!column || p->is_number) return;
+  vs_gnuplot_add(script, "set %ctics (", axis);
+  for (size_t w = 0; w < p->count; w++) {
+    vs_gnuplot_add(script, w ? ", " : "");
+    vs_gnuplot_quoted(script, p->word[w]);
+    vs_gnuplot_add(script, " %zu", w);
+  }
+  vs_gnuplot_add(script, ")\nset %crange [-0.6:%g]\n", axis, (double)p->count - 0.4);
+}
+
+void vs_study_plot_begin(const vs_study_plot *k, size_t x, size_t y, vs_picture *p) {
+  const vs_folder_column *c = &k->t->column[y];
+  if (!*p->name) snprintf(p->name, sizeof p->name, "%.250s", c->title);
+  for (char *s = p->name; *s; s++)
+    if (*s == '/') *s = '_';
+  if (!p->width) p->width = 720, p->height = 430;
+  vs_gnuplot_add(&p->script, "set grid lt 1 lw 0.5 lc rgb '#d0d0d0'\nset border lc rgb '#404040'\n"
+                             "set key noautotitle\nset rmargin 4\nset tics nomirror\nset title ");
+  vs_gnuplot_caption(&p->script, p->title.text, p->width, 12);
+  vs_gnuplot_add(&p->script,
+                 p->labels_above ? " offset 0,3.6\nset tmargin 7.5\n" : " offset 0,0.7\n");
+  vs_study_plot_axis(k, x, 'x', &p->script);
+}
+
+/* Draws a line across the picture at the limit, and says what it is. */
+static void add_limit(const vs_study_plot *k, size_t column, char axis, double limit,
+                      vs_picture *p) {
+  vs_script *script = &p->script;
+  vs_text label = {0};
+  const double height = p->labels_above ? 2.8 : 0.5; /* of text lines */
+  if (axis == 'x')
+    vs_gnuplot_add(script, "set arrow from first %.9g, graph 0 to first %.9g, graph 1", limit,
+                   limit);
+  else
+    vs_gnuplot_add(script, "set arrow from graph 0, first %.9g to graph 1, first %.9g", limit,
+                   limit);
+  vs_gnuplot_add(script, " nohead lc rgb %s lw 1.8 dt 2 front\n", vs_scale_colour_bad);
+  vs_text_add(&label, "limit %.4g %s", limit, vs_study_plot_scale(k, column).unit);
+  vs_gnuplot_add(script, "set label ");
+  vs_gnuplot_quoted(script, label.text);
+  vs_text_free(&label);
+  if (axis == 'x')
+    vs_gnuplot_add(script, " at first %.9g, graph 1 center offset 0,%g", limit, height);
+  else
+    vs_gnuplot_add(script, " at graph 0.99, first %.9g right offset 0,0.6", limit);
+  vs_gnuplot_add(script, " tc rgb %s front\n", vs_scale_colour_bad);
+}
+
+enum { LOW_MARGIN = -150 }; /* %; what lies far below needs no exact place */
+
+/* Cuts the picture off at LOW_MARGIN where some margins lie below and others well above, so that
+ * those about 0 can be seen. */
+static double cut_low(const vs_study_plot *k, size_t column, double least, double largest,
+                      vs_picture *p) {
+  if (k->t->column[column].role != VS_ROLE_MARGIN || least >= LOW_MARGIN ||
+      largest < LOW_MARGIN / 2)
+    return least;
+  vs_text_add(&p->caption, "It goes on below the picture, to %.4g %%. ", least);
+  return LOW_MARGIN;
+}
+
+void vs_study_plot_range(const vs_study_plot *k, size_t column, char axis, bool from_zero,
+                         vs_picture *p) {
+  const vs_profile *profile = &k->s->profile[column];
+  vs_scale scale = vs_study_plot_scale(k, column);
+  double least = profile->least * scale.factor, largest = profile->largest * scale.factor;
+  if (from_zero) least = fmin(least, 0), largest = fmax(largest, 0);
+  if (axis == 'y') least = cut_low(k, column, least, largest, p);
+  double limit = vs_study_plot_limit(k, column), span = largest - least;
+  bool near = limit >= least - span && limit <= largest + span;
+  if (near) {
+    least = fmin(least, limit);
+    largest = fmax(largest, limit);
+    add_limit(k, column, axis, limit, p);
+  } else if (!isnan(limit))
+    vs_text_add(&p->caption, "The limit, %.6g %s, lies outside the picture. ", limit, scale.unit);
+  double room = largest - least > 1e-10 * fabs(least) ? 0.06 * (largest - least)
+                                                      : (least != 0 ? 0.05 * fabs(least) : 1);
+  vs_gnuplot_add(&p->script, "set %crange [%.9g:%.9g]\n", axis, least - room, largest + room);
+}
+
+void vs_study_plot_data(vs_script *script, const char *name, const vs_dots *s, bool gaps) {
+  vs_gnuplot_add(script, "$");
+  vs_gnuplot_code(script, name);
+  vs_gnuplot_add(script, " << EOD\n");
+  for (size_t k = 0; k < s->count; k++) {
+    if (gaps && k && labs(s->item[k].number - s->item[k - 1].number) > 1)
+      vs_gnuplot_add(script, "\n");
+    vs_gnuplot_add(script, "%.9g %.9g\n", s->item[k].x, s->item[k].y);
+  }
+  vs_gnuplot_add(script, "EOD\n");
+}

@@ -1,0 +1,128 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "report_columns.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/units.h"
+#include "run/listed_measure.h"
+
+int vs_report_columns_add(vs_plan *plan, const char *measure, vs_where where) {
+  if (!strcmp(measure, "margin_least")) return VS_COLUMN_MARGIN;
+  for (size_t k = 0; k < plan->n_columns; k++)
+    if (!strcmp(plan->columns[k].name, measure)) return (int)k;
+  if (plan->n_columns >= VS_PLAN_COLUMNS)
+    return VS_COLUMN_MARGIN; /* vs_report_columns_read refuses a study with so many */
+  vs_report_column *column = &plan->columns[plan->n_columns];
+  *column = (vs_report_column){.rating = NAN, .where = where};
+  snprintf(column->name, sizeof column->name, "%s", measure);
+  return (int)plan->n_columns++;
+}
+
+vs_status vs_report_columns_derive(vs_plan *plan, const vs_sensitivity_order *order, vs_where where,
+                                   vs_error *err) {
+  size_t entries = order->n_of * order->n_to;
+  if (2 * entries > VS_PLAN_COLUMNS - plan->n_columns)
+    return vs_fail_at(err, where,
+                      "sensitivity: %zu derivatives with their errors; there is room "
+                      "for %zu",
+                      entries, (VS_PLAN_COLUMNS - plan->n_columns) / 2);
+  for (size_t k = 0; k < 2 * entries; k++) {
+    vs_report_column *column = &plan->columns[plan->n_columns++];
+    const char *of = order->of[k / 2 / order->n_to].name;
+    const char *to = order->to[k / 2 % order->n_to].name;
+    *column = (vs_report_column){.rating = NAN, .where = where};
+    column->derivative = (k % 2 ? -1 : 1) * (int)(1 + k / 2);
+    snprintf(column->name, sizeof column->name, "%s_to_%s%s", of, to, k % 2 ? "_error" : "");
+    memcpy(column->column, column->name, sizeof column->name);
+    snprintf(column->text, sizeof column->text, "%sd ln|%s| / d ln %s", k % 2 ? "error of " : "",
+             of, to);
+  }
+  plan->derivatives = order;
+  return VS_OK;
+}
+
+/* Adds the columns of an orbit that nobody has to ask for. */
+static void add_usual(vs_plan *plan) {
+  const vs_steady blank = {.model = &plan->base->setup.model};
+  vs_listed_measure m;
+  for (int k = 0; vs_orbit_columns_default(&blank, k, &m); k++)
+    vs_report_columns_add(plan, m.name, (vs_where){0});
+}
+
+vs_status vs_report_columns_read(vs_plan *plan, vs_error *err) {
+  const vs_node *list = vs_tree_child(plan->tree.root, "report");
+  size_t room = VS_PLAN_COLUMNS - plan->n_columns, n = 0;
+  vs_status status = VS_OK;
+  if (!list || (list->kind == VS_NODE_TEXT && !*list->text)) {
+    vs_measure m;
+    for (int k = 0; vs_measure_at(&plan->base->setup.model, k, &m); k++)
+      vs_report_columns_add(plan, m.name, (vs_where){0});
+    if (plan->periods) add_usual(plan);
+    return VS_OK;
+  }
+  for (const vs_node *item = list->kind == VS_NODE_LIST ? list->child : list; item && !status;
+       item = list->kind == VS_NODE_LIST ? item->next : NULL) {
+    if (item->kind != VS_NODE_TEXT || !*item->text || strlen(item->text) >= VS_JUDGED_NAME)
+      status = vs_fail_at(err, item->where, "report: names of measures are wanted: [p_min, ...]");
+    else if (++n > room)
+      status = vs_fail_at(err, item->where, "report: more than %d columns", VS_PLAN_COLUMNS);
+    else
+      vs_report_columns_add(plan, item->text, item->where);
+    status = vs_error_keep(err, status);
+  }
+  return status;
+}
+
+static vs_status unknown_measure(const vs_report_column *column, const vs_orbit_columns *of,
+                                 const vs_tier *tier, vs_error *err) {
+  enum { MOST = 1024 };
+  vs_listed_measure *all = vs_alloc(MOST, sizeof *all);
+  const char **names = vs_alloc(MOST, sizeof *names);
+  size_t n = 0;
+  while (n < MOST && vs_orbit_columns_at(of, (int)n, &all[n])) {
+    names[n] = all[n].name;
+    n++;
+  }
+  const char *nearest = vs_text_nearest(column->name, names, n);
+  vs_fail_at(err, column->where, "no measure '%s' on tier %s%s%s%s", column->name, tier->name,
+             nearest ? "; did you mean '" : "", nearest ? nearest : "",
+             nearest ? "'?" : "; see 'vibrospice list measures'");
+  free(all);
+  free(names);
+  return VS_INPUT;
+}
+
+vs_status vs_report_columns_resolve(vs_plan *plan, const vs_scene *scene, const vs_tier *tier,
+                                    vs_error *err) {
+  const vs_frame frame = vs_sim_frame(tier, &scene->setup);
+  vs_result result = {0};
+  vs_watchers_begin(&result.watchers, &frame, NULL);
+  vs_result_begin_quality(&result, scene);
+  const vs_steady blank = {.model = &scene->setup.model, .devices = result.watchers.devices};
+  const vs_orbit_columns of = {&frame, &result, plan->periods ? &blank : NULL};
+  vs_status status = VS_OK;
+  for (size_t c = 0; c < plan->n_columns && !status; c++) {
+    vs_report_column *column = &plan->columns[c];
+    vs_listed_measure m = {0};
+    char suffix[64];
+    int k = 0;
+    if (column->derivative) continue;
+    while (vs_orbit_columns_at(&of, k, &m) && strcmp(m.name, column->name)) k++;
+    if (strcmp(m.name, column->name)) {
+      status = vs_error_keep(err, unknown_measure(column, &of, tier, err));
+      continue;
+    }
+    snprintf(column->unit, sizeof column->unit, "%s", m.unit);
+    snprintf(column->text, sizeof column->text, "%.*s", VS_DECK_TEXT - 1, m.text);
+    column->rating = m.limit;
+    column->at_least = m.at_least;
+    vs_units_suffix(m.unit, suffix, sizeof suffix);
+    snprintf(column->column, sizeof column->column, "%s%s%.20s", m.name, *suffix ? "_" : "",
+             suffix);
+  }
+  vs_result_free(&result);
+  return status;
+}

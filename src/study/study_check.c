@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "study/study_check.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "run/session.h"
+#include "study_file.h"
+
+bool vs_study_check_is_study(const char *name, const vs_method *const *methods) {
+  char path[VS_PATH_SIZE];
+  vs_error none = {0};
+  vs_tree tree = {0};
+  if (vs_path_find(&vs_scene_shelf, name, (vs_where){0}, path, &none))
+    return !vs_path_find(&vs_scene_study_shelf, name, (vs_where){0}, path, &none);
+  bool study = false;
+  size_t n = strlen(path);
+  bool yaml = (n > 5 && !strcmp(path + n - 5, ".yaml")) || (n > 4 && !strcmp(path + n - 4, ".yml"));
+  if (!yaml || vs_tree_read(path, &tree, &none)) n = 0;
+  if (n) study = vs_plan_has_keys(&tree, methods);
+  vs_tree_free(&tree);
+  return study;
+}
+
+vs_status vs_study_check_read(const vs_check_options *o, const vs_method *const *methods,
+                              vs_text *good, vs_error *err) {
+  vs_plan *plan = vs_alloc(1, sizeof *plan);
+  char method[128];
+  vs_status status = vs_study_file_read(o->name, methods, o->sets, o->n_sets, plan, err);
+  if (!status && !vs_error_count(err))
+    status = vs_session_try(plan->first->tier, &plan->first->setup, err);
+  if (!status && !vs_error_count(err)) {
+    vs_plan_method(plan, method, sizeof method);
+    vs_text_add(good, "a good study: %s, %s%llu cases of %zu axes, %zu columns; tier %s (%s)",
+                method, plan->adaptive ? "at most " : "", (unsigned long long)plan->count,
+                plan->n_axes, plan->n_columns, plan->first->tier->name, plan->first->why);
+    vs_control_describe(&plan->first->control, good);
+  }
+  vs_plan_free(plan);
+  free(plan);
+  return status;
+}
