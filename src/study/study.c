@@ -333,17 +333,17 @@ static vs_status resume_journal(session *s, vs_journal_head *head, vs_error *err
                       "the line %s= of its head is not as this study writes it; this record was "
                       "changed",
                       differs);
-  if (j->bad && !s->o->quiet)
+  if (j->bad)
     fprintf(stderr,
             "vibrospice: warning: %s: %llu torn or damaged line%s not count; cases that lack their "
             "row are run again\n",
             j->path, (unsigned long long)j->bad, j->bad > 1 ? "s do" : " does");
-  if (j->mended && !s->o->quiet)
+  if (j->mended)
     fprintf(stderr, "vibrospice: warning: %s: its head was damaged, and is taken from a copy\n",
             j->path);
   status = s->plan.adaptive ? VS_OK : cases_check(&s->cases, 0, s->plan.count, err);
   if (!status && s->o->again) status = run_failed_again(s, err);
-  if (!status && !s->o->quiet) warn_of_bits(j);
+  if (!status) warn_of_bits(j);
   return status;
 }
 
