@@ -15,6 +15,8 @@ static vs_status decide_by_profile(void *self, const vs_control_input *s, double
 static const vs_regulator open_loop = {
     .name = "none", .text = "open loop: fires at firing.angle", .decide = decide_by_profile};
 
+/* To add a law of control: a file with its vs_regulator (regulator.h), and a row here. It sees
+ * instruments alone. With `pi`, `steady` tells its closed loop. test_control runs it. */
 const vs_regulator *const vs_regulators[] = {&open_loop,          &vs_amplitude_regulator,
                                              &vs_phase_regulator, &vs_object_regulator,
                                              &vs_pipe_regulator,  NULL};

@@ -252,6 +252,9 @@ static vs_status gain_by_kalman(const gain_ask *q, gsl_matrix *gain, vs_error *e
                     "control.observer: no steady gain is found; kind: luenberger takes poles");
 }
 
+/* To add a kind: a function that fills the gain of a sampled system, in scaled states and sensors,
+ * a row here with the keys that it alone has, and its word in VS_GAIN_WORDS in the same order. A
+ * gain with which errors do not decay is refused. test_estimator tries it. */
 static const gain_kind GAIN_KINDS[] = {{"kalman", {"force_noise", "spread"}, gain_by_kalman},
                                        {"luenberger", {"poles"}, gain_by_placement},
                                        {NULL}};

@@ -329,6 +329,9 @@ static const vs_device_measure GATE_DRIVE[] = {
      0, "volt_seconds", VS_AT_MOST}};
 
 #define MEASURED(rows) .measures = rows, .n_measures = sizeof rows / sizeof *rows
+/* To add a kind of device: a table of its measures, and a row here that says whether it conducts
+ * or blocks, both ways, by gate pulses, or as a diode. Makers' figures that no measure is held
+ * against stand in FIGURES. test_kinds wants each measure and limit in docs/devices.md. */
 const vs_kind vs_kinds_all[] = {
     {.name = "thyristor", .switches = true, .gated = true, MEASURED(THYRISTOR)},
     {.name = "triac", .switches = true, .both_ways = true, .gated = true, MEASURED(TRIAC)},

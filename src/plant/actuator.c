@@ -111,6 +111,11 @@ const vs_section vs_actuator_section = {"actuator", ACTUATOR, sizeof ACTUATOR / 
 
 /* ---- laws ---- */
 
+/* To add a law: a file with its vs_law, of which force and current are derivatives of one energy,
+ * and a row here. A key of its own is a row of ACTUATOR and a member in values.h. A member that is
+ * left out is NULL: without `netlist`, tier circuit and `export` refuse the law by name.
+ * test_coils and test_laws hold its functions against its energy, test_laws_on_ideal and
+ * test_circuit_laws its runs. */
 const vs_law *const vs_actuator_laws[] = {&vs_reluctance_law, &vs_moving_coil_law, &vs_formulas_law,
                                           &vs_table_law, NULL};
 

@@ -267,6 +267,7 @@ static const vs_outline SPRINGS[] = {{.takes = VS_OUTLINE_MAP, .of = spring_keys
 static const vs_outline PROBES[] = {{.takes = VS_OUTLINE_MAP, .of = PROBE}, {0}};
 
 enum { EMPTY = VS_OUTLINE_NOTHING | VS_OUTLINE_MAP, MATRIX = VS_OUTLINE_TEXT | VS_OUTLINE_LIST };
+/* To add a key: a row here and a function that reads it; the schema follows. */
 const vs_outline vs_machine_file_keys[] = {
     {"title", .takes = VS_OUTLINE_TEXT | VS_OUTLINE_NOTHING},
     {"coordinates", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_MAP, .of = COORDINATES},

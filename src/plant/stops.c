@@ -92,6 +92,9 @@ static const vs_stop_kind QUADRATIC = {
     .netlist = quadratic_netlist,
     .steepest = quadratic_steepest};
 
+/* To add a kind of stop: its vs_stop_kind with a row here, its word in VS_STOP_WORDS in the same
+ * order, and the unit of its stiffness as a form of STOP (actuator.c). test_laws_on_ideal and
+ * test_stop run it; the energy books do not close where force, energy and loss disagree. */
 const vs_stop_kind *const vs_stop_kinds[] = {&LINEAR, &QUADRATIC};
 
 double vs_stops_nearness(const vs_stops *stops, double g_m) {

@@ -5,6 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
+/* To add a format: a row here and its word in VS_FORMAT_WORDS. test_format reads it back. */
 const vs_format vs_format_all[] = {
     {"csv", "study.csv, as text", "study.csv", false, "study.csv, failures.csv, manifest.json"},
     {"csv.zst", "the same packed by zstd, in its place", "study.csv.zst", false,

@@ -83,7 +83,10 @@ static const char SMOOTH[] =
     "is LTspice's, which says nowhere how it is rounded; write min(x, most) or max(x, least), "
     "which have a corner";
 
-/* At most 32, as a mask has a bit for each. */
+/* At most 32, as a mask has a bit for each.
+ *
+ * To add a function of another program: a row here, told by test_dialects and listed in
+ * docs/netlists.md. */
 static const function FUNCTIONS[] = {
     {.name = "if",
      .least = 3,

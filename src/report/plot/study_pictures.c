@@ -6,7 +6,10 @@
 
 /* A new kind of picture is its const struct, declared in study_plot.h, and a row here; methods name
  * it.
- */
+ *
+ * To add a picture: its vs_chart and a row here. A method that wants it names it
+ * (vs_method.report). A file that is not called as its column is is named in study/cleanup.c, too,
+ * which removes an older study's pictures. test_tables and test_report draw it. */
 static const vs_chart *const CHARTS[] = {
     &vs_charts_curve,     &vs_charts_cases,   &vs_charts_path,      &vs_charts_cloud,
     &vs_map_chart,        &vs_feasible_chart, &vs_spread_histogram, &vs_spread_bars,
