@@ -43,11 +43,11 @@ typedef struct coupling {
   const vs_run_order *order;
   vs_pace pace;
   vs_swing swing;
-  vs_truncation amend;
+  vs_truncation truncation;
   vs_signal_map *names; /* owned */
   vs_trajectory trajectory;
-  vs_solver_switch away;
-  vs_settling prelude;
+  vs_solver_switch solver_switch;
+  vs_settling settling;
   vs_signals_cache port[VS_DECK_MOST]; /* the deck's ports, as they were told last */
   /* What the sources were told at the candidate time that the solver asked for last: it asks for
    * each once per Newton iteration. */
@@ -89,7 +89,7 @@ static vs_status accept_coupled_step(void *ctx, double solver_s, const double *s
 
   /* After a quiet stretch the solver is led to where the macromodel is. As long as it is, the
    * macromodel's steps are the run's (solver_switch.c). */
-  if (c->away.follows) return follow_macromodel(c, t_s, signals, err);
+  if (c->solver_switch.follows) return follow_macromodel(c, t_s, signals, err);
 
   /* Circuit -> mechanics: lambda, Wb, and its rate, V, at the step's end (signal_map.c). */
   take_circuit_state(c, t_s, signals);
@@ -106,43 +106,43 @@ static vs_status accept_coupled_step(void *ctx, double solver_s, const double *s
 
   /* A run that begins on a periodic orbit settles first: the end of each cycle is the beginning of
    * the next, with another state of the machine (settling.c). */
-  if (c->prelude.on) return end_settling_cycle(c, err);
+  if (c->settling.on) return end_settling_cycle(c, err);
 
   /* Where only small currents flow, a macromodel of the circuit goes on without the solver, which
    * is quicker (solver_switch.c, macromodel/oneport_macromodel.c). */
-  return vs_solver_switch_consider(&c->away, signals, err);
+  return vs_solver_switch_consider(&c->solver_switch, signals, err);
 }
 
 /* ---- what a step consists of ---- */
 
 static double run_time(const coupling *c, double solver_s) {
-  return vs_settling_time(&c->prelude, solver_s, c->away.shift_s);
+  return vs_settling_time(&c->settling, solver_s, c->solver_switch.shift_s);
 }
 
 /* What was told does not hold any more, and where events may change on the way, or another part of
  * the run may have begun, neither does what is told from edge to edge. */
 static void forget_told_values(coupling *c) {
   c->asked_s = NAN;
-  if (!c->prelude.on && !c->order->junction) return;
+  if (!c->settling.on && !c->order->fork) return;
   c->trajectory.edge = (vs_signals_cache){0};
   memset(c->port, 0, sizeof c->port);
 }
 
-/* Tells the run's junction that t_s is reached. It may change the events of the setup, which are
+/* Tells the fork that t_s is reached. It may change the events of the setup, which are
  * asked for whenever they are needed; only the instant of the jam is kept in the trajectory. It is
  * not called while the run settles, as events come behind that. */
 static vs_status reach_fork_point(coupling *c, double t_s, vs_error *err) {
-  const vs_fork_point *junction = c->order->junction;
-  if (!junction || c->prelude.on) return VS_OK;
-  vs_status status = junction->reach(junction->ctx, t_s, err);
+  const vs_fork_point *fork = c->order->fork;
+  if (!fork || c->settling.on) return VS_OK;
+  vs_status status = fork->reach(fork->ctx, t_s, err);
   c->trajectory.jams_s = vs_setup_jams(c->setup);
   return status;
 }
 
 /* What the solver's rule leaves out is not known from steps in which it is led. */
 static vs_status follow_macromodel(coupling *c, double t_s, const double *signals, vs_error *err) {
-  vs_truncation_restart(&c->amend);
-  return vs_solver_switch_follow(&c->away, t_s, signals, err);
+  vs_truncation_restart(&c->truncation);
+  return vs_solver_switch_follow(&c->solver_switch, t_s, signals, err);
 }
 
 /* Fills the next knot with what the circuit knows of it. Its second derivative of lambda, V/s, is
@@ -165,14 +165,15 @@ static void judge_step_length(coupling *c) {
                 *next = vs_trajectory_next(&c->trajectory);
   const vs_truncation_step step = {c->trajectory.frame.model, from, next,
                                    vs_anode_conducts(&c->trajectory.anode)};
-  vs_swing_take(&c->swing, from, next, vs_truncation_take_step(&c->amend, &step), step.driven);
+  vs_swing_take(&c->swing, from, next, vs_truncation_take_step(&c->truncation, &step), step.driven);
   c->trajectory.strays = vs_swing_strays(&c->swing);
 }
 
 /* At the end of a settling cycle the clock goes back to 0. Once the orbit is found the run begins
- * there, which its junction is told. */
+ * there, which its fork is told. */
 static vs_status end_settling_cycle(coupling *c, vs_error *err) {
-  vs_status status = vs_settling_follow(&c->prelude, &c->trajectory, &c->away.shift_s, err);
+  vs_status status =
+      vs_settling_follow(&c->settling, &c->trajectory, &c->solver_switch.shift_s, err);
   return status ? status : reach_fork_point(c, 0, err);
 }
 
@@ -184,8 +185,9 @@ static double next_breakpoint(void *ctx, double solver_s) {
   coupling *c = ctx;
   if (c->trajectory.anode.crossed || c->swing.anew) return solver_s;
   double now_s = run_time(c, solver_s), next_s = vs_trajectory_edge(&c->trajectory, now_s);
-  if (c->away.shift_s != 0 && !c->prelude.on) next_s = fmin(next_s, c->setup->run.until_s);
-  return vs_settling_edge(&c->prelude, now_s, next_s) - c->away.shift_s;
+  if (c->solver_switch.shift_s != 0 && !c->settling.on)
+    next_s = fmin(next_s, c->setup->run.until_s);
+  return vs_settling_edge(&c->settling, now_s, next_s) - c->solver_switch.shift_s;
 }
 
 /* At t = 0 the circuit is without currents, so mains that are not at their zero jump. What rings by
@@ -194,7 +196,7 @@ static double next_breakpoint(void *ctx, double solver_s) {
  * 1e-7 on, which is the default of run.first_step, 75.9 V at any tolerance. Steps double from there
  * on, so that it costs ten. */
 static bool begins_with_a_jump(const coupling *c, double solver_s) {
-  return solver_s == 0 && !c->prelude.on &&
+  return solver_s == 0 && !c->settling.on &&
          vs_timeline_voltage(&c->trajectory.setup->timeline, 0) != 0;
 }
 
@@ -216,16 +218,16 @@ static double longest_step(void *ctx, double solver_s) {
 static double truncation_correction(coupling *c, size_t port, double t_s) {
   const vs_truncation_try at = {c->trajectory.frame.model, vs_trajectory_last(&c->trajectory), t_s,
                                 vs_trajectory_gap(&c->trajectory, t_s)};
-  if (c->away.follows) return 0;
-  return port == VS_EVA_PORT_CORRECTS_FLUX ? vs_truncation_flux_correction(&c->amend, &at)
-                                           : vs_truncation_current_correction(&c->amend, &at);
+  if (c->solver_switch.follows) return 0;
+  return port == VS_EVA_PORT_CORRECTS_FLUX ? vs_truncation_flux_correction(&c->truncation, &at)
+                                           : vs_truncation_current_correction(&c->truncation, &at);
 }
 
 /* A port of the deck, V: mains, a gate, a modulated switch, or an event. */
 static double deck_source(coupling *c, size_t port, double t_s) {
   const vs_port *p = &c->setup->deck.ports[port];
   double push_v =
-      p->signal.drive == VS_PORT_MAINS ? vs_settling_extra_voltage(&c->prelude, t_s) : 0;
+      p->signal.drive == VS_PORT_MAINS ? vs_settling_extra_voltage(&c->settling, t_s) : 0;
   return push_v +
          vs_signals_voltage_cached(&c->port[port], &c->trajectory.setup->timeline, &p->signal, t_s);
 }
@@ -241,7 +243,7 @@ static double compute_source(coupling *c, size_t port, double t_s) {
     return vs_trajectory_motion(&c->trajectory,
                                 c->setup->deck.motions[motion - c->names->n_ports].state, t_s);
   if (port >= of_deck + VS_EVA_PORTS_LEADING)
-    return vs_solver_switch_lead(&c->away, port - of_deck, t_s);
+    return vs_solver_switch_lead(&c->solver_switch, port - of_deck, t_s);
   return truncation_correction(c, port - of_deck, t_s);
 }
 
@@ -262,7 +264,7 @@ static double source_value(void *ctx, size_t port, double solver_s) {
 
 static bool run_is_complete(void *ctx) {
   const coupling *c = ctx;
-  return !c->prelude.on && vs_solver_switch_enough(&c->away);
+  return !c->settling.on && vs_solver_switch_enough(&c->solver_switch);
 }
 
 static double run_time_of_solver(void *ctx, double solver_s) {
@@ -271,7 +273,7 @@ static double run_time_of_solver(void *ctx, double solver_s) {
 
 static bool step_is_hidden(void *ctx) {
   const coupling *c = ctx;
-  return c->prelude.on;
+  return c->settling.on;
 }
 
 /* ---- a run ---- */
@@ -300,7 +302,7 @@ static vs_circuit_job job_of(const coupling *c) {
                           .signals = c->names->signals,
                           .n_signals = c->names->n_signals,
                           .n_wanted = 2 * c->names->n_memories,
-                          .until_s = vs_settling_until(&c->prelude),
+                          .until_s = vs_settling_until(&c->settling),
                           .gear = setup->run.gear,
                           .dialect = setup->deck.compat,
                           .max_step_s = c->pace.max_step_s,
@@ -345,7 +347,7 @@ static vs_status run_solver(coupling *c, vs_error *err) {
   if (!s) s = solver->load(&job, &host, &circuit, err);
   if (!s) s = solver->run(circuit, err);
   if (s == VS_INPUT) s = forgive_first_step(c, err);
-  if (!s) s = vs_solver_switch_finish(&c->away, err);
+  if (!s) s = vs_solver_switch_finish(&c->solver_switch, err);
   solver->free(circuit);
   vs_netlist_free(netlist, job.lines);
   return s;
@@ -362,20 +364,20 @@ static vs_status run_coupled(const vs_setup *setup, const vs_run_order *order,
                 .order = order,
                 .pace = pace,
                 .swing = vs_swing_of(setup),
-                .amend = vs_truncation_begin(setup, !order->pilot && !pace.blows),
+                .truncation = vs_truncation_begin(setup, !order->pilot && !pace.blows),
                 .asked_s = NAN,
                 .names = vs_alloc(1, sizeof *c.names)};
-  vs_settling_begin(&c.prelude, setup, order, observer);
-  vs_trajectory_begin(&c.trajectory, vs_settling_setup(&c.prelude), &frame,
-                      vs_settling_observer(&c.prelude));
+  vs_settling_begin(&c.settling, setup, order, observer);
+  vs_trajectory_begin(&c.trajectory, vs_settling_setup(&c.settling), &frame,
+                      vs_settling_observer(&c.settling));
   c.trajectory.frame.timeline = &c.trajectory.setup->timeline;
-  vs_solver_switch_begin(&c.away, order, &c.trajectory, c.names, c.pace.max_step_s);
-  vs_signal_map_of(&setup->deck, vs_solver_switch_memories(&c.away), c.names);
+  vs_solver_switch_begin(&c.solver_switch, order, &c.trajectory, c.names, c.pace.max_step_s);
+  vs_signal_map_of(&setup->deck, vs_solver_switch_memories(&c.solver_switch), c.names);
   vs_status s = run_solver(&c, err);
-  vs_solver_switch_end(&c.away);
+  vs_solver_switch_end(&c.solver_switch);
   vs_trajectory_end(&c.trajectory);
   free(c.names);
-  return vs_settling_end(&c.prelude, s, err);
+  return vs_settling_end(&c.settling, s, err);
 }
 
 /* This tier alone has a source's impedance, ngspice, a gate drive that is fed with bursts, switches

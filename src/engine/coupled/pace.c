@@ -54,12 +54,12 @@ static double solver_tolerance(const vs_setup *s, bool blows) {
 /* The truncation error of a step, of a capacitor's charge, falls with the third power of the step;
  * what such errors add up to, with the second. So a step's error must fall as the tolerance to the
  * power of 1.5: the solver's tolerance sees to the first power, this factor to the rest. Without it
- * the error was up to 50 times the tolerance at 1e-7 (tests/engine/test_tolerance_grid.c). Above 1e-4 it
- * stands still. With the root, the coil's ring takes half the steps at 1e-1, and p, u, w, phi and i
- * were off by a fiftieth of that. But what is fast suffers, with the first step behind a firing
- * held short, too: the rise of a blocking voltage came out 25 % off at 1e-3 in the place of 5 %, a
- * chopper's losses at switching off 4 times too large at 1e-1. ngspice has one factor for all steps
- * of a run, so that the slow ones cannot be loosened alone.
+ * the error was up to 50 times the tolerance at 1e-7 (tests/engine/test_tolerance_grid.c). Above
+ * 1e-4 it stands still. With the root, the coil's ring takes half the steps at 1e-1, and p, u, w,
+ * phi and i were off by a fiftieth of that. But what is fast suffers, with the first step behind a
+ * firing held short, too: the rise of a blocking voltage came out 25 % off at 1e-3 in the place of
+ * 5 %, a chopper's losses at switching off 4 times too large at 1e-1. ngspice has one factor for
+ * all steps of a run, so that the slow ones cannot be loosened alone.
  *
  * Each edge of a modulated switch makes an error of its own, and these add up: with the whole of
  * the factor a chopper's displacement was off by 11 tolerances, with half of it by 1.8; by

@@ -20,7 +20,7 @@ static vs_status watch_settling(void *ctx, const vs_step *step, vs_error *err) {
   return status;
 }
 
-/* An instant, s, that no run comes to. The events of the prelude begin there. */
+/* An instant, s, that no run comes to. The events of the settling begin there. */
 static const double NEVER_S = 1e12;
 
 static vs_setup *calm_of(const vs_setup *setup, const vs_orbit_search *pilot) {

@@ -139,7 +139,7 @@ static const double LEADS_STEPS = 4;
 static bool may_come(const vs_setup *setup, const vs_run_order *order) {
   enum { MOST_EDGES = 100000 };
   double period_s = setup->timeline.period_s * (1 - 1e-6), until_s = setup->run.until_s, now_s = 0;
-  if (setup->timeline.program || order->junction || order->pilot) return true;
+  if (setup->timeline.program || order->fork || order->pilot) return true;
   for (int k = 0; k < MOST_EDGES; k++) {
     double next_s = vs_setup_edge(setup, now_s);
     if (next_s >= until_s) return until_s - now_s >= period_s;

@@ -75,15 +75,15 @@ typedef struct vs_truncation_try {
 vs_truncation vs_truncation_begin(const vs_setup *setup, bool on);
 
 /* Forgets the steps before. */
-void vs_truncation_restart(vs_truncation *amend);
+void vs_truncation_restart(vs_truncation *truncation);
 
 /* Takes in a step of the solver. Returns what of v'' at its beginning the rule was not given, or
  * was given too much, V/s^2. The flux_rate2_v_s of `to` is the mean over the step. */
-double vs_truncation_take_step(vs_truncation *amend, const vs_truncation_step *step);
+double vs_truncation_take_step(vs_truncation *truncation, const vs_truncation_step *step);
 
 /* What is given at the end of such a step: to the rate of lambda, V, and to the current that the
  * coil draws, A. */
-double vs_truncation_flux_correction(vs_truncation *amend, const vs_truncation_try *at);
-double vs_truncation_current_correction(vs_truncation *amend, const vs_truncation_try *at);
+double vs_truncation_flux_correction(vs_truncation *truncation, const vs_truncation_try *at);
+double vs_truncation_current_correction(vs_truncation *truncation, const vs_truncation_try *at);
 
 #endif

@@ -19,7 +19,7 @@ struct vs_shared_prefix {
   vs_case *prefix; /* the one that is run */
   vs_case *other;  /* begun, never run on tier circuit: the case that is compared with the prefix */
   vs_task_pipe *desk;
-  vs_fork_point junction;
+  vs_fork_point fork;
   double point[VS_PLAN_AXES]; /* of the prefix; the axes of events do not count */
   char **netlist;             /* of the prefix, as its solver has it */
   size_t lines;
@@ -130,7 +130,7 @@ static bool begin_other(vs_shared_prefix *p, size_t k) {
 }
 
 /* Finds out whether the run of task k begins as the prefix does, and up to when. Only a run with a
- * prelude (`start: steady`) has something to share where the two part at t = 0 already. */
+ * settling (`start: steady`) has something to share where the two part at t = 0 already. */
 static void compare_task(vs_shared_prefix *p, size_t k) {
   if (!begin_other(p, k) || !is_alike(p, p->desk->tasks[k].point)) return;
   const vs_setup *own = &vs_case_scene(p->prefix)->setup;
@@ -332,9 +332,9 @@ static void run_prefix(vs_shared_prefix *p) {
   p->next_s = first_parting(p);
   p->arrive = serve_at_knot;
   p->row.length = 0;
-  s->order.junction = &p->junction;
+  s->order.fork = &p->fork;
   int status = vs_case_end(p->prefix, VS_OK, &p->row, &circuit, &err);
-  s->order.junction = NULL;
+  s->order.fork = NULL;
   if (p->branch) end_branch(p, status);
   if (p->arrive == fork_branches)
     _exit(VS_CHILD_BAD_RUN); /* a runner whose prefix ended too early */
@@ -359,6 +359,6 @@ vs_shared_prefix *vs_shared_prefix_new(const vs_plan *plan, vs_case *c, vs_task_
   vs_shared_prefix *p = vs_alloc(1, sizeof *p);
   *p =
       (vs_shared_prefix){.plan = plan, .prefix = c, .desk = desk, .other = vs_case_new(plan, NULL)};
-  p->junction = (vs_fork_point){p, reach_knot};
+  p->fork = (vs_fork_point){p, reach_knot};
   return p;
 }

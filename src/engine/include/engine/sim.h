@@ -51,7 +51,7 @@ typedef struct vs_fork_point {
 } vs_fork_point;
 
 /* Who steers a run of tier "circuit" before it begins. The circuit's hidden state cannot be set,
- * but the machine's can. So a run that is to begin on a periodic orbit has a prelude: firing
+ * but the machine's can. So a run that is to begin on a periodic orbit settles first: firing
  * periods without the scene's events, each of which goes from t = 0 to the period's end. At each
  * end the pilot puts the machine into another state, while the solver goes on. Once the pilot says
  * so, t = 0 is the beginning of the run that the observer sees.
@@ -59,18 +59,18 @@ typedef struct vs_fork_point {
  * orbit/picard.h is one. */
 typedef struct vs_orbit_search {
   void *self;
-  double period_s;          /* of the prelude's parts, a number of whole cycles of the mains */
+  double period_s;          /* of the settling's parts, a number of whole cycles of the mains */
   int of_orbit;             /* so many of them make a period of the orbit */
   int most;                 /* so many of them there may be; then `turn` must end the run */
   double x[VS_MOST_STATES]; /* q, q' at the beginning of each part, and then of the run */
   /* A run of this setup begins: sets x. */
   void (*begin)(void *self, const vs_setup *setup);
-  /* Is shown the steps of the prelude. */
+  /* Is shown the steps of the settling. */
   void (*accept)(void *self, const vs_step *step);
-  /* A part of the prelude has ended, with this knot: sets x. *begins: the run begins. An error ends
-   * the run with VS_RUN. VS_INPUT: an orbit of another period is to be asked for. */
+  /* A part of the settling has ended, with this knot: sets x. *begins: the run begins. An error
+   * ends the run with VS_RUN. VS_INPUT: an orbit of another period is to be asked for. */
   vs_status (*turn)(void *self, const vs_knot *end, bool *begins, vs_error *err);
-  /* The voltage, V, that is added to the mains at t_s of this part of the prelude. */
+  /* The voltage, V, that is added to the mains at t_s of this part of the settling. */
   double (*push)(void *self, double t_s);
   /* The run has come to its end, or has failed. */
   void (*end)(void *self);
@@ -92,13 +92,13 @@ typedef struct vs_run_order {
                    it does not survive makes it do so, and try then */
   long *tries;  /* counts the steps that the solver tries, rejected ones too; NULL: nobody asks.
                    Borrowed */
-  vs_orbit_search *pilot;            /* steers the run's prelude; NULL: it has none. Borrowed */
-  const volatile sig_atomic_t *stop; /* set by a signal: the prelude ends with VS_SIGNAL, as the
+  vs_orbit_search *pilot;            /* steers the run's settling; NULL: it has none. Borrowed */
+  const volatile sig_atomic_t *stop; /* set by a signal: the settling ends with VS_SIGNAL, as the
                                         observer sees nothing of it; NULL: no signal ends it */
-  vs_budget *budget; /* what the search may take that this run, or its prelude, is a part of; NULL:
+  vs_budget *budget; /* what the search may take that this run, or its settling, is a part of; NULL:
                         there is no limit. Borrowed */
   bool shows;        /* a search before the run shows on standard error how far it is */
-  const vs_fork_point *junction; /* NULL: the run goes its own way to the end. Borrowed */
+  const vs_fork_point *fork;     /* NULL: the run goes its own way to the end. Borrowed */
   const vs_early_end *early_end; /* asked on the ideal tiers; NULL: all steps are needed.
                               Borrowed */
 } vs_run_order;
