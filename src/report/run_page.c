@@ -8,6 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/field.h"
 #include "base/tree.h"
 #include "members.h"
 #include "report/html.h"
@@ -133,12 +134,33 @@ static void add_verdict(vs_html *html, const vs_node *summary) {
 
 /* ---- measures and parameters ---- */
 
+/* The table's cells, and all measures of the run. */
+typedef struct measures {
+  vs_html *html;
+  const vs_node *all;
+} measures;
+
+/* An extreme that is less than this part of the other end's is rounding, and shown as 0. */
+static const double ZERO_BESIDE = 1e-6;
+
+/* The value of NAME_max for NAME_min, and the other way round; NaN where there is none. */
+static double other_end(const vs_node *all, const char *name) {
+  char other[VS_NAME_SIZE];
+  const size_t n = strlen(name);
+  const bool is_min = n > 4 && !strcmp(name + n - 4, "_min");
+  if (n >= sizeof other || n < 5 || (!is_min && strcmp(name + n - 4, "_max"))) return NAN;
+  snprintf(other, sizeof other, "%.*s%s", (int)n - 4, name, is_min ? "_max" : "_min");
+  return vs_member_number(vs_tree_child(vs_tree_child(all, other), "value"));
+}
+
 static void add_measure(void *ctx, const char *name, const vs_node *a, const vs_node *b) {
-  vs_html *html = ctx;
+  const measures *m = ctx;
+  vs_html *html = m->html;
   char amount[VS_ENGINEERING_SIZE];
   double value = vs_member_number(vs_tree_child(a, "value")),
          at = vs_member_number(vs_tree_child(a, "at_s"));
   (void)b;
+  if (fabs(value) < ZERO_BESIDE * fabs(other_end(m->all, name))) value = 0;
   vs_html_add(html, "<tr>");
   vs_html_cell(html, name);
   vs_html_add(html, "<td class=\"n\">");
@@ -151,7 +173,8 @@ static void add_measure(void *ctx, const char *name, const vs_node *a, const vs_
 static void add_measures(vs_html *html, const vs_node *summary) {
   vs_html_add(html, "<section id=\"measures\">\n<h2>Measures</h2>\n<div class=\"wide\"><table>"
                     "<tr><th>measure</th><th>value</th><th>at</th></tr>\n");
-  vs_members_join(vs_tree_child(summary, "measures"), NULL, add_measure, html);
+  measures m = {html, vs_tree_child(summary, "measures")};
+  vs_members_join(m.all, NULL, add_measure, &m);
   vs_html_add(html, "</table></div>\n</section>\n");
 }
 

@@ -475,8 +475,9 @@ void vs_show_result(const vs_result *r, const vs_show_options *options, FILE *ou
 /* ---- in short ---- */
 
 /* The table has at most LINES, and one more tells what was written. With an orbit it has a few
- * more. The lines of the verdict get what the others leave, and at least three. */
-enum { LINES = 24, LINES_OF_ORBIT = 30, LEAST_LINES = 3 };
+ * more. The lines of the verdict get what the others leave, and at least three, for which rows of
+ * what is measured give way, down to LEAST_ROWS. */
+enum { LINES = 24, LINES_OF_ORBIT = 30, LEAST_LINES = 3, LEAST_ROWS = 2 };
 
 /* What is measured has more room where nothing is judged, and less where an orbit is told. */
 enum { ROWS = 6, ROWS_ALONE = 15, ROWS_OF_ORBIT = 3 };
@@ -495,15 +496,12 @@ static void tell_quality(const vs_quality *q, FILE *out) {
             vs_harmonic_classes_all->name);
 }
 
-/* What stands behind the verdict. */
-static void tell_result(const vs_result *r, const vs_show_options *options, const vs_show_more *m,
-                        FILE *out) {
+/* What stands behind the verdict, with that many rows of what is measured. */
+static void tell_result(const vs_result *r, int rows, const vs_show_options *options,
+                        const vs_show_more *m, FILE *out) {
   const vs_scene *s = r->scene;
   const bool judged = r->verdict.count > 0;
-  const vs_show_options few = {m->show  ? ROWS_OF_ORBIT
-                               : judged ? ROWS
-                                        : ROWS_ALONE,
-                               options->measured};
+  const vs_show_options few = {rows, options->measured};
   fprintf(out, "%sscene  %s\n", judged || !m->show ? "\n" : "", s->path);
   vs_show_machine_and_supply(&s->setup, out);
   fprintf(out, "tier   %s (%s)\n", s->tier->name, s->why);
@@ -532,17 +530,24 @@ static int count_lines(const char *text) {
 
 void vs_show_brief(const vs_result *r, const vs_show_options *options, const vs_show_more *more,
                    FILE *out) {
+  const bool judged = r->verdict.count > 0;
+  int rows = more->show ? ROWS_OF_ORBIT : judged ? ROWS : ROWS_ALONE, room;
   char *front = NULL, *behind = NULL;
   size_t size;
-  FILE *first = vs_alloc_stream(&front, &size), *last = vs_alloc_stream(&behind, &size);
-  if (r->verdict.count) vs_verdict_table_head(r, first);
-  tell_result(r, options, more, last);
+  FILE *first = vs_alloc_stream(&front, &size);
+  if (judged) vs_verdict_table_head(r, first);
   vs_alloc_stream_close(first);
-  vs_alloc_stream_close(last);
-  if (r->verdict.count) {
+  for (;; rows = rows + room - LEAST_LINES > LEAST_ROWS ? rows + room - LEAST_LINES : LEAST_ROWS) {
+    FILE *last = vs_alloc_stream(&behind, &size);
+    tell_result(r, rows, options, more, last);
+    vs_alloc_stream_close(last);
     const int others =
         1 + count_lines(front) + 3 + count_lines(behind); /* 3: what frames the lines */
-    const int room = (more->show ? LINES_OF_ORBIT : LINES) - others;
+    room = (more->show ? LINES_OF_ORBIT : LINES) - others;
+    if (!judged || room >= LEAST_LINES || rows <= LEAST_ROWS) break;
+    free(behind);
+  }
+  if (judged) {
     vs_verdict_table_word(&r->verdict, out);
     fputs(front, out);
     vs_verdict_table_tightest(&r->verdict, room < LEAST_LINES ? LEAST_LINES : room, out);

@@ -13,7 +13,7 @@
 
 /* ---- the surge generator ---- */
 
-enum { MOST = 60000 };
+enum { MOST = 120000 };
 
 /* A curve, point by point, and what is read off it. */
 typedef struct curve {
