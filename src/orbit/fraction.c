@@ -277,7 +277,7 @@ static vs_scene *undisturbed(const vs_scene *scene) {
   setup->model.reloaded = setup->steady = setup->wants_fraction = false;
   calm->tier = vs_tiers_of_orbit(scene->tier);
   calm->order.raw = NULL;
-  calm->order.junction = NULL;
+  calm->order.fork = NULL;
   calm->frame = vs_sim_frame(calm->tier, setup);
   return calm;
 }

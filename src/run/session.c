@@ -231,7 +231,7 @@ static void begin_watching(const vs_session *session, vs_scene *s, vs_result *r,
   const vs_session_listener *guest = session->guest;
   if (!session->bare) vs_watchers_begin(&r->watchers, &s->frame, alone ? session->wants : NULL);
   r->watchers.prompt =
-      (guest && guest->accept && !guest->late) || s->control.regulator || s->order.junction;
+      (guest && guest->accept && !guest->late) || s->control.regulator || s->order.fork;
   begin_instruments(session, s, r);
   if (!session->bare) vs_ratings_follow(&s->ratings, r->watchers.measures);
   if (!session->bare) vs_result_begin_quality(r, s);

@@ -497,11 +497,11 @@ static void tell_quality(const vs_quality *q, FILE *out) {
 }
 
 /* What stands behind the verdict, with that many rows of what is measured. */
-static void tell_result(const vs_result *r, int rows, const vs_show_options *options,
+static void tell_result(const vs_result *r, int shown_rows, const vs_show_options *options,
                         const vs_show_more *m, FILE *out) {
   const vs_scene *s = r->scene;
   const bool judged = r->verdict.count > 0;
-  const vs_show_options few = {rows, options->measured};
+  const vs_show_options few = {shown_rows, options->measured};
   fprintf(out, "%sscene  %s\n", judged || !m->show ? "\n" : "", s->path);
   vs_show_machine_and_supply(&s->setup, out);
   fprintf(out, "tier   %s (%s)\n", s->tier->name, s->why);
@@ -531,20 +531,22 @@ static int count_lines(const char *text) {
 void vs_show_brief(const vs_result *r, const vs_show_options *options, const vs_show_more *more,
                    FILE *out) {
   const bool judged = r->verdict.count > 0;
-  int rows = more->show ? ROWS_OF_ORBIT : judged ? ROWS : ROWS_ALONE, room;
+  int shown_rows = more->show ? ROWS_OF_ORBIT : judged ? ROWS : ROWS_ALONE, room;
   char *front = NULL, *behind = NULL;
   size_t size;
   FILE *first = vs_alloc_stream(&front, &size);
   if (judged) vs_verdict_table_head(r, first);
   vs_alloc_stream_close(first);
-  for (;; rows = rows + room - LEAST_LINES > LEAST_ROWS ? rows + room - LEAST_LINES : LEAST_ROWS) {
+  for (;; shown_rows = shown_rows + room - LEAST_LINES > LEAST_ROWS
+                           ? shown_rows + room - LEAST_LINES
+                           : LEAST_ROWS) {
     FILE *last = vs_alloc_stream(&behind, &size);
-    tell_result(r, rows, options, more, last);
+    tell_result(r, shown_rows, options, more, last);
     vs_alloc_stream_close(last);
     const int others =
         1 + count_lines(front) + 3 + count_lines(behind); /* 3: what frames the lines */
     room = (more->show ? LINES_OF_ORBIT : LINES) - others;
-    if (!judged || room >= LEAST_LINES || rows <= LEAST_ROWS) break;
+    if (!judged || room >= LEAST_LINES || shown_rows <= LEAST_ROWS) break;
     free(behind);
   }
   if (judged) {

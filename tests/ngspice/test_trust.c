@@ -288,7 +288,7 @@ static const struct door {
 };
 
 static void each_door_tells(void) {
-  write_file("fit.yaml", "scene: short.yaml\nmeasures: {i_peak: {value: 20 mA, error: 1 A}}\n"
+  write_file("fit.yaml", "scene: short.yaml\nmeasures: {i_peak: {value: 0.2 mA, error: 5 %}}\n"
                          "free: {supply.voltage: {from: 300 V, to: 480 V}}\n");
   for (size_t k = 0; k < COUNT(DOORS); k++) {
     const struct door *d = &DOORS[k];
