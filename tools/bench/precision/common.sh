@@ -5,7 +5,7 @@
 libraries=$(pkg-config --cflags --libs gsl libfyaml libzstd ngspice)
 tool() { # NAME: of tools/bench/precision
   # shellcheck disable=SC2086 # a list of words
-  "${CC:-cc}" -std=gnu11 -O2 -D_GNU_SOURCE -ffp-contract=off $(printf " -iquote %s" src src/*) $(printf " -I%s" src/*/include) -Itests/support -o "${dir:?}/precision_$1" \
+  "${CC:-cc}" -std=gnu11 -O2 -D_GNU_SOURCE -ffp-contract=off $(printf " -iquote %s" src src/*/) $(printf " -I%s" src/*/include) -Itests/support -o "${dir:?}/precision_$1" \
     "tools/bench/precision/$1.c" tools/bench/precision/race.c tests/support/oracle.c tests/support/conveyor.c tests/support/compare.c tests/support/schemes.c "$dir/libvs.a" $libraries -lm
 }
 # An exported deck with another step and reltol, nothing saved but p; what follows .control goes.
