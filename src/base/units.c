@@ -184,7 +184,7 @@ static bool refuse_size(const char *text, double value, char *why, size_t size) 
 static const char *circuit_unit(const char *expected) {
   static const char *const NAMES[] = {"ohm", "F", "H", "V", "A", "W", "J", "s", "Hz", "Wb"};
   unit want, base;
-  if (!parse_unit(expected, &want) || !want.factor) return NULL;
+  if (!parse_unit(expected, &want) || want.factor == 0) return NULL;
   for (size_t k = 0; k < sizeof NAMES / sizeof *NAMES; k++)
     if (parse_unit(NAMES[k], &base) && !memcmp(base.power, want.power, sizeof base.power))
       return NAMES[k];

@@ -257,7 +257,7 @@ static vs_status gain_by_kalman(const gain_ask *q, gsl_matrix *gain, vs_error *e
  * gain with which errors do not decay is refused. test_estimator tries it. */
 static const gain_kind GAIN_KINDS[] = {{"kalman", {"force_noise", "spread"}, gain_by_kalman},
                                        {"luenberger", {"poles"}, gain_by_placement},
-                                       {NULL}};
+                                       {NULL, {NULL}, NULL}};
 
 /* ---- the keys ---- */
 

@@ -71,7 +71,7 @@ static double prefix_of(const portrait *p, const vs_fit_result_column *c, char *
     if ((size_t)r->samples[k].column == c->column) most = fmax(most, fabs(r->samples[k].value));
   *prefix = '\0';
   if (r->columns.item[c->column].si != 1) return 1 / r->columns.item[c->column].si;
-  if (!most || most >= 1 || !vs_units_known(r->columns.item[c->column].unit)) return 1;
+  if (most == 0 || most >= 1 || !vs_units_known(r->columns.item[c->column].unit)) return 1;
   snprintf(prefix, 8, "%s", most >= 1e-3 ? "m" : "u");
   return most >= 1e-3 ? 1e3 : 1e6;
 }
