@@ -412,6 +412,11 @@ const vs_node *vs_tree_child(const vs_node *map, const char *key) {
   return NULL;
 }
 
+const vs_node *vs_tree_child_map(const vs_node *map, const char *key) {
+  const vs_node *n = vs_tree_child(map, key);
+  return n && n->kind == VS_NODE_MAP ? n : NULL;
+}
+
 static vs_node *child_or_new(vs_node *map, const char *key, vs_where where) {
   vs_node **link = &map->child;
   for (; *link; link = &(*link)->next)

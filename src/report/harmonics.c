@@ -50,7 +50,7 @@ static void add_panel(panels *all, const char *name, panel of) {
 static void find_panels(const vs_tree *tree, panels *all) {
   const vs_node *own = vs_tree_child(tree->root, "harmonics"),
                 *limits = vs_tree_child(tree->root, "harmonic_limits"),
-                *quality = vs_tree_child(tree->root, "quality");
+                *quality = vs_tree_child_map(tree->root, "quality");
   add_panel(all, "the mains current on the orbit",
             (panel){.harmonics = own,
                     .groups = vs_tree_child(tree->root, "harmonic_groups"),

@@ -9,9 +9,9 @@
 
 void vs_members_join(const vs_node *a, const vs_node *b, vs_member_visit visit, void *ctx) {
   for (const vs_node *m = a ? a->child : NULL; m; m = m->next)
-    visit(ctx, m->key, m, vs_tree_child(b, m->key));
+    if (m->key) visit(ctx, m->key, m, vs_tree_child(b, m->key)); /* none: of a list */
   for (const vs_node *m = b ? b->child : NULL; m; m = m->next)
-    if (!vs_tree_child(a, m->key)) visit(ctx, m->key, NULL, m);
+    if (m->key && !vs_tree_child(a, m->key)) visit(ctx, m->key, NULL, m);
 }
 
 double vs_member_number(const vs_node *node) {

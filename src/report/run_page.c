@@ -173,7 +173,7 @@ static void add_measure(void *ctx, const char *name, const vs_node *a, const vs_
 static void add_measures(vs_html *html, const vs_node *summary) {
   vs_html_add(html, "<section id=\"measures\">\n<h2>Measures</h2>\n<div class=\"wide\"><table>"
                     "<tr><th>measure</th><th>value</th><th>at</th></tr>\n");
-  measures m = {html, vs_tree_child(summary, "measures")};
+  measures m = {html, vs_tree_child_map(summary, "measures")};
   vs_members_join(m.all, NULL, add_measure, &m);
   vs_html_add(html, "</table></div>\n</section>\n");
 }
@@ -194,7 +194,7 @@ static void add_parameter(void *ctx, const char *key, const vs_node *a, const vs
 static void add_parameters(vs_html *html, const vs_node *summary) {
   vs_html_add(html, "<section id=\"parameters\">\n<h2>Parameters</h2>\n<div class=\"wide\"><table>"
                     "<tr><th>key</th><th>value</th></tr>\n");
-  vs_members_unlike(vs_tree_child(summary, "scene"), NULL, add_parameter, html);
+  vs_members_unlike(vs_tree_child_map(summary, "scene"), NULL, add_parameter, html);
   vs_html_add(html, "</table></div>\n</section>\n");
 }
 
@@ -255,7 +255,8 @@ static void add_energy_flow(vs_html *html, const vs_node *energy) {
     if (FLOWS[k].text)
       add_energy_row(html, FLOWS[k].text, FLOWS[k].depth, vs_member_number(node), whole);
     else
-      add_accounts(html, node, !strcmp(FLOWS[k].key, "losses_J") ? "lost in" : "stored in", whole);
+      add_accounts(html, vs_tree_child_map(energy, FLOWS[k].key),
+                   !strcmp(FLOWS[k].key, "losses_J") ? "lost in" : "stored in", whole);
   }
   vs_html_add(html,
               "</table></div>\n<p class=\"of\">Shares are of the largest of these. What is 0 is "

@@ -18,7 +18,7 @@ static vs_status read_summary(const char *folder, vs_tree *tree, vs_error *err) 
     return vs_fail(err, VS_INPUT, "%.100s...: too long a name", folder);
   snprintf(path, sizeof path, "%s/summary.json", folder);
   vs_status status = vs_tree_read(path, tree, err);
-  if (status || vs_tree_child(tree->root, "measures")) return status;
+  if (status || vs_tree_child_map(tree->root, "measures")) return status;
   return vs_fail_at(err, (vs_where){path, 1, 1}, "has no member 'measures', so it is of no run");
 }
 
@@ -50,8 +50,8 @@ typedef struct writer {
 /* Calls visit for that member of both summaries. */
 static void join_members(const vs_run_pair *p, const char *member, vs_member_visit visit,
                          writer *w) {
-  vs_members_join(vs_tree_child(p->summary[0].root, member),
-                  vs_tree_child(p->summary[1].root, member), visit, w);
+  vs_members_join(vs_tree_child_map(p->summary[0].root, member),
+                  vs_tree_child_map(p->summary[1].root, member), visit, w);
 }
 
 /* Says how many rows were left out because both runs have the same. */
@@ -302,8 +302,8 @@ void vs_run_pair_table(const vs_run_pair *p, vs_text *out) {
               vs_run_pair_whole(a), vs_run_pair_whole(b));
   show_lines(&w, a, b);
   vs_text_add(out, "\n%-28s %16s %16s\n", "keys that differ", "A", "B");
-  vs_members_unlike(vs_tree_child(p->summary[0].root, "scene"),
-                    vs_tree_child(p->summary[1].root, "scene"), show_key, &w);
+  vs_members_unlike(vs_tree_child_map(p->summary[0].root, "scene"),
+                    vs_tree_child_map(p->summary[1].root, "scene"), show_key, &w);
   say_same(&w, "key");
   vs_text_add(out, "\n%-28s %16s %16s %16s %11s\n", "measures", "A", "B", "B - A", "of |A|");
   join_members(p, "measures", show_measure, &w);
@@ -331,8 +331,8 @@ void vs_run_pair_json(const vs_run_pair *p, vs_text *out) {
   vs_json_text(&json, "compared", "runs");
   for (int k = 0; k < 2; k++) add_run(p, k, &json);
   vs_json_array(&json, "keys", VS_JSON_LINES);
-  vs_members_unlike(vs_tree_child(p->summary[0].root, "scene"),
-                    vs_tree_child(p->summary[1].root, "scene"), show_key, &w);
+  vs_members_unlike(vs_tree_child_map(p->summary[0].root, "scene"),
+                    vs_tree_child_map(p->summary[1].root, "scene"), show_key, &w);
   vs_json_end(&json);
   vs_json_array(&json, "verdict", VS_JSON_LINES);
   show_lines(&w, vs_tree_child(p->summary[0].root, "verdict"),

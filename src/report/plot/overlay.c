@@ -58,7 +58,7 @@ static void ask_summary(reader *r, char machine[VS_NAME_SIZE]) {
   vs_error unread = {0};
   snprintf(path, sizeof path, "%s/summary.json", r->run->folder);
   vs_status status = vs_tree_read(path, &tree, &unread);
-  const vs_node *measures = status ? NULL : vs_tree_child(tree.root, "measures");
+  const vs_node *measures = status ? NULL : vs_tree_child_map(tree.root, "measures");
   for (const vs_node *m = measures ? measures->child : NULL; m; m = m->next) {
     const vs_node *unit = m->kind == VS_NODE_MAP ? vs_tree_child(m, "unit") : NULL;
     size_t n = strlen(m->key);
@@ -67,7 +67,7 @@ static void ask_summary(reader *r, char machine[VS_NAME_SIZE]) {
     snprintf(probe, sizeof probe, "%.*s", (int)(n - 4), m->key);
     for (size_t k = 0; k < r->n_known; k++) try_probe(&r->known[k], probe, unit->text);
   }
-  const vs_node *own = status ? NULL : vs_tree_child(tree.root, "scene");
+  const vs_node *own = status ? NULL : vs_tree_child_map(tree.root, "scene");
   own = vs_tree_child(vs_tree_child(own, "machine"), vs_machine_key.key);
   snprintf(machine, VS_NAME_SIZE, "%s", own && own->text ? own->text : vs_machine_key.default_text);
   vs_tree_free(&tree);

@@ -76,7 +76,7 @@ static double cycle_of(const char *folder) {
   vs_error unread = {0};
   snprintf(path, sizeof path, "%s/summary.json", folder);
   bool known = !vs_tree_read(path, &tree, &unread);
-  const vs_node *scene = known ? vs_tree_child(tree.root, "scene") : NULL;
+  const vs_node *scene = known ? vs_tree_child_map(tree.root, "scene") : NULL;
   const vs_node *frequency = vs_tree_child(vs_tree_child(scene, "supply"), "frequency");
   double hertz = vs_member_number(vs_tree_child(frequency, "value")) *
                  (frequency ? vs_units_factor(vs_member_word(frequency, "unit")) : 1);

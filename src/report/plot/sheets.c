@@ -118,12 +118,12 @@ static void find_coordinates(found *f, const char *folder, const char *header) {
   vs_error unread = {0};
   snprintf(path, sizeof path, "%s/summary.json", folder);
   bool known = !vs_tree_read(path, &tree, &unread);
-  const vs_node *scene = known ? vs_tree_child(tree.root, "scene") : NULL;
+  const vs_node *scene = known ? vs_tree_child_map(tree.root, "scene") : NULL;
   const vs_node *model = vs_tree_child(vs_tree_child(scene, "machine"), "model");
   f->is_paper = !model || !model->text || !strcmp(model->text, vs_machine_key.default_text);
   f->is_figure = f->is_paper && is_of_figures(scene);
-  if (known) ask_measures(f, vs_tree_child(tree.root, "measures"));
-  const vs_node *instruments = vs_tree_child(scene, "instruments");
+  if (known) ask_measures(f, vs_tree_child_map(tree.root, "measures"));
+  const vs_node *instruments = vs_tree_child_map(scene, "instruments");
   ask_header(f, header, instruments, false);
   if (!f->count) ask_header(f, header, instruments, true);
   vs_tree_free(&tree);
@@ -157,10 +157,10 @@ static void find_shown(vs_sheets *all, const char *folder, const char *header) {
   vs_error unread = {0};
   snprintf(path, sizeof path, "%s/summary.json", folder);
   bool known = !vs_tree_read(path, &tree, &unread);
-  const vs_node *scene = known ? vs_tree_child(tree.root, "scene") : NULL;
+  const vs_node *scene = known ? vs_tree_child_map(tree.root, "scene") : NULL;
   size_t n = vs_csv_split(text, cells, sizeof cells / sizeof *cells, NULL);
   if (n > sizeof cells / sizeof *cells) n = sizeof cells / sizeof *cells;
-  for (size_t k = 1; k < n; k++) take_shown(all, vs_tree_child(scene, "instruments"), cells[k]);
+  for (size_t k = 1; k < n; k++) take_shown(all, vs_tree_child_map(scene, "instruments"), cells[k]);
   for (int k = 0; k < all->n_shown; k++) /* alone where the channel is not recorded */
     if (!has_column(header, all->shown[k].of))
       memcpy(all->shown[k].of, all->shown[k].column, sizeof all->shown[k].of);

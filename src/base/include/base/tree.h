@@ -52,6 +52,8 @@ void vs_tree_free(vs_tree *tree);
 
 /* The map's value of that key; NULL when it has none or map is NULL. */
 const vs_node *vs_tree_child(const vs_node *map, const char *key);
+/* The same where that value is a map; else NULL. Each of its children has a key. */
+const vs_node *vs_tree_child_map(const vs_node *map, const char *key);
 
 /* Where the dotted key stands below the map: its value. Where there is none, the place of what is
  * nearest above it; so a message about a default points to where the key would have to be. No place
