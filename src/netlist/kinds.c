@@ -373,7 +373,7 @@ const vs_happening_words *vs_kinds_happening(const vs_device_measure *m) {
  * held against t_off; by the r_th a junction's temperature is told, by i2sqrt_t what i2t_short may
  * be; i2t_clear is held against what the
  * fuse protects; the others are for the reader, and for `check` of the part, which tries whether
- * its model keeps them (room acceptance). */
+ * its model keeps them (bench/acceptance.c). */
 static const struct figure {
   const char *name, *unit, *kinds;
 } FIGURES[] = {{"v_drm", "V", ""},

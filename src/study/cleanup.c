@@ -16,7 +16,7 @@
 #include "npy.h"
 #include "run/table.h"
 #include "study/format.h"
-#include "work/case.h"
+#include "workers/case.h"
 
 /* ---- pictures ---- */
 

@@ -5,7 +5,7 @@
 #ifndef VS_STUDY_CLEANUP_H
 #define VS_STUDY_CLEANUP_H
 
-#include "work/journal.h"
+#include "workers/journal.h"
 
 /* Removes them, by the names they have: report.html; the pictures and the folder of columns that
  * follow from the header rows of the study's two files (call it before those go);

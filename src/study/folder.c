@@ -14,7 +14,7 @@
 #include "base/text.h"
 #include "base/units.h"
 #include "study/format.h"
-#include "work/case.h"
+#include "workers/case.h"
 
 static bool is_file_there(const char *folder, const char *name) {
   char path[VS_PATH_SIZE];

@@ -10,7 +10,7 @@
 #include "base/json.h"
 #include "ngspice/ngspice.h"
 #include "run/version.h"
-#include "work/case.h"
+#include "workers/case.h"
 
 enum { MOST_VALUES_SHOWN = 1000 };
 

@@ -5,7 +5,7 @@
 #define VS_STUDY_MANIFEST_H
 
 #include "study/plan.h"
-#include "work/journal_head.h"
+#include "workers/journal_head.h"
 
 /* Fills the head of the plan's journal: what identifies the plan, and the text of its manifest
  * before and behind the counts. name is the study's as the user gave it. vs_journal_head_free it,

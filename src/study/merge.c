@@ -10,10 +10,10 @@
 #include "base/path.h"
 #include "cleanup.h"
 #include "publish.h"
-#include "work/journal.h"
-#include "work/journal_head.h"
-#include "work/platform.h"
-#include "work/row_shape.h"
+#include "workers/journal.h"
+#include "workers/journal_head.h"
+#include "workers/platform.h"
+#include "workers/row_shape.h"
 
 /* ---- which ---- */
 

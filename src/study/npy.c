@@ -13,7 +13,7 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "base/shutdown.h"
-#include "work/identity.h"
+#include "workers/identity.h"
 
 /* One of a column's words, and its number among them. */
 typedef struct word {

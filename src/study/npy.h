@@ -17,7 +17,7 @@
 #include <stdint.h>
 
 #include "base/error.h"
-#include "work/row_shape.h"
+#include "workers/row_shape.h"
 
 #define VS_ARRAY_FOLDER "columns"
 #define VS_ARRAY_LIST VS_ARRAY_FOLDER "/columns.json"

@@ -14,7 +14,7 @@
 #include "base/file.h"
 #include "base/path.h"
 #include "npy.h"
-#include "work/row_shape.h"
+#include "workers/row_shape.h"
 
 static const char FAILURES[] = "failures.csv", MANIFEST[] = "manifest.json";
 const char *const vs_publish_files[VS_PUBLISH_FILES] = {MANIFEST, "study.csv", FAILURES};

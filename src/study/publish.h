@@ -5,8 +5,8 @@
 #define VS_STUDY_PUBLISH_H
 
 #include "study/format.h"
-#include "work/journal.h"
-#include "work/journal_head.h"
+#include "workers/journal.h"
+#include "workers/journal_head.h"
 
 /* The files of the default format. */
 enum { VS_PUBLISH_FILES = 3 };

@@ -23,14 +23,14 @@
 #include "study/merge.h"
 #include "study/plan.h"
 #include "study_file.h"
-#include "work/case.h"
-#include "work/journal.h"
-#include "work/journal_head.h"
-#include "work/platform.h"
-#include "work/row_shape.h"
-#include "work/shared_prefix.h"
-#include "work/worker.h"
-#include "work/worker_pool.h"
+#include "workers/case.h"
+#include "workers/journal.h"
+#include "workers/journal_head.h"
+#include "workers/platform.h"
+#include "workers/row_shape.h"
+#include "workers/shared_prefix.h"
+#include "workers/worker.h"
+#include "workers/worker_pool.h"
 
 /* The cases of a study under way: which point each of them is and, of a search, which cases it
  * has asked for and what has come of them. Begins as zeros but for plan and journal, which are
@@ -58,7 +58,7 @@ typedef struct session {
   uint64_t count;       /* cases of the study; of a search those it has come to in the end */
   uint64_t next, until; /* cases to deal; of a search those of the present generation */
   uint64_t total;       /* cases of this shard, for the progress */
-  uint64_t shared;      /* how many had their past from another (study/work/shared_prefix.h) */
+  uint64_t shared;      /* how many had their past from another (study/workers/shared_prefix.h) */
   uint64_t before;      /* how many were done when this process began */
   double began_s, shown_s;
   bool show; /* progress is shown on a terminal */
@@ -86,14 +86,16 @@ vs_status vs_study_command(const vs_study_options *o, vs_error *err) {
    * (study_file.c). */
   if (!status) status = read_plan(s, err);
 
-  /* Journal: the record, in the study's folder, of the cases that are done (work/journal.h). With
+  /* Journal: the record, in the study's folder, of the cases that are done (workers/journal.h).
+   * With
    * --resume a study goes on with the one that is there; else a new one is begun. */
   if (!status) status = open_folder(s, err);
 
   /* Cases and workers: the cases that the journal lacks are dealt out to worker processes
-   * (work/worker_pool.h). A worker puts the case's point over the scene as keys, runs the scene as
-   * `run` does, and answers with a row of study.csv (work/case.h), which is added to the journal. A
-   * method that searches is shown these rows, and asks for the next generation of cases. */
+   * (workers/worker_pool.h). A worker puts the case's point over the scene as keys, runs the scene
+   * as `run` does, and answers with a row of study.csv (workers/case.h), which is added to the
+   * journal. A method that searches is shown these rows, and asks for the next generation of cases.
+   */
   if (!status) status = run_study(s, err);
 
   /* Rows: all rows of the journal in the order of the cases, whatever the order in which workers

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The room base: units, names, trees, field tables, files that appear whole or not at all. */
+ * Wing base: units, names, trees, field tables, files that appear whole or not at all. */
 #include <float.h>
 #include <limits.h>
 #include <math.h>

@@ -15,7 +15,7 @@
 #include "base/hash.h"
 #include "netlist/deck.h"
 #include "netlist/netlist.h"
-#include "study/work/journal.h"
+#include "study/workers/journal.h"
 
 #ifdef __SANITIZE_ADDRESS__
 static const double SLOWER = 10;

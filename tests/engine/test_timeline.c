@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Circuit room: when the mains and the gates do what; the netlist a deck becomes. */
+ * Wing engine: when the mains and the gates do what; the netlist a deck becomes. */
 #include <math.h>
 #include <string.h>
 

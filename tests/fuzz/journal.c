@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Journals of studies. Sums are mended after a change, as nothing else of a line is looked at where
  * its sum is wrong. */
-#include "study/work/journal.h"
+#include "study/workers/journal.h"
 
 #include <stdio.h>
 #include <stdlib.h>

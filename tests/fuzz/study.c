@@ -6,7 +6,7 @@
 #include "study/manifest.h"
 #include "study/methods.h"
 #include "study/study_file.h"
-#include "study/work/row_shape.h"
+#include "study/workers/row_shape.h"
 #include "targets.h"
 
 static const char *const FILES[] = {"scene.yaml", "points.csv", NULL};

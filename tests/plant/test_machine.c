@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Machine room: matrices, modes, state space, energies. */
+ * Wing plant: matrices, modes, state space, energies. */
 #include <math.h>
 #include <string.h>
 

@@ -8,7 +8,7 @@
 
 #include "base/csv.h"
 #include "program.h"
-#include "study/work/case.h"
+#include "study/workers/case.h"
 
 /* The shipped deck with one line more. */
 static void write_deck_with(const char *name, const char *more) {

@@ -9,11 +9,11 @@
 #include <unistd.h>
 
 #include "base/csv.h"
+#include "base/units.h"
 #include "program.h"
 #include "run/sections.h"
-#include "base/units.h"
-#include "study/work/case.h"
-#include "study/work/identity.h"
+#include "study/workers/case.h"
+#include "study/workers/identity.h"
 
 /* ---- of scenes ---- */
 

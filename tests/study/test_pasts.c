@@ -13,7 +13,7 @@
 #include "base/text.h"
 #include "engine/events.h"
 #include "program.h"
-#include "study/work/divergence.h"
+#include "study/workers/divergence.h"
 
 /* Surges on a machine that has been fired twice. */
 static const char SURGES[] =

@@ -17,9 +17,9 @@
 #include "base/hash.h"
 #include "study/methods.h"
 #include "study/study_file.h"
-#include "study/work/case.h"
-#include "study/work/identity.h"
-#include "study/work/journal.h"
+#include "study/workers/case.h"
+#include "study/workers/identity.h"
+#include "study/workers/journal.h"
 
 /* Fast: switched, 12 x 10 cases of 0.1 s; the last angle of each voltage is below theta, and some
  * of them meet the pole cover. */

@@ -15,7 +15,7 @@
 
 #include "study/methods.h"
 #include "study/study_file.h"
-#include "study/work/worker.h"
+#include "study/workers/worker.h"
 
 static double processor_s(int who) {
   struct rusage u;

@@ -83,7 +83,8 @@ static vs_status accept_coupled_step(void *ctx, double solver_s, const double *s
    * for which a macromodel stood in for it. */
   double t_s = run_time(c, solver_s);
 
-  /* A study may go on from here with other events, as another run (study/work/shared_prefix.c). */
+  /* A study may go on from here with other events, as another run (study/workers/shared_prefix.c).
+   */
   vs_status status = reach_fork_point(c, t_s, err);
   if (status) return status;
 

@@ -41,7 +41,7 @@ typedef struct vs_early_end {
   bool (*leaves)(void *ctx, const vs_swing_rest *rest);
 } vs_early_end;
 
-/* Someone who may make another run of this one on the way (study/work/shared_prefix.h). */
+/* Someone who may make another run of this one on the way (study/workers/shared_prefix.h). */
 typedef struct vs_fork_point {
   void *ctx;
   /* Called with the end t_s of each of the solver's steps, before the run is told of the step. It

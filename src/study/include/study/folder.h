@@ -6,13 +6,13 @@
 #define VS_STUDY_FOLDER_H
 
 #include "base/path.h"
-#include "study/method.h"
 #include "base/tree.h"
+#include "study/method.h"
 
 /* What a column of study.csv holds. */
 typedef enum vs_folder_role {
   VS_ROLE_CASE,    /* the case's number */
-  VS_ROLE_ID,      /* the case's id (study/work/identity.h); the column may be missing */
+  VS_ROLE_ID,      /* the case's id (study/workers/identity.h); the column may be missing */
   VS_ROLE_AXIS,    /* what was varied */
   VS_ROLE_REPORT,  /* what was measured */
   VS_ROLE_MARGIN,  /* the least margin of the verdict, relative to its limit */

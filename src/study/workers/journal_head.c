@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "work/journal_head.h"
+#include "workers/journal_head.h"
 
 #include <inttypes.h>
 #include <stddef.h>

@@ -7,7 +7,7 @@
 
 #include <signal.h>
 
-#include "work/worker.h"
+#include "workers/worker.h"
 
 /* Where cases come from and rows go to: functions of the caller's, all called with ctx. */
 typedef struct vs_task_source {
@@ -25,10 +25,10 @@ typedef struct vs_task_source {
 typedef struct vs_worker_pool vs_worker_pool;
 typedef struct vs_worker_pool_options {
   const vs_plan *plan;
-  const char *keep;                  /* as for vs_case_new */
-  bool share;                        /* cases may share their past (study/work/shared_prefix.h) */
-  int count;                         /* of workers */
-  double timeout_s;                  /* of one case; 0: none */
+  const char *keep; /* as for vs_case_new */
+  bool share;       /* cases may share their past (study/workers/shared_prefix.h) */
+  int count;        /* of workers */
+  double timeout_s; /* of one case; 0: none */
   const volatile sig_atomic_t *stop; /* a signal sets it; the jobs then end with VS_SIGNAL */
 } vs_worker_pool_options;
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "work/identity.h"
+#include "workers/identity.h"
 
 #include <stdlib.h>
 #include <string.h>

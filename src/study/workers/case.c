@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "work/case.h"
+#include "workers/case.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -11,7 +11,7 @@
 #include "measure/unjudged.h"
 #include "run/session.h"
 #include "run/table.h"
-#include "work/identity.h"
+#include "workers/identity.h"
 
 const char *const vs_case_titles[VS_CASE_COLUMNS] = {
     [VS_CASE_MARGIN] = "margin_least",   [VS_CASE_MARGIN_ERROR] = "margin_error",

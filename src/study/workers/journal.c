@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "work/journal.h"
+#include "workers/journal.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -19,7 +19,7 @@
 #include "base/path.h"
 #include "base/text.h"
 #include "study/plan.h"
-#include "work/platform.h"
+#include "workers/platform.h"
 
 /* ---- locks ---- */
 

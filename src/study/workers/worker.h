@@ -8,14 +8,14 @@
 #include <stdint.h>
 #include <sys/types.h>
 
-#include "work/task_pipe.h"
+#include "workers/task_pipe.h"
 
 /* What came of a case. */
 typedef struct vs_answer {
   uint64_t index;
   int status;      /* VS_CASE_... */
   bool circuit;    /* ngspice was used, in the worker's own process */
-  bool shared;     /* the case's run began as a copy of another's (study/work/shared_prefix.h) */
+  bool shared;     /* the case's run began as a copy of another's (study/workers/shared_prefix.h) */
   const char *row; /* as vs_case_run adds it; lives until the next answer is taken */
   size_t length;   /* of row, in bytes */
 } vs_answer;
@@ -35,7 +35,7 @@ typedef struct vs_worker {
 } vs_worker;
 
 /* Starts the process. keep: as for vs_case_new; share: cases may share their past
- * (study/work/shared_prefix.h). Error: no process or no pipe can be made. */
+ * (study/workers/shared_prefix.h). Error: no process or no pipe can be made. */
 vs_status vs_worker_start(vs_worker *worker, const vs_plan *plan, const char *keep, bool share,
                           vs_error *err);
 /* Sends it tasks and queues them. false: the process is gone, and its pipe broken. */

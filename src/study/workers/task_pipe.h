@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The desk of a worker process (study/work/worker.h): where tasks come in through one pipe, some at
- * a time, and answers go out through another. */
+ * The desk of a worker process (study/workers/worker.h): where tasks come in through one pipe, some
+ * at a time, and answers go out through another. */
 #ifndef VS_STUDY_TASK_PIPE_H
 #define VS_STUDY_TASK_PIPE_H
 
 #include <stdint.h>
 
-#include "work/case.h"
+#include "workers/case.h"
 
 enum { VS_TASK_PIPE_MOST = 256 }; /* that a worker may have at a time */
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "work/row_shape.h"
+#include "workers/row_shape.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -8,7 +8,7 @@
 
 #include "base/csv.h"
 #include "base/text.h"
-#include "work/case.h"
+#include "workers/case.h"
 
 /* What a cell may hold. */
 typedef enum cell_kind { ANY, WORD, NUMBER, NUMBER_OR_NOTHING, COUNT, DONE, FAILED } cell_kind;

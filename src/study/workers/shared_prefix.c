@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "work/shared_prefix.h"
+#include "workers/shared_prefix.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -9,7 +9,7 @@
 #include "engine/pace.h"
 #include "netlist/netlist.h"
 #include "ngspice/child.h"
-#include "work/divergence.h"
+#include "workers/divergence.h"
 
 /* What becomes of a task: it waits for a prefix, has one, is to be run on its own, is answered. */
 typedef enum task_state { WAITS, SHARES, OWN, DONE } task_state;

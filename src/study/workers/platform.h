@@ -9,7 +9,7 @@
 #include <stdio.h>
 
 #include "base/json.h"
-#include "work/row_shape.h"
+#include "workers/row_shape.h"
 
 /* What this process computes on, in one line: "x86_64, libm 1a2b3c4d, glibc 2.36, ngspice 39, GSL
  * 2.7.1". The word behind libm is a digest over what its functions return for many arguments. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "work/task_pipe.h"
+#include "workers/task_pipe.h"
 
 #include <errno.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "work/worker_pool.h"
+#include "workers/worker_pool.h"
 
 #include <errno.h>
 #include <math.h>

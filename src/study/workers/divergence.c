@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "work/divergence.h"
+#include "workers/divergence.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "work/platform.h"
+#include "workers/platform.h"
 
 #include <gsl/gsl_version.h>
 #include <math.h>

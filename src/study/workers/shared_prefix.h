@@ -21,7 +21,7 @@
 #ifndef VS_STUDY_SHARED_PREFIX_H
 #define VS_STUDY_SHARED_PREFIX_H
 
-#include "work/task_pipe.h"
+#include "workers/task_pipe.h"
 
 /* True for a plan whose cases may share their past: some axis is a key of an event. */
 bool vs_shared_prefix_applies(const vs_plan *plan);

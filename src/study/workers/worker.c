@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "work/worker.h"
+#include "workers/worker.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -13,7 +13,7 @@
 #include <unistd.h>
 
 #include "ngspice/sandbox.h"
-#include "work/shared_prefix.h"
+#include "workers/shared_prefix.h"
 
 double vs_worker_clock(void) {
   struct timespec now;

@@ -65,7 +65,8 @@ bool vs_case_is_row(vs_case *c, uint64_t index, const double *point, bool failed
  * *circuit tells whether ngspice was used. */
 int vs_case_run(vs_case *c, uint64_t index, const double *point, vs_text *row, bool *circuit);
 
-/* ---- vs_case_run in its parts, for cases that share their past (study/work/shared_prefix.h) ----
+/* ---- vs_case_run in its parts, for cases that share their past (study/workers/shared_prefix.h)
+ * ----
  */
 
 /* Reads the scene of case `index` and makes its id. Errors: the scene is refused. */

@@ -32,8 +32,8 @@
 #include "base/error.h"
 #include "base/path.h"
 #include "base/text.h"
-#include "work/journal_head.h"
-#include "work/row_shape.h"
+#include "workers/journal_head.h"
+#include "workers/row_shape.h"
 
 /* The part of the file that was read last. */
 typedef struct vs_lines_part vs_lines_part;
@@ -60,7 +60,7 @@ typedef struct vs_journal {
   vs_text fresh;    /* lines that are not written yet */
   vs_lines_part *part; /* of the file, as it was read last; NULL: closed */
   bool unsynced;       /* lines were written since the last fsync */
-  vs_text bits;        /* on what its rows were made (study/work/platform.h), a line each */
+  vs_text bits;        /* on what its rows were made (study/workers/platform.h), a line each */
   bool says_bits;      /* the lines that this process adds stand behind one that says on what */
 } vs_journal;
 
@@ -93,8 +93,8 @@ bool vs_journal_has(const vs_journal *journal, uint64_t index);
  * are on the disk. Error: the file cannot be written. */
 vs_status vs_journal_call_back(vs_journal *journal, uint64_t *count, vs_error *err);
 /* Adds the row of a case, as the CSV file has it but without a newline. status is VS_CASE_... of
- * study/work/case.h: it says to which of the two files the row belongs. Error: the file cannot be
- * written. */
+ * study/workers/case.h: it says to which of the two files the row belongs. Error: the file cannot
+ * be written. */
 vs_status vs_journal_add(vs_journal *journal, uint64_t index, int status, const char *row,
                          size_t length, vs_error *err);
 /* Writes the fresh lines; with sync it also waits until they are on the disk. Errors: they cannot
