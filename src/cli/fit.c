@@ -21,7 +21,7 @@ static vs_status fit_command(const void *given, vs_error *err) {
   o.json = a->json;
   o.quiet = a->quiet;
   o.allow_code = a->allow_code;
-  return vs_fit_command_command(&o, err);
+  return vs_fit_command_run(&o, err);
 }
 
 static void explain_fit(vs_text *help) {

@@ -92,7 +92,7 @@ static vs_status follow_ideal(search *s, vs_error *err) {
   return status ? status : measure_throw(s, &s->orbit, NULL, err);
 }
 
-/* With a circuit the run finds the orbit itself, in its prelude. */
+/* With a circuit the run finds the orbit itself, while it settles. */
 static vs_status follow_circuit(search *s, vs_error *err) {
   vs_picard *picard;
   vs_status status = vs_picard_new(s->scene, s->periods, false, &picard, err);

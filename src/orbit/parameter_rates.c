@@ -75,8 +75,8 @@ static double mains_at(const vs_parameter *p, double t_s, double *slope) {
 
 /* q" = m0 + mf F - (M^-1 K) q - (M^-1 B) q',   lambda' = u - R_c i, each differentiated, and times
  * the period's own change. */
-void vs_parameter_rates_rates(const vs_parameter *p, const vs_parameter_rates_place *at,
-                              double *rate) {
+void vs_parameter_rates_find(const vs_parameter *p, const vs_parameter_rates_place *at,
+                             double *rate) {
   const vs_model *m = &p->setup->model;
   const vs_parameter_slopes *s = &p->slopes;
   int dof = m->dof;

@@ -18,8 +18,8 @@ typedef struct vs_parameter_rates_place {
 } vs_parameter_rates_place;
 
 /* Gives df/dp at the place: 2 dof + 1 numbers, those of lambda last. */
-void vs_parameter_rates_rates(const vs_parameter *parameter, const vs_parameter_rates_place *place,
-                              double *rate);
+void vs_parameter_rates_find(const vs_parameter *parameter, const vs_parameter_rates_place *place,
+                             double *rate);
 /* d/dp of a stop's depth's negative, travel - at, at a given state: what p moves the contact by. */
 double vs_parameter_rates_surface(const vs_parameter *parameter, int stop, const double *q);
 

@@ -14,7 +14,7 @@
 #include "process_copies.h"
 #include "slow_modes.h"
 
-/* ---- a search: the prelude of one run ---- */
+/* ---- a search: how one run settles ---- */
 
 /* The longest period that the machine is asked for where it is left to itself. */
 enum { LONGEST_PERIOD = 6 };
@@ -525,7 +525,7 @@ static bool is_lost(const vs_picard_search *s) {
          s->corrections.least > s->setup->run.tolerance && s->creep.area_v_s == 0;
 }
 
-/* A firing period of the prelude has ended at `end`. *begins: the orbit is found, and the run
+/* A firing period of the settling has ended at `end`. *begins: the orbit is found, and the run
  * begins on it. Errors: the search's own (vs_picard_new). */
 static vs_status end_period_of_search(void *self, const vs_knot *end, bool *begins, vs_error *err) {
   vs_picard *p = self;

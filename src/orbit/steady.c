@@ -122,7 +122,7 @@ static vs_status accept_along(void *ctx, const vs_step *step, vs_error *err) {
 }
 
 /* Makes instruments begin as they are on the orbit, of which `setup` is one period. A circuit is
- * not run for that: there measure/meter.h does it, in the run's prelude. */
+ * not run for that: there measure/meter.h does it, while the run settles. */
 static vs_status settle_instruments(const vs_scene *scene, const vs_setup *setup,
                                     vs_instruments *all, vs_error *err) {
   if (scene->tier->has_circuit || !all->count) return VS_OK;
@@ -346,7 +346,7 @@ vs_scene *vs_steady_undisturbed(const vs_scene *scene) {
   return calm;
 }
 
-/* On tier circuit the run's own prelude finds the orbit; it begins with that of tier switched. */
+/* On tier circuit the run finds, as it settles, the orbit; it begins with that of tier switched. */
 static vs_status find_start(vs_scene *scene, const vs_scene *calm, vs_orbit *orbit, vs_error *err) {
   vs_picard *picard;
   if (!scene->tier->has_circuit) return vs_shooting_find(calm, 1, orbit, err);

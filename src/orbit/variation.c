@@ -142,7 +142,7 @@ static void add_parameter_rates(const part *of, double t_s, double *rate) {
                                           .flux_wb = y[VS_CH_LAMBDA],
                                           .conducting = v->conducting,
                                           .touched = v->touched};
-  vs_parameter_rates_rates(v->parameter, &place, own);
+  vs_parameter_rates_find(v->parameter, &place, own);
   for (int i = 0; i < v->rows; i++) rate[i] += own[i];
 }
 

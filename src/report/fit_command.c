@@ -509,7 +509,7 @@ static vs_status fit_and_report(const vs_fit_command_options *options, const vs_
   return status;
 }
 
-vs_status vs_fit_command_command(const vs_fit_command_options *options, vs_error *err) {
+vs_status vs_fit_command_run(const vs_fit_command_options *options, vs_error *err) {
   vs_fit_problem *q = vs_alloc(1, sizeof *q);
   vs_status status =
       vs_fit_problem_read(options->name, options->sets, options->n_sets, options->profile, q, err);

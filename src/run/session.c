@@ -309,7 +309,7 @@ static vs_status fail_after_ladder(const vs_scene *scene, const vs_ladder *ladde
 }
 
 /* Finds the state at t = 0 of a scene with `start: steady`, or the pilot that finds it in the run's
- * prelude, and the load of one with `load.fraction: auto`. */
+ * settling, and the load of one with `load.fraction: auto`. */
 static vs_status begin_on_orbit(const vs_session *session, vs_scene *scene, vs_error *err) {
   const vs_setup *setup = &scene->setup;
   if (!setup->steady && !setup->wants_fraction) return VS_OK;

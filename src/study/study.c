@@ -496,10 +496,10 @@ static vs_status keep_progress(void *ctx, vs_error *err) {
 /* ---- running ---- */
 
 static vs_status run_cases(session *s, uint64_t first, uint64_t until, vs_error *err) {
-  const vs_task_source dealer = {s, next_case, cases_left, record_row, keep_progress};
+  const vs_task_source source = {s, next_case, cases_left, record_row, keep_progress};
   s->next = first;
   s->until = until;
-  vs_status status = vs_worker_pool_run(s->jobs, &dealer, err);
+  vs_status status = vs_worker_pool_run(s->jobs, &source, err);
   vs_error second = {0};
   vs_status kept = vs_journal_flush(&s->journal, true, status ? &second : err);
   return status ? status : kept;

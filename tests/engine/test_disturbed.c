@@ -458,7 +458,7 @@ static void and_on_analytic(void) {
   "circuit.deck=halfwave_bare", "circuit.on_voltage=0 V", "circuit.on_resistance=1e-4 ohm",        \
       "circuit.off_resistance=1000 Mohm", "supply.resistance=0", "supply.inductance=0"
 
-/* Three times the circuit tier's run.tolerance, as without events (src/validate/checks_tiers.c);
+/* Three times the circuit tier's run.tolerance, as without events (src/cli/validate/tiers.c);
  * its currents are straight lines between steps, so energies are told ten times less well. */
 static void circuit_with_ideal_parts(void) {
   static const char *const KEYS[][4] = {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Cases that share their past (past.h of room work): the bytes of a study are those of cases run
- * from their beginning, for every kind of event, any number of workers, in shards, and whatever
- * process is killed meanwhile. */
+ * Cases that share their past (study/workers/shared_prefix.h): the bytes of a study are those of
+ * cases run from their beginning, for every kind of event, any number of workers, in shards, and
+ * whatever process is killed meanwhile. */
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>

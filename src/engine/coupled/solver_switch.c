@@ -74,7 +74,7 @@ vs_status vs_solver_switch_consider(vs_solver_switch *a, const double *signals, 
   return VS_OK;
 }
 
-/* Where the stand-in is at t_s. If it cannot step there, follow() fails too. */
+/* Where the macromodel is at t_s. If it cannot step there, follow() fails too. */
 static const vs_knot *goal_at(vs_solver_switch *a, double t_s) {
   vs_error err = {0};
   if (t_s == a->goal_s) return &a->goal;
@@ -92,8 +92,8 @@ double vs_solver_switch_lead(vs_solver_switch *a, size_t port, double t_s) {
   return a->lead_rate_1_s * a->kind->capacitance(a->law); /* the same time constant for v */
 }
 
-/* The solver is gone back to. If it has not come to where the stand-in is, that difference becomes
- * part of the bound, and the solver is not left again. */
+/* The solver is gone back to. If it has not come to where the macromodel is, that difference
+ * becomes part of the bound, and the solver is not left again. */
 static void come_back(vs_solver_switch *a, const vs_knot *own, const double *signals) {
   vs_trajectory *c = a->trajectory;
   vs_knot solver;

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Being solver_switch from the circuit's solver: leaving it once a stand-in
- * (macromodel/macromodel.h) says that it may be left, stepping on without it, and coming back to
- * it.
+ * The switch between the circuit's solver and its macromodel (macromodel/macromodel.h): leaving the
+ * solver once the macromodel says that it may be left, stepping on without it, coming back to it.
  *
- * A solver that is left for good ends its run, and the stand-in goes on to the end. One that is
+ * A solver that is left for good ends its run, and the macromodel goes on to the end. One that is
  * gone back to stands still at some phase of the mains while whole cycles pass without it. Then its
  * clock is moved on by these cycles, and it is led: sources in the EVA pull its flux linkage and
- * voltage to where the stand-in has come. While it is led the stand-in's steps are still the ones
- * shown. */
+ * voltage to where the macromodel has come. While it is led the macromodel's steps are still the
+ * ones shown. */
 #ifndef VS_ENGINE_SOLVER_SWITCH_H
 #define VS_ENGINE_SOLVER_SWITCH_H
 
@@ -19,7 +18,7 @@ typedef struct vs_solver_switch {
   vs_trajectory *trajectory;
   const vs_signal_map *names;
   const vs_macromodel *kind;
-  void *law;              /* the stand-in; NULL: the solver goes on to the end. Owned */
+  void *law;              /* the macromodel; NULL: the solver goes on to the end. Owned */
   bool stays;             /* a bound was missed, and the solver is not left again */
   bool ends;              /* the solver is not needed any more */
   bool follows;           /* the solver is led */
@@ -27,7 +26,7 @@ typedef struct vs_solver_switch {
   double lead_rate_1_s;   /* how fast it is led */
   double shift_s; /* the run's time less the solver's: the cycles it was left for, less those
                      of the settling */
-  double goal_s;  /* when the stand-in is at `goal`; -1: at no time */
+  double goal_s;  /* when the macromodel is at `goal`; -1: at no time */
   vs_knot goal;
 } vs_solver_switch;
 
@@ -50,8 +49,8 @@ double vs_solver_switch_lead(vs_solver_switch *solver_switch, size_t port, doubl
 vs_status vs_solver_switch_consider(vs_solver_switch *solver_switch, const double *signals,
                                     vs_error *err);
 
-/* Takes in that the solver, which is led, has come to t_s, and shows the stand-in's step to there.
- * Errors as above. */
+/* Takes in that the solver, which is led, has come to t_s, and shows the macromodel's step to
+ * there. Errors as above. */
 vs_status vs_solver_switch_follow(vs_solver_switch *solver_switch, double t_s,
                                   const double *signals, vs_error *err);
 

@@ -46,7 +46,7 @@ typedef struct vs_trajectory {
                                           -1: the answer does not hold any more */
   double candidate_x[VS_MOST_STATES];  /* the state there; only where the deck names motions */
   bool blank;    /* the last knot is the solver's first, of which it shows no terms */
-  bool without;  /* the steps shown are a stand-in's, not the solver's */
+  bool without;  /* the steps shown are a macromodel's, not the solver's */
   double strays; /* as vs_step has it */
   double bound;  /* on the error of having left the solver so far, relative to
                    each probe's peak */

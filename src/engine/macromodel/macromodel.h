@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What may stand in for the circuit. Behind the last firing little flows, and a simple law can then
- * say what the circuit does, far quicker than its solver. Tier "circuit" shows a stand-in all that
- * the solver shows, asks it whether the solver can be left, and lets it step on in the solver's
- * place. */
+ * say what the circuit does, far quicker than its solver. Tier "circuit" shows a macromodel all
+ * that the solver shows, asks it whether the solver can be left, and lets it step on in the
+ * solver's place. */
 #ifndef VS_ENGINE_MACROMODEL_H
 #define VS_ENGINE_MACROMODEL_H
 
@@ -15,13 +15,13 @@ typedef struct vs_macromodel {
   /* Says why no circuit of this machine, or this circuit not, can be stood in for; NULL: it may be.
    */
   const char *(*declines)(const vs_setup *setup);
-  /* Makes the stand-in of one run; setup and frame must outlive it. Returns NULL where the solver
+  /* Makes the macromodel of one run; setup and frame must outlive it. Returns NULL where the solver
    * of this run is never to be left. */
   void *(*begin)(const vs_setup *setup, const vs_frame *frame);
   void (*end)(void *self); /* NULL is fine */
 
   /* What the circuit remembers, which the solver shall show besides the deck's terms; owned by the
-   * stand-in. */
+   * macromodel. */
   const vs_circuit_states *(*memories)(const void *self);
 
   /* Shows it the next knot of the solver's; every knot is to be shown, in order of time. memory[k]
@@ -31,10 +31,10 @@ typedef struct vs_macromodel {
 
   /* Asks whether the solver can be left at the last knot, until until_s, s. The thyristor must
    * block there, and the armature must be free of its stop. Where the solver is gone back to later,
-   * it follows the stand-in with the lag of the circuit, which may be most_lag_s at most; INFINITY:
-   * it is left for good. If the return value is true, `step` can be used, and *bound is the error
-   * that leaving makes, of p, u, w, phi, the force, i and the deck's probes, each relative to its
-   * peak so far; the worst of them. */
+   * it follows the macromodel with the lag of the circuit, which may be most_lag_s at most;
+   * INFINITY: it is left for good. If the return value is true, `step` can be used, and *bound is
+   * the error that leaving makes, of p, u, w, phi, the force, i and the deck's probes, each
+   * relative to its peak so far; the worst of them. */
   bool (*may_leave)(void *self, double until_s, double most_lag_s, double *bound);
 
   /* Longest step in the solver's place, s. */
@@ -48,9 +48,10 @@ typedef struct vs_macromodel {
    */
   double (*capacitance)(const void *self);
 
-  /* Compares the solver with the stand-in where the solver is gone back to: `own` is the knot that
-   * `step` made, `solver` and `memory` are what the solver shows. Returns the worst difference,
-   * relative to what that quantity may be wrong by: more than 1 means that a bound was missed. */
+  /* Compares the solver with the macromodel where the solver is gone back to: `own` is the knot
+   * that `step` made, `solver` and `memory` are what the solver shows. Returns the worst
+   * difference, relative to what that quantity may be wrong by: more than 1 means that a bound was
+   * missed. */
   double (*missed)(const void *self, const vs_knot *own, const vs_knot *solver,
                    const double *memory);
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The machine's free modes as a basis of its states: any state is a sum of modes, and each mode
- * goes its own way. The test whether the circuit's solver may be left (oneport_macromodel.h) splits
+ * goes its own way. The test whether the circuit's solver may be left (oneport_macromodel.c) splits
  * errors into modes, as an error in a mode that hardly decays stays to the end of the run. */
 #ifndef VS_ENGINE_MODAL_H
 #define VS_ENGINE_MODAL_H

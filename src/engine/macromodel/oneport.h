@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * A law that stands in for the circuit, as the EVA sees it, while the thyristor blocks and the
+ * A macromodel of the circuit, as the EVA sees it, while the thyristor blocks and the
  * varistors hardly conduct. It is a linear one-port with a periodic source:
  *
  *   i + tau di/dt = i_N(t) - G v - C dv/dt

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Decides when the circuit tier may leave the circuit's solver, and goes on in its place: the
- * stand-in that the program has (macromodel.h).
+ * macromodel that the program has (macromodel.h).
  *
  * Behind the last firing a scene is quiet: all that flows is a small current through the snubbers.
  * That current follows a simple law, a one-port with a periodic source (oneport.h), which is far

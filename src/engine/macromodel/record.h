@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What the circuit's solver showed of late: a ring of its knots over the last four cycles of the
  * mains, which begins anew whenever the thyristor conducts, and the peaks of the whole run so far.
- * The test whether the solver may be left (oneport_macromodel.h) reads one stretch of the ring at a
+ * The test whether the solver may be left (oneport_macromodel.c) reads one stretch of the ring at a
  * time, the view.
  *
  * Signals are numbered as in oneport.h: the deck's terms (V or A), the mains current (A), then what

@@ -15,7 +15,7 @@ typedef struct vs_driven {
   const vs_frame *frame;
   bool conducting;  /* dlambda/dt = u - R_c i; else lambda = 0 */
   bool held;        /* the armature is jammed: the gap stays what it is */
-  unsigned touched; /* the stops that the armature is in, as bits (actuator/stop.h) */
+  unsigned touched; /* the stops that the armature is in, as bits (plant/stops.h) */
   vs_wave mains;    /* u; looked at only while conducting */
   double since_s;   /* the knot's time, counted from the origin of u */
   /* The size that counts as large for q, m and rad, and for lambda, Wb. Errors are relative to it.

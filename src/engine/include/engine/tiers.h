@@ -35,7 +35,7 @@ vs_status vs_tiers_require_orbits(const char *who, const vs_tier *tier, const ch
 extern const char vs_tiers_words[];
 
 /* What a run of the product has: ngspice for its solver, the one-port
- * (engine/macromodel/oneport_macromodel.c) for its stand-in, no rawfile. */
+ * (engine/macromodel/oneport_macromodel.c) for its macromodel, no rawfile. */
 extern const vs_run_order vs_tiers_order;
 
 #endif

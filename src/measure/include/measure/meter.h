@@ -64,10 +64,10 @@ double vs_meter_quantised(const double range[2], int bits, double y);
 
 /* ---- on the way to an orbit ---- */
 
-/* Instruments of a run that a pilot brings to its orbit first (engine/pilot.h). A metered pilot
+/* Instruments of a run that a pilot brings to its orbit first (engine/sim.h). A metered pilot
  * stands in the pilot's place, and hands everything on to it. Besides, it takes the low-passes of
- * the instruments along in the prelude. When the run begins it puts each low-pass to where the
- * orbit has it, which is the state that repeats after the prelude's last period. */
+ * the instruments along while the run settles. When the run begins it puts each low-pass to where
+ * the orbit has it, which is the state that repeats after the settling's last period. */
 typedef struct vs_meter_pilot {
   vs_orbit_search pilot;              /* for the run's order, in the place of `steers` */
   vs_orbit_search *steers;            /* borrowed, as what follows */
@@ -75,7 +75,7 @@ typedef struct vs_meter_pilot {
   vs_meter *meters;                   /* of these instruments, in their order */
   double from[VS_INSTRUMENT_MOST][2]; /* of the low-passes where the present period
                                                          of the orbit began */
-  long parts;                         /* of the prelude that are behind */
+  long parts;                         /* of the settling that are behind */
 } vs_meter_pilot;
 
 /* Begins the meters anew, with low-passes at 0. Not to be moved; owns nothing. */

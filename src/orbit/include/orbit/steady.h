@@ -69,7 +69,7 @@ typedef struct vs_steady_measure {
 
 /* Finds the orbit of that many firing periods, and makes the scene the one whose run is a period of
  * it: run.until is the period, the start is the orbit's, t = 0 is the mains' rise through zero. On
- * tier circuit the run itself finds the orbit, in its prelude (orbit/picard.h). Errors: VS_INPUT,
+ * tier circuit the run itself finds the orbit, while it settles (orbit/picard.h). Errors: VS_INPUT,
  * the scene's tier knows no orbits; those of vs_shooting_find and vs_picard_new. */
 vs_status vs_steady_begin(vs_steady *steady, vs_scene *scene, int periods, vs_error *err);
 void vs_steady_end(vs_steady *steady);

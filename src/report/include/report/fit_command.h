@@ -23,7 +23,7 @@ typedef struct vs_fit_command_options {
 /* Errors: those of vs_fit_problem_read and vs_fit_result_of; the files cannot be written. Nothing
  * is written or printed where the fit fails. VS_RATING: all is written, and the model does not fit.
  */
-vs_status vs_fit_command_command(const vs_fit_command_options *options, vs_error *err);
+vs_status vs_fit_command_run(const vs_fit_command_options *options, vs_error *err);
 
 /* For the command `check`: reads a fit, up to its first mistake, and adds a line that describes it.
  * Errors: those of vs_fit_problem_read. */
