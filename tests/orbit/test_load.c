@@ -153,7 +153,7 @@ static void an_event_at_work(void) {
               AT_WORK);
   EXPECT(r.status == 0, "%s", r.err);
   free_ran(&r);
-  char *csv = read_file("workers/run.csv");
+  char *csv = read_file("work/run.csv");
   row_of(csv, "0", first, 2);
   row_of(csv, "0.10000000000000001", at, 2);
   row_of(csv, NULL, after, 2);
