@@ -243,4 +243,4 @@ static void measure_fuse(const vs_stand *s, vs_figures *f) {
   clearing(s, &p, f);
 }
 
-const vs_figures_kind vs_fuse_kind = {"fuse", "t 0", measure_fuse};
+const vs_figures_kind vs_fuse_kind = {"fuse", measure_fuse};

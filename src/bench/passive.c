@@ -157,7 +157,7 @@ static void measure_electrolytic(const vs_stand *s, vs_figures *f) {
   measure_leakage(s, row[0]->got > 0 ? row[0]->got : 100e-6, f);
 }
 
-const vs_figures_kind vs_passive_resistor = {"resistor", "t 0", measure_resistor},
-                      vs_passive_capacitor = {"capacitor", "t 0", measure_capacitor},
-                      vs_passive_snubber = {"snubber", "t 0", measure_snubber},
-                      vs_passive_electrolytic = {"electrolytic", "t 0", measure_electrolytic};
+const vs_figures_kind vs_passive_resistor = {"resistor", measure_resistor},
+                      vs_passive_capacitor = {"capacitor", measure_capacitor},
+                      vs_passive_snubber = {"snubber", measure_snubber},
+                      vs_passive_electrolytic = {"electrolytic", measure_electrolytic};

@@ -107,4 +107,4 @@ static void measure_varistor(const vs_stand *s, vs_figures *f) {
   draw_varistor(s, log10(ROWS[2].i_a / 1e-5), f);
 }
 
-const vs_figures_kind vs_varistor_kind = {"varistor", "t 0", measure_varistor};
+const vs_figures_kind vs_varistor_kind = {"varistor", measure_varistor};
