@@ -6,7 +6,7 @@
 #include <stdio.h>
 
 #include "base/text.h"
-#include "figures.h"
+#include "test_circuit.h"
 
 static vs_status try_passive(const vs_stand *s, const char *source, double until_s,
                              vs_stand_record *r, vs_error *err) {
@@ -18,10 +18,6 @@ static vs_status try_passive(const vs_stand *s, const char *source, double until
   return status;
 }
 
-static void fail_row(vs_figure *row, const vs_error *err) {
-  snprintf(row->why, sizeof row->why, "%.190s", err->text);
-}
-
 /* 1 V, after 1 s, when its inductance is long past. */
 static void measure_resistor(const vs_stand *s, vs_figures *f) {
   vs_figure *row =
@@ -31,7 +27,7 @@ static void measure_resistor(const vs_stand *s, vs_figures *f) {
   snprintf(row->text, sizeof row->text, "at 1 V");
   vs_status status = try_passive(s, "Vs m 0 pwl(0 0 1m 1)", 1, &r, &err);
   if (status)
-    fail_row(row, &err);
+    vs_test_circuit_fail(row, &err);
   else
     row->got = vs_stand_at(&r, r.v, 0.99) / vs_stand_at(&r, r.i, 0.99);
   vs_stand_free(&r);
@@ -44,7 +40,7 @@ static void measure_capacitance(const vs_stand *s, vs_figure *row) {
   vs_status status = try_passive(s, "Vs m 0 pwl(0 0 10m 10)", 10e-3, &r, &err);
   snprintf(row->text, sizeof row->text, "at 1 V/ms");
   if (status)
-    fail_row(row, &err);
+    vs_test_circuit_fail(row, &err);
   else
     row->got = vs_stand_at(&r, r.i, 9e-3) / 1e3;
   vs_stand_free(&r);
@@ -61,7 +57,7 @@ static void series_resistance(const vs_stand *s, double c_f, vs_figure *row) {
   vs_status status = try_passive(s, source, until_s, &r, &err);
   snprintf(row->text, sizeof row->text, "in series, at 1 A");
   if (status)
-    fail_row(row, &err);
+    vs_test_circuit_fail(row, &err);
   else
     row->got =
         2 * vs_stand_at(&r, r.v, 0.5 * until_s + 0.25e-3 * until_s) - vs_stand_at(&r, r.v, until_s);
@@ -132,7 +128,7 @@ static void measure_leakage(const vs_stand *s, double c_f, vs_figures *f) {
   vs_status status = isnan(v) ? vs_fail(&err, VS_RUN, "its rated voltage is not known")
                               : try_passive(s, source, 2, &r, &err);
   if (status)
-    fail_row(row, &err);
+    vs_test_circuit_fail(row, &err);
   else
     row->got = vs_stand_at(&r, r.i, 1.99);
   vs_stand_free(&r);
@@ -150,8 +146,8 @@ static void measure_electrolytic(const vs_stand *s, vs_figures *f) {
   vs_error err = {0};
   double ignored;
   if (impedance(s, 100, &row[0]->got, &row[1]->got, &err))
-    fail_row(row[0], &err), fail_row(row[1], &err);
-  if (impedance(s, 10e3, &ignored, &row[2]->got, &err)) fail_row(row[2], &err);
+    vs_test_circuit_fail(row[0], &err), vs_test_circuit_fail(row[1], &err);
+  if (impedance(s, 10e3, &ignored, &row[2]->got, &err)) vs_test_circuit_fail(row[2], &err);
   for (int n = 0; n < 3; n++)
     snprintf(row[n]->text, sizeof row[n]->text, "at %s", n < 2 ? "100 Hz" : "10 kHz");
   measure_leakage(s, row[0]->got > 0 ? row[0]->got : 100e-6, f);

@@ -206,7 +206,7 @@ static const vs_option PART_OPTIONS[] = {
     VS_OPTIONS_OUTPUT("NAME.inc", "writes the template there; NAME is the part's"),
     VS_OPTIONS_WORD(part_line, wrap, "wrap", "FILE[:SUBCKT]",
                     "around the subcircuit of a vendor's file, instead of a model of the "
-                    "program's own; of a thyristor, triac, diode, MOSFET, IGBT, varistor or fuse"),
+                    "program's own, where the kind has such a template"),
     VS_OPTIONS_FLAG(part_line, overwrite, "overwrite", "replaces a file that is there already"),
     VS_OPTIONS_FLAG(vs_arguments, quiet, "quiet", "prints nothing"),
     VS_OPTIONS_HELP,

@@ -8,7 +8,6 @@
 
 #include "base/units.h"
 #include "netlist/devices.h"
-#include "netlist/kinds.h"
 #include "netlist/parts.h"
 
 /* The default is the temperature at which sheets give what they do not give for a hot junction. */
@@ -41,33 +40,17 @@ static vs_status refuse_unknown_device(const vs_node *node, const vs_deck *deck,
                     nearest ? "'?" : "; see 'vibrospice list measures'");
 }
 
-/* Adds the kinds that have a junction: "thyristors, triacs, ... and IGBTs". */
-static void add_kinds_with_junction(vs_text *text) {
-  const vs_kind *last = NULL;
-  for (const vs_kind *kind = vs_kinds_all; kind->name; kind++)
-    if (vs_kinds_measures(kind, VS_R_HOTTEST)) last = kind;
-  for (const vs_kind *kind = vs_kinds_all; kind <= last; kind++)
-    if (vs_kinds_measures(kind, VS_R_HOTTEST))
-      vs_text_add(text, "%s%s%s",
-                  !text->length  ? ""
-                  : kind == last ? " and "
-                                 : ", ",
-                  kind->plural ? kind->plural : kind->name, kind->plural ? "" : "s");
-}
-
 /* Error: of such a device no junction is told, or its part states no thermal resistance. */
 static vs_status check_resistance(const vs_node *node, const vs_deck *deck, const vs_device *d,
                                   vs_error *err) {
-  bool assumed = false;
-  if (!vs_kinds_measures(d->kind, VS_R_HOTTEST)) {
-    vs_text kinds = {0};
-    add_kinds_with_junction(&kinds);
-    vs_status status = vs_fail_at(
-        err, node->key_where, "heatsink: %s is a %s, of which no junction is told; %s have one",
-        d->name, d->kind ? d->kind->name : "device without a kind", kinds.text);
-    vs_text_free(&kinds);
-    return status;
-  }
+  bool junction = false, assumed = false;
+  for (size_t k = 0; d->kind && k < d->kind->n_measures; k++)
+    junction = junction || d->kind->measures[k].how == VS_R_HOTTEST;
+  if (!junction)
+    return vs_fail_at(err, node->key_where,
+                      "heatsink: %s is a %s, of which no junction is told; 'vibrospice list kinds' "
+                      "shows which kinds have a measure t_j",
+                      d->name, d->kind ? d->kind->name : "device without a kind");
   if (isfinite(vs_devices_r_th(deck, d, "r_th_jc", &assumed))) return VS_OK;
   const char *file = d->part < 0 ? NULL : deck->parts[d->part].file;
   return vs_fail_at(err, node->key_where,

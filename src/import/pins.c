@@ -60,10 +60,15 @@ static void take_kind(const vs_kind *kind, vs_pins *pins) {
   pins->gate = vs_kinds_pin(kind, VS_PIN_GATE);
 }
 
-/* Adds the letters of its pins, "akg". */
-static void add_letters(const vs_kind *kind, vs_text *text) {
+/* The letters of its pins, "akg". */
+typedef struct letters {
+  char text[VS_PINS + 1];
+} letters;
+static letters letters_of(const vs_kind *kind) {
+  letters l = {0};
   for (int k = 0; k < vs_kinds_count_pins(kind); k++)
-    vs_text_add(text, "%s", kind->pins[k].node + strlen(kind->pins[k].node) - 1);
+    l.text[k] = kind->pins[k].node[strlen(kind->pins[k].node) - 1];
+  return l;
 }
 
 /* ---- words of pins ---- */
@@ -191,16 +196,11 @@ static bool pins_of(const vs_listing *l, size_t subckt, int n_nodes, vs_pins *pi
 
 static vs_status ask(const vs_elements *w, const vs_element *e, const vs_kind *kind,
                      const char *model, vs_error *err) {
-  vs_text letters = {0};
-  add_letters(kind, &letters);
-  vs_status status =
-      vs_fail_at(err, vs_elements_where(w, e, 0),
-                 "%s (%s) looks like a %s, and nothing says which of its pins is what: --pins "
-                 "%s=%s, the letters in the order of its nodes; --pins %s=none measures nothing "
-                 "of it",
-                 e->name, model, kind->name, e->name, letters.text, e->name);
-  vs_text_free(&letters);
-  return status;
+  return vs_fail_at(err, vs_elements_where(w, e, 0),
+                    "%s (%s) looks like a %s, and nothing says which of its pins is what: --pins "
+                    "%s=%s, the letters in the order of its nodes; --pins %s=none measures nothing "
+                    "of it",
+                    e->name, model, kind->name, e->name, letters_of(kind).text, e->name);
 }
 
 static vs_status find_in_netlist(const vs_elements *w, const vs_element *e, const char *model,
@@ -319,21 +319,18 @@ static bool read_said(const char *said, vs_pins *pins) {
 }
 
 static vs_status refuse_said(const char *entry, const char *word, vs_error *err) {
-  vs_text letters = {0}, names = {0};
+  vs_text pins = {0}, names = {0};
   const vs_kind *kind;
-  for (size_t k = 0; (kind = kind_by_pins(k)); k++) {
-    vs_text_add(&letters, "%s", k ? ", " : "");
-    add_letters(kind, &letters);
-    vs_text_add(&letters, " %s", kind->name);
-  }
+  for (size_t k = 0; (kind = kind_by_pins(k)); k++)
+    vs_text_add(&pins, "%s%s %s", k ? ", " : "", letters_of(kind).text, kind->name);
   for (kind = vs_kinds_all; kind->name; kind++)
     if (is_told_by_name(kind)) vs_text_add(&names, "%s%s", names.length ? ", " : "", kind->name);
   vs_status status = vs_fail(
       err, VS_INPUT,
       "--pins %s%s%s: wants NAME=LETTERS, the letters of its pins in the order of its nodes "
       "(%s), or NAME=%s or none",
-      entry, word ? "=" : "", word ? word : "", letters.text, names.text);
-  vs_text_free(&letters);
+      entry, word ? "=" : "", word ? word : "", pins.text, names.text);
+  vs_text_free(&pins);
   vs_text_free(&names);
   return status;
 }
@@ -389,7 +386,7 @@ vs_status vs_pins_find(const vs_elements *w, const char *asked, const vs_element
   else if (e->letter == 'x' && subckt >= 0)
     status = find_in_netlist(w, e, model, (size_t)subckt, pins, err);
   else if (e->letter == 'b' && is_power_law(w, e))
-    pins->by = "by its law", take_kind(vs_kinds_find("varistor"), pins);
+    take_kind(vs_kinds_find("varistor"), pins), pins->by = "by its law";
   for (const vs_kind *kind = vs_kinds_all; kind->name && !said; kind++)
     if (kind->letter == e->letter) take_kind(kind, pins);
   for (size_t k = 0; k < sizeof LETTERS / sizeof *LETTERS && !said; k++)

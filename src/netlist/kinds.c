@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The kinds of devices. Whoever asks for a property of a kind reads it from its row of vs_kinds_all
- * and compares no names.
+ * The kinds of devices. Who asks for a property of a kind reads it from its row of vs_kinds_all;
+ * nobody compares names of kinds.
  *
- * To add a kind: its measures, its limits and its row here, with the columns that kinds.h
- * describes; a plug of the test stand (bench/figures.h, and the table in bench/acceptance.c); a
- * template to fill in from a data sheet, spice/templates/KIND.inc, and KIND_wrapped.inc around a
- * vendor's model; a line of tests/measure/test_kinds.c, which wants rows to be whole and each
- * measure and limit in docs/devices.md. To add a measure: one row of its kind, with its limit, if
- * any, in the same row and in the kind's limits. Where it needs a way of becoming one number that
- * there is not yet, a row of VS_REDUCTION_LIST besides, and its plug in
+ * A new kind touches: its measures, limits and row here, in the columns that kinds.h describes; a
+ * plug of the test stand, in bench/figures.h and the table of bench/acceptance.c; templates for its
+ * data sheet, spice/templates/KIND.inc and KIND_wrapped.inc; docs/devices.md and
+ * tests/measure/test_kinds.c, which wants each row to be whole.
+ *
+ * A new measure touches: a row of its kind, and its limit, if any, in the kind's limits; where
+ * there is no way yet in which it becomes one number, VS_REDUCTION_LIST and a plug in
  * measure/devices/reductions.c. */
 #include "netlist/kinds.h"
 
@@ -443,7 +443,6 @@ const vs_kind vs_kinds_all[] = {
      .heat = {"i_f_av", 1, 1.57},
      TABLES(DIODE, DIODE_LIMITS)},
     {.name = "mosfet",
-     .plural = "MOSFETs",
      .letter = 'm',
      .driven = true,
      .pins = {{VS_PIN_FROM, "d", "drain", " d drain ", NULL},
@@ -453,7 +452,6 @@ const vs_kind vs_kinds_all[] = {
      .heat = {"i_d", 0, 1},
      TABLES(MOSFET, MOSFET_LIMITS)},
     {.name = "igbt",
-     .plural = "IGBTs",
      .letter = 'z',
      .driven = true,
      .pins = {{VS_PIN_FROM, "c", "collector", " c collector ", NULL},
@@ -509,12 +507,6 @@ bool vs_kinds_latches(const char *name) {
   return kind && kind->switches && kind->gated;
 }
 
-bool vs_kinds_measures(const vs_kind *kind, vs_reduction how) {
-  for (size_t k = 0; kind && k < kind->n_measures; k++)
-    if (kind->measures[k].how == how) return true;
-  return false;
-}
-
 int vs_kinds_count_pins(const vs_kind *kind) {
   int n = 0;
   while (kind && n < VS_PINS && kind->pins[n].node) n++;
@@ -541,11 +533,6 @@ const vs_happening_words *vs_kinds_happening(const vs_device_measure *m) {
 }
 
 /* ---- limits ---- */
-
-/* The limit of its own part's file that a measure is held against; NULL: none. */
-static const char *own_limit(const vs_device_measure *measure) {
-  return measure->held == VS_WARD_AT_MOST ? NULL : measure->limit;
-}
 
 static bool is_of_mains(const char *limit) {
   for (const vs_mains_limit *m = vs_kinds_mains; m->name; m++)
@@ -585,8 +572,8 @@ bool vs_kinds_knows_limit(const char *kind_name, const char *limit, const char *
 bool vs_kinds_leaves_limit(const char *kind_name, const char *limit) {
   const vs_kind *kind = vs_kinds_find(kind_name);
   for (size_t k = 0; kind && k < kind->n_measures; k++) {
-    const char *own = own_limit(&kind->measures[k]);
-    if (own && !strcmp(limit, own)) return false;
+    const vs_device_measure *m = &kind->measures[k];
+    if (m->limit && m->held != VS_WARD_AT_MOST && !strcmp(limit, m->limit)) return false;
   }
   return is_of_mains(limit) || !limit_of(kind, limit);
 }

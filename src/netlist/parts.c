@@ -242,6 +242,12 @@ const vs_limit *vs_parts_find_limit(const vs_deck *deck, const char *file, const
   return NULL;
 }
 
+bool vs_parts_is_real(const vs_deck *deck, const char *file) {
+  for (size_t k = 0; k < deck->n_limits; k++)
+    if (isfinite(deck->limits[k].value) && !strcmp(deck->limits[k].where.file, file)) return true;
+  return false;
+}
+
 static vs_status resolve_bound(const vs_deck *deck, const vs_rating *r, vs_bound *bound,
                                double *value, vs_error *err) {
   if (!*bound->part) {

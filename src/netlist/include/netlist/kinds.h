@@ -141,13 +141,15 @@ const vs_happening_words *vs_kinds_happening(const vs_device_measure *measure);
 /* Bytes that a kind's name may have, its end included. */
 enum { VS_KIND_NAME = 64 };
 
-/* What a limit of a part's file is besides: it decides whether the part bears its work, so that a
- * real part that protects or switches and does not state it leaves the verdict undecided; `param`
- * must have the same value as the limit; it is no limit at all, but a parameter of the model. */
+/* What a limit is besides.
+ *   VS_LIMIT_DECIDES  nothing can be said of the part's work without it: where a real part does not
+ *                     state it, the verdict is undecided
+ *   VS_LIMIT_TWIN     the model's parameter `param` has to have the same value
+ *   VS_LIMIT_PARAM    it is no limit, but a parameter of the model alone */
 enum { VS_LIMIT_DECIDES = 1, VS_LIMIT_TWIN = 2, VS_LIMIT_PARAM = 4 };
 
-/* A limit that the file of a part of the kind may state, or a figure of its data sheet that no
- * measure is held against. */
+/* A limit that a part's file may state; also a figure of a data sheet that no measure is held to.
+ */
 typedef struct vs_kind_limit {
   const char *name, *unit; /* the unit that it is usually given in */
   double least, most;      /* what devices have, in that unit; both 0: anything. The ends are wide
@@ -167,8 +169,7 @@ typedef struct vs_kind_ratio {
   bool refused;
 } vs_kind_ratio;
 
-/* A pin of a part: the current that counts enters the device at the first, and leaves it at the
- * second. */
+/* A pin of a part. The current that counts flows into the first and out of the second. */
 enum { VS_PIN_FROM, VS_PIN_TO, VS_PIN_GATE, VS_PINS };
 typedef struct vs_kind_pin {
   int role;          /* VS_PIN_... */
@@ -182,7 +183,6 @@ typedef struct vs_kind_pin {
 enum { VS_KIND_RATIOS = 4 };
 typedef struct vs_kind {
   const char *name;   /* as in `*$ part KIND` and `*$ device NAME KIND` */
-  const char *plural; /* NULL: the name with an s */
   const char *called; /* words, each between blanks, that say in the name or the comment of a
                          subcircuit what it is; NULL: there are none */
   char letter;        /* of an element of this kind that ngspice knows, whose nodes are `pins`; 0 */
@@ -227,11 +227,7 @@ const vs_kind *vs_kinds_find(const char *name);
 /* True for a kind that a gate pulse fires and that then conducts until its current ends. */
 bool vs_kinds_latches(const char *name);
 
-/* True where the kind has a measure that is made so; kind may be NULL. */
-bool vs_kinds_measures(const vs_kind *kind, vs_reduction how);
-
-/* How many pins it has, and the index of the one with that role; -1: it has none. kind may be NULL,
- * and has no pins. */
+/* The number of its pins, 0 of no kind; the index of the one with that role, -1: it has none. */
 int vs_kinds_count_pins(const vs_kind *kind);
 int vs_kinds_pin(const vs_kind *kind, int role);
 
