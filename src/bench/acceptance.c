@@ -299,14 +299,13 @@ static void tell_of_models(const vs_stand *s, const vs_figures *f, vs_check_benc
 /* Error: ngspice cannot take the part at all, whatever stands around it. A part without pins in the
  * table of kinds is a snubber, which has two. */
 static vs_status try_part(const vs_stand *s, const vs_figures_kind *tried, vs_error *err) {
-  static const char NODE[] = {[VS_PIN_FROM] = 't', [VS_PIN_TO] = '0', [VS_PIN_GATE] = 'g'};
   const vs_kind *kind = vs_kinds_find(tried->name);
   vs_text text = {0};
   vs_stand_record r = {0};
   vs_text_add(&text, "Vm a t 0\nXdut");
-  for (int k = 0; kind && k < vs_kinds_count_pins(kind); k++)
-    vs_text_add(&text, " %c", NODE[kind->pins[k].role]);
-  vs_text_add(&text, "%s %s\nRa a 0 1e6\nRg g 0 1e6\n", kind ? "" : " t 0", s->subcircuit);
+  for (int k = 0; k < (kind ? vs_kinds_count_pins(kind) : 2); k++)
+    vs_text_add(&text, " %c", "t0g"[kind ? kind->pins[k].role : k]);
+  vs_text_add(&text, " %s\nRa a 0 1e6\nRg g 0 1e6\n", s->subcircuit);
   const vs_stand_circuit c = {text.text, 1e-6, 1e-7, 0};
   vs_status status = vs_stand_run(s, &c, &r, err);
   vs_stand_free(&r);

@@ -11,25 +11,21 @@
 
 /* ---- numbers by themselves ---- */
 
-static void warn_of_number(const vs_stand *s, const char *kind, const vs_kind_limit *range,
-                           const char *name, vs_warnings *w) {
-  vs_figures_asked limit = vs_figures_limit(s, name),
-                   a = isfinite(limit.value) ? limit : vs_figures_any(s, name);
-  double shown = a.value / vs_units_factor(range->unit);
-  if (isnan(shown) || (shown >= range->least && shown <= range->most)) return;
-  vs_fail_at(vs_warnings_add(w), a.where.file ? a.where : (vs_where){.file = s->name},
-             "%s = %.4g %s is implausible: a%s %s has %.4g to %.4g %s; is the unit right?", name,
-             shown, range->unit, strchr("aeio", *kind) ? "n" : "", kind, range->least, range->most,
-             range->unit);
-}
-
 /* A figure stands in the file as the limit, as the parameter that the model is made with, or as
  * both. */
 static void warn_of_range(const vs_stand *s, const char *kind, const vs_kind_limit *range,
                           vs_warnings *w) {
-  if (!(range->most > 0)) return;
-  warn_of_number(s, kind, range, range->name, w);
-  if (range->param) warn_of_number(s, kind, range, range->param, w);
+  const char *const names[] = {range->name, range->param};
+  for (int n = 0; n < 2 && names[n] && range->most > 0; n++) {
+    vs_figures_asked limit = vs_figures_limit(s, names[n]),
+                     a = isfinite(limit.value) ? limit : vs_figures_any(s, names[n]);
+    double shown = a.value / vs_units_factor(range->unit);
+    if (isnan(shown) || (shown >= range->least && shown <= range->most)) continue;
+    vs_fail_at(vs_warnings_add(w), a.where.file ? a.where : (vs_where){.file = s->name},
+               "%s = %.4g %s is implausible: a%s %s has %.4g to %.4g %s; is the unit right?",
+               names[n], shown, range->unit, strchr("aeio", *kind) ? "n" : "", kind, range->least,
+               range->most, range->unit);
+  }
 }
 
 /* ---- numbers side by side ---- */
@@ -159,10 +155,13 @@ static void warn_of_figure(const vs_stand *s, const vs_figure *row, vs_warnings 
                row->name, row->got / factor, row->unit, row->asked / factor, row->unit);
 }
 
-static bool is_ideal(const vs_stand *s) {
-  for (size_t k = 0; k < s->deck.n_limits; k++)
-    if (isfinite(s->deck.limits[k].value)) return false;
-  return true;
+static void warn_of_kind(const vs_stand *s, const vs_kind *kind, vs_warnings *w) {
+  for (size_t k = 0; k < kind->n_limits; k++) warn_of_range(s, kind->name, &kind->limits[k], w);
+  for (int k = 0; k < VS_KIND_RATIOS && kind->ratios[k].more; k++)
+    warn_of_pair(s, &kind->ratios[k], w);
+  warn_of_surge(s, vs_kinds_surge_limit(kind->name), w);
+  for (size_t k = 0; k < kind->n_limits; k++) warn_of_twin(s, &kind->limits[k], w);
+  warn_of_heat(s, kind, w);
 }
 
 /* By line, in the order of the file. */
@@ -179,14 +178,8 @@ void vs_plausibility_warn(const vs_stand *s, const vs_figures *figures, vs_warni
   const vs_part_file *file = vs_parts_file(&s->deck, s->file);
   const vs_kind *kind = file ? vs_kinds_find(file->kind) : NULL;
   size_t first = w->count;
-  if (!file || is_ideal(s)) return;
-  for (size_t k = 0; kind && k < kind->n_limits; k++)
-    warn_of_range(s, kind->name, &kind->limits[k], w);
-  for (int k = 0; kind && k < VS_KIND_RATIOS && kind->ratios[k].more; k++)
-    warn_of_pair(s, &kind->ratios[k], w);
-  warn_of_surge(s, vs_kinds_surge_limit(file->kind), w);
-  for (size_t k = 0; kind && k < kind->n_limits; k++) warn_of_twin(s, &kind->limits[k], w);
-  if (kind) warn_of_heat(s, kind, w);
+  if (!file || !vs_parts_is_real(&s->deck, s->file)) return;
+  if (kind) warn_of_kind(s, kind, w);
   for (size_t k = 0; k < figures->count; k++) warn_of_figure(s, &figures->row[k], w);
   sort(w, first);
 }

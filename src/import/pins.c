@@ -37,7 +37,7 @@ static bool among(const char *list, const char *word, size_t n) {
 /* Do the names of its pins tell what it is? Else words in the name of a subcircuit or its comment
  * may tell what has two pins that are alike. */
 static bool is_told_by_pins(const vs_kind *kind) {
-  return kind->pins[0].words;
+  return kind->letters;
 }
 
 static bool is_told_by_name(const vs_kind *kind) {
@@ -58,17 +58,6 @@ static void take_kind(const vs_kind *kind, vs_pins *pins) {
   pins->from = vs_kinds_pin(kind, VS_PIN_FROM);
   pins->to = vs_kinds_pin(kind, VS_PIN_TO);
   pins->gate = vs_kinds_pin(kind, VS_PIN_GATE);
-}
-
-/* The letters of its pins, "akg". */
-typedef struct letters {
-  char text[VS_PINS + 1];
-} letters;
-static letters letters_of(const vs_kind *kind) {
-  letters l = {0};
-  for (int k = 0; k < vs_kinds_count_pins(kind); k++)
-    l.text[k] = kind->pins[k].node[strlen(kind->pins[k].node) - 1];
-  return l;
 }
 
 /* ---- words of pins ---- */
@@ -200,7 +189,7 @@ static vs_status ask(const vs_elements *w, const vs_element *e, const vs_kind *k
                     "%s (%s) looks like a %s, and nothing says which of its pins is what: --pins "
                     "%s=%s, the letters in the order of its nodes; --pins %s=none measures nothing "
                     "of it",
-                    e->name, model, kind->name, e->name, letters_of(kind).text, e->name);
+                    e->name, model, kind->name, e->name, kind->letters, e->name);
 }
 
 static vs_status find_in_netlist(const vs_elements *w, const vs_element *e, const char *model,
@@ -322,7 +311,7 @@ static vs_status refuse_said(const char *entry, const char *word, vs_error *err)
   vs_text pins = {0}, names = {0};
   const vs_kind *kind;
   for (size_t k = 0; (kind = kind_by_pins(k)); k++)
-    vs_text_add(&pins, "%s%s %s", k ? ", " : "", letters_of(kind).text, kind->name);
+    vs_text_add(&pins, "%s%s %s", k ? ", " : "", kind->letters, kind->name);
   for (kind = vs_kinds_all; kind->name; kind++)
     if (is_told_by_name(kind)) vs_text_add(&names, "%s%s", names.length ? ", " : "", kind->name);
   vs_status status = vs_fail(

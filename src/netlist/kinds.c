@@ -275,19 +275,23 @@ static const vs_device_measure GATE_DRIVE[] = {
 
 /* ---- limits: name, unit, least, most, param, is, hang ---- */
 
+/* What a data sheet often leaves out does not decide: the junction's temperature, a triac's
+ * (di/dt)c, a diode's i2t, which follows from i_fsm. Why measures hang on figures: t_off begins
+ * where the current ends, at I_H. A gate pulse is followed where it is above I_GT, and the current
+ * that it lets in above I_L and, behind it, above I_H. A varistor's mean power at the mains is that
+ * of its voltage at 1 mA, in a pulse that of its clamping voltage. A junction is heated by the
+ * on-state and by switching. */
 #define DECIDES VS_LIMIT_DECIDES
 #define TWIN VS_LIMIT_TWIN
+#define HEATS " t_j_rise t_j "
 /* Rows without a usual range. FIGURE: no measure is held against it. Some set what is measured:
- * over dv_dt_over dv_dt is told, over turn_on_time di_dt; by the r_th a junction's temperature is
- * told, by i2sqrt_t what i2t_short may be. The others are conditions of tests, and what the reader
- * looks for and `check` of the part tries the model by (bench/acceptance.c). */
+ * dv_dt_over, turn_on_time, the r_th and i2sqrt_t. The others are conditions of tests, and what
+ * `check` of the part tries the model by (bench/acceptance.c). */
 #define LIMIT(name, unit, is) ROW(name, unit, 0, 0, NULL, is, "")
 #define FIGURE(name, unit) LIMIT(name, unit, 0)
 #define HANG(name, unit, hang) ROW(name, unit, 0, 0, NULL, 0, hang)
 
 /* Rows that several kinds have alike. */
-/* The measures that the loss of the on-state and of switching changes. */
-#define HEATS " t_j_rise t_j "
 #define HEAT_LIMITS                                                                                \
   LIMIT("t_j_rise", "K", 0), LIMIT("t_j_max", "degC", 0), FIGURE("r_th_jc", "K/W"),                \
       FIGURE("r_th_cs", "K/W"), FIGURE("r_th_ja", "K/W"), FIGURE("i_test", "A"),                   \
@@ -419,6 +423,7 @@ const vs_kind vs_kinds_all[] = {
      .called = " thyristor scr ",
      .switches = true,
      .gated = true,
+     .letters = "akg",
      .pins = {ANODE(NULL), CATHODE(NULL), FIRED},
      .ratios = {{"i_tsm", "i_t_rms", 3, 50, true}},
      .heat = {"i_t_rms", 1 / 1.57, 1},
@@ -428,6 +433,7 @@ const vs_kind vs_kinds_all[] = {
      .switches = true,
      .both_ways = true,
      .gated = true,
+     .letters = "21g",
      .pins = {{VS_PIN_FROM, "mt2", "main terminal 2", " mt2 t2 a2 m2 main2 mainterminal2 ", NULL},
               {VS_PIN_TO, "mt1", "main terminal 1", " mt1 t1 a1 m1 main1 mainterminal1 ", " k "},
               FIRED},
@@ -438,6 +444,7 @@ const vs_kind vs_kinds_all[] = {
      .letter = 'd',
      .switches = true,
      .rectifies = true,
+     .letters = "ak",
      .pins = {ANODE(" p "), CATHODE(" n ")},
      .ratios = {{"i_f_rms", "i_f_av", 0, 0, true}, {"i_fsm", "i_f_av", 3, 100, true}},
      .heat = {"i_f_av", 1, 1.57},
@@ -445,6 +452,7 @@ const vs_kind vs_kinds_all[] = {
     {.name = "mosfet",
      .letter = 'm',
      .driven = true,
+     .letters = "dgs",
      .pins = {{VS_PIN_FROM, "d", "drain", " d drain ", NULL},
               GATE(" g gate "),
               {VS_PIN_TO, "s", "source", " s source ", NULL}},
@@ -454,6 +462,7 @@ const vs_kind vs_kinds_all[] = {
     {.name = "igbt",
      .letter = 'z',
      .driven = true,
+     .letters = "cge",
      .pins = {{VS_PIN_FROM, "c", "collector", " c collector ", NULL},
               GATE(" g gate "),
               {VS_PIN_TO, "e", "emitter", " e emitter ", NULL}},

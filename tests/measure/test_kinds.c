@@ -543,7 +543,13 @@ static void pins_are_whole(const vs_kind *kind) {
   for (int role = 0; role < pins; role++)
     EXPECT(vs_kinds_pin(kind, role) >= 0, "%s has no pin of role %d", kind->name, role);
   vs_text_add(&head, "\n.subckt own");
-  for (int k = 0; k < pins; k++) vs_text_add(&head, " %s", kind->pins[k].node);
+  for (int k = 0; k < pins; k++) {
+    const char *node = kind->pins[k].node;
+    vs_text_add(&head, " %s", node);
+    EXPECT(!kind->letters || kind->letters[k] == node[strlen(node) - 1], "%s: %s", kind->name,
+           node);
+    EXPECT(!kind->letters == !kind->pins[k].words, "%s: %s", kind->name, node);
+  }
   vs_text_add(&head, "\n");
   ran r = run("part %s -o own.inc --overwrite --quiet", kind->name);
   expect_good(&r, kind->name, __LINE__);

@@ -173,8 +173,7 @@ typedef struct vs_kind_ratio {
 enum { VS_PIN_FROM, VS_PIN_TO, VS_PIN_GATE, VS_PINS };
 typedef struct vs_kind_pin {
   int role;          /* VS_PIN_... */
-  const char *node;  /* its name in the part's subcircuit; NULL: no further pin. The last letters of
-                        the nodes are what `import --pins` takes */
+  const char *node;  /* its name in the part's subcircuit; NULL: no further pin */
   const char *text;  /* NULL: the two pins are alike */
   const char *words; /* what netlists call it, each between blanks; NULL: its name tells nothing */
   const char *also;  /* beginnings of what vendors call it besides, which alone tell nothing */
@@ -197,12 +196,12 @@ typedef struct vs_kind {
   bool clamps;    /* it limits the voltage of what it stands across, as a varistor does */
   bool of_series; /* an element with a value, whose limits are those of a series of parts */
   vs_kind_pin pins[VS_PINS]; /* in the order of the part's subcircuit */
+  const char *letters;       /* the pins for `import --pins`, a letter each; NULL: they are alike */
   vs_kind_ratio ratios[VS_KIND_RATIOS];
   struct {
     const char *current; /* the limit that it is rated for; NULL: it has no junction */
-    double mean, rms;    /* mean size and rms over that. A thyristor's and a diode's are half sines,
-                            whose rms is 1.57 times the mean; a triac's are sines, whose mean size is
-                            0.9 times the rms */
+    double mean, rms;    /* mean size and rms over that: half sines have an rms of 1.57 times their
+                            mean, and a triac's sines a mean size of 0.9 times their rms */
   } heat;
   const vs_device_measure *measures;
   size_t n_measures;
@@ -223,7 +222,6 @@ extern const vs_mains_limit vs_kinds_mains[];
 
 /* The kind of that name; NULL: there is none. */
 const vs_kind *vs_kinds_find(const char *name);
-
 /* True for a kind that a gate pulse fires and that then conducts until its current ends. */
 bool vs_kinds_latches(const char *name);
 
