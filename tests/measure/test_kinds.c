@@ -558,8 +558,7 @@ static void pins_are_whole(const vs_kind *kind) {
   free(text);
   free_ran(&r);
   r = run("check own.inc");
-  EXPECT(strstr(r.out, "figure ") && !strstr(r.out, "no bench"), "%s: %s",
-         kind->name, r.out);
+  EXPECT(strstr(r.out, "figure ") && !strstr(r.out, "no bench"), "%s: %s", kind->name, r.out);
   free_ran(&r);
   vs_text_free(&head);
 }
