@@ -374,16 +374,14 @@ static vs_status run_scene(vs_case *c, vs_text *row, vs_error *err) {
                                      .accept = accept_step_of_case,
                                      .again = discard_attempt,
                                      .late = true};
-  const vs_session session = {.guest = c->keep || c->steady ? &guest : NULL,
-                              .wants = find_wants(c),
-                              .verify_edges = true,
-                              .steady = vs_steady_start};
+  const vs_session session = {
+      .guest = c->keep || c->steady ? &guest : NULL, .wants = find_wants(c), .verify_edges = true};
   *c->result = (vs_result){0};
   /* Derivatives come first, as a run makes the scene its own; in a study of orbits the scene then
    * becomes one period of its orbit; the run itself is as of `run`. */
   vs_status status = derive_measures(c, err);
   if (!status && c->steady) status = vs_steady_begin(c->steady, c->scene, c->plan->periods, err);
-  if (!status) status = vs_session_run(&session, c->scene, c->result, err);
+  if (!status) status = vs_steady_run(&session, c->scene, c->result, err);
   if (!status) status = end_orbit(c, err);
   if (!status) add_case_row(c, row);
   if (!status) status = commit_csv(&k, err);
