@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * One run of one scene. The first three functions tell it from top to bottom, and everything else
- * in the file is a part of one of them:
+ * One run of one scene. The first functions tell it from top to bottom, and everything else in the
+ * file is a part of one of them:
  *
  *   vs_session_run       the scene as it is, then with the settings of rung after rung of the
  *                        ladder, until one attempt runs to its end
@@ -8,8 +8,10 @@
  *   vs_session_finish    a second run, for the errors of the margins
  *
  * What is before it: vs_scene_read (run/scene.c) reads the scene's text, has its setup built
- * (engine/setup.c) and its tier chosen (run/tier_choice.c). What is behind it: the verdict becomes
- * an exit code (vs_session_judge, below), a table (run/show.c) and summary.json (run/summary.c). */
+ * (engine/setup.c) and its tier chosen (run/tier_choice.c). A scene that begins on an orbit goes
+ * through the same functions by vs_steady_run (orbit/steady.c). What is behind it: the verdict
+ * becomes an exit code (vs_session_judge, below), a table (run/show.c) and summary.json
+ * (run/summary.c). */
 #include "run/session.h"
 
 #include <math.h>
@@ -42,6 +44,7 @@ static vs_status close_books(vs_result *r, double tolerance, vs_error *err);
 vs_status vs_session_run(const vs_session *session, vs_scene *scene, vs_result *r, vs_error *err) {
   vs_status status = vs_session_begin(session, scene, r, err);
   vs_scene *now = status ? NULL : scene;
+  /* Where ngspice gives up, the scene of the next rung takes this one's place. */
   for (; now; now = vs_session_climb(session, scene, status, r, err)) {
     status = refuse_orbit(now, err);
     if (!status) status = vs_session_attempt(session, now, r, err);
