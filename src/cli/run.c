@@ -506,18 +506,11 @@ vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scen
   return status;
 }
 
-static vs_status read_scene_of_command(const vs_run_options *o, vs_scene *scene, vs_error *err) {
-  vs_status status = vs_scene_open(o->scene, (vs_where){0}, scene, err);
-  for (size_t k = 0; k < o->n_sets && !status; k++)
-    status = vs_error_keep(err, vs_tree_set(&scene->tree, o->sets[k], err));
-  return status ? status : vs_scene_read_sections(scene, o->tier, err);
-}
-
 static vs_status run_named_scene(const vs_run_options *o, vs_error *err) {
   if (o->raw && !o->folder)
     return vs_fail(err, VS_INPUT, "--raw: run.raw goes into a folder; name one with -o DIR");
   vs_scene *scene = vs_alloc(1, sizeof *scene);
-  vs_status status = read_scene_of_command(o, scene, err);
+  vs_status status = vs_scene_read(o->scene, o->sets, o->n_sets, o->tier, scene, err);
   scene->allow_code = o->allow_code;
   if (!status) status = vs_control_allow(&scene->control, o->allow_code, err);
   if (!status && o->raw) status = vs_scene_take_circuit(scene, "--raw", err);
