@@ -257,6 +257,12 @@ const char *vs_text_out_of_range(const char *text) {
   return NULL;
 }
 
+double vs_text_rounded(double value, int digits) {
+  char text[VS_NUMBER_SIZE];
+  snprintf(text, sizeof text, "%.*g", digits, value);
+  return strtod(text, NULL);
+}
+
 double vs_text_to_number(const char *text, char **end) {
   const double value = strtod(text, end);
   return (isinf(value) || fabs(value) < DBL_MIN) && vs_text_out_of_range(text) ? NAN : value;

@@ -2,12 +2,10 @@
 #include "options.h"
 
 #include "base/shutdown.h"
-#include "orbit/steady.h"
 
 vs_run_options vs_options_of_run(const vs_run_options *asked, const vs_arguments *line) {
   vs_run_options o = *asked;
   o.scene = vs_command_name(line);
-  o.steady = vs_steady_start;
   o.folder = line->output;
   o.sets = line->sets;
   o.n_sets = line->n_sets;

@@ -6,7 +6,7 @@
 
 #include "command.h"
 #include "engine/tiers.h"
-#include "run/run.h"
+#include "run/result.h"
 #include "study/format.h"
 
 /* The offset of a member of a command's struct, which has to be of that type. */
@@ -107,7 +107,25 @@
   VS_OPTIONS_WORD(type, member, "format", VS_FORMAT_WORDS,                                         \
                   "how the rows are written (default csv); see below")
 
-/* What `run` and `steady` make of the line alike. asked: what their own options said. */
+/* What `run` and `steady` have in common. */
+typedef struct vs_run_options {
+  const char *scene, *tier; /* as for vs_scene_read */
+  const char *folder;       /* for the files; NULL: none are written */
+  char *const *sets;        /* KEY=VALUE of each --set */
+  size_t n_sets;
+  bool json;                /* prints JSON instead of the table */
+  bool all;                 /* the table leaves nothing out */
+  bool quiet;               /* no table, no warnings, no progress */
+  bool reproducible;        /* leaves the cost out of summary.json */
+  bool raw;                 /* writes run.raw, too, which wants a folder and the circuit tier */
+  bool allow_code;          /* the scene may run code of its own */
+  bool corners;             /* runs the corners of the scene's key spread besides */
+  const vs_corners *judged; /* what these came to; NULL: they were not run. The command sets it */
+  int digits;               /* significant ones in CSV files, 1..17 */
+  const volatile sig_atomic_t *stop; /* set by a signal: the run ends and keeps what there is */
+} vs_run_options;
+
+/* What they make of the line alike. asked: what their own options said. */
 vs_run_options vs_options_of_run(const vs_run_options *asked, const vs_arguments *line);
 
 /* Adds the formats of --format to --help. */

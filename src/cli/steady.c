@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/text.h"
 #include "commands.h"
@@ -15,6 +16,7 @@
 #include "orbit/linear_report.h"
 #include "orbit/marks.h"
 #include "orbit/steady.h"
+#include "run.h"
 #include "run/engineering.h"
 #include "run/show.h"
 
@@ -355,7 +357,6 @@ static vs_status run_period(const vs_run_options *o, int periods, extras more_of
                             show_period,
                             {r, add_orbit_measures, add_period_members}};
   scene->order.stop = o->stop;
-  scene->order.shows = !o->quiet && isatty(STDERR_FILENO);
   vs_status status = linear ? vs_linear_check(scene, periods, err) : VS_OK;
   if (!status) status = vs_steady_begin(s, scene, periods, err);
   r->scene = scene;
@@ -379,23 +380,6 @@ static vs_status run_period(const vs_run_options *o, int periods, extras more_of
   return status;
 }
 
-/* options: those of `run`; raw is not looked at. periods: how many firing periods the orbit takes
- * to repeat. linear: the linear models about it are told, too. Errors: those of vs_run_command,
- * vs_steady_begin and vs_linear_report_find. Where no orbit or no model is found nothing is
- * written. */
-static vs_status report_orbit(const vs_run_options *o, int periods, bool linear, vs_error *err) {
-  vs_scene *scene = vs_alloc(1, sizeof *scene);
-  scene->of_period = true;
-  vs_status status = vs_scene_read(o->scene, o->sets, o->n_sets, o->tier, scene, err);
-  const extras more = {linear, scene->control.regulator};
-  if (!status) vs_scene_disable_control(scene);
-  if (!status && !o->quiet && !vs_crash_guard_again()) vs_scene_warn(scene);
-  if (!status) status = run_period(o, periods, more, scene, err);
-  vs_scene_free(scene);
-  free(scene);
-  return status;
-}
-
 /* ---- the command line ---- */
 
 typedef struct steady_line {
@@ -406,18 +390,35 @@ typedef struct steady_line {
   bool linear;
 } steady_line;
 
+/* Where no orbit or no model is found nothing is written. */
+static vs_status report_orbits(const vs_run_options *o, const steady_line *line, vs_error *err) {
+  const vs_branch_options branch = {line->words, line->period, o->digits, o->folder,
+                                    o->json,     o->quiet,     o->stop};
+  vs_scene *scene = vs_alloc(1, sizeof *scene);
+  scene->of_period = true;
+  vs_status status = vs_scene_read(o->scene, o->sets, o->n_sets, o->tier, scene, err);
+  const extras more = {line->linear, scene->control.regulator};
+  if (!status) vs_scene_disable_control(scene);
+  if (!status && !o->quiet && !vs_crash_guard_again()) vs_scene_warn(scene);
+  scene->order.shows = !o->quiet && isatty(STDERR_FILENO);
+  if (!status)
+    status = line->words.range ? vs_branch_command(&branch, scene, err)
+                               : run_period(o, line->period, more, scene, err);
+  vs_scene_free(scene);
+  free(scene);
+  return status;
+}
+
 static vs_status steady_command(const void *given, vs_error *err) {
   const steady_line *line = given;
   const vs_branch_parameter_words *w = &line->words;
   const vs_run_options o = vs_options_of_run(&line->run, &line->common);
-  const vs_branch_options branch = {&o, *w, line->period};
   if ((w->step || w->at) && !w->range)
     return vs_fail(err, VS_INPUT, "--%s: it goes with --along; see vibrospice steady --help",
                    w->step ? "step" : "at");
   if (line->linear && w->range)
     return vs_fail(err, VS_INPUT, "--linear: it is about one orbit, and does not go with --along");
-  return w->range ? vs_branch_command(&branch, err)
-                  : report_orbit(&o, line->period, line->linear, err);
+  return report_orbits(&o, line, err);
 }
 
 static void explain_steady(vs_text *help) {

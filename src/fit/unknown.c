@@ -56,10 +56,7 @@ double vs_unknown_free_of(const vs_unknown *u, double s) {
 }
 
 void vs_unknown_put(const vs_unknown *u, double s, vs_tree *tree) {
-  char text[VS_NAME_SIZE];
-  snprintf(text, sizeof text, "%.17g%s%s", vs_unknown_value(u, s), *u->axis.unit ? " " : "",
-           u->axis.unit);
-  vs_tree_put(tree, u->axis.key, text, u->axis.where);
+  vs_axis_put(&u->axis, vs_unknown_value(u, s), 17, tree);
 }
 
 /* ---- reading ---- */

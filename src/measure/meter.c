@@ -222,7 +222,6 @@ void vs_meter_pilot_begin(vs_meter_pilot *o, vs_orbit_search *steers, vs_instrum
   o->pilot.turn = turn_metered_pilot;
   o->pilot.push = push_metered_pilot;
   o->pilot.end = end_metered_pilot;
-  o->pilot.free = NULL;
   for (int k = 0; k < instruments->count; k++) {
     vs_instrument *i = &instruments->item[k];
     i->on_orbit = true;

@@ -3,7 +3,6 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <unistd.h>
 
 #include "base/file.h"
 #include "base/gnuplot.h"
@@ -162,7 +161,7 @@ static vs_status write_branch_csv(const vs_continuation *w, const char *folder, 
 
 /* The picture comes last. Where gnuplot is missing the numbers are there all the same; *drawn says
  * so. */
-static vs_status write_branch_files(const vs_continuation *w, const vs_run_options *o,
+static vs_status write_branch_files(const vs_continuation *w, const vs_branch_options *o,
                                     const char *json, bool *drawn, vs_error *err) {
   int made = 0;
   vs_error why = {0};
@@ -178,7 +177,7 @@ static vs_status write_branch_files(const vs_continuation *w, const vs_run_optio
 
 /* ---- the command ---- */
 
-static vs_status say_branch(const vs_continuation *w, const vs_run_options *o, vs_error *err) {
+static vs_status say_branch(const vs_continuation *w, const vs_branch_options *o, vs_error *err) {
   vs_text json = {0};
   bool drawn = false;
   vs_branch_output_json(w, &json);
@@ -214,33 +213,19 @@ static vs_status refuse_tier(const vs_scene *s, vs_error *err) {
       s->tier->name, s->why, known, known, known);
 }
 
-static vs_status follow_branch(const vs_branch_options *o, vs_scene *scene, vs_error *err) {
+vs_status vs_branch_command(const vs_branch_options *o, vs_scene *scene, vs_error *err) {
   vs_branch_parameter along = {0};
   vs_continuation walk = {0};
   vs_status status = refuse_tier(scene, err);
   if (!status) status = vs_branch_parameter_read(&along, scene, &o->words, err);
   vs_shutdown_mode before = vs_shutdown_mode_set(VS_SHUTDOWN_WITH_TIMEOUT);
-  if (!status) status = vs_continuation_go(&walk, &along, o->periods, o->run->stop, err);
+  if (!status) status = vs_continuation_go(&walk, &along, o->periods, o->stop, err);
   vs_shutdown_mode_set(VS_SHUTDOWN_WHEN_KEPT);
   if (!status)
     status = vs_branch_parameter_move(&along, along.from, err); /* which the files tell of */
-  if (!status) status = say_branch(&walk, o->run, err);
+  if (!status) status = say_branch(&walk, o, err);
   vs_shutdown_mode_set(before);
   vs_continuation_free(&walk);
   vs_branch_parameter_free(&along);
-  return status;
-}
-
-vs_status vs_branch_command(const vs_branch_options *o, vs_error *err) {
-  const vs_run_options *run = o->run;
-  vs_scene *scene = vs_alloc(1, sizeof *scene);
-  scene->of_period = true;
-  vs_status status = vs_scene_read(run->scene, run->sets, run->n_sets, run->tier, scene, err);
-  if (!status) vs_scene_disable_control(scene);
-  scene->order.shows = !run->quiet && isatty(STDERR_FILENO);
-  if (!status && !run->quiet) vs_scene_warn(scene);
-  if (!status) status = follow_branch(o, scene, err);
-  vs_scene_free(scene);
-  free(scene);
   return status;
 }

@@ -9,9 +9,7 @@
 #include "base/units.h"
 
 vs_status vs_branch_parameter_move(vs_branch_parameter *a, double key, vs_error *err) {
-  char text[VS_KEY_SIZE];
-  snprintf(text, sizeof text, "%.17g%s%s", key, *a->axis.unit ? " " : "", a->axis.unit);
-  vs_tree_put(&a->scene->tree, a->axis.key, text, a->axis.where);
+  vs_axis_put(&a->axis, key, 17, &a->scene->tree);
   return vs_scene_reread(a->scene, err);
 }
 

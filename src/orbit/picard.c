@@ -579,10 +579,6 @@ static void end_search(void *self) {
   vs_budget_end(s->budget);
 }
 
-static void free_search_pilot(void *self) {
-  vs_picard_free(self);
-}
-
 /* ---- where the search begins ---- */
 
 static vs_scene *on_ideal_tier(const vs_scene *scene) {
@@ -646,8 +642,7 @@ vs_status vs_picard_new(const vs_scene *scene, int periods, bool wants_multiplie
                                .accept = accept_step_of_search,
                                .turn = end_period_of_search,
                                .push = push_of_search,
-                               .end = end_search,
-                               .free = free_search_pilot};
+                               .end = end_search};
   *picard = p;
   return VS_OK;
 }

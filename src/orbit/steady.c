@@ -346,23 +346,29 @@ vs_scene *vs_steady_undisturbed(const vs_scene *scene) {
   return calm;
 }
 
+/* ---- runs that begin on an orbit ---- */
+
 /* On tier circuit the run finds, as it settles, the orbit; it begins with that of tier switched. */
-static vs_status find_start(vs_scene *scene, const vs_scene *calm, vs_orbit *orbit, vs_error *err) {
-  vs_picard *picard;
+static vs_status find_start(vs_scene *scene, const vs_scene *calm, vs_picard **picard,
+                            vs_orbit *orbit, vs_error *err) {
   if (!scene->tier->has_circuit) return vs_shooting_find(calm, 1, orbit, err);
-  vs_status status = vs_picard_new(calm, 1, false, &picard, err);
+  vs_status status = vs_picard_new(calm, 1, false, picard, err);
   if (status) return status;
-  scene->order.pilot = &picard->pilot;
-  *orbit = picard->orbit;
+  scene->order.pilot = &(*picard)->pilot;
+  *orbit = (*picard)->orbit;
   return VS_OK;
 }
 
-vs_status vs_steady_start(vs_scene *scene, vs_error *err) {
+/* Finds the share of the load that rides where load.fraction is auto, and puts a scene with `start:
+ * steady` at the beginning of its orbit of one firing period, that of the scene without its events.
+ * On tier circuit the run itself comes to that orbit: *picard, which the caller frees behind it, is
+ * the pilot of the scene's order. */
+static vs_status put_at_work(vs_scene *scene, vs_picard **picard, vs_error *err) {
   vs_orbit orbit;
   vs_status found = vs_fraction_settle(scene, 1, err);
   if (found || !scene->setup.steady) return found;
   vs_scene *calm = vs_steady_undisturbed(scene);
-  vs_status status = find_start(scene, calm, &orbit, err);
+  vs_status status = find_start(scene, calm, picard, &orbit, err);
   if (!status) {
     const vs_setup on = vs_steady_setup(calm, &scene->setup.run, &orbit);
     scene->setup.start = on.start;
@@ -373,5 +379,23 @@ vs_status vs_steady_start(vs_scene *scene, vs_error *err) {
     status = settle_instruments(calm, &period, &scene->instruments, err);
   }
   free(calm);
+  return status;
+}
+
+vs_status vs_steady_run(const vs_session *session, vs_scene *scene, vs_result *r, vs_error *err) {
+  vs_picard *picard = NULL;
+  vs_status status = vs_session_begin(session, scene, r, err);
+  vs_scene *now = status ? NULL : scene;
+  for (; now; now = vs_session_climb(session, scene, status, r, err)) {
+    vs_picard_free(picard); /* of the attempt before */
+    picard = NULL;
+    now->order.stop = session->stop;
+    status = put_at_work(now, &picard, err);
+    if (!status) status = vs_session_attempt(session, now, r, err);
+  }
+  status = vs_session_finish(session, status, scene, r);
+  vs_picard_free(picard);
+  scene->order.pilot = NULL;
+  if (r->climbed) r->climbed->order.pilot = NULL;
   return status;
 }

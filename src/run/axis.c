@@ -14,10 +14,9 @@ enum { MOST_VALUES = 10000000 };
 
 static const char START[] = "start";
 
+/* As many as study.csv has of an axis' number. */
 static double to_12_digits(double value) {
-  char text[VS_NUMBER_SIZE];
-  snprintf(text, sizeof text, "%.12g", value);
-  return strtod(text, NULL);
+  return vs_text_rounded(value, 12);
 }
 
 static double nominal_of(const vs_key *key) {
@@ -269,26 +268,19 @@ static const char *word_of_axis(const vs_axis *axis, double number) {
                                                                               : NULL;
 }
 
-void vs_axis_print(const vs_axis *axis, double number, char *text, size_t size) {
+bool vs_axis_print(const vs_axis *axis, double number, char *text, size_t size) {
   const char *word = word_of_axis(axis, number);
   if (word)
     snprintf(text, size, "%s", word);
   else
     snprintf(text, size, "%.12g", number);
+  return !word;
 }
 
-/* Writes the number as text that the scene reads ("330 ohm"). */
-static void print_with_unit(const vs_axis *axis, double number, char *text, size_t size) {
-  const char *word = word_of_axis(axis, number);
-  if (word)
-    snprintf(text, size, "%s", word);
-  else
-    snprintf(text, size, "%.12g%s%s", number, *axis->unit ? " " : "", axis->unit);
-}
-
-void vs_axis_put(const vs_axis *axis, double number, vs_tree *tree) {
+void vs_axis_put(const vs_axis *axis, double number, int digits, vs_tree *tree) {
   char text[VS_NAME_SIZE];
-  print_with_unit(axis, number, text, sizeof text);
-  vs_tree_put(tree, axis->key, text,
+  const char *word = word_of_axis(axis, number);
+  snprintf(text, sizeof text, "%.*g%s%s", digits, number, *axis->unit ? " " : "", axis->unit);
+  vs_tree_put(tree, axis->key, word ? word : text,
               axis->is_word ? axis->word_where[(size_t)number] : axis->where);
 }

@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * One run of one scene. The first three functions tell it from top to bottom, and everything else
- * in the file is a part of one of them:
+ * One run of one scene. The first functions tell it from top to bottom, and everything else in the
+ * file is a part of one of them:
  *
- *   vs_session_run   attempts, until one runs to its end; then a second run for the errors
- *   run_attempts     the scene as it is, then with the settings of rung after rung of the ladder
- *   run_attempt      one attempt: scene, watchers, tier, result
+ *   vs_session_run       the scene as it is, then with the settings of rung after rung of the
+ *                        ladder, until one attempt runs to its end
+ *   vs_session_attempt   one attempt: scene, watchers, tier, result
+ *   vs_session_finish    a second run, for the errors of the margins
  *
  * What is before it: vs_scene_read (run/scene.c) reads the scene's text, has its setup built
- * (engine/setup.c) and its tier chosen (run/tier_choice.c). What is behind it: the verdict becomes
- * an exit code (vs_session_judge, below), a table (run/show.c) and summary.json (run/summary.c). */
+ * (engine/setup.c) and its tier chosen (run/tier_choice.c). A scene that begins on an orbit goes
+ * through the same functions by vs_steady_run (orbit/steady.c). What is behind it: the verdict
+ * becomes an exit code (vs_session_judge, below), a table (run/show.c) and summary.json
+ * (run/summary.c). */
 #include "run/session.h"
 
 #include <math.h>
@@ -28,16 +31,9 @@ typedef struct attempt {
   vs_result *result;
 } attempt;
 
-static vs_status run_attempts(const vs_session *session, vs_scene *scene, vs_result *r,
-                              vs_error *err);
+static vs_status refuse_orbit(const vs_scene *scene, vs_error *err);
 static bool wants_second(const vs_session *session, const vs_result *r);
 static void run_second(const vs_session *session, vs_result *r);
-static void leave_orbit(vs_scene *scene);
-static vs_status begin_on_orbit(const vs_session *session, vs_scene *scene, vs_error *err);
-static vs_status run_attempt(const vs_session *session, vs_scene *s, vs_result *r, vs_error *err);
-static vs_scene *next_rung(const vs_scene *scene, vs_ladder *ladder);
-static void take_climbed_scene(vs_result *r, vs_scene *climbed);
-static vs_status fail_after_ladder(const vs_scene *scene, const vs_ladder *ladder, vs_error *err);
 static bool is_alone(const vs_session *session, const vs_scene *s);
 static void begin_watching(const vs_session *session, vs_scene *s, vs_result *r, bool alone);
 static vs_status run_tier(attempt *a, bool alone, vs_error *err);
@@ -46,49 +42,24 @@ static vs_status close_books(vs_result *r, double tolerance, vs_error *err);
 /* ---- the story ---- */
 
 vs_status vs_session_run(const vs_session *session, vs_scene *scene, vs_result *r, vs_error *err) {
-  *r = (vs_result){.scene = scene};
-
-  /* Code of the user's own, as a law of control, runs only where the command line allows it. */
-  vs_status status = vs_control_allow(&scene->control, scene->allow_code || session->bare, err);
-
-  /* The run itself, with the settings of the ladder's next rung where ngspice gives up. */
-  if (!status) status = run_attempts(session, scene, r, err);
-  if (!status && scene->tier->has_circuit)
-    scene->order.tried = true; /* until another deck is read */
-
-  /* The same scene at another tolerance: how far the two differ is the error of each margin. */
-  if (!status && wants_second(session, r)) run_second(session, r);
-
-  leave_orbit(scene);
-  if (r->climbed) leave_orbit(r->climbed);
-  return status;
-}
-
-/* Returns how the last attempt ended. */
-static vs_status run_attempts(const vs_session *session, vs_scene *scene, vs_result *r,
-                              vs_error *err) {
-  vs_scene *now = scene;
-  for (;;) {
-    /* `start: steady` and `load.fraction: auto` are found first. */
-    vs_status status = begin_on_orbit(session, now, err);
-    if (!status) status = run_attempt(session, now, r, err);
-    if (status != VS_RUN || !err->gave_up || session->bare) return status;
-
-    /* ngspice gave up: the next rung's scene, if there is one, takes this one's place. */
-    vs_ladder next = r->ladder;
-    vs_scene *other = next_rung(scene, &next);
-    if (!other) return fail_after_ladder(scene, &r->ladder, err);
-    if (!next.failed[0]) memcpy(next.failed, err->text, sizeof next.failed);
-    if (session->guest && session->guest->again)
-      session->guest->again(session->guest->ctx, err->text, next.rung);
-    take_climbed_scene(r, other);
-    r->ladder = next;
-    *err = (vs_error){.findings = err->findings};
-    now = other;
+  vs_status status = vs_session_begin(session, scene, r, err);
+  vs_scene *now = status ? NULL : scene;
+  /* Where ngspice gives up, the scene of the next rung takes this one's place. */
+  for (; now; now = vs_session_climb(session, scene, status, r, err)) {
+    status = refuse_orbit(now, err);
+    if (!status) status = vs_session_attempt(session, now, r, err);
   }
+  return vs_session_finish(session, status, scene, r);
 }
 
-static vs_status run_attempt(const vs_session *session, vs_scene *s, vs_result *r, vs_error *err) {
+vs_status vs_session_begin(const vs_session *session, const vs_scene *scene, vs_result *r,
+                           vs_error *err) {
+  *r = (vs_result){.scene = scene};
+  /* Code of the user's own, as a law of control, runs only where the command line allows it. */
+  return vs_control_allow(&scene->control, scene->allow_code || session->bare, err);
+}
+
+vs_status vs_session_attempt(const vs_session *session, vs_scene *s, vs_result *r, vs_error *err) {
   attempt a = {session, s, r};
   const vs_session_listener *guest = session->guest;
 
@@ -109,6 +80,16 @@ static vs_status run_attempt(const vs_session *session, vs_scene *s, vs_result *
   /* The result: measures and verdict of what the watchers have seen, and the books of energy. */
   vs_result_finish(r);
   return close_books(r, s->setup.run.tolerance, err);
+}
+
+vs_status vs_session_finish(const vs_session *session, vs_status status, vs_scene *scene,
+                            vs_result *r) {
+  if (status) return status;
+  if (scene->tier->has_circuit) scene->order.tried = true; /* until another deck is read */
+
+  /* The same scene at another tolerance: how far the two differ is the error of each margin. */
+  if (wants_second(session, r)) run_second(session, r);
+  return VS_OK;
 }
 
 /* ---- one attempt: its parts ---- */
@@ -294,41 +275,46 @@ static void take_climbed_scene(vs_result *r, vs_scene *climbed) {
 }
 
 /* No rung helped: the error tells how the last attempt ended, and how the scene as it is did. */
-static vs_status fail_after_ladder(const vs_scene *scene, const vs_ladder *ladder, vs_error *err) {
+static void fail_after_ladder(const vs_scene *scene, const vs_ladder *ladder, vs_error *err) {
   const vs_error last = *err;
   const char *ideal =
       vs_ladder_stopped_short(scene)
           ? "; run.ladder: ideal would put an ideal thyristor in the place of the scene's"
           : "";
-  vs_status status = ladder->rung
-                         ? vs_fail(err, VS_RUN, "%s (%s; before, the scene as it is: %s)%s",
-                                   last.text, vs_ladder_text(ladder->rung), ladder->failed, ideal)
-                         : vs_fail(err, VS_RUN, "%s%s", last.text, ideal);
+  if (ladder->rung)
+    vs_fail(err, VS_RUN, "%s (%s; before, the scene as it is: %s)%s", last.text,
+            vs_ladder_text(ladder->rung), ladder->failed, ideal);
+  else
+    vs_fail(err, VS_RUN, "%s%s", last.text, ideal);
   err->gave_up = true;
-  return status;
 }
 
-/* Finds the state at t = 0 of a scene with `start: steady`, or the pilot that finds it in the run's
- * settling, and the load of one with `load.fraction: auto`. */
-static vs_status begin_on_orbit(const vs_session *session, vs_scene *scene, vs_error *err) {
-  const vs_setup *setup = &scene->setup;
-  if (!setup->steady && !setup->wants_fraction) return VS_OK;
-  if (!session->steady && setup->steady)
+vs_scene *vs_session_climb(const vs_session *session, const vs_scene *scene, vs_status status,
+                           vs_result *r, vs_error *err) {
+  vs_ladder next = r->ladder;
+  if (status != VS_RUN || !err->gave_up || session->bare) return NULL;
+  vs_scene *other = next_rung(scene, &next);
+  if (!other) {
+    fail_after_ladder(scene, &r->ladder, err);
+    return NULL;
+  }
+  if (!next.failed[0]) memcpy(next.failed, err->text, sizeof next.failed);
+  if (session->guest && session->guest->again)
+    session->guest->again(session->guest->ctx, err->text, next.rung);
+  take_climbed_scene(r, other);
+  r->ladder = next;
+  *err = (vs_error){.findings = err->findings};
+  return other;
+}
+
+/* Error: the scene begins on an orbit, or its load follows from one, and nobody has looked for it.
+ */
+static vs_status refuse_orbit(const vs_scene *scene, vs_error *err) {
+  if (scene->setup.steady)
     return vs_fail_at(err, vs_tree_place(scene->tree.root, "start"),
                       "start: steady: what is run here begins at rest or at a state; leave it out");
-  if (!session->steady)
-    return vs_setup_require_fraction(setup, vs_tree_place(scene->tree.root, "load.fraction"),
-                                     "what is run here", err);
-  scene->order.stop = session->stop;
-  return session->steady(scene, err);
-}
-
-/* Frees the pilot that begin_on_orbit has given the scene. */
-static void leave_orbit(vs_scene *scene) {
-  vs_orbit_search *pilot = scene->order.pilot;
-  if (!scene->setup.steady || !pilot) return;
-  scene->order.pilot = NULL;
-  pilot->free(pilot->self);
+  return vs_setup_require_fraction(&scene->setup, vs_tree_place(scene->tree.root, "load.fraction"),
+                                   "what is run here", err);
 }
 
 /* ---- the second run ---- */
@@ -480,7 +466,7 @@ static vs_status run_with_factor(const vs_session *session, const vs_result *r, 
   const vs_session plain = {.stop = session->stop, .unguarded = session->unguarded};
   *other = *r->scene;
   change_settings(other, factor);
-  return run_attempt(&plain, other, second, err);
+  return vs_session_attempt(&plain, other, second, err);
 }
 
 /* Runs the scene a second time and gives the margins their errors. A coarser run may fail by its

@@ -460,8 +460,12 @@ static void print_one_way(const vs_result *r, FILE *out) {
             work_j);
 }
 
-void vs_show_result(const vs_result *r, const vs_show_options *options, FILE *out) {
+void vs_show_all(const vs_result *r, const vs_show_options *options, const vs_show_more *more,
+                 FILE *out) {
   const int width = 18;
+  if (!more->show || r->verdict.count) vs_verdict_table_whole(r, out);
+  if (more->show && r->verdict.count) fputc('\n', out);
+  if (more->show) more->show(more->ctx, out);
   print_head(r, out);
   print_groups(r, options, out);
   print_one_way(r, out);

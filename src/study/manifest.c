@@ -47,10 +47,7 @@ static void add_begin(const vs_plan *plan, const char *name, vs_text *text) {
 /* Adds a number as study.csv has it, or a word. */
 static void add_axis_number(const vs_axis *axis, const char *key, double number, vs_json *json) {
   char text[VS_NAME_SIZE];
-  vs_axis_print(axis, number, text, sizeof text);
-  char *end;
-  strtod(text, &end);
-  if (*end || end == text) {
+  if (!vs_axis_print(axis, number, text, sizeof text)) {
     vs_json_text(json, key, text);
     return;
   }

@@ -121,7 +121,7 @@ static vs_status check_orbit(const vs_plan *plan, const vs_scene *scene, vs_erro
 static vs_status try_point(vs_plan *plan, const double *point, vs_scene *scene, vs_error *err) {
   vs_status status = vs_plan_scene(plan, scene, err);
   if (status) return status;
-  for (size_t k = 0; k < plan->n_axes; k++) vs_axis_put(&plan->axes[k], point[k], &scene->tree);
+  for (size_t k = 0; k < plan->n_axes; k++) vs_axis_put(&plan->axes[k], point[k], 12, &scene->tree);
   size_t found = vs_error_count(err);
   status = vs_scene_read_sections(scene, NULL, err);
   if (!status && vs_error_count(err) == found) status = check_orbit(plan, scene, err);

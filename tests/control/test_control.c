@@ -179,11 +179,11 @@ static void same_from_an_orbit(void) {
   vs_scene *scene = vs_alloc(2, sizeof *scene);
   double worst = 0;
   for (int k = 0; k < 2; k++) {
-    const vs_session session = {.steady = vs_steady_start};
+    const vs_session session = {0};
     char **own = sets + 4 * !k; /* those of the circuit for it alone */
     vs_error err = {0};
     vs_status status = vs_scene_read("control_setpoint", own, k ? 6 : 2, TIERS[k], &scene[k], &err);
-    if (!status) status = vs_session_run(&session, &scene[k], &result[k], &err);
+    if (!status) status = vs_steady_run(&session, &scene[k], &result[k], &err);
     EXPECT(!status && result[k].loop, "%s: %s", TIERS[k], err.text);
   }
   for (long n = 0; result[0].loop && result[1].loop && n < 30; n++) {
@@ -235,12 +235,12 @@ static void shipped_scenes(void) {
   for (size_t k = 0; k < COUNT(SCENES); k++) {
     swing s = {.from_s = SCENES[k].step_s};
     const vs_session_listener guest = {.ctx = &s, .accept = follow};
-    const vs_session session = {.guest = &guest, .steady = vs_steady_start};
+    const vs_session session = {.guest = &guest};
     vs_error err = {0};
     vs_scene *scene = vs_alloc(1, sizeof *scene);
     vs_result *result = vs_alloc(1, sizeof *result);
     vs_status status = vs_scene_read(SCENES[k].name, NULL, 0, NULL, scene, &err);
-    if (!status) status = vs_session_run(&session, scene, result, &err);
+    if (!status) status = vs_steady_run(&session, scene, result, &err);
     EXPECT(!status, "%s", err.text);
     EXPECT(s.outside_s < SCENES[k].step_s + 1.5, "%s: within 1 %% from %g s on", SCENES[k].name,
            s.outside_s);

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/text.h"
+#include "orbit/measured.h"
 #include "program.h"
 
 /* ---- numbers out of JSON ---- */
@@ -194,6 +195,23 @@ static void a_run_begins_there(void) {
   EXPECT(contains("dip/summary.json", "\"steady\": true"), "summary.json");
 }
 
+/* Who looks for an orbit while a run settles ends with that run: the scene, as that of the next
+ * case of a study, has nothing of it left. */
+static void no_search_is_left(void) {
+  char *sets[] = {"firing.every=1"};
+  vs_scene *scene = vs_alloc(1, sizeof *scene);
+  vs_measured *measured = vs_alloc(1, sizeof *measured);
+  vs_error err = {0};
+  const vs_session session = {0};
+  vs_status status = vs_scene_read("paper", sets, 1, "circuit", scene, &err);
+  if (!status) status = vs_measured_run(measured, scene, 1, &session, &err);
+  EXPECT(!status && measured->steady.picard && !scene->order.pilot, "%s", err.text);
+  vs_measured_free(measured);
+  vs_scene_free(scene);
+  free(measured);
+  free(scene);
+}
+
 /* With a stop, and the orbits of period 1 and 3 that are stable there. At 80 degrees tier switched
  * keeps off the stop; the circuit does not, and the machine, marched on for 200 cycles, comes back
  * after 5. At 60 degrees the swing's own Phi would drive the armature through its stop. At 1e-3
@@ -271,6 +289,7 @@ static const vs_test TESTS[] = {
     {"at other angles", at_other_angles},
     {"a flux that creeps", a_flux_that_creeps},
     {"a run begins there", a_run_begins_there},
+    {"no search is left", no_search_is_left},
     {"with a stop", with_a_stop},
     {"not unstable", not_unstable},
     {"what no probe shows", what_no_probe_shows},

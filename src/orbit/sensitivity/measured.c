@@ -49,14 +49,13 @@ vs_status vs_measured_run(vs_measured *m, vs_scene *scene, int periods, const vs
   const vs_session_listener guest = {
       .ctx = m, .begin = begin_run_of_measures, .accept = accept_step_of_measures};
   vs_session along = *session;
-  along.steady = vs_steady_start;
   m->period = periods > 0;
   if (m->period) along.guest = &guest;
   scene->warnings =
       (vs_warnings){0}; /* those of the scene that it was copied from are not its own */
   vs_status status = m->period ? vs_steady_begin(&m->steady, scene, periods, err) : VS_OK;
   if (!status) status = vs_session_charge_budget(scene, err);
-  if (!status) status = vs_session_run(&along, scene, &m->result, err);
+  if (!status) status = vs_steady_run(&along, scene, &m->result, err);
   if (!status && m->period) vs_steady_finish(&m->steady, &m->result);
   vs_warnings_free(&scene->warnings);
   return status;

@@ -124,13 +124,6 @@ static const double RESOLVED = 1e-7;
 /* Above this, relative to the measure, the slopes on either side of a key differ for good. */
 static const double BENDS = 1e-3;
 
-/* Of an error two digits tell all. */
-static double two_digits(double error) {
-  char text[VS_NUMBER_SIZE];
-  snprintf(text, sizeof text, "%.2g", error);
-  return strtod(text, NULL);
-}
-
 /* Says it once, however often the derivative is looked for. */
 static void say_bend(search *s, const vs_parameter *p, size_t of, double bend) {
   char of_what[VS_JUDGED_NAME + VS_KEY_SIZE + 64];
@@ -151,10 +144,11 @@ static void take_entry(search *s, const vs_stencil *fan, size_t of, size_t to, b
     return;
   }
   /* a key that is 0 has p in its own unit */
-  *e = (vs_sensitivity_entry){slope.slope / per + 0.0, two_digits(slope.error / fabs(per)), exact};
+  *e = (vs_sensitivity_entry){slope.slope / per + 0.0, vs_text_rounded(slope.error / fabs(per), 2),
+                              exact};
   /* the mean of two slopes is half of their difference off either of them */
   if (!exact && slope.bend > BENDS * fabs(per))
-    e->error = two_digits(fmax(slope.error, slope.bend / 2) / fabs(per));
+    e->error = vs_text_rounded(fmax(slope.error, slope.bend / 2) / fabs(per), 2);
   if (slope.bend > BENDS * fabs(per) && slope.bend > 10 * slope.error)
     say_bend(s, p, of, slope.bend / fabs(per));
 }
@@ -192,7 +186,7 @@ static const double MARGIN = 10;
 static vs_sensitivity_entry better_entry(vs_sensitivity_entry a, vs_sensitivity_entry b) {
   double apart = fabs(a.value - b.value);
   vs_sensitivity_entry best = b.error < a.error ? b : a;
-  if (apart > MARGIN * (a.error + b.error)) best.error = two_digits(MARGIN * apart);
+  if (apart > MARGIN * (a.error + b.error)) best.error = vs_text_rounded(MARGIN * apart, 2);
   return best;
 }
 

@@ -15,10 +15,13 @@
 #include "base/text.h"
 #include "plot/overlay.h"
 #include "plot/sheets.h"
-#include "run/run.h"
 #include "traces.h"
 
 enum { MOST_POINTS = 100 }; /* measured ones that are marked each */
+
+const char *const vs_plot_pictures[] = {
+    "motion_run", "motion_100ms", "pulse_50ms", "measured_run", "measured_100ms", "control_run",
+    "harmonics",  "closeup",      "spectrum",   "orbit",        "verdict",        NULL};
 
 typedef struct run_file {
   char path[VS_PATH_SIZE];
@@ -228,7 +231,7 @@ static vs_status draw_all(const char *folder, const run_file *run, const vs_shee
   vs_status status = VS_OK;
   int there = 0;
   for (size_t k = 0; k < VS_SHEETS; k++) /* a run over an older one removes what it knows by name */
-    assert(vs_run_pictures[k] && !strcmp(vs_run_pictures[k], all->set[k].name));
+    assert(vs_plot_pictures[k] && !strcmp(vs_plot_pictures[k], all->set[k].name));
   for (size_t k = 0; k < VS_SHEETS; k++) there += count_panels(run, &all->set[k]);
   for (size_t k = 0; k < VS_SHEETS; k++)
     for (size_t e = 0; e < sizeof ENDINGS / sizeof *ENDINGS && !status; e++) {

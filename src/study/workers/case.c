@@ -374,16 +374,14 @@ static vs_status run_scene(vs_case *c, vs_text *row, vs_error *err) {
                                      .accept = accept_step_of_case,
                                      .again = discard_attempt,
                                      .late = true};
-  const vs_session session = {.guest = c->keep || c->steady ? &guest : NULL,
-                              .wants = find_wants(c),
-                              .verify_edges = true,
-                              .steady = vs_steady_start};
+  const vs_session session = {
+      .guest = c->keep || c->steady ? &guest : NULL, .wants = find_wants(c), .verify_edges = true};
   *c->result = (vs_result){0};
   /* Derivatives come first, as a run makes the scene its own; in a study of orbits the scene then
    * becomes one period of its orbit; the run itself is as of `run`. */
   vs_status status = derive_measures(c, err);
   if (!status && c->steady) status = vs_steady_begin(c->steady, c->scene, c->plan->periods, err);
-  if (!status) status = vs_session_run(&session, c->scene, c->result, err);
+  if (!status) status = vs_steady_run(&session, c->scene, c->result, err);
   if (!status) status = end_orbit(c, err);
   if (!status) add_case_row(c, row);
   if (!status) status = commit_csv(&k, err);
@@ -405,7 +403,7 @@ static vs_status read_scene_of_case(vs_case *c, vs_error *err) {
     c->begun = true;
   }
   for (size_t k = 0; k < plan->n_axes && !status; k++)
-    vs_axis_put(&plan->axes[k], c->present.point[k], &c->scene->tree);
+    vs_axis_put(&plan->axes[k], c->present.point[k], 12, &c->scene->tree);
   if (status) return status;
   status = again ? vs_scene_reread(c->scene, err) : vs_scene_read_sections(c->scene, NULL, err);
   if (!status && plan->periods) vs_scene_disable_control(c->scene);
@@ -419,16 +417,18 @@ vs_status vs_case_begin(vs_case *c, uint64_t index, const double *point, vs_erro
   return status;
 }
 
-/* How well a row's cell is the axis' number: 2, to its last digit; 1, as another machine's libm may
- * have rounded that; 0, not. */
-static int cell_agrees(const char *cell, const char *number) {
+/* How well a row's cell is the axis' number, whose `text` is written: 2, to its last digit; 1, as
+ * another machine's libm may have rounded that; 0, not. */
+static int cell_agrees(const char *cell, const vs_axis *axis, double number, char *text,
+                       size_t size) {
   /* an axis has 12 digits, of which the last is at most 1e-11 of it; twice that for rounding */
   enum { DIGITS = 12 };
   const double most = 2 * pow(10, 1 - DIGITS);
-  char *end, *end_too;
-  if (!strcmp(cell, number)) return 2;
-  double a = strtod(cell, &end), b = strtod(number, &end_too);
-  return *cell && *number && !*end && !*end_too && fabs(a - b) <= most * fabs(b);
+  char *end;
+  const bool is_word = !vs_axis_print(axis, number, text, size);
+  if (!strcmp(cell, text)) return 2;
+  return !is_word && fabs(strtod(cell, &end) - number) <= most * fabs(number) && end > cell &&
+         !*end;
 }
 
 bool vs_case_is_row(vs_case *c, uint64_t index, const double *point, bool failed, char *row,
@@ -442,8 +442,7 @@ bool vs_case_is_row(vs_case *c, uint64_t index, const double *point, bool failed
     return false;
   }
   for (size_t k = 0; k < plan->n_axes; k++) {
-    vs_axis_print(&plan->axes[k], point[k], number, sizeof number);
-    const int agreed = cell_agrees(cell[HEAD + k], number);
+    const int agreed = cell_agrees(cell[HEAD + k], &plan->axes[k], point[k], number, sizeof number);
     exact = exact && agreed == 2;
     if (agreed) continue;
     snprintf(why, size, "its %.64s is %.64s; its row has '%.64s'", plan->axes[k].column, number,

@@ -54,6 +54,9 @@ int vs_text_column(const char *line, const char *at);
 enum { VS_NUMBER_SIZE = 32 }; /* bytes, the end included */
 size_t vs_text_number(char text[VS_NUMBER_SIZE], double value, int digits);
 
+/* The number that so many significant digits of the value are. */
+double vs_text_rounded(double value, int digits);
+
 /* Reads the number that the text begins with as strtod does; *end is what is behind it, or the text
  * where there is none. A number that a double cannot hold is read as NaN: one beyond 1.8e308, and
  * one that is not 0 but below 2.3e-308, of which only some digits would be kept, or none. */

@@ -74,8 +74,6 @@ typedef struct vs_orbit_search {
   double (*push)(void *self, double t_s);
   /* The run has come to its end, or has failed. */
   void (*end)(void *self);
-  /* Frees the pilot, where the run's session is to do that; NULL: its owner does. */
-  void (*free)(void *self);
 } vs_orbit_search;
 
 /* What one run has besides its setup. Only a tier with a circuit looks at it, but for the

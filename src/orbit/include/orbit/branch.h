@@ -3,20 +3,23 @@
 #ifndef VS_ORBIT_BRANCH_H
 #define VS_ORBIT_BRANCH_H
 
+#include <signal.h>
+
 #include "orbit/branch_parameter.h"
-#include "run/run.h"
 
 typedef struct vs_branch_options {
-  const vs_run_options *run; /* scene, sets, tier, folder, json, quiet, digits and stop count */
   vs_branch_parameter_words words;
-  int periods;
+  int periods, digits; /* significant digits in branch.csv */
+  const char *folder;  /* for the files; NULL: none are written */
+  bool json, quiet;
+  const volatile sig_atomic_t *stop; /* set by a signal: what was found is told */
 } vs_branch_options;
 
-/* Follows the branch, and prints it; with a folder it writes branch.csv, branch.json and
+/* Follows the scene's branch, and prints it; with a folder it writes branch.csv, branch.json and
  * branch.png. Errors: VS_INPUT, and nothing is written; VS_RUN, no orbit is found at the
  * beginning, or the branch cannot be followed to an end of the range, and what was found is
  * written and printed all the same; VS_SIGNAL, likewise. Without gnuplot there is no picture, which
  * a warning says. */
-vs_status vs_branch_command(const vs_branch_options *options, vs_error *err);
+vs_status vs_branch_command(const vs_branch_options *options, vs_scene *scene, vs_error *err);
 
 #endif

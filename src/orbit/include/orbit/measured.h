@@ -27,7 +27,7 @@ void vs_measured_free(vs_measured *measured);
  * on one; or, with periods above 0, those of one period of its orbit of so many firing periods. The
  * scene is altered: give a copy, which may borrow. session: its guest is only asked into a run.
  * Fill *measured with {0} before. It counts on the budget of
- * the scene's order. Errors: those of vs_session_run, vs_session_charge_budget and vs_steady_begin.
+ * the scene's order. Errors: those of vs_steady_run, vs_session_charge_budget and vs_steady_begin.
  */
 vs_status vs_measured_run(vs_measured *measured, vs_scene *scene, int periods,
                           const vs_session *session, vs_error *err);

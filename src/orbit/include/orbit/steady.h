@@ -13,7 +13,7 @@
 #include "measure/throw.h"
 #include "orbit/picard.h"
 #include "orbit/shooting.h"
-#include "run/result.h"
+#include "run/session.h"
 
 /* The reactions of springs and dampers along each coordinate. Start from {0}. */
 typedef struct vs_reaction {
@@ -110,10 +110,11 @@ bool vs_steady_at(const vs_steady *steady, int k, vs_steady_measure *measure);
  * of. It borrows what the scene owns; the caller frees it with free(). */
 vs_scene *vs_steady_undisturbed(const vs_scene *scene);
 
-/* For vs_session.steady: puts a scene with `start: steady` at the beginning of its orbit of one
- * firing period, that of the scene without its events, and finds the share of its load that rides
- * where load.fraction is auto. On tier circuit it gives the scene's order a pilot for that. Errors:
- * those of vs_shooting_find, vs_picard_new and vs_fraction_settle. */
-vs_status vs_steady_start(vs_scene *scene, vs_error *err);
+/* vs_session_run, also for scenes with `start: steady` or `load.fraction: auto`: before each
+ * attempt the scene's orbit and the share of its load that rides are found. Behind it the scene's
+ * order has no pilot. Errors besides: those of vs_shooting_find, vs_picard_new and
+ * vs_fraction_settle. */
+vs_status vs_steady_run(const vs_session *session, vs_scene *scene, vs_result *result,
+                        vs_error *err);
 
 #endif

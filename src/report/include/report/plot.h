@@ -7,6 +7,10 @@
 
 #include "base/error.h"
 
+/* The names, without .png or .svg, of the pictures that are drawn into a run's folder; NULL ends
+ * them. A run over an older one removes them. */
+extern const char *const vs_plot_pictures[];
+
 typedef struct vs_plot_options {
   const char *folder; /* of the run; its run.csv has the columns that the run recorded */
   const char *output; /* the one picture to draw, ending in .png or .svg; NULL: the set of pictures,

@@ -5,9 +5,9 @@
 
 #include <stdint.h>
 
+#include "base/field.h"
 #include "run/keys.h"
 #include "run/scene.h"
-#include "base/field.h"
 
 /* All numbers of an axis are in `unit`. */
 typedef struct vs_axis {
@@ -58,10 +58,12 @@ vs_status vs_axis_whole(const vs_node *map, const char *key, uint64_t least, uin
 vs_status vs_axis_word(const vs_node *map, const char *name, const char *words, int *which,
                        vs_error *err);
 
-/* Writes the axis' number as it stands in study.csv: a number of 12 digits, or a word. */
-void vs_axis_print(const vs_axis *axis, double number, char *text, size_t size);
+/* Writes the axis' number as it stands in study.csv: a number of 12 digits, for which it returns
+ * true, or a word. */
+bool vs_axis_print(const vs_axis *axis, double number, char *text, size_t size);
 
-/* Puts the axis' number, with its unit, into a scene's tree. */
-void vs_axis_put(const vs_axis *axis, double number, vs_tree *tree);
+/* Puts the axis' number, with so many digits and its unit, or its word into a scene's tree. Where
+ * study.csv has 12 digits of it, the scene has no more. */
+void vs_axis_put(const vs_axis *axis, double number, int digits, vs_tree *tree);
 
 #endif

@@ -39,10 +39,6 @@ typedef struct vs_session {
                  and what the run needs for these alone may be left out; NULL: all */
   bool unguarded; /* the run goes on beyond the pole cover without a stop, for callers who look
                      where the armature meets it */
-  vs_status (*steady)(vs_scene *scene, vs_error *err); /* puts a scene with `start: steady` at the
-                     beginning of its orbit, or gives its order a pilot that does so, which the
-                     session frees; and finds what its load comes to where that is auto; NULL: no
-                     such scene is run */
   const volatile sig_atomic_t
       *stop; /* set by a signal: the run ends with VS_SIGNAL; NULL: no signal ends it */
 } vs_session;
@@ -52,9 +48,27 @@ typedef struct vs_session {
  * result->scene is the one that was run last. Code of the user's own wants scene->allow_code. A
  * signal in the second run leaves the first one's result, unverified (result->second.stopped).
  * Errors: those of vs_sim_run and of the guest; VS_RUN, the energy books are open so far that the
- * numbers mean nothing. */
+ * numbers mean nothing; VS_INPUT, `start: steady` or `load.fraction: auto`, which vs_steady_run
+ * runs (orbit/steady.h). */
 vs_status vs_session_run(const vs_session *session, vs_scene *scene, vs_result *result,
                          vs_error *err);
+
+/* ---- vs_session_run in its parts, for who prepares the scene of each attempt ---- */
+
+/* Begins the result. Error: the scene runs code of the user's own, which is not allowed. */
+vs_status vs_session_begin(const vs_session *session, const vs_scene *scene, vs_result *result,
+                           vs_error *err);
+/* Runs the scene once. */
+vs_status vs_session_attempt(const vs_session *session, vs_scene *scene, vs_result *result,
+                             vs_error *err);
+/* Where ngspice gave up, returns `scene` with the settings of the ladder's next rung, which the
+ * result owns. NULL: `status`, with err, is how the last attempt ended. */
+vs_scene *vs_session_climb(const vs_session *session, const vs_scene *scene, vs_status status,
+                           vs_result *result, vs_error *err);
+/* Makes the second run that `session` wants behind an attempt without an error. Returns `status`,
+ * how the last attempt ended. */
+vs_status vs_session_finish(const vs_session *session, vs_status status, vs_scene *scene,
+                            vs_result *result);
 
 /* Cycles of the mains that a run of the scene takes, of its search for an orbit apart; at least 1.
  */

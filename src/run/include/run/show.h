@@ -30,8 +30,10 @@ typedef struct vs_show_more {
 void vs_show_brief(const vs_result *result, const vs_show_options *options,
                    const vs_show_more *more, FILE *out);
 
-/* Prints all that stands behind the verdict: scene, tier, the measures in groups, the cost. */
-void vs_show_result(const vs_result *result, const vs_show_options *options, FILE *out);
+/* Prints all of it: the verdict, what the command shows, scene, tier, the measures in groups, the
+ * cost. */
+void vs_show_all(const vs_result *result, const vs_show_options *options, const vs_show_more *more,
+                 FILE *out);
 
 /* Of a current whose groups are told (measure/spectrum.h), prints the windows that they are over.
  */
