@@ -502,7 +502,8 @@ static sample lines(long k) {
   return (sample){10 * (double)(1 + k), 1, 1000 * (double)(1 + k * k), (double)(2 - k) / 4};
 }
 
-/* Cells and the line of the limit of a map; bars of a sample; a curve; the panels of a run. */
+/* Cells and the line of the limit of a map; bars and points of a sample; a curve; the panels of a
+ * run; a part's curve, which ends at 20 A. */
 static void pictures_are_of_the_numbers(void) {
   static const char *const MAP[] = {
       "set title \"peak\" offset 0,0.7\nset xlabel \"circuit.a / Ω\"\nset ylabel \"circuit.b\"\n"
@@ -523,7 +524,9 @@ static void pictures_are_of_the_numbers(void) {
       "plot $bins using 1:2:(width):(bad($1)) with boxes lc rgb variable\n",
       "set label '5 %: -68.75' at first -68.75, graph 1 right", /* a twentieth of -75 .. 50 */
       "bad(x) = 1 && x < 0 ? 0xd55e00 : 0x0072b2\n",
-      "$bars << EOD\n0 -0.956182887\n1 -0.292770022\nEOD\n", NULL};
+      "$bars << EOD\n0 -0.956182887\n1 -0.292770022\nEOD\n",
+      "$points << EOD\n10 1 50\n",
+      NULL};
   static const char *const CURVE[] = {
       "set ylabel \"peak / kV\"\nset arrow from graph 0, first 3 to graph 1, first 3 nohead",
       "set yrange [0.04:17.96]\n$line << EOD\n10 1\n20 2\n30 5\n40 10\n50 17\nEOD\nplot $line "
@@ -554,6 +557,9 @@ static void pictures_are_of_the_numbers(void) {
   RUN_GOOD(
       "run paper --set run.tier=switched --set run.until=20ms --set firing.every=1 -o o --quiet");
   expect_told("plot o --quiet", OTHERS, __LINE__); /* fired otherwise it is in no figure */
+  static const char *const FORWARD[] = {" 20\nEOD\n$curve1 << EOD\n", NULL};
+  RUN_GOOD("part diode -o d.inc");
+  expect_told("check d.inc -o seen --quiet", FORWARD, __LINE__);
   remove_tree("r");
 }
 
