@@ -524,9 +524,7 @@ static void pictures_are_of_the_numbers(void) {
       "plot $bins using 1:2:(width):(bad($1)) with boxes lc rgb variable\n",
       "set label '5 %: -68.75' at first -68.75, graph 1 right", /* a twentieth of -75 .. 50 */
       "bad(x) = 1 && x < 0 ? 0xd55e00 : 0x0072b2\n",
-      "$bars << EOD\n0 -0.956182887\n1 -0.292770022\nEOD\n",
-      "$points << EOD\n10 1 50\n",
-      NULL};
+      "$bars << EOD\n0 -0.956182887\n1 -0.292770022\nEOD\n", NULL};
   static const char *const CURVE[] = {
       "set ylabel \"peak / kV\"\nset arrow from graph 0, first 3 to graph 1, first 3 nohead",
       "set yrange [0.04:17.96]\n$line << EOD\n10 1\n20 2\n30 5\n40 10\n50 17\nEOD\nplot $line "
@@ -546,6 +544,9 @@ static void pictures_are_of_the_numbers(void) {
   expect_told("plot s --quiet", MAP, __LINE__);
   write_study("sobol", "", 6, stepped);
   expect_told("plot s --quiet", BARS, __LINE__);
+  static const char *const CLOUD[] = {"$points << EOD\n10 1 50\n", NULL};
+  write_study("worst", "", 6, stepped);
+  expect_told("plot s --quiet", CLOUD, __LINE__);
   write_study("grid", "", 5, lines);
   expect_told("plot s --quiet", CURVE, __LINE__);
   RUN_GOOD("run paper --set run.tier=switched --set run.until=20ms -o r --quiet");
