@@ -503,7 +503,7 @@ static sample lines(long k) {
 }
 
 /* Cells and the line of the limit of a map; bars and points of a sample; a curve; the panels of a
- * run; a part's curve, which ends at 20 A. */
+ * run; a diode's curve, which ends at 20 A, and those of a fuse that clears. */
 static void pictures_are_of_the_numbers(void) {
   static const char *const MAP[] = {
       "set title \"peak\" offset 0,0.7\nset xlabel \"circuit.a / Ω\"\nset ylabel \"circuit.b\"\n"
@@ -561,6 +561,9 @@ static void pictures_are_of_the_numbers(void) {
   static const char *const FORWARD[] = {" 20\nEOD\n$curve1 << EOD\n", NULL};
   RUN_GOOD("part diode -o d.inc");
   expect_told("check d.inc -o seen --quiet", FORWARD, __LINE__);
+  static const char *const CLEARS[] = {"clearing: current", "clearing: voltage", NULL};
+  RUN_GOOD("part fuse -o f.inc");
+  expect_told("check f.inc -o melted --quiet", CLEARS, __LINE__);
   remove_tree("r");
 }
 
