@@ -136,7 +136,6 @@ static bool make_pipes(int there[2], int back[2], int why[2]) {
 static vs_status start(vs_child_process *r, const task *t, int *why, vs_error *err) {
   int there[2], back[2], trouble[2];
   *why = 0;
-  r->pid = 0;
   if (!make_pipes(there, back, trouble))
     return vs_fail(err, VS_RUN, "control: no pipe: %s", strerror(errno));
   fflush(NULL); /* what is not written yet would be written twice */

@@ -14,6 +14,7 @@
 #include "base/field.h"
 #include "base/file.h"
 #include "base/gnuplot.h"
+#include "base/hash.h"
 #include "base/json.h"
 #include "base/text.h"
 #include "base/tree.h"
@@ -545,6 +546,9 @@ static void bad_files_are_refused(void) {
   CU_ASSERT_EQUAL(vs_tree_read("nowhere.yaml", &tree, &err), VS_INPUT);
   CU_ASSERT_PTR_NOT_NULL(strstr(err.text, "nowhere.yaml: cannot be opened: No such file"));
   vs_tree_free(&tree);
+  char sum[VS_HASH_TEXT];
+  CU_ASSERT_EQUAL(vs_hash_file("no.law", sum, &err), VS_INPUT);
+  CU_ASSERT_PTR_NOT_NULL(strstr(err.text, "no.law: cannot be opened: No such file"));
 }
 
 static void what_is_set_lies_over_the_file(void) {

@@ -200,9 +200,13 @@ static void every_topic_has_help(void) {
 
 static void help_says_what_the_tables_say(void) {
   static const char *const ROWS[][2] = {
-      {"firing", "firing.angle "},          {"exit", " 75  stopped by a signal"},
-      {"check", "Usage: vibrospice check"}, {"run", "\nrun.until "}, /* command and section */
-      {"control", "control.rate "},         {"tiers", "switched "}};
+      {"firing", "firing.angle "},
+      {"exit", " 75  stopped by a signal"},
+      {"check", "Usage: vibrospice check"},
+      {"run", "\nrun.until "}, /* command and section */
+      {"control", "control.rate "},
+      {"tiers", "switched "},
+      {"steady", "\nOver one period it reports, besides the measures of every run:\n  power_in "}};
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     ran r = run("help %s", ROWS[k][0]);
     EXPECT(strstr(r.out, ROWS[k][1]), "help %s: %s", ROWS[k][0], r.out);
@@ -276,7 +280,8 @@ static void shells_complete(void) {
 static void the_manual_page(void) {
   ran r = run("help man");
   EXPECT(r.status == 0 && strstr(r.out, "\n.SS vibrospice sensitivity SCENE\n") &&
-             strstr(r.out, "\\fB\\-\\-until\\fR=\\fIT\\fR"),
+             strstr(r.out, "\\fB\\-\\-until\\fR=\\fIT\\fR") &&
+             strstr(r.out, "\n.PP\nExamples:\n.PP\n.nf\n  vibrospice run paper "),
          "%s", r.out);
   write_file("vibrospice.1", r.out);
   free_ran(&r);

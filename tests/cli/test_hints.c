@@ -75,7 +75,7 @@ static void nodes_that_nothing_holds(void) {
        "node xi.q, xi.r"},
       {"I1 0 x1 1m\nB1 y 0 V=v(x1)\nRy y 0 1k\n", "deck.cir:20:1", "node x1"},
       {"I1 0 x1 1m\n", "deck.cir:20:1", "node x1"},
-      {"B1 y 0 V=v(xx)*2\nRy y 0 1k\n", "deck.cir:20:1", "looks at node xx"},
+      {"B1 y 0 V=v(xx)*2\nRy y 0 1k\n", "deck.cir:20:1", "b1 looks at node xx"},
       {"V1 x 0 5\nV2 x 0 5\nR2 x 0 1k\n", "deck.cir:21:1", "loop of voltage sources"},
       {"V1 x 0 5\nE2 x 0 a 0 1\nR2 x 0 1k\n", "deck.cir:21:1", "loop of voltage sources"},
       {"V1 a x 0\nV2 a x 0\nRx x 0 1meg\n", "deck.cir:21:1", "loop of voltage sources"},
@@ -147,6 +147,7 @@ static void comparators_that_go_to_and_fro(void) {
       "R9 a x 10k\nC9 x 0 10n\nS9 x 0 x 0 plain\n" MODEL,
       "R9 a x 10k\nS9 x 0 x 0 plain\n" MODEL,
       "R9 a x 10k\nB9 x 0 I=v(x)>50 ? 0.1 : 0\n",
+      "R9 a x 10k\nB9 x 0 I=1>(v(x)>50) ? 0 : 0.1\n", /* the one within is about to turn over */
       "R9 cc x 1k\nC9 x 0 1u\nB9 o 0 V=v(x)>5 ? 15 : 0\nS9 x 0 o 0 sr\n"
       ".model sr sw(vt=7 vh=1 ron=100 roff=10meg)\n",
       "R9 cc x 1k\nC9 x 0 10n\nB9 z 0 V=(v(x)>5)*15\nR8 z q 100\nC8 q 0 1p\nG9 x 0 q 0 2m\n",

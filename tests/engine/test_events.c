@@ -425,10 +425,18 @@ static void what_is_reckoned_otherwise(void) {
     EXPECT(!strstr(r.out, "\"weakest\": \"fuse_2.let_through\""), "%s", ROWS[k].event);
     free_ran(&r);
   }
+  write_file("d.cir", "*$ port mains = Vm\n*$ param r1 = 100 ohm 1..1e6 \"a resistor\"\n"
+                      "*$ loss first = v(s,a)^2/{r1}\nVm s 0 external\nR1 s a {r1}\n"
+                      "Xeva a 0 eva\n");
+  write_file("s.yaml", "circuit: {deck: d.cir}\nrun: {until: 7 ms, tier: circuit}\n"
+                       "events: {e: {kind: short, element: R1, at: 1 ms}}\n");
+  ran r = run("check s.yaml");
+  EXPECT(strstr(r.err, "are not right any more: those of first;"), "%s", r.err);
+  free_ran(&r);
   /* several varistors have one parameter; and a value may be more than it */
   write_file("s.yaml", "circuit: {deck: halfwave_snubbed}\nrun: {until: 7 ms, tier: circuit}\n"
                        "events: {e: {kind: open, element: Xv1, at: 1 ms}}\n");
-  ran r = run("run s.yaml --quiet");
+  r = run("run s.yaml --quiet");
   EXPECT(!strstr(r.err, "varistor_2") && !strstr(r.err, "varistor_3"), "%s", r.err);
   free_ran(&r);
 }

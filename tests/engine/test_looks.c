@@ -3,6 +3,7 @@
  * at otherwise. */
 #include <math.h>
 
+#include "macromodel/circuit_states.h"
 #include "suite.h"
 
 typedef struct leaving {
@@ -51,6 +52,19 @@ static void left_where_it_pays(void) {
   }
 }
 
-static const vs_test TESTS[] = {{"left where it pays", left_where_it_pays}};
+/* Each capacitor once: those of a subcircuit, and those of the lines behind it. */
+static void states_of_a_deck(void) {
+  write_file("d.cir", "*$ port mains = Vm\nVm s 0 external\n.subckt pair a b\nC1 a m 1n\n"
+                      "C2 m b 1n\n.ends\nC9 s 0 1n\nX1 s 0 pair\nXeva s 0 eva\n");
+  vs_trial *t =
+      vs_trial_read("paper", "circuit", (const char *const[]){"circuit.deck=d.cir", NULL});
+  vs_circuit_states all = {0};
+  EXPECT(!t->status && vs_circuit_states_list(&t->scene.setup.deck, &all), "%s", t->err.text);
+  CU_ASSERT_EQUAL(all.count, 3);
+  vs_trial_free(t);
+}
+
+static const vs_test TESTS[] = {{"left where it pays", left_where_it_pays},
+                                {"states of a deck", states_of_a_deck}};
 
 VS_SUITE_MAIN("looks", TESTS)

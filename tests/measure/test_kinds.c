@@ -333,6 +333,18 @@ static void fails_to_commutate(void) {
   free(e);
 }
 
+/* It has blocked for a half cycle, and fires without a pulse in the next: that is no commutation.
+ */
+static void fires_a_half_cycle_later(void) {
+  char *e = events_of(TWO_GATES FORCED("0 300 5.6m 300 5.601m 1 9.999m 1 10.001m -1 10.01m -300 "
+                                       "19.99m -300 20.01m 300 21m 300 21.001m 1",
+                                       "0 0 5.6m 0 5.61m 10 8m 10 10m 0 21m 0 21.01m 10"),
+                      PART("triac", ""), SHORT_PULSES);
+  CLOSE(when(e, "t fires without a gate pulse (unintended firing)"), 21e-3, 1e-3);
+  CU_ASSERT_PTR_NULL(strstr(e, "commutation"));
+  free(e);
+}
+
 /* It blocks in the second half cycle, whose pulse begins at 15.556 ms and ends 1 ms later; in the
  * first one it is fired at 3 ms, before any pulse. */
 static void disobeys(void) {
@@ -583,6 +595,7 @@ static const vs_test TESTS[] = {
     {"an electrolytic", an_electrolytic},
     {"a triac both ways", a_triac_both_ways},
     {"fails to commutate", fails_to_commutate},
+    {"fires a half cycle later", fires_a_half_cycle_later},
     {"disobeys", disobeys},
     {"an imported triac", an_imported_triac},
     {"a fuse", a_fuse},

@@ -147,6 +147,7 @@ static void bad_lines_are_refused(void) {
   REFUSE(SUPPLY "*$ probe v_a = v(a) V\n*$ rating v_a 1 V\n" EVA, "bad.cir:5:15: ", "MIN..MAX");
   REFUSE(SUPPLY "*$ compat lt\n" EVA, "bad.cir:4:11: ", "there is: ps");
   REFUSE(SUPPLY "*$ port mains = Vn\n" EVA, "bad.cir:4:9: ", "second port mains");
+  REFUSE(SUPPLY "*$ port gate Vn\n" EVA, "bad.cir:4:14: ", "'port NAME = SOURCE' is wanted");
   REFUSE(SUPPLY "*$ probe p = v(a) V\n" EVA, "bad.cir:4:10: ", "taken by the machine");
   REFUSE(SUPPLY "*$ probe a = v(a) V\n*$ probe p = v(a) V\n" EVA, "bad.cir:5:10: ", "taken by the");
   REFUSE(SUPPLY "*$ probe v_a = v(a) V\n*$ probe V_A = v(a) V\n" EVA,

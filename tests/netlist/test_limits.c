@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "measure/verdict.h"
 #include "program.h"
 #include "suite.h"
-#include "measure/verdict.h"
 
 #define DECK                                                                                       \
   "*$ title t\n*$ param fuse = f part fuse \"F\"\n*$ param low = 2 mA 0..100 \"a\"\n"              \
@@ -45,6 +45,7 @@ static void ratings_take_limits(void) {
   CLOSE(s->deck.ratings[1].min, -2, 1e-15);
   CLOSE(s->deck.ratings[1].max, 0.5, 1e-15);
   CU_ASSERT_TRUE(s->deck.limits[0].assumed && !s->deck.limits[1].assumed);
+  CU_ASSERT_TRUE(s->deck.ratings[0].bounds[0].assumed && !s->deck.ratings[1].bounds[1].assumed);
   vs_setup_free(s);
 }
 

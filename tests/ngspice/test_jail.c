@@ -17,6 +17,7 @@
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
+#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -440,6 +441,34 @@ static void a_trial_is_confined(void) {
   CU_ASSERT_EQUAL(end, VS_CHILD_GOOD);
 }
 
+static vs_child_end stays(void *ctx) {
+  const volatile bool *here = ctx;
+  while (*here) {
+  }
+  return VS_CHILD_GOOD;
+}
+
+static void nothing(int signal) {
+  (void)signal;
+}
+
+/* A signal that this process handles ends the trial, and the program with 75. */
+static void a_trial_is_stopped(void) {
+  vs_solver_errors complaints = {0};
+  vs_child_end end;
+  vs_error err = {0};
+  const struct sigaction act = {.sa_handler = nothing};
+  const struct itimerval often = {{0, 50000}, {0, 50000}}, off = {{0, 0}, {0, 0}};
+  sigaction(SIGALRM, &act, NULL);
+  setitimer(ITIMER_REAL, &often, NULL);
+  bool here = true;
+  vs_status status = vs_child_try(stays, &here, &complaints, &end, &err);
+  setitimer(ITIMER_REAL, &off, NULL);
+  signal(SIGALRM, SIG_DFL);
+  EXPECT(status == VS_SIGNAL && strstr(err.text, "stopped by a signal"), "%d: %s", (int)status,
+         err.text);
+}
+
 /* Kills whatever sets a filter of calls of its own, as the filter of a container may. */
 static bool kill_who_filters(void) {
   struct sock_filter code[] = {
@@ -538,6 +567,7 @@ int main(void) {
       {"words that clash", words_that_clash},
       {"calls are refused", calls_are_refused},
       {"a trial is confined", a_trial_is_confined},
+      {"a trial is stopped", a_trial_is_stopped},
       {"workers are confined", workers_are_confined},
       {"a filter outside is named", a_filter_outside_is_named},
   };

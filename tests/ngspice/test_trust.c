@@ -163,6 +163,7 @@ static void pulses_are_completed(void) {
        "v1 a 0 dc 0 pulse ( 0 {a*(b+1)} 1m 0 0 0.25 0.25) ac 1"},
       {"I1 a 0 PULSE 0 1 0 0 0 0s 0.0 AC 1", "I1 a 0 PULSE ( 0 1 0 0 0 0.25 0.25) AC 1"},
       {"V1 a 0 PULSE(0 'x y' 0 1u 1u {w} 2m)", NULL},
+      {"V1 a 0 PULSE(0 1 0 0 0 w0 p0)", NULL}, /* names */
       {"V1 pulse 0 5", NULL},
       {"V1 pulse 0 PULSE(0 1 0 1u 1u 0.5 10)", NULL},
       {"V1 a 0 PULSE(0)", NULL},

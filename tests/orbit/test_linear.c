@@ -438,6 +438,23 @@ static void gain_by_sensitivity(void) {
   free_ran(&r);
 }
 
+/* The largest distance of the step response from that of the dominant pole or pair alone. */
+static void what_a_pole_leaves_out(void) {
+  const char *const SETS[] = {"firing.every=1", "firing.angle=130deg"};
+  subject *s = begin("two_mass", SETS, 2, NULL, 0);
+  const vs_averaged *a = &s->averaged;
+  for (int i = 0; i < a->outputs; i++) {
+    const vs_averaged_pole *p = &a->pole[a->dominant[i]];
+    double _Complex m = p->multiplier.re + p->multiplier.im * _Complex_I,
+                    part = a->share[i][a->dominant[i]] * (p->multiplier.im > 0 ? 2 : 1);
+    double most = 0;
+    for (int k = 0; k < FIRINGS; k++, part *= m)
+      most = fmax(most, fabs(vs_averaged_step(a, i, k) - (a->gain[i] - creal(part))));
+    CLOSE(a->left_out[i], most / fabs(a->gain[i]), 1e-9);
+  }
+  end(s);
+}
+
 static void refusals(void) {
   static const struct {
     const char *words;
@@ -467,6 +484,7 @@ static const vs_test TESTS[] = {{"steps of the angle", steps_of_the_angle},
                                 {"through low-passes", through_low_passes},
                                 {"second extremes", second_extremes},
                                 {"probes of a machine", probes_of_a_machine},
+                                {"what a pole leaves out", what_a_pole_leaves_out},
                                 {"files", files},
                                 {"the gain by sensitivity", gain_by_sensitivity},
                                 {"refusals", refusals}};

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/path.h"
+#include "part_rows.h"
 #include "plant/mechanics.h"
 #include "program.h"
 
@@ -322,6 +323,10 @@ static void every_mistake_has_its_place(void) {
     const char *from, *to, *says;
   } ROWS[] = {
       {"title: a", "title: good", NULL},
+      {"[[m1, 0], [0, '10 kg']]\ndamping: [[b, -b], [-b, b]]\nstiffness: [[k, -k], [-k, 2*k]]",
+       "[[1e-300 kg, 0], [0, 1 kg]]\ndamping: [[b, -b], [-b, b]]\n"
+       "stiffness: [[1e200 N/m, 0], [0, k]]",
+       "m.yaml:1:1: the eigenvalues of the mechanics cannot be found"},
       /* names */
       {"[[m1, 0]", "[[m2, 0]",
        "m.yaml:12:9: mass of x, x: no parameter or let 'm2'; did you mean 'm1'?"},
@@ -482,6 +487,12 @@ static void scenes_name_machines(void) {
   expect_says("--set machine.model=two_mass --set start.p=1mm", "start has no key 'p'", __LINE__);
   expect_says("--set machine.model=two_mass --set record=[xx]", "no probe 'xx'", __LINE__);
   expect_says("--set machine.model=lds_v203 --set load.density=1g/cm3", "has no load", __LINE__);
+  write_file("m.yaml", GOOD);
+  alter("m.yaml", "m.yaml", "stroke: {of: x - y, unit: mm", "lift_v: {of: lever");
+  write_file("d.cir", "*$ port mains = Vm\nVm s 0 external\nRs s a 1\nXeva a 0 eva\n"
+                      "*$ probe lift = v(a) V\n");
+  expect_says("--set machine.model=m.yaml --set circuit.deck=d.cir",
+              "d.cir:5:10: lift: its column in a run's table is that of lift_v", __LINE__);
 }
 
 /* The file's own keys and defaults are listed, and taken; what the scene says stands over them. */

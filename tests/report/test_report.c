@@ -502,7 +502,8 @@ static sample lines(long k) {
   return (sample){10 * (double)(1 + k), 1, 1000 * (double)(1 + k * k), (double)(2 - k) / 4};
 }
 
-/* Cells and the line of the limit of a map; bars of a sample; a curve; the panels of a run. */
+/* Cells and the line of the limit of a map; bars and points of a sample; a curve; the panels of a
+ * run; a diode's curve, which ends at 20 A, and those of a fuse that clears. */
 static void pictures_are_of_the_numbers(void) {
   static const char *const MAP[] = {
       "set title \"peak\" offset 0,0.7\nset xlabel \"circuit.a / Ω\"\nset ylabel \"circuit.b\"\n"
@@ -543,6 +544,9 @@ static void pictures_are_of_the_numbers(void) {
   expect_told("plot s --quiet", MAP, __LINE__);
   write_study("sobol", "", 6, stepped);
   expect_told("plot s --quiet", BARS, __LINE__);
+  static const char *const CLOUD[] = {"$points << EOD\n10 1 50\n", NULL};
+  write_study("worst", "", 6, stepped);
+  expect_told("plot s --quiet", CLOUD, __LINE__);
   write_study("grid", "", 5, lines);
   expect_told("plot s --quiet", CURVE, __LINE__);
   RUN_GOOD("run paper --set run.tier=switched --set run.until=20ms -o r --quiet");
@@ -554,6 +558,12 @@ static void pictures_are_of_the_numbers(void) {
   RUN_GOOD(
       "run paper --set run.tier=switched --set run.until=20ms --set firing.every=1 -o o --quiet");
   expect_told("plot o --quiet", OTHERS, __LINE__); /* fired otherwise it is in no figure */
+  static const char *const FORWARD[] = {" 20\nEOD\n$curve1 << EOD\n", NULL};
+  RUN_GOOD("part diode -o d.inc");
+  expect_told("check d.inc -o seen --quiet", FORWARD, __LINE__);
+  static const char *const CLEARS[] = {"clearing: current", "clearing: voltage", NULL};
+  RUN_GOOD("part fuse -o f.inc");
+  expect_told("check f.inc -o melted --quiet", CLEARS, __LINE__);
   remove_tree("r");
 }
 

@@ -131,7 +131,7 @@ static const char *operand_end(const char *at) {
   return at;
 }
 
-/* Comparisons a > b, and the argument of a function that jumps. */
+/* Comparisons a > b, one within another too, and the argument of a function that jumps. */
 static void look_at_law(const vs_wiring *w, const vs_wire *wire, vs_comparators *all) {
   static const char *const JUMPS[] = {"u(", "sgn(", "stp("};
   const char *law = wire->law;
@@ -142,8 +142,6 @@ static void look_at_law(const vs_wiring *w, const vs_wire *wire, vs_comparators 
       const char *to = operand_end(right);
       snprintf(text, sizeof text, "(%.*s)-(%.*s)", (int)(s - from), from, (int)(to - right), right);
       add(w, wire, text, all);
-      s = to - 1;
-      continue;
     }
     for (size_t k = 0; k < sizeof JUMPS / sizeof *JUMPS; k++) {
       size_t n = strlen(JUMPS[k]);
