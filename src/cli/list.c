@@ -476,8 +476,8 @@ static void put_field(vs_entries *to, const char *section, const vs_field *f) {
   vs_list_entry_put(to, "name", 28, name);
   put_key(to, f, 18, "a name or path");
   vs_list_entry_end(to);
-  for (size_t k = 0; f->options && k < f->options->keys.count; k++)
-    put_field(to, name, &f->options->keys.fields[k]);
+  for (size_t k = 0; f->inside && k < f->inside->keys.count; k++)
+    put_field(to, name, &f->inside->keys.fields[k]);
 }
 
 static void put_section_keys(vs_entries *to, const vs_section *section) {

@@ -38,7 +38,7 @@ static void add_keys_of_section(key_list *list, const char *section, const vs_se
  * list of them. */
 static void add_keys_of_maps(key_list *list, const vs_field *f, const char *member) {
   char name[VS_KEY_SIZE], part[VS_KEY_SIZE + 16];
-  const vs_options *o = f->options;
+  const vs_inside *o = f->inside;
   int count = member ? vs_field_maps(f, member) : 0;
   snprintf(name, sizeof name, "%s", list->item[list->count - 1].name);
   if (!count) add_keys_of_section(list, name, &o->keys, NULL);
