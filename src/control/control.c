@@ -74,10 +74,8 @@ static vs_status find_law_of_control(const vs_node *section, vs_control *c, vs_e
   for (; vs_regulators[n]; n++) names[n] = vs_regulators[n]->name;
   c->regulator = vs_regulators_find(named);
   if (c->regulator) return VS_OK;
-  const char *nearest = vs_text_nearest(named, names, n);
-  return vs_fail_at(err, law->where, "control.law: there is no '%s'%s%s%s", named,
-                    nearest ? "; did you mean '" : "", nearest ? nearest : "",
-                    nearest ? "'?" : "; see 'vibrospice list regulators'");
+  return vs_fail_at(err, law->where, "control.law: there is no '%s'%s", named,
+                    vs_text_hint(named, names, n, "; see 'vibrospice list regulators'").text);
 }
 
 /* Finds the instrument, or the estimate, that the section names. */
@@ -102,12 +100,10 @@ static vs_status find_sensor(const vs_node *section, const vs_instruments *all, 
                                      : c->observing.estimate[c->sensor - all->count].unit;
     return VS_OK;
   }
-  const char *nearest = vs_text_nearest(node->text, names, (size_t)count);
-  return vs_fail_at(err, node->where, "control.sensor: the scene has no instrument '%s'%s%s%s",
-                    node->text, nearest ? "; did you mean '" : "", nearest ? nearest : "",
-                    nearest      ? "'?"
-                    : all->count ? ""
-                                 : ": add instruments: {}");
+  return vs_fail_at(
+      err, node->where, "control.sensor: the scene has no instrument '%s'%s", node->text,
+      vs_text_hint(node->text, names, (size_t)count, all->count ? "" : ": add instruments: {}")
+          .text);
 }
 
 /* Looks at the key that names code of the user's own, where the law has one. */

@@ -318,10 +318,10 @@ static vs_status refuse_observer_instrument(const reading *r, const char *key, c
                                             vs_where where) {
   const char *names[VS_INSTRUMENT_MOST];
   for (int k = 0; k < r->instruments->count; k++) names[k] = r->instruments->item[k].name;
-  const char *nearest = vs_text_nearest(name, names, (size_t)r->instruments->count);
-  return vs_fail_at(r->err, where, "control.observer.%s: no instrument '%s'%s%s%s", key, name,
-                    nearest ? "; did you mean '" : "", nearest ? nearest : "",
-                    nearest ? "'?" : "; the scene's section instruments has them");
+  return vs_fail_at(r->err, where, "control.observer.%s: no instrument '%s'%s", key, name,
+                    vs_text_hint(name, names, (size_t)r->instruments->count,
+                                 "; the scene's section instruments has them")
+                        .text);
 }
 
 static vs_status find_current(const reading *r) {

@@ -139,13 +139,11 @@ static vs_status find_law(const char *name, const vs_node *map, const vs_law **l
     vs_text_add(&all, "%s%s", l > vs_actuator_laws ? ", " : "", (*l)->name);
   }
   const vs_node *node = vs_tree_child(map, "law");
-  const char *nearest = *law ? NULL : vs_text_nearest(name, names, n);
   vs_status status = VS_OK;
   if (!*law)
-    status =
-        vs_fail_at(err, node ? node->where : (vs_where){0},
-                   "actuator.law: no law '%s'; there are: %s%s%s%s", name, all.text,
-                   nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+    status = vs_fail_at(err, node ? node->where : (vs_where){0},
+                        "actuator.law: no law '%s'; there are: %s%s", name, all.text,
+                        vs_text_hint(name, names, n, "").text);
   vs_text_free(&all);
   return status;
 }

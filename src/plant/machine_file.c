@@ -89,9 +89,8 @@ static vs_status find_body(const vs_machine *m, const char *name, vs_where where
     if (!strcmp(name, names[k + 1])) *body = k;
   }
   if (*body >= 0) return VS_OK;
-  const char *nearest = vs_text_nearest(name, names, (size_t)m->n_bodies + 1);
-  return vs_fail_at(err, where, "no body '%s' stands above%s%s%s", name,
-                    nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+  return vs_fail_at(err, where, "no body '%s' stands above%s", name,
+                    vs_text_hint(name, names, (size_t)m->n_bodies + 1, "").text);
 }
 
 static const vs_field FORMULA = {.kind = VS_TEXT};
@@ -474,11 +473,9 @@ static vs_status read_load(vs_machine *m, vs_error *err) {
     names[k] = m->names[k].name;
     if (!strcmp(names[k], adds->text)) m->load.adds = k;
   }
-  const char *nearest = vs_text_nearest(adds->text, names, (size_t)m->n_parameters);
   if (m->load.adds < 0)
-    return vs_fail_at(err, adds->where, "load.adds: no parameter '%s'%s%s%s", adds->text,
-                      nearest ? "; did you mean '" : "", nearest ? nearest : "",
-                      nearest ? "'?" : "");
+    return vs_fail_at(err, adds->where, "load.adds: no parameter '%s'%s", adds->text,
+                      vs_text_hint(adds->text, names, (size_t)m->n_parameters, "").text);
   const vs_dimension mass = vs_dimension_of("kg");
   if (!vs_dimension_fits(&m->names[m->load.adds].dimension, &mass))
     return vs_fail_at(err, adds->where, "load.adds: %s is no mass, in kg, as the load is",
