@@ -254,9 +254,7 @@ static const vs_inside PROBE = {.rows = VS_ROWS({"of", .kind = VS_NEEDED | VS_TE
 
 /* {NAME: {...}, ...} */
 #define EACH(keys)                                                                                 \
-  .inside = &(const vs_inside) {                                                                   \
-    .rows = VS_ROWS({.kind = VS_MAP, .inside = &(keys)})                                           \
-  }
+  .inside = (&(const vs_inside){.rows = VS_ROWS({.kind = VS_MAP, .inside = &(keys)})})
 /* To add a key: a row here and a function that reads it; the schema follows. */
 static const vs_field KEYS[] = {
     {"title", .kind = VS_TEXT | VS_NOTHING},

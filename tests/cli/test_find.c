@@ -200,9 +200,10 @@ static void every_topic_has_help(void) {
 
 static void help_says_what_the_tables_say(void) {
   static const char *const ROWS[][2] = {
-      {"firing", "firing.angle "},          {"exit", " 75  stopped by a signal"},
-      {"check", "Usage: vibrospice check"}, {"run", "\nrun.until "}, /* command and section */
-      {"control", "control.rate "},         {"tiers", "switched "}};
+      {"firing", "firing.angle "},           {"exit", " 75  stopped by a signal"},
+      {"check", "Usage: vibrospice check"},  {"run", "\nrun.until "}, /* command and section */
+      {"control", "control.rate "},          {"tiers", "switched "},
+      {"control", "control.observer.kind "}, {"control.observer", "control.observer.kind "}};
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     ran r = run("help %s", ROWS[k][0]);
     EXPECT(strstr(r.out, ROWS[k][1]), "help %s: %s", ROWS[k][0], r.out);

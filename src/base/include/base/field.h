@@ -96,13 +96,8 @@ typedef struct vs_inside {
   const vs_field *instead; /* one row: what else the value may be; NULL: nothing */
 } vs_inside;
 
-/* Rows, up to one that takes nothing. */
-#define VS_ROWS(...)                                                                               \
-  (const vs_field[]) {                                                                             \
-    __VA_ARGS__, {                                                                                 \
-      0                                                                                            \
-    }                                                                                              \
-  }
+/* Rows, up to one that takes nothing. Tables of it stand outside of functions. */
+#define VS_ROWS(...) ((const vs_field[]){__VA_ARGS__, {0}})
 
 /* The keys in effect of one map; values: the struct that it filled. */
 const vs_section *vs_field_form(const vs_inside *inside, const void *values);
