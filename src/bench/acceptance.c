@@ -13,6 +13,7 @@
 #include "base/units.h"
 #include "figures.h"
 #include "netlist/catalogue.h"
+#include "netlist/kinds.h"
 #include "netlist/parts.h"
 #include "ngspice/self_test.h"
 #include "plausibility.h"
@@ -25,7 +26,8 @@ static const vs_figures_kind *const KINDS[] = {
 
 /* ---- rows, shown ---- */
 
-static const char *const SIGN[] = {[VS_HELD_NEAR] = "", "<= ", ">= ", ""};
+static const char *const SIGN[] = {[VS_HELD_NEAR] = "", "<= ", ">= ", ""},
+                         *const HELD[] = {[VS_HELD_NEAR] = "near", "at most", "at least", NULL};
 
 static double in_shown_unit(const vs_figure *row, double si) {
   return si / vs_units_factor(row->unit);
@@ -82,11 +84,7 @@ static void add_figure_json(const vs_figure *row, const char *file, vs_text *tex
   }
   vs_json_text(&json, "figure", row->name);
   vs_json_text(&json, "unit", row->unit);
-  vs_json_text(&json, "held",
-               row->held == VS_HELD_NEAR       ? "near"
-               : row->held == VS_HELD_AT_MOST  ? "at most"
-               : row->held == VS_HELD_AT_LEAST ? "at least"
-                                               : NULL);
+  vs_json_text(&json, "held", HELD[row->held]);
   vs_json_number(&json, "asked", in_shown_unit(row, row->asked), 9);
   vs_json_number(&json, "tolerance", in_shown_unit(row, row->tolerance), 9);
   vs_json_number(&json, "got", in_shown_unit(row, row->got), 9);
@@ -155,11 +153,7 @@ static void add_csv(const vs_figures *f, vs_text *text) {
     vs_csv_cell(text, row->name);
     vs_text_add(text, ",");
     vs_csv_cell(text, row->unit);
-    vs_text_add(text, ",%s",
-                row->held == VS_HELD_NEAR       ? "near"
-                : row->held == VS_HELD_AT_MOST  ? "at most"
-                : row->held == VS_HELD_AT_LEAST ? "at least"
-                                                : "");
+    vs_text_add(text, ",%s", HELD[row->held] ? HELD[row->held] : "");
     for (size_t n = 0; n < 3; n++)
       if (isfinite(number[n]))
         vs_text_add(text, ",%.9g", number[n]);
@@ -278,11 +272,8 @@ static void warn_of_model(const vs_stand *s, const vs_model_line *line, double g
  * that are wrong. An ideal part has no finite limit, and nothing is said of it. */
 static void tell_of_models(const vs_stand *s, const vs_figures *f, vs_check_bench *bench) {
   const vs_part_file *file = vs_parts_file(&s->deck, s->file);
-  bool real = false;
+  const bool real = vs_parts_is_real(&s->deck, s->file);
   vs_text missing = {0};
-  for (size_t k = 0; k < s->deck.n_limits; k++)
-    real = real ||
-           (!strcmp(s->deck.limits[k].where.file, s->file) && isfinite(s->deck.limits[k].value));
   for (size_t k = 0; k < s->deck.n_models; k++)
     if (!strcmp(s->deck.models[k].where.file, s->file))
       warn_of_model(s, &s->deck.models[k], vs_figures_deviation(f, s->deck.models[k].figure),
@@ -305,11 +296,16 @@ static void tell_of_models(const vs_stand *s, const vs_figures *f, vs_check_benc
   vs_text_free(&missing);
 }
 
-/* Error: ngspice cannot take the part at all, whatever stands around it. */
-static vs_status try_part(const vs_stand *s, const vs_figures_kind *kind, vs_error *err) {
+/* Error: ngspice cannot take the part at all, whatever stands around it. A part without pins in the
+ * table of kinds is a snubber, which has two. */
+static vs_status try_part(const vs_stand *s, const vs_figures_kind *tried, vs_error *err) {
+  const vs_kind *kind = vs_kinds_find(tried->name);
   vs_text text = {0};
   vs_stand_record r = {0};
-  vs_text_add(&text, "Vm a t 0\nXdut %s %s\nRa a 0 1e6\nRg g 0 1e6\n", kind->nodes, s->subcircuit);
+  vs_text_add(&text, "Vm a t 0\nXdut");
+  for (int k = 0; k < (kind ? vs_kinds_count_pins(kind) : 2); k++)
+    vs_text_add(&text, " %c", "t0g"[kind ? kind->pins[k].role : k]);
+  vs_text_add(&text, " %s\nRa a 0 1e6\nRg g 0 1e6\n", s->subcircuit);
   const vs_stand_circuit c = {text.text, 1e-6, 1e-7, 0};
   vs_status status = vs_stand_run(s, &c, &r, err);
   vs_stand_free(&r);

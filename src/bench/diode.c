@@ -159,4 +159,4 @@ static void measure_diode(const vs_stand *s, vs_figures *f) {
   vs_diode_recovery(s, &p, f);
 }
 
-const vs_figures_kind vs_diode_kind = {"diode", "t 0", measure_diode};
+const vs_figures_kind vs_diode_kind = {"diode", measure_diode};

@@ -97,8 +97,7 @@ void vs_figures_find(const vs_stand *stand, vs_figures_test test, const void *ct
 
 /* A kind of parts that can be tried: a plug. */
 typedef struct vs_figures_kind {
-  const char *name;  /* as in `*$ part KIND` */
-  const char *nodes; /* of its instance on the stand: "t 0 g" */
+  const char *name; /* as in `*$ part KIND` */
   void (*measure)(const vs_stand *stand, vs_figures *figures);
 } vs_figures_kind;
 

@@ -4,8 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "base/text.h"
-#include "figures.h"
+#include "test_circuit.h"
 
 /* What the circuits are made for, SI: what is asked, or where nothing is asked what is usual. */
 typedef struct plan {
@@ -36,21 +35,11 @@ static vs_figures_asked asked_of(const vs_stand *s, const char *limit, const cha
   return isnan(a.value) ? vs_figures_own(s, own) : a;
 }
 
-static vs_status try_fuse(const vs_stand *s, const char *source, double until_s, double step_s,
-                          vs_stand_record *r, vs_error *err) {
-  vs_text text = {0};
-  vs_text_add(&text, "%s\nVm m a 0\nXdut a 0 %s\nRg g 0 1\n", source, s->subcircuit);
-  const vs_stand_circuit c = {text.text, until_s, step_s, 0};
-  vs_status status = vs_stand_run(s, &c, r, err);
-  vs_text_free(&text);
-  return status;
-}
-
 /* Completes the row after its test: why it failed, where it did. */
 static void end_fuse_row(vs_figure *row, vs_status status, const vs_error *err) {
   if (!status) return;
   row->got = NAN;
-  snprintf(row->why, sizeof row->why, "%.190s", err->text);
+  vs_test_circuit_fail(row, err);
 }
 
 /* int i^2 dt from the first step to step `last`. */
@@ -80,7 +69,8 @@ static void resistance(const vs_stand *s, plan *p, vs_figures *f) {
   double until_s = 1e-3 * p->melt_a2s / (p->rated_a * p->rated_a);
   snprintf(source, sizeof source, "Is 0 m %.9g", p->rated_a);
   snprintf(row->text, sizeof row->text, "at %.4g A, cold", p->rated_a);
-  vs_status status = try_fuse(s, source, until_s, until_s / 50, &r, &err);
+  vs_status status =
+      vs_test_circuit_across(s, (vs_stand_circuit){source, until_s, until_s / 50, 0}, &r, &err);
   if (!status) row->got = vs_stand_at(&r, r.v, until_s) / p->rated_a;
   p->r_ohm = isfinite(row->got) ? row->got : 0;
   end_fuse_row(row, status, &err);
@@ -94,7 +84,8 @@ static vs_status constant(const vs_stand *s, const plan *p, double i, const doub
   char source[128];
   double v = fmax(100, 20 * p->r_ohm * i);
   snprintf(source, sizeof source, "Vs s 0 %.9g\nRs s m %.17g", v, v / i - p->r_ohm);
-  vs_status status = try_fuse(s, source, course[0], course[1], r, err);
+  vs_status status =
+      vs_test_circuit_across(s, (vs_stand_circuit){source, course[0], course[1], 0}, r, err);
   *melted = !status && r->points > 0 && fabs(r->i[r->points - 1]) < i / 2;
   return status;
 }
@@ -176,7 +167,7 @@ static vs_status short_circuit(const vs_stand *s, const plan *p, double times, v
            "Vs s 0 sin(0 %.9g 50 %.9g)\nSs s x ct 0 closing\nVct ct 0 pwl(0 -1 99u -1 101u 1)\n"
            ".model closing sw(ron=%.9g roff=1e9 vt=0 vh=0.1)\nRs x y %.9g\nLs y m %.17g ic=0",
            e, 1e-4 - 5e-3, 1e-3 * z, 0.149 * z, z * sqrt(1 - 0.15 * 0.15) / omega);
-  return try_fuse(s, source, 20e-3, 5e-6, r, err);
+  return vs_test_circuit_across(s, (vs_stand_circuit){source, 20e-3, 5e-6, 0}, r, err);
 }
 
 /* True where it melts well within the first half cycle. A time-lag fuse takes 30 times its rated
@@ -243,4 +234,4 @@ static void measure_fuse(const vs_stand *s, vs_figures *f) {
   clearing(s, &p, f);
 }
 
-const vs_figures_kind vs_fuse_kind = {"fuse", "t 0", measure_fuse};
+const vs_figures_kind vs_fuse_kind = {"fuse", measure_fuse};

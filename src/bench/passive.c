@@ -5,22 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "base/text.h"
-#include "figures.h"
-
-static vs_status try_passive(const vs_stand *s, const char *source, double until_s,
-                             vs_stand_record *r, vs_error *err) {
-  vs_text text = {0};
-  vs_text_add(&text, "%s\nVm m a 0\nXdut a 0 %s\nRg g 0 1\n", source, s->subcircuit);
-  const vs_stand_circuit c = {text.text, until_s, until_s / 200, 1e-6};
-  vs_status status = vs_stand_run(s, &c, r, err);
-  vs_text_free(&text);
-  return status;
-}
-
-static void fail_row(vs_figure *row, const vs_error *err) {
-  snprintf(row->why, sizeof row->why, "%.190s", err->text);
-}
+#include "test_circuit.h"
 
 /* 1 V, after 1 s, when its inductance is long past. */
 static void measure_resistor(const vs_stand *s, vs_figures *f) {
@@ -29,9 +14,10 @@ static void measure_resistor(const vs_stand *s, vs_figures *f) {
   vs_stand_record r = {0};
   vs_error err = {0};
   snprintf(row->text, sizeof row->text, "at 1 V");
-  vs_status status = try_passive(s, "Vs m 0 pwl(0 0 1m 1)", 1, &r, &err);
+  vs_status status = vs_test_circuit_across(
+      s, (vs_stand_circuit){"Vs m 0 pwl(0 0 1m 1)", 1, 1.0 / 200, 1e-6}, &r, &err);
   if (status)
-    fail_row(row, &err);
+    vs_test_circuit_fail(row, &err);
   else
     row->got = vs_stand_at(&r, r.v, 0.99) / vs_stand_at(&r, r.i, 0.99);
   vs_stand_free(&r);
@@ -41,10 +27,11 @@ static void measure_resistor(const vs_stand *s, vs_figures *f) {
 static void measure_capacitance(const vs_stand *s, vs_figure *row) {
   vs_stand_record r = {0};
   vs_error err = {0};
-  vs_status status = try_passive(s, "Vs m 0 pwl(0 0 10m 10)", 10e-3, &r, &err);
+  vs_status status = vs_test_circuit_across(
+      s, (vs_stand_circuit){"Vs m 0 pwl(0 0 10m 10)", 10e-3, 10e-3 / 200, 1e-6}, &r, &err);
   snprintf(row->text, sizeof row->text, "at 1 V/ms");
   if (status)
-    fail_row(row, &err);
+    vs_test_circuit_fail(row, &err);
   else
     row->got = vs_stand_at(&r, r.i, 9e-3) / 1e3;
   vs_stand_free(&r);
@@ -58,10 +45,11 @@ static void series_resistance(const vs_stand *s, double c_f, vs_figure *row) {
   vs_error err = {0};
   char source[128];
   snprintf(source, sizeof source, "Is 0 m pwl(0 0 %.9g 1)", until_s / 1000);
-  vs_status status = try_passive(s, source, until_s, &r, &err);
+  vs_status status =
+      vs_test_circuit_across(s, (vs_stand_circuit){source, until_s, until_s / 200, 1e-6}, &r, &err);
   snprintf(row->text, sizeof row->text, "in series, at 1 A");
   if (status)
-    fail_row(row, &err);
+    vs_test_circuit_fail(row, &err);
   else
     row->got =
         2 * vs_stand_at(&r, r.v, 0.5 * until_s + 0.25e-3 * until_s) - vs_stand_at(&r, r.v, until_s);
@@ -101,7 +89,8 @@ static vs_status impedance(const vs_stand *s, double hz, double *c_f, double *r_
   char source[96];
   double re = 0, im = 0;
   snprintf(source, sizeof source, "Is 0 m sin(0 1 %g)", hz);
-  vs_status status = try_passive(s, source, 4 / hz, &r, err);
+  vs_status status =
+      vs_test_circuit_across(s, (vs_stand_circuit){source, 4 / hz, 4 / hz / 200, 1e-6}, &r, err);
   double mean = status ? NAN : vs_stand_at(&r, r.v, from);
   for (size_t k = 1; k < r.points && !status; k++) {
     if (r.t_s[k - 1] < from) continue;
@@ -129,10 +118,12 @@ static void measure_leakage(const vs_stand *s, double c_f, vs_figures *f) {
   char source[128];
   snprintf(source, sizeof source, "Vs w 0 pwl(0 0 0.1 %g)\nRs w m %g", v, ohm);
   snprintf(row->text, sizeof row->text, "at %.4g V", v);
-  vs_status status = isnan(v) ? vs_fail(&err, VS_RUN, "its rated voltage is not known")
-                              : try_passive(s, source, 2, &r, &err);
+  vs_status status =
+      isnan(v)
+          ? vs_fail(&err, VS_RUN, "its rated voltage is not known")
+          : vs_test_circuit_across(s, (vs_stand_circuit){source, 2, 2.0 / 200, 1e-6}, &r, &err);
   if (status)
-    fail_row(row, &err);
+    vs_test_circuit_fail(row, &err);
   else
     row->got = vs_stand_at(&r, r.i, 1.99);
   vs_stand_free(&r);
@@ -150,14 +141,14 @@ static void measure_electrolytic(const vs_stand *s, vs_figures *f) {
   vs_error err = {0};
   double ignored;
   if (impedance(s, 100, &row[0]->got, &row[1]->got, &err))
-    fail_row(row[0], &err), fail_row(row[1], &err);
-  if (impedance(s, 10e3, &ignored, &row[2]->got, &err)) fail_row(row[2], &err);
+    vs_test_circuit_fail(row[0], &err), vs_test_circuit_fail(row[1], &err);
+  if (impedance(s, 10e3, &ignored, &row[2]->got, &err)) vs_test_circuit_fail(row[2], &err);
   for (int n = 0; n < 3; n++)
     snprintf(row[n]->text, sizeof row[n]->text, "at %s", n < 2 ? "100 Hz" : "10 kHz");
   measure_leakage(s, row[0]->got > 0 ? row[0]->got : 100e-6, f);
 }
 
-const vs_figures_kind vs_passive_resistor = {"resistor", "t 0", measure_resistor},
-                      vs_passive_capacitor = {"capacitor", "t 0", measure_capacitor},
-                      vs_passive_snubber = {"snubber", "t 0", measure_snubber},
-                      vs_passive_electrolytic = {"electrolytic", "t 0", measure_electrolytic};
+const vs_figures_kind vs_passive_resistor = {"resistor", measure_resistor},
+                      vs_passive_capacitor = {"capacitor", measure_capacitor},
+                      vs_passive_snubber = {"snubber", measure_snubber},
+                      vs_passive_electrolytic = {"electrolytic", measure_electrolytic};

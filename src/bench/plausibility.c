@@ -2,146 +2,73 @@
 #include "plausibility.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "base/units.h"
+#include "netlist/kinds.h"
 #include "netlist/parts.h"
 
 /* ---- numbers by themselves ---- */
 
-/* What devices have. The ends are wide and assumed: they are to find a wrong unit or a slip of the
- * pen, not a poor device. */
-static const struct range {
-  const char *kind, *name, *unit;
-  double least, most;
-} RANGES[] = {{"thyristor", "v_drm", "V", 25, 15e3},
-              {"thyristor", "v_rrm", "V", 10, 15e3},
-              {"thyristor", "blocking_voltage", "V", 25, 15e3},
-              {"thyristor", "i_t_rms", "A", 0.1, 2e4},
-              {"thyristor", "di_dt", "A/us", 2, 5e3},
-              {"thyristor", "dv_dt", "V/us", 2, 2e4},
-              {"thyristor", "critical_dvdt", "V/us", 2, 2e4},
-              {"thyristor", "t_q", "us", 1, 2e3},
-              {"thyristor", "turn_off_time", "us", 1, 2e3},
-              {"thyristor", "i_gt", "mA", 0.001, 1e3},
-              {"thyristor", "gate_current", "mA", 0.001, 1e3},
-              {"thyristor", "v_gt", "V", 0.55, 5},
-              {"thyristor", "v_t", "V", 0.7, 6},
-              {"thyristor", "on_voltage", "V", 0.5, 3},
-              {"triac", "v_drm", "V", 25, 3e3},
-              {"triac", "i_t_rms", "A", 0.1, 500},
-              {"triac", "di_dt", "A/us", 1, 1e3},
-              {"triac", "dv_dt", "V/us", 2, 2e4},
-              {"triac", "dv_dt_c", "V/us", 0.05, 1e3},
-              {"triac", "di_dt_c", "A/ms", 0.1, 1e3},
-              {"triac", "i_gt", "mA", 0.1, 500},
-              {"triac", "gate_current", "mA", 0.1, 500},
-              {"triac", "v_gt", "V", 0.4, 5},
-              {"triac", "v_t", "V", 0.7, 6},
-              {"triac", "on_voltage", "V", 0.4, 3},
-              {"diode", "v_rrm", "V", 5, 2e4},
-              {"diode", "i_f_av", "A", 1e-3, 2e4},
-              {"diode", "v_f", "V", 0.15, 10},
-              {"diode", "on_voltage", "V", 0.1, 8},
-              {"diode", "q_rr", "A*us", 1e-5, 1e5},
-              {"diode", "recovered_charge", "A*us", 1e-5, 1e5},
-              {"diode", "t_rr", "ns", 1, 2e5},
-              {"mosfet", "v_dss", "V", 5, 5e3},
-              {"mosfet", "i_d", "A", 0.01, 5e3},
-              {"mosfet", "r_ds_on", "ohm", 1e-4, 1e3},
-              {"mosfet", "on_resistance", "ohm", 1e-4, 1e3},
-              {"mosfet", "v_gs_th", "V", 0.3, 10},
-              {"mosfet", "threshold", "V", 0.3, 10},
-              {"igbt", "v_ces", "V", 100, 1e4},
-              {"igbt", "i_c", "A", 0.1, 1e4},
-              {"igbt", "v_ce_sat", "V", 0.7, 8},
-              {"igbt", "v_ge_th", "V", 2, 10},
-              {"igbt", "threshold", "V", 2, 10},
-              {"igbt", "e_off", "mJ", 1e-3, 1e5},
-              {"igbt", "turn_off_energy", "mJ", 1e-3, 1e5},
-              {"electrolytic", "v_rated", "V", 2, 1e3},
-              {"electrolytic", "c_rated", "uF", 0.05, 1e7},
-              {"electrolytic", "capacitance", "uF", 0.05, 1e7},
-              {"electrolytic", "esr", "ohm", 3e-4, 1e3},
-              {"electrolytic", "i_ripple", "A", 1e-3, 1e3},
-              {"varistor", "v_rms", "V", 2, 2e4},
-              {"varistor", "v_varistor", "V", 4, 5e4},
-              {"varistor", "varistor_exponent", "", 10, 80},
-              {"varistor", "i_surge", "A", 1, 2e5},
-              {"varistor", "energy", "J", 0.01, 1e5},
-              {"fuse", "i_rated", "A", 0.01, 1e4},
-              {"fuse", "v_rated", "V", 5, 1e5},
-              {"fuse", "i2t_melt", "A2.s", 1e-6, 1e8},
-              {"fuse", "v_arc", "V", 10, 1e5}};
-
-static void warn_of_range(const vs_stand *s, const struct range *range, vs_warnings *w) {
-  vs_figures_asked limit = vs_figures_limit(s, range->name),
-                   a = isfinite(limit.value) ? limit : vs_figures_any(s, range->name);
-  double shown = a.value / vs_units_factor(range->unit);
-  if (isnan(shown) || (shown >= range->least && shown <= range->most)) return;
-  vs_fail_at(vs_warnings_add(w), a.where.file ? a.where : (vs_where){.file = s->name},
-             "%s = %.4g %s is implausible: a%s %s has %.4g to %.4g %s; is the unit right?",
-             range->name, shown, range->unit, strchr("aeio", *range->kind) ? "n" : "", range->kind,
-             range->least, range->most, range->unit);
+/* A figure stands in the file as the limit, as the parameter that the model is made with, or as
+ * both. */
+static void warn_of_range(const vs_stand *s, const char *kind, const vs_kind_limit *range,
+                          vs_warnings *w) {
+  const char *const names[] = {range->name, range->param};
+  for (int n = 0; n < 2 && names[n] && range->most > 0; n++) {
+    vs_figures_asked limit = vs_figures_limit(s, names[n]),
+                     a = isfinite(limit.value) ? limit : vs_figures_any(s, names[n]);
+    double shown = a.value / vs_units_factor(range->unit);
+    if (isnan(shown) || (shown >= range->least && shown <= range->most)) continue;
+    vs_fail_at(vs_warnings_add(w), a.where.file ? a.where : (vs_where){.file = s->name},
+               "%s = %.4g %s is implausible: a%s %s has %.4g to %.4g %s; is the unit right?",
+               names[n], shown, range->unit, strchr("aeio", *kind) ? "n" : "", kind, range->least,
+               range->most, range->unit);
+  }
 }
 
 /* ---- numbers side by side ---- */
 
 /* Adds a warning where a over b is not within these ends. `text` says what is usual. */
-static void warn_of_ratio(vs_figures_asked a, vs_figures_asked b, const double ends[2],
+static void warn_of_ratio(vs_figures_asked a, vs_figures_asked b, double least, double most,
                           const char *text, vs_warnings *w) {
   double ratio = a.value / b.value;
-  if (isnan(ratio) || (ratio >= ends[0] && ratio <= ends[1])) return;
+  if (isnan(ratio) || (ratio >= least && ratio <= most)) return;
   vs_fail_at(vs_warnings_add(w), a.where, "implausible: %s; here it is %.4g", text, ratio);
 }
 
-static const struct pair {
-  const char *kind, *one, *other;
-  double ends[2];
-  const char *text;
-} PAIRS[] = {
-    {"thyristor", "i_tsm", "i_t_rms", {3, 50}, "i_tsm is 3 to 50 times i_t_rms"},
-    {"triac", "i_tsm", "i_t_rms", {3, 50}, "i_tsm is 3 to 50 times i_t_rms"},
-    {"diode", "i_fsm", "i_f_av", {3, 100}, "i_fsm is 3 to 100 times i_f_av"},
-    {"mosfet", "i_dm", "i_d", {1, 20}, "i_dm is 1 to 20 times i_d"},
-    {"igbt", "i_cm", "i_c", {1, 20}, "i_cm is 1 to 20 times i_c"},
-    {"varistor", "v_varistor", "v_rms", {1.35, 2.2}, "v_varistor is 1.35 to 2.2 times v_rms"},
-    {"varistor", "v_clamp", "v_varistor", {1.05, 4}, "v_clamp is 1.05 to 4 times v_varistor"},
-    {"fuse", "i2t_clear", "i2t_melt", {1, 100}, "i2t_clear is 1 to 100 times i2t_melt"},
-    {"fuse", "i_fusing", "i_rated", {1.02, 4}, "i_fusing is 1.02 to 4 times i_rated"},
-    {"fuse", "v_arc", "v_rated", {1, 10}, "v_arc is 1 to 10 times v_rated"}};
+static void warn_of_pair(const vs_stand *s, const vs_kind_ratio *pair, vs_warnings *w) {
+  char text[160];
+  if (!(pair->most > 0)) return;
+  snprintf(text, sizeof text, "%s is %.4g to %.4g times %s", pair->more, pair->least, pair->most,
+           pair->less);
+  warn_of_ratio(vs_figures_limit(s, pair->more), vs_figures_limit(s, pair->less), pair->least,
+                pair->most, text, w);
+}
 
 /* A half sine of 10 ms and the peak I has I^2 * 5 ms. */
-static void warn_of_surge(const vs_stand *s, vs_warnings *w) {
-  static const struct surge {
-    const char *name, *text;
-  } SURGES[] = {
-      {"i_tsm", "i2t is 0.5 to 1.5 times what a half sine of 10 ms and i_tsm has, i_tsm^2 * 5 ms"},
-      {"i_fsm", "i2t is 0.5 to 1.5 times what a half sine of 10 ms and i_fsm has, i_fsm^2 * 5 ms"}};
-  for (size_t k = 0; k < sizeof SURGES / sizeof *SURGES; k++) {
-    vs_figures_asked i2t = vs_figures_limit(s, "i2t"), surge = vs_figures_limit(s, SURGES[k].name);
-    surge.value *= surge.value * 5e-3;
-    warn_of_ratio(i2t, surge, (double[]){0.5, 1.5}, SURGES[k].text, w);
-  }
+static void warn_of_surge(const vs_stand *s, const char *name, vs_warnings *w) {
+  char text[160];
+  if (!name) return;
+  vs_figures_asked i2t = vs_figures_limit(s, "i2t"), surge = vs_figures_limit(s, name);
+  surge.value *= surge.value * 5e-3;
+  snprintf(text, sizeof text,
+           "i2t is 0.5 to 1.5 times what a half sine of 10 ms and %s has, %s^2 * 5 ms", name, name);
+  warn_of_ratio(i2t, surge, 0.5, 1.5, text, w);
 }
 
 /* A figure that stands in the file twice: as the limit that runs are held to, and as a parameter
  * that the model is made with. */
-static void warn_of_twins(const vs_stand *s, vs_warnings *w) {
-  static const char *const TWINS[][2] = {
-      {"blocking_voltage", "v_drm"}, {"blocking_voltage", "v_dss"}, {"blocking_voltage", "v_ces"},
-      {"critical_dvdt", "dv_dt"},    {"turn_off_time", "t_q"},      {"rated_voltage", "v_rated"},
-      {"melting_i2t", "i2t_melt"},   {"rated_current", "i_rated"}};
-  for (size_t k = 0; k < sizeof TWINS / sizeof *TWINS; k++) {
-    vs_figures_asked param = vs_figures_any(s, TWINS[k][0]),
-                     limit = vs_figures_limit(s, TWINS[k][1]);
-    double ratio = param.value / limit.value;
-    if (isnan(ratio) || fabs(ratio - 1) < 0.01) continue;
-    vs_fail_at(vs_warnings_add(w), param.where.file ? param.where : limit.where,
-               "%s, by which the model is made, is %.4g times the limit %s: a run is held to the "
-               "one, and the model does the other",
-               TWINS[k][0], ratio, TWINS[k][1]);
-  }
+static void warn_of_twin(const vs_stand *s, const vs_kind_limit *twin, vs_warnings *w) {
+  if (!(twin->is & VS_LIMIT_TWIN)) return;
+  vs_figures_asked param = vs_figures_any(s, twin->param), limit = vs_figures_limit(s, twin->name);
+  double ratio = param.value / limit.value;
+  if (isnan(ratio) || fabs(ratio - 1) < 0.01) return;
+  vs_fail_at(vs_warnings_add(w), param.where.file ? param.where : limit.where,
+             "%s, by which the model is made, is %.4g times the limit %s: a run is held to the "
+             "one, and the model does the other",
+             twin->param, ratio, twin->name);
 }
 
 /* ---- heat ---- */
@@ -152,23 +79,12 @@ static vs_where part_line(const vs_stand *s) {
   return (vs_where){s->name, file ? file->where.line : 0, 1};
 }
 
-/* The current that a kind of semiconductor is rated for, and what of it heats the chip: V mean and
- * R times the square of rms. A thyristor's and a diode's are half sines, whose rms is 1.57 times
- * the mean; a triac's are sines, whose mean size is 0.9 times the rms. */
-static const struct heat {
-  const char *kind, *current;
-  double mean, rms; /* over the rated current */
-} HEATS[] = {{"thyristor", "i_t_rms", 1 / 1.57, 1},
-             {"triac", "i_t_rms", 0.9, 1},
-             {"diode", "i_f_av", 1, 1.57},
-             {"mosfet", "i_d", 0, 1},
-             {"igbt", "i_c", 1, 1}};
-
 /* Without zth nothing is computed of the junction. With it, the rated current must not heat it from
  * a case at 25 degC beyond t_j_max. */
-static void warn_of_heat(const vs_stand *s, const struct heat *h, vs_warnings *w) {
+static void warn_of_heat(const vs_stand *s, const vs_kind *kind, vs_warnings *w) {
   static const double WARM_K = 150; /* from 25 degC to 175 degC; few chips go beyond */
-  double k_per_w = 0, i = vs_figures_limit(s, h->current).value,
+  if (!kind->heat.current) return;
+  double k_per_w = 0, i = vs_figures_limit(s, kind->heat.current).value,
          v0 = vs_figures_any(s, "on_voltage").value, r = vs_figures_any(s, "on_resistance").value;
   vs_where first = {0};
   for (size_t k = 0; k < s->deck.n_zth; k++) {
@@ -186,13 +102,14 @@ static void warn_of_heat(const vs_stand *s, const struct heat *h, vs_warnings *w
     vs_fail_at(vs_warnings_add(w), part_line(s),
                "no line 'zth': the junction's temperature is not computed, so that nothing tells "
                "when it is too hot; give the terms of Z_th(j-c)");
-  double loss_w = h->mean * i;
-  if (isfinite(r)) loss_w = (isfinite(v0) ? v0 : 0) * h->mean * i + r * h->rms * h->rms * i * i;
+  const double mean_a = kind->heat.mean * i, rms_a = kind->heat.rms * i;
+  double loss_w = mean_a; /* at 1 V */
+  if (isfinite(r)) loss_w = (isfinite(v0) ? v0 : 0) * mean_a + r * rms_a * rms_a;
   if (first.file && k_per_w * loss_w > WARM_K)
     vs_fail_at(vs_warnings_add(w), first,
                "implausible: the lines zth make %.4g K/W, by which %s = %.4g A heats the "
                "junction by %.4g K",
-               k_per_w, h->current, i, k_per_w * loss_w);
+               k_per_w, kind->heat.current, i, k_per_w * loss_w);
 }
 
 /* ---- what was measured ---- */
@@ -238,10 +155,13 @@ static void warn_of_figure(const vs_stand *s, const vs_figure *row, vs_warnings 
                row->name, row->got / factor, row->unit, row->asked / factor, row->unit);
 }
 
-static bool is_ideal(const vs_stand *s) {
-  for (size_t k = 0; k < s->deck.n_limits; k++)
-    if (isfinite(s->deck.limits[k].value)) return false;
-  return true;
+static void warn_of_kind(const vs_stand *s, const vs_kind *kind, vs_warnings *w) {
+  for (size_t k = 0; k < kind->n_limits; k++) warn_of_range(s, kind->name, &kind->limits[k], w);
+  for (int k = 0; k < VS_KIND_RATIOS && kind->ratios[k].more; k++)
+    warn_of_pair(s, &kind->ratios[k], w);
+  warn_of_surge(s, vs_kinds_surge_limit(kind->name), w);
+  for (size_t k = 0; k < kind->n_limits; k++) warn_of_twin(s, &kind->limits[k], w);
+  warn_of_heat(s, kind, w);
 }
 
 /* By line, in the order of the file. */
@@ -256,18 +176,10 @@ static void sort(vs_warnings *w, size_t first) {
 
 void vs_plausibility_warn(const vs_stand *s, const vs_figures *figures, vs_warnings *w) {
   const vs_part_file *file = vs_parts_file(&s->deck, s->file);
+  const vs_kind *kind = file ? vs_kinds_find(file->kind) : NULL;
   size_t first = w->count;
-  if (!file || is_ideal(s)) return;
-  for (size_t k = 0; k < sizeof RANGES / sizeof *RANGES; k++)
-    if (!strcmp(RANGES[k].kind, file->kind)) warn_of_range(s, &RANGES[k], w);
-  for (size_t k = 0; k < sizeof PAIRS / sizeof *PAIRS; k++)
-    if (!strcmp(PAIRS[k].kind, file->kind))
-      warn_of_ratio(vs_figures_limit(s, PAIRS[k].one), vs_figures_limit(s, PAIRS[k].other),
-                    PAIRS[k].ends, PAIRS[k].text, w);
-  warn_of_surge(s, w);
-  warn_of_twins(s, w);
-  for (size_t k = 0; k < sizeof HEATS / sizeof *HEATS; k++)
-    if (!strcmp(HEATS[k].kind, file->kind)) warn_of_heat(s, &HEATS[k], w);
+  if (!file || !vs_parts_is_real(&s->deck, s->file)) return;
+  if (kind) warn_of_kind(s, kind, w);
   for (size_t k = 0; k < figures->count; k++) warn_of_figure(s, &figures->row[k], w);
   sort(w, first);
 }

@@ -26,6 +26,16 @@ vs_status vs_test_circuit_run(const vs_stand *s, vs_test_circuit trial, vs_stand
   return status;
 }
 
+vs_status vs_test_circuit_across(const vs_stand *s, vs_stand_circuit c, vs_stand_record *r,
+                                 vs_error *err) {
+  vs_text text = {0};
+  vs_text_add(&text, "%s\nVm m a 0\nXdut a 0 %s\nRg g 0 1\n", c.text, s->subcircuit);
+  c.text = text.text;
+  vs_status status = vs_stand_run(s, &c, r, err);
+  vs_text_free(&text);
+  return status;
+}
+
 void vs_test_circuit_fail(vs_figure *row, const vs_error *err) {
   snprintf(row->why, sizeof row->why, "%.190s", err->text);
 }

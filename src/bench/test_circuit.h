@@ -24,6 +24,10 @@ vs_status vs_test_circuit_run(const vs_stand *stand, vs_test_circuit trial, vs_s
                               vs_error *err, const char *format, ...)
     __attribute__((format(printf, 5, 6)));
 
+/* Runs a part of two pins behind a source: the circuit's lines, from node m to 0. */
+vs_status vs_test_circuit_across(const vs_stand *stand, vs_stand_circuit source,
+                                 vs_stand_record *record, vs_error *err);
+
 /* The row says why it could not be measured. */
 void vs_test_circuit_fail(vs_figure *row, const vs_error *err);
 

@@ -114,4 +114,4 @@ static void measure_thyristor(const vs_stand *s, vs_figures *f) {
   turn_on(s, &p, f);
 }
 
-const vs_figures_kind vs_thyristor_kind = {"thyristor", "t 0 g", measure_thyristor};
+const vs_figures_kind vs_thyristor_kind = {"thyristor", measure_thyristor};

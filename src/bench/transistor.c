@@ -224,5 +224,5 @@ static void measure_igbt(const vs_stand *s, vs_figures *f) {
   diode_inside(s, &p, f);
 }
 
-const vs_figures_kind vs_transistor_mosfet = {"mosfet", "t g 0", measure_mosfet},
-                      vs_transistor_igbt = {"igbt", "t g 0", measure_igbt};
+const vs_figures_kind vs_transistor_mosfet = {"mosfet", measure_mosfet},
+                      vs_transistor_igbt = {"igbt", measure_igbt};

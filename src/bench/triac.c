@@ -95,4 +95,4 @@ static void measure_triac(const vs_stand *s, vs_figures *f) {
   }
 }
 
-const vs_figures_kind vs_triac_kind = {"triac", "t 0 g", measure_triac};
+const vs_figures_kind vs_triac_kind = {"triac", measure_triac};

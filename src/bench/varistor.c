@@ -4,18 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "base/text.h"
-#include "figures.h"
-
-static vs_status try_varistor(const vs_stand *s, double until_s, const char *source,
-                              vs_stand_record *r, vs_error *err) {
-  vs_text text = {0};
-  vs_text_add(&text, "%s\nVm s a 0\nXdut a 0 %s\nRg g 0 1\n", source, s->subcircuit);
-  const vs_stand_circuit c = {text.text, until_s, until_s / 400, 1e-6};
-  vs_status status = vs_stand_run(s, &c, r, err);
-  vs_text_free(&text);
-  return status;
-}
+#include "test_circuit.h"
 
 /* The voltage at a constant current, once the capacitance is charged. The first run charges 50 uC,
  * which is 25 nF at 2 kV; where the voltage still rises by 0.01 % in its last tenth, longer ones
@@ -24,10 +13,11 @@ static vs_status voltage_at(const vs_stand *s, double i, double *v, vs_error *er
   vs_status status = VS_OK;
   bool settled = false;
   char source[64];
-  snprintf(source, sizeof source, "Is 0 s %.17g", i);
+  snprintf(source, sizeof source, "Is 0 m %.17g", i);
   for (double until_s = 50e-6 / i; !status && !settled && until_s < 5e-2 / i; until_s *= 10) {
     vs_stand_record r = {0};
-    status = try_varistor(s, until_s, source, &r, err);
+    status = vs_test_circuit_across(s, (vs_stand_circuit){source, until_s, until_s / 400, 1e-6}, &r,
+                                    err);
     *v = status ? NAN : vs_stand_at(&r, r.v, until_s);
     settled = !status && fabs(*v - vs_stand_at(&r, r.v, 0.9 * until_s)) < 1e-4 * fabs(*v);
     vs_stand_free(&r);
@@ -56,9 +46,10 @@ static void draw_varistor(const vs_stand *s, double decades, vs_figures *f) {
   vs_stand_record r = {0};
   vs_error err = {0};
   char source[96];
-  snprintf(source, sizeof source, "Bs 0 s I = 1e-5*exp(%.9g*time)", decades * log(10));
+  snprintf(source, sizeof source, "Bs 0 m I = 1e-5*exp(%.9g*time)", decades * log(10));
   vs_figures_curve *c = NULL;
-  if (!try_varistor(s, 1, source, &r, &err)) c = vs_figures_add_curve(f, r.points);
+  if (!vs_test_circuit_across(s, (vs_stand_circuit){source, 1, 1.0 / 400, 1e-6}, &r, &err))
+    c = vs_figures_add_curve(f, r.points);
   if (c) {
     c->title = "voltage over current", c->x_label = "i / A", c->y_label = "v / V", c->log_x = true;
     memcpy(c->x, r.i, r.points * sizeof *c->x);
@@ -101,10 +92,10 @@ static void measure_varistor(const vs_stand *s, vs_figures *f) {
              limited || k == 2 ? ", " : "", limited || k == 2 ? ROWS[k].text : "");
     if (voltage_at(s, ROWS[k].i_a, &row->got, &err)) {
       row->got = NAN;
-      snprintf(row->why, sizeof row->why, "%.190s", err.text);
+      vs_test_circuit_fail(row, &err);
     }
   }
   draw_varistor(s, log10(ROWS[2].i_a / 1e-5), f);
 }
 
-const vs_figures_kind vs_varistor_kind = {"varistor", "t 0", measure_varistor};
+const vs_figures_kind vs_varistor_kind = {"varistor", measure_varistor};

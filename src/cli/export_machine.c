@@ -209,6 +209,32 @@ static void add_right_side(vs_text *t, const vs_model *m) {
   vs_text_add(t, ")");
 }
 
+/* A G source that charges state k's capacitor with `rate` times the voltage of `node`. */
+static void add_rate(vs_text *t, const vs_model *m, int k, int *n, double rate, const char *node) {
+  if (rate == 0) return;
+  const char *state = vs_export_machine_state(m, k);
+  vs_text_add(t, "Gvs_%d_%d 0 vs_%s vs_%s 0 %.17g\n", k + 1, ++*n, state, node, rate);
+}
+
+/* The equations of motion, first order: q' = v, v' = M^-1 (c F + f0 - B v - K q), mm/s2. */
+static void add_equations(vs_text *t, const vs_model *m, int i) {
+  const int v = m->dof + i;
+  int of_q = 0, of_v = 0;
+  char stop[32];
+  add_rate(t, m, i, &of_q, 1, vs_export_machine_state(m, v));
+  add_rate(t, m, v, &of_v, 1e3 * m->mf[i], "f");
+  for (int k = 0; k < m->stops.count; k++) {
+    snprintf(stop, sizeof stop, plain_stop(m) ? "stop" : "stop%d", k + 1);
+    add_rate(t, m, v, &of_v, 1e3 * m->mf[i], stop);
+  }
+  for (int j = 0; j < m->dof; j++) {
+    add_rate(t, m, v, &of_v, -m->mk_column[j][i], vs_export_machine_state(m, j));
+    add_rate(t, m, v, &of_v, -m->mb_column[j][i], vs_export_machine_state(m, m->dof + j));
+  }
+  if (m->m0[i] != 0)
+    vs_text_add(t, "Ivs_%d 0 vs_%s %.17g\n", v + 1, vs_export_machine_state(m, v), 1e3 * m->m0[i]);
+}
+
 /* The acceleration of a coordinate, mm/s2, as an expression. */
 static void add_acceleration(vs_text *t, const vs_model *m, int i) {
   vs_text_add(t, "%.17g*", 1e3 * m->mf[i]);
@@ -285,10 +311,7 @@ void vs_export_machine_write(vs_text *t, const vs_setup *s) {
     const char *q = vs_export_machine_state(m, i), *v = vs_export_machine_state(m, m->dof + i);
     vs_text_add(t, "Cvs_%s vs_%s 0 1 ic={1000*vs_%s0}\n", q, q, q);
     vs_text_add(t, "Cvs_%s vs_%s 0 1 ic={1000*vs_%s0}\n", v, v, v);
-    vs_text_add(t, "Bvs_%s 0 vs_%s I = v(vs_%s)\n", q, q, v);
-    vs_text_add(t, "Bvs_%s 0 vs_%s I = ", v, v);
-    add_acceleration(t, m, i);
-    vs_text_add(t, "\n");
+    add_equations(t, m, i);
   }
   add_probes(t, s);
 }

@@ -30,8 +30,8 @@ static const vs_option IMPORT_OPTIONS[] = {
                     "the inductor that is the EVA's coil, and its resistance in series (default: "
                     "the only inductor)"),
     VS_OPTIONS_FILE(import_line, o.pins, "pins", "X1=akg,...",
-                    "what an element is, by its pins in their order (akg thyristor, 21g triac, dgs "
-                    "mosfet, cge igbt, ak diode), or varistor, fuse, none"),
+                    "what an element is, by its pins in their order, as akg of a thyristor, or by "
+                    "its kind, as varistor, or none"),
     VS_OPTIONS_FILE(import_line, o.library, "library", "FILE",
                     "a file of models besides the netlist's"),
     VS_OPTIONS_FILE(import_line, o.scene, "scene", "FILE.yaml",

@@ -104,6 +104,12 @@ static void add_kind(void *ctx, const char *path) {
   vs_text_add(ctx, "  %.*s\n", (int)strcspn(base, "."), base);
 }
 
+static void add_wrapped_kind(void *ctx, const char *path) {
+  const char *base = base_of(path), *end = strstr(base, WRAPPED);
+  vs_text *kinds = ctx;
+  if (end) vs_text_add(kinds, "%s%.*s", kinds->length ? ", " : "", (int)(end - base), base);
+}
+
 /* What is looked for on the shelf, and its path; empty: it is not there. */
 typedef struct wanted {
   const char *name;
@@ -127,13 +133,16 @@ static vs_status find_template(const part_line *o, char path[VS_PATH_SIZE], vs_e
   if (!strstr(kind, WRAPPED)) vs_path_list(&SHELF, take_template, &w);
   memcpy(path, w.path, VS_PATH_SIZE);
   if (*path) return VS_OK;
-  if (o->wrap)
-    return vs_fail(
-        err, VS_INPUT,
-        "part --wrap: no template of '%s' around a vendor's model; there are: diode, fuse, "
-        "igbt, mosfet, thyristor, triac, varistor",
-        kind);
-  return vs_fail(err, VS_INPUT, "part: '%s' is no kind with a template; see vibrospice part", kind);
+  if (!o->wrap)
+    return vs_fail(err, VS_INPUT, "part: '%s' is no kind with a template; see vibrospice part",
+                   kind);
+  vs_text kinds = {0};
+  vs_path_list(&SHELF, add_wrapped_kind, &kinds);
+  vs_status status = vs_fail(
+      err, VS_INPUT, "part --wrap: no template of '%s' around a vendor's model; there are: %s",
+      kind, kinds.text ? kinds.text : "none");
+  vs_text_free(&kinds);
+  return status;
 }
 
 /* Adds the kinds there are, one a line, for --help. */
@@ -197,7 +206,7 @@ static const vs_option PART_OPTIONS[] = {
     VS_OPTIONS_OUTPUT("NAME.inc", "writes the template there; NAME is the part's"),
     VS_OPTIONS_WORD(part_line, wrap, "wrap", "FILE[:SUBCKT]",
                     "around the subcircuit of a vendor's file, instead of a model of the "
-                    "program's own; of a thyristor, triac, diode, MOSFET, IGBT, varistor or fuse"),
+                    "program's own, where the kind has such a template"),
     VS_OPTIONS_FLAG(part_line, overwrite, "overwrite", "replaces a file that is there already"),
     VS_OPTIONS_FLAG(vs_arguments, quiet, "quiet", "prints nothing"),
     VS_OPTIONS_HELP,

@@ -12,6 +12,7 @@
 
 #include "base/file.h"
 #include "base/text.h"
+#include "netlist/kinds.h"
 
 enum { MOST_PINS = 8 };
 
@@ -89,74 +90,44 @@ static vs_status take_file(search *f, FILE *file, const char *path, vs_error *er
 
 /* ---- pins ---- */
 
-enum { MOST_NODES = 3 };
-
-/* The nodes of a part of each kind, in the order of its template, with the beginnings of the names
- * that vendors give to such a pin, in small letters, each between blanks; and the order that is
- * assumed where the names do not say. */
-static const struct layout {
-  const char *kind;
-  struct {
-    const char *node, *what, *beginnings;
-  } pin[MOST_NODES];
-  int assumed[MOST_NODES];
-} LAYOUTS[] = {
-    {"thyristor",
-     {{"a", "anode", " a "}, {"k", "cathode", " k c "}, {"g", "gate", " g "}},
-     {0, 2, 1}},
-    {"triac",
-     {{"mt2", "main terminal 2", " mt2 t2 a2 m2 "},
-      {"mt1", "main terminal 1", " mt1 t1 a1 m1 k "},
-      {"g", "gate", " g "}},
-     {0, 2, 1}},
-    {"diode", {{"a", "anode", " a p "}, {"k", "cathode", " k c n "}, {NULL, NULL, NULL}}, {0, 1}},
-    {"mosfet", {{"d", "drain", " d "}, {"g", "gate", " g "}, {"s", "source", " s "}}, {0, 1, 2}},
-    {"igbt", {{"c", "collector", " c "}, {"g", "gate", " g "}, {"e", "emitter", " e "}}, {0, 1, 2}},
-    {"varistor", {{"a", NULL, ""}, {"b", NULL, ""}, {NULL, NULL, NULL}}, {0, 1}},
-    {"fuse", {{"a", NULL, ""}, {"b", NULL, ""}, {NULL, NULL, NULL}}, {0, 1}},
-    {NULL, {{NULL, NULL, NULL}}, {0}}};
-
-static const struct layout *layout_of(const char *kind) {
-  const struct layout *l = LAYOUTS;
-  while (l->kind && strcmp(l->kind, kind)) l++;
-  return l;
-}
-
-static size_t count_nodes(const struct layout *l) {
-  size_t n = 0;
-  while (n < MOST_NODES && l->pin[n].node) n++;
-  return n;
+/* True where the pin's name begins with one of the words, capitals aside. */
+static bool begins(const char *pin, const char *words) {
+  for (const char *at = words; at && *at == ' ' && at[1];) {
+    size_t n = strcspn(at + 1, " ");
+    if (!strncasecmp(pin, at + 1, n)) return true;
+    at += 1 + n;
+  }
+  return false;
 }
 
 /* The node that a pin of this name is; -1: its name does not say. */
-static int node_of(const struct layout *l, const char *pin) {
-  for (int k = 0; k < MOST_NODES && l->pin[k].node; k++)
-    for (const char *at = l->pin[k].beginnings; *at == ' ' && at[1];) {
-      size_t n = strcspn(at + 1, " ");
-      if (!strncasecmp(pin, at + 1, n)) return k;
-      at += 1 + n;
-    }
+static int node_of(const vs_kind *kind, const char *pin) {
+  for (int k = 0; k < vs_kinds_count_pins(kind); k++)
+    if (begins(pin, kind->pins[k].words) || begins(pin, kind->pins[k].also)) return k;
   return -1;
 }
 
-/* Pins by their names, or else in the order that is assumed; of two that are alike in the order
- * they have. */
-static void map_pins(const subcircuit *s, const struct layout *l, vs_wrap *w) {
-  int node[MOST_NODES] = {-1, -1, -1};
+/* Pins by their names, or else with the gate in the middle, as most vendors have it; of two that
+ * are alike in the order they have. */
+static void map_pins(const subcircuit *s, const vs_kind *kind, vs_wrap *w) {
+  static const int USUAL[VS_PINS] = {VS_PIN_FROM, VS_PIN_GATE, VS_PIN_TO};
+  int node[VS_PINS] = {-1, -1, -1};
   size_t n = 0, call = 0;
-  bool alike = !l->pin[0].what, named = !alike;
+  bool alike = !kind->pins[0].text, named = !alike;
   for (size_t k = 0; k < s->pins; k++) {
-    node[k] = node_of(l, s->pin[k]);
+    node[k] = node_of(kind, s->pin[k]);
     named = named && node[k] >= 0;
     for (size_t other = 0; other < k; other++) named = named && node[other] != node[k];
   }
-  if (!named) memcpy(node, l->assumed, sizeof node);
+  for (int k = 0, to = 0; k < VS_PINS && !named; k++)
+    if (vs_kinds_pin(kind, USUAL[k]) >= 0) node[to++] = vs_kinds_pin(kind, USUAL[k]);
   n += (size_t)snprintf(w->pins, sizeof w->pins, "Pins of %s: ", s->name);
   for (size_t k = 0; k < s->pins && n < sizeof w->pins; k++) {
-    const char *what = l->pin[node[k]].what;
-    call += (size_t)snprintf(w->call + call, sizeof w->call - call, "%s ", l->pin[node[k]].node);
+    const char *what = kind->pins[node[k]].text;
+    call +=
+        (size_t)snprintf(w->call + call, sizeof w->call - call, "%s ", kind->pins[node[k]].node);
     n += (size_t)snprintf(w->pins + n, sizeof w->pins - n, "%s%s is %s%s%s%s", k ? ", " : "",
-                          s->pin[k], l->pin[node[k]].node, what ? " (" : "", what ? what : "",
+                          s->pin[k], kind->pins[node[k]].node, what ? " (" : "", what ? what : "",
                           what ? ")" : "");
   }
   snprintf(w->call + call, sizeof w->call - call, "%s", s->name);
@@ -207,8 +178,8 @@ vs_status vs_wrap_find(const char *word, const char *kind, const char *output, v
   const char *colon = strrchr(word, ':');
   bool split = colon && access(word, R_OK);
   snprintf(path, sizeof path, "%.*s", split ? (int)(colon - word) : (int)strlen(word), word);
-  const struct layout *layout = layout_of(kind);
-  search f = {.wanted = split ? colon + 1 : NULL, .pins = count_nodes(layout)};
+  const vs_kind *known = vs_kinds_find(kind);
+  search f = {.wanted = split ? colon + 1 : NULL, .pins = (size_t)vs_kinds_count_pins(known)};
   FILE *file = fopen(path, "r");
   if (!file)
     return vs_fail_at(err, (vs_where){.file = path}, "cannot be read: %s", strerror(errno));
@@ -219,7 +190,7 @@ vs_status vs_wrap_find(const char *word, const char *kind, const char *output, v
   if (good) {
     *w = (vs_wrap){.pspice = f.pspice};
     memcpy(w->called, f.best.name, sizeof w->called);
-    map_pins(&f.best, layout, w);
+    map_pins(&f.best, known, w);
     name_file(path, output, w);
   }
   vs_text_free(&f.names);

@@ -47,8 +47,8 @@ static vs_status check_resistance(const vs_node *node, const vs_deck *deck, cons
     junction = junction || d->kind->measures[k].how == VS_R_HOTTEST;
   if (!junction)
     return vs_fail_at(err, node->key_where,
-                      "heatsink: %s is a %s, of which no junction is told; thyristors, triacs, "
-                      "diodes, MOSFETs and IGBTs have one",
+                      "heatsink: %s is a %s, of which no junction is told; 'vibrospice list kinds' "
+                      "shows which kinds have a measure t_j",
                       d->name, d->kind ? d->kind->name : "device without a kind");
   if (isfinite(vs_devices_r_th(deck, d, "r_th_jc", &assumed))) return VS_OK;
   const char *file = d->part < 0 ? NULL : deck->parts[d->part].file;

@@ -10,6 +10,7 @@
 #include <strings.h>
 
 #include "base/path.h"
+#include "netlist/kinds.h"
 #include "netlist/statements.h"
 #include "netlist/words.h"
 
@@ -364,9 +365,7 @@ static void write_sum(writer *b) {
   size_t count = 0;
   for (size_t k = 0; k < b->w->count && count < VS_DECK_DEVICES; k++) {
     const vs_fate_element *own = &b->p->of[k];
-    if (own->pins.kind &&
-        (!strcmp(own->pins.kind, "thyristor") || !strcmp(own->pins.kind, "triac")))
-      first[count++] = own->sense;
+    if (vs_kinds_latches(own->pins.kind)) first[count++] = own->sense;
   }
   if (count < 2) return;
   const char *sum = b->p->sum;

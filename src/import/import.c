@@ -13,6 +13,7 @@
 #include "cast.h"
 #include "copying.h"
 #include "lines.h"
+#include "netlist/kinds.h"
 #include "run/session.h"
 #include "settings.h"
 #include "start.h"
@@ -140,13 +141,15 @@ static void note_devices(work *w) {
     vs_declared_note(&s->did, "%s is %s %s, %s%s%s", e->name,
                      strchr("aeio", *own->pins.kind) ? "an" : "a", own->pins.kind, own->pins.by,
                      *own->pins.part ? ": " : "", own->pins.part);
-    if (strcmp(own->pins.kind, "thyristor") || *own->pins.part) continue;
+    if (!vs_kinds_latches(own->pins.kind) || vs_kinds_find(own->pins.kind)->both_ways ||
+        *own->pins.part)
+      continue;
     vs_declared_note(
         &s->left,
         "%s: what its maker allows is not known here: a line '*$ rating v_ak "
-        "-V_RRM..V_DRM V'; or a part's file NAME.inc beside the netlist ('vibrospice part "
-        "thyristor -o NAME.inc'), if the netlist names NAME and does not define it",
-        e->name);
+        "-V_RRM..V_DRM V'; or a part's file NAME.inc beside the netlist ('vibrospice part %s "
+        "-o NAME.inc'), if the netlist names NAME and does not define it",
+        e->name, own->pins.kind);
   }
   if (w->body.skipped)
     vs_declared_note(&s->did,

@@ -18,16 +18,6 @@ static void voltage_of(const vs_fate *p, const vs_element *e, const vs_fate_elem
                       vs_elements_node_of(p->wiring, e, to), text);
 }
 
-static bool is_kind(const vs_fate_element *own, const char *kind) {
-  return own->pins.kind && !strcmp(own->pins.kind, kind);
-}
-
-static size_t count_kind(const vs_fate *p, const char *kind) {
-  size_t count = 0;
-  for (size_t k = 0; k < p->wiring->count; k++) count += is_kind(&p->of[k], kind);
-  return count;
-}
-
 /* ---- gates ---- */
 
 /* Marks what is connected with a node over resistors and diodes, but not over node 0. */
@@ -57,11 +47,11 @@ static size_t gates_at(const vs_fate *p, int node, bool drives[VS_ROLES_GATES]) 
   return count;
 }
 
-/* A part's pins are a k g. A netlist that was written for another one of that name may have
- * them in another order, which its gate's source shows. */
+/* A netlist that was written for another part of that name may have the pins in another order,
+ * which its gate's source shows. */
 static vs_status check_part(const vs_fate *p, const vs_element *e, const vs_fate_element *own,
                             vs_error *err) {
-  bool gated = *own->pins.part && own->pins.gate >= 0 && p->roles->n_gates;
+  bool gated = *own->pins.part && vs_kinds_latches(own->pins.kind) && p->roles->n_gates;
   bool drives[VS_ROLES_GATES];
   if (!gated || own->pins.by == vs_pins_said || gates_at(p, e->nodes[2], drives)) return VS_OK;
   return vs_fail_at(err, vs_elements_where(p->wiring, e, 0),
@@ -151,11 +141,12 @@ static void add_valve(vs_fate *p, const vs_element *e, const vs_fate_element *ow
 
 /* Thyristors and triacs; the anode current of several is their sum, which the deck makes. */
 static void add_valves(vs_fate *p) {
-  size_t count = count_kind(p, "thyristor") + count_kind(p, "triac");
+  size_t count = 0;
   bool first = true;
+  for (size_t k = 0; k < p->wiring->count; k++) count += vs_kinds_latches(p->of[k].pins.kind);
   for (size_t k = 0; k < p->wiring->count; k++) {
     const vs_fate_element *own = &p->of[k];
-    if (!is_kind(own, "thyristor") && !is_kind(own, "triac")) continue;
+    if (!vs_kinds_latches(own->pins.kind)) continue;
     add_valve(p, &p->wiring->elements[k], own, count, first);
     first = false;
   }
@@ -171,8 +162,7 @@ static void add_others(vs_fate *p) {
     const vs_element *e = &p->wiring->elements[k];
     const vs_fate_element *own = &p->of[k];
     char i[VS_DECK_NAME];
-    if (!own->pins.kind || is_kind(own, "thyristor") || is_kind(own, "triac") || !*own->sense)
-      continue;
+    if (!own->pins.kind || vs_kinds_latches(own->pins.kind) || !*own->sense) continue;
     snprintf(i, sizeof i, "i_%.50s", e->key);
     vs_declared_name(&p->sheet, i, i);
     add_device(p, e, own, *own->part ? own->part : e->key, i);

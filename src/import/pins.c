@@ -8,38 +8,19 @@
 #include <string.h>
 #include <strings.h>
 
-#include "netlist/catalogue.h"
-#include "netlist/netlist.h"
 #include "base/cursor.h"
+#include "netlist/catalogue.h"
+#include "netlist/kinds.h"
+#include "netlist/netlist.h"
 
-/* Kinds by their pins: what subcircuits call them, each name between blanks. `hints` are words in a
- * name or a comment that say the kind alone. */
-static const struct sort {
-  const char *kind, *from, *to, *gate, *hints;
-} SORTS[] = {
-    {"thyristor", " a an ano anode ", " k c ka ca cat cath cathode kathode ", " g gt ga gat gate ",
-     " thyristor scr "},
-    {"triac", " mt2 t2 a2 m2 main2 mainterminal2 ", " mt1 t1 a1 m1 main1 mainterminal1 ",
-     " g gt ga gat gate ", " triac "},
-    {"mosfet", " d drain ", " s source ", " g gate ", " mosfet "},
-    {"igbt", " c collector ", " e emitter ", " g gate ", " igbt "},
-    {"diode", " a an ano anode ", " k c ka ca cat cath cathode kathode ", NULL, " diode "}};
-enum { N_SORTS = sizeof SORTS / sizeof *SORTS };
-
-/* Kinds of two pins that are alike, by words in the name of a subcircuit or its comment. */
-static const struct alike {
-  const char *kind, *hints;
-} ALIKE[] = {{"varistor", " varistor mov siov "}, {"fuse", " fuse "}};
-enum { N_ALIKE = sizeof ALIKE / sizeof *ALIKE };
-
-/* Elements that ngspice itself knows. */
+/* Elements that ngspice itself knows, of which no kind is measured. */
 static const struct letter {
   char letter;
   const char *kind;
   int from, to, gate;
-} LETTERS[] = {{'d', "diode", 0, 1, -1},     {'m', "mosfet", 0, 2, 1},
-               {'z', "igbt", 0, 2, 1},       {'q', "transistor", 0, 2, 1},
-               {'j', "transistor", 0, 2, 1}, {'s', "switch", 0, 1, -1},
+} LETTERS[] = {{'q', "transistor", 0, 2, 1},
+               {'j', "transistor", 0, 2, 1},
+               {'s', "switch", 0, 1, -1},
                {'w', "switch", 0, 1, -1}};
 
 const char *const vs_pins_said = "as --pins says";
@@ -49,6 +30,34 @@ static bool among(const char *list, const char *word, size_t n) {
   snprintf(spaced, sizeof spaced, " %.*s ", (int)n, word);
   vs_cursor_lower(spaced);
   return n > 0 && n < VS_ELEMENTS_NAME && list && strstr(list, spaced);
+}
+
+/* ---- kinds ---- */
+
+/* Do the names of its pins tell what it is? Else words in the name of a subcircuit or its comment
+ * may tell what has two pins that are alike. */
+static bool is_told_by_pins(const vs_kind *kind) {
+  return kind->letters;
+}
+
+static bool is_told_by_name(const vs_kind *kind) {
+  return kind->called && !is_told_by_pins(kind);
+}
+
+/* The n-th kind that its pins tell, from 0; NULL: there are no more. Those of more pins come first:
+ * a MOSFET that shows its own diode's pins is no diode. */
+static const vs_kind *kind_by_pins(size_t n) {
+  for (int pins = VS_PINS; pins > 1; pins--)
+    for (const vs_kind *kind = vs_kinds_all; kind->name; kind++)
+      if (is_told_by_pins(kind) && vs_kinds_count_pins(kind) == pins && n-- == 0) return kind;
+  return NULL;
+}
+
+static void take_kind(const vs_kind *kind, vs_pins *pins) {
+  pins->kind = kind->name;
+  pins->from = vs_kinds_pin(kind, VS_PIN_FROM);
+  pins->to = vs_kinds_pin(kind, VS_PIN_TO);
+  pins->gate = vs_kinds_pin(kind, VS_PIN_GATE);
 }
 
 /* ---- words of pins ---- */
@@ -78,37 +87,37 @@ static bool is_filler(const char *word, size_t n) {
   return strspn(word, "0123456789") >= n || among(" and pin pins to is ", word, n);
 }
 
-/* Finds the pins of a sort among the words from `start` on, each once. `in_place`: every word is
+/* Finds the pins of a kind among the words from `start` on, each once. `in_place`: every word is
  * some pin's, so that its number is the pin's; else the pins stand one behind the other, with
  * fillers between them. */
-static bool run_of(const struct sort *sort, const char *const *words, const size_t *sizes,
-                   int count, bool in_place, int at[3]) {
-  const char *const LISTS[] = {sort->from, sort->to, sort->gate};
-  int seen = 0, wanted = sort->gate ? 3 : 2;
-  at[0] = at[1] = at[2] = -1;
+static bool run_of(const vs_kind *kind, const char *const *words, const size_t *sizes, int count,
+                   bool in_place, int at[VS_PINS]) {
+  int seen = 0, wanted = vs_kinds_count_pins(kind);
+  at[VS_PIN_FROM] = at[VS_PIN_TO] = at[VS_PIN_GATE] = -1;
   for (int n = 0; n < count && seen < wanted; n++) {
     int which = 0;
-    while (which < 3 && !among(LISTS[which], words[n], sizes[n])) which++;
-    if (which < 3 && at[which] >= 0) return false;
-    if (which < 3)
-      at[which] = in_place ? n : seen, seen++;
+    while (which < wanted && !among(kind->pins[which].words, words[n], sizes[n])) which++;
+    if (which < wanted && at[kind->pins[which].role] >= 0) return false;
+    if (which < wanted)
+      at[kind->pins[which].role] = in_place ? n : seen, seen++;
     else if (!in_place && !is_filler(words[n], sizes[n]))
       return false;
   }
   return seen == wanted;
 }
 
-/* Finds the sort whose pins these words are, as above. */
-static bool sort_of(const char *const *words, const size_t *sizes, int count, bool in_place,
+/* Finds the kind whose pins these words are, as above. */
+static bool kind_of(const char *const *words, const size_t *sizes, int count, bool in_place,
                     vs_pins *pins) {
-  for (size_t k = 0; k < N_SORTS; k++)
+  const vs_kind *kind;
+  for (size_t k = 0; (kind = kind_by_pins(k)); k++)
     for (int start = 0; start < (in_place ? 1 : count); start++) {
-      int at[3];
-      if (!run_of(&SORTS[k], words + start, sizes + start, count - start, in_place, at)) continue;
-      pins->kind = SORTS[k].kind;
-      pins->from = at[0];
-      pins->to = at[1];
-      pins->gate = at[2];
+      int at[VS_PINS];
+      if (!run_of(kind, words + start, sizes + start, count - start, in_place, at)) continue;
+      pins->kind = kind->name;
+      pins->from = at[VS_PIN_FROM];
+      pins->to = at[VS_PIN_TO];
+      pins->gate = at[VS_PIN_GATE];
       return true;
     }
   return false;
@@ -161,12 +170,12 @@ static bool pins_of(const vs_listing *l, size_t subckt, int n_nodes, vs_pins *pi
   int count = words_of(s, true, words, sizes);
   bool digits = count > 0 && isdigit((unsigned char)*words[0]);
   pins->by = "by the names of its subcircuit's pins";
-  if (!digits && sort_of(words, sizes, count < n_nodes ? count : n_nodes, true, pins)) return true;
+  if (!digits && kind_of(words, sizes, count < n_nodes ? count : n_nodes, true, pins)) return true;
   pins->by = "by the comment of its subcircuit, which names its pins in their order";
   for (size_t k = subckt < 12 ? 0 : subckt - 12; k < l->count && k < subckt + 12; k++) {
     if (!explains(l, k, subckt)) continue;
     count = words_of(l->cards[k].text, false, words, sizes);
-    bool is = sort_of(words, sizes, count, false, pins);
+    bool is = kind_of(words, sizes, count, false, pins);
     int seen = pins->gate >= 0 ? 3 : 2;
     if (is && seen == n_nodes) return true;
     *pins = (vs_pins){.gate = -1, .by = pins->by};
@@ -174,27 +183,29 @@ static bool pins_of(const vs_listing *l, size_t subckt, int n_nodes, vs_pins *pi
   return false;
 }
 
-static vs_status ask(const vs_elements *w, const vs_element *e, const char *kind, const char *model,
-                     const char *letters, vs_error *err) {
+static vs_status ask(const vs_elements *w, const vs_element *e, const vs_kind *kind,
+                     const char *model, vs_error *err) {
   return vs_fail_at(err, vs_elements_where(w, e, 0),
                     "%s (%s) looks like a %s, and nothing says which of its pins is what: --pins "
                     "%s=%s, the letters in the order of its nodes; --pins %s=none measures nothing "
                     "of it",
-                    e->name, model, kind, e->name, letters, e->name);
+                    e->name, model, kind->name, e->name, kind->letters, e->name);
 }
 
 static vs_status find_in_netlist(const vs_elements *w, const vs_element *e, const char *model,
                                  size_t subckt, vs_pins *pins, vs_error *err) {
   const vs_listing *l = w->listing;
-  for (size_t k = 0; k < N_ALIKE && e->n_nodes == 2; k++)
-    if (subcircuit_hints(l, subckt, model, ALIKE[k].hints)) {
-      *pins = (vs_pins){.kind = ALIKE[k].kind, .to = 1, .gate = -1, .by = "by its name"};
+  for (const vs_kind *kind = vs_kinds_all; kind->name && e->n_nodes == 2; kind++)
+    if (is_told_by_name(kind) && subcircuit_hints(l, subckt, model, kind->called)) {
+      pins->by = "by its name";
+      take_kind(kind, pins);
       return VS_OK;
     }
   if (pins_of(l, subckt, e->n_nodes, pins)) return VS_OK;
-  for (size_t k = 0; k < 2 && e->n_nodes == 3; k++) /* thyristor and triac */
-    if (subcircuit_hints(l, subckt, model, SORTS[k].hints))
-      return ask(w, e, SORTS[k].kind, model, k ? "21g" : "akg", err);
+  for (const vs_kind *kind = vs_kinds_all; kind->name && e->n_nodes == 3; kind++)
+    if (kind->called && vs_kinds_count_pins(kind) == 3 &&
+        subcircuit_hints(l, subckt, model, kind->called))
+      return ask(w, e, kind, model, err);
   return VS_OK;
 }
 
@@ -230,46 +241,35 @@ static void look_beside(const vs_elements *w, search *s) {
   if (dir) closedir(dir);
 }
 
-static const char *known_kind(const char *kind) {
-  for (size_t k = 0; k < N_SORTS; k++)
-    if (!strcmp(kind, SORTS[k].kind)) return SORTS[k].kind;
-  for (size_t k = 0; k < N_ALIKE; k++)
-    if (!strcmp(kind, ALIKE[k].kind)) return ALIKE[k].kind;
-  return NULL;
-}
-
 /* Gives the kind of the part that a file holds; NULL: it holds none of a kind known here. */
-static const char *kind_of_part(const char *path) {
+static const vs_kind *kind_of_part(const char *path) {
   vs_deck *part = vs_alloc(1, sizeof *part);
   vs_error unread = {0};
-  const char *kind = NULL;
+  const vs_kind *kind = NULL;
   if (!vs_netlist_read_part(path, part, &unread) && part->n_part_files)
-    kind = known_kind(part->part_files[0].kind);
+    kind = vs_kinds_find(part->part_files[0].kind);
   vs_deck_free(part);
   free(part);
-  return kind;
+  return kind && (is_told_by_pins(kind) || is_told_by_name(kind)) ? kind : NULL;
 }
 
 /* A subcircuit that the netlist does not define may be that of a part: of a file beside the
- * netlist, else of one that ships. Its pins are a, k, g. */
+ * netlist, else of one that ships. */
 static void find_part(const vs_elements *w, const char *model, const vs_element *e, vs_pins *pins) {
+  const vs_kind *kind = NULL;
   search s = {.name = model};
   pins->by = "a part beside the netlist";
   look_beside(w, &s);
-  if (*s.found) pins->kind = kind_of_part(s.path);
-  if (!pins->kind) {
+  if (*s.found) kind = kind_of_part(s.path);
+  if (!kind) {
     s = (search){.name = model};
     pins->by = "a shipped part";
     vs_catalogue_list(&vs_deck_parts_shelf, look, &s);
-    if (*s.found) pins->kind = kind_of_part(s.path);
+    if (*s.found) kind = kind_of_part(s.path);
   }
-  if (!*s.found) return;
-  bool gated = pins->kind && (!strcmp(pins->kind, "thyristor") || !strcmp(pins->kind, "triac"));
-  if (pins->kind && e->n_nodes != (gated ? 3 : 2)) pins->kind = NULL;
-  pins->from = 0;
-  pins->to = 1;
-  pins->gate = gated ? 2 : -1;
-  snprintf(pins->part, sizeof pins->part, "%s", pins->kind ? s.found : "");
+  if (!kind || e->n_nodes != vs_kinds_count_pins(kind)) return;
+  take_kind(kind, pins);
+  snprintf(pins->part, sizeof pins->part, "%s", s.found);
 }
 
 /* ---- what the user says ---- */
@@ -294,18 +294,34 @@ static bool read_said(const char *said, vs_pins *pins) {
   int count = (int)strlen(said);
   *pins = (vs_pins){.gate = -1, .by = vs_pins_said};
   if (!strcmp(said, "none")) return true;
-  for (size_t k = 0; k < N_ALIKE; k++)
-    if (!strcmp(said, ALIKE[k].kind)) {
-      pins->kind = ALIKE[k].kind;
-      pins->to = 1;
-      return true;
-    }
+  const vs_kind *kind = vs_kinds_find(said);
+  if (kind && is_told_by_name(kind)) {
+    take_kind(kind, pins);
+    return true;
+  }
   for (int k = 0; k < count && count <= MOST_PINS; k++) {
     bool main = said[k] == '1' || said[k] == '2'; /* terminal of a triac */
     words[k] = main ? said[k] == '1' ? "t1" : "t2" : said + k;
     sizes[k] = main ? 2 : 1;
   }
-  return count <= MOST_PINS && sort_of(words, sizes, count, true, pins);
+  return count <= MOST_PINS && kind_of(words, sizes, count, true, pins);
+}
+
+static vs_status refuse_said(const char *entry, const char *word, vs_error *err) {
+  vs_text pins = {0}, names = {0};
+  const vs_kind *kind;
+  for (size_t k = 0; (kind = kind_by_pins(k)); k++)
+    vs_text_add(&pins, "%s%s %s", k ? ", " : "", kind->letters, kind->name);
+  for (kind = vs_kinds_all; kind->name; kind++)
+    if (is_told_by_name(kind)) vs_text_add(&names, "%s%s", names.length ? ", " : "", kind->name);
+  vs_status status = vs_fail(
+      err, VS_INPUT,
+      "--pins %s%s%s: wants NAME=LETTERS, the letters of its pins in the order of its nodes "
+      "(%s), or NAME=%s or none",
+      entry, word ? "=" : "", word ? word : "", pins.text, names.text);
+  vs_text_free(&pins);
+  vs_text_free(&names);
+  return status;
 }
 
 vs_status vs_pins_check(const vs_elements *w, const char *asked, vs_error *err) {
@@ -316,11 +332,7 @@ vs_status vs_pins_check(const vs_elements *w, const char *asked, vs_error *err) 
     vs_pins pins;
     if (equal) *equal = '\0';
     if (!equal || !read_said(equal + 1, &pins))
-      status = vs_fail(err, VS_INPUT,
-                       "--pins %s%s%s: wants NAME=LETTERS, the letters of its pins in the order of "
-                       "its nodes (akg thyristor, 21g triac, dgs mosfet, cge igbt, ak diode), or "
-                       "NAME=varistor, fuse or none",
-                       entry, equal ? "=" : "", equal ? equal + 1 : "");
+      status = refuse_said(entry, equal ? equal + 1 : NULL, err);
     else if (!vs_elements_find(w, entry))
       status = vs_fail(err, VS_INPUT, "--pins %s: there is no such element outside of subcircuits",
                        entry);
@@ -363,7 +375,9 @@ vs_status vs_pins_find(const vs_elements *w, const char *asked, const vs_element
   else if (e->letter == 'x' && subckt >= 0)
     status = find_in_netlist(w, e, model, (size_t)subckt, pins, err);
   else if (e->letter == 'b' && is_power_law(w, e))
-    *pins = (vs_pins){.kind = "varistor", .to = 1, .gate = -1, .by = "by its law"};
+    take_kind(vs_kinds_find("varistor"), pins), pins->by = "by its law";
+  for (const vs_kind *kind = vs_kinds_all; kind->name && !said; kind++)
+    if (kind->letter == e->letter) take_kind(kind, pins);
   for (size_t k = 0; k < sizeof LETTERS / sizeof *LETTERS && !said; k++)
     if (LETTERS[k].letter == e->letter)
       *pins = (vs_pins){.kind = LETTERS[k].kind,

@@ -20,8 +20,8 @@ extern const char *const vs_pins_said; /* what vs_pins.by is where --pins told i
 
 /* `asked` is what the user says, "X1=akg,X2=varistor" (NULL: nothing): the letters of the pins in
  * their order (a k g of a thyristor, 2 1 g of a triac, d s g, c e g), or a word for what has two
- * pins alike, or none. Error, with its place: an element looks like a thyristor or triac, and which
- * pin is what does not show. */
+ * pins alike, or none. Error, with its place: an element looks like a kind by its name, as a
+ * thyristor, and which pin is what does not show. */
 vs_status vs_pins_find(const vs_elements *wiring, const char *asked, const vs_element *element,
                        vs_pins *pins, vs_error *err);
 

@@ -220,15 +220,13 @@ static bool is_unwatched(const vs_deck *deck, size_t part) {
   const vs_part *p = &deck->parts[part];
   const vs_part_file *file = p->file ? vs_parts_file(deck, p->file) : NULL;
   const vs_kind *kind = file ? vs_kinds_find(file->kind) : NULL;
-  bool decides = false, real = false;
+  bool decides = false, watched = false;
   for (size_t k = 0; kind && k < kind->n_measures; k++)
     decides = decides ||
               (kind->measures[k].limit && vs_kinds_decides(kind->name, kind->measures[k].limit));
-  for (size_t k = 0; decides && k < deck->n_limits; k++)
-    real =
-        real || (isfinite(deck->limits[k].value) && !strcmp(deck->limits[k].where.file, p->file));
-  for (size_t k = 0; k < deck->n_devices; k++) real = real && deck->devices[k].part != (int)part;
-  return real;
+  for (size_t k = 0; k < deck->n_devices; k++)
+    watched = watched || deck->devices[k].part == (int)part;
+  return decides && !watched && vs_parts_is_real(deck, p->file);
 }
 
 static vs_judgement judge_unwatched(const vs_part *part) {

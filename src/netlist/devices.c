@@ -436,11 +436,9 @@ const vs_limit *vs_devices_own_limit(const vs_deck *deck, const vs_device *d, co
 
 bool vs_devices_lacks(const vs_deck *deck, const vs_device *d, const vs_device_measure *m) {
   const char *file = file_of(deck, d);
-  bool real = false, own = m->limit && m->held != VS_WARD_AT_MOST;
-  if (!file || !own || !vs_kinds_decides(d->kind->name, m->limit)) return false;
-  for (size_t k = 0; k < deck->n_limits && !real; k++)
-    real = isfinite(deck->limits[k].value) && !strcmp(deck->limits[k].where.file, file);
-  return real && !vs_parts_find_limit(deck, file, m->limit);
+  bool own = m->limit && m->held != VS_WARD_AT_MOST;
+  return file && own && vs_kinds_decides(d->kind->name, m->limit) && vs_parts_is_real(deck, file) &&
+         !vs_parts_find_limit(deck, file, m->limit);
 }
 
 double vs_devices_dv_dt_over(const vs_deck *deck, const vs_device *d) {

@@ -26,6 +26,7 @@
 #include "netlist/contract.h"
 #include "netlist/devices.h"
 #include "netlist/eva.h"
+#include "netlist/kinds.h"
 #include "netlist/numbers.h"
 #include "netlist/parts.h"
 #include "netlist/reserved.h"
@@ -499,10 +500,8 @@ static vs_status take_part(vs_deck *deck, const vs_node *section, vs_part *part,
 /* True for a device whose line says what kind it is, of which series have limits: it is an element
  * of the netlist with a value, and no part. */
 static bool is_of_series(const vs_device *d) {
-  static const char *const KINDS[] = {"resistor", "capacitor", "electrolytic"};
-  for (size_t k = 0; k < sizeof KINDS / sizeof *KINDS; k++)
-    if (!strcmp(d->of, KINDS[k])) return true;
-  return false;
+  const vs_kind *kind = vs_kinds_find(d->of);
+  return kind && kind->of_series;
 }
 
 /* Adds the keys NAME_part that the scene gives: they say of which series a resistor or capacitor of

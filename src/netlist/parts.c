@@ -242,6 +242,12 @@ const vs_limit *vs_parts_find_limit(const vs_deck *deck, const char *file, const
   return NULL;
 }
 
+bool vs_parts_is_real(const vs_deck *deck, const char *file) {
+  for (size_t k = 0; k < deck->n_limits; k++)
+    if (isfinite(deck->limits[k].value) && !strcmp(deck->limits[k].where.file, file)) return true;
+  return false;
+}
+
 static vs_status resolve_bound(const vs_deck *deck, const vs_rating *r, vs_bound *bound,
                                double *value, vs_error *err) {
   if (!*bound->part) {
@@ -311,35 +317,19 @@ static vs_status check_over(const vs_deck *deck, const vs_limit *over, vs_error 
                     LEAST_OVER_V, most, over->written);
 }
 
-/* Two limits of one part of which the second is never below the first. */
-static const struct ordered {
-  const char *kind, *less, *more;
-} ORDERED[] = {{"varistor", "v_rms", "v_dc"},
-               {"varistor", "v_dc", "v_varistor"},
-               {"fuse", "i_rated", "i_fusing"},
-               {"fuse", "i2t_melt", "i2t_clear"},
-               {"capacitor", "v_rms", "v_class"},
-               {"capacitor", "v_dc", "v_class"},
-               {"electrolytic", "i_ripple", "i_surge"},
-               {"thyristor", "i_t_rms", "i_tsm"},
-               {"triac", "i_t_rms", "i_tsm"},
-               {"diode", "i_f_av", "i_f_rms"},
-               {"diode", "i_f_av", "i_fsm"},
-               {"mosfet", "i_d", "i_dm"},
-               {"igbt", "i_c", "i_cm"}};
-
 /* Error: limits of one part that contradict each other. */
 static vs_status check_order(const vs_deck *deck, const vs_limit *more, vs_error *err) {
   const vs_part_file *file = vs_parts_file(deck, more->where.file);
-  for (size_t k = 0; file && k < sizeof ORDERED / sizeof *ORDERED; k++) {
-    const struct ordered *o = &ORDERED[k];
-    if (strcmp(o->kind, file->kind) || strcmp(o->more, more->name)) continue;
+  const vs_kind *kind = file ? vs_kinds_find(file->kind) : NULL;
+  for (int k = 0; kind && k < VS_KIND_RATIOS && kind->ratios[k].more; k++) {
+    const vs_kind_ratio *o = &kind->ratios[k];
+    if (!o->refused || strcmp(o->more, more->name)) continue;
     const vs_limit *less = vs_parts_find_limit(deck, more->where.file, o->less);
     if (!less || isinf(less->value) || less->value <= more->value) continue;
     return vs_fail_at(err, more->where,
                       "limit %s: %s is below %s, which is %s at line %d; of a %s %s is at least %s",
                       more->name, more->written, less->name, less->written, less->where.line,
-                      o->kind, o->more, o->less);
+                      kind->name, o->more, o->less);
   }
   return VS_OK;
 }
@@ -365,9 +355,9 @@ static const double CONTRADICTS = 2, I2T_CONTRADICTS = 20;
 static vs_status check_surge(const vs_deck *deck, const vs_limit *i2t, vs_error *err) {
   static const double HALF_SINE_S = 5e-3;
   const vs_part_file *file = vs_parts_file(deck, i2t->where.file);
-  if (!file || strcmp(i2t->name, "i2t") || isinf(i2t->value)) return VS_OK;
-  const vs_limit *peak =
-      vs_parts_find_limit(deck, i2t->where.file, strcmp(file->kind, "diode") ? "i_tsm" : "i_fsm");
+  const char *surge = file ? vs_kinds_surge_limit(file->kind) : NULL;
+  if (!surge || strcmp(i2t->name, "i2t") || isinf(i2t->value)) return VS_OK;
+  const vs_limit *peak = vs_parts_find_limit(deck, i2t->where.file, surge);
   if (!peak || isinf(peak->value)) return VS_OK;
   const double other = peak->value * peak->value * HALF_SINE_S;
   if (i2t->value <= I2T_CONTRADICTS * other && other <= I2T_CONTRADICTS * i2t->value) return VS_OK;
@@ -476,18 +466,14 @@ vs_status vs_parts_require_hold(const vs_deck *deck, const vs_circuit_values *va
 }
 
 bool vs_parts_below_mains(const vs_deck *deck, size_t part, double rms_v, char *text, size_t size) {
-  static const struct {
-    const char *limit, *what;
-    double factor;
-  } HELD[] = {{"v_drm", "peak", M_SQRT2}, {"v_rrm", "peak", M_SQRT2}, {"v_rms", "rms", 1}};
   const vs_part *p = &deck->parts[part];
-  for (size_t k = 0; k < sizeof HELD / sizeof *HELD && p->file; k++) {
-    const vs_limit *limit = vs_parts_find_limit(deck, p->file, HELD[k].limit);
-    const vs_part_file *file = vs_parts_file(deck, p->file);
-    if (file && !strcmp(file->kind, "capacitor")) continue; /* it may lie anywhere */
-    if (!limit || limit->value >= HELD[k].factor * rms_v) continue;
+  const vs_part_file *file = p->file ? vs_parts_file(deck, p->file) : NULL;
+  const vs_kind *kind = file ? vs_kinds_find(file->kind) : NULL;
+  for (const vs_mains_limit *held = vs_kinds_mains; held->name && p->file; held++) {
+    const vs_limit *limit = vs_parts_find_limit(deck, p->file, held->name);
+    if (!limit || (kind && kind->stores) || limit->value >= held->factor * rms_v) continue;
     snprintf(text, size, "circuit.%s: %s of %s, %s, is below the mains: %.6g V %s", p->name,
-             limit->name, p->subcircuit, limit->written, HELD[k].factor * rms_v, HELD[k].what);
+             limit->name, p->subcircuit, limit->written, held->factor * rms_v, held->what);
     return true;
   }
   return false;
@@ -553,13 +539,13 @@ static bool is_across(const vs_term *a, const vs_term *b) {
           (!strcmp(a->plus, b->minus) && !strcmp(a->minus, b->plus)));
 }
 
-/* Adds the lines of devices of that kind across these nodes. */
-static size_t add_across(const vs_deck *deck, const vs_term *nodes, const char *kind,
-                         const char *figure, vs_model_beside *out, size_t n) {
+/* Adds what the parts that clamp the voltage of these nodes say of their clamping voltage. */
+static size_t add_clamps(const vs_deck *deck, const vs_term *nodes, vs_model_beside *out) {
+  size_t n = 0;
   for (size_t k = 0; k < deck->n_devices && n < VS_MODELS_BESIDE; k++) {
     const vs_device *d = &deck->devices[k];
-    if (!d->kind || strcmp(d->kind->name, kind) || !is_across(voltage_of(deck, d), nodes)) continue;
-    const vs_model_line *line = model_of(deck, d, figure);
+    if (!d->kind || !d->kind->clamps || !is_across(voltage_of(deck, d), nodes)) continue;
+    const vs_model_line *line = model_of(deck, d, "v_clamp");
     if (line) out[n++] = (vs_model_beside){line, d};
   }
   return n;
@@ -567,13 +553,13 @@ static size_t add_across(const vs_deck *deck, const vs_term *nodes, const char *
 
 size_t vs_parts_models(const vs_deck *deck, const vs_device *d, const vs_device_measure *measure,
                        vs_model_beside out[VS_MODELS_BESIDE]) {
-  const vs_hanging *on;
-  size_t n = 0;
-  for (size_t k = 0;
-       n < VS_MODELS_BESIDE && d->kind && (on = vs_kinds_hanging(d->kind->name, measure->name, k));
+  const char *figure;
+  if (!d->kind) return 0;
+  bool clamped = measure->how == VS_R_PEAK && measure->of == VS_OF_V && !d->kind->clamps;
+  size_t n = clamped ? add_clamps(deck, voltage_of(deck, d), out) : 0;
+  for (size_t k = 0; n < VS_MODELS_BESIDE && (figure = vs_kinds_hanging(d->kind, measure->name, k));
        k++) {
-    const vs_model_line *own = on->beside ? NULL : model_of(deck, d, on->figure);
-    if (on->beside) n = add_across(deck, voltage_of(deck, d), on->beside, on->figure, out, n);
+    const vs_model_line *own = model_of(deck, d, figure);
     if (own) out[n++] = (vs_model_beside){own, NULL};
   }
   return n;
@@ -581,5 +567,5 @@ size_t vs_parts_models(const vs_deck *deck, const vs_device *d, const vs_device_
 
 size_t vs_parts_models_across(const vs_deck *deck, const vs_probe *probe,
                               vs_model_beside out[VS_MODELS_BESIDE]) {
-  return add_across(deck, &deck->terms[probe->term], "varistor", "v_clamp", out, 0);
+  return add_clamps(deck, &deck->terms[probe->term], out);
 }

@@ -120,8 +120,9 @@ static vs_status sample(void *ctx, const vs_step *step, vs_error *err) {
 }
 
 /* Exports, runs both, compares. The circuit tier runs at a tolerance of 1e-5, so that its own error
- * (under continuous firing 9e-4 at the default) is small in the 1e-3 that are asked for. */
-static void agree(const char *const *sets, int line) {
+ * (under continuous firing 9e-4 at the default) is small in the 1e-3 that are asked for. A refusal
+ * of bursts that do not fit into the time between pulses is counted where `refusals` asks. */
+static void agree(const char *const *sets, int *refusals, int line) {
   const char *finer[16];
   size_t n = count_sets(sets);
   memcpy(finer, sets, n * sizeof *sets);
@@ -130,7 +131,11 @@ static void agree(const char *const *sets, int line) {
   samples *s = vs_alloc(1, sizeof *s);
   vs_observer observer = {s, sample};
   vs_error err = {0};
-  expect(export(sets, &err) == VS_OK, line, "export: %s", err.text);
+  if (export(sets, &err) == VS_INPUT && refusals && strstr(err.text, "firing.burst_frequency")) {
+    ++*refusals;
+    return;
+  }
+  expect(!*err.text, line, "export: %s", err.text);
   expect(run_ngspice() == 0, line, "ngspice fails; see x.log");
   table *t = read_table();
   vs_trial *trial = vs_trial_run("paper", "circuit", finer, &observer);
@@ -147,14 +152,15 @@ static void agree(const char *const *sets, int line) {
     expect(error <= 1e-3 * peak, line, "%s: off by %.2e of its peak", COLUMNS[k], error / peak);
   }
   const vs_value *v = trial->result.values;
-  vs_close(measured("p_first_peak_m"), v[VS_M_GAP_FIRST].value, v[VS_M_GAP_FIRST].value, 1e-3,
-           "p_first_peak", line);
+  if (!refusals)
+    vs_close(measured("p_first_peak_m"), v[VS_M_GAP_FIRST].value, v[VS_M_GAP_FIRST].value, 1e-3,
+             "p_first_peak", line);
   vs_close(measured("i_peak_a"), v[VS_M_I_PEAK].value, v[VS_M_I_PEAK].value, 1e-3, "i_peak", line);
   vs_trial_free(trial);
   free(t);
   free(s);
 }
-#define AGREE(...) agree((const char *const[]){__VA_ARGS__, NULL}, __LINE__)
+#define AGREE(...) agree((const char *const[]){__VA_ARGS__, NULL}, NULL, __LINE__)
 
 /* ---- plain ngspice against the circuit tier ---- */
 
@@ -193,6 +199,49 @@ static void with_a_stop(void) {
 static void started_in_motion(void) {
   AGREE("run.until=0.1s", "start={p: 1 mm, u: 0.1 mm, w: 0.5 mm, phi: 3e-3 rad, vp: 0.1 m/s, "
                           "vu: 0.02 m/s, vw: 0.05 m/s, vphi: 0.1 rad/s}");
+}
+
+/* Each deck that comes with the program, fired in every cycle where the armature does not meet the
+ * pole by it. */
+static void shipped_decks(void) {
+  AGREE("run.until=0.06s", "firing.every=1", "circuit.deck=halfwave_paper");
+  AGREE("run.until=0.06s", "firing.every=1", "circuit.deck=fullwave_antiparallel");
+  AGREE("run.until=0.06s", "circuit.deck=bridge_halfcontrolled");
+  AGREE("run.until=0.06s", "circuit.deck=chopper", "supply={kind: step, voltage: 100 V}",
+        "pwm={carrier: 5 kHz, duty: 0.4}", "circuit.electrolytic_start=100V");
+  if (!getenv("VS_LONG")) return; /* ten seconds */
+  AGREE("run.until=0.06s", "circuit.deck=bridge_link", "supply={voltage: 115 V}",
+        "pwm={carrier: 2 kHz, duty: 0.5, depth: 0.5, frequency: 51 Hz}");
+}
+
+/* Twenty scenes drawn from a generator with a fixed seed, one of them without VS_LONG. The first
+ * peak is not compared: mains that begin at a high voltage may fire a thyristor by its dv/dt, from
+ * which the program counts, and the netlist from its first gate pulse. */
+static void random_scenes(void) {
+  static const char *const DECKS[] = {"halfwave_bare", "halfwave_snubbed", "halfwave_paper",
+                                      "fullwave_antiparallel"};
+  unsigned long seed = 20261127;
+  int refusals = 0;
+  for (int n = 0; n < 20; n++) {
+    char set[7][64];
+    double u[8];
+    for (int k = 0; k < 8; k++)
+      u[k] = (double)((seed = (seed * 1103515245UL + 12345) & 0x7fffffffUL) >> 8) / 0x800000;
+    snprintf(set[0], sizeof *set, "circuit.deck=%s", DECKS[(int)(4 * u[0])]);
+    snprintf(set[1], sizeof *set, "supply.voltage=%.4gV", 200 + 240 * u[1]);
+    snprintf(set[2], sizeof *set, "supply.frequency=%dHz", u[2] < 0.5 ? 50 : 60);
+    snprintf(set[3], sizeof *set, "supply.phase=%.3gdeg", 360 * u[3]);
+    snprintf(set[4], sizeof *set, "firing={angle: %.4g deg, every: %d}", 90 + 60 * u[4],
+             1 + (int)(3 * u[5]));
+    snprintf(set[5], sizeof *set, "supply.resistance=%.3g ohm", 0.1 + u[6]);
+    snprintf(set[6], sizeof *set, "load={density: 0.6 g/cm3, fraction: %.3g}", 0.6 * u[7]);
+    printf("\n  %s %s %s %s %s:", set[0], set[1], set[2], set[3], set[4]);
+    agree((const char *const[]){"run.until=0.08s", set[0], set[1], set[2], set[3], set[4], set[5],
+                                set[6], NULL},
+          &refusals, __LINE__);
+    if (!getenv("VS_LONG")) return;
+  }
+  CU_ASSERT(refusals <= 5); /* halfwave_paper at 60 Hz, where a gate pulse has no whole bursts */
 }
 
 /* What the circuit tier refuses is no result here either: no table, exit status 1. */
@@ -390,6 +439,8 @@ static const vs_test TESTS[] = {
     {"another timeline", another_timeline},
     {"with a stop", with_a_stop},
     {"started in motion", started_in_motion},
+    {"shipped decks", shipped_decks},
+    {"random scenes", random_scenes},
     {"the pole is met", the_pole_is_met},
     {"a negative current", the_largest_current_is_negative},
     {"two gates", gates_follow_the_timeline},

@@ -588,7 +588,8 @@ static void what_is_replaced_is_said(void) {
 }
 
 /* A part that its user made of a data sheet, beside the netlist, is taken by its name; a netlist
- * of other pins is told so; a definition of the netlist's own goes first. */
+ * of other pins is told so; a definition of the netlist's own goes first. A part of another kind
+ * has that kind's pins, a MOSFET d g s. */
 static void a_part_of_ones_own(void) {
   static const char HEAD[] = "t\nV1 l 0 SIN(0 325 50)\nR1 l a 0.4\nR2 a b 47\nC1 b k 100n\n"
                              "V2 g k PULSE(0 5 5.5m 1u 1u 2m 20m)\nL1 k 0 0.9 Rser=38\n";
@@ -602,6 +603,8 @@ static void a_part_of_ones_own(void) {
        "param  thyristor = myscr part thyristor"},
       {"XU1 a g k MyScr\n", "", 2, "the part myscr has the pins a k g", ""},
       {"XU1 a k g MyScr\n", OWN, 0, "what its maker allows is not known here", "XU1"},
+      {"XU1 a g k mosfet\n", "", 0, "XU1 is a mosfet, a shipped part: mosfet",
+       "device mosfet = v(a,k), i(Vi_xu1)"},
   };
   enter("ownpart");
   ran part = run("part thyristor -o myscr.inc");

@@ -477,6 +477,101 @@ static void the_page(void) {
   free(text);
 }
 
+/* ---- rows ---- */
+
+static const vs_kind_limit *limit_named(const vs_kind *kind, const char *name) {
+  for (size_t k = 0; k < kind->n_limits; k++)
+    if (!strcmp(kind->limits[k].name, name)) return &kind->limits[k];
+  return NULL;
+}
+
+static bool is_in_a_ratio(const vs_kind *kind, const char *limit) {
+  for (int k = 0; k < VS_KIND_RATIOS && kind->ratios[k].more; k++)
+    if (!strcmp(kind->ratios[k].more, limit)) return true;
+  return false;
+}
+
+/* What decides is looked at by `check` of the part: it has a range, or stands beside another limit.
+ * No range is known of a varistor's mean power; i2t has to fit the peak of a half sine. */
+static void limits_are_whole(const vs_kind *kind) {
+  for (size_t k = 0; k < kind->n_limits; k++) {
+    const vs_kind_limit *l = &kind->limits[k];
+    const bool ranged = l->most > 0;
+    EXPECT(!*l->unit || vs_units_known(l->unit), "%s: %s in %s", kind->name, l->name, l->unit);
+    EXPECT(limit_named(kind, l->name) == l, "%s: %s stands twice", kind->name, l->name);
+    EXPECT(!ranged || (l->least > 0 && l->least < l->most), "%s: %s", kind->name, l->name);
+    EXPECT(ranged || !(l->is & (VS_LIMIT_PARAM | VS_LIMIT_TWIN)), "%s: %s", kind->name, l->name);
+    EXPECT(l->param || !(l->is & VS_LIMIT_TWIN), "%s: %s", kind->name, l->name);
+    EXPECT(!(l->is & VS_LIMIT_DECIDES) || ranged || is_in_a_ratio(kind, l->name) ||
+               !strcmp(l->name, "i2t") || !strcmp(l->name, "p_max"),
+           "%s: nothing says what is usual of %s", kind->name, l->name);
+    char *words = vs_copy(l->hang), *rest = words;
+    for (char *word; (word = strsep(&rest, " "));) {
+      bool there = !*word;
+      for (size_t n = 0; n < kind->n_measures; n++)
+        there = there || !strcmp(kind->measures[n].name, word);
+      EXPECT(there, "%s: %s hangs on %s and is no measure", kind->name, word, l->name);
+    }
+    free(words);
+  }
+  for (int k = 0; k < VS_KIND_RATIOS && kind->ratios[k].more; k++) {
+    const vs_kind_ratio *r = &kind->ratios[k];
+    EXPECT(limit_named(kind, r->more) && limit_named(kind, r->less), "%s: %s", kind->name, r->more);
+    EXPECT(r->refused || (r->least > 0 && r->least < r->most), "%s: %s", kind->name, r->more);
+  }
+}
+
+static void measures_are_whole(const vs_kind *kind) {
+  bool heats = false;
+  for (size_t k = 0; k < kind->n_measures; k++) {
+    const vs_device_measure *m = &kind->measures[k];
+    const vs_kind_limit *l = m->limit ? limit_named(kind, m->limit) : NULL;
+    heats = heats || m->how == VS_R_JUNCTION;
+    if (!m->limit || m->held == VS_WARD_AT_MOST) continue;
+    EXPECT(l && vs_units_same_kind(l->unit, m->unit), "%s.%s: limit %s", kind->name, m->name,
+           m->limit);
+  }
+  EXPECT(heats == (kind->heat.current != NULL), "%s: a junction", kind->name);
+  EXPECT(!heats || limit_named(kind, kind->heat.current), "%s: %s", kind->name, kind->heat.current);
+}
+
+/* The pins are those of the part that its template makes, which the test stand can try. */
+static void pins_are_whole(const vs_kind *kind) {
+  vs_text head = {0};
+  const int pins = vs_kinds_count_pins(kind);
+  CU_ASSERT_EQUAL(pins, (kind->switches && kind->gated) || kind->driven ? 3 : 2);
+  for (int role = 0; role < pins; role++)
+    EXPECT(vs_kinds_pin(kind, role) >= 0, "%s has no pin of role %d", kind->name, role);
+  vs_text_add(&head, "\n.subckt own");
+  for (int k = 0; k < pins; k++) {
+    const char *node = kind->pins[k].node;
+    vs_text_add(&head, " %s", node);
+    EXPECT(!kind->letters || kind->letters[k] == node[strlen(node) - 1], "%s: %s", kind->name,
+           node);
+    EXPECT(!kind->letters == !kind->pins[k].words, "%s: %s", kind->name, node);
+  }
+  vs_text_add(&head, "\n");
+  ran r = run("part %s -o own.inc --overwrite --quiet", kind->name);
+  expect_good(&r, kind->name, __LINE__);
+  char *text = read_file("own.inc");
+  EXPECT(strstr(text, head.text), "%s: %s", kind->name, head.text);
+  free(text);
+  free_ran(&r);
+  r = run("check own.inc");
+  EXPECT(strstr(r.out, "figure ") && !strstr(r.out, "no bench"), "%s: %s", kind->name, r.out);
+  free_ran(&r);
+  vs_text_free(&head);
+}
+
+/* A gate drive is another's circuit: it has no template, and pins of its own. */
+static void each_row_is_whole(void) {
+  for (const vs_kind *kind = vs_kinds_all; kind->name; kind++) {
+    limits_are_whole(kind);
+    measures_are_whole(kind);
+    if (!kind->gated || kind->switches) pins_are_whole(kind);
+  }
+}
+
 static const vs_test TESTS[] = {
     {"hard switching", hard_switching},
     {"low voltage", low_voltage},
@@ -493,6 +588,7 @@ static const vs_test TESTS[] = {
     {"a fuse", a_fuse},
     {"ports", ports},
     {"the page", the_page},
+    {"each row is whole", each_row_is_whole},
 };
 int main(void) {
   return program_suite("kinds", TESTS, COUNT(TESTS));

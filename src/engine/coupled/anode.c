@@ -8,6 +8,7 @@
 #include "engine/events.h"
 #include "engine/gate.h"
 #include "netlist/devices.h"
+#include "netlist/kinds.h"
 #include "netlist/words.h"
 
 static double current_at(const vs_anode_current *m, const vs_knot *k) {
@@ -280,7 +281,8 @@ static void add(vs_anode *a, const vs_deck *deck, const vs_probe *probe, const v
 static bool has_source_at_gate(const vs_deck *deck, const vs_part *part) {
   vs_word head[VS_WORDS_MOST], w[VS_WORDS_MOST];
   bool inside = false;
-  if (!part->file || strcmp(part->kind, "gate_drive")) return false;
+  const vs_kind *kind = vs_kinds_find(part->kind);
+  if (!part->file || !kind || !kind->gated || kind->switches) return false;
   for (size_t k = 0; k < deck->n_lines; k++) {
     const char *line = deck->lines[k].text;
     if (deck->lines[k].where.file != part->file) continue;

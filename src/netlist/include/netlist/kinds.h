@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Kinds of devices: what is measured of a thyristor, a varistor, a fuse, ..., and which limit of
- * its part's file each measure is held against. One table serves lists, summary and verdict.
- *
- * A new measure is one row of its kind's table in kinds.c, with its limit, if any, in the same row;
- * where it needs a way of becoming one number that there is not yet, a row of VS_REDUCTION_LIST
- * besides, and its plug in measure/devices/reductions.c. A new kind is a table of measures and one
- * row of vs_kinds_all. */
+ * its part's file each measure is held against. One table serves lists, summary and verdict,
+ * `check` of parts, the test stand and `import`. The head of kinds.c says what a new kind touches.
+ */
 #ifndef VS_NETLIST_KINDS_H
 #define VS_NETLIST_KINDS_H
 
@@ -48,17 +45,20 @@ enum { VS_OF_FLUX, VS_OF_V, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_OF_V2, VS_COURSES
  *   VS_R_OFFERED      shortest time between a conduction and forward voltage without a gate pulse
  *   VS_R_MISFIRE, VS_R_UNINTENDED, VS_R_COMMUTATION_FAILURE   how often: measure/switching.h
  *   VS_R_OPENS, VS_R_ARCS   how often a fuse melts, and arcs again behind that:
- * measure/devices/melting.h VS_R_GATE_LEAST   smallest of all gate pulses' peaks VS_R_CORE rise of
- * a capacitor's core, by the part's lines zth and its ESR VS_R_RETURN_RISE, VS_R_FALL   (dv/dt)c
- * and (di/dt)c of a triac: measure/switching.h VS_R_CONDUCTION, VS_R_SWITCHING, VS_R_RECOVERY,
- * VS_R_BLOCKING   the parts of the loss, which are all of it: measure/devices/losses.h VS_R_E_ON,
- * VS_R_E_OFF, VS_R_E_RECOVERY   the largest of a single switching VS_R_TURNED_OFF   largest current
- * that was turned off VS_R_DERATED      peak of the pulse that comes nearest to what the part's
- * lines `pulse` allow for its width and number VS_R_REPEATED     mean over the time from one pulse
- * to the next, where events repeat the run VS_R_CASE, VS_R_HOTTEST   temperature of the case; the
- * junction's largest VS_R_SURGES       peak of half sines in consecutive cycles, against the part's
- * lines `surge` VS_R_SHORT        integral over one conduction below 10 ms, against the part's
- * i2sqrt_t */
+ *                     measure/devices/melting.h
+ *   VS_R_GATE_LEAST   smallest of all gate pulses' peaks
+ *   VS_R_CORE         rise of a capacitor's core, by the part's lines zth and its ESR
+ *   VS_R_RETURN_RISE, VS_R_FALL   (dv/dt)c and (di/dt)c of a triac: measure/switching.h
+ *   VS_R_CONDUCTION, VS_R_SWITCHING, VS_R_RECOVERY, VS_R_BLOCKING   the parts that the loss is
+ *                     made of: measure/devices/losses.h
+ *   VS_R_E_ON, VS_R_E_OFF, VS_R_E_RECOVERY   the largest of a single switching
+ *   VS_R_TURNED_OFF   largest current that was turned off
+ *   VS_R_DERATED      peak of the pulse that comes nearest to what the part's lines `pulse` allow
+ *                     for its width and number
+ *   VS_R_REPEATED     mean over the time from one pulse to the next, where events repeat the run
+ *   VS_R_CASE, VS_R_HOTTEST   temperature of the case; the junction's largest
+ *   VS_R_SURGES       peak of half sines in consecutive cycles, against the part's lines `surge`
+ *   VS_R_SHORT        integral over one conduction below 10 ms, against the part's i2sqrt_t */
 #define VS_REDUCTION_LIST(X)                                                                       \
   X(VS_R_PEAK, peak)                                                                               \
   X(VS_R_MEAN, mean)                                                                               \
@@ -141,25 +141,93 @@ const vs_happening_words *vs_kinds_happening(const vs_device_measure *measure);
 /* Bytes that a kind's name may have, its end included. */
 enum { VS_KIND_NAME = 64 };
 
+/* What a limit is besides.
+ *   VS_LIMIT_DECIDES  nothing can be said of the part's work without it: where a real part does not
+ *                     state it, the verdict is undecided
+ *   VS_LIMIT_TWIN     the model's parameter `param` has to have the same value
+ *   VS_LIMIT_PARAM    it is no limit, but a parameter of the model alone */
+enum { VS_LIMIT_DECIDES = 1, VS_LIMIT_TWIN = 2, VS_LIMIT_PARAM = 4 };
+
+/* A limit that a part's file may state; also a figure of a data sheet that no measure is held to.
+ */
+typedef struct vs_kind_limit {
+  const char *name, *unit; /* the unit that it is usually given in */
+  double least, most;      /* what devices have, in that unit; both 0: anything. The ends are wide
+                              and assumed: they find a wrong unit or a slip of the pen, no poor
+                              device */
+  const char *param; /* the parameter by which a model is made that has the figure; NULL: none */
+  int is;            /* VS_LIMIT_... */
+  const char *hang;  /* the measures, each between blanks, that hang on this figure by the model:
+                        were it another in the model, so would they, or whether the device obeys */
+} vs_kind_limit;
+
+/* Two limits of one part: `more` is `least` to `most` times `less`, or it is implausible; both 0:
+ * anything. refused: a file in which `more` is below `less` contradicts itself. */
+typedef struct vs_kind_ratio {
+  const char *more, *less;
+  double least, most;
+  bool refused;
+} vs_kind_ratio;
+
+/* A pin of a part. The current that counts flows into the first and out of the second. */
+enum { VS_PIN_FROM, VS_PIN_TO, VS_PIN_GATE, VS_PINS };
+typedef struct vs_kind_pin {
+  int role;          /* VS_PIN_... */
+  const char *node;  /* its name in the part's subcircuit; NULL: no further pin */
+  const char *text;  /* NULL: the two pins are alike */
+  const char *words; /* what netlists call it, each between blanks; NULL: its name tells nothing */
+  const char *also;  /* beginnings of what vendors call it besides, which alone tell nothing */
+} vs_kind_pin;
+
+enum { VS_KIND_RATIOS = 4 };
 typedef struct vs_kind {
-  const char *name; /* as in `*$ part KIND` and `*$ device NAME KIND` */
-  bool switches;    /* it conducts or blocks, and which of the two its current tells, as that of a
-                       thyristor does */
-  bool both_ways;   /* it conducts either way, as a triac does */
-  bool rectifies;   /* it conducts one way, by its voltage, as a diode does */
-  bool gated;       /* it goes by the deck's gate pulses */
-  bool driven;      /* a port turns it on and off, as a mosfet; nobody judges whether it obeys */
-  bool stores;      /* it may give energy for a time, as a capacitor does */
-  bool melts;       /* it is a fuse, of which events.csv tells when it melts and has cleared */
+  const char *name;   /* as in `*$ part KIND` and `*$ device NAME KIND` */
+  const char *called; /* words, each between blanks, that say in the name or the comment of a
+                         subcircuit what it is; NULL: there are none */
+  char letter;        /* of an element of this kind that ngspice knows, whose nodes are `pins`; 0 */
+  bool switches;      /* it conducts or blocks, and which of the two its current tells, as that of a
+                         thyristor does */
+  bool both_ways;     /* it conducts either way, as a triac does */
+  bool rectifies;     /* it conducts one way, by its voltage, as a diode does */
+  bool gated;         /* it goes by the deck's gate pulses */
+  bool driven;        /* a port turns it on and off, as a mosfet; nobody judges whether it obeys */
+  bool stores;    /* it may give energy for a time, as a capacitor does, and lie at any voltage */
+  bool melts;     /* it is a fuse, of which events.csv tells when it melts and has cleared */
+  bool clamps;    /* it limits the voltage of what it stands across, as a varistor does */
+  bool of_series; /* an element with a value, whose limits are those of a series of parts */
+  vs_kind_pin pins[VS_PINS]; /* in the order of the part's subcircuit */
+  const char *letters;       /* the pins for `import --pins`, a letter each; NULL: they are alike */
+  vs_kind_ratio ratios[VS_KIND_RATIOS];
+  struct {
+    const char *current; /* the limit that it is rated for; NULL: it has no junction */
+    double mean, rms;    /* mean size and rms over that: half sines have an rms of 1.57 times their
+                            mean, and a triac's sines a mean size of 0.9 times their rms */
+  } heat;
   const vs_device_measure *measures;
   size_t n_measures;
+  const vs_kind_limit *limits;
+  size_t n_limits;
 } vs_kind;
 
 /* All kinds; the last row has no name. */
 extern const vs_kind vs_kinds_all[];
 
+/* Limits in V that are held against the mains, whatever the part: the mains' peak or rms value,
+ * which is `factor` times the rms. The last row has no name. */
+typedef struct vs_mains_limit {
+  const char *name, *what;
+  double factor;
+} vs_mains_limit;
+extern const vs_mains_limit vs_kinds_mains[];
+
 /* The kind of that name; NULL: there is none. */
 const vs_kind *vs_kinds_find(const char *name);
+/* True for a kind that a gate pulse fires and that then conducts until its current ends. */
+bool vs_kinds_latches(const char *name);
+
+/* The number of its pins, 0 of no kind; the index of the one with that role, -1: it has none. */
+int vs_kinds_count_pins(const vs_kind *kind);
+int vs_kinds_pin(const vs_kind *kind, int role);
 
 /* The unit a limit of that name is usually given in; NULL: no measure is held against such a limit,
  * and no maker's figure of that name is known either. */
@@ -174,25 +242,18 @@ bool vs_kinds_knows_limit(const char *kind, const char *limit, const char **near
  * is no figure that merely describes the part, as a holding current does. */
 bool vs_kinds_leaves_limit(const char *kind, const char *limit);
 
-/* A figure of a data sheet that measures hang on by the model: were the model's figure another,
- * they would be, too, or whether the device obeys would be. */
-typedef struct vs_hanging {
-  const char *kinds;    /* of the devices measured, each between blanks; "": of any */
-  const char *measures; /* their names, each between blanks */
-  const char *figure;   /* as the limit of that name */
-  const char *beside; /* the kind of device whose figure it is, which stands across the one that is
-                         measured; NULL: the figure is the measured device's own */
-} vs_hanging;
-
-/* The n-th that a measure of that kind hangs on, from 0; NULL: there are no more. */
-const vs_hanging *vs_kinds_hanging(const char *kind, const char *measure, size_t n);
+/* The n-th figure that a measure of the kind hangs on by the model, from 0, as the limit of that
+ * name; NULL: there are no more. */
+const char *vs_kinds_hanging(const vs_kind *kind, const char *measure, size_t n);
 
 /* True where measures hang on a figure of that name of a part of that kind. Otherwise *names are
  * all those there are, with commas, to be freed. names may be NULL. */
 bool vs_kinds_is_hung_on(const char *kind, const char *figure, char **names);
 
-/* True for a limit that decides whether a part of that kind bears its work: a real part that
- * protects or switches and does not state it leaves the verdict undecided. */
+/* True for a limit with VS_LIMIT_DECIDES. */
 bool vs_kinds_decides(const char *kind, const char *limit);
+
+/* The limit of a single half sine of 10 ms, which the limit i2t has to fit; NULL: it has none. */
+const char *vs_kinds_surge_limit(const char *kind);
 
 #endif

@@ -24,6 +24,9 @@ const vs_part_file *vs_parts_file(const vs_deck *deck, const char *file);
 /* The file's limit of that name; NULL: it has none. */
 const vs_limit *vs_parts_find_limit(const vs_deck *deck, const char *file, const char *name);
 
+/* True where the part's file states a limit. An ideal part has none, or "none" for each. */
+bool vs_parts_is_real(const vs_deck *deck, const char *file);
+
 /* How far a stretch of a rise of voltage rises over which dv/dt of the part is told, V: the file's
  * limit dv_dt_over; else a tenth of v_drm, and 10 V at the least, which is also what it is where
  * v_drm is not known or file is NULL. */
