@@ -35,10 +35,8 @@ static const vs_command *find_command(const char *word) {
     if (!strcmp(word, COMMANDS[k]->name)) return COMMANDS[k];
     names[k] = COMMANDS[k]->name;
   }
-  const char *nearest = vs_text_nearest(word, names, N_COMMANDS);
-  fprintf(stderr, "vibrospice: no command '%s'%s%s%s\n", word,
-          nearest ? "; did you mean '" : "; see vibrospice --help", nearest ? nearest : "",
-          nearest ? "'?" : "");
+  fprintf(stderr, "vibrospice: no command '%s'%s\n", word,
+          vs_text_hint(word, names, N_COMMANDS, "; see vibrospice --help").text);
   return NULL;
 }
 

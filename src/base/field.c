@@ -13,11 +13,11 @@ void vs_field_range(const vs_field *field, char *text, size_t size) {
   const char *space = *field->unit ? " " : "";
   if (field->kind == VS_OPTION) {
     int n = snprintf(text, size, "%s or {", field->choices);
-    const vs_section *keys = &field->options->keys;
+    const vs_section *keys = &field->inside->keys;
     for (size_t k = 0; k < keys->count && n > 0 && (size_t)n < size; k++)
       n += snprintf(text + n, size - (size_t)n, "%s%s", keys->fields[k].key,
                     k + 1 < keys->count ? ", " : "}");
-    if (field->options->most > 1 && n > 0 && (size_t)n < size)
+    if (field->inside->most > 1 && n > 0 && (size_t)n < size)
       snprintf(text + n, size - (size_t)n, " or a list");
     return;
   }
@@ -146,18 +146,18 @@ static vs_status read_count(const char *name, const vs_field *field, const vs_no
   return VS_OK;
 }
 
-const vs_section *vs_field_form(const vs_options *options, const void *values) {
+const vs_section *vs_field_form(const vs_inside *inside, const void *values) {
   int choice;
-  if (!options->forms) return &options->keys;
-  memcpy(&choice, (const char *)values + options->keys.fields[options->chooser].offset,
+  if (!inside->forms) return &inside->keys;
+  memcpy(&choice, (const char *)values + inside->keys.fields[inside->chooser].offset,
          sizeof choice);
-  return &options->forms[choice];
+  return &inside->forms[choice];
 }
 
 int vs_field_maps(const vs_field *field, const void *member) {
   int count = 0, present = 1;
-  for (; count < field->options->most && present; count += present)
-    memcpy(&present, (const char *)member + (size_t)count * field->options->size, sizeof present);
+  for (; count < field->inside->most && present; count += present)
+    memcpy(&present, (const char *)member + (size_t)count * field->inside->size, sizeof present);
   return count;
 }
 
@@ -166,41 +166,41 @@ static vs_status read_default(const vs_section *section, const vs_field *field, 
 
 /* Reads one map of an option: first the key on which the others depend. */
 static vs_status read_map(const vs_field *field, const vs_node *map, void *out, vs_error *err) {
-  const vs_options *options = field->options;
+  const vs_inside *inside = field->inside;
   int present = 1;
-  if (options->forms) {
-    const vs_field *chooser = &options->keys.fields[options->chooser];
+  if (inside->forms) {
+    const vs_field *chooser = &inside->keys.fields[inside->chooser];
     const vs_node *node = vs_tree_child(map, chooser->key);
-    vs_status status = read_default(&options->keys, chooser, out, err);
+    vs_status status = read_default(&inside->keys, chooser, out, err);
     if (!status && node)
-      status = vs_error_keep(err, vs_field_read(&options->keys, chooser, node, out, err));
+      status = vs_error_keep(err, vs_field_read(&inside->keys, chooser, node, out, err));
     if (status) return status;
   }
   memcpy(out, &present, sizeof present);
-  return vs_field_section_read(vs_field_form(options, out), map, out, err);
+  return vs_field_section_read(vs_field_form(inside, out), map, out, err);
 }
 
 static vs_status read_option(const char *name, const vs_field *field, const vs_node *node,
                              char *member, vs_error *err) {
-  const vs_options *options = field->options;
+  const vs_inside *inside = field->inside;
   char range[160];
-  memset(member, 0, (size_t)options->most * options->size);
+  memset(member, 0, (size_t)inside->most * inside->size);
   if (node->kind == VS_NODE_MAP) return read_map(field, node, member, err);
   if (node->kind == VS_NODE_TEXT && !strcmp(node->text, field->choices)) return VS_OK;
-  const vs_node *item = options->most > 1 && node->kind == VS_NODE_LIST ? node->child : NULL;
+  const vs_node *item = inside->most > 1 && node->kind == VS_NODE_LIST ? node->child : NULL;
   vs_field_range(field, range, sizeof range);
   if (!item) return vs_fail_at(err, node->where, "%s: allowed: %s", name, range);
   vs_status status = VS_OK;
   for (int k = 0; item && !status; k++, item = item->next) {
-    if (k == options->most)
+    if (k == inside->most)
       status = vs_fail_at(err, item->where, "%s: a list of at most %d is allowed", name, k);
     else if (item->kind != VS_NODE_MAP)
       status = vs_fail_at(err, item->where, "%s: each of the list is a map of keys: {%s: %s, ...}",
-                          name, options->keys.fields[0].key, options->keys.fields[0].default_text);
+                          name, inside->keys.fields[0].key, inside->keys.fields[0].default_text);
     else
-      status = read_map(field, item, member + (size_t)k * options->size, err);
+      status = read_map(field, item, member + (size_t)k * inside->size, err);
     status = vs_error_keep(err, status);
-    if (k == options->most) break;
+    if (k == inside->most) break;
   }
   return status;
 }
@@ -230,7 +230,7 @@ vs_status vs_field_read(const vs_section *section, const vs_field *field, const 
     return VS_OK;
   case VS_OPTION:
     return read_option(name, field, node, member, err);
-  case VS_PAIR:
+  default: /* a pair; other kinds have readers of their own */
     break;
   }
   const vs_node *x = node->kind == VS_NODE_LIST ? node->child : NULL;
@@ -290,13 +290,22 @@ vs_status vs_field_known_keys(const vs_node *map, const char *what, const char *
   return VS_OK;
 }
 
-vs_status vs_field_section_keys(const vs_section *section, const vs_node *map, vs_error *err) {
+vs_status vs_field_map_keys(const vs_node *map, const char *what, const vs_inside *inside,
+                            vs_error *err) {
+  const vs_section *besides = inside->besides;
+  size_t own = 0, count = 0;
   if (!map || !map->child) return VS_OK;
-  const char **names = vs_alloc(section->count, sizeof *names);
-  for (size_t k = 0; k < section->count; k++) names[k] = section->fields[k].key;
-  vs_status status = vs_field_known_keys(map, section->name, names, section->count, err);
+  while (inside->rows && inside->rows[own].kind) own++;
+  const char **names = vs_alloc(own + (besides ? besides->count : 0), sizeof *names);
+  while (count < own) names[count] = inside->rows[count].key, count++;
+  for (size_t k = 0; besides && k < besides->count; k++) names[count++] = besides->fields[k].key;
+  vs_status status = vs_field_known_keys(map, what, names, count, err);
   free(names);
   return status;
+}
+
+vs_status vs_field_section_keys(const vs_section *section, const vs_node *map, vs_error *err) {
+  return vs_field_map_keys(map, section->name, &(vs_inside){.besides = section}, err);
 }
 
 vs_status vs_field_read_key(const vs_section *section, const vs_field *field, const vs_node *node,
@@ -379,13 +388,13 @@ static void add_keys(const vs_section *keys, const void *values, vs_json *json) 
 
 /* Writes the word where there is no map, the map where there is one, and a list of more. */
 static void add_maps(const vs_field *field, const char *member, vs_json *json) {
-  const vs_options *options = field->options;
+  const vs_inside *inside = field->inside;
   int count = vs_field_maps(field, member);
   if (!count) vs_json_text(json, NULL, field->choices);
   if (count > 1) vs_json_array(json, NULL, VS_JSON_ROW);
   for (int k = 0; k < count; k++) {
-    const char *values = member + (size_t)k * options->size;
-    add_keys(vs_field_form(options, values), values, json);
+    const char *values = member + (size_t)k * inside->size;
+    add_keys(vs_field_form(inside, values), values, json);
   }
   if (count > 1) vs_json_end(json);
 }
@@ -423,16 +432,7 @@ void vs_field_json(const vs_field *field, const void *values, vs_text *text) {
   case VS_OPTION:
     add_maps(field, member, &json);
     break;
+  default: /* no struct has it */
+    break;
   }
-}
-
-vs_status vs_field_outline_keys(const vs_node *map, const char *what, const vs_outline *keys,
-                                vs_error *err) {
-  enum { MOST = 96 };
-  const char *names[MOST];
-  size_t n = 0;
-  for (const vs_outline *row = keys; row->takes && n < MOST; row++) names[n++] = row->key;
-  const vs_section *more = keys[n].section;
-  for (size_t k = 0; more && k < more->count && n < MOST; k++) names[n++] = more->fields[k].key;
-  return vs_field_known_keys(map, what, names, n, err);
 }

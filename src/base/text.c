@@ -118,6 +118,15 @@ const char *vs_text_nearest(const char *name, const char *const *candidates, siz
   return best;
 }
 
+vs_text_hinted vs_text_hint(const char *name, const char *const *candidates, size_t count,
+                            const char *otherwise) {
+  vs_text_hinted hint;
+  const char *nearest = vs_text_nearest(name, candidates, count);
+  snprintf(hint.text, sizeof hint.text, nearest ? "; did you mean '%s'?" : "%s",
+           nearest ? nearest : otherwise);
+  return hint;
+}
+
 /* Returns how many bytes the UTF-8 character at s has, where `left` bytes are left; 0: there is
  * none. */
 static size_t utf8_size(const unsigned char *s, size_t left) {

@@ -123,36 +123,12 @@ static const struct topic *own_topic(const char *name) {
   return NULL;
 }
 
-/* ---- sections of a scene ---- */
-
-/* The sections that a scene may leave out, and whose keys stand in no setup. */
-static const struct {
-  const char *name;
-  const vs_section *keys[2];
-} BESIDES[] = {{"instruments", {&vs_instruments_section, &vs_instrument_section}},
-               {"control", {&vs_control_section, &vs_state_observer_section}}};
+/* ---- all ---- */
 
 /* Topics whose matter another one has. */
 static const struct {
   const char *name, *kind;
 } SAME[] = {{"record", "probes"}, {"measured", "measures"}};
-
-static bool print_section(const char *name, const vs_default_models *ground) {
-  for (int s = 0; s < VS_SECTIONS; s++) {
-    const vs_section *section = vs_section_fields(ground->machine, ground->deck, s);
-    if (strcmp(section->name, name) != 0) continue;
-    vs_list_section(section);
-    return true;
-  }
-  for (size_t k = 0; k < sizeof BESIDES / sizeof *BESIDES; k++) {
-    if (strcmp(BESIDES[k].name, name) != 0) continue;
-    for (int n = 0; n < 2; n++) vs_list_section(BESIDES[k].keys[n]);
-    return true;
-  }
-  return false;
-}
-
-/* ---- all ---- */
 
 enum { MOST = 128 };
 
@@ -163,13 +139,10 @@ static vs_status refuse_topic(const char *topic, const vs_command *const *comman
   for (int k = 0; k < VS_SECTION_KEYS; k++) names[n++] = vs_section_keys[k];
   for (int k = 0; (name = vs_list_kind(k)) && n < MOST; k++) names[n++] = name;
   for (size_t k = 0; commands[k] && n < MOST; k++) names[n++] = commands[k]->name;
-  const char *nearest = vs_text_nearest(topic, names, n);
-  return vs_fail(
-      err, VS_INPUT,
-      "help: no topic '%s'%s%s%s; 'vibrospice list all %s' finds keys, parts and measures "
-      "that have the word",
-      topic, nearest ? "; did you mean '" : "; see vibrospice help", nearest ? nearest : "",
-      nearest ? "'?" : "", topic);
+  return vs_fail(err, VS_INPUT,
+                 "help: no topic '%s'%s; 'vibrospice list all %s' finds keys, parts and measures "
+                 "that have the word",
+                 topic, vs_text_hint(topic, names, n, "; see vibrospice help").text, topic);
 }
 
 /* Prints what there is to say of a topic that is no command. Error: there is no such topic; the
@@ -182,7 +155,7 @@ static vs_status print_topic(const char *topic, const vs_command *const *command
   const vs_list_options o = {.kind = kind};
   vs_default_models ground;
   vs_status status = vs_default_models_read(NULL, NULL, &ground, err);
-  bool found = !status && print_section(topic, &ground);
+  bool found = !status && vs_list_section(topic, &ground);
   vs_default_models_free(&ground);
   if (status || found) return status;
   return vs_list_has(kind) ? vs_list_command(&o, err) : refuse_topic(topic, commands, err);

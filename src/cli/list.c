@@ -476,21 +476,34 @@ static void put_field(vs_entries *to, const char *section, const vs_field *f) {
   vs_list_entry_put(to, "name", 28, name);
   put_key(to, f, 18, "a name or path");
   vs_list_entry_end(to);
-  for (size_t k = 0; f->options && k < f->options->keys.count; k++)
-    put_field(to, name, &f->options->keys.fields[k]);
+  for (size_t k = 0; f->inside && k < f->inside->keys.count; k++)
+    put_field(to, name, &f->inside->keys.fields[k]);
 }
 
-static void put_section_keys(vs_entries *to, const vs_section *section) {
-  for (size_t k = 0; k < section->count; k++) put_field(to, section->name, &section->fields[k]);
+/* The sections that a scene may leave out, and whose keys stand in no setup. */
+static const vs_section *const BESIDES[] = {&vs_instruments_section, &vs_instrument_section,
+                                            &vs_control_section, &vs_state_observer_section};
+enum { N_BESIDES = sizeof BESIDES / sizeof *BESIDES };
+
+/* Adds the keys of the scene's section of that name and of those below it; NULL: of all. Returns
+ * false where there is none. */
+static bool put_sections(const listed *of, const char *name) {
+  const size_t length = name ? strlen(name) : 0;
+  bool found = false;
+  for (int k = 0; k < VS_SECTIONS + N_BESIDES; k++) {
+    const vs_section *s =
+        k < VS_SECTIONS ? vs_section_fields(of->machine, of->deck, k) : BESIDES[k - VS_SECTIONS];
+    if (name &&
+        (strncmp(s->name, name, length) != 0 || (s->name[length] && s->name[length] != '.')))
+      continue;
+    for (size_t n = 0; n < s->count; n++) put_field(of->to, s->name, &s->fields[n]);
+    found = true;
+  }
+  return found;
 }
 
 static void list_parameters(const listed *of) {
-  for (int s = 0; s < VS_SECTIONS; s++)
-    put_section_keys(of->to, vs_section_fields(of->machine, of->deck, s));
-  put_section_keys(of->to, &vs_instruments_section);
-  put_section_keys(of->to, &vs_instrument_section);
-  put_section_keys(of->to, &vs_control_section);
-  put_section_keys(of->to, &vs_state_observer_section);
+  put_sections(of, NULL);
   vs_field sink = vs_cooling_heatsink;
   sink.key = "heatsink.DEVICE";
   put_field(of->to, "", &vs_cooling_ambient);
@@ -570,11 +583,10 @@ static vs_status check_kind(const vs_list_options *o, vs_error *err) {
     found = found || !strcmp(kind, names[k]);
   }
   if (found) return VS_OK;
-  const char *nearest = vs_text_nearest(kind, names, N_KINDS);
   vs_text there_are = {0};
   for (size_t k = 0; k < N_KINDS; k++) vs_text_add(&there_are, "%s%s", k ? ", " : "", names[k]);
-  vs_fail(err, VS_INPUT, "list: no kind '%s'; there are: %s%s%s%s", kind, there_are.text,
-          nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+  vs_fail(err, VS_INPUT, "list: no kind '%s'; there are: %s%s", kind, there_are.text,
+          vs_text_hint(kind, names, N_KINDS, "").text);
   vs_text_free(&there_are);
   return VS_INPUT;
 }
@@ -641,11 +653,13 @@ const char *vs_list_kind(int k) {
   return k < N_KINDS ? KINDS[k].name : NULL;
 }
 
-void vs_list_section(const vs_section *section) {
+bool vs_list_section(const char *name, const vs_default_models *ground) {
   vs_entries entries = {0};
-  put_section_keys(&entries, section);
+  const listed of = {.deck = ground->deck, .machine = ground->machine, .to = &entries};
+  const bool found = put_sections(&of, name);
   if (entries.count) fputs(entries.out.text, stdout);
   vs_list_entry_free(&entries);
+  return found;
 }
 
 /* ---- the command line ---- */

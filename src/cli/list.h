@@ -6,7 +6,7 @@
 #include <stdbool.h>
 
 #include "base/error.h"
-#include "base/field.h"
+#include "default_models.h"
 
 typedef struct vs_list_options {
   const char *kind;   /* "scenes", "probes", ...; "all" or NULL: every kind */
@@ -26,7 +26,8 @@ const char *vs_list_heading(int k);
 /* True if it is the name of a kind. */
 bool vs_list_has(const char *kind);
 
-/* Prints the section's keys as the kind parameters has them. */
-void vs_list_section(const vs_section *section);
+/* Prints the keys of the scene's section of that name, and of those below it, as the kind
+ * parameters has them. Returns false where there is no such section. */
+bool vs_list_section(const char *name, const vs_default_models *ground);
 
 #endif

@@ -11,7 +11,6 @@
 #include "engine/events.h"
 #include "field_schema.h"
 #include "options.h"
-#include "outline_schema.h"
 #include "plant/build.h"
 #include "plant/machine_file.h"
 #include "run/sections.h"
@@ -27,59 +26,53 @@ static void begin_schema(vs_json *j, const char *title) {
   vs_json_text(j, "type", "object");
 }
 
-/* A section; NULL stands for one that says nothing more than its name. own: the key that names a
- * file which declares the section's keys; with it any key passes. */
-static void put_section_schema(vs_json *j, const vs_section *s, const char *own) {
-  vs_json_object(j, s->name, VS_JSON_ROW);
+/* Begins a member that may be an object or null. */
+static void open_object_or_null(vs_json *j, const char *key) {
+  vs_json_object(j, key, VS_JSON_ROW);
   vs_json_array(j, "type", VS_JSON_ROW);
   vs_json_text(j, NULL, "object");
   vs_json_text(j, NULL, "null");
   vs_json_end(j);
+}
+
+static void put_required(vs_json *j, const char *key) {
+  vs_json_array(j, "required", VS_JSON_ROW);
+  vs_json_text(j, NULL, key);
+  vs_json_end(j);
+}
+
+/* A section; NULL stands for one that says nothing more than its name. own: the key that names a
+ * file which declares the section's keys; with it any key passes. */
+static void put_section_schema(vs_json *j, const vs_section *s, const char *own) {
+  open_object_or_null(j, s->name);
   if (own) {
     vs_json_object(j, "properties", VS_JSON_ROW);
     for (size_t k = 0; k < s->count; k++)
       if (!strcmp(s->fields[k].key, own)) vs_field_schema_field(j, &s->fields[k]);
     vs_json_end(j);
     vs_json_object(j, "if", VS_JSON_ROW);
-    vs_json_array(j, "required", VS_JSON_ROW);
-    vs_json_text(j, NULL, own);
-    vs_json_end(j);
+    put_required(j, own);
     vs_json_end(j);
     vs_json_object(j, "else", VS_JSON_ROW);
   }
-  vs_field_schema_properties(j, s->fields, s->count);
-  if (own) vs_json_end(j);
-  vs_json_end(j);
+  vs_field_schema_properties(j, s);
+  vs_field_schema_close(j, own ? 2 : 1);
 }
 
-/* Begins a member with alternatives. end_member closes it; end_or_null adds null as the last, as
- * editors tell of the first why a value is none of them. */
-static void begin_member(vs_json *j, const char *key) {
-  vs_json_object(j, key, VS_JSON_ROW);
-  vs_json_array(j, "anyOf", VS_JSON_ROW);
-}
-
-static void end_member(vs_json *j) {
-  vs_json_end(j);
-  vs_json_end(j);
-}
-
+/* Ends a member with alternatives. null is the last of them, as editors tell of the first why a
+ * value is none of them. */
 static void end_or_null(vs_json *j) {
   vs_field_schema_type(j, "null");
-  end_member(j);
+  vs_field_schema_close(j, 2);
 }
 
 static void put_event(vs_json *j, const vs_event_kind *kind) {
   vs_json_object(j, NULL, VS_JSON_ROW);
-  vs_json_array(j, "required", VS_JSON_ROW);
-  vs_json_text(j, NULL, "kind");
-  vs_json_end(j);
+  put_required(j, "kind");
   vs_json_text(j, "type", "object");
   vs_json_text(j, "description", kind->text);
   vs_json_object(j, "properties", VS_JSON_ROW);
-  vs_json_key(j, "kind");
-  vs_json word = vs_json_new(j->text);
-  vs_field_schema_word(&word, kind->name);
+  vs_field_schema_word(j, "kind", kind->name);
   for (size_t k = 1; k < kind->n_fields; k++) vs_field_schema_field(j, &kind->fields[k]);
   vs_json_end(j);
   vs_json_bool(j, "additionalProperties", false);
@@ -88,17 +81,11 @@ static void put_event(vs_json *j, const vs_event_kind *kind) {
 
 static void put_events(vs_json *j) {
   const vs_event_kind *kind;
-  vs_json_object(j, "events", VS_JSON_ROW);
-  vs_json_array(j, "type", VS_JSON_ROW);
-  vs_json_text(j, NULL, "object");
-  vs_json_text(j, NULL, "null");
-  vs_json_end(j);
+  open_object_or_null(j, "events");
   vs_json_object(j, "additionalProperties", VS_JSON_ROW);
   vs_json_array(j, "anyOf", VS_JSON_LINES);
   for (size_t k = 0; (kind = vs_events_kind(k)); k++) put_event(j, kind);
-  vs_json_end(j);
-  vs_json_end(j);
-  vs_json_end(j);
+  vs_field_schema_close(j, 3);
 }
 
 /* The key of a section that names the file which declares the others; NULL: there is none. */
@@ -118,8 +105,8 @@ typedef struct names {
 
 /* One of the names, or a list of them; word: what may stand instead. */
 static void put_names(vs_json *j, const char *key, const char *word, const names *n) {
-  begin_member(j, key);
-  vs_field_schema_word(j, word);
+  vs_field_schema_either(j, key);
+  vs_field_schema_word(j, NULL, word);
   for (int list = 0; list < 2; list++) {
     vs_json_object(j, NULL, VS_JSON_ROW);
     if (list) {
@@ -131,8 +118,7 @@ static void put_names(vs_json *j, const char *key, const char *word, const names
     vs_json_array(j, "enum", VS_JSON_ROW);
     for (size_t k = 0; k < n->count; k++) vs_json_text(j, NULL, n->item[k]);
     vs_json_end(j);
-    if (list) vs_json_end(j);
-    vs_json_end(j);
+    vs_field_schema_close(j, list ? 2 : 1);
   }
   end_or_null(j);
 }
@@ -157,15 +143,13 @@ static void put_measured(vs_json *j, const vs_default_models *ground) {
   vs_error err = {0};
   vs_measure m;
   vs_build_model(NULL, ground->machine, model, &err); /* names follow, even where numbers do not */
-  begin_member(j, vs_section_keys[VS_SECTION_KEY_measured]);
-  vs_json_object(j, NULL, VS_JSON_ROW);
-  vs_json_text(j, "type", "object");
+  vs_field_schema_either(j, vs_section_keys[VS_SECTION_KEY_measured]);
+  vs_field_schema_open(j, NULL, "object");
   vs_json_object(j, "properties", VS_JSON_ROW);
   for (int k = 0; vs_measure_at(model, k, &m); k++) {
-    vs_json_object(j, m.name, VS_JSON_ROW);
-    vs_json_array(j, "anyOf", VS_JSON_ROW);
+    vs_field_schema_either(j, m.name);
     vs_field_schema_quantity(j, &(vs_field){.unit = m.unit});
-    end_member(j);
+    vs_field_schema_close(j, 2);
   }
   vs_json_end(j);
   vs_json_bool(j, "additionalProperties", false);
@@ -176,100 +160,77 @@ static void put_measured(vs_json *j, const vs_default_models *ground) {
 }
 
 static void put_start(vs_json *j, const vs_default_models *ground) {
-  const vs_section *start = &ground->machine->start;
-  begin_member(j, vs_section_keys[VS_SECTION_KEY_start]);
-  vs_json_object(j, NULL, VS_JSON_ROW);
-  vs_field_schema_keys(j, start->fields, start->count);
+  vs_field_schema_either(j, vs_section_keys[VS_SECTION_KEY_start]);
+  vs_field_schema_open(j, NULL, "object");
+  vs_field_schema_properties(j, &ground->machine->start);
   vs_json_end(j);
-  vs_field_schema_word(j, vs_setup_steady);
+  vs_field_schema_word(j, NULL, vs_setup_steady);
   end_or_null(j);
 }
 
 /* A scene that names a machine or a deck of its own. */
 static void put_names_own(vs_json *j, int section, const char *key) {
   vs_json_object(j, NULL, VS_JSON_ROW);
-  vs_json_array(j, "required", VS_JSON_ROW);
-  vs_json_text(j, NULL, vs_section_keys[section]);
-  vs_json_end(j);
+  put_required(j, vs_section_keys[section]);
   vs_json_object(j, "properties", VS_JSON_ROW);
-  vs_json_object(j, vs_section_keys[section], VS_JSON_ROW);
-  vs_json_text(j, "type", "object");
-  vs_json_array(j, "required", VS_JSON_ROW);
-  vs_json_text(j, NULL, key);
-  for (int k = 0; k < 4; k++) vs_json_end(j);
+  vs_field_schema_open(j, vs_section_keys[section], "object");
+  put_required(j, key);
+  vs_field_schema_close(j, 3);
 }
 
 /* Sections whose keys and words are names of the machine's and the deck's: told only of scenes
  * that name neither. */
 static void put_named_schema(vs_json *j, const vs_default_models *ground) {
-  begin_member(j, "if");
+  vs_field_schema_either(j, "if");
   put_names_own(j, VS_SECTION_KEY_machine, vs_machine_key.key);
   put_names_own(j, VS_SECTION_KEY_circuit, vs_deck_key.key);
-  end_member(j);
+  vs_field_schema_close(j, 2);
   vs_json_object(j, "else", VS_JSON_ROW);
   vs_json_object(j, "properties", VS_JSON_LINES);
   put_start(j, ground);
   put_measured(j, ground);
   put_channels(j, ground);
-  vs_json_end(j);
-  vs_json_end(j);
+  vs_field_schema_close(j, 2);
 }
 
 /* ---- instruments and control ---- */
 
 static void put_instruments(vs_json *j) {
-  begin_member(j, vs_section_keys[VS_SECTION_KEY_instruments]);
-  vs_json_object(j, NULL, VS_JSON_ROW);
-  vs_json_text(j, "type", "object");
+  vs_field_schema_either(j, vs_section_keys[VS_SECTION_KEY_instruments]);
+  vs_field_schema_open(j, NULL, "object");
   vs_json_object(j, "properties", VS_JSON_LINES);
   for (size_t k = 0; k < vs_instruments_section.count; k++)
     vs_field_schema_field(j, &vs_instruments_section.fields[k]);
   vs_json_end(j);
-  vs_json_object(j, "additionalProperties", VS_JSON_ROW);
-  vs_json_array(j, "anyOf", VS_JSON_ROW);
-  vs_field_schema_word(j, vs_instruments_left_out);
-  vs_outline_schema_instrument(j);
-  end_member(j);
-  vs_json_end(j);
+  vs_field_schema_either(j, "additionalProperties");
+  vs_field_schema_word(j, NULL, vs_instruments_left_out);
+  vs_field_schema_instrument(j);
+  vs_field_schema_close(j, 3);
   end_or_null(j);
 }
 
 /* Each is a range, or a map of a device's. */
 static void put_ratings(vs_json *j) {
-  begin_member(j, vs_section_keys[VS_SECTION_KEY_ratings]);
-  vs_json_object(j, NULL, VS_JSON_ROW);
-  vs_json_text(j, "type", "object");
-  vs_json_object(j, "additionalProperties", VS_JSON_ROW);
-  vs_json_array(j, "anyOf", VS_JSON_ROW);
+  vs_field_schema_either(j, vs_section_keys[VS_SECTION_KEY_ratings]);
+  vs_field_schema_open(j, NULL, "object");
+  vs_field_schema_either(j, "additionalProperties");
   vs_field_schema_type(j, "string");
   vs_field_schema_type(j, "object");
-  end_member(j);
-  vs_json_end(j);
-  vs_field_schema_word(j, vs_ratings_none);
+  vs_field_schema_close(j, 3);
+  vs_field_schema_word(j, NULL, vs_ratings_none);
   end_or_null(j);
-}
-
-static void put_observer(vs_json *j) {
-  vs_json_object(j, vs_control_observer, VS_JSON_ROW);
-  vs_json_array(j, "anyOf", VS_JSON_ROW);
-  vs_field_schema_type(j, "null");
-  vs_outline_schema_map(j, vs_state_observer_keys);
-  end_member(j);
 }
 
 /* The section control with one law, of which `law` must be the name unless it is the default. */
 static void put_law(vs_json *j, const vs_regulator *law) {
   const vs_field *keys[VS_CONTROL_FIELDS];
   const size_t n = vs_control_keys(law, keys);
-  vs_json_object(j, NULL, VS_JSON_ROW);
-  vs_json_text(j, "type", "object");
+  vs_field_schema_open(j, NULL, "object");
   vs_json_text(j, "description", law->text);
   vs_json_object(j, "properties", VS_JSON_LINES);
-  vs_json_object(j, keys[0]->key, VS_JSON_ROW);
-  vs_json_text(j, "const", law->name);
-  vs_json_end(j);
+  vs_field_schema_word(j, keys[0]->key, law->name);
   for (size_t k = 1; k < n; k++) vs_field_schema_field(j, keys[k]);
-  put_observer(j);
+  vs_field_schema_field(j, &vs_state_observer_key);
   vs_json_end(j);
   vs_json_array(j, "required", VS_JSON_ROW);
   if (strcmp(law->name, keys[0]->default_text) != 0) vs_json_text(j, NULL, keys[0]->key);
@@ -284,38 +245,28 @@ static void put_control(vs_json *j) {
   vs_json_object(j, vs_section_keys[VS_SECTION_KEY_control], VS_JSON_ROW);
   vs_json_array(j, "anyOf", VS_JSON_LINES);
   for (const vs_regulator *const *law = vs_regulators; *law; law++) put_law(j, *law);
-  end_member(j);
+  vs_field_schema_close(j, 2);
 }
 
 /* A device and what is said of it, or a list of such: what happens to it, "fuse_2 opens", or one of
  * its limits, "varistor_1.power". */
 static void put_of_devices(vs_json *j, int key, const char *pattern) {
-  begin_member(j, vs_section_keys[key]);
-  for (int list = 0; list < 2; list++) {
-    vs_json_object(j, NULL, VS_JSON_ROW);
-    if (list) {
-      vs_json_text(j, "type", "array");
-      vs_json_object(j, "items", VS_JSON_ROW);
-    }
-    vs_json_text(j, "type", "string");
-    vs_json_text(j, "pattern", pattern);
-    if (list) vs_json_end(j);
-    vs_json_end(j);
-  }
+  vs_field_schema_either(j, vs_section_keys[key]);
+  vs_field_schema_pattern(j, NULL, pattern);
+  vs_field_schema_open(j, NULL, "array");
+  vs_field_schema_pattern(j, "items", pattern);
+  vs_json_end(j);
   end_or_null(j);
 }
 
 /* A map from devices to what their heat sinks have. */
 static void put_heatsink(vs_json *j) {
-  begin_member(j, vs_section_keys[VS_SECTION_KEY_heatsink]);
-  vs_json_object(j, NULL, VS_JSON_ROW);
-  vs_json_text(j, "type", "object");
+  vs_field_schema_either(j, vs_section_keys[VS_SECTION_KEY_heatsink]);
+  vs_field_schema_open(j, NULL, "object");
   vs_json_text(j, "description", vs_cooling_heatsink.text);
-  vs_json_object(j, "additionalProperties", VS_JSON_ROW);
-  vs_json_array(j, "anyOf", VS_JSON_ROW);
+  vs_field_schema_either(j, "additionalProperties");
   vs_field_schema_quantity(j, &vs_cooling_heatsink);
-  end_member(j);
-  vs_json_end(j);
+  vs_field_schema_close(j, 3);
   end_or_null(j);
 }
 
@@ -336,8 +287,7 @@ static void put_scene(vs_json *j, const vs_default_models *ground) {
   put_ratings(j);
   vs_field_schema_field(j, &vs_cooling_ambient);
   put_heatsink(j);
-  vs_json_object(j, vs_section_keys[VS_SECTION_KEY_spread], VS_JSON_ROW);
-  vs_json_text(j, "type", "object");
+  vs_field_schema_open(j, vs_section_keys[VS_SECTION_KEY_spread], "object");
   vs_json_end(j);
   for (size_t k = 0; k < sizeof NAMED / sizeof *NAMED; k++) {
     vs_json_object(j, vs_section_keys[NAMED[k]], VS_JSON_ROW);
@@ -353,13 +303,12 @@ static void put_scene(vs_json *j, const vs_default_models *ground) {
 
 static void put_study(vs_json *j, const vs_default_models *ground) {
   begin_schema(j, "a study of VibroSpice");
-  vs_outline_schema_definitions(j, ground);
+  vs_field_schema_definitions(j, ground);
   vs_json_object(j, "properties", VS_JSON_LINES);
-  for (const vs_outline *row = vs_plan_keys; row->takes; row++)
-    vs_outline_schema_row(j, row->key, row, ground);
+  for (const vs_field *row = vs_plan_keys; row->kind; row++) vs_field_schema_row(j, row, ground);
   const char *before = "";
   for (const vs_method *const *m = vs_methods_all; *m; before = (*m)->key, m++)
-    if (strcmp(before, (*m)->key) != 0) vs_outline_schema_row(j, (*m)->key, (*m)->keys, ground);
+    if (strcmp(before, (*m)->key) != 0) vs_field_schema_row(j, (*m)->keys, ground);
   vs_json_end(j);
   vs_json_bool(j, "additionalProperties", false);
   vs_json_end(j);
@@ -368,10 +317,10 @@ static void put_study(vs_json *j, const vs_default_models *ground) {
 static void put_machine(vs_json *j, const vs_default_models *ground) {
   begin_schema(j, "a machine of VibroSpice");
   vs_json_object(j, "properties", VS_JSON_LINES);
-  for (const vs_outline *row = vs_machine_file_keys; row->takes; row++)
-    vs_outline_schema_row(j, row->key, row, ground);
+  for (const vs_field *row = vs_machine_file_keys.rows; row->kind; row++)
+    vs_field_schema_row(j, row, ground);
   vs_json_end(j);
-  vs_outline_schema_required(j, vs_machine_file_keys);
+  vs_field_schema_required(j, vs_machine_file_keys.rows);
   vs_json_bool(j, "additionalProperties", false);
   vs_json_end(j);
 }

@@ -74,10 +74,8 @@ static vs_status find_law_of_control(const vs_node *section, vs_control *c, vs_e
   for (; vs_regulators[n]; n++) names[n] = vs_regulators[n]->name;
   c->regulator = vs_regulators_find(named);
   if (c->regulator) return VS_OK;
-  const char *nearest = vs_text_nearest(named, names, n);
-  return vs_fail_at(err, law->where, "control.law: there is no '%s'%s%s%s", named,
-                    nearest ? "; did you mean '" : "", nearest ? nearest : "",
-                    nearest ? "'?" : "; see 'vibrospice list regulators'");
+  return vs_fail_at(err, law->where, "control.law: there is no '%s'%s", named,
+                    vs_text_hint(named, names, n, "; see 'vibrospice list regulators'").text);
 }
 
 /* Finds the instrument, or the estimate, that the section names. */
@@ -102,12 +100,10 @@ static vs_status find_sensor(const vs_node *section, const vs_instruments *all, 
                                      : c->observing.estimate[c->sensor - all->count].unit;
     return VS_OK;
   }
-  const char *nearest = vs_text_nearest(node->text, names, (size_t)count);
-  return vs_fail_at(err, node->where, "control.sensor: the scene has no instrument '%s'%s%s%s",
-                    node->text, nearest ? "; did you mean '" : "", nearest ? nearest : "",
-                    nearest      ? "'?"
-                    : all->count ? ""
-                                 : ": add instruments: {}");
+  return vs_fail_at(
+      err, node->where, "control.sensor: the scene has no instrument '%s'%s", node->text,
+      vs_text_hint(node->text, names, (size_t)count, all->count ? "" : ": add instruments: {}")
+          .text);
 }
 
 /* Looks at the key that names code of the user's own, where the law has one. */
@@ -126,12 +122,10 @@ static vs_status find_code(const vs_node *section, vs_control *c, vs_error *err)
   return status ? status : c->regulator->check(&c->v, c->code, err);
 }
 
-const char vs_control_observer[] = "observer";
-
 /* Reads the observer, whose samples come at the control's rate. */
 static vs_status read_observer(const vs_node *section, const vs_setup *setup,
                                const vs_instruments *instruments, vs_control *c, vs_error *err) {
-  const vs_node *map = vs_tree_child(section, vs_control_observer),
+  const vs_node *map = vs_tree_child(section, vs_state_observer_key.key),
                 *rate = vs_tree_child(section, COMMON[RATE].key);
   vs_control_values v;
   if (!map) return VS_OK;
@@ -143,14 +137,12 @@ static vs_status read_observer(const vs_node *section, const vs_setup *setup,
 
 /* Reads the keys of this control, besides the observer's map. */
 static vs_status read_keys(const vs_node *section, vs_control *c, vs_error *err) {
-  const char *names[VS_CONTROL_FIELDS + 1] = {vs_control_observer};
+  const char *names[VS_CONTROL_FIELDS + 1] = {vs_state_observer_key.key};
   for (size_t k = 0; k < c->section.count; k++) names[1 + k] = c->fields[k].key;
   vs_status s = vs_field_known_keys(section, c->section.name, names, c->section.count + 1, err);
-  if (!s) s = vs_field_section_read(&c->section, NULL, &c->v, err);
-  for (size_t k = 0; k < c->section.count && !s; k++) {
-    const vs_node *node = vs_tree_child(section, c->fields[k].key);
-    if (node) s = vs_error_keep(err, vs_field_read(&c->section, &c->fields[k], node, &c->v, err));
-  }
+  for (size_t k = 0; k < c->section.count && !s; k++)
+    s = vs_field_read_key(&c->section, &c->fields[k], vs_tree_child(section, c->fields[k].key),
+                          &c->v, err);
   return s;
 }
 

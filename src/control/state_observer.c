@@ -280,13 +280,13 @@ static const vs_field KEYS[] = {
 enum { N_KEYS = sizeof KEYS / sizeof *KEYS };
 const vs_section vs_state_observer_section = {"control.observer", KEYS, N_KEYS};
 
-static const vs_outline NAME = {.takes = VS_OUTLINE_TEXT},
-                        POLE = {
-                            .takes = VS_OUTLINE_TEXT | VS_OUTLINE_LIST, .of = &NAME, .count = 2};
-const vs_outline vs_state_observer_keys[] = {
-    {"sensors", .takes = VS_OUTLINE_TEXT | VS_OUTLINE_LIST, .of = &NAME},
-    {"poles", .takes = VS_OUTLINE_LIST, .of = &POLE},
-    {.section = &vs_state_observer_section}};
+static const vs_field NAME = {.kind = VS_TEXT};
+static const vs_inside NAMES = {.rows = &NAME}, TWO = {.rows = &NAME, .count = 2},
+                       POLES = {.rows = VS_ROWS({.kind = VS_TEXT | VS_LIST, .inside = &TWO})},
+                       ALL = {.rows = VS_ROWS({"sensors", VS_TEXT | VS_LIST, .inside = &NAMES},
+                                              {"poles", VS_LIST, .inside = &POLES}),
+                              .besides = &vs_state_observer_section};
+const vs_field vs_state_observer_key = {"observer", VS_NOTHING | VS_MAP, .inside = &ALL};
 
 /* What reading has at hand. */
 typedef struct reading {
@@ -318,10 +318,10 @@ static vs_status refuse_observer_instrument(const reading *r, const char *key, c
                                             vs_where where) {
   const char *names[VS_INSTRUMENT_MOST];
   for (int k = 0; k < r->instruments->count; k++) names[k] = r->instruments->item[k].name;
-  const char *nearest = vs_text_nearest(name, names, (size_t)r->instruments->count);
-  return vs_fail_at(r->err, where, "control.observer.%s: no instrument '%s'%s%s%s", key, name,
-                    nearest ? "; did you mean '" : "", nearest ? nearest : "",
-                    nearest ? "'?" : "; the scene's section instruments has them");
+  return vs_fail_at(r->err, where, "control.observer.%s: no instrument '%s'%s", key, name,
+                    vs_text_hint(name, names, (size_t)r->instruments->count,
+                                 "; the scene's section instruments has them")
+                        .text);
 }
 
 static vs_status find_current(const reading *r) {
@@ -495,8 +495,7 @@ static vs_status read_observer_keys(const reading *r) {
   vs_state_observer_values *v = &r->o->v;
   vs_status s = vs_field_section_read(&vs_state_observer_section, NULL, v, r->err);
   if (!s && r->map->kind == VS_NODE_MAP)
-    s = vs_field_outline_keys(r->map, vs_state_observer_section.name, vs_state_observer_keys,
-                              r->err);
+    s = vs_field_map_keys(r->map, vs_state_observer_section.name, &ALL, r->err);
   for (int k = 0; k < N_KEYS && !s; k++) {
     const vs_node *node = vs_tree_child(r->map, KEYS[k].key);
     if (node) s = vs_field_read(&vs_state_observer_section, &KEYS[k], node, v, r->err);

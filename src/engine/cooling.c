@@ -34,10 +34,9 @@ const vs_field vs_cooling_ambient = {.key = "ambient",
 static vs_status refuse_unknown_device(const vs_node *node, const vs_deck *deck, vs_error *err) {
   const char *names[VS_DECK_DEVICES];
   for (size_t k = 0; k < deck->n_devices; k++) names[k] = deck->devices[k].name;
-  const char *nearest = vs_text_nearest(node->key, names, deck->n_devices);
-  return vs_fail_at(err, node->key_where, "heatsink: the deck has no device '%s'%s%s%s", node->key,
-                    nearest ? "; did you mean '" : "", nearest ? nearest : "",
-                    nearest ? "'?" : "; see 'vibrospice list measures'");
+  return vs_fail_at(
+      err, node->key_where, "heatsink: the deck has no device '%s'%s", node->key,
+      vs_text_hint(node->key, names, deck->n_devices, "; see 'vibrospice list measures'").text);
 }
 
 /* Error: of such a device no junction is told, or its part states no thermal resistance. */

@@ -38,10 +38,9 @@ static vs_status no_such_column(const vs_node *node, const vs_scene *scene, vs_e
                       "set: {instruments: {}} for the machine's own",
                       node->key);
   for (int k = 0; k < scene->instruments.count; k++) names[n++] = scene->instruments.item[k].column;
-  const char *nearest = vs_text_nearest(node->key, names, (size_t)n);
-  return vs_fail_at(err, node->key_where, "columns: a run on tier %s has no '%s'%s%s%s",
-                    scene->tier->name, node->key, nearest ? "; did you mean '" : "",
-                    nearest ? nearest : "", nearest ? "'?" : "; see 'vibrospice list probes'");
+  return vs_fail_at(
+      err, node->key_where, "columns: a run on tier %s has no '%s'%s", scene->tier->name, node->key,
+      vs_text_hint(node->key, names, (size_t)n, "; see 'vibrospice list probes'").text);
 }
 
 /* An A/D of the step s is off by anything up to s/2 either way: s/sqrt(12) in the root of the mean

@@ -91,10 +91,10 @@ static vs_status find_measure(const measures *m, const vs_scene *scene, const vs
     snprintf(aim->unit, sizeof aim->unit, "%s", m->all[aim->place].unit);
     return VS_OK;
   }
-  const char *nearest = vs_text_nearest(node->key, m->names, m->count + N_AT_REST);
-  return vs_fail_at(err, node->key_where, "measures: no measure '%s' on tier %s%s%s%s", node->key,
-                    scene->tier->name, nearest ? "; did you mean '" : "", nearest ? nearest : "",
-                    nearest ? "'?" : "; see 'vibrospice list measures'");
+  return vs_fail_at(
+      err, node->key_where, "measures: no measure '%s' on tier %s%s", node->key, scene->tier->name,
+      vs_text_hint(node->key, m->names, m->count + N_AT_REST, "; see 'vibrospice list measures'")
+          .text);
 }
 
 static vs_status read_aim(vs_target *aim, const vs_node *node, vs_error *err) {
@@ -140,8 +140,8 @@ vs_status vs_targets_read(vs_targets *aims, const vs_node *map, const vs_scene *
 
 /* ---- what a run gave ---- */
 
-vs_status vs_target_computed(const vs_target *aim, const vs_scene *scene, const vs_measured *measured,
-                          double *value, vs_error *err) {
+vs_status vs_target_computed(const vs_target *aim, const vs_scene *scene,
+                             const vs_measured *measured, double *value, vs_error *err) {
   vs_measured_value m;
   vs_mode working;
   if (aim->place < 0) {

@@ -93,10 +93,8 @@ static vs_status unknown_channel(const vs_instrument *i, const char *name, vs_wh
                       i->path, name, vs_setup_tier_words[VS_TIER_CIRCUIT]);
   if (full->deck->lost & VS_LOST_PROBE) return VS_OK; /* a check carries on: it may be that one */
   for (int k = 0; k < n; k++) names[k] = vs_channel_at(full, numbers[k]).name;
-  const char *nearest = vs_text_nearest(name, names, (size_t)n);
-  return vs_fail_at(err, where, "%s: no channel '%s'%s%s%s", i->path, name,
-                    nearest ? "; did you mean '" : "", nearest ? nearest : "",
-                    nearest ? "'?" : "; see 'vibrospice list probes'");
+  return vs_fail_at(err, where, "%s: no channel '%s'%s", i->path, name,
+                    vs_text_hint(name, names, (size_t)n, "; see 'vibrospice list probes'").text);
 }
 
 /* Error: the name is none that a column can have. */
@@ -177,11 +175,9 @@ static vs_status check_values(const vs_instrument *i, const entry *e, double unt
 
 /* Puts the values of the map's keys over those that are there. */
 static vs_status read_over(vs_instrument *i, const vs_node *map, vs_error *err) {
-  const char *names[VS_INSTRUMENT_FIELDS];
-  for (int k = 0; k < VS_INSTRUMENT_FIELDS; k++) names[k] = KEYS[k].key;
-  vs_status s = vs_field_known_keys(map, i->path, names, VS_INSTRUMENT_FIELDS, err);
+  vs_status s = vs_field_section_keys(&i->section, map, err);
   for (int k = 0; k < VS_INSTRUMENT_FIELDS && !s; k++) {
-    const vs_node *node = vs_tree_child(map, names[k]);
+    const vs_node *node = vs_tree_child(map, KEYS[k].key);
     if (node) s = vs_error_keep(err, vs_field_read(&i->section, &i->fields[k], node, &i->v, err));
   }
   return s;
@@ -286,12 +282,10 @@ static vs_status read_all_instruments(const vs_node *section, const vs_node *set
 }
 
 static vs_status read_common(const vs_node *section, vs_instruments_values *v, vs_error *err) {
-  vs_status s = vs_field_section_read(&vs_instruments_section, NULL, v, err);
-  for (int k = 0; k < N_COMMON && !s; k++) {
-    const vs_node *node = vs_tree_child(section, COMMON[k].key);
-    if (node)
-      s = vs_error_keep(err, vs_field_read(&vs_instruments_section, &COMMON[k], node, v, err));
-  }
+  vs_status s = VS_OK;
+  for (int k = 0; k < N_COMMON && !s; k++)
+    s = vs_field_read_key(&vs_instruments_section, &COMMON[k],
+                          vs_tree_child(section, COMMON[k].key), v, err);
   return s;
 }
 

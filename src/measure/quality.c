@@ -32,10 +32,9 @@ static vs_status refuse_current(const vs_node *node, const vs_setup *setup, cons
     if (!strcmp(vs_channel_at(&full, numbers[k]).unit, "A"))
       names[n++] = vs_channel_at(&full, numbers[k]).name;
   names[n++] = vs_quality_mains;
-  const char *nearest = vs_text_nearest(name, names, n);
-  return vs_fail_at(err, node->where, "quality: no current '%s'%s%s%s", name,
-                    nearest ? "; did you mean '" : "", nearest ? nearest : "",
-                    nearest ? "'?" : "; see 'vibrospice list probes', or write mains");
+  return vs_fail_at(
+      err, node->where, "quality: no current '%s'%s", name,
+      vs_text_hint(name, names, n, "; see 'vibrospice list probes', or write mains").text);
 }
 
 static vs_status take_current(const vs_node *node, const vs_setup *setup, const vs_frame *frame,

@@ -206,7 +206,7 @@ static vs_status refuse_key_of_parameter(const vs_parameter *p, vs_where where, 
     return vs_fail_at(err, where, "%s is a whole number, and has no derivative", p->key.name);
   if (f->kind == VS_OPTION)
     return vs_fail_at(err, where, "%s has keys of its own, such as %s.%s: name one of those",
-                      p->key.name, p->key.name, f->options->keys.fields[0].key);
+                      p->key.name, p->key.name, f->inside->keys.fields[0].key);
   if (!vs_field_is_real(f))
     return vs_fail_at(err, where, "%s is %s; a key with one number is wanted", p->key.name,
                       f->kind == VS_PAIR ? "a pair [x, y]" : "a word");

@@ -57,8 +57,8 @@ static const vs_field QUADRATIC[] = {STOP_ROWS_("N/m2", "1e11 N/m2", 1e18)};
 #define STOP_SECTION_(rows)                                                                        \
   { "actuator.stop", rows, sizeof rows / sizeof *rows }
 static const vs_section STOP_FORMS[] = {STOP_SECTION_(LINEAR), STOP_SECTION_(QUADRATIC)};
-static const vs_options STOP = {STOP_SECTION_(LINEAR), STOP_FORMS, STOP_KIND, VS_MOST_STOPS,
-                                sizeof(vs_stop_values)};
+static const vs_inside STOP = {STOP_SECTION_(LINEAR), STOP_FORMS, STOP_KIND, VS_MOST_STOPS,
+                               .size = sizeof(vs_stop_values)};
 
 static const vs_field SATURATION_ROWS[] = {
     {"law", VS_CHOICE, "", "series", 0, 0, false, I_(law),
@@ -77,8 +77,8 @@ enum { SATURATION_KEYS = sizeof SATURATION_ROWS / sizeof *SATURATION_ROWS };
   { "actuator.saturation", SATURATION_ROWS, count }
 static const vs_section SATURATION_FORMS[] = {SATURATION_(SATURATION_KEYS),
                                               SATURATION_(SATURATION_KEYS - 1)};
-static const vs_options SATURATION = {SATURATION_(SATURATION_KEYS), SATURATION_FORMS, 0, 1,
-                                      sizeof(vs_saturation_values)};
+static const vs_inside SATURATION = {SATURATION_(SATURATION_KEYS), SATURATION_FORMS, 0, 1,
+                                     .size = sizeof(vs_saturation_values)};
 
 static const vs_field ACTUATOR[] = {
     {"gap", VS_REAL, "mm", "6 mm", 0, 1e3, true, A_(gap_m),
@@ -139,13 +139,11 @@ static vs_status find_law(const char *name, const vs_node *map, const vs_law **l
     vs_text_add(&all, "%s%s", l > vs_actuator_laws ? ", " : "", (*l)->name);
   }
   const vs_node *node = vs_tree_child(map, "law");
-  const char *nearest = *law ? NULL : vs_text_nearest(name, names, n);
   vs_status status = VS_OK;
   if (!*law)
-    status =
-        vs_fail_at(err, node ? node->where : (vs_where){0},
-                   "actuator.law: no law '%s'; there are: %s%s%s%s", name, all.text,
-                   nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+    status = vs_fail_at(err, node ? node->where : (vs_where){0},
+                        "actuator.law: no law '%s'; there are: %s%s", name, all.text,
+                        vs_text_hint(name, names, n, "").text);
   vs_text_free(&all);
   return status;
 }

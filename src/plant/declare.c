@@ -83,10 +83,8 @@ static void rate_unit(const char *unit, const char *per, char *text, size_t size
     snprintf(text, size, "%s%s%s", unit, strchr(unit, '/') ? "." : "/", per);
 }
 
-const vs_outline vs_declare_coordinate_keys[] = {
-    {"unit", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_TEXT},
-    {"text", .takes = VS_OUTLINE_TEXT | VS_OUTLINE_NOTHING},
-    {0}};
+const vs_inside vs_declare_coordinate_keys = {
+    .rows = VS_ROWS({"unit", .kind = VS_NEEDED | VS_TEXT}, {"text", .kind = VS_TEXT | VS_NOTHING})};
 
 /* {unit: m, text: trough} */
 static vs_status read_coordinate(vs_machine *m, const vs_node *node, vs_error *err) {
@@ -104,7 +102,7 @@ static vs_status read_coordinate(vs_machine *m, const vs_node *node, vs_error *e
   if (node->kind != VS_NODE_MAP)
     return vs_fail_at(err, node->where, "%s: {unit: m, text: ...} is wanted", what);
   const vs_node *unit = vs_tree_child(node, "unit");
-  s = vs_field_outline_keys(node, what, vs_declare_coordinate_keys, err);
+  s = vs_field_map_keys(node, what, &vs_declare_coordinate_keys, err);
   if (!s) s = vs_declare_text(unit, what, c.unit, sizeof c.unit, err);
   if (!s) s = vs_declare_text(vs_tree_child(node, "text"), what, c.text, sizeof c.text, err);
   if (s) return s;
@@ -285,15 +283,13 @@ static vs_status read_default(declaration *d, const vs_node *node, vs_error *err
   return take_unit(d, pair ? x : value, err);
 }
 
-static const vs_outline TEXT = {.takes = VS_OUTLINE_TEXT};
-const vs_outline vs_declare_parameter_keys[] = {
-    {"default", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_TEXT | VS_OUTLINE_LIST, .of = &TEXT,
-     .count = 2},
-    {"range", .takes = VS_OUTLINE_TEXT},
-    {"open", .takes = VS_OUTLINE_FLAG},
-    {"choices", .takes = VS_OUTLINE_TEXT | VS_OUTLINE_LIST, .of = &TEXT},
-    {"text", .takes = VS_OUTLINE_TEXT | VS_OUTLINE_NOTHING},
-    {0}};
+static const vs_field TEXT = {.kind = VS_TEXT};
+static const vs_inside TWO = {.rows = &TEXT, .count = 2}, SOME = {.rows = &TEXT};
+const vs_inside vs_declare_parameter_keys = {
+    .rows = VS_ROWS({"default", VS_NEEDED | VS_TEXT | VS_LIST, .inside = &TWO},
+                    {"range", .kind = VS_TEXT}, {"open", .kind = VS_FLAG},
+                    {"choices", VS_TEXT | VS_LIST, .inside = &SOME},
+                    {"text", .kind = VS_TEXT | VS_NOTHING})};
 
 static vs_status read_declaration(const vs_node *node, declaration *d, vs_error *err) {
   const vs_node *range = vs_tree_child(node, "range");
@@ -301,7 +297,7 @@ static vs_status read_declaration(const vs_node *node, declaration *d, vs_error 
   if (node->kind != VS_NODE_MAP)
     return vs_fail_at(err, node->where,
                       "%s: {default: 20 kg, range: 0 kg .. 100 kg, text: ...} is wanted", d->what);
-  vs_status s = vs_field_outline_keys(node, d->what, vs_declare_parameter_keys, err);
+  vs_status s = vs_field_map_keys(node, d->what, &vs_declare_parameter_keys, err);
   if (!s) s = read_default(d, node, err);
   if (!s && range && d->field.kind == VS_CHOICE)
     s = vs_fail_at(err, range->where, "%s: a choice has no range", d->what);

@@ -7,7 +7,7 @@
 #include "plant/machine.h"
 
 /* The keys of a coordinate, and those of a parameter. */
-extern const vs_outline vs_declare_coordinate_keys[], vs_declare_parameter_keys[];
+extern const vs_inside vs_declare_coordinate_keys, vs_declare_parameter_keys;
 
 /* Adds a name that formulas may use. Error, at `where`: it is no name, is taken, or is one that
  * formulas have for something else. */

@@ -109,9 +109,8 @@ static vs_status unknown_name(const reader *r, const char *at, const char *name)
   for (int k = 0; k < MOST_TERMS; k++)
     if (r->terms[k].unit) names[n++] = r->terms[k].name;
   for (int k = 0; k < m->n_names; k++) names[n++] = m->names[k].name;
-  const char *nearest = vs_text_nearest(name, names, n);
-  return vs_fail_at(r->err, where, "%s: no parameter or let '%s'%s%s%s", what, name,
-                    nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+  return vs_fail_at(r->err, where, "%s: no parameter or let '%s'%s", what, name,
+                    vs_text_hint(name, names, n, "").text);
 }
 
 static int take_name(void *ctx, const char *at, const char *name) {

@@ -19,8 +19,6 @@ const char *const vs_machine_sum_words[] = {[VS_MACHINE_MASS] = "mass",
                                             [VS_MACHINE_DAMPING] = "damping",
                                             [VS_MACHINE_STIFFNESS] = "stiffness",
                                             [VS_MACHINE_FORCES] = "forces"};
-const char *const vs_machine_way_words[] = {
-    [VS_MACHINE_ALONG] = "along", [VS_MACHINE_UP] = "up", [VS_MACHINE_FORWARD] = "forward"};
 const char *const vs_machine_law_words[] = {
     [VS_MACHINE_CURRENT] = "current", [VS_MACHINE_ENERGY] = "energy", [VS_MACHINE_FORCE] = "force"};
 

@@ -31,8 +31,10 @@ static const char GROUND[] = "ground";
 /* Where an expression is read from and what it is for. */
 typedef struct source {
   const char *owner, *key; /* "bodies.base", "mass" */
-  const char *unit;
+  const char *unit;        /* "~": any */
   vs_expression_kind kind;
+  bool apart;   /* what may be one value or two is two */
+  bool goes_on; /* a check carries on with the next key */
 } source;
 
 static vs_status read_component(const vs_machine *m, const vs_node *node, source from,
@@ -55,6 +57,23 @@ static vs_status read_two(const vs_machine *m, const vs_node *node, source from,
   return s ? s : read_component(m, x->next, from, &out[1], err);
 }
 
+/* Reads the map's formulas, which are the keys whose rows have a unit, each into its member of out.
+ */
+static vs_status read_formulas(const vs_machine *m, const vs_node *map, source from,
+                               const vs_field *rows, void *out, vs_error *err) {
+  vs_status s = VS_OK;
+  for (const vs_field *row = rows; row->kind && !s; row++) {
+    const vs_node *node = row->unit ? vs_tree_child(map, row->key) : NULL;
+    vs_expression *to = (vs_expression *)(void *)((char *)out + row->offset);
+    const bool two = row->kind & VS_LIST && (from.apart || !(row->kind & VS_TEXT));
+    from.key = row->key;
+    from.unit = row->unit;
+    if (node) s = two ? read_two(m, node, from, to, err) : read_component(m, node, from, to, err);
+    if (from.goes_on) s = vs_error_keep(err, s);
+  }
+  return s;
+}
+
 static vs_status refuse_missing(const vs_node *node, const char *owner, const char *key,
                                 vs_error *err) {
   return vs_fail_at(err, node->key_where, "%s: %s is wanted", owner, key);
@@ -70,60 +89,51 @@ static vs_status find_body(const vs_machine *m, const char *name, vs_where where
     if (!strcmp(name, names[k + 1])) *body = k;
   }
   if (*body >= 0) return VS_OK;
-  const char *nearest = vs_text_nearest(name, names, (size_t)m->n_bodies + 1);
-  return vs_fail_at(err, where, "no body '%s' stands above%s%s%s", name,
-                    nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+  return vs_fail_at(err, where, "no body '%s' stands above%s", name,
+                    vs_text_hint(name, names, (size_t)m->n_bodies + 1, "").text);
 }
 
-static const vs_outline FORMULA = {.takes = VS_OUTLINE_TEXT},
-                        POINT[] = {{.takes = VS_OUTLINE_LIST, .of = &FORMULA, .count = 2}, {0}};
-static const vs_outline MOVES[] = {{"x", .takes = VS_OUTLINE_TEXT},
-                                   {"y", .takes = VS_OUTLINE_TEXT},
-                                   {"turn", .takes = VS_OUTLINE_TEXT},
-                                   {0}};
-static const vs_outline body_keys[] = {
-    {"mass", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_TEXT},
-    {"inertia", .takes = VS_OUTLINE_TEXT},
-    {"at", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_LIST, .of = &FORMULA, .count = 2},
-    {"on", .takes = VS_OUTLINE_TEXT},
-    {"moves", .takes = VS_OUTLINE_MAP, .of = MOVES},
-    {0}};
-static const vs_outline spring_keys[] = {
-    {"from", .takes = VS_OUTLINE_MAP, .of = POINT, .count = 1},
-    {"to", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_MAP, .of = POINT, .count = 1},
-    {"along", .takes = VS_OUTLINE_LIST, .of = &FORMULA, .count = 2},
-    {"stiffness", .takes = VS_OUTLINE_TEXT | VS_OUTLINE_LIST, .of = &FORMULA, .count = 2},
-    {"damping", .takes = VS_OUTLINE_TEXT | VS_OUTLINE_LIST, .of = &FORMULA, .count = 2},
-    {0}};
+static const vs_field FORMULA = {.kind = VS_TEXT};
+static const vs_inside PLACE = {.rows = &FORMULA, .count = 2}, /* [x, y] */
+    END = {.rows = VS_ROWS({.kind = VS_LIST, .inside = &PLACE}), .count = 1};
+#define AT(member) .offset = offsetof(vs_body, member)
+static const vs_inside MOVES = {.rows = VS_ROWS({"x", VS_TEXT, "m", AT(moves[0])},
+                                                {"y", VS_TEXT, "m", AT(moves[1])},
+                                                {"turn", VS_TEXT, "rad", AT(moves[2])})};
+static const vs_inside BODY = {
+    .rows = VS_ROWS({"mass", VS_NEEDED | VS_TEXT, "kg", AT(mass)},
+                    {"inertia", VS_TEXT, "kg.m2", AT(inertia)},
+                    {"at", VS_NEEDED | VS_LIST, "m", AT(at), .inside = &PLACE},
+                    {"on", .kind = VS_TEXT}, {"moves", VS_MAP, .inside = &MOVES})};
+#undef AT
+#define AT(member) .offset = offsetof(vs_spring, member), .inside = &PLACE
+static const vs_inside SPRING = {
+    .rows = VS_ROWS({"from", VS_MAP, .inside = &END}, {"to", VS_NEEDED | VS_MAP, .inside = &END},
+                    {"along", VS_LIST, "~", AT(along)},
+                    {"stiffness", VS_TEXT | VS_LIST, "N/m", AT(stiffness)},
+                    {"damping", VS_TEXT | VS_LIST, "N.s/m", AT(damping)})};
+#undef AT
 
-static vs_status read_moves(const vs_machine *m, const vs_node *map, const char *owner,
-                            vs_expression moves[3], vs_error *err) {
-  static const char *const WORDS[] = {"moves.x", "moves.y", "moves.turn"}, *const UNITS[] = {
-                                                                               "m", "m", "rad"};
+static vs_status read_moves(const vs_machine *m, const vs_node *map, const char *owner, vs_body *b,
+                            vs_error *err) {
+  char what[VS_MACHINE_NAME + 24];
   if (map && map->kind != VS_NODE_MAP)
     return vs_fail_at(err, map->where, "%s.moves: {x: ..., y: ..., turn: ...} is wanted", owner);
-  vs_status s = vs_field_outline_keys(map, "moves", MOVES, err);
-  for (int k = 0; k < 3 && !s; k++) {
-    const vs_node *node = vs_tree_child(map, MOVES[k].key);
-    const source from = {owner, WORDS[k], UNITS[k], VS_EXPRESSION_MOTION};
-    if (node) s = read_component(m, node, from, &moves[k], err);
-  }
-  return s;
+  snprintf(what, sizeof what, "%s.moves", owner);
+  const source from = {.owner = what, .kind = VS_EXPRESSION_MOTION};
+  vs_status s = vs_field_map_keys(map, "moves", &MOVES, err);
+  return s ? s : read_formulas(m, map, from, MOVES.rows, b, err);
 }
 
 static vs_status fill_body(vs_machine *m, const vs_node *node, const char *owner, vs_body *b,
                            vs_error *err) {
-  const vs_node *mass = vs_tree_child(node, "mass"), *inertia = vs_tree_child(node, "inertia"),
-                *at = vs_tree_child(node, "at"), *on = vs_tree_child(node, "on");
+  const vs_node *mass = vs_tree_child(node, "mass"), *at = vs_tree_child(node, "at"),
+                *on = vs_tree_child(node, "on");
+  const source from = {.owner = owner, .kind = VS_EXPRESSION_CONSTANT};
   if (!mass || !at) return refuse_missing(node, owner, mass ? "at: [x, y]" : "mass", err);
-  vs_status s =
-      read_component(m, mass, (source){owner, "mass", "kg", VS_EXPRESSION_CONSTANT}, &b->mass, err);
-  if (!s && inertia)
-    s = read_component(m, inertia, (source){owner, "inertia", "kg.m2", VS_EXPRESSION_CONSTANT},
-                       &b->inertia, err);
-  if (!s) s = read_two(m, at, (source){owner, "at", "m", VS_EXPRESSION_CONSTANT}, b->at, err);
+  vs_status s = read_formulas(m, node, from, BODY.rows, b, err);
   if (!s && on) s = find_body(m, on->text ? on->text : "", on->where, &b->on, err);
-  return s ? s : read_moves(m, vs_tree_child(node, "moves"), owner, b->moves, err);
+  return s ? s : read_moves(m, vs_tree_child(node, "moves"), owner, b, err);
 }
 
 static vs_status read_body(vs_machine *m, const vs_node *node, vs_error *err) {
@@ -135,7 +145,7 @@ static vs_status read_body(vs_machine *m, const vs_node *node, vs_error *err) {
     return vs_fail_at(err, node->key_where, "%s: that name is the program's", owner);
   if (node->kind != VS_NODE_MAP)
     return vs_fail_at(err, node->where, "%s: {mass: ..., at: [x, y], moves: ...} is wanted", owner);
-  vs_status s = vs_field_outline_keys(node, owner, body_keys, err);
+  vs_status s = vs_field_map_keys(node, owner, &BODY, err);
   vs_body *b = &m->bodies[m->n_bodies];
   b->on = -1;
   if (!s) s = fill_body(m, node, owner, b, err);
@@ -152,16 +162,8 @@ static vs_status read_spring_end(const vs_machine *m, const vs_node *node, const
     return vs_fail_at(err, node->where, "%s.%s: one body with a point is wanted: {BODY: [x, y]}",
                       owner, node->key);
   vs_status status = find_body(m, node->child->key, node->child->key_where, &s->body[end], err);
-  const source from = {owner, node->key, "m", VS_EXPRESSION_CONSTANT};
+  const source from = {owner, node->key, "m", .kind = VS_EXPRESSION_CONSTANT};
   return status ? status : read_two(m, node->child, from, s->point[end], err);
-}
-
-static vs_status read_strength(const vs_machine *m, const vs_node *node, source from,
-                               const vs_spring *s, vs_error *err) {
-  vs_expression *out =
-      (vs_expression *)(size_t)(!strcmp(from.key, "damping") ? s->damping : s->stiffness);
-  if (s->apart) return read_two(m, node, from, out, err);
-  return read_component(m, node, from, out, err);
 }
 
 static vs_status fill_spring(const vs_machine *m, const vs_node *node, const char *owner,
@@ -182,18 +184,10 @@ static vs_status fill_spring(const vs_machine *m, const vs_node *node, const cha
   if (!s->apart && !along && !from)
     return refuse_missing(node, owner, "a direction, by `from` or `along`, or stiffness: [x, y],",
                           err);
+  const source formulas = {.owner = owner, .kind = VS_EXPRESSION_CONSTANT, .apart = s->apart};
   vs_status status = read_spring_end(m, to, owner, s, err);
   if (!status && from) status = read_spring_end(m, from, owner, s, err);
-  if (!status && along)
-    status =
-        read_two(m, along, (source){owner, "along", NULL, VS_EXPRESSION_CONSTANT}, s->along, err);
-  if (!status && stiffness)
-    status = read_strength(m, stiffness,
-                           (source){owner, "stiffness", "N/m", VS_EXPRESSION_CONSTANT}, s, err);
-  if (!status && damping)
-    status = read_strength(m, damping, (source){owner, "damping", "N.s/m", VS_EXPRESSION_CONSTANT},
-                           s, err);
-  return status;
+  return status ? status : read_formulas(m, node, formulas, SPRING.rows, s, err);
 }
 
 static vs_status read_spring(vs_machine *m, const vs_node *node, vs_error *err) {
@@ -204,7 +198,7 @@ static vs_status read_spring(vs_machine *m, const vs_node *node, vs_error *err) 
   if (node->kind != VS_NODE_MAP)
     return vs_fail_at(err, node->where, "%s: {from: ..., to: ..., stiffness: ...} is wanted",
                       owner);
-  vs_status status = vs_field_outline_keys(node, owner, spring_keys, err);
+  vs_status status = vs_field_map_keys(node, owner, &SPRING, err);
   vs_spring *s = &m->springs[m->n_springs++];
   s->body[0] = s->body[1] = -1;
   snprintf(s->name, sizeof s->name, "%.*s", VS_MACHINE_NAME - 1, node->key);
@@ -235,58 +229,54 @@ static vs_status read_bodies(vs_machine *m, vs_error *err) {
 
 /* ---- the keys of a machine's file ---- */
 
-static const vs_outline ROW = {.takes = VS_OUTLINE_LIST, .of = &FORMULA},
-                        SUM = {.takes = VS_OUTLINE_WORD, .words = "mass|damping|stiffness|forces"};
-static const vs_outline FORMULAS[] = {{.takes = VS_OUTLINE_TEXT}, {0}};
-static const vs_outline GAP[] = {
-    {"along", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_MAP, .of = FORMULAS}, {0}};
-static const vs_outline LOAD[] = {
-    {"adds", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_TEXT},
-    {"to", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_LIST, .of = &SUM, .instead = &SUM},
-    {"along", .takes = VS_OUTLINE_TEXT},
-    {"up", .takes = VS_OUTLINE_TEXT},
-    {"forward", .takes = VS_OUTLINE_TEXT},
-    {0}};
-static const vs_outline PROBE[] = {{"of", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_TEXT},
-                                   {"unit", .takes = VS_OUTLINE_TEXT},
-                                   {"text", .takes = VS_OUTLINE_TEXT | VS_OUTLINE_NOTHING},
-                                   {0}};
-static const vs_outline ACTUATOR[] = {{"current", .takes = VS_OUTLINE_TEXT},
-                                      {"energy", .takes = VS_OUTLINE_TEXT},
-                                      {"force", .takes = VS_OUTLINE_TEXT},
-                                      {.section = &vs_actuator_section}};
+static const vs_field ROW = {.kind = VS_LIST, .inside = &(const vs_inside){.rows = &FORMULA}},
+                      SUM = {.kind = VS_CHOICE, .choices = "mass|damping|stiffness|forces"};
+static const vs_inside ROWS = {.rows = &ROW}, SUMS = {.rows = &SUM, .instead = &SUM},
+                       FORMULAS = {.rows = VS_ROWS({.kind = VS_TEXT})},
+                       GAP = {.rows = VS_ROWS({"along", VS_NEEDED | VS_MAP, .inside = &FORMULAS})};
+#define AT(member) .offset = offsetof(vs_machine, member)
+static const vs_inside LOAD = {
+    .rows =
+        VS_ROWS({"adds", .kind = VS_NEEDED | VS_TEXT}, {"to", VS_NEEDED | VS_LIST, .inside = &SUMS},
+                {"along", VS_TEXT, "m", AT(load.way[VS_MACHINE_ALONG])},
+                {"up", VS_TEXT, "m", AT(load.way[VS_MACHINE_UP])},
+                {"forward", VS_TEXT, "m", AT(load.way[VS_MACHINE_FORWARD])})};
+static const vs_inside ACTUATOR = {
+    .rows = VS_ROWS({"current", VS_TEXT, "A", AT(law[VS_MACHINE_CURRENT])},
+                    {"energy", VS_TEXT, "J", AT(law[VS_MACHINE_ENERGY])},
+                    {"force", VS_TEXT, "N", AT(law[VS_MACHINE_FORCE])}),
+    .besides = &vs_actuator_section};
+#undef AT
+static const vs_inside PROBE = {.rows = VS_ROWS({"of", .kind = VS_NEEDED | VS_TEXT},
+                                                {"unit", .kind = VS_TEXT},
+                                                {"text", .kind = VS_TEXT | VS_NOTHING})},
+                       SUPPLY = {.besides = &vs_feed_supply}, FIRING = {.besides = &vs_feed_firing};
 
-static const vs_outline SUPPLY[] = {{.section = &vs_feed_supply}},
-                        FIRING[] = {{.section = &vs_feed_firing}};
-static const vs_outline COORDINATES[] = {
-    {.takes = VS_OUTLINE_MAP, .of = vs_declare_coordinate_keys}, {0}};
-static const vs_outline PARAMETERS[] = {{.takes = VS_OUTLINE_MAP, .of = vs_declare_parameter_keys},
-                                        {0}};
-static const vs_outline BODIES[] = {{.takes = VS_OUTLINE_MAP, .of = body_keys}, {0}};
-static const vs_outline SPRINGS[] = {{.takes = VS_OUTLINE_MAP, .of = spring_keys}, {0}};
-static const vs_outline PROBES[] = {{.takes = VS_OUTLINE_MAP, .of = PROBE}, {0}};
-
-enum { EMPTY = VS_OUTLINE_NOTHING | VS_OUTLINE_MAP, MATRIX = VS_OUTLINE_TEXT | VS_OUTLINE_LIST };
+/* {NAME: {...}, ...} */
+#define EACH(keys)                                                                                 \
+  .inside = (&(const vs_inside){.rows = VS_ROWS({.kind = VS_MAP, .inside = &(keys)})})
 /* To add a key: a row here and a function that reads it; the schema follows. */
-const vs_outline vs_machine_file_keys[] = {
-    {"title", .takes = VS_OUTLINE_TEXT | VS_OUTLINE_NOTHING},
-    {"coordinates", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_MAP, .of = COORDINATES},
-    {"parameters", EMPTY, .of = PARAMETERS},
-    {"let", EMPTY, .of = FORMULAS},
-    {"mass", MATRIX, .of = &ROW},
-    {"damping", MATRIX, .of = &ROW},
-    {"stiffness", MATRIX, .of = &ROW},
-    {"bodies", .takes = VS_OUTLINE_MAP, .of = BODIES},
-    {"springs", .takes = VS_OUTLINE_MAP, .of = SPRINGS},
-    {"forces", EMPTY, .of = FORMULAS},
-    {"gap", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_MAP, .of = GAP},
-    {"load", EMPTY, .of = LOAD},
-    {"probes", EMPTY, .of = PROBES},
-    {"actuator", EMPTY, .of = ACTUATOR},
-    {"supply", EMPTY, .of = SUPPLY},
-    {"firing", EMPTY, .of = FIRING},
-    {"instruments", .takes = VS_OUTLINE_NOTHING | VS_OUTLINE_SENSORS},
+static const vs_field KEYS[] = {
+    {"title", .kind = VS_TEXT | VS_NOTHING},
+    {"coordinates", VS_NEEDED | VS_MAP, EACH(vs_declare_coordinate_keys)},
+    {"parameters", VS_NOTHING | VS_MAP, EACH(vs_declare_parameter_keys)},
+    {"let", VS_NOTHING | VS_MAP, .inside = &FORMULAS},
+    {"mass", VS_TEXT | VS_LIST, .inside = &ROWS},
+    {"damping", VS_TEXT | VS_LIST, .inside = &ROWS},
+    {"stiffness", VS_TEXT | VS_LIST, .inside = &ROWS},
+    {"bodies", VS_MAP, EACH(BODY)},
+    {"springs", VS_MAP, EACH(SPRING)},
+    {"forces", VS_NOTHING | VS_MAP, .inside = &FORMULAS},
+    {"gap", VS_NEEDED | VS_MAP, .inside = &GAP},
+    {"load", VS_NOTHING | VS_MAP, .inside = &LOAD},
+    {"probes", VS_NOTHING | VS_MAP, EACH(PROBE)},
+    {"actuator", VS_NOTHING | VS_MAP, .inside = &ACTUATOR},
+    {"supply", VS_NOTHING | VS_MAP, .inside = &SUPPLY},
+    {"firing", VS_NOTHING | VS_MAP, .inside = &FIRING},
+    {"instruments", .kind = VS_NOTHING | VS_SENSORS},
     {0}};
+const vs_inside vs_machine_file_keys = {.rows = KEYS};
+#undef EACH
 
 /* ---- maps ---- */
 
@@ -443,7 +433,7 @@ static vs_status read_forces(vs_machine *m, vs_error *err) {
 static vs_status read_gap(vs_machine *m, vs_error *err) {
   const vs_node *map, *along;
   vs_status s = map_of(m, "gap", &map, err);
-  if (!s) s = vs_field_outline_keys(map, "gap", GAP, err);
+  if (!s) s = vs_field_map_keys(map, "gap", &GAP, err);
   if (s) return s;
   along = vs_tree_child(map, "along");
   m->where_along = along ? along->key_where : map ? map->where : (vs_where){m->tree.name, 1, 1};
@@ -465,27 +455,14 @@ static vs_status read_load_sum(vs_machine *m, const vs_node *node, vs_error *err
   return vs_fail_at(err, node->where, "load.to: there are: mass, damping, stiffness, forces");
 }
 
-/* How the trough moves. */
-static vs_status read_ways(vs_machine *m, const vs_node *map, vs_error *err) {
-  const vs_dimension metre = vs_dimension_of("m");
-  char what[24];
-  vs_status s = VS_OK;
-  for (int k = 0; k < VS_MACHINE_WAYS && !s; k++) {
-    const vs_node *node = vs_tree_child(map, vs_machine_way_words[k]);
-    const vs_expression_use use = {VS_EXPRESSION_MOTION, what, &metre};
-    snprintf(what, sizeof what, "load.%s", vs_machine_way_words[k]);
-    if (node) s = vs_error_keep(err, vs_expression_read(m, node, &use, &m->load.way[k], err));
-  }
-  return s;
-}
-
 static vs_status read_load(vs_machine *m, vs_error *err) {
   const vs_node *map;
   const char *names[VS_MACHINE_NAMES];
   vs_status s = map_of(m, "load", &map, err);
   if (s || !map) return s;
-  s = vs_field_outline_keys(map, "load", LOAD, err);
-  if (!s) s = read_ways(m, map, err);
+  const source ways = {.owner = "load", .kind = VS_EXPRESSION_MOTION, .goes_on = true};
+  s = vs_field_map_keys(map, "load", &LOAD, err);
+  if (!s) s = read_formulas(m, map, ways, LOAD.rows, m, err);
   const vs_node *adds = vs_tree_child(map, "adds"), *to = vs_tree_child(map, "to");
   if (s) return s;
   if (!adds || adds->kind != VS_NODE_TEXT || !to)
@@ -494,11 +471,9 @@ static vs_status read_load(vs_machine *m, vs_error *err) {
     names[k] = m->names[k].name;
     if (!strcmp(names[k], adds->text)) m->load.adds = k;
   }
-  const char *nearest = vs_text_nearest(adds->text, names, (size_t)m->n_parameters);
   if (m->load.adds < 0)
-    return vs_fail_at(err, adds->where, "load.adds: no parameter '%s'%s%s%s", adds->text,
-                      nearest ? "; did you mean '" : "", nearest ? nearest : "",
-                      nearest ? "'?" : "");
+    return vs_fail_at(err, adds->where, "load.adds: no parameter '%s'%s", adds->text,
+                      vs_text_hint(adds->text, names, (size_t)m->n_parameters, "").text);
   const vs_dimension mass = vs_dimension_of("kg");
   if (!vs_dimension_fits(&m->names[m->load.adds].dimension, &mass))
     return vs_fail_at(err, adds->where, "load.adds: %s is no mass, in kg, as the load is",
@@ -547,7 +522,7 @@ static vs_status read_probe(vs_machine *m, const vs_node *node, vs_error *err) {
   if (node->kind != VS_NODE_MAP || !formula)
     return vs_fail_at(err, node->where, "%s: {of: FORMULA, unit: m, text: ...} is wanted", what);
   snprintf(probe.name, sizeof probe.name, "%s", node->key);
-  s = vs_field_outline_keys(node, what, PROBE, err);
+  s = vs_field_map_keys(node, what, &PROBE, err);
   if (!s) s = vs_declare_text(unit, what, probe.unit, sizeof probe.unit, err);
   if (!s)
     s = vs_declare_text(vs_tree_child(node, "text"), what, probe.text, sizeof probe.text, err);
@@ -638,18 +613,10 @@ static vs_status check_law(const vs_machine *m, vs_error *err) {
 }
 
 static vs_status read_actuator(vs_machine *m, vs_error *err) {
-  static const char *const units[VS_MACHINE_LAWS] = {
-      [VS_MACHINE_CURRENT] = "A", [VS_MACHINE_ENERGY] = "J", [VS_MACHINE_FORCE] = "N"};
-  char what[40];
+  const source from = {.owner = "actuator", .kind = VS_EXPRESSION_LAW, .goes_on = true};
   vs_status s = map_of(m, "actuator", &m->own_actuator, err);
-  if (!s) s = vs_field_outline_keys(m->own_actuator, "actuator", ACTUATOR, err);
-  for (int k = 0; k < VS_MACHINE_LAWS && !s; k++) {
-    const vs_node *node = vs_tree_child(m->own_actuator, vs_machine_law_words[k]);
-    const vs_dimension wanted = vs_dimension_of(units[k]);
-    const vs_expression_use use = {VS_EXPRESSION_LAW, what, &wanted};
-    snprintf(what, sizeof what, "actuator.%s", vs_machine_law_words[k]);
-    if (node) s = vs_error_keep(err, vs_expression_read(m, node, &use, &m->law[k], err));
-  }
+  if (!s) s = vs_field_map_keys(m->own_actuator, "actuator", &ACTUATOR, err);
+  if (!s) s = read_formulas(m, m->own_actuator, from, ACTUATOR.rows, m, err);
   if (!s) s = vs_error_keep(err, check_law(m, err));
   return s ? s : make_actuator(m, err);
 }
@@ -666,7 +633,7 @@ bool vs_machine_file_has_keys(const vs_tree *file) {
 
 static vs_status read_machine(vs_machine *m, vs_error *err) {
   const vs_node *root = m->tree.root;
-  vs_status s = vs_field_outline_keys(root, "a machine", vs_machine_file_keys, err);
+  vs_status s = vs_field_map_keys(root, "a machine", &vs_machine_file_keys, err);
   if (!s)
     s = vs_error_keep(err, vs_declare_text(vs_tree_child(root, "title"), "title", m->title,
                                            sizeof m->title, err));

@@ -33,7 +33,7 @@ static vs_status describe_axis(vs_axis *axis, const vs_key *key, vs_error *err) 
                       axis->key);
   if (f->kind == VS_OPTION)
     return vs_fail_at(err, axis->where, "%s has keys of its own, such as %s.%s: name one of those",
-                      axis->key, axis->key, f->options->keys.fields[0].key);
+                      axis->key, axis->key, f->inside->keys.fields[0].key);
   snprintf(axis->section, sizeof axis->section, "%s", key->section);
   axis->field = f;
   axis->unit = f->unit;
@@ -151,23 +151,17 @@ static vs_status whole_values(const vs_axis *axis, const vs_node *node, vs_error
   return VS_OK;
 }
 
-static const vs_outline VALUE = {.takes = VS_OUTLINE_VALUE};
-static const vs_outline STEP[] = {{"from", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_VALUE},
-                                  {"to", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_VALUE},
-                                  {"step", .takes = VS_OUTLINE_VALUE},
-                                  {0}};
-static const vs_outline LOG[] = {
-    {"log", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_LIST, .of = &VALUE, .count = 2},
-    {"n", .takes = VS_OUTLINE_WHOLE},
-    {0}};
-static const vs_outline LIN[] = {
-    {"lin", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_LIST, .of = &VALUE, .count = 2},
-    {"n", .takes = VS_OUTLINE_WHOLE},
-    {0}};
-static const vs_outline LINEAR = {.takes = VS_OUTLINE_MAP, .of = LIN},
-                        SPACED = {.takes = VS_OUTLINE_MAP, .of = LOG, .instead = &LINEAR},
-                        STEPPED = {.takes = VS_OUTLINE_MAP, .of = STEP, .instead = &SPACED};
-const vs_outline vs_axis_many = {.takes = VS_OUTLINE_LIST, .of = &VALUE, .instead = &STEPPED};
+static const vs_field VALUE = {.kind = VS_VALUE};
+static const vs_inside TWO = {.rows = &VALUE, .count = 2};
+static const vs_inside
+    LIN = {.rows = VS_ROWS({"lin", VS_NEEDED | VS_LIST, .inside = &TWO}, {"n", .kind = VS_COUNT})},
+    LOG = {.rows = VS_ROWS({"log", VS_NEEDED | VS_LIST, .inside = &TWO}, {"n", .kind = VS_COUNT}),
+           .instead = &(const vs_field){.kind = VS_MAP, .inside = &LIN}},
+    STEP = {.rows = VS_ROWS({"from", .kind = VS_NEEDED | VS_VALUE},
+                            {"to", .kind = VS_NEEDED | VS_VALUE}, {"step", .kind = VS_VALUE}),
+            .instead = &(const vs_field){.kind = VS_MAP, .inside = &LOG}},
+    LIST = {.rows = &VALUE, .instead = &(const vs_field){.kind = VS_MAP, .inside = &STEP}};
+const vs_field vs_axis_many = {.kind = VS_LIST, .inside = &LIST};
 
 /* Reads {from: A, to: B, step: C}, which is A, A + C, ... up to B; B itself need not be met.
  * Without a step a range is a continuum; one of whole numbers is all of them. */
@@ -227,7 +221,7 @@ vs_status vs_axis_values(vs_axis *axis, const vs_node *node, vs_error *err) {
                       axis->key);
   const vs_node *log = vs_tree_child(node, "log"), *lin = vs_tree_child(node, "lin");
   size_t found = vs_error_count(err);
-  vs_status status = vs_field_outline_keys(node, axis->key, log ? LOG : lin ? LIN : STEP, err);
+  vs_status status = vs_field_map_keys(node, axis->key, log ? &LOG : lin ? &LIN : &STEP, err);
   if (status || vs_error_count(err) > found) return status;
   return log || lin ? spaced(axis, node, log ? log : lin, err) : stepped(axis, node, err);
 }

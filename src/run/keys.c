@@ -38,7 +38,7 @@ static void add_keys_of_section(key_list *list, const char *section, const vs_se
  * list of them. */
 static void add_keys_of_maps(key_list *list, const vs_field *f, const char *member) {
   char name[VS_KEY_SIZE], part[VS_KEY_SIZE + 16];
-  const vs_options *o = f->options;
+  const vs_inside *o = f->inside;
   int count = member ? vs_field_maps(f, member) : 0;
   snprintf(name, sizeof name, "%s", list->item[list->count - 1].name);
   if (!count) add_keys_of_section(list, name, &o->keys, NULL);
@@ -128,10 +128,9 @@ static vs_status refuse_key_name(const vs_scene *scene, const key_list *list, co
     names[k] = list->item[k].name;
     if (!strcmp(list->item[k].section, name)) return refuse_section(&list->item[k], where, err);
   }
-  const char *nearest = vs_text_nearest(name, names, list->count);
-  return vs_fail_at(err, where, "a scene has no key '%s'%s%s%s", name,
-                    nearest ? "; did you mean '" : "", nearest ? nearest : "",
-                    nearest ? "'?" : "; see 'vibrospice list parameters'");
+  return vs_fail_at(
+      err, where, "a scene has no key '%s'%s", name,
+      vs_text_hint(name, names, list->count, "; see 'vibrospice list parameters'").text);
 }
 
 vs_status vs_key_find(const vs_scene *scene, const char *name, vs_where where, vs_key *key,

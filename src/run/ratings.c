@@ -156,10 +156,10 @@ static vs_status refuse_rated_name(source *s, const char *name, vs_where where, 
       names[n] = all[n].name;
       n++;
     }
-  const char *nearest = vs_text_nearest(name, names, n);
-  vs_fail_at(err, where, "ratings: no measure or probe '%s'%s%s%s", name,
-             nearest ? "; did you mean '" : "", nearest ? nearest : "",
-             nearest ? "'?" : "; see 'vibrospice list measures' and 'vibrospice list probes'");
+  vs_fail_at(
+      err, where, "ratings: no measure or probe '%s'%s", name,
+      vs_text_hint(name, names, n, "; see 'vibrospice list measures' and 'vibrospice list probes'")
+          .text);
   free(all);
   free(names);
   return VS_INPUT;

@@ -31,10 +31,8 @@ static vs_status unknown_probe(const vs_scene *s, const vs_node *node, vs_error 
                         "record: %s is an instrument's column, which comes along by itself; leave "
                         "it out",
                         name);
-  const char *nearest = vs_text_nearest(name, names, n);
-  return vs_fail_at(err, node->where, "record: no probe '%s'%s%s%s", name,
-                    nearest ? "; did you mean '" : "", nearest ? nearest : "",
-                    nearest ? "'?" : "; see 'vibrospice list probes'");
+  return vs_fail_at(err, node->where, "record: no probe '%s'%s", name,
+                    vs_text_hint(name, names, n, "; see 'vibrospice list probes'").text);
 }
 
 static vs_status take_probe(vs_scene *s, const vs_node *node, vs_error *err) {

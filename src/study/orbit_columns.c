@@ -10,7 +10,7 @@
 /* ---- the key ---- */
 
 static const char KEY[] = "steady";
-const vs_outline vs_orbit_columns_keys[] = {{"period", .takes = VS_OUTLINE_WHOLE}, {0}};
+const vs_inside vs_orbit_columns_keys = {.rows = VS_ROWS({"period", .kind = VS_COUNT})};
 enum { MOST_PERIODS = 1000 };
 
 vs_status vs_orbit_columns_read(const vs_node *holder, int *periods, vs_error *err) {
@@ -24,10 +24,10 @@ vs_status vs_orbit_columns_read(const vs_node *holder, int *periods, vs_error *e
   if (node->kind != VS_NODE_MAP)
     return vs_fail_at(err, node->where,
                       "steady: true is wanted, or a map: {period: N}, N firing periods");
-  vs_status status = vs_field_outline_keys(node, KEY, vs_orbit_columns_keys, err);
+  vs_status status = vs_field_map_keys(node, KEY, &vs_orbit_columns_keys, err);
   if (!status)
     status = vs_error_keep(
-        err, vs_axis_whole(node, vs_orbit_columns_keys[0].key, 1, MOST_PERIODS, &n, err));
+        err, vs_axis_whole(node, vs_orbit_columns_keys.rows->key, 1, MOST_PERIODS, &n, err));
   *periods = (int)n;
   return status;
 }

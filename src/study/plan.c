@@ -10,16 +10,14 @@
 
 /* ---- keys ---- */
 
-static const vs_outline NAME = {.takes = VS_OUTLINE_TEXT},
-                        SETTINGS[] = {{.takes = VS_OUTLINE_SETTING}, {0}};
-const vs_outline vs_plan_keys[] = {
-    {"scene", .takes = VS_OUTLINE_TEXT},
-    {"set", .takes = VS_OUTLINE_NOTHING | VS_OUTLINE_MAP, .of = SETTINGS},
-    {"most_cases", .takes = VS_OUTLINE_WHOLE},
-    {"steady", .takes = VS_OUTLINE_FLAG | VS_OUTLINE_MAP, .of = vs_orbit_columns_keys},
-    {"report", .takes = VS_OUTLINE_NOTHING | VS_OUTLINE_TEXT | VS_OUTLINE_LIST, .of = &NAME,
-     .count = -1},
-    {0}};
+static const vs_inside NAMES = {.rows = VS_ROWS({.kind = VS_TEXT}), .count = -1},
+                       SETTINGS = {.rows = VS_ROWS({.kind = VS_SETTING})};
+const vs_field vs_plan_keys[] = {{"scene", .kind = VS_TEXT},
+                                 {"set", VS_NOTHING | VS_MAP, .inside = &SETTINGS},
+                                 {"most_cases", .kind = VS_COUNT},
+                                 {"steady", VS_FLAG | VS_MAP, .inside = &vs_orbit_columns_keys},
+                                 {"report", VS_NOTHING | VS_TEXT | VS_LIST, .inside = &NAMES},
+                                 {0}};
 
 const char **vs_plan_known_keys(const vs_method *const *methods, size_t *count) {
   enum { N_OWN = sizeof vs_plan_keys / sizeof *vs_plan_keys - 1 };

@@ -86,10 +86,8 @@ static vs_status unknown_measure(const vs_report_column *column, const vs_orbit_
     names[n] = all[n].name;
     n++;
   }
-  const char *nearest = vs_text_nearest(column->name, names, n);
-  vs_fail_at(err, column->where, "no measure '%s' on tier %s%s%s%s", column->name, tier->name,
-             nearest ? "; did you mean '" : "", nearest ? nearest : "",
-             nearest ? "'?" : "; see 'vibrospice list measures'");
+  vs_fail_at(err, column->where, "no measure '%s' on tier %s%s", column->name, tier->name,
+             vs_text_hint(column->name, names, n, "; see 'vibrospice list measures'").text);
   free(all);
   free(names);
   return VS_INPUT;

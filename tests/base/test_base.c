@@ -293,6 +293,10 @@ static void nearest_names(void) {
     EXPECT(same, "nearest to '%s': %s", ROWS[k].name, nearest ? nearest : "none");
   }
   CU_ASSERT_PTR_NULL(vs_text_nearest("gap", KEYS, 0));
+  CU_ASSERT_STRING_EQUAL(vs_text_hint("gpa", KEYS, COUNT(KEYS), "; see list").text,
+                         "; did you mean 'gap'?");
+  CU_ASSERT_STRING_EQUAL(vs_text_hint("voltage", KEYS, COUNT(KEYS), "; see list").text,
+                         "; see list");
 }
 
 static void unit_suffixes(void) {
@@ -630,6 +634,31 @@ static vs_status read_part(const char *yaml, values *v, vs_error *err) {
   if (!status) status = vs_field_section_read(&SECTION, vs_tree_child(tree.root, "part"), v, err);
   vs_tree_free(&tree);
   return status;
+}
+
+static const vs_inside PLACES = {
+    .rows = VS_ROWS({"at", .kind = VS_NEEDED | VS_LIST}, {"on", .kind = VS_TEXT}),
+    .besides = &SECTION};
+
+/* A map has the keys of its rows, and those of a section besides. */
+static void keys_of_a_map(void) {
+  static const char *const ROWS[][2] = {
+      {"part: {at: [0, 0], on: base, gap: 1 mm}", ""},
+      {"part: {att: [0, 0]}",
+       "part has no key 'att'; did you mean 'at'? it has: at, on, gap, angle, "
+       "place, kind, every, deck"},
+      {"part: {evry: 2}", "did you mean 'every'?"},
+      {"part: [at, on]", "part: a map of keys is wanted, and this is a list"}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    vs_tree tree;
+    vs_error err = {0};
+    write_file("part.yaml", ROWS[k][0]);
+    CU_ASSERT_EQUAL(vs_tree_read("part.yaml", &tree, &err), VS_OK);
+    vs_status status = vs_field_map_keys(vs_tree_child(tree.root, "part"), "part", &PLACES, &err);
+    EXPECT((status == VS_OK) == !*ROWS[k][1] && strstr(err.text, ROWS[k][1]), "%s: %s", ROWS[k][0],
+           err.text);
+    vs_tree_free(&tree);
+  }
 }
 
 static void defaults_fill_what_is_not_named(void) {
@@ -989,6 +1018,7 @@ static const vs_test TESTS[] = {
     {"bad files are refused", bad_files_are_refused},
     {"what is set lies over the file", what_is_set_lies_over_the_file},
     {"bad settings are refused", bad_settings_are_refused},
+    {"keys of a map", keys_of_a_map},
     {"defaults fill what is not named", defaults_fill_what_is_not_named},
     {"good fields", good_fields},
     {"bad fields", bad_fields},

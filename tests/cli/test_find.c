@@ -206,7 +206,9 @@ static void help_says_what_the_tables_say(void) {
       {"run", "\nrun.until "}, /* command and section */
       {"control", "control.rate "},
       {"tiers", "switched "},
-      {"steady", "\nOver one period it reports, besides the measures of every run:\n  power_in "}};
+      {"steady", "\nOver one period it reports, besides the measures of every run:\n  power_in "},
+      {"control", "control.observer.kind "},
+      {"control.observer", "control.observer.kind "}};
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     ran r = run("help %s", ROWS[k][0]);
     EXPECT(strstr(r.out, ROWS[k][1]), "help %s: %s", ROWS[k][0], r.out);

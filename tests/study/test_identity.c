@@ -129,8 +129,8 @@ static void change_field(key_test *t, const char *section, const vs_field *f, co
   } else if (f->kind == VS_COUNT)
     good = changes(t, key, "7");
   else if (f->kind == VS_OPTION)
-    for (size_t k = 0; k < f->options->keys.count; k++)
-      change_field(t, key, &f->options->keys.fields[k], member);
+    for (size_t k = 0; k < f->inside->keys.count; k++)
+      change_field(t, key, &f->inside->keys.fields[k], member);
   else if (f->kind == VS_CHOICE) {
     int choice;
     memcpy(&choice, member, sizeof choice);

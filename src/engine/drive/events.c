@@ -48,11 +48,10 @@ static const vs_event_kind *find_kind(const vs_node *map, const char *name, vs_s
     names[n] = kind->name;
     vs_text_add(&all, "%s%s", n ? ", " : "", kind->name);
   }
-  const char *nearest = *word ? vs_text_nearest(word, names, count) : NULL;
-  *status = vs_error_keep(err, vs_fail_at(err, node ? node->where : map->where,
-                                          "events.%s.kind: '%s' is none; there are: %s%s%s%s", name,
-                                          word, all.text, nearest ? "; did you mean '" : "",
-                                          nearest ? nearest : "", nearest ? "'?" : ""));
+  *status =
+      vs_error_keep(err, vs_fail_at(err, node ? node->where : map->where,
+                                    "events.%s.kind: '%s' is none; there are: %s%s", name, word,
+                                    all.text, vs_text_hint(word, names, count, "").text));
   vs_text_free(&all);
   free(names);
   return NULL;

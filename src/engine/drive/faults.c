@@ -146,10 +146,8 @@ static vs_status find_element(vs_deck *deck, const vs_scene_event *e, const char
     *found = at;
     return VS_OK;
   }
-  const char *nearest = vs_text_nearest(wanted, names, count);
-  return vs_fail_at(err, e->where, "events.%s.element: the deck has no element '%s'%s%s%s", e->name,
-                    wanted, nearest ? "; did you mean '" : "", nearest ? nearest : "",
-                    nearest ? "'?" : "");
+  return vs_fail_at(err, e->where, "events.%s.element: the deck has no element '%s'%s", e->name,
+                    wanted, vs_text_hint(wanted, names, count, "").text);
 }
 
 /* Puts `line`, an element between the nodes vs_l<k> and `other`, next to a node of the deck, with

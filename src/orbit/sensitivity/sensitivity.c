@@ -32,10 +32,9 @@ static vs_status unknown_measure(const vs_measured *m, const vs_asked *asked, vs
     snprintf(names[k], sizeof names[k], "%s", v.name);
     list[k] = names[k];
   }
-  const char *nearest = vs_text_nearest(asked->name, list, count);
-  vs_fail_at(err, asked->where, "no measure '%s' on tier %s%s%s%s", asked->name,
-             m->result.scene->tier->name, nearest ? "; did you mean '" : "", nearest ? nearest : "",
-             nearest ? "'?" : "; see 'vibrospice list measures'");
+  vs_fail_at(err, asked->where, "no measure '%s' on tier %s%s", asked->name,
+             m->result.scene->tier->name,
+             vs_text_hint(asked->name, list, count, "; see 'vibrospice list measures'").text);
   free(list);
   free(names);
   return VS_INPUT;

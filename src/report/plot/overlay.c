@@ -127,9 +127,8 @@ static vs_status unknown_column(const reader *r, const char *name, vs_error *err
   }
   const char *names[MOST_COLUMNS];
   for (size_t k = 0; k < r->n_known; k++) names[k] = r->known[k].name;
-  const char *nearest = vs_text_nearest(name, names, r->n_known);
-  return vs_fail_at(err, r->at, "%s has no column '%s'%s%s%s", r->run->path, name,
-                    nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+  return vs_fail_at(err, r->at, "%s has no column '%s'%s", r->run->path, name,
+                    vs_text_hint(name, names, r->n_known, "").text);
 }
 
 static vs_status take_curve(reader *r, const char *name, int column, vs_error *err) {

@@ -160,9 +160,8 @@ static vs_status find_one(const char *word, const vs_traces *t, vs_probes_shown 
       fill_probe(&p->item[p->count++], t->name[c]);
       return VS_OK;
     }
-  const char *nearest = vs_text_nearest(word, (const char *const *)t->name + 1, t->columns - 1);
-  return vs_fail(err, VS_INPUT, "--probe: %s has no column '%.100s'%s%s%s", t->path, word,
-                 nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+  return vs_fail(err, VS_INPUT, "--probe: %s has no column '%.100s'%s", t->path, word,
+                 vs_text_hint(word, (const char *const *)t->name + 1, t->columns - 1, "").text);
 }
 
 /* The first column, which is a coordinate where these are recorded, and what every tier has. */

@@ -26,12 +26,11 @@ static bool is_any(const vs_node *section) {
   return true;
 }
 
-static const vs_outline NAME = {.takes = VS_OUTLINE_TEXT};
-static const vs_outline KEYS[] = {
-    {"of", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_TEXT | VS_OUTLINE_LIST, .of = &NAME},
-    {"to", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_TEXT | VS_OUTLINE_LIST, .of = &NAME},
-    {0}};
-static const vs_outline SENSITIVITY = {.takes = VS_OUTLINE_MAP, .of = KEYS};
+static const vs_inside NAMES = {.rows = VS_ROWS({.kind = VS_TEXT})};
+static const vs_inside KEYS = {
+    .rows = VS_ROWS({"of", VS_NEEDED | VS_TEXT | VS_LIST, .inside = &NAMES},
+                    {"to", VS_NEEDED | VS_TEXT | VS_LIST, .inside = &NAMES})};
+static const vs_field SENSITIVITY = {"sensitivity", VS_MAP, .inside = &KEYS};
 
 /* Reads one name or a list of them. */
 static vs_status read_names(const vs_node *section, const char *key, vs_asked names[MOST],
@@ -52,7 +51,7 @@ static vs_status read_derivatives(vs_plan *plan, const vs_node *section, void **
                                   vs_error *err) {
   derivatives *d = *state = vs_alloc(1, sizeof *d);
   d->order = (vs_sensitivity_order){.of = d->of, .to = d->to, .periods = plan->periods};
-  vs_status status = vs_field_outline_keys(section, "sensitivity", KEYS, err);
+  vs_status status = vs_field_map_keys(section, "sensitivity", &KEYS, err);
   if (!status) status = read_names(section, "of", d->of, &d->order.n_of, err);
   if (!status) status = read_names(section, "to", d->to, &d->order.n_to, err);
   if (!status) status = vs_sensitivity_check(plan->base, &d->order, err);

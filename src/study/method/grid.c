@@ -15,8 +15,9 @@
 
 /* ---- grid ---- */
 
-static const vs_outline AXES[] = {{.takes = VS_OUTLINE_VALUE, .instead = &vs_axis_many}, {0}};
-static const vs_outline VARY = {.takes = VS_OUTLINE_TEXT | VS_OUTLINE_MAP, .of = AXES};
+static const vs_inside MANY = {.instead = &vs_axis_many},
+                       AXES = {.rows = VS_ROWS({.kind = VS_VALUE, .inside = &MANY})};
+static const vs_field VARY = {"vary", VS_TEXT | VS_MAP, .inside = &AXES};
 
 static bool claims_grid(const vs_node *section) {
   return section->kind != VS_NODE_TEXT;

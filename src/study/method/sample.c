@@ -26,19 +26,19 @@
 #include "method/span.h"
 #include "study/plan.h"
 
-static const vs_outline SPREAD[] = {{.takes = VS_OUTLINE_SPREAD, .instead = &vs_axis_many}, {0}},
-                        ITEM = {.takes = VS_OUTLINE_TEXT},
-                        TRIPLE = {.takes = VS_OUTLINE_LIST, .of = &ITEM, .count = 3};
-static const vs_outline KEYS[] = {
-    {"method", .takes = VS_OUTLINE_NOTHING | VS_OUTLINE_WORD,
-     .words = "sobol|latin_hypercube|lhs|monte_carlo|corners"},
-    {"n", .takes = VS_OUTLINE_WHOLE},
-    {"seed", .takes = VS_OUTLINE_WHOLE},
-    {"spread", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_MAP, .of = SPREAD},
-    {"correlation", .takes = VS_OUTLINE_NOTHING | VS_OUTLINE_LIST, .of = &TRIPLE, .count = -1},
-    {"sigmas", .takes = VS_OUTLINE_PART},
-    {0}};
-static const vs_outline SAMPLE = {.takes = VS_OUTLINE_MAP, .of = KEYS};
+static const vs_inside MANY = {.instead = &vs_axis_many},
+                       SPREAD = {.rows = VS_ROWS({.kind = VS_SPREAD, .inside = &MANY})},
+                       ITEMS = {.rows = VS_ROWS({.kind = VS_TEXT}), .count = 3},
+                       TRIPLES = {.rows = VS_ROWS({.kind = VS_LIST, .inside = &ITEMS}),
+                                  .count = -1},
+                       KEYS = {.rows = VS_ROWS(
+                                   {"method", VS_NOTHING | VS_CHOICE,
+                                    .choices = "sobol|latin_hypercube|lhs|monte_carlo|corners"},
+                                   {"n", .kind = VS_COUNT}, {"seed", .kind = VS_COUNT},
+                                   {"spread", VS_NEEDED | VS_MAP, .inside = &SPREAD},
+                                   {"correlation", VS_NOTHING | VS_LIST, .inside = &TRIPLES},
+                                   {"sigmas", .kind = VS_PART})};
+static const vs_field SAMPLE = {"sample", VS_MAP, .inside = &KEYS};
 
 typedef struct sample {
   uint64_t n;
@@ -165,7 +165,7 @@ static vs_status sample_read(vs_plan *plan, const vs_node *section, void **state
   const size_t first = plan->n_axes;
   double sigmas;
   sample *s = *state = vs_alloc(1, sizeof *s);
-  vs_status status = vs_field_outline_keys(section, "sample", KEYS, err);
+  vs_status status = vs_field_map_keys(section, "sample", &KEYS, err);
   if (!status) status = read_numbers(plan, section, s, &sigmas, err);
   if (!status) status = read_spread(plan, section, sigmas, err);
   if (!status) status = read_correlation(plan, section, first, s, err);

@@ -122,15 +122,12 @@ static vs_status read_prices(vs_plan *plan, const vs_node *section, snubber *s, 
                     "snubber: vary is wanted, with the ranges of circuit.r1 and circuit.c1");
 }
 
-static const vs_outline RATING[] = {{.takes = VS_OUTLINE_TEXT}, {0}};
-static const vs_outline KEYS[] = {
-    {"ratings", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_MAP, .of = RATING},
-    {"margin", .takes = VS_OUTLINE_PART},
-    {"n", .takes = VS_OUTLINE_WHOLE},
-    {"seed", .takes = VS_OUTLINE_WHOLE},
-    {"finest", .takes = VS_OUTLINE_PART},
-    {0}};
-static const vs_outline SNUBBER = {.takes = VS_OUTLINE_MAP, .of = KEYS};
+static const vs_inside LIMITS = {.rows = VS_ROWS({.kind = VS_TEXT})};
+static const vs_inside KEYS = {.rows = VS_ROWS({"ratings", VS_NEEDED | VS_MAP, .inside = &LIMITS},
+                                               {"margin", .kind = VS_PART}, {"n", .kind = VS_COUNT},
+                                               {"seed", .kind = VS_COUNT},
+                                               {"finest", .kind = VS_PART})};
+static const vs_field SNUBBER = {"snubber", VS_MAP, .inside = &KEYS};
 
 static vs_status read_snubber(vs_plan *plan, const vs_node *section, void **state, vs_error *err) {
   snubber *s = *state = vs_alloc(1, sizeof *s);
@@ -138,7 +135,7 @@ static vs_status read_snubber(vs_plan *plan, const vs_node *section, void **stat
   s->finest = 0.01;
   for (size_t p = 0; p < plan->n_stages; p++)
     if (plan->stages[p].method->uncertain) s->sample = &plan->stages[p];
-  vs_status status = vs_field_outline_keys(section, "snubber", KEYS, err);
+  vs_status status = vs_field_map_keys(section, "snubber", &KEYS, err);
   if (!status) status = vs_error_keep(err, read_ratings(plan, section, s, err));
   if (!status) status = vs_error_keep(err, read_part_of_one(section, "margin", 1, &s->margin, err));
   if (!status)

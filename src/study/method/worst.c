@@ -61,19 +61,17 @@ static vs_status read_aim(vs_plan *plan, const vs_node *section, worst *w, vs_er
   return VS_OK;
 }
 
-static const vs_outline KEYS[] = {{"worst", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_TEXT},
-                                  {"n", .takes = VS_OUTLINE_WHOLE},
-                                  {"seed", .takes = VS_OUTLINE_WHOLE},
-                                  {"finest", .takes = VS_OUTLINE_PART},
-                                  {0}};
-static const vs_outline FIND = {.takes = VS_OUTLINE_MAP, .of = KEYS};
+static const vs_inside KEYS = {.rows = VS_ROWS({"worst", .kind = VS_NEEDED | VS_TEXT},
+                                               {"n", .kind = VS_COUNT}, {"seed", .kind = VS_COUNT},
+                                               {"finest", .kind = VS_PART})};
+static const vs_field FIND = {"find", VS_MAP, .inside = &KEYS};
 
 static vs_status read_worst(vs_plan *plan, const vs_node *section, void **state, vs_error *err) {
   worst *w = *state = vs_alloc(1, sizeof *w);
   const vs_node *finest = vs_tree_child(section, "finest");
   char why[256];
   w->finest = 1e-3;
-  vs_status status = vs_field_outline_keys(section, "find", KEYS, err);
+  vs_status status = vs_field_map_keys(section, "find", &KEYS, err);
   if (!status) status = vs_error_keep(err, read_aim(plan, section, w, err));
   if (!status) status = vs_error_keep(err, vs_axis_whole(section, "n", 1, MOST_CASES, &w->n, err));
   if (!status)

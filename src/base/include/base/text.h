@@ -28,6 +28,14 @@ void vs_text_add_by(vs_text *t, void (*write)(void *ctx, const char *text), void
  * when none is near enough to be meant. */
 const char *vs_text_nearest(const char *name, const char *const *candidates, size_t count);
 
+/* Returns what a message adds of that candidate, "; did you mean 'firing'?", or `otherwise` where
+ * none is near enough. */
+typedef struct vs_text_hinted {
+  char text[1024];
+} vs_text_hinted;
+vs_text_hinted vs_text_hint(const char *name, const char *const *candidates, size_t count,
+                            const char *otherwise);
+
 /* Returns the first byte that is not part of UTF-8 as RFC 3629 defines it, which allows nothing
  * overlong, no surrogate and at most U+10FFFF; NULL: the text is UTF-8. */
 const char *vs_text_not_utf8(const char *text, size_t length);

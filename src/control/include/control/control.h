@@ -33,7 +33,7 @@ extern const vs_section vs_control_section;
 /* Writes the keys of a control with this law, and returns how many they are. A unit may have "~"
  * for the sensor's. Besides, each has the key `observer` (control/state_observer.h). */
 size_t vs_control_keys(const vs_regulator *law, const vs_field *keys[VS_CONTROL_FIELDS]);
-extern const char vs_control_observer[], vs_control_sensor[];
+extern const char vs_control_sensor[];
 
 /* Start from {0}; vs_control_free at the end, also after an error. Reads the scene's section (NULL:
  * there is none). The instruments are the scene's. Errors, each of

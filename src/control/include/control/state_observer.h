@@ -52,9 +52,10 @@ typedef struct vs_state_observer {
   double settling_s; /* until a hundredth of the slowest part of an error is left */
 } vs_state_observer;
 
-/* Its keys that are one value, with their units; and all of its keys. */
+/* Its keys that are one value, with their units; and the key that it stands under, with all below.
+ */
 extern const vs_section vs_state_observer_section;
-extern const vs_outline vs_state_observer_keys[];
+extern const vs_field vs_state_observer_key;
 
 /* Reads the key's map and finds the gain. model: of the scene; rate_hz: of the control.
  * Errors: an instrument that is none, or that shows no motion; none for the current; sensors that

@@ -89,7 +89,6 @@ extern const char *const vs_machine_sum_words[VS_MACHINE_SUMS];
  * along the direction by which the paper's throw coefficient K is taken, upwards, and the way the
  * material goes. */
 enum { VS_MACHINE_ALONG, VS_MACHINE_UP, VS_MACHINE_FORWARD, VS_MACHINE_WAYS };
-extern const char *const vs_machine_way_words[VS_MACHINE_WAYS];
 
 /* The scene's load: its mass is added to a parameter where these sums are evaluated. */
 typedef struct vs_machine_load {

@@ -47,6 +47,6 @@ vs_status vs_machine_file_read(const char *path, vs_machine *machine, vs_error *
 bool vs_machine_file_has_keys(const vs_tree *file);
 
 /* The keys of a machine's file, with all below them. */
-extern const vs_outline vs_machine_file_keys[];
+extern const vs_inside vs_machine_file_keys;
 
 #endif

@@ -42,7 +42,7 @@ void vs_axis_free(vs_axis *axis);
 
 /* Reads what a key under vary may say: one value; [a, b, ...]; {from, to, step};
  * {log: [a, b], n}; {lin: [a, b], n}. */
-extern const vs_outline vs_axis_many; /* all of these but one value */
+extern const vs_field vs_axis_many; /* all of these but one value */
 vs_status vs_axis_values(vs_axis *axis, const vs_node *node, vs_error *err);
 
 /* Reads one value, with its unit and within the key's range, as the axis' number: to 12 digits, as

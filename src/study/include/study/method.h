@@ -29,11 +29,11 @@ typedef struct vs_method_report {
 } vs_method_report;
 
 typedef struct vs_method {
-  const char *name;       /* "grid" */
-  const char *key;        /* the study's key it stands under, and its member's in the manifest */
-  const char *text;       /* what it does, one line */
-  const vs_outline *keys; /* what may stand under `key`, one row, the same for all methods of it */
-  bool uncertain;         /* its axes are what is not known exactly; false: what may be chosen */
+  const char *name;     /* "grid" */
+  const char *key;      /* the study's key it stands under, and its member's in the manifest */
+  const char *text;     /* what it does, one line */
+  const vs_field *keys; /* what may stand under `key`, one row, the same for all methods of it */
+  bool uncertain;       /* its axes are what is not known exactly; false: what may be chosen */
   bool tolerates; /* what it chooses may also stand under `sample`, with a tolerance: it gives each
                      such axis (vs_axis.about) its number */
 

@@ -17,7 +17,7 @@
 
 /* Reads the key from the map that may have it: *periods is 0 where there are no orbits. Errors: it
  * is neither true, false nor a map; it has another key; period is not a whole number above 0. */
-extern const vs_outline vs_orbit_columns_keys[]; /* where it is a map */
+extern const vs_inside vs_orbit_columns_keys; /* where it is a map */
 vs_status vs_orbit_columns_read(const vs_node *holder, int *periods, vs_error *err);
 
 /* What a case's columns are taken from. */

@@ -84,7 +84,7 @@ typedef struct vs_plan {
 void vs_plan_free(vs_plan *plan);
 
 /* The keys of a study's file besides those of methods, with all below them. */
-extern const vs_outline vs_plan_keys[];
+extern const vs_field vs_plan_keys[];
 
 /* True if the file has a key that only studies have. */
 bool vs_plan_has_keys(const vs_tree *file, const vs_method *const *methods);
