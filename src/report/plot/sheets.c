@@ -154,7 +154,7 @@ static void add_acceleration(vs_sheet *s, const vs_column *c) {
 void vs_sheet_add(vs_sheet *s, const char *column, const char *label, double scale) {
   if (s->count >= VS_SHEET_PANELS) return;
   vs_panel *p = &s->panels[s->count++];
-  snprintf(p->column, sizeof p->column, "%s", column);
+  snprintf(p->column, sizeof p->column, "%.*s", VS_SHEET_NAME - 1, column);
   snprintf(p->label, sizeof p->label, "%s", label);
   p->scale = scale;
 }
