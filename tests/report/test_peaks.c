@@ -8,8 +8,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "program.h"
 #include "report/members.h"
+#include "program.h"
 #include "report/traces.h"
 
 static bool is_there(const char *path) {

@@ -25,17 +25,10 @@ static bool is_of(const vs_column *c, const char *role) {
   return !strcmp(c->role, role);
 }
 
-/* The first column of that role that is of `of`; of NULL: of anything. NULL: there is none. */
-static const vs_column *find_column(const run *r, const char *role, const char *of) {
+/* The first column of that role and quantity; quantity NULL: of any. NULL: there is none. */
+static const vs_column *find_column(const run *r, const char *role, const char *quantity) {
   for (const vs_column *c = r->column; c < r->column + r->count; c++)
-    if (is_of(c, role) && (!of || !strcmp(c->of, of))) return c;
-  return NULL;
-}
-
-/* What the control measures under that name; NULL: it does not. */
-static const vs_column *find_measured(const run *r, const char *quantity) {
-  for (const vs_column *c = r->column; c < r->column + r->count; c++)
-    if (is_of(c, VS_COLUMN_MEASURE) && !strcmp(c->quantity, quantity)) return c;
+    if (is_of(c, role) && (!quantity || !strcmp(c->quantity, quantity))) return c;
   return NULL;
 }
 
@@ -215,7 +208,7 @@ static void fill_nothing(vs_sheet *s, const run *r) {
  * column; NULL: the run has none. */
 static const vs_column *add_controls(vs_sheet *s, const run *r, const char *name,
                                      const char *label) {
-  const vs_column *c = find_measured(r, name);
+  const vs_column *c = find_column(r, VS_COLUMN_MEASURE, name);
   char text[VS_SHEET_NAME];
   if (!c) return NULL;
   bool metre = !strcmp(c->unit, "m");
@@ -226,7 +219,7 @@ static const vs_column *add_controls(vs_sheet *s, const run *r, const char *name
 
 /* The angle, what the control's law shows, and over its amplitude the set point. */
 static void fill_control(vs_sheets *all, vs_sheet *s, const run *r) {
-  const vs_column *angle = find_measured(r, "firing_angle"),
+  const vs_column *angle = find_column(r, VS_COLUMN_MEASURE, "firing_angle"),
                   *set_point = find_column(r, VS_COLUMN_SET_POINT, NULL);
   if (!angle) return;
   const vs_column *amplitude = add_controls(s, r, "amplitude_meas", "amplitude seen");

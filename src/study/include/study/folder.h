@@ -9,10 +9,10 @@
 #include "base/tree.h"
 #include "study/method.h"
 
-/* What a column of study.csv is. To add one: a role here, its row of vs_folder_kinds, which is all
- * that writer, resuming, reports, manifest and Python know of it, and in workers/case.c what adds
- * its cell. Those from VS_ROLE_MARGIN to VS_ROLE_STATUS stand behind the measures, in this order.
- */
+/* What a column of study.csv is. Those from VS_ROLE_MARGIN to VS_ROLE_STATUS stand behind the
+ * measures, in this order. To add one: its role here, its row in vs_folder_kinds, and in
+ * workers/case.c the function that adds its cell. Header, resuming, reports, manifest, npy and
+ * Python take the row from there; test_columns counts them. */
 typedef enum vs_folder_role {
   VS_ROLE_CASE,    /* the case's number */
   VS_ROLE_ID,      /* the case's id (study/workers/identity.h); the column may be missing */
