@@ -86,9 +86,10 @@ class Result:
         self.held = self.status == 0 if self.verdict or self.status else None
         about = self.summary.get("columns", ())
         self.columns = Table(self.path / ("branch.csv" if is_branch else "run.csv"), about,
-                             {"state", "beyond", "mark"} if is_branch else ())
+                             {"state", "beyond", "mark"} if is_branch else (), owner)
         peaks = self.path / "peaks.csv"
-        self.peaks = Table(peaks, about) if not is_branch and peaks.exists() else self.columns
+        self.peaks = (Table(peaks, about, owner=owner) if not is_branch and peaks.exists()
+                      else self.columns)
         self.events = [] if is_branch else self._read_events()
 
     def __fspath__(self):

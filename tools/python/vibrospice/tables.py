@@ -234,10 +234,12 @@ class Table(collections.abc.Mapping):
     another than when the Table was made.
     """
 
-    def __init__(self, path, about=(), words=()):
+    def __init__(self, path, about=(), words=(), owner=None):
         """path: a CSV file, packed or not, or columns.json of a study. about: what summary.json or
-        manifest.json has in "columns". words: further columns of words."""
+        manifest.json has in "columns". words: further columns of words. owner: what deletes the
+        file when it is of no more use."""
         self.path = pathlib.Path(path)
+        self._owner = owner
         self.about = {c["name"]: {k: v for k, v in c.items() if k != "name"} for c in about}
         self._words = set(words) | self._of_cells("text")
         self._columns = None
