@@ -206,14 +206,9 @@ static vs_status accept_step_for_files(void *ctx, const vs_step *step, const vs_
 static vs_status open_files(audience *a, vs_error *err) {
   const vs_scene *s = a->scene;
   const char *folder = a->options->folder;
-  a->table = (vs_table){.frame = &s->frame,
-                        .instruments = &s->instruments,
-                        .control = &s->control,
-                        .count = s->n_record,
-                        .peaks_most = s->setup.limits.csv_bytes,
-                        .digits = a->options->digits,
-                        .sample_s = s->setup.run.sample_s,
-                        .until_s = s->setup.run.until_s};
+  a->table = vs_table_of(s);
+  a->table.peaks_most = s->setup.limits.csv_bytes;
+  a->table.digits = a->options->digits;
   vs_status status = vs_table_check(&a->table, s->tree.root, s->setup.limits.csv_bytes, err);
   if (!status) status = vs_file_folder_make(folder, &a->made, err);
   if (!status && a->made == 1) vs_shutdown_remove(folder);
@@ -225,7 +220,6 @@ static vs_status open_files(audience *a, vs_error *err) {
   if (status) return status;
   a->table.stream = a->csv.stream;
   a->table.peaks = a->peaks.stream;
-  memcpy(a->table.channels, s->record, sizeof s->record);
   vs_table_begin(&a->table);
   fputs("t_s,what\n", a->events.stream);
   return VS_OK;

@@ -210,18 +210,22 @@ void vs_control_free(vs_control *c) {
 }
 
 bool vs_control_column_at(const vs_control *c, int k, vs_control_column *column) {
-  static const vs_regulator_output ANGLE = {"firing_angle", "rad"};
+  static const vs_regulator_output ANGLE = {"firing_angle", "rad", false};
   if (!c->regulator) return false;
   int outputs = vs_control_outputs(c), of_observer = k - 1 - outputs;
   if (of_observer >= c->observing.estimates) return false;
   if (of_observer >= 0) {
     const vs_estimated *e = &c->observing.estimate[of_observer];
     column->name = e->column;
+    column->role = VS_COLUMN_ESTIMATE;
     snprintf(column->unit, sizeof column->unit, "%s", e->unit);
+    snprintf(column->of, sizeof column->of, "%s", e->of);
     return true;
   }
   const vs_regulator_output *o = k ? &c->regulator->outputs[k - 1] : &ANGLE;
   column->name = o->name;
+  column->role = o->set_point ? VS_COLUMN_SET_POINT : VS_COLUMN_MEASURE;
+  snprintf(column->of, sizeof column->of, "%s", k ? c->v.sensor : "firing");
   make_unit(o->unit, c->unit, column->unit, sizeof column->unit);
   return true;
 }

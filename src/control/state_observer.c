@@ -471,6 +471,7 @@ static vs_status name_estimates(const reading *r) {
     vs_estimated *e = &o->estimate[k];
     snprintf(e->column, sizeof e->column, "%.31s_est", k < m->dof ? c->name : c->rate);
     e->unit = k < m->dof ? c->unit : c->rate_unit;
+    e->of = k < m->dof ? c->name : c->rate;
     if (vs_machine_has_output(m, e->column))
       return vs_fail_at(r->err, r->map->key_where,
                         "control.observer: its column %s has the name of an output of the machine, "

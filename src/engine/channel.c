@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "engine/channel.h"
 
+#include <stdio.h>
 #include <string.h>
 
+#include "base/units.h"
+
 static const vs_channel STANDARD[VS_CH_Q] = {
-#define VS_CHANNEL_ROW(id, name, unit, text)                                                       \
-  {name, unit, text, id != VS_CH_I_MAINS && id != VS_CH_TRAVEL},
+#define VS_CHANNEL_ROW(id, name, unit, of, text)                                                   \
+  {name, unit, text, id != VS_CH_I_MAINS && id != VS_CH_TRAVEL, VS_COLUMN_PROBE, of},
     VS_CHANNEL_LIST(VS_CHANNEL_ROW)
 #undef VS_CHANNEL_ROW
 };
@@ -23,9 +26,12 @@ int vs_channel_count(const vs_frame *frame) {
 /* A coordinate, its rate or its second rate: n counts over all three, coordinates first. */
 static vs_channel motion(const vs_model *model, int n) {
   const vs_coordinate *c = &model->machine->coordinates[n % model->dof];
-  if (n < model->dof) return (vs_channel){c->name, c->unit, c->text, true};
-  if (n < 2 * model->dof) return (vs_channel){c->rate, c->rate_unit, c->rate_text, true};
-  return (vs_channel){c->rate2, c->rate2_unit, c->rate2_text, true};
+  if (n < model->dof)
+    return (vs_channel){c->name, c->unit, c->text, true, VS_COLUMN_COORDINATE, "machine"};
+  if (n < 2 * model->dof)
+    return (vs_channel){c->rate, c->rate_unit, c->rate_text, true, VS_COLUMN_RATE, c->name};
+  return (vs_channel){c->rate2, c->rate2_unit,          c->rate2_text,
+                      true,     VS_COLUMN_ACCELERATION, c->name};
 }
 
 vs_channel vs_channel_at(const vs_frame *frame, int number) {
@@ -35,10 +41,10 @@ vs_channel vs_channel_at(const vs_frame *frame, int number) {
   if (of_machine < 0) return motion(m, number - VS_CH_Q);
   if (of_deck < 0) {
     const vs_machine_probe *probe = &m->machine->probes[of_machine];
-    return (vs_channel){probe->name, probe->unit, probe->text, true};
+    return (vs_channel){probe->name, probe->unit, probe->text, true, VS_COLUMN_PROBE, "machine"};
   }
   const vs_probe *probe = &frame->deck->probes[of_deck];
-  return (vs_channel){probe->name, probe->unit, probe->text, true};
+  return (vs_channel){probe->name, probe->unit, probe->text, true, VS_COLUMN_PROBE, "circuit"};
 }
 
 int vs_channel_listed(const vs_frame *frame, int numbers[VS_CH_MOST]) {
@@ -75,4 +81,27 @@ unsigned vs_channel_groups(const vs_model *model, const int *channels, int count
       groups |= VS_GROUP_VELOCITIES;
   }
   return groups;
+}
+
+/* ---- columns ---- */
+
+vs_column vs_channel_column(const char *quantity, const char *unit, const char *role,
+                            const char *of) {
+  vs_column c = {.name = ""};
+  char suffix[VS_COLUMN_UNIT];
+  vs_units_suffix(unit, suffix, sizeof suffix);
+  snprintf(c.name, sizeof c.name, "%s%s%s", quantity, *suffix ? "_" : "", suffix);
+  snprintf(c.quantity, sizeof c.quantity, "%s", quantity);
+  snprintf(c.unit, sizeof c.unit, "%s", unit);
+  snprintf(c.role, sizeof c.role, "%s", role);
+  snprintf(c.of, sizeof c.of, "%s", of ? of : "");
+  return c;
+}
+
+void vs_channel_column_json(const vs_column *c, vs_json *json) {
+  vs_json_text(json, "name", c->name);
+  vs_json_text(json, "quantity", c->quantity);
+  vs_json_text(json, "unit", c->unit);
+  vs_json_text(json, "role", c->role);
+  vs_json_text(json, "of", c->of);
 }

@@ -247,7 +247,7 @@ static void show_curve(writer *w, const char *name, const vs_curve_difference *d
 static void show_curves(const vs_run_pair *p, writer *w) {
   const vs_traces *a = &p->traces[0], *b = &p->traces[1];
   for (size_t c = 1; c < a->columns; c++) {
-    int other = vs_traces_find(b, a->name[c]);
+    int other = vs_traces_like(b, &a->column[c]);
     if (other < 1) continue;
     vs_curve_difference d = vs_curve_difference_of(a, (int)c, b, other);
     show_curve(w, a->name[c], &d);
@@ -258,7 +258,7 @@ static void show_curves(const vs_run_pair *p, writer *w) {
 static int list_alone(const vs_traces *a, const vs_traces *b, writer *w) {
   int n = 0;
   for (size_t c = 1; c < a->columns; c++) {
-    if (vs_traces_find(b, a->name[c]) >= 0) continue;
+    if (vs_traces_like(b, &a->column[c]) >= 0) continue;
     if (w->json)
       vs_json_text(w->json, NULL, a->name[c]);
     else

@@ -121,13 +121,16 @@ static void tables_columns(vs_html *html, const vs_folder *t, const vs_study_res
   vs_html_add(html, "</table></div>\n</section>\n");
 }
 
-/* All else that the manifest says: scene, fixed keys, versions, seed, hashes of the inputs. */
+/* All that the manifest says but of the columns: scene, fixed keys, versions, seed, hashes of the
+ * inputs. */
 static void tables_manifest(vs_html *html, const vs_folder *t) {
   vs_html_add(
       html,
       "<section id=\"manifest\">\n<h2>How it was made</h2>\n<div class=\"wide fold\"><table>\n");
   for (const vs_node *n = t->manifest.root->child; n; n = n->next) {
-    if (!n->key || !strcmp(n->key, "axes") || !strcmp(n->key, "report")) continue;
+    if (!n->key || !strcmp(n->key, "axes") || !strcmp(n->key, "report") ||
+        !strcmp(n->key, "columns"))
+      continue;
     bool lines = n->kind == VS_NODE_LIST && !strcmp(n->key, "inputs");
     vs_html_add(html, "<tr><th>");
     vs_html_text(html, n->key);

@@ -11,6 +11,9 @@
 #include "base/csv.h"
 #include "base/file.h"
 #include "base/text.h"
+#include "base/tree.h"
+#include "base/units.h"
+#include "members.h"
 #include "run/table.h"
 
 static bool is_there(const char *folder, const char *name) {
@@ -59,6 +62,91 @@ vs_status vs_traces_drawn(const char *folder, const char *header, char drawn[VS_
   if (!status) status = count_rows(f, drawn, header, rows, err);
   if (f) fclose(f);
   return status;
+}
+
+/* ---- what columns are ---- */
+
+/* By a name that ends in one of these units. */
+static void guess_unit(vs_column *c) {
+  static const char *const UNITS[] = {"m",   "rad", "m/s", "rad/s", "m/s2", "rad/s2", "Wb",
+                                      "A",   "N",   "V",   "W",     "Hz",   "K",      "J",
+                                      "ohm", "s",   "C",   "N.m",   "degC"};
+  snprintf(c->quantity, sizeof c->quantity, "%s", c->name);
+  for (const char *s = c->name; (s = strchr(s, '_')); s++)
+    for (size_t k = 0; k < sizeof UNITS / sizeof *UNITS; k++) {
+      char suffix[32];
+      vs_units_suffix(UNITS[k], suffix, sizeof suffix);
+      if (s == c->name || strcmp(s + 1, suffix) != 0) continue;
+      c->quantity[s - c->name] = '\0';
+      snprintf(c->unit, sizeof c->unit, "%s", UNITS[k]);
+      return;
+    }
+}
+
+/* The column of that coordinate's rate or acceleration, by name and unit. */
+static vs_column *guess_derivative(vs_column *all, size_t n, const vs_column *of, char letter,
+                                   const char *per) {
+  const size_t length = strlen(of->unit);
+  for (vs_column *c = all; *of->unit && c < all + n; c++)
+    if (*c->quantity == letter && !strcmp(c->quantity + 1, of->quantity) &&
+        !strncmp(c->unit, of->unit, length) && !strcmp(c->unit + length, per))
+      return c;
+  return NULL;
+}
+
+static void guess_role(vs_column *c, const char *role, const vs_column *of) {
+  snprintf(c->role, sizeof c->role, "%s", role);
+  snprintf(c->of, sizeof c->of, "%s", of ? of->quantity : "");
+}
+
+static void guess_roles(vs_column *all, size_t n) {
+  static const char *const CONTROL[][2] = {{"firing_angle", VS_COLUMN_MEASURE},
+                                           {"amplitude_meas", VS_COLUMN_MEASURE},
+                                           {"f_motion", VS_COLUMN_MEASURE},
+                                           {"swing_meas", VS_COLUMN_MEASURE},
+                                           {"setpoint", VS_COLUMN_SET_POINT}};
+  for (vs_column *c = all; c < all + n; c++) {
+    vs_column *rate = guess_derivative(all, n, c, 'v', "/s"),
+              *rate2 = guess_derivative(all, n, c, 'a', "/s2");
+    for (size_t k = 0; k < sizeof CONTROL / sizeof *CONTROL; k++)
+      if (!strcmp(c->quantity, CONTROL[k][0])) guess_role(c, CONTROL[k][1], NULL);
+    if (!rate || !rate2) continue;
+    guess_role(c, VS_COLUMN_COORDINATE, NULL);
+    guess_role(rate, VS_COLUMN_RATE, c);
+    guess_role(rate2, VS_COLUMN_ACCELERATION, c);
+  }
+}
+
+/* As an entry of summary.json tells. */
+static void take_told(vs_column *c, const vs_node *entry) {
+  snprintf(c->quantity, sizeof c->quantity, "%s", vs_member_word(entry, "quantity"));
+  snprintf(c->unit, sizeof c->unit, "%s", vs_member_word(entry, "unit"));
+  snprintf(c->role, sizeof c->role, "%s", vs_member_word(entry, "role"));
+  snprintf(c->of, sizeof c->of, "%s", vs_member_word(entry, "of"));
+}
+
+vs_column *vs_traces_columns(const char *folder, const char *header, size_t *count) {
+  char path[VS_PATH_SIZE], *line = vs_copy(header), *rest = line;
+  vs_tree summary = {0};
+  vs_error unread = {0};
+  vs_column *all = NULL;
+  *count = 0;
+  for (char *cell; (cell = strsep(&rest, ","));) {
+    all = vs_alloc_grow(all, *count, sizeof *all);
+    all[*count] = (vs_column){.name = ""};
+    snprintf(all[*count].name, sizeof all->name, "%s", cell);
+    guess_unit(&all[(*count)++]);
+  }
+  snprintf(path, sizeof path, "%s/summary.json", folder);
+  bool known = !vs_tree_read(path, &summary, &unread);
+  const vs_node *told = known ? vs_tree_child(summary.root, "columns") : NULL;
+  if (!told) guess_roles(all, *count);
+  for (const vs_node *entry = told ? told->child : NULL; entry; entry = entry->next)
+    for (size_t k = 0; k < *count; k++)
+      if (!strcmp(vs_member_word(entry, "name"), all[k].name)) take_told(&all[k], entry);
+  vs_tree_free(&summary);
+  free(line);
+  return all;
 }
 
 /* ---- header ---- */
@@ -126,6 +214,7 @@ static vs_status read_rows(const char *folder, vs_traces *t, FILE *f, vs_error *
     status = vs_fail_at(err, (vs_where){t->path, 1, 1}, "holds no line; a run's begins with t_s");
   if (!status) line.text[strcspn(line.text, "\r\n")] = '\0';
   if (!status) status = vs_traces_drawn(folder, line.text, t->drawn, &t->drawn_rows, err);
+  if (!status) t->column = vs_traces_columns(folder, line.text, &(size_t){0});
   if (!status) status = read_header(t, line.text, err);
   while (!status && !(status = next_line(t, f, &line, ++number, &more, err)) && more) {
     make_room(t, &room);
@@ -160,6 +249,7 @@ vs_status vs_traces_read(const char *folder, vs_traces *t, vs_error *err) {
 void vs_traces_free(vs_traces *t) {
   for (size_t c = 0; c < t->columns; c++) free(t->name[c]);
   free(t->name);
+  free(t->column);
   free(t->value);
   *t = (vs_traces){0};
 }
@@ -168,6 +258,13 @@ int vs_traces_find(const vs_traces *t, const char *name) {
   for (size_t c = 0; c < t->columns; c++)
     if (!strcmp(t->name[c], name)) return (int)c;
   return -1;
+}
+
+int vs_traces_like(const vs_traces *t, const vs_column *other) {
+  const int k = vs_traces_find(t, other->name);
+  const vs_column *c = k < 0 ? NULL : &t->column[k];
+  if (!c || !*c->role || !*other->role) return k;
+  return strcmp(c->role, other->role) || strcmp(c->unit, other->unit) ? -1 : k;
 }
 
 double vs_trace_value(const vs_traces *t, size_t row, int column) {

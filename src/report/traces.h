@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/path.h"
+#include "engine/channel.h"
 
 /* Start from {0}; vs_traces_free even after an error. */
 typedef struct vs_traces {
@@ -17,6 +18,7 @@ typedef struct vs_traces {
   char drawn[VS_PATH_SIZE]; /* of what is to be drawn, with the same columns */
   size_t drawn_rows;        /* at least as many as run.csv has */
   char **name;              /* [columns]; the first is "t_s" */
+  vs_column *column;        /* [columns], what they are */
   double *value;            /* [rows * columns], row by row; NaN: the cell is empty */
   size_t columns, rows;     /* at least one row */
 } vs_traces;
@@ -36,8 +38,16 @@ vs_status vs_traces_drawn(const char *folder, const char *header, char drawn[VS_
                           size_t *rows, vs_error *err);
 void vs_traces_free(vs_traces *traces);
 
+/* Returns what the columns of that header are, for the caller to free(): as summary.json in the
+ * folder tells. None tells it of a case that a study has stored, nor of a run of an older version.
+ * Their names tell, then, which coordinates there are, with a rate and an acceleration each, what a
+ * control has, and some units; the role of the others is not known. */
+vs_column *vs_traces_columns(const char *folder, const char *header, size_t *count);
+
 /* Returns the column's number from 0; -1: there is none of that name. */
 int vs_traces_find(const vs_traces *traces, const char *name);
+/* The same of a column that has the other one's unit and role besides, where both are known. */
+int vs_traces_like(const vs_traces *traces, const vs_column *other);
 
 /* Returns the value in that row of a column, and the row's time, s. */
 double vs_trace_value(const vs_traces *traces, size_t row, int column);

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/gnuplot.h"
 #include "plot/strips.h"
@@ -17,9 +18,9 @@ enum {
 
 /* ---- what is shown ---- */
 
-static bool is_in_all(const vs_time_window *s, const char *column) {
+static bool is_in_all(const vs_time_window *s, const vs_column *column) {
   for (size_t k = 0; k < s->runs; k++)
-    if (vs_traces_find(&s->run[k].traces, column) < 1) return false;
+    if (vs_traces_like(&s->run[k].traces, column) < 1) return false;
   return true;
 }
 
@@ -27,17 +28,30 @@ static bool is_in_all(const vs_time_window *s, const char *column) {
 static void drop_alone(vs_time_window *s) {
   int kept = 0;
   for (int k = 0; k < s->probes.count; k++)
-    if (is_in_all(s, s->probes.item[k].column)) s->probes.item[kept++] = s->probes.item[k];
+    if (is_in_all(s, s->probes.item[k].of)) s->probes.item[kept++] = s->probes.item[k];
   s->probes.count = kept;
+}
+
+/* True for what belongs to this machine, this circuit, its instruments and its control; every run
+ * has the rest. */
+static bool is_own(const vs_column *c) {
+  return strcmp(c->role, VS_COLUMN_COORDINATE) && strcmp(c->role, VS_COLUMN_RATE) &&
+         strcmp(c->role, VS_COLUMN_ACCELERATION) && !vs_channel_is_standard(c->quantity);
+}
+
+static bool is_chosen(const vs_time_window *s, const vs_column *c) {
+  bool chosen = false;
+  for (int k = 0; k < s->probes.count; k++) chosen = chosen || s->probes.item[k].of == c;
+  return chosen;
 }
 
 static vs_status choose_waves(vs_time_window *s, vs_error *err) {
   const vs_traces *t = &s->run[0].traces;
   vs_status status = vs_time_window_find_probes(NULL, t, &s->probes, err);
   if (!status) drop_alone(s);
-  int mains = vs_traces_find(t, "v_mains_v");
-  for (size_t c = (size_t)(mains + 1); !status && mains > 0 && c < t->columns; c++)
-    if (s->probes.count < VS_PROBES_MOST && is_in_all(s, t->name[c]))
+  for (size_t c = 1; !status && c < t->columns; c++)
+    if (s->probes.count < VS_PROBES_MOST && is_own(&t->column[c]) && !is_chosen(s, &t->column[c]) &&
+        is_in_all(s, &t->column[c]))
       status = vs_time_window_find_probes(t->name[c], t, &s->probes, err);
   return status;
 }

@@ -18,6 +18,7 @@ static bool device_measure_at(const vs_devices *devices, size_t k, vs_listed_mea
     if (k >= w->count) continue;
     const vs_reduced *r = &w->reduced[k];
     snprintf(m->name, sizeof m->name, "%s.%s", w->device->name, r->measure->name);
+    snprintf(m->of, sizeof m->of, "%s", w->device->name);
     m->unit = r->measure->unit;
     m->value = r->value;
     m->value.value /= vs_units_factor(m->unit);
@@ -87,9 +88,13 @@ bool vs_listed_measure_at(const vs_frame *frame, const vs_result *r, int k, vs_l
   m->unjudged = NULL;
   m->channel = -1;
   m->doubled = false;
+  *m->of = '\0';
   vs_measure of_machine;
   if (vs_measure_at(frame->model, k, &of_machine)) {
     snprintf(m->name, sizeof m->name, "%s", of_machine.name);
+    const int of = (of_machine.slot - VS_STANDARD_MEASURES) / VS_OF_COORDINATE;
+    if (of_machine.slot >= VS_STANDARD_MEASURES)
+      snprintf(m->of, sizeof m->of, "%s", frame->model->machine->coordinates[of].name);
     set_text(m, "%s", of_machine.text);
     m->unit = of_machine.unit;
     m->value = r->values[of_machine.slot];
@@ -106,6 +111,7 @@ bool vs_listed_measure_at(const vs_frame *frame, const vs_result *r, int k, vs_l
   const vs_extreme *e = &measures->extremes[k];
   vs_channel channel = vs_channel_at(frame, e->channel);
   snprintf(m->name, sizeof m->name, "%s_%s", channel.name, e->sense < 0 ? "min" : "max");
+  snprintf(m->of, sizeof m->of, "%s", channel.name);
   m->unit = channel.unit;
   m->value = e->best;
   m->group = VS_SHOWN_ELECTRICAL;

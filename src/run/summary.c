@@ -10,6 +10,7 @@
 #include "measure/unjudged.h"
 #include "run/listed_measure.h"
 #include "run/sections.h"
+#include "run/table.h"
 #include "run/version.h"
 
 enum {
@@ -419,6 +420,19 @@ static void add_not_judged_to_summary(vs_json *json, const vs_result *r) {
   vs_json_end(json);
 }
 
+/* What each column of run.csv is. */
+static void add_columns(vs_json *json, const vs_scene *s) {
+  const vs_table table = vs_table_of(s);
+  vs_column column;
+  vs_json_array(json, "columns", VS_JSON_LINES);
+  for (int k = 0; vs_table_column_at(&table, k, &column); k++) {
+    vs_json_object(json, NULL, VS_JSON_ROW);
+    vs_channel_column_json(&column, json);
+    vs_json_end(json);
+  }
+  vs_json_end(json);
+}
+
 /* Adds corner number k: where it is, and its worst line or why it failed. */
 static void add_corner_to_summary(vs_json *json, const char *name, const vs_corners *c, size_t k) {
   const vs_corner *one = &c->item[k];
@@ -570,6 +584,7 @@ void vs_summary_json(const vs_result *r, bool with_cost, const vs_summary_more *
   add_verdict_to_summary(&json, &r->verdict);
   add_happenings_to_summary(&json, &r->verdict);
   add_not_judged_to_summary(&json, r);
+  add_columns(&json, s);
   add_corners(&json, r->corners);
   vs_json_end(&json);
   vs_text_add(text, "\n");

@@ -8,18 +8,47 @@
 #include <unistd.h>
 
 #include "base/text.h"
-#include "base/units.h"
 #include "netlist/limits.h"
 
 static int instruments_of(const vs_table *table) {
   return table->instruments ? table->instruments->count : 0;
 }
 
+vs_table vs_table_of(const vs_scene *s) {
+  vs_table table = {.frame = &s->frame,
+                    .count = s->n_record,
+                    .instruments = &s->instruments,
+                    .control = &s->control,
+                    .digits = 9,
+                    .sample_s = s->setup.run.sample_s,
+                    .until_s = s->setup.run.until_s};
+  memcpy(table.channels, s->record, sizeof s->record);
+  return table;
+}
+
+bool vs_table_column_at(const vs_table *table, int k, vs_column *column) {
+  const int n = k - 1, instrument = n - table->count, other = instrument - instruments_of(table);
+  vs_control_column control;
+  if (n < 0)
+    *column = vs_channel_column("t", "s", VS_COLUMN_TIME, NULL);
+  else if (instrument < 0) {
+    const vs_channel c = vs_channel_at(table->frame, table->channels[n]);
+    *column = vs_channel_column(c.name, c.unit, c.role, c.of);
+  } else if (other < 0) {
+    const vs_instrument *i = &table->instruments->item[instrument];
+    *column = vs_channel_column(i->column, i->unit, VS_COLUMN_INSTRUMENT, i->v.channel);
+  } else if (table->control && vs_control_column_at(table->control, other, &control))
+    *column = vs_channel_column(control.name, control.unit, control.role, control.of);
+  else
+    return false;
+  return true;
+}
+
 static int columns_of_table(const vs_table *table) {
-  vs_control_column column;
-  int n = 1 + table->count + instruments_of(table), k = 0;
-  while (table->control && vs_control_column_at(table->control, k, &column)) k++;
-  return n + k;
+  vs_column column;
+  int n = 0;
+  while (vs_table_column_at(table, n, &column)) n++;
+  return n;
 }
 
 /* ---- what is seen between two rows ---- */
@@ -171,26 +200,13 @@ static bool mark_peaks(const vs_table *table, const double *row) {
 
 /* ---- text ---- */
 
-static void write_name(const vs_table *table, const char *name, const char *unit) {
-  char suffix[32];
-  vs_units_suffix(unit, suffix, sizeof suffix);
-  fprintf(table->stream, ",%s%s%s", name, *suffix ? "_" : "", suffix);
-}
-
 void vs_table_begin(vs_table *table) {
   table->next = 0;
   vs_table_end(table);
   new_between(table, columns_of_table(table));
-  fputs("t_s", table->stream);
-  for (int k = 0; k < table->count; k++) {
-    vs_channel c = vs_channel_at(table->frame, table->channels[k]);
-    write_name(table, c.name, c.unit);
-  }
-  for (int k = 0; k < instruments_of(table); k++)
-    write_name(table, table->instruments->item[k].column, table->instruments->item[k].unit);
-  vs_control_column column;
-  for (int k = 0; table->control && vs_control_column_at(table->control, k, &column); k++)
-    write_name(table, column.name, column.unit);
+  vs_column column;
+  for (int k = 0; vs_table_column_at(table, k, &column); k++)
+    fprintf(table->stream, "%s%s", k ? "," : "", column.name);
   fputc('\n', table->stream);
 }
 

@@ -15,8 +15,8 @@
 #include "base/text.h"
 #include "npy.h"
 #include "run/table.h"
+#include "study/folder.h"
 #include "study/format.h"
-#include "workers/case.h"
 
 /* ---- pictures ---- */
 
@@ -93,7 +93,7 @@ static void remove_report(int folder) {
   for (size_t k = 2; k < done.count && measure; k++) {
     axis = axis && k < failed.count && !strcmp(done.cell[k], failed.cell[k]);
     remove_pictures_of(folder, axis ? AXIS : MEASURE, done.cell[k]);
-    measure = strcmp(done.cell[k], vs_case_titles[VS_CASE_MARGIN]) != 0;
+    measure = vs_folder_role_of(done.cell[k]) != VS_ROLE_MARGIN;
   }
   discard_old_header(&done);
   discard_old_header(&failed);

@@ -14,7 +14,33 @@
 #include "base/text.h"
 #include "base/units.h"
 #include "study/format.h"
-#include "workers/case.h"
+#include "study/plan.h"
+
+const char *const vs_folder_cell_words[] = {
+    [VS_CELLS_TEXT] = "text",    [VS_CELLS_EITHER] = "either", [VS_CELLS_NUMBER] = "number",
+    [VS_CELLS_VALUE] = "number", [VS_CELLS_COUNT] = "count",   [VS_CELLS_STATUS] = "count"};
+
+const vs_folder_kind vs_folder_kinds[VS_ROLES] = {
+    [VS_ROLE_CASE] = {"case", VS_CELLS_COUNT},
+    [VS_ROLE_ID] = {"id", VS_CELLS_TEXT},
+    [VS_ROLE_AXIS] = {"axis", VS_CELLS_EITHER},
+    [VS_ROLE_REPORT] = {VS_COLUMN_MEASURE, VS_CELLS_VALUE},
+    [VS_ROLE_MARGIN] = {"margin_least", VS_CELLS_VALUE},
+    [VS_ROLE_ERROR] = {"margin_error", VS_CELLS_VALUE},
+    [VS_ROLE_WEAKEST] = {"weakest", VS_CELLS_TEXT},
+    [VS_ROLE_RUNG] = {"rung", VS_CELLS_COUNT},
+    [VS_ROLE_LEAVING] = {"leaving_bound", VS_CELLS_VALUE},
+    [VS_ROLE_HAPPENED] = {"happened", VS_CELLS_TEXT},
+    [VS_ROLE_NOT_JUDGED] = {"not_judged", VS_CELLS_TEXT},
+    [VS_ROLE_WARNINGS] = {"warnings", VS_CELLS_TEXT},
+    [VS_ROLE_STATUS] = {"status", VS_CELLS_STATUS},
+    [VS_ROLE_WHY] = {"why", VS_CELLS_TEXT}};
+
+vs_folder_role vs_folder_role_of(const char *title) {
+  for (int r = 0; r < VS_ROLES; r++)
+    if (r != VS_ROLE_AXIS && !strcmp(title, vs_folder_kinds[r].word)) return (vs_folder_role)r;
+  return VS_ROLE_REPORT;
+}
 
 static bool is_file_there(const char *folder, const char *name) {
   char path[VS_PATH_SIZE];
@@ -216,25 +242,8 @@ static int find_role(const vs_folder *t, vs_folder_role role) {
   return -1;
 }
 
-_Static_assert(VS_ROLE_STATUS - VS_ROLE_MARGIN + 1 == VS_CASE_COLUMNS &&
-                   VS_ROLE_ERROR - VS_ROLE_MARGIN == VS_CASE_MARGIN_ERROR &&
-                   VS_ROLE_WEAKEST - VS_ROLE_MARGIN == VS_CASE_WEAKEST &&
-                   VS_ROLE_RUNG - VS_ROLE_MARGIN == VS_CASE_RUNG &&
-                   VS_ROLE_LEAVING - VS_ROLE_MARGIN == VS_CASE_LEAVING &&
-                   VS_ROLE_HAPPENED - VS_ROLE_MARGIN == VS_CASE_HAPPENED &&
-                   VS_ROLE_NOT_JUDGED - VS_ROLE_MARGIN == VS_CASE_NOT_JUDGED &&
-                   VS_ROLE_WARNINGS - VS_ROLE_MARGIN == VS_CASE_WARNINGS,
-               "roles from VS_ROLE_MARGIN on stand in the order of a case's columns");
-_Static_assert(2 + VS_PLAN_AXES + VS_PLAN_COLUMNS + VS_CASE_COLUMNS <= VS_STUDY_COLUMNS,
+_Static_assert(VS_PLAN_AXES + VS_PLAN_COLUMNS + VS_ROLES <= VS_STUDY_COLUMNS,
                "every study that can be run can be read");
-
-static vs_folder_role role_of(const char *title, size_t position) {
-  if (position == 0) return VS_ROLE_CASE;
-  if (position == 1 && !strcmp(title, "id")) return VS_ROLE_ID;
-  for (int k = 0; k < VS_CASE_COLUMNS; k++)
-    if (!strcmp(title, vs_case_titles[k])) return (vs_folder_role)(VS_ROLE_MARGIN + k);
-  return VS_ROLE_REPORT;
-}
 
 static vs_status take_header(vs_folder *t, char *const *cell, size_t count, vs_error *err) {
   const vs_where at = {t->path, 1, 1};
@@ -247,7 +256,7 @@ static vs_status take_header(vs_folder *t, char *const *cell, size_t count, vs_e
                                       .name = vs_copy(cell[c]),
                                       .unit = vs_copy(""),
                                       .text = vs_copy(""),
-                                      .role = role_of(cell[c], c),
+                                      .role = vs_folder_role_of(cell[c]),
                                       .rating = NAN};
   t->margin = find_role(t, VS_ROLE_MARGIN);
   t->error = find_role(t, VS_ROLE_ERROR);

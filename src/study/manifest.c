@@ -3,6 +3,7 @@
 
 #include <gsl/gsl_version.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,6 +11,7 @@
 #include "base/json.h"
 #include "ngspice/ngspice.h"
 #include "run/version.h"
+#include "study/folder.h"
 #include "workers/case.h"
 
 enum { MOST_VALUES_SHOWN = 1000 };
@@ -98,6 +100,37 @@ static void add_report_column(const vs_report_column *column, vs_json *json) {
   vs_json_end(json);
 }
 
+/* What a column of study.csv is, as of a run's, and what its cells hold. column and quantity NULL:
+ * the role's own title. */
+static void add_column(vs_folder_role role, const char *column, const char *quantity,
+                       const char *unit, const char *of, vs_json *json) {
+  const vs_folder_kind *kind = &vs_folder_kinds[role];
+  vs_folder_cells cells = role == VS_ROLE_AXIS && *unit ? VS_CELLS_NUMBER : kind->cells;
+  vs_column c = vs_channel_column(quantity ? quantity : kind->word, unit, kind->word, of);
+  snprintf(c.name, sizeof c.name, "%s", column ? column : kind->word);
+  vs_json_object(json, NULL, VS_JSON_ROW);
+  vs_channel_column_json(&c, json);
+  vs_json_text(json, "cells", vs_folder_cell_words[cells]);
+  vs_json_end(json);
+}
+
+static void add_columns(const vs_plan *plan, vs_json *json) {
+  vs_json_array(json, "columns", VS_JSON_LINES);
+  for (int r = 0; r <= VS_ROLE_STATUS; r++) {
+    const vs_folder_role role = (vs_folder_role)r;
+    if (role == VS_ROLE_AXIS)
+      for (size_t k = 0; k < plan->n_axes; k++)
+        add_column(role, plan->axes[k].column, plan->axes[k].key, plan->axes[k].unit, NULL, json);
+    else if (role == VS_ROLE_REPORT)
+      for (size_t k = 0; k < plan->n_columns; k++)
+        add_column(role, plan->columns[k].column, plan->columns[k].name, plan->columns[k].unit,
+                   plan->columns[k].of, json);
+    else
+      add_column(role, NULL, NULL, "", NULL, json);
+  }
+  vs_json_end(json);
+}
+
 static void add_input(const vs_input *input, vs_json *json) {
   vs_json_object(json, NULL, VS_JSON_ROW);
   vs_json_text(json, "path", input->path);
@@ -125,6 +158,7 @@ static void add_end(const vs_plan *plan, const char *name, vs_text *text) {
   vs_json_array(&json, "report", VS_JSON_LINES);
   for (size_t k = 0; k < plan->n_columns; k++) add_report_column(&plan->columns[k], &json);
   vs_json_end(&json);
+  add_columns(plan, &json);
   vs_json_array(&json, "inputs", VS_JSON_LINES);
   for (size_t k = 0; k < plan->n_inputs; k++) add_input(&plan->inputs[k], &json);
   vs_json_end(&json);

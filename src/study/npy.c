@@ -115,12 +115,15 @@ static const element WHOLE = {"<i8", put_whole}, NUMBER = {"<f8", put_number},
                      ID = {"|S16", put_id}, WORD = {"<i4", put_word};
 _Static_assert(VS_ID_SIZE == 17, "an element of type ID is an id");
 
-static const element *element_of(const column *c, size_t position) {
-  static const element *const ELEMENTS[] = {
-      [VS_ROW_WORDS] = &WORD, [VS_ROW_NUMBERS] = &NUMBER, [VS_ROW_WHOLE] = &WHOLE};
-  if (position == 1 && !strcmp(c->of.name, "id")) return &ID;
-  if (c->of.holds == VS_ROW_EITHER) return c->numbers ? &NUMBER : &WORD;
-  return ELEMENTS[c->of.holds];
+static const element *element_of(const column *c) {
+  static const element *const ELEMENTS[] = {[VS_CELLS_TEXT] = &WORD,
+                                            [VS_CELLS_NUMBER] = &NUMBER,
+                                            [VS_CELLS_VALUE] = &NUMBER,
+                                            [VS_CELLS_COUNT] = &WHOLE,
+                                            [VS_CELLS_STATUS] = &WHOLE};
+  if (c->of.role == VS_ROLE_ID) return &ID;
+  if (c->of.cells == VS_CELLS_EITHER) return c->numbers ? &NUMBER : &WORD;
+  return ELEMENTS[c->of.cells];
 }
 
 /* ---- files ---- */
@@ -191,7 +194,7 @@ void vs_npy_free(vs_npy *a) {
 
 bool vs_npy_must_look(const vs_npy *a) {
   for (size_t k = 0; k < a->count; k++)
-    if (a->column[k].of.holds == VS_ROW_EITHER) return true;
+    if (a->column[k].of.cells == VS_CELLS_EITHER) return true;
   return false;
 }
 
@@ -199,7 +202,8 @@ void vs_npy_look(vs_npy *a, char *row) {
   const size_t n = vs_csv_split(row, a->cell, a->count, NULL);
   for (size_t k = 0; k < n; k++) {
     column *c = &a->column[k];
-    if (c->of.holds == VS_ROW_EITHER) c->numbers = c->numbers && vs_row_shape_is_number(a->cell[k]);
+    if (c->of.cells == VS_CELLS_EITHER)
+      c->numbers = c->numbers && vs_row_shape_is_number(a->cell[k]);
   }
 }
 
@@ -210,7 +214,7 @@ vs_status vs_npy_open(vs_npy *a, const char *folder, uint64_t rows, vs_error *er
   if (a->made) vs_shutdown_remove(a->folder);
   for (size_t k = 0; k < a->count && !status; k++) {
     column *c = &a->column[k];
-    c->element = element_of(c, k);
+    c->element = element_of(c);
     status = vs_file_open(&c->out, a->folder, c->file, err);
     if (!status) write_header(c->out.stream, c->element->type, rows);
   }

@@ -37,6 +37,7 @@ vs_status vs_report_columns_derive(vs_plan *plan, const vs_sensitivity_order *or
     column->derivative = (k % 2 ? -1 : 1) * (int)(1 + k / 2);
     snprintf(column->name, sizeof column->name, "%s_to_%s%s", of, to, k % 2 ? "_error" : "");
     memcpy(column->column, column->name, sizeof column->name);
+    snprintf(column->of, sizeof column->of, "%.63s", of);
     snprintf(column->text, sizeof column->text, "%sd ln|%s| / d ln %s", k % 2 ? "error of " : "",
              of, to);
   }
@@ -114,6 +115,7 @@ vs_status vs_report_columns_resolve(vs_plan *plan, const vs_scene *scene, const 
       continue;
     }
     snprintf(column->unit, sizeof column->unit, "%s", m.unit);
+    snprintf(column->of, sizeof column->of, "%s", m.of);
     snprintf(column->text, sizeof column->text, "%.*s", VS_DECK_TEXT - 1, m.text);
     column->rating = m.limit;
     column->at_least = m.at_least;

@@ -130,9 +130,7 @@ vs_extent vs_study_results_extent(const vs_profile *p) {
 
 /* True if the column holds names rather than numbers. */
 static bool holds_names(const vs_folder_column *column) {
-  return column->role == VS_ROLE_ID || column->role == VS_ROLE_WEAKEST ||
-         column->role == VS_ROLE_HAPPENED || column->role == VS_ROLE_NOT_JUDGED ||
-         column->role == VS_ROLE_WARNINGS;
+  return vs_folder_kinds[column->role].cells == VS_CELLS_TEXT;
 }
 
 /* ---- the one reading ---- */

@@ -136,6 +136,23 @@ class Runs(Case):
         self.assertIn("i_peak", r.text)
         self.assertIn("<td>i_peak</td>", r._repr_html_())
 
+    def test_what_columns_are(self):
+        """A probe named as an acceleration is none, as the summary tells."""
+        text = (TESTS.parent / "spice/machines/two_mass.yaml").read_text()
+        text = text.replace("\nparameters:\n", "\nparameters:\n  kk: {default: 100 1/s2, text: k}\n")
+        text = text.replace("\nprobes:\n", "\nprobes:\n  amax: {of: kk * x, unit: m/s2, text: t}\n")
+        pathlib.Path("tm.yaml").write_text(text)
+        r = vibrospice.run({"machine": {"model": "./tm.yaml"},
+                            "run": {"until": "2 ms", "tier": "switched"}}, out="about")
+        about = r.columns.about
+        self.assertEqual(list(about), list(r.columns))
+        self.assertEqual(about["amax_m_s2"], {"quantity": "amax", "unit": "m/s2", "role": "probe",
+                                              "of": "machine"})
+        self.assertEqual(about["ax_m_s2"], {"quantity": "ax", "unit": "m/s2",
+                                            "role": "acceleration", "of": "x"})
+        self.assertEqual([n for n, c in about.items() if c["role"] == "coordinate"],
+                         ["x_m", "y_m"])
+
     def test_all_digits(self):
         """Nothing is lost on the way into Python: 17 digits tell a double exactly."""
         r = vibrospice.run("paper", until="8 ms", digits=17)
@@ -366,6 +383,22 @@ class Studies(Case):
         self.assertEqual(list(vibrospice.load("study/runs/1")["i"]), list(r.columns["i"]))
         self.assert_study(vibrospice.load("study"), "study")
         self.assertIn("<th>i_peak_a</th>", s._repr_html_())
+
+    def test_what_columns_are(self):
+        s = vibrospice.load("study")
+        about = s.columns.about
+        self.assertEqual(list(about), list(s.columns))
+        self.assertEqual({n for n, c in about.items() if c["cells"] == "text"}, WORDS)
+        self.assertEqual([about[n]["role"] for n in ("case", "supply.voltage_v", "p_min_m",
+                                                     "margin_least")],
+                         ["case", "axis", "measure", "margin_least"])
+        self.assertEqual((about["p_min_m"]["quantity"], about["p_min_m"]["of"]), ("p_min", "p"))
+        shutil.copytree("study", "unsaid")
+        manifest = s.manifest.copy()
+        del manifest["columns"]
+        pathlib.Path("unsaid/manifest.json").write_text(json.dumps(manifest))
+        with self.assertRaisesRegex(vibrospice.Error, "unsaid: .* older version"):
+            vibrospice.load("unsaid")
 
     def test_slices(self):
         s = vibrospice.load("study")

@@ -220,24 +220,16 @@ static void summary_has_all_keys(void) {
                                          "\"first_to_fail\": null,\n  \"happened\": [],\n"
                                          "  \"did_not_happen\": [],\n  \"not_judged\": "
                                          "[\"varistor_1.power\"],\n  \"waived\": [],\n"
-                                         "  \"corners\": {\n    \"of\": #,\n    \"held\": "
-                                         "#,\n    "
-                                         "\"failed\": #,\n"
-                                         "    \"worst\": " CORNER(
-                                             "violated") ",\n    \"each\": "
-                                                         "[\n      " CORNER(
-                                                             "h"
-                                                             "e"
-                                                             "l"
-                                                             "d") ",\n      " CORNER("violate"
-                                                                                     "d") ",\n"
-                                                                                          "   "
-                                                                                          "  "
-                                                                                          " " CORNER(
-                                                                                              "hel"
-                                                                                              "d") ",\n     "
-                                                                                                   " " CORNER(
-                                                                                                       "held") "\n    ]\n  }\n}\n";
+                                         "  \"columns\": [\n    {\"name\": \"t_s\", "
+                                         "\"quantity\": \"t\", \"unit\": \"s\", "
+                                         "\"role\": \"time\", \"of\": \"\"},\n";
+  static const char LAST[] =
+      "\n    {\"name\": \"v_r_v\", \"quantity\": \"v_r\", \"unit\": \"V\", \"role\": \"probe\", "
+      "\"of\": \"circuit\"}\n  ],\n"
+      "  \"corners\": {\n    \"of\": #,\n    \"held\": #,\n    \"failed\": #,\n"
+      "    \"worst\": " CORNER("violated") ",\n    \"each\": [\n      " CORNER(
+          "held") ",\n      " CORNER("violated") ",\n      " CORNER("held") ",\n      " CORNER("hel"
+                                                                                               "d") "\n    ]\n  }\n}\n";
   write_deck("*$ limit i_surge = 1.65 A\n*$ limit energy = 100 J\n*$ limit p_max = 200 W\n");
   write_file("v.cir", "*$ param varistor_1 = vv part\n*$ port mains = Vm\n*$ probe v_r = v(a) V\n"
                       "*$ rating v_r -0.2..0.2 kV\n*$ device varistor_1 = v(a), i(Vs)\n*$ line a\n"
@@ -262,7 +254,7 @@ static void summary_has_all_keys(void) {
   r = run(RUN "--corners --json");
   EXPECT(strstr(r.out, "    \"of\": 4,\n    \"held\": 3,\n    \"failed\": 0,\n"), "%s", r.out);
   make_shape(r.out);
-  EXPECT(strstr(r.out, BEFORE) && strstr(r.out, BEHIND), "%s", r.out);
+  EXPECT(strstr(r.out, BEFORE) && strstr(r.out, BEHIND) && strstr(r.out, LAST), "%s", r.out);
   free_ran(&r);
 }
 

@@ -52,6 +52,9 @@ static void probes(void) {
   char *names[] = {"t_s", "i_thyristor_a", "i_a", "p_m", "vp_m_s", "share", "v_ak_v"};
   double row[7] = {0};
   vs_traces t = {.path = "run.csv", .name = names, .value = row, .columns = 7, .rows = 1};
+  t.column = vs_traces_columns(".", "t_s,i_thyristor_a,i_a,p_m,vp_m_s,share,v_ak_v", &t.columns);
+  /* as summary.json tells of the rate */
+  t.column[4] = vs_channel_column("vp", "m/s", VS_COLUMN_RATE, "p");
   vs_probes_shown p = {.count = 0};
   vs_probe_shown rate;
   vs_error err = {0};
@@ -69,6 +72,7 @@ static void probes(void) {
   p.count = 0;
   CU_ASSERT_EQUAL(vs_time_window_find_probes("v_ak_w", &t, &p, &err), VS_INPUT);
   CU_ASSERT_PTR_NOT_NULL(strstr(err.text, "did you mean 'v_ak_v'"));
+  free(t.column);
 }
 
 /* ---- spectra ---- */

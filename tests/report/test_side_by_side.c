@@ -374,6 +374,8 @@ static void write_verdict(void) {
   vs_text_add(&json, "{\"rating\": \"v_ak\", \"unit\": \"V\", \"min\": -1200, \"max\": 2000, "
                      "\"least\": -923.8, \"largest\": 936.2, \"margin\": 0.230167, "
                      "\"margin_error\": 0.001, \"word\": \"held\", \"violated\": false}],\n"
+                     "\"columns\": [{\"name\": \"p_m\", \"quantity\": \"p\", \"unit\": \"m\", "
+                     "\"role\": \"coordinate\", \"of\": \"machine\"}],\n"
                      "\"happened\": [{\"what\": \"fuse_opens\", \"device\": \"f`1\", \"at_s\": "
                      "0.022, \"times\": 3, \"cause\": \"a short\", \"expected\": false}]}\n");
   write_run("v", "t_s,p_m,i_a\n0,0,1\n1,2,1\n2,0,1\n", json.text);

@@ -10,135 +10,65 @@
 #include <sys/stat.h>
 
 #include "base/csv.h"
-#include "base/path.h"
 #include "base/text.h"
-#include "base/tree.h"
 #include "base/units.h"
-#include "engine/step.h"
-#include "plant/machine_file.h"
+#include "traces.h"
 
 enum { MOST_COLUMNS = VS_CH_MOST + 1, LONGEST_UNIT = 8 };
-
-/* A column of run.csv: probe and unit as its name joins them. unit NULL: not known, and then the
- * name is only good as a whole. */
-typedef struct known {
-  const char *name; /* "ap_m_s2" */
-  char probe[VS_OVERLAY_NAME], unit[32];
-  bool has_unit;
-} known;
 
 typedef struct reader {
   vs_overlay *overlay;
   const vs_overlay_run *run;
-  char *names; /* run.csv's header, cut up: known[].name points into it */
-  known known[MOST_COLUMNS];
+  vs_column *known; /* of run.csv, behind the time; one whose unit is not known is only good as a
+                       whole */
   size_t n_known;
   size_t columns; /* of the measured file; 0: its header is not read yet */
   vs_where at;
 } reader;
 
-/* ---- the columns of run.csv ---- */
-
-/* Takes probe and unit where, joined, they are the column's name. */
-static void try_probe(known *k, const char *probe, const char *unit) {
-  char suffix[32], name[2 * VS_OVERLAY_NAME];
-  vs_units_suffix(unit, suffix, sizeof suffix);
-  snprintf(name, sizeof name, "%s%s%s", probe, *suffix ? "_" : "", suffix);
-  if (strcmp(name, k->name) || !vs_units_known(unit)) return;
-  snprintf(k->probe, sizeof k->probe, "%s", probe);
-  snprintf(k->unit, sizeof k->unit, "%s", unit);
-  k->has_unit = true;
-}
-
-/* The units of a deck's probes stand in summary.json, with their extremes: v_ak_min. There is the
- * name of the run's machine, too. */
-static void ask_summary(reader *r, char machine[VS_NAME_SIZE]) {
-  char path[VS_PATH_SIZE];
-  vs_tree tree = {0};
-  vs_error unread = {0};
-  snprintf(path, sizeof path, "%s/summary.json", r->run->folder);
-  vs_status status = vs_tree_read(path, &tree, &unread);
-  const vs_node *measures = status ? NULL : vs_tree_child_map(tree.root, "measures");
-  for (const vs_node *m = measures ? measures->child : NULL; m; m = m->next) {
-    const vs_node *unit = m->kind == VS_NODE_MAP ? vs_tree_child(m, "unit") : NULL;
-    size_t n = strlen(m->key);
-    if (!unit || !unit->text || n < 4 || strcmp(m->key + n - 4, "_min")) continue;
-    char probe[VS_OVERLAY_NAME];
-    snprintf(probe, sizeof probe, "%.*s", (int)(n - 4), m->key);
-    for (size_t k = 0; k < r->n_known; k++) try_probe(&r->known[k], probe, unit->text);
-  }
-  const vs_node *own = status ? NULL : vs_tree_child_map(tree.root, "scene");
-  own = vs_tree_child(vs_tree_child(own, "machine"), vs_machine_key.key);
-  snprintf(machine, VS_NAME_SIZE, "%s", own && own->text ? own->text : vs_machine_key.default_text);
-  vs_tree_free(&tree);
-}
-
-/* Takes the names and units of the channels that runs of this machine have. */
-static void ask_machine(reader *r, const char *name) {
-  char path[VS_PATH_SIZE];
-  vs_error unread = {0};
-  vs_machine *machine = vs_alloc(1, sizeof *machine);
-  vs_machine_begin(machine);
-  if (!vs_path_find(&vs_machine_shelf, name, (vs_where){0}, path, &unread))
-    vs_machine_file_read(path, machine, &unread);
-  const vs_model model = {.machine = machine, .dof = machine->dof};
-  const vs_frame frame = {.model = &model};
-  int numbers[VS_CH_MOST], count = vs_channel_listed(&frame, numbers);
-  for (size_t k = 0; k < r->n_known; k++)
-    for (int c = 0; c < count; c++) {
-      vs_channel channel = vs_channel_at(&frame, numbers[c]);
-      try_probe(&r->known[k], channel.name, channel.unit);
-    }
-  vs_machine_free(machine);
-  free(machine);
-}
-
-static void know_columns(reader *r) {
-  char *cells[MOST_COLUMNS + 1];
-  r->names = vs_copy(r->run->header);
-  size_t n = vs_csv_split(r->names, cells, MOST_COLUMNS + 1, NULL);
-  for (size_t k = 1; k < n; k++) r->known[r->n_known++].name = cells[k]; /* behind the time */
-  char machine[VS_NAME_SIZE];
-  ask_summary(r, machine);
-  ask_machine(r, machine);
-}
-
 /* ---- the measured file ---- */
 
+static bool has_unit(const vs_column *c) {
+  return *c->unit && vs_units_known(c->unit);
+}
+
 /* The column of the probe that the name begins with, when at most a unit follows; NULL: none. */
-static const known *find_stem(const reader *r, const char *name) {
-  const known *longest = NULL;
+static const vs_column *find_stem(const reader *r, const char *name) {
+  const vs_column *longest = NULL;
   for (size_t k = 0; k < r->n_known; k++) {
-    const known *c = &r->known[k];
-    size_t n = strlen(c->probe);
-    if (c->has_unit && !strncmp(name, c->probe, n) && (!name[n] || name[n] == '_') &&
-        strlen(name + n) < LONGEST_UNIT && (!longest || n > strlen(longest->probe)))
+    const vs_column *c = &r->known[k];
+    size_t n = strlen(c->quantity);
+    if (has_unit(c) && !strncmp(name, c->quantity, n) && (!name[n] || name[n] == '_') &&
+        strlen(name + n) < LONGEST_UNIT && (!longest || n > strlen(longest->quantity)))
       longest = c;
   }
   return longest;
 }
 
 static vs_status unknown_column(const reader *r, const char *name, vs_error *err) {
-  const known *stem = find_stem(r, name);
+  const vs_column *stem = find_stem(r, name);
   if (stem) {
-    const char *unit = name + strlen(stem->probe);
+    const char *unit = name + strlen(stem->quantity);
     return vs_fail_at(err, r->at, "column '%s': '%s' is no unit of %s; did you mean '%s'?", name,
-                      unit + (*unit == '_'), stem->probe, stem->name);
+                      unit + (*unit == '_'), stem->quantity, stem->name);
   }
-  const char *names[MOST_COLUMNS];
+  const char **names = vs_alloc(r->n_known + 1, sizeof *names);
   for (size_t k = 0; k < r->n_known; k++) names[k] = r->known[k].name;
-  return vs_fail_at(err, r->at, "%s has no column '%s'%s", r->run->path, name,
-                    vs_text_hint(name, names, r->n_known, "").text);
+  vs_fail_at(err, r->at, "%s has no column '%s'%s", r->run->path, name,
+             vs_text_hint(name, names, r->n_known, "").text);
+  free(names);
+  return VS_INPUT;
 }
 
 static vs_status take_curve(reader *r, const char *name, int column, vs_error *err) {
-  const known *c = NULL;
+  const vs_column *c = NULL;
   double factor = NAN;
   for (size_t k = 0; k < r->n_known && !c; k++)
     if (!strcmp(name, r->known[k].name)) c = &r->known[k], factor = 1;
   for (size_t k = 0; k < r->n_known && !c; k++) {
-    size_t n = strlen(r->known[k].probe);
-    if (!r->known[k].has_unit || strncmp(name, r->known[k].probe, n) || name[n] != '_') continue;
+    size_t n = strlen(r->known[k].quantity);
+    if (!has_unit(&r->known[k]) || strncmp(name, r->known[k].quantity, n) || name[n] != '_')
+      continue;
     factor =
         vs_units_suffix_factor(name + n + 1, r->known[k].unit) / vs_units_factor(r->known[k].unit);
     if (!isnan(factor)) c = &r->known[k];
@@ -149,11 +79,11 @@ static vs_status take_curve(reader *r, const char *name, int column, vs_error *e
                       c->name);
   vs_overlay_curve *curve = &r->overlay->curves[r->overlay->count++];
   *curve = (vs_overlay_curve){.column = column, .factor = factor};
-  snprintf(curve->name, sizeof curve->name, "%s", c->name);
-  if (c->has_unit)
-    snprintf(curve->label, sizeof curve->label, "%.60s / %s", c->probe, c->unit);
+  snprintf(curve->name, sizeof curve->name, "%.95s", c->name);
+  if (*c->unit)
+    snprintf(curve->label, sizeof curve->label, "%.60s / %.30s", c->quantity, c->unit);
   else
-    snprintf(curve->label, sizeof curve->label, "%s", c->name);
+    snprintf(curve->label, sizeof curve->label, "%.95s", c->name);
   return VS_OK;
 }
 
@@ -250,12 +180,14 @@ vs_status vs_overlay_read(const char *path, const vs_overlay_run *run, vs_overla
     return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", path,
                    errno ? strerror(errno) : "not a plain file");
   overlay->curves = vs_alloc(MOST_COLUMNS, sizeof *overlay->curves);
-  know_columns(&r);
+  vs_column *columns = vs_traces_columns(run->folder, run->header, &r.n_known);
+  r.known = columns + 1;
+  r.n_known--;
   vs_csv csv = {.file = path, .stream = f, .trim = true};
   vs_status status = read_rows(&r, &csv, err);
   vs_csv_free(&csv);
   fclose(f);
-  free(r.names);
+  free(columns);
   return status;
 }
 

@@ -103,7 +103,7 @@ static vs_status open_runs(const vs_plot_window_options *o, vs_time_window *s, v
   }
   for (int p = 0; p < s->probes.count && !status; p++) /* the usual ones are the first run's */
     for (size_t k = 1; k < s->runs && !status; k++)
-      if (vs_traces_find(&s->run[k].traces, s->probes.item[p].column) < 1)
+      if (vs_traces_like(&s->run[k].traces, s->probes.item[p].of) < 1)
         status = vs_fail(err, VS_INPUT, "%s has no column %s, as %s has; choose by --probe",
                          s->run[k].traces.path, s->probes.item[p].column, s->run[0].folder);
   return status;

@@ -47,9 +47,8 @@ typedef struct vs_sheets {
   int n_shown;
 } vs_sheets;
 
-/* Returns the sheets of a run, for the caller to free(). The machine's coordinates are found by the
- * columns in run.csv's header, and by the measures in the folder's summary.json where there is one:
- * NAME is a coordinate where the run measured aNAME_peak. */
+/* Returns the sheets of a run, for the caller to free(): of the columns in run.csv's header, as
+ * vs_traces_columns knows them. */
 vs_sheets *vs_sheets_new(const char *folder, const char *header);
 
 /* The n-th of the instruments' columns, from 0, that go with this column of run.csv; NULL: there is

@@ -114,50 +114,26 @@ const char *vs_time_window_choose(const vs_moments *m, double cycle_s, double un
 
 /* ---- probes ---- */
 
-/* Units that columns of run.csv end in. */
-static const char *const UNITS[] = {"m",   "rad", "m/s", "rad/s", "m/s2", "rad/s2", "Wb",
-                                    "A",   "N",   "V",   "W",     "Hz",   "K",      "J",
-                                    "ohm", "s",   "C",   "N.m",   "degC"};
-
-/* Where the unit of a column begins, behind its '_'; its end: it has none. */
-static const char *unit_of(const char *column, const char **unit) {
-  for (const char *s = column; (s = strchr(s, '_')); s++)
-    for (size_t k = 0; k < sizeof UNITS / sizeof *UNITS; k++) {
-      char suffix[32];
-      vs_units_suffix(UNITS[k], suffix, sizeof suffix);
-      if (s == column || strcmp(s + 1, suffix) != 0) continue;
-      *unit = UNITS[k];
-      return s + 1;
-    }
-  *unit = "";
-  return column + strlen(column);
-}
-
 /* Lengths and angles are shown in thousandths. */
-static void fill_probe(vs_probe_shown *p, const char *column) {
-  const char *unit, *at = unit_of(column, &unit);
-  int length = (int)(at - column) - (*at != '\0');
-  bool small = !strcmp(unit, "m") || !strcmp(unit, "rad");
-  snprintf(p->column, sizeof p->column, "%s", column);
-  if (*unit)
-    snprintf(p->label, sizeof p->label, "%.*s / %s%s", length, column, small ? "m" : "", unit);
+static void fill_probe(vs_probe_shown *p, const vs_column *c) {
+  bool small = !strcmp(c->unit, "m") || !strcmp(c->unit, "rad");
+  p->of = c;
+  snprintf(p->column, sizeof p->column, "%.*s", VS_PROBE_SIZE - 1, c->name);
+  if (*c->unit)
+    snprintf(p->label, sizeof p->label, "%.*s / %s%.20s", VS_PROBE_SIZE - 26, c->quantity,
+             small ? "m" : "", c->unit);
   else
-    snprintf(p->label, sizeof p->label, "%s", column);
+    snprintf(p->label, sizeof p->label, "%.*s", VS_PROBE_SIZE - 1, c->name);
   p->scale = small ? 1e3 : 1;
-}
-
-static bool is_named(const char *column, const char *word) {
-  const char *unit, *at = unit_of(column, &unit);
-  size_t length = (size_t)(at - column) - (*at != '\0');
-  return !strcmp(column, word) || (strlen(word) == length && !strncmp(column, word, length));
 }
 
 static vs_status find_one(const char *word, const vs_traces *t, vs_probes_shown *p, vs_error *err) {
   for (size_t c = 1; c < t->columns; c++)
-    if (is_named(t->name[c], word) && strlen(t->name[c]) < VS_PROBE_SIZE) {
+    if ((!strcmp(t->name[c], word) || !strcmp(t->column[c].quantity, word)) &&
+        strlen(t->name[c]) < VS_PROBE_SIZE) {
       if (p->count == VS_PROBES_MOST)
         return vs_fail(err, VS_INPUT, "--probe: at most %d probes fit a picture", VS_PROBES_MOST);
-      fill_probe(&p->item[p->count++], t->name[c]);
+      fill_probe(&p->item[p->count++], &t->column[c]);
       return VS_OK;
     }
   return vs_fail(err, VS_INPUT, "--probe: %s has no column '%.100s'%s", t->path, word,
@@ -168,9 +144,11 @@ static vs_status find_one(const char *word, const vs_traces *t, vs_probes_shown 
 static void take_usual(const vs_traces *t, vs_probes_shown *p) {
   static const char *const USUAL[] = {"force_n", "i_a", "v_eva_v", "v_mains_v"};
   if (t->columns > 1 && strlen(t->name[1]) < VS_PROBE_SIZE)
-    fill_probe(&p->item[p->count++], t->name[1]);
-  for (size_t k = 0; k < sizeof USUAL / sizeof *USUAL; k++)
-    if (vs_traces_find(t, USUAL[k]) > 1) fill_probe(&p->item[p->count++], USUAL[k]);
+    fill_probe(&p->item[p->count++], &t->column[1]);
+  for (size_t k = 0; k < sizeof USUAL / sizeof *USUAL; k++) {
+    const int c = vs_traces_find(t, USUAL[k]);
+    if (c > 1) fill_probe(&p->item[p->count++], &t->column[c]);
+  }
 }
 
 vs_status vs_time_window_find_probes(const char *words, const vs_traces *t, vs_probes_shown *p,
@@ -189,20 +167,20 @@ vs_status vs_time_window_find_probes(const char *words, const vs_traces *t, vs_p
 
 bool vs_time_window_probe_rate(const vs_probe_shown *probe, const vs_traces *t,
                                vs_probe_shown *rate) {
-  char column[VS_PROBE_SIZE + 4];
-  const char *unit;
-  unit_of(probe->column, &unit);
-  snprintf(column, sizeof column, "v%s%s", probe->column, *unit ? "_s" : "");
-  if (vs_traces_find(t, column) < 1 || strlen(column) >= VS_PROBE_SIZE) return false;
-  fill_probe(rate, column);
-  return true;
+  for (size_t c = 1; c < t->columns; c++)
+    if (!strcmp(t->column[c].role, VS_COLUMN_RATE) &&
+        !strcmp(t->column[c].of, probe->of->quantity) && strlen(t->name[c]) < VS_PROBE_SIZE) {
+      fill_probe(rate, &t->column[c]);
+      return true;
+    }
+  return false;
 }
 
 void vs_time_window_probe_named(const vs_probe_shown *probe, const char *word, char *name,
                                 size_t size) {
-  const char *unit, *at = unit_of(probe->column, &unit);
-  int length = (int)(at - probe->column) - (*at != '\0');
-  snprintf(name, size, "%.*s_%s%s%s", length, probe->column, word, *at ? "_" : "", at);
+  char suffix[VS_COLUMN_UNIT];
+  vs_units_suffix(probe->of->unit, suffix, sizeof suffix);
+  snprintf(name, size, "%s_%s%s%s", probe->of->quantity, word, *suffix ? "_" : "", suffix);
 }
 
 /* ---- style ---- */

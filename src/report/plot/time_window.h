@@ -46,6 +46,7 @@ const char *vs_time_window_choose(const vs_moments *moments, double cycle_s, dou
 enum { VS_PROBES_MOST = 12, VS_PROBE_SIZE = 96 };
 
 typedef struct vs_probe_shown {
+  const vs_column *of;        /* what it is; borrowed from the traces */
   char column[VS_PROBE_SIZE]; /* its column in run.csv */
   char label[VS_PROBE_SIZE];  /* for an axis: "p / mm" */
   double scale;               /* from the column's unit to the label's */

@@ -11,15 +11,11 @@
 #include "measure/unjudged.h"
 #include "run/session.h"
 #include "run/table.h"
+#include "study/folder.h"
 #include "workers/identity.h"
 
-const char *const vs_case_titles[VS_CASE_COLUMNS] = {
-    [VS_CASE_MARGIN] = "margin_least",   [VS_CASE_MARGIN_ERROR] = "margin_error",
-    [VS_CASE_WEAKEST] = "weakest",       [VS_CASE_RUNG] = "rung",
-    [VS_CASE_LEAVING] = "leaving_bound", [VS_CASE_HAPPENED] = "happened",
-    [VS_CASE_NOT_JUDGED] = "not_judged", [VS_CASE_WARNINGS] = "warnings",
-    [VS_CASE_STATUS] = "status"};
-enum { HEAD = 2 }; /* columns before the axes: case, id */
+/* Columns before the axes: case, id; and behind the measures. */
+enum { HEAD = VS_ROLE_AXIS, TAIL = VS_ROLE_STATUS + 1 - VS_ROLE_MARGIN };
 
 /* A case: its number, its point, and its id. */
 typedef struct which {
@@ -70,7 +66,7 @@ void vs_case_free(vs_case *c) {
 /* Columns are written as cells, because an event's name, which its user gives, may hold anything.
  */
 static void begin_header(const vs_plan *plan, vs_text *row) {
-  vs_text_add(row, "case,id");
+  for (int r = 0; r < HEAD; r++) vs_text_add(row, "%s%s", r ? "," : "", vs_folder_kinds[r].word);
   for (size_t k = 0; k < plan->n_axes; k++) {
     vs_text_add(row, ",");
     vs_csv_cell(row, plan->axes[k].column);
@@ -80,25 +76,26 @@ static void begin_header(const vs_plan *plan, vs_text *row) {
 void vs_case_header(const vs_plan *plan, vs_text *row) {
   begin_header(plan, row);
   for (size_t k = 0; k < plan->n_columns; k++) vs_text_add(row, ",%s", plan->columns[k].column);
-  for (size_t k = 0; k < VS_CASE_COLUMNS; k++) vs_text_add(row, ",%s", vs_case_titles[k]);
+  for (int r = VS_ROLE_MARGIN; r <= VS_ROLE_STATUS; r++)
+    vs_text_add(row, ",%s", vs_folder_kinds[r].word);
 }
 
 bool vs_case_values(const vs_plan *plan, char *row, double *values, int *status) {
-  enum { MOST = HEAD + VS_PLAN_AXES + VS_PLAN_COLUMNS + VS_CASE_COLUMNS };
+  enum { MOST = HEAD + VS_PLAN_AXES + VS_PLAN_COLUMNS + TAIL };
   char *cells[MOST];
   const size_t n = plan->n_columns;
-  if (vs_csv_split(row, cells, MOST, NULL) != HEAD + plan->n_axes + n + VS_CASE_COLUMNS)
-    return false;
+  if (vs_csv_split(row, cells, MOST, NULL) != HEAD + plan->n_axes + n + TAIL) return false;
   char **measure = cells + HEAD + plan->n_axes, **tail = measure + n;
-  values[0] = *tail[VS_CASE_MARGIN] ? strtod(tail[VS_CASE_MARGIN], NULL) : NAN;
+  values[0] = **tail ? strtod(*tail, NULL) : NAN; /* the least margin comes first */
   for (size_t k = 0; k < n; k++) values[1 + k] = *measure[k] ? strtod(measure[k], NULL) : NAN;
-  *status = atoi(tail[VS_CASE_STATUS]);
+  *status = atoi(tail[TAIL - 1]);
   return true;
 }
 
 void vs_case_failure_header(const vs_plan *plan, vs_text *row) {
   begin_header(plan, row);
-  vs_text_add(row, ",status,why");
+  for (int r = VS_ROLE_STATUS; r <= VS_ROLE_WHY; r++)
+    vs_text_add(row, ",%s", vs_folder_kinds[r].word);
 }
 
 static void begin_row(const vs_plan *plan, const which *w, vs_text *row) {
@@ -117,10 +114,10 @@ static void add_failure(const vs_case *c, const char *why, vs_text *row) {
   vs_csv_cell(row, why);
 }
 
-static void add_number_cell(vs_text *row, double value) {
+static void add_number(vs_text *row, double value) {
   char text[VS_NUMBER_SIZE];
   vs_text_number(text, value, 12);
-  vs_text_add(row, ",%s", isfinite(value) ? text : "");
+  vs_text_add(row, "%s", isfinite(value) ? text : "");
 }
 
 /* Returns the case's value in column k. A deck with other devices may have the measure elsewhere or
@@ -156,8 +153,33 @@ static void add_notes_of_derivatives(const vs_sensitivity *derived, vs_text *war
     vs_text_add(warnings, "%s%.*s", warnings->length ? " | " : "", (int)(end - line), line);
 }
 
-/* Adds a cell: "unintended_firing of thyristor at 0.0408342 s (dv/dt of 324 V/us up to 406 V)". */
-static void add_happened(const vs_verdict *v, vs_text *row) {
+static void add_margin(const vs_case *c, vs_text *row) {
+  const vs_judgement *weakest = c->result->verdict.weakest;
+  add_number(row, weakest ? weakest->margin : NAN);
+}
+
+static void add_margin_error(const vs_case *c, vs_text *row) {
+  const vs_judgement *weakest = c->result->verdict.weakest;
+  add_number(row, weakest ? weakest->margin_error : NAN);
+}
+
+static void add_weakest(const vs_case *c, vs_text *row) {
+  const vs_judgement *weakest = c->result->verdict.weakest;
+  char name[VS_JUDGED_NAME];
+  vs_text_add(row, "%s", weakest ? vs_verdict_name(weakest, name) : "");
+}
+
+static void add_rung(const vs_case *c, vs_text *row) {
+  vs_text_add(row, "%d", c->result->ladder.rung);
+}
+
+static void add_leaving(const vs_case *c, vs_text *row) {
+  add_number(row, c->result->watchers.absence.bound);
+}
+
+/* "unintended_firing of thyristor at 0.0408342 s (dv/dt of 324 V/us up to 406 V)". */
+static void add_happened(const vs_case *c, vs_text *row) {
+  const vs_verdict *v = &c->result->verdict;
   vs_text all = {0};
   for (size_t k = 0; k < v->count; k++) {
     const vs_judgement *j = &v->item[k];
@@ -176,7 +198,8 @@ static void add_happened(const vs_verdict *v, vs_text *row) {
   vs_text_free(&all);
 }
 
-static void add_not_judged(const vs_result *r, vs_text *row) {
+static void add_not_judged(const vs_case *c, vs_text *row) {
+  const vs_result *r = c->result;
   vs_text all = {0};
   const vs_expects *expects = &r->scene->expects;
   if (vs_unjudged_is_told(r->watchers.devices, &r->verdict))
@@ -192,30 +215,35 @@ static void add_not_judged(const vs_result *r, vs_text *row) {
   vs_text_free(&all);
 }
 
+static void add_warnings(const vs_case *c, vs_text *row) {
+  vs_text all = {0};
+  vs_result_warnings(c->result, add_warning_to_cell, &all);
+  add_notes_of_derivatives(&c->derived, &all);
+  vs_csv_cell(row, all.text ? all.text : "");
+  vs_text_free(&all);
+}
+
+static void add_status(const vs_case *c, vs_text *row) {
+  vs_text_add(row, "%d", vs_verdict_breach(&c->result->verdict) ? VS_CASE_VIOLATED : VS_CASE_DONE);
+}
+
 static void add_case_row(vs_case *c, vs_text *row) {
-  const vs_result *r = c->result;
-  const vs_judgement *weakest = r->verdict.weakest;
-  char name[VS_JUDGED_NAME];
-  vs_text warnings = {0};
+  static void (*const ADD[VS_ROLES])(const vs_case *c, vs_text *row) = {
+      [VS_ROLE_MARGIN] = add_margin,         [VS_ROLE_ERROR] = add_margin_error,
+      [VS_ROLE_WEAKEST] = add_weakest,       [VS_ROLE_RUNG] = add_rung,
+      [VS_ROLE_LEAVING] = add_leaving,       [VS_ROLE_HAPPENED] = add_happened,
+      [VS_ROLE_NOT_JUDGED] = add_not_judged, [VS_ROLE_WARNINGS] = add_warnings,
+      [VS_ROLE_STATUS] = add_status};
   begin_row(c->plan, &c->present, row);
   for (size_t k = 0; k < c->plan->n_columns; k++) {
     vs_value v = find_value(c, k);
-    add_number_cell(row, v.known ? v.value : NAN);
+    vs_text_add(row, ",");
+    add_number(row, v.known ? v.value : NAN);
   }
-  add_number_cell(row, weakest ? weakest->margin : NAN);
-  add_number_cell(row, weakest ? weakest->margin_error : NAN);
-  vs_result_warnings(r, add_warning_to_cell, &warnings);
-  add_notes_of_derivatives(&c->derived, &warnings);
-  vs_text_add(row, ",%s,%d", weakest ? vs_verdict_name(weakest, name) : "", r->ladder.rung);
-  add_number_cell(row, r->watchers.absence.bound);
-  vs_text_add(row, ",");
-  add_happened(&r->verdict, row);
-  vs_text_add(row, ",");
-  add_not_judged(r, row);
-  vs_text_add(row, ",");
-  vs_csv_cell(row, warnings.text ? warnings.text : "");
-  vs_text_add(row, ",%d", vs_verdict_breach(&r->verdict) ? VS_CASE_VIOLATED : VS_CASE_DONE);
-  vs_text_free(&warnings);
+  for (int r = VS_ROLE_MARGIN; r <= VS_ROLE_STATUS; r++) {
+    vs_text_add(row, ",");
+    ADD[r](c, row);
+  }
 }
 
 /* ---- observers of the run: the run.csv that --keep runs asks for, and the orbit ---- */
@@ -228,12 +256,7 @@ typedef struct keeper {
 
 /* The table of all channels, without a stream. */
 static vs_table table_of(const vs_scene *s) {
-  vs_table table = {.frame = &s->frame,
-                    .instruments = &s->instruments,
-                    .control = &s->control,
-                    .digits = 9,
-                    .sample_s = s->setup.run.sample_s,
-                    .until_s = s->setup.run.until_s};
+  vs_table table = vs_table_of(s);
   table.count = vs_channel_listed(&s->frame, table.channels);
   return table;
 }

@@ -27,21 +27,6 @@ void vs_case_free(vs_case *c);
  * many of them more than its limits.kept. */
 vs_status vs_case_check_csv(const vs_scene *scene, uint64_t cases, vs_error *err);
 
-/* The columns of study.csv behind the measures, in their order. */
-typedef enum vs_case_column {
-  VS_CASE_MARGIN,
-  VS_CASE_MARGIN_ERROR,
-  VS_CASE_WEAKEST,
-  VS_CASE_RUNG,
-  VS_CASE_LEAVING,
-  VS_CASE_HAPPENED,
-  VS_CASE_NOT_JUDGED,
-  VS_CASE_WARNINGS,
-  VS_CASE_STATUS,
-  VS_CASE_COLUMNS /* how many they are */
-} vs_case_column;
-extern const char *const vs_case_titles[VS_CASE_COLUMNS];
-
 /* Reads back a row that vs_case_run has added; the row's text is cut up. values[1 + n_columns] are
  * the least margin and the plan's columns, NaN where the row has none; *status is the case's.
  * Returns false, and sets nothing, where the row is not as long as a row of the plan. */
@@ -54,7 +39,7 @@ bool vs_case_is_row(vs_case *c, uint64_t index, const double *point, bool failed
 
 /* Runs case `index`, whose point is point[plan->n_axes], and adds its row without a newline:
  *
- *   case, id, the axes, the plan's columns, then the columns of vs_case_column
+ *   case, id, the axes, the plan's columns, then those of study/folder.h from the least margin on
  *   case, id, the axes, 1, why               where it failed
  *
  * id is vs_identity's; it is empty where the case's scene is refused. margin_error is empty unless

@@ -116,7 +116,7 @@ static void list_columns(const vs_row_shape *shape, bool rates, vs_text *to) {
   to->length = 0;
   for (size_t k = vs_row_shape_first_measure(shape); k < vs_row_shape_columns(shape); k++) {
     const vs_row_shape_column c = vs_row_shape_column_at(shape, k);
-    if (c.holds == VS_ROW_NUMBERS && is_rate(&c) == rates)
+    if (c.cells == VS_CELLS_VALUE && is_rate(&c) == rates)
       vs_text_add(to, "%s%s", to->length ? ", " : "", c.name);
   }
 }

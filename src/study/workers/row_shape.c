@@ -10,19 +10,18 @@
 #include "base/text.h"
 #include "workers/case.h"
 
-/* What a cell may hold. */
-typedef enum cell_kind { ANY, WORD, NUMBER, NUMBER_OR_NOTHING, COUNT, DONE, FAILED } cell_kind;
+/* What a cell has to be. */
 static const char *const WANTED[] = {
-    [ANY] = "anything",         [WORD] = "a word",
-    [NUMBER] = "a number",      [NUMBER_OR_NOTHING] = "a number or nothing",
-    [COUNT] = "a whole number", [DONE] = "status 0 or 3",
-    [FAILED] = "status 1"};
+    [VS_CELLS_TEXT] = "anything",        [VS_CELLS_EITHER] = "a word",
+    [VS_CELLS_NUMBER] = "a number",      [VS_CELLS_VALUE] = "a number or nothing",
+    [VS_CELLS_COUNT] = "a whole number", [VS_CELLS_STATUS] = "status 0 or 3"};
 
 /* Of one header row. */
 typedef struct header {
   char *text, **name; /* cut up; name points into text */
   char **unit;        /* as JSON; only of study.csv */
-  cell_kind *kind;
+  vs_folder_role *role;
+  vs_folder_cells *cells;
   size_t count;
 } header;
 
@@ -35,7 +34,8 @@ static header cut_header(const char *row) {
   size_t most = 1;
   for (const char *s = row; *s; s++) most += *s == ',';
   h.name = vs_alloc(most, sizeof *h.name);
-  h.kind = vs_alloc(most, sizeof *h.kind);
+  h.role = vs_alloc(most, sizeof *h.role);
+  h.cells = vs_alloc(most, sizeof *h.cells);
   h.unit = vs_alloc(most, sizeof *h.unit);
   h.count = vs_csv_split(h.text, h.name, most, NULL);
   return h;
@@ -46,7 +46,8 @@ static void free_header(header *h) {
   free(h->unit);
   free(h->text);
   free(h->name);
-  free(h->kind);
+  free(h->role);
+  free(h->cells);
 }
 
 /* Returns a column's unit as the manifest has it, in quotes; "" in quotes where that says nothing.
@@ -65,34 +66,23 @@ static char *find_unit(const char *column, const char *manifest) {
 }
 
 /* An axis with a unit is a number; one without may be a choice or a file's name. */
-static cell_kind kind_of_axis(const char *column, const char *manifest) {
+static vs_folder_cells cells_of_axis(const char *column, const char *manifest) {
   char *unit = find_unit(column, manifest);
   const bool none = unit[1] == '"';
   free(unit);
-  return none ? WORD : NUMBER;
-}
-
-/* Of a column that is no axis. */
-static cell_kind kind_of_column(const char *name, bool failed) {
-  static const struct {
-    const char *name;
-    cell_kind kind;
-  } KNOWN[] = {{"case", COUNT},   {"id", ANY},         {"rung", COUNT},   {"weakest", ANY},
-               {"happened", ANY}, {"not_judged", ANY}, {"warnings", ANY}, {"why", ANY}};
-  if (!strcmp(name, "status")) return failed ? FAILED : DONE;
-  for (size_t k = 0; k < sizeof KNOWN / sizeof *KNOWN; k++)
-    if (!strcmp(name, KNOWN[k].name)) return KNOWN[k].kind;
-  return NUMBER_OR_NOTHING;
+  return none ? VS_CELLS_EITHER : VS_CELLS_NUMBER;
 }
 
 /* The case comes first. The axes stand behind it and its id, in both headers. */
-static void find_kinds(header *h, const header *other, bool failed, const char *manifest) {
+static void find_roles(header *h, const header *other, const char *manifest) {
   bool alike = true;
   for (size_t k = 0; k < h->count; k++) {
     alike = alike && k < other->count && !strcmp(h->name[k], other->name[k]);
-    h->kind[k] = k == 0           ? COUNT
-                 : k > 1 && alike ? kind_of_axis(h->name[k], manifest)
-                                  : kind_of_column(h->name[k], failed);
+    h->role[k] = k == 0           ? VS_ROLE_CASE
+                 : k > 1 && alike ? VS_ROLE_AXIS
+                                  : vs_folder_role_of(h->name[k]);
+    h->cells[k] = h->role[k] == VS_ROLE_AXIS ? cells_of_axis(h->name[k], manifest)
+                                             : vs_folder_kinds[h->role[k]].cells;
   }
 }
 
@@ -100,8 +90,8 @@ vs_row_shape *vs_row_shape_new(const char *columns, const char *failures, const 
   vs_row_shape *shape = vs_alloc(1, sizeof *shape);
   shape->done = cut_header(columns);
   shape->failed = cut_header(failures);
-  find_kinds(&shape->done, &shape->failed, false, manifest);
-  find_kinds(&shape->failed, &shape->done, true, manifest);
+  find_roles(&shape->done, &shape->failed, manifest);
+  find_roles(&shape->failed, &shape->done, manifest);
   for (size_t k = 0; k < shape->done.count; k++)
     shape->done.unit[k] = find_unit(shape->done.name[k], manifest);
   return shape;
@@ -127,13 +117,8 @@ size_t vs_row_shape_columns(const vs_row_shape *shape) {
 }
 
 vs_row_shape_column vs_row_shape_column_at(const vs_row_shape *shape, size_t k) {
-  static const vs_row_shape_holds HOLDS[] = {
-      [ANY] = VS_ROW_WORDS,      [WORD] = VS_ROW_EITHER,
-      [NUMBER] = VS_ROW_NUMBERS, [NUMBER_OR_NOTHING] = VS_ROW_NUMBERS,
-      [COUNT] = VS_ROW_WHOLE,    [DONE] = VS_ROW_WHOLE,
-      [FAILED] = VS_ROW_WHOLE};
   const header *h = &shape->done;
-  return (vs_row_shape_column){h->name[k], h->unit[k], HOLDS[h->kind[k]]};
+  return (vs_row_shape_column){h->name[k], h->unit[k], h->cells[k], h->role[k]};
 }
 
 bool vs_row_shape_is_number(const char *cell) {
@@ -145,20 +130,18 @@ static bool is_count(const char *cell) {
   return *cell && !cell[strspn(cell, "0123456789")] && (*cell != '0' || !cell[1]);
 }
 
-static bool cell_holds(const char *cell, cell_kind kind) {
-  switch (kind) {
-  case WORD:
+static bool cell_holds(const char *cell, vs_folder_cells cells, bool failed) {
+  switch (cells) {
+  case VS_CELLS_EITHER:
     return *cell;
-  case NUMBER:
+  case VS_CELLS_NUMBER:
     return vs_row_shape_is_number(cell);
-  case NUMBER_OR_NOTHING:
+  case VS_CELLS_VALUE:
     return !*cell || vs_row_shape_is_number(cell);
-  case COUNT:
+  case VS_CELLS_COUNT:
     return is_count(cell);
-  case DONE:
-    return !strcmp(cell, "0") || !strcmp(cell, "3");
-  case FAILED:
-    return !strcmp(cell, "1");
+  case VS_CELLS_STATUS:
+    return failed ? !strcmp(cell, "1") : !strcmp(cell, "0") || !strcmp(cell, "3");
   default:
     return true;
   }
@@ -169,7 +152,7 @@ static void count_row_cells(const header *h, char *const *cell, vs_row_shape_cou
   for (size_t k = 0; k < h->count; k++)
     if (k == 0)
       counts->index = strtoull(cell[k], NULL, 10); /* UINT64_MAX where it is too large */
-    else if (h->kind[k] == DONE)
+    else if (h->role[k] == VS_ROLE_STATUS)
       counts->violated = atoi(cell[k]) == VS_CASE_VIOLATED;
 }
 
@@ -186,12 +169,12 @@ bool vs_row_shape_read(const vs_row_shape *shape, bool failed, const char *row,
   else if (!fits)
     snprintf(why, size, "cells in this row: %s%zu; columns in its header: %zu",
              n > h->count ? "at least " : "", n, h->count);
-  while (fits && k < n && cell_holds(cell[k], h->kind[k])) k++;
+  while (fits && k < n && cell_holds(cell[k], h->cells[k], failed)) k++;
   if (fits && k < n) {
     fits = false;
     *at = (size_t)(cell[k] - copy);
     snprintf(why, size, "column %.64s holds '%.64s'; %s is wanted there", h->name[k], cell[k],
-             WANTED[h->kind[k]]);
+             failed && h->role[k] == VS_ROLE_STATUS ? "status 1" : WANTED[h->cells[k]]);
   }
   if (fits) count_row_cells(h, cell, counts);
   free(cell);

@@ -8,6 +8,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "study/folder.h"
+
 typedef struct vs_row_shape vs_row_shape;
 
 /* columns, failures: header rows of study.csv and failures.csv; manifest: that part of it which
@@ -15,17 +17,11 @@ typedef struct vs_row_shape vs_row_shape;
 vs_row_shape *vs_row_shape_new(const char *columns, const char *failures, const char *manifest);
 void vs_row_shape_free(vs_row_shape *shape);
 
-/* What the cells of a column of study.csv hold. */
-typedef enum vs_row_shape_holds {
-  VS_ROW_WORDS,
-  VS_ROW_NUMBERS, /* or nothing */
-  VS_ROW_WHOLE,   /* whole numbers */
-  VS_ROW_EITHER   /* words or numbers: an axis without a unit */
-} vs_row_shape_holds;
 typedef struct vs_row_shape_column {
   const char *name; /* as the header has it; the shape's own */
   const char *unit; /* as JSON, in quotes; the shape's own. "" in quotes: none, or not known */
-  vs_row_shape_holds holds;
+  vs_folder_cells cells;
+  vs_folder_role role;
 } vs_row_shape_column;
 size_t vs_row_shape_columns(const vs_row_shape *shape);       /* how many columns study.csv has */
 size_t vs_row_shape_first_measure(const vs_row_shape *shape); /* the first behind its axes */

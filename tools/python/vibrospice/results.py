@@ -4,12 +4,10 @@
 import base64
 import collections.abc
 import html
-import json
 import math
 import pathlib
-import subprocess
 
-from .tables import Error, Quantity, Table, ending_of, load_json, read_columns
+from .tables import Error, Quantity, Table, load_json, read_columns
 
 
 # ---- runs ----
@@ -86,10 +84,11 @@ class Result:
         breached = self.word in ("violated", "undecided")
         self.status = status if status is not None else 3 if breached else 0
         self.held = self.status == 0 if self.verdict or self.status else None
-        self.columns = Table(self.path / ("branch.csv" if is_branch else "run.csv"),
-                             {} if is_branch else self._probe_units)
+        about = self.summary.get("columns", ())
+        self.columns = Table(self.path / ("branch.csv" if is_branch else "run.csv"), about,
+                             {"state", "beyond", "mark"} if is_branch else (), owner)
         peaks = self.path / "peaks.csv"
-        self.peaks = (Table(peaks, self._probe_units) if not is_branch and peaks.exists()
+        self.peaks = (Table(peaks, about, owner=owner) if not is_branch and peaks.exists()
                       else self.columns)
         self.events = [] if is_branch else self._read_events()
 
@@ -99,21 +98,6 @@ class Result:
     def _read_events(self):
         events = read_columns(self.path / "events.csv", {"what"})
         return list(zip(events["t_s"], events["what"]))
-
-    def _probe_units(self):
-        """Returns the columns' units as the program lists them for this deck and machine. {}: it is
-        not there, or not the deck; the names' endings tell, then."""
-        from . import _call
-        of = [f"--{key}={self.scene[section][name]}"
-              for key, section, name in (("deck", "circuit", "deck"),
-                                         ("machine", "machine", "model"))
-              if name in self.scene.get(section, {})]
-        try:
-            status, out, _ = _call(["list", *of, "--json", "--", "probes"])
-            probes = json.loads(out)["probes"] if status == 0 else []
-        except (Error, OSError, ValueError, KeyError, subprocess.SubprocessError):
-            probes = []
-        return {p["name"] + ending_of(p["unit"]): p["unit"] for p in probes}
 
     def __repr__(self):
         said = self.word or "nothing is rated"
@@ -164,15 +148,16 @@ class Study(collections.abc.Sequence):
         self._owner = owner
         self.manifest = m = load_json(self.path / "manifest.json")
         self.messages, self.text, self.shards = list(messages), text, shards
-        units = {c["column"]: c["unit"] for c in m["axes"] + m["report"]}
-        units |= {"margin_least": "", "margin_error": "", "leaving_bound": ""}
+        if "columns" not in m:
+            raise Error(None, [f"{self.path}: manifest.json does not tell what the columns are; it "
+                               "is of an older version, so load it with that one"])
         words = {a["column"] for a in m["axes"]
                  if any(isinstance(v, str) for v in a.get("values", []))}
         rows = rows_of(self.path)
         if not rows:
             raise Error(None, [f"{self.path}: a study without its rows"])
-        self.columns = Table(rows, units, words)
-        failures = Table(self.path / "failures.csv", units, words)
+        self.columns = Table(rows, m["columns"], words)
+        failures = Table(self.path / "failures.csv", m["columns"], words | {"why"})
         self.failures = [failures.row(k) for k in range(failures.rows())]
         self.status = status if status is not None else \
             1 if m["failed"] else 3 if m["violated"] else 0

@@ -70,9 +70,6 @@ class Quantity(float):
 
 # ---- names and units of columns ----
 
-# Columns of words. An id is one, too, although it may look like a number.
-_WORDS = {"id", "weakest", "happened", "not_judged", "warnings", "why", "what", "state", "beyond", "mark"}
-_COUNTS = {"case", "rung", "status"}
 # How the names of columns end, where only the name tells the unit.
 _ENDINGS = {"s": "s", "m": "m", "m_s": "m/s", "m_s2": "m/s2", "rad": "rad", "rad_s": "rad/s",
             "rad_s2": "rad/s2", "deg": "deg", "wb": "Wb", "a": "A", "v": "V", "n": "N", "w": "W",
@@ -212,12 +209,13 @@ def _numpy():
         return None
 
 
-def _handed_out(name, column):
-    """Returns a column as users get it: numpy's array where numpy is, else a list."""
+def _handed_out(column, counts):
+    """Returns a column as users get it: numpy's array where numpy is, else a list. counts: its cells
+    are whole numbers."""
     numpy = _numpy()
     if isinstance(column, list):
         return numpy.array(column, dtype=object) if numpy else column
-    if name in _COUNTS and column.typecode == "d" and not any(map(math.isnan, column)):
+    if counts and column.typecode == "d" and not any(map(math.isnan, column)):
         column = array.array("q", map(int, column))
     if numpy:
         return numpy.frombuffer(column, dtype=column.typecode).copy()
@@ -229,19 +227,26 @@ class Table(collections.abc.Mapping):
 
     A column is a numpy array where numpy is installed, else a list: of float, of int (case, rung,
     status) or of str. An empty cell of numbers is NaN. `units` maps each name to its unit: "" for a
-    pure number or a word, None where the file's folder does not tell.
+    pure number or a word, None where the file's folder does not tell. `about` maps each name to
+    what its column is, where the folder tells: a dict with "quantity", "unit", "role" and "of".
 
     The file is read when a column is first asked for. Error: it is not there, is damaged, or is
     another than when the Table was made.
     """
 
-    def __init__(self, path, units=None, words=()):
-        """path: a CSV file, packed or not, or columns.json of a study. units: {name: unit}, or a
-        function that returns that. words: columns of words."""
+    def __init__(self, path, about=(), words=(), owner=None):
+        """path: a CSV file, packed or not, or columns.json of a study. about: what summary.json or
+        manifest.json has in "columns". words: further columns of words. owner: what deletes the
+        file when it is of no more use."""
         self.path = pathlib.Path(path)
-        self._units, self._words = units or {}, set(words) | _WORDS
+        self._owner = owner
+        self.about = {c["name"]: {k: v for k, v in c.items() if k != "name"} for c in about}
+        self._words = set(words) | self._of_cells("text")
         self._columns = None
         self._state = self._stamp()
+
+    def _of_cells(self, cells):
+        return {name for name, c in self.about.items() if c.get("cells") == cells}
 
     def _stamp(self):
         try:
@@ -257,15 +262,14 @@ class Table(collections.abc.Mapping):
             raise Error(None, [f"{self.path}: another run or study has replaced this file"])
         is_text = self.path.suffix != ".json"
         columns = _read_text(self.path, self._words) if is_text else _read_folder(self.path)
-        self._columns = {name: _handed_out(name, c) for name, c in columns.items()}
+        counts = self._of_cells("count")
+        self._columns = {name: _handed_out(c, name in counts) for name, c in columns.items()}
         return self._columns
 
     @property
     def units(self):
         """{column: unit}, in the order of the columns."""
-        if callable(self._units):
-            self._units = self._units()
-        known = {name: "" for name in self._words | _COUNTS} | dict(self._units)
+        known = {name: "" for name in self._words} | {n: c["unit"] for n, c in self.about.items()}
         return {name: known[name] if name in known else _unit_by_name(name)
                 for name in self._read()}
 

@@ -65,6 +65,8 @@ bool vs_control_file(const vs_control *control, int k, char path[VS_PATH_SIZE]);
 typedef struct vs_control_column {
   const char *name;
   char unit[VS_CONTROL_UNIT];
+  const char *role;      /* its column's (engine/channel.h) */
+  char of[VS_NAME_SIZE]; /* the sensor, or what is estimated; of the angle, "firing" */
 } vs_control_column;
 
 /* Its columns, from 0: the angle of the last firing that was decided, then what its law shows,

@@ -57,6 +57,7 @@ enum { VS_REGULATOR_OUTPUTS = 4 };
 /* A number that a regulator shows of itself, as a column of run.csv. */
 typedef struct vs_regulator_output {
   const char *name, *unit; /* a unit of "~" is the sensor's */
+  bool set_point;          /* what the sensor shall show, not what it is taken to show */
 } vs_regulator_output;
 
 typedef struct vs_regulator {

@@ -35,7 +35,7 @@ typedef struct vs_state_observer_values {
 /* What is estimated, as a column of run.csv. */
 typedef struct vs_estimated {
   char column[VS_MACHINE_NAME + 8]; /* "NAME_est" */
-  const char *unit;                 /* of the coordinate or its rate, borrowed from the machine */
+  const char *of, *unit;            /* the coordinate or its rate, borrowed from the machine */
 } vs_estimated;
 
 /* Start from {0}; vs_state_observer_free at the end, also after an error. Constant once it is read.

@@ -7,6 +7,7 @@
 
 #include <stdbool.h>
 
+#include "base/json.h"
 #include "engine/cooling.h"
 #include "engine/timeline.h"
 #include "netlist/deck.h"
@@ -34,23 +35,58 @@ typedef struct vs_frame {
                           the coil's current, and v = R_c i + dlambda/dt is the EVA's voltage */
 } vs_frame;
 
-/* The channels that every machine has: id, name, unit, text. The last two are in no list:
- * the current drawn from the mains is for the books of energy, the travel for measures. */
+/* ---- what a column is ---- */
+
+/* The role of a column of run.csv, in the word that summary.json has for it. The columns of
+ * study.csv have words of their own besides (study/folder.h). */
+#define VS_COLUMN_TIME "time"
+#define VS_COLUMN_COORDINATE "coordinate"
+#define VS_COLUMN_RATE "rate"
+#define VS_COLUMN_ACCELERATION "acceleration"
+#define VS_COLUMN_PROBE "probe"
+#define VS_COLUMN_INSTRUMENT "instrument"
+#define VS_COLUMN_ESTIMATE "estimate"
+#define VS_COLUMN_SET_POINT "set_point"
+#define VS_COLUMN_MEASURE "measure" /* of a study's case; of a run, what its control measures */
+
+enum { VS_COLUMN_NAME = 224, VS_COLUMN_UNIT = 48, VS_COLUMN_ROLE = 16 };
+
+/* What a column of a result is. No reader need guess it from the name. */
+typedef struct vs_column {
+  char name[VS_COLUMN_NAME];     /* as the header has it: "ap_m_s2" */
+  char quantity[VS_COLUMN_NAME]; /* without its unit, as options and keys name it: "ap" */
+  char unit[VS_COLUMN_UNIT];     /* "" of a pure number, of words, and where it is not known */
+  char role[VS_COLUMN_ROLE];     /* "" where it is not known */
+  char of[VS_COLUMN_NAME];       /* what has it: of a rate or an acceleration the coordinate, of an
+                                    instrument its channel, of a set point the sensor, of a measure its
+                                    device or channel, of a probe the section of the scene; "": nothing */
+} vs_column;
+
+/* Makes a column of that quantity, whose name joins it and the unit. of NULL is "". */
+vs_column vs_channel_column(const char *quantity, const char *unit, const char *role,
+                            const char *of);
+/* Adds the column's members to the object that is open. */
+void vs_channel_column_json(const vs_column *column, vs_json *json);
+
+/* ---- channels ---- */
+
+/* The channels that every machine has: id, name, unit, what has it, text. The last two are in no
+ * list: the current drawn from the mains is for the books of energy, the travel for measures. */
 #define VS_CHANNEL_LIST(X)                                                                         \
-  X(VS_CH_Z, "z", "m", "air gap, D + d + travel")                                                  \
-  X(VS_CH_LAMBDA, "lambda", "Wb", "flux linkage of the EVA")                                       \
-  X(VS_CH_I, "i", "A", "coil current of the EVA")                                                  \
-  X(VS_CH_FORCE, "force", "N", "force on the armature")                                            \
-  X(VS_CH_V_EVA, "v_eva", "V", "voltage across the EVA")                                           \
-  X(VS_CH_V_MAINS, "v_mains", "V", "mains voltage behind its impedance")                           \
-  X(VS_CH_I_MAINS, "i_mains", "A", "current drawn from the mains")                                 \
-  X(VS_CH_TRAVEL, "travel", "m", "c.q, by which the gap is opened")
+  X(VS_CH_Z, "z", "m", "actuator", "air gap, D + d + travel")                                      \
+  X(VS_CH_LAMBDA, "lambda", "Wb", "actuator", "flux linkage of the EVA")                           \
+  X(VS_CH_I, "i", "A", "actuator", "coil current of the EVA")                                      \
+  X(VS_CH_FORCE, "force", "N", "actuator", "force on the armature")                                \
+  X(VS_CH_V_EVA, "v_eva", "V", "actuator", "voltage across the EVA")                               \
+  X(VS_CH_V_MAINS, "v_mains", "V", "supply", "mains voltage behind its impedance")                 \
+  X(VS_CH_I_MAINS, "i_mains", "A", "supply", "current drawn from the mains")                       \
+  X(VS_CH_TRAVEL, "travel", "m", "machine", "c.q, by which the gap is opened")
 
 /* A channel's number is its place in the array that vs_step_at fills: first these, then the
  * coordinates q, their rates q' and q", the machine's own probes, and the deck's. In lists and CSV
  * files the coordinates stand first (vs_channel_listed). */
 enum {
-#define VS_CHANNEL_ID(id, name, unit, text) id,
+#define VS_CHANNEL_ID(id, name, unit, of, text) id,
   VS_CHANNEL_LIST(VS_CHANNEL_ID)
 #undef VS_CHANNEL_ID
       VS_CH_Q, /* the first coordinate */
@@ -74,7 +110,8 @@ static inline int vs_channel_deck(const vs_model *model) {
 
 typedef struct vs_channel {
   const char *name, *unit, *text;
-  bool listed; /* in CSV files and lists */
+  bool listed;           /* in CSV files and lists */
+  const char *role, *of; /* of its column */
 } vs_channel;
 
 /* How many channels a run has, and the channel with that number; its strings belong to the machine,

@@ -17,6 +17,7 @@
 
 #include "control/loop.h"
 #include "measure/measures.h"
+#include "run/scene.h"
 
 /* The second file's name in a run's folder. */
 #define VS_TABLE_PEAKS_FILE "peaks.csv"
@@ -44,6 +45,13 @@ typedef struct vs_table {
   double next;                 /* number of the next row, from 0; its instant is next * sample_s */
   vs_table_between *between;   /* owned; vs_table_begin makes it, and vs_table_end frees it */
 } vs_table;
+
+/* Returns the table of what the scene records, to 9 digits, without files and what the run makes.
+ */
+vs_table vs_table_of(const vs_scene *scene);
+/* Fills in the table's k-th column, from 0, by which its header is written and summary.json tells
+ * what the columns are. False: there are no more. */
+bool vs_table_column_at(const vs_table *table, int k, vs_column *column);
 
 /* Returns how many bytes the file of the stream will have at most; that is a little more than it
  * will have. */

@@ -9,7 +9,10 @@
 #include "base/tree.h"
 #include "study/method.h"
 
-/* What a column of study.csv holds. */
+/* What a column of study.csv is. Those from VS_ROLE_MARGIN to VS_ROLE_STATUS stand behind the
+ * measures, in this order. To add one: its role here, its row in vs_folder_kinds, and in
+ * workers/case.c the function that adds its cell. Header, resuming, reports, manifest, npy and
+ * Python take the row from there; test_columns counts them. */
 typedef enum vs_folder_role {
   VS_ROLE_CASE,    /* the case's number */
   VS_ROLE_ID,      /* the case's id (study/workers/identity.h); the column may be missing */
@@ -20,11 +23,33 @@ typedef enum vs_folder_role {
   VS_ROLE_WEAKEST, /* what has that margin */
   VS_ROLE_RUNG,    /* the rung of the ladder on which the case's run ended; 0: the scene as it is */
   VS_ROLE_LEAVING, /* a bound on the error by having left ngspice while the circuit was quiet */
-  VS_ROLE_HAPPENED, /* what happened, and what did not though it was expected */
-  VS_ROLE_NOT_JUDGED,
+  VS_ROLE_HAPPENED,   /* what happened, and what did not though it was expected */
+  VS_ROLE_NOT_JUDGED, /* what the verdict could not judge */
   VS_ROLE_WARNINGS,
-  VS_ROLE_STATUS /* 0, or 3 where a rating is violated or undecided */
+  VS_ROLE_STATUS, /* 0, or 3 where a rating is violated or undecided */
+  VS_ROLE_WHY,    /* why the case failed; behind the status, in failures.csv alone */
+  VS_ROLES        /* how many they are */
 } vs_folder_role;
+
+/* What the cells of a column hold. */
+typedef enum vs_folder_cells {
+  VS_CELLS_TEXT,   /* anything */
+  VS_CELLS_EITHER, /* a word or a number: an axis without a unit may be a choice or a file's name */
+  VS_CELLS_NUMBER,
+  VS_CELLS_VALUE, /* a number or nothing */
+  VS_CELLS_COUNT, /* a whole number */
+  VS_CELLS_STATUS /* 0 or 3; 1 in failures.csv */
+} vs_folder_cells;
+/* Their words in the manifest. */
+extern const char *const vs_folder_cell_words[];
+
+typedef struct vs_folder_kind {
+  const char *word; /* its title in study.csv; axes and measures have their own */
+  vs_folder_cells cells;
+} vs_folder_kind;
+extern const vs_folder_kind vs_folder_kinds[VS_ROLES];
+/* Returns the role of the column of that title; VS_ROLE_REPORT: it is an axis or a measure. */
+vs_folder_role vs_folder_role_of(const char *title);
 
 typedef struct vs_folder_column {
   char *title; /* as in study.csv: "circuit.r1_ohm" */

@@ -31,6 +31,7 @@ enum { VS_PLAN_AXES = 32, VS_PLAN_COLUMNS = 96 }; /* at most */
 typedef struct vs_report_column {
   char name[VS_JUDGED_NAME];        /* "thyristor.v_reverse" */
   char column[VS_JUDGED_NAME + 24]; /* "thyristor.v_reverse_v" */
+  char of[VS_DECK_NAME];            /* see vs_column */
   char unit[16], text[VS_DECK_TEXT];
   double rating; /* the limit it is held against, in unit; NaN: none */
   bool at_least; /* the limit is the least allowed; false: it is the most */
