@@ -152,7 +152,7 @@ static vs_status integrate(void *ctx, const vs_step *step, vs_error *err) {
 
 /* Fired in every cycle, the coil's current has a mean; a core that does not saturate, of 0.2 H to
  * be quick, carries most of it in the end, and the line what the winding's and its own resistance
- * leave it: test_parts_transformer.c has the formulas. R is the source's half ohm seen from the
+ * leave it: test_parts_passive.c has the formulas. R is the source's half ohm seen from the
  * line, and a fuse of a milliohm. */
 static void the_core_carries_the_mean(void) {
   integrals g = {.from_s = 0.73, .probe = {"i", "i_magnetising", "i_line"}};
