@@ -16,7 +16,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "program.h"
+#include "age.h"
 
 /* ---- helpers: checks that say what they saw, files, folders ---- */
 
@@ -820,6 +820,19 @@ static bool wait_for(const char *path) {
   return false;
 }
 
+/* True once a file in the folder has so many bytes, which are rows of a run. */
+static bool has_bytes(const char *folder, long bytes) {
+  char *names = listing(folder), *rest = names, path[VS_PATH_SIZE];
+  bool has = false;
+  for (char *name; (name = strsep(&rest, " ")) && *name;) {
+    struct stat s;
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    has = has || (!stat(path, &s) && S_ISREG(s.st_mode) && s.st_size >= bytes);
+  }
+  free(names);
+  return has;
+}
+
 static void a_signal_keeps_what_there_is(void) {
   static const struct {
     int number;
@@ -832,14 +845,13 @@ static void a_signal_keeps_what_there_is(void) {
                 "--set limits.csv=1e12"},
   };
   for (size_t k = 0; k < sizeof ROWS / sizeof *ROWS; k++) {
-    const struct timespec while_it_runs = {0, 200000000};
     char words[128];
     const char *argv[MOST_WORDS];
     snprintf(words, sizeof words, "%s", ROWS[k].words);
     split(words, argv);
     pid_t child = spawn(argv);
     EXPECT(wait_for("out"), "%s: did not begin", ROWS[k].words);
-    nanosleep(&while_it_runs, NULL);
+    WAIT_UNTIL(has_bytes("out", 16384)); /* at least twenty rows of each file */
     kill(child, ROWS[k].number);
     ran r = collect(child);
     EXPECT(r.status == 75, "%s: exit status %d", ROWS[k].words, r.status);
