@@ -173,7 +173,7 @@ static void a_search(void) {
 
 static void not_shared(void) {
   write_file("k.yaml", "set: {firing.every: 1, run: {until: 30 ms, tier: circuit}, events: {e: "
-                       "{kind: sag}}}\nvary: {events.e.at: [25 ms, 28 ms]}\n");
+                       "{kind: sag, at: 25 ms}}}\nvary: {events.e.at: [25 ms, 28 ms]}\n");
   EXPECT_SHARED("k.yaml -o kept --keep runs", 0); /* each run has a file of its own */
   write_file("t.yaml", "set: {firing.every: 1, run: {until: 30 ms, tier: circuit}, events: {e: "
                        "{kind: sag, at: 25 ms}}}\nvary: {firing.angle: [100 deg, 110 deg]}\n");
