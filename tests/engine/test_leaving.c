@@ -263,8 +263,9 @@ static void timers(void) {
  * by voltage or by current, a source whose formula has a branch or is steep, or a transistor. A
  * formula's level is not read, so that it keeps ngspice wherever it is. A formula is steep by a
  * power, an exponential, the kink of an absolute value, a product of two signals, or in a
- * resistance; it may make a switch's control. Left in the solver's absence, each was off by up to 70
- * times the bound that was told. What is linear in the capacitor's voltage need not keep ngspice. */
+ * resistance; it may make a switch's control. Left in the solver's absence, each was off by up to
+ * 70 times the bound that was told. What is linear in the capacitor's voltage need not keep
+ * ngspice. */
 static void relays(void) {
   static const char HOLD[] = "*$ probe v_hold = v(rc) V\n*$ store hold = 470e-6*v(rc)^2/2\n"
                              "*$ loss bleed = v(rc)^2/10e6\n"

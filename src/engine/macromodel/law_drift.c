@@ -121,25 +121,6 @@ bool vs_law_drift_find(vs_record *r, const vs_oneport *port, const vs_modal *mod
 
 /* ---- extrapolated ---- */
 
-/* Relative to a switch's control: how near to its level it may come besides its drift. A loose
- * tolerance says nothing of that. */
-static const double REACH = 1e-3;
-
-bool vs_law_drift_turns_over(const vs_record *r, size_t n, double drift) {
-  size_t memory = n - vs_record_terms(r) - 1;
-  const vs_circuit_state *m = &r->memories->item[memory];
-  double least = INFINITY, most = -INFINITY;
-  for (size_t k = 0; k < r->n_seen; k++) {
-    least = fmin(least, r->seen[k]->memory[memory]);
-    most = fmax(most, r->seen[k]->memory[memory]);
-  }
-  if (m->threshold == VS_THRESHOLD_UNKNOWN) return drift > vs_record_share(r) * (most - least) / 2;
-  const double reach = drift + fmin(vs_record_share(r), REACH) * fmax(most, -least);
-  for (int k = 0; k < 2; k++)
-    if (!(fabs(m->level[k] - least) > reach && fabs(m->level[k] - most) > reach)) return true;
-  return false;
-}
-
 double vs_law_drift_electric(const vs_record *r, const vs_law_drift *w, double cycles) {
   return SAFETY * cycles * fmax(w->force_n / r->peak_force_n, w->current_a / r->peak_a);
 }
@@ -162,16 +143,12 @@ static double beat_cycles(const vs_modal *modal, double period) {
 double vs_law_drift_signals(const vs_record *r, const vs_oneport *port, const vs_modal *modal,
                             const double misfit_now[VS_SIGNALS], const vs_law_drift *w,
                             double cycles) {
-  const vs_responses *signals = vs_oneport_responses(port);
-  double worst = 0, period_s = r->setup->timeline.period_s, beat = beat_cycles(modal, period_s);
+  double worst = 0, beat = beat_cycles(modal, r->setup->timeline.period_s);
   for (size_t n = 0; n < vs_record_signals(r); n++) {
+    if (vs_record_is_control(r, n)) continue;
     bool shown = n <= vs_record_terms(r);
-    double times = vs_responses_hangs(signals, n) ? fmin(cycles, beat) : SAFETY * cycles;
-    if (vs_record_is_control(r, n)) {
-      double fitted = fabs(vs_responses_drift(signals, n)) * cycles * period_s;
-      if (vs_law_drift_turns_over(r, n, fitted + times * w->signal[n])) return INFINITY;
-      continue;
-    }
+    double times =
+        vs_responses_hangs(vs_oneport_responses(port), n) ? fmin(cycles, beat) : SAFETY * cycles;
     double each = shown ? w->signal[n] : fmax(w->signal[n] - SAMPLING * misfit_now[n], 0);
     double error = (shown ? misfit_now[n] : 0) + times * each, allowed = vs_record_allowed(r, n);
     if (!shown && !(error <= allowed)) return INFINITY;

@@ -42,20 +42,13 @@ void vs_law_drift_shares_of(const vs_record *record, const vs_oneport *port,
 bool vs_law_drift_find(vs_record *record, const vs_oneport *port, const vs_modal *modal,
                        const vs_law_drift_shares *fitted, int ago, vs_law_drift *out);
 
-/* True where signal n, which is a control (vs_record_is_control), may come to a threshold if it
- * drifts by this, V or A, or go back over one that it crosses in each cycle: where an extreme over
- * the cycle in view lies nearer to it than the drift and a share of the signal. Where the threshold
- * is unknown, or a formula makes more of the drift, that may be no more than a share of the swing
- * in that cycle. */
-bool vs_law_drift_turns_over(const vs_record *record, size_t n, double drift);
-
 /* The error that the drift makes of the coil's force or current in this many cycles, with a safety
  * margin; the worse of the two, relative to its peak. */
 double vs_law_drift_electric(const vs_record *record, const vs_law_drift *drift, double cycles);
 
 /* The error of the signals after this many cycles; the worst, relative to its peak. `misfit_now` is
  * each signal's error in the last cycle, V or A. INFINITY where something that the circuit
- * remembers drifts further than vs_record_allowed, or a control to its threshold. */
+ * remembers drifts further than vs_record_allowed. */
 double vs_law_drift_signals(const vs_record *record, const vs_oneport *port, const vs_modal *modal,
                             const double misfit_now[VS_SIGNALS], const vs_law_drift *drift,
                             double cycles);
