@@ -213,7 +213,7 @@ static void warn_of_unknown(const vs_result *r, void (*each)(void *ctx, const ch
   }
 }
 
-/* Of the order of a holding current, A. Of 138 random scenes with a current, 4 stayed below with a
+/* Of the order of a holding current, A. Of 142 random scenes with a current, 7 stayed below with a
  * thyristor of transistors (tests/long/metamorphic.csv). */
 static const double HOLDS_A = 0.03;
 

@@ -234,9 +234,9 @@ static bool holds_charge(const search *s, const words *w, size_t from) {
   return false;
 }
 
-/* True for a code model whose output is a sum of its inputs times constants: no product, no limiter,
- * no table, which may be as steep as a comparator, and nothing digital, which has levels and
- * delays. */
+/* True for a code model whose output is a sum of its inputs times constants: no product, no
+ * limiter, no table, which may be as steep as a comparator, and nothing digital, which has levels
+ * and delays. */
 static bool forgets(const search *s, const words *w) {
   static const char *const STEADY[] = {"gain", "summer"};
   bool steady = false;
