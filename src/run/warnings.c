@@ -142,6 +142,15 @@ static void warn_of_bursts(const vs_node *firing, const vs_deck *deck, vs_warnin
              node->key);
 }
 
+/* A frequency of direct voltage. */
+static void warn_of_frequency(const vs_node *supply, const vs_setup *s, vs_warnings *w) {
+  const vs_node *node = vs_tree_child(supply, "frequency");
+  if (node && s->timeline.supply.direct)
+    vs_fail_at(vs_warnings_add(w), node->key_where,
+               "supply.frequency: with supply.kind: step the voltage is direct; it counts the "
+               "cycles of events and means alone");
+}
+
 /* Pulses that drive no source of the deck, and those that the dead time leaves out. */
 static void warn_of_pwm(const vs_node *pwm, const vs_timeline *t, const vs_deck *deck,
                         vs_warnings *w) {
@@ -322,6 +331,7 @@ void vs_warnings_of_scene(const vs_node *root, const vs_setup *s, const vs_frame
   warn_of_folders(root, deck, w);
   warn_below_theta(root, s, w);
   warn_of_long_pulses(root, s, w);
+  warn_of_frequency(vs_tree_child(root, "supply"), s, w);
   warn_of_law(root, &s->model.coil, w);
   warn_of_growth(root, &s->model, w);
   warn_of_loads(s, w);

@@ -564,6 +564,11 @@ static void warnings(void) {
          "%s", r.out);
   EXPECT(strstr(r.err, "warning"), "%s", r.err);
   free_ran(&r);
+  r = check("s.yaml", "supply: {kind: step, frequency: 60 Hz}\nfiring: {valve: none}\n", "");
+  CU_ASSERT_EQUAL(r.status, 0);
+  EXPECT(strstr(r.err, "s.yaml:1:22: warning: supply.frequency: with supply.kind: step"), "%s",
+         r.err);
+  free_ran(&r);
   vs_text deck = {0};
   vs_text_add(&deck, "%s", GOOD_DECK);
   memcpy(strstr(deck.text, "i_thyristor"), "i_something", 11);

@@ -326,8 +326,43 @@ static void drawn(void) {
   }
 }
 
+static void note_strained(void *ctx, const char *text) {
+  if (strstr(text, "phi, i and force may be off by more than run.tolerance: a thyristor's voltage"))
+    ++*(int *)ctx;
+}
+
+static int told_of_strained(const char *const *sets) {
+  int told = 0;
+  write_file("drawn.yaml", DRAWN[1].scene);
+  vs_trial *t = vs_trial_run("drawn.yaml", NULL, sets, NULL);
+  EXPECT(t->status == VS_OK, "%s", t->err.text);
+  if (!t->status) vs_result_warnings(&t->result, note_strained, &told);
+  vs_trial_free(t);
+  return told;
+}
+
+/* The scene where the voltage comes back within t_q is off by 1.7 tolerances in the force and
+ * by 3.9 in phi at 1e-4. With another thyristor a firing by what charge is left comes in the finer
+ * run alone, and the force is off by 112. No steps settle that, so it is told. Where the snubber
+ * rings less nothing is told: there it is 0.1. */
+static void strained_is_told(void) {
+  const char *sets[] = {"run.tolerance=1e-4",
+                        "run.until=8ms",
+                        "run.verify=never",
+                        "circuit.r1=4.15162 kohm",
+                        "circuit.blocking_voltage=485.564 V",
+                        NULL};
+  CU_ASSERT_EQUAL(told_of_strained(sets), 1);
+  sets[3] = NULL;
+  CU_ASSERT_EQUAL(told_of_strained(sets), 1);
+  sets[3] = "circuit.r1=15.4741 kohm";
+  sets[4] = "supply.voltage=415.81 V";
+  CU_ASSERT_EQUAL(told_of_strained(sets), 0);
+}
+
 static const vs_test TESTS[] = {
     {"a few scenes", a_few},
+    {"what charge is left is told", strained_is_told},
     {"drawn scenes", drawn},
     {"all scenes (long)", all_of_them},
 };

@@ -38,7 +38,9 @@ typedef struct vs_anode {
   double out_s;            /* when one of them last went out; -INFINITY: none has */
   bool crossed; /* the last step was to pass a zero, so that there is a kink at its end */
   bool jumps;   /* a gate's voltage jumps at the edges of its pulses: its drive is a source alone */
-  double edge_s; /* the last such edge that was reached; -INFINITY: none was */
+  double edge_s;               /* the last such edge that was reached; -INFINITY: none was */
+  double strained_s;           /* where the cycle began in which voltages were last back too soon */
+  int strained, most_strained; /* how often within t_q, in that cycle and in the worst */
 } vs_anode;
 
 /* Finds the currents. The deck and the timeline must outlive *a. */
@@ -52,6 +54,10 @@ vs_event vs_anode_follow(vs_anode *a, const vs_knot *from, const vs_knot *to, do
 
 /* True while one of them conducts. */
 bool vs_anode_conducts(const vs_anode *a);
+
+/* What the flux linkage may be off by, in parts of run.tolerance, for all the times in the worst
+ * cycle that a voltage was back within t_q, so that what charge was left decided what came. */
+double vs_anode_strains(const vs_anode *a, const vs_swing *swing);
 
 /* A step of the solver begins, from the last knot shown. */
 void vs_anode_leave(vs_anode *a);

@@ -167,7 +167,8 @@ static void judge_step_length(coupling *c) {
   const vs_truncation_step step = {c->trajectory.frame.model, from, next,
                                    vs_anode_conducts(&c->trajectory.anode)};
   vs_swing_take(&c->swing, from, next, vs_truncation_take_step(&c->truncation, &step), step.driven);
-  c->trajectory.strays = vs_swing_strays(&c->swing);
+  c->trajectory.strays =
+      fmax(vs_swing_strays(&c->swing), vs_anode_strains(&c->trajectory.anode, &c->swing));
 }
 
 /* At the end of a settling cycle the clock goes back to 0. Once the orbit is found the run begins

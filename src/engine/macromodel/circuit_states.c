@@ -8,6 +8,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "base/formula.h"
 #include "base/names.h"
 #include "base/text.h"
 #include "netlist/numbers.h"
@@ -233,11 +234,11 @@ static bool holds_charge(const search *s, const words *w, size_t from) {
   return false;
 }
 
-/* True for a code model whose output follows from its inputs alone, and steadily so: no limiter, no
- * table, which may be as steep as a comparator, and nothing digital, which has levels and delays.
- */
+/* True for a code model whose output is a sum of its inputs times constants: no product, no
+ * limiter, no table, which may be as steep as a comparator, and nothing digital, which has levels
+ * and delays. */
 static bool forgets(const search *s, const words *w) {
-  static const char *const STEADY[] = {"gain", "summer", "mult"};
+  static const char *const STEADY[] = {"gain", "summer"};
   bool steady = false;
   size_t k = 0;
   words model;
@@ -337,6 +338,50 @@ static bool add_read(const search *s, const level *l, char kind, const char *ope
   return kind == 'v' ? add_control(s, l, name[0], name[1], &m) : add_current(s, l, name[0], &m);
 }
 
+/* The scope of a formula of which nothing but its form is asked. */
+static int any_term(void *ctx, const char *at, const vs_formula_term *term) {
+  (void)ctx, (void)at, (void)term;
+  return 0;
+}
+
+static int any_name(void *ctx, const char *at, const char *name) {
+  (void)ctx, (void)at, (void)name;
+  return 0;
+}
+
+/* The degree in its signals of f of values of degrees a and b: 0 for a constant, 1 for signals
+ * times constants, 2 for all else. */
+static int degree_of(int f, int a, int b) {
+  if (a == 0 && b == 0) return 0;
+  if (f == VS_ADD || f == VS_SUBTRACT || f == VS_NEGATE) return a > b ? a : b;
+  if (f == VS_MULTIPLY || (f == VS_DIVIDE && b == 0)) return a + b < 2 ? a + b : 2;
+  return 2;
+}
+
+/* True for a formula that is a sum of signals times constants, behind which nothing follows but
+ * parameters as m=2. False for one that cannot be read, too. */
+static bool is_linear(const char *text) {
+  static const vs_formula_scope SCOPE = {.term = any_term, .name = any_name};
+  int degree[VS_FORMULA_DEPTH + 1] = {0}, depth = 0;
+  vs_formula f = {0};
+  char why[160];
+  const char *bad, *end = vs_formula_read(text, &SCOPE, &f, &bad, why, sizeof why);
+  for (size_t k = 0; end && k < f.count; k++) {
+    int kind = f.ops[k].kind, of = kind - VS_OP_FUNCTION;
+    if (kind < VS_OP_FUNCTION)
+      degree[depth++] = kind == VS_OP_TERM;
+    else if (vs_formula_functions[of].of)
+      degree[depth - 1] = degree_of(of, degree[depth - 1], 0);
+    else
+      depth--, degree[depth - 1] = degree_of(of, degree[depth - 1], degree[depth]);
+  }
+  vs_formula_free(&f);
+  if (!end || degree[0] > 1) return false;
+  const char *name = end + strspn(end, " \t}'"), *behind = name;
+  while (vs_words_goes_on(*behind)) behind++;
+  return !*name || (behind > name && vs_words_is_given(behind));
+}
+
 /* True for a line that calls a function of the netlist's own. */
 static bool calls_function(const search *s, const char *line) {
   for (const char *at = line; s->functions.count && (at = strchr(at, '(')); at++) {
@@ -349,18 +394,28 @@ static bool calls_function(const search *s, const char *line) {
   return false;
 }
 
-/* Adds every signal that a formula with branches reads. Which of the netlist's functions has them
- * is not told apart. Returns false where no signal of the line's own shows what is read. */
-static bool add_branches(const search *s, const level *l, const char *line) {
-  const bool called = (s->branching || s->reading) && calls_function(s, line);
-  if (called && s->reading) return false;
-  if (!called && !has_branches(line)) return true;
-  for (const char *at = line; (at = strpbrk(at, "vViI")); at++) {
-    bool begins = at > line && !vs_words_goes_on(at[-1]);
-    const char *open = at + 1 + strspn(at + 1, " \t");
-    if (!begins || *open != '(') continue;
-    if (!add_read(s, l, (char)tolower((unsigned char)*at), open)) return false;
+/* The first v(...) or i(...) from `at` on, *open its bracket; NULL: there is none. */
+static const char *next_read(const char *line, const char *at, const char **open) {
+  for (; (at = strpbrk(at, "vViI")); at++) {
+    *open = at + 1 + strspn(at + 1, " \t");
+    if (at > line && !vs_words_goes_on(at[-1]) && **open == '(') return at;
   }
+  return NULL;
+}
+
+/* Adds every signal that a formula reads which is not linear in them: what they drift by it may
+ * make much larger. So may a resistance or capacitance that any formula gives. Returns false where
+ * no signal of the line's own shows what is read. */
+static bool add_reads(const search *s, const level *l, const char *line) {
+  const bool called = (s->branching || s->reading) && calls_function(s, line);
+  const char *open, *at = next_read(line, line, &open), *formula = line;
+  if (called && s->reading) return false;
+  for (const char *c = line; at && c < at; c++)
+    if (*c == '=') formula = c + 1 + strspn(c + 1, " \t'");
+  if (strchr("beg", *line | 0x20) && !called && !has_branches(line) && is_linear(formula))
+    return true;
+  for (; at; at = next_read(line, at + 1, &open))
+    if (!add_read(s, l, (char)tolower((unsigned char)*at), open)) return false;
   return true;
 }
 
@@ -370,7 +425,8 @@ static bool add_states_of_element(const search *s, const level *l, const char *l
   split_into_words(line, &w);
   if (w.cut || w.count < 2) return false;
   const char *const *n = w.word + 1;
-  if (strchr("bcegr", **w.word) && !add_branches(s, l, line)) return false;
+  if (strchr("bcegr", **w.word) && !add_reads(s, l, line)) return false;
+  if (strchr("efgh", **w.word) && strcasestr(line, "poly")) return false; /* may be a product */
   if (strchr(FORGETFUL, **w.word)) return true;
   switch (**w.word) {
   case 's':

@@ -4,7 +4,7 @@
  * subcircuit taken apart. When all of these do as they did a cycle ago, so does the circuit; that
  * is what leaving its solver depends on (engine/macromodel/oneport_macromodel.c). What turns over
  * at a threshold does something else once what it reads has drifted there, so that is listed, too:
- * the control of every switch, and every signal in a formula that has branches. */
+ * the control of every switch, and every signal in a formula that is not linear in its signals. */
 #ifndef VS_ENGINE_CIRCUIT_STATES_H
 #define VS_ENGINE_CIRCUIT_STATES_H
 
@@ -18,7 +18,8 @@ enum { VS_CIRCUIT_STATES_MOST = 192, VS_CIRCUIT_STATE_NAME = 160 };
 typedef enum vs_threshold {
   VS_THRESHOLD_NONE,
   VS_THRESHOLD_KNOWN,  /* a switch turns over at `level` */
-  VS_THRESHOLD_UNKNOWN /* a formula with branches, or a switch whose levels are not plain numbers */
+  VS_THRESHOLD_UNKNOWN /* a formula that has branches, or makes more of what its signals drift by; a
+                          transistor; a switch whose levels are not plain numbers */
 } vs_threshold;
 
 /* One value, V or A: the signal `plus` less the signal `minus`, as ngspice names them. A voltage

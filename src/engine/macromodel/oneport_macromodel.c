@@ -335,17 +335,19 @@ static const double REACH = 1e-3;
 /* True where signal n, which turns something over at a threshold, could drift there, or back over a
  * threshold that it crosses in each cycle: where an extreme that the solver showed in the view lies
  * nearer to it than the drift, V or A, and a share of the signal. Where the threshold is unknown,
- * the signal may drift no further than a share of its swing. */
+ * or a formula may make more of the drift, the signal may drift no further than a share of its
+ * swing in the view: what it went through before, as a capacitor that was charged, says nothing of
+ * what that makes of it. */
 static bool may_turn_over(const quiet *q, size_t n, double drift) {
   const vs_record *r = &q->record;
   size_t memory = n - vs_record_terms(r) - 1;
   const vs_circuit_state *m = &q->memories.item[memory];
   double least = INFINITY, most = -INFINITY;
-  if (m->threshold == VS_THRESHOLD_UNKNOWN) return drift > vs_record_share(r) * r->peak_signal[n];
   for (size_t k = 0; k < r->n_seen; k++) {
     least = fmin(least, r->seen[k]->memory[memory]);
     most = fmax(most, r->seen[k]->memory[memory]);
   }
+  if (m->threshold == VS_THRESHOLD_UNKNOWN) return drift > vs_record_share(r) * (most - least) / 2;
   const double reach = drift + fmin(vs_record_share(r), REACH) * fmax(most, -least);
   for (int k = 0; k < 2; k++)
     if (!(fabs(m->level[k] - least) > reach && fabs(m->level[k] - most) > reach)) return true;

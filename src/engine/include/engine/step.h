@@ -63,8 +63,9 @@ typedef struct vs_step {
   bool held;         /* the armature is jammed: p" = 0 */
   vs_event event[2]; /* in order of time; VS_EV_NONE where there is none */
   double event_s[2]; /* when they happened: within the step, or as near to it as can be told */
-  double strays; /* by Gear's rule: what it may have made so far of the coil's flux linkage while
-                    that swung by itself, in parts of run.tolerance of its peak */
+  double strays; /* what may be wrong so far of the coil's flux linkage, in parts of run.tolerance
+                    of its peak: by Gear's rule, while that swung by itself, or by thyristors whose
+                    voltage was back within their t_q */
   double bound;  /* with VS_EV_QUIET and VS_EV_BACK: largest error that leaving the solver has
                     made, relative to each probe's peak */
 } vs_step;
