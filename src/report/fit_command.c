@@ -228,6 +228,7 @@ static void add_correlation(const vs_estimate *e, vs_json *json) {
   vs_json_end(json);
 }
 
+/* Adds {UNKNOWN: EXPONENT, ...}, without those whose exponent is 0. */
 static void add_exponents(const vs_estimate *e, const char *key, const double *exponent,
                           vs_json *json) {
   vs_json_object(json, key, VS_JSON_ROW);
@@ -236,6 +237,8 @@ static void add_exponents(const vs_estimate *e, const char *key, const double *e
   vs_json_end(json);
 }
 
+/* One combination of unknowns that the data determine well or badly: its text, its standard error,
+ * and the exponents of the unknowns in it. */
 static void add_combination(const vs_estimate *e, const vs_combination *c, vs_json *json) {
   vs_json_object(json, NULL, VS_JSON_LINES);
   vs_json_text(json, "combination", c->text);

@@ -11,8 +11,10 @@
 
 enum { MOST_ITEMS = 24 };
 
-/* Adds what a node of the manifest says, on one line. */
-static void add_node(vs_html *html, const vs_node *node) {
+/* Adds a node of the manifest on one line: a text as it is, a list as "a, b", a map as "key: a",
+ * nested ones in brackets. Of a long list the first MOST_ITEMS and the last are shown, with how
+ * many there are. */
+static void add_node_text(vs_html *html, const vs_node *node) {
   if (node->kind == VS_NODE_TEXT) {
     vs_html_text(html, node->text);
     return;
@@ -27,7 +29,7 @@ static void add_node(vs_html *html, const vs_node *node) {
     }
     bool nested = c->kind != VS_NODE_TEXT;
     if (nested) vs_html_add(html, "(");
-    add_node(html, c);
+    add_node_text(html, c);
     if (nested) vs_html_add(html, ")");
   }
   if (n > MOST_ITEMS + 1) vs_html_add(html, " (%zu of them)", n);
@@ -88,7 +90,7 @@ static void tables_axes(vs_html *html, const vs_folder *t, const vs_study_result
       vs_html_add(html, "%s", n++ ? "; " : "");
       vs_html_text(html, v->key);
       vs_html_add(html, ": ");
-      add_node(html, v);
+      add_node_text(html, v);
     }
     vs_html_add(html, "</td>");
     vs_html_cell(html, t->column[c].text);
@@ -136,7 +138,7 @@ static void tables_manifest(vs_html *html, const vs_folder *t) {
     vs_html_text(html, n->key);
     vs_html_add(html, "</th><td>");
     for (const vs_node *c = n->child; lines && c; c = c->next) {
-      add_node(html, c);
+      add_node_text(html, c);
       vs_html_add(html, "<br>");
     }
     if (!lines && !strcmp(n->key, "command"))
@@ -145,7 +147,7 @@ static void tables_manifest(vs_html *html, const vs_folder *t) {
         vs_html_add(html, " ");
       }
     else if (!lines)
-      add_node(html, n);
+      add_node_text(html, n);
     vs_html_add(html, "</td></tr>\n");
   }
   vs_html_add(html, "</table></div>\n</section>\n");

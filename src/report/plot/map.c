@@ -76,10 +76,14 @@ typedef struct map {
   double factor, *z; /* [y.cells][x.cells], as shown; NAN: no case */
 } map;
 
+/* The k-th value of the axis as shown; of an axis of words its index. */
 static double value_at(const map_side *s, size_t k) {
   return s->profile->is_number ? s->profile->value[k] * s->scale.factor : (double)k;
 }
 
+/* Cuts the axis' values into cells of `each` values (the last one may have fewer): finds the
+ * middles of the cells, and the edges half way between the middles. The two outer edges lie as far
+ * beyond their middle as the next edge lies within it. */
 static void cut_side(map_side *s) {
   size_t count = s->profile->count;
   bool is_log = s->scale.log;
