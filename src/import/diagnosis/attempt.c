@@ -10,7 +10,7 @@
 
 #include "ngspice/child.h"
 
-/* One that looks on at the steps of a trial. */
+/* The observer of a trial's steps. */
 typedef struct onlooker {
   const vs_attempt_plan *plan;
   vs_attempt *trial;
@@ -32,8 +32,9 @@ static double processor_time(void) {
 
 static const double LEAST_SWING = 1e-3;
 
-/* A change counts as to and fro where it has the other sign than the one before, is a thousandth of
- * the channel's peak or more, and is neither half nor double as large. */
+/* A change of the channel counts as a turn if its sign is opposite to the last change, its size is
+ * at least a thousandth of the channel's peak, and it is between half and double the last change.
+ */
 static void see_channel(onlooker *o, int c, double value, double t_s) {
   vs_attempt *trial = o->trial;
   double change = value - o->last[c], before = o->change[c];
@@ -50,7 +51,7 @@ static void see_channel(onlooker *o, int c, double value, double t_s) {
   trial->largest[c] = fmax(trial->largest[c], value);
 }
 
-/* A crossing is close where it comes at most this many steps after the one before. */
+/* A crossing is close to the last one if it comes at most this many steps later. */
 enum { CLOSE = 4 };
 
 static void see_watch(onlooker *o, size_t k, const vs_knot *at) {
@@ -90,7 +91,7 @@ static vs_status see(void *ctx, const vs_step *step, const vs_result *result, vs
 
 /* ---- in the child ---- */
 
-/* Runs the trial in this process, which ends soon. */
+/* Runs the trial in the child process, which ends soon after. */
 static void attempt(const vs_attempt_plan *plan, vs_attempt *trial) {
   vs_scene *scene = plan->scene;
   onlooker *o = vs_alloc(1, sizeof *o);

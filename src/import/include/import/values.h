@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Numbers and expressions of a netlist, with its .param lines. */
+ * Numbers and expressions in a netlist, and its .param lines. */
 #ifndef VS_IMPORT_VALUES_H
 #define VS_IMPORT_VALUES_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "import/listing.h"
 #include "base/names.h"
+#include "import/listing.h"
 
 enum { VS_VALUES_NAME = 64 };
 
-/* One assignment of a line .param outside of subcircuits. */
+/* One assignment of a .param line outside of subcircuits. */
 typedef struct vs_value_param {
   char name[VS_VALUES_NAME]; /* in lower case */
   char *text;                /* what it is set to, as written; owned */
@@ -34,16 +34,16 @@ typedef struct vs_values {
 void vs_values_read(vs_values *values, const vs_listing *listing);
 void vs_values_free(vs_values *values);
 
-/* Reads a number of SPICE's with its suffix (t g meg k m mil u n p f) and whatever letters follow.
- * Returns false where the text is none, or one that programs read differently, as 4k7 where
- * values->rkm does not say how. */
+/* Reads a SPICE number with its suffix (t g meg k m mil u n p f); letters after it are ignored.
+ * Returns false where the text is no number, or one that programs read differently, such as 4k7
+ * unless values->rkm is set. */
 bool vs_values_number(const vs_values *values, const char *text, double *number);
 
-/* Gives the value of a number, a name, or an expression, in braces or not. Returns false where it
- * is not known before a run. */
+/* Evaluates a number, a name, or an expression, with or without braces. Returns false where the
+ * value is not known before a run. */
 bool vs_values_of(const vs_values *values, const char *text, double *value);
 
-/* The parameter of that name, capitals aside; NULL: there is none. */
+/* The parameter of that name, ignoring case; NULL: there is none. */
 const vs_value_param *vs_values_find(const vs_values *values, const char *name);
 
 #endif
