@@ -10,7 +10,7 @@
 typedef struct vs_coined {
   const vs_elements *wiring; /* borrowed, as values are */
   const vs_values *values;
-  vs_names said; /* names of functions, and of nodes that lines .global name */
+  vs_names said; /* names of functions, and of the nodes of .global lines */
 } vs_coined;
 
 void vs_coined_begin(vs_coined *coined, const vs_elements *wiring, const vs_values *values);

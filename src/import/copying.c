@@ -26,7 +26,7 @@ typedef struct writer {
   const char *folder;
   vs_copying *body;
   int lines;      /* of the text so far */
-  size_t counted; /* bytes of it in which they were counted */
+  size_t counted; /* bytes of the text in which lines were counted */
 } writer;
 
 static void add(writer *b, const char *format, ...) __attribute__((format(printf, 2, 3)));
@@ -297,7 +297,7 @@ static void add_inner_values(writer *b, vs_word name, vs_word value) {
   }
 }
 
-/* Goes through the entries "v(NODE)=VALUE" of a line .ic. */
+/* Adds the initial values of inner nodes for each entry "v(NODE)=VALUE" of an .ic line. */
 static void add_inner_starts(writer *b, const char *line) {
   static const char BLANKS[] = " \t";
   for (const char *s = line; (s = strpbrk(s, "vV")); s++) {

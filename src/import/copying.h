@@ -16,9 +16,9 @@ typedef struct vs_copying {
   vs_text text;
   vs_copying_origin *origins; /* owned; in the order of their lines */
   size_t count;
-  bool pspice;    /* its text wants PSpice's dialect */
+  bool pspice;    /* the text has to be read in PSpice's dialect */
   double until_s; /* end of the netlist's own .tran; NaN: there is none */
-  bool gear;      /* its options want Gear's rule */
+  bool gear;      /* its options ask for Gear's rule */
   size_t skipped; /* lines of analysis and commands that were left out */
 } vs_copying;
 

@@ -64,7 +64,7 @@ static vs_status read_numbers(const vs_elements *w, const vs_values *v, const vs
     if (known && points) add_time(n, word);
     free(word);
     if (status) return status;
-    if (!known) break; /* AC 1, behind a course without brackets */
+    if (!known) break; /* such as AC 1, after a course without brackets */
     n->count++;
     s += size;
   }

@@ -36,7 +36,7 @@ typedef struct vs_declared {
   size_t left_out;                            /* lines for which a deck has no room */
   char terms[VS_DECK_MOST][2 * VS_DECK_NAME]; /* "v(a,b)", "i(vx)" of all lines */
   size_t n_terms;
-  vs_names names; /* of params and probes so far, and the netlist's own */
+  vs_names names; /* names of parameters and probes so far, and the netlist's own */
   vs_declared_notes did, left;
 } vs_declared;
 

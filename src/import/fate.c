@@ -160,7 +160,7 @@ static bool is_used(const vs_fate *p, const vs_value_param *v) {
            names(l->cards[k].text, v->name);
   for (size_t k = 0; k < p->wiring->count && !used; k++)
     used = is_used_in_element(p, &p->wiring->elements[k], v->name);
-  for (size_t k = 0; k < p->values->count && !used; k++) /* another one of the same line */
+  for (size_t k = 0; k < p->values->count && !used; k++) /* another parameter on the same line */
     used = &p->values->item[k] != v && p->values->item[k].card == v->card &&
            names(p->values->item[k].text, v->name);
   return used;

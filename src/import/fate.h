@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * What becomes of each element of a netlist in its deck: which parameter its value becomes, where
- * its current is sensed, what it is measured as. */
+ * What becomes of each element of a netlist in its deck: the parameter for its value, where its
+ * current is sensed, what it is measured as. */
 #ifndef VS_IMPORT_FATE_H
 #define VS_IMPORT_FATE_H
 
@@ -12,13 +12,14 @@
 typedef struct vs_fate_element {
   vs_pins pins;
   char param[VS_ELEMENTS_NAME]; /* the deck's parameter that its value becomes; empty: none */
-  char *value; /* its value as a formula of the deck's parameters; NULL: it is none */
+  char *value; /* its value as a formula of the deck's parameters; NULL: there is none */
   char sense[VS_ELEMENTS_NAME];      /* the source of 0 V that senses its current; empty: none */
-  char inner[VS_ELEMENTS_NAME];      /* the node between that and the element */
-  int sensed_at;                     /* which of its nodes, from 0 */
+  char inner[VS_ELEMENTS_NAME];      /* the node between that source and the element */
+  int sensed_at;                     /* at which of its nodes, from 0 */
   char gate_sense[VS_ELEMENTS_NAME]; /* the same two for its gate */
   char gate_inner[VS_ELEMENTS_NAME];
-  char part[VS_ELEMENTS_NAME]; /* the deck's parameter that is its part; empty: it is no part */
+  char
+      part[VS_ELEMENTS_NAME]; /* the deck's parameter that selects its part; empty: it is no part */
   char stem[VS_ELEMENTS_NAME]; /* of the mains and gates: the stem of all names that replace it,
                                   such as STEM_on and Egate_STEM */
   char level[VS_DECK_NAME]; /* of a gate: the deck's parameter that is the height of its pulses */

@@ -71,7 +71,7 @@ static void add_sources(vs_fate *p) {
     }
   if (r->mains) add_series(p, r->mains);
   for (size_t g = 0; g < r->n_gates; g++) add_gate_loss(p, &r->gates[g]);
-  for (size_t k = 0; k < w->count; k++) { /* what sources give is a loss below zero */
+  for (size_t k = 0; k < w->count; k++) { /* what sources deliver is a negative loss */
     const vs_element *e = &w->elements[k];
     char v[VS_DECK_TEXT];
     if (e->letter != 'v' || e == r->mains) continue;

@@ -13,7 +13,7 @@ static bool is_near(double a, double b) {
   return fabs(a - b) <= NEAR * b;
 }
 
-/* True for a pulse that comes too often to fire thyristors on the mains: a chopper's. */
+/* True for a pulse that repeats too fast to fire thyristors on the mains: a chopper's. */
 static bool chops(const vs_roles_search *f, const vs_course_pulse *p) {
   return f->roles->mains && p->period_s < 0.4 / f->roles->hz;
 }
@@ -111,7 +111,7 @@ static bool in_the_line(const vs_roles_search *f, const vs_element *e) {
     for (int n = 0; n < 2; n++)
       if (mains[k] == e->nodes[n] && strcmp(f->w->nodes[mains[k]].name, "0")) {
         const vs_element *other = vs_elements_next(f->w, e, mains[k]);
-        if (other == f->roles->mains) return true; /* nothing else meets there: in series */
+        if (other == f->roles->mains) return true; /* nothing else is connected there: in series */
       }
   return false;
 }
@@ -169,7 +169,7 @@ static int every_of(const vs_roles *r, const vs_roles_gate *g) {
 /* Error: the gate's pulses begin, or repeat, later than firing.first_cycle and firing.every can
  * express. */
 static vs_status check_reach(const vs_roles_search *f, const vs_roles_gate *g) {
-  static const double MOST_CYCLES = 1e8; /* in the longest run there are fewer */
+  static const double MOST_CYCLES = 1e8; /* the longest run has fewer */
   double at = cycles_to(f->roles, g), period = g->pulse.period_s * f->roles->hz;
   if (fabs(at) < MOST_CYCLES && (isinf(g->pulse.period_s) || fabs(period) < MOST_CYCLES))
     return VS_OK;
@@ -220,7 +220,7 @@ void vs_gates_set_firing(vs_roles *r) {
   }
   if (isnan(r->angle_deg)) return;
   double begin = first - r->angle_deg / 360;
-  if (r->angle_deg >= 180) r->angle_deg -= 180; /* the first gate is half a cycle late then */
+  if (r->angle_deg >= 180) r->angle_deg -= 180; /* the first gate is then half a cycle late */
   r->at_zero = r->angle_deg < 1e-3;
   if (r->at_zero) r->angle_deg = 1e-3;
   for (size_t k = 0; k < r->n_gates; k++) {

@@ -20,7 +20,7 @@ typedef struct piece {
 typedef struct call {
   piece name, argument[ARGUMENTS];
   int count;
-  const char *behind; /* what stands behind the closing bracket */
+  const char *behind; /* the text after the closing bracket */
 } call;
 
 static size_t name_length(const char *s) {
@@ -118,7 +118,7 @@ static bool expand_once(const vs_listing *l, const char *text, vs_text *out) {
 char *vs_macros_expand(const vs_listing *l, const char *expression) {
   char *text = vs_copy(expression);
   bool any = l != NULL;
-  for (int k = 0; any && k < NESTED; k++) { /* one that calls itself ends here */
+  for (int k = 0; any && k < NESTED; k++) { /* which ends a function that calls itself */
     vs_text out = {0};
     if (strlen(text) > 4096) break;
     any = expand_once(l, text, &out);

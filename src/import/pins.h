@@ -10,9 +10,10 @@
 /* An element's kind, and its pins as indices of its own nodes, from 0. */
 typedef struct vs_pins {
   const char *kind;            /* "thyristor", "triac", "diode", ...; NULL: it is nothing known */
-  int from, to;                /* the current that counts flows from the one to the other */
+  int from, to;                /* the current is positive from the first to the second */
   int gate;                    /* -1: it has none */
-  char part[VS_ELEMENTS_NAME]; /* the part that its subcircuit is; empty: the netlist's own */
+  char part[VS_ELEMENTS_NAME]; /* the part that its subcircuit stands for; empty: the netlist
+                                  defines it */
   const char *by;              /* how the kind was found, in words for the user */
 } vs_pins;
 

@@ -7,9 +7,9 @@
 #include "import/roles.h"
 
 typedef struct vs_start {
-  const vs_card *tran; /* the .tran that begins at an operating point; NULL: it makes no
-                          difference, or there is none */
-  vs_text source;      /* the name of the first that is not 0 at t = 0 */
+  const vs_card *tran; /* the .tran that begins at an operating point; NULL: there is none, or it
+                          makes no difference */
+  vs_text source;      /* the name of the first source that is not 0 at t = 0 */
   vs_text stores;      /* names of capacitors and inductors without an initial value */
 } vs_start;
 

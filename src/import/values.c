@@ -174,7 +174,7 @@ static bool begins_assignment(const char *s) {
   return s[n] == '=' && s[n + 1] != '=';
 }
 
-/* Where the value that begins at `s` ends: before the next assignment, outside of brackets. */
+/* The end of the value that begins at `s`: before the next assignment, outside of brackets. */
 static const char *end_of_value(const char *s) {
   int depth = 0;
   bool quoted = false;
@@ -196,7 +196,7 @@ static void read_line(vs_values *v, const vs_listing *l, size_t card) {
     s += strspn(s, " \t=");
     const char *end = end_of_value(s), *last = end;
     while (last > s && strchr(" \t", last[-1])) last--;
-    if (n == 0 || last == s) return; /* what it says is ngspice's to refuse */
+    if (n == 0 || last == s) return; /* ngspice will refuse it */
     add_param(v, name, n, s, (size_t)(last - s), card);
     s = end;
   }

@@ -28,8 +28,8 @@ static bool has_across(const vs_roles_search *f, const vs_element *coil) {
   return across;
 }
 
-/* The resistor in series with an inductor, at either of its ends; NULL: there is none, or it does
- * not belong to the coil, because something lies across the inductor alone. */
+/* The resistor in series with an inductor, at either end; NULL: there is none, or it does not
+ * belong to the coil because something is connected across the inductor alone. */
 static const vs_element *resistor_of(const vs_roles_search *f, const vs_element *coil) {
   if (has_across(f, coil)) return NULL;
   for (int n = 1; n >= 0; n--) {

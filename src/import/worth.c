@@ -151,7 +151,7 @@ char *vs_worth_make(const vs_elements *w, const vs_values *v, const vs_element *
   char *word = vs_elements_word_of(w, e, e->n_nodes + 1);
   double value;
   vs_text formula = {0};
-  /* ngspice does not see the model behind "{r1}", and so the netlist's number stays there */
+  /* ngspice does not see the model after "{r1}", so that the netlist's number stays there */
   if (has_model(&p, e))
     *param = '\0';
   else if (vs_values_number(v, word, &value) && value > 0)

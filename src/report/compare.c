@@ -14,17 +14,17 @@
 
 /* ---- two studies: which cases changed their verdict, how far columns lie apart ---- */
 
-enum { MOST_LISTED = 10 }; /* cases that are listed with another verdict */
+enum { MOST_LISTED = 10 }; /* cases with another verdict that are listed */
 
 /* A column that both studies report, and how far its values differ. */
 typedef struct study_pair_column {
-  size_t at[2];                /* its number in either study */
+  size_t at[2];                /* the column's number in either study */
   double least[2], largest[2]; /* of all rows of that study; NaN: none has a number */
-  double apart;                /* B less A, where its size is largest; NaN: in no joined row */
+  double apart;                /* B - A where it is largest in size; NaN: in no joined row */
   long apart_case[2];          /* the cases of that row */
-  double sum;                  /* of B less A over the joined rows with both */
-  long joined;                 /* these */
-  long alone[2];               /* joined rows in which A, or B, alone has a number */
+  double sum;                  /* of B - A over the joined rows in which both have a number */
+  long joined;                 /* how many rows these are */
+  long alone[2];               /* joined rows in which only A, or only B, has a number */
 } study_pair_column;
 
 /* A pair of joined rows with different verdicts. */
@@ -36,7 +36,8 @@ typedef struct study_pair_change {
 /* Begins as {0}; study_pair_close is due even after an error. Index 0 is study A, 1 is study B. */
 typedef struct study_pair {
   vs_folder folder[2];
-  bool by_axes; /* rows are joined by the values of their axes; false: by their number */
+  bool by_axes; /* rows are joined by the values of their axes; false: by the numbers of their cases
+                 */
   long rows[2], held[2], judged[2], joined;
   study_pair_column column[VS_STUDY_COLUMNS];
   size_t columns;
@@ -352,7 +353,7 @@ static vs_status compare_runs(const vs_compare_options *o, vs_text *out, vs_erro
 }
 
 static vs_status compare_studies(const vs_compare_options *o, vs_text *out, vs_error *err) {
-  study_pair *pair = vs_alloc(1, sizeof *pair); /* large, because of its columns */
+  study_pair *pair = vs_alloc(1, sizeof *pair); /* too large for the stack */
   vs_status status = study_pair_open(pair, o->a, o->b, o->methods, err);
   if (!status) (o->json ? study_pair_json : study_pair_table)(pair, out);
   study_pair_close(pair);

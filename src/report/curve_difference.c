@@ -22,7 +22,7 @@ static double value_at(side *s, double t_s) {
 
 /* The sums so far. */
 typedef struct sums {
-  double before_s, before; /* the last time, and B less A there; NaN: not known */
+  double before_s, before; /* the last time, and B - A there; NaN: not known */
   double time_s, squared;  /* integrals of 1 and of (B - A)^2 */
 } sums;
 

@@ -8,9 +8,9 @@
 /* All in the columns' unit. NaN: there is no time at which both curves are known. */
 typedef struct vs_curve_difference {
   double peak;       /* largest size of either curve while both are known */
-  double largest;    /* B less A where the two lie farthest apart */
-  double at_s;       /* when that is */
-  double rms;        /* root of the mean square of B less A over the time both are known */
+  double largest;    /* B - A where it is largest in size */
+  double at_s;       /* the time of that */
+  double rms;        /* r.m.s. value of B - A over the time at which both are known */
   double from, to_s; /* the first and the last time at which both are known, s */
 } vs_curve_difference;
 

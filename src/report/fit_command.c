@@ -497,7 +497,7 @@ static vs_status fit_and_report(const vs_fit_command_options *options, const vs_
   vs_fit_result *o = vs_alloc(1, sizeof *o);
   vs_status status = options->folder ? vs_file_folder_make(options->folder, &made, err) : VS_OK;
   bool folder = options->folder && !status;
-  if (made) vs_shutdown_remove(options->folder); /* a signal leaves no empty folder */
+  if (made) vs_shutdown_remove(options->folder); /* so that a signal leaves no empty folder */
   if (!status) status = vs_fit_result_of(q, o, err);
   if (made) vs_shutdown_forget(options->folder);
   if (o->told) print_fit(options, o);
@@ -537,7 +537,7 @@ vs_status vs_fit_command_run(const vs_fit_command_options *options, vs_error *er
 vs_status vs_fit_command_check(const vs_check_options *options, vs_text *good, vs_error *err) {
   vs_fit_problem *q = vs_alloc(1, sizeof *q);
   vs_error first = {
-      0}; /* without findings: what follows a mistake would be read from a half-made scene */
+      0}; /* without findings: what follows a mistake would be read from an incomplete scene */
   vs_status status =
       vs_fit_problem_read(options->name, options->sets, options->n_sets, NULL, q, &first);
   if (status) {

@@ -99,7 +99,7 @@ static void rerun_show(const vs_fit_result *o, FILE *out) {
   }
 }
 
-enum { FIGURE = 32 }; /* room for a number in a table */
+enum { FIGURE = 32 }; /* size of a number's text in a table */
 
 /* ---- what was asked ---- */
 

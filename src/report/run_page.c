@@ -134,7 +134,7 @@ static void add_verdict(vs_html *html, const vs_node *summary) {
 
 /* ---- measures and parameters ---- */
 
-/* The table's cells, and all measures of the run. */
+/* The page, and all measures of the run, for the other end of an extreme. */
 typedef struct measures {
   vs_html *html;
   const vs_node *all;

@@ -127,7 +127,7 @@ static void add_panel(vs_script *script, const bar *first, size_t count, double 
 }
 
 static void add_tornado_script(const tornado *t, bool svg, vs_script *script) {
-  size_t bars = t->count + (size_t)t->panels; /* a title takes a bar's room */
+  size_t bars = t->count + (size_t)t->panels; /* a title is as high as a bar */
   int height = EDGE + BAR * (int)bars + 40 * t->panels;
   double unit = (double)BAR / height, top = 1 - 45.0 / height;
   vs_gnuplot_code(script, svg ? "set terminal svg" : "set terminal pngcairo");

@@ -15,7 +15,7 @@
 /* Begins as {0}; vs_traces_free is due even after an error. */
 typedef struct vs_traces {
   char path[VS_PATH_SIZE];  /* of run.csv */
-  char drawn[VS_PATH_SIZE]; /* of what is to be drawn, with the same columns */
+  char drawn[VS_PATH_SIZE]; /* of the file to draw, with the same columns */
   size_t drawn_rows;        /* at least as many as run.csv has */
   char **name;              /* [columns]; the first is "t_s" */
   vs_column *column;        /* [columns], what they are */

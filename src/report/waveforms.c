@@ -13,7 +13,7 @@
 enum {
   WIDTH = 820,
   HEIGHT = 380,     /* pixels of a picture */
-  MOST_ROWS = 50000 /* of a run that is drawn whole; the page would be too large */
+  MOST_ROWS = 50000 /* of a run that is drawn whole; with more the page would be too large */
 };
 
 /* ---- what is shown ---- */

@@ -15,8 +15,9 @@ typedef struct onlooker {
   const vs_attempt_plan *plan;
   vs_attempt *trial;
   int channels;
-  double last[VS_CH_MOST], change[VS_CH_MOST]; /* of each channel: its value, its last change */
-  long turns[VS_CH_MOST];                      /* how many changes in turn were to and fro */
+  double last[VS_CH_MOST],
+      change[VS_CH_MOST]; /* for each channel: its value, and its last change */
+  long turns[VS_CH_MOST]; /* how many changes in a row were turns */
   double sign[VS_ATTEMPT_WATCHES];
   long crossed_at[VS_ATTEMPT_WATCHES]; /* the number of the step */
 } onlooker;
@@ -103,7 +104,7 @@ static void attempt(const vs_attempt_plan *plan, vs_attempt *trial) {
   scene->setup.run.gear = plan->gear;
   scene->setup.run.until_s = plan->until_s;
   scene->setup.steady = false;
-  scene->order.stand_in = NULL; /* each step is the solver's own */
+  scene->order.stand_in = NULL; /* so that the solver computes every step */
   scene->order.tries = &trial->tries;
   double began_s = processor_time();
   trial->status = vs_session_run(&session, scene, result, &err);
@@ -122,7 +123,7 @@ vs_status vs_attempt_run(const vs_attempt_plan *plan, vs_attempt *trial, vs_erro
   vs_status status = vs_child_fork(&copy, err);
   if (status) return status;
   if (copy.pid == 0) {
-    rlim_t most = (rlim_t)(3 * plan->limit_s + 5); /* where the solver never comes back */
+    rlim_t most = (rlim_t)(3 * plan->limit_s + 5); /* ends a solver that never returns */
     setrlimit(RLIMIT_CPU, &(struct rlimit){most, most});
     attempt(plan, trial);
     vs_child_tell(&copy, trial, sizeof *trial);

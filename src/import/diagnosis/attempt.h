@@ -14,7 +14,7 @@ enum { VS_ATTEMPT_WATCHES = 32 };
 typedef struct vs_attempt_watch {
   double last, largest;
   long crossings;
-  long close; /* of these, how many came within four steps after the one before */
+  long close; /* how many of these came within four steps after the last one */
   double first_close_s, last_close_s; /* instants of these; NaN: there are none */
   double last_s;                      /* of the last crossing; NaN: there is none */
 } vs_attempt_watch;
@@ -38,7 +38,7 @@ typedef struct vs_attempt_plan {
 
 /* The result of a trial. Arrays are in the order of channels (engine/channel.h), in SI units. */
 typedef struct vs_attempt {
-  vs_status status;  /* VS_OK: it went on to its end or its limit */
+  vs_status status;  /* VS_OK: it ran to its end or its limit */
   bool cut;          /* the limit of processor time ended it */
   char why[256];     /* how it failed; empty: it did not */
   long steps, tries; /* accepted steps; steps that were tried, rejected ones too */

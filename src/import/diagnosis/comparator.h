@@ -14,7 +14,7 @@ enum { VS_COMPARATORS_MOST = 32 };
 typedef struct vs_comparator {
   const vs_wire *wire; /* borrowed from the wiring */
   char text[256];      /* what changes its sign where the element jumps: "(v(a,0))-({level})" */
-  bool own; /* it looks at the voltage across itself, so that its jump moves that at once */
+  bool own; /* its own voltage controls it, so that its jump changes that voltage at once */
 } vs_comparator;
 
 typedef struct vs_comparators {

@@ -13,7 +13,7 @@ typedef struct vs_judge_case {
   bool gear;                           /* the present rule is Gear's */
   const vs_attempt *now;               /* with the present rule */
   const vs_attempt *other;             /* with the other one */
-  const vs_comparator *const *watched; /* whose are the trials' watches, in their order */
+  const vs_comparator *const *watched; /* the comparator of each of the trials' watches */
   size_t n_watched;
 } vs_judge_case;
 

@@ -18,7 +18,7 @@ typedef struct vs_note_number {
 typedef struct vs_note {
   const char *kind;  /* "floating", "method", ... */
   const char *level; /* "warning": something is wrong with the deck; "hint": it may be faster or
-                        surer; "note": what was tried */
+                        safer; "note": what was tried */
   vs_error text;     /* with its place */
   vs_note_number number[VS_NOTE_NUMBERS];
   int numbers;

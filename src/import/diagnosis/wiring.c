@@ -258,7 +258,7 @@ static char *subcircuit_of(const vs_deck *deck, const vs_line *line, const char 
   return kind;
 }
 
-/* The index of the line .ends that closes the .subckt of line `from`. */
+/* The index of the .ends line that closes the .subckt of line `from`. */
 static size_t end_of(const vs_deck *deck, size_t from) {
   int depth = 0;
   for (size_t k = from; k < deck->n_lines; k++) {

@@ -13,14 +13,14 @@ enum { VS_WIRING_PINS = 24, VS_WIRING_LOOKS = 24, VS_WIRING_NAME = 128 };
  * controls it and that carry none of its current. Both are indices into vs_wiring.nodes. */
 typedef struct vs_wire {
   const vs_line *line; /* borrowed from the deck */
-  char letter;         /* its first, in lower case: what kind of element it is; 'x': an instance of
-                          what the deck does not define, or the EVA */
-  char name[VS_WIRING_NAME]; /* in lower case, behind the instances it stands in: "xthy.r1" */
+  char letter; /* its name's first, in lower case, which tells its kind; 'x': an instance of what
+                  the deck does not define, or the EVA */
+  char name[VS_WIRING_NAME]; /* in lower case, after the instances that contain it: "xthy.r1" */
   int pins[VS_WIRING_PINS], n_pins;
   int looks[VS_WIRING_LOOKS], n_looks;
-  char *law;   /* what its value or its switching is a function of, with the solver's names of nodes
-                  and sources: "v(xthy.c,0)"; owned; NULL: of nothing but itself */
-  char *model; /* the name of its model, owned; NULL: it has none */
+  char *law;    /* the formula of its value or its switching, with the solver's names of nodes and
+                   sources: "v(xthy.c,0)"; owned; NULL: nothing controls it */
+  char *model;  /* the name of its model, owned; NULL: it has none */
   bool voltage; /* it sets the voltage between its pins, as V, E, H and B with V= do */
 } vs_wire;
 
@@ -34,8 +34,7 @@ typedef struct vs_wiring {
   vs_names numbers;    /* of the nodes */
   vs_names globals;    /* nodes that are the same in all subcircuits */
   vs_names statements; /* the deck's first line of each ".model dx" and ".subckt x", from 0 */
-  bool
-      whole; /* false: there were more than can be looked through, or instances within themselves */
+  bool whole;          /* false: there were too many elements, or an instance contains itself */
 } vs_wiring;
 
 /* Opens the deck, whose parts must have been read. */

@@ -11,7 +11,7 @@
 
 enum {
   MOST_FACTOR = 101,  /* of the points */
-  LAST_HARMONIC = 40, /* of the mains, that the picture shows */
+  LAST_HARMONIC = 40, /* of the mains, the last one in the picture */
   DIGITS = 9          /* as run.csv has */
 };
 /* The vertical axis begins at this part of the probe's largest line. */

@@ -8,8 +8,8 @@
 
 /* The lines of a spectrum; line k is at the frequency k/span_s. */
 typedef struct vs_fourier {
-  double from_s, span_s; /* over which time it is taken, whole cycles */
-  size_t lines;          /* from 0, the direct part, to below half the rows' frequency */
+  double from_s, span_s; /* the stretch that it is taken over, whole cycles */
+  size_t lines;          /* from 0, the mean, to below half the rows' frequency */
   double *rms;           /* [lines] in the column's unit; owned, to be freed with free() */
 } vs_fourier;
 

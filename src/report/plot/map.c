@@ -7,7 +7,7 @@
 
 #include "base/gnuplot.h"
 
-enum { MOST_CELLS = 80 }; /* along each axis; more values share a cell */
+enum { MOST_CELLS = 80 }; /* along each axis; if there are more values, several share a cell */
 
 /* ---- the contour ---- */
 
@@ -205,7 +205,9 @@ static bool add_contour(const map *m, double level, vs_script *script) {
   return any;
 }
 
-enum { MOST_EVEN = 30 }; /* values this many times apart get colours by their logarithm */
+enum {
+  MOST_EVEN = 30
+}; /* if the largest is this many times the least, colours follow the logarithm */
 
 static void add_colours(const map *m, vs_picture *p) {
   double least = INFINITY, largest = -INFINITY;
@@ -222,7 +224,7 @@ static void add_colours(const map *m, vs_picture *p) {
   vs_gnuplot_code(&p->script, vs_scale_palette);
   vs_gnuplot_add(&p->script, "set cbrange [%.9g:%.9g]\nset cblabel ", least - room, largest + room);
   vs_gnuplot_quoted(&p->script, vs_study_plot_scale(m->k, m->column).label);
-  vs_gnuplot_add(&p->script, " offset 1.5,0"); /* letters that grow on narrow pages have room */
+  vs_gnuplot_add(&p->script, " offset 1.5,0"); /* room for letters, which grow on narrow pages */
   if (least > 0 && largest > MOST_EVEN * least) vs_gnuplot_add(&p->script, "\nset logscale cb");
   vs_gnuplot_add(&p->script, "\nset colorbox user origin 0.81,0.15 size 0.025,0.72\nset rmargin "
                              "screen 0.79\nset cbtics nomirror in\n");

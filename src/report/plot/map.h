@@ -10,7 +10,7 @@ typedef struct vs_field_grid {
   size_t nx, ny;
   const double *x, *y; /* [nx], [ny], rising */
   const double *z;     /* [ny][nx]; NaN: not known */
-  bool x_log, y_log;   /* lengths between values are taken as on a logarithmic axis */
+  bool x_log, y_log;   /* distances between values are logarithmic */
 } vs_field_grid;
 
 /* Calls each(ctx, from, to) for the pieces of the line on which the field is `level`. Between the

@@ -19,8 +19,8 @@ enum { MOST_COLUMNS = VS_CH_MOST + 1, LONGEST_UNIT = 8 };
 typedef struct reader {
   vs_overlay *overlay;
   const vs_overlay_run *run;
-  vs_column *known; /* of run.csv, behind the time; one whose unit is not known is only good as a
-                       whole */
+  vs_column *known; /* the columns of run.csv after the time; one without a known unit can only be
+                       named in full */
   size_t n_known;
   size_t columns; /* of the measured file; 0: its header is not read yet */
   vs_where at;

@@ -11,7 +11,7 @@
 enum { VS_OVERLAY_NAME = 96 };
 
 typedef struct vs_overlay_curve {
-  char name[VS_OVERLAY_NAME];  /* of the column in run.csv that the curve goes with */
+  char name[VS_OVERLAY_NAME];  /* of the column in run.csv that the curve belongs to */
   char label[VS_OVERLAY_NAME]; /* for an axis: "v_ak / V" */
   int column;                  /* number in the measured file, from 1 */
   double factor;               /* from the curve's unit to that of the column in run.csv */

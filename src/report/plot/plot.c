@@ -17,7 +17,7 @@
 #include "plot/sheets.h"
 #include "traces.h"
 
-enum { MOST_POINTS = 100 }; /* measured ones that are marked each */
+enum { MOST_POINTS = 100 }; /* up to so many measured points each get a mark */
 
 const char *const vs_plot_pictures[] = {
     "motion_run", "motion_100ms", "pulse_50ms", "measured_run", "measured_100ms", "control_run",
@@ -25,7 +25,7 @@ const char *const vs_plot_pictures[] = {
 
 typedef struct run_file {
   char path[VS_PATH_SIZE];
-  char drawn[VS_PATH_SIZE]; /* what is drawn, with the same columns */
+  char drawn[VS_PATH_SIZE]; /* the file that is drawn, with the same columns */
   char *header;             /* its first line */
   double until_s;           /* of its last row */
   vs_overlay overlay;
@@ -49,7 +49,7 @@ static vs_status open_run(const char *folder, run_file *run, vs_error *err) {
   size_t size = 0, row_size = 0;
   char *row = NULL;
   if (vs_alloc_row(&run->header, &size, VS_CSV_LONGEST, f) < 0) {
-    free(run->header); /* it may have been made all the same */
+    free(run->header); /* the call allocates it even when it fails */
     run->header = vs_copy("");
   }
   int rows = 0;

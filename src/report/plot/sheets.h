@@ -11,14 +11,14 @@
 enum {
   VS_SHEET_PANELS = 96, /* at most 36 of the program's own, then those an overlay asks for */
   VS_SHEET_NAME = 96,
-  VS_SHEETS_OF_RUN = 3, /* of any run; those behind show instruments */
+  VS_SHEETS_OF_RUN = 3, /* of any run; the later ones show instruments */
   VS_SHEETS = 6,
   VS_SHEET_INSTRUMENTS = 32
 };
 
 typedef struct vs_panel {
   char column[VS_SHEET_NAME], label[VS_SHEET_NAME]; /* of run.csv; what the axis says */
-  double scale;                                     /* of the column on the way to the axis */
+  double scale;                                     /* from the column's unit to the axis' */
 } vs_panel;
 
 typedef struct vs_sheet {
@@ -33,8 +33,8 @@ typedef struct vs_sheet {
 typedef struct vs_sheet_shown {
   char name[VS_SHEET_NAME + 16]; /* "instrument p" */
   char column[VS_SHEET_NAME];    /* its own */
-  char of[VS_SHEET_NAME]; /* that of the channel which it measures; its own where run.csv has not
-                             got that one */
+  char of[VS_SHEET_NAME]; /* the column that it is drawn over: its channel's, or its own if run.csv
+                             does not have that one */
 } vs_sheet_shown;
 
 /* All pictures of one run. */

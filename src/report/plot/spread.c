@@ -209,7 +209,7 @@ const vs_chart vs_spread_bars = {.name = "bars", .draw = draw_bars};
 typedef struct moments {
   const vs_study_plot *k;
   size_t column;
-  long n[VS_STUDY_COLUMNS]; /* by column, as all that follow; running means and products */
+  long n[VS_STUDY_COLUMNS]; /* by column, like all the following; running means and products */
   double x[VS_STUDY_COLUMNS], y[VS_STUDY_COLUMNS];
   double xx[VS_STUDY_COLUMNS], yy[VS_STUDY_COLUMNS], xy[VS_STUDY_COLUMNS];
 } moments;

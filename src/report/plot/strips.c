@@ -9,7 +9,7 @@
 enum {
   MOST_LINES = 200, /* of moments */
   APART = 40,       /* words are at least a 40th of the width apart */
-  CROWD = 8         /* among more moments than these, words of a kind stand once */
+  CROWD = 8         /* with more moments than this, equal words stand only once */
 };
 
 static double time_scale(const vs_time_window *s) {

@@ -14,8 +14,8 @@ typedef struct vs_picture {
   vs_text title, caption;
   vs_script script;  /* for gnuplot, without terminal and output */
   int width, height; /* pixels */
-  bool labels_above; /* two lines of labels stand above the frame, between the limit's and the title
-                      */
+  bool labels_above; /* two lines of labels stand above the frame, between the limit's label and the
+                        title */
 } vs_picture;
 
 /* What a picture is made from. */

@@ -14,8 +14,8 @@
 /* ---- what happened, and the stretch of time that shows it ---- */
 
 enum {
-  FEW = 8,        /* so many moments are shown all at once */
-  OFTEN = 4,      /* what happens this many times as often as the rarest makes that one rare */
+  FEW = 8,        /* up to this many moments are all shown */
+  OFTEN = 4,      /* a moment that happens once is rare where another one happens this many times */
   LAST_CYCLES = 3 /* shown of a run in which nothing stands out */
 };
 

@@ -76,7 +76,7 @@ void vs_time_window_probe_named(const vs_probe_shown *probe, const char *word, c
 /* ---- the stretch ---- */
 
 enum {
-  VS_TIME_WINDOW_RUNS = 8,    /* over one another, at most */
+  VS_TIME_WINDOW_RUNS = 8,    /* in one picture, at most */
   VS_TIME_WINDOW_HEIGHT = 210 /* of a strip, pixels */
 };
 

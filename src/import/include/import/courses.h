@@ -8,16 +8,16 @@
 /* SIN(offset amplitude frequency delay damping phase cycles); only LTspice has the last number */
 typedef struct vs_course_sine {
   double offset_v, peak_v, hz, delay_s, damping, phase_deg;
-  double cycles; /* after which it ends; INFINITY: it does not */
+  double cycles; /* it ends after so many; INFINITY: it does not */
 } vs_course_sine;
 
 /* A pulse, from PULSE or from PWL. */
 typedef struct vs_course_pulse {
   double low, high;      /* V, or A of a current source */
-  double at_s, width_s;  /* when it begins to rise; from then until it begins to fall */
+  double at_s, width_s;  /* when it begins to rise, and from then until it begins to fall */
   double rise_s, fall_s; /* how long its edges take */
   double period_s;       /* INFINITY: it comes once */
-  double cycles;         /* how often it comes where it has a period; INFINITY: without end */
+  double cycles;         /* how often it repeats if it has a period; INFINITY: without end */
 } vs_course_pulse;
 
 /* True for a source (V or I) with this word, such as SIN, PULSE or PWL, even where its numbers are

@@ -16,13 +16,13 @@ typedef struct vs_elements_word {
 
 typedef struct vs_element {
   size_t card;                 /* index of its line */
-  char letter;                 /* its first, in lower case: what kind of element it is */
+  char letter;                 /* its name's first, in lower case, which tells its kind */
   char name[VS_ELEMENTS_NAME]; /* as the deck calls it */
-  char key[VS_ELEMENTS_NAME];  /* the same in lower case and without the R_ of PSpice's R_R1: what
-                                lines of the contract call it */
+  char key[VS_ELEMENTS_NAME];  /* the same in lower case, without the R_ of PSpice's R_R1: its name
+                                  in lines of the contract */
   vs_elements_word words[VS_ELEMENTS_WORDS];
   int n_words;
-  bool coupled;                 /* an element K names it */
+  bool coupled;                 /* a K element couples it */
   int n_nodes;                  /* words 1 to n_nodes are nodes */
   int nodes[VS_ELEMENTS_NODES]; /* indices into vs_elements.nodes */
 } vs_element;
@@ -30,9 +30,9 @@ typedef struct vs_element {
 typedef struct vs_elements_node {
   char said[VS_ELEMENTS_NAME]; /* as the netlist calls it, in lower case */
   char name[VS_ELEMENTS_NAME]; /* as the deck does: lower case, letters and digits and '_'; "0" */
-  bool named;                  /* by a person, and not by the program that wrote the netlist */
+  bool named;                  /* by a person, not by the program that wrote the netlist */
   int ends;                    /* how many ends of elements meet there */
-  size_t at[2];                /* indices of the elements of the first and the last of them */
+  size_t at[2];                /* the elements of the first and the last of these ends */
 } vs_elements_node;
 
 /* Begins as {0}; ends with vs_elements_free. */

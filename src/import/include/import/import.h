@@ -11,10 +11,10 @@ typedef struct vs_import_options {
   const char *output;  /* the deck's path, which ends in .cir */
   const char *scene;   /* the path of a scene with the netlist's own values; NULL: none */
   const char *pins;    /* --pins; NULL: nothing is said */
-  const char *library; /* a file of models besides; NULL: none */
+  const char *library; /* a further file of models; NULL: none */
   vs_roles_asked asked;
   bool json;  /* what was done as JSON on standard output */
-  bool quiet; /* says nothing of what was done */
+  bool quiet; /* does not print what was done */
 } vs_import_options;
 
 /* Writes the deck if its first step succeeds in the scene that the netlist describes. What was done

@@ -18,7 +18,7 @@ enum { VS_CARD_COMMENT, VS_CARD_STATEMENT, VS_CARD_ELEMENT, VS_CARD_COMMAND };
 
 /* One line, with the lines that continue it. */
 typedef struct vs_card {
-  char *text; /* joined, without what ends a line as a comment; owned */
+  char *text; /* joined, without comments at the ends of lines; owned */
   char *raw;  /* as the file has it, with line breaks between its lines; owned */
   vs_where where;
   int kind;      /* VS_CARD_... */
@@ -32,8 +32,7 @@ enum { VS_LISTING_FILES = 32 };
 typedef struct vs_listing {
   char *files[VS_LISTING_FILES]; /* owned; the first is the netlist */
   size_t n_files;
-  vs_card
-      *cards; /* of all files; those of an included file stand behind the line that includes it */
+  vs_card *cards; /* of all files; those of an included file follow the line that includes it */
   size_t count;
   char title[160];
   int origin; /* VS_ORIGIN_... */

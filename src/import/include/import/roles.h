@@ -39,7 +39,7 @@ typedef struct vs_roles {
   /* The netlist's firing, for a scene's section `firing`. NaN: the netlist does not say. */
   double angle_deg, width_s;
   int every;       /* 0: once */
-  int first_cycle; /* 0: the one that is under way at t = 0 */
+  int first_cycle; /* 0: the cycle under way at t = 0 */
   bool delayed;    /* the netlist's mains begin after t = 0; the program's begin there */
   bool at_zero; /* it fires at the mains' zero, which firing.angle excludes; a little more is taken
                  */

@@ -14,7 +14,7 @@ enum { VS_VALUES_NAME = 64 };
 /* One assignment of a .param line outside of subcircuits. */
 typedef struct vs_value_param {
   char name[VS_VALUES_NAME]; /* in lower case */
-  char *text;                /* what it is set to, as written; owned */
+  char *text;                /* its value as written; owned */
   double value;
   bool tried;  /* `known` has been found out */
   bool known;  /* `value` is its value: a number, or an expression of numbers */
@@ -28,7 +28,7 @@ typedef struct vs_values {
   size_t count;
   vs_names names;            /* index of the last one of each name */
   bool rkm;                  /* 4k7 means 4.7k, as LTspice and KiCad read it */
-  const vs_listing *listing; /* of its lines .func; borrowed */
+  const vs_listing *listing; /* for its .func lines; borrowed */
 } vs_values;
 
 void vs_values_read(vs_values *values, const vs_listing *listing);

@@ -12,11 +12,11 @@
 typedef struct vs_plot_window_options {
   char *const *folders; /* of runs, [n_folders] */
   size_t n_folders;
-  const char *probes;    /* their names, parted by commas; NULL: the usual ones */
-  const char *from, *to; /* times with their units; NULL: found by itself */
+  const char *probes;    /* their names, separated by commas; NULL: the usual ones */
+  const char *from, *to; /* times with their units; NULL: chosen automatically */
   const char *output; /* the picture, ending in .png or .svg; NULL: one of each in the first folder
                        */
-  bool fft, orbit;    /* spectra, or orbits, in the place of curves over time */
+  bool fft, orbit;    /* spectra, or orbits, instead of curves over time */
   bool quiet;
 } vs_plot_window_options;
 
