@@ -19,9 +19,6 @@
 #include "ngspice/ngspice.h"
 #include "ngspice/self_test.h"
 
-/* Normally a circuit of the stand takes some hundredths of a second. */
-enum { MOST_SECONDS = 20 };
-
 static const vs_shelf SHELF = {"test stand", "templates", ".cir"};
 
 /* ---- the part ---- */
@@ -153,7 +150,7 @@ static vs_status solve_netlist(char *const *netlist, size_t lines, const vs_stan
 
 /* A crash ends the child by its signal; nothing is printed, and no core file is written. */
 static void live_quietly(void) {
-  static const int SIGNALS_OF_CRASHES[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGALRM};
+  static const int SIGNALS_OF_CRASHES[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
   const struct rlimit none = {0, 0};
   int null = open("/dev/null", O_WRONLY);
   dup2(null, STDOUT_FILENO);
@@ -161,7 +158,7 @@ static void live_quietly(void) {
   setrlimit(RLIMIT_CORE, &none);
   for (size_t k = 0; k < sizeof SIGNALS_OF_CRASHES / sizeof *SIGNALS_OF_CRASHES; k++)
     signal(SIGNALS_OF_CRASHES[k], SIG_DFL);
-  alarm(MOST_SECONDS);
+  vs_child_limit_time();
 }
 
 static _Noreturn void solve_in(const vs_child_copy *copy, const vs_stand *stand,
@@ -210,8 +207,8 @@ static vs_status run_on_stand(const vs_stand *stand, const vs_stand_circuit *c, 
   r->points = h.points;
   whole = whole && take_record(&copy, r);
   *how = vs_child_end_of(&copy);
-  if (WIFSIGNALED(*how) && WTERMSIG(*how) == SIGALRM)
-    return vs_fail(err, VS_RUN, "ngspice did not come back from it in %d s", MOST_SECONDS);
+  if (vs_child_is_late(*how))
+    return vs_fail(err, VS_RUN, "ngspice did not come back from it in %d s", VS_CHILD_SECONDS);
   if (WIFSIGNALED(*how) && WTERMSIG(*how) == SIGSYS)
     return vs_fail(err, VS_RUN, "the trial of the part was %s", vs_child_forbidden);
   if (WIFSIGNALED(*how))
@@ -230,7 +227,7 @@ vs_status vs_stand_run(const vs_stand *stand, const vs_stand_circuit *c, vs_stan
   int how = 0;
   vs_status status = vs_self_test_find(err);
   if (!status) status = run_on_stand(stand, c, false, r, &how, err);
-  bool died = WIFSIGNALED(how) && WTERMSIG(how) != SIGALRM && WTERMSIG(how) != SIGSYS;
+  bool died = WIFSIGNALED(how) && !vs_child_is_late(how) && WTERMSIG(how) != SIGSYS;
   if (!died && (status != VS_INPUT || !strstr(err->text, vs_solver_errors_nowhere))) return status;
   vs_error found = {.findings = err->findings};
   vs_stand_free(r);

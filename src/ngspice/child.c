@@ -9,6 +9,7 @@
 #include <string.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -26,6 +27,18 @@ static void die_quietly(void) {
   for (size_t k = 0; k < sizeof CRASHES / sizeof *CRASHES; k++) signal(CRASHES[k], SIG_DFL);
 }
 
+void vs_child_limit_time(void) {
+  const struct itimerval limit = {.it_value.tv_sec = VS_CHILD_SECONDS};
+  signal(SIGALRM, SIG_DFL);
+  signal(SIGPROF, SIG_DFL);
+  setitimer(ITIMER_PROF, &limit, NULL);
+  alarm(10 * VS_CHILD_SECONDS);
+}
+
+bool vs_child_is_late(int how) {
+  return WIFSIGNALED(how) && (WTERMSIG(how) == SIGPROF || WTERMSIG(how) == SIGALRM);
+}
+
 _Noreturn void vs_child_finish(void) {
   _exit(VS_CHILD_GOOD);
 }
@@ -38,8 +51,7 @@ _Static_assert(sizeof((vs_solver_errors *)0)->item <= PIPE_BUF,
 static _Noreturn void attempt_alone(vs_child_end (*attempt)(void *), void *ctx,
                                     const vs_solver_errors *complaints, int pipe_end) {
   prctl(PR_SET_PDEATHSIG, SIGKILL); /* nobody outlives the parent */
-  signal(SIGALRM, SIG_DFL);
-  alarm(VS_CHILD_SECONDS);
+  vs_child_limit_time();
   die_quietly();
   vs_sandbox_process(VS_SANDBOX_TRIAL);
   vs_child_end end = attempt(ctx);
@@ -97,7 +109,7 @@ vs_status vs_child_try(vs_child_end (*attempt)(void *), void *ctx, vs_solver_err
   /* a circuit does not cause a SIGKILL; the first one may have come from outside */
   if (!status && was_killed(how)) status = try_once(attempt, ctx, complaints, &how, err);
   if (status) return status;
-  if (WIFSIGNALED(how) && WTERMSIG(how) == SIGALRM)
+  if (vs_child_is_late(how))
     return vs_fail(err, VS_INPUT, "ngspice cannot take the circuit: " VS_CHILD_HUNG " in %d s",
                    VS_CHILD_SECONDS);
   if (WIFSIGNALED(how) && WTERMSIG(how) == SIGSYS)

@@ -333,8 +333,7 @@ static void two_in_one_deck(void) {
              .until_s = 2e-3,
              .max_step_s = 5e-6,
              .relative_tolerance = 1e-4};
-  vs_error err = {0};
-  EXPECT(bench_run(&b, &err) == VS_OK, "%s", err.text);
+  bench_good(&b, "two fuses", __LINE__);
   CLOSE(b.last[0], b.last[1], 1e-6);
   CLOSE(b.last[0], b.last[2], 1e-3);
   CLOSE(b.last[3], 3.6, 0.02);                        /* 0.6 ms of its 21 ms: 0.7 % cool off */

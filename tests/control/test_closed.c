@@ -26,14 +26,6 @@ static void write_scene(const loop *l, double proportional, double integral, dou
   write_file("loop.yaml", text);
 }
 
-/* The number behind "key": ; NaN: there is none. */
-static double number(const char *json, const char *key) {
-  char name[64];
-  snprintf(name, sizeof name, "\"%s\": ", key);
-  const char *at = json ? strstr(json, name) : NULL;
-  return at && strncmp(at + strlen(name), "null", 4) ? strtod(at + strlen(name), NULL) : NAN;
-}
-
 /* A column of a run, at each section; NaN where it has no number. */
 static void read_column(const char *name, double value[FIRINGS]) {
   char *text = read_file("out/run.csv"), *rest = text, *line = strsep(&rest, "\n");
@@ -88,7 +80,7 @@ static void limits(void) {
     const loop *l = &LOOPS[k];
     write_scene(l, l->gain, l->integral, l->angle);
     ran r = run("steady loop.yaml --json --quiet");
-    double times = number(r.out, "limit_both_times"), angle = number(r.out, "angle_deg");
+    double times = number_in(r.out, "limit_both_times"), angle = number_in(r.out, "angle_deg");
     EXPECT(times > 0.01 && times < 100, "%zu: %s", k, r.err);
     free_ran(&r);
     double below = growth(l, 0.99 * times * l->gain, 0.99 * times * l->integral, angle + 0.01);
@@ -113,8 +105,8 @@ static void a_step_of_the_set_point(void) {
   int settled = 0;
   write_scene(&l, l.gain, l.integral, l.angle);
   ran r = run("steady loop.yaml --json --quiet");
-  double angle = number(r.out, "angle_deg"), settles_s = number(r.out, "settles_s");
-  double overshoot = number(r.out, "overshoot");
+  double angle = number_in(r.out, "angle_deg"), settles_s = number_in(r.out, "settles_s");
+  double overshoot = number_in(r.out, "overshoot");
   free_ran(&r);
   write_scene(&l, l.gain, l.integral, angle);
   RUN_GOOD("run loop.yaml --quiet --digits 15 -o out");
@@ -142,10 +134,10 @@ static void without_gains(void) {
   ran r = run("steady loop.yaml --json --quiet");
   const char *closed = r.out ? strstr(r.out, "\"closed_loop\"") : NULL;
   EXPECT(closed && strstr(closed, "\"stable\": true"), "%s", r.err);
-  CLOSE(number(closed, "angle_deg"), 130, 1e-12);
-  CLOSE(number(closed ? strstr(closed, "multipliers") : NULL, "re"),
-        number(strstr(r.out, "multipliers"), "re"), 1e-9);
-  EXPECT(isnan(number(closed, "limit_both_times")), "%s", closed);
+  CLOSE(number_in(closed, "angle_deg"), 130, 1e-12);
+  CLOSE(number_in(closed ? strstr(closed, "multipliers") : NULL, "re"),
+        number_in(strstr(r.out, "multipliers"), "re"), 1e-9);
+  EXPECT(isnan(number_in(closed, "limit_both_times")), "%s", closed);
   free_ran(&r);
 }
 
@@ -163,7 +155,7 @@ static void a_fast_sensor(void) {
                     "sensor: gap, setpoint: 0.3 mm", -5, 80, 140};
     write_scene(&l, l.gain, l.integral, l.angle);
     ran r = run("steady loop.yaml --json --quiet");
-    times[k] = number(r.out, "limit_both_times");
+    times[k] = number_in(r.out, "limit_both_times");
     EXPECT(!isnan(times[k]), "%d: %s %s", k, r.err, r.out ? strstr(r.out, "closed_loop") : "");
     free_ran(&r);
   }

@@ -219,10 +219,10 @@ static void a_few_resonances(void) {
 
 /* ---- what nobody names ---- */
 
-/* A timer of 80 s towards 100 V: it passes 1 V after 0.8 s and then makes the thyristor's gate its
+/* A timer of 40 s towards 100 V: it passes 1 V after 0.4 s and then makes the thyristor's gate its
  * own, or, drawn from the mains by a diode, does so. */
 static const char TIMER[] = ".subckt timer a b\n"
-                            "Vown s 0 100\nRt s t 80meg\nCt t 0 1u ic=0\n"
+                            "Vown s 0 100\nRt s t 40meg\nCt t 0 1u ic=0\n"
                             "Sx a b t 0 late off\n.model late sw(ron=100 roff=1g vt=1 vh=0)\n"
                             ".ends timer\n",
                   PUMPED[] = ".subckt timer a b\n"
@@ -230,18 +230,18 @@ static const char TIMER[] = ".subckt timer a b\n"
                              "Sx a b t 0 late off\n.model late sw(ron=100 roff=1g vt=0.02 vh=0)\n"
                              ".ends timer\n",
                   NESTED[] = ".subckt timer a b\n.subckt clock t\n"
-                             "Vown s 0 100\nRt s t 80meg\nCt t 0 1u ic=0\n.ends clock\n"
+                             "Vown s 0 100\nRt s t 40meg\nCt t 0 1u ic=0\n.ends clock\n"
                              "Xc t clock\n"
                              "Sx a b t 0 late off\n.model late sw(ron=100 roff=1g vt=1 vh=0)\n"
                              ".ends timer\n",
                   JUNCTION[] = ".subckt timer a b\n"
-                               "Vown s 0 100\nRt s t 80meg\nDt 0 t big\n"
+                               "Vown s 0 100\nRt s t 40meg\nDt 0 t big\n"
                                ".model big d(is=1e-16 cjo=1u m=0.01)\n"
                                "Sx a b t 0 late off\n.model late sw(ron=100 roff=1g vt=1 vh=0)\n"
                                ".ends timer\n",
                   INDUCTOR[] = ".subckt timer a b\n"
                                "Vown s 0 1u\nLt s s2 1 ic=0\nVs s2 0 0\n"
-                               "Wx a b Vs late off\n.model late csw(ron=100 roff=1g it=0.8u ih=0)\n"
+                               "Wx a b Vs late off\n.model late csw(ron=100 roff=1g it=0.4u ih=0)\n"
                                ".ends timer\n";
 
 static void timers(void) {
@@ -249,7 +249,7 @@ static void timers(void) {
   static const char *const DECKS[] = {"halfwave_snubbed", "halfwave_bare"};
   for (size_t d = 0; d < COUNT(DECKS); d++)
     for (size_t k = 0; k < COUNT(TIMERS); k++) {
-      static const char *const SETS[] = {"circuit.deck=d.cir", "run.until=1.2s", NULL};
+      static const char *const SETS[] = {"circuit.deck=d.cir", "run.until=0.6s", NULL};
       write_file("timer.inc", TIMERS[k]);
       make_deck(DECKS[d], ".include timer.inc\nXtimer a b timer");
       seen s = compare_runs(SETS);
@@ -258,14 +258,14 @@ static void timers(void) {
     }
 }
 
-/* A hold-up capacitor of 470 uF that a relay watches: where it drifts to the relay's level within
+/* A hold-up capacitor of 94 uF that a relay watches: where it drifts to the relay's level within
  * the run, ngspice is not left; where the level is far from it, ngspice is. The relay is a switch
  * by voltage or by current, a source whose formula has a branch, or a transistor. A formula's level
  * is not read, so that it keeps ngspice wherever it is. */
 static void relays(void) {
-  static const char HOLD[] = "*$ probe v_hold = v(rc) V\n*$ store hold = 470e-6*v(rc)^2/2\n"
+  static const char HOLD[] = "*$ probe v_hold = v(rc) V\n*$ store hold = 94e-6*v(rc)^2/2\n"
                              "*$ loss bleed = v(rc)^2/10e6\n"
-                             "Rbleed rc rs 10meg\nVbleed rs 0 0\nCh rc 0 470u ic=325\n";
+                             "Rbleed rc rs 10meg\nVbleed rs 0 0\nCh rc 0 94u ic=325\n";
   static const struct {
     const char *relay;
     bool leaves;
@@ -287,8 +287,8 @@ static void relays(void) {
       {".func low(x) {x/3k}\nBx b 0 I = low(v(b))", true},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {
-    static const char *const SETS[] = {"circuit.deck=d.cir", "run.until=2.4s", "run.tolerance=1e-3",
-                                       NULL};
+    static const char *const SETS[] = {"circuit.deck=d.cir", "run.until=0.48s",
+                                       "run.tolerance=1e-3", NULL};
     char lines[1024];
     snprintf(lines, sizeof lines, "%s%s", HOLD, ROWS[k].relay);
     make_deck("halfwave_snubbed", lines);

@@ -8,17 +8,17 @@
 #include "imported.h"
 #include "program.h"
 
-#define HELD_AND_EXPORTED(origin)                                                                  \
+#define HELD_AND_EXPORTED(origin, first)                                                           \
   static void origin##_held(void) {                                                                \
-    imported_held(#origin);                                                                        \
+    imported_held(#origin, first);                                                                 \
   }                                                                                                \
   static void origin##_exported(void) {                                                            \
     imported_exported(#origin);                                                                    \
   }
-HELD_AND_EXPORTED(plain)
-HELD_AND_EXPORTED(ltspice)
-HELD_AND_EXPORTED(kicad)
-HELD_AND_EXPORTED(pspice)
+HELD_AND_EXPORTED(plain, 0)
+HELD_AND_EXPORTED(ltspice, 1)
+HELD_AND_EXPORTED(kicad, 0)
+HELD_AND_EXPORTED(pspice, 1)
 
 /* What the lines behind a good netlist's add to it, and how the program answers. */
 typedef struct row {

@@ -136,16 +136,6 @@ static double cell(const char *csv, const char *begins, const char *column) {
   return *text ? strtod(text, NULL) : NAN;
 }
 
-static double number(const char *json, const char *key) {
-  char name[64];
-  snprintf(name, sizeof name, "\"%s\": ", key);
-  const char *at = strstr(json, name);
-  if (!at) return NAN;
-  at += strlen(name);
-  if (!strncmp(at, "{\"value\": ", 10)) at += 10;
-  return strtod(at, NULL);
-}
-
 /* A row has what the command prints, to the 12 digits of both. */
 static void rows_are_orbits(void) {
   static const struct {
@@ -165,8 +155,8 @@ static void rows_are_orbits(void) {
       orbit = run("steady paper --set firing.every=1 --set firing.angle=120deg --json --quiet");
   CU_ASSERT(r.status == 0 && orbit.status == 0);
   for (size_t k = 0; k < COUNT(ROWS); k++)
-    CLOSE(cell(r.out, "1,", ROWS[k].column), number(orbit.out, ROWS[k].key), 1e-11);
-  double re = number(orbit.out, "re"), im = number(orbit.out, "im");
+    CLOSE(cell(r.out, "1,", ROWS[k].column), number_in(orbit.out, ROWS[k].key), 1e-11);
+  double re = number_in(orbit.out, "re"), im = number_in(orbit.out, "im");
   CLOSE(cell(r.out, "1,", "multiplier_max"), hypot(re, im), 1e-11);
   CU_ASSERT_EQUAL(cell(r.out, "0,", "stable"), 1);
   CLOSE(cell(r.out, "0,", "p_min_m"), -0.0021377328283, 1e-10);

@@ -11,17 +11,6 @@
 
 /* ---- numbers out of JSON and CSV ---- */
 
-/* The number behind "key": , or behind "key": {"value": ; NaN: there is none. */
-static double number(const char *json, const char *key) {
-  char name[64];
-  snprintf(name, sizeof name, "\"%s\": ", key);
-  const char *at = json ? strstr(json, name) : NULL;
-  if (!at) return NAN;
-  at += strlen(name);
-  if (!strncmp(at, "{\"value\": ", 10)) at += 10;
-  return strtod(at, NULL);
-}
-
 /* The numbers of the line that begins with `t,`; of the last one where t is NULL. */
 static void row_of(const char *csv, const char *t, double *cells, int count) {
   char wanted[40];
@@ -137,8 +126,8 @@ static void on_and_off(void) {
               SAME),
       plain = run("run paper %s", SAME);
   EXPECT(r.status == 0 && plain.status == 0, "%s%s", r.err, plain.err);
-  CLOSE_OF(number(r.out, "load_J"), 0, number(plain.out, "work_force_J"), 1e-6);
-  CLOSE(number(r.out, "p_min"), number(plain.out, "p_min"), 1e-6);
+  CLOSE_OF(number_in(r.out, "load_J"), 0, number_in(plain.out, "work_force_J"), 1e-6);
+  CLOSE(number_in(r.out, "p_min"), number_in(plain.out, "p_min"), 1e-6);
   CU_ASSERT(!strstr(plain.out, "load_J")); /* the line is for scenes that have such events */
   free_ran(&r), free_ran(&plain);
 }
@@ -184,9 +173,9 @@ static void numbers_of_the_throw(void) {
       most[k] = fmax(most[k], of[k]);
     }
   }
-  CLOSE(number(json, "throw_coefficient"), number(json, "ap_peak") / 9.81, 1e-9);
-  CLOSE(number(json, "throw_number"), fmax(-least[0], most[0]) / 9.81, 1e-6);
-  CLOSE(number(json, "throw_down"), -least[0] / 9.81, 1e-6);
+  CLOSE(number_in(json, "throw_coefficient"), number_in(json, "ap_peak") / 9.81, 1e-9);
+  CLOSE(number_in(json, "throw_number"), fmax(-least[0], most[0]) / 9.81, 1e-6);
+  CLOSE(number_in(json, "throw_down"), -least[0] / 9.81, 1e-6);
   CU_ASSERT(strstr(json, "\"thrown\": true, \"speed_in_range\": true") != NULL);
   /* a point of material on a sine of these amplitudes, thrown by hand: it leaves where the sine of
    * the phase is 1/G, flies, and has landed where it is below the trough again */
@@ -202,7 +191,7 @@ static void numbers_of_the_throw(void) {
   double cotangent = (most[1] - least[1]) / (most[0] - least[0]), t = x / w;
   double went = cotangent * (amplitude * cos(from) * x - amplitude * (sin(from + x) - sin(from)));
   CLOSE(went, cotangent * 9.81 * t * t / 2, 1e-9);
-  CLOSE(number(json, "conveying_speed"), went * w / (2 * M_PI), 1e-5);
+  CLOSE(number_in(json, "conveying_speed"), went * w / (2 * M_PI), 1e-5);
   free(csv), free(json);
 }
 
@@ -215,8 +204,9 @@ static void range_of_the_speed(void) {
   CU_ASSERT(strstr(r.out, "\"thrown\": false") && !strstr(r.out, "conveying_speed\":"));
   free_ran(&r);
   r = run("steady fixed_base --set firing.every=1 --set supply.voltage=110V --json");
-  CU_ASSERT(!isnan(number(r.out, "throw_coefficient")) && isnan(number(r.out, "throw_number")));
-  CLOSE(number(r.out, "throw_coefficient"), number(r.out, "ap_peak") / 9.81, 1e-9);
+  CU_ASSERT(!isnan(number_in(r.out, "throw_coefficient")) &&
+            isnan(number_in(r.out, "throw_number")));
+  CLOSE(number_in(r.out, "throw_coefficient"), number_in(r.out, "ap_peak") / 9.81, 1e-9);
   free_ran(&r);
   r = run("steady lds_v203 --set supply.kind=sine --set supply.frequency=20Hz --json");
   CU_ASSERT(r.status == 0 && !strstr(r.out, "throw"));
@@ -254,7 +244,7 @@ static double by_hand(const char *angle) {
                 angle, share);
     EXPECT(r.status == 0, "%s", r.err);
     before = share;
-    share = share_of(number(r.out, "ap_peak") / 9.81);
+    share = share_of(number_in(r.out, "ap_peak") / 9.81);
     free_ran(&r);
   }
   CU_ASSERT(fabs(share - before) < 1e-11);
@@ -267,7 +257,8 @@ static void the_share_of_its_own_orbit(void) {
     ran r =
         run("steady " LOADED "--set firing.angle=%s --json --set load.fraction=auto", ANGLES[k]);
     EXPECT(r.status == 0 && !*r.err, "%s: %s", ANGLES[k], r.err);
-    double share = number(r.out, "load_fraction"), coefficient = number(r.out, "throw_coefficient");
+    double share = number_in(r.out, "load_fraction"),
+           coefficient = number_in(r.out, "throw_coefficient");
     CLOSE(share, by_hand(ANGLES[k]), 1e-9);
     CLOSE(share, share_of(coefficient), 1e-9);
     CU_ASSERT(strstr(r.out, "\"fraction\": \"auto\"") && strstr(r.out, "\"from\": \"empirical"));
@@ -282,7 +273,7 @@ static void the_share_of_its_own_orbit(void) {
   char *json = read_file("auto/summary.json"), *one = read_file("auto/run.csv");
   r = run("run " LOADED "--set firing.angle=120deg --set load.fraction=%.17g --set run.until=0.1s "
           "--quiet --digits 9 -o by_number",
-          number(json, "load_fraction"));
+          number_in(json, "load_fraction"));
   free_ran(&r);
   char *other = read_file("by_number/run.csv");
   double cells[2], others[2];
@@ -294,7 +285,7 @@ static void the_share_of_its_own_orbit(void) {
 
 static void held_at_the_ends(void) {
   ran r = run("steady " LOADED "--set load.fraction=auto --json");
-  CU_ASSERT(r.status == 0 && number(r.out, "load_fraction") == 0.6);
+  CU_ASSERT(r.status == 0 && number_in(r.out, "load_fraction") == 0.6);
   CU_ASSERT(strstr(r.err, "warning: load.fraction: auto is held at 0.6: the throw coefficient"
                           " on the orbit, K = 9.5") != NULL);
   CU_ASSERT(strstr(r.out, "\"held\": true") && strstr(r.out, "auto is held at 0.6"));
@@ -313,8 +304,8 @@ static void two_shares(void) {
                                                                         "load.fraction=0.6",
                                                                         HEAVY);
   CU_ASSERT(r.status == 0 && strstr(r.err, "load.fraction: auto is 0.137964, and 0.6 would"));
-  CLOSE(number(r.out, "load_fraction"), share_of(number(r.out, "throw_coefficient")), 1e-9);
-  CU_ASSERT(number(r.out, "other") == 0.6 && number(other.out, "throw_coefficient") > 3.3);
+  CLOSE(number_in(r.out, "load_fraction"), share_of(number_in(r.out, "throw_coefficient")), 1e-9);
+  CU_ASSERT(number_in(r.out, "other") == 0.6 && number_in(other.out, "throw_coefficient") > 3.3);
   free_ran(&r), free_ran(&other);
 }
 
@@ -327,13 +318,13 @@ static void the_share_of_the_circuit(void) {
   ran r = run("steady %s", SCENE), ideal = run("steady " LOADED "--set firing.angle=125deg --json "
                                                "--set load.fraction=auto");
   EXPECT(r.status == 0, "%s", r.err);
-  double share = number(r.out, "load_fraction");
-  CLOSE_OF(share, share_of(number(r.out, "ap_peak") / 9.81), 1, 6e-4);
-  CU_ASSERT(fabs(share - number(ideal.out, "load_fraction")) > 5e-3);
+  double share = number_in(r.out, "load_fraction");
+  CLOSE_OF(share, share_of(number_in(r.out, "ap_peak") / 9.81), 1, 6e-4);
+  CU_ASSERT(fabs(share - number_in(ideal.out, "load_fraction")) > 5e-3);
   CU_ASSERT(strstr(r.out, "\"orbit_tier\": \"circuit\"") != NULL);
   CU_ASSERT(strstr(r.out, "\"other_on_ideal_tier_alone\": true") != NULL);
   ran rest = run("run %s --set run.until=20ms", SCENE);
-  CU_ASSERT(rest.status == 0 && number(rest.out, "load_fraction") == share);
+  CU_ASSERT(rest.status == 0 && number_in(rest.out, "load_fraction") == share);
   free_ran(&r), free_ran(&ideal), free_ran(&rest);
 }
 
@@ -362,9 +353,9 @@ static void events_behind_auto(void) {
   EXPECT(a.status == 0, "%s", a.err);
   ran b = run("run %s --set load.fraction=%.15g --set 'events.a={kind: load, at: 50ms, volume: "
               "500cm3}'",
-              SCENE, number(a.out, "load_fraction"));
-  CLOSE(number(a.out, "load_J"), number(b.out, "load_J"), 1e-6);
-  CLOSE(number(a.out, "p_min"), number(b.out, "p_min"), 1e-9);
+              SCENE, number_in(a.out, "load_fraction"));
+  CLOSE(number_in(a.out, "load_J"), number_in(b.out, "load_J"), 1e-6);
+  CLOSE(number_in(a.out, "p_min"), number_in(b.out, "p_min"), 1e-9);
   free_ran(&a), free_ran(&b);
 }
 
@@ -411,7 +402,7 @@ static void keys_of_a_machine(void) {
   write_file("bowl.yaml", text);
   ran r = run("steady s.yaml --json");
   EXPECT(r.status == 0, "%s", r.err);
-  CLOSE(number(r.out, "throw_number"), number(r.out, "throw_coefficient") / sqrt(2), 1e-9);
+  CLOSE(number_in(r.out, "throw_number"), number_in(r.out, "throw_coefficient") / sqrt(2), 1e-9);
   free_ran(&r);
   snprintf(text, sizeof text, BOWL, ", along: abs(x)");
   write_file("bowl.yaml", text);
@@ -437,7 +428,7 @@ static void a_change_of_auto(void) {
                               "'events.a={kind: load, at: 5ms, %s}'";
   ran r = run(SCENE, "fraction: 0.1"), same = run(SCENE, "volume: 380cm3");
   EXPECT(r.status == 0, "%d: %s", r.status, r.err);
-  CU_ASSERT(number(r.out, "load_fraction") > 0.11);
+  CU_ASSERT(number_in(r.out, "load_fraction") > 0.11);
   CU_ASSERT(!strstr(r.out, "nothing changes"));
   CU_ASSERT(strstr(same.out, "the load is the same before and after it") != NULL);
   free_ran(&r), free_ran(&same);

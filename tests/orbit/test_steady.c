@@ -1,26 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The command steady, and `start: steady`: the numbers of an orbit against references that were
- * found by other programs, what is written and printed, and what is refused. */
+ * The command steady, and `start: steady`, on tiers switched and circuit: the numbers of an orbit
+ * against references that were found by other programs, the cycles that a search takes, what is
+ * written and printed, and what is refused. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/text.h"
+#include "orbit/measured.h"
 #include "program.h"
 
 /* ---- numbers out of JSON ---- */
-
-/* The number behind "key": , or behind "key": {"value": ; NaN: there is none. */
-static double number(const char *json, const char *key) {
-  char name[64];
-  snprintf(name, sizeof name, "\"%s\": ", key);
-  const char *at = strstr(json, name);
-  if (!at) return NAN;
-  at += strlen(name);
-  if (!strncmp(at, "{\"value\": ", 10)) at += 10;
-  return strtod(at, NULL);
-}
 
 /* The k-th number of the array. */
 static double entry(const char *json, const char *array, int k) {
@@ -56,23 +47,23 @@ static void the_conveyor_at_100_degrees(void) {
   static const double AMPERES[] = {0.17462090569,  0.20614993933,  0.1113614025,
                                    0.021725726497, 0.020383088883, 0.016292110618};
   ran r = steady("paper --set firing.every=1");
-  CLOSE(number(r.out, "p_min"), -0.0021377328283, 1e-10);
-  CLOSE(number(r.out, "power_in"), 8.49145448715, 1e-10);
-  CLOSE(number(r.out, "i_rms"), 0.294464118668, 1e-10);
-  CLOSE(number(r.out, "i_mean"), AMPERES[0], 1e-10);
-  CLOSE(number(r.out, "power_factor"), 8.49145448715 / (440 * 0.294464118668), 1e-10);
+  CLOSE(number_in(r.out, "p_min"), -0.0021377328283, 1e-10);
+  CLOSE(number_in(r.out, "power_in"), 8.49145448715, 1e-10);
+  CLOSE(number_in(r.out, "i_rms"), 0.294464118668, 1e-10);
+  CLOSE(number_in(r.out, "i_mean"), AMPERES[0], 1e-10);
+  CLOSE(number_in(r.out, "power_factor"), 8.49145448715 / (440 * 0.294464118668), 1e-10);
   for (int n = 0; n < (int)COUNT(AMPERES); n++)
     CLOSE_OF(entry(r.out, "harmonics", n), AMPERES[n], AMPERES[0], 1e-9);
   int commas = 0;
   for (const char *c = strstr(r.out, "\"harmonics\": ["); *c != ']'; c++) commas += *c == ',';
   EXPECT(commas == 40, "%d harmonics and one", commas);
   CLOSE(size_of(r.out, 0), 0.999655306, 1e-8); /* 58 s of decay: exp(-T/58.01) */
-  CU_ASSERT(number(r.out, "period") == 1 && number(r.out, "period_s") == 0.02);
-  CU_ASSERT(number(r.out, "first_cycle") == 1);
-  CU_ASSERT(number(r.out, "iterations") <= 6 && number(r.out, "correction") < 1e-12);
+  CU_ASSERT(number_in(r.out, "period") == 1 && number_in(r.out, "period_s") == 0.02);
+  CU_ASSERT(number_in(r.out, "first_cycle") == 1);
+  CU_ASSERT(number_in(r.out, "iterations") <= 6 && number_in(r.out, "correction") < 1e-12);
   CU_ASSERT(strstr(r.out, "\"stable\": true") && !strstr(r.out, "\"measured\""));
   /* what the books leave over is told as 0: a sum of 4e-14 J here */
-  CU_ASSERT(number(r.out, "energy_stored") == 0);
+  CU_ASSERT(number_in(r.out, "energy_stored") == 0);
   free_ran(&r);
   r = run("steady paper --set firing.every=1 --all"); /* the digits of the references */
   static const char *const LINES[] = {
@@ -89,19 +80,19 @@ static void the_conveyor_at_100_degrees(void) {
 
 static void other_machines(void) {
   ran r = steady("two_mass --set firing.every=1 --set firing.angle=130deg");
-  CLOSE(number(r.out, "gap_min"), -0.00035404968735, 1e-10);
-  CLOSE(number(r.out, "gap_max"), 0.00033816010455, 1e-10);
-  CLOSE(number(r.out, "i_peak"), 0.63842439604, 1e-10);
-  CLOSE(number(r.out, "force_peak"), 68.740115634, 1e-10);
-  CLOSE(number(r.out, "power_in"), 0.8464749564, 1e-9);
-  CLOSE(number(r.out, "i_rms"), 0.2427242011, 1e-9);
+  CLOSE(number_in(r.out, "gap_min"), -0.00035404968735, 1e-10);
+  CLOSE(number_in(r.out, "gap_max"), 0.00033816010455, 1e-10);
+  CLOSE(number_in(r.out, "i_peak"), 0.63842439604, 1e-10);
+  CLOSE(number_in(r.out, "force_peak"), 68.740115634, 1e-10);
+  CLOSE(number_in(r.out, "power_in"), 0.8464749564, 1e-9);
+  CLOSE(number_in(r.out, "i_rms"), 0.2427242011, 1e-9);
   CLOSE(size_of(r.out, 0), 0.987740250, 1e-8);
   CLOSE(size_of(r.out, 2), 0.939078381, 1e-8);
   free_ran(&r);
   r = steady("fixed_base --set firing.every=1 --set firing.angle=150deg");
-  CLOSE(number(r.out, "p_min"), -0.00012196812378, 1e-10);
-  CLOSE(number(r.out, "power_in"), 0.1870901158, 1e-9);
-  CLOSE(number(r.out, "i_rms"), 0.04488328667, 1e-9);
+  CLOSE(number_in(r.out, "p_min"), -0.00012196812378, 1e-10);
+  CLOSE(number_in(r.out, "power_in"), 0.1870901158, 1e-9);
+  CLOSE(number_in(r.out, "i_rms"), 0.04488328667, 1e-9);
   CLOSE(size_of(r.out, 0), 0.971444741, 1e-8);
   free_ran(&r);
 }
@@ -112,9 +103,9 @@ static void without_a_valve(void) {
   const double amperes = 0.505505110323, metres = 0.000741108559377; /* amplitudes */
   ran r = steady("lds_v203 --set supply.kind=sine --set supply.frequency=20Hz --set "
                  "supply.voltage=0.70710678118654752V --set start=steady");
-  CLOSE(number(r.out, "gap_max"), metres, 1e-9);
-  CLOSE(number(r.out, "gap_min"), -metres, 1e-9);
-  CLOSE(number(r.out, "i_rms"), amperes / sqrt(2), 1e-9);
+  CLOSE(number_in(r.out, "gap_max"), metres, 1e-9);
+  CLOSE(number_in(r.out, "gap_min"), -metres, 1e-9);
+  CLOSE(number_in(r.out, "i_rms"), amperes / sqrt(2), 1e-9);
   for (int n = 0; n <= 40; n++)
     CLOSE_OF(entry(r.out, "harmonics", n), n == 1 ? amperes / sqrt(2) : 0, amperes, 1e-9);
   free_ran(&r);
@@ -131,8 +122,8 @@ static void a_slow_supply(void) {
                z_im = 764e-6 * w + k_u * k_f * w * re / size;
   ran r = steady("lds_v203 --set supply.kind=sine --set supply.frequency=0.5Hz --set "
                  "supply.voltage=1V");
-  CLOSE(number(r.out, "i_rms"), 1 / hypot(z_re, z_im), 1e-9);
-  CU_ASSERT(size_of(r.out, 0) < 1e-12 && number(r.out, "iterations") <= 6);
+  CLOSE(number_in(r.out, "i_rms"), 1 / hypot(z_re, z_im), 1e-9);
+  CU_ASSERT(size_of(r.out, 0) < 1e-12 && number_in(r.out, "iterations") <= 6);
   free_ran(&r);
 }
 
@@ -140,9 +131,9 @@ static void a_slow_supply(void) {
  * squares comes near to the square of the whole, and not beyond it. */
 static void a_firing_in_every_second_cycle(void) {
   ran r = steady("paper --set firing.every=2 --set firing.angle=120deg");
-  double sum = 0, rms = number(r.out, "i_rms");
+  double sum = 0, rms = number_in(r.out, "i_rms");
   for (int n = 0; n <= 40; n++) sum += pow(entry(r.out, "harmonics", n), 2);
-  CU_ASSERT(number(r.out, "period") == 1 && number(r.out, "period_s") == 0.04);
+  CU_ASSERT(number_in(r.out, "period") == 1 && number_in(r.out, "period_s") == 0.04);
   EXPECT(sum < rms * rms && sum > 0.4 * rms * rms, "%g of %g", sum, rms * rms);
   free_ran(&r);
 }
@@ -168,8 +159,8 @@ static void forces_on_the_foundation(void) {
       most[i] = fmax(most[i], fabs(sum));
     }
   }
-  CLOSE(number(json, "reaction_u"), most[0], 2e-6);
-  CLOSE(number(json, "reaction_w"), most[1], 2e-6);
+  CLOSE(number_in(json, "reaction_u"), most[0], 2e-6);
+  CLOSE(number_in(json, "reaction_w"), most[1], 2e-6);
   free(csv), free(json);
 }
 
@@ -200,15 +191,16 @@ static void a_run_begins_on_the_orbit(void) {
               "--reproducible");
   ran orbit = steady("paper --set firing.every=1");
   CU_ASSERT(r.status == 0 && strstr(r.out, "\"steady\": true") && !*r.err);
-  CLOSE(number(r.out, "p_min"), number(orbit.out, "p_min"), 1e-9);
-  CLOSE(number(r.out, "p_max"), number(orbit.out, "p_max"), 1e-9);
-  CLOSE(number(r.out, "energy_in"), 25 * number(orbit.out, "energy_in"), 1e-9);
-  CLOSE(number(strstr(r.out, "\"start\""), "p"), number(strstr(orbit.out, "\"start\""), "p"), 1e-9);
+  CLOSE(number_in(r.out, "p_min"), number_in(orbit.out, "p_min"), 1e-9);
+  CLOSE(number_in(r.out, "p_max"), number_in(orbit.out, "p_max"), 1e-9);
+  CLOSE(number_in(r.out, "energy_in"), 25 * number_in(orbit.out, "energy_in"), 1e-9);
+  CLOSE(number_in(strstr(r.out, "\"start\""), "p"), number_in(strstr(orbit.out, "\"start\""), "p"),
+        1e-9);
   free_ran(&r), free_ran(&orbit);
   r = run(
       "run lds_v203 --set supply.kind=sine --set supply.frequency=20Hz --set start=steady --set "
       "run.until=0.5s --json");
-  CLOSE(number(r.out, "gap_max"), -number(r.out, "gap_min"), 1e-9); /* nothing settles */
+  CLOSE(number_in(r.out, "gap_max"), -number_in(r.out, "gap_min"), 1e-9); /* nothing settles */
   free_ran(&r);
 }
 
@@ -358,7 +350,8 @@ static void a_subharmonic_is_named(void) {
     EXPECT_FILES(".", "");
     free_ran(&r);
     r = run("steady %s --quiet --json %s", words, ROWS[k].say);
-    CU_ASSERT(r.status == 0 && number(r.out, "period") == atoi(ROWS[k].say + strlen("--period ")));
+    CU_ASSERT(r.status == 0 &&
+              number_in(r.out, "period") == atoi(ROWS[k].say + strlen("--period ")));
     EXPECT(strstr(r.out, "\"stable\": true"), "%s: %s", words, r.err);
     free_ran(&r);
   }
@@ -379,11 +372,11 @@ static void studies_that_ship(void) {
   EXPECT(control.status == 0 && !*control.err && count_lines(control.out) == 38, "%s", control.err);
   EXPECT(curve.status == 0 && !*curve.err && count_lines(curve.out) == 62, "%s", curve.err);
   ran orbit = steady("paper --set firing.every=1 --set firing.angle=120deg");
-  CLOSE(cell(control.out, "120"), number(orbit.out, "p_max"), 1e-10);
+  CLOSE(cell(control.out, "120"), number_in(orbit.out, "p_max"), 1e-10);
   free_ran(&orbit);
   orbit = steady("paper --set firing.every=1 --set supply.voltage=110V --set "
                  "supply.frequency=56.5Hz");
-  CLOSE(cell(curve.out, "56.5"), number(orbit.out, "p_max"), 1e-9);
+  CLOSE(cell(curve.out, "56.5"), number_in(orbit.out, "p_max"), 1e-9);
   free_ran(&orbit);
   /* the page's tables, in mm to three digits behind the point */
   CLOSE_OF(cell(control.out, "80"), 4.892e-3, 1, 5e-7);
@@ -494,6 +487,254 @@ static void the_page(void) {
   free(page);
 }
 
+/* ---- on tier circuit ---- */
+
+static ran steady_circuit(const char *words) {
+  ran r = run("steady paper --tier circuit --set firing.every=1 %s --json --reproducible --quiet",
+              words);
+  EXPECT(r.status == 0 && !*r.err, "steady %s: %d %s", words, r.status, r.err);
+  return r;
+}
+
+/* A column of run.csv, in the order of its rows; to be freed. *count: how many there are. */
+static double *column(const char *path, const char *name, size_t *count) {
+  char *text = read_file(path), *rest = text, *line = strsep(&rest, "\n");
+  double *values = vs_alloc((size_t)count_lines(rest) + 1, sizeof *values);
+  size_t at = 0, n = 0;
+  for (char *word; (word = strsep(&line, ",")) && strcmp(word, name); at++) {
+  }
+  while ((line = strsep(&rest, "\n")) && *line) {
+    for (size_t k = 0; k < at; k++) strsep(&line, ",");
+    values[n++] = strtod(line, NULL);
+  }
+  free(text);
+  *count = n;
+  return values;
+}
+
+static bool contains(const char *path, const char *what) {
+  char *text = read_file(path);
+  bool found = strstr(text, what) != NULL;
+  free(text);
+  return found;
+}
+
+/* T3A at 100 degrees, found by shooting on the circuit's equations in another program. A run is
+ * right to its run.tolerance, and the orbit to a hundredth of that; the finest, which takes three
+ * times as long, with VS_LONG. The losses have more: what the varistors and snubbers take is a
+ * small part of power_in. */
+static void at_100_degrees(void) {
+  const double TOLERANCE[] = {1e-4, getenv("VS_LONG") ? 1e-6 : 1e-5};
+  static const double SIZE[] = {0.99948987, 0.99860011, 0.99439091, 0.97083055};
+  for (size_t k = 0; k < COUNT(TOLERANCE); k++) {
+    double tolerance = TOLERANCE[k];
+    char words[64];
+    snprintf(words, sizeof words, "--set run.tolerance=%g", tolerance);
+    ran r = steady_circuit(words);
+    CLOSE(number_in(r.out, "p_min"), -0.0020778927946, tolerance);
+    CLOSE(number_in(r.out, "p_max"), 0.001856145811, tolerance);
+    CLOSE(number_in(r.out, "i_peak"), 0.61837671812, tolerance);
+    CLOSE(number_in(r.out, "force_peak"), 101.40731321, tolerance);
+    CLOSE(number_in(r.out, "power_in"), 13.677377413, tolerance);
+    CLOSE(number_in(r.out, "t_extinction"), 0.013868338866, tolerance);
+    CLOSE(number_in(r.out, "energy_copper"), 8.3001785 * 0.02, tolerance);
+    CLOSE(number_in(r.out, "damping_J"), 0.48301747 * 0.02, 2 * tolerance); /* as p squared */
+    EXPECT(number_in(r.out, "cycles") <= (k ? 20 : 15), "%g cycles", number_in(r.out, "cycles"));
+    EXPECT(number_in(r.out, "correction") <= 0.01 * tolerance, "%g",
+           number_in(r.out, "correction"));
+    EXPECT(strstr(r.out, "\"stable\": true") != NULL, "stable");
+    for (int i = 0; i < 4; i++) /* the differences' error */
+      CLOSE(size_of(r.out, 2 * i), SIZE[i], k ? 3e-5 : 2e-4);
+    free_ran(&r);
+  }
+}
+
+/* At 90 degrees the thyristor fires once in a cycle; at 110 it goes out 49 us after it has fired,
+ * and fires again 261 us later. The finer run tells the error of the coarser one, which is to hold
+ * its tolerance; both searches are to end within the cycles that were seen at first. */
+static void at_other_angles(void) {
+  static const struct {
+    const char *angle;
+    int cycles[2]; /* at most, at 1e-3 and at 1e-4 */
+  } ROWS[] = {{"90deg", {13, 15}}, {"110deg", {10, 12}}, {"120deg", {16, 20}}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    char words[128];
+    snprintf(words, sizeof words, "--set firing.angle=%s --set run.tolerance=1e-3", ROWS[k].angle);
+    ran coarse = steady_circuit(words);
+    snprintf(words, sizeof words, "--set firing.angle=%s", ROWS[k].angle);
+    ran fine = steady_circuit(words);
+    static const char *const NAMES[] = {"p_min", "p_max", "i_peak", "power_in", "i_rms"};
+    for (size_t n = 0; n < COUNT(NAMES); n++)
+      CLOSE(number_in(coarse.out, NAMES[n]), number_in(fine.out, NAMES[n]), 1.1e-3);
+    EXPECT(number_in(coarse.out, "cycles") <= ROWS[k].cycles[0], "%s: %g", ROWS[k].angle,
+           number_in(coarse.out, "cycles"));
+    EXPECT(number_in(fine.out, "cycles") <= ROWS[k].cycles[1], "%s: %g", ROWS[k].angle,
+           number_in(fine.out, "cycles"));
+    free_ran(&coarse), free_ran(&fine);
+  }
+}
+
+/* The transformer's flux linkage creeps by 6 mWb a cycle to -1.268 Wb, for 60 cycles if it is left
+ * alone. On the orbit it is where it was a period before. */
+static void a_flux_that_creeps(void) {
+  ran r = run("steady paper --tier circuit --set circuit.deck=halfwave_paper --set firing.every=1 "
+              "--set run.tolerance=1e-3 --set run.verify=never --json --quiet -o flux");
+  EXPECT(r.status == 0, "%d %s", r.status, r.err);
+  EXPECT(number_in(r.out, "cycles") <= 30, "%g cycles", number_in(r.out, "cycles"));
+  size_t n;
+  double *flux = column("flux/run.csv", "flux_wb", &n), first = flux[0], last = flux[n - 1];
+  EXPECT(fabs(first + 1.268) < 2e-3 && fabs(last - first) < 1e-4, "%g, %g", first, last);
+  free(flux);
+  free_ran(&r);
+}
+
+/* The line warms up with a time constant of 0.2 s, which no probe shows. What the search says that
+ * it is off by is no less than what the run goes on to move; multipliers, which the copies would
+ * have wrong, are not told, and a warning says so. */
+static void what_no_probe_shows(void) {
+  write_file("slow.cir",
+             "*$ title  a line that warms up\n*$ param  thyristor = latch part thyristor\n"
+             "*$ port   mains = Vmains\n*$ port   gate = Vgate\n*$ line   a\n"
+             "Vmains src 0 external\nRsource src s1 {r_source}\nLsource s1 a2 {l_source} ic=0\n"
+             "Bwarm a2 a V = 5*i(Vmains)*v(warm)\nBheat 0 warm I = i(Vmains)^2\n"
+             "Rwarm warm 0 10\nCwarm warm 0 20m ic=0\nVgate g b external\nVthy a t 0\n"
+             "Xthy t b g thyristor\nRsnub a c1p 100\nCsnub c1p b 100n ic=0\n"
+             "Reva b c2p 220\nCeva c2p 0 47n ic=0\nXeva b 0 eva\n");
+#define SLOW                                                                                       \
+  "--tier circuit --set circuit.deck=slow.cir --set firing.every=1 --set run.tolerance=1e-3 "      \
+  "--set run.verify=never --quiet "
+  ran r = run("steady paper " SLOW "--json");
+  EXPECT(r.status == 0 && strstr(r.out, "\"stable\": null") &&
+             strstr(r.out, "whether the orbit is stable is not known"),
+         "%d %s", r.status, r.err);
+  RUN_GOOD("run paper " SLOW "--digits 17 --set start=steady --set run.until=0.6s "
+           "--set run.sample=20ms -o slow");
+  size_t n;
+  double *p = column("slow/run.csv", "p_m", &n), off = 0;
+  for (size_t k = 0; k < n; k++) off = fmax(off, fabs(p[k] - p[0]) / 2.08e-3);
+  EXPECT(off < number_in(r.out, "correction") && off < 1e-4, "%g, told %g", off,
+         number_in(r.out, "correction"));
+  free(p);
+  free_ran(&r);
+  write_file("judged.yaml",
+             "set: {circuit.deck: slow.cir, firing.every: 1, run: {tier: circuit, tolerance: 1e-3, "
+             "verify: never}}\nsteady: true\nvary: {firing.angle: [100 deg]}\nreport: [stable]\n");
+  RUN_GOOD("study judged.yaml --quiet -o judged");
+  EXPECT(contains("judged/study.csv", ",100,,"), "the column stable is empty");
+  EXPECT(contains("judged/study.csv", "stable is not known"), "its warning");
+}
+
+/* A run from the orbit goes on as it: after five cycles the motion is the first one's. An event
+ * that comes then changes nothing before it, and counts its time from the run's beginning. */
+static void a_run_begins_there(void) {
+  RUN_GOOD("run paper --tier circuit --set firing.every=1 --set start=steady --set "
+           "run.until=0.1s --quiet -o calm");
+  write_file("dip.yaml", "start: steady\nfiring: {every: 1}\nrun: {until: 0.1 s, tier: circuit}\n"
+                         "events: {dip: {kind: sag, at: 70 ms}}\n");
+  RUN_GOOD("run dip.yaml --quiet -o dip");
+  double off = 0, apart[2] = {0}, scale = 2.078e-3;
+  size_t n, m;
+  double *calm = column("calm/run.csv", "p_m", &n), *dip = column("dip/run.csv", "p_m", &m);
+  EXPECT(n == 1001 && m == 1001, "%zu and %zu rows", n, m);
+  for (size_t k = 0; k < n && k < m; k++) {
+    off = fmax(off, fabs(calm[k] - calm[k % 200]) / scale);
+    apart[k > 700] = fmax(apart[k > 700], fabs(dip[k] - calm[k]) / scale);
+  }
+  free(calm), free(dip);
+  EXPECT(off < 5e-6, "off by %g", off); /* 5 times what the orbit is known to at 1e-4 */
+  EXPECT(apart[0] < 2e-5 && apart[1] > 1e-3, "%g, then %g", apart[0], apart[1]);
+  EXPECT(contains("dip/events.csv", "0.07,dip begins"), "the event's time");
+  EXPECT(contains("dip/summary.json", "\"steady\": true"), "summary.json");
+}
+
+/* Who looks for an orbit while a run settles ends with that run: the scene, as that of the next
+ * case of a study, has nothing of it left. */
+static void no_search_is_left(void) {
+  char *sets[] = {"firing.every=1"};
+  vs_scene *scene = vs_alloc(1, sizeof *scene);
+  vs_measured *measured = vs_alloc(1, sizeof *measured);
+  vs_error err = {0};
+  const vs_session session = {0};
+  vs_status status = vs_scene_read("paper", sets, 1, "circuit", scene, &err);
+  if (!status) status = vs_measured_run(measured, scene, 1, &session, &err);
+  EXPECT(!status && measured->steady.picard && !scene->order.pilot, "%s", err.text);
+  vs_measured_free(measured);
+  vs_scene_free(scene);
+  free(measured);
+  free(scene);
+}
+
+/* With a stop, and the orbits of period 1 and 3 that are stable there. At 80 degrees tier switched
+ * keeps off the stop; the circuit does not, and the machine, marched on for 200 cycles, comes back
+ * after 5. At 60 degrees the swing's own Phi would drive the armature through its stop. At 1e-3
+ * four of nine such orbits have multipliers that are not known well enough to tell. */
+static void with_a_stop(void) {
+  static const struct {
+    const char *words;
+    int status;
+    const char *says;
+  } ROWS[] = {
+      {"1e-4 --set firing.angle=82deg", 0, "\"stable\": true"},
+      {"1e-4 --set firing.angle=66deg --period 3", 0, "\"stable\": true"},
+      {"1e-3 --set firing.angle=80deg", 1, "after 5 periods; try --period 5"},
+      {"1e-3 --set firing.angle=60deg", 1, "`steady --period 2` reports"},
+  };
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    ran r = run("steady paper --tier circuit --set firing.every=1 --set actuator.stop={} --set "
+                "run.verify=never --json --quiet --set run.tolerance=%s",
+                ROWS[k].words);
+    EXPECT(r.status == ROWS[k].status && strstr(r.status ? r.err : r.out, ROWS[k].says),
+           "%s: %d %s", ROWS[k].words, r.status, r.err);
+    EXPECT(r.status || number_in(r.out, "correction") <= 1e-5, "%s", ROWS[k].words);
+    free_ran(&r);
+  }
+}
+
+/* A copy that is pushed aside may meet the stop otherwise than the orbit does. At a coarse
+ * tolerance pushes to one side alone gave largest multipliers of 1.0026 to 1.82 in these scenes,
+ * known to 0.001. At 1e-4 they are below 1. */
+static void not_unstable(void) {
+  static const char *const ANGLES[] = {"82", "95", "95.5"};
+  for (size_t k = 0; k < COUNT(ANGLES); k++) {
+    ran r = run("steady paper --tier circuit --set firing.every=1 --set actuator.stop={} --set "
+                "run.tolerance=1e-2 --set run.verify=never --set firing.angle=%sdeg --json --quiet",
+                ANGLES[k]);
+    EXPECT(!r.status && !strstr(r.out, "\"stable\": false"), "%s: %d %s", ANGLES[k], r.status,
+           r.err);
+    free_ran(&r);
+  }
+}
+
+/* The same bytes again, and for an orbit of a machine that is another. */
+static void the_same_again(void) {
+  static const char WORDS[] =
+      "steady two_mass --tier circuit --set firing.every=1 --set "
+      "firing.angle=130deg --set run.tolerance=1e-3 --reproducible --quiet --json";
+  ran one = run("%s", WORDS), other = run("%s", WORDS);
+  EXPECT(one.status == 0 && !strcmp(one.out, other.out), "%d %s", one.status, one.err);
+  free_ran(&one), free_ran(&other);
+}
+
+static void circuit_refused(void) {
+  static const struct {
+    const char *words;
+    int status;
+    const char *says[2];
+  } ROWS[] = {
+      {"--set firing.every=1 --period 2", 1, {"period 2", "--period 1"}},
+      {"--set firing.every=1 --period 0", 2, {"--period", "allowed"}},
+      {"", 2, {"firing.every", "once"}},
+      {"--set firing.every=1 --set firing.angle=75deg", 1, {"in cycle", "pole cover"}},
+  };
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    ran r = run("steady paper --tier circuit %s --quiet -o out", ROWS[k].words);
+    EXPECT(r.status == ROWS[k].status && !*r.out && count_lines(r.err) == 1 &&
+               strstr(r.err, ROWS[k].says[0]) && strstr(r.err, ROWS[k].says[1]),
+           "%s: %d %s%s", ROWS[k].words, r.status, r.out, r.err);
+    free_ran(&r);
+  }
+}
+
 static const vs_test TESTS[] = {
     {"the conveyor at 100 degrees", the_conveyor_at_100_degrees},
     {"other machines", other_machines},
@@ -512,8 +753,20 @@ static const vs_test TESTS[] = {
     {"studies that ship", studies_that_ship},
     {"who computes does not matter", who_computes_does_not_matter},
     {"the page", the_page},
+    {"circuit: at 100 degrees", at_100_degrees},
+    {"circuit: at other angles", at_other_angles},
+    {"circuit: a flux that creeps", a_flux_that_creeps},
+    {"circuit: a run begins there", a_run_begins_there},
+    {"circuit: no search is left", no_search_is_left},
+    {"circuit: with a stop", with_a_stop},
+    {"circuit: not unstable", not_unstable},
+    {"circuit: what no probe shows", what_no_probe_shows},
+    {"circuit: the same again", the_same_again},
+    {"circuit: refused", circuit_refused},
 };
 
+/* Those on tier circuit are the last ones. */
 int main(void) {
-  return program_suite("steady", TESTS, COUNT(TESTS));
+  enum { ON_CIRCUIT = 10 };
+  return program_suite("steady", TESTS, COUNT(TESTS) - (is_for_memory_alone() ? ON_CIRCUIT : 0));
 }

@@ -15,10 +15,10 @@
 #include "program.h"
 #include "study/workers/divergence.h"
 
-/* Surges on a machine that has been fired twice. */
+/* Surges on a machine that has been fired. */
 static const char SURGES[] =
-    "set: {firing.every: 1, run: {until: 66 ms, tolerance: 1e-2, tier: circuit}, events: {surge1: "
-    "{kind: surge, cycle: 3}}}\n"
+    "set: {firing.every: 1, run: {until: 46 ms, tolerance: 1e-2, tier: circuit}, events: {surge1: "
+    "{kind: surge, cycle: 2}}}\n"
     "vary:\n"
     "  events.surge1.angle: [10 deg, 90 deg, 101 deg, 260 deg]\n"
     "  events.surge1.polarity: ['+', '-']\n"
@@ -118,9 +118,9 @@ static const struct mix {
      "{events.a.level: [0 %, 40 %], events.b.cycle: [2, 3]}", 4},
     {"fixed", "{a: {kind: sag, at: 1 ms}, b: {kind: missing_pulse, cycle: 3}}", "",
      "{events.b.cycle: [2, 3]}", 2},
-    {"verified", "{e: {kind: surge, cycle: 3}}",
-     ", run.verify: always, circuit.deck: halfwave_paper", "{events.e.angle: [10 deg, 200 deg]}",
-     2},
+    {"verified", "{e: {kind: surge, cycle: 2}}",
+     ", run.verify: always, circuit.deck: halfwave_paper",
+     "{run.until: [40 ms], events.e.angle: [10 deg, 200 deg]}", 2},
     {"stop", "{e: {kind: swell, at: 40 ms}}", ", actuator.stop: {stiffness: 1e6 N/m}",
      "{events.e.level: [110 %, 300 %]}", 1}, /* one has blows, and takes other steps */
     {"left", "{e: {kind: surge, at: 50 ms}}", "",
@@ -172,8 +172,9 @@ static void a_search(void) {
 }
 
 static void not_shared(void) {
-  write_file("s.yaml", SURGES);
-  EXPECT_SHARED("s.yaml -o kept --keep runs", 0); /* each run has a file of its own */
+  write_file("k.yaml", "set: {firing.every: 1, run: {until: 30 ms, tier: circuit}, events: {e: "
+                       "{kind: sag, at: 25 ms}}}\nvary: {events.e.at: [25 ms, 28 ms]}\n");
+  EXPECT_SHARED("k.yaml -o kept --keep runs", 0); /* each run has a file of its own */
   write_file("t.yaml", "set: {firing.every: 1, run: {until: 30 ms, tier: circuit}, events: {e: "
                        "{kind: sag, at: 25 ms}}}\nvary: {firing.angle: [100 deg, 110 deg]}\n");
   EXPECT_SHARED("t.yaml -o angles", 0);

@@ -98,6 +98,12 @@ vs_status bench_run(bench *b, vs_error *err) {
   return s;
 }
 
+void bench_good(bench *b, const char *what, int line) {
+  vs_error err = {0};
+  const vs_status s = bench_run(b, &err);
+  expect(s == VS_OK, line, "%s: %s", what, err.text);
+}
+
 double bench_value_of(const bench *b, const char *key) {
   vs_error err = {0};
   vs_deck *deck = vs_alloc(1, sizeof *deck);

@@ -30,6 +30,8 @@ typedef struct bench {
 } bench;
 
 vs_status bench_run(bench *b, vs_error *err);
+/* The same, which must go well; what: the part, for the message. */
+void bench_good(bench *b, const char *what, int line);
 
 /* The value of a parameter, as the run would have it; fails the test when there is none. */
 double bench_value_of(const bench *b, const char *key);

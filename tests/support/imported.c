@@ -136,10 +136,12 @@ static double held(const decks *d, const deck *k, bool telling) {
   return worst;
 }
 
-void imported_held(const char *origin) {
+void imported_held(const char *origin, int first) {
   decks d = begin(origin);
+  const bool all = getenv("VS_LONG");
   for (int k = 0; k < d.count; k++)
-    if (import(&d.item[k]) && strcmp(d.item[k].until, "-")) held(&d, &d.item[k], true);
+    if (import(&d.item[k]) && strcmp(d.item[k].until, "-") && (all || k % 2 == first))
+      held(&d, &d.item[k], true);
   end(&d);
 }
 

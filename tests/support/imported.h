@@ -21,8 +21,10 @@
 
 /* Each netlist is imported, its deck passes `check`, and runs with the gap held, which is a coil of
  * constant inductance: extremes of the probes that decks.txt names are those of plain ngspice on
- * the netlist itself, within 1e-3 of each probe's peak. Prints the worst of each. */
-void imported_held(const char *origin);
+ * the netlist itself, within 1e-3 of each probe's peak. Prints the worst of each. All of them run
+ * with VS_LONG, else every second one, from that of the number `first` on, 0 or 1: the origins have
+ * much the same circuits in the same order. */
+void imported_held(const char *origin, int first);
 
 /* Each deck with a machine that moves: the extremes of each column are those of plain ngspice on
  * the exported netlist, within 1e-3 of its peak, where ngspice itself is certain of them. Writes

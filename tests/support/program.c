@@ -21,6 +21,18 @@ double measure_in(const char *json, const char *name) {
   return at ? strtod(at + strlen(key), NULL) : NAN;
 }
 
+double number_in(const char *json, const char *key) {
+  static const char VALUE[] = "{\"value\": ";
+  char name[100], *end = NULL;
+  snprintf(name, sizeof name, "\"%s\": ", key);
+  const char *at = json ? strstr(json, name) : NULL;
+  if (!at) return NAN;
+  at += strlen(name);
+  if (!strncmp(at, VALUE, strlen(VALUE))) at += strlen(VALUE);
+  const double value = strtod(at, &end);
+  return end > at ? value : NAN;
+}
+
 char *read_file(const char *path) {
   vs_text all = {0};
   FILE *f = fopen(path, "rb");

@@ -51,12 +51,15 @@ void write_gated_deck(void);
 /* The value of a measure in summary.json's text; NaN: it has none of that name. */
 double measure_in(const char *json, const char *name);
 
+/* The number behind "key": , or behind "key": {"value": ; NaN: there is none, or no text. */
+double number_in(const char *json, const char *key);
+
 /* Adds to the text, behind commas, what the scene's key waive leaves out of a device so that a part
  * of that kind with these lines decides the verdict alone: "d.v_forward,d.v_reverse". */
 void waive_the_rest(const char *device, const char *kind, const char *lines, vs_text *text);
 
-/* Makes of JSON its shape, in place: each number is written #, and a row of numbers as one. So a test
- * can say which keys there are, and in which order, without the numbers of a run. */
+/* Makes of JSON its shape, in place: each number is written #, and a row of numbers as one. So a
+ * test can say which keys there are, and in which order, without the numbers of a run. */
 void make_shape(char *json);
 
 /* Whole file, with a zero byte behind it; empty when it is not there. */

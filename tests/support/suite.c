@@ -26,6 +26,14 @@ int vs_suite(const char *name, const vs_test *tests, size_t count) {
   return failed != 0;
 }
 
+bool is_for_memory_alone(void) {
+#ifdef __SANITIZE_ADDRESS__
+  return !getenv("VS_LONG");
+#else
+  return false;
+#endif
+}
+
 void vs_close(double got, double expected, double scale, double tolerance, const char *what,
               int line) {
   double error = fabs(got - expected) / fabs(scale);

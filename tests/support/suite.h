@@ -23,6 +23,10 @@ int vs_suite(const char *name, const vs_test *tests, size_t count);
     return vs_suite(name, tests, COUNT(tests));                                                    \
   }
 
+/* True in a build with sanitizers, unless VS_LONG is set: tests that compare numbers of many runs
+ * are left out there (tests/CMakeLists.txt). */
+bool is_for_memory_alone(void);
+
 /* |got - expected| <= tolerance * scale; says both and the error when not. */
 void vs_close(double got, double expected, double scale, double tolerance, const char *what,
               int line);

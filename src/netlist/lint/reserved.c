@@ -13,7 +13,7 @@
 
 /* ---- the list ---- */
 
-/* tests/netlist/test_dialect.c tries each of them, and others, as ".param NAME=1000" in all places
+/* tests/netlist/test_dialects.c tries each of them, and others, as ".param NAME=1000" in all places
  * of ngspice 39 that have expressions. What its commands know besides (c, i, kelvin, boltz, ...) no
  * expression of a netlist does. */
 static const struct {

@@ -15,8 +15,16 @@
 #define VS_CHILD_DIED "ngspice died of it"
 #define VS_CHILD_HUNG "it did not come back from it"
 
-/* The longest that a trial may take, s. A circuit takes a few milliseconds. */
+/* The longest that a trial may take, s of its processor's time, so that a busy machine makes no
+ * difference. A circuit takes a few milliseconds. */
 enum { VS_CHILD_SECONDS = 20 };
+
+/* Ends this process by a signal once it has had so much processor time, or ten times as long has
+ * passed: it may wait for ever. */
+void vs_child_limit_time(void);
+
+/* True for the end, as waitpid tells it, of a process that took longer than that. */
+bool vs_child_is_late(int how);
 
 /* How the child ended by itself: the circuit can be loaded and begins to run (or what is wrong with
  * it does no harm to a process); it cannot be loaded; it cannot be run. */
