@@ -176,6 +176,8 @@ static vs_status write_bench_file(const char *folder, const char *name, const ch
   return vs_file_commit(&file, err);
 }
 
+/* Writes bench.csv and bench.json, and bench.png where a test has curves. A picture that cannot be
+ * drawn is only a warning. */
 static vs_status write_folder(const vs_check_options *o, const vs_figures *f, const char *title,
                               vs_error *err) {
   vs_text csv = {0}, json = {0};

@@ -267,6 +267,7 @@ static vs_status check_machine(report *r, vs_error *err) {
   const vs_machine *m = setup->machine;
   if (!status && !vs_error_count(err)) status = check_own_instruments(setup, err);
   if (!status && !vs_error_count(err))
+    /* the section's first key is `model`, the others are the machine's parameters */
     vs_text_add(&r->good, "a good machine: %s%s%d coordinate%s, %zu parameter%s, %d probe%s",
                 m->title, *m->title ? "; " : "", m->dof, m->dof == 1 ? "" : "s",
                 m->section.count - 1, m->section.count == 2 ? "" : "s", m->n_probes,

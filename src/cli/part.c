@@ -36,7 +36,8 @@ static const char *base_of(const char *path) {
 }
 
 /* The part's name: the file's own, without its ending. It becomes a subcircuit's name and the
- * beginning of parameters' names, so that few characters are allowed. */
+ * beginning of parameters' names, so that few characters are allowed, and at most half of the bytes
+ * that a name may have: parameters add a word to it. */
 static vs_status read_name(const char *output, char name[VS_WRAP_NAME], vs_error *err) {
   const char *base = base_of(output);
   size_t n = strlen(base), ending = strlen(SHELF.ending);

@@ -95,8 +95,8 @@ vs_status vs_sim_check(const vs_step *step, vs_error *err) {
   return VS_OK;
 }
 
-/* Stands before the observer of a run. */
-static vs_status guard(void *ctx, const vs_step *step, vs_error *err) {
+/* The observer of a guarded run: checks the step, then shows it to the run's own observer. */
+static vs_status accept_checked_step(void *ctx, const vs_step *step, vs_error *err) {
   const vs_observer *observer = ctx;
   vs_status status = vs_sim_check(step, err);
   return status ? status : observer->accept(observer->ctx, step, err);
@@ -104,7 +104,7 @@ static vs_status guard(void *ctx, const vs_step *step, vs_error *err) {
 
 vs_status vs_sim_run(const vs_tier *tier, const vs_setup *setup, const vs_run_order *order,
                      const vs_observer *observer, vs_error *err) {
-  const vs_observer guarded = {(void *)(size_t)observer, guard};
+  const vs_observer guarded = {(void *)(size_t)observer, accept_checked_step};
   return tier->run(setup, order, &guarded, err);
 }
 

@@ -74,7 +74,7 @@ vs_status vs_cast_roles(const vs_elements *w, const vs_values *v, const vs_roles
   *roles = (vs_roles){0};
   size_t before = vs_error_count(err);
   vs_status status = vs_error_keep(err, find_mains(&f, asked->mains));
-  bool lost = vs_error_count(err) > before; /* without mains a gate could not be told */
+  bool lost = vs_error_count(err) > before; /* without the mains a gate cannot be recognised */
   if (!status && !lost) status = vs_error_keep(err, vs_gates_find(&f, asked->gate));
   if (!status) status = vs_error_keep(err, vs_winding_find(&f, asked->coil));
   if (!status) status = vs_gates_check_alike(&f);

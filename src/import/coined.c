@@ -32,7 +32,7 @@ void vs_coined_end(vs_coined *c) {
   vs_names_free(&c->said);
 }
 
-/* True where the netlist calls a node, an element, a parameter or a function so. */
+/* True where a node, an element, a parameter or a function of the netlist has this name. */
 static bool is_taken(const vs_coined *c, const char *name) {
   return vs_elements_is_taken(c->wiring, name) || vs_values_find(c->values, name) ||
          vs_names_find(&c->said, name, strlen(name), NULL);
@@ -45,8 +45,8 @@ void vs_coined_name(const vs_coined *c, const char *first, const char *key, cons
     snprintf(name, VS_ELEMENTS_NAME, "%s%.40s%s_%d", first, key, last, k);
 }
 
-/* True where one of the names that are made of a stem is the netlist's, or the stem is another
- * element's. */
+/* True where one of the names made of this stem is taken in the netlist, or the stem belongs to
+ * another element already. */
 static bool is_used(const vs_coined *c, const vs_element *source, const char *stem) {
   static const char *const MADE[][2] = {
       {"", "_on"},     {"", "_on2"},    {"", "_edge"},   {"", "_edge2"},  {"", "_low"},

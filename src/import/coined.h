@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Names that a deck has and its netlist has not: of parameters, of nodes and elements between the
- * netlist's. Each is another one than all names that the netlist has. */
+ * New names for the deck: for parameters, and for nodes and elements that are put between those of
+ * the netlist. A new name differs from all names in the netlist. */
 #ifndef VS_IMPORT_COINED_H
 #define VS_IMPORT_COINED_H
 
@@ -10,21 +10,21 @@
 typedef struct vs_coined {
   const vs_elements *wiring; /* borrowed, as values are */
   const vs_values *values;
-  vs_names said; /* names of functions, and of nodes that lines .global name */
+  vs_names said; /* names of functions, and of the nodes of .global lines */
 } vs_coined;
 
 void vs_coined_begin(vs_coined *coined, const vs_elements *wiring, const vs_values *values);
 void vs_coined_end(vs_coined *coined);
 
-/* The name of a function that a line .func of the netlist defines; empty: the card is none. */
+/* Writes the name of the function that a .func line defines; empty where the card defines none. */
 void vs_coined_function(const vs_card *card, char name[VS_VALUES_NAME]);
 
-/* Makes a name FIRST KEY LAST, or that with "_2", "_3", ... behind it. */
+/* Makes the name FIRST KEY LAST. If it is taken, "_2", "_3", ... is appended. */
 void vs_coined_name(const vs_coined *coined, const char *first, const char *key, const char *last,
                     char name[VS_ELEMENTS_NAME]);
 
-/* Makes the name that all begin or end with that stand in the place of a source: its key, or that
- * with "_2", ... behind it, so that STEM_on, Egate_STEM and the like are free. */
+/* Makes the stem for all names that replace a source: the source's key, or that with "_2", ...
+ * appended, so that STEM_on, Egate_STEM and the like are free. */
 void vs_coined_stem(const vs_coined *coined, const vs_element *source, char stem[VS_ELEMENTS_NAME]);
 
 #endif

@@ -26,7 +26,7 @@ typedef struct writer {
   const char *folder;
   vs_copying *body;
   int lines;      /* of the text so far */
-  size_t counted; /* bytes of it in which they were counted */
+  size_t counted; /* bytes of the text in which lines were counted */
 } writer;
 
 static void add(writer *b, const char *format, ...) __attribute__((format(printf, 2, 3)));
@@ -41,7 +41,7 @@ static void add(writer *b, const char *format, ...) {
 
 /* ---- elements ---- */
 
-/* Adds a text whose letters ngspice knows: for the sign of a millionth, a 'u'. */
+/* Adds a text in letters that ngspice knows: the micro sign becomes 'u'. */
 static void add_plain(writer *b, const char *text) {
   for (const char *s = text; *s; s++)
     if (!strncmp(s, "\xc2\xb5", 2) || !strncmp(s, "\xce\xbc", 2)) {
@@ -55,7 +55,8 @@ static const char *node(writer *b, const vs_element *e, int n) {
   return vs_elements_node_of(b->w, e, n);
 }
 
-/* Adds what stands behind an element's nodes, with its value as the deck's parameter. */
+/* Adds the rest of an element's line after its nodes, with its value replaced by the deck's
+ * parameter. */
 static void add_rest(writer *b, const vs_element *e, const vs_fate_element *own) {
   char *rest = vs_elements_rest_of(b->w, e, e->n_nodes + 1 + (*own->param != '\0'));
   vs_text renamed = {0};
@@ -68,7 +69,8 @@ static void add_rest(writer *b, const vs_element *e, const vs_fate_element *own)
   free(rest);
 }
 
-/* An element as it is, but for names of nodes, its value and what senses its currents. */
+/* Copies an element, with the deck's names of nodes, its value as a parameter, and the source that
+ * senses its current. */
 static void add_element(writer *b, const vs_element *e, const vs_fate_element *own) {
   if (*own->sense) add(b, "%s %s %s 0\n", own->sense, node(b, e, own->sensed_at), own->inner);
   if (*own->gate_sense)
@@ -81,7 +83,7 @@ static void add_element(writer *b, const vs_element *e, const vs_fate_element *o
   add_rest(b, e, own);
 }
 
-/* A part; its pins are a k g, whatever the netlist's order was. */
+/* Adds a part. Its pins come in the order a k g, whatever order the netlist has. */
 static void add_part(writer *b, const vs_element *e, const vs_fate_element *own) {
   if (*own->sense) add(b, "%s %s %s 0\n", own->sense, node(b, e, own->sensed_at), own->inner);
   if (*own->gate_sense)
@@ -92,8 +94,8 @@ static void add_part(writer *b, const vs_element *e, const vs_fate_element *own)
 
 /* ---- sources that the program drives ---- */
 
-/* The resistance that LTspice puts into a source, as an element of its own. Gives the source's
- * node, which is its first where it has none. */
+/* Adds the series resistance that LTspice puts into a source (Rser) as an element of its own.
+ * Returns the node to connect the source to: the source's first node where it has no Rser. */
 static const char *add_series(writer *b, const vs_element *e, char inner[VS_ELEMENTS_NAME + 8]) {
   char *rser = vs_elements_option(b->w, e, "rser");
   double ohm;
@@ -113,17 +115,17 @@ static void add_mains(writer *b, const vs_element *e) {
   add(b, "%s %s %s external\n", e->name, plus, node(b, e, 1));
 }
 
-/* The program's pulse has no edges in time. Where the netlist's take longer than this, a
- * capacitance of 1 nF gives them theirs: it is charged with a constant current until a thousandth
- * of the pulse is left, so that di/dt of what the gate fires is the netlist's, too. (With 2 % left,
- * the voltage at a gate's transformer was off by 1.2 % of its peak.) */
+/* The program's pulse has no rise and fall times. Where the netlist's are longer than this, a
+ * capacitance of 1 nF makes them. A constant current charges it until a thousandth of the pulse is
+ * left, so that di/dt of what the gate fires is the netlist's, too. (With 2 % left, the voltage at
+ * a gate's transformer was off by 1.2 % of its peak.) */
 static const double SHORT_EDGE_S = 1e-7;
 
 bool vs_copying_has_edges(const vs_course_pulse *p) {
   return p->rise_s >= SHORT_EDGE_S || p->fall_s >= SHORT_EDGE_S;
 }
 
-/* Adds a gate's pulse of 1 V, and gives the node that has it. */
+/* Adds a gate's pulse of 1 V, and writes the node that carries it into `on`. */
 static void add_pulse(writer *b, const char *stem, const vs_course_pulse *p, const char *two,
                       char on[VS_ELEMENTS_NAME + 8]) {
   double rise_s = fmax(p->rise_s, SHORT_EDGE_S / 10), fall_s = fmax(p->fall_s, SHORT_EDGE_S / 10);
@@ -136,7 +138,7 @@ static void add_pulse(writer *b, const char *stem, const vs_course_pulse *p, con
   snprintf(on, VS_ELEMENTS_NAME + 8, "%s_edge%s", stem, two);
 }
 
-/* A gate's source: the program's pulse times its level, on what it has between pulses. */
+/* Adds a gate's source: the program's pulse times its level, added to the level between pulses. */
 static void add_gate(writer *b, const vs_element *e, const vs_roles_gate *g) {
   char inner[VS_ELEMENTS_NAME + 8], other[VS_ELEMENTS_NAME + 8], on[VS_ELEMENTS_NAME + 8];
   const char *at = add_series(b, e, inner);
@@ -170,7 +172,7 @@ static void add_coil(writer *b, const vs_element *e) {
   }
 }
 
-/* True where both texts are the same, but for capitals and how blank their blanks are. */
+/* True where both texts are the same, apart from capitals and the amount of white space. */
 static bool is_same(const char *a, const char *b) {
   for (;;) {
     size_t n = strspn(a, " \t"), m = strspn(b, " \t\n");
@@ -182,7 +184,8 @@ static bool is_same(const char *a, const char *b) {
   }
 }
 
-/* The element's lines; those that would say the same as the netlist's stay as they were written. */
+/* Adds the element's lines. Lines that would say the same as the netlist's stay as they were
+ * written. */
 static void write_element(writer *b, const vs_element *e) {
   const vs_fate_element *own = vs_fate_of(b->p, e);
   int gate = vs_roles_gate_of(b->p->roles, e);
@@ -206,8 +209,8 @@ static void write_element(writer *b, const vs_element *e) {
 
 /* ---- statements ---- */
 
-/* True for a statement that the deck is to do without: an analysis, an option, an output. Of one
- * that makes another circuit, or several, it is noted what would take its place. */
+/* True for a statement that the deck leaves out: an analysis, an option, an output. If the
+ * statement means another circuit, or several runs, a note tells what to use instead. */
 static bool is_skipped(writer *b, const vs_card *card) {
   static const char *const OURS[] = {".title",    ".stmlib",       ".wave",     ".watch",
                                      ".external", ".autoconverge", ".loadbias", ".savebias"};
@@ -224,7 +227,7 @@ static bool is_skipped(writer *b, const vs_card *card) {
   return skip;
 }
 
-/* The end of .tran step end ..., or of LTspice's .tran end. */
+/* Reads the end of the run from ".tran step end ..." or from LTspice's ".tran end". */
 static void read_tran(writer *b, const vs_card *card) {
   char first[64] = "", second[64] = "";
   double end_s;
@@ -233,7 +236,8 @@ static void read_tran(writer *b, const vs_card *card) {
     b->body->until_s = end_s;
 }
 
-/* The line with a parameter that stays .param: one that is an expression. */
+/* Writes the .param lines of a card whose parameters are expressions; those that are numbers become
+ * parameters of the deck. */
 static void write_params(writer *b, size_t card) {
   const vs_values *v = b->p->values;
   for (size_t k = 0; k < v->count; k++) {
@@ -247,7 +251,7 @@ static void write_params(writer *b, size_t card) {
   }
 }
 
-/* True where the file was found, but not where its line says. */
+/* True where the file was found, but at another place than its line says. */
 static bool is_elsewhere(const vs_card *card, const char *path) {
   const char *slash = strrchr(card->where.file, '/');
   size_t folder = slash ? (size_t)(slash - card->where.file + 1) : 0;
@@ -280,8 +284,8 @@ static void write_include(writer *b, const vs_card *card) {
         !strncmp(full, b->folder, n) && full[n] == '/' ? full + n + 1 : full);
 }
 
-/* Adds the same value for the nodes between elements at that node and what senses their currents.
- */
+/* Adds the same initial value for the nodes that were put between the elements at that node and the
+ * sources that sense their currents. */
 static void add_inner_values(writer *b, vs_word name, vs_word value) {
   for (size_t k = 0; k < b->w->count; k++) {
     const vs_element *e = &b->w->elements[k];
@@ -293,7 +297,7 @@ static void add_inner_values(writer *b, vs_word name, vs_word value) {
   }
 }
 
-/* Goes through the entries "v(NODE)=VALUE" of a line .ic. */
+/* Adds the initial values of inner nodes for each entry "v(NODE)=VALUE" of an .ic line. */
 static void add_inner_starts(writer *b, const char *line) {
   static const char BLANKS[] = " \t";
   for (const char *s = line; (s = strpbrk(s, "vV")); s++) {
@@ -334,9 +338,10 @@ static void write_statement(writer *b, size_t card_number) {
 
 /* ---- the whole ---- */
 
-/* What only PSpice's dialect has. A netlist of PSpice's own is read in it altogether where it has
- * signs of it; in others the reader of decks translates these (docs/netlists.md), so that all else
- * means what ngspice takes it for. */
+/* Signs of PSpice's own dialect. A netlist that PSpice wrote is read in that dialect as a whole
+ * where it has any of them; another one where it has one of the first ALWAYS. The others the reader
+ * of decks translates one by one (docs/netlists.md), so that all else in such a netlist keeps
+ * ngspice's meaning. */
 static bool wants_pspice(const vs_listing *l) {
   static const char *const SIGNS[] = {
       "limit(",   "ako:",      " vswitch", " iswitch", "t_abs=",  "t_abs =", "params:", "value={",
@@ -359,7 +364,8 @@ static void note_origin(writer *b, const vs_card *card) {
   body->origins[body->count++] = (vs_copying_origin){b->lines + 1, card->where};
 }
 
-/* The sum of the currents of thyristors, which is what tells when one fires and goes out. */
+/* Adds the node whose voltage is the sum of the thyristors' currents. It tells when one of them
+ * fires or goes out. */
 static void write_sum(writer *b) {
   const char *first[VS_DECK_DEVICES];
   size_t count = 0;

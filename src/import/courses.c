@@ -8,7 +8,7 @@
 
 enum { MOST_NUMBERS = 256 };
 
-/* The numbers of a course, as text that begins behind its word; blanks, commas and brackets part
+/* The numbers of a course, read from the text after its word. Blanks, commas and brackets separate
  * them. */
 static const char *begin_of(const vs_elements *w, const vs_element *e, const char *word) {
   const char *text = w->listing->cards[e->card].text;
@@ -30,14 +30,14 @@ typedef struct numbers {
   int count;
 } numbers;
 
-/* LTspice's PWL counts a time with a plus sign from the time before it. */
+/* In LTspice's PWL, a time with a plus sign counts from the time before it. */
 static void add_time(numbers *n, const char *word) {
   if (*word == '+' && n->count >= 2 && n->count % 2 == 0)
     n->item[n->count] += n->item[n->count - 2];
 }
 
-/* Error: a number is not known. Ends where an option, NAME=VALUE, or the bracket's end comes.
- * `points` says that they are a PWL's. */
+/* Reads the numbers up to an option NAME=VALUE or the closing bracket. Error: one is not known.
+ * `points`: they are the points of a PWL. */
 static vs_status read_numbers(const vs_elements *w, const vs_values *v, const vs_element *e,
                               const char *s, bool points, numbers *n, vs_error *err) {
   s += strspn(s, " \t");
@@ -64,7 +64,7 @@ static vs_status read_numbers(const vs_elements *w, const vs_values *v, const vs
     if (known && points) add_time(n, word);
     free(word);
     if (status) return status;
-    if (!known) break; /* AC 1, behind a course without brackets */
+    if (!known) break; /* such as AC 1, after a course without brackets */
     n->count++;
     s += size;
   }
@@ -75,7 +75,7 @@ static double nth(const numbers *n, int k, double otherwise) {
   return k < n->count ? n->item[k] : otherwise;
 }
 
-/* The number of cycles at place k, which 0 and no number leave without end. */
+/* The number of cycles at place k. None, or 0, means without end. */
 static double cycles_at(const numbers *n, int k) {
   double cycles = nth(n, k, 0);
   return cycles > 0 ? cycles : INFINITY;
@@ -97,9 +97,9 @@ vs_status vs_course_read_sine(const vs_elements *w, const vs_values *v, const vs
   return status;
 }
 
-/* The next edge of a PWL's `count` points from point *k on: from which point to which it crosses
- * `level`. Gives when it begins and how long it takes; NaN: there is none. *k is the point behind
- * it. */
+/* Finds the next pair of PWL points, from *k on, between which the course crosses `level`. Returns
+ * when this edge begins, and *length_s is how long it takes; NaN: there is none. *k moves past it.
+ */
 static double edge(const double *points, int count, double level, int *k, double *length_s) {
   for (; *k < count; ++*k) {
     const double *a = points + 2 * (*k - 1), *b = points + 2 * *k;
@@ -111,14 +111,14 @@ static double edge(const double *points, int count, double level, int *k, double
   return NAN;
 }
 
-/* Passes by REPEAT FOREVER, behind which PWL's points stand in brackets. */
+/* Skips REPEAT FOREVER, after which the points of a PWL stand in brackets. */
 static const char *passed_repeat(const char *points, bool *repeats) {
   const char *s = points + strspn(points, " \t");
   *repeats = !strncasecmp(s, "repeat", 6) && strchr(s, '(');
   return *repeats ? strchr(s, '(') : points;
 }
 
-/* The point that lies farthest from the first one. */
+/* The value that differs most from the first one. */
 static double farthest(const double *points, int count) {
   double high = points[1];
   for (int i = 0; i < count; i++)
@@ -126,7 +126,8 @@ static double farthest(const double *points, int count) {
   return high;
 }
 
-/* The pulse of a PWL. Error: it has a second one, whose place and shape may be any. */
+/* Reads the pulse of a PWL. Error: it has a second pulse, which may come at any time and have any
+ * shape. */
 static vs_status of_points(const vs_elements *w, const vs_element *e, const numbers *n,
                            vs_course_pulse *p, vs_error *err) {
   int count = n->count / 2, k = 1;
@@ -145,7 +146,8 @@ static vs_status of_points(const vs_elements *w, const vs_element *e, const numb
                           e->name, e->name);
 }
 
-/* r=0, ngspice's, has a PWL begin anew at its end, and td= delays it. Error: it is otherwise. */
+/* ngspice's r=0 repeats a PWL from its beginning once it has ended; td= delays it. Error: r is
+ * another number, or there is a delay. */
 static vs_status repeat_points(const vs_elements *w, const vs_values *v, const vs_element *e,
                                const numbers *n, vs_course_pulse *p, vs_error *err) {
   char *from = vs_elements_option(w, e, "r"), *delay = vs_elements_option(w, e, "td");
@@ -162,7 +164,8 @@ static vs_status repeat_points(const vs_elements *w, const vs_values *v, const v
                             e->name, e->name);
 }
 
-/* PULSE(low high delay rise fall width period cycles), the last LTspice's and ngspice's */
+/* Reads PULSE(low high delay rise fall width period cycles); both LTspice and ngspice know the last
+ * number. */
 static vs_course_pulse of_pulse(const numbers *n) {
   double rise_s = nth(n, 3, 0), fall_s = nth(n, 4, 0), width_s = nth(n, 5, INFINITY);
   vs_course_pulse p = {nth(n, 0, 0), nth(n, 1, 0), nth(n, 2, 0),        width_s + rise_s,
@@ -203,8 +206,8 @@ vs_status vs_course_read_pulse(const vs_elements *w, const vs_values *v, const v
                           e->name);
 }
 
-/* The value of a source without a course: behind DC, or its first word. Returns false where it is
- * not known. */
+/* The value of a source without a course: what stands after DC, or its first word. Returns false
+ * where it is not known. */
 static bool direct(const vs_elements *w, const vs_values *v, const vs_element *e, double *value) {
   char *first = vs_elements_word_of(w, e, e->n_nodes + 1);
   char *dc = vs_elements_option(w, e, "dc");

@@ -9,7 +9,8 @@
 #include <string.h>
 #include <strings.h>
 
-/* What a deck may hold of each kind. Of parameters some are left to the files of parts. */
+/* How many lines of each kind a deck may have. Some of the parameters are reserved for the files of
+ * parts. */
 static const struct {
   const char *word;
   size_t most;
@@ -31,7 +32,7 @@ void vs_declared_free(vs_declared *s) {
   *s = (vs_declared){0};
 }
 
-/* Finds the next term in a line: "v(...)" or "i(...)". Returns what is behind it; NULL: there is
+/* Finds the next term in a line, "v(...)" or "i(...)". Returns the text after it; NULL: there is
  * none. */
 static const char *next_term(const char *line, char term[2 * VS_DECK_NAME]) {
   for (const char *s = line; *s; s++) {

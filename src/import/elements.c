@@ -16,7 +16,7 @@ static const char *text_of(const vs_elements *w, const vs_element *e) {
   return w->listing->cards[e->card].text;
 }
 
-/* Cuts a line into words; what stands in brackets belongs to the word before them. */
+/* Splits a line into words; a bracket and its contents belong to the word before them. */
 static int split(const char *text, vs_elements_word words[VS_ELEMENTS_WORDS]) {
   int count = 0;
   for (const char *s = text; *(s += strspn(s, " \t,")) && count < VS_ELEMENTS_WORDS;) {
@@ -87,7 +87,8 @@ int vs_elements_defined(const vs_listing *l, const char *model) {
   return -1;
 }
 
-/* The first word from `from` on that is a model's or subcircuit's name; 0: none is. */
+/* The index of the first word, from `from` on, that names a model or subcircuit; 0: there is none.
+ */
 static int word_of_model(const vs_elements *w, const vs_element *e, int from) {
   int found = 0;
   for (int k = from; k < e->n_words && !found; k++) {
@@ -111,7 +112,7 @@ char *vs_elements_model(const vs_elements *w, const vs_element *e) {
 
 /* ---- nodes ---- */
 
-/* How many nodes an element has, as its letter says. */
+/* The number of an element's nodes, by its letter. */
 static int count_nodes(const vs_elements *w, const vs_element *e) {
   static const char *const TWO[] = {"value", "poly", "table", "laplace", "vol", "cur", "{", "freq"};
   static const char LETTERS[] = "rclvidbfhwegstjqmzu", COUNTS[] = "2222222222444433433";
@@ -136,7 +137,8 @@ static int count_nodes(const vs_elements *w, const vs_element *e) {
   return model ? model - 1 : count;
 }
 
-/* Adds a character that stands for another one in a name. */
+/* Writes `said` as a name that ngspice and the contract allow: other characters become '_', a '+'
+ * or '-' at the end 'p' or 'n'. */
 static void clean(const char *said, char name[VS_ELEMENTS_NAME]) {
   size_t n = 0, end = strlen(said);
   for (size_t k = 0; k < end && n + 2 < VS_ELEMENTS_NAME; k++) {
@@ -153,7 +155,7 @@ static void clean(const char *said, char name[VS_ELEMENTS_NAME]) {
   if (!strcmp(name, "ac") || !strcmp(name, "dc")) strcat(name, "_net"); /* words of a source */
 }
 
-/* True for a name that programs give to nets nobody has named. */
+/* True for a name that a program made up for a net without one. */
 static bool is_made_up(const char *said) {
   const char *s = said;
   if (!strcmp(said, "n") || !strcmp(said, "net")) return false;
@@ -163,7 +165,7 @@ static bool is_made_up(const char *said) {
   return strspn(s, "0123456789_") == strlen(s);
 }
 
-/* True for a name that ngspice takes for something else in a source's line, or in an output. */
+/* True for a name that ngspice would misread in a source's line or in an output. */
 static bool is_word_of_ngspice(const char *name) {
   return !strcmp(name, "ac") || !strcmp(name, "value") || !strcmp(name, "time");
 }
@@ -172,7 +174,7 @@ static bool has(const vs_names *names, const char *name) {
   return vs_names_find(names, name, strlen(name), NULL);
 }
 
-/* The first of a name counts. */
+/* Of several with the same name the first counts. */
 static void put(vs_names *names, const char *name, size_t number) {
   if (!has(names, name)) vs_names_put(names, name, number);
 }
@@ -209,7 +211,8 @@ const char *vs_elements_node_of(const vs_elements *w, const vs_element *e, int n
 
 /* ---- elements ---- */
 
-/* Names the element: what ngspice or the contract would not take in a name becomes '_'. */
+/* Names the element. Characters that ngspice or the contract does not allow in a name become '_'.
+ */
 static void name_element(const vs_elements *w, vs_element *e) {
   char *said = vs_elements_word_of(w, e, 0), name[VS_ELEMENTS_NAME] = "";
   size_t n = 0;
@@ -270,7 +273,7 @@ void vs_elements_source_of(const vs_listing *l, size_t card, vs_element *e) {
   snprintf(e->name, sizeof e->name, "%.*s", (int)strcspn(text, " \t"), text);
 }
 
-/* Marks what the elements K name. */
+/* Marks the inductors that K elements couple. */
 static void mark_coupled(vs_elements *w) {
   for (size_t k = 0; k < w->count; k++) {
     const vs_element *e = &w->elements[k];
@@ -325,7 +328,7 @@ bool vs_elements_is_taken(const vs_elements *w, const char *name) {
 
 /* ---- renaming ---- */
 
-/* Adds a word, which is a node's name or something else. */
+/* Adds a word, which may be a node's name. */
 static void add_word(const vs_elements *w, const char *word, int size, vs_text *out) {
   char *said = part(word, 0, size);
   vs_cursor_lower(said);
@@ -336,7 +339,7 @@ static void add_word(const vs_elements *w, const char *word, int size, vs_text *
   free(said);
 }
 
-/* Adds the nodes in the brackets of a v( ), which begin at `s`, and returns where they end. */
+/* Adds the nodes in the brackets of v( ), which begin at `s`. Returns where they end. */
 static const char *add_nodes(const vs_elements *w, const char *s, vs_text *out) {
   while (*s && *s != ')') {
     size_t n = strcspn(s, " \t,)");

@@ -20,7 +20,7 @@ const vs_fate_element *vs_fate_of(const vs_fate *p, const vs_element *e) {
 
 /* ---- models ---- */
 
-/* Error: the model or subcircuit of an element is nowhere, and no part has its name. */
+/* Error: the model or subcircuit of an element is defined nowhere, and no part has its name. */
 static vs_status check_model(const vs_fate *p, const vs_element *e, const vs_pins *pins,
                              vs_error *err) {
   char *model = vs_elements_model(p->wiring, e);
@@ -36,7 +36,7 @@ static vs_status check_model(const vs_fate *p, const vs_element *e, const vs_pin
   return status;
 }
 
-/* Error: an element that ngspice would read as something else than the netlist's writer meant. */
+/* Error: ngspice would read the element as something other than the netlist's author meant. */
 static vs_status check_element(const vs_fate *p, const vs_element *e, vs_error *err) {
   const vs_elements *w = p->wiring;
   vs_where where = vs_elements_where(w, e, 0);
@@ -74,7 +74,7 @@ static vs_status check_element(const vs_fate *p, const vs_element *e, vs_error *
 
 /* ---- parameters ---- */
 
-/* How high the gates' pulses are. */
+/* Adds the parameters that are the heights of the gates' pulses. */
 static void add_levels(vs_fate *p) {
   for (size_t g = 0; g < p->roles->n_gates; g++) {
     const vs_roles_gate *gate = &p->roles->gates[g];
@@ -87,7 +87,7 @@ static void add_levels(vs_fate *p) {
   }
 }
 
-/* The letter of the R, C or L whose value is just this parameter; '\0': there is none. */
+/* The letter of the R, C or L whose value is this parameter alone; '\0': there is none. */
 static char letter_of_use(const vs_fate *p, const char *name) {
   for (size_t k = 0; k < p->wiring->count; k++) {
     const vs_element *e = &p->wiring->elements[k];
@@ -111,7 +111,7 @@ static const char *find_word(const char *text, const char *name) {
   return NULL;
 }
 
-/* True where the text uses this name: as a whole word that is given no value there. */
+/* True where the text uses this name as a whole word, other than to assign a value to it. */
 static bool names(const char *text, const char *name) {
   for (const char *s = text; (s = find_word(s, name)); s++) {
     const char *behind = s + strlen(name);
@@ -121,7 +121,7 @@ static bool names(const char *text, const char *name) {
   return false;
 }
 
-/* True where the element uses the name behind its nodes. */
+/* True where the element's line uses the name after its nodes. */
 static bool names_behind(const vs_fate *p, const vs_element *e, const char *name) {
   char *text = vs_elements_rest_of(p->wiring, e, e->n_nodes + 1);
   bool found = names(text, name);
@@ -129,8 +129,8 @@ static bool names_behind(const vs_fate *p, const vs_element *e, const char *name
   return found;
 }
 
-/* True where the program takes over the element, and the deck still has the name: in what LTspice
- * puts into a source or across a coil. */
+/* For an element that the program takes over: true where its Rser, Rpar or Cpar, which LTspice puts
+ * into a source or across a coil and which the deck keeps, uses the name. */
 static bool names_in_parts(const vs_fate *p, const vs_element *e, const char *name) {
   static const char *const PARTS[] = {"rser", "rpar", "cpar"};
   bool found = false;
@@ -142,14 +142,13 @@ static bool names_in_parts(const vs_fate *p, const vs_element *e, const char *na
   return found;
 }
 
-/* True where the name stands in what the deck has of an element. */
+/* True where the part of the element that the deck keeps uses the name. */
 static bool is_used_in_element(const vs_fate *p, const vs_element *e, const char *name) {
   bool taken = vs_fate_is_coil(p, e) || e == p->roles->mains || vs_roles_gate_of(p->roles, e) >= 0;
   return taken ? names_in_parts(p, e, name) : names_behind(p, e, name);
 }
 
-/* True where the deck has a line that uses a parameter: not its own, nor one that the program takes
- * over or leaves out. */
+/* True where a line that the deck keeps uses the parameter; its own line does not count. */
 static bool is_used(const vs_fate *p, const vs_value_param *v) {
   const vs_listing *l = p->wiring->listing;
   bool used = false;
@@ -161,13 +160,14 @@ static bool is_used(const vs_fate *p, const vs_value_param *v) {
            names(l->cards[k].text, v->name);
   for (size_t k = 0; k < p->wiring->count && !used; k++)
     used = is_used_in_element(p, &p->wiring->elements[k], v->name);
-  for (size_t k = 0; k < p->values->count && !used; k++) /* another one of the same line */
+  for (size_t k = 0; k < p->values->count && !used; k++) /* another parameter on the same line */
     used = &p->values->item[k] != v && p->values->item[k].card == v->card &&
            names(p->values->item[k].text, v->name);
   return used;
 }
 
-/* The line .subckt, outside of others, in which the card stands; NULL: it stands in none. */
+/* The .subckt line, itself in no other subcircuit, in which the card stands; NULL: it stands in
+ * none. */
 static const vs_card *subcircuit_of(const vs_listing *l, size_t card) {
   if (l->cards[card].depth == 0) return NULL;
   while (card > 0 && !(vs_listing_is(&l->cards[card], ".subckt") && l->cards[card].depth <= 1))
@@ -175,8 +175,8 @@ static const vs_card *subcircuit_of(const vs_listing *l, size_t card) {
   return &l->cards[card];
 }
 
-/* True for a statement in which a name makes nothing of the circuit, and for a function, which is
- * looked at by itself. */
+/* True for a statement that makes no part of the circuit, and for a .func line, which is looked at
+ * separately. */
 static bool is_left_out(const vs_card *c) {
   static const char *const WORDS[] = {".tran", ".meas", ".measure", ".step", ".func"};
   for (size_t k = 0; k < sizeof WORDS / sizeof *WORDS; k++)
@@ -184,8 +184,8 @@ static bool is_left_out(const vs_card *c) {
   return false;
 }
 
-/* True where a statement of the netlist's own top level uses the name, but for v(NAME) of a node.
- */
+/* True where a statement at the netlist's top level uses the name; v(NAME) of a node does not
+ * count. */
 static bool is_used_in_statement(const vs_card *c, const char *name) {
   static const char *const WORDS[] = {".model", ".ic", ".nodeset", ".if", ".elseif"};
   bool counts = false;
@@ -198,8 +198,8 @@ static bool is_used_in_statement(const vs_card *c, const char *name) {
   return false;
 }
 
-/* True where a line of a subcircuit or a library uses the name, and no parameter of that
- * subcircuit's own hides it. */
+/* True where a line of a subcircuit or a library uses the name, and that subcircuit has no
+ * parameter of its own that hides it. */
 static bool is_used_within(const vs_fate *p, const char *name) {
   const vs_listing *l = p->wiring->listing;
   for (size_t k = 0; k < l->count; k++) {
@@ -214,7 +214,7 @@ static bool is_used_within(const vs_fate *p, const char *name) {
   return false;
 }
 
-/* True where a function of the netlist's uses the name, which is none of its arguments. */
+/* True where a function of the netlist uses the name and has no argument of that name. */
 static bool is_used_in_functions(const vs_fate *p, const char *name) {
   const vs_listing *l = p->wiring->listing;
   for (size_t k = 0; k < l->count; k++) {
@@ -227,10 +227,10 @@ static bool is_used_in_functions(const vs_fate *p, const char *name) {
   return false;
 }
 
-/* True where what becomes of the netlist in the deck uses a parameter: an element that stays, a
- * .model, a function, or another parameter that is used so. seen: of each parameter of the netlist,
- * whether it was looked at already; all false at first. left: so many are looked at; of more it is
- * taken for granted, as each look goes through the whole netlist. */
+/* True where the deck will use the parameter: in an element that stays, a .model, a function, or
+ * another parameter that is itself used. seen: for each parameter of the netlist, whether it was
+ * looked at already; all false at first. left: how many more parameters are looked at, as each look
+ * goes through the whole netlist; beyond that the answer is true. */
 static bool is_used_by_deck(const vs_fate *p, const char *name, bool *seen, int *left) {
   const vs_listing *l = p->wiring->listing;
   bool used = is_used_within(p, name) || is_used_in_functions(p, name);
@@ -246,7 +246,8 @@ static bool is_used_by_deck(const vs_fate *p, const char *name, bool *seen, int 
   return used;
 }
 
-/* True where the program gives a deck the value that the netlist has, too; that is told. */
+/* True where the program gives every deck a parameter of this name with the same value as the
+ * netlist's. This is noted. */
 static bool is_as_ours(vs_fate *p, const vs_value_param *v) {
   const vs_roles *r = p->roles;
   const struct {
@@ -268,7 +269,8 @@ static bool is_as_ours(vs_fate *p, const vs_value_param *v) {
   return false;
 }
 
-/* Of the mains' impedance the scene has what the netlist says, and so has the deck. */
+/* True for the mains' resistance or inductance: the scene takes the netlist's value, which a note
+ * tells, and gives it to the deck. */
 static bool is_of_scene(vs_fate *p, const vs_value_param *v) {
   bool supply = !strcmp(v->name, vs_deck_standard_names[VS_STANDARD_R_SOURCE]) ||
                 !strcmp(v->name, vs_deck_standard_names[VS_STANDARD_L_SOURCE]);
@@ -283,8 +285,8 @@ static bool is_of_scene(vs_fate *p, const vs_value_param *v) {
 
 enum { MOST_LOOKS = 64 };
 
-/* Error, with its place: the deck would use a parameter that the program gives every deck, with
- * another value than the netlist's. */
+/* Error, with its place: the deck would use a parameter of the netlist to which the program gives
+ * another value in every deck. */
 static vs_status check_standard(vs_fate *p, const vs_value_param *v, vs_error *err) {
   const vs_card *card = &p->wiring->listing->cards[v->card];
   if (!vs_deck_is_standard(v->name) || vs_values_find(p->values, v->name) != v) return VS_OK;
@@ -303,8 +305,8 @@ static vs_status check_standard(vs_fate *p, const vs_value_param *v, vs_error *e
                     v->name, v->name);
 }
 
-/* The netlist's own parameters that are numbers become the deck's. Those of what the program takes
- * over, as the mains' peak, are none any more. */
+/* The netlist's parameters that are numbers become parameters of the deck. Those that only
+ * described what the program takes over, such as the mains' peak, are dropped. */
 static void add_params(vs_fate *p) {
   for (size_t k = 0; k < p->values->count; k++) {
     const vs_value_param *v = &p->values->item[k];
@@ -337,7 +339,8 @@ static void set_senses(vs_fate *p, const vs_element *e, vs_fate_element *own) {
   name_free(p, "", e->key, "_g", own->gate_inner);
 }
 
-/* A part's parameter is called as its kind, or, where there are several, as its element. */
+/* Names the parameter that selects a part: after the part's kind, or after the element where
+ * several parts are of that kind. */
 static void set_part(vs_fate *p, const vs_element *e, vs_fate_element *own) {
   size_t count = 0;
   if (!*own->pins.part || !own->pins.kind) return;
@@ -351,8 +354,8 @@ static void set_part(vs_fate *p, const vs_element *e, vs_fate_element *own) {
     *own->part = '\0';
 }
 
-/* Names what stands in the place of sources and of the coil, and keeps the names of the netlist's
- * functions from parameters. */
+/* Names what replaces the sources and the coil. Names of the netlist's functions are reserved, so
+ * that no parameter gets them. */
 static void name_all(vs_fate *p) {
   const vs_elements *w = p->wiring;
   char name[VS_VALUES_NAME], kept[VS_DECK_NAME];

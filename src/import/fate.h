@@ -1,26 +1,27 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * What becomes of each element of a netlist in its deck: which parameter its value becomes, where
- * its current is sensed, what it is measured as. */
+ * What becomes of each element of a netlist in its deck: the parameter for its value, where its
+ * current is sensed, what it is measured as. */
 #ifndef VS_IMPORT_FATE_H
 #define VS_IMPORT_FATE_H
 
-#include "pins.h"
 #include "coined.h"
 #include "declared.h"
+#include "pins.h"
 
 /* One element. */
 typedef struct vs_fate_element {
   vs_pins pins;
   char param[VS_ELEMENTS_NAME]; /* the deck's parameter that its value becomes; empty: none */
-  char *value; /* its value as a formula of the deck's parameters; NULL: it is none */
+  char *value; /* its value as a formula of the deck's parameters; NULL: there is none */
   char sense[VS_ELEMENTS_NAME];      /* the source of 0 V that senses its current; empty: none */
-  char inner[VS_ELEMENTS_NAME];      /* the node between that and the element */
-  int sensed_at;                     /* which of its nodes, from 0 */
-  char gate_sense[VS_ELEMENTS_NAME]; /* the same for its gate */
+  char inner[VS_ELEMENTS_NAME];      /* the node between that source and the element */
+  int sensed_at;                     /* at which of its nodes, from 0 */
+  char gate_sense[VS_ELEMENTS_NAME]; /* the same two for its gate */
   char gate_inner[VS_ELEMENTS_NAME];
-  char part[VS_ELEMENTS_NAME]; /* the deck's parameter that is its part; empty: it is no part */
-  char stem[VS_ELEMENTS_NAME]; /* of the mains and gates: the name that all begin or end with that
-                                  stand in its place, as STEM_on and Egate_STEM */
+  char
+      part[VS_ELEMENTS_NAME]; /* the deck's parameter that selects its part; empty: it is no part */
+  char stem[VS_ELEMENTS_NAME]; /* of the mains and gates: the stem of all names that replace it,
+                                  such as STEM_on and Egate_STEM */
   char level[VS_DECK_NAME]; /* of a gate: the deck's parameter that is the height of its pulses */
 } vs_fate_element;
 
@@ -36,13 +37,13 @@ typedef struct vs_fate {
   vs_declared sheet;
 } vs_fate;
 
-/* Finds out what each element is, names its sources and parameters, and adds the lines param.
- * `pins` is what --pins says. Errors with their place, each of which a check carries on from: pins
- * that nobody can tell, a model that is nowhere. */
+/* Finds out what each element is, names its sources and parameters, and adds the `param` lines.
+ * `pins` is what --pins says. Errors with their place, after each of which a check carries on: pins
+ * that cannot be told apart, a model that is defined nowhere. */
 vs_status vs_fate_make(vs_fate *plan, const char *pins, vs_error *err);
 void vs_fate_free(vs_fate *plan);
 
-/* True for an element that the deck does not have: one of the coil's. */
+/* True for an element that the deck does not have because it belongs to the coil. */
 bool vs_fate_is_coil(const vs_fate *plan, const vs_element *element);
 
 /* What becomes of an element. */

@@ -7,8 +7,8 @@
 
 #include "copying.h"
 
-/* The loss of the resistance that LTspice puts into the mains, which has become an element. That of
- * another source is part of what the source gives at its nodes. */
+/* Adds the loss of the mains' series resistance (LTspice's Rser), which the deck has as an element
+ * of its own. That of another source is contained in what the source delivers at its nodes. */
 static void add_series(vs_fate *p, const vs_element *e) {
   char *rser = vs_elements_option(p->wiring, e, "rser"), v[VS_DECK_TEXT], inner[VS_ELEMENTS_NAME];
   double ohm;
@@ -21,8 +21,8 @@ static void add_series(vs_fate *p, const vs_element *e) {
   free(rser);
 }
 
-/* What a gate's edges are made with: some 1e-10 J, named so that nothing of the deck goes unseen.
- */
+/* Adds the energy in the capacitor that shapes a gate's edges, some 1e-10 J, so that the audit
+ * misses nothing. */
 static void add_edge(vs_fate *p, const vs_roles_gate *g, const char *two) {
   const char *key = g->source->key, *stem = vs_fate_of(p, g->source)->stem;
   if (vs_copying_has_edges(&g->pulse))
@@ -30,8 +30,8 @@ static void add_edge(vs_fate *p, const vs_roles_gate *g, const char *two) {
                     two);
 }
 
-/* What a gate's source of current gives, a loss below zero: its level times its pulses, and what
- * flows between them. (Sources of voltage tell their current.) */
+/* Adds what a gate's current source delivers, as a loss below zero: the level times its pulses, and
+ * the current between them. (The current of voltage sources is known without this.) */
 static void add_gate_loss(vs_fate *p, const vs_roles_gate *g) {
   const vs_element *e = g->source;
   char v[VS_DECK_TEXT];
@@ -71,7 +71,7 @@ static void add_sources(vs_fate *p) {
     }
   if (r->mains) add_series(p, r->mains);
   for (size_t g = 0; g < r->n_gates; g++) add_gate_loss(p, &r->gates[g]);
-  for (size_t k = 0; k < w->count; k++) { /* what sources give is a loss below zero */
+  for (size_t k = 0; k < w->count; k++) { /* what sources deliver is a negative loss */
     const vs_element *e = &w->elements[k];
     char v[VS_DECK_TEXT];
     if (e->letter != 'v' || e == r->mains) continue;
@@ -80,7 +80,7 @@ static void add_sources(vs_fate *p) {
   }
 }
 
-/* The mains' terminals: behind the resistors and inductors in series with their source. */
+/* Finds the mains' terminals: beyond the resistors and inductors in series with the source. */
 static void add_line(vs_fate *p) {
   const vs_element *e = p->roles->mains;
   if (!e) return;

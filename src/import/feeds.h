@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * What the sources of a deck are told to be: ports, the mains' terminals, and what each source
- * gives to the circuit, for the energy audit. */
+ * Declares the sources of a deck: the ports, the mains' terminals, and for the energy audit what
+ * each source delivers to the circuit. */
 #ifndef VS_IMPORT_FEEDS_H
 #define VS_IMPORT_FEEDS_H
 

@@ -6,23 +6,24 @@
 #include <string.h>
 #include <strings.h>
 
-/* How a period compares with the mains' is told to this part; netlists write 16.667m for 1/60. */
+/* Tolerance, as a part, for comparing a period with the mains': netlists write 16.667m for 1/60. */
 static const double NEAR = 2e-3;
 
 static bool is_near(double a, double b) {
   return fabs(a - b) <= NEAR * b;
 }
 
-/* True for a pulse that comes too often to fire thyristors on the mains: a chopper's. */
+/* True for a pulse that repeats too fast to fire thyristors on the mains: a chopper's. */
 static bool chops(const vs_roles_search *f, const vs_course_pulse *p) {
   return f->roles->mains && p->period_s < 0.4 / f->roles->hz;
 }
 
 static double cycles_to(const vs_roles *r, const vs_roles_gate *g);
 
-/* A source that rests at the level that fires, PULSE(6 0 ...): the time between its own pulses is
- * the gate's pulse. The last of them before the source's delay is taken for the first; where the
- * source fires earlier than that, early_s tells. Error: it does not come back to that level. */
+/* Turns the pulse of a source that rests at the firing level, as PULSE(6 0 ...): the gate's pulse
+ * is then the time between the source's own pulses. The first one counted is the last before the
+ * source's delay; where the source fires even earlier, early_s says until when. Error: the source
+ * does not return to its resting level. */
 static vs_status turn(const vs_roles_search *f, vs_roles_gate *g) {
   const vs_course_pulse own = g->pulse;
   bool repeats = isfinite(own.period_s), both_signs = own.low < 0 && own.high > 0;
@@ -103,22 +104,19 @@ static vs_status add_named_gates(vs_roles_search *f, const char *asked) {
   return status;
 }
 
-/* True for a source that shares a node, other than 0, with the mains' own: a surge in the line,
- * say.
- */
+/* True for a source that shares a node other than 0 with the mains, such as a surge in the line. */
 static bool in_the_line(const vs_roles_search *f, const vs_element *e) {
   const int *mains = f->roles->mains->nodes;
   for (int k = 0; k < 2; k++)
     for (int n = 0; n < 2; n++)
       if (mains[k] == e->nodes[n] && strcmp(f->w->nodes[mains[k]].name, "0")) {
         const vs_element *other = vs_elements_next(f->w, e, mains[k]);
-        if (other == f->roles->mains) return true; /* nothing else meets there: in series */
+        if (other == f->roles->mains) return true; /* nothing else is connected there: in series */
       }
   return false;
 }
 
-/* True for a source that may be a gate's: its course is a pulse, or of points that go up and come
- * back once. */
+/* True for a source that may be a gate's: it has a PULSE, or a PWL that rises and returns once. */
 static bool may_fire(const vs_roles_search *f, const vs_element *e) {
   vs_course_pulse p;
   vs_error unread = {0};
@@ -151,27 +149,27 @@ vs_status vs_gates_find(vs_roles_search *f, const char *asked) {
   return status;
 }
 
-/* A pulse that comes this much before a zero of the mains, in cycles, comes at the zero: rounding
- * of the numbers in the netlist. */
+/* A pulse closer than this to a zero of the mains, in cycles, counts as at the zero: the numbers in
+ * a netlist are rounded. */
 static const double AT_ZERO = 1e-9;
 
-/* Cycles of the mains from their first rising zero to the gate's first pulse. Below zero, down to
- * -1, is a pulse in the cycle that is under way at t = 0. */
+/* Cycles of the mains from their first rising zero to the gate's first pulse. Negative, down to -1:
+ * the pulse lies in the cycle that is under way at t = 0. */
 static double cycles_to(const vs_roles *r, const vs_roles_gate *g) {
   double zero = -r->phase_deg / 360;
   double x = g->pulse.at_s * r->hz - (zero - floor(zero));
   return fabs(x - rint(x)) < AT_ZERO ? rint(x) : x;
 }
 
-/* In how many cycles the gate fires once; 0: only once. */
+/* The gate fires once in this many cycles; 0: only once. */
 static int every_of(const vs_roles *r, const vs_roles_gate *g) {
   return isinf(g->pulse.period_s) ? 0 : g->each == 2 ? 1 : (int)rint(g->pulse.period_s * r->hz);
 }
 
-/* Error: the gate's pulses begin, or come again, later than firing.first_cycle and firing.every can
- * say. */
+/* Error: the gate's pulses begin, or repeat, later than firing.first_cycle and firing.every can
+ * express. */
 static vs_status check_reach(const vs_roles_search *f, const vs_roles_gate *g) {
-  static const double MOST_CYCLES = 1e8; /* in the longest run there are fewer */
+  static const double MOST_CYCLES = 1e8; /* the longest run has fewer */
   double at = cycles_to(f->roles, g), period = g->pulse.period_s * f->roles->hz;
   if (fabs(at) < MOST_CYCLES && (isinf(g->pulse.period_s) || fabs(period) < MOST_CYCLES))
     return VS_OK;
@@ -222,7 +220,7 @@ void vs_gates_set_firing(vs_roles *r) {
   }
   if (isnan(r->angle_deg)) return;
   double begin = first - r->angle_deg / 360;
-  if (r->angle_deg >= 180) r->angle_deg -= 180; /* the first gate is half a cycle late then */
+  if (r->angle_deg >= 180) r->angle_deg -= 180; /* the first gate is then half a cycle late */
   r->at_zero = r->angle_deg < 1e-3;
   if (r->at_zero) r->angle_deg = 1e-3;
   for (size_t k = 0; k < r->n_gates; k++) {

@@ -99,7 +99,7 @@ static void note_roles(work *w) {
                      "is taken");
 }
 
-/* What a gate's source does that the deck's pulses do not. */
+/* Notes what a gate's source does that the deck's pulses do not do. */
 static void note_turned(work *w) {
   vs_declared *s = &w->plan.sheet;
   for (size_t k = 0; k < w->roles.n_gates; k++) {
@@ -192,7 +192,7 @@ static void compose(work *w) {
   vs_text_add(t, "%s", w->body.text.text ? w->body.text.text : "");
 }
 
-/* The folder of a path as it is written, and from the root on. */
+/* The folder of a path, as it is written and as an absolute path. */
 static void folder_of(const char *path, char folder[VS_PATH_SIZE], char full[VS_PATH_SIZE]) {
   int n = (int)(name_of(path) - path);
   snprintf(folder, VS_PATH_SIZE, "%.*s", n > 1 ? n - 1 : n, path);
@@ -223,7 +223,7 @@ static vs_status plan_all(work *w, const char *folder, vs_error *err) {
 
 /* ---- trying it ---- */
 
-/* Gives an error of the deck the place in the netlist that its line comes from. */
+/* Gives an error in the deck the place of the netlist's line that the deck's line comes from. */
 static void place_in_netlist(const work *w, const char *path, vs_error *e) {
   vs_error plain = *e;
   const vs_copying_origin *from = NULL;
@@ -234,8 +234,7 @@ static void place_in_netlist(const work *w, const char *path, vs_error *e) {
              plain.text + plain.place_size);
 }
 
-/* Has the deck, which lies at `path`, take its first step in the scene that the netlist describes.
- */
+/* Runs the first step of the deck at `path` in the scene that the netlist describes. */
 static vs_status try_deck(const work *w, const char *path, vs_error *err) {
   vs_tree tree = {.root = vs_alloc(1, sizeof *tree.root)};
   tree.root->kind = VS_NODE_MAP;
@@ -266,7 +265,7 @@ static vs_status write_file(const char *path, const char *text, vs_error *err) {
   return vs_file_commit(&file, err);
 }
 
-/* Writes the deck under a name that nobody looks for, tries it, and then gives it its own. */
+/* Writes the deck under a temporary name, tries it, and then renames it. */
 static vs_status write_deck(work *w, const char *folder, vs_findings *all, vs_error *err) {
   vs_file file = {0};
   vs_error own = {.findings = all};
@@ -357,7 +356,7 @@ static void say_findings(const vs_import_options *o, const vs_findings *all) {
 
 /* ---- the command ---- */
 
-/* Error: the output is no name of a deck, or is the netlist itself. */
+/* Error: the output is not a deck's name, or is the netlist itself. */
 static vs_status check_output(const vs_import_options *o, vs_error *err) {
   const char *ending = o->output ? strrchr(o->output, '.') : NULL;
   char a[VS_PATH_SIZE], b[VS_PATH_SIZE];

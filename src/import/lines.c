@@ -10,7 +10,8 @@
 #include "feeds.h"
 #include "netlist/kinds.h"
 
-/* The voltage of an element, from the node where its current is sensed, or its first, on. */
+/* Writes the voltage of an element. It begins at the node between the element and the source that
+ * senses its current, if there is one. */
 static void voltage_of(const vs_fate *p, const vs_element *e, const vs_fate_element *own,
                        char text[VS_DECK_TEXT]) {
   int from = own->pins.kind ? own->pins.from : 0, to = own->pins.kind ? own->pins.to : 1;
@@ -20,7 +21,7 @@ static void voltage_of(const vs_fate *p, const vs_element *e, const vs_fate_elem
 
 /* ---- gates ---- */
 
-/* Marks what is connected with a node over resistors and diodes, but not over node 0. */
+/* Marks the nodes that resistors and diodes connect to a node, without passing node 0. */
 static void spread(const vs_fate *p, int node, bool *reached) {
   const vs_elements *w = p->wiring;
   reached[node] = true;
@@ -32,8 +33,8 @@ static void spread(const vs_fate *p, int node, bool *reached) {
   }
 }
 
-/* Marks the gates that drive a node of an element, as far as shows; returns how many do. The
- * reference of a gate's source, its other end, tells nothing. */
+/* Marks the gates that can be seen to drive a node of an element, and returns how many there are.
+ * Only the first node of a gate's source counts, not its reference. */
 static size_t gates_at(const vs_fate *p, int node, bool drives[VS_ROLES_GATES]) {
   bool *reached = vs_alloc(p->wiring->n_nodes + 1, sizeof *reached);
   size_t count = 0;
@@ -47,8 +48,8 @@ static size_t gates_at(const vs_fate *p, int node, bool drives[VS_ROLES_GATES]) 
   return count;
 }
 
-/* A netlist that was written for another part of that name may have the pins in another order,
- * which its gate's source shows. */
+/* Error: no gate's source drives the pin that the part of this name has for a gate. The netlist was
+ * probably written for another part with other pins. */
 static vs_status check_part(const vs_fate *p, const vs_element *e, const vs_fate_element *own,
                             vs_error *err) {
   bool gated = *own->pins.part && vs_kinds_latches(own->pins.kind) && p->roles->n_gates;
@@ -70,8 +71,8 @@ static void add_port(char words[VS_DECK_NAME], double shift_deg) {
     snprintf(words + n, VS_DECK_NAME - n, " gate");
 }
 
-/* The words of the ports that fire the element, each with a blank before it; empty where that is
- * the deck's only port, or not known. A thyristor is fired by the first pulse in a cycle alone. */
+/* Writes the ports that fire the element, each after a blank; empty where it is the deck's only
+ * port, or where it is not known. A thyristor is fired by the first pulse of a cycle alone. */
 static void gate_words(const vs_fate *p, const vs_element *e, const vs_fate_element *own,
                        bool both_ways, char words[VS_DECK_NAME]) {
   bool drives[VS_ROLES_GATES];
@@ -87,7 +88,7 @@ static void gate_words(const vs_fate *p, const vs_element *e, const vs_fate_elem
   }
 }
 
-/* What stands between the names of a device's line and '='. */
+/* Writes what stands in a `device` line between the name and '='. */
 static void device_kind(const vs_fate *p, const vs_element *e, const vs_fate_element *own,
                         char text[VS_DECK_TEXT]) {
   const vs_kind *kind = vs_kinds_find(own->pins.kind);
@@ -97,7 +98,7 @@ static void device_kind(const vs_fate *p, const vs_element *e, const vs_fate_ele
            gate);
 }
 
-/* Adds device, loss and probe of current of an element of a known kind, by the name given. */
+/* Adds the device, its loss and the probe of its current, for an element of a known kind. */
 static void add_device(vs_fate *p, const vs_element *e, const vs_fate_element *own,
                        const char *name, const char *probe) {
   char v[VS_DECK_TEXT], kind[VS_DECK_TEXT], gate[VS_DECK_TEXT];
@@ -139,7 +140,8 @@ static void add_valve(vs_fate *p, const vs_element *e, const vs_fate_element *ow
   add_device(p, e, own, name, i);
 }
 
-/* Thyristors and triacs; the anode current of several is their sum, which the deck makes. */
+/* Adds the thyristors and triacs. If there are several, i_thyristor is the sum of their currents,
+ * which a node of the deck forms. */
 static void add_valves(vs_fate *p) {
   size_t count = 0;
   bool first = true;
@@ -169,8 +171,7 @@ static void add_others(vs_fate *p) {
   }
 }
 
-/* True where the element has an option of that name that is not 0, as LTspice's Rser: one of 0 is
- * no part. */
+/* True where the element has this option, such as LTspice's Rser, and it is not 0. */
 static bool has_part(const vs_fate *p, const vs_element *e, const char *name) {
   double value = 1;
   char *text = vs_elements_option(p->wiring, e, name);
@@ -179,8 +180,8 @@ static bool has_part(const vs_fate *p, const vs_element *e, const char *name) {
   return has;
 }
 
-/* The voltage of a capacitor without what LTspice puts in series into it: Rser and Lser, behind the
- * node that the reader of decks makes of them. */
+/* The voltage of the capacitor alone, without the Rser and Lser that LTspice puts in series with
+ * it. It begins at the node that the reader of decks makes behind those. */
 static void within(const vs_fate *p, const vs_element *e, const vs_fate_element *own,
                    char v[VS_DECK_TEXT]) {
   char inner[VS_ELEMENTS_NAME + 8];
@@ -219,8 +220,8 @@ static void add_passive(vs_fate *p, const vs_element *e, const vs_fate_element *
                      e->name, e->key);
 }
 
-/* The losses of what LTspice puts into an inductor or capacitor, which the reader of decks makes
- * elements of their own: Rser in series, Rpar across. */
+/* Adds the losses of LTspice's Rser (in series) and Rpar (across) of an inductor or capacitor. The
+ * reader of decks makes them elements of their own. */
 static void add_parasitic(vs_fate *p, const vs_element *e, const vs_fate_element *own) {
   char v[VS_DECK_TEXT];
   char *series = vs_elements_option(p->wiring, e, "rser");
@@ -238,7 +239,8 @@ static void add_parasitic(vs_fate *p, const vs_element *e, const vs_fate_element
   free(across);
 }
 
-/* Resistors, capacitors and inductors, letter by letter: those that store come first. */
+/* Adds inductors, then capacitors, then resistors: if a deck has no room for all, those that store
+ * energy are there. */
 static void add_passives(vs_fate *p) {
   for (const char *letter = "lcr"; *letter; letter++)
     for (size_t k = 0; k < p->wiring->count; k++) {
@@ -249,9 +251,8 @@ static void add_passives(vs_fate *p) {
     }
 }
 
-/* The inductor that is the n-th word of a line K..., and its value; NULL: it has none that is
- * known.
- */
+/* The inductor that the n-th word of a K line names, and its value; NULL: its value is not known,
+ * or is multiplied. */
 static const vs_element *coupled(const vs_fate *p, const vs_element *e, int n, const char **value) {
   char *name = vs_elements_word_of(p->wiring, e, n);
   const vs_element *l = vs_elements_find(p->wiring, name);
@@ -261,7 +262,8 @@ static const vs_element *coupled(const vs_fate *p, const vs_element *e, int n, c
   return *value ? l : NULL;
 }
 
-/* The energy that inductors hold together, for each two of them: K sqrt(L1 L2) i1 i2. */
+/* Adds the energy of the coupling, for each two of the inductors: K sqrt(L1 L2) i1 i2. Returns
+ * false where it is not known. */
 static bool add_coupling(vs_fate *p, const vs_element *e) {
   double factor;
   int last = e->n_words - 1;
@@ -280,8 +282,8 @@ static bool add_coupling(vs_fate *p, const vs_element *e) {
   return known;
 }
 
-/* What sources that a formula drives take, and those of current: a loss, below zero where they
- * give. */
+/* Adds what controlled sources and current sources take, as a loss; it is negative where they
+ * deliver. */
 static void add_controlled(vs_fate *p) {
   for (size_t k = 0; k < p->wiring->count; k++) {
     const vs_element *e = &p->wiring->elements[k];
@@ -293,7 +295,8 @@ static void add_controlled(vs_fate *p) {
   }
 }
 
-/* What LTspice puts across the EVA's coil, which has become elements of their own. */
+/* Adds the loss and the store of LTspice's Rpar and Cpar across the EVA's coil, which have become
+ * elements of their own. */
 static void add_across(vs_fate *p) {
   const vs_roles *r = p->roles;
   char *rpar = vs_elements_option(p->wiring, r->coil, "rpar"), v[VS_DECK_TEXT];
@@ -311,7 +314,7 @@ static void add_across(vs_fate *p) {
   free(cpar);
 }
 
-/* A voltage of each net that a person has named. */
+/* Adds a voltage probe for each net that the netlist's author has named. */
 static void add_nets(vs_fate *p) {
   const vs_elements *w = p->wiring;
   for (size_t k = 0; k < w->n_nodes; k++) {
@@ -329,7 +332,7 @@ static void add_nets(vs_fate *p) {
   }
 }
 
-/* What no line says. */
+/* Adds the energies of couplings, and notes which elements nothing is measured of. */
 static void note_unmeasured(vs_fate *p) {
   vs_text unknown = {0}, together = {0};
   for (size_t k = 0; k < p->wiring->count; k++) {

@@ -20,7 +20,7 @@ const char *const vs_listing_origins[VS_ORIGINS] = {"plain SPICE", "LTspice", "K
 
 /* ---- what is no netlist ---- */
 
-/* Drawings and other files that are taken for netlists, with how to get one. */
+/* Drawings and other files that users mistake for netlists, and how to get a netlist from each. */
 static const struct drawing {
   const char *begins, *says;
 } DRAWINGS[] = {
@@ -51,7 +51,8 @@ static bool is_file(const char *path) {
   return !stat(path, &s) && S_ISREG(s.st_mode);
 }
 
-/* Gives the name of `path` the capitals that a file in its folder has. False: there is none. */
+/* Corrects the case of the name in `path` to that of a file in its folder. False: there is no such
+ * file. */
 static bool find_capitals(char *path) {
   char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
   char folder[VS_PATH_SIZE];
@@ -67,8 +68,8 @@ static bool find_capitals(char *path) {
   return found;
 }
 
-/* Looks for a file where its name says, then by its last part beside the file that includes it:
- * paths of another machine's lead nowhere here, and Windows minds no capitals. */
+/* Looks for a file where its name says, then by its last part beside the file that includes it,
+ * ignoring case: paths of another computer lead nowhere here, and Windows ignores case. */
 static bool find_beside(const char *name, const char *by, char *path) {
   const char *slash = strrchr(by, '/'), *last = strrchr(name, '/');
   int folder = slash ? (int)(slash - by + 1) : 0;
@@ -96,7 +97,7 @@ bool vs_listing_finds(const vs_card *card, char *path) {
 
 /* ---- lines ---- */
 
-/* Cuts what ends a line as a comment: from ';' on, or from a '$' between blanks. */
+/* Cuts off a comment at the end of a line: from ';' on, or from a '$' between blanks. */
 static void cut_comment(char *text) {
   size_t n = 0;
   for (; text[n] && text[n] != ';'; n++)
@@ -128,7 +129,7 @@ static void continue_card(vs_card *card, const char *line, const char *more) {
   cut_comment(card->text);
 }
 
-/* Counts subcircuits. */
+/* Notes in how many open subcircuits the card stands. */
 static void set_depth(vs_card *card, int *open) {
   if (vs_listing_is(card, ".subckt")) ++*open;
   card->depth = *open;
@@ -137,7 +138,8 @@ static void set_depth(vs_card *card, int *open) {
 
 static vs_status add_file(vs_listing *l, const char *path, bool may_be_netlist, vs_error *err);
 
-/* Says of a line that includes a part of the netlist that the part has taken its place. */
+/* Turns a line that includes a part of the netlist into a comment, which says that the part
+ * replaces it. */
 static void write_replaced(vs_card *card) {
   vs_text text = {0};
   vs_text_add(&text, "* in the place of this line stands what it includes: %s", card->raw);
@@ -146,8 +148,8 @@ static void write_replaced(vs_card *card) {
   card->kind = VS_CARD_COMMENT;
 }
 
-/* Takes in the file of a line that includes one, if it is there and was not taken yet. A library
- * of models, .lib, is no part of the netlist, and what a library includes is none either. */
+/* Reads the file that a line includes, if it exists and was not read before. A library of models,
+ * .lib, is no part of the netlist, and neither is what a library includes. */
 static vs_status follow(vs_listing *l, size_t card, vs_error *err) {
   char path[VS_PATH_SIZE];
   if (!vs_listing_finds(&l->cards[card], path) || !*path) return VS_OK;
@@ -163,7 +165,7 @@ static vs_status follow(vs_listing *l, size_t card, vs_error *err) {
   return status;
 }
 
-/* Takes a line of a file. *last is the card that '+' would continue; SIZE_MAX: there is none. */
+/* Adds a line of a file. *last is the card that a '+' would continue; SIZE_MAX: there is none. */
 static vs_status add_line(vs_listing *l, char *line, vs_where where, size_t *last, vs_error *err) {
   const char *begin = line + where.column - 1;
   if (*begin == '+' && *last != SIZE_MAX) {
@@ -188,8 +190,8 @@ static bool take_title(vs_listing *l, const char *line) {
   return true;
 }
 
-/* True where elements stand outside of subcircuits: a file that the netlist goes on in, as the
- * .net that a profile of OrCAD's includes. */
+/* True where the file has elements outside of subcircuits: it is then a part of the netlist, such
+ * as the .net that an OrCAD profile includes. */
 static bool has_elements(const vs_source *source) {
   int depth = 0;
   for (size_t k = 0; k < source->count; k++) {
@@ -201,10 +203,10 @@ static bool has_elements(const vs_source *source) {
   return false;
 }
 
-/* Blocks that make no circuit, by their first and last lines. */
+/* Blocks that describe no circuit, by their first and last lines. */
 static const char *const BLOCKS[][2] = {{".control", ".endc"}, {".aliases", ".endaliases"}};
 
-/* Marks a card of such a block. *block is the one that is open; -1: none is. */
+/* Marks the card if it is in such a block. *block is the open block; -1: there is none. */
 static void mark_block(vs_card *card, int *block) {
   for (int k = 0; k < 2 && *block < 0; k++)
     if (vs_listing_is(card, BLOCKS[k][0])) *block = k;
@@ -236,7 +238,7 @@ static vs_status add_lines(vs_listing *l, const vs_source *source, bool part, vs
   return !status && last != SIZE_MAX ? follow(l, last, err) : status;
 }
 
-/* `may_be_netlist`: the file is a part of the netlist, if it has elements. */
+/* `may_be_netlist`: if the file has elements it is a part of the netlist. */
 static vs_status add_file(vs_listing *l, const char *path, bool may_be_netlist, vs_error *err) {
   if (l->n_files >= VS_LISTING_FILES)
     return vs_fail_at(err, (vs_where){.file = path}, "more than %d files", VS_LISTING_FILES);
@@ -268,7 +270,7 @@ static int find_origin(const vs_listing *l) {
   return VS_ORIGIN_PLAIN;
 }
 
-/* Error: the netlist is a deck of the program's already. */
+/* Error: the netlist is already a deck of this program. */
 static vs_status refuse_deck(const vs_listing *l, vs_error *err) {
   static const char *const WORDS[] = {"*$ port ", "*$ title ", "*$ probe ", "*$ param "};
   for (size_t k = 0; k < l->count; k++)

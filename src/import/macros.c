@@ -16,11 +16,11 @@ typedef struct piece {
   size_t n;
 } piece;
 
-/* A function as its line has it, or a call of one. */
+/* A function's definition, or a call of one. */
 typedef struct call {
   piece name, argument[ARGUMENTS];
   int count;
-  const char *behind; /* what stands behind the closing bracket */
+  const char *behind; /* the text after the closing bracket */
 } call;
 
 static size_t name_length(const char *s) {
@@ -76,7 +76,7 @@ static bool find_function(const vs_listing *l, const call *c, call *function, pi
   return false;
 }
 
-/* Adds the body of a function with a call's arguments, in brackets. */
+/* Adds the body of a function, with the arguments of a call in brackets. */
 static void add_body(const call *c, const call *function, piece body, vs_text *out) {
   vs_text_add(out, "(");
   for (const char *s = body.at; s < body.at + body.n;) {
@@ -94,7 +94,7 @@ static void add_body(const call *c, const call *function, piece body, vs_text *o
   vs_text_add(out, ")");
 }
 
-/* Replaces the calls in a text once; true: there was one. */
+/* Replaces the calls in a text once, without looking into the replacements; true: there was one. */
 static bool expand_once(const vs_listing *l, const char *text, vs_text *out) {
   bool any = false;
   vs_text_add(out, "%s", "");
@@ -118,7 +118,7 @@ static bool expand_once(const vs_listing *l, const char *text, vs_text *out) {
 char *vs_macros_expand(const vs_listing *l, const char *expression) {
   char *text = vs_copy(expression);
   bool any = l != NULL;
-  for (int k = 0; any && k < NESTED; k++) { /* one that calls itself ends here */
+  for (int k = 0; any && k < NESTED; k++) { /* which ends a function that calls itself */
     vs_text out = {0};
     if (strlen(text) > 4096) break;
     any = expand_once(l, text, &out);

@@ -13,7 +13,7 @@
 #include "netlist/kinds.h"
 #include "netlist/netlist.h"
 
-/* Elements that ngspice itself knows, of which no kind is measured. */
+/* Kinds of ngspice's own elements, by their letter, that the table of kinds does not measure. */
 static const struct letter {
   char letter;
   const char *kind;
@@ -34,8 +34,8 @@ static bool among(const char *list, const char *word, size_t n) {
 
 /* ---- kinds ---- */
 
-/* Do the names of its pins tell what it is? Else words in the name of a subcircuit or its comment
- * may tell what has two pins that are alike. */
+/* True where a kind can be told from the names of its pins. Other kinds have two equal pins; words
+ * in a subcircuit's name or comment may tell them. */
 static bool is_told_by_pins(const vs_kind *kind) {
   return kind->letters;
 }
@@ -44,8 +44,8 @@ static bool is_told_by_name(const vs_kind *kind) {
   return kind->called && !is_told_by_pins(kind);
 }
 
-/* The n-th kind that its pins tell, from 0; NULL: there are no more. Those of more pins come first:
- * a MOSFET that shows its own diode's pins is no diode. */
+/* The n-th kind that can be told from its pins, from 0; NULL: there are no more. Kinds with more
+ * pins come first, so that a MOSFET with the pins of its diode is not taken for a diode. */
 static const vs_kind *kind_by_pins(size_t n) {
   for (int pins = VS_PINS; pins > 1; pins--)
     for (const vs_kind *kind = vs_kinds_all; kind->name; kind++)
@@ -64,8 +64,8 @@ static void take_kind(const vs_kind *kind, vs_pins *pins) {
 
 enum { MOST_PINS = 32 };
 
-/* Up to MOST_PINS words of a line, runs of letters and digits, from `s` on. `assigned`: up to the
- * first NAME=. */
+/* Finds up to MOST_PINS words in a line from `s` on: runs of letters and digits. `assigned`: stops
+ * at the first NAME=. */
 static int words_of(const char *s, bool assigned, const char *words[MOST_PINS],
                     size_t sizes[MOST_PINS]) {
   int count = 0;
@@ -87,9 +87,9 @@ static bool is_filler(const char *word, size_t n) {
   return strspn(word, "0123456789") >= n || among(" and pin pins to is ", word, n);
 }
 
-/* Finds the pins of a kind among the words from `start` on, each once. `in_place`: every word is
- * some pin's, so that its number is the pin's; else the pins stand one behind the other, with
- * fillers between them. */
+/* Finds each pin of a kind once among the words from `start` on. `in_place`: each word stands for a
+ * pin, so its index is the pin's. Otherwise the pins follow one another, with fillers between them.
+ */
 static bool run_of(const vs_kind *kind, const char *const *words, const size_t *sizes, int count,
                    bool in_place, int at[VS_PINS]) {
   int seen = 0, wanted = vs_kinds_count_pins(kind);
@@ -106,7 +106,7 @@ static bool run_of(const vs_kind *kind, const char *const *words, const size_t *
   return seen == wanted;
 }
 
-/* Finds the kind whose pins these words are, as above. */
+/* Finds the kind whose pins these words are, in the same way. */
 static bool kind_of(const char *const *words, const size_t *sizes, int count, bool in_place,
                     vs_pins *pins) {
   const vs_kind *kind;
@@ -125,8 +125,8 @@ static bool kind_of(const char *const *words, const size_t *sizes, int count, bo
 
 /* ---- a subcircuit of the netlist ---- */
 
-/* Is this comment near enough to the line .subckt to explain it? They are those right before it,
- * and those within it. */
+/* True where this comment may explain the .subckt line: it stands right before it or inside the
+ * subcircuit, at most NEAR cards away. */
 static bool explains(const vs_listing *l, size_t comment, size_t subckt) {
   enum { NEAR = 12 };
   const vs_card *card = &l->cards[comment];
@@ -139,7 +139,7 @@ static bool explains(const vs_listing *l, size_t comment, size_t subckt) {
   return true;
 }
 
-/* True where a word of the text is one of the hints, or where the text begins or ends in it. */
+/* True where a word of the text is one of the hints. */
 static bool hints_at(const char *text, const char *hints) {
   for (const char *s = text; *s;) {
     size_t n = 0;
@@ -158,7 +158,7 @@ static bool subcircuit_hints(const vs_listing *l, size_t subckt, const char *nam
   return hinted;
 }
 
-/* The pins by the names in the line .subckt, else by a comment that names all of them. */
+/* Finds the pins by the names in the .subckt line, else by a comment that names all of them. */
 static bool pins_of(const vs_listing *l, size_t subckt, int n_nodes, vs_pins *pins) {
   const char *words[MOST_PINS];
   size_t sizes[MOST_PINS];
@@ -225,7 +225,7 @@ static void look(void *ctx, const char *path) {
   snprintf(s->found, sizeof s->found, "%.*s", (int)n, base);
 }
 
-/* Looks for a part's file of that name in the netlist's own folder, capitals aside. */
+/* Looks for a part's file of that name in the netlist's folder, ignoring case. */
 static void look_beside(const vs_elements *w, search *s) {
   const char *own = w->listing->files[0], *slash = strrchr(own, '/');
   char folder[VS_PATH_SIZE], path[VS_PATH_SIZE + 256];
@@ -241,7 +241,7 @@ static void look_beside(const vs_elements *w, search *s) {
   if (dir) closedir(dir);
 }
 
-/* Gives the kind of the part that a file holds; NULL: it holds none of a kind known here. */
+/* The kind of the part in a file; NULL: none that is known here. */
 static const vs_kind *kind_of_part(const char *path) {
   vs_deck *part = vs_alloc(1, sizeof *part);
   vs_error unread = {0};
@@ -253,8 +253,8 @@ static const vs_kind *kind_of_part(const char *path) {
   return kind && (is_told_by_pins(kind) || is_told_by_name(kind)) ? kind : NULL;
 }
 
-/* A subcircuit that the netlist does not define may be that of a part: of a file beside the
- * netlist, else of one that ships. */
+/* A subcircuit that the netlist does not define may be a part: one in a file beside the netlist, or
+ * one that ships. */
 static void find_part(const vs_elements *w, const char *model, const vs_element *e, vs_pins *pins) {
   const vs_kind *kind = NULL;
   search s = {.name = model};
@@ -274,7 +274,7 @@ static void find_part(const vs_elements *w, const char *model, const vs_element 
 
 /* ---- what the user says ---- */
 
-/* Finds NAME=WORD of this element; NULL: nothing is said. free() it. */
+/* The WORD of this element's NAME=WORD; NULL: there is none. free() it. */
 static char *said_of(const vs_elements *w, const char *asked, const vs_element *e) {
   char *all = vs_copy(asked ? asked : ""), *rest = all, *found = NULL;
   for (char *entry; (entry = strsep(&rest, ","));) {
@@ -343,8 +343,8 @@ vs_status vs_pins_check(const vs_elements *w, const char *asked, vs_error *err) 
 
 /* ---- a source that is a varistor ---- */
 
-/* True for a source of current whose only voltage is its own and which has a power of it: the law
- * of a varistor. */
+/* True for a current source that is controlled by a power of its own voltage alone: the law of a
+ * varistor. */
 static bool is_power_law(const vs_elements *w, const vs_element *e) {
   static const char *const POWERS[] = {"pwr(", "pwrs(", "pow(", "**", "^", "sinh("};
   char *law = vs_elements_rest_of(w, e, e->n_nodes + 1), own[2][2 * VS_ELEMENTS_NAME + 8];

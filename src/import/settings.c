@@ -12,7 +12,7 @@ static void add(vs_settings *s, const char *section, const char *key, double val
   snprintf(item->value, sizeof item->value, "%.12g%s%s", value, *unit ? " " : "", unit);
 }
 
-/* A parameter of the netlist that the program has by the same name. */
+/* A parameter of the netlist that the program has under the same name. */
 static void add_standard(vs_settings *s, const vs_values *values, const char *name, const char *key,
                          const char *unit) {
   const vs_value_param *p = vs_values_find(values, name);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * What a netlist says that stands in a scene and not in a deck: its mains, its firing, its coil. */
+ * What a netlist says that belongs into a scene instead of a deck: its mains, its firing, its coil.
+ */
 #ifndef VS_IMPORT_SETTINGS_H
 #define VS_IMPORT_SETTINGS_H
 
@@ -19,12 +20,13 @@ typedef struct vs_settings {
   size_t count;
 } vs_settings;
 
-/* until_s: the end of the netlist's own run; NaN: it says none. gear: its options want Gear's rule.
- */
+/* until_s: the end of the netlist's own run; NaN: it does not say. gear: its options ask for Gear's
+ * rule. */
 void vs_settings_make(vs_settings *settings, const vs_roles *roles, const vs_values *values,
                       double until_s, bool gear);
 
-/* Adds a scene that has these values and names the deck, each line behind `before`. */
+/* Adds the text of a scene with these values that names the deck; each line begins with `before`.
+ */
 void vs_settings_write(const vs_settings *settings, const char *deck, const char *before,
                        vs_text *out);
 

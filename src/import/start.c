@@ -9,8 +9,8 @@
 #include "netlist/rules.h"
 #include "netlist/words.h"
 
-/* True where the line has one of the words of the dialects for a start without an operating point.
- * LTspice's startup has all sources at 0 there. */
+/* True where the line has a dialect's word for a start without an operating point. LTspice's
+ * `startup` begins with all sources at 0. */
 static bool begins_at_0(const vs_card *tran) {
   static const char *const WORDS[] = {"uic", "skipbp", "startup"};
   char *text = vs_copy(tran->text), *rest = text;
@@ -32,8 +32,8 @@ static const vs_card *find_tran(const vs_listing *l) {
   return tran;
 }
 
-/* The first source that is not 0 at t = 0. A gate's source without a pulse is left out: that the
- * program pulses it is the user's word. */
+/* The first source that is not 0 at t = 0. A gate's source without a pulse is left out, as the user
+ * said that the program pulses it. */
 static const vs_element *find_source(const vs_elements *w, const vs_values *v, const vs_roles *r) {
   for (size_t k = 0; k < w->count; k++) {
     const vs_element *e = &w->elements[k];
@@ -44,7 +44,7 @@ static const vs_element *find_source(const vs_elements *w, const vs_values *v, c
   return NULL;
 }
 
-/* True where an element of the netlist's own is an instance of this subcircuit. */
+/* True where an element of the netlist itself is an instance of this subcircuit. */
 static bool is_instantiated(const vs_listing *l, vs_word name) {
   for (size_t k = 0; k < l->count; k++) {
     size_t n = 0;
@@ -55,7 +55,7 @@ static bool is_instantiated(const vs_listing *l, vs_word name) {
   return false;
 }
 
-/* The name of the subcircuit that a line begins; empty: it begins none. */
+/* The name of the subcircuit that a .subckt line begins; empty for other lines. */
 static vs_word subcircuit_of(const vs_card *card) {
   const char *s = card->text + strcspn(card->text, " \t");
   s += strspn(s, " \t");
@@ -63,7 +63,7 @@ static vs_word subcircuit_of(const vs_card *card) {
 }
 
 /* Adds the name of the first source that is not 0 at t = 0 in a subcircuit that the netlist defines
- * and uses; subcircuits in others are not looked at. */
+ * and uses. Nested subcircuits are not examined. */
 static void find_inner_source(const vs_elements *w, const vs_values *v, vs_text *name) {
   const vs_listing *l = w->listing;
   vs_word in = {"", 0};

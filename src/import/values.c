@@ -7,16 +7,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
-#include "netlist/numbers.h"
-#include "macros.h"
-#include "netlist/reserved.h"
 #include "base/cursor.h"
 #include "base/formula.h"
+#include "base/text.h"
+#include "macros.h"
+#include "netlist/numbers.h"
+#include "netlist/reserved.h"
 
 /* ---- numbers ---- */
 
-/* True where a number such as 0x10 stands in the text, which C reads and SPICE does not. */
+/* True where the text has a number such as 0x10, which C reads and SPICE does not. */
 static bool has_hexadecimal(const char *text) {
   for (const char *s = text; (s = strpbrk(s, "xX")); s++) {
     bool word = s > text + 1 && (isalnum((unsigned char)s[-2]) || strchr("_.", s[-2]));
@@ -53,7 +53,8 @@ bool vs_values_number(const vs_values *v, const char *text, double *number) {
 
 /* ---- expressions ---- */
 
-/* Each level takes some kilobytes of the stack or the heap. */
+/* Most names in an expression, and most parameters nested in one another: each level takes some
+ * kilobytes of the stack or the heap. */
 enum { NAMES = 64, NESTED = 200 };
 
 /* The names that an expression uses, in the order of their indices. */
@@ -79,7 +80,7 @@ const vs_value_param *vs_values_find(const vs_values *v, const char *name) {
 
 static bool evaluate(const vs_values *v, const char *text, int level, double *value);
 
-/* Finds out what a parameter is, once. One that needs itself is not known. */
+/* Evaluates a parameter, once. One that depends on itself is not known. */
 static void settle(const vs_values *v, vs_value_param *p, int level) {
   if (p->tried) return;
   p->tried = true;
@@ -95,7 +96,7 @@ static bool value_of_name(const vs_values *v, const char *name, int level, doubl
   return v->item[k].known;
 }
 
-/* The expression without its braces or quotes: a copy. */
+/* A copy of the expression without its quotes, and with brackets for braces. */
 static char *bare(const char *text) {
   vs_text t = {0};
   vs_text_add(&t, "%s", "");
@@ -105,7 +106,7 @@ static char *bare(const char *text) {
   return t.text;
 }
 
-/* `**` is '^'. */
+/* Replaces `**` by '^'. */
 static void tame_powers(char *text) {
   char *to = text;
   for (const char *s = text; *s; s++)
@@ -173,7 +174,7 @@ static bool begins_assignment(const char *s) {
   return s[n] == '=' && s[n + 1] != '=';
 }
 
-/* Where the value that begins at `s` ends: before the next assignment, outside of brackets. */
+/* The end of the value that begins at `s`: before the next assignment, outside of brackets. */
 static const char *end_of_value(const char *s) {
   int depth = 0;
   bool quoted = false;
@@ -195,7 +196,7 @@ static void read_line(vs_values *v, const vs_listing *l, size_t card) {
     s += strspn(s, " \t=");
     const char *end = end_of_value(s), *last = end;
     while (last > s && strchr(" \t", last[-1])) last--;
-    if (n == 0 || last == s) return; /* what it says is ngspice's to refuse */
+    if (n == 0 || last == s) return; /* ngspice will refuse it */
     add_param(v, name, n, s, (size_t)(last - s), card);
     s = end;
   }

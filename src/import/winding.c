@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The value of an R, L or C: its first word behind the nodes, or R=, L=, C=. */
+/* The value of an R, L or C: its first word after the nodes, or R=, L=, C=. */
 static bool value_of(const vs_roles_search *f, const vs_element *e, double *value) {
   char *word = vs_elements_word_of(f->w, e, e->n_nodes + 1);
   char *option = vs_elements_option(f->w, e, (char[]){e->letter, '\0'});
@@ -14,8 +14,8 @@ static bool value_of(const vs_roles_search *f, const vs_element *e, double *valu
   return known;
 }
 
-/* True where something lies across the inductor within its own line: Rpar=, Cpar= of LTspice's. One
- * of 0 is no part. */
+/* True where the inductor's own line puts something across it: LTspice's Rpar= or Cpar=. A value of
+ * 0 means nothing. */
 static bool has_across(const vs_roles_search *f, const vs_element *coil) {
   static const char *const KEYS[] = {"rpar", "cpar"};
   bool across = false;
@@ -28,8 +28,8 @@ static bool has_across(const vs_roles_search *f, const vs_element *coil) {
   return across;
 }
 
-/* The resistor in series with an inductor, at either of its ends; NULL: there is none, or it does
- * not belong to the coil, because something lies across the inductor alone. */
+/* The resistor in series with an inductor, at either end; NULL: there is none, or it does not
+ * belong to the coil because something is connected across the inductor alone. */
 static const vs_element *resistor_of(const vs_roles_search *f, const vs_element *coil) {
   if (has_across(f, coil)) return NULL;
   for (int n = 1; n >= 0; n--) {
@@ -39,7 +39,7 @@ static const vs_element *resistor_of(const vs_roles_search *f, const vs_element 
   return NULL;
 }
 
-/* Gives the coil its ends, from which the current flows as from the inductor's first node. */
+/* Sets the ends of the coil. Its current flows as the inductor's, from the first node on. */
 static vs_status join(vs_roles_search *f, const vs_element *l, const vs_element *r) {
   vs_roles *roles = f->roles;
   roles->coil = l;
@@ -58,7 +58,7 @@ static vs_status join(vs_roles_search *f, const vs_element *l, const vs_element 
            : VS_OK;
 }
 
-/* Error: an option makes more than one of the element, or puts it at another temperature. */
+/* Error: the element has an option that multiplies it or sets its temperature. */
 static vs_status check_options(const vs_roles_search *f, const vs_element *e) {
   static const char *const OPTIONS[] = {"m", "scale", "temp", "dtemp"};
   vs_status status = VS_OK;
@@ -73,7 +73,7 @@ static vs_status check_options(const vs_roles_search *f, const vs_element *e) {
   return status;
 }
 
-/* True where the element's value is another one when it is warm: tc=, tc1=, tc2= other than 0. */
+/* True where the element's value depends on temperature: tc=, tc1= or tc2= other than 0. */
 static bool follows_temperature(const vs_roles_search *f, const vs_element *e) {
   static const char *const KEYS[] = {"tc", "tc1", "tc2"};
   bool follows = false;
@@ -86,7 +86,7 @@ static bool follows_temperature(const vs_roles_search *f, const vs_element *e) {
   return follows;
 }
 
-/* True where a .model stands behind the element's value, or beside R= or L=. */
+/* True where a .model stands after the element's value, or beside R= or L=. */
 static bool has_model(const vs_roles_search *f, const vs_element *e) {
   bool found = false;
   for (int n = e->n_nodes + 1; n < e->n_words && !found; n++) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Which inductor of a netlist is the coil of the EVA, and which resistor in series belongs to it.
- */
+ * Finds the inductor of a netlist that is the coil of the EVA, and the resistor in series that
+ * belongs to it. */
 #ifndef VS_IMPORT_WINDING_H
 #define VS_IMPORT_WINDING_H
 

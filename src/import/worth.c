@@ -6,16 +6,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "netlist/reserved.h"
 #include "base/formula.h"
+#include "netlist/reserved.h"
 
-/* What all is read from. */
+/* What all functions here read from. */
 typedef struct reader {
   const vs_elements *wiring;
   const vs_values *values;
 } reader;
 
-/* Does nothing but to say that a formula's names and terms are numbered. */
+/* Only numbers a formula's names and terms. */
 static int any_name(void *ctx, const char *at, const char *name) {
   (void)at;
   (void)name;
@@ -33,7 +33,8 @@ static bool is_formula(const char *text) {
   return end && !*end;
 }
 
-/* Writes an expression with the deck's parameters alone: others give place to what they are. */
+/* Writes an expression in terms of the deck's parameters alone; other parameters are replaced by
+ * what they stand for. */
 static void expand(const reader *p, const char *text, int level, vs_text *out) {
   vs_text_add(out, "(");
   for (const char *s = text; *s;) {
@@ -53,7 +54,7 @@ static void expand(const reader *p, const char *text, int level, vs_text *out) {
   vs_text_add(out, ")");
 }
 
-/* True where the element has the option, as "temp", and it is not 0. */
+/* True where the element has this option, such as "temp", and it is not 0. */
 static bool has_option(const reader *p, const vs_element *e, const char *name) {
   double value;
   char *text = vs_elements_option(p->wiring, e, name);
@@ -62,8 +63,8 @@ static bool has_option(const reader *p, const vs_element *e, const char *name) {
   return has;
 }
 
-/* True where the element has another value when it is warm, and is: without temp= and dtemp=
- * coefficients say nothing, as a deck runs at the 27 degC that they count from. */
+/* True where the element's value depends on temperature and its temperature is set. Without temp=
+ * and dtemp= coefficients have no effect: a deck runs at 27 degC, which they refer to. */
 static bool is_warm(const reader *p, const vs_element *e) {
   bool heats = has_option(p, e, "tc") || has_option(p, e, "tc1") || has_option(p, e, "tc2");
   char *temp = vs_elements_option(p->wiring, e, "temp");
@@ -72,7 +73,7 @@ static bool is_warm(const reader *p, const vs_element *e) {
   return warm;
 }
 
-/* True where a .model stands before or behind the element's value. */
+/* True where a .model stands before or after the element's value. */
 static bool has_model(const reader *p, const vs_element *e) {
   bool found = false;
   for (int n = e->n_nodes + 1; n < e->n_words && !found; n++) {
@@ -84,8 +85,8 @@ static bool has_model(const reader *p, const vs_element *e) {
   return found;
 }
 
-/* Adds "*2" or "/2" for an option that the element has. Returns false where it is no number above 0
- * before a run. */
+/* Adds "*2" or "/2" for an option that the element has. Returns false where the option is no number
+ * above 0 that is known before a run. */
 static bool add_factor(const reader *p, const vs_element *e, const char *name, char sign,
                        vs_text *out) {
   double value = 1;
@@ -101,8 +102,8 @@ static bool add_factor(const reader *p, const vs_element *e, const char *name, c
   return known;
 }
 
-/* Makes a formula of what m= and scale= leave of the value: m resistors or inductors side by side
- * are less, m capacitors are more. Empties it where the value is not known. */
+/* Applies m= and scale= to the value: m resistors or inductors in parallel are less, m capacitors
+ * are more. Empties the formula where the value is not known. */
 static void multiply(const reader *p, const vs_element *e, vs_text *value) {
   vs_text factors = {0}, whole = {0};
   bool known = value->text && !is_warm(p, e) && add_factor(p, e, "scale", '*', &factors) &&
@@ -114,7 +115,7 @@ static void multiply(const reader *p, const vs_element *e, vs_text *value) {
   *value = whole;
 }
 
-/* Adds the parameter whose value is the element's, a number, and its name as a formula. */
+/* Adds a parameter with the element's value, a number, and its name as a formula. */
 static void add_param(const vs_element *e, double number, vs_declared *sheet,
                       char param[VS_ELEMENTS_NAME], vs_text *formula) {
   static const char *const WHAT[] = {"resistor", "capacitor", "inductor"};
@@ -132,7 +133,7 @@ static void add_param(const vs_element *e, double number, vs_declared *sheet,
     vs_text_add(formula, "%.15g", number);
 }
 
-/* Adds an expression, or the name of the deck's parameter that it is. */
+/* Adds an expression, or the name of a deck's parameter if it is just that. */
 static void add_expression(const reader *p, const char *word, vs_text *formula) {
   char name[VS_VALUES_NAME];
   size_t n = strcspn(word + 1, "}");
@@ -150,7 +151,7 @@ char *vs_worth_make(const vs_elements *w, const vs_values *v, const vs_element *
   char *word = vs_elements_word_of(w, e, e->n_nodes + 1);
   double value;
   vs_text formula = {0};
-  /* ngspice does not see the model behind "{r1}", and so the netlist's number stays there */
+  /* ngspice does not see the model after "{r1}", so that the netlist's number stays there */
   if (has_model(&p, e))
     *param = '\0';
   else if (vs_values_number(v, word, &value) && value > 0)

@@ -164,6 +164,8 @@ static const char *unit_of_quantity(const char *text, double *si) {
   return vs_units_known(end) && vs_units_read(text, end, si, why, sizeof why) ? end : NULL;
 }
 
+/* Parses the text into r->expression. An error of a name, which the callbacks left in r->status,
+ * comes before one of the grammar; `why` begins as what is wrong where text is left over. */
 static vs_status parse_expression(reader *r, const char *text) {
   vs_expression *e = r->expression;
   char why[200] = "an operator or the end of the formula is wanted here";

@@ -14,29 +14,30 @@
 
 /* ---- two studies: which cases changed their verdict, how far columns lie apart ---- */
 
-enum { MOST_LISTED = 10 }; /* cases that are listed with another verdict */
+enum { MOST_LISTED = 10 }; /* cases with another verdict that are listed */
 
-/* What is known of a column that both studies report. */
+/* A column that both studies report, and how far its values differ. */
 typedef struct study_pair_column {
-  size_t at[2];                /* its number in either study */
+  size_t at[2];                /* the column's number in either study */
   double least[2], largest[2]; /* of all rows of that study; NaN: none has a number */
-  double apart;                /* B less A, where its size is largest; NaN: in no joined row */
+  double apart;                /* B - A where it is largest in size; NaN: in no joined row */
   long apart_case[2];          /* the cases of that row */
-  double sum;                  /* of B less A over the joined rows with both */
-  long joined;                 /* these */
-  long alone[2];               /* joined rows in which A, or B, alone has a number */
+  double sum;                  /* of B - A over the joined rows in which both have a number */
+  long joined;                 /* how many rows these are */
+  long alone[2];               /* joined rows in which only A, or only B, has a number */
 } study_pair_column;
 
-/* A joined row whose verdict is not the same. */
+/* A pair of joined rows with different verdicts. */
 typedef struct study_pair_change {
   long number[2]; /* its cases */
   char word[2][12];
 } study_pair_change;
 
-/* Start from {0}; study_pair_close even after an error. Index 0 is study A, 1 is study B. */
+/* Begins as {0}; study_pair_close is due even after an error. Index 0 is study A, 1 is study B. */
 typedef struct study_pair {
   vs_folder folder[2];
-  bool by_axes; /* rows are joined by the values of their axes; false: by their number */
+  bool by_axes; /* rows are joined by the values of their axes; false: by the numbers of their cases
+                 */
   long rows[2], held[2], judged[2], joined;
   study_pair_column column[VS_STUDY_COLUMNS];
   size_t columns;
@@ -55,7 +56,7 @@ struct study_pair_row {
   double *value;    /* of the columns of the pair; owned */
 };
 
-/* What a reading of one study needs. */
+/* The state of reading one study. */
 typedef struct reader {
   study_pair *pair;
   int side;
@@ -70,7 +71,7 @@ static size_t find_column(const vs_folder *t, const char *title) {
   return 0;
 }
 
-/* Takes the columns that both report. */
+/* Collects the columns that both studies report. */
 static void find_common(study_pair *p) {
   for (size_t c = 0; c < p->folder[0].count; c++) {
     const vs_folder_column *column = &p->folder[0].column[c];
@@ -99,7 +100,8 @@ static bool have_same_axes(const study_pair *p) {
 
 /* ---- rows ---- */
 
-/* What joins the row: its axes' cells in the order that A has them, or its number. */
+/* The key by which rows of A and B are joined: the cells of the axes in A's order, or the number of
+ * the case. */
 static char *key_of(const study_pair *p, int side, const vs_folder_row *row) {
   const vs_folder *a = &p->folder[0];
   vs_text key = {0};
@@ -118,8 +120,8 @@ static double number_in(const vs_folder_row *row, int column) {
   return column >= 0 && vs_folder_number(row->cell[column], &value) ? value : NAN;
 }
 
-/* A case is violated where its margin lies below 0 by more than its error, or where that error is
- * not known. */
+/* The word of a case's verdict. It is violated where its margin is negative by more than its error,
+ * or by any amount if the error is not known. */
 static const char *word_of(const vs_folder *t, const vs_folder_row *row) {
   double margin = number_in(row, t->margin), error = number_in(row, t->error);
   if (isnan(margin)) return "-";
@@ -127,7 +129,7 @@ static const char *word_of(const vs_folder *t, const vs_folder_row *row) {
   return margin < 0 && !(fabs(margin) <= error) ? "violated" : "undecided";
 }
 
-/* Counts the row, and widens the columns' ranges. */
+/* Counts the row, and extends the columns' ranges by it. */
 static void count_row(study_pair *p, int side, const vs_folder_row *row) {
   const char *word = word_of(&p->folder[side], row);
   p->rows[side]++;
@@ -208,7 +210,8 @@ static void rekey_by_number(study_pair *p) {
   }
 }
 
-/* Sorts the rows of A; where two have the same key, all are joined by their number. */
+/* Sorts the rows of A. If two of them have the same key, all rows are joined by their number
+ * instead. */
 static void sort_rows(study_pair *p) {
   if (!p->rows[0]) return;
   qsort(p->row, (size_t)p->rows[0], sizeof *p->row, by_key);
@@ -217,9 +220,9 @@ static void sort_rows(study_pair *p) {
   if (!p->by_axes) qsort(p->row, (size_t)p->rows[0], sizeof *p->row, by_key);
 }
 
-/* Reads both studies and joins their rows: by the values of the axes where both have the same axes
- * and no two rows of A have the same values, else by the number of the case. Errors, VS_INPUT: a
- * folder is not that of a study, or a file in it is broken. */
+/* Reads both studies and joins their rows: by the values of the axes if both studies have the same
+ * axes and no two rows of A the same values, else by the number of the case. Errors, VS_INPUT: a
+ * folder is not a study's, or a file in it is broken. */
 static vs_status study_pair_open(study_pair *p, const char *a, const char *b,
                                  const vs_method *const *methods, vs_error *err) {
   const char *folders[] = {a, b};
@@ -265,7 +268,7 @@ static void add_column(const study_pair *p, const study_pair_column *c, vs_text 
   vs_text_add(out, "\n");
 }
 
-/* Adds the table for people, and the same as one JSON object. */
+/* The first adds the table for people, the second the same as one JSON object. */
 static void study_pair_table(const study_pair *p, vs_text *out) {
   for (int k = 0; k < 2; k++)
     vs_text_add(out, "%c: %s, %ld cases with a result, %ld failed; %ld of %ld judged are held\n",
@@ -350,7 +353,7 @@ static vs_status compare_runs(const vs_compare_options *o, vs_text *out, vs_erro
 }
 
 static vs_status compare_studies(const vs_compare_options *o, vs_text *out, vs_error *err) {
-  study_pair *pair = vs_alloc(1, sizeof *pair); /* large, because of its columns */
+  study_pair *pair = vs_alloc(1, sizeof *pair); /* too large for the stack */
   vs_status status = study_pair_open(pair, o->a, o->b, o->methods, err);
   if (!status) (o->json ? study_pair_json : study_pair_table)(pair, out);
   study_pair_close(pair);

@@ -69,7 +69,7 @@ static void add_run(vs_html *html, const vs_node *side, char letter) {
               vs_engineering_text(number_of(side, "until_s"), "s", until));
 }
 
-/* A margin below 0 whose error is not known is violated, too. */
+/* A margin below 0 whose error is not known is shown as violated, too. */
 static void add_margin(vs_html *html, const vs_node *line) {
   double margin = number_of(line, "margin");
   const char *word = vs_member_word(line, "word");
@@ -109,7 +109,7 @@ static void add_keys(vs_html *html, const vs_node *keys) {
   end_table(html, 0, "");
 }
 
-/* True if neither has a value, or the two have the same. */
+/* True if neither run has a value, or both have the same. */
 static bool is_same(const vs_node *measure) {
   double apart = number_of(measure, "difference");
   return apart == 0 || (isnan(number_of(measure, "a")) && isnan(number_of(measure, "b")));

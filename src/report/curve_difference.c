@@ -3,14 +3,14 @@
 
 #include <math.h>
 
-/* One of the two curves, and the row that was last passed. */
+/* One of the two curves, and how far it was read. */
 typedef struct side {
   const vs_traces *t;
   int column;
   size_t row; /* the last one whose time is not after the present; 0 at first */
 } side;
 
-/* The curve's value at a time that does not fall from call to call; NaN: outside of the run. */
+/* The curve's value at t_s; NaN: outside of the run. From call to call t_s must not decrease. */
 static double value_at(side *s, double t_s) {
   while (s->row + 1 < s->t->rows && vs_trace_time(s->t, s->row + 1) <= t_s) s->row++;
   double from = vs_trace_time(s->t, s->row), y = vs_trace_value(s->t, s->row, s->column);
@@ -20,9 +20,9 @@ static double value_at(side *s, double t_s) {
   return y + (next - y) * (t_s - from) / (to - from);
 }
 
-/* What is summed up on the way. */
+/* The sums so far. */
 typedef struct sums {
-  double before_s, before; /* the last time, and B less A there; NaN: not known */
+  double before_s, before; /* the last time, and B - A there; NaN: not known */
   double time_s, squared;  /* integrals of 1 and of (B - A)^2 */
 } sums;
 

@@ -22,7 +22,7 @@
 
 enum { WIDTH = 900, HIGH = 290, LOW = 190, TOP = 50, UNDER = 26, UNDER_LABEL = 52 };
 
-/* A picture that is being made: panels one under the other. */
+/* A picture under way: panels one under the other. */
 typedef struct portrait {
   const vs_fit_result *o;
   vs_script script;
@@ -30,7 +30,7 @@ typedef struct portrait {
   int height, at;              /* pixels in all, and where the next panel begins, from above */
 } portrait;
 
-/* Places the next panel, of that height; `under` of it are for what stands below its frame. */
+/* Places the next panel, of this height; `under` of it is for what stands below its frame. */
 static void place_panel(portrait *p, int high, int under) {
   double top = 1 - (double)p->at / p->height, bottom = 1 - (double)(p->at + high) / p->height;
   vs_gnuplot_add(&p->script, "set tmargin at screen %.6f\nset bmargin at screen %.6f\n",
@@ -63,7 +63,8 @@ static void add_samples(portrait *p, const vs_fit_result_column *c, double facto
   vs_gnuplot_add(&p->script, "EOD\n");
 }
 
-/* The prefix in which the largest amount has one to three digits before the point. */
+/* The prefix of the unit that gives the largest amount one to three digits before the decimal
+ * point, and its factor. */
 static double prefix_of(const portrait *p, const vs_fit_result_column *c, char *prefix) {
   const vs_recording *r = &p->o->inquiry->runs[c->run].recording;
   double most = 0;
@@ -104,7 +105,7 @@ static void draw_column(portrait *p, const vs_fit_result_column *c) {
 
 /* ---- the measures ---- */
 
-/* Adds $M: place, residual, name; one row for each measure. */
+/* Adds the data block $M: place, residual, name; one row for each measure. */
 static int add_measure_points(portrait *p) {
   const vs_fit_problem *q = p->o->inquiry;
   int count = 0;
@@ -158,10 +159,10 @@ static void begin_fit_picture(portrait *p, const char *name, bool measures) {
   vs_gnuplot_add(&p->script, " font 'sans,13'\n");
 }
 
-/* Draws, for each column that was recorded, what was measured with what the fit says over it, and
- * under it the residuals over the time; for the measures of a run, fitted over measured, each with
- * its standard error. name: of the picture, which ends in .png or .svg. Errors: gnuplot is missing
- * or fails; the file cannot be written. */
+/* Draws, for each recorded column, the measured and the fitted curve, with the residuals over time
+ * below; for the measures of a run, fitted over measured values with their standard errors. name:
+ * of the picture, ending in .png or .svg. Errors: gnuplot is missing or fails; the file cannot be
+ * written. */
 static vs_status portrait_draw(const vs_fit_result *o, const char *folder, const char *name,
                                vs_error *err) {
   portrait p = {.o = o};
@@ -228,6 +229,7 @@ static void add_correlation(const vs_estimate *e, vs_json *json) {
   vs_json_end(json);
 }
 
+/* Adds {UNKNOWN: EXPONENT, ...}, without those whose exponent is 0. */
 static void add_exponents(const vs_estimate *e, const char *key, const double *exponent,
                           vs_json *json) {
   vs_json_object(json, key, VS_JSON_ROW);
@@ -236,6 +238,8 @@ static void add_exponents(const vs_estimate *e, const char *key, const double *e
   vs_json_end(json);
 }
 
+/* One combination of unknowns that the data determine well or badly: its text, its standard error,
+ * and the exponents of the unknowns in it. */
 static void add_combination(const vs_estimate *e, const vs_combination *c, vs_json *json) {
   vs_json_object(json, NULL, VS_JSON_LINES);
   vs_json_text(json, "combination", c->text);
@@ -331,7 +335,7 @@ static void add_search(const vs_fit_result *o, vs_json *json) {
   vs_json_end(json);
 }
 
-/* Adds the JSON of a fit, with a line end. */
+/* Adds the JSON of a fit, ended by a line break. */
 static void found_json(const vs_fit_result *o, vs_text *text) {
   const vs_estimate *e = &o->estimate;
   vs_json json = vs_json_new(text);
@@ -368,8 +372,8 @@ static void add_number(vs_text *row, double value, int digits) {
   vs_text_add(row, ",%s", text);
 }
 
-/* Writes residuals.csv: run, name, unit, t_s, measured, computed, error, residual; SI. Measures,
- * which belong to no instant, have no t_s. */
+/* Writes residuals.csv: run, name, unit, t_s, measured, computed, error, residual; SI. Measures
+ * belong to no instant and have an empty t_s. */
 static void found_residuals(const vs_fit_result *o, int digits, FILE *out) {
   const vs_fit_problem *q = o->inquiry;
   fputs("run,name,unit,t_s,measured,computed,error,residual\n", out);
@@ -432,14 +436,15 @@ static vs_status write_fit_file(const vs_fit_command_options *options, const vs_
   return vs_file_commit(&file, err);
 }
 
-/* An older fit's file that this one does not write. */
+/* Removes the file of an older fit where this fit does not write it. */
 static void remove_stale(const char *folder, const char *name) {
   char path[VS_PATH_SIZE];
   snprintf(path, sizeof path, "%s/%s", folder, name);
   unlink(path);
 }
 
-/* Without gnuplot there is no picture, which a warning says; all else is written. */
+/* Draws the picture. Without gnuplot there is none, which a warning says; everything else is
+ * written. */
 static vs_status write_pictures(const vs_fit_command_options *options, const vs_fit_result *o) {
   static const char *const NAMES[] = {"fit.png", "fit.svg"};
   vs_error err = {0};
@@ -492,7 +497,7 @@ static vs_status fit_and_report(const vs_fit_command_options *options, const vs_
   vs_fit_result *o = vs_alloc(1, sizeof *o);
   vs_status status = options->folder ? vs_file_folder_make(options->folder, &made, err) : VS_OK;
   bool folder = options->folder && !status;
-  if (made) vs_shutdown_remove(options->folder); /* a signal leaves no empty folder */
+  if (made) vs_shutdown_remove(options->folder); /* so that a signal leaves no empty folder */
   if (!status) status = vs_fit_result_of(q, o, err);
   if (made) vs_shutdown_forget(options->folder);
   if (o->told) print_fit(options, o);
@@ -528,11 +533,11 @@ vs_status vs_fit_command_run(const vs_fit_command_options *options, vs_error *er
 
 /* ---- for check ---- */
 
-/* It ends at the first mistake. */
+/* The reading ends at the first mistake. */
 vs_status vs_fit_command_check(const vs_check_options *options, vs_text *good, vs_error *err) {
   vs_fit_problem *q = vs_alloc(1, sizeof *q);
   vs_error first = {
-      0}; /* without findings: what follows a mistake would be read from a half-made scene */
+      0}; /* without findings: what follows a mistake would be read from an incomplete scene */
   vs_status status =
       vs_fit_problem_read(options->name, options->sets, options->n_sets, NULL, q, &first);
   if (status) {

@@ -11,7 +11,7 @@
 /* ---- how a fitted scene is run by itself: `vibrospice run`, with --set of what the fit found ----
  */
 
-/* Writes a value as it may stand behind `--set KEY=`. */
+/* Writes a value as it may stand after `--set KEY=`. */
 static void add_value(const vs_node *node, vs_text *text) {
   const bool map = node->kind == VS_NODE_MAP;
   if (node->kind == VS_NODE_TEXT) {
@@ -27,7 +27,7 @@ static void add_value(const vs_node *node, vs_text *text) {
   vs_text_add(text, map ? "}" : "]");
 }
 
-/* Prints a word of the command, in quotes where a shell would take it apart. */
+/* Prints an option --set, with quotes where the shell would split it. */
 static void print_set(const char *set, FILE *out) {
   static const char PLAIN[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
                               "_.,:/%+-=@";
@@ -37,7 +37,7 @@ static void print_set(const char *set, FILE *out) {
 
 /* ---- what the fit set ---- */
 
-/* A map is told key by key, as it goes over the scene's own map key by key. */
+/* Prints a map key by key, as it is merged with the scene's own map key by key. */
 static void show_node(const char *key, const vs_node *node, FILE *out) {
   vs_text set = {0};
   if (node->kind == VS_NODE_MAP && node->child) {
@@ -61,7 +61,7 @@ static void show_map(const vs_node *map, FILE *out) {
 
 /* ---- a run ---- */
 
-/* The map of the run with that number; NULL: the fit has but one, at its root. */
+/* The map of the run with this number; NULL: the fit has only one run, at its root. */
 static const vs_node *find_run(const vs_fit_problem *q, size_t number) {
   const vs_node *runs = vs_tree_child(q->tree.root, "runs");
   const vs_node *own = runs ? runs->child : NULL;
@@ -90,8 +90,8 @@ static void show_run(const vs_fit_result *o, size_t number, FILE *out) {
   fputc('\n', out);
 }
 
-/* Prints, for each run of a fit, the command that runs its scene with the estimates: with what the
- * fit set over the scene, and the unknowns, to seven digits. */
+/* Prints for each run of a fit the command that runs its scene with the estimates: with the keys
+ * that the fit set, and the unknowns to seven digits. */
 static void rerun_show(const vs_fit_result *o, FILE *out) {
   for (size_t r = 0; r < o->inquiry->n_runs; r++) {
     fputs(r ? "        " : "\nrun it  ", out);
@@ -99,7 +99,7 @@ static void rerun_show(const vs_fit_result *o, FILE *out) {
   }
 }
 
-enum { FIGURE = 32 }; /* room for a number in a table */
+enum { FIGURE = 32 }; /* size of a number's text in a table */
 
 /* ---- what was asked ---- */
 
@@ -127,7 +127,8 @@ static void show_head(const vs_fit_result *o, FILE *out) {
 
 /* ---- the unknowns ---- */
 
-/* The standard error of s: a share where s is a logarithm, else an amount in the key's unit. */
+/* Writes the standard error of an unknown: a share where the unknown is estimated by its logarithm,
+ * else an amount in the key's unit. */
 static void print_error(const vs_unknown *u, double error, char *text, size_t size) {
   if (isnan(error))
     snprintf(text, size, "on its bound");
@@ -259,7 +260,7 @@ static void show_priors(const vs_fit_result *o, FILE *out) {
               o->estimate.residual[row++]);
 }
 
-/* A dash where too few samples tell nothing. */
+/* Prints a dash where there are too few samples. */
 static void print_figure(double figure, const char *format, char *text) {
   snprintf(text, FIGURE, format, figure);
   if (isnan(figure)) snprintf(text, FIGURE, "-");
@@ -301,7 +302,7 @@ void vs_fit_printout_show(const vs_fit_result *o, FILE *out) {
 
 /* ---- a model that does not fit ---- */
 
-/* The datum whose residual is largest. */
+/* The index of the datum with the largest residual. */
 static size_t farthest(const vs_fit_result *o) {
   const double *residual = o->estimate.residual;
   size_t worst = 0;

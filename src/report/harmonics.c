@@ -16,13 +16,14 @@
 enum { MOST_KINDS = 16 /* classes in a panel */ };
 enum { PANELS = VS_QUALITY_MOST + 1, WIDTH = 900, HEIGHT = 320 /* of a panel, pixels */ };
 
-/* A current: its harmonics, and the classes' limits, as summary.json has them. */
+/* A current: its harmonics, and the limits of the classes, as summary.json has them. */
 typedef struct panel {
   char title[VS_NAME_SIZE + 16];
   const vs_node *harmonics; /* a list */
-  const vs_node *groups;    /* a list of what is held against limits; NULL: the harmonics are */
-  const vs_node *classes;   /* a list; NULL: of class A alone there are... */
-  const vs_node *limits;    /* ... these */
+  const vs_node
+      *groups; /* a list of the groups that are compared with the limits; NULL: the harmonics are */
+  const vs_node *classes; /* a list; NULL: only class A has limits, */
+  const vs_node *limits;  /* namely these */
 } panel;
 
 typedef struct panels {
@@ -32,7 +33,8 @@ typedef struct panels {
 
 /* ---- what there is ---- */
 
-/* How many numbers of the list, from harmonic 1 on, a logarithmic axis has a place for. */
+/* How many numbers of the list are positive, from harmonic 1 on: the others have no place on a
+ * logarithmic axis. */
 static int count_of(const vs_node *list) {
   int n = 0, count = 0;
   for (const vs_node *item = list ? list->child : NULL; item; item = item->next)
@@ -64,7 +66,7 @@ static void find_panels(const vs_tree *tree, panels *all) {
 
 /* ---- the picture ---- */
 
-/* Adds these numbers as a block of that name. */
+/* Adds these numbers as a data block of this name. */
 static void add_block(vs_script *script, const char *name, int number, const vs_node *list) {
   int n = 0;
   vs_gnuplot_code(script, name);
@@ -76,7 +78,7 @@ static void add_block(vs_script *script, const char *name, int number, const vs_
   vs_gnuplot_add(script, "EOD\n");
 }
 
-/* Marks what a class allows, whose numbers are block $limits of that number. */
+/* Marks the limits of a class, which are data block $limits of this number. */
 static void add_limits(vs_script *script, const char *class, int number, const vs_node *limits,
                        int kind) {
   vs_text title = {0};

@@ -114,7 +114,7 @@ void vs_html_number(vs_html *html, double value) {
 }
 
 /* The script before each picture. It enlarges the letters where the picture is shown small, and
- * lets the wheel scroll the page unless Ctrl is held. */
+ * lets the wheel scroll the page unless Ctrl is pressed. */
 static const char FRAME[] = "<style>body{margin:0;overflow:hidden}svg{display:block;width:100%}"
                             "polygon{shape-rendering:crispEdges}"
                             "@media(max-width:480px){g[font-size='15.00']{font-size:18px}g[font-"

@@ -15,8 +15,8 @@
 
 enum { MOST_BARS = 12, LONGEST = 100 /* characters of a label */ };
 
-/* In pixels: a row, what stands above and below the rows, the axis, what stands to its right. A
- * character takes 8 in the mean. */
+/* In pixels: a row, the space above and below the rows, the axis, and the space to its right. A
+ * character is 8 wide on average. */
 enum { ROW = 30, ABOVE = 48, LINE = 22, BELOW = 62, AXIS = 420, RIGHT = 110, CHARACTER = 8 };
 
 /* ---- the lines ---- */
@@ -43,8 +43,8 @@ static const char *colour_of(const bar *b) {
   return strcmp(b->word, "held") ? "#999999" : vs_scale_colour_good;
 }
 
-/* A margin that is not known may be the least of all; one that a held line does not have is none.
- */
+/* The margin to sort by. An unknown margin of a violated or undecided line may be the least of all;
+ * a held line without a margin comes last. */
 static double order_of(const bar *b) {
   return !isnan(b->margin) ? b->margin : b->rank < HELD ? -INFINITY : INFINITY;
 }
@@ -56,7 +56,7 @@ static int tightest_first(const void *a, const void *b) {
   return x != y ? (x > y) - (x < y) : (one->number > other->number) - (one->number < other->number);
 }
 
-/* Lists the verdict's lines in the order in which they are drawn; to be freed by the caller. */
+/* The verdict's lines in the order in which they are drawn; the caller frees them. */
 static bar *list_bars(const vs_node *verdict, size_t *count) {
   size_t n = 0;
   for (const vs_node *m = verdict ? verdict->child : NULL; m; m = m->next) n++;
@@ -86,14 +86,14 @@ static double number_of(const bar *b, const char *key) {
   return vs_member_number(vs_tree_child(b->line, key));
 }
 
-/* How far the margin is from the room to an end of a rating; INFINITY: there is no such end. An end
- * of 0 counts as a part of the range. */
+/* How much the margin differs from the room to this end of a rating; INFINITY: there is no such
+ * end. The room to an end of 0 is a part of the range. */
 static double unlike(const bar *b, double value, double end, double sign, double range) {
   const double room = sign * (end - value) / (end != 0 ? fabs(end) : range);
   return isnan(end) ? INFINITY : isnan(room) ? 1e300 : fabs(room - b->margin);
 }
 
-/* The value and the limit of a rating: at the end that the margin is of. */
+/* The value and the limit of a rating, at the end that its margin belongs to. */
 static void find_end(const bar *b, double *value, double *limit) {
   const double min = number_of(b, "min"), max = number_of(b, "max"), range = max - min,
                least = number_of(b, "least"), largest = number_of(b, "largest");
@@ -102,7 +102,7 @@ static void find_end(const bar *b, double *value, double *limit) {
   *limit = low ? min : max;
 }
 
-/* "happened, 3 times", of what must not happen or is expected to */
+/* "happened, 3 times", of something that must not happen or is expected to */
 static void add_times(vs_text *out, double times, bool expected) {
   vs_text_add(out, times > 0 ? " happened" : " did not happen");
   if (times > 1) vs_text_add(out, ", %.0f times", times);
@@ -140,7 +140,7 @@ static void write_label(const bar *b, vs_text *out) {
   vs_text_add(out, ", %s", b->word);
 }
 
-/* "7 more above 94 %": the least margin of those that have no bar, rounded down */
+/* "7 more above 94 %": the least margin of the lines without a bar, rounded down */
 static void write_rest(const bar *rest, size_t count, vs_text *out) {
   double least = INFINITY;
   for (size_t k = 0; k < count; k++) least = fmin(least, rest[k].margin);
@@ -160,8 +160,9 @@ static void write_title(const vs_node *summary, vs_text *out) {
     vs_text_add(out, "nominal values");
 }
 
-/* What happened first in the list; else what did not though it was expected. Empty: neither. The
- * cause is left out where it has no room beside what may follow it. */
+/* Writes the first entry of what happened; if nothing did, the first of what was expected and did
+ * not happen; else nothing. The cause is left out if there is no room for it beside what may
+ * follow. */
 static void write_happened(const vs_node *summary, size_t most, vs_text *out) {
   enum { ENDING = 30 };
   char at[VS_ENGINEERING_SIZE];
@@ -186,13 +187,13 @@ static void write_happened(const vs_node *summary, size_t most, vs_text *out) {
 
 /* ---- the picture ---- */
 
-/* A margin as it lies on the axis, which ends at 100 %. */
+/* A margin in per cent, limited to the ends of the axis. */
 static double on_axis(double margin) {
   return 100 * fmax(-1, fmin(1, margin));
 }
 
-/* From where to where the margin may be: as far as its error goes. A margin of which that is not
- * known may be anywhere. Without an error both are the margin. */
+/* The interval in which the margin lies, by its error. An undecided margin without an error may be
+ * anywhere; any other one without an error is a point. */
 static void find_span(const bar *b, double span[2]) {
   const double wide = b->rank == UNDECIDED ? INFINITY : 0;
   const double error = isnan(b->error) ? wide : fabs(b->error);
@@ -200,7 +201,7 @@ static void find_span(const bar *b, double span[2]) {
   span[1] = on_axis(b->margin + error);
 }
 
-/* Writes the margin to the right of all that is drawn of its line. */
+/* Writes the margin as text to the right of its bar. */
 static void add_margin(vs_script *script, const bar *b, double right, int row) {
   char text[48];
   snprintf(text, sizeof text, "%.3g %%", 100 * b->margin);
@@ -238,7 +239,8 @@ static void add_title(vs_script *script, const char *text, int from_top, int hei
                  1 - (double)from_top / height, points);
 }
 
-/* Fills the labels, one more where there are lines without a bar, and returns their number. */
+/* Writes the labels of the bars, and one for the lines without a bar if there are any. Returns
+ * their number. */
 static size_t write_labels(const bar *all, size_t count, vs_text *label) {
   const size_t shown = count < MOST_BARS ? count : MOST_BARS;
   for (size_t k = 0; k < shown; k++) write_label(&all[k], &label[k]);

@@ -68,8 +68,8 @@ typedef struct unlike {
   void *ctx;
 } unlike;
 
-/* 0.03 ohm and 30 mohm are the same: both numbers are read from their shortest texts, so that they
- * may differ by rounding alone. */
+/* True for values such as 0.03 ohm and 30 mohm: both numbers come from their shortest texts, so
+ * equal ones differ by rounding alone. */
 static bool are_equal(const vs_node *a, const vs_node *b) {
   const char *one = vs_member_word(a, "unit"), *other = vs_member_word(b, "unit");
   double x = vs_member_number(vs_tree_child(a, "value")),
@@ -90,7 +90,7 @@ static bool are_same(const vs_node *a, const vs_node *b) {
   return same;
 }
 
-/* Recursion ends with the depth of the tree. */
+/* The recursion is as deep as the tree. */
 static void look_into_member(void *ctx, const char *key, const vs_node *a, const vs_node *b) {
   const unlike *u = ctx;
   vs_text name = {0};

@@ -11,7 +11,7 @@
 #include "plot/study_pictures.h"
 #include "study_page.h"
 
-/* What gnuplot drew. */
+/* A picture that gnuplot drew. */
 typedef struct drawing {
   char *bytes;
   size_t size;
@@ -37,7 +37,7 @@ static vs_status draw_album(const vs_picture *p, bool svg, drawing *d, vs_error 
   return status;
 }
 
-/* Writes a file under a temporary name; it appears when it is committed. */
+/* Writes a file under a temporary name; it gets its own when it is committed. */
 static vs_status prepare_folder(vs_file *file, const char *folder, const char *name,
                                 const drawing *d, vs_error *err) {
   vs_status status = vs_file_open(file, folder, name, err);
@@ -67,7 +67,7 @@ static vs_status write_one(const report *r, const vs_plot_options *o, vs_error *
   return status;
 }
 
-/* Draws all pictures, makes the page, and then lets all files appear. */
+/* Draws all pictures, makes the page, and then gives all files their names. */
 static vs_status write_report(const report *r, const vs_plot_options *o, vs_error *err) {
   size_t n = r->album.count;
   vs_file *files = vs_alloc(n + 1, sizeof *files);

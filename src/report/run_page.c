@@ -62,7 +62,7 @@ static void add_verdict_line(vs_html *html, const vs_node *line) {
   vs_html_add(html, "</td></tr>\n");
 }
 
-/* A line for each thing that happened, or did not though it was expected. */
+/* Adds a line for each thing that happened, or that was expected and did not happen. */
 static void add_happenings(vs_html *html, const vs_node *summary) {
   static const char *const LISTS[] = {"happened", "did_not_happen"};
   for (int k = 0; k < 2; k++) {
@@ -93,7 +93,7 @@ static void add_left_out(vs_html *html, const char *what, const vs_node *list) {
   }
 }
 
-/* Adds the verdict: the word of the whole, what is weakest, all lines. */
+/* Adds the verdict: the word of the whole, the weakest line, and all lines. */
 static void add_verdict(vs_html *html, const vs_node *summary) {
   const vs_node *verdict = vs_tree_child(summary, "verdict");
   bool any = verdict && verdict->child;
@@ -134,16 +134,16 @@ static void add_verdict(vs_html *html, const vs_node *summary) {
 
 /* ---- measures and parameters ---- */
 
-/* The table's cells, and all measures of the run. */
+/* The page, and all measures of the run, for the other end of an extreme. */
 typedef struct measures {
   vs_html *html;
   const vs_node *all;
 } measures;
 
-/* An extreme that is less than this part of the other end's is rounding, and shown as 0. */
+/* An extreme smaller than this part of the opposite one is rounding, and shown as 0. */
 static const double ZERO_BESIDE = 1e-6;
 
-/* The value of NAME_max for NAME_min, and the other way round; NaN where there is none. */
+/* The value of NAME_max for NAME_min, and vice versa; NaN where there is none. */
 static double other_end(const vs_node *all, const char *name) {
   char other[VS_NAME_SIZE];
   const size_t n = strlen(name);
@@ -200,7 +200,7 @@ static void add_parameters(vs_html *html, const vs_node *summary) {
 
 /* ---- energy flow: where the energy of a run went, as a table with bars ---- */
 
-/* The flows of energy; what is indented deeper is a part of what stands above it. */
+/* The flows of energy; an indented one is a part of the one above it. */
 static const struct {
   const char *key, *text;
   int depth;
@@ -215,7 +215,7 @@ static const struct {
              {"stop_J", "lost in stops", 3},
              {"mechanical_J", "stored in motion and springs", 3}};
 
-/* A row, with its share of the largest flow as a bar. What is 0 is left out. */
+/* Adds a row, with its share of the largest flow as a bar. A flow of 0 is left out. */
 static void add_energy_row(vs_html *html, const char *text, int depth, double joule, double whole) {
   char amount[VS_ENGINEERING_SIZE], part[32] = "< 0.01 %";
   double share = joule / whole;
@@ -230,7 +230,7 @@ static void add_energy_row(vs_html *html, const char *text, int depth, double jo
               fmin(100, 100 * fabs(share)));
 }
 
-/* Each account of the deck's: "losses_J": {"r1": ...}. */
+/* Adds each account of the deck: "losses_J": {"r1": ...}. */
 static void add_accounts(vs_html *html, const vs_node *accounts, const char *what, double whole) {
   for (const vs_node *m = accounts ? accounts->child : NULL; m; m = m->next) {
     vs_text text = {0};

@@ -40,21 +40,21 @@ void vs_run_pair_close(vs_run_pair *p) {
   }
 }
 
-/* What is written to: a table or JSON, and how many rows were the same on both sides. */
+/* The output, a table or JSON, and how many rows were left out because both runs have the same. */
 typedef struct writer {
   vs_text *out;
   vs_json *json;
   int rows, same;
 } writer;
 
-/* Calls visit for that member of both summaries. */
+/* Calls visit for this member of both summaries. */
 static void join_members(const vs_run_pair *p, const char *member, vs_member_visit visit,
                          writer *w) {
   vs_members_join(vs_tree_child_map(p->summary[0].root, member),
                   vs_tree_child_map(p->summary[1].root, member), visit, w);
 }
 
-/* Says how many rows were left out because both runs have the same. */
+/* Adds how many rows were left out because both runs have the same. */
 static void say_same(writer *w, const char *what) {
   if (w->same)
     vs_text_add(w->out, "  %s%d %s%s the same in both\n", w->rows ? "and " : "", w->same, what,
@@ -107,14 +107,14 @@ static const vs_node *find_line(const vs_node *verdict, const char *name) {
   return found;
 }
 
-/* The word of a line; a margin below 0 whose error is not known is violated, too. */
+/* The word of a line. A margin below 0 whose error is not known is violated, too. */
 const char *vs_run_pair_word(const vs_node *line) {
   const char *word = vs_member_word(line, "word");
   bool below = !strcmp(vs_member_word(line, "violated"), "true");
   return below && !strcmp(word, "unverified") ? "violated, unverified" : word;
 }
 
-/* The word of the whole: that of its worst line. */
+/* The word of the whole verdict: that of its worst line. */
 const char *vs_run_pair_whole(const vs_node *verdict) {
   static const char *const RISING[] = {
       "waived", "held", "unverified", "undecided", "violated, unverified", "violated"};
@@ -254,7 +254,7 @@ static void show_curves(const vs_run_pair *p, writer *w) {
   }
 }
 
-/* Returns how many columns only the first of the two has, and names them. */
+/* Returns how many columns only the first of the two runs has, and names them. */
 static int list_alone(const vs_traces *a, const vs_traces *b, writer *w) {
   int n = 0;
   for (size_t c = 1; c < a->columns; c++) {

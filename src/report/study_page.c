@@ -11,8 +11,10 @@
 
 enum { MOST_ITEMS = 24 };
 
-/* Adds what a node of the manifest says, on one line. */
-static void add_node(vs_html *html, const vs_node *node) {
+/* Adds a node of the manifest on one line: a text as it is, a list as "a, b", a map as "key: a",
+ * nested ones in brackets. Of a long list the first MOST_ITEMS and the last are shown, with how
+ * many there are. */
+static void add_node_text(vs_html *html, const vs_node *node) {
   if (node->kind == VS_NODE_TEXT) {
     vs_html_text(html, node->text);
     return;
@@ -27,13 +29,13 @@ static void add_node(vs_html *html, const vs_node *node) {
     }
     bool nested = c->kind != VS_NODE_TEXT;
     if (nested) vs_html_add(html, "(");
-    add_node(html, c);
+    add_node_text(html, c);
     if (nested) vs_html_add(html, ")");
   }
   if (n > MOST_ITEMS + 1) vs_html_add(html, " (%zu of them)", n);
 }
 
-/* The worst cases, or the first ones where nothing ranks them. */
+/* Adds the worst cases, or the first ones if nothing ranks them. */
 static void tables_cases(vs_html *html, const vs_folder *t, const vs_study_results *s) {
   if (!s->n_worst) return;
   vs_html_add(html,
@@ -60,7 +62,7 @@ static void tables_cases(vs_html *html, const vs_folder *t, const vs_study_resul
   vs_html_add(html, "</table></div>\n</section>\n");
 }
 
-/* True if the table says that of an axis in a column of its own. */
+/* True if the table of axes has a column for this key. */
 static bool is_said(const char *key) {
   static const char *const SAID[] = {"key", "unit", "column", "text"};
   for (size_t k = 0; k < sizeof SAID / sizeof *SAID; k++)
@@ -68,7 +70,7 @@ static bool is_said(const char *key) {
   return false;
 }
 
-/* What was varied. */
+/* Adds the table of what was varied. */
 static void tables_axes(vs_html *html, const vs_folder *t, const vs_study_results *s) {
   vs_html_add(html, "<section id=\"axes\">\n<h2>What was varied</h2>\n<div class=\"wide "
                     "prose\"><table><tr><th>key</th>"
@@ -88,7 +90,7 @@ static void tables_axes(vs_html *html, const vs_folder *t, const vs_study_result
       vs_html_add(html, "%s", n++ ? "; " : "");
       vs_html_text(html, v->key);
       vs_html_add(html, ": ");
-      add_node(html, v);
+      add_node_text(html, v);
     }
     vs_html_add(html, "</td>");
     vs_html_cell(html, t->column[c].text);
@@ -97,7 +99,7 @@ static void tables_axes(vs_html *html, const vs_folder *t, const vs_study_result
   vs_html_add(html, "</table></div>\n</section>\n");
 }
 
-/* What is reported. */
+/* Adds the table of what is reported. */
 static void tables_columns(vs_html *html, const vs_folder *t, const vs_study_results *s) {
   vs_html_add(html, "<section id=\"columns\">\n<h2>What is reported</h2>\n<div class=\"wide "
                     "prose\"><table><tr><th>column</th>"
@@ -121,7 +123,7 @@ static void tables_columns(vs_html *html, const vs_folder *t, const vs_study_res
   vs_html_add(html, "</table></div>\n</section>\n");
 }
 
-/* All that the manifest says but of the columns: scene, fixed keys, versions, seed, hashes of the
+/* Adds what the manifest says besides the columns: scene, fixed keys, versions, seed, hashes of the
  * inputs. */
 static void tables_manifest(vs_html *html, const vs_folder *t) {
   vs_html_add(
@@ -136,7 +138,7 @@ static void tables_manifest(vs_html *html, const vs_folder *t) {
     vs_html_text(html, n->key);
     vs_html_add(html, "</th><td>");
     for (const vs_node *c = n->child; lines && c; c = c->next) {
-      add_node(html, c);
+      add_node_text(html, c);
       vs_html_add(html, "<br>");
     }
     if (!lines && !strcmp(n->key, "command"))
@@ -145,7 +147,7 @@ static void tables_manifest(vs_html *html, const vs_folder *t) {
         vs_html_add(html, " ");
       }
     else if (!lines)
-      add_node(html, n);
+      add_node_text(html, n);
     vs_html_add(html, "</td></tr>\n");
   }
   vs_html_add(html, "</table></div>\n</section>\n");
@@ -208,8 +210,8 @@ static void add_failures(vs_html *html, const vs_folder *t, const vs_study_resul
   vs_html_add(html, "</table></div>\n");
 }
 
-/* Says where a case lies: "circuit.r1 = 330 Ω, circuit.c1 = 47 nF". With `ranged` only axes that
- * have a range are named, not those with a spread. */
+/* Adds where a case lies: "circuit.r1 = 330 Ω, circuit.c1 = 47 nF". With `ranged` only the axes
+ * that have a range, without those that have a spread. */
 static void add_place(vs_html *html, const vs_folder *t, char *const *cell, bool ranged) {
   size_t n = 0;
   for (size_t c = 0; c < t->count; c++) {
@@ -230,8 +232,8 @@ static void add_place(vs_html *html, const vs_folder *t, char *const *cell, bool
   }
 }
 
-/* Says what a search has found that judges a case by more than one measure; false: there was no
- * such search. */
+/* Adds the result of a search that judges a case by several measures; false: there was no such
+ * search. */
 static bool add_best(vs_html *html, const vs_folder *t, const vs_study_results *s) {
   if (!t->search || t->search->report.aim || !vs_folder_search(t)) return false;
   const char *none = t->search->report.none;
@@ -244,7 +246,7 @@ static bool add_best(vs_html *html, const vs_folder *t, const vs_study_results *
   return true;
 }
 
-/* Says which largest or least value a search has found; false: there was no such search. */
+/* Adds the largest or least value that a search has found; false: there was no such search. */
 static bool add_found(vs_html *html, const vs_folder *t, const vs_study_results *s) {
   bool largest;
   size_t aim = vs_folder_aim(t, &largest);
@@ -257,7 +259,7 @@ static bool add_found(vs_html *html, const vs_folder *t, const vs_study_results 
   return true;
 }
 
-/* Says the yield. A case that failed counts as not holding, as it is not known to hold. */
+/* Adds the yield. A failed case counts as not holding, as it is not known to hold. */
 static void add_yield(vs_html *html, const vs_folder *t, const vs_study_results *s) {
   double least, largest;
   const long all = s->judged + t->failed;
@@ -289,7 +291,7 @@ static void add_count(vs_html *html, long count, const char *of_what) {
   vs_html_add(html, ".</p>\n");
 }
 
-/* Says what makes the verdict less than sure. */
+/* Adds what makes the verdict less than certain. */
 static void add_doubts(vs_html *html, const vs_study_results *s) {
   vs_text undecided = {0};
   vs_text_add(&undecided, "undecided: the sign of a margin is within its numerical error");
@@ -307,7 +309,7 @@ static void add_doubts(vs_html *html, const vs_study_results *s) {
   add_count(html, s->warned, "with warnings; see column warnings");
 }
 
-/* Says what happened in how many cases, and what the verdicts leave out. */
+/* Adds what happened in how many cases. */
 static void add_happened(vs_html *html, const vs_study_results *s) {
   for (size_t k = 0; k < s->happened.count; k++) {
     vs_html_add(html, "<p>Happened in %ld case%s: ", s->happened.item[k].times,
@@ -325,7 +327,8 @@ static void add_not_judged(vs_html *html, const vs_study_results *s) {
               s->not_judged.count > 1 ? "; in other cases other limits: column not_judged" : "");
 }
 
-/* found: what a search has found was said already, and in large letters. */
+/* Adds how many cases hold and the worst margin. found: a search's result stands above in large
+ * letters already. */
 static void add_share(vs_html *html, const vs_folder *t, const vs_study_results *s, bool found) {
   const char *begin = found ? "<p>" : "<p class=\"big\">";
   if (!s->rows)
@@ -346,8 +349,8 @@ static void add_share(vs_html *html, const vs_folder *t, const vs_study_results 
   }
 }
 
-/* Says where the least margin is largest: what one would choose. A sample's cases are chosen by
- * chance, and a search says what it has found. */
+/* Adds the case whose least margin is largest: the one to choose. Not for a sample, whose cases are
+ * random, and not for a search, which reports its own result. */
 static void add_best_case(vs_html *html, const vs_folder *t, const vs_study_results *s) {
   if (!s->best.cell || s->judged < 2 || t->search || vs_folder_is_sampled(t)) return;
   vs_html_add(html, "<p>The best case: ");

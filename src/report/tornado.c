@@ -39,7 +39,8 @@ bool vs_tornado_here(const char *folder) {
 
 /* ---- what is drawn ---- */
 
-/* Rows of one measure stand together. One without a derivative is left out. */
+/* Adds a row of the file. Rows of one measure stand together; a row without a derivative is left
+ * out. */
 static void take_sensitivity_row(const vs_csv *csv, tornado *t) {
   bar *b = &t->item[t->count], *last = t->count ? b - 1 : NULL;
   if (!*csv->cell[2]) return;
@@ -74,7 +75,7 @@ static vs_status read_sensitivity_table(const char *folder, tornado *t, vs_error
   return status;
 }
 
-/* By measure, then the longest first. */
+/* Orders by measure, then the longest bar first. */
 static int longest_first(const void *a, const void *b) {
   const bar *one = a, *other = b;
   double x = fabs(one->value), y = fabs(other->value);
@@ -86,8 +87,8 @@ static int longest_first(const void *a, const void *b) {
 
 enum { WIDTH = 900, EDGE = 90, BAR = 28 /* pixels */ };
 
-/* Writes each bar's number behind its end, towards `side`, 1 or -1. gnuplot 5.4 crashes over labels
- * none of which has a place, so that a panel without such bars has none. */
+/* Writes each bar's number at its end, on the side `side`, 1 or -1. A panel without such bars gets
+ * no labels, as gnuplot 5.4 crashes if none of the labels has a place. */
 static void add_numbers(vs_script *script, const bar *first, size_t count, int side) {
   bool any = false;
   for (size_t k = 0; k < count; k++) any = any || (first[k].value < 0) == (side < 0);
@@ -126,7 +127,7 @@ static void add_panel(vs_script *script, const bar *first, size_t count, double 
 }
 
 static void add_tornado_script(const tornado *t, bool svg, vs_script *script) {
-  size_t bars = t->count + (size_t)t->panels; /* a title takes a bar's room */
+  size_t bars = t->count + (size_t)t->panels; /* a title is as high as a bar */
   int height = EDGE + BAR * (int)bars + 40 * t->panels;
   double unit = (double)BAR / height, top = 1 - 45.0 / height;
   vs_gnuplot_code(script, svg ? "set terminal svg" : "set terminal pngcairo");

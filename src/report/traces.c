@@ -30,7 +30,7 @@ bool vs_traces_here(const char *folder) {
 
 /* ---- what is drawn ---- */
 
-/* Compares the file's header, and counts its rows. */
+/* Compares the file's header with `header`, and counts its rows. */
 static vs_status count_rows(FILE *f, const char *path, const char *header, size_t *rows,
                             vs_error *err) {
   char *line = NULL;
@@ -66,7 +66,7 @@ vs_status vs_traces_drawn(const char *folder, const char *header, char drawn[VS_
 
 /* ---- what columns are ---- */
 
-/* By a name that ends in one of these units. */
+/* Guesses the unit from the end of the column's name. */
 static void guess_unit(vs_column *c) {
   static const char *const UNITS[] = {"m",   "rad", "m/s", "rad/s", "m/s2", "rad/s2", "Wb",
                                       "A",   "N",   "V",   "W",     "Hz",   "K",      "J",
@@ -83,7 +83,7 @@ static void guess_unit(vs_column *c) {
     }
 }
 
-/* The column of that coordinate's rate or acceleration, by name and unit. */
+/* The column of a coordinate's rate or acceleration, by name and unit. */
 static vs_column *guess_derivative(vs_column *all, size_t n, const vs_column *of, char letter,
                                    const char *per) {
   const size_t length = strlen(of->unit);
@@ -117,7 +117,7 @@ static void guess_roles(vs_column *all, size_t n) {
   }
 }
 
-/* As an entry of summary.json tells. */
+/* Fills in what an entry of summary.json says. */
 static void take_told(vs_column *c, const vs_node *entry) {
   snprintf(c->quantity, sizeof c->quantity, "%s", vs_member_word(entry, "quantity"));
   snprintf(c->unit, sizeof c->unit, "%s", vs_member_word(entry, "unit"));
@@ -193,8 +193,8 @@ static void make_room(vs_traces *t, size_t *room) {
   t->value = vs_resize(t->value, *room * t->columns, sizeof *t->value);
 }
 
-/* Reads line `number`; *more is false where there is none. Error: it holds a zero byte, behind
- * which text would be ignored. */
+/* Reads line `number`; *more is false at the end of the file. Error: the line has a zero byte,
+ * after which text would be ignored. */
 static vs_status next_line(const vs_traces *t, FILE *f, vs_text *line, int number, bool *more,
                            vs_error *err) {
   ssize_t n = vs_alloc_row(&line->text, &line->capacity, VS_CSV_LONGEST, f);

@@ -13,7 +13,7 @@
 enum {
   WIDTH = 820,
   HEIGHT = 380,     /* pixels of a picture */
-  MOST_ROWS = 50000 /* of a run that is drawn whole; the page would be too large */
+  MOST_ROWS = 50000 /* of a run that is drawn whole; with more the page would be too large */
 };
 
 /* ---- what is shown ---- */
@@ -24,7 +24,7 @@ static bool is_in_all(const vs_time_window *s, const vs_column *column) {
   return true;
 }
 
-/* Leaves the probes that all runs have. */
+/* Keeps only the probes that all runs have. */
 static void drop_alone(vs_time_window *s) {
   int kept = 0;
   for (int k = 0; k < s->probes.count; k++)
@@ -32,8 +32,8 @@ static void drop_alone(vs_time_window *s) {
   s->probes.count = kept;
 }
 
-/* True for what belongs to this machine, this circuit, its instruments and its control; every run
- * has the rest. */
+/* True for a column of this machine, circuit, instruments or control; every run has the other
+ * columns. */
 static bool is_own(const vs_column *c) {
   return strcmp(c->role, VS_COLUMN_COORDINATE) && strcmp(c->role, VS_COLUMN_RATE) &&
          strcmp(c->role, VS_COLUMN_ACCELERATION) && !vs_channel_is_standard(c->quantity);
@@ -60,8 +60,8 @@ static bool is_long(const vs_traces *t) {
   return t->drawn_rows > MOST_ROWS;
 }
 
-/* The row of run.csv from which on so many are drawn, if rows at peaks come as often as on the
- * whole. */
+/* The first row of run.csv to draw, so that about MOST_ROWS are drawn from it to the end. The drawn
+ * rows include those at peaks, which are assumed to be evenly spread. */
 static size_t first_drawn(const vs_traces *t) {
   double rows = (double)MOST_ROWS * (double)t->rows / (double)t->drawn_rows;
   return t->rows - (size_t)fmax(rows, 1);

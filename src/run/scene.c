@@ -48,7 +48,8 @@ static vs_status take_probe(vs_scene *s, const vs_node *node, vs_error *err) {
 
 const char vs_scene_all_probes[] = "all";
 
-/* record: all | [NAME, ...] */
+/* Reads `record`, the probes that run.csv has, into s->record: all (also where the key is missing
+ * or empty), one NAME, or a list [NAME, ...]. Does not empty s->record first. */
 static vs_status read_record(vs_scene *s, vs_error *err) {
   const vs_node *node = vs_tree_child(s->tree.root, "record");
   if (!node ||

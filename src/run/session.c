@@ -8,10 +8,11 @@
  *   vs_session_finish    a second run, for the errors of the margins
  *
  * What is before it: vs_scene_read (run/scene.c) reads the scene's text, has its setup built
- * (engine/setup.c) and its tier chosen (run/tier_choice.c). A scene that begins on an orbit goes
- * through the same functions by vs_steady_run (orbit/steady.c). What is behind it: the verdict
- * becomes an exit code (vs_session_judge, below), a table (run/show.c) and summary.json
- * (run/summary.c). */
+ * (engine/setup.c) and its tier chosen (run/tier_choice.c). The commands `run` and `study` call
+ * vs_steady_run (orbit/steady.c) in the place of vs_session_run: it does the same, but finds the
+ * scene's orbit and the share of its load that rides before each attempt, where the scene asks for
+ * these. After it the verdict becomes an exit code (vs_session_judge, below), a table (run/show.c)
+ * and summary.json (run/summary.c). */
 #include "run/session.h"
 
 #include <math.h>

@@ -72,13 +72,17 @@ static const char *text_as_written(double si, const char *unit, char text[VS_ENG
   return text;
 }
 
-/* An end of a range, which the scene may leave open. */
+/* One end of the allowed range, in the rating's unit; "-" where a rating of the scene leaves that
+ * end open. */
 static const char *end_text(const vs_judgement *j, double si, char text[VS_ENGINEERING_SIZE]) {
   bool open = j->name && isinf(si);
   snprintf(text, VS_ENGINEERING_SIZE, open ? "-" : "%.4g", si / vs_units_factor(j->rating->unit));
   return text;
 }
 
+/* A row of the table of ratings: name, least allowed, least and largest seen (dashes where that is
+ * not known), largest allowed, unit, margin, and how well the models behind it meet their data
+ * sheets. */
 static void print_rating(const vs_judgement *j, int width, FILE *out) {
   char name[VS_JUDGED_NAME], end[VS_ENGINEERING_SIZE];
   double unit = vs_units_factor(j->rating->unit);

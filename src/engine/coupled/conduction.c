@@ -106,6 +106,7 @@ void vs_conduction_turn(vs_conduction *c, double zero_s) {
   set_foot(c, zero_s, 0);
 }
 
+/* The most that a blocking device leaks at this voltage. */
 static double leakage(double v_v) {
   return LEAKS_S * fabs(v_v);
 }
@@ -149,6 +150,9 @@ static void follow_foot(vs_conduction *c, const vs_conduction_step *s) {
     set_foot(c, s->t0_s, s->i0_a);
 }
 
+/* True where a conduction begins in the step; *event_s is its foot, where the rise began. With a
+ * gate pulse a small rise is enough; without one the current must be more than leakage and
+ * capacitance can explain. */
 static bool fires(vs_conduction *c, const vs_conduction_step *s, double *event_s) {
   follow_foot(c, s);
   double moved_a = DISPLACED_F * fabs(s->v1_v - s->v0_v) / (s->t1_s - s->t0_s);
@@ -198,7 +202,11 @@ static bool is_over(vs_conduction *c, const vs_conduction_step *s, bool may_go_o
   return true;
 }
 
-static bool stops(vs_conduction *c, const vs_conduction_step *s, double *event_s) {
+/* True where the conduction goes out; *event_s is when its current ended. A device that recovers
+ * and is still gated may take its current up again: it goes out only once the current has stayed
+ * away for AT_ONCE_S. Until then the end found first waits in c->out_s, and is forgotten where the
+ * current comes back. */
+static bool goes_out(vs_conduction *c, const vs_conduction_step *s, double *event_s) {
   bool may_go_on = c->recovers && c->gated && is_on_state(s->v1_v);
   double out_s = c->out_s;
   bool over = is_over(c, s, may_go_on, &out_s);
@@ -233,7 +241,7 @@ vs_event vs_conduction_follow(vs_conduction *c, const vs_conduction_step *step, 
   net.i0_a = vs_conduction_current(c, step->i0_a, step->v0_v);
   net.i1_a = vs_conduction_current(c, step->i1_a, step->v1_v);
   smooth(c, &net);
-  c->conducts = was ? !stops(c, &net, event_s) : fires(c, &net, event_s);
+  c->conducts = was ? !goes_out(c, &net, event_s) : fires(c, &net, event_s);
   c->before_s = net.t0_s;
   c->before_a = net.i0_a;
   if (c->conducts == was) return VS_EV_NONE;

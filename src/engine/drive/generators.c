@@ -83,7 +83,6 @@ static const char *return_of(const vs_scene_event *e, const vs_deck *deck) {
   return e->v.earth ? deck->earth : deck->line[1];
 }
 
-/* Error: the deck does not say where the generator couples in. */
 /* True where an element of the deck has a node of that name, or it is ground. */
 static bool names_node(const vs_deck *deck, const char *node) {
   if (vs_words_is_ground((vs_word){node, strlen(node)})) return true;
@@ -98,6 +97,8 @@ static bool names_node(const vs_deck *deck, const char *node) {
   return false;
 }
 
+/* Error: the deck does not say where the generator couples in, or names a node there that it does
+ * not have. */
 static vs_status check_line(const vs_scene_event *e, const vs_deck *deck, vs_error *err) {
   if (!*deck->line[0])
     return vs_fail_at(err, e->where,

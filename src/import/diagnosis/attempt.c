@@ -10,13 +10,14 @@
 
 #include "ngspice/child.h"
 
-/* One that looks on at the steps of a trial. */
+/* The observer of a trial's steps. */
 typedef struct onlooker {
   const vs_attempt_plan *plan;
   vs_attempt *trial;
   int channels;
-  double last[VS_CH_MOST], change[VS_CH_MOST]; /* of each channel: its value, its last change */
-  long turns[VS_CH_MOST];                      /* how many changes in turn were to and fro */
+  double last[VS_CH_MOST],
+      change[VS_CH_MOST]; /* for each channel: its value, and its last change */
+  long turns[VS_CH_MOST]; /* how many changes in a row were turns */
   double sign[VS_ATTEMPT_WATCHES];
   long crossed_at[VS_ATTEMPT_WATCHES]; /* the number of the step */
 } onlooker;
@@ -32,8 +33,9 @@ static double processor_time(void) {
 
 static const double LEAST_SWING = 1e-3;
 
-/* A change counts as to and fro where it has the other sign than the one before, is a thousandth of
- * the channel's peak or more, and is neither half nor double as large. */
+/* A change of the channel counts as a turn if its sign is opposite to the last change, its size is
+ * at least a thousandth of the channel's peak, and it is between half and double the last change.
+ */
 static void see_channel(onlooker *o, int c, double value, double t_s) {
   vs_attempt *trial = o->trial;
   double change = value - o->last[c], before = o->change[c];
@@ -50,7 +52,7 @@ static void see_channel(onlooker *o, int c, double value, double t_s) {
   trial->largest[c] = fmax(trial->largest[c], value);
 }
 
-/* A crossing is close where it comes at most this many steps after the one before. */
+/* A crossing is close to the last one if it comes at most this many steps later. */
 enum { CLOSE = 4 };
 
 static void see_watch(onlooker *o, size_t k, const vs_knot *at) {
@@ -90,7 +92,7 @@ static vs_status see(void *ctx, const vs_step *step, const vs_result *result, vs
 
 /* ---- in the child ---- */
 
-/* Runs the trial in this process, which ends soon. */
+/* Runs the trial in the child process, which ends soon after. */
 static void attempt(const vs_attempt_plan *plan, vs_attempt *trial) {
   vs_scene *scene = plan->scene;
   onlooker *o = vs_alloc(1, sizeof *o);
@@ -102,7 +104,7 @@ static void attempt(const vs_attempt_plan *plan, vs_attempt *trial) {
   scene->setup.run.gear = plan->gear;
   scene->setup.run.until_s = plan->until_s;
   scene->setup.steady = false;
-  scene->order.stand_in = NULL; /* each step is the solver's own */
+  scene->order.stand_in = NULL; /* so that the solver computes every step */
   scene->order.tries = &trial->tries;
   double began_s = processor_time();
   trial->status = vs_session_run(&session, scene, result, &err);
@@ -121,7 +123,7 @@ vs_status vs_attempt_run(const vs_attempt_plan *plan, vs_attempt *trial, vs_erro
   vs_status status = vs_child_fork(&copy, err);
   if (status) return status;
   if (copy.pid == 0) {
-    rlim_t most = (rlim_t)(3 * plan->limit_s + 5); /* where the solver never comes back */
+    rlim_t most = (rlim_t)(3 * plan->limit_s + 5); /* ends a solver that never returns */
     setrlimit(RLIMIT_CPU, &(struct rlimit){most, most});
     attempt(plan, trial);
     vs_child_tell(&copy, trial, sizeof *trial);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * A trial: the beginning of a scene's run with one of the solver's rules, in a process of its own
- * and with a limit on its processor time. It tells how many steps it took, what each channel came
- * to, and what went to and fro. */
+ * A trial runs the beginning of a scene with one of the solver's two rules, in a process of its own
+ * and with a limit on its processor time. It tells how many steps the run took, the extremes of
+ * each channel, and what oscillated from step to step. */
 #ifndef VS_IMPORT_ATTEMPT_H
 #define VS_IMPORT_ATTEMPT_H
 
@@ -9,18 +9,18 @@
 
 enum { VS_ATTEMPT_WATCHES = 32 };
 
-/* How often a quantity changed its sign from one accepted step to a later one, its value at the
- * last step, and its largest magnitude. */
+/* A watched quantity: how often it changed its sign from one accepted step to a later one, its
+ * value at the last step, and its largest magnitude. */
 typedef struct vs_attempt_watch {
   double last, largest;
   long crossings;
-  long close; /* of these, how many came within four steps after the one before */
+  long close; /* how many of these came within four steps after the last one */
   double first_close_s, last_close_s; /* instants of these; NaN: there are none */
   double last_s;                      /* of the last crossing; NaN: there is none */
 } vs_attempt_watch;
 
-/* A channel that goes up in one step and down in the next, by about as much: how many steps in
- * turn at the most, when that ended, and by how much. */
+/* The longest sequence of steps in which a channel went up and down in turn, by about the same
+ * amount: how many steps, when it ended, and by how much. */
 typedef struct vs_attempt_ring {
   long steps;
   double end_s, swing;
@@ -31,15 +31,15 @@ typedef struct vs_attempt_plan {
   vs_scene *scene; /* borrowed, and left as it is */
   bool gear;       /* the solver's rule; false: the trapezoidal */
   double until_s;
-  double limit_s;            /* of processor time; the trial ends there, and is whole up to there */
+  double limit_s; /* of processor time. The trial ends there, and its results hold up to there */
   const vs_formula *watched; /* over the deck's terms; may be NULL */
   size_t n_watched;          /* at most VS_ATTEMPT_WATCHES */
 } vs_attempt_plan;
 
-/* What comes of it. Numbers are in the order of channels (engine/channel.h), SI. */
+/* The result of a trial. Arrays are in the order of channels (engine/channel.h), in SI units. */
 typedef struct vs_attempt {
-  vs_status status;  /* VS_OK: it went on to its end or its limit */
-  bool cut;          /* by the limit */
+  vs_status status;  /* VS_OK: it ran to its end or its limit */
+  bool cut;          /* the limit of processor time ended it */
   char why[256];     /* how it failed; empty: it did not */
   long steps, tries; /* accepted steps; steps that were tried, rejected ones too */
   double processor_s, reached_s;
@@ -49,8 +49,7 @@ typedef struct vs_attempt {
   vs_attempt_watch watch[VS_ATTEMPT_WATCHES];
 } vs_attempt;
 
-/* Error, VS_RUN: there is no process to be had. A process that dies of the trial is told in
- * trial->why. */
+/* Error, VS_RUN: no process could be started. If the trial's process dies, trial->why tells. */
 vs_status vs_attempt_run(const vs_attempt_plan *plan, vs_attempt *trial, vs_error *err);
 
 #endif

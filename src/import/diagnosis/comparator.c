@@ -11,7 +11,8 @@
 
 /* ---- feedback ---- */
 
-/* Marks the nodes that sources alone join to ground: nothing moves their voltage. */
+/* Marks the nodes that voltage sources alone connect to ground: no element can move their voltage.
+ */
 static void mark_fixed(const vs_wiring *w, bool *fixed) {
   bool changed = true;
   fixed[0] = true;
@@ -25,7 +26,8 @@ static void mark_fixed(const vs_wiring *w, bool *fixed) {
   }
 }
 
-/* True where the element feels what has moved so far: at a pin, by a look, or by a current. */
+/* True where a node that has moved so far affects the element: as a pin, as a controlling node, or
+ * through a controlling current. */
 static bool feels(const vs_wiring *w, const vs_wire *wire, const bool *moved) {
   for (int k = 0; k < wire->n_pins; k++)
     if (moved[wire->pins[k]]) return true;
@@ -48,7 +50,7 @@ static bool move_pins(const vs_wire *wire, const bool *fixed, bool *moved) {
   return changed;
 }
 
-/* True where what the element does to its pins reaches what it looks at. */
+/* True where the element's effect on its pins comes back to what controls it. */
 static bool is_fed_back(const vs_wiring *w, const vs_wire *from) {
   bool *fixed = vs_alloc(w->n_nodes, 1), *moved = vs_alloc(w->n_nodes, 1), found = false;
   mark_fixed(w, fixed);
@@ -67,7 +69,7 @@ static bool is_fed_back(const vs_wiring *w, const vs_wire *from) {
   return found;
 }
 
-/* True where the element looks at the voltage across itself. */
+/* True where the element is controlled by the voltage across itself. */
 static bool looks_at_itself(const vs_wire *wire) {
   return wire->n_looks == 2 && wire->n_pins == 2 && wire->looks[0] == wire->pins[0] &&
          wire->looks[1] == wire->pins[1];
@@ -88,13 +90,13 @@ static bool is_none(vs_word value) {
   return s == value.at + value.n;
 }
 
-/* A switch whose model gives no hysteresis, or none but 0. */
+/* A switch whose model states no hysteresis, or one of 0. */
 static void look_at_switch(const vs_wiring *w, const vs_wire *wire, vs_comparators *all) {
   const vs_line *model = wire->model ? vs_wiring_statement(w, ".model", wire->model) : NULL;
   vs_word whole, value, level = {"0", 1};
   char text[256];
   if (!model || !wire->law) return;
-  /* the parameters may stand in brackets, which are passed by otherwise */
+  /* the parameters may stand in brackets, which are skipped */
   char *plain = vs_copy(model->text);
   for (char *c = plain; *c; c++)
     if (strchr("()", *c)) *c = ' ';
@@ -110,7 +112,7 @@ static void look_at_switch(const vs_wiring *w, const vs_wire *wire, vs_comparato
 
 /* ---- expressions ---- */
 
-/* Where the operand that ends at `at` begins: behind the bracket or sign that keeps it apart. */
+/* Where the operand that ends at `at` begins: after the nearest opening bracket or operator. */
 static const char *operand_begin(const char *begin, const char *at) {
   int depth = 0;
   while (at > begin) {
@@ -131,7 +133,7 @@ static const char *operand_end(const char *at) {
   return at;
 }
 
-/* Comparisons a > b, one within another too, and the argument of a function that jumps. */
+/* Finds comparisons a > b, nested ones too, and arguments of functions that jump. */
 static void look_at_law(const vs_wiring *w, const vs_wire *wire, vs_comparators *all) {
   static const char *const JUMPS[] = {"u(", "sgn(", "stp("};
   const char *law = wire->law;

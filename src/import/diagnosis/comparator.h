@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Comparators of a circuit: switches without hysteresis, and expressions that jump where one
- * quantity passes another. One whose jump moves that very quantity back may be at it for ever: each
- * step of the solver turns it over. */
+ * quantity exceeds another. If the jump moves that very quantity back, the comparator may switch at
+ * every step of the solver without end. */
 #ifndef VS_IMPORT_COMPARATOR_H
 #define VS_IMPORT_COMPARATOR_H
 
@@ -10,11 +10,11 @@
 
 enum { VS_COMPARATORS_MOST = 32 };
 
-/* What is compared by one element; what the element does reaches what it looks at. */
+/* A comparator whose output acts back on its own input. */
 typedef struct vs_comparator {
   const vs_wire *wire; /* borrowed from the wiring */
   char text[256];      /* what changes its sign where the element jumps: "(v(a,0))-({level})" */
-  bool own; /* it looks at the voltage across itself, so that its jump moves that at once */
+  bool own; /* its own voltage controls it, so that its jump changes that voltage at once */
 } vs_comparator;
 
 typedef struct vs_comparators {
@@ -22,14 +22,14 @@ typedef struct vs_comparators {
   size_t count;
 } vs_comparators;
 
-/* Finds those that are fed back; beyond VS_COMPARATORS_MOST the rest is left out. */
+/* Finds the comparators with feedback, up to VS_COMPARATORS_MOST of them. */
 void vs_comparator_find(const vs_wiring *wiring, vs_comparators *all);
 
-/* Adds a note for each that turns itself over without any memory between: its own voltage, which it
- * lowers by conducting, is what it conducts by. */
+/* Adds a note for each comparator that switches itself with no storage in between: it conducts
+ * according to its own voltage, and conducting lowers that voltage. */
 void vs_comparator_note(const vs_comparators *all, vs_notes *notes);
 
-/* What to write in the element's place; a part of a sentence. */
+/* What to write instead of the element; a part of a sentence. */
 const char *vs_comparator_cure(const vs_comparator *comparator);
 
 #endif

@@ -7,14 +7,14 @@
 
 #include "base/disjoint_sets.h"
 
-/* Each node in a set of its own. */
+/* Puts each node into a set of its own. */
 static vs_disjoint_sets sets_of(const vs_wiring *w) {
   vs_disjoint_sets sets = {0};
   for (size_t k = 0; k < w->n_nodes; k++) vs_disjoint_sets_add(&sets);
   return sets;
 }
 
-/* Joins the sets of two pins; false: they were one already. */
+/* Joins the sets of two pins; false: they were in one set already. */
 static bool join(vs_disjoint_sets *sets, int a, int b) {
   return vs_disjoint_sets_join(sets, (size_t)a, (size_t)b);
 }
@@ -27,8 +27,8 @@ static bool looks_at(const vs_wire *wire, int node) {
   return false;
 }
 
-/* True for an element that holds the voltage between its pins, by a conductance, a charge or a
- * source. A current source does so where its current goes with its own voltage. */
+/* True for an element that determines the voltage between its pins: by a conductance, a charge or a
+ * source. A current source does so if its current depends on its own voltage. */
 static bool holds(const vs_wire *wire) {
   if (wire->voltage || !strchr("bgif", wire->letter)) return true;
   for (int k = 0; k < wire->n_pins; k++)
@@ -49,7 +49,7 @@ static const vs_wire *first_looking(const vs_wiring *w, int node) {
   return NULL;
 }
 
-/* Adds the names of the nodes of a set, the first four. */
+/* Adds the names of the first four nodes of a set. */
 static void name_nodes(const vs_wiring *w, vs_disjoint_sets *sets, size_t root, vs_text *names) {
   int count = 0;
   for (size_t k = 1; k < w->n_nodes; k++)
@@ -58,7 +58,8 @@ static void name_nodes(const vs_wiring *w, vs_disjoint_sets *sets, size_t root, 
   if (count > 4) vs_text_add(names, " and %d more", count - 4);
 }
 
-/* True for a node within the EVA, as its gap: the program's own subcircuit, which is not opened. */
+/* True for a node inside the EVA, such as its gap. The EVA is the program's own subcircuit, which
+ * is not opened. */
 static bool is_in_eva(const vs_wiring *w, size_t node) {
   size_t n = strlen(w->deck->eva);
   return n > 0 && !strncmp(w->nodes[node], w->deck->eva, n) && w->nodes[node][n] == '.';
@@ -93,7 +94,7 @@ static void find_groups(const vs_wiring *w, vs_notes *notes) {
 
 /* ---- open ends ---- */
 
-/* True where the deck itself asks for the node's voltage. */
+/* True where the deck itself uses the node's voltage. */
 static bool is_probed(const vs_deck *deck, const char *node) {
   char signal[VS_DECK_NAME + 4];
   snprintf(signal, sizeof signal, "v(%.60s)", node);
@@ -102,8 +103,8 @@ static bool is_probed(const vs_deck *deck, const char *node) {
   return false;
 }
 
-/* An element of two pins of which one is connected to nothing else carries no current. What is
- * left open within an instance is its author's. */
+/* Notes elements with two pins of which one is connected to nothing else: they carry no current.
+ * Open ends inside an instance are left to the author of the subcircuit. */
 static void find_open_ends(const vs_wiring *w, vs_notes *notes) {
   int *ends = vs_alloc(w->n_nodes, sizeof *ends);
   for (size_t k = 0; k < w->count; k++) {
@@ -128,7 +129,8 @@ static void find_open_ends(const vs_wiring *w, vs_notes *notes) {
 
 /* ---- loops ---- */
 
-/* Sources of voltage alone that form a loop: their currents have no solution, or any. */
+/* Notes loops that consist of voltage sources alone: their currents have no solution, or infinitely
+ * many. */
 static void find_loops(const vs_wiring *w, vs_notes *notes) {
   vs_disjoint_sets sets = sets_of(w);
   for (size_t k = 0; k < w->count; k++) {

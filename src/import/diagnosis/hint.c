@@ -29,7 +29,8 @@ void vs_hint_look(const vs_check_options *o, const vs_deck *deck, vs_check_bench
 
 /* ---- the scene that is tried ---- */
 
-/* The shipped scene at its defaults with the deck; with a gate to fire, fired in each cycle. */
+/* Reads the shipped scene with this deck and defaults otherwise. If the deck has a gate, it is
+ * fired in each cycle. */
 static vs_status read_deck(const char *name, vs_scene *scene, vs_error *err) {
   vs_text deck = {0};
   vs_text_add(&deck, "circuit.deck=%s", name);
@@ -43,17 +44,17 @@ static vs_status read_deck(const char *name, vs_scene *scene, vs_error *err) {
   return status;
 }
 
-/* The scene itself, or the shipped one with the deck. */
+/* Reads the scene itself, or for a deck the shipped scene with it. */
 static vs_status read_scene(const vs_check_options *o, bool is_deck, vs_scene *scene,
                             vs_error *err) {
   return is_deck ? read_deck(o->name, scene, err)
                  : vs_scene_read(o->name, o->sets, o->n_sets, NULL, scene, err);
 }
 
-/* What a trial may take, s of processor time. */
+/* The processor time that a trial may take, s. */
 static const double LIMIT_S = 5;
 
-/* The first firing and a cycle behind it, as far as the run itself goes. */
+/* The end of a trial: one cycle after the first firing, but no later than the run's own end. */
 static double trial_end(const vs_setup *s) {
   double cycles = fmax(s->timeline.firing.first_cycle, 1) + 1;
   return fmin(s->run.until_s, cycles * s->timeline.period_s);
@@ -67,7 +68,7 @@ typedef struct watch_list {
   size_t count;
 } watch_list;
 
-/* Gives the names in a formula their values; false: one of them has none here. */
+/* Replaces the names in a formula by their values; false: one of them has no value here. */
 static bool bind_names(const vs_setup *s, vs_formula *formula) {
   double values[VS_DECK_MOST];
   vs_deck_value standard[VS_STANDARD];
@@ -92,8 +93,8 @@ static bool bind_names(const vs_setup *s, vs_formula *formula) {
   return true;
 }
 
-/* Adds what the comparator compares to what the scene's deck tells of each step. What cannot be
- * read here, as a parameter of a subcircuit, is not watched. */
+/* Adds the comparator's input to what is watched at each step. An input that cannot be read here,
+ * such as a parameter of a subcircuit, is not watched. */
 static void watch(vs_scene *scene, const vs_comparator *c, watch_list *list) {
   vs_deck *deck = &scene->setup.deck;
   vs_cursor cursor = {.start = c->text, .at = c->text};
@@ -138,7 +139,7 @@ static void add_table(const vs_judge_case *c, double until_s, const vs_notes *no
     vs_text_add(table, "\n%s: %s", notes->item[k].level, notes->item[k].text.text);
 }
 
-/* Tries the scene with both rules and adds what that says. */
+/* Tries the scene with both rules and adds notes on the result. */
 static vs_status try_both(const vs_check_options *o, vs_scene *scene, const watch_list *list,
                           vs_check_bench *bench, vs_error *err) {
   vs_attempt *trials = vs_alloc(2, sizeof *trials);

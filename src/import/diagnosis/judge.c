@@ -13,37 +13,39 @@ static double peak_of(const vs_attempt *t, int channel) {
 
 /* ---- the rule ---- */
 
-/* Fewer steps than one in this many are worth a change. */
+/* A change of rule pays if it divides the number of steps by this or more. */
 static const double PAYS = 3;
-/* Any number of a run may be off by three times run.tolerance (run/session.c), so two runs by six
- * times. */
+/* Each number of a run may be off by three times run.tolerance (run/session.c), so two runs may
+ * differ by six times. */
 static const double SAME = 6;
 
-/* The other rule helps where the present one fails and it gets so many times as far. */
+/* Where the present rule fails, the other one helps if it gets this many times as far. */
 static const double FURTHER = 1.1;
 
-/* True for a channel that run.tolerance bounds at each instant: motion, force and the coil's
- * current. What stands in the deck may jump, and trap's ringing shows there first. */
+/* True for a channel whose error run.tolerance bounds at each instant: motion, force and the coil's
+ * current. The deck's own quantities may jump, and the trapezoidal rule's ringing shows there
+ * first. */
 static bool is_bounded(const vs_judge_case *c, int channel) {
   return channel != VS_CH_V_EVA && channel != VS_CH_V_MAINS &&
          channel < vs_channel_deck(c->scene->frame.model);
 }
 
-/* A voltage below this is what the solver's iteration leaves over, V: its tolerance of no voltage
- * at run.tolerance = 1e-4 (engine/coupled/pace.c). */
+/* A voltage below this, V, is only the error of the solver's iteration: its absolute tolerance of
+ * voltages at run.tolerance = 1e-4 (engine/coupled/pace.c). */
 static const double NO_VOLTAGE_V = 1e-4;
 
 static bool has_no_voltage(const vs_judge_case *c, int channel) {
   return fmax(peak_of(c->now, channel), peak_of(c->other, channel)) < NO_VOLTAGE_V;
 }
 
-/* True for a channel that shows rounding: a voltage that is none, and all of a coil without one. */
+/* True for a channel that shows rounding alone: a voltage that is practically 0, or anything about
+ * a coil without voltage. */
 static bool is_idle(const vs_judge_case *c, int channel) {
   if (is_bounded(c, channel)) return has_no_voltage(c, VS_CH_V_EVA);
   return !strcmp(vs_channel_at(&c->scene->frame, channel).unit, "V") && has_no_voltage(c, channel);
 }
 
-/* How far the trials' extremes differ at the most, relative to the channel's peak. */
+/* The largest difference of the two trials' extremes, relative to the channel's peak. */
 typedef struct gap {
   double bounded, other;  /* of channels that run.tolerance bounds, and of the others */
   int which, which_other; /* the channels; -1: all are alike */
@@ -79,7 +81,7 @@ static void add_numbers(const vs_judge_case *c, double off, vs_note *note) {
   vs_note_number_add(note, "difference", off);
 }
 
-/* The other rule went as far as the present one, or further. */
+/* Compares the two rules, where the other one went at least as far as the present one. */
 static void compare(const vs_judge_case *c, vs_notes *notes) {
   const gap g = compare_extremes(c);
   double tolerance = c->scene->setup.run.tolerance;
@@ -132,8 +134,8 @@ void vs_judge_method(const vs_judge_case *c, vs_notes *notes) {
 
 /* ---- ringing ---- */
 
-/* So many steps in turn do not go up and down by chance; less than a thousandth of the channel's
- * peak does not matter. */
+/* This many alternating steps are no coincidence; a swing below a thousandth of the channel's peak
+ * does not matter. */
 enum { RINGS = 8 };
 
 void vs_judge_ringing(const vs_judge_case *c, vs_notes *notes) {
@@ -161,15 +163,15 @@ void vs_judge_ringing(const vs_judge_case *c, vs_notes *notes) {
 
 /* ---- comparators ---- */
 
-/* So many turns, each within a few steps after the one before, are no commutation. */
+/* This many turns, each within a few steps of the last, cannot be a commutation. */
 enum { CHATTERS = 20 };
 
-/* True where the run ended within a hundredth of where the comparator turns over. */
+/* True where the run ended with the comparator within a hundredth of its switching point. */
 static bool is_at_edge(const vs_attempt_watch *w) {
   return fabs(w->last) <= 1e-2 * w->largest;
 }
 
-/* True where what ngspice says of its failure has the element's place. */
+/* True where ngspice's message about its failure names the element's place. */
 static bool is_named(const char *why, const vs_wire *wire) {
   vs_error place = {0};
   vs_fail_at(&place, vs_wiring_where(wire), "%s", "");

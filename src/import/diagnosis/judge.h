@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * What two trials of one scene say: whether the solver's other rule pays, whether the present one
- * rings, and which comparators go to and fro. */
+ * Conclusions from two trials of one scene: whether the solver's other rule is worth while, whether
+ * the present rule rings, and which comparators oscillate. */
 #ifndef VS_IMPORT_JUDGE_H
 #define VS_IMPORT_JUDGE_H
 
@@ -13,16 +13,16 @@ typedef struct vs_judge_case {
   bool gear;                           /* the present rule is Gear's */
   const vs_attempt *now;               /* with the present rule */
   const vs_attempt *other;             /* with the other one */
-  const vs_comparator *const *watched; /* whose are the trials' watches, in their order */
+  const vs_comparator *const *watched; /* the comparator of each of the trials' watches */
   size_t n_watched;
 } vs_judge_case;
 
-/* Adds what the other rule would do, one note at the least. */
+/* Adds at least one note on what the other rule would do. */
 void vs_judge_method(const vs_judge_case *c, vs_notes *notes);
-/* Adds the channel that goes to and fro from step to step with the present rule and not with the
- * other one. */
+/* Adds a note on the channel that oscillates from step to step with the present rule but not with
+ * the other one. */
 void vs_judge_ringing(const vs_judge_case *c, vs_notes *notes);
-/* Adds a note for each comparator, whether it goes to and fro or not. */
+/* Adds a note for each comparator, whether it oscillates or not. */
 void vs_judge_comparators(const vs_judge_case *c, vs_notes *notes);
 
 #endif

@@ -10,10 +10,11 @@
 #include "netlist/rules.h"
 #include "netlist/words.h"
 
-/* Beyond these a deck is not looked through to its end. */
+/* Limits beyond which the rest of a deck is not examined. */
 enum { MOST_WIRES = 20000, MOST_DEPTH = 16 };
 
-/* The subcircuit that is being opened: its pins' names within, and what they are connected to. */
+/* The subcircuit instance that is being opened: the inner names of its pins, and the nodes they are
+ * connected to. */
 typedef struct scope {
   vs_wiring *wiring;
   char path[VS_WIRING_NAME]; /* "xa.xb."; empty at the top */
@@ -84,7 +85,7 @@ static int take_node(vs_wiring *w, const char *name) {
   return (int)w->n_nodes++;
 }
 
-/* The node that a word means within the subcircuit. */
+/* The node that a word stands for inside the subcircuit. */
 static int node_of(const scope *s, vs_word word) {
   char name[VS_WIRING_NAME];
   if (vs_words_is_ground(word)) return 0;
@@ -104,7 +105,8 @@ static void add_look(vs_wire *wire, int node) {
 
 /* ---- laws ---- */
 
-/* Adds "v(n,m)" with the solver's names; text is behind "v(". Returns what is behind the ')'. */
+/* Adds "v(n,m)" with the solver's names; `text` begins after "v(". Returns the text after the ')'.
+ */
 static const char *add_voltage(const scope *s, vs_wire *wire, const char *text, vs_text *law) {
   vs_text_add(law, "v(");
   for (int k = 0;; k++) {
@@ -120,7 +122,7 @@ static const char *add_voltage(const scope *s, vs_wire *wire, const char *text, 
   return text + (*text == ')');
 }
 
-/* The solver's name of a source within the subcircuit: "vs", "v.xa.vs". */
+/* The solver's name of a source inside the subcircuit: "vs", "v.xa.vs". */
 static void add_current(const scope *s, vs_word name, vs_text *law) {
   char *low = copy_word(name);
   if (s->depth)
@@ -130,7 +132,7 @@ static void add_current(const scope *s, vs_word name, vs_text *law) {
   free(low);
 }
 
-/* Copies an expression and puts the solver's names of nodes and sources into it. */
+/* Copies an expression with the solver's names of nodes and sources. */
 static void add_expression(const scope *s, vs_wire *wire, const char *text, vs_text *law) {
   for (const char *c = text; *c;) {
     bool word = c > text && vs_words_goes_on(c[-1]);
@@ -149,7 +151,7 @@ static void add_expression(const scope *s, vs_wire *wire, const char *text, vs_t
   }
 }
 
-/* True for a word behind the pins of E and G with which an expression begins. */
+/* True for a word after the pins of E and G that begins an expression. */
 static bool begins_expression(vs_word w) {
   static const char *const WORDS[] = {"value", "table", "laplace", "vol", "cur", "{", "freq"};
   for (size_t k = 0; k < sizeof WORDS / sizeof *WORDS; k++)
@@ -157,7 +159,8 @@ static bool begins_expression(vs_word w) {
   return false;
 }
 
-/* The looks of "POLY(n) a b c d ...", at `poly`. The nodes may stand in brackets, "(a,b) (c,d)". */
+/* The controlling nodes of "POLY(n) a b c d ...", at `poly`. They may stand in brackets, "(a,b)
+ * (c,d)". */
 static void add_poly(const scope *s, vs_wire *wire, const char *poly) {
   const char *at = poly + strlen("poly");
   at += strspn(at, VS_WORDS_BETWEEN);
@@ -170,7 +173,7 @@ static void add_poly(const scope *s, vs_wire *wire, const char *poly) {
   }
 }
 
-/* Finds what the element's value is a function of. */
+/* Finds what controls the element's value. */
 static void take_law(const scope *s, vs_wire *wire, const vs_word *w, size_t count) {
   vs_text law = {0};
   bool source = strchr("eg", wire->letter), poly = count > 3 && !strncasecmp(w[3].at, "poly", 4);
@@ -241,7 +244,8 @@ static void open_element(const scope *s, const vs_line *line) {
 
 /* ---- instances ---- */
 
-/* The name of what the instance is one of; a parameter that is a part means the part's. */
+/* The name of the subcircuit that the line is an instance of. A parameter that selects a part
+ * stands for the part's subcircuit. */
 static char *subcircuit_of(const vs_deck *deck, const vs_line *line, const char **name) {
   size_t n = 0;
   *name = vs_rules_instance_of(line->text, &n);
@@ -254,7 +258,7 @@ static char *subcircuit_of(const vs_deck *deck, const vs_line *line, const char 
   return kind;
 }
 
-/* The index of the line .ends that closes the .subckt of line `from`. */
+/* The index of the .ends line that closes the .subckt of line `from`. */
 static size_t end_of(const vs_deck *deck, size_t from) {
   int depth = 0;
   for (size_t k = from; k < deck->n_lines; k++) {
@@ -303,7 +307,7 @@ static void open_instance(const scope *s, const vs_line *line) {
     wire->pins[wire->n_pins++] = node_of(s, w[k + 1]);
 }
 
-/* A code model's nodes, in brackets or not: all of them are connected. */
+/* A code model's nodes, with or without brackets: all of them are connected. */
 static void open_code_model(const scope *s, const vs_line *line) {
   vs_word w[VS_WORDS_MOST];
   size_t count = vs_words_split(line->text, w);

@@ -1,26 +1,26 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The elements of a deck with all subcircuits opened, and the nodes between them: the circuit as
- * the solver sees it, each element with the line that it comes from. */
+ * The elements of a deck and the nodes between them, with all subcircuits opened: the circuit as
+ * the solver sees it. Each element knows the line that it comes from. */
 #ifndef VS_IMPORT_WIRING_H
 #define VS_IMPORT_WIRING_H
 
-#include "netlist/deck.h"
 #include "base/names.h"
+#include "netlist/deck.h"
 
 enum { VS_WIRING_PINS = 24, VS_WIRING_LOOKS = 24, VS_WIRING_NAME = 128 };
 
-/* An element. A node that it is connected to is a pin; one whose voltage decides what it does, and
- * through which none of its current flows, is a look. Both are indices into vs_wiring.nodes. */
+/* An element. Its pins are the nodes that it is connected to. Its looks are the nodes whose voltage
+ * controls it and that carry none of its current. Both are indices into vs_wiring.nodes. */
 typedef struct vs_wire {
   const vs_line *line; /* borrowed from the deck */
-  char letter;         /* its first, in lower case: what kind of element it is; 'x': an instance of
-                          what the deck does not define, or the EVA */
-  char name[VS_WIRING_NAME]; /* in lower case, behind the instances it stands in: "xthy.r1" */
+  char letter; /* its name's first, in lower case, which tells its kind; 'x': an instance of what
+                  the deck does not define, or the EVA */
+  char name[VS_WIRING_NAME]; /* in lower case, after the instances that contain it: "xthy.r1" */
   int pins[VS_WIRING_PINS], n_pins;
   int looks[VS_WIRING_LOOKS], n_looks;
-  char *law;   /* what its value or its switching is a function of, with the solver's names of nodes
-                  and sources: "v(xthy.c,0)"; owned; NULL: of nothing but itself */
-  char *model; /* the name of its model, owned; NULL: it has none */
+  char *law;    /* the formula of its value or its switching, with the solver's names of nodes and
+                   sources: "v(xthy.c,0)"; owned; NULL: nothing controls it */
+  char *model;  /* the name of its model, owned; NULL: it has none */
   bool voltage; /* it sets the voltage between its pins, as V, E, H and B with V= do */
 } vs_wire;
 
@@ -34,20 +34,19 @@ typedef struct vs_wiring {
   vs_names numbers;    /* of the nodes */
   vs_names globals;    /* nodes that are the same in all subcircuits */
   vs_names statements; /* the deck's first line of each ".model dx" and ".subckt x", from 0 */
-  bool
-      whole; /* false: there were more than can be looked through, or instances within themselves */
+  bool whole;          /* false: there were too many elements, or an instance contains itself */
 } vs_wiring;
 
 /* Opens the deck, whose parts must have been read. */
 void vs_wiring_open(vs_wiring *wiring, const vs_deck *deck);
 void vs_wiring_free(vs_wiring *wiring);
 
-/* The line of the deck that begins with this statement and name, as ".model dx"; NULL: none does.
- */
+/* The line of the deck that begins with this statement and name, such as ".model dx"; NULL: there
+ * is none. */
 const vs_line *vs_wiring_statement(const vs_wiring *wiring, const char *statement,
                                    const char *name);
 
-/* True where the element's law looks at the current of that voltage source. */
+/* True where the current of that voltage source controls the element. */
 bool vs_wiring_senses(const vs_wire *wire, const vs_wire *source);
 
 /* The place of the element's first character. */

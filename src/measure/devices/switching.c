@@ -432,7 +432,10 @@ static vs_course_step in_half_cycle(const vs_switch *s, const vs_course_step *c)
   return f;
 }
 
-/* A current has begun. Without a gate pulse at that time this is an unintended firing. */
+/* Called when a current has begun, at fired_s, which may lie before this step: a gate pulse that
+ * has ended since then, but only after fired_s, still fired it. Without a pulse it is an unintended
+ * firing, and a commutation failure besides where the device had less than its turn-off time to
+ * rest. */
 static void judge_firing(vs_switch *s, vs_switch_news *news) {
   s->by_gate = s->gate.on || s->fired_s < s->gate.off_since_s;
   if (s->rest == REST_FORWARD_AGAIN) tell_offered(s, news);

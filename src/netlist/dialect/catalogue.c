@@ -121,7 +121,8 @@ typedef struct row {
   vs_word cell[MOST_COLUMNS + 1];
 } row;
 
-static vs_status refuse_name(const table *t, const char *name, vs_error *err) {
+/* Fails: the table has no row of that name. The message names the nearest of the rows there are. */
+static vs_status refuse_row_name(const table *t, const char *name, vs_error *err) {
   size_t count = 0;
   char **names = vs_alloc(t->source.count, sizeof *names);
   for (size_t k = t->rows + 1; k < t->source.count; k++) {
@@ -170,7 +171,7 @@ static vs_status find_row(const table *t, const char *name, row *r, vs_error *er
     r->line = k;
     memcpy(r->cell, cell, sizeof cell);
   }
-  return status || r->line ? status : refuse_name(t, name, err);
+  return status || r->line ? status : refuse_row_name(t, name, err);
 }
 
 /* ---- the lines that a row makes ---- */

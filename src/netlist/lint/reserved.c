@@ -13,9 +13,9 @@
 
 /* ---- the list ---- */
 
-/* tests/netlist/test_dialects.c tries each of them, and others, as ".param NAME=1000" in all places of ngspice 39 that
- * have expressions. What its commands know besides (c, i, kelvin, boltz, ...) no expression of a
- * netlist does. */
+/* tests/netlist/test_dialects.c tries each of them, and others, as ".param NAME=1000" in all places
+ * of ngspice 39 that have expressions. What its commands know besides (c, i, kelvin, boltz, ...) no
+ * expression of a netlist does. */
 static const struct {
   const char *name;
   bool pspice; /* in PSpice's dialect alone, where ngspice adds a .param of its own */
@@ -211,6 +211,7 @@ static void add_name(pen *p, const char *s, size_t n, names which, bool constant
     vs_text_add(&p->out, "%.*s%s", (int)n, s, own ? OURS : "");
 }
 
+/* Copies the text from s to `end` as it is; returns `end`. */
 static const char *add_up_to(pen *p, const char *s, const char *end) {
   vs_text_add(&p->out, "%.*s", (int)(end - s), s);
   return end;
@@ -318,13 +319,17 @@ static const char *first_given(const char *line) {
   return line + strlen(line);
 }
 
-static void add_line(pen *p) {
+/* Writes the line anew, with a parameter that has a reserved name renamed. `from` is where the
+ * line's one long expression begins: behind the word of .param, .func, .if and .elseif, behind the
+ * nodes of a B source, at the first NAME= of an instance or .subckt. Other lines have their
+ * expressions here and there, which add_element finds. */
+static void rewrite_line(pen *p) {
   static const char *const WHOLE[] = {".param", ".func", ".if", ".elseif"};
   const char *line = p->line, *from = NULL;
   const char letter = (char)tolower((unsigned char)*line);
   const bool instance = letter == 'x' || vs_words_begin(line, ".subckt");
   bool assigns = instance;
-  p->constants = !strchr("beg", letter); /* which know them */
+  p->constants = !strchr("beg", letter); /* B, E and G sources know pi and e themselves */
   if (instance) from = first_given(line);
   if (letter == 'b') from = vs_words_next(vs_words_next(vs_words_next(line)));
   for (size_t k = 0; k < sizeof WHOLE / sizeof *WHOLE; k++) {
@@ -364,7 +369,7 @@ void vs_reserved_rename(vs_line *lines, size_t count, vs_reserved_given given, b
     if (!has_name(&s, lines[k].text)) continue;
     pen p = {.line = lines[k].text, .scopes = &s, .known = known_in(&s, s.of[k])};
     p.inner = p.known | s.item[s.of[k]].lent;
-    add_line(&p);
+    rewrite_line(&p);
     if (!p.changed) {
       vs_text_free(&p.out);
       continue;

@@ -12,7 +12,7 @@ enum { FAMILY = 7 /* lines at most */, MOST_POINTS = 2000, FEW_POINTS = 100 };
 
 /* ---- curves ---- */
 
-/* Sorts the rows into lines, one for each word of an axis. */
+/* Sorts the rows into lines, one for each word of the second axis. */
 typedef struct picker {
   const vs_study_plot *k;
   size_t x, y, words; /* columns */
@@ -75,7 +75,7 @@ static vs_status draw_family(const vs_study_plot *k, size_t x, size_t words, siz
   return status;
 }
 
-/* Over the one axis; with a second axis of few words, a line for each. */
+/* True for one axis, or for an axis of numbers with a second one of few words. */
 static bool fits_curve(const vs_study_plot *k) {
   const vs_profile *profile = k->s->profile;
   if (k->n_axes == 1) return !profile[k->axis[0]].many;
@@ -117,8 +117,8 @@ static vs_status draw_curve(const vs_study_plot *k, size_t column, vs_picture *p
   return status;
 }
 
-/* "curve": the column over the one axis. Where there is a second axis that has few words, a line
- * for each of them. */
+/* "curve": the column over the only axis. With a second axis of few words there is a line for each
+ * word. */
 const vs_chart vs_charts_curve = {.name = "curve", .fits = fits_curve, .draw = draw_curve};
 
 /* ---- cases, and the path of a search ---- */
@@ -143,7 +143,7 @@ static vs_status draw_cases(const vs_study_plot *k, size_t column, vs_picture *p
 /* "cases": the column over the number of the case. */
 const vs_chart vs_charts_cases = {.name = "cases", .draw = draw_cases};
 
-/* The points that are better than all before them, and one at the end of the search. */
+/* The points that are better than all before them, and one more at the end of the search. */
 static vs_dots best_so_far(const vs_dots *s, bool largest) {
   vs_dots best = {.item = vs_alloc(s->count + 1, sizeof *best.item)};
   for (size_t n = 0; n < s->count; n++) {
@@ -188,12 +188,12 @@ static vs_status draw_path(const vs_study_plot *k, size_t column, vs_picture *p,
   return status;
 }
 
-/* "path": the same with the worst so far, for a search. */
+/* "path": for a search, the same with the worst value so far. */
 const vs_chart vs_charts_path = {.name = "path", .draw = draw_path};
 
 /* ---- points in colour ---- */
 
-/* Cells along each axis; of the points in a cell only the worst is drawn. */
+/* Number of cells along each axis. Of the points in one cell only the worst is drawn. */
 enum { CLOUD_CELLS = 100 };
 
 typedef struct cloud {
@@ -228,7 +228,7 @@ static bool fits_cloud(const vs_study_plot *k) {
          k->s->profile[k->axis[1]].is_number;
 }
 
-/* The script to plot the points; crosses mark those that violate a rating. */
+/* Adds the script that plots the points, with crosses on those that violate a rating. */
 static void add_cloud(const cloud *c, vs_picture *p) {
   bool violated = false;
   vs_gnuplot_add(&p->script, "$points << EOD\n");
@@ -275,5 +275,5 @@ static vs_status draw_cloud(const vs_study_plot *k, size_t column, vs_picture *p
   return status;
 }
 
-/* "cloud": points in colour, for cases that lie anywhere between two axes that are numbers. */
+/* "cloud": points in colour over two axes of numbers, for cases anywhere between them. */
 const vs_chart vs_charts_cloud = {.name = "cloud", .fits = fits_cloud, .draw = draw_cloud};

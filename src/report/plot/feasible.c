@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The kind of picture that shows what a search for something that holds has tried. */
+ * The kind of picture that shows the candidates that a search has tried for one that holds. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -100,7 +100,7 @@ static void add_points(const region *r, int kind, bool *any, vs_picture *p) {
   vs_gnuplot_free(&points);
 }
 
-/* Sets the axis' range to all that was tried, with a little room. */
+/* Sets the axis' range to everything that was tried, with a small border. */
 static void add_range(const vs_study_plot *k, size_t column, char axis, vs_script *script) {
   const vs_profile *f = &k->s->profile[column];
   const vs_scale scale = vs_study_plot_scale(k, column);
@@ -134,7 +134,7 @@ static vs_status draw_feasible(const vs_study_plot *k, size_t column, vs_picture
   return status;
 }
 
-/* "feasible": the candidates that the manifest names over the first two axes that have a range,
- * which of them hold and which is the answer. It is the same for every column. Where the manifest
- * names no candidates there is no picture. */
+/* "feasible": the candidates that the manifest names, over the first two axes that have a range:
+ * which of them hold, and which is the answer. The picture is the same for every column. There is
+ * none if the manifest names no candidates. */
 const vs_chart vs_feasible_chart = {.name = "feasible", .whole = true, .draw = draw_feasible};

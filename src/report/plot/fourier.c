@@ -11,13 +11,14 @@
 
 enum {
   MOST_FACTOR = 101,  /* of the points */
-  LAST_HARMONIC = 40, /* of the mains, that the picture shows */
+  LAST_HARMONIC = 40, /* of the mains, the last one in the picture */
   DIGITS = 9          /* as run.csv has */
 };
-static const double FLOOR = 1e-6; /* what is this share of a probe's largest line is shown as 0 */
+/* The vertical axis begins at this part of the probe's largest line. */
+static const double FLOOR = 1e-6;
 
-/* The number, or the next one whose prime factors are all small, as the transform of a large prime
- * of points takes long. */
+/* The smallest number from n on that has small prime factors alone: the transform of a large prime
+ * number of points takes long. */
 static size_t smooth_length(size_t n) {
   for (;; n++) {
     size_t rest = n;
@@ -37,7 +38,7 @@ static size_t count_rows(const vs_traces *t, double from_s, double to_s, size_t 
   return n;
 }
 
-/* Reads the curve at n equal instants; false: it is not known at one of them. */
+/* Reads the curve at n equidistant instants; false: it is not known at one of them. */
 static bool resample(const vs_traces *t, int column, const vs_fourier *f, size_t row, double *y,
                      size_t n) {
   for (size_t k = 0; k < n; k++) {
@@ -53,7 +54,7 @@ static bool resample(const vs_traces *t, int column, const vs_fourier *f, size_t
   return true;
 }
 
-/* The root mean square of each line: |c_k| of the mean, sqrt(2) |c_k| of the others. */
+/* Finds the r.m.s. value of each line: |c_k| of the mean, sqrt(2) |c_k| of the others. */
 static void transform(double *y, size_t n, vs_fourier *f) {
   gsl_fft_real_wavetable *table = vs_checked(gsl_fft_real_wavetable_alloc(n));
   gsl_fft_real_workspace *space = vs_checked(gsl_fft_real_workspace_alloc(n));
@@ -90,7 +91,7 @@ vs_status vs_fourier_take(const vs_traces *t, int column, const double window_s[
                          t->name[column]);
 }
 
-/* The spectrum of a probe of a run over what is shown. */
+/* Finds the spectrum of one probe of one run over the stretch that is shown. */
 static vs_status take_spectrum(const vs_time_window *s, int probe, size_t run, vs_fourier *f,
                                vs_error *err) {
   const vs_traces *t = &s->run[run].traces;
@@ -100,7 +101,7 @@ static vs_status take_spectrum(const vs_time_window *s, int probe, size_t run, v
 
 /* ---- the picture ---- */
 
-/* The highest frequency that the picture shows, Hz: that of the run with the fastest mains. */
+/* The highest frequency in the picture, Hz: that of the run with the fastest mains. */
 static double top_of(const vs_time_window *s) {
   double cycle_s = s->run[0].cycle_s;
   for (size_t r = 1; r < s->runs; r++) cycle_s = fmin(cycle_s, s->run[r].cycle_s);

@@ -7,7 +7,7 @@
 
 #include "base/gnuplot.h"
 
-enum { MOST_CELLS = 80 }; /* along each axis; more values share a cell */
+enum { MOST_CELLS = 80 }; /* along each axis; if there are more values, several share a cell */
 
 /* ---- the contour ---- */
 
@@ -20,7 +20,7 @@ typedef struct corner {
   double x, y, z;
 } corner;
 
-/* Finds where the level is met between two corners; false: nowhere. */
+/* Finds the point between two corners at which the field is `level`; false: there is none. */
 static bool level_crossing(const vs_field_grid *g, const corner *a, const corner *b, double level,
                            double at[2]) {
   if ((a->z < level) == (b->z < level)) return false;
@@ -47,7 +47,7 @@ void vs_map_contour(const vs_field_grid *g, double level,
         if (met && !n) first = k;
         n += met;
       }
-      /* at a saddle the middle says which corners belong together */
+      /* at a saddle the value in the middle decides which corners belong together */
       bool turn = n == 4 && first == 0 &&
                   (c[0].z < level) == ((c[0].z + c[1].z + c[2].z + c[3].z) / 4 < level);
       if (n == 2) each(ctx, at[0], at[1]);
@@ -62,7 +62,7 @@ void vs_map_contour(const vs_field_grid *g, double level,
 
 /* An axis cut into at most MOST_CELLS cells. */
 typedef struct map_side {
-  size_t column, cells, each; /* of each: how many values of the axis share a cell */
+  size_t column, cells, each; /* each: how many values of the axis share a cell */
   const vs_profile *profile;
   vs_scale scale;
   double middle[MOST_CELLS], edge[MOST_CELLS + 1]; /* as shown */
@@ -76,10 +76,14 @@ typedef struct map {
   double factor, *z; /* [y.cells][x.cells], as shown; NAN: no case */
 } map;
 
+/* The k-th value of the axis as shown; of an axis of words its index. */
 static double value_at(const map_side *s, size_t k) {
   return s->profile->is_number ? s->profile->value[k] * s->scale.factor : (double)k;
 }
 
+/* Cuts the axis' values into cells of `each` values (the last one may have fewer): finds the
+ * middles of the cells, and the edges half way between the middles. The two outer edges lie as far
+ * beyond their middle as the next edge lies within it. */
 static void cut_side(map_side *s) {
   size_t count = s->profile->count;
   bool is_log = s->scale.log;
@@ -111,7 +115,7 @@ static vs_status fill_cell(void *ctx, const vs_folder_row *row, vs_error *err) {
   return VS_OK;
 }
 
-/* Chooses the two axes that have most values; they stand in the order of the columns. */
+/* Chooses the two axes with the most values, in the order of their columns. */
 static void choose_sides(const vs_study_plot *k, size_t side[2]) {
   side[0] = side[1] = 0;
   for (int n = 0; n < 2; n++) {
@@ -160,7 +164,8 @@ static vs_status make_map(map *m, const vs_study_plot *k, size_t column, vs_erro
 
 /* ---- the picture ---- */
 
-/* Each cell reaches a little into the next ones, which are drawn over it, so that no seams show. */
+/* Adds the cells. Each reaches a little into the next ones, which are drawn over it, so that there
+ * are no gaps. */
 static void add_cells(const map *m, vs_script *script) {
   vs_gnuplot_add(script, "$cells << EOD\n");
   for (size_t j = 0; j < m->y.cells; j++)
@@ -184,7 +189,7 @@ static void add_piece(void *ctx, const double from[2], const double to[2]) {
   vs_gnuplot_add(ctx, "%.7g %.7g\n%.7g %.7g\n\n", from[0], from[1], to[0], to[1]);
 }
 
-/* Draws the line on which the limit is met; false: it is met nowhere. */
+/* Draws the line on which the column is at its limit; false: there is none. */
 static bool add_contour(const map *m, double level, vs_script *script) {
   const vs_field_grid grid = {m->x.cells, m->y.cells,     m->x.middle,   m->y.middle,
                               m->z,       m->x.scale.log, m->y.scale.log};
@@ -200,7 +205,9 @@ static bool add_contour(const map *m, double level, vs_script *script) {
   return any;
 }
 
-enum { MOST_EVEN = 30 }; /* values this many times apart get colours by their logarithm */
+enum {
+  MOST_EVEN = 30
+}; /* if the largest is this many times the least, colours follow the logarithm */
 
 static void add_colours(const map *m, vs_picture *p) {
   double least = INFINITY, largest = -INFINITY;
@@ -217,13 +224,13 @@ static void add_colours(const map *m, vs_picture *p) {
   vs_gnuplot_code(&p->script, vs_scale_palette);
   vs_gnuplot_add(&p->script, "set cbrange [%.9g:%.9g]\nset cblabel ", least - room, largest + room);
   vs_gnuplot_quoted(&p->script, vs_study_plot_scale(m->k, m->column).label);
-  vs_gnuplot_add(&p->script, " offset 1.5,0"); /* letters that grow on narrow pages have room */
+  vs_gnuplot_add(&p->script, " offset 1.5,0"); /* room for letters, which grow on narrow pages */
   if (least > 0 && largest > MOST_EVEN * least) vs_gnuplot_add(&p->script, "\nset logscale cb");
   vs_gnuplot_add(&p->script, "\nset colorbox user origin 0.81,0.15 size 0.025,0.72\nset rmargin "
                              "screen 0.79\nset cbtics nomirror in\n");
 }
 
-/* Where there are more than two axes, says in the caption which of its cases a cell shows. */
+/* Adds the title. With more than two axes it says which of its cases a cell shows. */
 static void add_title(const map *m, vs_picture *p) {
   const vs_study_plot *k = m->k;
   vs_text what = {0};
@@ -292,7 +299,7 @@ static vs_status draw_map(const vs_study_plot *k, size_t column, vs_picture *p, 
   return status;
 }
 
-/* "map": its axes are the two of most values. With further axes, or where values share a cell, a
- * cell shows the least margin, or the largest amount, among its cases. It fits where each axis has
- * so few values that the cases fill at least half of the map. */
+/* "map": over the two axes with the most values. With further axes, or where several values share a
+ * cell, a cell shows the least margin, or the largest amount, of its cases. It is for axes with so
+ * few values that the cases fill at least half of the map. */
 const vs_chart vs_map_chart = {.name = "map", .fits = map_fits, .draw = draw_map};

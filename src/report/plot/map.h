@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * A column over two axes: cells in colour, and the line on which the limit is met. */
+ * A column over two axes: coloured cells, and the line on which the column is at its limit. */
 #ifndef VS_REPORT_MAP_H
 #define VS_REPORT_MAP_H
 
@@ -10,12 +10,12 @@ typedef struct vs_field_grid {
   size_t nx, ny;
   const double *x, *y; /* [nx], [ny], rising */
   const double *z;     /* [ny][nx]; NaN: not known */
-  bool x_log, y_log;   /* lengths between values are taken as on a logarithmic axis */
+  bool x_log, y_log;   /* distances between values are logarithmic */
 } vs_field_grid;
 
 /* Calls each(ctx, from, to) for the pieces of the line on which the field is `level`. Between the
- * grid's points the field is taken as bilinear, so the line of a plane is exact. No piece passes
- * where the field is not known. For tests. */
+ * grid's points the field is bilinear, so that the line of a plane is exact. Where the field is not
+ * known there is no line. For tests. */
 void vs_map_contour(const vs_field_grid *grid, double level,
                     void (*each)(void *ctx, const double from[2], const double to[2]), void *ctx);
 

@@ -19,8 +19,8 @@ enum { MOST_COLUMNS = VS_CH_MOST + 1, LONGEST_UNIT = 8 };
 typedef struct reader {
   vs_overlay *overlay;
   const vs_overlay_run *run;
-  vs_column *known; /* of run.csv, behind the time; one whose unit is not known is only good as a
-                       whole */
+  vs_column *known; /* the columns of run.csv after the time; one without a known unit can only be
+                       named in full */
   size_t n_known;
   size_t columns; /* of the measured file; 0: its header is not read yet */
   vs_where at;
@@ -32,7 +32,7 @@ static bool has_unit(const vs_column *c) {
   return *c->unit && vs_units_known(c->unit);
 }
 
-/* The column of the probe that the name begins with, when at most a unit follows; NULL: none. */
+/* The column of the probe whose name begins this one, followed by a unit at most; NULL: none. */
 static const vs_column *find_stem(const reader *r, const char *name) {
   const vs_column *longest = NULL;
   for (size_t k = 0; k < r->n_known; k++) {
@@ -143,7 +143,7 @@ static vs_status read_row(reader *r, const vs_csv *csv, double *t, vs_error *err
   return VS_OK;
 }
 
-/* One row after the other; blank lines may stand at the end only. */
+/* Reads the rows, one after the other; blank lines may stand only at the end. */
 static vs_status read_rows(reader *r, vs_csv *csv, vs_error *err) {
   double t = -INFINITY;
   vs_where blank = {0};

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Measured curves to draw over those of a run. They come from a CSV file whose first column is the
- * time and whose other columns are named as those of run.csv, in the same unit or another of its
- * kind. */
+ * Measured curves to draw over those of a run. They come from a CSV file. Its first column is the
+ * time; the others are named as those of run.csv, in the same unit or one of its kind. */
 #ifndef VS_REPORT_OVERLAY_H
 #define VS_REPORT_OVERLAY_H
 
@@ -12,7 +11,7 @@
 enum { VS_OVERLAY_NAME = 96 };
 
 typedef struct vs_overlay_curve {
-  char name[VS_OVERLAY_NAME];  /* of the column in run.csv that the curve goes with */
+  char name[VS_OVERLAY_NAME];  /* of the column in run.csv that the curve belongs to */
   char label[VS_OVERLAY_NAME]; /* for an axis: "v_ak / V" */
   int column;                  /* number in the measured file, from 1 */
   double factor;               /* from the curve's unit to that of the column in run.csv */
@@ -33,15 +32,15 @@ typedef struct vs_overlay_run {
   double until_s;            /* time of run.csv's last row */
 } vs_overlay_run;
 
-/* Reads the whole file, row by row, and fills the overlay, which vs_overlay_free frees also after
- * an error. Errors, each with its place: a column that run.csv does not have (the nearest is named)
- * or whose unit is not of its kind, a cell that is no number, a row of another length, a time that
- * does not rise; no row lies within the run. */
+/* Reads the whole file and fills the overlay; vs_overlay_free is due even after an error. Errors,
+ * each with its place: a column that run.csv does not have (the nearest is named) or whose unit is
+ * not of its kind, a cell that is no number, a row of another length, a time that does not
+ * increase; no row lies within the run. */
 vs_status vs_overlay_read(const char *path, const vs_overlay_run *run, vs_overlay *overlay,
                           vs_error *err);
 void vs_overlay_free(vs_overlay *overlay);
 
-/* The curve to draw over that column of run.csv; NULL: there is none. */
+/* The curve to draw over this column of run.csv; NULL: there is none. */
 const vs_overlay_curve *vs_overlay_find(const vs_overlay *overlay, const char *name);
 
 #endif

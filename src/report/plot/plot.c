@@ -17,7 +17,7 @@
 #include "plot/sheets.h"
 #include "traces.h"
 
-enum { MOST_POINTS = 100 }; /* measured ones that are marked each */
+enum { MOST_POINTS = 100 }; /* up to so many measured points each get a mark */
 
 const char *const vs_plot_pictures[] = {
     "motion_run", "motion_100ms", "pulse_50ms", "measured_run", "measured_100ms", "control_run",
@@ -25,7 +25,7 @@ const char *const vs_plot_pictures[] = {
 
 typedef struct run_file {
   char path[VS_PATH_SIZE];
-  char drawn[VS_PATH_SIZE]; /* what is drawn, with the same columns */
+  char drawn[VS_PATH_SIZE]; /* the file that is drawn, with the same columns */
   char *header;             /* its first line */
   double until_s;           /* of its last row */
   vs_overlay overlay;
@@ -49,7 +49,7 @@ static vs_status open_run(const char *folder, run_file *run, vs_error *err) {
   size_t size = 0, row_size = 0;
   char *row = NULL;
   if (vs_alloc_row(&run->header, &size, VS_CSV_LONGEST, f) < 0) {
-    free(run->header); /* it may have been made all the same */
+    free(run->header); /* the call allocates it even when it fails */
     run->header = vs_copy("");
   }
   int rows = 0;
@@ -71,7 +71,7 @@ static vs_status open_run(const char *folder, run_file *run, vs_error *err) {
       "run.until, or a smaller run.sample");
 }
 
-/* Number of a column from 1; 0: not there. */
+/* The number of a column, from 1; 0: there is no such column. */
 static int find_column(const char *header, const char *name) {
   size_t n = strlen(name);
   int column = 1;
@@ -99,7 +99,7 @@ static void add_title(vs_script *script, const char *title) {
   vs_gnuplot_quoted(script, title);
 }
 
-/* What instruments show of the panel's curve, held from sample to sample. */
+/* Adds what instruments show of the panel's curve, constant from sample to sample. */
 static void add_instruments(vs_script *script, const run_file *run, const vs_panel *p,
                             double time_scale) {
   static const char *const COLOURS[] = {"#e08e1b", "#2a9d6f", "#8e5ea2"};
@@ -114,7 +114,7 @@ static void add_instruments(vs_script *script, const run_file *run, const vs_pan
   }
 }
 
-/* The computed curve, and over it what instruments show of it and the measured one, where there
+/* Adds a panel: the computed curve, and over it the instruments' and the measured one, where there
  * are such. */
 static void add_panel(vs_script *script, const run_file *run, const vs_panel *p,
                       double time_scale) {
@@ -155,7 +155,7 @@ static int count_panels(const run_file *run, const vs_sheet *s) {
   return there;
 }
 
-/* Adds the panels that run.csv has columns for, and returns how many these are. */
+/* Adds the panels that run.csv has columns for, and returns their number. */
 static int add_sheet(vs_script *script, const run_file *run, const vs_sheet *s,
                      const char *output) {
   int there = count_panels(run, s);
@@ -174,7 +174,8 @@ static int add_sheet(vs_script *script, const run_file *run, const vs_sheet *s,
   return there;
 }
 
-/* The file appears whole, in the place of what had its name, even of a link. */
+/* Writes the file. It appears only once it is complete, and replaces what had its name, even a
+ * link. */
 static vs_status write_picture(const char *output, const char *picture, size_t size,
                                vs_error *err) {
   vs_file file;
@@ -211,7 +212,7 @@ static const vs_panel *find_panel(const vs_sheet *sheets, size_t count, const ch
   return found;
 }
 
-/* Gives the last of the sheets a panel more for each measured curve that none of them shows. */
+/* Adds a panel to the last of the sheets for each measured curve that none of them shows. */
 static void add_measured(vs_sheet *sheets, size_t count, const vs_sheets *all,
                          const vs_overlay *overlay) {
   for (size_t c = 0; c < overlay->count; c++) {
@@ -223,8 +224,8 @@ static void add_measured(vs_sheet *sheets, size_t count, const vs_sheets *all,
   }
 }
 
-/* Draws the sheets of which run.csv has something; where it has nothing of any, the first one's
- * error says so. */
+/* Draws the sheets that run.csv has columns for. If it has none for any sheet, the error of the
+ * first sheet tells. */
 static vs_status draw_all(const char *folder, const run_file *run, const vs_sheets *all, bool quiet,
                           vs_error *err) {
   static const char *const ENDINGS[] = {"png", "svg"};
@@ -243,7 +244,7 @@ static vs_status draw_all(const char *folder, const run_file *run, const vs_shee
   return status;
 }
 
-/* Says in one line what gnuplot would say in ten. */
+/* Error: the folder cannot be written to. gnuplot would take ten lines to say so. */
 static vs_status check_writable(const char *output, vs_error *err) {
   char folder[VS_PATH_SIZE];
   const char *slash = strrchr(output, '/');
@@ -254,7 +255,7 @@ static vs_status check_writable(const char *output, vs_error *err) {
              : VS_OK;
 }
 
-/* A line break would end a line of gnuplot's script. */
+/* True for a name that a script can have: a line break would end its line there. */
 static bool is_name(const char *name) {
   return !name || (strlen(name) <= VS_PATH_SIZE / 2 && !strpbrk(name, "\r\n"));
 }

@@ -45,8 +45,7 @@ static vs_status add_curve(const vs_time_window *s, const vs_probe_shown *p, siz
   return VS_OK;
 }
 
-/* Adds the orbits to a script for gnuplot. Error, VS_INPUT: a run has no column of a probe's rate.
- */
+/* Adds the orbits to a gnuplot script. Error, VS_INPUT: a run has no column for a probe's rate. */
 static vs_status phase_plane_add(const vs_time_window *s, vs_script *script, vs_error *err) {
   vs_status status = VS_OK;
   vs_time_window_begin(script);
@@ -69,7 +68,7 @@ static const char *name_of(const vs_plot_window_options *o) {
 
 /* ---- runs and time ---- */
 
-/* A cycle of the mains as summary.json tells it; 20 ms where it does not. */
+/* The length of a cycle of the mains, s, from summary.json; 20 ms where it does not say. */
 static double cycle_of(const char *folder) {
   char path[VS_PATH_SIZE];
   vs_tree tree = {0};
@@ -115,7 +114,7 @@ static vs_status read_time(const char *option, const char *word, double *time_s,
   return vs_fail(err, VS_INPUT, "%s %.100s: a time is wanted, as 60ms", option, word);
 }
 
-/* True if a run has a row in the stretch of time; the picture would be empty otherwise. */
+/* True if any run has a row in the stretch of time; otherwise the picture would be empty. */
 static bool has_rows(const vs_time_window *s) {
   for (size_t k = 0; k < s->runs; k++)
     for (size_t r = 0; r < s->run[k].traces.rows; r++) {
@@ -125,7 +124,7 @@ static bool has_rows(const vs_time_window *s) {
   return false;
 }
 
-/* Finds what is shown; *why says why, or is NULL where all of it was asked for. */
+/* Finds the stretch to show. *why tells why it was chosen; NULL: the user asked for it. */
 static vs_status find_window(const vs_plot_window_options *o, vs_time_window *s, const char **why,
                              vs_error *err) {
   double until = 0, from = INFINITY, to = -INFINITY, start = INFINITY;
@@ -197,7 +196,7 @@ static vs_status draw_closeup(const vs_plot_window_options *o, const vs_time_win
 }
 
 /* Writes spectrum.csv beside spectrum.png, or FILE_spectrum.csv beside the FILE.png of -o, as
- * FILE.csv may be somebody's data. */
+ * FILE.csv may be the user's data. */
 static vs_status write_numbers(const vs_plot_window_options *o, const vs_time_window *s,
                                vs_error *err) {
   char name[VS_PATH_SIZE] = "spectrum.csv";

@@ -41,8 +41,8 @@ static bool takes_prefix(const char *unit) {
   return false;
 }
 
-/* The manifest says so of the axis, or its middle value lies nearer to the geometric than to the
- * arithmetic mean of the ends. */
+/* True if the manifest says so of the axis, or if its middle value is nearer to the geometric than
+ * to the arithmetic mean of the ends. */
 static bool is_log(const vs_folder_column *c, vs_extent s) {
   const vs_node *said = c->node ? vs_tree_child(c->node, "log") : NULL;
   if (said && said->kind == VS_NODE_TEXT && !strcmp(said->text, "true")) return s.least > 0;

@@ -12,12 +12,11 @@
 #include "plant/machine.h"
 #include "traces.h"
 
-/* What is known of the run. */
+/* The run that the sheets are for. */
 typedef struct run {
   vs_column *column; /* owned */
   size_t count;
-  bool is_paper;  /* the run is of the machine that a scene has by default, the paper's, or does not
-                     say of which */
+  bool is_paper;  /* the run has the paper's machine, a scene's default, or does not say which */
   bool is_figure; /* and it is fired as in the paper's figures, through the same circuit */
 } run;
 
@@ -25,7 +24,7 @@ static bool is_of(const vs_column *c, const char *role) {
   return !strcmp(c->role, role);
 }
 
-/* The first column of that role and quantity; quantity NULL: of any. NULL: there is none. */
+/* The first column with this role and quantity (NULL: any). NULL: there is none. */
 static const vs_column *find_column(const run *r, const char *role, const char *quantity) {
   for (const vs_column *c = r->column; c < r->column + r->count; c++)
     if (is_of(c, role) && (!quantity || !strcmp(c->quantity, quantity))) return c;
@@ -64,7 +63,8 @@ static void look_at_run(run *r, const char *folder, const char *header) {
 
 /* ---- what instruments have filled ---- */
 
-/* The column of the channel that the instrument measures; its own where that is not recorded. */
+/* The column of the channel that the instrument measures; the instrument's own if that was not
+ * recorded. */
 static const vs_column *find_channel(const run *r, const vs_column *instrument) {
   for (const vs_column *c = r->column; c < r->column + r->count; c++)
     if (!is_of(c, VS_COLUMN_INSTRUMENT) && !strcmp(c->quantity, instrument->of)) return c;
@@ -99,7 +99,7 @@ const vs_sheet_shown *vs_sheets_shown(const vs_sheets *all, const char *column, 
 
 /* ---- labels ---- */
 
-/* A coordinate's name as it is written: Greek letters as such. */
+/* A coordinate's name in its usual typography: Greek letters as such. */
 static const char *as_written(const char *name) {
   static const char *const GREEK[][2] = {
       {"alpha", "α"}, {"beta", "β"},  {"gamma", "γ"}, {"delta", "δ"}, {"theta", "θ"},
@@ -109,8 +109,8 @@ static const char *as_written(const char *name) {
   return name;
 }
 
-/* The second derivative of what is so written: two dots over its first character. Some letters have
- * a character of their own with them. */
+/* Writes a name with two dots over its first character, for the second derivative. Some letters
+ * have a character of their own with them. */
 static void write_dotted(char *out, size_t size, const char *name) {
   static const char *const DOTTED[][2] = {{"a", "ä"}, {"e", "ë"}, {"h", "ḧ"}, {"i", "ï"},
                                           {"o", "ö"}, {"t", "ẗ"}, {"u", "ü"}, {"w", "ẅ"},
@@ -158,7 +158,7 @@ const vs_panel *vs_sheet_find(const vs_sheet *s, const char *column) {
   return NULL;
 }
 
-/* All of the motion, and the force. */
+/* Adds all coordinates and accelerations, and the force. */
 static void fill_motion(vs_sheet *s, const run *r) {
   for (size_t k = 0; k < r->count; k++)
     if (is_of(&r->column[k], VS_COLUMN_COORDINATE)) add_coordinate(s, &r->column[k]);
@@ -189,8 +189,8 @@ static void fill_overview(vs_sheet *s, const run *r) {
   vs_sheet_add(s, "v_mains_v", "mains voltage / V", 1);
 }
 
-/* A panel for each curve that instruments have measured, in their order, as it is labelled in
- * another sheet; else its column's name is its label. */
+/* Adds a panel for each curve that instruments have measured, in their order. Its label is that of
+ * another sheet, else the column's name. */
 static void add_measured(vs_sheet *s, const vs_sheets *all) {
   for (int k = 0; k < all->n_shown; k++) {
     const char *of = all->shown[k].of;
@@ -204,8 +204,8 @@ static void fill_nothing(vs_sheet *s, const run *r) {
   (void)s, (void)r;
 }
 
-/* Adds the panel of what the control measures under that name, lengths in thousandths. Returns its
- * column; NULL: the run has none. */
+/* Adds the panel of a control's measure, with lengths in thousandths. Returns its column; NULL: the
+ * run has none. */
 static const vs_column *add_controls(vs_sheet *s, const run *r, const char *name,
                                      const char *label) {
   const vs_column *c = find_column(r, VS_COLUMN_MEASURE, name);
@@ -217,7 +217,7 @@ static const vs_column *add_controls(vs_sheet *s, const run *r, const char *name
   return c;
 }
 
-/* The angle, what the control's law shows, and over its amplitude the set point. */
+/* Adds the firing angle, what the control's law shows, and the set point over its amplitude. */
 static void fill_control(vs_sheets *all, vs_sheet *s, const run *r) {
   const vs_column *angle = find_column(r, VS_COLUMN_MEASURE, "firing_angle"),
                   *set_point = find_column(r, VS_COLUMN_SET_POINT, NULL);
@@ -231,9 +231,9 @@ static void fill_control(vs_sheets *all, vs_sheet *s, const run *r) {
   if (amplitude && set_point) add_shown(all, "set point", set_point, amplitude->name);
 }
 
-/* The k-th sheet; behind those of the set comes the overview. */
+/* Fills the k-th sheet; after those of the set comes the overview. */
 static void fill_sheet(vs_sheet *s, int k, const run *r) {
-  /* of any machine, of the paper's, and of the paper's scene */
+  /* titles for any machine, for the paper's, and for the paper's scene */
   static const struct {
     const char *name, *title[3];
     double until_s;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * What the pictures of a run show: each is a sheet of panels, one curve of run.csv each. They are
- * the paper's Figs. 9 to 11 for its scene, and the same of any other. Where
- * the run has instruments, two more show what these make of its curves, as Figs. 13 and 14 do;
- * where it has a control, one more shows that. */
+ * What the pictures of a run show: each is a sheet of panels with one curve of run.csv each. For
+ * the paper's scene they are its Figs. 9 to 11; other scenes have the same. A run with instruments
+ * has two more, which show their curves as Figs. 13 and 14 do; a run with a control has one more
+ * for that. */
 #ifndef VS_REPORT_SHEETS_H
 #define VS_REPORT_SHEETS_H
 
@@ -11,14 +11,14 @@
 enum {
   VS_SHEET_PANELS = 96, /* at most 36 of the program's own, then those an overlay asks for */
   VS_SHEET_NAME = 96,
-  VS_SHEETS_OF_RUN = 3, /* of any run; those behind show instruments */
+  VS_SHEETS_OF_RUN = 3, /* of any run; the later ones show instruments */
   VS_SHEETS = 6,
   VS_SHEET_INSTRUMENTS = 32
 };
 
 typedef struct vs_panel {
   char column[VS_SHEET_NAME], label[VS_SHEET_NAME]; /* of run.csv; what the axis says */
-  double scale;                                     /* of the column on the way to the axis */
+  double scale;                                     /* from the column's unit to the axis' */
 } vs_panel;
 
 typedef struct vs_sheet {
@@ -29,13 +29,12 @@ typedef struct vs_sheet {
   int count;
 } vs_sheet;
 
-/* A column of run.csv that stands for what another one holds: an instrument has filled it, or it is
- * a control's set point. */
+/* A column of run.csv that is drawn over another one: an instrument's, or a control's set point. */
 typedef struct vs_sheet_shown {
   char name[VS_SHEET_NAME + 16]; /* "instrument p" */
   char column[VS_SHEET_NAME];    /* its own */
-  char of[VS_SHEET_NAME]; /* that of the channel which it measures; its own where run.csv has not
-                             got that one */
+  char of[VS_SHEET_NAME]; /* the column that it is drawn over: its channel's, or its own if run.csv
+                             does not have that one */
 } vs_sheet_shown;
 
 /* All pictures of one run. */
@@ -47,15 +46,14 @@ typedef struct vs_sheets {
   int n_shown;
 } vs_sheets;
 
-/* Returns the sheets of a run, for the caller to free(): of the columns in run.csv's header, as
- * vs_traces_columns knows them. */
+/* Returns the sheets of a run, for the caller to free(). header: of run.csv, whose columns
+ * vs_traces_columns knows. */
 vs_sheets *vs_sheets_new(const char *folder, const char *header);
 
-/* The n-th of the instruments' columns, from 0, that go with this column of run.csv; NULL: there is
- * none. */
+/* The n-th column, from 0, that is drawn over this column of run.csv; NULL: there is none. */
 const vs_sheet_shown *vs_sheets_shown(const vs_sheets *sheets, const char *column, int n);
 
-/* Appends a panel; one too many is left out. */
+/* Appends a panel; dropped where there is no room. */
 void vs_sheet_add(vs_sheet *sheet, const char *column, const char *label, double scale);
 /* The panel that shows the column; NULL: the sheet has none. */
 const vs_panel *vs_sheet_find(const vs_sheet *sheet, const char *column);

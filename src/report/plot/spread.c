@@ -23,8 +23,8 @@ static int compare_rising(const void *a, const void *b) {
   return (one > other) - (one < other);
 }
 
-/* Returns the bins' width by Freedman and Diaconis' rule (1981), 2 IQR / n^(1/3), but for 8 to 60
- * bins. */
+/* Returns the width of the bins by Freedman and Diaconis' rule (1981), 2 IQR / n^(1/3), limited so
+ * that there are 8 to 60 bins. */
 static double bin_width(const double *v, size_t n) {
   double span = v[n - 1] - v[0];
   if (span <= 1e-10 * fabs(v[0])) return v[0] != 0 ? 0.05 * fabs(v[0]) : 1;
@@ -117,8 +117,8 @@ static vs_status draw_histogram(const vs_study_plot *k, size_t column, vs_pictur
   return status;
 }
 
-/* "histogram": how the column's values are spread, with the 5th, 50th and 95th percentile; of a
- * margin also the yield. */
+/* "histogram": the distribution of the column's values with its 5th, 50th and 95th percentile; for
+ * a margin also the yield. */
 const vs_chart vs_spread_histogram = {.name = "histogram", .draw = draw_histogram};
 
 /* ---- corners ---- */
@@ -141,7 +141,7 @@ static vs_status choose_corner(void *ctx, const vs_folder_row *row, vs_error *er
   return VS_OK;
 }
 
-/* Says at which end of its range each axis is: "+−+". */
+/* Adds at which end of its range each axis is: "+−+". */
 static void add_corner(const vs_study_plot *k, char **cell, vs_text *label) {
   vs_text_add(label, "case %s  ", cell[0]);
   for (size_t a = 0; a < k->n_axes; a++) {
@@ -200,7 +200,7 @@ static vs_status draw_bars(const vs_study_plot *k, size_t column, vs_picture *p,
   return status;
 }
 
-/* "bars": the worst corners as bars: those of the least margin, of other columns those of the
+/* "bars": the worst corners as bars: those with the least margin, or for other columns with the
  * largest amounts. */
 const vs_chart vs_spread_bars = {.name = "bars", .draw = draw_bars};
 
@@ -209,7 +209,7 @@ const vs_chart vs_spread_bars = {.name = "bars", .draw = draw_bars};
 typedef struct moments {
   const vs_study_plot *k;
   size_t column;
-  long n[VS_STUDY_COLUMNS]; /* by column, as all that follow; running means and products */
+  long n[VS_STUDY_COLUMNS]; /* by column, like all the following; running means and products */
   double x[VS_STUDY_COLUMNS], y[VS_STUDY_COLUMNS];
   double xx[VS_STUDY_COLUMNS], yy[VS_STUDY_COLUMNS], xy[VS_STUDY_COLUMNS];
 } moments;
@@ -244,7 +244,7 @@ static int by_strength(const void *a, const void *b) {
   return (one->column > other->column) - (one->column < other->column);
 }
 
-/* The strongest influences on the column, the first of them the strongest; *count of them. */
+/* Finds the *count strongest influences on the column, the strongest first. */
 static vs_status find_influences(const vs_study_plot *k, size_t column,
                                  influence all[VS_STUDY_COLUMNS], size_t *count, vs_error *err) {
   moments *m = vs_alloc(1, sizeof *m);
@@ -299,8 +299,8 @@ static bool fits_influence(const vs_study_plot *k) {
   return k->n_axes > 0;
 }
 
-/* "influence": the column's correlation with each axis that is a number. Where nothing moves the
- * column there is no picture. */
+/* "influence": the column's correlation with each axis that is a number. There is no picture if
+ * nothing influences the column. */
 const vs_chart vs_spread_influence = {
     .name = "influence", .fits = fits_influence, .draw = draw_influence};
 
@@ -328,7 +328,8 @@ static vs_status add_effect(void *ctx, const vs_folder_row *row, vs_error *err) 
   return VS_OK;
 }
 
-/* The data, least, mean and largest at each value of the axis, and the script to plot them. */
+/* Adds the least, mean and largest value at each value of the axis, and the script that plots them.
+ */
 static void add_effects(const effects *e, vs_picture *p) {
   const vs_profile *profile = &e->k->s->profile[e->axis];
   const double x_factor = vs_study_plot_scale(e->k, e->axis).factor,
@@ -350,7 +351,7 @@ static void add_effects(const effects *e, vs_picture *p) {
       vs_scale_colours[2], vs_scale_colours[4], vs_scale_colours[0]);
 }
 
-/* With one or two axes and nothing random, other pictures show all there is. */
+/* With one or two axes and nothing random, other pictures show everything. */
 static bool fits_effect(const vs_study_plot *k) {
   return k->n_axes > 2 || vs_folder_is_sampled(k->t);
 }
@@ -373,7 +374,7 @@ static vs_status draw_effect(const vs_study_plot *k, size_t column, vs_picture *
   return status;
 }
 
-/* "effect": the column's least, mean and largest value at each value of one axis, over all other
- * axes. */
+/* "effect": the column's least, mean and largest value at each value of one axis, over all values
+ * of the others. */
 const vs_chart vs_spread_effect = {
     .name = "effect", .fits = fits_effect, .each_axis = true, .draw = draw_effect};

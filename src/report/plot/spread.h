@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Kinds of picture that show how a column is spread over many cases, and what spreads it. */
+ * Kinds of picture that show how a column is distributed over many cases, and what causes that. */
 #ifndef VS_REPORT_SPREAD_H
 #define VS_REPORT_SPREAD_H
 
 #include "plot/study_plot.h"
 
-/* Returns the percentile of a rising list by linear interpolation between its values, which is type
- * 7 of Hyndman and Fan (The American Statistician, 1996). NaN: the list is empty. For tests. */
+/* Returns the percentile of a sorted list by linear interpolation between its values: type 7 of
+ * Hyndman and Fan (The American Statistician, 1996). NaN: the list is empty. For tests. */
 double vs_spread_percentile(const double *rising, size_t count, double percent);
 
-/* A histogram's bars, from the least value to the largest of a rising list that is not empty. Where
- * `joint` lies between those two, two bars meet there, so that none stands on both sides of it;
- * NaN: there is no such place. */
+/* The bars of a histogram of a sorted list that is not empty. If `joint` lies between the list's
+ * ends, two bars meet there, so that none lies on both sides of it; NaN: there is no such place. */
 enum { VS_BINS = 64 };
 typedef struct vs_bins {
   double width;

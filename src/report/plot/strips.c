@@ -9,7 +9,7 @@
 enum {
   MOST_LINES = 200, /* of moments */
   APART = 40,       /* words are at least a 40th of the width apart */
-  CROWD = 8         /* among more moments than these, words of a kind stand once */
+  CROWD = 8         /* with more moments than this, equal words stand only once */
 };
 
 static double time_scale(const vs_time_window *s) {
@@ -32,8 +32,8 @@ static bool is_repeated(const vs_time_window *s, const vs_moments *m, size_t k) 
   return before && shown > CROWD;
 }
 
-/* The lines of one run's moments, and where `words` is not 0 what they are: down that many strips.
- */
+/* Adds a line for each moment of a run. If `words` is not 0, also the moment's text, which may be
+ * as long as `words` strips are high. */
 static void add_moments(const vs_time_window *s, size_t run, int words, vs_script *script) {
   const vs_moments *m = &s->run[run].moments;
   double scale = time_scale(s), last = -INFINITY, room = (s->to_s - s->from_s) / APART;
@@ -59,7 +59,8 @@ static void add_moments(const vs_time_window *s, size_t run, int words, vs_scrip
   }
 }
 
-/* The first strip has the words, the last one the axis of time; one that stands alone has both. */
+/* Adds one strip. The first strip has the words, the last one the time axis; a strip that stands
+ * alone has both. */
 static void add_strip(const vs_time_window *s, int probe, bool alone, vs_script *script) {
   const vs_probe_shown *p = &s->probes.item[probe];
   bool legend = s->runs > 1 && (alone || !probe);

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Probes over time, one strip each, with what happened marked as vertical lines. */
+ * Probes over time, one strip each, with vertical lines where something happened. */
 #ifndef VS_REPORT_STRIPS_H
 #define VS_REPORT_STRIPS_H
 
 #include "plot/time_window.h"
 
-/* Adds the strips to a script for gnuplot. Moments of the first run have their words beside their
- * lines, as far as there is room; those of the others have lines in their colour. */
+/* Adds the strips to a gnuplot script. Moments of the first run have their text beside their lines,
+ * while there is room; those of the other runs have lines in their colour. */
 void vs_strips_add(const vs_time_window *stretch, vs_script *script);
 
 /* Adds one probe's strip alone, as a picture of its own. */

@@ -4,12 +4,10 @@
 #include <assert.h>
 #include <string.h>
 
-/* A new kind of picture is its const struct, declared in study_plot.h, and a row here; methods name
- * it.
- *
- * To add a picture: its vs_chart and a row here. A method that wants it names it
- * (vs_method.report). A file that is not called as its column is is named in study/cleanup.c, too,
- * which removes an older study's pictures. test_tables and test_report draw it. */
+/* To add a kind of picture: write its const vs_chart, declare it in study_plot.h, and add a row
+ * here. A method that wants it names it (vs_method.report). If its file is not named after its
+ * column, add the name to study/cleanup.c too, which removes the pictures of an older study.
+ * test_tables and test_report draw it. */
 static const vs_chart *const CHARTS[] = {
     &vs_charts_curve,     &vs_charts_cases,   &vs_charts_path,      &vs_charts_cloud,
     &vs_map_chart,        &vs_feasible_chart, &vs_spread_histogram, &vs_spread_bars,
@@ -37,8 +35,8 @@ static bool chart_fits(const vs_chart *chart, const vs_study_plot *k) {
   return !chart->fits || chart->fits(k);
 }
 
-/* Returns the kind of picture for every column: the first that fits of those that the last method
- * names. */
+/* Returns the kind of picture for every column: the first kind of the last method's list that fits
+ * the study. */
 static const vs_chart *every_column(const vs_study_plot *k) {
   static const char *const UNKNOWN[] = {"curve", "map", "cases", NULL};
   const char *const *names = UNKNOWN;
@@ -78,7 +76,7 @@ static vs_status add_pictures_of(const vs_study_plot *k, const vs_chart *chart, 
   return status;
 }
 
-/* Draws all pictures of the list that fit; sets *shown where one of them shows the column. */
+/* Draws all pictures of the list that fit; sets *shown if one of them shows the column. */
 static vs_status add_list(const vs_study_plot *k, const char *const *names, size_t column,
                           bool *shown, vs_study_pictures *album, vs_error *err) {
   vs_status status = VS_OK;
@@ -91,7 +89,7 @@ static vs_status add_list(const vs_study_plot *k, const char *const *names, size
   return status;
 }
 
-/* Lists the columns that hold a number, first the one by which cases are judged. */
+/* Lists the columns with numbers; the one by which cases are judged comes first. */
 static size_t list_columns(const vs_study_plot *k, size_t *column) {
   bool largest;
   size_t n = 0, aim = vs_folder_aim(k->t, &largest);

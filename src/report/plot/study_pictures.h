@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The pictures of a study's report: the kinds its methods name, drawn for its columns. */
+ * The pictures of a study's report: the kinds that its methods name, drawn for its columns. */
 #ifndef VS_REPORT_STUDY_PICTURES_H
 #define VS_REPORT_STUDY_PICTURES_H
 
@@ -13,10 +13,10 @@ typedef struct vs_study_pictures {
   size_t left_out; /* pictures there was no room for */
 } vs_study_pictures;
 
-/* Draws the pictures that the study's methods ask for (vs_method_report). Of several methods the
- * last, whose index runs fastest, says how each column is shown. A study of none that this program
- * has is shown as a grid is. Errors: the study can no longer be read. vs_study_pictures_free even
- * then. */
+/* Draws the pictures that the study's methods ask for (vs_method_report). If there are several
+ * methods, the last, whose index runs fastest, decides how each column is shown. A study without a
+ * method that this program knows is shown like a grid. Errors: the study can no longer be read.
+ * vs_study_pictures_free is due even then. */
 vs_status vs_study_pictures_make(const vs_folder *table, const vs_study_results *survey,
                                  vs_study_pictures *album, vs_error *err);
 void vs_study_pictures_free(vs_study_pictures *album);

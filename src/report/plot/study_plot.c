@@ -130,7 +130,7 @@ void vs_study_plot_begin(const vs_study_plot *k, size_t x, size_t y, vs_picture 
   vs_study_plot_axis(k, x, 'x', &p->script);
 }
 
-/* Draws a line across the picture at the limit, and says what it is. */
+/* Draws a line across the picture at the limit, with a label. */
 static void add_limit(const vs_study_plot *k, size_t column, char axis, double limit,
                       vs_picture *p) {
   vs_script *script = &p->script;
@@ -154,10 +154,10 @@ static void add_limit(const vs_study_plot *k, size_t column, char axis, double l
   vs_gnuplot_add(script, " tc rgb %s front\n", vs_scale_colour_bad);
 }
 
-enum { LOW_MARGIN = -150 }; /* %; what lies far below needs no exact place */
+enum { LOW_MARGIN = -150 }; /* %; what lies further below needs no exact place */
 
-/* Cuts the picture off at LOW_MARGIN where some margins lie below and others well above, so that
- * those about 0 can be seen. */
+/* The picture's lower end: LOW_MARGIN if some margins are below it and others well above, so that
+ * those about 0 can be told apart. */
 static double cut_low(const vs_study_plot *k, size_t column, double least, double largest,
                       vs_picture *p) {
   if (k->t->column[column].role != VS_ROLE_MARGIN || least >= LOW_MARGIN ||

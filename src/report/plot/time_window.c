@@ -14,8 +14,8 @@
 /* ---- what happened, and the stretch of time that shows it ---- */
 
 enum {
-  FEW = 8,        /* so many moments are shown all at once */
-  OFTEN = 4,      /* what happens this many times as often as the rarest makes that one rare */
+  FEW = 8,        /* up to this many moments are all shown */
+  OFTEN = 4,      /* a moment that happens once is rare where another one happens this many times */
   LAST_CYCLES = 3 /* shown of a run in which nothing stands out */
 };
 
@@ -63,14 +63,14 @@ bool vs_time_window_eventful(const vs_moments *m) {
   return false;
 }
 
-/* How often that happens. */
+/* The number of moments with this text. */
 static size_t count_kind(const vs_moments *m, const char *what) {
   size_t n = 0;
   for (size_t k = 0; k < m->count; k++) n += !strcmp(m->item[k].what, what);
   return n;
 }
 
-/* True if the moment's kind happens once, and another OFTEN times. */
+/* True if the moment's text occurs once, and another one OFTEN times or more. */
 static bool is_rare(const vs_moments *m, size_t k) {
   if (count_kind(m, m->item[k].what) > 1) return false;
   for (size_t other = 0; other < m->count && other < 64; other++)
@@ -140,7 +140,8 @@ static vs_status find_one(const char *word, const vs_traces *t, vs_probes_shown 
                  vs_text_hint(word, (const char *const *)t->name + 1, t->columns - 1, "").text);
 }
 
-/* The first column, which is a coordinate where these are recorded, and what every tier has. */
+/* Takes the first column, which is a coordinate if these were recorded, and those that every tier
+ * has. */
 static void take_usual(const vs_traces *t, vs_probes_shown *p) {
   static const char *const USUAL[] = {"force_n", "i_a", "v_eva_v", "v_mains_v"};
   if (t->columns > 1 && strlen(t->name[1]) < VS_PROBE_SIZE)

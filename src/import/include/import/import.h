@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The command `import`: makes a deck of a netlist that LTspice, KiCad, PSpice or a person wrote for
- * SPICE. */
+ * The command `import`: makes a deck of a SPICE netlist that LTspice, KiCad, PSpice or a person
+ * wrote. */
 #ifndef VS_IMPORT_IMPORT_H
 #define VS_IMPORT_IMPORT_H
 
@@ -11,16 +11,16 @@ typedef struct vs_import_options {
   const char *output;  /* the deck's path, which ends in .cir */
   const char *scene;   /* the path of a scene with the netlist's own values; NULL: none */
   const char *pins;    /* --pins; NULL: nothing is said */
-  const char *library; /* a file of models besides; NULL: none */
+  const char *library; /* a further file of models; NULL: none */
   vs_roles_asked asked;
   bool json;  /* what was done as JSON on standard output */
-  bool quiet; /* says nothing of what was done */
+  bool quiet; /* does not print what was done */
 } vs_import_options;
 
-/* Writes the deck, once it has taken its first step in the scene that the netlist describes, and
- * says on standard error, and at the head of the deck, what was done and what is left to decide.
- * Error: prints each thing that could not be decided, with its place in the netlist and the option
- * that would decide it, and returns VS_INPUT with an empty err; nothing is written then. */
+/* Writes the deck if its first step succeeds in the scene that the netlist describes. What was done
+ * and what is left to decide is told on standard error and at the head of the deck. Error: prints
+ * each open question with its place in the netlist and the option that answers it, writes nothing,
+ * and returns VS_INPUT with an empty err. */
 vs_status vs_import_command(const vs_import_options *options, vs_error *err);
 
 #endif

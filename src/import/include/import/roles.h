@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Who is who in a netlist: which source is the mains, which ones fire thyristors, which branch is
- * the coil of the EVA (the electromagnetic vibratory actuator). import/cast.h finds them. */
+ * The roles of a netlist's elements: which source is the mains, which ones fire thyristors, which
+ * branch is the coil of the EVA (the electromagnetic vibratory actuator). import/cast.h finds them.
+ */
 #ifndef VS_IMPORT_ROLES_H
 #define VS_IMPORT_ROLES_H
 
@@ -8,7 +9,7 @@
 
 enum { VS_ROLES_GATES = 8 };
 
-/* What the command line says; NULL: nothing. */
+/* What the command line says of each role; NULL: nothing. */
 typedef struct vs_roles_asked {
   const char *mains; /* "V1", "none" */
   const char *gate;  /* "V3", "V3,V4", "none" */
@@ -21,9 +22,9 @@ typedef struct vs_roles_gate {
   vs_course_pulse pulse;
   int each;         /* pulses in a cycle of the mains: 1 or 2 */
   double shift_deg; /* how much later than firing.angle it fires */
-  bool turned;      /* the source rests at the level that fires: `pulse` is what is between its own
+  bool turned;      /* the source rests at the firing level, so `pulse` is the time between its own
                        pulses */
-  double early_s;   /* the source fires from t = 0 to here, which no pulse does; 0: it does not */
+  double early_s;   /* the source also fires from t = 0 to here; the deck's does not; 0: no */
 } vs_roles_gate;
 
 typedef struct vs_roles {
@@ -34,17 +35,17 @@ typedef struct vs_roles {
   const vs_element *coil, *coil_r; /* the inductor, and the resistor in series (NULL: none) */
   int coil_plus, coil_minus;       /* indices of nodes */
   double inductance_h, resistance_ohm;
-  bool found_mains, found_gate, found_coil; /* not said by the user */
-  /* The firing that the netlist has: a scene's section firing. NaN: the netlist does not say. */
+  bool found_mains, found_gate, found_coil; /* found, and not told by the user */
+  /* The netlist's firing, for a scene's section `firing`. NaN: the netlist does not say. */
   double angle_deg, width_s;
   int every;       /* 0: once */
-  int first_cycle; /* 0: the one that is under way at t = 0 */
-  bool delayed;    /* the netlist's mains begin later than at t = 0, which the program's do not */
-  bool at_zero;    /* it fires at the mains' zero, where a scene's firing.angle cannot be; it is put
-                      just behind it */
+  int first_cycle; /* 0: the cycle under way at t = 0 */
+  bool delayed;    /* the netlist's mains begin after t = 0; the program's begin there */
+  bool at_zero; /* it fires at the mains' zero, which firing.angle excludes; a little more is taken
+                 */
   bool begins_with_current; /* the coil has an initial current, IC=, in the netlist */
-  const vs_element *heats;  /* of the coil, what has a coefficient of temperature; NULL: nothing */
-  const vs_element *modelled; /* of the coil, what has a .model behind its value; NULL: nothing */
+  const vs_element *heats;  /* which of the coil's two has a temperature coefficient; NULL: none */
+  const vs_element *modelled; /* which of the coil's two has a .model; NULL: none */
 } vs_roles;
 
 /* What a search for roles works on. */
@@ -55,15 +56,15 @@ typedef struct vs_roles_search {
   vs_error *err;
 } vs_roles_search;
 
-/* Finds the element that an option, as "mains", names. Error, with the netlist's place: there is
- * none. */
+/* Finds the element that an option, such as "mains", names. Error, with the netlist's place: there
+ * is none. */
 vs_status vs_roles_named(const vs_roles_search *search, const char *option, const char *name,
                          const vs_element **element);
 
-/* The first line of the netlist, as the place of what no single line says. */
+/* The first line of the netlist: the place of errors that concern no single line. */
 vs_where vs_roles_file(const vs_roles_search *search);
 
-/* The gate's index that a source is; -1: it is none. */
+/* The index of the gate that this source is; -1: it is no gate. */
 int vs_roles_gate_of(const vs_roles *roles, const vs_element *source);
 
 #endif

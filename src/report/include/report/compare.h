@@ -14,10 +14,9 @@ typedef struct vs_compare_options {
   const vs_method *const *methods; /* of studies; NULL ends them */
 } vs_compare_options;
 
-/* Adds what differs, as a table or as JSON. That they differ is no failure: the status is then
- * VS_OK, too. Errors,
- * VS_INPUT: a folder holds neither a run nor a study; one holds a run and the other a study; a file
- * in them is broken. */
+/* Adds the differences, as a table or as JSON. A difference is no failure, so the status is VS_OK.
+ * Errors, VS_INPUT: a folder holds neither a run nor a study; one holds a run and the other a
+ * study; a file in one is broken. */
 vs_status vs_compare_tell(const vs_compare_options *options, vs_text *out, vs_error *err);
 
 #endif

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The page of two runs, or two studies, side by side: verdicts, keys that differ, curves over one
- * another, measures or columns. */
+ * The page that shows two runs, or two studies, side by side: verdicts, keys that differ, curves in
+ * one picture, measures or columns. */
 #ifndef VS_REPORT_COMPARE_PAGE_H
 #define VS_REPORT_COMPARE_PAGE_H
 
 #include "base/error.h"
 
-/* Looks at the folder that the page is to go to. Error, VS_INPUT: it holds a run or a study, whose
- * own page this one would replace. */
+/* Checks the folder for the page. Error, VS_INPUT: it holds a run or a study, whose own page this
+ * one would replace. */
 vs_status vs_compare_page_check(const char *folder, vs_error *err);
 
-/* Writes report.html into the folder, which is made where there is none. json: what `compare
- * --json` tells of the two. Errors: a file of a run is broken; gnuplot is missing or fails; the
+/* Writes report.html into the folder, which is made if it does not exist. json: what `compare
+ * --json` prints of the two. Errors: a file of a run is broken; gnuplot is missing or fails; the
  * page cannot be written. */
 vs_status vs_compare_page_write(const char *json, const char *folder, vs_error *err);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The command `fit`: finds parameters of scenes from what was measured, and reports them. */
+ * The command `fit`: finds parameters of scenes from measurements, and reports them. */
 #ifndef VS_REPORT_FIT_COMMAND_H
 #define VS_REPORT_FIT_COMMAND_H
 
@@ -20,9 +20,9 @@ typedef struct vs_fit_command_options {
   int digits;          /* significant ones in CSV files, 1..17 */
 } vs_fit_command_options;
 
-/* Errors: those of vs_fit_problem_read and vs_fit_result_of; the files cannot be written. Nothing
- * is written or printed where the fit fails. VS_RATING: all is written, and the model does not fit.
- */
+/* Errors: those of vs_fit_problem_read and vs_fit_result_of; the files cannot be written. If the
+ * fit fails, nothing is written or printed. VS_RATING: everything is written, and the model does
+ * not fit. */
 vs_status vs_fit_command_run(const vs_fit_command_options *options, vs_error *err);
 
 /* For the command `check`: reads a fit, up to its first mistake, and adds a line that describes it.

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The picture of what a run's folder tells of harmonics: bars for the mains current of `steady` and
- * for the currents that a scene names under `quality`, and marks for what IEC 61000-3-2 allows. */
+ * The picture of a run's harmonics: bars for the mains current of `steady` and for the currents
+ * that a scene names under `quality`, and marks for the limits of IEC 61000-3-2. */
 #ifndef VS_REPORT_HARMONICS_H
 #define VS_REPORT_HARMONICS_H
 
@@ -8,8 +8,8 @@
 
 #include "base/error.h"
 
-/* Draws harmonics.png and harmonics.svg from the folder's summary.json; nothing where that tells of
- * no current, or is not there. Errors: it cannot be read; gnuplot is missing or fails. */
+/* Draws harmonics.png and harmonics.svg from the folder's summary.json; draws nothing if that file
+ * is missing or has no current. Errors: it cannot be read; gnuplot is missing or fails. */
 vs_status vs_harmonics_draw(const char *folder, bool quiet, vs_error *err);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * What all pages of HTML share: their beginning and end, their style, texts, cells, pictures. */
+ * What all HTML pages share: their beginning and end, style, texts, cells and pictures. */
 #ifndef VS_REPORT_HTML_H
 #define VS_REPORT_HTML_H
 
@@ -8,25 +8,26 @@
 #include "base/error.h"
 #include "base/text.h"
 
-/* A page that is being made. Start from {0}. It is a type of its own so that nothing but the
- * functions of this file writes to it: whatever a file of results says, it is shown as text. */
+/* A page under way. Begins as {0}. It is a type of its own so that only the functions of this file
+ * write to it: whatever a file of results says is shown as text. */
 typedef struct vs_html {
   vs_text text; /* the page so far; to be read */
 } vs_html;
 void vs_html_free(vs_html *html);
 
-/* Adds as printf does, with the conversions d, ld, zu, c, f, e, g and s. The format is markup, and
- * no user's; what %s stands for is text, of whomever it may be, and is escaped. */
+/* Adds as printf does, with the conversions d, ld, zu, c, f, e, g and s. The format is markup and
+ * must not come from a user. What %s stands for is text from anywhere, and is escaped. */
 void vs_html_add(vs_html *html, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* Adds markup of the program's own. */
 void vs_html_markup(vs_html *html, const char *markup);
 
-/* Adds all that stands before the first section: the style, and the title, "WHAT NAME". Colours are
- * light or dark as the reader's are; pictures stay on white. A page needs no other file. */
+/* Adds everything before the first section: the style, and the title, "WHAT NAME". Colours are
+ * light or dark as the reader's browser asks for; pictures stay on white. A page needs no other
+ * file. */
 void vs_html_begin(vs_html *html, const char *what, const char *name);
 void vs_html_end(vs_html *html);
 
-/* Writes the page as report.html into the folder, and prints where it is unless `quiet`. Error: it
+/* Writes the page as report.html into the folder, and prints its path unless `quiet`. Error: it
  * cannot be written. */
 vs_status vs_html_write(const vs_html *html, const char *folder, bool quiet, vs_error *err);
 
@@ -34,7 +35,7 @@ vs_status vs_html_write(const vs_html *html, const char *folder, bool quiet, vs_
 void vs_html_text(vs_html *html, const char *text);
 /* Adds a table's cell (<td>) with the text, escaped. */
 void vs_html_cell(vs_html *html, const char *text);
-/* Adds a table's cell with a number of 6 digits; the cell is empty for NaN. */
+/* Adds a table's cell with a number to 6 digits; the cell is empty for NaN. */
 void vs_html_number(vs_html *html, double value);
 
 /* A picture as gnuplot's terminal "svg dynamic mousing standalone" draws it. */
@@ -44,8 +45,8 @@ typedef struct vs_html_picture {
   int width, height; /* pixels */
 } vs_html_picture;
 
-/* Adds a figure with the picture in a frame. Each is a document of its own, so that their scripts
- * do not meet. */
+/* Adds a figure with the picture in a frame. Each picture is a document of its own, so that their
+ * scripts do not interfere. */
 void vs_html_picture_add(vs_html *html, const vs_html_picture *picture);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The picture of a run's verdict: a bar for each line, as long as its margin. */
+ * The picture of a run's verdict: one bar per line, as long as its margin. */
 #ifndef VS_REPORT_MARGIN_BARS_H
 #define VS_REPORT_MARGIN_BARS_H
 
@@ -9,18 +9,18 @@
 #include "base/tree.h"
 #include "report/html.h"
 
-/* Writes the script for gnuplot, and the picture's width and height in pixels. First stand the
- * lines that are violated, then those that are undecided, those that are held, and those that the
- * scene waives; among alike ones the tightest first. At most twelve are drawn, the rest is counted.
- * False: the verdict has no line, and nothing is written. Exported for tests. */
+/* Writes the gnuplot script, and the picture's width and height in pixels. Violated lines come
+ * first, then undecided ones, held ones, and those that the scene waives; within each group the
+ * tightest first. At most twelve are drawn, and the rest is counted. False: the verdict has no
+ * line, and nothing is written. Exported for tests. */
 bool vs_margin_bars_script(const vs_node *summary, bool svg, vs_script *script, int size[2]);
 
-/* Draws verdict.png and verdict.svg into the run's folder. Where the folder has no run.csv or no
- * summary.json, or the verdict has no line, nothing is drawn. Errors: summary.json is broken;
+/* Draws verdict.png and verdict.svg into the run's folder. Draws nothing if the folder has no
+ * run.csv or no summary.json, or if the verdict has no line. Errors: summary.json is broken;
  * gnuplot is missing or fails; a picture cannot be written. */
 vs_status vs_margin_bars_draw(const char *folder, bool quiet, vs_error *err);
 
-/* Adds the picture to a page; nothing where the verdict has no line. Error: gnuplot is missing or
+/* Adds the picture to a page; adds nothing if the verdict has no line. Error: gnuplot is missing or
  * fails. */
 vs_status vs_margin_bars_add(const vs_node *summary, vs_html *html, vs_error *err);
 

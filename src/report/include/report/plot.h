@@ -8,7 +8,7 @@
 #include "base/error.h"
 
 /* The names, without .png or .svg, of the pictures that are drawn into a run's folder; NULL ends
- * them. A run over an older one removes them. */
+ * them. A run that replaces an older one removes them. */
 extern const char *const vs_plot_pictures[];
 
 typedef struct vs_plot_options {
@@ -19,14 +19,14 @@ typedef struct vs_plot_options {
   bool quiet;
 } vs_plot_options;
 
-/* Looks at the names before anything is drawn. Errors: VS_INPUT, a name is too long or has a line
+/* Checks the names before anything is drawn. Errors: VS_INPUT, a name is too long or has a line
  * break; the output is no picture or cannot be written. */
 vs_status vs_plot_check(const vs_plot_options *options, vs_error *err);
 
-/* Draws the pictures. A panel whose column was not recorded is left out; a measured curve that none
- * of the pictures has a panel for gets one on the last. Errors: there is no run.csv, or only a
- * partial one; no picture, or the one that -o names, has a column at all; the overlay does not fit;
- * gnuplot is missing or fails. */
+/* Draws the pictures. A panel whose column was not recorded is left out; a measured curve without a
+ * panel in any picture gets one in the last. Errors: there is no run.csv, or only a partial one; no
+ * picture, or not the one that -o names, has a recorded column; the overlay does not fit; gnuplot
+ * is missing or fails. */
 vs_status vs_plot_command(const vs_plot_options *options, vs_error *err);
 
 #endif

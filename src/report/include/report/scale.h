@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * How a column's numbers are shown: in which unit, and on an even or a logarithmic axis. And
+ * How a column's numbers are shown: in which unit, and on a linear or logarithmic axis. Also
  * colours that print well and that colour-blind people can tell apart. */
 #ifndef VS_REPORT_SCALE_H
 #define VS_REPORT_SCALE_H
@@ -16,16 +16,16 @@ typedef struct vs_scale {
   char label[320]; /* "circuit.c1 / µF" */
 } vs_scale;
 
-/* Chooses the prefix of the unit that makes the largest amount (on a logarithmic axis the middle
- * one) a number of up to three digits before the point. A margin is shown in per cent. The axis is
- * logarithmic where the manifest says so, or where its values are spaced like that. */
+/* Chooses the prefix of the unit that gives the largest amount (on a logarithmic axis the middle
+ * one) up to three digits before the decimal point. A margin is shown in per cent. The axis is
+ * logarithmic if the manifest says so, or if its values are spaced like that. */
 vs_scale vs_scale_of(const vs_folder_column *column, vs_extent span);
 
-/* Writes the unit as people do: "ohm" -> "Ω", "m/s2" -> "m/s²", "N.s/m" -> "N·s/m" */
+/* Writes the unit in its usual typography: "ohm" -> "Ω", "m/s2" -> "m/s²", "N.s/m" -> "N·s/m" */
 void vs_scale_unit(const char *unit, char *pretty, size_t size);
 
-/* Okabe and Ito's palette (Color Universal Design, 2008) in the order in which lines take its
- * colours; yellow, which does not print well, is left out. */
+/* Okabe and Ito's palette (Color Universal Design, 2008), in the order in which lines get their
+ * colours; without yellow, which does not print well. */
 enum { VS_COLOURS = 7 };
 extern const char *const vs_scale_colours[VS_COLOURS];
 extern const char vs_scale_colour_good[], vs_scale_colour_bad[]; /* blue, vermilion */

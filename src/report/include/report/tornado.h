@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The tornado: what `sensitivity` has found as bars, for each measure those of the keys, the
- * longest on top. */
+ * The tornado picture of `sensitivity`: for each measure a bar for each key, the longest on top. */
 #ifndef VS_REPORT_TORNADO_H
 #define VS_REPORT_TORNADO_H
 
@@ -11,7 +10,7 @@
 /* True if the folder holds a sensitivity.csv. */
 bool vs_tornado_here(const char *folder);
 
-/* Draws tornado.png and tornado.svg from the folder's sensitivity.csv. Errors: that cannot be read;
+/* Draws tornado.png and tornado.svg from the folder's sensitivity.csv. Errors: it cannot be read;
  * gnuplot is missing or fails. */
 vs_status vs_tornado_draw(const char *folder, bool quiet, vs_error *err);
 
