@@ -55,6 +55,18 @@ static const char *node(writer *b, const vs_element *e, int n) {
   return vs_elements_node_of(b->w, e, n);
 }
 
+/* Adds a text in which the current of the netlist's coil is that of the EVA. */
+static void add_expression(writer *b, const char *text) {
+  vs_text out = {0};
+  for (const char *at; *b->p->eva_sense && (at = vs_fate_coil_current(b->p, text));) {
+    vs_text_add(&out, "%.*si(%s)", (int)(at - text), text, b->p->eva_sense);
+    text = strchr(at, ')') + 1;
+  }
+  vs_text_add(&out, "%s", text);
+  add_plain(b, out.text);
+  vs_text_free(&out);
+}
+
 /* Adds the rest of an element's line after its nodes, with its value replaced by the deck's
  * parameter. */
 static void add_rest(writer *b, const vs_element *e, const vs_fate_element *own) {
@@ -63,7 +75,7 @@ static void add_rest(writer *b, const vs_element *e, const vs_fate_element *own)
   if (*own->param) add(b, " {%s}", own->param);
   vs_elements_rename(b->w, rest, &renamed);
   if (*rest) add(b, " ");
-  add_plain(b, renamed.text);
+  add_expression(b, renamed.text);
   add(b, "\n");
   vs_text_free(&renamed);
   free(rest);
@@ -160,7 +172,8 @@ static void add_coil(writer *b, const vs_element *e) {
   add(b, "* of the EVA: %s\n", b->w->listing->cards[e->card].text);
   if (e != r->coil) return;
   const char *plus = b->w->nodes[r->coil_plus].name, *minus = b->w->nodes[r->coil_minus].name;
-  add(b, "%s %s %s eva\n", b->p->eva, plus, minus);
+  if (*b->p->eva_sense) add(b, "%s %s %s 0\n", b->p->eva_sense, plus, b->p->eva_in);
+  add(b, "%s %s %s eva\n", b->p->eva, *b->p->eva_in ? b->p->eva_in : plus, minus);
   for (const char *letter = "rc"; *letter; letter++) { /* across it, LTspice's */
     char *value = vs_elements_option(b->w, e, *letter == 'r' ? "rpar" : "cpar");
     double number = 1;

@@ -354,11 +354,37 @@ static void set_part(vs_fate *p, const vs_element *e, vs_fate_element *own) {
     *own->part = '\0';
 }
 
+const char *vs_fate_coil_current(const vs_fate *p, const char *text) {
+  const char *said = p->wiring->listing->cards[p->roles->coil->card].text;
+  size_t n = strcspn(said, " \t");
+  for (const char *s = text; (s = vs_words_find(text, s, said, n)); s += n)
+    if (s > text + 1 && s[-1] == '(' && strchr("iI", s[-2]) && s[n] == ')') return s - 2;
+  return NULL;
+}
+
+/* True where an element's expression asks for the current of the coil. */
+static bool asks_for_coil(const vs_fate *p) {
+  const vs_elements *w = p->wiring;
+  for (size_t k = 0; k < w->count; k++) {
+    const char *text = w->listing->cards[w->elements[k].card].text;
+    if (!strchr("befghi", w->elements[k].letter)) continue;
+    if (vs_fate_coil_current(p, text)) return true;
+  }
+  return false;
+}
+
+static void name_functions(vs_fate *p) {
+  char name[VS_VALUES_NAME], kept[VS_DECK_NAME];
+  for (size_t k = 0; k < p->wiring->listing->count; k++) {
+    vs_coined_function(&p->wiring->listing->cards[k], name);
+    if (*name) vs_declared_name(&p->sheet, name, kept);
+  }
+}
+
 /* Names what replaces the sources and the coil. Names of the netlist's functions are reserved, so
  * that no parameter gets them. */
 static void name_all(vs_fate *p) {
   const vs_elements *w = p->wiring;
-  char name[VS_VALUES_NAME], kept[VS_DECK_NAME];
   vs_coined_begin(&p->coined, w, p->values);
   for (size_t k = 0; k < w->count; k++) {
     const vs_element *e = &w->elements[k];
@@ -367,10 +393,11 @@ static void name_all(vs_fate *p) {
   }
   name_free(p, "", "i_sum", "", p->sum);
   name_free(p, "", "Xeva", "", p->eva);
-  for (size_t k = 0; k < w->listing->count; k++) {
-    vs_coined_function(&w->listing->cards[k], name);
-    if (*name) vs_declared_name(&p->sheet, name, kept);
+  if (asks_for_coil(p)) {
+    name_free(p, "Vi_", p->roles->coil->key, "", p->eva_sense);
+    name_free(p, "", p->roles->coil->key, "_in", p->eva_in);
   }
+  name_functions(p);
 }
 
 vs_status vs_fate_make(vs_fate *p, const char *asked, vs_error *err) {

@@ -33,6 +33,9 @@ typedef struct vs_fate {
   vs_fate_element *of;        /* of each element; owned */
   char sum[VS_ELEMENTS_NAME]; /* the node whose voltage is the sum of the thyristors' currents */
   char eva[VS_ELEMENTS_NAME]; /* the EVA */
+  char eva_sense[VS_ELEMENTS_NAME], eva_in[VS_ELEMENTS_NAME]; /* the source of 0 V that senses its
+                                current, which the netlist asks for as that of its coil, i(L1), and
+                                the node between the two; empty: it does not ask */
   vs_coined coined;
   vs_declared sheet;
 } vs_fate;
@@ -45,6 +48,10 @@ void vs_fate_free(vs_fate *plan);
 
 /* True for an element that the deck does not have because it belongs to the coil. */
 bool vs_fate_is_coil(const vs_fate *plan, const vs_element *element);
+
+/* Finds the first "i(NAME)" in a text that is the current of the coil or of its resistor; NULL:
+ * there is none. */
+const char *vs_fate_coil_current(const vs_fate *plan, const char *text);
 
 /* What becomes of an element. */
 const vs_fate_element *vs_fate_of(const vs_fate *plan, const vs_element *element);

@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "winding.h"
 
+#include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "netlist/words.h"
 
 /* The value of an R, L or C: its first word after the nodes, or R=, L=, C=. */
 static bool value_of(const vs_roles_search *f, const vs_element *e, double *value) {
@@ -28,13 +31,35 @@ static bool has_across(const vs_roles_search *f, const vs_element *coil) {
   return across;
 }
 
+/* True where an expression, or a statement, asks for that voltage or current: v(NODE), v(a,NODE),
+ * i(ELEMENT). */
+static bool is_asked_for(const vs_roles_search *f, char quantity, const char *name) {
+  const vs_listing *l = f->w->listing;
+  size_t n = strcspn(name, " \t");
+  for (size_t k = 0; k < l->count; k++) {
+    const vs_card *card = &l->cards[k];
+    if (card->depth > 0 || card->kind == VS_CARD_COMMENT || vs_listing_is(card, ".save")) continue;
+    for (const char *at = card->text; (at = vs_words_find(card->text, at, name, n)); at += n) {
+      const char *open = at;
+      while (open > card->text && !strchr("()", open[-1])) open--;
+      if (open > card->text + 1 && open[-1] == '(' && tolower((unsigned char)open[-2]) == quantity)
+        return true;
+    }
+  }
+  return false;
+}
+
 /* The resistor in series with an inductor, at either end; NULL: there is none, or it does not
- * belong to the coil because something is connected across the inductor alone. */
+ * belong to the coil because something is connected across the inductor alone, or because the
+ * netlist asks for the voltage between the two or for the resistor's current. */
 static const vs_element *resistor_of(const vs_roles_search *f, const vs_element *coil) {
   if (has_across(f, coil)) return NULL;
   for (int n = 1; n >= 0; n--) {
     const vs_element *next = vs_elements_next(f->w, coil, coil->nodes[n]);
-    if (next && next->letter == 'r') return next;
+    if (!next || next->letter != 'r' || is_asked_for(f, 'v', f->w->nodes[coil->nodes[n]].said) ||
+        is_asked_for(f, 'i', f->w->listing->cards[next->card].text))
+      continue;
+    return next;
   }
   return NULL;
 }

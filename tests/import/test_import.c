@@ -114,6 +114,37 @@ static void as_plain_ngspice_with_the_gap_held(void) {
   }
 }
 
+/* What asks for the coil's own node or current keeps it. v_p is that of plain ngspice 39.3 for the
+ * same netlist with a fixed inductance, to its four digits. */
+static void the_coils_own_names(void) {
+  static const char HEAD[] = "* C:\\work\\own.asc\nV1 mains 0 SINE(0 325 50)\n"
+                             "Vg g k PULSE(0 5 2.5m 1u 1u 1m 20m)\nRg g gg 100\n"
+                             "XU1 mains gg k SCR2T\nL1 k b 0.5 Rser=20\nR1 b 0 100\n";
+  static const char TAIL[] = ".subckt SCR2T A G K\nQp G n1 A pm\nQn n1 G K nm\nRgk G K 220\n"
+                             ".model pm pnp(is=1e-14 bf=2 cjc=50p cje=50p)\n"
+                             ".model nm npn(is=1e-14 bf=50 cjc=50p cje=100p)\n.ends\n"
+                             ".tran 0 60m 0 10u\n.backanno\n.end\n";
+  static const struct {
+    const char *lines, *coil;
+    double v_p;
+  } ROWS[] = {{"B1 p 0 V=if(time>10m,V(b),0)\nR2 p 0 1k\n", "0.5 H, 20 ohm", 169.90},
+              {"B1 p 0 V=V(k)*I(L1)\nR2 p 0 50K\n", "0.5 H, 120 ohm", 451.7},
+              {"B1 p 0 V=100*I(R1)\nR2 p 0 50K\n", "0.5 H, 20 ohm", 169.90}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    vs_text text = {0};
+    vs_text_add(&text, "%s%s%s", HEAD, ROWS[k].lines, TAIL);
+    write_file("own.net", text.text);
+    vs_text_free(&text);
+    ran r = run("import own.net -o own.cir --scene own.yaml");
+    EXPECT(r.status == 0 && strstr(r.err, ROWS[k].coil), "%s", r.err);
+    free_ran(&r);
+    r = run("run own.yaml --json --quiet --set run.until=40ms " HELD);
+    EXPECT(r.status == 0, "%s", r.err);
+    CLOSE_OF(measure(r.out, "v_p", "_max"), ROWS[k].v_p, ROWS[k].v_p, 1e-3);
+    free_ran(&r);
+  }
+}
+
 /* ---- exported ---- */
 
 enum { MOST_COLUMNS = 40 };
@@ -632,6 +663,7 @@ static void a_part_of_ones_own(void) {
 
 static const vs_test TESTS[] = {
     {"a part of one's own", a_part_of_ones_own},
+    {"the coil's own names", the_coils_own_names},
     {"what is replaced is said", what_is_replaced_is_said},
     {"says what it did", says_what_it_did},
     {"reads what programs write", reads_what_programs_write},

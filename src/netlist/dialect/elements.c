@@ -157,20 +157,21 @@ static void rewrite_area(vs_rewriting *r) {
   vs_rewriting_replace(r, (size_t)(w[4].at - r->text.text), 0, "area=");
 }
 
-/* R1 a b 1 TC=0.001,0.002: ngspice has tc1 and tc2. */
+/* R1 a b 1 TC=0.001,0.002 of any passive: ngspice has tc1 and tc2, and tc= of a resistor alone. */
 static void rewrite_temperature(vs_rewriting *r) {
   vs_word whole, value;
   if (!vs_words_parameter(r->text.text, "tc", &whole, &value)) return;
   const char *comma = memchr(value.at, ',', value.n);
-  if (!comma) return;
-  const char *second = comma + 1 + strspn(comma + 1, " \t");
+  if (!comma && letter_of(r) == 'r') return;
+  const char *second = comma ? comma + 1 + strspn(comma + 1, " \t") : NULL;
+  size_t first = comma ? (size_t)(comma - value.at) : value.n;
+  size_t n = comma ? strcspn(second, " \t") : 0;
+  const char *end = comma ? second + n : value.at + value.n;
   char by[128];
-  size_t first = (size_t)(comma - value.at), n = strcspn(second, " \t");
-  snprintf(by, sizeof by, "tc1=%.*s tc2=%.*s", (int)first, value.at, (int)n, second);
-  vs_rewriting_replace(r, (size_t)(whole.at - r->text.text), (size_t)(second + n - whole.at), by);
+  snprintf(by, sizeof by, comma ? "tc1=%.*s tc2=%.*s" : "tc1=%.*s", (int)first, value.at, (int)n,
+           second);
+  vs_rewriting_replace(r, (size_t)(whole.at - r->text.text), (size_t)(end - whole.at), by);
 }
-
-/* ---- tables ---- */
 
 /* Returns the '}' of a '{'; NULL: it has none. */
 static const char *closing(const char *open) {
@@ -181,6 +182,32 @@ static const char *closing(const char *open) {
   }
   return NULL;
 }
+
+/* R1 a b 3.3*{x}: ngspice ends the value at its brace. The whole of it stands in braces then, and
+ * the inner ones become brackets. */
+static void rewrite_product(vs_rewriting *r) {
+  static const char OPERATORS[] = "*/+-";
+  vs_word w[VS_WORDS_MOST];
+  size_t count = vs_words_split(r->text.text, w);
+  for (size_t k = count; k-- > 3;) {
+    const char *equals = memchr(w[k].at, '=', w[k].n), *end = w[k].at + w[k].n;
+    const char *at = equals ? equals + 1 : w[k].at, *open = memchr(at, '{', (size_t)(end - at));
+    if (!open) continue;
+    const char *close = closing(open);
+    bool before = open > at && strchr(OPERATORS, open[-1]);
+    bool behind = close && close + 1 < end && strchr(OPERATORS, close[1]);
+    if (!close || close >= end || (!before && !behind)) continue;
+    vs_text by = {0};
+    vs_text_add(&by, "{");
+    for (; at < end; at++) vs_text_add(&by, "%c", *at == '{' ? '(' : *at == '}' ? ')' : *at);
+    vs_text_add(&by, "}");
+    at = equals ? equals + 1 : w[k].at;
+    vs_rewriting_replace(r, (size_t)(at - r->text.text), (size_t)(end - at), by.text);
+    vs_text_free(&by);
+  }
+}
+
+/* ---- tables ---- */
 
 /* Adds ", x1, y1, ..." of points in any brackets. */
 static void add_points(vs_text *text, const char *points) {
@@ -373,7 +400,8 @@ vs_status vs_elements_rewrite(vs_rewriting *r) {
   if (letter == 'b') status = check_b(r);
   if (letter == 'd') rewrite_area(r);
   if (letter == 'a') status = check_gate(r);
-  if (letter == 'r') rewrite_temperature(r);
+  if (strchr("rcl", letter)) rewrite_temperature(r);
+  if (strchr("rclvix", letter)) rewrite_product(r);
   if (letter == 'k') status = rewrite_coupling(r);
   if (letter == 'v' || letter == 'i') status = rewrite_points(r);
   if (letter == 'e' || letter == 'g') status = check_transfer(r);
