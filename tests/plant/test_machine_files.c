@@ -360,6 +360,8 @@ static void every_mistake_has_its_place(void) {
        "m.yaml:18:10: vx_m: its column in a run's table is that of vx;"},
       {"stroke: {of: x - y, unit: mm", "force_n: {of: lever",
        "m.yaml:18:10: force_n: its column in a run's table is that of force;"},
+      {"stroke: {of: x - y, unit: mm", "t_s: {of: lever",
+       "m.yaml:18:10: t_s: its column in a run's table is that of t; give it another name"},
       {"stroke: {of: x - y, unit: mm", "x_mm: {of: x, unit: m", NULL},
       {"k2: 20 kN/m", "k2: lambda*k", NULL},
       {"stiffness: [[k, -k]", "stiffness: [[lambda*k, -k]",
