@@ -46,7 +46,7 @@ vs_column *vs_traces_columns(const char *folder, const char *header, size_t *cou
 
 /* Returns the column's number from 0; -1: there is none of that name. */
 int vs_traces_find(const vs_traces *traces, const char *name);
-/* The same of a column that has the other one's unit and role besides, where both are known. */
+/* The same of a column that has the other one's unit and role besides, where both are told. */
 int vs_traces_like(const vs_traces *traces, const vs_column *other);
 
 /* Returns the value in that row of a column, and the row's time, s. */
