@@ -479,6 +479,9 @@ static void expect_says(const char *sets, const char *says, int line) {
 }
 
 static void scenes_name_machines(void) {
+  ran r = run("check %s --set machine.model=two_mas --quiet", plain_scene());
+  EXPECT(r.status == 2 && !strstr(r.err, "a scene has no key"), "nobody knows its keys: %s", r.err);
+  free_ran(&r);
   expect_says(
       "--set machine.model=two_mas",
       "no machine 'two_mas': not a file, and not a machine that comes with the program; did "
