@@ -173,6 +173,39 @@ static vs_status check_scene_of_control(const vs_node *section, const vs_setup *
   return VS_OK;
 }
 
+/* Error: a column of the control's would have the name of a probe's or an instrument's. */
+static vs_status check_columns_of_control(const vs_node *section, const vs_setup *setup,
+                                          const vs_instruments *all, const vs_control *c,
+                                          vs_error *err) {
+  const vs_frame frame = {.model = &setup->model, .deck = &setup->deck};
+  vs_control_column own;
+  int numbers[VS_CH_MOST], n = vs_channel_listed(&frame, numbers);
+  for (int k = 0; vs_control_column_at(c, k, &own); k++) {
+    const vs_column column = vs_channel_column(own.name, own.unit, own.role, own.of);
+    for (int i = 0; i < n; i++) {
+      const vs_channel channel = vs_channel_at(&frame, numbers[i]);
+      const vs_column other =
+          vs_channel_column(channel.name, channel.unit, channel.role, channel.of);
+      if (!strcmp(column.name, other.name))
+        return vs_fail_at(err, section->key_where,
+                          "control: its column %s would be that of probe %s, too; give the probe "
+                          "another name",
+                          column.name, channel.name);
+    }
+    for (int i = 0; i < all->count; i++) {
+      const vs_instrument *item = &all->item[i];
+      const vs_column other =
+          vs_channel_column(item->column, item->unit, VS_COLUMN_INSTRUMENT, item->v.channel);
+      if (!strcmp(column.name, other.name))
+        return vs_fail_at(err, item->where,
+                          "%s: its column %s would be that of the control, too; give it another "
+                          "name",
+                          item->path, column.name);
+    }
+  }
+  return VS_OK;
+}
+
 vs_status vs_control_read(const vs_node *section, const vs_setup *setup,
                           const vs_instruments *instruments, vs_control *c, vs_error *err) {
   size_t found = vs_error_count(err);
@@ -194,6 +227,8 @@ vs_status vs_control_read(const vs_node *section, const vs_setup *setup,
     if (!s && vs_error_count(err) == found) s = vs_error_keep(err, find_code(section, c, err));
     if (!s && vs_error_count(err) == found)
       s = vs_error_keep(err, check_scene_of_control(section, setup, c, err));
+    if (!s && vs_error_count(err) == found)
+      s = vs_error_keep(err, check_columns_of_control(section, setup, instruments, c, err));
   }
   if (s || vs_error_count(err) > found) c->regulator = NULL;
   return s;

@@ -277,19 +277,22 @@ static vs_where channel_place(const vs_frame *frame, int number) {
   return m->machine->coordinates[(number - VS_CH_Q) % m->dof].where;
 }
 
-/* A column is a name with its unit: x in m, and x_m without a unit, would be one. */
+/* A column is a name with its unit: x in m, and x_m without a unit, would be one. The first column
+ * is the time's. */
 static vs_status refuse_one_column(const vs_model *model, const vs_deck *deck, vs_error *err) {
+  static const vs_channel TIME = {.name = "t", .unit = "s"};
   const vs_frame frame = {.model = model, .deck = deck};
   vs_status s = VS_OK;
   for (int k = VS_CH_Q, n = vs_channel_count(&frame); k < n && !s; k++) {
     vs_channel c = vs_channel_at(&frame, k);
     int j = 0;
     while (j < k && !is_one_column(c, vs_channel_at(&frame, j))) j++;
-    if (j < k)
+    const bool is_time = is_one_column(c, TIME);
+    if (j < k || is_time)
       s = vs_error_keep(
           err, vs_fail_at(err, channel_place(&frame, k),
                           "%s: its column in a run's table is that of %s; give it another name",
-                          c.name, vs_channel_at(&frame, j).name));
+                          c.name, is_time ? TIME.name : vs_channel_at(&frame, j).name));
   }
   return s;
 }

@@ -123,6 +123,7 @@ static void take_told(vs_column *c, const vs_node *entry) {
   snprintf(c->unit, sizeof c->unit, "%s", vs_member_word(entry, "unit"));
   snprintf(c->role, sizeof c->role, "%s", vs_member_word(entry, "role"));
   snprintf(c->of, sizeof c->of, "%s", vs_member_word(entry, "of"));
+  c->is_guessed = false;
 }
 
 vs_column *vs_traces_columns(const char *folder, const char *header, size_t *count) {
@@ -133,7 +134,7 @@ vs_column *vs_traces_columns(const char *folder, const char *header, size_t *cou
   *count = 0;
   for (char *cell; (cell = strsep(&rest, ","));) {
     all = vs_alloc_grow(all, *count, sizeof *all);
-    all[*count] = (vs_column){.name = ""};
+    all[*count] = (vs_column){.is_guessed = true};
     snprintf(all[*count].name, sizeof all->name, "%s", cell);
     guess_unit(&all[(*count)++]);
   }
@@ -263,7 +264,7 @@ int vs_traces_find(const vs_traces *t, const char *name) {
 int vs_traces_like(const vs_traces *t, const vs_column *other) {
   const int k = vs_traces_find(t, other->name);
   const vs_column *c = k < 0 ? NULL : &t->column[k];
-  if (!c || !*c->role || !*other->role) return k;
+  if (!c || c->is_guessed || other->is_guessed) return k;
   return strcmp(c->role, other->role) || strcmp(c->unit, other->unit) ? -1 : k;
 }
 

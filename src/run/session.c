@@ -363,6 +363,7 @@ static bool is_run_on_edge(const vs_result *r) {
 static bool wants_second(const vs_session *session, const vs_result *r) {
   int word = r->scene->setup.run.verify;
   bool told = r->verdict.count || r->scene->tier->has_circuit; /* what a second run tells */
+  if (session->bare) return false; /* nobody has watched, and there is nothing to compare */
   if (word == VS_VERIFY_ALWAYS && told) return true;
   if (word != VS_VERIFY_AUTO || !r->verdict.count) return false;
   return session->verify || (session->verify_edges && is_run_on_edge(r));

@@ -394,6 +394,28 @@ static void bad_input(void) {
   refuse("run bad.yaml -o out", "orbit", "bad.yaml:2:29: ", ORBIT, __LINE__);
 }
 
+/* What a control shows has columns of its own. */
+static void columns_of_its_own(void) {
+  static const char *const ITEM[2] = {"instruments.amplitude: its column amplitude_meas_m",
+                                      "give it another name"},
+                           *const PROBE[2] = {"control: its column setpoint_m",
+                                              "that of probe setpoint"};
+  write_file("bad.yaml", "firing: {every: 1}\n"
+                         "instruments: {amplitude: {channel: p, range: [-3 mm, 3 mm]}}\n"
+                         "control: {law: amplitude, sensor: amplitude}\n");
+  refuse("run bad.yaml -o out", "instrument", "bad.yaml:2:15: ", ITEM, __LINE__);
+  write_file("own.yaml", "coordinates: {x: {unit: m}}\n"
+                         "parameters: {m: {default: 3 kg}, k: {default: 300 kN/m}}\n"
+                         "mass: m\nstiffness: k\ngap: {along: {x: 1}}\n"
+                         "probes: {setpoint: {of: x, unit: m}}\n"
+                         "supply: {voltage: 230 V}\nfiring: {angle: 100 deg}\n");
+  write_file("bad.yaml", "machine: {model: ./own.yaml}\nfiring: {every: 1}\n"
+                         "instruments: {x: {channel: x, range: [-3 mm, 3 mm]}}\n"
+                         "control: {law: amplitude, sensor: x}\n");
+  refuse("run bad.yaml -o out", "probe", "bad.yaml:4:1: ", PROBE, __LINE__);
+  RUN_GOOD("check bad.yaml --set machine.model=two_mass");
+}
+
 /* A good scene whose control may do other than it says: what is warned of. */
 static void told(const char *set, const char *says) {
   const char *sets[] = {"instruments={i: none, v_eva: none}",
@@ -444,6 +466,7 @@ static const vs_test TESTS[] = {
     {"firing at a phase keeps pace with the machine", resonance_tracking},
     {"a control is off on orbits, and that is said", off_on_orbits},
     {"bad input", bad_input},
+    {"what it shows has columns of its own", columns_of_its_own},
 };
 
 int main(void) {

@@ -360,6 +360,8 @@ static void every_mistake_has_its_place(void) {
        "m.yaml:18:10: vx_m: its column in a run's table is that of vx;"},
       {"stroke: {of: x - y, unit: mm", "force_n: {of: lever",
        "m.yaml:18:10: force_n: its column in a run's table is that of force;"},
+      {"stroke: {of: x - y, unit: mm", "t_s: {of: lever",
+       "m.yaml:18:10: t_s: its column in a run's table is that of t; give it another name"},
       {"stroke: {of: x - y, unit: mm", "x_mm: {of: x, unit: m", NULL},
       {"k2: 20 kN/m", "k2: lambda*k", NULL},
       {"stiffness: [[k, -k]", "stiffness: [[lambda*k, -k]",
@@ -477,6 +479,9 @@ static void expect_says(const char *sets, const char *says, int line) {
 }
 
 static void scenes_name_machines(void) {
+  ran r = run("check %s --set machine.model=two_mas --quiet", plain_scene());
+  EXPECT(r.status == 2 && !strstr(r.err, "a scene has no key"), "nobody knows its keys: %s", r.err);
+  free_ran(&r);
   expect_says(
       "--set machine.model=two_mas",
       "no machine 'two_mas': not a file, and not a machine that comes with the program; did "

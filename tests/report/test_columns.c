@@ -76,16 +76,16 @@ static void expect_list(const char *json, const char *csv, int line) {
 }
 
 static void columns_of_a_run(void) {
-  static const vs_column ROWS[] = {{"t_s", "t", "s", VS_COLUMN_TIME, ""},
-                                   {"x_m", "x", "m", VS_COLUMN_COORDINATE, "machine"},
-                                   {"vy_m_s", "vy", "m/s", VS_COLUMN_RATE, "y"},
-                                   {"ax_m_s2", "ax", "m/s2", VS_COLUMN_ACCELERATION, "x"},
-                                   {"i_a", "i", "A", VS_COLUMN_PROBE, "actuator"},
-                                   {"v_mains_v", "v_mains", "V", VS_COLUMN_PROBE, "supply"},
-                                   {"amax_m_s2", "amax", "m/s2", VS_COLUMN_PROBE, "machine"},
-                                   {"flow_n_m", "flow", "N/m", VS_COLUMN_PROBE, "machine"},
-                                   {"setpoint_m", "setpoint", "m", VS_COLUMN_PROBE, "machine"},
-                                   {"s_meas_m", "s_meas", "m", VS_COLUMN_PROBE, "machine"}};
+  static const vs_column ROWS[] = {{"t_s", "t", "s", VS_COLUMN_TIME, "", false},
+                                   {"x_m", "x", "m", VS_COLUMN_COORDINATE, "machine", false},
+                                   {"vy_m_s", "vy", "m/s", VS_COLUMN_RATE, "y", false},
+                                   {"ax_m_s2", "ax", "m/s2", VS_COLUMN_ACCELERATION, "x", false},
+                                   {"i_a", "i", "A", VS_COLUMN_PROBE, "actuator", false},
+                                   {"v_mains_v", "v_mains", "V", VS_COLUMN_PROBE, "supply", false},
+                                   {"amax_m_s2", "amax", "m/s2", VS_COLUMN_PROBE, "machine", false},
+                                   {"flow_n_m", "flow", "N/m", VS_COLUMN_PROBE, "machine", false},
+                                   {"setpoint_m", "setpoint", "m", VS_COLUMN_PROBE, "machine", false},
+                                   {"s_meas_m", "s_meas", "m", VS_COLUMN_PROBE, "machine", false}};
   write_machine();
   RUN_GOOD("run tms.yaml -o o --quiet");
   expect_list("o/summary.json", "o/run.csv", __LINE__);
@@ -192,6 +192,15 @@ static void told_by_names(void) {
     EXPECT(!strcmp(c.role, ROWS[k][1]) && !strcmp(c.unit, ROWS[k][2]), "%s: %s, %s", c.name, c.role,
            c.unit);
   }
+  RUN_GOOD("run tms.yaml -o a --quiet");
+  RUN_GOOD("run tms.yaml -o b --quiet");
+  rewrite_summary("a", "\"quantity\": \"x\", \"unit\": \"m\", \"role\": \"coordinate\"",
+                  "\"quantity\": \"x\", \"unit\": \"m\", \"role\": \"probe\"");
+  rewrite_summary("b", "\"columns\": [", "\"unread\": [");
+  ran r = run("compare a b");
+  EXPECT(r.status == 0 && !strstr(r.out, "only A has"), "what is guessed sets nothing apart: %s%s",
+         r.out, r.err);
+  free_ran(&r);
   RUN_GOOD("run paper --tier switched --set run.until=20ms -o new --quiet --reproducible");
   RUN_GOOD("run paper --tier switched --set run.until=20ms -o old --quiet --reproducible");
   rewrite_summary("old", "\"columns\": [", "\"unread\": [");

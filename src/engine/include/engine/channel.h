@@ -51,7 +51,7 @@ typedef struct vs_frame {
 
 enum { VS_COLUMN_NAME = 224, VS_COLUMN_UNIT = 48, VS_COLUMN_ROLE = 16 };
 
-/* What a column of a result is. No reader need guess it from the name. */
+/* What a column of a result is. No reader need guess it from the name of one that is told of. */
 typedef struct vs_column {
   char name[VS_COLUMN_NAME];     /* as the header has it: "ap_m_s2" */
   char quantity[VS_COLUMN_NAME]; /* without its unit, as options and keys name it: "ap" */
@@ -60,6 +60,7 @@ typedef struct vs_column {
   char of[VS_COLUMN_NAME];       /* what has it: of a rate or an acceleration the coordinate, of an
                                     instrument its channel, of a set point the sensor, of a measure its
                                     device or channel, of a probe the section of the scene; "": nothing */
+  bool is_guessed;               /* nobody has told of it: what is known follows from its name */
 } vs_column;
 
 /* Makes a column of that quantity, whose name joins it and the unit. of NULL is "". */
