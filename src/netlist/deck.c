@@ -10,6 +10,7 @@
 #include <strings.h>
 
 #include "base/text.h"
+#include "netlist/cards.h"
 #include "netlist/catalogue.h"
 #include "netlist/reserved.h"
 #include "netlist/words.h"
@@ -62,6 +63,7 @@ static vs_field *own_fields(vs_deck *deck) {
 void vs_deck_begin(vs_deck *deck) {
   if (deck->begun) *deck = (vs_deck){0};
   deck->begun = true;
+  deck->cards = vs_alloc(1, sizeof *deck->cards);
   deck->section =
       (vs_section){"circuit", vs_alloc(1 + VS_DECK_MOST + VS_DECK_PARTS, sizeof(vs_field)), 1};
   own_fields(deck)[0] = vs_deck_key;
@@ -85,6 +87,22 @@ void vs_deck_remark(vs_deck *deck, vs_where where, const char *format, ...) {
 void vs_deck_add_line(vs_deck *deck, vs_line line) {
   deck->lines = vs_alloc_grow(deck->lines, deck->n_lines, sizeof *deck->lines);
   deck->lines[deck->n_lines++] = line;
+  vs_deck_changed(deck);
+}
+
+void vs_deck_changed(vs_deck *deck) {
+  if (deck->cards->card) vs_cards_free(deck->cards);
+}
+
+_Static_assert((int)VS_DECK_PARTS <= (int)VS_CARDS_CHOICES, "a choice for each part");
+
+const vs_cards *vs_deck_cards(const vs_deck *deck) {
+  vs_cards *c = deck->cards;
+  if (!c->card) vs_cards_read(c, deck->lines, deck->n_lines);
+  c->n_choices = deck->n_parts;
+  for (size_t p = 0; p < deck->n_parts; p++)
+    c->choice[p] = (vs_cards_choice){deck->parts[p].name, deck->parts[p].subcircuit};
+  return c;
 }
 
 vs_status vs_deck_add_field(vs_deck *deck, const vs_field *field, vs_where where, vs_error *err) {
@@ -350,6 +368,8 @@ void vs_deck_free(vs_deck *deck) {
   free(own_fields(deck));
   for (size_t k = 0; k < deck->n_lines; k++) vs_line_free(&deck->lines[k]);
   free(deck->lines);
+  if (deck->cards) vs_cards_free(deck->cards);
+  free(deck->cards);
   each_formula(deck, free_formula, NULL);
   for (size_t k = 0; k < deck->n_files; k++) free(deck->files[k]);
   vs_statements_free(&deck->skipped);

@@ -157,6 +157,7 @@ static void rename_reserved(vs_deck *deck) {
     if (deck->section.fields[k].kind == VS_REAL) given[count++] = deck->section.fields[k].key;
   vs_reserved_rename(deck->lines, deck->n_lines, (vs_reserved_given){given, count},
                      *deck->compat != 0);
+  vs_deck_changed(deck);
   free(given);
 }
 

@@ -187,6 +187,7 @@ static vs_status open_wire(const vs_scene_event *e, size_t k, vs_deck *deck, vs_
     snprintf(deck->eva_plus, sizeof deck->eva_plus, "vs_n%zu", k);
   free(at.line->text);
   at.line->text = vs_copy(line);
+  vs_deck_changed(deck);
   snprintf(line, sizeof line, "Svs_f%zu vs_l%zu %s vs_c%zu 0 vs_f%zu on", k, k, node, k, k);
   status = add_driven(deck, e, k, at.node[0], node, line, err);
   vs_wiring_line(deck, e->where, ".model vs_f%zu sw(ron=1m roff=1g vt=0 vh=0.5)", k);
@@ -229,6 +230,7 @@ static vs_status coil_wire(const vs_scene_event *e, size_t k, vs_deck *deck, vs_
   snprintf(line, sizeof line, "%s %s %s %s eva", at.name, at.node[0], at.node[1], control);
   free(at.line->text);
   at.line->text = vs_copy(line);
+  vs_deck_changed(deck);
   vs_wiring_line(deck, e->where, ".param vs_shorted_part=%.17g", e->v.fraction);
   snprintf(plus, sizeof plus, "%.50s.whole", deck->eva);
   snprintf(line, sizeof line, "*$ loss %s = v(%s,%s)*i(v.%s.vmain)-v(%s,%s)*i(v.%s.vcoil)", e->name,
