@@ -267,6 +267,19 @@ vs_word vs_cards_word(const vs_cards *c, const vs_netlist_card *card, size_t n) 
   return n < card->words ? c->arguments[card->first + n].value : (vs_word){"", 0};
 }
 
+bool vs_cards_has_node(const vs_cards *c, const vs_netlist_card *card, vs_word node) {
+  bool has = false;
+  for (size_t k = 0; k < card->nodes && !has; k++)
+    has = !vs_words_compare(vs_cards_word(c, card, k), node);
+  if (card->letter != 'a') return has;
+  for (size_t k = 0; k < card->words && !has; k++) {
+    const vs_word w = vs_cards_word(c, card, k);
+    const char *at = vs_words_find(w.at, w.at, node.at, node.n);
+    has = at && at < w.at + w.n;
+  }
+  return has;
+}
+
 size_t vs_cards_next(const vs_cards *c, size_t k) {
   const size_t opens = c->card[k].opens;
   return 1 + (opens ? c->scope[opens].last : k);

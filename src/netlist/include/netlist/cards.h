@@ -93,6 +93,10 @@ void vs_cards_free(vs_cards *cards);
 /* The n-th word of a card behind its name, from 0; no bytes: it has none. */
 vs_word vs_cards_word(const vs_cards *cards, const vs_netlist_card *card, size_t n);
 
+/* True for an element that is connected to the node of that name. Of a code model, A..., any word
+ * may be a node. */
+bool vs_cards_has_node(const vs_cards *cards, const vs_netlist_card *card, vs_word node);
+
 /* The card behind card k in the same scope: behind a .subckt stands what follows its .ends. */
 size_t vs_cards_next(const vs_cards *cards, size_t k);
 
