@@ -73,15 +73,12 @@ static vs_status check_definitions(const vs_deck *deck, vs_error *err) {
 
 /* Holds the gains of controlled sources to the parameters that the deck has. */
 static vs_status check_gains(const vs_deck *deck, vs_error *err) {
-  vs_parameters names = {0};
-  vs_status status = VS_OK;
-  for (size_t k = 0; k < VS_STANDARD; k++) vs_parameters_add(&names, vs_deck_standard_names[k]);
+  vs_names names = {0};
+  for (size_t k = 0; k < VS_STANDARD; k++) vs_names_put(&names, vs_deck_standard_names[k], k);
   for (size_t k = 1; k < deck->section.count; k++)
-    vs_parameters_add(&names, deck->section.fields[k].key);
-  vs_parameters_find(&names, deck->lines, deck->n_lines);
-  for (size_t k = 0; k < deck->n_lines && !status; k++)
-    status = vs_error_keep(err, vs_parameters_check_gain(&names, &deck->lines[k], err));
-  vs_parameters_free(&names);
+    vs_names_put(&names, deck->section.fields[k].key, k);
+  vs_status status = vs_parameters_check_gains(vs_deck_cards(deck), &names, err);
+  vs_names_free(&names);
   return status;
 }
 
@@ -130,8 +127,8 @@ static vs_status check_whole(vs_deck *deck, vs_error *err) {
   if (!status) status = vs_error_keep(err, vs_subcircuits_circles(cards, err));
   if (!status) status = vs_subcircuits_parameters(cards, err);
   if (!status) status = check_gains(deck, err);
-  if (!status) status = vs_error_keep(err, vs_slips_names(deck->lines, deck->n_lines, err));
-  if (!status) status = vs_couplings_check(deck->lines, deck->n_lines, err);
+  if (!status) status = vs_error_keep(err, vs_slips_names(cards, err));
+  if (!status) status = vs_couplings_check(cards, err);
   if (!status) status = vs_probes_check_units(deck, err);
   if (!status) status = check_doubles(deck, err);
   if (!status) rename_reserved(deck);

@@ -8,6 +8,7 @@
 #include <strings.h>
 
 #include "base/text.h"
+#include "netlist/cards.h"
 #include "netlist/reserved.h"
 #include "netlist/source.h"
 #include "netlist/words.h"
@@ -196,17 +197,14 @@ static vs_status param_rule(void *ctx, const char *name) {
 }
 
 vs_status vs_rules_params(const vs_deck *deck, vs_error *err) {
+  const vs_cards *c = vs_deck_cards(deck);
   vs_status status = VS_OK;
-  size_t depth = 0; /* of subcircuits, and of .if, whose lines may not count */
-  for (size_t k = 0; k < deck->n_lines && !status; k++) {
-    const vs_line *line = &deck->lines[k];
+  for (size_t k = 0; k < c->count && !status; k = vs_cards_next(c, k)) {
     char within[VS_PATH_SIZE];
-    depth += vs_words_begin(line->text, ".subckt") || vs_words_begin(line->text, ".if");
-    depth -=
-        depth > 0 && (vs_words_begin(line->text, ".ends") || vs_words_begin(line->text, ".endif"));
-    if (depth || !vs_words_begin(line->text, ".param")) continue;
-    const place p = {deck, vs_deck_mendable(deck, line->where, within, sizeof within), err};
-    status = vs_error_keep(err, assignments(line->text, param_rule, (void *)(size_t)&p));
+    if (c->card[k].kind != VS_CARDS_PARAM || c->card[k].conditional) continue;
+    const place p = {deck, vs_deck_mendable(deck, deck->lines[k].where, within, sizeof within),
+                     err};
+    status = vs_error_keep(err, assignments(deck->lines[k].text, param_rule, (void *)(size_t)&p));
   }
   return status;
 }
