@@ -15,8 +15,7 @@
 #include "base/units.h"
 #include "files.h"
 #include "lint/couplings.h"
-#include "lint/cycles.h"
-#include "lint/growth.h"
+#include "lint/definitions.h"
 #include "lint/parameters.h"
 #include "lint/slips.h"
 #include "lint/subcircuits.h"
@@ -56,18 +55,6 @@ static vs_status match_sources(const vs_deck *deck, vs_error *err) {
       status = vs_error_keep(err, vs_fail_at(err, deck->ports[p].where,
                                              "port: the deck has no source '%s n m external'",
                                              deck->ports[p].source));
-  return status;
-}
-
-/* Looks for functions and parameters that need themselves, or come to too much. */
-static vs_status check_definitions(const vs_deck *deck, vs_error *err) {
-  vs_definitions definitions;
-  vs_definitions_find(&definitions, deck->lines, deck->n_lines);
-  vs_status status = vs_cycles_check(&definitions, err);
-  if (!status) status = vs_cycles_check_depth(&definitions, err);
-  if (!status) status = vs_growth_check(&definitions, deck->lines, deck->n_lines, err);
-  status = vs_error_keep(err, status);
-  vs_definitions_free(&definitions);
   return status;
 }
 
@@ -123,7 +110,7 @@ static void rename_reserved(vs_deck *deck) {
 static vs_status check_whole(vs_deck *deck, vs_error *err) {
   const vs_cards *cards = vs_deck_cards(deck);
   vs_status status = vs_rules_params(deck, err);
-  if (!status) status = check_definitions(deck, err);
+  if (!status) status = vs_error_keep(err, vs_definitions_check(cards, err));
   if (!status) status = vs_error_keep(err, vs_subcircuits_circles(cards, err));
   if (!status) status = vs_subcircuits_parameters(cards, err);
   if (!status) status = check_gains(deck, err);

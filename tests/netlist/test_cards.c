@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "netlist/cards.h"
+#include "netlist/expr.h"
 #include "program.h"
 #include "suite.h"
 
@@ -137,9 +138,95 @@ static void order_of_text_does_not_count(void) {
   free(base);
 }
 
+/* ---- expressions ---- */
+
+/* Writes the tree of a text with each operation in brackets. */
+static void write_bound(const vs_expr *e, size_t node, vs_text *out) {
+  const vs_expr_node *n = &e->node[node];
+  const bool bound = n->kind == VS_EXPR_OPERATOR || n->kind == VS_EXPR_CHOICE;
+  size_t k = 0;
+  if (!bound) {
+    if (n->kind == VS_EXPR_SIGN) vs_text_add(out, "(%.1s", n->word.at);
+    if (!n->child && n->kind != VS_EXPR_CALL) vs_text_add(out, "%.*s", (int)n->word.n, n->word.at);
+    if (n->kind == VS_EXPR_CALL) vs_text_add(out, "%.*s", (int)n->word.n, n->word.at);
+  }
+  if (bound || n->kind == VS_EXPR_CALL) vs_text_add(out, "(");
+  for (size_t child = n->child; child; child = e->node[child].next, k++) {
+    if (k && !bound) vs_text_add(out, ",");
+    if (k && bound) vs_text_add(out, "%.*s", k > 1 ? 1 : (int)n->word.n, k > 1 ? ":" : n->word.at);
+    write_bound(e, child, out);
+  }
+  if (bound || n->kind == VS_EXPR_CALL || n->kind == VS_EXPR_SIGN) vs_text_add(out, ")");
+}
+
+/* As ngspice's B sources bind; values of these were seen there: -2^2 = -4, 2^3^2 = 64. */
+static void expressions_are_bound(void) {
+  static const char *const ROWS[][2] = {
+      {"a+b*c", "(a+(b*c))"},
+      {"a*b+c", "((a*b)+c)"},
+      {"a-b-c", "((a-b)-c)"},
+      {"-2^2", "(-(2^2))"},
+      {"2^3^2", "((2^3)^2)"},
+      {"2**-1*3", "((2**(-1))*3)"},
+      {"{1.5e-3k * Tr}", "(1.5e-3k*Tr)"},
+      {"a > b && c != 0 || !d", "(((a>b)&&(c!=0))||(!d))"},
+      {"a ? b : c ? d : e", "(a?b:(c?d:e))"},
+      {"v(a-1,0) + i(V1)/max(x, {y})", "(v(a-1,0)+(i(V1)/max(x,y)))"},
+      {"pwl(v(x), 0,0, 1,'k*2')", "pwl(v(x),0,0,1,(k*2))"},
+      {"f()*\"a b\"", "(f()*\"a b\")"}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    vs_expr e, again;
+    vs_text bound = {0}, written = {0}, twice = {0};
+    vs_expr_read(&e, vs_words_of(ROWS[k][0]));
+    write_bound(&e, e.node[0].child, &bound);
+    EXPECT(e.whole && !strcmp(bound.text, ROWS[k][1]), "%s: %s", ROWS[k][0], bound.text);
+    vs_expr_write(&e, 0, &written);
+    vs_expr_read(&again, vs_words_of(written.text));
+    vs_expr_write(&again, 0, &twice);
+    EXPECT(again.count == e.count && !strcmp(written.text, twice.text), "%s, %s", written.text,
+           twice.text);
+    vs_expr_free(&e);
+    vs_expr_free(&again);
+    vs_text_free(&bound);
+    vs_text_free(&written);
+    vs_text_free(&twice);
+  }
+}
+
+/* A text that is no expression has its names all the same. */
+static void odd_texts_have_their_names(void) {
+  static const char *const ROWS[][2] = {{"", ""},
+                                        {"a b", "ab"},
+                                        {"a +", "a"},
+                                        {"(a", "a"},
+                                        {")a]", "a"},
+                                        {"f(a,,b", "ab"},
+                                        {"@m[id] + c ? d", "midcd"},
+                                        {"'a", "a"},
+                                        {"3x4 + \"t", ""}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    vs_expr e;
+    char names[64] = "";
+    vs_expr_read(&e, vs_words_of(ROWS[k][0]));
+    for (size_t n = 1; n < e.count; n++)
+      if (e.node[n].kind == VS_EXPR_NAME) strncat(names, e.node[n].word.at, e.node[n].word.n);
+    EXPECT(!e.whole && !strcmp(names, ROWS[k][1]), "%s: %s", ROWS[k][0], names);
+    vs_expr_free(&e);
+  }
+  char *deep = vs_alloc(200002, 1);
+  memset(deep, '(', 200000);
+  vs_expr e;
+  vs_expr_read(&e, vs_words_of(deep)); /* ends, and in a moment */
+  CU_ASSERT_FALSE(e.whole);
+  vs_expr_free(&e);
+  free(deep);
+}
+
 static const vs_test TESTS[] = {
     {"lines are taken apart", lines_are_taken_apart},
     {"names mean what ngspice takes", names_mean_what_ngspice_takes},
+    {"expressions are bound", expressions_are_bound},
+    {"odd texts have their names", odd_texts_have_their_names},
     {"order of text does not count", order_of_text_does_not_count},
 };
 int main(void) {
