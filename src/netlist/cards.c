@@ -6,7 +6,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "base/text.h"
+#include "base/cursor.h"
 
 static const char BLANKS[] = " \t";
 
@@ -207,11 +207,16 @@ static void read_card(vs_cards *c, size_t number) {
   vs_netlist_card *card = &c->card[number];
   const bool element = card->kind == VS_CARDS_ELEMENT;
   if (element || card->kind == VS_CARDS_SUBCKT || card->kind == VS_CARDS_MODEL) {
-    card->name = vs_words_at(element ? line : s);
+    card->name = vs_words_at(element ? line : s + strspn(s, VS_WORDS_BETWEEN));
     s = vs_words_next(card->name.at);
   }
   read_arguments(c, card, s,
                  element ? strchr("xb", card->letter) != NULL : card->kind != VS_CARDS_MODEL);
+  for (size_t k = 0; k < card->words && card->kind == VS_CARDS_GLOBAL; k++) {
+    char *node = vs_alloc_part(vs_cards_word(c, card, k).at, vs_cards_word(c, card, k).n);
+    vs_names_put(&c->globals, node, number);
+    free(node);
+  }
   if (card->kind == VS_CARDS_MODEL) card->model = vs_cards_word(c, card, 0);
   if (card->kind == VS_CARDS_SUBCKT) card->nodes = card->words;
   if (card->kind != VS_CARDS_MODEL && card->kind != VS_CARDS_SUBCKT) return;
@@ -259,12 +264,41 @@ void vs_cards_free(vs_cards *c) {
   free(c->arguments);
   free(c->scope);
   free(c->definition);
+  vs_names_free(&c->globals);
   vs_names_free(&c->numbers);
   *c = (vs_cards){0};
 }
 
 vs_word vs_cards_word(const vs_cards *c, const vs_netlist_card *card, size_t n) {
   return n < card->words ? c->arguments[card->first + n].value : (vs_word){"", 0};
+}
+
+void vs_cards_write(const vs_cards *c, size_t k, vs_text *out) {
+  const vs_netlist_card *card = &c->card[k];
+  const char *line = c->lines[k].text;
+  const bool element = card->kind == VS_CARDS_ELEMENT;
+  if (card->kind == VS_CARDS_FUNC || card->kind >= VS_CARDS_IF ||
+      (card->kind == VS_CARDS_PARAM && card->name.n)) {
+    vs_text_add(out, "%s", line);
+    return;
+  }
+  if (!element) vs_text_add(out, "%.*s ", (int)strcspn(line, BLANKS), line);
+  vs_text_add(out, "%.*s", (int)card->name.n, card->name.at);
+  for (size_t n = card->first; n < card->first + card->count; n++) {
+    const vs_argument *a = &c->arguments[n];
+    const bool given = a->name.n;
+    /* no sign of a name or value makes "==" or "<=" of the '=' between them */
+    const char *before = given && strchr("=<>!", a->name.at[a->name.n - 1]) ? " " : "";
+    const char *behind = given && a->value.n && *a->value.at == '=' ? " " : "";
+    vs_text_add(out, " %.*s%s%s%s%.*s", (int)a->name.n, a->name.at, before, given ? "=" : "",
+                behind, (int)a->value.n, a->value.at);
+  }
+}
+
+vs_word vs_cards_value(const vs_cards *c, const vs_netlist_card *card, const char *name) {
+  for (size_t k = card->first; k < card->first + card->count; k++)
+    if (vs_words_is(c->arguments[k].name, name)) return c->arguments[k].value;
+  return (vs_word){"", 0};
 }
 
 bool vs_cards_has_node(const vs_cards *c, const vs_netlist_card *card, vs_word node) {
@@ -289,4 +323,45 @@ size_t vs_cards_called(const vs_cards *c, const vs_netlist_card *card) {
   if (card->kind != VS_CARDS_ELEMENT || card->letter != 'x' || !card->model.n) return 0;
   const vs_netlist_definition *d = vs_cards_resolve(c, card->scope, VS_CARDS_SUBCKT, card->model);
   return d ? c->card[d->card].opens : 0;
+}
+
+/* ---- unfolded ---- */
+
+static bool expand_instance(const vs_cards *c, const vs_instance *in, vs_cards_visit *visit,
+                            void *ctx) {
+  const vs_netlist_scope *of = &c->scope[in->scope];
+  for (size_t k = of->first; k < of->last; k = vs_cards_next(c, k)) {
+    if (c->card[k].kind != VS_CARDS_ELEMENT) continue;
+    const int next = visit(ctx, in, k);
+    if (next == VS_CARDS_STOP) return false;
+    if (next != VS_CARDS_ENTER) continue;
+    const vs_instance inner = {in, &c->card[k], vs_cards_called(c, &c->card[k]), in->depth + 1};
+    if (!expand_instance(c, &inner, visit, ctx)) return false;
+  }
+  return true;
+}
+
+bool vs_cards_expand(const vs_cards *c, vs_cards_visit *visit, void *ctx) {
+  return expand_instance(c, &(vs_instance){0}, visit, ctx);
+}
+
+void vs_cards_add_name(const vs_instance *in, vs_word name, vs_text *out) {
+  const size_t begin = out->length;
+  if (in->outer) vs_cards_add_name(in->outer, in->card->name, out);
+  vs_text_add(out, "%s%.*s", in->outer ? "." : "", (int)name.n, name.at);
+  vs_cursor_lower(out->text + begin);
+}
+
+void vs_cards_add_node(const vs_cards *c, const vs_instance *in, vs_word node, vs_text *out) {
+  for (; in->outer && !vs_words_is_ground(node); in = in->outer) {
+    const vs_netlist_card *head = &c->card[c->scope[in->scope].first - 1];
+    size_t k = 0;
+    while (k < head->nodes && vs_words_compare(vs_cards_word(c, head, k), node)) k++;
+    if (k == head->nodes) break;
+    node = k < in->card->nodes ? vs_cards_word(c, in->card, k) : vs_words_of("0");
+  }
+  static const vs_instance CIRCUIT = {0};
+  const bool ground = vs_words_is_ground(node);
+  const bool outside = ground || vs_names_find(&c->globals, node.at, node.n, NULL);
+  vs_cards_add_name(outside ? &CIRCUIT : in, ground ? vs_words_of("0") : node, out);
 }

@@ -129,10 +129,7 @@ static vs_status include(vs_deck *deck, const char *line, vs_where where, vs_err
 
 /* Adds a line to the netlist as ngspice is to be given it, and those that it needs besides. */
 static void add_rewritten(vs_deck *deck, vs_line line, vs_rewriting *r) {
-  if (strcmp(r->text.text, line.text)) {
-    line.written = line.text;
-    line.text = vs_copy(r->text.text);
-  }
+  if (strcmp(r->text.text, line.text)) vs_line_change(&line, vs_copy(r->text.text));
   vs_where where = line.where;
   vs_deck_add_line(deck, line);
   char *rest = r->more.text;

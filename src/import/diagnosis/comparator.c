@@ -90,22 +90,16 @@ static bool is_none(vs_word value) {
 
 /* A switch whose model gives no hysteresis, or none but 0. */
 static void look_at_switch(const vs_wiring *w, const vs_wire *wire, vs_comparators *all) {
-  const vs_line *model = wire->model ? vs_wiring_statement(w, ".model", wire->model) : NULL;
-  vs_word whole, value, level = {"0", 1};
+  const bool current = wire->letter == 'w';
   char text[256];
-  if (!model || !wire->law) return;
-  /* the parameters may stand in brackets, which are passed by otherwise */
-  char *plain = vs_copy(model->text);
-  for (char *c = plain; *c; c++)
-    if (strchr("()", *c)) *c = ' ';
-  bool current = wire->letter == 'w';
-  bool hysteresis =
-      vs_words_parameter(plain, current ? "ih" : "vh", &whole, &value) && !is_none(value);
-  bool ideal = strcasestr(plain, " vswitch") || strcasestr(plain, " iswitch");
-  if (vs_words_parameter(plain, current ? "it" : "vt", &whole, &value)) level = value;
+  if (!wire->model || !wire->law) return;
+  const vs_word hysteresis = vs_cards_value(w->cards, wire->model, current ? "ih" : "vh"),
+                type = wire->model->model;
+  vs_word level = vs_cards_value(w->cards, wire->model, current ? "it" : "vt");
+  if (!level.n) level = vs_words_of("0");
   snprintf(text, sizeof text, "(%s)-(%.*s)", wire->law, (int)level.n, level.at);
-  if (!hysteresis && !ideal) add(w, wire, text, all);
-  free(plain);
+  const bool ideal = vs_words_is(type, "vswitch") || vs_words_is(type, "iswitch");
+  if (!ideal && (!hysteresis.n || is_none(hysteresis))) add(w, wire, text, all);
 }
 
 /* ---- expressions ---- */

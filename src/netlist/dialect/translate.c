@@ -395,11 +395,7 @@ static void write_plain(vs_line *line, vs_word word) {
   char *text = vs_copy(line->text);
   for (size_t k = at; k < at + word.n; k++)
     if (!vs_words_goes_on(text[k])) text[k] = '_';
-  if (line->written)
-    free(line->text);
-  else
-    line->written = line->text;
-  line->text = text;
+  vs_line_change(line, text);
 }
 
 /* Gives a subcircuit another name in its own line, that of its .ends, and in all instances. */

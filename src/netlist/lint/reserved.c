@@ -13,9 +13,9 @@
 
 /* ---- the list ---- */
 
-/* tests/netlist/test_dialect.c tries each of them, and others, as ".param NAME=1000" in all places of ngspice 39 that
- * have expressions. What its commands know besides (c, i, kelvin, boltz, ...) no expression of a
- * netlist does. */
+/* tests/netlist/test_dialect.c tries each of them, and others, as ".param NAME=1000" in all places
+ * of ngspice 39 that have expressions. What its commands know besides (c, i, kelvin, boltz, ...) no
+ * expression of a netlist does. */
 static const struct {
   const char *name;
   bool pspice; /* in PSpice's dialect alone, where ngspice adds a .param of its own */
@@ -369,11 +369,7 @@ void vs_reserved_rename(vs_line *lines, size_t count, vs_reserved_given given, b
       vs_text_free(&p.out);
       continue;
     }
-    if (lines[k].written)
-      free(lines[k].text);
-    else
-      lines[k].written = lines[k].text;
-    lines[k].text = p.out.text;
+    vs_line_change(&lines[k], p.out.text);
   }
   free(s.item);
   free(s.of);

@@ -7,6 +7,7 @@
 #define VS_NETLIST_CARDS_H
 
 #include "base/names.h"
+#include "base/text.h"
 #include "netlist/line.h"
 
 /* What a line is. VS_CARDS_OTHER: a statement that nothing is to be known of but its text. */
@@ -82,6 +83,7 @@ typedef struct vs_cards {
   size_t n_scopes;
   vs_netlist_definition *definition; /* in the order of the lines */
   size_t n_definitions;
+  vs_names globals; /* nodes of lines .global, which are the same in all subcircuits */
   vs_names numbers; /* of the definitions, the first of each kind, name and scope */
   vs_cards_choice choice[VS_CARDS_CHOICES]; /* vs_cards_read leaves them to others */
   size_t n_choices;
@@ -92,6 +94,13 @@ void vs_cards_free(vs_cards *cards);
 
 /* The n-th word of a card behind its name, from 0; no bytes: it has none. */
 vs_word vs_cards_word(const vs_cards *cards, const vs_netlist_card *card, size_t n);
+
+/* Adds the line that card k is, as ngspice reads it, in one way of writing: the words with a blank
+ * between them. What is not taken apart is written as it stands. For tests. */
+void vs_cards_write(const vs_cards *cards, size_t k, vs_text *out);
+
+/* The value of the first NAME=VALUE of that name; no bytes: the card has none. */
+vs_word vs_cards_value(const vs_cards *cards, const vs_netlist_card *card, const char *name);
 
 /* True for an element that is connected to the node of that name. Of a code model, A..., any word
  * may be a node. */
@@ -112,5 +121,29 @@ const vs_netlist_definition *vs_cards_resolve(const vs_cards *cards, size_t scop
 
 /* The scope of the subcircuit that a card is an instance of; 0: it is none, or not defined. */
 size_t vs_cards_called(const vs_cards *cards, const vs_netlist_card *card);
+
+/* ---- unfolded ---- */
+
+/* A subcircuit in the whole circuit, or the circuit itself. */
+typedef struct vs_instance {
+  const struct vs_instance *outer; /* that it stands in; NULL: it is the circuit */
+  const vs_netlist_card *card;     /* its line X; NULL likewise */
+  size_t scope;                    /* what is in it */
+  int depth;                       /* 0 of the circuit */
+} vs_instance;
+
+/* What is to be done behind an element: nothing more at all; the next one; what the subcircuit has,
+ * of which it is an instance. */
+enum { VS_CARDS_STOP, VS_CARDS_PASS, VS_CARDS_ENTER };
+typedef int vs_cards_visit(void *ctx, const vs_instance *in, size_t card);
+
+/* Calls visit(ctx, in, card) for each element of the circuit, those of subcircuits where it enters
+ * them. It must not enter one within itself without end. Returns false where it has stopped. */
+bool vs_cards_expand(const vs_cards *cards, vs_cards_visit *visit, void *ctx);
+
+/* Adds a name that the solver gives to what stands in an instance, in lower case: "xa.xb.r1" of the
+ * element r1, and what a node is called there, which may be a node further out. */
+void vs_cards_add_name(const vs_instance *in, vs_word name, vs_text *out);
+void vs_cards_add_node(const vs_cards *cards, const vs_instance *in, vs_word node, vs_text *out);
 
 #endif

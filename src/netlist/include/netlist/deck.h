@@ -356,7 +356,7 @@ vs_where vs_deck_mendable(const vs_deck *deck, vs_where where, char *within, siz
 void vs_deck_add_line(vs_deck *deck, vs_line line);
 
 /* The netlist taken apart, in which the name of a part means the one that is chosen. It stays as
- * long as no line is added or changed: who changes a line's text calls vs_deck_changed. */
+ * long as no line is added or changed: who changes one calls vs_deck_changed. */
 const struct vs_cards *vs_deck_cards(const vs_deck *deck);
 void vs_deck_changed(vs_deck *deck);
 
