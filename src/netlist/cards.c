@@ -42,10 +42,13 @@ static bool is_assignment(const char *line, const char *s) {
 /* Where the value at s ends that goes up to the next NAME=, or to the line's end. */
 static const char *behind_formula(const char *s) {
   const char *begin = s;
-  while (*s && !is_assignment(begin, s)) s = behind_one(s, true);
-  if (!*s) return s;
-  while (s > begin && strchr(BLANKS, s[-1])) s--;
-  while (s > begin && vs_words_goes_on(s[-1])) s--;
+  for (; *s; s = behind_one(s, true)) {
+    if (!is_assignment(begin, s)) continue;
+    const char *end = s, *name;
+    while (end > begin && strchr(BLANKS, end[-1])) end--;
+    for (name = end; name > begin && vs_words_goes_on(name[-1]);) name--;
+    if (name < end) return name;
+  }
   return s;
 }
 
@@ -244,6 +247,8 @@ void vs_cards_read(vs_cards *c, const vs_line *lines, size_t count) {
                                    .letter = (char)tolower((unsigned char)*lines[k].text),
                                    .conditional = conditions > 0,
                                    .scope = scope,
+                                   .name = {lines[k].text, 0},
+                                   .model = {lines[k].text, 0},
                                    .first = c->n_arguments};
     conditions += kind == VS_CARDS_IF;
     if (kind == VS_CARDS_FUNC || kind == VS_CARDS_PARAM)
