@@ -100,7 +100,7 @@ static void rename_reserved(vs_deck *deck) {
   size_t count = 0;
   for (size_t k = 1; k < deck->section.count; k++)
     if (deck->section.fields[k].kind == VS_REAL) given[count++] = deck->section.fields[k].key;
-  vs_reserved_rename(deck->lines, deck->n_lines, (vs_reserved_given){given, count},
+  vs_reserved_rename(vs_deck_cards(deck), deck->lines, (vs_reserved_given){given, count},
                      *deck->compat != 0);
   vs_deck_changed(deck);
   free(given);
