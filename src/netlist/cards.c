@@ -92,7 +92,7 @@ static void read_arguments(vs_cards *c, vs_netlist_card *card, const char *s, bo
     vs_argument a = {{s, 0}, {s, (size_t)(end - s)}};
     if (is_assignment(s, equals)) {
       a.name = a.value;
-      s = equals + 1 + strspn(equals + 1, BLANKS);
+      s = equals + 1 + strspn(equals + 1, formulas ? BLANKS : " \t,)");
       end = formulas ? behind_formula(s) : behind_word(s, " \t,)", true);
       a.value = trimmed(s, end);
     } else if (vs_words_is(a.value, "params:") || vs_words_is(a.value, "optional:"))
@@ -322,6 +322,15 @@ bool vs_cards_has_node(const vs_cards *c, const vs_netlist_card *card, vs_word n
 size_t vs_cards_next(const vs_cards *c, size_t k) {
   const size_t opens = c->card[k].opens;
   return 1 + (opens ? c->scope[opens].last : k);
+}
+
+vs_word vs_cards_instance_of(const char *line) {
+  const vs_line alone = {.text = (char *)(size_t)line};
+  vs_cards c;
+  vs_cards_read(&c, &alone, 1);
+  const vs_word name = c.card[0].letter == 'x' ? c.card[0].model : (vs_word){line, 0};
+  vs_cards_free(&c);
+  return name;
 }
 
 size_t vs_cards_called(const vs_cards *c, const vs_netlist_card *card) {

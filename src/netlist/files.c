@@ -16,7 +16,7 @@
 #include "lint/slips.h"
 #include "netlist/catalogue.h"
 #include "netlist/contract.h"
-#include "netlist/rules.h"
+#include "rules.h"
 #include "netlist/source.h"
 #include "netlist/statements.h"
 #include "netlist/words.h"

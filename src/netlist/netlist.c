@@ -27,7 +27,7 @@
 #include "netlist/numbers.h"
 #include "netlist/parts.h"
 #include "netlist/reserved.h"
-#include "netlist/rules.h"
+#include "rules.h"
 #include "netlist/words.h"
 #include "probes.h"
 

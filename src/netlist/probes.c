@@ -8,7 +8,7 @@
 #include "base/names.h"
 #include "base/units.h"
 #include "netlist/cards.h"
-#include "netlist/rules.h"
+#include "rules.h"
 #include "netlist/words.h"
 
 /* The nodes of a deck, but for those within subcircuits, and which of them branches join: a current

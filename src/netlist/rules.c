@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "netlist/rules.h"
+#include "rules.h"
 
 #include <ctype.h>
 #include <stdio.h>
@@ -329,20 +329,6 @@ vs_status vs_rules_statement(vs_deck *deck, const char *line, vs_where where, bo
 
 /* ---- elements ---- */
 
-const char *vs_rules_instance_of(const char *line, size_t *length) {
-  const char *found = NULL;
-  if (tolower((unsigned char)*line) != 'x') return NULL;
-  for (const char *s = line; *s;) {
-    s += strspn(s, " \t");
-    size_t n = strcspn(s, " \t");
-    const char *after = s + n + strspn(s + n, " \t");
-    if (memchr(s, '=', n) || *after == '=' || !strncasecmp(s, "params:", 7)) break;
-    if (n) found = s, *length = n;
-    s += n;
-  }
-  return found;
-}
-
 bool vs_rules_is_external(const char *line, char name[VS_DECK_NAME]) {
   char word[VS_DECK_NAME];
   nth_word(line, 0, name);
@@ -367,10 +353,8 @@ static vs_status source_rule(const char *line, vs_where where, vs_error *err) {
 /* Notes the EVA, "Xname n m eva" at the top of the deck, and refuses it anywhere else and
  * with both ends on one node. */
 static vs_status eva_rule(vs_deck *deck, const char *line, vs_where where, vs_error *err) {
-  size_t n = 0;
   char word[VS_DECK_NAME];
-  const char *kind = vs_rules_instance_of(line, &n);
-  if (!kind || n != 3 || strncasecmp(kind, "eva", 3)) return VS_OK;
+  if (!vs_words_is(vs_cards_instance_of(line), "eva")) return VS_OK;
   if (*deck->eva) return vs_fail_at(err, where, "a second EVA; a deck has one line 'Xeva n m eva'");
   if (deck->subcircuits > 0 || strcmp(nth_word(line, 3, word), "eva"))
     return vs_fail_at(

@@ -6,7 +6,9 @@
 #include <string.h>
 
 #include "netlist/cards.h"
+#include "netlist/catalogue.h"
 #include "netlist/expr.h"
+#include "netlist/netlist.h"
 #include "program.h"
 #include "suite.h"
 
@@ -112,6 +114,53 @@ static void names_mean_what_ngspice_takes(void) {
   CU_ASSERT_PTR_NULL(vs_cards_find(&c, 3, VS_CARDS_MODEL, vs_words_of("m")));
   CU_ASSERT_PTR_NOT_NULL(vs_cards_find(&c, 4, VS_CARDS_PARAM, vs_words_of("r")));
   free_cards(lines, count, &c);
+}
+
+static bool is_same(vs_word a, vs_word b) {
+  return a.n == b.n && !memcmp(a.at, b.at, a.n);
+}
+
+/* What is written from the cards of a file has the same cards. */
+static void round_trip(void *ctx, const char *path) {
+  vs_deck *deck = vs_alloc(1, sizeof *deck);
+  vs_error err = {0};
+  size_t *files = ctx, differ = 0;
+  if (vs_netlist_read_library(path, deck, &err)) EXPECT(strstr(path, "eva"), "%s", err.text);
+  const vs_cards *a = vs_deck_cards(deck);
+  vs_line *written = vs_alloc(a->count + 1, sizeof *written);
+  vs_cards b;
+  for (size_t k = 0; k < a->count; k++) {
+    vs_text text = {0};
+    vs_cards_write(a, k, &text);
+    vs_line_join(&written[k], text.text, (vs_where){"w.cir", (int)k + 1, 1});
+    vs_text_free(&text);
+  }
+  vs_cards_read(&b, written, a->count);
+  CU_ASSERT_TRUE(a->n_arguments == b.n_arguments && a->n_definitions == b.n_definitions);
+  for (size_t k = 0; k < a->n_arguments && k < b.n_arguments; k++)
+    differ += !is_same(a->arguments[k].name, b.arguments[k].name) ||
+              !is_same(a->arguments[k].value, b.arguments[k].value);
+  for (size_t k = 0; k < a->count; k++) {
+    const vs_netlist_card *x = &a->card[k], *y = &b.card[k];
+    differ += x->kind != y->kind || x->scope != y->scope || x->opens != y->opens ||
+              x->nodes != y->nodes || !is_same(x->name, y->name) || !is_same(x->model, y->model);
+  }
+  EXPECT(differ == 0, "%s: %zu", path, differ);
+  ++*files;
+  vs_cards_free(&b);
+  for (size_t k = 0; k < a->count; k++) vs_line_free(&written[k]);
+  free(written);
+  vs_deck_free(deck);
+  free(deck);
+}
+
+static void shipped_files_go_round(void) {
+  const vs_shelf decks = {"deck", "", ".cir"}, laws = {"part", "", ".inc"};
+  size_t files = 0;
+  vs_path_list(&decks, round_trip, &files);
+  vs_path_list(&laws, round_trip, &files);
+  vs_catalogue_list(&vs_deck_parts_shelf, round_trip, &files);
+  EXPECT(files > 100, "%zu files", files);
 }
 
 /* The same 12,000 resistors, whatever else is defined by the name of an inner subcircuit, before or
@@ -227,6 +276,7 @@ static const vs_test TESTS[] = {
     {"names mean what ngspice takes", names_mean_what_ngspice_takes},
     {"expressions are bound", expressions_are_bound},
     {"odd texts have their names", odd_texts_have_their_names},
+    {"shipped files go round", shipped_files_go_round},
     {"order of text does not count", order_of_text_does_not_count},
 };
 int main(void) {

@@ -10,7 +10,9 @@
 
 static const char BLANKS[] = " \t";
 
-const char *vs_parameters_next(const char *line, const char *s, const char **at, size_t *n) {
+/* Finds the next "NAME =" at or behind s, outside of brackets, braces and quotes. Returns what
+ * stands behind '=', with *at where the name begins and *n its length. NULL: there is none. */
+static const char *next_parameter(const char *line, const char *s, const char **at, size_t *n) {
   int depth = 0;
   for (; *s; s++) {
     if (*s == '\'' || *s == '"') {
@@ -52,7 +54,7 @@ vs_status vs_parameters_check(const vs_line *line, vs_error *err) {
   const char *at, *last = NULL;
   size_t n;
   if (tolower((unsigned char)*line->text) != 'x') return VS_OK;
-  for (const char *s = line->text; (s = vs_parameters_next(line->text, s, &at, &n)); last = s) {
+  for (const char *s = line->text; (s = next_parameter(line->text, s, &at, &n)); last = s) {
     const char *value = s + strspn(s, BLANKS);
     size_t next = name_at(value);
     if (n > 0 && (!*value || (next && vs_words_is_given(value + next))))

@@ -8,10 +8,6 @@
 
 #include "netlist/cards.h"
 
-/* Finds the next "NAME =" at or behind s, outside of brackets, braces and quotes. Returns what
- * stands behind '=', with *at where the name begins and *n its length. NULL: there is none. */
-const char *vs_parameters_next(const char *line, const char *s, const char **at, size_t *n);
-
 /* Error: a line X..., one of whose parameters has no value, as "r= c=7", which ngspice reads as
  * something else; or a name behind the last value, which ngspice leaves out. */
 vs_status vs_parameters_check(const vs_line *line, vs_error *err);

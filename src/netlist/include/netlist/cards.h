@@ -95,8 +95,8 @@ void vs_cards_free(vs_cards *cards);
 /* The n-th word of a card behind its name, from 0; no bytes: it has none. */
 vs_word vs_cards_word(const vs_cards *cards, const vs_netlist_card *card, size_t n);
 
-/* Adds the line that card k is, as ngspice reads it, in one way of writing: the words with a blank
- * between them. What is not taken apart is written as it stands. For tests. */
+/* For tests: adds the line that card k is, as ngspice reads it, in one way of writing: the words
+ * with a blank between them. What is not taken apart is written as it stands. */
 void vs_cards_write(const vs_cards *cards, size_t k, vs_text *out);
 
 /* The value of the first NAME=VALUE of that name; no bytes: the card has none. */
@@ -118,6 +118,10 @@ const vs_netlist_definition *vs_cards_find(const vs_cards *cards, size_t scope, 
  * difference. Of a subcircuit the name may be one of cards->choice. NULL: it is not defined. */
 const vs_netlist_definition *vs_cards_resolve(const vs_cards *cards, size_t scope, int kind,
                                               vs_word name);
+
+/* The subcircuit's name in a line "Xname n m ... SUBCIRCUIT [NAME=VALUE ...]" that stands alone; no
+ * bytes: the line is no instance. */
+vs_word vs_cards_instance_of(const char *line);
 
 /* The scope of the subcircuit that a card is an instance of; 0: it is none, or not defined. */
 size_t vs_cards_called(const vs_cards *cards, const vs_netlist_card *card);

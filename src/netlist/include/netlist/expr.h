@@ -46,8 +46,8 @@ typedef struct vs_expr {
 void vs_expr_read(vs_expr *e, vs_word text);
 void vs_expr_free(vs_expr *e);
 
-/* Adds the text of the node and of all below it, with a blank on each side of an operator. For
- * tests. */
+/* For tests: adds the text of the node and of all below it, with a blank on each side of an
+ * operator. */
 void vs_expr_write(const vs_expr *e, size_t node, vs_text *out);
 
 #endif

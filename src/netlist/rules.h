@@ -29,8 +29,4 @@ vs_status vs_rules_random(const char *line, bool pspice, vs_where where, vs_erro
 /* True for a line "Vname n m external" (or Iname). `name` is then the source's, in lower case. */
 bool vs_rules_is_external(const char *line, char name[VS_DECK_NAME]);
 
-/* Finds the subcircuit's name in a line "Xname n m ... SUBCIRCUIT [NAME=VALUE ...]". Returns where
- * it begins in the line and gives its length; NULL: the line is no instance. */
-const char *vs_rules_instance_of(const char *line, size_t *length);
-
 #endif
