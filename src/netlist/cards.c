@@ -306,6 +306,11 @@ vs_word vs_cards_value(const vs_cards *c, const vs_netlist_card *card, const cha
   return (vs_word){"", 0};
 }
 
+bool vs_cards_is_external(const vs_cards *c, const vs_netlist_card *card) {
+  return (card->letter == 'v' || card->letter == 'i') &&
+         vs_words_is(vs_cards_word(c, card, 2), "external");
+}
+
 bool vs_cards_has_node(const vs_cards *c, const vs_netlist_card *card, vs_word node) {
   bool has = false;
   for (size_t k = 0; k < card->nodes && !has; k++)

@@ -27,9 +27,9 @@
 #include "netlist/numbers.h"
 #include "netlist/parts.h"
 #include "netlist/reserved.h"
-#include "rules.h"
 #include "netlist/words.h"
 #include "probes.h"
+#include "rules.h"
 
 /* ---- files ---- */
 
@@ -37,10 +37,12 @@
  * that no port drives would stay at 0 V. */
 static vs_status match_sources(const vs_deck *deck, vs_error *err) {
   bool driven[VS_DECK_MOST] = {false};
+  const vs_cards *c = vs_deck_cards(deck);
   vs_status status = VS_OK;
-  for (size_t k = 0; k < deck->n_lines && !status; k++) {
-    char name[VS_DECK_NAME];
-    if (!vs_rules_is_external(deck->lines[k].text, name)) continue;
+  for (size_t k = 0; k < c->count && !status; k++) {
+    if (!vs_cards_is_external(c, &c->card[k])) continue;
+    char *name = vs_alloc_part(c->card[k].name.at, c->card[k].name.n);
+    vs_cursor_lower(name);
     size_t p = 0;
     while (p < deck->n_ports && strcmp(deck->ports[p].source, name)) p++;
     if (p < deck->n_ports)
@@ -49,6 +51,7 @@ static vs_status match_sources(const vs_deck *deck, vs_error *err) {
       status = vs_error_keep(
           err, vs_fail_at(err, deck->lines[k].where,
                           "the external source %s has no line '*$ port ... = %s'", name, name));
+    free(name);
   }
   for (size_t p = 0; p < deck->n_ports && !status; p++)
     if (!driven[p] && !(deck->lost & VS_LOST_ELEMENT))
@@ -100,9 +103,9 @@ static void rename_reserved(vs_deck *deck) {
   size_t count = 0;
   for (size_t k = 1; k < deck->section.count; k++)
     if (deck->section.fields[k].kind == VS_REAL) given[count++] = deck->section.fields[k].key;
-  vs_reserved_rename(vs_deck_cards(deck), deck->lines, (vs_reserved_given){given, count},
-                     *deck->compat != 0);
-  vs_deck_changed(deck);
+  if (vs_reserved_rename(vs_deck_cards(deck), deck->lines, (vs_reserved_given){given, count},
+                         *deck->compat != 0))
+    vs_deck_changed(deck);
   free(given);
 }
 
@@ -122,11 +125,15 @@ static vs_status check_whole(vs_deck *deck, vs_error *err) {
   return status;
 }
 
-/* True where a subcircuit has that name, be it within another one that is not closed. */
+/* True where a subcircuit has that name, be it within another one that is not closed. The cards are
+ * not asked, as this is while files are read. */
 static bool defines(const vs_deck *deck, const char *subcircuit) {
-  const vs_cards *c = vs_deck_cards(deck);
-  for (size_t k = 1; k < c->n_scopes; k++)
-    if (vs_words_is(c->scope[k].name, subcircuit)) return true;
+  for (size_t k = 0; k < deck->n_lines; k++) {
+    const char *text = deck->lines[k].text;
+    if (vs_words_begin(text, ".subckt") &&
+        vs_words_is(vs_words_at(vs_words_next(text)), subcircuit))
+      return true;
+  }
   return false;
 }
 

@@ -8,7 +8,6 @@
 #include "base/names.h"
 #include "base/units.h"
 #include "netlist/cards.h"
-#include "rules.h"
 #include "netlist/words.h"
 
 /* The nodes of a deck, but for those within subcircuits, and which of them branches join: a current
@@ -69,11 +68,10 @@ static bool carries(const vs_deck *deck, groups *g, vs_word node) {
     if (!vs_words_is_ground(eva) && group_of(g, eva) == group) return true;
   }
   for (size_t k = 0; k < deck->n_lines; k++) {
-    char source[VS_DECK_NAME];
-    if (!vs_rules_is_external(deck->lines[k].text, source)) continue;
+    if (!vs_cards_is_external(c, &c->card[k])) continue;
     for (size_t p = 0; p < deck->n_ports; p++) {
       if (deck->ports[p].signal.drive != VS_PORT_MAINS) continue;
-      if (strcmp(deck->ports[p].source, source)) continue;
+      if (!vs_words_is(c->card[k].name, deck->ports[p].source)) continue;
       for (size_t e = 0; e < 2; e++) {
         const vs_word end = vs_cards_word(c, &c->card[k], e);
         if (!vs_words_is_ground(end) && group_of(g, end) == group) return true;

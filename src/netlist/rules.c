@@ -329,12 +329,6 @@ vs_status vs_rules_statement(vs_deck *deck, const char *line, vs_where where, bo
 
 /* ---- elements ---- */
 
-bool vs_rules_is_external(const char *line, char name[VS_DECK_NAME]) {
-  char word[VS_DECK_NAME];
-  nth_word(line, 0, name);
-  return (*name == 'v' || *name == 'i') && !strcmp(nth_word(line, 3, word), "external");
-}
-
 /* Refuses "external" anywhere but as the fourth and last word; ngspice dies of some such lines. */
 static vs_status source_rule(const char *line, vs_where where, vs_error *err) {
   if (!strchr("vViI", *line)) return VS_OK;
@@ -354,6 +348,7 @@ static vs_status source_rule(const char *line, vs_where where, vs_error *err) {
  * with both ends on one node. */
 static vs_status eva_rule(vs_deck *deck, const char *line, vs_where where, vs_error *err) {
   char word[VS_DECK_NAME];
+  if (!vs_words_find(line, line, "eva", 3)) return VS_OK;
   if (!vs_words_is(vs_cards_instance_of(line), "eva")) return VS_OK;
   if (*deck->eva) return vs_fail_at(err, where, "a second EVA; a deck has one line 'Xeva n m eva'");
   if (deck->subcircuits > 0 || strcmp(nth_word(line, 3, word), "eva"))

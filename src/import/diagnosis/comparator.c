@@ -7,7 +7,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "netlist/words.h"
+#include "netlist/expr.h"
 
 /* ---- feedback ---- */
 
@@ -104,49 +104,26 @@ static void look_at_switch(const vs_wiring *w, const vs_wire *wire, vs_comparato
 
 /* ---- expressions ---- */
 
-/* Where the operand that ends at `at` begins: behind the bracket or sign that keeps it apart. */
-static const char *operand_begin(const char *begin, const char *at) {
-  int depth = 0;
-  while (at > begin) {
-    char c = at[-1];
-    depth += (c == ')') - (c == '(');
-    if (depth < 0 || (depth == 0 && strchr(",?:&|=<>!{'\"", c))) break;
-    at--;
-  }
-  return at;
-}
-
-static const char *operand_end(const char *at) {
-  int depth = 0;
-  for (; *at; at++) {
-    depth += (*at == '(') - (*at == ')');
-    if (depth < 0 || (depth == 0 && strchr(",?:&|=<>!}'\"", *at))) break;
-  }
-  return at;
-}
-
 /* Comparisons a > b, and the argument of a function that jumps. */
 static void look_at_law(const vs_wiring *w, const vs_wire *wire, vs_comparators *all) {
-  static const char *const JUMPS[] = {"u(", "sgn(", "stp("};
-  const char *law = wire->law;
+  static const char *const JUMPS[] = {"u", "sgn", "stp"};
+  vs_expr e;
   char text[256];
-  for (const char *s = law; *s; s++) {
-    if (strchr("<>", *s)) {
-      const char *right = s + 1 + (s[1] == '='), *from = operand_begin(law, s);
-      const char *to = operand_end(right);
-      snprintf(text, sizeof text, "(%.*s)-(%.*s)", (int)(s - from), from, (int)(to - right), right);
+  vs_expr_read(&e, vs_words_of(wire->law));
+  for (size_t k = 1; k < e.count; k++) {
+    const vs_expr_node *n = &e.node[k];
+    const vs_word a = e.node[n->child].whole, b = e.node[e.node[n->child].next].whole;
+    if (n->kind == VS_EXPR_OPERATOR && strchr("<>", *n->word.at)) {
+      snprintf(text, sizeof text, "(%.*s)-(%.*s)", (int)a.n, a.at, (int)b.n, b.at);
       add(w, wire, text, all);
-      s = to - 1;
-      continue;
     }
-    for (size_t k = 0; k < sizeof JUMPS / sizeof *JUMPS; k++) {
-      size_t n = strlen(JUMPS[k]);
-      if (strncasecmp(s, JUMPS[k], n) || (s > law && vs_words_goes_on(s[-1]))) continue;
-      const char *to = operand_end(s + n);
-      snprintf(text, sizeof text, "%.*s", (int)(to - s - (int)n), s + n);
+    for (size_t j = 0; j < sizeof JUMPS / sizeof *JUMPS && n->kind == VS_EXPR_CALL; j++) {
+      if (!vs_words_is(n->word, JUMPS[j]) || !n->child) continue;
+      snprintf(text, sizeof text, "%.*s", (int)a.n, a.at);
       add(w, wire, text, all);
     }
   }
+  vs_expr_free(&e);
 }
 
 void vs_comparator_find(const vs_wiring *w, vs_comparators *all) {

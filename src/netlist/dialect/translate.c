@@ -406,6 +406,11 @@ static void find_renamed(const vs_cards *c, vs_names *renamed, vs_tally *tally) 
 void vs_translate_names(vs_line *lines, size_t count, vs_tally *tally) {
   vs_cards c;
   vs_names renamed = {0};
+  bool any = false;
+  for (size_t k = 0; k < count && !any; k++)
+    any = !strncasecmp(lines[k].text, ".subckt", 7) &&
+          !is_plain(vs_words_at(vs_words_next(lines[k].text)));
+  if (!any) return;
   vs_cards_read(&c, lines, count);
   find_renamed(&c, &renamed, tally);
   for (size_t k = 0; k < count && renamed.count; k++) {

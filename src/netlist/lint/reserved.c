@@ -317,9 +317,10 @@ static bool has_name(const scopes *s, const char *line) {
   return false;
 }
 
-void vs_reserved_rename(const vs_cards *cards, vs_line *lines, vs_reserved_given given,
+bool vs_reserved_rename(const vs_cards *cards, vs_line *lines, vs_reserved_given given,
                         bool pspice) {
   scopes s = {.cards = cards, .pspice = pspice};
+  bool changed = false;
   find_scopes(&s, given);
   lend_all(&s);
   for (size_t k = 0; k < cards->count; k++) {
@@ -328,10 +329,12 @@ void vs_reserved_rename(const vs_cards *cards, vs_line *lines, vs_reserved_given
     pen p = {.line = lines[k].text, .scopes = &s, .known = known_in(&s, scope)};
     p.inner = p.known | s.item[scope].lent;
     add_line(&p);
+    changed = changed || p.changed;
     if (p.changed)
       vs_line_change(&lines[k], p.out.text);
     else
       vs_text_free(&p.out);
   }
   free(s.item);
+  return changed;
 }

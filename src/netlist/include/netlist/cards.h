@@ -102,6 +102,9 @@ void vs_cards_write(const vs_cards *cards, size_t k, vs_text *out);
 /* The value of the first NAME=VALUE of that name; no bytes: the card has none. */
 vs_word vs_cards_value(const vs_cards *cards, const vs_netlist_card *card, const char *name);
 
+/* True for a source that the program drives, "Vname n m external" (or Iname). */
+bool vs_cards_is_external(const vs_cards *cards, const vs_netlist_card *card);
+
 /* True for an element that is connected to the node of that name. Of a code model, A..., any word
  * may be a node. */
 bool vs_cards_has_node(const vs_cards *cards, const vs_netlist_card *card, vs_word node);

@@ -37,8 +37,8 @@ typedef struct vs_reserved_given {
  * them a value, and in the expressions in which they are known, which are those of their subcircuit
  * and of what stands within it. Functions of the same name stay, as do nodes and elements. Writes
  * numbers for pi and e where only a B source would know them, and nobody defines them. `cards` are
- * those of the lines. */
-void vs_reserved_rename(const vs_cards *cards, vs_line *lines, vs_reserved_given given,
+ * those of the lines. Returns whether a line was changed. */
+bool vs_reserved_rename(const vs_cards *cards, vs_line *lines, vs_reserved_given given,
                         bool pspice);
 
 /* Puts the user's names in the place of these in a message. */
