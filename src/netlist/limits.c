@@ -74,7 +74,6 @@ static double count_scope(const vs_cards *c, scope_size *sizes, size_t scope, in
 }
 
 vs_status vs_limits_devices(const vs_deck *deck, double most, vs_error *err) {
-  if (!deck->n_lines) return VS_OK; /* the deck could not be read */
   const vs_cards *c = vs_deck_cards(deck);
   scope_size *sizes = vs_alloc(c->n_scopes, sizeof *sizes);
   const double devices = count_scope(c, sizes, 0, 0);
