@@ -115,6 +115,7 @@ static vs_status check_whole(vs_deck *deck, vs_error *err) {
   vs_status status = vs_rules_params(deck, err);
   if (!status) status = vs_error_keep(err, vs_definitions_check(cards, err));
   if (!status) status = vs_error_keep(err, vs_subcircuits_circles(cards, err));
+  if (!status) status = vs_parameters_check(cards, err);
   if (!status) status = vs_subcircuits_parameters(cards, err);
   if (!status) status = check_gains(deck, err);
   if (!status) status = vs_error_keep(err, vs_slips_names(cards, err));

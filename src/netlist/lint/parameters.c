@@ -4,32 +4,8 @@
 #include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 #include "base/alloc.h"
-
-static const char BLANKS[] = " \t";
-
-/* Finds the next "NAME =" at or behind s, outside of brackets, braces and quotes. Returns what
- * stands behind '=', with *at where the name begins and *n its length. NULL: there is none. */
-static const char *next_parameter(const char *line, const char *s, const char **at, size_t *n) {
-  int depth = 0;
-  for (; *s; s++) {
-    if (*s == '\'' || *s == '"') {
-      s = strchr(s + 1, *s);
-      if (!s) return NULL;
-    }
-    depth += (*s == '{' || *s == '(') - (*s == '}' || *s == ')');
-    if (*s != '=' || depth || s == line || s[1] == '=' || strchr("=<>!", s[-1])) continue;
-    const char *end = s, *begin;
-    while (end > line && strchr(BLANKS, end[-1])) end--;
-    for (begin = end; begin > line && vs_words_goes_on(begin[-1]);) begin--;
-    *at = begin;
-    *n = (size_t)(end - begin);
-    return s + 1;
-  }
-  return NULL;
-}
 
 /* Returns the length of the name at s; 0: none begins there. */
 static size_t name_at(const char *s) {
@@ -50,24 +26,31 @@ static vs_word word_behind(const char *value) {
   return name_at(w[1].at) == w[1].n ? w[1] : none;
 }
 
-vs_status vs_parameters_check(const vs_line *line, vs_error *err) {
-  const char *at, *last = NULL;
-  size_t n;
-  if (tolower((unsigned char)*line->text) != 'x') return VS_OK;
-  for (const char *s = line->text; (s = next_parameter(line->text, s, &at, &n)); last = s) {
-    const char *value = s + strspn(s, BLANKS);
-    size_t next = name_at(value);
-    if (n > 0 && (!*value || (next && vs_words_is_given(value + next))))
-      return vs_fail_at(err, vs_line_place(line, at),
-                        "%.*s has no value; write one behind its '=', or leave %.*s out", (int)n,
-                        at, (int)n, at);
+static vs_status check_instance(const vs_cards *c, size_t number, vs_error *err) {
+  const vs_netlist_card *card = &c->card[number];
+  const vs_line *line = &c->lines[number];
+  vs_word extra = {"", 0};
+  for (size_t k = card->first; card->letter == 'x' && k < card->first + card->count; k++) {
+    const vs_argument *a = &c->arguments[k];
+    const int n = (int)a->name.n;
+    if (n && !a->value.n)
+      return vs_fail_at(err, vs_line_place_of(line, a->name),
+                        "%.*s has no value; write one behind its '=', or leave %.*s out", n,
+                        a->name.at, n, a->name.at);
+    extra = n ? word_behind(a->value.at) : extra;
   }
-  vs_word extra = last ? word_behind(last) : (vs_word){0};
-  return extra.n ? vs_fail_at(err, vs_line_place(line, extra.at),
+  return extra.n ? vs_fail_at(err, vs_line_place_of(line, extra),
                               "ngspice leaves out '%.*s' behind the parameters; write NAME=VALUE, "
                               "or leave it out",
                               (int)extra.n, extra.at)
                  : VS_OK;
+}
+
+vs_status vs_parameters_check(const vs_cards *c, vs_error *err) {
+  vs_status status = VS_OK;
+  for (size_t k = 0; k < c->count && !status; k++)
+    status = vs_error_keep(err, check_instance(c, k, err));
+  return status;
 }
 
 /* ---- gains ---- */

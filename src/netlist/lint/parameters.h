@@ -8,9 +8,9 @@
 
 #include "netlist/cards.h"
 
-/* Error: a line X..., one of whose parameters has no value, as "r= c=7", which ngspice reads as
- * something else; or a name behind the last value, which ngspice leaves out. */
-vs_status vs_parameters_check(const vs_line *line, vs_error *err);
+/* Errors: in lines X... a parameter that has no value, as "r= c=7", which ngspice reads as
+ * something else; a name behind the last value, which ngspice leaves out. */
+vs_status vs_parameters_check(const vs_cards *cards, vs_error *err);
 
 /* Errors, each with its place: the gain of an E, F, G or H is a bare name that ngspice takes for 0,
  * as no .param or .subckt defines it, wherever that stands, or as it stands in brackets or in a

@@ -8,7 +8,6 @@
 #include <string.h>
 
 #include "lint/couplings.h"
-#include "lint/parameters.h"
 #include "netlist/numbers.h"
 #include "netlist/words.h"
 
@@ -235,7 +234,6 @@ static vs_status check_segments(const vs_line *line, vs_error *err) {
 vs_status vs_slips_line(const vs_line *line, vs_error *err) {
   vs_status status = check_brackets(line, line->text, line->text + strlen(line->text), err);
   if (!status) status = check_value(line, err);
-  if (!status) status = vs_parameters_check(line, err);
   if (!status) status = vs_couplings_line(line, err);
   if (!status) status = check_polynomial(line, err);
   if (!status) status = check_delay(line, err);

@@ -8,7 +8,7 @@
 
 /* Errors with their place, and what would be right: a bracket or brace that is not closed, or is
  * one too many; an R, C or L of nothing but two nodes; times of a PWL of which one lies before the
- * last; what vs_parameters_check and vs_couplings_line find; a POLY(n) with too few nodes,
+ * last; what vs_couplings_line finds; a POLY(n) with too few nodes,
  * sources or coefficients; a T without a delay; a U of too many segments. What stands in double
  * quotes is not looked at, nor are the round brackets of a .model, which ngspice takes for blanks.
  */
