@@ -116,6 +116,41 @@ static void names_mean_what_ngspice_takes(void) {
   free_cards(lines, count, &c);
 }
 
+static int tell_element(void *ctx, const vs_instance *in, size_t number) {
+  const vs_cards *c = ((void *const *)ctx)[0];
+  const vs_netlist_card *card = &c->card[number];
+  vs_text *out = ((void *const *)ctx)[1];
+  if (vs_cards_called(c, card)) return in->depth < 3 ? VS_CARDS_ENTER : VS_CARDS_STOP;
+  vs_cards_add_name(in, card->name, out);
+  for (size_t k = 0; k < card->nodes; k++) {
+    vs_text_add(out, " ");
+    vs_cards_add_node(c, in, vs_cards_word(c, card, k), out);
+  }
+  vs_text_add(out, "\n");
+  return VS_CARDS_PASS;
+}
+
+/* The names are those that ngspice 39 has in its vectors. */
+static void circuits_are_unfolded(void) {
+  vs_line lines[MOST];
+  vs_cards c;
+  vs_text out = {0};
+  size_t count =
+      read_cards(".global vcc\n.subckt s p q\n.subckt t a b\nR1 a N 1\nR2 vcc b 1\n.ends\n"
+                 "XT p m t\nR3 m gnd 1\nR4 q 0 1\n.ends\nX1 A 0 s\nX2 b n none\n",
+                 lines, &c);
+  void *const ctx[] = {&c, &out};
+  CU_ASSERT_TRUE(vs_cards_expand(&c, tell_element, (void *)(size_t)ctx));
+  EXPECT(!strcmp(out.text, "x1.xt.r1 a x1.xt.n\nx1.xt.r2 vcc x1.m\nx1.r3 x1.m 0\nx1.r4 0 0\n"
+                           "x2 b n\n"),
+         "%s", out.text);
+  vs_text_free(&out);
+  free_cards(lines, count, &c);
+  count = read_cards(".subckt s p q\nX1 p q s\n.ends\nX1 a 0 s\n", lines, &c);
+  CU_ASSERT_FALSE(vs_cards_expand(&c, tell_element, (void *)(size_t)ctx)); /* not without end */
+  free_cards(lines, count, &c);
+}
+
 static bool is_same(vs_word a, vs_word b) {
   return a.n == b.n && !memcmp(a.at, b.at, a.n);
 }
@@ -276,6 +311,7 @@ static const vs_test TESTS[] = {
     {"names mean what ngspice takes", names_mean_what_ngspice_takes},
     {"expressions are bound", expressions_are_bound},
     {"odd texts have their names", odd_texts_have_their_names},
+    {"circuits are unfolded", circuits_are_unfolded},
     {"shipped files go round", shipped_files_go_round},
     {"order of text does not count", order_of_text_does_not_count},
 };
