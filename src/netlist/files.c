@@ -16,10 +16,10 @@
 #include "lint/slips.h"
 #include "netlist/catalogue.h"
 #include "netlist/contract.h"
-#include "rules.h"
 #include "netlist/source.h"
 #include "netlist/statements.h"
 #include "netlist/words.h"
+#include "rules.h"
 
 /* Where includes are found that are not beside the file that includes them. */
 static const vs_shelf INCLUDE_SHELF = {"include file", "", ""},

@@ -255,10 +255,10 @@ static bool is_linear(const search *s, const vs_netlist_card *card) {
  * make much larger. So may a resistance or capacitance that any formula gives. Returns false where
  * no signal of the formula's own shows what is read. */
 static bool add_reads(const search *s, const vs_netlist_card *card) {
-  const vs_argument *third = &s->cards->arguments[card->first + 2];
   bool good = true;
   vs_expr e;
   if (card->count < 3) return true;
+  const vs_argument *third = &s->cards->arguments[card->first + 2];
   const bool all = !strchr("beg", card->letter) || !is_linear(s, card);
   vs_expr_read(&e, vs_words_of(third->name.n ? third->name.at : third->value.at));
   for (size_t k = 1; k < e.count && good; k++)
