@@ -4,7 +4,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/stat.h>
 
 #include "base/jail.h"
@@ -15,6 +14,7 @@
 #include "fit/fit_problem.h"
 #include "import/hint.h"
 #include "measure/unjudged.h"
+#include "netlist/cards.h"
 #include "netlist/catalogue.h"
 #include "netlist/netlist.h"
 #include "netlist/parts.h"
@@ -312,9 +312,10 @@ static vs_status check_library(report *r, vs_error *err) {
   size_t subcircuits = 0, models = 0;
   vs_status status = vs_netlist_read_library(r->options->name, library, err);
   bool is_deck = *library->eva || library->n_ports;
-  for (size_t k = 0; k < library->n_lines; k++) {
-    subcircuits += !strncasecmp(library->lines[k].text, ".subckt", 7);
-    models += !strncasecmp(library->lines[k].text, ".model", 6);
+  const vs_cards *cards = vs_deck_cards(library);
+  for (size_t k = 0; k < cards->n_definitions; k++) {
+    subcircuits += cards->definition[k].kind == VS_CARDS_SUBCKT;
+    models += cards->definition[k].kind == VS_CARDS_MODEL;
   }
   if (!status && !vs_error_count(err) && !is_deck) {
     vs_text_add(&r->good,

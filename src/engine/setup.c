@@ -17,7 +17,6 @@
 #include "engine/signals.h"
 #include "netlist/deck.h"
 #include "netlist/eva.h"
-#include "netlist/expansion.h"
 #include "netlist/netlist.h"
 #include "netlist/parts.h"
 #include "netlist/words.h"
@@ -533,7 +532,7 @@ static vs_status read_limits(const vs_node *scene, vs_setup *setup, bool has_dec
   size_t found = vs_error_count(err);
   vs_status s = vs_section_cache_read(&setup->memo, &vs_limits_section, map, v, sizeof *v, err);
   if (s || has_deck || vs_error_count(err) > found) return s;
-  return vs_error_keep(err, vs_expansion_check(&setup->deck, v->devices, err));
+  return vs_error_keep(err, vs_limits_devices(&setup->deck, v->devices, err));
 }
 
 /* The EVA begins without a current. */

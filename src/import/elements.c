@@ -8,7 +8,7 @@
 #include <strings.h>
 
 #include "base/cursor.h"
-#include "netlist/rules.h"
+#include "netlist/cards.h"
 
 /* ---- words ---- */
 
@@ -100,11 +100,10 @@ static int word_of_model(const vs_elements *w, const vs_element *e, int from) {
 }
 
 char *vs_elements_model(const vs_elements *w, const vs_element *e) {
-  size_t n = 0;
   char *name = NULL;
-  const char *instance = vs_rules_instance_of(text_of(w, e), &n);
-  if (instance) name = part(instance, 0, (int)n);
-  if (!instance && strchr("dqmjsw", e->letter))
+  const vs_word instance = vs_cards_instance_of(text_of(w, e));
+  if (instance.n) name = part(instance.at, 0, (int)instance.n);
+  if (!instance.n && strchr("dqmjsw", e->letter))
     name = vs_elements_word_of(w, e, e->n_nodes + (e->letter == 'w' ? 2 : 1));
   if (name) vs_cursor_lower(name);
   return name;
@@ -117,12 +116,11 @@ static int count_nodes(const vs_elements *w, const vs_element *e) {
   static const char *const TWO[] = {"value", "poly", "table", "laplace", "vol", "cur", "{", "freq"};
   static const char LETTERS[] = "rclvidbfhwegstjqmzu", COUNTS[] = "2222222222444433433";
   const char *letter = strchr(LETTERS, e->letter);
-  size_t n = 0;
   if (e->letter == 'x') {
-    const char *instance = vs_rules_instance_of(text_of(w, e), &n);
+    const vs_word instance = vs_cards_instance_of(text_of(w, e));
     int k = 1;
-    while (instance && k < e->n_words && text_of(w, e) + e->words[k].at < instance) k++;
-    return instance ? k - 1 : 0;
+    while (instance.n && k < e->n_words && text_of(w, e) + e->words[k].at < instance.at) k++;
+    return instance.n ? k - 1 : 0;
   }
   if (e->letter == 'a') return w->listing->origin == VS_ORIGIN_LTSPICE ? 8 : 0;
   if (!letter) return 0;

@@ -6,7 +6,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "netlist/rules.h"
+#include "netlist/cards.h"
 #include "netlist/words.h"
 
 /* True where the line has a dialect's word for a start without an operating point. LTspice's
@@ -46,12 +46,10 @@ static const vs_element *find_source(const vs_elements *w, const vs_values *v, c
 
 /* True where an element of the netlist itself is an instance of this subcircuit. */
 static bool is_instantiated(const vs_listing *l, vs_word name) {
-  for (size_t k = 0; k < l->count; k++) {
-    size_t n = 0;
-    bool own = l->cards[k].kind == VS_CARD_ELEMENT && !l->cards[k].included;
-    const char *instance = own ? vs_rules_instance_of(l->cards[k].text, &n) : NULL;
-    if (instance && n == name.n && !strncasecmp(instance, name.at, n)) return true;
-  }
+  for (size_t k = 0; k < l->count; k++)
+    if (l->cards[k].kind == VS_CARD_ELEMENT && !l->cards[k].included &&
+        !vs_words_compare(vs_cards_instance_of(l->cards[k].text), name))
+      return true;
   return false;
 }
 

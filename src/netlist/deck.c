@@ -10,6 +10,7 @@
 #include <strings.h>
 
 #include "base/text.h"
+#include "netlist/cards.h"
 #include "netlist/catalogue.h"
 #include "netlist/reserved.h"
 #include "netlist/words.h"
@@ -62,6 +63,7 @@ static vs_field *own_fields(vs_deck *deck) {
 void vs_deck_begin(vs_deck *deck) {
   if (deck->begun) *deck = (vs_deck){0};
   deck->begun = true;
+  deck->cards = vs_alloc(1, sizeof *deck->cards);
   deck->section =
       (vs_section){"circuit", vs_alloc(1 + VS_DECK_MOST + VS_DECK_PARTS, sizeof(vs_field)), 1};
   own_fields(deck)[0] = vs_deck_key;
@@ -85,6 +87,25 @@ void vs_deck_remark(vs_deck *deck, vs_where where, const char *format, ...) {
 void vs_deck_add_line(vs_deck *deck, vs_line line) {
   deck->lines = vs_alloc_grow(deck->lines, deck->n_lines, sizeof *deck->lines);
   deck->lines[deck->n_lines++] = line;
+  vs_deck_changed(deck);
+}
+
+void vs_deck_changed(vs_deck *deck) {
+  if (deck->cards->card) vs_cards_free(deck->cards);
+}
+
+_Static_assert((int)VS_DECK_PARTS <= (int)VS_CARDS_CHOICES, "a choice for each part");
+
+const vs_cards *vs_deck_cards(const vs_deck *deck) {
+  static vs_netlist_scope nothing;
+  static const vs_cards NONE = {.scope = &nothing, .n_scopes = 1};
+  vs_cards *c = deck->cards;
+  if (!c) return &NONE; /* the deck was not begun */
+  if (!c->card) vs_cards_read(c, deck->lines, deck->n_lines);
+  c->n_choices = deck->n_parts;
+  for (size_t p = 0; p < deck->n_parts; p++)
+    c->choice[p] = (vs_cards_choice){deck->parts[p].name, deck->parts[p].subcircuit};
+  return c;
 }
 
 vs_status vs_deck_add_field(vs_deck *deck, const vs_field *field, vs_where where, vs_error *err) {
@@ -250,31 +271,21 @@ static bool is_own_line(const vs_deck *deck, const vs_line *line) {
 
 /* True for a source that is neither a port's nor one of 0, which measures a current or joins two
  * nodes. */
-static bool is_own_source(const vs_deck *deck, const char *text) {
-  vs_word w[VS_WORDS_MOST];
-  const size_t count = vs_words_split(text, w),
-               value = count > 4 && vs_words_is(w[3], "dc") ? 4 : 3;
+static bool is_own_source(const vs_deck *deck, const vs_netlist_card *card) {
+  const vs_cards *c = vs_deck_cards(deck);
+  const size_t value = card->words > 3 && vs_words_is(vs_cards_word(c, card, 2), "dc") ? 3 : 2;
   for (size_t k = 0; k < deck->n_ports; k++)
-    if (vs_words_is(w[0], deck->ports[k].source)) return false;
-  return count > 3 && !(count == value + 1 && vs_words_is(w[value], "0"));
+    if (vs_words_is(card->name, deck->ports[k].source)) return false;
+  return card->count > 2 &&
+         !(card->count == value + 1 && vs_words_is(vs_cards_word(c, card, value), "0"));
 }
 
-/* True for a line that couples two circuits, or that drives one: transformers are made of K, E and
- * F. */
-static bool is_other_drive(const vs_deck *deck, const char *text) {
-  switch (tolower((unsigned char)*text)) {
-  case 'e':
-  case 'f':
-  case 'g':
-  case 'h':
-  case 'k':
-    return true;
-  case 'v':
-  case 'i':
-    return is_own_source(deck, text);
-  default:
-    return false;
-  }
+/* True for an element that couples two circuits, or that drives one: transformers are made of K, E
+ * and F. */
+static bool is_other_drive(const vs_deck *deck, const vs_netlist_card *card) {
+  if (card->kind != VS_CARDS_ELEMENT) return false;
+  if (strchr("vi", card->letter)) return is_own_source(deck, card);
+  return strchr("efghk", card->letter);
 }
 
 /* True where the device has a terminal at the node that the deck's line `*$ line` names. */
@@ -293,9 +304,9 @@ static bool is_at_line(const vs_deck *deck, const vs_device *d) {
 static bool has_other_drive(const vs_deck *deck) {
   for (size_t k = 0; k < deck->n_part_files; k++)
     if (!strcmp(deck->part_files[k].kind, "transformer")) return true;
-  for (size_t k = 0; k < deck->n_lines; k++)
-    if (is_other_drive(deck, deck->lines[k].text) && is_own_line(deck, &deck->lines[k]))
-      return true;
+  const vs_cards *c = vs_deck_cards(deck);
+  for (size_t k = 0; k < c->count; k++)
+    if (is_other_drive(deck, &c->card[k]) && is_own_line(deck, &deck->lines[k])) return true;
   return false;
 }
 
@@ -350,6 +361,8 @@ void vs_deck_free(vs_deck *deck) {
   free(own_fields(deck));
   for (size_t k = 0; k < deck->n_lines; k++) vs_line_free(&deck->lines[k]);
   free(deck->lines);
+  if (deck->cards) vs_cards_free(deck->cards);
+  free(deck->cards);
   each_formula(deck, free_formula, NULL);
   for (size_t k = 0; k < deck->n_files; k++) free(deck->files[k]);
   vs_statements_free(&deck->skipped);

@@ -10,6 +10,7 @@
 
 #include "base/file.h"
 #include "base/hash.h"
+#include "netlist/cards.h"
 
 static const vs_shelf EVA_SHELF = {"subcircuit", "", ".inc"};
 
@@ -148,14 +149,13 @@ static bool is_statement(const char *line, const char *word) {
  * the EVA's name, whose node it may be. */
 static bool may_stand_within(const vs_deck *deck, const char *node) {
   char whole[2 * VS_DECK_NAME + 2];
-  int depth = 0;
+  const vs_cards *c = vs_deck_cards(deck);
   snprintf(whole, sizeof whole, "%s.%s", deck->eva, node);
-  for (size_t k = 0; k < deck->n_lines; k++) {
-    const char *line = deck->lines[k].text;
-    depth += is_statement(line, ".subckt") - is_statement(line, ".ends");
-    if (is_statement(line, ".global") && has_word(line, whole)) return true;
-    size_t n = strlen(deck->eva);
-    if (depth > 0 && !strncasecmp(line, deck->eva, n) && strchr(" \t", line[n])) return true;
+  for (size_t k = 0; k < c->count; k++) {
+    const vs_netlist_card *card = &c->card[k];
+    if (card->kind == VS_CARDS_GLOBAL && has_word(deck->lines[k].text, whole)) return true;
+    if (card->scope && card->kind == VS_CARDS_ELEMENT && vs_words_is(card->name, deck->eva))
+      return true;
   }
   return false;
 }
@@ -174,22 +174,18 @@ static bool draws_nothing(const char *line, const char *at) {
   return *line == '.' || (strchr("rclvidbefghws", tolower((unsigned char)*line)) && words > 2);
 }
 
-/* A line of the netlist, and whether it is one of a subcircuit. */
-typedef struct own_line {
-  const vs_line *line;
-  bool within;
-} own_line;
-
 /* Takes a node that a line names at `at`. */
-static vs_status take_mention(vs_deck *deck, const own_line *own, const char *at, const char *node,
+static vs_status take_mention(vs_deck *deck, size_t line, const char *at, const char *node,
                               const node_names *names, vs_where where, vs_error *err) {
-  if (own->within && !may_stand_within(deck, node))
+  const vs_netlist_card *card = &vs_deck_cards(deck)->card[line];
+  const bool within = card->scope || card->opens;
+  if (within && !may_stand_within(deck, node))
     return vs_fail_at(err, where,
                       "%s.%s within a subcircuit is a node of its own; hand the EVA's to it as one "
                       "of its nodes, or write .global %s.%s",
                       deck->eva, node, deck->eva, node);
-  if (own->within) return VS_OK;
-  if (!strcmp(node, OWN[1]) && !draws_nothing(own->line->text, at))
+  if (within) return VS_OK;
+  if (!strcmp(node, OWN[1]) && !draws_nothing(deck->lines[line].text, at))
     return vs_fail_at(err, where,
                       "%s.%s: a current from this node would change the flux linkage; let a source "
                       "read it, as in E1 a 0 %s.%s 0 1",
@@ -198,10 +194,10 @@ static vs_status take_mention(vs_deck *deck, const own_line *own, const char *at
 }
 
 /* Takes the nodes that one line of the netlist names. */
-static vs_status take_nodes_of_line(vs_deck *deck, const own_line *own, const node_names *names,
+static vs_status take_nodes_of_line(vs_deck *deck, size_t number, const node_names *names,
                                     vs_error *err) {
   char node[VS_DECK_NAME], other[VS_DECK_NAME];
-  const vs_line *line = own->line;
+  const vs_line *line = &deck->lines[number];
   const char *text = line->text, *written = line->written ? line->written : text;
   bool reads = !is_statement(text, ".ic") && !is_statement(text, ".nodeset") &&
                !is_statement(text, ".global");
@@ -210,7 +206,7 @@ static vs_status take_nodes_of_line(vs_deck *deck, const own_line *own, const no
     /* where the text was changed, the place is that of the first node */
     const char *in_file = line->written ? find_node(deck->eva, written, written, other) : at;
     vs_where where = vs_line_place(line, in_file ? in_file : written);
-    status = vs_error_keep(err, take_mention(deck, own, at, node, names, where, err));
+    status = vs_error_keep(err, take_mention(deck, number, at, node, names, where, err));
     if (reads && !deck->reads_eva.file) deck->reads_eva = where;
   }
   return status;
@@ -220,18 +216,13 @@ vs_status vs_eva_take_motions(vs_deck *deck, const vs_machine *machine, vs_error
   node_names names;
   char node[VS_DECK_NAME];
   vs_status status = VS_OK;
-  int depth = 0;
   deck->n_motions = 0;
   deck->reads_eva = (vs_where){0};
   if (!*deck->eva) return VS_OK; /* a check carries on without it */
   name_nodes(machine, &names);
-  for (size_t k = 0; k < deck->n_lines && !status; k++) {
-    const vs_line *line = &deck->lines[k];
-    depth += is_statement(line->text, ".subckt");
-    const own_line own = {line, depth > 0};
-    if (is_of_the_deck(deck, line->where)) status = take_nodes_of_line(deck, &own, &names, err);
-    depth -= is_statement(line->text, ".ends");
-  }
+  for (size_t k = 0; k < deck->n_lines && !status; k++)
+    if (is_of_the_deck(deck, deck->lines[k].where))
+      status = take_nodes_of_line(deck, k, &names, err);
   for (size_t k = 0; k < deck->n_terms && !status; k++) {
     const vs_term *term = &deck->terms[k];
     const char *of[] = {term->plus, term->minus};

@@ -16,10 +16,10 @@
 #include "lint/slips.h"
 #include "netlist/catalogue.h"
 #include "netlist/contract.h"
-#include "netlist/rules.h"
 #include "netlist/source.h"
 #include "netlist/statements.h"
 #include "netlist/words.h"
+#include "rules.h"
 
 /* Where includes are found that are not beside the file that includes them. */
 static const vs_shelf INCLUDE_SHELF = {"include file", "", ""},
@@ -129,10 +129,7 @@ static vs_status include(vs_deck *deck, const char *line, vs_where where, vs_err
 
 /* Adds a line to the netlist as ngspice is to be given it, and those that it needs besides. */
 static void add_rewritten(vs_deck *deck, vs_line line, vs_rewriting *r) {
-  if (strcmp(r->text.text, line.text)) {
-    line.written = line.text;
-    line.text = vs_copy(r->text.text);
-  }
+  if (strcmp(r->text.text, line.text)) vs_line_change(&line, vs_copy(r->text.text));
   vs_where where = line.where;
   vs_deck_add_line(deck, line);
   char *rest = r->more.text;
@@ -407,6 +404,7 @@ vs_status vs_files_read(vs_deck *deck, const char *path, bool library, vs_error 
     status =
         vs_error_keep(err, vs_slips_conditions(deck->lines + before, deck->n_lines - before, err));
   vs_translate_names(deck->lines, deck->n_lines, &deck->changes);
+  vs_deck_changed(deck);
   tell_skipped(deck);
   if (status || deck->subcircuits == 0) return status;
   deck->subcircuits = 0;

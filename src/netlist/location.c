@@ -8,120 +8,64 @@
 #include <strings.h>
 
 #include "message.h"
+#include "netlist/cards.h"
 #include "netlist/deck.h"
 #include "netlist/netlist.h"
 #include "netlist/reserved.h"
-#include "netlist/rules.h"
 #include "netlist/words.h"
 
 /* ---- which lines it may be in ---- */
 
 /* In which lines of a deck that may stand which a complaint of ngspice's speaks of. */
 
-/* Lines of the deck from `begin` on, up to the one before `end`. */
-typedef struct vs_scope {
-  const vs_deck *deck;
-  size_t begin, end;
-} vs_scope;
-
-/* The line behind the end of the subcircuit that begins in line k; 0: none does. */
-static size_t end_of(const vs_deck *deck, size_t k) {
-  size_t depth = vs_words_begin(deck->lines[k].text, ".subckt"), end = depth ? k + 1 : 0;
-  for (; depth && end < deck->n_lines; end++) {
-    depth += vs_words_begin(deck->lines[end].text, ".subckt");
-    depth -= vs_words_begin(deck->lines[end].text, ".ends");
-  }
-  return end;
-}
-
 /* True for text whose first word is those n bytes. */
 static bool is_named(const char *line, const char *name, size_t n) {
   return !strncasecmp(line, name, n) && strchr(" \t", line[n]);
 }
 
-/* Finds the lines below the .subckt of that name, or of the part that is chosen for it. Returns
- * false where there is none. */
-static bool scope_enter(vs_scope *in, const char *name, size_t n) {
-  const vs_deck *deck = in->deck;
-  for (size_t p = 0; p < deck->n_parts; p++)
-    if (strlen(deck->parts[p].name) == n && !strncasecmp(deck->parts[p].name, name, n))
-      name = deck->parts[p].subcircuit, n = strlen(name);
-  for (size_t k = 0; k < deck->n_lines; k++) {
-    const char *text = deck->lines[k].text, *word = text + strcspn(text, " \t");
-    word += strspn(word, " \t");
-    if (vs_words_begin(text, ".subckt") && is_named(word, name, n)) {
-      in->begin = k + 1;
-      in->end = end_of(deck, k);
-      return true;
-    }
-  }
-  return false;
-}
-
-/* Finds the subcircuit of a path, as "b.xs.xq.bk" or "xs.xq.kk", by its instances. */
-static vs_scope scope_of(const vs_deck *deck, const char *path) {
-  vs_scope in = {deck, 0, deck->n_lines};
+/* Finds the subcircuit of a path, as "b.xs.xq.bk" or "xs.xq.kk", by its instances. 0: there is
+ * none.
+ */
+static size_t scope_of(const vs_cards *c, const char *path) {
+  size_t scope = 0;
   const char *last = vs_message_behind_path(path);
   if (path[1] == '.') path += 2; /* the element's letter */
   while (path < last) {
-    size_t n = strcspn(path, "."), length = 0, k = in.begin;
-    while (k < in.end && !is_named(deck->lines[k].text, path, n)) {
-      const size_t inner = end_of(deck, k); /* what stands in there has a longer path */
-      k = inner ? inner : k + 1;
-    }
-    const char *name = k < in.end ? vs_rules_instance_of(deck->lines[k].text, &length) : NULL;
-    if (!name || !scope_enter(&in, name, length)) return (vs_scope){deck, 0, deck->n_lines};
+    const size_t n = strcspn(path, ".");
+    size_t k = c->scope[scope].first;
+    while (k < c->scope[scope].last && !is_named(c->lines[k].text, path, n))
+      k = vs_cards_next(c, k);
+    scope = k < c->scope[scope].last ? vs_cards_called(c, &c->card[k]) : 0;
+    if (!scope) return 0;
     path += n + 1;
   }
-  return in;
+  return scope;
 }
 
 /* Finds the lines that a message is about: those of the subcircuit of the first path in it, such as
  * "b.xs.xq.bk"; else all of the deck. */
-static vs_scope scope_find(const vs_deck *deck, const char *message) {
+static size_t scope_find(const vs_cards *c, const char *message) {
   static const char *const BEFORE[] = {"check node ", "instance ", "trouble with node \"", ": "};
   for (size_t k = 0; k < sizeof BEFORE / sizeof *BEFORE; k++)
     for (const char *s = message; (s = strstr(s, BEFORE[k]));) {
       s += strlen(BEFORE[k]);
       if (!isalpha((unsigned char)*s) || vs_message_behind_path(s) == s) continue;
-      vs_scope in = scope_of(deck, s);
-      if (in.end - in.begin < deck->n_lines) return in;
+      const size_t scope = scope_of(c, s);
+      if (scope) return scope;
     }
-  return (vs_scope){deck, 0, deck->n_lines};
-}
-
-/* True where a line gives a parameter of that name a value, or describes a model of that name. */
-static bool declares(const char *line, const char *name, size_t n, bool parameter) {
-  if (!parameter) {
-    const char *word = line + strcspn(line, " \t");
-    return vs_words_begin(line, ".model") &&
-           vs_words_find(word, word, name, n) == word + strspn(word, " \t");
-  }
-  if (!vs_words_begin(line, ".param") && !vs_words_begin(line, ".subckt")) return false;
-  for (const char *at = line; (at = vs_words_find(line, at, name, n)); at += n)
-    if (vs_words_is_given(at + n)) return true;
-  return false;
+  return 0;
 }
 
 /* True where the subcircuit that line k stands in, or one around that, has the parameter or the
  * model whose lack the message is of. */
-static bool scope_has_what_lacks(const vs_deck *deck, size_t k, const char *message) {
-  size_t n = 0;
-  const char *name = vs_message_parameter(message, &n);
-  const bool parameter = name;
-  if (!name) name = vs_message_model(message, &n);
-  for (size_t from = 0; from < k && name; from++) {
-    size_t end = end_of(deck, from);
-    if (end <= k) continue;
-    for (size_t j = from; j < end; j++) {
-      size_t inner = j > from ? end_of(deck, j) : 0;
-      if (inner)
-        j = inner - 1;
-      else if (declares(deck->lines[j].text, name, n, parameter))
-        return true;
-    }
-  }
-  return false;
+static bool scope_has_what_lacks(const vs_cards *c, size_t k, const char *message) {
+  vs_word name = {NULL, 0};
+  name.at = vs_message_parameter(message, &name.n);
+  const int kind = name.at ? VS_CARDS_PARAM : VS_CARDS_MODEL;
+  if (!name.at) name.at = vs_message_model(message, &name.n);
+  const vs_netlist_definition *d =
+      name.at ? vs_cards_resolve(c, c->card[k].scope, kind, name) : NULL;
+  return d && d->scope;
 }
 
 /* ---- what it speaks of ---- */
@@ -218,16 +162,17 @@ static bool subject_is_quoted(const char *line, const char *message) {
 /* Finds the first line in which `find` finds what a message speaks of. */
 static vs_where place_in_lines(const vs_deck *deck, const char *message,
                                const char *(*find)(const char *line, const char *message)) {
-  const vs_scope in = scope_find(deck, message);
+  const vs_cards *c = vs_deck_cards(deck);
+  const vs_netlist_scope *in = &c->scope[scope_find(c, message)];
   bool quoted = false; /* the message has a line as a whole, which is not another one then */
-  for (size_t k = in.begin; k < in.end && !quoted; k++)
+  for (size_t k = in->first; k < in->last && !quoted; k++)
     quoted = subject_is_quoted(deck->lines[k].text, message);
-  for (size_t k = in.begin; k < in.end; k++) {
+  for (size_t k = in->first; k < in->last; k++) {
     const vs_line *line = &deck->lines[k];
     if (quoted && !subject_is_quoted(line->text, message)) continue;
     const char *at = find(line->written ? line->written : line->text, message);
     if (!at && !(line->written && find(line->text, message))) continue;
-    if (!scope_has_what_lacks(deck, k, message)) return at ? vs_line_place(line, at) : line->where;
+    if (!scope_has_what_lacks(c, k, message)) return at ? vs_line_place(line, at) : line->where;
   }
   return (vs_where){0};
 }
@@ -243,10 +188,11 @@ static vs_where place_in_line(const vs_line *line, const char *message) {
 static vs_where place_of_pins(const vs_deck *deck, const char *message, vs_where where) {
   size_t n = 0;
   const char *name = vs_message_between(message, "parameters for subcircuit type \"", '"', &n);
-  vs_scope in = {deck, 0, 0};
-  if (!name || (where.file && !vs_deck_is_shipped(where.file)) || !scope_enter(&in, name, n))
-    return where;
-  const vs_where its = deck->lines[in.begin - 1].where;
+  if (!name || (where.file && !vs_deck_is_shipped(where.file))) return where;
+  const vs_netlist_definition *d =
+      vs_cards_resolve(vs_deck_cards(deck), 0, VS_CARDS_SUBCKT, (vs_word){name, n});
+  if (!d) return where;
+  const vs_where its = deck->lines[d->card].where;
   return vs_deck_is_shipped(its.file) ? where : its;
 }
 

@@ -15,13 +15,11 @@
 #include "base/units.h"
 #include "files.h"
 #include "lint/couplings.h"
-#include "lint/cycles.h"
-#include "lint/doubles.h"
-#include "lint/growth.h"
-#include "lint/nesting.h"
+#include "lint/definitions.h"
 #include "lint/parameters.h"
 #include "lint/slips.h"
 #include "lint/subcircuits.h"
+#include "netlist/cards.h"
 #include "netlist/catalogue.h"
 #include "netlist/contract.h"
 #include "netlist/devices.h"
@@ -30,9 +28,9 @@
 #include "netlist/numbers.h"
 #include "netlist/parts.h"
 #include "netlist/reserved.h"
-#include "netlist/rules.h"
 #include "netlist/words.h"
 #include "probes.h"
+#include "rules.h"
 
 /* ---- files ---- */
 
@@ -40,10 +38,12 @@
  * that no port drives would stay at 0 V. */
 static vs_status match_sources(const vs_deck *deck, vs_error *err) {
   bool driven[VS_DECK_MOST] = {false};
+  const vs_cards *c = vs_deck_cards(deck);
   vs_status status = VS_OK;
-  for (size_t k = 0; k < deck->n_lines && !status; k++) {
-    char name[VS_DECK_NAME];
-    if (!vs_rules_is_external(deck->lines[k].text, name)) continue;
+  for (size_t k = 0; k < c->count && !status; k++) {
+    if (!vs_cards_is_external(c, &c->card[k])) continue;
+    char *name = vs_alloc_part(c->card[k].name.at, c->card[k].name.n);
+    vs_cursor_lower(name);
     size_t p = 0;
     while (p < deck->n_ports && strcmp(deck->ports[p].source, name)) p++;
     if (p < deck->n_ports)
@@ -52,6 +52,7 @@ static vs_status match_sources(const vs_deck *deck, vs_error *err) {
       status = vs_error_keep(
           err, vs_fail_at(err, deck->lines[k].where,
                           "the external source %s has no line '*$ port ... = %s'", name, name));
+    free(name);
   }
   for (size_t p = 0; p < deck->n_ports && !status; p++)
     if (!driven[p] && !(deck->lost & VS_LOST_ELEMENT))
@@ -61,67 +62,14 @@ static vs_status match_sources(const vs_deck *deck, vs_error *err) {
   return status;
 }
 
-/* Looks for functions and parameters that need themselves, or come to too much. */
-static vs_status check_definitions(const vs_deck *deck, vs_error *err) {
-  vs_definitions definitions;
-  vs_definitions_find(&definitions, deck->lines, deck->n_lines);
-  vs_status status = vs_cycles_check(&definitions, err);
-  if (!status) status = vs_cycles_check_depth(&definitions, err);
-  if (!status) status = vs_growth_check(&definitions, deck->lines, deck->n_lines, err);
-  status = vs_error_keep(err, status);
-  vs_definitions_free(&definitions);
-  return status;
-}
-
-/* Holds the parameters of all instances to their subcircuits. */
-static vs_status check_instances(const vs_deck *deck, vs_error *err) {
-  vs_subcircuits subcircuits;
-  vs_status status = VS_OK;
-  vs_subcircuits_find(&subcircuits, deck->lines, deck->n_lines);
-  for (size_t k = 0; k < deck->n_lines && !status; k++) {
-    size_t n = 0;
-    const char *at = vs_rules_instance_of(deck->lines[k].text, &n);
-    char name[VS_DECK_NAME];
-    if (!at || !strchr(at, '=') || n >= sizeof name) continue;
-    snprintf(name, sizeof name, "%.*s", (int)n, at);
-    for (size_t p = 0; p < deck->n_parts; p++)
-      if (!strcasecmp(deck->parts[p].name, name))
-        snprintf(name, sizeof name, "%s", deck->parts[p].subcircuit);
-    status =
-        vs_error_keep(err, vs_subcircuits_check(&subcircuits, &deck->lines[k], at + n, name, err));
-  }
-  vs_subcircuits_free(&subcircuits);
-  return status;
-}
-
-/* Looks for subcircuits that have themselves within. */
-static vs_status check_nesting(const vs_deck *deck, vs_error *err) {
-  vs_word *called = vs_alloc(deck->n_lines + 1, sizeof *called);
-  for (size_t k = 0; k < deck->n_lines; k++) {
-    called[k].at = vs_rules_instance_of(deck->lines[k].text, &called[k].n);
-    for (size_t p = 0; p < deck->n_parts && called[k].n; p++) {
-      const char *subcircuit = deck->parts[p].subcircuit;
-      if (!vs_words_is(called[k], deck->parts[p].name)) continue;
-      called[k] = (vs_word){subcircuit, strlen(subcircuit)};
-      break;
-    }
-  }
-  vs_status status = vs_error_keep(err, vs_nesting_check(deck->lines, called, deck->n_lines, err));
-  free(called);
-  return status;
-}
-
 /* Holds the gains of controlled sources to the parameters that the deck has. */
 static vs_status check_gains(const vs_deck *deck, vs_error *err) {
-  vs_parameters names = {0};
-  vs_status status = VS_OK;
-  for (size_t k = 0; k < VS_STANDARD; k++) vs_parameters_add(&names, vs_deck_standard_names[k]);
+  vs_names names = {0};
+  for (size_t k = 0; k < VS_STANDARD; k++) vs_names_put(&names, vs_deck_standard_names[k], k);
   for (size_t k = 1; k < deck->section.count; k++)
-    vs_parameters_add(&names, deck->section.fields[k].key);
-  vs_parameters_find(&names, deck->lines, deck->n_lines);
-  for (size_t k = 0; k < deck->n_lines && !status; k++)
-    status = vs_error_keep(err, vs_parameters_check_gain(&names, &deck->lines[k], err));
-  vs_parameters_free(&names);
+    vs_names_put(&names, deck->section.fields[k].key, k);
+  vs_status status = vs_parameters_check_gains(vs_deck_cards(deck), &names, err);
+  vs_names_free(&names);
   return status;
 }
 
@@ -146,7 +94,7 @@ static void tell_double(void *ctx, vs_where where, bool apart, const char *text)
 
 static vs_status check_doubles(vs_deck *deck, vs_error *err) {
   doubles d = {deck, err, VS_OK};
-  vs_doubles_look(deck->lines, deck->n_lines, tell_double, &d);
+  vs_subcircuits_doubles(vs_deck_cards(deck), tell_double, &d);
   return d.status;
 }
 
@@ -156,32 +104,36 @@ static void rename_reserved(vs_deck *deck) {
   size_t count = 0;
   for (size_t k = 1; k < deck->section.count; k++)
     if (deck->section.fields[k].kind == VS_REAL) given[count++] = deck->section.fields[k].key;
-  vs_reserved_rename(deck->lines, deck->n_lines, (vs_reserved_given){given, count},
-                     *deck->compat != 0);
+  if (vs_reserved_rename(vs_deck_cards(deck), deck->lines, (vs_reserved_given){given, count},
+                         *deck->compat != 0))
+    vs_deck_changed(deck);
   free(given);
 }
 
 /* What can be told once all lines are there; messages have the user's names up to then. */
 static vs_status check_whole(vs_deck *deck, vs_error *err) {
+  const vs_cards *cards = vs_deck_cards(deck);
   vs_status status = vs_rules_params(deck, err);
-  if (!status) status = check_definitions(deck, err);
-  if (!status) status = check_nesting(deck, err);
-  if (!status) status = check_instances(deck, err);
+  if (!status) status = vs_error_keep(err, vs_definitions_check(cards, err));
+  if (!status) status = vs_error_keep(err, vs_subcircuits_circles(cards, err));
+  if (!status) status = vs_parameters_check(cards, err);
+  if (!status) status = vs_subcircuits_parameters(cards, err);
   if (!status) status = check_gains(deck, err);
-  if (!status) status = vs_error_keep(err, vs_slips_names(deck->lines, deck->n_lines, err));
-  if (!status) status = vs_couplings_check(deck->lines, deck->n_lines, err);
+  if (!status) status = vs_error_keep(err, vs_slips_names(cards, err));
+  if (!status) status = vs_couplings_check(cards, err);
   if (!status) status = vs_probes_check_units(deck, err);
   if (!status) status = check_doubles(deck, err);
   if (!status) rename_reserved(deck);
   return status;
 }
 
+/* True where a subcircuit has that name, be it within another one that is not closed. The cards are
+ * not asked, as this is while files are read. */
 static bool defines(const vs_deck *deck, const char *subcircuit) {
   for (size_t k = 0; k < deck->n_lines; k++) {
     const char *text = deck->lines[k].text;
-    char name[VS_DECK_NAME];
-    if (vs_words_begin(text, ".subckt") && sscanf(text + 7, " %63s", name) == 1 &&
-        !strcasecmp(name, subcircuit))
+    if (vs_words_begin(text, ".subckt") &&
+        vs_words_is(vs_words_at(vs_words_next(text)), subcircuit))
       return true;
   }
   return false;
@@ -198,14 +150,14 @@ static bool knows(const vs_deck *deck, const char *name) {
  * that name. */
 static vs_status refuse_no_eva(const vs_deck *deck, vs_error *err) {
   static const char *const EVA[] = {"eva"};
-  for (size_t k = 0; k < deck->n_lines; k++) {
-    size_t n = 0;
-    const char *at = vs_rules_instance_of(deck->lines[k].text, &n);
+  const vs_cards *c = vs_deck_cards(deck);
+  for (size_t k = 0; k < c->count; k++) {
+    const vs_word called = c->card[k].model;
     char name[VS_DECK_NAME];
-    if (!at || n >= sizeof name || deck->lines[k].written) continue;
-    snprintf(name, sizeof name, "%.*s", (int)n, at);
+    if (c->card[k].letter != 'x' || called.n >= sizeof name || deck->lines[k].written) continue;
+    snprintf(name, sizeof name, "%.*s", (int)called.n, called.at);
     if (vs_text_nearest(name, EVA, 1) && !knows(deck, name))
-      return vs_fail_at(err, vs_line_place(&deck->lines[k], at),
+      return vs_fail_at(err, vs_line_place(&deck->lines[k], called.at),
                         "no subcircuit %s, and the deck has no EVA; did you mean 'eva'?", name);
   }
   return vs_fail_at(err, (vs_where){deck->files[0], 1, 1},
@@ -249,61 +201,25 @@ static const char SCALE[] = "varistor_scale";
 /* Before the device's name: the subcircuit of a device with a factor of its own. */
 static const char OWN_DISC[] = "vs_disc_";
 
-static vs_word word_of(const char *line, int number) {
-  while (number-- > 1) line = vs_words_next(line);
-  return vs_words_at(line);
-}
-
-/* Finds the lines of a subcircuit, from its .subckt to its .ends. */
-static bool find_body(const vs_deck *deck, const char *subcircuit, size_t *first, size_t *last) {
-  int depth = 0;
-  for (size_t k = 0; k < deck->n_lines; k++) {
-    const char *text = deck->lines[k].text;
-    if (vs_words_begin(text, ".subckt") && (depth || vs_words_is(word_of(text, 2), subcircuit))) {
-      if (!depth++) *first = k;
-    } else if (depth && vs_words_begin(text, ".ends") && !--depth) {
-      *last = k;
-      return true;
-    }
-  }
-  return false;
+/* The scope of a part's subcircuit; 0: it is not there. */
+static size_t scope_of(const vs_cards *c, const char *subcircuit) {
+  const vs_netlist_definition *d = vs_cards_find(c, 0, VS_CARDS_SUBCKT, vs_words_of(subcircuit));
+  return d ? c->card[d->card].opens : 0;
 }
 
 /* True where the device's part has a voltage that SCALE multiplies. */
 static bool is_scaled(const vs_deck *deck, const vs_device *d) {
-  size_t first = 0, last = 0;
+  const vs_cards *c = vs_deck_cards(deck);
+  const size_t scope = d->part < 0 ? 0 : scope_of(c, deck->parts[d->part].subcircuit);
   bool is = false;
-  if (d->part < 0 || !find_body(deck, deck->parts[d->part].subcircuit, &first, &last)) return false;
-  for (size_t k = first; k < last && !is; k++)
+  for (size_t k = c->scope[scope].first; scope && k < c->scope[scope].last && !is; k++)
     is = vs_words_find(deck->lines[k].text, deck->lines[k].text, SCALE, strlen(SCALE));
   return is;
 }
 
-/* True for the line of an instance of that part of the deck. */
-static bool is_instance(const char *line, const vs_part *part) {
-  size_t n = 0;
-  const char *name = vs_rules_instance_of(line, &n);
-  return name && vs_words_is((vs_word){name, n}, part->name);
-}
-
-/* True where a word of the element, behind its name, is that node. */
-static bool has_node(const char *line, vs_word node) {
-  for (line = vs_words_next(line); *line; line = vs_words_next(line))
-    if (!vs_words_compare(vs_words_at(line), node)) return true;
-  return false;
-}
-
-/* Tells of each line whether it is an element outside of subcircuits; to be freed. */
-static bool *outer_elements(const vs_deck *deck) {
-  bool *is = vs_alloc(deck->n_lines + 1, sizeof *is);
-  int depth = 0;
-  for (size_t k = 0; k < deck->n_lines; k++) {
-    const char *text = deck->lines[k].text;
-    depth += vs_words_begin(text, ".subckt");
-    is[k] = !depth && *text != '.';
-    depth -= vs_words_begin(text, ".ends");
-  }
-  return is;
+/* True for an instance of that part of the deck. */
+static bool is_instance(const vs_netlist_card *card, const vs_part *part) {
+  return card->letter == 'x' && vs_words_is(card->model, part->name);
 }
 
 /* The source whose current alone is the device's, i(SOURCE); empty: there is none. */
@@ -319,31 +235,32 @@ static vs_word sense_of(const vs_deck *deck, const vs_device *d) {
 }
 
 /* The instance of the part that alone shares a node with line `source`; n_lines: there is none. */
-static size_t beside(const vs_deck *deck, const bool *outer, size_t source, const vs_part *part) {
-  for (int n = 2; n <= 3; n++) {
-    const vs_word node = word_of(deck->lines[source].text, n);
-    size_t found = deck->n_lines, count = 0;
-    for (size_t k = 0; k < deck->n_lines; k++)
-      if (outer[k] && k != source && has_node(deck->lines[k].text, node)) found = k, count++;
-    if (count == 1 && is_instance(deck->lines[found].text, part)) return found;
+static size_t beside(const vs_cards *c, size_t source, const vs_part *part) {
+  for (size_t n = 0; n < 2; n++) {
+    const vs_word node = vs_cards_word(c, &c->card[source], n);
+    size_t found = c->count, count = 0;
+    for (size_t k = 0; k < c->count; k = vs_cards_next(c, k))
+      if (k != source && vs_cards_has_node(c, &c->card[k], node)) found = k, count++;
+    if (count == 1 && is_instance(&c->card[found], part)) return found;
   }
-  return deck->n_lines;
+  return c->count;
 }
 
 /* The line of the netlist that is the device: the only instance of its part; of several the one in
  * series with the source that measures the device's current. n_lines: it cannot be told. */
-static size_t instance_of(const vs_deck *deck, const bool *outer, const vs_device *d) {
+static size_t instance_of(const vs_deck *deck, const vs_device *d) {
+  const vs_cards *c = vs_deck_cards(deck);
   const vs_part *part = &deck->parts[d->part];
   const vs_word sense = sense_of(deck, d);
-  size_t found = deck->n_lines, instances = 0, devices = 0, source = deck->n_lines;
+  size_t found = c->count, instances = 0, devices = 0, source = c->count;
   for (size_t k = 0; k < deck->n_devices; k++) devices += deck->devices[k].part == d->part;
-  for (size_t k = 0; k < deck->n_lines; k++) {
-    if (!outer[k]) continue;
-    if (is_instance(deck->lines[k].text, part)) found = k, instances++;
-    if (!vs_words_compare(vs_words_at(deck->lines[k].text), sense)) source = k;
+  for (size_t k = 0; k < c->count; k = vs_cards_next(c, k)) {
+    if (c->card[k].kind != VS_CARDS_ELEMENT) continue;
+    if (is_instance(&c->card[k], part)) found = k, instances++;
+    if (!vs_words_compare(c->card[k].name, sense)) source = k;
   }
   if (instances == 1 && devices == 1) return found;
-  return source < deck->n_lines ? beside(deck, outer, source, part) : deck->n_lines;
+  return source < c->count ? beside(c, source, part) : c->count;
 }
 
 /* Adds the keys NAME_scale of the devices whose parts can be scaled. A deck that has such a
@@ -353,13 +270,12 @@ static void add_factors(vs_deck *deck) {
   for (size_t k = 1; k < deck->section.count; k++)
     if (!strcmp(deck->section.fields[k].key, SCALE)) all = &deck->section.fields[k];
   if (!all) return;
-  bool *outer = outer_elements(deck);
   for (size_t n = 0; n < deck->n_devices; n++) {
     vs_device *d = &deck->devices[n];
     char key[VS_DECK_NAME + sizeof "_scale"], text[VS_DECK_TEXT];
     const size_t params = deck->section.count - 1 - deck->n_parts;
     if (params >= VS_DECK_MOST || !is_scaled(deck, d)) continue;
-    if (instance_of(deck, outer, d) == deck->n_lines) continue;
+    if (instance_of(deck, d) == deck->n_lines) continue;
     snprintf(key, sizeof key, "%s_scale", d->name);
     snprintf(text, sizeof text, "factor of the voltage of %s alone, besides %s", d->name, SCALE);
     const vs_field field = {.key = key,
@@ -374,7 +290,6 @@ static void add_factors(vs_deck *deck) {
     vs_error none = {0};
     if (!vs_deck_add_field(deck, &field, d->where, &none)) d->scale_at = field.offset;
   }
-  free(outer);
 }
 
 static double factor_of(const vs_device *d, const vs_circuit_values *values) {
@@ -571,16 +486,14 @@ static double parameter(const vs_deck *deck, const vs_circuit_values *values, vs
  * braces; NaN: it is none of these, or there is no such element outside of subcircuits. */
 static double element_value(const vs_deck *deck, const vs_circuit_values *values, const char *name,
                             const char *unit) {
-  vs_word w[VS_WORDS_MOST];
+  const vs_cards *c = vs_deck_cards(deck);
   double value;
-  int depth = 0;
-  for (size_t k = 0; k < deck->n_lines; k++) {
-    const char *line = deck->lines[k].text;
-    depth += vs_words_begin(line, ".subckt") - vs_words_begin(line, ".ends");
-    if (depth || vs_words_split(line, w) < 4 || !vs_words_is(w[0], name)) continue;
-    if (*w[3].at == '{' && w[3].n > 2)
-      return parameter(deck, values, (vs_word){w[3].at + 1, w[3].n - 2}, unit);
-    return vs_numbers_read(w[3], &value) ? value : NAN;
+  for (size_t k = 0; k < c->count; k = vs_cards_next(c, k)) {
+    const vs_word w = vs_cards_word(c, &c->card[k], 2);
+    if (c->card[k].kind != VS_CARDS_ELEMENT || !vs_words_is(c->card[k].name, name) || !w.n)
+      continue;
+    if (*w.at == '{' && w.n > 2) return parameter(deck, values, (vs_word){w.at + 1, w.n - 2}, unit);
+    return vs_numbers_read(w, &value) ? value : NAN;
   }
   return NAN;
 }
@@ -643,26 +556,24 @@ typedef struct writing {
 /* Adds a line of the deck. Where it is an instance of a parameter that is a part, the part's
  * subcircuit takes the parameter's place, or the device's own. */
 static void add_deck_line(writing *w, size_t number) {
-  size_t n = 0;
   const vs_deck *deck = w->deck;
-  const char *line = deck->lines[number].text, *name = vs_rules_instance_of(line, &n),
-             *takes = NULL;
-  for (size_t p = 0; name && p < deck->n_parts && !takes; p++)
-    if (strlen(deck->parts[p].name) == n && !strncasecmp(name, deck->parts[p].name, n))
-      takes = deck->parts[p].subcircuit;
+  const vs_netlist_card *card = &vs_deck_cards(deck)->card[number];
+  const char *line = deck->lines[number].text, *takes = NULL;
+  for (size_t p = 0; card->letter == 'x' && p < deck->n_parts && !takes; p++)
+    if (vs_words_is(card->model, deck->parts[p].name)) takes = deck->parts[p].subcircuit;
   if (!takes) {
     add_text(&w->lines, &w->count, line);
     return;
   }
   vs_text text = {0};
-  vs_text_add(&text, "%.*s", (int)(name - line), line);
+  vs_text_add(&text, "%.*s", (int)(card->model.at - line), line);
   size_t d = 0;
   while (d < deck->n_devices && w->own[d] != number) d++;
   if (d < deck->n_devices)
     vs_text_add(&text, "%s%s", OWN_DISC, deck->devices[d].name);
   else
     vs_text_add(&text, "%s", takes);
-  vs_text_add(&text, "%s", name + n);
+  vs_text_add(&text, "%s", card->model.at + card->model.n);
   add_text(&w->lines, &w->count, text.text);
   vs_text_free(&text);
 }
@@ -670,17 +581,16 @@ static void add_deck_line(writing *w, size_t number) {
 /* Adds the subcircuit of the device's part once more, by a name of the device's and with its factor
  * beside SCALE. */
 static void add_own_disc(writing *w, const vs_device *d, double factor) {
-  size_t first = 0, last = 0;
   const vs_deck *deck = w->deck;
-  find_body(deck, deck->parts[d->part].subcircuit, &first, &last);
-  for (size_t k = first; k <= last; k++) {
+  const vs_cards *c = vs_deck_cards(deck);
+  const vs_netlist_scope *scope = &c->scope[scope_of(c, deck->parts[d->part].subcircuit)];
+  for (size_t k = scope->first - 1; k <= scope->last; k++) {
     const char *from = deck->lines[k].text, *at;
     vs_text text = {0};
-    if (k == first) {
-      const vs_word name = word_of(from, 2);
+    if (k == scope->first - 1) {
       vs_text_add(&text, ".subckt %s%s", OWN_DISC, d->name);
-      from = name.at + name.n;
-    } else if (k == last) {
+      from = scope->name.at + scope->name.n;
+    } else if (k == scope->last) {
       vs_text_add(&text, ".ends");
       from = "";
     }
@@ -694,15 +604,10 @@ static void add_own_disc(writing *w, const vs_device *d, double factor) {
 
 /* Finds the devices with a factor of their own that is not 1. */
 static void find_own(writing *w, const vs_circuit_values *values) {
-  const vs_deck *deck = w->deck;
-  bool *outer = NULL;
-  for (size_t d = 0; d < deck->n_devices; d++) {
-    w->own[d] = deck->n_lines;
-    if (factor_of(&deck->devices[d], values) == 1) continue;
-    if (!outer) outer = outer_elements(deck);
-    w->own[d] = instance_of(deck, outer, &deck->devices[d]);
+  for (size_t d = 0; d < w->deck->n_devices; d++) {
+    const vs_device *device = &w->deck->devices[d];
+    w->own[d] = factor_of(device, values) == 1 ? w->deck->n_lines : instance_of(w->deck, device);
   }
-  free(outer);
 }
 
 vs_status vs_netlist_make(const vs_deck *deck, const vs_circuit_values *values,

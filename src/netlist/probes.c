@@ -7,7 +7,7 @@
 #include "base/disjoint_sets.h"
 #include "base/names.h"
 #include "base/units.h"
-#include "netlist/rules.h"
+#include "netlist/cards.h"
 #include "netlist/words.h"
 
 /* The nodes of a deck, but for those within subcircuits, and which of them branches join: a current
@@ -41,38 +41,26 @@ static void join_nodes(groups *g, vs_word a, vs_word b) {
   vs_disjoint_sets_join(&g->sets, of_a, of_b);
 }
 
-/* The first `count` words behind the name in a line; those that are not there are empty. */
-static void nodes_of(const char *line, vs_word *node, size_t count) {
-  for (size_t k = 0; k < count; k++) {
-    line = vs_words_next(line);
-    node[k] = vs_words_at(line);
-  }
-}
-
 /* How many nodes of an element a current flows between; 0: none that is known. Sources that are
  * controlled, and instances, may have nodes of signals. */
-static size_t pins_of(const char *line) {
-  return !*line ? 0 : strchr("rRcClLdDvVsSwW", *line) ? 2 : strchr("qQjJmMzZ", *line) ? 3 : 0;
+static size_t pins_of(const vs_netlist_card *card) {
+  if (card->kind != VS_CARDS_ELEMENT) return 0;
+  return strchr("rcldvsw", card->letter) ? 2 : strchr("qjmz", card->letter) ? 3 : 0;
 }
 
-static void find_groups(const vs_deck *deck, groups *g) {
-  size_t within = 0;
-  vs_word node[3];
-  for (size_t k = 0; k < deck->n_lines; k++) {
-    const char *text = deck->lines[k].text;
-    within += vs_words_begin(text, ".subckt");
-    within -= vs_words_begin(text, ".ends") && within;
-    const size_t pins = within ? 0 : pins_of(text);
-    nodes_of(text, node, pins);
-    for (size_t p = 1; p < pins; p++)
-      for (size_t q = 0; q < p; q++) join_nodes(g, node[p], node[q]);
+static void find_groups(const vs_cards *c, groups *g) {
+  for (size_t k = 0; k < c->count; k = vs_cards_next(c, k)) {
+    const vs_netlist_card *card = &c->card[k];
+    for (size_t p = 1; p < pins_of(card); p++)
+      for (size_t q = 0; q < p; q++)
+        join_nodes(g, vs_cards_word(c, card, p), vs_cards_word(c, card, q));
   }
 }
 
 /* True where a current of the mains' or of the EVA's can flow through the node. */
 static bool carries(const vs_deck *deck, groups *g, vs_word node) {
   const char *ends[] = {deck->eva_plus, deck->eva_minus};
-  vs_word end[2];
+  const vs_cards *c = vs_deck_cards(deck);
   if (vs_words_is_ground(node)) return false;
   const size_t group = group_of(g, node);
   for (size_t k = 0; k < 2; k++) {
@@ -80,14 +68,14 @@ static bool carries(const vs_deck *deck, groups *g, vs_word node) {
     if (!vs_words_is_ground(eva) && group_of(g, eva) == group) return true;
   }
   for (size_t k = 0; k < deck->n_lines; k++) {
-    char source[VS_DECK_NAME];
-    if (!vs_rules_is_external(deck->lines[k].text, source)) continue;
+    if (!vs_cards_is_external(c, &c->card[k])) continue;
     for (size_t p = 0; p < deck->n_ports; p++) {
       if (deck->ports[p].signal.drive != VS_PORT_MAINS) continue;
-      if (strcmp(deck->ports[p].source, source)) continue;
-      nodes_of(deck->lines[k].text, end, 2);
-      for (size_t e = 0; e < 2; e++)
-        if (!vs_words_is_ground(end[e]) && group_of(g, end[e]) == group) return true;
+      if (!vs_words_is(c->card[k].name, deck->ports[p].source)) continue;
+      for (size_t e = 0; e < 2; e++) {
+        const vs_word end = vs_cards_word(c, &c->card[k], e);
+        if (!vs_words_is_ground(end) && group_of(g, end) == group) return true;
+      }
     }
   }
   return false;
@@ -101,14 +89,14 @@ static vs_word name_in(const char *term) {
 /* True for the voltage of a node, or the current of a source, that lies between mains and EVA. */
 static bool is_of_the_circuit(const vs_deck *deck, groups *g, const vs_term *term) {
   const vs_word name = name_in(term->plus);
-  vs_word node[2];
+  const vs_cards *c = vs_deck_cards(deck);
   if (*term->plus == 'v')
     return carries(deck, g, name) || (*term->minus && carries(deck, g, name_in(term->minus)));
-  for (size_t k = 0; k < deck->n_lines; k++) {
-    const char *text = deck->lines[k].text;
-    if (vs_words_compare(vs_words_at(text), name)) continue;
-    nodes_of(text, node, 2);
-    if (carries(deck, g, node[0]) || carries(deck, g, node[1])) return true;
+  for (size_t k = 0; k < c->count; k++) {
+    const vs_netlist_card *card = &c->card[k];
+    if (card->kind != VS_CARDS_ELEMENT || vs_words_compare(card->name, name)) continue;
+    if (carries(deck, g, vs_cards_word(c, card, 0)) || carries(deck, g, vs_cards_word(c, card, 1)))
+      return true;
   }
   return false;
 }
@@ -124,7 +112,7 @@ static vs_status check_unit(const vs_deck *deck, groups *g, const vs_probe *prob
                             "probe %s: it is measured in %s, and '%s' would make another number of "
                             "it; write %s",
                             probe->name, unit, probe->unit, unit);
-  if (!g->sets.count) find_groups(deck, g);
+  if (!g->sets.count) find_groups(vs_deck_cards(deck), g);
   if (!is_of_the_circuit(deck, g, term) && (voltage || !vs_units_same_kind(probe->unit, "V")))
     return VS_OK;
   return vs_fail_at(err, probe->unit_at,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "netlist/rules.h"
+#include "rules.h"
 
 #include <ctype.h>
 #include <stdio.h>
@@ -8,6 +8,7 @@
 #include <strings.h>
 
 #include "base/text.h"
+#include "netlist/cards.h"
 #include "netlist/reserved.h"
 #include "netlist/source.h"
 #include "netlist/words.h"
@@ -196,17 +197,14 @@ static vs_status param_rule(void *ctx, const char *name) {
 }
 
 vs_status vs_rules_params(const vs_deck *deck, vs_error *err) {
+  const vs_cards *c = vs_deck_cards(deck);
   vs_status status = VS_OK;
-  size_t depth = 0; /* of subcircuits, and of .if, whose lines may not count */
-  for (size_t k = 0; k < deck->n_lines && !status; k++) {
-    const vs_line *line = &deck->lines[k];
+  for (size_t k = 0; k < c->count && !status; k = vs_cards_next(c, k)) {
     char within[VS_PATH_SIZE];
-    depth += vs_words_begin(line->text, ".subckt") || vs_words_begin(line->text, ".if");
-    depth -=
-        depth > 0 && (vs_words_begin(line->text, ".ends") || vs_words_begin(line->text, ".endif"));
-    if (depth || !vs_words_begin(line->text, ".param")) continue;
-    const place p = {deck, vs_deck_mendable(deck, line->where, within, sizeof within), err};
-    status = vs_error_keep(err, assignments(line->text, param_rule, (void *)(size_t)&p));
+    if (c->card[k].kind != VS_CARDS_PARAM || c->card[k].conditional) continue;
+    const place p = {deck, vs_deck_mendable(deck, deck->lines[k].where, within, sizeof within),
+                     err};
+    status = vs_error_keep(err, assignments(deck->lines[k].text, param_rule, (void *)(size_t)&p));
   }
   return status;
 }
@@ -331,26 +329,6 @@ vs_status vs_rules_statement(vs_deck *deck, const char *line, vs_where where, bo
 
 /* ---- elements ---- */
 
-const char *vs_rules_instance_of(const char *line, size_t *length) {
-  const char *found = NULL;
-  if (tolower((unsigned char)*line) != 'x') return NULL;
-  for (const char *s = line; *s;) {
-    s += strspn(s, " \t");
-    size_t n = strcspn(s, " \t");
-    const char *after = s + n + strspn(s + n, " \t");
-    if (memchr(s, '=', n) || *after == '=' || !strncasecmp(s, "params:", 7)) break;
-    if (n) found = s, *length = n;
-    s += n;
-  }
-  return found;
-}
-
-bool vs_rules_is_external(const char *line, char name[VS_DECK_NAME]) {
-  char word[VS_DECK_NAME];
-  nth_word(line, 0, name);
-  return (*name == 'v' || *name == 'i') && !strcmp(nth_word(line, 3, word), "external");
-}
-
 /* Refuses "external" anywhere but as the fourth and last word; ngspice dies of some such lines. */
 static vs_status source_rule(const char *line, vs_where where, vs_error *err) {
   if (!strchr("vViI", *line)) return VS_OK;
@@ -369,10 +347,9 @@ static vs_status source_rule(const char *line, vs_where where, vs_error *err) {
 /* Notes the EVA, "Xname n m eva" at the top of the deck, and refuses it anywhere else and
  * with both ends on one node. */
 static vs_status eva_rule(vs_deck *deck, const char *line, vs_where where, vs_error *err) {
-  size_t n = 0;
   char word[VS_DECK_NAME];
-  const char *kind = vs_rules_instance_of(line, &n);
-  if (!kind || n != 3 || strncasecmp(kind, "eva", 3)) return VS_OK;
+  if (!vs_words_find(line, line, "eva", 3)) return VS_OK;
+  if (!vs_words_is(vs_cards_instance_of(line), "eva")) return VS_OK;
   if (*deck->eva) return vs_fail_at(err, where, "a second EVA; a deck has one line 'Xeva n m eva'");
   if (deck->subcircuits > 0 || strcmp(nth_word(line, 3, word), "eva"))
     return vs_fail_at(

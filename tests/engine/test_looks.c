@@ -64,7 +64,40 @@ static void states_of_a_deck(void) {
   vs_trial_free(t);
 }
 
+/* What a formula reads besides the capacitor: nothing where it is linear in its signals. */
+static void reads_of_a_formula(void) {
+  static const struct {
+    const char *line;
+    size_t reads;
+  } CASES[] = {{"B1 b 0 V=-(v(s)+2*v(c))/k+sqrt(2)*v(c) m=2", 0},
+               {"E1 b 0 value={v(s)*{k}}", 0},
+               {"B1 b 0 V=v(s)*v(c)", 2},
+               {"B1 b 0 V=k/v(s)", 1},
+               {"E1 b 0 vol = v(s) * v(c)", 2},
+               {"E1 b 0 TABLE {v(s)} = (0,0) (1,1)", 1},
+               {"B1 b 0 V=f(v(s))", 1},
+               {"B1 b 0 V=v(s) v(c)", 2},
+               {"R1 b 0 r={1+v(c)}", 1}};
+  for (size_t k = 0; k < sizeof CASES / sizeof *CASES; k++) {
+    vs_text deck = {0};
+    vs_text_add(&deck,
+                "*$ port mains = Vm\nVm s 0 external\n.param k=2\n.func f(x) {k*x}\n%s\n"
+                "Rb b 0 1\nVc c 0 1\nC9 s 0 1n\nXeva s 0 eva\n",
+                CASES[k].line);
+    write_file("d.cir", deck.text);
+    vs_text_free(&deck);
+    vs_trial *t =
+        vs_trial_read("paper", "circuit", (const char *const[]){"circuit.deck=d.cir", NULL});
+    vs_circuit_states all = {0};
+    EXPECT(!t->status && vs_circuit_states_list(&t->scene.setup.deck, &all) &&
+               all.count == 1 + CASES[k].reads,
+           "%s: %zu %s", CASES[k].line, all.count, t->err.text);
+    vs_trial_free(t);
+  }
+}
+
 static const vs_test TESTS[] = {{"left where it pays", left_where_it_pays},
-                                {"states of a deck", states_of_a_deck}};
+                                {"states of a deck", states_of_a_deck},
+                                {"reads of a formula", reads_of_a_formula}};
 
 VS_SUITE_MAIN("looks", TESTS)

@@ -16,6 +16,7 @@
   X(deck)                                                                                          \
   X(part)                                                                                          \
   X(netlist)                                                                                       \
+  X(cards)                                                                                         \
   X(journal)                                                                                       \
   X(study_csv)                                                                                     \
   X(manifest)                                                                                      \

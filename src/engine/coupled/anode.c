@@ -7,9 +7,9 @@
 
 #include "engine/events.h"
 #include "engine/gate.h"
+#include "netlist/cards.h"
 #include "netlist/devices.h"
 #include "netlist/kinds.h"
-#include "netlist/words.h"
 
 static double current_at(const vs_anode_current *m, const vs_knot *k) {
   return m->way * vs_formula_prepared_value(&m->i, k->terms);
@@ -304,19 +304,19 @@ static void add(vs_anode *a, const vs_deck *deck, const vs_probe *probe, const v
 /* True where a part of the deck is a gate drive with a voltage source straight across its pins
  * g and k, which are the third and the fourth. */
 static bool has_source_at_gate(const vs_deck *deck, const vs_part *part) {
-  vs_word head[VS_WORDS_MOST], w[VS_WORDS_MOST];
-  bool inside = false;
+  const vs_cards *c = vs_deck_cards(deck);
+  const vs_netlist_definition *d =
+      vs_cards_find(c, 0, VS_CARDS_SUBCKT, vs_words_of(part->subcircuit));
   const vs_kind *kind = vs_kinds_find(part->kind);
   if (!part->file || !kind || !kind->gated || kind->switches) return false;
-  for (size_t k = 0; k < deck->n_lines; k++) {
-    const char *line = deck->lines[k].text;
-    if (deck->lines[k].where.file != part->file) continue;
-    if (vs_words_begin(line, ".ends")) inside = false;
-    if (vs_words_begin(line, ".subckt") && vs_words_split(line, head) >= 6)
-      inside = vs_words_is(head[1], part->subcircuit);
-    else if (inside && strchr("eEvV", *line) && vs_words_split(line, w) >= 3 &&
-             w[1].n == head[4].n && !strncasecmp(w[1].at, head[4].at, w[1].n) &&
-             w[2].n == head[5].n && !strncasecmp(w[2].at, head[5].at, w[2].n))
+  if (!d || c->card[d->card].nodes < 4) return false;
+  const vs_netlist_card *head = &c->card[d->card];
+  const vs_netlist_scope *scope = &c->scope[head->opens];
+  for (size_t k = scope->first; k < scope->last; k = vs_cards_next(c, k)) {
+    const vs_netlist_card *card = &c->card[k];
+    if (card->kind == VS_CARDS_ELEMENT && strchr("ev", card->letter) &&
+        !vs_words_compare(vs_cards_word(c, card, 0), vs_cards_word(c, head, 2)) &&
+        !vs_words_compare(vs_cards_word(c, card, 1), vs_cards_word(c, head, 3)))
       return true;
   }
   return false;

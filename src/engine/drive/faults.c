@@ -11,7 +11,7 @@
 
 #include "base/text.h"
 #include "drive/wiring.h"
-#include "netlist/rules.h"
+#include "netlist/cards.h"
 
 /* ---- keys ---- */
 
@@ -106,18 +106,17 @@ static double coil_longest(const vs_scene_event *e, double t_s) {
 /* ---- elements ---- */
 
 typedef struct element {
-  vs_line *line;
+  size_t line; /* index into deck->lines */
   char name[VS_DECK_NAME], node[2][VS_DECK_NAME];
   const char *rest; /* what follows the first node in its line */
 } element;
 
-static bool has_two_nodes(const char *line) {
-  size_t n = 0;
-  const char *kind = vs_rules_instance_of(line, &n);
-  char head[4 * VS_DECK_NAME], word[4][VS_DECK_NAME];
-  if (!kind) return strchr("rclbdvi", line[0] | 0x20) != NULL;
-  snprintf(head, sizeof head, "%.*s", (int)(kind - line), line);
-  return sscanf(head, "%63s %63s %63s %63s", word[0], word[1], word[2], word[3]) == 3;
+static void copy_name(char to[VS_DECK_NAME], vs_word word) {
+  snprintf(to, VS_DECK_NAME, "%.*s", (int)word.n, word.at);
+}
+
+static bool has_two_nodes(const vs_netlist_card *card) {
+  return card->letter == 'x' ? card->nodes == 2 : strchr("rclbdvi", card->letter) != NULL;
 }
 
 static vs_status find_element(vs_deck *deck, const vs_scene_event *e, const char *wanted,
@@ -126,24 +125,23 @@ static vs_status find_element(vs_deck *deck, const vs_scene_event *e, const char
   const char *names[MOST];
   char text[MOST][VS_DECK_NAME];
   size_t count = 0;
-  int depth = 0;
-  for (size_t k = 0; k < deck->n_lines; k++) {
-    const char *line = deck->lines[k].text;
-    depth += !strncasecmp(line, ".subckt", 7) - !strncasecmp(line, ".ends", 5);
-    if (depth || *line == '.' || count == MOST) continue;
-    element at = {.line = &deck->lines[k]};
-    int n = 0;
-    if (sscanf(line, "%63s %63s%n %63s", at.name, at.node[0], &n, at.node[1]) != 3) continue;
-    if (strcasecmp(at.name, wanted)) {
-      snprintf(text[count], sizeof text[0], "%s", at.name);
+  const vs_cards *c = vs_deck_cards(deck);
+  for (size_t k = 0; k < c->count && count < MOST; k = vs_cards_next(c, k)) {
+    const vs_netlist_card *card = &c->card[k];
+    if (card->kind != VS_CARDS_ELEMENT || card->words < 2) continue;
+    if (!vs_words_is(card->name, wanted)) {
+      copy_name(text[count], card->name);
       names[count] = text[count];
       count++;
       continue;
     }
-    if (!has_two_nodes(line))
+    if (!has_two_nodes(card))
       return vs_fail_at(err, e->where, "events.%s: %s is no element of two nodes", e->name, wanted);
-    at.rest = line + n;
-    *found = at;
+    const vs_word first = vs_cards_word(c, card, 0);
+    *found = (element){.line = k, .rest = first.at + first.n};
+    copy_name(found->name, card->name);
+    copy_name(found->node[0], first);
+    copy_name(found->node[1], vs_cards_word(c, card, 1));
     return VS_OK;
   }
   return vs_fail_at(err, e->where, "events.%s.element: the deck has no element '%s'%s", e->name,
@@ -183,8 +181,8 @@ static vs_status open_wire(const vs_scene_event *e, size_t k, vs_deck *deck, vs_
   doubt(deck, e, &at);
   if (!strcasecmp(at.name, deck->eva))
     snprintf(deck->eva_plus, sizeof deck->eva_plus, "vs_n%zu", k);
-  free(at.line->text);
-  at.line->text = vs_copy(line);
+  vs_line_change(&deck->lines[at.line], vs_copy(line));
+  vs_deck_changed(deck);
   snprintf(line, sizeof line, "Svs_f%zu vs_l%zu %s vs_c%zu 0 vs_f%zu on", k, k, node, k, k);
   status = add_driven(deck, e, k, at.node[0], node, line, err);
   vs_wiring_line(deck, e->where, ".model vs_f%zu sw(ron=1m roff=1g vt=0 vh=0.5)", k);
@@ -225,8 +223,8 @@ static vs_status coil_wire(const vs_scene_event *e, size_t k, vs_deck *deck, vs_
   deck->eva_file = "eva_shorted";
   snprintf(control, sizeof control, "vs_c%zu", k);
   snprintf(line, sizeof line, "%s %s %s %s eva", at.name, at.node[0], at.node[1], control);
-  free(at.line->text);
-  at.line->text = vs_copy(line);
+  vs_line_change(&deck->lines[at.line], vs_copy(line));
+  vs_deck_changed(deck);
   vs_wiring_line(deck, e->where, ".param vs_shorted_part=%.17g", e->v.fraction);
   snprintf(plus, sizeof plus, "%.50s.whole", deck->eva);
   snprintf(line, sizeof line, "*$ loss %s = v(%s,%s)*i(v.%s.vmain)-v(%s,%s)*i(v.%s.vcoil)", e->name,

@@ -11,7 +11,7 @@
 #include <strings.h>
 
 #include "drive/wiring.h"
-#include "netlist/words.h"
+#include "netlist/cards.h"
 
 /* YAML has no bare - as a value: it begins a list. The odd choices are negative. */
 #define POLARITY                                                                                   \
@@ -85,16 +85,12 @@ static const char *return_of(const vs_scene_event *e, const vs_deck *deck) {
 
 /* True where an element of the deck has a node of that name, or it is ground. */
 static bool names_node(const vs_deck *deck, const char *node) {
-  if (vs_words_is_ground((vs_word){node, strlen(node)})) return true;
-  for (size_t k = 0; k < deck->n_lines; k++) {
-    const char *word = deck->lines[k].text;
-    if (*word == '*' || *word == '.') continue;
-    while (*(word = vs_words_next(word))) {
-      const vs_word w = vs_words_at(word);
-      if (w.n == strlen(node) && !strncasecmp(w.at, node, w.n)) return true;
-    }
-  }
-  return false;
+  const vs_cards *c = vs_deck_cards(deck);
+  bool names = vs_words_is_ground(vs_words_of(node));
+  for (size_t k = 0; k < c->count && !names; k++)
+    names =
+        c->card[k].kind == VS_CARDS_ELEMENT && vs_cards_has_node(c, &c->card[k], vs_words_of(node));
+  return names;
 }
 
 /* Error: the deck does not say where the generator couples in, or names a node there that it does

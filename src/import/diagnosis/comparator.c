@@ -7,7 +7,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "netlist/words.h"
+#include "netlist/expr.h"
 
 /* ---- feedback ---- */
 
@@ -92,67 +92,40 @@ static bool is_none(vs_word value) {
 
 /* A switch whose model states no hysteresis, or one of 0. */
 static void look_at_switch(const vs_wiring *w, const vs_wire *wire, vs_comparators *all) {
-  const vs_line *model = wire->model ? vs_wiring_statement(w, ".model", wire->model) : NULL;
-  vs_word whole, value, level = {"0", 1};
+  const bool current = wire->letter == 'w';
   char text[256];
-  if (!model || !wire->law) return;
-  /* the parameters may stand in brackets, which are skipped */
-  char *plain = vs_copy(model->text);
-  for (char *c = plain; *c; c++)
-    if (strchr("()", *c)) *c = ' ';
-  bool current = wire->letter == 'w';
-  bool hysteresis =
-      vs_words_parameter(plain, current ? "ih" : "vh", &whole, &value) && !is_none(value);
-  bool ideal = strcasestr(plain, " vswitch") || strcasestr(plain, " iswitch");
-  if (vs_words_parameter(plain, current ? "it" : "vt", &whole, &value)) level = value;
+  if (!wire->model || !wire->law) return;
+  const vs_word hysteresis = vs_cards_value(w->cards, wire->model, current ? "ih" : "vh"),
+                type = wire->model->model;
+  vs_word level = vs_cards_value(w->cards, wire->model, current ? "it" : "vt");
+  if (!level.n) level = vs_words_of("0");
   snprintf(text, sizeof text, "(%s)-(%.*s)", wire->law, (int)level.n, level.at);
-  if (!hysteresis && !ideal) add(w, wire, text, all);
-  free(plain);
+  const bool ideal = vs_words_is(type, "vswitch") || vs_words_is(type, "iswitch");
+  if (!ideal && (!hysteresis.n || is_none(hysteresis))) add(w, wire, text, all);
 }
 
 /* ---- expressions ---- */
 
-/* Where the operand that ends at `at` begins: after the nearest opening bracket or operator. */
-static const char *operand_begin(const char *begin, const char *at) {
-  int depth = 0;
-  while (at > begin) {
-    char c = at[-1];
-    depth += (c == ')') - (c == '(');
-    if (depth < 0 || (depth == 0 && strchr(",?:&|=<>!{'\"", c))) break;
-    at--;
-  }
-  return at;
-}
-
-static const char *operand_end(const char *at) {
-  int depth = 0;
-  for (; *at; at++) {
-    depth += (*at == '(') - (*at == ')');
-    if (depth < 0 || (depth == 0 && strchr(",?:&|=<>!}'\"", *at))) break;
-  }
-  return at;
-}
-
 /* Finds comparisons a > b, nested ones too, and arguments of functions that jump. */
 static void look_at_law(const vs_wiring *w, const vs_wire *wire, vs_comparators *all) {
-  static const char *const JUMPS[] = {"u(", "sgn(", "stp("};
-  const char *law = wire->law;
+  static const char *const JUMPS[] = {"u", "sgn", "stp"};
+  vs_expr e;
   char text[256];
-  for (const char *s = law; *s; s++) {
-    if (strchr("<>", *s)) {
-      const char *right = s + 1 + (s[1] == '='), *from = operand_begin(law, s);
-      const char *to = operand_end(right);
-      snprintf(text, sizeof text, "(%.*s)-(%.*s)", (int)(s - from), from, (int)(to - right), right);
+  vs_expr_read(&e, vs_words_of(wire->law));
+  for (size_t k = 1; k < e.count; k++) {
+    const vs_expr_node *n = &e.node[k];
+    const vs_word a = e.node[n->child].whole, b = e.node[e.node[n->child].next].whole;
+    if (n->kind == VS_EXPR_OPERATOR && strchr("<>", *n->word.at)) {
+      snprintf(text, sizeof text, "(%.*s)-(%.*s)", (int)a.n, a.at, (int)b.n, b.at);
       add(w, wire, text, all);
     }
-    for (size_t k = 0; k < sizeof JUMPS / sizeof *JUMPS; k++) {
-      size_t n = strlen(JUMPS[k]);
-      if (strncasecmp(s, JUMPS[k], n) || (s > law && vs_words_goes_on(s[-1]))) continue;
-      const char *to = operand_end(s + n);
-      snprintf(text, sizeof text, "%.*s", (int)(to - s - (int)n), s + n);
+    for (size_t j = 0; j < sizeof JUMPS / sizeof *JUMPS && n->kind == VS_EXPR_CALL; j++) {
+      if (!vs_words_is(n->word, JUMPS[j]) || !n->child) continue;
+      snprintf(text, sizeof text, "%.*s", (int)a.n, a.at);
       add(w, wire, text, all);
     }
   }
+  vs_expr_free(&e);
 }
 
 void vs_comparator_find(const vs_wiring *w, vs_comparators *all) {

@@ -4,7 +4,7 @@
 #ifndef VS_IMPORT_WIRING_H
 #define VS_IMPORT_WIRING_H
 
-#include "base/names.h"
+#include "netlist/cards.h"
 #include "netlist/deck.h"
 
 enum { VS_WIRING_PINS = 24, VS_WIRING_LOOKS = 24, VS_WIRING_NAME = 128 };
@@ -18,33 +18,27 @@ typedef struct vs_wire {
   char name[VS_WIRING_NAME]; /* in lower case, after the instances that contain it: "xthy.r1" */
   int pins[VS_WIRING_PINS], n_pins;
   int looks[VS_WIRING_LOOKS], n_looks;
-  char *law;    /* the formula of its value or its switching, with the solver's names of nodes and
-                   sources: "v(xthy.c,0)"; owned; NULL: nothing controls it */
-  char *model;  /* the name of its model, owned; NULL: it has none */
+  char *law; /* the formula of its value or its switching, with the solver's names of nodes and
+                sources: "v(xthy.c,0)"; owned; NULL: nothing controls it */
+  const vs_netlist_card *model; /* the line of its model; NULL: it has none */
   bool voltage; /* it sets the voltage between its pins, as V, E, H and B with V= do */
 } vs_wire;
 
 /* Begins as {0}; ends with vs_wiring_free. Node 0 is ground. */
 typedef struct vs_wiring {
-  const vs_deck *deck; /* borrowed */
-  vs_wire *wires;      /* owned, as nodes are */
+  const vs_deck *deck;   /* borrowed */
+  const vs_cards *cards; /* the deck's, borrowed */
+  vs_wire *wires;        /* owned, as nodes are */
   size_t count;
   char (*nodes)[VS_WIRING_NAME]; /* their names as the solver has them, in lower case */
   size_t n_nodes;
-  vs_names numbers;    /* of the nodes */
-  vs_names globals;    /* nodes that are the same in all subcircuits */
-  vs_names statements; /* the deck's first line of each ".model dx" and ".subckt x", from 0 */
-  bool whole;          /* false: there were too many elements, or an instance contains itself */
+  vs_names numbers; /* of the nodes */
+  bool whole;       /* false: there were too many elements, or an instance contains itself */
 } vs_wiring;
 
 /* Opens the deck, whose parts must have been read. */
 void vs_wiring_open(vs_wiring *wiring, const vs_deck *deck);
 void vs_wiring_free(vs_wiring *wiring);
-
-/* The line of the deck that begins with this statement and name, such as ".model dx"; NULL: there
- * is none. */
-const vs_line *vs_wiring_statement(const vs_wiring *wiring, const char *statement,
-                                   const char *name);
 
 /* True where the current of that voltage source controls the element. */
 bool vs_wiring_senses(const vs_wire *wire, const vs_wire *source);

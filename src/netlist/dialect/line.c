@@ -22,6 +22,14 @@ void vs_line_join(vs_line *l, const char *text, vs_where where) {
   l->joint[l->n_joints++] = (vs_joint){begin, where};
 }
 
+void vs_line_change(vs_line *l, char *text) {
+  if (l->written)
+    free(l->text);
+  else
+    l->written = l->text;
+  l->text = text;
+}
+
 vs_where vs_line_place(const vs_line *l, const char *at) {
   const char *text = l->written ? l->written : l->text;
   size_t offset = (size_t)(at - text), k = l->n_joints;

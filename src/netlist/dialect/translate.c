@@ -13,8 +13,8 @@
 #include "dialect/elements.h"
 #include "dialect/functions.h"
 #include "dialect/rewriting.h"
+#include "netlist/cards.h"
 #include "netlist/numbers.h"
-#include "netlist/words.h"
 
 /* ---- models: lines .model as PSpice and LTspice write them ---- */
 
@@ -353,95 +353,77 @@ vs_status vs_translate(vs_rewriting *r) {
 
 /* ---- names of subcircuits ---- */
 
-/* The second word of a line: a subcircuit's name in ".subckt NAME ..." and ".ends NAME". */
-static vs_word second_word(const char *line) {
-  vs_word w[VS_WORDS_MOST];
-  return vs_words_split(line, w) > 1 ? w[1] : (vs_word){line, 0};
-}
-
-/* The subcircuit of an instance: the last word before its parameters. */
-static vs_word instance_of(const char *line) {
-  vs_word w[VS_WORDS_MOST], found = {line, 0};
-  size_t count = vs_words_split(line, w);
-  for (size_t k = 1; k < count; k++) {
-    bool assigns = memchr(w[k].at, '=', w[k].n) || (k + 1 < count && *w[k + 1].at == '=');
-    if (assigns || !strncasecmp(w[k].at, "params:", 7)) break;
-    found = w[k];
-  }
-  return found;
-}
-
 static bool is_plain(vs_word name) {
   for (size_t k = 0; k < name.n; k++)
     if (!vs_words_goes_on(name.at[k])) return false;
   return true;
 }
 
-/* True for the line of a .subckt that has parameters, in its head or in a .param of its own. */
-static bool has_parameters(const vs_line *line, const vs_line *end) {
-  if (strchr(line->text, '=')) return true;
-  for (line++; line < end && strncasecmp(line->text, ".ends", 5); line++)
-    if (!strncasecmp(line->text, ".param", 6)) return true;
-  return false;
+/* Writes '_' for each character of the n at `at` that no name of ngspice's parameters has. */
+static void write_plain(char *at, size_t n) {
+  for (size_t k = 0; k < n; k++)
+    if (!vs_words_goes_on(at[k])) at[k] = '_';
 }
 
-static bool same(vs_word a, vs_word b) {
-  return a.n == b.n && !strncasecmp(a.at, b.at, a.n);
+/* True for a subcircuit that has parameters, in its head or in a .param of its own. */
+static bool has_parameters(const vs_cards *c, size_t scope) {
+  const vs_netlist_scope *of = &c->scope[scope];
+  const vs_netlist_card *head = &c->card[of->first - 1];
+  bool has = head->count > head->words;
+  for (size_t k = of->first; k < of->last && !has; k = vs_cards_next(c, k))
+    has = c->card[k].kind == VS_CARDS_PARAM;
+  return has;
 }
 
-/* Writes '_' for each character of the word that no name of ngspice's parameters has. */
-static void write_plain(vs_line *line, vs_word word) {
-  size_t at = (size_t)(word.at - line->text);
-  char *text = vs_copy(line->text);
-  for (size_t k = at; k < at + word.n; k++)
-    if (!vs_words_goes_on(text[k])) text[k] = '_';
-  if (line->written)
-    free(line->text);
-  else
-    line->written = line->text;
-  line->text = text;
-}
-
-/* Gives a subcircuit another name in its own line, that of its .ends, and in all instances. */
-static void rename_all(vs_line *lines, size_t count, const char *name) {
-  const vs_word wanted = {name, strlen(name)};
-  for (size_t k = 0; k < count; k++) {
-    const char *text = lines[k].text;
-    bool named = !strncasecmp(text, ".subckt", 7) || !strncasecmp(text, ".ends", 5);
-    vs_word word = named                                  ? second_word(text)
-                   : tolower((unsigned char)*text) == 'x' ? instance_of(text)
-                                                          : (vs_word){text, 0};
-    if (same(word, wanted)) write_plain(&lines[k], word);
+/* Finds the subcircuits that get other names, and tells of them. One stays as it is whose new name
+ * another one has. */
+static void find_renamed(const vs_cards *c, vs_names *renamed, vs_tally *tally) {
+  vs_names taken = {0};
+  for (size_t k = 1; k < c->n_scopes; k++) {
+    char *name = vs_alloc_part(c->scope[k].name.at, c->scope[k].name.n);
+    vs_names_put(&taken, name, k);
+    free(name);
   }
-}
-
-/* True where a subcircuit has the name already that this one would be given. */
-static bool is_taken(const vs_line *lines, size_t count, const char *name) {
-  char *plain = vs_copy(name);
-  bool taken = false;
-  for (char *c = plain; *c; c++)
-    if (!vs_words_goes_on(*c)) *c = '_';
-  for (size_t k = 0; k < count && !taken; k++)
-    taken =
-        !strncasecmp(lines[k].text, ".subckt", 7) && vs_words_is(second_word(lines[k].text), plain);
-  free(plain);
-  return taken;
-}
-
-void vs_translate_names(vs_line *lines, size_t count, vs_tally *tally) {
-  for (size_t k = 0; k < count; k++) {
-    if (strncasecmp(lines[k].text, ".subckt", 7)) continue;
-    vs_word word = second_word(lines[k].text);
-    if (is_plain(word) || !has_parameters(&lines[k], lines + count)) continue;
-    vs_text name = {0};
-    vs_text_add(&name, "%.*s", (int)word.n, word.at);
-    if (!is_taken(lines, count, name.text)) {
+  for (size_t k = 1; k < c->n_scopes; k++) {
+    const vs_word word = c->scope[k].name;
+    if (is_plain(word) || !has_parameters(c, k)) continue;
+    char *name = vs_alloc_part(word.at, word.n), *plain = vs_copy(name);
+    write_plain(plain, word.n);
+    if (!vs_names_find(&taken, plain, word.n, NULL)) {
       vs_tally_add(tally,
                    "a subcircuit with parameters is found by ngspice if its name has letters, "
                    "digits and '_' only: other characters become '_'",
-                   lines[k].where);
-      rename_all(lines, count, name.text);
+                   c->lines[c->scope[k].first - 1].where);
+      vs_names_put(&taken, plain, k);
+      vs_names_put(renamed, name, k);
     }
-    vs_text_free(&name);
+    free(name);
+    free(plain);
   }
+  vs_names_free(&taken);
+}
+
+void vs_translate_names(vs_line *lines, size_t count, vs_tally *tally) {
+  vs_cards c;
+  vs_names renamed = {0};
+  bool any = false;
+  for (size_t k = 0; k < count && !any; k++)
+    any = !strncasecmp(lines[k].text, ".subckt", 7) &&
+          !is_plain(vs_words_at(vs_words_next(lines[k].text)));
+  if (!any) return;
+  vs_cards_read(&c, lines, count);
+  find_renamed(&c, &renamed, tally);
+  for (size_t k = 0; k < count && renamed.count; k++) {
+    const vs_netlist_card *card = &c.card[k];
+    const vs_word word = card->kind == VS_CARDS_SUBCKT ? card->name
+                         : card->kind == VS_CARDS_ENDS ? vs_cards_word(&c, card, 0)
+                         : card->letter == 'x'         ? card->model
+                                                       : (vs_word){"", 0};
+    if (!vs_names_find(&renamed, word.at, word.n, NULL)) continue;
+    char *text = vs_copy(lines[k].text);
+    write_plain(text + (word.at - lines[k].text), word.n);
+    vs_line_change(&lines[k], text);
+  }
+  vs_names_free(&renamed);
+  vs_cards_free(&c);
 }

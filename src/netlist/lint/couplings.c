@@ -60,7 +60,7 @@ vs_status vs_couplings_line(const vs_line *line, vs_error *err) {
 /* An inductor that a K names. */
 typedef struct inductor {
   vs_word name;
-  size_t scope; /* the subcircuit it stands in, from 1; 0: in none */
+  size_t scope; /* that it stands in */
   size_t set;   /* the least number of its set, once that is known */
   size_t place; /* its row in the matrix of its set */
 } inductor;
@@ -87,43 +87,29 @@ static int compare_couplings(const void *a, const void *b) {
 }
 
 /* Reads "K1 La Lb 0.9" or "K1 La Lb k=0.9". False: it is none. */
-static bool read_coupling(const vs_line *line, vs_word name[2], coupling *c) {
-  const char *a = vs_words_next(line->text), *b = vs_words_next(a), *k = vs_words_next(b);
-  if (tolower((unsigned char)*line->text) != 'k' || !*k || *vs_words_next(k)) return false;
-  const size_t length = vs_words_at(k).n;
-  const char *equals = memchr(k, '=', length);
-  c->line = line;
-  c->at = equals ? equals + 1 : k;
-  name[0] = vs_words_at(a);
-  name[1] = vs_words_at(b);
-  c->plain = vs_numbers_read((vs_word){c->at, length - (size_t)(c->at - k)}, &c->factor);
+static bool read_coupling(const vs_cards *cards, size_t number, coupling *c) {
+  const vs_netlist_card *card = &cards->card[number];
+  if (card->letter != 'k' || card->count != 3 || card->words < 2) return false;
+  const vs_word factor = cards->arguments[card->first + 2].value;
+  *c = (coupling){.line = &cards->lines[number], .at = factor.at};
+  c->plain = vs_numbers_read(factor, &c->factor) && !card->conditional;
   return true;
 }
 
 /* Finds all lines K, and the inductors of each. */
-static void find_couplings(couplings *all, const vs_line *lines, size_t count) {
-  size_t *open = NULL, depth = 0, scopes = 0, conditions = 0, n = 0;
-  for (size_t k = 0; k < count; k++) {
-    const char *text = lines[k].text;
-    vs_word name[2];
-    coupling c = {0};
-    if (vs_words_begin(text, ".subckt")) {
-      open = vs_alloc_grow(open, depth, sizeof *open);
-      open[depth++] = ++scopes;
-    }
-    depth -= vs_words_begin(text, ".ends") && depth;
-    conditions += vs_words_begin(text, ".if") || !strncasecmp(text, ".if(", 4);
-    conditions -= vs_words_begin(text, ".endif") && conditions;
-    if (!read_coupling(&lines[k], name, &c)) continue;
-    c.plain = c.plain && !conditions;
+static void find_couplings(couplings *all, const vs_cards *cards) {
+  size_t n = 0;
+  for (size_t k = 0; k < cards->count; k++) {
+    const vs_netlist_card *card = &cards->card[k];
+    coupling c;
+    if (!read_coupling(cards, k, &c)) continue;
     all->list = vs_alloc_grow(all->list, all->count, sizeof *all->list);
     all->list[all->count++] = c;
-    for (int e = 0; e < 2; e++) {
+    for (size_t e = 0; e < 2; e++) {
       all->inductor = vs_alloc_grow(all->inductor, n, sizeof *all->inductor);
-      all->inductor[n++] = (inductor){.name = name[e], .scope = depth ? open[depth - 1] : 0};
+      all->inductor[n++] = (inductor){.name = vs_cards_word(cards, card, e), .scope = card->scope};
     }
   }
-  free(open);
   inductor *given = vs_alloc(n + 1, sizeof *given); /* two of each K, in the order of lines */
   if (n) memcpy(given, all->inductor, n * sizeof *given);
   if (n) qsort(all->inductor, n, sizeof *all->inductor, compare_couplings);
@@ -213,10 +199,10 @@ static int compare_sets(const void *a, const void *b, void *ctx) {
   return s != t ? (s > t) - (s < t) : (x > y) - (x < y);
 }
 
-vs_status vs_couplings_check(const vs_line *lines, size_t count, vs_error *err) {
+vs_status vs_couplings_check(const vs_cards *cards, vs_error *err) {
   couplings all = {0};
   vs_status status = VS_OK;
-  find_couplings(&all, lines, count);
+  find_couplings(&all, cards);
   find_sets(&all);
   const coupling **sorted = vs_alloc(all.count + 1, sizeof *sorted);
   for (size_t k = 0; k < all.count; k++) sorted[k] = &all.list[k];

@@ -4,7 +4,7 @@
 #ifndef VS_NETLIST_COUPLINGS_H
 #define VS_NETLIST_COUPLINGS_H
 
-#include "netlist/line.h"
+#include "netlist/cards.h"
 
 /* Error: a K without a factor, with one beyond 1, of an inductor with itself or of what is no
  * inductor, with its place. Other lines are fine. */
@@ -14,6 +14,6 @@ vs_status vs_couplings_line(const vs_line *line, vs_error *err);
  * inductors that are coupled with each other make a matrix that is not positive definite, with the
  * place of the set's first factor. Sets with a factor that is a formula, or that stands between .if
  * and .endif, are left out. */
-vs_status vs_couplings_check(const vs_line *lines, size_t count, vs_error *err);
+vs_status vs_couplings_check(const vs_cards *cards, vs_error *err);
 
 #endif

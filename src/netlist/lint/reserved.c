@@ -9,7 +9,6 @@
 #include <strings.h>
 
 #include "base/alloc.h"
-#include "netlist/words.h"
 
 /* ---- the list ---- */
 
@@ -80,19 +79,22 @@ void vs_reserved_restore(char *message) {
 
 /* ---- where names are defined ---- */
 
-/* The subcircuits, each with the names that it defines; the first is the whole netlist. */
+/* The scopes of a netlist, each with the names that it defines. */
 typedef struct scopes {
+  const vs_cards *cards;
   struct {
-    vs_word name;
     names own;
-    names lent; /* what those know that have instances of it: in braces it does, too */
-    size_t outer;
-  } * item; /* owned */
-  size_t count;
-  size_t *of;     /* the scope of each line; owned. That of a .subckt is its own */
+    names lent;   /* what those know that have instances of it: in braces it does, too */
+  } * item;       /* owned */
   names anywhere; /* what any of them defines */
   bool pspice;
 } scopes;
+
+/* The scope of a line. That of a .subckt is its own. */
+static size_t scope_of(const scopes *s, size_t line) {
+  const vs_netlist_card *card = &s->cards->card[line];
+  return card->opens ? card->opens : card->scope;
+}
 
 /* The length of the name at s, which is no part of a longer word or number; 0: none begins there.
  */
@@ -104,85 +106,44 @@ static size_t name_at(const char *line, const char *s) {
   return n;
 }
 
-/* The names that a line ".param NAME=..." or ".subckt ... NAME=..." gives values. */
-static names defined_in(const char *line, bool pspice) {
-  names found = 0;
-  for (const char *s = line; *s;) {
-    const size_t n = name_at(line, s);
-    const size_t k = n && vs_words_is_given(s + n) ? number_of((vs_word){s, n}, pspice) : COUNT;
-    if (k < COUNT) found |= (names)1 << k;
-    s += n ? n : 1;
-  }
-  return found;
-}
-
-static void find_scopes(scopes *s, const vs_line *lines, size_t count, vs_reserved_given given) {
-  size_t at = 0;
-  s->item = vs_alloc(1, sizeof *s->item);
-  s->of = vs_alloc(count + 1, sizeof *s->of);
-  s->count = 1;
+static void find_scopes(scopes *s, vs_reserved_given given) {
+  s->item = vs_alloc(s->cards->n_scopes, sizeof *s->item);
   for (size_t k = 0; k < given.count; k++) {
     const size_t n = number_of(vs_words_of(given.name[k]), s->pspice);
     if (n < COUNT) s->item[0].own |= (names)1 << n;
   }
-  for (size_t k = 0; k < count; k++) {
-    const char *text = lines[k].text;
-    const bool begins = vs_words_begin(text, ".subckt");
-    if (begins) {
-      s->item = vs_alloc_grow(s->item, s->count, sizeof *s->item);
-      s->item[s->count].name = vs_words_at(vs_words_next(text));
-      s->item[s->count].own = s->item[s->count].lent = 0;
-      s->item[s->count].outer = at;
-      at = s->count++;
-    }
-    s->of[k] = at;
-    if (begins || vs_words_begin(text, ".param")) s->item[at].own |= defined_in(text, s->pspice);
-    if (vs_words_begin(text, ".ends")) at = s->item[at].outer;
+  for (size_t k = 0; k < s->cards->n_definitions; k++) {
+    const vs_netlist_definition *d = &s->cards->definition[k];
+    const size_t n = d->kind == VS_CARDS_PARAM ? number_of(d->name, s->pspice) : COUNT;
+    if (n < COUNT) s->item[d->scope].own |= (names)1 << n;
   }
-  for (size_t k = 0; k < s->count; k++) s->anywhere |= s->item[k].own;
+  for (size_t k = 0; k < s->cards->n_scopes; k++) s->anywhere |= s->item[k].own;
 }
 
 static names known_in(const scopes *s, size_t scope) {
   names known = s->item[scope].own;
-  for (; scope; scope = s->item[scope].outer) known |= s->item[s->item[scope].outer].own;
+  for (; scope; scope = s->cards->scope[scope].outer)
+    known |= s->item[s->cards->scope[scope].outer].own;
   return known;
 }
 
-/* The subcircuit of an instance: the last word before its parameters. */
-static vs_word called_by(const char *line) {
-  vs_word w[VS_WORDS_MOST], found = {line, 0};
-  const size_t count = vs_words_split(line, w);
-  for (size_t k = 1; k < count; k++) {
-    const bool given = memchr(w[k].at, '=', w[k].n) || vs_words_is_given(w[k].at + w[k].n);
-    if (given || !strncasecmp(w[k].at, "params:", 7)) break;
-    found = w[k];
-  }
-  return found;
-}
-
-/* Lends what the scope of an instance knows to its subcircuit, or to all where that is a part,
- * whose name stands elsewhere. Returns whether there was more to lend than before. */
-static bool lend(scopes *s, const char *instance, size_t from) {
-  const vs_word name = called_by(instance);
-  const names known = known_in(s, from) | s->item[from].lent;
-  bool there = false, more = false;
-  if (!known) return false;
-  for (size_t k = 1; k < s->count; k++) there = there || !vs_words_compare(s->item[k].name, name);
-  for (size_t k = 1; k < s->count; k++) {
-    if (there && vs_words_compare(s->item[k].name, name)) continue;
-    more = more || (known & ~s->item[k].lent);
-    s->item[k].lent |= known;
-  }
+/* Lends what the scope of an instance knows to its subcircuit. Returns whether there was more to
+ * lend than before. */
+static bool lend(scopes *s, const vs_netlist_card *instance) {
+  const names known = known_in(s, instance->scope) | s->item[instance->scope].lent;
+  const size_t called = known ? vs_cards_called(s->cards, instance) : 0;
+  const bool more = called && (known & ~s->item[called].lent);
+  if (called) s->item[called].lent |= known;
   return more;
 }
 
-static void lend_all(scopes *s, const vs_line *lines, size_t count) {
+static void lend_all(scopes *s) {
   bool more = s->anywhere & ~s->item[0].own;
   while (more) {
     more = false;
-    for (size_t k = 0; k < count; k++)
-      if (tolower((unsigned char)*lines[k].text) == 'x' && s->of[k])
-        more = lend(s, lines[k].text, s->of[k]) || more;
+    for (size_t k = 0; k < s->cards->count; k++)
+      if (s->cards->card[k].scope && s->cards->card[k].letter == 'x')
+        more = lend(s, &s->cards->card[k]) || more;
   }
 }
 
@@ -361,25 +322,24 @@ static bool has_name(const scopes *s, const char *line) {
   return false;
 }
 
-void vs_reserved_rename(vs_line *lines, size_t count, vs_reserved_given given, bool pspice) {
-  scopes s = {.pspice = pspice};
-  find_scopes(&s, lines, count, given);
-  lend_all(&s, lines, count);
-  for (size_t k = 0; k < count; k++) {
+bool vs_reserved_rename(const vs_cards *cards, vs_line *lines, vs_reserved_given given,
+                        bool pspice) {
+  scopes s = {.cards = cards, .pspice = pspice};
+  bool changed = false;
+  find_scopes(&s, given);
+  lend_all(&s);
+  for (size_t k = 0; k < cards->count; k++) {
+    const size_t scope = scope_of(&s, k);
     if (!has_name(&s, lines[k].text)) continue;
-    pen p = {.line = lines[k].text, .scopes = &s, .known = known_in(&s, s.of[k])};
-    p.inner = p.known | s.item[s.of[k]].lent;
+    pen p = {.line = lines[k].text, .scopes = &s, .known = known_in(&s, scope)};
+    p.inner = p.known | s.item[scope].lent;
     rewrite_line(&p);
-    if (!p.changed) {
-      vs_text_free(&p.out);
-      continue;
-    }
-    if (lines[k].written)
-      free(lines[k].text);
+    changed = changed || p.changed;
+    if (p.changed)
+      vs_line_change(&lines[k], p.out.text);
     else
-      lines[k].written = lines[k].text;
-    lines[k].text = p.out.text;
+      vs_text_free(&p.out);
   }
   free(s.item);
-  free(s.of);
+  return changed;
 }

@@ -7,10 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "lint/couplings.h"
 #include "netlist/numbers.h"
 #include "netlist/words.h"
-#include "lint/couplings.h"
-#include "lint/parameters.h"
 
 /* ---- brackets ---- */
 
@@ -235,7 +234,6 @@ static vs_status check_segments(const vs_line *line, vs_error *err) {
 vs_status vs_slips_line(const vs_line *line, vs_error *err) {
   vs_status status = check_brackets(line, line->text, line->text + strlen(line->text), err);
   if (!status) status = check_value(line, err);
-  if (!status) status = vs_parameters_check(line, err);
   if (!status) status = vs_couplings_line(line, err);
   if (!status) status = check_polynomial(line, err);
   if (!status) status = check_delay(line, err);
@@ -246,30 +244,26 @@ vs_status vs_slips_line(const vs_line *line, vs_error *err) {
 /* ---- names ---- */
 
 /* Error: a node of this line has a name under which ngspice has a number of its own. */
-static vs_status check_names(const vs_line *line, vs_error *err) {
+static vs_status check_names(const vs_cards *c, size_t number, vs_error *err) {
   static const char *const TAKEN[] = {"time", "temper"};
-  vs_word node = {line->text, 0};
-  if (!strchr("rlcdvibefghswqmjz", tolower((unsigned char)*line->text))) return VS_OK;
-  for (int n = 0; n < 2; n++) {
-    node = vs_words_at(vs_words_next(node.at));
-    for (size_t k = 0; k < sizeof TAKEN / sizeof *TAKEN; k++)
+  const vs_netlist_card *card = &c->card[number];
+  for (size_t n = 0; n < 2; n++)
+    for (size_t k = 0; k < sizeof TAKEN / sizeof *TAKEN; k++) {
+      const vs_word node = vs_cards_word(c, card, n);
       if (vs_words_is(node, TAKEN[k]))
-        return vs_fail_at(err, vs_line_place_of(line, node),
+        return vs_fail_at(err, vs_line_place_of(&c->lines[number], node),
                           "a node of a circuit cannot be called %s, which is ngspice's own name "
                           "for the %s; another name is wanted",
                           TAKEN[k], k ? "temperature" : "time");
-  }
+    }
   return VS_OK;
 }
 
-vs_status vs_slips_names(const vs_line *lines, size_t count, vs_error *err) {
+vs_status vs_slips_names(const vs_cards *c, vs_error *err) {
   vs_status status = VS_OK;
-  size_t depth = 0;
-  for (size_t k = 0; k < count && !status; k++) {
-    depth += vs_words_begin(lines[k].text, ".subckt");
-    depth -= vs_words_begin(lines[k].text, ".ends") && depth;
-    if (!depth && *lines[k].text) status = check_names(&lines[k], err);
-  }
+  for (size_t k = 0; k < c->count && !status; k = vs_cards_next(c, k))
+    if (c->card[k].kind == VS_CARDS_ELEMENT && strchr("rlcdvibefghswqmjz", c->card[k].letter))
+      status = check_names(c, k, err);
   return status;
 }
 

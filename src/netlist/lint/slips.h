@@ -4,11 +4,11 @@
 #ifndef VS_NETLIST_SLIPS_H
 #define VS_NETLIST_SLIPS_H
 
-#include "netlist/line.h"
+#include "netlist/cards.h"
 
 /* Errors with their place, and what would be right: a bracket or brace that is not closed, or is
  * one too many; an R, C or L of nothing but two nodes; times of a PWL of which one lies before the
- * last; what vs_parameters_check and vs_couplings_line find; a POLY(n) with too few nodes,
+ * last; what vs_couplings_line finds; a POLY(n) with too few nodes,
  * sources or coefficients; a T without a delay; a U of too many segments. What stands in double
  * quotes is not looked at, nor are the round brackets of a .model, which ngspice takes for blanks.
  */
@@ -19,7 +19,7 @@ double vs_slips_segments(const char *line);
 
 /* Error: outside of subcircuits a node is called time or temper, with its place. ngspice then tells
  * the time in the place of the node's voltage, or runs out of memory. */
-vs_status vs_slips_names(const vs_line *lines, size_t count, vs_error *err);
+vs_status vs_slips_names(const vs_cards *cards, vs_error *err);
 
 /* Errors: a line is an .else, .elseif or .endif, and no .if is open there, for which ngspice gives
  * no reason; or an .if that no .endif closes, behind which ngspice silently leaves all out. */

@@ -2,150 +2,181 @@
 #include "lint/subcircuits.h"
 
 #include <ctype.h>
-#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
-#include "base/alloc.h"
 #include "base/text.h"
-#include "lint/parameters.h"
-#include "netlist/words.h"
+#include "lint/circle.h"
 
-enum { NAME = 64, MOST_NAMES = 64, MOST_OF_A_NAME = 8 };
+/* ---- circles ---- */
 
-/* ---- subcircuits ---- */
-
-/* Where the name of the subcircuit begins in its line ".subckt NAME ...". */
-static const char *name_in(const char *line) {
-  line += strcspn(line, " \t");
-  return line + strspn(line, " \t");
-}
-
-/* Compares the word at a with that at b. */
-static int compare_words(const char *a, const char *b) {
-  size_t n = strcspn(a, " \t"), m = strcspn(b, " \t");
-  int order = strncasecmp(a, b, n < m ? n : m);
-  return order ? order : (n > m) - (n < m);
-}
-
-typedef struct entry {
-  const char *name;
-  size_t line;
-} entry;
-
-static int compare_entries(const void *a, const void *b) {
-  const entry *x = a, *y = b;
-  int order = compare_words(x->name, y->name);
-  return order ? order : (x->line > y->line) - (x->line < y->line);
-}
-
-void vs_subcircuits_find(vs_subcircuits *s, const vs_line *lines, size_t n_lines) {
-  *s = (vs_subcircuits){.lines = lines, .n_lines = n_lines};
-  for (size_t k = 0; k < n_lines; k++) s->count += vs_words_begin(lines[k].text, ".subckt");
-  entry *list = vs_alloc(s->count + 1, sizeof *list);
-  s->first = vs_alloc(s->count + 1, sizeof *s->first);
-  for (size_t k = 0, n = 0; k < n_lines; k++)
-    if (vs_words_begin(lines[k].text, ".subckt")) list[n++] = (entry){name_in(lines[k].text), k};
-  qsort(list, s->count, sizeof *list, compare_entries);
-  for (size_t k = 0; k < s->count; k++) s->first[k] = list[k].line;
-  free(list);
-}
-
-void vs_subcircuits_free(vs_subcircuits *s) {
-  free(s->first);
-  *s = (vs_subcircuits){0};
-}
-
-/* The first of the subcircuits of that name; s->count: there is none. */
-static size_t find_first(const vs_subcircuits *s, const char *name) {
-  size_t low = 0, high = s->count;
-  while (low < high) {
-    size_t middle = (low + high) / 2;
-    if (compare_words(name_in(s->lines[s->first[middle]].text), name) < 0)
-      low = middle + 1;
-    else
-      high = middle;
+/* Goes to the next subcircuit that this one has an instance of. */
+static size_t next_instance(const void *ctx, vs_circle_step *at) {
+  const vs_cards *c = ctx;
+  const vs_netlist_scope *of = &c->scope[at->thing];
+  size_t k = at->name.n ? at->line + 1 : of->first;
+  for (; at->thing && k < of->last; k = vs_cards_next(c, k)) {
+    const size_t to = vs_cards_called(c, &c->card[k]);
+    if (!to) continue;
+    at->line = k;
+    at->name = c->card[k].model;
+    return to;
   }
-  return low < s->count && !compare_words(name_in(s->lines[s->first[low]].text), name) ? low
-                                                                                       : s->count;
+  return c->n_scopes;
 }
 
-/* ---- parameters ---- */
+static const char *verb(const void *ctx, size_t thing, vs_word *name) {
+  *name = ((const vs_cards *)ctx)->scope[thing].name;
+  return "calls";
+}
 
-/* Names that may stand in the place of one that is unknown. */
-typedef struct candidates {
-  char name[MOST_NAMES][NAME];
-  size_t count;
-} candidates;
-
-/* True where the line gives that parameter a value; adds those that it has to `known`. */
-static bool has_in_line(const char *line, const char *name, size_t n, candidates *known) {
-  const char *at;
-  size_t length;
-  for (const char *s = line; (s = vs_parameters_next(line, s, &at, &length));) {
-    if (length == n && !strncasecmp(at, name, n)) return true;
-    if (length > 0 && length < NAME && known->count < MOST_NAMES)
-      snprintf(known->name[known->count++], NAME, "%.*s", (int)length, at);
+vs_status vs_subcircuits_circles(const vs_cards *c, vs_error *err) {
+  vs_circle_step *path = vs_alloc(c->n_scopes + 1, sizeof *path);
+  const size_t length = vs_circle_find(c->n_scopes, next_instance, c, path, NULL);
+  if (length) {
+    const vs_word name = c->scope[path[0].thing].name;
+    vs_text text = {0};
+    vs_circle_tell(path, length, verb, c, &text);
+    vs_fail_at(err, c->lines[path[0].line].where,
+               "subcircuit %.*s%s; an instance of another one is wanted here", (int)name.n, name.at,
+               text.text);
+    vs_text_free(&text);
   }
-  return false;
+  free(path);
+  return length ? VS_INPUT : VS_OK;
 }
 
-/* The same for a whole subcircuit. A .param below it is one of its parameters to ngspice. */
-static bool subcircuit_has(const vs_subcircuits *s, size_t first, const char *name, size_t n,
-                           candidates *known) {
-  if (has_in_line(s->lines[first].text, name, n, known)) return true;
-  size_t depth = 1;
-  for (size_t k = first + 1; k < s->n_lines && depth; k++) {
-    const char *text = s->lines[k].text;
-    if (*text != '.') continue;
-    depth += vs_words_begin(text, ".subckt");
-    depth -= vs_words_begin(text, ".ends");
-    if (vs_words_begin(text, ".param") && has_in_line(text, name, n, known)) return true;
-  }
-  return false;
-}
+/* ---- parameters of instances ---- */
 
-static vs_status refuse_parameter(const vs_line *line, const char *at, size_t n,
-                                  const char *subcircuit, const candidates *known, vs_error *err) {
-  char name[NAME];
-  const char *list[MOST_NAMES], *nearest;
+/* Refuses a parameter, and tells of those that the subcircuit has. */
+static vs_status refuse_parameter(const vs_cards *c, size_t instance, vs_word given, size_t scope,
+                                  vs_error *err) {
+  const char **known = vs_alloc(c->n_definitions + 1, sizeof *known);
+  size_t count = 0;
   vs_text all = {0};
-  snprintf(name, sizeof name, "%.*s", (int)n, at);
-  for (size_t k = 0; k < known->count; k++) {
-    list[k] = known->name[k];
-    vs_text_add(&all, "%s%s", k ? ", " : "", list[k]);
+  for (size_t k = 0; k < c->n_definitions; k++) {
+    const vs_netlist_definition *d = &c->definition[k];
+    if (d->scope != scope || d->kind != VS_CARDS_PARAM) continue;
+    vs_text_add(&all, "%s%.*s", count ? ", " : "", (int)d->name.n, d->name.at);
+    known[count++] = vs_alloc_part(d->name.at, d->name.n);
   }
-  nearest = vs_text_nearest(name, list, known->count);
-  vs_fail_at(err, vs_line_place_of(line, (vs_word){at, n}),
-             "subcircuit %s has no parameter %s%s%s%s", subcircuit, name,
-             nearest        ? "; did you mean '"
-             : known->count ? "; it has "
-                            : "; it has none: leave it out",
-             nearest    ? nearest
-             : all.text ? all.text
-                        : "",
+  char *name = vs_alloc_part(given.at, given.n);
+  const char *nearest = vs_text_nearest(name, known, count);
+  const vs_word called = c->card[instance].model, own = c->scope[scope].name;
+  const vs_word subcircuit = vs_words_compare(called, own) ? own : called;
+  vs_fail_at(err, vs_line_place_of(&c->lines[instance], given),
+             "subcircuit %.*s has no parameter %s%s%s%s", (int)subcircuit.n, subcircuit.at, name,
+             nearest ? "; did you mean '"
+             : count ? "; it has "
+                     : "; it has none: leave it out",
+             nearest ? nearest
+             : count ? all.text
+                     : "",
              nearest ? "'?" : "");
+  for (size_t k = 0; k < count; k++) free((char *)(size_t)known[k]);
+  free(known);
+  free(name);
   vs_text_free(&all);
   return VS_INPUT;
 }
 
-vs_status vs_subcircuits_check(const vs_subcircuits *s, const vs_line *line, const char *behind,
-                               const char *subcircuit, vs_error *err) {
-  const char *at;
-  size_t n, first = find_first(s, subcircuit), last = first;
-  while (last < s->count && last - first <= MOST_OF_A_NAME &&
-         !compare_words(name_in(s->lines[s->first[last]].text), subcircuit))
-    last++;
-  /* Which of several is meant depends on where they stand: any of them will do. */
-  if (first == last || last - first > MOST_OF_A_NAME) return VS_OK;
-  for (const char *from = behind; (from = vs_parameters_next(line->text, from, &at, &n));) {
-    candidates known = {.count = 0};
-    bool found = n == 0 || (n == 1 && tolower((unsigned char)*at) == 'm');
-    for (size_t k = first; k < last && !found; k++)
-      found = subcircuit_has(s, s->first[k], at, n, &known);
-    if (!found) return refuse_parameter(line, at, n, subcircuit, &known, err);
+/* Of a subcircuit that is defined twice nothing is said but that: vs_subcircuits_doubles. */
+static vs_status check_instance(const vs_cards *c, size_t number, vs_error *err) {
+  const vs_netlist_card *card = &c->card[number];
+  const size_t scope = card->words < card->count ? vs_cards_called(c, card) : 0;
+  const vs_netlist_scope *of = &c->scope[scope];
+  if (!scope || vs_cards_find(c, of->outer, VS_CARDS_SUBCKT, of->name)->twin) return VS_OK;
+  for (size_t k = card->first; k < card->first + card->count; k++) {
+    const vs_word name = c->arguments[k].name;
+    if (name.n && !vs_words_is(name, "m") && !vs_cards_find(c, scope, VS_CARDS_PARAM, name))
+      return refuse_parameter(c, number, name, scope, err);
   }
   return VS_OK;
+}
+
+vs_status vs_subcircuits_parameters(const vs_cards *c, vs_error *err) {
+  vs_status status = VS_OK;
+  for (size_t k = 0; k < c->count && !status; k++)
+    status = vs_error_keep(err, check_instance(c, k, err));
+  return status;
+}
+
+/* ---- doubles ---- */
+
+/* True where both lines say the same, but for capitals and for what ngspice takes for blanks. The
+ * name behind an .ends says nothing. */
+static bool is_alike(const char *a, const char *b) {
+  static const char BLANKS[] = " \t,=()";
+  if (vs_words_begin(a, ".ends") && vs_words_begin(b, ".ends")) return true;
+  for (;; a++, b++) {
+    const size_t blanks = strspn(a, BLANKS), others = strspn(b, BLANKS);
+    if ((blanks > 0) != (others > 0)) return !a[blanks] && !b[others]; /* at the end of one */
+    a += blanks;
+    b += others;
+    if (tolower((unsigned char)*a) != tolower((unsigned char)*b)) return false;
+    if (!*a) return true;
+  }
+}
+
+/* True where both definitions say the same: a model one line, a subcircuit all up to its .ends. */
+static bool say_the_same(const vs_cards *c, size_t a, size_t b) {
+  const size_t n = vs_cards_next(c, a) - a;
+  bool same = vs_cards_next(c, b) - b == n;
+  for (size_t k = 0; k < n && same && b + k < c->count; k++)
+    same = is_alike(c->lines[a + k].text, c->lines[b + k].text);
+  return same;
+}
+
+static void tell_second(const vs_cards *c, const vs_netlist_definition *first,
+                        const vs_netlist_definition *second, vs_subcircuits_tell *tell, void *ctx) {
+  char text[400];
+  const vs_where at = c->lines[first->card].where, where = c->lines[second->card].where;
+  const bool other = at.file != where.file, apart = other && !first->scope;
+  const char *file = other ? at.file : "", *comma = other ? ", " : "";
+  const char *what = second->kind == VS_CARDS_MODEL ? ".model" : ".subckt";
+  const int n = second->name.n < 64 ? (int)second->name.n : 64;
+  snprintf(text, sizeof text,
+           apart ? "a second %s %.*s, which says other things than the first, of %.200s%sline %d: "
+                   "ngspice would take the first for both; give one another name"
+                 : "a second %s %.*s: ngspice takes the first, of %.200s%sline %d; leave one out, "
+                   "or give it another name",
+           what, n, second->name.at, file, comma, at.line);
+  tell(ctx, where, apart, text);
+}
+
+/* The second word of a line as the file has it: the program may have changed the name of a
+ * subcircuit. */
+static vs_word name_in_file(const vs_line *line) {
+  vs_word w[VS_WORDS_MOST];
+  return vs_words_split(line->written ? line->written : line->text, w) > 1 ? w[1]
+                                                                           : (vs_word){"", 0};
+}
+
+/* Tells of an .ends that has a name of its own. */
+static void check_end(const vs_cards *c, const vs_netlist_scope *scope, vs_subcircuits_tell *tell,
+                      void *ctx) {
+  const vs_line *subcircuit = &c->lines[scope->first - 1], *end = &c->lines[scope->last];
+  const vs_word name = name_in_file(subcircuit), said = name_in_file(end);
+  char text[256];
+  if (!said.n || !vs_words_compare(said, name)) return;
+  snprintf(text, sizeof text,
+           "this .ends closes subcircuit %.*s of line %d, and not %.*s; is an .ends missing before "
+           "it, or the name another?",
+           name.n < 64 ? (int)name.n : 64, name.at, subcircuit->where.line,
+           said.n < 64 ? (int)said.n : 64, said.at);
+  tell(ctx, vs_line_place(end, said.at), false, text);
+}
+
+void vs_subcircuits_doubles(const vs_cards *c, vs_subcircuits_tell *tell, void *ctx) {
+  for (size_t k = 0; k < c->count; k++)
+    if (c->card[k].kind == VS_CARDS_ENDS && c->card[k].scope)
+      check_end(c, &c->scope[c->card[k].scope], tell, ctx);
+  for (size_t k = 0; k < c->n_definitions; k++) {
+    const vs_netlist_definition *d = &c->definition[k], *first;
+    if ((d->kind != VS_CARDS_MODEL && d->kind != VS_CARDS_SUBCKT) || d->twin) continue;
+    first = vs_cards_find(c, d->scope, d->kind, d->name);
+    if (first == d || c->card[d->card].conditional || c->card[first->card].conditional) continue;
+    if (!say_the_same(c, first->card, d->card)) tell_second(c, first, d, tell, ctx);
+  }
 }

@@ -1,27 +1,27 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Parameters of instances (lines X...) that their subcircuits do not have. ngspice ignores them
- * silently. */
+ * Subcircuits that have themselves within, instances with parameters that their subcircuit has not,
+ * and what is defined twice. */
 #ifndef VS_NETLIST_SUBCIRCUITS_H
 #define VS_NETLIST_SUBCIRCUITS_H
 
-#include "netlist/line.h"
+#include "netlist/cards.h"
 
-/* The subcircuits of a netlist, by their names. */
-typedef struct vs_subcircuits {
-  const vs_line *lines; /* borrowed */
-  size_t n_lines;
-  size_t *first; /* of each subcircuit its line .subckt, sorted by names; owned */
-  size_t count;
-} vs_subcircuits;
+/* Error: a subcircuit that calls itself, directly or by others, with the line of the call. ngspice
+ * says that the innermost it came to is not known. */
+vs_status vs_subcircuits_circles(const vs_cards *cards, vs_error *err);
 
-void vs_subcircuits_find(vs_subcircuits *s, const vs_line *lines, size_t n_lines);
-void vs_subcircuits_free(vs_subcircuits *s);
+/* Checks the parameters of all instances (lines X...) against their subcircuits. A subcircuit has
+ * the parameters of its line .subckt and of each .param in it, and m. Errors: others, each with its
+ * place and the nearest name, which ngspice ignores silently. */
+vs_status vs_subcircuits_parameters(const vs_cards *cards, vs_error *err);
 
-/* Checks the parameters of an instance against its subcircuit. `behind` is where they begin, behind
- * the subcircuit's name in the line. A subcircuit has the parameters of its line .subckt and of
- * each .param below it, and m. Error: another one, with its place and the nearest name. No error if
- * the subcircuit is not there. */
-vs_status vs_subcircuits_check(const vs_subcircuits *s, const vs_line *line, const char *behind,
-                               const char *subcircuit, vs_error *err);
+/* Is given each slip and its place. `apart`: the two stand in different files, outside of all
+ * subcircuits, and say different things: what was made with one of them gets the other. */
+typedef void vs_subcircuits_tell(void *ctx, vs_where where, bool apart, const char *text);
+
+/* Looks for models and subcircuits that are defined twice in the same scope, of which ngspice
+ * silently takes the first, and for lines .ends with another name than their .subckt has. Two that
+ * say the same are no slip, nor are those between .if and .endif, of which ngspice takes one. */
+void vs_subcircuits_doubles(const vs_cards *cards, vs_subcircuits_tell *tell, void *ctx);
 
 #endif

@@ -12,16 +12,16 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "base/error.h"
-#include "base/path.h"
-#include "base/text.h"
-#include "netlist/port.h"
-#include "netlist/line.h"
-#include "netlist/statements.h"
-#include "netlist/tally.h"
 #include "base/cursor.h"
+#include "base/error.h"
 #include "base/field.h"
 #include "base/formula.h"
+#include "base/path.h"
+#include "base/text.h"
+#include "netlist/line.h"
+#include "netlist/port.h"
+#include "netlist/statements.h"
+#include "netlist/tally.h"
 
 /* How much a deck may hold. A line beyond that is refused with its place. */
 enum {
@@ -203,8 +203,8 @@ typedef struct vs_named_port {
   vs_where where;
 } vs_named_port;
 
-/* A device whose stress is measured (netlist/devices.h). Kind, part, gates and ward are known once the
- * parts are read. */
+/* A device whose stress is measured (netlist/devices.h). Kind, part, gates and ward are known once
+ * the parts are read. */
 typedef struct vs_device {
   char name[VS_DECK_NAME], text[VS_DECK_TEXT];
   char of[VS_DECK_NAME];       /* its part or kind as the line says; empty: by its name */
@@ -228,8 +228,8 @@ typedef struct vs_device {
   vs_where where, where_of, where_ward, where_flux;
 } vs_device;
 
-/* A node of the EVA that shows the machine's motion besides the gap (netlist/eva.h). It is there only
- * where the deck names it. */
+/* A node of the EVA that shows the machine's motion besides the gap (netlist/eva.h). It is there
+ * only where the deck names it. */
 typedef struct vs_motion_node {
   char name[VS_DECK_NAME]; /* within the EVA, in lower case: "vz", "q_NAME", "v_NAME" */
   int state; /* index into the machine's state (q, q'), of which the node has the value in SI; -1:
@@ -262,7 +262,8 @@ typedef struct vs_deck {
   unsigned lost;                 /* VS_LOST_... of the lines that could not be read */
   vs_skipped skipped;            /* statements that a circuit is not made of, until they are told */
   vs_tally changes;              /* what was changed in lines, until it is told */
-  unsigned long own_functions;   /* those of netlist/dialect/functions.h that the netlist defines itself */
+  unsigned long
+      own_functions;    /* those of netlist/dialect/functions.h that the netlist defines itself */
   vs_findings *remarks; /* warnings of what was skipped, changed or may be meant otherwise, each
                            with its place; owned; NULL: there are none */
   char title[VS_DECK_TEXT];
@@ -270,8 +271,9 @@ typedef struct vs_deck {
   char compat[8];      /* ngspice's name of a dialect; empty: its own */
   vs_line *lines;      /* of all files, comments and blank lines left out; owned */
   size_t n_lines;
-  vs_section section; /* "circuit": vs_deck_key, then params and parts. It fills a
-                         vs_circuit_values. Fields and their texts are owned. */
+  struct vs_cards *cards; /* the lines taken apart, once somebody asks (vs_deck_cards); owned */
+  vs_section section;     /* "circuit": vs_deck_key, then params and parts. It fills a
+                             vs_circuit_values. Fields and their texts are owned. */
   vs_port ports[VS_DECK_MOST];
   size_t n_ports;
   vs_term terms[VS_DECK_MOST];
@@ -352,6 +354,11 @@ vs_where vs_deck_mendable(const vs_deck *deck, vs_where where, char *within, siz
 
 /* Adds a line to the netlist. The deck owns what the line owns from then on. */
 void vs_deck_add_line(vs_deck *deck, vs_line line);
+
+/* The netlist taken apart, in which the name of a part means the one that is chosen. It stays as
+ * long as no line is added or changed: who changes one calls vs_deck_changed. */
+const struct vs_cards *vs_deck_cards(const vs_deck *deck);
+void vs_deck_changed(vs_deck *deck);
 
 /* Adds a field to the deck's section; its texts are copied. `where` is the place of its line.
  * Error: the key stands there already, or is one of the program's or of ngspice's. */

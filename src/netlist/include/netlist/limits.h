@@ -6,6 +6,7 @@
 #define VS_NETLIST_LIMITS_H
 
 #include "base/field.h"
+#include "netlist/deck.h"
 
 typedef struct vs_limits_values {
   double csv_bytes;  /* of one run.csv */
@@ -20,5 +21,13 @@ extern const vs_section vs_limits_section;
  * bytes". */
 enum { VS_LIMITS_SIZE = 24 };
 void vs_limits_write(double bytes, char text[VS_LIMITS_SIZE]);
+
+/* Error, with the place of the line that comes to most: the deck comes to more than `most` elements
+ * and models when the solver takes its subcircuits apart, with its parts in their places. Ten
+ * lines, each ten instances of the one before, are as many as ten thousand million, for which the
+ * solver would take all of the machine's memory; here they are counted without being made. Each
+ * segment of a line U counts as two devices, a subcircuit that is not defined or has itself within
+ * as one. */
+vs_status vs_limits_devices(const vs_deck *deck, double most, vs_error *err);
 
 #endif

@@ -29,6 +29,10 @@ typedef struct vs_line {
 /* Adds what a line of the file says, behind a blank unless it is the first. */
 void vs_line_join(vs_line *line, const char *text, vs_where where);
 
+/* Gives the line another text for the solver, which it owns from then on; line->written has what
+ * the files say. */
+void vs_line_change(vs_line *line, char *text);
+
 /* The place of `at`, which lies in line->written, or in line->text where that is NULL. */
 vs_where vs_line_place(const vs_line *line, const char *at);
 

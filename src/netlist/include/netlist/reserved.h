@@ -9,7 +9,7 @@
 #include <stdbool.h>
 
 #include "base/text.h"
-#include "netlist/line.h"
+#include "netlist/cards.h"
 
 /* The n-th of these names, from 0; NULL: there are no more. *pspice: it is one in PSpice's dialect
  * alone. For tests. */
@@ -36,8 +36,10 @@ typedef struct vs_reserved_given {
 /* Renames the parameters of such names in all lines: where they are defined, where instances give
  * them a value, and in the expressions in which they are known, which are those of their subcircuit
  * and of what stands within it. Functions of the same name stay, as do nodes and elements. Writes
- * numbers for pi and e where only a B source would know them, and nobody defines them. */
-void vs_reserved_rename(vs_line *lines, size_t count, vs_reserved_given given, bool pspice);
+ * numbers for pi and e where only a B source would know them, and nobody defines them. `cards` are
+ * those of the lines. Returns whether a line was changed. */
+bool vs_reserved_rename(const vs_cards *cards, vs_line *lines, vs_reserved_given given,
+                        bool pspice);
 
 /* Puts the user's names in the place of these in a message. */
 void vs_reserved_restore(char *message);

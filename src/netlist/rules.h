@@ -26,11 +26,4 @@ vs_status vs_rules_element(vs_deck *deck, const char *line, vs_where where, vs_e
  * draws nothing; with another number of them, or a blank before them, ngspice does not know it. */
 vs_status vs_rules_random(const char *line, bool pspice, vs_where where, vs_error *err);
 
-/* True for a line "Vname n m external" (or Iname). `name` is then the source's, in lower case. */
-bool vs_rules_is_external(const char *line, char name[VS_DECK_NAME]);
-
-/* Finds the subcircuit's name in a line "Xname n m ... SUBCIRCUIT [NAME=VALUE ...]". Returns where
- * it begins in the line and gives its length; NULL: the line is no instance. */
-const char *vs_rules_instance_of(const char *line, size_t *length);
-
 #endif
