@@ -265,6 +265,15 @@ static const struct {
      "{'machine': {'model': 'conveyor'}, 'supply': {'voltage': '339 V', 'resistance': "
      "'1.74 ohm'}, 'firing': {'pulse_width': '21 us'}, 'events': {'e0': {'kind': 'sag', "
      "'at': '5.9812 ms', 'duration': '20 ms', 'level': '84.3 %'}}}"},
+    {"a step beyond a latch's firing is rejected (longest_latching)", 0.0001, 100, 0.0233149, 16,
+     "{'machine': {'model': 'two_mass'}, 'supply': {'voltage': '150.41 V', 'frequency': '44.066 "
+     "Hz', 'phase': '-124.706 deg', 'inductance': '1.513 mH'}, 'firing': {'angle': '88.8046 deg', "
+     "'pulse_width': '0.0273491 ms', 'every': '3', 'burst_duty': '17.5219 %'}, 'circuit': "
+     "{'deck': 'halfwave_paper', 'r1': '12.9604 kohm', 'r2': '0.107217 kohm', 'thyristor': "
+     "'latch', 'varistor_3': 's14k510', 'fuse_2': 'A070gRB10T13', 'transformer_saturates': "
+     "'0.775218 Wb', 'gate_turns': '1.60562', 'gate_leakage': '98.8708 uH', 'gate_primary_r': "
+     "'1.35908 ohm', 'gate_secondary_r': '0.830043 ohm', 'gate_r3': '43.073 ohm'}, 'actuator': "
+     "{'leakage': '0.0641801 H'}}"},
 };
 
 /* What docs/accuracy.md promises. The finer run has errors of its own of a tenth of that or less.

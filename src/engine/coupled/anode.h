@@ -38,6 +38,7 @@ typedef struct vs_anode {
   double out_s;            /* when one of them last went out; -INFINITY: none has */
   bool crossed; /* the last step was to pass a zero, so that there is a kink at its end */
   bool jumps;   /* a gate's voltage jumps at the edges of its pulses: its drive is a source alone */
+  bool delays;  /* it rises behind them: the drive is more than that */
   double edge_s;               /* the last such edge that was reached; -INFINITY: none was */
   double strained_s;           /* where the cycle began in which voltages were last back too soon */
   int strained, most_strained; /* how often within t_q, in that cycle and in the worst */
