@@ -150,7 +150,8 @@ class Study(collections.abc.Sequence):
         self.messages, self.text, self.shards = list(messages), text, shards
         if "columns" not in m:
             raise Error(None, [f"{self.path}: manifest.json does not tell what the columns are; it "
-                               "is of an older version, so load it with that one"])
+                               "is of an older version, or was merged of shards of one: "
+                               "load it with that one, or run the study again"])
         words = {a["column"] for a in m["axes"]
                  if any(isinstance(v, str) for v in a.get("values", []))}
         rows = rows_of(self.path)
