@@ -240,7 +240,9 @@ static size_t beside(const vs_cards *c, size_t source, const vs_part *part) {
     const vs_word node = vs_cards_word(c, &c->card[source], n);
     size_t found = c->count, count = 0;
     for (size_t k = 0; k < c->count; k = vs_cards_next(c, k))
-      if (k != source && vs_cards_has_node(c, &c->card[k], node)) found = k, count++;
+      if (k != source && c->card[k].kind == VS_CARDS_ELEMENT &&
+          vs_cards_has_node(c, &c->card[k], node))
+        found = k, count++;
     if (count == 1 && is_instance(&c->card[found], part)) return found;
   }
   return c->count;
