@@ -258,7 +258,7 @@ typedef struct pair {
 static void agree(const char *scene, const char *sets, const pair *pairs, size_t count, int line) {
   const char *columns[8];
   for (size_t k = 0; k < count; k++) columns[k] = pairs[k].column;
-  char *log = plain(scene, sets, columns, count), name[16];
+  char *log = plain(scene, sets, columns, count), name[32];
   ran r = run("run %s %s --json --quiet", scene, sets);
   expect(r.status == 0 || r.status == 3, line, "%s", r.err);
   vs_close(told(log, "i_peak_a"), measure(r.out, "i_peak", ""), measure(r.out, "i_peak", ""), 1e-3,
