@@ -320,6 +320,7 @@ static void functions(void) {
       {"R9 ss yy 1k tol=5 pwr=0.25", 1},
       {"R9 ss yy 1k\nC9 ss 0 1p TC=0.1,0.2\nL9 ss zz 1u TC=0\nR8 zz 0 1k", 1},
       {".param x=100\nR9 ss yy 5*{x}\nR8 yy ss r={x}*2*5", 1.5},
+      {".param x=100\nR9 ss yy 5*{x} tc1=0*{x}", 4. / 3},
       {"V9 yy 0 5 Rser=1k", 2.5},
       {"B1 yy 0 V=V(ss)*3 tripdv=1 tripdt=1u", 6},
       {"B1 0 yy I=1m Rpar=1k", 0.5},

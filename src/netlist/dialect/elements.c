@@ -188,8 +188,8 @@ static const char *closing(const char *open) {
 static void rewrite_product(vs_rewriting *r) {
   static const char OPERATORS[] = "*/+-";
   vs_word w[VS_WORDS_MOST];
-  size_t count = vs_words_split(r->text.text, w);
-  for (size_t k = count; k-- > 3;) {
+  for (size_t k = vs_words_split(r->text.text, w); k-- > 3;) {
+    vs_words_split(r->text.text, w); /* the text may be another one than before */
     const char *equals = memchr(w[k].at, '=', w[k].n), *end = w[k].at + w[k].n;
     const char *at = equals ? equals + 1 : w[k].at, *open = memchr(at, '{', (size_t)(end - at));
     if (!open) continue;
