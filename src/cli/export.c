@@ -35,10 +35,9 @@ static double largest_step(const vs_setup *s) {
   if (s->run.gear) h /= 2;
   return s->run.max_step_s > 0 ? s->run.max_step_s : h;
 }
-/* Of ngspice's relative tolerance 1e-3 is enough for halfwave_bare and halfwave_snubbed, 3 to 8 %
- * faster; but a chopper's current is off by 1.4e-3 then after 80 periods of 20 kHz, as each edge
- * leaves an error of its own, and the thyristor of halfwave_paper then fires at another
- * instant of its bursts: p is off by 4e-3. */
+/* With ngspice's relative tolerance of 1e-3 halfwave_bare and halfwave_snubbed are as right, and 3
+ * to 8 % faster. But a chopper's current is off by 1.4e-3 after 80 periods of 20 kHz, as each edge
+ * leaves an error of its own, and p of halfwave_paper is off by 4e-3. */
 static const double RELTOL = 1e-4;
 
 /* True for a node's name in which ngspice's commands would see an operator. */

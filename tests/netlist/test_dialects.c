@@ -589,6 +589,8 @@ static void messages_have_places(void) {
       {"B1 yy 0 V=abs(V(ss)) ^ 0.5", "d.cir:16:22", "max(abs(x), 1u)"},
       {".if (x>1)\nR9 ss yy 1\n.endif", "d.cir:16:6", "[x]"},
       {"R9 ss yy {unk}\n+ tc1=0", "d.cir:16:11", "[unk]"},
+      {".param x=2\nV9 zz 0 PULSE(0 {x}*2 1u 1u 1u 1 2)\nR9 zz 0 1k", "d.cir:17:1",
+       "parameter (*)"},
       {"R9 ss yy\n+ {unk}", "d.cir:17:4", "[unk]"},
       {"V9 ss 0 1", "d.cir:11:1", "singular"},
       {"F1 yy 0 Vnone 2", "d.cir:16:1", "vnone"},

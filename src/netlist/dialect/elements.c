@@ -192,7 +192,7 @@ static void rewrite_product(vs_rewriting *r) {
     vs_words_split(r->text.text, w); /* the text may be another one than before */
     const char *equals = memchr(w[k].at, '=', w[k].n), *end = w[k].at + w[k].n;
     const char *at = equals ? equals + 1 : w[k].at, *open = memchr(at, '{', (size_t)(end - at));
-    if (!open) continue;
+    if (!open || memchr(at, '(', (size_t)(open - at))) continue; /* PULSE(0 {x} ...) */
     const char *close = closing(open);
     bool before = open > at && strchr(OPERATORS, open[-1]);
     bool behind = close && close + 1 < end && strchr(OPERATORS, close[1]);
