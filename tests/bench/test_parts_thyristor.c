@@ -47,7 +47,7 @@ static const device DEVICES[] = {
 
 /* What was seen at every accepted step. */
 typedef struct record {
-  size_t points;
+  size_t points, signals;
   double *t_s, *y[BENCH_SIGNALS];
 } record;
 
@@ -57,7 +57,7 @@ static void note(void *ctx, double t_s, const double *signals) {
   const bool full = (k & (k - 1)) == 0;
   if (full) r->t_s = vs_resize(r->t_s, room, sizeof *r->t_s);
   r->t_s[k] = t_s;
-  for (int n = 0; n < BENCH_SIGNALS; n++) {
+  for (size_t n = 0; n < r->signals; n++) {
     if (full) r->y[n] = vs_resize(r->y[n], room, sizeof *r->y[n]);
     r->y[n][k] = signals[n];
   }
@@ -76,6 +76,7 @@ typedef struct course {
 /* Runs the bench, whose deck and signals are there. */
 static record run_bench(bench b, course c, const char *what) {
   record r = {0};
+  while (r.signals < BENCH_SIGNALS && b.signals[r.signals]) r.signals++;
   b.until_s = c.until_s;
   b.max_step_s = c.step_s;
   b.relative_tolerance = c.tolerance;
