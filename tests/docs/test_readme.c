@@ -40,9 +40,7 @@ static void run_lines(char *lines) {
     line[strcspn(line, "#>")] = '\0';
     count++;
     if (strstr(line, " plot ") && !gnuplot_is_here()) continue;
-    /* an orbit takes four times as long at the default tolerance, and the digits told are the same */
-    const bool coarser = !strncmp(line + 11, "steady ", 7) && !getenv("VS_LONG");
-    ran r = run("%s%s", line + 11, coarser ? "--set run.tolerance=1e-3" : "");
+    ran r = run("%s", line + 11);
     EXPECT(r.status == status, "%s: status %d: %s", line, r.status, r.err);
     char device[64] = "", weakest[64] = "";
     double said = NAN, told = NAN;
