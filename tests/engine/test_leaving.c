@@ -303,12 +303,13 @@ static void relays(void) {
       {"Bx x 0 V = {2}*(v(b)-v(rc))/3k+1m\nRx x 0 1k", true},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {
-    static const char *const SETS[] = {"circuit.deck=d.cir", "run.until=0.48s",
-                                       "run.tolerance=1e-3", NULL};
+    const bool is_read = strchr("SWM", *ROWS[k].relay); /* its level is met within 0.48 s, or not */
+    const char *sets[] = {"circuit.deck=d.cir", is_read ? "run.until=0.48s" : "run.until=0.2s",
+                          "run.tolerance=1e-3", NULL};
     char lines[1024];
     snprintf(lines, sizeof lines, "%s%s", HOLD, ROWS[k].relay);
     make_deck("halfwave_snubbed", lines);
-    vs_trial *t = run(SETS, "when_quiet", &left);
+    vs_trial *t = run(sets, "when_quiet", &left);
     EXPECT(t->status == VS_OK && (left.times > 0) == ROWS[k].leaves, "relay %zu: left %d times, %s",
            k, left.times, t->err.text);
     vs_trial_free(t);
