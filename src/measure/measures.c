@@ -143,6 +143,7 @@ static void leave_idle(vs_measures *m, const vs_measure_set *wants) {
           !own && !(travel && i == sole(m->frame->model));
   }
   for (int k = m->of_travel; k < m->of_probes; k++) m->extremes[k].idle = !travel;
+  m->extremes[OF_FORCE].idle = !wants->has[VS_M_FORCE_PEAK];
 }
 
 vs_measures *vs_measures_new(const vs_frame *frame, const vs_measure_set *wants) {

@@ -109,6 +109,7 @@ static void look_at_batch(vs_watchers *w) {
 
 void vs_watchers_accept(vs_watchers *w, const vs_step *step) {
   /* From where the rest is left out on, only the books of energy go on: what is settled stays. */
+  if (step->glides && !w->left) w->left_s = step->from->t_s;
   w->left = w->left || step->glides;
   if (w->left) {
     vs_energy_accept(&w->energy, step);

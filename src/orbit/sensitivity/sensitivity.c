@@ -10,6 +10,7 @@
 #include "base/units.h"
 #include "orbit/sensitivity_problem.h"
 #include "orbit/tangent.h"
+#include "run/session.h"
 
 /* What is being found. */
 typedef struct search {
@@ -302,6 +303,49 @@ static void say_zero(search *s, size_t to) {
               s->order->to[to].name);
 }
 
+/* ---- when it is over ---- */
+
+/* Fills the values of the machine that the measures are. False: one is no such value. */
+static bool find_values(const search *s, vs_measure_set *values) {
+  vs_measure m;
+  for (size_t of = 0; of < s->order->n_of; of++) {
+    int k = 0;
+    while (vs_measure_at(&s->subject.scene->setup.model, k, &m) &&
+           strcmp(m.name, s->order->of[of].name))
+      k++;
+    if (strcmp(m.name, s->order->of[of].name)) return false;
+    values->has[m.slot] = true;
+  }
+  return true;
+}
+
+/* Neighbours' instants are moved by a thousandth of their time at most (orbit/tangent.c). */
+static const double LATER = 1.01;
+
+/* Returns from when on nothing that is asked for changes: where a run that is for these values
+ * alone leaves out its rest. What is settled for the scene is so for its neighbours, which lie as
+ * near as a derivative asks for. INFINITY: it needs all of its steps, or fails, which is told
+ * later. */
+static double settled_from(const search *s) {
+  vs_measure_set values = {0};
+  vs_error none = {0};
+  double from_s = INFINITY;
+  if (s->subject.inexact || s->subject.calm || s->order->periods || !find_values(s, &values))
+    return INFINITY;
+  const vs_session session = {.wants = &values, .stop = s->order->stop};
+  vs_scene *scene = vs_alloc(1, sizeof *scene);
+  vs_result *r = vs_alloc(1, sizeof *r);
+  *scene = *s->subject.scene;
+  scene->warnings = (vs_warnings){0};
+  if (!vs_session_run(&session, scene, r, &none) && r->watchers.left)
+    from_s = LATER * r->watchers.left_s;
+  vs_result_free(r);
+  vs_warnings_free(&scene->warnings);
+  free(r);
+  free(scene);
+  return from_s;
+}
+
 /* ---- all of it ---- */
 
 static vs_status find_all_entries(search *s, vs_error *err) {
@@ -347,6 +391,7 @@ vs_status vs_sensitivity_find(const vs_scene *scene, const vs_sensitivity_order 
   counted->order.budget = &s.budget;
   status = vs_sensitivity_problem_begin(&s.subject, counted, order->periods, err);
   s.subject.stop = order->stop;
+  if (!status) s.subject.until_s = settled_from(&s);
   if (status && is_spent(&s)) status = refuse_spent_search(&s, 0, err);
   if (!status) status = find_all_entries(&s, err);
   vs_budget_end(&s.budget);

@@ -59,11 +59,10 @@ static void add_value_to_id(const vs_field *field, const void *values, vs_text *
       field->kind == VS_PROFILE && ((const vs_field_profile *)(const void *)member)->count;
   const size_t n = points ? 0 : vs_field_is_real(field) ? 1 : field->kind == VS_PAIR ? 2 : 0;
   double si[2];
-  char number[VS_NUMBER_SIZE];
   memcpy(si, member, n * sizeof *si);
   for (size_t k = 0; k < n; k++) {
-    vs_text_number(number, si[k] + 0.0, 12);
-    vs_text_add(text, "%s\n", number);
+    vs_text_add_number(text, si[k] + 0.0, 12);
+    vs_text_put(text, "\n", 1);
   }
   if (n) return;
   vs_field_json(field, values, text);
