@@ -84,7 +84,7 @@ static void compare(vs_sensitivity_problem *subject, const char *key, double ste
   vs_status status = vs_tangent_find(&exact, subject, &asked, false, &err);
   if (!status)
     status = vs_stencil_begin(&runs, subject, key, (vs_where){0}, step,
-                              subject->scene->tier->finest, &err);
+                              subject->scene->tier->finest, NULL, &err);
   if (!status) status = vs_stencil_run(&runs, subject, subject->scene->tier->finest, &err);
   EXPECT(!status, "%s: %s", key, err.text);
   vs_measured_value m;

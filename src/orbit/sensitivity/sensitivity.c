@@ -204,7 +204,7 @@ static vs_status take_differences(search *s, size_t to, bool exact, vs_error *er
   double tolerance = circuit ? scene->setup.run.tolerance : scene->tier->finest;
   vs_stencil *fan = vs_alloc(1, sizeof *fan);
   vs_status status = vs_stencil_begin(fan, &s->subject, asked->name, asked->where,
-                                      circuit ? STEP_CIRCUIT : STEP_IDEAL, tolerance, err);
+                                      circuit ? STEP_CIRCUIT : STEP_IDEAL, tolerance, NULL, err);
   if (!status) {
     fan->unresolved = UNRESOLVED * tolerance / (circuit ? 1 : STEP_IDEAL);
     status = vs_stencil_run(fan, &s->subject, tolerance, err);
@@ -282,7 +282,7 @@ static vs_status look_at_key(search *s, size_t to, vs_error *err) {
   const vs_asked *asked = &s->order->to[to];
   vs_sensitivity_name *name = &s->out->to[to];
   vs_parameter *p = vs_alloc(1, sizeof *p);
-  vs_status status = vs_parameter_begin(p, s->subject.scene, asked->name, asked->where, 0, err);
+  vs_status status = vs_parameter_look(p, s->subject.scene, asked->name, asked->where, err);
   if (!status) {
     snprintf(name->name, sizeof name->name, "%s", asked->name);
     snprintf(name->unit, sizeof name->unit, "%s", p->key.field->unit);
@@ -290,7 +290,6 @@ static vs_status look_at_key(search *s, size_t to, vs_error *err) {
     if (p->idle)
       vs_text_add(&s->out->notes, "%s enters no equation here: %s\n", asked->name, p->why);
   }
-  vs_parameter_end(p);
   free(p);
   return status;
 }

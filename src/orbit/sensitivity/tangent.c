@@ -340,8 +340,8 @@ static vs_status show_to_watchers(pass *p, vs_stencil *fan, vs_where where, vs_e
   double finest = p->subject->scene->tier->finest;
   double longest = fmin(LARGEST, p->parameter->step);
   double step = fmin(fmax(PART / p->ratio, LEAST), longest) * (p->again ? SMALLER : 1);
-  vs_status status =
-      vs_stencil_begin(fan, p->subject, p->parameter->key.name, where, step, finest, err);
+  vs_status status = vs_stencil_begin(fan, p->subject, p->parameter->key.name, where, step, finest,
+                                      p->parameter, err);
   if (status) return status;
   p->fan = fan;
   fan->unresolved = UNRESOLVED * fmax(p->ratio, STEPS[0] / p->parameter->step);
@@ -361,7 +361,7 @@ static vs_status find_in_passes(vs_stencil *fan, const vs_sensitivity_problem *s
   p->again = again;
   p->grazing.by = INFINITY;
   vs_status status =
-      vs_parameter_begin(parameter, subject->scene, key->name, key->where, step, err);
+      vs_parameter_begin(parameter, subject->scene, key->name, key->where, step, NULL, err);
   if (!status) status = look_for_instants(p, err);
   if (!status) status = show_to_watchers(p, fan, key->where, err);
   vs_parameter_end(parameter);
