@@ -86,7 +86,7 @@ static bool are_all_settled(const vs_measure_set *s, const vs_measure_set *wante
 /* ---- all of them ---- */
 
 void vs_watchers_begin(vs_watchers *w, const vs_frame *frame, const vs_measure_set *wants) {
-  vs_watchers_free(w);
+  if (w->measures) vs_watchers_free(w);
   w->measures = vs_measures_new(frame, wants);
   w->devices = vs_devices_new(frame);
   if (frame->deck) w->batch = vs_alloc(1, sizeof *w->batch);

@@ -51,14 +51,18 @@ void vs_propagator_recall(vs_propagator *p, vs_propagator_memo *memo, const vs_m
     vs_propagator_make(p, m, held, h_s);
     return;
   }
-  struct vs_propagator_source of = {
-      .fastest_rad_s = m->fastest_rad_s, .h_s = h_s, .dof = (size_t)m->dof, .loaded = m->loaded};
-  memcpy(of.k, m->mk_column, sizeof of.k);
-  memcpy(of.b, m->mb_column, sizeof of.b);
-  memcpy(of.f, m->m0, sizeof of.f);
-  if (memcmp(&memo->of, &of, sizeof of) != 0) {
+  struct vs_propagator_source *of = &memo->of;
+  const bool same =
+      of->dof == m->dof && of->loaded == m->loaded && of->h_s == h_s &&
+      of->fastest_rad_s == m->fastest_rad_s && !memcmp(of->k, m->mk_column, sizeof of->k) &&
+      !memcmp(of->b, m->mb_column, sizeof of->b) && !memcmp(of->f, m->m0, sizeof of->f);
+  if (!same) {
     vs_propagator_make(&memo->made, m, false, h_s);
-    memo->of = of;
+    *of = (struct vs_propagator_source){
+        .fastest_rad_s = m->fastest_rad_s, .h_s = h_s, .dof = m->dof, .loaded = m->loaded};
+    memcpy(of->k, m->mk_column, sizeof of->k);
+    memcpy(of->b, m->mb_column, sizeof of->b);
+    memcpy(of->f, m->m0, sizeof of->f);
   }
   *p = memo->made;
 }

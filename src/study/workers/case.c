@@ -416,7 +416,6 @@ static vs_status run_scene(vs_case *c, vs_text *row, vs_error *err) {
                                      .late = true};
   const vs_session session = {
       .guest = c->keep || c->steady ? &guest : NULL, .wants = find_wants(c), .verify_edges = true};
-  *c->result = (vs_result){0};
   c->scene->order.memo = &c->memo;
   /* Derivatives come first, as a run makes the scene its own; in a study of orbits the scene then
    * becomes one period of its orbit; the run itself is as of `run`. */

@@ -183,7 +183,8 @@ vs_status vs_identity_of(vs_identity *identity, const vs_scene *scene, char id[V
   for (int p = 0; p < VS_SECTIONS; p++) {
     if (!vs_section_counts(&scene->setup, p)) continue;
     if ((status = update_section_of_id(identity, p, scene, err))) return status;
-    vs_text_add(whole, "%s\n", identity->kept[p].sum);
+    vs_text_put(whole, identity->kept[p].sum, VS_ID_SIZE - 1);
+    vs_text_put(whole, "\n", 1);
   }
   add_events(&scene->setup.timeline.events, whole);
   add_instruments_to_id(&scene->instruments, whole);

@@ -23,7 +23,8 @@ typedef struct vs_propagator_memo {
   struct vs_propagator_source {
     double k[VS_MOST_DOF][VS_MOST_DOF], b[VS_MOST_DOF][VS_MOST_DOF], f[VS_MOST_DOF];
     double fastest_rad_s, h_s;
-    size_t dof, loaded;
+    int dof;
+    bool loaded;
   } of;
   vs_propagator made;
 } vs_propagator_memo;
