@@ -10,18 +10,22 @@
 #include "base/alloc.h"
 #include "base/text.h"
 
-/* What four bits leave when they are shifted out, each 1 by 0xedb88320. */
-static const uint32_t HALF_BYTE[16] = {
-    0x00000000, 0x1db71064, 0x3b6e20c8, 0x26d930ac, 0x76dc4190, 0x6b6b51f4, 0x4db26158, 0x5005713c,
-    0xedb88320, 0xf00f9344, 0xd6d6a3e8, 0xcb61b38c, 0x9b64c2b0, 0x86d3d2d4, 0xa00ae278, 0xbdbdf21c};
+/* What a byte leaves when it is shifted out is what its lower and its upper half leave together. */
+static const uint32_t LOWER[16] = {0x00000000, 0x77073096, 0xee0e612c, 0x990951ba,
+                                   0x076dc419, 0x706af48f, 0xe963a535, 0x9e6495a3,
+                                   0x0edb8832, 0x79dcb8a4, 0xe0d5e91e, 0x97d2d988,
+                                   0x09b64c2b, 0x7eb17cbd, 0xe7b82d07, 0x90bf1d91},
+                      UPPER[16] = {0x00000000, 0x1db71064, 0x3b6e20c8, 0x26d930ac,
+                                   0x76dc4190, 0x6b6b51f4, 0x4db26158, 0x5005713c,
+                                   0xedb88320, 0xf00f9344, 0xd6d6a3e8, 0xcb61b38c,
+                                   0x9b64c2b0, 0x86d3d2d4, 0xa00ae278, 0xbdbdf21c};
 
 uint32_t vs_hash_crc32(const void *bytes, size_t size) {
   const unsigned char *b = bytes;
   uint32_t crc = 0xffffffff;
   for (size_t k = 0; k < size; k++) {
     crc ^= b[k];
-    crc = crc >> 4 ^ HALF_BYTE[crc & 15];
-    crc = crc >> 4 ^ HALF_BYTE[crc & 15];
+    crc = crc >> 8 ^ LOWER[crc & 15] ^ UPPER[crc >> 4 & 15];
   }
   return ~crc;
 }

@@ -318,7 +318,9 @@ static bool find_values(const search *s, vs_measure_set *values) {
   return true;
 }
 
-/* Neighbours' instants are moved by a thousandth of their time at most (orbit/tangent.c). */
+/* The runs go on for a cycle, in which all coordinates come to move: by their sizes the steps of
+ * the key are chosen. Neighbours' instants are moved by a thousandth of their time at most
+ * (orbit/tangent.c). */
 static const double LATER = 1.01;
 
 /* Returns from when on nothing that is asked for changes: where a run that is for these values
@@ -337,7 +339,7 @@ static double settled_from(const search *s) {
   *scene = *s->subject.scene;
   scene->warnings = (vs_warnings){0};
   if (!vs_session_run(&session, scene, r, &none) && r->watchers.left)
-    from_s = LATER * r->watchers.left_s;
+    from_s = LATER * (r->watchers.left_s + scene->setup.timeline.period_s);
   vs_result_free(r);
   vs_warnings_free(&scene->warnings);
   free(r);

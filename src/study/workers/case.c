@@ -76,7 +76,7 @@ void vs_case_free(vs_case *c) {
 static void begin_header(const vs_plan *plan, vs_text *row) {
   for (int r = 0; r < HEAD; r++) vs_text_add(row, "%s%s", r ? "," : "", vs_folder_kinds[r].word);
   for (size_t k = 0; k < plan->n_axes; k++) {
-    vs_text_add(row, ",");
+    vs_text_put(row, ",", 1);
     vs_csv_cell(row, plan->axes[k].column);
   }
 }
@@ -111,7 +111,7 @@ static void begin_row(const vs_plan *plan, const which *w, vs_text *row) {
   vs_text_add(row, "%llu,%s", (unsigned long long)w->index, w->id);
   for (size_t k = 0; k < plan->n_axes; k++) {
     vs_axis_print(&plan->axes[k], w->point[k], cell, sizeof cell);
-    vs_text_add(row, ",");
+    vs_text_put(row, ",", 1);
     vs_csv_cell(row, cell);
   }
 }
@@ -249,11 +249,11 @@ static void add_case_row(vs_case *c, vs_text *row) {
   begin_row(c->plan, &c->present, row);
   for (size_t k = 0; k < c->plan->n_columns; k++) {
     vs_value v = find_value(c, k);
-    vs_text_add(row, ",");
+    vs_text_put(row, ",", 1);
     add_number(row, v.known ? v.value : NAN);
   }
   for (int r = VS_ROLE_MARGIN; r <= VS_ROLE_STATUS; r++) {
-    vs_text_add(row, ",");
+    vs_text_put(row, ",", 1);
     ADD[r](c, row);
   }
 }
