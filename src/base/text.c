@@ -194,54 +194,17 @@ int vs_text_column(const char *line, const char *at) {
   return column;
 }
 
-/* Powers that 64 bits hold. */
+/* Powers of five that 64 bits hold. */
 enum { LARGEST_POWER = 27, MOST_DIGITS = 17 };
-static const uint64_t FIVE[LARGEST_POWER + 1] = {1u,
-                                                 5u,
-                                                 25u,
-                                                 125u,
-                                                 625u,
-                                                 3125u,
-                                                 15625u,
-                                                 78125u,
-                                                 390625u,
-                                                 1953125u,
-                                                 9765625u,
-                                                 48828125u,
-                                                 244140625u,
-                                                 1220703125u,
-                                                 6103515625u,
-                                                 30517578125u,
-                                                 152587890625u,
-                                                 762939453125u,
-                                                 3814697265625u,
-                                                 19073486328125u,
-                                                 95367431640625u,
-                                                 476837158203125u,
-                                                 2384185791015625u,
-                                                 11920928955078125u,
-                                                 59604644775390625u,
-                                                 298023223876953125u,
-                                                 1490116119384765625u,
-                                                 7450580596923828125u};
-static const uint64_t TEN[MOST_DIGITS + 1] = {1u,
-                                              10u,
-                                              100u,
-                                              1000u,
-                                              10000u,
-                                              100000u,
-                                              1000000u,
-                                              10000000u,
-                                              100000000u,
-                                              1000000000u,
-                                              10000000000u,
-                                              100000000000u,
-                                              1000000000000u,
-                                              10000000000000u,
-                                              100000000000000u,
-                                              1000000000000000u,
-                                              10000000000000000u,
-                                              100000000000000000u};
+#define FOUR_(first) (first), (first)*5u, (first)*25u, (first)*125u
+static const uint64_t FIVE[LARGEST_POWER + 1] = {FOUR_(UINT64_C(1)),
+                                                 FOUR_(UINT64_C(625)),
+                                                 FOUR_(UINT64_C(390625)),
+                                                 FOUR_(UINT64_C(244140625)),
+                                                 FOUR_(UINT64_C(152587890625)),
+                                                 FOUR_(UINT64_C(95367431640625)),
+                                                 FOUR_(UINT64_C(59604644775390625))};
+#undef FOUR_
 
 /* Returns the first `digits` digits of |value| as a whole number, rounded to nearest and a tie to
  * even, as printf does; the first of them is worth 10^*tens. It returns 0 where the steps below do
@@ -257,7 +220,8 @@ static uint64_t leading_digits(double value, int digits, int *tens) {
   uint64_t bits;
   memcpy(&bits, &value, sizeof bits);
   const int exponent = (int)(bits >> 52 & 0x7ff);
-  const uint64_t one = UINT64_C(1) << 52, whole = (bits & (one - 1)) | one;
+  const uint64_t one = UINT64_C(1) << 52, whole = (bits & (one - 1)) | one,
+                 end = FIVE[digits] << digits; /* 10^digits */
   /* floor(log10(2^(exponent - 1023))) by 78913/2^18 = log10(2) - 8e-7, and 400 to be positive */
   *tens = (int)(((unsigned)exponent * 78913u + (400u << 18) - 1023u * 78913u) >> 18) - 400;
   for (int again = 0; again < 2; again++, ++*tens) { /* the estimate may be one too small */
@@ -265,10 +229,10 @@ static uint64_t leading_digits(double value, int digits, int *tens) {
     if (power < 0 || power > LARGEST_POWER || out < 1) return 0;
     const wide product = (wide)whole * FIVE[power], half = (wide)1 << (out - 1);
     uint64_t number = (uint64_t)(product >> out);
-    if (number >= TEN[digits]) continue;
+    if (number >= end) continue;
     const wide rest = product & (2 * half - 1);
     number += rest > half || (rest == half && number % 2);
-    if (number < TEN[digits]) return number;
+    if (number < end) return number;
     ++*tens;
     return number / 10;
   }

@@ -43,7 +43,7 @@ static void print_value(const vs_parameter *p, double value, char text[TEXT]) {
   snprintf(text, TEXT, "%.17g%s%s", value / vs_units_factor(unit), *unit ? " " : "", unit);
 }
 
-/* Fills `other`, which is zeroed memory: most of it stays untouched, and so takes no time. */
+/* Fills `other`, which is zeroed. */
 static vs_status read_with(const vs_parameter *p, double value, vs_scene *other, vs_error *err) {
   const vs_scene *s = p->scene[0];
   char number[TEXT], text[VS_KEY_SIZE + TEXT];
