@@ -81,7 +81,7 @@ static void compare(vs_sensitivity_problem *subject, const char *key, double ste
   vs_stencil exact = {0}, runs = {0};
   vs_error err = {0};
   const vs_asked asked = {key, {0}};
-  vs_status status = vs_tangent_find(&exact, subject, &asked, false, &err);
+  vs_status status = vs_tangent_find(&exact, subject, &asked, NULL, false, &err);
   if (!status)
     status = vs_stencil_begin(&runs, subject, key, (vs_where){0}, step,
                               subject->scene->tier->finest, NULL, &err);

@@ -17,6 +17,7 @@ typedef struct search {
   const vs_sensitivity_order *order;
   vs_budget budget;
   vs_sensitivity_problem subject;
+  vs_parameter *looked; /* of each key, by vs_parameter_look; owned */
   vs_sensitivity *out;
 } search;
 
@@ -203,8 +204,9 @@ static vs_status take_differences(search *s, size_t to, bool exact, vs_error *er
   bool circuit = scene->tier->has_circuit;
   double tolerance = circuit ? scene->setup.run.tolerance : scene->tier->finest;
   vs_stencil *fan = vs_alloc(1, sizeof *fan);
-  vs_status status = vs_stencil_begin(fan, &s->subject, asked->name, asked->where,
-                                      circuit ? STEP_CIRCUIT : STEP_IDEAL, tolerance, NULL, err);
+  vs_status status =
+      vs_stencil_begin(fan, &s->subject, asked->name, asked->where,
+                       circuit ? STEP_CIRCUIT : STEP_IDEAL, tolerance, &s->looked[to], err);
   if (!status) {
     fan->unresolved = UNRESOLVED * tolerance / (circuit ? 1 : STEP_IDEAL);
     status = vs_stencil_run(fan, &s->subject, tolerance, err);
@@ -250,7 +252,8 @@ static void say_grazing(search *s, const vs_stencil *fan) {
 /* Takes the exact derivatives. *whole: all are resolved. */
 static vs_status take_kin(search *s, size_t to, bool again, bool *whole, vs_error *err) {
   vs_stencil *fan = vs_alloc(1, sizeof *fan);
-  vs_status status = vs_tangent_find(fan, &s->subject, &s->order->to[to], again, err);
+  vs_status status =
+      vs_tangent_find(fan, &s->subject, &s->order->to[to], &s->looked[to], again, err);
   if (!status && !again) say_grazing(s, fan);
   if (!status && !again) status = take_values(s, fan, err);
   *whole = true;
@@ -281,7 +284,7 @@ static vs_status find_key(search *s, size_t to, vs_error *err) {
 static vs_status look_at_key(search *s, size_t to, vs_error *err) {
   const vs_asked *asked = &s->order->to[to];
   vs_sensitivity_name *name = &s->out->to[to];
-  vs_parameter *p = vs_alloc(1, sizeof *p);
+  vs_parameter *p = &s->looked[to];
   vs_status status = vs_parameter_look(p, s->subject.scene, asked->name, asked->where, err);
   if (!status) {
     snprintf(name->name, sizeof name->name, "%s", asked->name);
@@ -290,7 +293,6 @@ static vs_status look_at_key(search *s, size_t to, vs_error *err) {
     if (p->idle)
       vs_text_add(&s->out->notes, "%s enters no equation here: %s\n", asked->name, p->why);
   }
-  free(p);
   return status;
 }
 
@@ -394,7 +396,9 @@ vs_status vs_sensitivity_find(const vs_scene *scene, const vs_sensitivity_order 
   s.subject.stop = order->stop;
   if (!status) s.subject.until_s = settled_from(&s);
   if (status && is_spent(&s)) status = refuse_spent_search(&s, 0, err);
+  s.looked = vs_alloc(order->n_to, sizeof *s.looked);
   if (!status) status = find_all_entries(&s, err);
+  free(s.looked);
   vs_budget_end(&s.budget);
   vs_sensitivity_problem_end(&s.subject);
   free(counted);
