@@ -43,10 +43,10 @@ struct vs_case {
   bool wants_all;                /* a column is no such value */
   vs_slot slot[VS_PLAN_COLUMNS]; /* where the machine's values stand; factor 0: it is none */
   int shown[VS_PLAN_COLUMNS];    /* where each other column was found the last time */
-  vs_propagator_memo memo;
-  vs_result *result;      /* too large for the stack */
-  vs_steady *steady;      /* of a study of orbits, the case's; else NULL */
-  vs_sensitivity derived; /* of a study with derivatives, the case's; else empty */
+  vs_propagator_memo memo;       /* of the cases' runs, one after the other */
+  vs_result *result;             /* too large for the stack */
+  vs_steady *steady;             /* of a study of orbits, the case's; else NULL */
+  vs_sensitivity derived;        /* of a study with derivatives, the case's; else empty */
 };
 
 vs_case *vs_case_new(const vs_plan *plan, const char *keep) {
