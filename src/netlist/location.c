@@ -4,6 +4,7 @@
 #include <ctype.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -118,6 +119,23 @@ static const char *subject_function(const char *line, const char *message) {
   return found;
 }
 
+/* The same where it is a power, as the user wrote it: a line with '^' is more likely meant by a
+ * complaint of '^' than one with pwr(). The complaint has the exponent, "X, Y out of range for ^": a
+ * power with another number for it is not meant. */
+static const char *subject_power(const char *line, const char *message) {
+  const char *name = vs_message_function(message), *comma = name ? strstr(message, ", ") : NULL;
+  if (!comma || *name != '^' || !strchr("bBeEgG", *line)) return NULL;
+  for (const char *at = line; (at = strpbrk(at, "^*")); at++) {
+    if (*at == '*' && at[1] != '*') continue;
+    const char *behind = at + 1 + (*at == '*');
+    char *end;
+    double exponent = strtod(behind, &end);
+    if (end == behind || exponent == strtod(comma + 2, NULL)) return at;
+    at = behind - 1;
+  }
+  return NULL;
+}
+
 /* Finds a '=' with nothing behind it, which ngspice takes for an expression of no characters, or of
  * the next bracket. */
 static const char *find_no_value(const char *line) {
@@ -214,6 +232,7 @@ void vs_location_locate(const vs_deck *deck, size_t culprit, vs_error *err) {
   if (!where.file && line) where = place_in_line(line, err->text);
   if (!where.file) where = place_in_lines(deck, err->text, subject_find);
   if (!where.file) where = place_in_lines(deck, err->text, subject_node);
+  if (!where.file) where = place_in_lines(deck, err->text, subject_power);
   if (!where.file) where = place_in_lines(deck, err->text, subject_function);
   where = place_of_pins(deck, err->text, where);
   vs_error plain = *err;

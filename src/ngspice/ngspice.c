@@ -485,7 +485,11 @@ static vs_status tell_of_run(vs_error *err) {
 /* How the run went, once ngspice has come back from it. */
 static vs_status outcome_of_run(vs_error *err) {
   if (ng.status || ng.enough) return ng.status;
-  if (ng.time_vector < 0 || ng.reached_s == 0) return tell_of_run(err);
+  if (ng.time_vector < 0 || ng.reached_s == 0) {
+    vs_status status = tell_of_run(err);
+    err->gave_up = status && vs_solver_errors_of_iteration(&ng.complaints);
+    return status;
+  }
   if (ng.reached_s >= ng.job->until_s * (1 - 1e-9)) return VS_OK;
   char place[VS_SOLVER_ERRORS_LINE];
   vs_trial_place(&ng.complaints, ng.job, place, sizeof place);
