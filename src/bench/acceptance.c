@@ -299,8 +299,8 @@ static void tell_of_models(const vs_stand *s, const vs_figures *f, vs_check_benc
 }
 
 /* Error: ngspice cannot take the part at all, whatever stands around it. What it says of one
- * iteration, or of its steps, is of this circuit alone: each figure's own tells. A part without pins
- * in the table of kinds is a snubber, which has two. */
+ * iteration, or of its steps, is of this circuit alone: each figure's own tells. A part without
+ * pins in the table of kinds is a snubber, which has two. */
 static vs_status try_part(const vs_stand *s, const vs_figures_kind *tried, vs_error *err) {
   const vs_kind *kind = vs_kinds_find(tried->name);
   vs_text text = {0};

@@ -18,10 +18,22 @@ typedef struct vs_latching_plan {
   double test_a, test_a_s;             /* of t_q and Q_rr */
   double slope_v_s, turn_off_s;        /* dv/dt, t_q: first guesses */
   double back_v_s;                     /* of t_q: how fast the forward voltage comes back */
+
+  /* What vs_latching_fire has seen, on which the other tests build. */
+  double fires_a, fires_v; /* I_GT, V_GT; NaN: `why` tells */
+  vs_error why;            /* it does not fire, or conducts before */
+  double leak_s;           /* current over voltage at 12 V with the gate open; NaN: not known */
+  double ramp_a;           /* what the gate's current rises to in 20 ms in `seen`; owned */
+  vs_stand_record seen;
 } vs_latching_plan;
 
 /* The plan of a thyristor, by what the part's file asks. */
 vs_latching_plan vs_latching_plan_of(const vs_stand *stand);
+
+/* Finds what fires the device, before all other tests. Where that is more than the file's I_GT, the
+ * other tests drive the gate with it, too: their figures do not hang on that limit. End with
+ * vs_stand_free(&plan->seen). */
+void vs_latching_fire(const vs_stand *stand, vs_latching_plan *plan);
 
 /* Each adds rows of one figure: V_T at two currents, I_GT and V_GT, I_L, I_H, dv/dt. */
 void vs_latching_on_state(const vs_stand *stand, const vs_latching_plan *plan, vs_figures *figures);

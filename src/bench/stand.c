@@ -123,8 +123,8 @@ static void locate_culprit(const void *author, size_t culprit, vs_error *err) {
 
 /* The ladder of a stand: what is tried in turn where ngspice gives a circuit up, the most accurate
  * first. A source that jumps onto an empty capacitor makes a current whose truncation error no step
- * gets down while the charge is below chgtol: there a larger charge counts as none, or ngspice's own
- * tolerances hold, or a larger error passes. Figures are held to 0.1 % (a varistor's) at the
+ * gets down while the charge is below chgtol: there a larger charge counts as none, or ngspice's
+ * own tolerances hold, or a larger error passes. Figures are held to 0.1 % (a varistor's) at the
  * tightest, which a relative tolerance of 1e-3 of the steps' error leaves alone. */
 static const struct rung {
   bool trap;
@@ -270,8 +270,7 @@ vs_status vs_stand_run(const vs_stand *stand, const vs_stand_circuit *c, vs_stan
   vs_status status = vs_self_test_find(err);
   if (!status) status = climb(stand, c, r, &how, err);
   bool died = WIFSIGNALED(how) && !vs_child_is_late(how) && WTERMSIG(how) != SIGSYS;
-  if (!status ||
-      (!died && (status != VS_INPUT || !strstr(err->text, vs_solver_errors_nowhere))))
+  if (!status || (!died && (status != VS_INPUT || !strstr(err->text, vs_solver_errors_nowhere))))
     return status;
   vs_error found = {.findings = err->findings};
   vs_stand_free(r);

@@ -102,7 +102,8 @@ static void turn_on(const vs_stand *s, const vs_latching_plan *p, vs_figures *f)
 /* ---- all ---- */
 
 static void measure_thyristor(const vs_stand *s, vs_figures *f) {
-  const vs_latching_plan p = vs_latching_plan_of(s);
+  vs_latching_plan p = vs_latching_plan_of(s);
+  vs_latching_fire(s, &p);
   vs_latching_on_state(s, &p, f);
   vs_latching_draw_on_state(s, &p, f);
   vs_latching_gate(s, &p, f);
@@ -112,6 +113,7 @@ static void measure_thyristor(const vs_stand *s, vs_figures *f) {
   turn_off_thyristor(s, &p, f);
   recovery(s, &p, f);
   turn_on(s, &p, f);
+  vs_stand_free(&p.seen);
 }
 
 const vs_figures_kind vs_thyristor_kind = {"thyristor", measure_thyristor};

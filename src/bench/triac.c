@@ -80,18 +80,23 @@ static void commutating_rise(const vs_stand *s, const vs_latching_plan *p, vs_fi
 }
 
 static void measure_triac(const vs_stand *s, vs_figures *f) {
-  const vs_latching_plan way[] = {plan_of(s, FIRST, ", MT2+"), plan_of(s, THIRD, ", MT2-")};
+  vs_latching_plan way[] = {plan_of(s, FIRST, ", MT2+"), plan_of(s, THIRD, ", MT2-")};
+  for (int n = 0; n < 2; n++) vs_latching_fire(s, &way[n]);
   for (int n = 0; n < 2; n++) vs_latching_on_state(s, &way[n], f);
   vs_latching_draw_on_state(s, &way[0], f);
   for (int q = FIRST; q <= FOURTH; q++) {
     vs_latching_plan p = plan_of(s, q, NULL);
-    if (q == FIRST || is_asked(s, q)) vs_latching_gate(s, &p, f);
+    if (q != FIRST && !is_asked(s, q)) continue;
+    vs_latching_fire(s, &p);
+    vs_latching_gate(s, &p, f);
+    vs_stand_free(&p.seen);
   }
   for (int n = 0; n < 2; n++) {
     vs_latching_current(s, &way[n], f);
     vs_latching_holding(s, &way[n], f);
     vs_latching_rise(s, &way[n], f);
     commutating_rise(s, &way[n], f);
+    vs_stand_free(&way[n].seen);
   }
 }
 

@@ -120,8 +120,8 @@ static const char *subject_function(const char *line, const char *message) {
 }
 
 /* The same where it is a power, as the user wrote it: a line with '^' is more likely meant by a
- * complaint of '^' than one with pwr(). The complaint has the exponent, "X, Y out of range for ^": a
- * power with another number for it is not meant. */
+ * complaint of '^' than one with pwr(). The complaint has the exponent, "X, Y out of range for ^":
+ * a power with another number for it is not meant. */
 static const char *subject_power(const char *line, const char *message) {
   const char *name = vs_message_function(message), *comma = name ? strstr(message, ", ") : NULL;
   if (!comma || *name != '^' || !strchr("bBeEgG", *line)) return NULL;
