@@ -238,9 +238,16 @@ static double held_current(const vs_stand_record *r, double before_s) {
   return isfinite(back_s) ? vs_stand_at(r, r->i, back_s - before_s) : NAN;
 }
 
+/* The current below which what leaks at 12 V, in proportion to the voltage, is a third of all. */
+static double hidden_below(const vs_latching_plan *p, const vs_stand_record *r) {
+  for (size_t k = 0; k < r->points; k++)
+    if (r->t_s[k] > 1e-3 && r->i[k] < 3 * p->leak_s * r->v[k]) return r->i[k];
+  return 0;
+}
+
 /* Where the supply is below 5 V before the device goes off, or where it does not latch at four
  * times the file's I_L, the test hangs on that limit, and another one follows. A device that is
- * still on at its end has no I_H; one that leaks as much as it conducts there cannot be judged. */
+ * still on at its end, or as far down as a hundredth of I_L, has no I_H. */
 static vs_status holds(const vs_stand *s, const vs_latching_plan *p, double *got, vs_error *err) {
   vs_stand_record r = {0};
   double least_a;
@@ -253,17 +260,11 @@ static vs_status holds(const vs_stand *s, const vs_latching_plan *p, double *got
   status = falling_conductance(s, p, &r, &least_a, err);
   if (!status && vs_stand_at(&r, r.v, 0.9e-3) > NOT_ON_V) status = vs_latching_not_on(err);
   if (!status) *got = held_current(&r, 10e-6);
-  if (!status && isnan(*got)) {
-    const size_t last = r.points - 1;
-    if (r.i[last] < 3 * p->leak_s * r.v[last])
-      status =
-          vs_fail(err, VS_RUN,
-                  "could not judge: what leaks through it, %.3g mA at 12 V, hides when it goes "
-                  "off",
-                  1e3 * 12 * p->leak_s);
-    else
-      *got = 0;
-  }
+  if (!status && isnan(*got) && hidden_below(p, &r) > p->latching_a / 100)
+    status =
+        vs_fail(err, VS_RUN, "could not judge: below %.3g mA what leaks hides when it goes off",
+                1e3 * hidden_below(p, &r));
+  if (!status && isnan(*got)) *got = 0;
   vs_stand_free(&r);
   return status;
 }
