@@ -33,6 +33,11 @@ vs_latching_plan vs_latching_plan_of(const vs_stand *s) {
 /* A voltage above the on-state voltage of any thyristor, V. */
 static const double NOT_ON_V = 20;
 
+/* The voltage at which a device has left its on-state at a small current, V. In models that hold by
+ * the product of voltage and current, both go on below I_H, the voltage far above the on-state's.
+ */
+static const double AWAY_V = 5;
+
 /* A device that never turned on has no such figure. */
 vs_status vs_latching_not_on(vs_error *err) {
   return vs_fail(err, VS_RUN, "it does not conduct when its gate is driven");
@@ -188,7 +193,7 @@ static vs_status latches(const vs_stand *s, const void *ctx, double i, bool *yes
                                          "Ig 0 g pwl(0 0 200u 0 201u %g 400u %g 401u 0)\n",
                                          99 / i, gate, gate);
   double before_v = status ? NAN : vs_stand_at(&r, r.v, 199e-6);
-  *yes = !status && r.points > 0 && r.v[r.points - 1] < NOT_ON_V;
+  *yes = !status && r.points > 0 && r.v[r.points - 1] < AWAY_V;
   if (before_v < 2 * NOT_ON_V)
     status = vs_fail(err, VS_RUN,
                      "could not judge: at %.3g mA it conducts before its gate is driven", 1e3 * i);
@@ -234,7 +239,7 @@ static vs_status falling_conductance(const vs_stand *s, const vs_latching_plan *
 /* The current so long before the anode's voltage is back at 5 V; NaN: it does not come back. What
  * leaks at 5 V never brings it back: it falls with the current. */
 static double held_current(const vs_stand_record *r, double before_s) {
-  double back_s = vs_stand_crosses(r, 1e-3, 5);
+  double back_s = vs_stand_crosses(r, 1e-3, AWAY_V);
   return isfinite(back_s) ? vs_stand_at(r, r->i, back_s - before_s) : NAN;
 }
 
@@ -253,7 +258,9 @@ static vs_status holds(const vs_stand *s, const vs_latching_plan *p, double *got
   double least_a;
   vs_status status = falling_supply(s, p, &r, err);
   bool on = !status && vs_stand_at(&r, r.v, 0.9e-3) <= NOT_ON_V;
-  *got = on ? held_current(&r, 30e-6) : NAN;
+  *got = on && vs_stand_crosses(&r, 1e-3, AWAY_V) < 1e-3 + 40e-3 * (1 - 2 * AWAY_V / 100)
+             ? held_current(&r, 30e-6)
+             : NAN;
   vs_stand_free(&r);
   if (isfinite(*got)) return VS_OK;
   *err = (vs_error){0};

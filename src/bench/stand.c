@@ -124,14 +124,19 @@ static void locate_culprit(const void *author, size_t culprit, vs_error *err) {
 /* The ladder of a stand: what is tried in turn where ngspice gives a circuit up, the most accurate
  * first. A source that jumps onto an empty capacitor makes a current whose truncation error no step
  * gets down while the charge is below chgtol: there a larger charge counts as none, or ngspice's
- * own tolerances hold, or a larger error passes. Figures are held to 0.1 % (a varistor's) at the
- * tightest, which a relative tolerance of 1e-3 of the steps' error leaves alone. */
+ * own tolerances hold, or a larger error passes. A table of straight pieces without any capacitance
+ * has no solution that Newton's iteration finds, unless 10 pF stand beside the part: less than a
+ * junction has, and of a part of three pins its current is not the one that is recorded. Figures
+ * are held to 0.1 % (a varistor's) at the tightest, which a relative tolerance of 1e-3 of the
+ * steps' error leaves alone. */
 static const struct rung {
   bool trap;
   double charge_c, tolerance, trtol; /* 0: as on the first rung */
   int finer;                         /* divides the longest step */
-} RUNGS[] = {{.finer = 1},
-             {.finer = 1, .trap = true},
+  bool bare;                         /* without the capacitance */
+} RUNGS[] = {{.finer = 1, .bare = true},
+             {.finer = 1, .bare = true, .trap = true},
+             {.finer = 1},
              {.finer = 1, .charge_c = 1e-11},
              {.finer = 1, .trap = true, .tolerance = 1e-3},
              {.finer = 4, .tolerance = 1e-3, .trtol = 100}};
@@ -190,13 +195,15 @@ static _Noreturn void solve_in(const vs_child_copy *copy, const vs_stand *stand,
                                const vs_stand_circuit *c, way w) {
   steps seen = {0};
   head h = {0};
-  char **netlist = vs_alloc(stand->lines + strlen(c->text) + 1, sizeof *netlist),
+  static char beside[] = "Cbeside a 0 10p";
+  char **netlist = vs_alloc(stand->lines + strlen(c->text) + 2, sizeof *netlist),
        *rest = vs_copy(c->text);
   size_t lines = stand->lines;
   live_quietly();
   memcpy(netlist, stand->netlist, stand->lines * sizeof *netlist);
   for (char *line; (line = strsep(&rest, "\n"));)
     if (*line) netlist[lines++] = line;
+  if (!w.rung->bare) netlist[lines++] = beside;
   h.status = solve_netlist(netlist, lines, stand, c, w, &seen, &h.err);
   h.points = seen.count;
   vs_child_say(copy, &h, sizeof h);
