@@ -295,11 +295,27 @@ static vs_status fires_at(const vs_stand *s, const void *ctx, double slope, bool
   double v = 0.67 * p->block_v, t = v / slope;
   vs_stand_record r = {0};
   vs_status status = vs_test_circuit_run(
-      s, (vs_test_circuit){p->wiring, 65e-6 + t, fmax(fmin(t / 100, 50e-9), 2e-9)}, &r, err,
-      "V1 s 0 pwl(0 0 5u 0 %g %g)\nR1 s a 10\n", 5e-6 + t, v);
+      s,
+      (vs_test_circuit){p->wiring, 65e-6 + t + p->wait_s,
+                        fmax(fmax(fmin(t / 100, 50e-9), 2e-9), p->wait_s / 2000)},
+      &r, err, "V1 s 0 pwl(0 0 5u 0 %g %g)\nR1 s a 10\n", 5e-6 + t, v);
   *yes = !status && r.points > 0 && r.v[r.points - 1] < v / 2;
   vs_stand_free(&r);
   return status;
+}
+
+void vs_latching_late(const vs_stand *s, vs_figures_test test, const void *ctx, bool fires,
+                      vs_figure *row) {
+  const bool held = (row->held == VS_HELD_AT_MOST && row->got <= row->asked) ||
+                    (row->held == VS_HELD_AT_LEAST && row->got >= row->asked);
+  bool yes = !fires;
+  vs_error err = {0};
+  vs_status status = held ? test(s, ctx, row->asked, &yes, &err) : VS_OK;
+  if (!status && yes == fires)
+    status = vs_fail(&err, VS_RUN, "could not judge: at what is asked it fires, but late");
+  if (!status) return;
+  row->got = NAN;
+  vs_test_circuit_fail(row, &err);
 }
 
 /* Two rows: the model's own figure, to a tenth, and what the maker guarantees, of which the model
@@ -314,4 +330,7 @@ void vs_latching_rise(const vs_stand *s, const vs_latching_plan *p, vs_figures *
   vs_figures_find(s, fires_at, p, p->slope_v_s, row);
   if (isnan(row->got) && strstr(row->why, "not reached"))
     row->got = INFINITY; /* the model fires at no rise at all */
+  vs_latching_plan late = *p;
+  late.wait_s = VS_LATCHING_WAIT_S;
+  vs_latching_late(s, fires_at, &late, true, row);
 }

@@ -18,6 +18,7 @@ typedef struct vs_latching_plan {
   double test_a, test_a_s;             /* of t_q and Q_rr */
   double slope_v_s, turn_off_s;        /* dv/dt, t_q: first guesses */
   double back_v_s;                     /* of t_q: how fast the forward voltage comes back */
+  double wait_s;                       /* how much longer it is looked whether it fires; mostly 0 */
 
   /* What vs_latching_fire has seen, on which the other tests build. */
   double fires_a, fires_v; /* I_GT, V_GT; NaN: `why` tells */
@@ -41,6 +42,12 @@ void vs_latching_gate(const vs_stand *stand, const vs_latching_plan *plan, vs_fi
 void vs_latching_current(const vs_stand *stand, const vs_latching_plan *plan, vs_figures *figures);
 void vs_latching_holding(const vs_stand *stand, const vs_latching_plan *plan, vs_figures *figures);
 void vs_latching_rise(const vs_stand *stand, const vs_latching_plan *plan, vs_figures *figures);
+/* Tries a figure that is held by its device's not firing once more, as `test` of ctx does whose
+ * plan waits for VS_LATCHING_WAIT_S: is it true, or false, that it fires, `fires`? A model that
+ * fires late could not be judged. */
+static const double VS_LATCHING_WAIT_S = 2e-3;
+void vs_latching_late(const vs_stand *stand, vs_figures_test test, const void *ctx, bool fires,
+                      vs_figure *row);
 /* Adds the on-state's curve. */
 void vs_latching_draw_on_state(const vs_stand *stand, const vs_latching_plan *plan,
                                vs_figures *figures);
