@@ -252,12 +252,13 @@ static vs_status run_on_stand(const vs_stand *stand, const vs_stand_circuit *c, 
   return h.status;
 }
 
-/* Goes up the ladder until ngspice comes to the end. The error, and `how` the child ended, are the
- * first rung's. */
+/* Goes up the ladder until ngspice comes to the end; but not where a circuit chatters for ever,
+ * which other settings make no better, and each takes long. The error, and `how` the child ended,
+ * are the first rung's. */
 static vs_status climb(const vs_stand *stand, const vs_stand_circuit *c, vs_stand_record *r,
                        int *how, vs_error *err) {
   vs_status status = run_on_stand(stand, c, (way){RUNGS, false}, r, how, err);
-  bool gave_up = status && err->gave_up;
+  bool gave_up = status && err->gave_up && !strstr(err->text, "makes no progress");
   for (int n = 1; gave_up && n < N_RUNGS; n++) {
     vs_error other = {.findings = err->findings};
     int end = 0;
