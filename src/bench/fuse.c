@@ -77,8 +77,8 @@ static void resistance(const vs_stand *s, plan *p, vs_figures *f) {
   vs_stand_free(&r);
 }
 
-/* A constant current from 100 V, or from 20 times what
- * the fuse's resistance takes of them. True in *melted once it has fallen by half. */
+/* A constant current from 100 V, or from 20 times what the fuse's resistance takes of them. True in
+ * *melted once it has fallen by half. */
 static vs_status constant(const vs_stand *s, const plan *p, double i, const double course[2],
                           vs_stand_record *r, bool *melted, vs_error *err) {
   char source[128];

@@ -9,6 +9,9 @@
 /* Anode, cathode and gate of the device in a trial's circuit. */
 #define VS_LATCHING_WIRING "Xdut t 0 g %s"
 
+/* How long after what might fire a device it is looked whether that fires late, s. */
+#define VS_LATCHING_WAIT_S 2e-3
+
 /* What the circuits are made for, SI: what is asked, or where nothing is asked what is usual. */
 typedef struct vs_latching_plan {
   const char *wiring, *way;            /* of the trials; the direction, in words, or "" */
@@ -23,9 +26,10 @@ typedef struct vs_latching_plan {
   /* What vs_latching_fire has seen, on which the other tests build. */
   double fires_a, fires_v; /* I_GT, V_GT; NaN: `why` tells */
   vs_error why;            /* it does not fire, or conducts before */
+  bool conducts;           /* with its gate open */
   double leak_s;           /* current over voltage at 12 V with the gate open; NaN: not known */
-  double ramp_a;           /* what the gate's current rises to in 20 ms in `seen`; owned */
-  vs_stand_record seen;
+  double ramp_a;           /* what the gate's current rises to in 20 ms in `seen` */
+  vs_stand_record seen;    /* owned */
 } vs_latching_plan;
 
 /* The plan of a thyristor, by what the part's file asks. */
@@ -42,10 +46,9 @@ void vs_latching_gate(const vs_stand *stand, const vs_latching_plan *plan, vs_fi
 void vs_latching_current(const vs_stand *stand, const vs_latching_plan *plan, vs_figures *figures);
 void vs_latching_holding(const vs_stand *stand, const vs_latching_plan *plan, vs_figures *figures);
 void vs_latching_rise(const vs_stand *stand, const vs_latching_plan *plan, vs_figures *figures);
-/* Tries a figure that is held by its device's not firing once more, as `test` of ctx does whose
- * plan waits for VS_LATCHING_WAIT_S: is it true, or false, that it fires, `fires`? A model that
- * fires late could not be judged. */
-static const double VS_LATCHING_WAIT_S = 2e-3;
+/* Where a figure is held because the device does not fire: runs the figure's test once more at what
+ * is asked. The plan in ctx has VS_LATCHING_WAIT_S for wait_s; the test's answer is `fires` if the
+ * device has fired. A model that fires late could not be judged. */
 void vs_latching_late(const vs_stand *stand, vs_figures_test test, const void *ctx, bool fires,
                       vs_figure *row);
 /* Adds the on-state's curve. */
