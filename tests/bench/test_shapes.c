@@ -322,7 +322,9 @@ static void against_plain_ngspice(void) {
   size_t told = 0;
   if (!getenv("VS_LONG") || !on_path("ngspice")) return;
   write_file(".spiceinit", "set ngbehavior=psa\n");
-  FILE *table = fopen("../shapes.csv", "w");
+  FILE *table = fopen(VS_BUILD_TREE "/tests/run/test_shapes/shapes.csv", "w");
+  EXPECT(table, "%s", "no table");
+  if (!table) return;
   fputs("model,figure,got,plain,off_percent,remark\n", table);
   for (size_t k = 0; k < COUNT(SHAPES); k++) told += compare(table, &SHAPES[k]);
   fclose(table);
