@@ -475,8 +475,9 @@ static void tell_of_models(const vs_stand *s, const vs_figures *f, vs_check_benc
   vs_text_free(&missing);
 }
 
-/* Error: ngspice cannot take the part at all, whatever stands around it. A part without pins in the
- * table of kinds is a snubber, which has two. */
+/* Error: ngspice cannot take the part at all, whatever stands around it. What it says of one
+ * iteration, or of its steps, is of this circuit alone: each figure's own tells. A part without
+ * pins in the table of kinds is a snubber, which has two. */
 static vs_status try_part(const vs_stand *s, const vs_figures_kind *tried, vs_error *err) {
   const vs_kind *kind = vs_kinds_find(tried->name);
   vs_text text = {0};
@@ -489,7 +490,7 @@ static vs_status try_part(const vs_stand *s, const vs_figures_kind *tried, vs_er
   vs_status status = vs_stand_run(s, &c, &r, err);
   vs_stand_free(&r);
   vs_text_free(&text);
-  return status ? VS_INPUT : VS_OK;
+  return status && !err->gave_up ? VS_INPUT : VS_OK;
 }
 
 /* Says that nothing was tried, so that the absence of figures is not taken for a good result. */
