@@ -195,6 +195,10 @@ static vs_status part_command(const void *given, vs_error *err) {
   if (!vs_command_name(&o->common)) return print_template_kinds();
   vs_status status = find_template(o, path, err);
   if (status) return status;
+  if (o->pins && !o->wrap)
+    return vs_fail(err, VS_INPUT,
+                   "part: --pins says which pin of a vendor's subcircuit is what, and "
+                   "goes with --wrap FILE:NAME");
   if (!output) return vs_fail(err, VS_INPUT, "part: wants -o NAME.inc; see vibrospice part --help");
   status = read_name(output, name, err);
   if (status) return status;

@@ -350,7 +350,7 @@ size_t vs_cards_called(const vs_cards *c, const vs_netlist_card *card) {
 
 /* Two nodes that a resistor or a junction connects, with a resistance that orders them: of a
  * junction and of a value that is a formula, those of one in operation. */
-enum { LATCH_PINS = 3, MOST_TIES = 512, LATCH_DEPTH = 8 };
+enum { LATCH_PINS = 3, MOST_TIES = 512, MOST_CALLS = 64, LATCH_DEPTH = 8 };
 static const double JUNCTION_OHM = 10, FORMULA_OHM = 100, AT_A_PIN_OHM = 5;
 
 typedef struct tie {
@@ -369,6 +369,7 @@ typedef struct latch_search {
     char type; /* of the transistor, n or p */
   } emitter[MOST_TIES];
   size_t n_emitters;
+  size_t calls; /* subcircuits that were gone through */
 } latch_search;
 
 static size_t node_number(latch_search *s, const char *path, vs_word node, const vs_word *outer,
@@ -439,7 +440,7 @@ static void take_scope(latch_search *s, size_t scope, const char *path, const vs
     }
     size_t called = vs_cards_called(c, card);
     const vs_netlist_card *head = called ? &c->card[c->scope[called].first - 1] : NULL;
-    if (!head || head->nodes != n || depth == LATCH_DEPTH) continue;
+    if (!head || head->nodes != n || depth == LATCH_DEPTH || s->calls++ >= MOST_CALLS) continue;
     for (size_t m = 0; m < n; m++) inner[m] = vs_cards_word(c, head, m);
     vs_text within = {0};
     vs_text_add(&within, "%s.%.*s", path, (int)card->name.n, card->name.at);
@@ -490,7 +491,8 @@ vs_cards_latch vs_cards_see_latch(const vs_cards *cards, size_t scope, int gate)
   if (gate < 0 && (without != 1 || !s->n_emitters)) latch.gate = -1;
   for (int t = 0; t < 2; t++)
     latch.two_ways = latch.two_ways || type[0][t] + type[1][t] + type[2][t] > 1;
-  for (int with = 0; with < 2 && latch.gate >= 0 && latch.near < 0; with++) {
+  bool whole = s->n_ties < MOST_TIES && s->calls < MOST_CALLS;
+  for (int with = 0; with < 2 && whole && latch.gate >= 0 && latch.near < 0; with++) {
     int a = latch.gate == 0, b = 3 - a - latch.gate; /* the other pins */
     double *ohm = resistances(s, (size_t)latch.gate, with);
     if (2 * ohm[a] <= ohm[b] && isfinite(ohm[a])) latch.near = a;

@@ -364,6 +364,9 @@ static void triacs_pins(void) {
   r = run("part triac --wrap vendor.lib:DUMB --pins 221 -o other.inc");
   EXPECT(r.status == 2 && strstr(r.err, "the letters 21g are wanted"), "%d %s", r.status, r.err);
   free_ran(&r);
+  r = run("part triac --pins 21g -o other.inc");
+  EXPECT(r.status == 2 && strstr(r.err, "goes with --wrap"), "%d %s", r.status, r.err);
+  free_ran(&r);
   /* 0.94 V at 17 A by plain ngspice, where the gate is left open behind its own resistor */
   r = wrapped("triac", "TKG", "\nX1 mt2 mt1 g TKG\n", "by the junctions");
   CLOSE(number_of(r.out, "V_T", 0, "got"), 0.9405, 2e-3);
