@@ -418,6 +418,9 @@ static vs_status read_nodes(gate *g, const vs_word *w) {
   const int inputs = g->kind->inputs;
   bool inverts = !strcmp(g->kind->name, "inv");
   for (int k = 1; k <= COMMON; k++) {
+    if (w[k].n >= sizeof g->node[k])
+      return vs_fail_at(g->r->err, vs_rewriting_place(g->r, w[k].at, w[k].n),
+                        "a node's name is too long here; at most 63 letters");
     bool none = k < COMMON && (!vs_words_compare(w[k], w[COMMON]) ||
                                (vs_words_is_ground(w[k]) && vs_words_is_ground(w[COMMON])));
     snprintf(g->node[k], sizeof g->node[k], "%.*s", none ? 0 : (int)w[k].n, w[k].at);
@@ -449,6 +452,7 @@ static vs_status read_values(gate *g, vs_word kind) {
     if ((k == IC && !g->kind->holds) || !vs_words_parameter(left, VALUES[k].name, &whole, &value))
       continue;
     int braces = value.n > 1 && strchr("{'", *value.at);
+    if (value.n == 0 || value.n + 2 > sizeof g->value[k]) continue; /* told below */
     snprintf(g->value[k], sizeof g->value[k], "(%.*s)", (int)value.n - 2 * braces,
              value.at + braces);
     memset(left + (whole.at - left), ' ', whole.n);
@@ -460,7 +464,8 @@ static vs_status read_values(gate *g, vs_word kind) {
   return !*unknown
              ? VS_OK
              : vs_fail_at(g->r->err, vs_rewriting_place(g->r, unknown, n),
-                          "%.*s: no parameter of %s that is known here; known are Vhigh=, Vlow=, "
+                          "%.*s: no parameter of %s that is known here, or it has no value, or one "
+                          "that is too long; known are Vhigh=, Vlow=, "
                           "Ref=, Trise=, Tfall=, Tau=, Td=, Rout=, Rhigh=, Rlow=, Cout=, Vt= and "
                           "Vh= of SCHMITT, IC= of SRFLOP",
                           (int)n, unknown, g->kind->name);
@@ -544,9 +549,9 @@ static vs_status refuse_gate(const vs_rewriting *r, vs_word kind) {
   for (size_t k = 0; k < sizeof OTHERS / sizeof *OTHERS; k++)
     if (vs_words_is(kind, OTHERS[k]))
       return vs_fail_at(r->err, vs_rewriting_place(r, kind.at, kind.n),
-                        "%s is a device of LTspice's own, which is not translated, as are BUF, "
-                        "INV, AND, OR, XOR, SCHMITT and SRFLOP; write it with these, B sources and "
-                        "switches",
+                        "%s is a device of LTspice's own that is not translated; write it with "
+                        "BUF, INV, AND, OR, XOR, SCHMITT and SRFLOP, which are, and with B sources "
+                        "and switches",
                         OTHERS[k]);
   return VS_OK;
 }
