@@ -55,10 +55,13 @@ static vs_status check_part(const vs_fate *p, const vs_element *e, const vs_fate
   bool gated = *own->pins.part && vs_kinds_latches(own->pins.kind) && p->roles->n_gates;
   bool drives[VS_ROLES_GATES];
   if (!gated || own->pins.by == vs_pins_said || gates_at(p, e->nodes[2], drives)) return VS_OK;
+  const vs_kind *kind = vs_kinds_find(own->pins.kind);
   return vs_fail_at(err, vs_elements_where(p->wiring, e, 0),
-                    "%s: the part %s has the pins a k g, and no gate's source drives the "
-                    "third node here; --pins %s=akg, or %s=agk, or ..., says which node is what",
-                    e->name, own->pins.part, e->name, e->name);
+                    "%s: the part %s has the pins %s %s %s, and no gate's source drives the "
+                    "third node here; --pins %s=%s, the letters in the order of the nodes, says "
+                    "which node is what",
+                    e->name, own->pins.part, kind->pins[0].node, kind->pins[1].node,
+                    kind->pins[2].node, e->name, kind->letters);
 }
 
 /* ---- thyristors and triacs ---- */
@@ -133,8 +136,8 @@ static void add_valve(vs_fate *p, const vs_element *e, const vs_fate_element *ow
   voltage_of(p, e, own, v);
   vs_declared_add(&p->sheet, VS_DECLARED_PROBE, "%s = %s V \"voltage of %s\"", v_ak, v, e->name);
   if (*own->part)
-    vs_declared_add(&p->sheet, VS_DECLARED_RATING, "%s -%s.v_rrm..%s.v_drm V", v_ak, own->part,
-                    own->part);
+    vs_declared_add(&p->sheet, VS_DECLARED_RATING, "%s -%s.%s..%s.v_drm V", v_ak, own->part,
+                    vs_kinds_find(own->pins.kind)->both_ways ? "v_drm" : "v_rrm", own->part);
   vs_declared_name(&p->sheet, v_ak, v_ak);
   vs_declared_name(&p->sheet, i, i);
   add_device(p, e, own, name, i);

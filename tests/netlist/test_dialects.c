@@ -478,7 +478,7 @@ static void constructs_are_told(void) {
       {"L9 ss yy 1m\n.ic\n+ I ( L9 ) = 0.1", "d.cir:17:1", "by IC=... in the line of L9"},
       {"V9 yy 0 sin(0 1 50 0 0 0 3)", "d.cir:16:9", "cycles"},
       {"V9 yy 0 PWL(0 0 1m 0 +1u 5)", "d.cir:16:22", "times from t = 0"},
-      {"A1 ss 0 0 0 0 yy 0 0 SRFLOP td=1m", "d.cir:16:22", "LTspice's own"},
+      {"A1 ss 0 0 0 0 yy 0 0 DFLOP td=1m", "d.cir:16:22", "LTspice's own"},
       {"R_R1 $N_0001 yy 1k", "d.cir:16:6", "'*$ compat ps'"},
   };
   for (size_t k = 0; k < COUNT(TOLD); k++) {
