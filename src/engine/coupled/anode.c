@@ -68,6 +68,23 @@ static bool is_gated(const vs_device *d, const vs_timeline *timeline, double t_s
 /* A gate's edge counts as reached from here on, s: rounding. */
 static const double REACHED_S = 1e-12;
 
+/* A gate drive gives its current while that is above this share of the most that it gave. It dies
+ * away behind a pulse, and before its end where a transformer's core saturates. */
+static const double GIVES = 0.5;
+
+/* True while all gates that a thyristor goes by have their current; where the deck has no gate
+ * drive whose current is known, while the drive is told to give one. */
+static bool is_fed(const vs_anode *a, const vs_device *d) {
+  for (size_t k = 0; k < a->drives; k++)
+    if (!(a->drive[k].last_a > GIVES * a->drive[k].most_a)) return false;
+  const double t_s = a->last_s + REACHED_S;
+  for (size_t g = 0; g < d->gates.count; g++)
+    if (vs_gate_is_on(a->timeline, d->gates.rad[g], t_s) &&
+        (!a->bursts || vs_gate_burst(a->timeline, d->gates.rad[g], t_s)))
+      return true;
+  return false;
+}
+
 /* A thyristor of transistors takes up to FIRES_S from its gate's edge to fire, in which the
  * solver's first steps were up to 0.3 us. The firing was 30 ns late by that, which is 0.1 % of a
  * conduction that ends 25 us later without having latched: the force was off by 23 tolerances at
@@ -161,14 +178,16 @@ static double longest_strained(const vs_anode *a, const vs_anode_current *m,
  * (vs_swing_instant). Once the current falls it is too late to begin, so
  * that steps are short from BARELY_A on, of the order of a latching current. Where the coil has had
  * more than the rest of a conduction, steps are seldom as long. */
-static const double BARELY_A = 0.1, LETS_GO = 1.0 / 20, SHARE = 1;
+static const double BARELY_A = 0.1, LETS_GO = 1.0 / 20, SHARE = 1, COLLAPSES_S = 6e-5;
 
-static double longest_letting_go(const vs_anode_current *m, const vs_swing *swing) {
+static double longest_letting_go(const vs_anode *a, const vs_anode_current *m,
+                                 const vs_swing *swing) {
   double i_a = forward_current(m), goes_s = LETS_GO * m->t_q_s;
-  bool may_let_go = m->conduction.conducts && i_a > 0 && i_a < BARELY_A && m->last_a < m->before_a;
-  if (!may_let_go) return INFINITY;
+  if (!m->conduction.conducts || !(i_a > 0 && i_a < BARELY_A)) return INFINITY;
+  bool may_let_go = m->last_a < m->before_a || (m->device && !is_fed(a, m->device));
   double charge_s = SHARE * vs_swing_charge(swing, goes_s) / i_a;
-  return sqrt(goes_s * fmin(charge_s, vs_swing_instant(swing, i_a, goes_s)));
+  double off_s = fmin(charge_s, vs_swing_instant(swing, i_a, goes_s));
+  return may_let_go ? sqrt(goes_s * off_s) : a->cores ? sqrt(COLLAPSES_S * off_s) : INFINITY;
 }
 
 /* Where a gate's voltage jumps, its current jumps with it, and is back within some 50 ns, the time
@@ -196,7 +215,7 @@ double vs_anode_longest(vs_anode *a, const vs_swing *swing, double max_step_s) {
       continue;
     }
     least = fmin(least, fmin(longest_firing(a, m, swing), longest_strained(a, m, swing)));
-    least = fmin(least, longest_letting_go(m, swing));
+    least = fmin(least, longest_letting_go(a, m, swing));
     least = fmin(least, longest_behind_edge(a, m));
   }
   return least;
@@ -237,6 +256,10 @@ void vs_anode_wind(vs_anode *a, double by_s) {
 static void shift(vs_anode *a, const vs_knot *k) {
   a->before_s = a->last_s;
   a->last_s = k->t_s;
+  for (size_t n = 0; n < a->drives; n++) {
+    a->drive[n].last_a = fabs(vs_formula_prepared_value(&a->drive[n].i, k->terms));
+    a->drive[n].most_a = fmax(a->drive[n].most_a, a->drive[n].last_a);
+  }
   for (size_t n = 0; n < a->count; n++) {
     vs_anode_current *m = &a->item[n];
     m->before_a = m->last_a;
@@ -356,11 +379,17 @@ void vs_anode_begin(vs_anode *a, const vs_deck *deck, const vs_timeline *timelin
     a->jumps = a->jumps || jumps;
     a->delays = a->delays || !jumps;
   }
+  for (size_t k = 0; k < deck->n_ports; k++)
+    a->bursts = a->bursts || deck->ports[k].signal.drive == VS_PORT_BURST;
   for (size_t k = 0; k < deck->n_probes; k++)
     if (!strcmp(deck->probes[k].name, "i_thyristor")) probe = &deck->probes[k];
   if (!probe) return;
   for (size_t k = 0; k < deck->n_devices; k++) {
     d = &deck->devices[k];
+    if (!d->kind->switches && d->kind->gated) {
+      a->drive[a->drives++].i = vs_formula_prepare(&d->current);
+      a->cores = a->cores || d->has_flux;
+    }
     if (!d->kind->switches || !d->kind->gated) continue;
     valves++;
     if (has_current(d, probe)) own = d;

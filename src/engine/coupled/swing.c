@@ -47,6 +47,7 @@ vs_swing vs_swing_of(const vs_setup *s) {
   return (vs_swing){.model = &s->model,
                     .gear = s->run.gear,
                     .amplifies = 1,
+                    .current_wb = INFINITY,
                     .peak_a = LEAST * t->peak_v / s->model.coil.resistance_ohm,
                     .tolerance = s->run.tolerance * (s->run.gear ? 0.25 : 1),
                     .share = (s->run.gear ? SHARE / 4 : SHARE) * s->run.tolerance,
@@ -96,7 +97,8 @@ static void follow_current(vs_swing *w, const vs_knot *k) {
   c->law->along(c, flux, z, i, f); /* the current's rate is then di/dlambda */
   if (!(fabs(i[0]) > w->peak_a)) return;
   w->peak_a = fabs(i[0]);
-  w->amplifies = fmax(1, fabs(k->flux_wb * i[1] / i[0]));
+  w->current_wb = fabs(i[0] / i[1]);
+  w->amplifies = fmax(1, fabs(k->flux_wb) / w->current_wb);
 }
 
 /* The slope that two steps have in common. A jump has none, nor has what alternates. */
@@ -158,5 +160,5 @@ static const double SNUBBER_OHM = 1e3, OF_TOLERANCE = 0.5;
 
 double vs_swing_instant(const vs_swing *w, double i_a, double t_s) {
   double most_v = fmin(fmin(w->peak_v, SNUBBER_OHM * i_a), w->model->coil.rest_h * i_a / t_s);
-  return OF_TOLERANCE * w->tolerance * fmax(w->seen_wb, w->peak_v * t_s) / most_v;
+  return OF_TOLERANCE * w->tolerance * fmax(fmin(w->seen_wb, w->current_wb), w->peak_v * t_s) / most_v;
 }
