@@ -65,6 +65,15 @@ static bool is_gated(const vs_device *d, const vs_timeline *timeline, double t_s
   return false;
 }
 
+/* The same, and within a sub-pulse where the gate is driven with these. */
+static bool is_driven(const vs_anode *a, const vs_device *d, double t_s) {
+  for (size_t g = 0; g < d->gates.count; g++)
+    if (vs_gate_is_on(a->timeline, d->gates.rad[g], t_s) &&
+        (!a->bursts || vs_gate_burst(a->timeline, d->gates.rad[g], t_s)))
+      return true;
+  return false;
+}
+
 /* A gate's edge counts as reached from here on, s: rounding. */
 static const double REACHED_S = 1e-12;
 
@@ -77,12 +86,7 @@ static const double GIVES = 0.5;
 static bool is_fed(const vs_anode *a, const vs_device *d) {
   for (size_t k = 0; k < a->drives; k++)
     if (!(a->drive[k].last_a > GIVES * a->drive[k].most_a)) return false;
-  const double t_s = a->last_s + REACHED_S;
-  for (size_t g = 0; g < d->gates.count; g++)
-    if (vs_gate_is_on(a->timeline, d->gates.rad[g], t_s) &&
-        (!a->bursts || vs_gate_burst(a->timeline, d->gates.rad[g], t_s)))
-      return true;
-  return false;
+  return is_driven(a, d, a->last_s + REACHED_S);
 }
 
 /* A thyristor of transistors takes up to FIRES_S from its gate's edge to fire, in which the
@@ -101,8 +105,8 @@ static const double FIRES_S = 2e-6, FIRING_S = 2e-8, RISING_S = 1e-8, RISES_A_S 
 static double longest_firing(const vs_anode *a, const vs_anode_current *m, const vs_swing *swing) {
   const bool rises = m->last_a - m->before_a > RISES_A_S * (a->last_s - a->before_s);
   if (!(m->last_v > 0) || !m->device || (m->conduction.conducts && !rises)) return INFINITY;
-  bool begins = is_gated(m->device, a->timeline, a->last_s + REACHED_S) &&
-                !is_gated(m->device, a->timeline, a->last_s - FIRES_S);
+  bool begins = is_driven(a, m->device, a->last_s + REACHED_S) &&
+                !is_driven(a, m->device, a->last_s - FIRES_S);
   const double longest_s = rises ? RISING_S : FIRING_S;
   return begins ? longest_s * sqrt(fmin(1, swing->tolerance / FIRING_AT)) : INFINITY;
 }
@@ -111,12 +115,16 @@ static double longest_firing(const vs_anode *a, const vs_anode_current *m, const
  * first step goes beyond that and is rejected, the latch has fired at the beginning of the next try
  * (longest), early by up to that step. Times the mains' peak that is an error of the flux linkage,
  * for which there is the share of a swing's: the instant was off by 0.24 us at 1e-6, and a
- * conduction of 31 us by 16 tolerances at 1e-4. */
+ * conduction of 31 us by 16 tolerances at 1e-4. The share is of what the mains might bring, and a
+ * snubber may end a conduction long before: with all of it conductions of 35 us were off by up to
+ * 3 tolerances, with LATCHES of it by 1. A firing takes some ten steps more. */
+static const double LATCHES = 0.25;
+
 static double longest_latching(const vs_anode *a, const vs_anode_current *m,
                                const vs_swing *swing) {
   if (!a->delays || m->conduction.conducts || !isfinite(longest_firing(a, m, swing)))
     return INFINITY;
-  return swing->share * swing->flux_wb / swing->peak_v;
+  return LATCHES * swing->share * swing->flux_wb / swing->peak_v;
 }
 
 /* Where the mains jump, as at the edge of a sag, the current of a small conduction may be gone
@@ -225,12 +233,22 @@ void vs_anode_leave(vs_anode *a) {
   for (size_t k = 0; k < a->count; k++) a->item[k].conducted = a->item[k].conduction.conducts;
 }
 
+/* A latch that fires behind its gate's edge does so within a step of the trapezoidal rule. Where it
+ * discharges a capacitance, as a varistor's, through its few milliohms, over in picoseconds, that
+ * rule has at the step's end twice the mean current, and goes back by as much in the next step: the
+ * latch took that for a zero of its current, let go, and fired anew 0.15 us later. The force was
+ * off by up to 7 tolerances at 1e-4. A rule that begins anew knows nothing of that current. At the
+ * edge itself it does so anyway. */
+static bool has_fired_late(const vs_anode *a, const vs_anode_current *m) {
+  return a->delays && !(m->t_q_s > 0) && m->conduction.conducts && !m->conducted;
+}
+
 void vs_anode_take(vs_anode *a) {
   a->crossed = false;
   for (size_t k = 0; k < a->count; k++) {
     vs_anode_current *m = &a->item[k];
     bool crossed = m->nearing && a->last_s >= m->crosses_s;
-    a->crossed = a->crossed || crossed;
+    a->crossed = a->crossed || crossed || has_fired_late(a, m);
     if (m->conduction.conducts)
       m->nearing = true;
     else if (crossed || (!m->conducted && !(forward_current(m) > 0)))

@@ -44,7 +44,8 @@ typedef struct vs_anode {
   size_t drives;
   double last_s, before_s; /* instants of the last two knots shown; NaN: there was none */
   double out_s;            /* when one of them last went out; -INFINITY: none has */
-  bool crossed; /* the last step was to pass a zero, so that there is a kink at its end */
+  bool crossed; /* the last step was to pass a zero, or a latch fired late in it: a kink at its end
+                 */
   bool jumps;   /* a gate's voltage jumps at the edges of its pulses: its drive is a source alone */
   bool cores;   /* a gate drive has a core, which may saturate */
   bool bursts;  /* gates are driven with sub-pulses */
