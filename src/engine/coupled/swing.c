@@ -158,7 +158,8 @@ double vs_swing_charge(const vs_swing *w, double t_s) {
  * lambda. A shaker of 0.8 mH was off by 26 tolerances at 1e-4 for 2 us, and by 0.3 with this. With
  * twice OF_TOLERANCE it was off by 1, and the rate at which the voltage then came back, by 10 % at
  * 1e-3 and by 7 % at 1e-4, where this leaves 6 and 1 %. A coil of 1 H takes twenty-five steps more
- * in 0.1 s. */
+ * in 0.1 s. Where the armature's motion makes most of lambda, OF_CURRENT of what the current stands
+ * for counts: the current of a shaker was off by 4.8 tolerances, and is by 2.85. */
 static const double SNUBBER_OHM = 1e3, OF_TOLERANCE = 0.5, OF_CURRENT = 0.5;
 
 double vs_swing_instant(const vs_swing *w, double i_a, double t_s) {
