@@ -430,7 +430,7 @@ static int told_of_letting_go(const char *text) {
 
 /* A shaker of 0.8 mH gets 26 mA: the mains bring a tenth of that in 0.5 us, and the current is off
  * by 2.85 tolerances, with steps of 25 ns. A solenoid's 10 mA stand for nine times the flux
- * linkage: that is off by 0.9, and no warning is due. */
+ * linkage: that is off by 0.7, and no warning is due. */
 static void letting_go_is_told(void) {
   CU_ASSERT_EQUAL(
       told_of_letting_go(
