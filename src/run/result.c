@@ -218,7 +218,8 @@ static void warn_of_unknown(const vs_result *r, void (*each)(void *ctx, const ch
 static const double PROMISED = 2.4;
 
 /* A thyristor of transistors lets go this part of run.tolerance of its turn-off time early or late:
- * 2.5 ns of 110 us at 1e-4, off which steps of any length left the charge of its base. */
+ * 2.5 ns of 110 us at 1e-4. The charge of its base is off by that from before, so that shorter
+ * steps at the end of its gate's pulse took nothing off it. */
 static const double LETS_GO = 0.25;
 
 /* True: the coil got so little that this instant may be an error of it beyond what is promised. The
