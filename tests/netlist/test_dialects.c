@@ -709,8 +709,9 @@ static bool is_free(const char *name, const char *options) {
   static const char DECK[] =
       "t\n.param %N=1000 q9={%N+0}\nIr 0 r 1\nR1 r 0 {%N}\nB2 b 0 V=%N\nRb b 0 1\nE3 c 0 "
       "value={%N}\nRc c 0 1\nV4 d 0 {q9}\nRd d 0 1\nIm 0 n 1\n.model rm r(r={%N})\nR5 n 0 rm\nXs f "
-      "s %N=1000\nRf f 0 1\n.subckt s p %N=3\nB1 p 0 V=2*%N-%N\n.ends\n.control\nop\nprint "
-      "v(r)+v(b)+v(c)+v(d)+v(n)+v(f)\n.endc\n.end\n";
+      "s %N=1000\nRf f 0 1\n.subckt s p %N=3\nB1 p 0 V=2*%N-%N\n.ends\nE6 g 0 r 0 {%N/1k}\nRg g 0 "
+      "1\nG7 0 h r 0 {%N/1k}\nRh h 0 1\n.control\nop\nprint "
+      "v(r)+v(b)+v(c)+v(d)+v(n)+v(g)+v(h)+v(f)\n.endc\n.end\n";
   vs_text deck = {0};
   char command[128];
   add_form(&deck, DECK, name, 0);
@@ -720,7 +721,7 @@ static bool is_free(const char *name, const char *options) {
   const int status = system(command);
   char *log = read_file("plain.log");
   const char *found = status == -1 ? NULL : strstr(log, "+v(f) = ");
-  const bool free_name = found && fabs(strtod(found + 8, NULL) - 6000) < 0.01;
+  const bool free_name = found && fabs(strtod(found + 8, NULL) - 8000) < 0.01;
   free(log);
   return free_name;
 }
@@ -752,6 +753,8 @@ static const char *const PLACES[] = {
     ".param %N=%V\nV%K y%K 0 {%N}",
     ".param %N=%V w%K={2*%N}\nV%K y%K 0 {w%K/2}",
     "*$ param %N = %V 1..1e6 \"of the test\"\nE%K y%K 0 value={%N}",
+    ".param %N=%V\nV%K r%K 0 2\nE%K y%K 0 r%K 0 {%N/2}",
+    ".param %N=%V\nV%K r%K 0 2\nG%K 0 y%K r%K 0 {%N/2}\nRy%K y%K 0 1",
     ".param %N=%V\nI%K 0 y%K 1\nRy%K y%K 0 %N",
     ".param %N=%V\nI%K 0 y%K 1\nRy%K y%K 0 r='%N'",
     ".param %N=%V\nV%K y%K 0 sin({%N} 0 1k)",
@@ -792,8 +795,8 @@ static void names_of_ngspice(void) {
       ran r = run("run paper --set circuit.deck=d.cir --tier circuit --until 1ms --set "
                   "run.verify=never --json --quiet");
       EXPECT(r.status == 0, "%s: %d %s", PLACES[f], r.status, r.err);
-      /* a current of 1 A into some 1 kohm beside 1 Mohm: 0.1 % of each of 43, which are 1000 */
-      const bool beside = strstr(PLACES[f], "I%K") != NULL;
+      /* a current into a resistor beside 1 Mohm: 0.1 % of each of 45, which are 1000 */
+      const bool beside = strstr(PLACES[f], "Ry%K") != NULL;
       vs_close(number(r.out, "y_v_max"), 1, 1, beside ? 50 : 1e-6, PLACES[f], __LINE__);
       free_ran(&r);
     }
