@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "wrap.h"
 
-#include <ctype.h>
-#include <errno.h>
 #include <libgen.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,9 +8,11 @@
 #include <strings.h>
 #include <unistd.h>
 
-#include "base/file.h"
+#include "base/path.h"
 #include "base/text.h"
+#include "netlist/cards.h"
 #include "netlist/kinds.h"
+#include "netlist/source.h"
 
 enum { MOST_PINS = 8 };
 
@@ -34,57 +34,53 @@ typedef struct search {
 
 /* ---- the vendor's file ---- */
 
-/* Reads the words behind ".subckt", up to a parameter. False: too many pins to be a part. */
-static bool read_subcircuit_head(char *line, subcircuit *s) {
-  char *rest = line, *word;
-  *s = (subcircuit){0};
-  strtok_r(line, " \t", &rest);
-  word = strtok_r(NULL, " \t", &rest);
-  if (!word) return false;
-  snprintf(s->name, sizeof s->name, "%s", word);
-  while ((word = strtok_r(NULL, " \t", &rest))) {
-    if (strchr(word, '=') || strchr(word, ':') || !strcasecmp(word, "params")) break;
-    if (rest && rest[strspn(rest, " \t")] == '=') break;
-    if (s->pins == MOST_PINS) return false;
-    snprintf(s->pin[s->pins++], VS_WRAP_NAME, "%s", word);
+/* Takes a subcircuit by its head. One with too many pins is no part. */
+static void take_subcircuit(search *f, const vs_cards *c, const vs_netlist_card *head) {
+  subcircuit s = {.pins = head->nodes};
+  if (!head->name.n || s.pins > MOST_PINS) return;
+  snprintf(s.name, sizeof s.name, "%.*s", (int)head->name.n, head->name.at);
+  for (size_t k = 0; k < s.pins; k++) {
+    const vs_word pin = vs_cards_word(c, head, k);
+    snprintf(s.pin[k], sizeof s.pin[k], "%.*s", (int)pin.n, pin.at);
   }
-  return true;
-}
-
-static void take_vendor_line(search *f, char *line) {
-  static const char *const PSPICE[] = {"params:",   "value={", "value {",
-                                       "value = {", "if(",     "table {"};
-  subcircuit s;
-  for (size_t k = 0; k < sizeof PSPICE / sizeof *PSPICE; k++)
-    f->pspice = f->pspice || strcasestr(line, PSPICE[k]);
-  if (strncasecmp(line, ".subckt", 7) || !isspace((unsigned char)line[7])) return;
-  if (!read_subcircuit_head(line, &s)) return;
   f->all++;
   if (f->wanted ? strcasecmp(s.name, f->wanted) != 0 : s.pins != f->pins) return;
   vs_text_add(&f->names, "%s%s", f->fitting ? ", " : "", s.name);
   if (!f->fitting++) f->best = s;
 }
 
+static bool is_of_pspice(const char *line) {
+  static const char *const PSPICE[] = {"params:",   "value={", "value {",
+                                       "value = {", "if(",     "table {"};
+  bool is = false;
+  for (size_t k = 0; k < sizeof PSPICE / sizeof *PSPICE; k++)
+    is = is || strcasestr(line, PSPICE[k]);
+  return is;
+}
+
 /* Lines are joined with those that go on with '+'; comments are left out. */
-static vs_status take_file(search *f, FILE *file, const char *path, vs_error *err) {
-  char *line = NULL;
-  size_t size = 0;
-  vs_text whole = {0};
-  while (vs_alloc_line(&line, &size, file) >= 0) {
-    line[strcspn(line, "\r\n;")] = '\0';
-    const char *text = line + strspn(line, " \t");
+static vs_status take_file(search *f, const char *path, vs_error *err) {
+  vs_source source;
+  vs_status status = vs_source_read(path, &source, err);
+  vs_line *lines = vs_alloc(source.count + 1, sizeof *lines);
+  size_t count = 0;
+  for (size_t k = 0; k < source.count && !status; k++) {
+    char *text = source.line[k] + strspn(source.line[k], " \t");
+    text[strcspn(text, ";")] = '\0';
     if (!*text || *text == '*') continue;
-    if (*text != '+') {
-      if (whole.text) take_vendor_line(f, whole.text);
-      vs_text_free(&whole);
-      whole = (vs_text){0};
-    }
-    vs_text_add(&whole, "%s%s", *text == '+' ? " " : "", *text == '+' ? text + 1 : text);
+    count += *text != '+' || !count;
+    vs_line_join(&lines[count - 1], text + (*text == '+'), (vs_where){path, (int)k + 1, 1});
   }
-  vs_status status = vs_file_was_read(file, path, err);
-  if (whole.text) take_vendor_line(f, whole.text);
-  vs_text_free(&whole);
-  free(line);
+  vs_cards cards;
+  vs_cards_read(&cards, lines, count);
+  for (size_t k = 0; k < count; k++) {
+    f->pspice = f->pspice || is_of_pspice(lines[k].text);
+    if (cards.card[k].kind == VS_CARDS_SUBCKT) take_subcircuit(f, &cards, &cards.card[k]);
+  }
+  vs_cards_free(&cards);
+  for (size_t k = 0; k < count; k++) vs_line_free(&lines[k]);
+  free(lines);
+  vs_source_free(&source);
   return status;
 }
 
@@ -180,11 +176,7 @@ vs_status vs_wrap_find(const char *word, const char *kind, const char *output, v
   snprintf(path, sizeof path, "%.*s", split ? (int)(colon - word) : (int)strlen(word), word);
   const vs_kind *known = vs_kinds_find(kind);
   search f = {.wanted = split ? colon + 1 : NULL, .pins = (size_t)vs_kinds_count_pins(known)};
-  FILE *file = fopen(path, "r");
-  if (!file)
-    return vs_fail_at(err, (vs_where){.file = path}, "cannot be read: %s", strerror(errno));
-  vs_status status = take_file(&f, file, path, err);
-  fclose(file);
+  vs_status status = take_file(&f, path, err);
   bool good = !status && f.fitting == 1 && f.best.pins == f.pins;
   if (!good && !status) status = refuse_vendor_file(&f, path, err);
   if (good) {
