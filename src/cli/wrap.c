@@ -36,7 +36,8 @@ typedef struct search {
 
 /* Takes a subcircuit by its head. One with too many pins is no part. */
 static void take_subcircuit(search *f, const vs_cards *c, const vs_netlist_card *head) {
-  subcircuit s = {.pins = head->nodes};
+  subcircuit s = {0};
+  while (s.pins < head->nodes && *vs_cards_word(c, head, s.pins).at != '{') s.pins++; /* {T=1} */
   if (!head->name.n || s.pins > MOST_PINS) return;
   snprintf(s.name, sizeof s.name, "%.*s", (int)head->name.n, head->name.at);
   for (size_t k = 0; k < s.pins; k++) {

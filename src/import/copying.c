@@ -411,6 +411,7 @@ void vs_copying_write(vs_fate *p, const char *folder, const char *library, vs_co
     if (card->included) continue;
     note_origin(&b, card);
     if (card->kind == VS_CARD_COMMAND) {
+      if (vs_listing_is(card, "tran")) read_tran(&b, card);
       body->skipped++;
       continue;
     }

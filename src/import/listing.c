@@ -28,6 +28,15 @@ static const struct drawing {
                   "as 'LTspice -netlist X.asc'"},
     {"(kicad_sch", "is KiCad's drawing, no netlist: 'kicad-cli sch export netlist --format spice "
                    "X.kicad_sch' writes one"},
+    {"EESchema Schematic",
+     "is KiCad's drawing, no netlist: File, Export, Netlist, SPICE writes one"},
+    {"*version ",
+     "is a drawing of PSpice's Schematics, no netlist: Analysis, Create Netlist writes "
+     "one, NAME.net"},
+    {"<Qucs Schematic",
+     "is Qucs' drawing, no netlist: 'qucs-s -n --ngspice -i X.sch -o X.cir' writes one"},
+    {"$ 1 ", "is circuitjs' drawing, no netlist, and it writes none: draw it in LTspice or KiCad"},
+    {"v {xschem", "is xschem's drawing, no netlist: 'xschem -n -q X.sch' writes one"},
     {"(export", "is KiCad's list of parts and nets, no netlist of SPICE's: export it with the "
                 "format SPICE"},
     {"<?xml", "is no netlist of SPICE's"}};
@@ -152,6 +161,18 @@ static void write_replaced(vs_card *card) {
  * .lib, is no part of the netlist, and neither is what a library includes. */
 static vs_status follow(vs_listing *l, size_t card, vs_error *err) {
   char path[VS_PATH_SIZE];
+  vs_card *c = &l->cards[card];
+  if (c->kind == VS_CARD_ELEMENT) {
+    vs_text text = {0};
+    vs_status status = vs_source_points(c->text, c->where, &text, err);
+    if (text.text) {
+      free(c->text);
+      free(c->raw);
+      c->raw = vs_copy(text.text);
+      c->text = text.text;
+    }
+    return status;
+  }
   if (!vs_listing_finds(&l->cards[card], path) || !*path) return VS_OK;
   for (size_t k = 0; k < l->n_files; k++)
     if (!strcmp(l->files[k], path)) return VS_OK;

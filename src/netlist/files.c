@@ -495,7 +495,7 @@ vs_status vs_files_read(vs_deck *deck, const char *path, bool library, vs_error 
   if (!status && !deck->lost && deck->n_lines > before)
     status =
         vs_error_keep(err, vs_slips_conditions(deck->lines + before, deck->n_lines - before, err));
-  vs_translate_names(deck->lines, deck->n_lines, &deck->changes);
+  vs_translate_whole(deck->lines, deck->n_lines, &deck->changes);
   vs_deck_changed(deck);
   tell_skipped(deck);
   return status ? status : closed;

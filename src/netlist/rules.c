@@ -375,7 +375,9 @@ vs_status vs_rules_element(vs_deck *deck, const char *line, vs_where where, vs_e
   /* An element is a name and at least two words. Other lines are refused here because libngspice
    * may read beyond its memory, or never come back, when it is given them. */
   size_t n = 0;
-  while (isalnum((unsigned char)line[n]) || (line[n] && strchr("_.#+-", line[n]))) n++;
+  while (isalnum((unsigned char)line[n]) || (line[n] && strchr("_.#+-", line[n])) ||
+         (unsigned char)line[n] >= 0x80) /* LTspice's blocks are X§X1 */
+    n++;
   const char *second = line + n + strspn(line + n, " \t"), *third = second + strcspn(second, " \t");
   third += strspn(third, " \t");
   if (!isalpha((unsigned char)*line) || !strchr(" \t", line[n]) || !*second || !*third)

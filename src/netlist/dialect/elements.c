@@ -47,6 +47,7 @@ static const parameter PARAMETERS[] = {
     {"b", "delay", NEVER, "a line delays: T1 a 0 b 0 z0=50 td=1u, with 50 ohm at its end"},
     {"eg", "laplace", NEVER, "write it with R, L and C"},
     {"vi", "wavefile", NEVER, "a deck reads no files; write pwl(...)"},
+    {"vi", "file", NEVER, "a deck reads no files; 'import' writes their points, as pwl(...)"},
     {"vi", "time_scale_factor", NEVER, "write the points' times as they come out"},
     {"vi", "value_scale_factor", NEVER, "write the points' values as they come out"},
     {"vi", "trigger", NEVER, "write a course without it"},
@@ -209,12 +210,16 @@ static void rewrite_product(vs_rewriting *r) {
 
 /* ---- tables ---- */
 
-/* Adds ", x1, y1, ..." of points in any brackets. */
+/* Adds ", x1, y1, ..." of points in any brackets. Braces around a single value make a formula. */
 static void add_points(vs_text *text, const char *points) {
-  for (const char *p = points; *p;) {
-    size_t n = strcspn(p, "(), \t");
-    if (n) vs_text_add(text, ",%.*s", (int)n, p);
-    p += n + (p[n] != '\0');
+  static const char BETWEEN[] = "()[]<>{}, \t";
+  for (const char *p = points; *(p += strspn(p, *p == '{' ? "" : "()[]<>}, \t"));) {
+    const char *close = *p == '{' ? closing(p) : NULL;
+    const bool formula = close && !memchr(p, ',', (size_t)(close - p));
+    const size_t n = formula ? (size_t)(close - p) + 1 : strcspn(p, BETWEEN);
+    if (formula) vs_text_add(text, ",(%.*s)", (int)n - 2, p + 1);
+    if (!formula && n) vs_text_add(text, ",%.*s", (int)n, p);
+    p += n ? n : 1;
   }
 }
 
