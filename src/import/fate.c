@@ -166,15 +166,6 @@ static bool is_used(const vs_fate *p, const vs_value_param *v) {
   return used;
 }
 
-/* The .subckt line, itself in no other subcircuit, in which the card stands; NULL: it stands in
- * none. */
-static const vs_card *subcircuit_of(const vs_listing *l, size_t card) {
-  if (l->cards[card].depth == 0) return NULL;
-  while (card > 0 && !(vs_listing_is(&l->cards[card], ".subckt") && l->cards[card].depth <= 1))
-    card--;
-  return &l->cards[card];
-}
-
 /* True for a statement that makes no part of the circuit, and for a .func line, which is looked at
  * separately. */
 static bool is_left_out(const vs_card *c) {
@@ -207,8 +198,10 @@ static bool is_used_within(const vs_fate *p, const char *name) {
     bool within = c->depth > 0 || c->included;
     if (!within || !names(c->text, name)) continue;
     if (c->kind == VS_CARD_STATEMENT ? is_left_out(c) : c->kind != VS_CARD_ELEMENT) continue;
-    const vs_card *head = subcircuit_of(l, k);
-    const char *own = head ? find_word(head->text, name) : NULL;
+    size_t scope = l->netlist.card[k].scope;
+    while (l->netlist.scope[scope].outer) scope = l->netlist.scope[scope].outer;
+    const char *own =
+        scope ? find_word(l->cards[l->netlist.scope[scope].first - 1].text, name) : NULL;
     if (!own || !vs_words_is_given(own + strlen(name))) return true;
   }
   return false;
@@ -368,16 +361,18 @@ static bool asks_for_coil(const vs_fate *p) {
   for (size_t k = 0; k < w->count; k++) {
     const char *text = w->listing->cards[w->elements[k].card].text;
     if (!strchr("befghi", w->elements[k].letter)) continue;
-    if (vs_fate_coil_current(p, text)) return true;
+    if (p->roles->coil && vs_fate_coil_current(p, text)) return true;
   }
   return false;
 }
 
 static void name_functions(vs_fate *p) {
+  const vs_cards *c = &p->wiring->listing->netlist;
   char name[VS_VALUES_NAME], kept[VS_DECK_NAME];
-  for (size_t k = 0; k < p->wiring->listing->count; k++) {
-    vs_coined_function(&p->wiring->listing->cards[k], name);
-    if (*name) vs_declared_name(&p->sheet, name, kept);
+  for (size_t k = 0; k < c->n_definitions; k++) {
+    if (c->definition[k].kind != VS_CARDS_FUNC) continue;
+    snprintf(name, sizeof name, "%.*s", (int)c->definition[k].name.n, c->definition[k].name.at);
+    vs_declared_name(&p->sheet, name, kept);
   }
 }
 
@@ -385,7 +380,7 @@ static void name_functions(vs_fate *p) {
  * that no parameter gets them. */
 static void name_all(vs_fate *p) {
   const vs_elements *w = p->wiring;
-  vs_coined_begin(&p->coined, w, p->values);
+  p->coined = (vs_coined){w, p->values};
   for (size_t k = 0; k < w->count; k++) {
     const vs_element *e = &w->elements[k];
     if (e == p->roles->mains || vs_roles_gate_of(p->roles, e) >= 0)
@@ -429,7 +424,6 @@ vs_status vs_fate_make(vs_fate *p, const char *asked, vs_error *err) {
 void vs_fate_free(vs_fate *p) {
   for (size_t k = 0; p->of && k < p->wiring->count; k++) free(p->of[k].value);
   free(p->of);
-  vs_coined_end(&p->coined);
   vs_declared_free(&p->sheet);
   *p = (vs_fate){0};
 }

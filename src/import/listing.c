@@ -302,15 +302,30 @@ static vs_status refuse_deck(const vs_listing *l, vs_error *err) {
   return VS_OK;
 }
 
+static void take_apart(vs_listing *l) {
+  static char nothing[] = "";
+  l->lines = vs_alloc(l->count, sizeof *l->lines);
+  for (size_t k = 0; k < l->count; k++) {
+    const vs_card *card = &l->cards[k];
+    const bool of_netlist = card->kind == VS_CARD_ELEMENT || card->kind == VS_CARD_STATEMENT;
+    l->lines[k] = (vs_line){.text = of_netlist ? card->text : nothing, .where = card->where};
+  }
+  vs_cards_read(&l->netlist, l->lines, l->count);
+}
+
 vs_status vs_listing_read(vs_listing *l, const char *path, const char *library, vs_error *err) {
   vs_status status = add_file(l, path, false, err);
   if (!status) status = refuse_deck(l, err);
   if (status) return status;
   l->origin = find_origin(l);
-  return library ? add_file(l, library, false, err) : VS_OK;
+  if (library) status = add_file(l, library, false, err);
+  take_apart(l);
+  return status;
 }
 
 void vs_listing_free(vs_listing *l) {
+  vs_cards_free(&l->netlist);
+  free(l->lines);
   for (size_t k = 0; k < l->n_files; k++) free(l->files[k]);
   for (size_t k = 0; k < l->count; k++) {
     free(l->cards[k].text);
