@@ -36,8 +36,7 @@ typedef struct search {
 
 /* Takes a subcircuit by its head. One with too many pins is no part. */
 static void take_subcircuit(search *f, const vs_cards *c, const vs_netlist_card *head) {
-  subcircuit s = {0};
-  while (s.pins < head->nodes && *vs_cards_word(c, head, s.pins).at != '{') s.pins++; /* {T=1} */
+  subcircuit s = {.pins = head->nodes};
   if (!head->name.n || s.pins > MOST_PINS) return;
   snprintf(s.name, sizeof s.name, "%.*s", (int)head->name.n, head->name.at);
   for (size_t k = 0; k < s.pins; k++) {
@@ -51,8 +50,8 @@ static void take_subcircuit(search *f, const vs_cards *c, const vs_netlist_card 
 }
 
 static bool is_of_pspice(const char *line) {
-  static const char *const PSPICE[] = {"params:",   "value={", "value {",
-                                       "value = {", "if(",     "table {"};
+  static const char *const PSPICE[] = {"params:", "value={", "value {", "value = {",
+                                       "if(",     "table {", "*temp",   "(temp"};
   bool is = false;
   for (size_t k = 0; k < sizeof PSPICE / sizeof *PSPICE; k++)
     is = is || strcasestr(line, PSPICE[k]);
@@ -72,6 +71,7 @@ static vs_status take_file(search *f, const char *path, vs_error *err) {
     count += *text != '+' || !count;
     vs_line_join(&lines[count - 1], text + (*text == '+'), (vs_where){path, (int)k + 1, 1});
   }
+  for (size_t k = 0; k < count; k++) vs_words_unbrace(lines[k].text);
   vs_cards cards;
   vs_cards_read(&cards, lines, count);
   for (size_t k = 0; k < count; k++) {

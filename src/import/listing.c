@@ -307,6 +307,7 @@ static void take_apart(vs_listing *l) {
   l->lines = vs_alloc(l->count, sizeof *l->lines);
   for (size_t k = 0; k < l->count; k++) {
     const vs_card *card = &l->cards[k];
+    vs_words_unbrace(card->text);
     const bool of_netlist = card->kind == VS_CARD_ELEMENT || card->kind == VS_CARD_STATEMENT;
     l->lines[k] = (vs_line){.text = of_netlist ? card->text : nothing, .where = card->where};
   }

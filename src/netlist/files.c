@@ -194,11 +194,12 @@ typedef struct reading {
   vs_where prose_1;
 } reading;
 
-/* True for a line of a library, outside of its subcircuits, that is neither element nor statement.
- */
+/* True for a line of a library, outside of its subcircuits, that is neither element nor statement,
+ * or closes what is not open. */
 static bool is_prose(const vs_deck *deck, const reading *r, const char *text) {
-  return r->unread && !deck->subcircuits && *text != '.' &&
-         (!isalpha((unsigned char)*text) || vs_statements_is_title(text));
+  if (!r->unread || deck->subcircuits) return false;
+  if (*text == '.') return vs_words_begin(text, ".ends");
+  return !vs_rules_is_element(text) || vs_statements_is_title(text);
 }
 
 /* Takes the line begun, if there is one, as whole. */

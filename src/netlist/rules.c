@@ -371,16 +371,18 @@ static vs_status eva_rule(vs_deck *deck, const char *line, vs_where where, vs_er
                           deck->eva_plus);
 }
 
-vs_status vs_rules_element(vs_deck *deck, const char *line, vs_where where, vs_error *err) {
-  /* An element is a name and at least two words. Other lines are refused here because libngspice
-   * may read beyond its memory, or never come back, when it is given them. */
+bool vs_rules_is_element(const char *line) {
   size_t n = 0;
   while (isalnum((unsigned char)line[n]) || (line[n] && strchr("_.#+-", line[n])) ||
          (unsigned char)line[n] >= 0x80) /* LTspice's blocks are X§X1 */
     n++;
   const char *second = line + n + strspn(line + n, " \t"), *third = second + strcspn(second, " \t");
   third += strspn(third, " \t");
-  if (!isalpha((unsigned char)*line) || !strchr(" \t", line[n]) || !*second || !*third)
+  return isalpha((unsigned char)*line) && strchr(" \t", line[n]) && *second && *third;
+}
+
+vs_status vs_rules_element(vs_deck *deck, const char *line, vs_where where, vs_error *err) {
+  if (!vs_rules_is_element(line))
     return vs_fail_at(
         err, where,
         "an element is wanted here: 'NAME node node ...', or a statement, or a comment");

@@ -22,7 +22,7 @@ static const char PSPICE[] = "is PSpice's; a line '*$ compat ps' has the deck re
 
 /* Parameters that say what a part may bear and where it is from. ngspice takes a word behind '='
  * for a parameter's name, and ends there. */
-static const char RATINGS[] = " mfg pn type vpk ipk iave irms diss vceo icrating qg vds ";
+static const char RATINGS[] = " mfg pn modtype type vpk ipk iave irms diss vceo icrating qg vds ";
 
 /* Parameters of an ideal diode, which ngspice reads as a common one without them. */
 static const char IDEAL[] = " vfwd vrev ron roff rrev epsilon ilimit revilimit revepsilon ";
@@ -270,14 +270,12 @@ static void rewrite_commas(vs_rewriting *r) {
   }
 }
 
-/* ".subckt F a b {T=1 C=1p}" and "X1 a b F {T=2}", IsSpice's, are written without the braces. */
-static void rewrite_braces(vs_rewriting *r) {
-  for (char *s = r->text.text; (s = strchr(s, '{')); s++) {
-    const char *name = s + 1 + strspn(s + 1, " \t"), *end = name;
-    char *close = strchr(s, '}');
-    while (vs_words_goes_on(*end)) end++;
-    if (end == name || !close || !vs_words_is_given(end) || !strchr(" \t", s[-1])) continue;
-    *s = *close = ' ';
+/* Braces within braces, as {-3.5*{1-x}}, which ngspice does not know, become brackets. */
+static void rewrite_nested(vs_rewriting *r) {
+  int depth = 0;
+  for (char *s = r->text.text; *s; s++) {
+    if (*s == '{' && depth++) *s = '(';
+    if (*s == '}' && depth && --depth) *s = ')';
   }
 }
 
@@ -351,10 +349,10 @@ vs_status vs_translate(vs_rewriting *r) {
   if (status) return status;
   vs_text_add(&r->text, "%s", r->line->text);
   if (!strncasecmp(r->text.text, ".param", 6) || !strncasecmp(r->text.text, ".subckt", 7) ||
-      tolower((unsigned char)*r->text.text) == 'x') {
+      tolower((unsigned char)*r->text.text) == 'x')
     rewrite_commas(r);
-    if (strncasecmp(r->text.text, ".param", 6)) rewrite_braces(r);
-  }
+  vs_words_unbrace(r->text.text);
+  rewrite_nested(r);
   status = check_sine(r);
   if (!status) status = check_points(r);
   if (!status) tell_of_edges(r);
