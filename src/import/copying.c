@@ -353,7 +353,7 @@ static void write_statement(writer *b, size_t card_number) {
 
 /* Signs of PSpice's own dialect. A netlist that PSpice wrote is read in that dialect as a whole
  * where it has any of them; another one where it has one of the first ALWAYS. The others the reader
- * of decks translates one by one (docs/netlists.md), so that all else in such a netlist keeps
+ * of decks translates one by one (docs/from_ltspice.md), so that all else in such a netlist keeps
  * ngspice's meaning. */
 static bool wants_pspice(const vs_listing *l) {
   static const char *const SIGNS[] = {

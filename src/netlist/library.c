@@ -6,7 +6,6 @@
 #include <strings.h>
 
 #include "base/text.h"
-#include "netlist/contract.h"
 #include "netlist/words.h"
 
 /* ---- what is in a file ---- */
@@ -54,8 +53,8 @@ static size_t behind_statement(const cutting *c, size_t k) {
   return last + 1;
 }
 
-/* Adds the block that begins with line k, and returns the line behind it. What has a line of the
- * contract's, a model with sizes of its own (nmos.1) and what has no name is no block: it is read
+/* Adds the block that begins with line k, and returns the line behind it. What has a line
+ * "*$ WORD", a model with sizes of its own (nmos.1) and what has no name is no block: it is read
  * where it stands. */
 static size_t add_block(cutting *c, size_t k, bool model) {
   vs_library *lib = c->lib;
@@ -63,8 +62,8 @@ static size_t add_block(cutting *c, size_t k, bool model) {
   const vs_word word = vs_words_at(vs_words_next(line_of(c, k)));
   bool is = word.n && !(model && memchr(word.at, '.', word.n));
   for (size_t n = k; n < to; n++)
-    is = is && (strncmp(line_of(c, n), "*$", 2) ||
-                !vs_contract_knows(line_of(c, n) + 2 + strspn(line_of(c, n) + 2, " \t")));
+    is = is &&
+         (strncmp(line_of(c, n), "*$", 2) || !line_of(c, n)[2 + strspn(line_of(c, n) + 2, " \t")]);
   if (!is) return to;
   for (size_t n = k; n < to; n++) c->within[n] = true;
   char *name = vs_alloc_part(word.at, word.n);
