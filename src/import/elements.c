@@ -32,14 +32,9 @@ static int split(const char *text, vs_elements_word words[VS_ELEMENTS_WORDS]) {
   return count;
 }
 
-static char *part(const char *text, int at, int size) {
-  char *copy = vs_alloc((size_t)size + 1, 1);
-  memcpy(copy, text + at, (size_t)size);
-  return copy;
-}
-
 char *vs_elements_word_of(const vs_elements *w, const vs_element *e, int n) {
-  return n < e->n_words ? part(text_of(w, e), e->words[n].at, e->words[n].size) : vs_copy("");
+  return n < e->n_words ? vs_alloc_part(text_of(w, e) + e->words[n].at, (size_t)e->words[n].size)
+                        : vs_copy("");
 }
 
 char *vs_elements_rest_of(const vs_elements *w, const vs_element *e, int n) {
@@ -341,7 +336,7 @@ bool vs_elements_is_taken(const vs_elements *w, const char *name) {
 
 /* Adds a word, which may be a node's name. */
 static void add_word(const vs_elements *w, const char *word, int size, vs_text *out) {
-  char *said = part(word, 0, size);
+  char *said = vs_alloc_part(word, (size_t)size);
   vs_cursor_lower(said);
   int node = find_node(w, said);
   bool other = node >= 0 && strcmp(w->nodes[node].name, said) != 0;

@@ -101,23 +101,10 @@ static char letter_of_use(const vs_fate *p, const char *name) {
   return '\0';
 }
 
-/* The first place in the text of this name as a whole word; NULL: there is none. */
-static const char *find_word(const char *text, const char *name) {
-  size_t n = strlen(name);
-  for (const char *s = text; (s = strcasestr(s, name)); s++) {
-    bool begins = s == text || !(isalnum((unsigned char)s[-1]) || s[-1] == '_');
-    if (begins && !isalnum((unsigned char)s[n]) && s[n] != '_') return s;
-  }
-  return NULL;
-}
-
 /* True where the text uses this name as a whole word, other than to assign a value to it. */
 static bool names(const char *text, const char *name) {
-  for (const char *s = text; (s = find_word(s, name)); s++) {
-    const char *behind = s + strlen(name);
-    behind += strspn(behind, " \t");
-    if (*behind != '=' || behind[1] == '=') return true;
-  }
+  for (const char *s = text; (s = vs_words_find(text, s, name, strlen(name))); s++)
+    if (!vs_words_is_given(s + strlen(name))) return true;
   return false;
 }
 
@@ -182,7 +169,8 @@ static bool is_used_in_statement(const vs_card *c, const char *name) {
   bool counts = false;
   for (size_t k = 0; k < sizeof WORDS / sizeof *WORDS; k++)
     counts = counts || vs_listing_is(c, WORDS[k]);
-  for (const char *s = c->text; counts && (s = find_word(s, name)); s++) {
+  for (const char *s = c->text; counts && (s = vs_words_find(c->text, s, name, strlen(name)));
+       s++) {
     bool node = s - c->text > 1 && s[-1] == '(' && strchr("vV", s[-2]);
     if (!node && names(s, name)) return true;
   }
@@ -201,7 +189,9 @@ static bool is_used_within(const vs_fate *p, const char *name) {
     size_t scope = l->netlist.card[k].scope;
     while (l->netlist.scope[scope].outer) scope = l->netlist.scope[scope].outer;
     const char *own =
-        scope ? find_word(l->cards[l->netlist.scope[scope].first - 1].text, name) : NULL;
+        scope ? vs_words_find(l->cards[l->netlist.scope[scope].first - 1].text,
+                              l->cards[l->netlist.scope[scope].first - 1].text, name, strlen(name))
+              : NULL;
     if (!own || !vs_words_is_given(own + strlen(name))) return true;
   }
   return false;
@@ -212,7 +202,8 @@ static bool is_used_in_functions(const vs_fate *p, const char *name) {
   const vs_listing *l = p->wiring->listing;
   for (size_t k = 0; k < l->count; k++) {
     const vs_card *c = &l->cards[k];
-    const char *body = strchr(c->text, ')'), *argument = find_word(c->text, name);
+    const char *body = strchr(c->text, ')'),
+               *argument = vs_words_find(c->text, c->text, name, strlen(name));
     if (c->kind == VS_CARD_STATEMENT && vs_listing_is(c, ".func") && body && names(body, name) &&
         !(argument && argument < body))
       return true;
@@ -289,7 +280,7 @@ static vs_status check_standard(vs_fate *p, const vs_value_param *v, vs_error *e
   free(seen);
   if (!used || is_as_ours(p, v) || is_of_scene(p, v)) return VS_OK;
   vs_where where = card->where;
-  const char *at = find_word(card->text, v->name);
+  const char *at = vs_words_find(card->text, card->text, v->name, strlen(v->name));
   if (at && (size_t)(at - card->text) + (size_t)where.column <= strcspn(card->raw, "\n"))
     where.column += vs_text_column(card->text, at) - 1;
   return vs_fail_at(err, where,

@@ -51,8 +51,7 @@ static vs_status refuse_drawing(const char *path, const char *text, vs_error *er
 /* ---- where an included file lies ---- */
 
 bool vs_listing_is(const vs_card *card, const char *word) {
-  size_t n = strlen(word);
-  return !strncasecmp(card->text, word, n) && (!card->text[n] || strchr(" \t", card->text[n]));
+  return vs_words_begin(card->text, word);
 }
 
 static bool is_file(const char *path) {

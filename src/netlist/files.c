@@ -128,18 +128,21 @@ static vs_status include(vs_deck *deck, const char *line, vs_where where, vs_err
   return read_file(deck, path, true, err);
 }
 
-/* Adds a line to the netlist as ngspice is to be given it, and those that it needs besides. */
-static void add_rewritten(vs_deck *deck, vs_line line, vs_rewriting *r) {
-  if (strcmp(r->text.text, line.text)) vs_line_change(&line, vs_copy(r->text.text));
-  vs_where where = line.where;
-  vs_deck_add_line(deck, line);
-  char *rest = r->more.text;
+/* Adds lines that one of that place needs besides, each ended by a newline. */
+static void add_more(vs_deck *deck, vs_where where, char *rest) {
   for (char *more; rest && (more = strsep(&rest, "\n"));) {
     vs_line beside = {0};
     if (!*more) continue;
     vs_line_join(&beside, more, where);
     vs_deck_add_line(deck, beside);
   }
+}
+
+/* Adds a line to the netlist as ngspice is to be given it, and those that it needs besides. */
+static void add_rewritten(vs_deck *deck, vs_line line, vs_rewriting *r) {
+  if (strcmp(r->text.text, line.text)) vs_line_change(&line, vs_copy(r->text.text));
+  vs_deck_add_line(deck, line);
+  add_more(deck, line.where, r->more.text);
 }
 
 /* Holds a line to the rules, rewrites it and adds it to the netlist; *skip: or passes it by. */
@@ -456,6 +459,15 @@ static vs_status read_called(vs_deck *deck, vs_error *err) {
   return status;
 }
 
+static vs_status read_currents(vs_deck *deck, vs_error *err) {
+  vs_text more = {0};
+  vs_status status = vs_translate_currents(deck->lines, deck->n_lines, &more, err);
+  if (more.text) add_more(deck, (vs_where){deck->files[0], 1, 1}, more.text);
+  vs_deck_changed(deck);
+  vs_text_free(&more);
+  return status;
+}
+
 void vs_files_tell_unread(vs_deck *deck) {
   const vs_library *lib = deck->library;
   vs_deck *apart = vs_alloc(1, sizeof *apart);
@@ -496,6 +508,7 @@ vs_status vs_files_read(vs_deck *deck, const char *path, bool library, vs_error 
   if (!status && !deck->lost && deck->n_lines > before)
     status =
         vs_error_keep(err, vs_slips_conditions(deck->lines + before, deck->n_lines - before, err));
+  if (!status && !closed) status = read_currents(deck, err);
   vs_translate_whole(deck->lines, deck->n_lines, &deck->changes);
   vs_deck_changed(deck);
   tell_skipped(deck);

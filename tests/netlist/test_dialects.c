@@ -366,6 +366,13 @@ static void functions(void) {
        "p q\nB1 p q "
        "V={C}\n.ends",
        6},
+      /* LTspice's current into a pin; its traces are Ix(u1:A) in public .raw files */
+      {"XU1 yy ss s\n.subckt s p q\nR1 p q 1k\n.ends\nB1 w 0 V=1k*Ix(U1:q)-3k*Ix(XU1:p)\nR2 w 0 "
+       "1k\nB2 0 yy I=0*V(w)",
+       1},
+      {"XU1 vv ss s\n.subckt s p q\nR1 p q 1k\n.ends\nR9 vv 0 1k\nB1 yy 0 "
+       "V=1k*Ix(U1:q)-3k*Ix(XU1:p)",
+       4},
       /* PSpice's optional nodes, as of its 74xx parts */
       {"X1 yy ss s\n.subckt s p q OPTIONAL: u=0 PARAMS: k=3\nB1 p u V=k*V(q,u)\n.ends", 6},
       {"X1 yy ss ss s\n.subckt s p q optional: u=0 w=0\nB1 p w V=6+V(q,u)\n.ends", 6},

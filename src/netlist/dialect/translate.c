@@ -510,6 +510,68 @@ static void give_parameters(vs_line *lines, size_t count, vs_tally *tally) {
   vs_cards_free(&c);
 }
 
+/* ---- currents of pins ---- */
+
+/* The instance of that name, with or without its X, outside of subcircuits; count: there is none.
+ */
+static size_t instance_named(const vs_cards *c, vs_word name) {
+  size_t k = 0;
+  for (; k < c->count; k = vs_cards_next(c, k)) {
+    const vs_word own = c->card[k].name, bare = {own.at + 1, own.n - (own.n > 0)};
+    if (c->card[k].kind != VS_CARDS_ELEMENT || c->card[k].letter != 'x') continue;
+    if (!vs_words_compare(own, name) || !vs_words_compare(bare, name)) break;
+  }
+  return k < c->count ? k : c->count;
+}
+
+/* Writes the call Ix(U1:A) at `at` in line k as the current of a source of 0 V before that pin. */
+static vs_status read_current(const vs_cards *c, vs_line *lines, size_t k, const char *at,
+                              vs_text *more, vs_error *err) {
+  const char *open = strchr(at, '('), *colon = strchr(at, ':'), *close = strchr(at, ')');
+  const vs_word name = {open + 1, colon && close > colon ? (size_t)(colon - open - 1) : 0};
+  const vs_word pin = {name.n ? colon + 1 : at, name.n ? (size_t)(close - colon - 1) : 0};
+  const size_t instance = c->card[k].scope ? c->count : instance_named(c, name);
+  const size_t scope = instance < c->count ? vs_cards_called(c, &c->card[instance]) : 0;
+  const vs_netlist_card *head = scope ? &c->card[c->scope[scope].first - 1] : NULL;
+  size_t n = 0;
+  while (head && n < head->nodes && vs_words_compare(vs_cards_word(c, head, n), pin)) n++;
+  if (!head || n >= head->nodes || n >= c->card[instance].nodes)
+    return vs_fail_at(
+        err, vs_line_place_of(&lines[k], (vs_word){at, 2}),
+        "Ix(INSTANCE:PIN), LTspice's, is read of an instance beside this line, outside "
+        "of subcircuits, and a name in its .subckt; else put a source of 0 V before "
+        "the pin, Vx a b 0, and write i(Vx)");
+  const vs_word node = vs_cards_word(c, &c->card[instance], n);
+  vs_text source = {0}, by = {0};
+  vs_text_add(&source, "Vix_%.*s_%.*s", (int)name.n, name.at, (int)pin.n, pin.at);
+  vs_text_add(&by, "i(%s)", source.text);
+  if (vs_words_compare(node, vs_words_of(source.text + 1))) { /* it is not there yet */
+    vs_text_add(more, "%s %.*s %s 0\n", source.text, (int)node.n, node.at, source.text + 1);
+    change_line(&lines[instance], node.at, node.n, source.text + 1);
+  }
+  change_line(&lines[k], at, (size_t)(close + 1 - at), by.text);
+  vs_text_free(&source);
+  vs_text_free(&by);
+  return VS_OK;
+}
+
+vs_status vs_translate_currents(vs_line *lines, size_t count, vs_text *more, vs_error *err) {
+  vs_status status = VS_OK;
+  for (size_t k = 0; k < count && !status; k++) {
+    const char *at = lines[k].text;
+    while ((at = vs_words_find(lines[k].text, at, "ix", 2)) && at[2] != '(') at += 2;
+    if (!at || *lines[k].text == '.') continue;
+    vs_cards c;
+    vs_cards_read(&c, lines, count);
+    status = vs_error_keep(err, read_current(&c, lines, k, at, more, err));
+    const bool again =
+        !status && lines[k].written && vs_words_find(lines[k].text, lines[k].text, "ix", 2);
+    vs_cards_free(&c);
+    k -= again && !vs_error_count(err);
+  }
+  return status;
+}
+
 /* Rewrites the heads of subcircuits. The cards are read anew behind each change. */
 static void rewrite_heads(vs_line *lines, size_t count, vs_tally *tally) {
   bool given = false;

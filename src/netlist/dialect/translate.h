@@ -16,4 +16,9 @@ vs_status vs_translate(vs_rewriting *r);
  * in it. */
 void vs_translate_whole(vs_line *lines, size_t count, vs_tally *tally);
 
+/* Writes Ix(U1:A), LTspice's current into a pin of an instance outside of subcircuits, as that of a
+ * source of 0 V before the pin, and adds the lines of such sources to `more`. Error, with its
+ * place: there is no such instance or pin. */
+vs_status vs_translate_currents(vs_line *lines, size_t count, vs_text *more, vs_error *err);
+
 #endif
