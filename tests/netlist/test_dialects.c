@@ -433,6 +433,9 @@ static void parasitic_parts(void) {
        "C9 ww x 1u ic=2\nR9 x yy 100"},
       {"C9 ww yy 1u Rser=100 Lser=1u RLshunt=1k Rpar=100k Cpar=1n",
        "C9 ww x 1u\nR9 x y 100\nL9 y yy 1u\nR7 y yy 1k\nR8 ww yy 100k\nC8 ww yy 1n"},
+      {"C9 ww yy Q=0.4u*x+0.1u*x*x*x",
+       "C9 ww yy Q={0.4u*v(ww,yy)+0.1u*v(ww,yy)*v(ww,yy)*v(ww,yy)}"},
+      {"C9 ww yy Q={ 1u*x } Rser=100", "C9 ww x 1u\nR9 x yy 100"},
       {"V9 yy 0 sin(1 2 1k) Rser=2k Cpar=10n", "V9 yy x sin(1 2 1k)\nR9 x 0 2k\nC9 yy 0 10n"},
       {"L9 ww yy 10m Rser=0 Rpar=0 Cpar=0 Ipk=2", "L9 ww yy 10m"}, /* no short across it */
       {"L9 ww yy 10m Rser=50 Rpar=0 Cpar=0.0", "L9 ww x 10m\nR9 x yy 50"},
@@ -529,7 +532,6 @@ static void constructs_are_told(void) {
       {"B1 yy 0 2*V(ss)", "d.cir:16:1", "V=... or I=..."},
       {"B1 yy 0 R=5", "d.cir:16:1", "R1 a b R={...}"},
       {"L9 ss yy Flux=1m*tanh(5*x)", "d.cir:16:10", "B source"},
-      {"C9 ss yy Q=1u*x", "d.cir:16:10", "Q={...}"},
       {"L9 ss yy 1m Rser=1 m=2", "d.cir:16:20", "one by one"},
       {"E1 yy 0 LAPLACE {V(ss)} = {1/(1+s)}", "d.cir:16:9", "R, L"},
       {"E1 yy 0 TABLE V(ss) (0,0) (1,1)", "d.cir:16:9", "TABLE {x}"},

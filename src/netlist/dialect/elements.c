@@ -42,7 +42,6 @@ static const parameter PARAMETERS[] = {
      "write it as a B source and a capacitor of 1 F, whose voltage is the flux"},
     {"l", "hc", NEVER,
      "ngspice has no such core; write L with a fixed inductance, or a part of it"},
-    {"c", "q", NEVER, "in ngspice it is C1 a b Q={...} of v(a,b), with no x"},
     {"b", "laplace", NEVER, "write it with R, L and C"},
     {"b", "delay", NEVER, "a line delays: T1 a 0 b 0 z0=50 td=1u, with 50 ohm at its end"},
     {"eg", "laplace", NEVER, "write it with R, L and C"},
@@ -88,8 +87,6 @@ static vs_status take_out(vs_rewriting *r, const parameter *p, parts *all) {
   vs_word whole, value;
   const char *text = r->text.text;
   if (!vs_words_parameter(text + strcspn(text, " \t"), p->name, &whole, &value)) return VS_OK;
-  if (letter_of(r) == 'c' && p->fate == NEVER && !memchr(value.at, 'x', value.n))
-    return VS_OK; /* a charge without x is ngspice's own */
   vs_where where = vs_rewriting_place(r, whole.at, whole.n);
   if (p->fate == NEVER) return vs_fail_at(r->err, where, "%s=, LTspice's: %s", p->name, p->instead);
   if (value.n == 0 || value.n >= sizeof all->value[0])
@@ -172,6 +169,27 @@ static void rewrite_temperature(vs_rewriting *r) {
   snprintf(by, sizeof by, comma ? "tc1=%.*s tc2=%.*s" : "tc1=%.*s", (int)first, value.at, (int)n,
            second);
   vs_rewriting_replace(r, (size_t)(whole.at - r->text.text), (size_t)(end - whole.at), by);
+}
+
+/* C1 a b Q=1n*x: LTspice's x is the capacitor's voltage, which ngspice calls v(a,b). */
+static void rewrite_charge(vs_rewriting *r) {
+  vs_word w[VS_WORDS_MOST], whole, value;
+  vs_text voltage = {0};
+  if (vs_words_split(r->text.text, w) < 4 ||
+      !vs_words_parameter(w[2].at + w[2].n, "q", &whole, &value))
+    return;
+  const size_t from = (size_t)(value.at - r->text.text), name = (size_t)(whole.at - r->text.text);
+  vs_text_add(&voltage, "v(%.*s,%.*s)", (int)w[1].n, w[1].at, (int)w[2].n, w[2].at);
+  for (const char *x = value.at; (x = vs_words_find(r->text.text, x, "x", 1));) {
+    const size_t at = (size_t)(x - r->text.text);
+    vs_rewriting_replace(r, at, 1, voltage.text);
+    x = r->text.text + at + voltage.length;
+  }
+  if (vs_words_parameter(r->text.text + name, "q", &whole, &value) && *value.at != '{') {
+    vs_rewriting_replace(r, from + value.n, 0, "}");
+    vs_rewriting_replace(r, from, 0, "{");
+  }
+  vs_text_free(&voltage);
 }
 
 /* Returns the '}' of a '{'; NULL: it has none. */
@@ -411,5 +429,7 @@ vs_status vs_elements_rewrite(vs_rewriting *r) {
   if (letter == 'v' || letter == 'i') status = rewrite_points(r);
   if (letter == 'e' || letter == 'g') status = check_transfer(r);
   if (!status && (letter == 'e' || letter == 'g')) status = rewrite_table(r);
-  return status ? status : rewrite_parameters(r);
+  if (!status) status = rewrite_parameters(r);
+  if (!status && letter == 'c') rewrite_charge(r); /* of the nodes that it has then */
+  return status;
 }
