@@ -383,7 +383,7 @@ static vs_status read_file(vs_deck *deck, const char *path, bool library, vs_err
   if (!status) {
     reading r = {.library = library, .row = is_row ? &row : NULL};
     find_dialect(deck, &source);
-    const bool ours = is_row || deck->included[deck->n_files - 1].file;
+    const bool ours = is_row || deck->included[deck->n_files - 1].file || vs_deck_is_shipped(file);
     if (library && deck->n_files > 1 && !ours && !deck->subcircuits)
       r.unread = vs_library_add(deck->library, file, &source);
     kept = r.unread;
