@@ -50,8 +50,9 @@ static void take_subcircuit(search *f, const vs_cards *c, const vs_netlist_card 
 }
 
 static bool is_of_pspice(const char *line) {
-  static const char *const PSPICE[] = {"params:", "value={", "value {", "value = {",
-                                       "if(",     "table {", "*temp",   "(temp"};
+  static const char *const PSPICE[] = {"params:", "value={", "value {",  "value = {", "if(",
+                                       "table {", "*temp",   "(temp",    "t_abs",     "t_measured",
+                                       "t_rel_",  "ako:",    " vswitch", " iswitch"};
   bool is = false;
   for (size_t k = 0; k < sizeof PSPICE / sizeof *PSPICE; k++)
     is = is || strcasestr(line, PSPICE[k]);

@@ -257,7 +257,7 @@ static vs_status model_rule(const place *p, const char *line) {
     if (!AMONG(number, LEVELS) || (mos && !strcmp(number, "4")))
       return vs_fail_at(p->err, p->where,
                         "model level '%s' does not belong in a deck: allowed are %s (others write "
-                        "files)",
+                        "files); its maker may have one of these, or 'vibrospice part' a template",
                         number, mos ? "1, 2, 3, 6, 9" : "1, 2, 3, 4, 6, 9");
   }
   return assignments(line, model_name_rule, (void *)(size_t)p);
