@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "wrap.h"
 
-#include <ctype.h>
-#include <errno.h>
 #include <libgen.h>
+#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <unistd.h>
 
-#include "base/file.h"
+#include "base/path.h"
 #include "base/text.h"
 #include "netlist/cards.h"
 #include "netlist/kinds.h"
+#include "netlist/source.h"
 
 enum { MOST_PINS = 8 };
 
@@ -31,66 +31,58 @@ typedef struct search {
   size_t fitting, all;
   vs_text names; /* of all that fit, for the message */
   bool pspice;
-  vs_line *lines; /* all of them, for what the pins do not say by their names */
+  vs_line *lines; /* of the file; owned */
   size_t n_lines;
+  vs_cards cards; /* they taken apart */
 } search;
 
 /* ---- the vendor's file ---- */
 
-/* Reads the words behind ".subckt", up to a parameter. False: too many pins to be a part. */
-static bool read_subcircuit_head(char *line, subcircuit *s) {
-  char *rest = line, *word;
-  *s = (subcircuit){0};
-  strtok_r(line, " \t", &rest);
-  word = strtok_r(NULL, " \t", &rest);
-  if (!word) return false;
-  snprintf(s->name, sizeof s->name, "%s", word);
-  while ((word = strtok_r(NULL, " \t", &rest))) {
-    if (strchr(word, '=') || strchr(word, ':') || !strcasecmp(word, "params")) break;
-    if (rest && rest[strspn(rest, " \t")] == '=') break;
-    if (s->pins == MOST_PINS) return false;
-    snprintf(s->pin[s->pins++], VS_WRAP_NAME, "%s", word);
+/* Takes a subcircuit by its head. One with too many pins is no part. */
+static void take_subcircuit(search *f, const vs_cards *c, const vs_netlist_card *head) {
+  subcircuit s = {.pins = head->nodes};
+  if (!head->name.n || s.pins > MOST_PINS) return;
+  snprintf(s.name, sizeof s.name, "%.*s", (int)head->name.n, head->name.at);
+  for (size_t k = 0; k < s.pins; k++) {
+    const vs_word pin = vs_cards_word(c, head, k);
+    snprintf(s.pin[k], sizeof s.pin[k], "%.*s", (int)pin.n, pin.at);
   }
-  return true;
-}
-
-static void take_vendor_line(search *f, char *line) {
-  static const char *const PSPICE[] = {"params:",   "value={", "value {",
-                                       "value = {", "if(",     "table {"};
-  subcircuit s;
-  f->lines = vs_alloc_grow(f->lines, f->n_lines, sizeof *f->lines);
-  f->lines[f->n_lines] = (vs_line){0};
-  vs_line_join(&f->lines[f->n_lines++], line, (vs_where){0});
-  for (size_t k = 0; k < sizeof PSPICE / sizeof *PSPICE; k++)
-    f->pspice = f->pspice || strcasestr(line, PSPICE[k]);
-  if (strncasecmp(line, ".subckt", 7) || !isspace((unsigned char)line[7])) return;
-  if (!read_subcircuit_head(line, &s)) return;
   f->all++;
   if (f->wanted ? strcasecmp(s.name, f->wanted) != 0 : s.pins != f->pins) return;
   vs_text_add(&f->names, "%s%s", f->fitting ? ", " : "", s.name);
   if (!f->fitting++) f->best = s;
 }
 
+static bool is_of_pspice(const char *line) {
+  static const char *const PSPICE[] = {"params:", "value={", "value {",  "value = {", "if(",
+                                       "table {", "*temp",   "(temp",    "t_abs",     "t_measured",
+                                       "t_rel_",  "ako:",    " vswitch", " iswitch"};
+  bool is = false;
+  for (size_t k = 0; k < sizeof PSPICE / sizeof *PSPICE; k++)
+    is = is || strcasestr(line, PSPICE[k]);
+  return is;
+}
+
 /* Lines are joined with those that go on with '+'; comments are left out. */
-static vs_status take_file(search *f, FILE *file, const char *path, vs_error *err) {
-  char *line = NULL;
-  size_t size = 0;
-  vs_text whole = {0};
-  while (vs_alloc_line(&line, &size, file) >= 0) {
-    line[strcspn(line, "\r\n;")] = '\0';
-    const char *text = line + strspn(line, " \t");
+static vs_status take_file(search *f, const char *path, vs_error *err) {
+  vs_source source;
+  vs_status status = vs_source_read(path, &source, err);
+  f->lines = vs_alloc(source.count + 1, sizeof *f->lines);
+  for (size_t k = 0; k < source.count && !status; k++) {
+    char *text = source.line[k] + strspn(source.line[k], " \t");
+    text[strcspn(text, ";")] = '\0';
     if (!*text || *text == '*') continue;
-    if (*text != '+') {
-      if (whole.text) take_vendor_line(f, whole.text);
-      vs_text_free(&whole);
-      whole = (vs_text){0};
-    }
-    vs_text_add(&whole, "%s%s", *text == '+' ? " " : "", *text == '+' ? text + 1 : text);
+    f->n_lines += *text != '+' || !f->n_lines;
+    vs_line_join(&f->lines[f->n_lines - 1], text + (*text == '+'), (vs_where){path, (int)k + 1, 1});
   }
-  vs_status status = vs_file_was_read(file, path, err);
-  if (whole.text) take_vendor_line(f, whole.text);
-  vs_text_free(&whole);
-  free(line);
+  for (size_t k = 0; k < f->n_lines; k++) vs_words_unbrace(f->lines[k].text);
+  vs_cards_read(&f->cards, f->lines, f->n_lines);
+  for (size_t k = 0; k < f->n_lines; k++) {
+    f->pspice = f->pspice || is_of_pspice(f->lines[k].text);
+    const vs_netlist_card *card = &f->cards.card[k];
+    if (card->kind == VS_CARDS_SUBCKT) take_subcircuit(f, &f->cards, card);
+  }
+  vs_source_free(&source);
   return status;
 }
 
@@ -127,15 +119,13 @@ static bool map_by_names(const subcircuit *s, const vs_kind *kind, bool also, in
 
 /* The gate, by its name or as no emitter is at it, and main terminal 1, on which it stands. */
 static bool map_by_junctions(const search *f, const vs_kind *kind, int node[VS_PINS]) {
-  vs_cards c;
+  const vs_cards *c = &f->cards;
   vs_cards_latch latch = {.near = -1};
   int gate = -1;
   for (int k = 0; k < VS_PINS; k++)
     if (node_of(kind, f->best.pin[k], false) == vs_kinds_pin(kind, VS_PIN_GATE)) gate = k;
-  vs_cards_read(&c, f->lines, f->n_lines);
-  for (size_t k = 1; k < c.n_scopes; k++)
-    if (vs_words_is(c.scope[k].name, f->best.name)) latch = vs_cards_see_latch(&c, k, gate);
-  vs_cards_free(&c);
+  for (size_t k = 1; k < c->n_scopes; k++)
+    if (vs_words_is(c->scope[k].name, f->best.name)) latch = vs_cards_see_latch(c, k, gate);
   for (int k = 0; k < VS_PINS && latch.near >= 0; k++)
     node[k] = vs_kinds_pin(kind, k == latch.gate   ? VS_PIN_GATE
                                  : k == latch.near ? VS_PIN_TO
@@ -251,11 +241,7 @@ vs_status vs_wrap_find(const char *word, const char *kind, const char *pins, con
   snprintf(path, sizeof path, "%.*s", split ? (int)(colon - word) : (int)strlen(word), word);
   const vs_kind *known = vs_kinds_find(kind);
   search f = {.wanted = split ? colon + 1 : NULL, .pins = (size_t)vs_kinds_count_pins(known)};
-  FILE *file = fopen(path, "r");
-  if (!file)
-    return vs_fail_at(err, (vs_where){.file = path}, "cannot be read: %s", strerror(errno));
-  vs_status status = take_file(&f, file, path, err);
-  fclose(file);
+  vs_status status = take_file(&f, path, err);
   bool good = !status && f.fitting == 1 && f.best.pins == f.pins;
   if (!good && !status) status = refuse_vendor_file(&f, path, err);
   if (good) {
@@ -265,6 +251,7 @@ vs_status vs_wrap_find(const char *word, const char *kind, const char *pins, con
     name_file(path, output, w);
   }
   vs_text_free(&f.names);
+  vs_cards_free(&f.cards);
   for (size_t k = 0; k < f.n_lines; k++) vs_line_free(&f.lines[k]);
   free(f.lines);
   return status;

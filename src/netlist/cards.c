@@ -73,6 +73,7 @@ static const struct statement {
 } STATEMENTS[] = {{".subckt", VS_CARDS_SUBCKT}, {".ends", VS_CARDS_ENDS},
                   {".model", VS_CARDS_MODEL},   {".param", VS_CARDS_PARAM},
                   {".func", VS_CARDS_FUNC},     {".global", VS_CARDS_GLOBAL},
+                  {".params", VS_CARDS_PARAM},  {".parameters", VS_CARDS_PARAM},
                   {".if", VS_CARDS_IF},         {".endif", VS_CARDS_ENDIF}};
 
 static int kind_of(const char *line) {

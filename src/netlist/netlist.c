@@ -124,6 +124,7 @@ static vs_status check_whole(vs_deck *deck, vs_error *err) {
   if (!status) status = vs_probes_check_units(deck, err);
   if (!status) status = check_doubles(deck, err);
   if (!status) rename_reserved(deck);
+  if (err->findings) vs_files_tell_unread(deck);
   return status;
 }
 

@@ -42,11 +42,11 @@ static const parameter PARAMETERS[] = {
      "write it as a B source and a capacitor of 1 F, whose voltage is the flux"},
     {"l", "hc", NEVER,
      "ngspice has no such core; write L with a fixed inductance, or a part of it"},
-    {"c", "q", NEVER, "in ngspice it is C1 a b Q={...} of v(a,b), with no x"},
     {"b", "laplace", NEVER, "write it with R, L and C"},
     {"b", "delay", NEVER, "a line delays: T1 a 0 b 0 z0=50 td=1u, with 50 ohm at its end"},
     {"eg", "laplace", NEVER, "write it with R, L and C"},
     {"vi", "wavefile", NEVER, "a deck reads no files; write pwl(...)"},
+    {"vi", "file", NEVER, "a deck reads no files; 'import' writes their points, as pwl(...)"},
     {"vi", "time_scale_factor", NEVER, "write the points' times as they come out"},
     {"vi", "value_scale_factor", NEVER, "write the points' values as they come out"},
     {"vi", "trigger", NEVER, "write a course without it"},
@@ -87,8 +87,6 @@ static vs_status take_out(vs_rewriting *r, const parameter *p, parts *all) {
   vs_word whole, value;
   const char *text = r->text.text;
   if (!vs_words_parameter(text + strcspn(text, " \t"), p->name, &whole, &value)) return VS_OK;
-  if (letter_of(r) == 'c' && p->fate == NEVER && !memchr(value.at, 'x', value.n))
-    return VS_OK; /* a charge without x is ngspice's own */
   vs_where where = vs_rewriting_place(r, whole.at, whole.n);
   if (p->fate == NEVER) return vs_fail_at(r->err, where, "%s=, LTspice's: %s", p->name, p->instead);
   if (value.n == 0 || value.n >= sizeof all->value[0])
@@ -173,6 +171,27 @@ static void rewrite_temperature(vs_rewriting *r) {
   vs_rewriting_replace(r, (size_t)(whole.at - r->text.text), (size_t)(end - whole.at), by);
 }
 
+/* C1 a b Q=1n*x: LTspice's x is the capacitor's voltage, which ngspice calls v(a,b). */
+static void rewrite_charge(vs_rewriting *r) {
+  vs_word w[VS_WORDS_MOST], whole, value;
+  vs_text voltage = {0};
+  if (vs_words_split(r->text.text, w) < 4 ||
+      !vs_words_parameter(w[2].at + w[2].n, "q", &whole, &value))
+    return;
+  const size_t from = (size_t)(value.at - r->text.text), name = (size_t)(whole.at - r->text.text);
+  vs_text_add(&voltage, "v(%.*s,%.*s)", (int)w[1].n, w[1].at, (int)w[2].n, w[2].at);
+  for (const char *x = value.at; (x = vs_words_find(r->text.text, x, "x", 1));) {
+    const size_t at = (size_t)(x - r->text.text);
+    vs_rewriting_replace(r, at, 1, voltage.text);
+    x = r->text.text + at + voltage.length;
+  }
+  if (vs_words_parameter(r->text.text + name, "q", &whole, &value) && *value.at != '{') {
+    vs_rewriting_replace(r, from + value.n, 0, "}");
+    vs_rewriting_replace(r, from, 0, "{");
+  }
+  vs_text_free(&voltage);
+}
+
 /* Returns the '}' of a '{'; NULL: it has none. */
 static const char *closing(const char *open) {
   int depth = 0;
@@ -209,12 +228,16 @@ static void rewrite_product(vs_rewriting *r) {
 
 /* ---- tables ---- */
 
-/* Adds ", x1, y1, ..." of points in any brackets. */
+/* Adds ", x1, y1, ..." of points in any brackets. Braces around a single value make a formula. */
 static void add_points(vs_text *text, const char *points) {
-  for (const char *p = points; *p;) {
-    size_t n = strcspn(p, "(), \t");
-    if (n) vs_text_add(text, ",%.*s", (int)n, p);
-    p += n + (p[n] != '\0');
+  static const char BETWEEN[] = "()[]<>{}, \t";
+  for (const char *p = points; *(p += strspn(p, *p == '{' ? "" : "()[]<>}, \t"));) {
+    const char *close = *p == '{' ? closing(p) : NULL;
+    const bool formula = close && !memchr(p, ',', (size_t)(close - p));
+    const size_t n = formula ? (size_t)(close - p) + 1 : strcspn(p, BETWEEN);
+    if (formula) vs_text_add(text, ",(%.*s)", (int)n - 2, p + 1);
+    if (!formula && n) vs_text_add(text, ",%.*s", (int)n, p);
+    p += n ? n : 1;
   }
 }
 
@@ -693,5 +716,7 @@ vs_status vs_elements_rewrite(vs_rewriting *r) {
   if (letter == 'v' || letter == 'i') status = rewrite_points(r);
   if (letter == 'e' || letter == 'g') status = check_transfer(r);
   if (!status && (letter == 'e' || letter == 'g')) status = rewrite_table(r);
-  return status ? status : rewrite_parameters(r);
+  if (!status) status = rewrite_parameters(r);
+  if (!status && letter == 'c') rewrite_charge(r); /* of the nodes that it has then */
+  return status;
 }

@@ -274,6 +274,7 @@ typedef struct vs_deck {
   char compat[8];      /* ngspice's name of a dialect; empty: its own */
   vs_line *lines;      /* of all files, comments and blank lines left out; owned */
   size_t n_lines;
+  struct vs_library *library; /* what included libraries have that may still be called; owned */
   struct vs_cards *cards; /* the lines taken apart, once somebody asks (vs_deck_cards); owned */
   vs_section section;     /* "circuit": vs_deck_key, then params and parts. It fills a
                              vs_circuit_values. Fields and their texts are owned. */
