@@ -496,15 +496,18 @@ void vs_files_tell_unread(vs_deck *deck) {
   free(apart);
 }
 
+vs_status vs_files_call(vs_deck *deck, const char *path, vs_error *err) {
+  size_t n;
+  const char *name = vs_catalogue_name(path, &n);
+  vs_library_call(deck->library, (vs_word){name, n});
+  return read_called(deck, err);
+}
+
 vs_status vs_files_read(vs_deck *deck, const char *path, bool library, vs_error *err) {
   const size_t before = deck->n_lines;
   vs_status status = read_file(deck, path, library, err);
   const vs_status closed = status ? VS_OK : check_closed(deck, err);
-  size_t n;
-  const char *name =
-      vs_catalogue_name(path, &n); /* a part's subcircuit, which may be a library's */
-  vs_library_call(deck->library, (vs_word){name, n});
-  if (!status && !closed) status = read_called(deck, err);
+  if (!status && !closed) status = vs_files_call(deck, path, err);
   if (!status && !deck->lost && deck->n_lines > before)
     status =
         vs_error_keep(err, vs_slips_conditions(deck->lines + before, deck->n_lines - before, err));

@@ -14,6 +14,10 @@
  * of which a check carries on from. */
 vs_status vs_files_read(vs_deck *deck, const char *path, bool library, vs_error *err);
 
+/* Reads the subcircuit of a part's name, as its file is called, if that file was read as a library
+ * of which nobody has called it yet; and what it calls. */
+vs_status vs_files_call(vs_deck *deck, const char *path, vs_error *err);
+
 /* Warns, once, of slips in what the deck's libraries have that nothing calls, for a check. */
 void vs_files_tell_unread(vs_deck *deck);
 

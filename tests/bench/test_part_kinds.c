@@ -316,7 +316,7 @@ static void a_vendors_triac(void) {
  * transistors and with switches; numbers; letters that are wrong; and what tells nothing. */
 static const char TRIACS[] =
     ".subckt TKG A K G\nQp1 n2 n1 A pm\nQn1 n1 n2 K nm\nRg1 G n2 20\nRb1 n2 K 100\n"
-    "Qp2 n4 n3 K pm\nQn2 n3 n4 A nm\nRg2 G n4 20\nRb2 n4 A 1k\n"
+    "Qp2 n4 n3 K pm\nQn2 n3 n4 A nm\nRg2 G n4 20\nRb2 n4 A 100k\n"
     ".model pm pnp(is=1e-14 bf=1 cjc=50p cje=50p tf=1u)\n"
     ".model nm npn(is=1e-14 bf=50 cjc=50p cje=100p tf=0.2u)\n.ends\n"
     ".subckt GENERAL A K G PARAMS: Igt=20m Rt=10m\nS1 A p on 0 sm\nV1 p K 0\nS2 n A on 0 sm\n"
@@ -367,10 +367,11 @@ static void triacs_pins(void) {
   r = run("part triac --pins 21g -o other.inc");
   EXPECT(r.status == 2 && strstr(r.err, "goes with --wrap"), "%d %s", r.status, r.err);
   free_ran(&r);
-  /* 0.94 V at 17 A by plain ngspice, where the gate is left open behind its own resistor */
+  /* 0.94053 V at 17 A by plain ngspice. The other way it fires without its gate, as its resistors
+   * are: that is no on-state voltage of a triac */
   r = wrapped("triac", "TKG", "\nX1 mt2 mt1 g TKG\n", "by the junctions");
   CLOSE(number_of(r.out, "V_T", 0, "got"), 0.9405, 2e-3);
-  CLOSE(number_of(r.out, "V_T", 1, "got"), 0.9407, 2e-3);
+  EXPECT(strstr(r.out, "it conducts with its gate open"), "%s", r.out);
   free_ran(&r);
 }
 
