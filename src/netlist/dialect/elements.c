@@ -7,6 +7,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "netlist/numbers.h"
 #include "netlist/words.h"
 
 /* What becomes of a parameter. */
@@ -328,16 +329,30 @@ struct gate {
   char value[GATE_VALUES][100]; /* in brackets; empty: not given, and no usual one */
 };
 
-/* Adds that an input is above the threshold, from 0 to 1 within a thousandth of the levels; 0 where
- * it is not there. */
-static void add_high(const gate *g, int input, vs_text *out) {
+/* Adds the side of the threshold on which an input is, from -1 to 1 within some 1e-5 of the levels'
+ * difference, as LTspice's has no width; -1 where it is not there. */
+static void add_side(const gate *g, int input, vs_text *out) {
   const char *high = g->value[VHIGH], *low = g->value[VLOW], *ref = g->value[REF];
   if (!*g->node[input])
-    vs_text_add(out, "0");
+    vs_text_add(out, "(-1)");
   else
-    vs_text_add(out, "(0.5+0.5*tanh((v(%s,%s)-({%s%s%s%s%s}))/({0.001*abs(%s-%s)})))",
+    vs_text_add(out, "tanh((v(%s,%s)-({%s%s%s%s%s}))/({max(1e-5*abs(%s-%s),1e-6)}))",
                 g->node[input], g->node[COMMON], *ref ? ref : "0.5*(", *ref ? "" : high,
                 *ref ? "" : "+", *ref ? "" : low, *ref ? "" : ")", high, low);
+}
+
+/* Adds 1 where an input is above the threshold, 0 where it is below. */
+static void add_high(const gate *g, int input, vs_text *out) {
+  vs_text_add(out, "(0.5+0.5*");
+  add_side(g, input, out);
+  vs_text_add(out, ")");
+}
+
+/* The same, and no more than 0 below the threshold: a flip-flop adds up what it gets. */
+static void add_only_above(const gate *g, int input, vs_text *out) {
+  vs_text_add(out, "max(0,");
+  add_side(g, input, out);
+  vs_text_add(out, ")");
 }
 
 static void add_and(const gate *g, vs_text *out) {
@@ -393,14 +408,14 @@ static void add_below(const gate *g, vs_text *out) {
 
 /* The reset wins. */
 static void add_set(const gate *g, vs_text *out) {
-  add_high(g, 1, out);
+  add_only_above(g, 1, out);
   vs_text_add(out, "*(1-");
   add_high(g, 2, out);
   vs_text_add(out, ")");
 }
 
 static void add_reset(const gate *g, vs_text *out) {
-  add_high(g, 2, out);
+  add_only_above(g, 2, out);
 }
 
 static const gate_kind GATES[] = {
@@ -421,6 +436,11 @@ static vs_status read_nodes(gate *g, const vs_word *w) {
     if (w[k].n >= sizeof g->node[k])
       return vs_fail_at(g->r->err, vs_rewriting_place(g->r, w[k].at, w[k].n),
                         "a node's name is too long here; at most 63 letters");
+    if (memchr(w[k].at, '(', w[k].n) || memchr(w[k].at, ')', w[k].n))
+      return vs_fail_at(g->r->err, vs_rewriting_place(g->r, w[k].at, w[k].n),
+                        "%.*s: a node with brackets in its name cannot stand in the formula that "
+                        "this becomes; give the net a name without them",
+                        (int)w[k].n, w[k].at);
     bool none = k < COMMON && (!vs_words_compare(w[k], w[COMMON]) ||
                                (vs_words_is_ground(w[k]) && vs_words_is_ground(w[COMMON])));
     snprintf(g->node[k], sizeof g->node[k], "%.*s", none ? 0 : (int)w[k].n, w[k].at);
@@ -441,12 +461,26 @@ static vs_status read_nodes(gate *g, const vs_word *w) {
       g->kind->name, (int)w[COMMON].n, w[COMMON].at);
 }
 
-/* Error: a parameter that is not known here. */
+/* Error: a number that makes no sense; what is a formula is not looked at. */
+static vs_status check_value(const gate *g, int k, vs_word value, vs_word whole) {
+  const bool is_ohm = k == ROUT || k == RHIGH || k == RLOW;
+  double x = 1;
+  if (k == VHIGH || k == VLOW || k == REF || k == VT || k == IC || !vs_numbers_read(value, &x) ||
+      x > 0 || (x == 0 && !is_ohm))
+    return VS_OK;
+  return vs_fail_at(g->r->err, vs_rewriting_place(g->r, whole.at, whole.n), "%.*s: %s is wanted%s",
+                    (int)whole.n, whole.at, is_ohm ? "more than 0" : "0 or more",
+                    is_ohm ? "; 1m is as good as none" : "");
+}
+
+/* Error: a parameter that is not known here, or its number makes no sense. */
 static vs_status read_values(gate *g, vs_word kind) {
   const char *behind = kind.at + kind.n;
   char *left = vs_copy(behind);
-  for (int k = 0; k < GATE_VALUES; k++) {
+  vs_status status = VS_OK;
+  for (int k = 0; k < GATE_VALUES && !status; k++) {
     vs_word whole, value;
+    double x;
     const char *usual = VALUES[k].usual;
     if (usual) snprintf(g->value[k], sizeof g->value[k], "(%s)", usual);
     if ((k == IC && !g->kind->holds) || !vs_words_parameter(left, VALUES[k].name, &whole, &value))
@@ -455,17 +489,20 @@ static vs_status read_values(gate *g, vs_word kind) {
     if (value.n == 0 || value.n + 2 > sizeof g->value[k]) continue; /* told below */
     snprintf(g->value[k], sizeof g->value[k], "(%.*s)", (int)value.n - 2 * braces,
              value.at + braces);
+    const bool zero = vs_numbers_read(value, &x) && x == 0;
+    if ((k == TRISE || k == TFALL || k == TAU || k == TD) && zero) *g->value[k] = '\0';
+    status = check_value(g, k, value, (vs_word){behind + (whole.at - left), whole.n});
     memset(left + (whole.at - left), ' ', whole.n);
-    if ((k == TRISE || k == TFALL || k == TAU || k == TD) && is_zero(value)) *g->value[k] = '\0';
   }
   const char *unknown = behind + strspn(left, " \t,");
   free(left);
+  if (status) return status;
   size_t n = strcspn(unknown, " \t=");
   return !*unknown
              ? VS_OK
              : vs_fail_at(g->r->err, vs_rewriting_place(g->r, unknown, n),
-                          "%.*s: no parameter of %s that is known here, or it has no value, or one "
-                          "that is too long; known are Vhigh=, Vlow=, "
+                          "%.*s: no parameter of %s that is known here, or given twice, or it has "
+                          "no value, or one that is too long; known are Vhigh=, Vlow=, "
                           "Ref=, Trise=, Tfall=, Tau=, Td=, Rout=, Rhigh=, Rlow=, Cout=, Vt= and "
                           "Vh= of SCHMITT, IC= of SRFLOP",
                           (int)n, unknown, g->kind->name);
