@@ -292,15 +292,17 @@ static vs_status check_b(const vs_rewriting *r) {
  * m: a capacitor that is charged to 1 or to 0 within 1 ns, or held. What brings it from between to
  *    0 or 1 is slow beside a step, so that no iteration of ngspice's can change what it remembers.
  * y: 0 or 1 by m; with Trise, Tfall or Tau behind an RC, which takes half of Trise to the middle.
- * d: y after Td, at the end of a line. x: d, but before Td what y was at first, h.
+ * d: y after Td, at the end of a line. x: d, but before Td what y was at first, h. A line draws a
+ *    parabola through three steps: one that is longer than Td goes on beyond them, from 0 1 1 to 0.
+ *    So y's charge shortens steps here, behind an RC of Td/1000 where there is no other.
  *
  * Q is Vlow + (Vhigh - Vlow) x behind Rlow or Rhigh; without Td it is y's. LTspice begins at the
  * operating point: so s is 1 up to 1 ns, in which m, y and h become what the inputs say, within
  * some ps. A flip-flop begins at IC instead.
  *
- * Nor do LTspice's gates shorten its steps. m, y and h stand on b, -1 kV, so that their charge is
- * large beside its changes: else ngspice would look for the instant of an edge without a rise until
- * its step is too small. */
+ * Nor do LTspice's gates without Td shorten its steps. m, y and h stand on b, -1 kV, so that their
+ * charge is large beside its changes: else ngspice would look for the instant of an edge without a
+ * rise until its step is too small. */
 enum { GATE_INPUTS = 5, NOT_Q, GATE_Q, COMMON, GATE_KIND };
 enum { VHIGH, VLOW, REF, TRISE, TFALL, TAU, TD, ROUT, RHIGH, RLOW, COUT, VT, VH, IC, GATE_VALUES };
 
@@ -526,16 +528,22 @@ static void write_memory(const gate *g, vs_text *out) {
   if (!kind->holds) vs_text_add(out, "V%s__s %s__s 0 PWL(0 1 1n 1 2n 0)\n", n, n);
 }
 
+static bool has_edges(const gate *g) {
+  return *g->value[TRISE] || *g->value[TFALL] || *g->value[TAU];
+}
+
 /* Adds y. */
 static void write_edges(const gate *g, vs_text *out) {
-  const char *n = g->name, *rise = g->value[TRISE], *tau = g->value[TAU],
+  const char *n = g->name, *rise = g->value[TRISE], *tau = g->value[TAU], *td = g->value[TD],
              *fall = *g->value[TFALL] ? g->value[TFALL] : rise;
-  char aim[128], rising[256], falling[256];
+  char aim[128], rising[256], falling[256], of_delay[128];
   snprintf(aim, sizeof aim, "(0.5+0.5*tanh(1e5*(v(%s__m)-0.5)))", n);
-  if (!*rise && !*fall && !*tau) {
+  if (!has_edges(g) && !*td) {
     vs_text_add(out, "B%s__y %s__y 0 V=%s\n", n, n, aim);
     return;
   }
+  snprintf(of_delay, sizeof of_delay, "1e-3*%s", td);
+  if (!has_edges(g)) tau = of_delay;
   static const char TIME[] = "max(1n,0%s%s/1.38629%s%s)"; /* 2 ln 2: half of it to the middle */
   snprintf(rising, sizeof rising, TIME, *rise ? "+" : "*", *rise ? rise : "1", *tau ? "+" : "",
            tau);
@@ -545,20 +553,26 @@ static void write_edges(const gate *g, vs_text *out) {
   if (!g->kind->holds) vs_text_add(out, "(1+v(%s__s)*({1e12*%s}))*", n, rising);
   vs_text_add(out, "(%s*(1-v(%s__y))/({1e6*%s})-(1-%s)*v(%s__y)/({1e6*%s}))\n", aim, n, rising, aim,
               n, falling);
-  vs_text_add(out, "C%s__y %s__y %s__b 1u ic={1e3+%s}\n", n, n, n, g->value[IC]);
+  if (*td)
+    vs_text_add(out, "C%s__y %s__y 0 1u ic={%s}\n", n, n, g->value[IC]);
+  else
+    vs_text_add(out, "C%s__y %s__y %s__b 1u ic={1e3+%s}\n", n, n, n, g->value[IC]);
 }
 
 /* Adds x: what is at the end of the line, and before Td what was at first. */
 static void write_delay(const gate *g, vs_text *out) {
   const char *n = g->name, *td = g->value[TD];
-  vs_text_add(out, "E%s__e %s__e 0 %s__y 0 1\nT%s__d %s__e 0 %s__d 0 z0=1 td={%s}\n", n, n, n, n, n,
-              n, td);
+  vs_text_add(out, "E%s__e %s__e 0 %s__y 0 1\nT%s__d %s__e 0 %s__d 0 z0=1 td=", n, n, n, n, n, n);
+  if (has_edges(g))
+    vs_text_add(out, "{%s}\n", td);
+  else /* less the time that y's own RC takes to the middle */
+    vs_text_add(out, "{max(%s-0.693147*max(1n,1e-3*%s),1p)}\n", td, td);
   vs_text_add(out, "R%s__d %s__d 0 1\nB%s__x %s__x 0 V=time<({%s}) ? ", n, n, n, n, td);
   if (g->kind->holds)
     vs_text_add(out, "({%s})", g->value[IC]);
   else
     vs_text_add(out, "v(%s__h)", n);
-  vs_text_add(out, " : v(%s__d)\n", n);
+  vs_text_add(out, has_edges(g) ? " : v(%s__d)\n" : " : 0.5+0.5*tanh(1e5*(v(%s__d)-0.5))\n", n);
   if (g->kind->holds) return;
   vs_text_add(out,
               "B%s__h 0 %s__h I=v(%s__s)*(v(%s__y)-v(%s__h))*1e6\nC%s__h %s__h %s__b 1u ic=1e3\n",
