@@ -263,6 +263,7 @@ static void refusals(void) {
   refused("A1 hi 0 0 0 0 0 yy 0 BUF ic=1", "d.cir:14:26", "IC= of SRFLOP", __LINE__);
   refused("A1 hi 0 0 0 0 0 yy 0 BUF Td=-10u", "d.cir:14:26", "0 or more is wanted", __LINE__);
   refused("A1 hi 0 0 0 0 0 yy 0 BUF Rlow = 0", "d.cir:14:26", "more than 0 is wanted", __LINE__);
+  refused("A1 hi 0 0 0 0 0 yy 0 BUF Vhigh={}", "d.cir:14:26", "it has no value", __LINE__);
   refused("A1 hi 0 0 0 0 0 yy 0 BUF Td=1u Td=1u", "d.cir:14:32", "given twice", __LINE__);
   refused("A1 N(1) 0 0 0 0 0 yy 0 BUF", "d.cir:14:4", "a node with brackets", __LINE__);
   write_file("d.cir", BENCH "A1 hi 0 0 0 0 0 yy 0 BUF\nRyy yy 0 1k\n");

@@ -487,8 +487,9 @@ static vs_status read_values(gate *g, vs_word kind) {
     if (usual) snprintf(g->value[k], sizeof g->value[k], "(%s)", usual);
     if ((k == IC && !g->kind->holds) || !vs_words_parameter(left, VALUES[k].name, &whole, &value))
       continue;
-    int braces = value.n > 1 && strchr("{'", *value.at);
-    if (value.n == 0 || value.n + 2 > sizeof g->value[k]) continue; /* told below */
+    const bool braces = value.n > 1 && strchr("{'", *value.at);
+    if (value.n <= 2 * (size_t)braces || value.n + 2 > sizeof g->value[k])
+      continue; /* told below */
     snprintf(g->value[k], sizeof g->value[k], "(%.*s)", (int)value.n - 2 * braces,
              value.at + braces);
     const bool zero = vs_numbers_read(value, &x) && x == 0;
