@@ -300,9 +300,9 @@ static vs_status check_b(const vs_rewriting *r) {
  * operating point: so s is 1 up to 1 ns, in which m, y and h become what the inputs say, within
  * some ps. A flip-flop begins at IC instead.
  *
- * Nor do LTspice's gates without Td shorten its steps. m, y and h stand on b, -1 kV, so that their
- * charge is large beside its changes: else ngspice would look for the instant of an edge without a
- * rise until its step is too small. */
+ * LTspice's gates do not shorten its steps, and without Td these do not either: m, y and h stand on
+ * b, -1 kV, so that their charge is large beside its changes. Else ngspice would look for the
+ * instant of an edge without a rise until its step is too small. */
 enum { GATE_INPUTS = 5, NOT_Q, GATE_Q, COMMON, GATE_KIND };
 enum { VHIGH, VLOW, REF, TRISE, TFALL, TAU, TD, ROUT, RHIGH, RLOW, COUT, VT, VH, IC, GATE_VALUES };
 
