@@ -6,7 +6,7 @@
  * these figures. A tenth of a run's time went into ftime(), and more than half into getrusage(),
  * which always is a call of the kernel's. The dynamic linker takes a function of the program before
  * one of the C library's, so that ngspice calls these three, which do nothing. Only the program has
- * them: no library that others link has. This program itself asks clock_gettime() alone. */
+ * them: no library that others link has. This program itself asks clock_gettime() and times(). */
 #include <sys/resource.h>
 #include <sys/timeb.h>
 #include <time.h>

@@ -277,14 +277,15 @@ static vs_status holds_under_supply(const vs_stand *s, const vs_latching_plan *p
   return status;
 }
 
-/* The second test. A device that is still on at its end, or as far down as a hundredth of I_L, has
- * no I_H. */
+/* The second test. A device that is still on at its end, or as far down as a hundredth of I_L and
+ * of the I_H that is asked, has no I_H. */
 static vs_status holds_under_conductance(const vs_stand *s, const vs_latching_plan *p,
                                          double from_a, double *got, vs_error *err) {
+  const double least_a = fmin(p->latching_a, vs_figures_limit(s, "i_h").value) / 100;
   vs_stand_record r = {0};
   vs_status status = falling_conductance(s, p, from_a, &r, err);
   if (!status) *got = held_current(&r, decade_s(p) / 800);
-  if (!status && isnan(*got) && hidden_below(p, &r) > p->latching_a / 100)
+  if (!status && isnan(*got) && hidden_below(p, &r) > least_a)
     status =
         vs_fail(err, VS_RUN, "could not judge: below %.3g mA what leaks hides when it goes off",
                 1e3 * hidden_below(p, &r));

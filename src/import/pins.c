@@ -236,7 +236,9 @@ static bool find_triac(const vs_listing *l, size_t subckt, const char *model, vs
   if (by_names && !strcmp(pins->kind, triac->name)) return true;
   if (by_names && strcmp(pins->kind, "thyristor")) return false;
   vs_cards_latch latch = look_within(l, model, by_names ? pins->gate : -1, triac->called, &hinted);
-  if (!latch.two_ways && !hinted && !subcircuit_hints(l, subckt, model, triac->called))
+  /* BT131 to BT139 are triacs; BT151, as an instance, is a thyristor. */
+  if (!latch.two_ways && !hinted && strncasecmp(model, "bt13", 4) &&
+      !subcircuit_hints(l, subckt, model, triac->called))
     return false;
   pins->kind = NULL;
   if (latch.near >= 0) {

@@ -469,6 +469,30 @@ static double *resistances(const latch_search *s, size_t pin, bool junctions) {
   return ohm;
 }
 
+/* The pin to which the gate has at most half of the way that it has to the other one; -1: neither.
+ */
+static int nearer(const double *ohm, size_t gate) {
+  int a = gate == 0, b = 3 - a - (int)gate;
+  if (2 * ohm[a] <= ohm[b] && isfinite(ohm[a])) return a;
+  if (2 * ohm[b] <= ohm[a] && isfinite(ohm[b])) return b;
+  return -1;
+}
+
+/* By resistors, else by junctions. A large resistor that says another pin than a junction much
+ * nearer may be a leakage as well: then it is not told. */
+static int gate_stands_on(const latch_search *s, size_t gate) {
+  static const double MUCH = 10;
+  double *by_resistors = resistances(s, gate, false), *by_all = resistances(s, gate, true);
+  int pin = nearer(by_resistors, gate), other = nearer(by_all, gate);
+  if (pin < 0)
+    pin = other;
+  else if (other >= 0 && other != pin && MUCH * by_all[other] < by_resistors[pin])
+    pin = -1;
+  free(by_resistors);
+  free(by_all);
+  return pin;
+}
+
 vs_cards_latch vs_cards_see_latch(const vs_cards *cards, size_t scope, int gate) {
   vs_cards_latch latch = {.gate = gate, .near = -1};
   const vs_netlist_card *head = &cards->card[cards->scope[scope].first - 1];
@@ -493,13 +517,7 @@ vs_cards_latch vs_cards_see_latch(const vs_cards *cards, size_t scope, int gate)
   for (int t = 0; t < 2; t++)
     latch.two_ways = latch.two_ways || type[0][t] + type[1][t] + type[2][t] > 1;
   bool whole = s->n_ties < MOST_TIES && s->calls < MOST_CALLS;
-  for (int with = 0; with < 2 && whole && latch.gate >= 0 && latch.near < 0; with++) {
-    int a = latch.gate == 0, b = 3 - a - latch.gate; /* the other pins */
-    double *ohm = resistances(s, (size_t)latch.gate, with);
-    if (2 * ohm[a] <= ohm[b] && isfinite(ohm[a])) latch.near = a;
-    if (2 * ohm[b] <= ohm[a] && isfinite(ohm[b])) latch.near = b;
-    free(ohm);
-  }
+  if (whole && latch.gate >= 0) latch.near = gate_stands_on(s, (size_t)latch.gate);
   vs_names_free(&s->nodes);
   free(s);
   return latch;

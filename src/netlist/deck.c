@@ -62,7 +62,7 @@ static vs_field *own_fields(vs_deck *deck) {
 }
 
 void vs_deck_begin(vs_deck *deck) {
-  if (deck->begun) *deck = (vs_deck){0};
+  if (deck->begun) memset(deck, 0, sizeof *deck); /* a literal of its size may go over the stack */
   deck->begun = true;
   deck->cards = vs_alloc(1, sizeof *deck->cards);
   deck->library = vs_alloc(1, sizeof *deck->library);

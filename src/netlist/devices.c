@@ -2,6 +2,7 @@
 #include "netlist/devices.h"
 
 #include <assert.h>
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -431,11 +432,12 @@ static const vs_limit *find_limit(const vs_deck *deck, const vs_device *d,
 }
 
 void vs_devices_hold(vs_deck *deck) {
+  static_assert(VS_DECK_LIMITS <= UCHAR_MAX, "a limit's number is a byte of vs_device.held");
   for (vs_device *d = deck->devices; d < deck->devices + deck->n_devices; d++)
     for (size_t k = 0; d->kind && k < d->kind->n_measures; k++) {
       assert(k < VS_DEVICE_MOST);
       const vs_limit *limit = find_limit(deck, d, &d->kind->measures[k]);
-      d->held[k] = limit ? (size_t)(limit - deck->limits) + 1 : 0;
+      d->held[k] = limit ? (unsigned char)(limit - deck->limits + 1) : 0;
     }
 }
 

@@ -429,7 +429,7 @@ const vs_kind vs_kinds_all[] = {
      .heat = {"i_t_rms", 1 / 1.57, 1},
      TABLES(THYRISTOR, THYRISTOR_LIMITS)},
     {.name = "triac",
-     .called = " triac bta btb ",
+     .called = " triac bta btb mac ",
      .switches = true,
      .both_ways = true,
      .gated = true,

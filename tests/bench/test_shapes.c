@@ -92,6 +92,14 @@ static void could_not_judge(void) {
            row ? row : r.err);
   }
   free_ran(&r);
+  /* it holds at more than is asked, and less than a hundredth of I_L */
+  r = tried("thyristor", "LEAKS20K", true);
+  free_ran(&r);
+  alter("s.inc", "s.inc", "i_h = 30 mA", "i_h = 0.1 mA");
+  r = run("check s.inc --json");
+  const char *row = strstr(r.out, "\"figure\": \"I_H\"");
+  EXPECT(row && strstr(row, "\"why\": \"could not judge: below"), "%s", r.out);
+  free_ran(&r);
 }
 
 /* ---- against plain ngspice ---- */

@@ -437,12 +437,19 @@ static void dimmers(void) {
       ".subckt BTA12 A K G\nX1 A K ga HALF\nX2 K A gb HALF\nR1 G ga 6\nR2 G gb 330\n.ends\n"
       ".subckt HALF a k g\nQ1 b c a pp\nQ2 c b k nn\nRk b k 200\nRg g b 2\n"
       ".model pp pnp(is=1f bf=2 cjc=100p rc=20m)\n.model nn npn(is=1f bf=10 cjc=20p rc=20m)\n"
-      ".ends\n.tran 50m\n";
+      ".ends\n.subckt BT136 A K G\nS1 A p on 0 ST\nV1 p K 0\nRg G K 200\nRa A K 5meg\n"
+      "B1 s 0 V=abs(V(G,K))>1|abs(I(V1))>10m ? 1 : 0\nR1 s on 1k\nC1 on 0 1n\n"
+      ".model ST SW(Ron=20m Roff=5Meg Vt=0.5 Vh=0.1)\n.ends\n"
+      ".subckt MAC97A6 A K G\nX1 A K G BT136\n.ends\n.tran 50m\n";
   static const struct {
     const char *triac, *says, *device;
   } ROWS[] = {{"a out g triac_2t", "XT is a triac, a shipped part: triac_2t",
                "*$ device triac = v(a,out), i(Vi_xt)"},
               {"a out g BTA12", "XT is a triac, by the junctions",
+               "*$ device triac triac = v(a,out), i(Vi_xt)"},
+              {"a out g BT136", "XT is a triac, by the junctions",
+               "*$ device triac triac = v(a,out), i(Vi_xt)"},
+              {"a out g MAC97A6", "XT is a triac, by the junctions",
                "*$ device triac triac = v(a,out), i(Vi_xt)"}};
   enter("dimmers");
   for (size_t k = 0; k < COUNT(ROWS); k++) {

@@ -83,6 +83,12 @@ static void truths(void) {
        ".ends",
        4 * one},
       {"*$ compat ps\nA1 hi lo 0 0 0 0 yy 0 XOR", one},
+      /* a threshold has no width, however large the levels are */
+      {"Vi ii 0 1\nA1 ii ii ii 0 0 0 yy 0 AND Vhigh=1k Ref=0.5", 1000 * one},
+      {"Vi ii 0 0\nA1 ii ii ii ii 0 0 yy 0 OR Vhigh=1k Ref=0.5", 0},
+      {"A1 lo 0 0 0 0 0 yy 0 SRFLOP Vhigh=12 Ref=0.25", 0},
+      {"A1 0 lo 0 0 0 0 yy 0 SRFLOP Vhigh=12 Ref=0.201 ic=1", 12 * one},
+      {"A1 hi 0 0 0 0 0 yy 0 BUF Td=0us Trise=0ns", one},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     vs_text lines = {0};
@@ -221,6 +227,19 @@ static void fuses(void) {
     }
 }
 
+/* A delay that is shorter than a step is no more than an edge, behind which the output stays. */
+static void short_delays(void) {
+  static const char *const KINDS[] = {"BUF", "SRFLOP", "BUF Trise=1u"}, *const TD[] = {"10n", "1u"};
+  for (size_t k = 0; k < COUNT(KINDS) * COUNT(TD); k++) {
+    char lines[96];
+    snprintf(lines, sizeof lines, "A1 up 0 0 0 0 0 yy 0 %s Ref=1 Td=%s", KINDS[k / 2], TD[k % 2]);
+    double *v = course(lines, 2000, "", __LINE__);
+    vs_close(crossing(v, 2000, 0.5, 1), 1001, 1, 1.6, lines, __LINE__);
+    EXPECT(isnan(crossing(v, 2000, 0.5, 2)), "%s", lines);
+    free(v);
+  }
+}
+
 static void refused(const char *lines, const char *at, const char *says, int line) {
   vs_text deck = {0};
   vs_text_add(&deck, BENCH "%s\nRyy yy 0 1k\n", lines);
@@ -242,6 +261,11 @@ static void refusals(void) {
   refused("A1 hi 0 0 0 0 0 yy 0 BUF Vhigh=5 Iout=3", "d.cir:14:34", "Iout: no parameter of buf",
           __LINE__);
   refused("A1 hi 0 0 0 0 0 yy 0 BUF ic=1", "d.cir:14:26", "IC= of SRFLOP", __LINE__);
+  refused("A1 hi 0 0 0 0 0 yy 0 BUF Td=-10u", "d.cir:14:26", "0 or more is wanted", __LINE__);
+  refused("A1 hi 0 0 0 0 0 yy 0 BUF Rlow = 0", "d.cir:14:26", "more than 0 is wanted", __LINE__);
+  refused("A1 hi 0 0 0 0 0 yy 0 BUF Vhigh={}", "d.cir:14:26", "it has no value", __LINE__);
+  refused("A1 hi 0 0 0 0 0 yy 0 BUF Td=1u Td=1u", "d.cir:14:32", "given twice", __LINE__);
+  refused("A1 N(1) 0 0 0 0 0 yy 0 BUF", "d.cir:14:4", "a node with brackets", __LINE__);
   write_file("d.cir", BENCH "A1 hi 0 0 0 0 0 yy 0 BUF\nRyy yy 0 1k\n");
   ran r = run("check d.cir");
   EXPECT(r.status == 0 && strstr(r.err, "d.cir:14:1: warning: an A device of LTspice's"), "%d %s",
@@ -250,10 +274,8 @@ static void refusals(void) {
 }
 
 int main(void) {
-  static const vs_test TESTS[] = {{"truths", truths},
-                                  {"instants", instants},
-                                  {"timer", timer},
-                                  {"fuses", fuses},
-                                  {"refusals", refusals}};
+  static const vs_test TESTS[] = {
+      {"truths", truths}, {"instants", instants}, {"short delays", short_delays},
+      {"timer", timer},   {"fuses", fuses},       {"refusals", refusals}};
   return program_suite("gates", TESTS, COUNT(TESTS));
 }

@@ -7,6 +7,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "netlist/numbers.h"
 #include "netlist/words.h"
 
 /* What becomes of a parameter. */
@@ -314,15 +315,17 @@ static vs_status check_b(const vs_rewriting *r) {
  * m: a capacitor that is charged to 1 or to 0 within 1 ns, or held. What brings it from between to
  *    0 or 1 is slow beside a step, so that no iteration of ngspice's can change what it remembers.
  * y: 0 or 1 by m; with Trise, Tfall or Tau behind an RC, which takes half of Trise to the middle.
- * d: y after Td, at the end of a line. x: d, but before Td what y was at first, h.
+ * d: y after Td, at the end of a line. x: d, but before Td what y was at first, h. A line draws a
+ *    parabola through three steps: one that is longer than Td goes on beyond them, from 0 1 1 to 0.
+ *    So y's charge shortens steps here, behind an RC of Td/1000 where there is no other.
  *
  * Q is Vlow + (Vhigh - Vlow) x behind Rlow or Rhigh; without Td it is y's. LTspice begins at the
  * operating point: so s is 1 up to 1 ns, in which m, y and h become what the inputs say, within
  * some ps. A flip-flop begins at IC instead.
  *
- * Nor do LTspice's gates shorten its steps. m, y and h stand on b, -1 kV, so that their charge is
- * large beside its changes: else ngspice would look for the instant of an edge without a rise until
- * its step is too small. */
+ * LTspice's gates do not shorten its steps, and without Td these do not either: m, y and h stand on
+ * b, -1 kV, so that their charge is large beside its changes. Else ngspice would look for the
+ * instant of an edge without a rise until its step is too small. */
 enum { GATE_INPUTS = 5, NOT_Q, GATE_Q, COMMON, GATE_KIND };
 enum { VHIGH, VLOW, REF, TRISE, TFALL, TAU, TD, ROUT, RHIGH, RLOW, COUT, VT, VH, IC, GATE_VALUES };
 
@@ -351,16 +354,30 @@ struct gate {
   char value[GATE_VALUES][100]; /* in brackets; empty: not given, and no usual one */
 };
 
-/* Adds that an input is above the threshold, from 0 to 1 within a thousandth of the levels; 0 where
- * it is not there. */
-static void add_high(const gate *g, int input, vs_text *out) {
+/* Adds the side of the threshold on which an input is, from -1 to 1 within some 1e-5 of the levels'
+ * difference, as LTspice's has no width; -1 where it is not there. */
+static void add_side(const gate *g, int input, vs_text *out) {
   const char *high = g->value[VHIGH], *low = g->value[VLOW], *ref = g->value[REF];
   if (!*g->node[input])
-    vs_text_add(out, "0");
+    vs_text_add(out, "(-1)");
   else
-    vs_text_add(out, "(0.5+0.5*tanh((v(%s,%s)-({%s%s%s%s%s}))/({0.001*abs(%s-%s)})))",
+    vs_text_add(out, "tanh((v(%s,%s)-({%s%s%s%s%s}))/({max(1e-5*abs(%s-%s),1e-6)}))",
                 g->node[input], g->node[COMMON], *ref ? ref : "0.5*(", *ref ? "" : high,
                 *ref ? "" : "+", *ref ? "" : low, *ref ? "" : ")", high, low);
+}
+
+/* Adds 1 where an input is above the threshold, 0 where it is below. */
+static void add_high(const gate *g, int input, vs_text *out) {
+  vs_text_add(out, "(0.5+0.5*");
+  add_side(g, input, out);
+  vs_text_add(out, ")");
+}
+
+/* The same, and no more than 0 below the threshold: a flip-flop adds up what it gets. */
+static void add_only_above(const gate *g, int input, vs_text *out) {
+  vs_text_add(out, "max(0,");
+  add_side(g, input, out);
+  vs_text_add(out, ")");
 }
 
 static void add_and(const gate *g, vs_text *out) {
@@ -416,14 +433,14 @@ static void add_below(const gate *g, vs_text *out) {
 
 /* The reset wins. */
 static void add_set(const gate *g, vs_text *out) {
-  add_high(g, 1, out);
+  add_only_above(g, 1, out);
   vs_text_add(out, "*(1-");
   add_high(g, 2, out);
   vs_text_add(out, ")");
 }
 
 static void add_reset(const gate *g, vs_text *out) {
-  add_high(g, 2, out);
+  add_only_above(g, 2, out);
 }
 
 static const gate_kind GATES[] = {
@@ -444,6 +461,11 @@ static vs_status read_nodes(gate *g, const vs_word *w) {
     if (w[k].n >= sizeof g->node[k])
       return vs_fail_at(g->r->err, vs_rewriting_place(g->r, w[k].at, w[k].n),
                         "a node's name is too long here; at most 63 letters");
+    if (memchr(w[k].at, '(', w[k].n) || memchr(w[k].at, ')', w[k].n))
+      return vs_fail_at(g->r->err, vs_rewriting_place(g->r, w[k].at, w[k].n),
+                        "%.*s: a node with brackets in its name cannot stand in the formula that "
+                        "this becomes; give the net a name without them",
+                        (int)w[k].n, w[k].at);
     bool none = k < COMMON && (!vs_words_compare(w[k], w[COMMON]) ||
                                (vs_words_is_ground(w[k]) && vs_words_is_ground(w[COMMON])));
     snprintf(g->node[k], sizeof g->node[k], "%.*s", none ? 0 : (int)w[k].n, w[k].at);
@@ -464,31 +486,49 @@ static vs_status read_nodes(gate *g, const vs_word *w) {
       g->kind->name, (int)w[COMMON].n, w[COMMON].at);
 }
 
-/* Error: a parameter that is not known here. */
+/* Error: a number that makes no sense; what is a formula is not looked at. */
+static vs_status check_value(const gate *g, int k, vs_word value, vs_word whole) {
+  const bool is_ohm = k == ROUT || k == RHIGH || k == RLOW;
+  double x = 1;
+  if (k == VHIGH || k == VLOW || k == REF || k == VT || k == IC || !vs_numbers_read(value, &x) ||
+      x > 0 || (x == 0 && !is_ohm))
+    return VS_OK;
+  return vs_fail_at(g->r->err, vs_rewriting_place(g->r, whole.at, whole.n), "%.*s: %s is wanted%s",
+                    (int)whole.n, whole.at, is_ohm ? "more than 0" : "0 or more",
+                    is_ohm ? "; 1m is as good as none" : "");
+}
+
+/* Error: a parameter that is not known here, or its number makes no sense. */
 static vs_status read_values(gate *g, vs_word kind) {
   const char *behind = kind.at + kind.n;
   char *left = vs_copy(behind);
-  for (int k = 0; k < GATE_VALUES; k++) {
+  vs_status status = VS_OK;
+  for (int k = 0; k < GATE_VALUES && !status; k++) {
     vs_word whole, value;
+    double x;
     const char *usual = VALUES[k].usual;
     if (usual) snprintf(g->value[k], sizeof g->value[k], "(%s)", usual);
     if ((k == IC && !g->kind->holds) || !vs_words_parameter(left, VALUES[k].name, &whole, &value))
       continue;
-    int braces = value.n > 1 && strchr("{'", *value.at);
-    if (value.n == 0 || value.n + 2 > sizeof g->value[k]) continue; /* told below */
+    const bool braces = value.n > 1 && strchr("{'", *value.at);
+    if (value.n <= 2 * (size_t)braces || value.n + 2 > sizeof g->value[k])
+      continue; /* told below */
     snprintf(g->value[k], sizeof g->value[k], "(%.*s)", (int)value.n - 2 * braces,
              value.at + braces);
+    const bool zero = vs_numbers_read(value, &x) && x == 0;
+    if ((k == TRISE || k == TFALL || k == TAU || k == TD) && zero) *g->value[k] = '\0';
+    status = check_value(g, k, value, (vs_word){behind + (whole.at - left), whole.n});
     memset(left + (whole.at - left), ' ', whole.n);
-    if ((k == TRISE || k == TFALL || k == TAU || k == TD) && is_zero(value)) *g->value[k] = '\0';
   }
   const char *unknown = behind + strspn(left, " \t,");
   free(left);
+  if (status) return status;
   size_t n = strcspn(unknown, " \t=");
   return !*unknown
              ? VS_OK
              : vs_fail_at(g->r->err, vs_rewriting_place(g->r, unknown, n),
-                          "%.*s: no parameter of %s that is known here, or it has no value, or one "
-                          "that is too long; known are Vhigh=, Vlow=, "
+                          "%.*s: no parameter of %s that is known here, or given twice, or it has "
+                          "no value, or one that is too long; known are Vhigh=, Vlow=, "
                           "Ref=, Trise=, Tfall=, Tau=, Td=, Rout=, Rhigh=, Rlow=, Cout=, Vt= and "
                           "Vh= of SCHMITT, IC= of SRFLOP",
                           (int)n, unknown, g->kind->name);
@@ -512,16 +552,22 @@ static void write_memory(const gate *g, vs_text *out) {
   if (!kind->holds) vs_text_add(out, "V%s__s %s__s 0 PWL(0 1 1n 1 2n 0)\n", n, n);
 }
 
+static bool has_edges(const gate *g) {
+  return *g->value[TRISE] || *g->value[TFALL] || *g->value[TAU];
+}
+
 /* Adds y. */
 static void write_edges(const gate *g, vs_text *out) {
-  const char *n = g->name, *rise = g->value[TRISE], *tau = g->value[TAU],
+  const char *n = g->name, *rise = g->value[TRISE], *tau = g->value[TAU], *td = g->value[TD],
              *fall = *g->value[TFALL] ? g->value[TFALL] : rise;
-  char aim[128], rising[256], falling[256];
+  char aim[128], rising[256], falling[256], of_delay[128];
   snprintf(aim, sizeof aim, "(0.5+0.5*tanh(1e5*(v(%s__m)-0.5)))", n);
-  if (!*rise && !*fall && !*tau) {
+  if (!has_edges(g) && !*td) {
     vs_text_add(out, "B%s__y %s__y 0 V=%s\n", n, n, aim);
     return;
   }
+  snprintf(of_delay, sizeof of_delay, "1e-3*%s", td);
+  if (!has_edges(g)) tau = of_delay;
   static const char TIME[] = "max(1n,0%s%s/1.38629%s%s)"; /* 2 ln 2: half of it to the middle */
   snprintf(rising, sizeof rising, TIME, *rise ? "+" : "*", *rise ? rise : "1", *tau ? "+" : "",
            tau);
@@ -531,20 +577,26 @@ static void write_edges(const gate *g, vs_text *out) {
   if (!g->kind->holds) vs_text_add(out, "(1+v(%s__s)*({1e12*%s}))*", n, rising);
   vs_text_add(out, "(%s*(1-v(%s__y))/({1e6*%s})-(1-%s)*v(%s__y)/({1e6*%s}))\n", aim, n, rising, aim,
               n, falling);
-  vs_text_add(out, "C%s__y %s__y %s__b 1u ic={1e3+%s}\n", n, n, n, g->value[IC]);
+  if (*td)
+    vs_text_add(out, "C%s__y %s__y 0 1u ic={%s}\n", n, n, g->value[IC]);
+  else
+    vs_text_add(out, "C%s__y %s__y %s__b 1u ic={1e3+%s}\n", n, n, n, g->value[IC]);
 }
 
 /* Adds x: what is at the end of the line, and before Td what was at first. */
 static void write_delay(const gate *g, vs_text *out) {
   const char *n = g->name, *td = g->value[TD];
-  vs_text_add(out, "E%s__e %s__e 0 %s__y 0 1\nT%s__d %s__e 0 %s__d 0 z0=1 td={%s}\n", n, n, n, n, n,
-              n, td);
+  vs_text_add(out, "E%s__e %s__e 0 %s__y 0 1\nT%s__d %s__e 0 %s__d 0 z0=1 td=", n, n, n, n, n, n);
+  if (has_edges(g))
+    vs_text_add(out, "{%s}\n", td);
+  else /* less the time that y's own RC takes to the middle */
+    vs_text_add(out, "{max(%s-0.693147*max(1n,1e-3*%s),1p)}\n", td, td);
   vs_text_add(out, "R%s__d %s__d 0 1\nB%s__x %s__x 0 V=time<({%s}) ? ", n, n, n, n, td);
   if (g->kind->holds)
     vs_text_add(out, "({%s})", g->value[IC]);
   else
     vs_text_add(out, "v(%s__h)", n);
-  vs_text_add(out, " : v(%s__d)\n", n);
+  vs_text_add(out, has_edges(g) ? " : v(%s__d)\n" : " : 0.5+0.5*tanh(1e5*(v(%s__d)-0.5))\n", n);
   if (g->kind->holds) return;
   vs_text_add(out,
               "B%s__h 0 %s__h I=v(%s__s)*(v(%s__y)-v(%s__h))*1e6\nC%s__h %s__h %s__b 1u ic=1e3\n",

@@ -135,7 +135,7 @@ typedef struct vs_cards_latch {
   bool two_ways; /* transistors of one type have their emitters at two of the pins: a triac */
   int gate;      /* the only pin at which no emitter is; -1: it is not told so */
   int near; /* the pin on which the gate stands: by resistors, else by junctions, it has at most
-               half of the way to it; -1: neither */
+               half of the way to it; -1: neither, or the two contradict each other */
 } vs_cards_latch;
 
 /* Looks at a scope with what it calls. gate: the pin that is known to be it, from 0; -1: none. */

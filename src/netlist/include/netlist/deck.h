@@ -224,10 +224,10 @@ typedef struct vs_device {
   double mains_v;  /* rms voltage of the mains that may drive its current; NaN: not known, as for a
                       device that a transformer or a source of the deck's own may drive. Known once
                       the formulas are bound */
-  char ward[VS_DECK_NAME];     /* the device it protects, as the line says; empty: none */
-  int protects;                /* index of that device; -1: none */
-  size_t held[VS_DEVICE_MOST]; /* for each measure of its kind the limit that it is held to, as its
-                                  number in vs_deck.limits, from 1; 0: none */
+  char ward[VS_DECK_NAME];            /* the device it protects, as the line says; empty: none */
+  int protects;                       /* index of that device; -1: none */
+  unsigned char held[VS_DEVICE_MOST]; /* for each measure of its kind the limit that it is held to,
+                                  as its number in vs_deck.limits, from 1; 0: none */
   vs_where where, where_of, where_ward, where_flux;
 } vs_device;
 
