@@ -12,7 +12,9 @@ static vs_status refuse_unused(const vs_node *scene, const vs_timeline *t, const
                                vs_error *err) {
   const vs_node *firing = vs_tree_child(scene, "firing"), *supply = vs_tree_child(scene, "supply");
   const vs_node *phase = t->supply.direct ? vs_tree_child(supply, "phase") : NULL;
-  for (const vs_node *n = firing ? firing->child : NULL; n; n = n->next)
+  const bool has_keys =
+      firing && firing->kind == VS_NODE_MAP; /* another kind is refused elsewhere */
+  for (const vs_node *n = has_keys ? firing->child : NULL; n; n = n->next)
     if (strcmp(n->key, "valve") != 0 || why != NO_VALVE)
       return vs_fail_at(err, n->key_where, "firing.%s: %s nothing fires; leave it out%s", n->key,
                         why,
