@@ -13,6 +13,7 @@
 #include "base/path.h"
 #include "base/text.h"
 #include "base/units.h"
+#include "run/listed_measure.h"
 #include "study/format.h"
 #include "study/plan.h"
 
@@ -25,6 +26,7 @@ const vs_folder_kind vs_folder_kinds[VS_ROLES] = {
     [VS_ROLE_ID] = {"id", VS_CELLS_TEXT},
     [VS_ROLE_AXIS] = {"axis", VS_CELLS_EITHER},
     [VS_ROLE_REPORT] = {VS_COLUMN_MEASURE, VS_CELLS_VALUE},
+    [VS_ROLE_LINE] = {"line", VS_CELLS_VALUE},
     [VS_ROLE_MARGIN] = {"margin_least", VS_CELLS_VALUE},
     [VS_ROLE_ERROR] = {"margin_error", VS_CELLS_VALUE},
     [VS_ROLE_WEAKEST] = {"weakest", VS_CELLS_TEXT},
@@ -37,8 +39,10 @@ const vs_folder_kind vs_folder_kinds[VS_ROLES] = {
     [VS_ROLE_WHY] = {"why", VS_CELLS_TEXT}};
 
 vs_folder_role vs_folder_role_of(const char *title) {
+  if (vs_listed_line_is(title)) return VS_ROLE_LINE;
   for (int r = 0; r < VS_ROLES; r++)
-    if (r != VS_ROLE_AXIS && !strcmp(title, vs_folder_kinds[r].word)) return (vs_folder_role)r;
+    if (r != VS_ROLE_AXIS && r != VS_ROLE_LINE && !strcmp(title, vs_folder_kinds[r].word))
+      return (vs_folder_role)r;
   return VS_ROLE_REPORT;
 }
 

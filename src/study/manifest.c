@@ -123,9 +123,9 @@ static void add_columns(const vs_plan *plan, vs_json *json) {
         add_column(role, plan->axes[k].column, plan->axes[k].key, plan->axes[k].unit, NULL, json);
     else if (role == VS_ROLE_REPORT)
       for (size_t k = 0; k < plan->n_columns; k++)
-        add_column(role, plan->columns[k].column, plan->columns[k].name, plan->columns[k].unit,
-                   plan->columns[k].of, json);
-    else
+        add_column(plan->columns[k].line ? VS_ROLE_LINE : role, plan->columns[k].column,
+                   plan->columns[k].name, plan->columns[k].unit, plan->columns[k].of, json);
+    else if (role != VS_ROLE_LINE)
       add_column(role, NULL, NULL, "", NULL, json);
   }
   vs_json_end(json);
@@ -156,7 +156,8 @@ static void add_end(const vs_plan *plan, const char *name, vs_text *text) {
   for (size_t k = 0; k < plan->n_axes; k++) add_axis(plan, k, &json);
   vs_json_end(&json);
   vs_json_array(&json, "report", VS_JSON_LINES);
-  for (size_t k = 0; k < plan->n_columns; k++) add_report_column(&plan->columns[k], &json);
+  for (size_t k = 0; k < plan->n_columns; k++)
+    if (!plan->columns[k].line) add_report_column(&plan->columns[k], &json);
   vs_json_end(&json);
   add_columns(plan, &json);
   vs_json_array(&json, "inputs", VS_JSON_LINES);

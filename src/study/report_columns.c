@@ -13,7 +13,7 @@ int vs_report_columns_add(vs_plan *plan, const char *measure, vs_where where) {
   if (!strcmp(measure, "margin_least")) return VS_COLUMN_MARGIN;
   for (size_t k = 0; k < plan->n_columns; k++)
     if (!strcmp(plan->columns[k].name, measure)) return (int)k;
-  if (plan->n_columns >= VS_PLAN_COLUMNS)
+  if (plan->n_columns >= VS_PLAN_REPORT)
     return VS_COLUMN_MARGIN; /* vs_report_columns_read refuses a study with so many */
   vs_report_column *column = &plan->columns[plan->n_columns];
   *column = (vs_report_column){.rating = NAN, .where = where};
@@ -24,11 +24,11 @@ int vs_report_columns_add(vs_plan *plan, const char *measure, vs_where where) {
 vs_status vs_report_columns_derive(vs_plan *plan, const vs_sensitivity_order *order, vs_where where,
                                    vs_error *err) {
   size_t entries = order->n_of * order->n_to;
-  if (2 * entries > VS_PLAN_COLUMNS - plan->n_columns)
+  if (2 * entries > VS_PLAN_REPORT - plan->n_columns)
     return vs_fail_at(err, where,
                       "sensitivity: %zu derivatives with their errors; there is room "
                       "for %zu",
-                      entries, (VS_PLAN_COLUMNS - plan->n_columns) / 2);
+                      entries, (VS_PLAN_REPORT - plan->n_columns) / 2);
   for (size_t k = 0; k < 2 * entries; k++) {
     vs_report_column *column = &plan->columns[plan->n_columns++];
     const char *of = order->of[k / 2 / order->n_to].name;
@@ -55,7 +55,7 @@ static void add_usual(vs_plan *plan) {
 
 vs_status vs_report_columns_read(vs_plan *plan, vs_error *err) {
   const vs_node *list = vs_tree_child(plan->tree.root, "report");
-  size_t room = VS_PLAN_COLUMNS - plan->n_columns, n = 0;
+  size_t room = VS_PLAN_REPORT - plan->n_columns, n = 0;
   vs_status status = VS_OK;
   if (!list || (list->kind == VS_NODE_TEXT && !*list->text)) {
     vs_measure m;
@@ -69,7 +69,7 @@ vs_status vs_report_columns_read(vs_plan *plan, vs_error *err) {
     if (item->kind != VS_NODE_TEXT || !*item->text || strlen(item->text) >= VS_JUDGED_NAME)
       status = vs_fail_at(err, item->where, "report: names of measures are wanted: [p_min, ...]");
     else if (++n > room)
-      status = vs_fail_at(err, item->where, "report: more than %d columns", VS_PLAN_COLUMNS);
+      status = vs_fail_at(err, item->where, "report: more than %d columns", VS_PLAN_REPORT);
     else
       vs_report_columns_add(plan, item->text, item->where);
     status = vs_error_keep(err, status);
@@ -94,35 +94,106 @@ static vs_status unknown_measure(const vs_report_column *column, const vs_orbit_
   return VS_INPUT;
 }
 
+/* What the columns of a scene are found in: a run of it that has not begun. */
+typedef struct blank {
+  vs_frame frame;
+  vs_result result;
+  vs_steady steady;
+  vs_orbit_columns of;
+} blank;
+
+static void begin_blank(blank *b, const vs_plan *plan, const vs_scene *scene, const vs_tier *tier) {
+  b->frame = vs_sim_frame(tier, &scene->setup);
+  b->result.scene = scene;
+  vs_watchers_begin(&b->result.watchers, &b->frame, NULL);
+  vs_result_begin_quality(&b->result, scene);
+  b->steady = (vs_steady){.model = &scene->setup.model, .devices = b->result.watchers.devices};
+  b->of = (vs_orbit_columns){&b->frame, &b->result, plan->periods ? &b->steady : NULL};
+}
+
+static void fill_column(vs_report_column *column, const vs_listed_measure *m, bool line) {
+  char suffix[64];
+  snprintf(column->name, sizeof column->name, "%s", m->name);
+  snprintf(column->unit, sizeof column->unit, "%s", m->unit);
+  snprintf(column->of, sizeof column->of, "%s", m->of);
+  snprintf(column->text, sizeof column->text, "%.*s", VS_DECK_TEXT - 1, m->text);
+  column->rating = m->limit;
+  column->at_least = m->at_least;
+  column->line = line;
+  vs_units_suffix(m->unit, suffix, sizeof suffix);
+  snprintf(column->column, sizeof column->column, "%s%s%.20s", m->name, *suffix ? "_" : "", suffix);
+}
+
+static bool find_measure(const vs_orbit_columns *of, const char *name, vs_listed_measure *m) {
+  for (int k = 0; vs_orbit_columns_at(of, k, m); k++)
+    if (!strcmp(m->name, name)) return true;
+  return false;
+}
+
+static bool find_line(const blank *b, const char *name, vs_listed_measure *m) {
+  for (int k = 0; vs_listed_line_at(&b->frame, &b->result, k, m); k++)
+    if (!strcmp(m->name, name)) return true;
+  return false;
+}
+
 vs_status vs_report_columns_resolve(vs_plan *plan, const vs_scene *scene, const vs_tier *tier,
                                     vs_error *err) {
-  const vs_frame frame = vs_sim_frame(tier, &scene->setup);
-  vs_result result = {0};
-  vs_watchers_begin(&result.watchers, &frame, NULL);
-  vs_result_begin_quality(&result, scene);
-  const vs_steady blank = {.model = &scene->setup.model, .devices = result.watchers.devices};
-  const vs_orbit_columns of = {&frame, &result, plan->periods ? &blank : NULL};
+  blank *b = vs_alloc(1, sizeof *b);
   vs_status status = VS_OK;
+  begin_blank(b, plan, scene, tier);
   for (size_t c = 0; c < plan->n_columns && !status; c++) {
     vs_report_column *column = &plan->columns[c];
-    vs_listed_measure m = {0};
-    char suffix[64];
-    int k = 0;
+    vs_listed_measure m;
     if (column->derivative) continue;
-    while (vs_orbit_columns_at(&of, k, &m) && strcmp(m.name, column->name)) k++;
-    if (strcmp(m.name, column->name)) {
-      status = vs_error_keep(err, unknown_measure(column, &of, tier, err));
-      continue;
-    }
-    snprintf(column->unit, sizeof column->unit, "%s", m.unit);
-    snprintf(column->of, sizeof column->of, "%s", m.of);
-    snprintf(column->text, sizeof column->text, "%.*s", VS_DECK_TEXT - 1, m.text);
-    column->rating = m.limit;
-    column->at_least = m.at_least;
-    vs_units_suffix(m.unit, suffix, sizeof suffix);
-    snprintf(column->column, sizeof column->column, "%s%s%.20s", m.name, *suffix ? "_" : "",
-             suffix);
+    const bool line = find_line(b, column->name, &m);
+    if (line || find_measure(&b->of, column->name, &m))
+      fill_column(column, &m, line);
+    else
+      status = vs_error_keep(err, unknown_measure(column, &b->of, tier, err));
   }
-  vs_result_free(&result);
+  vs_result_free(&b->result);
+  free(b);
+  return status;
+}
+
+/* True if the plan has a column of that title. */
+static bool has_column(const vs_plan *plan, const char *name) {
+  for (size_t c = 0; c < plan->n_columns; c++)
+    if (!strcmp(plan->columns[c].name, name)) return true;
+  return false;
+}
+
+/* Error: a device whose measures would pass for lines. */
+static vs_status check_device_names(const vs_plan *plan, const vs_scene *scene, vs_error *err) {
+  char number[VS_DECK_NAME + 8];
+  for (size_t k = 0; k < scene->setup.deck.n_devices; k++) {
+    const char *name = scene->setup.deck.devices[k].name;
+    snprintf(number, sizeof number, "%s.", name);
+    if (vs_listed_line_is(number))
+      return vs_fail_at(
+          err, plan->scene_where,
+          "the deck has a device '%s'; margin, error and at are what the columns of a "
+          "study begin with: give the device another name",
+          name);
+  }
+  return VS_OK;
+}
+
+vs_status vs_report_columns_add_lines(vs_plan *plan, const vs_scene *scene, vs_error *err) {
+  blank *b = vs_alloc(1, sizeof *b);
+  vs_listed_measure m;
+  vs_status status = check_device_names(plan, scene, err);
+  begin_blank(b, plan, scene, scene->tier);
+  for (int k = 0; !status && vs_listed_line_at(&b->frame, &b->result, k, &m); k++) {
+    if (has_column(plan, m.name)) continue;
+    if (plan->n_columns == VS_PLAN_COLUMNS)
+      status = vs_fail_at(err, plan->scene_where,
+                          "the verdict has more lines than the %d columns of a study have room for",
+                          VS_PLAN_COLUMNS);
+    else
+      fill_column(&plan->columns[plan->n_columns++], &m, true);
+  }
+  vs_result_free(&b->result);
+  free(b);
   return status;
 }

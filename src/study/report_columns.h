@@ -26,4 +26,9 @@ vs_status vs_report_columns_read(vs_plan *plan, vs_error *err);
 vs_status vs_report_columns_resolve(vs_plan *plan, const vs_scene *scene, const vs_tier *tier,
                                     vs_error *err);
 
+/* Adds the numbers of all lines that the scene's verdict may have (vs_listed_line_at), as far as
+ * they are no columns yet. Errors: there is no room for them; a device has the name of such a
+ * number. */
+vs_status vs_report_columns_add_lines(vs_plan *plan, const vs_scene *scene, vs_error *err);
+
 #endif

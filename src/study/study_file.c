@@ -138,6 +138,15 @@ static vs_status try_point(vs_plan *plan, const double *point, vs_scene *scene, 
   return status;
 }
 
+/* Tries a point besides the first one. Its part, deck or tier may bring lines of the verdict that
+ * the first point's does not have. */
+static vs_status try_case(vs_plan *plan, const double *point, vs_scene *scene, vs_error *err) {
+  const size_t found = vs_error_count(err);
+  vs_status status = try_point(plan, point, scene, err);
+  if (status || vs_error_count(err) > found) return status;
+  return vs_report_columns_add_lines(plan, scene, err);
+}
+
 /* Tries each name that an axis lists once, as it may be a file that is not there. */
 static vs_status try_names(vs_plan *plan, double *point, vs_error *err) {
   vs_status status = VS_OK;
@@ -147,7 +156,7 @@ static vs_status try_names(vs_plan *plan, double *point, vs_error *err) {
     for (size_t w = 0; w < plan->axes[a].n_words && !status; w++) {
       if (plan->axes[a].field->kind != VS_NAME || (double)w == kept) continue;
       point[a] = (double)w;
-      status = vs_error_keep(err, try_point(plan, point, scene, err));
+      status = vs_error_keep(err, try_case(plan, point, scene, err));
       vs_scene_free(scene);
     }
     point[a] = kept;
@@ -177,7 +186,7 @@ static vs_status try_tiers(vs_plan *plan, const double *first, vs_error *err) {
     if (strcmp(plan->axes[a].key, "run.tier")) continue;
     for (size_t w = 0; w < plan->axes[a].n_words && !status; w++) {
       if ((double)w == first[a] || !case_with(plan, a, (double)w, point)) continue;
-      status = vs_error_keep(err, try_point(plan, point, scene, err));
+      status = vs_error_keep(err, try_case(plan, point, scene, err));
       vs_scene_free(scene);
     }
   }
@@ -193,6 +202,8 @@ static vs_status try_cases(vs_plan *plan, vs_error *err) {
   vs_status status = try_point(plan, point, plan->first, err);
   if (status || vs_error_count(err) > found) return status;
   status = vs_report_columns_resolve(plan, plan->first, plan->first->tier, err);
+  if (!status && vs_error_count(err) == found)
+    status = vs_report_columns_add_lines(plan, plan->first, err);
   for (size_t p = 0; p < plan->n_stages && !status && vs_error_count(err) == found; p++)
     if (plan->stages[p].method->ready)
       status = vs_error_keep(err, plan->stages[p].method->ready(plan, &plan->stages[p], err));

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "orbit/measured.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -63,23 +64,48 @@ vs_status vs_measured_run(vs_measured *m, vs_scene *scene, int periods, const vs
 
 /* ---- measures ---- */
 
-bool vs_measured_at(const vs_measured *m, int k, vs_measured_value *v) {
-  vs_listed_measure shown;
+static void put_listed(const vs_listed_measure *shown, vs_measured_value *v) {
+  snprintf(v->name, sizeof v->name, "%s", shown->name);
+  snprintf(v->unit, sizeof v->unit, "%s", shown->unit);
+  v->value = shown->value;
+}
+
+static bool steady_measure_at(const vs_measured *m, int k, vs_measured_value *v) {
   vs_steady_measure own;
-  int count = 0;
-  if (vs_listed_measure_at(&m->result.scene->frame, &m->result, k, &shown)) {
-    snprintf(v->name, sizeof v->name, "%s", shown.name);
-    snprintf(v->unit, sizeof v->unit, "%s", shown.unit);
-    v->value = shown.value;
-    return true;
-  }
-  if (!m->period) return false;
-  while (vs_listed_measure_at(&m->result.scene->frame, &m->result, count, &shown)) count++;
-  if (!vs_steady_at(&m->steady, k - count, &own)) return false;
+  if (!m->period || !vs_steady_at(&m->steady, k, &own)) return false;
   snprintf(v->name, sizeof v->name, "%s", own.name);
   snprintf(v->unit, sizeof v->unit, "%s", own.unit);
   v->value = own.value;
   return true;
+}
+
+/* First the least margin of the verdict, then the numbers of its lines. */
+static bool margin_at(const vs_measured *m, int k, vs_measured_value *v) {
+  const vs_judgement *weakest = m->result.verdict.weakest;
+  vs_listed_measure shown;
+  if (k == 0) {
+    *v = (vs_measured_value){.name = "margin_least"};
+    v->value = (vs_value){weakest, weakest ? weakest->margin : NAN, NAN};
+    return true;
+  }
+  if (!vs_listed_line_at(&m->result.scene->frame, &m->result, k - 1, &shown)) return false;
+  put_listed(&shown, v);
+  v->value.known = isfinite(v->value.value);
+  return true;
+}
+
+bool vs_measured_at(const vs_measured *m, int k, vs_measured_value *v) {
+  const vs_frame *frame = &m->result.scene->frame;
+  vs_listed_measure shown;
+  int listed = 0, steady = 0;
+  if (vs_listed_measure_at(frame, &m->result, k, &shown)) {
+    put_listed(&shown, v);
+    return true;
+  }
+  while (vs_listed_measure_at(frame, &m->result, listed, &shown)) listed++;
+  if (steady_measure_at(m, k - listed, v)) return true;
+  while (steady_measure_at(m, steady, v)) steady++;
+  return margin_at(m, k - listed - steady, v);
 }
 
 int vs_measured_find(const vs_measured *m, const char *name) {

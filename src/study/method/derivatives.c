@@ -13,7 +13,7 @@
 
 #include "report_columns.h"
 
-enum { MOST = VS_PLAN_COLUMNS / 2 };
+enum { MOST = VS_PLAN_REPORT / 2 };
 
 /* The order, and the names it is made of, which belong to the study's tree. */
 typedef struct derivatives {

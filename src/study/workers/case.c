@@ -126,6 +126,16 @@ static void add_number(vs_text *row, double value) {
   if (isfinite(value)) vs_text_add_number(row, value, 12);
 }
 
+/* A margin is infinite where a limit of 0 is kept, and NaN where the line has nothing to judge; its
+ * error is infinite where it could not be found. */
+static void add_line_number(vs_text *row, vs_value v) {
+  if (!v.known) return;
+  if (isfinite(v.value))
+    add_number(row, v.value);
+  else
+    vs_text_add(row, "%s", isnan(v.value) ? "nan" : "inf");
+}
+
 /* Returns the case's value in column k. A deck with other devices may have the measure elsewhere or
  * not at all. */
 static vs_value find_value(vs_case *c, size_t k) {
@@ -227,9 +237,29 @@ static void add_not_judged(const vs_case *c, vs_text *row) {
   vs_text_free(&all);
 }
 
+static bool has_columns(const vs_plan *plan, const vs_judgement *line) {
+  for (size_t k = 0; k < plan->n_columns; k++)
+    if (plan->columns[k].line && vs_listed_line_is_of(plan->columns[k].name, line)) return true;
+  return false;
+}
+
+/* Lines come with a deck's devices and a part's limits. Those of the first case, and of each deck,
+ * part and tier that is varied, have columns; two that are varied together may bring others. */
+static void add_lines_without_columns(const vs_case *c, vs_text *warnings) {
+  const vs_verdict *v = &c->result->verdict;
+  char name[VS_JUDGED_NAME];
+  for (size_t k = 0; k < v->count; k++) {
+    const vs_judgement *j = &v->item[k];
+    if (vs_verdict_is_happening(j) || j->unknown || has_columns(c->plan, j)) continue;
+    vs_text_add(warnings, "%s%s has no column: its margin is %.3g", warnings->length ? " | " : "",
+                vs_verdict_name(j, name), j->margin);
+  }
+}
+
 static void add_warnings(const vs_case *c, vs_text *row) {
   vs_text all = {0};
   vs_result_warnings(c->result, add_warning_to_cell, &all);
+  add_lines_without_columns(c, &all);
   add_notes_of_derivatives(&c->derived, &all);
   vs_csv_cell(row, all.text ? all.text : "");
   vs_text_free(&all);
@@ -239,6 +269,15 @@ static void add_status(const vs_case *c, vs_text *row) {
   vs_text_add(row, "%d", vs_verdict_breach(&c->result->verdict) ? VS_CASE_VIOLATED : VS_CASE_DONE);
 }
 
+/* The line of the verdict of which column k is a number. `before` is that of column k - 1, which
+ * mostly is the same. */
+static const vs_judgement *find_line(const vs_case *c, size_t k, const vs_judgement *before) {
+  const vs_report_column *column = &c->plan->columns[k];
+  if (k && column[-1].line && !strcmp(strchr(column[-1].name, '.'), strchr(column->name, '.')))
+    return before;
+  return vs_listed_line_find(&c->result->verdict, column->name);
+}
+
 static void add_case_row(vs_case *c, vs_text *row) {
   static void (*const ADD[VS_ROLES])(const vs_case *c, vs_text *row) = {
       [VS_ROLE_MARGIN] = add_margin,         [VS_ROLE_ERROR] = add_margin_error,
@@ -246,10 +285,16 @@ static void add_case_row(vs_case *c, vs_text *row) {
       [VS_ROLE_LEAVING] = add_leaving,       [VS_ROLE_HAPPENED] = add_happened,
       [VS_ROLE_NOT_JUDGED] = add_not_judged, [VS_ROLE_WARNINGS] = add_warnings,
       [VS_ROLE_STATUS] = add_status};
+  const vs_judgement *line = NULL;
   begin_row(c->plan, &c->present, row);
   for (size_t k = 0; k < c->plan->n_columns; k++) {
-    vs_value v = find_value(c, k);
     vs_text_put(row, ",", 1);
+    if (c->plan->columns[k].line) {
+      line = find_line(c, k, line);
+      add_line_number(row, vs_listed_line_value(line, c->plan->columns[k].name));
+      continue;
+    }
+    vs_value v = find_value(c, k);
     add_number(row, v.known ? v.value : NAN);
   }
   for (int r = VS_ROLE_MARGIN; r <= VS_ROLE_STATUS; r++) {
@@ -401,7 +446,8 @@ static const vs_measure_set *find_wants(vs_case *c) {
   c->wants = (vs_measure_set){.has = {[VS_M_T_FIRE] = true, [VS_M_I_PEAK] = true}};
   c->wants_all = false;
   for (size_t k = 0; k < c->plan->n_columns; k++)
-    c->wants_all = !want_measure(c, c->plan->columns[k].name, &c->slot[k]) || c->wants_all;
+    if (!c->plan->columns[k].line)
+      c->wants_all = !want_measure(c, c->plan->columns[k].name, &c->slot[k]) || c->wants_all;
   return c->wants_all ? NULL : &c->wants;
 }
 

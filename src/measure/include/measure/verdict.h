@@ -135,7 +135,7 @@ void vs_verdict_undecide_sequence(vs_verdict *verdict, const vs_device *device, 
 bool vs_verdict_on_edge(const vs_verdict *verdict);
 
 /* Writes the line's name, "v_ak" or "thyristor.i2t", and returns it. */
-enum { VS_JUDGED_NAME = VS_DECK_NAME + 24 };
+enum { VS_JUDGED_NAME = VS_DECK_NAME + 32 };
 const char *vs_verdict_name(const vs_judgement *judgement, char name[VS_JUDGED_NAME]);
 /* The unit that the line's limit was written in; stress and limits are shown in it. */
 const char *vs_verdict_unit(const vs_judgement *judgement);

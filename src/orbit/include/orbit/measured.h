@@ -32,7 +32,8 @@ void vs_measured_free(vs_measured *measured);
 vs_status vs_measured_run(vs_measured *measured, vs_scene *scene, int periods,
                           const vs_session *session, vs_error *err);
 
-/* One of them, in its unit. */
+/* One of them, in its unit. Behind the measures come margin_least and the numbers of the verdict's
+ * lines (vs_listed_line_at). */
 typedef struct vs_measured_value {
   char name[VS_JUDGED_NAME], unit[24];
   vs_value value; /* of which at_s is an instant of the run */

@@ -18,6 +18,7 @@ typedef enum vs_folder_role {
   VS_ROLE_ID,      /* the case's id (study/workers/identity.h); the column may be missing */
   VS_ROLE_AXIS,    /* what was varied */
   VS_ROLE_REPORT,  /* what was measured */
+  VS_ROLE_LINE,    /* a number of a line of the verdict: its margin, the error of that, its instant */
   VS_ROLE_MARGIN,  /* the least margin of the verdict, relative to its limit */
   VS_ROLE_ERROR,   /* the numerical error of that margin; empty: it was not computed */
   VS_ROLE_WEAKEST, /* what has that margin */
@@ -36,7 +37,7 @@ typedef enum vs_folder_cells {
   VS_CELLS_TEXT,   /* anything */
   VS_CELLS_EITHER, /* a word or a number: an axis without a unit may be a choice or a file's name */
   VS_CELLS_NUMBER,
-  VS_CELLS_VALUE, /* a number or nothing */
+  VS_CELLS_VALUE, /* a number, "inf", "nan" or nothing */
   VS_CELLS_COUNT, /* a whole number */
   VS_CELLS_STATUS /* 0 or 3; 1 in failures.csv */
 } vs_folder_cells;
@@ -48,7 +49,9 @@ typedef struct vs_folder_kind {
   vs_folder_cells cells;
 } vs_folder_kind;
 extern const vs_folder_kind vs_folder_kinds[VS_ROLES];
-/* Returns the role of the column of that title; VS_ROLE_REPORT: it is an axis or a measure. */
+/* Returns the role of the column of that title; VS_ROLE_REPORT: it is an axis or a measure. A line's
+ * begins with "margin.", "error." or "at.", and no device has one of these names
+ * (report_columns.c). */
 vs_folder_role vs_folder_role_of(const char *title);
 
 typedef struct vs_folder_column {
@@ -61,7 +64,7 @@ typedef struct vs_folder_column {
   const vs_node *node; /* its entry in the manifest; NULL: there is none */
 } vs_folder_column;
 
-enum { VS_STUDY_COLUMNS = 256 }; /* at most */
+enum { VS_STUDY_COLUMNS = 640 }; /* at most */
 
 /* A study's folder that is open. It owns what its members point to, but for the methods. */
 typedef struct vs_folder {

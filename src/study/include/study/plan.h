@@ -24,10 +24,11 @@
 #include "study/method.h"
 #include "study/orbit_columns.h"
 
-enum { VS_PLAN_AXES = 32, VS_PLAN_COLUMNS = 96 }; /* at most */
+/* At most: axes; columns that the study asks for; and with the numbers of the verdict's lines. */
+enum { VS_PLAN_AXES = 32, VS_PLAN_REPORT = 96, VS_PLAN_COLUMNS = VS_PLAN_REPORT + 3 * 128 };
 #define VS_PLAN_CASES 100000000ull                /* at most */
 
-/* A column of study.csv behind the axes: a measure. */
+/* A column of study.csv behind the axes: a measure, or a number of a line of the verdict. */
 typedef struct vs_report_column {
   char name[VS_JUDGED_NAME];        /* "thyristor.v_reverse" */
   char column[VS_JUDGED_NAME + 24]; /* "thyristor.v_reverse_v" */
@@ -38,6 +39,7 @@ typedef struct vs_report_column {
   vs_where where;
   int derivative; /* 1 + the number of the entry of plan->derivatives whose value this is, or, with
                      a minus, whose error; 0: it is a measure */
+  bool line;      /* it is a number of a line of the verdict (vs_listed_line_at) */
 } vs_report_column;
 enum { VS_COLUMN_MARGIN = -1 }; /* margin_least, which every study has without asking for it */
 
