@@ -83,6 +83,7 @@ static double rating_of(const vs_deck *deck, int probe, int sense) {
 
 bool vs_listed_measure_at(const vs_frame *frame, const vs_result *r, int k, vs_listed_measure *m) {
   m->limit = NAN;
+  m->limit_unit = NULL;
   m->at_least = false;
   m->over_v = 0;
   m->unjudged = NULL;
@@ -244,8 +245,12 @@ bool vs_listed_line_at(const vs_frame *frame, const vs_result *r, int k, vs_list
   const int which = k % VS_LINE_NUMBERS;
   line l;
   if (!line_at(frame, r, k / VS_LINE_NUMBERS, &l)) return false;
-  *m = (vs_listed_measure){
-      .unit = NUMBERS[which].unit, .limit = NAN, .group = VS_SHOWN_DEVICES, .channel = -1};
+  *m = (vs_listed_measure){.unit = NUMBERS[which].unit,
+                           .limit = which ? NAN : l.limit,
+                           .limit_unit = which ? NULL : l.unit,
+                           .at_least = l.at_least,
+                           .group = VS_SHOWN_DEVICES,
+                           .channel = -1};
   snprintf(m->name, sizeof m->name, "%s.%s", NUMBERS[which].name, l.name);
   snprintf(m->of, sizeof m->of, "%s", l.of);
   set_text(m, NUMBERS[which].text, l.name);

@@ -100,6 +100,20 @@ static void add_report_column(const vs_report_column *column, vs_json *json) {
   vs_json_end(json);
 }
 
+/* A line of the verdict, by its margin: "margin.thyristor.v_reverse". */
+static void add_line(const vs_report_column *margin, vs_json *json) {
+  vs_json_object(json, NULL, VS_JSON_ROW);
+  vs_json_text(json, "name", strchr(margin->name, '.') + 1);
+  vs_json_text(json, "unit", margin->limit_unit);
+  vs_json_number(json, "limit", margin->rating, 12);
+  vs_json_text(json, "side", margin->at_least ? "min" : "max");
+  vs_json_end(json);
+}
+
+static bool is_margin(const vs_report_column *column) {
+  return column->line && *column->name == 'm';
+}
+
 /* What a column of study.csv is, as of a run's, and what its cells hold. column and quantity NULL:
  * the role's own title. */
 static void add_column(vs_folder_role role, const char *column, const char *quantity,
@@ -158,6 +172,10 @@ static void add_end(const vs_plan *plan, const char *name, vs_text *text) {
   vs_json_array(&json, "report", VS_JSON_LINES);
   for (size_t k = 0; k < plan->n_columns; k++)
     if (!plan->columns[k].line) add_report_column(&plan->columns[k], &json);
+  vs_json_end(&json);
+  vs_json_array(&json, "lines", VS_JSON_LINES);
+  for (size_t k = 0; k < plan->n_columns; k++)
+    if (is_margin(&plan->columns[k])) add_line(&plan->columns[k], &json);
   vs_json_end(&json);
   add_columns(plan, &json);
   vs_json_array(&json, "inputs", VS_JSON_LINES);

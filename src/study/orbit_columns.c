@@ -99,6 +99,7 @@ bool vs_orbit_columns_default(const vs_steady *s, int k, vs_listed_measure *m) {
   vs_steady_measure of_orbit;
   int count = 0;
   m->limit = NAN;
+  m->limit_unit = NULL;
   m->at_least = false;
   m->unjudged = NULL;
   while (count <= k && vs_steady_at(s, count, &of_orbit)) count++;

@@ -117,6 +117,7 @@ static void fill_column(vs_report_column *column, const vs_listed_measure *m, bo
   snprintf(column->unit, sizeof column->unit, "%s", m->unit);
   snprintf(column->of, sizeof column->of, "%s", m->of);
   snprintf(column->text, sizeof column->text, "%.*s", VS_DECK_TEXT - 1, m->text);
+  snprintf(column->limit_unit, sizeof column->limit_unit, "%s", m->limit_unit ? m->limit_unit : "");
   column->rating = m->limit;
   column->at_least = m->at_least;
   column->line = line;
@@ -156,11 +157,32 @@ vs_status vs_report_columns_resolve(vs_plan *plan, const vs_scene *scene, const 
   return status;
 }
 
-/* True if the plan has a column of that title. */
-static bool has_column(const vs_plan *plan, const char *name) {
+/* The plan's column of that name; NULL: it has none. */
+static vs_report_column *find_column(vs_plan *plan, const char *name) {
   for (size_t c = 0; c < plan->n_columns; c++)
-    if (!strcmp(plan->columns[c].name, name)) return true;
+    if (!strcmp(plan->columns[c].name, name)) return &plan->columns[c];
+  return NULL;
+}
+
+/* True if an axis is that rating of the scene's own. */
+static bool is_varied(const vs_plan *plan, const char *number) {
+  for (size_t k = 0; k < plan->n_axes; k++)
+    if (!strncmp(plan->axes[k].key, "ratings.", 8) &&
+        !strcmp(plan->axes[k].key + 8, strchr(number, '.') + 1))
+      return true;
   return false;
+}
+
+/* Adds the column of a line's number or, if there is one, sees whether it has the same limit. */
+static vs_status add_line(vs_plan *plan, const vs_listed_measure *m, vs_error *err) {
+  vs_report_column *column = find_column(plan, m->name);
+  if (!column && plan->n_columns == VS_PLAN_COLUMNS)
+    return vs_fail_at(err, plan->scene_where,
+                      "the verdict has more lines than the %d columns of a study have room for",
+                      VS_PLAN_COLUMNS);
+  if (!column) fill_column(column = &plan->columns[plan->n_columns++], m, true);
+  if (column->rating != m->limit || is_varied(plan, m->name)) column->rating = NAN;
+  return VS_OK;
 }
 
 /* Error: a device whose measures would pass for lines. */
@@ -184,15 +206,8 @@ vs_status vs_report_columns_add_lines(vs_plan *plan, const vs_scene *scene, vs_e
   vs_listed_measure m;
   vs_status status = check_device_names(plan, scene, err);
   begin_blank(b, plan, scene, scene->tier);
-  for (int k = 0; !status && vs_listed_line_at(&b->frame, &b->result, k, &m); k++) {
-    if (has_column(plan, m.name)) continue;
-    if (plan->n_columns == VS_PLAN_COLUMNS)
-      status = vs_fail_at(err, plan->scene_where,
-                          "the verdict has more lines than the %d columns of a study have room for",
-                          VS_PLAN_COLUMNS);
-    else
-      fill_column(&plan->columns[plan->n_columns++], &m, true);
-  }
+  for (int k = 0; !status && vs_listed_line_at(&b->frame, &b->result, k, &m); k++)
+    status = add_line(plan, &m, err);
   vs_result_free(&b->result);
   free(b);
   return status;

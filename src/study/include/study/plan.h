@@ -34,7 +34,9 @@ typedef struct vs_report_column {
   char column[VS_JUDGED_NAME + 24]; /* "thyristor.v_reverse_v" */
   char of[VS_DECK_NAME];            /* see vs_column */
   char unit[16], text[VS_DECK_TEXT];
-  double rating; /* the limit it is held against, in unit; NaN: none */
+  char limit_unit[16]; /* of a margin: of its limit; empty: it is none, or the limit has no unit */
+  double rating; /* the limit it is held against, in unit; of a margin: its limit, in limit_unit.
+                    NaN: it has none, or not in every case the same one */
   bool at_least; /* the limit is the least allowed; false: it is the most */
   vs_where where;
   int derivative; /* 1 + the number of the entry of plan->derivatives whose value this is, or, with

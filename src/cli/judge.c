@@ -1,0 +1,459 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The command `judge`: the rows of a study, held against other limits without another run. Each row
+ * has the margin of every line of its verdict (run/listed_measure.h), and what happened. So a
+ * line's limit, a margin of the house, a waiver and a criterion can be others than those of the
+ * scene; what would change the waveforms cannot. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/csv.h"
+#include "base/file.h"
+#include "base/json.h"
+#include "base/units.h"
+#include "commands.h"
+#include "options.h"
+#include "study/folder.h"
+#include "study/methods.h"
+
+/* ---- what is asked ---- */
+
+/* A line of the verdict: its columns, its limit, and what is asked of it. */
+typedef struct line {
+  const char *name;     /* of the manifest, borrowed */
+  size_t margin, error; /* columns of study.csv */
+  double limit; /* as the study had it, SI; NaN: it has two ends, or differs between cases */
+  const char *unit;
+  bool at_least; /* the limit is the least allowed */
+  double part;   /* the new limit as a part of the old one */
+  bool waived;
+  size_t broken[2]; /* how many cases it breaks: as stored, now */
+} line;
+
+/* What may happen without breaking the verdict, besides what the scene expected: everything of the
+ * criteria up to this one. */
+static const char *const SPARED[] = {"", "unintended_firing misfire commutation_failure",
+                                     "fuse_opens"};
+enum { CRITERIA = sizeof SPARED / sizeof *SPARED };
+
+typedef struct judge {
+  vs_folder folder;
+  vs_tree asked;
+  line *lines;
+  size_t n_lines;
+  double house;                       /* the least margin that holds */
+  int criterion;                      /* of SPARED; -1: as the study's scene has it */
+  size_t cases, changed, count[2][3]; /* as stored and now: held, violated, undecided */
+  double least, least_error;          /* the weakest line of all rows, now */
+  const char *weakest;
+  long weakest_case;
+  vs_file csv;
+} judge;
+
+static line *find_line(judge *j, const char *name) {
+  for (size_t k = 0; k < j->n_lines; k++)
+    if (!strcmp(j->lines[k].name, name)) return &j->lines[k];
+  return NULL;
+}
+
+static vs_status unknown_line(const judge *j, const char *key, const char *name, vs_where where,
+                              vs_error *err) {
+  const char **names = vs_alloc(j->n_lines + 1, sizeof *names);
+  for (size_t k = 0; k < j->n_lines; k++) names[k] = j->lines[k].name;
+  vs_fail_at(err, where, "%s: the verdicts of this study have no line '%s'%s", key, name,
+             vs_text_hint(name, names, j->n_lines, "; manifest.json lists them").text);
+  free(names);
+  return VS_INPUT;
+}
+
+/* Calls take for each text below the map, by its dotted name: hold.thyristor.v_reverse=0.8 stands
+ * there as {thyristor: {v_reverse: 0.8}}. */
+typedef vs_status (*take_one)(judge *j, const char *name, const vs_node *value, vs_error *err);
+static vs_status each_below(judge *j, const char *key, take_one take, vs_error *err) {
+  const vs_node *map = vs_tree_child_map(j->asked.root, key);
+  char name[2 * VS_KEY_SIZE];
+  vs_status status = VS_OK;
+  for (const vs_node *n = map ? map->child : NULL; n && !status; n = n->next) {
+    if (n->kind == VS_NODE_TEXT) status = take(j, n->key, n, err);
+    for (const vs_node *m = n->kind == VS_NODE_MAP ? n->child : NULL; m && !status; m = m->next) {
+      snprintf(name, sizeof name, "%.90s.%.90s", n->key, m->key);
+      status = take(j, name, m, err);
+    }
+  }
+  return status;
+}
+
+/* hold.margin=10%, hold.LINE=0.8: the limit times 0.8; of a least one the limit over 0.8. */
+static vs_status take_hold(judge *j, const char *name, const vs_node *value, vs_error *err) {
+  char why[160];
+  double number;
+  if (value->kind != VS_NODE_TEXT || !vs_units_read(value->text, "", &number, why, sizeof why))
+    return vs_fail_at(err, value->where, "hold.%s: a number is wanted, as 10 %% or 0.8", name);
+  if (!strcmp(name, "margin")) {
+    if (!(number >= 0 && number < 1))
+      return vs_fail_at(err, value->where, "hold.margin: a part of the limit is wanted, 0 to 1");
+    j->house = number;
+    return VS_OK;
+  }
+  line *l = find_line(j, name);
+  if (!l) return unknown_line(j, "hold", name, value->key_where, err);
+  if (!(number > 0 && isfinite(number)))
+    return vs_fail_at(err, value->where, "hold.%s: a part of the limit is wanted, above 0", name);
+  l->part = l->at_least ? 1 / number : number;
+  return VS_OK;
+}
+
+/* limits.LINE=900 V */
+static vs_status take_limit(judge *j, const char *name, const vs_node *value, vs_error *err) {
+  char why[160];
+  double si;
+  line *l = find_line(j, name);
+  if (!l) return unknown_line(j, "limits", name, value->key_where, err);
+  if (isnan(l->limit))
+    return vs_fail_at(err, value->where,
+                      "limits.%s: the line has two ends, or another limit from case to case; write "
+                      "hold.%s, a part of the limit, instead",
+                      name, name);
+  if (value->kind != VS_NODE_TEXT || !vs_units_read(value->text, l->unit, &si, why, sizeof why))
+    return vs_fail_at(err, value->where, "limits.%s: one limit is wanted, in %s", name, l->unit);
+  if (!(si / l->limit > 0))
+    return vs_fail_at(err, value->where,
+                      "limits.%s: a limit with the sign of the study's is wanted", name);
+  l->part = si / l->limit;
+  return VS_OK;
+}
+
+static vs_status take_waivers(judge *j, vs_error *err) {
+  const vs_node *list = vs_tree_child(j->asked.root, "waive");
+  vs_status status = VS_OK;
+  if (list && list->kind == VS_NODE_MAP)
+    return vs_fail_at(err, list->where, "waive: lines are wanted: [varistor_1.power, ...]");
+  for (const vs_node *n = !list                        ? NULL
+                          : list->kind == VS_NODE_LIST ? list->child
+                                                       : list;
+       n && !status; n = list->kind == VS_NODE_LIST ? n->next : NULL) {
+    line *l = n->kind == VS_NODE_TEXT ? find_line(j, n->text) : NULL;
+    if (l)
+      l->waived = true;
+    else
+      status = unknown_line(j, "waive", n->kind == VS_NODE_TEXT ? n->text : "", n->where, err);
+  }
+  return status;
+}
+
+static vs_status take_criterion(judge *j, vs_error *err) {
+  const vs_node *node = vs_tree_child(j->asked.root, "criterion");
+  if (!node) return VS_OK;
+  if (node->kind == VS_NODE_TEXT && node->text[0] >= 'A' && node->text[0] < 'A' + CRITERIA &&
+      !node->text[1]) {
+    j->criterion = node->text[0] - 'A';
+    return VS_OK;
+  }
+  return vs_fail_at(err, node->where,
+                    "criterion: A (nothing happens), B (it may fire or misfire) or C (a fuse may "
+                    "open, too) is wanted");
+}
+
+/* Error: a key that would change more than how rows are judged. */
+static vs_status check_keys(const judge *j, vs_error *err) {
+  for (const vs_node *n = j->asked.root->child; n; n = n->next) {
+    if (!strcmp(n->key, "hold") || !strcmp(n->key, "limits") || !strcmp(n->key, "waive") ||
+        !strcmp(n->key, "criterion"))
+      continue;
+    const bool part = !strcmp(n->key, "circuit");
+    return vs_fail_at(
+        err, n->key_where,
+        "judge: %s%s changes what was run, not how it is judged; set it in `vibrospice "
+        "study`. Here hold, limits, waive and criterion are known",
+        n->key, part ? ", whose model changes the waveforms," : "");
+  }
+  return VS_OK;
+}
+
+static vs_status read_asked(judge *j, const vs_arguments *a, vs_error *err) {
+  vs_status status = vs_tree_parse("", "judge", &j->asked, err);
+  for (size_t k = 0; k < a->n_sets && !status; k++)
+    status = vs_tree_set(&j->asked, a->sets[k], err);
+  if (!status) status = check_keys(j, err);
+  if (!status) status = each_below(j, "hold", take_hold, err);
+  if (!status) status = each_below(j, "limits", take_limit, err);
+  if (!status) status = take_waivers(j, err);
+  return status ? status : take_criterion(j, err);
+}
+
+/* ---- the study ---- */
+
+static size_t find_column(const vs_folder *t, const char *number, const char *name) {
+  char title[2 * VS_KEY_SIZE];
+  snprintf(title, sizeof title, "%s.%s", number, name);
+  for (size_t c = 1; c < t->count; c++)
+    if (!strcmp(t->column[c].title, title)) return c;
+  return 0;
+}
+
+static const char *text_of(const vs_node *map, const char *key) {
+  const vs_node *node = vs_tree_child(map, key);
+  return node && node->kind == VS_NODE_TEXT ? node->text : "";
+}
+
+static vs_status read_lines(judge *j, vs_error *err) {
+  const vs_folder *t = &j->folder;
+  const vs_node *all = vs_tree_child(t->manifest.root, "lines");
+  if (!all || all->kind != VS_NODE_LIST)
+    return vs_fail_at(
+        err, (vs_where){t->manifest_path, 1, 1},
+        "\"lines\" is missing: the study is of an earlier program, whose rows have only "
+        "their least margin; run it again");
+  for (const vs_node *n = all->child; n; n = n->next) {
+    line l = {.name = text_of(n, "name"), .unit = text_of(n, "unit"), .part = 1};
+    l.margin = find_column(t, "margin", l.name);
+    l.error = find_column(t, "error", l.name);
+    l.at_least = !strcmp(text_of(n, "side"), "min");
+    if (!l.margin || !l.error || !vs_units_known(l.unit))
+      return vs_fail_at(err, n->where, "line '%s' is not one of %s", l.name, t->path);
+    if (!vs_folder_number(text_of(n, "limit"), &l.limit)) l.limit = NAN;
+    l.limit *= vs_units_factor(l.unit);
+    j->lines = vs_alloc_grow(j->lines, j->n_lines, sizeof *j->lines);
+    j->lines[j->n_lines++] = l;
+  }
+  return VS_OK;
+}
+
+/* ---- a row ---- */
+
+typedef enum word { HELD, VIOLATED, UNDECIDED } word;
+static const char *const WORDS[] = {"held", "violated", "undecided"};
+
+/* What a line comes to, as vs_verdict_word has it. error NaN: it was not computed. */
+static word word_of(double margin, double error) {
+  if (isnan(margin) || fabs(margin) <= error) return UNDECIDED;
+  return margin > 0 ? HELD : VIOLATED;
+}
+
+static word worse(word a, word b) {
+  return a == VIOLATED || b == VIOLATED     ? VIOLATED
+         : a == UNDECIDED || b == UNDECIDED ? UNDECIDED
+                                            : HELD;
+}
+
+/* True if the scene waived the line: not_judged ends with "a.b, c.d (waived)". */
+static bool was_waived(const char *not_judged, const char *name) {
+  static const char END[] = " (waived)";
+  const size_t size = strlen(not_judged), n = strlen(name);
+  if (size < strlen(END) || strcmp(not_judged + size - strlen(END), END) != 0) return false;
+  const char *list = not_judged;
+  for (const char *s; (s = strstr(list, "; "));) list = s + 2;
+  for (const char *s = list; (s = strstr(s, name)); s += n)
+    if ((s == list || s[-1] == ' ') && (s[n] == ',' || s[n] == ' ')) return true;
+  return false;
+}
+
+/* What happened: "WHAT of DEVICE at ... | ..." (study/workers/case.c). *now: under the criterion.
+ */
+static void judge_happened(const judge *j, const char *cell, word *stored, word *now) {
+  static const char EXPECTED[] = ", as expected", UNSURE[] = ", in one of two runs",
+                    NEVER[] = " did not happen, though expected";
+  for (const char *s = cell; *s;) {
+    const char *end = strstr(s, " | ");
+    const size_t n = end ? (size_t)(end - s) : strlen(s), what = strcspn(s, " ");
+    char *one = vs_alloc_part(s, n), *name = vs_alloc_part(s, what);
+    bool spared = strstr(one, EXPECTED) != NULL;
+    const word w = strstr(one, UNSURE) ? UNDECIDED : VIOLATED;
+    if (!spared) *stored = worse(*stored, w);
+    if (j->criterion == 0) spared = strstr(one, NEVER) != NULL;
+    for (int k = 0; k <= j->criterion; k++)
+      spared = spared || strstr(SPARED[k], name) || strstr(one, NEVER);
+    if (!spared) *now = worse(*now, w);
+    free(one);
+    free(name);
+    s += n + (end ? strlen(" | ") : 0);
+  }
+}
+
+/* The margin to the new limit. A margin m to a most limit L leaves the stress at L (1 - m), to a
+ * least one at L (1 + m); of the new limit `part` L the house wants its share besides. */
+static double margin_now(const judge *j, const line *l, double m) {
+  const double stress = l->at_least ? 1 + m : 1 - m;
+  return (l->at_least ? stress / l->part - 1 : 1 - stress / l->part) - j->house;
+}
+
+typedef struct row_judged {
+  word stored, now;
+  double margin, error; /* of the weakest line, now; NaN: there is none */
+  const char *weakest;
+} row_judged;
+
+static double number_of(const char *cell) {
+  return *cell ? strtod(cell, NULL) : NAN;
+}
+
+static void judge_line(judge *j, line *l, const vs_folder_row *row, row_judged *r) {
+  const char *cell = row->cell[l->margin];
+  if (!*cell) return; /* the case has no such line */
+  const double m = number_of(cell), e = number_of(row->cell[l->error]);
+  const double now = margin_now(j, l, m), error = e / l->part;
+  const char *not_judged = j->folder.not_judged >= 0 ? row->cell[j->folder.not_judged] : "";
+  const bool waived = was_waived(not_judged, l->name);
+  const word stored = waived ? HELD : word_of(m, e);
+  const word new = waived || l->waived ? HELD : word_of(now, error);
+  l->broken[0] += stored != HELD;
+  l->broken[1] += new != HELD;
+  r->stored = worse(r->stored, stored);
+  r->now = worse(r->now, new);
+  if (waived || l->waived || !isfinite(now)) return;
+  if (r->weakest && now > r->margin) return;
+  r->margin = now;
+  r->error = error;
+  r->weakest = l->name;
+}
+
+static void write_row(judge *j, const vs_folder_row *row, const row_judged *r) {
+  FILE *out = j->csv.stream;
+  fprintf(out, "%ld,%s,", row->number, WORDS[r->now]);
+  if (r->weakest) fprintf(out, "%.12g", r->margin);
+  fputc(',', out);
+  if (r->weakest && isfinite(r->error)) fprintf(out, "%.12g", r->error);
+  fprintf(out, ",%s,%s,%d\n", r->weakest ? r->weakest : "", WORDS[r->stored],
+          r->now == HELD ? VS_OK : VS_RATING);
+}
+
+static vs_status judge_row(void *ctx, const vs_folder_row *row, vs_error *err) {
+  judge *j = ctx;
+  row_judged r = {.margin = NAN, .error = NAN};
+  (void)err;
+  for (size_t k = 0; k < j->n_lines; k++) judge_line(j, &j->lines[k], row, &r);
+  if (j->folder.happened >= 0) judge_happened(j, row->cell[j->folder.happened], &r.stored, &r.now);
+  j->cases++;
+  j->count[0][r.stored]++;
+  j->count[1][r.now]++;
+  j->changed += r.stored != r.now;
+  if (r.weakest && !(r.margin > j->least)) {
+    j->least = r.margin;
+    j->least_error = r.error;
+    j->weakest = r.weakest;
+    j->weakest_case = row->number;
+  }
+  if (j->csv.stream) write_row(j, row, &r);
+  return VS_OK;
+}
+
+/* ---- what it comes to ---- */
+
+static void print_table(const judge *j) {
+  printf("%s: %zu cases judged anew, %ld failed\n\n%-12s %10s %10s\n", j->folder.folder, j->cases,
+         j->folder.failed, "", "as run", "now");
+  for (int w = 0; w <= UNDECIDED; w++)
+    printf("%-12s %10zu %10zu\n", WORDS[w], j->count[0][w], j->count[1][w]);
+  if (j->weakest)
+    printf("\nweakest: %s in case %ld, margin %.3g %%%s\n", j->weakest, j->weakest_case,
+           100 * j->least, j->house > 0 ? " beyond the house's" : "");
+  printf("\n%-28s %10s %10s\n", "cases that a line breaks", "as run", "now");
+  for (size_t k = 0; k < j->n_lines; k++)
+    if (j->lines[k].broken[0] || j->lines[k].broken[1])
+      printf("%-28s %10zu %10zu\n", j->lines[k].name, j->lines[k].broken[0], j->lines[k].broken[1]);
+}
+
+static void print_json(const judge *j) {
+  static const char *const WHEN[] = {"as_run", "now"};
+  vs_text text = {0};
+  vs_json json = vs_json_new(&text);
+  vs_json_object(&json, NULL, VS_JSON_LINES);
+  vs_json_text(&json, "study", j->folder.folder);
+  vs_json_whole(&json, "cases", (int64_t)j->cases);
+  vs_json_whole(&json, "failed", j->folder.failed);
+  vs_json_whole(&json, "changed", (int64_t)j->changed);
+  for (int k = 0; k < 2; k++) {
+    vs_json_object(&json, WHEN[k], VS_JSON_ROW);
+    for (int w = 0; w <= UNDECIDED; w++) vs_json_whole(&json, WORDS[w], (int64_t)j->count[k][w]);
+    vs_json_end(&json);
+  }
+  vs_json_object(&json, "weakest", VS_JSON_ROW);
+  vs_json_text(&json, "line", j->weakest);
+  if (j->weakest) vs_json_whole(&json, "case", j->weakest_case);
+  vs_json_number(&json, "margin", j->weakest ? j->least : NAN, 12);
+  vs_json_number(&json, "margin_error", j->least_error, 12);
+  vs_json_end(&json);
+  vs_json_array(&json, "lines", VS_JSON_LINES);
+  for (size_t k = 0; k < j->n_lines; k++) {
+    vs_json_object(&json, NULL, VS_JSON_ROW);
+    vs_json_text(&json, "name", j->lines[k].name);
+    vs_json_number(&json, "part_of_limit", j->lines[k].part, 12);
+    vs_json_bool(&json, "waived", j->lines[k].waived);
+    for (int w = 0; w < 2; w++)
+      vs_json_whole(&json, w ? "broken_now" : "broken_as_run", (int64_t)j->lines[k].broken[w]);
+    vs_json_end(&json);
+  }
+  vs_json_end(&json);
+  vs_json_end(&json);
+  fputs(text.text, stdout);
+  vs_text_free(&text);
+}
+
+/* How it ends: cases that failed could not be judged. */
+static vs_status end_judge(const judge *j, vs_error *err) {
+  const size_t broken = j->count[1][VIOLATED] + j->count[1][UNDECIDED];
+  if (j->folder.failed)
+    return vs_fail(err, VS_RUN, "%ld cases had failed, and could not be judged", j->folder.failed);
+  return broken ? vs_fail(err, VS_RATING, "a rating is violated or undecided in %zu of %zu cases",
+                          broken, j->cases)
+                : VS_OK;
+}
+
+static vs_status judge_folder(judge *j, const vs_arguments *a, vs_error *err) {
+  static const char HEADER[] = "case,verdict,margin_least,margin_error,weakest,as_run,status\n";
+  int made;
+  vs_status status = vs_folder_open(&j->folder, a->names[0], vs_methods_all, err);
+  if (!status) status = read_lines(j, err);
+  if (!status) status = read_asked(j, a, err);
+  if (!status && a->output) status = vs_file_folder_make(a->output, &made, err);
+  if (!status && a->output) status = vs_file_open(&j->csv, a->output, "judged.csv", err);
+  if (!status && j->csv.stream) fputs(HEADER, j->csv.stream);
+  if (!status) status = vs_folder_each(&j->folder, judge_row, j, err);
+  if (!status && j->csv.stream) status = vs_file_commit(&j->csv, err);
+  vs_file_discard(&j->csv);
+  if (status) return status;
+  if (!a->quiet) (a->json ? print_json : print_table)(j);
+  return end_judge(j, err);
+}
+
+static vs_status judge_command(const void *given, vs_error *err) {
+  const vs_arguments *a = given;
+  if (a->n_names != 1)
+    return vs_fail(err, VS_INPUT,
+                   "judge: wants the folder of one study; see vibrospice judge --help");
+  judge *j = vs_alloc(1, sizeof *j);
+  *j = (judge){.criterion = -1, .least = INFINITY, .least_error = NAN};
+  vs_status status = judge_folder(j, a, err);
+  vs_folder_close(&j->folder);
+  vs_tree_free(&j->asked);
+  free(j->lines);
+  free(j);
+  return status;
+}
+
+static const vs_option JUDGE_OPTIONS[] = {
+    {.name = "set",
+     .value = "KEY=VALUE",
+     .read = vs_command_set,
+     .text = "hold.margin=10% (of every limit), hold.LINE=0.8 (of its limit), limits.LINE=900V, "
+             "waive=[LINE, ...], criterion=A|B|C; may stand several times"},
+    VS_OPTIONS_OUTPUT("DIR", "writes judged.csv there: a row a case"),
+    VS_OPTIONS_JSON,
+    VS_OPTIONS_FLAG(vs_arguments, quiet, "quiet", "prints nothing"),
+    VS_OPTIONS_JAIL,
+    VS_OPTIONS_NO_JAIL,
+    VS_OPTIONS_HELP,
+    {0}};
+
+const vs_command vs_judge_cli = {
+    .name = "judge",
+    .argument = "DIR",
+    .text = "holds the rows of a study against other limits, without another run",
+    .examples = "  vibrospice judge out --set hold.margin=10%\n"
+                "  vibrospice judge out --set hold.thyristor.v_reverse=0.8 --set criterion=B\n"
+                "  vibrospice judge out --set limits.thyristor.v_reverse=1000V --json\n",
+    .results = true,
+    .options = JUDGE_OPTIONS,
+    .size = sizeof(vs_arguments),
+    .run = judge_command};
