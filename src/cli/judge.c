@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The command `judge`: the rows of a study, held against other limits without another run. Each row
- * has the margin of every line of its verdict (run/listed_measure.h), and what happened. So a
+ * has the margin of every line of its verdict (run/listed_line.h), and what happened. So a
  * line's limit, a margin of the house, a waiver and a criterion can be others than those of the
  * scene; what would change the waveforms cannot. */
 #include <math.h>
@@ -278,6 +278,19 @@ static double margin_now(const judge *j, const line *l, double m) {
   return (l->at_least ? stress / l->part - 1 : 1 - stress / l->part) - j->house;
 }
 
+/* What the margin's error may be then. A part of it is of the stress, and grows with 1 / part, a
+ * part is of the limit; which, a row does not say. So it is never made smaller than it was. */
+static double error_now(const line *l, double e) {
+  return e * fmax(1, 1 / l->part);
+}
+
+/* As vs_verdict_is_weaker has it. */
+static bool is_weaker(double m, double e, double other, double of_other) {
+  const bool sure = word_of(m, e) == VIOLATED, other_sure = word_of(other, of_other) == VIOLATED;
+  if (sure != other_sure) return sure;
+  return m - (sure || isnan(e) ? 0 : e) <= other - (sure || isnan(of_other) ? 0 : of_other);
+}
+
 typedef struct row_judged {
   word stored, now;
   double margin, error; /* of the weakest line, now; NaN: there is none */
@@ -292,7 +305,7 @@ static void judge_line(judge *j, line *l, const vs_folder_row *row, row_judged *
   const char *cell = row->cell[l->margin];
   if (!*cell) return; /* the case has no such line */
   const double m = number_of(cell), e = number_of(row->cell[l->error]);
-  const double now = margin_now(j, l, m), error = e / l->part;
+  const double now = margin_now(j, l, m), error = error_now(l, e);
   const char *not_judged = j->folder.not_judged >= 0 ? row->cell[j->folder.not_judged] : "";
   const bool waived = was_waived(not_judged, l->name);
   const word stored = waived ? HELD : word_of(m, e);
@@ -302,7 +315,7 @@ static void judge_line(judge *j, line *l, const vs_folder_row *row, row_judged *
   r->stored = worse(r->stored, stored);
   r->now = worse(r->now, new);
   if (waived || l->waived || !isfinite(now)) return;
-  if (r->weakest && now > r->margin) return;
+  if (r->weakest && !is_weaker(now, error, r->margin, r->error)) return;
   r->margin = now;
   r->error = error;
   r->weakest = l->name;
@@ -328,7 +341,7 @@ static vs_status judge_row(void *ctx, const vs_folder_row *row, vs_error *err) {
   j->count[0][r.stored]++;
   j->count[1][r.now]++;
   j->changed += r.stored != r.now;
-  if (r.weakest && !(r.margin > j->least)) {
+  if (r.weakest && (!j->weakest || is_weaker(r.margin, r.error, j->least, j->least_error))) {
     j->least = r.margin;
     j->least_error = r.error;
     j->weakest = r.weakest;

@@ -13,20 +13,21 @@
 #include "base/path.h"
 #include "base/text.h"
 #include "base/units.h"
-#include "run/listed_measure.h"
+#include "run/listed_line.h"
 #include "study/format.h"
 #include "study/plan.h"
 
 const char *const vs_folder_cell_words[] = {
     [VS_CELLS_TEXT] = "text",    [VS_CELLS_EITHER] = "either", [VS_CELLS_NUMBER] = "number",
-    [VS_CELLS_VALUE] = "number", [VS_CELLS_COUNT] = "count",   [VS_CELLS_STATUS] = "count"};
+    [VS_CELLS_VALUE] = "number", [VS_CELLS_LINE] = "number",   [VS_CELLS_COUNT] = "count",
+    [VS_CELLS_STATUS] = "count"};
 
 const vs_folder_kind vs_folder_kinds[VS_ROLES] = {
     [VS_ROLE_CASE] = {"case", VS_CELLS_COUNT},
     [VS_ROLE_ID] = {"id", VS_CELLS_TEXT},
     [VS_ROLE_AXIS] = {"axis", VS_CELLS_EITHER},
     [VS_ROLE_REPORT] = {VS_COLUMN_MEASURE, VS_CELLS_VALUE},
-    [VS_ROLE_LINE] = {"line", VS_CELLS_VALUE},
+    [VS_ROLE_LINE] = {"line", VS_CELLS_LINE},
     [VS_ROLE_MARGIN] = {"margin_least", VS_CELLS_VALUE},
     [VS_ROLE_ERROR] = {"margin_error", VS_CELLS_VALUE},
     [VS_ROLE_WEAKEST] = {"weakest", VS_CELLS_TEXT},
@@ -211,6 +212,18 @@ static vs_status take_list(vs_folder *t, const char *list, const char *key, vs_f
   return VS_OK;
 }
 
+/* Numbers of the verdict's lines stand in the list of all columns alone. */
+static void describe_lines(vs_folder *t) {
+  const vs_node *all = vs_tree_child(t->manifest.root, "columns");
+  for (const vs_node *n = all && all->kind == VS_NODE_LIST ? all->child : NULL; n; n = n->next) {
+    const char *title = text_of_node(vs_tree_child(n, "name"));
+    const char *name = text_of_node(vs_tree_child(n, "quantity"));
+    const char *unit = text_of_node(vs_tree_child(n, "unit"));
+    vs_folder_column *c = title ? find_folder_column(t, title) : NULL;
+    if (c && c->role == VS_ROLE_LINE && name && unit) describe_column(c, n, name, unit);
+  }
+}
+
 static vs_status read_manifest(vs_folder *t, vs_error *err) {
   vs_status status = vs_tree_read(t->manifest_path, &t->manifest, err);
   if (status && t->manifest.root) return refuse_manifest(t, t->manifest.root, "not {...}", err);
@@ -317,6 +330,7 @@ vs_status vs_folder_open(vs_folder *t, const char *folder, const vs_method *cons
   if (!status) status = read_folder_header(t, err);
   if (!status) status = take_list(t, "axes", "key", VS_ROLE_AXIS, err);
   if (!status) status = take_list(t, "report", "name", VS_ROLE_REPORT, err);
+  if (!status) describe_lines(t);
   if (!status) status = check_columns(t, err);
   return status;
 }

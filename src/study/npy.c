@@ -116,11 +116,9 @@ static const element WHOLE = {"<i8", put_whole}, NUMBER = {"<f8", put_number},
 _Static_assert(VS_ID_SIZE == 17, "an element of type ID is an id");
 
 static const element *element_of(const column *c) {
-  static const element *const ELEMENTS[] = {[VS_CELLS_TEXT] = &WORD,
-                                            [VS_CELLS_NUMBER] = &NUMBER,
-                                            [VS_CELLS_VALUE] = &NUMBER,
-                                            [VS_CELLS_COUNT] = &WHOLE,
-                                            [VS_CELLS_STATUS] = &WHOLE};
+  static const element *const ELEMENTS[] = {
+      [VS_CELLS_TEXT] = &WORD,   [VS_CELLS_NUMBER] = &NUMBER, [VS_CELLS_VALUE] = &NUMBER,
+      [VS_CELLS_LINE] = &NUMBER, [VS_CELLS_COUNT] = &WHOLE,   [VS_CELLS_STATUS] = &WHOLE};
   if (c->of.role == VS_ROLE_ID) return &ID;
   if (c->of.cells == VS_CELLS_EITHER) return c->numbers ? &NUMBER : &WORD;
   return ELEMENTS[c->of.cells];

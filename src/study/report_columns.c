@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/units.h"
-#include "run/listed_measure.h"
+#include "run/listed_line.h"
 
 int vs_report_columns_add(vs_plan *plan, const char *measure, vs_where where) {
   if (!strcmp(measure, "margin_least")) return VS_COLUMN_MARGIN;

@@ -7,8 +7,8 @@
 
 #include "base/csv.h"
 #include "base/text.h"
-#include "program.h"
 #include "measure/reducer.h"
+#include "program.h"
 
 /* Late, with small snubbers: what goes out in C2's ring and fires again hangs on the tolerance. The
  * deck with a rating of its own, for the sake of which a second run is made. */
@@ -126,13 +126,13 @@ static void torn_lines(void) {
 }
 
 /* The cells of a study's only row: margin_least, margin_error, weakest and status are the last. */
-static void row_of(const char *words, char **text, char *cell[32], size_t *count) {
+static void row_of(const char *words, char **text, char *cell[256], size_t *count) {
   ran r = run("%s", words);
   EXPECT(r.status == 0 || r.status == 3, "%s: %d %s", words, r.status, r.err);
   *text = read_file("f/study.csv");
   char *row = strchr(*text, '\n');
   CU_ASSERT_PTR_NOT_NULL_FATAL(row);
-  *count = vs_csv_split(row + 1, cell, 32, NULL);
+  *count = vs_csv_split(row + 1, cell, 256, NULL);
   free_ran(&r);
 }
 
@@ -149,7 +149,7 @@ static void a_case_on_edge(void) {
   static const char *const LINES[] = {"study a.yaml -o f --quiet",
                                       "study a.yaml -o f --quiet --resume"};
   for (size_t k = 0; k < COUNT(LINES); k++) {
-    char *text, *cell[32], want[128];
+    char *text, *cell[256], want[128];
     size_t n;
     row_of(LINES[k], &text, cell, &n);
     CU_ASSERT_FATAL(n > 9);
@@ -161,7 +161,7 @@ static void a_case_on_edge(void) {
   free_ran(&one);
   remove_tree("f");
   write_file("a.yaml", "scene: e.yaml\nvary: {events.e.at: [11.99 ms]}\nreport: [i_peak]\n");
-  char *text, *cell[32];
+  char *text, *cell[256];
   size_t n;
   row_of(LINES[0], &text, cell, &n);
   EXPECT(n > 9 && !*cell[n - 8], "%s", n > 9 ? cell[n - 8] : "");

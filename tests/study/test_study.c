@@ -145,9 +145,10 @@ static void a_case_is_a_run(void) {
                        "vary: {circuit.r1: [100 ohm], firing.angle: [100 deg, 110 deg]}\n"
                        "report: [thyristor.v_reverse, p_min]\n");
   ran r = run("study g.yaml");
-  char *cell[16], *row = strstr(r.out, "\n1,");
+  char *cell[256], *row = strstr(r.out, "\n1,");
   CU_ASSERT_PTR_NOT_NULL_FATAL(row);
-  CU_ASSERT_EQUAL_FATAL(vs_csv_split(row + 1, cell, 16, NULL), 15);
+  const size_t n = vs_csv_split(row + 1, cell, 256, NULL);
+  CU_ASSERT_FATAL(n > 6 + 9); /* the verdict's lines between measures and margin_least */
   ran one = run("run paper --set circuit.deck=halfwave_paper --set run.until=12ms --set "
                 "circuit.r1=100ohm --set firing.angle=110deg --json --quiet --reproducible");
   char want[128];
@@ -155,7 +156,7 @@ static void a_case_is_a_run(void) {
   EXPECT(strstr(one.out, want), "%s not in %s", want, one.out);
   snprintf(want, sizeof want, "\"p_min\": {\"value\": %s, ", cell[5]);
   EXPECT(strstr(one.out, want), "%s not in %s", want, one.out);
-  snprintf(want, sizeof want, "\"weakest\": \"%s\"", cell[8]);
+  snprintf(want, sizeof want, "\"weakest\": \"%s\"", cell[n - 7]);
   EXPECT(strstr(one.out, want), "%s not in %s", want, one.out);
   free_ran(&r), free_ran(&one);
 }

@@ -5,6 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "run/listed_line.h"
+
 void vs_measured_begin(vs_measured *m, const vs_scene *scene, const vs_orbit *orbit) {
   vs_watchers_begin(&m->result.watchers, &scene->frame, NULL);
   m->result.scene = scene;

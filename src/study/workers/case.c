@@ -9,6 +9,7 @@
 #include "base/csv.h"
 #include "base/file.h"
 #include "measure/unjudged.h"
+#include "run/listed_line.h"
 #include "run/session.h"
 #include "run/table.h"
 #include "study/folder.h"

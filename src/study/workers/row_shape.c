@@ -11,10 +11,13 @@
 #include "workers/case.h"
 
 /* What a cell has to be. */
-static const char *const WANTED[] = {
-    [VS_CELLS_TEXT] = "anything",        [VS_CELLS_EITHER] = "a word",
-    [VS_CELLS_NUMBER] = "a number",      [VS_CELLS_VALUE] = "a number, inf, nan or nothing",
-    [VS_CELLS_COUNT] = "a whole number", [VS_CELLS_STATUS] = "status 0 or 3"};
+static const char *const WANTED[] = {[VS_CELLS_TEXT] = "anything",
+                                     [VS_CELLS_EITHER] = "a word",
+                                     [VS_CELLS_NUMBER] = "a number",
+                                     [VS_CELLS_VALUE] = "a number or nothing",
+                                     [VS_CELLS_LINE] = "a number, inf, nan or nothing",
+                                     [VS_CELLS_COUNT] = "a whole number",
+                                     [VS_CELLS_STATUS] = "status 0 or 3"};
 
 /* Of one header row. */
 typedef struct header {
@@ -137,6 +140,8 @@ static bool cell_holds(const char *cell, vs_folder_cells cells, bool failed) {
   case VS_CELLS_NUMBER:
     return vs_row_shape_is_number(cell);
   case VS_CELLS_VALUE:
+    return !*cell || vs_row_shape_is_number(cell);
+  case VS_CELLS_LINE:
     return !*cell || !strcmp(cell, "inf") || !strcmp(cell, "nan") || vs_row_shape_is_number(cell);
   case VS_CELLS_COUNT:
     return is_count(cell);

@@ -37,7 +37,8 @@ typedef enum vs_folder_cells {
   VS_CELLS_TEXT,   /* anything */
   VS_CELLS_EITHER, /* a word or a number: an axis without a unit may be a choice or a file's name */
   VS_CELLS_NUMBER,
-  VS_CELLS_VALUE, /* a number, "inf", "nan" or nothing */
+  VS_CELLS_VALUE, /* a number or nothing */
+  VS_CELLS_LINE,  /* a number, "inf", "nan" or nothing */
   VS_CELLS_COUNT, /* a whole number */
   VS_CELLS_STATUS /* 0 or 3; 1 in failures.csv */
 } vs_folder_cells;
