@@ -131,7 +131,7 @@ static void tables_manifest(vs_html *html, const vs_folder *t) {
       "<section id=\"manifest\">\n<h2>How it was made</h2>\n<div class=\"wide fold\"><table>\n");
   for (const vs_node *n = t->manifest.root->child; n; n = n->next) {
     if (!n->key || !strcmp(n->key, "axes") || !strcmp(n->key, "report") ||
-        !strcmp(n->key, "columns"))
+        !strcmp(n->key, "lines") || !strcmp(n->key, "columns"))
       continue;
     bool lines = n->kind == VS_NODE_LIST && !strcmp(n->key, "inputs");
     vs_html_add(html, "<tr><th>");
