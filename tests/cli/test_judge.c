@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The verdict's lines in a study's rows, and `judge`, which holds them against other limits. What
+ * it says is compared with studies that are run with these limits: the same numbers, to the 12
+ * digits that a row has of each. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/csv.h"
+#include "base/text.h"
+#include "program.h"
+#include "suite.h"
+
+/* Three angles; every margin has its error. */
+static const char STUDY[] =
+    "set: {circuit: {deck: halfwave_paper, thyristor: TYN1212}, run: {until: 24 ms, verify: "
+    "always,\n"
+    "  tolerance: 1e-3}%s}\n"
+    "vary: {firing.angle: [60 deg, 100 deg, 140 deg]}\nreport: [thyristor.v_reverse]\n";
+
+enum { MOST = 256 };
+typedef struct table {
+  char *text, *name[MOST], *cell[8][MOST];
+  size_t columns, rows;
+} table;
+
+static void near(double value, double want, double within) {
+  EXPECT(fabs(value - want) <= within, "%.15g, want %.15g", value, want);
+}
+
+static table read_table(const char *path) {
+  table t = {.text = read_file(path)};
+  char *line = t.text, *end;
+  for (; line && *line && t.rows < 8; line = end) {
+    end = strchr(line, '\n');
+    if (end) *end++ = '\0';
+    char **into = t.columns ? t.cell[t.rows] : t.name;
+    const size_t n = vs_csv_split(line, into, MOST, NULL);
+    if (t.columns) t.rows++;
+    if (!t.columns) t.columns = n;
+    CU_ASSERT_EQUAL(n, t.columns);
+  }
+  return t;
+}
+
+static const char *cell_of(const table *t, size_t row, const char *name) {
+  for (size_t k = 0; k < t->columns; k++)
+    if (!strcmp(t->name[k], name)) return t->cell[row][k];
+  EXPECT(false, "no column %s", name);
+  return "";
+}
+
+static double number_of(const table *t, size_t row, const char *name) {
+  return atof(cell_of(t, row, name));
+}
+
+static void run_study(const char *folder, const char *more) {
+  char text[1024];
+  snprintf(text, sizeof text, STUDY, more);
+  write_file("s.yaml", text);
+  ran r = run("study s.yaml -o %s --quiet", folder);
+  EXPECT(r.status == 0 || r.status == 3, "%s: %d %s", more, r.status, r.err);
+  free_ran(&r);
+}
+
+/* A row's margin is that of its stress; margin_least is that of the weakest line. */
+static void lines_of_a_row(void) {
+  run_study("plain", "");
+  table t = read_table("plain/study.csv");
+  CU_ASSERT_EQUAL_FATAL(t.rows, 3);
+  for (size_t k = 0; k < t.rows; k++) {
+    const double stress = number_of(&t, k, "thyristor.v_reverse_v");
+    near(number_of(&t, k, "margin.thyristor.v_reverse"), 1 - stress / 1200, 1e-11);
+    EXPECT(number_of(&t, k, "error.thyristor.v_reverse") > 0, "%zu", k);
+    const double at_s = number_of(&t, k, "at.thyristor.v_reverse_s");
+    EXPECT(at_s > 0 && at_s < 24e-3, "%g", at_s);
+    char number[64];
+    snprintf(number, sizeof number, "margin.%s", cell_of(&t, k, "weakest"));
+    CU_ASSERT_STRING_EQUAL(cell_of(&t, k, number), cell_of(&t, k, "margin_least"));
+  }
+  free(t.text);
+}
+
+/* Limits of the scene's own are lines, too. What judge makes of 900 V is what a study with that
+ * limit has, whether it is said as a limit or as a part of the part's 1200 V. */
+static void another_limit(void) {
+  run_study("rated", ", ratings: {thyristor.v_reverse: '.. 900 V'}");
+  table rated = read_table("rated/study.csv");
+  static const char *const SETS[] = {"limits.thyristor.v_reverse=900V",
+                                     "hold.thyristor.v_reverse=0.75"};
+  for (size_t s = 0; s < COUNT(SETS); s++) {
+    ran r = run("judge plain -o judged --set %s", SETS[s]);
+    EXPECT(r.status == 0 || r.status == 3, "%d %s", r.status, r.err);
+    table judged = read_table("judged/judged.csv");
+    CU_ASSERT_EQUAL_FATAL(judged.rows, 3);
+    for (size_t k = 0; k < 3; k++) {
+      near(number_of(&judged, k, "margin_least"), number_of(&rated, k, "margin_least"), 1e-11);
+      /* which part of the error grows with 1 / 0.75 a row does not say */
+      const double error = number_of(&judged, k, "margin_error"),
+                   want = number_of(&rated, k, "margin_error");
+      EXPECT(error >= want && error < want / 0.75, "%g, %g", error, want);
+      CU_ASSERT_STRING_EQUAL(cell_of(&judged, k, "status"), cell_of(&rated, k, "status"));
+    }
+    free(judged.text);
+    free_ran(&r);
+  }
+  free(rated.text);
+}
+
+/* Without a word it says what the study said. */
+static void as_it_was(void) {
+  ran r = run("judge plain -o judged --json");
+  table plain = read_table("plain/study.csv"), judged = read_table("judged/judged.csv");
+  for (size_t k = 0; k < 3; k++)
+    for (size_t c = 0; c < 2; c++) {
+      static const char *const SAME[] = {"status", "margin_least"};
+      CU_ASSERT_STRING_EQUAL(cell_of(&plain, k, SAME[c]), cell_of(&judged, k, SAME[c]));
+    }
+  EXPECT(strstr(r.out, "\"changed\": 0"), "%s", r.out);
+  free_ran(&r);
+  free(plain.text), free(judged.text);
+}
+
+/* A margin of the house is wanted of every line; a line that is waived breaks nothing. */
+static void house_and_waivers(void) {
+  ran r = run("judge plain --set hold.margin=99.9%%");
+  EXPECT(r.status == 3 && strstr(r.out, "violated              0          3"), "%d %s", r.status,
+         r.out);
+  free_ran(&r);
+  r = run("judge plain --set hold.thyristor.v_reverse=0.1");
+  CU_ASSERT_EQUAL(r.status, 3);
+  free_ran(&r);
+  r = run("judge plain --set hold.thyristor.v_reverse=0.1 --set waive=[thyristor.v_reverse]");
+  EXPECT(r.status == 0, "%d %s %s", r.status, r.out, r.err);
+  free_ran(&r);
+}
+
+/* What happened, as cells have it, and what each criterion makes of that: A nothing may happen, B
+ * it may fire or misfire, C a fuse may open besides; without one only what was expected may. */
+static void criteria(void) {
+  static const struct {
+    const char *happened, *words[4]; /* without a criterion, by A, B, C */
+  } ROWS[] = {
+      {"misfire of thyristor at 0.01 s (x), as expected", {"held", "violated", "held", "held"}},
+      {"unintended_firing of thyristor at 0.01 s (dv/dt)",
+       {"violated", "violated", "held", "held"}},
+      {"fuse_opens of fuse_2 at 0.01 s (x), in one of two runs",
+       {"undecided", "undecided", "undecided", "held"}},
+      {"misfire of thyristor at 0.01 s (x) | fuse_arcs_again of fuse_2 at 0.02 s (x)",
+       {"violated", "violated", "violated", "violated"}},
+      {"fuse_opens of fuse_2 did not happen, though expected",
+       {"violated", "held", "held", "held"}}};
+  static const char *const SETS[] = {"", "--set criterion=A", "--set criterion=B",
+                                     "--set criterion=C"};
+  table plain = read_table("plain/study.csv");
+  run_study("edited", "");
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    vs_text text = {0};
+    for (size_t c = 0; c < plain.columns; c++)
+      vs_text_add(&text, "%s%s", c ? "," : "", plain.name[c]);
+    for (size_t c = 0; c < plain.columns; c++) {
+      vs_text_add(&text, "%s", c ? "," : "\n");
+      vs_csv_cell(&text, !strcmp(plain.name[c], "happened") ? ROWS[k].happened : plain.cell[0][c]);
+    }
+    vs_text_add(&text, "\n");
+    write_file("edited/study.csv", text.text);
+    vs_text_free(&text);
+    for (size_t s = 0; s < COUNT(SETS); s++) {
+      ran r = run("judge edited -o judged --quiet %s", SETS[s]);
+      table judged = read_table("judged/judged.csv");
+      CU_ASSERT_EQUAL_FATAL(judged.rows, 1);
+      EXPECT(!strcmp(cell_of(&judged, 0, "verdict"), ROWS[k].words[s]), "%s, %s: %s",
+             ROWS[k].happened, SETS[s], cell_of(&judged, 0, "verdict"));
+      CU_ASSERT_EQUAL(r.status, strcmp(ROWS[k].words[s], "held") ? 3 : 0);
+      free(judged.text);
+      free_ran(&r);
+    }
+  }
+  free(plain.text);
+}
+
+static void refused(void) {
+  static const char *const ROWS[][2] = {
+      {"judge plain --set circuit.thyristor=TYN1012", "whose model changes the waveforms"},
+      {"judge plain --set supply.voltage=400V", "supply changes what was run"},
+      {"judge plain --set hold.thyristor.v_rev=0.8", "have no line 'thyristor.v_rev'"},
+      {"judge plain --set hold.margin=2", "a part of the limit is wanted, 0 to 1"},
+      {"judge plain --set limits.thyristor.v_reverse=900A", "one limit is wanted, in V"},
+      {"judge plain --set limits.v_ak=900V", "the line has two ends"},
+      {"judge plain --set criterion=D", "criterion: A (nothing happens)"},
+      {"judge plain --set waive=[p_min]", "have no line 'p_min'"},
+      {"judge nowhere", "manifest.json"}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    ran r = run("%s", ROWS[k][0]);
+    EXPECT(r.status == 2 && strstr(r.err, ROWS[k][1]) && !*r.out, "%s: %d %s", ROWS[k][0], r.status,
+           r.err);
+    free_ran(&r);
+  }
+}
+
+/* d ln margin / d ln voltage from two runs, against `sensitivity`, which tells its own error. */
+static void sensitivity_of_a_margin(void) {
+  static const char LINE[] = "margin.thyristor.v_reverse";
+  write_file("v.yaml",
+             "set: {circuit: {deck: halfwave_paper, thyristor: TYN1212}, run.until: 24 ms}\n"
+             "vary: {supply.voltage: [438 V, 440 V, 442 V]}\nreport: [p_min]\n");
+  ran r = run("study v.yaml -o v --quiet");
+  free_ran(&r);
+  table t = read_table("v/study.csv");
+  CU_ASSERT_EQUAL_FATAL(t.rows, 3);
+  const double by_runs =
+      (number_of(&t, 2, LINE) - number_of(&t, 0, LINE)) / (4. / 440) / number_of(&t, 1, LINE);
+  r = run("sensitivity paper --set circuit.deck=halfwave_paper --set circuit.thyristor=TYN1212 "
+          "--set run.until=24ms --of %s,margin_least --to supply.voltage --json",
+          LINE);
+  const char *of = strstr(r.out, "\"derivatives\""), *found = of ? strstr(of, LINE) : NULL;
+  const char *value = found ? strstr(found, "\"supply.voltage\": ") : NULL;
+  EXPECT(r.status == 0 && value, "%d %s %s", r.status, r.out, r.err);
+  /* the middle of three runs is off by the square of 0.5 %, and each margin by 1e-3 of the limit */
+  if (value) near(atof(value + strlen("\"supply.voltage\": ")), by_runs, 0.1 * fabs(by_runs));
+  free_ran(&r);
+  free(t.text);
+}
+
+int main(void) {
+  static const vs_test TESTS[] = {{"lines of a row", lines_of_a_row},
+                                  {"as it was", as_it_was},
+                                  {"another limit", another_limit},
+                                  {"house and waivers", house_and_waivers},
+                                  {"criteria", criteria},
+                                  {"refused", refused},
+                                  {"sensitivity of a margin", sensitivity_of_a_margin}};
+  return program_suite("judge", TESTS, COUNT(TESTS));
+}
