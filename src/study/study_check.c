@@ -22,6 +22,13 @@ bool vs_study_check_is_study(const char *name, const vs_method *const *methods) 
   return study;
 }
 
+/* The columns besides those of the verdict's lines. */
+static size_t count_asked(const vs_plan *plan) {
+  size_t n = 0;
+  for (size_t k = 0; k < plan->n_columns; k++) n += !plan->columns[k].line;
+  return n;
+}
+
 vs_status vs_study_check_read(const vs_check_options *o, const vs_method *const *methods,
                               vs_text *good, vs_error *err) {
   vs_plan *plan = vs_alloc(1, sizeof *plan);
@@ -33,7 +40,7 @@ vs_status vs_study_check_read(const vs_check_options *o, const vs_method *const 
     vs_plan_method(plan, method, sizeof method);
     vs_text_add(good, "a good study: %s, %s%llu cases of %zu axes, %zu columns; tier %s (%s)",
                 method, plan->adaptive ? "at most " : "", (unsigned long long)plan->count,
-                plan->n_axes, plan->n_columns, plan->first->tier->name, plan->first->why);
+                plan->n_axes, count_asked(plan), plan->first->tier->name, plan->first->why);
     vs_control_describe(&plan->first->control, good);
   }
   vs_plan_free(plan);
