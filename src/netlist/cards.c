@@ -332,15 +332,6 @@ size_t vs_cards_next(const vs_cards *c, size_t k) {
   return 1 + (opens ? c->scope[opens].last : k);
 }
 
-vs_word vs_cards_instance_of(const char *line) {
-  const vs_line alone = {.text = (char *)(size_t)line};
-  vs_cards c;
-  vs_cards_read(&c, &alone, 1);
-  const vs_word name = c.card[0].letter == 'x' ? c.card[0].model : (vs_word){line, 0};
-  vs_cards_free(&c);
-  return name;
-}
-
 size_t vs_cards_called(const vs_cards *c, const vs_netlist_card *card) {
   if (card->kind != VS_CARDS_ELEMENT || card->letter != 'x' || !card->model.n) return 0;
   const vs_netlist_definition *d = vs_cards_resolve(c, card->scope, VS_CARDS_SUBCKT, card->model);

@@ -39,15 +39,8 @@ const char *const vs_deck_standard_names[] = {
 _Static_assert(sizeof vs_deck_standard_names / sizeof *vs_deck_standard_names == VS_STANDARD,
                "a name for each parameter of the program's");
 
-static bool is_in_list(const char *name, const char *const *list, size_t count) {
-  for (size_t k = 0; k < count; k++)
-    if (!strcasecmp(name, list[k])) return true;
-  return false;
-}
-#define AMONG(name, list) is_in_list(name, list, sizeof(list) / sizeof *(list))
-
 bool vs_deck_is_standard(const char *name) {
-  return AMONG(name, vs_deck_standard_names);
+  return VS_WORDS_AMONG(vs_words_of(name), vs_deck_standard_names);
 }
 
 bool vs_deck_has_port(const vs_deck *deck, bool (*is)(const vs_signal *signal)) {

@@ -55,6 +55,12 @@ bool vs_words_is(vs_word word, const char *text) {
   return strlen(text) == word.n && !strncasecmp(word.at, text, word.n);
 }
 
+bool vs_words_among(vs_word word, const char *const *list, size_t count) {
+  for (size_t k = 0; k < count; k++)
+    if (vs_words_is(word, list[k])) return true;
+  return false;
+}
+
 vs_word vs_words_of(const char *text) {
   return (vs_word){text, strlen(text)};
 }

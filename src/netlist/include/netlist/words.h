@@ -22,6 +22,10 @@ size_t vs_words_split(const char *text, vs_word words[VS_WORDS_MOST]);
 /* True for the word of that text, in capitals or not. */
 bool vs_words_is(vs_word word, const char *text);
 
+/* True for one of `count` such texts. */
+bool vs_words_among(vs_word word, const char *const *list, size_t count);
+#define VS_WORDS_AMONG(word, list) vs_words_among(word, list, sizeof(list) / sizeof *(list))
+
 /* All of that text as a word. */
 vs_word vs_words_of(const char *text);
 
