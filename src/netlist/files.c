@@ -151,7 +151,7 @@ static vs_status take_circuit(vs_deck *deck, vs_line *line, bool *skip, vs_error
   vs_cards_read(&one, line, 1);
   vs_status status = *line->text == '.' ? vs_rules_statement(deck, &one, skip, err)
                                         : vs_rules_element(deck, &one, err);
-  if (!status && !*skip) status = vs_slips_line(line, err);
+  if (!status && !*skip) status = vs_slips_line(&one, err);
   vs_cards_free(&one);
   if (status || *skip) return status;
   vs_rewriting r = {.line = line,

@@ -6,13 +6,14 @@
 
 #include "netlist/cards.h"
 
-/* Errors with their place, and what would be right: a bracket or brace that is not closed, or is
+/* Looks at a line that is taken apart alone. Errors with their place, and what would be right: a
+ * bracket or brace that is not closed, or is
  * one too many; an R, C or L of nothing but two nodes; times of a PWL of which one lies before the
  * last; what vs_couplings_line finds; a POLY(n) with too few nodes,
  * sources or coefficients; a T without a delay; a U of too many segments. What stands in double
  * quotes is not looked at, nor are the round brackets of a .model, which ngspice takes for blanks.
  */
-vs_status vs_slips_line(const vs_line *line, vs_error *err);
+vs_status vs_slips_line(const vs_cards *one, vs_error *err);
 
 /* How many segments ngspice makes of a line U..., of which each is two devices; 0: it is none. */
 double vs_slips_segments(const char *line);
