@@ -64,6 +64,11 @@ bool vs_elements_sets(const vs_elements *w, const vs_values *v, const vs_element
   return sets;
 }
 
+bool vs_elements_heats(const vs_elements *w, const vs_values *v, const vs_element *e) {
+  return vs_elements_sets(w, v, e, "tc") || vs_elements_sets(w, v, e, "tc1") ||
+         vs_elements_sets(w, v, e, "tc2");
+}
+
 bool vs_elements_has_model(const vs_elements *w, const vs_element *e) {
   bool found = false;
   for (int n = e->n_nodes + 1; n < e->n_words && !found; n++) {

@@ -8,7 +8,199 @@
 #include <string.h>
 #include <strings.h>
 
-#include "worth.h"
+#include "base/formula.h"
+#include "declared.h"
+#include "import/elements.h"
+#include "netlist/reserved.h"
+
+/* ---- values ---- */
+
+/* The values of resistors, capacitors and inductors: as parameters of the deck, and as formulas of
+ * these in its lines `loss` and `store`. */
+
+/* Only numbers a formula's names and terms. */
+static int any_name(void *ctx, const char *at, const char *name) {
+  (void)at;
+  (void)name;
+  return (*(int *)ctx)++;
+}
+
+static bool is_formula(const char *text) {
+  int count = 0;
+  char why[200];
+  const char *bad = NULL;
+  const vs_formula_scope scope = {.ctx = &count, .name = any_name};
+  vs_formula formula = {0};
+  const char *end = vs_formula_read(text, &scope, &formula, &bad, why, sizeof why);
+  vs_formula_free(&formula);
+  return end && !*end;
+}
+
+/* Writes an expression in terms of the deck's parameters alone; other parameters are replaced by
+ * what they stand for. */
+static void expand(const vs_fate *p, const char *text, int level, vs_text *out) {
+  vs_text_add(out, "(");
+  for (const char *s = text; *s;) {
+    char name[VS_VALUES_NAME];
+    size_t n = strspn(s, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789.");
+    snprintf(name, sizeof name, "%.*s", (int)n, s);
+    const vs_value_param *v = n ? vs_values_find(p->values, name) : NULL;
+    bool other = v && level < 20 && (!v->number || p->wiring->listing->cards[v->card].included);
+    if (other)
+      expand(p, v->text, level + 1, out);
+    else if (n)
+      vs_text_add(out, "%.*s", (int)n, s);
+    else if (!strchr("'\"", *s))
+      vs_text_add(out, "%c", *s == '{' ? '(' : *s == '}' ? ')' : *s);
+    s += n ? n : 1;
+  }
+  vs_text_add(out, ")");
+}
+
+/* True where the element's value depends on temperature and its temperature is set. Without temp=
+ * and dtemp= coefficients have no effect: a deck runs at 27 degC, which they refer to. */
+static bool is_warm(const vs_fate *p, const vs_element *e) {
+  char *temp = vs_elements_option(p->wiring, e, "temp");
+  bool warm = vs_elements_heats(p->wiring, p->values, e) &&
+              (temp || vs_elements_sets(p->wiring, p->values, e, "dtemp"));
+  free(temp);
+  return warm;
+}
+
+/* Adds "*2" or "/2" for an option that the element has. Returns false where the option is no number
+ * above 0 that is known before a run. */
+static bool add_factor(const vs_fate *p, const vs_element *e, const char *name, char sign,
+                       vs_text *out) {
+  double value = 1;
+  char *text = vs_elements_option(p->wiring, e, name);
+  bool known = !text || (vs_values_of(p->values, text, &value) && value > 0), plain = false;
+  if (text && known) {
+    plain = vs_values_number(p->values, text, &value);
+    vs_text_add(out, "%c", sign);
+    if (plain) vs_text_add(out, "%.15g", value);
+    if (!plain) expand(p, text, 0, out);
+  }
+  free(text);
+  return known;
+}
+
+/* Applies m= and scale= to the value: m resistors or inductors in parallel are less, m capacitors
+ * are more. Empties the formula where the value is not known. */
+static void multiply(const vs_fate *p, const vs_element *e, vs_text *value) {
+  vs_text factors = {0}, whole = {0};
+  bool known = value->text && !is_warm(p, e) && add_factor(p, e, "scale", '*', &factors) &&
+               add_factor(p, e, "m", e->letter == 'c' ? '*' : '/', &factors);
+  if (known && factors.text) vs_text_add(&whole, "(%s%s)", value->text, factors.text);
+  vs_text_free(&factors);
+  if (known && !whole.text) return;
+  vs_text_free(value);
+  *value = whole;
+}
+
+/* Adds a parameter with the element's value, a number, and its name as a formula. */
+static void add_param(vs_fate *p, const vs_element *e, double number, char *param,
+                      vs_text *formula) {
+  vs_declared *sheet = &p->sheet;
+  static const char *const WHAT[] = {"resistor", "capacitor", "inductor"};
+  char wanted[VS_DECK_NAME], text[VS_DECK_TEXT];
+  bool taken = vs_deck_is_standard(e->key) || vs_reserved_is(e->key, false);
+  snprintf(wanted, sizeof wanted, "%.50s%s", e->key, taken ? "_value" : "");
+  vs_declared_name(sheet, wanted, param);
+  size_t before = sheet->counts[VS_DECLARED_PARAM];
+  snprintf(text, sizeof text, "%s %s", WHAT[strchr("rcl", e->letter) - "rcl"], e->name);
+  vs_declared_param(sheet, param, e->letter, number, text);
+  if (sheet->counts[VS_DECLARED_PARAM] == before) *param = '\0'; /* no room: it stays */
+  if (*param)
+    vs_text_add(formula, "{%s}", param);
+  else
+    vs_text_add(formula, "%.15g", number);
+}
+
+/* Adds an expression, or the name of a deck's parameter if it is just that. */
+static void add_expression(const vs_fate *p, const char *word, vs_text *formula) {
+  char name[VS_VALUES_NAME];
+  size_t n = strcspn(word + 1, "}");
+  snprintf(name, sizeof name, "%.*s", *word == '{' && n < sizeof name ? (int)n : 0, word + 1);
+  const vs_value_param *v = vs_values_find(p->values, name);
+  if (v && v->number && !p->wiring->listing->cards[v->card].included)
+    vs_text_add(formula, "{%s}", v->name);
+  else
+    expand(p, word, 0, formula);
+}
+
+/* Declares a parameter for an R, C or L whose value is a number, and writes its name into
+ * own->param; empty: there is none. own->value becomes the value that the element has in a run,
+ * with m= and scale=; NULL where it is not known: beside a .model, or with a temperature
+ * coefficient and temp= or dtemp=. */
+static void set_value(vs_fate *p, const vs_element *e, vs_fate_element *own) {
+  char *word = vs_elements_word_of(p->wiring, e, e->n_nodes + 1);
+  double value;
+  vs_text formula = {0};
+  /* ngspice does not see the model after "{r1}", so that the netlist's number stays there */
+  if (vs_elements_has_model(p->wiring, e))
+    *own->param = '\0';
+  else if (vs_values_number(p->values, word, &value) && value > 0)
+    add_param(p, e, value, own->param, &formula);
+  else if (vs_values_of(p->values, word, &value) && value > 0)
+    add_expression(p, word, &formula);
+  multiply(p, e, &formula);
+  free(word);
+  if (formula.text && is_formula(formula.text))
+    own->value = formula.text;
+  else
+    vs_text_free(&formula);
+}
+
+/* ---- new names ---- */
+
+/* New names for the deck: for parameters, and for nodes and elements that are put between those of
+ * the netlist. A new name differs from all names in the netlist. */
+
+/* True where a node, an element, a parameter or a function of the netlist has this name. */
+static bool is_taken(const vs_fate *p, const char *name) {
+  const vs_cards *n = &p->wiring->listing->netlist;
+  bool taken = vs_elements_is_taken(p->wiring, name) || vs_values_find(p->values, name) ||
+               vs_names_find(&n->globals, name, strlen(name), NULL);
+  for (size_t k = 0; k < n->n_definitions && !taken; k++)
+    taken = n->definition[k].kind == VS_CARDS_FUNC && vs_words_is(n->definition[k].name, name);
+  return taken;
+}
+
+/* Makes the name FIRST KEY LAST. If it is taken, "_2", "_3", ... is appended. */
+static void name_free(const vs_fate *p, const char *first, const char *key, const char *last,
+                      char name[VS_ELEMENTS_NAME]) {
+  snprintf(name, VS_ELEMENTS_NAME, "%s%.44s%s", first, key, last);
+  for (int k = 2; is_taken(p, name); k++)
+    snprintf(name, VS_ELEMENTS_NAME, "%s%.40s%s_%d", first, key, last, k);
+}
+
+/* True where one of the names made of this stem is taken in the netlist, or the stem belongs to
+ * another element already. */
+static bool is_stem_used(const vs_fate *p, const vs_element *source, const char *stem) {
+  static const char *const MADE[][2] = {
+      {"", "_on"},     {"", "_on2"},    {"", "_edge"},   {"", "_edge2"},  {"", "_low"},
+      {"", "_low2"},   {"", "_ser"},    {"Vgate_", ""},  {"Vgate2_", ""}, {"Egate_", ""},
+      {"Egate2_", ""}, {"Ggate_", ""},  {"Ggate2_", ""}, {"Bedge_", ""},  {"Bedge2_", ""},
+      {"Cedge_", ""},  {"Cedge2_", ""}, {"Rser_", ""}};
+  const vs_element *other = vs_elements_find(p->wiring, stem);
+  char name[VS_ELEMENTS_NAME];
+  bool used = other && other != source;
+  for (size_t k = 0; k < sizeof MADE / sizeof *MADE && !used; k++) {
+    snprintf(name, sizeof name, "%s%.50s%s", MADE[k][0], stem, MADE[k][1]);
+    used = is_taken(p, name);
+  }
+  return used;
+}
+
+/* Makes the stem for all names that replace a source: the source's key, or that with "_2", ...
+ * appended, so that STEM_on, Egate_STEM and the like are free. */
+static void name_stem(const vs_fate *p, const vs_element *source, char stem[VS_ELEMENTS_NAME]) {
+  snprintf(stem, VS_ELEMENTS_NAME, "%.44s", source->key);
+  for (int k = 2; is_stem_used(p, source, stem); k++)
+    snprintf(stem, VS_ELEMENTS_NAME, "%.40s_%d", source->key, k);
+}
+
+/* ---- elements ---- */
 
 bool vs_fate_is_coil(const vs_fate *p, const vs_element *e) {
   return e == p->roles->coil || e == p->roles->coil_r;
@@ -305,11 +497,6 @@ static void add_params(vs_fate *p) {
 
 /* ---- senses ---- */
 
-static void name_free(const vs_fate *p, const char *first, const char *key, const char *last,
-                      char name[VS_ELEMENTS_NAME]) {
-  vs_coined_name(&p->coined, first, key, last, name);
-}
-
 static void set_senses(vs_fate *p, const vs_element *e, vs_fate_element *own) {
   bool known = own->pins.kind, no_formula = strchr("r", e->letter) && !own->value;
   bool source = e->letter == 'v' || vs_roles_gate_of(p->roles, e) >= 0;
@@ -371,11 +558,9 @@ static void name_functions(vs_fate *p) {
  * that no parameter gets them. */
 static void name_all(vs_fate *p) {
   const vs_elements *w = p->wiring;
-  p->coined = (vs_coined){w, p->values};
   for (size_t k = 0; k < w->count; k++) {
     const vs_element *e = &w->elements[k];
-    if (e == p->roles->mains || vs_roles_gate_of(p->roles, e) >= 0)
-      vs_coined_stem(&p->coined, e, p->of[k].stem);
+    if (e == p->roles->mains || vs_roles_gate_of(p->roles, e) >= 0) name_stem(p, e, p->of[k].stem);
   }
   name_free(p, "", "i_sum", "", p->sum);
   name_free(p, "", "Xeva", "", p->eva);
@@ -404,8 +589,7 @@ vs_status vs_fate_make(vs_fate *p, const char *asked, vs_error *err) {
   add_levels(p);
   for (size_t k = 0; k < w->count; k++) {
     const vs_element *e = &w->elements[k];
-    if (strchr("rcl", e->letter) && !vs_fate_is_coil(p, e))
-      p->of[k].value = vs_worth_make(w, p->values, e, &p->sheet, p->of[k].param);
+    if (strchr("rcl", e->letter) && !vs_fate_is_coil(p, e)) set_value(p, e, &p->of[k]);
     set_part(p, e, &p->of[k]);
     set_senses(p, e, &p->of[k]);
   }

@@ -40,7 +40,7 @@ _Static_assert(sizeof vs_deck_standard_names / sizeof *vs_deck_standard_names ==
                "a name for each parameter of the program's");
 
 bool vs_deck_is_standard(const char *name) {
-  return VS_WORDS_AMONG(vs_words_of(name), vs_deck_standard_names);
+  return vs_words_among(vs_words_of(name), vs_deck_standard_names, VS_STANDARD);
 }
 
 bool vs_deck_has_port(const vs_deck *deck, bool (*is)(const vs_signal *signal)) {

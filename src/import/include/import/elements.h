@@ -66,6 +66,9 @@ bool vs_elements_number(const vs_elements *wiring, const vs_values *values,
 /* True where the element's line has that NAME=VALUE, and the value is not 0. */
 bool vs_elements_sets(const vs_elements *wiring, const vs_values *values, const vs_element *element,
                       const char *name);
+/* True where the element's value depends on temperature. */
+bool vs_elements_heats(const vs_elements *wiring, const vs_values *values,
+                       const vs_element *element);
 /* True where a .model stands before or after the element's value. */
 bool vs_elements_has_model(const vs_elements *wiring, const vs_element *element);
 /* The place of the element's n-th word, if the word is in the first of the element's lines. */
