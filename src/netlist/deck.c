@@ -244,12 +244,11 @@ static vs_status find_value(const vs_deck *deck, const vs_named *named,
   }
   if (isnan(*value)) *value = vs_reserved_constant(named->name);
   if (!isnan(*value)) return VS_OK;
-  const char *nearest = vs_text_nearest(named->name, known, count);
   char within[VS_PATH_SIZE];
   const vs_where where = vs_deck_mendable(deck, named->where, within, sizeof within);
-  return vs_fail_at(err, where, "no parameter '%s' is declared%s%s%s%s", named->name, within,
-                    nearest ? "; did you mean '" : "; '*$ param NAME = ...' declares one",
-                    nearest ? nearest : "", nearest ? "'?" : "");
+  return vs_fail_at(
+      err, where, "no parameter '%s' is declared%s%s", named->name, within,
+      vs_text_hint(named->name, known, count, "; '*$ param NAME = ...' declares one").text);
 }
 
 /* ---- the mains behind a device ---- */
