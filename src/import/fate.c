@@ -38,16 +38,16 @@ static bool is_formula(const char *text) {
 
 /* Writes an expression in terms of the deck's parameters alone; other parameters are replaced by
  * what they stand for. */
-static void expand(const vs_fate *p, const char *text, int level, vs_text *out) {
+static void expand(const vs_fate *p, vs_word text, int level, vs_text *out) {
   vs_text_add(out, "(");
-  for (const char *s = text; *s;) {
+  for (const char *s = text.at; s < text.at + text.n;) {
     char name[VS_VALUES_NAME];
     size_t n = strspn(s, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789.");
     snprintf(name, sizeof name, "%.*s", (int)n, s);
     const vs_value_param *v = n ? vs_values_find(p->values, name) : NULL;
     bool other = v && level < 20 && (!v->number || p->wiring->listing->cards[v->card].included);
     if (other)
-      expand(p, v->text, level + 1, out);
+      expand(p, vs_words_of(v->text), level + 1, out);
     else if (n)
       vs_text_add(out, "%.*s", (int)n, s);
     else if (!strchr("'\"", *s))
@@ -60,11 +60,9 @@ static void expand(const vs_fate *p, const char *text, int level, vs_text *out) 
 /* True where the element's value depends on temperature and its temperature is set. Without temp=
  * and dtemp= coefficients have no effect: a deck runs at 27 degC, which they refer to. */
 static bool is_warm(const vs_fate *p, const vs_element *e) {
-  char *temp = vs_elements_option(p->wiring, e, "temp");
-  bool warm = vs_elements_heats(p->wiring, p->values, e) &&
-              (temp || vs_elements_sets(p->wiring, p->values, e, "dtemp"));
-  free(temp);
-  return warm;
+  return vs_elements_heats(p->wiring, p->values, e) &&
+         (vs_elements_option(p->wiring, e, "temp").n ||
+          vs_elements_sets(p->wiring, p->values, e, "dtemp"));
 }
 
 /* Adds "*2" or "/2" for an option that the element has. Returns false where the option is no number
@@ -72,16 +70,15 @@ static bool is_warm(const vs_fate *p, const vs_element *e) {
 static bool add_factor(const vs_fate *p, const vs_element *e, const char *name, char sign,
                        vs_text *out) {
   double value = 1;
-  char *text = vs_elements_option(p->wiring, e, name);
-  bool known = !text || (vs_values_of(p->values, text, &value) && value > 0), plain = false;
-  if (text && known) {
-    plain = vs_values_number(p->values, text, &value);
-    vs_text_add(out, "%c", sign);
-    if (plain) vs_text_add(out, "%.15g", value);
-    if (!plain) expand(p, text, 0, out);
-  }
-  free(text);
-  return known;
+  const vs_word text = vs_elements_option(p->wiring, e, name);
+  if (!text.n) return true;
+  if (!vs_values_of(p->values, text, &value) || !(value > 0)) return false;
+  vs_text_add(out, "%c", sign);
+  if (vs_values_number(p->values, text, &value))
+    vs_text_add(out, "%.15g", value);
+  else
+    expand(p, text, 0, out);
+  return true;
 }
 
 /* Applies m= and scale= to the value: m resistors or inductors in parallel are less, m capacitors
@@ -117,10 +114,10 @@ static void add_param(vs_fate *p, const vs_element *e, double number, char *para
 }
 
 /* Adds an expression, or the name of a deck's parameter if it is just that. */
-static void add_expression(const vs_fate *p, const char *word, vs_text *formula) {
+static void add_expression(const vs_fate *p, vs_word word, vs_text *formula) {
   char name[VS_VALUES_NAME];
-  size_t n = strcspn(word + 1, "}");
-  snprintf(name, sizeof name, "%.*s", *word == '{' && n < sizeof name ? (int)n : 0, word + 1);
+  const size_t n = strcspn(word.at + 1, "}");
+  snprintf(name, sizeof name, "%.*s", *word.at == '{' && n < sizeof name ? (int)n : 0, word.at + 1);
   const vs_value_param *v = vs_values_find(p->values, name);
   if (v && v->number && !p->wiring->listing->cards[v->card].included)
     vs_text_add(formula, "{%s}", v->name);
@@ -133,7 +130,7 @@ static void add_expression(const vs_fate *p, const char *word, vs_text *formula)
  * with m= and scale=; NULL where it is not known: beside a .model, or with a temperature
  * coefficient and temp= or dtemp=. */
 static void set_value(vs_fate *p, const vs_element *e, vs_fate_element *own) {
-  char *word = vs_elements_word_of(p->wiring, e, e->n_nodes + 1);
+  const vs_word word = vs_elements_word(e, e->n_nodes + 1);
   double value;
   vs_text formula = {0};
   /* ngspice does not see the model after "{r1}", so that the netlist's number stays there */
@@ -144,7 +141,6 @@ static void set_value(vs_fate *p, const vs_element *e, vs_fate_element *own) {
   else if (vs_values_of(p->values, word, &value) && value > 0)
     add_expression(p, word, &formula);
   multiply(p, e, &formula);
-  free(word);
   if (formula.text && is_formula(formula.text))
     own->value = formula.text;
   else
@@ -182,7 +178,7 @@ static bool is_stem_used(const vs_fate *p, const vs_element *source, const char 
       {"", "_low2"},   {"", "_ser"},    {"Vgate_", ""},  {"Vgate2_", ""}, {"Egate_", ""},
       {"Egate2_", ""}, {"Ggate_", ""},  {"Ggate2_", ""}, {"Bedge_", ""},  {"Bedge2_", ""},
       {"Cedge_", ""},  {"Cedge2_", ""}, {"Rser_", ""}};
-  const vs_element *other = vs_elements_find(p->wiring, stem);
+  const vs_element *other = vs_elements_find(p->wiring, vs_words_of(stem));
   char name[VS_ELEMENTS_NAME];
   bool used = other && other != source;
   for (size_t k = 0; k < sizeof MADE / sizeof *MADE && !used; k++) {
@@ -218,8 +214,9 @@ static vs_status check_model(const vs_fate *p, const vs_element *e, const vs_pin
   char *model = vs_elements_model(p->wiring, e);
   double number;
   vs_status status = VS_OK;
-  bool wanted = model && *model && !*pins->part && !vs_values_number(p->values, model, &number);
-  if (wanted && vs_elements_defined(p->wiring->listing, model) < 0)
+  bool wanted =
+      model && *model && !*pins->part && !vs_values_number(p->values, vs_words_of(model), &number);
+  if (wanted && vs_elements_defined(p->wiring->listing, vs_words_of(model)) < 0)
     status = vs_fail_at(err, vs_elements_where(p->wiring, e, 0),
                         "%s: %s '%s' is defined nowhere; write it into the netlist, or name the "
                         "file that has it by --library FILE",
@@ -232,22 +229,19 @@ static vs_status check_model(const vs_fate *p, const vs_element *e, const vs_pin
 static vs_status check_element(const vs_fate *p, const vs_element *e, vs_error *err) {
   const vs_elements *w = p->wiring;
   vs_where where = vs_elements_where(w, e, 0);
-  char *word = vs_elements_word_of(w, e, e->n_nodes + 1);
-  const char *text = w->listing->cards[e->card].text;
-  const char *behind = text + strlen(text);
-  if (e->n_nodes + 1 < e->n_words)
-    behind = text + e->words[e->n_nodes + 1].at + e->words[e->n_nodes + 1].size;
+  const vs_word word = vs_elements_word(e, e->n_nodes + 1);
+  const char *text = w->listing->cards[e->card].text, *behind = word.at + word.n;
   vs_status status = VS_OK;
   double number;
   bool passive = strchr("rcl", e->letter) != NULL;
   if (passive && *behind == ',' && isdigit((unsigned char)behind[1]))
-    status = vs_fail_at(err, where, "%s: '%s%.*s': the decimal sign is a point", e->name, word,
-                        (int)strcspn(behind, " \t"), behind);
-  else if (passive && isalpha((unsigned char)*word) && !strpbrk(text, "={'") &&
+    status = vs_fail_at(err, where, "%s: '%.*s%.*s': the decimal sign is a point", e->name,
+                        (int)word.n, word.at, (int)strcspn(behind, " \t"), behind);
+  else if (passive && isalpha((unsigned char)*word.at) && !strpbrk(text, "={'") &&
            e->n_words == e->n_nodes + 2 && !vs_values_of(p->values, word, &number) &&
            vs_elements_defined(w->listing, word) < 0)
-    status = vs_fail_at(err, where, "%s: '%s' is no value: write a number there, as 4.7k", e->name,
-                        word);
+    status = vs_fail_at(err, where, "%s: '%.*s' is no value: write a number there, as 4.7k",
+                        e->name, (int)word.n, word.at);
   else if (e->letter == 'u')
     status = vs_fail_at(err, where,
                         "%s: with U begin PSpice's digital parts, which ngspice does not have: "
@@ -260,7 +254,6 @@ static vs_status check_element(const vs_fate *p, const vs_element *e, vs_error *
                         "%s: the stimulus was drawn in PSpice's editor; write it as PULSE(...), "
                         "PWL(...) or SIN(...)",
                         e->name);
-  free(word);
   return status;
 }
 
@@ -284,28 +277,19 @@ static char letter_of_use(const vs_fate *p, const char *name) {
   for (size_t k = 0; k < p->wiring->count; k++) {
     const vs_element *e = &p->wiring->elements[k];
     if (!strchr("rcl", e->letter)) continue;
-    char *word = vs_elements_word_of(p->wiring, e, e->n_nodes + 1), *bare = word;
-    if (*bare == '{') bare++;
-    bool is = !strncasecmp(bare, name, strlen(name)) && strchr("}", bare[strlen(name)]);
-    free(word);
-    if (is) return e->letter;
+    vs_word word = vs_elements_word(e, e->n_nodes + 1);
+    if (*word.at == '{') word = (vs_word){word.at + 1, word.n - 1 - (word.at[word.n - 1] == '}')};
+    if (vs_words_is(word, name)) return e->letter;
   }
   return '\0';
 }
 
 /* True where the text uses this name as a whole word, other than to assign a value to it. */
-static bool names(const char *text, const char *name) {
-  for (const char *s = text; (s = vs_words_find(text, s, name, strlen(name))); s++)
-    if (!vs_words_is_given(s + strlen(name))) return true;
+static bool names(vs_word text, const char *name) {
+  const size_t n = strlen(name);
+  for (const char *s = text.at; (s = vs_words_find(text.at, s, name, n)); s++)
+    if (s < text.at + text.n && !vs_words_is_given(s + n)) return true;
   return false;
-}
-
-/* True where the element's line uses the name after its nodes. */
-static bool names_behind(const vs_fate *p, const vs_element *e, const char *name) {
-  char *text = vs_elements_rest_of(p->wiring, e, e->n_nodes + 1);
-  bool found = names(text, name);
-  free(text);
-  return found;
 }
 
 /* For an element that the program takes over: true where its Rser, Rpar or Cpar, which LTspice puts
@@ -313,18 +297,15 @@ static bool names_behind(const vs_fate *p, const vs_element *e, const char *name
 static bool names_in_parts(const vs_fate *p, const vs_element *e, const char *name) {
   static const char *const PARTS[] = {"rser", "rpar", "cpar"};
   bool found = false;
-  for (size_t k = 0; k < sizeof PARTS / sizeof *PARTS && !found; k++) {
-    char *text = vs_elements_option(p->wiring, e, PARTS[k]);
-    found = text && names(text, name);
-    free(text);
-  }
+  for (size_t k = 0; k < sizeof PARTS / sizeof *PARTS && !found; k++)
+    found = names(vs_elements_option(p->wiring, e, PARTS[k]), name);
   return found;
 }
 
 /* True where the part of the element that the deck keeps uses the name. */
 static bool is_used_in_element(const vs_fate *p, const vs_element *e, const char *name) {
   bool taken = vs_fate_is_coil(p, e) || e == p->roles->mains || vs_roles_gate_of(p->roles, e) >= 0;
-  return taken ? names_in_parts(p, e, name) : names_behind(p, e, name);
+  return taken ? names_in_parts(p, e, name) : names(vs_elements_rest(e, e->n_nodes + 1), name);
 }
 
 /* True where a line that the deck keeps uses the parameter; its own line does not count. */
@@ -333,15 +314,15 @@ static bool is_used(const vs_fate *p, const vs_value_param *v) {
   bool used = false;
   for (size_t k = 0; k < l->count && !used; k++)
     used = k != v->card && l->cards[k].kind == VS_CARD_STATEMENT &&
-           !vs_listing_is(&l->cards[k], ".tran") && names(l->cards[k].text, v->name);
+           !vs_listing_is(&l->cards[k], ".tran") && names(vs_words_of(l->cards[k].text), v->name);
   for (size_t k = 0; k < l->count && !used; k++)
     used = l->cards[k].kind == VS_CARD_ELEMENT && (l->cards[k].depth > 0 || l->cards[k].included) &&
-           names(l->cards[k].text, v->name);
+           names(vs_words_of(l->cards[k].text), v->name);
   for (size_t k = 0; k < p->wiring->count && !used; k++)
     used = is_used_in_element(p, &p->wiring->elements[k], v->name);
   for (size_t k = 0; k < p->values->count && !used; k++) /* another parameter on the same line */
     used = &p->values->item[k] != v && p->values->item[k].card == v->card &&
-           names(p->values->item[k].text, v->name);
+           names(vs_words_of(p->values->item[k].text), v->name);
   return used;
 }
 
@@ -364,7 +345,7 @@ static bool is_used_in_statement(const vs_card *c, const char *name) {
   for (const char *s = c->text; counts && (s = vs_words_find(c->text, s, name, strlen(name)));
        s++) {
     bool node = s - c->text > 1 && s[-1] == '(' && strchr("vV", s[-2]);
-    if (!node && names(s, name)) return true;
+    if (!node && names(vs_words_of(s), name)) return true;
   }
   return false;
 }
@@ -376,7 +357,7 @@ static bool is_used_within(const vs_fate *p, const char *name) {
   for (size_t k = 0; k < l->count; k++) {
     const vs_card *c = &l->cards[k];
     bool within = c->depth > 0 || c->included;
-    if (!within || !names(c->text, name)) continue;
+    if (!within || !names(vs_words_of(c->text), name)) continue;
     if (c->kind == VS_CARD_STATEMENT ? is_left_out(c) : c->kind != VS_CARD_ELEMENT) continue;
     size_t scope = l->netlist.card[k].scope;
     while (l->netlist.scope[scope].outer) scope = l->netlist.scope[scope].outer;
@@ -396,8 +377,8 @@ static bool is_used_in_functions(const vs_fate *p, const char *name) {
     const vs_card *c = &l->cards[k];
     const char *body = strchr(c->text, ')'),
                *argument = vs_words_find(c->text, c->text, name, strlen(name));
-    if (c->kind == VS_CARD_STATEMENT && vs_listing_is(c, ".func") && body && names(body, name) &&
-        !(argument && argument < body))
+    if (c->kind == VS_CARD_STATEMENT && vs_listing_is(c, ".func") && body &&
+        names(vs_words_of(body), name) && !(argument && argument < body))
       return true;
   }
   return false;
@@ -415,7 +396,7 @@ static bool is_used_by_deck(const vs_fate *p, const char *name, bool *seen, int 
   for (size_t k = 0; k < p->wiring->count && !used; k++)
     used = is_used_in_element(p, &p->wiring->elements[k], name);
   for (size_t k = 0; k < p->values->count && !used; k++) {
-    if (seen[k] || !names(p->values->item[k].text, name)) continue;
+    if (seen[k] || !names(vs_words_of(p->values->item[k].text), name)) continue;
     seen[k] = true;
     used = --*left < 0 || is_used_by_deck(p, p->values->item[k].name, seen, left);
   }

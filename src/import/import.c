@@ -83,18 +83,12 @@ static void find_inner_source(const vs_elements *w, const vs_values *v, vs_text 
   }
 }
 
-static bool has_initial(const vs_elements *w, const vs_element *e) {
-  char *ic = vs_elements_option(w, e, "ic");
-  free(ic);
-  return ic != NULL;
-}
-
 static void list_stores(const vs_elements *w, const vs_roles *r, vs_text *names) {
   enum { SHOWN = 6 };
   int count = 0;
   for (size_t k = 0; k < w->count; k++) {
     const vs_element *e = &w->elements[k];
-    if (!strchr("cl", e->letter) || e == r->coil || has_initial(w, e)) continue;
+    if (!strchr("cl", e->letter) || e == r->coil || vs_elements_option(w, e, "ic").n) continue;
     if (count < SHOWN) vs_text_add(names, "%s%s", count ? ", " : "", e->name);
     if (count++ == SHOWN) vs_text_add(names, ", ...");
   }

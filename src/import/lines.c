@@ -338,9 +338,7 @@ static void add_passives(vs_fate *p) {
 /* The inductor that the n-th word of a K line names, and its value; NULL: its value is not known,
  * or is multiplied. */
 static const vs_element *coupled(const vs_fate *p, const vs_element *e, int n, const char **value) {
-  char *name = vs_elements_word_of(p->wiring, e, n);
-  const vs_element *l = vs_elements_find(p->wiring, name);
-  free(name);
+  const vs_element *l = vs_elements_find(p->wiring, vs_elements_word(e, n));
   bool multiplied = l && (vs_elements_sets(p->wiring, p->values, l, "m") ||
                           vs_elements_sets(p->wiring, p->values, l, "scale")); /* K knows no m= */
   *value = l && !multiplied ? vs_fate_of(p, l)->value : NULL;
@@ -352,9 +350,8 @@ static const vs_element *coupled(const vs_fate *p, const vs_element *e, int n, c
 static bool add_coupling(vs_fate *p, const vs_element *e) {
   double factor;
   int last = e->n_words - 1;
-  char *word = vs_elements_word_of(p->wiring, e, last), name[VS_DECK_NAME + 16];
-  bool known = last > 2 && vs_values_of(p->values, word, &factor);
-  free(word);
+  char name[VS_DECK_NAME + 16];
+  bool known = last > 2 && vs_values_of(p->values, vs_elements_word(e, last), &factor);
   for (int n = 1; n < last && known; n++)
     for (int m = n + 1; m < last && known; m++) {
       const char *a, *b;

@@ -21,7 +21,7 @@ typedef struct search {
  * is none. */
 static vs_status named(const search *f, const char *option, const char *name,
                        const vs_element **e) {
-  *e = vs_elements_find(f->w, name);
+  *e = vs_elements_find(f->w, vs_words_of(name));
   if (*e) return VS_OK;
   const char **names = vs_alloc(f->w->count + 1, sizeof *names);
   for (size_t k = 0; k < f->w->count; k++) names[k] = f->w->elements[k].name;
@@ -61,12 +61,8 @@ int vs_roles_gate_of(const vs_roles *r, const vs_element *source) {
 
 /* The value of an R, L or C: its first word after the nodes, or R=, L=, C=. */
 static bool value_of(const search *f, const vs_element *e, double *value) {
-  char *word = vs_elements_word_of(f->w, e, e->n_nodes + 1);
-  char *option = vs_elements_option(f->w, e, (char[]){e->letter, '\0'});
-  bool known = vs_values_of(f->v, option ? option : word, value);
-  free(word);
-  free(option);
-  return known;
+  const vs_word option = vs_elements_option(f->w, e, (char[]){e->letter, '\0'});
+  return vs_values_of(f->v, option.n ? option : vs_elements_word(e, e->n_nodes + 1), value);
 }
 
 /* True where the inductor's own line puts something across it: LTspice's Rpar= or Cpar=. */
@@ -129,16 +125,14 @@ static vs_status join(search *f, const vs_element *l, const vs_element *r) {
 /* Error: the element has an option that multiplies it or sets its temperature. */
 static vs_status check_options(const search *f, const vs_element *e) {
   static const char *const OPTIONS[] = {"m", "scale", "temp", "dtemp"};
-  vs_status status = VS_OK;
-  for (size_t k = 0; k < sizeof OPTIONS / sizeof *OPTIONS && !status; k++) {
-    char *value = vs_elements_option(f->w, e, OPTIONS[k]);
-    if (value)
-      status = vs_fail_at(f->err, vs_elements_where(f->w, e, 0),
-                          "%s: the coil's %s=%s is not taken; write the value that it makes",
-                          e->name, OPTIONS[k], value);
-    free(value);
+  for (size_t k = 0; k < sizeof OPTIONS / sizeof *OPTIONS; k++) {
+    const vs_word value = vs_elements_option(f->w, e, OPTIONS[k]);
+    if (value.n)
+      return vs_fail_at(f->err, vs_elements_where(f->w, e, 0),
+                        "%s: the coil's %s=%.*s is not taken; write the value that it makes",
+                        e->name, OPTIONS[k], (int)value.n, value.at);
   }
-  return status;
+  return VS_OK;
 }
 
 static vs_status set_coil(search *f, const vs_element *l, const vs_element *r) {
@@ -157,10 +151,8 @@ static vs_status set_coil(search *f, const vs_element *l, const vs_element *r) {
   if (r && (!value_of(f, r, &roles->resistance_ohm) || roles->resistance_ohm < 0))
     return vs_fail_at(f->err, vs_elements_where(f->w, r, 0),
                       "%s: its resistance is not known before a run, as a number", r->name);
-  char *rser = vs_elements_option(f->w, l, "rser");
-  bool known = !rser || vs_values_of(f->v, rser, &own);
-  free(rser);
-  if (!known)
+  const vs_word rser = vs_elements_option(f->w, l, "rser");
+  if (rser.n && !vs_values_of(f->v, rser, &own))
     return vs_fail_at(f->err, where, "%s: Rser is not known before a run, as a number", l->name);
   if (r && has_across(f, l))
     return vs_fail_at(f->err, where,
@@ -352,7 +344,7 @@ static bool in_the_line(const search *f, const vs_element *e) {
 static bool may_fire(const search *f, const vs_element *e) {
   vs_course_pulse p;
   vs_error unread = {0};
-  bool pulse = vs_course_has(f->w, e, "pulse"), points = vs_course_has(f->w, e, "pwl");
+  bool pulse = vs_course_has(e, "pulse"), points = vs_course_has(e, "pwl");
   if (!f->roles->mains || (!pulse && !points) || in_the_line(f, e)) return false;
   if (vs_course_read_pulse(f->w, f->v, e, &p, &unread)) return true; /* it is asked for, or told */
   return (!points || (isfinite(p.at_s) && isfinite(p.width_s))) && !chops(f, &p);
@@ -496,7 +488,8 @@ static vs_status set_mains(search *f, const vs_element *e) {
 }
 
 static bool is_sine(const search *f, const vs_element *e) {
-  return e->letter == 'v' && (vs_course_has(f->w, e, "sin") || vs_course_has(f->w, e, "sine"));
+  (void)f;
+  return e->letter == 'v' && (vs_course_has(e, "sin") || vs_course_has(e, "sine"));
 }
 
 static vs_status find_mains(search *f, const char *asked) {

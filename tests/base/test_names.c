@@ -84,11 +84,11 @@ static void parameters_need_each_other(void) {
                      ".param round=(turn+1) turn=(round-1) lost=(2*turn) twice=1 twice=2\n"
                      "R1 a 0 1\n");
   read_netlist(text.text, &listing, &values, &elements);
-  CU_ASSERT(vs_values_of(&values, "p60", &value) && value == ldexp(1, 30));
-  CU_ASSERT(vs_values_of(&values, "p59+q59", &value) && value == ldexp(1, 30));
-  CU_ASSERT(vs_values_of(&values, "TWICE", &value) && value == 2);
-  CU_ASSERT_FALSE(vs_values_of(&values, "round", &value));
-  CU_ASSERT_FALSE(vs_values_of(&values, "lost", &value));
+  CU_ASSERT(vs_values_of(&values, vs_words_of("p60"), &value) && value == ldexp(1, 30));
+  CU_ASSERT(vs_values_of(&values, vs_words_of("p59+q59"), &value) && value == ldexp(1, 30));
+  CU_ASSERT(vs_values_of(&values, vs_words_of("TWICE"), &value) && value == 2);
+  CU_ASSERT_FALSE(vs_values_of(&values, vs_words_of("round"), &value));
+  CU_ASSERT_FALSE(vs_values_of(&values, vs_words_of("lost"), &value));
   CU_ASSERT_FALSE(vs_values_find(&values, "turn")->known);
   vs_text_free(&text);
   vs_elements_free(&elements);
