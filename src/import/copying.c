@@ -217,9 +217,7 @@ static bool is_skipped(writer *b, const vs_card *card) {
     skip = true;
   }
   vs_statements_free(&skipped);
-  for (size_t k = 0; k < sizeof OURS / sizeof *OURS; k++)
-    skip = skip || vs_listing_is(card, OURS[k]);
-  return skip;
+  return skip || VS_WORDS_AMONG(vs_words_at(card->text), OURS);
 }
 
 /* Reads the end of the run from ".tran step end ..." or from LTspice's ".tran end". */

@@ -168,8 +168,8 @@ static bool has(const vs_names *names, const char *name) {
 }
 
 /* Of several with the same name the first counts. */
-static void put(vs_names *names, const char *name, size_t number) {
-  if (!has(names, name)) vs_names_put(names, name, number);
+static void put(vs_names *names, vs_word name, size_t number) {
+  if (!vs_names_find(names, name.at, name.n, NULL)) vs_names_put(names, name.at, name.n, number);
 }
 
 static int find_node(const vs_elements *w, vs_word said) {
@@ -191,8 +191,8 @@ static int add_node(vs_elements *w, char *said) {
     snprintf(node.name, sizeof node.name, "%.50s_%d", name, k);
   w->nodes = vs_alloc_grow(w->nodes, w->n_nodes, sizeof *w->nodes);
   w->nodes[w->n_nodes] = node;
-  put(&w->said, node.said, w->n_nodes);
-  put(&w->names, node.name, w->n_nodes);
+  put(&w->said, vs_words_of(node.said), w->n_nodes);
+  put(&w->names, vs_words_of(node.name), w->n_nodes);
   return (int)w->n_nodes++;
 }
 
@@ -255,11 +255,9 @@ static vs_status add_element(vs_elements *w, size_t card, vs_error *err) {
     vs_elements_node *node = &w->nodes[e->nodes[k]];
     node->at[node->ends++ > 0] = w->count;
   }
-  char *said = vs_alloc_part(e->words[0].at, e->words[0].n);
-  put(&w->by_said, said, w->count);
-  put(&w->by_name, e->name, w->count);
-  put(&w->by_key, e->key, w->count);
-  free(said);
+  put(&w->by_said, e->words[0], w->count);
+  put(&w->by_name, vs_words_of(e->name), w->count);
+  put(&w->by_key, vs_words_of(e->key), w->count);
   w->count++;
   return VS_OK;
 }

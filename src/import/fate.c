@@ -330,18 +330,14 @@ static bool is_used(const vs_fate *p, const vs_value_param *v) {
  * separately. */
 static bool is_left_out(const vs_card *c) {
   static const char *const WORDS[] = {".tran", ".meas", ".measure", ".step", ".func"};
-  for (size_t k = 0; k < sizeof WORDS / sizeof *WORDS; k++)
-    if (vs_listing_is(c, WORDS[k])) return true;
-  return false;
+  return VS_WORDS_AMONG(vs_words_at(c->text), WORDS);
 }
 
 /* True where a statement at the netlist's top level uses the name; v(NAME) of a node does not
  * count. */
 static bool is_used_in_statement(const vs_card *c, const char *name) {
   static const char *const WORDS[] = {".model", ".ic", ".nodeset", ".if", ".elseif"};
-  bool counts = false;
-  for (size_t k = 0; k < sizeof WORDS / sizeof *WORDS; k++)
-    counts = counts || vs_listing_is(c, WORDS[k]);
+  const bool counts = VS_WORDS_AMONG(vs_words_at(c->text), WORDS);
   for (const char *s = c->text; counts && (s = vs_words_find(c->text, s, name, strlen(name)));
        s++) {
     bool node = s - c->text > 1 && s[-1] == '(' && strchr("vV", s[-2]);

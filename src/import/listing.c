@@ -88,10 +88,9 @@ static bool find_beside(const char *name, const char *by, char *path) {
 }
 
 bool vs_listing_finds(const vs_card *card, char *path) {
-  if (!vs_listing_is(card, ".include") && !vs_listing_is(card, ".inc") &&
-      !vs_listing_is(card, ".lib"))
-    return false;
+  static const char *const WORDS[] = {".include", ".inc", ".lib"};
   char name[VS_PATH_SIZE / 2];
+  if (!VS_WORDS_AMONG(vs_words_at(card->text), WORDS)) return false;
   const char *from = card->text + strcspn(card->text, " \t");
   from += strspn(from, " \t");
   char quote = *from == '"' || *from == '\'' ? *from++ : '\0';

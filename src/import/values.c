@@ -256,7 +256,7 @@ void vs_values_read(vs_values *v, const vs_listing *l) {
     *p = (vs_value_param){.card = d->card, .text = vs_alloc_part(d->body.at, d->body.n)};
     snprintf(p->name, sizeof p->name, "%.*s", (int)d->name.n, d->name.at);
     vs_cursor_lower(p->name);
-    vs_names_put(&v->names, p->name, v->count++); /* the last one counts */
+    vs_names_put(&v->names, p->name, strlen(p->name), v->count++); /* the last one counts */
   }
   for (size_t k = 0; k < v->count; k++) {
     vs_value_param *p = &v->item[k];

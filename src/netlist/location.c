@@ -101,11 +101,6 @@ static const char *message_remedy(const char *message) {
 
 /* In which lines of a deck that may stand which a complaint of ngspice's speaks of. */
 
-/* True for text whose first word is those n bytes. */
-static bool is_named(const char *line, const char *name, size_t n) {
-  return !strncasecmp(line, name, n) && strchr(" \t", line[n]);
-}
-
 /* Finds the subcircuit of a path, as "b.xs.xq.bk" or "xs.xq.kk", by its instances. 0: there is
  * none.
  */
@@ -116,7 +111,7 @@ static size_t scope_of(const vs_cards *c, const char *path) {
   while (path < last) {
     const size_t n = strcspn(path, ".");
     size_t k = c->scope[scope].first;
-    while (k < c->scope[scope].last && !is_named(c->lines[k].text, path, n))
+    while (k < c->scope[scope].last && vs_words_compare(c->card[k].name, (vs_word){path, n}))
       k = vs_cards_next(c, k);
     scope = k < c->scope[scope].last ? vs_cards_called(c, &c->card[k]) : 0;
     if (!scope) return 0;

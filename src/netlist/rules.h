@@ -8,9 +8,9 @@
 #include "netlist/cards.h"
 #include "netlist/deck.h"
 
-/* Holds a line that begins with '.', taken apart alone, to the rules. Counts in deck->subcircuits those that it opens
- * and closes, and sets deck->own_clock where it knows the time. *skip is true if it is none of the
- * circuit's lines and harmless; deck->skipped has it then. */
+/* Holds a line that begins with '.', taken apart alone, to the rules. Counts in deck->subcircuits
+ * those that it opens and closes, and sets deck->own_clock where it knows the time. *skip is true
+ * if it is none of the circuit's lines and harmless; deck->skipped has it then. */
 vs_status vs_rules_statement(vs_deck *deck, const vs_cards *one, bool *skip, vs_error *err);
 /* Refuses a .param, outside of subcircuits, of a name that stands in a '*$ param' line, once all
  * files are read: a part's file declares its own behind the deck's lines. Error with its place. */

@@ -25,7 +25,7 @@ static int take_node(vs_wiring *w, const char *name) {
   if (vs_names_find(&w->numbers, name, strlen(name), &known)) return (int)known;
   w->nodes = vs_alloc_grow(w->nodes, w->n_nodes, sizeof *w->nodes);
   snprintf(w->nodes[w->n_nodes], sizeof *w->nodes, "%s", name);
-  vs_names_put(&w->numbers, name, w->n_nodes);
+  vs_names_put(&w->numbers, name, strlen(name), w->n_nodes);
   return (int)w->n_nodes++;
 }
 

@@ -182,9 +182,7 @@ static size_t decimal_comma(const char *s) {
  * lines have lists with commas. */
 static bool has_plain_values(const char *text) {
   static const char *const WORDS[] = {".model", ".param", ".subckt", ".ic", ".nodeset"};
-  for (size_t k = 0; k < sizeof WORDS / sizeof *WORDS; k++)
-    if (vs_words_begin(text, WORDS[k])) return true;
-  return strchr("rRcClLxX", *text);
+  return VS_WORDS_AMONG(vs_words_at(text), WORDS) || strchr("rRcClLxX", *text);
 }
 
 /* Looks at the values "NAME=..." that stand in no brackets, but for those of a .model. The two

@@ -390,25 +390,21 @@ static bool has_parameters(const vs_cards *c, size_t scope) {
  * another one has. */
 static void find_renamed(const vs_cards *c, vs_names *renamed, vs_tally *tally) {
   vs_names taken = {0};
-  for (size_t k = 1; k < c->n_scopes; k++) {
-    char *name = vs_alloc_part(c->scope[k].name.at, c->scope[k].name.n);
-    vs_names_put(&taken, name, k);
-    free(name);
-  }
+  for (size_t k = 1; k < c->n_scopes; k++)
+    vs_names_put(&taken, c->scope[k].name.at, c->scope[k].name.n, k);
   for (size_t k = 1; k < c->n_scopes; k++) {
     const vs_word word = c->scope[k].name;
     if (is_plain(word) || !has_parameters(c, k)) continue;
-    char *name = vs_alloc_part(word.at, word.n), *plain = vs_copy(name);
+    char *plain = vs_alloc_part(word.at, word.n);
     write_plain(plain, word.n);
     if (!vs_names_find(&taken, plain, word.n, NULL)) {
       vs_tally_add(tally,
                    "a subcircuit with parameters is found by ngspice if its name has letters, "
                    "digits and '_' only: other characters become '_'",
                    c->lines[c->scope[k].first - 1].where);
-      vs_names_put(&taken, plain, k);
-      vs_names_put(renamed, name, k);
+      vs_names_put(&taken, plain, word.n, k);
+      vs_names_put(renamed, word.at, word.n, k);
     }
-    free(name);
     free(plain);
   }
   vs_names_free(&taken);

@@ -22,6 +22,15 @@ double vs_slips_segments(const char *line);
  * the time in the place of the node's voltage, or runs out of memory. */
 vs_status vs_slips_names(const vs_cards *cards, vs_error *err);
 
+/* Errors: in lines X... a parameter that has no value, as "r= c=7", which ngspice reads as
+ * something else; a name behind the last value, which ngspice leaves out. */
+vs_status vs_slips_instances(const vs_cards *cards, vs_error *err);
+
+/* Errors, each with its place: the gain of an E, F, G or H is a bare name that ngspice takes for 0,
+ * as no .param or .subckt defines it, wherever that stands, or as it stands in brackets or in a
+ * line with commas. `known` has the names that are defined besides, and gets the others. */
+vs_status vs_slips_gains(const vs_cards *cards, vs_names *known, vs_error *err);
+
 /* Errors: a line is an .else, .elseif or .endif, and no .if is open there, for which ngspice gives
  * no reason; or an .if that no .endif closes, behind which ngspice silently leaves all out. */
 vs_status vs_slips_conditions(const vs_line *lines, size_t count, vs_error *err);
