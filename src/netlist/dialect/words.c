@@ -127,6 +127,13 @@ size_t vs_words_arguments(const char *open, vs_word arguments[VS_WORDS_MOST], co
   return 0;
 }
 
+const char *vs_words_number(const char *s, vs_word *number) {
+  s += strspn(s, " \t,(");
+  const char *end = behind(s, " \t,)");
+  *number = (vs_word){s, (size_t)(end - s)};
+  return end > s ? end : NULL;
+}
+
 void vs_words_unbrace(char *line) {
   if (tolower((unsigned char)*line) != 'x' && !vs_words_begin(line, ".subckt")) return;
   for (char *s = line; (s = strchr(s, '{')); s++) {
