@@ -40,28 +40,18 @@ static void add_time(numbers *n, vs_word word) {
 static vs_status read_numbers(const vs_elements *w, const vs_values *v, const vs_element *e,
                               const char *s, bool points, numbers *n, vs_error *err) {
   s += strspn(s, " \t");
-  bool bracket = *s == '(';
-  if (bracket) s++;
-  while (*(s += strspn(s, " \t,")) && *s != ')' && n->count < MOST_NUMBERS) {
-    int depth = 0, size = 0;
-    bool quoted = false, option = false;
-    for (; s[size] && (depth > 0 || quoted || !strchr(" \t,)", s[size])); size++) {
-      if (s[size] == '\'') quoted = !quoted;
-      depth += (s[size] == '{' || s[size] == '(') - (s[size] == '}' || s[size] == ')');
-      option = option || (s[size] == '=' && depth == 0);
-    }
-    if (option || size == 0) break;
-    const vs_word word = {s, (size_t)size};
+  const bool bracket = *s == '(';
+  vs_word word;
+  for (s += bracket; n->count < MOST_NUMBERS && (s = vs_words_number(s, &word)); n->count++) {
+    if (!strchr("{'", *word.at) && memchr(word.at, '=', word.n)) break;
     const bool known = vs_values_of(v, word, &n->item[n->count]);
     if (!known && bracket)
       return vs_fail_at(err, vs_elements_where(w, e, 0),
                         "%s: '%.*s' is not known before a run; write a number, or a .param of "
                         "numbers",
-                        e->name, size, s);
+                        e->name, (int)word.n, word.at);
     if (!known) break; /* such as AC 1, after a course without brackets */
     if (points) add_time(n, word);
-    n->count++;
-    s += size;
   }
   return VS_OK;
 }

@@ -31,10 +31,7 @@ static const char DIAC[] = " diac sidac ", DIAC_NUMBERS[] = " db smdb ht ";
 const char *const vs_pins_said = "as --pins says";
 
 static bool among(const char *list, const char *word, size_t n) {
-  char spaced[VS_ELEMENTS_NAME + 2];
-  snprintf(spaced, sizeof spaced, " %.*s ", (int)n, word);
-  vs_cursor_lower(spaced);
-  return n > 0 && n < VS_ELEMENTS_NAME && list && strstr(list, spaced);
+  return n > 0 && list && vs_words_find(list, list, word, n);
 }
 
 /* ---- kinds ---- */

@@ -703,8 +703,8 @@ static bool add_as_pulse(const char *open, int head, const char *text, vs_text *
   enum { MOST = 12 };
   vs_word w[MOST + 1];
   size_t count = 0;
-  for (const char *s = open; count <= MOST && (s = vs_words_number(s, &w[count])); count++) {
-  }
+  for (const char *s = open + 1; count <= MOST; count++)
+    if (!(s = vs_words_number(s, &w[count]))) break;
   const size_t n = count == MOST ? 2 : 0;
   const vs_word *low = w + 1, *t = w + n, *high = t + 3;
   bool is = count == 10 || count == MOST;

@@ -69,10 +69,7 @@ static const struct known {
 };
 
 static bool is_in_list(const char *list, vs_word w) {
-  char padded[40];
-  snprintf(padded, sizeof padded, " %.*s ", (int)w.n, w.at);
-  vs_cursor_lower(padded);
-  return strstr(list, padded) != NULL;
+  return w.n && vs_words_find(list, list, w.at, w.n);
 }
 
 static const struct known *known_of(vs_word type) {
@@ -285,7 +282,7 @@ static vs_status check_sine(const vs_rewriting *r) {
   vs_word number;
   size_t count = 0;
   if (!strchr("vViI", *r->text.text) || !open || sine[-1] > ' ') return VS_OK;
-  for (const char *s = open; (s = vs_words_number(s, &number));) count++;
+  for (const char *s = open + 1; (s = vs_words_number(s, &number));) count++;
   return count < 7 ? VS_OK
                    : vs_fail_at(r->err, vs_rewriting_place(r, sine, 3),
                                 "SIN has six numbers in ngspice; the seventh, LTspice's number of "
@@ -299,7 +296,7 @@ static vs_status check_points(const vs_rewriting *r) {
   if (!strchr("vViI", *r->text.text) || !open || pwl[-1] > ' ') return VS_OK;
   vs_word number;
   int n = 0; /* which number it is: times are those of even n */
-  for (const char *s = open; (s = vs_words_number(s, &number)); n++)
+  for (const char *s = open + 1; (s = vs_words_number(s, &number)); n++)
     if (n > 0 && n % 2 == 0 && *number.at == '+')
       return vs_fail_at(r->err, vs_rewriting_place(r, number.at, number.n),
                         "%.*s: a time from the point before, LTspice's, which ngspice counts from "
@@ -325,8 +322,8 @@ static void tell_of_edges(vs_rewriting *r) {
   for (int n = 0; n < 3; n++) pulse = vs_words_next(pulse);
   while (*pulse && !vs_words_is(vs_words_at(pulse), "pulse")) pulse = vs_words_next(pulse);
   if (!*pulse) return;
-  for (const char *s = pulse + 5; count < MOST && (s = vs_words_number(s, &w[count])); count++) {
-  }
+  for (const char *s = pulse + 5 + strspn(pulse + 5, " \t("); count < MOST; count++)
+    if (!(s = vs_words_number(s, &w[count]))) break;
   if (is_left_out(w, count, RISE) || (!is_left_out(w, count, WIDTH) && is_left_out(w, count, FALL)))
     vs_tally_add(r->tally,
                  "an edge of PULSE that is 0 or left out lasts as long as the run's largest step, "

@@ -128,7 +128,7 @@ size_t vs_words_arguments(const char *open, vs_word arguments[VS_WORDS_MOST], co
 }
 
 const char *vs_words_number(const char *s, vs_word *number) {
-  s += strspn(s, " \t,(");
+  s += strspn(s, " \t,");
   const char *end = behind(s, " \t,)");
   *number = (vs_word){s, (size_t)(end - s)};
   return end > s ? end : NULL;

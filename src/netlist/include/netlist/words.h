@@ -52,9 +52,9 @@ bool vs_words_parameter(const char *from, const char *name, vs_word *whole, vs_w
  * than VS_WORDS_MOST. */
 size_t vs_words_arguments(const char *open, vs_word arguments[VS_WORDS_MOST], const char **end);
 
-/* Goes through the numbers behind the word of a source's course, as PULSE, in brackets or not.
- * Returns what is behind the next one from s on; NULL: there is none. Braces, brackets and quotes
- * are kept together. */
+/* Goes through the numbers of a source's course, as those of PULSE, up to a ')'. Returns what is
+ * behind the next one from s on; NULL: there is none. Braces, brackets and quotes are kept together.
+ */
 const char *vs_words_number(const char *s, vs_word *number);
 
 /* Writes blanks for the braces of ".subckt F a b {T=1 C=1p}" and "X1 a b F {T=2}", IsSpice's. */
