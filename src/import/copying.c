@@ -38,14 +38,11 @@ static const char *node(writer *b, const vs_element *e, int n) {
 
 /* Adds a text in which the current of the netlist's coil is that of the EVA. */
 static void add_expression(writer *b, const char *text) {
-  vs_text out = {0};
   for (const char *at; *b->p->eva_sense && (at = vs_fate_coil_current(b->p, text));) {
-    vs_text_add(&out, "%.*si(%s)", (int)(at - text), text, b->p->eva_sense);
+    vs_text_add(b->out, "%.*si(%s)", (int)(at - text), text, b->p->eva_sense);
     text = strchr(at, ')') + 1;
   }
-  vs_text_add(&out, "%s", text);
-  vs_text_add(b->out, "%s", out.text);
-  vs_text_free(&out);
+  vs_text_add(b->out, "%s", text);
 }
 
 /* Adds the rest of an element's line after its nodes, with its value replaced by the deck's

@@ -77,12 +77,7 @@ bool vs_elements_has_model(const vs_elements *w, const vs_element *e) {
 
 vs_where vs_elements_where(const vs_elements *w, const vs_element *e, int n) {
   const vs_card *card = &w->listing->cards[e->card];
-  vs_where where = card->where;
-  size_t first = strcspn(card->raw, "\n");
-  const char *at = n < e->n_words ? e->words[n].at : card->text;
-  if ((size_t)(at - card->text) + (size_t)where.column <= first)
-    where.column += vs_text_column(card->text, at) - 1;
-  return where;
+  return vs_listing_place(card, n < e->n_words ? e->words[n].at : card->text);
 }
 
 /* ---- models ---- */

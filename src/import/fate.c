@@ -448,11 +448,8 @@ static vs_status check_standard(vs_fate *p, const vs_value_param *v, vs_error *e
   bool used = is_used_by_deck(p, v->name, seen, &left);
   free(seen);
   if (!used || is_as_ours(p, v) || is_of_scene(p, v)) return VS_OK;
-  vs_where where = card->where;
   const char *at = vs_words_find(card->text, card->text, v->name, strlen(v->name));
-  if (at && (size_t)(at - card->text) + (size_t)where.column <= strcspn(card->raw, "\n"))
-    where.column += vs_text_column(card->text, at) - 1;
-  return vs_fail_at(err, where,
+  return vs_fail_at(err, at ? vs_listing_place(card, at) : card->where,
                     "parameter %s is the program's, which has another value; give the netlist's "
                     "another name, as %s_2, here and where it is used",
                     v->name, v->name);

@@ -54,6 +54,13 @@ bool vs_listing_is(const vs_card *card, const char *word) {
   return vs_words_begin(card->text, word);
 }
 
+vs_where vs_listing_place(const vs_card *card, const char *at) {
+  vs_where where = card->where;
+  if ((size_t)(at - card->text) + (size_t)where.column <= strcspn(card->raw, "\n"))
+    where.column += vs_text_column(card->text, at) - 1;
+  return where;
+}
+
 static bool is_file(const char *path) {
   struct stat s;
   return !stat(path, &s) && S_ISREG(s.st_mode);

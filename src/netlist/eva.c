@@ -60,10 +60,8 @@ static bool is_part_of_a_name(char c) {
 static const char *find_node(const char *eva, const char *line, const char *from,
                              char node[VS_DECK_NAME]) {
   size_t n = strlen(eva);
-  const int first = tolower((unsigned char)*eva);
-  for (const char *s = from; *s; s++) {
-    if (tolower((unsigned char)*s) != first) continue;
-    if (strncasecmp(s, eva, n) || s[n] != '.' || (s > line && is_part_of_a_name(s[-1]))) continue;
+  for (const char *s = from; (s = vs_words_find(line, s, eva, n)); s++) {
+    if (s[n] != '.' || (s > line && is_part_of_a_name(s[-1]))) continue;
     size_t length = 0;
     while (s[n + 1 + length] && is_part_of_a_name(s[n + 1 + length])) length++;
     snprintf(node, VS_DECK_NAME, "%.*s", (int)length, s + n + 1);

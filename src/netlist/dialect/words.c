@@ -76,10 +76,13 @@ bool vs_words_begin(const char *line, const char *word) {
 }
 
 const char *vs_words_find(const char *text, const char *from, const char *name, size_t n) {
-  for (const char *s = from; *s; s++)
+  const int first = tolower((unsigned char)*name);
+  for (const char *s = from; *s; s++) {
+    if (n && tolower((unsigned char)*s) != first) continue; /* most characters are done with so */
     if (!strncasecmp(s, name, n) && !vs_words_goes_on(s[n]) &&
         (s == text || !vs_words_goes_on(s[-1])))
       return s;
+  }
   return NULL;
 }
 
