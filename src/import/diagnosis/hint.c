@@ -177,8 +177,8 @@ void vs_hint_look(const vs_check_options *o, const vs_deck *deck, vs_check_bench
   vs_comparators *comparators = vs_alloc(1, sizeof *comparators);
   vs_wiring_open(&wiring, deck);
   find_floating(&wiring, notes);
-  vs_comparator_find(&wiring, comparators);
-  if (!o->deep) vs_comparator_note(comparators, notes); /* a trial measures them */
+  vs_judge_find_comparators(&wiring, comparators);
+  if (!o->deep) vs_judge_note_comparators(comparators, notes); /* a trial measures them */
   for (size_t k = 0; k < notes->count; k++) *vs_warnings_add(bench->warnings) = notes->item[k].text;
   vs_note_rows(notes, o->name, &bench->rows);
   vs_wiring_free(&wiring);
@@ -339,7 +339,7 @@ static vs_status try_scene(const vs_check_options *o, vs_scene *scene, vs_check_
   vs_comparators *comparators = vs_alloc(1, sizeof *comparators);
   watch_list *list = vs_alloc(1, sizeof *list);
   vs_wiring_open(&wiring, &scene->setup.deck);
-  vs_comparator_find(&wiring, comparators);
+  vs_judge_find_comparators(&wiring, comparators);
   for (size_t k = 0; k < comparators->count; k++) watch(scene, &comparators->item[k], list);
   vs_status status = try_both(o, scene, list, bench, err);
   for (size_t k = 0; k < list->count; k++) vs_formula_free(&list->formula[k]);
