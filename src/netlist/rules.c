@@ -43,8 +43,9 @@ static bool knows_time(const char *line) {
 static const char *find_whole(const char *text, const char *word, bool call) {
   size_t n = strlen(word);
   if (call && !strchr(text, '(')) return NULL;
-  for (const char *s = text; (s = vs_words_find(text, s, word, n)); s++) {
-    if (s > text && strchr(".#", s[-1])) continue;
+  for (const char *s = text; (s = strcasestr(s, word)); s++) { /* most lines have none of them */
+    const bool within = s > text && (vs_words_goes_on(s[-1]) || strchr(".#", s[-1]));
+    if (within || vs_words_goes_on(s[n])) continue;
     if (!call || s[n + strspn(s + n, " \t")] == '(') return s;
   }
   return NULL;

@@ -321,7 +321,8 @@ vs_status vs_functions_rewrite(vs_rewriting *r) {
   const function *f;
   if (!has_expressions(r->text.text)) return VS_OK;
   if (!r->pspice) rewrite_operators(r);
-  if (strpbrk(r->text.text, "^*") || strcasestr(r->text.text, "pow")) tell_powers(r);
+  const char *text = r->text.text;
+  if (strchr(text, '^') || strstr(text, "**") || strcasestr(text, "pow")) tell_powers(r);
   size_t until = r->text.length;
   while ((f = find_last(r, until, &at, &open))) {
     until = (size_t)(at - r->text.text); /* what is written there has no call of these */
