@@ -35,11 +35,11 @@ static void grow(vs_names *n) {
   *n = more;
 }
 
-void vs_names_put(vs_names *n, const char *name, size_t number) {
+void vs_names_put(vs_names *n, const char *name, size_t size, size_t number) {
   if (2 * (n->count + 1) > n->room) grow(n);
-  vs_name_slot *slot = slot_of(n, name, strlen(name));
+  vs_name_slot *slot = slot_of(n, name, size);
   if (!slot->name) {
-    slot->name = vs_copy(name);
+    slot->name = vs_alloc_part(name, size);
     n->count++;
   }
   slot->number = number;

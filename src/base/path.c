@@ -183,10 +183,9 @@ static vs_status refuse_name(const vs_shelf *shelf, const char *name, vs_where w
                              const char *looked, vs_error *err) {
   struct names known = {.shelf = shelf};
   vs_path_list(shelf, collect_name, &known);
-  const char *nearest = vs_text_nearest(name, known.names, known.count);
-  vs_fail_at(err, where, "no %s '%s': %s, and not a%s %s that comes with the program%s%s%s",
+  vs_fail_at(err, where, "no %s '%s': %s, and not a%s %s that comes with the program%s",
              shelf->what, name, looked, strchr("aeiou", *shelf->what) ? "n" : "", shelf->what,
-             nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+             vs_text_hint(name, known.names, known.count, "").text);
   for (size_t k = 0; k < known.count; k++) free((void *)(size_t)known.names[k]);
   return VS_INPUT;
 }

@@ -25,31 +25,12 @@ typedef struct writer {
   const vs_elements *w;
   const char *folder;
   vs_copying *body;
+  vs_text *out;   /* the body's text */
   int lines;      /* of the text so far */
   size_t counted; /* bytes of the text in which lines were counted */
 } writer;
 
-static void add(writer *b, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static void add(writer *b, const char *format, ...) {
-  char line[1024];
-  va_list list;
-  va_start(list, format);
-  vsnprintf(line, sizeof line, format, list);
-  va_end(list);
-  vs_text_add(&b->body->text, "%s", line);
-}
-
 /* ---- elements ---- */
-
-/* Adds a text in letters that ngspice knows: the micro sign becomes 'u'. */
-static void add_plain(writer *b, const char *text) {
-  for (const char *s = text; *s; s++)
-    if (!strncmp(s, "\xc2\xb5", 2) || !strncmp(s, "\xce\xbc", 2)) {
-      add(b, "u");
-      s++;
-    } else
-      vs_text_add(&b->body->text, "%c", *s);
-}
 
 static const char *node(writer *b, const vs_element *e, int n) {
   return vs_elements_node_of(b->w, e, n);
@@ -57,51 +38,51 @@ static const char *node(writer *b, const vs_element *e, int n) {
 
 /* Adds a text in which the current of the netlist's coil is that of the EVA. */
 static void add_expression(writer *b, const char *text) {
-  vs_text out = {0};
   for (const char *at; *b->p->eva_sense && (at = vs_fate_coil_current(b->p, text));) {
-    vs_text_add(&out, "%.*si(%s)", (int)(at - text), text, b->p->eva_sense);
+    vs_text_add(b->out, "%.*si(%s)", (int)(at - text), text, b->p->eva_sense);
     text = strchr(at, ')') + 1;
   }
-  vs_text_add(&out, "%s", text);
-  add_plain(b, out.text);
-  vs_text_free(&out);
+  vs_text_add(b->out, "%s", text);
 }
 
 /* Adds the rest of an element's line after its nodes, with its value replaced by the deck's
  * parameter. */
 static void add_rest(writer *b, const vs_element *e, const vs_fate_element *own) {
-  char *rest = vs_elements_rest_of(b->w, e, e->n_nodes + 1 + (*own->param != '\0'));
+  const vs_word rest = vs_elements_rest(e, e->n_nodes + 1 + (*own->param != '\0'));
   vs_text renamed = {0};
-  if (*own->param) add(b, " {%s}", own->param);
-  vs_elements_rename(b->w, rest, &renamed);
-  if (*rest) add(b, " ");
+  if (*own->param) vs_text_add(b->out, " {%s}", own->param);
+  vs_elements_rename(b->w, rest.at, &renamed);
+  if (rest.n) vs_text_add(b->out, " ");
   add_expression(b, renamed.text);
-  add(b, "\n");
+  vs_text_add(b->out, "\n");
   vs_text_free(&renamed);
-  free(rest);
 }
 
 /* Copies an element, with the deck's names of nodes, its value as a parameter, and the source that
  * senses its current. */
 static void add_element(writer *b, const vs_element *e, const vs_fate_element *own) {
-  if (*own->sense) add(b, "%s %s %s 0\n", own->sense, node(b, e, own->sensed_at), own->inner);
+  if (*own->sense)
+    vs_text_add(b->out, "%s %s %s 0\n", own->sense, node(b, e, own->sensed_at), own->inner);
   if (*own->gate_sense)
-    add(b, "%s %s %s 0\n", own->gate_sense, node(b, e, own->pins.gate), own->gate_inner);
-  add(b, "%s", e->name);
+    vs_text_add(b->out, "%s %s %s 0\n", own->gate_sense, node(b, e, own->pins.gate),
+                own->gate_inner);
+  vs_text_add(b->out, "%s", e->name);
   for (int k = 0; k < e->n_nodes; k++) {
     bool from = *own->sense && k == own->sensed_at, gate = *own->gate_sense && k == own->pins.gate;
-    add(b, " %s", from ? own->inner : gate ? own->gate_inner : node(b, e, k));
+    vs_text_add(b->out, " %s", from ? own->inner : gate ? own->gate_inner : node(b, e, k));
   }
   add_rest(b, e, own);
 }
 
 /* Adds a part. Its pins come in the order a k g, whatever order the netlist has. */
 static void add_part(writer *b, const vs_element *e, const vs_fate_element *own) {
-  if (*own->sense) add(b, "%s %s %s 0\n", own->sense, node(b, e, own->sensed_at), own->inner);
+  if (*own->sense)
+    vs_text_add(b->out, "%s %s %s 0\n", own->sense, node(b, e, own->sensed_at), own->inner);
   if (*own->gate_sense)
-    add(b, "%s %s %s 0\n", own->gate_sense, node(b, e, own->pins.gate), own->gate_inner);
-  add(b, "%s %s %s%s%s %s\n", e->name, own->inner, node(b, e, own->pins.to),
-      *own->gate_sense ? " " : "", own->gate_inner, own->part);
+    vs_text_add(b->out, "%s %s %s 0\n", own->gate_sense, node(b, e, own->pins.gate),
+                own->gate_inner);
+  vs_text_add(b->out, "%s %s %s%s%s %s\n", e->name, own->inner, node(b, e, own->pins.to),
+              *own->gate_sense ? " " : "", own->gate_inner, own->part);
 }
 
 /* ---- sources that the program drives ---- */
@@ -109,22 +90,21 @@ static void add_part(writer *b, const vs_element *e, const vs_fate_element *own)
 /* Adds the series resistance that LTspice puts into a source (Rser) as an element of its own.
  * Returns the node to connect the source to: the source's first node where it has no Rser. */
 static const char *add_series(writer *b, const vs_element *e, char inner[VS_ELEMENTS_NAME + 8]) {
-  char *rser = vs_elements_option(b->w, e, "rser");
+  const vs_word rser = vs_elements_option(b->w, e, "rser");
   double ohm;
   snprintf(inner, VS_ELEMENTS_NAME + 8, "%s", node(b, e, 0));
-  if (rser && (!vs_values_of(b->p->values, rser, &ohm) || ohm != 0)) {
+  if (rser.n && (!vs_values_of(b->p->values, rser, &ohm) || ohm != 0)) {
     const char *stem = vs_fate_of(b->p, e)->stem;
     snprintf(inner, VS_ELEMENTS_NAME + 8, "%s_ser", stem);
-    add(b, "Rser_%s %s %s %s\n", stem, node(b, e, 0), inner, rser);
+    vs_text_add(b->out, "Rser_%s %s %s %.*s\n", stem, node(b, e, 0), inner, (int)rser.n, rser.at);
   }
-  free(rser);
   return inner;
 }
 
 static void add_mains(writer *b, const vs_element *e) {
   char inner[VS_ELEMENTS_NAME + 8];
   const char *plus = add_series(b, e, inner);
-  add(b, "%s %s %s external\n", e->name, plus, node(b, e, 1));
+  vs_text_add(b->out, "%s %s %s external\n", e->name, plus, node(b, e, 1));
 }
 
 /* The program's pulse has no rise and fall times. Where the netlist's are longer than this, a
@@ -141,12 +121,13 @@ bool vs_copying_has_edges(const vs_course_pulse *p) {
 static void add_pulse(writer *b, const char *stem, const vs_course_pulse *p, const char *two,
                       char on[VS_ELEMENTS_NAME + 8]) {
   double rise_s = fmax(p->rise_s, SHORT_EDGE_S / 10), fall_s = fmax(p->fall_s, SHORT_EDGE_S / 10);
-  add(b, "Vgate%s_%s %s_on%s 0 external\n", two, stem, stem, two);
+  vs_text_add(b->out, "Vgate%s_%s %s_on%s 0 external\n", two, stem, stem, two);
   snprintf(on, VS_ELEMENTS_NAME + 8, "%s_on%s", stem, two);
   if (!vs_copying_has_edges(p)) return;
-  add(b, "Bedge%s_%s 0 %s_edge%s I = max(-%.9g, min(%.9g, %.9g*v(%s,%s_edge%s)))\n", two, stem,
-      stem, two, 1e-9 / fall_s, 1e-9 / rise_s, 1e-6 / fmin(rise_s, fall_s), on, stem, two);
-  add(b, "Cedge%s_%s %s_edge%s 0 1n ic=0\n", two, stem, stem, two);
+  vs_text_add(b->out, "Bedge%s_%s 0 %s_edge%s I = max(-%.9g, min(%.9g, %.9g*v(%s,%s_edge%s)))\n",
+              two, stem, stem, two, 1e-9 / fall_s, 1e-9 / rise_s, 1e-6 / fmin(rise_s, fall_s), on,
+              stem, two);
+  vs_text_add(b->out, "Cedge%s_%s %s_edge%s 0 1n ic=0\n", two, stem, stem, two);
   snprintf(on, VS_ELEMENTS_NAME + 8, "%s_edge%s", stem, two);
 }
 
@@ -160,28 +141,26 @@ static void add_gate(writer *b, const vs_element *e, const vs_roles_gate *g) {
     const char *two = n ? "2" : "";
     add_pulse(b, own->stem, &g->pulse, two, on);
     snprintf(other, sizeof other, "%s_low%s", own->stem, two);
-    add(b, "%cgate%s_%s %s %s %s 0 {%s}\n", voltage ? 'E' : 'G', two, own->stem, at,
-        voltage ? other : node(b, e, 1), on, own->level);
+    vs_text_add(b->out, "%cgate%s_%s %s %s %s 0 {%s}\n", voltage ? 'E' : 'G', two, own->stem, at,
+                voltage ? other : node(b, e, 1), on, own->level);
     if (voltage) snprintf(inner, sizeof inner, "%s", other);
   }
-  add(b, "%s %s %s %.15g\n", e->name, at, node(b, e, 1), g->pulse.low);
+  vs_text_add(b->out, "%s %s %s %.15g\n", e->name, at, node(b, e, 1), g->pulse.low);
 }
 
 static void add_coil(writer *b, const vs_element *e) {
   const vs_roles *r = b->p->roles;
-  add(b, "* of the EVA: %s\n", b->w->listing->cards[e->card].text);
+  vs_text_add(b->out, "* of the EVA: %s\n", b->w->listing->cards[e->card].text);
   if (e != r->coil) return;
   const char *plus = b->w->nodes[r->coil_plus].name, *minus = b->w->nodes[r->coil_minus].name;
-  if (*b->p->eva_sense) add(b, "%s %s %s 0\n", b->p->eva_sense, plus, b->p->eva_in);
-  add(b, "%s %s %s eva\n", b->p->eva, *b->p->eva_in ? b->p->eva_in : plus, minus);
+  if (*b->p->eva_sense) vs_text_add(b->out, "%s %s %s 0\n", b->p->eva_sense, plus, b->p->eva_in);
+  vs_text_add(b->out, "%s %s %s eva\n", b->p->eva, *b->p->eva_in ? b->p->eva_in : plus, minus);
   for (const char *letter = "rc"; *letter; letter++) { /* across it, LTspice's */
-    char *value = vs_elements_option(b->w, e, *letter == 'r' ? "rpar" : "cpar");
-    double number = 1;
-    bool is = value && !(vs_values_of(b->p->values, value, &number) && number == 0);
-    if (is) add(b, "%c%s__par %s %s ", toupper(*letter), e->name, plus, minus);
-    if (is) add_plain(b, value);
-    if (is) add(b, "\n");
-    free(value);
+    const char *name = *letter == 'r' ? "rpar" : "cpar";
+    const vs_word value = vs_elements_option(b->w, e, name);
+    if (vs_elements_sets(b->w, b->p->values, e, name))
+      vs_text_add(b->out, "%c%s__par %s %s %.*s\n", toupper(*letter), e->name, plus, minus,
+                  (int)value.n, value.at);
   }
 }
 
@@ -217,7 +196,7 @@ static void write_element(writer *b, const vs_element *e) {
   if (!is_same(card->text, b->body->text.text + before)) return;
   b->body->text.length = before;
   b->body->text.text[before] = '\0';
-  vs_text_add(&b->body->text, "%s\n", card->raw);
+  vs_text_add(b->out, "%s\n", card->raw);
 }
 
 /* ---- statements ---- */
@@ -235,17 +214,16 @@ static bool is_skipped(writer *b, const vs_card *card) {
     skip = true;
   }
   vs_statements_free(&skipped);
-  for (size_t k = 0; k < sizeof OURS / sizeof *OURS; k++)
-    skip = skip || vs_listing_is(card, OURS[k]);
-  return skip;
+  return skip || VS_WORDS_AMONG(vs_words_at(card->text), OURS);
 }
 
 /* Reads the end of the run from ".tran step end ..." or from LTspice's ".tran end". */
 static void read_tran(writer *b, const vs_card *card) {
-  char first[64] = "", second[64] = "";
+  vs_word w[VS_WORDS_MOST];
   double end_s;
-  sscanf(card->text, "%*s %63s %63s", first, second);
-  if (vs_values_of(b->p->values, second, &end_s) || vs_values_of(b->p->values, first, &end_s))
+  const size_t n = vs_words_split(card->text, w);
+  if ((n > 2 && vs_values_of(b->p->values, w[2], &end_s)) ||
+      (n > 1 && vs_values_of(b->p->values, w[1], &end_s)))
     b->body->until_s = end_s;
 }
 
@@ -258,9 +236,9 @@ static void write_params(writer *b, size_t card) {
     if (p->card != card || (p->number && vs_values_find(v, p->name) == p)) continue;
     if (vs_deck_is_standard(p->name) || vs_values_find(v, p->name) != p) continue;
     bool braces = !strchr("{'\"", *p->text);
-    add(b, ".param %s=%s", p->name, braces ? "{" : "");
-    add_plain(b, p->text);
-    add(b, "%s\n", braces ? "}" : "");
+    vs_text_add(b->out, ".param %s=%s", p->name, braces ? "{" : "");
+    vs_text_add(b->out, "%s", p->text);
+    vs_text_add(b->out, "%s\n", braces ? "}" : "");
   }
 }
 
@@ -293,8 +271,8 @@ static void write_include(writer *b, const vs_card *card) {
                      card->text, path);
   size_t n = strlen(b->folder);
   if (realpath(path, full))
-    add(b, ".include \"%s\"\n",
-        !strncmp(full, b->folder, n) && full[n] == '/' ? full + n + 1 : full);
+    vs_text_add(b->out, ".include \"%s\"\n",
+                !strncmp(full, b->folder, n) && full[n] == '/' ? full + n + 1 : full);
 }
 
 /* Adds the same initial value for the nodes that were put between the elements at that node and the
@@ -304,9 +282,9 @@ static void add_inner_values(writer *b, vs_word name, vs_word value) {
     const vs_element *e = &b->w->elements[k];
     const vs_fate_element *own = &b->p->of[k];
     if (*own->sense && vs_words_is(name, node(b, e, own->sensed_at)))
-      add(b, " v(%s)=%.*s", own->inner, (int)value.n, value.at);
+      vs_text_add(b->out, " v(%s)=%.*s", own->inner, (int)value.n, value.at);
     if (*own->gate_sense && vs_words_is(name, node(b, e, own->pins.gate)))
-      add(b, " v(%s)=%.*s", own->gate_inner, (int)value.n, value.at);
+      vs_text_add(b->out, " v(%s)=%.*s", own->gate_inner, (int)value.n, value.at);
   }
 }
 
@@ -335,16 +313,16 @@ static void write_statement(writer *b, size_t card_number) {
   if (!strncasecmp(card->text, ".opt", 4) && strcasestr(card->text, "gear")) b->body->gear = true;
   if (is_skipped(b, card)) {
     b->body->skipped += !vs_listing_is(card, ".end");
-    if (!vs_listing_is(card, ".end")) add(b, "* left out: %s\n", card->text);
+    if (!vs_listing_is(card, ".end")) vs_text_add(b->out, "* left out: %s\n", card->text);
   } else if (!strncasecmp(card->text, ".param", 6))
     write_params(b, card_number);
   else if (vs_listing_finds(card, path))
     write_include(b, card);
   else {
     vs_elements_rename(b->w, card->text, &renamed); /* .ic, .nodeset, .global */
-    add_plain(b, renamed.text);
+    vs_text_add(b->out, "%s", renamed.text);
     if (vs_listing_is(card, ".ic")) add_inner_starts(b, renamed.text);
-    add(b, "\n");
+    vs_text_add(b->out, "\n");
     vs_text_free(&renamed);
   }
 }
@@ -388,24 +366,25 @@ static void write_sum(writer *b) {
   }
   if (count < 2) return;
   const char *sum = b->p->sum;
-  for (size_t k = 0; k < count; k++) add(b, "F%s 0 %s %s 1\n", first[k] + 1, sum, first[k]);
-  add(b, "R%s %s 0 1\n", sum, sum);
+  for (size_t k = 0; k < count; k++)
+    vs_text_add(b->out, "F%s 0 %s %s 1\n", first[k] + 1, sum, first[k]);
+  vs_text_add(b->out, "R%s %s 0 1\n", sum, sum);
 }
 
 static void write_comment(writer *b, const vs_card *card) {
   const char *text = card->raw + strspn(card->raw, " \t");
-  if (*text == ';') add(b, "*");
-  add(b, "%s%s\n", !strncmp(text, "*$", 2) ? "* " : "", *text ? text : "");
+  if (*text == ';') vs_text_add(b->out, "*");
+  vs_text_add(b->out, "%s%s\n", !strncmp(text, "*$", 2) ? "* " : "", *text ? text : "");
 }
 
 void vs_copying_write(vs_fate *p, const char *folder, const char *library, vs_copying *body) {
-  writer b = {.p = p, .w = p->wiring, .folder = folder, .body = body};
+  writer b = {.p = p, .w = p->wiring, .folder = folder, .body = body, .out = &body->text};
   const vs_listing *l = p->wiring->listing;
   char full[VS_PATH_SIZE];
   size_t element = 0;
   body->until_s = NAN;
   body->pspice = wants_pspice(l);
-  if (library && realpath(library, full)) add(&b, ".include \"%s\"\n", full);
+  if (library && realpath(library, full)) vs_text_add(b.out, ".include \"%s\"\n", full);
   for (size_t k = 0; k < l->count; k++) {
     const vs_card *card = &l->cards[k];
     if (card->included) continue;
@@ -418,8 +397,7 @@ void vs_copying_write(vs_fate *p, const char *folder, const char *library, vs_co
     if (card->kind == VS_CARD_COMMENT)
       write_comment(&b, card);
     else if (card->depth > 0) {
-      add_plain(&b, card->raw);
-      add(&b, "\n");
+      vs_text_add(b.out, "%s\n", card->raw);
     } else if (card->kind == VS_CARD_STATEMENT)
       write_statement(&b, k);
     else

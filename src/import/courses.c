@@ -10,19 +10,18 @@ enum { MOST_NUMBERS = 256 };
 
 /* The numbers of a course, read from the text after its word. Blanks, commas and brackets separate
  * them. */
-static const char *begin_of(const vs_elements *w, const vs_element *e, const char *word) {
-  const char *text = w->listing->cards[e->card].text;
+static const char *begin_of(const vs_element *e, const char *word) {
   size_t n = strlen(word);
   if (e->letter != 'v' && e->letter != 'i') return NULL;
   for (int k = e->n_nodes + 1; k < e->n_words; k++) {
-    const char *s = text + e->words[k].at;
+    const char *s = e->words[k].at;
     if (!strncasecmp(s, word, n) && (s[n] == '(' || s[n] == ' ' || s[n] == '\t')) return s + n;
   }
   return NULL;
 }
 
-bool vs_course_has(const vs_elements *w, const vs_element *e, const char *word) {
-  return begin_of(w, e, word);
+bool vs_course_has(const vs_element *e, const char *word) {
+  return begin_of(e, word);
 }
 
 typedef struct numbers {
@@ -31,8 +30,8 @@ typedef struct numbers {
 } numbers;
 
 /* In LTspice's PWL, a time with a plus sign counts from the time before it. */
-static void add_time(numbers *n, const char *word) {
-  if (*word == '+' && n->count >= 2 && n->count % 2 == 0)
+static void add_time(numbers *n, vs_word word) {
+  if (*word.at == '+' && n->count >= 2 && n->count % 2 == 0)
     n->item[n->count] += n->item[n->count - 2];
 }
 
@@ -41,32 +40,18 @@ static void add_time(numbers *n, const char *word) {
 static vs_status read_numbers(const vs_elements *w, const vs_values *v, const vs_element *e,
                               const char *s, bool points, numbers *n, vs_error *err) {
   s += strspn(s, " \t");
-  bool bracket = *s == '(';
-  if (bracket) s++;
-  while (*(s += strspn(s, " \t,")) && *s != ')' && n->count < MOST_NUMBERS) {
-    int depth = 0, size = 0;
-    bool quoted = false, option = false;
-    for (; s[size] && (depth > 0 || quoted || !strchr(" \t,)", s[size])); size++) {
-      if (s[size] == '\'') quoted = !quoted;
-      depth += (s[size] == '{' || s[size] == '(') - (s[size] == '}' || s[size] == ')');
-      option = option || (s[size] == '=' && depth == 0);
-    }
-    if (option || size == 0) break;
-    char *word = vs_alloc((size_t)size + 1, 1);
-    memcpy(word, s, (size_t)size);
-    bool known = vs_values_of(v, word, &n->item[n->count]);
-    vs_status status = VS_OK;
+  const bool bracket = *s == '(';
+  vs_word word;
+  for (s += bracket; n->count < MOST_NUMBERS && (s = vs_words_number(s, &word)); n->count++) {
+    if (!strchr("{'", *word.at) && memchr(word.at, '=', word.n)) break;
+    const bool known = vs_values_of(v, word, &n->item[n->count]);
     if (!known && bracket)
-      status = vs_fail_at(err, vs_elements_where(w, e, 0),
-                          "%s: '%s' is not known before a run; write a number, or a .param of "
-                          "numbers",
-                          e->name, word);
-    if (known && points) add_time(n, word);
-    free(word);
-    if (status) return status;
+      return vs_fail_at(err, vs_elements_where(w, e, 0),
+                        "%s: '%.*s' is not known before a run; write a number, or a .param of "
+                        "numbers",
+                        e->name, (int)word.n, word.at);
     if (!known) break; /* such as AC 1, after a course without brackets */
-    n->count++;
-    s += size;
+    if (points) add_time(n, word);
   }
   return VS_OK;
 }
@@ -83,9 +68,9 @@ static double cycles_at(const numbers *n, int k) {
 
 vs_status vs_course_read_sine(const vs_elements *w, const vs_values *v, const vs_element *e,
                               vs_course_sine *sine, vs_error *err) {
-  const char *s = begin_of(w, e, "sin");
+  const char *s = begin_of(e, "sin");
   numbers n = {.count = 0};
-  if (!s) s = begin_of(w, e, "sine");
+  if (!s) s = begin_of(e, "sine");
   if (!s)
     return vs_fail_at(err, vs_elements_where(w, e, 0),
                       "%s has no SIN(offset amplitude frequency), so it cannot be the mains; "
@@ -150,13 +135,11 @@ static vs_status of_points(const vs_elements *w, const vs_element *e, const numb
  * another number, or there is a delay. */
 static vs_status repeat_points(const vs_elements *w, const vs_values *v, const vs_element *e,
                                const numbers *n, vs_course_pulse *p, vs_error *err) {
-  char *from = vs_elements_option(w, e, "r"), *delay = vs_elements_option(w, e, "td");
+  const vs_word from = vs_elements_option(w, e, "r"), delay = vs_elements_option(w, e, "td");
   double from_s = 0, delay_s = 0, end_s = n->item[2 * (n->count / 2) - 2];
-  bool known = (!from || vs_values_of(v, from, &from_s)) &&
-               (!delay || vs_values_of(v, delay, &delay_s)) && from_s == 0 && delay_s == 0;
-  if (known && from) p->period_s = end_s;
-  free(from);
-  free(delay);
+  bool known = (!from.n || vs_values_of(v, from, &from_s)) &&
+               (!delay.n || vs_values_of(v, delay, &delay_s)) && from_s == 0 && delay_s == 0;
+  if (known && from.n) p->period_s = end_s;
   return known ? VS_OK
                : vs_fail_at(err, vs_elements_where(w, e, 0),
                             "%s: of a PWL with r= or td= a gate's pulse cannot be told; write "
@@ -176,7 +159,7 @@ static vs_course_pulse of_pulse(const numbers *n) {
 
 vs_status vs_course_read_pulse(const vs_elements *w, const vs_values *v, const vs_element *e,
                                vs_course_pulse *pulse, vs_error *err) {
-  const char *s = begin_of(w, e, "pulse"), *points = begin_of(w, e, "pwl");
+  const char *s = begin_of(e, "pulse"), *points = begin_of(e, "pwl");
   numbers n = {.count = 0};
   bool repeats = false;
   if (points) points = passed_repeat(points, &repeats);
@@ -191,13 +174,10 @@ vs_status vs_course_read_pulse(const vs_elements *w, const vs_values *v, const v
     if (repeats) pulse->period_s = n.item[n.count / 2 * 2 - 2];
     return status ? status : repeat_points(w, v, e, &n, pulse, err);
   }
-  char *word = vs_elements_word_of(w, e, e->n_nodes + 1);
-  char *second = vs_elements_word_of(w, e, e->n_nodes + 2);
+  vs_word word = vs_elements_word(e, e->n_nodes + 1);
+  if (vs_words_is(word, "dc")) word = vs_elements_word(e, e->n_nodes + 2);
   *pulse = (vs_course_pulse){0, NAN, NAN, NAN, 0, 0, INFINITY, INFINITY};
-  bool known = vs_values_of(v, strcasecmp(word, "dc") ? word : second, &pulse->high);
-  free(word);
-  free(second);
-  return known && !s && !points
+  return vs_values_of(v, word, &pulse->high) && !s && !points
              ? VS_OK
              : vs_fail_at(err, vs_elements_where(w, e, 0),
                           "%s has no PULSE(low high delay rise fall width period) whose numbers "
@@ -209,19 +189,14 @@ vs_status vs_course_read_pulse(const vs_elements *w, const vs_values *v, const v
 /* The value of a source without a course: what stands after DC, or its first word. Returns false
  * where it is not known. */
 static bool direct(const vs_elements *w, const vs_values *v, const vs_element *e, double *value) {
-  char *first = vs_elements_word_of(w, e, e->n_nodes + 1);
-  char *dc = vs_elements_option(w, e, "dc");
-  for (int k = e->n_nodes + 1; k + 1 < e->n_words && !dc; k++) {
-    char *word = vs_elements_word_of(w, e, k);
-    if (!strcasecmp(word, "dc")) dc = vs_elements_word_of(w, e, k + 1);
-    free(word);
-  }
-  bool none = !dc && (!strcasecmp(first, "ac") || (*first != '{' && strchr(first, '=')));
+  const vs_word first = vs_elements_word(e, e->n_nodes + 1);
+  vs_word dc = vs_elements_option(w, e, "dc");
+  for (int k = e->n_nodes + 1; k + 1 < e->n_words && !dc.n; k++)
+    if (vs_words_is(e->words[k], "dc")) dc = e->words[k + 1];
+  const bool none =
+      vs_words_is(first, "ac") || (*first.at != '{' && memchr(first.at, '=', first.n));
   *value = 0;
-  bool known = none || vs_values_of(v, dc ? dc : first, value);
-  free(first);
-  free(dc);
-  return known;
+  return dc.n ? vs_values_of(v, dc, value) : none || vs_values_of(v, first, value);
 }
 
 bool vs_course_begins_at_0(const vs_elements *w, const vs_values *v, const vs_element *e) {
@@ -231,7 +206,7 @@ bool vs_course_begins_at_0(const vs_elements *w, const vs_values *v, const vs_el
   vs_error unread = {0};
   double value;
   for (size_t k = 0; k < sizeof WORDS / sizeof *WORDS; k++) {
-    const char *s = begin_of(w, e, WORDS[k]);
+    const char *s = begin_of(e, WORDS[k]);
     bool repeats;
     if (!s) continue;
     if (k == PWL) s = passed_repeat(s, &repeats);

@@ -108,7 +108,7 @@ void vs_declared_name(vs_declared *s, const char *wanted, char name[VS_DECK_NAME
   for (int n = 2; vs_names_find(&s->names, made, strlen(made), NULL); n++)
     snprintf(made, sizeof made, "%.50s_%d", wanted, n);
   memcpy(name, made, sizeof made);
-  vs_names_put(&s->names, made, 0);
+  vs_names_put(&s->names, made, strlen(made), 0);
 }
 
 void vs_declared_note(vs_declared_notes *notes, const char *format, ...) {

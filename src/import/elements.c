@@ -12,12 +12,8 @@
 
 /* ---- words ---- */
 
-static const char *text_of(const vs_elements *w, const vs_element *e) {
-  return w->listing->cards[e->card].text;
-}
-
 /* Splits a line into words; a bracket and its contents belong to the word before them. */
-static int split(const char *text, vs_elements_word words[VS_ELEMENTS_WORDS]) {
+static int split(const char *text, vs_word words[VS_ELEMENTS_WORDS]) {
   int count = 0;
   for (const char *s = text; *(s += strspn(s, " \t,")) && count < VS_ELEMENTS_WORDS;) {
     const char *begin = s;
@@ -27,93 +23,83 @@ static int split(const char *text, vs_elements_word words[VS_ELEMENTS_WORDS]) {
       if (*s == '\'' || *s == '"') quoted = !quoted;
       depth += (*s == '{' || *s == '(') - (*s == '}' || *s == ')');
     }
-    words[count++] = (vs_elements_word){(int)(begin - text), (int)(s - begin)};
+    words[count++] = (vs_word){begin, (size_t)(s - begin)};
   }
   return count;
 }
 
-char *vs_elements_word_of(const vs_elements *w, const vs_element *e, int n) {
-  return n < e->n_words ? vs_alloc_part(text_of(w, e) + e->words[n].at, (size_t)e->words[n].size)
-                        : vs_copy("");
+vs_word vs_elements_word(const vs_element *e, int n) {
+  return n < e->n_words ? e->words[n] : (vs_word){"", 0};
 }
 
-char *vs_elements_rest_of(const vs_elements *w, const vs_element *e, int n) {
-  return vs_copy(n < e->n_words ? text_of(w, e) + e->words[n].at : "");
+vs_word vs_elements_rest(const vs_element *e, int n) {
+  return vs_words_of(vs_elements_word(e, n).at);
 }
 
-char *vs_elements_option(const vs_elements *w, const vs_element *e, const char *name) {
+vs_word vs_elements_option(const vs_elements *w, const vs_element *e, const char *name) {
   const vs_cards *c = &w->listing->netlist;
-  const vs_word value = vs_cards_value(c, &c->card[e->card], name);
-  return value.n ? vs_alloc_part(value.at, value.n) : NULL;
+  return vs_cards_value(c, &c->card[e->card], name);
 }
 
 bool vs_elements_number(const vs_elements *w, const vs_values *v, const vs_element *e,
                         const char *name, double *value) {
-  char *text = vs_elements_option(w, e, name);
-  const bool known = text && vs_values_of(v, text, value);
-  free(text);
-  return known;
+  const vs_word text = vs_elements_option(w, e, name);
+  return text.n && vs_values_of(v, text, value);
 }
 
 bool vs_elements_sets(const vs_elements *w, const vs_values *v, const vs_element *e,
                       const char *name) {
   double value = 1;
-  char *text = vs_elements_option(w, e, name);
-  const bool sets = text && !(vs_values_of(v, text, &value) && value == 0);
-  free(text);
-  return sets;
+  const vs_word text = vs_elements_option(w, e, name);
+  return text.n && !(vs_values_of(v, text, &value) && value == 0);
 }
 
-bool vs_elements_has_model(const vs_elements *w, const vs_element *e) {
-  bool found = false;
-  for (int n = e->n_nodes + 1; n < e->n_words && !found; n++) {
-    char *word = vs_elements_word_of(w, e, n);
-    found = isalpha((unsigned char)*word) && vs_elements_defined(w->listing, word) >= 0;
-    free(word);
-  }
-  return found;
-}
-
-vs_where vs_elements_where(const vs_elements *w, const vs_element *e, int n) {
-  const vs_card *card = &w->listing->cards[e->card];
-  vs_where where = card->where;
-  size_t first = strcspn(card->raw, "\n");
-  size_t at = n < e->n_words ? (size_t)e->words[n].at : 0;
-  if (at + (size_t)where.column <= first)
-    where.column += vs_text_column(card->text, card->text + at) - 1;
-  return where;
-}
-
-/* ---- models ---- */
-
-int vs_elements_defined(const vs_listing *l, const char *model) {
-  for (size_t k = 0; k < l->netlist.n_definitions; k++) {
-    const vs_netlist_definition *d = &l->netlist.definition[k];
-    if ((d->kind == VS_CARDS_MODEL || d->kind == VS_CARDS_SUBCKT) && vs_words_is(d->name, model))
-      return (int)d->card;
-  }
-  return -1;
+bool vs_elements_heats(const vs_elements *w, const vs_values *v, const vs_element *e) {
+  return vs_elements_sets(w, v, e, "tc") || vs_elements_sets(w, v, e, "tc1") ||
+         vs_elements_sets(w, v, e, "tc2");
 }
 
 /* The index of the first word, from `from` on, that names a model or subcircuit; 0: there is none.
  */
 static int word_of_model(const vs_elements *w, const vs_element *e, int from) {
-  int found = 0;
-  for (int k = from; k < e->n_words && !found; k++) {
-    char *word = vs_elements_word_of(w, e, k);
-    if (vs_elements_defined(w->listing, word) >= 0) found = k;
-    free(word);
-  }
+  for (int k = from; k < e->n_words; k++)
+    if (vs_elements_defined(w->listing, e->words[k]) >= 0) return k;
+  return 0;
+}
+
+bool vs_elements_has_model(const vs_elements *w, const vs_element *e) {
+  bool found = false;
+  for (int n = e->n_nodes + 1; n < e->n_words && !found; n++)
+    found = isalpha((unsigned char)*e->words[n].at) &&
+            vs_elements_defined(w->listing, e->words[n]) >= 0;
   return found;
 }
 
+vs_where vs_elements_where(const vs_elements *w, const vs_element *e, int n) {
+  const vs_card *card = &w->listing->cards[e->card];
+  return vs_listing_place(card, n < e->n_words ? e->words[n].at : card->text);
+}
+
+/* ---- models ---- */
+
+int vs_elements_defined(const vs_listing *l, vs_word model) {
+  for (size_t k = 0; k < l->netlist.n_definitions; k++) {
+    const vs_netlist_definition *d = &l->netlist.definition[k];
+    if ((d->kind == VS_CARDS_MODEL || d->kind == VS_CARDS_SUBCKT) &&
+        !vs_words_compare(d->name, model))
+      return (int)d->card;
+  }
+  return -1;
+}
+
 char *vs_elements_model(const vs_elements *w, const vs_element *e) {
-  const vs_word called = w->listing->netlist.card[e->card].model;
-  char *name = NULL;
-  if (e->letter == 'x' && called.n) name = vs_alloc_part(called.at, called.n);
+  vs_word called = w->listing->netlist.card[e->card].model;
   if (strchr("dqmjsw", e->letter))
-    name = vs_elements_word_of(w, e, e->n_nodes + (e->letter == 'w' ? 2 : 1));
-  if (name) vs_cursor_lower(name);
+    called = vs_elements_word(e, e->n_nodes + (e->letter == 'w' ? 2 : 1));
+  else if (e->letter != 'x' || !called.n)
+    return NULL;
+  char *name = vs_alloc_part(called.at, called.n);
+  vs_cursor_lower(name);
   return name;
 }
 
@@ -127,18 +113,14 @@ static int count_nodes(const vs_elements *w, const vs_element *e) {
   const vs_word called = w->listing->netlist.card[e->card].model;
   if (e->letter == 'x') { /* brackets may belong to a node's name, and not to a card's word */
     int k = 1;
-    while (called.n && k < e->n_words && text_of(w, e) + e->words[k].at < called.at) k++;
+    while (called.n && k < e->n_words && e->words[k].at < called.at) k++;
     return called.n ? k - 1 : 0;
   }
   if (e->letter == 'a') return w->listing->origin == VS_ORIGIN_LTSPICE ? 8 : 0;
   if (!letter) return 0;
   int count = COUNTS[letter - LETTERS] - '0';
-  if (strchr("eg", e->letter)) {
-    char *third = vs_elements_word_of(w, e, 3);
-    for (size_t k = 0; k < sizeof TWO / sizeof *TWO; k++)
-      if (!strncasecmp(third, TWO[k], strlen(TWO[k]))) count = 2;
-    free(third);
-  }
+  for (size_t k = 0; k < sizeof TWO / sizeof *TWO && strchr("eg", e->letter); k++)
+    if (!strncasecmp(vs_elements_word(e, 3).at, TWO[k], strlen(TWO[k]))) count = 2;
   int model = strchr("qmj", e->letter) ? word_of_model(w, e, 4) : 0;
   return model ? model - 1 : count;
 }
@@ -181,19 +163,17 @@ static bool has(const vs_names *names, const char *name) {
 }
 
 /* Of several with the same name the first counts. */
-static void put(vs_names *names, const char *name, size_t number) {
-  if (!has(names, name)) vs_names_put(names, name, number);
+static void put(vs_names *names, vs_word name, size_t number) {
+  if (!vs_names_find(names, name.at, name.n, NULL)) vs_names_put(names, name.at, name.n, number);
 }
 
-static int find_node(const vs_elements *w, const char *said) {
+static int find_node(const vs_elements *w, vs_word said) {
   size_t number;
-  return vs_names_find(&w->said, said, strlen(said), &number) ? (int)number : -1;
+  return vs_names_find(&w->said, said.at, said.n, &number) ? (int)number : -1;
 }
 
-static int take_node(vs_elements *w, char *said) {
+static int add_node(vs_elements *w, char *said) {
   vs_cursor_lower(said);
-  int found = find_node(w, said);
-  if (found >= 0) return found;
   vs_elements_node node = {.named = !is_made_up(said)};
   char name[VS_ELEMENTS_NAME];
   snprintf(node.said, sizeof node.said, "%s", said);
@@ -206,9 +186,18 @@ static int take_node(vs_elements *w, char *said) {
     snprintf(node.name, sizeof node.name, "%.50s_%d", name, k);
   w->nodes = vs_alloc_grow(w->nodes, w->n_nodes, sizeof *w->nodes);
   w->nodes[w->n_nodes] = node;
-  put(&w->said, node.said, w->n_nodes);
-  put(&w->names, node.name, w->n_nodes);
+  put(&w->said, vs_words_of(node.said), w->n_nodes);
+  put(&w->names, vs_words_of(node.name), w->n_nodes);
   return (int)w->n_nodes++;
+}
+
+static int take_node(vs_elements *w, vs_word word) {
+  const int found = find_node(w, word);
+  if (found >= 0) return found;
+  char *said = vs_alloc_part(word.at, word.n);
+  const int added = add_node(w, said);
+  free(said);
+  return added;
 }
 
 const char *vs_elements_node_of(const vs_elements *w, const vs_element *e, int n) {
@@ -220,9 +209,10 @@ const char *vs_elements_node_of(const vs_elements *w, const vs_element *e, int n
 /* Names the element. Characters that ngspice or the contract does not allow in a name become '_'.
  */
 static void name_element(const vs_elements *w, vs_element *e) {
-  char *said = vs_elements_word_of(w, e, 0), name[VS_ELEMENTS_NAME] = "";
+  const vs_word said = vs_elements_word(e, 0);
+  char name[VS_ELEMENTS_NAME] = "";
   size_t n = 0;
-  for (const char *s = said; *s && n + 8 < sizeof name; s++)
+  for (const char *s = said.at; s < said.at + said.n && n + 8 < sizeof name; s++)
     if (isalnum((unsigned char)*s) && !((unsigned char)*s & 0x80))
       name[n++] = *s;
     else if (n > 0 && name[n - 1] != '_')
@@ -238,7 +228,6 @@ static void name_element(const vs_elements *w, vs_element *e) {
   snprintf(name, sizeof name, "%s", e->key);
   for (int k = 2; has(&w->by_key, e->key); k++) /* R1 behind R_R1 */
     snprintf(e->key, sizeof e->key, "%.50s_%d", name, k);
-  free(said);
 }
 
 static vs_status add_element(vs_elements *w, size_t card, vs_error *err) {
@@ -257,17 +246,13 @@ static vs_status add_element(vs_elements *w, size_t card, vs_error *err) {
     return vs_fail_at(err, c->where, "%s wants %d nodes and something behind them", e->name,
                       e->n_nodes);
   for (int k = 0; k < e->n_nodes; k++) {
-    char *said = vs_elements_word_of(w, e, k + 1);
-    e->nodes[k] = take_node(w, said);
+    e->nodes[k] = take_node(w, vs_elements_word(e, k + 1));
     vs_elements_node *node = &w->nodes[e->nodes[k]];
     node->at[node->ends++ > 0] = w->count;
-    free(said);
   }
-  char *said = vs_elements_word_of(w, e, 0);
-  put(&w->by_said, said, w->count);
-  put(&w->by_name, e->name, w->count);
-  put(&w->by_key, e->key, w->count);
-  free(said);
+  put(&w->by_said, e->words[0], w->count);
+  put(&w->by_name, vs_words_of(e->name), w->count);
+  put(&w->by_key, vs_words_of(e->key), w->count);
   w->count++;
   return VS_OK;
 }
@@ -284,10 +269,8 @@ static void mark_coupled(vs_elements *w) {
   for (size_t k = 0; k < w->count; k++) {
     const vs_element *e = &w->elements[k];
     for (int n = 1; e->letter == 'k' && n < e->n_words; n++) {
-      char *word = vs_elements_word_of(w, e, n);
-      const vs_element *named = vs_elements_find(w, word);
+      const vs_element *named = vs_elements_find(w, vs_elements_word(e, n));
       if (named) w->elements[named - w->elements].coupled = true;
-      free(word);
     }
   }
 }
@@ -313,11 +296,11 @@ void vs_elements_free(vs_elements *w) {
   *w = (vs_elements){0};
 }
 
-const vs_element *vs_elements_find(const vs_elements *w, const char *name) {
-  size_t size = strlen(name), found = w->count, other;
-  vs_names_find(&w->by_said, name, size, &found);
-  if (vs_names_find(&w->by_name, name, size, &other) && other < found) found = other;
-  if (found == w->count) vs_names_find(&w->by_key, name, size, &found);
+const vs_element *vs_elements_find(const vs_elements *w, vs_word name) {
+  size_t found = w->count, other;
+  vs_names_find(&w->by_said, name.at, name.n, &found);
+  if (vs_names_find(&w->by_name, name.at, name.n, &other) && other < found) found = other;
+  if (found == w->count) vs_names_find(&w->by_key, name.at, name.n, &found);
   return found < w->count ? &w->elements[found] : NULL;
 }
 
@@ -335,21 +318,17 @@ bool vs_elements_is_taken(const vs_elements *w, const char *name) {
 /* ---- renaming ---- */
 
 /* Adds a word, which may be a node's name. */
-static void add_word(const vs_elements *w, const char *word, int size, vs_text *out) {
-  char *said = vs_alloc_part(word, (size_t)size);
-  vs_cursor_lower(said);
-  int node = find_node(w, said);
-  bool other = node >= 0 && strcmp(w->nodes[node].name, said) != 0;
-  vs_text_add(out, "%.*s", other ? 0 : size, word);
-  if (other) vs_text_add(out, "%s", w->nodes[node].name);
-  free(said);
+static void add_word(const vs_elements *w, vs_word word, vs_text *out) {
+  const int node = find_node(w, word);
+  if (node >= 0 && !vs_words_is(word, w->nodes[node].name)) word = vs_words_of(w->nodes[node].name);
+  vs_text_add(out, "%.*s", (int)word.n, word.at);
 }
 
 /* Adds the nodes in the brackets of v( ), which begin at `s`. Returns where they end. */
 static const char *add_nodes(const vs_elements *w, const char *s, vs_text *out) {
   while (*s && *s != ')') {
     size_t n = strcspn(s, " \t,)");
-    if (n) add_word(w, s, (int)n, out);
+    add_word(w, (vs_word){s, n}, out);
     s += n;
     if (*s && *s != ')') vs_text_add(out, "%c", *s++);
   }
@@ -370,7 +349,7 @@ void vs_elements_rename(const vs_elements *w, const char *text, vs_text *out) {
       if (s == text)
         vs_text_add(out, "%.*s", (int)n, s);
       else
-        add_word(w, s, (int)n, out);
+        add_word(w, (vs_word){s, n}, out);
       s += n;
     } else {
       depth += (*s == '{' || *s == '(') - (*s == '}' || *s == ')');

@@ -4,8 +4,8 @@
 #ifndef VS_IMPORT_FATE_H
 #define VS_IMPORT_FATE_H
 
-#include "coined.h"
 #include "declared.h"
+#include "import/elements.h"
 #include "pins.h"
 
 /* One element. */
@@ -36,7 +36,6 @@ typedef struct vs_fate {
   char eva_sense[VS_ELEMENTS_NAME], eva_in[VS_ELEMENTS_NAME]; /* the source of 0 V that senses its
                                 current, which the netlist asks for as that of its coil, i(L1), and
                                 the node between the two; empty: it does not ask */
-  vs_coined coined;
   vs_declared sheet;
 } vs_fate;
 

@@ -5,18 +5,96 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <unistd.h>
 
 #include "base/file.h"
 #include "base/jail.h"
 #include "base/path.h"
-#include "cast.h"
 #include "copying.h"
+#include "import/roles.h"
 #include "lines.h"
+#include "netlist/cards.h"
 #include "netlist/kinds.h"
+#include "netlist/words.h"
 #include "run/session.h"
 #include "settings.h"
-#include "start.h"
+
+/* ---- how it begins ---- */
+
+/* How a netlist's run begins. A .tran without uic begins at the operating point. A run of this
+ * program begins with every capacitor and inductor at 0 that has no IC=. */
+
+/* True where the line has a dialect's word for a start without an operating point. LTspice's
+ * `startup` begins with all sources at 0. */
+static bool begins_at_0(const vs_card *tran) {
+  static const char *const WORDS[] = {"uic", "skipbp", "startup"};
+  for (const char *s = tran->text; *s; s = vs_words_next(s))
+    if (VS_WORDS_AMONG(vs_words_at(s), WORDS)) return true;
+  return false;
+}
+
+/* The netlist's last .tran; NULL: it has none. */
+static const vs_card *find_tran(const vs_listing *l) {
+  const vs_card *tran = NULL;
+  for (size_t k = 0; k < l->count; k++) {
+    const vs_card *c = &l->cards[k];
+    if (c->kind == VS_CARD_STATEMENT && !c->included && vs_listing_is(c, ".tran")) tran = c;
+  }
+  return tran;
+}
+
+/* The first source that is not 0 at t = 0. A gate's source without a pulse is left out, as the user
+ * said that the program pulses it. */
+static const vs_element *find_source(const vs_elements *w, const vs_values *v, const vs_roles *r) {
+  for (size_t k = 0; k < w->count; k++) {
+    const vs_element *e = &w->elements[k];
+    int gate = vs_roles_gate_of(r, e);
+    if (!strchr("vi", e->letter) || (gate >= 0 && isnan(r->gates[gate].pulse.at_s))) continue;
+    if (!vs_course_begins_at_0(w, v, e)) return e;
+  }
+  return NULL;
+}
+
+/* True where an element of the netlist itself is an instance of the subcircuit of that scope. */
+static bool is_instantiated(const vs_listing *l, size_t scope) {
+  bool is = false;
+  for (size_t k = 0; k < l->count && !is; k++)
+    is = !l->cards[k].included && vs_cards_called(&l->netlist, &l->netlist.card[k]) == scope;
+  return is;
+}
+
+/* Adds the name of the first source that is not 0 at t = 0 in a subcircuit that the netlist defines
+ * and uses. Nested subcircuits are not examined. */
+static void find_inner_source(const vs_elements *w, const vs_values *v, vs_text *name) {
+  const vs_listing *l = w->listing;
+  const vs_cards *c = &l->netlist;
+  for (size_t scope = 1; scope < c->n_scopes; scope++) {
+    const vs_netlist_scope *in = &c->scope[scope];
+    if (in->outer || l->cards[in->first].included || !is_instantiated(l, scope)) continue;
+    for (size_t k = in->first; k < in->last; k = vs_cards_next(c, k)) {
+      vs_element e;
+      if (c->card[k].kind != VS_CARDS_ELEMENT || !strchr("vi", c->card[k].letter)) continue;
+      vs_elements_source_of(l, k, &e);
+      if (vs_course_begins_at_0(w, v, &e)) continue;
+      vs_text_add(name, "%s of subcircuit %.*s", e.name, (int)in->name.n, in->name.at);
+      return;
+    }
+  }
+}
+
+static void list_stores(const vs_elements *w, const vs_roles *r, vs_text *names) {
+  enum { SHOWN = 6 };
+  int count = 0;
+  for (size_t k = 0; k < w->count; k++) {
+    const vs_element *e = &w->elements[k];
+    if (!strchr("cl", e->letter) || e == r->coil || vs_elements_option(w, e, "ic").n) continue;
+    if (count < SHOWN) vs_text_add(names, "%s%s", count ? ", " : "", e->name);
+    if (count++ == SHOWN) vs_text_add(names, ", ...");
+  }
+}
+
+/* ---- all of it ---- */
 
 /* Netlists that come with the program, as examples. */
 static const vs_shelf SHELF = {"netlist", "import", ""};
@@ -119,17 +197,27 @@ static void note_turned(work *w) {
   }
 }
 
+/* Looks at capacitors and inductors outside of subcircuits, but not at the coil, and at sources
+ * there and in subcircuits that the netlist defines and uses. */
 static void note_start(work *w) {
-  vs_start s;
-  vs_start_find(&w->wiring, &w->values, &w->roles, &s);
-  if (s.tran)
+  const vs_card *tran = find_tran(&w->listing);
+  vs_text source = {0}, stores = {0};
+  if (!tran || begins_at_0(tran)) return;
+  const vs_element *first = find_source(&w->wiring, &w->values, &w->roles);
+  if (first)
+    vs_text_add(&source, "%s", first->name);
+  else
+    find_inner_source(&w->wiring, &w->values, &source);
+  if (source.text) list_stores(&w->wiring, &w->roles, &stores);
+  if (stores.text)
     vs_declared_note(
         &w->plan.sheet.left,
         "line %d: '%s' has no uic: the netlist begins at its operating point, and %s "
         "is not 0 there; the deck begins with %s at 0: give each an IC=, or its node a "
         "line .ic; where 0 is right, write uic",
-        s.tran->where.line, s.tran->text, s.source.text, s.stores.text);
-  vs_start_free(&s);
+        tran->where.line, tran->text, source.text, stores.text);
+  vs_text_free(&source);
+  vs_text_free(&stores);
 }
 
 static void note_devices(work *w) {
@@ -206,7 +294,7 @@ static vs_status plan_all(work *w, const char *folder, vs_error *err) {
   vs_values_read(&w->values, &w->listing);
   status = vs_elements_read(&w->wiring, &w->listing, err);
   if (!status && vs_error_count(err)) return VS_OK;
-  if (!status) status = vs_cast_roles(&w->wiring, &w->values, &o->asked, &w->roles, err);
+  if (!status) status = vs_roles_find(&w->wiring, &w->values, &o->asked, &w->roles, err);
   w->plan = (vs_fate){.wiring = &w->wiring, .values = &w->values, .roles = &w->roles};
   if (!status) status = vs_fate_make(&w->plan, o->pins, err);
   if (status || vs_error_count(err)) return status;

@@ -54,6 +54,13 @@ bool vs_listing_is(const vs_card *card, const char *word) {
   return vs_words_begin(card->text, word);
 }
 
+vs_where vs_listing_place(const vs_card *card, const char *at) {
+  vs_where where = card->where;
+  if ((size_t)(at - card->text) + (size_t)where.column <= strcspn(card->raw, "\n"))
+    where.column += vs_text_column(card->text, at) - 1;
+  return where;
+}
+
 static bool is_file(const char *path) {
   struct stat s;
   return !stat(path, &s) && S_ISREG(s.st_mode);
@@ -88,10 +95,9 @@ static bool find_beside(const char *name, const char *by, char *path) {
 }
 
 bool vs_listing_finds(const vs_card *card, char *path) {
-  if (!vs_listing_is(card, ".include") && !vs_listing_is(card, ".inc") &&
-      !vs_listing_is(card, ".lib"))
-    return false;
+  static const char *const WORDS[] = {".include", ".inc", ".lib"};
   char name[VS_PATH_SIZE / 2];
+  if (!VS_WORDS_AMONG(vs_words_at(card->text), WORDS)) return false;
   const char *from = card->text + strcspn(card->text, " \t");
   from += strspn(from, " \t");
   char quote = *from == '"' || *from == '\'' ? *from++ : '\0';

@@ -31,10 +31,7 @@ static const char DIAC[] = " diac sidac ", DIAC_NUMBERS[] = " db smdb ht ";
 const char *const vs_pins_said = "as --pins says";
 
 static bool among(const char *list, const char *word, size_t n) {
-  char spaced[VS_ELEMENTS_NAME + 2];
-  snprintf(spaced, sizeof spaced, " %.*s ", (int)n, word);
-  vs_cursor_lower(spaced);
-  return n > 0 && n < VS_ELEMENTS_NAME && list && strstr(list, spaced);
+  return n > 0 && list && vs_words_find(list, list, word, n);
 }
 
 /* ---- kinds ---- */
@@ -201,30 +198,18 @@ static vs_status ask(const vs_elements *w, const vs_element *e, const vs_kind *k
 
 /* What the subcircuit is by what is within it, of which `gate` is known to be the gate (-1: not);
  * whether it calls a subcircuit whose name hints at the kind. */
-static vs_cards_latch look_within(const vs_listing *l, const char *model, int gate,
-                                  const char *hints, bool *hinted) {
-  vs_cards c;
+static vs_cards_latch look_within(const vs_cards *c, const char *model, int gate, const char *hints,
+                                  bool *hinted) {
   vs_cards_latch latch = {.gate = -1, .near = -1};
-  vs_line *lines = vs_alloc(l->count + 1, sizeof *lines);
-  size_t n = 0;
-  for (size_t k = 0; k < l->count; k++)
-    if (l->cards[k].kind != VS_CARD_COMMENT)
-      vs_line_join(&lines[n++], l->cards[k].text, l->cards[k].where);
-  vs_cards_read(&c, lines, n);
-  for (size_t k = c.n_scopes; k-- > 1;) { /* of several the first counts */
-    if (!vs_words_is(c.scope[k].name, model)) continue;
-    latch = vs_cards_see_latch(&c, k, gate);
-    *hinted = false;
-    for (size_t m = c.scope[k].first; m < c.scope[k].last; m++) {
-      char *called = vs_alloc_part(c.card[m].model.at, c.card[m].model.n);
-      *hinted = *hinted || (c.card[m].letter == 'x' && hints_at(called, hints));
-      free(called);
-    }
+  size_t k = 1;
+  while (k < c->n_scopes && !vs_words_is(c->scope[k].name, model)) k++;
+  if (k == c->n_scopes) return latch;
+  for (size_t m = c->scope[k].first; m < c->scope[k].last; m++) {
+    char *called = vs_alloc_part(c->card[m].model.at, c->card[m].model.n);
+    *hinted = *hinted || (c->card[m].letter == 'x' && hints_at(called, hints));
+    free(called);
   }
-  vs_cards_free(&c);
-  while (n > 0) vs_line_free(&lines[--n]);
-  free(lines);
-  return latch;
+  return vs_cards_see_latch(c, k, gate);
 }
 
 /* True for a triac: by its name, or as it conducts both ways. Its pins are then told by their
@@ -235,7 +220,8 @@ static bool find_triac(const vs_listing *l, size_t subckt, const char *model, vs
   bool by_names = pins->kind, hinted = false;
   if (by_names && !strcmp(pins->kind, triac->name)) return true;
   if (by_names && strcmp(pins->kind, "thyristor")) return false;
-  vs_cards_latch latch = look_within(l, model, by_names ? pins->gate : -1, triac->called, &hinted);
+  vs_cards_latch latch =
+      look_within(&l->netlist, model, by_names ? pins->gate : -1, triac->called, &hinted);
   /* BT131 to BT139 are triacs; BT151, as an instance, is a thyristor. */
   if (!latch.two_ways && !hinted && strncasecmp(model, "bt13", 4) &&
       !subcircuit_hints(l, subckt, model, triac->called))
@@ -349,7 +335,7 @@ static char *said_of(const vs_elements *w, const char *asked, const vs_element *
     char *equal = strchr(entry, '=');
     if (!equal || found) continue;
     *equal = '\0';
-    if (vs_elements_find(w, entry) == e) found = vs_copy(equal + 1);
+    if (vs_elements_find(w, vs_words_of(entry)) == e) found = vs_copy(equal + 1);
   }
   free(all);
   return found;
@@ -401,7 +387,7 @@ vs_status vs_pins_check(const vs_elements *w, const char *asked, vs_error *err) 
     if (equal) *equal = '\0';
     if (!equal || !read_said(equal + 1, &pins))
       status = refuse_said(entry, equal ? equal + 1 : NULL, err);
-    else if (!vs_elements_find(w, entry))
+    else if (!vs_elements_find(w, vs_words_of(entry)))
       status = vs_fail(err, VS_INPUT, "--pins %s: there is no such element outside of subcircuits",
                        entry);
   }
@@ -415,7 +401,7 @@ vs_status vs_pins_check(const vs_elements *w, const char *asked, vs_error *err) 
  * varistor. */
 static bool is_power_law(const vs_elements *w, const vs_element *e) {
   static const char *const POWERS[] = {"pwr(", "pwrs(", "pow(", "**", "^", "sinh("};
-  char *law = vs_elements_rest_of(w, e, e->n_nodes + 1), own[2][2 * VS_ELEMENTS_NAME + 8];
+  char *law = vs_copy(vs_elements_rest(e, e->n_nodes + 1).at), own[2][2 * VS_ELEMENTS_NAME + 8];
   bool power = false, other = false, current = tolower((unsigned char)*law) == 'i';
   const char *a = w->nodes[e->nodes[0]].said, *b = w->nodes[e->nodes[1]].said;
   vs_cursor_lower(law);
@@ -434,7 +420,7 @@ vs_status vs_pins_find(const vs_elements *w, const char *asked, const vs_element
                        vs_error *err) {
   *pins = (vs_pins){.gate = -1, .by = "by its letter"};
   char *said = said_of(w, asked, e), *model = vs_elements_model(w, e);
-  int subckt = model ? vs_elements_defined(w->listing, model) : -1;
+  int subckt = model ? vs_elements_defined(w->listing, vs_words_of(model)) : -1;
   vs_status status = VS_OK;
   if (e->letter == 'x' && subckt < 0 && model) find_part(w, model, e, pins);
   vs_pins part = *pins;

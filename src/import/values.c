@@ -25,7 +25,7 @@ static bool has_hexadecimal(const char *text) {
   return false;
 }
 
-bool vs_values_number(const vs_values *v, const char *text, double *number) {
+static bool read_number(const vs_values *v, const char *text, double *number) {
   char *end;
   text += strspn(text, " \t");
   if (!*text || !strchr("+-.0123456789", *text) || has_hexadecimal(text)) return false;
@@ -49,6 +49,13 @@ bool vs_values_number(const vs_values *v, const char *text, double *number) {
   if (!strncmp(end, "\xe2\x84\xa6", 3)) end += 3; /* sign of the ohm */
   end += strspn(end, " \t");
   return !*end;
+}
+
+bool vs_values_number(const vs_values *v, vs_word word, double *number) {
+  char *text = vs_alloc_part(word.at, word.n);
+  const bool is = read_number(v, text, number);
+  free(text);
+  return is;
 }
 
 /* ---- functions: lines .func outside of subcircuits ---- */
@@ -202,7 +209,7 @@ static void tame_powers(char *text) {
 
 static bool evaluate(const vs_values *v, const char *text, int level, double *value) {
   if (has_hexadecimal(text)) return false;
-  if (vs_values_number(v, text, value)) return true;
+  if (read_number(v, text, value)) return true;
   if (level > NESTED) return false;
   names *n = vs_alloc(1, sizeof *n);
   double known[NAMES] = {0};
@@ -227,8 +234,11 @@ static bool evaluate(const vs_values *v, const char *text, int level, double *va
   return good;
 }
 
-bool vs_values_of(const vs_values *v, const char *text, double *value) {
-  return evaluate(v, text, 0, value);
+bool vs_values_of(const vs_values *v, vs_word word, double *value) {
+  char *text = vs_alloc_part(word.at, word.n);
+  const bool known = evaluate(v, text, 0, value);
+  free(text);
+  return known;
 }
 
 /* ---- .param ---- */
@@ -246,12 +256,12 @@ void vs_values_read(vs_values *v, const vs_listing *l) {
     *p = (vs_value_param){.card = d->card, .text = vs_alloc_part(d->body.at, d->body.n)};
     snprintf(p->name, sizeof p->name, "%.*s", (int)d->name.n, d->name.at);
     vs_cursor_lower(p->name);
-    vs_names_put(&v->names, p->name, v->count++); /* the last one counts */
+    vs_names_put(&v->names, p->name, strlen(p->name), v->count++); /* the last one counts */
   }
   for (size_t k = 0; k < v->count; k++) {
     vs_value_param *p = &v->item[k];
     double value;
-    p->number = vs_values_number(v, p->text, &value);
+    p->number = read_number(v, p->text, &value);
     settle(v, p, 0);
   }
 }

@@ -150,7 +150,7 @@ static void define(vs_cards *c, const vs_netlist_definition *d) {
   if (vs_names_find(&c->numbers, key.text, key.length, &first))
     c->definition[first].twin = true;
   else
-    vs_names_put(&c->numbers, key.text, c->n_definitions);
+    vs_names_put(&c->numbers, key.text, key.length, c->n_definitions);
   vs_text_free(&key);
   c->definition = vs_alloc_grow(c->definition, c->n_definitions, sizeof *c->definition);
   c->definition[c->n_definitions++] = *d;
@@ -219,9 +219,8 @@ static void read_card(vs_cards *c, size_t number) {
   read_arguments(c, card, s,
                  element ? strchr("xb", card->letter) != NULL : card->kind != VS_CARDS_MODEL);
   for (size_t k = 0; k < card->words && card->kind == VS_CARDS_GLOBAL; k++) {
-    char *node = vs_alloc_part(vs_cards_word(c, card, k).at, vs_cards_word(c, card, k).n);
-    vs_names_put(&c->globals, node, number);
-    free(node);
+    const vs_word node = vs_cards_word(c, card, k);
+    vs_names_put(&c->globals, node.at, node.n, number);
   }
   if (card->kind == VS_CARDS_MODEL) card->model = vs_cards_word(c, card, 0);
   if (card->kind == VS_CARDS_SUBCKT) card->nodes = card->words;
@@ -332,15 +331,6 @@ size_t vs_cards_next(const vs_cards *c, size_t k) {
   return 1 + (opens ? c->scope[opens].last : k);
 }
 
-vs_word vs_cards_instance_of(const char *line) {
-  const vs_line alone = {.text = (char *)(size_t)line};
-  vs_cards c;
-  vs_cards_read(&c, &alone, 1);
-  const vs_word name = c.card[0].letter == 'x' ? c.card[0].model : (vs_word){line, 0};
-  vs_cards_free(&c);
-  return name;
-}
-
 size_t vs_cards_called(const vs_cards *c, const vs_netlist_card *card) {
   if (card->kind != VS_CARDS_ELEMENT || card->letter != 'x' || !card->model.n) return 0;
   const vs_netlist_definition *d = vs_cards_resolve(c, card->scope, VS_CARDS_SUBCKT, card->model);
@@ -381,7 +371,7 @@ static size_t node_number(latch_search *s, const char *path, vs_word node, const
   vs_text name = {0};
   vs_text_add(&name, "%s.%.*s", vs_words_is_ground(node) ? "" : path, (int)node.n, node.at);
   if (!vs_names_find(&s->nodes, name.text, name.length, &number)) {
-    vs_names_put(&s->nodes, name.text, number);
+    vs_names_put(&s->nodes, name.text, name.length, number);
     s->n_nodes++;
   }
   vs_text_free(&name);

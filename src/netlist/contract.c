@@ -294,12 +294,10 @@ vs_status vs_contract_line(vs_deck *deck, const char *line, vs_where begin, vs_e
     return status;
   }
   deck->lost |= VS_LOST_PARAM | VS_LOST_PORT | VS_LOST_PROBE;
-  const char *nearest = vs_text_nearest(word, names, N_DIRECTIVES);
   vs_text all = {0};
   for (size_t k = 0; k < N_DIRECTIVES; k++) vs_text_add(&all, "%s%s", k ? ", " : "", names[k]);
-  vs_status status =
-      vs_fail_at(err, where, "'*$ %s' is not known; there are: %s%s%s%s", word, all.text,
-                 nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+  vs_status status = vs_fail_at(err, where, "'*$ %s' is not known; there are: %s%s", word, all.text,
+                                vs_text_hint(word, names, N_DIRECTIVES, "").text);
   vs_text_free(&all);
   return status;
 }

@@ -39,15 +39,8 @@ const char *const vs_deck_standard_names[] = {
 _Static_assert(sizeof vs_deck_standard_names / sizeof *vs_deck_standard_names == VS_STANDARD,
                "a name for each parameter of the program's");
 
-static bool is_in_list(const char *name, const char *const *list, size_t count) {
-  for (size_t k = 0; k < count; k++)
-    if (!strcasecmp(name, list[k])) return true;
-  return false;
-}
-#define AMONG(name, list) is_in_list(name, list, sizeof(list) / sizeof *(list))
-
 bool vs_deck_is_standard(const char *name) {
-  return AMONG(name, vs_deck_standard_names);
+  return vs_words_among(vs_words_of(name), vs_deck_standard_names, VS_STANDARD);
 }
 
 bool vs_deck_has_port(const vs_deck *deck, bool (*is)(const vs_signal *signal)) {
@@ -251,12 +244,11 @@ static vs_status find_value(const vs_deck *deck, const vs_named *named,
   }
   if (isnan(*value)) *value = vs_reserved_constant(named->name);
   if (!isnan(*value)) return VS_OK;
-  const char *nearest = vs_text_nearest(named->name, known, count);
   char within[VS_PATH_SIZE];
   const vs_where where = vs_deck_mendable(deck, named->where, within, sizeof within);
-  return vs_fail_at(err, where, "no parameter '%s' is declared%s%s%s%s", named->name, within,
-                    nearest ? "; did you mean '" : "; '*$ param NAME = ...' declares one",
-                    nearest ? nearest : "", nearest ? "'?" : "");
+  return vs_fail_at(
+      err, where, "no parameter '%s' is declared%s%s", named->name, within,
+      vs_text_hint(named->name, known, count, "; '*$ param NAME = ...' declares one").text);
 }
 
 /* ---- the mains behind a device ---- */

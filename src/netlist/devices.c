@@ -80,22 +80,38 @@ static bool read_positive(vs_cursor *c, const char *unit, double *si) {
   return vs_units_read(both, unit, si, why, sizeof why) && *si > 0;
 }
 
+/* Reads a number of any sign, with that unit as it stands; NULL: without one. */
+static bool read_plain(vs_cursor *c, const char *unit, double *value) {
+  char number[VS_DECK_NAME], written[VS_DECK_NAME] = "", *end;
+  vs_cursor_token(c, number, sizeof number);
+  if (unit) vs_cursor_token(c, written, sizeof written);
+  *value = vs_text_to_number(number, &end);
+  return end != number && !*end && (!unit || !strcmp(written, unit));
+}
+
+/* Reads [assumed] "TEXT", the end of a row, of which there may be `most`. */
+static vs_status end_row(vs_cursor *c, bool *assumed, size_t count, int most, vs_error *err) {
+  char text[VS_DECK_TEXT];
+  *assumed = vs_cursor_is(c, "assumed");
+  vs_status status = vs_cursor_text(c, text, sizeof text, err);
+  return status || count < (size_t)most
+             ? status
+             : vs_fail_at(err, c->line, "more than %d of these lines", most);
+}
+
 /* zth R K/W TAU s [assumed] "TEXT" */
 vs_status vs_devices_zth(vs_deck *deck, vs_cursor *c, vs_error *err) {
   vs_zth zth = {.where = c->line};
-  char text[VS_DECK_TEXT];
   vs_cursor_skip(c);
   vs_where where = vs_cursor_here(c);
   if (!read_positive(c, "K/W", &zth.k_per_w) || !read_positive(c, "s", &zth.tau_s))
     return vs_fail_at(err, where,
                       "zth: a thermal resistance and its time constant are wanted here, both "
                       "positive, as 0.5 K/W 1 ms");
-  zth.assumed = vs_cursor_is(c, "assumed");
-  vs_status status = vs_cursor_text(c, text, sizeof text, err);
-  size_t same = 0;
+  size_t same =
+      deck->n_zth < VS_DECK_LIMITS ? 0 : VS_PART_ZTH; /* of the part; or the deck is full */
   for (size_t k = 0; k < deck->n_zth; k++) same += !strcmp(deck->zth[k].where.file, c->line.file);
-  if (!status && (same >= VS_PART_ZTH || deck->n_zth >= VS_DECK_LIMITS))
-    status = vs_fail_at(err, c->line, "more than %d of these lines", VS_PART_ZTH);
+  vs_status status = end_row(c, &zth.assumed, same, VS_PART_ZTH, err);
   if (!status) deck->zth[deck->n_zth++] = zth;
   return status;
 }
@@ -103,7 +119,6 @@ vs_status vs_devices_zth(vs_deck *deck, vs_cursor *c, vs_error *err) {
 /* time_current TIME CURRENT [assumed] "TEXT" */
 vs_status vs_devices_time_current(vs_deck *deck, vs_cursor *c, vs_error *err) {
   vs_melting_row row = {.where = c->line};
-  char text[VS_DECK_TEXT];
   const vs_melting_row *last = deck->n_melting ? &deck->melting[deck->n_melting - 1] : NULL;
   vs_cursor_skip(c);
   vs_where where = vs_cursor_here(c);
@@ -117,10 +132,7 @@ vs_status vs_devices_time_current(vs_deck *deck, vs_cursor *c, vs_error *err) {
                       "time_current: behind %.9g s and %.9g A a longer time and a smaller current "
                       "are wanted, not %.9g s and %.9g A",
                       last->time_s, last->current_a, row.time_s, row.current_a);
-  row.assumed = vs_cursor_is(c, "assumed");
-  vs_status status = vs_cursor_text(c, text, sizeof text, err);
-  if (!status && deck->n_melting >= VS_DECK_LIMITS)
-    status = vs_fail_at(err, c->line, "more than %d of these lines", VS_DECK_LIMITS);
+  vs_status status = end_row(c, &row.assumed, deck->n_melting, VS_DECK_LIMITS, err);
   if (!status) deck->melting[deck->n_melting++] = row;
   return status;
 }
@@ -137,21 +149,16 @@ static const vs_ambient_row *last_ambient(const vs_deck *deck, const char *file,
 
 /* Reads a temperature and a factor, as "70 degC 100 %". */
 static bool read_ambient(vs_cursor *c, vs_ambient_row *row) {
-  char value[VS_DECK_NAME], unit[VS_DECK_NAME], *end;
-  vs_cursor_token(c, value, sizeof value);
-  vs_cursor_token(c, unit, sizeof unit);
-  row->ambient_degc = vs_text_to_number(value, &end);
-  if (end == value || *end || !isfinite(row->ambient_degc) || strcmp(unit, "degC")) return false;
-  vs_cursor_token(c, value, sizeof value);
-  vs_cursor_token(c, unit, sizeof unit);
-  row->factor = vs_text_to_number(value, &end) / 100;
-  return end != value && !*end && !strcmp(unit, "%") && row->factor >= 0 && row->factor < 10;
+  double percent;
+  if (!read_plain(c, "degC", &row->ambient_degc) || !isfinite(row->ambient_degc)) return false;
+  if (!read_plain(c, "%", &percent)) return false;
+  row->factor = percent / 100;
+  return row->factor >= 0 && row->factor < 10;
 }
 
 /* derate LIMIT TEMPERATURE degC FACTOR % [assumed] "TEXT" */
 vs_status vs_devices_derate(vs_deck *deck, vs_cursor *c, vs_error *err) {
   vs_ambient_row row = {.where = c->line};
-  char text[VS_DECK_TEXT];
   vs_cursor_skip(c);
   vs_where where = vs_cursor_here(c);
   if (!vs_cursor_word(c, "", row.limit, sizeof row.limit) || !read_ambient(c, &row))
@@ -165,10 +172,7 @@ vs_status vs_devices_derate(vs_deck *deck, vs_cursor *c, vs_error *err) {
                       "a part are wanted, not %.9g degC and %.9g %%",
                       row.limit, last->ambient_degc, 100 * last->factor, row.ambient_degc,
                       100 * row.factor);
-  row.assumed = vs_cursor_is(c, "assumed");
-  vs_status status = vs_cursor_text(c, text, sizeof text, err);
-  if (!status && deck->n_ambients >= VS_DECK_MOST)
-    status = vs_fail_at(err, c->line, "more than %d of these lines", VS_DECK_MOST);
+  vs_status status = end_row(c, &row.assumed, deck->n_ambients, VS_DECK_MOST, err);
   if (!status) deck->ambients[deck->n_ambients++] = row;
   return status;
 }
@@ -191,14 +195,10 @@ static const vs_derating *contradicted(const vs_deck *deck, const vs_derating *d
 /* pulse WIDTH us NUMBER CURRENT A [assumed] "TEXT" */
 vs_status vs_devices_pulse(vs_deck *deck, vs_cursor *c, vs_error *err) {
   vs_derating d = {.where = c->line};
-  char text[VS_DECK_TEXT], number[VS_DECK_NAME], *end;
   vs_cursor_skip(c);
   vs_where where = vs_cursor_here(c);
-  bool good = read_positive(c, "s", &d.width_s);
-  vs_cursor_token(c, number, sizeof number);
-  d.number = vs_text_to_number(number, &end);
-  good = good && end != number && !*end && d.number >= 1 && read_positive(c, "A", &d.current_a);
-  if (!good)
+  if (!read_positive(c, "s", &d.width_s) || !read_plain(c, NULL, &d.number) || !(d.number >= 1) ||
+      !read_positive(c, "A", &d.current_a))
     return vs_fail_at(err, where,
                       "pulse: a width, a number and a current are wanted here, as 20 us 10 2500 A");
   const vs_derating *other = contradicted(deck, &d);
@@ -209,10 +209,7 @@ vs_status vs_devices_pulse(vs_deck *deck, vs_cursor *c, vs_error *err) {
                       "pulses bear no more",
                       d.current_a, d.number, 1e6 * d.width_s, other->current_a, other->number,
                       1e6 * other->width_s, other->where.line);
-  d.assumed = vs_cursor_is(c, "assumed");
-  vs_status status = vs_cursor_text(c, text, sizeof text, err);
-  if (!status && deck->n_deratings >= VS_DECK_LIMITS)
-    status = vs_fail_at(err, c->line, "more than %d of these lines", VS_DECK_LIMITS);
+  vs_status status = end_row(c, &d.assumed, deck->n_deratings, VS_DECK_LIMITS, err);
   if (!status) deck->deratings[deck->n_deratings++] = d;
   return status;
 }
@@ -220,25 +217,19 @@ vs_status vs_devices_pulse(vs_deck *deck, vs_cursor *c, vs_error *err) {
 /* surge NUMBER CURRENT A [assumed] "TEXT" */
 vs_status vs_devices_surge(vs_deck *deck, vs_cursor *c, vs_error *err) {
   vs_surge_row row = {.where = c->line};
-  char text[VS_DECK_TEXT], number[VS_DECK_NAME], *end;
   vs_cursor_skip(c);
   vs_where where = vs_cursor_here(c);
-  vs_cursor_token(c, number, sizeof number);
-  row.number = vs_text_to_number(number, &end);
-  bool good = end != number && !*end && isfinite(row.number) && row.number >= 1;
-  if (!good || !read_positive(c, "A", &row.current_a))
+  if (!read_plain(c, NULL, &row.number) || !isfinite(row.number) || row.number < 1 ||
+      !read_positive(c, "A", &row.current_a))
     return vs_fail_at(
         err, where,
         "surge: a number of cycles, from 1 on, and a peak current are wanted here, as "
         "10 95 A");
-  row.assumed = vs_cursor_is(c, "assumed");
-  vs_status status = vs_cursor_text(c, text, sizeof text, err);
+  vs_status status = end_row(c, &row.assumed, deck->n_surges, VS_DECK_LIMITS, err);
   for (size_t k = 0; k < deck->n_surges && !status; k++)
     if (!strcmp(deck->surges[k].where.file, c->line.file) && deck->surges[k].number == row.number)
       status = vs_fail_at(err, where, "surge: %g cycles stand here a second time; leave one out",
                           row.number);
-  if (!status && deck->n_surges >= VS_DECK_LIMITS)
-    status = vs_fail_at(err, c->line, "more than %d of these lines", VS_DECK_LIMITS);
   if (!status) deck->surges[deck->n_surges++] = row;
   return status;
 }
@@ -246,8 +237,7 @@ vs_status vs_devices_surge(vs_deck *deck, vs_cursor *c, vs_error *err) {
 /* at TEMPERATURE degC NAME = VALUE UNIT [assumed] "TEXT" */
 vs_status vs_devices_at(vs_deck *deck, vs_cursor *c, vs_error *err) {
   vs_limit_at at = {.where = c->line};
-  char text[VS_DECK_TEXT], value[VS_DECK_NAME], unit[VS_DECK_NAME], both[2 * VS_DECK_NAME],
-      why[200];
+  char value[VS_DECK_NAME], unit[VS_DECK_NAME], both[2 * VS_DECK_NAME], why[200];
   vs_cursor_skip(c);
   vs_where where = vs_cursor_here(c);
   vs_cursor_token(c, value, sizeof value);
@@ -267,10 +257,7 @@ vs_status vs_devices_at(vs_deck *deck, vs_cursor *c, vs_error *err) {
     return vs_fail_at(err, where, "at: a positive value of limit %s is wanted here%s%s", at.name,
                       usual ? ", in a unit as " : "; no limit of that name is known",
                       usual ? usual : "");
-  at.assumed = vs_cursor_is(c, "assumed");
-  status = vs_cursor_text(c, text, sizeof text, err);
-  if (!status && deck->n_limits_at >= VS_DECK_MOST)
-    status = vs_fail_at(err, c->line, "more than %d of these lines", VS_DECK_MOST);
+  status = end_row(c, &at.assumed, deck->n_limits_at, VS_DECK_MOST, err);
   if (!status) deck->limits_at[deck->n_limits_at++] = at;
   return status;
 }
@@ -295,11 +282,9 @@ static vs_status unknown_kind(const vs_deck *deck, const vs_device *d, const cha
     vs_text_add(&kinds, "%s%s", k ? ", " : "", vs_kinds_all[k].name);
     names[n++] = vs_kinds_all[k].name;
   }
-  const char *nearest = vs_text_nearest(said, names, n);
   vs_status status = vs_fail_at(
-      err, d->where_of, "device %s: '%s' is no part of this deck and no kind; there are: %s%s%s%s",
-      d->name, said, kinds.text, nearest ? "; did you mean '" : "", nearest ? nearest : "",
-      nearest ? "'?" : "");
+      err, d->where_of, "device %s: '%s' is no part of this deck and no kind; there are: %s%s",
+      d->name, said, kinds.text, vs_text_hint(said, names, n, "").text);
   vs_text_free(&kinds);
   free(names);
   return status;
@@ -412,10 +397,8 @@ static vs_status resolve_ward(const vs_deck *deck, vs_device *d, vs_error *err) 
     if (!strcmp(names[k], d->ward)) d->protects = (int)k;
   }
   if (d->protects >= 0) return VS_OK;
-  const char *nearest = vs_text_nearest(d->ward, names, deck->n_devices);
-  return vs_fail_at(err, d->where_ward, "device %s: no device '%s' stands in the deck%s%s%s",
-                    d->name, d->ward, nearest ? "; did you mean '" : "", nearest ? nearest : "",
-                    nearest ? "'?" : "");
+  return vs_fail_at(err, d->where_ward, "device %s: no device '%s' stands in the deck%s", d->name,
+                    d->ward, vs_text_hint(d->ward, names, deck->n_devices, "").text);
 }
 
 static const char *file_of(const vs_deck *deck, const vs_device *d) {

@@ -26,17 +26,6 @@ void vs_eva_take_law(vs_deck *deck, const vs_coil *coil) {
   vs_text_free(&force);
 }
 
-/* True where the line has the word, in capitals or not. */
-static bool has_word(const char *line, const char *word) {
-  size_t n = strlen(word);
-  for (const char *s = line; *s; s++) {
-    bool begins = s == line || !(isalnum((unsigned char)s[-1]) || s[-1] == '_');
-    if (begins && !strncasecmp(s, word, n) && !isalnum((unsigned char)s[n]) && s[n] != '_')
-      return true;
-  }
-  return false;
-}
-
 vs_status vs_eva_check_names(const vs_deck *deck, const vs_coil *coil, vs_error *err) {
   const char *name = vs_deck_standard_names[VS_STANDARD_EVA_A];
   vs_where where = {0};
@@ -44,7 +33,8 @@ vs_status vs_eva_check_names(const vs_deck *deck, const vs_coil *coil, vs_error 
   for (size_t k = 0; k < deck->n_names && !where.file; k++)
     if (!strcasecmp(deck->names[k].name, name)) where = deck->names[k].where;
   for (size_t k = 0; k < deck->n_lines && !where.file; k++)
-    if (has_word(deck->lines[k].text, name)) where = deck->lines[k].where;
+    if (vs_words_find(deck->lines[k].text, deck->lines[k].text, name, strlen(name)))
+      where = deck->lines[k].where;
   if (!where.file) return VS_OK;
   return vs_fail_at(
       err, where,
@@ -70,10 +60,8 @@ static bool is_part_of_a_name(char c) {
 static const char *find_node(const char *eva, const char *line, const char *from,
                              char node[VS_DECK_NAME]) {
   size_t n = strlen(eva);
-  const int first = tolower((unsigned char)*eva);
-  for (const char *s = from; *s; s++) {
-    if (tolower((unsigned char)*s) != first) continue;
-    if (strncasecmp(s, eva, n) || s[n] != '.' || (s > line && is_part_of_a_name(s[-1]))) continue;
+  for (const char *s = from; (s = vs_words_find(line, s, eva, n)); s++) {
+    if (s[n] != '.' || (s > line && is_part_of_a_name(s[-1]))) continue;
     size_t length = 0;
     while (s[n + 1 + length] && is_part_of_a_name(s[n + 1 + length])) length++;
     snprintf(node, VS_DECK_NAME, "%.*s", (int)length, s + n + 1);
@@ -140,11 +128,6 @@ static vs_status take_node(vs_deck *deck, const char *node, const node_names *na
   return VS_OK;
 }
 
-static bool is_statement(const char *line, const char *word) {
-  size_t n = strlen(word);
-  return !strncasecmp(line, word, n) && !isalnum((unsigned char)line[n]);
-}
-
 /* True where the node is known within subcircuits, too; or where some subcircuit has an instance of
  * the EVA's name, whose node it may be. */
 static bool may_stand_within(const vs_deck *deck, const char *node) {
@@ -153,7 +136,8 @@ static bool may_stand_within(const vs_deck *deck, const char *node) {
   snprintf(whole, sizeof whole, "%s.%s", deck->eva, node);
   for (size_t k = 0; k < c->count; k++) {
     const vs_netlist_card *card = &c->card[k];
-    if (card->kind == VS_CARDS_GLOBAL && has_word(deck->lines[k].text, whole)) return true;
+    for (size_t n = 0; card->kind == VS_CARDS_GLOBAL && n < card->words; n++)
+      if (vs_words_is(vs_cards_word(c, card, n), whole)) return true;
     if (card->scope && card->kind == VS_CARDS_ELEMENT && vs_words_is(card->name, deck->eva))
       return true;
   }
@@ -196,11 +180,11 @@ static vs_status take_mention(vs_deck *deck, size_t line, const char *at, const 
 /* Takes the nodes that one line of the netlist names. */
 static vs_status take_nodes_of_line(vs_deck *deck, size_t number, const node_names *names,
                                     vs_error *err) {
+  static const char *const SAY_ONLY[] = {".ic", ".nodeset", ".global"};
   char node[VS_DECK_NAME], other[VS_DECK_NAME];
   const vs_line *line = &deck->lines[number];
   const char *text = line->text, *written = line->written ? line->written : text;
-  bool reads = !is_statement(text, ".ic") && !is_statement(text, ".nodeset") &&
-               !is_statement(text, ".global");
+  bool reads = !VS_WORDS_AMONG(vs_words_at(text), SAY_ONLY);
   vs_status status = VS_OK;
   for (const char *at = text; !status && (at = find_node(deck->eva, text, at, node)); at++) {
     /* where the text was changed, the place is that of the first node */

@@ -147,10 +147,12 @@ static void add_rewritten(vs_deck *deck, vs_line line, vs_rewriting *r) {
 
 /* Holds a line to the rules, rewrites it and adds it to the netlist; *skip: or passes it by. */
 static vs_status take_circuit(vs_deck *deck, vs_line *line, bool *skip, vs_error *err) {
-  vs_status status = *line->text == '.'
-                         ? vs_rules_statement(deck, line->text, line->where, skip, err)
-                         : vs_rules_element(deck, line->text, line->where, err);
-  if (!status && !*skip) status = vs_slips_line(line, err);
+  vs_cards one;
+  vs_cards_read(&one, line, 1);
+  vs_status status = *line->text == '.' ? vs_rules_statement(deck, &one, skip, err)
+                                        : vs_rules_element(deck, &one, err);
+  if (!status && !*skip) status = vs_slips_line(&one, err);
+  vs_cards_free(&one);
   if (status || *skip) return status;
   vs_rewriting r = {.line = line,
                     .pspice = *deck->compat != 0,
@@ -173,7 +175,7 @@ static vs_status take_line_into_deck(vs_deck *deck, vs_line line, vs_error *err)
   bool other_file = !strcmp(word, ".include") || !strcmp(word, ".inc") || !strcmp(word, ".lib");
   bool skip = other_file;
   vs_status status = other_file ? include(deck, text, line.where, err)
-                                : vs_rules_random(text, *deck->compat != 0, line.where, err);
+                                : vs_rules_random(&line, *deck->compat != 0, err);
   if (!status && !other_file) status = take_circuit(deck, &line, &skip, err);
   if (status && (other_file || (*text != '.' && !isalpha((unsigned char)*text))))
     deck->lost |= VS_LOST_ALL; /* it may have been anything */

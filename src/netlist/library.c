@@ -66,13 +66,11 @@ static size_t add_block(cutting *c, size_t k, bool model) {
          (strncmp(line_of(c, n), "*$", 2) || !line_of(c, n)[2 + strspn(line_of(c, n) + 2, " \t")]);
   if (!is) return to;
   for (size_t n = k; n < to; n++) c->within[n] = true;
-  char *name = vs_alloc_part(word.at, word.n);
   size_t other;
-  const bool again = vs_names_find(&lib->names, name, word.n, &other);
+  const bool again = vs_names_find(&lib->names, word.at, word.n, &other);
   lib->block = vs_alloc_grow(lib->block, lib->n_blocks, sizeof *lib->block);
   lib->block[lib->n_blocks] = (vs_library_block){lib->n_files, k, to, again ? other + 1 : 0, false};
-  vs_names_put(&lib->names, name, lib->n_blocks++);
-  free(name);
+  vs_names_put(&lib->names, word.at, word.n, lib->n_blocks++);
   return to;
 }
 

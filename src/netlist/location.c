@@ -3,38 +3,115 @@
 
 #include <ctype.h>
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
-#include "message.h"
 #include "netlist/cards.h"
 #include "netlist/deck.h"
 #include "netlist/netlist.h"
 #include "netlist/reserved.h"
 #include "netlist/words.h"
 
+/* ---- what ngspice says ---- */
+
+/* The words in which ngspice complains: the names that stand in them, and what would be right. */
+
+static const char PARAMETER[] = "ndefined parameter [", MODEL[] = "can't find model '",
+                  RANGE[] = "out of range for ";
+
+/* What stands between `open` and the next `close`, and its length; NULL: nothing does. */
+static const char *message_between(const char *message, const char *open, char close,
+                                   size_t *length) {
+  const char *begin = strstr(message, open), *end;
+  if (!begin) return NULL;
+  begin += strlen(open);
+  end = strchr(begin, close);
+  *length = end ? (size_t)(end - begin) : 0;
+  return end ? begin : NULL;
+}
+
+/* The name of the parameter that is not defined; NULL: the message is of something else. */
+static const char *message_parameter(const char *message, size_t *length) {
+  return message_between(message, PARAMETER, ']', length);
+}
+
+/* The name of the model that is not there; NULL: the message is of something else. */
+static const char *message_model(const char *message, size_t *length) {
+  return message_between(message, MODEL, '\'', length);
+}
+
+/* The name of the function whose argument is out of its range, up to the next blank; NULL: the
+ * message is of something else. */
+static const char *message_function(const char *message) {
+  const char *s = strstr(message, RANGE);
+  return s ? s + strlen(RANGE) : NULL;
+}
+
+/* True where that function is a power, x^y, however it is written. */
+static bool message_is_of_power(const char *message) {
+  const char *name = message_function(message);
+  return name && (*name == '^' || *name == 'p');
+}
+
+/* Goes behind the path in an element's name, as ngspice gives it to one within a subcircuit: to
+ * "bk" in "b.xs.bk". */
+static const char *message_behind_path(const char *name) {
+  const char *begin = name;
+  for (; *name && !strchr(" :#)\"", *name); name++)
+    if (*name == '.') begin = name + 1;
+  return begin;
+}
+
+/* What would be right, with "; " before it; empty where the complaint says so itself. */
+static const char *message_remedy(const char *message) {
+  static const struct {
+    const char *says, *instead;
+  } ROWS[] = {
+      {PARAMETER, "; '.param NAME=...' or '*$ param NAME = ...' defines one"},
+      {MODEL, "; '.model NAME ...' defines one"},
+      {"nknown subckt",
+       "; '.subckt NAME ...' defines one, '.include FILE' takes in a file that does"},
+      {"already exists", "; give one of the two another name"},
+      {"singular matrix", "; wanted: from every node a path to node 0 on which direct current may "
+                          "flow, and no loop of voltage sources"},
+      {"parameters for subcircuit", "; wanted: as many nodes as the subcircuit has"},
+      {"too few parameters", "; wanted: as many nodes and values as such an element has"},
+      {"not enough parameters",
+       "; wanted: as many nodes and values as such an element, or its subcircuit, has"},
+      {"nknown controlling source", "; a source V... of that name is wanted"},
+      {"nknown parameter", "; wanted: NAME=VALUE of a name that such an element or model has"},
+      {"xpression err",
+       "; look for a '=' with nothing behind it, a bracket or a sign that is missing"},
+      {"Closing \"", "; close that bracket"},
+      {"syntax error", "; look for a bracket, a comma or a sign that is missing"},
+      {"YYparse", "; look for a bracket, a comma or a sign that is missing"},
+      {"imestep too small", "; look at the values of that element"}};
+  if (message_is_of_power(message))
+    return "; a power below 0 has no value where x is 0, one below 1 no slope: write "
+           "max(abs(x), 1u) for x";
+  for (size_t k = 0; k < sizeof ROWS / sizeof *ROWS; k++)
+    if (strcasestr(message, ROWS[k].says)) return ROWS[k].instead;
+  return "";
+}
+
 /* ---- which lines it may be in ---- */
 
 /* In which lines of a deck that may stand which a complaint of ngspice's speaks of. */
-
-/* True for text whose first word is those n bytes. */
-static bool is_named(const char *line, const char *name, size_t n) {
-  return !strncasecmp(line, name, n) && strchr(" \t", line[n]);
-}
 
 /* Finds the subcircuit of a path, as "b.xs.xq.bk" or "xs.xq.kk", by its instances. 0: there is
  * none.
  */
 static size_t scope_of(const vs_cards *c, const char *path) {
   size_t scope = 0;
-  const char *last = vs_message_behind_path(path);
+  const char *last = message_behind_path(path);
   if (path[1] == '.') path += 2; /* the element's letter */
   while (path < last) {
     const size_t n = strcspn(path, ".");
     size_t k = c->scope[scope].first;
-    while (k < c->scope[scope].last && !is_named(c->lines[k].text, path, n))
+    while (k < c->scope[scope].last && vs_words_compare(c->card[k].name, (vs_word){path, n}))
       k = vs_cards_next(c, k);
     scope = k < c->scope[scope].last ? vs_cards_called(c, &c->card[k]) : 0;
     if (!scope) return 0;
@@ -50,7 +127,7 @@ static size_t scope_find(const vs_cards *c, const char *message) {
   for (size_t k = 0; k < sizeof BEFORE / sizeof *BEFORE; k++)
     for (const char *s = message; (s = strstr(s, BEFORE[k]));) {
       s += strlen(BEFORE[k]);
-      if (!isalpha((unsigned char)*s) || vs_message_behind_path(s) == s) continue;
+      if (!isalpha((unsigned char)*s) || message_behind_path(s) == s) continue;
       const size_t scope = scope_of(c, s);
       if (scope) return scope;
     }
@@ -61,9 +138,9 @@ static size_t scope_find(const vs_cards *c, const char *message) {
  * model whose lack the message is of. */
 static bool scope_has_what_lacks(const vs_cards *c, size_t k, const char *message) {
   vs_word name = {NULL, 0};
-  name.at = vs_message_parameter(message, &name.n);
+  name.at = message_parameter(message, &name.n);
   const int kind = name.at ? VS_CARDS_PARAM : VS_CARDS_MODEL;
-  if (!name.at) name.at = vs_message_model(message, &name.n);
+  if (!name.at) name.at = message_model(message, &name.n);
   const vs_netlist_definition *d =
       name.at ? vs_cards_resolve(c, c->card[k].scope, kind, name) : NULL;
   return d && d->scope;
@@ -82,7 +159,7 @@ static bool is_element_of(const char *line, const char *message) {
   if (n < 2 || *line == '.' || *line == '+') return false;
   for (size_t k = 0; k < sizeof BEFORE / sizeof *BEFORE; k++)
     for (const char *s = message; (s = strstr(s, BEFORE[k]));) {
-      s = vs_message_behind_path(s + strlen(BEFORE[k]));
+      s = message_behind_path(s + strlen(BEFORE[k]));
       if (!strncasecmp(s, line, n) && strchr(" :#)", s[n])) return true;
     }
   return false;
@@ -114,10 +191,10 @@ static const char *subject_node(const char *line, const char *message) {
 /* The function whose argument was out of its range. */
 static const char *subject_function(const char *line, const char *message) {
   static const char *const POWERS[] = {"pow", "pwr", "pwrs"};
-  const char *name = vs_message_function(message), *found = NULL;
+  const char *name = message_function(message), *found = NULL;
   if (!name || *line == '.') return NULL;
   found = vs_words_find(line, line, name, strcspn(name, " "));
-  if (found || !vs_message_is_of_power(message) || !strchr("bBeEgG", *line)) return found;
+  if (found || !message_is_of_power(message) || !strchr("bBeEgG", *line)) return found;
   found = strstr(line, "**");
   if (!found) found = strchr(line, '^');
   for (size_t k = 0; k < sizeof POWERS / sizeof *POWERS && !found; k++)
@@ -129,7 +206,7 @@ static const char *subject_function(const char *line, const char *message) {
  * complaint of '^' than one with pwr(). The complaint has the exponent, "X, Y out of range for ^":
  * a power with another number for it is not meant. */
 static const char *subject_power(const char *line, const char *message) {
-  const char *name = vs_message_function(message), *comma = name ? strstr(message, ", ") : NULL;
+  const char *name = message_function(message), *comma = name ? strstr(message, ", ") : NULL;
   if (!comma || *name != '^' || !strchr("bBeEgG", *line)) return NULL;
   for (const char *at = line; (at = strpbrk(at, "^*")); at++) {
     if (*at == '*' && at[1] != '*') continue;
@@ -154,7 +231,7 @@ static const char *find_no_value(const char *line) {
  * that is named. */
 static const char *subject_find(const char *line, const char *message) {
   size_t n = 0;
-  const char *name = vs_message_parameter(message, &n);
+  const char *name = message_parameter(message, &n);
   if (name) { /* a parameter stands in an expression, and so behind the first '{', quote or '=' */
     const char *from = *line == '.' ? strpbrk(line, "{'=( ") : strpbrk(line, "{'=");
     from = from ? vs_words_find(line, from, name, n) : NULL;
@@ -169,7 +246,7 @@ static const char *subject_find(const char *line, const char *message) {
     while (vs_words_goes_on(expression[n])) n++;
     return whole || n < 2 ? whole : vs_words_find(line, line, expression, n);
   }
-  name = vs_message_between(message, " '", '\'', &n);
+  name = message_between(message, " '", '\'', &n);
   const char *word = name ? vs_words_find(line, line, name, n) : NULL;
   if (is_element_of(line, message)) return word ? word : line;
   return strstr(message, "circuit: no such function '") ? word : NULL;
@@ -245,7 +322,7 @@ static vs_where place_in_line(const vs_line *line, const char *message) {
  * the deck's lines, the user's subcircuit is what has to be mended: its place. */
 static vs_where place_of_pins(const vs_deck *deck, const char *message, vs_where where) {
   size_t n = 0;
-  const char *name = vs_message_between(message, "parameters for subcircuit type \"", '"', &n);
+  const char *name = message_between(message, "parameters for subcircuit type \"", '"', &n);
   if (!name || (where.file && !vs_deck_is_shipped(where.file))) return where;
   const vs_netlist_definition *d =
       vs_cards_resolve(vs_deck_cards(deck), 0, VS_CARDS_SUBCKT, (vs_word){name, n});
@@ -282,5 +359,5 @@ void vs_location_locate(const vs_deck *deck, size_t culprit, vs_error *err) {
     where.file = deck->files[0];
   else
     where = vs_deck_mendable(deck, where, within, sizeof within);
-  vs_fail_at(err, where, "%s%s%s", plain.text, within, vs_message_remedy(plain.text));
+  vs_fail_at(err, where, "%s%s%s", plain.text, within, message_remedy(plain.text));
 }

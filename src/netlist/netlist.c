@@ -16,7 +16,6 @@
 #include "files.h"
 #include "lint/couplings.h"
 #include "lint/definitions.h"
-#include "lint/parameters.h"
 #include "lint/slips.h"
 #include "lint/subcircuits.h"
 #include "netlist/cards.h"
@@ -65,10 +64,11 @@ static vs_status match_sources(const vs_deck *deck, vs_error *err) {
 /* Holds the gains of controlled sources to the parameters that the deck has. */
 static vs_status check_gains(const vs_deck *deck, vs_error *err) {
   vs_names names = {0};
-  for (size_t k = 0; k < VS_STANDARD; k++) vs_names_put(&names, vs_deck_standard_names[k], k);
+  for (size_t k = 0; k < VS_STANDARD; k++)
+    vs_names_put(&names, vs_deck_standard_names[k], strlen(vs_deck_standard_names[k]), k);
   for (size_t k = 1; k < deck->section.count; k++)
-    vs_names_put(&names, deck->section.fields[k].key, k);
-  vs_status status = vs_parameters_check_gains(vs_deck_cards(deck), &names, err);
+    vs_names_put(&names, deck->section.fields[k].key, strlen(deck->section.fields[k].key), k);
+  vs_status status = vs_slips_gains(vs_deck_cards(deck), &names, err);
   vs_names_free(&names);
   return status;
 }
@@ -116,7 +116,7 @@ static vs_status check_whole(vs_deck *deck, vs_error *err) {
   vs_status status = vs_rules_params(deck, err);
   if (!status) status = vs_error_keep(err, vs_definitions_check(cards, err));
   if (!status) status = vs_error_keep(err, vs_subcircuits_circles(cards, err));
-  if (!status) status = vs_parameters_check(cards, err);
+  if (!status) status = vs_slips_instances(cards, err);
   if (!status) status = vs_subcircuits_parameters(cards, err);
   if (!status) status = check_gains(deck, err);
   if (!status) status = vs_error_keep(err, vs_slips_names(cards, err));

@@ -106,10 +106,8 @@ static int find_probe(const vs_deck *deck, const char *name, vs_where where, vs_
   }
   if (deck->lost & VS_LOST_PROBE)
     return -1; /* the line of this probe may be the one that could not be read */
-  const char *nearest = vs_text_nearest(name, names, deck->n_probes);
-  *status =
-      vs_fail_at(err, where, "rating: no probe '%s' stands above%s%s%s", name,
-                 nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+  *status = vs_fail_at(err, where, "rating: no probe '%s' stands above%s", name,
+                       vs_text_hint(name, names, deck->n_probes, "").text);
   return -1;
 }
 
@@ -259,12 +257,9 @@ static vs_status resolve_bound(const vs_deck *deck, const vs_rating *r, vs_bound
   for (size_t k = 0; k < deck->n_parts; k++) names[k] = deck->parts[k].name;
   while (p < deck->n_parts && strcmp(names[p], bound->part)) p++;
   if (p == deck->n_parts && deck->lost & VS_LOST_PARAM) return VS_OK;
-  if (p == deck->n_parts) {
-    const char *nearest = vs_text_nearest(bound->part, names, deck->n_parts);
-    return vs_fail_at(err, r->where, "rating: '%s' is no part of this deck%s%s%s", bound->part,
-                      nearest ? "; did you mean '" : "", nearest ? nearest : "",
-                      nearest ? "'?" : "");
-  }
+  if (p == deck->n_parts)
+    return vs_fail_at(err, r->where, "rating: '%s' is no part of this deck%s", bound->part,
+                      vs_text_hint(bound->part, names, deck->n_parts, "").text);
   if (!deck->parts[p].file) return VS_OK; /* its file was not found, and a check carries on */
   const vs_limit *limit = vs_parts_find_limit(deck, deck->parts[p].file, bound->limit);
   const vs_part_file *said = vs_parts_file(deck, deck->parts[p].file);

@@ -20,11 +20,9 @@ typedef struct groups {
 /* The number of a node. One that no line has named yet is a group of its own. */
 static size_t number_of(groups *g, vs_word node) {
   size_t k;
-  char name[VS_DECK_NAME];
-  snprintf(name, sizeof name, "%.*s", (int)node.n, node.at);
-  if (vs_names_find(&g->numbers, name, strlen(name), &k)) return k;
+  if (vs_names_find(&g->numbers, node.at, node.n, &k)) return k;
   k = vs_disjoint_sets_add(&g->sets);
-  vs_names_put(&g->numbers, name, k);
+  vs_names_put(&g->numbers, node.at, node.n, k);
   return k;
 }
 

@@ -23,7 +23,7 @@ static void names_have_numbers(void) {
   CU_ASSERT_FALSE(vs_names_find(&names, "a", 1, NULL));
   for (size_t k = 0; k < MANY; k++) {
     snprintf(name, sizeof name, "Name%zu", k);
-    vs_names_put(&names, name, k);
+    vs_names_put(&names, name, strlen(name), k);
   }
   CU_ASSERT_EQUAL(names.count, MANY);
   CU_ASSERT(names.room >= 2 * names.count);
@@ -35,7 +35,7 @@ static void names_have_numbers(void) {
   CU_ASSERT_EQUAL(wrong, 0);
   CU_ASSERT(vs_names_find(&names, "name12345", 6, NULL)); /* "name12" */
   CU_ASSERT_FALSE(vs_names_find(&names, "name", 4, NULL));
-  vs_names_put(&names, "NAME7", 8);
+  vs_names_put(&names, "NAME7", 5, 8);
   CU_ASSERT_EQUAL(number_of(&names, "Name7"), 8);
   CU_ASSERT_EQUAL(names.count, MANY);
   vs_names_free(&names);
@@ -84,11 +84,11 @@ static void parameters_need_each_other(void) {
                      ".param round=(turn+1) turn=(round-1) lost=(2*turn) twice=1 twice=2\n"
                      "R1 a 0 1\n");
   read_netlist(text.text, &listing, &values, &elements);
-  CU_ASSERT(vs_values_of(&values, "p60", &value) && value == ldexp(1, 30));
-  CU_ASSERT(vs_values_of(&values, "p59+q59", &value) && value == ldexp(1, 30));
-  CU_ASSERT(vs_values_of(&values, "TWICE", &value) && value == 2);
-  CU_ASSERT_FALSE(vs_values_of(&values, "round", &value));
-  CU_ASSERT_FALSE(vs_values_of(&values, "lost", &value));
+  CU_ASSERT(vs_values_of(&values, vs_words_of("p60"), &value) && value == ldexp(1, 30));
+  CU_ASSERT(vs_values_of(&values, vs_words_of("p59+q59"), &value) && value == ldexp(1, 30));
+  CU_ASSERT(vs_values_of(&values, vs_words_of("TWICE"), &value) && value == 2);
+  CU_ASSERT_FALSE(vs_values_of(&values, vs_words_of("round"), &value));
+  CU_ASSERT_FALSE(vs_values_of(&values, vs_words_of("lost"), &value));
   CU_ASSERT_FALSE(vs_values_find(&values, "turn")->known);
   vs_text_free(&text);
   vs_elements_free(&elements);
@@ -103,10 +103,10 @@ static void elements_are_found(void) {
   read_netlist("* of names\nR_R1 a b 1\nR1 b c 1\nr1 c d 1\nL1 d e 1m\nL2 e 0 1m\nK1 L1 l2 0.5\n"
                "C1 d d 1u\nL3 e f 1m\n",
                &listing, &values, &w);
-  CU_ASSERT_PTR_EQUAL(vs_elements_find(&w, "r_r1"), &w.elements[0]);
-  CU_ASSERT_PTR_EQUAL(vs_elements_find(&w, "r1"), &w.elements[1]);
-  CU_ASSERT_PTR_EQUAL(vs_elements_find(&w, "r1_2"), &w.elements[2]);
-  CU_ASSERT_PTR_NULL(vs_elements_find(&w, "r9"));
+  CU_ASSERT_PTR_EQUAL(vs_elements_find(&w, vs_words_of("r_r1")), &w.elements[0]);
+  CU_ASSERT_PTR_EQUAL(vs_elements_find(&w, vs_words_of("r1")), &w.elements[1]);
+  CU_ASSERT_PTR_EQUAL(vs_elements_find(&w, vs_words_of("r1_2")), &w.elements[2]);
+  CU_ASSERT_PTR_NULL(vs_elements_find(&w, vs_words_of("r9")));
   CU_ASSERT(w.elements[3].coupled && w.elements[4].coupled && !w.elements[7].coupled);
   CU_ASSERT(vs_elements_is_taken(&w, "E") && !vs_elements_is_taken(&w, "z"));
   /* two ends of two elements meet at b and c, more at d and e, one at a */

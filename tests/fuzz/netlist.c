@@ -2,9 +2,9 @@
  * Netlists of other programs, as `import` reads them, up to the deck's lines. */
 #include <string.h>
 
-#include "import/cast.h"
 #include "import/copying.h"
 #include "import/lines.h"
+#include "import/roles.h"
 #include "import/settings.h"
 #include "targets.h"
 
@@ -38,7 +38,7 @@ static vs_status understand(work *w, const char *path, vs_findings *all) {
     status = vs_elements_read(&w->wiring, &w->listing, &err);
   }
   if (!status && !vs_error_count(&err))
-    status = vs_cast_roles(&w->wiring, &w->values, &asked, &w->roles, &err);
+    status = vs_roles_find(&w->wiring, &w->values, &asked, &w->roles, &err);
   bool known = !status && !vs_error_count(&err);
   w->plan = (vs_fate){.wiring = &w->wiring, .values = &w->values, .roles = &w->roles};
   if (known) status = vs_fate_make(&w->plan, NULL, &err);

@@ -7,6 +7,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "netlist/expr.h"
 #include "netlist/words.h"
 
 /* Limits beyond which the rest of a deck is not examined. */
@@ -25,7 +26,7 @@ static int take_node(vs_wiring *w, const char *name) {
   if (vs_names_find(&w->numbers, name, strlen(name), &known)) return (int)known;
   w->nodes = vs_alloc_grow(w->nodes, w->n_nodes, sizeof *w->nodes);
   snprintf(w->nodes[w->n_nodes], sizeof *w->nodes, "%s", name);
-  vs_names_put(&w->numbers, name, w->n_nodes);
+  vs_names_put(&w->numbers, name, strlen(name), w->n_nodes);
   return (int)w->n_nodes++;
 }
 
@@ -44,23 +45,6 @@ static void add_look(vs_wire *wire, int node) {
 
 /* ---- laws ---- */
 
-/* Adds "v(n,m)" with the solver's names; `text` begins after "v(". Returns the text after the ')'.
- */
-static const char *add_voltage(const scope *s, vs_wire *wire, const char *text, vs_text *law) {
-  vs_text_add(law, "v(");
-  for (int k = 0;; k++) {
-    text += strspn(text, " \t,");
-    size_t n = strcspn(text, " \t,)");
-    if (n == 0) break;
-    int node = node_of(s, (vs_word){text, n});
-    add_look(wire, node);
-    vs_text_add(law, "%s%s", k ? "," : "", s->wiring->nodes[node]);
-    text += n;
-  }
-  vs_text_add(law, ")");
-  return text + (*text == ')');
-}
-
 /* The solver's name of a source inside the instance: "vs", "v.xa.vs". */
 static void add_current(const scope *s, vs_word name, vs_text *law) {
   vs_text_add(law, "i(");
@@ -71,21 +55,25 @@ static void add_current(const scope *s, vs_word name, vs_text *law) {
 
 /* Copies an expression with the solver's names of nodes and sources. */
 static void add_expression(const scope *s, vs_wire *wire, const char *text, vs_text *law) {
-  for (const char *c = text; *c;) {
-    bool word = c > text && vs_words_goes_on(c[-1]);
-    size_t blank = strspn(c + 1, " \t");
-    bool call = !word && c[1 + (*c ? blank : 0)] == '(';
-    if (call && (*c == 'v' || *c == 'V')) {
-      c = add_voltage(s, wire, c + 2 + blank, law);
-    } else if (call && (*c == 'i' || *c == 'I')) {
-      const char *name = c + 2 + blank + strspn(c + 2 + blank, " \t");
-      size_t n = strcspn(name, " \t)");
-      add_current(s, (vs_word){name, n}, law);
-      c = name + n + strspn(name + n, " \t");
-      c += *c == ')';
-    } else
-      vs_text_add(law, "%c", *c++);
+  const char *from = text;
+  vs_expr e;
+  vs_expr_read(&e, vs_words_of(text));
+  for (size_t k = 1; k < e.count; k++) {
+    const vs_expr_node *call = &e.node[k];
+    const bool voltage = vs_words_is(call->word, "v"), current = vs_words_is(call->word, "i");
+    if (call->kind != VS_EXPR_CALL || (!voltage && !current)) continue;
+    vs_text_add(law, "%.*s%s", (int)(call->whole.at - from), from, voltage ? "v(" : "");
+    from = call->whole.at + call->whole.n;
+    if (current) add_current(s, e.node[call->child].word, law);
+    for (size_t n = call->child; n && voltage; n = e.node[n].next) {
+      const int node = node_of(s, e.node[n].word);
+      add_look(wire, node);
+      vs_text_add(law, "%s%s", n == call->child ? "" : ",", s->wiring->nodes[node]);
+    }
+    if (voltage) vs_text_add(law, ")");
   }
+  vs_text_add(law, "%s", from);
+  vs_expr_free(&e);
 }
 
 /* The controlling nodes of "POLY(n) a b c d ...", at `poly`. They may stand in brackets, "(a,b)

@@ -130,10 +130,8 @@ static vs_status refuse_row_name(const table *t, const char *name, vs_error *err
     if (is_row_line(t->source.line[k]) && split_columns(t->source.line[k], cell))
       names[count++] = vs_alloc_part(cell[0].at, cell[0].n);
   }
-  const char *nearest = vs_text_nearest(name, (const char *const *)names, count);
-  vs_status status =
-      vs_fail_at(err, (vs_where){.file = t->path}, "has no row '%s'%s%s%s", name,
-                 nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+  vs_status status = vs_fail_at(err, (vs_where){.file = t->path}, "has no row '%s'%s", name,
+                                vs_text_hint(name, (const char *const *)names, count, "").text);
   for (size_t k = 0; k < count; k++) free(names[k]);
   free(names);
   return status;
@@ -424,13 +422,12 @@ vs_status vs_catalogue_find(const vs_shelf *shelf, const char *name, vs_where wh
     return vs_path_find(shelf, name, where, path, err);
   search s = {.name = name, .path = path};
   vs_catalogue_list(shelf, look_in_table, &s);
-  const char *nearest = vs_text_nearest(name, (const char *const *)s.all, s.count);
   vs_status status =
       s.found ? vs_jail_check(path, where, err)
               : vs_fail_at(err, where,
-                           "no %s '%s': not a file, and not a %s that comes with the program%s%s%s",
-                           shelf->what, name, shelf->what, nearest ? "; did you mean '" : "",
-                           nearest ? nearest : "", nearest ? "'?" : "");
+                           "no %s '%s': not a file, and not a %s that comes with the program%s",
+                           shelf->what, name, shelf->what,
+                           vs_text_hint(name, (const char *const *)s.all, s.count, "").text);
   end_search(&s);
   return status;
 }

@@ -696,19 +696,18 @@ static vs_status rewrite_coupling(vs_rewriting *r) {
 
 /* ---- points that repeat ---- */
 
-/* Where points between two brackets are those of a pulse, 0 V0 [T1 V0] T2 V1 T3 V1 T4 V0 T5 V0,
+/* Where points in brackets are those of a pulse, 0 V0 [T1 V0] T2 V1 T3 V1 T4 V0 T5 V0,
  * adds the `head` of the line and that as a PULSE, whose edges end ngspice's steps. Numbers may be
  * expressions; they are compared as texts. */
-static bool add_as_pulse(const char *open, const char *close, int head, const char *text,
-                         vs_text *out) {
-  vs_text inner = {0};
-  vs_word w[VS_WORDS_MOST];
-  vs_text_add(&inner, "%.*s", (int)(close - open - 1), open + 1);
-  for (char *s = inner.text; *s; s++)
-    if (*s == ',') *s = ' ';
-  size_t count = vs_words_split(inner.text, w), n = count == 12 ? 2 : 0;
+static bool add_as_pulse(const char *open, int head, const char *text, vs_text *out) {
+  enum { MOST = 12 };
+  vs_word w[MOST + 1];
+  size_t count = 0;
+  for (const char *s = open + 1; count <= MOST; count++)
+    if (!(s = vs_words_number(s, &w[count]))) break;
+  const size_t n = count == MOST ? 2 : 0;
   const vs_word *low = w + 1, *t = w + n, *high = t + 3;
-  bool is = count == 10 || count == 12;
+  bool is = count == 10 || count == MOST;
   for (size_t k = 1; k < count && is; k += 2) {
     const vs_word *like = k == n + 3 || k == n + 5 ? high : low;
     is = w[k].n == like->n && !strncasecmp(w[k].at, like->at, like->n);
@@ -719,7 +718,6 @@ static bool add_as_pulse(const char *open, const char *close, int head, const ch
                 head, text, (int)low->n, low->at, (int)high->n, high->at, (int)t->n, t->at,
                 (int)t[2].n, t[2].at, (int)t->n, t->at, (int)t[6].n, t[6].at, (int)t[4].n, t[4].at,
                 (int)t[4].n, t[4].at, (int)t[2].n, t[2].at, (int)t[8].n, t[8].at);
-  vs_text_free(&inner);
   return is;
 }
 
@@ -742,7 +740,7 @@ static vs_status rewrite_points(vs_rewriting *r) {
         "of PWL's REPEAT only 'REPEAT FOREVER (0 V0 T1 V1 ...) ENDREPEAT' can be said "
         "in ngspice, as 'PWL(0 V0 T1 V1 ...) r=0'; write all points, or a PULSE");
   vs_text changed = {0};
-  bool edges = add_as_pulse(open, close, (int)(pwl - text), text, &changed);
+  bool edges = add_as_pulse(open, (int)(pwl - text), text, &changed);
   if (!edges)
     vs_text_add(&changed, "%.*s%.*s r=0", (int)(pwl + 3 - text), text, (int)(close + 1 - open),
                 open);

@@ -8,6 +8,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "netlist/expr.h"
 #include "netlist/words.h"
 
 /* A call as it stands in r->text: from `at` to before `end`. */
@@ -281,44 +282,29 @@ static bool is_even(const char *exponent) {
   return end > exponent && fmod(y, 2) == 0 && !vs_words_goes_on(*end);
 }
 
-/* The base that ends before `end`: V(...), I(...) or a bracket; NULL: another one. */
-static const char *base_before(const char *text, const char *end) {
-  int depth = 0;
-  while (end > text && strchr(" \t", end[-1])) end--;
-  if (end == text || end[-1] != ')') return NULL;
-  const char *s = end;
-  do {
-    s--;
-    depth += (*s == ')') - (*s == '(');
-  } while (depth > 0 && s > text);
-  const char *name = s;
-  while (name > text && vs_words_goes_on(name[-1])) name--;
-  bool own = name == s || (name + 1 == s && strchr("vViI", *name));
-  return depth || !own ? NULL : name;
+/* True for the tree of V(...), I(...) or a bracket. */
+static bool is_base(const vs_expr_node *n) {
+  return (n->kind == VS_EXPR_BRACKET && *n->word.at == '(') ||
+         (n->kind == VS_EXPR_CALL && (vs_words_is(n->word, "v") || vs_words_is(n->word, "i")));
 }
 
 /* ngspice 39 takes the size of x in x^y, x**y and pow(x, y), so that an odd power has no sign. */
 static void tell_powers(vs_rewriting *r) {
   static const char TOLD[] = "x^y, x**y and pow(x, y) are powers of |x| in ngspice: where x may be "
                              "below 0 and y is odd, write sgn(x)*abs(x)^y";
-  const char *text = r->text.text;
-  for (const char *s = text; *s; s++) {
-    vs_word a[VS_WORDS_MOST];
-    const char *end = NULL, *base = NULL, *exponent = NULL;
-    size_t n = 0;
-    if ((*s == 'p' || *s == 'P') && !strncasecmp(s, "pow(", 4) &&
-        (s == text || !vs_words_goes_on(s[-1])) && vs_words_arguments(s + 3, a, &end) == 2)
-      base = a[0].at, n = a[0].n, exponent = a[1].at;
-    else if (*s == '^' || (s[0] == '*' && s[1] == '*')) {
-      base = base_before(text, s);
-      n = base ? (size_t)(s - base) : 0;
-      exponent = s + (*s == '^' ? 1 : 2);
-      s = exponent - 1;
-    }
-    if (base && n > 1 && *base == '(') base++, n--;
-    if (base && !is_even(exponent) && may_be_negative(base, n))
+  vs_expr e;
+  vs_expr_read(&e, vs_words_of(r->text.text));
+  for (size_t k = 1; k < e.count; k++) {
+    const vs_expr_node *n = &e.node[k], *x = &e.node[n->child], *y = &e.node[x->next];
+    const bool power = n->kind == VS_EXPR_OPERATOR &&
+                       (vs_words_is(n->word, "^") || vs_words_is(n->word, "**")) && is_base(x);
+    if (!power && !(n->kind == VS_EXPR_CALL && vs_words_is(n->word, "pow") && n->child)) continue;
+    const size_t bracket = *x->whole.at == '(';
+    const char *base = x->whole.at + bracket;
+    if (x->next && !y->next && !is_even(y->whole.at) && may_be_negative(base, x->whole.n - bracket))
       vs_tally_add(r->tally, TOLD, vs_rewriting_place(r, base, 1));
   }
+  vs_expr_free(&e);
 }
 
 /* True for a line that may have expressions: elements with a formula, parameters and functions. */
@@ -335,7 +321,8 @@ vs_status vs_functions_rewrite(vs_rewriting *r) {
   const function *f;
   if (!has_expressions(r->text.text)) return VS_OK;
   if (!r->pspice) rewrite_operators(r);
-  tell_powers(r);
+  const char *text = r->text.text;
+  if (strchr(text, '^') || strstr(text, "**") || strcasestr(text, "pow")) tell_powers(r);
   size_t until = r->text.length;
   while ((f = find_last(r, until, &at, &open))) {
     until = (size_t)(at - r->text.text); /* what is written there has no call of these */

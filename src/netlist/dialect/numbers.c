@@ -118,16 +118,6 @@ static vs_status check_factors(const vs_line *line, const char *from, vs_error *
   return VS_OK;
 }
 
-/* A number with a comma, as 4,7k or 1,000.5: digits, one comma, digits, letters. */
-static bool has_comma(vs_word w) {
-  const char *s = w.at + (strchr("+-", *w.at) != NULL);
-  size_t before = digits(s), after = s[before] == ',' ? digits(s + before + 1) : 0;
-  const char *end = s + before + 1 + after;
-  if (after && *end == '.') end += 1 + digits(end + 1);
-  while (after && isalpha((unsigned char)*end)) end++;
-  return before && after && end == w.at + w.n;
-}
-
 static bool has_two_points(vs_word w) {
   int points = 0;
   for (size_t k = 0; k < w.n && strchr("+-0123456789.", w.at[k]); k++) points += w.at[k] == '.';
@@ -146,23 +136,6 @@ static bool is_unit(vs_word w) {
   return false;
 }
 
-/* A value of its own, not in an expression. */
-static vs_status check_value(const vs_line *line, vs_word w, vs_error *err) {
-  int n = (int)w.n;
-  if (has_comma(w)) {
-    size_t whole = strcspn(w.at, ",");
-    return vs_fail_at(err, vs_line_place(line, w.at),
-                      "'%.*s': ngspice reads %.*s and leaves the rest out; the decimal sign is a "
-                      "point",
-                      n, w.at, (int)whole, w.at);
-  }
-  return has_two_points(w) ? vs_fail_at(err, vs_line_place(line, w.at),
-                                        "'%.*s': a number has one point; ngspice leaves out what "
-                                        "is behind the second",
-                                        n, w.at)
-                           : VS_OK;
-}
-
 /* Returns the length of a number with a comma at s, as 1,5 or 4,7k; 0: there is none, or a name
  * follows the comma. */
 static size_t decimal_comma(const char *s) {
@@ -178,13 +151,28 @@ static size_t decimal_comma(const char *s) {
   return vs_words_goes_on(s[n]) || vs_words_is_given(s + n) ? 0 : n;
 }
 
+/* A value of its own, not in an expression. */
+static vs_status check_value(const vs_line *line, vs_word w, vs_error *err) {
+  int n = (int)w.n;
+  if (w.n && decimal_comma(w.at) == w.n) {
+    size_t whole = strcspn(w.at, ",");
+    return vs_fail_at(err, vs_line_place(line, w.at),
+                      "'%.*s': ngspice reads %.*s and leaves the rest out; the decimal sign is a "
+                      "point",
+                      n, w.at, (int)whole, w.at);
+  }
+  return has_two_points(w) ? vs_fail_at(err, vs_line_place(line, w.at),
+                                        "'%.*s': a number has one point; ngspice leaves out what "
+                                        "is behind the second",
+                                        n, w.at)
+                           : VS_OK;
+}
+
 /* True for a line whose values "NAME=..." are numbers of their own. Transistors and transmission
  * lines have lists with commas. */
 static bool has_plain_values(const char *text) {
   static const char *const WORDS[] = {".model", ".param", ".subckt", ".ic", ".nodeset"};
-  for (size_t k = 0; k < sizeof WORDS / sizeof *WORDS; k++)
-    if (vs_words_begin(text, WORDS[k])) return true;
-  return strchr("rRcClLxX", *text);
+  return VS_WORDS_AMONG(vs_words_at(text), WORDS) || strchr("rRcClLxX", *text);
 }
 
 /* Looks at the values "NAME=..." that stand in no brackets, but for those of a .model. The two

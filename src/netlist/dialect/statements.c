@@ -8,13 +8,7 @@
 #include <strings.h>
 
 #include "base/cursor.h"
-
-static bool is_statement_word(const char *word, const char *const *list, size_t count) {
-  for (size_t k = 0; k < count; k++)
-    if (!strcasecmp(word, list[k])) return true;
-  return false;
-}
-#define AMONG(word, list) is_statement_word(word, list, sizeof(list) / sizeof *(list))
+#include "netlist/words.h"
 
 /* ---- what is skipped ---- */
 
@@ -105,8 +99,9 @@ vs_status vs_statements_judge(const char *line, vs_where where, vs_skipped *skip
   char word[24], shown[28];
   snprintf(word, sizeof word, "%.*s", (int)strcspn(line, " \t=("), line);
   vs_cursor_lower(word);
+  const vs_word said = vs_words_of(word);
   *skip = false;
-  if (AMONG(word, STUDIES))
+  if (VS_WORDS_AMONG(said, STUDIES))
     return vs_fail_at(err, where,
                       "%s does not belong in a deck: of many circuits a study asks; with a line "
                       "'*$ param NAME = ...' its axis is circuit.NAME",
@@ -116,7 +111,7 @@ vs_status vs_statements_judge(const char *line, vs_where where, vs_skipped *skip
                       "%s does not belong in a deck, which runs no commands: delete "
                       "the lines from .control to .endc",
                       word);
-  if (!AMONG(word, SKIPPED)) return VS_OK;
+  if (!VS_WORDS_AMONG(said, SKIPPED)) return VS_OK;
   vs_status status = !strncmp(word, ".opt", 4) ? judge_options(line, where, err)
                      : !strcmp(word, ".temp")  ? judge_temperature(line, where, err)
                                                : VS_OK;
@@ -142,8 +137,7 @@ static bool reads_as_element(const char *line, int words, const char *word) {
   static const char *const COURSES[] = {"dc",  "ac",  "external", "sin", "pulse",
                                         "pwl", "exp", "sffm",     "am"};
   bool numbered = line[strcspn(line, " \t0123456789")] > ' ';
-  char course[16];
-  snprintf(course, sizeof course, "%.*s", (int)strcspn(word, " \t("), word);
+  const vs_word course = {word, strcspn(word, " \t(")};
   switch (tolower((unsigned char)*line)) {
   case 'r':
   case 'c':
@@ -152,7 +146,7 @@ static bool reads_as_element(const char *line, int words, const char *word) {
     return words > 3 && (is_value(word) || strchr(line, '='));
   case 'v':
   case 'i':
-    return words > 3 && (is_value(word) || AMONG(course, COURSES));
+    return words > 3 && (is_value(word) || VS_WORDS_AMONG(course, COURSES));
   case 'b':
     return strchr(line, '=') != NULL;
   case 'x':

@@ -69,10 +69,7 @@ static const struct known {
 };
 
 static bool is_in_list(const char *list, vs_word w) {
-  char padded[40];
-  snprintf(padded, sizeof padded, " %.*s ", (int)w.n, w.at);
-  vs_cursor_lower(padded);
-  return strstr(list, padded) != NULL;
+  return w.n && vs_words_find(list, list, w.at, w.n);
 }
 
 static const struct known *known_of(vs_word type) {
@@ -282,14 +279,10 @@ static void rewrite_nested(vs_rewriting *r) {
 /* SIN(offset amplitude frequency delay damping phase cycles): ngspice takes no notice of cycles. */
 static vs_status check_sine(const vs_rewriting *r) {
   const char *sine = strcasestr(r->text.text, "sin"), *open = sine ? strchr(sine, '(') : NULL;
-  vs_word w[VS_WORDS_MOST];
+  vs_word number;
+  size_t count = 0;
   if (!strchr("vViI", *r->text.text) || !open || sine[-1] > ' ') return VS_OK;
-  vs_text inner = {0};
-  vs_text_add(&inner, "%.*s", (int)strcspn(open + 1, ")"), open + 1);
-  for (char *s = inner.text; *s; s++)
-    if (*s == ',') *s = ' ';
-  size_t count = vs_words_split(inner.text, w);
-  vs_text_free(&inner);
+  for (const char *s = open + 1; (s = vs_words_number(s, &number));) count++;
   return count < 7 ? VS_OK
                    : vs_fail_at(r->err, vs_rewriting_place(r, sine, 3),
                                 "SIN has six numbers in ngspice; the seventh, LTspice's number of "
@@ -301,16 +294,14 @@ static vs_status check_sine(const vs_rewriting *r) {
 static vs_status check_points(const vs_rewriting *r) {
   const char *pwl = strcasestr(r->text.text, "pwl"), *open = pwl ? strchr(pwl, '(') : NULL;
   if (!strchr("vViI", *r->text.text) || !open || pwl[-1] > ' ') return VS_OK;
+  vs_word number;
   int n = 0; /* which number it is: times are those of even n */
-  for (const char *s = open + 1; *(s += strspn(s, " \t,")) && *s != ')'; n++) {
-    size_t length = strcspn(s, " \t,)");
-    if (n > 0 && n % 2 == 0 && *s == '+')
-      return vs_fail_at(r->err, vs_rewriting_place(r, s, length),
+  for (const char *s = open + 1; (s = vs_words_number(s, &number)); n++)
+    if (n > 0 && n % 2 == 0 && *number.at == '+')
+      return vs_fail_at(r->err, vs_rewriting_place(r, number.at, number.n),
                         "%.*s: a time from the point before, LTspice's, which ngspice counts from "
                         "t = 0; write times from t = 0",
-                        (int)length, s);
-    s += length;
-  }
+                        (int)number.n, number.at);
   return VS_OK;
 }
 
@@ -331,12 +322,8 @@ static void tell_of_edges(vs_rewriting *r) {
   for (int n = 0; n < 3; n++) pulse = vs_words_next(pulse);
   while (*pulse && !vs_words_is(vs_words_at(pulse), "pulse")) pulse = vs_words_next(pulse);
   if (!*pulse) return;
-  for (const char *s = pulse + 5; count < MOST; s += w[count++].n) {
-    s += strspn(s, " \t,(");
-    if (!*s || *s == ')') break;
-    const char *end = strchr("{'", *s) ? strchr(s + 1, *s == '{' ? '}' : '\'') : NULL;
-    w[count] = end ? (vs_word){s, (size_t)(end - s) + 1} : vs_words_at(s);
-  }
+  for (const char *s = pulse + 5 + strspn(pulse + 5, " \t("); count < MOST; count++)
+    if (!(s = vs_words_number(s, &w[count]))) break;
   if (is_left_out(w, count, RISE) || (!is_left_out(w, count, WIDTH) && is_left_out(w, count, FALL)))
     vs_tally_add(r->tally,
                  "an edge of PULSE that is 0 or left out lasts as long as the run's largest step, "
@@ -390,25 +377,21 @@ static bool has_parameters(const vs_cards *c, size_t scope) {
  * another one has. */
 static void find_renamed(const vs_cards *c, vs_names *renamed, vs_tally *tally) {
   vs_names taken = {0};
-  for (size_t k = 1; k < c->n_scopes; k++) {
-    char *name = vs_alloc_part(c->scope[k].name.at, c->scope[k].name.n);
-    vs_names_put(&taken, name, k);
-    free(name);
-  }
+  for (size_t k = 1; k < c->n_scopes; k++)
+    vs_names_put(&taken, c->scope[k].name.at, c->scope[k].name.n, k);
   for (size_t k = 1; k < c->n_scopes; k++) {
     const vs_word word = c->scope[k].name;
     if (is_plain(word) || !has_parameters(c, k)) continue;
-    char *name = vs_alloc_part(word.at, word.n), *plain = vs_copy(name);
+    char *plain = vs_alloc_part(word.at, word.n);
     write_plain(plain, word.n);
     if (!vs_names_find(&taken, plain, word.n, NULL)) {
       vs_tally_add(tally,
                    "a subcircuit with parameters is found by ngspice if its name has letters, "
                    "digits and '_' only: other characters become '_'",
                    c->lines[c->scope[k].first - 1].where);
-      vs_names_put(&taken, plain, k);
-      vs_names_put(renamed, name, k);
+      vs_names_put(&taken, plain, word.n, k);
+      vs_names_put(renamed, word.at, word.n, k);
     }
-    free(name);
     free(plain);
   }
   vs_names_free(&taken);

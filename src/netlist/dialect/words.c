@@ -55,6 +55,12 @@ bool vs_words_is(vs_word word, const char *text) {
   return strlen(text) == word.n && !strncasecmp(word.at, text, word.n);
 }
 
+bool vs_words_among(vs_word word, const char *const *list, size_t count) {
+  for (size_t k = 0; k < count; k++)
+    if (vs_words_is(word, list[k])) return true;
+  return false;
+}
+
 vs_word vs_words_of(const char *text) {
   return (vs_word){text, strlen(text)};
 }
@@ -70,10 +76,13 @@ bool vs_words_begin(const char *line, const char *word) {
 }
 
 const char *vs_words_find(const char *text, const char *from, const char *name, size_t n) {
-  for (const char *s = from; *s; s++)
+  const int first = tolower((unsigned char)*name);
+  for (const char *s = from; *s; s++) {
+    if (n && tolower((unsigned char)*s) != first) continue; /* most characters are done with so */
     if (!strncasecmp(s, name, n) && !vs_words_goes_on(s[n]) &&
         (s == text || !vs_words_goes_on(s[-1])))
       return s;
+  }
   return NULL;
 }
 
@@ -119,6 +128,13 @@ size_t vs_words_arguments(const char *open, vs_word arguments[VS_WORDS_MOST], co
     s = stop + 1;
   }
   return 0;
+}
+
+const char *vs_words_number(const char *s, vs_word *number) {
+  s += strspn(s, " \t,");
+  const char *end = behind(s, " \t,)");
+  *number = (vs_word){s, (size_t)(end - s)};
+  return end > s ? end : NULL;
 }
 
 void vs_words_unbrace(char *line) {

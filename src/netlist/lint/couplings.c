@@ -7,7 +7,6 @@
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 #include "base/alloc.h"
 #include "base/disjoint_sets.h"
@@ -18,40 +17,39 @@
 /* ---- one line ---- */
 
 /* Looks at "K1 La Lb 0.9". A name with a point may be an inductor within a subcircuit. */
-vs_status vs_couplings_line(const vs_line *line, vs_error *err) {
-  const char *w[VS_WORDS_MOST];
+vs_status vs_couplings_line(const vs_cards *one, vs_error *err) {
+  const vs_netlist_card *card = one->card;
+  const size_t n = card->count;
   double factor;
-  int n = 0;
-  if (tolower((unsigned char)*line->text) != 'k') return VS_OK;
-  for (const char *s = line->text; *s && n < VS_WORDS_MOST; s = vs_words_next(s)) w[n++] = s;
-  for (int k = 1; k < n && k <= 2 && n > 3; k++) {
-    const int length = (int)vs_words_at(w[k]).n;
-    if (isalpha((unsigned char)*w[k]) && tolower((unsigned char)*w[k]) != 'l' &&
-        !memchr(w[k], '.', (size_t)length))
-      return vs_fail_at(err, vs_line_place(line, w[k]),
+  if (card->letter != 'k') return VS_OK;
+  for (size_t k = 0; k < 2 && n > 2; k++) {
+    const vs_word w = one->arguments[k].value;
+    if (isalpha((unsigned char)*w.at) && tolower((unsigned char)*w.at) != 'l' &&
+        !memchr(w.at, '.', w.n))
+      return vs_fail_at(err, vs_line_place(one->lines, w.at),
                         "%.*s is no inductor; a K couples inductors, the names of which begin "
                         "with L",
-                        length, w[k]);
+                        (int)w.n, w.at);
   }
-  if (n == 3 && tolower((unsigned char)*w[1]) == 'l' && tolower((unsigned char)*w[2]) == 'l')
-    return vs_fail_at(err, line->where,
+  if (n == 2 && strchr("lL", *one->arguments[0].value.at) &&
+      strchr("lL", *one->arguments[1].value.at))
+    return vs_fail_at(err, one->lines->where,
                       "%.*s has no coupling; behind its inductors a factor up to 1 is wanted",
-                      (int)vs_words_at(w[0]).n, w[0]);
-  for (int k = 2; k < n - 1; k++)
-    for (int m = 1; m < k; m++) {
-      const size_t length = vs_words_at(w[k]).n;
-      if (length != vs_words_at(w[m]).n || strncasecmp(w[k], w[m], length)) continue;
-      return vs_fail_at(err, vs_line_place(line, w[k]),
+                      (int)card->name.n, card->name.at);
+  for (size_t k = 1; k + 1 < n; k++)
+    for (size_t m = 0; m < k; m++) {
+      const vs_word w = one->arguments[k].value;
+      if (vs_words_compare(w, one->arguments[m].value)) continue;
+      return vs_fail_at(err, vs_line_place(one->lines, w.at),
                         "%.*s is coupled with itself; the names of two inductors are wanted",
-                        (int)length, w[k]);
+                        (int)w.n, w.at);
     }
-  if (n < 4) return VS_OK;
-  const size_t length = vs_words_at(w[n - 1]).n;
-  const char *equals = memchr(w[n - 1], '=', length), *at = equals ? equals + 1 : w[n - 1];
-  const size_t rest = length - (size_t)(at - w[n - 1]);
-  return vs_numbers_read((vs_word){at, rest}, &factor) && (factor > 1 || factor < -1)
-             ? vs_fail_at(err, vs_line_place(line, at),
-                          "a coupling of %.*s is not possible; -1 to 1 is wanted", (int)rest, at)
+  if (n < 3) return VS_OK;
+  const vs_word said = one->arguments[n - 1].value;
+  return vs_numbers_read(said, &factor) && (factor > 1 || factor < -1)
+             ? vs_fail_at(err, vs_line_place(one->lines, said.at),
+                          "a coupling of %.*s is not possible; -1 to 1 is wanted", (int)said.n,
+                          said.at)
              : VS_OK;
 }
 

@@ -8,7 +8,7 @@
 
 /* Error: a K without a factor, with one beyond 1, of an inductor with itself or of what is no
  * inductor, with its place. Other lines are fine. */
-vs_status vs_couplings_line(const vs_line *line, vs_error *err);
+vs_status vs_couplings_line(const vs_cards *one, vs_error *err);
 
 /* Looks at all lines of a netlist, each K of two inductors. Error: the factors of a set of
  * inductors that are coupled with each other make a matrix that is not positive definite, with the

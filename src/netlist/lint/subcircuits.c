@@ -58,22 +58,16 @@ static vs_status refuse_parameter(const vs_cards *c, size_t instance, vs_word gi
   for (size_t k = 0; k < c->n_definitions; k++) {
     const vs_netlist_definition *d = &c->definition[k];
     if (d->scope != scope || d->kind != VS_CARDS_PARAM) continue;
-    vs_text_add(&all, "%s%.*s", count ? ", " : "", (int)d->name.n, d->name.at);
+    vs_text_add(&all, "%s%.*s", count ? ", " : "; it has ", (int)d->name.n, d->name.at);
     known[count++] = vs_alloc_part(d->name.at, d->name.n);
   }
   char *name = vs_alloc_part(given.at, given.n);
-  const char *nearest = vs_text_nearest(name, known, count);
+  const char *others = count ? all.text : "; it has none: leave it out";
   const vs_word called = c->card[instance].model, own = c->scope[scope].name;
   const vs_word subcircuit = vs_words_compare(called, own) ? own : called;
   vs_fail_at(err, vs_line_place_of(&c->lines[instance], given),
-             "subcircuit %.*s has no parameter %s%s%s%s", (int)subcircuit.n, subcircuit.at, name,
-             nearest ? "; did you mean '"
-             : count ? "; it has "
-                     : "; it has none: leave it out",
-             nearest ? nearest
-             : count ? all.text
-                     : "",
-             nearest ? "'?" : "");
+             "subcircuit %.*s has no parameter %s%s", (int)subcircuit.n, subcircuit.at, name,
+             vs_text_hint(name, known, count, others).text);
   for (size_t k = 0; k < count; k++) free((char *)(size_t)known[k]);
   free(known);
   free(name);

@@ -18,8 +18,9 @@ typedef struct vs_names {
   size_t count, room;
 } vs_names;
 
-/* Gives the name this number, which replaces one that it had. The name is copied. */
-void vs_names_put(vs_names *names, const char *name, size_t number);
+/* Gives the name that these `size` bytes spell this number, which replaces one that it had. The
+ * name is copied. */
+void vs_names_put(vs_names *names, const char *name, size_t size, size_t number);
 
 /* Finds the number of the name that these `size` bytes spell; number may be NULL. Returns false if
  * there is no such name. */

@@ -22,7 +22,7 @@ typedef struct vs_course_pulse {
 
 /* True for a source (V or I) with this word, such as SIN, PULSE or PWL, even where its numbers are
  * not known. */
-bool vs_course_has(const vs_elements *wiring, const vs_element *source, const char *word);
+bool vs_course_has(const vs_element *source, const char *word);
 
 /* Reads the source's SIN or SINE. Error, with its place: it has none, or one of its numbers is not
  * known before a run. */

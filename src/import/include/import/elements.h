@@ -9,18 +9,14 @@
 
 enum { VS_ELEMENTS_NODES = 24, VS_ELEMENTS_WORDS = 64, VS_ELEMENTS_NAME = 64 };
 
-/* A word of a line, or a bracket with its contents: SINE(0 325 50). */
-typedef struct vs_elements_word {
-  int at, size; /* in the card's text, bytes */
-} vs_elements_word;
-
 typedef struct vs_element {
   size_t card;                 /* index of its line */
   char letter;                 /* its name's first, in lower case, which tells its kind */
   char name[VS_ELEMENTS_NAME]; /* as the deck calls it */
   char key[VS_ELEMENTS_NAME];  /* the same in lower case, without the R_ of PSpice's R_R1: its name
                                   in lines of the contract */
-  vs_elements_word words[VS_ELEMENTS_WORDS];
+  vs_word words[VS_ELEMENTS_WORDS]; /* of its line; brackets with their contents belong to the
+                                       word before them: SINE(0 325 50) */
   int n_words;
   bool coupled;                 /* a K element couples it */
   int n_nodes;                  /* words 1 to n_nodes are nodes */
@@ -54,25 +50,27 @@ void vs_elements_free(vs_elements *wiring);
  * its nodes. */
 void vs_elements_source_of(const vs_listing *listing, size_t card, vs_element *element);
 
-/* A copy of the element's n-th word (0: its name), or of the line from that word on; empty where
- * there is none. free() it. */
-char *vs_elements_word_of(const vs_elements *wiring, const vs_element *element, int n);
-char *vs_elements_rest_of(const vs_elements *wiring, const vs_element *element, int n);
-/* The value of NAME=VALUE in the element's line, as text; NULL: there is none. free() it. */
-char *vs_elements_option(const vs_elements *wiring, const vs_element *element, const char *name);
+/* The element's n-th word (0: its name), or the line from that word on; no bytes: there is none. */
+vs_word vs_elements_word(const vs_element *element, int n);
+vs_word vs_elements_rest(const vs_element *element, int n);
+/* The value of NAME=VALUE in the element's line; no bytes: there is none. */
+vs_word vs_elements_option(const vs_elements *wiring, const vs_element *element, const char *name);
 /* The number that this value is, known before a run; false: there is none. */
 bool vs_elements_number(const vs_elements *wiring, const vs_values *values,
                         const vs_element *element, const char *name, double *value);
 /* True where the element's line has that NAME=VALUE, and the value is not 0. */
 bool vs_elements_sets(const vs_elements *wiring, const vs_values *values, const vs_element *element,
                       const char *name);
+/* True where the element's value depends on temperature. */
+bool vs_elements_heats(const vs_elements *wiring, const vs_values *values,
+                       const vs_element *element);
 /* True where a .model stands before or after the element's value. */
 bool vs_elements_has_model(const vs_elements *wiring, const vs_element *element);
 /* The place of the element's n-th word, if the word is in the first of the element's lines. */
 vs_where vs_elements_where(const vs_elements *wiring, const vs_element *element, int n);
 
 /* The element with the netlist's or the deck's name, ignoring case. NULL: none. */
-const vs_element *vs_elements_find(const vs_elements *wiring, const char *name);
+const vs_element *vs_elements_find(const vs_elements *wiring, vs_word name);
 /* The deck's name of the element's n-th node, from 0. */
 const char *vs_elements_node_of(const vs_elements *wiring, const vs_element *element, int n);
 /* The other element at a node that joins this element and exactly one other; NULL: there are more
@@ -83,7 +81,7 @@ const vs_element *vs_elements_next(const vs_elements *wiring, const vs_element *
  * free() it. */
 char *vs_elements_model(const vs_elements *wiring, const vs_element *element);
 /* The index in the listing of the .model or .subckt line that defines it; -1: there is none. */
-int vs_elements_defined(const vs_listing *listing, const char *model);
+int vs_elements_defined(const vs_listing *listing, vs_word model);
 
 /* Adds the card's text with the deck's names of nodes. */
 void vs_elements_rename(const vs_elements *wiring, const char *text, vs_text *out);

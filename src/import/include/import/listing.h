@@ -54,6 +54,9 @@ void vs_listing_free(vs_listing *listing);
  * VS_PATH_SIZE bytes. */
 bool vs_listing_finds(const vs_card *card, char *path);
 
+/* The place of `at` in the card's text, if that is in the first of its lines; else the card's. */
+vs_where vs_listing_place(const vs_card *card, const char *at);
+
 /* True where the card's first word is this one, ignoring case. */
 bool vs_listing_is(const vs_card *card, const char *word);
 

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The roles of a netlist's elements: which source is the mains, which ones fire thyristors, which
- * branch is the coil of the EVA (the electromagnetic vibratory actuator). import/cast.h finds them.
- */
+ * branch is the coil of the EVA (the electromagnetic vibratory actuator). */
 #ifndef VS_IMPORT_ROLES_H
 #define VS_IMPORT_ROLES_H
 
@@ -48,21 +47,12 @@ typedef struct vs_roles {
   const vs_element *modelled; /* which of the coil's two has a .model; NULL: none */
 } vs_roles;
 
-/* What a search for roles works on. */
-typedef struct vs_roles_search {
-  const vs_elements *w;
-  const vs_values *v;
-  vs_roles *roles;
-  vs_error *err;
-} vs_roles_search;
-
-/* Finds the element that an option, such as "mains", names. Error, with the netlist's place: there
- * is none. */
-vs_status vs_roles_named(const vs_roles_search *search, const char *option, const char *name,
-                         const vs_element **element);
-
-/* The first line of the netlist: the place of errors that concern no single line. */
-vs_where vs_roles_file(const vs_roles_search *search);
+/* Finds the roles in a netlist: the mains, the gates, the coil. What the user says decides; without
+ * it, only an element that is the sole candidate is taken. Errors, each with its place and the
+ * option that would decide: several elements could have the role, or the element that the user
+ * named does not exist or is of the wrong kind. */
+vs_status vs_roles_find(const vs_elements *wiring, const vs_values *values,
+                        const vs_roles_asked *asked, vs_roles *roles, vs_error *err);
 
 /* The index of the gate that this source is; -1: it is no gate. */
 int vs_roles_gate_of(const vs_roles *roles, const vs_element *source);

@@ -37,11 +37,11 @@ void vs_values_free(vs_values *values);
 /* Reads a SPICE number with its suffix (t g meg k m mil u n p f); letters after it are ignored.
  * Returns false where the text is no number, or one that programs read differently, such as 4k7
  * unless values->rkm is set. */
-bool vs_values_number(const vs_values *values, const char *text, double *number);
+bool vs_values_number(const vs_values *values, vs_word text, double *number);
 
 /* Evaluates a number, a name, or an expression, with or without braces. Returns false where the
  * value is not known before a run. */
-bool vs_values_of(const vs_values *values, const char *text, double *value);
+bool vs_values_of(const vs_values *values, vs_word text, double *value);
 
 /* The parameter of that name, ignoring case; NULL: there is none. */
 const vs_value_param *vs_values_find(const vs_values *values, const char *name);

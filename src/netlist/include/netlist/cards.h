@@ -122,10 +122,6 @@ const vs_netlist_definition *vs_cards_find(const vs_cards *cards, size_t scope, 
 const vs_netlist_definition *vs_cards_resolve(const vs_cards *cards, size_t scope, int kind,
                                               vs_word name);
 
-/* The subcircuit's name in a line "Xname n m ... SUBCIRCUIT [NAME=VALUE ...]" that stands alone; no
- * bytes: the line is no instance. */
-vs_word vs_cards_instance_of(const char *line);
-
 /* The scope of the subcircuit that a card is an instance of; 0: it is none, or not defined. */
 size_t vs_cards_called(const vs_cards *cards, const vs_netlist_card *card);
 

@@ -22,6 +22,10 @@ size_t vs_words_split(const char *text, vs_word words[VS_WORDS_MOST]);
 /* True for the word of that text, in capitals or not. */
 bool vs_words_is(vs_word word, const char *text);
 
+/* True for one of `count` such texts. */
+bool vs_words_among(vs_word word, const char *const *list, size_t count);
+#define VS_WORDS_AMONG(word, list) vs_words_among(word, list, sizeof(list) / sizeof *(list))
+
 /* All of that text as a word. */
 vs_word vs_words_of(const char *text);
 
@@ -47,6 +51,11 @@ bool vs_words_parameter(const char *from, const char *name, vs_word *whole, vs_w
  * ')'. Returns how many arguments there are; 0 where the bracket is not closed or there are more
  * than VS_WORDS_MOST. */
 size_t vs_words_arguments(const char *open, vs_word arguments[VS_WORDS_MOST], const char **end);
+
+/* Goes through the numbers of a source's course, as those of PULSE, up to a ')'. Returns what is
+ * behind the next one from s on; NULL: there is none. Braces, brackets and quotes are kept together.
+ */
+const char *vs_words_number(const char *s, vs_word *number);
 
 /* Writes blanks for the braces of ".subckt F a b {T=1 C=1p}" and "X1 a b F {T=2}", IsSpice's. */
 void vs_words_unbrace(char *line);
