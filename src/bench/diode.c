@@ -4,6 +4,8 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "diac.h"
+
 /* ---- forward ---- */
 
 static double forward_at(const vs_stand *s, const vs_diode_plan *p, double i, vs_figure *row) {
@@ -140,6 +142,16 @@ void vs_diode_breakdown(const vs_stand *s, const char *wiring, const char *const
 
 /* ---- all ---- */
 
+/* A junction has a forward voltage of up to 2 V, a string of them in one housing, for high voltage,
+ * up to 25 V; a diac has that of its breakover, or does not conduct. */
+static void suspect(const vs_stand *s, vs_figures *f) {
+  for (size_t k = 0; k < f->count; k++)
+    if (f->row[k].name[2] == 'F' && !(f->row[k].got < 2)) {
+      vs_diac_suspect(s, f);
+      return;
+    }
+}
+
 static void measure_diode(const vs_stand *s, vs_figures *f) {
   static const char *const TEST[] = {"i_test", "test_current", "i_f_av", NULL}, *const FALL[] = {
                                                                                     "di_test",
@@ -157,6 +169,7 @@ static void measure_diode(const vs_stand *s, vs_figures *f) {
   draw_forward(s, &p, f);
   vs_diode_breakdown(s, p.wiring, (const char *[]){"V_R", "v_rrm"}, -1, f);
   vs_diode_recovery(s, &p, f);
+  suspect(s, f);
 }
 
 const vs_figures_kind vs_diode_kind = {"diode", measure_diode};
