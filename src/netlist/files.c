@@ -109,6 +109,13 @@ static bool has_been_read(const vs_deck *deck, const char *path) {
   return false;
 }
 
+/* True for a file that is written in PSpice's dialect, whatever dialect the deck is read in. */
+static bool is_pspice(const vs_deck *deck, const char *file) {
+  for (size_t k = 0; k < deck->n_files; k++)
+    if (deck->files[k] == file) return deck->pspice[k];
+  return false;
+}
+
 /* Takes in the file of a line ".include FILE", from the folder of the file it stands in, else from
  * those that come with the program. ngspice does not include it itself, so that its lines are held
  * to the same rules. A file is taken in once, as two parts may rest on the same one; within a
@@ -125,6 +132,7 @@ static vs_status include(vs_deck *deck, const char *line, vs_where where, vs_err
   if (deck->n_files >= VS_DECK_FILES)
     return vs_fail_at(err, where, "more than %d files; does one include itself?", VS_DECK_FILES);
   deck->included[deck->n_files] = ours ? where : (vs_where){0};
+  deck->pspice[deck->n_files] = !vs_deck_is_shipped(path) && is_pspice(deck, where.file);
   return read_file(deck, path, true, err);
 }
 
@@ -355,8 +363,10 @@ static void find_dialect(vs_deck *deck, const vs_source *source) {
     vs_functions_own(source->line[k], &deck->own_functions);
     if (strstr(source->line[k], "*$") && strstr(source->line[k], "compat") &&
         sscanf(source->line[k], " *$ %7s %7s %c", word, name, &more) == 2 &&
-        !strcmp(word, "compat") && !strcmp(name, "ps"))
+        !strcmp(word, "compat") && !strcmp(name, "ps")) {
       memcpy(deck->compat, "ps", sizeof "ps");
+      deck->pspice[deck->n_files - 1] = true;
+    }
   }
 }
 
@@ -397,6 +407,29 @@ static vs_status read_file(vs_deck *deck, const char *path, bool library, vs_err
   else
     vs_source_free(&source);
   return status;
+}
+
+/* Writes the last pwr(x, y) of the line so that the sign of x is kept in every dialect. False:
+ * there is none. */
+static bool keep_sign(vs_line *line) {
+  vs_word a[VS_WORDS_MOST];
+  const char *at = NULL, *end;
+  for (const char *s = line->text; (s = strcasestr(s, "pwr(")); s++)
+    if ((s == line->text || !vs_words_goes_on(s[-1])) && vs_words_arguments(s + 3, a, &end) == 2)
+      at = s;
+  if (!at || vs_words_arguments(at + 3, a, &end) != 2) return false;
+  vs_text text = {0};
+  vs_text_add(&text, "%.*s(sgn(%.*s)*pow(abs(%.*s),%.*s))%s", (int)(at - line->text), line->text,
+              (int)a[0].n, a[0].at, (int)a[0].n, a[0].at, (int)a[1].n, a[1].at, end);
+  vs_line_change(line, text.text);
+  return true;
+}
+
+/* One part in PSpice's dialect has ngspice read the whole deck in it, and there pwr(x, y) has no
+ * sign, which the varistors of a deck that is not PSpice's need. */
+static void keep_signs(vs_deck *deck) {
+  for (size_t k = 0; k < deck->n_lines && *deck->compat; k++)
+    while (!is_pspice(deck, deck->lines[k].where.file) && keep_sign(&deck->lines[k])) continue;
 }
 
 /* Warns of pwr() in a netlist that others' constructs were found in: it keeps the sign of x here.
@@ -513,6 +546,7 @@ vs_status vs_files_read(vs_deck *deck, const char *path, bool library, vs_error 
         vs_error_keep(err, vs_slips_conditions(deck->lines + before, deck->n_lines - before, err));
   if (!status && !closed) status = read_currents(deck, err);
   vs_translate_whole(deck->lines, deck->n_lines, &deck->changes);
+  keep_signs(deck);
   vs_deck_changed(deck);
   tell_skipped(deck);
   return status ? status : closed;
