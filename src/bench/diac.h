@@ -6,8 +6,8 @@
 
 #include "test_circuit.h"
 
-/* For the bench of a diode whose forward voltage is no diode's: where the part breaks over both
- * ways, figures->shows says so, and which kind it is. */
+/* For the bench of a diode that is not what is asked: where the part breaks over both ways,
+ * figures->shows says so, and which kind it is. */
 void vs_diac_suspect(const vs_stand *stand, vs_figures *figures);
 
 #endif

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "diac.h"
 
@@ -142,14 +143,12 @@ void vs_diode_breakdown(const vs_stand *s, const char *wiring, const char *const
 
 /* ---- all ---- */
 
-/* A junction has a forward voltage of up to 2 V, a string of them in one housing, for high voltage,
- * up to 25 V; a diac has that of its breakover, or does not conduct. */
+/* A diode that is not what is asked may be no diode. */
 static void suspect(const vs_stand *s, vs_figures *f) {
-  for (size_t k = 0; k < f->count; k++)
-    if (f->row[k].name[2] == 'F' && !(f->row[k].got < 2)) {
-      vs_diac_suspect(s, f);
-      return;
-    }
+  bool good = true;
+  for (size_t k = 0; k < f->count && good; k++)
+    good = f->row[k].held == VS_HELD_NOT || !strcmp(vs_figures_word(&f->row[k]), "held");
+  if (!good) vs_diac_suspect(s, f);
 }
 
 static void measure_diode(const vs_stand *s, vs_figures *f) {
