@@ -102,17 +102,18 @@ static vs_status find_include(vs_deck *deck, const char *name, vs_where where,
   return VS_OK;
 }
 
+/* What is known of a file, whatever dialect the deck is read in: that it is PSpice's or IsSpice's.
+ */
+static bool is_of(const vs_deck *deck, const bool of[VS_DECK_FILES], const char *file) {
+  for (size_t k = 0; k < deck->n_files; k++)
+    if (deck->files[k] == file) return of[k];
+  return false;
+}
+
 /* The same file may go by several paths. */
 static bool has_been_read(const vs_deck *deck, const char *path) {
   for (size_t k = 0; k < deck->n_files; k++)
     if (is_same_file(deck->files[k], path)) return true;
-  return false;
-}
-
-/* True for a file that is written in PSpice's dialect, whatever dialect the deck is read in. */
-static bool is_pspice(const vs_deck *deck, const char *file) {
-  for (size_t k = 0; k < deck->n_files; k++)
-    if (deck->files[k] == file) return deck->pspice[k];
   return false;
 }
 
@@ -132,7 +133,7 @@ static vs_status include(vs_deck *deck, const char *line, vs_where where, vs_err
   if (deck->n_files >= VS_DECK_FILES)
     return vs_fail_at(err, where, "more than %d files; does one include itself?", VS_DECK_FILES);
   deck->included[deck->n_files] = ours ? where : (vs_where){0};
-  deck->pspice[deck->n_files] = !vs_deck_is_shipped(path) && is_pspice(deck, where.file);
+  deck->pspice[deck->n_files] = !vs_deck_is_shipped(path) && is_of(deck, deck->pspice, where.file);
   return read_file(deck, path, true, err);
 }
 
@@ -162,6 +163,7 @@ static vs_status take_circuit(vs_deck *deck, vs_line *line, bool *skip, vs_error
   if (status || *skip) return status;
   vs_rewriting r = {.line = line,
                     .pspice = *deck->compat != 0,
+                    .isspice = is_of(deck, deck->isspice, line->where.file),
                     .own = deck->own_functions,
                     .tally = &deck->changes,
                     .err = err};
@@ -360,7 +362,10 @@ static vs_status read_lines(vs_deck *deck, const char *file, const vs_source *so
 static void find_dialect(vs_deck *deck, const vs_source *source) {
   char word[8], name[8], more;
   for (size_t k = 0; k < source->count; k++) {
-    vs_functions_own(source->line[k], &deck->own_functions);
+    const char *line = source->line[k], *brace = strchr(line, '{');
+    vs_functions_own(line, &deck->own_functions);
+    if (brace && vs_words_begin(line, ".subckt") && !memchr(line, '=', (size_t)(brace - line)))
+      deck->isspice[deck->n_files - 1] = true;
     if (strstr(source->line[k], "*$") && strstr(source->line[k], "compat") &&
         sscanf(source->line[k], " *$ %7s %7s %c", word, name, &more) == 2 &&
         !strcmp(word, "compat") && !strcmp(name, "ps")) {
@@ -429,7 +434,8 @@ static bool keep_sign(vs_line *line) {
  * sign, which the varistors of a deck that is not PSpice's need. */
 static void keep_signs(vs_deck *deck) {
   for (size_t k = 0; k < deck->n_lines && *deck->compat; k++)
-    while (!is_pspice(deck, deck->lines[k].where.file) && keep_sign(&deck->lines[k])) continue;
+    while (!is_of(deck, deck->pspice, deck->lines[k].where.file) && keep_sign(&deck->lines[k]))
+      continue;
 }
 
 /* Warns of pwr() in a netlist that others' constructs were found in: it keeps the sign of x here.

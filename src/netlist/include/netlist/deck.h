@@ -260,6 +260,7 @@ typedef struct vs_deck {
                                        or takes it as a part; no place: for others, and if nothing
                                        includes it */
   bool pspice[VS_DECK_FILES];       /* a line "*$ compat ps" in it, or in what includes it */
+  bool isspice[VS_DECK_FILES]; /* a .subckt of it has its parameters in braces, as IsSpice's have */
   size_t n_files;
   bool drive_known, other_drive; /* whether more than the mains drives it; known since the first
                                     vs_deck_bind */
