@@ -208,11 +208,12 @@ typedef struct reading {
 } reading;
 
 /* True for a line of a library, outside of its subcircuits, that is neither element nor statement,
- * or closes what is not open. */
+ * or closes what is not open. "Copyright A 1995" would be a capacitor. */
 static bool is_prose(const vs_deck *deck, const reading *r, const char *text) {
   if (!r->unread || deck->subcircuits) return false;
   if (*text == '.') return vs_words_begin(text, ".ends");
-  return !vs_rules_is_element(text) || vs_statements_is_title(text);
+  return !vs_rules_is_element(text) || vs_statements_is_title(text) ||
+         vs_words_begin(text, "copyright");
 }
 
 /* Takes the line begun, if there is one, as whole. */

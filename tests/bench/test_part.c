@@ -231,6 +231,22 @@ static void a_vendors_model(void) {
            "%s", text);
     free(text);
   }
+  /* of two of one name ngspice takes the first; no other subcircuit has the part's name */
+  write_file("two.lib", ".subckt R2 1 2\nR1 1 2 5k\n.ends\n.subckt other 1 2\nR1 1 2 1\n.ends\n"
+                        ".subckt R2 1 2\nR1 1 2 9k\n.ends\n");
+  ran two = run("part varistor --wrap two.lib:R2 -o d.inc");
+  EXPECT(two.status == 0 && strstr(two.err, "two.lib:7:1: warning: a second .subckt R2: ngspice "
+                                            "takes the first, of line 1"),
+         "%d: %s", two.status, two.err);
+  free_ran(&two);
+  two = run("check d.inc --json");
+  CLOSE(number_of(two.out, "V", 0, "got"), 5, 1e-6);
+  EXPECT(strstr(two.err, "two.lib:7:1: warning: a second .subckt R2"), "%s", two.err);
+  free_ran(&two);
+  two = run("part varistor --wrap two.lib:R2 -o other.inc");
+  EXPECT(two.status == 2 && strstr(two.err, "two.lib:4:1: a subcircuit other, and the part"), "%s",
+         two.err);
+  free_ran(&two);
   /* the same file in UTF-16, beside a model with a slip, wraps and reads as before */
   char *vendor = read_file("vendor.lib");
   FILE *wide = fopen("wide.lib", "w");

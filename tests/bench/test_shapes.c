@@ -53,7 +53,8 @@ static void known_values(void) {
       {"thyristor", "PILOT", "I_L", 0, 10, 0.02},  {"thyristor", "PILOT", "I_H", 0, 6.67, 0.01},
       {"varistor", "MOVB", "V", 0, 402.17, 1e-3},  {"varistor", "MOVB", "V", 1, 1064.46, 1e-3},
       {"varistor", "MOVT", "V", 0, 430, 1e-3},     {"varistor", "MOVL", "V", 1, 477.85, 1e-3},
-      {"varistor", "MOVL", "V", 2, 587.40, 1e-3},  {"thyristor", "SLOWG", "I_GT", 0, 3.09, 0.02},
+      {"varistor", "MOVL", "V", 2, 587.40, 1e-3},  {"varistor", "MOVP", "V", 0, 84.954, 1e-3},
+      {"varistor", "MOVP", "V", 1, 151.07, 1e-3},  {"thyristor", "SLOWG", "I_GT", 0, 3.09, 0.02},
       {"thyristor", "SLOWG", "I_L", 0, 5.76, 0.03}};
   ran r = {0};
   for (size_t k = 0; k < COUNT(ROWS); k++) {
