@@ -278,11 +278,13 @@ static void a_vendors_model(void) {
 static void a_vendors_mistakes(void) {
   static const struct {
     const char *words, *says;
-  } ROWS[] = {{"part thyristor --wrap vendor.lib:nope -o p.inc", "has no subcircuit 'nope'"},
-              {"part thyristor --wrap vendor.lib:D1 -o p.inc", "has 2 pins, and 3 are wanted"},
-              {"part varistor --wrap none.lib -o p.inc", "none.lib: cannot be opened"},
-              {"part resistor --wrap vendor.lib -o p.inc", "there are: diode, fuse, igbt, mosfet"},
-              {"part thyristor --wrap vendor.lib -o scr12.inc", "has that name"}};
+  } ROWS[] = {
+      {"part thyristor --wrap vendor.lib:nope -o p.inc", "has no subcircuit 'nope'"},
+      {"part thyristor --wrap vendor.lib:D1 -o p.inc", "has 2 pins, and 3 are wanted"},
+      {"part varistor --wrap none.lib -o p.inc", "none.lib: cannot be opened"},
+      {"part resistor --wrap vendor.lib -o p.inc", "there are: diac, diode, fuse, igbt, mosfet"},
+      {"part thyristor --wrap vendor.lib -o scr12.inc",
+       "vendor.lib:2:1: a subcircuit scr12, and the part is to have that name"}};
   write_vendor((const char *const[]){"A", "G", "K"}, (const int[]){0, 1, 2});
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     ran r = run("%s", ROWS[k].words);
@@ -495,8 +497,9 @@ static void bad_usage(void) {
   EXPECT(r.status == 2 && strstr(r.err, "is there already"), "%d: %s", r.status, r.err);
   free_ran(&r);
   r = run("part");
-  EXPECT(r.status == 0 && !strcmp(r.out, "  capacitor\n  diode\n  electrolytic\n  fuse\n  igbt\n  "
-                                         "mosfet\n  resistor\n  thyristor\n  triac\n  varistor\n"),
+  EXPECT(r.status == 0 &&
+             !strcmp(r.out, "  capacitor\n  diac\n  diode\n  electrolytic\n  fuse\n  igbt\n  "
+                            "mosfet\n  resistor\n  thyristor\n  triac\n  varistor\n"),
          "%s", r.out);
   free_ran(&r);
 }

@@ -104,10 +104,9 @@ static const function FUNCTIONS[] = {
     {.name = "pwrs",
      .least = 2,
      .most = 2,
-     /* straight up to 1e-15: ngspice ends at a slope that is infinite, as that of a power below 1 is
-      * where x is 0, and Newton's iteration does not leave that place where the slope is none */
+     /* straight up to 1e-15: ngspice ends at a slope that is infinite, as that of a power below 1
+      * is where x is 0, and Newton's iteration does not leave that place where the slope is none */
      .as = "(($1)*pow(max(abs($1),1e-15),($2)-1))",
-     .native = true,
      .told = "PWRS(x, y), PSpice's and LTspice's, is read as sgn(x)*pow(abs(x), y)"},
     {.name = "table",
      .least = 3,
