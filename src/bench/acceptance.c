@@ -15,6 +15,7 @@
 #include "netlist/catalogue.h"
 #include "netlist/kinds.h"
 #include "netlist/parts.h"
+#include "ngspice/child.h"
 #include "ngspice/self_test.h"
 #include "report/scale.h"
 #include "run/warnings.h"
@@ -190,6 +191,7 @@ static void plausibility_warn(const vs_stand *s, const vs_figures *figures, vs_w
   const vs_part_file *file = vs_parts_file(&s->deck, s->file);
   const vs_kind *kind = file ? vs_kinds_find(file->kind) : NULL;
   size_t first = w->count;
+  if (*figures->shows) vs_fail_at(vs_warnings_add(w), part_line(s), "%s", figures->shows);
   if (!file || !vs_parts_is_real(&s->deck, s->file)) return;
   if (kind) warn_of_kind(s, kind, w);
   for (size_t k = 0; k < figures->count; k++) warn_of_figure(s, &figures->row[k], w);
@@ -197,9 +199,9 @@ static void plausibility_warn(const vs_stand *s, const vs_figures *figures, vs_w
 }
 
 static const vs_figures_kind *const KINDS[] = {
-    &vs_thyristor_kind,    &vs_triac_kind,      &vs_diode_kind,          &vs_transistor_mosfet,
-    &vs_transistor_igbt,   &vs_varistor_kind,   &vs_fuse_kind,           &vs_passive_resistor,
-    &vs_passive_capacitor, &vs_passive_snubber, &vs_passive_electrolytic};
+    &vs_thyristor_kind,    &vs_triac_kind,        &vs_diode_kind,      &vs_diac_kind,
+    &vs_transistor_mosfet, &vs_transistor_igbt,   &vs_varistor_kind,   &vs_fuse_kind,
+    &vs_passive_resistor,  &vs_passive_capacitor, &vs_passive_snubber, &vs_passive_electrolytic};
 
 /* ---- rows, shown ---- */
 
@@ -490,6 +492,12 @@ static vs_status try_part(const vs_stand *s, const vs_figures_kind *tried, vs_er
   vs_status status = vs_stand_run(s, &c, &r, err);
   vs_stand_free(&r);
   vs_text_free(&text);
+  if (status && strstr(err->text, vs_stand_late))
+    vs_fail_at(err, (vs_where){.file = s->name},
+               "the model alone takes ngspice more than %d s of processor time for the first "
+               "microsecond, so that nothing can be tried or run with it; take a simpler model of "
+               "the device, such as its maker's of a lower level, or `vibrospice part %s`",
+               VS_CHILD_SECONDS, tried->name);
   return status && !err->gave_up ? VS_INPUT : VS_OK;
 }
 

@@ -3,6 +3,9 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
+
+#include "diac.h"
 
 /* ---- forward ---- */
 
@@ -140,6 +143,14 @@ void vs_diode_breakdown(const vs_stand *s, const char *wiring, const char *const
 
 /* ---- all ---- */
 
+/* A diode that is not what is asked may be no diode. */
+static void suspect(const vs_stand *s, vs_figures *f) {
+  bool good = true;
+  for (size_t k = 0; k < f->count && good; k++)
+    good = f->row[k].held == VS_HELD_NOT || !strcmp(vs_figures_word(&f->row[k]), "held");
+  if (!good) vs_diac_suspect(s, f);
+}
+
 static void measure_diode(const vs_stand *s, vs_figures *f) {
   static const char *const TEST[] = {"i_test", "test_current", "i_f_av", NULL}, *const FALL[] = {
                                                                                     "di_test",
@@ -157,6 +168,7 @@ static void measure_diode(const vs_stand *s, vs_figures *f) {
   draw_forward(s, &p, f);
   vs_diode_breakdown(s, p.wiring, (const char *[]){"V_R", "v_rrm"}, -1, f);
   vs_diode_recovery(s, &p, f);
+  suspect(s, f);
 }
 
 const vs_figures_kind vs_diode_kind = {"diode", measure_diode};

@@ -39,6 +39,7 @@ typedef struct vs_figures {
   size_t count;
   vs_figures_curve curve[VS_MOST_CURVES];
   size_t n_curves;
+  char shows[200]; /* that the part is of another kind, and of which; "": nothing tells that */
 } vs_figures;
 
 void vs_figures_free(vs_figures *figures);
@@ -102,8 +103,8 @@ typedef struct vs_figures_kind {
 } vs_figures_kind;
 
 /* All kinds that there are; the table of them stands in acceptance.c. */
-extern const vs_figures_kind vs_thyristor_kind, vs_triac_kind, vs_diode_kind, vs_transistor_mosfet,
-    vs_transistor_igbt, vs_varistor_kind, vs_fuse_kind, vs_passive_resistor, vs_passive_capacitor,
-    vs_passive_snubber, vs_passive_electrolytic;
+extern const vs_figures_kind vs_thyristor_kind, vs_triac_kind, vs_diode_kind, vs_diac_kind,
+    vs_transistor_mosfet, vs_transistor_igbt, vs_varistor_kind, vs_fuse_kind, vs_passive_resistor,
+    vs_passive_capacitor, vs_passive_snubber, vs_passive_electrolytic;
 
 #endif

@@ -28,7 +28,7 @@ typedef struct vs_latching_plan {
   vs_error why;            /* it does not fire, or conducts before */
   bool conducts;           /* with its gate open */
   double leak_s;           /* current over voltage at 12 V with the gate open; NaN: not known */
-  double ramp_a;           /* what the gate's current rises to in 20 ms in `seen` */
+  double ramp_a, rise_s;   /* what the gate's current rises to in `seen`, and within which time */
   vs_stand_record seen;    /* owned */
 } vs_latching_plan;
 

@@ -212,6 +212,8 @@ static _Noreturn void solve_in(const vs_child_copy *copy, const vs_stand *stand,
 
 /* ---- in the parent ---- */
 
+const char *const vs_stand_late = "ngspice did not come back from it";
+
 /* Reads the rows that the child has written, and sorts them into columns. */
 static bool take_record(const vs_child_copy *copy, vs_stand_record *r) {
   size_t n = r->points;
@@ -240,7 +242,7 @@ static vs_status run_on_stand(const vs_stand *stand, const vs_stand_circuit *c, 
   whole = whole && take_record(&copy, r);
   *how = vs_child_end_of(&copy);
   if (vs_child_is_late(*how))
-    return vs_fail(err, VS_RUN, "ngspice did not come back from it in %d s", VS_CHILD_SECONDS);
+    return vs_fail(err, VS_RUN, "%s in %d s", vs_stand_late, VS_CHILD_SECONDS);
   if (WIFSIGNALED(*how) && WTERMSIG(*how) == SIGSYS)
     return vs_fail(err, VS_RUN, "the trial of the part was %s", vs_child_forbidden);
   if (WIFSIGNALED(*how))

@@ -44,6 +44,7 @@ void vs_stand_close(vs_stand *stand);
  * after an error. Errors: VS_INPUT or VS_RUN, ngspice cannot take the circuit, gives it up, died of
  * it, or took more than 20 s of processor time. Where ngspice gives up, it is tried with other
  * settings, trapezoidal rule and coarser tolerances, before that is an error. */
+extern const char *const vs_stand_late; /* what the error says of a run that took that long */
 vs_status vs_stand_run(const vs_stand *stand, const vs_stand_circuit *circuit,
                        vs_stand_record *record, vs_error *err);
 void vs_stand_free(vs_stand_record *record);

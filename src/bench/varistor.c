@@ -8,22 +8,33 @@
 
 /* The voltage at a constant current, once the capacitance is charged. The current rises within a
  * fifth of the run, as its leads' inductance, and formulas with powers of it, bear no step. The
- * first run charges 50 uC, which is 25 nF at 2 kV; where the voltage still rises by 0.01 % in its
- * last tenth, longer ones follow. */
+ * first run charges 50 uC, which is 25 nF at 2 kV; where the voltage still changes by 0.01 % in its
+ * last tenth, or ngspice gives up, longer ones follow, as a rise within nanoseconds makes the
+ * model's leads ring. */
 static vs_status voltage_at(const vs_stand *s, double i, double *v, vs_error *err) {
   vs_status status = VS_OK;
-  bool settled = false;
+  bool settled = false, go_on = true;
   char source[96];
-  for (double until_s = 50e-6 / i; !status && !settled && until_s < 5e-2 / i; until_s *= 10) {
+  for (double until_s = 50e-6 / i; go_on && !settled && until_s < 5 / i; until_s *= 10) {
     vs_stand_record r = {0};
+    *err = (vs_error){.findings = err->findings};
     snprintf(source, sizeof source, "Is 0 m pwl(0 0 %.17g %.17g)", until_s / 5, i);
     status = vs_test_circuit_across(s, (vs_stand_circuit){source, until_s, until_s / 400, 1e-6}, &r,
                                     err);
+    go_on = !status || err->gave_up;
     *v = status ? NAN : vs_stand_at(&r, r.v, until_s);
     settled = !status && fabs(*v - vs_stand_at(&r, r.v, 0.9 * until_s)) < 1e-4 * fabs(*v);
     vs_stand_free(&r);
   }
-  return !status && !settled ? vs_fail(err, VS_RUN, "the voltage still rises after 50 mC") : status;
+  if (!status && !settled)
+    return vs_fail(err, VS_RUN, "the voltage still rises after 5 C: the model has none at %.4g A",
+                   i);
+  if (!status && *v < 0)
+    return vs_fail(err, VS_RUN,
+                   "could not judge: the voltage is %.4g V, against the current, as no varistor's "
+                   "is; a sign in the model is wrong",
+                   *v);
+  return status;
 }
 
 /* What the part's own law says, by its parameters: i = 1 mA (v/V)^exponent, or the maker's

@@ -171,10 +171,14 @@ static vs_status write_template(const part_line *o, const char *path, const char
   vs_text text = {0};
   for (size_t k = 0; name[k]; k++) subckt[k] = (char)tolower((unsigned char)name[k]);
   vs_status status = VS_OK;
-  if (o->wrap) status = vs_wrap_find(o->wrap, kind, o->pins, output, &wrap, err);
-  if (!status && !strcasecmp(wrap.called, subckt))
-    status = vs_fail(err, VS_INPUT, "-o %s: the vendor's subcircuit has that name; take another",
-                     output);
+  if (o->wrap)
+    status = vs_wrap_find(o->wrap, kind, o->pins, (const char *[]){output, subckt}, &wrap, err);
+  if (!status && wrap.second)
+    fprintf(
+        stderr,
+        "%s:%d:1: warning: a second .subckt %s: ngspice takes the first, of line %d, and so does "
+        "the part; leave one out, or give it another name\n",
+        wrap.path, wrap.second, wrap.called, wrap.line);
   const char *const with[WORDS] = {
       name,      subckt,    base_of(output), wrap.called,
       wrap.file, wrap.call, wrap.pins,       wrap.pspice ? "*$ compat ps\n" : ""};

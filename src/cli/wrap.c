@@ -20,16 +20,19 @@ enum { MOST_PINS = 8 };
 /* One subcircuit's head. */
 typedef struct subcircuit {
   char name[VS_WRAP_NAME], pin[MOST_PINS][VS_WRAP_NAME];
-  size_t pins;
+  size_t pins, scope; /* scope: that it stands in */
+  int line;
 } subcircuit;
 
 /* What is gone through. */
 typedef struct search {
   const char *wanted; /* the subcircuit's name; NULL: any */
+  const char *own;    /* the part's name */
   size_t pins;        /* how many it must have */
   subcircuit best;
   size_t fitting, all;
-  vs_text names; /* of all that fit, for the message */
+  int second, own_line; /* where one of best's name follows, and one has the part's; 0: none */
+  vs_text names;        /* of all that fit, for the message */
   bool pspice;
   vs_line *lines; /* of the file; owned */
   size_t n_lines;
@@ -39,8 +42,8 @@ typedef struct search {
 /* ---- the vendor's file ---- */
 
 /* Takes a subcircuit by its head. One with too many pins is no part. */
-static void take_subcircuit(search *f, const vs_cards *c, const vs_netlist_card *head) {
-  subcircuit s = {.pins = head->nodes};
+static void take_subcircuit(search *f, const vs_cards *c, const vs_netlist_card *head, int line) {
+  subcircuit s = {.pins = head->nodes, .scope = head->scope, .line = line};
   if (!head->name.n || s.pins > MOST_PINS) return;
   snprintf(s.name, sizeof s.name, "%.*s", (int)head->name.n, head->name.at);
   for (size_t k = 0; k < s.pins; k++) {
@@ -48,6 +51,11 @@ static void take_subcircuit(search *f, const vs_cards *c, const vs_netlist_card 
     snprintf(s.pin[k], sizeof s.pin[k], "%.*s", (int)pin.n, pin.at);
   }
   f->all++;
+  if (!strcasecmp(s.name, f->own)) f->own_line = line;
+  if (f->fitting && s.scope == f->best.scope && !strcasecmp(s.name, f->best.name)) {
+    f->second = f->second ? f->second : line;
+    return;
+  }
   if (f->wanted ? strcasecmp(s.name, f->wanted) != 0 : s.pins != f->pins) return;
   vs_text_add(&f->names, "%s%s", f->fitting ? ", " : "", s.name);
   if (!f->fitting++) f->best = s;
@@ -80,7 +88,7 @@ static vs_status take_file(search *f, const char *path, vs_error *err) {
   for (size_t k = 0; k < f->n_lines; k++) {
     f->pspice = f->pspice || is_of_pspice(f->lines[k].text);
     const vs_netlist_card *card = &f->cards.card[k];
-    if (card->kind == VS_CARDS_SUBCKT) take_subcircuit(f, &f->cards, card);
+    if (card->kind == VS_CARDS_SUBCKT) take_subcircuit(f, &f->cards, card, f->lines[k].where.line);
   }
   vs_source_free(&source);
   return status;
@@ -222,7 +230,10 @@ static void name_file(const char *path, const char *output, vs_wrap *w) {
 }
 
 static vs_status refuse_vendor_file(const search *f, const char *path, vs_error *err) {
-  const vs_where file = {.file = path};
+  const vs_where file = {.file = path}, at = {path, f->own_line, 1};
+  if (f->own_line)
+    return vs_fail_at(
+        err, at, "a subcircuit %s, and the part is to have that name; give -o another", f->own);
   if (f->wanted && !f->fitting) return vs_fail_at(err, file, "has no subcircuit '%s'", f->wanted);
   if (!f->fitting)
     return vs_fail_at(err, file, "none of its %zu subcircuits has %zu pins", f->all, f->pins);
@@ -233,22 +244,25 @@ static vs_status refuse_vendor_file(const search *f, const char *path, vs_error 
                     f->fitting, f->pins, f->names.text);
 }
 
-vs_status vs_wrap_find(const char *word, const char *kind, const char *pins, const char *output,
-                       vs_wrap *w, vs_error *err) {
+vs_status vs_wrap_find(const char *word, const char *kind, const char *pins,
+                       const char *const output_name[2], vs_wrap *w, vs_error *err) {
   char path[VS_PATH_SIZE];
   const char *colon = strrchr(word, ':');
   bool split = colon && access(word, R_OK);
   snprintf(path, sizeof path, "%.*s", split ? (int)(colon - word) : (int)strlen(word), word);
   const vs_kind *known = vs_kinds_find(kind);
-  search f = {.wanted = split ? colon + 1 : NULL, .pins = (size_t)vs_kinds_count_pins(known)};
+  search f = {.wanted = split ? colon + 1 : NULL,
+              .own = output_name[1],
+              .pins = (size_t)vs_kinds_count_pins(known)};
   vs_status status = take_file(&f, path, err);
-  bool good = !status && f.fitting == 1 && f.best.pins == f.pins;
+  bool good = !status && f.fitting == 1 && f.best.pins == f.pins && !f.own_line;
   if (!good && !status) status = refuse_vendor_file(&f, path, err);
   if (good) {
-    *w = (vs_wrap){.pspice = f.pspice};
+    *w = (vs_wrap){.pspice = f.pspice, .line = f.best.line, .second = f.second};
+    snprintf(w->path, sizeof w->path, "%s", path);
     memcpy(w->called, f.best.name, sizeof w->called);
     status = map_pins(&f, known, pins, w, err);
-    name_file(path, output, w);
+    name_file(path, output_name[0], w);
   }
   vs_text_free(&f.names);
   vs_cards_free(&f.cards);

@@ -24,9 +24,9 @@ static const struct letter {
                {'s', "switch", 0, 1, -1},
                {'w', "switch", 0, 1, -1}};
 
-/* Words for a diac, and those that makers' numbers begin with (DB3, HT32). It is no diode, whatever
- * its pins are called. */
-static const char DIAC[] = " diac sidac ", DIAC_NUMBERS[] = " db smdb ht ";
+/* What makers' numbers of diacs begin with (DB3, HT32). It is no diode, whatever its pins are
+ * called. */
+static const char DIAC_NUMBERS[] = " db smdb ht ";
 
 const char *const vs_pins_said = "as --pins says";
 
@@ -247,9 +247,9 @@ static vs_status find_in_netlist(const vs_elements *w, const vs_element *e, cons
       take_kind(kind, pins);
       return VS_OK;
     }
-  if (e->n_nodes == 2 &&
-      (subcircuit_hints(l, subckt, model, DIAC) || hints_at(model, DIAC_NUMBERS))) {
-    *pins = (vs_pins){.kind = "diac", .from = 0, .to = 1, .gate = -1, .by = "by its name"};
+  if (e->n_nodes == 2 && hints_at(model, DIAC_NUMBERS)) {
+    pins->by = "by its name";
+    take_kind(vs_kinds_find("diac"), pins);
     return VS_OK;
   }
   bool told = pins_of(l, subckt, e->n_nodes, pins);

@@ -102,6 +102,14 @@ static vs_status find_include(vs_deck *deck, const char *name, vs_where where,
   return VS_OK;
 }
 
+/* What is known of a file, whatever dialect the deck is read in: that it is PSpice's or IsSpice's.
+ */
+static bool is_of(const vs_deck *deck, const bool of[VS_DECK_FILES], const char *file) {
+  for (size_t k = 0; k < deck->n_files; k++)
+    if (deck->files[k] == file) return of[k];
+  return false;
+}
+
 /* The same file may go by several paths. */
 static bool has_been_read(const vs_deck *deck, const char *path) {
   for (size_t k = 0; k < deck->n_files; k++)
@@ -125,6 +133,7 @@ static vs_status include(vs_deck *deck, const char *line, vs_where where, vs_err
   if (deck->n_files >= VS_DECK_FILES)
     return vs_fail_at(err, where, "more than %d files; does one include itself?", VS_DECK_FILES);
   deck->included[deck->n_files] = ours ? where : (vs_where){0};
+  deck->pspice[deck->n_files] = !vs_deck_is_shipped(path) && is_of(deck, deck->pspice, where.file);
   return read_file(deck, path, true, err);
 }
 
@@ -156,6 +165,7 @@ static vs_status take_circuit(vs_deck *deck, vs_line *line, bool *skip, vs_error
   if (status || *skip) return status;
   vs_rewriting r = {.line = line,
                     .pspice = *deck->compat != 0,
+                    .isspice = is_of(deck, deck->isspice, line->where.file),
                     .own = deck->own_functions,
                     .tally = &deck->changes,
                     .err = err};
@@ -200,11 +210,12 @@ typedef struct reading {
 } reading;
 
 /* True for a line of a library, outside of its subcircuits, that is neither element nor statement,
- * or closes what is not open. */
+ * or closes what is not open. "Copyright A 1995" would be a capacitor. */
 static bool is_prose(const vs_deck *deck, const reading *r, const char *text) {
   if (!r->unread || deck->subcircuits) return false;
   if (*text == '.') return vs_words_begin(text, ".ends");
-  return !vs_rules_is_element(text) || vs_statements_is_title(text);
+  return !vs_rules_is_element(text) || vs_statements_is_title(text) ||
+         vs_words_begin(text, "copyright");
 }
 
 /* Takes the line begun, if there is one, as whole. */
@@ -354,11 +365,16 @@ static vs_status read_lines(vs_deck *deck, const char *file, const vs_source *so
 static void find_dialect(vs_deck *deck, const vs_source *source) {
   char word[8], name[8], more;
   for (size_t k = 0; k < source->count; k++) {
-    vs_functions_own(source->line[k], &deck->own_functions);
+    const char *line = source->line[k], *brace = strchr(line, '{');
+    vs_functions_own(line, &deck->own_functions);
+    if (brace && vs_words_begin(line, ".subckt") && !memchr(line, '=', (size_t)(brace - line)))
+      deck->isspice[deck->n_files - 1] = true;
     if (strstr(source->line[k], "*$") && strstr(source->line[k], "compat") &&
         sscanf(source->line[k], " *$ %7s %7s %c", word, name, &more) == 2 &&
-        !strcmp(word, "compat") && !strcmp(name, "ps"))
+        !strcmp(word, "compat") && !strcmp(name, "ps")) {
       memcpy(deck->compat, "ps", sizeof "ps");
+      deck->pspice[deck->n_files - 1] = true;
+    }
   }
 }
 
@@ -399,6 +415,30 @@ static vs_status read_file(vs_deck *deck, const char *path, bool library, vs_err
   else
     vs_source_free(&source);
   return status;
+}
+
+/* Writes the last pwr(x, y) of the line so that the sign of x is kept in every dialect. False:
+ * there is none. */
+static bool keep_sign(vs_line *line) {
+  vs_word a[VS_WORDS_MOST];
+  const char *at = NULL, *end;
+  for (const char *s = line->text; (s = strcasestr(s, "pwr(")); s++)
+    if ((s == line->text || !vs_words_goes_on(s[-1])) && vs_words_arguments(s + 3, a, &end) == 2)
+      at = s;
+  if (!at || vs_words_arguments(at + 3, a, &end) != 2) return false;
+  vs_text text = {0};
+  vs_text_add(&text, "%.*s(sgn(%.*s)*pow(abs(%.*s),%.*s))%s", (int)(at - line->text), line->text,
+              (int)a[0].n, a[0].at, (int)a[0].n, a[0].at, (int)a[1].n, a[1].at, end);
+  vs_line_change(line, text.text);
+  return true;
+}
+
+/* One part in PSpice's dialect has ngspice read the whole deck in it, and there pwr(x, y) has no
+ * sign, which the varistors of a deck that is not PSpice's need. */
+static void keep_signs(vs_deck *deck) {
+  for (size_t k = 0; k < deck->n_lines && *deck->compat; k++)
+    while (!is_of(deck, deck->pspice, deck->lines[k].where.file) && keep_sign(&deck->lines[k]))
+      continue;
 }
 
 /* Warns of pwr() in a netlist that others' constructs were found in: it keeps the sign of x here.
@@ -515,6 +555,7 @@ vs_status vs_files_read(vs_deck *deck, const char *path, bool library, vs_error 
         vs_error_keep(err, vs_slips_conditions(deck->lines + before, deck->n_lines - before, err));
   if (!status && !closed) status = read_currents(deck, err);
   vs_translate_whole(deck->lines, deck->n_lines, &deck->changes);
+  keep_signs(deck);
   vs_deck_changed(deck);
   tell_skipped(deck);
   return status ? status : closed;

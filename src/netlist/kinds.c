@@ -179,6 +179,8 @@ static const vs_device_measure DIODE[] = {
     {LOSS_PART("e_rec", "largest energy of one recovery", VS_R_E_RECOVERY)},
     JUNCTION};
 
+static const vs_device_measure DIAC[] = {{V_PEAK(NULL)}, {I_PEAK("i_trm")}, {LOSS}};
+
 /* A transistor that a port drives, from its current on. */
 #define DRIVEN(i_peak, i_rms, i_off)                                                               \
   ROW(I_PEAK(i_peak)), ROW(I_MEAN), ROW(I_RMS(i_rms)), ROW("dv_dt", STEEPEST("dv_dt")), ROW(LOSS), \
@@ -347,6 +349,14 @@ static const vs_kind_limit DIODE_LIMITS[] = {{"v_rrm", "V", 5, 2e4, NULL, DECIDE
                                              FIGURE("v_test", "V"),
                                              HEAT_LIMITS,
                                              {"on_voltage", "V", 0.1, 8, NULL, VS_LIMIT_PARAM, ""}};
+static const vs_kind_limit DIAC_LIMITS[] = {LIMIT("i_trm", "A", 0),
+                                            {"v_bo_min", "V", 5, 1e3, NULL, 0, ""},
+                                            {"v_bo_max", "V", 5, 1e3, NULL, 0, ""},
+                                            FIGURE("v_bo_symmetry", "V"),
+                                            FIGURE("i_bo", "uA"),
+                                            FIGURE("dv_bo", "V"),
+                                            FIGURE("v_t", "V"),
+                                            FIGURE("i_test", "mA")};
 static const vs_kind_limit MOSFET_LIMITS[] = {
     {"v_dss", "V", 5, 5e3, "blocking_voltage", DECIDES | TWIN, ""},
     {"i_d", "A", 0.01, 5e3, NULL, DECIDES, ""},
@@ -449,6 +459,11 @@ const vs_kind vs_kinds_all[] = {
      .ratios = {{"i_f_rms", "i_f_av", 0, 0, true}, {"i_fsm", "i_f_av", 3, 100, true}},
      .heat = {"i_f_av", 1, 1.57},
      TABLES(DIODE, DIODE_LIMITS)},
+    {.name = "diac",
+     .called = " diac sidac ",
+     .pins = {ALIKE("a", "b")},
+     .ratios = {{"v_bo_max", "v_bo_min", 0, 0, true}},
+     TABLES(DIAC, DIAC_LIMITS)},
     {.name = "mosfet",
      .letter = 'm',
      .driven = true,

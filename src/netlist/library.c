@@ -97,14 +97,20 @@ bool *vs_library_add(vs_library *lib, const char *name, const vs_source *source)
 
 /* ---- what is called ---- */
 
+/* Of several blocks of one name the first of the file is read first: ngspice takes it. */
 void vs_library_call(vs_library *lib, vs_word name) {
-  size_t k;
+  size_t k, from = lib->n_called;
   if (!vs_names_find(&lib->names, name.at, name.n, &k)) return;
   for (size_t next = k + 1; next && !lib->block[next - 1].called; next = lib->block[k].before) {
     k = next - 1;
     lib->block[k].called = true;
     lib->called = vs_alloc_grow(lib->called, lib->n_called, sizeof *lib->called);
     lib->called[lib->n_called++] = k;
+  }
+  for (size_t to = lib->n_called; from + 1 < to; from++) {
+    k = lib->called[from];
+    lib->called[from] = lib->called[--to];
+    lib->called[to] = k;
   }
 }
 

@@ -81,11 +81,15 @@ typedef struct doubles {
 } doubles;
 
 /* Refuses one name in two files: one of them, as a part, would get what the other says, while its
- * limits are judged. Warns of what else stands in the deck's own file. Libraries of vendors have
- * many such lines, which do no harm to a circuit that was made with them. */
+ * limits are judged. Warns of what else stands in the deck's own file, and of a second subcircuit
+ * wherever it is: only what is called is read, so that one of two models is the one meant. Other
+ * such lines of vendors' libraries do no harm to a circuit that was made with them. */
 static void tell_double(void *ctx, vs_where where, bool apart, const char *text) {
+  static const char SUBCKT[] = "a second .subckt";
   doubles *d = ctx;
-  if (!apart && where.file == d->deck->files[0]) vs_deck_remark(d->deck, where, "%s", text);
+  const bool own = where.file == d->deck->files[0];
+  if (!apart && (own || !strncmp(text, SUBCKT, sizeof SUBCKT - 1)))
+    vs_deck_remark(d->deck, where, "%s", text);
   if (!apart || d->status) return;
   char within[VS_PATH_SIZE];
   where = vs_deck_mendable(d->deck, where, within, sizeof within);

@@ -23,11 +23,8 @@ static void templates_pass(void) {
   static const struct {
     const char *kind;
     int figures, assumed, models; /* models: lines that would say how far the model is off */
-  } ROWS[] = {{"thyristor", 10, 24, 6},
-              {"varistor", 3, 9, 2},
-              {"fuse", 5, 9, 4},
-              {"resistor", 1, 7, 0},
-              {"capacitor", 2, 6, 0}};
+  } ROWS[] = {{"thyristor", 10, 24, 6}, {"varistor", 3, 9, 2}, {"diac", 7, 10, 0},
+              {"fuse", 5, 9, 4},        {"resistor", 1, 7, 0}, {"capacitor", 2, 6, 0}};
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     char assumed[64];
     ran r = run("part %s -o own.inc --overwrite", ROWS[k].kind);
@@ -234,6 +231,22 @@ static void a_vendors_model(void) {
            "%s", text);
     free(text);
   }
+  /* of two of one name ngspice takes the first; no other subcircuit has the part's name */
+  write_file("two.lib", ".subckt R2 1 2\nR1 1 2 5k\n.ends\n.subckt other 1 2\nR1 1 2 1\n.ends\n"
+                        ".subckt R2 1 2\nR1 1 2 9k\n.ends\n");
+  ran two = run("part varistor --wrap two.lib:R2 -o d.inc");
+  EXPECT(two.status == 0 && strstr(two.err, "two.lib:7:1: warning: a second .subckt R2: ngspice "
+                                            "takes the first, of line 1"),
+         "%d: %s", two.status, two.err);
+  free_ran(&two);
+  two = run("check d.inc --json");
+  CLOSE(number_of(two.out, "V", 0, "got"), 5, 1e-6);
+  EXPECT(strstr(two.err, "two.lib:7:1: warning: a second .subckt R2"), "%s", two.err);
+  free_ran(&two);
+  two = run("part varistor --wrap two.lib:R2 -o other.inc");
+  EXPECT(two.status == 2 && strstr(two.err, "two.lib:4:1: a subcircuit other, and the part"), "%s",
+         two.err);
+  free_ran(&two);
   /* the same file in UTF-16, beside a model with a slip, wraps and reads as before */
   char *vendor = read_file("vendor.lib");
   FILE *wide = fopen("wide.lib", "w");
@@ -265,11 +278,13 @@ static void a_vendors_model(void) {
 static void a_vendors_mistakes(void) {
   static const struct {
     const char *words, *says;
-  } ROWS[] = {{"part thyristor --wrap vendor.lib:nope -o p.inc", "has no subcircuit 'nope'"},
-              {"part thyristor --wrap vendor.lib:D1 -o p.inc", "has 2 pins, and 3 are wanted"},
-              {"part varistor --wrap none.lib -o p.inc", "none.lib: cannot be opened"},
-              {"part resistor --wrap vendor.lib -o p.inc", "there are: diode, fuse, igbt, mosfet"},
-              {"part thyristor --wrap vendor.lib -o scr12.inc", "has that name"}};
+  } ROWS[] = {
+      {"part thyristor --wrap vendor.lib:nope -o p.inc", "has no subcircuit 'nope'"},
+      {"part thyristor --wrap vendor.lib:D1 -o p.inc", "has 2 pins, and 3 are wanted"},
+      {"part varistor --wrap none.lib -o p.inc", "none.lib: cannot be opened"},
+      {"part resistor --wrap vendor.lib -o p.inc", "there are: diac, diode, fuse, igbt, mosfet"},
+      {"part thyristor --wrap vendor.lib -o scr12.inc",
+       "vendor.lib:2:1: a subcircuit scr12, and the part is to have that name"}};
   write_vendor((const char *const[]){"A", "G", "K"}, (const int[]){0, 1, 2});
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     ran r = run("%s", ROWS[k].words);
@@ -482,8 +497,9 @@ static void bad_usage(void) {
   EXPECT(r.status == 2 && strstr(r.err, "is there already"), "%d: %s", r.status, r.err);
   free_ran(&r);
   r = run("part");
-  EXPECT(r.status == 0 && !strcmp(r.out, "  capacitor\n  diode\n  electrolytic\n  fuse\n  igbt\n  "
-                                         "mosfet\n  resistor\n  thyristor\n  triac\n  varistor\n"),
+  EXPECT(r.status == 0 &&
+             !strcmp(r.out, "  capacitor\n  diac\n  diode\n  electrolytic\n  fuse\n  igbt\n  "
+                            "mosfet\n  resistor\n  thyristor\n  triac\n  varistor\n"),
          "%s", r.out);
   free_ran(&r);
 }

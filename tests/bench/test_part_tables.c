@@ -692,10 +692,11 @@ static void fuses_tell(void) {
       {"halfwave_paper, transformer: autotransformer_ideal, fuse_1: S505-1-R, fuse_2: A070gRB10T13",
        SHORTED("fuse_1") "run: {until: 100 ms}\n", "fuse_1.v_open", true},
       {"fed.cir", "run: {until: 1.02 s, tolerance: 1e-2}\n", "fuse_1.i_rms", false}};
-  write_file("fed.cir", "*$ param fuse_1 = LF213-3A15 part fuse\n*$ port mains = Vm\n"
-                        "*$ probe v_ak = v(a) V\n*$ device fuse_1 = v(a,f), i(Vf)\n"
-                        "Vm m 0 external\nRs m a 1\nVf a f0 0\nXf f0 f fuse_1\nRf f 0 80\nRl f b 10k\n"
-                        "Xeva b 0 eva\n");
+  write_file("fed.cir",
+             "*$ param fuse_1 = LF213-3A15 part fuse\n*$ port mains = Vm\n"
+             "*$ probe v_ak = v(a) V\n*$ device fuse_1 = v(a,f), i(Vf)\n"
+             "Vm m 0 external\nRs m a 1\nVf a f0 0\nXf f0 f fuse_1\nRf f 0 80\nRl f b 10k\n"
+             "Xeva b 0 eva\n");
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     vs_text scene = {0}, key = {0};
     vs_text_add(&scene,

@@ -472,11 +472,17 @@ static bool has_row(const char *section, const char *name, const char *limit) {
 static void the_page(void) {
   static const struct {
     const char *kind, *head;
-  } ROWS[] = {{"thyristor", "\n## Semiconductors"},   {"triac", "\n## Semiconductors"},
-              {"diode", "\n## Semiconductors"},       {"mosfet", "\n## Semiconductors"},
-              {"igbt", "\n## Semiconductors"},        {"varistor", "\n## Passive parts"},
-              {"resistor", "\n## Passive parts"},     {"capacitor", "\n## Passive parts"},
-              {"electrolytic", "\n## Passive parts"}, {"fuse", "\n## Fuses"}};
+  } ROWS[] = {{"thyristor", "\n## Semiconductors"},
+              {"triac", "\n## Semiconductors"},
+              {"diode", "\n## Semiconductors"},
+              {"mosfet", "\n## Semiconductors"},
+              {"diac", "\n## Semiconductors"},
+              {"igbt", "\n## Semiconductors"},
+              {"varistor", "\n## Passive parts"},
+              {"resistor", "\n## Passive parts"},
+              {"capacitor", "\n## Passive parts"},
+              {"electrolytic", "\n## Passive parts"},
+              {"fuse", "\n## Fuses"}};
   char *text = read_file(VS_TEST_FOLDER "/../docs/devices.md");
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     const char *section = strstr(text, ROWS[k].head);

@@ -718,6 +718,16 @@ static void dialects(void) {
     CLOSE(e[2].best.value, EXPECTED[k][1], 1e-9);
     vs_trial_free(t);
   }
+  /* a part in PSpice's dialect leaves the deck its own pwr() */
+  write_file("psr.inc",
+             "*$ part resistor \"P\"\n*$ compat ps\n.subckt psr p q\nR1 p q 1k\n.ends\n");
+  write_file("dialect.cir", "*$ param one = psr part\n" SUPPLY
+                            "*$ probe v_pwr = v(r) V\nBr r 0 V=1+pwr(-2*2,{1+2})\nR1 a b 100\n"
+                            "X1 r 0 one\n" EVA);
+  vs_trial *own = run_deck("dialect.cir", "run.until=1ms", NULL);
+  CU_ASSERT_EQUAL_FATAL(own->status, VS_OK);
+  CLOSE(vs_measures_of_probe(own->result.watchers.measures, 0)->best.value, -63, 1e-9);
+  vs_trial_free(own);
   write_file("vendor.lib", "* a vendor's\n.SUBCKT LIMITER in out PARAMS: TOP=5\n"
                            "E1 out 0 VALUE={IF(V(in)>0, LIMIT(V(in),0,TOP), -1)}\n.ENDS\n");
 #define VENDOR                                                                                     \

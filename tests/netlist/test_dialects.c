@@ -393,6 +393,7 @@ static void functions(void) {
       {"V9 yy 0 5 Rser=1k", 2.5},
       {"B1 yy 0 V=V(ss)*3 tripdv=1 tripdt=1u", 6},
       {"B1 0 yy I=1m Rpar=1k", 0.5},
+      {"X1 yy 0 lg\n.subckt lg p q {k=2}\nB1 p q V=LOG(1000)-{k}\n.ends", 1},
       {"*$ compat ps\n.model n D(is=1n)\n.model m AKO: n D(rs=1)\nD9 yy 0 m\nB1 yy 0 V=-1", -1},
       {"*$ compat ps\nB1 yy 0 V=IF(V(ss)>1 & V(ss)<3,5,6)+PWRS(-2,3)+STP(2)", -2},
       {"*$ compat ps\nR_R1 $N_0001 yy 1k\nR_R2 $N_0001 ss 1k\nR_R3 yy 0 1k", 2. / 5},

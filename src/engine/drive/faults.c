@@ -188,12 +188,16 @@ static vs_status open_wire(const vs_scene_event *e, size_t k, vs_deck *deck, vs_
   vs_wiring_line(deck, e->where, ".model vs_f%zu sw(ron=1m roff=1g vt=0 vh=0.5)", k);
   /* An opening contact arcs; otherwise a coil's current would have nowhere to go. The arc's current
    * is i = 1 A (v/level)^30 up to the level and goes on straight above; 100 pF lie beside it. */
+  char v[64], power[192];
+  snprintf(v, sizeof v, "v(vs_l%zu,vs_n%zu)", k, k);
+  if (*deck->compat) /* PSpice's pwr() has no sign */
+    snprintf(power, sizeof power, "sgn(%s)*pow(abs(%s)/%.17g,30)", v, v, e->v.level_v);
+  else
+    snprintf(power, sizeof power, "pwr(%s/%.17g,30)", v, e->v.level_v);
   vs_wiring_line(
       deck, e->where,
-      "Bvs_a%zu vs_l%zu vs_n%zu I = abs(v(vs_l%zu,vs_n%zu)) < %.17g ? "
-      "pwr(v(vs_l%zu,vs_n%zu)/%.17g,30) : sgn(v(vs_l%zu,vs_n%zu))*(1+30*(abs(v(vs_l%zu,vs_n%zu)"
-      ")/%.17g-1))",
-      k, k, k, k, k, e->v.level_v, k, k, e->v.level_v, k, k, k, k, e->v.level_v);
+      "Bvs_a%zu vs_l%zu vs_n%zu I = abs(%s) < %.17g ? %s : sgn(%s)*(1+30*(abs(%s)/%.17g-1))", k, k,
+      k, v, e->v.level_v, power, v, v, e->v.level_v);
   vs_wiring_line(deck, e->where, "Cvs_a%zu vs_l%zu vs_n%zu 100p ic=0", k, k, k);
   return status;
 }

@@ -28,6 +28,7 @@ typedef struct function {
   const char *told;    /* the warning where it was rewritten */
   const char *instead; /* follows the function's name in a message */
   bool native;         /* ngspice knows it in PSpice's dialect */
+  bool isspice;        /* it is another one in IsSpice's */
 } function;
 
 /* Writes a table for where ngspice has no pwl, as in a .param: y1 and, for each stretch, the share
@@ -104,9 +105,9 @@ static const function FUNCTIONS[] = {
     {.name = "pwrs",
      .least = 2,
      .most = 2,
-     /* ngspice ends at a slope that is infinite, as that of a power below 1 is where x is 0 */
-     .as = "(sgn($1)*pow(max(abs($1),1e-20),$2))",
-     .native = true,
+     /* straight up to 1e-15: ngspice ends at a slope that is infinite, as that of a power below 1
+      * is where x is 0, and Newton's iteration does not leave that place where the slope is none */
+     .as = "(($1)*pow(max(abs($1),1e-15),($2)-1))",
      .told = "PWRS(x, y), PSpice's and LTspice's, is read as sgn(x)*pow(abs(x), y)"},
     {.name = "table",
      .least = 3,
@@ -143,6 +144,12 @@ static const function FUNCTIONS[] = {
      .most = 1,
      .as = "(sgn($1)*floor(abs($1)))",
      .told = "int(x) is read as sgn(x)*floor(abs(x))"},
+    {.name = "log",
+     .least = 1,
+     .most = 1,
+     .as = "log10(max($1,1e-30))", /* ngspice ends at one of Newton's trials that is below 0 */
+     .isspice = true,
+     .told = "LOG(x), IsSpice's, is read as log10(x)"},
     {.name = "arctan", .least = 1, .most = 1, .as = "atan($1)", .told = "arctan is read as atan"},
     {.name = "arcsin", .least = 1, .most = 1, .as = "asin($1)", .told = "arcsin is read as asin"},
     {.name = "arccos", .least = 1, .most = 1, .as = "acos($1)", .told = "arccos is read as acos"},
@@ -222,7 +229,7 @@ static const function *function_before(const vs_rewriting *r, const char *end, c
   for (size_t k = 0; k < sizeof FUNCTIONS / sizeof *FUNCTIONS; k++) {
     const function *f = &FUNCTIONS[k];
     if (!vs_words_is(name, f->name)) continue;
-    if ((f->native && r->pspice) || r->own >> k & 1) return NULL;
+    if ((f->native && r->pspice) || (f->isspice && !r->isspice) || r->own >> k & 1) return NULL;
     *at = begin;
     return f;
   }

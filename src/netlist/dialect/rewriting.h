@@ -15,6 +15,7 @@
 typedef struct vs_rewriting {
   const vs_line *line; /* as the file has it */
   bool pspice;         /* ngspice reads PSpice's dialect */
+  bool isspice;        /* the file is written in IsSpice's */
   unsigned long own;   /* functions that the netlist defines itself (netlist/dialect/functions.h) */
   vs_text text;        /* the line as it is now */
   vs_text more;        /* lines that it needs besides, each ended by a newline */

@@ -291,6 +291,12 @@ static vs_status check_instance(const vs_cards *c, size_t number, vs_error *err)
   for (size_t k = card->first; card->letter == 'x' && k < card->first + card->count; k++) {
     const vs_argument *a = &c->arguments[k];
     const int n = (int)a->name.n;
+    if (n && isdigit((unsigned char)*a->name.at))
+      return vs_fail_at(
+          err, vs_line_place_of(line, a->name),
+          "'%.*s' stands before a '=', and a name is wanted there: a letter of one is "
+          "missing behind it; NAME=VALUE, in a copy of the file if it is a maker's",
+          n, a->name.at);
     if (n && !a->value.n)
       return vs_fail_at(err, vs_line_place_of(line, a->name),
                         "%.*s has no value; write one behind its '=', or leave %.*s out", n,

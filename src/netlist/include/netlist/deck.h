@@ -259,6 +259,8 @@ typedef struct vs_deck {
   vs_where included[VS_DECK_FILES]; /* the line that includes each file that comes with the program,
                                        or takes it as a part; no place: for others, and if nothing
                                        includes it */
+  bool pspice[VS_DECK_FILES];       /* a line "*$ compat ps" in it, or in what includes it */
+  bool isspice[VS_DECK_FILES]; /* a .subckt of it has its parameters in braces, as IsSpice's have */
   size_t n_files;
   bool drive_known, other_drive; /* whether more than the mains drives it; known since the first
                                     vs_deck_bind */
@@ -275,9 +277,9 @@ typedef struct vs_deck {
   vs_line *lines;      /* of all files, comments and blank lines left out; owned */
   size_t n_lines;
   struct vs_library *library; /* what included libraries have that may still be called; owned */
-  struct vs_cards *cards; /* the lines taken apart, once somebody asks (vs_deck_cards); owned */
-  vs_section section;     /* "circuit": vs_deck_key, then params and parts. It fills a
-                             vs_circuit_values. Fields and their texts are owned. */
+  struct vs_cards *cards;     /* the lines taken apart, once somebody asks (vs_deck_cards); owned */
+  vs_section section;         /* "circuit": vs_deck_key, then params and parts. It fills a
+                                 vs_circuit_values. Fields and their texts are owned. */
   vs_port ports[VS_DECK_MOST];
   size_t n_ports;
   vs_term terms[VS_DECK_MOST];
