@@ -17,10 +17,11 @@
 #include "netlist/netlist.h"
 #include "study/workers/journal.h"
 
+/* AT_WORK_S: by then a command that has begun is in the midst of its work. */
 #ifdef __SANITIZE_ADDRESS__
-static const double SLOWER = 10;
+static const double SLOWER = 10, AT_WORK_S = 1;
 #else
-static const double SLOWER = 1;
+static const double SLOWER = 1, AT_WORK_S = 0.4;
 #endif
 
 static double children_cpu_s(void) {
@@ -225,7 +226,7 @@ static void signals_end_all(void) {
       snprintf(words, sizeof words, "%s", COMMANDS[k]);
       split(words, argv);
       pid_t child = spawn_ready(argv);
-      wait_seconds(0.4 * SLOWER);
+      wait_seconds(AT_WORK_S);
       double before = seconds_now();
       kill(child, s ? SIGINT : SIGTERM);
       ran r = collect(child);

@@ -94,6 +94,7 @@ static void surge_meets_its_standard(void) {
 /* Into a varistor i = 1 mA (v/V1)^30: peak current, peak voltage, energy, I2t of an independent
  * solution; half a per cent is what is asked. */
 static void surge_into_a_varistor(void) {
+  if (is_for_memory_alone()) return;
   static const struct {
     double v1, a, v, j, i2t;
     const char *level;

@@ -1,12 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * libFuzzer's side of a target: a program for each, which is compiled with its name, VS_FUZZ. */
+ * libFuzzer's side of the targets: one program, which is linked once. Its name fuzz_NAME, by which
+ * a link leads to it, says which target it is. */
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "targets.h"
 
-#define JOIN_(a, b) a##b
-#define JOIN(a, b) JOIN_(a, b)
-#define TARGET JOIN(fuzz_, VS_FUZZ)
+static const fuzz_target *const TARGETS[] = {
+#define ROW(name) &fuzz_##name,
+    VS_FUZZ_TARGETS(ROW)
+#undef ROW
+};
+
+static const fuzz_target *target;
 
 /* libFuzzer's own. */
 size_t LLVMFuzzerMutate(uint8_t *bytes, size_t size, size_t most);
@@ -15,13 +22,20 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 size_t LLVMFuzzerCustomMutator(uint8_t *bytes, size_t size, size_t most, unsigned seed);
 
 int LLVMFuzzerInitialize(int *argc, char ***argv) {
-  (void)argc, (void)argv;
+  (void)argc;
+  const char *file = strrchr(**argv, '/'), *name = file ? file + 1 : **argv;
+  for (size_t k = 0; k < sizeof TARGETS / sizeof *TARGETS; k++)
+    if (!strncmp(name, "fuzz_", 5) && !strcmp(name + 5, TARGETS[k]->name)) target = TARGETS[k];
+  if (!target) {
+    fprintf(stderr, "%s: no target has this name\n", **argv);
+    exit(1);
+  }
   fuzz_begin();
   return 0;
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
-  fuzz_take(&TARGET, bytes, size);
+  fuzz_take(target, bytes, size);
   return 0;
 }
 
@@ -29,10 +43,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
  * as it is, so that wrong sums are tried as well. */
 size_t LLVMFuzzerCustomMutator(uint8_t *bytes, size_t size, size_t most, unsigned seed) {
   char *text = (char *)bytes;
-  if (TARGET.grammar && seed % 2)
-    size = fuzz_grammar_change(TARGET.grammar, text, size, most, seed / 2);
+  if (target->grammar && seed % 2)
+    size = fuzz_grammar_change(target->grammar, text, size, most, seed / 2);
   else
     size = LLVMFuzzerMutate(bytes, size, most);
-  if (TARGET.mend && seed % 16) size = TARGET.mend(text, size, most);
+  if (target->mend && seed % 16) size = target->mend(text, size, most);
   return size;
 }

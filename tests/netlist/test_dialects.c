@@ -800,6 +800,7 @@ static bool is_free(const char *name, const char *options) {
 
 /* The list has those names that plain ngspice misreads, and no others. */
 static void list_of_names(void) {
+  if (is_for_memory_alone()) return;
   if (system("ngspice --version >plain.log 2>&1")) {
     puts("ngspice is not on the PATH: the list of its names is not tried");
     return;

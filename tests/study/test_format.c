@@ -204,6 +204,7 @@ static void damaged(void) {
 
 /* Whatever the number of workers, in shards, and gone on with; a folder aN has the columns. */
 static void same_bytes(void) {
+  if (is_for_memory_alone()) return;
   write_file("s.yaml", PLAIN);
   ENDS("study s.yaml -o a --quiet --jobs 1 --format csv.zst", 1);
   ENDS("study s.yaml -o an --quiet --jobs 1 --format npy", 1);
