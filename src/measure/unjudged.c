@@ -34,10 +34,13 @@ static bool has_other(const vs_watched *w, const vs_reduced *r) {
 
 /* True where a rating of the scene judges the measure. */
 static bool is_rated(const vs_watched *w, const vs_reduced *r, const vs_verdict *v) {
-  char name[2 * VS_DECK_NAME + 2];
-  snprintf(name, sizeof name, "%s.%s", w->device->name, r->measure->name);
-  for (size_t k = 0; k < v->count; k++)
-    if (v->item[k].name && !strcmp(v->item[k].name, name)) return true;
+  const size_t n = strlen(w->device->name);
+  for (size_t k = 0; k < v->count; k++) {
+    const char *name = v->item[k].name;
+    if (name && !strncmp(name, w->device->name, n) && name[n] == '.' &&
+        !strcmp(name + n + 1, r->measure->name))
+      return true;
+  }
   return false;
 }
 
@@ -122,8 +125,9 @@ bool vs_unjudged_at(const vs_devices *devices, const vs_verdict *v, size_t k, vs
 bool vs_unjudged_is_told(const vs_devices *devices, const vs_verdict *v) {
   vs_unjudged entry;
   bool told = v->count;
-  for (size_t k = 0; !told && vs_unjudged_at(devices, v, k, &entry); k++)
-    told = entry.why != NO_LIMIT;
+  for (size_t d = 0; devices && d < devices->count; d++)
+    for (size_t k = 0; !told && entry_of(&devices->item[d], v, k, &entry); k++)
+      told = entry.why != NO_LIMIT;
   return told;
 }
 

@@ -133,14 +133,26 @@ static vs_status refuse_key_name(const vs_scene *scene, const key_list *list, co
       vs_text_hint(name, names, list->count, "; see 'vibrospice list parameters'").text);
 }
 
+static const vs_key *key_named(const key_list *list, const char *name) {
+  for (size_t k = 0; k < list->count; k++)
+    if (!strcmp(list->item[k].name, name)) return &list->item[k];
+  return NULL;
+}
+
+static bool has_key(const vs_scene *scene, const char *name) {
+  key_list *list = all_keys(scene);
+  const bool found = key_named(list, name);
+  free(list);
+  return found;
+}
+
 vs_status vs_key_find(const vs_scene *scene, const char *name, vs_where where, vs_key *key,
                       vs_error *err) {
   key_list *list = all_keys(scene);
-  size_t k = 0;
-  while (k < list->count && strcmp(list->item[k].name, name) != 0) k++;
+  const vs_key *found = key_named(list, name);
   vs_status status = VS_OK;
-  if (k < list->count)
-    *key = list->item[k];
+  if (found)
+    *key = *found;
   else
     status = refuse_key_name(scene, list, name, where, err);
   free(list);
@@ -320,9 +332,7 @@ static vs_status add_spread(const vs_scene *scene, const char *name, const state
 /* Adds the key by the tolerance, unless the scene has no such key. */
 static vs_status add_usual_spread(const vs_scene *scene, const char *name, const char *way,
                                   vs_spreads *spreads, vs_error *err) {
-  vs_key key;
-  vs_error none = {0};
-  if (vs_key_find(scene, name, (vs_where){0}, &key, &none)) return VS_OK;
+  if (!has_key(scene, name)) return VS_OK;
   return add_spread(scene, name, &(stated){.way = way}, spreads, err);
 }
 
@@ -346,10 +356,7 @@ static vs_status take_usual_spreads(const vs_scene *scene, vs_spreads *spreads, 
   char names[VS_DECK_DEVICES][VS_KEY_SIZE];
   const char *ways[VS_DECK_DEVICES];
   size_t count = 0;
-  vs_key key;
-  vs_error none = {0};
-  const bool has_line =
-      scene->tier->has_circuit && !vs_key_find(scene, LINE, (vs_where){0}, &key, &none);
+  const bool has_line = scene->tier->has_circuit && has_key(scene, LINE);
   vs_status status =
       add_spread(scene, has_line ? BOTH : "supply.voltage", &(stated){.way = "10 %"}, spreads, err);
   if (!scene->tier->has_circuit) return status;

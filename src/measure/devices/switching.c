@@ -3,6 +3,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "engine/events.h"
@@ -74,25 +75,12 @@ static void begin_rise(vs_rise *r, double t_s, double v) {
   r->s_per_v = INFINITY;
   r->best = (vs_rise_stretch){.took_s = INFINITY};
   r->told_s = INFINITY;
-  r->steep_v = v;
-  r->n_deferred = 0;
 }
 
 /* Notes that it rose by over_v from one instant to another. */
 static void take_stretch_of_rise(vs_rise *r, vs_instant from, vs_instant to) {
   if (to.t_s - from.t_s < r->best.took_s)
     r->best = (vs_rise_stretch){from.t_s, to.t_s - from.t_s, r->over_v, from.bent_s + to.bent_s};
-}
-
-/* Notes when the voltage went through a level. The stretch that ends there begins as it last went
- * through the level that lies over_v below. Where that one is no longer kept, the voltage was at
- * this level before and did not fall by over_v since, so that a shorter stretch was noted then. */
-static void pass_level(vs_rise *r, double level, vs_instant at) {
-  if (level >= VS_RISE_PARTS) {
-    const vs_passed *below = &r->passed[(size_t)(level - VS_RISE_PARTS) % VS_RISE_LEVELS];
-    if (below->number == level - VS_RISE_PARTS + 1) take_stretch_of_rise(r, below->at, at);
-  }
-  r->passed[(size_t)level % VS_RISE_LEVELS] = (vs_passed){level + 1, at};
 }
 
 /* Above this the numbers of levels are no longer exact. No voltage of a circuit is as high. */
@@ -134,8 +122,7 @@ static vs_climbed climbed_of(const vs_rising *c, double slope_v_s) {
   of.k0 = isnan(c->slope_v_s) ? rise_v : c->slope_v_s * of.h_s;
   of.k1 = isnan(slope_v_s) ? rise_v : slope_v_s * of.h_s;
   const double off_v = fabs(of.k0 - rise_v) + fabs(of.k1 - rise_v);
-  of.bent = off_v > SAME_SLOPE * rise_v;
-  of.bow_s = of.bent ? BOW * off_v * of.s_per_v : 0;
+  of.bow_s = off_v > SAME_SLOPE * rise_v ? BOW * off_v * of.s_per_v : 0;
   return of;
 }
 
@@ -157,10 +144,15 @@ static double part_of_cubic_at(const vs_climbed *c, double v, double part) {
   return part;
 }
 
+/* When the straight line is at v. */
+static double straight_at(const vs_climbed *c, double v) {
+  return c->zero_s + (v - c->low_v) * c->s_per_v;
+}
+
 /* When the course is at v. */
 static vs_instant instant_at(const vs_climbed *c, double v) {
-  const double straight_s = c->zero_s + (v - c->low_v) * c->s_per_v;
-  if (!c->bent) return (vs_instant){straight_s, 0};
+  const double straight_s = straight_at(c, v);
+  if (!(c->bow_s > 0)) return (vs_instant){straight_s, 0};
   const double part = (straight_s - c->t0_s) / c->h_s,
                t_s = c->t0_s + part_of_cubic_at(c, v, fmin(fmax(part, 0), 1)) * c->h_s;
   return (vs_instant){t_s, c->bow_s};
@@ -176,46 +168,109 @@ static double each_level_v(const vs_rise *r) {
   return r->over_v / VS_RISE_PARTS;
 }
 
-/* Goes through the levels of a step, those from from_v on. On a straight line those between the
- * first and the last of more levels than are kept tell nothing. */
-static void pass_levels(vs_rise *r, const vs_climbed *c, double from_v) {
-  const double each_v = each_level_v(r), first = ceil(fmax(c->low_v, from_v) / each_v - SAME_LEVEL),
-               last = floor(c->v1 / each_v + SAME_LEVEL);
+/* Mean slopes that differ by more, in parts of themselves, differ by more than rounding adds up to.
+ */
+static const double LESS_STEEP = 1e-6;
+
+/* True if one course is nowhere steeper than another, and less steep on the whole. The slope of a
+ * cubic lies between its Bernstein coefficients; slopes at one knot are the same but for rounding.
+ */
+static bool is_less_steep(const vs_climbed *a, const vs_climbed *b) {
+  const double of_a = 3 * (a->v1 - a->v0) - a->k0 - a->k1,
+               of_b = 3 * (b->v1 - b->v0) - b->k0 - b->k1;
+  const double most_v_s = fmax(fmax(a->k0, a->k1), of_a) / a->h_s,
+               least_v_s = fmin(fmin(b->k0, b->k1), of_b) / b->h_s;
+  return most_v_s * (1 - SAME_SLOPE) <= least_v_s && a->s_per_v > b->s_per_v * (1 + LESS_STEEP);
+}
+
+static void take_stretch_at(vs_rise *r, const vs_climbed *from, double level,
+                            const vs_climbed *to) {
+  const double each_v = each_level_v(r);
+  take_stretch_of_rise(r, instant_at(from, level * each_v),
+                       instant_at(to, (level + VS_RISE_PARTS) * each_v));
+}
+
+/* The time between two levels by the straight lines. */
+static double straight_between(const vs_rise *r, const vs_climbed *from, double level,
+                               const vs_climbed *to) {
+  const double each_v = each_level_v(r);
+  return straight_at(to, (level + VS_RISE_PARTS) * each_v) - straight_at(from, level * each_v);
+}
+
+/* Takes the steepest of the stretches that begin in one step, at its levels from `first` to `last`,
+ * and end in another, or in the same. No course is farther from its straight line than bow_s, so
+ * that a stretch is looked at only where the straight lines, whose difference is least at the first
+ * level or at the last, leave it room to be the steepest so far. Where one course is steeper all
+ * along than the other, the first stretch or the last is the steepest. Where both are one straight
+ * line, the levels between the first and the last of more than are kept tell nothing. */
+static void take_stretches(vs_rise *r, const vs_climbed *from, double first, double last,
+                           const vs_climbed *to) {
+  if (last < first) return;
+  const double off_s =
+      from->bow_s + to->bow_s + 8 * DBL_EPSILON * (to->t0_s + to->h_s); /* and for rounding */
+  if (fmin(straight_between(r, from, first, to), straight_between(r, from, last, to)) - off_s >
+      r->best.took_s)
+    return;
+  if (is_less_steep(from, to)) first = last;
+  if (is_less_steep(to, from)) last = first;
   for (double level = first; level <= last; level++) {
-    if (level == first + VS_RISE_PARTS + 1 && !c->bent)
-      level = fmax(level, last - VS_RISE_LEVELS + 1);
-    pass_level(r, level, instant_at(c, level * each_v));
+    if (level == first + 1 && from == to && !(to->bow_s > 0))
+      level = fmax(level, last + VS_RISE_PARTS - VS_RISE_LEVELS + 1);
+    if (straight_between(r, from, level, to) - off_s <= r->best.took_s)
+      take_stretch_at(r, from, level, to);
   }
 }
 
-/* True if the step rises steeply enough for a stretch within it to be the steepest. The slope of a
- * cubic is nowhere above the largest of its Bernstein coefficients. */
-static bool is_steep(const vs_rise *r, const vs_climbed *c) {
-  const double rise_v = c->v1 - c->v0;
-  const double steepest_v = c->bent ? fmax(fmax(c->k0, c->k1), 3 * rise_v - c->k0 - c->k1) : rise_v;
-  return r->over_v * c->h_s < r->best.took_s * steepest_v;
+/* Number of the first entry of `passed` that goes up to a level or higher; n_passed: none does. */
+static int entry_at(const vs_rise *r, double level) {
+  int low = 0, high = r->n_passed;
+  while (low < high) {
+    const int middle = (low + high) / 2;
+    if (r->passed[middle].last < level)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low;
 }
 
-/* True if no stretch that ends in this step can be the steepest, nor the rise be told by less than
- * over_v (four_fifths). */
-static bool tells_nothing(const vs_rise *r, const vs_climbed *c) {
-  return !is_steep(r, c) && c->low_v - r->over_v >= r->steep_v &&
-         r->top_v - r->foot_v > 1.3 * r->over_v;
+/* Moves the entries of `passed` from number `from` on to number `to`. */
+static void move_entries(vs_rise *r, int to, int from) {
+  memmove(r->passed + to, r->passed + from, (size_t)(r->n_passed - from) * sizeof *r->passed);
+  r->n_passed += to - from;
 }
 
-/* Goes through those levels of the deferred steps at which a stretch may begin that ends at low_v
- * or above. */
-static void take_deferred(vs_rise *r, int count, double low_v) {
-  const double from_v = low_v - r->over_v - 2 * each_level_v(r);
-  for (int k = 0; k < count; k++)
-    if (r->deferred[k].v1 >= from_v) pass_levels(r, &r->deferred[k], from_v);
-  r->n_deferred -= count;
-  memmove(r->deferred, r->deferred + count, (size_t)r->n_deferred * sizeof *r->deferred);
+/* Notes that the levels from `first` to `last` were passed in a step. Entries for the same levels
+ * lose them. */
+static void keep_levels(vs_rise *r, const vs_climbed *c, double first, double last) {
+  const double lowest = last - VS_RISE_LEVELS + 1;
+  while (r->n_passed && r->passed[r->n_passed - 1].first > last + VS_RISE_ABOVE) r->n_passed--;
+  if (r->n_passed + 2 > VS_RISE_ENTRIES) move_entries(r, 0, entry_at(r, lowest));
+  int from = entry_at(r, first), to = entry_at(r, last + 1);
+  if (from < r->n_passed && r->passed[from].first < first) {
+    if (from == to) move_entries(r, ++to, from); /* it goes on above: two of it, the first stays */
+    r->passed[from++].last = first - 1;
+  }
+  if (to < r->n_passed && r->passed[to].first <= last) r->passed[to].first = last + 1;
+  move_entries(r, from + 1, to);
+  r->passed[from] = (vs_passed){fmax(first, lowest), last, *c};
 }
 
-static void defer_step(vs_rise *r, const vs_climbed *c) {
-  if (r->n_deferred == VS_RISE_DEFERRED) take_deferred(r, VS_RISE_DEFERRED / 2, c->low_v);
-  r->deferred[r->n_deferred++] = *c;
+/* Goes through the levels of a step. A stretch that ends at one of them begins as the voltage last
+ * went through the level that lies over_v below. */
+static void pass_levels(vs_rise *r, const vs_climbed *c) {
+  const double each_v = each_level_v(r), first = ceil(c->low_v / each_v - SAME_LEVEL),
+               last = floor(c->v1 / each_v + SAME_LEVEL),
+               end = fmin(first - 1, last - VS_RISE_PARTS);
+  if (last < first) return;
+  for (int k = entry_at(r, first - VS_RISE_PARTS); k < r->n_passed; k++) {
+    const vs_passed *below = &r->passed[k];
+    if (below->first > end) break;
+    take_stretches(r, &below->course, fmax(below->first, first - VS_RISE_PARTS),
+                   fmin(below->last, end), c);
+  }
+  take_stretches(r, c, first, last - VS_RISE_PARTS, c);
+  keep_levels(r, c, first, last);
 }
 
 /* Takes the step that waits, with the slope at its end, or NaN. */
@@ -225,15 +280,9 @@ static void climb(vs_rise *r, double slope_v_s) {
   const double each_v = each_level_v(r);
   r->waits = false;
   if (!(c.v1 / each_v < MOST_LEVELS)) return;
-  c.bent = c.bent && (c.v1 - c.low_v) / each_v < MOST_BENT;
+  if (!((c.v1 - c.low_v) / each_v < MOST_BENT)) c.bow_s = 0;
   if (c.v0 < 0) r->foot = instant_at(&c, 0);
-  if (tells_nothing(r, &c)) {
-    defer_step(r, &c);
-  } else {
-    take_deferred(r, r->n_deferred, c.low_v);
-    if (is_steep(r, &c)) r->steep_v = c.v1;
-    pass_levels(r, &c, 0);
-  }
+  pass_levels(r, &c);
   if (c.s_per_v < r->s_per_v / 2) {
     r->knee = c.v0 < 0 ? r->foot : (vs_instant){c.t0_s, 0};
     r->knee_v = c.low_v;
@@ -269,6 +318,14 @@ static bool follow_rise(vs_rise *r, const vs_course_step *c, bool gated) {
   return r->top_v - v1 >= 0.1 * (r->top_v - r->foot_v);
 }
 
+/* Returns true if the last time at which the voltage went through a level is known. */
+static bool is_kept(const vs_rise *r, double level, vs_instant *at) {
+  const vs_passed *of = r->passed + entry_at(r, level);
+  if (of == r->passed + r->n_passed || of->first > level) return false;
+  *at = instant_at(&of->course, level * each_level_v(r));
+  return true;
+}
+
 /* The steepest stretch of four fifths of what the present rise did, where that is less than over_v.
  * took_s is INFINITY where it rose by less than 10 V. */
 static vs_rise_stretch four_fifths(const vs_rise *r) {
@@ -278,13 +335,11 @@ static vs_rise_stretch four_fifths(const vs_rise *r) {
   vs_rise_stretch best = {.took_s = INFINITY};
   if (height_v < FORWARD_V || high < 1) return best;
   for (double level = ceil(r->foot_v / each_v); level + high <= last; level++) {
-    const vs_passed *from = &r->passed[(size_t)level % VS_RISE_LEVELS];
-    const vs_passed *to = &r->passed[(size_t)(level + high) % VS_RISE_LEVELS];
-    bool kept = from->number == level + 1 && to->number == level + high + 1;
-    double took_s = to->at.t_s - from->at.t_s;
-    if (kept && took_s > 0 && took_s < best.took_s)
-      best =
-          (vs_rise_stretch){from->at.t_s, took_s, high * each_v, from->at.bent_s + to->at.bent_s};
+    vs_instant from, to;
+    if (!is_kept(r, level, &from) || !is_kept(r, level + high, &to)) continue;
+    const double took_s = to.t_s - from.t_s;
+    if (took_s > 0 && took_s < best.took_s)
+      best = (vs_rise_stretch){from.t_s, took_s, high * each_v, from.bent_s + to.bent_s};
   }
   return best;
 }
@@ -506,15 +561,13 @@ static void follow_gate_pulse(vs_switch *s, const vs_course_step *c, vs_switch_n
 
 void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, const vs_gates *gates,
                         const vs_deck *deck, const vs_device *device) {
-  *s = (vs_switch){.both_ways = device->kind->both_ways,
-                   .way = 1,
-                   .t_q_s = INFINITY,
-                   .fired_s = NAN,
-                   .rose_s = NAN,
-                   .tenth_s = NAN,
-                   .unanswered_s = NAN,
-                   .stored = {.took_s = INFINITY},
-                   .stored_at_s = -INFINITY};
+  memset(s, 0, offsetof(vs_switch, rise.passed)); /* those count up to rise.n_passed */
+  s->both_ways = device->kind->both_ways;
+  s->way = 1;
+  s->t_q_s = INFINITY;
+  s->fired_s = s->rose_s = s->tenth_s = s->unanswered_s = NAN;
+  s->stored = (vs_rise_stretch){.took_s = INFINITY};
+  s->stored_at_s = -INFINITY;
   vs_switching_gate_begin(&s->gate, timeline, gates);
   s->gate.bursts = deck->n_ports && vs_deck_has_port(deck, vs_port_is_burst);
   s->on.window_s =

@@ -114,12 +114,6 @@ typedef struct vs_instant {
   double t_s, bent_s;
 } vs_instant;
 
-/* The last time at which a voltage rose through a level. */
-typedef struct vs_passed {
-  double number; /* of the level, from 1 for 0 V on; 0: none was passed */
-  vs_instant at;
-} vs_passed;
-
 /* A step in which the voltage rises. */
 typedef struct vs_rising {
   double t0_s, t1_s, v0, v1;
@@ -132,20 +126,35 @@ typedef struct vs_climbed {
   double zero_s, low_v, s_per_v; /* the straight line: its part above 0 V */
   double t0_s, h_s, v0, v1;      /* the whole step */
   double k0, k1;                 /* the slopes at its ends, in V over the step */
-  bool bent;
-  double bow_s; /* how far the cubic is from the straight line, at its farthest */
+  double
+      bow_s; /* how far the cubic is from the straight line, at its farthest; 0: it is straight */
 } vs_climbed;
 
-/* A rise of forward voltage, from its foot to its top so far. The times are kept at which the
- * voltage last rose through levels that lie an 800th of over_v apart, as many as the highest 1.28
- * times over_v has. Between two knots the voltage runs on a cubic, whose slope at each knot is that
- * of the parabola through it and its neighbours; where these say different things, as at a jump,
- * the step's own slope is taken, and a step between two such knots is straight. So stretches that
- * begin on a level are told as that course has them, and so are those that begin at the foot or at
- * the last knee. Others are missed: the rate told is never above the steepest of over_v, and it is
- * at least that of a stretch that is an 800th higher, less an 800th. Steps in which no stretch can
- * be the steepest are deferred: their levels are only looked for once a steeper step follows. */
-enum { VS_RISE_PARTS = 800, VS_RISE_LEVELS = 1024, VS_RISE_DEFERRED = 64 };
+/* Levels that the voltage last rose through in one step. */
+typedef struct vs_passed {
+  double first, last; /* their numbers, from 0 for 0 V on */
+  vs_climbed course;
+} vs_passed;
+
+/* A rise of forward voltage, from its foot to its top so far. Levels lie an 800th of over_v apart,
+ * and of as many as the highest 1.28 times over_v has it is kept in which step the voltage last
+ * rose through each. Between two knots the voltage runs on a cubic, whose slope at each knot is
+ * that of the parabola through it and its neighbours; where these say different things, as at a
+ * jump, the step's own slope is taken, and a step between two such knots is straight. So stretches
+ * that begin on a level are told as that course has them, and so are those that begin at the foot
+ * or at the last knee. Others are missed: the rate told is never above the steepest of over_v, and
+ * it is at least that of a stretch that is an 800th higher, less an 800th.
+ *
+ * An entry more than VS_RISE_ABOVE levels above the last step is dropped: no stretch begins there
+ * until the voltage is back, and one that has come down by less than a tenth of its rise, of which
+ * four fifths are told, is not so far below its top. An entry more than VS_RISE_LEVELS below is
+ * dropped once they are full: a stretch from there was longer than the one told as it passed. */
+enum {
+  VS_RISE_PARTS = 800,
+  VS_RISE_LEVELS = 1024,
+  VS_RISE_ABOVE = 128,
+  VS_RISE_ENTRIES = VS_RISE_LEVELS + 2 * VS_RISE_ABOVE
+};
 typedef struct vs_rise {
   double over_v; /* how far a stretch rises over which dv/dt is told; 0: no rise is followed */
   bool begun;    /* a rise is followed */
@@ -156,12 +165,10 @@ typedef struct vs_rise {
   double rate_v_s, h_s; /* of the last step, rising or not; 0: there was none */
   bool waits;       /* the last step rose, and is taken once the next one tells its end's slope */
   vs_rising rising; /* that step */
-  vs_rise_stretch best;                  /* its steepest stretch of over_v */
-  double told_s;                         /* took_s of the last one of its stretches that was told */
-  double steep_v;                        /* up to where it rose steeply enough for that */
-  vs_climbed deferred[VS_RISE_DEFERRED]; /* steps since then, the first one first */
-  int n_deferred;
-  vs_passed passed[VS_RISE_LEVELS]; /* level k, from 0, in number k modulo VS_RISE_LEVELS */
+  vs_rise_stretch best; /* its steepest stretch of over_v */
+  double told_s;        /* took_s of the last one of its stretches that was told */
+  int n_passed;
+  vs_passed passed[VS_RISE_ENTRIES]; /* the lowest first; no level is in two */
 } vs_rise;
 
 /* A rate of rise, V/s: the mean of a stretch that rises by over_v. error: what it may be wrong by
@@ -214,15 +221,15 @@ typedef struct vs_switch {
   int rest;           /* what its voltage did since then: REST_... of switching.c */
   double offered_s;   /* the time that its circuit offered it to rest */
   bool offers;        /* forward voltage has returned, but has not come to 10 V yet, nor fired it */
-  vs_switch_news offer; /* what is then told of that time */
-  bool forward;         /* in the present gate pulse it had forward voltage */
-  bool conducted;       /* in the present gate pulse it conducted */
-  double unanswered_s;  /* end of a gate pulse that may have failed; NaN: there is none */
-  vs_rise rise;
+  vs_switch_news offer;   /* what is then told of that time */
+  bool forward;           /* in the present gate pulse it had forward voltage */
+  bool conducted;         /* in the present gate pulse it conducted */
+  double unanswered_s;    /* end of a gate pulse that may have failed; NaN: there is none */
   vs_rise_stretch stored; /* steepest stretch of a rise that ended before, while it blocked */
   double stored_at_s; /* when that rise ended; -INFINITY: there was none since the last firing */
   vs_slope off, on;   /* rates of its forward voltage and of its current, followed all the time */
   double off_rate;    /* the largest of its forward voltage while it blocked, V/s */
+  vs_rise rise;       /* the last member */
 } vs_switch;
 /* gates: as in vs_gate_watch; deck, device: whose switch it is. */
 void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, const vs_gates *gates,
