@@ -220,6 +220,20 @@ static double longest_behind_edge(vs_anode *a, const vs_anode_current *m) {
   return since_s < FIRES_S ? fmax(since_s, EDGE_S) : INFINITY;
 }
 
+/* At an edge of a sub-pulse the solver begins anew, with a tenth of its step, 2.5 us. While a
+ * thyristor conducts that is longer than the gate drive and the thyristor's base take to change: it
+ * was tried in vain at each edge, by some ten iterations. With FIRST_S, by three parts and three
+ * gate drives, a run takes 5 to 10 % fewer iterations; with half or twice of it 2 % more or less.
+ */
+static const double FIRST_S = 1e-7;
+
+static double longest_behind_sub_pulse(const vs_anode *a, const vs_anode_current *m) {
+  if (!a->bursts || !m->device || !m->conduction.conducts) return INFINITY;
+  bool edge = is_driven(a, m->device, a->last_s + REACHED_S) !=
+              is_driven(a, m->device, a->last_s - REACHED_S);
+  return edge ? FIRST_S : INFINITY;
+}
+
 double vs_anode_longest(vs_anode *a, const vs_swing *swing, double max_step_s) {
   double least = INFINITY;
   for (size_t k = 0; k < a->count; k++) {
@@ -231,6 +245,7 @@ double vs_anode_longest(vs_anode *a, const vs_swing *swing, double max_step_s) {
     }
     least = fmin(least, fmin(longest_firing(a, m, swing), longest_strained(a, m, swing)));
     least = fmin(least, longest_letting_go(a, m, swing));
+    least = fmin(least, longest_behind_sub_pulse(a, m));
     least = fmin(least, longest_behind_edge(a, m));
   }
   return least;

@@ -26,6 +26,7 @@ typedef struct vs_swing {
   double current_wb; /* that current over its slope by lambda; INFINITY: a square coil's, or none */
   double slope_v_s, bend_v_s2; /* sizes of the first two derivatives of v = dlambda/dt of late */
   double missed_v_s2;          /* size of late of what of v'' the rule was not given back */
+  double shown_s;              /* length of the step over which that of the second one showed */
   double before_s;             /* length of the last step; 0: there was none */
   double rise_v;               /* by how much v rose over the last step */
   double kick_v;               /* by how much more than over the step before */
