@@ -462,13 +462,17 @@ static void compare_sequences(vs_result *r, const vs_result *second) {
 }
 
 /* Runs the scene with its tolerance times the factor. `other` shares what the scene owns and is not
- * freed as a scene. */
+ * freed as a scene. A coarser run may spare the sub-pulses of gates. */
 static vs_status run_with_factor(const vs_session *session, const vs_result *r, double factor,
                                  vs_scene *other, vs_result *second, vs_error *err) {
   const vs_session plain = {.stop = session->stop, .unguarded = session->unguarded};
+  bool spares = false;
   *other = *r->scene;
   change_settings(other, factor);
-  return vs_session_attempt(&plain, other, second, err);
+  if (factor > 1) other->setup.timeline.spares = &spares;
+  vs_status status = vs_session_attempt(&plain, other, second, err);
+  other->setup.timeline.spares = NULL;
+  return status;
 }
 
 /* Runs the scene a second time and gives the margins their errors. A coarser run may fail by its

@@ -265,8 +265,45 @@ static bool has_fired_late(const vs_anode *a, const vs_anode_current *m) {
   return a->delays && !(m->t_q_s > 0) && m->conduction.conducts && !m->conducted;
 }
 
+/* A thyristor needs no gate while its current, and what that falls to over a sub-pulse's period, is
+ * above LATCHED of its latching current. Left out there, the sub-pulses of halfwave_paper with a
+ * TYN1212 change p, u, w, phi, i and v_ak by at most 2e-5, the gate drive's peaks and volt-seconds
+ * by 3e-4, and the thyristor's loss by 2e-3, as the gate's current lowers its on-state voltage.
+ * That is too much for a run's own numbers, and little for what tells their errors: it is done in
+ * the second, coarser run alone, and is then a part of these errors. */
+static const double LATCHED = 3;
+
+static bool is_latched(const vs_anode *a, const vs_anode_current *m) {
+  double falls_a_s = fmax(0, (m->before_a - m->last_a) / (a->last_s - a->before_s));
+  double then_a = m->last_a - falls_a_s / a->timeline->firing.burst_hz;
+  return m->conduction.conducts && then_a > LATCHED * a->latching_a;
+}
+
+/* One thyristor is latched, and none has a gate pulse that is not. */
+static bool are_latched(const vs_anode *a) {
+  bool one = false;
+  for (size_t k = 0; k < a->count; k++) {
+    const vs_anode_current *m = &a->item[k];
+    bool latched = is_latched(a, m);
+    if (!m->device || (is_gated(m->device, a->timeline, a->last_s + REACHED_S) && !latched))
+      return false;
+    one = one || latched;
+  }
+  return one;
+}
+
+/* A sub-pulse that has begun is given to its end. */
+static void spare_sub_pulses(vs_anode *a) {
+  if (!a->timeline->spares) return;
+  bool spares = are_latched(a);
+  for (size_t k = 0; spares && k < a->count; k++)
+    spares = !is_driven(a, a->item[k].device, a->last_s + REACHED_S);
+  *a->timeline->spares = spares;
+}
+
 void vs_anode_take(vs_anode *a) {
   a->crossed = false;
+  spare_sub_pulses(a);
   for (size_t k = 0; k < a->count; k++) {
     vs_anode_current *m = &a->item[k];
     bool crossed = m->nearing && a->last_s >= m->crosses_s;
@@ -379,6 +416,15 @@ static void add(vs_anode *a, const vs_deck *deck, const vs_probe *probe, const v
   }
 }
 
+/* The parameter latching_current of the deck's thyristors, A; INFINITY: they have none. */
+static double latching_current(const vs_setup *s) {
+  const vs_section *circuit = &s->deck.section;
+  for (size_t k = 0; k < circuit->count; k++)
+    if (!strcmp(circuit->fields[k].key, "latching_current"))
+      return *(const double *)((const char *)&s->circuit_values + circuit->fields[k].offset);
+  return INFINITY;
+}
+
 static bool is_gate_drive(const vs_part *part) {
   const vs_kind *kind = vs_kinds_find(part->kind);
   return part->file && kind && kind->gated && !kind->switches;
@@ -403,11 +449,13 @@ static bool has_source_at_gate(const vs_deck *deck, const vs_part *part) {
   return false;
 }
 
-void vs_anode_begin(vs_anode *a, const vs_deck *deck, const vs_timeline *timeline) {
+void vs_anode_begin(vs_anode *a, const vs_setup *setup) {
+  const vs_deck *deck = &setup->deck;
   const vs_probe *probe = NULL;
   const vs_device *own = NULL, *d;
   size_t valves = 0;
-  *a = (vs_anode){.timeline = timeline,
+  *a = (vs_anode){.timeline = &setup->timeline,
+                  .latching_a = latching_current(setup),
                   .out_s = -INFINITY,
                   .last_s = NAN,
                   .before_s = NAN,
