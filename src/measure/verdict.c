@@ -405,19 +405,6 @@ static void find_weakest(vs_verdict *v) {
   }
 }
 
-/* The solver holds the flux linkage of a gate drive's core less well than a motion, and in two runs
- * alike: its own tolerance stands still above 1e-4 (engine/coupled/pace.c). At 1e-4 three of 75
- * random scenes were outside, off by up to 1.6e-3 of their limit, and one whose core saturates, by
- * 1.8e-2, where the difference told 1.3e-3. So CORE of the resolution counts, and for a core within
- * SATURATES of its limit, or beyond it, that of a rate. */
-static const double CORE = 7, SATURATES = 0.05;
-
-static double least_error(const vs_judgement *j, double resolution, double rates) {
-  bool core = j->measure && j->measure->of == VS_OF_FLUX;
-  if (core) return j->margin < SATURATES ? rates : CORE * resolution;
-  return j->is_rate ? rates : resolution;
-}
-
 void vs_verdict_compare(vs_verdict *v, const vs_verdict *second, const vs_deck *deck,
                         double resolution, double rates) {
   for (size_t k = 0; k < v->count; k++) {
@@ -426,7 +413,7 @@ void vs_verdict_compare(vs_verdict *v, const vs_verdict *second, const vs_deck *
     if (j->unknown) continue;
     while (n < second->count && !is_same_line(j, &second->item[n])) n++;
     j->margin_error = INFINITY;
-    double own = least_error(j, resolution, rates);
+    double own = j->is_rate ? rates : resolution;
     if (n < second->count && !vs_verdict_is_happening(j))
       j->margin_error = margin_error(j, &second->item[n], own);
     else if (n < second->count && second->item[n].margin == j->margin)

@@ -163,9 +163,9 @@ static gated gate_of(const char *thyristor, bool *spares, long *steps) {
 }
 
 /* A run that may spare sub-pulses leaves them out while the current is above three times the
- * latching current, 0.18 A, which it is for some 6 ms. Measured: 40 sub-pulses in 3145 steps, and
- * 10 in 1800. Where steps grow behind an edge as slowly as with a factor a step, all 40 take 4013.
- * Of a latch no I_L is known: it gets all sub-pulses. */
+ * latching current, 0.18 A, which it is for some 6 ms. Measured: 40 sub-pulses in 3374 steps, and 5
+ * in 1777. Where steps grow behind an edge as slowly as with a factor a step, all 40 take 4013. Of
+ * a latch no I_L is known: it gets all sub-pulses. */
 static void sub_pulses_are_spared_behind_latching(void) {
   static const char TYN[] = "circuit.thyristor=TYN1212", LATCH[] = "circuit.thyristor=latch";
   bool spares = false;
@@ -175,7 +175,7 @@ static void sub_pulses_are_spared_behind_latching(void) {
   printf(" %d in %ld, %d in %ld, %d", all.pulses, steps[0], some.pulses, steps[1], latch.pulses);
   EXPECT(all.pulses == 40 && latch.pulses == 40, "%d and %d", all.pulses, latch.pulses);
   EXPECT(some.pulses >= 4 && some.pulses <= 8, "%d", some.pulses);
-  EXPECT(steps[0] < 3500 && steps[1] < 2200, "%ld and %ld", steps[0], steps[1]);
+  EXPECT(steps[0] < 3700 && steps[1] < 2200, "%ld and %ld", steps[0], steps[1]);
   CLOSE(some.first_s, all.first_s, 1e-9);
   CLOSE(some.last_s, all.last_s, 1e-6); /* they are back before the current ends */
   CLOSE(some.peak_v, all.peak_v, 1e-2);
