@@ -231,7 +231,7 @@ static const double FIRST_S = 1e-7, CORE_S = 5e-6;
 
 static double longest_behind_sub_pulse(const vs_anode *a, const vs_anode_current *m,
                                        const vs_swing *swing) {
-  if (!a->bursts || !m->device || !m->conduction.conducts) return INFINITY;
+  if (!a->bursts || !a->delays || !m->device || !m->conduction.conducts) return INFINITY;
   bool within = is_driven(a, m->device, a->last_s + REACHED_S);
   if (within != is_driven(a, m->device, a->last_s - REACHED_S)) return FIRST_S;
   return within && a->cores ? CORE_S * fmin(1, sqrt(swing->tolerance / FIRING_AT)) : INFINITY;

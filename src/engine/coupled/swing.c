@@ -45,10 +45,17 @@ static double fired(const vs_setup *s) {
   return fmax((cos(range[0]) - cos(ends_rad)) / 2, LEAST);
 }
 
+static bool has_sub_pulses(const vs_setup *s) {
+  for (size_t k = 0; k < s->deck.n_ports; k++)
+    if (vs_port_is_burst(&s->deck.ports[k].signal)) return true;
+  return false;
+}
+
 vs_swing vs_swing_of(const vs_setup *s) {
   const vs_timeline *t = &s->timeline;
   return (vs_swing){.model = &s->model,
                     .gear = s->run.gear,
+                    .kinks = has_sub_pulses(s),
                     .amplifies = 1,
                     .current_wb = INFINITY,
                     .peak_a = LEAST * t->peak_v / s->model.coil.resistance_ohm,
@@ -120,13 +127,13 @@ static void follow_strays(vs_swing *w, double h, double bend, bool driven) {
   w->strayed_wb = fmax(w->strayed_wb, w->amplifies * w->strays_wb);
 }
 
-/* What is left after the step h of the size of v''. While a thyristor conducts, v has kinks: at
+/* What is left after the step h of the size of v''. Where gates have sub-pulses, v has kinks: at
  * each edge of a sub-pulse of its gate v'' was 1e11 V/s^2 for a microsecond, and 1e8 before and
  * behind it. What was seen over steps of 0.1 us is then forgotten once steps are longer, as
  * truncation.c does it: with a factor a step the kink held 60 steps at 5 us, a quarter of
  * halfwave_paper's. */
 static double fade(const vs_swing *w, double h, bool driven) {
-  return driven && h > w->shown_s ? pow(w->fades, h / w->shown_s) : w->fades;
+  return w->kinks && driven && h > w->shown_s ? pow(w->fades, h / w->shown_s) : w->fades;
 }
 
 void vs_swing_take(vs_swing *w, const vs_knot *from, const vs_knot *to, double missed_v_s2,

@@ -12,6 +12,7 @@ typedef struct vs_swing {
   double tolerance; /* run.tolerance; a quarter of it by Gear's rule, whose error is four times as
                        large */
   bool gear;        /* the rule is Gear's */
+  bool kinks;       /* sub-pulses of gates make kinks in v while a thyristor conducts */
   double strays_wb, strayed_wb; /* what that may have been off by in lambda since a thyristor last
                                    conducted, and the most of it so far */
   double share;                 /* error of lambda that the swing may make, relative to flux_wb */
