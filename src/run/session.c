@@ -333,7 +333,7 @@ static const double USUAL_TRTOL = 7;
  * twice that 0.45, with three times no less. With twice that or more the error of the rise of a
  * thyristor's current came out as half of its limit, or as twice the limit, in one of three scenes;
  * with 1 to 1.75 times it was at most a fifth in all three. With sub-pulses spared (anode.c) the
- * cost is 0.28. */
+ * cost is 0.27. */
 static const double LOOSER = 1.5;
 
 /* What any number of a run may be wrong by, as a multiple of run.tolerance. The tolerance bounds

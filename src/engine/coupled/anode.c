@@ -269,11 +269,11 @@ static bool has_fired_late(const vs_anode *a, const vs_anode_current *m) {
 }
 
 /* A thyristor needs no gate while its current, and what that falls to over a sub-pulse's period, is
- * above LATCHED of its latching current. Left out there, the sub-pulses of halfwave_paper with a
- * TYN1212 change p, u, w, phi, i and v_ak by at most 2e-5, the gate drive's peaks and volt-seconds
- * by 3e-4, and the thyristor's loss by 2e-3, as the gate's current lowers its on-state voltage.
- * That is too much for a run's own numbers, and little for what tells their errors: it is done in
- * the second, coarser run alone, and is then a part of these errors. */
+ * above LATCHED of its latching current. Left out from twice I_L on, the sub-pulses of
+ * halfwave_paper with a TYN1212 change p, u, w, phi, i and v_ak by up to 3e-5, the least of the
+ * gate drive's peaks by 3e-3, and the thyristor's loss by 2e-3, as the gate's current lowers its
+ * on-state voltage. That is too much for a run's own numbers, and little for what tells their
+ * errors: it is done in the second, coarser run alone, and is then a part of these errors. */
 static const double LATCHED = 3;
 
 static bool is_latched(const vs_anode *a, const vs_anode_current *m) {
