@@ -3,8 +3,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "netlist/netlist.h"
 #include "engine/gate.h"
+#include "netlist/netlist.h"
 #include "suite.h"
 
 static vs_timeline timeline_of(const char *const *sets) {
@@ -92,6 +92,10 @@ static void a_burst_fills_the_gate_pulse(void) {
   CLOSE(vs_gate_burst_edge(&l, 0, on + 1e-3), on + 1.1e-3, 1e-13);
   CU_ASSERT_EQUAL(vs_gate_burst_edge(&l, 0, on + 1.1e-3), INFINITY);
   CU_ASSERT_EQUAL(vs_gate_burst_edge(&l, M_PI, 0), vs_gate_edge(&l, M_PI, 0));
+  bool spares = true; /* of those that are spared there are neither pulses nor edges */
+  l.spares = &spares;
+  CU_ASSERT_FALSE(vs_gate_burst(&l, 0, on + 1e-4));
+  CU_ASSERT_EQUAL(vs_gate_burst_edge(&l, 0, on + 1e-4), INFINITY);
 }
 
 /* Every step of an edge-by-edge walk goes forward, whatever the numbers. */

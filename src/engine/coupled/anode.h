@@ -50,14 +50,15 @@ typedef struct vs_anode {
   bool
       delays; /* a gate's voltage rises some time behind those edges: its drive is more than that */
   bool cores; /* a gate drive has a core, which may saturate */
+  double latching_a;           /* I_L of the thyristors; INFINITY: not known */
   bool bursts;                 /* gates are driven with sub-pulses */
   double edge_s;               /* the last such edge that was reached; -INFINITY: none was */
   double strained_s;           /* where the cycle began in which voltages were last back too soon */
   int strained, most_strained; /* how often within t_q, in that cycle and in the worst */
 } vs_anode;
 
-/* Finds the currents. The deck and the timeline must outlive *a. */
-void vs_anode_begin(vs_anode *a, const vs_deck *deck, const vs_timeline *timeline);
+/* Finds the currents. The setup must outlive *a. */
+void vs_anode_begin(vs_anode *a, const vs_setup *setup);
 
 /* The clock is set back by by_s: all instants it remembers move with it. */
 void vs_anode_wind(vs_anode *a, double by_s);

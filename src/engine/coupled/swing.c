@@ -51,10 +51,17 @@ static double fired(const vs_setup *s) {
   return fmax((cos(range[0]) - cos(ends_rad)) / 2, LEAST);
 }
 
+static bool has_sub_pulses(const vs_setup *s) {
+  for (size_t k = 0; k < s->deck.n_ports; k++)
+    if (vs_port_is_burst(&s->deck.ports[k].signal)) return true;
+  return false;
+}
+
 vs_swing vs_swing_of(const vs_setup *s) {
   const vs_timeline *t = &s->timeline;
   return (vs_swing){.model = &s->model,
                     .gear = s->run.gear,
+                    .kinks = has_sub_pulses(s),
                     .amplifies = 1,
                     .current_wb = INFINITY,
                     .peak_a = LEAST * t->peak_v / s->model.coil.resistance_ohm,
@@ -126,6 +133,15 @@ static void follow_strays(vs_swing *w, double h, double bend, bool driven) {
   w->strayed_wb = fmax(w->strayed_wb, w->amplifies * w->strays_wb);
 }
 
+/* What is left after the step h of the size of v''. Where gates have sub-pulses, v has kinks: at
+ * each edge of a sub-pulse of its gate v'' was 1e11 V/s^2 for a microsecond, and 1e8 before and
+ * behind it. What was seen over steps of 0.1 us is then forgotten once steps are longer, as
+ * truncation.c does it: with a factor a step the kink held 60 steps at 5 us, a quarter of
+ * halfwave_paper's. */
+static double fade(const vs_swing *w, double h, bool driven) {
+  return w->kinks && driven && h > w->shown_s ? pow(w->fades, h / w->shown_s) : w->fades;
+}
+
 void vs_swing_take(vs_swing *w, const vs_knot *from, const vs_knot *to, double missed_v_s2,
                    bool driven) {
   double h = to->t_s - from->t_s;
@@ -133,8 +149,10 @@ void vs_swing_take(vs_swing *w, const vs_knot *from, const vs_knot *to, double m
   w->before_s = h;
   w->slope_v_s = fmax(w->fades * w->slope_v_s, common_slope(from, to));
   bool resolved = bend * h <= RESOLVED * w->slope_v_s;
-  w->bend_v_s2 = fmax(w->fades * w->bend_v_s2, resolved ? bend : 0);
-  w->missed_v_s2 = fmax(w->fades * w->missed_v_s2, resolved ? missed_v_s2 : 0);
+  double fades = fade(w, h, driven);
+  if (resolved && bend >= fades * w->bend_v_s2) w->shown_s = h;
+  w->bend_v_s2 = fmax(fades * w->bend_v_s2, resolved ? bend : 0);
+  w->missed_v_s2 = fmax(fades * w->missed_v_s2, resolved ? missed_v_s2 : 0);
   w->flux_wb = fmax(w->flux_wb, fabs(to->flux_wb));
   w->seen_wb = fmax(w->seen_wb, fabs(to->flux_wb));
   follow_current(w, from);

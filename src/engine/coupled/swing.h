@@ -12,6 +12,7 @@ typedef struct vs_swing {
   double tolerance; /* run.tolerance; a quarter of it by Gear's rule, whose error is four times as
                        large */
   bool gear;        /* the rule is Gear's */
+  bool kinks;       /* sub-pulses of gates make kinks in v while a thyristor conducts */
   double strays_wb, strayed_wb; /* what that may have been off by in lambda since a thyristor last
                                    conducted, and the most of it so far */
   double share;                 /* error of lambda that the swing may make, relative to flux_wb */
@@ -26,6 +27,7 @@ typedef struct vs_swing {
   double current_wb; /* that current over its slope by lambda; INFINITY: a square coil's, or none */
   double slope_v_s, bend_v_s2; /* sizes of the first two derivatives of v = dlambda/dt of late */
   double missed_v_s2;          /* size of late of what of v'' the rule was not given back */
+  double shown_s;              /* length of the step over which that of the second one showed */
   double before_s;             /* length of the last step; 0: there was none */
   double rise_v;               /* by how much v rose over the last step */
   double kick_v;               /* by how much more than over the step before */

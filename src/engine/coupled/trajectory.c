@@ -241,11 +241,12 @@ double vs_trajectory_motion(vs_trajectory *c, int state, double t_s) {
   return state < 0 ? vs_mechanics_travel(m, c->candidate_x + m->dof) : c->candidate_x[state];
 }
 
-/* What a control decides next is not known, so that with one nothing is remembered. */
+/* What a control decides next is not known, nor when sub-pulses are spared, so that nothing is
+ * remembered there. */
 double vs_trajectory_edge(vs_trajectory *c, double t_s) {
   if (vs_signals_cache_holds(&c->edge, t_s)) return c->edge.number;
   double edge_s = vs_setup_edge(c->setup, t_s);
-  if (!c->setup->timeline.program)
+  if (!c->setup->timeline.program && !c->setup->timeline.spares)
     c->edge = (vs_signals_cache){t_s, edge_s - vs_signals_near(&c->setup->timeline, t_s), edge_s};
   return edge_s;
 }
@@ -412,7 +413,7 @@ void vs_trajectory_begin(vs_trajectory *c, const vs_setup *setup, const vs_frame
   use_model(c, m);
   c->knots[0] = vs_sim_start(setup, &c->frame);
   c->touched = vs_stops_touched(&m->stops, vs_mechanics_travel(m, c->knots[0].x));
-  vs_anode_begin(&c->anode, &setup->deck, &setup->timeline);
+  vs_anode_begin(&c->anode, setup);
   motion_begin(&c->motion, m);
 }
 

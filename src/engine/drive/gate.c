@@ -149,15 +149,20 @@ static bool last_sub_pulse(const vs_timeline *t, double shift_rad, double t_s, d
   return *start_s < *end_s - slack;
 }
 
+static bool are_spared(const vs_timeline *t) {
+  return t->spares && *t->spares;
+}
+
 bool vs_gate_burst(const vs_timeline *t, double shift_rad, double t_s) {
   double start, end, slack = vs_scene_event_rounding(t_s);
-  return last_sub_pulse(t, shift_rad, t_s, &start, &end) &&
+  return !are_spared(t) && last_sub_pulse(t, shift_rad, t_s, &start, &end) &&
          t_s <= fmin(start + t->firing.burst_duty / t->firing.burst_hz, end) + slack;
 }
 
 double vs_gate_burst_edge(const vs_timeline *t, double shift_rad, double t_s) {
   double start, end, slack = vs_scene_event_rounding(t_s);
-  if (last_sub_pulse(t, shift_rad, t_s + 2 * slack, &start, &end)) { /* with one that begins at t */
+  if (!are_spared(t) &&
+      last_sub_pulse(t, shift_rad, t_s + 2 * slack, &start, &end)) { /* with one that begins at t */
     double fall = fmin(start + t->firing.burst_duty / t->firing.burst_hz, end);
     double rise = start + 1 / t->firing.burst_hz;
     if (fall > t_s + slack) return fall;

@@ -82,13 +82,13 @@ double vs_signals_near(const vs_timeline *t, double t_s) {
   return fmax(ROUNDINGS * vs_scene_event_rounding(fabs(t_s)), OF_PERIOD * t->period_s);
 }
 
-/* What a control decides next is not known, so that with one nothing is remembered. On an edge the
- * voltage still is what it was before it. */
+/* What a control decides next is not known, nor when sub-pulses are spared, so that nothing is
+ * remembered there. On an edge the voltage still is what it was before it. */
 double vs_signals_voltage_cached(vs_signals_cache *h, const vs_timeline *t, const vs_signal *s,
                                  double t_s) {
   if (vs_signals_cache_holds(h, t_s)) return h->number;
   double v = vs_signals_voltage(t, s, t_s);
-  if (!vs_signals_holds(s) || t->program) return v;
+  if (!vs_signals_holds(s) || t->program || (t->spares && s->drive == VS_PORT_BURST)) return v;
   double near_s = vs_signals_near(t, t_s), before_s = t_s - near_s;
   double edge_s = fmin(vs_signals_edge(t, s, before_s), vs_events_edge(&t->events, before_s));
   *h = (vs_signals_cache){t_s, edge_s - near_s, v};

@@ -64,6 +64,7 @@ vs_status vs_timeline_build(const vs_node *scene, const vs_machine *machine, vs_
                             vs_section_cache *memo, vs_error *err) {
   t->events.count = t->events.n_unbuilt = 0; /* its items are many, and count no more */
   t->program = NULL;
+  t->spares = NULL;
   size_t found = vs_error_count(err);
   const vs_node *firing = vs_tree_child(scene, "firing");
   vs_status s =
