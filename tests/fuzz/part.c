@@ -4,10 +4,10 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "bench/stand.h"
 #include "cli/wrap.h"
 #include "netlist/netlist.h"
 #include "run/warnings.h"
-#include "bench/stand.h"
 #include "targets.h"
 
 static const char *const FILES[] = {"a.inc", "b.lib", NULL};
@@ -29,7 +29,8 @@ static void check(const char *path) {
 }
 
 static void take(const char *text, size_t size) {
-  static const char *const KINDS[] = {"thyristor", "diode", "varistor", "mosfet", "igbt"};
+  static const char *const KINDS[] = {"thyristor", "diode", "varistor", "mosfet",
+                                      "igbt",      "triac", "diac"};
   char path[VS_PATH_SIZE], output[VS_PATH_SIZE];
   static vs_stand of;
   static vs_wrap of_wrap;
@@ -43,7 +44,8 @@ static void take(const char *text, size_t size) {
   vs_stand_close(stand);
   err = (vs_error){0};
   snprintf(output, sizeof output, "%.4000s/part.inc", fuzz_folder());
-  vs_status status = vs_wrap_find(path, KINDS[size % 5], NULL, output, wrap, &err);
+  vs_status status =
+      vs_wrap_find(path, KINDS[size % 7], NULL, (const char *[]){output, "part"}, wrap, &err);
   if (status) fuzz_judge(status, &err);
 }
 
