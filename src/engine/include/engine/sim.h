@@ -125,7 +125,7 @@ typedef struct vs_tier {
   vs_status (*run)(const vs_setup *setup, const vs_run_order *order, const vs_observer *observer,
                    vs_error *err);
 } vs_tier;
-extern const vs_tier vs_analytic_tier, vs_switched_tier, vs_coupled_tier;
+extern const vs_tier vs_analytic_tier, vs_switched_tier, vs_coupled_tier, vs_compiled_tier;
 
 /* The frame of all steps that this tier makes of this setup. */
 vs_frame vs_sim_frame(const vs_tier *tier, const vs_setup *setup);

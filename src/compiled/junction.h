@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Diodes and bipolar transistors, by ngspice's own equations at 27 degC (its manual, chapters 7 and
+ * 8; src/spicelib/devices/dio and bjt), as far as the shipped parts use them. */
+#ifndef VS_COMPILED_JUNCTION_H
+#define VS_COMPILED_JUNCTION_H
+
+#include <stdbool.h>
+
+#include "parameters.h"
+
+/* k T/q at 27 degC, V. */
+#define VS_JUNCTION_VT 0.025864925
+#define VS_JUNCTION_GMIN 1e-12 /* S, across every junction */
+
+/* A diode's model. */
+typedef struct vs_diode {
+  double saturation_a, n; /* is, n */
+  double breakdown_v;     /* bv, as the solver corrects it for ibv; INFINITY: none */
+  double nbv;
+  double resistance_ohm; /* rs */
+  double transit_s;      /* tt */
+} vs_diode;
+
+/* Reads a .model of the type d. Errors: a parameter that is not known here. */
+vs_status vs_junction_diode(const vs_cards *cards, vs_parameters *in, const vs_netlist_card *model,
+                            vs_diode *diode, vs_error *err);
+
+/* The current at v, A, with gmin; *slope: its conductance, S. */
+double vs_junction_current(const vs_diode *d, double v, double *slope);
+
+/* A voltage for the next iteration of Newton's that goes no further from `before` to v than the
+ * junction's exponential allows (Nagel's pnjlim). */
+double vs_junction_limit(const vs_diode *d, double v, double before);
+
+/* A transistor's model: forward and reverse gains, Early's voltage. */
+typedef struct vs_bipolar {
+  vs_diode junction; /* of both junctions */
+  double forward, reverse;
+  double early_v; /* vaf; INFINITY: none */
+  double way;     /* +1: npn, -1: pnp */
+} vs_bipolar;
+
+vs_status vs_junction_bipolar(const vs_cards *cards, vs_parameters *in, const vs_netlist_card *model,
+                              vs_bipolar *bipolar, vs_error *err);
+
+/* The currents into collector and base, A, for an npn at vbe and vbc; dc, db: their slopes by vbe
+ * and vbc. */
+void vs_junction_transistor(const vs_bipolar *q, double vbe, double vbc, double *ic, double *ib,
+                            double dc[2], double db[2]);
+
+#endif
