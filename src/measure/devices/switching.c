@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "measure/switching.h"
 
+#include <float.h>
 #include <math.h>
+#include <string.h>
 
 #include "engine/events.h"
 #include "engine/firing.h"
@@ -72,6 +74,8 @@ static void begin_rise(vs_rise *r, double t_s, double v) {
   r->s_per_v = INFINITY;
   r->best = (vs_rise_stretch){.took_s = INFINITY};
   r->told_s = INFINITY;
+  r->steep_v = v;
+  r->n_put_by = 0;
 }
 
 /* Notes that it rose by over_v from one instant to another. */
@@ -113,27 +117,17 @@ static double slope_between(double rate, double h_s, double next_rate, double ne
   return alike ? (rate * next_h_s + next_rate * h_s) / (h_s + next_h_s) : NAN;
 }
 
-/* A step of the course that rises: straight, or on a cubic that has the slopes given at its ends.
- */
-typedef struct climbed {
-  double zero_s, low_v, s_per_v; /* the straight line: its part above 0 V */
-  double t0_s, h_s, v0, v1;      /* the whole step */
-  double k0, k1;                 /* the slopes at its ends, in V over the step */
-  bool bent;
-  double bow_s; /* how far the cubic is from the straight line, at its farthest */
-} climbed;
-
 /* Slopes that differ by less, in parts of themselves, are the same but for rounding. */
 static const double SAME_SLOPE = 1e-9;
 /* A slope that is off by 1 at one end of a cubic moves it by no more than this within the step. */
 static const double BOW = 4.0 / 27;
-static climbed climbed_of(const vs_rising *c, double slope_v_s) {
-  climbed of = {.zero_s = c->t0_s,
-                .low_v = fmax(c->v0, 0),
-                .t0_s = c->t0_s,
-                .h_s = c->t1_s - c->t0_s,
-                .v0 = c->v0,
-                .v1 = c->v1};
+static vs_climbed climbed_of(const vs_rising *c, double slope_v_s) {
+  vs_climbed of = {.zero_s = c->t0_s,
+                   .low_v = fmax(c->v0, 0),
+                   .t0_s = c->t0_s,
+                   .h_s = c->t1_s - c->t0_s,
+                   .v0 = c->v0,
+                   .v1 = c->v1};
   if (c->v0 < 0) of.zero_s -= c->v0 / (c->v1 - c->v0) * of.h_s;
   of.s_per_v = (c->t1_s - of.zero_s) / (c->v1 - of.low_v);
   const double rise_v = c->v1 - c->v0;
@@ -145,25 +139,26 @@ static climbed climbed_of(const vs_rising *c, double slope_v_s) {
   return of;
 }
 
-/* Part of the step, 0 to 1, at which the cubic is at v, by Newton's method within a bracket. */
-static double part_of_cubic_at(const climbed *c, double v, double part) {
+/* Part of the step, 0 to 1, at which the cubic is at v, by Newton's method within a bracket. It
+ * ends where what is left is rounding, of v where the step rises little: a correction of less would
+ * leave the bracket. */
+static double part_of_cubic_at(const vs_climbed *c, double v, double part) {
   const double rise = c->v1 - c->v0, b = 3 * rise - 2 * c->k0 - c->k1, a = c->k0 + c->k1 - 2 * rise;
+  const double rounding_v = 4 * DBL_EPSILON * c->v1;
   double low = 0, high = 1;
   for (int n = 0; n < 60; n++) {
     const double off = ((a * part + b) * part + c->k0) * part + c->v0 - v,
                  slope = (3 * a * part + 2 * b) * part + c->k0;
+    if (fabs(off) <= fmax(rounding_v, 1e-14 * slope)) break;
     *(off < 0 ? &low : &high) = part;
-    double next = slope > 0 ? part - off / slope : -1;
-    if (!(next > low && next < high)) next = (low + high) / 2;
-    const double by = fabs(next - part);
-    part = next;
-    if (by <= 1e-14) break;
+    const double next = slope > 0 ? part - off / slope : -1;
+    part = next > low && next < high ? next : (low + high) / 2;
   }
   return part;
 }
 
 /* When the course is at v. */
-static vs_instant instant_at(const climbed *c, double v) {
+static vs_instant instant_at(const vs_climbed *c, double v) {
   const double straight_s = c->zero_s + (v - c->low_v) * c->s_per_v;
   if (!c->bent) return (vs_instant){straight_s, 0};
   const double part = (straight_s - c->t0_s) / c->h_s,
@@ -172,26 +167,72 @@ static vs_instant instant_at(const climbed *c, double v) {
 }
 
 /* Takes a stretch that began at a kept point, where it ends in this step. */
-static void pass_end(vs_rise *r, vs_instant from, double from_v, const climbed *c) {
+static void pass_end(vs_rise *r, vs_instant from, double from_v, const vs_climbed *c) {
   double end_v = from_v + r->over_v;
   if (c->low_v <= end_v && end_v <= c->v1) take_stretch_of_rise(r, from, instant_at(c, end_v));
 }
 
-/* Takes the step that waits, with the slope at its end, or NaN. On a straight line those between
- * the first and the last of more levels than are kept tell nothing. */
+static double each_level_v(const vs_rise *r) {
+  return r->over_v / VS_RISE_PARTS;
+}
+
+/* Goes through the levels of a step, those from from_v on. On a straight line those between the
+ * first and the last of more levels than are kept tell nothing. */
+static void pass_levels(vs_rise *r, const vs_climbed *c, double from_v) {
+  const double each_v = each_level_v(r), first = ceil(fmax(c->low_v, from_v) / each_v - SAME_LEVEL),
+               last = floor(c->v1 / each_v + SAME_LEVEL);
+  for (double level = first; level <= last; level++) {
+    if (level == first + VS_RISE_PARTS + 1 && !c->bent)
+      level = fmax(level, last - VS_RISE_LEVELS + 1);
+    pass_level(r, level, instant_at(c, level * each_v));
+  }
+}
+
+/* True if the step rises steeply enough for a stretch within it to be the steepest. The slope of a
+ * cubic is nowhere above the largest of its Bernstein coefficients. */
+static bool is_steep(const vs_rise *r, const vs_climbed *c) {
+  const double rise_v = c->v1 - c->v0;
+  const double steepest_v = c->bent ? fmax(fmax(c->k0, c->k1), 3 * rise_v - c->k0 - c->k1) : rise_v;
+  return r->over_v * c->h_s < r->best.took_s * steepest_v;
+}
+
+/* True if no stretch that ends in this step can be the steepest, nor the rise be told by less than
+ * over_v (four_fifths). */
+static bool tells_nothing(const vs_rise *r, const vs_climbed *c) {
+  return !is_steep(r, c) && c->low_v - r->over_v >= r->steep_v &&
+         r->top_v - r->foot_v > 1.3 * r->over_v;
+}
+
+/* Goes through those levels of the steps put by at which a stretch may begin that ends at low_v or
+ * above. */
+static void take_put_by(vs_rise *r, int count, double low_v) {
+  const double from_v = low_v - r->over_v - 2 * each_level_v(r);
+  for (int k = 0; k < count; k++)
+    if (r->put_by[k].v1 >= from_v) pass_levels(r, &r->put_by[k], from_v);
+  r->n_put_by -= count;
+  memmove(r->put_by, r->put_by + count, (size_t)r->n_put_by * sizeof *r->put_by);
+}
+
+static void put_by(vs_rise *r, const vs_climbed *c) {
+  if (r->n_put_by == VS_RISE_PUT_BY) take_put_by(r, VS_RISE_PUT_BY / 2, c->low_v);
+  r->put_by[r->n_put_by++] = *c;
+}
+
+/* Takes the step that waits, with the slope at its end, or NaN. */
 static void climb(vs_rise *r, double slope_v_s) {
   if (!r->waits) return;
-  climbed c = climbed_of(&r->rising, slope_v_s);
-  double each_v = r->over_v / VS_RISE_PARTS;
-  double first = ceil(c.low_v / each_v - SAME_LEVEL), last = floor(c.v1 / each_v + SAME_LEVEL);
+  vs_climbed c = climbed_of(&r->rising, slope_v_s);
+  const double each_v = each_level_v(r);
   r->waits = false;
-  if (!(last < MOST_LEVELS)) return;
-  c.bent = c.bent && last - first < MOST_BENT;
+  if (!(c.v1 / each_v < MOST_LEVELS)) return;
+  c.bent = c.bent && (c.v1 - c.low_v) / each_v < MOST_BENT;
   if (c.v0 < 0) r->foot = instant_at(&c, 0);
-  for (double level = first; level <= last; level++) {
-    if (level == first + VS_RISE_PARTS + 1 && !c.bent)
-      level = fmax(level, last - VS_RISE_LEVELS + 1);
-    pass_level(r, level, instant_at(&c, level * each_v));
+  if (tells_nothing(r, &c)) {
+    put_by(r, &c);
+  } else {
+    take_put_by(r, r->n_put_by, c.low_v);
+    if (is_steep(r, &c)) r->steep_v = c.v1;
+    pass_levels(r, &c, 0);
   }
   if (c.s_per_v < r->s_per_v / 2) {
     r->knee = c.v0 < 0 ? r->foot : (vs_instant){c.t0_s, 0};
@@ -231,7 +272,7 @@ static bool follow_rise(vs_rise *r, const vs_course_step *c, bool gated) {
 /* The steepest stretch of four fifths of what the present rise did, where that is less than over_v.
  * took_s is INFINITY where it rose by less than 10 V. */
 static vs_rise_stretch four_fifths(const vs_rise *r) {
-  double height_v = r->top_v - r->foot_v, each_v = r->over_v / VS_RISE_PARTS;
+  double height_v = r->top_v - r->foot_v, each_v = each_level_v(r);
   double high = fmin(floor(0.8 * height_v / each_v), VS_RISE_PARTS),
          last = floor(r->top_v / each_v);
   vs_rise_stretch best = {.took_s = INFINITY};

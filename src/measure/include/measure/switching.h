@@ -126,6 +126,16 @@ typedef struct vs_rising {
   double slope_v_s; /* at its beginning; NaN: that of the step itself */
 } vs_rising;
 
+/* The course over a step in which the voltage rises: straight, or on a cubic that has the slopes
+ * given at its ends. */
+typedef struct vs_climbed {
+  double zero_s, low_v, s_per_v; /* the straight line: its part above 0 V */
+  double t0_s, h_s, v0, v1;      /* the whole step */
+  double k0, k1;                 /* the slopes at its ends, in V over the step */
+  bool bent;
+  double bow_s; /* how far the cubic is from the straight line, at its farthest */
+} vs_climbed;
+
 /* A rise of forward voltage, from its foot to its top so far. The times are kept at which the
  * voltage last rose through levels that lie an 800th of over_v apart, as many as the highest 1.28
  * times over_v has. Between two knots the voltage runs on a cubic, whose slope at each knot is that
@@ -133,8 +143,9 @@ typedef struct vs_rising {
  * the step's own slope is taken, and a step between two such knots is straight. So stretches that
  * begin on a level are told as that course has them, and so are those that begin at the foot or at
  * the last knee. Others are missed: the rate told is never above the steepest of over_v, and it is
- * at least that of a stretch that is an 800th higher, less an 800th. */
-enum { VS_RISE_PARTS = 800, VS_RISE_LEVELS = 1024 };
+ * at least that of a stretch that is an 800th higher, less an 800th. Steps in which no stretch can
+ * be the steepest are put by, and their levels are only looked for once a steeper step follows. */
+enum { VS_RISE_PARTS = 800, VS_RISE_LEVELS = 1024, VS_RISE_PUT_BY = 64 };
 typedef struct vs_rise {
   double over_v; /* how far a stretch rises over which dv/dt is told; 0: no rise is followed */
   bool begun;    /* a rise is followed */
@@ -145,8 +156,11 @@ typedef struct vs_rise {
   double rate_v_s, h_s; /* of the last step, rising or not; 0: there was none */
   bool waits;       /* the last step rose, and is taken once the next one tells its end's slope */
   vs_rising rising; /* that step */
-  vs_rise_stretch best;             /* its steepest stretch of over_v */
-  double told_s;                    /* took_s of the last one of its stretches that was told */
+  vs_rise_stretch best;              /* its steepest stretch of over_v */
+  double told_s;                     /* took_s of the last one of its stretches that was told */
+  double steep_v;                    /* up to where it rose steeply enough for that */
+  vs_climbed put_by[VS_RISE_PUT_BY]; /* steps since then, the first one first */
+  int n_put_by;
   vs_passed passed[VS_RISE_LEVELS]; /* level k, from 0, in number k modulo VS_RISE_LEVELS */
 } vs_rise;
 
