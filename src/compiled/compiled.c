@@ -18,6 +18,10 @@ typedef struct compiled {
   double *shown;   /* their values, as accept() is given them; owned */
   double *most;    /* of each signal so far, its size; owned */
   double *peak;    /* of each unknown so far; owned */
+  bool *counts;    /* of each unknown: its error counts; owned */
+  double *of_tolerance; /* of each unknown; owned */
+  double *small;   /* of each unknown, what is none; owned */
+  double *of_peak; /* of each unknown: that part of its peak; owned */
   double *charge;  /* M y where a restart begins; owned */
   double *between; /* a state within a step; owned */
 } compiled;
@@ -79,17 +83,18 @@ static vs_status show_step(compiled *c, double h, vs_error *err) {
 
 /* An error is measured by OF_TOLERANCE of the tolerance of an unknown's size, and of OF_PEAK of what
  * it has been at most. Below SMALL, V or A, it is none. */
-static const double OF_TOLERANCE = 0.1, OF_PEAK = 0.1, SMALL = 1e-2;
+static const double OF_TOLERANCE = 0.1, OF_PEAK = 0.1, SMALL_V = 1, OF_SHOWN = 0.1, NO_MEMORY = 10;
 
 static double error_of(const compiled *c) {
   double most = 0;
   for (int k = 0; k < c->e.n; k++) {
+    if (!c->counts[k]) continue;
     const double size = fmax(fabs(c->r.y[k]), fabs(c->r.next[k]));
-    const double scale = size + OF_PEAK * c->peak[k] + SMALL;
-    const double off = fabs(c->r.error[k]) / scale;
+    const double scale = size + c->of_peak[k] * c->peak[k] + c->small[k];
+    const double off = fabs(c->r.error[k]) / (c->of_tolerance[k] * scale);
     most = isfinite(off) ? fmax(most, off) : INFINITY;
   }
-  return most / (OF_TOLERANCE * c->job->tolerance);
+  return most / c->job->tolerance;
 }
 
 static void take_peaks(compiled *c) {
@@ -118,6 +123,20 @@ static double changes_at(compiled *c) {
   return hi;
 }
 
+/* Takes the branches and switches that the last state asks for. Returns whether the equations jump
+ * by that: by more than JUMPS, A or V. Most branches of expressions are two formulas for one curve. */
+static const double JUMPS = 1e-7;
+
+static bool choose(compiled *c) {
+  double *f0 = c->r.k[0], *f1 = c->r.k[1], most = 0;
+  drive(c, c->r.t_s, c->r.source[0]);
+  vs_equations_value(&c->e, c->r.y, c->r.source[0], false, f0, NULL);
+  vs_equations_choose(&c->e, c->r.y, false);
+  vs_equations_value(&c->e, c->r.y, c->r.source[0], false, f1, NULL);
+  for (int k = 0; k < c->e.n; k++) most = fmax(most, fabs(f1[k] - f0[k]));
+  return most > JUMPS;
+}
+
 /* ---- a run ---- */
 
 /* Behind a jump a step of the backward Euler rule has RESTART_S, and the first one of RODAS' FIRST_S
@@ -134,7 +153,9 @@ static vs_status give_up(const compiled *c, const char *what, vs_error *err) {
 }
 
 /* Goes on behind a jump: branches and switches are those that the state behind it asks for. */
+static long n_stuck, n_try, n_acc, n_rest, n_cut;
 static vs_status restart(compiled *c, const double *charge, vs_error *err) {
+  n_rest++;
   for (int k = 0; k < CHANGES; k++) {
     if (!vs_rodas_restart(&c->r, charge, RESTART_S))
       return give_up(c, "the circuit's equations have no solution behind a jump", err);
@@ -151,8 +172,12 @@ static vs_status restart(compiled *c, const double *charge, vs_error *err) {
  * length; *jumps: a switch or branch is another behind it. */
 static vs_status step(compiled *c, double *h, double *taken, bool *jumps, vs_error *err) {
   for (;;) {
-    if (!(*h > LEAST_S)) return give_up(c, "no step is short enough", err);
+    if (!(*h > LEAST_S)) { /* a restart may get past it */
+      *taken = 0;
+      return VS_OK;
+    }
     if (c->job->tries) ++*c->job->tries;
+    n_try++;
     const double off = vs_rodas_try(&c->r, *h) ? error_of(c) : INFINITY;
     const double factor = isfinite(off) ? fmin(fmax(0.9 * pow(off, -0.25), 1.0 / 6), 5) : 1.0 / 6;
     *taken = *h;
@@ -172,11 +197,12 @@ static vs_status step(compiled *c, double *h, double *taken, bool *jumps, vs_err
   }
 }
 
+static long n_try, n_acc, n_rest, n_cut;
 static vs_status run(void *circuit, vs_error *err) {
   compiled *c = circuit;
   const vs_circuit_host *host = c->host;
   const double until_s = c->job->until_s;
-  double h = FIRST_S;
+  double h = FIRST_S, last_stuck_s = -1;
   vs_status status = restart(c, c->e.charge, err);
   while (!status && c->r.t_s < until_s - RESTART_S && !(host->enough && host->enough(host->ctx))) {
     const double t_s = c->r.t_s, edge_s = fmin(host->edge(host->ctx, t_s), until_s);
@@ -188,17 +214,28 @@ static vs_status run(void *circuit, vs_error *err) {
     if (left > RESTART_S) {
       h = most;
       status = step(c, &h, &taken, &jumps, err);
+      n_acc++; n_cut += jumps; if (getenv("DBG2")) { int w=0; double best=0; for (int k=0;k<c->e.n;k++) { double q=c->counts[k]*fabs(c->r.error[k])/(fmax(fabs(c->r.y[k]),fabs(c->r.next[k]))+c->of_peak[k]*c->peak[k]+c->small[k])/c->of_tolerance[k]; if (q>best) best=q,w=k; } fprintf(stderr,"S %.9g %.3g %s %d %d\n", c->r.t_s, taken, c->e.name[w], parts_of(c), jumps); }
+      if (!status && !(taken > 0)) {
+        if (last_stuck_s == c->r.t_s - RESTART_S) return give_up(c, "no step is short enough", err);
+        vs_equations_mass(&c->e, c->r.y, c->charge);
+        status = restart(c, c->charge, err);
+        last_stuck_s = c->r.t_s;
+        n_stuck++;
+        h = FIRST_S / 100;
+        continue;
+      }
       if (!status) status = show_step(c, taken, err);
       vs_rodas_take(&c->r, taken);
       take_peaks(c);
     }
     at_edge = c->r.t_s >= edge_s - RESTART_S;
+    jumps = jumps && choose(c);
     if (status || (!jumps && !(at_edge && edge_s < until_s))) continue;
     vs_equations_mass(&c->e, c->r.y, c->charge);
-    vs_equations_choose(&c->e, c->r.y, false);
     status = restart(c, c->charge, err);
     h = FIRST_S;
   }
+  if (getenv("DBG")) fprintf(stderr, "n %d tries %ld accepted %ld restarts %ld stuck %ld cuts %ld nnz %d ops %d\n", c->e.n, n_try, n_acc, n_rest, n_stuck, n_cut, c->e.matrix.filled, c->e.matrix.eliminations);
   return status;
 }
 
@@ -212,17 +249,42 @@ static void free_circuit(void *circuit) {
   free(c->most);
   free(c->peak);
   free(c->charge);
+  free(c->counts);
+  free(c->of_peak);
+  free(c->small);
+  free(c->of_tolerance);
   free(c->between);
   free(c);
 }
 
+/* Errors count of all but currents that nobody asks for: those of a voltage source beside a
+ * capacitance are its slope, of which the method knows less. */
 static vs_status find_signals(compiled *c, vs_error *err) {
   const vs_circuit_job *job = c->job;
+  c->counts = vs_alloc((size_t)c->e.n, sizeof *c->counts);
+  const double current_a = job->current_tolerance_a / job->relative_tolerance;
+  c->of_tolerance = vs_alloc((size_t)c->e.n, sizeof *c->of_tolerance);
+  c->small = vs_alloc((size_t)c->e.n, sizeof *c->small);
+  c->of_peak = vs_alloc((size_t)c->e.n, sizeof *c->of_peak);
+  for (int k = 0; k < c->e.n; k++) {
+    c->counts[k] = c->e.name[k][0] != 'i';
+    c->of_peak[k] = OF_PEAK;
+    c->small[k] = c->e.name[k][0] == 'i' ? current_a : SMALL_V;
+  }
+  for (int k = 0; k < c->e.n; k++) c->of_tolerance[k] = NO_MEMORY * OF_TOLERANCE;
+  for (int k = 0; k < c->e.masses; k++) {
+    c->counts[c->e.mass[k].column] = true;
+    c->of_tolerance[c->e.mass[k].column] = OF_TOLERANCE;
+  }
   c->signal = vs_alloc(job->n_signals + 1, sizeof *c->signal);
   for (size_t k = 0; k < job->n_signals; k++) {
     c->signal[k] = vs_equations_signal(&c->e, job->signals[k]);
     if (c->signal[k] == -2 && k + job->n_wanted < job->n_signals)
       return vs_fail(err, VS_INPUT, "the netlist has no %s", job->signals[k]);
+    if (c->signal[k] < 0) continue;
+    c->counts[c->signal[k]] = true;
+    if (c->of_peak[c->signal[k]] < 1) c->small[c->signal[k]] *= OF_SHOWN;
+    c->of_peak[c->signal[k]] = 1;
   }
   return VS_OK;
 }

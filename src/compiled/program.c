@@ -226,6 +226,25 @@ static int write_tree(writing *w, const vs_expr *e, size_t node, const bound_op 
   }
 }
 
+/* Lists the operations that the result follows from, by the branches that are held. */
+static void find_live(vs_program *p) {
+  bool *live = vs_alloc((size_t)p->count, sizeof *live);
+  live[p->count - 1] = true;
+  for (int k = p->count - 1; k >= 0; k--) {
+    const vs_program_op *op = &p->op[k];
+    if (!live[k] || op->kind == CONSTANT || op->kind == SIGNAL || op->kind == POINT) continue;
+    live[op->a] = true;
+    if (op->kind == CHOICE)
+      live[op->value != 0 ? op->b : op->c] = true;
+    else if ((op->kind >= ADD && op->kind <= MAXIMUM) || op->kind == COMPARE)
+      live[op->b] = true;
+  }
+  p->n_live = 0;
+  for (int k = 0; k < p->count; k++)
+    if (live[k]) p->live[p->n_live++] = k;
+  free(live);
+}
+
 vs_status vs_program_read(const vs_cards *c, vs_parameters *in, vs_word text,
                           const vs_program_scope *scope, vs_program *p, vs_error *err) {
   writing w = {c, in, scope, p, err};
@@ -239,11 +258,14 @@ vs_status vs_program_read(const vs_cards *c, vs_parameters *in, vs_word text,
     int zero = add_constant(&w, 0);
     if (zero < 0 || add_two(&w, ADD, result, zero, NULL) < 0) return VS_INPUT;
   }
+  p->live = vs_alloc((size_t)p->count, sizeof *p->live);
+  find_live(p);
   return VS_OK;
 }
 
 void vs_program_free(vs_program *p) {
   free(p->op);
+  free(p->live);
   *p = (vs_program){0};
 }
 
@@ -308,7 +330,8 @@ static double compare(int sign, double a, double b) {
 
 static void go_forward(const vs_program *p, const double *y, double *v) {
   double slope;
-  for (int k = 0; k < p->count; k++) {
+  for (int n = 0; n < p->n_live; n++) {
+    const int k = p->live[n];
     const vs_program_op *op = &p->op[k];
     switch (op->kind) {
     case CONSTANT:
@@ -344,7 +367,8 @@ static void go_back(const vs_program *p, const double *v, double *slope) {
   memset(d, 0, (size_t)p->count * sizeof *d);
   for (int k = 0; k < p->signals; k++) slope[k] = 0;
   d[p->count - 1] = 1;
-  for (int k = p->count - 1; k >= 0; k--) {
+  for (int n = p->n_live - 1; n >= 0; n--) {
+    const int k = p->live[n];
     const vs_program_op *op = &p->op[k];
     const double g = d[k];
     if (g == 0) continue;
@@ -383,14 +407,14 @@ double vs_program_value(const vs_program *p, const double *y, double *slope) {
 }
 
 /* Branches are taken from the first operation to the last, so that what a later one chooses by is
- * known. */
+ * known. With each the operations that count are others. */
 bool vs_program_choose(vs_program *p, const double *y, bool only_ask) {
   double v[VS_PROGRAM_OPS];
   bool other = false;
   if (!p->chooses) return false;
   go_forward(p, y, v);
-  for (int k = 0; k < p->count; k++) {
-    vs_program_op *op = &p->op[k];
+  for (int n = 0; n < p->n_live; n++) {
+    vs_program_op *op = &p->op[p->live[n]];
     if (op->kind < CHOICE) continue;
     const double a = v[op->a];
     const double due = op->kind == SIGN ? (a > 0) - (a < 0) : op->kind == STEP ? a > 0 : a != 0;
@@ -398,7 +422,9 @@ bool vs_program_choose(vs_program *p, const double *y, bool only_ask) {
     other = true;
     if (only_ask) return true;
     op->value = due;
+    find_live(p);
     go_forward(p, y, v);
+    n = -1;
   }
   return other;
 }

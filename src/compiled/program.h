@@ -26,6 +26,7 @@ typedef struct vs_program_signal {
 typedef struct vs_program {
   vs_program_op *op; /* owned; the last one is the result */
   int count;
+  int *live, n_live; /* the operations that the branches held ask for; owned */
   vs_program_signal signal[VS_PROGRAM_SIGNALS];
   int signals;
   bool chooses; /* it has branches at all */
