@@ -129,7 +129,7 @@ static vs_compiled_device *add_device(making *m, int kind, const char *name) {
   vs_equations *e = m->e;
   e->device = vs_alloc_grow(e->device, (size_t)e->devices, sizeof *e->device);
   e->device[e->devices] = (vs_compiled_device){
-      .kind = kind, .branch = -1, .charge = -1, .factor = 1, .name = vs_copy(name)};
+      .kind = kind, .branch = -1, .charge = {-1, -1}, .factor = 1, .name = vs_copy(name)};
   return &e->device[e->devices++];
 }
 
@@ -366,6 +366,15 @@ static int inner_node(making *m, const placed *p, const char *what) {
   return k;
 }
 
+/* Each charge q is an unknown of its own: 0 = q - Q(v), and q' leaves the first of its nodes. */
+static int add_charge(making *m, const placed *p, const char *what, int from, int to) {
+  int q = inner_node(m, p, what);
+  add_linear(m, q, q, 1);
+  add_mass(m, from, q, 1);
+  add_mass(m, to, q, -1);
+  return q;
+}
+
 static vs_status add_diode(making *m, const placed *p) {
   vs_parameters *in;
   vs_diode model;
@@ -384,11 +393,8 @@ static vs_status add_diode(making *m, const placed *p) {
   d->pin[0] = a;
   d->pin[1] = k;
   if (!(model.transit_s > 0)) return VS_OK;
-  /* its charge q = tt i is an unknown of its own: 0 = q - tt i(v), and q' leaves the anode */
-  d->charge = inner_node(m, p, "charge");
-  add_linear(m, d->charge, d->charge, 1);
-  add_mass(m, a, d->charge, 1);
-  add_mass(m, k, d->charge, -1);
+  const int q = add_charge(m, p, "charge", a, k); /* tt i */
+  m->e->device[m->e->devices - 1].charge[0] = q;
   return VS_OK;
 }
 
@@ -402,6 +408,31 @@ static vs_status add_bipolar(making *m, const placed *p) {
   vs_compiled_device *d = add_device(m, VS_DEVICE_BIPOLAR, "");
   d->bipolar = model;
   for (size_t k = 0; k < 3; k++) d->pin[k] = pin(m, p, k);
+  return VS_OK;
+}
+
+static vs_status add_mosfet(making *m, const placed *p) {
+  vs_parameters *in;
+  vs_vdmos model;
+  const vs_netlist_card *card = model_of(m, p, "vdmos", &in);
+  vs_status status = card ? vs_junction_vdmos(m->cards, in, card, &model, m->err) : VS_INPUT;
+  if (!status) status = allow_only(m, p, "");
+  if (!status && m->cards->card[p->card].nodes != 3)
+    status = vs_fail(m->err, VS_INPUT, "only three nodes are known here");
+  if (status) return status;
+  const int d = pin(m, p, 0), g = pin(m, p, 1), s = pin(m, p, 2);
+  const int gd = add_charge(m, p, "gd", g, d), ds = add_charge(m, p, "ds", s, d);
+  add_mass(m, g, g, model.cgs_f);
+  add_mass(m, g, s, -model.cgs_f);
+  add_mass(m, s, g, -model.cgs_f);
+  add_mass(m, s, s, model.cgs_f);
+  vs_compiled_device *device = add_device(m, VS_DEVICE_VDMOS, "");
+  device->vdmos = model;
+  device->pin[0] = d;
+  device->pin[1] = g;
+  device->pin[2] = s;
+  device->charge[0] = gd;
+  device->charge[1] = ds;
   return VS_OK;
 }
 
@@ -448,7 +479,8 @@ static const struct sort {
              {'e', add_by_voltage, true},  {'g', add_by_voltage, false},
              {'f', add_by_current, false}, {'h', add_by_current, true},
              {'b', add_expression, false}, {'d', add_diode, false},
-             {'q', add_bipolar, false},    {'s', add_switch, false}};
+             {'q', add_bipolar, false},    {'s', add_switch, false},
+             {'m', add_mosfet, false}};
 
 static const struct sort *sort_of(char letter) {
   for (size_t k = 0; k < sizeof SORTS / sizeof *SORTS; k++)
@@ -514,7 +546,7 @@ static void add_place(vs_equations *e, int row, int column) {
 }
 
 static void add_places_of(vs_equations *e, const vs_compiled_device *d) {
-  const int pins = d->kind == VS_DEVICE_BIPOLAR ? 3 : 2;
+  const int pins = d->kind == VS_DEVICE_BIPOLAR || d->kind == VS_DEVICE_VDMOS ? 3 : 2;
   if (d->kind == VS_DEVICE_PROGRAM) {
     for (int k = 0; k < d->program.signals; k++)
       for (int side = 0; side < 2; side++) {
@@ -526,7 +558,8 @@ static void add_places_of(vs_equations *e, const vs_compiled_device *d) {
   }
   for (int a = 0; a < pins; a++)
     for (int b = 0; b < pins; b++) add_place(e, d->pin[a], d->pin[b]);
-  for (int b = 0; b < 2 && d->charge >= 0; b++) add_place(e, d->charge, d->pin[b]);
+  for (int q = 0; q < 2 && d->charge[q] >= 0; q++)
+    for (int b = 0; b < pins; b++) add_place(e, d->charge[q], d->pin[b]);
 }
 
 static void make_pattern(vs_equations *e) {
@@ -677,11 +710,11 @@ static void value_of_diode(vs_equations *e, vs_compiled_device *d, const double 
   i += g * (v - taken);
   leave(f, a, k, i);
   if (jacobian) slope_of(e, jacobian, a, k, a, k, g);
-  if (d->charge < 0) return;
-  f[d->charge] -= d->diode.transit_s * i;
+  if (d->charge[0] < 0) return;
+  f[d->charge[0]] -= d->diode.transit_s * i;
   if (!jacobian) return;
-  add_to(e, jacobian, d->charge, a, -d->diode.transit_s * g);
-  add_to(e, jacobian, d->charge, k, d->diode.transit_s * g);
+  add_to(e, jacobian, d->charge[0], a, -d->diode.transit_s * g);
+  add_to(e, jacobian, d->charge[0], k, d->diode.transit_s * g);
 }
 
 static void value_of_bipolar(vs_equations *e, vs_compiled_device *d, const double *y, bool limits,
@@ -704,6 +737,35 @@ static void value_of_bipolar(vs_equations *e, vs_compiled_device *d, const doubl
   slope_of(e, jacobian, b, x, b, c, db[1]);
 }
 
+/* The row of a charge q - Q(v), with v from node a to node b. */
+static void value_of_charge(const vs_equations *e, int q, int a, int b, double charge, double c,
+                            double *f, double *jacobian) {
+  f[q] -= charge;
+  if (!jacobian) return;
+  add_to(e, jacobian, q, a, -c);
+  add_to(e, jacobian, q, b, c);
+}
+
+static void value_of_mosfet(vs_equations *e, vs_compiled_device *device, const double *y,
+                            bool limits, bool *limited, double *f, double *jacobian) {
+  const vs_vdmos *m = &device->vdmos;
+  const int d = device->pin[0], g = device->pin[1], s = device->pin[2];
+  const double vgs = at(y, g) - at(y, s), vds = at(y, d) - at(y, s);
+  double slope[2], conductance, c;
+  leave(f, d, s, vs_junction_channel(m, vgs, vds, slope));
+  const double taken = taken_at(device, 0, &m->body, -vds, limits, limited);
+  leave(f, s, d,
+        vs_junction_current(&m->body, taken, &conductance) + conductance * (-vds - taken));
+  double charge = vs_junction_gate_charge(m, vgs - vds, &c);
+  value_of_charge(e, device->charge[0], g, d, charge, c, f, jacobian);
+  charge = vs_junction_body_charge(m, -vds, &c);
+  value_of_charge(e, device->charge[1], s, d, charge, c, f, jacobian);
+  if (!jacobian) return;
+  slope_of(e, jacobian, d, s, g, s, slope[0]);
+  slope_of(e, jacobian, d, s, d, s, slope[1]);
+  slope_of(e, jacobian, s, d, s, d, conductance);
+}
+
 bool vs_equations_value(vs_equations *e, const double *y, const double *source, bool limits,
                         double *f, double *jacobian) {
   bool limited = false;
@@ -718,6 +780,8 @@ bool vs_equations_value(vs_equations *e, const double *y, const double *source, 
       value_of_program(e, d, y, f, jacobian);
     } else if (d->kind == VS_DEVICE_DIODE) {
       value_of_diode(e, d, y, limits, &limited, f, jacobian);
+    } else if (d->kind == VS_DEVICE_VDMOS) {
+      value_of_mosfet(e, d, y, limits, &limited, f, jacobian);
     } else if (d->kind == VS_DEVICE_BIPOLAR) {
       value_of_bipolar(e, d, y, limits, &limited, f, jacobian);
     } else {

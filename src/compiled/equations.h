@@ -24,19 +24,22 @@ typedef struct vs_source {
   double factor, constant;
 } vs_source;
 
-enum { VS_DEVICE_PROGRAM, VS_DEVICE_DIODE, VS_DEVICE_BIPOLAR, VS_DEVICE_SWITCH };
+enum { VS_DEVICE_PROGRAM, VS_DEVICE_DIODE, VS_DEVICE_BIPOLAR, VS_DEVICE_SWITCH, VS_DEVICE_VDMOS };
 
 /* An element whose current is no linear function of y. */
 typedef struct vs_compiled_device {
   int kind;
-  int pin[3];  /* nodes: plus and minus; anode and cathode; collector, base, emitter. -1: ground */
+  int pin[3];  /* nodes: plus and minus; anode and cathode; collector, base, emitter; drain, gate,
+                  source. -1: ground */
   int branch;  /* of a B source that is a voltage: its row and current; else -1 */
-  int charge;  /* of a diode with a transit time: its charge; else -1 */
+  int charge[2]; /* of a diode with a transit time: its charge; of a MOSFET: between gate and drain,
+                    and of its body diode; else -1 */
   int control[2]; /* of a switch: its controlling nodes, or an unknown current and -1 */
   double factor;  /* of a B source: m */
   vs_program program;
   vs_diode diode;
   vs_bipolar bipolar;
+  vs_vdmos vdmos;
   double on_s, off_s, threshold, hysteresis; /* of a switch: conductances, S, and its limits */
   bool on;
   double before[2]; /* a junction's voltages in the last iteration, V */

@@ -16,7 +16,11 @@ static vs_status read_model(const vs_cards *c, vs_parameters *in, const vs_netli
                             const parameter *known, size_t count, vs_error *err) {
   for (size_t k = model->first; k < model->first + model->count; k++) {
     const vs_argument *a = &c->arguments[k];
-    if (!a->name.n) continue; /* its type */
+    if (!a->name.n) { /* its type, or a flag */
+      if (k == model->first || vs_words_is(a->value, "nchan")) continue;
+      return vs_fail(err, VS_INPUT, ".model %.*s: '%.*s' is not known here", (int)model->name.n,
+                     model->name.at, (int)a->value.n, a->value.at);
+    }
     size_t n = 0;
     while (n < count && !vs_words_is(a->name, known[n].name)) n++;
     if (n == count)
@@ -129,4 +133,82 @@ void vs_junction_transistor(const vs_bipolar *q, double vbe, double vbc, double 
   dc[1] = -gbc * width + (cbe - cbc) * narrows - gbc / q->reverse;
   db[0] = gbe / q->forward;
   db[1] = gbc / q->reverse;
+}
+
+/* ---- a power MOSFET ---- */
+
+vs_status vs_junction_vdmos(const vs_cards *c, vs_parameters *in, const vs_netlist_card *model,
+                            vs_vdmos *q, vs_error *err) {
+  double rd = 0, rs = 0, rg = 0;
+  *q = (vs_vdmos){.kp = 1,
+                  .subthreshold_v = 0.1,
+                  .a = 1,
+                  .vj_v = 0.8,
+                  .m = 0.5,
+                  .body = {.saturation_a = 1e-14, .n = 1, .breakdown_v = INFINITY}};
+  const parameter known[] = {{"vto", &q->vto_v},
+                             {"kp", &q->kp},
+                             {"lambda", &q->lambda},
+                             {"ksubthres", &q->subthreshold_v},
+                             {"cgs", &q->cgs_f},
+                             {"cgdmin", &q->cgd_min_f},
+                             {"cgdmax", &q->cgd_max_f},
+                             {"a", &q->a},
+                             {"cjo", &q->cjo_f},
+                             {"vj", &q->vj_v},
+                             {"m", &q->m},
+                             {"is", &q->body.saturation_a},
+                             {"n", &q->body.n},
+                             {"rd", &rd},
+                             {"rs", &rs},
+                             {"rg", &rg}};
+  vs_status status = read_model(c, in, model, known, sizeof known / sizeof *known, err);
+  if (!status && (rd != 0 || rs != 0 || rg != 0))
+    return vs_fail(err, VS_INPUT, ".model %.*s: rd, rs and rg are only known as 0 here",
+                   (int)model->name.n, model->name.at);
+  return status;
+}
+
+double vs_junction_channel(const vs_vdmos *q, double vgs, double vds, double slope[2]) {
+  if (vds < 0) { /* drain and source change their parts */
+    double turned[2];
+    const double i = vs_junction_channel(q, vgs - vds, -vds, turned);
+    slope[0] = -turned[0];
+    slope[1] = turned[0] + turned[1];
+    return -i;
+  }
+  /* the voltage above the threshold, v = w ln(1 + exp((vgs - vto)/w)) */
+  const double w = q->subthreshold_v, x = (vgs - q->vto_v) / w;
+  const double v = x > 40 ? x * w : w * log1p(exp(x)), rate = x > 40 ? 1 : 1 / (1 + exp(-x));
+  const double beta = q->kp * (1 + q->lambda * vds), wide = q->kp * q->lambda;
+  if (v <= vds) {
+    slope[0] = beta * v * rate;
+    slope[1] = wide * v * v / 2;
+    return beta * v * v / 2;
+  }
+  slope[0] = beta * vds * rate;
+  slope[1] = beta * (v - vds) + wide * vds * (v - vds / 2);
+  return beta * vds * (v - vds / 2);
+}
+
+/* The capacitance is y + s tanh(a v) above 0 V and y + s atan(a v) below. */
+double vs_junction_gate_charge(const vs_vdmos *q, double v, double *capacitance) {
+  const double s = (q->cgd_max_f - q->cgd_min_f) / (1 + M_PI_2), y = q->cgd_max_f - s, a = q->a;
+  const double x = a * v;
+  if (v > 0) {
+    *capacitance = y + s * tanh(x);
+    return y * v + s / a * (x + log1p(exp(-2 * x)) - M_LN2); /* ln cosh x */
+  }
+  *capacitance = y + s * atan(x);
+  return y * v + s / a * (x * atan(x) - log1p(x * x) / 2);
+}
+
+/* cjo/(1 - v/vj)^m, from half of vj on as a straight line. */
+double vs_junction_body_charge(const vs_vdmos *q, double v, double *capacitance) {
+  const double half = 0.5, m = q->m, vj = q->vj_v, knee_v = half * vj;
+  const double below_v = fmin(v, knee_v), rest = 1 - below_v / vj;
+  const double c = q->cjo_f * pow(rest, -m), charge = q->cjo_f * vj * (1 - pow(rest, 1 - m)) / (1 - m);
+  const double over_v = v - below_v, bend = c * m / (vj * rest);
+  *capacitance = c + bend * over_v;
+  return charge + over_v * (c + bend * over_v / 2);
 }

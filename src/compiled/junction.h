@@ -48,4 +48,25 @@ vs_status vs_junction_bipolar(const vs_cards *cards, vs_parameters *in, const vs
 void vs_junction_transistor(const vs_bipolar *q, double vbe, double vbc, double *ic, double *ib,
                             double dc[2], double db[2]);
 
+/* A power MOSFET's model, type vdmos (its manual, section 11.3): a channel of square law with a
+ * smooth threshold, a constant capacitance at the gate, one that falls with the voltage between
+ * gate and drain, and a body diode. */
+typedef struct vs_vdmos {
+  double vto_v, kp, lambda, subthreshold_v; /* V, A/V^2, 1/V, V */
+  double cgs_f, cgd_min_f, cgd_max_f, a;    /* F, F, F, 1/V */
+  double cjo_f, vj_v, m;                    /* of the body diode's depletion layer */
+  vs_diode body;
+} vs_vdmos;
+
+vs_status vs_junction_vdmos(const vs_cards *cards, vs_parameters *in, const vs_netlist_card *model,
+                            vs_vdmos *mosfet, vs_error *err);
+
+/* The current from drain to source through the channel, A; slope: by vgs and by vds. */
+double vs_junction_channel(const vs_vdmos *q, double vgs, double vds, double slope[2]);
+
+/* The charge between gate and drain, C, at vgd, and that of the body diode at vsd; *capacitance:
+ * its slope, F. */
+double vs_junction_gate_charge(const vs_vdmos *q, double vgd, double *capacitance);
+double vs_junction_body_charge(const vs_vdmos *q, double vsd, double *capacitance);
+
 #endif
