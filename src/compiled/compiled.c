@@ -155,13 +155,16 @@ static vs_status give_up(const compiled *c, const char *what, vs_error *err) {
 /* Goes on behind a jump: branches and switches are those that the state behind it asks for. */
 static long n_stuck, n_try, n_acc, n_rest, n_cut;
 static vs_status restart(compiled *c, const double *charge, vs_error *err) {
+  static const double LONGER[] = {1, 10, 100, 0.1, 1000};
   n_rest++;
   for (int k = 0; k < CHANGES; k++) {
-    if (!vs_rodas_restart(&c->r, charge, RESTART_S))
-      return give_up(c, "the circuit's equations have no solution behind a jump", err);
+    double h = 0;
+    for (size_t n = 0; n < sizeof LONGER / sizeof *LONGER && !(h > 0); n++)
+      if (vs_rodas_restart(&c->r, charge, LONGER[n] * RESTART_S)) h = LONGER[n] * RESTART_S;
+    if (!(h > 0)) return give_up(c, "the circuit's equations have no solution behind a jump", err);
     if (vs_equations_choose(&c->e, c->r.next, false)) continue;
-    vs_status status = show(c, RESTART_S, 1, err);
-    vs_rodas_take(&c->r, RESTART_S);
+    vs_status status = show(c, h, 1, err);
+    vs_rodas_take(&c->r, h);
     take_peaks(c);
     return status;
   }

@@ -141,7 +141,9 @@ void vs_rodas_dense(const vs_rodas *r, double part, double *y) {
 
 /* ---- a restart ---- */
 
+/* Newton's iteration ends where its correction is below this: rounding, where a node has 1e-20 F. */
 enum { ITERATIONS = 200 };
+static const double LEAST_A = 1e-6, LEAST_V = 1e-8, OF_SIZE = 1e-7;
 
 bool vs_rodas_restart(vs_rodas *r, const double *charge, double h) {
   vs_equations *e = r->e;
@@ -159,7 +161,8 @@ bool vs_rodas_restart(vs_rodas *r, const double *charge, double h) {
     vs_matrix_solve(&e->matrix, r->factors, b, change);
     double most = 0;
     for (int i = 0; i < n; i++) {
-      most = fmax(most, fabs(change[i]) / (1e-9 + 1e-7 * fabs(r->next[i])));
+      const double least = e->name[i][0] == 'i' ? LEAST_A : LEAST_V;
+      most = fmax(most, fabs(change[i]) / (least + OF_SIZE * fabs(r->next[i])));
       r->next[i] += change[i];
     }
     if (!isfinite(most)) return false;
