@@ -22,6 +22,8 @@ typedef struct compiled {
   double *of_tolerance; /* of each unknown; owned */
   double *small;   /* of each unknown, what is none; owned */
   double *of_peak; /* of each unknown: that part of its peak; owned */
+  double from_s;   /* where the stretch began whose tries are counted */
+  long tries;
   double *charge;  /* M y where a restart begins; owned */
   double *between; /* a state within a step; owned */
 } compiled;
@@ -141,7 +143,7 @@ static bool choose(compiled *c) {
 
 /* Behind a jump a step of the backward Euler rule has RESTART_S, and the first one of RODAS' FIRST_S
  * at most. What is shorter than LEAST_S makes no progress. */
-static const double RESTART_S = 1e-11, FIRST_S = 2e-8, LEAST_S = 1e-14;
+static const double RESTART_S = 1e-11, FIRST_S = 2e-8, LEAST_S = 1e-13;
 enum { CHANGES = 100 };
 
 static vs_status give_up(const compiled *c, const char *what, vs_error *err) {
@@ -171,6 +173,18 @@ static vs_status restart(compiled *c, const double *charge, vs_error *err) {
   return give_up(c, "a switch or a branch of an expression opens and closes without end", err);
 }
 
+/* So many tries within PROGRESS_S are no progress, as of ngspice's (ngspice/ngspice.c). */
+enum { PROGRESS_TRIES = 100000 };
+static const double PROGRESS_S = 1e-5;
+
+static bool progress_made(compiled *c) {
+  if (c->r.t_s - c->from_s >= PROGRESS_S) {
+    c->from_s = c->r.t_s;
+    c->tries = 0;
+  }
+  return ++c->tries < PROGRESS_TRIES;
+}
+
 /* Tries steps of at most *h until one is right, and makes *h what the next one may be. *taken: the
  * length; *jumps: a switch or branch is another behind it. */
 static vs_status step(compiled *c, double *h, double *taken, bool *jumps, vs_error *err) {
@@ -180,6 +194,7 @@ static vs_status step(compiled *c, double *h, double *taken, bool *jumps, vs_err
       return VS_OK;
     }
     if (c->job->tries) ++*c->job->tries;
+    if (!progress_made(c)) return give_up(c, "the run makes no progress", err);
     n_try++;
     const double off = vs_rodas_try(&c->r, *h) ? error_of(c) : INFINITY;
     const double factor = isfinite(off) ? fmin(fmax(0.9 * pow(off, -0.25), 1.0 / 6), 5) : 1.0 / 6;
@@ -206,6 +221,7 @@ static vs_status run(void *circuit, vs_error *err) {
   const vs_circuit_host *host = c->host;
   const double until_s = c->job->until_s;
   double h = FIRST_S, last_stuck_s = -1;
+  vs_equations_choose(&c->e, c->r.y, false);
   vs_status status = restart(c, c->e.charge, err);
   while (!status && c->r.t_s < until_s - RESTART_S && !(host->enough && host->enough(host->ctx))) {
     const double t_s = c->r.t_s, edge_s = fmin(host->edge(host->ctx, t_s), until_s);

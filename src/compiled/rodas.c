@@ -2,6 +2,7 @@
 #include "rodas.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -78,13 +79,17 @@ static bool factor(vs_rodas *r) {
 
 /* ---- a step ---- */
 
-/* The slope of what drives over time, from three instants at and behind t_s. */
+/* The slope of what drives over time, from three instants at and behind t_s, which must be so far
+ * apart that their times differ. A step of less needs no slope. */
+static const double LEAST_APART_S = 1e-13;
+
 static void find_rates(vs_rodas *r, double h) {
-  const double d = 1e-3 * h;
+  const double d = fmax(1e-3 * h, LEAST_APART_S);
   double *s0 = r->source[0], *s1 = r->source[1], *s2 = r->source[2], *rate = r->source[3];
   r->drive.at(r->drive.ctx, r->t_s + d, s1);
   r->drive.at(r->drive.ctx, r->t_s + 2 * d, s2);
-  for (int k = 0; k < r->e->sources; k++) rate[k] = (4 * s1[k] - 3 * s0[k] - s2[k]) / (2 * d);
+  const double per_s = h >= 2 * d ? 1 / (2 * d) : 0;
+  for (int k = 0; k < r->e->sources; k++) rate[k] = (4 * s1[k] - 3 * s0[k] - s2[k]) * per_s;
 }
 
 /* Adds factor times df/dt. */
@@ -165,6 +170,7 @@ bool vs_rodas_restart(vs_rodas *r, const double *charge, double h) {
       most = fmax(most, fabs(change[i]) / (least + OF_SIZE * fabs(r->next[i])));
       r->next[i] += change[i];
     }
+    if (getenv("DBG3")) { int w=0; double b2=0; for (int i=0;i<n;i++) { double q=fabs(change[i])/((e->name[i][0]=='i'?LEAST_A:LEAST_V)+OF_SIZE*fabs(r->next[i])); if (!(q<=b2)) b2=q,w=i; } fprintf(stderr,"t %g h %g turn %d %s %g %g lim %d\n", r->t_s, h, turn, e->name[w], r->next[w], change[w], limited); }
     if (!isfinite(most)) return false;
     if (most <= 1 && !limited) return true;
   }
