@@ -14,15 +14,15 @@ typedef struct compiled {
   const vs_circuit_host *host;
   vs_equations e;
   vs_rodas r;
-  int *signal;     /* the unknown of each of the job's signals; owned */
-  double *shown;   /* their values, as accept() is given them; owned */
-  double *most;    /* of each signal so far, its size; owned */
-  double *peak;    /* of each unknown so far; owned */
-  bool *counts;    /* of each unknown: its error counts; owned */
+  int *signal;          /* the unknown of each of the job's signals; owned */
+  double *shown;        /* their values, as accept() is given them; owned */
+  double *most;         /* of each signal so far, its size; owned */
+  double *peak;         /* of each unknown so far; owned */
+  bool *counts;         /* of each unknown: its error counts; owned */
   double *of_tolerance; /* of each unknown; owned */
-  double *small;   /* of each unknown, what is none; owned */
-  double *of_peak; /* of each unknown: that part of its peak; owned */
-  double from_s;   /* where the stretch began whose tries are counted */
+  double *small;        /* of each unknown, what is none; owned */
+  double *of_peak;      /* of each unknown: that part of its peak; owned */
+  double from_s;        /* where the stretch began whose tries are counted */
   long tries;
   double *charge;  /* M y where a restart begins; owned */
   double *between; /* a state within a step; owned */
@@ -77,15 +77,17 @@ static int parts_of(const compiled *c) {
 static vs_status show_step(compiled *c, double h, vs_error *err) {
   const int parts = parts_of(c);
   vs_status status = VS_OK;
-  for (int k = 1; k <= parts && !status; k++) status = show(c, h, k == parts ? 1 : (double)k / parts, err);
+  for (int k = 1; k <= parts && !status; k++)
+    status = show(c, h, k == parts ? 1 : (double)k / parts, err);
   return status;
 }
 
 /* ---- the error of a step ---- */
 
-/* An error is measured by OF_TOLERANCE of the tolerance of an unknown's size, and of OF_PEAK of what
- * it has been at most. Below SMALL, V or A, it is none. */
-static const double OF_TOLERANCE = 0.1, OF_PEAK = 0.1, SMALL_V = 1, OF_SHOWN = 0.1, NO_MEMORY = 10;
+/* An error is measured by OF_TOLERANCE of the tolerance of an unknown's size, and of OF_PEAK of
+ * what it has been at most. Below SMALL, V or A, it is none. */
+static const double OF_TOLERANCE = 0.1, OF_PEAK = 0.1, SMALL_V = 1, SMALL_M = 1e-5, OF_SHOWN = 0.1,
+                    NO_MEMORY = 10;
 
 static double error_of(const compiled *c) {
   double most = 0;
@@ -126,7 +128,8 @@ static double changes_at(compiled *c) {
 }
 
 /* Takes the branches and switches that the last state asks for. Returns whether the equations jump
- * by that: by more than JUMPS, A or V. Most branches of expressions are two formulas for one curve. */
+ * by that: by more than JUMPS, A or V. Most branches of expressions are two formulas for one curve.
+ */
 static const double JUMPS = 1e-7;
 
 static bool choose(compiled *c) {
@@ -141,14 +144,13 @@ static bool choose(compiled *c) {
 
 /* ---- a run ---- */
 
-/* Behind a jump a step of the backward Euler rule has RESTART_S, and the first one of RODAS' FIRST_S
- * at most. What is shorter than LEAST_S makes no progress. */
+/* Behind a jump a step of the backward Euler rule has RESTART_S, and the first one of RODAS'
+ * FIRST_S at most. What is shorter than LEAST_S makes no progress. */
 static const double RESTART_S = 1e-11, FIRST_S = 2e-8, LEAST_S = 1e-13;
 enum { CHANGES = 100 };
 
 static vs_status give_up(const compiled *c, const char *what, vs_error *err) {
-  const double t_s =
-      c->host->clock ? c->host->clock(c->host->ctx, c->r.t_s) : c->r.t_s;
+  const double t_s = c->host->clock ? c->host->clock(c->host->ctx, c->r.t_s) : c->r.t_s;
   vs_fail(err, VS_RUN, "t = %.9g s: tier compiled: %s", t_s, what);
   err->gave_up = true;
   return VS_RUN;
@@ -156,7 +158,9 @@ static vs_status give_up(const compiled *c, const char *what, vs_error *err) {
 
 /* Goes on behind a jump: branches and switches are those that the state behind it asks for. */
 static long n_stuck, n_try, n_acc, n_rest, n_cut;
-static vs_status restart(compiled *c, const double *charge, vs_error *err) {
+static vs_status restart(compiled *c, double *charge, vs_error *err) {
+  if (c->e.states) /* what happened may have moved or changed the machine */
+    c->host->machine.state(c->host->ctx, charge + c->e.machine);
   static const double LONGER[] = {1, 10, 100, 0.1, 1000};
   n_rest++;
   for (int k = 0; k < CHANGES; k++) {
@@ -233,7 +237,21 @@ static vs_status run(void *circuit, vs_error *err) {
     if (left > RESTART_S) {
       h = most;
       status = step(c, &h, &taken, &jumps, err);
-      n_acc++; n_cut += jumps; if (getenv("DBG2")) { int w=0; double best=0; for (int k=0;k<c->e.n;k++) { double q=c->counts[k]*fabs(c->r.error[k])/(fmax(fabs(c->r.y[k]),fabs(c->r.next[k]))+c->of_peak[k]*c->peak[k]+c->small[k])/c->of_tolerance[k]; if (q>best) best=q,w=k; } fprintf(stderr,"S %.9g %.3g %s %d %d\n", c->r.t_s, taken, c->e.name[w], parts_of(c), jumps); }
+      n_acc++;
+      n_cut += jumps;
+      if (getenv("DBG2")) {
+        int w = 0;
+        double best = 0;
+        for (int k = 0; k < c->e.n; k++) {
+          double q = c->counts[k] * fabs(c->r.error[k]) /
+                     (fmax(fabs(c->r.y[k]), fabs(c->r.next[k])) + c->of_peak[k] * c->peak[k] +
+                      c->small[k]) /
+                     c->of_tolerance[k];
+          if (q > best) best = q, w = k;
+        }
+        fprintf(stderr, "S %.9g %.3g %s %d %d\n", c->r.t_s, taken, c->e.name[w], parts_of(c),
+                jumps);
+      }
       if (!status && !(taken > 0)) {
         if (last_stuck_s == c->r.t_s - RESTART_S) return give_up(c, "no step is short enough", err);
         vs_equations_mass(&c->e, c->r.y, c->charge);
@@ -254,7 +272,10 @@ static vs_status run(void *circuit, vs_error *err) {
     status = restart(c, c->charge, err);
     h = FIRST_S;
   }
-  if (getenv("DBG")) fprintf(stderr, "n %d tries %ld accepted %ld restarts %ld stuck %ld cuts %ld nnz %d ops %d\n", c->e.n, n_try, n_acc, n_rest, n_stuck, n_cut, c->e.matrix.filled, c->e.matrix.eliminations);
+  if (getenv("DBG"))
+    fprintf(stderr, "n %d tries %ld accepted %ld restarts %ld stuck %ld cuts %ld nnz %d ops %d\n",
+            c->e.n, n_try, n_acc, n_rest, n_stuck, n_cut, c->e.matrix.filled,
+            c->e.matrix.eliminations);
   return status;
 }
 
@@ -287,8 +308,9 @@ static vs_status find_signals(compiled *c, vs_error *err) {
   c->of_peak = vs_alloc((size_t)c->e.n, sizeof *c->of_peak);
   for (int k = 0; k < c->e.n; k++) {
     c->counts[k] = c->e.name[k][0] != 'i';
+    const bool moves = k >= c->e.machine && k < c->e.machine + c->e.states;
     c->of_peak[k] = OF_PEAK;
-    c->small[k] = c->e.name[k][0] == 'i' ? current_a : SMALL_V;
+    c->small[k] = moves ? SMALL_M : c->e.name[k][0] == 'i' ? current_a : SMALL_V;
   }
   for (int k = 0; k < c->e.n; k++) c->of_tolerance[k] = NO_MEMORY * OF_TOLERANCE;
   for (int k = 0; k < c->e.masses; k++) {
@@ -313,7 +335,7 @@ static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, vo
   compiled *c = *circuit = vs_alloc(1, sizeof *c);
   c->job = job;
   c->host = host;
-  vs_status status = vs_equations_make(job, &c->e, err);
+  vs_status status = vs_equations_make(job, host, &c->e, err);
   if (!status) status = find_signals(c, err);
   if (status) return status;
   const vs_rodas_drive of_host = {c, drive};

@@ -255,6 +255,24 @@ static int port_of(const making *m, const placed *p) {
   return port;
 }
 
+/* A source that is the machine's gap or the like: it is linear in the machine's states. False: it
+ * is another one. */
+static bool add_of_machine(making *m, int row, int port, double factor) {
+  const vs_circuit_machine *machine = &m->e->host->machine;
+  double x[VS_MACHINE_STATES] = {0}, at_rest, value;
+  if (row < 0 || port < 0 || !machine->port ||
+      !machine->port(m->e->host->ctx, (size_t)port, x, &at_rest))
+    return false;
+  add_source(m, row, -1, factor, at_rest);
+  for (int k = 0; k < m->e->states; k++) {
+    x[k] = 1;
+    machine->port(m->e->host->ctx, (size_t)port, x, &value);
+    x[k] = 0;
+    add_linear(m, row, m->e->machine + k, factor * (value - at_rest));
+  }
+  return true;
+}
+
 /* V and I: external, or a constant. */
 static vs_status add_independent(making *m, const placed *p) {
   const vs_netlist_card *card = &m->cards->card[p->card];
@@ -269,7 +287,7 @@ static vs_status add_independent(making *m, const placed *p) {
   if (status) return status;
   if (card->letter == 'v') {
     add_branch(m, a, b, p->branch);
-    add_source(m, p->branch, port, -1, constant);
+    if (!add_of_machine(m, p->branch, port, -1)) add_source(m, p->branch, port, -1, constant);
   } else {
     add_source(m, a, port, -1, constant);
     add_source(m, b, port, 1, constant);
@@ -319,7 +337,8 @@ static vs_status add_by_current(making *m, const placed *p) {
 
 static vs_status add_expression(making *m, const placed *p) {
   const vs_netlist_card *card = &m->cards->card[p->card];
-  vs_word current = vs_cards_value(m->cards, card, "i"), times = vs_cards_value(m->cards, card, "m");
+  vs_word current = vs_cards_value(m->cards, card, "i"),
+          times = vs_cards_value(m->cards, card, "m");
   vs_word text = current.n ? current : vs_cards_value(m->cards, card, "v");
   double factor = 1;
   vs_status status = allow_only(m, p, "i v m");
@@ -473,14 +492,12 @@ static const struct sort {
   char letter;
   vs_status (*add)(making *m, const placed *p);
   bool has_branch;
-} SORTS[] = {{'r', add_resistor, false},   {'c', add_capacitor, false},
-             {'l', add_inductor, true},    {'k', add_coupling, false},
-             {'v', add_independent, true}, {'i', add_independent, false},
-             {'e', add_by_voltage, true},  {'g', add_by_voltage, false},
-             {'f', add_by_current, false}, {'h', add_by_current, true},
-             {'b', add_expression, false}, {'d', add_diode, false},
-             {'q', add_bipolar, false},    {'s', add_switch, false},
-             {'m', add_mosfet, false}};
+} SORTS[] = {
+    {'r', add_resistor, false},  {'c', add_capacitor, false},  {'l', add_inductor, true},
+    {'k', add_coupling, false},  {'v', add_independent, true}, {'i', add_independent, false},
+    {'e', add_by_voltage, true}, {'g', add_by_voltage, false}, {'f', add_by_current, false},
+    {'h', add_by_current, true}, {'b', add_expression, false}, {'d', add_diode, false},
+    {'q', add_bipolar, false},   {'s', add_switch, false},     {'m', add_mosfet, false}};
 
 static const struct sort *sort_of(char letter) {
   for (size_t k = 0; k < sizeof SORTS / sizeof *SORTS; k++)
@@ -529,8 +546,7 @@ static vs_status list_elements(making *m, vs_parameters *in) {
       return blame(m, &p);
     }
     for (size_t n = 0; n < card->nodes; n++) node(m, in, vs_cards_word(m->cards, card, n));
-    if (sort->has_branch ||
-        (card->letter == 'b' && !vs_cards_value(m->cards, card, "i").n)) {
+    if (sort->has_branch || (card->letter == 'b' && !vs_cards_value(m->cards, card, "i").n)) {
       char *name = current_name(in, card->name);
       p.branch = add_unknown(m, name);
       free(name);
@@ -569,6 +585,10 @@ static void make_pattern(vs_equations *e) {
   for (int k = 0; k < e->masses; k++)
     e->mass[k].place = vs_matrix_place(&e->matrix, e->mass[k].row, e->mass[k].column);
   for (int k = 0; k < e->devices; k++) add_places_of(e, &e->device[k]);
+  for (int k = 0; k < e->states; k++) {
+    add_place(e, e->machine + k, e->flux);
+    for (int l = 0; l < e->states; l++) add_place(e, e->machine + k, e->machine + l);
+  }
   e->constant = vs_alloc((size_t)e->matrix.count, sizeof *e->constant);
   for (int k = 0; k < e->linears; k++) e->constant[e->linear[k].place] += e->linear[k].value;
 }
@@ -589,7 +609,20 @@ static void join_entries(const vs_equations *e, vs_entry *list, int *count) {
   free(at);
 }
 
+/* The machine's states are unknowns with a mass of 1. */
+static void add_machine(making *m) {
+  m->e->states = (int)m->e->host->machine.states;
+  m->e->machine = m->e->n;
+  for (int k = 0; k < m->e->states; k++) {
+    char name[32];
+    snprintf(name, sizeof name, "x#%d", k);
+    const int x = add_unknown(m, name);
+    add_mass(m, x, x, 1);
+  }
+}
+
 static vs_status make_equations(making *m, vs_parameters *circuit) {
+  add_machine(m);
   vs_status status = list_elements(m, circuit);
   if (status) return status;
   int unknowns = m->e->n + 2 * (int)m->elements; /* with the inner ones to come */
@@ -599,6 +632,7 @@ static vs_status make_equations(making *m, vs_parameters *circuit) {
     m->err->text[0] = '\0';
     if (sort_of(m->cards->card[p->card].letter)->add(m, p)) return blame(m, p);
   }
+  if (m->e->states) m->e->flux = find_unknown(m->e, m->job->signals[m->e->host->machine.flux]);
   if (m->e->n > VS_MATRIX_MOST)
     return vs_fail(m->err, VS_INPUT, "tier compiled: %d unknowns; at most %d are", m->e->n,
                    VS_MATRIX_MOST);
@@ -608,11 +642,12 @@ static vs_status make_equations(making *m, vs_parameters *circuit) {
   return VS_OK;
 }
 
-vs_status vs_equations_make(const vs_circuit_job *job, vs_equations *e, vs_error *err) {
+vs_status vs_equations_make(const vs_circuit_job *job, const vs_circuit_host *host, vs_equations *e,
+                            vs_error *err) {
   vs_line *lines = vs_alloc(job->lines, sizeof *lines);
   vs_cards cards;
   vs_parameters circuit = {0};
-  *e = (vs_equations){0};
+  *e = (vs_equations){.host = host};
   for (size_t k = 0; k < job->lines; k++)
     vs_line_join(&lines[k], k ? job->netlist[k] : "* title", (vs_where){0});
   vs_cards_read(&cards, lines, job->lines);
@@ -671,6 +706,25 @@ static void slope_of(const vs_equations *e, double *jacobian, int a, int b, int 
   add_to(e, jacobian, a, d, g);
   add_to(e, jacobian, b, c, g);
   add_to(e, jacobian, b, d, -g);
+}
+
+/* x' of the machine. Its slopes are differences, over steps that are small beside any gap. */
+static void value_of_machine(const vs_equations *e, const double *y, double *f, double *jacobian) {
+  static const double STEP = 1e-7;
+  const vs_circuit_machine *m = &e->host->machine;
+  double x[VS_MACHINE_STATES], rate[VS_MACHINE_STATES];
+  const double flux_wb = at(y, e->flux);
+  memcpy(x, y + e->machine, (size_t)e->states * sizeof *x);
+  m->rates(e->host->ctx, x, flux_wb, f + e->machine);
+  for (int l = 0; jacobian && l <= e->states; l++) {
+    const bool of_flux = l == e->states;
+    if (!of_flux) x[l] += STEP;
+    m->rates(e->host->ctx, x, flux_wb + (of_flux ? STEP : 0), rate);
+    if (!of_flux) x[l] = y[e->machine + l];
+    for (int k = 0; k < e->states; k++)
+      add_to(e, jacobian, e->machine + k, of_flux ? e->flux : e->machine + l,
+             (rate[k] - f[e->machine + k]) / STEP);
+  }
 }
 
 static void value_of_program(const vs_equations *e, const vs_compiled_device *d, const double *y,
@@ -754,8 +808,7 @@ static void value_of_mosfet(vs_equations *e, vs_compiled_device *device, const d
   double slope[2], conductance, c;
   leave(f, d, s, vs_junction_channel(m, vgs, vds, slope));
   const double taken = taken_at(device, 0, &m->body, -vds, limits, limited);
-  leave(f, s, d,
-        vs_junction_current(&m->body, taken, &conductance) + conductance * (-vds - taken));
+  leave(f, s, d, vs_junction_current(&m->body, taken, &conductance) + conductance * (-vds - taken));
   double charge = vs_junction_gate_charge(m, vgs - vds, &c);
   value_of_charge(e, device->charge[0], g, d, charge, c, f, jacobian);
   charge = vs_junction_body_charge(m, -vds, &c);
@@ -773,6 +826,7 @@ bool vs_equations_value(vs_equations *e, const double *y, const double *source, 
   if (jacobian) memcpy(jacobian, e->constant, (size_t)e->matrix.count * sizeof *jacobian);
   for (int k = 0; k < e->linears; k++)
     f[e->linear[k].row] += e->linear[k].value * y[e->linear[k].column];
+  if (e->states) value_of_machine(e, y, f, jacobian);
   for (int k = 0; k < e->sources; k++) f[e->source[k].row] += e->source[k].factor * source[k];
   for (int k = 0; k < e->devices; k++) {
     vs_compiled_device *d = &e->device[k];

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A netlist as equations M y' = f(t, y) in modified nodal form. The unknowns y are the voltages of
- * the nodes, V, the currents through voltage sources and inductors, A, and the charges of diodes, C.
- * A row of a node is the sum of the currents that leave it; M has the capacitances there, F, and in
- * an inductor's row its inductance, H. */
+ * the nodes, V, the currents through voltage sources and inductors, A, the charges of diodes, C,
+ * and the machine's states, SI. A row of a node is the sum of the currents that leave it; M has the
+ * capacitances there, F, and in an inductor's row its inductance, H. */
 #ifndef VS_COMPILED_EQUATIONS_H
 #define VS_COMPILED_EQUATIONS_H
 
@@ -11,6 +11,8 @@
 #include "matrix.h"
 #include "ngspice/circuit.h"
 #include "program.h"
+
+enum { VS_MACHINE_STATES = 64 }; /* at most */
 
 /* A constant of M, or of df/dy. */
 typedef struct vs_entry {
@@ -29,9 +31,9 @@ enum { VS_DEVICE_PROGRAM, VS_DEVICE_DIODE, VS_DEVICE_BIPOLAR, VS_DEVICE_SWITCH, 
 /* An element whose current is no linear function of y. */
 typedef struct vs_compiled_device {
   int kind;
-  int pin[3];  /* nodes: plus and minus; anode and cathode; collector, base, emitter; drain, gate,
-                  source. -1: ground */
-  int branch;  /* of a B source that is a voltage: its row and current; else -1 */
+  int pin[3];    /* nodes: plus and minus; anode and cathode; collector, base, emitter; drain, gate,
+                    source. -1: ground */
+  int branch;    /* of a B source that is a voltage: its row and current; else -1 */
   int charge[2]; /* of a diode with a transit time: its charge; of a MOSFET: between gate and drain,
                     and of its body diode; else -1 */
   int control[2]; /* of a switch: its controlling nodes, or an unknown current and -1 */
@@ -58,12 +60,16 @@ typedef struct vs_equations {
   int sources;
   vs_compiled_device *device;
   int devices;
-  double *charge; /* M y at t = 0, of what the netlist says with ic=; owned */
+  const vs_circuit_host *host; /* borrowed: its machine is a part of the equations */
+  int machine, states, flux;   /* the machine's first unknown, how many it has, and the unknown that
+                                  is   its flux linkage */
+  double *charge;              /* M y at t = 0, of what the netlist says with ic=; owned */
 } vs_equations;
 
 /* Makes the equations of a job's netlist. Errors: VS_INPUT names the element that is not known
  * here. vs_equations_free is due also after an error. */
-vs_status vs_equations_make(const vs_circuit_job *job, vs_equations *e, vs_error *err);
+vs_status vs_equations_make(const vs_circuit_job *job, const vs_circuit_host *host, vs_equations *e,
+                            vs_error *err);
 void vs_equations_free(vs_equations *e);
 
 /* Which unknown a signal's name is; -1: "v(0)"; -2: there is none. */

@@ -32,7 +32,8 @@ static vs_status read_model(const vs_cards *c, vs_parameters *in, const vs_netli
   return VS_OK;
 }
 
-/* The solver's own breakdown voltage: that at which the reverse current is ibv, by both branches. */
+/* The solver's own breakdown voltage: that at which the reverse current is ibv, by both branches.
+ */
 static double corrected_breakdown(const vs_diode *d, double bv, double ibv) {
   const double vt = VS_JUNCTION_VT, is = d->saturation_a;
   double x = bv;
@@ -50,9 +51,9 @@ vs_status vs_junction_diode(const vs_cards *c, vs_parameters *in, const vs_netli
                             vs_diode *d, vs_error *err) {
   double bv = INFINITY, ibv = 1e-3, nbv = NAN;
   *d = (vs_diode){.saturation_a = 1e-14, .n = 1};
-  const parameter known[] = {{"is", &d->saturation_a}, {"n", &d->n},   {"bv", &bv},
-                             {"ibv", &ibv},            {"nbv", &nbv},  {"rs", &d->resistance_ohm},
-                             {"tt", &d->transit_s}};
+  const parameter known[] = {
+      {"is", &d->saturation_a},   {"n", &d->n},         {"bv", &bv}, {"ibv", &ibv}, {"nbv", &nbv},
+      {"rs", &d->resistance_ohm}, {"tt", &d->transit_s}};
   vs_status status = read_model(c, in, model, known, sizeof known / sizeof *known, err);
   d->nbv = isnan(nbv) ? d->n : nbv;
   d->breakdown_v = isfinite(bv) ? corrected_breakdown(d, bv, ibv) : INFINITY;
@@ -66,10 +67,8 @@ vs_status vs_junction_bipolar(const vs_cards *c, vs_parameters *in, const vs_net
                     .forward = 100,
                     .reverse = 1,
                     .way = vs_words_is(model->model, "pnp") ? -1 : 1};
-  const parameter known[] = {{"is", &q->junction.saturation_a},
-                             {"bf", &q->forward},
-                             {"br", &q->reverse},
-                             {"vaf", &vaf}};
+  const parameter known[] = {
+      {"is", &q->junction.saturation_a}, {"bf", &q->forward}, {"br", &q->reverse}, {"vaf", &vaf}};
   vs_status status = read_model(c, in, model, known, sizeof known / sizeof *known, err);
   q->early_v = vaf;
   return status;
@@ -207,7 +206,8 @@ double vs_junction_gate_charge(const vs_vdmos *q, double v, double *capacitance)
 double vs_junction_body_charge(const vs_vdmos *q, double v, double *capacitance) {
   const double half = 0.5, m = q->m, vj = q->vj_v, knee_v = half * vj;
   const double below_v = fmin(v, knee_v), rest = 1 - below_v / vj;
-  const double c = q->cjo_f * pow(rest, -m), charge = q->cjo_f * vj * (1 - pow(rest, 1 - m)) / (1 - m);
+  const double c = q->cjo_f * pow(rest, -m),
+               charge = q->cjo_f * vj * (1 - pow(rest, 1 - m)) / (1 - m);
   const double over_v = v - below_v, bend = c * m / (vj * rest);
   *capacitance = c + bend * over_v;
   return charge + over_v * (c + bend * over_v / 2);

@@ -40,8 +40,8 @@ typedef struct vs_bipolar {
   double way;     /* +1: npn, -1: pnp */
 } vs_bipolar;
 
-vs_status vs_junction_bipolar(const vs_cards *cards, vs_parameters *in, const vs_netlist_card *model,
-                              vs_bipolar *bipolar, vs_error *err);
+vs_status vs_junction_bipolar(const vs_cards *cards, vs_parameters *in,
+                              const vs_netlist_card *model, vs_bipolar *bipolar, vs_error *err);
 
 /* The currents into collector and base, A, for an npn at vbe and vbc; dc, db: their slopes by vbe
  * and vbc. */

@@ -30,8 +30,8 @@ static const double THRESHOLD = 1e-3, NOTHING = 1e-200;
 
 typedef struct ordering {
   int n;
-  double *a;         /* n x n, the rows scaled */
-  bool *there;       /* n x n, the pattern with fill-in */
+  double *a;          /* n x n, the rows scaled */
+  bool *there;        /* n x n, the pattern with fill-in */
   bool *row, *column; /* what is used up */
 } ordering;
 

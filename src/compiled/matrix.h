@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A sparse matrix of fixed pattern, and its LU factors in an order of pivots that is found once:
- * Markowitz', among the pivots that are not small beside their row and column. Factors and solutions
- * are lists of operations that a loop goes through. */
+ * Markowitz', among the pivots that are not small beside their row and column. Factors and
+ * solutions are lists of operations that a loop goes through. */
 #ifndef VS_COMPILED_MATRIX_H
 #define VS_COMPILED_MATRIX_H
 

@@ -37,13 +37,13 @@ static double sign_power(double x, double y) {
 static const struct of_one {
   const char *name;
   vs_parameters_of_one *of;
-} OF_ONE[] = {{"abs", fabs},       {"sqrt", sqrt},     {"exp", exp},       {"ln", log},
-              {"log", log},        {"log10", log10},   {"sgn", sign},      {"sin", sin},
-              {"cos", cos},        {"tan", tan},       {"asin", asin},     {"acos", acos},
-              {"atan", atan},      {"arctan", atan},   {"sinh", sinh},     {"cosh", cosh},
-              {"tanh", tanh},      {"asinh", asinh},   {"acosh", acosh},   {"atanh", atanh},
-              {"floor", floor},    {"ceil", ceil},     {"nint", nearbyint}, {"int", trunc},
-              {"sqr", square},     {"u", unit_step},   {"uramp", ramp},    {"u2", saturate}};
+} OF_ONE[] = {{"abs", fabs},    {"sqrt", sqrt},   {"exp", exp},        {"ln", log},
+              {"log", log},     {"log10", log10}, {"sgn", sign},       {"sin", sin},
+              {"cos", cos},     {"tan", tan},     {"asin", asin},      {"acos", acos},
+              {"atan", atan},   {"arctan", atan}, {"sinh", sinh},      {"cosh", cosh},
+              {"tanh", tanh},   {"asinh", asinh}, {"acosh", acosh},    {"atanh", atanh},
+              {"floor", floor}, {"ceil", ceil},   {"nint", nearbyint}, {"int", trunc},
+              {"sqr", square},  {"u", unit_step}, {"uramp", ramp},     {"u2", saturate}};
 static const struct of_two {
   const char *name;
   vs_parameters_of_two *of;
@@ -63,24 +63,51 @@ vs_parameters_of_two *vs_parameters_function_2(vs_word name) {
 
 bool vs_parameters_operate(vs_word op, double x, double y, double *value) {
   switch (op.n == 2 ? *op.at + 256 * op.at[1] : *op.at) {
-  case '+': *value = x + y; return true;
-  case '-': *value = x - y; return true;
-  case '*': *value = x * y; return true;
-  case '/': *value = x / y; return true;
+  case '+':
+    *value = x + y;
+    return true;
+  case '-':
+    *value = x - y;
+    return true;
+  case '*':
+    *value = x * y;
+    return true;
+  case '/':
+    *value = x / y;
+    return true;
   case '^':
-  case '*' + 256 * '*': *value = power(x, y); return true;
-  case '<': *value = x < y; return true;
-  case '>': *value = x > y; return true;
-  case '<' + 256 * '=': *value = x <= y; return true;
-  case '>' + 256 * '=': *value = x >= y; return true;
-  case '=' + 256 * '=': *value = x == y; return true;
+  case '*' + 256 * '*':
+    *value = power(x, y);
+    return true;
+  case '<':
+    *value = x < y;
+    return true;
+  case '>':
+    *value = x > y;
+    return true;
+  case '<' + 256 * '=':
+    *value = x <= y;
+    return true;
+  case '>' + 256 * '=':
+    *value = x >= y;
+    return true;
+  case '=' + 256 * '=':
+    *value = x == y;
+    return true;
   case '!' + 256 * '=':
-  case '<' + 256 * '>': *value = x != y; return true;
+  case '<' + 256 * '>':
+    *value = x != y;
+    return true;
   case '&':
-  case '&' + 256 * '&': *value = x != 0 && y != 0; return true;
+  case '&' + 256 * '&':
+    *value = x != 0 && y != 0;
+    return true;
   case '|':
-  case '|' + 256 * '|': *value = x != 0 || y != 0; return true;
-  default: return false;
+  case '|' + 256 * '|':
+    *value = x != 0 || y != 0;
+    return true;
+  default:
+    return false;
   }
 }
 
@@ -147,7 +174,7 @@ static vs_status value_of_call(const vs_cards *c, vs_parameters *in, const vs_ex
                                const vs_binding *bound, double *value, vs_error *err);
 
 vs_status vs_parameters_of_tree(const vs_cards *c, vs_parameters *in, const vs_expr *e, size_t node,
-                            const vs_binding *bound, double *value, vs_error *err) {
+                                const vs_binding *bound, double *value, vs_error *err) {
   const vs_expr_node *n = &e->node[node];
   double x = 0, y = 0;
   vs_status status = VS_OK;
@@ -171,8 +198,7 @@ vs_status vs_parameters_of_tree(const vs_cards *c, vs_parameters *in, const vs_e
     return status;
   case VS_EXPR_OPERATOR:
     status = vs_parameters_of_tree(c, in, e, n->child, bound, &x, err);
-    if (!status)
-      status = vs_parameters_of_tree(c, in, e, e->node[n->child].next, bound, &y, err);
+    if (!status) status = vs_parameters_of_tree(c, in, e, e->node[n->child].next, bound, &y, err);
     if (status) return status;
     if (vs_parameters_operate(n->word, x, y, value)) return VS_OK;
     break;
@@ -181,8 +207,10 @@ vs_status vs_parameters_of_tree(const vs_cards *c, vs_parameters *in, const vs_e
     if (status) return status;
     node = e->node[n->child].next;
     return vs_parameters_of_tree(c, in, e, x != 0 ? node : e->node[node].next, bound, value, err);
-  case VS_EXPR_CALL: return value_of_call(c, in, e, node, bound, value, err);
-  default: break;
+  case VS_EXPR_CALL:
+    return value_of_call(c, in, e, node, bound, value, err);
+  default:
+    break;
   }
   return vs_fail(err, VS_INPUT, "'%.*s' is no number here", (int)n->whole.n, n->whole.at);
 }
@@ -204,7 +232,7 @@ static vs_status value_of_function(const vs_cards *c, vs_parameters *in,
   vs_expr body;
   vs_expr_read(&body, d->body);
   vs_status status = vs_parameters_of_tree(c, in, &body, body.node[0].child,
-                                       count ? &own[count - 1] : NULL, value, err);
+                                           count ? &own[count - 1] : NULL, value, err);
   vs_expr_free(&body);
   return status;
 }
@@ -240,13 +268,12 @@ static vs_status value_of_call(const vs_cards *c, vs_parameters *in, const vs_ex
 }
 
 vs_status vs_parameters_of(const vs_cards *c, vs_parameters *in, vs_word text, double *value,
-                       vs_error *err) {
+                           vs_error *err) {
   if (vs_numbers_read(text, value)) return VS_OK;
   vs_expr e;
   vs_expr_read(&e, text);
-  vs_status status = e.whole
-                         ? vs_parameters_of_tree(c, in, &e, e.node[0].child, NULL, value, err)
-                         : vs_fail(err, VS_INPUT, "'%.*s' is no number", (int)text.n, text.at);
+  vs_status status = e.whole ? vs_parameters_of_tree(c, in, &e, e.node[0].child, NULL, value, err)
+                             : vs_fail(err, VS_INPUT, "'%.*s' is no number", (int)text.n, text.at);
   vs_expr_free(&e);
   return status;
 }

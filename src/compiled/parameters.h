@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What the parameters of a netlist come to, as ngspice reads them: a name within an instance is its
- * own argument, else a parameter of its subcircuit, else what it means where the instance stands. */
+ * own argument, else a parameter of its subcircuit, else what it means where the instance stands.
+ */
 #ifndef VS_COMPILED_PARAMETERS_H
 #define VS_COMPILED_PARAMETERS_H
 
@@ -19,7 +20,7 @@ typedef struct vs_value {
 typedef struct vs_parameters {
   vs_instance in;
   struct vs_parameters *caller; /* the instance that it stands in; NULL: it is the circuit */
-  vs_value *known;          /* owned */
+  vs_value *known;              /* owned */
   size_t count;
 } vs_parameters;
 
@@ -33,14 +34,14 @@ typedef struct vs_binding {
 /* What stands for a number in an element's line: 10k, {r1*2}, 'r1', r1. Errors name what cannot be
  * told. */
 vs_status vs_parameters_of(const vs_cards *cards, vs_parameters *in, vs_word text, double *value,
-                       vs_error *err);
+                           vs_error *err);
 
 /* The value of one tree of an expression. */
-vs_status vs_parameters_of_tree(const vs_cards *cards, vs_parameters *in, const vs_expr *e, size_t node,
-                            const vs_binding *bound, double *value, vs_error *err);
+vs_status vs_parameters_of_tree(const vs_cards *cards, vs_parameters *in, const vs_expr *e,
+                                size_t node, const vs_binding *bound, double *value, vs_error *err);
 
-/* A function of one value that both parameters and B sources have, by its name; NULL: there is none.
- * Of two: vs_parameters_function_2. */
+/* A function of one value that both parameters and B sources have, by its name; NULL: there is
+ * none. Of two: vs_parameters_function_2. */
 typedef double vs_parameters_of_one(double x);
 typedef double vs_parameters_of_two(double x, double y);
 vs_parameters_of_one *vs_parameters_function(vs_word name);

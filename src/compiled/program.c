@@ -139,8 +139,8 @@ static int write_line(writing *w, const vs_expr_node *n, const int *given, size_
     if (op < 0) return -1;
     if (k == 1) first = op;
   }
-  return add_op(w, (vs_program_op){
-                       .kind = LINE, .a = given[0], .b = first, .c = (int)((count - 1) / 2)});
+  return add_op(
+      w, (vs_program_op){.kind = LINE, .a = given[0], .b = first, .c = (int)((count - 1) / 2)});
 }
 
 static int write_call(writing *w, const vs_expr *e, size_t node, const bound_op *bound) {
@@ -206,7 +206,8 @@ static int write_tree(writing *w, const vs_expr *e, size_t node, const bound_op 
   case VS_EXPR_NUMBER:
     if (vs_parameters_of_tree(w->cards, w->in, e, node, NULL, &value, w->err)) return -1;
     return add_constant(w, value);
-  case VS_EXPR_BRACKET: return n->child ? write_tree(w, e, n->child, bound) : refuse(w, n->whole);
+  case VS_EXPR_BRACKET:
+    return n->child ? write_tree(w, e, n->child, bound) : refuse(w, n->whole);
   case VS_EXPR_SIGN:
     a = write_tree(w, e, n->child, bound);
     if (a < 0 || *n->word.at == '+') return a;
@@ -214,15 +215,18 @@ static int write_tree(writing *w, const vs_expr *e, size_t node, const bound_op 
     if (is_constant(w, a)) return add_constant(w, -w->p->op[a].value);
     b = add_constant(w, 0);
     return b < 0 ? -1 : add_two(w, SUBTRACT, b, a, NULL);
-  case VS_EXPR_OPERATOR: return write_operator(w, e, n, bound);
+  case VS_EXPR_OPERATOR:
+    return write_operator(w, e, n, bound);
   case VS_EXPR_CHOICE:
     a = write_tree(w, e, n->child, bound);
     node = e->node[n->child].next;
     b = a < 0 ? -1 : write_tree(w, e, node, bound);
     c = b < 0 ? -1 : write_tree(w, e, e->node[node].next, bound);
     return c < 0 ? -1 : add_op(w, (vs_program_op){CHOICE, a, b, c, 0, NULL});
-  case VS_EXPR_CALL: return write_call(w, e, node, bound);
-  default: return refuse(w, n->whole);
+  case VS_EXPR_CALL:
+    return write_call(w, e, node, bound);
+  default:
+    return refuse(w, n->whole);
   }
 }
 
@@ -335,28 +339,54 @@ static void go_forward(const vs_program *p, const double *y, double *v) {
     const vs_program_op *op = &p->op[k];
     switch (op->kind) {
     case CONSTANT:
-    case POINT: v[k] = op->value; break;
+    case POINT:
+      v[k] = op->value;
+      break;
     case SIGNAL: {
       const vs_program_signal *s = &p->signal[op->a];
       v[k] = (s->plus < 0 ? 0 : y[s->plus]) - (s->minus < 0 ? 0 : y[s->minus]);
       break;
     }
-    case ADD: v[k] = v[op->a] + v[op->b]; break;
-    case SUBTRACT: v[k] = v[op->a] - v[op->b]; break;
-    case MULTIPLY: v[k] = v[op->a] * v[op->b]; break;
-    case DIVIDE: v[k] = v[op->a] / v[op->b]; break;
-    case POWER: v[k] = power_of(v[op->a], v[op->b]); break;
-    case SIGN_POWER: v[k] = copysign(pow(fabs(v[op->a]), v[op->b]), v[op->a]); break;
-    case MINIMUM: v[k] = fmin(v[op->a], v[op->b]); break;
-    case MAXIMUM: v[k] = fmax(v[op->a], v[op->b]); break;
+    case ADD:
+      v[k] = v[op->a] + v[op->b];
+      break;
+    case SUBTRACT:
+      v[k] = v[op->a] - v[op->b];
+      break;
+    case MULTIPLY:
+      v[k] = v[op->a] * v[op->b];
+      break;
+    case DIVIDE:
+      v[k] = v[op->a] / v[op->b];
+      break;
+    case POWER:
+      v[k] = power_of(v[op->a], v[op->b]);
+      break;
+    case SIGN_POWER:
+      v[k] = copysign(pow(fabs(v[op->a]), v[op->b]), v[op->a]);
+      break;
+    case MINIMUM:
+      v[k] = fmin(v[op->a], v[op->b]);
+      break;
+    case MAXIMUM:
+      v[k] = fmax(v[op->a], v[op->b]);
+      break;
     case FUNCTION:
       v[k] = op->of == exp && v[op->a] > STEEPEST ? exp(STEEPEST) * (1 + v[op->a] - STEEPEST)
                                                   : op->of(v[op->a]);
       break;
-    case LINE: v[k] = line_value(p, op, v[op->a], &slope); break;
-    case COMPARE: v[k] = compare(op->c, v[op->a], v[op->b]); break;
-    case CHOICE: v[k] = op->value != 0 ? v[op->b] : v[op->c]; break;
-    default: v[k] = op->value; break; /* STEP, SIGN */
+    case LINE:
+      v[k] = line_value(p, op, v[op->a], &slope);
+      break;
+    case COMPARE:
+      v[k] = compare(op->c, v[op->a], v[op->b]);
+      break;
+    case CHOICE:
+      v[k] = op->value != 0 ? v[op->b] : v[op->c];
+      break;
+    default:
+      v[k] = op->value;
+      break; /* STEP, SIGN */
     }
   }
 }
@@ -373,11 +403,21 @@ static void go_back(const vs_program *p, const double *v, double *slope) {
     const double g = d[k];
     if (g == 0) continue;
     switch (op->kind) {
-    case SIGNAL: slope[op->a] += g; break;
-    case ADD: d[op->a] += g, d[op->b] += g; break;
-    case SUBTRACT: d[op->a] += g, d[op->b] -= g; break;
-    case MULTIPLY: d[op->a] += g * v[op->b], d[op->b] += g * v[op->a]; break;
-    case DIVIDE: d[op->a] += g / v[op->b], d[op->b] -= g * v[k] / v[op->b]; break;
+    case SIGNAL:
+      slope[op->a] += g;
+      break;
+    case ADD:
+      d[op->a] += g, d[op->b] += g;
+      break;
+    case SUBTRACT:
+      d[op->a] += g, d[op->b] -= g;
+      break;
+    case MULTIPLY:
+      d[op->a] += g * v[op->b], d[op->b] += g * v[op->a];
+      break;
+    case DIVIDE:
+      d[op->a] += g / v[op->b], d[op->b] -= g * v[k] / v[op->b];
+      break;
     case POWER:
     case SIGN_POWER: {
       const double a = v[op->a], b = v[op->b], size = fabs(a);
@@ -386,15 +426,24 @@ static void go_back(const vs_program *p, const double *v, double *slope) {
       if (p->op[op->b].kind != CONSTANT && size > 0) d[op->b] += g * v[k] * log(size);
       break;
     }
-    case MINIMUM: d[v[op->a] <= v[op->b] ? op->a : op->b] += g; break;
-    case MAXIMUM: d[v[op->a] >= v[op->b] ? op->a : op->b] += g; break;
-    case FUNCTION: d[op->a] += g * slope_of(op->of, v[op->a], v[k]); break;
+    case MINIMUM:
+      d[v[op->a] <= v[op->b] ? op->a : op->b] += g;
+      break;
+    case MAXIMUM:
+      d[v[op->a] >= v[op->b] ? op->a : op->b] += g;
+      break;
+    case FUNCTION:
+      d[op->a] += g * slope_of(op->of, v[op->a], v[k]);
+      break;
     case LINE:
       line_value(p, op, v[op->a], &at);
       d[op->a] += g * at;
       break;
-    case CHOICE: d[op->value != 0 ? op->b : op->c] += g; break;
-    default: break;
+    case CHOICE:
+      d[op->value != 0 ? op->b : op->c] += g;
+      break;
+    default:
+      break;
     }
   }
 }

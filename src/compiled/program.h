@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The expression of a B source, made ready to be evaluated with its slopes. Where it chooses between
- * branches, by a ? b : c, u(), sgn() or the like, the branch is held for as long as a step of the
- * integration lasts, so that the expression is smooth within it; vs_program_chooses tells whether
- * another one is due. */
+ * The expression of a B source, made ready to be evaluated with its slopes. Where it chooses
+ * between branches, by a ? b : c, u(), sgn() or the like, the branch is held for as long as a step
+ * of the integration lasts, so that the expression is smooth within it; vs_program_chooses tells
+ * whether another one is due. */
 #ifndef VS_COMPILED_PROGRAM_H
 #define VS_COMPILED_PROGRAM_H
 

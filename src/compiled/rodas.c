@@ -10,12 +10,12 @@
 
 /* RODAS' coefficients, in the form that needs no product with the Jacobian. */
 static const double GAMMA = 0.25;
-static const double A[5][5] = {{1.544},
-                               {0.9466785280815826, 0.2557011698983284},
-                               {3.314825187068521, 2.896124015972201, 0.9986419139977817},
-                               {1.221224509226641, 6.019134481288629, 12.53708332932087,
-                                -0.6878860361058950},
-                               {0}};
+static const double A[5][5] = {
+    {1.544},
+    {0.9466785280815826, 0.2557011698983284},
+    {3.314825187068521, 2.896124015972201, 0.9986419139977817},
+    {1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950},
+    {0}};
 static const double C[5][5] = {
     {-5.6688},
     {-2.430093356833875, -0.2063599157091915},
@@ -36,8 +36,8 @@ void vs_rodas_begin(vs_rodas *r, vs_equations *e, const vs_rodas_drive *drive) {
   const size_t n = (size_t)e->n, values = n * n, sources = (size_t)e->sources + 1;
   *r = (vs_rodas){.e = e, .drive = *drive};
   double *next = r->memory = vs_alloc(VECTORS * n + 3 * values + 4 * sources, sizeof *next);
-  double **vectors[VECTORS] = {&r->y,    &r->next, &r->error,   &r->bend[0], &r->bend[1],
-                               &r->k[0], &r->k[1], &r->k[2],    &r->k[3],    &r->k[4],
+  double **vectors[VECTORS] = {&r->y,    &r->next,    &r->error,   &r->bend[0], &r->bend[1],
+                               &r->k[0], &r->k[1],    &r->k[2],    &r->k[3],    &r->k[4],
                                &r->k[5], &r->work[0], &r->work[1], &r->work[2], &r->work[3]};
   for (int k = 0; k < VECTORS; k++, next += n) *vectors[k] = next;
   r->jacobian = next;
@@ -146,7 +146,8 @@ void vs_rodas_dense(const vs_rodas *r, double part, double *y) {
 
 /* ---- a restart ---- */
 
-/* Newton's iteration ends where its correction is below this: rounding, where a node has 1e-20 F. */
+/* Newton's iteration ends where its correction is below this: rounding, where a node has 1e-20 F.
+ */
 enum { ITERATIONS = 200 };
 static const double LEAST_A = 1e-6, LEAST_V = 1e-8, OF_SIZE = 1e-7;
 
@@ -170,7 +171,17 @@ bool vs_rodas_restart(vs_rodas *r, const double *charge, double h) {
       most = fmax(most, fabs(change[i]) / (least + OF_SIZE * fabs(r->next[i])));
       r->next[i] += change[i];
     }
-    if (getenv("DBG3")) { int w=0; double b2=0; for (int i=0;i<n;i++) { double q=fabs(change[i])/((e->name[i][0]=='i'?LEAST_A:LEAST_V)+OF_SIZE*fabs(r->next[i])); if (!(q<=b2)) b2=q,w=i; } fprintf(stderr,"t %g h %g turn %d %s %g %g lim %d\n", r->t_s, h, turn, e->name[w], r->next[w], change[w], limited); }
+    if (getenv("DBG3")) {
+      int w = 0;
+      double b2 = 0;
+      for (int i = 0; i < n; i++) {
+        double q = fabs(change[i]) /
+                   ((e->name[i][0] == 'i' ? LEAST_A : LEAST_V) + OF_SIZE * fabs(r->next[i]));
+        if (!(q <= b2)) b2 = q, w = i;
+      }
+      fprintf(stderr, "t %g h %g turn %d %s %g %g lim %d\n", r->t_s, h, turn, e->name[w],
+              r->next[w], change[w], limited);
+    }
     if (!isfinite(most)) return false;
     if (most <= 1 && !limited) return true;
   }

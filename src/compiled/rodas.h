@@ -17,13 +17,13 @@ typedef struct vs_rodas_drive {
 typedef struct vs_rodas {
   vs_equations *e;
   vs_rodas_drive drive;
-  double *y, *next, *error;  /* the last state, that after the step, and the error of that */
-  double *bend[2];           /* of the dense output */
+  double *y, *next, *error; /* the last state, that after the step, and the error of that */
+  double *bend[2];          /* of the dense output */
   double *jacobian, *factors, *matrix;
   double *k[6], *work[4], *source[4];
-  double *memory;    /* owned: all of these */
-  bool ordered;      /* the order of the pivots is known */
-  bool fresh;        /* the Jacobian is that of y at t_s */
+  double *memory; /* owned: all of these */
+  bool ordered;   /* the order of the pivots is known */
+  bool fresh;     /* the Jacobian is that of y at t_s */
   double t_s;
 } vs_rodas;
 
@@ -38,13 +38,12 @@ void vs_rodas_dense(const vs_rodas *r, double part, double *y);
 /* One unknown of it. */
 static inline double vs_rodas_dense_of(const vs_rodas *r, int k, double part) {
   const double rest = 1 - part;
-  return r->y[k] * rest +
-         part * (r->next[k] + rest * (r->bend[0][k] + part * r->bend[1][k]));
+  return r->y[k] * rest + part * (r->next[k] + rest * (r->bend[0][k] + part * r->bend[1][k]));
 }
 
-/* Takes a step of h by the backward Euler rule, solved by Newton's iteration with limited junctions,
- * into next: behind a jump, where no slope is known. charge: M y at its beginning. False: it did not
- * converge. */
+/* Takes a step of h by the backward Euler rule, solved by Newton's iteration with limited
+ * junctions, into next: behind a jump, where no slope is known. charge: M y at its beginning.
+ * False: it did not converge. */
 bool vs_rodas_restart(vs_rodas *r, const double *charge, double h);
 
 /* The step that was tried, or the restart, is taken: y becomes next. */

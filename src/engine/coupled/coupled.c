@@ -37,14 +37,15 @@
 #include "engine/signals.h"
 #include "netlist/location.h"
 #include "netlist/netlist.h"
+#include "plant/coil.h"
 
 /* A run under way. */
 typedef struct coupling {
   const vs_setup *setup;
   const vs_run_order *order;
   vs_pace pace;
-  bool measures_errors; /* the solver knows the errors of its own steps: none of the rules here for a
-                           rule of second order holds */
+  bool measures_errors; /* the solver knows the errors of its own steps: none of the rules here for
+                           a rule of second order holds */
   vs_swing swing;
   vs_truncation truncation;
   vs_signal_map *names; /* owned */
@@ -206,9 +207,9 @@ static bool begins_with_a_jump(const coupling *c, double solver_s) {
          vs_timeline_voltage(&c->trajectory.setup->timeline, 0) != 0;
 }
 
-/* The machine is foretold over a step by a Taylor polynomial of third order (trajectory.c). The next
- * term is (w h)^4/24 of its amplitude, with w of the fastest mode, and is held to FORETOLD of the
- * tolerance. */
+/* The machine is foretold over a step by a Taylor polynomial of third order (trajectory.c). The
+ * next term is (w h)^4/24 of its amplitude, with w of the fastest mode, and is held to FORETOLD of
+ * the tolerance. */
 static const double FORETOLD = 1;
 
 static double longest_foretold(const coupling *c) {
@@ -277,6 +278,34 @@ static double source_value(void *ctx, size_t port, double solver_s) {
   coupling *c = ctx;
   bool again = solver_s == c->asked_s && c->told[port].asking == c->asking;
   return again ? c->told[port].value : tell_source(c, port, solver_s);
+}
+
+/* The machine, for a solver that has it in its equations. */
+static void machine_state(void *ctx, double *x) {
+  const coupling *c = ctx;
+  memcpy(x, vs_trajectory_last(&c->trajectory)->x,
+         2 * (size_t)c->trajectory.frame.model->dof * sizeof *x);
+}
+
+static void machine_rates(void *ctx, const double *x, double flux_wb, double *rate) {
+  const coupling *c = ctx;
+  vs_trajectory_rates(&c->trajectory, x, flux_wb, rate);
+}
+
+static bool machine_port(void *ctx, size_t port, const double *x, double *value) {
+  const coupling *c = ctx;
+  const vs_model *m = c->trajectory.frame.model;
+  const size_t of_deck = c->setup->deck.n_ports,
+               first = c->names->n_ports - c->setup->deck.n_motions;
+  if (port == of_deck + VS_EVA_PORT_GAP) {
+    *value = vs_coil_gap(&m->coil, vs_mechanics_travel(m, x));
+  } else if (port >= first) {
+    const int state = c->setup->deck.motions[port - first].state;
+    *value = state < 0 ? vs_mechanics_travel(m, x + m->dof) : x[state];
+  } else {
+    return false;
+  }
+  return true;
 }
 
 /* ---- after a step ---- */
@@ -355,7 +384,12 @@ static vs_status run_solver(coupling *c, vs_error *err) {
                                 .accept = accept_coupled_step,
                                 .enough = run_is_complete,
                                 .clock = run_time_of_solver,
-                                .hides = step_is_hidden};
+                                .hides = step_is_hidden,
+                                .machine = {.states = 2 * (size_t)setup->model.dof,
+                                            .flux = VS_SIG_FLUX,
+                                            .state = machine_state,
+                                            .rates = machine_rates,
+                                            .port = machine_port}};
   char **netlist = NULL;
   void *circuit = NULL;
   vs_setup_standard(setup, standard);
@@ -385,8 +419,8 @@ static vs_status run_on(const vs_tier *tier, const vs_setup *setup, const vs_run
                 .pace = pace,
                 .measures_errors = tier == &vs_compiled_tier,
                 .swing = vs_swing_of(setup),
-                .truncation = vs_truncation_begin(
-                    setup, !order->pilot && !pace.blows && tier == &vs_coupled_tier),
+                .truncation = vs_truncation_begin(setup, !order->pilot && !pace.blows &&
+                                                             tier == &vs_coupled_tier),
                 .asked_s = NAN,
                 .names = vs_alloc(1, sizeof *c.names)};
   vs_settling_begin(&c.settling, setup, order, observer);
