@@ -45,7 +45,6 @@ typedef struct vs_compiled_device {
   double on_s, off_s, threshold, hysteresis; /* of a switch: conductances, S, and its limits */
   bool on;
   double before[2]; /* a junction's voltages in the last iteration, V */
-  const char *name; /* as the netlist has it; owned */
 } vs_compiled_device;
 
 typedef struct vs_equations {
@@ -66,10 +65,7 @@ typedef struct vs_equations {
   double *charge;              /* M y at t = 0, of what the netlist says with ic=; owned */
 } vs_equations;
 
-/* Makes the equations of a job's netlist. Errors: VS_INPUT names the element that is not known
- * here. vs_equations_free is due also after an error. */
-vs_status vs_equations_make(const vs_circuit_job *job, const vs_circuit_host *host, vs_equations *e,
-                            vs_error *err);
+/* Ends what vs_elements_make began. */
 void vs_equations_free(vs_equations *e);
 
 /* Which unknown a signal's name is; -1: "v(0)"; -2: there is none. */

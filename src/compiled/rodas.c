@@ -2,7 +2,6 @@
 #include "rodas.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -170,17 +169,6 @@ bool vs_rodas_restart(vs_rodas *r, const double *charge, double h) {
       const double least = e->name[i][0] == 'i' ? LEAST_A : LEAST_V;
       most = fmax(most, fabs(change[i]) / (least + OF_SIZE * fabs(r->next[i])));
       r->next[i] += change[i];
-    }
-    if (getenv("DBG3")) {
-      int w = 0;
-      double b2 = 0;
-      for (int i = 0; i < n; i++) {
-        double q = fabs(change[i]) /
-                   ((e->name[i][0] == 'i' ? LEAST_A : LEAST_V) + OF_SIZE * fabs(r->next[i]));
-        if (!(q <= b2)) b2 = q, w = i;
-      }
-      fprintf(stderr, "t %g h %g turn %d %s %g %g lim %d\n", r->t_s, h, turn, e->name[w],
-              r->next[w], change[w], limited);
     }
     if (!isfinite(most)) return false;
     if (most <= 1 && !limited) return true;
