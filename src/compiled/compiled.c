@@ -348,4 +348,4 @@ static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, vo
 }
 
 const vs_circuit_kind vs_compiled_kind = {
-    .name = "compiled", .load = load, .run = run, .free = free_circuit};
+    .name = "compiled", .measures_errors = true, .load = load, .run = run, .free = free_circuit};

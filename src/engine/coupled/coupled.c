@@ -25,7 +25,7 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "compiled/compiled.h"
+#include "coupled/coupled.h"
 #include "coupled/settling.h"
 #include "coupled/signal_map.h"
 #include "coupled/solver_switch.h"
@@ -207,24 +207,13 @@ static bool begins_with_a_jump(const coupling *c, double solver_s) {
          vs_timeline_voltage(&c->trajectory.setup->timeline, 0) != 0;
 }
 
-/* The machine is foretold over a step by a Taylor polynomial of third order (trajectory.c). The
- * next term is (w h)^4/24 of its amplitude, with w of the fastest mode, and is held to FORETOLD of
- * the tolerance. */
-static const double FORETOLD = 1;
-
-static double longest_foretold(const coupling *c) {
-  double rad = pow(24 * FORETOLD * c->setup->run.tolerance, 0.25);
-  return rad / c->trajectory.frame.model->fastest_rad_s;
-}
-
 /* The least of what run.tolerance (pace.c), the ringing of the coil (swing.c), a device that is
  * about to switch (anode.c) and the events allow, s. */
 static double longest_step(void *ctx, double solver_s) {
   coupling *c = ctx;
   vs_trajectory *trajectory = &c->trajectory;
   if (c->measures_errors)
-    return fmin(longest_foretold(c),
-                vs_events_longest(&trajectory->setup->timeline.events, run_time(c, solver_s)));
+    return vs_events_longest(&trajectory->setup->timeline.events, run_time(c, solver_s));
   double most = fmin(c->pace.max_step_s, vs_swing_longest(&c->swing));
   if (begins_with_a_jump(c, solver_s)) most *= c->setup->run.first_step;
   most = fmin(most, vs_anode_longest(&trajectory->anode, &c->swing, c->pace.max_step_s));
@@ -407,9 +396,9 @@ static vs_status run_solver(coupling *c, vs_error *err) {
   return s;
 }
 
-static vs_status run_on(const vs_tier *tier, const vs_setup *setup, const vs_run_order *order,
-                        const vs_observer *observer, vs_error *err) {
-  const vs_frame frame = vs_sim_frame(tier, setup);
+static vs_status run_coupled(const vs_setup *setup, const vs_run_order *order,
+                             const vs_observer *observer, vs_error *err) {
+  const vs_frame frame = vs_sim_frame(&vs_coupled_tier, setup);
   /* Nothing is given back in a search for an orbit, which compares cycles from almost the same
    * state: what is given makes steps of their own in each, and the differences would show these.
    * Where the armature meets a stop within a step, what is given comes too late. */
@@ -417,10 +406,10 @@ static vs_status run_on(const vs_tier *tier, const vs_setup *setup, const vs_run
   coupling c = {.setup = setup, /* stays where it is: the host and the motion point to it */
                 .order = order,
                 .pace = pace,
-                .measures_errors = tier == &vs_compiled_tier,
+                .measures_errors = order->solver->measures_errors,
                 .swing = vs_swing_of(setup),
                 .truncation = vs_truncation_begin(setup, !order->pilot && !pace.blows &&
-                                                             tier == &vs_coupled_tier),
+                                                             !order->solver->measures_errors),
                 .asked_s = NAN,
                 .names = vs_alloc(1, sizeof *c.names)};
   vs_settling_begin(&c.settling, setup, order, observer);
@@ -436,22 +425,9 @@ static vs_status run_on(const vs_tier *tier, const vs_setup *setup, const vs_run
   return vs_settling_end(&c.settling, s, err);
 }
 
-static vs_status run_coupled(const vs_setup *setup, const vs_run_order *order,
-                             const vs_observer *observer, vs_error *err) {
-  return run_on(&vs_coupled_tier, setup, order, observer, err);
-}
-
-static vs_status run_compiled(const vs_setup *setup, const vs_run_order *order,
-                              const vs_observer *observer, vs_error *err) {
-  vs_run_order own = *order;
-  own.solver = &vs_compiled_kind;
-  own.stand_in = NULL;
-  return run_on(&vs_compiled_tier, setup, &own, observer, err);
-}
-
-/* This tier alone has a source's impedance, ngspice, a gate drive that is fed with bursts, switches
- * that are modulated, and devices with means and ratings. */
-static const vs_tier_key KEYS[] = {
+/* These tiers alone have a source's impedance, ngspice, a gate drive that is fed with bursts,
+ * switches that are modulated, and devices with means and ratings. */
+const vs_tier_key vs_coupled_keys[] = {
     {"supply", "resistance", NULL},
     {"supply", "inductance", NULL},
     {"supply", "decoupling", NULL},
@@ -482,13 +458,5 @@ const vs_tier vs_coupled_tier = {
     .finest = 1e-8,
     .automatic = true,
     .has_circuit = true,
-    .keys = KEYS,
+    .keys = vs_coupled_keys,
     .run = run_coupled};
-
-const vs_tier vs_compiled_tier = {
-    .name = vs_setup_tier_words[VS_TIER_COMPILED],
-    .text = "the same netlist as equations of the program's own, judged by ngspice",
-    .finest = 1e-8,
-    .has_circuit = true,
-    .keys = KEYS,
-    .run = run_compiled};

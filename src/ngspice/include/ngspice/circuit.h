@@ -89,6 +89,8 @@ typedef struct vs_circuit_host {
 /* A way to solve circuits. */
 typedef struct vs_circuit_kind {
   const char *name;
+  bool measures_errors; /* it knows the errors of its own steps, and has the host's machine in its
+                           equations: the host need not shorten steps for a rule of second order */
   /* Loads a circuit. Job and host must last as long as it does. ngspice takes the circuit up to its
    * first accepted step in a child process first, which may die of it: there the host is asked, a
    * copy of it, and accept() is not called. Errors: VS_INPUT, the circuit cannot be loaded or kills
