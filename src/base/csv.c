@@ -80,7 +80,7 @@ size_t vs_csv_split(char *row, char **cells, size_t most, vs_csv_flaw *flaw) {
 
 void vs_csv_cell(vs_text *row, const char *word) {
   if (!strpbrk(word, ",\"\r\n")) {
-    vs_text_add(row, "%s", word);
+    vs_text_put(row, word, strlen(word));
     return;
   }
   vs_text_add(row, "\"");

@@ -10,12 +10,22 @@
 #include "base/alloc.h"
 #include "base/text.h"
 
+/* What a byte leaves when it is shifted out is what its lower and its upper half leave together. */
+static const uint32_t LOWER[16] = {0x00000000, 0x77073096, 0xee0e612c, 0x990951ba,
+                                   0x076dc419, 0x706af48f, 0xe963a535, 0x9e6495a3,
+                                   0x0edb8832, 0x79dcb8a4, 0xe0d5e91e, 0x97d2d988,
+                                   0x09b64c2b, 0x7eb17cbd, 0xe7b82d07, 0x90bf1d91},
+                      UPPER[16] = {0x00000000, 0x1db71064, 0x3b6e20c8, 0x26d930ac,
+                                   0x76dc4190, 0x6b6b51f4, 0x4db26158, 0x5005713c,
+                                   0xedb88320, 0xf00f9344, 0xd6d6a3e8, 0xcb61b38c,
+                                   0x9b64c2b0, 0x86d3d2d4, 0xa00ae278, 0xbdbdf21c};
+
 uint32_t vs_hash_crc32(const void *bytes, size_t size) {
   const unsigned char *b = bytes;
   uint32_t crc = 0xffffffff;
   for (size_t k = 0; k < size; k++) {
     crc ^= b[k];
-    for (int bit = 0; bit < 8; bit++) crc = (crc >> 1) ^ (crc & 1 ? 0xedb88320 : 0);
+    crc = crc >> 8 ^ LOWER[crc & 15] ^ UPPER[crc >> 4 & 15];
   }
   return ~crc;
 }
@@ -46,16 +56,18 @@ static void compress(uint32_t state[8], const unsigned char block[64]) {
     w[k] = w[k - 16] + (rotate_right(w[k - 15], 7) ^ rotate_right(w[k - 15], 18) ^ w[k - 15] >> 3) +
            w[k - 7] + (rotate_right(w[k - 2], 17) ^ rotate_right(w[k - 2], 19) ^ w[k - 2] >> 10);
   memcpy(s, state, sizeof s);
-  for (int k = 0; k < 64; k++) {
-    uint32_t one = s[7] +
-                   (rotate_right(s[4], 6) ^ rotate_right(s[4], 11) ^ rotate_right(s[4], 25)) +
-                   ((s[4] & s[5]) ^ (~s[4] & s[6])) + ROUND[k] + w[k];
-    uint32_t two = (rotate_right(s[0], 2) ^ rotate_right(s[0], 13) ^ rotate_right(s[0], 22)) +
-                   ((s[0] & s[1]) ^ (s[0] & s[2]) ^ (s[1] & s[2]));
-    memmove(s + 1, s, 7 * sizeof *s);
-    s[4] += one;
-    s[0] = one + two;
-  }
+  for (int k = 0; k < 64; k += 8) /* after eight rounds each number is back in its place */
+    for (int n = 0; n < 8; n++) {
+#define S_(place) s[((place)-n) & 7]
+      uint32_t one = S_(7) +
+                     (rotate_right(S_(4), 6) ^ rotate_right(S_(4), 11) ^ rotate_right(S_(4), 25)) +
+                     ((S_(4) & S_(5)) ^ (~S_(4) & S_(6))) + ROUND[k + n] + w[k + n];
+      uint32_t two = (rotate_right(S_(0), 2) ^ rotate_right(S_(0), 13) ^ rotate_right(S_(0), 22)) +
+                     ((S_(0) & S_(1)) ^ (S_(0) & S_(2)) ^ (S_(1) & S_(2)));
+      S_(3) += one;
+      S_(7) = one + two;
+#undef S_
+    }
   for (int k = 0; k < 8; k++) state[k] += s[k];
 }
 
@@ -66,19 +78,21 @@ void vs_hash_begin(vs_hash *h) {
 
 void vs_hash_add(vs_hash *h, const void *bytes, size_t size) {
   const unsigned char *b = bytes;
-  for (size_t k = 0; k < size; k++) {
-    h->block[h->size++ % 64] = b[k];
+  while (size) {
+    const size_t at = (size_t)(h->size % 64), n = size < 64 - at ? size : 64 - at;
+    memcpy(h->block + at, b, n);
+    h->size += n, b += n, size -= n;
     if (h->size % 64 == 0) compress(h->state, h->block);
   }
 }
 
 void vs_hash_end(vs_hash *h, char text[VS_HASH_TEXT]) {
-  static const unsigned char ONE = 0x80, NONE = 0;
+  static const unsigned char END[64] = {0x80};
   uint64_t bits = 8 * h->size;
   unsigned char length[8];
   for (int k = 0; k < 8; k++) length[k] = (unsigned char)(bits >> (56 - 8 * k));
-  vs_hash_add(h, &ONE, 1);
-  while (h->size % 64 != 56) vs_hash_add(h, &NONE, 1);
+  vs_hash_add(h, END,
+              1 + (size_t)(119 - h->size % 64) % 64); /* 56 bytes of the last block are full then */
   vs_hash_add(h, length, sizeof length);
   for (int k = 0; k < 64; k++)
     text[k] = "0123456789abcdef"[h->state[k / 8] >> (28 - 4 * (k % 8)) & 15];

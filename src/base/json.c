@@ -99,7 +99,7 @@ void vs_json_number(vs_json *json, const char *key, double value, int digits) {
     return;
   }
   vs_json_key(json, key);
-  vs_text_add(json->text, "%.*g", digits, value);
+  vs_text_add_number(json->text, value, digits);
 }
 
 void vs_json_whole(vs_json *json, const char *key, int64_t value) {

@@ -30,6 +30,16 @@ void vs_text_add(vs_text *t, const char *format, ...) {
   t->length = need - 1;
 }
 
+void vs_text_put(vs_text *t, const char *bytes, size_t length) {
+  const size_t need = t->length + length + 1;
+  if (need > t->capacity) {
+    t->capacity = need * 2;
+    t->text = vs_resize(t->text, t->capacity, 1);
+  }
+  memcpy(t->text + t->length, bytes, length);
+  t->text[t->length = need - 1] = '\0';
+}
+
 void vs_text_free(vs_text *t) {
   free(t->text);
   *t = (vs_text){0};
@@ -184,67 +194,104 @@ int vs_text_column(const char *line, const char *at) {
   return column;
 }
 
-/* Powers of ten that a double holds exactly. */
-enum { LARGEST_POWER = 22, MOST_DIGITS = 12 };
-static const double TEN[LARGEST_POWER + 1] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
-                                              1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
-                                              1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+/* Powers of five that 64 bits hold. */
+enum { LARGEST_POWER = 27, MOST_DIGITS = 17 };
+#define FOUR_(first) (first), (first)*5u, (first)*25u, (first)*125u
+static const uint64_t FIVE[LARGEST_POWER + 1] = {FOUR_(UINT64_C(1)),
+                                                 FOUR_(UINT64_C(625)),
+                                                 FOUR_(UINT64_C(390625)),
+                                                 FOUR_(UINT64_C(244140625)),
+                                                 FOUR_(UINT64_C(152587890625)),
+                                                 FOUR_(UINT64_C(95367431640625)),
+                                                 FOUR_(UINT64_C(59604644775390625))};
+#undef FOUR_
 
-/* Returns the first `digits` digits of a > 0 as a whole number; the first of them is worth
- * 10^*tens. It returns 0 where one multiplication cannot tell how to round, as a is too near to the
- * middle between two such numbers, and where a is too large or small for TEN. */
-static uint64_t leading_digits(double a, int digits, int *tens) {
-  int binary;
-  frexp(a, &binary);
-  *tens =
-      (int)floor((binary - 1) * 0.30102999566398120); /* an estimate, which may be one too small */
-  double scaled = 0;
-  for (int again = 0; again < 2; again++) {
-    int shift = digits - 1 - *tens;
-    if (abs(shift) > LARGEST_POWER) return 0;
-    scaled =
-        shift < 0 ? a / TEN[-shift] : a * TEN[shift]; /* one rounding, as both factors are exact */
-    if (scaled < TEN[digits]) break;
+/* Returns the first `digits` digits of |value| as a whole number, rounded to nearest and a tie to
+ * even, as printf does; the first of them is worth 10^*tens. It returns 0 where the steps below do
+ * not tell them: of what is no number, and of numbers below some 10^(digits - 28) or from
+ * 10^digits on.
+ *
+ * |value| is m 2^e with a whole m of 53 bits, so that |value| 10^n is m 5^n shifted by e + n bits.
+ * The product has at most 53 + 63 bits: nothing of it is lost, and what is shifted out tells how to
+ * round. */
+static uint64_t leading_digits(double value, int digits, int *tens) {
+#ifdef __SIZEOF_INT128__
+  __extension__ typedef unsigned __int128 wide;
+  uint64_t bits;
+  memcpy(&bits, &value, sizeof bits);
+  const int exponent = (int)(bits >> 52 & 0x7ff);
+  const uint64_t one = UINT64_C(1) << 52, whole = (bits & (one - 1)) | one,
+                 end = FIVE[digits] << digits; /* 10^digits */
+  /* floor(log10(2^(exponent - 1023))) by 78913/2^18 = log10(2) - 8e-7, and 400 to be positive */
+  *tens = (int)(((unsigned)exponent * 78913u + (400u << 18) - 1023u * 78913u) >> 18) - 400;
+  for (int again = 0; again < 2; again++, ++*tens) { /* the estimate may be one too small */
+    const int power = digits - 1 - *tens, out = 1075 - exponent - power;
+    if (power < 0 || power > LARGEST_POWER || out < 1) return 0;
+    const wide product = (wide)whole * FIVE[power], half = (wide)1 << (out - 1);
+    uint64_t number = (uint64_t)(product >> out);
+    if (number >= end) continue;
+    const wide rest = product & (2 * half - 1);
+    number += rest > half || (rest == half && number % 2);
+    if (number < end) return number;
     ++*tens;
+    return number / 10;
   }
-  double whole = floor(scaled), rest = scaled - whole;
-  if (fabs(rest - 0.5) < 1e-15 * TEN[digits]) return 0;
-  uint64_t number = (uint64_t)whole + (rest > 0.5);
-  if (number < (uint64_t)TEN[digits]) return number;
-  ++*tens;
-  return number / 10;
+#else
+  (void)value, (void)digits, (void)tens;
+#endif
+  return 0;
+}
+
+/* Writes the number with so many digits, zeros before it included; two at a time, as a division
+ * takes longer than a look. */
+static void write_digits(char *digit, int count, uint64_t number) {
+  static const char PAIRS[] =
+      "0001020304050607080910111213141516171819202122232425262728293031323334"
+      "3536373839404142434445464748495051525354555657585960616263646566676869"
+      "707172737475767778798081828384858687888990919293949596979899";
+  for (; count > 1; count -= 2, number /= 100)
+    memcpy(digit + count - 2, PAIRS + 2 * (number % 100), 2);
+  if (count) *digit = (char)('0' + number);
 }
 
 size_t vs_text_number(char text[VS_NUMBER_SIZE], double value, int digits) {
-  int tens = 0, count = digits;
-  uint64_t number = 0;
-  if (isfinite(value) && value != 0 && digits > 0 && digits <= MOST_DIGITS)
-    number = leading_digits(fabs(value), digits, &tens);
-  if (!number && (value != 0 || signbit(value)))
-    return (size_t)snprintf(text, VS_NUMBER_SIZE, "%.*g", digits, value);
-  for (; count > 1 && number % 10 == 0; count--) number /= 10;
+  int tens, count = digits;
   char digit[MOST_DIGITS], *to = text;
-  for (int k = count; k-- > 0; number /= 10) digit[k] = (char)('0' + number % 10);
+  if (value == 0 && !signbit(value)) return (size_t)(stpcpy(text, "0") - text);
+  uint64_t number = digits > 0 && digits <= MOST_DIGITS ? leading_digits(value, digits, &tens) : 0;
+  if (!number) return (size_t)snprintf(text, VS_NUMBER_SIZE, "%.*g", digits, value);
+  write_digits(digit, count, number);
+  while (digit[count - 1] == '0') count--;
   if (value < 0) *to++ = '-';
-  bool fixed = tens >= -4 && tens < digits;
-  int point = fixed ? tens : 0; /* the last digit before it */
-  if (point < 0) {
-    *to++ = '0';
+  const bool fixed = tens >= -4 && tens < digits;
+  int before = fixed ? tens + 1 : 1; /* so many digits stand before the point */
+  if (before <= 0) {
+    memcpy(to, "0.000", 5);
+    to += 2 - before, before = 0;
+  } else if (before < count) {
+    memcpy(to, digit, (size_t)before);
+    to += before;
     *to++ = '.';
-    for (int k = -1; k > point; k--) *to++ = '0';
+  } else { /* whole: zeros stand for the digits that it lacks */
+    memcpy(to, digit, (size_t)count);
+    memset(to + count, '0', (size_t)(before - count));
+    to += before;
   }
-  for (int k = 0; k < count || k <= point; k++) {
-    *to++ = k < count ? digit[k] : '0';
-    if (k == point && k + 1 < count) *to++ = '.';
-  }
+  if (before < count)
+    to = (char *)memcpy(to, digit + before, (size_t)(count - before)) + count - before;
   if (!fixed) { /* the exponent has two digits, as leading_digits() goes no further */
     *to++ = 'e';
     *to++ = tens < 0 ? '-' : '+';
-    *to++ = (char)('0' + abs(tens) / 10);
-    *to++ = (char)('0' + abs(tens) % 10);
+    write_digits(to, 2, (uint64_t)abs(tens));
+    to += 2;
   }
   *to = '\0';
   return (size_t)(to - text);
+}
+
+void vs_text_add_number(vs_text *t, double value, int digits) {
+  char text[VS_NUMBER_SIZE];
+  vs_text_put(t, text, vs_text_number(text, value, digits));
 }
 
 /* True where the digits before an exponent are not all 0. */

@@ -67,7 +67,7 @@ static void resistance(const vs_stand *s, plan *p, vs_figures *f) {
   vs_error err = {0};
   char source[96];
   double until_s = 1e-3 * p->melt_a2s / (p->rated_a * p->rated_a);
-  snprintf(source, sizeof source, "Is 0 m %.9g", p->rated_a);
+  snprintf(source, sizeof source, "Is 0 m pwl(0 0 %.9g %.9g)", until_s / 5, p->rated_a);
   snprintf(row->text, sizeof row->text, "at %.4g A, cold", p->rated_a);
   vs_status status =
       vs_test_circuit_across(s, (vs_stand_circuit){source, until_s, until_s / 50, 0}, &r, &err);
@@ -90,11 +90,15 @@ static vs_status constant(const vs_stand *s, const plan *p, double i, const doub
   return status;
 }
 
+/* A melting I2t so near to the asked one is the same. */
+static const double SAME = 0.02;
+
 /* At 30 times the least melting current cooling is 0.06 %; steps are a 300th of the time to
- * melting. False: it did not melt. */
-static bool melting(const vs_stand *s, const plan *p, vs_figures *f) {
+ * melting. What it is, and not what the file asks, is what the other tests are made for. False: it
+ * did not melt. */
+static bool melting(const vs_stand *s, plan *p, vs_figures *f) {
   vs_figures_asked asked = asked_of(s, "i2t_melt", "fuse_melting_i2t", "melting_i2t");
-  vs_figure *row = vs_figures_add(f, "I2t melting", "A2.s", asked, 0.02, VS_HELD_NEAR);
+  vs_figure *row = vs_figures_add(f, "I2t melting", "A2.s", asked, SAME, VS_HELD_NEAR);
   vs_figures_is(row, s, "i2t_melt");
   double i = 30 * p->fusing_a, due_s = p->melt_a2s / (i * i);
   bool melted = false;
@@ -108,6 +112,7 @@ static bool melting(const vs_stand *s, const plan *p, vs_figures *f) {
     vs_stand_free(&r);
   }
   if (!status && !melted) row->got = INFINITY;
+  if (melted && !(fabs(row->got - p->melt_a2s) <= SAME * p->melt_a2s)) p->melt_a2s = row->got;
   end_fuse_row(row, status, &err);
   return melted;
 }

@@ -42,7 +42,8 @@ void vs_stand_close(vs_stand *stand);
 
 /* Runs the circuit, which has the nodes a and g and the source Vm. The record must be freed, also
  * after an error. Errors: VS_INPUT or VS_RUN, ngspice cannot take the circuit, gives it up, died of
- * it, or took more than 20 s. */
+ * it, or took more than 20 s of processor time. Where ngspice gives up, it is tried with other
+ * settings, trapezoidal rule and coarser tolerances, before that is an error. */
 vs_status vs_stand_run(const vs_stand *stand, const vs_stand_circuit *circuit,
                        vs_stand_record *record, vs_error *err);
 void vs_stand_free(vs_stand_record *record);

@@ -16,7 +16,8 @@ static vs_status stays_off_after(const vs_stand *s, const void *ctx, double t_q,
   double back = zero + fmax(t_q, 1.4e-6), v = 0.67 * p->block_v, up = back + v / p->back_v_s;
   vs_stand_record r = {0};
   vs_status status = vs_test_circuit_run(
-      s, (vs_test_circuit){p->wiring, up + 50e-6, 0.2e-6}, &r, err,
+      s, (vs_test_circuit){p->wiring, up + 50e-6 + p->wait_s, fmax(0.2e-6, p->wait_s / 2000)}, &r,
+      err,
       "I1 0 a pwl(0 0 20u 0 70u %g 300u %g %.9g 0)\nIg 0 g pwl(0 %g 100u %g 101u 0)\n"
       "S1 a w ct 0 joined\n.model joined sw(ron=1 roff=1g vt=0.5 vh=0.1)\n"
       "Vct ct 0 pwl(0 0 %.9g 0 %.9g 1)\nVw w 0 pwl(0 -25 %.9g -25 %.9g %g)\n",
@@ -36,6 +37,9 @@ static void turn_off_thyristor(const vs_stand *s, const vs_latching_plan *p, vs_
            p->test_a, p->test_a_s * 1e-6, p->back_v_s * 1e-6);
   vs_figures_find(s, stays_off_after, p, p->turn_off_s, row);
   if (isnan(row->got) && strstr(row->why, "below")) row->got = 0; /* the model is off at once */
+  vs_latching_plan late = *p;
+  late.wait_s = VS_LATCHING_WAIT_S;
+  vs_latching_late(s, stays_off_after, &late, false, row);
 }
 
 /* The test current falls at the test slope through zero, until the device takes no more and a diode
@@ -102,7 +106,8 @@ static void turn_on(const vs_stand *s, const vs_latching_plan *p, vs_figures *f)
 /* ---- all ---- */
 
 static void measure_thyristor(const vs_stand *s, vs_figures *f) {
-  const vs_latching_plan p = vs_latching_plan_of(s);
+  vs_latching_plan p = vs_latching_plan_of(s);
+  vs_latching_fire(s, &p);
   vs_latching_on_state(s, &p, f);
   vs_latching_draw_on_state(s, &p, f);
   vs_latching_gate(s, &p, f);
@@ -112,6 +117,7 @@ static void measure_thyristor(const vs_stand *s, vs_figures *f) {
   turn_off_thyristor(s, &p, f);
   recovery(s, &p, f);
   turn_on(s, &p, f);
+  vs_stand_free(&p.seen);
 }
 
 const vs_figures_kind vs_thyristor_kind = {"thyristor", measure_thyristor};

@@ -161,6 +161,11 @@ static void switching(const vs_stand *s, const plan *p, vs_figures *f) {
       v, i, p->drive_v, p->drive_v, ohm);
   if (!status && !(vs_stand_at(&r, r.i, OFF - 1e-6) > 0.9 * i))
     status = vs_fail(&err, VS_RUN, "it does not conduct when its gate is driven");
+  if (!status && !(vs_stand_at(&r, r.v, ON) > 0.9 * v))
+    status = vs_fail(&err, VS_RUN, "could not judge: it conducts before its gate is driven");
+  if (!status && !(r.i[r.points - 1] < 0.02 * i))
+    status =
+        vs_fail(&err, VS_RUN, "could not judge: it still conducts 100 us after its gate is off");
   for (int n = 0; n < 2; n++) {
     vs_figure *row = n ? off : on;
     snprintf(row->text, sizeof row->text, "%.4g V, %.4g A, gate %.4g ohm, diode without recovery",

@@ -51,7 +51,9 @@ static vs_status conducts_again(const vs_stand *s, const void *ctx, double v_s, 
          end = zero + v / v_s, gate = 3 * c->p->gate_a;
   vs_stand_record r = {0};
   vs_status status = vs_test_circuit_run(
-      s, (vs_test_circuit){c->p->wiring, end + 60e-6, fmin(2e-6, fmax(v / v_s / 50, end / 4000))},
+      s,
+      (vs_test_circuit){c->p->wiring, end + 60e-6 + c->p->wait_s,
+                        fmin(2e-6, fmax(v / v_s / 50, end / 4000))},
       &r, err,
       "I1 0 a pwl(0 0 20u 0 70u %g %g %g %.9g 0)\nIg 0 g pwl(0 %g 0.2m %g 0.201m 0)\n"
       "S1 a w ct 0 joined\n.model joined sw(ron=10 roff=1meg vt=0.5 vh=0.1)\n"
@@ -77,21 +79,31 @@ static void commutating_rise(const vs_stand *s, const vs_latching_plan *p, vs_fi
            p->way);
   vs_figures_find(s, conducts_again, &c, rise, row);
   if (isnan(row->got) && strstr(row->why, "not reached")) row->got = INFINITY;
+  vs_latching_plan late = *p;
+  late.wait_s = VS_LATCHING_WAIT_S;
+  commutation again = c;
+  again.p = &late;
+  vs_latching_late(s, conducts_again, &again, true, row);
 }
 
 static void measure_triac(const vs_stand *s, vs_figures *f) {
-  const vs_latching_plan way[] = {plan_of(s, FIRST, ", MT2+"), plan_of(s, THIRD, ", MT2-")};
+  vs_latching_plan way[] = {plan_of(s, FIRST, ", MT2+"), plan_of(s, THIRD, ", MT2-")};
+  for (int n = 0; n < 2; n++) vs_latching_fire(s, &way[n]);
   for (int n = 0; n < 2; n++) vs_latching_on_state(s, &way[n], f);
   vs_latching_draw_on_state(s, &way[0], f);
   for (int q = FIRST; q <= FOURTH; q++) {
     vs_latching_plan p = plan_of(s, q, NULL);
-    if (q == FIRST || is_asked(s, q)) vs_latching_gate(s, &p, f);
+    if (q != FIRST && !is_asked(s, q)) continue;
+    vs_latching_fire(s, &p);
+    vs_latching_gate(s, &p, f);
+    vs_stand_free(&p.seen);
   }
   for (int n = 0; n < 2; n++) {
     vs_latching_current(s, &way[n], f);
     vs_latching_holding(s, &way[n], f);
     vs_latching_rise(s, &way[n], f);
     commutating_rise(s, &way[n], f);
+    vs_stand_free(&way[n].seen);
   }
 }
 

@@ -17,6 +17,7 @@
 typedef struct part_line {
   vs_arguments common;
   const char *wrap; /* FILE or FILE:NAME of a vendor's; NULL: a model of the program's own */
+  const char *pins; /* of the vendor's subcircuit, by letters; NULL: it is to be found out */
   bool overwrite;
 } part_line;
 
@@ -170,7 +171,7 @@ static vs_status write_template(const part_line *o, const char *path, const char
   vs_text text = {0};
   for (size_t k = 0; name[k]; k++) subckt[k] = (char)tolower((unsigned char)name[k]);
   vs_status status = VS_OK;
-  if (o->wrap) status = vs_wrap_find(o->wrap, kind, output, &wrap, err);
+  if (o->wrap) status = vs_wrap_find(o->wrap, kind, o->pins, output, &wrap, err);
   if (!status && !strcasecmp(wrap.called, subckt))
     status = vs_fail(err, VS_INPUT, "-o %s: the vendor's subcircuit has that name; take another",
                      output);
@@ -194,6 +195,10 @@ static vs_status part_command(const void *given, vs_error *err) {
   if (!vs_command_name(&o->common)) return print_template_kinds();
   vs_status status = find_template(o, path, err);
   if (status) return status;
+  if (o->pins && !o->wrap)
+    return vs_fail(err, VS_INPUT,
+                   "part: --pins says which pin of a vendor's subcircuit is what, and "
+                   "goes with --wrap FILE:NAME");
   if (!output) return vs_fail(err, VS_INPUT, "part: wants -o NAME.inc; see vibrospice part --help");
   status = read_name(output, name, err);
   if (status) return status;
@@ -208,6 +213,10 @@ static const vs_option PART_OPTIONS[] = {
     VS_OPTIONS_WORD(part_line, wrap, "wrap", "FILE[:SUBCKT]",
                     "around the subcircuit of a vendor's file, instead of a model of the "
                     "program's own, where the kind has such a template"),
+    VS_OPTIONS_WORD(
+        part_line, pins, "pins", "LETTERS",
+        "with --wrap: which of its pins is what, in their order, as akg of a thyristor, "
+        "2g1 of a triac, dgs, cge"),
     VS_OPTIONS_FLAG(part_line, overwrite, "overwrite", "replaces a file that is there already"),
     VS_OPTIONS_FLAG(vs_arguments, quiet, "quiet", "prints nothing"),
     VS_OPTIONS_HELP,

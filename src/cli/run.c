@@ -392,7 +392,8 @@ static void end_progress(const audience *a) {
   if (a->shown_s > 0) dprintf(STDERR_FILENO, "\r\033[K");
 }
 
-/* Nothing is kept of an attempt that another one follows. */
+/* Nothing is kept of an attempt that another one follows. Of one that had no first step nothing is
+ * said: either another has one, and the result tells of it, or the error is the same in the end. */
 static void drop_attempt(void *ctx, const char *failed, int next) {
   audience *a = ctx;
   end_progress(a);
@@ -401,7 +402,7 @@ static void drop_attempt(void *ctx, const char *failed, int next) {
     discard_files(a);
     vs_file_folder_unmake(a->options->folder, a->made);
   }
-  if (!a->options->quiet)
+  if (*failed && !a->options->quiet)
     fprintf(stderr, "vibrospice: warning: %s; trying %s\n", failed, vs_ladder_text(next));
 }
 

@@ -19,10 +19,11 @@ typedef struct vs_wrap {
 } vs_wrap;
 
 /* Finds in `word`, FILE or FILE:NAME, the subcircuit that is to be a part of this kind. Pins go by
- * their names, else by an order that is usual, and the sentence then says that this is assumed.
- * output: the part's file to be. Errors: the file cannot be read; no subcircuit, or more than one,
- * has as many pins; it has the part's own name. */
-vs_status vs_wrap_find(const char *word, const char *kind, const char *output, vs_wrap *wrap,
-                       vs_error *err);
+ * `pins`, the kind's letters in their order (NULL: not said), by their names, those of a triac by
+ * the junctions within, else by an order that is usual, and the sentence then says that this is
+ * assumed. output: the part's file to be. Errors: the file cannot be read; no subcircuit, or more
+ * than one, has as many pins; it has the part's own name; a triac's pins cannot be told. */
+vs_status vs_wrap_find(const char *word, const char *kind, const char *pins, const char *output,
+                       vs_wrap *wrap, vs_error *err);
 
 #endif

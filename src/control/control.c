@@ -209,6 +209,7 @@ static vs_status check_columns_of_control(const vs_node *section, const vs_setup
 vs_status vs_control_read(const vs_node *section, const vs_setup *setup,
                           const vs_instruments *instruments, vs_control *c, vs_error *err) {
   size_t found = vs_error_count(err);
+  if (!section && !c->regulator && !c->observing.system && c->sensor < 0) return VS_OK;
   vs_control_free(c);
   *c = (vs_control){.sensor = -1, .unit = ""};
   if (!section || setup->machine->lost) return VS_OK;

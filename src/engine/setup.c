@@ -610,7 +610,7 @@ static vs_status build_setup(const vs_node *scene, vs_setup *setup, bool has_dec
 }
 
 vs_status vs_setup_build(const vs_node *scene, vs_setup *setup, vs_error *err) {
-  if (setup->begun) *setup = (vs_setup){0};
+  if (setup->begun) memset(setup, 0, sizeof *setup); /* as in vs_deck_begin() */
   setup->begun = true;
   vs_status s = build_setup(scene, setup, false, err);
   if (s) setup->deck.lost = VS_LOST_ALL; /* so that vs_setup_again reads it anew */

@@ -130,7 +130,7 @@ static vs_status take_data(kin_data *all, vs_error *err) {
   for (int k = 0; k < KIN && !status; k++) {
     for (size_t a = 0; a < run->aims.count && !status; a++)
       status = vs_target_computed(&run->aims.item[a], fan->scene[k], fan->measured[k],
-                               &all->value[k][a], err);
+                                  &all->value[k][a], err);
     if (!status && all->sampler[k].next < run->recording.n_samples)
       status = vs_fail(err, VS_RUN, "the runs for its derivatives end before its last sample");
   }
@@ -157,7 +157,7 @@ static vs_status follow_kin(const vs_sensitivity_problem *subject, kin_data *all
   vs_stencil *fan = vs_alloc(1, sizeof *fan);
   const vs_asked key = {u->axis.key, u->axis.where};
   all->fan = fan;
-  vs_status status = vs_tangent_find(fan, subject, &key, false, err);
+  vs_status status = vs_tangent_find(fan, subject, &key, NULL, false, err);
   if (!status) {
     if (fan->parameter.idle && sees_through(all->run))
       status = vs_fail(err, VS_RUN, "a key of an instrument has no exact derivative");

@@ -5,37 +5,14 @@
 #include <stdio.h>
 #include <string.h>
 
-void vs_coined_function(const vs_card *card, char name[VS_VALUES_NAME]) {
-  const char *s = card->text + strcspn(card->text, " \t");
-  *name = '\0';
-  if (!vs_listing_is(card, ".func")) return;
-  s += strspn(s, " \t");
-  snprintf(name, VS_VALUES_NAME, "%.*s", (int)strcspn(s, " \t({"), s);
-}
-
-void vs_coined_begin(vs_coined *c, const vs_elements *w, const vs_values *v) {
-  char function[VS_VALUES_NAME], node[VS_ELEMENTS_NAME];
-  *c = (vs_coined){w, v, {0}};
-  for (size_t k = 0; k < w->listing->count; k++) {
-    const vs_card *card = &w->listing->cards[k];
-    vs_coined_function(card, function);
-    if (*function) vs_names_put(&c->said, function, k);
-    if (!vs_listing_is(card, ".global")) continue;
-    for (const char *s = card->text; *(s += strspn(s, " \t,")); s += strcspn(s, " \t,")) {
-      snprintf(node, sizeof node, "%.*s", (int)strcspn(s, " \t,"), s);
-      vs_names_put(&c->said, node, k);
-    }
-  }
-}
-
-void vs_coined_end(vs_coined *c) {
-  vs_names_free(&c->said);
-}
-
 /* True where a node, an element, a parameter or a function of the netlist has this name. */
 static bool is_taken(const vs_coined *c, const char *name) {
-  return vs_elements_is_taken(c->wiring, name) || vs_values_find(c->values, name) ||
-         vs_names_find(&c->said, name, strlen(name), NULL);
+  const vs_cards *n = &c->wiring->listing->netlist;
+  bool taken = vs_elements_is_taken(c->wiring, name) || vs_values_find(c->values, name) ||
+               vs_names_find(&n->globals, name, strlen(name), NULL);
+  for (size_t k = 0; k < n->n_definitions && !taken; k++)
+    taken = n->definition[k].kind == VS_CARDS_FUNC && vs_words_is(n->definition[k].name, name);
+  return taken;
 }
 
 void vs_coined_name(const vs_coined *c, const char *first, const char *key, const char *last,

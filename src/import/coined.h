@@ -6,18 +6,11 @@
 
 #include "import/elements.h"
 
-/* Begins with vs_coined_begin, ends with vs_coined_end. */
+/* What has names already. Both are borrowed. */
 typedef struct vs_coined {
-  const vs_elements *wiring; /* borrowed, as values are */
+  const vs_elements *wiring;
   const vs_values *values;
-  vs_names said; /* names of functions, and of the nodes of .global lines */
 } vs_coined;
-
-void vs_coined_begin(vs_coined *coined, const vs_elements *wiring, const vs_values *values);
-void vs_coined_end(vs_coined *coined);
-
-/* Writes the name of the function that a .func line defines; empty where the card defines none. */
-void vs_coined_function(const vs_card *card, char name[VS_VALUES_NAME]);
 
 /* Makes the name FIRST KEY LAST. If it is taken, "_2", "_3", ... is appended. */
 void vs_coined_name(const vs_coined *coined, const char *first, const char *key, const char *last,

@@ -353,7 +353,7 @@ static void write_statement(writer *b, size_t card_number) {
 
 /* Signs of PSpice's own dialect. A netlist that PSpice wrote is read in that dialect as a whole
  * where it has any of them; another one where it has one of the first ALWAYS. The others the reader
- * of decks translates one by one (docs/netlists.md), so that all else in such a netlist keeps
+ * of decks translates one by one (docs/from_ltspice.md), so that all else in such a netlist keeps
  * ngspice's meaning. */
 static bool wants_pspice(const vs_listing *l) {
   static const char *const SIGNS[] = {
@@ -411,6 +411,7 @@ void vs_copying_write(vs_fate *p, const char *folder, const char *library, vs_co
     if (card->included) continue;
     note_origin(&b, card);
     if (card->kind == VS_CARD_COMMAND) {
+      if (vs_listing_is(card, "tran")) read_tran(&b, card);
       body->skipped++;
       continue;
     }

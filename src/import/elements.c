@@ -32,14 +32,9 @@ static int split(const char *text, vs_elements_word words[VS_ELEMENTS_WORDS]) {
   return count;
 }
 
-static char *part(const char *text, int at, int size) {
-  char *copy = vs_alloc((size_t)size + 1, 1);
-  memcpy(copy, text + at, (size_t)size);
-  return copy;
-}
-
 char *vs_elements_word_of(const vs_elements *w, const vs_element *e, int n) {
-  return n < e->n_words ? part(text_of(w, e), e->words[n].at, e->words[n].size) : vs_copy("");
+  return n < e->n_words ? vs_alloc_part(text_of(w, e) + e->words[n].at, (size_t)e->words[n].size)
+                        : vs_copy("");
 }
 
 char *vs_elements_rest_of(const vs_elements *w, const vs_element *e, int n) {
@@ -47,20 +42,36 @@ char *vs_elements_rest_of(const vs_elements *w, const vs_element *e, int n) {
 }
 
 char *vs_elements_option(const vs_elements *w, const vs_element *e, const char *name) {
-  const char *text = text_of(w, e);
-  size_t n = strlen(name);
-  for (int k = e->n_nodes + 1; k < e->n_words; k++) {
-    const char *s = text + e->words[k].at;
-    if (strncasecmp(s, name, n)) continue;
-    s += n;
-    s += strspn(s, " \t");
-    if (*s != '=') continue;
-    s++;
-    s += strspn(s, " \t");
-    vs_elements_word words[VS_ELEMENTS_WORDS];
-    return split(s, words) ? part(s, 0, words[0].size) : NULL;
+  const vs_cards *c = &w->listing->netlist;
+  const vs_word value = vs_cards_value(c, &c->card[e->card], name);
+  return value.n ? vs_alloc_part(value.at, value.n) : NULL;
+}
+
+bool vs_elements_number(const vs_elements *w, const vs_values *v, const vs_element *e,
+                        const char *name, double *value) {
+  char *text = vs_elements_option(w, e, name);
+  const bool known = text && vs_values_of(v, text, value);
+  free(text);
+  return known;
+}
+
+bool vs_elements_sets(const vs_elements *w, const vs_values *v, const vs_element *e,
+                      const char *name) {
+  double value = 1;
+  char *text = vs_elements_option(w, e, name);
+  const bool sets = text && !(vs_values_of(v, text, &value) && value == 0);
+  free(text);
+  return sets;
+}
+
+bool vs_elements_has_model(const vs_elements *w, const vs_element *e) {
+  bool found = false;
+  for (int n = e->n_nodes + 1; n < e->n_words && !found; n++) {
+    char *word = vs_elements_word_of(w, e, n);
+    found = isalpha((unsigned char)*word) && vs_elements_defined(w->listing, word) >= 0;
+    free(word);
   }
-  return NULL;
+  return found;
 }
 
 vs_where vs_elements_where(const vs_elements *w, const vs_element *e, int n) {
@@ -76,13 +87,10 @@ vs_where vs_elements_where(const vs_elements *w, const vs_element *e, int n) {
 /* ---- models ---- */
 
 int vs_elements_defined(const vs_listing *l, const char *model) {
-  for (size_t k = 0; k < l->count; k++) {
-    const vs_card *card = &l->cards[k];
-    if (!vs_listing_is(card, ".model") && !vs_listing_is(card, ".subckt")) continue;
-    const char *s = card->text + strcspn(card->text, " \t");
-    s += strspn(s, " \t");
-    size_t n = strcspn(s, " \t(");
-    if (n == strlen(model) && !strncasecmp(s, model, n)) return (int)k;
+  for (size_t k = 0; k < l->netlist.n_definitions; k++) {
+    const vs_netlist_definition *d = &l->netlist.definition[k];
+    if ((d->kind == VS_CARDS_MODEL || d->kind == VS_CARDS_SUBCKT) && vs_words_is(d->name, model))
+      return (int)d->card;
   }
   return -1;
 }
@@ -100,10 +108,10 @@ static int word_of_model(const vs_elements *w, const vs_element *e, int from) {
 }
 
 char *vs_elements_model(const vs_elements *w, const vs_element *e) {
+  const vs_word called = w->listing->netlist.card[e->card].model;
   char *name = NULL;
-  const vs_word instance = vs_cards_instance_of(text_of(w, e));
-  if (instance.n) name = part(instance.at, 0, (int)instance.n);
-  if (!instance.n && strchr("dqmjsw", e->letter))
+  if (e->letter == 'x' && called.n) name = vs_alloc_part(called.at, called.n);
+  if (strchr("dqmjsw", e->letter))
     name = vs_elements_word_of(w, e, e->n_nodes + (e->letter == 'w' ? 2 : 1));
   if (name) vs_cursor_lower(name);
   return name;
@@ -116,11 +124,11 @@ static int count_nodes(const vs_elements *w, const vs_element *e) {
   static const char *const TWO[] = {"value", "poly", "table", "laplace", "vol", "cur", "{", "freq"};
   static const char LETTERS[] = "rclvidbfhwegstjqmzu", COUNTS[] = "2222222222444433433";
   const char *letter = strchr(LETTERS, e->letter);
-  if (e->letter == 'x') {
-    const vs_word instance = vs_cards_instance_of(text_of(w, e));
+  const vs_word called = w->listing->netlist.card[e->card].model;
+  if (e->letter == 'x') { /* brackets may belong to a node's name, and not to a card's word */
     int k = 1;
-    while (instance.n && k < e->n_words && text_of(w, e) + e->words[k].at < instance.at) k++;
-    return instance.n ? k - 1 : 0;
+    while (called.n && k < e->n_words && text_of(w, e) + e->words[k].at < called.at) k++;
+    return called.n ? k - 1 : 0;
   }
   if (e->letter == 'a') return w->listing->origin == VS_ORIGIN_LTSPICE ? 8 : 0;
   if (!letter) return 0;
@@ -328,7 +336,7 @@ bool vs_elements_is_taken(const vs_elements *w, const char *name) {
 
 /* Adds a word, which may be a node's name. */
 static void add_word(const vs_elements *w, const char *word, int size, vs_text *out) {
-  char *said = part(word, 0, size);
+  char *said = vs_alloc_part(word, (size_t)size);
   vs_cursor_lower(said);
   int node = find_node(w, said);
   bool other = node >= 0 && strcmp(w->nodes[node].name, said) != 0;

@@ -101,23 +101,10 @@ static char letter_of_use(const vs_fate *p, const char *name) {
   return '\0';
 }
 
-/* The first place in the text of this name as a whole word; NULL: there is none. */
-static const char *find_word(const char *text, const char *name) {
-  size_t n = strlen(name);
-  for (const char *s = text; (s = strcasestr(s, name)); s++) {
-    bool begins = s == text || !(isalnum((unsigned char)s[-1]) || s[-1] == '_');
-    if (begins && !isalnum((unsigned char)s[n]) && s[n] != '_') return s;
-  }
-  return NULL;
-}
-
 /* True where the text uses this name as a whole word, other than to assign a value to it. */
 static bool names(const char *text, const char *name) {
-  for (const char *s = text; (s = find_word(s, name)); s++) {
-    const char *behind = s + strlen(name);
-    behind += strspn(behind, " \t");
-    if (*behind != '=' || behind[1] == '=') return true;
-  }
+  for (const char *s = text; (s = vs_words_find(text, s, name, strlen(name))); s++)
+    if (!vs_words_is_given(s + strlen(name))) return true;
   return false;
 }
 
@@ -166,15 +153,6 @@ static bool is_used(const vs_fate *p, const vs_value_param *v) {
   return used;
 }
 
-/* The .subckt line, itself in no other subcircuit, in which the card stands; NULL: it stands in
- * none. */
-static const vs_card *subcircuit_of(const vs_listing *l, size_t card) {
-  if (l->cards[card].depth == 0) return NULL;
-  while (card > 0 && !(vs_listing_is(&l->cards[card], ".subckt") && l->cards[card].depth <= 1))
-    card--;
-  return &l->cards[card];
-}
-
 /* True for a statement that makes no part of the circuit, and for a .func line, which is looked at
  * separately. */
 static bool is_left_out(const vs_card *c) {
@@ -191,7 +169,8 @@ static bool is_used_in_statement(const vs_card *c, const char *name) {
   bool counts = false;
   for (size_t k = 0; k < sizeof WORDS / sizeof *WORDS; k++)
     counts = counts || vs_listing_is(c, WORDS[k]);
-  for (const char *s = c->text; counts && (s = find_word(s, name)); s++) {
+  for (const char *s = c->text; counts && (s = vs_words_find(c->text, s, name, strlen(name)));
+       s++) {
     bool node = s - c->text > 1 && s[-1] == '(' && strchr("vV", s[-2]);
     if (!node && names(s, name)) return true;
   }
@@ -207,8 +186,12 @@ static bool is_used_within(const vs_fate *p, const char *name) {
     bool within = c->depth > 0 || c->included;
     if (!within || !names(c->text, name)) continue;
     if (c->kind == VS_CARD_STATEMENT ? is_left_out(c) : c->kind != VS_CARD_ELEMENT) continue;
-    const vs_card *head = subcircuit_of(l, k);
-    const char *own = head ? find_word(head->text, name) : NULL;
+    size_t scope = l->netlist.card[k].scope;
+    while (l->netlist.scope[scope].outer) scope = l->netlist.scope[scope].outer;
+    const char *own =
+        scope ? vs_words_find(l->cards[l->netlist.scope[scope].first - 1].text,
+                              l->cards[l->netlist.scope[scope].first - 1].text, name, strlen(name))
+              : NULL;
     if (!own || !vs_words_is_given(own + strlen(name))) return true;
   }
   return false;
@@ -219,7 +202,8 @@ static bool is_used_in_functions(const vs_fate *p, const char *name) {
   const vs_listing *l = p->wiring->listing;
   for (size_t k = 0; k < l->count; k++) {
     const vs_card *c = &l->cards[k];
-    const char *body = strchr(c->text, ')'), *argument = find_word(c->text, name);
+    const char *body = strchr(c->text, ')'),
+               *argument = vs_words_find(c->text, c->text, name, strlen(name));
     if (c->kind == VS_CARD_STATEMENT && vs_listing_is(c, ".func") && body && names(body, name) &&
         !(argument && argument < body))
       return true;
@@ -296,7 +280,7 @@ static vs_status check_standard(vs_fate *p, const vs_value_param *v, vs_error *e
   free(seen);
   if (!used || is_as_ours(p, v) || is_of_scene(p, v)) return VS_OK;
   vs_where where = card->where;
-  const char *at = find_word(card->text, v->name);
+  const char *at = vs_words_find(card->text, card->text, v->name, strlen(v->name));
   if (at && (size_t)(at - card->text) + (size_t)where.column <= strcspn(card->raw, "\n"))
     where.column += vs_text_column(card->text, at) - 1;
   return vs_fail_at(err, where,
@@ -368,16 +352,18 @@ static bool asks_for_coil(const vs_fate *p) {
   for (size_t k = 0; k < w->count; k++) {
     const char *text = w->listing->cards[w->elements[k].card].text;
     if (!strchr("befghi", w->elements[k].letter)) continue;
-    if (vs_fate_coil_current(p, text)) return true;
+    if (p->roles->coil && vs_fate_coil_current(p, text)) return true;
   }
   return false;
 }
 
 static void name_functions(vs_fate *p) {
+  const vs_cards *c = &p->wiring->listing->netlist;
   char name[VS_VALUES_NAME], kept[VS_DECK_NAME];
-  for (size_t k = 0; k < p->wiring->listing->count; k++) {
-    vs_coined_function(&p->wiring->listing->cards[k], name);
-    if (*name) vs_declared_name(&p->sheet, name, kept);
+  for (size_t k = 0; k < c->n_definitions; k++) {
+    if (c->definition[k].kind != VS_CARDS_FUNC) continue;
+    snprintf(name, sizeof name, "%.*s", (int)c->definition[k].name.n, c->definition[k].name.at);
+    vs_declared_name(&p->sheet, name, kept);
   }
 }
 
@@ -385,7 +371,7 @@ static void name_functions(vs_fate *p) {
  * that no parameter gets them. */
 static void name_all(vs_fate *p) {
   const vs_elements *w = p->wiring;
-  vs_coined_begin(&p->coined, w, p->values);
+  p->coined = (vs_coined){w, p->values};
   for (size_t k = 0; k < w->count; k++) {
     const vs_element *e = &w->elements[k];
     if (e == p->roles->mains || vs_roles_gate_of(p->roles, e) >= 0)
@@ -429,7 +415,6 @@ vs_status vs_fate_make(vs_fate *p, const char *asked, vs_error *err) {
 void vs_fate_free(vs_fate *p) {
   for (size_t k = 0; p->of && k < p->wiring->count; k++) free(p->of[k].value);
   free(p->of);
-  vs_coined_end(&p->coined);
   vs_declared_free(&p->sheet);
   *p = (vs_fate){0};
 }

@@ -10,15 +10,14 @@
 /* Adds the loss of the mains' series resistance (LTspice's Rser), which the deck has as an element
  * of its own. That of another source is contained in what the source delivers at its nodes. */
 static void add_series(vs_fate *p, const vs_element *e) {
-  char *rser = vs_elements_option(p->wiring, e, "rser"), v[VS_DECK_TEXT], inner[VS_ELEMENTS_NAME];
+  char v[VS_DECK_TEXT], inner[VS_ELEMENTS_NAME];
   double ohm;
-  if (rser && vs_values_of(p->values, rser, &ohm) && ohm > 0) {
+  if (vs_elements_number(p->wiring, p->values, e, "rser", &ohm) && ohm > 0) {
     snprintf(inner, sizeof inner, "%.50s_ser", vs_fate_of(p, e)->stem);
     vs_declared_voltage(vs_elements_node_of(p->wiring, e, 0), inner, v);
     vs_declared_add(&p->sheet, VS_DECLARED_LOSS, "%s_ser = %s^2/%.15g", e->key,
                     *v == '-' ? v + 1 : v, ohm);
   }
-  free(rser);
 }
 
 /* Adds the energy in the capacitor that shapes a gate's edges, some 1e-10 J, so that the audit

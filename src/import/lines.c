@@ -55,10 +55,13 @@ static vs_status check_part(const vs_fate *p, const vs_element *e, const vs_fate
   bool gated = *own->pins.part && vs_kinds_latches(own->pins.kind) && p->roles->n_gates;
   bool drives[VS_ROLES_GATES];
   if (!gated || own->pins.by == vs_pins_said || gates_at(p, e->nodes[2], drives)) return VS_OK;
+  const vs_kind *kind = vs_kinds_find(own->pins.kind);
   return vs_fail_at(err, vs_elements_where(p->wiring, e, 0),
-                    "%s: the part %s has the pins a k g, and no gate's source drives the "
-                    "third node here; --pins %s=akg, or %s=agk, or ..., says which node is what",
-                    e->name, own->pins.part, e->name, e->name);
+                    "%s: the part %s has the pins %s %s %s, and no gate's source drives the "
+                    "third node here; --pins %s=%s, the letters in the order of the nodes, says "
+                    "which node is what",
+                    e->name, own->pins.part, kind->pins[0].node, kind->pins[1].node,
+                    kind->pins[2].node, e->name, kind->letters);
 }
 
 /* ---- thyristors and triacs ---- */
@@ -133,8 +136,8 @@ static void add_valve(vs_fate *p, const vs_element *e, const vs_fate_element *ow
   voltage_of(p, e, own, v);
   vs_declared_add(&p->sheet, VS_DECLARED_PROBE, "%s = %s V \"voltage of %s\"", v_ak, v, e->name);
   if (*own->part)
-    vs_declared_add(&p->sheet, VS_DECLARED_RATING, "%s -%s.v_rrm..%s.v_drm V", v_ak, own->part,
-                    own->part);
+    vs_declared_add(&p->sheet, VS_DECLARED_RATING, "%s -%s.%s..%s.v_drm V", v_ak, own->part,
+                    vs_kinds_find(own->pins.kind)->both_ways ? "v_drm" : "v_rrm", own->part);
   vs_declared_name(&p->sheet, v_ak, v_ak);
   vs_declared_name(&p->sheet, i, i);
   add_device(p, e, own, name, i);
@@ -171,15 +174,6 @@ static void add_others(vs_fate *p) {
   }
 }
 
-/* True where the element has this option, such as LTspice's Rser, and it is not 0. */
-static bool has_part(const vs_fate *p, const vs_element *e, const char *name) {
-  double value = 1;
-  char *text = vs_elements_option(p->wiring, e, name);
-  bool has = text && !(vs_values_of(p->values, text, &value) && value == 0);
-  free(text);
-  return has;
-}
-
 /* The voltage of the capacitor alone, without the Rser and Lser that LTspice puts in series with
  * it. It begins at the node that the reader of decks makes behind those. */
 static void within(const vs_fate *p, const vs_element *e, const vs_fate_element *own,
@@ -187,7 +181,8 @@ static void within(const vs_fate *p, const vs_element *e, const vs_fate_element 
   char inner[VS_ELEMENTS_NAME + 8];
   snprintf(inner, sizeof inner, "%s__ser", e->name);
   vs_cursor_lower(inner);
-  if (has_part(p, e, "rser") || has_part(p, e, "lser"))
+  if (vs_elements_sets(p->wiring, p->values, e, "rser") ||
+      vs_elements_sets(p->wiring, p->values, e, "lser"))
     snprintf(v, VS_DECK_TEXT, "v(%s,%s)", own->inner, inner);
 }
 
@@ -224,19 +219,15 @@ static void add_passive(vs_fate *p, const vs_element *e, const vs_fate_element *
  * reader of decks makes them elements of their own. */
 static void add_parasitic(vs_fate *p, const vs_element *e, const vs_fate_element *own) {
   char v[VS_DECK_TEXT];
-  char *series = vs_elements_option(p->wiring, e, "rser");
-  char *across = vs_elements_option(p->wiring, e, "rpar");
   double ohm;
   vs_declared_voltage(vs_elements_node_of(p->wiring, e, 0), vs_elements_node_of(p->wiring, e, 1),
                       v);
-  if (series && vs_values_of(p->values, series, &ohm))
+  if (vs_elements_number(p->wiring, p->values, e, "rser", &ohm))
     vs_declared_add(&p->sheet, VS_DECLARED_LOSS, "%s_rser = %.15g*i(%s)^2", e->key, ohm,
                     e->letter == 'c' ? own->sense : e->name);
-  if (across && vs_values_of(p->values, across, &ohm) && ohm > 0)
+  if (vs_elements_number(p->wiring, p->values, e, "rpar", &ohm) && ohm > 0)
     vs_declared_add(&p->sheet, VS_DECLARED_LOSS, "%s_rpar = %s^2/%.15g", e->key,
                     *v == '-' ? v + 1 : v, ohm);
-  free(series);
-  free(across);
 }
 
 /* Adds inductors, then capacitors, then resistors: if a deck has no room for all, those that store
@@ -257,7 +248,8 @@ static const vs_element *coupled(const vs_fate *p, const vs_element *e, int n, c
   char *name = vs_elements_word_of(p->wiring, e, n);
   const vs_element *l = vs_elements_find(p->wiring, name);
   free(name);
-  bool multiplied = l && (has_part(p, l, "m") || has_part(p, l, "scale")); /* K knows no m= */
+  bool multiplied = l && (vs_elements_sets(p->wiring, p->values, l, "m") ||
+                          vs_elements_sets(p->wiring, p->values, l, "scale")); /* K knows no m= */
   *value = l && !multiplied ? vs_fate_of(p, l)->value : NULL;
   return *value ? l : NULL;
 }
@@ -299,19 +291,16 @@ static void add_controlled(vs_fate *p) {
  * elements of their own. */
 static void add_across(vs_fate *p) {
   const vs_roles *r = p->roles;
-  char *rpar = vs_elements_option(p->wiring, r->coil, "rpar"), v[VS_DECK_TEXT];
-  char *cpar = vs_elements_option(p->wiring, r->coil, "cpar");
+  char v[VS_DECK_TEXT];
   double value;
   vs_declared_voltage(p->wiring->nodes[r->coil_plus].name, p->wiring->nodes[r->coil_minus].name, v);
   const char *square = *v == '-' ? v + 1 : v;
-  if (rpar && vs_values_of(p->values, rpar, &value) && value > 0)
+  if (vs_elements_number(p->wiring, p->values, r->coil, "rpar", &value) && value > 0)
     vs_declared_add(&p->sheet, VS_DECLARED_LOSS, "%s_rpar = %s^2/%.15g", r->coil->key, square,
                     value);
-  if (cpar && vs_values_of(p->values, cpar, &value))
+  if (vs_elements_number(p->wiring, p->values, r->coil, "cpar", &value))
     vs_declared_add(&p->sheet, VS_DECLARED_STORE, "%s_cpar = %.15g*%s^2/2", r->coil->key, value,
                     square);
-  free(rpar);
-  free(cpar);
 }
 
 /* Adds a voltage probe for each net that the netlist's author has named. */

@@ -28,6 +28,15 @@ static const struct drawing {
                   "as 'LTspice -netlist X.asc'"},
     {"(kicad_sch", "is KiCad's drawing, no netlist: 'kicad-cli sch export netlist --format spice "
                    "X.kicad_sch' writes one"},
+    {"EESchema Schematic",
+     "is KiCad's drawing, no netlist: File, Export, Netlist, SPICE writes one"},
+    {"*version ",
+     "is a drawing of PSpice's Schematics, no netlist: Analysis, Create Netlist writes "
+     "one, NAME.net"},
+    {"<Qucs Schematic",
+     "is Qucs' drawing, no netlist: 'qucs-s -n --ngspice -i X.sch -o X.cir' writes one"},
+    {"$ 1 ", "is circuitjs' drawing, no netlist, and it writes none: draw it in LTspice or KiCad"},
+    {"v {xschem", "is xschem's drawing, no netlist: 'xschem -n -q X.sch' writes one"},
     {"(export", "is KiCad's list of parts and nets, no netlist of SPICE's: export it with the "
                 "format SPICE"},
     {"<?xml", "is no netlist of SPICE's"}};
@@ -42,8 +51,7 @@ static vs_status refuse_drawing(const char *path, const char *text, vs_error *er
 /* ---- where an included file lies ---- */
 
 bool vs_listing_is(const vs_card *card, const char *word) {
-  size_t n = strlen(word);
-  return !strncasecmp(card->text, word, n) && (!card->text[n] || strchr(" \t", card->text[n]));
+  return vs_words_begin(card->text, word);
 }
 
 static bool is_file(const char *path) {
@@ -152,6 +160,18 @@ static void write_replaced(vs_card *card) {
  * .lib, is no part of the netlist, and neither is what a library includes. */
 static vs_status follow(vs_listing *l, size_t card, vs_error *err) {
   char path[VS_PATH_SIZE];
+  vs_card *c = &l->cards[card];
+  if (c->kind == VS_CARD_ELEMENT) {
+    vs_text text = {0};
+    vs_status status = vs_source_points(c->text, c->where, &text, err);
+    if (text.text) {
+      free(c->text);
+      free(c->raw);
+      c->raw = vs_copy(text.text);
+      c->text = text.text;
+    }
+    return status;
+  }
   if (!vs_listing_finds(&l->cards[card], path) || !*path) return VS_OK;
   for (size_t k = 0; k < l->n_files; k++)
     if (!strcmp(l->files[k], path)) return VS_OK;
@@ -281,15 +301,31 @@ static vs_status refuse_deck(const vs_listing *l, vs_error *err) {
   return VS_OK;
 }
 
+static void take_apart(vs_listing *l) {
+  static char nothing[] = "";
+  l->lines = vs_alloc(l->count, sizeof *l->lines);
+  for (size_t k = 0; k < l->count; k++) {
+    const vs_card *card = &l->cards[k];
+    vs_words_unbrace(card->text);
+    const bool of_netlist = card->kind == VS_CARD_ELEMENT || card->kind == VS_CARD_STATEMENT;
+    l->lines[k] = (vs_line){.text = of_netlist ? card->text : nothing, .where = card->where};
+  }
+  vs_cards_read(&l->netlist, l->lines, l->count);
+}
+
 vs_status vs_listing_read(vs_listing *l, const char *path, const char *library, vs_error *err) {
   vs_status status = add_file(l, path, false, err);
   if (!status) status = refuse_deck(l, err);
   if (status) return status;
   l->origin = find_origin(l);
-  return library ? add_file(l, library, false, err) : VS_OK;
+  if (library) status = add_file(l, library, false, err);
+  take_apart(l);
+  return status;
 }
 
 void vs_listing_free(vs_listing *l) {
+  vs_cards_free(&l->netlist);
+  free(l->lines);
   for (size_t k = 0; k < l->n_files; k++) free(l->files[k]);
   for (size_t k = 0; k < l->count; k++) {
     free(l->cards[k].text);

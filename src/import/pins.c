@@ -9,6 +9,7 @@
 #include <strings.h>
 
 #include "base/cursor.h"
+#include "netlist/cards.h"
 #include "netlist/catalogue.h"
 #include "netlist/kinds.h"
 #include "netlist/netlist.h"
@@ -22,6 +23,10 @@ static const struct letter {
                {'j', "transistor", 0, 2, 1},
                {'s', "switch", 0, 1, -1},
                {'w', "switch", 0, 1, -1}};
+
+/* Words for a diac, and those that makers' numbers begin with (DB3, HT32). It is no diode, whatever
+ * its pins are called. */
+static const char DIAC[] = " diac sidac ", DIAC_NUMBERS[] = " db smdb ht ";
 
 const char *const vs_pins_said = "as --pins says";
 
@@ -192,6 +197,61 @@ static vs_status ask(const vs_elements *w, const vs_element *e, const vs_kind *k
                     e->name, model, kind->name, e->name, kind->letters, e->name);
 }
 
+/* ---- a triac ---- */
+
+/* What the subcircuit is by what is within it, of which `gate` is known to be the gate (-1: not);
+ * whether it calls a subcircuit whose name hints at the kind. */
+static vs_cards_latch look_within(const vs_listing *l, const char *model, int gate,
+                                  const char *hints, bool *hinted) {
+  vs_cards c;
+  vs_cards_latch latch = {.gate = -1, .near = -1};
+  vs_line *lines = vs_alloc(l->count + 1, sizeof *lines);
+  size_t n = 0;
+  for (size_t k = 0; k < l->count; k++)
+    if (l->cards[k].kind != VS_CARD_COMMENT)
+      vs_line_join(&lines[n++], l->cards[k].text, l->cards[k].where);
+  vs_cards_read(&c, lines, n);
+  for (size_t k = c.n_scopes; k-- > 1;) { /* of several the first counts */
+    if (!vs_words_is(c.scope[k].name, model)) continue;
+    latch = vs_cards_see_latch(&c, k, gate);
+    *hinted = false;
+    for (size_t m = c.scope[k].first; m < c.scope[k].last; m++) {
+      char *called = vs_alloc_part(c.card[m].model.at, c.card[m].model.n);
+      *hinted = *hinted || (c.card[m].letter == 'x' && hints_at(called, hints));
+      free(called);
+    }
+  }
+  vs_cards_free(&c);
+  while (n > 0) vs_line_free(&lines[--n]);
+  free(lines);
+  return latch;
+}
+
+/* True for a triac: by its name, or as it conducts both ways. Its pins are then told by their
+ * names, by the junctions that they stand on, or as A, K and G are. `pins`: what the names say; its
+ * kind stays NULL where none of these tells. */
+static bool find_triac(const vs_listing *l, size_t subckt, const char *model, vs_pins *pins) {
+  const vs_kind *triac = vs_kinds_find("triac");
+  bool by_names = pins->kind, hinted = false;
+  if (by_names && !strcmp(pins->kind, triac->name)) return true;
+  if (by_names && strcmp(pins->kind, "thyristor")) return false;
+  vs_cards_latch latch = look_within(l, model, by_names ? pins->gate : -1, triac->called, &hinted);
+  /* BT131 to BT139 are triacs; BT151, as an instance, is a thyristor. */
+  if (!latch.two_ways && !hinted && strncasecmp(model, "bt13", 4) &&
+      !subcircuit_hints(l, subckt, model, triac->called))
+    return false;
+  pins->kind = NULL;
+  if (latch.near >= 0) {
+    *pins = (vs_pins){.kind = triac->name,
+                      .from = 3 - latch.gate - latch.near,
+                      .to = latch.near,
+                      .gate = latch.gate,
+                      .by = "by the junctions that its subcircuit's pins stand on"};
+  } else if (by_names)
+    pins->kind = triac->name; /* A is main terminal 2, K is 1 */
+  return true;
+}
+
 static vs_status find_in_netlist(const vs_elements *w, const vs_element *e, const char *model,
                                  size_t subckt, vs_pins *pins, vs_error *err) {
   const vs_listing *l = w->listing;
@@ -201,7 +261,15 @@ static vs_status find_in_netlist(const vs_elements *w, const vs_element *e, cons
       take_kind(kind, pins);
       return VS_OK;
     }
-  if (pins_of(l, subckt, e->n_nodes, pins)) return VS_OK;
+  if (e->n_nodes == 2 &&
+      (subcircuit_hints(l, subckt, model, DIAC) || hints_at(model, DIAC_NUMBERS))) {
+    *pins = (vs_pins){.kind = "diac", .from = 0, .to = 1, .gate = -1, .by = "by its name"};
+    return VS_OK;
+  }
+  bool told = pins_of(l, subckt, e->n_nodes, pins);
+  if (e->n_nodes == 3 && find_triac(l, subckt, model, pins))
+    return pins->kind ? VS_OK : ask(w, e, vs_kinds_find("triac"), model, err);
+  if (told) return VS_OK;
   for (const vs_kind *kind = vs_kinds_all; kind->name && e->n_nodes == 3; kind++)
     if (kind->called && vs_kinds_count_pins(kind) == 3 &&
         subcircuit_hints(l, subckt, model, kind->called))

@@ -44,39 +44,30 @@ static const vs_element *find_source(const vs_elements *w, const vs_values *v, c
   return NULL;
 }
 
-/* True where an element of the netlist itself is an instance of this subcircuit. */
-static bool is_instantiated(const vs_listing *l, vs_word name) {
-  for (size_t k = 0; k < l->count; k++)
-    if (l->cards[k].kind == VS_CARD_ELEMENT && !l->cards[k].included &&
-        !vs_words_compare(vs_cards_instance_of(l->cards[k].text), name))
-      return true;
-  return false;
-}
-
-/* The name of the subcircuit that a .subckt line begins; empty for other lines. */
-static vs_word subcircuit_of(const vs_card *card) {
-  const char *s = card->text + strcspn(card->text, " \t");
-  s += strspn(s, " \t");
-  return (vs_word){s, vs_listing_is(card, ".subckt") ? strcspn(s, " \t(") : 0};
+/* True where an element of the netlist itself is an instance of the subcircuit of that scope. */
+static bool is_instantiated(const vs_listing *l, size_t scope) {
+  bool is = false;
+  for (size_t k = 0; k < l->count && !is; k++)
+    is = !l->cards[k].included && vs_cards_called(&l->netlist, &l->netlist.card[k]) == scope;
+  return is;
 }
 
 /* Adds the name of the first source that is not 0 at t = 0 in a subcircuit that the netlist defines
  * and uses. Nested subcircuits are not examined. */
 static void find_inner_source(const vs_elements *w, const vs_values *v, vs_text *name) {
   const vs_listing *l = w->listing;
-  vs_word in = {"", 0};
-  bool used = false;
-  for (size_t k = 0; k < l->count; k++) {
-    const vs_card *card = &l->cards[k];
-    if (card->included || card->depth != 1) continue;
-    vs_word begun = subcircuit_of(card);
-    vs_element e;
-    if (begun.n) in = begun, used = is_instantiated(l, in);
-    if (!used || card->kind != VS_CARD_ELEMENT || !strchr("vViI", *card->text)) continue;
-    vs_elements_source_of(l, k, &e);
-    if (vs_course_begins_at_0(w, v, &e)) continue;
-    vs_text_add(name, "%s of subcircuit %.*s", e.name, (int)in.n, in.at);
-    return;
+  const vs_cards *c = &l->netlist;
+  for (size_t scope = 1; scope < c->n_scopes; scope++) {
+    const vs_netlist_scope *in = &c->scope[scope];
+    if (in->outer || l->cards[in->first].included || !is_instantiated(l, scope)) continue;
+    for (size_t k = in->first; k < in->last; k = vs_cards_next(c, k)) {
+      vs_element e;
+      if (c->card[k].kind != VS_CARDS_ELEMENT || !strchr("vi", c->card[k].letter)) continue;
+      vs_elements_source_of(l, k, &e);
+      if (vs_course_begins_at_0(w, v, &e)) continue;
+      vs_text_add(name, "%s of subcircuit %.*s", e.name, (int)in->name.n, in->name.at);
+      return;
+    }
   }
 }
 

@@ -10,9 +10,9 @@
 #include "base/cursor.h"
 #include "base/formula.h"
 #include "base/text.h"
-#include "macros.h"
 #include "netlist/numbers.h"
 #include "netlist/reserved.h"
+#include "netlist/words.h"
 
 /* ---- numbers ---- */
 
@@ -49,6 +49,89 @@ bool vs_values_number(const vs_values *v, const char *text, double *number) {
   if (!strncmp(end, "\xe2\x84\xa6", 3)) end += 3; /* sign of the ohm */
   end += strspn(end, " \t");
   return !*end;
+}
+
+/* ---- functions: lines .func outside of subcircuits ---- */
+
+/* A call of a function: its definition, and the arguments of both. */
+typedef struct call {
+  const vs_netlist_definition *of;
+  vs_word own[VS_WORDS_MOST], given[VS_WORDS_MOST];
+  size_t count;
+  const char *behind; /* the text behind the closing bracket */
+} call;
+
+/* False where no function is called at s, or with another number of arguments. */
+static bool read_call(const vs_listing *l, const char *s, size_t n, call *c) {
+  const char *open = s + n + strspn(s + n, " \t"), *end;
+  if (!n || *open != '(') return false;
+  c->count = vs_words_arguments(open, c->given, &c->behind);
+  for (size_t k = 0; k < l->netlist.n_definitions && c->count; k++) {
+    c->of = &l->netlist.definition[k];
+    if (c->of->kind != VS_CARDS_FUNC || l->cards[c->of->card].depth > 0) continue;
+    if (vs_words_compare(c->of->name, (vs_word){s, n})) continue;
+    return vs_words_arguments(c->of->arguments.at - 1, c->own, &end) == c->count &&
+           !c->own[0].n == !c->given[0].n;
+  }
+  return false;
+}
+
+static size_t name_length(const char *s) {
+  size_t n = 0;
+  while (!isdigit((unsigned char)*s) && vs_words_goes_on(s[n])) n++;
+  return n;
+}
+
+/* Adds the body of a function, with the arguments of a call in brackets. */
+static void add_body(const call *c, vs_text *out) {
+  vs_text_add(out, "(");
+  for (const char *s = c->of->body.at; s < c->of->body.at + c->of->body.n;) {
+    const size_t n = name_length(s);
+    size_t which = 0;
+    while (which < c->count && vs_words_compare((vs_word){s, n}, c->own[which])) which++;
+    if (n && which < c->count)
+      vs_text_add(out, "(%.*s)", (int)c->given[which].n, c->given[which].at);
+    else if (n)
+      vs_text_add(out, "%.*s", (int)n, s);
+    else if (!strchr("'\"=", *s))
+      vs_text_add(out, "%c", *s == '{' ? '(' : *s == '}' ? ')' : *s);
+    s += n ? n : 1;
+  }
+  vs_text_add(out, ")");
+}
+
+/* Replaces the calls in a text once, without looking into the replacements; true: there was one. */
+static bool expand_once(const vs_listing *l, const char *text, vs_text *out) {
+  bool any = false;
+  call c;
+  vs_text_add(out, "%s", "");
+  for (const char *s = text; *s;) {
+    const size_t digits = strspn(s, "0123456789."); /* a number's letters are no name */
+    const size_t n = digits + name_length(s + digits);
+    const bool is = !digits && read_call(l, s, n, &c);
+    if (is)
+      add_body(&c, out);
+    else
+      vs_text_add(out, "%.*s", n ? (int)n : 1, s);
+    s = is ? c.behind : s + (n ? n : 1);
+    any = any || is;
+  }
+  return any;
+}
+
+/* A copy of an expression in which each call of a function is replaced by its body. A call that
+ * does not fit its function stays. */
+static char *expand(const vs_listing *l, const char *expression) {
+  enum { NESTED_CALLS = 20 }; /* which ends a function that calls itself */
+  char *text = vs_copy(expression);
+  bool any = l != NULL;
+  for (int k = 0; any && k < NESTED_CALLS && strlen(text) <= 4096; k++) {
+    vs_text out = {0};
+    any = expand_once(l, text, &out);
+    free(text);
+    text = out.text;
+  }
+  return text;
 }
 
 /* ---- expressions ---- */
@@ -123,7 +206,7 @@ static bool evaluate(const vs_values *v, const char *text, int level, double *va
   if (level > NESTED) return false;
   names *n = vs_alloc(1, sizeof *n);
   double known[NAMES] = {0};
-  char why[200], *plain = bare(text), *expression = vs_macros_expand(v->listing, plain);
+  char why[200], *plain = bare(text), *expression = expand(v->listing, plain);
   free(plain);
   tame_powers(expression);
   const char *bad = NULL;
@@ -150,66 +233,20 @@ bool vs_values_of(const vs_values *v, const char *text, double *value) {
 
 /* ---- .param ---- */
 
-static void add_param(vs_values *v, const char *name, size_t name_size, const char *text,
-                      size_t size, size_t card) {
-  v->item = vs_alloc_grow(v->item, v->count, sizeof *v->item);
-  vs_value_param *p = &v->item[v->count];
-  *p = (vs_value_param){.card = card, .text = vs_alloc(size + 1, 1)};
-  memcpy(p->text, text, size);
-  snprintf(p->name, sizeof p->name, "%.*s", (int)name_size, name);
-  vs_cursor_lower(p->name);
-  vs_names_put(&v->names, p->name, v->count++); /* the last one counts */
-}
-
-static bool is_name(char c) {
-  return isalnum((unsigned char)c) || c == '_';
-}
-
-/* True where "NAME =" begins at `s`. */
-static bool begins_assignment(const char *s) {
-  size_t n = 0;
-  if (!isalpha((unsigned char)*s) && *s != '_') return false;
-  while (is_name(s[n])) n++;
-  n += strspn(s + n, " \t");
-  return s[n] == '=' && s[n + 1] != '=';
-}
-
-/* The end of the value that begins at `s`: before the next assignment, outside of brackets. */
-static const char *end_of_value(const char *s) {
-  int depth = 0;
-  bool quoted = false;
-  for (; *s; s++) {
-    if (*s == '\'') quoted = !quoted;
-    depth += (*s == '{' || *s == '(') - (*s == '}' || *s == ')');
-    if (depth > 0 || quoted || !strchr(" \t,", *s)) continue;
-    if (begins_assignment(s + strspn(s, " \t,"))) break;
-  }
-  return s;
-}
-
-static void read_line(vs_values *v, const vs_listing *l, size_t card) {
-  const char *s = l->cards[card].text + strcspn(l->cards[card].text, " \t");
-  while (*(s += strspn(s, " \t,"))) {
-    const char *name = s;
-    while (is_name(*s)) s++;
-    size_t n = (size_t)(s - name);
-    s += strspn(s, " \t=");
-    const char *end = end_of_value(s), *last = end;
-    while (last > s && strchr(" \t", last[-1])) last--;
-    if (n == 0 || last == s) return; /* ngspice will refuse it */
-    add_param(v, name, n, s, (size_t)(last - s), card);
-    s = end;
-  }
-}
-
 void vs_values_read(vs_values *v, const vs_listing *l) {
+  const vs_cards *c = &l->netlist;
   v->listing = l;
   v->rkm = l->origin == VS_ORIGIN_LTSPICE || l->origin == VS_ORIGIN_KICAD;
-  for (size_t k = 0; k < l->count; k++) {
-    const vs_card *card = &l->cards[k];
-    if (card->depth == 0 && (vs_listing_is(card, ".param") || vs_listing_is(card, ".params") ||
-                             vs_listing_is(card, ".parameters")))
-      read_line(v, l, k);
+  for (size_t k = 0; k < c->n_definitions; k++) {
+    const vs_netlist_definition *d = &c->definition[k];
+    if (c->card[d->card].kind != VS_CARDS_PARAM || d->kind != VS_CARDS_PARAM) continue;
+    if (l->cards[d->card].depth || !d->body.n) continue;
+    v->item = vs_alloc_grow(v->item, v->count, sizeof *v->item);
+    vs_value_param *p = &v->item[v->count];
+    *p = (vs_value_param){.card = d->card, .text = vs_alloc_part(d->body.at, d->body.n)};
+    snprintf(p->name, sizeof p->name, "%.*s", (int)d->name.n, d->name.at);
+    vs_cursor_lower(p->name);
+    vs_names_put(&v->names, p->name, v->count++); /* the last one counts */
   }
   for (size_t k = 0; k < v->count; k++) {
     vs_value_param *p = &v->item[k];

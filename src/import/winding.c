@@ -17,18 +17,9 @@ static bool value_of(const vs_roles_search *f, const vs_element *e, double *valu
   return known;
 }
 
-/* True where the inductor's own line puts something across it: LTspice's Rpar= or Cpar=. A value of
- * 0 means nothing. */
+/* True where the inductor's own line puts something across it: LTspice's Rpar= or Cpar=. */
 static bool has_across(const vs_roles_search *f, const vs_element *coil) {
-  static const char *const KEYS[] = {"rpar", "cpar"};
-  bool across = false;
-  for (int k = 0; k < 2; k++) {
-    double value = 1;
-    char *text = vs_elements_option(f->w, coil, KEYS[k]);
-    across = across || (text && !(vs_values_of(f->v, text, &value) && value == 0));
-    free(text);
-  }
-  return across;
+  return vs_elements_sets(f->w, f->v, coil, "rpar") || vs_elements_sets(f->w, f->v, coil, "cpar");
 }
 
 /* True where an expression, or a statement, asks for that voltage or current: v(NODE), v(a,NODE),
@@ -98,28 +89,10 @@ static vs_status check_options(const vs_roles_search *f, const vs_element *e) {
   return status;
 }
 
-/* True where the element's value depends on temperature: tc=, tc1= or tc2= other than 0. */
+/* True where the element's value depends on temperature. */
 static bool follows_temperature(const vs_roles_search *f, const vs_element *e) {
-  static const char *const KEYS[] = {"tc", "tc1", "tc2"};
-  bool follows = false;
-  for (size_t k = 0; k < sizeof KEYS / sizeof *KEYS; k++) {
-    double value;
-    char *text = vs_elements_option(f->w, e, KEYS[k]);
-    follows = follows || (text && !(vs_values_of(f->v, text, &value) && value == 0));
-    free(text);
-  }
-  return follows;
-}
-
-/* True where a .model stands after the element's value, or beside R= or L=. */
-static bool has_model(const vs_roles_search *f, const vs_element *e) {
-  bool found = false;
-  for (int n = e->n_nodes + 1; n < e->n_words && !found; n++) {
-    char *word = vs_elements_word_of(f->w, e, n);
-    found = vs_elements_defined(f->w->listing, word) >= 0;
-    free(word);
-  }
-  return found;
+  return vs_elements_sets(f->w, f->v, e, "tc") || vs_elements_sets(f->w, f->v, e, "tc1") ||
+         vs_elements_sets(f->w, f->v, e, "tc2");
 }
 
 static vs_status set_coil(vs_roles_search *f, const vs_element *l, const vs_element *r) {
@@ -149,13 +122,11 @@ static vs_status set_coil(vs_roles_search *f, const vs_element *l, const vs_elem
                       "alone, and %s stays in the circuit",
                       l->name, r->name, l->name, r->name);
   roles->resistance_ohm += own;
-  char *current = vs_elements_option(f->w, l, "ic");
-  double current_a = 0;
-  roles->begins_with_current =
-      current && !(vs_values_of(f->v, current, &current_a) && current_a == 0);
-  free(current);
+  roles->begins_with_current = vs_elements_sets(f->w, f->v, l, "ic");
   roles->heats = follows_temperature(f, l) ? l : r && follows_temperature(f, r) ? r : NULL;
-  roles->modelled = has_model(f, l) ? l : r && has_model(f, r) ? r : NULL;
+  roles->modelled = vs_elements_has_model(f->w, l)        ? l
+                    : r && vs_elements_has_model(f->w, r) ? r
+                                                          : NULL;
   vs_status status = check_options(f, l);
   if (!status && r) status = check_options(f, r);
   return status ? status : join(f, l, r);

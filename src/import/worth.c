@@ -54,35 +54,16 @@ static void expand(const reader *p, const char *text, int level, vs_text *out) {
   vs_text_add(out, ")");
 }
 
-/* True where the element has this option, such as "temp", and it is not 0. */
-static bool has_option(const reader *p, const vs_element *e, const char *name) {
-  double value;
-  char *text = vs_elements_option(p->wiring, e, name);
-  bool has = text && !(vs_values_of(p->values, text, &value) && value == 0);
-  free(text);
-  return has;
-}
-
 /* True where the element's value depends on temperature and its temperature is set. Without temp=
  * and dtemp= coefficients have no effect: a deck runs at 27 degC, which they refer to. */
 static bool is_warm(const reader *p, const vs_element *e) {
-  bool heats = has_option(p, e, "tc") || has_option(p, e, "tc1") || has_option(p, e, "tc2");
+  bool heats = vs_elements_sets(p->wiring, p->values, e, "tc") ||
+               vs_elements_sets(p->wiring, p->values, e, "tc1") ||
+               vs_elements_sets(p->wiring, p->values, e, "tc2");
   char *temp = vs_elements_option(p->wiring, e, "temp");
-  bool warm = heats && (temp || has_option(p, e, "dtemp"));
+  bool warm = heats && (temp || vs_elements_sets(p->wiring, p->values, e, "dtemp"));
   free(temp);
   return warm;
-}
-
-/* True where a .model stands before or after the element's value. */
-static bool has_model(const reader *p, const vs_element *e) {
-  bool found = false;
-  for (int n = e->n_nodes + 1; n < e->n_words && !found; n++) {
-    char *word = vs_elements_word_of(p->wiring, e, n);
-    found = isalpha((unsigned char)*word) && !strchr(word, '=') &&
-            vs_elements_defined(p->wiring->listing, word) >= 0;
-    free(word);
-  }
-  return found;
 }
 
 /* Adds "*2" or "/2" for an option that the element has. Returns false where the option is no number
@@ -152,7 +133,7 @@ char *vs_worth_make(const vs_elements *w, const vs_values *v, const vs_element *
   double value;
   vs_text formula = {0};
   /* ngspice does not see the model after "{r1}", so that the netlist's number stays there */
-  if (has_model(&p, e))
+  if (vs_elements_has_model(w, e))
     *param = '\0';
   else if (vs_values_number(v, word, &value) && value > 0)
     add_param(e, value, sheet, param, &formula);

@@ -108,10 +108,8 @@ void vs_lowpass_advance(vs_lowpass *p, double h, const double u[VS_LOWPASS_TERMS
 void vs_lowpass_close(vs_lowpass *p, const double from[2], double period_s) {
   double z = p->rate * period_s, e[2][2], past[2]; /* e[j] is the j-th column of E */
   if (z == 0) return;
-  for (int j = 0; j < 2; j++) {
-    const double unit[2] = {j == 0, j == 1};
-    transition(p, z, unit, e[j]);
-  }
+  transition(p, z, (const double[]){1, 0}, e[0]);
+  transition(p, z, (const double[]){0, 1}, e[1]);
   transition(p, z, from, past);
   double c0 = p->x[0] - past[0], c1 = p->x[1] - past[1];
   double det = (1 - e[0][0]) * (1 - e[1][1]) - e[1][0] * e[0][1];

@@ -131,7 +131,8 @@ static void add_measured_extreme(vs_measures *m, int channel, int sense) {
   m->extremes[m->n_extremes++] = (vs_extreme){.channel = channel, .sense = sense};
 }
 
-/* Lets the extremes that nobody wants be. The travel's may be a coordinate's. */
+/* Lets be what nobody wants: extremes, of which the travel's may be a coordinate's, and the turns
+ * of the travel. */
 static void leave_idle(vs_measures *m, const vs_measure_set *wants) {
   const bool travel =
       wants->has[VS_M_GAP_MIN] || wants->has[VS_M_GAP_MAX] || wants->has[VS_M_STROKE];
@@ -143,6 +144,9 @@ static void leave_idle(vs_measures *m, const vs_measure_set *wants) {
           !own && !(travel && i == sole(m->frame->model));
   }
   for (int k = m->of_travel; k < m->of_probes; k++) m->extremes[k].idle = !travel;
+  m->extremes[OF_FORCE].idle = !wants->has[VS_M_FORCE_PEAK];
+  m->no_turns = !m->frame->deck && !wants->has[VS_M_GAP_FIRST] && !wants->has[VS_M_GAP_SECOND] &&
+                !wants->has[VS_M_F_RESONANCE] && !wants->has[VS_M_TAU_GAP];
 }
 
 vs_measures *vs_measures_new(const vs_frame *frame, const vs_measure_set *wants) {
@@ -386,9 +390,8 @@ static void follow_event(vs_measures *m, vs_event event, double t_s) {
   if (event == VS_EV_JAMS) m->jammed = true;
 }
 
-void vs_measures_accept(vs_measures *m, const vs_step *step) {
-  for (int k = 0; k < 2; k++) follow_event(m, step->event[k], step->event_s[k]);
-  if (step->to->t_s == step->from->t_s) return;
+/* Keeps the step, of some length, as the newer of two. */
+static void keep_step(vs_measures *m, const vs_step *step) {
   m->last = 1 - m->last;
   if (m->steps < 2) m->steps++;
   vs_kept_step *kept = &m->kept[m->last];
@@ -401,6 +404,12 @@ void vs_measures_accept(vs_measures *m, const vs_step *step) {
       m->steps == 1 ? vs_mechanics_travel(m->frame->model, step->from->x) : m->travel_m[1];
   m->travel_m[1] = vs_mechanics_travel(m->frame->model, step->from->x);
   m->travel_m[2] = vs_mechanics_travel(m->frame->model, step->to->x);
+}
+
+void vs_measures_accept(vs_measures *m, const vs_step *step) {
+  for (int k = 0; k < 2; k++) follow_event(m, step->event[k], step->event_s[k]);
+  if (step->to->t_s == step->from->t_s) return;
+  if (!m->no_turns) keep_step(m, step);
   vs_extreme_follow(&m->extremes[OF_CURRENT], step, m->jammed);
   vs_extreme_follow(&m->extremes[OF_FORCE], step, m->jammed);
   vs_extreme_follow_motion(&m->extremes[OF_COORDINATES], step, m->jammed);
@@ -410,6 +419,7 @@ void vs_measures_accept(vs_measures *m, const vs_step *step) {
   for (size_t k = 0; m->frame->deck && k < m->frame->deck->n_ratings; k++) follow_rating(m, k);
   for (size_t k = 0; k < m->n_followed; k++)
     follow_channel(&m->followed[k], step, m->frame->tolerance);
+  if (m->no_turns) return;
   follow_peaks(m);
   follow_crossings(m);
 }

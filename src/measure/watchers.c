@@ -86,7 +86,7 @@ static bool are_all_settled(const vs_measure_set *s, const vs_measure_set *wante
 /* ---- all of them ---- */
 
 void vs_watchers_begin(vs_watchers *w, const vs_frame *frame, const vs_measure_set *wants) {
-  vs_watchers_free(w);
+  if (w->measures) vs_watchers_free(w);
   w->measures = vs_measures_new(frame, wants);
   w->devices = vs_devices_new(frame);
   if (frame->deck) w->batch = vs_alloc(1, sizeof *w->batch);
@@ -109,6 +109,7 @@ static void look_at_batch(vs_watchers *w) {
 
 void vs_watchers_accept(vs_watchers *w, const vs_step *step) {
   /* From where the rest is left out on, only the books of energy go on: what is settled stays. */
+  if (step->glides && !w->left) w->left_s = step->from->t_s;
   w->left = w->left || step->glides;
   if (w->left) {
     vs_energy_accept(&w->energy, step);

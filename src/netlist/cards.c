@@ -2,11 +2,13 @@
 #include "netlist/cards.h"
 
 #include <ctype.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
 #include "base/cursor.h"
+#include "netlist/numbers.h"
 
 static const char BLANKS[] = " \t";
 
@@ -71,6 +73,7 @@ static const struct statement {
 } STATEMENTS[] = {{".subckt", VS_CARDS_SUBCKT}, {".ends", VS_CARDS_ENDS},
                   {".model", VS_CARDS_MODEL},   {".param", VS_CARDS_PARAM},
                   {".func", VS_CARDS_FUNC},     {".global", VS_CARDS_GLOBAL},
+                  {".params", VS_CARDS_PARAM},  {".parameters", VS_CARDS_PARAM},
                   {".if", VS_CARDS_IF},         {".endif", VS_CARDS_ENDIF}};
 
 static int kind_of(const char *line) {
@@ -342,6 +345,182 @@ size_t vs_cards_called(const vs_cards *c, const vs_netlist_card *card) {
   if (card->kind != VS_CARDS_ELEMENT || card->letter != 'x' || !card->model.n) return 0;
   const vs_netlist_definition *d = vs_cards_resolve(c, card->scope, VS_CARDS_SUBCKT, card->model);
   return d ? c->card[d->card].opens : 0;
+}
+
+/* ---- what a subcircuit of three pins is ---- */
+
+/* Two nodes that a resistor or a junction connects, with a resistance that orders them: of a
+ * junction and of a value that is a formula, those of one in operation. */
+enum { LATCH_PINS = 3, MOST_TIES = 512, MOST_CALLS = 64, LATCH_DEPTH = 8 };
+static const double JUNCTION_OHM = 10, FORMULA_OHM = 100, AT_A_PIN_OHM = 5;
+
+typedef struct tie {
+  size_t a, b;
+  double ohm;
+  bool junction;
+} tie;
+
+typedef struct latch_search {
+  const vs_cards *cards;
+  vs_names nodes; /* by "path.node"; the pins are 0, 1 and 2 */
+  tie ties[MOST_TIES];
+  size_t n_ties, n_nodes;
+  struct {
+    size_t node;
+    char type; /* of the transistor, n or p */
+  } emitter[MOST_TIES];
+  size_t n_emitters;
+  size_t calls; /* subcircuits that were gone through */
+} latch_search;
+
+static size_t node_number(latch_search *s, const char *path, vs_word node, const vs_word *outer,
+                          const size_t *numbers, size_t n_outer) {
+  size_t number = s->n_nodes;
+  for (size_t k = 0; k < n_outer; k++)
+    if (!vs_words_compare(outer[k], node)) return numbers[k];
+  vs_text name = {0};
+  vs_text_add(&name, "%s.%.*s", vs_words_is_ground(node) ? "" : path, (int)node.n, node.at);
+  if (!vs_names_find(&s->nodes, name.text, name.length, &number)) {
+    vs_names_put(&s->nodes, name.text, number);
+    s->n_nodes++;
+  }
+  vs_text_free(&name);
+  return number;
+}
+
+static void add_tie(latch_search *s, size_t a, size_t b, double ohm, bool junction) {
+  if (s->n_ties < MOST_TIES) s->ties[s->n_ties++] = (tie){a, b, ohm, junction};
+}
+
+/* Takes one element, whose first nodes are numbered: c b e of a transistor. */
+static void take_tie(latch_search *s, const vs_netlist_card *card, const size_t *node) {
+  double ohm = FORMULA_OHM;
+  const vs_netlist_definition *model;
+  switch (card->letter) {
+  case 'r':
+    vs_numbers_read(vs_cards_word(s->cards, card, 2), &ohm);
+    add_tie(s, node[0], node[1], ohm, false);
+    break;
+  case 'v':
+  case 'l':
+    add_tie(s, node[0], node[1], 0, false);
+    break;
+  case 'd':
+    add_tie(s, node[0], node[1], JUNCTION_OHM, true);
+    break;
+  case 'q':
+    add_tie(s, node[1], node[2], JUNCTION_OHM, true);
+    model = vs_cards_resolve(s->cards, card->scope, VS_CARDS_MODEL, card->model);
+    if (model && s->n_emitters < MOST_TIES) {
+      const vs_word type = s->cards->card[model->card].model;
+      s->emitter[s->n_emitters].node = node[2];
+      s->emitter[s->n_emitters++].type = (char)tolower((unsigned char)*type.at);
+    }
+    break;
+  default:
+    break;
+  }
+}
+
+/* Takes what is in a scope, whose own nodes `outer` have numbers already. */
+static void take_scope(latch_search *s, size_t scope, const char *path, const vs_word *outer,
+                       const size_t *numbers, size_t n_outer, int depth) {
+  enum { MOST = 8 };
+  const vs_cards *c = s->cards;
+  const vs_netlist_scope *of = &c->scope[scope];
+  for (size_t k = of->first; k < of->last; k = vs_cards_next(c, k)) {
+    const vs_netlist_card *card = &c->card[k];
+    if (card->kind != VS_CARDS_ELEMENT) continue;
+    size_t node[MOST], n = card->nodes < MOST ? card->nodes : MOST;
+    vs_word inner[MOST];
+    for (size_t m = 0; m < n; m++)
+      node[m] = node_number(s, path, vs_cards_word(c, card, m), outer, numbers, n_outer);
+    if (card->letter != 'x') {
+      if (n >= (card->letter == 'q' ? 3 : 2)) take_tie(s, card, node);
+      continue;
+    }
+    size_t called = vs_cards_called(c, card);
+    const vs_netlist_card *head = called ? &c->card[c->scope[called].first - 1] : NULL;
+    if (!head || head->nodes != n || depth == LATCH_DEPTH || s->calls++ >= MOST_CALLS) continue;
+    for (size_t m = 0; m < n; m++) inner[m] = vs_cards_word(c, head, m);
+    vs_text within = {0};
+    vs_text_add(&within, "%s.%.*s", path, (int)card->name.n, card->name.at);
+    take_scope(s, called, within.text, inner, node, n, depth + 1);
+    vs_text_free(&within);
+  }
+}
+
+/* The resistances from a pin to each node, of ways that pass by no other pin, with junctions or by
+ * resistors alone. free() them. */
+static double *resistances(const latch_search *s, size_t pin, bool junctions) {
+  double *ohm = vs_alloc(s->n_nodes, sizeof *ohm);
+  for (size_t k = 0; k < s->n_nodes; k++) ohm[k] = k == pin ? 0 : INFINITY;
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (size_t k = 0; k < 2 * s->n_ties; k++) {
+      const tie *t = &s->ties[k / 2];
+      size_t from = k % 2 ? t->b : t->a, to = k % 2 ? t->a : t->b;
+      if ((from < LATCH_PINS && from != pin) || !(ohm[from] + t->ohm < ohm[to])) continue;
+      if (t->junction && !junctions) continue;
+      ohm[to] = ohm[from] + t->ohm;
+      changed = true;
+    }
+  }
+  return ohm;
+}
+
+/* The pin to which the gate has at most half of the way that it has to the other one; -1: neither.
+ */
+static int nearer(const double *ohm, size_t gate) {
+  int a = gate == 0, b = 3 - a - (int)gate;
+  if (2 * ohm[a] <= ohm[b] && isfinite(ohm[a])) return a;
+  if (2 * ohm[b] <= ohm[a] && isfinite(ohm[b])) return b;
+  return -1;
+}
+
+/* By resistors, else by junctions. A large resistor that says another pin than a junction much
+ * nearer may be a leakage as well: then it is not told. */
+static int gate_stands_on(const latch_search *s, size_t gate) {
+  static const double MUCH = 10;
+  double *by_resistors = resistances(s, gate, false), *by_all = resistances(s, gate, true);
+  int pin = nearer(by_resistors, gate), other = nearer(by_all, gate);
+  if (pin < 0)
+    pin = other;
+  else if (other >= 0 && other != pin && MUCH * by_all[other] < by_resistors[pin])
+    pin = -1;
+  free(by_resistors);
+  free(by_all);
+  return pin;
+}
+
+vs_cards_latch vs_cards_see_latch(const vs_cards *cards, size_t scope, int gate) {
+  vs_cards_latch latch = {.gate = gate, .near = -1};
+  const vs_netlist_card *head = &cards->card[cards->scope[scope].first - 1];
+  latch_search *s = vs_alloc(1, sizeof *s);
+  *s = (latch_search){.cards = cards, .n_nodes = LATCH_PINS};
+  static const size_t PINS[LATCH_PINS] = {0, 1, 2};
+  vs_word outer[LATCH_PINS];
+  bool type[LATCH_PINS][2] = {{false}};
+  for (size_t k = 0; k < LATCH_PINS; k++) outer[k] = vs_cards_word(cards, head, k);
+  if (head->nodes == LATCH_PINS) take_scope(s, scope, "", outer, PINS, LATCH_PINS, 0);
+  int without = 0;
+  for (size_t pin = 0; pin < LATCH_PINS && s->n_ties; pin++) {
+    double *ohm = resistances(s, pin, false);
+    for (size_t k = 0; k < s->n_emitters; k++)
+      if (ohm[s->emitter[k].node] <= AT_A_PIN_OHM) type[pin][s->emitter[k].type == 'p'] = true;
+    free(ohm);
+    if (type[pin][0] || type[pin][1]) continue;
+    without++;
+    if (gate < 0) latch.gate = (int)pin;
+  }
+  if (gate < 0 && (without != 1 || !s->n_emitters)) latch.gate = -1;
+  for (int t = 0; t < 2; t++)
+    latch.two_ways = latch.two_ways || type[0][t] + type[1][t] + type[2][t] > 1;
+  bool whole = s->n_ties < MOST_TIES && s->calls < MOST_CALLS;
+  if (whole && latch.gate >= 0) latch.near = gate_stands_on(s, (size_t)latch.gate);
+  vs_names_free(&s->nodes);
+  free(s);
+  return latch;
 }
 
 /* ---- unfolded ---- */

@@ -10,6 +10,7 @@
 #include <strings.h>
 
 #include "base/text.h"
+#include "library.h"
 #include "netlist/cards.h"
 #include "netlist/catalogue.h"
 #include "netlist/reserved.h"
@@ -61,9 +62,10 @@ static vs_field *own_fields(vs_deck *deck) {
 }
 
 void vs_deck_begin(vs_deck *deck) {
-  if (deck->begun) *deck = (vs_deck){0};
+  if (deck->begun) memset(deck, 0, sizeof *deck); /* a literal of its size may go over the stack */
   deck->begun = true;
   deck->cards = vs_alloc(1, sizeof *deck->cards);
+  deck->library = vs_alloc(1, sizeof *deck->library);
   deck->section =
       (vs_section){"circuit", vs_alloc(1 + VS_DECK_MOST + VS_DECK_PARTS, sizeof(vs_field)), 1};
   own_fields(deck)[0] = vs_deck_key;
@@ -363,6 +365,8 @@ void vs_deck_free(vs_deck *deck) {
   free(deck->lines);
   if (deck->cards) vs_cards_free(deck->cards);
   free(deck->cards);
+  if (deck->library) vs_library_free(deck->library);
+  free(deck->library);
   each_formula(deck, free_formula, NULL);
   for (size_t k = 0; k < deck->n_files; k++) free(deck->files[k]);
   vs_statements_free(&deck->skipped);

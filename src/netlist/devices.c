@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "netlist/devices.h"
 
+#include <assert.h>
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -420,13 +422,29 @@ static const char *file_of(const vs_deck *deck, const vs_device *d) {
   return d->part < 0 ? NULL : deck->parts[d->part].file;
 }
 
-const vs_limit *vs_devices_limit(const vs_deck *deck, const vs_device *d,
-                                 const vs_device_measure *m) {
+static const vs_limit *find_limit(const vs_deck *deck, const vs_device *d,
+                                  const vs_device_measure *m) {
   bool ward = m->held == VS_WARD_AT_MOST;
   if (ward && d->protects < 0) return NULL;
   const char *file = file_of(deck, ward ? &deck->devices[d->protects] : d);
   const vs_limit *limit = file && m->limit ? vs_parts_find_limit(deck, file, m->limit) : NULL;
   return limit && isfinite(limit->value) ? limit : NULL;
+}
+
+void vs_devices_hold(vs_deck *deck) {
+  static_assert(VS_DECK_LIMITS <= UCHAR_MAX, "a limit's number is a byte of vs_device.held");
+  for (vs_device *d = deck->devices; d < deck->devices + deck->n_devices; d++)
+    for (size_t k = 0; d->kind && k < d->kind->n_measures; k++) {
+      assert(k < VS_DEVICE_MOST);
+      const vs_limit *limit = find_limit(deck, d, &d->kind->measures[k]);
+      d->held[k] = limit ? (unsigned char)(limit - deck->limits + 1) : 0;
+    }
+}
+
+const vs_limit *vs_devices_limit(const vs_deck *deck, const vs_device *d,
+                                 const vs_device_measure *m) {
+  const size_t number = d->held[m - d->kind->measures];
+  return number ? &deck->limits[number - 1] : NULL;
 }
 
 const vs_limit *vs_devices_own_limit(const vs_deck *deck, const vs_device *d, const char *name) {
@@ -759,6 +777,7 @@ vs_status vs_devices_resolve(vs_deck *deck, vs_error *err) {
     if (!status) status = vs_error_keep(err, check_flux(d, err));
     if (!status) status = vs_error_keep(err, resolve_ward(deck, d, err));
   }
+  vs_devices_hold(deck);
   for (size_t k = 0; k < deck->n_devices && !status; k++)
     status = check_limits(deck, &deck->devices[k], err);
   return status ? status : check_tables(deck, err);

@@ -13,6 +13,7 @@
 #include "base/text.h"
 #include "dialect/functions.h"
 #include "dialect/translate.h"
+#include "library.h"
 #include "lint/slips.h"
 #include "netlist/catalogue.h"
 #include "netlist/contract.h"
@@ -127,18 +128,21 @@ static vs_status include(vs_deck *deck, const char *line, vs_where where, vs_err
   return read_file(deck, path, true, err);
 }
 
-/* Adds a line to the netlist as ngspice is to be given it, and those that it needs besides. */
-static void add_rewritten(vs_deck *deck, vs_line line, vs_rewriting *r) {
-  if (strcmp(r->text.text, line.text)) vs_line_change(&line, vs_copy(r->text.text));
-  vs_where where = line.where;
-  vs_deck_add_line(deck, line);
-  char *rest = r->more.text;
+/* Adds lines that one of that place needs besides, each ended by a newline. */
+static void add_more(vs_deck *deck, vs_where where, char *rest) {
   for (char *more; rest && (more = strsep(&rest, "\n"));) {
     vs_line beside = {0};
     if (!*more) continue;
     vs_line_join(&beside, more, where);
     vs_deck_add_line(deck, beside);
   }
+}
+
+/* Adds a line to the netlist as ngspice is to be given it, and those that it needs besides. */
+static void add_rewritten(vs_deck *deck, vs_line line, vs_rewriting *r) {
+  if (strcmp(r->text.text, line.text)) vs_line_change(&line, vs_copy(r->text.text));
+  vs_deck_add_line(deck, line);
+  add_more(deck, line.where, r->more.text);
 }
 
 /* Holds a line to the rules, rewrites it and adds it to the netlist; *skip: or passes it by. */
@@ -187,12 +191,29 @@ typedef struct reading {
   vs_where unknown_1; /* the first of these */
   const vs_catalogue_part *row; /* the file is a row of a table; NULL: it is none */
   char word[24];                /* what stands in it */
+  bool *unread;                 /* for each line of a library: it is read only if it is called;
+                                   owned; NULL: all are read */
+  size_t prose;                 /* lines of the library that are no lines of a netlist */
+  vs_where prose_1;
 } reading;
+
+/* True for a line of a library, outside of its subcircuits, that is neither element nor statement,
+ * or closes what is not open. */
+static bool is_prose(const vs_deck *deck, const reading *r, const char *text) {
+  if (!r->unread || deck->subcircuits) return false;
+  if (*text == '.') return vs_words_begin(text, ".ends");
+  return !vs_rules_is_element(text) || vs_statements_is_title(text);
+}
 
 /* Takes the line begun, if there is one, as whole. */
 static vs_status end_line(vs_deck *deck, reading *r, vs_error *err) {
   vs_line line = r->line;
   r->line = (vs_line){0};
+  if (line.text && is_prose(deck, r, line.text)) {
+    if (r->prose++ == 0) r->prose_1 = line.where;
+    vs_line_free(&line);
+    return VS_OK;
+  }
   return line.text ? vs_error_keep(err, take_line_into_deck(deck, line, err)) : VS_OK;
 }
 
@@ -292,12 +313,14 @@ static bool is_statement(const char *line, const char *word) {
   return vs_words_begin(line + strspn(line, " \t"), word);
 }
 
-/* Reads the lines of a file. Commands from .control to .endc are refused with their first line. */
-static vs_status read_lines(vs_deck *deck, const char *file, const vs_source *source, reading *r,
-                            vs_error *err) {
+/* Reads the lines of a file from k up to before `end`. Commands from .control to .endc are refused
+ * with their first line. */
+static vs_status read_lines(vs_deck *deck, const char *file, const vs_source *source, size_t k,
+                            size_t end, reading *r, vs_error *err) {
   vs_status status = VS_OK;
-  size_t end = source->count, k = 0;
+  const size_t count = end;
   for (; k < end && !status; k++) {
+    if (r->unread && r->unread[k]) continue;
     char *line = source->line[k];
     bool commands = is_statement(line, ".control");
     vs_where where = {file, r->row ? r->row->line[k] : (int)k + 1, (int)strspn(line, " \t") + 1};
@@ -309,12 +332,17 @@ static vs_status read_lines(vs_deck *deck, const char *file, const vs_source *so
     while (commands && k + 1 < end && !is_statement(source->line[k], ".endc")) k++;
   }
   if (!status) status = end_line(deck, r, err);
-  if (!status && end < source->count) skip_rest(deck, file, source, end + 1);
+  if (!status && end < count) skip_rest(deck, file, source, end + 1);
   if (r->unknown)
     vs_deck_remark(deck, r->unknown_1,
                    "'*$ %s' is none of the contract's lines and taken for a comment (%zu such %s "
                    "in this file)",
                    r->word, r->unknown, r->unknown == 1 ? "line" : "lines");
+  if (r->prose)
+    vs_deck_remark(deck, r->prose_1,
+                   "%zu lines outside of this library's subcircuits are no elements and no "
+                   "statements, and passed by; the first is here",
+                   r->prose);
   return status;
 }
 
@@ -351,12 +379,19 @@ static vs_status read_file(vs_deck *deck, const char *path, bool library, vs_err
                         "with it the deck has more than %d lines; copy what the circuit needs of "
                         "it into a file of its own",
                         MOST_LINES);
+  bool kept = false;
   if (!status) {
     reading r = {.library = library, .row = is_row ? &row : NULL};
     find_dialect(deck, &source);
-    status = read_lines(deck, file, &source, &r, err);
+    const bool ours = is_row || deck->included[deck->n_files - 1].file || vs_deck_is_shipped(file);
+    if (library && deck->n_files > 1 && !ours && !deck->subcircuits)
+      r.unread = vs_library_add(deck->library, file, &source);
+    kept = r.unread;
+    status = read_lines(deck, file, &source, 0, source.count, &r, err);
     vs_line_free(&r.line);
+    free(r.unread);
   }
+  if (kept) return status;
   if (is_row)
     vs_catalogue_free(&row);
   else
@@ -397,18 +432,88 @@ static void tell_skipped(vs_deck *deck) {
   deck->changes.count = 0;
 }
 
-vs_status vs_files_read(vs_deck *deck, const char *path, bool library, vs_error *err) {
-  const size_t before = deck->n_lines;
-  vs_status status = read_file(deck, path, library, err);
-  if (!status && !deck->lost && deck->n_lines > before)
-    status =
-        vs_error_keep(err, vs_slips_conditions(deck->lines + before, deck->n_lines - before, err));
-  vs_translate_names(deck->lines, deck->n_lines, &deck->changes);
-  vs_deck_changed(deck);
-  tell_skipped(deck);
-  if (status || deck->subcircuits == 0) return status;
+static vs_status check_closed(vs_deck *deck, vs_error *err) {
+  if (deck->subcircuits == 0) return VS_OK;
   deck->subcircuits = 0;
+  deck->lost |= VS_LOST_ELEMENT; /* of what stands behind it, it is not known where that belongs */
   return vs_error_keep(
       err, vs_fail_at(err, deck->subcircuit,
                       "this .subckt has no .ends that closes it; write one behind its last line"));
+}
+
+static vs_status read_block(vs_deck *deck, const vs_library *lib, const vs_library_block *b,
+                            vs_error *err) {
+  const vs_library_file file = lib->file[b->file];
+  reading r = {.library = true};
+  vs_status status = read_lines(deck, file.name, &file.source, b->from, b->to, &r, err);
+  vs_line_free(&r.line);
+  return status ? status : check_closed(deck, err);
+}
+
+/* Reads what the deck's lines call of the libraries that it includes, and what that calls. */
+static vs_status read_called(vs_deck *deck, vs_error *err) {
+  const vs_library_block *b;
+  vs_status status = VS_OK;
+  while (!status && (b = vs_library_next(deck->library, deck->lines, deck->n_lines)))
+    status = read_block(deck, deck->library, b, err);
+  return status;
+}
+
+static vs_status read_currents(vs_deck *deck, vs_error *err) {
+  vs_text more = {0};
+  vs_status status = vs_translate_currents(deck->lines, deck->n_lines, &more, err);
+  if (more.text) add_more(deck, (vs_where){deck->files[0], 1, 1}, more.text);
+  vs_deck_changed(deck);
+  vs_text_free(&more);
+  return status;
+}
+
+void vs_files_tell_unread(vs_deck *deck) {
+  const vs_library *lib = deck->library;
+  vs_deck *apart = vs_alloc(1, sizeof *apart);
+  vs_findings *found = vs_alloc(1, sizeof *found);
+  vs_error own = {.findings = found}, first = {0};
+  const char *file = NULL;
+  size_t count = 0;
+  for (size_t k = 0; k < lib->n_blocks; k++) {
+    if (lib->block[k].called) continue;
+    vs_deck_begin(apart);
+    memcpy(apart->compat, deck->compat, sizeof apart->compat);
+    found->count = 0;
+    if (read_block(apart, lib, &lib->block[k], &own) || found->count) count++;
+    if (count == 1 && !*first.text) {
+      first = found->count ? found->item[0] : own;
+      file = lib->file[lib->block[k].file].name;
+    }
+    vs_deck_free(apart);
+  }
+  if (count)
+    vs_deck_remark(deck, (vs_where){file, first.line, first.column},
+                   "passed by, as nothing calls what this stands in (%zu subcircuits and models "
+                   "that nothing calls have slips): %s",
+                   count, first.text + first.place_size);
+  free(found);
+  free(apart);
+}
+
+vs_status vs_files_call(vs_deck *deck, const char *path, vs_error *err) {
+  size_t n;
+  const char *name = vs_catalogue_name(path, &n);
+  vs_library_call(deck->library, (vs_word){name, n});
+  return read_called(deck, err);
+}
+
+vs_status vs_files_read(vs_deck *deck, const char *path, bool library, vs_error *err) {
+  const size_t before = deck->n_lines;
+  vs_status status = read_file(deck, path, library, err);
+  const vs_status closed = status ? VS_OK : check_closed(deck, err);
+  if (!status && !closed) status = vs_files_call(deck, path, err);
+  if (!status && !deck->lost && deck->n_lines > before)
+    status =
+        vs_error_keep(err, vs_slips_conditions(deck->lines + before, deck->n_lines - before, err));
+  if (!status && !closed) status = read_currents(deck, err);
+  vs_translate_whole(deck->lines, deck->n_lines, &deck->changes);
+  vs_deck_changed(deck);
+  tell_skipped(deck);
+  return status ? status : closed;
 }

@@ -4,6 +4,7 @@
 #include <ctype.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -88,20 +89,26 @@ static bool is_element_of(const char *line, const char *message) {
 }
 
 /* The node that is named: "check node b", "trouble with node "xa.b"", of which the last part is
- * looked for in lines of elements. */
-static const char *subject_node(const char *line, const char *message) {
+ * what its own subcircuit calls it. No bytes: none is. */
+static vs_word named_node(const char *message) {
   static const char *const BEFORE[] = {"check node ", "trouble with node \""};
-  for (size_t k = 0; k < sizeof BEFORE / sizeof *BEFORE && *line != '.'; k++) {
+  for (size_t k = 0; k < sizeof BEFORE / sizeof *BEFORE; k++) {
     const char *s = strstr(message, BEFORE[k]);
     if (!s) continue;
     s += strlen(BEFORE[k]);
     size_t n = strcspn(s, " \"");
     for (size_t dot = 0; dot < n; dot++)
       if (s[dot] == '.') s += dot + 1, n -= dot + 1, dot = 0;
-    const char *from = line + strcspn(line, " \t");
-    return n ? vs_words_find(line, from, s, n) : NULL;
+    return (vs_word){s, n};
   }
-  return NULL;
+  return (vs_word){NULL, 0};
+}
+
+/* It is looked for in lines of elements. */
+static const char *subject_node(const char *line, const char *message) {
+  const vs_word node = named_node(message);
+  return node.n && *line != '.' ? vs_words_find(line, line + strcspn(line, " \t"), node.at, node.n)
+                                : NULL;
 }
 
 /* The function whose argument was out of its range. */
@@ -116,6 +123,23 @@ static const char *subject_function(const char *line, const char *message) {
   for (size_t k = 0; k < sizeof POWERS / sizeof *POWERS && !found; k++)
     found = vs_words_find(line, line, POWERS[k], strlen(POWERS[k]));
   return found;
+}
+
+/* The same where it is a power, as the user wrote it: a line with '^' is more likely meant by a
+ * complaint of '^' than one with pwr(). The complaint has the exponent, "X, Y out of range for ^":
+ * a power with another number for it is not meant. */
+static const char *subject_power(const char *line, const char *message) {
+  const char *name = vs_message_function(message), *comma = name ? strstr(message, ", ") : NULL;
+  if (!comma || *name != '^' || !strchr("bBeEgG", *line)) return NULL;
+  for (const char *at = line; (at = strpbrk(at, "^*")); at++) {
+    if (*at == '*' && at[1] != '*') continue;
+    const char *behind = at + 1 + (*at == '*');
+    char *end;
+    double exponent = strtod(behind, &end);
+    if (end == behind || exponent == strtod(comma + 2, NULL)) return at;
+    at = behind - 1;
+  }
+  return NULL;
 }
 
 /* Finds a '=' with nothing behind it, which ngspice takes for an expression of no characters, or of
@@ -164,17 +188,51 @@ static vs_where place_in_lines(const vs_deck *deck, const char *message,
                                const char *(*find)(const char *line, const char *message)) {
   const vs_cards *c = vs_deck_cards(deck);
   const vs_netlist_scope *in = &c->scope[scope_find(c, message)];
+  const vs_word node = named_node(message);
+  const bool local = find == subject_node && node.n && (in->name.n || node.at[-1] != '.');
   bool quoted = false; /* the message has a line as a whole, which is not another one then */
   for (size_t k = in->first; k < in->last && !quoted; k++)
     quoted = subject_is_quoted(deck->lines[k].text, message);
   for (size_t k = in->first; k < in->last; k++) {
     const vs_line *line = &deck->lines[k];
     if (quoted && !subject_is_quoted(line->text, message)) continue;
+    if (local && &c->scope[c->card[k].scope] != in) continue;
     const char *at = find(line->written ? line->written : line->text, message);
     if (!at && !(line->written && find(line->text, message))) continue;
     if (!scope_has_what_lacks(c, k, message)) return at ? vs_line_place(line, at) : line->where;
   }
   return (vs_where){0};
+}
+
+/* A user's own subcircuit that stands at a node of the circuit itself. Those that come with the
+ * program, and sources and resistors, are seldom what keeps Newton's iteration. */
+static vs_where users_at(const vs_deck *deck, vs_word node) {
+  const vs_cards *c = vs_deck_cards(deck);
+  for (size_t k = 0; k < c->count; k = vs_cards_next(c, k)) {
+    const size_t called =
+        vs_cards_has_node(c, &c->card[k], node) ? vs_cards_called(c, &c->card[k]) : 0;
+    const vs_where its = called ? deck->lines[c->scope[called].first - 1].where : (vs_where){0};
+    if (its.file && !vs_deck_is_shipped(its.file)) return its;
+  }
+  return (vs_where){0};
+}
+
+/* The node that Newton's iteration did not find: a user's subcircuit at it, or behind a source of 0
+ * V, which measures its current. */
+static vs_where place_of_users(const vs_deck *deck, const char *message) {
+  const vs_cards *c = vs_deck_cards(deck);
+  const vs_word node = named_node(message);
+  if (!strstr(message, "trouble with node") || !node.n || scope_find(c, message))
+    return (vs_where){0};
+  vs_where found = users_at(deck, node);
+  for (size_t k = 0; k < c->count && !found.file; k = vs_cards_next(c, k)) {
+    const vs_netlist_card *card = &c->card[k];
+    if (card->letter != 'v' || !vs_cards_has_node(c, card, node)) continue;
+    for (size_t n = 0; n < 2 && !found.file; n++)
+      if (!vs_words_is(vs_cards_word(c, card, n), "0"))
+        found = users_at(deck, vs_cards_word(c, card, n));
+  }
+  return found;
 }
 
 /* The place within a line of what a message speaks of; else the line's. */
@@ -213,7 +271,9 @@ void vs_location_locate(const vs_deck *deck, size_t culprit, vs_error *err) {
   vs_where where = place_of_signal(deck, err->text);
   if (!where.file && line) where = place_in_line(line, err->text);
   if (!where.file) where = place_in_lines(deck, err->text, subject_find);
+  if (!where.file) where = place_of_users(deck, err->text);
   if (!where.file) where = place_in_lines(deck, err->text, subject_node);
+  if (!where.file) where = place_in_lines(deck, err->text, subject_power);
   if (!where.file) where = place_in_lines(deck, err->text, subject_function);
   where = place_of_pins(deck, err->text, where);
   vs_error plain = *err;

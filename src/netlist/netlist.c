@@ -124,6 +124,7 @@ static vs_status check_whole(vs_deck *deck, vs_error *err) {
   if (!status) status = vs_probes_check_units(deck, err);
   if (!status) status = check_doubles(deck, err);
   if (!status) rename_reserved(deck);
+  if (err->findings) vs_files_tell_unread(deck);
   return status;
 }
 
@@ -400,6 +401,8 @@ static vs_status take_part(vs_deck *deck, const vs_node *section, vs_part *part,
     if (own && deck->n_files < VS_DECK_FILES && vs_deck_is_shipped(path))
       deck->included[deck->n_files] = where;
     status = vs_files_read(deck, path, false, err);
+  } else if (!status) { /* it may have been included as a library */
+    status = vs_files_call(deck, path, err);
   }
   if (status) return status;
   for (size_t k = 0; k < deck->n_files; k++)

@@ -348,7 +348,7 @@ static vs_status check_model(const vs_deck *deck, const vs_model_line *m, vs_err
 
 /* Two figures for the same that differ by more than these factors contradict each other. One pulse
  * of a table may be narrower than that of i_surge. An i2t that is nearer may be of another width
- * than 10 ms, which `check` of the part warns of (bench/plausibility.c). */
+ * than 10 ms, which `check` of the part warns of (bench/acceptance.c). */
 static const double CONTRADICTS = 2, I2T_CONTRADICTS = 20;
 
 /* Error: an i2t that is not that of a half sine of 10 ms with the peak that one surge may have. */

@@ -257,7 +257,7 @@ static vs_status model_rule(const place *p, const char *line) {
     if (!AMONG(number, LEVELS) || (mos && !strcmp(number, "4")))
       return vs_fail_at(p->err, p->where,
                         "model level '%s' does not belong in a deck: allowed are %s (others write "
-                        "files)",
+                        "files); its maker may have one of these, or 'vibrospice part' a template",
                         number, mos ? "1, 2, 3, 6, 9" : "1, 2, 3, 4, 6, 9");
   }
   return assignments(line, model_name_rule, (void *)(size_t)p);
@@ -351,9 +351,13 @@ static vs_status eva_rule(vs_deck *deck, const char *line, vs_where where, vs_er
   if (!vs_words_find(line, line, "eva", 3)) return VS_OK;
   if (!vs_words_is(vs_cards_instance_of(line), "eva")) return VS_OK;
   if (*deck->eva) return vs_fail_at(err, where, "a second EVA; a deck has one line 'Xeva n m eva'");
-  if (deck->subcircuits > 0 || strcmp(nth_word(line, 3, word), "eva"))
-    return vs_fail_at(
-        err, where, "the EVA is one line 'Xeva n m eva' at the top of the deck, in no subcircuit");
+  if (deck->subcircuits > 0)
+    return vs_fail_at(err, where,
+                      "the EVA is one line 'Xeva n m eva' at the top of the deck, in no "
+                      "subcircuit, and the .subckt of %s:%d is not closed before it",
+                      deck->subcircuit.file, deck->subcircuit.line);
+  if (strcmp(nth_word(line, 3, word), "eva"))
+    return vs_fail_at(err, where, "the EVA is one line 'Xeva n m eva' at the top of the deck");
   nth_word(line, 0, deck->eva);
   nth_word(line, 1, deck->eva_plus);
   nth_word(line, 2, deck->eva_minus);
@@ -367,14 +371,18 @@ static vs_status eva_rule(vs_deck *deck, const char *line, vs_where where, vs_er
                           deck->eva_plus);
 }
 
-vs_status vs_rules_element(vs_deck *deck, const char *line, vs_where where, vs_error *err) {
-  /* An element is a name and at least two words. Other lines are refused here because libngspice
-   * may read beyond its memory, or never come back, when it is given them. */
+bool vs_rules_is_element(const char *line) {
   size_t n = 0;
-  while (isalnum((unsigned char)line[n]) || line[n] == '_' || line[n] == '.' || line[n] == '#') n++;
+  while (isalnum((unsigned char)line[n]) || (line[n] && strchr("_.#+-", line[n])) ||
+         (unsigned char)line[n] >= 0x80) /* LTspice's blocks are X§X1 */
+    n++;
   const char *second = line + n + strspn(line + n, " \t"), *third = second + strcspn(second, " \t");
   third += strspn(third, " \t");
-  if (!isalpha((unsigned char)*line) || !strchr(" \t", line[n]) || !*second || !*third)
+  return isalpha((unsigned char)*line) && strchr(" \t", line[n]) && *second && *third;
+}
+
+vs_status vs_rules_element(vs_deck *deck, const char *line, vs_where where, vs_error *err) {
+  if (!vs_rules_is_element(line))
     return vs_fail_at(
         err, where,
         "an element is wanted here: 'NAME node node ...', or a statement, or a comment");

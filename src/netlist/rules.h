@@ -15,6 +15,9 @@ vs_status vs_rules_statement(vs_deck *deck, const char *line, vs_where where, bo
 /* Refuses a .param, outside of subcircuits, of a name that stands in a '*$ param' line, once all
  * files are read: a part's file declares its own behind the deck's lines. Error with its place. */
 vs_status vs_rules_params(const vs_deck *deck, vs_error *err);
+/* True for a line of an element: a name and at least two words. Other lines are refused because
+ * libngspice may read beyond its memory, or never come back, when it is given them. */
+bool vs_rules_is_element(const char *line);
 /* Holds any other line to the rules. Notes the EVA, and sets deck->own_clock as above. */
 vs_status vs_rules_element(vs_deck *deck, const char *line, vs_where where, vs_error *err);
 

@@ -45,7 +45,8 @@ static bool load_library(void) {
                  find_function(handle, "ngSpice_Init_Sync", &l->init_sync) &&
                  find_function(handle, "ngSpice_Circ", &l->circuit) &&
                  find_function(handle, "ngSpice_Command", &l->command) &&
-                 find_function(handle, "ngSpice_SetBkpt", &l->set_breakpoint);
+                 find_function(handle, "ngSpice_SetBkpt", &l->set_breakpoint) &&
+                 find_function(handle, "ngGet_Vec_Info", &l->vector);
   return spice.loaded;
 }
 

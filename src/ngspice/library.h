@@ -22,6 +22,7 @@ typedef struct vs_library {
   __typeof__(ngSpice_Circ) *circuit;
   __typeof__(ngSpice_Command) *command;
   __typeof__(ngSpice_SetBkpt) *set_breakpoint;
+  __typeof__(ngGet_Vec_Info) *vector; /* NULL: it has none of that name */
 } vs_library;
 
 /* Calls init and init_sync. */

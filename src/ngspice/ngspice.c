@@ -19,6 +19,7 @@
 #include "base/jail.h"
 #include "base/text.h"
 #include "library.h"
+#include "netlist/cards.h"
 #include "netlist/words.h"
 #include "ngspice/child.h"
 #include "ngspice/crash_guard.h"
@@ -124,6 +125,8 @@ static struct {
   double *raw_values;
   double reached_s, edge_s;
   stretch progress;
+  bool truncated; /* the last step was rejected for its truncation error, not by Newton's iteration
+                   */
   vs_last_steps ending;
   vs_status status;   /* the run ends once it is not VS_OK */
   bool enough;        /* the host has seen enough: the run ends with VS_OK */
@@ -302,11 +305,19 @@ static vs_status guard_progress(void) {
   return VS_RUN;
 }
 
+/* After an iteration without an end ngspice takes an eighth of the step; any other part follows
+ * from the truncation error, but for the shortest step that it takes, 1e-11 of the longest. */
+static bool is_truncation(double step_s, double old_step_s) {
+  if (step_s <= 1.001e-11 * ng.job->max_step_s) return ng.truncated;
+  return fabs(old_step_s / step_s - 8) > 1e-6;
+}
+
 /* Limits the next step to what the host allows. A step of zero makes ngspice end the run; it stays
  * usable. */
 static int on_sync(double t, double *step, double old_step, int redo, int id, int place,
                    void *user) {
-  (void)old_step, (void)redo, (void)id, (void)user;
+  (void)id, (void)user;
+  if (ng.job && place == 1 && redo) ng.truncated = is_truncation(*step, old_step);
   if (ng.job && place == 1 && !ng.status && !ng.enough) stop_with(guard_progress());
   if (ng.job && place == 0 && !ng.status)
     *step = fmin(vs_versions_step(&ng.ending, ng.job->until_s - t, *step),
@@ -350,6 +361,7 @@ static void step_through(vs_error *err) {
   ng.edge_s = INFINITY;
   ng.time_vector = -1;
   ng.reached_s = 0;
+  ng.truncated = false;
   ng.progress = (stretch){0};
   ng.ending = (vs_last_steps){0};
   ng.raw = (vs_rawfile){0};
@@ -482,12 +494,88 @@ static vs_status tell_of_run(vs_error *err) {
   return vs_solver_errors_tell(&ng.complaints, ng.job, "run", err);
 }
 
+/* ---- which element sets the time step ---- */
+
+/* The charges and fluxes whose truncation errors ngspice looks at, of all elements that its
+ * language has for decks, and their rates, by the names that it has for them. A capacitor's charge
+ * follows from its power. */
+static const struct storage {
+  char letter;
+  const char *held, *rate;
+} STORAGES[] = {{'c', "p", "i"},      {'l', "flux", "volt"}, {'d', "charge", "capcur"},
+                {'q', "qbe", "cqbe"}, {'q', "qbc", "cqbc"},  {'m', "qgs", "cqgs"},
+                {'m', "qgd", "cqgd"}, {'m', "qbd", "cqbd"},  {'m', "qbs", "cqbs"},
+                {'j', "qgs", "cqgs"}, {'j', "qgd", "cqgd"}};
+
+/* The element that would change fastest of all, of which least is allowed. */
+typedef struct fastest {
+  const vs_cards *cards;
+  double time_s; /* what it holds over its rate */
+  char name[VS_SOLVER_ERRORS_LINE / 2];
+} fastest;
+
+static double ask(const char *element, const char *what) {
+  char name[VS_SOLVER_ERRORS_LINE];
+  snprintf(name, sizeof name, "@%s[%s]", element, what);
+  const vector_info *v = ng.library->vector(name);
+  return v && v->v_realdata ? v->v_realdata[0] : NAN;
+}
+
+/* Less than chgtol counts as nothing held. The values are those of the step that was rejected. */
+static int look_at_storage(void *ctx, const vs_instance *in, size_t k) {
+  fastest *f = ctx;
+  const vs_netlist_card *card = &f->cards->card[k];
+  if (card->letter == 'x') return VS_CARDS_ENTER;
+  for (size_t n = 0; n < sizeof STORAGES / sizeof *STORAGES; n++) {
+    vs_text name = {0};
+    if (STORAGES[n].letter != card->letter) continue;
+    if (in->outer) vs_text_add(&name, "%c.", card->letter);
+    vs_cards_add_name(in, card->name, &name);
+    double rate = ask(name.text, STORAGES[n].rate), held = ask(name.text, STORAGES[n].held);
+    if (card->letter == 'c') held *= ask(name.text, "capacitance") / rate;
+    double time_s = fmax(fabs(held), fmax(ng.job->charge_tolerance_c, 1e-14)) / fabs(rate);
+    if (time_s < f->time_s) {
+      f->time_s = time_s;
+      snprintf(f->name, sizeof f->name, "%s", name.text);
+    }
+    vs_text_free(&name);
+  }
+  return VS_CARDS_PASS;
+}
+
+/* ngspice names the node at which Newton's iteration last had no end. Where it is the truncation
+ * error that shortens the steps, that node has nothing to do with it: the element then takes its
+ * place that holds least for its rate of change. */
+static void blame_storage(void) {
+  char *node = ng.complaints.count ? strstr(ng.complaints.item[0], "trouble with node") : NULL;
+  if (!node || !ng.truncated) return;
+  const vs_solver_errors kept = ng.complaints; /* to ask for what is not there is a complaint */
+  vs_line *lines = vs_alloc(ng.job->lines + 1, sizeof *lines);
+  vs_cards cards = {0};
+  fastest f = {&cards, INFINITY, ""};
+  for (size_t k = 0; k < ng.job->lines; k++) lines[k].text = ng.job->netlist[k];
+  lines[0].text = "*";
+  vs_cards_read(&cards, lines, ng.job->lines);
+  vs_cards_expand(&cards, look_at_storage, &f);
+  vs_cards_free(&cards);
+  free(lines);
+  ng.complaints = kept;
+  if (*f.name)
+    snprintf(node, VS_SOLVER_ERRORS_LINE - (size_t)(node - ng.complaints.item[0]),
+             "the truncation error of instance %s sets the step", f.name);
+}
+
 /* How the run went, once ngspice has come back from it. */
 static vs_status outcome_of_run(vs_error *err) {
   if (ng.status || ng.enough) return ng.status;
-  if (ng.time_vector < 0 || ng.reached_s == 0) return tell_of_run(err);
+  if (ng.time_vector < 0 || ng.reached_s == 0) {
+    vs_status status = tell_of_run(err);
+    err->gave_up = status && vs_solver_errors_of_iteration(&ng.complaints);
+    return status;
+  }
   if (ng.reached_s >= ng.job->until_s * (1 - 1e-9)) return VS_OK;
   char place[VS_SOLVER_ERRORS_LINE];
+  blame_storage();
   vs_trial_place(&ng.complaints, ng.job, place, sizeof place);
   vs_fail(err, VS_RUN, "t = %.9g s: ngspice gave up: %s%s", clock_at(ng.reached_s),
           vs_solver_errors_first(&ng.complaints), place);

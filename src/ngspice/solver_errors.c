@@ -129,6 +129,11 @@ const char *vs_solver_errors_first(const vs_solver_errors *c) {
   return c->count ? c->item[0] : NO_REASON;
 }
 
+bool vs_solver_errors_of_iteration(const vs_solver_errors *c) {
+  const char *first = vs_solver_errors_first(c);
+  return strstr(first, "out of range for ") || strstr(first, "Timestep too small");
+}
+
 void vs_solver_errors_add(vs_solver_errors *c, const char *words) {
   if (!c->count) snprintf(c->item[c->count++], VS_SOLVER_ERRORS_LINE, "%s", NO_REASON);
   size_t used = strlen(c->item[0]);

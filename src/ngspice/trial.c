@@ -7,7 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/times.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "base/alloc.h"
 #include "netlist/location.h"
@@ -28,8 +30,8 @@ static vs_child_end attempt_that_must_step(void *ctx) {
 
 /* A search is limited by the number of lines that ngspice is given, so that it ends at the same
  * point on a busy machine: those of a trial, and EACH for the process of its own. MOST of them take
- * a few seconds, which is some hundred trials of a circuit of fifty lines. The clock is asked too,
- * as ngspice may take far longer for a line. */
+ * a few seconds, which is some hundred trials of a circuit of fifty lines. Their processor time is
+ * asked too, as ngspice may take far longer for a line. */
 enum { MOST = 100000, EACH = 300, MOST_SECONDS = 20 };
 
 /* How a trial ends: the circuit runs; it has the complaint, or the death, that the search is about;
@@ -42,15 +44,16 @@ typedef struct search {
   bool died;             /* it is about ngspice's death */
   char **all;            /* the lines of t, none of them left out */
   long left;             /* lines that may still be tried */
-  time_t end_s;          /* of the monotonic clock */
+  time_t end_s;          /* of now_s() */
 } search;
 
 static char LEFT_OUT[] = "*";
 
+/* Processor time of all trials so far, s. getrusage() tells nothing here: src/clocks.c stops it. */
 static time_t now_s(void) {
-  struct timespec t = {0};
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return t.tv_sec;
+  struct tms t = {0};
+  times(&t);
+  return (t.tms_cutime + t.tms_cstime) / sysconf(_SC_CLK_TCK);
 }
 
 /* True where two complaints differ in numbers of lines at most. */

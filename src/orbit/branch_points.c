@@ -82,7 +82,7 @@ static vs_status move_to(vs_branch_points *p, double key, vs_error *err) {
   if (status || (p->by && !vs_parameter_again(p->by, &why))) return status;
   vs_branch_points_end(p);
   vs_parameter *by = vs_alloc(1, sizeof *by);
-  status = vs_parameter_begin(by, p->along->scene, axis->key, axis->where, 0, err);
+  status = vs_parameter_begin(by, p->along->scene, axis->key, axis->where, 0, NULL, err);
   if (status)
     free(by);
   else

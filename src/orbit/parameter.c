@@ -43,12 +43,12 @@ static void print_value(const vs_parameter *p, double value, char text[TEXT]) {
   snprintf(text, TEXT, "%.17g%s%s", value / vs_units_factor(unit), *unit ? " " : "", unit);
 }
 
+/* Fills `other`, which is zeroed. */
 static vs_status read_with(const vs_parameter *p, double value, vs_scene *other, vs_error *err) {
   const vs_scene *s = p->scene[0];
   char number[TEXT], text[VS_KEY_SIZE + TEXT];
   print_value(p, value, number);
   snprintf(text, sizeof text, "%s=%s", p->key.name, number);
-  *other = (vs_scene){0};
   memcpy(other->path, s->path, sizeof other->path);
   vs_tree_copy(&s->tree, &other->tree);
   other->allow_code = s->allow_code;
@@ -193,11 +193,6 @@ void vs_parameter_take(vs_parameter *p, vs_setup (*make)(const vs_scene *scene, 
   find_slopes(p);
 }
 
-static vs_setup setup_of(const vs_scene *scene, void *ctx) {
-  (void)ctx;
-  return scene->setup;
-}
-
 /* ---- beginning ---- */
 
 static vs_status refuse_key_of_parameter(const vs_parameter *p, vs_where where, vs_error *err) {
@@ -219,10 +214,9 @@ static vs_status refuse_key_of_parameter(const vs_parameter *p, vs_where where, 
   return VS_OK;
 }
 
-vs_status vs_parameter_begin(vs_parameter *p, const vs_scene *scene, const char *key,
-                             vs_where where, double step, vs_error *err) {
-  vs_error why = {0}, last = {0};
-  *p = (vs_parameter){.step = step > 0 ? step : STEP};
+vs_status vs_parameter_look(vs_parameter *p, const vs_scene *scene, const char *key, vs_where where,
+                            vs_error *err) {
+  *p = (vs_parameter){0};
   p->scene[0] = (vs_scene *)(size_t)scene; /* never written to */
   vs_status status = vs_key_find(scene, key, where, &p->key, err);
   if (status) return status;
@@ -230,8 +224,25 @@ vs_status vs_parameter_begin(vs_parameter *p, const vs_scene *scene, const char 
   status = refuse_key_of_parameter(p, where, err);
   if (status) return status;
   p->size = p->value != 0 ? p->value : vs_units_factor(p->key.field->unit);
-  status = try_key(p, where, err);
+  return try_key(p, where, err);
+}
+
+vs_status vs_parameter_begin(vs_parameter *p, const vs_scene *scene, const char *key,
+                             vs_where where, double step, const vs_parameter *known,
+                             vs_error *err) {
+  vs_error why = {0}, last = {0};
+  vs_status status = VS_OK;
+  if (known) {
+    *p = (vs_parameter){.key = known->key,
+                        .value = known->value,
+                        .size = known->size,
+                        .scene = {known->scene[0]},
+                        .idle = known->idle};
+    memcpy(p->why, known->why, sizeof p->why);
+  } else
+    status = vs_parameter_look(p, scene, key, where, err);
   if (status) return status;
+  p->step = step > 0 ? step : STEP;
   status = p->idle ? VS_OK : VS_INPUT;
   for (int n = 0; n < N_STENCILS && status; n++) {
     last = (vs_error){0};
@@ -242,7 +253,6 @@ vs_status vs_parameter_begin(vs_parameter *p, const vs_scene *scene, const char 
     return vs_fail_at(err, where, "%s has no room on either side of its value: %s", p->key.name,
                       why.text + why.place_size);
   p->setup = vs_alloc(ALL, sizeof *p->setup);
-  vs_parameter_take(p, setup_of, NULL);
   return VS_OK;
 }
 

@@ -3,16 +3,98 @@
 
 #include <gsl/gsl_linalg.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/text.h"
-#include "convergence.h"
 #include "engine/budget.h"
 #include "engine/propagator.h"
 #include "orbit/shooting.h"
 #include "process_copies.h"
 #include "slow_modes.h"
+
+/* ---- convergence ---- */
+
+/* How the corrections of a search for an orbit go on from pass to pass: whether they still fall,
+ * have stalled at what the solver rounds, or creep because something in the circuit does. Each is a
+ * size relative to the motion's. */
+
+/* Begins with convergence_begin. */
+typedef struct convergence {
+  double tolerance; /* run.tolerance */
+  double wanted;    /* what a correction is to come below */
+  double last;      /* the last one */
+  double least;     /* the least so far */
+  int stalled;      /* passes since it last fell */
+  double noise;     /* the largest of these */
+  double before;    /* the one before the last; 0: there is none */
+  double ratio;     /* of the two */
+  int steady;       /* for how many passes that ratio has been about the same, and slow */
+  double creeps;    /* that ratio; 0: corrections fall fast */
+  double remains; /* the sum of the last one and of all that are still to come; 0: they fall fast */
+} convergence;
+
+/* Relative to run.tolerance: how well the orbit is to be known. */
+static const double CLOSED = 0.01;
+/* The part of run.tolerance that may remain of what creeps in the circuit. */
+static const double CREPT = 0.1;
+/* Corrections that have not come below this part of the least one in so many passes have stalled.
+ */
+static const double FALLS = 0.7;
+enum { STALLED = 10 };
+
+/* Forgets how fast they fall, as what crept has been moved. */
+static void convergence_forget(convergence *c) {
+  c->before = c->creeps = c->remains = 0;
+  c->ratio = NAN;
+  c->steady = 0;
+}
+
+static void convergence_begin(convergence *c, double tolerance) {
+  *c = (convergence){
+      .tolerance = tolerance, .wanted = CLOSED * tolerance, .least = INFINITY, .ratio = NAN};
+}
+
+/* Something in the circuit that no probe shows may creep. Then corrections fall by about the same
+ * factor over ENOUGH passes: a factor of SLOW and more, and each within SAME of the one before.
+ * What is still to come is the sum of their series, of at most LASTS passes. The factor is kept
+ * when the solver's rounding hides it later on. */
+static const double SLOW = 0.6, SAME = 0.1, LASTS = 200;
+enum { ENOUGH = 5 };
+
+static void follow_ratio(convergence *c) {
+  double ratio = c->before > 0 ? c->last / c->before : NAN;
+  bool same = fabs(ratio - c->ratio) <= SAME && ratio >= SLOW; /* false with NaN */
+  c->steady = same ? c->steady + 1 : 0;
+  c->ratio = ratio;
+  c->before = c->last;
+  if (c->steady == ENOUGH) c->creeps = ratio;
+  if (c->steady > ENOUGH) c->creeps += (ratio - c->creeps) / ENOUGH;
+  double series = c->creeps < 1 ? fmin(1 / (1 - c->creeps), LASTS) : LASTS;
+  c->remains = c->creeps > 0 ? c->last * series : 0;
+}
+
+/* Takes in the last one. */
+static void convergence_take(convergence *c, double size) {
+  c->last = size;
+  follow_ratio(c);
+  bool falls = c->last < FALLS * c->least;
+  c->least = fmin(c->least, c->last);
+  c->stalled = falls ? 0 : c->stalled + 1;
+  c->noise = falls ? 0 : fmax(c->noise, c->last);
+}
+
+/* Corrections that do not fall any more are what the solver's rounding makes of them. The orbit is
+ * then known as well as they are small, and that is enough where it is as well as the run is to be.
+ */
+static bool convergence_close(convergence *c) {
+  bool small = c->last <= c->wanted;
+  bool stalled = c->stalled >= STALLED && c->noise <= c->tolerance;
+  if (!(small || stalled) || c->remains > CREPT * c->tolerance) return false;
+  c->last = fmax(small ? c->last : c->noise, c->remains);
+  return true;
+}
 
 /* ---- a search: how one run settles ---- */
 
@@ -45,7 +127,7 @@ typedef struct vs_picard_search {
                                     last one */
   double (
       *between)[VS_MOST_STATES]; /* the states at the ends of the pass's firing periods; owned */
-  vs_convergence corrections;
+  convergence corrections;
   vs_process_copies copies;
   vs_slow_modes creep;
   search_pass pass;
@@ -120,7 +202,7 @@ static void search_begin(vs_picard_search *s, const vs_setup *setup) {
                           .next = s->next,
                           .between = s->between,
                           .count = 2 * setup->model.dof};
-  vs_convergence_begin(&s->corrections, setup->run.tolerance);
+  convergence_begin(&s->corrections, setup->run.tolerance);
   memcpy(s->x, orbit->x, sizeof s->x);
   search_go_on(s, s->x);
   search_invert(s);
@@ -202,7 +284,7 @@ static double try_steps(vs_picard_search *s, const double *step, bool *inside, v
 /* Passes are steered again: corrections before count no more. */
 static void steer_again(vs_picard_search *s) {
   s->pass = PASS_STEERED;
-  vs_convergence_begin(&s->corrections, s->setup->run.tolerance);
+  convergence_begin(&s->corrections, s->setup->run.tolerance);
   vs_slow_modes_begin(&s->creep, s->creep.deck, s->creep.tolerance, s->creep.period_s);
 }
 
@@ -313,7 +395,7 @@ static void correct_by_newton(vs_picard_search *s, const double *end) {
     s->x[j] += step[j];
     size = fmax(size, fabs(step[j]) / s->scale[j]);
   }
-  vs_convergence_take(&s->corrections, size);
+  convergence_take(&s->corrections, size);
 }
 
 /* ---- Phi of the machine's swing alone ---- */
@@ -481,8 +563,7 @@ static void begin_search(void *self, const vs_setup *setup) {
     s->pass = PASS_FREE;
     s->left = FREE_SWING;
   }
-  vs_slow_modes_begin(&s->creep, &setup->deck, vs_convergence_crept * setup->run.tolerance,
-                      p->pilot.period_s);
+  vs_slow_modes_begin(&s->creep, &setup->deck, CREPT * setup->run.tolerance, p->pilot.period_s);
 }
 
 static void accept_step_of_search(void *self, const vs_step *step) {
@@ -553,7 +634,7 @@ static vs_status end_period_of_search(void *self, const vs_knot *end, bool *begi
   if (clean)
     correct_by_newton(s, end->x);
   else /* the machine goes back to where it was; what was moved may have been what crept */
-    vs_convergence_forget(&s->corrections);
+    convergence_forget(&s->corrections);
   if (is_lost(s)) {
     memcpy(s->x, end->x, sizeof s->x);
     return pairs_begin(s, err);
@@ -562,7 +643,7 @@ static vs_status end_period_of_search(void *self, const vs_knot *end, bool *begi
   memcpy(p->pilot.x, s->x, sizeof s->x);
   bool next_clean = vs_slow_modes_is_told(&s->creep) && s->creep.area_v_s == 0 &&
                     !vs_slow_modes_worst(&s->creep, &name);
-  *begins = clean && next_clean && vs_convergence_close(&s->corrections);
+  *begins = clean && next_clean && convergence_close(&s->corrections);
   status = *begins ? take_orbit(p, end, begins, err) : check_search_goes_on(p, err);
   if (*begins) vs_budget_end(s->budget);
   return status;

@@ -264,17 +264,17 @@ static const char *word_of_axis(const vs_axis *axis, double number) {
 
 bool vs_axis_print(const vs_axis *axis, double number, char *text, size_t size) {
   const char *word = word_of_axis(axis, number);
-  if (word)
-    snprintf(text, size, "%s", word);
-  else
-    snprintf(text, size, "%.12g", number);
+  char digits[VS_NUMBER_SIZE];
+  if (!word) vs_text_number(digits, number, 12);
+  snprintf(text, size, "%s", word ? word : digits);
   return !word;
 }
 
 void vs_axis_put(const vs_axis *axis, double number, int digits, vs_tree *tree) {
-  char text[VS_NAME_SIZE];
+  char value[VS_NUMBER_SIZE], text[VS_NAME_SIZE];
   const char *word = word_of_axis(axis, number);
-  snprintf(text, sizeof text, "%.*g%s%s", digits, number, *axis->unit ? " " : "", axis->unit);
+  vs_text_number(value, number, digits);
+  snprintf(text, sizeof text, "%s%s%s", value, *axis->unit ? " " : "", axis->unit);
   vs_tree_put(tree, axis->key, word ? word : text,
               axis->is_word ? axis->word_where[(size_t)number] : axis->where);
 }

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "engine/pace.h"
+#include "netlist/devices.h"
 
 /* Why each rung may help:
  * - In a first step of picoseconds, behind the source's inductance alone, rounding errors may be
@@ -132,6 +133,7 @@ static void give_limits(const vs_deck *from, vs_deck *to) {
     to->limits[n++].where = (vs_where){.file = ideal};
   }
   to->n_limits = n;
+  vs_devices_hold(to);
 }
 
 vs_status vs_ladder_scene(const vs_ladder *l, const vs_scene *scene, vs_scene *other,

@@ -293,15 +293,15 @@ static void fail_after_ladder(const vs_scene *scene, const vs_ladder *ladder, vs
 vs_scene *vs_session_climb(const vs_session *session, const vs_scene *scene, vs_status status,
                            vs_result *r, vs_error *err) {
   vs_ladder next = r->ladder;
-  if (status != VS_RUN || !err->gave_up || session->bare) return NULL;
+  if (!status || !err->gave_up || session->bare) return NULL;
   vs_scene *other = next_rung(scene, &next);
   if (!other) {
-    fail_after_ladder(scene, &r->ladder, err);
+    if (status == VS_RUN) fail_after_ladder(scene, &r->ladder, err);
     return NULL;
   }
   if (!next.failed[0]) memcpy(next.failed, err->text, sizeof next.failed);
   if (session->guest && session->guest->again)
-    session->guest->again(session->guest->ctx, err->text, next.rung);
+    session->guest->again(session->guest->ctx, status == VS_RUN ? err->text : "", next.rung);
   take_climbed_scene(r, other);
   r->ladder = next;
   *err = (vs_error){.findings = err->findings};

@@ -180,6 +180,7 @@ static bool is_told(const vs_table *table, int column) {
 static bool mark_peaks(const vs_table *table, const double *row) {
   vs_table_between *b = table->between;
   bool found = false;
+  if (!b->count) return false; /* nothing but the two rows was seen */
   for (int k = 1; k <= table->count; k++)
     for (int sense = -1; sense <= 1; sense += 2) {
       double value = sense > 0 ? b->largest[k] : b->least[k], base = sense * b->row[k];
@@ -289,8 +290,8 @@ static void write_further(const vs_table *table, const double *row) {
 static void keep_last_row(const vs_table *table, const double *row) {
   vs_table_between *b = table->between;
   for (int k = 1; k <= table->count && !isnan(b->row[0]); k++) {
-    b->run_least[k] = fmin(b->run_least[k], b->least[k]);
-    b->run_largest[k] = fmax(b->run_largest[k], b->largest[k]);
+    if (b->least[k] < b->run_least[k]) b->run_least[k] = b->least[k];
+    if (b->largest[k] > b->run_largest[k]) b->run_largest[k] = b->largest[k];
   }
   if (b->row != row) memcpy(b->row, row, (size_t)b->width * sizeof *row);
   memcpy(b->least, row, (size_t)b->width * sizeof *row);

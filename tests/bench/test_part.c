@@ -234,7 +234,22 @@ static void a_vendors_model(void) {
            "%s", text);
     free(text);
   }
+  /* the same file in UTF-16, beside a model with a slip, wraps and reads as before */
+  char *vendor = read_file("vendor.lib");
+  FILE *wide = fopen("wide.lib", "w");
+  fwrite("\xff\xfe", 1, 2, wide);
+  for (const char *part = ".subckt BAD 1 2 3 {T=1}\nR1 1 2 4k7\n.ends\n"; *part; part++)
+    fwrite((char[]){*part, 0}, 1, 2, wide);
+  for (const char *c = vendor; *c; c++) fwrite((char[]){*c, 0}, 1, 2, wide);
+  fclose(wide);
+  free(vendor);
+  RUN_GOOD("part thyristor --wrap wide.lib:SCR12 -o wide.inc");
+  ran w = run("check wide.inc --json");
+  EXPECT(w.status == 1 && strstr(w.err, "wide.lib:2:8: warning: passed by"), "%d: %s", w.status,
+         w.err);
   ran r = run("check scr.inc --json");
+  CLOSE(number_of(w.out, "I_GT", 0, "got"), number_of(r.out, "I_GT", 0, "got"), 1e-12);
+  free_ran(&w);
   EXPECT(r.status == 1, "%d: %s", r.status, r.err); /* its dv/dt is low */
   double gate_ma = number_of(r.out, "I_GT", 0, "got");
   EXPECT(gate_ma > 9 && gate_ma < 11, "%g mA", gate_ma);
@@ -252,7 +267,7 @@ static void a_vendors_mistakes(void) {
     const char *words, *says;
   } ROWS[] = {{"part thyristor --wrap vendor.lib:nope -o p.inc", "has no subcircuit 'nope'"},
               {"part thyristor --wrap vendor.lib:D1 -o p.inc", "has 2 pins, and 3 are wanted"},
-              {"part varistor --wrap none.lib -o p.inc", "none.lib: cannot be read"},
+              {"part varistor --wrap none.lib -o p.inc", "none.lib: cannot be opened"},
               {"part resistor --wrap vendor.lib -o p.inc", "there are: diode, fuse, igbt, mosfet"},
               {"part thyristor --wrap vendor.lib -o scr12.inc", "has that name"}};
   write_vendor((const char *const[]){"A", "G", "K"}, (const int[]){0, 1, 2});

@@ -175,7 +175,7 @@ static void circuits(void) {
 }
 
 static void netlists(void) {
-  page p = {.name = "netlists.md"};
+  page p = {.name = "from_ltspice.md"};
   try_page(&p);
   EXPECT(p.commands >= 6 && p.lines >= 4, "%d commands, %d lines", p.commands, p.lines);
 }
@@ -253,7 +253,7 @@ static const vs_test TESTS[] = {
     {"machines.md", machines}, {"machines_shipped.md", machines_that_ship},
     {"fitting.md", fitting},   {"instruments.md", instruments},
     {"control.md", control},   {"circuits.md", circuits},
-    {"netlists.md", netlists}, {"decks.md", decks},
+    {"from_ltspice.md", netlists}, {"decks.md", decks},
     {"parts.md", parts},       {"other pages", other_pages},
     {"studies", studies},      {"install.md", install},
     {"devices.md", devices},   {"pictures.md", pictures},

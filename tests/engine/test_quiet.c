@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Leaving ngspice when the circuit is quiet: what it is said to cost is a bound on what it costs,
- * over scenes drawn at random (10 here; 260, of which over 200 leave, with tools/test --long, which
+ * over scenes drawn at random (6 here; 260, of which over 200 leave, with tools/test --long, which
  * writes quiet.csv, committed in tests/long); and it happens when it may, and only then. */
 #include <gsl/gsl_qrng.h>
 #include <math.h>
@@ -81,7 +81,7 @@ static double extreme(const vs_trial *t, const char *probe, int sense) {
 
 /* ---- scenes at random ---- */
 
-enum { DIMENSIONS = 13, SCENES = 260, FEW = 10 };
+enum { DIMENSIONS = 13, SCENES = 260, FEW = 6 };
 
 static void scene_at(int number, char text[N_SETS][64], const char *sets[N_SETS + 1]) {
   static const char *const DECKS[] = {"halfwave_snubbed", "halfwave_snubbed",

@@ -43,7 +43,7 @@ static void take(const char *text, size_t size) {
   vs_stand_close(stand);
   err = (vs_error){0};
   snprintf(output, sizeof output, "%.4000s/part.inc", fuzz_folder());
-  vs_status status = vs_wrap_find(path, KINDS[size % 5], output, wrap, &err);
+  vs_status status = vs_wrap_find(path, KINDS[size % 5], NULL, output, wrap, &err);
   if (status) fuzz_judge(status, &err);
 }
 

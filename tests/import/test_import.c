@@ -384,8 +384,26 @@ static const struct refusal {
      "x.net:3:1: ",
      {"V3 twice", NULL}},
     {"Version 4\nSHEET 1 880 680\n", "", "x.net:1:1: ", {"drawing", "-netlist"}},
+    {"EESchema Schematic File Version 4\n", "", "x.net:1:1: ", {"KiCad's drawing", "Netlist"}},
+    {"*version 9.1 123\nu 30\n", "", "x.net:1:1: ", {"PSpice's Schematics", "Create Netlist"}},
+    {"<Qucs Schematic 0.0.19>\n", "", "x.net:1:1: ", {"Qucs' drawing", "--ngspice"}},
+    {"$ 1 0.000005 10.2 50 5 43\n", "", "x.net:1:1: ", {"circuitjs' drawing", "draw it in"}},
+    {"t\nV1 a 0 SIN(0 1 50)\nV3 g 0 PWL file=none.txt\nR1 a g 1\nL1 g 0 1\n",
+     "",
+     "x.net:3:1: ",
+     {"none.txt of PWL points is not here", "copy it"}},
     {"*$ title t\nV1 a 0 external\nXeva a 0 eva\n", "", "x.net:1:1: ", {"a deck already", "check"}},
     {"t\nV1 a 0 SIN(0 1 50)\nL1 a 0 1\n", "--pins L1=xyz", "--pins", {"akg", "triac"}},
+    {"t\nV1 a 0 SIN(0 1 50)\nX1 a b g my_triac\nR3 g a 9\nL1 b 0 1\n.subckt my_triac 1 2 3\n"
+     "S1 1 2 3 0 sw\n.ends\n.model sw sw(vt=1)\n",
+     "",
+     "x.net:3:1: ",
+     {"looks like a triac", "--pins X1=21g"}},
+    {"t\nV1 a 0 SIN(0 1 50)\nV3 g 0 PULSE(0 5 1m 1u 1u 1m 10m)\nR3 g h 9\nX1 a h b triac_2t\nL1 "
+     "b 0 1\n",
+     "",
+     "x.net:5:1: ",
+     {"has the pins mt2 mt1 g", "--pins X1=21g"}},
 };
 
 static void asks_for_what_it_cannot_decide(void) {
@@ -404,6 +422,53 @@ static void asks_for_what_it_cannot_decide(void) {
     r = run("import x.net %s -o y.cir --json", f->options);
     EXPECT(r.status == 2 && vs_json_is_whole(r.out) && strstr(r.out, "\"written\": null"),
            "case %zu: %s", k, r.out);
+    free_ran(&r);
+  }
+  leave();
+}
+
+/* A dimmer: RC and a diac fire a triac, a shipped part by its name or one of the netlist's with the
+ * pins of a thyristor. The diac, of which the pins are called as a diode's, is none. */
+static void dimmers(void) {
+  static const char DIMMER[] =
+      "t\nV1 a 0 SIN(0 170 60)\nRp a d 68k\nCd d out 68n\nXD d g DB3\nXT %s\nL1 out n2 0.3\n"
+      "R1 n2 0 20\nRl out 0 220\n.subckt DB3 A K\nB1 c0 0 V=abs(V(A,K))\nR1 c0 c 1k\nC1 c 0 1n\n"
+      "S1 A 3 c 0 SD\nR3 3 K 47\n.model SD SW(Ron=10 Roff=50Meg Vt=21 Vh=11)\n.ends\n"
+      ".subckt BTA12 A K G\nX1 A K ga HALF\nX2 K A gb HALF\nR1 G ga 6\nR2 G gb 330\n.ends\n"
+      ".subckt HALF a k g\nQ1 b c a pp\nQ2 c b k nn\nRk b k 200\nRg g b 2\n"
+      ".model pp pnp(is=1f bf=2 cjc=100p rc=20m)\n.model nn npn(is=1f bf=10 cjc=20p rc=20m)\n"
+      ".ends\n.subckt BT136 A K G\nS1 A p on 0 ST\nV1 p K 0\nRg G K 200\nRa A K 5meg\n"
+      "B1 s 0 V=abs(V(G,K))>1|abs(I(V1))>10m ? 1 : 0\nR1 s on 1k\nC1 on 0 1n\n"
+      ".model ST SW(Ron=20m Roff=5Meg Vt=0.5 Vh=0.1)\n.ends\n"
+      ".subckt MAC97A6 A K G\nX1 A K G BT136\n.ends\n.tran 50m\n";
+  static const struct {
+    const char *triac, *says, *device;
+  } ROWS[] = {{"a out g triac_2t", "XT is a triac, a shipped part: triac_2t",
+               "*$ device triac = v(a,out), i(Vi_xt)"},
+              {"a out g BTA12", "XT is a triac, by the junctions",
+               "*$ device triac triac = v(a,out), i(Vi_xt)"},
+              {"a out g BT136", "XT is a triac, by the junctions",
+               "*$ device triac triac = v(a,out), i(Vi_xt)"},
+              {"a out g MAC97A6", "XT is a triac, by the junctions",
+               "*$ device triac triac = v(a,out), i(Vi_xt)"}};
+  enter("dimmers");
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    char text[2048];
+    snprintf(text, sizeof text, DIMMER, ROWS[k].triac);
+    write_file("x.net", text);
+    ran r = run("import x.net -o y%zu.cir --scene y%zu.yaml", k, k);
+    EXPECT(r.status == 0 && strstr(r.err, ROWS[k].says) &&
+               strstr(r.err, "XD is a diac, by its name"),
+           "%d %s%s", r.status, r.out, r.err);
+    free_ran(&r);
+    snprintf(text, sizeof text, "y%zu.cir", k);
+    char *deck = read_file(text);
+    EXPECT(strstr(deck, ROWS[k].device) && !strstr(deck, "diode"), "%s", deck);
+    free(deck);
+    r = run("run y%zu.yaml --json --quiet " HELD " --set run.verify=never", k);
+    double most = number_in(r.out, "i_thyristor_max"), least = number_in(r.out, "i_thyristor_min");
+    EXPECT((r.status == 0 || r.status == 3) && most > 0.3 && least < -0.3, "%d %g %g %s", r.status,
+           least, most, r.err);
     free_ran(&r);
   }
   leave();
@@ -668,6 +733,7 @@ static const vs_test TESTS[] = {
     {"says what it did", says_what_it_did},
     {"reads what programs write", reads_what_programs_write},
     {"asks for what it cannot decide", asks_for_what_it_cannot_decide},
+    {"dimmers", dimmers},
     {"bad command lines", bad_command_lines},
     {"courses of gates", courses_of_gates},
     {"tells of the operating point", tells_of_the_operating_point},

@@ -16,12 +16,9 @@
 #define SHORT "run={until: 40 ms}"
 
 static const vs_judgement *line_of(const vs_trial *t, const char *name) {
-  char own[VS_JUDGED_NAME];
-  for (size_t k = 0; k < t->result.verdict.count; k++)
-    if (!strcmp(vs_verdict_name(&t->result.verdict.item[k], own), name))
-      return &t->result.verdict.item[k];
-  EXPECT(false, "no line %s", name);
-  return NULL;
+  const vs_judgement *line = judged_line(&t->result.verdict, name);
+  EXPECT(line, "no line %s", name);
+  return line;
 }
 
 static double value_of(const vs_trial *t, const char *name) {

@@ -221,7 +221,7 @@ static void over_the_angle(void) {
     double found = rate(c, 80);
     EXPECT(fabs(found / before - 1) < 0.02, "%d deg: %g V/us behind %g", degrees, found * 1e-6,
            before * 1e-6);
-    if (degrees % 10 == 3) CLOSE(found, brute_rate(c, 80), 1e-3);
+    if (degrees % 40 == 3) CLOSE(found, brute_rate(c, 80), 1e-3);
     least = fmin(least, found);
     largest = fmax(largest, found);
     before = found;
@@ -551,20 +551,20 @@ static vs_status note_voltage(void *ctx, const vs_step *step, vs_error *err) {
 /* A surge of 2 kV fires a thyristor whose gate is off. What rose before for milliseconds with the
  * mains made 33 V/us of the whole rise at 15 degrees. At 300 degrees the surge takes the thyristor
  * from -700 V through zero at 0.5 kV/us. Its junction's charge draws 32 mA then; that counted as a
- * current that begins, and the rise behind it as none. */
+ * current that begins, and the rise behind it as none. With VS_LONG at two angles more. */
 static void unintended_firings(void) {
-  static const char *const ANGLES[] = {"15", "60", "300", "330"};
+  static const char *const ANGLES[] = {"15", "300", "60", "330"};
   static const char *const OVER[] = {"1e-4", "1e-6"};
   write_file("s.yaml",
              "circuit: {deck: halfwave_paper}\nfiring: {every: 1, angle: 90 deg}\nrun: {until: "
-             "59 ms}\nevents: {s: {kind: surge, cycle: 3, level: 2 kV}}\n");
-  for (size_t k = 0; k < COUNT(ANGLES); k++) {
+             "39 ms}\nevents: {s: {kind: surge, cycle: 2, level: 2 kV}}\n");
+  for (size_t k = 0; k < (getenv("VS_LONG") ? COUNT(ANGLES) : 2); k++) {
     double found[2], error = NAN;
     for (size_t n = 0; n < COUNT(OVER); n++) {
       char angle[40], tolerance[40];
       snprintf(angle, sizeof angle, "events.s.angle=%s deg", ANGLES[k]);
       snprintf(tolerance, sizeof tolerance, "run.tolerance=%s", OVER[n]);
-      const double at_s = (2 + atof(ANGLES[k]) / 360) * 20e-3;
+      const double at_s = (1 + atof(ANGLES[k]) / 360) * 20e-3;
       course *c = new_course();
       vs_trial *t = vs_trial_run("s.yaml", "circuit", (const char *[]){angle, tolerance, NULL},
                                  &(vs_observer){&(surged){c, at_s}, note_voltage});

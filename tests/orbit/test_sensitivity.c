@@ -81,10 +81,10 @@ static void compare(vs_sensitivity_problem *subject, const char *key, double ste
   vs_stencil exact = {0}, runs = {0};
   vs_error err = {0};
   const vs_asked asked = {key, {0}};
-  vs_status status = vs_tangent_find(&exact, subject, &asked, false, &err);
+  vs_status status = vs_tangent_find(&exact, subject, &asked, NULL, false, &err);
   if (!status)
     status = vs_stencil_begin(&runs, subject, key, (vs_where){0}, step,
-                              subject->scene->tier->finest, &err);
+                              subject->scene->tier->finest, NULL, &err);
   if (!status) status = vs_stencil_run(&runs, subject, subject->scene->tier->finest, &err);
   EXPECT(!status, "%s: %s", key, err.text);
   vs_measured_value m;
@@ -398,13 +398,13 @@ static void an_unstable_orbit_is_told(void) {
 }
 
 /* The exact derivatives to one key take at most 3 runs of 10 cycles and the fan's, twice; those to
- * a further one are beyond 50 cycles. What is told stays, what is not is no number, and the error
- * says how far it came. */
+ * a further one are beyond 50 cycles. Fired in each of them, no run ends early. What is told stays,
+ * what is not is no number, and the error says how far it came. */
 static void a_budget_is_kept(void) {
   const vs_asked of = {"p_min", {0}};
   const vs_asked to[] = {
       {"supply.voltage", {0}}, {"actuator.gap", {0}}, {"actuator.resistance", {0}}};
-  const char *const sets[] = {"run.until=0.2s", NULL};
+  const char *const sets[] = {"run.until=0.2s", "firing.every=1", NULL};
   const vs_sensitivity_order order = {.of = &of, .to = to, .n_of = 1, .n_to = 3, .most_cycles = 50};
   vs_sensitivity s;
   vs_trial *t = vs_trial_read("paper", "switched", sets);
@@ -478,6 +478,47 @@ static void what_is_refused(void) {
   free_ran(&r);
 }
 
+/* ---- early ends ---- */
+
+/* Finds the derivatives of one or two measures in half a second of the single shot. */
+static vs_status find_both(const char *const *of, size_t n_of, const char *to, long most_cycles,
+                           vs_sensitivity *s) {
+  const char *const sets[SETS] = {"run.until=0.5s"};
+  const vs_asked measures[] = {{of[0], {0}}, {n_of > 1 ? of[1] : NULL, {0}}}, key = {to, {0}};
+  const vs_sensitivity_order order = {measures, &key, n_of, 1, 0, NULL, most_cycles};
+  vs_trial *t = vs_trial_read("paper", "switched", sets);
+  vs_status status = vs_sensitivity_find(&t->scene, &order, s, &t->err);
+  vs_trial_free(t);
+  return status;
+}
+
+/* f_resonance is settled after a second. So it makes the other's runs go on to their end, which is
+ * more than the budget allows. That they end before it changes nothing. */
+static void runs_end_where_all_is_settled(void) {
+  static const char *const OF[] = {"p_first_peak", "p_second_peak", "i_peak",      "energy_in",
+                                   "p_min",        "p_max",         "ap_peak",     "u_max",
+                                   "aphi_peak",    "stroke",        "t_extinction"},
+                           *const TO[] = {"firing.angle", "machine.trough_mass",
+                                          "supply.frequency"};
+  for (size_t k = 0; k < COUNT(OF); k++)
+    for (size_t j = 0; j < COUNT(TO); j++) {
+      const char *const both[] = {OF[k], "f_resonance"};
+      vs_sensitivity alone = {0}, whole = {0};
+      CU_ASSERT_EQUAL(find_both(both, 1, TO[j], 0, &alone), VS_OK);
+      CU_ASSERT_EQUAL(find_both(both, 2, TO[j], 0, &whole), VS_OK);
+      const vs_sensitivity_entry a = alone.entry[0], b = whole.entry[0];
+      EXPECT(a.exact == b.exact && fabs(a.value - b.value) <= a.error + b.error, /* their own */
+             "%s to %s: %.12g, and %.12g", OF[k], TO[j], a.value, b.value);
+      vs_sensitivity_free(&alone);
+      vs_sensitivity_free(&whole);
+      CU_ASSERT_EQUAL(find_both(both, 2, TO[j], 20, &whole), VS_BUDGET);
+      vs_sensitivity_free(&whole);
+    }
+  vs_sensitivity s = {0};
+  CU_ASSERT_EQUAL(find_both(OF, 1, TO[0], 20, &s), VS_OK);
+  vs_sensitivity_free(&s);
+}
+
 static const vs_test TESTS[] = {
     {"the orbit has the published ones", the_orbit_has_the_published_ones},
     {"the single shot has the published ones", the_single_shot_has_the_published_ones},
@@ -492,6 +533,7 @@ static const vs_test TESTS[] = {
     {"one bar is drawn", one_bar_is_drawn},
     {"the page is right", the_page_is_right},
     {"grazing is told", grazing_is_told},
+    {"runs end where all is settled", runs_end_where_all_is_settled},
     {"an unstable orbit is told", an_unstable_orbit_is_told},
     {"a budget is kept", a_budget_is_kept},
     {"studies refuse", studies_refuse},

@@ -551,13 +551,14 @@ static void at_100_degrees(void) {
 
 /* At 90 degrees the thyristor fires once in a cycle; at 110 it goes out 49 us after it has fired,
  * and fires again 261 us later. The finer run tells the error of the coarser one, which is to hold
- * its tolerance; both searches are to end within the cycles that were seen at first. */
+ * its tolerance; both searches are to end within the cycles that were seen at first. 90 and 120
+ * degrees with VS_LONG. */
 static void at_other_angles(void) {
   static const struct {
     const char *angle;
     int cycles[2]; /* at most, at 1e-3 and at 1e-4 */
-  } ROWS[] = {{"90deg", {13, 15}}, {"110deg", {10, 12}}, {"120deg", {16, 20}}};
-  for (size_t k = 0; k < COUNT(ROWS); k++) {
+  } ROWS[] = {{"110deg", {10, 12}}, {"90deg", {13, 15}}, {"120deg", {16, 20}}};
+  for (size_t k = 0; k < (getenv("VS_LONG") ? COUNT(ROWS) : 1); k++) {
     char words[128];
     snprintf(words, sizeof words, "--set firing.angle=%s --set run.tolerance=1e-3", ROWS[k].angle);
     ran coarse = steady_circuit(words);

@@ -67,6 +67,22 @@ static void jumps(void) {
   free_ran(&r);
 }
 
+/* The clocks that ngspice asks in each step are the program's own, whichever of them it was built
+ * to ask. */
+static void stand_still(void) {
+#ifdef __SANITIZE_ADDRESS__
+  printf("(left out: a sanitizer wants to be loaded first) ");
+  return;
+#endif
+  setenv("LD_PRELOAD", VS_CLOCK, 1);
+  setenv("VS_ASK_CLOCKS", "1", 1);
+  ran r = run("--version");
+  unsetenv("VS_ASK_CLOCKS");
+  unsetenv("LD_PRELOAD");
+  EXPECT(strstr(r.err, "stand still: clock 1, ftime 1, getrusage 1\n"), "%s", r.err);
+  free_ran(&r);
+}
+
 /* ---- files from the future ---- */
 
 static void future(void) {
@@ -127,6 +143,7 @@ static void stopped_law(void) {
 }
 
 static const vs_test TESTS[] = {{"the clock of the day jumps", jumps},
+                                {"ngspice's clocks stand still", stand_still},
                                 {"files from the future", future},
                                 {"a job that is stopped", stopped},
                                 {"a law that is stopped", stopped_law}};

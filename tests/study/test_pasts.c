@@ -71,10 +71,8 @@ static void write_surges(void) {
 static void any_number_of_workers(void) {
   write_surges();
   EXPECT_SHARED("s.yaml -o one --jobs 1", 8);
-  EXPECT_SHARED("s.yaml -o two --jobs 2", 8);
   EXPECT_SHARED("s.yaml -o three --jobs 3", 8);
   SAME_STUDY("whole", "one");
-  SAME_STUDY("whole", "two");
   SAME_STUDY("whole", "three");
 }
 
@@ -94,24 +92,21 @@ static const struct mix {
   const char *name, *events, *keys, *vary;
   int n_shared;
 } MIXES[] = {
-    {"sag", "{e: {kind: sag, at: 50 ms}}", "",
-     "{events.e.at: [25 ms, 45.5555555555556 ms, 52 ms], events.e.level: [0 %, 70 %]}", 6},
+    {"sag", "{e: {kind: sag, at: 50 ms}}", "", "{events.e.at: [25 ms, 45.5555555555556 ms, 52 ms]}",
+     3},
     {"missing", "{e: {kind: missing_pulse, cycle: 3}}", "", "{events.e.cycle: [1, 2, 3]}", 3},
     {"weak", "{e: {kind: weak_pulse, cycle: 3}}", "", "{events.e.level: [0.1 %, 5 %, 100 %]}", 2},
     {"spurious", "{e: {kind: spurious_pulse, at: 30 ms}}", "", "{events.e.at: [22 ms, 41 ms]}", 2},
     {"jam", "{e: {kind: jam, at: 30 ms}}", "", "{events.e.at: [30 ms, 25.5555555555556 ms]}", 2},
     {"load", "{e: {kind: load, at: 30 ms, volume: 700 cm3}}", ", load.density: 1 g/cm3",
      "{events.e.at: [25 ms, 33.5555555555556 ms], events.e.fraction: [0.2, 0.6]}", 4},
-    {"jump", "{e: {kind: phase_jump, at: 30 ms}}", "",
-     "{events.e.at: [30 ms, 42 ms], events.e.jump: [-30 deg, 10 deg]}", 4},
+    {"jump", "{e: {kind: phase_jump, at: 30 ms}}", "", "{events.e.at: [30 ms, 42 ms]}", 2},
     {"notch", "{e: {kind: notch, at: 30 ms, count: 2}}", "", "{events.e.at: [21 ms, 41 ms]}", 2},
     {"harmonic", "{e: {kind: harmonic, at: 30 ms}}", "", "{events.e.order: [3, 5]}", 2},
     {"short", "{e: {kind: short, element: R1, at: 30 ms}}", "", "{events.e.at: [25 ms, 41 ms]}", 2},
-    {"open", "{e: {kind: open, element: R1, at: 30 ms}}", "",
-     "{events.e.at: [25 ms, 41 ms], events.e.level: [1 kV, 2 kV]}", 4},
+    {"open", "{e: {kind: open, element: R1, at: 30 ms}}", "", "{events.e.at: [25 ms, 41 ms]}", 2},
     {"coil", "{e: {kind: coil_short, at: 30 ms}}", "", "{events.e.fraction: [30 %, 100 %]}", 2},
-    {"ring", "{e: {kind: ring_wave, at: 30 ms}}", "",
-     "{events.e.at: [25 ms, 41 ms], events.e.impedance: [12 ohm, 30 ohm]}", 4},
+    {"ring", "{e: {kind: ring_wave, at: 30 ms}}", "", "{events.e.at: [25 ms, 41 ms]}", 2},
     {"eft", "{e: {kind: eft, at: 30 ms, duration: 1 ms}}", "",
      "{events.e.frequency: [5 kHz, 10 kHz]}", 2},
     {"two", "{a: {kind: sag, at: 21 ms, duration: 5 ms}, b: {kind: missing_pulse, cycle: 3}}", "",
@@ -146,7 +141,7 @@ static void every_kind_of_event(void) {
     snprintf(apart, sizeof apart, "%s_apart", m->name);
     snprintf(together, sizeof together, "%s_together", m->name);
     vs_text_add(&study,
-                "set: {firing.every: 1, run: {until: 60 ms, tolerance: 1e-2, tier: circuit}, "
+                "set: {firing.every: 1, run: {until: 54 ms, tolerance: 1e-2, tier: circuit}, "
                 "events: %s%s}\nvary: %s\nreport: [p_min, i_peak, v_ak_min]\n",
                 m->events, m->keys, m->vary);
     write_file("m.yaml", study.text);

@@ -65,8 +65,29 @@ static bool is_gated(const vs_device *d, const vs_timeline *timeline, double t_s
   return false;
 }
 
+/* The same, and within a sub-pulse where the gate is driven with these. */
+static bool is_driven(const vs_anode *a, const vs_device *d, double t_s) {
+  for (size_t g = 0; g < d->gates.count; g++)
+    if (vs_gate_is_on(a->timeline, d->gates.rad[g], t_s) &&
+        (!a->bursts || vs_gate_burst(a->timeline, d->gates.rad[g], t_s)))
+      return true;
+  return false;
+}
+
 /* A gate's edge counts as reached from here on, s: rounding. */
 static const double REACHED_S = 1e-12;
+
+/* A gate drive gives its current while that is above this share of the most that it gave. It dies
+ * away behind a pulse, and before its end where a transformer's core saturates. */
+static const double GIVES = 0.5;
+
+/* True while all gates that a thyristor goes by have their current; where the deck has no gate
+ * drive whose current is known, while the drive is told to give one. */
+static bool is_fed(const vs_anode *a, const vs_device *d) {
+  for (size_t k = 0; k < a->drives; k++)
+    if (!(a->drive[k].last_a > GIVES * a->drive[k].most_a)) return false;
+  return is_driven(a, d, a->last_s + REACHED_S);
+}
 
 /* A thyristor of transistors takes up to FIRES_S from its gate's edge to fire, in which the
  * solver's first steps were up to 0.3 us. The firing was 30 ns late by that, which is 0.1 % of a
@@ -84,8 +105,8 @@ static const double FIRES_S = 2e-6, FIRING_S = 2e-8, RISING_S = 1e-8, RISES_A_S 
 static double longest_firing(const vs_anode *a, const vs_anode_current *m, const vs_swing *swing) {
   const bool rises = m->last_a - m->before_a > RISES_A_S * (a->last_s - a->before_s);
   if (!(m->last_v > 0) || !m->device || (m->conduction.conducts && !rises)) return INFINITY;
-  bool begins = is_gated(m->device, a->timeline, a->last_s + REACHED_S) &&
-                !is_gated(m->device, a->timeline, a->last_s - FIRES_S);
+  bool begins = is_driven(a, m->device, a->last_s + REACHED_S) &&
+                !is_driven(a, m->device, a->last_s - FIRES_S);
   const double longest_s = rises ? RISING_S : FIRING_S;
   return begins ? longest_s * sqrt(fmin(1, swing->tolerance / FIRING_AT)) : INFINITY;
 }
@@ -94,12 +115,16 @@ static double longest_firing(const vs_anode *a, const vs_anode_current *m, const
  * first step goes beyond that and is rejected, the latch has fired at the beginning of the next try
  * (longest), early by up to that step. Times the mains' peak that is an error of the flux linkage,
  * for which there is the share of a swing's: the instant was off by 0.24 us at 1e-6, and a
- * conduction of 31 us by 16 tolerances at 1e-4. */
+ * conduction of 31 us by 16 tolerances at 1e-4. The share is of what the mains might bring, and a
+ * snubber may end a conduction long before: with all of it conductions of 35 us were off by up to
+ * 3 tolerances, with LATCHES of it by 1. A firing takes some ten steps more. */
+static const double LATCHES = 0.25;
+
 static double longest_latching(const vs_anode *a, const vs_anode_current *m,
                                const vs_swing *swing) {
   if (!a->delays || m->conduction.conducts || !isfinite(longest_firing(a, m, swing)))
     return INFINITY;
-  return swing->share * swing->flux_wb / swing->peak_v;
+  return LATCHES * swing->share * swing->flux_wb / swing->peak_v;
 }
 
 /* Where the mains jump, as at the edge of a sag, the current of a small conduction may be gone
@@ -158,17 +183,26 @@ static double longest_strained(const vs_anode *a, const vs_anode_current *m,
  * An error of the instant is h^2 over LETS_GO t_q, as measured; times the current it is a charge,
  * which may be SHARE of vs_swing_charge. Measured on that conduction, with 1e-3 to 1e-5: an error
  * of half a tolerance for each unit of SHARE. In a coil that rings fast the instant itself counts
- * (vs_swing_instant). Once the current falls it is too late to begin, so
- * that steps are short from BARELY_A on, of the order of a latching current. Where the coil has had
- * more than the rest of a conduction, steps are seldom as long. */
-static const double BARELY_A = 0.1, LETS_GO = 1.0 / 20, SHARE = 1;
+ * (vs_swing_instant). Once the current falls it is too late to begin, so that steps are short from
+ * BARELY_A on, of the order of a latching current. Where the coil has had more than the rest of a
+ * conduction, steps are seldom as long.
+ *
+ * A current that rises is let go, too, where the gate's ended before it latched: in steps of 0.5 us
+ * that began there a solenoid's 9 mA were let go 0.1 us early, 27 tolerances of the force at 1e-4.
+ * So steps are short from the end of the gate's current on. A transformer whose core saturates
+ * takes that away within some COLLAPSES_S / 6, in the midst of a pulse. The solver's steps of 2.7
+ * us over the bend of its flux linkage made that 0.1 us late, 18 tolerances; with an error of h^2
+ * over COLLAPSES_S as large as that of letting go, 0.6 are left. */
+static const double BARELY_A = 0.1, LETS_GO = 1.0 / 20, SHARE = 1, COLLAPSES_S = 6e-5;
 
-static double longest_letting_go(const vs_anode_current *m, const vs_swing *swing) {
+static double longest_letting_go(const vs_anode *a, const vs_anode_current *m,
+                                 const vs_swing *swing) {
   double i_a = forward_current(m), goes_s = LETS_GO * m->t_q_s;
-  bool may_let_go = m->conduction.conducts && i_a > 0 && i_a < BARELY_A && m->last_a < m->before_a;
-  if (!may_let_go) return INFINITY;
+  if (!m->conduction.conducts || !(i_a > 0 && i_a < BARELY_A)) return INFINITY;
+  bool may_let_go = m->last_a < m->before_a || (m->device && !is_fed(a, m->device));
   double charge_s = SHARE * vs_swing_charge(swing, goes_s) / i_a;
-  return sqrt(goes_s * fmin(charge_s, vs_swing_instant(swing, i_a, goes_s)));
+  double off_s = fmin(charge_s, vs_swing_instant(swing, i_a, goes_s));
+  return may_let_go ? sqrt(goes_s * off_s) : a->cores ? sqrt(COLLAPSES_S * off_s) : INFINITY;
 }
 
 /* Where a gate's voltage jumps, its current jumps with it, and is back within some 50 ns, the time
@@ -196,7 +230,7 @@ double vs_anode_longest(vs_anode *a, const vs_swing *swing, double max_step_s) {
       continue;
     }
     least = fmin(least, fmin(longest_firing(a, m, swing), longest_strained(a, m, swing)));
-    least = fmin(least, longest_letting_go(m, swing));
+    least = fmin(least, longest_letting_go(a, m, swing));
     least = fmin(least, longest_behind_edge(a, m));
   }
   return least;
@@ -206,12 +240,22 @@ void vs_anode_leave(vs_anode *a) {
   for (size_t k = 0; k < a->count; k++) a->item[k].conducted = a->item[k].conduction.conducts;
 }
 
+/* A latch that fires behind its gate's edge does so within a step of the trapezoidal rule. Where it
+ * discharges a capacitance, as a varistor's, through its few milliohms, over in picoseconds, that
+ * rule has at the step's end twice the mean current, and goes back by as much in the next step: the
+ * latch took that for a zero of its current, let go, and fired anew 0.15 us later. The force was
+ * off by up to 7 tolerances at 1e-4. A rule that begins anew knows nothing of that current. At the
+ * edge itself it does so anyway. */
+static bool has_fired_late(const vs_anode *a, const vs_anode_current *m) {
+  return a->delays && !(m->t_q_s > 0) && m->conduction.conducts && !m->conducted;
+}
+
 void vs_anode_take(vs_anode *a) {
   a->crossed = false;
   for (size_t k = 0; k < a->count; k++) {
     vs_anode_current *m = &a->item[k];
     bool crossed = m->nearing && a->last_s >= m->crosses_s;
-    a->crossed = a->crossed || crossed;
+    a->crossed = a->crossed || crossed || has_fired_late(a, m);
     if (m->conduction.conducts)
       m->nearing = true;
     else if (crossed || (!m->conducted && !(forward_current(m) > 0)))
@@ -237,6 +281,10 @@ void vs_anode_wind(vs_anode *a, double by_s) {
 static void shift(vs_anode *a, const vs_knot *k) {
   a->before_s = a->last_s;
   a->last_s = k->t_s;
+  for (size_t n = 0; n < a->drives; n++) {
+    a->drive[n].last_a = fabs(vs_formula_prepared_value(&a->drive[n].i, k->terms));
+    a->drive[n].most_a = fmax(a->drive[n].most_a, a->drive[n].last_a);
+  }
   for (size_t n = 0; n < a->count; n++) {
     vs_anode_current *m = &a->item[n];
     m->before_a = m->last_a;
@@ -356,11 +404,17 @@ void vs_anode_begin(vs_anode *a, const vs_deck *deck, const vs_timeline *timelin
     a->jumps = a->jumps || jumps;
     a->delays = a->delays || !jumps;
   }
+  for (size_t k = 0; k < deck->n_ports; k++)
+    a->bursts = a->bursts || deck->ports[k].signal.drive == VS_PORT_BURST;
   for (size_t k = 0; k < deck->n_probes; k++)
     if (!strcmp(deck->probes[k].name, "i_thyristor")) probe = &deck->probes[k];
   if (!probe) return;
   for (size_t k = 0; k < deck->n_devices; k++) {
     d = &deck->devices[k];
+    if (!d->kind->switches && d->kind->gated) {
+      a->drive[a->drives++].i = vs_formula_prepare(&d->current);
+      a->cores = a->cores || d->has_flux;
+    }
     if (!d->kind->switches || !d->kind->gated) continue;
     valves++;
     if (has_current(d, probe)) own = d;

@@ -29,15 +29,26 @@ typedef struct vs_anode_current {
       crosses_s; /* end of the step that is to pass the zero; INFINITY: no such step is under way */
 } vs_anode_current;
 
+/* The current of a gate drive, of the last knot shown and the most of it. */
+typedef struct vs_anode_drive {
+  vs_formula_prepared i;
+  double last_a, most_a;
+} vs_anode_drive;
+
 /* Begins with vs_anode_begin. In a deck without the probe nothing ever fires here. */
 typedef struct vs_anode {
   const vs_timeline *timeline;
   vs_anode_current item[2 * VS_DECK_DEVICES];
   size_t count;
+  vs_anode_drive drive[VS_DECK_DEVICES];
+  size_t drives;
   double last_s, before_s; /* instants of the last two knots shown; NaN: there was none */
   double out_s;            /* when one of them last went out; -INFINITY: none has */
-  bool crossed; /* the last step was to pass a zero, so that there is a kink at its end */
+  bool crossed; /* the last step was to pass a zero, or a latch fired late in it: a kink at its end
+                 */
   bool jumps;   /* a gate's voltage jumps at the edges of its pulses: its drive is a source alone */
+  bool cores;   /* a gate drive has a core, which may saturate */
+  bool bursts;  /* gates are driven with sub-pulses */
   bool delays;  /* it rises behind them: the drive is more than that */
   double edge_s;               /* the last such edge that was reached; -INFINITY: none was */
   double strained_s;           /* where the cycle began in which voltages were last back too soon */

@@ -21,8 +21,9 @@ typedef struct vs_swing {
   double seen_wb; /* the same, but 0 at first */
   double peak_v;  /* of the mains */
   double peak_a,
-      amplifies; /* largest current so far that counts, of a coil that is not square, and by how
-                    much a relative error of lambda is larger in that current; 1 at least */
+      amplifies;     /* largest current so far that counts, of a coil that is not square, and by how
+                        much a relative error of lambda is larger in that current; 1 at least */
+  double current_wb; /* that current over its slope by lambda; INFINITY: a square coil's, or none */
   double slope_v_s, bend_v_s2; /* sizes of the first two derivatives of v = dlambda/dt of late */
   double missed_v_s2;          /* size of late of what of v'' the rule was not given back */
   double before_s;             /* length of the last step; 0: there was none */

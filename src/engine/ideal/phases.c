@@ -316,6 +316,7 @@ typedef struct phases {
   double rough;              /* by how much dense output may be off, relative to what is large */
   double negligible;         /* how much a series may leave out, relative to what is large */
   vs_propagator propagator;  /* for steps of longest_s */
+  vs_propagator_memo *memo;  /* the order's */
   vs_taylor series;          /* from the last knot on */
   bool by_series;            /* the series is Taylor's; else runge_kutta.c makes it */
   vs_runge_kutta general;
@@ -598,7 +599,7 @@ static void find_steps(phases *p) {
   p->longest_touching_s =
       p->by_series ? fmin(longest_ideal_step(p, 1, m->contact_rad_s), p->longest_driven_s)
                    : p->longest_driven_s;
-  vs_propagator_make(&p->propagator, m, p->driven.held, p->longest_s);
+  vs_propagator_recall(&p->propagator, p->memo, m, p->driven.held, p->longest_s);
 }
 
 /* ---- all of it ---- */
@@ -648,6 +649,7 @@ vs_status vs_phases_run(const vs_setup *setup, const vs_run_order *order, const 
   phases p = {.setup = setup,
               .observer = observer,
               .early_end = order ? order->early_end : NULL,
+              .memo = order ? order->memo : NULL,
               .frame = *frame,
               .rough = fmin(ROUGH * tolerance, ROUGHEST)};
   p.negligible = 1e-3 * p.rough;

@@ -45,6 +45,28 @@ void vs_propagator_make(vs_propagator *p, const vs_model *m, bool held, double h
   gsl_matrix_free(e);
 }
 
+void vs_propagator_recall(vs_propagator *p, vs_propagator_memo *memo, const vs_model *m, bool held,
+                          double h_s) {
+  if (!memo || held) {
+    vs_propagator_make(p, m, held, h_s);
+    return;
+  }
+  struct vs_propagator_source *of = &memo->of;
+  const bool same =
+      of->dof == m->dof && of->loaded == m->loaded && of->h_s == h_s &&
+      of->fastest_rad_s == m->fastest_rad_s && !memcmp(of->k, m->mk_column, sizeof of->k) &&
+      !memcmp(of->b, m->mb_column, sizeof of->b) && !memcmp(of->f, m->m0, sizeof of->f);
+  if (!same) {
+    vs_propagator_make(&memo->made, m, false, h_s);
+    *of = (struct vs_propagator_source){
+        .fastest_rad_s = m->fastest_rad_s, .h_s = h_s, .dof = m->dof, .loaded = m->loaded};
+    memcpy(of->k, m->mk_column, sizeof of->k);
+    memcpy(of->b, m->mb_column, sizeof of->b);
+    memcpy(of->f, m->m0, sizeof of->f);
+  }
+  *p = memo->made;
+}
+
 static void step_by_blocks(const vs_propagator *p, const double *x, double *restrict y) {
   for (int first = 0; first < p->states; first += VS_ROWS) {
     double sum[VS_ROWS] = {0};

@@ -86,7 +86,7 @@ static const char SMOOTH[] =
 /* At most 32, as a mask has a bit for each.
  *
  * To add a function of another program: a row here, told by test_dialects and listed in
- * docs/netlists.md. */
+ * docs/from_ltspice.md. */
 static const function FUNCTIONS[] = {
     {.name = "if",
      .least = 3,

@@ -9,10 +9,14 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "base/hash.h"
 #include "base/jail.h"
+#include "base/path.h"
 #include "base/text.h"
+#include "netlist/numbers.h"
+#include "netlist/words.h"
 
 /* The bytes of a file as they are on the disk. */
 typedef struct bytes {
@@ -209,6 +213,61 @@ void vs_source_free(vs_source *source) {
   free(source->text);
   free(source->line);
   *source = (vs_source){0};
+}
+
+static vs_status add_numbers(const vs_source *s, const char *path, vs_text *out, vs_error *err) {
+  static const char BETWEEN[] = " \t,;()";
+  double value;
+  size_t count = 0, line = 0;
+  for (; line < s->count; line++) {
+    const char *at = s->line[line] + strspn(s->line[line], BETWEEN);
+    for (; *at && !strchr("*#", *at); at += strspn(at, BETWEEN), count++) {
+      const vs_word w = {at, strcspn(at, BETWEEN)};
+      if (!vs_numbers_read(w, &value)) break;
+      vs_text_add(out, "%s%.*s", count ? " " : "", (int)w.n, w.at);
+      at += w.n;
+    }
+    if (*at && !strchr("*#", *at)) break;
+  }
+  return count && count % 2 == 0 && line == s->count
+             ? VS_OK
+             : vs_fail_at(err, (vs_where){path, (int)line + (line < s->count), 1},
+                          "pairs 'TIME VALUE' are wanted in a file of PWL points, and no more");
+}
+
+vs_status vs_source_points(const char *line, vs_where where, vs_text *out, vs_error *err) {
+  const char *pwl = strcasestr(line, "pwl");
+  vs_word whole, value;
+  if (!*line || !strchr("vViI", *line) || !pwl || !strchr(" \t", pwl[-1])) return VS_OK;
+  const char *s = pwl + 3 + strspn(pwl + 3, " \t(");
+  if (!vs_words_parameter(s, "file", &whole, &value) || whole.at != s) return VS_OK;
+  char path[VS_PATH_SIZE], name[VS_PATH_SIZE / 2];
+  const bool quoted = value.n > 2 && strchr("'\"", *value.at);
+  const char *end = whole.at + whole.n;
+  if (!quoted) value.n = strcspn(value.at, " \t)");
+  if (!quoted) end = value.at + value.n;
+  snprintf(name, sizeof name, "%.*s", (int)value.n - 2 * quoted, value.at + quoted);
+  for (char *c = name; *c; c++)
+    if (*c == '\\') *c = '/';
+  const char *slash = strrchr(where.file, '/'), *last = strrchr(name, '/');
+  const int folder = slash ? (int)(slash - where.file + 1) : 0;
+  snprintf(path, sizeof path, "%.*s%s", *name == '/' ? 0 : folder, where.file, name);
+  if (access(path, R_OK))
+    snprintf(path, sizeof path, "%.*s%s", folder, where.file, last ? last + 1 : name);
+  vs_status status = vs_jail_check(path, where, err);
+  if (!status && access(path, R_OK))
+    status = vs_fail_at(err, where, "the file %s of PWL points is not here; copy it beside %s",
+                        name, where.file);
+  vs_source source = {0};
+  if (!status) status = vs_source_read(path, &source, err);
+  if (!status) {
+    vs_text_add(out, "%.*sPWL(", (int)(pwl - line), line);
+    status = add_numbers(&source, path, out, err);
+    end += strspn(end, " \t)");
+    vs_text_add(out, ")%s%s", *end ? " " : "", end);
+  }
+  vs_source_free(&source);
+  return status;
 }
 
 void vs_source_plain(char *line) {

@@ -22,7 +22,7 @@ static const char PSPICE[] = "is PSpice's; a line '*$ compat ps' has the deck re
 
 /* Parameters that say what a part may bear and where it is from. ngspice takes a word behind '='
  * for a parameter's name, and ends there. */
-static const char RATINGS[] = " mfg pn type vpk ipk iave irms diss vceo icrating qg vds ";
+static const char RATINGS[] = " mfg pn modtype type vpk ipk iave irms diss vceo icrating qg vds ";
 
 /* Parameters of an ideal diode, which ngspice reads as a common one without them. */
 static const char IDEAL[] = " vfwd vrev ron roff rrev epsilon ilimit revilimit revepsilon ";
@@ -270,6 +270,15 @@ static void rewrite_commas(vs_rewriting *r) {
   }
 }
 
+/* Braces within braces, as {-3.5*{1-x}}, which ngspice does not know, become brackets. */
+static void rewrite_nested(vs_rewriting *r) {
+  int depth = 0;
+  for (char *s = r->text.text; *s; s++) {
+    if (*s == '{' && depth++) *s = '(';
+    if (*s == '}' && depth && --depth) *s = ')';
+  }
+}
+
 /* SIN(offset amplitude frequency delay damping phase cycles): ngspice takes no notice of cycles. */
 static vs_status check_sine(const vs_rewriting *r) {
   const char *sine = strcasestr(r->text.text, "sin"), *open = sine ? strchr(sine, '(') : NULL;
@@ -342,6 +351,8 @@ vs_status vs_translate(vs_rewriting *r) {
   if (!strncasecmp(r->text.text, ".param", 6) || !strncasecmp(r->text.text, ".subckt", 7) ||
       tolower((unsigned char)*r->text.text) == 'x')
     rewrite_commas(r);
+  vs_words_unbrace(r->text.text);
+  rewrite_nested(r);
   status = check_sine(r);
   if (!status) status = check_points(r);
   if (!status) tell_of_edges(r);
@@ -403,10 +414,184 @@ static void find_renamed(const vs_cards *c, vs_names *renamed, vs_tally *tally) 
   vs_names_free(&taken);
 }
 
-void vs_translate_names(vs_line *lines, size_t count, vs_tally *tally) {
+/* ---- heads of subcircuits ---- */
+
+/* Writes `by` in the place of n bytes at `at`, which lies in the line's text. */
+static void change_line(vs_line *line, const char *at, size_t n, const char *by) {
+  vs_text text = {0};
+  vs_text_add(&text, "%.*s%s%s", (int)(at - line->text), line->text, by, at + n);
+  vs_line_change(line, text.text);
+}
+
+/* Adds the nodes of "OPTIONAL: a=b ..." in a head, from one on: the names in it, or what an
+ * instance that does not give them is connected to. */
+static void add_optional(const vs_cards *c, const vs_netlist_card *head, vs_word all, size_t from,
+                         bool names, vs_text *out) {
+  size_t n = 0;
+  vs_text_add(out, "%s", "");
+  for (size_t k = head->first; k < head->first + head->count; k++) {
+    const vs_argument *a = &c->arguments[k];
+    const vs_word word = names ? a->name : a->value;
+    if (a->name.n && a->name.at > all.at && a->name.at < all.at + all.n && n++ >= from)
+      vs_text_add(out, " %.*s ", (int)word.n, word.at);
+  }
+}
+
+/* Nodes behind OPTIONAL:, PSpice's, which an instance need not give: it is given them. */
+static void give_optional(const vs_cards *c, vs_line *lines, size_t scope, vs_tally *tally) {
+  const size_t number = c->scope[scope].first - 1;
+  const vs_netlist_card *head = &c->card[number];
+  const char *at = strcasestr(lines[number].text, "optional:");
+  if (!at) return;
+  const char *params = strcasestr(at, "params:"), *end = params ? params : at + strlen(at);
+  const vs_word all = {at, (size_t)(end - at)};
+  vs_text text = {0};
+  for (size_t k = 0; k < c->count; k++) {
+    const vs_netlist_card *card = &c->card[k];
+    if (vs_cards_called(c, card) != scope || card->nodes < head->nodes) continue;
+    add_optional(c, head, all, card->nodes - head->nodes, false, &text);
+    change_line(&lines[k], card->model.at, 0, text.text);
+    vs_text_free(&text);
+  }
+  add_optional(c, head, all, 0, true, &text);
+  vs_tally_add(tally,
+               "nodes behind OPTIONAL:, PSpice's, are read as nodes, to which an instance without "
+               "them is given what stands behind their '='",
+               lines[number].where);
+  change_line(&lines[number], at, all.n, text.text);
+  vs_text_free(&text);
+}
+
+/* True where the subcircuit's lines name it, and each of its instances gives it a value. */
+static bool is_parameter(const vs_cards *c, size_t scope, vs_word name) {
+  bool named = false, given = true;
+  for (size_t k = c->scope[scope].first; k < c->scope[scope].last && !named; k++)
+    named = vs_words_find(c->lines[k].text, c->lines[k].text, name.at, name.n);
+  for (size_t k = 0; k < c->count && named && given; k++) {
+    if (vs_cards_called(c, &c->card[k]) != scope) continue;
+    given = false;
+    for (size_t n = 0; n < c->card[k].count && !given; n++)
+      given = !vs_words_compare(c->arguments[c->card[k].first + n].name, name);
+  }
+  return named && given;
+}
+
+/* Adds to the heads of subcircuits, by their scopes, the parameters that an instance gives and the
+ * head lacks. LTspice's drawings have none in the heads of their blocks. Since each instance gives
+ * them, their values there are no one's. */
+static void find_parameters(const vs_cards *c, const vs_netlist_card *card, vs_text *heads) {
+  const size_t scope = card->words < card->count ? vs_cards_called(c, card) : 0;
+  for (size_t k = card->first; scope && k < card->first + card->count; k++) {
+    const vs_word name = c->arguments[k].name;
+    const char *own = heads[scope].text;
+    if (!name.n || vs_words_is(name, "m") || vs_cards_find(c, scope, VS_CARDS_PARAM, name))
+      continue;
+    if (own && vs_words_find(own, own, name.at, name.n)) continue;
+    if (is_parameter(c, scope, name)) vs_text_add(&heads[scope], " %.*s=0", (int)name.n, name.at);
+  }
+}
+
+static void give_parameters(vs_line *lines, size_t count, vs_tally *tally) {
+  vs_cards c;
+  vs_cards_read(&c, lines, count);
+  vs_text *heads = vs_alloc(c.n_scopes, sizeof *heads);
+  for (size_t k = 0; k < count; k++) find_parameters(&c, &c.card[k], heads);
+  for (size_t k = 1; k < c.n_scopes; k++) {
+    vs_line *line = &lines[c.scope[k].first - 1];
+    if (!heads[k].text) continue;
+    change_line(line, line->text + strlen(line->text), 0, heads[k].text);
+    vs_text_free(&heads[k]);
+    vs_tally_add(tally,
+                 "parameters that all instances of a subcircuit give and its .subckt does not "
+                 "name, LTspice's, are read as if it did",
+                 line->where);
+  }
+  free(heads);
+  vs_cards_free(&c);
+}
+
+/* ---- currents of pins ---- */
+
+/* The instance of that name, with or without its X, outside of subcircuits; count: there is none.
+ */
+static size_t instance_named(const vs_cards *c, vs_word name) {
+  size_t k = 0;
+  for (; k < c->count; k = vs_cards_next(c, k)) {
+    const vs_word own = c->card[k].name, bare = {own.at + 1, own.n - (own.n > 0)};
+    if (c->card[k].kind != VS_CARDS_ELEMENT || c->card[k].letter != 'x') continue;
+    if (!vs_words_compare(own, name) || !vs_words_compare(bare, name)) break;
+  }
+  return k < c->count ? k : c->count;
+}
+
+/* Writes the call Ix(U1:A) at `at` in line k as the current of a source of 0 V before that pin. */
+static vs_status read_current(const vs_cards *c, vs_line *lines, size_t k, const char *at,
+                              vs_text *more, vs_error *err) {
+  const char *open = strchr(at, '('), *colon = strchr(at, ':'), *close = strchr(at, ')');
+  const vs_word name = {open + 1, colon && close > colon ? (size_t)(colon - open - 1) : 0};
+  const vs_word pin = {name.n ? colon + 1 : at, name.n ? (size_t)(close - colon - 1) : 0};
+  const size_t instance = c->card[k].scope ? c->count : instance_named(c, name);
+  const size_t scope = instance < c->count ? vs_cards_called(c, &c->card[instance]) : 0;
+  const vs_netlist_card *head = scope ? &c->card[c->scope[scope].first - 1] : NULL;
+  size_t n = 0;
+  while (head && n < head->nodes && vs_words_compare(vs_cards_word(c, head, n), pin)) n++;
+  if (!head || n >= head->nodes || n >= c->card[instance].nodes)
+    return vs_fail_at(
+        err, vs_line_place_of(&lines[k], (vs_word){at, 2}),
+        "Ix(INSTANCE:PIN), LTspice's, is read of an instance beside this line, outside "
+        "of subcircuits, and a name in its .subckt; else put a source of 0 V before "
+        "the pin, Vx a b 0, and write i(Vx)");
+  const vs_word node = vs_cards_word(c, &c->card[instance], n);
+  vs_text source = {0}, by = {0};
+  vs_text_add(&source, "Vix_%.*s_%.*s", (int)name.n, name.at, (int)pin.n, pin.at);
+  vs_text_add(&by, "i(%s)", source.text);
+  if (vs_words_compare(node, vs_words_of(source.text + 1))) { /* it is not there yet */
+    vs_text_add(more, "%s %.*s %s 0\n", source.text, (int)node.n, node.at, source.text + 1);
+    change_line(&lines[instance], node.at, node.n, source.text + 1);
+  }
+  change_line(&lines[k], at, (size_t)(close + 1 - at), by.text);
+  vs_text_free(&source);
+  vs_text_free(&by);
+  return VS_OK;
+}
+
+vs_status vs_translate_currents(vs_line *lines, size_t count, vs_text *more, vs_error *err) {
+  vs_status status = VS_OK;
+  for (size_t k = 0; k < count && !status; k++) {
+    const char *at = lines[k].text;
+    while ((at = vs_words_find(lines[k].text, at, "ix", 2)) && at[2] != '(') at += 2;
+    if (!at || *lines[k].text == '.') continue;
+    vs_cards c;
+    vs_cards_read(&c, lines, count);
+    status = vs_error_keep(err, read_current(&c, lines, k, at, more, err));
+    const bool again =
+        !status && lines[k].written && vs_words_find(lines[k].text, lines[k].text, "ix", 2);
+    vs_cards_free(&c);
+    k -= again && !vs_error_count(err);
+  }
+  return status;
+}
+
+/* Rewrites the heads of subcircuits. The cards are read anew behind each change. */
+static void rewrite_heads(vs_line *lines, size_t count, vs_tally *tally) {
+  bool given = false;
+  for (size_t k = 0; k < count; k++) {
+    given = given || (tolower((unsigned char)*lines[k].text) == 'x' && strchr(lines[k].text, '='));
+    if (!vs_words_begin(lines[k].text, ".subckt") || !strcasestr(lines[k].text, "optional:"))
+      continue;
+    vs_cards c;
+    vs_cards_read(&c, lines, count);
+    give_optional(&c, lines, c.card[k].opens, tally);
+    vs_cards_free(&c);
+  }
+  if (given) give_parameters(lines, count, tally);
+}
+
+void vs_translate_whole(vs_line *lines, size_t count, vs_tally *tally) {
   vs_cards c;
   vs_names renamed = {0};
   bool any = false;
+  rewrite_heads(lines, count, tally);
   for (size_t k = 0; k < count && !any; k++)
     any = !strncasecmp(lines[k].text, ".subckt", 7) &&
           !is_plain(vs_words_at(vs_words_next(lines[k].text)));

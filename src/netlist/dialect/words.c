@@ -121,6 +121,16 @@ size_t vs_words_arguments(const char *open, vs_word arguments[VS_WORDS_MOST], co
   return 0;
 }
 
+void vs_words_unbrace(char *line) {
+  if (tolower((unsigned char)*line) != 'x' && !vs_words_begin(line, ".subckt")) return;
+  for (char *s = line; (s = strchr(s, '{')); s++) {
+    const char *name = s + 1 + strspn(s + 1, BLANKS), *end = name;
+    char *close = strchr(s, '}');
+    while (vs_words_goes_on(*end)) end++;
+    if (end > name && close && vs_words_is_given(end) && strchr(BLANKS, s[-1])) *s = *close = ' ';
+  }
+}
+
 /* ---- words of an element ---- */
 
 vs_word vs_words_at(const char *s) {

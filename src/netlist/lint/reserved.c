@@ -26,7 +26,7 @@ static const struct {
              {"floor", 0}, {"asin", 0},  {"acos", 0},  {"atan", 0},        {"asinh", 0},
              {"acosh", 0}, {"atanh", 0}, {"tan", 0},   {"nint", 0},        {"gauss", 0},
              {"unif", 0},  {"aunif", 0}, {"limit", 0}, {"ternary_fcn", 0}, {"agauss", 0},
-             {"pwl", 0},   {"temp", 1},  {"vt", 1}};
+             {"pwl", 0},   {"value", 0}, {"table", 0}, {"temp", 1},        {"vt", 1}};
 enum { COUNT = sizeof NAMES / sizeof *NAMES, E = 0, PI = 1 };
 static const char OURS[] = "__own";
 

@@ -6,6 +6,7 @@
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "lint/couplings.h"
 #include "netlist/numbers.h"
@@ -231,8 +232,16 @@ static vs_status check_segments(const vs_line *line, vs_error *err) {
                     (int)n.n, n.at, MOST_SEGMENTS);
 }
 
+/* Where a line's brackets mean something up to: those around the points behind TABLE {x} do not. */
+static const char *end_of_brackets(const char *text) {
+  const char *end = text + strlen(text), *s = vs_words_next(vs_words_next(vs_words_next(text)));
+  if (!strchr("eEgG", *text) || strncasecmp(s, "table", 5)) return end;
+  const char *open = strchr(s, '{'), *close = open ? strchr(open, '}') : NULL;
+  return close ? close + 1 : end;
+}
+
 vs_status vs_slips_line(const vs_line *line, vs_error *err) {
-  vs_status status = check_brackets(line, line->text, line->text + strlen(line->text), err);
+  vs_status status = check_brackets(line, line->text, end_of_brackets(line->text), err);
   if (!status) status = check_value(line, err);
   if (!status) status = vs_couplings_line(line, err);
   if (!status) status = check_polynomial(line, err);

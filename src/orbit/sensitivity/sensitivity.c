@@ -10,12 +10,14 @@
 #include "base/units.h"
 #include "orbit/sensitivity_problem.h"
 #include "orbit/tangent.h"
+#include "run/session.h"
 
 /* What is being found. */
 typedef struct search {
   const vs_sensitivity_order *order;
   vs_budget budget;
   vs_sensitivity_problem subject;
+  vs_parameter *looked; /* of each key, by vs_parameter_look; owned */
   vs_sensitivity *out;
 } search;
 
@@ -202,8 +204,9 @@ static vs_status take_differences(search *s, size_t to, bool exact, vs_error *er
   bool circuit = scene->tier->has_circuit;
   double tolerance = circuit ? scene->setup.run.tolerance : scene->tier->finest;
   vs_stencil *fan = vs_alloc(1, sizeof *fan);
-  vs_status status = vs_stencil_begin(fan, &s->subject, asked->name, asked->where,
-                                      circuit ? STEP_CIRCUIT : STEP_IDEAL, tolerance, err);
+  vs_status status =
+      vs_stencil_begin(fan, &s->subject, asked->name, asked->where,
+                       circuit ? STEP_CIRCUIT : STEP_IDEAL, tolerance, &s->looked[to], err);
   if (!status) {
     fan->unresolved = UNRESOLVED * tolerance / (circuit ? 1 : STEP_IDEAL);
     status = vs_stencil_run(fan, &s->subject, tolerance, err);
@@ -249,7 +252,8 @@ static void say_grazing(search *s, const vs_stencil *fan) {
 /* Takes the exact derivatives. *whole: all are resolved. */
 static vs_status take_kin(search *s, size_t to, bool again, bool *whole, vs_error *err) {
   vs_stencil *fan = vs_alloc(1, sizeof *fan);
-  vs_status status = vs_tangent_find(fan, &s->subject, &s->order->to[to], again, err);
+  vs_status status =
+      vs_tangent_find(fan, &s->subject, &s->order->to[to], &s->looked[to], again, err);
   if (!status && !again) say_grazing(s, fan);
   if (!status && !again) status = take_values(s, fan, err);
   *whole = true;
@@ -280,8 +284,8 @@ static vs_status find_key(search *s, size_t to, vs_error *err) {
 static vs_status look_at_key(search *s, size_t to, vs_error *err) {
   const vs_asked *asked = &s->order->to[to];
   vs_sensitivity_name *name = &s->out->to[to];
-  vs_parameter *p = vs_alloc(1, sizeof *p);
-  vs_status status = vs_parameter_begin(p, s->subject.scene, asked->name, asked->where, 0, err);
+  vs_parameter *p = &s->looked[to];
+  vs_status status = vs_parameter_look(p, s->subject.scene, asked->name, asked->where, err);
   if (!status) {
     snprintf(name->name, sizeof name->name, "%s", asked->name);
     snprintf(name->unit, sizeof name->unit, "%s", p->key.field->unit);
@@ -289,8 +293,6 @@ static vs_status look_at_key(search *s, size_t to, vs_error *err) {
     if (p->idle)
       vs_text_add(&s->out->notes, "%s enters no equation here: %s\n", asked->name, p->why);
   }
-  vs_parameter_end(p);
-  free(p);
   return status;
 }
 
@@ -300,6 +302,51 @@ static void say_zero(search *s, size_t to) {
     if (vs_sensitivity_at(s->out, k, to)->value != 0) return;
   vs_text_add(&s->out->notes, "%s: no measure asked for depends on it, all derivatives are 0\n",
               s->order->to[to].name);
+}
+
+/* ---- when it is over ---- */
+
+/* Fills the values of the machine that the measures are. False: one is no such value. */
+static bool find_values(const search *s, vs_measure_set *values) {
+  vs_measure m;
+  for (size_t of = 0; of < s->order->n_of; of++) {
+    int k = 0;
+    while (vs_measure_at(&s->subject.scene->setup.model, k, &m) &&
+           strcmp(m.name, s->order->of[of].name))
+      k++;
+    if (strcmp(m.name, s->order->of[of].name)) return false;
+    values->has[m.slot] = true;
+  }
+  return true;
+}
+
+/* The runs go on for a cycle, in which all coordinates come to move: by their sizes the steps of
+ * the key are chosen. Neighbours' instants are moved by a thousandth of their time at most
+ * (orbit/tangent.c). */
+static const double LATER = 1.01;
+
+/* Returns from when on nothing that is asked for changes: where a run that is for these values
+ * alone leaves out its rest. What is settled for the scene is so for its neighbours, which lie as
+ * near as a derivative asks for. INFINITY: it needs all of its steps, or fails, which is told
+ * later. */
+static double settled_from(const search *s) {
+  vs_measure_set values = {0};
+  vs_error none = {0};
+  double from_s = INFINITY;
+  if (s->subject.inexact || s->subject.calm || s->order->periods || !find_values(s, &values))
+    return INFINITY;
+  const vs_session session = {.wants = &values, .stop = s->order->stop};
+  vs_scene *scene = vs_alloc(1, sizeof *scene);
+  vs_result *r = vs_alloc(1, sizeof *r);
+  *scene = *s->subject.scene;
+  scene->warnings = (vs_warnings){0};
+  if (!vs_session_run(&session, scene, r, &none) && r->watchers.left)
+    from_s = LATER * (r->watchers.left_s + scene->setup.timeline.period_s);
+  vs_result_free(r);
+  vs_warnings_free(&scene->warnings);
+  free(r);
+  free(scene);
+  return from_s;
 }
 
 /* ---- all of it ---- */
@@ -347,8 +394,11 @@ vs_status vs_sensitivity_find(const vs_scene *scene, const vs_sensitivity_order 
   counted->order.budget = &s.budget;
   status = vs_sensitivity_problem_begin(&s.subject, counted, order->periods, err);
   s.subject.stop = order->stop;
+  if (!status) s.subject.until_s = settled_from(&s);
   if (status && is_spent(&s)) status = refuse_spent_search(&s, 0, err);
+  s.looked = vs_alloc(order->n_to, sizeof *s.looked);
   if (!status) status = find_all_entries(&s, err);
+  free(s.looked);
   vs_budget_end(&s.budget);
   vs_sensitivity_problem_end(&s.subject);
   free(counted);

@@ -23,7 +23,8 @@ static const char *why_inexact(const vs_scene *s) {
 
 vs_status vs_sensitivity_problem_begin(vs_sensitivity_problem *s, const vs_scene *scene,
                                        int periods, vs_error *err) {
-  *s = (vs_sensitivity_problem){.scene = scene, .periods = periods, .inexact = why_inexact(scene)};
+  *s = (vs_sensitivity_problem){
+      .scene = scene, .periods = periods, .inexact = why_inexact(scene), .until_s = INFINITY};
   if (s->inexact || (!periods && !scene->setup.steady)) return VS_OK;
   vs_status status =
       vs_tiers_require_orbits(periods ? "--steady" : "start: steady", scene->tier, scene->why,
@@ -55,6 +56,7 @@ vs_setup vs_sensitivity_problem_setup(const vs_sensitivity_problem *s, const vs_
                                       double tolerance) {
   vs_run_values run = scene->setup.run;
   run.tolerance = tolerance;
+  if (!s->calm) run.until_s = fmin(run.until_s, s->until_s);
   if (!s->calm) return vs_setup_varied(&scene->setup, &run, NULL);
   if (s->periods) run.until_s = s->orbit.n * firing_period(&scene->setup);
   vs_setup along = vs_steady_setup(scene, &run, &s->orbit);

@@ -22,10 +22,12 @@ static vs_setup make_setup_of_fan(const vs_scene *scene, void *ctx) {
 }
 
 vs_status vs_stencil_begin(vs_stencil *f, const vs_sensitivity_problem *subject, const char *key,
-                           vs_where where, double step, double tolerance, vs_error *err) {
+                           vs_where where, double step, double tolerance, const vs_parameter *known,
+                           vs_error *err) {
   making as = {subject, tolerance};
   *f = (vs_stencil){0};
-  vs_status status = vs_parameter_begin(&f->parameter, subject->scene, key, where, step, err);
+  vs_status status =
+      vs_parameter_begin(&f->parameter, subject->scene, key, where, step, known, err);
   if (status) return status;
   vs_parameter_take(&f->parameter, make_setup_of_fan, &as);
   for (int k = 0; k < RUNS; k++) {

@@ -340,8 +340,8 @@ static vs_status show_to_watchers(pass *p, vs_stencil *fan, vs_where where, vs_e
   double finest = p->subject->scene->tier->finest;
   double longest = fmin(LARGEST, p->parameter->step);
   double step = fmin(fmax(PART / p->ratio, LEAST), longest) * (p->again ? SMALLER : 1);
-  vs_status status =
-      vs_stencil_begin(fan, p->subject, p->parameter->key.name, where, step, finest, err);
+  vs_status status = vs_stencil_begin(fan, p->subject, p->parameter->key.name, where, step, finest,
+                                      p->parameter, err);
   if (status) return status;
   p->fan = fan;
   fan->unresolved = UNRESOLVED * fmax(p->ratio, STEPS[0] / p->parameter->step);
@@ -353,7 +353,8 @@ static vs_status show_to_watchers(pass *p, vs_stencil *fan, vs_where where, vs_e
 }
 
 static vs_status find_in_passes(vs_stencil *fan, const vs_sensitivity_problem *subject,
-                                const vs_asked *key, bool again, double step, vs_error *err) {
+                                const vs_asked *key, const vs_parameter *known, bool again,
+                                double step, vs_error *err) {
   pass *p = vs_alloc(1, sizeof *p);
   vs_parameter *parameter = vs_alloc(1, sizeof *parameter);
   p->subject = subject;
@@ -361,7 +362,7 @@ static vs_status find_in_passes(vs_stencil *fan, const vs_sensitivity_problem *s
   p->again = again;
   p->grazing.by = INFINITY;
   vs_status status =
-      vs_parameter_begin(parameter, subject->scene, key->name, key->where, step, err);
+      vs_parameter_begin(parameter, subject->scene, key->name, key->where, step, known, err);
   if (!status) status = look_for_instants(p, err);
   if (!status) status = show_to_watchers(p, fan, key->where, err);
   vs_parameter_end(parameter);
@@ -373,12 +374,13 @@ static vs_status find_in_passes(vs_stencil *fan, const vs_sensitivity_problem *s
 }
 
 vs_status vs_tangent_find(vs_stencil *fan, const vs_sensitivity_problem *subject,
-                          const vs_asked *key, bool again, vs_error *err) {
+                          const vs_asked *key, const vs_parameter *known, bool again,
+                          vs_error *err) {
   vs_error why = {0};
   vs_status status = VS_RUN;
   for (int k = 0; k < N_STEPS && status == VS_RUN; k++) {
     why = (vs_error){0};
-    status = find_in_passes(fan, subject, key, again, STEPS[k], &why);
+    status = find_in_passes(fan, subject, key, known, again, STEPS[k], &why);
   }
   if (status) *err = why;
   return status;

@@ -24,6 +24,12 @@ typedef struct which {
   char id[VS_ID_SIZE]; /* empty while the scene is not read, and where it is refused */
 } which;
 
+/* Where a result has a value of the machine, and what makes the column's number of it. */
+typedef struct vs_slot {
+  int slot;
+  double factor;
+} vs_slot;
+
 struct vs_case {
   const vs_plan *plan;
   const char *keep;
@@ -31,14 +37,16 @@ struct vs_case {
   bool begun; /* the scene's tree has been read */
   vs_identity *identity;
   which present;
-  bool circuit;               /* the last case used ngspice */
-  char machine[VS_NAME_SIZE]; /* the machine of `wants` */
-  vs_measure_set wants;       /* the values that the columns are made of */
-  bool wants_all;             /* a column is no such value */
-  int shown[VS_PLAN_COLUMNS]; /* where each column was found the last time */
-  vs_result *result;          /* too large for the stack */
-  vs_steady *steady;          /* of a study of orbits, the case's; else NULL */
-  vs_sensitivity derived;     /* of a study with derivatives, the case's; else empty */
+  bool circuit;                  /* the last case used ngspice */
+  char machine[VS_NAME_SIZE];    /* the machine of `wants` */
+  vs_measure_set wants;          /* the values that the columns are made of */
+  bool wants_all;                /* a column is no such value */
+  vs_slot slot[VS_PLAN_COLUMNS]; /* where the machine's values stand; factor 0: it is none */
+  int shown[VS_PLAN_COLUMNS];    /* where each other column was found the last time */
+  vs_propagator_memo memo;       /* of the cases' runs, one after the other */
+  vs_result *result;             /* too large for the stack */
+  vs_steady *steady;             /* of a study of orbits, the case's; else NULL */
+  vs_sensitivity derived;        /* of a study with derivatives, the case's; else empty */
 };
 
 vs_case *vs_case_new(const vs_plan *plan, const char *keep) {
@@ -68,7 +76,7 @@ void vs_case_free(vs_case *c) {
 static void begin_header(const vs_plan *plan, vs_text *row) {
   for (int r = 0; r < HEAD; r++) vs_text_add(row, "%s%s", r ? "," : "", vs_folder_kinds[r].word);
   for (size_t k = 0; k < plan->n_axes; k++) {
-    vs_text_add(row, ",");
+    vs_text_put(row, ",", 1);
     vs_csv_cell(row, plan->axes[k].column);
   }
 }
@@ -103,7 +111,7 @@ static void begin_row(const vs_plan *plan, const which *w, vs_text *row) {
   vs_text_add(row, "%llu,%s", (unsigned long long)w->index, w->id);
   for (size_t k = 0; k < plan->n_axes; k++) {
     vs_axis_print(&plan->axes[k], w->point[k], cell, sizeof cell);
-    vs_text_add(row, ",");
+    vs_text_put(row, ",", 1);
     vs_csv_cell(row, cell);
   }
 }
@@ -115,9 +123,7 @@ static void add_failure(const vs_case *c, const char *why, vs_text *row) {
 }
 
 static void add_number(vs_text *row, double value) {
-  char text[VS_NUMBER_SIZE];
-  vs_text_number(text, value, 12);
-  vs_text_add(row, "%s", isfinite(value) ? text : "");
+  if (isfinite(value)) vs_text_add_number(row, value, 12);
 }
 
 /* Returns the case's value in column k. A deck with other devices may have the measure elsewhere or
@@ -127,6 +133,12 @@ static vs_value find_value(vs_case *c, size_t k) {
   if (derivative) {
     const vs_sensitivity_entry *e = &c->derived.entry[abs(derivative) - 1];
     return (vs_value){!isnan(e->value), derivative < 0 ? e->error : e->value, NAN};
+  }
+  const vs_slot *own = &c->slot[k];
+  if (own->factor != 0) {
+    vs_value v = c->result->values[own->slot];
+    v.value *= own->factor;
+    return v;
   }
   const char *name = c->plan->columns[k].name;
   const vs_orbit_columns of = {&c->result->scene->frame, c->result, c->steady};
@@ -237,11 +249,11 @@ static void add_case_row(vs_case *c, vs_text *row) {
   begin_row(c->plan, &c->present, row);
   for (size_t k = 0; k < c->plan->n_columns; k++) {
     vs_value v = find_value(c, k);
-    vs_text_add(row, ",");
+    vs_text_put(row, ",", 1);
     add_number(row, v.known ? v.value : NAN);
   }
   for (int r = VS_ROLE_MARGIN; r <= VS_ROLE_STATUS; r++) {
-    vs_text_add(row, ",");
+    vs_text_put(row, ",", 1);
     ADD[r](c, row);
   }
 }
@@ -366,11 +378,16 @@ static vs_status derive_measures(vs_case *c, vs_error *err) {
   return order ? vs_sensitivity_find(c->scene, order, &c->derived, err) : VS_OK;
 }
 
-/* Marks the value of that name. False: no value of the machine's has it. */
-static bool want_measure(vs_case *c, const char *name) {
+/* Marks the value of that name, and keeps where it stands. False: no value of the machine's has it.
+ */
+static bool want_measure(vs_case *c, const char *name, vs_slot *slot) {
   vs_measure m;
+  *slot = (vs_slot){0};
   for (int k = 0; vs_measure_at(&c->scene->setup.model, k, &m); k++)
-    if (!strcmp(m.name, name)) return c->wants.has[m.slot] = true;
+    if (!strcmp(m.name, name)) {
+      *slot = (vs_slot){m.slot, m.factor};
+      return c->wants.has[m.slot] = true;
+    }
   return false;
 }
 
@@ -384,7 +401,7 @@ static const vs_measure_set *find_wants(vs_case *c) {
   c->wants = (vs_measure_set){.has = {[VS_M_T_FIRE] = true, [VS_M_I_PEAK] = true}};
   c->wants_all = false;
   for (size_t k = 0; k < c->plan->n_columns; k++)
-    c->wants_all = !want_measure(c, c->plan->columns[k].name) || c->wants_all;
+    c->wants_all = !want_measure(c, c->plan->columns[k].name, &c->slot[k]) || c->wants_all;
   return c->wants_all ? NULL : &c->wants;
 }
 
@@ -399,7 +416,7 @@ static vs_status run_scene(vs_case *c, vs_text *row, vs_error *err) {
                                      .late = true};
   const vs_session session = {
       .guest = c->keep || c->steady ? &guest : NULL, .wants = find_wants(c), .verify_edges = true};
-  *c->result = (vs_result){0};
+  c->scene->order.memo = &c->memo;
   /* Derivatives come first, as a run makes the scene its own; in a study of orbits the scene then
    * becomes one period of its orbit; the run itself is as of `run`. */
   vs_status status = derive_measures(c, err);

@@ -59,11 +59,10 @@ static void add_value_to_id(const vs_field *field, const void *values, vs_text *
       field->kind == VS_PROFILE && ((const vs_field_profile *)(const void *)member)->count;
   const size_t n = points ? 0 : vs_field_is_real(field) ? 1 : field->kind == VS_PAIR ? 2 : 0;
   double si[2];
-  char number[VS_NUMBER_SIZE];
   memcpy(si, member, n * sizeof *si);
   for (size_t k = 0; k < n; k++) {
-    vs_text_number(number, si[k] + 0.0, 12);
-    vs_text_add(text, "%s\n", number);
+    vs_text_add_number(text, si[k] + 0.0, 12);
+    vs_text_put(text, "\n", 1);
   }
   if (n) return;
   vs_field_json(field, values, text);
@@ -184,7 +183,8 @@ vs_status vs_identity_of(vs_identity *identity, const vs_scene *scene, char id[V
   for (int p = 0; p < VS_SECTIONS; p++) {
     if (!vs_section_counts(&scene->setup, p)) continue;
     if ((status = update_section_of_id(identity, p, scene, err))) return status;
-    vs_text_add(whole, "%s\n", identity->kept[p].sum);
+    vs_text_put(whole, identity->kept[p].sum, VS_ID_SIZE - 1);
+    vs_text_put(whole, "\n", 1);
   }
   add_events(&scene->setup.timeline.events, whole);
   add_instruments_to_id(&scene->instruments, whole);

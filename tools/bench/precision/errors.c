@@ -10,7 +10,7 @@
  *
  *   errors reference-all FILE [KEY=VALUE...]
  *                                p, u, w, phi and i of the circuit tier's scene, likewise
- *   errors csv-as-reference FILE RUN   the same from a run.csv, for csv-all
+ *   errors csv-as-reference FILE RUN   the same from a run.csv of the paper's coil
  *   errors csv-all REF FILE      their largest error in a run.csv, each in parts of its peak, and
  *                                p's
  *   errors deck-all REF FILE     in a table of ngspice's own points: time, then p, p', u, u' ...
@@ -71,11 +71,17 @@ static void keep_whole_reference(const char *path, const double head[2], size_t 
   if (fclose(f) || !good) race_give_up(path);
 }
 
+static void take_head(const vs_scene *scene, double head[2]) {
+  const vs_coil *coil = &scene->setup.model.coil;
+  head[0] = coil->gap_rest_m;
+  head[1] = 2 * coil->a_hm;
+}
+
 static void write_whole_reference(const char *path, char **sets) {
   vs_scene *scene = race_scene("circuit", (const char *const *)sets);
   oracle_scene o = oracle_of(&scene->setup, ORACLE_SNUBBED);
-  const vs_coil *coil = &scene->setup.model.coil;
-  const double head[2] = {coil->gap_rest_m, 2 * coil->a_hm};
+  double head[2];
+  take_head(scene, head);
   if (o.rows > ROWS || o.sample_s != SAMPLE_S) race_give_up("not rows of 0.1 ms, 2 s at most");
   double *table = vs_alloc(o.rows * ORACLE_COLUMNS, sizeof *table);
   if (!oracle_run(&o, table, NULL)) race_give_up("no reference");
@@ -102,9 +108,13 @@ static size_t read_whole_csv(FILE *f) {
   return n;
 }
 
-/* It has no head, which csv-all does not need. */
 static void take_as_reference(const char *path, const char *run) {
-  const double head[2] = {0};
+  const char *const none[] = {NULL};
+  vs_scene *scene = race_scene("circuit", none);
+  double head[2];
+  take_head(scene, head);
+  vs_scene_free(scene);
+  free(scene);
   FILE *f = opened(run, "rb");
   size_t rows = read_whole_csv(f);
   fclose(f);

@@ -17,6 +17,21 @@ typedef struct vs_propagator {
 /* Makes it for steps of h_s. `held`: the armature is jammed, so that p" = 0. */
 void vs_propagator_make(vs_propagator *propagator, const vs_model *model, bool held, double h_s);
 
+/* The last one that was made of an armature which is not held, with what it was made of. Runs of
+ * one machine, as a study's, then make it once. Start from {0}. */
+typedef struct vs_propagator_memo {
+  struct vs_propagator_source {
+    double k[VS_MOST_DOF][VS_MOST_DOF], b[VS_MOST_DOF][VS_MOST_DOF], f[VS_MOST_DOF];
+    double fastest_rad_s, h_s;
+    int dof;
+    bool loaded;
+  } of;
+  vs_propagator made;
+} vs_propagator_memo;
+/* Does the same by way of the memo; NULL: there is none. */
+void vs_propagator_recall(vs_propagator *propagator, vs_propagator_memo *memo,
+                          const vs_model *model, bool held, double h_s);
+
 /* Gives the state y, one step after the state x, which is another array. y has room for
  * VS_MOST_STATES. */
 void vs_propagator_step(const vs_propagator *propagator, const double *x, double *restrict y);

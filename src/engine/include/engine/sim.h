@@ -8,6 +8,7 @@
 #include <stdio.h>
 
 #include "engine/budget.h"
+#include "engine/propagator.h"
 #include "engine/setup.h"
 #include "engine/step.h"
 #include "ngspice/circuit.h"
@@ -99,6 +100,8 @@ typedef struct vs_run_order {
   const vs_fork_point *fork;     /* NULL: the run goes its own way to the end. Borrowed */
   const vs_early_end *early_end; /* asked on the ideal tiers; NULL: all steps are needed.
                               Borrowed */
+  vs_propagator_memo *memo; /* of the runs of one machine on an ideal tier; NULL: each run makes its
+                               own propagator. Borrowed */
 } vs_run_order;
 
 /* A key of a section that every tier reads. */

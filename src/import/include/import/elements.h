@@ -60,6 +60,14 @@ char *vs_elements_word_of(const vs_elements *wiring, const vs_element *element, 
 char *vs_elements_rest_of(const vs_elements *wiring, const vs_element *element, int n);
 /* The value of NAME=VALUE in the element's line, as text; NULL: there is none. free() it. */
 char *vs_elements_option(const vs_elements *wiring, const vs_element *element, const char *name);
+/* The number that this value is, known before a run; false: there is none. */
+bool vs_elements_number(const vs_elements *wiring, const vs_values *values,
+                        const vs_element *element, const char *name, double *value);
+/* True where the element's line has that NAME=VALUE, and the value is not 0. */
+bool vs_elements_sets(const vs_elements *wiring, const vs_values *values, const vs_element *element,
+                      const char *name);
+/* True where a .model stands before or after the element's value. */
+bool vs_elements_has_model(const vs_elements *wiring, const vs_element *element);
 /* The place of the element's n-th word, if the word is in the first of the element's lines. */
 vs_where vs_elements_where(const vs_elements *wiring, const vs_element *element, int n);
 

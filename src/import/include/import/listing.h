@@ -8,6 +8,7 @@
 #include <stddef.h>
 
 #include "base/error.h"
+#include "netlist/cards.h"
 
 /* The program that wrote a netlist, as far as its text shows. */
 enum { VS_ORIGIN_PLAIN, VS_ORIGIN_LTSPICE, VS_ORIGIN_KICAD, VS_ORIGIN_PSPICE, VS_ORIGINS };
@@ -34,6 +35,8 @@ typedef struct vs_listing {
   size_t n_files;
   vs_card *cards; /* of all files; those of an included file follow the line that includes it */
   size_t count;
+  vs_cards netlist; /* card k is of cards[k]; a comment or command is a card of no words */
+  vs_line *lines;   /* that it is made of; owned, their texts are not */
   char title[160];
   int origin; /* VS_ORIGIN_... */
 } vs_listing;

@@ -95,6 +95,7 @@ typedef struct vs_measures {
   const vs_frame *frame;
   vs_kept_step kept[2]; /* the last two steps of some length; `last` is the index of the newer */
   int last, steps;      /* steps: how many are kept, 0..2 */
+  bool no_turns;        /* nobody wants what the travel's turns tell, so that none are kept */
   double travel_m[3];   /* the travel at the three ends of the kept steps */
   bool jammed;          /* the armature has jammed */
   /* The current's and the force's; three of each coordinate; the travel's, where no coordinate

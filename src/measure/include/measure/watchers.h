@@ -36,6 +36,7 @@ typedef struct vs_watchers {
   vs_sequence sequence;   /* of the run's own firings and ends (engine/step.h) */
   vs_measure_set settled; /* as vs_watchers_may_end_early found it the last time */
   bool left;              /* the rest of the run was left out: what is not settled is not known */
+  double left_s;          /* from here on, where it was */
 } vs_watchers;
 
 /* Begins a run anew. The frame must outlive the watchers' use. wants: as for vs_measures_new. */

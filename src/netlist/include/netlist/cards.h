@@ -129,6 +129,18 @@ vs_word vs_cards_instance_of(const char *line);
 /* The scope of the subcircuit that a card is an instance of; 0: it is none, or not defined. */
 size_t vs_cards_called(const vs_cards *cards, const vs_netlist_card *card);
 
+/* ---- what a subcircuit of three pins is, by what is connected within it ---- */
+
+typedef struct vs_cards_latch {
+  bool two_ways; /* transistors of one type have their emitters at two of the pins: a triac */
+  int gate;      /* the only pin at which no emitter is; -1: it is not told so */
+  int near; /* the pin on which the gate stands: by resistors, else by junctions, it has at most
+               half of the way to it; -1: neither, or the two contradict each other */
+} vs_cards_latch;
+
+/* Looks at a scope with what it calls. gate: the pin that is known to be it, from 0; -1: none. */
+vs_cards_latch vs_cards_see_latch(const vs_cards *cards, size_t scope, int gate);
+
 /* ---- unfolded ---- */
 
 /* A subcircuit in the whole circuit, or the circuit itself. */

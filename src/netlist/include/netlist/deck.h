@@ -33,6 +33,7 @@ enum {
   VS_DECK_DEVICES = 32,
   VS_DECK_LIMITS = 128,
   VS_DEVICE_PORTS = 4,  /* ports that one device may name */
+  VS_DEVICE_MOST = 40,  /* measures of a kind of device */
   VS_DECK_MOTIONS = 33, /* the gap's rate, 16 coordinates and their rates */
   VS_PART_ZTH = 8       /* terms of one part's thermal impedance */
 };
@@ -223,8 +224,10 @@ typedef struct vs_device {
   double mains_v;  /* rms voltage of the mains that may drive its current; NaN: not known, as for a
                       device that a transformer or a source of the deck's own may drive. Known once
                       the formulas are bound */
-  char ward[VS_DECK_NAME]; /* the device it protects, as the line says; empty: none */
-  int protects;            /* index of that device; -1: none */
+  char ward[VS_DECK_NAME];            /* the device it protects, as the line says; empty: none */
+  int protects;                       /* index of that device; -1: none */
+  unsigned char held[VS_DEVICE_MOST]; /* for each measure of its kind the limit that it is held to,
+                                  as its number in vs_deck.limits, from 1; 0: none */
   vs_where where, where_of, where_ward, where_flux;
 } vs_device;
 
@@ -271,6 +274,7 @@ typedef struct vs_deck {
   char compat[8];      /* ngspice's name of a dialect; empty: its own */
   vs_line *lines;      /* of all files, comments and blank lines left out; owned */
   size_t n_lines;
+  struct vs_library *library; /* what included libraries have that may still be called; owned */
   struct vs_cards *cards; /* the lines taken apart, once somebody asks (vs_deck_cards); owned */
   vs_section section;     /* "circuit": vs_deck_key, then params and parts. It fills a
                              vs_circuit_values. Fields and their texts are owned. */

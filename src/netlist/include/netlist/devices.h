@@ -25,6 +25,9 @@ vs_status vs_devices_at(vs_deck *deck, vs_cursor *c, vs_error *err);
  * that no port has, a limit in a unit of another kind, a device to protect that is not there. */
 vs_status vs_devices_resolve(vs_deck *deck, vs_error *err);
 
+/* Finds what the devices' measures are held to, where the deck's limits have become others. */
+void vs_devices_hold(vs_deck *deck);
+
 /* The limit that a measure of the device is held against, from the file of its part or of the part
  * it protects. NULL where there is none, or where the file says "none". */
 const vs_limit *vs_devices_limit(const vs_deck *deck, const vs_device *device,

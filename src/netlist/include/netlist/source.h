@@ -8,6 +8,7 @@
 #include <stddef.h>
 
 #include "base/error.h"
+#include "base/text.h"
 
 /* A file's lines in UTF-8. Line k of the file is line[k - 1]; it may be written into, but not
  * beyond its end. */
@@ -22,6 +23,11 @@ typedef struct vs_source {
  * read, a zero byte, half of a surrogate pair. */
 vs_status vs_source_read(const char *path, vs_source *source, vs_error *err);
 void vs_source_free(vs_source *source);
+
+/* Where a line of a source has the points of its course in a file, "V1 a b PWL file=NAME", adds the
+ * line with the points of that file, which lies beside the one that the line stands in; else adds
+ * nothing. Errors with their place: no such file, or it is none of pairs of numbers. */
+vs_status vs_source_points(const char *line, vs_where where, vs_text *out, vs_error *err);
 
 /* Turns signs that ngspice does not know into those that it reads, in place: a micro sign or a
  * Greek mu becomes u, a blank that keeps words together becomes a blank, a typographic minus

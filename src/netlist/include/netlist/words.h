@@ -48,6 +48,9 @@ bool vs_words_parameter(const char *from, const char *name, vs_word *whole, vs_w
  * than VS_WORDS_MOST. */
 size_t vs_words_arguments(const char *open, vs_word arguments[VS_WORDS_MOST], const char **end);
 
+/* Writes blanks for the braces of ".subckt F a b {T=1 C=1p}" and "X1 a b F {T=2}", IsSpice's. */
+void vs_words_unbrace(char *line);
+
 /* True for a character that a name goes on with. */
 bool vs_words_goes_on(char c);
 

@@ -97,8 +97,9 @@ typedef struct vs_circuit_kind {
    * the solver; VS_SIGNAL, a signal that is handled came meanwhile. */
   vs_status (*load)(const vs_circuit_job *job, const vs_circuit_host *host, void **circuit,
                     vs_error *err);
-  /* Runs it from 0 to until_s. Errors: accept()'s own; VS_INPUT, the circuit cannot be run; VS_RUN
-   * with gave_up, the solver gave up or makes no progress. They name the time. */
+  /* Runs it from 0 to until_s. Errors: accept()'s own; VS_INPUT, the circuit cannot be run, with
+   * gave_up where one iteration of its first step is complained of; VS_RUN with gave_up, the solver
+   * gave up or makes no progress. They name the time. */
   vs_status (*run)(void *circuit, vs_error *err);
   void (*free)(void *circuit); /* NULL is fine */
 } vs_circuit_kind;

@@ -32,6 +32,10 @@ void vs_solver_errors_hear(vs_solver_errors *complaints, const char *line, bool 
 /* The first complaint; never NULL. */
 const char *vs_solver_errors_first(const vs_solver_errors *complaints);
 
+/* True where the first complaint is of one iteration of a step, as of a function whose argument is
+ * out of its range at a first guess: with other settings ngspice may not come by there. */
+bool vs_solver_errors_of_iteration(const vs_solver_errors *complaints);
+
 /* Adds words to the first complaint; if there is none, to the text that takes its place. */
 void vs_solver_errors_add(vs_solver_errors *complaints, const char *words);
 

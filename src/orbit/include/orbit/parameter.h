@@ -51,13 +51,18 @@ typedef struct vs_parameter {
   double origin_s[1 + VS_PARAMETER_NEAR]; /* where each wave's time begins, in that scene's time */
 } vs_parameter;
 
-/* Takes the key of that name in a settled scene, which must outlive this. step: of p, between the
- * scenes that are made; 0 stands for the usual one, with which differences of coefficients are
- * best. Where the key's range ends near its value all scenes lie on one side of it. Errors,
- * VS_INPUT, at `where`: no such key; it is a word, a pair or a whole number; its range leaves no
- * room. */
+/* Takes the key of that name in a settled scene, which must outlive this, and finds whether
+ * anything hears it; without other scenes, so that vs_parameter_end has nothing to end. Errors,
+ * VS_INPUT, at `where`: no such key; it is a word, a pair or a whole number. */
+vs_status vs_parameter_look(vs_parameter *parameter, const vs_scene *scene, const char *key,
+                            vs_where where, vs_error *err);
+/* Does so and makes the other scenes; vs_parameter_take gives their setups. step: of p, between the
+ * scenes; 0 stands for the usual one, with which differences of coefficients are best. Where the
+ * key's range ends near its value all scenes lie on one side of it. known: another parameter of the
+ * key in this scene, which spares it the look; NULL: there is none. Errors: those of
+ * vs_parameter_look; VS_INPUT, its range leaves no room. */
 vs_status vs_parameter_begin(vs_parameter *parameter, const vs_scene *scene, const char *key,
-                             vs_where where, double step, vs_error *err);
+                             vs_where where, double step, const vs_parameter *known, vs_error *err);
 void vs_parameter_end(vs_parameter *parameter);
 
 /* Goes on with another value of the key, which the scene has by now: the other scenes get theirs by

@@ -24,6 +24,8 @@ typedef struct vs_sensitivity_problem {
   int periods;         /* one period of it is looked at, of so many firing periods; 0: none is */
   const char *inexact; /* why the equations have no derivative that orbit/variation.h knows, so that
                           runs are to be compared, which find their own orbits; NULL: they have */
+  double until_s; /* from here on nothing that is asked for changes, so that a run without an orbit
+                     ends here; INFINITY: that is not known. To be set once the subject has begun */
   /* Is shown each step of the run (k = 0) and of its neighbours (k = 1 and on) besides their
    * measures (orbit/tangent.h); NULL: nobody is. To be set once the subject has begun. */
   void (*shown)(void *ctx, int k, const vs_step *step);

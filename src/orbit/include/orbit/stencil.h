@@ -30,10 +30,11 @@ typedef struct vs_slope_of {
   double bend;  /* by how much the slopes on either side differ; 0 but where m has a kink here */
 } vs_slope_of;
 
-/* Makes the scenes, whose p are `step` apart, and their setups at run.tolerance. Errors: those of
- * vs_parameter_begin. */
+/* Makes the scenes, whose p are `step` apart, and their setups at run.tolerance. known, errors:
+ * those of vs_parameter_begin. */
 vs_status vs_stencil_begin(vs_stencil *fan, const vs_sensitivity_problem *subject, const char *key,
-                           vs_where where, double step, double tolerance, vs_error *err);
+                           vs_where where, double step, double tolerance, const vs_parameter *known,
+                           vs_error *err);
 void vs_stencil_end(vs_stencil *fan);
 
 /* Runs them all at run.tolerance, each from its own start or on its own orbit. Errors: those of

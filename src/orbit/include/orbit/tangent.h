@@ -14,13 +14,15 @@
 
 #include "orbit/stencil.h"
 
-/* Begins the fan and fills it with the neighbours of the subject's run. again: another attempt,
+/* Begins the fan and fills it with the neighbours of the subject's run. known: as for
+ * vs_parameter_begin. again: another attempt,
  * with other knots and smaller p, where a measure was not resolved by the first. vs_stencil_end
  * only after VS_OK. Errors: those of vs_stencil_begin and of the run; VS_RUN, the run has no
  * derivative: the orbit turns back here, a firing comes or goes, or the armature touches its stop
  * without a speed.
  */
 vs_status vs_tangent_find(vs_stencil *fan, const vs_sensitivity_problem *subject,
-                          const vs_asked *key, bool again, vs_error *err);
+                          const vs_asked *key, const vs_parameter *known, bool again,
+                          vs_error *err);
 
 #endif
