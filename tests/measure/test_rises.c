@@ -154,6 +154,26 @@ static void a_ramp(void) {
   CU_ASSERT_EQUAL(rate(c, 180.1), 0);
 }
 
+/* A stretch that is half in a long slower part, whose steps are deferred, and half in a steeper one
+ * behind it: 60 V at 90 V/us and 60 V at 300 V/us. More steps are slow than are kept. */
+static void steepest_behind_a_slower_part(void) {
+  course *c = new_course();
+  double t_s = 0, v = 0;
+  static const struct {
+    int steps;
+    double step_s, v_s;
+  } PARTS_OF[] = {{10, 0.3e-6, 100e6}, {200, 0.02e-6, 90e6}, {10, 0.02e-6, 300e6}};
+  add_knot(c, t_s, v, 0);
+  for (size_t k = 0; k < COUNT(PARTS_OF); k++)
+    for (int n = 0; n < PARTS_OF[k].steps; n++) {
+      t_s += PARTS_OF[k].step_s;
+      v += PARTS_OF[k].step_s * PARTS_OF[k].v_s;
+      add_knot(c, t_s, v, 0);
+    }
+  add_knot(c, t_s + 100e-6, v, 0);
+  CLOSE(rate(c, 120), 120 / (60 / 90e6 + 60 / 300e6), 3e-3); /* levels lie an 800th apart */
+}
+
 /* To two thirds of V_DRM and others, by steps of a thousandth of the time constant: a tenth of
  * V_DRM is passed first where the rise begins. */
 static void an_exponential(void) {
@@ -612,6 +632,7 @@ static void over_what(void) {
 }
 
 static const vs_test TESTS[] = {{"a ramp", a_ramp},
+                                {"steepest behind a slower part", steepest_behind_a_slower_part},
                                 {"an exponential", an_exponential},
                                 {"a ramp on the mains", a_ramp_on_the_mains},
                                 {"over the angle", over_the_angle},

@@ -65,7 +65,7 @@ static bool is_gated(const vs_device *d, const vs_timeline *timeline, double t_s
   return false;
 }
 
-/* The same, and within a sub-pulse where the gate is driven with these. */
+/* True within a gate pulse of the device; where gates are driven with sub-pulses, within one. */
 static bool is_driven(const vs_anode *a, const vs_device *d, double t_s) {
   for (size_t g = 0; g < d->gates.count; g++)
     if (vs_gate_is_on(a->timeline, d->gates.rad[g], t_s) &&
@@ -77,12 +77,12 @@ static bool is_driven(const vs_anode *a, const vs_device *d, double t_s) {
 /* A gate's edge counts as reached from here on, s: rounding. */
 static const double REACHED_S = 1e-12;
 
-/* A gate drive gives its current while that is above this share of the most that it gave. It dies
- * away behind a pulse, and before its end where a transformer's core saturates. */
+/* A gate drive counts as giving its current while that is above this share of its largest so far.
+ * The current dies away behind a pulse, or before its end where a transformer's core saturates. */
 static const double GIVES = 0.5;
 
-/* True while all gates that a thyristor goes by have their current; where the deck has no gate
- * drive whose current is known, while the drive is told to give one. */
+/* True while the thyristor's gate pulse is there and all gate drives give their current. Where the
+ * deck declares no gate drive, the pulse alone tells. */
 static bool is_fed(const vs_anode *a, const vs_device *d) {
   for (size_t k = 0; k < a->drives; k++)
     if (!(a->drive[k].last_a > GIVES * a->drive[k].most_a)) return false;

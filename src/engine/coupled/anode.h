@@ -29,7 +29,7 @@ typedef struct vs_anode_current {
       crosses_s; /* end of the step that is to pass the zero; INFINITY: no such step is under way */
 } vs_anode_current;
 
-/* The current of a gate drive, of the last knot shown and the most of it. */
+/* The size of a gate drive's current: at the last knot shown, and its largest so far. */
 typedef struct vs_anode_drive {
   vs_formula_prepared i;
   double last_a, most_a;
@@ -47,9 +47,10 @@ typedef struct vs_anode {
   bool crossed; /* the last step was to pass a zero, or a latch fired late in it: a kink at its end
                  */
   bool jumps;   /* a gate's voltage jumps at the edges of its pulses: its drive is a source alone */
-  bool cores;   /* a gate drive has a core, which may saturate */
-  bool bursts;  /* gates are driven with sub-pulses */
-  bool delays;  /* it rises behind them: the drive is more than that */
+  bool
+      delays; /* a gate's voltage rises some time behind those edges: its drive is more than that */
+  bool cores; /* a gate drive has a core, which may saturate */
+  bool bursts;                 /* gates are driven with sub-pulses */
   double edge_s;               /* the last such edge that was reached; -INFINITY: none was */
   double strained_s;           /* where the cycle began in which voltages were last back too soon */
   int strained, most_strained; /* how often within t_q, in that cycle and in the worst */

@@ -75,7 +75,7 @@ static void begin_rise(vs_rise *r, double t_s, double v) {
   r->best = (vs_rise_stretch){.took_s = INFINITY};
   r->told_s = INFINITY;
   r->steep_v = v;
-  r->n_put_by = 0;
+  r->n_deferred = 0;
 }
 
 /* Notes that it rose by over_v from one instant to another. */
@@ -203,19 +203,19 @@ static bool tells_nothing(const vs_rise *r, const vs_climbed *c) {
          r->top_v - r->foot_v > 1.3 * r->over_v;
 }
 
-/* Goes through those levels of the steps put by at which a stretch may begin that ends at low_v or
- * above. */
-static void take_put_by(vs_rise *r, int count, double low_v) {
+/* Goes through those levels of the deferred steps at which a stretch may begin that ends at low_v
+ * or above. */
+static void take_deferred(vs_rise *r, int count, double low_v) {
   const double from_v = low_v - r->over_v - 2 * each_level_v(r);
   for (int k = 0; k < count; k++)
-    if (r->put_by[k].v1 >= from_v) pass_levels(r, &r->put_by[k], from_v);
-  r->n_put_by -= count;
-  memmove(r->put_by, r->put_by + count, (size_t)r->n_put_by * sizeof *r->put_by);
+    if (r->deferred[k].v1 >= from_v) pass_levels(r, &r->deferred[k], from_v);
+  r->n_deferred -= count;
+  memmove(r->deferred, r->deferred + count, (size_t)r->n_deferred * sizeof *r->deferred);
 }
 
-static void put_by(vs_rise *r, const vs_climbed *c) {
-  if (r->n_put_by == VS_RISE_PUT_BY) take_put_by(r, VS_RISE_PUT_BY / 2, c->low_v);
-  r->put_by[r->n_put_by++] = *c;
+static void defer_step(vs_rise *r, const vs_climbed *c) {
+  if (r->n_deferred == VS_RISE_DEFERRED) take_deferred(r, VS_RISE_DEFERRED / 2, c->low_v);
+  r->deferred[r->n_deferred++] = *c;
 }
 
 /* Takes the step that waits, with the slope at its end, or NaN. */
@@ -228,9 +228,9 @@ static void climb(vs_rise *r, double slope_v_s) {
   c.bent = c.bent && (c.v1 - c.low_v) / each_v < MOST_BENT;
   if (c.v0 < 0) r->foot = instant_at(&c, 0);
   if (tells_nothing(r, &c)) {
-    put_by(r, &c);
+    defer_step(r, &c);
   } else {
-    take_put_by(r, r->n_put_by, c.low_v);
+    take_deferred(r, r->n_deferred, c.low_v);
     if (is_steep(r, &c)) r->steep_v = c.v1;
     pass_levels(r, &c, 0);
   }

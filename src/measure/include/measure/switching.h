@@ -144,8 +144,8 @@ typedef struct vs_climbed {
  * begin on a level are told as that course has them, and so are those that begin at the foot or at
  * the last knee. Others are missed: the rate told is never above the steepest of over_v, and it is
  * at least that of a stretch that is an 800th higher, less an 800th. Steps in which no stretch can
- * be the steepest are put by, and their levels are only looked for once a steeper step follows. */
-enum { VS_RISE_PARTS = 800, VS_RISE_LEVELS = 1024, VS_RISE_PUT_BY = 64 };
+ * be the steepest are deferred: their levels are only looked for once a steeper step follows. */
+enum { VS_RISE_PARTS = 800, VS_RISE_LEVELS = 1024, VS_RISE_DEFERRED = 64 };
 typedef struct vs_rise {
   double over_v; /* how far a stretch rises over which dv/dt is told; 0: no rise is followed */
   bool begun;    /* a rise is followed */
@@ -156,11 +156,11 @@ typedef struct vs_rise {
   double rate_v_s, h_s; /* of the last step, rising or not; 0: there was none */
   bool waits;       /* the last step rose, and is taken once the next one tells its end's slope */
   vs_rising rising; /* that step */
-  vs_rise_stretch best;              /* its steepest stretch of over_v */
-  double told_s;                     /* took_s of the last one of its stretches that was told */
-  double steep_v;                    /* up to where it rose steeply enough for that */
-  vs_climbed put_by[VS_RISE_PUT_BY]; /* steps since then, the first one first */
-  int n_put_by;
+  vs_rise_stretch best;                  /* its steepest stretch of over_v */
+  double told_s;                         /* took_s of the last one of its stretches that was told */
+  double steep_v;                        /* up to where it rose steeply enough for that */
+  vs_climbed deferred[VS_RISE_DEFERRED]; /* steps since then, the first one first */
+  int n_deferred;
   vs_passed passed[VS_RISE_LEVELS]; /* level k, from 0, in number k modulo VS_RISE_LEVELS */
 } vs_rise;
 
