@@ -466,7 +466,10 @@ static vs_status add_switch(making *m, const placed *p) {
     vs_status status = vs_parameters_of(m->cards, in, a->value, known[n].value, m->err);
     if (status) return status;
   }
+  const vs_word word = vs_cards_word(m->cards, card, 5);
   if (vh < 0) return vs_fail(m->err, VS_INPUT, "a vh below 0 is not known here");
+  if (word.n && !vs_words_is(word, "on") && !vs_words_is(word, "off"))
+    return vs_fail(m->err, VS_INPUT, "'%.*s' is not on or off", (int)word.n, word.at);
   vs_compiled_device *d = add_device(m, VS_DEVICE_SWITCH);
   for (size_t k = 0; k < 2; k++) d->pin[k] = pin(m, p, k);
   for (size_t k = 0; k < 2; k++) d->control[k] = pin(m, p, 2 + k);
@@ -474,20 +477,23 @@ static vs_status add_switch(making *m, const placed *p) {
   d->off_s = 1 / roff;
   d->threshold = vt;
   d->hysteresis = vh;
-  d->on = vs_words_is(vs_cards_word(m->cards, card, 5), "on");
+  d->on = vs_words_is(word, "on");
   return VS_OK;
 }
 
 static const struct sort {
   char letter;
   vs_status (*add)(making *m, const placed *p);
+  size_t words; /* at most, behind its name; 0: `add` counts them */
   bool has_branch;
-} SORTS[] = {
-    {'r', add_resistor, false},  {'c', add_capacitor, false},  {'l', add_inductor, true},
-    {'k', add_coupling, false},  {'v', add_independent, true}, {'i', add_independent, false},
-    {'e', add_by_voltage, true}, {'g', add_by_voltage, false}, {'f', add_by_current, false},
-    {'h', add_by_current, true}, {'b', add_expression, false}, {'d', add_diode, false},
-    {'q', add_bipolar, false},   {'s', add_switch, false},     {'m', add_mosfet, false}};
+} SORTS[] = {{'r', add_resistor, 3, false},   {'c', add_capacitor, 3, false},
+             {'l', add_inductor, 3, true},    {'k', add_coupling, 0, false},
+             {'v', add_independent, 0, true}, {'i', add_independent, 0, false},
+             {'e', add_by_voltage, 0, true},  {'g', add_by_voltage, 0, false},
+             {'f', add_by_current, 0, false}, {'h', add_by_current, 0, true},
+             {'b', add_expression, 2, false}, {'d', add_diode, 3, false},
+             {'q', add_bipolar, 4, false},    {'s', add_switch, 6, false},
+             {'m', add_mosfet, 4, false}};
 
 static const struct sort *sort_of(char letter) {
   for (size_t k = 0; k < sizeof SORTS / sizeof *SORTS; k++)
@@ -497,16 +503,45 @@ static const struct sort *sort_of(char letter) {
 
 /* ---- the whole ---- */
 
-/* A complaint of an element begins with its name and says which line it is. */
+/* A complaint begins with the element's name, or the statement's word, and says which line it is.
+ */
 static vs_status blame(making *m, const placed *p) {
+  const vs_netlist_card *card = &m->cards->card[p->card];
   vs_text name = {0};
   char why[512];
   snprintf(why, sizeof why, "%.500s", m->err->text);
-  vs_cards_add_name(&p->in->in, m->cards->card[p->card].name, &name);
-  vs_status status = vs_fail(m->err, VS_INPUT, "tier compiled: %s: %s", name.text, why);
-  if (m->job->locate && !p->in->caller) m->job->locate(m->job->author, p->card, m->err);
+  if (card->kind == VS_CARDS_ELEMENT)
+    vs_cards_add_name(&p->in->in, card->name, &name);
+  else
+    vs_text_add(&name, "%.*s", (int)vs_words_at(m->cards->lines[p->card].text).n,
+                m->cards->lines[p->card].text);
+  vs_status status = vs_fail(m->err, VS_INPUT, "tier compiled: %s: %s; run.tier: circuit takes it",
+                             name.text, why);
+  if (m->job->locate) m->job->locate(m->job->author, p->card, m->err);
   vs_text_free(&name);
   return status;
+}
+
+/* What an instance is called with must be parameters of its subcircuit: others, as m, mean
+ * something to the solver. */
+static vs_status check_instance(const making *m, const vs_netlist_card *card, size_t scope) {
+  for (size_t k = card->first; k < card->first + card->count; k++) {
+    const vs_word name = m->cards->arguments[k].name;
+    if (name.n && !vs_cards_find(m->cards, scope, VS_CARDS_PARAM, name))
+      return vs_fail(m->err, VS_INPUT, "its subcircuit has no parameter '%.*s'", (int)name.n,
+                     name.at);
+  }
+  return VS_OK;
+}
+
+/* True for a statement that makes another circuit: an initial voltage, or a choice between lines.
+ * What a .nodeset says helps in the search for an operating point, and there is none here. */
+static bool changes(const making *m, size_t line) {
+  static const char *const WORDS[] = {".ic", ".if", ".elseif", ".else"};
+  bool is = false;
+  for (size_t k = 0; k < sizeof WORDS / sizeof *WORDS; k++)
+    is = is || vs_words_is(vs_words_at(m->cards->lines[line].text), WORDS[k]);
+  return is;
 }
 
 /* Lists the elements of an instance and of those within it, with the unknowns that they bring. */
@@ -514,14 +549,16 @@ static vs_status list_elements(making *m, vs_parameters *in) {
   const vs_netlist_scope *of = &m->cards->scope[in->in.scope];
   for (size_t k = of->first; k < of->last; k = vs_cards_next(m->cards, k)) {
     const vs_netlist_card *card = &m->cards->card[k];
-    if (card->kind != VS_CARDS_ELEMENT) continue;
     placed p = {in, k, -1};
+    if (card->kind == VS_CARDS_IF || (card->kind == VS_CARDS_OTHER && changes(m, k))) {
+      vs_fail(m->err, VS_INPUT, "the statement is not known here");
+      return blame(m, &p);
+    }
+    if (card->kind != VS_CARDS_ELEMENT) continue;
     if (card->letter == 'x') {
       size_t scope = vs_cards_called(m->cards, card);
-      if (!scope) {
-        vs_fail(m->err, VS_INPUT, "its subcircuit is not there");
-        return blame(m, &p);
-      }
+      if (!scope) vs_fail(m->err, VS_INPUT, "its subcircuit is not there");
+      if (!scope || check_instance(m, card, scope)) return blame(m, &p);
       vs_parameters *inner = vs_alloc(1, sizeof *inner);
       *inner = (vs_parameters){.in = {&in->in, card, scope, in->in.depth + 1}, .caller = in};
       m->instance = vs_alloc_grow(m->instance, m->instances, sizeof *m->instance);
@@ -531,10 +568,13 @@ static vs_status list_elements(making *m, vs_parameters *in) {
       continue;
     }
     const struct sort *sort = sort_of(card->letter);
-    if (!sort) {
+    if (!sort)
       vs_fail(m->err, VS_INPUT, "an element %c is not known here", card->letter - 'a' + 'A');
-      return blame(m, &p);
-    }
+    else if (sort->words && card->words > sort->words)
+      vs_fail(m->err, VS_INPUT, "the word '%.*s' is not known here",
+              (int)vs_cards_word(m->cards, card, sort->words).n,
+              vs_cards_word(m->cards, card, sort->words).at);
+    if (!sort || (sort->words && card->words > sort->words)) return blame(m, &p);
     for (size_t n = 0; n < card->nodes; n++) node(m, in, vs_cards_word(m->cards, card, n));
     if (sort->has_branch || (card->letter == 'b' && !vs_cards_value(m->cards, card, "i").n)) {
       char *name = current_name(in, card->name);
@@ -625,8 +665,10 @@ static vs_status make_equations(making *m, vs_parameters *circuit) {
   if (m->e->states)
     m->e->flux = vs_equations_signal(m->e, m->job->signals[m->e->host->machine.flux]);
   if (m->e->n > VS_MATRIX_MOST)
-    return vs_fail(m->err, VS_INPUT, "tier compiled: %d unknowns; at most %d are", m->e->n,
-                   VS_MATRIX_MOST);
+    return vs_fail(m->err, VS_INPUT,
+                   "tier compiled: the circuit has %d unknowns, and at most %d are known here; "
+                   "run.tier: circuit takes it",
+                   m->e->n, VS_MATRIX_MOST);
   make_pattern(m->e);
   join_entries(m->e, m->e->linear, &m->e->linears);
   join_entries(m->e, m->e->mass, &m->e->masses);
@@ -643,6 +685,7 @@ vs_status vs_elements_make(const vs_circuit_job *job, const vs_circuit_host *hos
     vs_line_join(&lines[k], k ? job->netlist[k] : "* title", (vs_where){0});
   vs_cards_read(&cards, lines, job->lines);
   making m = {.job = job, .cards = &cards, .e = e, .err = err};
+  circuit.pspice = *job->dialect != 0;
   vs_status status = make_equations(&m, &circuit);
   vs_cards_free(&cards);
   for (size_t k = 0; k < job->lines; k++) vs_line_free(&lines[k]);

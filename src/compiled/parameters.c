@@ -37,17 +37,23 @@ static double sign_power(double x, double y) {
 static const struct of_one {
   const char *name;
   vs_parameters_of_one *of;
-} OF_ONE[] = {{"abs", fabs},    {"sqrt", sqrt},   {"exp", exp},        {"ln", log},
-              {"log", log},     {"log10", log10}, {"sgn", sign},       {"sin", sin},
-              {"cos", cos},     {"tan", tan},     {"asin", asin},      {"acos", acos},
-              {"atan", atan},   {"arctan", atan}, {"sinh", sinh},      {"cosh", cosh},
-              {"tanh", tanh},   {"asinh", asinh}, {"acosh", acosh},    {"atanh", atanh},
-              {"floor", floor}, {"ceil", ceil},   {"nint", nearbyint}, {"int", trunc},
-              {"sqr", square},  {"u", unit_step}, {"uramp", ramp},     {"u2", saturate}};
+} OF_ONE[] = {
+    {"abs", fabs},    {"sqrt", sqrt},  {"exp", exp},        {"ln", log},       {"log", log},
+    {"log10", log10}, {"sgn", sign},   {"sin", sin},        {"cos", cos},      {"tan", tan},
+    {"asin", asin},   {"acos", acos},  {"atan", atan},      {"arctan", atan},  {"sinh", sinh},
+    {"cosh", cosh},   {"tanh", tanh},  {"asinh", asinh},    {"acosh", acosh},  {"atanh", atanh},
+    {"floor", floor}, {"ceil", ceil},  {"nint", nearbyint}, {"int", trunc},    {"sqr", square},
+    {"u", unit_step}, {"uramp", ramp}, {"u2", saturate},    {"stp", unit_step}};
 static const struct of_two {
   const char *name;
   vs_parameters_of_two *of;
-} OF_TWO[] = {{"min", fmin}, {"max", fmax}, {"pow", power}, {"pwr", sign_power}};
+} OF_TWO[] = {{"min", fmin}, {"max", fmax}, {"pow", power}, {"pwr", sign_power}},
+  OF_TWO_PSPICE[] = {
+      {"min", fmin}, {"max", fmax}, {"pow", power}, {"pwr", power}, {"pwrs", sign_power}};
+enum {
+  TWO = sizeof OF_TWO / sizeof *OF_TWO,
+  TWO_PSPICE = sizeof OF_TWO_PSPICE / sizeof *OF_TWO_PSPICE
+};
 
 vs_parameters_of_one *vs_parameters_function(vs_word name) {
   for (size_t k = 0; k < sizeof OF_ONE / sizeof *OF_ONE; k++)
@@ -55,9 +61,12 @@ vs_parameters_of_one *vs_parameters_function(vs_word name) {
   return NULL;
 }
 
-vs_parameters_of_two *vs_parameters_function_2(vs_word name) {
-  for (size_t k = 0; k < sizeof OF_TWO / sizeof *OF_TWO; k++)
-    if (vs_words_is(name, OF_TWO[k].name)) return OF_TWO[k].of;
+/* In PSpice's dialect ngspice has pwr(x,y) as |x|^y, and pwrs(x,y) with the sign of x. */
+vs_parameters_of_two *vs_parameters_function_2(const vs_parameters *in, vs_word name) {
+  while (in->caller) in = in->caller;
+  const struct of_two *of = in->pspice ? OF_TWO_PSPICE : OF_TWO;
+  for (size_t k = 0; k < (in->pspice ? TWO_PSPICE : TWO); k++)
+    if (vs_words_is(name, of[k].name)) return of[k].of;
   return NULL;
 }
 
@@ -251,7 +260,7 @@ static vs_status value_of_call(const vs_cards *c, vs_parameters *in, const vs_ex
     if (d) return value_of_function(c, in, d, given, count, value, err);
   }
   vs_parameters_of_one *one = vs_parameters_function(n->word);
-  vs_parameters_of_two *two = vs_parameters_function_2(n->word);
+  vs_parameters_of_two *two = vs_parameters_function_2(in, n->word);
   if (one && count == 1) {
     *value = one(given[0]);
   } else if (two && count == 2) {

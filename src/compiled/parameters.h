@@ -22,6 +22,7 @@ typedef struct vs_parameters {
   struct vs_parameters *caller; /* the instance that it stands in; NULL: it is the circuit */
   vs_value *known;              /* owned */
   size_t count;
+  bool pspice; /* of the circuit: functions are those of ngspice's dialect "ps" */
 } vs_parameters;
 
 /* A name that stands for a value within a function's body, or for a tree of its call. */
@@ -45,7 +46,7 @@ vs_status vs_parameters_of_tree(const vs_cards *cards, vs_parameters *in, const 
 typedef double vs_parameters_of_one(double x);
 typedef double vs_parameters_of_two(double x, double y);
 vs_parameters_of_one *vs_parameters_function(vs_word name);
-vs_parameters_of_two *vs_parameters_function_2(vs_word name);
+vs_parameters_of_two *vs_parameters_function_2(const vs_parameters *in, vs_word name);
 
 /* What an operator of an expression makes of two values; false: there is no such operator. */
 bool vs_parameters_operate(vs_word sign, double x, double y, double *value);

@@ -143,6 +143,14 @@ static int write_line(writing *w, const vs_expr_node *n, const int *given, size_
       w, (vs_program_op){.kind = LINE, .a = given[0], .b = first, .c = (int)((count - 1) / 2)});
 }
 
+/* limit(x, a, b) of PSpice's dialect, whose bounds may stand in either order. */
+static int write_limit(writing *w, const int *given) {
+  const int least = add_two(w, MINIMUM, given[1], given[2], fmin);
+  const int most = least < 0 ? -1 : add_two(w, MAXIMUM, given[1], given[2], fmax);
+  const int above = most < 0 ? -1 : add_two(w, MAXIMUM, given[0], least, fmax);
+  return above < 0 ? -1 : add_two(w, MINIMUM, above, most, fmin);
+}
+
 static int write_call(writing *w, const vs_expr *e, size_t node, const bound_op *bound) {
   const vs_expr_node *n = &e->node[node];
   int given[2 * VS_WORDS_MOST];
@@ -160,17 +168,18 @@ static int write_call(writing *w, const vs_expr *e, size_t node, const bound_op 
   if (vs_words_is(n->word, "pwl")) return write_line(w, n, given, count);
   if (count == 3 && (vs_words_is(n->word, "if") || vs_words_is(n->word, "ternary_fcn")))
     return add_op(w, (vs_program_op){CHOICE, given[0], given[1], given[2], 0, NULL});
-  if (count == 1 && vs_words_is(n->word, "u"))
+  if (count == 3 && vs_words_is(n->word, "limit")) return write_limit(w, given);
+  if (count == 1 && (vs_words_is(n->word, "u") || vs_words_is(n->word, "stp")))
     return add_op(w, (vs_program_op){.kind = STEP, .a = given[0]});
   if (count == 1 && vs_words_is(n->word, "sgn"))
     return add_op(w, (vs_program_op){.kind = SIGN, .a = given[0]});
   vs_parameters_of_one *one = vs_parameters_function(n->word);
-  vs_parameters_of_two *two = vs_parameters_function_2(n->word);
+  vs_parameters_of_two *two = vs_parameters_function_2(w->in, n->word);
   if (one && count == 1) return add_function(w, one, given[0]);
   if (!two || count != 2) return refuse(w, n->whole);
   const int kind = vs_words_is(n->word, "min")   ? MINIMUM
                    : vs_words_is(n->word, "max") ? MAXIMUM
-                   : vs_words_is(n->word, "pwr") ? SIGN_POWER
+                   : two(-1, 1) < 0              ? SIGN_POWER
                                                  : POWER;
   return add_two(w, kind, given[0], given[1], two);
 }

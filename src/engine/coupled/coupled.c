@@ -331,6 +331,12 @@ static vs_status forgive_first_step(const coupling *c, vs_error *err) {
   return VS_RUN;
 }
 
+/* A solver that measures its errors has none of its own, but what the scene says. */
+static double largest_step(const coupling *c) {
+  const bool own = c->measures_errors && !(c->setup->run.max_step_s > 0);
+  return own ? INFINITY : c->pace.max_step_s;
+}
+
 /* All of the solver's job but its netlist. */
 static vs_circuit_job job_of(const coupling *c) {
   const vs_setup *setup = c->setup;
@@ -343,7 +349,7 @@ static vs_circuit_job job_of(const coupling *c) {
                           .until_s = vs_settling_until(&c->settling),
                           .gear = setup->run.gear,
                           .dialect = setup->deck.compat,
-                          .max_step_s = c->measures_errors ? INFINITY : c->pace.max_step_s,
+                          .max_step_s = largest_step(c),
                           .raw = c->order->raw,
                           .raw_most = setup->limits.raw_bytes,
                           .raw_where = c->order->raw_where,
@@ -458,5 +464,6 @@ const vs_tier vs_coupled_tier = {
     .finest = 1e-8,
     .automatic = true,
     .has_circuit = true,
+    .by_ngspice = true,
     .keys = vs_coupled_keys,
     .run = run_coupled};
