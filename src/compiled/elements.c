@@ -484,7 +484,8 @@ static vs_status add_switch(making *m, const placed *p) {
 static const struct sort {
   char letter;
   vs_status (*add)(making *m, const placed *p);
-  size_t words; /* at most, behind its name; 0: `add` counts them */
+  size_t words; /* at most, behind its name; 0: `add` counts them. Of a device with a model: the
+                   model and no more behind its nodes */
   bool has_branch;
 } SORTS[] = {{'r', add_resistor, 3, false},   {'c', add_capacitor, 3, false},
              {'l', add_inductor, 3, true},    {'k', add_coupling, 0, false},
@@ -534,6 +535,13 @@ static vs_status check_instance(const making *m, const vs_netlist_card *card, si
   return VS_OK;
 }
 
+static vs_status check_words(const making *m, const vs_netlist_card *card, size_t most) {
+  if (strchr("dqm", card->letter)) most = card->nodes + 1;
+  const vs_word next = vs_cards_word(m->cards, card, most);
+  if (!most || card->words <= most) return VS_OK;
+  return vs_fail(m->err, VS_INPUT, "the word '%.*s' is not known here", (int)next.n, next.at);
+}
+
 /* True for a statement that makes another circuit: an initial voltage, or a choice between lines.
  * What a .nodeset says helps in the search for an operating point, and there is none here. */
 static bool changes(const making *m, size_t line) {
@@ -570,11 +578,7 @@ static vs_status list_elements(making *m, vs_parameters *in) {
     const struct sort *sort = sort_of(card->letter);
     if (!sort)
       vs_fail(m->err, VS_INPUT, "an element %c is not known here", card->letter - 'a' + 'A');
-    else if (sort->words && card->words > sort->words)
-      vs_fail(m->err, VS_INPUT, "the word '%.*s' is not known here",
-              (int)vs_cards_word(m->cards, card, sort->words).n,
-              vs_cards_word(m->cards, card, sort->words).at);
-    if (!sort || (sort->words && card->words > sort->words)) return blame(m, &p);
+    if (!sort || check_words(m, card, sort->words)) return blame(m, &p);
     for (size_t n = 0; n < card->nodes; n++) node(m, in, vs_cards_word(m->cards, card, n));
     if (sort->has_branch || (card->letter == 'b' && !vs_cards_value(m->cards, card, "i").n)) {
       char *name = current_name(in, card->name);
