@@ -197,19 +197,19 @@ static vs_status give_up(const compiled *c, const char *what, vs_error *err) {
 static const double RESTART_S = 1e-11, FIRST_S = 2e-8, LEAST_S = 1e-13;
 enum { CHANGES = 100 };
 
-static double restart_length(compiled *c) {
+static double restart_length(compiled *c, double first_s) {
   static const double TIMES[] = {1, 10, 100, 0.1, 1000};
   for (size_t n = 0; n < sizeof TIMES / sizeof *TIMES; n++)
-    if (vs_rodas_restart(&c->r, c->charge, TIMES[n] * RESTART_S)) return TIMES[n] * RESTART_S;
+    if (vs_rodas_restart(&c->r, c->charge, TIMES[n] * first_s)) return TIMES[n] * first_s;
   return 0;
 }
 
 /* Goes on behind a jump, from the charges: branches and switches are those that the state behind it
  * asks for. The machine is where the host has it, as what happened may have stopped it. */
-static vs_status restart(compiled *c, vs_error *err) {
+static vs_status restart(compiled *c, double first_s, vs_error *err) {
   if (c->e.states) c->host->machine.state(c->host->ctx, c->charge + c->e.machine);
   for (int k = 0; k < CHANGES; k++) {
-    const double h = restart_length(c);
+    const double h = restart_length(c, first_s);
     if (!(h > 0)) return give_up(c, "the circuit's equations have no solution behind a jump", err);
     if (vs_equations_choose(&c->e, c->r.next, false)) continue;
     vs_status status = show(c, h, 1, err);
@@ -219,9 +219,19 @@ static vs_status restart(compiled *c, vs_error *err) {
   return give_up(c, "a switch or a branch of an expression opens and closes without end", err);
 }
 
-static vs_status restart_here(compiled *c, vs_error *err) {
+static vs_status restart_here(compiled *c, double first_s, vs_error *err) {
   vs_equations_mass(&c->e, c->r.y, c->charge);
-  return restart(c, err);
+  return restart(c, first_s, err);
+}
+
+/* Where no step is short enough: what hangs on a current that a jump has left beside a capacitance
+ * does not get better with shorter steps. Each further restart is ten times as long, so that this
+ * dies out. */
+enum { MOST_STUCK = 4 };
+
+static vs_status get_past(compiled *c, int *stuck, vs_error *err) {
+  if (*stuck == MOST_STUCK) return give_up(c, "no step is short enough", err);
+  return restart_here(c, pow(10, (*stuck)++) * RESTART_S, err);
 }
 
 /* So many tries within PROGRESS_S are no progress, as of ngspice's (ngspice/ngspice.c). */
@@ -244,6 +254,25 @@ static vs_status try_steps(compiled *c, double *h, double *taken, bool *jumps, v
   while (*h > LEAST_S) {
     if (!progress_made(c)) return give_up(c, "the run makes no progress", err);
     const double off = vs_rodas_try(&c->r, *h) ? error_of(c) : INFINITY;
+    if (getenv("DBG") && c->r.t_s > atof(getenv("DBG"))) {
+      int wk = -1;
+      double wo = 0;
+      for (int k = 0; k < c->e.n; k++) {
+        const measured *of = &c->of[k];
+        if (!of->counts) continue;
+        const double size = fmax(fabs(c->r.y[k]), fabs(c->r.next[k]));
+        double o = fabs(c->r.error[k]) /
+                   (of->of_tolerance * (size + of->of_peak * of->peak + of->small)) /
+                   c->job->tolerance;
+        if (!(o <= wo)) {
+          wo = o;
+          wk = k;
+        }
+      }
+      fprintf(stderr, "t %.15g h %.3g off %.3g %s y %.6g next %.6g err %.3g\n", c->r.t_s, *h, off,
+              wk < 0 ? "-" : c->e.name[wk], wk < 0 ? 0 : c->r.y[wk], wk < 0 ? 0 : c->r.next[wk],
+              wk < 0 ? 0 : c->r.error[wk]);
+    } // DBG
     const double factor = isfinite(off) ? fmin(fmax(0.9 * pow(off, -0.25), 1.0 / 6), 5) : 1.0 / 6;
     if (!(off <= 1)) {
       *h *= fmin(factor, 0.9);
@@ -272,10 +301,11 @@ static vs_status run(void *circuit, vs_error *err) {
   compiled *c = circuit;
   const vs_circuit_host *host = c->host;
   const double until_s = c->job->until_s;
-  double h = FIRST_S, stuck_s = -1;
+  double h = FIRST_S;
+  int stuck = 0;
   vs_equations_choose(&c->e, c->r.y, false);
   memcpy(c->charge, c->e.charge, (size_t)c->e.n * sizeof *c->charge);
-  vs_status status = restart(c, err);
+  vs_status status = restart(c, RESTART_S, err);
   while (!status && c->r.t_s < until_s - RESTART_S && !(host->enough && host->enough(host->ctx))) {
     const double edge_s = fmin(host->edge(host->ctx, c->r.t_s), until_s);
     double taken = 0;
@@ -283,19 +313,18 @@ static vs_status run(void *circuit, vs_error *err) {
     if (edge_s - c->r.t_s > RESTART_S) {
       h = longest(c, h, edge_s - c->r.t_s);
       status = try_steps(c, &h, &taken, &jumps, err);
-      if (!status && taken == 0) { /* a restart may get past it, once */
-        if (stuck_s == c->r.t_s) return give_up(c, "no step is short enough", err);
-        status = restart_here(c, err);
-        stuck_s = c->r.t_s;
+      if (!status && taken == 0) {
+        status = get_past(c, &stuck, err);
         h = FIRST_S / 100;
         continue;
       }
+      stuck = 0;
       if (!status) status = show_step(c, taken, err);
       take(c, taken);
     }
     jumps = jumps && choose(c);
     if (status || (!jumps && (c->r.t_s < edge_s - RESTART_S || edge_s == until_s))) continue;
-    status = restart_here(c, err);
+    status = restart_here(c, RESTART_S, err);
     h = FIRST_S;
   }
   return status;
