@@ -40,8 +40,10 @@ static void drive(void *ctx, double t_s, double *value) {
   const compiled *c = ctx;
   for (int k = 0; k < c->e.sources; k++) {
     const vs_source *s = &c->e.source[k];
-    const bool same = k && s[-1].port == s->port;
-    if (s->port < 0)
+    const bool same = k && s->port >= 0 && s[-1].port == s->port;
+    if (s->course >= 0)
+      value[k] = vs_course_at(&c->e.course[s->course], t_s);
+    else if (s->port < 0)
       value[k] = s->constant;
     else
       value[k] = same ? value[k - 1] : c->host->source(c->host->ctx, (size_t)s->port, t_s);
@@ -197,6 +199,15 @@ static vs_status give_up(const compiled *c, const char *what, vs_error *err) {
 static const double RESTART_S = 1e-11, FIRST_S = 2e-8, LEAST_S = 1e-13;
 enum { CHANGES = 100 };
 
+static vs_status no_solution(const compiled *c, vs_error *err) {
+  char why[160] = "the circuit's equations have no solution behind a jump";
+  if (c->r.culprit >= 0)
+    snprintf(why, sizeof why,
+             "nothing decides %.80s: a node without a way to ground, or a loop of sources",
+             c->e.name[c->r.culprit]);
+  return give_up(c, why, err);
+}
+
 static double restart_length(compiled *c, double first_s) {
   static const double TIMES[] = {1, 10, 100, 0.1, 1000};
   for (size_t n = 0; n < sizeof TIMES / sizeof *TIMES; n++)
@@ -210,7 +221,7 @@ static vs_status restart(compiled *c, double first_s, vs_error *err) {
   if (c->e.states) c->host->machine.state(c->host->ctx, c->charge + c->e.machine);
   for (int k = 0; k < CHANGES; k++) {
     const double h = restart_length(c, first_s);
-    if (!(h > 0)) return give_up(c, "the circuit's equations have no solution behind a jump", err);
+    if (!(h > 0)) return no_solution(c, err);
     if (vs_equations_choose(&c->e, c->r.next, false)) continue;
     vs_status status = show(c, h, 1, err);
     take(c, h);
@@ -297,6 +308,14 @@ static double longest(const compiled *c, double h, double left_s) {
   return most >= left_s * (1 - 1e-6) ? left_s : fmin(most, fmax(left_s / 2, left_s - most));
 }
 
+/* The host's next edge, or the next corner of a source's own course. */
+static double next_edge(const compiled *c) {
+  double next_s = c->host->edge(c->host->ctx, c->r.t_s);
+  for (int k = 0; k < c->e.courses; k++)
+    next_s = fmin(next_s, vs_course_edge(&c->e.course[k], c->r.t_s));
+  return next_s;
+}
+
 static vs_status run(void *circuit, vs_error *err) {
   compiled *c = circuit;
   const vs_circuit_host *host = c->host;
@@ -307,7 +326,7 @@ static vs_status run(void *circuit, vs_error *err) {
   memcpy(c->charge, c->e.charge, (size_t)c->e.n * sizeof *c->charge);
   vs_status status = restart(c, RESTART_S, err);
   while (!status && c->r.t_s < until_s - RESTART_S && !(host->enough && host->enough(host->ctx))) {
-    const double edge_s = fmin(host->edge(host->ctx, c->r.t_s), until_s);
+    const double edge_s = fmin(next_edge(c), until_s);
     double taken = 0;
     bool jumps = false;
     if (edge_s - c->r.t_s > RESTART_S) {

@@ -109,10 +109,11 @@ static void add_branch(making *m, int a, int b, int branch) {
   add_linear(m, branch, b, -1);
 }
 
-static void add_source(making *m, int row, int port, double factor, double constant) {
+static void add_source(making *m, int row, vs_source source) {
   if (row < 0) return;
+  source.row = row;
   m->e->source = vs_alloc_grow(m->e->source, (size_t)m->e->sources, sizeof *m->e->source);
-  m->e->source[m->e->sources++] = (vs_source){row, port, factor, constant};
+  m->e->source[m->e->sources++] = source;
 }
 
 static vs_compiled_device *add_device(making *m, int kind) {
@@ -253,7 +254,7 @@ static bool add_of_machine(making *m, int row, int port, double factor) {
   if (row < 0 || port < 0 || !machine->port ||
       !machine->port(m->e->host->ctx, (size_t)port, x, &at_rest))
     return false;
-  add_source(m, row, -1, factor, at_rest);
+  add_source(m, row, (vs_source){.port = -1, .factor = factor, .constant = at_rest, .course = -1});
   for (int k = 0; k < m->e->states; k++) {
     x[k] = 1;
     machine->port(m->e->host->ctx, (size_t)port, x, &value);
@@ -263,24 +264,39 @@ static bool add_of_machine(making *m, int row, int port, double factor) {
   return true;
 }
 
-/* V and I: external, or a constant. */
+/* [[dc] VALUE] [COURSE ...]. A value before a course holds at an operating point alone. */
+static vs_status read_course(making *m, const placed *p, vs_source *s) {
+  const vs_netlist_card *card = &m->cards->card[p->card];
+  const size_t at = vs_words_is(word_of(m, p, 2), "dc") ? 3 : 2;
+  const size_t course = vs_course_is(word_of(m, p, at)) ? at : at + 1;
+  vs_status status = course > at ? value_of(m, p, word_of(m, p, at), &s->constant) : VS_OK;
+  if (status) return status;
+  if (card->words > course && !vs_course_is(word_of(m, p, course)))
+    return vs_fail(m->err, VS_INPUT, "'%.*s' is not known here", (int)word_of(m, p, course).n,
+                   word_of(m, p, course).at);
+  if (card->words <= course) return allow_only(m, p, "");
+  vs_equations *e = m->e;
+  e->course = vs_alloc_grow(e->course, (size_t)e->courses, sizeof *e->course);
+  s->course = e->courses++;
+  return vs_course_read(m->cards, p->in, card, course, &e->course[s->course], m->err);
+}
+
+/* V and I: external, a constant, or a course over time. */
 static vs_status add_independent(making *m, const placed *p) {
   const vs_netlist_card *card = &m->cards->card[p->card];
   const bool external = vs_cards_is_external(m->cards, card);
-  const size_t at = vs_words_is(word_of(m, p, 2), "dc") ? 3 : 2;
-  int port = external ? port_of(m, p) : -1, a = pin(m, p, 0), b = pin(m, p, 1);
-  double constant = 0;
-  if (external && port < 0) return vs_fail(m->err, VS_INPUT, "nothing drives it");
-  if (!external && card->words > at + 1)
-    return vs_fail(m->err, VS_INPUT, "its course over time is not known here");
-  vs_status status = external ? VS_OK : value_of(m, p, word_of(m, p, at), &constant);
+  int a = pin(m, p, 0), b = pin(m, p, 1);
+  vs_source s = {.port = external ? port_of(m, p) : -1, .factor = -1, .course = -1};
+  if (external && s.port < 0) return vs_fail(m->err, VS_INPUT, "nothing drives it");
+  vs_status status = external ? VS_OK : read_course(m, p, &s);
   if (status) return status;
   if (card->letter == 'v') {
     add_branch(m, a, b, p->branch);
-    if (!add_of_machine(m, p->branch, port, -1)) add_source(m, p->branch, port, -1, constant);
+    if (!add_of_machine(m, p->branch, s.port, -1)) add_source(m, p->branch, s);
   } else {
-    add_source(m, a, port, -1, constant);
-    add_source(m, b, port, 1, constant);
+    add_source(m, a, s);
+    s.factor = 1;
+    add_source(m, b, s);
   }
   return VS_OK;
 }
@@ -516,8 +532,9 @@ static vs_status blame(making *m, const placed *p) {
   else
     vs_text_add(&name, "%.*s", (int)vs_words_at(m->cards->lines[p->card].text).n,
                 m->cards->lines[p->card].text);
-  vs_status status = vs_fail(m->err, VS_INPUT, "tier compiled: %s: %s; run.tier: circuit takes it",
-                             name.text, why);
+  vs_status status =
+      vs_fail(m->err, VS_INPUT, "tier compiled: %s: %s; run.tier: circuit leaves it to ngspice",
+              name.text, why);
   if (m->job->locate) m->job->locate(m->job->author, p->card, m->err);
   vs_text_free(&name);
   return status;
@@ -671,7 +688,7 @@ static vs_status make_equations(making *m, vs_parameters *circuit) {
   if (m->e->n > VS_MATRIX_MOST)
     return vs_fail(m->err, VS_INPUT,
                    "tier compiled: the circuit has %d unknowns, and at most %d are known here; "
-                   "run.tier: circuit takes it",
+                   "run.tier: circuit leaves it to ngspice",
                    m->e->n, VS_MATRIX_MOST);
   make_pattern(m->e);
   join_entries(m->e, m->e->linear, &m->e->linears);

@@ -20,6 +20,8 @@ void vs_equations_free(vs_equations *e) {
   free(e->linear);
   free(e->constant);
   free(e->source);
+  for (int k = 0; k < e->courses; k++) vs_course_free(&e->course[k]);
+  free(e->course);
   for (int k = 0; k < e->devices; k++) vs_program_free(&e->device[k].program);
   free(e->device);
   free(e->charge);

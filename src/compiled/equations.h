@@ -7,6 +7,7 @@
 #define VS_COMPILED_EQUATIONS_H
 
 #include "base/names.h"
+#include "course.h"
 #include "junction.h"
 #include "matrix.h"
 #include "ngspice/circuit.h"
@@ -22,8 +23,9 @@ typedef struct vs_entry {
 
 /* factor x a source, of f's row. */
 typedef struct vs_source {
-  int row, port; /* port: of the job; -1: it is a constant */
+  int row, port; /* port: of the job; -1: it is a constant, or a course */
   double factor, constant;
+  int course; /* which course of the equations'; -1: none */
 } vs_source;
 
 enum { VS_DEVICE_PROGRAM, VS_DEVICE_DIODE, VS_DEVICE_BIPOLAR, VS_DEVICE_SWITCH, VS_DEVICE_VDMOS };
@@ -57,6 +59,8 @@ typedef struct vs_equations {
   double *constant; /* df/dy of what is linear, by place; owned */
   vs_source *source;
   int sources;
+  vs_course *course; /* owned */
+  int courses;
   vs_compiled_device *device;
   int devices;
   const vs_circuit_host *host; /* borrowed: its machine is a part of the equations */

@@ -33,7 +33,7 @@ enum { VECTORS = 15 };
 
 void vs_rodas_begin(vs_rodas *r, vs_equations *e, const vs_rodas_drive *drive) {
   const size_t n = (size_t)e->n, values = n * n, sources = (size_t)e->sources + 1;
-  *r = (vs_rodas){.e = e, .drive = *drive};
+  *r = (vs_rodas){.e = e, .drive = *drive, .culprit = -1};
   double *next = r->memory = vs_alloc(VECTORS * n + 3 * values + 4 * sources, sizeof *next);
   double **vectors[VECTORS] = {&r->y,    &r->next,    &r->error,   &r->bend[0], &r->bend[1],
                                &r->k[0], &r->k[1],    &r->k[2],    &r->k[3],    &r->k[4],
@@ -60,8 +60,8 @@ static void set_matrix(vs_rodas *r, double per_h) {
 }
 
 static bool order_pivots(vs_rodas *r) {
-  int culprit;
-  r->ordered = vs_matrix_order(&r->e->matrix, r->matrix, &culprit);
+  r->ordered = vs_matrix_order(&r->e->matrix, r->matrix, &r->culprit);
+  if (r->ordered) r->culprit = -1;
   return r->ordered;
 }
 

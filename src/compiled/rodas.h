@@ -24,6 +24,7 @@ typedef struct vs_rodas {
   double *memory; /* owned: all of these */
   bool ordered;   /* the order of the pivots is known */
   bool fresh;     /* the Jacobian is that of y at t_s */
+  int culprit;    /* an unknown that no equation decides; -1: none */
   double t_s;
 } vs_rodas;
 
