@@ -144,6 +144,7 @@ static double error_of(const compiled *c) {
 /* The step of h is taken. */
 static void take(compiled *c, double h) {
   vs_rodas_take(&c->r, h);
+  vs_equations_note(&c->e, c->r.y);
   for (int k = 0; k < c->e.n; k++) c->of[k].peak = fmax(c->of[k].peak, fabs(c->r.y[k]));
 }
 
@@ -264,26 +265,10 @@ static vs_status try_steps(compiled *c, double *h, double *taken, bool *jumps, v
   *taken = 0;
   while (*h > LEAST_S) {
     if (!progress_made(c)) return give_up(c, "the run makes no progress", err);
-    const double off = vs_rodas_try(&c->r, *h) ? error_of(c) : INFINITY;
-    if (getenv("DBG") && c->r.t_s > atof(getenv("DBG"))) {
-      int wk = -1;
-      double wo = 0;
-      for (int k = 0; k < c->e.n; k++) {
-        const measured *of = &c->of[k];
-        if (!of->counts) continue;
-        const double size = fmax(fabs(c->r.y[k]), fabs(c->r.next[k]));
-        double o = fabs(c->r.error[k]) /
-                   (of->of_tolerance * (size + of->of_peak * of->peak + of->small)) /
-                   c->job->tolerance;
-        if (!(o <= wo)) {
-          wo = o;
-          wk = k;
-        }
-      }
-      fprintf(stderr, "t %.15g h %.3g off %.3g %s y %.6g next %.6g err %.3g\n", c->r.t_s, *h, off,
-              wk < 0 ? "-" : c->e.name[wk], wk < 0 ? 0 : c->r.y[wk], wk < 0 ? 0 : c->r.next[wk],
-              wk < 0 ? 0 : c->r.error[wk]);
-    } // DBG
+    double off = vs_rodas_try(&c->r, *h) ? error_of(c) : INFINITY;
+    if (off <= 1)
+      off = fmax(off, vs_equations_astray(&c->e, c->r.y, c->r.next, c->r.error) /
+                          (OF_TOLERANCE * c->job->tolerance));
     const double factor = isfinite(off) ? fmin(fmax(0.9 * pow(off, -0.25), 1.0 / 6), 5) : 1.0 / 6;
     if (!(off <= 1)) {
       *h *= fmin(factor, 0.9);

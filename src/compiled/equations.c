@@ -189,6 +189,53 @@ bool vs_equations_value(vs_equations *e, const double *y, const double *source, 
   return limited;
 }
 
+/* The k-th junction of a device, with its voltage at y; NULL: it has no more. */
+static const vs_diode *junction_at(const vs_compiled_device *d, int k, const double *y, double *v) {
+  const int *pin = d->pin;
+  if (d->kind == VS_DEVICE_DIODE && k == 0) {
+    *v = at(y, pin[0]) - at(y, pin[1]);
+    return &d->diode;
+  }
+  if (d->kind == VS_DEVICE_BIPOLAR && k < 2) {
+    *v = d->bipolar.way * (at(y, pin[1]) - at(y, pin[k ? 0 : 2]));
+    return &d->bipolar.junction;
+  }
+  if (d->kind != VS_DEVICE_VDMOS || k) return NULL;
+  *v = at(y, pin[2]) - at(y, pin[0]);
+  return &d->vdmos.body;
+}
+
+/* What the error of a step says of a junction is a part of n vt, which is less than any voltage's
+ * tolerance, whatever current goes astray by it. */
+double vs_equations_astray(const vs_equations *e, const double *y, const double *next,
+                           const double *change) {
+  double most = 0, v, slope, before, by, none;
+  for (int n = 0; n < e->devices; n++) {
+    const vs_compiled_device *d = &e->device[n];
+    const vs_diode *j;
+    for (int k = 0; (j = junction_at(d, k, y, &v)); k++) {
+      vs_junction_current(j, v, &slope);
+      junction_at(d, k, next, &v);
+      junction_at(d, k, change, &by);
+      before = vs_junction_current(j, v - by, &none);
+      const double off = fabs(vs_junction_current(j, v, &none) - before - slope * by);
+      const double peak = fmax(d->peak_a[k], fabs(before));
+      if (peak > 0) most = fmax(most, off / peak);
+    }
+  }
+  return most;
+}
+
+void vs_equations_note(vs_equations *e, const double *y) {
+  double v, g;
+  for (int n = 0; n < e->devices; n++) {
+    vs_compiled_device *d = &e->device[n];
+    const vs_diode *j;
+    for (int k = 0; (j = junction_at(d, k, y, &v)); k++)
+      d->peak_a[k] = fmax(d->peak_a[k], fabs(vs_junction_current(j, v, &g)));
+  }
+}
+
 void vs_equations_mass(const vs_equations *e, const double *v, double *r) {
   memset(r, 0, (size_t)e->n * sizeof *r);
   for (int k = 0; k < e->masses; k++) r[e->mass[k].row] += e->mass[k].value * v[e->mass[k].column];

@@ -47,6 +47,7 @@ typedef struct vs_compiled_device {
   double on_s, off_s, threshold, hysteresis; /* of a switch: conductances, S, and its limits */
   bool on;
   double before[2]; /* a junction's voltages in the last iteration, V */
+  double peak_a[2]; /* the largest of its currents so far */
 } vs_compiled_device;
 
 typedef struct vs_equations {
@@ -80,6 +81,14 @@ int vs_equations_signal(const vs_equations *e, const char *name);
  * allow, and as straight lines from there; returns true where one was. */
 bool vs_equations_value(vs_equations *e, const double *y, const double *source, bool limits,
                         double *f, double *jacobian);
+
+/* How much of a junction's current a step leaves without a way, as a part of its peak; the most of
+ * all. `change` is that of the step's last stage, up to `next`, which takes the junctions for
+ * straight lines with their slopes at y. */
+double vs_equations_astray(const vs_equations *e, const double *y, const double *next,
+                           const double *change);
+/* Takes the currents of the junctions at y for their peaks. */
+void vs_equations_note(vs_equations *e, const double *y);
 
 /* r = M v. */
 void vs_equations_mass(const vs_equations *e, const double *v, double *r);
