@@ -39,7 +39,7 @@ typedef struct compiled {
 static void drive(void *ctx, double t_s, double *value) {
   const compiled *c = ctx;
   for (int k = 0; k < c->e.sources; k++) {
-    const vs_source *s = &c->e.source[k];
+    const vs_compiled_source *s = &c->e.source[k];
     const bool same = k && s->port >= 0 && s[-1].port == s->port;
     if (s->course >= 0)
       value[k] = vs_course_at(&c->e.course[s->course], t_s);

@@ -109,7 +109,7 @@ static void add_branch(making *m, int a, int b, int branch) {
   add_linear(m, branch, b, -1);
 }
 
-static void add_source(making *m, int row, vs_source source) {
+static void add_source(making *m, int row, vs_compiled_source source) {
   if (row < 0) return;
   source.row = row;
   m->e->source = vs_alloc_grow(m->e->source, (size_t)m->e->sources, sizeof *m->e->source);
@@ -254,7 +254,8 @@ static bool add_of_machine(making *m, int row, int port, double factor) {
   if (row < 0 || port < 0 || !machine->port ||
       !machine->port(m->e->host->ctx, (size_t)port, x, &at_rest))
     return false;
-  add_source(m, row, (vs_source){.port = -1, .factor = factor, .constant = at_rest, .course = -1});
+  add_source(m, row,
+             (vs_compiled_source){.port = -1, .factor = factor, .constant = at_rest, .course = -1});
   for (int k = 0; k < m->e->states; k++) {
     x[k] = 1;
     machine->port(m->e->host->ctx, (size_t)port, x, &value);
@@ -265,7 +266,7 @@ static bool add_of_machine(making *m, int row, int port, double factor) {
 }
 
 /* [[dc] VALUE] [COURSE ...]. A value before a course holds at an operating point alone. */
-static vs_status read_course(making *m, const placed *p, vs_source *s) {
+static vs_status read_course(making *m, const placed *p, vs_compiled_source *s) {
   const vs_netlist_card *card = &m->cards->card[p->card];
   const size_t at = vs_words_is(word_of(m, p, 2), "dc") ? 3 : 2;
   const size_t course = vs_course_is(word_of(m, p, at)) ? at : at + 1;
@@ -286,7 +287,7 @@ static vs_status add_independent(making *m, const placed *p) {
   const vs_netlist_card *card = &m->cards->card[p->card];
   const bool external = vs_cards_is_external(m->cards, card);
   int a = pin(m, p, 0), b = pin(m, p, 1);
-  vs_source s = {.port = external ? port_of(m, p) : -1, .factor = -1, .course = -1};
+  vs_compiled_source s = {.port = external ? port_of(m, p) : -1, .factor = -1, .course = -1};
   if (external && s.port < 0) return vs_fail(m->err, VS_INPUT, "nothing drives it");
   vs_status status = external ? VS_OK : read_course(m, p, &s);
   if (status) return status;

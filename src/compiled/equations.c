@@ -72,7 +72,7 @@ static void value_of_machine(const vs_equations *e, const double *y, double *f, 
 static void value_of_program(const vs_equations *e, const vs_compiled_device *d, const double *y,
                              double *f, double *jacobian) {
   double slope[VS_PROGRAM_SIGNALS];
-  const vs_program *p = &d->program;
+  const vs_compiled_program *p = &d->program;
   const double value = d->factor * vs_program_value(p, y, jacobian ? slope : NULL);
   if (d->branch >= 0)
     f[d->branch] -= value;

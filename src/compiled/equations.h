@@ -22,11 +22,11 @@ typedef struct vs_entry {
 } vs_entry;
 
 /* factor x a source, of f's row. */
-typedef struct vs_source {
+typedef struct vs_compiled_source {
   int row, port; /* port: of the job; -1: it is a constant, or a course */
   double factor, constant;
   int course; /* which course of the equations'; -1: none */
-} vs_source;
+} vs_compiled_source;
 
 enum { VS_DEVICE_PROGRAM, VS_DEVICE_DIODE, VS_DEVICE_BIPOLAR, VS_DEVICE_SWITCH, VS_DEVICE_VDMOS };
 
@@ -40,7 +40,7 @@ typedef struct vs_compiled_device {
                     and of its body diode; else -1 */
   int control[2]; /* of a switch: its controlling nodes, or an unknown current and -1 */
   double factor;  /* of a B source: m */
-  vs_program program;
+  vs_compiled_program program;
   vs_diode diode;
   vs_bipolar bipolar;
   vs_vdmos vdmos;
@@ -58,7 +58,7 @@ typedef struct vs_equations {
   vs_entry *mass, *linear; /* owned */
   int masses, linears;
   double *constant; /* df/dy of what is linear, by place; owned */
-  vs_source *source;
+  vs_compiled_source *source;
   int sources;
   vs_course *course; /* owned */
   int courses;

@@ -142,7 +142,7 @@ static vs_word given_to(const vs_cards *c, vs_parameters *in, vs_word name, vs_p
   return d ? d->body : (vs_word){name.at, 0};
 }
 
-static vs_value *find_known(vs_parameters *in, vs_word name) {
+static vs_parameter_value *find_known(vs_parameters *in, vs_word name) {
   for (size_t k = 0; k < in->count; k++)
     if (!vs_words_compare(in->known[k].name, name)) return &in->known[k];
   return NULL;
@@ -152,7 +152,7 @@ static vs_value *find_known(vs_parameters *in, vs_word name) {
 static vs_status value_of_name(const vs_cards *c, vs_parameters *in, vs_word name, double *value,
                                vs_error *err) {
   for (; in; in = in->caller) {
-    vs_value *known = find_known(in, name);
+    vs_parameter_value *known = find_known(in, name);
     if (known && !known->known) continue;
     if (known) {
       *value = known->value;
@@ -163,7 +163,7 @@ static vs_status value_of_name(const vs_cards *c, vs_parameters *in, vs_word nam
     if (!text.n) continue;
     const size_t at = in->count;
     in->known = vs_alloc_grow(in->known, in->count, sizeof *in->known);
-    in->known[in->count++] = (vs_value){.name = name};
+    in->known[in->count++] = (vs_parameter_value){.name = name};
     vs_status status = vs_parameters_of(c, reads, text, value, err);
     if (status) return status;
     in->known[at].value = *value;

@@ -9,18 +9,18 @@
 #include "netlist/expr.h"
 
 /* A parameter that was looked up. */
-typedef struct vs_value {
+typedef struct vs_parameter_value {
   vs_word name;
   double value;
   bool known; /* false: it is being computed */
-} vs_value;
+} vs_parameter_value;
 
 /* An instance of a subcircuit, or the circuit itself, with what its parameters come to. Begin with
  * the first two members set; end with vs_parameters_free. */
 typedef struct vs_parameters {
   vs_instance in;
   struct vs_parameters *caller; /* the instance that it stands in; NULL: it is the circuit */
-  vs_value *known;              /* owned */
+  vs_parameter_value *known;    /* owned */
   size_t count;
   bool pspice; /* of the circuit: functions are those of ngspice's dialect "ps" */
 } vs_parameters;

@@ -32,7 +32,7 @@ typedef struct writing {
   const vs_cards *cards;
   vs_parameters *in;
   const vs_program_scope *scope;
-  vs_program *p;
+  vs_compiled_program *p;
   vs_error *err;
 } writing;
 
@@ -44,7 +44,7 @@ typedef struct bound_op {
 } bound_op;
 
 static int add_op(writing *w, vs_program_op op) {
-  vs_program *p = w->p;
+  vs_compiled_program *p = w->p;
   if (p->count == VS_PROGRAM_OPS) {
     vs_fail(w->err, VS_INPUT, "the expression is too long: more than %d operations",
             VS_PROGRAM_OPS);
@@ -70,7 +70,7 @@ static int refuse(const writing *w, vs_word what) {
 }
 
 static int add_signal(writing *w, const vs_program_signal *s) {
-  vs_program *p = w->p;
+  vs_compiled_program *p = w->p;
   int k = 0;
   while (k < p->signals && (p->signal[k].plus != s->plus || p->signal[k].minus != s->minus)) k++;
   if (k == VS_PROGRAM_SIGNALS) {
@@ -240,7 +240,7 @@ static int write_tree(writing *w, const vs_expr *e, size_t node, const bound_op 
 }
 
 /* Lists the operations that the result follows from, by the branches that are held. */
-static void find_live(vs_program *p) {
+static void find_live(vs_compiled_program *p) {
   bool *live = vs_alloc((size_t)p->count, sizeof *live);
   live[p->count - 1] = true;
   for (int k = p->count - 1; k >= 0; k--) {
@@ -259,10 +259,10 @@ static void find_live(vs_program *p) {
 }
 
 vs_status vs_program_read(const vs_cards *c, vs_parameters *in, vs_word text,
-                          const vs_program_scope *scope, vs_program *p, vs_error *err) {
+                          const vs_program_scope *scope, vs_compiled_program *p, vs_error *err) {
   writing w = {c, in, scope, p, err};
   vs_expr e;
-  *p = (vs_program){0};
+  *p = (vs_compiled_program){0};
   vs_expr_read(&e, text);
   int result = e.whole ? write_tree(&w, &e, e.node[0].child, NULL) : refuse(&w, text);
   vs_expr_free(&e);
@@ -276,10 +276,10 @@ vs_status vs_program_read(const vs_cards *c, vs_parameters *in, vs_word text,
   return VS_OK;
 }
 
-void vs_program_free(vs_program *p) {
+void vs_program_free(vs_compiled_program *p) {
   free(p->op);
   free(p->live);
-  *p = (vs_program){0};
+  *p = (vs_compiled_program){0};
 }
 
 /* ---- evaluated ---- */
@@ -318,7 +318,8 @@ static double power_of(double a, double b) {
 
 /* Where a lies among the points of a line, and the line's value and slope there. Outside it goes on
  * with its first or last value, as ngspice's pwl does with its slope. */
-static double line_value(const vs_program *p, const vs_program_op *op, double x, double *slope) {
+static double line_value(const vs_compiled_program *p, const vs_program_op *op, double x,
+                         double *slope) {
   const vs_program_op *point = &p->op[op->b];
   int lo = 0, hi = op->c - 1;
   while (hi - lo > 1) {
@@ -341,7 +342,7 @@ static double compare(int sign, double a, double b) {
   return value;
 }
 
-static void go_forward(const vs_program *p, const double *y, double *v) {
+static void go_forward(const vs_compiled_program *p, const double *y, double *v) {
   double slope;
   for (int n = 0; n < p->n_live; n++) {
     const int k = p->live[n];
@@ -401,7 +402,7 @@ static void go_forward(const vs_program *p, const double *y, double *v) {
 }
 
 /* From the result back to the signals: the derivative by each operation. */
-static void go_back(const vs_program *p, const double *v, double *slope) {
+static void go_back(const vs_compiled_program *p, const double *v, double *slope) {
   double d[VS_PROGRAM_OPS], at;
   memset(d, 0, (size_t)p->count * sizeof *d);
   for (int k = 0; k < p->signals; k++) slope[k] = 0;
@@ -457,7 +458,7 @@ static void go_back(const vs_program *p, const double *v, double *slope) {
   }
 }
 
-double vs_program_value(const vs_program *p, const double *y, double *slope) {
+double vs_program_value(const vs_compiled_program *p, const double *y, double *slope) {
   double v[VS_PROGRAM_OPS];
   go_forward(p, y, v);
   if (slope) go_back(p, v, slope);
@@ -466,7 +467,7 @@ double vs_program_value(const vs_program *p, const double *y, double *slope) {
 
 /* Branches are taken from the first operation to the last, so that what a later one chooses by is
  * known. With each the operations that count are others. */
-bool vs_program_choose(vs_program *p, const double *y, bool only_ask) {
+bool vs_program_choose(vs_compiled_program *p, const double *y, bool only_ask) {
   double v[VS_PROGRAM_OPS];
   bool other = false;
   if (!p->chooses) return false;

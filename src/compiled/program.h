@@ -23,14 +23,14 @@ typedef struct vs_program_signal {
   int plus, minus; /* unknowns; -1: none, which is 0 */
 } vs_program_signal;
 
-typedef struct vs_program {
+typedef struct vs_compiled_program {
   vs_program_op *op; /* owned; the last one is the result */
   int count;
   int *live, n_live; /* the operations that the branches held ask for; owned */
   vs_program_signal signal[VS_PROGRAM_SIGNALS];
   int signals;
   bool chooses; /* it has branches at all */
-} vs_program;
+} vs_compiled_program;
 
 /* Finds unknowns by the names that they have within an instance. -1: ground, or none; -2: there is
  * no such thing. */
@@ -43,14 +43,15 @@ typedef struct vs_program_scope {
 /* Reads an expression. Errors: what the reader of parameters refuses; a function or signal that is
  * not known. vs_program_free is due also after an error. */
 vs_status vs_program_read(const vs_cards *cards, vs_parameters *in, vs_word text,
-                          const vs_program_scope *scope, vs_program *program, vs_error *err);
-void vs_program_free(vs_program *program);
+                          const vs_program_scope *scope, vs_compiled_program *program,
+                          vs_error *err);
+void vs_program_free(vs_compiled_program *program);
 
 /* The value at y. slope[k], if slope is not NULL, becomes its derivative by signal k. */
-double vs_program_value(const vs_program *program, const double *y, double *slope);
+double vs_program_value(const vs_compiled_program *program, const double *y, double *slope);
 
 /* Takes the branches that y asks for. Returns true if one of them is another one than before. With
  * `only_ask` it keeps those that it has. */
-bool vs_program_choose(vs_program *program, const double *y, bool only_ask);
+bool vs_program_choose(vs_compiled_program *program, const double *y, bool only_ask);
 
 #endif
