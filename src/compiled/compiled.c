@@ -264,19 +264,31 @@ static bool progress_made(compiled *c) {
   return ++c->tries < PROGRESS_TRIES;
 }
 
+/* Where a shorter step is worse, what is left of the error is rounding: nodes that hang together by
+ * microfarads, and on all else by picofarads, share 600 V that cancel. Such a step is taken if it
+ * is off by no more than this, and the next one is longer. */
+static const double ROUNDING = 10;
+
 /* Tries steps of at most *h until one is right, and makes *h what the next one may be. *taken: the
  * length; 0: none is short enough. *jumps: a switch or branch is another behind it. */
 static vs_status try_steps(compiled *c, double *h, double *taken, bool *jumps, vs_error *err) {
+  double best = INFINITY, best_s = 0;
   *taken = 0;
   while (*h > LEAST_S) {
     if (!progress_made(c)) return give_up(c, "the run makes no progress", err);
     double off = vs_rodas_try(&c->r, *h) ? error_of(c, *h) : INFINITY;
-    if (off <= 1)
+    if (off <= ROUNDING)
       off = fmax(off, vs_equations_astray(&c->e, c->r.y, c->r.next, c->r.error) /
                           (OF_TOLERANCE * c->job->tolerance));
+    const bool rounds = *h == best_s; /* it is tried again */
     const double factor = isfinite(off) ? fmin(fmax(0.9 * pow(off, -0.25), 1.0 / 6), 5) : 1.0 / 6;
-    if (!(off <= 1)) {
-      *h *= fmin(factor, 0.9);
+    if (!(off <= 1) && !rounds) {
+      const bool worse = off > best && best <= ROUNDING;
+      if (off < best) {
+        best = off;
+        best_s = *h;
+      }
+      *h = worse ? best_s : *h * fmin(factor, 0.9);
       continue;
     }
     const double part = changes_at(c);
@@ -286,7 +298,7 @@ static vs_status try_steps(compiled *c, double *h, double *taken, bool *jumps, v
       if (!vs_rodas_try(&c->r, *h)) return give_up(c, "the equations are singular", err);
     }
     *taken = *h;
-    *h *= factor;
+    *h *= rounds ? 5 : factor;
     return VS_OK;
   }
   return VS_OK;
