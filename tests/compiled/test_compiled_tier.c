@@ -61,7 +61,7 @@ static void events_are_as_in_ngspice(void) {
 #define EVENT "--set run.until=16ms --set circuit.deck=halfwave_snubbed --set 'events={e: {kind: "
   AGREE(EVENT "surge, at: 7 ms, level: 2 kV}}'", BOTH_PPM);
   AGREE(EVENT "interruption, at: 7 ms, duration: 3 ms}}'", BOTH_PPM);
-  AGREE(EVENT "coil_short, at: 8 ms, fraction: 0.4}}'", BOTH_PPM);
+  AGREE(EVENT "coil_short, at: 8 ms, fraction: 40 %}}'", BOTH_PPM);
   AGREE(EVENT "open, at: 8 ms, element: R2}}'", BOTH_PPM);
 }
 
