@@ -186,7 +186,6 @@ static vs_status read_plan(session *s, vs_error *err) {
   vs_status status = vs_study_file_read(o->name, o->methods, o->sets, o->n_sets, &s->plan, err);
   s->plan.allow_code = o->allow_code;
   s->count = s->plan.count;
-  if (!status) status = vs_judge_check(&s->plan, err);
   return status ? status : vs_control_allow(&s->plan.first->control, o->allow_code, err);
 }
 

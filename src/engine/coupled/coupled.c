@@ -166,9 +166,13 @@ static void take_circuit_state(coupling *c, double t_s, const double *signals) {
 /* Takes the step's curvature of v, V/s^2, less what the rule was given back of it, for the length
  * of the steps to come. */
 static void judge_step_length(coupling *c) {
-  if (c->measures_errors) return;
   const vs_knot *from = vs_trajectory_last(&c->trajectory),
                 *next = vs_trajectory_next(&c->trajectory);
+  if (c->measures_errors) { /* when a thyristor fires again is known no better */
+    c->swing.seen_wb = fmax(c->swing.seen_wb, fabs(next->flux_wb));
+    c->trajectory.strays = vs_anode_strains(&c->trajectory.anode, &c->swing);
+    return;
+  }
   const vs_truncation_step step = {c->trajectory.frame.model, from, next,
                                    vs_anode_conducts(&c->trajectory.anode)};
   vs_swing_take(&c->swing, from, next, vs_truncation_take_step(&c->truncation, &step), step.driven);
