@@ -336,7 +336,7 @@ static vs_status run(void *circuit, vs_error *err) {
       status = try_steps(c, &h, &taken, &jumps, err);
       if (!status && taken == 0) {
         status = get_past(c, &stuck, err);
-        h = FIRST_S / 100;
+        h = FIRST_S;
         continue;
       }
       stuck = 0;

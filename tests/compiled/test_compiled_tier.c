@@ -113,6 +113,19 @@ static void hard_circuits_end_right_or_are_told(void) {
   }
 }
 
+/* In PSpice's dialect pwr(x, y) has no sign, and pwrs has one: with ngspice's own the line's
+ * current would be another. */
+static void a_deck_in_pspices_dialect(void) {
+  write_deck("*$ compat ps\n*$ probe v_q = v(q) V\nB9 q 0 i=1m*pwr(v(a)/100,3)\nR9 q 0 1k\n"
+             "B8 a 0 i=1m*pwrs(v(a)/100,3)+limit(v(a)/100k,-1m,1m)");
+  AGREE(OWN, BOTH_PPM);
+  ran one = run_on("compiled", "1e-6", OWN), other = run_on("circuit", "1e-6", OWN);
+  CLOSE(measure_in(one.out, "v_q_min"), measure_in(other.out, "v_q_min"), 1e-5);
+  CU_ASSERT_TRUE(measure_in(one.out, "v_q_min") < -200 && measure_in(one.out, "v_q_max") < 1);
+  free_ran(&one);
+  free_ran(&other);
+}
+
 /* A diode that has 0.26 mV for a factor of e goes off within the voltages' tolerance; it went on
  * with -0.6 A, of a line that takes back 0.107 A at most. */
 static void an_ideal_diode_stops(void) {
@@ -278,6 +291,7 @@ int main(void) {
       {"shipped decks are as in ngspice", shipped_decks_are_as_in_ngspice},
       {"events are as in ngspice", events_are_as_in_ngspice},
       {"hard circuits end right or are told", hard_circuits_end_right_or_are_told},
+      {"a deck in PSpice's dialect", a_deck_in_pspices_dialect},
       {"an ideal diode stops", an_ideal_diode_stops},
       {"an opened coil rings on", an_opened_coil_rings_on},
       {"what it has not is refused by line", what_it_has_not_is_refused_by_line},
