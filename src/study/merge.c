@@ -182,6 +182,7 @@ static vs_status write_merged(const shards *all, const vs_merge_options *o, cons
   vs_judge_free(&judge);
   return status;
 }
+
 /* True if the manifest says what these shards' does, except for the counts. */
 static bool is_manifest_of(const char *manifest, const vs_journal_head *head) {
   size_t n = strlen(head->manifest_begin);

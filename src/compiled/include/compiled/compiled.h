@@ -6,7 +6,8 @@
  * and integrates them by RODAS, a Rosenbrock method of fourth order (rodas.h). It solves what the
  * shipped decks are made of, and refuses a netlist with anything else by the element's name:
  *
- *   R C L K V I E F G H B S D Q M X, with .param, .func, .model d, npn, pnp, vdmos and sw. */
+ *   R C L K V I E F G H B S D Q M X, with .param, .func, .model d, npn, pnp, vdmos and sw; V and I
+ *   constant, from outside, or by pulse, sin and pwl. */
 #ifndef VS_COMPILED_COMPILED_H
 #define VS_COMPILED_COMPILED_H
 
