@@ -95,10 +95,9 @@ static vs_status show_step(compiled *c, double h, vs_error *err) {
 /* An error that adds up from step to step is held to OF_TOLERANCE of the tolerance; that of an
  * unknown without a memory to all of it. What is shown is measured by its peak so far, the rest by
  * its size and OF_PEAK of its peak. Volts, webers, amperes and metres below these are none: for
- * what is shown, a tenth. Measured by
- * tools/metamorphic --compiled against ngspice at a hundredth: p, u, w, phi, i and force are within
- * 1.1 times the tolerance in all scenes of tests/long/compiled.csv with a current but one, which is
- * off by 1.8. */
+ * what is shown, a tenth. By tools/metamorphic --compiled, against ngspice at a hundredth, p, u, w,
+ * phi, i and force are within 1.1 times the tolerance in all scenes of tests/long/compiled.csv with
+ * a current but one, which is off by 1.8. */
 static const double OF_TOLERANCE = 0.1, WITHOUT_MEMORY = 1, OF_PEAK = 0.1, SMALL_V = 1,
                     SMALL_WB = 1e-3, SMALL_M = 1e-5, SHOWN = 0.1;
 
