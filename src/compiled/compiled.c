@@ -96,8 +96,9 @@ static vs_status show_step(compiled *c, double h, vs_error *err) {
  * unknown without a memory to all of it. What is shown is measured by its peak so far, the rest by
  * its size and OF_PEAK of its peak. Volts, webers, amperes and metres below these are none: for
  * what is shown, a tenth. By tools/metamorphic --compiled, against ngspice at a hundredth, p, u, w,
- * phi, i and force are within 1.1 times the tolerance in all scenes of tests/long/compiled.csv with
- * a current but one, which is off by 1.8. */
+ * phi, i and force are within 1.1 times the tolerance in 271 of the 273 scenes of
+ * tests/long/compiled.csv with a current; in two, in which a thyristor of transistors lets go, off
+ * by 1.8 and 5.9, whatever the tolerance. */
 static const double OF_TOLERANCE = 0.1, WITHOUT_MEMORY = 1, OF_PEAK = 0.1, SMALL_V = 1,
                     SMALL_WB = 1e-3, SMALL_M = 1e-5, SHOWN = 0.1;
 
