@@ -169,8 +169,11 @@ static vs_status solve_netlist(char *const *netlist, size_t lines, const vs_stan
                               .locate = locate_culprit,
                               .author = stand,
                               .tried = !w.search};
-  const vs_circuit_host host = {seen, gap,  no_edge, no_edge, record_step_of_stand,
-                                NULL, NULL, NULL};
+  const vs_circuit_host host = {.ctx = seen,
+                                .source = gap,
+                                .edge = no_edge,
+                                .longest = no_edge,
+                                .accept = record_step_of_stand};
   void *circuit = NULL;
   vs_status status = vs_ngspice_kind.load(&job, &host, &circuit, err);
   if (!status) status = vs_ngspice_kind.run(circuit, err);

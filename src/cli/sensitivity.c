@@ -65,7 +65,7 @@ static void print_entry(const vs_sensitivity_entry *e, FILE *out) {
 
 /* The warning about the library that solved the scene's circuit; empty: there is none. */
 static const char *warning_of(const vs_scene *scene) {
-  return scene->tier->has_circuit ? vs_self_test_text() : "";
+  return scene->tier->by_ngspice ? vs_self_test_text() : "";
 }
 
 static void print_derivatives(const vs_sensitivity *s, const char *warning, FILE *out) {

@@ -613,7 +613,8 @@ static void release_circuit(void *circuit) {
   if (!ng.sound) forget_circuit();
 }
 
-const vs_circuit_kind vs_ngspice_kind = {"ngspice", load_circuit, run_circuit, release_circuit};
+const vs_circuit_kind vs_ngspice_kind = {
+    .name = "ngspice", .load = load_circuit, .run = run_circuit, .free = release_circuit};
 
 bool vs_ngspice_usable(void) {
   return !ng.ended;

@@ -185,8 +185,11 @@ void vs_self_test_probe(const vs_circuit_kind *solver, char wrong[VS_SELF_TEST_T
                               .relative_tolerance = 1e-4,
                               .current_tolerance_a = 1e-6,
                               .tried = true};
-  const vs_circuit_host host = {&w,   probe_source, probe_edge, probe_longest, accept_probe_step,
-                                NULL, NULL,         NULL};
+  const vs_circuit_host host = {.ctx = &w,
+                                .source = probe_source,
+                                .edge = probe_edge,
+                                .longest = probe_longest,
+                                .accept = accept_probe_step};
   void *circuit = NULL;
   vs_error err = {0};
   vs_status status = solver->load(&job, &host, &circuit, &err);
@@ -389,4 +392,5 @@ static void release_trusted(void *circuit) {
   vs_ngspice_kind.free(circuit);
 }
 
-const vs_circuit_kind vs_self_test_kind = {"ngspice", load_trusted, run_trusted, release_trusted};
+const vs_circuit_kind vs_self_test_kind = {
+    .name = "ngspice", .load = load_trusted, .run = run_trusted, .free = release_trusted};

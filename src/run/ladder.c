@@ -58,7 +58,7 @@ static bool can_be_ideal(const vs_setup *s) {
 }
 
 bool vs_ladder_stopped_short(const vs_scene *scene) {
-  return scene->tier->has_circuit && scene->setup.run.ladder == VS_LADDER_CLIMB &&
+  return scene->tier->by_ngspice && scene->setup.run.ladder == VS_LADDER_CLIMB &&
          can_be_ideal(&scene->setup);
 }
 
@@ -73,7 +73,7 @@ static void add_rung_key(vs_ladder *l, const char *format, ...) {
 
 bool vs_ladder_climb(vs_ladder *l, const vs_scene *scene) {
   const vs_setup *s = &scene->setup;
-  if (!scene->tier->has_circuit || s->run.ladder == VS_LADDER_STAY) return false;
+  if (!scene->tier->by_ngspice || s->run.ladder == VS_LADDER_STAY) return false;
   if (l->rung == 0) {
     l->gear = s->run.gear;
     l->own_step_s = vs_pace_largest_step(s);

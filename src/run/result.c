@@ -182,7 +182,7 @@ bool vs_result_steps_are_short(const vs_result *r, char *text, size_t size) {
   const vs_setup *s = &r->scene->setup;
   double solved_s = s->run.until_s - r->watchers.absence.total_s;
   double asked = solved_s / vs_pace_largest_step(s);
-  if (!r->scene->tier->has_circuit || s->run.gear || r->steps < FEW_STEPS) return false;
+  if (!r->scene->tier->by_ngspice || s->run.gear || r->steps < FEW_STEPS) return false;
   if ((double)r->steps < CRAWLS * asked) return false;
   snprintf(text, size,
            "%ld steps, %.3g in a cycle of the mains, where the mains and run.tolerance ask for "
@@ -289,9 +289,9 @@ static void warn_after(const vs_result *r, bool of_firing,
 
 const char *vs_result_declined(const vs_result *r) {
   const vs_scene *s = r->scene;
-  if (s->tier->has_circuit && r->loop && !s->setup.run.stays)
+  if (s->tier->by_ngspice && r->loop && !s->setup.run.stays)
     return "a control decides the firings, so that the next one is not known";
-  if (!s->tier->has_circuit || s->setup.run.stays) return NULL;
+  if (!s->tier->by_ngspice || s->setup.run.stays) return NULL;
   return vs_sim_why_stays(&s->order, &s->setup);
 }
 
@@ -304,7 +304,7 @@ void vs_result_warnings(const vs_result *r, void (*each)(void *ctx, const char *
              vs_ladder_text(r->ladder.rung), r->ladder.failed);
     each(ctx, text);
   }
-  if (s->tier->has_circuit && *vs_self_test_text()) each(ctx, vs_self_test_text());
+  if (s->tier->by_ngspice && *vs_self_test_text()) each(ctx, vs_self_test_text());
   warn_after(r, true, each, ctx);
 }
 

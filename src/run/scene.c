@@ -244,7 +244,7 @@ vs_status vs_scene_read(const char *name, char *const *sets, size_t n_sets, cons
 vs_status vs_scene_take_circuit(vs_scene *s, const char *asks, vs_error *err) {
   const char *tier = s->tier_named;
   s->asks = asks;
-  if (s->tier->has_circuit) return VS_OK;
+  if (s->tier->by_ngspice) return VS_OK;
   if (tier ? strcmp(tier, "auto") != 0 : s->setup.run.tier > 0) {
     /* where --tier says so, the scene has no place of it */
     const vs_where where = tier ? (vs_where){0} : vs_tree_place(s->tree.root, "run.tier");

@@ -348,9 +348,17 @@ static const double RESOLUTION = 3;
  * have COARSE_RATE times the resolution at least, which is what the motion's own steps may add. */
 static const double FINE = 1e-4, FINE_RATE = 50, COARSE_RATE = 17;
 
+double vs_session_other_tolerance(double tolerance) {
+  return fmin(tolerance > COARSE ? tolerance / COARSER : tolerance * COARSER, 0.1);
+}
+
 /* What a rate may be wrong by, as a multiple of the resolution. */
 static double resolution_of_rates(double tolerance) {
   return fmax(COARSE_RATE, FINE_RATE * fmin(1, FINE / tolerance));
+}
+
+double vs_session_resolution(double tolerance, bool of_rate) {
+  return RESOLUTION * tolerance * (of_rate ? resolution_of_rates(tolerance) : 1);
 }
 
 /* True if a small error could give the run another sequence of firings. */

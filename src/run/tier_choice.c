@@ -194,7 +194,17 @@ typedef struct asked {
   const char *why;
 } asked;
 
+/* Keys of the section run that are ngspice's settings, or say what is done in its place. */
+static bool is_of_ngspice(const vs_tier_key *key) {
+  static const char *const KEYS[] = {"method", "first_step",    "trtol",
+                                     "pivrel", "leave_circuit", "ladder"};
+  bool is = false;
+  for (size_t k = 0; k < sizeof KEYS / sizeof *KEYS; k++) is = is || !strcmp(key->key, KEYS[k]);
+  return is && !strcmp(key->section, "run");
+}
+
 static bool obeys(const vs_tier *tier, const vs_tier_key *key) {
+  if (tier->has_circuit && !tier->by_ngspice && is_of_ngspice(key)) return false;
   for (const vs_tier_key *k = tier->keys; k && k->section; k++)
     if (!strcmp(k->section, key->section) && !strcmp(k->key, key->key)) return true;
   return false;
@@ -203,6 +213,12 @@ static bool obeys(const vs_tier *tier, const vs_tier_key *key) {
 static vs_status refuse_ignored_key(const asked *s, const char *section, const vs_node *node,
                                     vs_error *err) {
   if (!node) return VS_OK;
+  if (s->tier->has_circuit && !strcmp(section, "run"))
+    return vs_error_keep(
+        err, vs_fail_at(err, node->key_where,
+                        "%s.%s: tier %s (%s) does not run ngspice and would ignore it; take tier "
+                        "%s, or leave the key out",
+                        section, node->key, s->tier->name, s->why, vs_tiers_circuit()));
   if (s->tier->has_circuit)
     return vs_error_keep(
         err, vs_fail_at(err, node->key_where,

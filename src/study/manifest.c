@@ -9,6 +9,7 @@
 
 #include "base/hash.h"
 #include "base/json.h"
+#include "judge.h"
 #include "ngspice/ngspice.h"
 #include "run/version.h"
 #include "study/folder.h"
@@ -44,6 +45,7 @@ static void add_begin(const vs_plan *plan, const char *name, vs_text *text) {
   vs_json_text(&json, "study", name);
   vs_json_text(&json, "method", method);
   vs_json_whole(&json, "seed", (int64_t)plan->seed);
+  vs_judge_begin_json(plan, &json);
 }
 
 /* Adds a number as study.csv has it, or a word. */

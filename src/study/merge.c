@@ -9,6 +9,7 @@
 #include "base/file.h"
 #include "base/path.h"
 #include "cleanup.h"
+#include "judge.h"
 #include "publish.h"
 #include "workers/journal.h"
 #include "workers/journal_head.h"
@@ -134,6 +135,26 @@ static vs_status check_shards(const shards *all, vs_error *err) {
   return VS_OK;
 }
 
+static vs_status say_merged(const vs_journals *all, const vs_judge *judge,
+                            const vs_merge_options *o, const char *folder, vs_error *err) {
+  const vs_journal_head_counts counts = vs_publish_count(all);
+  const unsigned long long done = counts.done, failed = counts.failed, violated = counts.violated;
+  if (!o->quiet)
+    printf("shards %zu\ncases  %llu done, %llu failed, in %llu a rating is violated or undecided\n"
+           "written: %s in %s\n",
+           (size_t)all->count, done, failed, violated, o->format->written, folder);
+  if (!o->quiet) vs_judge_say(judge, all->cases, stdout);
+  if (failed)
+    return vs_fail(err, VS_RUN, "%llu of %llu cases failed; why stands in %s/failures.csv", failed,
+                   done + failed, folder);
+  const vs_status judged = vs_judge_result(judge, err);
+  if (judged) return judged;
+  return violated
+             ? vs_fail(err, VS_RATING, "a rating is violated or undecided in %llu of %llu cases",
+                       violated, done + failed)
+             : VS_OK;
+}
+
 static vs_status write_merged(const shards *all, const vs_merge_options *o, const char *folder,
                               vs_error *err) {
   int made;
@@ -141,32 +162,25 @@ static vs_status write_merged(const shards *all, const vs_merge_options *o, cons
   vs_text bits = {0}, more = {0};
   for (size_t k = 0; k < all->count; k++) vs_platform_add(&bits, all->item[k].bits.text);
   vs_json json = vs_json_inside(&more);
+  vs_judge judge;
+  vs_journals journals = {all->item, all->count, head->cases, NULL};
+  vs_status status = vs_judge_find(&journals, UINT64_MAX, &judge, err);
+  vs_judge_json(&judge, &json);
   vs_platform_json(&bits, &json);
-  const vs_journals journals = {all->item, all->count, head->cases, more.text};
+  journals.more = more.text;
   vs_row_shape *shape = vs_row_shape_new(head->columns, head->failures, head->manifest_end);
   if (vs_platform_differ(&bits) && !o->quiet) vs_platform_warn(&bits, shape, folder);
   vs_row_shape_free(shape);
-  vs_status status = vs_file_folder_make(folder, &made, err);
+  if (!status) status = vs_file_folder_make(folder, &made, err);
   if (!status) {
     status = vs_publish_write(&journals, o->format, folder, err);
     if (status) vs_file_folder_unmake(folder, made);
   }
   vs_text_free(&bits);
   vs_text_free(&more);
-  if (status) return status;
-  const vs_journal_head_counts counts = vs_publish_count(&journals);
-  const unsigned long long done = counts.done, failed = counts.failed, violated = counts.violated;
-  if (!o->quiet)
-    printf("shards %zu\ncases  %llu done, %llu failed, in %llu a rating is violated or undecided\n"
-           "written: %s in %s\n",
-           all->count, done, failed, violated, o->format->written, folder);
-  if (failed)
-    return vs_fail(err, VS_RUN, "%llu of %llu cases failed; why stands in %s/failures.csv", failed,
-                   done + failed, folder);
-  return violated
-             ? vs_fail(err, VS_RATING, "a rating is violated or undecided in %llu of %llu cases",
-                       violated, done + failed)
-             : VS_OK;
+  if (!status) status = say_merged(&journals, &judge, o, folder, err);
+  vs_judge_free(&judge);
+  return status;
 }
 
 /* True if the manifest says what these shards' does, except for the counts. */

@@ -17,6 +17,7 @@
 #include "base/json.h"
 #include "base/shutdown.h"
 #include "cleanup.h"
+#include "judge.h"
 #include "manifest.h"
 #include "publish.h"
 #include "run/session.h"
@@ -60,6 +61,9 @@ typedef struct session {
   uint64_t total;       /* cases of this shard, for the progress */
   uint64_t shared;      /* how many had their past from another (study/workers/shared_prefix.h) */
   uint64_t before;      /* how many were done when this process began */
+  vs_judge judge;
+  int way;       /* of VS_JUDGE_WAYS, that judges at present */
+  size_t picked; /* the next of judge.picked to deal */
   double began_s, shown_s;
   bool show; /* progress is shown on a terminal */
 } session;
@@ -71,6 +75,7 @@ static vs_status check_options(const vs_study_options *options, vs_error *err);
 static vs_status read_plan(session *s, vs_error *err);
 static vs_status open_folder(session *s, vs_error *err);
 static vs_status run_study(session *s, vs_error *err);
+static vs_status judge_cases(session *s, vs_error *err);
 static vs_status write_result(session *s, vs_error *err);
 static vs_status say_result(const session *s, vs_error *err);
 static vs_status judge_study(const session *s, vs_error *err);
@@ -97,6 +102,10 @@ vs_status vs_study_command(const vs_study_options *o, vs_error *err) {
    * journal. A method that searches is shown these rows, and asks for the next generation of cases.
    */
   if (!status) status = run_study(s, err);
+
+  /* Judge: where the tier solves the circuit without ngspice, some cases are run in it, too
+   * (judge.h). */
+  if (!status) status = judge_cases(s, err);
 
   /* Rows: all rows of the journal in the order of the cases, whatever the order in which workers
    * came to their end: study.csv, failures.csv and manifest.json (publish.h). */
@@ -164,6 +173,7 @@ static vs_status end_session(session *s, vs_status status, vs_error *err) {
   vs_journal_close(&s->journal);
   vs_plan_free(&s->plan);
   cases_free(&s->cases);
+  vs_judge_free(&s->judge);
   free(s);
   vs_hash_hold(false);
   return status;
@@ -571,6 +581,79 @@ static vs_status run_study(session *s, vs_error *err) {
   return status;
 }
 
+/* ---- the judge ---- */
+
+static bool next_judged(void *ctx, vs_task *task) {
+  session *s = ctx;
+  for (; s->picked < s->judge.count; s->picked++) {
+    task->index = s->judge.picked[s->picked];
+    if (vs_journal_has_judged(&s->journal, task->index, s->way)) continue;
+    cases_point(&s->cases, task->index, task->point);
+    s->picked++;
+    return true;
+  }
+  return false;
+}
+
+static uint64_t judged_left(void *ctx) {
+  const session *s = ctx;
+  return s->judge.count - s->picked;
+}
+
+static vs_status record_judged(void *ctx, const vs_answer *answer, vs_error *err) {
+  session *s = ctx;
+  return vs_journal_add_judged(&s->journal, answer->index, s->way, answer->status, answer->row,
+                               answer->length, err);
+}
+
+static vs_status keep_judged(void *ctx, vs_error *err) {
+  session *s = ctx;
+  return vs_journal_flush(&s->journal, false, err);
+}
+
+/* Runs the cases that were picked in one of the ways that judge. */
+static vs_status judge_by(session *s, vs_error *err) {
+  const vs_task_source source = {s, next_judged, judged_left, record_judged, keep_judged};
+  vs_judge_way room;
+  const vs_plan plan = vs_judge_plan(&s->plan, s->way, &room);
+  const vs_worker_pool_options options = {
+      &plan,           NULL,      false, s->o->jobs ? s->o->jobs : vs_worker_pool_cores(),
+      s->o->timeout_s, s->o->stop};
+  s->picked = 0;
+  vs_worker_pool *jobs = vs_worker_pool_new(&options);
+  vs_status status = vs_worker_pool_run(jobs, &source, err);
+  vs_error second = {0};
+  const vs_status kept = vs_journal_flush(&s->journal, true, status ? &second : err);
+  vs_worker_pool_free(jobs);
+  free(room.sets);
+  return status ? status : kept;
+}
+
+/* The case that a search has found, as its part of the manifest says; UINT64_MAX: none. */
+static uint64_t found_by_search(const session *s) {
+  static const char FOUND[] = "\"found\": {\"case\": ";
+  const vs_plan_stage *stage = s->plan.adaptive;
+  const vs_results results = cases_results(&s->cases, s->count);
+  vs_text text = {0};
+  vs_json json = vs_json_inside(&text);
+  if (!stage || !stage->method->json) return UINT64_MAX;
+  stage->method->json(&s->plan, stage, &results, &json);
+  const char *at = strstr(text.text, FOUND);
+  const uint64_t found = at ? strtoull(at + strlen(FOUND), NULL, 10) : UINT64_MAX;
+  vs_text_free(&text);
+  return found;
+}
+
+static vs_status judge_cases(session *s, vs_error *err) {
+  if (!vs_judge_applies(&s->plan)) return VS_OK;
+  const vs_journals all = {&s->journal, 1, s->count, NULL};
+  const uint64_t found = found_by_search(s);
+  vs_status status = vs_judge_pick(&all, found, &s->judge, err);
+  for (s->way = 0; s->way < VS_JUDGE_WAYS && !status; s->way++) status = judge_by(s, err);
+  vs_judge_free(&s->judge);
+  return status ? status : vs_judge_find(&all, found, &s->judge, err);
+}
+
 /* ---- result ---- */
 
 static vs_status write_result(session *s, vs_error *err) {
@@ -583,6 +666,7 @@ static vs_status write_result(session *s, vs_error *err) {
     vs_json_same_row(&json);
     stage->method->json(&s->plan, stage, &results, &json);
   }
+  vs_judge_json(&s->judge, &json);
   vs_platform_json(&s->journal.bits, &json);
   const vs_journals all = {&s->journal, 1, s->count, more.text};
   vs_status status = vs_publish_write(&all, s->o->format, s->folder, err);
@@ -609,6 +693,7 @@ static vs_status say_result(const session *s, vs_error *err) {
          "written: %s in %s\n",
          (unsigned long long)j->done, (unsigned long long)j->failed,
          (unsigned long long)j->violated, s->o->format->written, s->folder);
+  vs_judge_say(&s->judge, s->count, stdout);
   return VS_OK;
 }
 
@@ -619,6 +704,8 @@ static vs_status judge_study(const session *s, vs_error *err) {
     return vs_fail(err, VS_RUN, "%llu of %llu cases failed%s%s%s", (unsigned long long)j->failed,
                    all, s->o->folder ? "; why stands in " : "", s->o->folder ? s->folder : "",
                    s->o->folder ? "/failures.csv" : "");
+  const vs_status judged = vs_judge_result(&s->judge, err);
+  if (judged) return judged;
   if (j->violated)
     return vs_fail(err, VS_RATING, "a rating is violated or undecided in %llu of %llu cases",
                    (unsigned long long)j->violated, all);

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "judge.h"
 #include "report_columns.h"
 
 /* ---- methods ---- */
@@ -284,5 +285,6 @@ vs_status vs_study_file_read(const char *name, const vs_method *const *methods, 
   /* How many cases there are; the scenes of the first ones are settled, so that a study that cannot
    * run is refused here. */
   status = count_cases(plan, err);
-  return status ? status : try_cases(plan, err);
+  if (!status) status = try_cases(plan, err);
+  return status ? status : vs_judge_check(plan, err);
 }

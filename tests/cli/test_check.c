@@ -137,7 +137,7 @@ static void all_that_is_wrong_with_a_scene(void) {
       "on_voltage, on_resistance, off_resistance\n"
       " circuit: {r1: 0 ohm, r99: 1 ohm}\n"
       "                      ^\n"
-      "s.yaml:11:13: run.tier: 'circus' is not one of: auto|analytic|switched|circuit\n"
+      "s.yaml:11:13: run.tier: 'circus' is not one of: auto|analytic|switched|circuit|compiled\n"
       " run: {tier: circus, tolerance: 1e-9}\n"
       "             ^\n"
       "s.yaml:12:13: record: no probe 'forze'; did you mean 'force'?\n"

@@ -427,8 +427,8 @@ static void free_counted(void *circuit) {
 /* Newton's second iteration has the gap exactly and finds the EVA linear; a third would only see
  * that the currents stay. Without a tolerance for currents it takes 2.6 a step. */
 static void two_iterations_per_step(void) {
-  static const vs_circuit_kind COUNTED = {"ngspice, counted", load_counted, run_counted,
-                                          free_counted};
+  static const vs_circuit_kind COUNTED = {
+      .name = "ngspice, counted", .load = load_counted, .run = run_counted, .free = free_counted};
   char until[] = "run.until=0.1s", stays[] = "run.leave_circuit=never";
   char *const sets[] = {until, stays};
   vs_scene scene = {0};
@@ -485,8 +485,11 @@ static vs_status try_bare(const char *netlist, bool only_load, bare *b, long *st
                         .dialect = "",
                         .relative_tolerance = 1e-4,
                         .current_tolerance_a = 1e-6};
-  const vs_circuit_host host = {b,           bare_source, bare_forever, bare_forever,
-                                bare_accept, NULL,        NULL,         NULL};
+  const vs_circuit_host host = {.ctx = b,
+                                .source = bare_source,
+                                .edge = bare_forever,
+                                .longest = bare_forever,
+                                .accept = bare_accept};
   void *circuit = NULL;
   while ((lines[job.lines] = strsep(&rest, "\n"))) job.lines++;
   FILE *f = tmpfile();

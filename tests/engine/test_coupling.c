@@ -102,7 +102,7 @@ static vs_status run(void *circuit, vs_error *err) {
   return status;
 }
 
-static const vs_circuit_kind FAKE = {"fake", load, run, free};
+static const vs_circuit_kind FAKE = {.name = "fake", .load = load, .run = run, .free = free};
 
 /* A circuit whose flux linkage is given: 1 Wb sin^2(pi t/10 ms), whatever the gap. */
 static vs_status run_given(void *circuit, vs_error *err) {
@@ -121,7 +121,8 @@ static vs_status run_given(void *circuit, vs_error *err) {
   }
   return status;
 }
-static const vs_circuit_kind GIVEN = {"given flux", load, run_given, free};
+static const vs_circuit_kind GIVEN = {
+    .name = "given flux", .load = load, .run = run_given, .free = free};
 
 /* The circuit tier on a scene of its own, with the fake for a solver. */
 typedef struct outcome {

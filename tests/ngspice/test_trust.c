@@ -116,14 +116,15 @@ static vs_status fails(void *circuit, vs_error *err) {
 }
 
 static void each_lie_is_told(void) {
-  static const vs_circuit_kind LIAR = {"a liar", load, go, release};
+  static const vs_circuit_kind LIAR = {.name = "a liar", .load = load, .run = go, .free = release};
   char wrong[VS_SELF_TEST_TEXT];
   for (size_t k = 0; k < COUNT(LIES); k++) {
     told = &LIES[k];
     vs_self_test_probe(&LIAR, wrong);
     EXPECT(strstr(wrong, LIES[k].says), "'%s' is not '%s'", wrong, LIES[k].says);
   }
-  static const vs_circuit_kind FAILS = {"one that fails", load, fails, release};
+  static const vs_circuit_kind FAILS = {
+      .name = "one that fails", .load = load, .run = fails, .free = release};
   told = &LIES[0];
   vs_self_test_probe(&FAILS, wrong);
   EXPECT(!strcmp(wrong, "a small circuit fails: t = 0.01 s: the solver gave up"), "%s", wrong);

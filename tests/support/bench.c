@@ -45,7 +45,8 @@ static vs_status solve(bench *b, const vs_deck *deck, char **netlist, size_t lin
                         .current_tolerance_a =
                             b->current_tolerance_a > 0 ? b->current_tolerance_a : 1e-12};
   while (job.n_signals < BENCH_SIGNALS && b->signals[job.n_signals]) job.n_signals++;
-  vs_circuit_host host = {b, gap, no_edge, no_edge, accept, NULL, NULL, NULL};
+  vs_circuit_host host = {
+      .ctx = b, .source = gap, .edge = no_edge, .longest = no_edge, .accept = accept};
   void *circuit = NULL;
   b->steps = 0;
   vs_status s = vs_ngspice_kind.load(&job, &host, &circuit, err);

@@ -25,6 +25,7 @@
 #include <string.h>
 
 #include "base/text.h"
+#include "coupled/coupled.h"
 #include "coupled/settling.h"
 #include "coupled/signal_map.h"
 #include "coupled/solver_switch.h"
@@ -36,12 +37,15 @@
 #include "engine/signals.h"
 #include "netlist/location.h"
 #include "netlist/netlist.h"
+#include "plant/coil.h"
 
 /* A run under way. */
 typedef struct coupling {
   const vs_setup *setup;
   const vs_run_order *order;
   vs_pace pace;
+  bool measures_errors; /* the solver knows the errors of its own steps: none of the rules here for
+                           a rule of second order holds */
   vs_swing swing;
   vs_truncation truncation;
   vs_signal_map *names; /* owned */
@@ -164,6 +168,11 @@ static void take_circuit_state(coupling *c, double t_s, const double *signals) {
 static void judge_step_length(coupling *c) {
   const vs_knot *from = vs_trajectory_last(&c->trajectory),
                 *next = vs_trajectory_next(&c->trajectory);
+  if (c->measures_errors) { /* when a thyristor fires again is known no better */
+    c->swing.seen_wb = fmax(c->swing.seen_wb, fabs(next->flux_wb));
+    c->trajectory.strays = vs_anode_strains(&c->trajectory.anode, &c->swing);
+    return;
+  }
   const vs_truncation_step step = {c->trajectory.frame.model, from, next,
                                    vs_anode_conducts(&c->trajectory.anode)};
   vs_swing_take(&c->swing, from, next, vs_truncation_take_step(&c->truncation, &step), step.driven);
@@ -207,6 +216,8 @@ static bool begins_with_a_jump(const coupling *c, double solver_s) {
 static double longest_step(void *ctx, double solver_s) {
   coupling *c = ctx;
   vs_trajectory *trajectory = &c->trajectory;
+  if (c->measures_errors)
+    return vs_events_longest(&trajectory->setup->timeline.events, run_time(c, solver_s));
   double most = fmin(c->pace.max_step_s, vs_swing_longest(&c->swing));
   if (begins_with_a_jump(c, solver_s)) most *= c->setup->run.first_step;
   most = fmin(most, vs_anode_longest(&trajectory->anode, &c->swing, c->pace.max_step_s));
@@ -262,6 +273,34 @@ static double source_value(void *ctx, size_t port, double solver_s) {
   return again ? c->told[port].value : tell_source(c, port, solver_s);
 }
 
+/* The machine, for a solver that has it in its equations. */
+static void machine_state(void *ctx, double *x) {
+  const coupling *c = ctx;
+  memcpy(x, vs_trajectory_last(&c->trajectory)->x,
+         2 * (size_t)c->trajectory.frame.model->dof * sizeof *x);
+}
+
+static void machine_rates(void *ctx, const double *x, double flux_wb, double *rate) {
+  const coupling *c = ctx;
+  vs_trajectory_rates(&c->trajectory, x, flux_wb, rate);
+}
+
+static bool machine_port(void *ctx, size_t port, const double *x, double *value) {
+  const coupling *c = ctx;
+  const vs_model *m = c->trajectory.frame.model;
+  const size_t of_deck = c->setup->deck.n_ports,
+               first = c->names->n_ports - c->setup->deck.n_motions;
+  if (port == of_deck + VS_EVA_PORT_GAP) {
+    *value = vs_coil_gap(&m->coil, vs_mechanics_travel(m, x));
+  } else if (port >= first) {
+    const int state = c->setup->deck.motions[port - first].state;
+    *value = state < 0 ? vs_mechanics_travel(m, x + m->dof) : x[state];
+  } else {
+    return false;
+  }
+  return true;
+}
+
 /* ---- after a step ---- */
 
 static bool run_is_complete(void *ctx) {
@@ -296,6 +335,12 @@ static vs_status forgive_first_step(const coupling *c, vs_error *err) {
   return VS_RUN;
 }
 
+/* A solver that measures its errors has none of its own, but what the scene says. */
+static double largest_step(const coupling *c) {
+  const bool own = c->measures_errors && !(c->setup->run.max_step_s > 0);
+  return own ? INFINITY : c->pace.max_step_s;
+}
+
 /* All of the solver's job but its netlist. */
 static vs_circuit_job job_of(const coupling *c) {
   const vs_setup *setup = c->setup;
@@ -304,10 +349,11 @@ static vs_circuit_job job_of(const coupling *c) {
                           .signals = c->names->signals,
                           .n_signals = c->names->n_signals,
                           .n_wanted = 2 * c->names->n_memories,
+                          .tolerance = setup->run.tolerance,
                           .until_s = vs_settling_until(&c->settling),
                           .gear = setup->run.gear,
                           .dialect = setup->deck.compat,
-                          .max_step_s = c->pace.max_step_s,
+                          .max_step_s = largest_step(c),
                           .raw = c->order->raw,
                           .raw_most = setup->limits.raw_bytes,
                           .raw_where = c->order->raw_where,
@@ -337,7 +383,12 @@ static vs_status run_solver(coupling *c, vs_error *err) {
                                 .accept = accept_coupled_step,
                                 .enough = run_is_complete,
                                 .clock = run_time_of_solver,
-                                .hides = step_is_hidden};
+                                .hides = step_is_hidden,
+                                .machine = {.states = 2 * (size_t)setup->model.dof,
+                                            .flux = VS_SIG_FLUX,
+                                            .state = machine_state,
+                                            .rates = machine_rates,
+                                            .port = machine_port}};
   char **netlist = NULL;
   void *circuit = NULL;
   vs_setup_standard(setup, standard);
@@ -365,8 +416,10 @@ static vs_status run_coupled(const vs_setup *setup, const vs_run_order *order,
   coupling c = {.setup = setup, /* stays where it is: the host and the motion point to it */
                 .order = order,
                 .pace = pace,
+                .measures_errors = order->solver->measures_errors,
                 .swing = vs_swing_of(setup),
-                .truncation = vs_truncation_begin(setup, !order->pilot && !pace.blows),
+                .truncation = vs_truncation_begin(setup, !order->pilot && !pace.blows &&
+                                                             !order->solver->measures_errors),
                 .asked_s = NAN,
                 .names = vs_alloc(1, sizeof *c.names)};
   vs_settling_begin(&c.settling, setup, order, observer);
@@ -382,9 +435,9 @@ static vs_status run_coupled(const vs_setup *setup, const vs_run_order *order,
   return vs_settling_end(&c.settling, s, err);
 }
 
-/* This tier alone has a source's impedance, ngspice, a gate drive that is fed with bursts, switches
- * that are modulated, and devices with means and ratings. */
-static const vs_tier_key KEYS[] = {
+/* These tiers alone have a source's impedance, ngspice, a gate drive that is fed with bursts,
+ * switches that are modulated, and devices with means and ratings. */
+const vs_tier_key vs_coupled_keys[] = {
     {"supply", "resistance", NULL},
     {"supply", "inductance", NULL},
     {"supply", "decoupling", NULL},
@@ -415,5 +468,6 @@ const vs_tier vs_coupled_tier = {
     .finest = 1e-8,
     .automatic = true,
     .has_circuit = true,
-    .keys = KEYS,
+    .by_ngspice = true,
+    .keys = vs_coupled_keys,
     .run = run_coupled};

@@ -251,6 +251,14 @@ double vs_trajectory_edge(vs_trajectory *c, double t_s) {
   return edge_s;
 }
 
+void vs_trajectory_rates(const vs_trajectory *c, const double *x, double flux_wb, double *rate) {
+  vs_motion m = c->motion;
+  m.flux[0] = flux_wb;
+  m.jammed = c->jammed;
+  m.touched = vs_stops_touched(&m.model->stops, vs_mechanics_travel(m.model, x));
+  machine_rhs(0, x, rate, &m);
+}
+
 /* ---- shown ---- */
 
 static void complete_knot(const vs_trajectory *c, vs_knot *k) {

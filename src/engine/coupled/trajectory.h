@@ -78,6 +78,10 @@ double vs_trajectory_gap(vs_trajectory *trajectory, double t_s);
  * must name one. Over a step h the gap and q are foretold up to h^4, the rates up to h^3. */
 double vs_trajectory_motion(vs_trajectory *trajectory, int state, double t_s);
 
+/* x' of the machine at x = (q, q') and a flux linkage, with the stops that it touches there. */
+void vs_trajectory_rates(const vs_trajectory *trajectory, const double *x, double flux_wb,
+                         double *rate);
+
 /* Integrates the machine over the step from the last knot to vs_trajectory_next and shows it. The
  * caller has filled in what the circuit knows of that knot: time, lambda with two derivatives,
  * v_eva, i_mains, terms. The step is cut where the armature meets or leaves its stop, and such an

@@ -547,7 +547,7 @@ int vs_case_end(vs_case *c, vs_status begun, vs_text *row, bool *circuit, vs_err
   size_t length = row->length;
   bool breach = false;
   vs_status status = begun;
-  c->circuit = !status && c->scene->tier->has_circuit;
+  c->circuit = !status && c->scene->tier->by_ngspice;
   *circuit = c->circuit;
   if (!status) {
     status = run_scene(c, row, err);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "workers/journal.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
@@ -345,6 +346,40 @@ static vs_status count_journal_row(vs_journal *j, const line_entry *e, vs_error 
   return VS_OK;
 }
 
+static const vs_judged_line *find_judged(const vs_journal *j, uint64_t index, int way) {
+  for (size_t k = 0; k < j->n_judged; k++)
+    if (j->judged[k].index == index && j->judged[k].way == way) return &j->judged[k];
+  return NULL;
+}
+
+static void note_judged(vs_journal *j, uint64_t index, int way, uint64_t at) {
+  j->judged = vs_alloc_grow(j->judged, j->n_judged, sizeof *j->judged);
+  j->judged[j->n_judged++] = (vs_judged_line){index, at, way};
+}
+
+/* In such a line: the way, and = or !, before the row. */
+enum { JUDGED = 2 };
+
+static vs_status take_judged(vs_journal *j, const line_entry *e, vs_error *err) {
+  const char *text = e->text + VS_HEAD_TEXT;
+  line_entry row = *e;
+  vs_row_shape_counts counts = {0};
+  char why[256];
+  size_t at;
+  const bool whole = isdigit((unsigned char)*text) && (text[1] == '=' || text[1] == '!');
+  if (!j->shape)
+    j->shape = vs_row_shape_new(j->head.columns, j->head.failures, j->head.manifest_end);
+  if (!whole ||
+      !vs_row_shape_read(j->shape, text[1] == '!', text + JUDGED, &counts, &at, why, sizeof why))
+    return refuse_row(j, &row, JUDGED, whole ? why : "its way is not known", err);
+  if (!is_of_shard(j, counts.index)) return refuse_case(j, e, err);
+  if (find_judged(j, counts.index, *text - '0'))
+    j->bad++; /* the first one counts */
+  else
+    note_judged(j, counts.index, *text - '0', e->at);
+  return VS_OK;
+}
+
 /* What is known while a journal is read. */
 typedef struct journal_reading {
   vs_journal *journal;
@@ -413,6 +448,8 @@ static vs_status take_journal_line(void *ctx, const line_entry *e, bool *enough,
     vs_platform_add(&j->bits, e->text + VS_HEAD_TEXT);
   else if (kind == '~' && headed)
     call_row_back(j, e);
+  else if (kind == 'j' && headed)
+    return take_judged(j, e, err);
   else if ((kind == '=' || kind == '!') && headed)
     return count_journal_row(j, e, err);
   else
@@ -520,6 +557,7 @@ void vs_journal_close(vs_journal *j) {
   if (j->folder >= 0) close(j->folder);
   vs_journal_head_free(&j->head);
   free(j->place);
+  free(j->judged);
   vs_row_shape_free(j->shape);
   vs_text_free(&j->fresh);
   vs_text_free(&j->bits);
@@ -601,20 +639,56 @@ vs_status vs_journal_call_back(vs_journal *j, uint64_t *count, vs_error *err) {
   return status ? status : vs_journal_flush(j, true, err);
 }
 
-vs_status vs_journal_row(const vs_journal *j, uint64_t index, vs_text *row, bool *failed,
-                         vs_error *err) {
+/* Reads the row of a case whose line begins at byte `at`, behind `skip` bytes of its text. *kind is
+ * the line's. */
+static vs_status read_row(const vs_journal *j, uint64_t index, uint64_t at, size_t skip,
+                          vs_text *row, char *kind, vs_error *err) {
   size_t length;
   const line_file lines = lines_of_journal(j);
-  vs_status status = lines_read(&lines, j->place[place_in_shard(j, index)] - 1, row, &length, err);
+  vs_status status = lines_read(&lines, at, row, &length, err);
   if (status) return status;
-  const char kind = vs_journal_head_kind(row->text, length);
-  if ((kind != '=' && kind != '!') || !vs_row_shape_is_of(row->text + VS_HEAD_TEXT, index))
+  *kind = vs_journal_head_kind(row->text, length);
+  skip += VS_HEAD_TEXT;
+  if ((skip == VS_HEAD_TEXT ? *kind != '=' && *kind != '!' : *kind != 'j') || length < skip ||
+      !vs_row_shape_is_of(row->text + skip, index))
     return vs_fail(err, VS_RUN,
                    "%s: row of case %llu was changed while the study ran or was merged; let "
                    "nothing else write to this file, and --resume runs again what is lost",
                    j->path, (unsigned long long)index);
-  *failed = kind == '!';
-  row->length -= VS_HEAD_TEXT;
-  memmove(row->text, row->text + VS_HEAD_TEXT, row->length + 1);
+  if (*kind == 'j') *kind = row->text[skip - 1];
+  row->length -= skip;
+  memmove(row->text, row->text + skip, row->length + 1);
   return VS_OK;
+}
+
+vs_status vs_journal_row(const vs_journal *j, uint64_t index, vs_text *row, bool *failed,
+                         vs_error *err) {
+  char kind = 0;
+  vs_status status = read_row(j, index, j->place[place_in_shard(j, index)] - 1, 0, row, &kind, err);
+  *failed = kind == '!';
+  return status;
+}
+
+vs_status vs_journal_add_judged(vs_journal *j, uint64_t index, int way, int status, const char *row,
+                                size_t length, vs_error *err) {
+  vs_text text = {0};
+  say_bits(j, &j->fresh);
+  note_judged(j, index, way, j->end + j->fresh.length);
+  vs_text_add(&text, "%d%c", way, status == 1 ? '!' : '=');
+  vs_text_put(&text, row, length);
+  vs_journal_head_line(&j->fresh, 'j', text.text, text.length);
+  vs_text_free(&text);
+  return j->fresh.length < 1 << 16 ? VS_OK : vs_journal_flush(j, false, err);
+}
+
+bool vs_journal_has_judged(const vs_journal *j, uint64_t index, int way) {
+  return find_judged(j, index, way) != NULL;
+}
+
+vs_status vs_journal_judged_row(const vs_journal *j, uint64_t index, int way, vs_text *row,
+                                bool *failed, vs_error *err) {
+  char kind = 0;
+  vs_status status = read_row(j, index, find_judged(j, index, way)->at, JUDGED, row, &kind, err);
+  *failed = kind == '!';
+  return status;
 }

@@ -12,7 +12,9 @@
  *   =   for a row of study.csv;
  *   !   for a row of failures.csv;
  *   ~   for the number of a case whose row of failures.csv does not count any more, as it is run
- *       again.
+ *       again;
+ *   j   for what came of a case that was run in another way, to judge the first (study/judge.h):
+ *       the number of the way, = or !, and the row.
  *
  * A head that lacks a line takes it from the first copy that has it. Lines are only ever added. A
  * line whose sum is wrong does not count, and its case is not done. The last line may be torn, when
@@ -38,6 +40,12 @@
 /* The part of the file that was read last. */
 typedef struct vs_lines_part vs_lines_part;
 
+/* A line of kind j. */
+typedef struct vs_judged_line {
+  uint64_t index, at; /* of the case; where the line begins in the file */
+  int way;
+} vs_judged_line;
+
 typedef struct vs_journal {
   char path[VS_PATH_SIZE];
   int fd;     /* of the file; -1: closed */
@@ -46,10 +54,12 @@ typedef struct vs_journal {
   uint64_t *place; /* [room], by the shard's cases: where the case's line begins, plus 1; 0: it is
                       not done */
   uint64_t room;
-  uint64_t end;        /* bytes in the file, without `fresh` */
-  uint64_t done;       /* cases with a row in study.csv */
-  uint64_t failed;     /* cases with a row in failures.csv */
-  uint64_t violated;   /* those of `done` that have status 3 */
+  uint64_t end;           /* bytes in the file, without `fresh` */
+  uint64_t done;          /* cases with a row in study.csv */
+  uint64_t failed;        /* cases with a row in failures.csv */
+  uint64_t violated;      /* those of `done` that have status 3 */
+  vs_judged_line *judged; /* owned */
+  size_t n_judged;
   vs_row_shape *shape; /* that every row must have; NULL: no row was read yet */
   bool two_heads;   /* a line of the head stands there twice, or behind rows, or a copy of it says
                        something else */
@@ -104,6 +114,13 @@ vs_status vs_journal_flush(vs_journal *journal, bool sync, vs_error *err);
  * be read; another program has changed the row since it was written, or read first. */
 vs_status vs_journal_row(const vs_journal *journal, uint64_t index, vs_text *row, bool *failed,
                          vs_error *err);
+
+/* The same for a case that was run in another way, numbered from 0 to 9. */
+vs_status vs_journal_add_judged(vs_journal *journal, uint64_t index, int way, int status,
+                                const char *row, size_t length, vs_error *err);
+bool vs_journal_has_judged(const vs_journal *journal, uint64_t index, int way);
+vs_status vs_journal_judged_row(const vs_journal *journal, uint64_t index, int way, vs_text *row,
+                                bool *failed, vs_error *err);
 
 /* The journals of a whole study. */
 typedef struct vs_journals {

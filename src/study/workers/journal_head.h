@@ -33,8 +33,8 @@ const char *vs_journal_head_differs(const vs_journal_head *a, const vs_journal_h
 bool vs_journal_head_programs(const vs_journal_head *a, const vs_journal_head *b, char *of_a,
                               char *of_b, size_t size);
 
-/* Adds a line of a journal, with its sum and its kind ('h', 'H', 'm', '=', '!' or '~'). The text's
- * own line ends are written as \n. */
+/* Adds a line of a journal, with its sum and its kind ('h', 'H', 'm', '=', '!', '~' or 'j'). The
+ * text's own line ends are written as \n. */
 void vs_journal_head_line(vs_text *to, char kind, const char *text, size_t length);
 
 /* Where in such a line its kind stands, and its text. */

@@ -20,7 +20,8 @@
 #define VS_TIER_LIST(X)                                                                            \
   X(VS_TIER_ANALYTIC, analytic, "analytic")                                                        \
   X(VS_TIER_SWITCHED, switched, "switched")                                                        \
-  X(VS_TIER_CIRCUIT, coupled, "circuit")
+  X(VS_TIER_CIRCUIT, coupled, "circuit")                                                           \
+  X(VS_TIER_COMPILED, compiled, "compiled")
 
 enum {
 #define VS_TIER_ID(id, file, word) id,

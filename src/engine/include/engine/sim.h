@@ -119,6 +119,7 @@ typedef struct vs_tier {
   bool automatic;   /* run.tier: auto may take it; of several the first in VS_TIER_LIST */
   bool has_circuit; /* the scene's deck is run: this tier has its probes, obeys the section circuit
                        and all events, and can write a rawfile */
+  bool by_ngspice;  /* it is ngspice that runs the deck, so that its settings and its ladder help */
   bool gap_at_rest; /* the coil's inductance stays as at rest */
   /* The keys besides, of sections that every tier reads, that this tier obeys and others ignore;
    * ends with {NULL, NULL, NULL}. NULL: there are none. */
@@ -128,7 +129,7 @@ typedef struct vs_tier {
   vs_status (*run)(const vs_setup *setup, const vs_run_order *order, const vs_observer *observer,
                    vs_error *err);
 } vs_tier;
-extern const vs_tier vs_analytic_tier, vs_switched_tier, vs_coupled_tier;
+extern const vs_tier vs_analytic_tier, vs_switched_tier, vs_coupled_tier, vs_compiled_tier;
 
 /* The frame of all steps that this tier makes of this setup. */
 vs_frame vs_sim_frame(const vs_tier *tier, const vs_setup *setup);

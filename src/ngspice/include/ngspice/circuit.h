@@ -20,8 +20,9 @@ typedef struct vs_circuit_job {
   const char *const *signals; /* what accept() is given, in lower case: "v(a)", "i(vth)"; "v(0)" is
                                  0 */
   size_t n_signals;
-  size_t n_wanted;            /* how many of these, the last ones, may be missing: one that is not
-                                 there is NaN. Others are an error then. */
+  size_t n_wanted;  /* how many of these, the last ones, may be missing: one that is not
+                       there is NaN. Others are an error then. */
+  double tolerance; /* run.tolerance: for a solver that measures the errors of its own steps */
   double until_s, max_step_s; /* the run goes from 0 to until_s in steps of at most max_step_s */
   bool gear;                  /* Gear's rule of second order in the place of the trapezoidal */
   const char *dialect;        /* how the netlist is to be read: "ps", or "" for ngspice's own */
@@ -50,6 +51,18 @@ typedef struct vs_circuit_job {
   vs_where raw_where; /* the key to blame if it would have more */
 } vs_circuit_job;
 
+/* A machine that a circuit's flux linkage drives, for a solver that takes both as one system. */
+typedef struct vs_circuit_machine {
+  size_t states; /* of x */
+  size_t flux;   /* the signal that is the flux linkage, Wb */
+  /* Where it is, at the end of the last step that was accepted. */
+  void (*state)(void *ctx, double *x);
+  /* x' at x and a flux linkage. */
+  void (*rates)(void *ctx, const double *x, double flux_wb, double *rate);
+  /* What a port is that hangs on x alone, V; false: the port hangs on something else. */
+  bool (*port)(void *ctx, size_t port, const double *x, double *value);
+} vs_circuit_machine;
+
 /* What the circuit asks. */
 typedef struct vs_circuit_host {
   void *ctx;
@@ -69,11 +82,15 @@ typedef struct vs_circuit_host {
   double (*clock)(void *ctx, double t_s);
   /* Asked after each accepted step: true leaves it out of the rawfile. NULL: none is left out. */
   bool (*hides)(void *ctx);
+  /* The machine, for a solver that has it in its equations; source() foretells it for others. */
+  vs_circuit_machine machine;
 } vs_circuit_host;
 
 /* A way to solve circuits. */
 typedef struct vs_circuit_kind {
   const char *name;
+  bool measures_errors; /* it knows the errors of its own steps, and has the host's machine in its
+                           equations: the host need not shorten steps for a rule of second order */
   /* Loads a circuit. Job and host must last as long as it does. ngspice takes the circuit up to its
    * first accepted step in a child process first, which may die of it: there the host is asked, a
    * copy of it, and accept() is not called. Errors: VS_INPUT, the circuit cannot be loaded or kills

@@ -86,4 +86,10 @@ vs_status vs_session_judge(const vs_result *result, vs_error *err);
  * tier's run. */
 vs_status vs_session_try(const vs_tier *tier, const vs_setup *setup, vs_error *err);
 
+/* Another run.tolerance, at which a run shows the errors of the first by how far it differs; and
+ * what any number of a run at that tolerance may be wrong by besides, relative to it. of_rate: it
+ * is a rate over microseconds. */
+double vs_session_other_tolerance(double tolerance);
+double vs_session_resolution(double tolerance, bool of_rate);
+
 #endif

@@ -1,0 +1,258 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "equations.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+int vs_equations_signal(const vs_equations *e, const char *name) {
+  size_t number;
+  if (!strcmp(name, "v(0)")) return -1;
+  return vs_names_find(&e->number, name, strlen(name), &number) ? (int)number : -2;
+}
+
+void vs_equations_free(vs_equations *e) {
+  for (int k = 0; k < e->n; k++) free(e->name[k]);
+  free(e->name);
+  vs_names_free(&e->number);
+  vs_matrix_free(&e->matrix);
+  free(e->mass);
+  free(e->linear);
+  free(e->constant);
+  free(e->source);
+  for (int k = 0; k < e->courses; k++) vs_course_free(&e->course[k]);
+  free(e->course);
+  for (int k = 0; k < e->devices; k++) vs_program_free(&e->device[k].program);
+  free(e->device);
+  free(e->charge);
+  *e = (vs_equations){0};
+}
+
+static double at(const double *y, int k) {
+  return k < 0 ? 0 : y[k];
+}
+
+static void add_to(const vs_equations *e, double *jacobian, int row, int column, double value) {
+  if (row >= 0 && column >= 0) jacobian[e->matrix.place[row * e->n + column]] += value;
+}
+
+/* A current that leaves node a for node b; its slope by the voltage from c to d. */
+static void leave(double *f, int a, int b, double i) {
+  if (a >= 0) f[a] -= i;
+  if (b >= 0) f[b] += i;
+}
+
+static void slope_of(const vs_equations *e, double *jacobian, int a, int b, int c, int d,
+                     double g) {
+  add_to(e, jacobian, a, c, -g);
+  add_to(e, jacobian, a, d, g);
+  add_to(e, jacobian, b, c, g);
+  add_to(e, jacobian, b, d, -g);
+}
+
+/* x' of the machine. Its slopes are differences, over steps that are small beside any gap. */
+static void value_of_machine(const vs_equations *e, const double *y, double *f, double *jacobian) {
+  static const double STEP = 1e-7;
+  const vs_circuit_machine *m = &e->host->machine;
+  double x[VS_MACHINE_STATES], rate[VS_MACHINE_STATES];
+  const double flux_wb = at(y, e->flux);
+  memcpy(x, y + e->machine, (size_t)e->states * sizeof *x);
+  m->rates(e->host->ctx, x, flux_wb, f + e->machine);
+  for (int l = 0; jacobian && l <= e->states; l++) {
+    const bool of_flux = l == e->states;
+    if (!of_flux) x[l] += STEP;
+    m->rates(e->host->ctx, x, flux_wb + (of_flux ? STEP : 0), rate);
+    if (!of_flux) x[l] = y[e->machine + l];
+    for (int k = 0; k < e->states; k++)
+      add_to(e, jacobian, e->machine + k, of_flux ? e->flux : e->machine + l,
+             (rate[k] - f[e->machine + k]) / STEP);
+  }
+}
+
+static void value_of_program(const vs_equations *e, const vs_compiled_device *d, const double *y,
+                             double *f, double *jacobian) {
+  double slope[VS_PROGRAM_SIGNALS];
+  const vs_compiled_program *p = &d->program;
+  const double value = d->factor * vs_program_value(p, y, jacobian ? slope : NULL);
+  if (d->branch >= 0)
+    f[d->branch] -= value;
+  else
+    leave(f, d->pin[0], d->pin[1], value);
+  for (int k = 0; jacobian && k < p->signals; k++) {
+    const double g = d->factor * slope[k];
+    if (d->branch >= 0) {
+      add_to(e, jacobian, d->branch, p->signal[k].plus, -g);
+      add_to(e, jacobian, d->branch, p->signal[k].minus, g);
+    } else {
+      slope_of(e, jacobian, d->pin[0], d->pin[1], p->signal[k].plus, p->signal[k].minus, g);
+    }
+  }
+}
+
+/* The voltage at which a junction is evaluated; *limited becomes true where that is another one. */
+static double taken_at(vs_compiled_device *d, int k, const vs_diode *diode, double v, bool limits,
+                       bool *limited) {
+  if (!limits) return v;
+  double taken = vs_junction_limit(diode, v, d->before[k]);
+  *limited = *limited || fabs(taken - v) > 1e-6 * diode->n * VS_JUNCTION_VT;
+  return d->before[k] = taken;
+}
+
+static void value_of_diode(vs_equations *e, vs_compiled_device *d, const double *y, bool limits,
+                           bool *limited, double *f, double *jacobian) {
+  const int a = d->pin[0], k = d->pin[1];
+  double g, v = at(y, a) - at(y, k), taken = taken_at(d, 0, &d->diode, v, limits, limited);
+  double i = vs_junction_current(&d->diode, taken, &g);
+  i += g * (v - taken);
+  leave(f, a, k, i);
+  if (jacobian) slope_of(e, jacobian, a, k, a, k, g);
+  if (d->charge[0] < 0) return;
+  f[d->charge[0]] -= d->diode.transit_s * i;
+  if (!jacobian) return;
+  add_to(e, jacobian, d->charge[0], a, -d->diode.transit_s * g);
+  add_to(e, jacobian, d->charge[0], k, d->diode.transit_s * g);
+}
+
+static void value_of_bipolar(vs_equations *e, vs_compiled_device *d, const double *y, bool limits,
+                             bool *limited, double *f, double *jacobian) {
+  const vs_bipolar *q = &d->bipolar;
+  const int c = d->pin[0], b = d->pin[1], x = d->pin[2];
+  const double way = q->way, vbe = way * (at(y, b) - at(y, x)), vbc = way * (at(y, b) - at(y, c));
+  const double be = taken_at(d, 0, &q->junction, vbe, limits, limited);
+  const double bc = taken_at(d, 1, &q->junction, vbc, limits, limited);
+  double ic, ib, dc[2], db[2];
+  vs_junction_transistor(q, be, bc, &ic, &ib, dc, db);
+  ic += dc[0] * (vbe - be) + dc[1] * (vbc - bc);
+  ib += db[0] * (vbe - be) + db[1] * (vbc - bc);
+  leave(f, c, x, way * ic);
+  leave(f, b, x, way * ib);
+  if (!jacobian) return;
+  slope_of(e, jacobian, c, x, b, x, dc[0]);
+  slope_of(e, jacobian, c, x, b, c, dc[1]);
+  slope_of(e, jacobian, b, x, b, x, db[0]);
+  slope_of(e, jacobian, b, x, b, c, db[1]);
+}
+
+/* The row of a charge q - Q(v), with v from node a to node b. */
+static void value_of_charge(const vs_equations *e, int q, int a, int b, double charge, double c,
+                            double *f, double *jacobian) {
+  f[q] -= charge;
+  if (!jacobian) return;
+  add_to(e, jacobian, q, a, -c);
+  add_to(e, jacobian, q, b, c);
+}
+
+static void value_of_mosfet(vs_equations *e, vs_compiled_device *device, const double *y,
+                            bool limits, bool *limited, double *f, double *jacobian) {
+  const vs_vdmos *m = &device->vdmos;
+  const int d = device->pin[0], g = device->pin[1], s = device->pin[2];
+  const double vgs = at(y, g) - at(y, s), vds = at(y, d) - at(y, s);
+  double slope[2], conductance, c;
+  leave(f, d, s, vs_junction_channel(m, vgs, vds, slope));
+  const double taken = taken_at(device, 0, &m->body, -vds, limits, limited);
+  leave(f, s, d, vs_junction_current(&m->body, taken, &conductance) + conductance * (-vds - taken));
+  double charge = vs_junction_gate_charge(m, vgs - vds, &c);
+  value_of_charge(e, device->charge[0], g, d, charge, c, f, jacobian);
+  charge = vs_junction_body_charge(m, -vds, &c);
+  value_of_charge(e, device->charge[1], s, d, charge, c, f, jacobian);
+  if (!jacobian) return;
+  slope_of(e, jacobian, d, s, g, s, slope[0]);
+  slope_of(e, jacobian, d, s, d, s, slope[1]);
+  slope_of(e, jacobian, s, d, s, d, conductance);
+}
+
+bool vs_equations_value(vs_equations *e, const double *y, const double *source, bool limits,
+                        double *f, double *jacobian) {
+  bool limited = false;
+  memset(f, 0, (size_t)e->n * sizeof *f);
+  if (jacobian) memcpy(jacobian, e->constant, (size_t)e->matrix.count * sizeof *jacobian);
+  for (int k = 0; k < e->linears; k++)
+    f[e->linear[k].row] += e->linear[k].value * y[e->linear[k].column];
+  if (e->states) value_of_machine(e, y, f, jacobian);
+  for (int k = 0; k < e->sources; k++) f[e->source[k].row] += e->source[k].factor * source[k];
+  for (int k = 0; k < e->devices; k++) {
+    vs_compiled_device *d = &e->device[k];
+    if (d->kind == VS_DEVICE_PROGRAM) {
+      value_of_program(e, d, y, f, jacobian);
+    } else if (d->kind == VS_DEVICE_DIODE) {
+      value_of_diode(e, d, y, limits, &limited, f, jacobian);
+    } else if (d->kind == VS_DEVICE_VDMOS) {
+      value_of_mosfet(e, d, y, limits, &limited, f, jacobian);
+    } else if (d->kind == VS_DEVICE_BIPOLAR) {
+      value_of_bipolar(e, d, y, limits, &limited, f, jacobian);
+    } else {
+      const double g = d->on ? d->on_s : d->off_s;
+      leave(f, d->pin[0], d->pin[1], g * (at(y, d->pin[0]) - at(y, d->pin[1])));
+      if (jacobian) slope_of(e, jacobian, d->pin[0], d->pin[1], d->pin[0], d->pin[1], g);
+    }
+  }
+  return limited;
+}
+
+/* The k-th junction of a device, with its voltage at y; NULL: it has no more. */
+static const vs_diode *junction_at(const vs_compiled_device *d, int k, const double *y, double *v) {
+  const int *pin = d->pin;
+  if (d->kind == VS_DEVICE_DIODE && k == 0) {
+    *v = at(y, pin[0]) - at(y, pin[1]);
+    return &d->diode;
+  }
+  if (d->kind == VS_DEVICE_BIPOLAR && k < 2) {
+    *v = d->bipolar.way * (at(y, pin[1]) - at(y, pin[k ? 0 : 2]));
+    return &d->bipolar.junction;
+  }
+  if (d->kind != VS_DEVICE_VDMOS || k) return NULL;
+  *v = at(y, pin[2]) - at(y, pin[0]);
+  return &d->vdmos.body;
+}
+
+/* What the error of a step says of a junction is a part of n vt, which is less than any voltage's
+ * tolerance, whatever current goes astray by it. */
+double vs_equations_astray(const vs_equations *e, const double *y, const double *next,
+                           const double *change) {
+  double most = 0, v, slope, before, by, none;
+  for (int n = 0; n < e->devices; n++) {
+    const vs_compiled_device *d = &e->device[n];
+    const vs_diode *j;
+    for (int k = 0; (j = junction_at(d, k, y, &v)); k++) {
+      vs_junction_current(j, v, &slope);
+      junction_at(d, k, next, &v);
+      junction_at(d, k, change, &by);
+      before = vs_junction_current(j, v - by, &none);
+      const double off = fabs(vs_junction_current(j, v, &none) - before - slope * by);
+      const double peak = fmax(d->peak_a[k], fabs(before));
+      if (peak > 0) most = fmax(most, off / peak);
+    }
+  }
+  return most;
+}
+
+void vs_equations_note(vs_equations *e, const double *y) {
+  double v, g;
+  for (int n = 0; n < e->devices; n++) {
+    vs_compiled_device *d = &e->device[n];
+    const vs_diode *j;
+    for (int k = 0; (j = junction_at(d, k, y, &v)); k++)
+      d->peak_a[k] = fmax(d->peak_a[k], fabs(vs_junction_current(j, v, &g)));
+  }
+}
+
+void vs_equations_mass(const vs_equations *e, const double *v, double *r) {
+  memset(r, 0, (size_t)e->n * sizeof *r);
+  for (int k = 0; k < e->masses; k++) r[e->mass[k].row] += e->mass[k].value * v[e->mass[k].column];
+}
+
+bool vs_equations_choose(vs_equations *e, const double *y, bool only_ask) {
+  bool other = false;
+  for (int k = 0; k < e->devices; k++) {
+    vs_compiled_device *d = &e->device[k];
+    if (d->kind == VS_DEVICE_PROGRAM) {
+      other = vs_program_choose(&d->program, y, only_ask) || other;
+    } else if (d->kind == VS_DEVICE_SWITCH) {
+      const double v = at(y, d->control[0]) - at(y, d->control[1]);
+      const bool due = v > d->threshold + (d->on ? -d->hysteresis : d->hysteresis);
+      other = other || due != d->on;
+      if (!only_ask) d->on = due;
+    }
+  }
+  return other;
+}

@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * A netlist as equations M y' = f(t, y) in modified nodal form. The unknowns y are the voltages of
+ * the nodes, V, the currents through voltage sources and inductors, A, the charges of diodes, C,
+ * and the machine's states, SI. A row of a node is the sum of the currents that leave it; M has the
+ * capacitances there, F, and in an inductor's row its inductance, H. */
+#ifndef VS_COMPILED_EQUATIONS_H
+#define VS_COMPILED_EQUATIONS_H
+
+#include "base/names.h"
+#include "course.h"
+#include "junction.h"
+#include "matrix.h"
+#include "ngspice/circuit.h"
+#include "program.h"
+
+enum { VS_MACHINE_STATES = 64 }; /* at most */
+
+/* A constant of M, or of df/dy. */
+typedef struct vs_entry {
+  int row, column, place; /* place: in the matrix' values */
+  double value;
+} vs_entry;
+
+/* factor x a source, of f's row. */
+typedef struct vs_compiled_source {
+  int row, port; /* port: of the job; -1: it is a constant, or a course */
+  double factor, constant;
+  int course; /* which course of the equations'; -1: none */
+} vs_compiled_source;
+
+enum { VS_DEVICE_PROGRAM, VS_DEVICE_DIODE, VS_DEVICE_BIPOLAR, VS_DEVICE_SWITCH, VS_DEVICE_VDMOS };
+
+/* An element whose current is no linear function of y. */
+typedef struct vs_compiled_device {
+  int kind;
+  int pin[3];    /* nodes: plus and minus; anode and cathode; collector, base, emitter; drain, gate,
+                    source. -1: ground */
+  int branch;    /* of a B source that is a voltage: its row and current; else -1 */
+  int charge[2]; /* of a diode with a transit time: its charge; of a MOSFET: between gate and drain,
+                    and of its body diode; else -1 */
+  int control[2]; /* of a switch: its controlling nodes, or an unknown current and -1 */
+  double factor;  /* of a B source: m */
+  vs_compiled_program program;
+  vs_diode diode;
+  vs_bipolar bipolar;
+  vs_vdmos vdmos;
+  double on_s, off_s, threshold, hysteresis; /* of a switch: conductances, S, and its limits */
+  bool on;
+  double before[2]; /* a junction's voltages in the last iteration, V */
+  double peak_a[2]; /* the largest of its currents so far */
+} vs_compiled_device;
+
+typedef struct vs_equations {
+  int n;           /* unknowns */
+  char **name;     /* of each, as ngspice names signals: "v(a)", "i(v.x1.vs)"; owned */
+  vs_names number; /* of these names */
+  vs_matrix matrix;
+  vs_entry *mass, *linear; /* owned */
+  int masses, linears;
+  double *constant; /* df/dy of what is linear, by place; owned */
+  vs_compiled_source *source;
+  int sources;
+  vs_course *course; /* owned */
+  int courses;
+  vs_compiled_device *device;
+  int devices;
+  const vs_circuit_host *host; /* borrowed: its machine is a part of the equations */
+  int machine, states, flux;   /* the machine's first unknown, how many it has, and the unknown that
+                                  is   its flux linkage */
+  double *charge;              /* M y at t = 0, of what the netlist says with ic=; owned */
+} vs_equations;
+
+/* Ends what vs_elements_make began. */
+void vs_equations_free(vs_equations *e);
+
+/* Which unknown a signal's name is; -1: "v(0)"; -2: there is none. */
+int vs_equations_signal(const vs_equations *e, const char *name);
+
+/* f at y. source[k]: what source k is, V or A. jacobian, if it is not NULL: df/dy by place. With
+ * `limits` the junctions are taken no further from the iteration before than their exponentials
+ * allow, and as straight lines from there; returns true where one was. */
+bool vs_equations_value(vs_equations *e, const double *y, const double *source, bool limits,
+                        double *f, double *jacobian);
+
+/* How much of a junction's current a step leaves without a way, as a part of its peak; the most of
+ * all. `change` is that of the step's last stage, up to `next`, which takes the junctions for
+ * straight lines with their slopes at y. */
+double vs_equations_astray(const vs_equations *e, const double *y, const double *next,
+                           const double *change);
+/* Takes the currents of the junctions at y for their peaks. */
+void vs_equations_note(vs_equations *e, const double *y);
+
+/* r = M v. */
+void vs_equations_mass(const vs_equations *e, const double *v, double *r);
+
+/* Takes the branches and the switches' states that y asks for. Returns true where one is another
+ * one than before; with `only_ask` none changes. */
+bool vs_equations_choose(vs_equations *e, const double *y, bool only_ask);
+
+#endif

@@ -1,0 +1,187 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "rodas.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/alloc.h"
+
+/* RODAS' coefficients, in the form that needs no product with the Jacobian. */
+static const double GAMMA = 0.25;
+static const double A[5][5] = {
+    {1.544},
+    {0.9466785280815826, 0.2557011698983284},
+    {3.314825187068521, 2.896124015972201, 0.9986419139977817},
+    {1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950},
+    {0}};
+static const double C[5][5] = {
+    {-5.6688},
+    {-2.430093356833875, -0.2063599157091915},
+    {-0.1073529058151375, -9.594562251023355, -20.47028614809616},
+    {7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160},
+    {8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136,
+     -6.058818238834054}};
+static const double AT[6] = {0, 0.386, 0.21, 0.63, 1, 1};
+static const double RATE[4] = {0.25, -0.1043, 0.1035, -0.03620000000000023};
+static const double D[2][5] = {{10.12623508344586, -7.487995877610167, -34.80091861555747,
+                                -7.992771707568823, 1.025137723295662},
+                               {-0.6762803392801253, 6.087714651680015, 16.43084320892478,
+                                24.76722511418386, -6.594389125716872}};
+
+enum { VECTORS = 15 };
+
+void vs_rodas_begin(vs_rodas *r, vs_equations *e, const vs_rodas_drive *drive) {
+  const size_t n = (size_t)e->n, values = n * n, sources = (size_t)e->sources + 1;
+  *r = (vs_rodas){.e = e, .drive = *drive, .culprit = -1};
+  double *next = r->memory = vs_alloc(VECTORS * n + 3 * values + 4 * sources, sizeof *next);
+  double **vectors[VECTORS] = {&r->y,    &r->next,    &r->error,   &r->bend[0], &r->bend[1],
+                               &r->k[0], &r->k[1],    &r->k[2],    &r->k[3],    &r->k[4],
+                               &r->k[5], &r->work[0], &r->work[1], &r->work[2], &r->work[3]};
+  for (int k = 0; k < VECTORS; k++, next += n) *vectors[k] = next;
+  r->jacobian = next;
+  r->factors = next + values;
+  r->matrix = next + 2 * values;
+  for (int k = 0; k < 4; k++) r->source[k] = next + 3 * values + (size_t)k * sources;
+}
+
+void vs_rodas_free(vs_rodas *r) {
+  free(r->memory);
+  *r = (vs_rodas){0};
+}
+
+/* ---- the matrix ---- */
+
+/* M/(gamma h) - df/dy, by place. */
+static void set_matrix(vs_rodas *r, double per_h) {
+  const vs_equations *e = r->e;
+  for (int k = 0; k < e->matrix.count; k++) r->matrix[k] = -r->jacobian[k];
+  for (int k = 0; k < e->masses; k++) r->matrix[e->mass[k].place] += e->mass[k].value * per_h;
+}
+
+static bool order_pivots(vs_rodas *r) {
+  r->ordered = vs_matrix_order(&r->e->matrix, r->matrix, &r->culprit);
+  if (r->ordered) r->culprit = -1;
+  return r->ordered;
+}
+
+/* Factors the matrix, with another order of pivots where that of before does not serve. */
+static bool factor(vs_rodas *r) {
+  vs_matrix *m = &r->e->matrix;
+  for (int turn = 0; turn < 2; turn++) {
+    if ((turn || !r->ordered) && !order_pivots(r)) return false;
+    memcpy(r->factors, r->matrix, (size_t)m->count * sizeof *r->factors);
+    if (vs_matrix_factor(m, r->factors)) return true;
+  }
+  return false;
+}
+
+/* ---- a step ---- */
+
+/* The slope of what drives over time, from three instants at and behind t_s, which must be so far
+ * apart that their times differ. A step of less needs no slope. */
+static const double LEAST_APART_S = 1e-13;
+
+static void find_rates(vs_rodas *r, double h) {
+  const double d = fmax(1e-3 * h, LEAST_APART_S);
+  double *s0 = r->source[0], *s1 = r->source[1], *s2 = r->source[2], *rate = r->source[3];
+  r->drive.at(r->drive.ctx, r->t_s + d, s1);
+  r->drive.at(r->drive.ctx, r->t_s + 2 * d, s2);
+  const double per_s = h >= 2 * d ? 1 / (2 * d) : 0;
+  for (int k = 0; k < r->e->sources; k++) rate[k] = (4 * s1[k] - 3 * s0[k] - s2[k]) * per_s;
+}
+
+/* Adds factor times df/dt. */
+static void add_rates(const vs_rodas *r, double factor, double *b) {
+  for (int k = 0; k < r->e->sources; k++)
+    b[r->e->source[k].row] += factor * r->e->source[k].factor * r->source[3][k];
+}
+
+bool vs_rodas_try(vs_rodas *r, double h) {
+  vs_equations *e = r->e;
+  const int n = e->n;
+  double *b = r->work[0], *sum = r->work[1], *m = r->work[2], *at = r->work[3];
+  r->drive.at(r->drive.ctx, r->t_s, r->source[0]);
+  vs_equations_value(e, r->y, r->source[0], false, b, r->fresh ? NULL : r->jacobian);
+  r->fresh = true;
+  set_matrix(r, 1 / (GAMMA * h));
+  if (!factor(r)) return false;
+  find_rates(r, h);
+  add_rates(r, h * RATE[0], b);
+  vs_matrix_solve(&e->matrix, r->factors, b, r->k[0]);
+  for (int stage = 1; stage < 6; stage++) {
+    if (stage < 5)
+      for (int i = 0; i < n; i++) {
+        at[i] = r->y[i];
+        for (int l = 0; l < stage; l++) at[i] += A[stage - 1][l] * r->k[l][i];
+      }
+    else
+      for (int i = 0; i < n; i++) at[i] += r->k[4][i];
+    r->drive.at(r->drive.ctx, r->t_s + AT[stage] * h, r->source[0]);
+    vs_equations_value(e, at, r->source[0], false, b, NULL);
+    for (int i = 0; i < n; i++) {
+      sum[i] = 0;
+      for (int l = 0; l < stage; l++) sum[i] += C[stage - 1][l] * r->k[l][i];
+    }
+    vs_equations_mass(e, sum, m);
+    for (int i = 0; i < n; i++) b[i] += m[i] / h;
+    if (stage < 4) add_rates(r, h * RATE[stage], b);
+    vs_matrix_solve(&e->matrix, r->factors, b, r->k[stage]);
+  }
+  for (int i = 0; i < n; i++) {
+    r->error[i] = r->k[5][i];
+    r->next[i] = at[i] + r->k[5][i];
+    for (int part = 0; part < 2; part++) {
+      r->bend[part][i] = 0;
+      for (int l = 0; l < 5; l++) r->bend[part][i] += D[part][l] * r->k[l][i];
+    }
+  }
+  return true;
+}
+
+void vs_rodas_dense(const vs_rodas *r, double part, double *y) {
+  for (int k = 0; k < r->e->n; k++) y[k] = vs_rodas_dense_of(r, k, part);
+}
+
+/* ---- a restart ---- */
+
+/* Newton's iteration ends where its correction is below this: rounding, where a node has 1e-20 F.
+ * Where no junction is limited any more it takes a few turns. What then goes on is rounding, of
+ * nodes that share some 100 V and hang on all else by almost nothing; 1e-5 V of that are allowed.
+ */
+enum { ITERATIONS = 200, QUICK = 20, ROUNDING = 1000 };
+static const double LEAST_A = 1e-6, LEAST_V = 1e-8, OF_SIZE = 1e-7;
+
+bool vs_rodas_restart(vs_rodas *r, const double *charge, double h) {
+  vs_equations *e = r->e;
+  const int n = e->n;
+  double *b = r->work[0], *m = r->work[2], *change = r->k[0];
+  r->drive.at(r->drive.ctx, r->t_s + h, r->source[0]);
+  memcpy(r->next, r->y, (size_t)n * sizeof *r->next);
+  for (int turn = 0; turn < ITERATIONS; turn++) {
+    /* M (next - y)/h = f(next) */
+    bool limited = vs_equations_value(e, r->next, r->source[0], true, b, r->jacobian);
+    vs_equations_mass(e, r->next, m);
+    for (int i = 0; i < n; i++) b[i] -= (m[i] - charge[i]) / h;
+    set_matrix(r, 1 / h);
+    if (!factor(r)) return false;
+    vs_matrix_solve(&e->matrix, r->factors, b, change);
+    double most = 0;
+    for (int i = 0; i < n; i++) {
+      const double least = e->name[i][0] == 'i' ? LEAST_A : LEAST_V;
+      most = fmax(most, fabs(change[i]) / (least + OF_SIZE * fabs(r->next[i])));
+      r->next[i] += change[i];
+    }
+    if (!isfinite(most)) return false;
+    if (most <= (turn < QUICK ? 1 : ROUNDING) && !limited) return true;
+  }
+  return false;
+}
+
+void vs_rodas_take(vs_rodas *r, double h) {
+  double *was = r->y;
+  r->y = r->next;
+  r->next = was;
+  r->t_s += h;
+  r->fresh = false;
+}

@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * RODAS: an L-stable, stiffly accurate Rosenbrock method of order 4 with an embedded one of order 3
+ * and a dense output (Hairer and Wanner, Solving Ordinary Differential Equations II, section VI.4),
+ * for M y' = f(t, y) with M singular. One step takes one factored matrix, M/(gamma h) - df/dy, and
+ * six solutions with it. */
+#ifndef VS_COMPILED_RODAS_H
+#define VS_COMPILED_RODAS_H
+
+#include "equations.h"
+
+/* What drives the equations: fills value[k] with what source k of the equations is at t_s. */
+typedef struct vs_rodas_drive {
+  void *ctx;
+  void (*at)(void *ctx, double t_s, double *value);
+} vs_rodas_drive;
+
+typedef struct vs_rodas {
+  vs_equations *e;
+  vs_rodas_drive drive;
+  double *y, *next, *error; /* the last state, that after the step, and the error of that */
+  double *bend[2];          /* of the dense output */
+  double *jacobian, *factors, *matrix;
+  double *k[6], *work[4], *source[4];
+  double *memory; /* owned: all of these */
+  bool ordered;   /* the order of the pivots is known */
+  bool fresh;     /* the Jacobian is that of y at t_s */
+  int culprit;    /* an unknown that no equation decides; -1: none */
+  double t_s;
+} vs_rodas;
+
+void vs_rodas_begin(vs_rodas *r, vs_equations *e, const vs_rodas_drive *drive);
+void vs_rodas_free(vs_rodas *r);
+
+/* Tries a step of h from y at t_s. False: the matrix is singular. */
+bool vs_rodas_try(vs_rodas *r, double h);
+
+/* The state at a part 0..1 of the step that was tried, into y. */
+void vs_rodas_dense(const vs_rodas *r, double part, double *y);
+/* One unknown of it. */
+static inline double vs_rodas_dense_of(const vs_rodas *r, int k, double part) {
+  const double rest = 1 - part;
+  return r->y[k] * rest + part * (r->next[k] + rest * (r->bend[0][k] + part * r->bend[1][k]));
+}
+
+/* Takes a step of h by the backward Euler rule, solved by Newton's iteration with limited
+ * junctions, into next: behind a jump, where no slope is known. charge: M y at its beginning.
+ * False: it did not converge. */
+bool vs_rodas_restart(vs_rodas *r, const double *charge, double h);
+
+/* The step that was tried, or the restart, is taken: y becomes next. */
+void vs_rodas_take(vs_rodas *r, double h);
+
+#endif

@@ -1,0 +1,304 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Tier compiled as users see it: the shipped decks and hard ones against ngspice, events, what it
+ * refuses and how, and how ngspice judges a study on it. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "program.h"
+#include "study/workers/journal.h"
+
+static ran run_on(const char *tier, const char *tolerance, const char *words) {
+  return run("run paper --json --tier %s --set run.tolerance=%s --set run.verify=never %s", tier,
+             tolerance, words);
+}
+
+/* The largest difference of what run.tolerance bounds, relative to the peaks, in millionths. */
+static double difference_in_ppm(const char *a, const char *b) {
+  static const char *const PAIRS[][2] = {{"p_min", "p_max"},   {"u_min", "u_max"},
+                                         {"w_min", "w_max"},   {"phi_min", "phi_max"},
+                                         {"i_peak", "i_peak"}, {"force_peak", "force_peak"}};
+  double most = 0;
+  for (size_t k = 0; k < COUNT(PAIRS); k++) {
+    double peak = 0, off = 0;
+    for (int side = 0; side < 2; side++) {
+      const double x = measure_in(a, PAIRS[k][side]), y = measure_in(b, PAIRS[k][side]);
+      peak = fmax(peak, fabs(y));
+      off = fmax(off, fabs(x - y));
+    }
+    most = fmax(most, isfinite(off) ? off / peak : INFINITY);
+  }
+  return 1e6 * most;
+}
+
+/* Both within `ppm` of each other. */
+static void agree(const char *words, double ppm, int line) {
+  ran one = run_on("compiled", "1e-6", words), other = run_on("circuit", "1e-6", words);
+  expect(one.status == 0 || one.status == 3, line, "%s: %d: %s", words, one.status, one.err);
+  expect(other.status == one.status, line, "%s: %d in ngspice: %s", words, other.status, other.err);
+  const double off = difference_in_ppm(one.out, other.out);
+  expect(off <= ppm, line, "%s: %g ppm", words, off);
+  free_ran(&one);
+  free_ran(&other);
+}
+#define AGREE(words, ppm) agree(words, ppm, __LINE__)
+
+/* Each tier may be off by 2.4 of 1e-6 (docs/accuracy.md). */
+enum { BOTH_PPM = 5 };
+
+static void shipped_decks_are_as_in_ngspice(void) {
+  AGREE("--set run.until=20ms --set circuit.deck=halfwave_bare", BOTH_PPM);
+  AGREE("--set run.until=20ms --set circuit.deck=halfwave_snubbed", BOTH_PPM);
+  AGREE("--set run.until=12ms --set circuit.deck=halfwave_paper", BOTH_PPM);
+  AGREE("--set run.until=20ms --set circuit.deck=fullwave_antiparallel", BOTH_PPM);
+  AGREE("--set run.until=20ms --set circuit.deck=halfwave_snubbed --set "
+        "circuit.thyristor=TYN1212",
+        BOTH_PPM);
+}
+
+static void events_are_as_in_ngspice(void) {
+#define EVENT "--set run.until=16ms --set circuit.deck=halfwave_snubbed --set 'events={e: {kind: "
+  AGREE(EVENT "surge, at: 7 ms, level: 2 kV}}'", BOTH_PPM);
+  AGREE(EVENT "interruption, at: 7 ms, duration: 3 ms}}'", BOTH_PPM);
+  AGREE(EVENT "coil_short, at: 8 ms, fraction: 40 %}}'", BOTH_PPM);
+  AGREE(EVENT "open, at: 8 ms, element: R2}}'", BOTH_PPM);
+}
+
+/* ---- decks of one's own ---- */
+
+/* deck.cir: halfwave_snubbed with more lines, which may take the place of its last one. */
+static void write_deck(const char *more) {
+  char *whole = read_file(VS_TEST_FOLDER "/../spice/halfwave_snubbed.cir");
+  vs_text deck = {0};
+  vs_text_add(&deck, "%s\n%s\n", whole, more);
+  write_file("deck.cir", deck.text);
+  vs_text_free(&deck);
+  free(whole);
+}
+
+#define OWN "--set run.until=12ms --set circuit.deck=deck.cir"
+
+/* What is hard for a method: each agrees with ngspice, or ends with what it is. */
+static void hard_circuits_end_right_or_are_told(void) {
+  static const struct {
+    const char *more, *words, *says; /* says: NULL, it agrees */
+  } ROWS[] = {
+      {"", "--set circuit.varistor_exponent=50 --set firing.angle=60deg", NULL},
+      {"", "--set circuit.off_resistance=1Gohm", NULL},
+      {"", "--set supply.inductance=100nH", NULL},             /* beside 1.6 H */
+      {"C8 fl a 1n\nC9 fl 0 1n", "", NULL},                    /* a node between capacitors alone */
+      {"R9 fl a 1k", "", NULL},                                /* nothing else is there */
+      {"V9 w 0 5\nC9 w 0 1u\nC8 w a 1n\nC7 a 0 1n", "", NULL}, /* a loop of them and a source */
+      {"B9 q 0 v = v(a) > v(b) ? 5 : 0\nR9 q r 1k\nC9 r 0 1n", "", NULL}, /* a comparator */
+      {"D9 a q ideal\nC9 q 0 1u\nR9 q 0 100k\n.model ideal d(is=1n n=0.01)", "", NULL},
+      {"V9 q 0 pulse(0 5 1m 1u 1u 2m 5m)\nR9 q b 10k", "", NULL},
+      {"I9 0 fl 1m", "", "t = 0 s: tier compiled: nothing decides v(fl)"},
+      {"V8 q 0 1\nV9 q 0 2\nR9 q 0 1", "", "t = 0 s: tier compiled: nothing decides i(v9)"},
+      {"I9 0 w 1m\nC9 w 0 10n\nS9 w 0 w 0 sm\n.model sm sw(vt=5 vh=0 ron=1k roff=1meg)", "",
+       "tier compiled: a switch or a branch of an expression opens and closes without end"},
+  };
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    char words[256];
+    snprintf(words, sizeof words, OWN " %s", ROWS[k].words);
+    write_deck(ROWS[k].more);
+    if (!ROWS[k].says) {
+      agree(words, BOTH_PPM, __LINE__);
+      continue;
+    }
+    ran r = run_on("compiled", "1e-4", words);
+    EXPECT(r.status == 1 && strstr(r.err, ROWS[k].says), "%s: %d: %s", ROWS[k].more, r.status,
+           r.err);
+    free_ran(&r);
+  }
+}
+
+/* In PSpice's dialect pwr(x, y) has no sign, and pwrs has one: with ngspice's own the line's
+ * current would be another. */
+static void a_deck_in_pspices_dialect(void) {
+  write_deck("*$ compat ps\n*$ probe v_q = v(q) V\nB9 q 0 i=1m*pwr(v(a)/100,3)\nR9 q 0 1k\n"
+             "B8 a 0 i=1m*pwrs(v(a)/100,3)+limit(v(a)/100k,-1m,1m)");
+  AGREE(OWN, BOTH_PPM);
+  ran one = run_on("compiled", "1e-6", OWN), other = run_on("circuit", "1e-6", OWN);
+  CLOSE(measure_in(one.out, "v_q_min"), measure_in(other.out, "v_q_min"), 1e-5);
+  CU_ASSERT_TRUE(measure_in(one.out, "v_q_min") < -200 && measure_in(one.out, "v_q_max") < 1);
+  free_ran(&one);
+  free_ran(&other);
+}
+
+/* A diode that has 0.26 mV for a factor of e goes off within the voltages' tolerance; it went on
+ * with -0.6 A, of a line that takes back 0.107 A at most. */
+static void an_ideal_diode_stops(void) {
+  write_deck("D9 a q ideal\nC9 q 0 1u\nR9 q 0 100k\n.model ideal d(is=1n n=0.01)");
+  static const char *const TOLERANCES[] = {"1e-3", "1e-4"};
+  for (size_t k = 0; k < COUNT(TOLERANCES); k++) {
+    ran r = run_on("compiled", TOLERANCES[k],
+                   "--set run.until=30ms --set firing.every=1 --set circuit.deck=deck.cir");
+    CLOSE(measure_in(r.out, "i_source_min"), -0.107, 0.01);
+    free_ran(&r);
+  }
+}
+
+/* An opened coil rings with its own capacitance for ten periods, at a flux linkage of 0.02 Wb: it
+ * was off by 15 times the tolerance. */
+static void an_opened_coil_rings_on(void) {
+#define RINGS                                                                                      \
+  "--set circuit.deck=halfwave_snubbed --set supply.voltage=180V --set run.until=22ms --set "      \
+  "circuit.c2=5nF --set 'events={e: {kind: open, at: 1.84 ms, element: Xeva, level: 3.7 kV}}'"
+  ran one = run_on("compiled", "1e-4", RINGS), other = run_on("circuit", "1e-6", RINGS);
+  const double off = difference_in_ppm(one.out, other.out);
+  EXPECT(off <= 240, "%g ppm", off);
+  free_ran(&one);
+  free_ran(&other);
+}
+
+/* ---- refused ---- */
+
+static void what_it_has_not_is_refused_by_line(void) {
+  static const struct {
+    const char *more, *where, *says;
+  } ROWS[] = {
+      {"J9 a b 0 jm\n.model jm njf", ":57:1: ", "an element J is not known here"},
+      {"R9 a b 1k tc1=0.1", ":57:11: ", "the parameter 'tc1'"},
+      {"D9 0 a dm\n.model dm d(is=1n cjo=1p)", ":57:1: ", "the parameter 'cjo'"},
+      {"V9 q 0 exp(0 5 1m)\nR9 q 0 1k", ":57:", "'exp'"},
+      {"V9 q 0 pulse(0 5)\nR9 q 0 1k", ":57:1: ", "of pulse only these"},
+      {"B9 q 0 v=time\nR9 q 0 1k", ":57:10: ", "'time'"},
+      {"E9 q 0 value={v(a)*2}\nR9 q 0 1k", ":57:1: ", "only a gain of one voltage"},
+      {".ic v(c1p)=5", ":57:1: ", ".ic: the statement is not known here"},
+      {".if (1)\nR9 a b 1k\n.endif", ":57:1: ", ".if: the statement is not known here"},
+      {".subckt foo p q\nR1 p q 1k\n.ends\nX9 a b foo m=2", ":60:12: ", "no parameter 'm'"},
+      {".subckt foo p q\nJ1 p q 0 jm\n.model jm njf\n.ends\nX9 a b foo",
+       ":58:1: ", "x9.j1: an element J"},
+      {"M9 a b 0 0 mm\n.model mm nmos", ":57:1: ", "a model of the type 'nmos'"},
+  };
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    write_deck(ROWS[k].more);
+    ran r = run("run paper --tier compiled " OWN);
+    EXPECT(r.status == 2 && strstr(r.err, ROWS[k].where) && strstr(r.err, ROWS[k].says) &&
+               strstr(r.err, "; run.tier: circuit leaves it to ngspice"),
+           "%s: %d: %s", ROWS[k].more, r.status, r.err);
+    free_ran(&r);
+  }
+}
+
+static void ngspices_settings_are_not_its_own(void) {
+  static const char *const KEYS[] = {"run.method=gear", "run.trtol=3", "run.leave_circuit=never",
+                                     "run.ladder=stay"};
+  for (size_t k = 0; k < COUNT(KEYS); k++) {
+    ran r = run("run paper --set run.tier=compiled --set %s", KEYS[k]);
+    EXPECT(r.status == 2 && strstr(r.err, "does not run ngspice and would ignore it; take tier "
+                                          "circuit, or leave the key out"),
+           "%s: %d: %s", KEYS[k], r.status, r.err);
+    free_ran(&r);
+  }
+  ran r = run("run paper --set run.tier=compiled --raw -o raw");
+  EXPECT(r.status == 2 && strstr(r.err, "--raw: only tier circuit can do that"), "%s", r.err);
+  free_ran(&r);
+}
+
+/* ---- judged ---- */
+
+static const char STUDY[] = "scene: paper\n"
+                            "set: {run.tier: compiled, circuit.deck: halfwave_snubbed, run.until: "
+                            "11 ms}\n"
+                            "vary: {firing.angle: {from: 90 deg, to: 105 deg, step: 1 deg}}\n"
+                            "report: [i_peak, p_min, thyristor.i2t]\n";
+
+static void same_text(const char *a, const char *b) {
+  char *x = read_file(a), *y = read_file(b);
+  EXPECT(*x && !strcmp(x, y), "%s and %s differ", a, b);
+  free(x), free(y);
+}
+
+static void a_study_is_judged_by_ngspice(void) {
+  write_file("s.yaml", STUDY);
+  ran r = run("study s.yaml -o one --jobs 1");
+  EXPECT(r.status == 0 && strstr(r.out, "judged 3 of 16 cases in ngspice: off by at most"),
+         "%d: %s%s", r.status, r.out, r.err);
+  free_ran(&r);
+  char *manifest = read_file("one/manifest.json");
+  EXPECT(strstr(manifest, "\"judged_by\": {\"solver\": \"ngspice\", \"tolerance\": 0.0001}") &&
+             strstr(manifest, "\"beyond\": 0") && strstr(manifest, "\"column\": \"i_peak_a\""),
+         "%s", manifest);
+  free(manifest);
+  RUN_GOOD("study s.yaml -o two --jobs 2 --quiet");
+  RUN_GOOD("study s.yaml -o shards/1 --shard 1/2 --quiet");
+  RUN_GOOD("study s.yaml -o shards/2 --shard 2/2 --quiet");
+  RUN_GOOD("merge shards -o merged --quiet");
+  same_text("one/manifest.json", "two/manifest.json");
+  same_text("one/study.csv", "two/study.csv");
+  same_text("one/manifest.json", "merged/manifest.json");
+  same_text("one/study.csv", "merged/study.csv");
+}
+
+/* Takes the lines that judge out of a study's journal. */
+static void forget_judge(const char *path) {
+  char *whole = read_file(path), *rest = whole, *line;
+  vs_text kept = {0};
+  while ((line = strsep(&rest, "\n")))
+    if (*line && line[9] != 'j') vs_text_add(&kept, "%s\n", line);
+  write_file(path, kept.text);
+  vs_text_free(&kept);
+  free(whole);
+}
+
+/* A journal in which ngspice has found, at either tolerance, what another case has. */
+static void forge_judge(void) {
+  vs_journal j;
+  vs_error err = {0};
+  vs_text row = {0}, other = {0};
+  bool failed;
+  CU_ASSERT_EQUAL_FATAL(vs_journal_open(&j, "off", true, &err), VS_OK);
+  for (uint64_t k = 0; k < 16; k++)
+    for (int way = 0; way < 3; way++) {
+      vs_journal_row(&j, way == 2 ? k : 15 - k, &row, &failed, &err);
+      other.length = 0;
+      vs_text_add(&other, "%d%s", (int)k, strchr(row.text, ','));
+      vs_journal_add_judged(&j, k, way, 0, other.text, other.length, &err);
+    }
+  CU_ASSERT_EQUAL(vs_journal_flush(&j, true, &err), VS_OK);
+  vs_journal_close(&j);
+  vs_text_free(&row);
+  vs_text_free(&other);
+}
+
+static void what_ngspice_has_otherwise_fails_the_study(void) {
+  write_file("s.yaml", STUDY);
+  RUN_GOOD("study s.yaml -o off --quiet");
+  forget_judge("off/journal");
+  forge_judge();
+  ran r = run("study s.yaml -o off --resume --quiet");
+  EXPECT(r.status == 1 && strstr(r.err, "case ") && strstr(r.err, " in ngspice: off by ") &&
+             strstr(r.err, "of 3 judged cases; run.tier: circuit runs all of them in ngspice"),
+         "%d: %s", r.status, r.err);
+  free_ran(&r);
+  forget_judge("off/journal"); /* as after a crash */
+  RUN_GOOD("study s.yaml -o off --resume --quiet");
+}
+
+static void the_judges_keys_are_no_axes(void) {
+  write_file("s.yaml", "scene: paper\nset: {run.tier: compiled}\nvary: {run.tolerance: [1e-3, "
+                       "1e-4]}\n");
+  ran r = run("study s.yaml -o axes");
+  EXPECT(r.status == 2 && strstr(r.err, "s.yaml:3:") && strstr(r.err, "run.tolerance is an axis"),
+         "%d: %s", r.status, r.err);
+  free_ran(&r);
+}
+
+int main(void) {
+  static const vs_test TESTS[] = {
+      {"shipped decks are as in ngspice", shipped_decks_are_as_in_ngspice},
+      {"events are as in ngspice", events_are_as_in_ngspice},
+      {"hard circuits end right or are told", hard_circuits_end_right_or_are_told},
+      {"a deck in PSpice's dialect", a_deck_in_pspices_dialect},
+      {"an ideal diode stops", an_ideal_diode_stops},
+      {"an opened coil rings on", an_opened_coil_rings_on},
+      {"what it has not is refused by line", what_it_has_not_is_refused_by_line},
+      {"ngspice's settings are not its own", ngspices_settings_are_not_its_own},
+      {"a study is judged by ngspice", a_study_is_judged_by_ngspice},
+      {"what ngspice has otherwise fails the study", what_ngspice_has_otherwise_fails_the_study},
+      {"the judge's keys are no axes", the_judges_keys_are_no_axes},
+  };
+  return program_suite("compiled_tier", TESTS, COUNT(TESTS));
+}
