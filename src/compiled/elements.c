@@ -33,7 +33,7 @@ static int add_unknown(making *m, const char *name) {
   if (vs_names_find(&e->number, name, strlen(name), &number)) return (int)number;
   e->name = vs_alloc_grow(e->name, (size_t)e->n, sizeof *e->name);
   e->name[e->n] = vs_copy(name);
-  vs_names_put(&e->number, name, (size_t)e->n);
+  vs_names_put(&e->number, name, strlen(name), (size_t)e->n);
   return e->n++;
 }
 
