@@ -202,7 +202,8 @@ static void time_rounds(vs_scene *scene, int rounds) {
 
 int main(int argc, char **argv) {
   static const char *const NAMES[WAYS] = {"all", "idle", "alone"};
-  const vs_circuit_kind solver = {"ngspice, timed", load, solve, release};
+  const vs_circuit_kind solver = {
+      .name = "ngspice, timed", .load = load, .run = solve, .free = release};
   static vs_scene scene;
   vs_error err = {0};
   int way = 0, at = 1;

@@ -40,7 +40,8 @@ static vs_status run_even(void *circuit, vs_error *err) {
 static void free_even(void *circuit) {
   vs_ngspice_kind.free(circuit);
 }
-static const vs_circuit_kind EVEN = {"ngspice, even steps", load_even, run_even, free_even};
+static const vs_circuit_kind EVEN = {
+    .name = "ngspice, even steps", .load = load_even, .run = run_even, .free = free_even};
 
 #define UNTIL "run.until=0.2s"
 #define EVERY "firing.every=1"
