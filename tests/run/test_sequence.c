@@ -108,8 +108,8 @@ static void near_the_holding_current(void) {
  * undecided, but for a value from before the interruption; and others are not. */
 static void torn_lines(void) {
   write_file("t.yaml", "circuit: {deck: halfwave_paper}\nfiring: {every: 1}\nrun: {until: 100 ms}\n"
-                       "events: {e: {kind: interruption, cycle: 3, angle: 60 deg, duration: "
-                       "6 ms}}\n");
+                       "events: {e: {kind: interruption, cycle: 3, angle: 110 deg, duration: "
+                       "7.1 ms}}\n");
   ran r = run("run t.yaml --json --quiet --reproducible");
   const char *off = strstr(r.out, "\"measure\": \"t_off\""),
              *reverse = strstr(r.out, "\"measure\": \"v_reverse\"");
