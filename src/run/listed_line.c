@@ -14,6 +14,7 @@ typedef struct line {
   const char *of, *unit;
   double limit; /* in unit; NaN: two ends, or the part does not state it */
   bool at_least;
+  int sense; /* see vs_listed_measure */
 } line;
 
 static bool is_first_of_probe(const vs_deck *deck, size_t k) {
@@ -27,9 +28,19 @@ static void name_line(line *l, const char *of, const char *measure) {
   l->of = of;
 }
 
+/* A stress has at most the size of an end on its side of 0, and at least that of one beyond 0. Two
+ * ends are alike if 0 lies between them. */
+static int sense_of(const vs_rating *r) {
+  const int below = isinf(r->min) ? 0 : (r->min < 0) - (r->min > 0);
+  const int above = isinf(r->max) ? 0 : (r->max > 0) - (r->max < 0);
+  if (isinf(r->min) || isinf(r->max)) return below + above;
+  return below > 0 && above > 0;
+}
+
 /* A rating of one end has this limit. */
 static void take_ends(line *l, const vs_rating *r) {
   l->unit = r->unit;
+  l->sense = sense_of(r);
   if (isinf(r->min) == isinf(r->max)) return;
   l->at_least = isinf(r->max);
   l->limit = (l->at_least ? r->min : r->max) / vs_units_factor(r->unit);
@@ -66,6 +77,7 @@ static bool device_line_at(const vs_devices *devices, int *n, line *l) {
       name_line(l, w->device->name, r->measure->name);
       l->unit = r->limit ? r->limit->unit : r->measure->unit;
       l->at_least = r->measure->held == VS_AT_LEAST;
+      l->sense = l->at_least ? -1 : 1;
       if (r->limit) l->limit = r->limit->value / vs_units_factor(l->unit);
       return true;
     }
@@ -129,6 +141,7 @@ bool vs_listed_line_at(const vs_frame *frame, const vs_result *r, int k, vs_list
                            .limit = which ? NAN : l.limit,
                            .limit_unit = which ? NULL : l.unit,
                            .at_least = l.at_least,
+                           .sense = l.sense,
                            .group = VS_SHOWN_DEVICES,
                            .channel = -1};
   snprintf(m->name, sizeof m->name, "%s.%s", NUMBERS[which].name, l.name);

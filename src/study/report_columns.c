@@ -120,6 +120,7 @@ static void fill_column(vs_report_column *column, const vs_listed_measure *m, bo
   snprintf(column->limit_unit, sizeof column->limit_unit, "%s", m->limit_unit ? m->limit_unit : "");
   column->rating = m->limit;
   column->at_least = m->at_least;
+  column->sense = m->sense;
   column->line = line;
   vs_units_suffix(m->unit, suffix, sizeof suffix);
   snprintf(column->column, sizeof column->column, "%s%s%.20s", m->name, *suffix ? "_" : "", suffix);
@@ -182,6 +183,7 @@ static vs_status add_line(vs_plan *plan, const vs_listed_measure *m, vs_error *e
                       VS_PLAN_COLUMNS);
   if (!column) fill_column(column = &plan->columns[plan->n_columns++], m, true);
   if (column->rating != m->limit || is_varied(plan, m->name)) column->rating = NAN;
+  if (column->sense != m->sense || is_varied(plan, m->name)) column->sense = 0;
   return VS_OK;
 }
 
