@@ -23,7 +23,7 @@
 typedef struct line {
   const char *name;     /* of the manifest, borrowed */
   size_t margin, error; /* columns of study.csv */
-  double limit; /* as the study had it, SI; NaN: it has two ends, or differs between cases */
+  double limit; /* as the study had it, SI; NaN: it has two ends, or may differ between cases */
   const char *unit;
   int sense;   /* of vs_folder_margins, less 1; 0: the margin is no part of a limit */
   double part; /* the new limit as a part of the old one */

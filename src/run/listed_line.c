@@ -67,18 +67,33 @@ static bool own_line_at(const vs_ratings *ratings, int *n, line *l) {
   return true;
 }
 
+/* True if every case with that part has that limit, whatever its run or its ambient temperature. */
+static bool is_fixed(const vs_watched *w, const vs_reduced *r, const vs_limit *stated) {
+  enum { HOTTEST = 10000 };
+  vs_limit own;
+  double hot_degc;
+  const bool settles =
+      r->by->settle && vs_devices_limit_at(w->deck, w->device, stated->name, &hot_degc);
+  return !settles && vs_devices_derated(w->deck, stated, HOTTEST, &own) == stated;
+}
+
 static bool device_line_at(const vs_devices *devices, int *n, line *l) {
   for (size_t d = 0; devices && d < devices->count; d++) {
     const vs_watched *w = &devices->item[d];
     for (size_t k = 0; k < w->count; k++) {
       const vs_reduced *r = &w->reduced[k];
-      if (!r->limit && !vs_devices_lacks(w->deck, w->device, r->measure)) continue;
+      const vs_limit *stated = vs_devices_limit(w->deck, w->device, r->measure);
+      const bool found = r->by->finds_limit && r->by->is_busy(w, r);
+      const bool fixed = stated && !found && is_fixed(w, r, stated);
+      if (!r->limit && !found && (!stated || fixed) &&
+          !vs_devices_lacks(w->deck, w->device, r->measure))
+        continue;
       if ((*n)-- > 0) continue;
       name_line(l, w->device->name, r->measure->name);
-      l->unit = r->limit ? r->limit->unit : r->measure->unit;
+      l->unit = stated ? stated->unit : r->measure->unit;
       l->at_least = r->measure->held == VS_AT_LEAST;
       l->sense = l->at_least ? -1 : 1;
-      if (r->limit) l->limit = r->limit->value / vs_units_factor(l->unit);
+      if (r->limit && fixed) l->limit = r->limit->value / vs_units_factor(l->unit);
       return true;
     }
   }

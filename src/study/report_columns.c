@@ -182,8 +182,10 @@ static vs_status add_line(vs_plan *plan, const vs_listed_measure *m, vs_error *e
                       "the verdict has more lines than the %d columns of a study have room for",
                       VS_PLAN_COLUMNS);
   if (!column) fill_column(column = &plan->columns[plan->n_columns++], m, true);
-  if (column->rating != m->limit || is_varied(plan, m->name)) column->rating = NAN;
-  if (column->sense != m->sense || is_varied(plan, m->name)) column->sense = 0;
+  const bool varied = is_varied(plan, m->name);
+  const bool other = strcmp(column->limit_unit, m->limit_unit ? m->limit_unit : "") != 0;
+  if (column->rating != m->limit || other || varied) column->rating = NAN;
+  if (column->sense != m->sense || varied) column->sense = 0;
   return VS_OK;
 }
 

@@ -75,6 +75,9 @@ static void lines_of_a_row(void) {
     EXPECT(number_of(&t, k, "error.thyristor.v_reverse") > 0, "%zu", k);
     const double at_s = number_of(&t, k, "at.thyristor.v_reverse_s");
     EXPECT(at_s > 0 && at_s < 24e-3, "%g", at_s);
+    /* of its limits the one over the time at which the current comes nearest to its curve */
+    EXPECT(number_of(&t, k, "margin.fuse_1.i_overload") > 0.9, "%zu", k);
+    EXPECT(!strstr(cell_of(&t, k, "warnings"), "has no column"), "%zu", k);
     char number[64];
     snprintf(number, sizeof number, "margin.%s", cell_of(&t, k, "weakest"));
     CU_ASSERT_STRING_EQUAL(cell_of(&t, k, number), cell_of(&t, k, "margin_least"));
@@ -255,6 +258,7 @@ static void refused(void) {
       {"judge plain --set hold.margin=2", "a part of the limit is wanted, 0 to 1"},
       {"judge plain --set limits.thyristor.v_reverse=900A", "one limit is wanted, in V"},
       {"judge plain --set limits.v_ak=900V", "the line has two ends"},
+      {"judge plain --set limits.fuse_1.i_overload=5A", "another limit from case to case"},
       {"judge rated_0 --set limits.i=5A", "a limit of 0"},
       {"judge rated_0 --set hold.i=2", "a limit of 0"},
       {"judge rated_0 --set hold.thyristor.v_reverse=0.9", "two ends on one side of 0"},
