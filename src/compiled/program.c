@@ -13,7 +13,8 @@ enum {
   MINIMUM,
   MAXIMUM,
   SIZE, /* abs(a) */
-  KINK = SIZE,
+  LINE, /* pwl(a; points): b is the first of its points, c how many */
+  KINK = LINE,
   CONSTANT,
   SIGNAL,
   ADD,
@@ -23,7 +24,6 @@ enum {
   POWER,      /* |a|^b */
   SIGN_POWER, /* sgn(a) |a|^b */
   FUNCTION,
-  LINE,    /* pwl(a; points): b is the first of its points, c how many */
   POINT,   /* constants x in value; y in the next one */
   COMPARE, /* value of a comparison or logical operation; c: its sign */
   ROUND,   /* floor, ceil, nint or int of a */
@@ -488,8 +488,9 @@ double vs_program_value(const vs_compiled_program *p, const double *y, double *s
 static const double BEYOND = 1e-6;
 
 /* What the operation's branch is due to be, by the values of all. */
-static double due_branch(const vs_program_op *op, const double *v) {
+static double due_branch(const vs_compiled_program *p, const vs_program_op *op, const double *v) {
   const double a = v[op->a], over = op->kind <= MAXIMUM ? a - v[op->b] : a;
+  int k = 1;
   switch (op->kind) {
   case COMPARE:
     return compare(op->c, a, v[op->b]);
@@ -501,6 +502,11 @@ static double due_branch(const vs_program_op *op, const double *v) {
     return a > 0;
   case CHOICE:
     return a != 0;
+  case LINE:
+    while (k + 1 < op->c && p->op[op->b + 2 * k].value < a) k++;
+    for (int end = k - 1; end <= k; end++)
+      if (fabs(a - p->op[op->b + 2 * end].value) <= BEYOND) return op->value;
+    return k;
   default:
     return over > BEYOND ? 1 : over < -BEYOND ? -1 : op->value;
   }
@@ -516,7 +522,7 @@ bool vs_program_choose(vs_compiled_program *p, const double *y, bool only_ask) {
   for (int n = 0; n < p->n_live; n++) {
     vs_program_op *op = &p->op[p->live[n]];
     if (op->kind < COMPARE && op->kind > KINK) continue;
-    const double due = due_branch(op, v);
+    const double due = due_branch(p, op, v);
     if (due == op->value || isnan(due)) continue;
     const bool holds = op->kind >= COMPARE;
     other = other || holds || op->value != 0; /* a kink's first side is none that is left */
