@@ -23,10 +23,10 @@
 typedef struct line {
   const char *name;     /* of the manifest, borrowed */
   size_t margin, error; /* columns of study.csv */
-  double limit; /* as the study had it, SI; NaN: it has two ends, or differs between cases */
+  double limit; /* as the study had it, SI; NaN: it has two ends, or may differ between cases */
   const char *unit;
-  bool at_least; /* the limit is the least allowed */
-  double part;   /* the new limit as a part of the old one */
+  int sense;   /* of vs_folder_margins, less 1; 0: the margin is no part of a limit */
+  double part; /* the new limit as a part of the old one */
   bool waived;
   size_t broken[2]; /* how many cases it breaks: as stored, now */
 } line;
@@ -71,17 +71,29 @@ static vs_status unknown_line(const judge *j, const char *key, const char *name,
  * there as {thyristor: {v_reverse: 0.8}}. */
 typedef vs_status (*take_one)(judge *j, const char *name, const vs_node *value, vs_error *err);
 static vs_status each_below(judge *j, const char *key, take_one take, vs_error *err) {
-  const vs_node *map = vs_tree_child_map(j->asked.root, key);
+  const vs_node *map = vs_tree_child(j->asked.root, key);
   char name[2 * VS_KEY_SIZE];
   vs_status status = VS_OK;
+  if (map && map->kind != VS_NODE_MAP)
+    return vs_fail_at(err, map->where, "%s: a line is wanted: %s.thyristor.v_reverse=...%s", key,
+                      key, *key == 'h' ? ", or hold.margin=..." : "");
   for (const vs_node *n = map ? map->child : NULL; n && !status; n = n->next) {
-    if (n->kind == VS_NODE_TEXT) status = take(j, n->key, n, err);
+    if (n->kind != VS_NODE_MAP) status = take(j, n->key, n, err);
     for (const vs_node *m = n->kind == VS_NODE_MAP ? n->child : NULL; m && !status; m = m->next) {
       snprintf(name, sizeof name, "%.90s.%.90s", n->key, m->key);
       status = take(j, name, m, err);
     }
   }
   return status;
+}
+
+/* Error: the margin is no part of a limit that could be another one. */
+static vs_status check_sense(const line *l, const char *key, vs_where where, vs_error *err) {
+  if (l->sense) return VS_OK;
+  return vs_fail_at(err, where,
+                    "%s.%s: a limit of 0, two ends on one side of 0 or limits that differ in kind "
+                    "have no part; give `vibrospice study` another rating",
+                    key, l->name);
 }
 
 /* hold.margin=10%, hold.LINE=0.8: the limit times 0.8; of a least one the limit over 0.8. */
@@ -100,8 +112,8 @@ static vs_status take_hold(judge *j, const char *name, const vs_node *value, vs_
   if (!l) return unknown_line(j, "hold", name, value->key_where, err);
   if (!(number > 0 && isfinite(number)))
     return vs_fail_at(err, value->where, "hold.%s: a part of the limit is wanted, above 0", name);
-  l->part = l->at_least ? 1 / number : number;
-  return VS_OK;
+  l->part = l->sense < 0 ? 1 / number : number;
+  return check_sense(l, "hold", value->where, err);
 }
 
 /* limits.LINE=900 V */
@@ -117,7 +129,9 @@ static vs_status take_limit(judge *j, const char *name, const vs_node *value, vs
                       name, name);
   if (value->kind != VS_NODE_TEXT || !vs_units_read(value->text, l->unit, &si, why, sizeof why))
     return vs_fail_at(err, value->where, "limits.%s: one limit is wanted, in %s", name, l->unit);
-  if (!(si / l->limit > 0))
+  vs_status status = check_sense(l, "limits", value->where, err);
+  if (status) return status;
+  if (!(si / l->limit > 0 && isfinite(si)))
     return vs_fail_at(err, value->where,
                       "limits.%s: a limit with the sign of the study's is wanted", name);
   l->part = si / l->limit;
@@ -209,7 +223,8 @@ static vs_status read_lines(judge *j, vs_error *err) {
     line l = {.name = text_of(n, "name"), .unit = text_of(n, "unit"), .part = 1};
     l.margin = find_column(t, "margin", l.name);
     l.error = find_column(t, "error", l.name);
-    l.at_least = !strcmp(text_of(n, "side"), "min");
+    for (int k = -1; k <= 1; k += 2)
+      if (!strcmp(text_of(n, "margin"), vs_folder_margins[1 + k])) l.sense = k;
     if (!l.margin || !l.error || !vs_units_known(l.unit))
       return vs_fail_at(err, n->where, "line '%s' is not one of %s", l.name, t->path);
     if (!vs_folder_number(text_of(n, "limit"), &l.limit)) l.limit = NAN;
@@ -217,6 +232,10 @@ static vs_status read_lines(judge *j, vs_error *err) {
     j->lines = vs_alloc_grow(j->lines, j->n_lines, sizeof *j->lines);
     j->lines[j->n_lines++] = l;
   }
+  for (size_t c = 0; c < t->count; c++)
+    if (!strncmp(t->column[c].title, "margin.", 7) && !find_line(j, t->column[c].title + 7))
+      return vs_fail_at(err, all->where, "\"lines\" has no line '%s', of which %s has a column",
+                        t->column[c].title + 7, t->path);
   return VS_OK;
 }
 
@@ -228,7 +247,7 @@ static const char *const WORDS[] = {"held", "violated", "undecided"};
 /* What a line comes to, as vs_verdict_word has it. error NaN: it was not computed. */
 static word word_of(double margin, double error) {
   if (isnan(margin) || fabs(margin) <= error) return UNDECIDED;
-  return margin > 0 ? HELD : VIOLATED;
+  return margin < 0 ? VIOLATED : HELD;
 }
 
 static word worse(word a, word b) {
@@ -258,8 +277,8 @@ static void judge_happened(const judge *j, const char *cell, word *stored, word 
     const char *end = strstr(s, " | ");
     const size_t n = end ? (size_t)(end - s) : strlen(s), what = strcspn(s, " ");
     char *one = vs_alloc_part(s, n), *name = vs_alloc_part(s, what);
-    bool spared = strstr(one, EXPECTED) != NULL;
     const word w = strstr(one, UNSURE) ? UNDECIDED : VIOLATED;
+    bool spared = strstr(one, EXPECTED) && w == VIOLATED;
     if (!spared) *stored = worse(*stored, w);
     if (j->criterion == 0) spared = strstr(one, NEVER) != NULL;
     for (int k = 0; k <= j->criterion; k++)
@@ -274,8 +293,8 @@ static void judge_happened(const judge *j, const char *cell, word *stored, word 
 /* The margin to the new limit. A margin m to a most limit L leaves the stress at L (1 - m), to a
  * least one at L (1 + m); of the new limit `part` L the house wants its share besides. */
 static double margin_now(const judge *j, const line *l, double m) {
-  const double stress = l->at_least ? 1 + m : 1 - m;
-  return (l->at_least ? stress / l->part - 1 : 1 - stress / l->part) - j->house;
+  if (l->part == 1) return m - j->house;
+  return (l->sense < 0 ? (1 + m) / l->part - 1 : 1 - (1 - m) / l->part) - j->house;
 }
 
 /* What the margin's error may be then. A part of it is of the stress, and grows with 1 / part, a
@@ -297,14 +316,23 @@ typedef struct row_judged {
   const char *weakest;
 } row_judged;
 
-static double number_of(const char *cell) {
-  return *cell ? strtod(cell, NULL) : NAN;
+/* Error: the cell is not empty, and no number of a line. */
+static vs_status read_number(const judge *j, const vs_folder_row *row, size_t column, double *value,
+                             vs_error *err) {
+  const char *cell = row->cell[column];
+  char *end = NULL;
+  *value = *cell ? strtod(cell, &end) : NAN;
+  if (!end || (!*end && end != cell)) return VS_OK;
+  return vs_fail_at(err, (vs_where){j->folder.path, (int)row->line, 1}, "%s: '%s' is no number",
+                    j->folder.column[column].title, cell);
 }
 
-static void judge_line(judge *j, line *l, const vs_folder_row *row, row_judged *r) {
-  const char *cell = row->cell[l->margin];
-  if (!*cell) return; /* the case has no such line */
-  const double m = number_of(cell), e = number_of(row->cell[l->error]);
+static vs_status judge_line(judge *j, line *l, const vs_folder_row *row, row_judged *r,
+                            vs_error *err) {
+  double m, e;
+  vs_status status = read_number(j, row, l->margin, &m, err);
+  if (!status) status = read_number(j, row, l->error, &e, err);
+  if (status || !*row->cell[l->margin]) return status; /* the case has no such line */
   const double now = margin_now(j, l, m), error = error_now(l, e);
   const char *not_judged = j->folder.not_judged >= 0 ? row->cell[j->folder.not_judged] : "";
   const bool waived = was_waived(not_judged, l->name);
@@ -314,11 +342,28 @@ static void judge_line(judge *j, line *l, const vs_folder_row *row, row_judged *
   l->broken[1] += new != HELD;
   r->stored = worse(r->stored, stored);
   r->now = worse(r->now, new);
-  if (waived || l->waived || !isfinite(now)) return;
-  if (r->weakest && !is_weaker(now, error, r->margin, r->error)) return;
+  if (waived || l->waived || !isfinite(now)) return VS_OK;
+  if (r->weakest && !is_weaker(now, error, r->margin, r->error)) return VS_OK;
   r->margin = now;
   r->error = error;
   r->weakest = l->name;
+  return VS_OK;
+}
+
+/* A line may have no column: of a part that nothing watches, or of a case that the study's first
+ * ones do not tell of (study/workers/case.c). What it breaks the row's status has alone. */
+static vs_status judge_rest(const judge *j, const vs_folder_row *row, row_judged *r,
+                            vs_error *err) {
+  const bool broken = atoi(row->cell[j->folder.status]) != VS_OK;
+  const char *warnings = j->folder.warnings >= 0 ? row->cell[j->folder.warnings] : "";
+  if (!broken && r->stored != HELD)
+    return vs_fail_at(err, (vs_where){j->folder.path, (int)row->line, 1},
+                      "the row's status is %s, and its lines are %s; run the study again",
+                      row->cell[j->folder.status], WORDS[r->stored]);
+  if (broken && r->stored == HELD) r->stored = r->now = worse(r->now, UNDECIDED);
+  if (j->house > 0 && strstr(warnings, " has no column: its margin is "))
+    r->now = worse(r->now, UNDECIDED);
+  return VS_OK;
 }
 
 static void write_row(judge *j, const vs_folder_row *row, const row_judged *r) {
@@ -334,9 +379,13 @@ static void write_row(judge *j, const vs_folder_row *row, const row_judged *r) {
 static vs_status judge_row(void *ctx, const vs_folder_row *row, vs_error *err) {
   judge *j = ctx;
   row_judged r = {.margin = NAN, .error = NAN};
-  (void)err;
-  for (size_t k = 0; k < j->n_lines; k++) judge_line(j, &j->lines[k], row, &r);
+  vs_status status = VS_OK;
+  for (size_t k = 0; k < j->n_lines && !status; k++)
+    status = judge_line(j, &j->lines[k], row, &r, err);
+  if (status) return status;
   if (j->folder.happened >= 0) judge_happened(j, row->cell[j->folder.happened], &r.stored, &r.now);
+  status = judge_rest(j, row, &r, err);
+  if (status) return status;
   j->cases++;
   j->count[0][r.stored]++;
   j->count[1][r.now]++;

@@ -294,8 +294,8 @@ static vs_status try_steps(compiled *c, double *h, double *taken, bool *jumps, v
     }
     const double part = changes_at(c);
     *jumps = part <= 1;
-    if (part < 1 && part * *h > RESTART_S) {
-      *h *= part;
+    if (part < 1 && *h > RESTART_S) { /* a step that ended a little before it has it at once */
+      *h = fmax(part * *h, RESTART_S);
       if (!vs_rodas_try(&c->r, *h)) return give_up(c, "the equations are singular", err);
     }
     *taken = *h;

@@ -356,7 +356,7 @@ static vs_status add_expression(making *m, const placed *p) {
   vs_compiled_device *d = add_device(m, VS_DEVICE_PROGRAM);
   d->pin[0] = a;
   d->pin[1] = b;
-  d->factor = current.n ? factor : 1;
+  d->factor = factor;
   d->branch = p->branch;
   if (d->branch >= 0) add_branch(m, a, b, p->branch);
   return vs_program_read(m->cards, p->in, text, &scope, &d->program, m->err);
@@ -596,7 +596,9 @@ static vs_status list_elements(making *m, vs_parameters *in) {
     const struct sort *sort = sort_of(card->letter);
     if (!sort)
       vs_fail(m->err, VS_INPUT, "an element %c is not known here", card->letter - 'a' + 'A');
-    if (!sort || check_words(m, card, sort->words)) return blame(m, &p);
+    const bool twice = sort && find_element(m, &p, card->name);
+    if (twice) vs_fail(m->err, VS_INPUT, "the circuit has two elements of that name");
+    if (!sort || twice || check_words(m, card, sort->words)) return blame(m, &p);
     for (size_t n = 0; n < card->nodes; n++) node(m, in, vs_cards_word(m->cards, card, n));
     if (sort->has_branch || (card->letter == 'b' && !vs_cards_value(m->cards, card, "i").n)) {
       char *name = current_name(in, card->name);

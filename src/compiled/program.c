@@ -7,8 +7,14 @@
 
 #include "base/alloc.h"
 
-/* Operations. Those behind CHOICE hold a branch in `value`. */
+/* Operations. Those from COMPARE on hold a branch in `value`; those up to KINK have one in it, too,
+ * but only so that a step ends where the slope jumps. */
 enum {
+  MINIMUM,
+  MAXIMUM,
+  SIZE, /* abs(a) */
+  LINE, /* pwl(a; points): b is the first of its points, c how many */
+  KINK = LINE,
   CONSTANT,
   SIGNAL,
   ADD,
@@ -17,12 +23,10 @@ enum {
   DIVIDE,
   POWER,      /* |a|^b */
   SIGN_POWER, /* sgn(a) |a|^b */
-  MINIMUM,
-  MAXIMUM,
   FUNCTION,
-  LINE,    /* pwl(a; points): b is the first of its points, c how many */
   POINT,   /* constants x in value; y in the next one */
-  COMPARE, /* value of a comparison or logical operation; b: its sign */
+  COMPARE, /* value of a comparison or logical operation; c: its sign */
+  ROUND,   /* floor, ceil, nint or int of a */
   CHOICE,  /* a ? b : c */
   STEP,    /* u(a) */
   SIGN     /* sgn(a) */
@@ -52,7 +56,7 @@ static int add_op(writing *w, vs_program_op op) {
   }
   p->op = vs_alloc_grow(p->op, (size_t)p->count, sizeof *p->op);
   p->op[p->count] = op;
-  p->chooses = p->chooses || op.kind >= CHOICE;
+  p->chooses = p->chooses || op.kind >= COMPARE || op.kind <= KINK;
   return p->count++;
 }
 
@@ -99,15 +103,25 @@ static int write_signal(writing *w, const vs_expr *e, size_t node) {
 }
 
 /* What follows from constants alone is one. */
-static int add_function(writing *w, double (*of)(double), int a) {
-  if (is_constant(w, a)) return add_constant(w, of(w->p->op[a].value));
-  return add_op(w, (vs_program_op){.kind = FUNCTION, .a = a, .of = of});
-}
-
 static int add_two(writing *w, int kind, int a, int b, double (*fold)(double, double)) {
   if (fold && is_constant(w, a) && is_constant(w, b))
     return add_constant(w, fold(w->p->op[a].value, w->p->op[b].value));
   return add_op(w, (vs_program_op){.kind = kind, .a = a, .b = b});
+}
+
+static int add_function(writing *w, double (*of)(double), int a) {
+  if (is_constant(w, a)) return add_constant(w, of(w->p->op[a].value));
+  const bool rounds = of == floor || of == ceil || of == nearbyint || of == trunc;
+  const int kind = rounds ? ROUND : of == fabs ? SIZE : FUNCTION;
+  return add_op(w, (vs_program_op){.kind = kind, .a = a, .of = of});
+}
+
+/* uramp(a) = max(a, 0), u2(a) = min(max(a, 0), 1) */
+static int write_ramp(writing *w, int a, bool ends) {
+  const int zero = add_constant(w, 0);
+  const int above = zero < 0 ? -1 : add_two(w, MAXIMUM, a, zero, fmax);
+  const int one = above < 0 || !ends ? above : add_constant(w, 1);
+  return one < 0 || !ends ? one : add_two(w, MINIMUM, above, one, fmin);
 }
 
 static int write_function(writing *w, const vs_netlist_definition *d, const int *given,
@@ -173,6 +187,8 @@ static int write_call(writing *w, const vs_expr *e, size_t node, const bound_op 
     return add_op(w, (vs_program_op){.kind = STEP, .a = given[0]});
   if (count == 1 && vs_words_is(n->word, "sgn"))
     return add_op(w, (vs_program_op){.kind = SIGN, .a = given[0]});
+  if (count == 1 && (vs_words_is(n->word, "uramp") || vs_words_is(n->word, "u2")))
+    return write_ramp(w, given[0], vs_words_is(n->word, "u2"));
   vs_parameters_of_one *one = vs_parameters_function(n->word);
   vs_parameters_of_two *two = vs_parameters_function_2(w->in, n->word);
   if (one && count == 1) return add_function(w, one, given[0]);
@@ -249,7 +265,8 @@ static void find_live(vs_compiled_program *p) {
     live[op->a] = true;
     if (op->kind == CHOICE)
       live[op->value != 0 ? op->b : op->c] = true;
-    else if ((op->kind >= ADD && op->kind <= MAXIMUM) || op->kind == COMPARE)
+    else if ((op->kind >= ADD && op->kind <= SIGN_POWER) || op->kind <= MAXIMUM ||
+             op->kind == COMPARE)
       live[op->b] = true;
   }
   p->n_live = 0;
@@ -290,7 +307,6 @@ static const double STEEPEST = 300;
 
 static double slope_of(double (*of)(double), double x, double value) {
   if (of == exp) return x > STEEPEST ? exp(STEEPEST) : value;
-  if (of == fabs) return x < 0 ? -1 : 1;
   if (of == log) return 1 / x;
   if (of == log10) return 1 / (x * M_LN10);
   if (of == sqrt) return value > 0 ? 0.5 / value : 0;
@@ -306,8 +322,7 @@ static double slope_of(double (*of)(double), double x, double value) {
   if (of == asinh) return 1 / sqrt(1 + x * x);
   if (of == acosh) return 1 / sqrt(x * x - 1);
   if (of == atanh) return 1 / (1 - x * x);
-  if (of == floor || of == ceil || of == nearbyint || of == trunc) return 0;
-  const double h = 1e-6 * fmax(fabs(x), 1); /* sqr, uramp, u2 */
+  const double h = 1e-6 * fmax(fabs(x), 1); /* sqr */
   return (of(x + h) - of(x - h)) / (2 * h);
 }
 
@@ -388,15 +403,15 @@ static void go_forward(const vs_compiled_program *p, const double *y, double *v)
     case LINE:
       v[k] = line_value(p, op, v[op->a], &slope);
       break;
-    case COMPARE:
-      v[k] = compare(op->c, v[op->a], v[op->b]);
+    case SIZE:
+      v[k] = fabs(v[op->a]);
       break;
     case CHOICE:
       v[k] = op->value != 0 ? v[op->b] : v[op->c];
       break;
     default:
       v[k] = op->value;
-      break; /* STEP, SIGN */
+      break; /* COMPARE, ROUND, STEP, SIGN */
     }
   }
 }
@@ -449,6 +464,9 @@ static void go_back(const vs_compiled_program *p, const double *v, double *slope
       line_value(p, op, v[op->a], &at);
       d[op->a] += g * at;
       break;
+    case SIZE:
+      d[op->a] += v[op->a] < 0 ? -g : g;
+      break;
     case CHOICE:
       d[op->value != 0 ? op->b : op->c] += g;
       break;
@@ -465,6 +483,35 @@ double vs_program_value(const vs_compiled_program *p, const double *y, double *s
   return v[p->count - 1];
 }
 
+/* What is this far beyond a kink is on its other side. Less says nothing, so that rounding about 0
+ * makes no steps. */
+static const double BEYOND = 1e-6;
+
+/* What the operation's branch is due to be, by the values of all. */
+static double due_branch(const vs_compiled_program *p, const vs_program_op *op, const double *v) {
+  const double a = v[op->a], over = op->kind <= MAXIMUM ? a - v[op->b] : a;
+  int k = 1;
+  switch (op->kind) {
+  case COMPARE:
+    return compare(op->c, a, v[op->b]);
+  case ROUND:
+    return op->of(a);
+  case SIGN:
+    return (a > 0) - (a < 0);
+  case STEP:
+    return a > 0;
+  case CHOICE:
+    return a != 0;
+  case LINE:
+    while (k + 1 < op->c && p->op[op->b + 2 * k].value < a) k++;
+    for (int end = k - 1; end <= k; end++)
+      if (fabs(a - p->op[op->b + 2 * end].value) <= BEYOND) return op->value;
+    return k;
+  default:
+    return over > BEYOND ? 1 : over < -BEYOND ? -1 : op->value;
+  }
+}
+
 /* Branches are taken from the first operation to the last, so that what a later one chooses by is
  * known. With each the operations that count are others. */
 bool vs_program_choose(vs_compiled_program *p, const double *y, bool only_ask) {
@@ -474,13 +521,15 @@ bool vs_program_choose(vs_compiled_program *p, const double *y, bool only_ask) {
   go_forward(p, y, v);
   for (int n = 0; n < p->n_live; n++) {
     vs_program_op *op = &p->op[p->live[n]];
-    if (op->kind < CHOICE) continue;
-    const double a = v[op->a];
-    const double due = op->kind == SIGN ? (a > 0) - (a < 0) : op->kind == STEP ? a > 0 : a != 0;
-    if (due == op->value) continue;
-    other = true;
-    if (only_ask) return true;
+    if (op->kind < COMPARE && op->kind > KINK) continue;
+    const double due = due_branch(p, op, v);
+    if (due == op->value || isnan(due)) continue;
+    const bool holds = op->kind >= COMPARE;
+    other = other || holds || op->value != 0; /* a kink's first side is none that is left */
+    if (only_ask && (holds || op->value != 0)) return true;
+    if (only_ask) continue;
     op->value = due;
+    if (!holds) continue;
     find_live(p);
     go_forward(p, y, v);
     n = -1;

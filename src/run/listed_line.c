@@ -14,6 +14,7 @@ typedef struct line {
   const char *of, *unit;
   double limit; /* in unit; NaN: two ends, or the part does not state it */
   bool at_least;
+  int sense; /* see vs_listed_measure */
 } line;
 
 static bool is_first_of_probe(const vs_deck *deck, size_t k) {
@@ -27,9 +28,19 @@ static void name_line(line *l, const char *of, const char *measure) {
   l->of = of;
 }
 
+/* A stress has at most the size of an end on its side of 0, and at least that of one beyond 0. Two
+ * ends are alike if 0 lies between them. */
+static int sense_of(const vs_rating *r) {
+  const int below = isinf(r->min) ? 0 : (r->min < 0) - (r->min > 0);
+  const int above = isinf(r->max) ? 0 : (r->max > 0) - (r->max < 0);
+  if (isinf(r->min) || isinf(r->max)) return below + above;
+  return below > 0 && above > 0;
+}
+
 /* A rating of one end has this limit. */
 static void take_ends(line *l, const vs_rating *r) {
   l->unit = r->unit;
+  l->sense = sense_of(r);
   if (isinf(r->min) == isinf(r->max)) return;
   l->at_least = isinf(r->max);
   l->limit = (l->at_least ? r->min : r->max) / vs_units_factor(r->unit);
@@ -56,17 +67,33 @@ static bool own_line_at(const vs_ratings *ratings, int *n, line *l) {
   return true;
 }
 
+/* True if every case with that part has that limit, whatever its run or its ambient temperature. */
+static bool is_fixed(const vs_watched *w, const vs_reduced *r, const vs_limit *stated) {
+  enum { HOTTEST = 10000 };
+  vs_limit own;
+  double hot_degc;
+  const bool settles =
+      r->by->settle && vs_devices_limit_at(w->deck, w->device, stated->name, &hot_degc);
+  return !settles && vs_devices_derated(w->deck, stated, HOTTEST, &own) == stated;
+}
+
 static bool device_line_at(const vs_devices *devices, int *n, line *l) {
   for (size_t d = 0; devices && d < devices->count; d++) {
     const vs_watched *w = &devices->item[d];
     for (size_t k = 0; k < w->count; k++) {
       const vs_reduced *r = &w->reduced[k];
-      if (!r->limit && !vs_devices_lacks(w->deck, w->device, r->measure)) continue;
+      const vs_limit *stated = vs_devices_limit(w->deck, w->device, r->measure);
+      const bool found = r->by->finds_limit && r->by->is_busy(w, r);
+      const bool fixed = stated && !found && is_fixed(w, r, stated);
+      if (!r->limit && !found && (!stated || fixed) &&
+          !vs_devices_lacks(w->deck, w->device, r->measure))
+        continue;
       if ((*n)-- > 0) continue;
       name_line(l, w->device->name, r->measure->name);
-      l->unit = r->limit ? r->limit->unit : r->measure->unit;
+      l->unit = stated ? stated->unit : r->measure->unit;
       l->at_least = r->measure->held == VS_AT_LEAST;
-      if (r->limit) l->limit = r->limit->value / vs_units_factor(l->unit);
+      l->sense = l->at_least ? -1 : 1;
+      if (r->limit && fixed) l->limit = r->limit->value / vs_units_factor(l->unit);
       return true;
     }
   }
@@ -129,6 +156,7 @@ bool vs_listed_line_at(const vs_frame *frame, const vs_result *r, int k, vs_list
                            .limit = which ? NAN : l.limit,
                            .limit_unit = which ? NULL : l.unit,
                            .at_least = l.at_least,
+                           .sense = l.sense,
                            .group = VS_SHOWN_DEVICES,
                            .channel = -1};
   snprintf(m->name, sizeof m->name, "%s.%s", NUMBERS[which].name, l.name);

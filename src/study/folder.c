@@ -22,6 +22,8 @@ const char *const vs_folder_cell_words[] = {
     [VS_CELLS_VALUE] = "number", [VS_CELLS_LINE] = "number",   [VS_CELLS_COUNT] = "count",
     [VS_CELLS_STATUS] = "count"};
 
+const char *const vs_folder_margins[3] = {"stress/limit - 1", NULL, "1 - stress/limit"};
+
 const vs_folder_kind vs_folder_kinds[VS_ROLES] = {
     [VS_ROLE_CASE] = {"case", VS_CELLS_COUNT},
     [VS_ROLE_ID] = {"id", VS_CELLS_TEXT},

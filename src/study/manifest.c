@@ -109,6 +109,7 @@ static void add_line(const vs_report_column *margin, vs_json *json) {
   vs_json_text(json, "unit", margin->limit_unit);
   vs_json_number(json, "limit", margin->rating, 12);
   vs_json_text(json, "side", margin->at_least ? "min" : "max");
+  vs_json_text(json, "margin", vs_folder_margins[1 + margin->sense]);
   vs_json_end(json);
 }
 

@@ -120,6 +120,7 @@ static void fill_column(vs_report_column *column, const vs_listed_measure *m, bo
   snprintf(column->limit_unit, sizeof column->limit_unit, "%s", m->limit_unit ? m->limit_unit : "");
   column->rating = m->limit;
   column->at_least = m->at_least;
+  column->sense = m->sense;
   column->line = line;
   vs_units_suffix(m->unit, suffix, sizeof suffix);
   snprintf(column->column, sizeof column->column, "%s%s%.20s", m->name, *suffix ? "_" : "", suffix);
@@ -181,7 +182,10 @@ static vs_status add_line(vs_plan *plan, const vs_listed_measure *m, vs_error *e
                       "the verdict has more lines than the %d columns of a study have room for",
                       VS_PLAN_COLUMNS);
   if (!column) fill_column(column = &plan->columns[plan->n_columns++], m, true);
-  if (column->rating != m->limit || is_varied(plan, m->name)) column->rating = NAN;
+  const bool varied = is_varied(plan, m->name);
+  const bool other = strcmp(column->limit_unit, m->limit_unit ? m->limit_unit : "") != 0;
+  if (column->rating != m->limit || other || varied) column->rating = NAN;
+  if (column->sense != m->sense || varied) column->sense = 0;
   return VS_OK;
 }
 

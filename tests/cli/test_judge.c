@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "base/csv.h"
 #include "base/text.h"
@@ -58,7 +59,7 @@ static void run_study(const char *folder, const char *more) {
   char text[1024];
   snprintf(text, sizeof text, STUDY, more);
   write_file("s.yaml", text);
-  ran r = run("study s.yaml -o %s --quiet", folder);
+  ran r = run("study s.yaml -o %s --quiet --overwrite", folder);
   EXPECT(r.status == 0 || r.status == 3, "%s: %d %s", more, r.status, r.err);
   free_ran(&r);
 }
@@ -74,6 +75,9 @@ static void lines_of_a_row(void) {
     EXPECT(number_of(&t, k, "error.thyristor.v_reverse") > 0, "%zu", k);
     const double at_s = number_of(&t, k, "at.thyristor.v_reverse_s");
     EXPECT(at_s > 0 && at_s < 24e-3, "%g", at_s);
+    /* of its limits the one over the time at which the current comes nearest to its curve */
+    EXPECT(number_of(&t, k, "margin.fuse_1.i_overload") > 0.9, "%zu", k);
+    EXPECT(!strstr(cell_of(&t, k, "warnings"), "has no column"), "%zu", k);
     char number[64];
     snprintf(number, sizeof number, "margin.%s", cell_of(&t, k, "weakest"));
     CU_ASSERT_STRING_EQUAL(cell_of(&t, k, number), cell_of(&t, k, "margin_least"));
@@ -135,6 +139,56 @@ static void house_and_waivers(void) {
   free_ran(&r);
 }
 
+/* Writes the folder `edited`: the first row of `plain`, with another cell and another status. */
+static void edit(const char *column, const char *cell, const char *status) {
+  table plain = read_table("plain/study.csv");
+  vs_text text = {0};
+  for (size_t c = 0; c < plain.columns; c++)
+    vs_text_add(&text, "%s%s", c ? "," : "", plain.name[c]);
+  for (size_t c = 0; c < plain.columns; c++) {
+    vs_text_add(&text, "%s", c ? "," : "\n");
+    vs_csv_cell(&text, !strcmp(plain.name[c], column)     ? cell
+                       : !strcmp(plain.name[c], "status") ? status
+                                                          : plain.cell[0][c]);
+  }
+  vs_text_add(&text, "\n");
+  char *manifest = read_file("plain/manifest.json");
+  mkdir("edited", 0777);
+  write_file("edited/manifest.json", manifest);
+  write_file("edited/study.csv", text.text);
+  vs_text_free(&text);
+  free(manifest);
+  free(plain.text);
+}
+
+/* The other limit of a rating of the scene, as of a study that is run with it. A stress of -0.3 mm
+ * is nearer to -0.31 mm than to -1 mm. */
+static void limits_below_zero(void) {
+  static const struct {
+    const char *before, *set, *now;
+  } ROWS[] = {{"p: '-1 mm ..'", "limits.p=-0.31mm", "p: '-0.31 mm ..'"},
+              {"p: '-1 mm ..'", "limits.p=-2mm", "p: '-2 mm ..'"},
+              {"p: '.. -1 mm'", "limits.p=-2mm", "p: '.. -2 mm'"},
+              {"i: '-10 A .. 10 A'", "hold.i=0.2", "i: '-2 A .. 2 A'"}};
+  for (size_t n = 0; n < COUNT(ROWS); n++) {
+    char more[64];
+    snprintf(more, sizeof more, ", ratings: {%s}", ROWS[n].before);
+    run_study("before", more);
+    snprintf(more, sizeof more, ", ratings: {%s}", ROWS[n].now);
+    run_study("now", more);
+    ran r = run("judge before -o judged --quiet --set %s", ROWS[n].set);
+    table now = read_table("now/study.csv"), judged = read_table("judged/judged.csv");
+    CU_ASSERT_EQUAL_FATAL(judged.rows, 3);
+    for (size_t k = 0; k < 3; k++) {
+      near(number_of(&judged, k, "margin_least"), number_of(&now, k, "margin_least"), 1e-10);
+      CU_ASSERT_STRING_EQUAL(cell_of(&judged, k, "weakest"), cell_of(&now, k, "weakest"));
+      CU_ASSERT_STRING_EQUAL(cell_of(&judged, k, "status"), cell_of(&now, k, "status"));
+    }
+    free_ran(&r);
+    free(now.text), free(judged.text);
+  }
+}
+
 /* What happened, as cells have it, and what each criterion makes of that: A nothing may happen, B
  * it may fire or misfire, C a fuse may open besides; without one only what was expected may. */
 static void criteria(void) {
@@ -149,22 +203,15 @@ static void criteria(void) {
       {"misfire of thyristor at 0.01 s (x) | fuse_arcs_again of fuse_2 at 0.02 s (x)",
        {"violated", "violated", "violated", "violated"}},
       {"fuse_opens of fuse_2 did not happen, though expected",
-       {"violated", "held", "held", "held"}}};
+       {"violated", "held", "held", "held"}},
+      {"misfire of thyristor at 0.01 s (x), as expected, in one of two runs",
+       {"undecided", "undecided", "held", "held"}},
+      {"misfire of thyristor did not happen, though expected, in one of two runs",
+       {"undecided", "held", "held", "held"}}};
   static const char *const SETS[] = {"", "--set criterion=A", "--set criterion=B",
                                      "--set criterion=C"};
-  table plain = read_table("plain/study.csv");
-  run_study("edited", "");
   for (size_t k = 0; k < COUNT(ROWS); k++) {
-    vs_text text = {0};
-    for (size_t c = 0; c < plain.columns; c++)
-      vs_text_add(&text, "%s%s", c ? "," : "", plain.name[c]);
-    for (size_t c = 0; c < plain.columns; c++) {
-      vs_text_add(&text, "%s", c ? "," : "\n");
-      vs_csv_cell(&text, !strcmp(plain.name[c], "happened") ? ROWS[k].happened : plain.cell[0][c]);
-    }
-    vs_text_add(&text, "\n");
-    write_file("edited/study.csv", text.text);
-    vs_text_free(&text);
+    edit("happened", ROWS[k].happened, strcmp(ROWS[k].words[0], "held") ? "3" : "0");
     for (size_t s = 0; s < COUNT(SETS); s++) {
       ran r = run("judge edited -o judged --quiet %s", SETS[s]);
       table judged = read_table("judged/judged.csv");
@@ -176,7 +223,31 @@ static void criteria(void) {
       free_ran(&r);
     }
   }
-  free(plain.text);
+}
+
+/* A row whose status says more than its lines, as of a part that nothing watches, does not hold. A
+ * line without a column has no margin that could be the house's. What is no number is refused. */
+static void edited_rows(void) {
+  static const char UNWATCHED[] = "u has no column: its margin is 0.05";
+  static const struct {
+    const char *column, *cell, *status, *set;
+    int ends;
+    const char *says;
+  } ROWS[] = {{"why", "", "3", "", 3, "undecided             1          1"},
+              {"warnings", UNWATCHED, "0", "", 0, "held                  1          1"},
+              {"warnings", UNWATCHED, "0", "--set hold.margin=1e-6", 3,
+               "undecided             0          1"},
+              {"margin.thyristor.v_reverse", "-0.1", "0", "", 2,
+               "edited/study.csv:2:1: the row's status is 0, and its lines are violated"},
+              {"margin.thyristor.v_reverse", "0.1 V", "0", "", 2,
+               "edited/study.csv:2:1: margin.thyristor.v_reverse: '0.1 V' is no number"}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    edit(ROWS[k].column, ROWS[k].cell, ROWS[k].status);
+    ran r = run("judge edited %s", ROWS[k].set);
+    EXPECT(r.status == ROWS[k].ends && strstr(r.status == 2 ? r.err : r.out, ROWS[k].says),
+           "%zu: %d %s %s", k, r.status, r.out, r.err);
+    free_ran(&r);
+  }
 }
 
 static void refused(void) {
@@ -187,9 +258,17 @@ static void refused(void) {
       {"judge plain --set hold.margin=2", "a part of the limit is wanted, 0 to 1"},
       {"judge plain --set limits.thyristor.v_reverse=900A", "one limit is wanted, in V"},
       {"judge plain --set limits.v_ak=900V", "the line has two ends"},
+      {"judge plain --set limits.fuse_1.i_overload=5A", "another limit from case to case"},
+      {"judge rated_0 --set limits.i=5A", "a limit of 0"},
+      {"judge rated_0 --set hold.i=2", "a limit of 0"},
+      {"judge rated_0 --set hold.thyristor.v_reverse=0.9", "two ends on one side of 0"},
+      {"judge plain --set hold=10%", "hold: a line is wanted"},
+      {"judge plain --set limits=[1]", "limits: a line is wanted"},
+      {"judge plain --set hold.margin=[1]", "a number is wanted"},
       {"judge plain --set criterion=D", "criterion: A (nothing happens)"},
       {"judge plain --set waive=[p_min]", "have no line 'p_min'"},
       {"judge nowhere", "manifest.json"}};
+  run_study("rated_0", ", ratings: {i: '.. 0 A', thyristor.v_reverse: '1 V .. 5 kV'}");
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     ran r = run("%s", ROWS[k][0]);
     EXPECT(r.status == 2 && strstr(r.err, ROWS[k][1]) && !*r.out, "%s: %d %s", ROWS[k][0], r.status,
@@ -226,8 +305,10 @@ int main(void) {
   static const vs_test TESTS[] = {{"lines of a row", lines_of_a_row},
                                   {"as it was", as_it_was},
                                   {"another limit", another_limit},
+                                  {"limits below zero", limits_below_zero},
                                   {"house and waivers", house_and_waivers},
                                   {"criteria", criteria},
+                                  {"edited rows", edited_rows},
                                   {"refused", refused},
                                   {"sensitivity of a margin", sensitivity_of_a_margin}};
   return program_suite("judge", TESTS, COUNT(TESTS));

@@ -257,6 +257,7 @@ static void prepare_clears(vs_watched *w, vs_reduced *r) {
 const vs_reducer vs_fuse_reduction_curve = {.state_size = sizeof(curve),
                                             .until_opens = true,
                                             .prepare = prepare_curve,
+                                            .finds_limit = true,
                                             .is_busy = has_curve,
                                             .begin = begin_curve,
                                             .follow = follow_curve,

@@ -196,6 +196,7 @@ static void finish_derated(const vs_watched *w, vs_reduced *r, const vs_run_end 
 }
 
 const vs_reducer vs_surge_pulses = {.state_size = sizeof(pulses),
+                                    .finds_limit = true,
                                     .is_busy = has_table,
                                     .follow = follow_derated,
                                     .finish = finish_derated};
@@ -335,11 +336,13 @@ static void finish_short(const vs_watched *w, vs_reduced *r, const vs_run_end *e
 
 const vs_reducer vs_surge_rows = {.state_size = sizeof(row_of),
                                   .hangs_on_sequence = true,
+                                  .finds_limit = true,
                                   .is_busy = has_surges,
                                   .follow = follow_surges,
                                   .finish = finish_surges},
                  vs_surge_short = {.state_size = sizeof(short_of),
                                    .hangs_on_sequence = true,
+                                   .finds_limit = true,
                                    .is_busy = has_root,
                                    .follow = follow_short,
                                    .finish = finish_short};

@@ -211,11 +211,10 @@ static void add_happened(const vs_case *c, vs_text *row) {
                 j->device->name);
     if (j->stress.value > 0)
       vs_text_add(&all, " at %.6g s (%s)%s", j->stress.at_s, j->cause,
-                  j->expected                          ? ", as expected"
-                  : vs_verdict_word(j) == VS_UNDECIDED ? ", in one of two runs"
-                                                       : "");
+                  j->expected ? ", as expected" : "");
     else
       vs_text_add(&all, " did not happen, though expected");
+    if (vs_verdict_word(j) == VS_UNDECIDED) vs_text_add(&all, ", in one of two runs");
   }
   vs_csv_cell(row, all.text ? all.text : "");
   vs_text_free(&all);

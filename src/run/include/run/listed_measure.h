@@ -21,10 +21,12 @@ typedef struct vs_listed_measure {
   char of[VS_DECK_NAME]; /* the device, the coordinate or the deck's probe; "": none of these */
   const char *unit;      /* borrowed from the deck or from a table of the program */
   vs_value value;        /* in that unit */
-  double limit;  /* in that unit: of a rating of its probe or of its device's part; NaN: none. Of a
-                    margin: the limit it is a part of, in limit_unit; NaN: it has two ends */
+  double limit; /* in that unit: of a rating of its probe or of its device's part; NaN: none. Of a
+                   margin: the limit it is a part of, in limit_unit; NaN: it has two ends */
   const char *limit_unit; /* of a margin; NULL: it is none */
-  bool at_least; /* the limit is the least allowed, not the most */
+  bool at_least;          /* the limit is the least allowed, not the most */
+  int sense;     /* of a margin: 1, it is 1 - stress / limit; -1, stress / limit - 1; 0, neither, as
+                    of a limit of 0 */
   double over_v; /* of a rate of rise: how far the stretch rises that it is the mean rate of, V; 0:
                     of any other measure */
   vs_listed_measure_group group;

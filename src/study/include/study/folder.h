@@ -14,11 +14,11 @@
  * workers/case.c the function that adds its cell. Header, resuming, reports, manifest, npy and
  * Python take the row from there; test_columns counts them. */
 typedef enum vs_folder_role {
-  VS_ROLE_CASE,    /* the case's number */
-  VS_ROLE_ID,      /* the case's id (study/workers/identity.h); the column may be missing */
-  VS_ROLE_AXIS,    /* what was varied */
-  VS_ROLE_REPORT,  /* what was measured */
-  VS_ROLE_LINE,    /* a number of a line of the verdict: its margin, the error of that, its instant */
+  VS_ROLE_CASE,   /* the case's number */
+  VS_ROLE_ID,     /* the case's id (study/workers/identity.h); the column may be missing */
+  VS_ROLE_AXIS,   /* what was varied */
+  VS_ROLE_REPORT, /* what was measured */
+  VS_ROLE_LINE, /* a number of a line of the verdict: its margin, the error of that, its instant */
   VS_ROLE_MARGIN,  /* the least margin of the verdict, relative to its limit */
   VS_ROLE_ERROR,   /* the numerical error of that margin; empty: it was not computed */
   VS_ROLE_WEAKEST, /* what has that margin */
@@ -50,10 +50,14 @@ typedef struct vs_folder_kind {
   vs_folder_cells cells;
 } vs_folder_kind;
 extern const vs_folder_kind vs_folder_kinds[VS_ROLES];
-/* Returns the role of the column of that title; VS_ROLE_REPORT: it is an axis or a measure. A line's
- * begins with "margin.", "error." or "at.", and no device has one of these names
+/* Returns the role of the column of that title; VS_ROLE_REPORT: it is an axis or a measure. A
+ * line's begins with "margin.", "error." or "at.", and no device has one of these names
  * (report_columns.c). */
 vs_folder_role vs_folder_role_of(const char *title);
+
+/* What a line's margin is, in manifest.json, by 1 + its sense (vs_listed_measure). NULL: neither.
+ */
+extern const char *const vs_folder_margins[3];
 
 typedef struct vs_folder_column {
   char *title; /* as in study.csv: "circuit.r1_ohm" */

@@ -26,7 +26,7 @@
 
 /* At most: axes; columns that the study asks for; and with the numbers of the verdict's lines. */
 enum { VS_PLAN_AXES = 32, VS_PLAN_REPORT = 96, VS_PLAN_COLUMNS = VS_PLAN_REPORT + 3 * 128 };
-#define VS_PLAN_CASES 100000000ull                /* at most */
+#define VS_PLAN_CASES 100000000ull /* at most */
 
 /* A column of study.csv behind the axes: a measure, or a number of a line of the verdict. */
 typedef struct vs_report_column {
@@ -38,6 +38,7 @@ typedef struct vs_report_column {
   double rating; /* the limit it is held against, in unit; of a margin: its limit, in limit_unit.
                     NaN: it has none, or not in every case the same one */
   bool at_least; /* the limit is the least allowed; false: it is the most */
+  int sense;     /* of a margin, see vs_listed_measure; 0, too, where cases differ */
   vs_where where;
   int derivative; /* 1 + the number of the entry of plan->derivatives whose value this is, or, with
                      a minus, whose error; 0: it is a measure */
