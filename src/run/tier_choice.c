@@ -144,6 +144,15 @@ bool vs_tier_choice_is_known(const vs_node *root, const vs_setup *setup) {
          (word->kind == VS_NODE_TEXT && !strcmp(word->text, "auto"));
 }
 
+/* "asked for by run.tier". A circuit that ngspice does not solve is told besides: a study has some
+ * of its cases judged by ngspice (study/judge.h), a run has not. */
+static void tell_who_asked(const vs_tier *tier, const char *who, char why[VS_TIER_CHOICE_WHY]) {
+  snprintf(why, VS_TIER_CHOICE_WHY, "asked for by %s%s", who,
+           tier->has_circuit && !tier->by_ngspice
+               ? "; solved by the program itself, not by ngspice, which judges it in studies alone"
+               : "");
+}
+
 vs_status vs_tier_choice_make(const vs_node *root, const vs_setup *setup, const char *named,
                               const vs_tier **tier, char why[VS_TIER_CHOICE_WHY], vs_error *err) {
   const vs_tier_key *ideal = first_own_key(root, setup, vs_tiers_automatic(false));
@@ -154,12 +163,12 @@ vs_status vs_tier_choice_make(const vs_node *root, const vs_setup *setup, const 
   else if (named) {
     *tier = vs_tiers_find(named);
     if (!*tier) return vs_fail(err, VS_INPUT, "--tier %s: there are: %s", named, vs_tiers_words);
-    snprintf(why, VS_TIER_CHOICE_WHY, "asked for by --tier");
+    tell_who_asked(*tier, "--tier", why);
     return VS_OK;
   }
   if (choice > 0) {
     *tier = vs_tiers_all[choice - 1];
-    snprintf(why, VS_TIER_CHOICE_WHY, "asked for by run.tier");
+    tell_who_asked(*tier, "run.tier", why);
   } else if (!vs_tier_choice_is_known(root, setup)) {
     *tier = vs_tiers_automatic(true); /* it has all probes */
   } else if (ideal && !is_deck_modulated(setup)) {
