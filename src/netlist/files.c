@@ -156,12 +156,15 @@ static void add_rewritten(vs_deck *deck, vs_line line, vs_rewriting *r) {
 
 /* Holds a line to the rules, rewrites it and adds it to the netlist; *skip: or passes it by. */
 static vs_status take_circuit(vs_deck *deck, vs_line *line, bool *skip, vs_error *err) {
-  vs_cards one;
-  vs_cards_read(&one, line, 1);
+  const char letter = (char)tolower((unsigned char)*line->text);
+  const bool judged = strchr(".xkefghvi", letter); /* by its words; most lines, by their letter */
+  vs_netlist_card bare = {.letter = letter, .name = vs_words_at(line->text)};
+  vs_cards one = {.lines = line, .card = &bare};
+  if (judged) vs_cards_read(&one, line, 1);
   vs_status status = *line->text == '.' ? vs_rules_statement(deck, &one, skip, err)
                                         : vs_rules_element(deck, &one, err);
   if (!status && !*skip) status = vs_slips_line(&one, err);
-  vs_cards_free(&one);
+  if (judged) vs_cards_free(&one);
   if (status || *skip) return status;
   vs_rewriting r = {.line = line,
                     .pspice = *deck->compat != 0,
