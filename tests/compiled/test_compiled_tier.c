@@ -32,10 +32,15 @@ static double difference_in_ppm(const char *a, const char *b) {
   return 1e6 * most;
 }
 
-/* Both within `ppm` of each other. */
+/* Both within `ppm` of each other. With sanitizers, which look at memory, the tier alone runs. */
 static void agree(const char *words, double ppm, int line) {
-  ran one = run_on("compiled", "1e-6", words), other = run_on("circuit", "1e-6", words);
+  ran one = run_on("compiled", is_for_memory_alone() ? "1e-3" : "1e-6", words);
   expect(one.status == 0 || one.status == 3, line, "%s: %d: %s", words, one.status, one.err);
+  if (is_for_memory_alone()) {
+    free_ran(&one);
+    return;
+  }
+  ran other = run_on("circuit", "1e-6", words);
   expect(other.status == one.status, line, "%s: %d in ngspice: %s", words, other.status, other.err);
   const double off = difference_in_ppm(one.out, other.out);
   expect(off <= ppm, line, "%s: %g ppm", words, off);
@@ -135,10 +140,11 @@ static void kinks_and_jumps_are_met(void) {
              "V=%s%s\nR7 w 0 1k\n",
              ROWS[k], k == 9 ? " m=2" : "");
     write_deck(more);
-    ran r = run("run paper --tier compiled --set circuit.deck=deck.cir --set run.until=16ms --set "
-                "run.verify=never --set run.tolerance=1e-5 --set run.sample=50us --set record=[v_w] "
-                "-o kinks_%zu --quiet",
-                k);
+    ran r =
+        run("run paper --tier compiled --set circuit.deck=deck.cir --set run.until=16ms --set "
+            "run.verify=never --set run.tolerance=1e-5 --set run.sample=50us --set record=[v_w] "
+            "-o kinks_%zu --quiet",
+            k);
     EXPECT(r.status == 0, "%s: %d %s", ROWS[k], r.status, r.err);
     free_ran(&r);
     snprintf(more, sizeof more, "kinks_%zu/run.csv", k);
@@ -191,14 +197,15 @@ static void an_ideal_diode_stops(void) {
 }
 
 /* An opened coil rings with its own capacitance for ten periods, at a flux linkage of 0.02 Wb: it
- * was off by 15 times the tolerance. */
+ * was off by 15 times the tolerance. Both may be off by 2.4 of theirs. */
 static void an_opened_coil_rings_on(void) {
+  if (is_for_memory_alone()) return;
 #define RINGS                                                                                      \
   "--set circuit.deck=halfwave_snubbed --set supply.voltage=180V --set run.until=22ms --set "      \
   "circuit.c2=5nF --set 'events={e: {kind: open, at: 1.84 ms, element: Xeva, level: 3.7 kV}}'"
-  ran one = run_on("compiled", "1e-4", RINGS), other = run_on("circuit", "1e-6", RINGS);
+  ran one = run_on("compiled", "1e-4", RINGS), other = run_on("circuit", "1e-5", RINGS);
   const double off = difference_in_ppm(one.out, other.out);
-  EXPECT(off <= 240, "%g ppm", off);
+  EXPECT(off <= 264, "%g ppm", off);
   free_ran(&one);
   free_ran(&other);
 }

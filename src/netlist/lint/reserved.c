@@ -14,19 +14,19 @@
 
 /* tests/netlist/test_dialects.c tries each of them, and others, as ".param NAME=1000" in all places
  * of ngspice 39 that have expressions. What its commands know besides (c, i, kelvin, boltz, ...) no
- * expression of a netlist does. */
+ * expression of a netlist does. `var` is kept by ngspice 46, and free in 39. */
 static const struct {
   const char *name;
   bool pspice; /* in PSpice's dialect alone, where ngspice adds a .param of its own */
-} NAMES[] = {{"e", 0},     {"pi", 0},    {"time", 0},  {"temper", 0},      {"hertz", 0},
-             {"sqr", 0},   {"sqrt", 0},  {"sin", 0},   {"cos", 0},         {"exp", 0},
-             {"ln", 0},    {"log", 0},   {"log10", 0}, {"arctan", 0},      {"abs", 0},
-             {"pow", 0},   {"pwr", 0},   {"max", 0},   {"min", 0},         {"int", 0},
-             {"sinh", 0},  {"cosh", 0},  {"tanh", 0},  {"sgn", 0},         {"ceil", 0},
-             {"floor", 0}, {"asin", 0},  {"acos", 0},  {"atan", 0},        {"asinh", 0},
-             {"acosh", 0}, {"atanh", 0}, {"tan", 0},   {"nint", 0},        {"gauss", 0},
-             {"unif", 0},  {"aunif", 0}, {"limit", 0}, {"ternary_fcn", 0}, {"agauss", 0},
-             {"pwl", 0},   {"value", 0}, {"table", 0}, {"temp", 1},        {"vt", 1}};
+} NAMES[] = {
+    {"e", 0},     {"pi", 0},     {"time", 0},        {"temper", 0}, {"hertz", 0}, {"sqr", 0},
+    {"sqrt", 0},  {"sin", 0},    {"cos", 0},         {"exp", 0},    {"ln", 0},    {"log", 0},
+    {"log10", 0}, {"arctan", 0}, {"abs", 0},         {"pow", 0},    {"pwr", 0},   {"max", 0},
+    {"min", 0},   {"int", 0},    {"sinh", 0},        {"cosh", 0},   {"tanh", 0},  {"sgn", 0},
+    {"ceil", 0},  {"floor", 0},  {"asin", 0},        {"acos", 0},   {"atan", 0},  {"asinh", 0},
+    {"acosh", 0}, {"atanh", 0},  {"tan", 0},         {"nint", 0},   {"gauss", 0}, {"unif", 0},
+    {"aunif", 0}, {"limit", 0},  {"ternary_fcn", 0}, {"agauss", 0}, {"pwl", 0},   {"value", 0},
+    {"table", 0}, {"var", 0},    {"temp", 1},        {"vt", 1}};
 enum { COUNT = sizeof NAMES / sizeof *NAMES, E = 0, PI = 1 };
 static const char OURS[] = "__own";
 
