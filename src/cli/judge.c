@@ -25,6 +25,7 @@ typedef struct line {
   size_t margin, error; /* columns of study.csv */
   double limit; /* as the study had it, SI; NaN: it has two ends, or may differ between cases */
   const char *unit;
+  bool own;    /* the scene itself rates it: what the scene waives is another line of that name */
   int sense;   /* of vs_folder_margins, less 1; 0: the margin is no part of a limit */
   double part; /* the new limit as a part of the old one */
   bool waived;
@@ -45,6 +46,7 @@ typedef struct judge {
   double house;                       /* the least margin that holds */
   int criterion;                      /* of SPARED; -1: as the study's scene has it */
   size_t cases, changed, count[2][3]; /* as stored and now: held, violated, undecided */
+  size_t unverified;                  /* of those held now: the weakest margin has no error */
   double least, least_error;          /* the weakest line of all rows, now */
   const char *weakest;
   long weakest_case;
@@ -223,6 +225,7 @@ static vs_status read_lines(judge *j, vs_error *err) {
     line l = {.name = text_of(n, "name"), .unit = text_of(n, "unit"), .part = 1};
     l.margin = find_column(t, "margin", l.name);
     l.error = find_column(t, "error", l.name);
+    l.own = !strcmp(text_of(n, "rated_by_scene"), "true");
     for (int k = -1; k <= 1; k += 2)
       if (!strcmp(text_of(n, "margin"), vs_folder_margins[1 + k])) l.sense = k;
     if (!l.margin || !l.error || !vs_units_known(l.unit))
@@ -335,7 +338,7 @@ static vs_status judge_line(judge *j, line *l, const vs_folder_row *row, row_jud
   if (status || !*row->cell[l->margin]) return status; /* the case has no such line */
   const double now = margin_now(j, l, m), error = error_now(l, e);
   const char *not_judged = j->folder.not_judged >= 0 ? row->cell[j->folder.not_judged] : "";
-  const bool waived = was_waived(not_judged, l->name);
+  const bool waived = !l->own && was_waived(not_judged, l->name);
   const word stored = waived ? HELD : word_of(m, e);
   const word new = waived || l->waived ? HELD : word_of(now, error);
   l->broken[0] += stored != HELD;
@@ -390,6 +393,7 @@ static vs_status judge_row(void *ctx, const vs_folder_row *row, vs_error *err) {
   j->count[0][r.stored]++;
   j->count[1][r.now]++;
   j->changed += r.stored != r.now;
+  j->unverified += r.now == HELD && r.weakest && isnan(r.error);
   if (r.weakest && (!j->weakest || is_weaker(r.margin, r.error, j->least, j->least_error))) {
     j->least = r.margin;
     j->least_error = r.error;
@@ -407,6 +411,10 @@ static void print_table(const judge *j) {
          j->folder.failed, "", "as run", "now");
   for (int w = 0; w <= UNDECIDED; w++)
     printf("%-12s %10zu %10zu\n", WORDS[w], j->count[0][w], j->count[1][w]);
+  if (j->unverified)
+    printf("of those held now, %zu by a margin whose error was not computed; run.verify: always in "
+           "the study computes it\n",
+           j->unverified);
   if (j->weakest)
     printf("\nweakest: %s in case %ld, margin %.3g %%%s\n", j->weakest, j->weakest_case,
            100 * j->least, j->house > 0 ? " beyond the house's" : "");
@@ -425,6 +433,7 @@ static void print_json(const judge *j) {
   vs_json_whole(&json, "cases", (int64_t)j->cases);
   vs_json_whole(&json, "failed", j->folder.failed);
   vs_json_whole(&json, "changed", (int64_t)j->changed);
+  vs_json_whole(&json, "unverified", (int64_t)j->unverified);
   for (int k = 0; k < 2; k++) {
     vs_json_object(&json, WHEN[k], VS_JSON_ROW);
     for (int w = 0; w <= UNDECIDED; w++) vs_json_whole(&json, WORDS[w], (int64_t)j->count[k][w]);

@@ -36,7 +36,7 @@ typedef struct compiled {
 
 /* ---- sources ---- */
 
-static void drive(void *ctx, double t_s, double *value) {
+static void drive_sources(void *ctx, double t_s, double *value) {
   const compiled *c = ctx;
   for (int k = 0; k < c->e.sources; k++) {
     const vs_compiled_source *s = &c->e.source[k];
@@ -58,7 +58,7 @@ static double signal_at(const compiled *c, size_t k, double part) {
 }
 
 /* Shows what holds at a part of the step of h that was tried. */
-static vs_status show(compiled *c, double h, double part, vs_error *err) {
+static vs_status show_instant(compiled *c, double h, double part, vs_error *err) {
   for (size_t k = 0; k < c->job->n_signals; k++) {
     c->shown[k] = c->signal[k] == -2 ? NAN : signal_at(c, k, part);
     c->most[k] = fmax(c->most[k], fabs(c->shown[k]));
@@ -86,7 +86,7 @@ static vs_status show_step(compiled *c, double h, vs_error *err) {
   const int parts = parts_of(c);
   vs_status status = VS_OK;
   for (int k = 1; k <= parts && !status; k++)
-    status = show(c, h, k == parts ? 1 : (double)k / parts, err);
+    status = show_instant(c, h, k == parts ? 1 : (double)k / parts, err);
   return status;
 }
 
@@ -148,9 +148,9 @@ static double error_of(const compiled *c, double h) {
 }
 
 /* The step of h is taken. */
-static void take(compiled *c, double h) {
+static void accept_step(compiled *c, double h) {
   vs_rodas_take(&c->r, h);
-  vs_equations_note(&c->e, c->r.y);
+  vs_equations_note_peaks(&c->e, c->r.y);
   for (int k = 0; k < c->e.n; k++) c->of[k].peak = fmax(c->of[k].peak, fabs(c->r.y[k]));
 }
 
@@ -181,9 +181,9 @@ static double changes_at(compiled *c) {
  */
 static const double JUMPS = 1e-7;
 
-static bool choose(compiled *c) {
+static bool choose_branches(compiled *c) {
   double *before = c->r.k[0], *behind = c->r.k[1], most = 0;
-  drive(c, c->r.t_s, c->r.source[0]);
+  drive_sources(c, c->r.t_s, c->r.source[0]);
   vs_equations_value(&c->e, c->r.y, c->r.source[0], false, before, NULL);
   vs_equations_choose(&c->e, c->r.y, false);
   vs_equations_value(&c->e, c->r.y, c->r.source[0], false, behind, NULL);
@@ -210,7 +210,7 @@ static vs_status no_solution(const compiled *c, vs_error *err) {
   char why[160] = "the circuit's equations have no solution behind a jump";
   if (c->r.culprit >= 0)
     snprintf(why, sizeof why,
-             "nothing decides %.80s: a node without a way to ground, or a loop of sources",
+             "nothing decides %.80s: a node without a path to ground, or a loop of sources",
              c->e.name[c->r.culprit]);
   return give_up(c, why, err);
 }
@@ -224,14 +224,14 @@ static double restart_length(compiled *c, double first_s) {
 
 /* Goes on behind a jump, from the charges: branches and switches are those that the state behind it
  * asks for. The machine is where the host has it, as what happened may have stopped it. */
-static vs_status restart(compiled *c, double first_s, vs_error *err) {
+static vs_status restart_behind_jump(compiled *c, double first_s, vs_error *err) {
   if (c->e.states) c->host->machine.state(c->host->ctx, c->charge + c->e.machine);
   for (int k = 0; k < CHANGES; k++) {
     const double h = restart_length(c, first_s);
     if (!(h > 0)) return no_solution(c, err);
     if (vs_equations_choose(&c->e, c->r.next, false)) continue;
-    vs_status status = show(c, h, 1, err);
-    take(c, h);
+    vs_status status = show_instant(c, h, 1, err);
+    accept_step(c, h);
     return status;
   }
   return give_up(c, "a switch or a branch of an expression opens and closes without end", err);
@@ -239,7 +239,7 @@ static vs_status restart(compiled *c, double first_s, vs_error *err) {
 
 static vs_status restart_here(compiled *c, double first_s, vs_error *err) {
   vs_equations_mass(&c->e, c->r.y, c->charge);
-  return restart(c, first_s, err);
+  return restart_behind_jump(c, first_s, err);
 }
 
 /* Where no step is short enough: what hangs on a current that a jump has left beside a capacitance
@@ -265,9 +265,9 @@ static bool progress_made(compiled *c) {
   return ++c->tries < PROGRESS_TRIES;
 }
 
-/* Where a shorter step is worse, what is left of the error is rounding: nodes that hang together by
- * microfarads, and on all else by picofarads, share 600 V that cancel. Such a step is taken if it
- * is off by no more than this, and the next one is longer. */
+/* Where a shorter step is worse, what is left of the error is rounding: of two nodes at 600 V, say,
+ * with microfarads between them and picofarads to all others. Such a step is taken if it is off by
+ * no more than this, and the next one is longer. */
 static const double ROUNDING = 10;
 
 /* Tries steps of at most *h until one is right, and makes *h what the next one may be. *taken: the
@@ -279,7 +279,7 @@ static vs_status try_steps(compiled *c, double *h, double *taken, bool *jumps, v
     if (!progress_made(c)) return give_up(c, "the run makes no progress", err);
     double off = vs_rodas_try(&c->r, *h) ? error_of(c, *h) : INFINITY;
     if (off <= ROUNDING)
-      off = fmax(off, vs_equations_astray(&c->e, c->r.y, c->r.next, c->r.error) /
+      off = fmax(off, vs_equations_imbalance(&c->e, c->r.y, c->r.next, c->r.error) /
                           (OF_TOLERANCE * c->job->tolerance));
     const bool rounds = *h == best_s; /* it is tried again */
     const double factor = isfinite(off) ? fmin(fmax(0.9 * pow(off, -0.25), 1.0 / 6), 5) : 1.0 / 6;
@@ -306,7 +306,7 @@ static vs_status try_steps(compiled *c, double *h, double *taken, bool *jumps, v
 }
 
 /* The longest step from here, so that an edge is met and none is left that is short beside it. */
-static double longest(const compiled *c, double h, double left_s) {
+static double longest_step(const compiled *c, double h, double left_s) {
   const double most = fmin(fmin(c->host->longest(c->host->ctx, c->r.t_s), c->job->max_step_s), h);
   return most >= left_s * (1 - 1e-6) ? left_s : fmin(most, fmax(left_s / 2, left_s - most));
 }
@@ -319,7 +319,7 @@ static double next_edge(const compiled *c) {
   return next_s;
 }
 
-static vs_status run(void *circuit, vs_error *err) {
+static vs_status run_equations(void *circuit, vs_error *err) {
   compiled *c = circuit;
   const vs_circuit_host *host = c->host;
   const double until_s = c->job->until_s;
@@ -327,13 +327,13 @@ static vs_status run(void *circuit, vs_error *err) {
   int stuck = 0;
   vs_equations_choose(&c->e, c->r.y, false);
   memcpy(c->charge, c->e.charge, (size_t)c->e.n * sizeof *c->charge);
-  vs_status status = restart(c, RESTART_S, err);
+  vs_status status = restart_behind_jump(c, RESTART_S, err);
   while (!status && c->r.t_s < until_s - RESTART_S && !(host->enough && host->enough(host->ctx))) {
     const double edge_s = fmin(next_edge(c), until_s);
     double taken = 0;
     bool jumps = false;
     if (edge_s - c->r.t_s > RESTART_S) {
-      h = longest(c, h, edge_s - c->r.t_s);
+      h = longest_step(c, h, edge_s - c->r.t_s);
       status = try_steps(c, &h, &taken, &jumps, err);
       if (!status && taken == 0) {
         status = get_past(c, &stuck, err);
@@ -342,9 +342,9 @@ static vs_status run(void *circuit, vs_error *err) {
       }
       stuck = 0;
       if (!status) status = show_step(c, taken, err);
-      take(c, taken);
+      accept_step(c, taken);
     }
-    jumps = jumps && choose(c);
+    jumps = jumps && choose_branches(c);
     if (status || (!jumps && (c->r.t_s < edge_s - RESTART_S || edge_s == until_s))) continue;
     status = restart_here(c, RESTART_S, err);
     h = FIRST_S;
@@ -379,15 +379,15 @@ static vs_status find_signals(compiled *c, vs_error *err) {
   return VS_OK;
 }
 
-static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, void **circuit,
-                      vs_error *err) {
+static vs_status load_equations(const vs_circuit_job *job, const vs_circuit_host *host,
+                                void **circuit, vs_error *err) {
   compiled *c = *circuit = vs_alloc(1, sizeof *c);
   c->job = job;
   c->host = host;
   vs_status status = vs_elements_make(job, host, &c->e, err);
   if (!status) status = find_signals(c, err);
   if (status) return status;
-  const vs_rodas_drive of_host = {c, drive};
+  const vs_rodas_drive of_host = {c, drive_sources};
   const size_t n = (size_t)c->e.n;
   vs_rodas_begin(&c->r, &c->e, &of_host);
   c->of = vs_alloc(n, sizeof *c->of);
@@ -399,5 +399,8 @@ static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, vo
   return VS_OK;
 }
 
-const vs_circuit_kind vs_compiled_kind = {
-    .name = "compiled", .measures_errors = true, .load = load, .run = run, .free = free_circuit};
+const vs_circuit_kind vs_compiled_kind = {.name = "compiled",
+                                          .measures_errors = true,
+                                          .load = load_equations,
+                                          .run = run_equations,
+                                          .free = free_circuit};

@@ -206,9 +206,9 @@ static const vs_diode *junction_at(const vs_compiled_device *d, int k, const dou
 }
 
 /* What the error of a step says of a junction is a part of n vt, which is less than any voltage's
- * tolerance, whatever current goes astray by it. */
-double vs_equations_astray(const vs_equations *e, const double *y, const double *next,
-                           const double *change) {
+ * tolerance, however large the current that it stands for. */
+double vs_equations_imbalance(const vs_equations *e, const double *y, const double *next,
+                              const double *change) {
   double most = 0, v, slope, before, by, none;
   for (int n = 0; n < e->devices; n++) {
     const vs_compiled_device *d = &e->device[n];
@@ -226,7 +226,7 @@ double vs_equations_astray(const vs_equations *e, const double *y, const double 
   return most;
 }
 
-void vs_equations_note(vs_equations *e, const double *y) {
+void vs_equations_note_peaks(vs_equations *e, const double *y) {
   double v, g;
   for (int n = 0; n < e->devices; n++) {
     vs_compiled_device *d = &e->device[n];

@@ -66,7 +66,7 @@ typedef struct vs_equations {
   int devices;
   const vs_circuit_host *host; /* borrowed: its machine is a part of the equations */
   int machine, states, flux;   /* the machine's first unknown, how many it has, and the unknown that
-                                  is   its flux linkage */
+                                  is its flux linkage */
   double *charge;              /* M y at t = 0, of what the netlist says with ic=; owned */
 } vs_equations;
 
@@ -82,13 +82,13 @@ int vs_equations_signal(const vs_equations *e, const char *name);
 bool vs_equations_value(vs_equations *e, const double *y, const double *source, bool limits,
                         double *f, double *jacobian);
 
-/* How much of a junction's current a step leaves without a way, as a part of its peak; the most of
- * all. `change` is that of the step's last stage, up to `next`, which takes the junctions for
- * straight lines with their slopes at y. */
-double vs_equations_astray(const vs_equations *e, const double *y, const double *next,
-                           const double *change);
+/* By how much the currents at a junction do not add up to zero behind a step, as a part of the
+ * junction's peak current; the most of all junctions. `change` is that of the step's last stage, up
+ * to `next`, which takes the junctions for straight lines with their slopes at y. */
+double vs_equations_imbalance(const vs_equations *e, const double *y, const double *next,
+                              const double *change);
 /* Takes the currents of the junctions at y for their peaks. */
-void vs_equations_note(vs_equations *e, const double *y);
+void vs_equations_note_peaks(vs_equations *e, const double *y);
 
 /* r = M v. */
 void vs_equations_mass(const vs_equations *e, const double *v, double *r);

@@ -147,7 +147,7 @@ void vs_rodas_dense(const vs_rodas *r, double part, double *y) {
 
 /* Newton's iteration ends where its correction is below this: rounding, where a node has 1e-20 F.
  * Where no junction is limited any more it takes a few turns. What then goes on is rounding, of
- * nodes that share some 100 V and hang on all else by almost nothing; 1e-5 V of that are allowed.
+ * nodes at some 100 V with next to no path to any other node; 1e-5 V of that are allowed.
  */
 enum { ITERATIONS = 200, QUICK = 20, ROUNDING = 1000 };
 static const double LEAST_A = 1e-6, LEAST_V = 1e-8, OF_SIZE = 1e-7;

@@ -13,7 +13,7 @@ typedef struct line {
   char name[VS_JUDGED_NAME - 8]; /* "margin." goes before it */
   const char *of, *unit;
   double limit; /* in unit; NaN: two ends, or the part does not state it */
-  bool at_least;
+  bool at_least, own;
   int sense; /* see vs_listed_measure */
 } line;
 
@@ -63,6 +63,7 @@ static bool own_line_at(const vs_ratings *ratings, int *n, line *l) {
     return false;
   }
   name_line(l, ratings->item[*n].name, "");
+  l->own = true;
   take_ends(l, &ratings->item[*n].rating);
   return true;
 }
@@ -134,7 +135,8 @@ const vs_judgement *vs_listed_line_find(const vs_verdict *v, const char *number)
   for (size_t k = 0; k < v->count; k++) {
     const vs_judgement *j = &v->item[k];
     if (!vs_listed_line_is_of(number, j)) continue;
-    if (!found || j->margin < found->margin) found = j;
+    if (!found || (j->waived == found->waived ? j->margin < found->margin : found->waived))
+      found = j;
   }
   return found;
 }
@@ -156,6 +158,7 @@ bool vs_listed_line_at(const vs_frame *frame, const vs_result *r, int k, vs_list
                            .limit = which ? NAN : l.limit,
                            .limit_unit = which ? NULL : l.unit,
                            .at_least = l.at_least,
+                           .own = l.own,
                            .sense = l.sense,
                            .group = VS_SHOWN_DEVICES,
                            .channel = -1};

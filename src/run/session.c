@@ -478,9 +478,9 @@ static vs_status run_with_factor(const vs_session *session, const vs_result *r, 
   bool spares = false;
   *other = *r->scene;
   change_settings(other, factor);
-  if (factor > 1) other->setup.timeline.spares = &spares;
+  if (factor > 1) other->setup.timeline.spares = other->order.spares = &spares;
   vs_status status = vs_session_attempt(&plain, other, second, err);
-  other->setup.timeline.spares = NULL;
+  other->setup.timeline.spares = other->order.spares = NULL;
   return status;
 }
 

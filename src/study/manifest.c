@@ -110,6 +110,7 @@ static void add_line(const vs_report_column *margin, vs_json *json) {
   vs_json_number(json, "limit", margin->rating, 12);
   vs_json_text(json, "side", margin->at_least ? "min" : "max");
   vs_json_text(json, "margin", vs_folder_margins[1 + margin->sense]);
+  vs_json_bool(json, "rated_by_scene", margin->own);
   vs_json_end(json);
 }
 

@@ -120,6 +120,7 @@ static void fill_column(vs_report_column *column, const vs_listed_measure *m, bo
   snprintf(column->limit_unit, sizeof column->limit_unit, "%s", m->limit_unit ? m->limit_unit : "");
   column->rating = m->limit;
   column->at_least = m->at_least;
+  column->own = m->own;
   column->sense = m->sense;
   column->line = line;
   vs_units_suffix(m->unit, suffix, sizeof suffix);

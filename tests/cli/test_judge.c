@@ -250,6 +250,28 @@ static void edited_rows(void) {
   }
 }
 
+/* The scene rates what it waives of the part: the rating counts, with what the house wants. */
+static void a_rating_beside_a_waiver(void) {
+  run_study("own", ", ratings: {thyristor.v_reverse: '.. 1100 V'}, waive: [thyristor.v_reverse]");
+  ran r = run("judge own --set hold.margin=50%% --json");
+  EXPECT(strstr(r.out, "{\"name\": \"thyristor.v_reverse\", \"part_of_limit\": 1, \"waived\": "
+                       "false, \"broken_as_run\": 0, \"broken_now\": 3}"),
+         "%s%s", r.out, r.err);
+  free_ran(&r);
+}
+
+/* A margin without an error holds by its sign alone, which is told. */
+static void margins_without_errors(void) {
+  write_file("n.yaml", "set: {circuit: {deck: halfwave_paper, thyristor: TYN1212},\n"
+                       "  run: {until: 12 ms, verify: never}}\n"
+                       "vary: {firing.angle: [100 deg]}\nreport: [p_min]\n");
+  RUN_GOOD("study n.yaml -o never --quiet");
+  ran r = run("judge never --json"), all = run("judge plain --json");
+  EXPECT(r.status == 0 && strstr(r.out, "\"unverified\": 1,"), "%s%s", r.out, r.err);
+  EXPECT(strstr(all.out, "\"unverified\": 0,"), "%s", all.out);
+  free_ran(&r), free_ran(&all);
+}
+
 static void refused(void) {
   static const char *const ROWS[][2] = {
       {"judge plain --set circuit.thyristor=TYN1012", "whose model changes the waveforms"},
@@ -309,6 +331,8 @@ int main(void) {
                                   {"house and waivers", house_and_waivers},
                                   {"criteria", criteria},
                                   {"edited rows", edited_rows},
+                                  {"a rating beside a waiver", a_rating_beside_a_waiver},
+                                  {"margins without errors", margins_without_errors},
                                   {"refused", refused},
                                   {"sensitivity of a margin", sensitivity_of_a_margin}};
   return program_suite("judge", TESTS, COUNT(TESTS));

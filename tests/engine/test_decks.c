@@ -154,7 +154,7 @@ static gated gate_of(const char *thyristor, bool *spares, long *steps) {
   const vs_observer observer = {&g, note_gate};
   ADD(&s, "circuit.deck=halfwave_paper", "run.until=16ms", "run.verify=never", thyristor);
   vs_trial *t = vs_trial_read("paper", "circuit", s.item);
-  t->scene.setup.timeline.spares = spares;
+  t->scene.setup.timeline.spares = t->scene.order.spares = spares;
   vs_trial_go(t, &observer);
   EXPECT(t->status == VS_OK, "%s", t->err.text);
   *steps = t->result.steps;

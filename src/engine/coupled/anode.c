@@ -297,11 +297,11 @@ static bool are_latched(const vs_anode *a) {
 
 /* A sub-pulse that has begun is given to its end. */
 static void spare_sub_pulses(vs_anode *a) {
-  if (!a->timeline->spares) return;
+  if (!a->spares) return;
   bool spares = are_latched(a);
   for (size_t k = 0; spares && k < a->count; k++)
     spares = !is_driven(a, a->item[k].device, a->last_s + REACHED_S);
-  *a->timeline->spares = spares;
+  *a->spares = spares;
 }
 
 void vs_anode_take(vs_anode *a) {

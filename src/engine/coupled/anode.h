@@ -51,6 +51,7 @@ typedef struct vs_anode {
       delays; /* a gate's voltage rises some time behind those edges: its drive is more than that */
   bool cores; /* a gate drive has a core, which may saturate */
   double latching_a;           /* I_L of the thyristors; INFINITY: not known */
+  bool *spares;                /* see vs_run_order; NULL: no sub-pulse is left out */
   bool bursts;                 /* gates are driven with sub-pulses */
   double edge_s;               /* the last such edge that was reached; -INFINITY: none was */
   double strained_s;           /* where the cycle began in which voltages were last back too soon */

@@ -426,6 +426,7 @@ static vs_status run_coupled(const vs_setup *setup, const vs_run_order *order,
   vs_trajectory_begin(&c.trajectory, vs_settling_setup(&c.settling), &frame,
                       vs_settling_observer(&c.settling));
   c.trajectory.frame.timeline = &c.trajectory.setup->timeline;
+  c.trajectory.anode.spares = order->spares;
   vs_solver_switch_begin(&c.solver_switch, order, &c.trajectory, c.names, c.pace.max_step_s);
   vs_signal_map_of(&setup->deck, vs_solver_switch_memories(&c.solver_switch), c.names);
   vs_status s = run_solver(&c, err);

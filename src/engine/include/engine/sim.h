@@ -100,6 +100,9 @@ typedef struct vs_run_order {
   const vs_fork_point *fork;     /* NULL: the run goes its own way to the end. Borrowed */
   const vs_early_end *early_end; /* asked on the ideal tiers; NULL: all steps are needed.
                               Borrowed */
+  bool
+      *spares; /* the circuit tier makes it true while it leaves the gates' sub-pulses out (coupled/
+                  anode.c), which the setup's timeline reads; NULL: it never does. Borrowed */
   vs_propagator_memo *memo; /* of the runs of one machine on an ideal tier; NULL: each run makes its
                                own propagator. Borrowed */
 } vs_run_order;

@@ -33,9 +33,9 @@ typedef struct vs_timeline {
   double first_zero_s;                  /* their first rising zero crossing at or after t = 0 */
   vs_events events;                     /* none, unless vs_events_read filled it */
   const vs_program
-      *program; /* of the run under way, borrowed; NULL: angles are those of `firing` */
-  bool *spares; /* of the run under way, borrowed: true while it leaves the gates' sub-pulses out
-                   (engine/coupled/anode.c); NULL: it never does */
+      *program;       /* of the run under way, borrowed; NULL: angles are those of `firing` */
+  const bool *spares; /* of the run under way, borrowed: true while it leaves the gates' sub-pulses
+                         out (vs_run_order.spares); NULL: it never does */
 } vs_timeline;
 
 /* Fills the timeline from the scene's sections supply, firing and pwm, without events. What the

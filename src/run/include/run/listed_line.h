@@ -10,8 +10,8 @@ enum { VS_LINE_NUMBERS = 3 };
 bool vs_listed_line_is(const char *name);
 /* True if that is a number ("margin.LINE") of this line; what happened has none. */
 bool vs_listed_line_is_of(const char *number, const vs_judgement *line);
-/* The weakest line whose number has that name ("margin.LINE"); NULL: the verdict has no such line.
- */
+/* The weakest line whose number has that name ("margin.LINE"), a waived one last; NULL: the verdict
+ * has no such line. */
 const vs_judgement *vs_listed_line_find(const vs_verdict *verdict, const char *number);
 /* That number of the line. Not known: the line is NULL, or has no such number; a margin of NaN: the
  * line has nothing to judge. */

@@ -38,6 +38,7 @@ typedef struct vs_report_column {
   double rating; /* the limit it is held against, in unit; of a margin: its limit, in limit_unit.
                     NaN: it has none, or not in every case the same one */
   bool at_least; /* the limit is the least allowed; false: it is the most */
+  bool own;      /* of a margin, see vs_listed_measure */
   int sense;     /* of a margin, see vs_listed_measure; 0, too, where cases differ */
   vs_where where;
   int derivative; /* 1 + the number of the entry of plan->derivatives whose value this is, or, with
