@@ -177,12 +177,11 @@ static vs_status check_keys(const judge *j, vs_error *err) {
     if (!strcmp(n->key, "hold") || !strcmp(n->key, "limits") || !strcmp(n->key, "waive") ||
         !strcmp(n->key, "criterion"))
       continue;
-    const bool part = !strcmp(n->key, "circuit");
     return vs_fail_at(
         err, n->key_where,
-        "judge: %s%s changes what was run, not how it is judged; set it in `vibrospice "
-        "study`. Here hold, limits, waive and criterion are known",
-        n->key, part ? ", whose model changes the waveforms," : "");
+        "judge: %s changes the run itself%s; set it in `vibrospice study`. Here hold, "
+        "limits, waive and criterion can be set",
+        n->key, !strcmp(n->key, "circuit") ? ", as another part has another model" : "");
   }
   return VS_OK;
 }

@@ -274,8 +274,8 @@ static void margins_without_errors(void) {
 
 static void refused(void) {
   static const char *const ROWS[][2] = {
-      {"judge plain --set circuit.thyristor=TYN1012", "whose model changes the waveforms"},
-      {"judge plain --set supply.voltage=400V", "supply changes what was run"},
+      {"judge plain --set circuit.thyristor=TYN1012", "as another part has another model"},
+      {"judge plain --set supply.voltage=400V", "supply changes the run itself"},
       {"judge plain --set hold.thyristor.v_rev=0.8", "have no line 'thyristor.v_rev'"},
       {"judge plain --set hold.margin=2", "a part of the limit is wanted, 0 to 1"},
       {"judge plain --set limits.thyristor.v_reverse=900A", "one limit is wanted, in V"},

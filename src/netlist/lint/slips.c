@@ -294,8 +294,8 @@ static vs_status check_instance(const vs_cards *c, size_t number, vs_error *err)
     if (n && isdigit((unsigned char)*a->name.at))
       return vs_fail_at(
           err, vs_line_place_of(line, a->name),
-          "'%.*s' stands before a '=', and a name is wanted there: a letter of one is "
-          "missing behind it; NAME=VALUE, in a copy of the file if it is a maker's",
+          "'%.*s' stands before a '=', where a parameter's name is wanted; write NAME=VALUE, in a "
+          "copy of the file if it is a maker's",
           n, a->name.at);
     if (n && !a->value.n)
       return vs_fail_at(err, vs_line_place_of(line, a->name),
