@@ -312,6 +312,7 @@ static void strangers_lines_are_refused(void) {
               {"*$ param eva_resistance = 1 ohm 0..2", "eva_resistance"},
               {"*$ param r1 = 1 ohm 0..2\n.param r1=3", "'*$ param' line already"},
               {".subckt EVA pos neg\nR1 pos neg 1\n.ends", "eva is the program's"},
+              {"Xq a 0 foo 5=3\n.subckt foo m n\nR1 m n 1\n.ends", "'5' stands before a '='"},
               {"\v.control", "control character"}};
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     char text[512], place[32];
