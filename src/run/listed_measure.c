@@ -82,14 +82,7 @@ static double rating_of(const vs_deck *deck, int probe, int sense) {
 }
 
 bool vs_listed_measure_at(const vs_frame *frame, const vs_result *r, int k, vs_listed_measure *m) {
-  m->limit = NAN;
-  m->limit_unit = NULL;
-  m->at_least = false;
-  m->over_v = 0;
-  m->unjudged = NULL;
-  m->channel = -1;
-  m->doubled = false;
-  *m->of = '\0';
+  *m = (vs_listed_measure){.limit = NAN, .channel = -1};
   vs_measure of_machine;
   if (vs_measure_at(frame->model, k, &of_machine)) {
     snprintf(m->name, sizeof m->name, "%s", of_machine.name);

@@ -98,10 +98,7 @@ static bool harmonic_at(const vs_steady *s, int n, vs_listed_measure *m) {
 bool vs_orbit_columns_default(const vs_steady *s, int k, vs_listed_measure *m) {
   vs_steady_measure of_orbit;
   int count = 0;
-  m->limit = NAN;
-  m->limit_unit = NULL;
-  m->at_least = false;
-  m->unjudged = NULL;
+  *m = (vs_listed_measure){.limit = NAN, .channel = -1};
   while (count <= k && vs_steady_at(s, count, &of_orbit)) count++;
   if (count <= k) return row_at(s, k - count, m);
   snprintf(m->name, sizeof m->name, "%s", of_orbit.name);
