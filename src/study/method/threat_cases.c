@@ -131,17 +131,11 @@ static vs_status add_ranges(vs_plan *plan, size_t first, cases *c, vs_error *err
 }
 
 static vs_status add_spread(vs_plan *plan, const vs_node *map, vs_error *err) {
-  vs_status status = VS_OK;
-  if (map && (map->kind != VS_NODE_MAP || !map->child))
+  if (!map) return VS_OK;
+  if (map->kind != VS_NODE_MAP || !map->child)
     return vs_fail_at(err, map->where,
                       "spread: a map is wanted: {KEY: 5 %% normal, KEY: 2 ohm uniform}");
-  for (const vs_node *node = map ? map->child : NULL; node && !status; node = node->next) {
-    vs_axis *axis;
-    status = vs_plan_axis(plan, node, "spread", &axis, err);
-    if (!status) status = vs_span_read(axis, node, SPREAD_SIGMAS, err);
-    status = vs_error_keep(err, status);
-  }
-  return status;
+  return vs_span_read_map(plan, map, "spread", SPREAD_SIGMAS, err);
 }
 
 /* A search would need one set of ranges for all cases. */
@@ -213,7 +207,7 @@ static void case_point(const vs_plan *plan, const vs_plan_stage *stage, uint64_t
   }
   for (size_t k = c->spread; k < c->n; k++)
     value[k] = vs_span_at(
-        &axes[k], vs_random_latin(seed, index, count, vs_threats_key(threat->name, axes[k].key)));
+        &axes[k], vs_random_latin(seed, index, count, vs_threat_key(threat->name, axes[k].key)));
 }
 
 /* The numbers of a point as the threat's own. Where a point is made up, for a trial, a number may
