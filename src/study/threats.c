@@ -9,6 +9,7 @@
 #include "base/path.h"
 #include "base/units.h"
 #include "engine/events.h"
+#include "engine/tiers.h"
 #include "measure/expect.h"
 
 /* ---- kinds that are events under another name ---- */
@@ -329,9 +330,8 @@ static vs_status check_name(const vs_threats *all, const vs_threat *t, const vs_
   return VS_OK;
 }
 
-static vs_status read_threat(vs_threats *all, const vs_node *map, uint64_t n, vs_threat *t,
-                             vs_error *err) {
-  *t = (vs_threat){.where = map->key_where, .n = n, .until_s = NAN};
+static vs_status read_threat(vs_threats *all, const vs_node *map, vs_threat *t, vs_error *err) {
+  *t = (vs_threat){.where = map->key_where, .n = all->n, .until_s = NAN};
   snprintf(t->name, sizeof t->name, "%s", map->key);
   vs_status status = check_name(all, t, map, err);
   if (!status && map->kind != VS_NODE_MAP)
@@ -396,9 +396,9 @@ static vs_status open_file(const vs_node *name, vs_threats *all, const vs_node *
 
 /* Reads all threats of the map; what is wrong with one does not keep the others from being read. */
 static vs_status read_all(vs_threats *all, const vs_node *map, vs_error *err) {
-  uint64_t n = CASES;
+  all->n = CASES;
   const size_t found = vs_error_count(err);
-  vs_status status = vs_axis_whole(map, N_KEY, 1, 10000000, &n, err);
+  vs_status status = vs_axis_whole(map, N_KEY, 1, 10000000, &all->n, err);
   if (!status) status = vs_axis_whole(map, SEED, 0, UINT64_MAX >> 12, &all->seed, err);
   for (const vs_node *node = map->child; node && !status; node = node->next) {
     if (!strcmp(node->key, N_KEY) || !strcmp(node->key, SEED)) continue;
@@ -406,7 +406,7 @@ static vs_status read_all(vs_threats *all, const vs_node *map, vs_error *err) {
       return vs_fail_at(err, node->key_where, "threats: more than %d", VS_THREATS_MOST - 1);
     vs_threat t;
     const size_t before = vs_error_count(err);
-    status = read_threat(all, node, n, &t, err);
+    status = read_threat(all, node, &t, err);
     if (status || vs_error_count(err) > before)
       free_threat(&t);
     else
@@ -444,7 +444,7 @@ static void put_back(const vs_scene *scene, const char *key, vs_tree *tree) {
   if (node)
     vs_tree_graft(tree, key, node, &never);
   else
-    vs_tree_put(tree, key, "", (vs_where){0});
+    vs_tree_drop(tree, key);
 }
 
 /* Puts a list of what the scene itself says under the key, and of these words. */
@@ -532,7 +532,7 @@ void vs_threats_put(const vs_threats *all, const vs_threat *t, const double *val
   put_list(all->scene, "expect", &criterion, t->criterion > 0, t->where, tree);
   put_waivers(all, t, tree);
   if (t->start && !strcmp(t->start->text, REST))
-    vs_tree_put(tree, "start", "", t->start->where);
+    vs_tree_drop(tree, "start");
   else if (t->start)
     vs_tree_put(tree, "start", vs_setup_steady, t->start->where);
   else
@@ -579,8 +579,18 @@ static vs_status check_one(const vs_threat *t, const vs_scene *scene, vs_error *
       t->name, from_s, until_s, needed_s);
 }
 
+/* Error: nothing would be judged, so that whatever comes would count as held. */
+static vs_status check_tier(const vs_threat *t, const vs_scene *scene, vs_error *err) {
+  if (scene->tier->has_circuit || scene->ratings.count) return VS_OK;
+  return vs_fail_at(err, t->where,
+                    "threats.%s: tier %s (%s) judges no part; circuit.deck, run.tier: %s or the "
+                    "scene's own ratings are wanted",
+                    t->name, scene->tier->name, scene->why, vs_tiers_circuit());
+}
+
 vs_status vs_threats_check(const vs_threat *t, const vs_scene *scene, vs_error *err) {
-  vs_status status = t->kind ? check_one(t, scene, err) : VS_OK;
+  vs_status status = check_tier(t, scene, err);
+  if (!status && t->kind) status = check_one(t, scene, err);
   return status || !t->with ? status : vs_threats_check(t->with, scene, err);
 }
 
@@ -661,7 +671,8 @@ vs_status vs_threats_read(const vs_node *node, const vs_scene *scene, vs_threats
   status = read_all(all, map, err);
   if (status) return status;
   vs_threat *none = &all->item[all->count++];
-  *none = (vs_threat){.where = node->key_where, .text = "the scene itself", .n = 1, .until_s = NAN};
+  *none = (vs_threat){
+      .where = node->key_where, .text = "the scene itself", .n = all->n, .until_s = NAN};
   snprintf(none->name, sizeof none->name, "%s", NONE);
   for (size_t k = 0; k < all->count && !status; k++)
     status = vs_error_keep(err, try_threat(all, &all->item[k], err));

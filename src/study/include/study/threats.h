@@ -24,8 +24,8 @@ enum { VS_THREATS_MOST = 64 };
 
 typedef struct vs_threats {
   vs_threat *item;
-  size_t count; /* `none` counts */
-  uint64_t seed;
+  size_t count;            /* `none` counts */
+  uint64_t n, seed;        /* cases of a threat that does not say how many; see above */
   char path[VS_PATH_SIZE]; /* of a file of its own; empty: there is none */
   vs_tree file;            /* of that */
   const vs_scene *scene;   /* over which they are laid; borrowed */
@@ -36,7 +36,8 @@ typedef struct vs_threats {
  * Errors with their place, each of which a check carries on from: an unknown kind, key, criterion
  * or partner; a value that the key does not take; everything that the event's scene is wrong in, as
  * an element that the deck has not; criterion C where no fuse is; a run that ends before the threat
- * has had its effect; a short of a coil without current. vs_threats_free even then. */
+ * has had its effect; a fault of the coil or the machine behind the only shot; a tier that judges
+ * nothing. vs_threats_free even then. */
 vs_status vs_threats_read(const vs_node *node, const vs_scene *scene, vs_threats *threats,
                           vs_error *err);
 void vs_threats_free(vs_threats *threats);
