@@ -168,6 +168,15 @@ static vs_status read_cases(vs_plan *plan, const vs_node *section, void **state,
   return status || !*c->threats.path ? status : vs_plan_input(plan, c->threats.path, err);
 }
 
+/* Error: no line of any verdict could break, so that all cases would count as held. */
+static vs_status find_lines(const vs_plan *plan, const vs_plan_stage *stage, vs_error *err) {
+  for (size_t k = 0; k < plan->n_columns; k++)
+    if (plan->columns[k].line) return VS_OK;
+  return vs_fail_at(err, plan->axes[stage->axis].where,
+                    "threats: no part of the deck states a limit, so that nothing could break; "
+                    "parts of a maker are wanted, as circuit.deck: halfwave_paper has, or ratings");
+}
+
 /* ---- points ---- */
 
 static uint64_t cases_of(const cases *c, const vs_threat *t) {
@@ -287,6 +296,7 @@ const vs_method vs_threat_cases_method = {.name = "threats",
                                           .text = "what the scene has to withstand, one at a time",
                                           .claims = claims_any,
                                           .read = read_cases,
+                                          .ready = find_lines,
                                           .free = free_cases,
                                           .count = count_cases,
                                           .point = case_point,
