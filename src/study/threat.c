@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "study/threat.h"
+#include "threat.h"
 
 #include <math.h>
 #include <string.h>

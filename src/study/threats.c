@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "study/threats.h"
+#include "threats.h"
 
 #include <math.h>
 #include <stdio.h>

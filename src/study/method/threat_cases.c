@@ -22,7 +22,7 @@
 #include "base/units.h"
 #include "measure/expect.h"
 #include "method/span.h"
-#include "study/threats.h"
+#include "threats.h"
 
 static const vs_inside ITEMS = {.rows = VS_ROWS({.kind = VS_SETTING}), .count = -1},
                        KEYS = {.rows = VS_ROWS({.kind = VS_SETTING | VS_LIST, .inside = &ITEMS})},

@@ -18,7 +18,7 @@
 #ifndef VS_STUDY_THREATS_H
 #define VS_STUDY_THREATS_H
 
-#include "study/threat.h"
+#include "threat.h"
 
 enum { VS_THREATS_MOST = 64 };
 
