@@ -42,9 +42,6 @@ vs_status vs_threats_read(const vs_node *node, const vs_scene *scene, vs_threats
                           vs_error *err);
 void vs_threats_free(vs_threats *threats);
 
-/* The threat of that name; NULL: there is none. */
-const vs_threat *vs_threats_named(const vs_threats *threats, const char *name);
-
 /* Lays a case over the tree of a scene like the one the threats were read with; keys of another
  * threat that was laid over it before go. The scene is then to be settled, anew or again. */
 void vs_threats_put(const vs_threats *threats, const vs_threat *threat, const double *value,
