@@ -24,8 +24,11 @@
 #include "method/span.h"
 #include "threats.h"
 
-static const vs_inside ITEMS = {.rows = VS_ROWS({.kind = VS_SETTING}), .count = -1},
-                       KEYS = {.rows = VS_ROWS({.kind = VS_SETTING | VS_LIST, .inside = &ITEMS})},
+static const vs_inside TEXTS = {.rows = VS_ROWS({.kind = VS_TEXT}), .count = -1},
+                       VALUES = {.rows = VS_ROWS({.kind = VS_TEXT | VS_LIST, .inside = &TEXTS}),
+                                 .count = -1},
+                       KEYS = {.rows = VS_ROWS(
+                                   {.kind = VS_TEXT | VS_LIST | VS_MAP, .inside = &VALUES})},
                        NAMES = {.rows = VS_ROWS({.kind = VS_MAP | VS_COUNT, .inside = &KEYS})};
 static const vs_field THREATS = {"threats", VS_TEXT | VS_MAP, .inside = &NAMES};
 
