@@ -277,6 +277,10 @@ static void runs_and_readers(void) {
   free_ran(&r);
   r = run("plot a");
   EXPECT(r.status == 0, "%d %s", r.status, r.err);
+  char *page = read_file("a/report.html");
+  SAYS(page, "The worst case: threat = hard, threat.fraction = 100 %");
+  EXPECT(!strstr(page, " = ,"), "an axis without a value");
+  free(page);
   free_ran(&r);
   r = run("compare a m");
   EXPECT(r.status == 0, "%d %s", r.status, r.err);

@@ -110,7 +110,10 @@ static vs_status share_axis(vs_plan *plan, size_t first, const vs_axis *range, c
     vs_status status = add_axis(plan, &axis, range->where, err);
     if (status) return status;
     snprintf(axis->column, sizeof axis->column, "%s", column);
-    snprintf(axis->key, sizeof axis->key, "%s", column);
+    snprintf(axis->key, sizeof axis->key, "%s.%.100s", head, range->field->key);
+    for (size_t k = first; k + 1 < plan->n_axes; k++) /* as that of another unit */
+      if (!strcmp(plan->axes[k].key, axis->key))
+        snprintf(axis->key, sizeof axis->key, "%s", column);
     snprintf(axis->section, sizeof axis->section, "events.");
     axis->field = range->field;
     axis->unit = range->unit;
