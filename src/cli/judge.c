@@ -13,6 +13,7 @@
 #include "base/json.h"
 #include "base/units.h"
 #include "commands.h"
+#include "measure/expect.h"
 #include "options.h"
 #include "study/folder.h"
 #include "study/methods.h"
@@ -32,19 +33,13 @@ typedef struct line {
   size_t broken[2]; /* how many cases it breaks: as stored, now */
 } line;
 
-/* What may happen without breaking the verdict, besides what the scene expected: everything of the
- * criteria up to this one. */
-static const char *const SPARED[] = {"", "unintended_firing misfire commutation_failure",
-                                     "fuse_opens"};
-enum { CRITERIA = sizeof SPARED / sizeof *SPARED };
-
 typedef struct judge {
   vs_folder folder;
   vs_tree asked;
   line *lines;
   size_t n_lines;
   double house;                       /* the least margin that holds */
-  int criterion;                      /* of SPARED; -1: as the study's scene has it */
+  int criterion;                      /* of vs_expect_criteria; -1: as the study's scene has it */
   size_t cases, changed, count[2][3]; /* as stored and now: held, violated, undecided */
   size_t unverified;                  /* of those held now: the weakest margin has no error */
   double least, least_error;          /* the weakest line of all rows, now */
@@ -161,11 +156,8 @@ static vs_status take_waivers(judge *j, vs_error *err) {
 static vs_status take_criterion(judge *j, vs_error *err) {
   const vs_node *node = vs_tree_child(j->asked.root, "criterion");
   if (!node) return VS_OK;
-  if (node->kind == VS_NODE_TEXT && node->text[0] >= 'A' && node->text[0] < 'A' + CRITERIA &&
-      !node->text[1]) {
-    j->criterion = node->text[0] - 'A';
-    return VS_OK;
-  }
+  if (node->kind == VS_NODE_TEXT) j->criterion = vs_expect_criterion(node->text);
+  if (j->criterion >= 0) return VS_OK;
   return vs_fail_at(err, node->where,
                     "criterion: A (nothing happens), B (it may fire or misfire) or C (a fuse may "
                     "open, too) is wanted");
@@ -267,7 +259,10 @@ static bool was_waived(const char *not_judged, const char *name) {
   for (const char *s; (s = strstr(list, "; "));) list = s + 2;
   for (const char *s = list; (s = strstr(s, name)); s += n)
     if ((s == list || s[-1] == ' ') && (s[n] == ',' || s[n] == ' ')) return true;
-  return false;
+  const char *dot = strchr(name, '.');
+  char device[VS_DECK_NAME];
+  snprintf(device, sizeof device, "%.*s", dot ? (int)(dot - name) : 0, name);
+  return dot && was_waived(not_judged, device); /* all of its limits were */
 }
 
 /* What happened: "WHAT of DEVICE at ... | ..." (study/workers/case.c). *now: under the criterion.
@@ -282,9 +277,10 @@ static void judge_happened(const judge *j, const char *cell, word *stored, word 
     const word w = strstr(one, UNSURE) ? UNDECIDED : VIOLATED;
     bool spared = strstr(one, EXPECTED) && w == VIOLATED;
     if (!spared) *stored = worse(*stored, w);
-    if (j->criterion == 0) spared = strstr(one, NEVER) != NULL;
-    for (int k = 0; k <= j->criterion; k++)
-      spared = spared || strstr(SPARED[k], name) || strstr(one, NEVER);
+    if (j->criterion == 0)
+      spared = strstr(one, NEVER) != NULL;
+    else if (j->criterion > 0)
+      spared = spared || vs_expect_spares(j->criterion, name) || strstr(one, NEVER);
     if (!spared) *now = worse(*now, w);
     free(one);
     free(name);
