@@ -21,9 +21,14 @@ const vs_field vs_plan_keys[] = {{"scene", .kind = VS_TEXT},
 
 const char **vs_plan_known_keys(const vs_method *const *methods, size_t *count) {
   enum { N_OWN = sizeof vs_plan_keys / sizeof *vs_plan_keys - 1 };
-  const char **names = vs_alloc(N_OWN + vs_method_count(methods), sizeof *names);
+  size_t besides = 0;
+  for (const vs_method *const *m = methods; *m; m++)
+    for (const vs_field *row = (*m)->besides; row && row->key; row++) besides++;
+  const char **names = vs_alloc(N_OWN + vs_method_count(methods) + besides, sizeof *names);
   for (int k = 0; k < N_OWN; k++) names[k] = vs_plan_keys[k].key;
   *count = N_OWN + vs_method_keys(methods, names + N_OWN);
+  for (const vs_method *const *m = methods; *m; m++)
+    for (const vs_field *row = (*m)->besides; row && row->key; row++) names[(*count)++] = row->key;
   return names;
 }
 

@@ -209,7 +209,11 @@ static vs_status try_cases(vs_plan *plan, vs_error *err) {
     if (plan->stages[p].method->ready)
       status = vs_error_keep(err, plan->stages[p].method->ready(plan, &plan->stages[p], err));
   if (!status) status = try_tiers(plan, point, err);
-  return status ? status : try_names(plan, point, err);
+  if (!status) status = try_names(plan, point, err);
+  for (size_t p = 0; p < plan->n_stages && !status && vs_error_count(err) == found; p++)
+    if (plan->stages[p].method->settle)
+      status = vs_error_keep(err, plan->stages[p].method->settle(plan, &plan->stages[p], err));
+  return status;
 }
 
 /* ---- all of it ---- */
@@ -249,12 +253,22 @@ static bool has_sections(const vs_scene *scene) {
          !scene->setup.machine->lost;
 }
 
-/* Error: the file has a key that no study has. */
+/* Error: the file has a key that no study has, or one that goes with a method it does not ask for.
+ */
 static vs_status check_keys(const vs_plan *plan, vs_error *err) {
   size_t n;
   const char **keys = vs_plan_known_keys(plan->methods, &n);
   vs_status status = vs_field_known_keys(plan->tree.root, "a study", keys, n, err);
   free(keys);
+  for (const vs_method *const *m = plan->methods; *m && !status; m++)
+    for (const vs_field *row = (*m)->besides; row && row->key && !status; row++) {
+      const vs_node *node = vs_tree_child(plan->tree.root, row->key);
+      if (!node || vs_tree_child(plan->tree.root, (*m)->key)) continue;
+      status = vs_error_keep(err, vs_fail_at(err, node->key_where,
+                                             "%s: goes with %s, which the study "
+                                             "does not have",
+                                             row->key, (*m)->key));
+    }
   return status;
 }
 

@@ -29,11 +29,13 @@ typedef struct vs_method_report {
 } vs_method_report;
 
 typedef struct vs_method {
-  const char *name;     /* "grid" */
-  const char *key;      /* the study's key it stands under, and its member's in the manifest */
-  const char *text;     /* what it does, one line */
-  const vs_field *keys; /* what may stand under `key`, one row, the same for all methods of it */
-  bool uncertain;       /* its axes are what is not known exactly; false: what may be chosen */
+  const char *name;        /* "grid" */
+  const char *key;         /* the study's key it stands under, and its member's in the manifest */
+  const char *text;        /* what it does, one line */
+  const vs_field *keys;    /* what may stand under `key`, one row, the same for all methods of it */
+  const vs_field *besides; /* further keys of the study, which stand beside `key` alone; an empty
+                              row ends them; NULL: there are none */
+  bool uncertain;          /* its axes are what is not known exactly; false: what may be chosen */
   bool tolerates; /* what it chooses may also stand under `sample`, with a tolerance: it gives each
                      such axis (vs_axis.about) its number */
 
@@ -49,6 +51,10 @@ typedef struct vs_method {
   /* Checks the section once the plan's columns have their units and ratings. NULL: there is nothing
    * to check. */
   vs_status (*ready)(const struct vs_plan *plan, const struct vs_plan_stage *stage, vs_error *err);
+
+  /* Checks the section once the plan has the columns of all cases' lines. NULL: there is nothing to
+   * check. */
+  vs_status (*settle)(const struct vs_plan *plan, const struct vs_plan_stage *stage, vs_error *err);
 
   /* Frees the state. NULL: there is nothing to free. */
   void (*free)(void *state);
@@ -77,6 +83,13 @@ typedef struct vs_method {
    * results (else NULL), what it found. NULL: nothing. */
   void (*json)(const struct vs_plan *plan, const struct vs_plan_stage *stage,
                const struct vs_results *results, vs_json *json);
+
+  /* Writes files of its own into the study's folder (NULL: there is none) once the others are
+   * there, says on standard output what it found unless quiet, and returns how the study ended.
+   * NULL: there are none, and its rows tell how. */
+  vs_status (*publish)(const struct vs_plan *plan, const struct vs_plan_stage *stage,
+                       const struct vs_results *results, const char *folder, bool quiet,
+                       vs_error *err);
 
   vs_method_report report;
 } vs_method;
