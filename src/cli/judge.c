@@ -13,6 +13,7 @@
 #include "base/json.h"
 #include "base/units.h"
 #include "commands.h"
+#include "measure/expect.h"
 #include "options.h"
 #include "study/folder.h"
 #include "study/hold.h"
@@ -31,7 +32,7 @@ typedef struct judge {
   vs_tree asked;
   vs_hold hold;
   line *lines;
-  int criterion;                      /* of VS_HOLD_CRITERIA; -1: as the study's scene has it */
+  int criterion;                      /* of vs_expect_criteria; -1: as the study's scene has it */
   size_t cases, changed, count[2][3]; /* as stored and now: held, violated, undecided */
   size_t unverified;                  /* of those held now: the weakest margin has no error */
   double least, least_error;          /* the weakest line of all rows, now */
@@ -67,11 +68,8 @@ static vs_status take_limit(vs_hold *hold, const char *name, const vs_node *valu
 static vs_status take_criterion(judge *j, vs_error *err) {
   const vs_node *node = vs_tree_child(j->asked.root, "criterion");
   if (!node) return VS_OK;
-  if (node->kind == VS_NODE_TEXT && node->text[0] >= 'A' &&
-      node->text[0] < 'A' + VS_HOLD_CRITERIA && !node->text[1]) {
-    j->criterion = node->text[0] - 'A';
-    return VS_OK;
-  }
+  if (node->kind == VS_NODE_TEXT) j->criterion = vs_expect_criterion(node->text);
+  if (j->criterion >= 0) return VS_OK;
   return vs_fail_at(err, node->where,
                     "criterion: A (nothing happens), B (it may fire or misfire) or C (a fuse may "
                     "open, too) is wanted");

@@ -9,6 +9,7 @@
 
 #include "base/text.h"
 #include "base/units.h"
+#include "measure/expect.h"
 #include "run/keys.h"
 
 const char *const vs_hold_words[] = {"held", "violated", "undecided"};
@@ -127,7 +128,10 @@ static bool was_waived(const char *not_judged, const char *name) {
   for (const char *s; (s = strstr(list, "; "));) list = s + 2;
   for (const char *s = list; (s = strstr(s, name)); s += n)
     if ((s == list || s[-1] == ' ') && (s[n] == ',' || s[n] == ' ')) return true;
-  return false;
+  const char *dot = strchr(name, '.');
+  char device[VS_DECK_NAME];
+  snprintf(device, sizeof device, "%.*s", dot ? (int)(dot - name) : 0, name);
+  return dot && was_waived(not_judged, device); /* all of its limits were */
 }
 
 /* The margin to the limit asked for. A margin m to a most limit L leaves the stress at L (1 - m),
@@ -159,10 +163,6 @@ void vs_hold_judge(const vs_hold *h, size_t line, double m, double e, const char
   r->weakest = line;
 }
 
-/* What may happen without breaking the verdict: everything of the criteria up to this one. */
-static const char *const SPARED[VS_HOLD_CRITERIA] = {
-    "", "unintended_firing misfire commutation_failure", "fuse_opens"};
-
 /* "WHAT of DEVICE at ... | ..." (study/workers/case.c). */
 void vs_hold_happened(const char *happened, int criterion, vs_hold_row *r) {
   static const char EXPECTED[] = ", as expected", UNSURE[] = ", in one of two runs",
@@ -175,8 +175,8 @@ void vs_hold_happened(const char *happened, int criterion, vs_hold_row *r) {
     bool spared = strstr(one, EXPECTED) && w == VS_HOLD_VIOLATED;
     if (!spared) r->stored = vs_hold_worse(r->stored, w);
     if (criterion == 0) spared = strstr(one, NEVER) != NULL;
-    for (int k = 0; k <= criterion; k++)
-      spared = spared || strstr(SPARED[k], name) || strstr(one, NEVER);
+    else if (criterion > 0)
+      spared = spared || vs_expect_spares(criterion, name) || strstr(one, NEVER);
     if (!spared) r->now = vs_hold_worse(r->now, w);
     free(one);
     free(name);

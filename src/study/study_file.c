@@ -122,9 +122,10 @@ static vs_status check_orbit(const vs_plan *plan, const vs_scene *scene, vs_erro
 static vs_status try_point(vs_plan *plan, const double *point, vs_scene *scene, vs_error *err) {
   vs_status status = vs_plan_scene(plan, scene, err);
   if (status) return status;
-  for (size_t k = 0; k < plan->n_axes; k++) vs_axis_put(&plan->axes[k], point[k], 12, &scene->tree);
+  vs_plan_put(plan, point, &scene->tree);
   size_t found = vs_error_count(err);
   status = vs_scene_read_sections(scene, NULL, err);
+  if (!status && vs_error_count(err) == found) status = vs_plan_check_case(plan, point, scene, err);
   if (!status && vs_error_count(err) == found) status = check_orbit(plan, scene, err);
   if (!status && vs_error_count(err) == found)
     status = vs_plan_input(plan, scene->setup.machine->path, err);
@@ -218,6 +219,15 @@ static vs_status try_cases(vs_plan *plan, vs_error *err) {
 
 /* ---- all of it ---- */
 
+/* Error: a spread of the study itself, and no threats that it goes along with. */
+static vs_status check_spread(const vs_plan *plan, vs_error *err) {
+  const vs_node *spread = vs_tree_child(plan->tree.root, "spread");
+  if (!spread || vs_tree_child(plan->tree.root, "threats")) return VS_OK;
+  return vs_fail_at(err, spread->key_where,
+                    "spread: it goes along with threats, and the study has none; "
+                    "sample: {method: sobol, spread: {...}} is wanted");
+}
+
 /* Reads `scene`: a path, which may start from the study's folder, or the name of a scene that comes
  * with the program. */
 static vs_status name_scene(vs_plan *plan, vs_error *err) {
@@ -283,6 +293,7 @@ vs_status vs_study_file_read(const char *name, const vs_method *const *methods, 
     if (vs_plan_is_own(plan, sets[k]))
       status = vs_error_keep(err, vs_tree_set(&plan->tree, sets[k], err));
   if (!status) status = check_keys(plan, err);
+  if (!status) status = vs_error_keep(err, check_spread(plan, err));
 
   /* The scene that is varied: its sections say which keys there are, with their units. */
   if (!status) status = vs_error_keep(err, read_base(plan, err));

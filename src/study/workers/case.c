@@ -237,12 +237,13 @@ static void add_not_judged(const vs_case *c, vs_text *row) {
   const vs_expects *expects = &r->scene->expects;
   if (vs_unjudged_is_told(r->watchers.devices, &r->verdict))
     vs_unjudged_write(r->watchers.devices, &r->verdict, &all);
+  char name[2 * VS_DECK_NAME];
   for (size_t k = 0; k < expects->n_waivers; k++)
-    vs_text_add(&all, "%s%s.%s",
+    vs_text_add(&all, "%s%s",
                 k            ? ", "
                 : all.length ? "; "
                              : "",
-                expects->waiver[k].device, expects->waiver[k].name);
+                vs_expect_waiver_name(&expects->waiver[k], name));
   if (expects->n_waivers) vs_text_add(&all, " (waived)");
   vs_csv_cell(row, all.text ? all.text : "");
   vs_text_free(&all);
@@ -499,12 +500,11 @@ static vs_status read_scene_of_case(vs_case *c, vs_error *err) {
     status = vs_plan_scene(plan, c->scene, err);
     c->begun = true;
   }
-  for (size_t k = 0; k < plan->n_axes && !status; k++)
-    vs_axis_put(&plan->axes[k], c->present.point[k], 12, &c->scene->tree);
   if (status) return status;
+  vs_plan_put(plan, c->present.point, &c->scene->tree);
   status = again ? vs_scene_reread(c->scene, err) : vs_scene_read_sections(c->scene, NULL, err);
   if (!status && plan->periods) vs_scene_disable_control(c->scene);
-  return status;
+  return status ? status : vs_plan_check_case(plan, c->present.point, c->scene, err);
 }
 
 vs_status vs_case_begin(vs_case *c, uint64_t index, const double *point, vs_error *err) {

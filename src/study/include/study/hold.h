@@ -71,10 +71,7 @@ typedef struct vs_hold_row {
 void vs_hold_judge(const vs_hold *hold, size_t line, double margin, double error,
                    const char *not_judged, vs_hold_row *row, vs_hold_word came[2]);
 
-/* Criteria of what may happen besides what the scene expected, from 0: nothing (A), firing and
- * misfiring (B), a fuse that opens, too (C). */
-enum { VS_HOLD_CRITERIA = 3 };
-/* Takes the row's cell `happened`. criterion -1: as the scene has it. */
+/* Takes the row's cell `happened`. criterion: of vs_expect_criteria; -1: as the scene has it. */
 void vs_hold_happened(const char *happened, int criterion, vs_hold_row *row);
 
 /* Takes the row's status and its warnings, once all else is taken. A line may have no column: what

@@ -68,6 +68,16 @@ typedef struct vs_method {
   void (*point)(const struct vs_plan *plan, const struct vs_plan_stage *stage, uint64_t index,
                 double *value);
 
+  /* Puts such numbers into a scene's tree, which may have those of another case. NULL: each is its
+   * axis' key (vs_axis_put). */
+  void (*put)(const struct vs_plan *plan, const struct vs_plan_stage *stage, const double *value,
+              vs_tree *tree);
+
+  /* Error: the scene, which is settled with such numbers, is not the case that was meant. NULL: it
+   * always is. */
+  vs_status (*check)(const struct vs_plan_stage *stage, const double *value, const vs_scene *scene,
+                     vs_error *err);
+
   /* Of a method that searches: asks for the next generation by the results of all earlier ones,
    * which are none at first. All axes are its own. It has ended when it adds nothing. It is a pure
    * function of results and seed; it is called once a generation and, after --resume, again from

@@ -5,7 +5,8 @@
  *
  *   scene:   NAME or path                 the default: paper
  *   set:     {KEY: VALUE, ...}            over what the scene says
- *   vary:    {KEY: VALUES, ...}           study/method/grid.c: grid; or the name of a CSV file:
+ *   threats: {NAME: {kind: KIND, ...}, ...}   study/method/threat_cases.c; spread: {KEY: SPREAD,
+ * ...} vary:    {KEY: VALUES, ...}           study/method/grid.c: grid; or the name of a CSV file:
  * list sample:  {method: NAME, ...}          study/method/sample.c find:    {worst: max MEASURE,
  * ...}    study/method/worst.c snubber: {...}                        study/method/snubber.c steady:
  * {period: N}                  study/orbit_columns.h: each case is a period of its orbit report:
@@ -108,6 +109,13 @@ void vs_plan_method(const vs_plan *plan, char *text, size_t size);
 
 /* Writes the point of case `index`, point[n_axes]. Not for a plan in which a method searches. */
 void vs_plan_point(const vs_plan *plan, uint64_t index, double *point);
+
+/* Puts a point, point[n_axes], into a scene's tree, which may have another's. */
+void vs_plan_put(const vs_plan *plan, const double *point, vs_tree *tree);
+
+/* Error: the settled scene of that point is not the case that a method meant. */
+vs_status vs_plan_check_case(const vs_plan *plan, const double *point, const vs_scene *scene,
+                             vs_error *err);
 
 /* Reads the scene with `set` and --set, to be altered and then settled (vs_scene_read_sections). */
 vs_status vs_plan_scene(const vs_plan *plan, vs_scene *scene, vs_error *err);
