@@ -174,7 +174,8 @@ void vs_hold_happened(const char *happened, int criterion, vs_hold_row *r) {
     const vs_hold_word w = strstr(one, UNSURE) ? VS_HOLD_UNDECIDED : VS_HOLD_VIOLATED;
     bool spared = strstr(one, EXPECTED) && w == VS_HOLD_VIOLATED;
     if (!spared) r->stored = vs_hold_worse(r->stored, w);
-    if (criterion == 0) spared = strstr(one, NEVER) != NULL;
+    if (criterion == 0)
+      spared = strstr(one, NEVER) != NULL;
     else if (criterion > 0)
       spared = spared || vs_expect_spares(criterion, name) || strstr(one, NEVER);
     if (!spared) r->now = vs_hold_worse(r->now, w);

@@ -187,6 +187,10 @@ static vs_status end_session(session *s, vs_status status, vs_error *err) {
 static vs_status read_plan(session *s, vs_error *err) {
   const vs_study_options *o = s->o;
   vs_status status = vs_study_file_read(o->name, o->methods, o->sets, o->n_sets, &s->plan, err);
+  if (!status && o->method && (!s->plan.adaptive || s->plan.adaptive->method != o->method))
+    return vs_fail_at(err, (vs_where){s->plan.tree.name, 1, 1},
+                      "%s: the key %s is wanted; `vibrospice study` runs other studies",
+                      o->method->name, o->method->key);
   s->plan.allow_code = o->allow_code;
   s->count = s->plan.count;
   return status ? status : vs_control_allow(&s->plan.first->control, o->allow_code, err);
@@ -691,7 +695,7 @@ static vs_status say_result(const session *s, vs_error *err) {
     if (s->o->quiet || status) return status;
     return vs_publish_show(s->folder, "failures.csv", false, stderr, err);
   }
-  if (s->o->quiet || s->o->progress_json) return VS_OK;
+  if (s->o->quiet || s->o->progress_json || s->o->method) return VS_OK;
   vs_plan_method(&s->plan, method, sizeof method);
   printf("study  %s (%s)\n", s->plan.path, method);
   if (j->head.shards > 1)

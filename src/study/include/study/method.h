@@ -38,6 +38,7 @@ typedef struct vs_method {
   bool uncertain;          /* its axes are what is not known exactly; false: what may be chosen */
   bool tolerates; /* what it chooses may also stand under `sample`, with a tolerance: it gives each
                      such axis (vs_axis.about) its number */
+  bool takes_cases; /* a search whose cases may be those of the study's threats */
 
   /* Says whether the section under `key` asks for this method. Of several the first in the table is
    * taken. */
@@ -67,6 +68,11 @@ typedef struct vs_method {
    * and seed, so that any shard, worker and order gives the same. NULL: the method searches. */
   void (*point)(const struct vs_plan *plan, const struct vs_plan_stage *stage, uint64_t index,
                 double *value);
+
+  /* Writes a random and independent point: it is a pure function of index and seed. False: nothing
+   * is left to chance. NULL: there are no such points. */
+  bool (*draw)(const struct vs_plan *plan, const struct vs_plan_stage *stage, uint64_t index,
+               double *value);
 
   /* Puts such numbers into a scene's tree, which may have those of another case. NULL: each is its
    * axis' key (vs_axis_put). */
