@@ -79,36 +79,41 @@ void vs_design_write(const vs_design *d, const vs_plan *plan, uint64_t k, vs_tex
 
 /* ---- what is to be least ---- */
 
+typedef struct columns {
+  const vs_price_list *list;
+  char unknown[VS_KEY_SIZE]; /* the first name that is no column; empty: all are */
+} columns;
+
 static int column_named(void *ctx, const char *at, const char *name) {
-  const size_t column = vs_price_list_column(ctx, name);
+  columns *c = ctx;
+  const size_t column = vs_price_list_column(c->list, name);
   (void)at;
-  return column == SIZE_MAX ? -1 : (int)column;
+  if (column != SIZE_MAX) return (int)column;
+  if (!*c->unknown) snprintf(c->unknown, sizeof c->unknown, "%s", name);
+  return -1;
 }
 
-static vs_status unknown_column(const vs_design *d, const char *bad, const char *why,
-                                vs_error *err) {
-  char word[VS_KEY_SIZE];
-  const size_t n = strspn(bad, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789");
-  snprintf(word, sizeof word, "%.*s", (int)(n < sizeof word ? n : sizeof word - 1), bad);
-  if (!*word || vs_price_list_column(&d->list, word) != SIZE_MAX)
-    return vs_fail_at(err, d->aim->where, "aim.least: %s", why);
+static vs_status no_formula(const vs_design *d, const char *unknown, const char *why,
+                            vs_error *err) {
+  if (!*unknown) return vs_fail_at(err, d->aim->where, "aim.least: %s", why);
   return vs_fail_at(
-      err, d->aim->where, "aim.least: %s has no column '%s'%s", d->list.path, word,
-      vs_text_hint(word, (const char *const *)d->list.title, d->list.columns,
+      err, d->aim->where, "aim.least: %s has no column '%s'%s", d->list.path, unknown,
+      vs_text_hint(unknown, (const char *const *)d->list.title, d->list.columns,
                    "; a column of numbers is wanted, or a sum as price + 0.02 * volume_cm3")
           .text);
 }
 
 /* Gives every row its price. Error: a column is missing, or has no number in that row. */
 static vs_status price_of_row(const vs_design *d, size_t row, double *price, vs_error *err) {
-  vs_formula_scope scope = {
-      .ctx = (void *)(uintptr_t)&d->list, .name = column_named, .of_machine = true};
+  columns of = {.list = &d->list};
+  const vs_formula_scope scope = {.ctx = &of, .name = column_named, .of_machine = true};
   vs_formula formula = {0};
   const char *bad = "";
   char why[256] = "";
   double *values = vs_alloc(d->list.columns, sizeof *values);
   const char *end = vs_formula_read(d->aim->text, &scope, &formula, &bad, why, sizeof why);
-  vs_status status = !end || *end ? unknown_column(d, end ? end : bad, why, err) : VS_OK;
+  vs_status status = VS_OK;
+  if (!end || *end) status = no_formula(d, of.unknown, end ? "a formula is wanted" : why, err);
   for (size_t k = 0; !status && k < formula.count; k++) {
     const int column = vs_formula_name_of(&formula.ops[k]);
     if (column >= 0)
@@ -524,8 +529,6 @@ static vs_status read_map(const vs_plan *plan, const char *key, const vs_inside 
 }
 
 static vs_status read_besides(vs_plan *plan, vs_design *d, vs_error *err) {
-  static char price[] = "price";
-  static const vs_node PRICE = {.kind = VS_NODE_TEXT, .text = price};
   const vs_node *aim, *proof, *budget;
   vs_status status = read_map(plan, "aim", &AIM, &aim, err);
   if (!status) status = read_map(plan, "proof", &PROOF, &proof, err);
@@ -535,7 +538,8 @@ static vs_status read_besides(vs_plan *plan, vs_design *d, vs_error *err) {
   if (aim && (!d->aim || d->aim->kind != VS_NODE_TEXT))
     return vs_fail_at(err, aim->where, "aim: {least: price} is wanted, with a column of %s",
                       d->list.path);
-  if (!d->aim) d->aim = &PRICE;
+  d->usual_aim = vs_tree_word(NULL, "price", vs_tree_place(plan->tree.root, "catalogue.prices"));
+  if (!d->aim) d->aim = &d->usual_aim;
   status = vs_axis_whole(proof, "random", 0, 1000000, &d->random, err);
   if (!status) status = read_flag(proof, "neighbours", &d->neighbours, err);
   if (!status) status = vs_axis_whole(budget, "runs", 1, VS_PLAN_CASES, &d->most_runs, err);
@@ -546,7 +550,8 @@ static vs_status read_prices(vs_plan *plan, vs_design *d, const vs_node *section
   const vs_node *prices = vs_tree_child(section, "prices");
   char path[VS_PATH_SIZE];
   if (!prices)
-    return vs_fail_at(err, section->where, "catalogue: prices is wanted, a CSV file of parts");
+    return vs_fail_at(err, section->where,
+                      "catalogue: prices is wanted, a CSV file of parts with what they cost");
   vs_status status = vs_plan_find(prices, path, err);
   if (!status) status = vs_price_list_read(path, prices->where, &d->list, err);
   return status ? status : vs_plan_input(plan, path, err);

@@ -48,7 +48,8 @@ typedef struct vs_design_choice {
 
 typedef struct vs_design {
   vs_price_list list;
-  const vs_node *aim; /* the formula's */
+  const vs_node *aim; /* the formula */
+  vs_node usual_aim;  /* where the study has none */
   vs_design_choice choice[VS_DESIGN_CHOICES];
   size_t n_choices;
   vs_design_cases cases;

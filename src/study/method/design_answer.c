@@ -303,27 +303,23 @@ static void add_bill(const answer *a, vs_text *text) {
 
 static void add_proof_of_list(const answer *a, vs_text *text) {
   const vs_design_search *s = &a->s;
-  vs_text_add(text, "List: the answer holds all %zu cases, each run in ngspice", s->n_list);
+  vs_text_add(text, "List: the answer holds all %zu cases, each a run in ngspice", s->n_list);
   if (a->without_error)
     vs_text_add(text,
-                "; of %llu of its runs the weakest margin has no computed error (run.verify: "
+                "; the weakest margins of %llu of its runs have no computed error (run.verify: "
                 "always computes it)",
                 (unsigned long long)a->without_error);
-  vs_text_add(text,
-              ". Each of the %zu candidates looked at that cost less violates a case, which "
-              "design.csv names",
-              a->cheaper);
+  vs_text_add(text, ". %zu candidates cost less: each violates a case, which design.csv names",
+              a->cheaper + a->unjudged);
   if (a->unjudged) vs_text_add(text, ", but for %zu that could not be judged", a->unjudged);
   vs_text_add(text, ".");
 }
 
 static void add_proof_of_ranges(const answer *a, vs_text *text) {
-  if (vs_design_cases_ranged(a->plan, &a->d->cases))
-    vs_text_add(text,
-                "Ranges: the list has samples of continuous ranges; the worst within them was "
-                "not searched for, and no bound is claimed.");
-  else
-    vs_text_add(text, "Ranges: none is stated; nothing is said of values that are not listed.");
+  vs_text_add(text, vs_design_cases_ranged(a->plan, &a->d->cases)
+                        ? "Ranges: the list has samples of what is continuous; the worst within "
+                          "was not searched for, and no bound is claimed."
+                        : "Ranges: none is stated; nothing is said of values that are not listed.");
 }
 
 static void add_proof_by_draws(const answer *a, vs_text *text) {
@@ -334,34 +330,75 @@ static void add_proof_by_draws(const answer *a, vs_text *text) {
   }
   vs_text_add(text,
               "Random: 0 of %llu draws after the last change violate; %llu were drawn in all, and "
-              "%zu became cases. So p < %.3g %% at 95 %%, of draws by which each threat is as "
-              "likely as another and even within its ranges.",
+              "%zu became cases. So p < %.3g %% at 95 %%, of draws in which each threat is as "
+              "likely as another, and even within its ranges.",
               (unsigned long long)s->draws_held, (unsigned long long)s->draws,
               s->n_list - (size_t)a->d->cases.count, 300. / (double)s->draws_held);
 }
 
-/* What no run judged, each once, as the rows of the answer say it. */
+/* True for a device whose limits the list of prices has. */
+static bool is_priced(const answer *a, const char *name, size_t n) {
+  for (size_t c = 0; c < a->d->n_choices; c++)
+    if (a->d->choice[a->d->choice[c].leader].n_limits && strlen(a->d->choice[c].device) == n &&
+        !strncmp(a->d->choice[c].device, name, n))
+      return true;
+  return false;
+}
+
+/* Adds a group "r1, c1 (no limit stated)" of a row's cell, but for what the list of prices judges.
+ */
+static void add_group(const answer *a, const char *group, size_t length, vs_text *text) {
+  const char *reason = memchr(group, '(', length), *between = "";
+  const char *end = reason ? reason - 1 : group + length;
+  const size_t before = text->length;
+  vs_text_add(text, "%s", text->length ? "; " : "");
+  for (const char *s = group; s < end;) {
+    size_t n = strcspn(s, ",(");
+    if (s + n > end) n = (size_t)(end - s);
+    if (!is_priced(a, s, n)) {
+      vs_text_add(text, "%s%.*s", between, (int)n, s);
+      between = ", ";
+    }
+    s += n;
+    s += strspn(s, ", ");
+  }
+  if (!*between) {
+    text->length = before;
+    return;
+  }
+  if (reason) vs_text_add(text, " %.*s", (int)(group + length - reason), reason);
+}
+
+/* What no run judged, each group once, as the rows of the answer say it. */
 static void add_not_judged(const answer *a, vs_text *text) {
   const vs_design_search *s = &a->s;
-  const char *said[64];
-  size_t n = 0;
-  for (size_t k = 0; k < s->n_list && n < 64; k++) {
+  vs_text all = {0};
+  for (size_t k = 0; k < s->n_list; k++) {
     const uint64_t run = s->answer->run[k] - 1;
     const char *cell = a->results->words[run * VS_RESULT_WORDS + VS_RESULT_NOT_JUDGED];
-    size_t i = 0;
-    while (cell && i < n && strcmp(said[i], cell) != 0) i++;
-    if (!cell || i < n) continue;
-    vs_text_add(text, "%s%s", n ? "; " : "Not judged: ", cell);
-    said[n++] = cell;
+    for (const char *g = cell; g && *g;) {
+      const char *end = strstr(g, "; "), *reason = strchr(g, '(');
+      /* a reason may have the sign, too */
+      if (end && reason && reason < end && memchr(reason, ')', (size_t)(end - reason)) == NULL)
+        end = strstr(strchr(reason, ')') ? strchr(reason, ')') : end, "; ");
+      const size_t n = end ? (size_t)(end - g) : strlen(g);
+      vs_text one = {0};
+      add_group(a, g, n, &one);
+      if (one.length && (!all.length || !strstr(all.text, one.text)))
+        vs_text_add(&all, "%s%s", all.length ? "; " : "", one.text);
+      vs_text_free(&one);
+      g += n + (end ? 2 : 0);
+    }
   }
-  if (!n) vs_text_add(text, "Not judged: nothing that a part states a limit for");
+  vs_text_add(text, "Not judged: %s.", all.length ? all.text : "nothing");
   bool any = false;
   for (size_t k = 0; k < a->d->hold.count; k++) {
     if (!a->d->hold.line[k].waived) continue;
-    vs_text_add(text, "%s%s", any ? ", " : ". Waived: ", a->d->hold.line[k].name);
+    vs_text_add(text, "%s%s", any ? ", " : " Waived by hold: ", a->d->hold.line[k].name);
     any = true;
   }
-  vs_text_add(text, ".");
+  if (any) vs_text_add(text, ".");
+  vs_text_free(&all);
 }
 
 /* The limits of the chosen parts that no source says. */
@@ -669,8 +706,8 @@ static vs_status end_design(const answer *a, vs_error *err) {
         "nothing in the catalogue holds: all %llu candidates, up to %.6g, violate a case",
         (unsigned long long)a->d->n_candidates, dearest(a));
   return vs_fail(err, VS_BUDGET,
-                 "budget.runs = %llu is spent: nothing below %.6g holds%s; --resume with a larger "
-                 "one would be another study",
+                 "budget.runs = %llu is spent: nothing below %.6g holds%s; a larger one, in "
+                 "another folder, would go on",
                  (unsigned long long)a->d->most_runs, vs_design_search_bound(s),
                  s->answer ? ", and the best so far is not proved" : "");
 }

@@ -140,9 +140,29 @@ void vs_design_cases_put(const vs_design_cases *c, const double *point, vs_tree 
     vs_tree_graft(tree, n->key, n, &never);
 }
 
+static bool is_listed(const vs_plan *plan, const vs_design_cases *c, const double *drawn) {
+  const vs_plan_stage *stage = c->threats;
+  double listed[VS_PLAN_AXES];
+  for (uint64_t k = 0; k < count_threats(plan, c); k++) {
+    bool same = true;
+    stage->method->point(plan, stage, k, listed);
+    for (size_t n = 0; n < stage->n && same; n++)
+      same = listed[n] == drawn[n] || (isnan(listed[n]) && isnan(drawn[n]));
+    if (same) return true;
+  }
+  return false;
+}
+
+/* A range that is continuous, or a spread, shows in the first draws: each threat comes up in so
+ * many of them but for one time in e to the power DRAWS / threats. */
 bool vs_design_cases_ranged(const vs_plan *plan, const vs_design_cases *c) {
-  double point[VS_PLAN_AXES];
-  return c->threats && c->threats->method->draw(plan, c->threats, 0, point);
+  enum { DRAWS = 512 };
+  double drawn[VS_PLAN_AXES];
+  for (uint64_t k = 0; c->threats && k < DRAWS; k++) {
+    if (!c->threats->method->draw(plan, c->threats, k, drawn)) return false;
+    if (!is_listed(plan, c, drawn)) return true;
+  }
+  return false;
 }
 
 void vs_design_cases_write(const vs_plan *plan, const vs_design_cases *c, uint64_t number,
@@ -157,11 +177,11 @@ void vs_design_cases_write(const vs_plan *plan, const vs_design_cases *c, uint64
   const char *between = "";
   for (size_t k = c->threats->axis; k < c->threats->axis + c->threats->n; k++) {
     const vs_axis *axis = &plan->axes[k];
-    const char *dot = strchr(axis->key, '.');
     if (isnan(point[k])) continue;
     vs_axis_print(axis, point[k], cell, sizeof cell);
-    vs_text_add(text, "%s%s%s%s%s%s", between, dot ? dot + 1 : "", dot ? " " : "", cell,
+    const bool name = k == c->threats->axis;
+    vs_text_add(text, "%s%s%s%s%s%s", between, name ? "" : axis->field->key, name ? "" : " ", cell,
                 *axis->unit ? " " : "", axis->unit);
-    between = k == c->threats->axis ? ": " : ", ";
+    between = name ? ": " : ", ";
   }
 }

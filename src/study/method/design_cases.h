@@ -26,7 +26,7 @@ void vs_design_cases_point(const vs_plan *plan, const vs_design_cases *cases, ui
 /* Puts the point's operation into a scene's tree, which may have another's. */
 void vs_design_cases_put(const vs_design_cases *cases, const double *point, vs_tree *tree);
 
-/* True if there is something to draw. */
+/* True if draws come to something that the list does not have. */
 bool vs_design_cases_ranged(const vs_plan *plan, const vs_design_cases *cases);
 /* Writes the case as people say it: "surge: angle 41.2 deg, level 1 kV". */
 void vs_design_cases_write(const vs_plan *plan, const vs_design_cases *cases, uint64_t number,
