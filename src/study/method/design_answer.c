@@ -680,8 +680,9 @@ static void add_unjudged(const answer *a, vs_text *text) {
     vs_text_add(text, " for %.6g, under ", c->price);
     add_case(a, &c->killer, text);
     vs_text_add(text, " (case %llu): %s\n", (unsigned long long)c->killer.run,
-                a->results->status[c->killer.run] == 1 ? line_name(a, &c->killer)
-                                                       : "the verdict is undecided");
+                a->results->status[c->killer.run] == 1
+                    ? line_name(a, &c->killer)
+                    : "its verdict is undecided, or not all that parts bear is known there");
   }
 }
 

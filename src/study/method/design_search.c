@@ -67,6 +67,20 @@ static bool class_bears(const vs_design *d, const vs_design_candidate *c, size_t
   return bears;
 }
 
+/* True if the case's event makes the deck's line of the device untrue, as where its element is
+ * opened: the run warns of it (engine/drive/wiring.c). */
+static bool is_untrue(const vs_results *r, uint64_t run, const char *device) {
+  static const char NOT_RIGHT[] = "are not right any more: those of ";
+  const size_t n = strlen(device);
+  const char *list = strstr(word_of(r, run, VS_RESULT_WARNINGS), NOT_RIGHT);
+  if (!list) return false;
+  list += strlen(NOT_RIGHT);
+  const char *end = list + strcspn(list, ";|");
+  for (const char *s = list; s < end; s += strcspn(s, ",;|"), s += strspn(s, ", "))
+    if (!strncmp(s, device, n) && strchr(",;|", s[n])) return true;
+  return false;
+}
+
 /* Takes what the devices of the list's limits bore. False: one of them is not known. */
 static bool take_stresses(const vs_design_search *s, vs_design_candidate *c, uint64_t number,
                           uint64_t run) {
@@ -78,7 +92,9 @@ static bool take_stresses(const vs_design_search *s, vs_design_candidate *c, uin
       if (column < 0) continue;
       const double x = fabs(vs_plan_results_value(s->results, run, column)) *
                        vs_units_factor(s->plan->columns[column].unit);
-      known = known && !isnan(x);
+      const bool untrue = is_untrue(s->results, run, d->choice[k].device);
+      known = known && !isnan(x) && !untrue;
+      if (untrue) continue;
       if (!(x > c->worst[k][l])) continue;
       c->worst[k][l] = x;
       c->worst_at[k][l] = (vs_design_mark){number, run, d->choice[k].line[l], NAN, NAN};
