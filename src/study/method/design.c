@@ -14,7 +14,7 @@
  *   aim: {least: price_eur + 0.02 * volume_cm3}    columns of the list; the default: price
  *   operation: {high: {supply.voltage: 484 V}}     the machine at work; threats come besides
  *   hold: {margin: 10 %, thyristor.v_reverse: 0.8, waive: [thyristor.di_dt]}
- *   proof: {random: 1000, neighbours: true}
+ *   proof: {verify: true, random: 1000, neighbours: true}
  *   budget: {runs: 5000, jobs: 2}
  *
  * A resistor or a capacitor of a value may stand in the list in several rows, whose columns LIMIT
@@ -496,7 +496,8 @@ static const vs_inside
     HOLD = {.rows =
                 VS_ROWS({"margin", .kind = VS_PART}, {"waive", VS_TEXT | VS_LIST, .inside = &LINES},
                         {.kind = VS_PART | VS_MAP, .inside = &OF_DEVICE})},
-    PROOF = {.rows = VS_ROWS({"random", .kind = VS_COUNT}, {"neighbours", .kind = VS_FLAG})},
+    PROOF = {.rows = VS_ROWS({"verify", .kind = VS_FLAG}, {"random", .kind = VS_COUNT},
+                             {"neighbours", .kind = VS_FLAG})},
     BUDGET = {.rows = VS_ROWS({"runs", .kind = VS_COUNT}, {"jobs", .kind = VS_COUNT})};
 static const vs_field SECTION = {"catalogue", VS_MAP, .inside = &CATALOGUE};
 static const vs_field BESIDES[] = {{"aim", VS_MAP, .inside = &AIM},
@@ -542,6 +543,7 @@ static vs_status read_besides(vs_plan *plan, vs_design *d, vs_error *err) {
   if (!d->aim) d->aim = &d->usual_aim;
   status = vs_axis_whole(proof, "random", 0, 1000000, &d->random, err);
   if (!status) status = read_flag(proof, "neighbours", &d->neighbours, err);
+  if (!status) status = read_flag(proof, "verify", &d->verify, err);
   if (!status) status = vs_axis_whole(budget, "runs", 1, VS_PLAN_CASES, &d->most_runs, err);
   return status ? status : vs_axis_whole(budget, "jobs", 1, 64, &d->width, err);
 }
@@ -555,6 +557,27 @@ static vs_status read_prices(vs_plan *plan, vs_design *d, const vs_node *section
   vs_status status = vs_plan_find(prices, path, err);
   if (!status) status = vs_price_list_read(path, prices->where, &d->list, err);
   return status ? status : vs_plan_input(plan, path, err);
+}
+
+/* Adds the axis of run.verify, unless the scene asks for all errors, or the study for none. */
+static vs_status add_verify(vs_plan *plan, vs_design *d, vs_error *err) {
+  static const char KEY[] = "run.verify", *const WORDS[] = {"auto", "always"};
+  const vs_where where = {plan->tree.name, 1, 1};
+  const vs_node *run = vs_tree_child(plan->base->tree.root, "run"),
+                *own = run ? vs_tree_child(run, "verify") : NULL;
+  vs_axis *axis;
+  const vs_node key = vs_tree_word(KEY, "", where);
+  if (own && own->text && !strcmp(own->text, WORDS[1])) d->verify = false;
+  if (!d->verify) return VS_OK;
+  vs_status status = vs_plan_axis(plan, &key, "catalogue", &axis, err);
+  if (status) return status;
+  d->verify_axis = (size_t)(axis - plan->axes);
+  axis->where = where;
+  for (int w = 0; w < 2 && !status; w++) {
+    const vs_node word = vs_tree_word(NULL, !w && own && own->text ? own->text : WORDS[w], where);
+    status = vs_axis_values(axis, &word, err);
+  }
+  return status;
 }
 
 /* Error: another method has axes whose points would not be run. */
@@ -572,7 +595,7 @@ static vs_status refuse_others(const vs_plan *plan, const vs_node *section, vs_e
 
 static vs_status read_design(vs_plan *plan, const vs_node *section, void **state, vs_error *err) {
   vs_design *d = *state = vs_alloc(1, sizeof *d);
-  *d = (vs_design){.width = 2, .random = DEFAULT_RANDOM, .neighbours = true};
+  *d = (vs_design){.width = 2, .random = DEFAULT_RANDOM, .neighbours = true, .verify = true};
   d->most_runs = 1000000;
   const size_t kept = vs_error_count(err);
   vs_status status = vs_field_map_keys(section, "catalogue", &CATALOGUE, err);
@@ -580,6 +603,7 @@ static vs_status read_design(vs_plan *plan, const vs_node *section, void **state
   if (!status) status = read_prices(plan, d, section, err);
   if (!status) status = read_besides(plan, d, err);
   if (!status) status = vs_design_cases_read(plan, &d->cases, err);
+  if (!status) status = add_verify(plan, d, err);
   if (!status && vs_error_count(err) == kept) status = read_choices(plan, d, section, err);
   if (status || vs_error_count(err) > kept) return status;
   vs_design_cases_count(plan, &d->cases);
@@ -677,6 +701,8 @@ static void put_design(const vs_plan *plan, const vs_plan_stage *stage, const do
   vs_design_cases_put(&d->cases, value - stage->axis, tree);
   for (size_t c = 0; c < d->n_choices; c++)
     vs_axis_put(&plan->axes[d->choice[c].axis], value[d->choice[c].axis - stage->axis], 12, tree);
+  if (d->verify)
+    vs_axis_put(&plan->axes[d->verify_axis], value[d->verify_axis - stage->axis], 12, tree);
 }
 
 static vs_status next_design(const vs_plan *plan, const vs_plan_stage *stage,
@@ -725,6 +751,7 @@ const vs_method vs_design_method = {
     .next = next_design,
     .json = json_design,
     .publish = vs_design_answer_publish,
+    .files = vs_design_answer_files,
     .report = {.lead = LEAD,
                .each = EACH,
                .best = "Cheapest that holds, its weakest case",

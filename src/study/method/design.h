@@ -62,7 +62,9 @@ typedef struct vs_design {
   uint64_t most_runs;    /* of the budget */
   uint64_t random;       /* how many draws prove the answer */
   bool neighbours;
-  uint64_t *order; /* [n_candidates], the cheapest first; owned */
+  bool verify;        /* the answer's margins get their errors, which the scene does not ask for */
+  size_t verify_axis; /* then: of run.verify, 0 as the scene has it, 1 always */
+  uint64_t *order;    /* [n_candidates], the cheapest first; owned */
   uint64_t n_candidates;
 } vs_design;
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "method/design_answer.h"
 
+#include <dirent.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -217,11 +218,22 @@ static vs_status write_scene(const answer *a, const char *folder, uint64_t run, 
   return status;
 }
 
+/* Removes the scenes of an earlier answer. */
+static void clear_scenes(const char *folder) {
+  DIR *all = opendir(folder);
+  for (const struct dirent *e; all && (e = readdir(all));) {
+    const size_t n = strspn(e->d_name, "0123456789");
+    if (n && !strcmp(e->d_name + n, ".yaml")) vs_file_remove(dirfd(all), e->d_name);
+  }
+  if (all) closedir(all);
+}
+
 static vs_status write_scenes(answer *a, vs_error *err) {
   char folder[VS_PATH_SIZE + 8];
   int made;
   snprintf(folder, sizeof folder, "%s/cases", a->folder);
   vs_status status = vs_file_folder_make(folder, &made, err);
+  if (!status) clear_scenes(folder);
   for (size_t k = 0; k < a->n_scenes && !status; k++)
     status = write_scene(a, folder, a->scene[k], err);
   return status;
@@ -305,9 +317,7 @@ static void add_proof_of_list(const answer *a, vs_text *text) {
   const vs_design_search *s = &a->s;
   vs_text_add(text, "List: the answer holds all %zu cases, each a run in ngspice", s->n_list);
   if (a->without_error)
-    vs_text_add(text,
-                "; the weakest margins of %llu of its runs have no computed error (run.verify: "
-                "always computes it)",
+    vs_text_add(text, "; the weakest margins of %llu of its runs have no computed error",
                 (unsigned long long)a->without_error);
   vs_text_add(text, ". %zu candidates cost less: each violates a case, which design.csv names",
               a->cheaper + a->unjudged);
@@ -540,7 +550,10 @@ static void put_answer(const answer *a, vs_status status, vs_json *json) {
   vs_json_end(json);
 }
 
-static vs_status write_files(answer *a, vs_status ended, vs_error *err) {
+const char *const vs_design_answer_files[] = {"design.json", "design.csv", "design.txt", "bom.csv",
+                                              NULL};
+
+static vs_status write_files(answer *a, vs_status ended, const vs_text *page, vs_error *err) {
   vs_text text = {0};
   vs_json json = vs_json_new(&text);
   vs_status status;
@@ -548,6 +561,7 @@ static vs_status write_files(answer *a, vs_status ended, vs_error *err) {
   status = write_scenes(a, err);
   add_candidates(a, &text);
   if (!status) status = write_text(a->folder, "design.csv", &text, err);
+  if (!status) status = write_text(a->folder, "design.txt", page, err);
   text.length = 0;
   add_bill(a, &text);
   if (!status) status = write_text(a->folder, "bom.csv", &text, err);
@@ -724,13 +738,13 @@ vs_status vs_design_answer_publish(const vs_plan *plan, const vs_plan_stage *sta
   count_cheaper(a);
   vs_error why = {0};
   const vs_status ended = end_design(a, &why);
-  vs_status status = folder ? write_files(a, ended, err) : VS_OK;
+  add_page(a, &text);
+  add_unjudged(a, &text);
+  vs_status status = folder ? write_files(a, ended, &text, err) : VS_OK;
   if (!status && !quiet) {
-    add_page(a, &text);
-    add_unjudged(a, &text);
-    if (folder)
-      vs_text_add(&text, "\nwritten: design.json, design.csv, bom.csv, cases/ in %s\n", folder);
     fputs(text.text ? text.text : "", stdout);
+    if (folder)
+      printf("\nwritten: design.txt, design.json, design.csv, bom.csv, cases/ in %s\n", folder);
   }
   if (!status && ended) *err = why;
   vs_text_free(&text);

@@ -170,6 +170,7 @@ typedef struct asked {
   vs_design_candidate *candidate;
   uint64_t number; /* of the case */
   size_t place;    /* in the search's list; SIZE_MAX: it is a draw */
+  bool verify;     /* with the errors of its margins */
 } asked;
 
 /* Returns the first of n runs that were asked for; UINT64_MAX: they are not there yet, or the
@@ -185,6 +186,7 @@ static uint64_t ask(vs_design_search *s, const asked *one, size_t n) {
   s->waits = true;
   for (size_t k = 0; k < n && !s->spent && s->generation; k++) {
     vs_design_cases_point(s->plan, &s->d->cases, one[k].number, point);
+    if (s->d->verify) point[s->d->verify_axis] = one[k].verify;
     for (size_t c = 0; c < s->d->n_choices; c++) {
       const vs_design_choice *leader = &s->d->choice[s->d->choice[c].leader];
       const size_t option = vs_design_option_of(s->d, one[k].candidate->number, c);
@@ -251,17 +253,17 @@ static size_t choose_runs(vs_design_search *s, vs_design_candidate *c, bool alon
   size_t n = 0;
   size_t place = next_case(s, c, NULL, 0);
   const bool likely = s->killed_at[place] > 0;
-  one[n++] = (asked){c, s->list[place], place};
+  one[n++] = (asked){c, s->list[place], place, false};
   in[0] = c;
   while (n < s->d->width && !alone && likely) {
     vs_design_candidate *other = cheapest(s, in, n);
     place = other ? next_case(s, other, NULL, 0) : SIZE_MAX;
     if (place == SIZE_MAX || !s->killed_at[place]) break;
     in[n] = other;
-    one[n++] = (asked){other, s->list[place], place};
+    one[n++] = (asked){other, s->list[place], place, false};
   }
   while (n < s->d->width && (alone || !likely) && (place = next_case(s, c, one, n)) != SIZE_MAX)
-    one[n++] = (asked){c, s->list[place], place};
+    one[n++] = (asked){c, s->list[place], place, false};
   return n;
 }
 
@@ -283,13 +285,39 @@ static void run_candidate(vs_design_search *s, vs_design_candidate *c, bool alon
   }
 }
 
-/* The cheapest candidate that holds the list; NULL: the search waits, or none does. */
-static vs_design_candidate *find_cheapest(vs_design_search *s) {
+/* Runs the list again for the errors of its margins. False: it does not hold with them, or these
+ * are waited for. */
+static bool verify_candidate(vs_design_search *s, vs_design_candidate *c) {
+  asked one[64];
+  const double price = c->price;
+  if (!s->d->verify || c->verified) return true;
+  c->state = VS_DESIGN_OPEN;
+  for (size_t k = 0; k < s->n_list && c->state == VS_DESIGN_OPEN;) {
+    size_t n = 0;
+    while (n < s->d->width && k + n < s->n_list) {
+      one[n] = (asked){c, s->list[k + n], k + n, true};
+      n++;
+    }
+    const uint64_t first = ask(s, one, n);
+    if (first == UINT64_MAX) return false;
+    for (size_t i = 0; i < n; i++) take_run(s, c, k + i, first + i);
+    k += n;
+  }
+  c->verified = c->state == VS_DESIGN_OPEN && !c->doubtful && c->price == price;
+  c->held = c->verified;
+  if (c->verified) c->state = VS_DESIGN_HOLDS;
+  if (c->state == VS_DESIGN_OPEN && c->doubtful) c->state = VS_DESIGN_UNJUDGED;
+  return c->verified;
+}
+
+/* The cheapest candidate that holds the list; sure: with the errors of its margins. NULL: the
+ * search waits, or none does. */
+static vs_design_candidate *find_cheapest(vs_design_search *s, bool sure) {
   vs_design_candidate *c;
   while ((c = cheapest(s, NULL, 0)) && !s->waits) {
     run_candidate(s, c, false);
     if (s->waits) return NULL;
-    if (c->state == VS_DESIGN_HOLDS) return c;
+    if (c->state == VS_DESIGN_HOLDS && (!sure || verify_candidate(s, c))) return c;
   }
   s->looked_at_all = !c;
   return NULL;
@@ -330,7 +358,7 @@ static bool hold_draws(vs_design_search *s, vs_design_candidate *c) {
     const size_t n = left < DRAWS ? (size_t)left : DRAWS;
     size_t broken = SIZE_MAX;
     double least = INFINITY, margin;
-    for (size_t k = 0; k < n; k++) one[k] = (asked){c, base + k, SIZE_MAX};
+    for (size_t k = 0; k < n; k++) one[k] = (asked){c, base + k, SIZE_MAX, false};
     const uint64_t first = ask(s, one, n);
     if (first == UINT64_MAX) return false;
     s->draws += n;
@@ -350,6 +378,7 @@ static bool hold_draws(vs_design_search *s, vs_design_candidate *c) {
     }
     add_case(s, one[broken].number);
     c->state = VS_DESIGN_OPEN;
+    c->verified = false;
     c->runs--; /* take_run counts it */
     take_run(s, c, s->n_list - 1, first + broken);
     return false;
@@ -377,7 +406,7 @@ static void look_around(vs_design_search *s) {
     run_candidate(s, c, true);
     if (c->state == VS_DESIGN_HOLDS) c->state = VS_DESIGN_OPEN; /* it may be the runner-up */
   }
-  if (!s->waits) s->runner_up = find_cheapest(s);
+  if (!s->waits) s->runner_up = find_cheapest(s, false);
 }
 
 static void find_weakest_run(vs_design_search *s) {
@@ -396,7 +425,7 @@ void vs_design_search_run(vs_design_search *s, const vs_design *d, const vs_plan
   *s = (vs_design_search){.d = d, .plan = plan, .results = results, .generation = generation};
   const bool draws = d->random && vs_design_cases_ranged(plan, &d->cases);
   for (uint64_t k = 0; k < d->cases.count; k++) add_case(s, k);
-  while (!s->waits && (s->answer = find_cheapest(s)) && draws && !hold_draws(s, s->answer)) {
+  while (!s->waits && (s->answer = find_cheapest(s, true)) && draws && !hold_draws(s, s->answer)) {
     if (s->waits) break;
     s->answer = NULL;
   }

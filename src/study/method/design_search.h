@@ -30,6 +30,7 @@ typedef struct vs_design_candidate {
   uint64_t number, rank;
   vs_design_state state;
   bool held;                       /* it was run with all cases, and held them */
+  bool verified;                   /* and with the errors of its margins */
   bool doubtful;                   /* a case of it failed or is undecided; `killer` is the first */
   double price;                    /* with the classes that its runs so far ask for */
   size_t class[VS_DESIGN_CHOICES]; /* of the leaders */
