@@ -408,6 +408,14 @@ static void add_not_judged(const answer *a, vs_text *text) {
     any = true;
   }
   if (any) vs_text_add(text, ".");
+  any = false;
+  for (size_t k = 0; k < a->d->hold.count; k++) {
+    if (a->d->margin[k] >= 0) continue;
+    vs_text_add(text, "%s%s",
+                any ? ", " : " By the list of prices, without an error: ", a->d->hold.line[k].name);
+    any = true;
+  }
+  if (any) vs_text_add(text, ".");
   vs_text_free(&all);
 }
 
@@ -694,9 +702,9 @@ static void add_unjudged(const answer *a, vs_text *text) {
     vs_text_add(text, " for %.6g, under ", c->price);
     add_case(a, &c->killer, text);
     vs_text_add(text, " (case %llu): %s\n", (unsigned long long)c->killer.run,
-                a->results->status[c->killer.run] == 1
-                    ? line_name(a, &c->killer)
-                    : "its verdict is undecided, or not all that parts bear is known there");
+                a->results->status[c->killer.run] == 1 ? line_name(a, &c->killer)
+                : isnan(c->killer.margin)              ? "what its parts bear is not known there"
+                                                       : "its verdict is undecided");
   }
 }
 

@@ -81,11 +81,12 @@ static bool is_untrue(const vs_results *r, uint64_t run, const char *device) {
   return false;
 }
 
-/* Takes what the devices of the list's limits bore. False: one of them is not known. */
-static bool take_stresses(const vs_design_search *s, vs_design_candidate *c, uint64_t number,
-                          uint64_t run) {
+/* Takes what the devices of the list's limits bore, and returns the line of one that is not known;
+ * SIZE_MAX: all are. */
+static size_t take_stresses(const vs_design_search *s, vs_design_candidate *c, uint64_t number,
+                            uint64_t run) {
   const vs_design *d = s->d;
-  bool known = true;
+  size_t unknown = SIZE_MAX;
   for (size_t k = 0; k < d->n_choices; k++)
     for (size_t l = 0; l < d->choice[d->choice[k].leader].n_limits; l++) {
       const int column = d->choice[k].column[l];
@@ -93,13 +94,13 @@ static bool take_stresses(const vs_design_search *s, vs_design_candidate *c, uin
       const double x = fabs(vs_plan_results_value(s->results, run, column)) *
                        vs_units_factor(s->plan->columns[column].unit);
       const bool untrue = is_untrue(s->results, run, d->choice[k].device);
-      known = known && !isnan(x) && !untrue;
+      if (isnan(x) || untrue) unknown = d->choice[k].line[l];
       if (untrue) continue;
       if (!(x > c->worst[k][l])) continue;
       c->worst[k][l] = x;
       c->worst_at[k][l] = (vs_design_mark){number, run, d->choice[k].line[l], NAN, NAN};
     }
-  return known;
+  return unknown;
 }
 
 /* Takes the cheapest classes that bear what there was so far. False: of one choice none does;
@@ -220,7 +221,10 @@ static void take_run(vs_design_search *s, vs_design_candidate *c, size_t place, 
   bool doubtful = failed || row.now == VS_HOLD_UNDECIDED;
   bool killed = !failed && row.now == VS_HOLD_VIOLATED;
   mark = (vs_design_mark){number, run, row.weakest, row.margin, row.error};
-  if (!failed && !take_stresses(s, c, number, run)) doubtful = true;
+  const size_t unknown = failed ? SIZE_MAX : take_stresses(s, c, number, run);
+  if (unknown != SIZE_MAX && !doubtful && !killed)
+    mark = (vs_design_mark){number, run, unknown, NAN, NAN};
+  doubtful = doubtful || unknown != SIZE_MAX;
   if (!failed && !killed) killed = !take_classes(s->d, c, &mark);
   if (killed) {
     c->state = VS_DESIGN_KILLED;
@@ -340,7 +344,7 @@ static bool draw_holds(vs_design_search *s, const vs_design_candidate *c, uint64
   const vs_hold_row row = vs_design_search_judge(s, run);
   *margin = row.margin;
   if (s->results->status[run] == 1 || row.now != VS_HOLD_HELD ||
-      !take_stresses(s, &after, number, run))
+      take_stresses(s, &after, number, run) != SIZE_MAX)
     return false;
   if (take_classes(s->d, &after, &mark) && !memcmp(after.class, c->class, sizeof after.class))
     return true;
@@ -378,7 +382,7 @@ static bool hold_draws(vs_design_search *s, vs_design_candidate *c) {
     }
     add_case(s, one[broken].number);
     c->state = VS_DESIGN_OPEN;
-    c->verified = false;
+    c->verified = c->held = false;
     c->runs--; /* take_run counts it */
     take_run(s, c, s->n_list - 1, first + broken);
     return false;
