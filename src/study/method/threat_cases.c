@@ -131,17 +131,11 @@ static vs_status add_ranges(vs_plan *plan, size_t first, cases *c, vs_error *err
 }
 
 static vs_status add_spread(vs_plan *plan, const vs_node *map, vs_error *err) {
-  vs_status status = VS_OK;
-  if (map && (map->kind != VS_NODE_MAP || !map->child))
+  if (!map) return VS_OK;
+  if (map->kind != VS_NODE_MAP || !map->child)
     return vs_fail_at(err, map->where,
                       "spread: a map is wanted: {KEY: 5 %% normal, KEY: 2 ohm uniform}");
-  for (const vs_node *node = map ? map->child : NULL; node && !status; node = node->next) {
-    vs_axis *axis;
-    status = vs_plan_axis(plan, node, "spread", &axis, err);
-    if (!status) status = vs_span_read(axis, node, SPREAD_SIGMAS, err);
-    status = vs_error_keep(err, status);
-  }
-  return status;
+  return vs_span_read_map(plan, map, "spread", SPREAD_SIGMAS, err);
 }
 
 /* A search would need one set of ranges for all cases. */
@@ -172,6 +166,15 @@ static vs_status read_cases(vs_plan *plan, const vs_node *section, void **state,
   if (!status) status = add_spread(plan, vs_tree_child(plan->tree.root, "spread"), err);
   c->n = plan->n_axes - first;
   return status || !*c->threats.path ? status : vs_plan_input(plan, c->threats.path, err);
+}
+
+/* Error: no line of any verdict could break, so that all cases would count as held. */
+static vs_status find_lines(const vs_plan *plan, const vs_plan_stage *stage, vs_error *err) {
+  for (size_t k = 0; k < plan->n_columns; k++)
+    if (plan->columns[k].line) return VS_OK;
+  return vs_fail_at(err, plan->axes[stage->axis].where,
+                    "threats: no part of the deck states a limit, so that nothing could break; "
+                    "parts of a maker are wanted, as circuit.deck: halfwave_paper has, or ratings");
 }
 
 /* ---- points ---- */
@@ -219,7 +222,7 @@ static void case_point(const vs_plan *plan, const vs_plan_stage *stage, uint64_t
   take_numbers(c, axes, threat, number, value);
   for (size_t k = c->spread; k < c->n; k++)
     value[k] = vs_span_at(
-        &axes[k], vs_random_latin(seed, index, count, vs_threats_key(threat->name, axes[k].key)));
+        &axes[k], vs_random_latin(seed, index, count, vs_threat_key(threat->name, axes[k].key)));
 }
 
 /* One threat is as likely as another; `none` comes where the spread alone may differ. */
@@ -322,6 +325,7 @@ const vs_method vs_threat_cases_method = {.name = "threats",
                                           .text = "what the scene has to withstand, one at a time",
                                           .claims = claims_any,
                                           .read = read_cases,
+                                          .ready = find_lines,
                                           .free = free_cases,
                                           .count = count_cases,
                                           .point = case_point,
