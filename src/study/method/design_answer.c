@@ -77,7 +77,7 @@ static void take_run_of_answer(answer *a, uint64_t number, uint64_t run) {
 static const vs_design_class *class_of(const vs_design *d, const vs_design_candidate *c,
                                        size_t choice) {
   const vs_design_choice *leader = &d->choice[d->choice[choice].leader];
-  return &leader->option[vs_design_option_of(d, c->number, choice)]
+  return &leader->option[vs_design_choices_option(d, c->number, choice)]
               .classes[c->class[d->choice[choice].leader]];
 }
 
@@ -145,7 +145,7 @@ static const char *found_by(const answer *a, const vs_design_mark *mark) {
 }
 
 static void add_candidate(const answer *a, const vs_design_candidate *c, vs_text *text) {
-  vs_design_write(a->d, a->plan, c->number, text);
+  vs_design_choices_write(a->d, a->plan, c->number, text);
 }
 
 static void add_option(const answer *a, const vs_design_candidate *c, size_t choice,
@@ -153,8 +153,8 @@ static void add_option(const answer *a, const vs_design_candidate *c, size_t cho
   const vs_design_choice *leader = &a->d->choice[a->d->choice[choice].leader];
   const vs_axis *axis = &a->plan->axes[leader->axis];
   char word[VS_NAME_SIZE];
-  vs_axis_print(axis, leader->option[vs_design_option_of(a->d, c->number, choice)].number, word,
-                sizeof word);
+  vs_axis_print(axis, leader->option[vs_design_choices_option(a->d, c->number, choice)].number,
+                word, sizeof word);
   vs_text_add(text, "%s%s%s", word, *axis->unit ? " " : "", axis->unit);
 }
 
@@ -263,7 +263,7 @@ static void add_candidates(const answer *a, vs_text *text) {
       char word[VS_NAME_SIZE];
       const vs_design_choice *leader = &a->d->choice[a->d->choice[n].leader];
       vs_axis_print(&a->plan->axes[leader->axis],
-                    leader->option[vs_design_option_of(a->d, c->number, n)].number, word,
+                    leader->option[vs_design_choices_option(a->d, c->number, n)].number, word,
                     sizeof word);
       vs_text_add(text, ",");
       vs_csv_cell(text, word);
@@ -326,7 +326,7 @@ static void add_proof_of_list(const answer *a, vs_text *text) {
 }
 
 static void add_proof_of_ranges(const answer *a, vs_text *text) {
-  vs_text_add(text, vs_design_cases_ranged(a->plan, &a->d->cases)
+  vs_text_add(text, a->d->cases.ranged
                         ? "Ranges: the list has samples of what is continuous; the worst within "
                           "was not searched for, and no bound is claimed."
                         : "Ranges: none is stated; nothing is said of values that are not listed.");
@@ -642,7 +642,7 @@ static void add_class_row(answer *a, size_t choice, vs_text *text) {
   vs_design_mark least = {.run = UINT64_MAX};
   if (c->leader != choice || !now) return;
   const vs_design_class *below =
-      &c->option[vs_design_option_of(a->d, a->s.answer->number, choice)].classes[now - 1];
+      &c->option[vs_design_choices_option(a->d, a->s.answer->number, choice)].classes[now - 1];
   for (size_t k = 0; k < a->d->n_choices; k++)
     if (a->d->choice[k].leader == choice) take_class(a, k, below, &least);
   if (least.run == UINT64_MAX) return;

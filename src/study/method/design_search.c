@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/units.h"
+#include "method/span.h"
 #include "netlist/kinds.h"
 
 /* How many draws are asked for at a time: so many are run in vain at most when the first is not
@@ -108,7 +109,7 @@ static size_t take_stresses(const vs_design_search *s, vs_design_candidate *c, u
 static bool take_classes(const vs_design *d, vs_design_candidate *c, vs_design_mark *mark) {
   for (size_t k = 0; k < d->n_choices; k++) {
     if (d->choice[k].leader != k || !d->choice[k].n_limits) continue;
-    const vs_design_option *o = &d->choice[k].option[vs_design_option_of(d, c->number, k)];
+    const vs_design_option *o = &d->choice[k].option[vs_design_choices_option(d, c->number, k)];
     vs_design_mark here, best = {.margin = -INFINITY};
     size_t n = 0;
     for (; n < o->n_classes && !class_bears(d, c, k, &o->classes[n], &here); n++)
@@ -133,7 +134,7 @@ static vs_design_candidate *find_seen(const vs_design_search *s, uint64_t number
 static vs_design_candidate *begin_candidate(vs_design_search *s, uint64_t number, uint64_t rank) {
   vs_design_candidate *c = vs_alloc(1, sizeof *c);
   *c = (vs_design_candidate){
-      .number = number, .rank = rank, .price = vs_design_price(s->d, number, NULL)};
+      .number = number, .rank = rank, .price = vs_design_choices_price(s->d, number, NULL)};
   s->seen = vs_alloc_grow(s->seen, s->n_seen, sizeof *s->seen);
   return s->seen[s->n_seen++] = c;
 }
@@ -159,7 +160,7 @@ static vs_design_candidate *cheapest(vs_design_search *s, vs_design_candidate *c
   skip_seen(s);
   if (s->next_rank == s->d->n_candidates) return best;
   const uint64_t number = s->d->order[s->next_rank];
-  const double price = vs_design_price(s->d, number, NULL);
+  const double price = vs_design_choices_price(s->d, number, NULL);
   if (best && (best->price < price || (best->price == price && best->rank < s->next_rank)))
     return best;
   return begin_candidate(s, number, s->next_rank++);
@@ -190,8 +191,12 @@ static uint64_t ask(vs_design_search *s, const asked *one, size_t n) {
     if (s->d->verify) point[s->d->verify_axis] = one[k].verify;
     for (size_t c = 0; c < s->d->n_choices; c++) {
       const vs_design_choice *leader = &s->d->choice[s->d->choice[c].leader];
-      const size_t option = vs_design_option_of(s->d, one[k].candidate->number, c);
+      const size_t option = vs_design_choices_option(s->d, one[k].candidate->number, c);
       point[s->d->choice[c].axis] = leader->option[option].number;
+      const size_t tolerance = s->d->choice[c].tolerance;
+      if (tolerance)
+        point[tolerance - 1] *=
+            leader->option[option].number / vs_span_nominal(&s->plan->axes[tolerance - 1]);
     }
     vs_plan_generation_add(s->generation, point);
   }
@@ -233,7 +238,7 @@ static void take_run(vs_design_search *s, vs_design_candidate *c, size_t place, 
   } else if (doubtful && !c->doubtful)
     c->killer = mark;
   if (!killed && doubtful) c->doubtful = true;
-  if (!killed) c->price = vs_design_price(s->d, c->number, c->class);
+  if (!killed) c->price = vs_design_choices_price(s->d, c->number, c->class);
 }
 
 /* The case that the candidate is run with next: of those it has not been, the one that rejected
@@ -402,10 +407,10 @@ static vs_design_candidate *candidate_of(vs_design_search *s, uint64_t number) {
 
 static void look_around(vs_design_search *s) {
   for (size_t k = 0; k < s->d->n_choices && !s->waits; k++) {
-    const size_t option = vs_design_option_of(s->d, s->answer->number, k);
+    const size_t option = vs_design_choices_option(s->d, s->answer->number, k);
     if (s->d->choice[k].leader != k || !option) continue;
     vs_design_candidate *c =
-        candidate_of(s, vs_design_with(s->d, s->answer->number, k, option - 1));
+        candidate_of(s, vs_design_choices_with(s->d, s->answer->number, k, option - 1));
     s->neighbour[s->n_neighbours++] = (vs_design_neighbour){k, c};
     run_candidate(s, c, true);
     if (c->state == VS_DESIGN_HOLDS) c->state = VS_DESIGN_OPEN; /* it may be the runner-up */
@@ -427,7 +432,7 @@ static void find_weakest_run(vs_design_search *s) {
 void vs_design_search_run(vs_design_search *s, const vs_design *d, const vs_plan *plan,
                           const vs_results *results, vs_generation *generation) {
   *s = (vs_design_search){.d = d, .plan = plan, .results = results, .generation = generation};
-  const bool draws = d->random && vs_design_cases_ranged(plan, &d->cases);
+  const bool draws = d->random && d->cases.ranged;
   for (uint64_t k = 0; k < d->cases.count; k++) add_case(s, k);
   while (!s->waits && (s->answer = find_cheapest(s, true)) && draws && !hold_draws(s, s->answer)) {
     if (s->waits) break;
@@ -444,7 +449,7 @@ double vs_design_search_bound(const vs_design_search *s) {
     if (s->seen[k]->state == VS_DESIGN_OPEN || s->seen[k]->state == VS_DESIGN_HOLDS)
       price = fmin(price, s->seen[k]->price);
   if (s->next_rank < s->d->n_candidates)
-    price = fmin(price, vs_design_price(s->d, s->d->order[s->next_rank], NULL));
+    price = fmin(price, vs_design_choices_price(s->d, s->d->order[s->next_rank], NULL));
   return price;
 }
 

@@ -9,7 +9,7 @@
 #ifndef VS_STUDY_DESIGN_SEARCH_H
 #define VS_STUDY_DESIGN_SEARCH_H
 
-#include "method/design.h"
+#include "method/design_choices.h"
 
 /* How a candidate stands. */
 typedef enum vs_design_state {

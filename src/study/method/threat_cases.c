@@ -239,12 +239,12 @@ static bool case_draw(const vs_plan *plan, const vs_plan_stage *stage, uint64_t 
           !vs_threat_is_closed(&c->threats.item[t]);
   if (!any) return false;
   const vs_threat *threat =
-      &c->threats.item[vs_random_bits(seed, index, vs_threats_key("draw", THREAT.key)) % count];
+      &c->threats.item[vs_random_bits(seed, index, vs_threat_key("draw", THREAT.key)) % count];
   vs_threat_draw(threat, seed, index, number);
   take_numbers(c, axes, threat, number, value);
   for (size_t k = c->spread; k < c->n; k++)
     value[k] =
-        vs_span_at(&axes[k], vs_random_uniform(seed, index, vs_threats_key("draw", axes[k].key)));
+        vs_span_at(&axes[k], vs_random_uniform(seed, index, vs_threat_key("draw", axes[k].key)));
   return true;
 }
 

@@ -2,8 +2,8 @@
  * The search of `design`: which parts hold all cases for the least money. A candidate is a choice
  * of an option for each key under `choose`; a case is a point of `operation` or a threat
  * (method/design_cases.h). */
-#ifndef VS_STUDY_DESIGN_H
-#define VS_STUDY_DESIGN_H
+#ifndef VS_STUDY_DESIGN_CHOICES_H
+#define VS_STUDY_DESIGN_CHOICES_H
 
 #include "method/design_cases.h"
 #include "study/hold.h"
@@ -34,6 +34,7 @@ typedef struct vs_design_choice {
   const char *device; /* what the key ends in: "r1" of circuit.r1 */
   const struct vs_kind *kind;
   size_t axis, leader;      /* leader: its own number where it leads */
+  size_t tolerance;         /* the axis of its spread, from 1; 0: there is none */
   int number;               /* how many of it are bought */
   vs_design_option *option; /* [n_options]: values rise, parts by name get dearer; owned */
   size_t n_options;
@@ -71,12 +72,22 @@ typedef struct vs_design {
 /* ---- candidates ---- */
 
 /* The option of a choice that candidate number k has. */
-size_t vs_design_option_of(const vs_design *d, uint64_t k, size_t choice);
+size_t vs_design_choices_option(const vs_design *d, uint64_t k, size_t choice);
 /* The number of the candidate that has another option there. */
-uint64_t vs_design_with(const vs_design *d, uint64_t k, size_t choice, size_t option);
+uint64_t vs_design_choices_with(const vs_design *d, uint64_t k, size_t choice, size_t option);
 /* What it costs with these classes of its options, class[n_choices]; NULL: the cheapest ones. */
-double vs_design_price(const vs_design *d, uint64_t k, const size_t *class);
+double vs_design_choices_price(const vs_design *d, uint64_t k, const size_t *class);
 /* Writes "TYN1212, s20k510, 330 ohm, 47 nF". */
-void vs_design_write(const vs_design *d, const vs_plan *plan, uint64_t k, vs_text *text);
+void vs_design_choices_write(const vs_design *d, const vs_plan *plan, uint64_t k, vs_text *text);
+
+/* ---- reading ---- */
+
+/* Reads the choices under `choose`, each with its axis, its options and their prices. Errors, with
+ * their place: nothing to choose from, a part or a column that the list has not. */
+vs_status vs_design_choices_read(vs_plan *plan, vs_design *d, const vs_node *section,
+                                 vs_error *err);
+/* Orders the candidates, once the choices are read. Error: they are too many. */
+vs_status vs_design_choices_rank(const vs_node *section, vs_design *d, vs_error *err);
+extern const vs_inside vs_design_choices_keys; /* of `choose` */
 
 #endif
