@@ -7,6 +7,7 @@
 
 #include "base/hash.h"
 #include "netlist/catalogue.h"
+#include "run/sections.h"
 
 /* ---- keys ---- */
 
@@ -35,11 +36,18 @@ const char **vs_plan_known_keys(const vs_method *const *methods, size_t *count) 
   return names;
 }
 
+static bool is_of_scenes(const char *key) {
+  for (size_t k = 0; k < VS_SECTION_KEYS; k++)
+    if (!strcmp(vs_section_keys[k], key)) return true;
+  return false;
+}
+
 bool vs_plan_has_keys(const vs_tree *file, const vs_method *const *methods) {
   size_t n;
   const char **keys = vs_plan_known_keys(methods, &n);
   bool has = false;
-  for (size_t k = 0; k < n && !has; k++) has = vs_tree_child(file->root, keys[k]) != NULL;
+  for (size_t k = 0; k < n && !has; k++)
+    has = !is_of_scenes(keys[k]) && vs_tree_child(file->root, keys[k]);
   free(keys);
   return has;
 }

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "study/threat.h"
+#include "threat.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "study/random.h"
 
@@ -46,11 +45,6 @@ double vs_threat_value(const vs_axis *axis, double u) {
   return vs_text_rounded(x, 12); /* as study.csv and the scene have it */
 }
 
-void vs_threat_at(const vs_threat *t, const double *u, double *value) {
-  for (size_t k = 0; k < vs_threat_numbers(t); k++)
-    value[k] = vs_threat_value(vs_threat_range(t, k), u[k]);
-}
-
 /* The last list runs fastest. */
 void vs_threat_listed(const vs_threat *t, uint64_t index, double *value) {
   for (size_t k = vs_threat_numbers(t); k-- > 0;) {
@@ -72,10 +66,11 @@ uint64_t vs_threat_key(const char *name, const char *key) {
 }
 
 void vs_threat_draw(const vs_threat *t, uint64_t seed, uint64_t index, double *value) {
-  double u[VS_THREAT_NUMBERS];
-  for (size_t k = 0; k < vs_threat_numbers(t); k++)
-    u[k] = vs_random_uniform(seed, index, vs_threat_key(t->name, vs_threat_range(t, k)->key));
-  vs_threat_at(t, u, value);
+  for (size_t k = 0; k < vs_threat_numbers(t); k++) {
+    const vs_axis *axis = vs_threat_range(t, k);
+    value[k] =
+        vs_threat_value(axis, vs_random_uniform(seed, index, vs_threat_key(t->name, axis->key)));
+  }
 }
 
 void vs_threat_stratum(const vs_threat *t, uint64_t seed, uint64_t index, uint64_t count,
@@ -86,21 +81,5 @@ void vs_threat_stratum(const vs_threat *t, uint64_t seed, uint64_t index, uint64
     if (is_continuous(axis))
       value[k] = vs_threat_value(
           axis, vs_random_latin(seed, index, count, vs_threat_key(t->name, axis->key)));
-  }
-}
-
-static void add_number(const vs_axis *axis, double number, vs_text *text) {
-  char value[VS_NAME_SIZE];
-  const bool is_number = vs_axis_print(axis, number, value, sizeof value);
-  vs_text_add(text, "%s%s%s", value, is_number && *axis->unit ? " " : "",
-              is_number ? axis->unit : "");
-}
-
-void vs_threat_write(const vs_threat *t, const double *value, vs_text *text) {
-  vs_text_add(text, "%s%s%s", t->name, t->with ? " with " : "", t->with ? t->with->name : "");
-  for (size_t k = 0; k < vs_threat_numbers(t); k++) {
-    const vs_axis *axis = vs_threat_range(t, k);
-    vs_text_add(text, "%s%s ", k ? ", " : ": ", axis->field->key);
-    add_number(axis, value[k], text);
   }
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "study/threats.h"
+#include "threats.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -307,6 +307,12 @@ static void place(vs_threat *t, const vs_scene *scene) {
   set_text(t, "cycle", cycle, t->where);
 }
 
+static const vs_threat *threat_named(const vs_threats *all, const char *name) {
+  for (size_t k = 0; k < all->count; k++)
+    if (!strcmp(all->item[k].name, name)) return &all->item[k];
+  return NULL;
+}
+
 static bool scene_has(const vs_scene *scene, const char *name) {
   return vs_tree_child(vs_tree_child(scene->tree.root, "events"), name) != NULL;
 }
@@ -321,7 +327,7 @@ static vs_status check_name(const vs_threats *all, const vs_threat *t, const vs_
     return vs_fail_at(err, map->key_where,
                       "threats: '%.80s': a name of up to %d letters without a dot is wanted",
                       map->key, VS_EVENT_NAME - 1);
-  if (vs_threats_named(all, t->name))
+  if (threat_named(all, t->name))
     return vs_fail_at(err, map->key_where, "threats.%s stands here a second time", t->name);
   if (scene_has(all->scene, t->name))
     return vs_fail_at(err, map->key_where,
@@ -368,7 +374,7 @@ static vs_status read_partner(const vs_threats *all, const vs_node *map, vs_thre
   size_t n = 0;
   for (size_t k = 0; k < all->count; k++)
     if (&all->item[k] != t && all->item[k].kind) names[n++] = all->item[k].name;
-  const vs_threat *with = vs_threats_named(all, name);
+  const vs_threat *with = threat_named(all, name);
   if (!with || with == t || !with->kind)
     return vs_fail_at(err, node->where, "threats.%s.with: '%s' is no other threat%s", t->name, name,
                       vs_text_hint(name, names, n, "").text);
@@ -427,12 +433,6 @@ void vs_threats_free(vs_threats *all) {
   free(all->item);
   vs_tree_free(&all->file);
   *all = (vs_threats){0};
-}
-
-const vs_threat *vs_threats_named(const vs_threats *all, const char *name) {
-  for (size_t k = 0; k < all->count; k++)
-    if (!strcmp(all->item[k].name, name)) return &all->item[k];
-  return NULL;
 }
 
 /* ---- laying a case over a scene ---- */

@@ -22,10 +22,13 @@
 #include "base/units.h"
 #include "measure/expect.h"
 #include "method/span.h"
-#include "study/threats.h"
+#include "threats.h"
 
-static const vs_inside ITEMS = {.rows = VS_ROWS({.kind = VS_SETTING}), .count = -1},
-                       KEYS = {.rows = VS_ROWS({.kind = VS_SETTING | VS_LIST, .inside = &ITEMS})},
+static const vs_inside TEXTS = {.rows = VS_ROWS({.kind = VS_TEXT}), .count = -1},
+                       VALUES = {.rows = VS_ROWS({.kind = VS_TEXT | VS_LIST, .inside = &TEXTS}),
+                                 .count = -1},
+                       KEYS = {.rows = VS_ROWS(
+                                   {.kind = VS_TEXT | VS_LIST | VS_MAP, .inside = &VALUES})},
                        NAMES = {.rows = VS_ROWS({.kind = VS_MAP | VS_COUNT, .inside = &KEYS})};
 static const vs_field THREATS = {"threats", VS_TEXT | VS_MAP, .inside = &NAMES};
 
@@ -107,7 +110,10 @@ static vs_status share_axis(vs_plan *plan, size_t first, const vs_axis *range, c
     vs_status status = add_axis(plan, &axis, range->where, err);
     if (status) return status;
     snprintf(axis->column, sizeof axis->column, "%s", column);
-    snprintf(axis->key, sizeof axis->key, "%s", column);
+    snprintf(axis->key, sizeof axis->key, "%s.%.100s", head, range->field->key);
+    for (size_t k = first; k + 1 < plan->n_axes; k++) /* as that of another unit */
+      if (!strcmp(plan->axes[k].key, axis->key))
+        snprintf(axis->key, sizeof axis->key, "%s", column);
     snprintf(axis->section, sizeof axis->section, "events.");
     axis->field = range->field;
     axis->unit = range->unit;

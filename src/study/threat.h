@@ -47,20 +47,16 @@ uint64_t vs_threat_combinations(const vs_threat *threat);
 /* True if the combinations are all there is: no range is continuous. */
 bool vs_threat_is_closed(const vs_threat *threat);
 
-/* Writes value[vs_threat_numbers] of a case:
- *   listed  of combination `index`; a continuous range gets its middle
- *   draw    random and independent: a function of seed, the threat's name, its keys and index alone
- *   stratum the index-th of `count` cases that cut each continuous range into `count` pieces and
- * have one in each; the combinations take turns at      at the shares u[] of the ranges, each 0 to
- * 1: of a list each value has as much of it */
+/* All three write value[vs_threat_numbers], the numbers of a case. This one is of combination
+ * `index`; a continuous range gets its middle. */
 void vs_threat_listed(const vs_threat *threat, uint64_t index, double *value);
+/* A random and independent case: a function of seed, the threat's name, its keys and index alone.
+ */
 void vs_threat_draw(const vs_threat *threat, uint64_t seed, uint64_t index, double *value);
+/* The index-th of `count` cases that cut each continuous range into `count` pieces and have one in
+ * each. The combinations take turns. */
 void vs_threat_stratum(const vs_threat *threat, uint64_t seed, uint64_t index, uint64_t count,
                        double *value);
-void vs_threat_at(const vs_threat *threat, const double *u, double *value);
-
-/* Writes the case as people say it, "surge: angle 41.2 deg, level 1 kV". */
-void vs_threat_write(const vs_threat *threat, const double *value, vs_text *text);
 
 /* Returns the number by which random numbers of something of that name are keyed. */
 uint64_t vs_threat_key(const char *name, const char *key);

@@ -18,7 +18,7 @@
 #ifndef VS_STUDY_THREATS_H
 #define VS_STUDY_THREATS_H
 
-#include "study/threat.h"
+#include "threat.h"
 
 enum { VS_THREATS_MOST = 64 };
 
@@ -41,9 +41,6 @@ typedef struct vs_threats {
 vs_status vs_threats_read(const vs_node *node, const vs_scene *scene, vs_threats *threats,
                           vs_error *err);
 void vs_threats_free(vs_threats *threats);
-
-/* The threat of that name; NULL: there is none. */
-const vs_threat *vs_threats_named(const vs_threats *threats, const char *name);
 
 /* Lays a case over the tree of a scene like the one the threats were read with; keys of another
  * threat that was laid over it before go. The scene is then to be settled, anew or again. */
