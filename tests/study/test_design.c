@@ -23,7 +23,8 @@ static const char DECK[] =
     "Vm m 0 external\nR1 m a {r1}\nVg g b external\nVt a t 0\nXt t b g thyristor\n"
     "Rb b 0 1k\nXeva b 0 eva\n";
 static const char SCENE[] =
-    "circuit: {deck: d.cir}\nfiring: {every: 1, angle: 90 deg}\nsupply: {voltage: 440 V}\n"
+    "circuit: {deck: d.cir, r1: 100 ohm}\nfiring: {every: 1, angle: 90 deg}\nsupply: {voltage: 440 "
+    "V}\n"
     "run: {until: 50 ms}\n"
     "waive: [thyristor.t_off, thyristor.dv_dt, thyristor.di_dt, thyristor.i_surge, "
     "thyristor.i2t]\n";
@@ -291,6 +292,32 @@ static void draws_become_cases(void) {
   free(csv);
 }
 
+/* A spread of what is chosen is a tolerance of the value at hand, whatever the scene's own one. */
+static void tolerances(void) {
+  write_design(", parts: [g1200.inc]", "spread: {circuit.r1: 10 % uniform}\n"
+                                       "threats:\n  n: 4\n  dip: {kind: sag, level: 40 %, "
+                                       "duration: 20 ms}\nproof: {random: 8, verify: false}\n");
+  ran r = run("design d.yaml -o spread --overwrite --quiet");
+  expect_end(&r, 0, "");
+  char *text = read_file("spread/study.csv"), *names[COLUMNS], *cells[COLUMNS];
+  char *line = text, *end = strchr(line, '\n');
+  double least = 1, most = 1;
+  *end = '\0';
+  const size_t n = vs_csv_split(line, names, COLUMNS, NULL),
+               chosen = column_of(names, n, "circuit.r1_ohm"),
+               run_as = column_of(names, n, "circuit.r1_spread_ohm");
+  while (*(line = end + 1)) {
+    end = strchr(line, '\n');
+    *end = '\0';
+    vs_csv_split(line, cells, COLUMNS, NULL);
+    least = fmin(least, atof(cells[run_as]) / atof(cells[chosen]));
+    most = fmax(most, atof(cells[run_as]) / atof(cells[chosen]));
+  }
+  EXPECT(least > 0.9 - 1e-9 && least < 0.95 && most < 1.1 + 1e-9 && most > 1.05, "%g, %g", least,
+         most);
+  free(text);
+}
+
 /* What an event makes untrue is no stress: r1, opened, would have kilowatts by the deck's line. No
  * candidate is rejected by it, and none holds. */
 static void not_judged(void) {
@@ -396,6 +423,7 @@ int main(void) {
                                   {"same bytes", same_bytes},
                                   {"house", house},
                                   {"draws become cases", draws_become_cases},
+                                  {"tolerances", tolerances},
                                   {"not judged", not_judged},
                                   {"budget", budget},
                                   {"refusals", refusals},
