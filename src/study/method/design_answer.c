@@ -118,9 +118,9 @@ static void count_cheaper(answer *a) {
   const double price = s->answer ? s->answer->price : INFINITY;
   for (size_t k = 0; k < s->n_seen; k++) {
     const vs_design_candidate *c = s->seen[k];
-    if (c == s->answer || c->price > price) continue;
+    if (!(c->price < price)) continue; /* one of the same price would be no better */
     a->unjudged += c->state == VS_DESIGN_UNJUDGED;
-    a->cheaper += c->price < price && c->state == VS_DESIGN_KILLED;
+    a->cheaper += c->state == VS_DESIGN_KILLED;
   }
 }
 
@@ -319,8 +319,11 @@ static void add_proof_of_list(const answer *a, vs_text *text) {
   if (a->without_error)
     vs_text_add(text, "; the weakest margins of %llu of its runs have no computed error",
                 (unsigned long long)a->without_error);
-  vs_text_add(text, ". %zu candidates cost less: each violates a case, which design.csv names",
-              a->cheaper + a->unjudged);
+  vs_text_add(
+      text,
+      ". %zu candidates cost less: each violates a case, which design.csv names, by a margin "
+      "without an error where that has none",
+      a->cheaper + a->unjudged);
   if (a->unjudged) vs_text_add(text, ", but for %zu that could not be judged", a->unjudged);
   vs_text_add(text, ".");
 }
@@ -632,7 +635,8 @@ static void add_neighbour_row(const answer *a, const vs_design_neighbour *n, vs_
   } else if (c->held)
     vs_text_add(text, ": holds the list, too, for %.6g\n", c->price);
   else
-    vs_text_add(text, ": could not be judged\n");
+    vs_text_add(text, c->state == VS_DESIGN_OPEN ? ": not run to its end, as the budget is spent\n"
+                                                 : ": could not be judged\n");
 }
 
 /* A lower class of a value's part, where the answer has not the lowest. */
@@ -696,7 +700,7 @@ static void add_unjudged(const answer *a, vs_text *text) {
   const double price = s->answer ? s->answer->price : INFINITY;
   for (size_t k = 0; k < s->n_seen; k++) {
     const vs_design_candidate *c = s->seen[k];
-    if (c->state != VS_DESIGN_UNJUDGED || c->price > price) continue;
+    if (c->state != VS_DESIGN_UNJUDGED || !(c->price < price)) continue;
     vs_text_add(text, "could not be judged: ");
     add_candidate(a, c, text);
     vs_text_add(text, " for %.6g, under ", c->price);
@@ -728,10 +732,12 @@ static vs_status end_design(const answer *a, vs_error *err) {
         err, VS_RATING,
         "nothing in the catalogue holds: all %llu candidates, up to %.6g, violate a case",
         (unsigned long long)a->d->n_candidates, dearest(a));
+  char but[64] = "";
+  if (a->unjudged) snprintf(but, sizeof but, ", but for %zu that could not be judged", a->unjudged);
   return vs_fail(err, VS_BUDGET,
-                 "budget.runs = %llu is spent: nothing below %.6g holds%s; a larger one, in "
+                 "budget.runs = %llu is spent: nothing below %.6g holds%s%s; a larger one, in "
                  "another folder, would go on",
-                 (unsigned long long)a->d->most_runs, vs_design_search_bound(s),
+                 (unsigned long long)a->d->most_runs, vs_design_search_bound(s), but,
                  s->answer ? ", and the best so far is not proved" : "");
 }
 
