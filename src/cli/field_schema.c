@@ -426,14 +426,17 @@ void vs_field_schema_required(vs_json *j, const vs_field *rows) {
 
 static void put_map(context c, const vs_field *map) {
   const vs_inside *inside = map->inside;
-  const vs_field *row = inside->rows, *any = row && !row->key ? row : NULL,
-                 *scene = any && any->kind & (VS_VALUE | VS_SPREAD | VS_SETTING) ? any : NULL;
+  const vs_field *row = inside->rows, *any = NULL;
+  for (const vs_field *r = row; r && r->kind; r++)
+    if (!r->key) any = r;
+  const vs_field *scene = any && any->kind & (VS_VALUE | VS_SPREAD | VS_SETTING) ? any : NULL;
   if (is_word(c.field)) return; /* a range of words there is not */
   vs_field_schema_open(c.j, NULL, "object");
   vs_json_object(c.j, "properties", VS_JSON_ROW);
   if (scene) each_key(c.ground, put_keyed, &(keyed){c, scene});
   if (scene && scene->kind & VS_SETTING) put_sections(c);
-  for (; !any && row && row->kind; row++) put_member(c, row->key, row, row);
+  for (; row && row->kind; row++)
+    if (row->key) put_member(c, row->key, row, row);
   for (size_t k = 0; inside->besides && k < inside->besides->count; k++)
     vs_field_schema_field(c.j, &inside->besides->fields[k]);
   vs_json_end(c.j);

@@ -25,9 +25,14 @@ const vs_field vs_plan_keys[] = {{"scene", .kind = VS_TEXT},
 
 const char **vs_plan_known_keys(const vs_method *const *methods, size_t *count) {
   enum { N_OWN = sizeof vs_plan_keys / sizeof *vs_plan_keys - 1 };
-  const char **names = vs_alloc(N_OWN + vs_method_count(methods), sizeof *names);
+  size_t besides = 0;
+  for (const vs_method *const *m = methods; *m; m++)
+    for (const vs_field *row = (*m)->besides; row && row->key; row++) besides++;
+  const char **names = vs_alloc(N_OWN + vs_method_count(methods) + besides, sizeof *names);
   for (int k = 0; k < N_OWN; k++) names[k] = vs_plan_keys[k].key;
   *count = N_OWN + vs_method_keys(methods, names + N_OWN);
+  for (const vs_method *const *m = methods; *m; m++)
+    for (const vs_field *row = (*m)->besides; row && row->key; row++) names[(*count)++] = row->key;
   return names;
 }
 
@@ -84,7 +89,7 @@ vs_status vs_plan_scene(const vs_plan *plan, vs_scene *scene, vs_error *err) {
 
 /* ---- axes ---- */
 
-static const vs_axis *find_axis(const vs_plan *plan, const char *key) {
+static vs_axis *find_axis(vs_plan *plan, const char *key) {
   for (size_t k = 0; k < plan->n_axes; k++)
     if (!strcmp(plan->axes[k].key, key)) return &plan->axes[k];
   return NULL;
@@ -98,9 +103,12 @@ static const char *set_of(const vs_plan *plan, const char *key) {
   return NULL;
 }
 
-/* True where the study's search can put a tolerance on what it chooses under vary. */
+/* True where one of the two axes of a key is what a search chooses, and the other a tolerance of
+ * it: under vary and sample, or under catalogue, which comes behind spread. */
 static bool takes_tolerance(const vs_plan *plan, const vs_axis *other, const char *by) {
-  if (strcmp(other->by, "vary") || strcmp(by, "sample") || other->is_word) return false;
+  if (other->is_word) return false;
+  if (!strcmp(by, "catalogue")) return !strcmp(other->by, "spread") && !other->about;
+  if (strcmp(other->by, "vary") || strcmp(by, "sample")) return false;
   for (const vs_method *const *m = plan->methods; *m; m++)
     if ((*m)->tolerates && vs_tree_child(plan->tree.root, (*m)->key)) return true;
   return false;
@@ -115,7 +123,7 @@ static void name_tolerance(vs_axis *axis) {
 
 vs_status vs_plan_axis(vs_plan *plan, const vs_node *node, const char *by, vs_axis **out,
                        vs_error *err) {
-  const vs_axis *other = find_axis(plan, node->key);
+  vs_axis *other = find_axis(plan, node->key);
   const char *set = set_of(plan, node->key);
   vs_axis axis;
   const bool tolerance = other && takes_tolerance(plan, other, by);
@@ -128,10 +136,12 @@ vs_status vs_plan_axis(vs_plan *plan, const vs_node *node, const char *by, vs_ax
     return vs_fail_at(err, node->key_where, "more than %d axes", VS_PLAN_AXES);
   vs_status status = vs_axis_init(&axis, plan->base, node, by, err);
   if (status) return status;
-  if (tolerance) axis.about = (size_t)(other - plan->axes) + 1;
-  if (tolerance) name_tolerance(&axis);
   *out = &plan->axes[plan->n_axes++];
   **out = axis;
+  const bool behind = tolerance && !strcmp(by, "catalogue");
+  vs_axis *first = behind ? *out : other, *second = behind ? other : *out;
+  if (tolerance) second->about = (size_t)(first - plan->axes) + 1;
+  if (tolerance) name_tolerance(second);
   return VS_OK;
 }
 

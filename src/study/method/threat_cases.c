@@ -147,7 +147,7 @@ static vs_status add_spread(vs_plan *plan, const vs_node *map, vs_error *err) {
 /* A search would need one set of ranges for all cases. */
 static vs_status refuse_search(const vs_plan *plan, const vs_node *section, vs_error *err) {
   for (const vs_method *const *m = plan->methods; *m; m++)
-    if ((*m)->next && vs_tree_child(plan->tree.root, (*m)->key))
+    if ((*m)->next && !(*m)->takes_cases && vs_tree_child(plan->tree.root, (*m)->key))
       return vs_fail_at(err, section->key_where,
                         "threats: %s chooses the cases already, over the keys of one event that "
                         "stand under vary; one of the two is wanted",
@@ -200,6 +200,19 @@ static uint64_t count_cases(const vs_plan *plan, const vs_plan_stage *stage) {
   return count;
 }
 
+/* Gives the axes of the stage a case's numbers. */
+static void take_numbers(const cases *c, const vs_axis *axes, const vs_threat *threat,
+                         const double *number, double *value) {
+  const size_t t = (size_t)(threat - c->threats.item);
+  for (size_t k = 0; k < c->spread; k++) value[k] = NAN;
+  value[WORD] = (double)t;
+  for (size_t k = 0; k < vs_threat_numbers(threat); k++) {
+    const vs_axis *range = vs_threat_range(threat, k), *axis = &axes[c->axis[t][k]];
+    value[c->axis[t][k]] =
+        axis->is_word ? (double)word_number(axis, range->word[(size_t)number[k]]) : number[k];
+  }
+}
+
 static void case_point(const vs_plan *plan, const vs_plan_stage *stage, uint64_t index,
                        double *value) {
   const cases *c = stage->state;
@@ -207,22 +220,38 @@ static void case_point(const vs_plan *plan, const vs_plan_stage *stage, uint64_t
   const vs_threat *threat = c->threats.item;
   double number[VS_THREAT_NUMBERS];
   for (uint64_t n; index >= (n = cases_of(c, threat)); threat++) index -= n;
-  const size_t t = (size_t)(threat - c->threats.item);
   const uint64_t count = cases_of(c, threat), seed = c->threats.seed;
-  for (size_t k = 0; k < c->spread; k++) value[k] = NAN;
-  value[WORD] = (double)t;
   if (vs_threat_is_closed(threat))
     vs_threat_listed(threat, index, number);
   else
     vs_threat_stratum(threat, seed, index, count, number);
-  for (size_t k = 0; k < vs_threat_numbers(threat); k++) {
-    const vs_axis *range = vs_threat_range(threat, k), *axis = &axes[c->axis[t][k]];
-    value[c->axis[t][k]] =
-        axis->is_word ? (double)word_number(axis, range->word[(size_t)number[k]]) : number[k];
-  }
+  take_numbers(c, axes, threat, number, value);
   for (size_t k = c->spread; k < c->n; k++)
     value[k] = vs_span_at(
         &axes[k], vs_random_latin(seed, index, count, vs_threat_key(threat->name, axes[k].key)));
+}
+
+/* One threat is as likely as another; `none` comes where the spread alone may differ. */
+static bool case_draw(const vs_plan *plan, const vs_plan_stage *stage, uint64_t index,
+                      double *value) {
+  const cases *c = stage->state;
+  const vs_axis *axes = &plan->axes[stage->axis];
+  const bool spread = c->spread < c->n;
+  const uint64_t seed = c->threats.seed, count = c->threats.count - !spread;
+  double number[VS_THREAT_NUMBERS];
+  bool any = spread;
+  for (size_t t = 0; t < c->threats.count; t++)
+    any = any || vs_threat_combinations(&c->threats.item[t]) > 1 ||
+          !vs_threat_is_closed(&c->threats.item[t]);
+  if (!any) return false;
+  const vs_threat *threat =
+      &c->threats.item[vs_random_bits(seed, index, vs_threat_key("draw", THREAT.key)) % count];
+  vs_threat_draw(threat, seed, index, number);
+  take_numbers(c, axes, threat, number, value);
+  for (size_t k = c->spread; k < c->n; k++)
+    value[k] =
+        vs_span_at(&axes[k], vs_random_uniform(seed, index, vs_threat_key("draw", axes[k].key)));
+  return true;
 }
 
 /* The numbers of a point as the threat's own. Where a point is made up, for a trial, a number may
@@ -306,6 +335,7 @@ const vs_method vs_threat_cases_method = {.name = "threats",
                                           .free = free_cases,
                                           .count = count_cases,
                                           .point = case_point,
+                                          .draw = case_draw,
                                           .put = put_case,
                                           .check = check_case,
                                           .json = cases_json,

@@ -89,7 +89,10 @@ void vs_case_header(const vs_plan *plan, vs_text *row) {
     vs_text_add(row, ",%s", vs_folder_kinds[r].word);
 }
 
-bool vs_case_values(const vs_plan *plan, char *row, double *values, int *status) {
+bool vs_case_values(const vs_plan *plan, char *row, double *values, int *status, char **words) {
+  static const vs_folder_role ROLE[] = {[VS_RESULT_HAPPENED] = VS_ROLE_HAPPENED,
+                                        [VS_RESULT_NOT_JUDGED] = VS_ROLE_NOT_JUDGED,
+                                        [VS_RESULT_WARNINGS] = VS_ROLE_WARNINGS};
   enum { MOST = HEAD + VS_PLAN_AXES + VS_PLAN_COLUMNS + TAIL };
   char *cells[MOST];
   const size_t n = plan->n_columns;
@@ -98,7 +101,15 @@ bool vs_case_values(const vs_plan *plan, char *row, double *values, int *status)
   values[0] = **tail ? strtod(*tail, NULL) : NAN; /* the least margin comes first */
   for (size_t k = 0; k < n; k++) values[1 + k] = *measure[k] ? strtod(measure[k], NULL) : NAN;
   *status = atoi(tail[TAIL - 1]);
+  for (size_t k = 0; k < sizeof ROLE / sizeof *ROLE; k++)
+    if (*tail[ROLE[k] - VS_ROLE_MARGIN]) words[k] = vs_copy(tail[ROLE[k] - VS_ROLE_MARGIN]);
   return true;
+}
+
+char *vs_case_why(char *row) {
+  char *cells[HEAD + VS_PLAN_AXES + 2];
+  const size_t n = vs_csv_split(row, cells, sizeof cells / sizeof *cells, NULL);
+  return vs_copy(n ? cells[n - 1] : "");
 }
 
 void vs_case_failure_header(const vs_plan *plan, vs_text *row) {

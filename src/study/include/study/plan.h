@@ -136,6 +136,15 @@ vs_status vs_plan_find(const vs_node *name, char path[VS_PATH_SIZE], vs_error *e
  * by. */
 vs_status vs_plan_input(vs_plan *plan, const char *path, vs_error *err);
 
+/* Cells of a row that are words. */
+enum {
+  VS_RESULT_HAPPENED,
+  VS_RESULT_NOT_JUDGED,
+  VS_RESULT_WARNINGS,
+  VS_RESULT_WHY, /* of a case that failed */
+  VS_RESULT_WORDS
+};
+
 /* What a method that searches is shown: cases 0..count-1, in order. */
 typedef struct vs_results {
   const vs_plan *plan;
@@ -144,7 +153,8 @@ typedef struct vs_results {
   /* [count][1 + plan->n_columns], margin_least first; to 12 digits, as study.csv has them. NaN: not
    * known. */
   const double *values;
-  const int *status; /* 0; 3: a rating is violated; 1: the case failed, its values are NaN */
+  const int *status;  /* 0; 3: a rating is violated; 1: the case failed, its values are NaN */
+  char *const *words; /* [count][VS_RESULT_WORDS]; NULL: the cell is empty */
 } vs_results;
 /* The case's value in that column of the plan's, or in VS_COLUMN_MARGIN. */
 double vs_plan_results_value(const vs_results *results, uint64_t index, int column);
