@@ -17,10 +17,11 @@
 
 #include "base/file.h"
 #include "base/shutdown.h"
+#include "base/text.h"
 #include "base/units.h"
 #include "commands.h"
-#include "engine/tiers.h"
 #include "measure/unjudged.h"
+#include "plant/build.h"
 #include "run.h"
 #include "run/listed_measure.h"
 #include "run/session.h"
@@ -29,33 +30,43 @@
 
 /* ---- inputs ---- */
 
-/* From at_s on, V. */
-typedef struct change {
-  double at_s, value;
-} change;
+enum { ANGLE, VOLTAGE, FRACTION, VOLUME, INPUTS };
 
-/* What is set from outside while the run goes on. All of it is kept, so that the second run gets
- * the same. */
-typedef struct inputs {
-  bool angle_set, voltage_set;
-  double angle_rad; /* of the next firing that is decided */
-  double *decided;  /* angles of all firings up to now; owned */
+static const struct input {
+  const char *name, *unit, *text;
+} INPUT[INPUTS] = {
+    {"firing.angle", "deg",
+     "angle of the next firing, taken as its cycle of the mains begins; NaN: no firing"},
+    {"supply.voltage", "V", "of the mains, rms, or direct as the scene has them; at once"},
+    {"load.fraction", "", "share of the conveyed material that rides; at once"},
+    {"load.volume", "cm3", "of the conveyed material; at once"}};
+
+/* How far the mains may be set above the scene's, as by the event swell; and how often a load. */
+static const double HIGHEST = 3;
+enum { MOST_LOADS = 4096 };
+
+/* What has been set from outside. All of it is kept, so that the second run gets the same. */
+static struct given {
+  bool set[INPUTS];     /* before the run began: such an input may be set during it */
+  double value[INPUTS]; /* in the input's unit */
+  double *decided;      /* angles of all firings up to now, rad; owned */
   long n_decided;
-  change *voltage; /* owned, in order of time */
-  size_t n_voltage;
-  double scene_v; /* what the scene's mains have */
-  double next_s;  /* the next instant at which something may be set; INFINITY: there is none */
-} inputs;
-
-/* A process has one engine, and the plugs below have no context of their own. */
-static inputs given;
+  struct {
+    double at_s, volt;
+  } * mains; /* from at_s on; owned, in order of time */
+  size_t n_mains;
+  vs_loads *loads; /* of the run's setup: the changes, and behind them a place for the next, at the
+                      next instant at which one may be set */
+  bool loaded;     /* that place is taken */
+  double next_s;   /* that instant; INFINITY: there is none any more */
+} given;           /* a process has one engine, and the plugs below have no context of their own */
 
 static vs_status decide_as_given(void *self, const vs_control_input *sight, double *angle_rad,
                                  vs_error *err) {
   (void)self, (void)err;
   if (sight->firing == given.n_decided) {
     given.decided = vs_resize(given.decided, (uint64_t)given.n_decided + 1, sizeof(double));
-    given.decided[given.n_decided++] = given.angle_rad;
+    given.decided[given.n_decided++] = given.value[ANGLE] * vs_units_factor("deg");
   }
   *angle_rad = given.decided[sight->firing];
   return VS_OK;
@@ -64,35 +75,87 @@ static vs_status decide_as_given(void *self, const vs_control_input *sight, doub
 static const vs_regulator given_angle = {
     .name = "none", .text = "fires at what is set from outside", .decide = decide_as_given};
 
-static double given_voltage(const vs_scene_event *e, double t_s, double angle_rad) {
-  (void)e, (void)angle_rad;
-  size_t k = given.n_voltage;
-  while (k > 1 && given.voltage[k - 1].at_s + vs_scene_event_rounding(t_s) >= t_s) k--;
-  return k ? given.voltage[k - 1].value / given.scene_v : 1;
+static double given_mains(const vs_scene_event *e, double t_s, double angle_rad) {
+  (void)angle_rad;
+  size_t k = given.n_mains;
+  while (k > 0 && given.mains[k - 1].at_s + vs_scene_event_rounding(t_s) >= t_s) k--;
+  return k ? given.mains[k - 1].volt / e->v.level_v : 1;
 }
 
 static double next_setting(const vs_scene_event *e, double t_s) {
   (void)e;
   double next_s = given.next_s > t_s ? given.next_s : INFINITY;
-  for (size_t k = given.n_voltage; k-- > 0 && given.voltage[k].at_s > t_s;)
-    next_s = fmin(next_s, given.voltage[k].at_s);
+  for (size_t k = given.n_mains; k-- > 0 && given.mains[k].at_s > t_s;)
+    next_s = fmin(next_s, given.mains[k].at_s);
+  for (size_t k = given.loads ? given.loads->count : 0; k-- > 0;)
+    if (given.loads->item[k].at_s > t_s) next_s = fmin(next_s, given.loads->item[k].at_s);
   return next_s;
 }
 
-static const vs_event_kind voltage_kind = {.name = "input",
-                                           .text = "the mains' voltage is set from outside",
-                                           .ideal = true,
-                                           .mains = given_voltage,
-                                           .stage = VS_MAINS_FACTOR,
-                                           .edge = next_setting};
+/* The mains and the load, as an event of the run's: each instant at which something may be set, or
+ * was, is the end of a step. */
+static const vs_event_kind given_kind = {.name = "input",
+                                         .text = "the mains or the load are set from outside",
+                                         .ideal = true,
+                                         .mains = given_mains,
+                                         .stage = VS_MAINS_FACTOR,
+                                         .edge = next_setting};
 
-static const char ANGLE[] = "firing.angle", VOLTAGE[] = "supply.voltage";
-/* How far the mains may be set above the scene's, as by the event swell. */
-static const double HIGHEST = 3;
+static bool is_loaded(int k) {
+  return k == FRACTION || k == VOLUME;
+}
 
-static bool has_angle(const vs_scene *s) {
-  const vs_timeline *t = &s->setup.timeline;
-  return given.angle_set || (!s->control.regulator && !t->firing.no_valve && t->firing.every > 0);
+/* Why that is no input of the scene; NULL: it is one. */
+static const char *why_no_input(const vs_scene *s, int k) {
+  const vs_setup *setup = &s->setup;
+  if (given.set[k]) return NULL;
+  if (k != ANGLE && setup->timeline.events.count == VS_EVENTS_MOST)
+    return "the scene has as many events as it may";
+  if (k == ANGLE && s->control.regulator) return "the scene's control decides it";
+  if (k == ANGLE && (setup->timeline.firing.no_valve || !setup->timeline.firing.every))
+    return "no thyristor is fired cycle by cycle (firing.every)";
+  if (is_loaded(k) && setup->machine->load.adds < 0) return "the machine has no load";
+  if (is_loaded(k) && setup->loads.count) return "events change the load";
+  if (k == FRACTION && isnan(setup->model.load.fraction)) return "it follows from the orbit";
+  return NULL;
+}
+
+static double value_in_scene(const vs_setup *setup, int k) {
+  const double si[INPUTS] = {setup->timeline.firing.angle.first, setup->timeline.supply.voltage_v,
+                             setup->model.load.fraction, setup->model.load.volume_m3};
+  return si[k] / vs_units_factor(INPUT[k].unit);
+}
+
+static double most_of_input(const vs_setup *setup, int k) {
+  return k == ANGLE      ? 180
+         : k == VOLTAGE  ? HIGHEST * setup->timeline.supply.voltage_v
+         : k == FRACTION ? 1
+                         : 1e9;
+}
+
+/* An instant behind the run's last step at which the load may be set. */
+static void offer_load_place(double at_s) {
+  vs_loads *all = given.loads;
+  if (!all) return;
+  if (given.loaded) all->count++; /* what was set there stays */
+  given.loaded = false;
+  if (all->count <= MOST_LOADS) all->item[all->count - 1].at_s = at_s;
+}
+
+/* The load becomes what was set, from at_s on. */
+static vs_status change_load(vs_scene *s, double at_s, vs_error *err) {
+  vs_loads *all = given.loads;
+  if (all->count > MOST_LOADS)
+    return vs_fail(err, VS_INPUT, "the load was set %d times already", MOST_LOADS);
+  vs_loaded *to = &all->item[all->count - 1];
+  const vs_model *from = all->count > 1 ? &to[-1].model : &s->setup.model;
+  vs_load_values load = from->load;
+  if (given.set[FRACTION]) load.fraction = given.value[FRACTION];
+  if (given.set[VOLUME]) load.volume_m3 = given.value[VOLUME] * vs_units_factor("cm3");
+  to->at_s = at_s;
+  given.loaded = true;
+  return vs_build_loaded(s->setup.machine, from, &load,
+                         given.set[FRACTION] ? load.fraction : from->riding, &to->model, err);
 }
 
 /* ---- the engine ---- */
@@ -103,6 +166,7 @@ typedef struct engine {
   char *source; /* the scene's name, path or text; owned. NULL: nothing is open */
   char **sets;  /* owned, as what they point to */
   vs_scene *scene;
+  int ladder;      /* the run.ladder of the scene */
   bool begun;      /* the run is under way */
   bool finishing;  /* its result is asked for */
   double t_s;      /* up to where it was asked for */
@@ -193,30 +257,19 @@ static void add_number(vs_text *t, double value) {
   vs_text_add(t, "\t%.17g", value);
 }
 
-static void add_input(vs_text *t, const char *name, const char *unit, double least, double largest,
-                      double value, const char *text) {
-  vs_text_add(t, "i\t%s\t%s", name, unit);
-  add_number(t, least);
-  add_number(t, largest);
-  add_number(t, value);
-  add_cell(t, text);
-  vs_text_add(t, "\n");
-}
-
 static void describe(const vs_scene *s, vs_text *t) {
   const vs_table table = vs_table_of(s);
-  const vs_timeline *line = &s->setup.timeline;
   vs_column c;
   for (int k = 0; vs_table_column_at(&table, k, &c); k++)
     vs_text_add(t, "c\t%s\t%s\t%s\t%s\t%s\n", c.name, c.quantity, c.unit, c.role, c.of);
-  const double deg = vs_units_factor("deg");
-  if (has_angle(s))
-    add_input(t, ANGLE, "deg", 0, 180,
-              given.angle_set ? given.angle_rad / deg : line->firing.angle.first / deg,
-              "angle of the next firing, taken as its cycle of the mains begins; NaN: no firing");
-  add_input(t, VOLTAGE, "V", 0, HIGHEST * line->supply.voltage_v,
-            given.n_voltage ? given.voltage[given.n_voltage - 1].value : line->supply.voltage_v,
-            "of the mains, rms, or direct as the scene has them; at once");
+  for (int k = 0; k < INPUTS; k++) {
+    if (why_no_input(s, k)) continue;
+    vs_text_add(t, "i\t%s\t%s\t0", INPUT[k].name, INPUT[k].unit);
+    add_number(t, most_of_input(&s->setup, k));
+    add_number(t, given.set[k] ? given.value[k] : value_in_scene(&s->setup, k));
+    add_cell(t, INPUT[k].text);
+    vs_text_add(t, "\n");
+  }
   vs_text_add(t, "u\t%.17g\n", s->setup.run.until_s);
 }
 
@@ -290,6 +343,7 @@ static void keep_result(void *ctx, const vs_result *r) {
   vs_unjudged entry;
   vs_error breach = {0};
   const vs_status held = vs_session_judge(r, &breach);
+  e->scene->setup.run.ladder = e->ladder;
   t->length = 0;
   add_measures(r, t);
   add_lines(&r->verdict, t);
@@ -358,7 +412,6 @@ static vs_status read_scene(engine *e, vs_error *err) {
   if (!status) status = vs_scene_read_sections(s, NULL, err);
   s->allow_code = e->options.allow_code;
   if (!status) status = vs_control_allow(&s->control, s->allow_code, err);
-  if (!status) given.scene_v = s->setup.timeline.supply.voltage_v;
   return status;
 }
 
@@ -413,50 +466,61 @@ static void set_folder(engine *e) {
 
 /* ---- setting an input ---- */
 
-static vs_status set_angle(engine *e, double deg, vs_error *err) {
-  if (e->begun && !given.angle_set)
-    return vs_fail(err, VS_INPUT,
-                   "firing.angle was not set before the run began, and follows the scene");
-  if (!has_angle(e->scene))
-    return vs_fail(err, VS_INPUT, "firing.angle is no input here: %s",
-                   e->scene->control.regulator ? "the scene's control decides it"
-                                               : "no thyristor is fired cycle by cycle");
-  if (!isnan(deg) && !(deg > 0 && deg < 180))
-    return vs_fail(err, VS_INPUT,
-                   "firing.angle: %g deg; allowed: above 0 and below 180 deg, or NaN", deg);
-  vs_status status = given.angle_set ? VS_OK : add_set(e, "control.law=none", err);
+/* Before the run: what it begins with is a key of the scene. */
+static vs_status set_first(engine *e, int k, double value, vs_error *err) {
+  char text[128];
+  vs_status status = VS_OK;
+  snprintf(text, sizeof text, "%s=%.17g %s", INPUT[k].name, value, INPUT[k].unit);
+  if (k == ANGLE && !given.set[k]) status = add_set(e, "control.law=none", err);
+  if (!status && !isnan(value)) status = add_set(e, text, err);
   if (status) return status;
-  given.angle_set = true;
-  given.angle_rad = deg * vs_units_factor("deg");
+  given.set[k] = true;
+  given.value[k] = value;
   return VS_OK;
 }
 
-static vs_status set_voltage(const engine *e, double volt, vs_error *err) {
-  if (e->begun && !given.voltage_set)
-    return vs_fail(err, VS_INPUT,
-                   "supply.voltage was not set before the run began, and follows the scene");
-  if (!(volt >= 0 && volt <= HIGHEST * given.scene_v))
-    return vs_fail(err, VS_INPUT, "supply.voltage: %g V; allowed: 0 to %g V", volt,
-                   HIGHEST * given.scene_v);
-  if (!e->begun) given.n_voltage = 0;
-  given.voltage_set = true;
-  given.voltage = vs_alloc_grow(given.voltage, given.n_voltage, sizeof *given.voltage);
-  given.voltage[given.n_voltage++] = (change){e->begun ? e->t_s : -1, volt};
-  return VS_OK;
+static vs_status set_during_run(engine *e, int k, double value, vs_error *err) {
+  if (!given.set[k])
+    return vs_fail(err, VS_INPUT, "%s was not set before the run began, and follows the scene",
+                   INPUT[k].name);
+  const double before = given.value[k];
+  given.value[k] = value;
+  if (k == VOLTAGE) {
+    given.mains = vs_alloc_grow(given.mains, given.n_mains, sizeof *given.mains);
+    given.mains[given.n_mains].at_s = e->t_s;
+    given.mains[given.n_mains++].volt = value;
+  }
+  vs_status status = is_loaded(k) ? change_load(e->scene, e->t_s, err) : VS_OK;
+  if (status) given.value[k] = before;
+  return status;
+}
+
+static vs_status set_value(engine *e, const char *name, double value, vs_error *err) {
+  const char *names[INPUTS];
+  int k = 0, n = 0;
+  for (int i = 0; i < INPUTS; i++)
+    if (!why_no_input(e->scene, i)) names[n++] = INPUT[i].name;
+  while (k < INPUTS && strcmp(name, INPUT[k].name) != 0) k++;
+  if (k == INPUTS)
+    return vs_fail(err, VS_INPUT, "no input '%s'%s", name,
+                   vs_text_hint(name, names, (size_t)n, "").text);
+  const char *why = why_no_input(e->scene, k),
+             *open = k == ANGLE ? " (neither of them), or NaN" : "";
+  const double most = most_of_input(&e->scene->setup, k);
+  if (why) return vs_fail(err, VS_INPUT, "%s is no input of this scene: %s", name, why);
+  const bool allowed =
+      k == ANGLE ? isnan(value) || (value > 0 && value < most) : value >= 0 && value <= most;
+  if (!allowed)
+    return vs_fail(err, VS_INPUT, "%s: %g %s; allowed: 0 to %g%s", name, value, INPUT[k].unit, most,
+                   open);
+  return e->begun ? set_during_run(e, k, value, err) : set_first(e, k, value, err);
 }
 
 static void set_input(engine *e) {
-  double value = NAN;
-  const char *name = e->question.text + sizeof value;
+  double value;
   vs_error err = {0};
   memcpy(&value, e->question.text, sizeof value);
-  vs_status status = VS_INPUT;
-  if (!strcmp(name, ANGLE))
-    status = set_angle(e, value, &err);
-  else if (!strcmp(name, VOLTAGE))
-    status = set_voltage(e, value, &err);
-  else
-    vs_fail(&err, VS_INPUT, "no input '%s'; there are %s and %s", name, ANGLE, VOLTAGE);
+  vs_status status = set_value(e, e->question.text + sizeof value, value, &err);
   if (status)
     answer_status(status, &err);
   else if (e->begun)
@@ -474,13 +538,13 @@ static void go_on_to(engine *e, uint32_t kind) {
   e->target_s = fmin(ask.t_s, e->scene->setup.run.until_s);
   e->rows = ask.rows;
   given.next_s = e->finishing ? INFINITY : e->target_s;
+  offer_load_place(given.next_s);
 }
 
 /* Serves at an instant of the run, until it is to go on. */
 static void stay(engine *e) {
   int beside = -1;
-  /* Nobody runs anew what was told of. */
-  e->scene->setup.run.ladder = VS_LADDER_STAY;
+  e->scene->setup.run.ladder = VS_LADDER_STAY; /* nobody runs anew what was told of */
   for (;;) {
     const uint32_t kind = wait_for_question(e, &beside);
     if (kind == VIBROSPICE_ASK_INPUT)
@@ -537,17 +601,24 @@ static vs_status show_row(void *ctx, const double *cell, int width, vs_error *er
 
 /* An attempt begins, whose scene may be that of another rung. */
 static void begin_attempt(void *ctx, vs_scene *scene) {
-  (void)ctx;
-  vs_events *events = &scene->setup.timeline.events;
-  if (given.angle_set) scene->control.regulator = &given_angle;
-  if (!given.voltage_set || events->count == VS_EVENTS_MOST) return;
+  const engine *e = ctx;
+  vs_setup *setup = &scene->setup;
+  vs_events *events = &setup->timeline.events;
+  if (given.set[ANGLE]) scene->control.regulator = &given_angle;
+  if (!given.set[VOLTAGE] && !given.set[FRACTION] && !given.set[VOLUME]) return;
   scene->order.stand_in = NULL; /* nobody knows what is set next */
-  vs_scene_event *event = &events->item[events->count++];
-  *event = (vs_scene_event){.name = "supply.voltage",
-                            .kind = &voltage_kind,
-                            .end_s = INFINITY,
-                            .gate_rad = NAN,
-                            .period_s = scene->setup.timeline.period_s};
+  events->item[events->count++] = (vs_scene_event){.name = "input",
+                                                   .kind = &given_kind,
+                                                   .v.level_v = setup->timeline.supply.voltage_v,
+                                                   .end_s = INFINITY,
+                                                   .gate_rad = NAN,
+                                                   .period_s = setup->timeline.period_s};
+  if (!given.set[FRACTION] && !given.set[VOLUME]) return;
+  setup->loads.item = vs_alloc(MOST_LOADS + 1, sizeof *setup->loads.item);
+  setup->loads.count = 1;
+  setup->loads.item[0].at_s = e->target_s;
+  setup->model.reloaded = true;
+  given.loads = &setup->loads;
 }
 
 /* Runs the scene, with the question under way as the first, and answers the last one. Afterwards
@@ -559,6 +630,7 @@ static void run_scene(engine *e, uint32_t kind) {
   vs_error err = {0};
   int beside = -1;
   e->begun = true;
+  e->ladder = e->scene->setup.run.ladder;
   go_on_to(e, kind);
   vs_status status = vs_run_scene(&e->options, &more, e->scene, &err);
   if (status == VS_OK || status == VS_RATING)

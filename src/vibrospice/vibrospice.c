@@ -1,51 +1,20 @@
 /* SPDX-License-Identifier: MIT
- * libvibrospice: the other end of `vibrospice serve`. It needs nothing but POSIX, as what hosts it
- * may be anything: it checks every request for memory, takes no signal, and knows a handle by a
- * number, so that one that was freed is told from all others. */
-#ifndef _GNU_SOURCE
-#define _GNU_SOURCE /* dladdr */
-#endif
+ * libvibrospice: the handles. A handle is a number, so that one that was freed is told from all
+ * others, whoever has its place now. */
 #include "vibrospice/vibrospice.h"
 
-#include <dlfcn.h>
-#include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <pthread.h>
-#include <spawn.h>
-#include <stdarg.h>
 #include <stdint.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/socket.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
+#include "process.h"
 #include "vibrospice/protocol.h"
 
-extern char **environ;
-
-/* ---- errors ---- */
-
-static __thread char last_error[1024];
-
-static vibrospice_status fail(vibrospice_status status, const char *format, ...)
-    __attribute__((format(printf, 2, 3)));
-static vibrospice_status fail(vibrospice_status status, const char *format, ...) {
-  va_list list;
-  va_start(list, format);
-  vsnprintf(last_error, sizeof last_error, format, list);
-  va_end(list);
-  return status;
-}
-
-static vibrospice_status no_memory(void) {
-  return fail(VIBROSPICE_MEMORY, "there is no memory");
-}
-
 const char *vibrospice_error(void) {
-  return last_error;
+  return vibrospice_process_error();
 }
 
 #define TEXT_OF_(x) #x
@@ -62,7 +31,7 @@ typedef enum phase { BEFORE, UNDER_WAY, FINISHED, OVER } phase;
 /* A list that a text was taken apart into: items of one size, which point into the text. */
 typedef struct list {
   char *item;
-  size_t count, room, size;
+  size_t count, room;
 } list;
 
 /* What is behind a handle. */
@@ -71,9 +40,7 @@ typedef struct engine {
   int busy;        /* a thread is in it */
   int is_state;
   pid_t owner; /* the process that opened it */
-  int socket;
-  pid_t pid;  /* of the engine; 0: it is a copy, whose end nobody waits for */
-  FILE *says; /* what the engine says on its standard error, for when it has died; NULL: nowhere */
+  vibrospice_process process;
   phase phase;
   double t_s, until_s, *value;
   char *described;            /* the description, whole */
@@ -106,14 +73,17 @@ static vibrospice_status enter(const void *handle, int is_state, engine **entere
   if (!status) found->busy = 1;
   pthread_mutex_unlock(&lock);
   *entered = found;
-  if (status == VIBROSPICE_BUSY) return fail(status, "another thread, or a callback, is in it");
+  if (status == VIBROSPICE_BUSY)
+    return vibrospice_fail(status, "another thread, or a callback, is in it");
   if (status)
-    return fail(status, "no such %s: it was freed, never was one, or is another process's",
-                is_state ? "state" : "run");
+    return vibrospice_fail(status,
+                           "no such %s: it was freed, never was one, or is another process's",
+                           is_state ? "state" : "run");
   return VIBROSPICE_OK;
 }
 
 static vibrospice_status leave(engine *e, vibrospice_status status) {
+  if (e->process.socket < 0 && e->phase < FINISHED) e->phase = OVER;
   pthread_mutex_lock(&lock);
   e->busy = 0;
   pthread_mutex_unlock(&lock);
@@ -133,7 +103,7 @@ static engine *take_place(int is_state) {
     if (e) table[places++] = e;
   }
   if (e) {
-    *e = (engine){.is_state = is_state, .busy = 1, .owner = getpid(), .socket = -1};
+    *e = (engine){.is_state = is_state, .busy = 1, .owner = getpid(), .process.socket = -1};
     while (!++last_number) {
     }
     e->number = last_number;
@@ -156,138 +126,13 @@ static void free_texts(engine *e) {
   e->value = NULL;
 }
 
-/* Closes the socket, which ends the engine, and waits for that. */
-static void end_process(engine *e) {
-  if (e->socket >= 0) close(e->socket);
-  if (e->pid > 0)
-    while (waitpid(e->pid, NULL, 0) < 0 && errno == EINTR) {
-    }
-  if (e->says) fclose(e->says);
-  e->socket = -1;
-  e->pid = 0;
-  e->says = NULL;
-}
-
 static void free_place(engine *e) {
-  end_process(e);
+  vibrospice_process_end(&e->process);
   free_texts(e);
   pthread_mutex_lock(&lock);
   e->number = 0;
   e->busy = 0;
   pthread_mutex_unlock(&lock);
-}
-
-/* ---- messages ---- */
-
-/* Says how the engine has ended. */
-static vibrospice_status engine_died(engine *e) {
-  char says[512] = "";
-  int how = 0;
-  const pid_t pid = e->pid > 0 ? e->pid : 0;
-  if (e->socket >= 0) close(e->socket);
-  e->socket = -1;
-  if (pid)
-    while (waitpid(pid, &how, 0) < 0 && errno == EINTR) {
-    }
-  e->pid = 0;
-  e->phase = OVER;
-  if (e->says) {
-    rewind(e->says);
-    for (char row[512]; fgets(row, sizeof row, e->says);) memcpy(says, row, sizeof says);
-  }
-  says[strcspn(says, "\n")] = '\0';
-  if (*says) return fail(VIBROSPICE_ENGINE, "the engine has ended: %s", says);
-  if (pid && WIFSIGNALED(how))
-    return fail(VIBROSPICE_ENGINE, "the engine was ended by signal %d", WTERMSIG(how));
-  if (pid && WEXITSTATUS(how) == 127)
-    return fail(VIBROSPICE_ENGINE, "the program vibrospice cannot be started");
-  return fail(VIBROSPICE_ENGINE, "the engine has ended");
-}
-
-static int say(int socket, const void *data, size_t size, int beside) {
-  const char *at = data;
-  union {
-    struct cmsghdr head;
-    char room[CMSG_SPACE(sizeof(int))];
-  } control;
-  while (size > 0) {
-    struct iovec part = {(void *)(uintptr_t)at, size};
-    struct msghdr message = {.msg_iov = &part, .msg_iovlen = 1};
-    if (beside >= 0) {
-      memset(&control, 0, sizeof control);
-      message.msg_control = control.room;
-      message.msg_controllen = sizeof control.room;
-      struct cmsghdr *c = CMSG_FIRSTHDR(&message);
-      c->cmsg_level = SOL_SOCKET;
-      c->cmsg_type = SCM_RIGHTS;
-      c->cmsg_len = CMSG_LEN(sizeof beside);
-      memcpy(CMSG_DATA(c), &beside, sizeof beside);
-    }
-    ssize_t n = sendmsg(socket, &message, MSG_NOSIGNAL);
-    if (n < 0 && errno != EINTR) return 0;
-    if (n > 0) at += n, size -= (size_t)n, beside = -1;
-  }
-  return 1;
-}
-
-static int hear(int socket, void *data, size_t size) {
-  char *at = data;
-  while (size > 0) {
-    ssize_t n = recv(socket, at, size, 0);
-    if (n == 0 || (n < 0 && errno != EINTR)) return 0;
-    if (n > 0) at += n, size -= (size_t)n;
-  }
-  return 1;
-}
-
-/* Asks: so many bytes, then so many more. beside: a descriptor to pass; -1: none. */
-static int ask(int socket, uint32_t kind, const void *data, size_t size, const char *more,
-               int beside) {
-  const size_t rest = more ? strlen(more) : 0;
-  const vibrospice_head head = {kind, (uint32_t)(size + rest)};
-  return say(socket, &head, sizeof head, beside) && say(socket, data, size, -1) &&
-         say(socket, more, rest, -1);
-}
-
-/* Takes an answer: *kind, and what follows as *text, to be freed, with an end behind it. An error
- * of the engine's becomes this one's. */
-static vibrospice_status take_answer(engine *e, uint32_t *kind, char **text, size_t *size) {
-  vibrospice_head head;
-  *text = NULL;
-  if (!hear(e->socket, &head, sizeof head)) return engine_died(e);
-  *text = malloc((size_t)head.size + 1);
-  if (!*text) {
-    end_process(e); /* what it says cannot be taken */
-    e->phase = OVER;
-    return no_memory();
-  }
-  if (!hear(e->socket, *text, head.size)) {
-    free(*text);
-    *text = NULL;
-    return engine_died(e);
-  }
-  (*text)[head.size] = '\0';
-  *kind = head.kind;
-  *size = head.size;
-  if (head.kind == VIBROSPICE_OK || head.kind == VIBROSPICE_ROW) return VIBROSPICE_OK;
-  fail((vibrospice_status)head.kind, "%s", *text);
-  free(*text);
-  *text = NULL;
-  return (vibrospice_status)head.kind;
-}
-
-/* Asks a question that is answered without rows. text may be NULL: nobody wants what follows. */
-static vibrospice_status ask_for(engine *e, uint32_t kind, const void *data, size_t size,
-                                 const char *more, char **text) {
-  char *answer;
-  if (e->socket < 0) return fail(VIBROSPICE_ENGINE, "the engine has ended");
-  if (!ask(e->socket, kind, data, size, more, -1)) return engine_died(e);
-  vibrospice_status status = take_answer(e, &kind, &answer, &size);
-  if (text)
-    *text = answer;
-  else
-    free(answer);
-  return status;
 }
 
 /* ---- taking texts apart ---- */
@@ -416,7 +261,7 @@ static vibrospice_status take_description(engine *e, char *text) {
   int good = e->described && take_lines(e, text);
   e->value = good ? malloc((e->column.count + 1) * sizeof *e->value) : NULL;
   for (size_t k = 0; e->value && k < e->column.count; k++) e->value[k] = NAN;
-  return e->value ? VIBROSPICE_OK : no_memory();
+  return e->value ? VIBROSPICE_OK : vibrospice_no_memory();
 }
 
 /* Each measure gets what the line of its name has. */
@@ -429,88 +274,22 @@ static void join_lines(engine *e) {
         m[k].margin = line[n].margin, m[k].error = line[n].error, m[k].word = line[n].word;
 }
 
-/* ---- the process ---- */
-
-/* The program's path: as the environment says, beside the library, in ../bin, or its name. */
-static const char *find_program(char path[4096]) {
-  static const char *const PLACES[] = {"vibrospice", "../bin/vibrospice", "../../bin/vibrospice"};
-  const char *named = getenv("VIBROSPICE_PROGRAM");
-  Dl_info self;
-  if (named && *named) return named;
-  for (size_t k = 0; k < sizeof PLACES / sizeof *PLACES; k++) {
-    if (!dladdr((const void *)&lock, &self) || !self.dli_fname) break;
-    const char *slash = strrchr(self.dli_fname, '/');
-    snprintf(path, 4096, "%.*s%s", slash ? (int)(slash - self.dli_fname) + 1 : 0, self.dli_fname,
-             PLACES[k]);
-    if (!access(path, X_OK)) return path;
-  }
-  return "vibrospice";
-}
-
-/* Starts the engine with one end of a socket as its standard input. It is in a process group of its
- * own, so that a key of the terminal's does not end it. */
-static vibrospice_status spawn(engine *e) {
-  char path[4096], word[] = "serve", self[] = "vibrospice", *const argv[] = {self, word, NULL};
-  int ends[2];
-  posix_spawn_file_actions_t files;
-  posix_spawnattr_t attributes;
-  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends))
-    return fail(VIBROSPICE_MEMORY, "no socket: %s", strerror(errno));
-  e->socket = ends[0];
-  e->says = tmpfile();
-  if (e->says) fcntl(fileno(e->says), F_SETFD, FD_CLOEXEC);
-  int wrong = posix_spawn_file_actions_init(&files);
-  if (!wrong) wrong = posix_spawnattr_init(&attributes);
-  if (wrong) {
-    close(ends[1]);
-    return no_memory();
-  }
-  posix_spawn_file_actions_adddup2(&files, ends[1], STDIN_FILENO);
-  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", 1, 0);
-  if (e->says)
-    posix_spawn_file_actions_adddup2(&files, fileno(e->says), STDERR_FILENO);
-  else
-    posix_spawn_file_actions_addopen(&files, STDERR_FILENO, "/dev/null", 1, 0);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-  const char *program = find_program(path);
-  wrong = posix_spawnp(&e->pid, program, &files, &attributes, argv, environ);
-  posix_spawn_file_actions_destroy(&files);
-  posix_spawnattr_destroy(&attributes);
-  close(ends[1]);
-  if (!wrong) return VIBROSPICE_OK;
-  e->pid = 0;
-  return fail(VIBROSPICE_ENGINE, "the program %s cannot be started: %s", program, strerror(wrong));
-}
-
-static vibrospice_status greet(engine *e) {
-  char *hello;
-  uint32_t kind;
-  size_t size;
-  vibrospice_status status = take_answer(e, &kind, &hello, &size);
-  if (!status && strcmp(hello, VIBROSPICE_PROTOCOL))
-    status = fail(VIBROSPICE_ENGINE,
-                  "the program is another version: it says '%.100s', and this "
-                  "is '%s'",
-                  hello, VIBROSPICE_PROTOCOL);
-  free(hello);
-  return status;
-}
-
 /* ---- a scene ---- */
 
 vibrospice_status vibrospice_open(const char *scene, unsigned flags, vibrospice **run) {
   char mark[16], *text = NULL;
-  if (!run) return fail(VIBROSPICE_INPUT, "run is NULL");
+  if (!run) return vibrospice_fail(VIBROSPICE_INPUT, "run is NULL");
   *run = NULL;
-  if (!scene) return fail(VIBROSPICE_INPUT, "scene is NULL");
+  if (!scene) return vibrospice_fail(VIBROSPICE_INPUT, "scene is NULL");
   if (flags & ~(unsigned)(VIBROSPICE_TEXT | VIBROSPICE_ALLOW_CODE))
-    return fail(VIBROSPICE_INPUT, "flags: %u has a flag that there is not", flags);
+    return vibrospice_fail(VIBROSPICE_INPUT, "flags: %u has a flag that there is not", flags);
   engine *e = take_place(0);
-  if (!e) return no_memory();
-  vibrospice_status status = spawn(e);
-  if (!status) status = greet(e);
+  if (!e) return vibrospice_no_memory();
+  vibrospice_status status = vibrospice_process_start(&e->process);
   const int length = snprintf(mark, sizeof mark, "%u ", flags);
-  if (!status) status = ask_for(e, VIBROSPICE_ASK_OPEN, mark, (size_t)length, scene, &text);
+  if (!status)
+    status = vibrospice_process_ask_for(&e->process, VIBROSPICE_ASK_OPEN, mark, (size_t)length,
+                                        scene, &text);
   if (!status) status = take_description(e, text);
   if (status) {
     free_place(e);
@@ -540,22 +319,22 @@ vibrospice_status vibrospice_free_state(vibrospice_state *state) {
 static vibrospice_status enter_before(vibrospice *run, engine **e) {
   vibrospice_status status = enter(run, 0, e);
   if (!status && (*e)->phase != BEFORE)
-    status = leave(*e, fail(VIBROSPICE_ORDER, "the run has begun"));
+    status = leave(*e, vibrospice_fail(VIBROSPICE_ORDER, "the run has begun"));
   return status;
 }
 
 vibrospice_status vibrospice_set(vibrospice *run, const char *key, const char *value) {
   engine *e;
   char *text;
-  if (!key || !value) return fail(VIBROSPICE_INPUT, "key or value is NULL");
-  if (strchr(key, '=')) return fail(VIBROSPICE_INPUT, "key '%s' has a '=' in it", key);
+  if (!key || !value) return vibrospice_fail(VIBROSPICE_INPUT, "key or value is NULL");
+  if (strchr(key, '=')) return vibrospice_fail(VIBROSPICE_INPUT, "key '%s' has a '=' in it", key);
   vibrospice_status status = enter_before(run, &e);
   if (status) return status;
   const size_t room = strlen(key) + strlen(value) + 2;
   char *assignment = malloc(room);
-  if (!assignment) return leave(e, no_memory());
+  if (!assignment) return leave(e, vibrospice_no_memory());
   snprintf(assignment, room, "%s=%s", key, value);
-  status = ask_for(e, VIBROSPICE_ASK_SET, NULL, 0, assignment, &text);
+  status = vibrospice_process_ask_for(&e->process, VIBROSPICE_ASK_SET, NULL, 0, assignment, &text);
   free(assignment);
   if (!status) status = take_description(e, text);
   return leave(e, status);
@@ -563,19 +342,22 @@ vibrospice_status vibrospice_set(vibrospice *run, const char *key, const char *v
 
 vibrospice_status vibrospice_folder(vibrospice *run, const char *folder) {
   engine *e;
-  if (!folder || !*folder) return fail(VIBROSPICE_INPUT, "folder is NULL or empty");
+  if (!folder || !*folder) return vibrospice_fail(VIBROSPICE_INPUT, "folder is NULL or empty");
   vibrospice_status status = enter_before(run, &e);
-  return status ? status : leave(e, ask_for(e, VIBROSPICE_ASK_FOLDER, NULL, 0, folder, NULL));
+  return status ? status
+                : leave(e, vibrospice_process_ask_for(&e->process, VIBROSPICE_ASK_FOLDER, NULL, 0,
+                                                      folder, NULL));
 }
 
 vibrospice_status vibrospice_set_input(vibrospice *run, const char *name, double value) {
   engine *e;
   char *text = NULL;
-  if (!name) return fail(VIBROSPICE_INPUT, "name is NULL");
+  if (!name) return vibrospice_fail(VIBROSPICE_INPUT, "name is NULL");
   vibrospice_status status = enter(run, 0, &e);
   if (status) return status;
-  if (e->phase > UNDER_WAY) return leave(e, fail(VIBROSPICE_ORDER, "the run is over"));
-  status = ask_for(e, VIBROSPICE_ASK_INPUT, &value, sizeof value, name, &text);
+  if (e->phase > UNDER_WAY) return leave(e, vibrospice_fail(VIBROSPICE_ORDER, "the run is over"));
+  status = vibrospice_process_ask_for(&e->process, VIBROSPICE_ASK_INPUT, &value, sizeof value, name,
+                                      &text);
   if (!status && e->phase == BEFORE)
     status = take_description(e, text);
   else
@@ -589,12 +371,14 @@ vibrospice_status vibrospice_set_input(vibrospice *run, const char *name, double
 static vibrospice_status give(vibrospice *run, size_t list_at, int of_result, const void **item,
                               size_t *count) {
   engine *e;
-  if (!item || !count) return fail(VIBROSPICE_INPUT, "a pointer for the result is NULL");
+  if (!item || !count) return vibrospice_fail(VIBROSPICE_INPUT, "a pointer for the result is NULL");
+  *item = NULL;
+  *count = 0;
   vibrospice_status status = enter(run, 0, &e);
   if (status) return status;
   if (of_result && e->phase != FINISHED)
-    return leave(e,
-                 fail(VIBROSPICE_ORDER, "the run is not finished: vibrospice_finish comes first"));
+    return leave(e, vibrospice_fail(VIBROSPICE_ORDER,
+                                    "the run is not finished: vibrospice_finish comes first"));
   const list *l = (const list *)(const void *)((const char *)e + list_at);
   *item = l->item;
   *count = l->count;
@@ -643,7 +427,7 @@ vibrospice_status vibrospice_summary(vibrospice *run, const char **json) {
   const vibrospice_line *line;
   size_t count;
   engine *e;
-  if (!json) return fail(VIBROSPICE_INPUT, "json is NULL");
+  if (!json) return vibrospice_fail(VIBROSPICE_INPUT, "json is NULL");
   vibrospice_status status = GIVE(run, line, 1, &line, &count);
   if (!status) status = enter(run, 0, &e);
   if (status) return status;
@@ -662,7 +446,10 @@ vibrospice_status vibrospice_time(vibrospice *run, double *t_s, double *until_s)
 
 vibrospice_status vibrospice_values(vibrospice *run, const double **value, size_t *count) {
   engine *e;
-  if (!value || !count) return fail(VIBROSPICE_INPUT, "a pointer for the result is NULL");
+  if (!value || !count)
+    return vibrospice_fail(VIBROSPICE_INPUT, "a pointer for the result is NULL");
+  *value = NULL;
+  *count = 0;
   vibrospice_status status = enter(run, 0, &e);
   if (status) return status;
   *value = e->value;
@@ -679,7 +466,7 @@ static vibrospice_status take_rows(engine *e, vibrospice_step step, void *contex
     uint32_t kind;
     size_t size;
     char *data;
-    status = take_answer(e, &kind, &data, &size);
+    status = vibrospice_process_answer(&e->process, &kind, &data, &size);
     if (status) return status;
     const double *row = (const double *)(void *)data;
     const size_t count = size / sizeof *row;
@@ -690,8 +477,9 @@ static vibrospice_status take_rows(engine *e, vibrospice_step step, void *contex
     }
     free(data);
     if (kind == VIBROSPICE_OK) return VIBROSPICE_OK;
-    if (!ask(e->socket, *halted ? VIBROSPICE_HALT : VIBROSPICE_GO, NULL, 0, NULL, -1))
-      return engine_died(e);
+    if (!vibrospice_process_ask(e->process.socket, *halted ? VIBROSPICE_HALT : VIBROSPICE_GO, NULL,
+                                0, NULL, -1))
+      return vibrospice_process_died(&e->process);
   }
 }
 
@@ -707,22 +495,26 @@ static vibrospice_status run_to(vibrospice *run, double t_s, int to_end, vibrosp
   int halted = 0;
   vibrospice_status status = enter(run, 0, &e);
   if (status) return status;
-  if (e->phase > UNDER_WAY) return leave(e, fail(VIBROSPICE_ORDER, "the run is over"));
+  if (e->phase > UNDER_WAY) return leave(e, vibrospice_fail(VIBROSPICE_ORDER, "the run is over"));
   if (to_end) t_s = e->until_s;
   if (!(t_s > e->t_s))
-    return leave(e, fail(VIBROSPICE_TIME, "%.9g s is not behind the run's time, %.9g s%s", t_s,
-                         e->t_s, t_s < e->t_s ? "; a saved state goes back" : ""));
+    return leave(e,
+                 vibrospice_fail(VIBROSPICE_TIME, "%.9g s is not behind the run's time, %.9g s%s",
+                                 t_s, e->t_s, t_s < e->t_s ? "; a saved state goes back" : ""));
   if (t_s > e->until_s)
-    return leave(e, fail(VIBROSPICE_TIME, "%.9g s is behind the run's end, run.until = %.9g s", t_s,
-                         e->until_s));
-  if (e->socket < 0) return leave(e, fail(VIBROSPICE_ENGINE, "the engine has ended"));
+    return leave(e, vibrospice_fail(VIBROSPICE_TIME,
+                                    "%.9g s is behind the run's end, run.until = %.9g s", t_s,
+                                    e->until_s));
+  if (e->process.socket < 0)
+    return leave(e, vibrospice_fail(VIBROSPICE_ENGINE, "the engine has ended"));
   const vibrospice_ask_run question = {t_s, step != NULL, 0};
   e->phase = UNDER_WAY;
-  if (!ask(e->socket, VIBROSPICE_ASK_RUN, &question, sizeof question, NULL, -1))
-    return leave(e, engine_died(e));
+  if (!vibrospice_process_ask(e->process.socket, VIBROSPICE_ASK_RUN, &question, sizeof question,
+                              NULL, -1))
+    return leave(e, vibrospice_process_died(&e->process));
   status = take_rows(e, step, context, &halted);
   if (!status && halted)
-    status = fail(VIBROSPICE_STOPPED, "t = %.9g s: stopped by the callback", e->t_s);
+    status = vibrospice_fail(VIBROSPICE_STOPPED, "t = %.9g s: stopped by the callback", e->t_s);
   return end_of_call(e, status);
 }
 
@@ -741,12 +533,12 @@ vibrospice_status vibrospice_finish(vibrospice *run) {
   vibrospice_status status = enter(run, 0, &e);
   if (status) return status;
   if (e->phase > UNDER_WAY)
-    return leave(
-        e, fail(VIBROSPICE_ORDER, e->phase == OVER ? "the run is over" : "the run is finished"));
-  status = ask_for(e, VIBROSPICE_ASK_FINISH, NULL, 0, NULL, &text);
+    return leave(e, vibrospice_fail(VIBROSPICE_ORDER,
+                                    e->phase == OVER ? "the run is over" : "the run is finished"));
+  status = vibrospice_process_ask_for(&e->process, VIBROSPICE_ASK_FINISH, NULL, 0, NULL, &text);
   if (status) return end_of_call(e, status);
   e->result = text;
-  if (!take_lines(e, text)) return end_of_call(e, no_memory());
+  if (!take_lines(e, text)) return end_of_call(e, vibrospice_no_memory());
   join_lines(e);
   e->phase = FINISHED;
   e->t_s = e->until_s;
@@ -755,36 +547,14 @@ vibrospice_status vibrospice_finish(vibrospice *run) {
 
 /* ---- states ---- */
 
-/* Makes a copy of the engine `of`, as `to`. */
-static vibrospice_status copy_engine(engine *of, engine *to) {
-  int ends[2];
-  uint32_t kind;
-  size_t size;
-  char *text;
-  if (of->socket < 0) return fail(VIBROSPICE_ENGINE, "the engine has ended");
-  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends))
-    return fail(VIBROSPICE_MEMORY, "no socket: %s", strerror(errno));
-  to->socket = ends[0];
-  int asked = ask(of->socket, VIBROSPICE_ASK_COPY, NULL, 0, NULL, ends[1]);
-  close(ends[1]);
-  if (!asked) return engine_died(of);
-  vibrospice_status status = take_answer(of, &kind, &text, &size);
-  free(text);
-  if (!status) {
-    status = take_answer(to, &kind, &text, &size); /* the copy's own */
-    free(text);
-  }
-  return status;
-}
-
 /* Makes `to`, which begins as zeros, a copy of `of`: the process, and what is known of it. */
 static vibrospice_status copy_all(engine *of, engine *to) {
-  to->socket = -1;
+  to->process.socket = -1;
   char *text = strdup(of->described);
-  vibrospice_status status = text ? take_description(to, text) : no_memory();
-  if (!status) status = copy_engine(of, to);
+  vibrospice_status status = text ? take_description(to, text) : vibrospice_no_memory();
+  if (!status) status = vibrospice_process_copy(&of->process, &to->process);
   if (status) {
-    end_process(to);
+    vibrospice_process_end(&to->process);
     free_texts(to);
     return status;
   }
@@ -797,7 +567,7 @@ static vibrospice_status copy_all(engine *of, engine *to) {
 /* Puts `from` in the place of what is behind the handle of `e`. */
 static void become(engine *e, const engine *from) {
   const engine before = *e;
-  end_process(e);
+  vibrospice_process_end(&e->process);
   free_texts(e);
   *e = *from;
   e->number = before.number;
@@ -808,14 +578,15 @@ static void become(engine *e, const engine *from) {
 
 vibrospice_status vibrospice_save(vibrospice *run, vibrospice_state **state) {
   engine *e, copy = {0};
-  if (!state) return fail(VIBROSPICE_INPUT, "state is NULL");
+  if (!state) return vibrospice_fail(VIBROSPICE_INPUT, "state is NULL");
   *state = NULL;
   vibrospice_status status = enter(run, 0, &e);
   if (status) return status;
   if (e->phase > UNDER_WAY)
-    return leave(e, fail(VIBROSPICE_ORDER, "the run is over, and there is nothing to save"));
+    return leave(
+        e, vibrospice_fail(VIBROSPICE_ORDER, "the run is over, and there is nothing to save"));
   engine *saved = take_place(1);
-  if (!saved) return leave(e, no_memory());
+  if (!saved) return leave(e, vibrospice_no_memory());
   status = copy_all(e, &copy);
   if (status) {
     free_place(saved);

@@ -24,6 +24,7 @@
  *
  * Memory. What a function sets a pointer to belongs to the handle and lasts until vibrospice_set,
  * vibrospice_folder, vibrospice_finish, vibrospice_restore or vibrospice_free is called with it.
+ * After an error such a pointer is NULL, and its count 0.
  *
  * Units stand in each description, as text ("m", "deg"); values of columns, inputs, measures and
  * verdicts are in these. Times are in s from the beginning of the run. Texts are UTF-8.
