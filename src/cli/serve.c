@@ -133,13 +133,20 @@ static double most_of_input(const vs_setup *setup, int k) {
                          : 1e9;
 }
 
-/* An instant behind the run's last step at which the load may be set. */
-static void offer_load_place(double at_s) {
+/* What the load is up to the place for the next change. */
+static const vs_model *model_before(const vs_setup *setup) {
+  const vs_loads *all = given.loads;
+  return all->count > 1 ? &all->item[all->count - 2].model : &setup->model;
+}
+
+/* Offers a place at an instant behind the run's last step. Whoever tries the setup beforehand
+ * (engine/pace.h) may take it: nothing changes there then. */
+static void offer_load_place(const vs_setup *setup, double at_s) {
   vs_loads *all = given.loads;
   if (!all) return;
   if (given.loaded) all->count++; /* what was set there stays */
   given.loaded = false;
-  if (all->count <= MOST_LOADS) all->item[all->count - 1].at_s = at_s;
+  if (all->count <= MOST_LOADS) all->item[all->count - 1] = (vs_loaded){at_s, *model_before(setup)};
 }
 
 /* The load becomes what was set, from at_s on. */
@@ -148,7 +155,7 @@ static vs_status change_load(vs_scene *s, double at_s, vs_error *err) {
   if (all->count > MOST_LOADS)
     return vs_fail(err, VS_INPUT, "the load was set %d times already", MOST_LOADS);
   vs_loaded *to = &all->item[all->count - 1];
-  const vs_model *from = all->count > 1 ? &to[-1].model : &s->setup.model;
+  const vs_model *from = model_before(&s->setup);
   vs_load_values load = from->load;
   if (given.set[FRACTION]) load.fraction = given.value[FRACTION];
   if (given.set[VOLUME]) load.volume_m3 = given.value[VOLUME] * vs_units_factor("cm3");
@@ -171,6 +178,7 @@ typedef struct engine {
   bool finishing;  /* its result is asked for */
   double t_s;      /* up to where it was asked for */
   double target_s; /* up to where it goes on */
+  double row_s;    /* of the last row */
   bool rows;       /* are wanted on the way */
   unsigned steps;
   vs_text question; /* what follows the head of the one that is under way */
@@ -538,7 +546,7 @@ static void go_on_to(engine *e, uint32_t kind) {
   e->target_s = fmin(ask.t_s, e->scene->setup.run.until_s);
   e->rows = ask.rows;
   given.next_s = e->finishing ? INFINITY : e->target_s;
-  offer_load_place(given.next_s);
+  offer_load_place(&e->scene->setup, given.next_s);
 }
 
 /* Serves at an instant of the run, until it is to go on. */
@@ -575,10 +583,11 @@ static vs_status reach_instant(void *ctx, const vs_table *table, const vs_step *
   look_at_socket(e);
   /* The last step's end and run.until may differ by rounding. */
   const double ends_s = table->until_s - 1e-9 * table->sample_s;
-  while (!e->finishing && (e->target_s <= t_s || (t_s >= ends_s && e->target_s >= ends_s))) {
+  const bool ends = t_s >= step->to->t_s && t_s >= ends_s;
+  while (!e->finishing && (e->target_s <= t_s || (ends && e->target_s >= ends_s))) {
     int n = 0;
     while (vs_table_column_at(table, n, &column)) n++;
-    vs_table_peek(table, step, fmin(e->target_s, t_s), cells);
+    vs_table_peek(table, step, fmin(fmax(e->target_s, e->row_s), t_s), cells);
     cells[0] = e->target_s;
     e->t_s = fmax(e->target_s, step->to->t_s); /* what is set from now on acts behind the step */
     answer(VIBROSPICE_OK, cells, (size_t)n * sizeof *cells);
@@ -590,6 +599,7 @@ static vs_status reach_instant(void *ctx, const vs_table *table, const vs_step *
 static vs_status show_row(void *ctx, const double *cell, int width, vs_error *err) {
   engine *e = ctx;
   (void)err;
+  e->row_s = cell[0];
   if (!e->rows) return VS_OK;
   answer(VIBROSPICE_ROW, cell, (size_t)width * sizeof *cell);
   if (wait_for_question(e, NULL) == VIBROSPICE_HALT) {
@@ -616,9 +626,9 @@ static void begin_attempt(void *ctx, vs_scene *scene) {
   if (!given.set[FRACTION] && !given.set[VOLUME]) return;
   setup->loads.item = vs_alloc(MOST_LOADS + 1, sizeof *setup->loads.item);
   setup->loads.count = 1;
-  setup->loads.item[0].at_s = e->target_s;
   setup->model.reloaded = true;
   given.loads = &setup->loads;
+  offer_load_place(setup, e->target_s);
 }
 
 /* Runs the scene, with the question under way as the first, and answers the last one. Afterwards

@@ -428,7 +428,7 @@ vs_status vs_table_accept(vs_table *table, const vs_step *step, vs_error *err) {
     if (t > to_s + (ends ? slack : 0)) break;
     for (; seen < count && instants[seen] < within; seen++)
       look_at_peak(table, step, instants[seen]);
-    status = tell_reader(table, step, nextafter(within, 0), err);
+    status = tell_reader(table, step, within - slack, err);
     if (!status) status = write_row(table, step, within, t, err);
   }
   for (; seen < count && !status; seen++) look_at_peak(table, step, instants[seen]);
