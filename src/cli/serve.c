@@ -25,6 +25,7 @@
 #include "run.h"
 #include "run/listed_measure.h"
 #include "run/session.h"
+#include "serve.h"
 #include "vibrospice/protocol.h"
 #include "vibrospice/vibrospice.h"
 
@@ -265,7 +266,20 @@ static void add_number(vs_text *t, double value) {
   vs_text_add(t, "\t%.17g", value);
 }
 
-static void describe(const vs_scene *s, vs_text *t) {
+/* The columns as the run begins. What has not read anything yet shows nothing. */
+static void describe_start(const vs_scene *s, const vs_table *table, vs_text *t) {
+  const vs_knot knot = vs_sim_start(&s->setup, &s->frame);
+  const vs_step step = {.frame = &s->frame, .from = &knot, .to = &knot};
+  double y[VS_CH_MOST];
+  vs_column c;
+  vs_step_at(&step, 0, y);
+  vs_text_add(t, "0\t0");
+  for (int k = 1; vs_table_column_at(table, k, &c); k++)
+    add_number(t, k <= table->count ? y[table->channels[k - 1]] : NAN);
+  vs_text_add(t, "\n");
+}
+
+void vs_serve_describe(const vs_scene *s, vs_text *t) {
   const vs_table table = vs_table_of(s);
   vs_column c;
   for (int k = 0; vs_table_column_at(&table, k, &c); k++)
@@ -279,11 +293,12 @@ static void describe(const vs_scene *s, vs_text *t) {
     vs_text_add(t, "\n");
   }
   vs_text_add(t, "u\t%.17g\n", s->setup.run.until_s);
+  describe_start(s, &table, t);
 }
 
 static void answer_description(const engine *e) {
   vs_text t = {0};
-  describe(e->scene, &t);
+  vs_serve_describe(e->scene, &t);
   answer(VIBROSPICE_OK, t.text, t.length);
   vs_text_free(&t);
 }

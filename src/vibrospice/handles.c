@@ -43,6 +43,7 @@ typedef struct engine {
   vibrospice_process process;
   phase phase;
   double t_s, until_s, *value;
+  char *start;                /* the columns as the run begins, as text */
   char *described;            /* the description, whole */
   char *description, *result; /* texts that the lists point into */
   list column, input, measure, line, happening, name;
@@ -241,6 +242,10 @@ static int take_lines(engine *e, char *text) {
   const char *cell[MOST_CELLS];
   while (*text) {
     size_t k = 0;
+    if (*text == '0') {
+      e->start = text + 1;
+      return 1;
+    }
     text = cut_line(text, cell);
     if (*cell[0] == 'j') {
       e->summary = text;
@@ -255,12 +260,14 @@ static int take_lines(engine *e, char *text) {
 /* The description takes the place of the one before. */
 static vibrospice_status take_description(engine *e, char *text) {
   free_texts(e);
+  e->start = NULL;
   e->described = strdup(text);
   e->description = text;
   e->t_s = 0;
   int good = e->described && take_lines(e, text);
   e->value = good ? malloc((e->column.count + 1) * sizeof *e->value) : NULL;
-  for (size_t k = 0; e->value && k < e->column.count; k++) e->value[k] = NAN;
+  for (size_t k = 0; e->value && k < e->column.count; k++)
+    e->value[k] = e->start ? strtod(e->start, &e->start) : NAN;
   return e->value ? VIBROSPICE_OK : vibrospice_no_memory();
 }
 

@@ -165,7 +165,8 @@ VIBROSPICE_API vibrospice_status vibrospice_run_on(vibrospice *run, vibrospice_s
 /* The run's time, s, and its end, run.until. Each pointer may be NULL. */
 VIBROSPICE_API vibrospice_status vibrospice_time(vibrospice *run, double *t_s, double *until_s);
 
-/* The columns at the run's time: *value becomes value[*count]; NaN before the run begins. */
+/* The columns at the run's time: *value becomes value[*count]. Before the run begins instruments and
+ * what a circuit computes are NaN, or at rest. */
 VIBROSPICE_API vibrospice_status vibrospice_values(vibrospice *run, const double **value,
                                                    size_t *count);
 
