@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The library for programs of others, over the built program: what a run through it comes to,
  * states and inputs, and what it says where it is misused. */
+#include <dlfcn.h>
 #include <errno.h>
 #include <math.h>
 #include <pthread.h>
 #include <signal.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -311,6 +313,139 @@ static void wrong_inputs(void) {
   OK(vibrospice_free(run));
 }
 
+/* ---- a functional mock-up unit ---- */
+
+/* What the test uses of the standard, FMI 2.0. */
+typedef struct callbacks {
+  void (*logger)(void *, const char *, int, const char *, const char *, ...);
+  void *(*allocate)(size_t, size_t);
+  void (*release)(void *);
+  void (*finished)(void *, int);
+  void *environment;
+} callbacks;
+
+static char logged[1024];
+
+static void take_log(void *environment, const char *instance, int status, const char *category,
+                     const char *format, ...) {
+  va_list list;
+  (void)environment, (void)instance, (void)status, (void)category;
+  va_start(list, format);
+  vsnprintf(logged, sizeof logged, format, list);
+  va_end(list);
+}
+
+typedef struct unit {
+  void *library;
+  void *(*instantiate)(const char *, int, const char *, const char *, const callbacks *, int, int);
+  int (*setup)(void *, int, double, double, int, double);
+  int (*exit_init)(void *), (*reset)(void *);
+  int (*step)(void *, double, double, int);
+  int (*get)(void *, const unsigned *, size_t, double *);
+  int (*set)(void *, const unsigned *, size_t, const double *);
+  int (*save)(void *, void **), (*restore)(void *, void *), (*forget)(void *, void **);
+  void (*end)(void *);
+} unit;
+
+static void look_up(const unit *u, const char *name, void *function) {
+  void *found = dlsym(u->library, name);
+  EXPECT(found, "the unit has no %s", name);
+  memcpy(function, &found, sizeof found);
+}
+
+static unit load_unit(const char *path) {
+  unit u = {.library = dlopen(path, RTLD_NOW | RTLD_LOCAL)};
+  EXPECT(u.library, "%s", dlerror());
+  look_up(&u, "fmi2Instantiate", &u.instantiate);
+  look_up(&u, "fmi2SetupExperiment", &u.setup);
+  look_up(&u, "fmi2ExitInitializationMode", &u.exit_init);
+  look_up(&u, "fmi2Reset", &u.reset);
+  look_up(&u, "fmi2DoStep", &u.step);
+  look_up(&u, "fmi2GetReal", &u.get);
+  look_up(&u, "fmi2SetReal", &u.set);
+  look_up(&u, "fmi2GetFMUstate", &u.save);
+  look_up(&u, "fmi2SetFMUstate", &u.restore);
+  look_up(&u, "fmi2FreeFMUstate", &u.forget);
+  look_up(&u, "fmi2FreeInstance", &u.end);
+  return u;
+}
+
+/* The unit that is exported, two instances at once, its inputs and states, against the library. */
+static void mock_up_unit(void) {
+  static const callbacks CALL = {take_log, calloc, free, NULL, NULL};
+  static const unsigned ANGLE = 1, TRAVEL = 101; /* as modelDescription.xml has them */
+  char uri[4200];
+  void *state = NULL;
+  double p, other, angle = 120;
+  vibrospice *run;
+  write_file("own.yaml", "firing: {every: 1, angle: 150 deg}\nrun: {tier: switched, until: 1 s}\n");
+  RUN_GOOD("export own.yaml --set run.tolerance=1e-5 -o unit.fmu");
+  EXPECT(!system("python3 -m zipfile -t unit.fmu >../zip 2>&1 && mkdir 'a unit' &&"
+                 " python3 -m zipfile -e unit.fmu 'a unit'"),
+         "the archive cannot be read");
+  char *xml = read_file("a unit/modelDescription.xml");
+  EXPECT(strstr(xml, "name=\"firing.angle\" valueReference=\"1\" causality=\"input\"") &&
+             strstr(xml, "name=\"p_m\" valueReference=\"101\" causality=\"output\""),
+         "another description: %s", xml);
+  free(xml);
+  char *here = get_current_dir_name();
+  snprintf(uri, sizeof uri, "file://%s/a%%20unit/resources", here);
+  free(here);
+  setenv("VIBROSPICE_PROGRAM", VS_PROGRAM, 1);
+  unit u = load_unit("./a unit/binaries/linux64/unit.so");
+  void *one = u.instantiate("one", 1, "", uri, &CALL, 0, 0),
+       *two = u.instantiate("two", 1, "", uri, &CALL, 0, 0);
+  EXPECT(one && two && !u.setup(one, 0, 0, 0, 1, 0.2) && !u.setup(two, 0, 0, 0, 1, 0.2), "%s",
+         logged);
+  EXPECT(!u.exit_init(one) && !u.exit_init(two), "%s", logged);
+  for (int k = 0; k < 50; k++) EXPECT(!u.step(one, k * 1e-3, 1e-3, 0), "%d: %s", k, logged);
+  EXPECT(!u.save(one, &state) && !u.set(one, &ANGLE, 1, &angle) && !u.step(one, 0.05, 0.0333, 0) &&
+             !u.get(one, &TRAVEL, 1, &p),
+         "%s", logged);
+  EXPECT(!u.restore(one, state) && !u.set(one, &ANGLE, 1, &angle) &&
+             !u.step(one, 0.05, 0.0333, 0) && !u.get(one, &TRAVEL, 1, &other) && other == p,
+         "not rolled back: %.17g, not %.17g; %s", other, p, logged);
+  OK(vibrospice_open("own.yaml", 0, &run));
+  OK(vibrospice_set(run, "run.tolerance", "1e-5"));
+  OK(vibrospice_set_input(run, "firing.angle", 150));
+  OK(vibrospice_run_to(run, 0.05, NULL, NULL));
+  OK(vibrospice_set_input(run, "firing.angle", 120));
+  OK(vibrospice_run_to(run, 0.0833, NULL, NULL));
+  other = column(run, "p_m");
+  /* The unit's steps end at its instants, as its mains may change: rounding. */
+  EXPECT(fabs(p) > 1e-5 && fabs(p - other) < 1e-9 * fabs(p), "p = %.17g, not %.17g", p, other);
+  OK(vibrospice_free(run));
+  EXPECT(!u.step(two, 0, 0.2, 0), "%s", logged);
+  EXPECT(u.step(two, 0.1, 0.01, 0) == 3 && strstr(logged, "another instant"), "%s", logged);
+  EXPECT(u.step(two, 0.2, 0.01, 0) == 3 && strstr(logged, "behind the run's end"), "%s", logged);
+  EXPECT(u.set(two, &TRAVEL, 1, &p) == 3 && strstr(logged, "no input"), "%s", logged);
+  EXPECT(!u.reset(two) && !u.exit_init(two) && !u.step(two, 0, 0.01, 0), "%s", logged);
+  EXPECT(!u.forget(one, &state) && !state, "%s", logged);
+  u.end(one);
+  u.end(two);
+  setenv("VIBROSPICE_PROGRAM", "/nowhere", 1);
+  EXPECT(!u.instantiate("one", 1, "", uri, &CALL, 0, 0) && strstr(logged, "/nowhere"), "%s",
+         logged);
+  unsetenv("VIBROSPICE_PROGRAM");
+  dlclose(u.library);
+  expect_no_child(__LINE__);
+  EXPECT(!system("rm -r 'a unit' unit.fmu"), "no unit");
+}
+
+static void wrong_units(void) {
+  static const char *const CODE[] = {"code of its own", "unit"}, *const DECK[] = {
+                                                                     "own.cir",
+                                                                     "the scene in the unit"};
+  write_file("coded.yaml", "firing: {every: 1}\ninstruments: {}\n"
+                           "control: {law: pipe, command: cat}\n");
+  refuse("export coded.yaml -o unit.fmu", "a law of its own", "", CODE, __LINE__);
+  EXPECT(!system("vibrospice='" VS_PROGRAM "'; cp '" VS_TEST_FOLDER
+                 "/../spice/halfwave_bare.cir' own.cir"),
+         "no deck");
+  write_file("decked.yaml", "circuit: {deck: own.cir}\n");
+  refuse("export decked.yaml -o unit.fmu", "a deck of its own", "", DECK, __LINE__);
+}
+
 /* ---- misuse ---- */
 
 static void wrong_scenes(void) {
@@ -541,6 +676,8 @@ int main(void) {
                                   {"inputs", inputs},
                                   {"a second run", second_run},
                                   {"wrong inputs", wrong_inputs},
+                                  {"a unit", mock_up_unit},
+                                  {"wrong units", wrong_units},
                                   {"wrong scenes", wrong_scenes},
                                   {"wrong order", wrong_order},
                                   {"a failed run", failed_run},
