@@ -185,6 +185,15 @@ static vs_status read_whole(const char *path, vs_text *t, vs_error *err) {
   return good ? VS_OK : vs_fail(err, VS_RUN, "%s: cannot be read", path);
 }
 
+/* What FMI 2.0 calls this machine; it has no name for others, and takes ours. */
+#if defined __x86_64__
+static const char MACHINE[] = "linux64";
+#elif defined __i386__
+static const char MACHINE[] = "linux32";
+#else
+static const char MACHINE[] = "aarch64-linux";
+#endif
+
 /* The shim lies beside the program, or where it is installed. */
 static vs_status read_shim(vs_text *t, vs_error *err) {
   static const char *const PLACES[] = {"vibrospice_fmi2.so", VS_FMI2};
@@ -223,7 +232,7 @@ static vs_status write_unit(const vs_scene *s, const vs_text *text, const vs_tex
     archive a = {.stream = file.stream};
     write_description(s, identifier, guid, &description);
     add_file(&a, "modelDescription.xml", description.text, description.length);
-    snprintf(path, sizeof path, "binaries/linux64/%s.so", identifier);
+    snprintf(path, sizeof path, "binaries/%s/%s.so", MACHINE, identifier);
     add_file(&a, path, shim.text, shim.length);
     add_file(&a, "resources/scene.yaml", text->text, text->length);
     add_file(&a, "resources/sets.txt", sets->text, sets->length);

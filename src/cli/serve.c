@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -661,7 +662,7 @@ static void run_scene(engine *e, uint32_t kind) {
   if (status == VS_OK || status == VS_RATING)
     answer(VIBROSPICE_OK, e->result.text, e->result.length);
   else
-    answer_status(status, &err);
+    answer_text(VIBROSPICE_FAILED, err.text);
   for (;;)
     if (wait_for_question(e, &beside) == VIBROSPICE_ASK_COPY)
       copy_process(e, beside);
@@ -679,6 +680,8 @@ static vs_status serve_command(const void *given_line, vs_error *err) {
     return vs_fail(err, VS_INPUT,
                    "serve answers a program over the socket that is its standard input, and this "
                    "is none; see vibrospice/vibrospice.h");
+  /* What else the host has open is not this process's, whose copies may outlive a pipe's use. */
+  syscall(SYS_close_range, STDERR_FILENO + 1U, ~0U, 0U);
   e.scene = vs_alloc(1, sizeof *e.scene);
   answer_text(VIBROSPICE_OK, HELLO);
   for (;;) {
