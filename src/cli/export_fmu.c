@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * `vibrospice export SCENE -o x.fmu`: a functional mock-up unit (FMI 2.0, co-simulation). It is an
- * archive of the model's description, the shim (src/vibrospice/fmi2.c, which starts the program),
- * and the scene. */
+ * `vibrospice export SCENE -o x.fmu`: a functional mock-up unit for co-simulation, of FMI 2.0 or
+ * 3.0. It is an archive of the model's description, the shim (src/vibrospice/fmu.c, which starts
+ * the program), and the scene. */
 #include "export_fmu.h"
 
 #include <ctype.h>
@@ -19,7 +19,7 @@
 #include "run/scene.h"
 #include "serve.h"
 
-#ifndef VS_FMI2
+#ifndef VS_FMU_SHIM
 #error "the build names the shim as it is installed, from the folder of the program"
 #endif
 
@@ -83,7 +83,7 @@ static void end_archive(archive *a) {
 
 /* ---- the description ---- */
 
-enum { MOST_CELLS = 8, OUTPUTS = 100, MOST_UNITS = 64 }; /* OUTPUTS as in vibrospice/fmi2.c */
+enum { MOST_CELLS = 8, OUTPUTS = 100 }; /* OUTPUTS as in vibrospice/fmu.h */
 
 static void add_escaped(vs_text *t, const char *text) {
   for (; *text; text++)
@@ -94,22 +94,24 @@ static void add_escaped(vs_text *t, const char *text) {
 }
 
 /* A variable. causality: "input" with a start, or "output". */
-static void add_variable(vs_text *t, const char *name, int reference, const char *causality,
-                         const char *unit, const char *start, const char *text) {
-  vs_text_add(t, "<ScalarVariable name=\"%s\" valueReference=\"%d\" causality=\"%s\" ", name,
-              reference, causality);
+static void add_variable(vs_text *t, int fmi, const char *name, int reference,
+                         const char *causality, const char *unit, const char *start,
+                         const char *text) {
+  vs_text_add(t, "<%s name=\"%s\" valueReference=\"%d\" causality=\"%s\" ",
+              fmi == 2 ? "ScalarVariable" : "Float64", name, reference, causality);
   vs_text_add(t, "variability=\"continuous\"%s description=\"",
               *causality == 'o' ? " initial=\"calculated\"" : "");
   add_escaped(t, text);
-  vs_text_add(t, "\"><Real");
+  vs_text_add(t, fmi == 2 ? "\"><Real" : "\"");
   if (*unit) vs_text_add(t, " unit=\"%s\"", unit);
   if (start) vs_text_add(t, " start=\"%s\"", start);
-  vs_text_add(t, "/></ScalarVariable>\n");
+  vs_text_add(t, fmi == 2 ? "/></ScalarVariable>\n" : "/>\n");
 }
 
 /* What of a description becomes variables. */
 typedef struct variables {
-  vs_text all, units, outputs; /* as XML; units: behind one another, with blanks */
+  int fmi;
+  vs_text all, units, outputs, unknowns; /* as XML */
   int count, inputs, columns;
 } variables;
 
@@ -128,49 +130,58 @@ static void take_line(variables *v, char *line) {
   }
   if (*cell[0] == 'i') {
     add_unit(v, cell[2]);
-    add_variable(&v->all, cell[1], 1 + v->inputs++, "input", cell[2], cell[5], cell[6]);
+    add_variable(&v->all, v->fmi, cell[1], 1 + v->inputs++, "input", cell[2], cell[5], cell[6]);
     v->count++;
   }
   if (*cell[0] == 'c' && v->columns++ > 0) {
     add_unit(v, cell[3]);
-    add_variable(&v->all, cell[1], OUTPUTS + v->columns - 1, "output", cell[3], NULL, cell[4]);
-    vs_text_add(&v->outputs, "<Unknown index=\"%d\"/>", ++v->count + 1);
+    const int reference = OUTPUTS + v->columns - 1;
+    add_variable(&v->all, v->fmi, cell[1], reference, "output", cell[3], NULL, cell[4]);
+    v->count++;
+    if (v->fmi == 2)
+      vs_text_add(&v->outputs, "<Unknown index=\"%d\"/>", v->count + 1);
+    else
+      vs_text_add(&v->outputs, "<Output valueReference=\"%d\"/>", reference);
+    if (v->fmi == 3)
+      vs_text_add(&v->unknowns, "<InitialUnknown valueReference=\"%d\"/>", reference);
   }
 }
 
-static void write_description(const vs_scene *s, const char *identifier, const char *guid,
+static void write_description(const vs_scene *s, int fmi, const char *identifier, const char *guid,
                               vs_text *t) {
   vs_text lines = {0};
-  variables v = {0};
+  variables v = {.fmi = fmi};
   vs_serve_describe(s, &lines);
   char *rest = lines.text;
   for (char *line; (line = strsep(&rest, "\n"));) take_line(&v, line);
   vs_text_add(t,
               "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-              "<fmiModelDescription fmiVersion=\"2.0\" modelName=\"%s\" guid=\"%s\" "
+              "<fmiModelDescription fmiVersion=\"%d.0\" modelName=\"%s\" %s=\"%s\" "
               "generationTool=\"VibroSpice " VS_VERSION "\" variableNamingConvention=\"flat\">\n",
-              identifier, guid);
+              fmi, identifier, fmi == 2 ? "guid" : "instantiationToken", guid);
   vs_text_add(t,
               "<CoSimulation modelIdentifier=\"%s\" needsExecutionTool=\"true\" "
-              "canHandleVariableCommunicationStepSize=\"true\" "
-              "canGetAndSetFMUstate=\"true\" canNotUseMemoryManagementFunctions=\"true\"/>\n",
-              identifier);
+              "canHandleVariableCommunicationStepSize=\"true\" canGetAndSetFMU%s=\"true\"/>\n",
+              identifier, fmi == 2 ? "state" : "State");
   if (v.units.length) vs_text_add(t, "<UnitDefinitions>%s</UnitDefinitions>\n", v.units.text);
   vs_text_add(t, "<DefaultExperiment startTime=\"0\" stopTime=\"%.17g\" stepSize=\"%.17g\"/>\n",
               s->setup.run.until_s, s->setup.run.sample_s);
   vs_text_add(t,
-              "<ModelVariables>\n<ScalarVariable name=\"time\" valueReference=\"0\" "
-              "causality=\"independent\" variability=\"continuous\"><Real/></ScalarVariable>\n"
-              "%s</ModelVariables>\n",
-              v.all.text);
-  vs_text_add(t,
-              "<ModelStructure><Outputs>%s</Outputs><InitialUnknowns>%s</InitialUnknowns>"
-              "</ModelStructure>\n</fmiModelDescription>\n",
-              v.outputs.text, v.outputs.text);
+              "<ModelVariables>\n<%s name=\"time\" valueReference=\"0\" "
+              "causality=\"independent\" variability=\"continuous\"%s\n%s</ModelVariables>\n",
+              fmi == 2 ? "ScalarVariable" : "Float64",
+              fmi == 2 ? "><Real/></ScalarVariable>" : "/>", v.all.text);
+  if (fmi == 2)
+    vs_text_add(t, "<ModelStructure><Outputs>%s</Outputs><InitialUnknowns>%s</InitialUnknowns>",
+                v.outputs.text, v.outputs.text);
+  else
+    vs_text_add(t, "<ModelStructure>%s%s", v.outputs.text, v.unknowns.text);
+  vs_text_add(t, "</ModelStructure>\n</fmiModelDescription>\n");
   vs_text_free(&lines);
   vs_text_free(&v.all);
   vs_text_free(&v.units);
   vs_text_free(&v.outputs);
+  vs_text_free(&v.unknowns);
 }
 
 /* ---- the unit ---- */
@@ -185,18 +196,18 @@ static vs_status read_whole(const char *path, vs_text *t, vs_error *err) {
   return good ? VS_OK : vs_fail(err, VS_RUN, "%s: cannot be read", path);
 }
 
-/* What FMI 2.0 calls this machine; it has no name for others, and takes ours. */
+/* What FMI 2.0 and 3.0 call this machine; 2.0 has no name for others than Intel's. */
 #if defined __x86_64__
-static const char MACHINE[] = "linux64";
+static const char *const MACHINE[] = {"linux64", "x86_64-linux"};
 #elif defined __i386__
-static const char MACHINE[] = "linux32";
+static const char *const MACHINE[] = {"linux32", "x86-linux"};
 #else
-static const char MACHINE[] = "aarch64-linux";
+static const char *const MACHINE[] = {"aarch64-linux", "aarch64-linux"};
 #endif
 
 /* The shim lies beside the program, or where it is installed. */
 static vs_status read_shim(vs_text *t, vs_error *err) {
-  static const char *const PLACES[] = {"vibrospice_fmi2.so", VS_FMI2};
+  static const char *const PLACES[] = {"vibrospice_fmu.so", VS_FMU_SHIM};
   char self[VS_PATH_SIZE] = "", path[VS_PATH_SIZE + 64];
   const ssize_t n = readlink("/proc/self/exe", self, sizeof self - 1);
   char *slash = n > 0 ? strrchr(self, '/') : NULL;
@@ -217,7 +228,7 @@ static void name_unit(const char *output, char *name, size_t size) {
     if (!isalnum((unsigned char)*c)) *c = '_';
 }
 
-static vs_status write_unit(const vs_scene *s, const vs_text *text, const vs_text *sets,
+static vs_status write_unit(const vs_scene *s, int fmi, const vs_text *text, const vs_text *sets,
                             const char *output, vs_error *err) {
   char identifier[128], path[256], guid[64];
   vs_text shim = {0}, description = {0};
@@ -230,9 +241,9 @@ static vs_status write_unit(const vs_scene *s, const vs_text *text, const vs_tex
   if (!status) status = vs_file_open(&file, "", output, err);
   if (!status) {
     archive a = {.stream = file.stream};
-    write_description(s, identifier, guid, &description);
+    write_description(s, fmi, identifier, guid, &description);
     add_file(&a, "modelDescription.xml", description.text, description.length);
-    snprintf(path, sizeof path, "binaries/%s/%s.so", MACHINE, identifier);
+    snprintf(path, sizeof path, "binaries/%s/%s.so", MACHINE[fmi - 2], identifier);
     add_file(&a, path, shim.text, shim.length);
     add_file(&a, "resources/scene.yaml", text->text, text->length);
     add_file(&a, "resources/sets.txt", sets->text, sets->length);
@@ -261,7 +272,7 @@ static vs_status try_alone(const vs_text *text, char *const *sets, size_t n_sets
 }
 
 vs_status vs_export_fmu_command(const char *name, char *const *sets, size_t n_sets,
-                                const char *output, vs_error *err) {
+                                const char *output, int fmi, vs_error *err) {
   vs_scene *s = vs_alloc(1, sizeof *s);
   vs_text text = {0}, keys = {0};
   vs_status status = vs_scene_read(name, sets, n_sets, NULL, s, err);
@@ -273,7 +284,7 @@ vs_status vs_export_fmu_command(const char *name, char *const *sets, size_t n_se
   if (!status) vs_scene_warn(s);
   if (!status) status = read_whole(s->path, &text, err);
   if (!status) status = try_alone(&text, sets, n_sets, err);
-  if (!status) status = write_unit(s, &text, &keys, output, err);
+  if (!status) status = write_unit(s, fmi, &text, &keys, output, err);
   if (!status) printf("written: %s\n", output);
   vs_text_free(&text);
   vs_text_free(&keys);

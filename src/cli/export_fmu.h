@@ -7,10 +7,10 @@
 
 #include "base/error.h"
 
-/* Writes the scene as a unit of FMI 2.0 to `output`, whose name ends with .fmu. Errors: VS_INPUT,
- * the scene is wrong, runs code of its own, or names files by relative paths; VS_RUN, the unit
- * cannot be written. */
+/* Writes the scene as a unit to `output`, whose name ends with .fmu. fmi: 2 or 3, the standard's
+ * version. Errors: VS_INPUT, the scene is wrong, runs code of its own, or names files by relative
+ * paths; VS_RUN, the unit cannot be written. */
 vs_status vs_export_fmu_command(const char *name, char *const *sets, size_t n_sets,
-                                const char *output, vs_error *err);
+                                const char *output, int fmi, vs_error *err);
 
 #endif
