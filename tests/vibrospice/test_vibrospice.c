@@ -392,7 +392,8 @@ static void mock_up_unit(void) {
   snprintf(uri, sizeof uri, "file://%s/a%%20unit/resources", here);
   free(here);
   setenv("VIBROSPICE_PROGRAM", VS_PROGRAM, 1);
-  unit u = load_unit("./a unit/binaries/linux64/unit.so");
+  EXPECT(!system("mv 'a unit'/binaries/*/unit.so ."), "no shim");
+  unit u = load_unit("./unit.so");
   void *one = u.instantiate("one", 1, "", uri, &CALL, 0, 0),
        *two = u.instantiate("two", 1, "", uri, &CALL, 0, 0);
   EXPECT(one && two && !u.setup(one, 0, 0, 0, 1, 0.2) && !u.setup(two, 0, 0, 0, 1, 0.2), "%s",
@@ -429,7 +430,20 @@ static void mock_up_unit(void) {
   unsetenv("VIBROSPICE_PROGRAM");
   dlclose(u.library);
   expect_no_child(__LINE__);
-  EXPECT(!system("rm -r 'a unit' unit.fmu"), "no unit");
+  RUN_GOOD("export own.yaml --fmi 3 -o unit.fmu");
+  EXPECT(!system("rm -r 'a unit' && mkdir 'a unit' && python3 -m zipfile -e unit.fmu 'a unit'"),
+         "the archive cannot be read");
+  xml = read_file("a unit/modelDescription.xml");
+  EXPECT(strstr(xml, "fmiVersion=\"3.0\"") &&
+             strstr(xml, "<Float64 name=\"p_m\" valueReference=\"101\""),
+         "another description: %s", xml);
+  free(xml);
+  EXPECT(!system("mv 'a unit'/binaries/*-linux/unit.so ."), "no shim");
+  u.library = dlopen("./unit.so", RTLD_NOW | RTLD_LOCAL);
+  EXPECT(u.library && dlsym(u.library, "fmi3DoStep") && dlsym(u.library, "fmi3GetVersion"), "%s",
+         dlerror());
+  if (u.library) dlclose(u.library);
+  EXPECT(!system("rm -r 'a unit' unit.fmu unit.so"), "no unit");
 }
 
 static void wrong_units(void) {
