@@ -565,10 +565,15 @@ static void go_on_to(engine *e, uint32_t kind) {
   offer_load_place(&e->scene->setup, given.next_s);
 }
 
+/* Something was told of the run: it is not run anew on another rung of the ladder. */
+static void keep_to_rung(engine *e) {
+  e->scene->setup.run.ladder = VS_LADDER_STAY;
+}
+
 /* Serves at an instant of the run, until it is to go on. */
 static void stay(engine *e) {
   int beside = -1;
-  e->scene->setup.run.ladder = VS_LADDER_STAY; /* nobody runs anew what was told of */
+  keep_to_rung(e);
   for (;;) {
     const uint32_t kind = wait_for_question(e, &beside);
     if (kind == VIBROSPICE_ASK_INPUT)
@@ -617,6 +622,7 @@ static vs_status show_row(void *ctx, const double *cell, int width, vs_error *er
   (void)err;
   e->row_s = cell[0];
   if (!e->rows) return VS_OK;
+  keep_to_rung(e);
   answer(VIBROSPICE_ROW, cell, (size_t)width * sizeof *cell);
   if (wait_for_question(e, NULL) == VIBROSPICE_HALT) {
     e->rows = false;

@@ -155,7 +155,8 @@ typedef int (*vibrospice_step)(void *context, const double *value, size_t count)
 /* Runs on to t_s: later than the run's time, at most run.until. step: is shown the rows on the way,
  * which are run.sample apart, one at t_s itself among them only where it is such an instant; NULL:
  * nobody is. Any t_s may be asked for; no bit of the result depends on it, unless an input was
- * set. */
+ * set. Where ngspice gives up, a run that has stood still or was shown has failed; one that goes to
+ * its end by vibrospice_finish alone tries the ladder's rungs, as `vibrospice run` does. */
 VIBROSPICE_API vibrospice_status vibrospice_run_to(vibrospice *run, double t_s,
                                                    vibrospice_step step, void *context);
 /* The same to run.until. */
@@ -165,8 +166,8 @@ VIBROSPICE_API vibrospice_status vibrospice_run_on(vibrospice *run, vibrospice_s
 /* The run's time, s, and its end, run.until. Each pointer may be NULL. */
 VIBROSPICE_API vibrospice_status vibrospice_time(vibrospice *run, double *t_s, double *until_s);
 
-/* The columns at the run's time: *value becomes value[*count]. Before the run begins instruments and
- * what a circuit computes are NaN, or at rest. */
+/* The columns at the run's time: *value becomes value[*count]. Before the run begins instruments
+ * and what a circuit computes are NaN, or at rest. */
 VIBROSPICE_API vibrospice_status vibrospice_values(vibrospice *run, const double **value,
                                                    size_t *count);
 
