@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -165,13 +166,14 @@ static const char *find_program(char path[4096]) {
   static const char *const PLACES[] = {"vibrospice", "../bin/vibrospice", "../../bin/vibrospice"};
   const char *named = getenv("VIBROSPICE_PROGRAM");
   Dl_info self;
+  struct stat found; /* lib/vibrospice is a folder */
   if (named && *named) return named;
   for (size_t k = 0; k < sizeof PLACES / sizeof *PLACES; k++) {
     if (!dladdr(PLACES, &self) || !self.dli_fname) break;
     const char *slash = strrchr(self.dli_fname, '/');
     snprintf(path, 4096, "%.*s%s", slash ? (int)(slash - self.dli_fname) + 1 : 0, self.dli_fname,
              PLACES[k]);
-    if (!access(path, X_OK)) return path;
+    if (!stat(path, &found) && S_ISREG(found.st_mode) && !access(path, X_OK)) return path;
   }
   return "vibrospice";
 }
