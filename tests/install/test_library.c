@@ -121,9 +121,12 @@ static void another_version_is_refused(void) {
 }
 
 int main(void) {
-  static const vs_test TESTS[] = {
-      {"installing", installing},     {"by pkg-config", by_pkg_config},
-      {"by the archive", statically}, {"from C++", from_cxx},
-      {"by CMake", by_cmake},         {"another version is refused", another_version_is_refused}};
+  static const vs_test TESTS[] = {{"installing", installing},
+                                  {"by pkg-config", by_pkg_config},
+                                  {"by the archive", statically},
+                                  {"a unit", a_unit},
+                                  {"from C++", from_cxx},
+                                  {"by CMake", by_cmake},
+                                  {"another version is refused", another_version_is_refused}};
   return program_suite("library", TESTS, COUNT(TESTS));
 }
