@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later
+/* SPDX-License-Identifier: MIT
  * A law of control as a shared object: it holds the swing of p, half peak to peak, at 1 mm. As long
  * as the machine swings too little it fires a little earlier in each cycle, else a little later.
  *

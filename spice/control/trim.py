@@ -1,4 +1,4 @@
-# SPDX-License-Identifier: GPL-3.0-or-later
+# SPDX-License-Identifier: MIT
 # A law of control as a process on a pipe: the same as trim.c, number for number. One line of JSON in, one out.
 import json
 import sys

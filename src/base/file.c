@@ -199,6 +199,34 @@ vs_status vs_file_commit(vs_file *file, vs_error *err) {
                  refused ? refused : strerror(why));
 }
 
+/* Copies so many bytes from the beginning of a file. */
+static bool copy_bytes(int from, off_t size, FILE *to) {
+  char part[1 << 16];
+  ssize_t n = 1;
+  for (off_t at = 0; at < size && n > 0; at += n) {
+    size_t most = size - at < (off_t)sizeof part ? (size_t)(size - at) : sizeof part;
+    n = pread(from, part, most, at);
+    if (n > 0 && fwrite(part, 1, (size_t)n, to) != (size_t)n) n = -1;
+  }
+  return n > 0 && !fflush(to);
+}
+
+vs_status vs_file_part(vs_file *file, vs_error *err) {
+  char path[VS_PATH_SIZE];
+  if (!file->stream) return VS_OK;
+  FILE *shared = file->stream;
+  const off_t size = ftello(shared);
+  memcpy(path, file->path, sizeof path);
+  vs_shutdown_forget(file->temporary);
+  vs_status status = vs_file_open(file, "", path, err);
+  if (!status && size && !copy_bytes(fileno(shared), size, file->stream)) {
+    vs_file_discard(file);
+    status = VS_RUN;
+  }
+  fclose(shared);
+  return status ? vs_fail(err, VS_RUN, "%s: a copy of it cannot be written", path) : VS_OK;
+}
+
 void vs_file_discard(vs_file *file) {
   if (!file->stream) return;
   fclose(file->stream);

@@ -21,6 +21,7 @@
 #include "engine/pace.h"
 #include "engine/signals.h"
 #include "engine/timeline.h"
+#include "export_fmu.h"
 #include "export_machine.h"
 #include "netlist/deck.h"
 #include "netlist/netlist.h"
@@ -672,25 +673,42 @@ vs_status vs_export_command(const char *name, char *const *sets, size_t n_sets, 
 
 /* ---- the command line ---- */
 
+typedef struct export_line {
+  vs_arguments common;
+  int fmi;
+} export_line;
+
 static vs_status export_command(const void *given, vs_error *err) {
-  const vs_arguments *a = given;
+  const export_line *line = given;
+  const vs_arguments *a = &line->common;
   if (!a->output)
     return vs_fail(err, VS_INPUT, "export: wants -o FILE; see vibrospice export --help");
+  const size_t length = strlen(a->output);
+  if (length > 4 && !strcmp(a->output + length - 4, ".fmu"))
+    return vs_export_fmu_command(vs_command_name(a), a->sets, a->n_sets, a->output, line->fmi, err);
   return vs_export_command(vs_command_name(a), a->sets, a->n_sets, a->output, err);
 }
 
 static const vs_option EXPORT_OPTIONS[] = {
-    VS_OPTIONS_SET,  VS_OPTIONS_OUTPUT("FILE", "writes the netlist there"),
-    VS_OPTIONS_JAIL, VS_OPTIONS_NO_JAIL,
-    VS_OPTIONS_HELP, {0}};
+    VS_OPTIONS_SET,
+    VS_OPTIONS_OUTPUT("FILE", "writes the netlist there; the unit where it ends with .fmu"),
+    VS_OPTIONS_WHOLE(export_line, fmi, 2, 3, "fmi", "N",
+                     "version of the unit's standard: 2 (default) or 3"),
+    VS_OPTIONS_JAIL,
+    VS_OPTIONS_NO_JAIL,
+    VS_OPTIONS_HELP,
+    {0}};
 
 const vs_command vs_export_cli = {
     .name = "export",
     .argument = "SCENE",
-    .text =
-        "writes one netlist for plain ngspice: the scene's circuit tier, with the machine in it",
+    .text = "writes one netlist for plain ngspice: the scene's circuit tier, with the machine in "
+            "it; or "
+            "a unit for masters of co-simulation (FMI)",
     .examples = "  vibrospice export paper -o paper.cir && ngspice -b paper.cir\n"
-                "  vibrospice export my.yaml --set run.until=0.1s -o my.cir\n",
+                "  vibrospice export my.yaml --set run.until=0.1s -o my.cir\n"
+                "  vibrospice export my.yaml -o my.fmu\n",
     .options = EXPORT_OPTIONS,
-    .size = sizeof(vs_arguments),
+    .size = sizeof(export_line),
+    .defaults = &(const export_line){.fmi = 2},
     .run = export_command};

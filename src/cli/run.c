@@ -184,7 +184,7 @@ static vs_status accept_step_for_files(void *ctx, const vs_step *step, const vs_
   a->table.meters = result->meters;
   a->table.loop = result->loop;
   a->table.measures = result->watchers.measures;
-  if (a->table.stream) status = vs_table_accept(&a->table, step, err);
+  if (a->table.between) status = vs_table_accept(&a->table, step, err);
   const vs_devices *devices = result->watchers.devices;
   for (int k = 0; a->events.stream && k < 2; k++)
     if (step->event[k] != VS_EV_NONE && !is_told_by_devices(devices, step->event[k]))
@@ -206,7 +206,6 @@ static vs_status accept_step_for_files(void *ctx, const vs_step *step, const vs_
 static vs_status open_files(audience *a, vs_error *err) {
   const vs_scene *s = a->scene;
   const char *folder = a->options->folder;
-  a->table = vs_table_of(s);
   a->table.peaks_most = s->setup.limits.csv_bytes;
   a->table.digits = a->options->digits;
   vs_status status = vs_table_check(&a->table, s->tree.root, s->setup.limits.csv_bytes, err);
@@ -370,6 +369,7 @@ static vs_status close_files(audience *a, vs_status ran, const char *json, vs_er
  * part. */
 static bool can_begin_anew(const audience *a) {
   struct stat s;
+  if (a->table.reader) return false;
   bool file = stat(a->options->scene, &s) || S_ISREG(s.st_mode);
   return file && a->made <= 1 && !a->scene->control.regulator;
 }
@@ -378,13 +378,42 @@ static vs_status begin_files(void *ctx, vs_scene *scene, vs_error *err) {
   audience *a = ctx;
   a->scene = scene;
   if (a->more && a->more->begin) a->more->begin(a->more->ctx, scene);
+  a->table = vs_table_of(scene);
+  a->table.reader = a->more ? a->more->reader : NULL;
   vs_status status = a->options->folder ? open_files(a, err) : VS_OK;
+  if (!status && a->table.reader && !a->options->folder) vs_table_begin(&a->table);
   const vs_node *until = vs_tree_child(vs_tree_child(scene->tree.root, "run"), "until");
   scene->order.raw = a->raw.stream;
   scene->order.raw_where = until ? until->where : (vs_where){0};
   scene->order.unbegun = can_begin_anew(a);
   a->began_s = wall_clock_s();
   a->shown_s = 0;
+  return status;
+}
+
+/* The run's files, for a copy of the process. */
+static audience *under_way;
+
+static vs_file *const *files_of(audience *a) {
+  static vs_file *files[5];
+  files[0] = &a->csv, files[1] = &a->peaks, files[2] = &a->events, files[3] = &a->summary;
+  files[4] = &a->raw;
+  return files;
+}
+
+void vs_run_flush(void) {
+  for (int k = 0; under_way && k < 5; k++)
+    if (files_of(under_way)[k]->stream) fflush(files_of(under_way)[k]->stream);
+}
+
+vs_status vs_run_part(vs_error *err) {
+  vs_status status = VS_OK;
+  for (int k = 0; under_way && k < 5 && !status; k++)
+    status = vs_file_part(files_of(under_way)[k], err);
+  if (under_way && under_way->csv.stream) {
+    under_way->table.stream = under_way->csv.stream;
+    under_way->table.peaks = under_way->peaks.stream;
+  }
   return status;
 }
 
@@ -397,6 +426,7 @@ static void end_progress(const audience *a) {
 static void drop_attempt(void *ctx, const char *failed, int next) {
   audience *a = ctx;
   end_progress(a);
+  vs_table_end(&a->table);
   if (a->options->folder) {
     vs_shutdown_forget(a->options->folder);
     discard_files(a);
@@ -481,6 +511,7 @@ vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scen
   vs_text json = {0};
   vs_shutdown_mode before = vs_shutdown_mode_set(VS_SHUTDOWN_WITH_TIMEOUT);
   scene->order.shows = a.show_progress;
+  under_way = &a;
   vs_status status = vs_steady_run(&session, scene, result, err);
   vs_shutdown_mode_set(VS_SHUTDOWN_WHEN_KEPT);
   end_progress(&a);
@@ -490,6 +521,8 @@ vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scen
     vs_summary_json(result, !o->reproducible, more ? &more->summary : NULL, &json);
   if (o->folder) status = close_files(&a, status, json.text, err);
   if (o->folder) vs_shutdown_forget(o->folder);
+  vs_table_end(&a.table);
+  under_way = NULL;
   vs_shutdown_mode_set(before);
   if (!status) print_result(&a, more, result, json.text);
   if (!status && o->judged && !result->second.stopped) status = look_for_failed(o->judged, err);

@@ -5,6 +5,7 @@
 
 #include "options.h"
 #include "run/summary.h"
+#include "run/table.h"
 
 /* What another command makes of a run of its own. Members may be NULL. */
 typedef struct vs_run_more {
@@ -14,6 +15,7 @@ typedef struct vs_run_more {
   void (*finish)(void *ctx, const vs_result *result); /* the run is whole; nothing is written */
   void (*show)(const void *ctx, FILE *out);           /* prints what stands before the table */
   vs_summary_more summary;                            /* what is added to summary.json */
+  const vs_table_reader *reader; /* of the rows; then one run alone has the process */
 } vs_run_more;
 
 /* Runs a scene that was read, writes its files and prints its table. more: what another command
@@ -22,5 +24,10 @@ typedef struct vs_run_more {
  * verdict is violated or undecided. */
 vs_status vs_run_scene(const vs_run_options *options, const vs_run_more *more, vs_scene *scene,
                        vs_error *err);
+
+/* For a reader that makes a copy of the process on the way: writes out what the files have, before;
+ * and goes on with files of its own, in the copy. Error: as vs_file_part. */
+void vs_run_flush(void);
+vs_status vs_run_part(vs_error *err);
 
 #endif

@@ -355,7 +355,8 @@ static vs_status run_period(const vs_run_options *o, int periods, extras more_of
                             accept_step_of_period,
                             finish_period,
                             show_period,
-                            {r, add_orbit_measures, add_period_members}};
+                            {r, add_orbit_measures, add_period_members},
+                            NULL};
   scene->order.stop = o->stop;
   vs_status status = linear ? vs_linear_check(scene, periods, err) : VS_OK;
   if (!status) status = vs_steady_begin(s, scene, periods, err);

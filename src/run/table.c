@@ -206,9 +206,9 @@ void vs_table_begin(vs_table *table) {
   vs_table_end(table);
   new_between(table, columns_of_table(table));
   vs_column column;
-  for (int k = 0; vs_table_column_at(table, k, &column); k++)
+  for (int k = 0; table->stream && vs_table_column_at(table, k, &column); k++)
     fprintf(table->stream, "%s%s", k ? "," : "", column.name);
-  fputc('\n', table->stream);
+  if (table->stream) fputc('\n', table->stream);
 }
 
 /* ---- size ---- */
@@ -301,22 +301,45 @@ static void keep_last_row(const vs_table *table, const double *row) {
 
 /* ---- steps ---- */
 
-/* Fills in what the columns show at an instant of the step; time is what the row says it is. */
-static void take_table_row(vs_table *table, const vs_step *step, double at_s, double time,
-                           double *cells) {
+/* Fills in the time and the channels at an instant of the step, and returns where the others stand.
+ */
+static double *take_channels(const vs_table *table, const vs_step *step, double at_s, double time,
+                             double *cells) {
   double y[VS_CH_MOST];
-  const bool moves = step->to->t_s > step->from->t_s;
-  vs_control_column column;
   vs_step_at(step, at_s, y);
   *cells++ = time;
   for (int k = 0; k < table->count; k++) *cells++ = y[table->channels[k]];
+  return cells;
+}
+
+static void take_control(const vs_table *table, double *cells) {
+  vs_control_column column;
+  for (int k = 0; table->loop && vs_control_column_at(table->control, k, &column); k++)
+    *cells++ = vs_loop_shows(table->loop, k);
+}
+
+/* Fills in what the columns show at an instant of the step; time is what the row says it is. */
+static void take_table_row(vs_table *table, const vs_step *step, double at_s, double time,
+                           double *cells) {
+  const bool moves = step->to->t_s > step->from->t_s;
+  cells = take_channels(table, step, at_s, time, cells);
   if (table->loop && moves) vs_loop_run_to(table->loop, step, at_s);
   for (int k = 0; k < instruments_of(table); k++) {
     if (moves) vs_meter_to(&table->meters[k], step, at_s);
     *cells++ = table->meters[k].value;
   }
-  for (int k = 0; table->loop && vs_control_column_at(table->control, k, &column); k++)
-    *cells++ = vs_loop_shows(table->loop, k);
+  take_control(table, cells);
+}
+
+/* The meters stay where they are, as rows may come before the instant yet. */
+void vs_table_peek(const vs_table *table, const vs_step *step, double at_s, double *cells) {
+  cells = take_channels(table, step, at_s, at_s, cells);
+  for (int k = 0; k < instruments_of(table); k++) {
+    vs_meter meter = table->meters[k];
+    if (step->to->t_s > step->from->t_s) vs_meter_to(&meter, step, at_s);
+    *cells++ = meter.value;
+  }
+  take_control(table, cells);
 }
 
 enum { MOST_INSTANTS = VS_MOST_EXTREMES + 2 * VS_CH_MOST };
@@ -350,6 +373,7 @@ static void look_at_peak(vs_table *table, const vs_step *step, double at_s) {
 }
 
 static vs_status check_streams(const vs_table *table, double t_s, vs_error *err) {
+  if (!table->stream) return VS_OK;
   const bool own = ferror(table->stream);
   if (table->between->cannot_be_read)
     return vs_fail(err, VS_RUN, "t = %.9g s: run.csv cannot be read back: %s", t_s,
@@ -361,15 +385,26 @@ static vs_status check_streams(const vs_table *table, double t_s, vs_error *err)
 
 static vs_status write_row(vs_table *table, const vs_step *step, double at_s, double time,
                            vs_error *err) {
+  const vs_table_reader *reader = table->reader;
   vs_table_between *b = table->between;
   double *cells = cells_of(b, b->count); /* there is always room for one more */
+  vs_status status = VS_OK;
   take_table_row(table, step, at_s, time, cells);
-  write_further(table, cells);
-  size_t length = make_line_of_table(table, cells);
-  fwrite_unlocked(b->line, 1, length, table->stream);
-  write_peaks(table, length);
+  if (table->stream) {
+    write_further(table, cells);
+    size_t length = make_line_of_table(table, cells);
+    fwrite_unlocked(b->line, 1, length, table->stream);
+    write_peaks(table, length);
+  }
+  if (reader) status = reader->row(reader->ctx, cells, b->width, err);
   keep_last_row(table, cells);
-  return check_streams(table, time, err);
+  return status ? status : check_streams(table, time, err);
+}
+
+static vs_status tell_reader(const vs_table *table, const vs_step *step, double t_s,
+                             vs_error *err) {
+  const vs_table_reader *reader = table->reader;
+  return reader ? reader->reach(reader->ctx, table, step, t_s, err) : VS_OK;
 }
 
 /* Writes what stands behind the last row, as the run ends with the step. */
@@ -393,9 +428,11 @@ vs_status vs_table_accept(vs_table *table, const vs_step *step, vs_error *err) {
     if (t > to_s + (ends ? slack : 0)) break;
     for (; seen < count && instants[seen] < within; seen++)
       look_at_peak(table, step, instants[seen]);
-    status = write_row(table, step, within, t, err);
+    status = tell_reader(table, step, within - slack, err);
+    if (!status) status = write_row(table, step, within, t, err);
   }
   for (; seen < count && !status; seen++) look_at_peak(table, step, instants[seen]);
   if (!status) look_at_peak(table, step, to_s);
+  if (!status) status = tell_reader(table, step, to_s, err);
   return status || !ends || isnan(table->between->row[0]) ? status : finish_table(table, err);
 }

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The library as it is installed: the program of docs/install.md, which stands outside, is built
- * over it by CMake's find_package and by pkg-config. It prints what the page says, and what
- * `vibrospice run` finds. */
-#include <math.h>
+ * over it by CMake's find_package and by pkg-config, and prints what the page says. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -47,32 +45,16 @@ static void write_block(const char *language, const char *path) {
   free(page);
 }
 
-static double number_after(const char *text, const char *word) {
-  const char *at = strstr(text, word);
-  return at ? strtod(at + strlen(word), NULL) : NAN;
-}
-
-/* The built program's peak: the page's within 1e-6 of it, as other libraries may be at work there,
- * and the command line's to the nine digits that are printed. */
-static void expect_peak(const char *program, int line) {
-  char command[256];
+/* The built program prints what the page says. */
+static void expect_page(const char *program, int line) {
   int status;
-  snprintf(command, sizeof command,
-           "VIBROSPICE_PATH=$(pkg-config --variable=library vibrospice) %s", program);
-  char *says = shell(command, &status), *page = read_file(PAGE);
-  ran r = run("run paper --tier switched --json");
-  double got = number_after(says, "p_first_peak = "),
-         told = number_after(page, "\np_first_peak = "),
-         wanted = number_after(r.out, "\"p_first_peak\": {\"value\": ");
-  expect(status == 0 && fabs(got - wanted) <= 1e-8 * fabs(wanted), line,
-         "%s: status %d, %.12g, not %.12g: %s", program, status, got, wanted, says);
-  expect(fabs(got - told) <= 1e-6 * fabs(got), line, "%s: %.9g, on the page %.9g", program, got,
-         told);
-  free_ran(&r);
+  char *says = shell(program, &status), *page = read_file(PAGE);
+  expect(status == 0 && *says && strstr(page, says), line, "%s: status %d: %s", program, status,
+         says);
   free(page);
   free(says);
 }
-#define EXPECT_PEAK(program) expect_peak(program, __LINE__)
+#define EXPECT_PAGE(program) expect_page(program, __LINE__)
 
 /* ---- the tests, in this order ---- */
 
@@ -81,33 +63,55 @@ static void installing(void) {
   unsetenv("DESTDIR");
   unsetenv("VIBROSPICE_PATH");
   SHELL_GOOD("'" VS_CMAKE "' --install '" VS_BUILD_TREE "' --prefix \"$PWD/there\"");
-  write_block("c", "peak.c");
+  write_block("c", "swing.c");
   write_block("cmake", "CMakeLists.txt");
   char *here = realpath(".", NULL);
   snprintf(folder, sizeof folder, "%s/there/" VS_LIBDIR "/pkgconfig", here);
   setenv("PKG_CONFIG_PATH", folder, 1);
   snprintf(folder, sizeof folder, "%s/there", here);
   setenv("CMAKE_PREFIX_PATH", folder, 1);
+  snprintf(folder, sizeof folder, "%s/there/" VS_LIBDIR, here);
+  setenv("LD_LIBRARY_PATH", folder, 1);
   free(here);
   SHELL_GOOD("test -e $(pkg-config --variable=library vibrospice)/scenes/paper.yaml");
+  SHELL_GOOD("test \"$(cd there/include && echo vibrospice/*)\" = "
+             "'vibrospice/law.h vibrospice/vibrospice.h'");
+}
+
+/* The shim that it packs is installed elsewhere than it lies in the build. */
+static void a_unit(void) {
+  SHELL_GOOD("there/bin/vibrospice export paper -o x.fmu && test -s x.fmu");
 }
 
 static void by_pkg_config(void) {
-  SHELL_GOOD("'" VS_COMPILER "' " FLAGS
-             " -Wall -Wextra -Werror peak.c $(pkg-config --cflags --libs vibrospice) -o peak");
-  EXPECT_PEAK("./peak");
+  SHELL_GOOD("'" VS_COMPILER "' " FLAGS " -std=c99 -Wall -Wextra -Wpedantic -Werror swing.c "
+             "$(pkg-config --cflags --libs vibrospice) -o swing");
+  EXPECT_PAGE("./swing");
+}
+
+static void statically(void) {
+  SHELL_GOOD("'" VS_COMPILER "' " FLAGS " swing.c $(pkg-config --cflags vibrospice)"
+             " there/" VS_LIBDIR "/libvibrospice.a -lpthread -ldl -o static");
+  EXPECT_PAGE("PATH=\"$PWD/there/bin:$PATH\" ./static");
+}
+
+/* As C++ sees the header. */
+static void from_cxx(void) {
+  SHELL_GOOD("echo '#include <vibrospice/vibrospice.h>' >own.cc;"
+             " ! command -v g++ >/dev/null || g++ -fsyntax-only -Wall -Wextra -Wpedantic -Werror"
+             " $(pkg-config --cflags vibrospice) own.cc");
 }
 
 static void by_cmake(void) {
   SHELL_GOOD("'" VS_CMAKE "' -S . -B build -G '" VS_GENERATOR "' -DCMAKE_C_COMPILER='" VS_COMPILER
              "' -DCMAKE_C_FLAGS='" FLAGS "' && '" VS_CMAKE "' --build build");
-  EXPECT_PEAK("build/peak");
+  EXPECT_PAGE("build/swing");
 }
 
 /* The interface may be another in any other version. */
 static void another_version_is_refused(void) {
   int status;
-  SHELL_GOOD("sed 's/(vibrospice [0-9.]*/(vibrospice 0.0.9/' CMakeLists.txt >other &&"
+  SHELL_GOOD("sed 's/(vibrospice [0-9.]*/(vibrospice 0.0/' CMakeLists.txt >other &&"
              " mv other CMakeLists.txt");
   char *says = shell("'" VS_CMAKE "' -S . -B other -G '" VS_GENERATOR
                      "' -DCMAKE_C_COMPILER='" VS_COMPILER "'",
@@ -119,6 +123,9 @@ static void another_version_is_refused(void) {
 int main(void) {
   static const vs_test TESTS[] = {{"installing", installing},
                                   {"by pkg-config", by_pkg_config},
+                                  {"by the archive", statically},
+                                  {"a unit", a_unit},
+                                  {"from C++", from_cxx},
                                   {"by CMake", by_cmake},
                                   {"another version is refused", another_version_is_refused}};
   return program_suite("library", TESTS, COUNT(TESTS));

@@ -110,7 +110,7 @@ static bool take_classes(const vs_design *d, vs_design_candidate *c, vs_design_m
   for (size_t k = 0; k < d->n_choices; k++) {
     if (d->choice[k].leader != k || !d->choice[k].n_limits) continue;
     const vs_design_option *o = &d->choice[k].option[vs_design_choices_option(d, c->number, k)];
-    vs_design_mark here, best = {.margin = -INFINITY};
+    vs_design_mark here = {0}, best = {.margin = -INFINITY};
     size_t n = 0;
     for (; n < o->n_classes && !class_bears(d, c, k, &o->classes[n], &here); n++)
       if (here.margin > best.margin) best = here;

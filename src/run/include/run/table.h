@@ -25,9 +25,24 @@
 /* What is seen from one row to the next. */
 typedef struct vs_table_between vs_table_between;
 
+struct vs_table;
+
+/* Someone who is shown the rows, and may ask for instants between them. */
+typedef struct vs_table_reader {
+  void *ctx;
+  /* Called where everything up to t_s is seen and what is behind it is not: before each row, and at
+   * the step's end. vs_table_peek tells of instants of the step that lie behind the last row, up to
+   * t_s. A status other than VS_OK ends the run. */
+  vs_status (*reach)(void *ctx, const struct vs_table *table, const vs_step *step, double t_s,
+                     vs_error *err);
+  /* A row: cell[width]. */
+  vs_status (*row)(void *ctx, const double *cell, int width, vs_error *err);
+} vs_table_reader;
+
 /* All but `next` and `between` is set by the caller, who owns what it points to. */
 typedef struct vs_table {
-  FILE *stream;      /* of a file that can be read, too, where `peaks` is there */
+  FILE *stream;      /* of a file that can be read, too, where `peaks` is there; NULL: the rows are
+                        for the reader alone */
   FILE *peaks;       /* where the further rows stand among the others; NULL: nowhere */
   double peaks_most; /* bytes that `peaks` may have; nothing is written to it beyond them */
   const vs_frame *frame;
@@ -35,15 +50,16 @@ typedef struct vs_table {
   const vs_instruments *instruments; /* whose columns stand behind; NULL: none */
   vs_meter *meters; /* theirs, in the same order, which the table asks before whoever else takes
                        them on to the step's end */
-  const vs_control *control;   /* whose columns stand behind those; NULL: there is none */
-  vs_loop *loop;               /* of the run, which the table asks as it does the meters */
-  const vs_measures *measures; /* of the run, which have seen the step before the table; NULL: no
-                                  further row stands within a step */
-  int digits;                  /* significant ones, 1..17 */
-  double sample_s;             /* from row to row */
-  double until_s;              /* end of the run */
-  double next;                 /* number of the next row, from 0; its instant is next * sample_s */
-  vs_table_between *between;   /* owned; vs_table_begin makes it, and vs_table_end frees it */
+  const vs_control *control;     /* whose columns stand behind those; NULL: there is none */
+  vs_loop *loop;                 /* of the run, which the table asks as it does the meters */
+  const vs_measures *measures;   /* of the run, which have seen the step before the table; NULL: no
+                                    further row stands within a step */
+  const vs_table_reader *reader; /* NULL: nobody */
+  int digits;                    /* significant ones, 1..17 */
+  double sample_s;               /* from row to row */
+  double until_s;                /* end of the run */
+  double next;               /* number of the next row, from 0; its instant is next * sample_s */
+  vs_table_between *between; /* owned; vs_table_begin makes it, and vs_table_end frees it */
 } vs_table;
 
 /* Returns the table of what the scene records, to 9 digits, without files and what the run makes.
@@ -67,6 +83,10 @@ void vs_table_begin(vs_table *table);
 /* Writes the rows that fall into the step. The first step also brings the row at its beginning.
  * Error: VS_RUN, the stream cannot be written. */
 vs_status vs_table_accept(vs_table *table, const vs_step *step, vs_error *err);
+
+/* What the columns show at an instant, as vs_table_reader says; what a control shows is as of the
+ * step's beginning. cell has room for the columns. */
+void vs_table_peek(const vs_table *table, const vs_step *step, double at_s, double *cell);
 
 /* What has become of the file `peaks`. */
 typedef enum vs_table_peaks {

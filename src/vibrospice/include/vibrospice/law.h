@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later
+/* SPDX-License-Identifier: MIT
  * A law of control of your own, as a shared object. VibroSpice asks it once for each firing of the
  * thyristor. Write one function, compile it, and name the object in a scene:
  *

@@ -1,0 +1,294 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * `vibrospice export SCENE -o x.fmu`: a functional mock-up unit for co-simulation, of FMI 2.0 or
+ * 3.0. It is an archive of the model's description, the shim (src/vibrospice/fmu.c, which starts
+ * the program), and the scene. */
+#include "export_fmu.h"
+
+#include <ctype.h>
+#include <fcntl.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "base/hash.h"
+#include "base/text.h"
+#include "run/scene.h"
+#include "serve.h"
+
+#ifndef VS_FMU_SHIM
+#error "the build names the shim as it is installed, from the folder of the program"
+#endif
+
+/* ---- an archive: ZIP without compression ---- */
+
+typedef struct archive {
+  FILE *stream;
+  vs_text directory; /* what stands at the end */
+  unsigned count;
+} archive;
+
+static void put_number(vs_text *t, unsigned long value, int bytes) {
+  for (; bytes--; value >>= 8) vs_text_put(t, &(char){(char)(value & 255)}, 1);
+}
+
+/* What the head of a file and its entry in the directory have alike: version, flags, method, time
+ * (1980-01-01, so that the archive is the same each time), checksum, sizes, length of the name. */
+static void put_head(vs_text *t, const char *name, const void *bytes, size_t size) {
+  put_number(t, 20, 2);
+  put_number(t, 0, 6);
+  put_number(t, 0x21, 2);
+  put_number(t, vs_hash_crc32(bytes, size), 4);
+  put_number(t, size, 4);
+  put_number(t, size, 4);
+  put_number(t, strlen(name), 2);
+}
+
+static void add_file(archive *a, const char *name, const void *bytes, size_t size) {
+  vs_text head = {0};
+  const long at = ftell(a->stream);
+  vs_text_put(&head, "PK\3\4", 4);
+  put_head(&head, name, bytes, size);
+  put_number(&head, 0, 2);
+  fwrite(head.text, 1, head.length, a->stream);
+  fputs(name, a->stream);
+  fwrite(bytes, 1, size, a->stream);
+  vs_text_free(&head);
+  vs_text_put(&a->directory, "PK\1\2\24\3", 6); /* made by version 20, on Unix */
+  put_head(&a->directory, name, bytes, size);
+  put_number(&a->directory, 0, 8); /* no extra field, comment, disk, inner attributes */
+  put_number(&a->directory, 0100755UL << 16, 4);
+  put_number(&a->directory, (unsigned long)at, 4);
+  vs_text_put(&a->directory, name, strlen(name));
+  a->count++;
+}
+
+static void end_archive(archive *a) {
+  vs_text end = {0};
+  const long at = ftell(a->stream);
+  vs_text_put(&end, "PK\5\6\0\0\0\0", 8);
+  put_number(&end, a->count, 2);
+  put_number(&end, a->count, 2);
+  put_number(&end, a->directory.length, 4);
+  put_number(&end, (unsigned long)at, 4);
+  put_number(&end, 0, 2);
+  fwrite(a->directory.text, 1, a->directory.length, a->stream);
+  fwrite(end.text, 1, end.length, a->stream);
+  vs_text_free(&end);
+  vs_text_free(&a->directory);
+}
+
+/* ---- the description ---- */
+
+enum { MOST_CELLS = 8, OUTPUTS = 100 }; /* OUTPUTS as in vibrospice/fmu.h */
+
+static void add_escaped(vs_text *t, const char *text) {
+  for (; *text; text++)
+    if (strchr("<>&\"", *text))
+      vs_text_add(t, "&#%d;", *text);
+    else
+      vs_text_put(t, text, 1);
+}
+
+/* A variable. causality: "input" with a start, or "output". */
+static void add_variable(vs_text *t, int fmi, const char *name, int reference,
+                         const char *causality, const char *unit, const char *start,
+                         const char *text) {
+  vs_text_add(t, "<%s name=\"%s\" valueReference=\"%d\" causality=\"%s\" ",
+              fmi == 2 ? "ScalarVariable" : "Float64", name, reference, causality);
+  vs_text_add(t, "variability=\"continuous\"%s description=\"",
+              *causality == 'o' ? " initial=\"calculated\"" : "");
+  add_escaped(t, text);
+  vs_text_add(t, fmi == 2 ? "\"><Real" : "\"");
+  if (*unit) vs_text_add(t, " unit=\"%s\"", unit);
+  if (start) vs_text_add(t, " start=\"%s\"", start);
+  vs_text_add(t, fmi == 2 ? "/></ScalarVariable>\n" : "/>\n");
+}
+
+/* What of a description becomes variables. */
+typedef struct variables {
+  int fmi;
+  vs_text all, units, outputs, unknowns; /* as XML */
+  int count, inputs, columns;
+} variables;
+
+static void add_unit(variables *v, const char *unit) {
+  char word[64];
+  snprintf(word, sizeof word, "<Unit name=\"%s\"/>", unit);
+  if (*unit && !(v->units.text && strstr(v->units.text, word))) vs_text_add(&v->units, "%s", word);
+}
+
+/* Takes a line of vs_serve_describe. The first column is the time, which is the master's. */
+static void take_line(variables *v, char *line) {
+  const char *cell[MOST_CELLS];
+  for (int k = 0; k < MOST_CELLS; k++) {
+    char *word = strsep(&line, "\t");
+    cell[k] = word ? word : "";
+  }
+  if (*cell[0] == 'i') {
+    add_unit(v, cell[2]);
+    add_variable(&v->all, v->fmi, cell[1], 1 + v->inputs++, "input", cell[2], cell[5], cell[6]);
+    v->count++;
+  }
+  if (*cell[0] == 'c' && v->columns++ > 0) {
+    add_unit(v, cell[3]);
+    const int reference = OUTPUTS + v->columns - 1;
+    add_variable(&v->all, v->fmi, cell[1], reference, "output", cell[3], NULL, cell[4]);
+    v->count++;
+    if (v->fmi == 2)
+      vs_text_add(&v->outputs, "<Unknown index=\"%d\"/>", v->count + 1);
+    else
+      vs_text_add(&v->outputs, "<Output valueReference=\"%d\"/>", reference);
+    if (v->fmi == 3)
+      vs_text_add(&v->unknowns, "<InitialUnknown valueReference=\"%d\"/>", reference);
+  }
+}
+
+static void write_description(const vs_scene *s, int fmi, const char *identifier, const char *guid,
+                              vs_text *t) {
+  vs_text lines = {0};
+  variables v = {.fmi = fmi};
+  vs_serve_describe(s, &lines);
+  char *rest = lines.text;
+  for (char *line; (line = strsep(&rest, "\n"));) take_line(&v, line);
+  vs_text_add(t,
+              "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+              "<fmiModelDescription fmiVersion=\"%d.0\" modelName=\"%s\" %s=\"%s\" "
+              "generationTool=\"VibroSpice " VS_VERSION "\" variableNamingConvention=\"flat\">\n",
+              fmi, identifier, fmi == 2 ? "guid" : "instantiationToken", guid);
+  vs_text_add(t,
+              "<CoSimulation modelIdentifier=\"%s\" needsExecutionTool=\"true\" "
+              "canHandleVariableCommunicationStepSize=\"true\" canGetAndSetFMU%s=\"true\"/>\n",
+              identifier, fmi == 2 ? "state" : "State");
+  if (v.units.length) vs_text_add(t, "<UnitDefinitions>%s</UnitDefinitions>\n", v.units.text);
+  vs_text_add(t, "<DefaultExperiment startTime=\"0\" stopTime=\"%.17g\" stepSize=\"%.17g\"/>\n",
+              s->setup.run.until_s, s->setup.run.sample_s);
+  vs_text_add(t,
+              "<ModelVariables>\n<%s name=\"time\" valueReference=\"0\" "
+              "causality=\"independent\" variability=\"continuous\"%s\n%s</ModelVariables>\n",
+              fmi == 2 ? "ScalarVariable" : "Float64",
+              fmi == 2 ? "><Real/></ScalarVariable>" : "/>", v.all.text);
+  if (fmi == 2)
+    vs_text_add(t, "<ModelStructure><Outputs>%s</Outputs><InitialUnknowns>%s</InitialUnknowns>",
+                v.outputs.text, v.outputs.text);
+  else
+    vs_text_add(t, "<ModelStructure>%s%s", v.outputs.text, v.unknowns.text);
+  vs_text_add(t, "</ModelStructure>\n</fmiModelDescription>\n");
+  vs_text_free(&lines);
+  vs_text_free(&v.all);
+  vs_text_free(&v.units);
+  vs_text_free(&v.outputs);
+  vs_text_free(&v.unknowns);
+}
+
+/* ---- the unit ---- */
+
+/* A file as a whole, to be freed. Error: VS_RUN, it cannot be read. */
+static vs_status read_whole(const char *path, vs_text *t, vs_error *err) {
+  char part[1 << 16];
+  FILE *f = fopen(path, "rb");
+  for (size_t n; f && (n = fread(part, 1, sizeof part, f)) > 0;) vs_text_put(t, part, n);
+  const bool good = f && !ferror(f) && t->length;
+  if (f) fclose(f);
+  return good ? VS_OK : vs_fail(err, VS_RUN, "%s: cannot be read", path);
+}
+
+/* What FMI 2.0 and 3.0 call this machine; 2.0 has no name for others than Intel's. */
+#if defined __x86_64__
+static const char *const MACHINE[] = {"linux64", "x86_64-linux"};
+#elif defined __i386__
+static const char *const MACHINE[] = {"linux32", "x86-linux"};
+#else
+static const char *const MACHINE[] = {"aarch64-linux", "aarch64-linux"};
+#endif
+
+/* The shim lies beside the program, or where it is installed. */
+static vs_status read_shim(vs_text *t, vs_error *err) {
+  static const char *const PLACES[] = {"vibrospice_fmu.so", VS_FMU_SHIM};
+  char self[VS_PATH_SIZE] = "", path[VS_PATH_SIZE + 64];
+  const ssize_t n = readlink("/proc/self/exe", self, sizeof self - 1);
+  char *slash = n > 0 ? strrchr(self, '/') : NULL;
+  if (slash) slash[1] = '\0';
+  for (size_t k = 0; k < sizeof PLACES / sizeof *PLACES; k++) {
+    snprintf(path, sizeof path, "%s%s", self, PLACES[k]);
+    if (!access(path, R_OK)) return read_whole(path, t, err);
+  }
+  return vs_fail(err, VS_RUN, "export: %s is missing, which a unit is made with", path);
+}
+
+/* A name of C's, from the output's: "x" of "out/x.fmu". */
+static void name_unit(const char *output, char *name, size_t size) {
+  const char *slash = strrchr(output, '/'), *from = slash ? slash + 1 : output;
+  snprintf(name, size, "%s%.*s", isdigit((unsigned char)*from) ? "_" : "", (int)strlen(from) - 4,
+           from);
+  for (char *c = name; *c; c++)
+    if (!isalnum((unsigned char)*c)) *c = '_';
+}
+
+static vs_status write_unit(const vs_scene *s, int fmi, const vs_text *text, const vs_text *sets,
+                            const char *output, vs_error *err) {
+  char identifier[128], path[256], guid[64];
+  vs_text shim = {0}, description = {0};
+  vs_file file = {0};
+  vs_status status = read_shim(&shim, err);
+  name_unit(output, identifier, sizeof identifier);
+  snprintf(guid, sizeof guid, "{vibrospice-" VS_VERSION "-%08x-%08x}",
+           (unsigned)vs_hash_crc32(text->text, text->length),
+           (unsigned)vs_hash_crc32(sets->text, sets->length));
+  if (!status) status = vs_file_open(&file, "", output, err);
+  if (!status) {
+    archive a = {.stream = file.stream};
+    write_description(s, fmi, identifier, guid, &description);
+    add_file(&a, "modelDescription.xml", description.text, description.length);
+    snprintf(path, sizeof path, "binaries/%s/%s.so", MACHINE[fmi - 2], identifier);
+    add_file(&a, path, shim.text, shim.length);
+    add_file(&a, "resources/scene.yaml", text->text, text->length);
+    add_file(&a, "resources/sets.txt", sets->text, sets->length);
+    end_archive(&a);
+    status = vs_file_commit(&file, err);
+  }
+  vs_text_free(&shim);
+  vs_text_free(&description);
+  return status;
+}
+
+/* The scene as text alone, as it is in the unit: what it names by relative paths is not there. */
+static vs_status try_alone(const vs_text *text, char *const *sets, size_t n_sets, vs_error *err) {
+  vs_scene *s = vs_alloc(1, sizeof *s);
+  const int here = open(".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const bool away = here >= 0 && !chdir("/");
+  *s = (vs_scene){.opened = true};
+  vs_status status = vs_tree_parse(text->text, "the scene in the unit", &s->tree, err);
+  for (size_t k = 0; k < n_sets && !status; k++) status = vs_tree_set(&s->tree, sets[k], err);
+  if (!status) status = vs_scene_read_sections(s, NULL, err);
+  if (away && fchdir(here)) status = vs_fail(err, VS_RUN, "the working folder is gone");
+  if (here >= 0) close(here);
+  vs_scene_free(s);
+  free(s);
+  return status;
+}
+
+vs_status vs_export_fmu_command(const char *name, char *const *sets, size_t n_sets,
+                                const char *output, int fmi, vs_error *err) {
+  vs_scene *s = vs_alloc(1, sizeof *s);
+  vs_text text = {0}, keys = {0};
+  vs_status status = vs_scene_read(name, sets, n_sets, NULL, s, err);
+  vs_text_add(&keys, "%s", "");
+  for (size_t k = 0; k < n_sets; k++) vs_text_add(&keys, "%s\n", sets[k]);
+  if (!status && s->control.regulator && s->control.regulator->code)
+    status =
+        vs_fail(err, VS_INPUT, "export: the scene runs code of its own, which a unit does not");
+  if (!status) vs_scene_warn(s);
+  if (!status) status = read_whole(s->path, &text, err);
+  if (!status) status = try_alone(&text, sets, n_sets, err);
+  if (!status) status = write_unit(s, fmi, &text, &keys, output, err);
+  if (!status) printf("written: %s\n", output);
+  vs_text_free(&text);
+  vs_text_free(&keys);
+  vs_scene_free(s);
+  free(s);
+  return status;
+}

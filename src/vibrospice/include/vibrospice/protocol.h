@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: MIT
+ * What libvibrospice and the engine, `vibrospice serve`, say to each other over a socket; not
+ * installed. Each message is a head and so many bytes. The client asks, and waits for one answer;
+ * between, while rows are wanted, the engine may send rows, and waits behind each one for GO or
+ * HALT. Numbers are as the machine has them, since both stand on one. Both have the same version
+ * (VIBROSPICE_PROTOCOL).
+ *
+ * Descriptions and results are lines of cells with tabs between; the first cell says what the line
+ * is. A number is as %.17g prints it. */
+#ifndef VIBROSPICE_PROTOCOL_H
+#define VIBROSPICE_PROTOCOL_H
+
+#include <stdint.h>
+
+#define VIBROSPICE_PROTOCOL "vibrospice 0.1.0 protocol 1"
+
+typedef struct vibrospice_head {
+  uint32_t kind; /* of a question, or the status of an answer (vibrospice_status) */
+  uint32_t size; /* of what follows, bytes */
+} vibrospice_head;
+
+/* Questions, and what follows each. */
+enum {
+  VIBROSPICE_ASK_OPEN = 'O',   /* the flags as a decimal number, a space, the scene */
+  VIBROSPICE_ASK_SET = 'S',    /* KEY=VALUE */
+  VIBROSPICE_ASK_FOLDER = 'D', /* its path */
+  VIBROSPICE_ASK_INPUT = 'I',  /* a double, then the input's name */
+  VIBROSPICE_ASK_RUN = 'R',    /* vibrospice_ask_run */
+  VIBROSPICE_ASK_FINISH = 'F',
+  VIBROSPICE_ASK_COPY = 'C', /* beside it comes the file descriptor of the copy's own socket */
+  VIBROSPICE_GO = 'g',       /* after a row */
+  VIBROSPICE_HALT = 'h',     /* after a row: stops there */
+  VIBROSPICE_ROW = 'r'       /* the engine's: a double for each column */
+};
+
+typedef struct vibrospice_ask_run {
+  double t_s;    /* up to here; INFINITY: the end */
+  uint32_t rows; /* 1: rows are wanted */
+  uint32_t unused;
+} vibrospice_ask_run;
+
+/* What follows an answer that is no error: to OPEN and SET a description, to FINISH a result, to
+ * RUN a double for each column. An error is followed by its text. */
+
+#endif
