@@ -146,9 +146,11 @@ static vs_status add_range(vs_threat *t, const vs_scene *scene, const vs_field *
     return vs_fail_at(err, node->key_where, "threats.%s: more than %d ranges", t->name,
                       VS_THREAT_RANGES);
   vs_axis *axis = &t->range[t->n_ranges++];
+  char name[sizeof t->name];
+  snprintf(name, sizeof name, "%s", t->name); /* gcc 12 takes t->name for a part of the axis */
   *axis = (vs_axis){.by = "threats", .where = node->key_where, .field = field, .nominal = NAN};
-  snprintf(axis->section, sizeof axis->section, "events.%s", t->name);
-  snprintf(axis->key, sizeof axis->key, "events.%s.%s", t->name, field->key);
+  snprintf(axis->section, sizeof axis->section, "events.%s", name);
+  snprintf(axis->key, sizeof axis->key, "events.%s.%s", name, field->key);
   axis->unit = field->unit;
   axis->is_word = field->kind & (VS_CHOICE | VS_NAME);
   vs_status status =

@@ -82,7 +82,7 @@ static size_t word_number(const vs_axis *axis, const char *word) {
 
 static vs_status add_threat_axis(vs_plan *plan, const vs_threats *threats, vs_where where,
                                  vs_error *err) {
-  vs_axis *axis;
+  vs_axis *axis = NULL;
   vs_status status = add_axis(plan, &axis, where, err);
   if (status) return status;
   snprintf(axis->key, sizeof axis->key, "%s", THREAT.key);
