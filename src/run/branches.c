@@ -171,20 +171,27 @@ static bool is_across(const vs_branches *b, const vs_device *d, const vs_branch_
          (!strcmp(v->plus, minus) && !strcmp(v->minus, plus));
 }
 
-/* The part's parameter that an instance of the deck is of; n_parts: none. */
-static size_t part_of(const vs_deck *deck, const vs_branch_top *t) {
+/* How many instances the deck has of a part. */
+static size_t count_instances(const vs_deck *deck, size_t part) {
   const vs_cards *c = vs_deck_cards(deck);
-  size_t p = deck->n_parts;
-  for (size_t k = 0; k < c->count && t->letter == 'x' && p == deck->n_parts;
-       k = vs_cards_next(c, k))
-    for (size_t n = 0; n < deck->n_parts && vs_words_is(c->card[k].name, t->name); n++)
-      if (vs_words_is(c->card[k].model, deck->parts[n].name)) p = n;
-  return p;
+  size_t count = 0;
+  for (size_t k = 0; k < c->count; k = vs_cards_next(c, k))
+    count += c->card[k].letter == 'x' && vs_words_is(c->card[k].model, deck->parts[part].name);
+  return count;
+}
+
+/* The subcircuit that an instance of the deck is of, as the deck calls it; no bytes: none. */
+static vs_word subcircuit_of(const vs_deck *deck, const vs_branch_top *t) {
+  const vs_cards *c = vs_deck_cards(deck);
+  for (size_t k = 0; k < c->count && t->letter == 'x'; k = vs_cards_next(c, k))
+    if (vs_words_is(c->card[k].name, t->name)) return c->card[k].model;
+  return (vs_word){"", 0};
 }
 
 /* The device that an element of the circuit is: of its name, or measured by it, or of its part, or
  * a varistor across its nodes. */
-static int device_of(const vs_branches *b, const vs_branch_top *t, size_t part) {
+static int device_of(const vs_branches *b, const vs_branch_top *t, const char *called,
+                     size_t part) {
   const vs_deck *deck = b->deck;
   int of_part = -1, across = -1;
   size_t n_part = 0;
@@ -192,15 +199,21 @@ static int device_of(const vs_branches *b, const vs_branch_top *t, size_t part) 
     const vs_device *d = &deck->devices[k];
     if (!strcasecmp(d->name, t->name) || is_sensed(deck, d, t->name)) return (int)k;
     if (part < deck->n_parts && d->part == (int)part) of_part = (int)k, n_part++;
-    if (t->letter == 'x' && d->kind && d->kind->clamps && is_across(b, d, t)) across = (int)k;
+    if (d->kind && d->kind->clamps && strcasestr(called, d->kind->name) && is_across(b, d, t))
+      across = (int)k;
   }
   return n_part == 1 ? of_part : across;
 }
 
 static void name_top(const vs_branches *b, vs_branch_top *t, const vs_events *events) {
   const vs_deck *deck = b->deck;
-  const size_t part = part_of(deck, t);
-  t->device = device_of(b, t, part);
+  const vs_word of = subcircuit_of(deck, t);
+  char *called = vs_alloc_part(of.at, of.n);
+  size_t part = 0;
+  while (part < deck->n_parts && strcasecmp(deck->parts[part].name, called)) part++;
+  if (part < deck->n_parts && count_instances(deck, part) > 1) part = deck->n_parts;
+  t->device = device_of(b, t, called, part);
+  free(called);
   t->event = event_of(t->name, events);
   for (size_t p = 0; p < deck->n_ports; p++)
     if (!strcmp(deck->ports[p].source, t->name)) t->drive = deck->ports[p].signal.drive;
@@ -391,8 +404,7 @@ static void follow(chain *c, const vs_branch *e, size_t node, double a) {
   c->count = before;
 }
 
-/* The element of the circuit that is the device at a node; n_tops: none is. */
-static size_t top_of_device(const vs_branches *b, int device, size_t node) {
+size_t vs_branches_device(const vs_branches *b, int device, size_t node) {
   size_t k = 0;
   for (; k < b->n_tops; k++) {
     const vs_branch_top *t = &b->top[k];
@@ -401,6 +413,22 @@ static size_t top_of_device(const vs_branches *b, int device, size_t node) {
     if (at && t->device == device) return k;
   }
   return k;
+}
+
+size_t vs_branches_coil(const vs_branches *b) {
+  size_t k = 0;
+  while (k < b->n_tops && strcmp(b->top[k].name, b->deck->eva)) k++;
+  return k;
+}
+
+double vs_branches_current(const vs_branches *b, const double *signals, size_t top, size_t node) {
+  bool *set = vs_alloc(b->n_nodes, sizeof *set);
+  double a = 0;
+  set[node] = true;
+  for (size_t k = 0; k < b->count; k++)
+    if (b->item[k].top == top) a += into_branch(&b->item[k], set, signals);
+  free(set);
+  return a;
 }
 
 /* What flows into the device besides what its formula in the deck counts, as into a capacitance
@@ -420,12 +448,12 @@ static void share_beside(chain *c, const bool *set, double a) {
     }
 }
 
-bool vs_branches_share_current(const vs_branches *b, const double *signals, int device, size_t node,
+bool vs_branches_share_current(const vs_branches *b, const double *signals, size_t top, size_t node,
                                double a, vs_shares *shares) {
   chain c = {.b = b, .signals = signals, .shares = shares};
   shares->count = 0;
-  c.device = top_of_device(b, device, node);
-  if (c.device == b->n_tops || !node) return false;
+  c.device = top;
+  if (top == b->n_tops || !node) return false;
   bool *set = vs_alloc(b->n_nodes, sizeof *set);
   set[node] = true;
   grow(b, c.device, set);

@@ -70,11 +70,18 @@ typedef struct vs_shares {
   size_t count;
 } vs_shares;
 
-/* Which branches the current `a` into device number `device` comes from, at its terminal `node`:
- * sources of 0 V and fuses are passed. Of more than there is room for the last one is the sum. A
- * current that is not known is what the others leave, if it is the only one. Returns false where
- * nothing is told: the device is not found at the node. */
-bool vs_branches_share_current(const vs_branches *b, const double *signals, int device, size_t node,
+/* The element of the circuit that is a device of the deck at a node, or the coil; n_tops: none is.
+ */
+size_t vs_branches_device(const vs_branches *b, int device, size_t node);
+size_t vs_branches_coil(const vs_branches *b);
+/* The current into an element at a node. */
+double vs_branches_current(const vs_branches *b, const double *signals, size_t top, size_t node);
+
+/* Which branches the current `a` into an element comes from, at its terminal `node`: sources of 0 V
+ * and fuses are passed. Of more than there is room for the last one is the sum. A current that is
+ * not known is what the others leave, if it is the only one. Returns false where nothing is told.
+ */
+bool vs_branches_share_current(const vs_branches *b, const double *signals, size_t top, size_t node,
                                double a, vs_shares *shares);
 
 /* Of which elements a voltage from node `plus` to node `minus` is made, along a loop that goes

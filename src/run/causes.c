@@ -37,6 +37,7 @@ typedef struct cause {
   bool voltage; /* of a voltage, not of a current */
   int device;   /* of the deck; -1: none */
   int term;     /* of the deck, where it is a probe's; -1: it is the device's formula */
+  bool coil;    /* it is the coil's current */
   double sign;  /* of that term */
   double at_s;  /* the instant asked for; NaN: none is known */
   double from_s, to_s, over_s; /* what is looked at; how long a rate's stretch is */
@@ -44,8 +45,8 @@ typedef struct cause {
   size_t n_seen;
   happening event, deed; /* the scene's event, and what a device did, last before the instant */
   int event_number;      /* -1: there is none */
-  double period_s, part_from_s, part,
-      sum_before; /* of OVER_TIME: the cycle with the largest part */
+  double period_s, part_from_s, part; /* of OVER_TIME: the cycle with the largest part */
+  double sum, sum_before;             /* up to now, and to the last cycle's end */
   /* what comes out */
   bool told;
   double total, found_s;
@@ -126,7 +127,11 @@ static void look_at_device(vs_causes *c, cause *k, const vs_device_measure *m) {
   k->voltage = m->of == VS_OF_V || m->of == VS_OF_V2 || m->of == VS_OF_FLUX;
   if (m->how == VS_R_UNINTENDED || m->how == VS_R_COMMUTATION_FAILURE || m->how == VS_R_MISFIRE)
     k->voltage = true;
-  if (k->form == OVER_TIME) k->at_s = peak_of_device(c->result, k->device, k->voltage);
+  if (k->form == OVER_TIME) {
+    c->last_s = fmax(c->last_s, isnan(k->at_s) ? c->result->scene->setup.run.until_s : k->at_s);
+    k->at_s = peak_of_device(c->result, k->device, k->voltage);
+    if (isnan(k->at_s)) k->at_s = peak_of_device(c->result, k->device, k->voltage = true);
+  }
   if (k->form == RISE) k->over_s = stretch_of(c, k);
   if (isnan(k->at_s))
     snprintf(k->note, sizeof k->note, "no instant is known at which it is decided");
@@ -280,11 +285,12 @@ static void take_look(void *ctx, double t_s, const double *signals) {
 static void note_deed(vs_causes *c, const char *device, const char *what, double at_s) {
   for (size_t k = 0; k < c->count; k++) {
     cause *one = &c->item[k];
-    if (at_s > one->at_s || (!isnan(one->deed.at_s) && at_s < one->deed.at_s)) continue;
+    if (!(at_s <= one->at_s) || (!isnan(one->deed.at_s) && at_s < one->deed.at_s)) continue;
     if (at_s < one->at_s - one->period_s) continue;
     one->deed.at_s = at_s;
-    snprintf(one->deed.what, sizeof one->deed.what, "%s %.*s", device, (int)strcspn(what, "("),
-             what);
+    const char *bracket = strstr(what, " (");
+    snprintf(one->deed.what, sizeof one->deed.what, "%s %.*s", device,
+             (int)(bracket ? bracket - what : 40), what);
   }
 }
 
@@ -302,8 +308,8 @@ static void note_deeds(vs_causes *c, const vs_step *step, const vs_devices *d) {
 /* Of a sum over time, the cycle of the mains with the largest part. */
 static void follow_sum(cause *k, const vs_devices *d, double t_s, double end_s) {
   if (k->form != OVER_TIME || k->device < 0 || !d || !k->of->measure) return;
-  const double sum = fabs(d->item[k->device].sum[k->of->measure->of]);
-  if (k->sum_before < 0 || t_s < end_s) return;
+  const double sum = k->sum = fabs(d->item[k->device].sum[k->of->measure->of]);
+  if (t_s < end_s) return;
   if (!(sum - k->sum_before <= k->part)) {
     k->part = sum - k->sum_before;
     k->part_from_s = end_s - k->period_s;
@@ -329,6 +335,12 @@ static vs_status accept_step(void *ctx, const vs_step *step, const vs_result *r,
 
 /* ---- what comes out ---- */
 
+/* The node at which the coil's current flows in. */
+static size_t coil_node(const vs_causes *c) {
+  const size_t coil = vs_branches_coil(&c->branches);
+  return coil < c->branches.n_tops ? c->branches.top[coil].node[0] : 0;
+}
+
 /* The value of a line's voltage or current by the deck's own formula. */
 static double value_of(const vs_causes *c, const cause *k, const double *signals) {
   const vs_deck *deck = deck_of(c);
@@ -343,6 +355,8 @@ static double value_of(const vs_causes *c, const cause *k, const double *signals
     terms[t] = v[0] - v[1];
   }
   if (k->term >= 0) return k->sign * terms[k->term];
+  if (k->coil)
+    return vs_branches_current(&c->branches, signals, vs_branches_coil(&c->branches), coil_node(c));
   const vs_device *d = &deck->devices[k->device];
   return vs_formula_value(k->voltage ? &d->voltage : &d->current, terms);
 }
@@ -406,11 +420,15 @@ static int device_of_probe(const vs_causes *c, const cause *k) {
 }
 
 static bool share_current(vs_causes *c, cause *k, const double *signals) {
-  size_t node[2];
+  const vs_branches *b = &c->branches;
+  size_t node[2] = {coil_node(c), 0}, top = vs_branches_coil(b);
   cause own = *k;
   own.term = -1;
-  if (k->device < 0 || !nodes_of(c, &own, node)) return false;
-  return vs_branches_share_current(&c->branches, signals, k->device, node[0], k->total, &k->shares);
+  if (!k->coil) {
+    if (k->device < 0 || !nodes_of(c, &own, node)) return false;
+    top = vs_branches_device(b, k->device, node[0]);
+  }
+  return vs_branches_share_current(b, signals, top, node[0], k->total, &k->shares);
 }
 
 static void work_out(vs_causes *c, cause *k) {
@@ -519,6 +537,8 @@ void vs_causes_free(vs_causes *c) {
 /* So many shares are printed, none below that part of the whole; the rest is summed. */
 enum { SHOWN = 3 };
 static const double SMALL = 0.01;
+/* What the shares leave of the whole is told beyond this part of it. */
+static const double TOLD = 1e-3;
 
 /* A unit with its prefix that suits the value, and what a number in SI is divided by. */
 static double scale_for(double value, const char *unit, char shown[16]) {
@@ -532,10 +552,11 @@ static double scale_for(double value, const char *unit, char shown[16]) {
 static void show_shares(const cause *k, FILE *out) {
   char unit[16], over[VS_ENGINEERING_SIZE];
   const double scale = scale_for(k->total, k->voltage ? "V" : "A", unit);
-  double rest = 0;
+  double rest = 0, sum = 0;
   size_t told = 0;
   for (size_t n = 0; n < k->shares.count; n++) {
     const vs_share *s = &k->shares.item[n];
+    sum += s->value;
     if (n && (n >= SHOWN || fabs(s->value) < SMALL * k->total)) {
       rest += s->value;
       continue;
@@ -547,6 +568,8 @@ static void show_shares(const cause *k, FILE *out) {
       fprintf(out, "of rise within %s ", vs_engineering_text(k->over_s, "s", over));
     fprintf(out, "from %s", s->of);
   }
+  if (fabs(sum - k->total) > TOLD * k->total)
+    fprintf(out, " (%.2g %% of it is not accounted for)", 100 * fabs(sum / k->total - 1));
   if (fabs(rest) >= SMALL * k->total)
     fprintf(out, ", %.4g from %zu more", vs_text_rounded(rest / scale, 3), k->shares.count - told);
 }
@@ -597,6 +620,17 @@ static void add_name(void *ctx, const char *name) {
   vs_text_add(t, "%s%s", t->length ? ", " : "", name);
 }
 
+/* Of a sum over time: which cycle has most of it. */
+static void show_sum(const cause *k, FILE *out) {
+  char from[VS_ENGINEERING_SIZE], to[VS_ENGINEERING_SIZE];
+  fputs("a sum over time", out);
+  if (k->part > 0 && k->sum > 0)
+    fprintf(out, ", %.0f %% of it from %s to %s", 100 * k->part / k->sum,
+            vs_engineering_text(k->part_from_s, "s", from),
+            vs_engineering_text(k->part_from_s + k->period_s, "s", to));
+  fprintf(out, "; at its largest %s ", k->voltage ? "voltage" : "current");
+}
+
 void vs_causes_show(const vs_causes *c, FILE *out) {
   char name[VS_JUDGED_NAME], at[VS_ENGINEERING_SIZE];
   for (size_t k = 0; k < c->count; k++) {
@@ -604,8 +638,7 @@ void vs_causes_show(const vs_causes *c, FILE *out) {
     vs_text assumed = {0};
     fprintf(out, "why %s: ", vs_verdict_name(one->of, name));
     if (one->told) {
-      if (one->form == OVER_TIME)
-        fprintf(out, "a sum over time; at its largest %s, ", one->voltage ? "voltage" : "current");
+      if (one->form == OVER_TIME) show_sum(one, out);
       show_shares(one, out);
       fprintf(out, ", at %s", vs_engineering_text(one->found_s, "s", at));
     } else {
