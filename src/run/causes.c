@@ -152,7 +152,9 @@ static void look_at_probe(vs_causes *c, cause *k, const char *name) {
     k->sign = probe->sign;
     k->voltage = *deck->terms[probe->term].plus == 'v';
   }
-  if (k->term < 0) snprintf(k->note, sizeof k->note, "it is no current or voltage of the circuit");
+  k->coil = k->term < 0 && !strcmp(name, "i");
+  if (k->term < 0 && !k->coil)
+    snprintf(k->note, sizeof k->note, "it is no current or voltage of the circuit");
 }
 
 /* A measure of a device that the scene rates, as "r1.power". */
