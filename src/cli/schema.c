@@ -307,8 +307,11 @@ static void put_study(vs_json *j, const vs_default_models *ground) {
   vs_json_object(j, "properties", VS_JSON_LINES);
   for (const vs_field *row = vs_plan_keys; row->kind; row++) vs_field_schema_row(j, row, ground);
   const char *before = "";
-  for (const vs_method *const *m = vs_methods_all; *m; before = (*m)->key, m++)
+  for (const vs_method *const *m = vs_methods_all; *m; before = (*m)->key, m++) {
     if (strcmp(before, (*m)->key) != 0) vs_field_schema_row(j, (*m)->keys, ground);
+    for (const vs_field *row = (*m)->besides; row && row->key; row++)
+      vs_field_schema_row(j, row, ground);
+  }
   vs_json_end(j);
   vs_json_bool(j, "additionalProperties", false);
   vs_json_end(j);

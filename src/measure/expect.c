@@ -7,6 +7,25 @@
 
 #include "base/text.h"
 
+const vs_criterion vs_expect_criteria[VS_CRITERIA] = {
+    {"A", "nothing happens", " "},
+    {"B", "it may fire or misfire", " unintended_firing misfire commutation_failure "},
+    {"C", "a fuse may open, too", " fuse_opens "}};
+
+int vs_expect_criterion(const char *name) {
+  for (int k = 0; k < VS_CRITERIA; k++)
+    if (!strcmp(vs_expect_criteria[k].name, name)) return k;
+  return -1;
+}
+
+bool vs_expect_spares(int criterion, const char *what) {
+  char word[VS_DECK_NAME];
+  snprintf(word, sizeof word, " %.60s ", what);
+  for (int k = 0; k <= criterion; k++)
+    if (strstr(vs_expect_criteria[k].spares, word)) return true;
+  return false;
+}
+
 bool vs_expect_has(const vs_expects *expects, const vs_device *device,
                    const vs_device_measure *measure) {
   for (size_t k = 0; expects && k < expects->count; k++)
@@ -15,12 +34,21 @@ bool vs_expect_has(const vs_expects *expects, const vs_device *device,
   return false;
 }
 
-/* True where something happened to the device that the scene expects. */
+bool vs_expect_allows(const vs_expects *expects, const vs_device *device,
+                      const vs_device_measure *measure) {
+  return expects && measure->held == VS_NEVER && !vs_expect_has(expects, device, measure) &&
+         vs_expect_spares(expects->criterion, vs_kinds_happening(measure)->what);
+}
+
+/* True where something happened to the device that the scene expects or allows. */
 static bool happens_as_expected(const vs_expects *expects, const vs_watched *w) {
   for (size_t n = 0; n < w->count; n++) {
     const vs_reduced *r = &w->reduced[n];
     const vs_happening *h = vs_reducer_happening(r);
-    if (h && h->times && vs_expect_has(expects, w->device, r->measure)) return true;
+    if (h && h->times &&
+        (vs_expect_has(expects, w->device, r->measure) ||
+         vs_expect_allows(expects, w->device, r->measure)))
+      return true;
   }
   return false;
 }
@@ -51,6 +79,7 @@ bool vs_expect_waives(const vs_expects *expects, const vs_device *device,
   for (size_t k = 0; expects && k < expects->n_waivers; k++) {
     const vs_waiver *w = &expects->waiver[k];
     if (strcmp(w->device, device->name) != 0) continue;
+    if (!*w->name) return measure->held != VS_NEVER;
     const vs_device_measure *named = measure_named(device, w->name);
     if (named ? named == measure : own && !strcmp(measure->limit, w->name)) return true;
   }
@@ -59,9 +88,15 @@ bool vs_expect_waives(const vs_expects *expects, const vs_device *device,
 
 bool vs_expect_waives_limit(const vs_expects *expects, const vs_device *device, const char *limit) {
   for (size_t k = 0; expects && k < expects->n_waivers; k++)
-    if (!strcmp(expects->waiver[k].device, device->name) && !strcmp(expects->waiver[k].name, limit))
+    if (!strcmp(expects->waiver[k].device, device->name) &&
+        (!*expects->waiver[k].name || !strcmp(expects->waiver[k].name, limit)))
       return true;
   return false;
+}
+
+const char *vs_expect_waiver_name(const vs_waiver *w, char name[2 * VS_DECK_NAME]) {
+  snprintf(name, 2 * VS_DECK_NAME, "%s%s%s", w->device, *w->name ? "." : "", w->name);
+  return name;
 }
 
 /* ---- reading ---- */
@@ -146,11 +181,12 @@ static vs_status read_waiver(const vs_node *node, const vs_device *d, const char
                       "waive: %s.%s counts what must not happen, and is no limit; the key expect "
                       "says what may: expect: [%s %s]",
                       d->name, name, d->name, vs_kinds_happening(m)->verb);
-  if (m ? !m->limit : !d->kind || !vs_kinds_knows_limit(d->kind->name, name, &nearest))
+  const bool whole = !*name && d->kind;
+  if (!whole && (m ? !m->limit : !d->kind || !vs_kinds_knows_limit(d->kind->name, name, &nearest)))
     return no_limit(node, name, d, err);
   if (vs_expect_waives_limit(expects, d, name))
-    return vs_fail_at(err, node->where, "waive: '%s.%s' stands here a second time; leave one out",
-                      d->name, name);
+    return vs_fail_at(err, node->where, "waive: '%s%s%s' stands here a second time; leave one out",
+                      d->name, whole ? "" : ".", name);
   if (expects->n_waivers == VS_EXPECTS_MOST)
     return vs_fail_at(err, node->where, "waive: more than %d entries", VS_EXPECTS_MOST);
   vs_waiver *entry = &expects->waiver[expects->n_waivers++];
@@ -163,16 +199,57 @@ static const listed LISTS[] = {
     {"expect", "a device and what happens to it", "fuse_2 opens", ' ', read_expected},
     {"waive", "a device and its measure or limit", "varistor_1.power", '.', read_waiver}};
 
+static bool has_fuse(const vs_deck *deck) {
+  for (size_t k = 0; k < deck->n_devices; k++)
+    if (deck->devices[k].kind && deck->devices[k].kind->melts) return true;
+  return false;
+}
+
+static vs_status read_criterion(const vs_node *node, int criterion, const vs_deck *deck,
+                                vs_expects *expects, vs_error *err) {
+  if (criterion >= VS_CRITERION_OPENS && !deck->lost && !has_fuse(deck))
+    return vs_fail_at(err, node->where,
+                      "expect: criterion %s lets a fuse open, and the deck has no device fuse; B "
+                      "is wanted, or a deck with one",
+                      node->text);
+  expects->criterion = criterion;
+  return VS_OK;
+}
+
+/* The measures whose limit tells whether a device that latches fires and turns off as it should. */
+static bool tells_of_firing(const vs_device_measure *m) {
+  return m->limit && (m->how == VS_R_RISE || m->how == VS_R_RETURN_RISE || m->how == VS_R_FALL ||
+                      m->how == VS_R_OFFERED);
+}
+
+/* Leaves out the limits that the criterion does not ask for. */
+static void waive_firing(const vs_deck *deck, vs_expects *expects) {
+  for (size_t k = 0; k < deck->n_devices; k++) {
+    const vs_device *d = &deck->devices[k];
+    for (size_t n = 0; d->kind && n < d->kind->n_measures; n++) {
+      const vs_device_measure *m = &d->kind->measures[n];
+      if (!tells_of_firing(m) || vs_expect_waives(expects, d, m)) continue;
+      if (expects->n_waivers == VS_EXPECTS_MOST) return; /* the lines are judged then */
+      vs_waiver *entry = &expects->waiver[expects->n_waivers++];
+      memcpy(entry->device, d->name, sizeof entry->device);
+      snprintf(entry->name, sizeof entry->name, "%s", m->name);
+    }
+  }
+}
+
 static vs_status read_expectation(const listed *of, const vs_node *node, const vs_deck *deck,
                                   vs_expects *expects, vs_error *err) {
   char name[VS_NAME_SIZE] = "";
   const char *text = node->kind == VS_NODE_TEXT ? node->text : "",
              *rest = strchr(text, of->between);
+  const int criterion = of == LISTS ? vs_expect_criterion(text) : -1;
+  if (criterion >= 0) return read_criterion(node, criterion, deck, expects, err);
+  if (!rest && of->between == '.') rest = text + strlen(text); /* a device alone */
   if (!rest || rest - text >= (long)sizeof name || strlen(rest) >= VS_DECK_NAME)
-    return vs_fail_at(err, node->where, "%s: %s are wanted, as '%s'", of->key, of->entry,
-                      of->example);
+    return vs_fail_at(err, node->where, "%s: %s are wanted, as '%s'%s", of->key, of->entry,
+                      of->example, of == LISTS ? "; or a criterion: A, B or C" : "");
   memcpy(name, text, (size_t)(rest - text));
-  rest += of->between == ' ' ? strspn(rest, " ") : 1;
+  rest += of->between == ' ' ? strspn(rest, " ") : *rest == '.';
   for (size_t k = 0; k < deck->n_devices; k++)
     if (!strcmp(deck->devices[k].name, name))
       return of->read(node, &deck->devices[k], rest, expects, err);
@@ -197,7 +274,9 @@ vs_status vs_expect_read(const vs_node *scene, const vs_deck *deck, vs_expects *
                          vs_error *err) {
   vs_status status = VS_OK;
   expects->count = expects->n_waivers = 0;
+  expects->criterion = 0;
   for (size_t k = 0; k < sizeof LISTS / sizeof *LISTS && !status; k++)
     status = read_expectations(&LISTS[k], vs_tree_child(scene, LISTS[k].key), deck, expects, err);
+  if (!status && expects->criterion >= VS_CRITERION_FIRES) waive_firing(deck, expects);
   return status;
 }

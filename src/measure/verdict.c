@@ -136,26 +136,31 @@ const char *vs_verdict_unknown(const vs_judgement *j, char *text, size_t size) {
 
 /* What the lines of what happened have for a limit, of how often it may. */
 static const vs_limit NEVER = {.text = "must not happen unless the scene expects it"},
-                      EXPECTED = {.text = "the scene expects it", .value = 1};
+                      EXPECTED = {.text = "the scene expects it", .value = 1},
+                      ALLOWED = {.text = "the scene's criterion allows it"};
 
 /* Writes the line of what happened to a device. False: it neither happened nor was expected. */
 static bool add_happening_line(const vs_device *d, const vs_reduced *r, const vs_expects *expects,
                                vs_judgement *j) {
   const vs_happening *h = vs_reducer_happening(r);
   const bool expected = vs_expect_has(expects, d, r->measure);
+  const bool allowed = vs_expect_allows(expects, d, r->measure);
   if (!h || (!h->times && !expected)) return false;
-  const bool as_expected = expected == (h->times > 0);
+  const bool as_expected = allowed || expected == (h->times > 0);
   const double at_s = h->times ? h->at_s : NAN, room = as_expected ? INFINITY : -1;
   *j = (vs_judgement){.device = d,
                       .measure = r->measure,
-                      .limit = expected ? &EXPECTED : &NEVER,
+                      .limit = expected  ? &EXPECTED
+                               : allowed ? &ALLOWED
+                                         : &NEVER,
                       .room = {expected ? room : INFINITY, expected ? INFINITY : room},
                       .margin = room,
                       .margin_error = NAN,
                       .stress = {true, h->times, at_s},
                       .over_from_s = NAN,
                       .failed_s = as_expected ? NAN : at_s,
-                      .expected = expected};
+                      .expected = expected || allowed,
+                      .allowed = allowed};
   memcpy(j->cause, h->cause, sizeof j->cause);
   return true;
 }
@@ -403,7 +408,7 @@ static void add_happenings_of_second(vs_verdict *v, const vs_verdict *second, co
   for (size_t n = 0; n < second->count; n++) {
     const vs_judgement *other = &second->item[n];
     size_t k = 0;
-    if (!vs_verdict_is_happening(other)) continue;
+    if (!vs_verdict_is_happening(other) || other->allowed) continue;
     while (k < v->count && !is_same_line(&v->item[k], other)) k++;
     if (k < v->count) continue;
     v->item = vs_resize(v->item, v->count + 1, sizeof *v->item);
@@ -441,7 +446,8 @@ void vs_verdict_compare(vs_verdict *v, const vs_verdict *second, const vs_deck *
     size_t n = 0;
     if (j->unknown) continue;
     while (n < second->count && !is_same_line(j, &second->item[n])) n++;
-    j->margin_error = INFINITY;
+    j->margin_error = j->allowed ? 0 : INFINITY;
+    if (j->allowed) continue; /* it may happen in one run alone */
     double own = least_error(j, resolution, rates);
     if (n < second->count && !vs_verdict_is_happening(j))
       j->margin_error = margin_error(j, &second->item[n], own);

@@ -163,6 +163,15 @@ static const vs_inside
     LIST = {.rows = &VALUE, .instead = &(const vs_field){.kind = VS_MAP, .inside = &STEP}};
 const vs_field vs_axis_many = {.kind = VS_LIST, .inside = &LIST};
 
+/* Cuts a range of whole numbers into all of them. */
+static vs_status cut_whole(vs_axis *axis, const vs_node *node, vs_error *err) {
+  const double n = fabs(axis->to - axis->from);
+  if (n >= MOST_VALUES)
+    return vs_fail_at(err, node->where, "%s: more than %d values", axis->key, MOST_VALUES);
+  cut_axis(axis, (size_t)n + 1, lin_at, 1 / n);
+  return VS_OK;
+}
+
 /* Reads {from: A, to: B, step: C}, which is A, A + C, ... up to B; B itself need not be met.
  * Without a step a range is a continuum; one of whole numbers is all of them. */
 static vs_status stepped(vs_axis *axis, const vs_node *map, vs_error *err) {
@@ -174,13 +183,7 @@ static vs_status stepped(vs_axis *axis, const vs_node *map, vs_error *err) {
     return vs_fail_at(err, map->where, "%s: both ends are wanted: {from: A, to: B, step: C}",
                       axis->key);
   vs_status status = read_ends(axis, from, to, err);
-  if (!status && !step && axis->field->kind == VS_COUNT) {
-    double n = fabs(axis->to - axis->from);
-    if (n >= MOST_VALUES)
-      return vs_fail_at(err, map->where, "%s: more than %d values", axis->key, MOST_VALUES);
-    cut_axis(axis, (size_t)n + 1, lin_at, 1 / n);
-    return VS_OK;
-  }
+  if (!status && !step && axis->field->kind == VS_COUNT) return cut_whole(axis, map, err);
   if (status || !step) return status;
   if (step->kind != VS_NODE_TEXT || !vs_units_read(step->text, axis->unit, &si, why, sizeof why))
     return vs_fail_at(err, step->where, "%s: step: %s", axis->key,
@@ -213,7 +216,21 @@ static vs_status spaced(vs_axis *axis, const vs_node *map, const vs_node *ends, 
   return whole_values(axis, map, err);
 }
 
+static const char DOTS[] = " .. ";
+
+/* Reads 'A .. B', which is {from: A, to: B}. */
+static vs_status dotted(vs_axis *axis, const vs_node *node, const char *dots, vs_error *err) {
+  char *from = vs_alloc_part(node->text, (size_t)(dots - node->text));
+  const vs_node a = vs_tree_word(NULL, from, node->where),
+                b = vs_tree_word(NULL, dots + strlen(DOTS), node->where);
+  vs_status status = read_ends(axis, &a, &b, err);
+  free(from);
+  return status || axis->field->kind != VS_COUNT ? status : cut_whole(axis, node, err);
+}
+
 vs_status vs_axis_values(vs_axis *axis, const vs_node *node, vs_error *err) {
+  const char *dots = node->kind == VS_NODE_TEXT && !axis->is_word ? strstr(node->text, DOTS) : NULL;
+  if (dots) return dotted(axis, node, dots, err);
   if (node->kind == VS_NODE_TEXT) return one_value(axis, node, err);
   if (node->kind == VS_NODE_LIST) return list_values(axis, node, err);
   if (axis->is_word)
@@ -263,6 +280,8 @@ static const char *word_of_axis(const vs_axis *axis, double number) {
 }
 
 bool vs_axis_print(const vs_axis *axis, double number, char *text, size_t size) {
+  *text = '\0';
+  if (isnan(number)) return false;
   const char *word = word_of_axis(axis, number);
   char digits[VS_NUMBER_SIZE];
   if (!word) vs_text_number(digits, number, 12);

@@ -416,8 +416,7 @@ static void add_not_judged_to_summary(vs_json *json, const vs_result *r) {
   vs_json_array(json, "waived", VS_JSON_ROW);
   for (size_t k = 0; k < expects->n_waivers; k++) {
     char name[2 * VS_DECK_NAME];
-    snprintf(name, sizeof name, "%s.%s", expects->waiver[k].device, expects->waiver[k].name);
-    vs_json_text(json, NULL, name);
+    vs_json_text(json, NULL, vs_expect_waiver_name(&expects->waiver[k], name));
   }
   vs_json_end(json);
 }

@@ -150,9 +150,9 @@ static void print_undecided(const vs_verdict *v, bool lacking, FILE *out) {
 
 /* "waived: varistor_1.power, thyristor.t_q" */
 static void print_waived(const vs_expects *expects, FILE *out) {
+  char name[2 * VS_DECK_NAME];
   for (size_t k = 0; k < expects->n_waivers; k++)
-    fprintf(out, "%s%s.%s", k ? ", " : "waived: ", expects->waiver[k].device,
-            expects->waiver[k].name);
+    fprintf(out, "%s%s", k ? ", " : "waived: ", vs_expect_waiver_name(&expects->waiver[k], name));
   if (expects->n_waivers) fputc('\n', out);
 }
 

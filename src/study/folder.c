@@ -41,6 +41,12 @@ const vs_folder_kind vs_folder_kinds[VS_ROLES] = {
     [VS_ROLE_STATUS] = {"status", VS_CELLS_STATUS},
     [VS_ROLE_WHY] = {"why", VS_CELLS_TEXT}};
 
+vs_folder_cells vs_folder_axis_cells(const char *title, bool no_unit) {
+  const bool empty = !strncmp(title, "threat.", 7) || !strncmp(title, "with.", 5);
+  if (empty) return no_unit ? VS_CELLS_TEXT : VS_CELLS_VALUE;
+  return no_unit ? VS_CELLS_EITHER : VS_CELLS_NUMBER;
+}
+
 vs_folder_role vs_folder_role_of(const char *title) {
   if (vs_listed_line_is(title)) return VS_ROLE_LINE;
   for (int r = 0; r < VS_ROLES; r++)

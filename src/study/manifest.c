@@ -123,7 +123,7 @@ static bool is_margin(const vs_report_column *column) {
 static void add_column(vs_folder_role role, const char *column, const char *quantity,
                        const char *unit, const char *of, vs_json *json) {
   const vs_folder_kind *kind = &vs_folder_kinds[role];
-  vs_folder_cells cells = role == VS_ROLE_AXIS && *unit ? VS_CELLS_NUMBER : kind->cells;
+  vs_folder_cells cells = role == VS_ROLE_AXIS ? vs_folder_axis_cells(column, !*unit) : kind->cells;
   vs_column c = vs_channel_column(quantity ? quantity : kind->word, unit, kind->word, of);
   snprintf(c.name, sizeof c.name, "%s", column ? column : kind->word);
   vs_json_object(json, NULL, VS_JSON_ROW);

@@ -11,19 +11,27 @@
 /* ---- keys ---- */
 
 static const vs_inside NAMES = {.rows = VS_ROWS({.kind = VS_TEXT}), .count = -1},
-                       SETTINGS = {.rows = VS_ROWS({.kind = VS_SETTING})};
+                       SETTINGS = {.rows = VS_ROWS({.kind = VS_SETTING})},
+                       MANY = {.instead = &vs_axis_many},
+                       SPREADS = {.rows = VS_ROWS({.kind = VS_SPREAD, .inside = &MANY})};
 const vs_field vs_plan_keys[] = {{"scene", .kind = VS_TEXT},
                                  {"set", VS_NOTHING | VS_MAP, .inside = &SETTINGS},
                                  {"most_cases", .kind = VS_COUNT},
                                  {"steady", VS_FLAG | VS_MAP, .inside = &vs_orbit_columns_keys},
+                                 {"spread", VS_MAP, .inside = &SPREADS},
                                  {"report", VS_NOTHING | VS_TEXT | VS_LIST, .inside = &NAMES},
                                  {0}};
 
 const char **vs_plan_known_keys(const vs_method *const *methods, size_t *count) {
   enum { N_OWN = sizeof vs_plan_keys / sizeof *vs_plan_keys - 1 };
-  const char **names = vs_alloc(N_OWN + vs_method_count(methods), sizeof *names);
+  size_t besides = 0;
+  for (const vs_method *const *m = methods; *m; m++)
+    for (const vs_field *row = (*m)->besides; row && row->key; row++) besides++;
+  const char **names = vs_alloc(N_OWN + vs_method_count(methods) + besides, sizeof *names);
   for (int k = 0; k < N_OWN; k++) names[k] = vs_plan_keys[k].key;
   *count = N_OWN + vs_method_keys(methods, names + N_OWN);
+  for (const vs_method *const *m = methods; *m; m++)
+    for (const vs_field *row = (*m)->besides; row && row->key; row++) names[(*count)++] = row->key;
   return names;
 }
 
@@ -141,6 +149,25 @@ void vs_plan_point(const vs_plan *plan, uint64_t index, double *point) {
     stage->method->point(plan, stage, index % stage->count, point + stage->axis);
     index /= stage->count;
   }
+}
+
+void vs_plan_put(const vs_plan *plan, const double *point, vs_tree *tree) {
+  for (size_t p = 0; p < plan->n_stages; p++) {
+    const vs_plan_stage *stage = &plan->stages[p];
+    if (stage->method->put) stage->method->put(plan, stage, point + stage->axis, tree);
+    for (size_t k = stage->axis; k < stage->axis + stage->n && !stage->method->put; k++)
+      vs_axis_put(&plan->axes[k], point[k], 12, tree);
+  }
+}
+
+vs_status vs_plan_check_case(const vs_plan *plan, const double *point, const vs_scene *scene,
+                             vs_error *err) {
+  vs_status status = VS_OK;
+  for (size_t p = 0; p < plan->n_stages && !status; p++) {
+    const vs_plan_stage *stage = &plan->stages[p];
+    if (stage->method->check) status = stage->method->check(stage, point + stage->axis, scene, err);
+  }
+  return status;
 }
 
 vs_status vs_plan_input(vs_plan *plan, const char *path, vs_error *err) {

@@ -41,7 +41,8 @@ typedef struct vs_cases {
   const vs_journal *journal;
   double *points, *values;
   int *status;
-  uint64_t room;
+  char **words;
+  uint64_t room, answered;
 } vs_cases;
 
 /* A study under way. */
@@ -140,6 +141,8 @@ static vs_status check_options(const vs_study_options *o, vs_error *err) {
 }
 
 static void cases_free(vs_cases *c) {
+  for (uint64_t k = 0; k < c->answered * VS_RESULT_WORDS; k++) free(c->words[k]);
+  free(c->words);
   free(c->points);
   free(c->values);
   free(c->status);
@@ -184,6 +187,10 @@ static vs_status end_session(session *s, vs_status status, vs_error *err) {
 static vs_status read_plan(session *s, vs_error *err) {
   const vs_study_options *o = s->o;
   vs_status status = vs_study_file_read(o->name, o->methods, o->sets, o->n_sets, &s->plan, err);
+  if (!status && o->method && (!s->plan.adaptive || s->plan.adaptive->method != o->method))
+    return vs_fail_at(err, (vs_where){s->plan.tree.name, 1, 1},
+                      "%s: the key %s is wanted; `vibrospice study` runs other studies",
+                      o->method->name, o->method->key);
   s->plan.allow_code = o->allow_code;
   s->count = s->plan.count;
   return status ? status : vs_control_allow(&s->plan.first->control, o->allow_code, err);
@@ -240,6 +247,7 @@ static void cases_ask(vs_cases *c, uint64_t count, const vs_generation *g) {
     c->points = vs_resize(c->points, c->room * axes, sizeof *c->points);
     c->values = vs_resize(c->values, c->room * width, sizeof *c->values);
     c->status = vs_resize(c->status, c->room, sizeof *c->status);
+    c->words = vs_resize(c->words, c->room * VS_RESULT_WORDS, sizeof *c->words);
   }
   memcpy(c->points + count * axes, g->points, g->count * axes * sizeof *c->points);
 }
@@ -247,12 +255,16 @@ static void cases_ask(vs_cases *c, uint64_t count, const vs_generation *g) {
 static vs_status read_answer(vs_cases *c, uint64_t index, vs_error *err) {
   const size_t width = 1 + c->plan->n_columns;
   double *value = c->values + index * width;
+  char **words = c->words + index * VS_RESULT_WORDS;
   vs_text row = {0};
   bool failed = false;
   vs_status status = vs_journal_row(c->journal, index, &row, &failed, err);
   for (size_t k = 0; k < width; k++) value[k] = NAN;
+  for (size_t k = 0; k < VS_RESULT_WORDS; k++) words[k] = NULL;
+  c->answered = index + 1;
   c->status[index] = VS_CASE_FAILED;
-  if (!status && !failed) vs_case_values(c->plan, row.text, value, &c->status[index]);
+  if (!status && !failed) vs_case_values(c->plan, row.text, value, &c->status[index], words);
+  if (!status && failed) words[VS_RESULT_WHY] = vs_case_why(row.text);
   vs_text_free(&row);
   return status;
 }
@@ -267,7 +279,7 @@ static vs_status cases_answer(vs_cases *c, uint64_t first, uint64_t until, vs_er
 
 /* The first `count` cases, as a method is shown them. */
 static vs_results cases_results(const vs_cases *c, uint64_t count) {
-  return (vs_results){c->plan, count, c->points, c->values, c->status};
+  return (vs_results){c->plan, count, c->points, c->values, c->status, c->words};
 }
 
 /* ---- journal ---- */
@@ -683,7 +695,7 @@ static vs_status say_result(const session *s, vs_error *err) {
     if (s->o->quiet || status) return status;
     return vs_publish_show(s->folder, "failures.csv", false, stderr, err);
   }
-  if (s->o->quiet || s->o->progress_json) return VS_OK;
+  if (s->o->quiet || s->o->progress_json || s->o->method) return VS_OK;
   vs_plan_method(&s->plan, method, sizeof method);
   printf("study  %s (%s)\n", s->plan.path, method);
   if (j->head.shards > 1)
@@ -699,7 +711,12 @@ static vs_status say_result(const session *s, vs_error *err) {
 
 static vs_status judge_study(const session *s, vs_error *err) {
   const vs_journal *j = &s->journal;
+  const vs_plan_stage *stage = s->plan.adaptive;
   unsigned long long all = j->done + j->failed;
+  if (stage && stage->method->publish) {
+    const vs_results results = cases_results(&s->cases, s->count);
+    return stage->method->publish(&s->plan, stage, &results, s->o->folder, s->o->quiet, err);
+  }
   if (j->failed)
     return vs_fail(err, VS_RUN, "%llu of %llu cases failed%s%s%s", (unsigned long long)j->failed,
                    all, s->o->folder ? "; why stands in " : "", s->o->folder ? s->folder : "",

@@ -122,9 +122,10 @@ static vs_status check_orbit(const vs_plan *plan, const vs_scene *scene, vs_erro
 static vs_status try_point(vs_plan *plan, const double *point, vs_scene *scene, vs_error *err) {
   vs_status status = vs_plan_scene(plan, scene, err);
   if (status) return status;
-  for (size_t k = 0; k < plan->n_axes; k++) vs_axis_put(&plan->axes[k], point[k], 12, &scene->tree);
+  vs_plan_put(plan, point, &scene->tree);
   size_t found = vs_error_count(err);
   status = vs_scene_read_sections(scene, NULL, err);
+  if (!status && vs_error_count(err) == found) status = vs_plan_check_case(plan, point, scene, err);
   if (!status && vs_error_count(err) == found) status = check_orbit(plan, scene, err);
   if (!status && vs_error_count(err) == found)
     status = vs_plan_input(plan, scene->setup.machine->path, err);
@@ -209,10 +210,23 @@ static vs_status try_cases(vs_plan *plan, vs_error *err) {
     if (plan->stages[p].method->ready)
       status = vs_error_keep(err, plan->stages[p].method->ready(plan, &plan->stages[p], err));
   if (!status) status = try_tiers(plan, point, err);
-  return status ? status : try_names(plan, point, err);
+  if (!status) status = try_names(plan, point, err);
+  for (size_t p = 0; p < plan->n_stages && !status && vs_error_count(err) == found; p++)
+    if (plan->stages[p].method->settle)
+      status = vs_error_keep(err, plan->stages[p].method->settle(plan, &plan->stages[p], err));
+  return status;
 }
 
 /* ---- all of it ---- */
+
+/* Error: a spread of the study itself, and no threats that it goes along with. */
+static vs_status check_spread(const vs_plan *plan, vs_error *err) {
+  const vs_node *spread = vs_tree_child(plan->tree.root, "spread");
+  if (!spread || vs_tree_child(plan->tree.root, "threats")) return VS_OK;
+  return vs_fail_at(err, spread->key_where,
+                    "spread: it goes along with threats, and the study has none; "
+                    "sample: {method: sobol, spread: {...}} is wanted");
+}
 
 /* Reads `scene`: a path, which may start from the study's folder, or the name of a scene that comes
  * with the program. */
@@ -249,12 +263,22 @@ static bool has_sections(const vs_scene *scene) {
          !scene->setup.machine->lost;
 }
 
-/* Error: the file has a key that no study has. */
+/* Error: the file has a key that no study has, or one that goes with a method it does not ask for.
+ */
 static vs_status check_keys(const vs_plan *plan, vs_error *err) {
   size_t n;
   const char **keys = vs_plan_known_keys(plan->methods, &n);
   vs_status status = vs_field_known_keys(plan->tree.root, "a study", keys, n, err);
   free(keys);
+  for (const vs_method *const *m = plan->methods; *m && !status; m++)
+    for (const vs_field *row = (*m)->besides; row && row->key && !status; row++) {
+      const vs_node *node = vs_tree_child(plan->tree.root, row->key);
+      if (!node || vs_tree_child(plan->tree.root, (*m)->key)) continue;
+      status = vs_error_keep(err, vs_fail_at(err, node->key_where,
+                                             "%s: goes with %s, which the study "
+                                             "does not have",
+                                             row->key, (*m)->key));
+    }
   return status;
 }
 
@@ -269,6 +293,7 @@ vs_status vs_study_file_read(const char *name, const vs_method *const *methods, 
     if (vs_plan_is_own(plan, sets[k]))
       status = vs_error_keep(err, vs_tree_set(&plan->tree, sets[k], err));
   if (!status) status = check_keys(plan, err);
+  if (!status) status = vs_error_keep(err, check_spread(plan, err));
 
   /* The scene that is varied: its sections say which keys there are, with their units. */
   if (!status) status = vs_error_keep(err, read_base(plan, err));

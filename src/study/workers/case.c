@@ -89,7 +89,10 @@ void vs_case_header(const vs_plan *plan, vs_text *row) {
     vs_text_add(row, ",%s", vs_folder_kinds[r].word);
 }
 
-bool vs_case_values(const vs_plan *plan, char *row, double *values, int *status) {
+bool vs_case_values(const vs_plan *plan, char *row, double *values, int *status, char **words) {
+  static const vs_folder_role ROLE[] = {[VS_RESULT_HAPPENED] = VS_ROLE_HAPPENED,
+                                        [VS_RESULT_NOT_JUDGED] = VS_ROLE_NOT_JUDGED,
+                                        [VS_RESULT_WARNINGS] = VS_ROLE_WARNINGS};
   enum { MOST = HEAD + VS_PLAN_AXES + VS_PLAN_COLUMNS + TAIL };
   char *cells[MOST];
   const size_t n = plan->n_columns;
@@ -98,7 +101,15 @@ bool vs_case_values(const vs_plan *plan, char *row, double *values, int *status)
   values[0] = **tail ? strtod(*tail, NULL) : NAN; /* the least margin comes first */
   for (size_t k = 0; k < n; k++) values[1 + k] = *measure[k] ? strtod(measure[k], NULL) : NAN;
   *status = atoi(tail[TAIL - 1]);
+  for (size_t k = 0; k < sizeof ROLE / sizeof *ROLE; k++)
+    if (*tail[ROLE[k] - VS_ROLE_MARGIN]) words[k] = vs_copy(tail[ROLE[k] - VS_ROLE_MARGIN]);
   return true;
+}
+
+char *vs_case_why(char *row) {
+  char *cells[HEAD + VS_PLAN_AXES + 2];
+  const size_t n = vs_csv_split(row, cells, sizeof cells / sizeof *cells, NULL);
+  return vs_copy(n ? cells[n - 1] : "");
 }
 
 void vs_case_failure_header(const vs_plan *plan, vs_text *row) {
@@ -226,12 +237,13 @@ static void add_not_judged(const vs_case *c, vs_text *row) {
   const vs_expects *expects = &r->scene->expects;
   if (vs_unjudged_is_told(r->watchers.devices, &r->verdict))
     vs_unjudged_write(r->watchers.devices, &r->verdict, &all);
+  char name[2 * VS_DECK_NAME];
   for (size_t k = 0; k < expects->n_waivers; k++)
-    vs_text_add(&all, "%s%s.%s",
+    vs_text_add(&all, "%s%s",
                 k            ? ", "
                 : all.length ? "; "
                              : "",
-                expects->waiver[k].device, expects->waiver[k].name);
+                vs_expect_waiver_name(&expects->waiver[k], name));
   if (expects->n_waivers) vs_text_add(&all, " (waived)");
   vs_csv_cell(row, all.text ? all.text : "");
   vs_text_free(&all);
@@ -488,12 +500,11 @@ static vs_status read_scene_of_case(vs_case *c, vs_error *err) {
     status = vs_plan_scene(plan, c->scene, err);
     c->begun = true;
   }
-  for (size_t k = 0; k < plan->n_axes && !status; k++)
-    vs_axis_put(&plan->axes[k], c->present.point[k], 12, &c->scene->tree);
   if (status) return status;
+  vs_plan_put(plan, c->present.point, &c->scene->tree);
   status = again ? vs_scene_reread(c->scene, err) : vs_scene_read_sections(c->scene, NULL, err);
   if (!status && plan->periods) vs_scene_disable_control(c->scene);
-  return status;
+  return status ? status : vs_plan_check_case(plan, c->present.point, c->scene, err);
 }
 
 vs_status vs_case_begin(vs_case *c, uint64_t index, const double *point, vs_error *err) {

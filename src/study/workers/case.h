@@ -29,8 +29,12 @@ vs_status vs_case_check_csv(const vs_scene *scene, uint64_t cases, vs_error *err
 
 /* Reads back a row that vs_case_run has added; the row's text is cut up. values[1 + n_columns] are
  * the least margin and the plan's columns, NaN where the row has none; *status is the case's.
- * Returns false, and sets nothing, where the row is not as long as a row of the plan. */
-bool vs_case_values(const vs_plan *plan, char *row, double *values, int *status);
+ * words[VS_RESULT_WORDS], copies, are NULL where the cell is empty. Returns false, and sets
+ * nothing, where the row is not as long as a row of the plan. */
+bool vs_case_values(const vs_plan *plan, char *row, double *values, int *status, char **words);
+
+/* Returns why the case failed, by its row, whose text is cut up: a copy. */
+char *vs_case_why(char *row);
 
 /* Is this row, whose text is cut up, the one of case `index`, by its id and its axes? failed: it is
  * a row of failures.csv. If not, why says what they are. It reads the case's scene, for its id. */

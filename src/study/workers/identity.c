@@ -192,6 +192,8 @@ vs_status vs_identity_of(vs_identity *identity, const vs_scene *scene, char id[V
   for (size_t k = 0; scene->tier->has_circuit && k < expects->count; k++)
     vs_text_add(whole, "expect %s %s\n", expects->item[k].device,
                 vs_kinds_happening(expects->item[k].measure)->what);
+  if (scene->tier->has_circuit && expects->criterion)
+    vs_text_add(whole, "criterion %s\n", vs_expect_criteria[expects->criterion].name);
   for (size_t k = 0; scene->tier->has_circuit && k < expects->n_waivers; k++)
     vs_text_add(whole, "waive %s.%s\n", expects->waiver[k].device, expects->waiver[k].name);
   if ((status = add_control_to_id(identity->plan, &scene->control, whole, err))) return status;

@@ -68,12 +68,11 @@ static char *find_unit(const char *column, const char *manifest) {
   return unit;
 }
 
-/* An axis with a unit is a number; one without may be a choice or a file's name. */
 static vs_folder_cells cells_of_axis(const char *column, const char *manifest) {
   char *unit = find_unit(column, manifest);
   const bool none = unit[1] == '"';
   free(unit);
-  return none ? VS_CELLS_EITHER : VS_CELLS_NUMBER;
+  return vs_folder_axis_cells(column, none);
 }
 
 /* The case comes first. The axes stand behind it and its id, in both headers. */

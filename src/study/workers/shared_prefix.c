@@ -41,6 +41,10 @@ static bool is_of_events(const vs_axis *axis) {
   return !strncmp(axis->section, EVENTS, sizeof EVENTS - 1);
 }
 
+static bool is_threat(const vs_axis *axis) {
+  return !strcmp(axis->key, "threat");
+}
+
 bool vs_shared_prefix_applies(const vs_plan *plan) {
   bool varied = false;
   for (size_t k = 0; k < plan->n_axes; k++) varied = varied || is_of_events(&plan->axes[k]);
@@ -49,10 +53,14 @@ bool vs_shared_prefix_applies(const vs_plan *plan) {
 
 /* ---- what is alike ---- */
 
+/* Of threats the first axis has their names for words (study/method/threat_cases.c). */
 static bool is_varied(const vs_plan *plan, const vs_scene_event *e) {
-  for (size_t k = 0; k < plan->n_axes; k++)
-    if (is_of_events(&plan->axes[k]) && !strcmp(plan->axes[k].section + sizeof EVENTS - 1, e->name))
-      return true;
+  for (size_t k = 0; k < plan->n_axes; k++) {
+    const vs_axis *axis = &plan->axes[k];
+    if (is_of_events(axis) && !strcmp(axis->section + sizeof EVENTS - 1, e->name)) return true;
+    for (size_t w = 0; is_threat(axis) && w < axis->n_words; w++)
+      if (!strcmp(axis->word[w], e->name)) return true;
+  }
   return false;
 }
 

@@ -66,7 +66,8 @@ typedef struct vs_judgement {
   vs_model_beside model[VS_MODELS_BESIDE]; /* how far the models that the line hangs on are from
                                               their data sheets, where their parts say so */
   size_t n_models;
-  bool expected;             /* of what happened: the scene expects it */
+  bool expected;             /* of what happened: the scene expects or allows it */
+  bool allowed;              /* of what happened: it may, and does not have to */
   char cause[VS_CAUSE_SIZE]; /* of what happened, the first time; empty: it is another line, or did
                                 not happen */
 } vs_judgement;

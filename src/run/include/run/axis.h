@@ -40,7 +40,7 @@ vs_status vs_axis_init(vs_axis *axis, const vs_scene *scene, const vs_node *node
                        vs_error *err);
 void vs_axis_free(vs_axis *axis);
 
-/* Reads what a key under vary may say: one value; [a, b, ...]; {from, to, step};
+/* Reads what a key under vary may say: one value; [a, b, ...]; 'A .. B'; {from, to, step};
  * {log: [a, b], n}; {lin: [a, b], n}. */
 extern const vs_field vs_axis_many; /* all of these but one value */
 vs_status vs_axis_values(vs_axis *axis, const vs_node *node, vs_error *err);
@@ -59,7 +59,7 @@ vs_status vs_axis_word(const vs_node *map, const char *name, const char *words, 
                        vs_error *err);
 
 /* Writes the axis' number as it stands in study.csv: a number of 12 digits, for which it returns
- * true, or a word. */
+ * true, or a word; nothing of NaN, a case that has no such number. */
 bool vs_axis_print(const vs_axis *axis, double number, char *text, size_t size);
 
 /* Puts the axis' number, with so many digits and its unit, or its word into a scene's tree. Where

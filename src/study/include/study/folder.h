@@ -55,6 +55,10 @@ extern const vs_folder_kind vs_folder_kinds[VS_ROLES];
  * (report_columns.c). */
 vs_folder_role vs_folder_role_of(const char *title);
 
+/* What the cells of an axis hold: a number where it has a unit, else a word or a number. One of a
+ * threat's range, threat.KEY or with.KEY, may be empty. */
+vs_folder_cells vs_folder_axis_cells(const char *title, bool no_unit);
+
 /* What a line's margin is, in manifest.json, by 1 + its sense (vs_listed_measure). NULL: neither.
  */
 extern const char *const vs_folder_margins[3];

@@ -29,13 +29,16 @@ typedef struct vs_method_report {
 } vs_method_report;
 
 typedef struct vs_method {
-  const char *name;     /* "grid" */
-  const char *key;      /* the study's key it stands under, and its member's in the manifest */
-  const char *text;     /* what it does, one line */
-  const vs_field *keys; /* what may stand under `key`, one row, the same for all methods of it */
-  bool uncertain;       /* its axes are what is not known exactly; false: what may be chosen */
+  const char *name;        /* "grid" */
+  const char *key;         /* the study's key it stands under, and its member's in the manifest */
+  const char *text;        /* what it does, one line */
+  const vs_field *keys;    /* what may stand under `key`, one row, the same for all methods of it */
+  const vs_field *besides; /* further keys of the study, which stand beside `key` alone; an empty
+                              row ends them; NULL: there are none */
+  bool uncertain;          /* its axes are what is not known exactly; false: what may be chosen */
   bool tolerates; /* what it chooses may also stand under `sample`, with a tolerance: it gives each
                      such axis (vs_axis.about) its number */
+  bool takes_cases; /* a search whose cases may be those of the study's threats */
 
   /* Says whether the section under `key` asks for this method. Of several the first in the table is
    * taken. */
@@ -50,6 +53,10 @@ typedef struct vs_method {
    * to check. */
   vs_status (*ready)(const struct vs_plan *plan, const struct vs_plan_stage *stage, vs_error *err);
 
+  /* Checks the section once the plan has the columns of all cases' lines. NULL: there is nothing to
+   * check. */
+  vs_status (*settle)(const struct vs_plan *plan, const struct vs_plan_stage *stage, vs_error *err);
+
   /* Frees the state. NULL: there is nothing to free. */
   void (*free)(void *state);
 
@@ -61,6 +68,21 @@ typedef struct vs_method {
    * and seed, so that any shard, worker and order gives the same. NULL: the method searches. */
   void (*point)(const struct vs_plan *plan, const struct vs_plan_stage *stage, uint64_t index,
                 double *value);
+
+  /* Writes a random and independent point: it is a pure function of index and seed. False: nothing
+   * is left to chance. NULL: there are no such points. */
+  bool (*draw)(const struct vs_plan *plan, const struct vs_plan_stage *stage, uint64_t index,
+               double *value);
+
+  /* Puts such numbers into a scene's tree, which may have those of another case. NULL: each is its
+   * axis' key (vs_axis_put). */
+  void (*put)(const struct vs_plan *plan, const struct vs_plan_stage *stage, const double *value,
+              vs_tree *tree);
+
+  /* Error: the scene, which is settled with such numbers, is not the case that was meant. NULL: it
+   * always is. */
+  vs_status (*check)(const struct vs_plan_stage *stage, const double *value, const vs_scene *scene,
+                     vs_error *err);
 
   /* Of a method that searches: asks for the next generation by the results of all earlier ones,
    * which are none at first. All axes are its own. It has ended when it adds nothing. It is a pure
@@ -77,6 +99,13 @@ typedef struct vs_method {
    * results (else NULL), what it found. NULL: nothing. */
   void (*json)(const struct vs_plan *plan, const struct vs_plan_stage *stage,
                const struct vs_results *results, vs_json *json);
+
+  /* Writes files of its own into the study's folder (NULL: there is none) once the others are
+   * there, says on standard output what it found unless quiet, and returns how the study ended.
+   * NULL: there are none, and its rows tell how. */
+  vs_status (*publish)(const struct vs_plan *plan, const struct vs_plan_stage *stage,
+                       const struct vs_results *results, const char *folder, bool quiet,
+                       vs_error *err);
 
   vs_method_report report;
 } vs_method;

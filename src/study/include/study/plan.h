@@ -5,7 +5,8 @@
  *
  *   scene:   NAME or path                 the default: paper
  *   set:     {KEY: VALUE, ...}            over what the scene says
- *   vary:    {KEY: VALUES, ...}           study/method/grid.c: grid; or the name of a CSV file:
+ *   threats: {NAME: {kind: KIND, ...}, ...}   study/method/threat_cases.c; spread: {KEY: SPREAD,
+ * ...} vary:    {KEY: VALUES, ...}           study/method/grid.c: grid; or the name of a CSV file:
  * list sample:  {method: NAME, ...}          study/method/sample.c find:    {worst: max MEASURE,
  * ...}    study/method/worst.c snubber: {...}                        study/method/snubber.c steady:
  * {period: N}                  study/orbit_columns.h: each case is a period of its orbit report:
@@ -109,6 +110,13 @@ void vs_plan_method(const vs_plan *plan, char *text, size_t size);
 /* Writes the point of case `index`, point[n_axes]. Not for a plan in which a method searches. */
 void vs_plan_point(const vs_plan *plan, uint64_t index, double *point);
 
+/* Puts a point, point[n_axes], into a scene's tree, which may have another's. */
+void vs_plan_put(const vs_plan *plan, const double *point, vs_tree *tree);
+
+/* Error: the settled scene of that point is not the case that a method meant. */
+vs_status vs_plan_check_case(const vs_plan *plan, const double *point, const vs_scene *scene,
+                             vs_error *err);
+
 /* Reads the scene with `set` and --set, to be altered and then settled (vs_scene_read_sections). */
 vs_status vs_plan_scene(const vs_plan *plan, vs_scene *scene, vs_error *err);
 
@@ -128,6 +136,15 @@ vs_status vs_plan_find(const vs_node *name, char path[VS_PATH_SIZE], vs_error *e
  * by. */
 vs_status vs_plan_input(vs_plan *plan, const char *path, vs_error *err);
 
+/* Cells of a row that are words. */
+enum {
+  VS_RESULT_HAPPENED,
+  VS_RESULT_NOT_JUDGED,
+  VS_RESULT_WARNINGS,
+  VS_RESULT_WHY, /* of a case that failed */
+  VS_RESULT_WORDS
+};
+
 /* What a method that searches is shown: cases 0..count-1, in order. */
 typedef struct vs_results {
   const vs_plan *plan;
@@ -136,7 +153,8 @@ typedef struct vs_results {
   /* [count][1 + plan->n_columns], margin_least first; to 12 digits, as study.csv has them. NaN: not
    * known. */
   const double *values;
-  const int *status; /* 0; 3: a rating is violated; 1: the case failed, its values are NaN */
+  const int *status;  /* 0; 3: a rating is violated; 1: the case failed, its values are NaN */
+  char *const *words; /* [count][VS_RESULT_WORDS]; NULL: the cell is empty */
 } vs_results;
 /* The case's value in that column of the plan's, or in VS_COLUMN_MARGIN. */
 double vs_plan_results_value(const vs_results *results, uint64_t index, int column);

@@ -5,12 +5,13 @@
 
 #include <signal.h>
 
-#include "study/method.h"
 #include "study/format.h"
+#include "study/method.h"
 
 typedef struct vs_study_options {
   const char *name, *folder;       /* folder: NULL, then study.csv goes to standard output */
   const vs_method *const *methods; /* all there are; NULL ends them */
+  const vs_method *method;         /* which the study has to ask for; NULL: any */
   char *const *sets;
   size_t n_sets;
   const vs_format *format; /* of the result */

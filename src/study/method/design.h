@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The search of `design`: which parts hold all cases for the least money. A candidate is a choice
+ * of an option for each key under `choose`; a case is a point of `operation` or a threat
+ * (method/design_cases.h). */
+#ifndef VS_STUDY_DESIGN_H
+#define VS_STUDY_DESIGN_H
+
+#include "method/design_cases.h"
+#include "study/hold.h"
+#include "study/plan.h"
+#include "study/price_list.h"
+
+enum { VS_DESIGN_CHOICES = 16, VS_DESIGN_LIMITS = 8 };
+
+/* A row of the list of prices that an option may be bought as. Those of one option differ in what
+ * they bear alone. */
+typedef struct vs_design_class {
+  size_t row;
+  double price;                   /* what is to be least, of one of them */
+  double limit[VS_DESIGN_LIMITS]; /* SI; NaN: the row says nothing */
+} vs_design_class;
+
+/* A part by name, or a value. */
+typedef struct vs_design_option {
+  double number;            /* of the axis */
+  vs_design_class *classes; /* [n_classes], the cheapest first; owned */
+  size_t n_classes;
+} vs_design_option;
+
+/* A key under `choose`. Several that are to be the same have one leader, which has their options.
+ */
+typedef struct vs_design_choice {
+  const vs_node *node;
+  const char *device; /* what the key ends in: "r1" of circuit.r1 */
+  const struct vs_kind *kind;
+  size_t axis, leader;      /* leader: its own number where it leads */
+  int number;               /* how many of it are bought */
+  vs_design_option *option; /* [n_options]: values rise, parts by name get dearer; owned */
+  size_t n_options;
+  /* The limits that the list of prices has columns for, with the study's columns of what this
+   * choice's device bears, and the lines that these are held as. */
+  size_t n_limits;
+  const struct vs_device_measure *measure[VS_DESIGN_LIMITS];
+  size_t limit_column[VS_DESIGN_LIMITS]; /* of the list */
+  int column[VS_DESIGN_LIMITS];          /* of the plan */
+  size_t line[VS_DESIGN_LIMITS];         /* of hold */
+} vs_design_choice;
+
+typedef struct vs_design {
+  vs_price_list list;
+  const vs_node *aim; /* the formula's */
+  vs_design_choice choice[VS_DESIGN_CHOICES];
+  size_t n_choices;
+  vs_design_cases cases;
+  vs_hold hold;
+  char (*line_name)[VS_JUDGED_NAME + 8]; /* of hold's lines; owned */
+  int *margin; /* of each line of hold the plan's column of its margin, its error behind it; -1: it
+                  is a limit of the list of prices alone; owned */
+  const vs_node *waived; /* the list `waive`, which is printed; NULL: there is none */
+  uint64_t width;        /* how many cases are asked for at a time */
+  uint64_t most_runs;    /* of the budget */
+  uint64_t random;       /* how many draws prove the answer */
+  bool neighbours;
+  uint64_t *order; /* [n_candidates], the cheapest first; owned */
+  uint64_t n_candidates;
+} vs_design;
+
+/* ---- candidates ---- */
+
+/* The option of a choice that candidate number k has. */
+size_t vs_design_option_of(const vs_design *d, uint64_t k, size_t choice);
+/* The number of the candidate that has another option there. */
+uint64_t vs_design_with(const vs_design *d, uint64_t k, size_t choice, size_t option);
+/* What it costs with these classes of its options, class[n_choices]; NULL: the cheapest ones. */
+double vs_design_price(const vs_design *d, uint64_t k, const size_t *class);
+/* Writes "TYN1212, s20k510, 330 ohm, 47 nF". */
+void vs_design_write(const vs_design *d, const vs_plan *plan, uint64_t k, vs_text *text);
+
+#endif

@@ -1,0 +1,703 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "method/design_answer.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/csv.h"
+#include "base/file.h"
+#include "base/json.h"
+#include "base/units.h"
+#include "method/design_scene.h"
+#include "method/design_search.h"
+#include "netlist/kinds.h"
+
+typedef struct answer {
+  const vs_plan *plan;
+  const vs_design *d;
+  const vs_results *results;
+  vs_design_search s;
+  const char *folder;
+  vs_design_mark least[VS_DESIGN_CHOICES]; /* of the answer, of the lines of each choice's devices;
+                                              run UINT64_MAX: no line is theirs */
+  uint64_t *scene;                         /* [n_scenes]: runs whose scenes are written */
+  size_t n_scenes;
+  size_t unjudged;        /* candidates below the answer's price that could not be judged */
+  size_t cheaper;         /* candidates that cost less than the answer */
+  uint64_t without_error; /* runs of the answer whose weakest margin has no error */
+} answer;
+
+/* ---- the least margin of each part ---- */
+
+/* True if the line is of a device that is made of the choice: its name is the key's, or its part
+ * is.
+ */
+static bool is_of_choice(const answer *a, const char *line, const vs_design_choice *c) {
+  const vs_deck *deck = &a->plan->first->setup.deck;
+  const size_t n = strcspn(line, ".");
+  for (size_t k = 0; k < deck->n_devices; k++) {
+    const vs_device *device = &deck->devices[k];
+    if (strlen(device->name) != n || strncmp(device->name, line, n) != 0) continue;
+    if (!strcmp(device->name, c->device)) return true;
+    return device->part >= 0 && !strcmp(deck->parts[device->part].name, c->device);
+  }
+  return false;
+}
+
+static void take_least(vs_design_mark *least, vs_design_mark mark) {
+  if (!isfinite(mark.margin)) return;
+  if (least->run == UINT64_MAX ||
+      vs_hold_is_weaker(mark.margin, mark.error, least->margin, least->error))
+    *least = mark;
+}
+
+/* Takes a run of the answer: each line of it belongs to a choice, or to none. */
+static void take_run_of_answer(answer *a, uint64_t number, uint64_t run) {
+  const vs_design *d = a->d;
+  const char *not_judged = a->results->words[run * VS_RESULT_WORDS + VS_RESULT_NOT_JUDGED];
+  const vs_hold_row whole = vs_design_search_judge(&a->s, run);
+  vs_hold_word came[2];
+  a->without_error += whole.weakest != SIZE_MAX && isnan(whole.error);
+  for (size_t k = 0; k < d->hold.count; k++) {
+    vs_hold_row row = VS_HOLD_ROW;
+    if (d->margin[k] < 0) continue;
+    vs_hold_judge(&d->hold, k, vs_plan_results_value(a->results, run, d->margin[k]),
+                  vs_plan_results_value(a->results, run, d->margin[k] + 1),
+                  not_judged ? not_judged : "", &row, came);
+    if (row.weakest == SIZE_MAX) continue;
+    for (size_t c = 0; c < d->n_choices; c++)
+      if (is_of_choice(a, d->hold.line[k].name, &d->choice[c]))
+        take_least(&a->least[c], (vs_design_mark){number, run, k, row.margin, row.error});
+  }
+}
+
+static const vs_design_class *class_of(const vs_design *d, const vs_design_candidate *c,
+                                       size_t choice) {
+  const vs_design_choice *leader = &d->choice[d->choice[choice].leader];
+  return &leader->option[vs_design_option_of(d, c->number, choice)]
+              .classes[c->class[d->choice[choice].leader]];
+}
+
+/* The margin that the part's class has, or a lower one, at the most that there was. */
+static void take_class(answer *a, size_t choice, const vs_design_class *class,
+                       vs_design_mark *least) {
+  const vs_design *d = a->d;
+  const vs_design_choice *c = &d->choice[choice];
+  vs_hold_word came[2];
+  for (size_t l = 0; l < d->choice[c->leader].n_limits; l++) {
+    vs_hold_row row = VS_HOLD_ROW;
+    vs_design_mark mark = a->s.answer->worst_at[choice][l];
+    if (isnan(class->limit[l]) || !(a->s.answer->worst[choice][l] > 0)) continue;
+    vs_hold_judge(&d->hold, c->line[l], 1 - a->s.answer->worst[choice][l] / class->limit[l], NAN,
+                  "", &row, came);
+    mark.line = c->line[l];
+    mark.margin = row.margin;
+    mark.error = NAN;
+    if (row.weakest != SIZE_MAX) take_least(least, mark);
+  }
+}
+
+static void find_margins(answer *a) {
+  const vs_design_search *s = &a->s;
+  for (size_t c = 0; c < a->d->n_choices; c++) a->least[c].run = UINT64_MAX;
+  if (!s->answer) return;
+  for (size_t k = 0; k < s->n_list; k++)
+    if (k < s->answer->room && s->answer->run[k])
+      take_run_of_answer(a, s->list[k], s->answer->run[k] - 1);
+  for (uint64_t k = 0; k < s->draws_held; k++)
+    take_run_of_answer(a, s->draw[k].number, s->draw[k].run);
+  for (size_t c = 0; c < a->d->n_choices; c++)
+    take_class(a, c, class_of(a->d, s->answer, c), &a->least[c]);
+}
+
+static void count_cheaper(answer *a) {
+  const vs_design_search *s = &a->s;
+  const double price = s->answer ? s->answer->price : INFINITY;
+  for (size_t k = 0; k < s->n_seen; k++) {
+    const vs_design_candidate *c = s->seen[k];
+    if (c == s->answer || c->price > price) continue;
+    a->unjudged += c->state == VS_DESIGN_UNJUDGED;
+    a->cheaper += c->price < price && c->state == VS_DESIGN_KILLED;
+  }
+}
+
+/* ---- words ---- */
+
+static const char *line_name(const answer *a, const vs_design_mark *mark) {
+  const char *happened = a->results->words[mark->run * VS_RESULT_WORDS + VS_RESULT_HAPPENED];
+  const char *why = a->results->words[mark->run * VS_RESULT_WORDS + VS_RESULT_WHY];
+  if (why) return why;
+  if (mark->line != SIZE_MAX && !(mark->margin > 0 && happened))
+    return a->d->hold.line[mark->line].name;
+  return happened ? happened : "";
+}
+
+static void add_case(const answer *a, const vs_design_mark *mark, vs_text *text) {
+  vs_design_cases_write(a->plan, &a->d->cases, mark->number, text);
+}
+
+/* How the case came up. */
+static const char *found_by(const answer *a, const vs_design_mark *mark) {
+  return mark->number < a->d->cases.count ? "list" : "draw";
+}
+
+static void add_candidate(const answer *a, const vs_design_candidate *c, vs_text *text) {
+  vs_design_write(a->d, a->plan, c->number, text);
+}
+
+static void add_option(const answer *a, const vs_design_candidate *c, size_t choice,
+                       vs_text *text) {
+  const vs_design_choice *leader = &a->d->choice[a->d->choice[choice].leader];
+  const vs_axis *axis = &a->plan->axes[leader->axis];
+  char word[VS_NAME_SIZE];
+  vs_axis_print(axis, leader->option[vs_design_option_of(a->d, c->number, choice)].number, word,
+                sizeof word);
+  vs_text_add(text, "%s%s%s", word, *axis->unit ? " " : "", axis->unit);
+}
+
+static const char *part_name(const answer *a, const vs_design_class *class) {
+  return vs_price_list_cell(&a->d->list, class->row, a->d->list.part)->text;
+}
+
+/* Adds "+6.3 % +- 0.2 %". */
+static void add_margin(double margin, double error, vs_text *text) {
+  vs_text_add(text, "%+.3g %%", 100 * margin);
+  if (isfinite(error)) vs_text_add(text, " +- %.2g %%", 100 * error);
+}
+
+/* ---- scenes of the cases that decide ---- */
+
+static void want_scene(answer *a, uint64_t run) {
+  if (run == UINT64_MAX) return;
+  for (size_t k = 0; k < a->n_scenes; k++)
+    if (a->scene[k] == run) return;
+  a->scene = vs_alloc_grow(a->scene, a->n_scenes, sizeof *a->scene);
+  a->scene[a->n_scenes++] = run;
+}
+
+/* Those of the answer's least margins, of what rejects its neighbours, and of the last rejection
+ * by each case of the list. */
+static void want_scenes(answer *a) {
+  const vs_design_search *s = &a->s;
+  for (size_t c = 0; c < a->d->n_choices; c++) want_scene(a, a->least[c].run);
+  for (size_t k = 0; k < s->n_neighbours; k++)
+    if (s->neighbour[k].candidate->state == VS_DESIGN_KILLED)
+      want_scene(a, s->neighbour[k].candidate->killer.run);
+  for (size_t n = 0; n < s->n_list; n++)
+    for (size_t k = s->n_seen; k-- > 0;)
+      if (s->seen[k]->state != VS_DESIGN_OPEN && s->seen[k]->state != VS_DESIGN_HOLDS &&
+          s->seen[k]->killer.number == s->list[n]) {
+        want_scene(a, s->seen[k]->killer.run);
+        break;
+      }
+}
+
+static vs_status write_text(const char *folder, const char *name, const vs_text *text,
+                            vs_error *err) {
+  vs_file file;
+  vs_status status = vs_file_open(&file, folder, name, err);
+  if (status) return status;
+  fputs(text->text ? text->text : "", file.stream);
+  return vs_file_commit(&file, err);
+}
+
+static vs_status write_scene(const answer *a, const char *folder, uint64_t run, vs_error *err) {
+  char name[64];
+  vs_text text = {0};
+  const int status_of_run = a->results->status[run];
+  snprintf(name, sizeof name, "%llu.yaml", (unsigned long long)run);
+  vs_text_add(&text, "# case %llu of a design: vibrospice run ends with status %d there\n",
+              (unsigned long long)run, status_of_run);
+  vs_status status =
+      vs_design_scene_add(a->plan, &a->results->points[run * a->plan->n_axes], &text, err);
+  if (!status) status = write_text(folder, name, &text, err);
+  vs_text_free(&text);
+  return status;
+}
+
+static vs_status write_scenes(answer *a, vs_error *err) {
+  char folder[VS_PATH_SIZE + 8];
+  int made;
+  snprintf(folder, sizeof folder, "%s/cases", a->folder);
+  vs_status status = vs_file_folder_make(folder, &made, err);
+  for (size_t k = 0; k < a->n_scenes && !status; k++)
+    status = write_scene(a, folder, a->scene[k], err);
+  return status;
+}
+
+/* ---- tables ---- */
+
+static const char *state_word(const vs_design_candidate *c) {
+  static const char *const WORDS[] = {"open", "violated", "unjudged", "held"};
+  return WORDS[c->held ? VS_DESIGN_HOLDS : c->state];
+}
+
+/* A row a candidate, in the order in which they were begun. */
+static void add_candidates(const answer *a, vs_text *text) {
+  vs_text cell = {0};
+  vs_text_add(text, "candidate,price");
+  for (size_t c = 0; c < a->d->n_choices; c++) {
+    vs_text_add(text, ",");
+    vs_csv_cell(text, a->plan->axes[a->d->choice[c].axis].column);
+  }
+  vs_text_add(text, ",verdict,killer,line,margin,margin_error,case,runs\n");
+  for (size_t k = 0; k < a->s.n_seen; k++) {
+    const vs_design_candidate *c = a->s.seen[k];
+    const bool killed = c->state == VS_DESIGN_KILLED || c->state == VS_DESIGN_UNJUDGED;
+    vs_text_add(text, "%zu,%.12g", k, c->price);
+    for (size_t n = 0; n < a->d->n_choices; n++) {
+      char word[VS_NAME_SIZE];
+      const vs_design_choice *leader = &a->d->choice[a->d->choice[n].leader];
+      vs_axis_print(&a->plan->axes[leader->axis],
+                    leader->option[vs_design_option_of(a->d, c->number, n)].number, word,
+                    sizeof word);
+      vs_text_add(text, ",");
+      vs_csv_cell(text, word);
+    }
+    vs_text_add(text, ",%s,", state_word(c));
+    cell.length = 0;
+    if (killed) add_case(a, &c->killer, &cell);
+    vs_csv_cell(text, cell.length ? cell.text : "");
+    vs_text_add(text, ",");
+    vs_csv_cell(text, killed ? line_name(a, &c->killer) : "");
+    vs_text_add(text, ",");
+    if (killed && isfinite(c->killer.margin)) vs_text_add_number(text, c->killer.margin, 12);
+    vs_text_add(text, ",");
+    if (killed && isfinite(c->killer.error)) vs_text_add_number(text, c->killer.error, 12);
+    vs_text_add(text, ",");
+    if (killed) vs_text_add(text, "%llu", (unsigned long long)c->killer.run);
+    vs_text_add(text, ",%llu\n", (unsigned long long)c->runs);
+  }
+  vs_text_free(&cell);
+}
+
+/* A row a key: what is bought for it, and all that the list of prices says of that. */
+static void add_bill(const answer *a, vs_text *text) {
+  const vs_price_list *l = &a->d->list;
+  vs_text cell = {0};
+  vs_text_add(text, "key,number,price_each,chosen");
+  for (size_t c = 0; c < l->columns; c++) {
+    vs_text_add(text, ",");
+    vs_csv_cell(text, l->title[c]);
+  }
+  vs_text_add(text, "\n");
+  for (size_t c = 0; c < a->d->n_choices && a->s.answer; c++) {
+    const vs_design_class *class = class_of(a->d, a->s.answer, c);
+    vs_text_add(text, "%s,%d,%.12g,", a->d->choice[c].node->key, a->d->choice[c].number,
+                class->price);
+    cell.length = 0;
+    add_option(a, a->s.answer, c, &cell);
+    vs_csv_cell(text, cell.text);
+    for (size_t n = 0; n < l->columns; n++) {
+      vs_text_add(text, ",");
+      vs_csv_cell(text, vs_price_list_cell(l, class->row, n)->text);
+    }
+    vs_text_add(text, "\n");
+  }
+  vs_text_free(&cell);
+}
+
+/* ---- the proof, in sentences that are true ---- */
+
+static void add_proof_of_list(const answer *a, vs_text *text) {
+  const vs_design_search *s = &a->s;
+  vs_text_add(text, "List: the answer holds all %zu cases, each run in ngspice", s->n_list);
+  if (a->without_error)
+    vs_text_add(text,
+                "; of %llu of its runs the weakest margin has no computed error (run.verify: "
+                "always computes it)",
+                (unsigned long long)a->without_error);
+  vs_text_add(text,
+              ". Each of the %zu candidates looked at that cost less violates a case, which "
+              "design.csv names",
+              a->cheaper);
+  if (a->unjudged) vs_text_add(text, ", but for %zu that could not be judged", a->unjudged);
+  vs_text_add(text, ".");
+}
+
+static void add_proof_of_ranges(const answer *a, vs_text *text) {
+  if (vs_design_cases_ranged(a->plan, &a->d->cases))
+    vs_text_add(text,
+                "Ranges: the list has samples of continuous ranges; the worst within them was "
+                "not searched for, and no bound is claimed.");
+  else
+    vs_text_add(text, "Ranges: none is stated; nothing is said of values that are not listed.");
+}
+
+static void add_proof_by_draws(const answer *a, vs_text *text) {
+  const vs_design_search *s = &a->s;
+  if (!s->draws_held) {
+    vs_text_add(text, "Random: nothing was drawn.");
+    return;
+  }
+  vs_text_add(text,
+              "Random: 0 of %llu draws after the last change violate; %llu were drawn in all, and "
+              "%zu became cases. So p < %.3g %% at 95 %%, of draws by which each threat is as "
+              "likely as another and even within its ranges.",
+              (unsigned long long)s->draws_held, (unsigned long long)s->draws,
+              s->n_list - (size_t)a->d->cases.count, 300. / (double)s->draws_held);
+}
+
+/* What no run judged, each once, as the rows of the answer say it. */
+static void add_not_judged(const answer *a, vs_text *text) {
+  const vs_design_search *s = &a->s;
+  const char *said[64];
+  size_t n = 0;
+  for (size_t k = 0; k < s->n_list && n < 64; k++) {
+    const uint64_t run = s->answer->run[k] - 1;
+    const char *cell = a->results->words[run * VS_RESULT_WORDS + VS_RESULT_NOT_JUDGED];
+    size_t i = 0;
+    while (cell && i < n && strcmp(said[i], cell) != 0) i++;
+    if (!cell || i < n) continue;
+    vs_text_add(text, "%s%s", n ? "; " : "Not judged: ", cell);
+    said[n++] = cell;
+  }
+  if (!n) vs_text_add(text, "Not judged: nothing that a part states a limit for");
+  bool any = false;
+  for (size_t k = 0; k < a->d->hold.count; k++) {
+    if (!a->d->hold.line[k].waived) continue;
+    vs_text_add(text, "%s%s", any ? ", " : ". Waived: ", a->d->hold.line[k].name);
+    any = true;
+  }
+  vs_text_add(text, ".");
+}
+
+/* The limits of the chosen parts that no source says. */
+static void add_assumed(const answer *a, vs_text *text) {
+  vs_scene *scene = vs_alloc(1, sizeof *scene);
+  vs_error none = {0};
+  const double *point = &a->results->points[a->s.weakest_run * a->plan->n_axes];
+  bool any = false;
+  vs_status status = vs_plan_scene(a->plan, scene, &none);
+  if (!status) vs_plan_put(a->plan, point, &scene->tree);
+  if (!status) status = vs_scene_read_sections(scene, NULL, &none);
+  const vs_deck *deck = &scene->setup.deck;
+  for (size_t k = 0; !status && k < deck->n_devices; k++)
+    for (size_t m = 0; deck->devices[k].kind && m < deck->devices[k].kind->n_measures; m++) {
+      const size_t held = deck->devices[k].held[m];
+      if (!held || !deck->limits[held - 1].assumed) continue;
+      vs_text_add(text, "%s%s.%s", any ? ", " : " Assumed limits: ", deck->devices[k].name,
+                  deck->devices[k].kind->measures[m].name);
+      any = true;
+    }
+  if (any) vs_text_add(text, ".");
+  vs_scene_free(scene);
+  free(scene);
+}
+
+enum { SENTENCES = 4 };
+static void add_sentence(const answer *a, int which, vs_text *text) {
+  if (which == 0) add_proof_of_list(a, text);
+  if (which == 1) add_proof_of_ranges(a, text);
+  if (which == 2) add_proof_by_draws(a, text);
+  if (which != 3) return;
+  add_not_judged(a, text);
+  add_assumed(a, text);
+}
+
+/* ---- JSON ---- */
+
+static void put_mark(const answer *a, const char *key, const vs_design_mark *mark, vs_json *json) {
+  vs_text text = {0};
+  if (mark->run == UINT64_MAX) {
+    vs_json_null(json, key);
+    return;
+  }
+  add_case(a, mark, &text);
+  vs_json_object(json, key, VS_JSON_ROW);
+  vs_json_text(json, "line", line_name(a, mark));
+  vs_json_number(json, "margin", mark->margin, 12);
+  vs_json_number(json, "margin_error", mark->error, 12);
+  vs_json_text(json, "threat", text.text);
+  vs_json_text(json, "found_by", found_by(a, mark));
+  vs_json_whole(json, "case", (int64_t)mark->run);
+  vs_json_end(json);
+  vs_text_free(&text);
+}
+
+static void put_choices(const answer *a, const vs_design_candidate *c, bool margins,
+                        vs_json *json) {
+  vs_json_object(json, "choice", margins ? VS_JSON_LINES : VS_JSON_ROW);
+  for (size_t k = 0; k < a->d->n_choices; k++) {
+    vs_text text = {0};
+    const vs_design_class *class = class_of(a->d, c, k);
+    add_option(a, c, k, &text);
+    if (!margins) {
+      vs_json_text(json, a->d->choice[k].node->key, text.text);
+    } else {
+      vs_json_object(json, a->d->choice[k].node->key, VS_JSON_ROW);
+      vs_json_text(json, "chosen", text.text);
+      vs_json_text(json, "part", part_name(a, class));
+      vs_json_whole(json, "number", a->d->choice[k].number);
+      vs_json_number(json, "price_each", class->price, 12);
+      put_mark(a, "least", &a->least[k], json);
+      vs_json_end(json);
+    }
+    vs_text_free(&text);
+  }
+  vs_json_end(json);
+}
+
+static void put_neighbours(const answer *a, vs_json *json) {
+  const vs_design_search *s = &a->s;
+  vs_json_array(json, "one_size_smaller", VS_JSON_LINES);
+  for (size_t k = 0; k < s->n_neighbours; k++) {
+    const vs_design_neighbour *n = &s->neighbour[k];
+    vs_text text = {0};
+    add_option(a, n->candidate, n->choice, &text);
+    vs_json_object(json, NULL, VS_JSON_ROW);
+    vs_json_text(json, "key", a->d->choice[n->choice].node->key);
+    vs_json_text(json, "chosen", text.text);
+    vs_json_number(json, "price", n->candidate->price, 12);
+    vs_json_text(json, "verdict", state_word(n->candidate));
+    if (n->candidate->state == VS_DESIGN_KILLED) put_mark(a, "killer", &n->candidate->killer, json);
+    vs_json_end(json);
+    vs_text_free(&text);
+  }
+  vs_json_end(json);
+  if (!s->runner_up) {
+    vs_json_null(json, "runner_up");
+    return;
+  }
+  vs_json_object(json, "runner_up", VS_JSON_ROW);
+  vs_json_number(json, "price", s->runner_up->price, 12);
+  put_choices(a, s->runner_up, false, json);
+  vs_json_end(json);
+}
+
+static const char *status_word(vs_status status) {
+  return status == VS_OK       ? "proved"
+         : status == VS_RATING ? "nothing holds"
+         : status == VS_BUDGET ? "budget spent"
+                               : "not judged";
+}
+
+static void put_answer(const answer *a, vs_status status, vs_json *json) {
+  const vs_design_search *s = &a->s;
+  vs_json_object(json, NULL, VS_JSON_LINES);
+  vs_json_whole(json, "status", status);
+  vs_json_text(json, "word", status_word(status));
+  vs_json_text(json, "least", a->d->aim->text);
+  vs_json_number(json, "price", s->answer ? s->answer->price : NAN, 12);
+  vs_json_number(json, "lower_bound", a->unjudged ? NAN : vs_design_search_bound(s), 12);
+  vs_json_whole(json, "candidates", (int64_t)a->d->n_candidates);
+  vs_json_whole(json, "looked_at", (int64_t)s->n_seen);
+  vs_json_whole(json, "runs", (int64_t)a->results->count);
+  vs_json_whole(json, "list", (int64_t)s->n_list);
+  vs_json_whole(json, "draws", (int64_t)s->draws);
+  vs_json_whole(json, "draws_held", (int64_t)s->draws_held);
+  if (s->answer) put_choices(a, s->answer, true, json);
+  if (s->proved) put_neighbours(a, json);
+  if (s->answer) {
+    vs_json_array(json, "proof", VS_JSON_LINES);
+    for (int k = 0; k < SENTENCES; k++) {
+      vs_text text = {0};
+      add_sentence(a, k, &text);
+      vs_json_text(json, NULL, text.text);
+      vs_text_free(&text);
+    }
+    vs_json_end(json);
+  }
+  vs_json_end(json);
+}
+
+static vs_status write_files(answer *a, vs_status ended, vs_error *err) {
+  vs_text text = {0};
+  vs_json json = vs_json_new(&text);
+  vs_status status;
+  want_scenes(a);
+  status = write_scenes(a, err);
+  add_candidates(a, &text);
+  if (!status) status = write_text(a->folder, "design.csv", &text, err);
+  text.length = 0;
+  add_bill(a, &text);
+  if (!status) status = write_text(a->folder, "bom.csv", &text, err);
+  text.length = 0;
+  put_answer(a, ended, &json);
+  vs_text_add(&text, "\n");
+  if (!status) status = write_text(a->folder, "design.json", &text, err);
+  vs_text_free(&text);
+  return status;
+}
+
+/* ---- for people ---- */
+
+/* Pads the text to a column's end. */
+static void add_cell(vs_text *line, const char *text, size_t width) {
+  vs_text_add(line, "%-*s  ", (int)width, text);
+}
+
+static void add_choice_row(const answer *a, size_t c, vs_text *line) {
+  const vs_design_class *class = class_of(a->d, a->s.answer, c);
+  const vs_design_mark *least = &a->least[c];
+  vs_text text = {0};
+  char number[64];
+  add_option(a, a->s.answer, c, &text);
+  if (strcmp(text.text, part_name(a, class)) != 0) vs_text_add(&text, " (%s)", part_name(a, class));
+  add_cell(line, a->d->choice[c].node->key, 20);
+  add_cell(line, text.text, 22);
+  snprintf(number, sizeof number, "%d", a->d->choice[c].number);
+  add_cell(line, number, 3);
+  snprintf(number, sizeof number, "%.6g", class->price);
+  add_cell(line, number, 7);
+  text.length = 0;
+  if (least->run == UINT64_MAX) {
+    add_cell(line, "-", 18);
+    vs_text_add(line, "no limit of it is judged");
+  } else {
+    add_margin(least->margin, least->error, &text);
+    add_cell(line, text.text, 18);
+    add_cell(line, line_name(a, least), 22);
+    add_case(a, least, line);
+    vs_text_add(line, " (%s, case %llu)", found_by(a, least), (unsigned long long)least->run);
+  }
+  vs_text_add(line, "\n");
+  vs_text_free(&text);
+}
+
+static void add_neighbour_row(const answer *a, const vs_design_neighbour *n, vs_text *text) {
+  const vs_design_candidate *c = n->candidate;
+  vs_text_add(text, "%-20s  ", a->d->choice[n->choice].node->key);
+  add_option(a, c, n->choice, text);
+  if (c->state == VS_DESIGN_KILLED) {
+    vs_text_add(text, ": violates %s", line_name(a, &c->killer));
+    if (isfinite(c->killer.margin)) {
+      vs_text_add(text, " by ");
+      add_margin(c->killer.margin, c->killer.error, text);
+    }
+    vs_text_add(text, " under ");
+    add_case(a, &c->killer, text);
+    vs_text_add(text, " (case %llu)\n", (unsigned long long)c->killer.run);
+  } else if (c->held)
+    vs_text_add(text, ": holds the list, too, for %.6g\n", c->price);
+  else
+    vs_text_add(text, ": could not be judged\n");
+}
+
+/* A lower class of a value's part, where the answer has not the lowest. */
+static void add_class_row(answer *a, size_t choice, vs_text *text) {
+  const size_t now = a->s.answer->class[choice];
+  const vs_design_choice *c = &a->d->choice[choice];
+  vs_design_mark least = {.run = UINT64_MAX};
+  if (c->leader != choice || !now) return;
+  const vs_design_class *below =
+      &c->option[vs_design_option_of(a->d, a->s.answer->number, choice)].classes[now - 1];
+  for (size_t k = 0; k < a->d->n_choices; k++)
+    if (a->d->choice[k].leader == choice) take_class(a, k, below, &least);
+  if (least.run == UINT64_MAX) return;
+  vs_text_add(text, "%-20s  as %s: violates %s by ", c->node->key, part_name(a, below),
+              line_name(a, &least));
+  add_margin(least.margin, least.error, text);
+  vs_text_add(text, " under ");
+  add_case(a, &least, text);
+  vs_text_add(text, " (case %llu)\n", (unsigned long long)least.run);
+}
+
+static void add_around(answer *a, vs_text *text) {
+  const vs_design_search *s = &a->s;
+  vs_text_add(text, "\none size smaller\n");
+  for (size_t k = 0; k < s->n_neighbours; k++) add_neighbour_row(a, &s->neighbour[k], text);
+  for (size_t c = 0; c < a->d->n_choices; c++) add_class_row(a, c, text);
+  vs_text_add(text, "\nrunner-up             ");
+  if (!s->runner_up) {
+    vs_text_add(text, s->spent ? "not looked for to the end: the budget is spent\n"
+                               : "none: no other candidate holds the list\n");
+    return;
+  }
+  add_candidate(a, s->runner_up, text);
+  vs_text_add(text, ": %+.6g; it holds the list, and was shown no draws\n",
+              s->runner_up->price - s->answer->price);
+}
+
+static void add_page(answer *a, vs_text *text) {
+  const vs_design_search *s = &a->s;
+  if (!s->answer) return;
+  vs_text_add(text, "%s: %s = %.6g of %llu candidates, after %llu runs\n",
+              s->proved ? "cheapest that holds" : "best so far", a->d->aim->text, s->answer->price,
+              (unsigned long long)a->d->n_candidates, (unsigned long long)a->results->count);
+  if (a->d->hold.margin > 0)
+    vs_text_add(text, "margins are beyond the house's %.3g %% of each limit\n",
+                100 * a->d->hold.margin);
+  vs_text_add(text, "\n%-20s  %-22s  %-3s  %-7s  %-18s  %-22s  %s\n", "choice", "part", "no.",
+              "each", "least margin", "whose", "under");
+  for (size_t c = 0; c < a->d->n_choices; c++) add_choice_row(a, c, text);
+  if (s->proved && a->d->neighbours) add_around(a, text);
+  vs_text_add(text, "\nproof\n");
+  for (int k = 0; k < SENTENCES; k++) {
+    vs_text_add(text, "%d. ", k + 1);
+    add_sentence(a, k, text);
+    vs_text_add(text, "\n");
+  }
+}
+
+static void add_unjudged(const answer *a, vs_text *text) {
+  const vs_design_search *s = &a->s;
+  const double price = s->answer ? s->answer->price : INFINITY;
+  for (size_t k = 0; k < s->n_seen; k++) {
+    const vs_design_candidate *c = s->seen[k];
+    if (c->state != VS_DESIGN_UNJUDGED || c->price > price) continue;
+    vs_text_add(text, "could not be judged: ");
+    add_candidate(a, c, text);
+    vs_text_add(text, " for %.6g, under ", c->price);
+    add_case(a, &c->killer, text);
+    vs_text_add(text, " (case %llu): %s\n", (unsigned long long)c->killer.run,
+                a->results->status[c->killer.run] == 1 ? line_name(a, &c->killer)
+                                                       : "the verdict is undecided");
+  }
+}
+
+/* ---- how it ended ---- */
+
+static double dearest(const answer *a) {
+  double price = 0;
+  for (size_t k = 0; k < a->s.n_seen; k++) price = fmax(price, a->s.seen[k]->price);
+  return price;
+}
+
+static vs_status end_design(const answer *a, vs_error *err) {
+  const vs_design_search *s = &a->s;
+  if (a->unjudged && (s->proved || s->looked_at_all))
+    return vs_fail(err, VS_RUN, "%zu cheaper candidate%s could not be judged; %s", a->unjudged,
+                   a->unjudged > 1 ? "s" : "",
+                   s->answer ? "one of them may hold for less" : "no other one holds");
+  if (s->proved) return VS_OK;
+  if (s->looked_at_all)
+    return vs_fail(
+        err, VS_RATING,
+        "nothing in the catalogue holds: all %llu candidates, up to %.6g, violate a case",
+        (unsigned long long)a->d->n_candidates, dearest(a));
+  return vs_fail(err, VS_BUDGET,
+                 "budget.runs = %llu is spent: nothing below %.6g holds%s; --resume with a larger "
+                 "one would be another study",
+                 (unsigned long long)a->d->most_runs, vs_design_search_bound(s),
+                 s->answer ? ", and the best so far is not proved" : "");
+}
+
+vs_status vs_design_answer_publish(const vs_plan *plan, const vs_plan_stage *stage,
+                                   const vs_results *results, const char *folder, bool quiet,
+                                   vs_error *err) {
+  answer *a = vs_alloc(1, sizeof *a);
+  vs_text text = {0};
+  *a = (answer){.plan = plan, .d = stage->state, .results = results, .folder = folder};
+  vs_design_search_run(&a->s, a->d, plan, results, NULL);
+  find_margins(a);
+  count_cheaper(a);
+  vs_error why = {0};
+  const vs_status ended = end_design(a, &why);
+  vs_status status = folder ? write_files(a, ended, err) : VS_OK;
+  if (!status && !quiet) {
+    add_page(a, &text);
+    add_unjudged(a, &text);
+    if (folder)
+      vs_text_add(&text, "\nwritten: design.json, design.csv, bom.csv, cases/ in %s\n", folder);
+    fputs(text.text ? text.text : "", stdout);
+  }
+  if (!status && ended) *err = why;
+  vs_text_free(&text);
+  free(a->scene);
+  vs_design_search_free(&a->s);
+  free(a);
+  return status ? status : ended;
+}

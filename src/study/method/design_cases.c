@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "method/design_cases.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const vs_inside SETTINGS = {.rows = VS_ROWS({.kind = VS_SETTING})};
+static const vs_field POINTS[] = {{.kind = VS_MAP, .inside = &SETTINGS}, {0}};
+const vs_inside vs_design_cases_operation = {.rows = POINTS};
+
+/* What the axis is, in lists. Its first word is the scene as it is, which threats come to. */
+static const vs_field OPERATION = {
+    .key = "operation", .kind = VS_NAME, .unit = "", .text = "the machine at work"};
+static const char AS_IT_IS[] = "as_it_is";
+
+static const vs_node *point_named(const vs_design_cases *c, size_t word) {
+  const vs_node *point = word ? c->points->child : NULL;
+  for (size_t k = 1; k < word; k++) point = point->next;
+  return point;
+}
+
+/* ---- reading ---- */
+
+/* What a dotted key has in the scene's tree; NULL: nothing. */
+static const vs_node *node_of(const vs_scene *scene, const char *key) {
+  char part[VS_KEY_SIZE];
+  const vs_node *node = scene->tree.root;
+  for (const char *s = key; node && *s; s += strcspn(s, "."), s += *s == '.') {
+    snprintf(part, sizeof part, "%.*s", (int)strcspn(s, "."), s);
+    node = vs_tree_child(node, part);
+  }
+  return node;
+}
+
+/* Error: what another point, or the scene as it is, would have there is not said, so that nothing
+ * could be put back. */
+static vs_status check_key(const vs_plan *plan, const vs_node *point, const vs_node *key,
+                           vs_error *err) {
+  if (!strncmp(key->key, "events", 6))
+    return vs_fail_at(err, key->key_where,
+                      "operation.%s: events are threats; under threats they have their names",
+                      point->key);
+  if (node_of(plan->base, key->key)) return VS_OK;
+  return vs_fail_at(err, key->key_where,
+                    "operation.%s: the scene itself does not say %s; set: {%s: ...} is wanted, for "
+                    "the other cases",
+                    point->key, key->key, key->key);
+}
+
+static vs_status check_point(const vs_plan *plan, const vs_node *point, vs_error *err) {
+  vs_status status = VS_OK;
+  if (point->kind != VS_NODE_MAP || !point->child)
+    return vs_fail_at(err, point->where,
+                      "operation.%s: keys of the scene are wanted, as {supply.voltage: 484 V}",
+                      point->key);
+  for (const vs_node *n = point->child; n && !status; n = n->next)
+    status = vs_error_keep(err, check_key(plan, point, n, err));
+  return status;
+}
+
+static void add_word(vs_axis *axis, const char *word, vs_where where) {
+  axis->word[axis->n_words] = vs_copy(word);
+  axis->word_where[axis->n_words] = where;
+  axis->value[axis->n_values++] = (double)axis->n_words++;
+}
+
+static void add_axis(vs_plan *plan, vs_design_cases *c) {
+  const size_t n = c->n_points + 1;
+  c->axis = plan->n_axes++;
+  vs_axis *axis = &plan->axes[c->axis];
+  *axis = (vs_axis){.key = "operation",
+                    .column = "operation",
+                    .field = &OPERATION,
+                    .unit = "",
+                    .by = "catalogue",
+                    .is_word = true,
+                    .nominal = NAN,
+                    .where = c->points->key_where};
+  axis->word = vs_alloc(n, sizeof *axis->word);
+  axis->word_where = vs_alloc(n, sizeof *axis->word_where);
+  axis->value = vs_alloc(n, sizeof *axis->value);
+  add_word(axis, AS_IT_IS, axis->where);
+  for (const vs_node *p = c->points->child; p; p = p->next) add_word(axis, p->key, p->where);
+}
+
+vs_status vs_design_cases_read(vs_plan *plan, vs_design_cases *c, vs_error *err) {
+  const size_t kept = vs_error_count(err);
+  vs_status status = VS_OK;
+  *c =
+      (vs_design_cases){.points = vs_tree_child(plan->tree.root, "operation"), .scene = plan->base};
+  for (size_t p = 0; p < plan->n_stages; p++)
+    if (plan->stages[p].method->draw) c->threats = &plan->stages[p];
+  if (!c->points) return VS_OK;
+  if (c->points->kind != VS_NODE_MAP || !c->points->child)
+    return vs_fail_at(err, c->points->where,
+                      "operation: points are wanted, as {high: {supply.voltage: 484 V}}");
+  for (const vs_node *n = c->points->child; n && !status; n = n->next, c->n_points++)
+    status = vs_error_keep(err, check_point(plan, n, err));
+  if (!status && vs_error_count(err) == kept) add_axis(plan, c);
+  return status;
+}
+
+static uint64_t count_threats(const vs_plan *plan, const vs_design_cases *c) {
+  return c->threats ? c->threats->method->count(plan, c->threats) : 0;
+}
+
+void vs_design_cases_count(const vs_plan *plan, vs_design_cases *c) {
+  const uint64_t threats = count_threats(plan, c);
+  /* the last of the threats is the scene itself, for which points of operation stand */
+  c->count = c->n_points + threats;
+  if (threats && c->n_points) c->count--;
+  if (!c->count) c->count = 1; /* the scene as it is */
+}
+
+/* ---- cases ---- */
+
+void vs_design_cases_point(const vs_plan *plan, const vs_design_cases *c, uint64_t number,
+                           double *point) {
+  const bool at_work = number < c->n_points;
+  const uint64_t threats = count_threats(plan, c);
+  if (c->n_points) point[c->axis] = at_work ? (double)(number + 1) : 0;
+  if (!c->threats) return;
+  double *own = point + c->threats->axis;
+  if (number < c->count)
+    c->threats->method->point(plan, c->threats, at_work ? threats - 1 : number - c->n_points, own);
+  else
+    c->threats->method->draw(plan, c->threats, number - c->count, own);
+}
+
+void vs_design_cases_put(const vs_design_cases *c, const double *point, vs_tree *tree) {
+  vs_error never = {0}; /* the keys go through no list */
+  if (!c->n_points) return;
+  for (size_t w = 1; w <= c->n_points; w++)
+    for (const vs_node *n = point_named(c, w)->child; n; n = n->next)
+      vs_tree_graft(tree, n->key, node_of(c->scene, n->key), &never);
+  const vs_node *own = point_named(c, (size_t)point[c->axis]);
+  for (const vs_node *n = own ? own->child : NULL; n; n = n->next)
+    vs_tree_graft(tree, n->key, n, &never);
+}
+
+bool vs_design_cases_ranged(const vs_plan *plan, const vs_design_cases *c) {
+  double point[VS_PLAN_AXES];
+  return c->threats && c->threats->method->draw(plan, c->threats, 0, point);
+}
+
+void vs_design_cases_write(const vs_plan *plan, const vs_design_cases *c, uint64_t number,
+                           vs_text *text) {
+  double point[VS_PLAN_AXES];
+  char cell[VS_NAME_SIZE];
+  vs_design_cases_point(plan, c, number, point);
+  if (number < c->n_points || !c->threats) {
+    vs_text_add(text, "%s", c->n_points ? point_named(c, (size_t)number + 1)->key : AS_IT_IS);
+    return;
+  }
+  const char *between = "";
+  for (size_t k = c->threats->axis; k < c->threats->axis + c->threats->n; k++) {
+    const vs_axis *axis = &plan->axes[k];
+    const char *dot = strchr(axis->key, '.');
+    if (isnan(point[k])) continue;
+    vs_axis_print(axis, point[k], cell, sizeof cell);
+    vs_text_add(text, "%s%s%s%s%s%s", between, dot ? dot + 1 : "", dot ? " " : "", cell,
+                *axis->unit ? " " : "", axis->unit);
+    between = k == c->threats->axis ? ": " : ", ";
+  }
+}

@@ -1,0 +1,411 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "method/design_search.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/units.h"
+#include "netlist/kinds.h"
+
+/* How many draws are asked for at a time: so many are run in vain at most when the first is not
+ * held. */
+enum { DRAWS = 16 };
+
+/* ---- what a run comes to ---- */
+
+static const char *word_of(const vs_results *r, uint64_t run, int word) {
+  const char *text = r->words[run * VS_RESULT_WORDS + (size_t)word];
+  return text ? text : "";
+}
+
+vs_hold_row vs_design_search_judge(const vs_design_search *s, uint64_t run) {
+  const vs_design *d = s->d;
+  const char *not_judged = word_of(s->results, run, VS_RESULT_NOT_JUDGED);
+  vs_hold_row row = VS_HOLD_ROW;
+  vs_hold_word came[2];
+  for (size_t k = 0; k < d->hold.count; k++) {
+    if (d->margin[k] < 0) continue;
+    const double margin = vs_plan_results_value(s->results, run, d->margin[k]),
+                 error = vs_plan_results_value(s->results, run, d->margin[k] + 1);
+    if (isnan(margin)) continue; /* no such line; or nothing to judge, which the status tells */
+    vs_hold_judge(&d->hold, k, margin, error, not_judged, &row, came);
+  }
+  vs_hold_happened(word_of(s->results, run, VS_RESULT_HAPPENED), -1, &row);
+  if (!vs_hold_rest(&d->hold, s->results->status[run] == 3,
+                    word_of(s->results, run, VS_RESULT_WARNINGS), &row))
+    row.now = VS_HOLD_UNDECIDED;
+  return row;
+}
+
+/* The margin that a class leaves of a limit of the list, as it is held; infinite where the class
+ * does not say it. */
+static double margin_of_class(const vs_design *d, const vs_design_class *class, size_t limit,
+                              size_t line, double worst) {
+  vs_hold_row row = VS_HOLD_ROW;
+  vs_hold_word came[2];
+  if (isnan(class->limit[limit]) || d->hold.line[line].waived) return INFINITY;
+  vs_hold_judge(&d->hold, line, 1 - worst / class->limit[limit], NAN, "", &row, came);
+  return row.margin;
+}
+
+/* True if the class bears what the choice's devices bore in all runs of the candidate. Else *mark
+ * is what it does not. */
+static bool class_bears(const vs_design *d, const vs_design_candidate *c, size_t leader,
+                        const vs_design_class *class, vs_design_mark *mark) {
+  bool bears = true;
+  for (size_t k = 0; k < d->n_choices; k++) {
+    if (d->choice[k].leader != leader) continue;
+    for (size_t l = 0; l < d->choice[leader].n_limits; l++) {
+      const double margin = margin_of_class(d, class, l, d->choice[k].line[l], c->worst[k][l]);
+      if (margin >= 0 || (!bears && margin > mark->margin)) continue;
+      *mark = c->worst_at[k][l];
+      mark->margin = margin;
+      bears = false;
+    }
+  }
+  return bears;
+}
+
+/* Takes what the devices of the list's limits bore. False: one of them is not known. */
+static bool take_stresses(const vs_design_search *s, vs_design_candidate *c, uint64_t number,
+                          uint64_t run) {
+  const vs_design *d = s->d;
+  bool known = true;
+  for (size_t k = 0; k < d->n_choices; k++)
+    for (size_t l = 0; l < d->choice[d->choice[k].leader].n_limits; l++) {
+      const int column = d->choice[k].column[l];
+      if (column < 0) continue;
+      const double x = fabs(vs_plan_results_value(s->results, run, column)) *
+                       vs_units_factor(s->plan->columns[column].unit);
+      known = known && !isnan(x);
+      if (!(x > c->worst[k][l])) continue;
+      c->worst[k][l] = x;
+      c->worst_at[k][l] = (vs_design_mark){number, run, d->choice[k].line[l], NAN, NAN};
+    }
+  return known;
+}
+
+/* Takes the cheapest classes that bear what there was so far. False: of one choice none does;
+ * *mark says what the one that bears most does not. */
+static bool take_classes(const vs_design *d, vs_design_candidate *c, vs_design_mark *mark) {
+  for (size_t k = 0; k < d->n_choices; k++) {
+    if (d->choice[k].leader != k || !d->choice[k].n_limits) continue;
+    const vs_design_option *o = &d->choice[k].option[vs_design_option_of(d, c->number, k)];
+    vs_design_mark here, best = {.margin = -INFINITY};
+    size_t n = 0;
+    for (; n < o->n_classes && !class_bears(d, c, k, &o->classes[n], &here); n++)
+      if (here.margin > best.margin) best = here;
+    if (n == o->n_classes) {
+      *mark = best;
+      return false;
+    }
+    c->class[k] = n;
+  }
+  return true;
+}
+
+/* ---- candidates ---- */
+
+static vs_design_candidate *find_seen(const vs_design_search *s, uint64_t number) {
+  for (size_t k = 0; k < s->n_seen; k++)
+    if (s->seen[k]->number == number) return s->seen[k];
+  return NULL;
+}
+
+static vs_design_candidate *begin_candidate(vs_design_search *s, uint64_t number, uint64_t rank) {
+  vs_design_candidate *c = vs_alloc(1, sizeof *c);
+  *c = (vs_design_candidate){
+      .number = number, .rank = rank, .price = vs_design_price(s->d, number, NULL)};
+  s->seen = vs_alloc_grow(s->seen, s->n_seen, sizeof *s->seen);
+  return s->seen[s->n_seen++] = c;
+}
+
+/* Passes over those that were begun out of turn. */
+static void skip_seen(vs_design_search *s) {
+  while (s->next_rank < s->d->n_candidates && find_seen(s, s->d->order[s->next_rank]))
+    s->next_rank++;
+}
+
+/* The cheapest open candidate that is none of not[n]; NULL: there is none left. */
+static vs_design_candidate *cheapest(vs_design_search *s, vs_design_candidate *const * not,
+                                     size_t n) {
+  vs_design_candidate *best = NULL;
+  for (size_t k = 0; k < s->n_seen; k++) {
+    vs_design_candidate *c = s->seen[k];
+    bool out = c->state != VS_DESIGN_OPEN;
+    for (size_t i = 0; i < n; i++) out = out || not [i] == c;
+    if (out) continue;
+    if (!best || c->price < best->price || (c->price == best->price && c->rank < best->rank))
+      best = c;
+  }
+  skip_seen(s);
+  if (s->next_rank == s->d->n_candidates) return best;
+  const uint64_t number = s->d->order[s->next_rank];
+  const double price = vs_design_price(s->d, number, NULL);
+  if (best && (best->price < price || (best->price == price && best->rank < s->next_rank)))
+    return best;
+  return begin_candidate(s, number, s->next_rank++);
+}
+
+/* ---- asking ---- */
+
+typedef struct asked {
+  vs_design_candidate *candidate;
+  uint64_t number; /* of the case */
+  size_t place;    /* in the search's list; SIZE_MAX: it is a draw */
+} asked;
+
+/* Returns the first of n runs that were asked for; UINT64_MAX: they are not there yet, or the
+ * budget is spent. */
+static uint64_t ask(vs_design_search *s, const asked *one, size_t n) {
+  double point[VS_PLAN_AXES];
+  const uint64_t first = s->used;
+  if (s->used + n <= s->results->count) {
+    s->used += n;
+    return first;
+  }
+  s->spent = s->used + n > s->d->most_runs;
+  s->waits = true;
+  for (size_t k = 0; k < n && !s->spent && s->generation; k++) {
+    vs_design_cases_point(s->plan, &s->d->cases, one[k].number, point);
+    for (size_t c = 0; c < s->d->n_choices; c++) {
+      const vs_design_choice *leader = &s->d->choice[s->d->choice[c].leader];
+      const size_t option = vs_design_option_of(s->d, one[k].candidate->number, c);
+      point[s->d->choice[c].axis] = leader->option[option].number;
+    }
+    vs_plan_generation_add(s->generation, point);
+  }
+  return UINT64_MAX;
+}
+
+/* ---- a candidate and a case ---- */
+
+static void make_room(const vs_design_search *s, vs_design_candidate *c) {
+  if (c->room >= s->n_list) return;
+  c->run = vs_resize(c->run, s->n_list, sizeof *c->run);
+  memset(c->run + c->room, 0, (s->n_list - c->room) * sizeof *c->run);
+  c->room = s->n_list;
+}
+
+/* Takes the run of a case that the list has in that place. One that is rejected already stays so.
+ */
+static void take_run(vs_design_search *s, vs_design_candidate *c, size_t place, uint64_t run) {
+  const uint64_t number = s->list[place];
+  vs_design_mark mark;
+  make_room(s, c);
+  c->run[place] = run + 1;
+  c->runs++;
+  if (c->state == VS_DESIGN_KILLED) return;
+  const bool failed = s->results->status[run] == 1;
+  const vs_hold_row row = vs_design_search_judge(s, run);
+  bool doubtful = failed || row.now == VS_HOLD_UNDECIDED;
+  bool killed = !failed && row.now == VS_HOLD_VIOLATED;
+  mark = (vs_design_mark){number, run, row.weakest, row.margin, row.error};
+  if (!failed && !take_stresses(s, c, number, run)) doubtful = true;
+  if (!failed && !killed) killed = !take_classes(s->d, c, &mark);
+  if (killed) {
+    c->state = VS_DESIGN_KILLED;
+    c->killer = mark;
+    s->killed_at[place] = ++s->kills;
+  } else if (doubtful && !c->doubtful)
+    c->killer = mark;
+  if (!killed && doubtful) c->doubtful = true;
+  if (!killed) c->price = vs_design_price(s->d, c->number, c->class);
+}
+
+/* The case that the candidate is run with next: of those it has not been, the one that rejected
+ * another candidate last. SIZE_MAX: it has been run with all. taken[n]: those asked for already. */
+static size_t next_case(const vs_design_search *s, vs_design_candidate *c, const asked *taken,
+                        size_t n) {
+  size_t best = SIZE_MAX;
+  make_room(s, c);
+  for (size_t k = 0; k < s->n_list; k++) {
+    bool out = c->run[k] != 0;
+    for (size_t i = 0; i < n; i++) out = out || (taken[i].candidate == c && taken[i].place == k);
+    if (!out && (best == SIZE_MAX || s->killed_at[k] > s->killed_at[best])) best = k;
+  }
+  return best;
+}
+
+/* Fills one[width] with what is run next. The candidate at hand is likely to be rejected by a case
+ * that has rejected another one; the rest of the width then goes to those behind it. */
+static size_t choose_runs(vs_design_search *s, vs_design_candidate *c, bool alone, asked *one) {
+  vs_design_candidate *in[64];
+  size_t n = 0;
+  size_t place = next_case(s, c, NULL, 0);
+  const bool likely = s->killed_at[place] > 0;
+  one[n++] = (asked){c, s->list[place], place};
+  in[0] = c;
+  while (n < s->d->width && !alone && likely) {
+    vs_design_candidate *other = cheapest(s, in, n);
+    place = other ? next_case(s, other, NULL, 0) : SIZE_MAX;
+    if (place == SIZE_MAX || !s->killed_at[place]) break;
+    in[n] = other;
+    one[n++] = (asked){other, s->list[place], place};
+  }
+  while (n < s->d->width && (alone || !likely) && (place = next_case(s, c, one, n)) != SIZE_MAX)
+    one[n++] = (asked){c, s->list[place], place};
+  return n;
+}
+
+/* Runs the candidate until it is rejected, dearer than another one, or has been run with all cases;
+ * then its state says what it is. alone: whatever it costs, and no other is run besides. */
+static void run_candidate(vs_design_search *s, vs_design_candidate *c, bool alone) {
+  asked one[64];
+  const double price = c->price;
+  while (c->state == VS_DESIGN_OPEN && (alone || c->price == price)) {
+    if (next_case(s, c, NULL, 0) == SIZE_MAX) {
+      c->held = !c->doubtful;
+      c->state = c->held ? VS_DESIGN_HOLDS : VS_DESIGN_UNJUDGED;
+      return;
+    }
+    const size_t n = choose_runs(s, c, alone, one);
+    const uint64_t first = ask(s, one, n);
+    if (first == UINT64_MAX) return;
+    for (size_t k = 0; k < n; k++) take_run(s, one[k].candidate, one[k].place, first + k);
+  }
+}
+
+/* The cheapest candidate that holds the list; NULL: the search waits, or none does. */
+static vs_design_candidate *find_cheapest(vs_design_search *s) {
+  vs_design_candidate *c;
+  while ((c = cheapest(s, NULL, 0)) && !s->waits) {
+    run_candidate(s, c, false);
+    if (s->waits) return NULL;
+    if (c->state == VS_DESIGN_HOLDS) return c;
+  }
+  s->looked_at_all = !c;
+  return NULL;
+}
+
+/* ---- random draws ---- */
+
+static void add_case(vs_design_search *s, uint64_t number) {
+  s->list = vs_alloc_grow(s->list, s->n_list, sizeof *s->list);
+  s->killed_at = vs_alloc_grow(s->killed_at, s->n_list, sizeof *s->killed_at);
+  s->killed_at[s->n_list] = 0;
+  s->list[s->n_list++] = number;
+}
+
+/* True if the draw leaves the candidate as it is. *margin: of its weakest line. */
+static bool draw_holds(vs_design_search *s, const vs_design_candidate *c, uint64_t number,
+                       uint64_t run, double *margin) {
+  vs_design_candidate after = *c;
+  vs_design_mark mark = {.margin = NAN};
+  const vs_hold_row row = vs_design_search_judge(s, run);
+  *margin = row.margin;
+  if (s->results->status[run] == 1 || row.now != VS_HOLD_HELD ||
+      !take_stresses(s, &after, number, run))
+    return false;
+  if (take_classes(s->d, &after, &mark) && !memcmp(after.class, c->class, sizeof after.class))
+    return true;
+  *margin = fmin(*margin, mark.margin);
+  return false;
+}
+
+/* Shows the candidate n draws that no candidate has seen. The weakest of those that it does not
+ * hold becomes a case of the list, and the candidate's first run of it. True: it held all. */
+static bool hold_draws(vs_design_search *s, vs_design_candidate *c) {
+  asked one[DRAWS];
+  s->draws_held = 0;
+  while (s->draws_held < s->d->random) {
+    const uint64_t left = s->d->random - s->draws_held, base = s->d->cases.count + s->draws;
+    const size_t n = left < DRAWS ? (size_t)left : DRAWS;
+    size_t broken = SIZE_MAX;
+    double least = INFINITY, margin;
+    for (size_t k = 0; k < n; k++) one[k] = (asked){c, base + k, SIZE_MAX};
+    const uint64_t first = ask(s, one, n);
+    if (first == UINT64_MAX) return false;
+    s->draws += n;
+    c->runs += n;
+    for (size_t k = 0; k < n; k++) {
+      if (draw_holds(s, c, one[k].number, first + k, &margin)) continue;
+      if (broken == SIZE_MAX || margin < least) broken = k;
+      if (!isnan(margin)) least = fmin(least, margin);
+    }
+    if (broken == SIZE_MAX) {
+      for (size_t k = 0; k < n; k++) {
+        s->draw = vs_alloc_grow(s->draw, (size_t)s->draws_held, sizeof *s->draw);
+        s->draw[s->draws_held++] = (vs_design_mark){one[k].number, first + k, 0, NAN, NAN};
+        take_stresses(s, c, one[k].number, first + k);
+      }
+      continue;
+    }
+    add_case(s, one[broken].number);
+    c->state = VS_DESIGN_OPEN;
+    c->runs--; /* take_run counts it */
+    take_run(s, c, s->n_list - 1, first + broken);
+    return false;
+  }
+  return true;
+}
+
+/* ---- what stands around the answer ---- */
+
+static vs_design_candidate *candidate_of(vs_design_search *s, uint64_t number) {
+  vs_design_candidate *c = find_seen(s, number);
+  uint64_t rank = 0;
+  if (c) return c;
+  while (s->d->order[rank] != number) rank++;
+  return begin_candidate(s, number, rank);
+}
+
+static void look_around(vs_design_search *s) {
+  for (size_t k = 0; k < s->d->n_choices && !s->waits; k++) {
+    const size_t option = vs_design_option_of(s->d, s->answer->number, k);
+    if (s->d->choice[k].leader != k || !option) continue;
+    vs_design_candidate *c =
+        candidate_of(s, vs_design_with(s->d, s->answer->number, k, option - 1));
+    s->neighbour[s->n_neighbours++] = (vs_design_neighbour){k, c};
+    run_candidate(s, c, true);
+    if (c->state == VS_DESIGN_HOLDS) c->state = VS_DESIGN_OPEN; /* it may be the runner-up */
+  }
+  if (!s->waits) s->runner_up = find_cheapest(s);
+}
+
+static void find_weakest_run(vs_design_search *s) {
+  double least = INFINITY;
+  for (size_t k = 0; k < s->n_list; k++) {
+    const uint64_t run = s->answer->run[k] - 1;
+    const vs_hold_row row = vs_design_search_judge(s, run);
+    if (k && !(row.margin < least)) continue;
+    least = row.margin;
+    s->weakest_run = run;
+  }
+}
+
+void vs_design_search_run(vs_design_search *s, const vs_design *d, const vs_plan *plan,
+                          const vs_results *results, vs_generation *generation) {
+  *s = (vs_design_search){.d = d, .plan = plan, .results = results, .generation = generation};
+  const bool draws = d->random && vs_design_cases_ranged(plan, &d->cases);
+  for (uint64_t k = 0; k < d->cases.count; k++) add_case(s, k);
+  while (!s->waits && (s->answer = find_cheapest(s)) && draws && !hold_draws(s, s->answer)) {
+    if (s->waits) break;
+    s->answer = NULL;
+  }
+  s->proved = s->answer && !s->waits;
+  if (s->answer) find_weakest_run(s);
+  if (s->proved && d->neighbours) look_around(s);
+}
+
+double vs_design_search_bound(const vs_design_search *s) {
+  double price = INFINITY;
+  for (size_t k = 0; k < s->n_seen; k++)
+    if (s->seen[k]->state == VS_DESIGN_OPEN || s->seen[k]->state == VS_DESIGN_HOLDS)
+      price = fmin(price, s->seen[k]->price);
+  if (s->next_rank < s->d->n_candidates)
+    price = fmin(price, vs_design_price(s->d, s->d->order[s->next_rank], NULL));
+  return price;
+}
+
+void vs_design_search_free(vs_design_search *s) {
+  for (size_t k = 0; k < s->n_seen; k++) {
+    free(s->seen[k]->run);
+    free(s->seen[k]);
+  }
+  free(s->seen);
+  free(s->list);
+  free(s->killed_at);
+  free(s->draw);
+}

@@ -1,0 +1,86 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The cheapest candidate that holds every case. It is a pure function of the results so far, gone
+ * through from the first whenever it is asked; so a study that goes on has the same answer.
+ *
+ * The cheapest candidate that is not rejected is run, with the case first that rejected another one
+ * last. No candidate is left out because another one holds or does not: margins do not go one way
+ * with a part's size. One that holds the closed list is shown random draws; a draw that it does not
+ * hold becomes a case for all others. Behind the answer come its neighbours, to be told of. */
+#ifndef VS_STUDY_DESIGN_SEARCH_H
+#define VS_STUDY_DESIGN_SEARCH_H
+
+#include "method/design.h"
+
+/* How a candidate stands. */
+typedef enum vs_design_state {
+  VS_DESIGN_OPEN,     /* it was not run with all cases, or something cheaper came between */
+  VS_DESIGN_KILLED,   /* it violates `killer` */
+  VS_DESIGN_UNJUDGED, /* a case of it failed or is undecided, and none is violated */
+  VS_DESIGN_HOLDS
+} vs_design_state;
+
+/* A case of a candidate that decides: which, its run, and the line that it comes to. */
+typedef struct vs_design_mark {
+  uint64_t number, run;
+  size_t line; /* of hold; SIZE_MAX: what happened, or a run that failed */
+  double margin, error;
+} vs_design_mark;
+
+typedef struct vs_design_candidate {
+  uint64_t number, rank;
+  vs_design_state state;
+  bool held;                       /* it was run with all cases, and held them */
+  bool doubtful;                   /* a case of it failed or is undecided; `killer` is the first */
+  double price;                    /* with the classes that its runs so far ask for */
+  size_t class[VS_DESIGN_CHOICES]; /* of the leaders */
+  double worst[VS_DESIGN_CHOICES][VS_DESIGN_LIMITS]; /* what each choice's device bore, SI */
+  vs_design_mark worst_at[VS_DESIGN_CHOICES][VS_DESIGN_LIMITS];
+  uint64_t *run; /* of each case of the search's list its run + 1; 0: none yet; owned */
+  size_t room;
+  uint64_t runs;         /* how many it took */
+  vs_design_mark killer; /* of one that is killed or unjudged */
+} vs_design_candidate;
+
+/* A neighbour of the answer: another option of one choice. */
+typedef struct vs_design_neighbour {
+  size_t choice;
+  vs_design_candidate *candidate;
+} vs_design_neighbour;
+
+typedef struct vs_design_search {
+  const vs_design *d;
+  const vs_plan *plan;
+  const vs_results *results;
+  vs_generation *generation;  /* where cases are asked for; NULL: none are */
+  uint64_t used;              /* how many of the results were taken */
+  bool waits;                 /* for cases that were asked for */
+  bool spent;                 /* the budget is */
+  bool looked_at_all;         /* no candidate is left */
+  vs_design_candidate **seen; /* [n_seen], in the order in which they were begun; owned */
+  size_t n_seen;
+  uint64_t next_rank; /* the first of d->order that is not seen */
+  /* The cases that all candidates have to hold: numbers of d->cases; when each last rejected one,
+   * 0: never. */
+  uint64_t *list, *killed_at, kills;
+  size_t n_list;
+  vs_design_candidate *answer, *runner_up; /* NULL: there is none */
+  bool proved;                             /* no draw broke the answer */
+  uint64_t draws, draws_held;              /* how many were asked for in all; of the last round */
+  vs_design_mark *draw;                    /* [draws_held], of the last round; owned */
+  vs_design_neighbour neighbour[VS_DESIGN_CHOICES];
+  size_t n_neighbours;
+  uint64_t weakest_run; /* of the answer */
+} vs_design_search;
+
+/* Goes through the results, and asks for what comes next. vs_design_search_free. */
+void vs_design_search_run(vs_design_search *search, const vs_design *design, const vs_plan *plan,
+                          const vs_results *results, vs_generation *generation);
+void vs_design_search_free(vs_design_search *search);
+
+/* What the run of that index comes to under the design's hold, whatever its classes. */
+vs_hold_row vs_design_search_judge(const vs_design_search *search, uint64_t run);
+
+/* The price below which nothing holds, as far as every candidate could be judged. */
+double vs_design_search_bound(const vs_design_search *search);
+
+#endif
