@@ -46,7 +46,7 @@ typedef struct cause {
   happening event, deed; /* the scene's event, and what a device did, last before the instant */
   int event_number;      /* -1: there is none */
   double period_s, part_from_s, part; /* of OVER_TIME: the cycle with the largest part */
-  double sum, sum_before;             /* up to now, and to the last cycle's end */
+  double sum, sum_before, cycle_s;    /* up to now; to the present cycle's beginning, and that */
   /* what comes out */
   bool told;
   double total, found_s;
@@ -202,7 +202,6 @@ static void add_cause(vs_causes *c, const vs_judgement *j) {
                .event = {.at_s = NAN},
                .deed = {.at_s = NAN},
                .event_number = -1,
-               .part = NAN,
                .found_s = NAN,
                .period_s = period_of(c)};
   if (j->device) {
@@ -307,16 +306,18 @@ static void note_deeds(vs_causes *c, const vs_step *step, const vs_devices *d) {
     note_deed(c, d->incidents[k].device, d->incidents[k].what, d->incidents[k].at_s);
 }
 
-/* Of a sum over time, the cycle of the mains with the largest part. */
-static void follow_sum(cause *k, const vs_devices *d, double t_s, double end_s) {
+/* Of a sum over time, the cycle of the mains with the largest part, of which the last may not be
+ * whole. from_s: where the cycle of the step begins that is taken in. */
+static void follow_sum(cause *k, const vs_devices *d, double from_s) {
   if (k->form != OVER_TIME || k->device < 0 || !d || !k->of->measure) return;
-  const double sum = k->sum = fabs(d->item[k->device].sum[k->of->measure->of]);
-  if (t_s < end_s) return;
-  if (!(sum - k->sum_before <= k->part)) {
-    k->part = sum - k->sum_before;
-    k->part_from_s = end_s - k->period_s;
+  if (from_s > k->cycle_s) {
+    k->sum_before = k->sum;
+    k->cycle_s = from_s;
   }
-  k->sum_before = sum;
+  k->sum = fabs(d->item[k->device].sum[k->of->measure->of]);
+  if (k->sum - k->sum_before <= k->part) return;
+  k->part = k->sum - k->sum_before;
+  k->part_from_s = from_s;
 }
 
 static vs_status accept_step(void *ctx, const vs_step *step, const vs_result *r, vs_error *err) {
@@ -325,8 +326,8 @@ static vs_status accept_step(void *ctx, const vs_step *step, const vs_result *r,
   note_deeds(c, step, d);
   for (size_t k = 0; k < c->count; k++) {
     cause *one = &c->item[k];
-    const double n = floor(step->from->t_s / one->period_s + 1e-9) + 1;
-    if (isfinite(one->period_s)) follow_sum(one, d, step->to->t_s, n * one->period_s);
+    const double n = floor(step->from->t_s / one->period_s + 1e-9);
+    if (isfinite(one->period_s)) follow_sum(one, d, n * one->period_s);
   }
   bool waits = step->to->t_s <= c->last_s;
   for (size_t k = 0; k < c->count && !waits; k++) waits = is_wanted(&c->item[k], step->to->t_s);
@@ -469,8 +470,8 @@ static vs_status begin_attempt(void *ctx, vs_scene *scene, vs_error *err) {
   vs_causes *c = ctx;
   (void)err;
   for (size_t k = 0; k < c->count; k++) {
-    c->item[k].deed.at_s = c->item[k].part = NAN;
-    c->item[k].sum_before = 0;
+    c->item[k].deed.at_s = NAN;
+    c->item[k].part = c->item[k].sum = c->item[k].sum_before = c->item[k].cycle_s = 0;
   }
   scene->order.tried = true;
   return VS_OK;

@@ -22,9 +22,9 @@ static const char DECK[] = "* shares known by hand\n"
                            "Vd     a b 0\n"
                            "Rd     b 0 100\n"
                            "Xeva   src 0 eva\n",
-                  SCENE[] = "circuit: {deck: own.cir}\nfiring: {valve: none}\n"
+                  SCENE[] = "circuit: {deck: own.cir}\n"
                             "ratings: {i_d: .. 10 mA, v_d: .. 1 V}\n"
-                            "run: {until: 15 ms, verify: never}\n";
+                            "run: {until: 8 ms, tier: circuit, verify: never}\n";
 static const double OMEGA = 2 * M_PI * 50, PEAK_V = 440 * M_SQRT2;
 
 /* The object "cause" of a line of the verdict, up to its end; NULL: it has none. */
@@ -69,7 +69,7 @@ static void by_phasors(void) {
   CLOSE_OF(share_of(v, "rs"), at(v_a - 1, v_s), peak_v, 1e-3);
   free_ran(&r);
   r = run("run s.yaml --why");
-  EXPECT(strstr(r.out, "\nwhy i_d: 46.8 of 58.5 mA from rs, 11.7 from cs, at "), "%s", r.out);
+  EXPECT(strstr(r.out, "\nwhy i_d: 505 of 632 mA from rs, 126 from cs, at "), "%s", r.out);
   free_ran(&r);
 }
 
@@ -77,7 +77,7 @@ static void by_phasors(void) {
  * Kirchhoff's law holds to the solver's tolerance of a current, and a loop's voltages to rounding.
  */
 static void under_a_surge(void) {
-  write_file("f.yaml", "circuit: {deck: halfwave_paper, varistor_1: s20k510}\nfiring: {every: 1}\n"
+  write_file("f.yaml", "circuit: {deck: halfwave_paper}\nfiring: {every: 1}\n"
                        "run: {until: 50 ms, verify: never}\n"
                        "events: {hit: {kind: surge, cycle: 3, angle: 90 deg, level: 2 kV}}\n");
   ran plain = run("run f.yaml --json --quiet --reproducible"),
@@ -99,7 +99,6 @@ static void under_a_surge(void) {
   CLOSE(number_in(event, "at_s"), 0.045, 1e-9);
   CLOSE_OF(number_in(event, "before_s"), number_in(di_dt, "at_s") - 0.045, 1,
            1.1e-7); /* a stretch */
-  EXPECT(strstr(di_dt, "\"varistor_1.v_clamp\""), "%.900s", di_dt);
   free_ran(&plain);
   free_ran(&r);
 }
@@ -114,12 +113,24 @@ static void without_a_circuit(void) {
   r = run("run m.yaml --tier circuit --why");
   CU_ASSERT_EQUAL(r.status, 3);
   EXPECT(strstr(r.out, "why stroke: it is no current or voltage of the circuit"), "%s", r.out);
-  EXPECT(strstr(r.out, "why i: ") && strstr(r.out, "of 833 mA from the mains"), "%s", r.out);
+  EXPECT(strstr(r.out, "why i: ") && strstr(r.out, "of 833 mA from thyristor"), "%s", r.out);
+  free_ran(&r);
+}
+
+/* A figure without a source is named. Of two switches of one part the one that the deck's line does
+ * not measure has the netlist's name. */
+static void assumed_figures(void) {
+  ran r = run("run bridge_link --set run.until=4ms --set pwm.dead_time=0us "
+              "--set circuit.gate_resistance=1kohm --why");
+  EXPECT(
+      strstr(r.out, "why switch.i_peak: 54.6 of 54.6 A from x1, at 3.875 ms; assumed: switch.i_cm"),
+      "%s", r.out);
   free_ran(&r);
 }
 
 static const vs_test tests[] = {{"shares by phasors", by_phasors},
                                 {"shares under a surge", under_a_surge},
+                                {"assumed figures", assumed_figures},
                                 {"lines without a circuit", without_a_circuit}};
 
 int main(void) {
