@@ -3,6 +3,7 @@
 
 #include <ctype.h>
 #include <math.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -227,6 +228,22 @@ static void name_top(const vs_branches *b, vs_branch_top *t, const vs_events *ev
   snprintf(t->label, sizeof t->label, "%s", label);
 }
 
+/* An instance that alone lies in series with the source that measures a device is the device's
+ * body, and has its name. */
+static void name_body(vs_branches *b, const vs_branch_top *source) {
+  if (source->letter != 'v' || source->device < 0) return;
+  for (size_t p = 0; p < source->count; p++) {
+    vs_branch_top *beside = NULL;
+    size_t others = 0;
+    for (size_t k = 0; k < b->n_tops; k++)
+      for (size_t n = 0; n < b->top[k].count && &b->top[k] != source; n++)
+        if (b->top[k].node[n] == source->node[p]) beside = &b->top[k], others++;
+    if (others != 1 || beside->letter != 'x' || beside->device >= 0) continue;
+    beside->device = source->device;
+    memcpy(beside->label, source->label, sizeof beside->label);
+  }
+}
+
 void vs_branches_read(const vs_circuit_job *job, const vs_deck *deck, const vs_events *events,
                       vs_branches *b) {
   vs_line *lines = vs_alloc(job->lines + 1, sizeof *lines);
@@ -241,6 +258,7 @@ void vs_branches_read(const vs_circuit_job *job, const vs_deck *deck, const vs_e
   vs_cards_expand(&cards, number_nodes, &r);
   vs_cards_expand(&cards, take_element, &r);
   for (size_t k = 0; k < b->n_tops; k++) name_top(b, &b->top[k], events);
+  for (size_t k = 0; k < b->n_tops; k++) name_body(b, &b->top[k]);
   vs_cards_free(&cards);
   free(lines);
 }
@@ -263,6 +281,9 @@ size_t vs_branches_signal(const vs_branches *b, const char *name) {
 
 /* ---- shares ---- */
 
+/* Behind the name of a part, of the current of a capacitor within it. */
+static const char CAPACITANCE[] = "'s capacitance";
+
 static void add_share(vs_shares *s, const char *of, double value) {
   size_t k = 0;
   while (k < s->count && strcmp(s->item[k].of, of)) k++;
@@ -280,6 +301,21 @@ static int by_size(const void *left, const void *right) {
   const double a = fabs(((const vs_share *)left)->value),
                b = fabs(((const vs_share *)right)->value);
   return (a < b) - (a > b);
+}
+
+/* What flows to and fro between a part and its own capacitance is no share of either. */
+static void join_capacitances(vs_shares *s) {
+  for (size_t k = 0; k < s->count; k++)
+    for (size_t n = 0; n < s->count; n++) {
+      const size_t length = strlen(s->item[k].of);
+      if (strncmp(s->item[n].of, s->item[k].of, length) ||
+          strcmp(s->item[n].of + length, CAPACITANCE) || s->item[k].value * s->item[n].value >= 0)
+        continue;
+      s->item[k].value += s->item[n].value;
+      s->item[n] = s->item[--s->count];
+      k = 0;
+      n = SIZE_MAX;
+    }
 }
 
 /* ---- a current ---- */
@@ -364,7 +400,7 @@ static void name_chain(const chain *c, const vs_branch *last, char *name, size_t
                             strcmp(best->label, "the coil");)
     best = &b->top[c->top[k]];
   const bool inner = last->letter == 'c' && best->letter == 'x' && best == &b->top[last->top];
-  snprintf(name, size, "%s%s", best->label, inner ? "'s capacitance" : "");
+  snprintf(name, size, "%s%s", best->label, inner ? CAPACITANCE : "");
 }
 
 /* Follows the current of a branch, which flows from `node` into it. */
@@ -465,6 +501,7 @@ bool vs_branches_share_current(const vs_branches *b, const double *signals, size
     while (!set[e->node[n]]) n++;
     follow(&c, e, e->node[n], into_branch(e, set, signals));
   }
+  join_capacitances(shares);
   share_beside(&c, set, a);
   double sum = 0;
   for (size_t k = 0; k < shares->count; k++) sum += shares->item[k].value;

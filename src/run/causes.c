@@ -226,6 +226,17 @@ static int by_margin(const void *left, const void *right) {
   return (a->margin > b->margin) - (a->margin < b->margin);
 }
 
+/* True for a rating of the deck whose instant is that of a device's line among them, as v_ak's is
+ * that of thyristor.v_reverse. */
+static bool is_doubled(const vs_judgement *const *line, size_t count, const vs_judgement *j) {
+  bool doubled = false;
+  for (size_t k = 0; k < count && j->probe; k++)
+    doubled = doubled || (line[k]->device && line[k]->stress.at_s == j->stress.at_s &&
+                          fabs(fabs(line[k]->stress.value) - fabs(j->stress.value)) <=
+                              1e-9 * fabs(j->stress.value));
+  return doubled;
+}
+
 static void choose_lines(vs_causes *c) {
   const vs_verdict *v = &c->result->verdict;
   const vs_judgement **line = vs_alloc(v->count, sizeof *line);
@@ -235,7 +246,8 @@ static void choose_lines(vs_causes *c) {
       line[count++] = &v->item[k];
   qsort(line, count, sizeof *line, by_margin);
   if (!count && v->weakest) line[count++] = v->weakest;
-  for (size_t k = 0; k < count; k++) add_cause(c, line[k]);
+  for (size_t k = 0; k < count; k++)
+    if (!is_doubled(line, count, line[k])) add_cause(c, line[k]);
   free(line);
 }
 
@@ -434,6 +446,16 @@ static bool share_current(vs_causes *c, cause *k, const double *signals) {
   return vs_branches_share_current(b, signals, top, node[0], k->total, &k->shares);
 }
 
+/* False where what was seen is not what the line tells, as at an instant for which a law stood in
+ * for the circuit. A rate is told by straight lines here, and by cubics there. */
+static bool is_met(const cause *k) {
+  static const double NEAR = 0.1;
+  const vs_device_measure *m = k->of->measure;
+  const double told = fabs(k->of->stress.value) * (k->form == RISE ? k->over_s : 1);
+  const bool same = k->form == RISE || (m ? m->how == VS_R_PEAK : k->term >= 0 || k->coil);
+  return !same || fabs(fabs(k->total) - told) <= NEAR * told;
+}
+
 static void work_out(vs_causes *c, cause *k) {
   if (!(k->deed.at_s >= k->event.at_s) && !isnan(k->event.at_s)) k->deed.at_s = NAN;
   const size_t n = c->branches.n_signals;
@@ -457,6 +479,10 @@ static void work_out(vs_causes *c, cause *k) {
                                         node[1], &k->shares);
   if (!isfinite(k->total)) k->told = false;
   if (!k->told) snprintf(k->note, sizeof k->note, "the netlist does not tell what it is made of");
+  if (k->told && !is_met(k)) {
+    k->told = false;
+    snprintf(k->note, sizeof k->note, "the run for it did not meet its value again");
+  }
   const double turned = k->total < 0 ? -1 : 1; /* shares that push it come out above 0 */
   k->total *= turned;
   for (size_t s = 0; s < k->shares.count; s++) k->shares.item[s].value *= turned;

@@ -117,13 +117,12 @@ static void without_a_circuit(void) {
   free_ran(&r);
 }
 
-/* A figure without a source is named. Of two switches of one part the one that the deck's line does
- * not measure has the netlist's name. */
+/* A figure without a source is named, and the other switch of the leg by its device's name. */
 static void assumed_figures(void) {
   ran r = run("run bridge_link --set run.until=4ms --set pwm.dead_time=0us "
               "--set circuit.gate_resistance=1kohm --why");
   EXPECT(
-      strstr(r.out, "why switch.i_peak: 54.6 of 54.6 A from x1, at 3.875 ms; assumed: switch.i_cm"),
+      strstr(r.out, "why switch.i_peak: 54.6 of 54.6 A from s1, at 3.875 ms; assumed: switch.i_cm"),
       "%s", r.out);
   free_ran(&r);
 }
