@@ -345,8 +345,47 @@ static bool is_passed(const vs_branches *b, const vs_branch_top *t, const vs_bra
   return (only && only->wire) || (t->letter == 'x' && kind && kind->melts);
 }
 
-/* Takes the nodes that are the same as those of the set but for a source of 0 V or a fuse; never
- * through the device itself, nor to its other terminals, nor to ground. */
+/* Takes all nodes of an element into the set, those within it too. Returns true if one is new. */
+static bool take_nodes(const vs_branches *b, size_t top, bool *set) {
+  bool grown = false;
+  for (size_t n = 0; n < b->count; n++)
+    for (size_t e = 0; b->item[n].top == top && e < b->item[n].count; e++) {
+      const size_t node = b->item[n].node[e];
+      grown = grown || (node && !set[node]);
+      if (node) set[node] = true;
+    }
+  return grown;
+}
+
+/* True for an element at the set that a current may be followed through: not the device itself, nor
+ * one to a node that is barred. */
+static bool leads_on(const vs_branch_top *t, const bool *set, const bool *barred) {
+  bool touches = false, may = true, all = true;
+  for (size_t n = 0; n < t->count; n++) {
+    const bool within = set[t->node[n]];
+    touches = touches || within;
+    all = all && within;
+    may = may && (within || !barred[t->node[n]]);
+  }
+  return touches && may && !all;
+}
+
+/* The only element besides the device that has nodes inside of the set and outside; n_tops: there
+ * are more, or none. */
+static size_t only_way(const vs_branches *b, size_t device, const bool *set) {
+  size_t found = b->n_tops, count = 0;
+  for (size_t k = 0; k < b->count; k++) {
+    const size_t within = ends_within(&b->item[k], set);
+    if (b->item[k].top == device || !within || within == b->item[k].count) continue;
+    count += found != b->item[k].top;
+    found = b->item[k].top;
+  }
+  return count == 1 ? found : b->n_tops;
+}
+
+/* Takes the nodes that are the same as those of the set but for a source of 0 V or a fuse, or that
+ * a resistor or inductor alone leads to; never through the device itself, nor to its other
+ * terminals, nor to ground. */
 static void grow(const vs_branches *b, size_t device, bool *set) {
   bool *barred = vs_alloc(b->n_nodes, sizeof *barred);
   barred[0] = true;
@@ -354,23 +393,15 @@ static void grow(const vs_branches *b, size_t device, bool *set) {
   for (bool grown = true; grown;) {
     grown = false;
     for (size_t k = 0; k < b->n_tops; k++) {
-      const vs_branch_top *t = &b->top[k];
       const vs_branch *only = NULL;
-      bool touches = false, may = k != device;
       for (size_t n = 0; n < b->count; n++)
         if (b->item[n].top == k) only = &b->item[n];
-      for (size_t n = 0; n < t->count; n++) {
-        touches = touches || set[t->node[n]];
-        may = may && (set[t->node[n]] || !barred[t->node[n]]);
-      }
-      if (!touches || !may || !is_passed(b, t, only)) continue;
-      for (size_t n = 0; n < b->count; n++)
-        for (size_t e = 0; b->item[n].top == k && e < b->item[n].count; e++) {
-          bool *at = &set[b->item[n].node[e]];
-          if (*at || !b->item[n].node[e]) continue;
-          *at = grown = true;
-        }
+      if (k != device && leads_on(&b->top[k], set, barred) && is_passed(b, &b->top[k], only))
+        grown = take_nodes(b, k, set) || grown;
     }
+    const size_t way = grown ? b->n_tops : only_way(b, device, set);
+    if (way < b->n_tops && strchr("rl", b->top[way].letter) && leads_on(&b->top[way], set, barred))
+      grown = take_nodes(b, way, set);
   }
   free(barred);
 }

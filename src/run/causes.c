@@ -434,14 +434,31 @@ static int device_of_probe(const vs_causes *c, const cause *k) {
   return -1;
 }
 
+/* The element whose current a probe is, i(VX); n_tops: there is none. */
+static size_t top_of_probe(const vs_causes *c, const cause *k) {
+  const vs_branches *b = &c->branches;
+  const char *signal = deck_of(c)->terms[k->term].plus;
+  size_t top = 0;
+  while (top < b->n_tops && (strncmp(b->top[top].name, signal + 2, strlen(signal) - 3) ||
+                             strlen(b->top[top].name) != strlen(signal) - 3))
+    top++;
+  return top;
+}
+
+/* A device's current is told at the first node of its voltage, that of a probe at an end of its
+ * source. */
 static bool share_current(vs_causes *c, cause *k, const double *signals) {
   const vs_branches *b = &c->branches;
   size_t node[2] = {coil_node(c), 0}, top = vs_branches_coil(b);
   cause own = *k;
   own.term = -1;
-  if (!k->coil) {
-    if (k->device < 0 || !nodes_of(c, &own, node)) return false;
+  if (!k->coil && k->device >= 0 && nodes_of(c, &own, node)) {
     top = vs_branches_device(b, k->device, node[0]);
+  } else if (!k->coil) {
+    top = k->term >= 0 ? top_of_probe(c, k) : b->n_tops;
+    if (top == b->n_tops) return false;
+    node[0] = b->top[top].node[b->top[top].node[0] == 0];
+    k->total = vs_branches_current(b, signals, top, node[0]);
   }
   return vs_branches_share_current(b, signals, top, node[0], k->total, &k->shares);
 }

@@ -15,6 +15,7 @@ static const char DECK[] = "* shares known by hand\n"
                            "*$ port   mains = Vmains\n"
                            "*$ probe  i_d = i(Vd)  A\n"
                            "*$ probe  v_d = v(a)   V\n"
+                           "*$ probe  i_m = -i(Vmains)  A\n"
                            "*$ device d resistor = v(a), i(Vd)\n"
                            "Vmains src 0 external\n"
                            "Rs     src a 1k\n"
@@ -23,7 +24,7 @@ static const char DECK[] = "* shares known by hand\n"
                            "Rd     b 0 100\n"
                            "Xeva   src 0 eva\n",
                   SCENE[] = "circuit: {deck: own.cir}\n"
-                            "ratings: {i_d: .. 10 mA, v_d: .. 1 V}\n"
+                            "ratings: {i_d: .. 10 mA, v_d: .. 1 V, i_m: .. 1 mA}\n"
                             "run: {until: 8 ms, tier: circuit, verify: never}\n";
 static const double OMEGA = 2 * M_PI * 50, PEAK_V = 440 * M_SQRT2;
 
@@ -67,6 +68,10 @@ static void by_phasors(void) {
   const double v_s = number_in(v, "at_s"), peak_v = number_in(v, "total");
   CLOSE_OF(share_of(v, "the mains"), at(1, v_s), peak_v, 1e-3);
   CLOSE_OF(share_of(v, "rs"), at(v_a - 1, v_s), peak_v, 1e-3);
+  const char *m = cause_of(r.out, "rating", "i_m"); /* of a source that is no device */
+  CU_ASSERT_FATAL(m != NULL);
+  CLOSE_OF(share_of(m, "the coil") + share_of(m, "rs") + share_of(m, "cs"), number_in(m, "total"),
+           1, 1e-6 * number_in(m, "total"));
   free_ran(&r);
   r = run("run s.yaml --why");
   EXPECT(strstr(r.out, "\nwhy i_d: 505 of 632 mA from rs, 126 from cs, at "), "%s", r.out);
