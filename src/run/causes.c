@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "run/causes.h"
 
-#include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -630,40 +629,40 @@ static void show_happening(const happening *h, double at_s, FILE *out) {
             vs_engineering_text(vs_text_rounded(at_s - h->at_s, 3), "s", before));
 }
 
-/* The figures without a source that it hangs on: its limit, and those of parts that a share comes
- * from, as far as models are made of them. Calls tell(ctx, name) with each. */
-static void each_assumed(const vs_causes *c, const cause *k, void (*tell)(void *, const char *),
-                         void *ctx) {
+/* Adds a name to a list, unless it is there. */
+static void add_once(vs_text *list, const char *device, const char *name) {
+  char own[2 * VS_DECK_NAME + 8];
+  snprintf(own, sizeof own, "%s%s%s", device, *device ? "." : "", name);
+  const size_t n = strlen(own);
+  for (const char *at = list->text; list->length && (at = strstr(at, own)); at += n)
+    if ((at == list->text || at[-1] == ' ') && (!at[n] || at[n] == ',')) return;
+  vs_text_add(list, "%s%s", list->length ? ", " : "", own);
+}
+
+/* Lists the figures without a source that a line hangs on: its limit, and those of parts that a
+ * share comes from, as far as their models are made of them. */
+static void list_assumed(const vs_causes *c, const cause *k, vs_text *list) {
   const vs_deck *deck = deck_of(c);
-  char name[2 * VS_DECK_NAME + 32];
-  if (k->of->assumed) {
-    vs_verdict_name(k->of, name);
-    if (k->of->limit && k->of->device)
-      snprintf(name, sizeof name, "%s.%s", k->of->device->name, k->of->limit->name);
-    tell(ctx, name);
-  }
+  char name[VS_JUDGED_NAME];
+  if (k->of->assumed && k->of->limit && k->of->device)
+    add_once(list, k->of->device->name, k->of->limit->name);
+  else if (k->of->assumed)
+    add_once(list, "", vs_verdict_name(k->of, name));
   for (size_t n = 0; n < k->shares.count && n < SHOWN; n++)
     for (size_t d = 0; d < deck->n_devices; d++) {
       const vs_device *of = &deck->devices[d];
       const size_t length = strlen(of->name);
       const char *share = k->shares.item[n].of;
-      if (strncmp(share, of->name, length) || isalnum((unsigned char)share[length]) ||
-          share[length] == '_' || of->part < 0 || !deck->parts[of->part].file)
+      if (strncmp(share, of->name, length) || (share[length] && share[length] != '\'') ||
+          of->part < 0 || !deck->parts[of->part].file)
         continue;
       for (size_t m = 0; m < deck->n_limits; m++) {
         const vs_limit *l = &deck->limits[m];
-        if (!l->assumed || l->where.file != deck->parts[of->part].file ||
-            !vs_kinds_is_hung_on(of->kind->name, l->name, NULL))
-          continue;
-        snprintf(name, sizeof name, "%s.%s", of->name, l->name);
-        tell(ctx, name);
+        if (l->assumed && l->where.file == deck->parts[of->part].file &&
+            vs_kinds_is_hung_on(of->kind->name, l->name, NULL))
+          add_once(list, of->name, l->name);
       }
     }
-}
-
-static void add_name(void *ctx, const char *name) {
-  vs_text *t = ctx;
-  vs_text_add(t, "%s%s", t->length ? ", " : "", name);
 }
 
 /* Of a sum over time: which cycle has most of it. */
@@ -692,15 +691,11 @@ void vs_causes_show(const vs_causes *c, FILE *out) {
     }
     show_happening(&one->event, one->at_s, out);
     show_happening(&one->deed, one->at_s, out);
-    each_assumed(c, one, add_name, &assumed);
+    list_assumed(c, one, &assumed);
     if (assumed.length) fprintf(out, "; assumed: %s", assumed.text);
     fputc('\n', out);
     vs_text_free(&assumed);
   }
-}
-
-static void add_member(void *ctx, const char *name) {
-  vs_json_text(ctx, NULL, name);
 }
 
 static void add_happening(vs_json *json, const happening *h, double at_s) {
@@ -744,7 +739,11 @@ void vs_causes_json(const vs_causes *c, const vs_judgement *of, vs_json *json) {
   add_happening(json, &one->deed, one->at_s);
   vs_json_end(json);
   vs_json_array(json, "assumed", VS_JSON_ROW);
-  each_assumed(c, one, add_member, json);
+  vs_text assumed = {0};
+  list_assumed(c, one, &assumed);
+  char *rest = assumed.text;
+  for (char *name; (name = strsep(&rest, ","));) vs_json_text(json, NULL, name + (*name == ' '));
+  vs_text_free(&assumed);
   vs_json_end(json);
   vs_json_end(json);
 }
