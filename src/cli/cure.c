@@ -93,8 +93,11 @@ static bool hides_a_line(const cure *c, const vs_scene *changed, char *name) {
   for (size_t k = 0; k < v->count; k++) {
     const vs_judgement *j = &v->item[k];
     if (!j->device || !j->limit || vs_verdict_is_happening(j)) continue;
-    const size_t d = (size_t)(j->device - c->scene->setup.deck.devices);
-    if (d >= deck->n_devices || vs_devices_limit(deck, &deck->devices[d], j->measure)) continue;
+    const vs_deck *own = &c->scene->setup.deck;
+    const size_t d = (size_t)(j->device - own->devices);
+    if (d >= deck->n_devices || !vs_devices_limit(own, j->device, j->measure) ||
+        vs_devices_limit(deck, &deck->devices[d], j->measure))
+      continue;
     vs_verdict_name(j, name);
     return true;
   }
