@@ -320,16 +320,80 @@ static void join_capacitances(vs_shares *s) {
 
 /* ---- a current ---- */
 
-void vs_branches_scale(const vs_branches *b, double *signals) {
+/* The current into end n of a branch. */
+static double into_end(const vs_branch *e, size_t n, const double *signals) {
+  return e->sign[n] * signals[e->signal[n]];
+}
+
+/* Ends of field-effect transistors: ngspice tells the currents of their channels and junctions, and
+ * those of the gate's capacitances only in sum. So each is what Kirchhoff's law leaves, at its node
+ * or of its element, where it is the only one there that is not known. */
+typedef struct unknown_ends {
+  const vs_branches *b;
+  double *signals;
+  bool *known; /* [n_signals] */
+} unknown_ends;
+
+/* Finds the only end at the node that is not known, and what the others leave for it. */
+static bool solve_node(unknown_ends *u, size_t node) {
+  const vs_branch *only = NULL;
+  size_t end = 0, count = 0;
+  double sum = 0;
+  for (size_t k = 0; k < u->b->count; k++)
+    for (size_t n = 0; n < u->b->item[k].count; n++) {
+      const vs_branch *e = &u->b->item[k];
+      if (e->node[n] != node) continue;
+      if (u->known[e->signal[n]])
+        sum += into_end(e, n, u->signals);
+      else
+        only = e, end = n, count++;
+    }
+  if (count != 1 || !isfinite(sum)) return false;
+  u->signals[only->signal[end]] = -sum;
+  return u->known[only->signal[end]] = true;
+}
+
+static bool solve_element(unknown_ends *u, const vs_branch *e) {
+  size_t end = 0, count = 0;
+  double sum = 0;
+  for (size_t n = 0; n < e->count; n++) {
+    if (u->known[e->signal[n]])
+      sum += into_end(e, n, u->signals);
+    else
+      end = n, count++;
+  }
+  if (count != 1 || !isfinite(sum)) return false;
+  u->signals[e->signal[end]] = -sum;
+  return u->known[e->signal[end]] = true;
+}
+
+static void solve_ends(const vs_branches *b, double *signals) {
+  unknown_ends u = {b, signals, vs_alloc(b->n_signals, sizeof(bool))};
+  bool some = false;
+  memset(u.known, true, b->n_signals * sizeof *u.known);
+  for (size_t k = 0; k < b->count; k++)
+    for (size_t n = 0; b->item[k].letter == 'm' && n < b->item[k].count; n++)
+      some = true, u.known[b->item[k].signal[n]] = false;
+  for (bool found = some; found;) {
+    found = false;
+    for (size_t node = 1; node < b->n_nodes; node++) found = solve_node(&u, node) || found;
+    for (size_t k = 0; k < b->count; k++)
+      if (b->item[k].letter == 'm') found = solve_element(&u, &b->item[k]) || found;
+  }
+  free(u.known);
+}
+
+void vs_branches_complete(const vs_branches *b, double *signals) {
   for (size_t k = 0; k < b->count; k++)
     if (b->item[k].factor) signals[b->item[k].signal[0]] *= signals[b->item[k].factor];
+  solve_ends(b, signals);
 }
 
 /* The current of a branch out of a set of nodes and into it. */
 static double into_branch(const vs_branch *e, const bool *set, const double *signals) {
   double a = 0;
   for (size_t n = 0; n < e->count; n++)
-    if (set[e->node[n]]) a += e->sign[n] * signals[e->signal[n]];
+    if (set[e->node[n]]) a += into_end(e, n, signals);
   return a;
 }
 
@@ -471,12 +535,18 @@ static void follow(chain *c, const vs_branch *e, size_t node, double a) {
   c->count = before;
 }
 
-size_t vs_branches_device(const vs_branches *b, int device, size_t node) {
+size_t vs_branches_device(const vs_branches *b, int device, size_t *node) {
+  for (size_t k = 0; k < b->n_tops; k++) {
+    const vs_branch_top *t = &b->top[k];
+    if (t->device != device || t->letter != 'v') continue;
+    *node = t->node[t->node[0] == 0];
+    return k;
+  }
   size_t k = 0;
   for (; k < b->n_tops; k++) {
     const vs_branch_top *t = &b->top[k];
     bool at = false;
-    for (size_t n = 0; n < t->count; n++) at = at || t->node[n] == node;
+    for (size_t n = 0; n < t->count; n++) at = at || t->node[n] == *node;
     if (at && t->device == device) return k;
   }
   return k;

@@ -11,7 +11,7 @@
 #include "ngspice/circuit.h"
 
 /* An element that is none of a subcircuit's instances. Its current into end k is sign[k] times the
- * signal, once that was scaled. */
+ * signal, once that was completed. */
 enum { VS_BRANCH_ENDS = 6, VS_BRANCH_PINS = 12 };
 typedef struct vs_branch {
   char *name; /* as ngspice has it: "c.xv1.cpar"; owned */
@@ -56,8 +56,9 @@ void vs_branches_free(vs_branches *branches);
 /* The signal that a term has for one of its two, "v(a)" or "i(vth)"; n_signals: there is none. */
 size_t vs_branches_signal(const vs_branches *branches, const char *name);
 
-/* Multiplies the currents of elements that the solver tells for one of several in parallel. */
-void vs_branches_scale(const vs_branches *branches, double *signals);
+/* Completes the signals of a step: multiplies currents that the solver tells for one of several in
+ * parallel, and finds those of transistors that it does not tell. */
+void vs_branches_complete(const vs_branches *branches, double *signals);
 
 /* A part of a current or a voltage. */
 typedef struct vs_share {
@@ -70,9 +71,10 @@ typedef struct vs_shares {
   size_t count;
 } vs_shares;
 
-/* The element of the circuit that is a device of the deck at a node, or the coil; n_tops: none is.
- */
-size_t vs_branches_device(const vs_branches *b, int device, size_t node);
+/* The element of the circuit that is a device of the deck, or the coil; n_tops: none is. Of a
+ * device that a source of 0 V measures it is that source, and *node becomes where the current flows
+ * into it; of others it is what lies at *node. */
+size_t vs_branches_device(const vs_branches *b, int device, size_t *node);
 size_t vs_branches_coil(const vs_branches *b);
 /* The current into an element at a node. */
 double vs_branches_current(const vs_branches *b, const double *signals, size_t top, size_t node);

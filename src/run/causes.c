@@ -290,7 +290,7 @@ static void take_look(void *ctx, double t_s, const double *signals) {
     moment *m = &one->seen[one->n_seen++];
     *m = (moment){t_s, vs_alloc(n, sizeof *m->signals)};
     memcpy(m->signals, signals, n * sizeof *m->signals);
-    vs_branches_scale(&c->branches, m->signals);
+    vs_branches_complete(&c->branches, m->signals);
   }
 }
 
@@ -452,7 +452,7 @@ static bool share_current(vs_causes *c, cause *k, const double *signals) {
   cause own = *k;
   own.term = -1;
   if (!k->coil && k->device >= 0 && nodes_of(c, &own, node)) {
-    top = vs_branches_device(b, k->device, node[0]);
+    top = vs_branches_device(b, k->device, &node[0]);
   } else if (!k->coil) {
     top = k->term >= 0 ? top_of_probe(c, k) : b->n_tops;
     if (top == b->n_tops) return false;

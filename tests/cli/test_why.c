@@ -108,6 +108,22 @@ static void under_a_surge(void) {
   free_ran(&r);
 }
 
+/* Of transistors whose currents ngspice does not tell whole, as they switch, and of a current that
+ * leaves its device's first node. */
+static void all_sums(const char *words, int want) {
+  ran r = run("run %s --why --json --quiet --set run.verify=never", words);
+  int causes = 0;
+  for (const char *c = r.out; (c = strstr(c, "\"cause\": {\"of\"")); c++, causes++)
+    EXPECT(fabs(number_in(c, "sum_error")) <= 1e-6 * number_in(c, "total"), "%.300s", c);
+  EXPECT(causes == want, "%s: %d causes, %s", words, causes, r.err);
+  free_ran(&r);
+}
+
+static void transistors_and_gates(void) {
+  all_sums("bridge_link --until 30ms --set 'ratings.i_2=.. 1 uA' --set 'ratings.i=.. 1 uA'", 2);
+  all_sums("paper --until 8ms --set circuit.deck=halfwave_paper --set 'ratings.i_gate=.. 1 uA'", 1);
+}
+
 /* What has no current or voltage says so, and the status is the run's. */
 static void without_a_circuit(void) {
   write_file("m.yaml", "ratings: {stroke: .. 0.1 mm, i: .. 0.1 A}\nrun: {until: 30 ms}\n");
@@ -135,6 +151,7 @@ static void assumed_figures(void) {
 static const vs_test tests[] = {{"shares by phasors", by_phasors},
                                 {"shares under a surge", under_a_surge},
                                 {"assumed figures", assumed_figures},
+                                {"transistors and gates", transistors_and_gates},
                                 {"lines without a circuit", without_a_circuit}};
 
 int main(void) {
