@@ -36,7 +36,7 @@ typedef struct cause {
   bool voltage; /* of a voltage, not of a current */
   int device;   /* of the deck; -1: none */
   int term;     /* of the deck, where it is a probe's; -1: it is the device's formula */
-  bool coil;    /* it is the coil's current */
+  bool coil;    /* it is the coil's, not a device's */
   double sign;  /* of that term */
   double at_s;  /* the instant asked for; NaN: none is known */
   double from_s, to_s, over_s; /* what is looked at; how long a rate's stretch is */
@@ -151,9 +151,10 @@ static void look_at_probe(vs_causes *c, cause *k, const char *name) {
     k->sign = probe->sign;
     k->voltage = *deck->terms[probe->term].plus == 'v';
   }
-  k->coil = k->term < 0 && !strcmp(name, "i");
+  k->coil = k->term < 0 && (!strcmp(name, "i") || !strcmp(name, "v_eva"));
+  if (k->coil) k->voltage = *name == 'v';
   if (k->term < 0 && !k->coil)
-    snprintf(k->note, sizeof k->note, "it is no current or voltage of the circuit");
+    snprintf(k->note, sizeof k->note, "it is no device's current or voltage");
 }
 
 /* A measure of a device that the scene rates, as "r1.power". */
@@ -349,10 +350,10 @@ static vs_status accept_step(void *ctx, const vs_step *step, const vs_result *r,
 
 /* ---- what comes out ---- */
 
-/* The node at which the coil's current flows in. */
-static size_t coil_node(const vs_causes *c) {
+/* A node of the coil: 0 is where its current flows in. */
+static size_t coil_node(const vs_causes *c, size_t n) {
   const size_t coil = vs_branches_coil(&c->branches);
-  return coil < c->branches.n_tops ? c->branches.top[coil].node[0] : 0;
+  return coil < c->branches.n_tops ? c->branches.top[coil].node[n] : 0;
 }
 
 /* The value of a line's voltage or current by the deck's own formula. */
@@ -369,8 +370,10 @@ static double value_of(const vs_causes *c, const cause *k, const double *signals
     terms[t] = v[0] - v[1];
   }
   if (k->term >= 0) return k->sign * terms[k->term];
+  if (k->coil && k->voltage) return signals[coil_node(c, 0)] - signals[coil_node(c, 1)];
   if (k->coil)
-    return vs_branches_current(&c->branches, signals, vs_branches_coil(&c->branches), coil_node(c));
+    return vs_branches_current(&c->branches, signals, vs_branches_coil(&c->branches),
+                               coil_node(c, 0));
   const vs_device *d = &deck->devices[k->device];
   return vs_formula_value(k->voltage ? &d->voltage : &d->current, terms);
 }
@@ -411,6 +414,8 @@ static bool nodes_of(const vs_causes *c, const cause *k, size_t node[2]) {
   const vs_deck *deck = deck_of(c);
   int term = k->term;
   double factor = k->sign;
+  for (size_t n = 0; n < 2 && k->coil; n++) node[n] = coil_node(c, n);
+  if (k->coil) return true;
   if (term < 0 && !vs_formula_is_term(&deck->devices[k->device].voltage, &term, &factor))
     return false;
   const vs_term *t = &deck->terms[term];
@@ -448,7 +453,7 @@ static size_t top_of_probe(const vs_causes *c, const cause *k) {
  * source. */
 static bool share_current(vs_causes *c, cause *k, const double *signals) {
   const vs_branches *b = &c->branches;
-  size_t node[2] = {coil_node(c), 0}, top = vs_branches_coil(b);
+  size_t node[2] = {coil_node(c, 0), 0}, top = vs_branches_coil(b);
   cause own = *k;
   own.term = -1;
   if (!k->coil && k->device >= 0 && nodes_of(c, &own, node)) {
