@@ -30,6 +30,9 @@
  * size to either side. */
 enum { DECADE = 12, BEYOND = 4, NEXT = 2, MOST_SHIPPED = 512, DIGITS = 9 };
 
+/* Bytes that a warning of a part may have. */
+enum { ROOM = 512 };
+
 /* A part, with what its file says of it. */
 typedef struct known_part {
   char name[VS_DECK_NAME];
@@ -104,13 +107,23 @@ static bool hides_a_line(const cure *c, const vs_scene *changed, char *name) {
   return false;
 }
 
-/* A value that the series of a part has not. */
-static bool is_beyond_series(const cure *c, const vs_scene *changed, char *text, size_t size) {
+/* What a run warns of part number p: less than the mains, or a value that its series has not. */
+static bool is_warned_of(const vs_setup *s, size_t p, char *text, size_t size) {
+  const double rms_v = s->timeline.supply.voltage_v / (s->timeline.supply.direct ? M_SQRT2 : 1);
+  return vs_parts_below_mains(&s->deck, p, rms_v, text, size) ||
+         vs_netlist_beyond_series(&s->deck, &s->circuit_values, p, text, size);
+}
+
+/* True where the change draws such a warning, or that a device does not protect another. A short
+ * run may hold with a part that does not last. */
+static bool draws_a_warning(const cure *c, const vs_scene *changed, char *text, size_t size) {
   const vs_setup *before = &c->scene->setup, *now = &changed->setup;
-  char was[256];
+  char was[ROOM];
   for (size_t p = 0; p < now->deck.n_parts && p < before->deck.n_parts; p++)
-    if (vs_netlist_beyond_series(&now->deck, &now->circuit_values, p, text, size) &&
-        !vs_netlist_beyond_series(&before->deck, &before->circuit_values, p, was, sizeof was))
+    if (is_warned_of(now, p, text, size) && !is_warned_of(before, p, was, sizeof was)) return true;
+  for (size_t d = 0; d < now->deck.n_devices && d < before->deck.n_devices; d++)
+    if (vs_devices_fails_ward(&now->deck, d, text, size) &&
+        !vs_devices_fails_ward(&before->deck, d, was, sizeof was))
       return true;
   return false;
 }
@@ -133,9 +146,9 @@ static vs_status try_change(cure *c, change *k, bool proof, vs_error *err) {
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_result *result = vs_alloc(1, sizeof *result);
   vs_error why = {0};
-  char text[256] = "";
+  char text[ROOM] = "";
   vs_status status = vs_scene_with(c->scene, keys, proof ? 1 : 2, scene, &why);
-  if (!status && is_beyond_series(c, scene, text, sizeof text))
+  if (!status && draws_a_warning(c, scene, text, sizeof text))
     status = vs_fail(&why, VS_INPUT, "%s", text);
   if (!status && hides_a_line(c, scene, text))
     status = vs_fail(&why, VS_INPUT, "its part states no limit for %s", text);
@@ -472,8 +485,8 @@ static int by_worth(const void *left, const void *right) {
   return strcmp(a->set, b->set);
 }
 
-static const char CAVEAT[] = "held in this scene alone: other threats, tolerances and corners were "
-                             "not tried; threats of a study do that";
+static const char CAVEAT[] = "held in this scene alone: what it does not judge, other threats, "
+                             "tolerances and corners were not tried; threats of a study do that";
 
 /* "price_eur" is in EUR. */
 static void currency_of(const cure *c, char text[16]) {
