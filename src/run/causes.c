@@ -524,17 +524,29 @@ static vs_status begin_attempt(void *ctx, vs_scene *scene, vs_error *err) {
   return VS_OK;
 }
 
+/* Reads the scene once more, on the tier whose solver tells the currents of elements, whatever
+ * --tier says. */
+static vs_status read_on_ngspice(const vs_scene *of, vs_scene *scene, vs_error *err) {
+  static const char *const KEYS[] = {"run.verify=never", "run.tier=circuit"};
+  if (of->tier->by_ngspice) return vs_scene_with(of, KEYS, 1, scene, err);
+  vs_scene *untold =
+      vs_alloc(1, sizeof *untold); /* it borrows all of the other, and is only read */
+  memcpy(untold, of, sizeof *untold);
+  untold->tier_named = NULL;
+  vs_status status = vs_scene_with(untold, KEYS, 2, scene, err);
+  free(untold);
+  return status;
+}
+
 static vs_status look_again(vs_causes *c, vs_causes_run *run, const volatile sig_atomic_t *stop,
                             vs_error *err) {
-  static const char *const CIRCUIT[] = {"run.tier=circuit", "run.verify=never"};
   const vs_scene *of = c->result->scene;
   const vs_circuit_look look = {c, begin_look, take_look};
   const vs_session_listener guest = {.ctx = c, .begin = begin_attempt, .accept = accept_step};
   const vs_session session = {.guest = &guest, .stop = stop};
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_result *result = vs_alloc(1, sizeof *result);
-  const bool other = !of->tier->by_ngspice;
-  vs_status status = vs_scene_with(of, CIRCUIT + !other, (size_t)1 + other, scene, err);
+  vs_status status = read_on_ngspice(of, scene, err);
   scene->order.look = &look;
   if (!status) status = run(&session, scene, result, err);
   for (size_t k = 0; k < c->count && (!status || c->enough); k++)

@@ -123,6 +123,8 @@ static void transistors_and_gates(void) {
   all_sums("bridge_link --until 30ms --set 'ratings.i_2=.. 1 uA' --set 'ratings.i=.. 1 uA' --set "
            "'ratings.v_eva=.. 1 V'",
            3);
+  all_sums("paper --until 8ms --tier compiled --set 'ratings.i=.. 1 uA'",
+           1); /* looked at on ngspice */
   all_sums("paper --until 8ms --set circuit.deck=halfwave_paper --set 'ratings.i_gate=.. 1 uA'", 1);
 }
 
