@@ -533,6 +533,16 @@ void vs_tree_put(vs_tree *tree, const char *key, const char *text, vs_where wher
   graft(tree, key, &value);
 }
 
+void vs_tree_drop(vs_tree *tree, const char *key) {
+  vs_node **link = &tree->root->child;
+  while (*link && strcmp((*link)->key, key) != 0) link = &(*link)->next;
+  if (!*link) return;
+  vs_node *dropped = *link;
+  *link = dropped->next;
+  dropped->next = NULL;
+  free_nodes(dropped);
+}
+
 /* Reads the text behind the sign as YAML. */
 static vs_status parse_value(const char *text, vs_where where, vs_node **value, vs_error *err) {
   const char *yaml = strcmp(text, "-") ? text : "'-'"; /* a lone - is a text here, no list */

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/units.h"
+#include "netlist/kinds.h"
 #include "run/keys.h"
 #include "run/sections.h"
 
@@ -257,6 +258,13 @@ static bool is_word(const vs_field *f) {
   return f && f->kind & (VS_CHOICE | VS_NAME);
 }
 
+/* 'A .. B', in the key's unit or in per cent of its value. */
+static void put_dots(context c) {
+  if (c.field && !is_word(c.field))
+    vs_field_schema_pattern(c.j, NULL,
+                            "^ *[-+.0-9][^ ]*( [^ ]+)? +\\.\\. +[-+.0-9][^ ]*( [^ ]+)? *$");
+}
+
 static void put_reference(context c, const vs_field *row) {
   char path[VS_KEY_SIZE + 16];
   if (!c.scene_key) {
@@ -269,7 +277,8 @@ static void put_reference(context c, const vs_field *row) {
   vs_json_end(c.j);
 }
 
-/* "5 % normal", "5 % normal within 2 sigma", "1 ohm uniform". Words and whole numbers have none. */
+/* "5 % normal", "5 % normal within 2 sigma", "1 ohm uniform", "-20 % .. 5 %", "ageing". Words and
+ * whole numbers have none. */
 static void put_spread(context c, const vs_field *row) {
   vs_text pattern = {0};
   if (is_word(c.field) || (c.field && c.field->kind == VS_COUNT)) return;
@@ -288,6 +297,8 @@ static void put_spread(context c, const vs_field *row) {
   vs_text_add(&pattern, ") +(normal( +within +[0-9.]+ *sigma)?|uniform) *$");
   vs_field_schema_pattern(c.j, NULL, pattern.text);
   vs_text_free(&pattern);
+  put_dots(c);
+  vs_field_schema_pattern(c.j, NULL, "^(tolerance|ageing|tolerance and ageing)$");
 }
 
 static void put_setting(context c, const vs_field *row) {
@@ -383,6 +394,8 @@ static void put_other_keys(context c, const vs_field *row) {
     bar = "|";
   }
   vs_text_add(&pattern, ")\\.%s", setting ? "|\\..*\\." : "");
+  for (const vs_kind *k = vs_kinds_all; k->name && row->kind & VS_SPREAD; k++)
+    vs_text_add(&pattern, "|^%s$", k->name);
   vs_json_object(c.j, "patternProperties", VS_JSON_ROW);
   put_member(c, pattern.text, row, row);
   vs_json_end(c.j);
@@ -413,14 +426,17 @@ void vs_field_schema_required(vs_json *j, const vs_field *rows) {
 
 static void put_map(context c, const vs_field *map) {
   const vs_inside *inside = map->inside;
-  const vs_field *row = inside->rows, *any = row && !row->key ? row : NULL,
-                 *scene = any && any->kind & (VS_VALUE | VS_SPREAD | VS_SETTING) ? any : NULL;
+  const vs_field *row = inside->rows, *any = NULL;
+  for (const vs_field *r = row; r && r->kind; r++)
+    if (!r->key) any = r;
+  const vs_field *scene = any && any->kind & (VS_VALUE | VS_SPREAD | VS_SETTING) ? any : NULL;
   if (is_word(c.field)) return; /* a range of words there is not */
   vs_field_schema_open(c.j, NULL, "object");
   vs_json_object(c.j, "properties", VS_JSON_ROW);
   if (scene) each_key(c.ground, put_keyed, &(keyed){c, scene});
   if (scene && scene->kind & VS_SETTING) put_sections(c);
-  for (; !any && row && row->kind; row++) put_member(c, row->key, row, row);
+  for (; row && row->kind; row++)
+    if (row->key) put_member(c, row->key, row, row);
   for (size_t k = 0; inside->besides && k < inside->besides->count; k++)
     vs_field_schema_field(c.j, &inside->besides->fields[k]);
   vs_json_end(c.j);

@@ -8,6 +8,7 @@
 #include "control/regulators.h"
 #include "default_models.h"
 #include "list.h"
+#include "measure/expect.h"
 #include "netlist/kinds.h"
 #include "options.h"
 #include "run/sections.h"
@@ -46,15 +47,17 @@ static void print_expect(void) {
     for (size_t k = 0; k < kind->n_measures; k++)
       if (kind->measures[k].held == VS_NEVER)
         printf("  %-12s %s\n", kind->name, vs_kinds_happening(&kind->measures[k])->verb);
+  puts("A criterion is an entry, too: what may happen to any device, and does not have to.");
+  for (int k = 0; k < VS_CRITERIA; k++)
+    printf("  %-12s %s\n", vs_expect_criteria[k].name, vs_expect_criteria[k].text);
 }
 
 static void print_waive(void) {
   puts("waive: limits of the deck's devices that the verdict leaves out, as\n"
        "waive: [varistor_1.power, thyristor.t_q]\n"
-       "Each is a device and one of its measures or limits. A waived line stays in the table and\n"
-       "breaks nothing. A part whose file states limits, but not all that decide, leaves the "
-       "verdict\n"
-       "undecided unless they are waived. What decides:");
+       "Each is a device and one of its measures or limits, or a device alone. A waived line\n"
+       "stays in the table and breaks nothing. A part whose file states limits, but not all that\n"
+       "decide, leaves the verdict undecided unless they are waived. What decides:");
   for (const vs_kind *kind = vs_kinds_all; kind->name; kind++)
     for (size_t k = 0; k < kind->n_measures; k++) {
       const vs_device_measure *m = &kind->measures[k];

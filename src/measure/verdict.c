@@ -69,7 +69,7 @@ static vs_judgement judge_rated(const vs_rated *own, double tolerance) {
                     .stress = own->least,
                     .room = {NAN, NAN},
                     .margin = NAN,
-                    .margin_error = own->unknown ? INFINITY : NAN,
+                    .margin_error = own->unknown || isinf(own->doubt) ? INFINITY : NAN,
                     .is_rate = own->is_rate,
                     .hangs = own->hangs,
                     .failed_s = NAN};
@@ -99,7 +99,7 @@ static vs_judgement judge_device(const vs_deck *deck, const vs_device *d, const 
                                                                     : NULL,
                         .room = {least ? room : INFINITY, least ? INFINITY : room},
                         .margin = room,
-                        .margin_error = NAN,
+                        .margin_error = d->doubtful ? INFINITY : NAN,
                         .hangs = r->by->hangs_on_sequence ? d : NULL,
                         .makes_fire = r->by->makes_fire,
                         .is_rate = r->by->is_rate,

@@ -215,7 +215,7 @@ static void add_failures(vs_html *html, const vs_folder *t, const vs_study_resul
 static void add_place(vs_html *html, const vs_folder *t, char *const *cell, bool ranged) {
   size_t n = 0;
   for (size_t c = 0; c < t->count; c++) {
-    if (t->column[c].role != VS_ROLE_AXIS) continue;
+    if (t->column[c].role != VS_ROLE_AXIS || !*cell[c]) continue;
     if (ranged && !vs_tree_child(t->column[c].node, "from")) continue;
     char unit[64];
     vs_scale_unit(t->column[c].unit, unit, sizeof unit);

@@ -195,14 +195,18 @@ static bool take_figure(const vs_deck *deck, const vs_device *d, const char *nam
   return true;
 }
 
+static const char *const FIGURES[] = {"tolerance", "ageing"};
+
 static bool is_figure(const char *way, const char *name) {
   return !strcmp(way, name) || !strcmp(way, "tolerance and ageing");
 }
 
-/* Reads a tolerance in words, which stands in the file of the device's part. */
-static vs_status read_figures(const vs_scene *scene, const char *key, const char *way,
-                              vs_where where, double end[2], vs_error *err) {
-  static const char *const FIGURES[] = {"tolerance", "ageing"};
+bool vs_key_is_figure(const char *way) {
+  return is_figure(way, FIGURES[0]) || is_figure(way, FIGURES[1]);
+}
+
+vs_status vs_key_figures(const vs_scene *scene, const char *key, const char *way, vs_where where,
+                         double end[2], vs_error *err) {
   const vs_deck *deck = &scene->setup.deck;
   const vs_device *d = device_of(deck, key);
   for (size_t k = 0; k < sizeof FIGURES / sizeof *FIGURES; k++) {
@@ -299,7 +303,7 @@ static vs_status add_spread_key(const vs_scene *scene, const char *name, const s
     return vs_fail_at(err, where, "spread: %s has no number that could be off by a tolerance",
                       name);
   if (is_figure(way, "tolerance") || is_figure(way, "ageing")) {
-    status = read_figures(scene, name, way, where, end, err);
+    status = vs_key_figures(scene, name, way, where, end, err);
     for (int k = 0; k < 2; k++) value[k] = end[k] * nominal;
   } else
     status = read_way(&key, way, where, nominal, value, err);

@@ -101,20 +101,20 @@ vs_status vs_hold_waive(vs_hold *h, const vs_node *list, vs_error *err) {
 /* ---- rows ---- */
 
 /* As vs_verdict_word has it. */
-vs_hold_word vs_hold_word_of(double margin, double error) {
+static vs_hold_word word_of(double margin, double error) {
   if (isnan(margin) || fabs(margin) <= error) return VS_HOLD_UNDECIDED;
   return margin < 0 ? VS_HOLD_VIOLATED : VS_HOLD_HELD;
 }
 
-vs_hold_word vs_hold_worse(vs_hold_word a, vs_hold_word b) {
+static vs_hold_word worse(vs_hold_word a, vs_hold_word b) {
   return a == VS_HOLD_VIOLATED || b == VS_HOLD_VIOLATED     ? VS_HOLD_VIOLATED
          : a == VS_HOLD_UNDECIDED || b == VS_HOLD_UNDECIDED ? VS_HOLD_UNDECIDED
                                                             : VS_HOLD_HELD;
 }
 
 bool vs_hold_is_weaker(double m, double e, double other, double of_other) {
-  const bool sure = vs_hold_word_of(m, e) == VS_HOLD_VIOLATED,
-             other_sure = vs_hold_word_of(other, of_other) == VS_HOLD_VIOLATED;
+  const bool sure = word_of(m, e) == VS_HOLD_VIOLATED,
+             other_sure = word_of(other, of_other) == VS_HOLD_VIOLATED;
   if (sure != other_sure) return sure;
   return m - (sure || isnan(e) ? 0 : e) <= other - (sure || isnan(of_other) ? 0 : of_other);
 }
@@ -152,10 +152,10 @@ void vs_hold_judge(const vs_hold *h, size_t line, double m, double e, const char
   const vs_hold_line *l = &h->line[line];
   const double now = margin_now(h, l, m), error = error_now(l, e);
   const bool waived = !l->own && was_waived(not_judged, l->name);
-  came[0] = waived ? VS_HOLD_HELD : vs_hold_word_of(m, e);
-  came[1] = waived || l->waived ? VS_HOLD_HELD : vs_hold_word_of(now, error);
-  r->stored = vs_hold_worse(r->stored, came[0]);
-  r->now = vs_hold_worse(r->now, came[1]);
+  came[0] = waived ? VS_HOLD_HELD : word_of(m, e);
+  came[1] = waived || l->waived ? VS_HOLD_HELD : word_of(now, error);
+  r->stored = worse(r->stored, came[0]);
+  r->now = worse(r->now, came[1]);
   if (waived || l->waived || !isfinite(now)) return;
   if (r->weakest != SIZE_MAX && !vs_hold_is_weaker(now, error, r->margin, r->error)) return;
   r->margin = now;
@@ -173,12 +173,12 @@ void vs_hold_happened(const char *happened, int criterion, vs_hold_row *r) {
     char *one = vs_alloc_part(s, n), *name = vs_alloc_part(s, what);
     const vs_hold_word w = strstr(one, UNSURE) ? VS_HOLD_UNDECIDED : VS_HOLD_VIOLATED;
     bool spared = strstr(one, EXPECTED) && w == VS_HOLD_VIOLATED;
-    if (!spared) r->stored = vs_hold_worse(r->stored, w);
+    if (!spared) r->stored = worse(r->stored, w);
     if (criterion == 0)
       spared = strstr(one, NEVER) != NULL;
     else if (criterion > 0)
       spared = spared || vs_expect_spares(criterion, name) || strstr(one, NEVER);
-    if (!spared) r->now = vs_hold_worse(r->now, w);
+    if (!spared) r->now = worse(r->now, w);
     free(one);
     free(name);
     s += n + (end ? strlen(" | ") : 0);
@@ -187,9 +187,8 @@ void vs_hold_happened(const char *happened, int criterion, vs_hold_row *r) {
 
 bool vs_hold_rest(const vs_hold *h, bool broken, const char *warnings, vs_hold_row *r) {
   if (!broken && r->stored != VS_HOLD_HELD) return false;
-  if (broken && r->stored == VS_HOLD_HELD)
-    r->stored = r->now = vs_hold_worse(r->now, VS_HOLD_UNDECIDED);
+  if (broken && r->stored == VS_HOLD_HELD) r->stored = r->now = worse(r->now, VS_HOLD_UNDECIDED);
   if (h->margin > 0 && strstr(warnings, " has no column: its margin is "))
-    r->now = vs_hold_worse(r->now, VS_HOLD_UNDECIDED);
+    r->now = worse(r->now, VS_HOLD_UNDECIDED);
   return true;
 }

@@ -7,6 +7,7 @@
 
 #include "base/hash.h"
 #include "netlist/catalogue.h"
+#include "run/sections.h"
 
 /* ---- keys ---- */
 
@@ -35,11 +36,18 @@ const char **vs_plan_known_keys(const vs_method *const *methods, size_t *count) 
   return names;
 }
 
+static bool is_of_scenes(const char *key) {
+  for (size_t k = 0; k < VS_SECTION_KEYS; k++)
+    if (!strcmp(vs_section_keys[k], key)) return true;
+  return false;
+}
+
 bool vs_plan_has_keys(const vs_tree *file, const vs_method *const *methods) {
   size_t n;
   const char **keys = vs_plan_known_keys(methods, &n);
   bool has = false;
-  for (size_t k = 0; k < n && !has; k++) has = vs_tree_child(file->root, keys[k]) != NULL;
+  for (size_t k = 0; k < n && !has; k++)
+    has = !is_of_scenes(keys[k]) && vs_tree_child(file->root, keys[k]);
   free(keys);
   return has;
 }
@@ -81,7 +89,7 @@ vs_status vs_plan_scene(const vs_plan *plan, vs_scene *scene, vs_error *err) {
 
 /* ---- axes ---- */
 
-static const vs_axis *find_axis(const vs_plan *plan, const char *key) {
+static vs_axis *find_axis(vs_plan *plan, const char *key) {
   for (size_t k = 0; k < plan->n_axes; k++)
     if (!strcmp(plan->axes[k].key, key)) return &plan->axes[k];
   return NULL;
@@ -95,9 +103,12 @@ static const char *set_of(const vs_plan *plan, const char *key) {
   return NULL;
 }
 
-/* True where the study's search can put a tolerance on what it chooses under vary. */
+/* True where one of the two axes of a key is what a search chooses, and the other a tolerance of
+ * it: under vary and sample, or under catalogue, which comes behind spread. */
 static bool takes_tolerance(const vs_plan *plan, const vs_axis *other, const char *by) {
-  if (strcmp(other->by, "vary") || strcmp(by, "sample") || other->is_word) return false;
+  if (other->is_word) return false;
+  if (!strcmp(by, "catalogue")) return !strcmp(other->by, "spread") && !other->about;
+  if (strcmp(other->by, "vary") || strcmp(by, "sample")) return false;
   for (const vs_method *const *m = plan->methods; *m; m++)
     if ((*m)->tolerates && vs_tree_child(plan->tree.root, (*m)->key)) return true;
   return false;
@@ -112,7 +123,7 @@ static void name_tolerance(vs_axis *axis) {
 
 vs_status vs_plan_axis(vs_plan *plan, const vs_node *node, const char *by, vs_axis **out,
                        vs_error *err) {
-  const vs_axis *other = find_axis(plan, node->key);
+  vs_axis *other = find_axis(plan, node->key);
   const char *set = set_of(plan, node->key);
   vs_axis axis;
   const bool tolerance = other && takes_tolerance(plan, other, by);
@@ -125,10 +136,12 @@ vs_status vs_plan_axis(vs_plan *plan, const vs_node *node, const char *by, vs_ax
     return vs_fail_at(err, node->key_where, "more than %d axes", VS_PLAN_AXES);
   vs_status status = vs_axis_init(&axis, plan->base, node, by, err);
   if (status) return status;
-  if (tolerance) axis.about = (size_t)(other - plan->axes) + 1;
-  if (tolerance) name_tolerance(&axis);
   *out = &plan->axes[plan->n_axes++];
   **out = axis;
+  const bool behind = tolerance && !strcmp(by, "catalogue");
+  vs_axis *first = behind ? *out : other, *second = behind ? other : *out;
+  if (tolerance) second->about = (size_t)(first - plan->axes) + 1;
+  if (tolerance) name_tolerance(second);
   return VS_OK;
 }
 

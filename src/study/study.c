@@ -371,6 +371,12 @@ static vs_status resume_journal(session *s, vs_journal_head *head, vs_error *err
   return status;
 }
 
+static void unlink_in(const char *folder, const char *name) {
+  char path[VS_PATH_SIZE + 32];
+  snprintf(path, sizeof path, "%.4000s/%s", folder, name);
+  unlink(path);
+}
+
 /* Begins a new journal, and removes what the folder has of an older study. */
 static vs_status begin_journal(session *s, vs_journal_head *head, vs_error *err) {
   vs_journal old;
@@ -378,6 +384,9 @@ static vs_status begin_journal(session *s, vs_journal_head *head, vs_error *err)
   vs_status status = vs_journal_create(&s->journal, s->folder, head, err);
   if (!status) vs_cleanup_folder(s->folder, known ? &old : NULL);
   if (!status) vs_publish_remove(s->folder);
+  const vs_method *method = s->plan.adaptive ? s->plan.adaptive->method : NULL;
+  for (size_t k = 0; !status && method && method->files && method->files[k]; k++)
+    unlink_in(s->folder, method->files[k]);
   vs_journal_close(&old);
   return status;
 }

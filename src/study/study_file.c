@@ -108,6 +108,9 @@ static void first_point(const vs_plan *plan, double *point) {
     return;
   }
   for (size_t k = 0; k < plan->n_axes; k++) point[k] = some_value(&plan->axes[k]);
+  for (size_t p = 0; p < plan->n_stages; p++)
+    if (plan->stages[p].method->draw) /* its axes have not all a number in each case */
+      plan->stages[p].method->point(plan, &plan->stages[p], 0, point + plan->stages[p].axis);
 }
 
 /* Error: the study asks for orbits, and the scene has none for a reason known before any search. */
@@ -149,6 +152,15 @@ static vs_status try_case(vs_plan *plan, const double *point, vs_scene *scene, v
   return vs_report_columns_add_lines(plan, scene, err);
 }
 
+/* True for an axis whose numbers depend on each other. */
+static bool is_drawn(const vs_plan *plan, size_t axis) {
+  for (size_t p = 0; p < plan->n_stages; p++) {
+    const vs_plan_stage *stage = &plan->stages[p];
+    if (stage->method->draw && axis >= stage->axis && axis < stage->axis + stage->n) return true;
+  }
+  return false;
+}
+
 /* Tries each name that an axis lists once, as it may be a file that is not there. */
 static vs_status try_names(vs_plan *plan, double *point, vs_error *err) {
   vs_status status = VS_OK;
@@ -157,6 +169,7 @@ static vs_status try_names(vs_plan *plan, double *point, vs_error *err) {
     double kept = point[a];
     for (size_t w = 0; w < plan->axes[a].n_words && !status; w++) {
       if (plan->axes[a].field->kind != VS_NAME || (double)w == kept) continue;
+      if (is_drawn(plan, a)) break; /* it names no file, and its method has tried it */
       point[a] = (double)w;
       status = vs_error_keep(err, try_case(plan, point, scene, err));
       vs_scene_free(scene);

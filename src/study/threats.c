@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "study/threats.h"
+#include "threats.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -11,7 +11,6 @@
 #include "engine/events.h"
 #include "engine/tiers.h"
 #include "measure/expect.h"
-#include "study/random.h"
 
 /* ---- kinds that are events under another name ---- */
 
@@ -171,10 +170,11 @@ static vs_status read_key(vs_threat *t, const vs_scene *scene, const vs_node *no
   const vs_field *field = field_named(t->kind, key);
   if (is_beginning(t, key)) {
     if (node->kind != VS_NODE_TEXT || !strcmp(node->text, "strike"))
-      return vs_fail_at(err, node->where,
-                        "threats.%s.from: a %s has no generator; start or a time is wanted, as "
-                        "15 ms",
-                        t->name, t->kind->name);
+      return vs_fail_at(
+          err, node->where,
+          "threats.%s.from: the kind %s has no generator; start or a time is wanted, as "
+          "15 ms",
+          t->name, t->kind->name);
     set_text(t, "at", strcmp(node->text, "start") ? node->text : "0 ms", node->where);
     return VS_OK;
   }
@@ -203,7 +203,7 @@ static vs_status check_keys(const vs_threat *t, const vs_node *map, vs_error *er
     if (strcmp(t->kind->fields[k].key, "kind") != 0 && strcmp(t->kind->fields[k].key, "off") != 0)
       names[n++] = t->kind->fields[k].key;
   if (is_beginning(t, "from")) names[n++] = "from";
-  snprintf(what, sizeof what, "threats.%s, of kind %s", t->name, t->kind->name);
+  snprintf(what, sizeof what, "threats.%s, of kind %s,", t->name, t->kind->name);
   return vs_field_known_keys(map, what, names, n, err);
 }
 
@@ -214,7 +214,7 @@ static vs_status read_kind(vs_threat *t, const vs_node *map, vs_error *err) {
   t->kind = vs_events_find(a ? a->kind : word);
   if (!t->kind) return unknown_kind(t, node, word, err);
   t->text = a ? a->text : t->kind->text;
-  set_text(t, "kind", t->kind->name, node->where);
+  set_text(t, "kind", t->kind->name, t->where);
   for (size_t k = 0; a && k < sizeof a->set / sizeof *a->set; k++)
     if (!vs_tree_child(map, a->set[k][0])) set_text(t, a->set[k][0], a->set[k][1], node->where);
   return VS_OK;
@@ -307,6 +307,12 @@ static void place(vs_threat *t, const vs_scene *scene) {
   set_text(t, "cycle", cycle, t->where);
 }
 
+static const vs_threat *threat_named(const vs_threats *all, const char *name) {
+  for (size_t k = 0; k < all->count; k++)
+    if (!strcmp(all->item[k].name, name)) return &all->item[k];
+  return NULL;
+}
+
 static bool scene_has(const vs_scene *scene, const char *name) {
   return vs_tree_child(vs_tree_child(scene->tree.root, "events"), name) != NULL;
 }
@@ -321,7 +327,7 @@ static vs_status check_name(const vs_threats *all, const vs_threat *t, const vs_
     return vs_fail_at(err, map->key_where,
                       "threats: '%.80s': a name of up to %d letters without a dot is wanted",
                       map->key, VS_EVENT_NAME - 1);
-  if (vs_threats_named(all, t->name))
+  if (threat_named(all, t->name))
     return vs_fail_at(err, map->key_where, "threats.%s stands here a second time", t->name);
   if (scene_has(all->scene, t->name))
     return vs_fail_at(err, map->key_where,
@@ -330,9 +336,8 @@ static vs_status check_name(const vs_threats *all, const vs_threat *t, const vs_
   return VS_OK;
 }
 
-static vs_status read_threat(vs_threats *all, const vs_node *map, uint64_t n, vs_threat *t,
-                             vs_error *err) {
-  *t = (vs_threat){.where = map->key_where, .n = n, .until_s = NAN};
+static vs_status read_threat(vs_threats *all, const vs_node *map, vs_threat *t, vs_error *err) {
+  *t = (vs_threat){.where = map->key_where, .n = all->n, .until_s = NAN};
   snprintf(t->name, sizeof t->name, "%s", map->key);
   vs_status status = check_name(all, t, map, err);
   if (!status && map->kind != VS_NODE_MAP)
@@ -369,7 +374,7 @@ static vs_status read_partner(const vs_threats *all, const vs_node *map, vs_thre
   size_t n = 0;
   for (size_t k = 0; k < all->count; k++)
     if (&all->item[k] != t && all->item[k].kind) names[n++] = all->item[k].name;
-  const vs_threat *with = vs_threats_named(all, name);
+  const vs_threat *with = threat_named(all, name);
   if (!with || with == t || !with->kind)
     return vs_fail_at(err, node->where, "threats.%s.with: '%s' is no other threat%s", t->name, name,
                       vs_text_hint(name, names, n, "").text);
@@ -397,17 +402,18 @@ static vs_status open_file(const vs_node *name, vs_threats *all, const vs_node *
 
 /* Reads all threats of the map; what is wrong with one does not keep the others from being read. */
 static vs_status read_all(vs_threats *all, const vs_node *map, vs_error *err) {
-  uint64_t n = CASES;
+  all->n = CASES;
   const size_t found = vs_error_count(err);
-  vs_status status = vs_axis_whole(map, N_KEY, 1, 10000000, &n, err);
+  vs_status status = vs_axis_whole(map, N_KEY, 1, 10000000, &all->n, err);
   if (!status) status = vs_axis_whole(map, SEED, 0, UINT64_MAX >> 12, &all->seed, err);
   for (const vs_node *node = map->child; node && !status; node = node->next) {
     if (!strcmp(node->key, N_KEY) || !strcmp(node->key, SEED)) continue;
     if (all->count == VS_THREATS_MOST - 1)
       return vs_fail_at(err, node->key_where, "threats: more than %d", VS_THREATS_MOST - 1);
     vs_threat t;
-    status = read_threat(all, node, n, &t, err);
-    if (status)
+    const size_t before = vs_error_count(err);
+    status = read_threat(all, node, &t, err);
+    if (status || vs_error_count(err) > before)
       free_threat(&t);
     else
       all->item[all->count++] = t;
@@ -429,96 +435,6 @@ void vs_threats_free(vs_threats *all) {
   *all = (vs_threats){0};
 }
 
-const vs_threat *vs_threats_named(const vs_threats *all, const char *name) {
-  for (size_t k = 0; k < all->count; k++)
-    if (!strcmp(all->item[k].name, name)) return &all->item[k];
-  return NULL;
-}
-
-/* ---- numbers ---- */
-
-size_t vs_threat_numbers(const vs_threat *t) {
-  return t->n_ranges + (t->with ? t->with->n_ranges : 0);
-}
-
-const vs_axis *vs_threat_range(const vs_threat *t, size_t k) {
-  return k < t->n_ranges ? &t->range[k] : &t->with->range[k - t->n_ranges];
-}
-
-static bool is_continuous(const vs_axis *axis) {
-  return axis->ranged && !axis->n_values;
-}
-
-bool vs_threat_is_closed(const vs_threat *t) {
-  bool closed = true;
-  for (size_t k = 0; k < vs_threat_numbers(t); k++)
-    closed = closed && !is_continuous(vs_threat_range(t, k));
-  return closed;
-}
-
-uint64_t vs_threat_combinations(const vs_threat *t) {
-  uint64_t count = 1;
-  for (size_t k = 0; k < vs_threat_numbers(t); k++) {
-    const vs_axis *axis = vs_threat_range(t, k);
-    if (!is_continuous(axis) && count <= UINT32_MAX) count *= axis->n_values;
-  }
-  return count;
-}
-
-static double number_at(const vs_axis *axis, double u) {
-  if (!is_continuous(axis)) {
-    const double n = (double)axis->n_values;
-    return axis->value[(size_t)fmin(fmax(floor(u * n), 0), n - 1)];
-  }
-  if (u <= 0) return axis->from; /* exact at both ends */
-  if (u >= 1) return axis->to;
-  const double x = axis->log ? axis->from * pow(axis->to / axis->from, u)
-                             : axis->from + u * (axis->to - axis->from);
-  return vs_text_rounded(x, 12); /* as study.csv and the scene have it */
-}
-
-void vs_threat_at(const vs_threat *t, const double *u, double *value) {
-  for (size_t k = 0; k < vs_threat_numbers(t); k++)
-    value[k] = number_at(vs_threat_range(t, k), u[k]);
-}
-
-/* The last list runs fastest. */
-void vs_threat_listed(const vs_threat *t, uint64_t index, double *value) {
-  for (size_t k = vs_threat_numbers(t); k-- > 0;) {
-    const vs_axis *axis = vs_threat_range(t, k);
-    value[k] = is_continuous(axis) ? number_at(axis, 0.5) : axis->value[index % axis->n_values];
-    if (!is_continuous(axis)) index /= axis->n_values;
-  }
-}
-
-/* FNV-1a, 64 bits: keys are names, so that a threat more or less leaves the others' numbers alone.
- */
-uint64_t vs_threats_key(const char *name, const char *key) {
-  uint64_t hash = 0xcbf29ce484222325u;
-  for (const char *s = name; *s; s++) hash = (hash ^ (unsigned char)*s) * 0x100000001b3u;
-  hash = (hash ^ '.') * 0x100000001b3u;
-  for (const char *s = key; *s; s++) hash = (hash ^ (unsigned char)*s) * 0x100000001b3u;
-  return hash;
-}
-
-void vs_threat_draw(const vs_threat *t, uint64_t seed, uint64_t index, double *value) {
-  double u[VS_THREAT_NUMBERS];
-  for (size_t k = 0; k < vs_threat_numbers(t); k++)
-    u[k] = vs_random_uniform(seed, index, vs_threats_key(t->name, vs_threat_range(t, k)->key));
-  vs_threat_at(t, u, value);
-}
-
-void vs_threat_stratum(const vs_threat *t, uint64_t seed, uint64_t index, uint64_t count,
-                       double *value) {
-  vs_threat_listed(t, index % vs_threat_combinations(t), value);
-  for (size_t k = 0; k < vs_threat_numbers(t); k++) {
-    const vs_axis *axis = vs_threat_range(t, k);
-    if (is_continuous(axis))
-      value[k] =
-          number_at(axis, vs_random_latin(seed, index, count, vs_threats_key(t->name, axis->key)));
-  }
-}
-
 /* ---- laying a case over a scene ---- */
 
 /* Puts what the scene itself says under the key, or nothing. */
@@ -528,7 +444,7 @@ static void put_back(const vs_scene *scene, const char *key, vs_tree *tree) {
   if (node)
     vs_tree_graft(tree, key, node, &never);
   else
-    vs_tree_put(tree, key, "", (vs_where){0});
+    vs_tree_drop(tree, key);
 }
 
 /* Puts a list of what the scene itself says under the key, and of these words. */
@@ -616,7 +532,7 @@ void vs_threats_put(const vs_threats *all, const vs_threat *t, const double *val
   put_list(all->scene, "expect", &criterion, t->criterion > 0, t->where, tree);
   put_waivers(all, t, tree);
   if (t->start && !strcmp(t->start->text, REST))
-    vs_tree_put(tree, "start", "", t->start->where);
+    vs_tree_drop(tree, "start");
   else if (t->start)
     vs_tree_put(tree, "start", vs_setup_steady, t->start->where);
   else
@@ -663,8 +579,18 @@ static vs_status check_one(const vs_threat *t, const vs_scene *scene, vs_error *
       t->name, from_s, until_s, needed_s);
 }
 
+/* Error: nothing would be judged, so that whatever comes would count as held. */
+static vs_status check_tier(const vs_threat *t, const vs_scene *scene, vs_error *err) {
+  if (scene->tier->has_circuit || scene->ratings.count) return VS_OK;
+  return vs_fail_at(err, t->where,
+                    "threats.%s: tier %s (%s) judges no part; circuit.deck, run.tier: %s or the "
+                    "scene's own ratings are wanted",
+                    t->name, scene->tier->name, scene->why, vs_tiers_circuit());
+}
+
 vs_status vs_threats_check(const vs_threat *t, const vs_scene *scene, vs_error *err) {
-  vs_status status = t->kind ? check_one(t, scene, err) : VS_OK;
+  vs_status status = check_tier(t, scene, err);
+  if (!status && t->kind) status = check_one(t, scene, err);
   return status || !t->with ? status : vs_threats_check(t->with, scene, err);
 }
 
@@ -679,7 +605,7 @@ static vs_status check_shot(const vs_threat *t, const vs_scene *scene, vs_error 
   if (!needs || f->every > 0 || f->no_valve || line->supply.direct) return VS_OK;
   const double over_s = line->first_zero_s + f->first_cycle * line->period_s;
   const double from_s = begins_s(t, scene);
-  if (!(from_s > over_s)) return VS_OK;
+  if (!(from_s >= over_s * (1 - 1e-9))) return VS_OK;
   return vs_fail_at(err, t->where,
                     "threats.%s: it begins at %.6g s at the earliest, when the scene's only shot, "
                     "in cycle %d, is over and nothing flows: an earlier cycle is wanted, or "
@@ -722,7 +648,8 @@ static vs_status try_threat(const vs_threats *all, const vs_threat *t, vs_error 
     for (size_t k = 0; k < vs_threat_numbers(t); k++) {
       const vs_axis *axis = vs_threat_range(t, k);
       const size_t last = axis->n_values ? axis->n_values - 1 : 0;
-      value[k] = axis->is_word ? axis->value[n < last ? n : last] : number_at(axis, n % 2 ? 1 : 0);
+      value[k] =
+          axis->is_word ? axis->value[n < last ? n : last] : vs_threat_value(axis, n % 2 ? 1 : 0);
     }
     status = vs_error_keep(err, try_case(all, t, value, n == 0, err));
   }
@@ -731,7 +658,6 @@ static vs_status try_threat(const vs_threats *all, const vs_threat *t, vs_error 
 
 vs_status vs_threats_read(const vs_node *node, const vs_scene *scene, vs_threats *all,
                           vs_error *err) {
-  const size_t found = vs_error_count(err);
   const vs_node *map = node;
   vs_status status = VS_OK;
   *all = (vs_threats){.scene = scene};
@@ -745,30 +671,15 @@ vs_status vs_threats_read(const vs_node *node, const vs_scene *scene, vs_threats
   status = read_all(all, map, err);
   if (status) return status;
   vs_threat *none = &all->item[all->count++];
-  *none = (vs_threat){.where = node->key_where, .text = "the scene itself", .n = 1, .until_s = NAN};
+  *none = (vs_threat){
+      .where = node->key_where, .text = "the scene itself", .n = all->n, .until_s = NAN};
   snprintf(none->name, sizeof none->name, "%s", NONE);
-  for (size_t k = 0; k < all->count && !status && vs_error_count(err) == found; k++)
+  for (size_t k = 0; k < all->count && !status; k++)
     status = vs_error_keep(err, try_threat(all, &all->item[k], err));
   return status;
 }
 
 /* ---- words ---- */
-
-static void add_number(const vs_axis *axis, double number, vs_text *text) {
-  char value[VS_NAME_SIZE];
-  const bool is_number = vs_axis_print(axis, number, value, sizeof value);
-  vs_text_add(text, "%s%s%s", value, is_number && *axis->unit ? " " : "",
-              is_number ? axis->unit : "");
-}
-
-void vs_threat_write(const vs_threat *t, const double *value, vs_text *text) {
-  vs_text_add(text, "%s%s%s", t->name, t->with ? " with " : "", t->with ? t->with->name : "");
-  for (size_t k = 0; k < vs_threat_numbers(t); k++) {
-    const vs_axis *axis = vs_threat_range(t, k);
-    vs_text_add(text, "%s%s ", k ? ", " : ": ", axis->field->key);
-    add_number(axis, value[k], text);
-  }
-}
 
 /* The words of a list that the threat puts under the key, besides those of the scene. */
 static void write_list(const vs_scene *scene, const char *key, const char *const *words, size_t n,

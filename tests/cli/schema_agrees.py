@@ -235,6 +235,12 @@ sample: {n: 4, spread: {supply.voltage: 5 % normal}, method: sobol}
 sample: {n: 4, spread: {supply.voltage: 5 % normal}}
 sample: {n: 4, spread: {supply.voltage: 5 % normal within 2 sigma}}
 sample: {n: 4, spread: {supply.voltage: 5 V uniform}}
+sample: {spread: {varistr: 5 % uniform}}
+sample: {spread: {load.fraction: 0 .. 0.5}}
+sample: {spread: {supply.voltage: -20 % .. 5 %}}
+sample: {spread: {supply.voltage: -20 % .. }}
+sample: {spread: {supply.voltage: 396 V .. 484 V}}
+threats: {s: {kind: surge, angle: [any, {a: 3}]}}
 sample: {n: 4, spread: {supply.voltage: 5 A uniform}}
 sample: {n: 4, spread: {supply.voltage: 5 % gaussian}}
 sample: {n: 4, spread: {supply.voltage: [440 V, 400 V]}}

@@ -110,7 +110,6 @@ static void what_is_wrong_is_refused(void) {
       {"waive: [varistor_9.power]", "did you mean 'varistor_1'?"},
       {"waive: [varistor_1.pover]", "is no limit of a varistor; there are: "},
       {"waive: [varistor_1.energy_total]", "is no limit of a varistor"},
-      {"waive: [varistor_1]", "a device and its measure or limit are wanted"},
       {"waive: [varistor_1.power, varistor_1.power]", "a second time"},
       {"waive: {varistor_1: power}", "a list is wanted"},
       {"spread: {supply.voltge: 10 %}", "did you mean 'supply.voltage'?"},

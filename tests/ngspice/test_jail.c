@@ -73,6 +73,9 @@ static const struct {
     {"../in/st.yaml", "scene: ../out/secret.yaml\nvary: {firing.angle: [90 deg, 91 deg]}\n",
      "../in/st.yaml:1:8: "},
     {"../in/st.yaml", "vary: ../out/secret.csv\n", "../in/st.yaml:1:7: "},
+    {"../in/st.yaml",
+     "catalogue: {prices: ../out/secret.csv, choose: {circuit.r1: {kind: resistor}}}\n",
+     "../in/st.yaml:1:21: "},
     {"../in/f.yaml",
      "free: {actuator.resistance: 80 ohm..100 ohm}\n"
      "data: {file: ../out/secret.csv, columns: {i: 3 mA}}\n",

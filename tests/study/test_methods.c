@@ -205,7 +205,7 @@ static history pursue(const vs_plan *plan, fake *f) {
   for (;; r.generations++) {
     vs_generation g = {.n_axes = plan->n_axes};
     vs_error err = {0};
-    const vs_results results = {plan, r.count, r.points, r.values, r.status};
+    const vs_results results = {plan, r.count, r.points, r.values, r.status, NULL};
     CU_ASSERT_EQUAL(stage->method->next(plan, stage, &results, &g, &err), VS_OK);
     EXPECT(r.count + g.count <= most, "%llu cases, at most %zu were said",
            (unsigned long long)(r.count + g.count), most);
@@ -228,7 +228,7 @@ static void forget(history *r) {
 static vs_text manifest(const vs_plan *plan, const history *r) {
   vs_text text = {0};
   vs_json json = vs_json_inside(&text);
-  const vs_results results = {plan, r->count, r->points, r->values, r->status};
+  const vs_results results = {plan, r->count, r->points, r->values, r->status, NULL};
   vs_json_same_row(&json);
   plan->adaptive->method->json(plan, plan->adaptive, &results, &json);
   return text;
@@ -253,7 +253,7 @@ static void ask_again(const vs_plan *plan, const history *r) {
   for (uint64_t known = 0; known <= 50; known += 50) {
     vs_generation g = {.n_axes = plan->n_axes};
     vs_error err = {0};
-    const vs_results results = {plan, known, r->points, r->values, r->status};
+    const vs_results results = {plan, known, r->points, r->values, r->status, NULL};
     plan->adaptive->method->next(plan, plan->adaptive, &results, &g, &err);
     EXPECT(g.count == 100 && !memcmp(g.points, r->points, 100 * plan->n_axes * sizeof *g.points),
            "%zu points", g.count);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "method/design_answer.h"
 
+#include <dirent.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -76,7 +77,7 @@ static void take_run_of_answer(answer *a, uint64_t number, uint64_t run) {
 static const vs_design_class *class_of(const vs_design *d, const vs_design_candidate *c,
                                        size_t choice) {
   const vs_design_choice *leader = &d->choice[d->choice[choice].leader];
-  return &leader->option[vs_design_option_of(d, c->number, choice)]
+  return &leader->option[vs_design_choices_option(d, c->number, choice)]
               .classes[c->class[d->choice[choice].leader]];
 }
 
@@ -144,7 +145,7 @@ static const char *found_by(const answer *a, const vs_design_mark *mark) {
 }
 
 static void add_candidate(const answer *a, const vs_design_candidate *c, vs_text *text) {
-  vs_design_write(a->d, a->plan, c->number, text);
+  vs_design_choices_write(a->d, a->plan, c->number, text);
 }
 
 static void add_option(const answer *a, const vs_design_candidate *c, size_t choice,
@@ -152,8 +153,8 @@ static void add_option(const answer *a, const vs_design_candidate *c, size_t cho
   const vs_design_choice *leader = &a->d->choice[a->d->choice[choice].leader];
   const vs_axis *axis = &a->plan->axes[leader->axis];
   char word[VS_NAME_SIZE];
-  vs_axis_print(axis, leader->option[vs_design_option_of(a->d, c->number, choice)].number, word,
-                sizeof word);
+  vs_axis_print(axis, leader->option[vs_design_choices_option(a->d, c->number, choice)].number,
+                word, sizeof word);
   vs_text_add(text, "%s%s%s", word, *axis->unit ? " " : "", axis->unit);
 }
 
@@ -217,11 +218,22 @@ static vs_status write_scene(const answer *a, const char *folder, uint64_t run, 
   return status;
 }
 
+/* Removes the scenes of an earlier answer. */
+static void clear_scenes(const char *folder) {
+  DIR *all = opendir(folder);
+  for (const struct dirent *e; all && (e = readdir(all));) {
+    const size_t n = strspn(e->d_name, "0123456789");
+    if (n && !strcmp(e->d_name + n, ".yaml")) vs_file_remove(dirfd(all), e->d_name);
+  }
+  if (all) closedir(all);
+}
+
 static vs_status write_scenes(answer *a, vs_error *err) {
   char folder[VS_PATH_SIZE + 8];
   int made;
   snprintf(folder, sizeof folder, "%s/cases", a->folder);
   vs_status status = vs_file_folder_make(folder, &made, err);
+  if (!status) clear_scenes(folder);
   for (size_t k = 0; k < a->n_scenes && !status; k++)
     status = write_scene(a, folder, a->scene[k], err);
   return status;
@@ -251,7 +263,7 @@ static void add_candidates(const answer *a, vs_text *text) {
       char word[VS_NAME_SIZE];
       const vs_design_choice *leader = &a->d->choice[a->d->choice[n].leader];
       vs_axis_print(&a->plan->axes[leader->axis],
-                    leader->option[vs_design_option_of(a->d, c->number, n)].number, word,
+                    leader->option[vs_design_choices_option(a->d, c->number, n)].number, word,
                     sizeof word);
       vs_text_add(text, ",");
       vs_csv_cell(text, word);
@@ -303,27 +315,21 @@ static void add_bill(const answer *a, vs_text *text) {
 
 static void add_proof_of_list(const answer *a, vs_text *text) {
   const vs_design_search *s = &a->s;
-  vs_text_add(text, "List: the answer holds all %zu cases, each run in ngspice", s->n_list);
+  vs_text_add(text, "List: the answer holds all %zu cases, each a run in ngspice", s->n_list);
   if (a->without_error)
-    vs_text_add(text,
-                "; of %llu of its runs the weakest margin has no computed error (run.verify: "
-                "always computes it)",
+    vs_text_add(text, "; the weakest margins of %llu of its runs have no computed error",
                 (unsigned long long)a->without_error);
-  vs_text_add(text,
-              ". Each of the %zu candidates looked at that cost less violates a case, which "
-              "design.csv names",
-              a->cheaper);
+  vs_text_add(text, ". %zu candidates cost less: each violates a case, which design.csv names",
+              a->cheaper + a->unjudged);
   if (a->unjudged) vs_text_add(text, ", but for %zu that could not be judged", a->unjudged);
   vs_text_add(text, ".");
 }
 
 static void add_proof_of_ranges(const answer *a, vs_text *text) {
-  if (vs_design_cases_ranged(a->plan, &a->d->cases))
-    vs_text_add(text,
-                "Ranges: the list has samples of continuous ranges; the worst within them was "
-                "not searched for, and no bound is claimed.");
-  else
-    vs_text_add(text, "Ranges: none is stated; nothing is said of values that are not listed.");
+  vs_text_add(text, a->d->cases.ranged
+                        ? "Ranges: the list has samples of what is continuous; the worst within "
+                          "was not searched for, and no bound is claimed."
+                        : "Ranges: none is stated; nothing is said of values that are not listed.");
 }
 
 static void add_proof_by_draws(const answer *a, vs_text *text) {
@@ -334,34 +340,83 @@ static void add_proof_by_draws(const answer *a, vs_text *text) {
   }
   vs_text_add(text,
               "Random: 0 of %llu draws after the last change violate; %llu were drawn in all, and "
-              "%zu became cases. So p < %.3g %% at 95 %%, of draws by which each threat is as "
-              "likely as another and even within its ranges.",
+              "%zu became cases. So p < %.3g %% at 95 %%, of draws in which each threat is as "
+              "likely as another, and even within its ranges.",
               (unsigned long long)s->draws_held, (unsigned long long)s->draws,
               s->n_list - (size_t)a->d->cases.count, 300. / (double)s->draws_held);
 }
 
-/* What no run judged, each once, as the rows of the answer say it. */
+/* True for a device whose limits the list of prices has. */
+static bool is_priced(const answer *a, const char *name, size_t n) {
+  for (size_t c = 0; c < a->d->n_choices; c++)
+    if (a->d->choice[a->d->choice[c].leader].n_limits && strlen(a->d->choice[c].device) == n &&
+        !strncmp(a->d->choice[c].device, name, n))
+      return true;
+  return false;
+}
+
+/* Adds a group "r1, c1 (no limit stated)" of a row's cell, but for what the list of prices judges.
+ */
+static void add_group(const answer *a, const char *group, size_t length, vs_text *text) {
+  const char *reason = memchr(group, '(', length), *between = "";
+  const char *end = reason ? reason - 1 : group + length;
+  const size_t before = text->length;
+  vs_text_add(text, "%s", text->length ? "; " : "");
+  for (const char *s = group; s < end;) {
+    size_t n = strcspn(s, ",(");
+    if (s + n > end) n = (size_t)(end - s);
+    if (!is_priced(a, s, n)) {
+      vs_text_add(text, "%s%.*s", between, (int)n, s);
+      between = ", ";
+    }
+    s += n;
+    s += strspn(s, ", ");
+  }
+  if (!*between) {
+    text->length = before;
+    return;
+  }
+  if (reason) vs_text_add(text, " %.*s", (int)(group + length - reason), reason);
+}
+
+/* What no run judged, each group once, as the rows of the answer say it. */
 static void add_not_judged(const answer *a, vs_text *text) {
   const vs_design_search *s = &a->s;
-  const char *said[64];
-  size_t n = 0;
-  for (size_t k = 0; k < s->n_list && n < 64; k++) {
+  vs_text all = {0};
+  for (size_t k = 0; k < s->n_list; k++) {
     const uint64_t run = s->answer->run[k] - 1;
     const char *cell = a->results->words[run * VS_RESULT_WORDS + VS_RESULT_NOT_JUDGED];
-    size_t i = 0;
-    while (cell && i < n && strcmp(said[i], cell) != 0) i++;
-    if (!cell || i < n) continue;
-    vs_text_add(text, "%s%s", n ? "; " : "Not judged: ", cell);
-    said[n++] = cell;
+    for (const char *g = cell; g && *g;) {
+      const char *end = strstr(g, "; "), *reason = strchr(g, '(');
+      /* a reason may have the sign, too */
+      if (end && reason && reason < end && memchr(reason, ')', (size_t)(end - reason)) == NULL)
+        end = strstr(strchr(reason, ')') ? strchr(reason, ')') : end, "; ");
+      const size_t n = end ? (size_t)(end - g) : strlen(g);
+      vs_text one = {0};
+      add_group(a, g, n, &one);
+      if (one.length && (!all.length || !strstr(all.text, one.text)))
+        vs_text_add(&all, "%s%s", all.length ? "; " : "", one.text);
+      vs_text_free(&one);
+      g += n + (end ? 2 : 0);
+    }
   }
-  if (!n) vs_text_add(text, "Not judged: nothing that a part states a limit for");
+  vs_text_add(text, "Not judged: %s.", all.length ? all.text : "nothing");
   bool any = false;
   for (size_t k = 0; k < a->d->hold.count; k++) {
     if (!a->d->hold.line[k].waived) continue;
-    vs_text_add(text, "%s%s", any ? ", " : ". Waived: ", a->d->hold.line[k].name);
+    vs_text_add(text, "%s%s", any ? ", " : " Waived by hold: ", a->d->hold.line[k].name);
     any = true;
   }
-  vs_text_add(text, ".");
+  if (any) vs_text_add(text, ".");
+  any = false;
+  for (size_t k = 0; k < a->d->hold.count; k++) {
+    if (a->d->margin[k] >= 0) continue;
+    vs_text_add(text, "%s%s",
+                any ? ", " : " By the list of prices, without an error: ", a->d->hold.line[k].name);
+    any = true;
+  }
+  if (any) vs_text_add(text, ".");
+  vs_text_free(&all);
 }
 
 /* The limits of the chosen parts that no source says. */
@@ -503,7 +558,10 @@ static void put_answer(const answer *a, vs_status status, vs_json *json) {
   vs_json_end(json);
 }
 
-static vs_status write_files(answer *a, vs_status ended, vs_error *err) {
+const char *const vs_design_answer_files[] = {"design.json", "design.csv", "design.txt", "bom.csv",
+                                              NULL};
+
+static vs_status write_files(answer *a, vs_status ended, const vs_text *page, vs_error *err) {
   vs_text text = {0};
   vs_json json = vs_json_new(&text);
   vs_status status;
@@ -511,6 +569,7 @@ static vs_status write_files(answer *a, vs_status ended, vs_error *err) {
   status = write_scenes(a, err);
   add_candidates(a, &text);
   if (!status) status = write_text(a->folder, "design.csv", &text, err);
+  if (!status) status = write_text(a->folder, "design.txt", page, err);
   text.length = 0;
   add_bill(a, &text);
   if (!status) status = write_text(a->folder, "bom.csv", &text, err);
@@ -583,7 +642,7 @@ static void add_class_row(answer *a, size_t choice, vs_text *text) {
   vs_design_mark least = {.run = UINT64_MAX};
   if (c->leader != choice || !now) return;
   const vs_design_class *below =
-      &c->option[vs_design_option_of(a->d, a->s.answer->number, choice)].classes[now - 1];
+      &c->option[vs_design_choices_option(a->d, a->s.answer->number, choice)].classes[now - 1];
   for (size_t k = 0; k < a->d->n_choices; k++)
     if (a->d->choice[k].leader == choice) take_class(a, k, below, &least);
   if (least.run == UINT64_MAX) return;
@@ -644,7 +703,8 @@ static void add_unjudged(const answer *a, vs_text *text) {
     add_case(a, &c->killer, text);
     vs_text_add(text, " (case %llu): %s\n", (unsigned long long)c->killer.run,
                 a->results->status[c->killer.run] == 1 ? line_name(a, &c->killer)
-                                                       : "the verdict is undecided");
+                : isnan(c->killer.margin)              ? "what its parts bear is not known there"
+                                                       : "its verdict is undecided");
   }
 }
 
@@ -669,8 +729,8 @@ static vs_status end_design(const answer *a, vs_error *err) {
         "nothing in the catalogue holds: all %llu candidates, up to %.6g, violate a case",
         (unsigned long long)a->d->n_candidates, dearest(a));
   return vs_fail(err, VS_BUDGET,
-                 "budget.runs = %llu is spent: nothing below %.6g holds%s; --resume with a larger "
-                 "one would be another study",
+                 "budget.runs = %llu is spent: nothing below %.6g holds%s; a larger one, in "
+                 "another folder, would go on",
                  (unsigned long long)a->d->most_runs, vs_design_search_bound(s),
                  s->answer ? ", and the best so far is not proved" : "");
 }
@@ -686,13 +746,13 @@ vs_status vs_design_answer_publish(const vs_plan *plan, const vs_plan_stage *sta
   count_cheaper(a);
   vs_error why = {0};
   const vs_status ended = end_design(a, &why);
-  vs_status status = folder ? write_files(a, ended, err) : VS_OK;
+  add_page(a, &text);
+  add_unjudged(a, &text);
+  vs_status status = folder ? write_files(a, ended, &text, err) : VS_OK;
   if (!status && !quiet) {
-    add_page(a, &text);
-    add_unjudged(a, &text);
-    if (folder)
-      vs_text_add(&text, "\nwritten: design.json, design.csv, bom.csv, cases/ in %s\n", folder);
     fputs(text.text ? text.text : "", stdout);
+    if (folder)
+      printf("\nwritten: design.txt, design.json, design.csv, bom.csv, cases/ in %s\n", folder);
   }
   if (!status && ended) *err = why;
   vs_text_free(&text);

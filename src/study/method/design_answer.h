@@ -3,12 +3,15 @@
  *
  *   design.json   the choice, its price, the least margin of each part, neighbours, the proof
  *   design.csv    a row a candidate that was looked at, what rejected it, and its runs
+ *   design.txt    the page that `design` prints
  *   bom.csv       a row a part: how many, and its row of the list of prices
  *   cases/N.yaml  the cases that decide, as scenes; N is their number in study.csv */
 #ifndef VS_STUDY_DESIGN_ANSWER_H
 #define VS_STUDY_DESIGN_ANSWER_H
 
 #include "study/plan.h"
+
+extern const char *const vs_design_answer_files[];
 
 /* vs_method.publish. Errors: VS_RATING, nothing holds; VS_BUDGET; VS_RUN, a candidate could not be
  * judged, or a file cannot be written. */

@@ -106,12 +106,38 @@ static uint64_t count_threats(const vs_plan *plan, const vs_design_cases *c) {
   return c->threats ? c->threats->method->count(plan, c->threats) : 0;
 }
 
+static bool is_listed(const vs_plan *plan, const vs_design_cases *c, const double *drawn) {
+  const vs_plan_stage *stage = c->threats;
+  double listed[VS_PLAN_AXES];
+  for (uint64_t k = 0; k < count_threats(plan, c); k++) {
+    bool same = true;
+    stage->method->point(plan, stage, k, listed);
+    for (size_t n = 0; n < stage->n && same; n++)
+      same = listed[n] == drawn[n] || (isnan(listed[n]) && isnan(drawn[n]));
+    if (same) return true;
+  }
+  return false;
+}
+
+/* A range that is continuous, or a spread, shows in the first draws: each threat comes up in so
+ * many of them but for one time in e to the power DRAWS / threats. */
+static bool is_ranged(const vs_plan *plan, const vs_design_cases *c) {
+  enum { DRAWS = 512 };
+  double drawn[VS_PLAN_AXES];
+  for (uint64_t k = 0; c->threats && k < DRAWS; k++) {
+    if (!c->threats->method->draw(plan, c->threats, k, drawn)) return false;
+    if (!is_listed(plan, c, drawn)) return true;
+  }
+  return false;
+}
+
 void vs_design_cases_count(const vs_plan *plan, vs_design_cases *c) {
   const uint64_t threats = count_threats(plan, c);
   /* the last of the threats is the scene itself, for which points of operation stand */
   c->count = c->n_points + threats;
   if (threats && c->n_points) c->count--;
   if (!c->count) c->count = 1; /* the scene as it is */
+  c->ranged = is_ranged(plan, c);
 }
 
 /* ---- cases ---- */
@@ -140,15 +166,9 @@ void vs_design_cases_put(const vs_design_cases *c, const double *point, vs_tree 
     vs_tree_graft(tree, n->key, n, &never);
 }
 
-bool vs_design_cases_ranged(const vs_plan *plan, const vs_design_cases *c) {
-  double point[VS_PLAN_AXES];
-  return c->threats && c->threats->method->draw(plan, c->threats, 0, point);
-}
-
 void vs_design_cases_write(const vs_plan *plan, const vs_design_cases *c, uint64_t number,
                            vs_text *text) {
   double point[VS_PLAN_AXES];
-  char cell[VS_NAME_SIZE];
   vs_design_cases_point(plan, c, number, point);
   if (number < c->n_points || !c->threats) {
     vs_text_add(text, "%s", c->n_points ? point_named(c, (size_t)number + 1)->key : AS_IT_IS);
@@ -157,11 +177,19 @@ void vs_design_cases_write(const vs_plan *plan, const vs_design_cases *c, uint64
   const char *between = "";
   for (size_t k = c->threats->axis; k < c->threats->axis + c->threats->n; k++) {
     const vs_axis *axis = &plan->axes[k];
-    const char *dot = strchr(axis->key, '.');
     if (isnan(point[k])) continue;
-    vs_axis_print(axis, point[k], cell, sizeof cell);
-    vs_text_add(text, "%s%s%s%s%s%s", between, dot ? dot + 1 : "", dot ? " " : "", cell,
-                *axis->unit ? " " : "", axis->unit);
-    between = k == c->threats->axis ? ": " : ", ";
+    const bool name = k == c->threats->axis, spread = !strcmp(axis->by, "spread");
+    vs_text_add(text, "%s%s%s", between,
+                name     ? ""
+                : spread ? axis->key
+                         : axis->field->key,
+                name ? "" : " ");
+    between = name ? ": " : ", ";
+    if (axis->about)
+      vs_text_add(text, "%+.3g %%", 100 * (point[k] / axis->nominal - 1));
+    else if (axis->is_word)
+      vs_text_add(text, "%s", axis->word[(size_t)point[k]]);
+    else
+      vs_text_add(text, "%.6g%s%s", point[k], *axis->unit ? " " : "", axis->unit);
   }
 }

@@ -13,6 +13,7 @@ typedef struct vs_design_cases {
   const vs_scene *scene;        /* over which they are laid; borrowed */
   const vs_plan_stage *threats; /* NULL: the study has none */
   uint64_t count;               /* of the list; numbers from here on are draws */
+  bool ranged;                  /* draws come to something that the list does not have */
 } vs_design_cases;
 
 /* Reads the cases, and adds the axis of the points of operation. Errors, with their place. */
@@ -26,8 +27,6 @@ void vs_design_cases_point(const vs_plan *plan, const vs_design_cases *cases, ui
 /* Puts the point's operation into a scene's tree, which may have another's. */
 void vs_design_cases_put(const vs_design_cases *cases, const double *point, vs_tree *tree);
 
-/* True if there is something to draw. */
-bool vs_design_cases_ranged(const vs_plan *plan, const vs_design_cases *cases);
 /* Writes the case as people say it: "surge: angle 41.2 deg, level 1 kV". */
 void vs_design_cases_write(const vs_plan *plan, const vs_design_cases *cases, uint64_t number,
                            vs_text *text);

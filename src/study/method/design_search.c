@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/units.h"
+#include "method/span.h"
 #include "netlist/kinds.h"
 
 /* How many draws are asked for at a time: so many are run in vain at most when the first is not
@@ -67,23 +68,40 @@ static bool class_bears(const vs_design *d, const vs_design_candidate *c, size_t
   return bears;
 }
 
-/* Takes what the devices of the list's limits bore. False: one of them is not known. */
-static bool take_stresses(const vs_design_search *s, vs_design_candidate *c, uint64_t number,
-                          uint64_t run) {
+/* True if the case's event makes the deck's line of the device untrue, as where its element is
+ * opened: the run warns of it (engine/drive/wiring.c). */
+static bool is_untrue(const vs_results *r, uint64_t run, const char *device) {
+  static const char NOT_RIGHT[] = "are not right any more: those of ";
+  const size_t n = strlen(device);
+  const char *list = strstr(word_of(r, run, VS_RESULT_WARNINGS), NOT_RIGHT);
+  if (!list) return false;
+  list += strlen(NOT_RIGHT);
+  const char *end = list + strcspn(list, ";|");
+  for (const char *s = list; s < end; s += strcspn(s, ",;|"), s += strspn(s, ", "))
+    if (!strncmp(s, device, n) && strchr(",;|", s[n])) return true;
+  return false;
+}
+
+/* Takes what the devices of the list's limits bore, and returns the line of one that is not known;
+ * SIZE_MAX: all are. */
+static size_t take_stresses(const vs_design_search *s, vs_design_candidate *c, uint64_t number,
+                            uint64_t run) {
   const vs_design *d = s->d;
-  bool known = true;
+  size_t unknown = SIZE_MAX;
   for (size_t k = 0; k < d->n_choices; k++)
     for (size_t l = 0; l < d->choice[d->choice[k].leader].n_limits; l++) {
       const int column = d->choice[k].column[l];
       if (column < 0) continue;
       const double x = fabs(vs_plan_results_value(s->results, run, column)) *
                        vs_units_factor(s->plan->columns[column].unit);
-      known = known && !isnan(x);
+      const bool untrue = is_untrue(s->results, run, d->choice[k].device);
+      if (isnan(x) || untrue) unknown = d->choice[k].line[l];
+      if (untrue) continue;
       if (!(x > c->worst[k][l])) continue;
       c->worst[k][l] = x;
       c->worst_at[k][l] = (vs_design_mark){number, run, d->choice[k].line[l], NAN, NAN};
     }
-  return known;
+  return unknown;
 }
 
 /* Takes the cheapest classes that bear what there was so far. False: of one choice none does;
@@ -91,7 +109,7 @@ static bool take_stresses(const vs_design_search *s, vs_design_candidate *c, uin
 static bool take_classes(const vs_design *d, vs_design_candidate *c, vs_design_mark *mark) {
   for (size_t k = 0; k < d->n_choices; k++) {
     if (d->choice[k].leader != k || !d->choice[k].n_limits) continue;
-    const vs_design_option *o = &d->choice[k].option[vs_design_option_of(d, c->number, k)];
+    const vs_design_option *o = &d->choice[k].option[vs_design_choices_option(d, c->number, k)];
     vs_design_mark here, best = {.margin = -INFINITY};
     size_t n = 0;
     for (; n < o->n_classes && !class_bears(d, c, k, &o->classes[n], &here); n++)
@@ -116,7 +134,7 @@ static vs_design_candidate *find_seen(const vs_design_search *s, uint64_t number
 static vs_design_candidate *begin_candidate(vs_design_search *s, uint64_t number, uint64_t rank) {
   vs_design_candidate *c = vs_alloc(1, sizeof *c);
   *c = (vs_design_candidate){
-      .number = number, .rank = rank, .price = vs_design_price(s->d, number, NULL)};
+      .number = number, .rank = rank, .price = vs_design_choices_price(s->d, number, NULL)};
   s->seen = vs_alloc_grow(s->seen, s->n_seen, sizeof *s->seen);
   return s->seen[s->n_seen++] = c;
 }
@@ -142,7 +160,7 @@ static vs_design_candidate *cheapest(vs_design_search *s, vs_design_candidate *c
   skip_seen(s);
   if (s->next_rank == s->d->n_candidates) return best;
   const uint64_t number = s->d->order[s->next_rank];
-  const double price = vs_design_price(s->d, number, NULL);
+  const double price = vs_design_choices_price(s->d, number, NULL);
   if (best && (best->price < price || (best->price == price && best->rank < s->next_rank)))
     return best;
   return begin_candidate(s, number, s->next_rank++);
@@ -154,6 +172,7 @@ typedef struct asked {
   vs_design_candidate *candidate;
   uint64_t number; /* of the case */
   size_t place;    /* in the search's list; SIZE_MAX: it is a draw */
+  bool verify;     /* with the errors of its margins */
 } asked;
 
 /* Returns the first of n runs that were asked for; UINT64_MAX: they are not there yet, or the
@@ -169,10 +188,15 @@ static uint64_t ask(vs_design_search *s, const asked *one, size_t n) {
   s->waits = true;
   for (size_t k = 0; k < n && !s->spent && s->generation; k++) {
     vs_design_cases_point(s->plan, &s->d->cases, one[k].number, point);
+    if (s->d->verify) point[s->d->verify_axis] = one[k].verify;
     for (size_t c = 0; c < s->d->n_choices; c++) {
       const vs_design_choice *leader = &s->d->choice[s->d->choice[c].leader];
-      const size_t option = vs_design_option_of(s->d, one[k].candidate->number, c);
+      const size_t option = vs_design_choices_option(s->d, one[k].candidate->number, c);
       point[s->d->choice[c].axis] = leader->option[option].number;
+      const size_t tolerance = s->d->choice[c].tolerance;
+      if (tolerance)
+        point[tolerance - 1] *=
+            leader->option[option].number / vs_span_nominal(&s->plan->axes[tolerance - 1]);
     }
     vs_plan_generation_add(s->generation, point);
   }
@@ -202,7 +226,10 @@ static void take_run(vs_design_search *s, vs_design_candidate *c, size_t place, 
   bool doubtful = failed || row.now == VS_HOLD_UNDECIDED;
   bool killed = !failed && row.now == VS_HOLD_VIOLATED;
   mark = (vs_design_mark){number, run, row.weakest, row.margin, row.error};
-  if (!failed && !take_stresses(s, c, number, run)) doubtful = true;
+  const size_t unknown = failed ? SIZE_MAX : take_stresses(s, c, number, run);
+  if (unknown != SIZE_MAX && !doubtful && !killed)
+    mark = (vs_design_mark){number, run, unknown, NAN, NAN};
+  doubtful = doubtful || unknown != SIZE_MAX;
   if (!failed && !killed) killed = !take_classes(s->d, c, &mark);
   if (killed) {
     c->state = VS_DESIGN_KILLED;
@@ -211,7 +238,7 @@ static void take_run(vs_design_search *s, vs_design_candidate *c, size_t place, 
   } else if (doubtful && !c->doubtful)
     c->killer = mark;
   if (!killed && doubtful) c->doubtful = true;
-  if (!killed) c->price = vs_design_price(s->d, c->number, c->class);
+  if (!killed) c->price = vs_design_choices_price(s->d, c->number, c->class);
 }
 
 /* The case that the candidate is run with next: of those it has not been, the one that rejected
@@ -235,17 +262,17 @@ static size_t choose_runs(vs_design_search *s, vs_design_candidate *c, bool alon
   size_t n = 0;
   size_t place = next_case(s, c, NULL, 0);
   const bool likely = s->killed_at[place] > 0;
-  one[n++] = (asked){c, s->list[place], place};
+  one[n++] = (asked){c, s->list[place], place, false};
   in[0] = c;
   while (n < s->d->width && !alone && likely) {
     vs_design_candidate *other = cheapest(s, in, n);
     place = other ? next_case(s, other, NULL, 0) : SIZE_MAX;
     if (place == SIZE_MAX || !s->killed_at[place]) break;
     in[n] = other;
-    one[n++] = (asked){other, s->list[place], place};
+    one[n++] = (asked){other, s->list[place], place, false};
   }
   while (n < s->d->width && (alone || !likely) && (place = next_case(s, c, one, n)) != SIZE_MAX)
-    one[n++] = (asked){c, s->list[place], place};
+    one[n++] = (asked){c, s->list[place], place, false};
   return n;
 }
 
@@ -267,13 +294,39 @@ static void run_candidate(vs_design_search *s, vs_design_candidate *c, bool alon
   }
 }
 
-/* The cheapest candidate that holds the list; NULL: the search waits, or none does. */
-static vs_design_candidate *find_cheapest(vs_design_search *s) {
+/* Runs the list again for the errors of its margins. False: it does not hold with them, or these
+ * are waited for. */
+static bool verify_candidate(vs_design_search *s, vs_design_candidate *c) {
+  asked one[64];
+  const double price = c->price;
+  if (!s->d->verify || c->verified) return true;
+  c->state = VS_DESIGN_OPEN;
+  for (size_t k = 0; k < s->n_list && c->state == VS_DESIGN_OPEN;) {
+    size_t n = 0;
+    while (n < s->d->width && k + n < s->n_list) {
+      one[n] = (asked){c, s->list[k + n], k + n, true};
+      n++;
+    }
+    const uint64_t first = ask(s, one, n);
+    if (first == UINT64_MAX) return false;
+    for (size_t i = 0; i < n; i++) take_run(s, c, k + i, first + i);
+    k += n;
+  }
+  c->verified = c->state == VS_DESIGN_OPEN && !c->doubtful && c->price == price;
+  c->held = c->verified;
+  if (c->verified) c->state = VS_DESIGN_HOLDS;
+  if (c->state == VS_DESIGN_OPEN && c->doubtful) c->state = VS_DESIGN_UNJUDGED;
+  return c->verified;
+}
+
+/* The cheapest candidate that holds the list; sure: with the errors of its margins. NULL: the
+ * search waits, or none does. */
+static vs_design_candidate *find_cheapest(vs_design_search *s, bool sure) {
   vs_design_candidate *c;
   while ((c = cheapest(s, NULL, 0)) && !s->waits) {
     run_candidate(s, c, false);
     if (s->waits) return NULL;
-    if (c->state == VS_DESIGN_HOLDS) return c;
+    if (c->state == VS_DESIGN_HOLDS && (!sure || verify_candidate(s, c))) return c;
   }
   s->looked_at_all = !c;
   return NULL;
@@ -296,7 +349,7 @@ static bool draw_holds(vs_design_search *s, const vs_design_candidate *c, uint64
   const vs_hold_row row = vs_design_search_judge(s, run);
   *margin = row.margin;
   if (s->results->status[run] == 1 || row.now != VS_HOLD_HELD ||
-      !take_stresses(s, &after, number, run))
+      take_stresses(s, &after, number, run) != SIZE_MAX)
     return false;
   if (take_classes(s->d, &after, &mark) && !memcmp(after.class, c->class, sizeof after.class))
     return true;
@@ -314,7 +367,7 @@ static bool hold_draws(vs_design_search *s, vs_design_candidate *c) {
     const size_t n = left < DRAWS ? (size_t)left : DRAWS;
     size_t broken = SIZE_MAX;
     double least = INFINITY, margin;
-    for (size_t k = 0; k < n; k++) one[k] = (asked){c, base + k, SIZE_MAX};
+    for (size_t k = 0; k < n; k++) one[k] = (asked){c, base + k, SIZE_MAX, false};
     const uint64_t first = ask(s, one, n);
     if (first == UINT64_MAX) return false;
     s->draws += n;
@@ -334,6 +387,7 @@ static bool hold_draws(vs_design_search *s, vs_design_candidate *c) {
     }
     add_case(s, one[broken].number);
     c->state = VS_DESIGN_OPEN;
+    c->verified = c->held = false;
     c->runs--; /* take_run counts it */
     take_run(s, c, s->n_list - 1, first + broken);
     return false;
@@ -353,15 +407,15 @@ static vs_design_candidate *candidate_of(vs_design_search *s, uint64_t number) {
 
 static void look_around(vs_design_search *s) {
   for (size_t k = 0; k < s->d->n_choices && !s->waits; k++) {
-    const size_t option = vs_design_option_of(s->d, s->answer->number, k);
+    const size_t option = vs_design_choices_option(s->d, s->answer->number, k);
     if (s->d->choice[k].leader != k || !option) continue;
     vs_design_candidate *c =
-        candidate_of(s, vs_design_with(s->d, s->answer->number, k, option - 1));
+        candidate_of(s, vs_design_choices_with(s->d, s->answer->number, k, option - 1));
     s->neighbour[s->n_neighbours++] = (vs_design_neighbour){k, c};
     run_candidate(s, c, true);
     if (c->state == VS_DESIGN_HOLDS) c->state = VS_DESIGN_OPEN; /* it may be the runner-up */
   }
-  if (!s->waits) s->runner_up = find_cheapest(s);
+  if (!s->waits) s->runner_up = find_cheapest(s, false);
 }
 
 static void find_weakest_run(vs_design_search *s) {
@@ -378,9 +432,9 @@ static void find_weakest_run(vs_design_search *s) {
 void vs_design_search_run(vs_design_search *s, const vs_design *d, const vs_plan *plan,
                           const vs_results *results, vs_generation *generation) {
   *s = (vs_design_search){.d = d, .plan = plan, .results = results, .generation = generation};
-  const bool draws = d->random && vs_design_cases_ranged(plan, &d->cases);
+  const bool draws = d->random && d->cases.ranged;
   for (uint64_t k = 0; k < d->cases.count; k++) add_case(s, k);
-  while (!s->waits && (s->answer = find_cheapest(s)) && draws && !hold_draws(s, s->answer)) {
+  while (!s->waits && (s->answer = find_cheapest(s, true)) && draws && !hold_draws(s, s->answer)) {
     if (s->waits) break;
     s->answer = NULL;
   }
@@ -395,7 +449,7 @@ double vs_design_search_bound(const vs_design_search *s) {
     if (s->seen[k]->state == VS_DESIGN_OPEN || s->seen[k]->state == VS_DESIGN_HOLDS)
       price = fmin(price, s->seen[k]->price);
   if (s->next_rank < s->d->n_candidates)
-    price = fmin(price, vs_design_price(s->d, s->d->order[s->next_rank], NULL));
+    price = fmin(price, vs_design_choices_price(s->d, s->d->order[s->next_rank], NULL));
   return price;
 }
 

@@ -9,7 +9,7 @@
 #ifndef VS_STUDY_DESIGN_SEARCH_H
 #define VS_STUDY_DESIGN_SEARCH_H
 
-#include "method/design.h"
+#include "method/design_choices.h"
 
 /* How a candidate stands. */
 typedef enum vs_design_state {
@@ -30,6 +30,7 @@ typedef struct vs_design_candidate {
   uint64_t number, rank;
   vs_design_state state;
   bool held;                       /* it was run with all cases, and held them */
+  bool verified;                   /* and with the errors of its margins */
   bool doubtful;                   /* a case of it failed or is undecided; `killer` is the first */
   double price;                    /* with the classes that its runs so far ask for */
   size_t class[VS_DESIGN_CHOICES]; /* of the leaders */

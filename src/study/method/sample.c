@@ -64,14 +64,7 @@ static vs_status read_spread(vs_plan *plan, const vs_node *section, double sigma
   if (!map || map->kind != VS_NODE_MAP || !map->child)
     return vs_fail_at(err, map ? map->where : section->where,
                       "sample.spread: a map is wanted: {KEY: 5 %% normal, KEY: 2 ohm uniform}");
-  vs_status status = VS_OK;
-  for (const vs_node *node = map->child; node && !status; node = node->next) {
-    vs_axis *axis;
-    status = vs_plan_axis(plan, node, "sample", &axis, err);
-    if (!status) status = vs_span_read(axis, node, sigmas, err);
-    status = vs_error_keep(err, status);
-  }
-  return status;
+  return vs_span_read_map(plan, map, "sample", sigmas, err);
 }
 
 /* ---- correlation ---- */

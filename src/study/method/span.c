@@ -8,12 +8,13 @@
 
 #include "base/text.h"
 #include "base/units.h"
+#include "run/keys.h"
 
 static vs_status misread(const vs_axis *axis, const vs_node *node, vs_error *err) {
   const char *unit = *axis->unit ? axis->unit : "1";
   return vs_fail_at(err, node->where,
                     "%s: '%s' is no spread; write '5 %% normal', '5 %% normal within 2 sigma', "
-                    "'10 %% uniform', '1 %s uniform', {from: A, to: B} or [A, B, ...]",
+                    "'10 %% uniform', '1 %s uniform', '-20 %% .. 5 %%', 'A .. B' or [A, B, ...]",
                     axis->key, node->text, unit);
 }
 
@@ -72,15 +73,83 @@ static vs_status read_width(const vs_axis *axis, const vs_node *node, const char
   return vs_fail_at(err, node->where, "%s: a spread is more than 0", axis->key);
 }
 
-vs_status vs_span_read(vs_axis *axis, const vs_node *node, double sigmas, vs_error *err) {
+/* Makes the axis even between two parts of its nominal value. Errors: it has none, or is 0; an end
+ * is out of the key's range. */
+static vs_status read_parts(vs_axis *axis, const vs_node *node, const double part[2],
+                            vs_error *err) {
+  const double low = axis->nominal * part[0], high = axis->nominal * part[1];
+  const vs_field *f = axis->field;
+  char range[128];
+  if (isnan(axis->nominal) || axis->nominal == 0)
+    return vs_fail_at(err, node->where,
+                      "%s: the scene has no number there of which '%s' is a part; 'A .. B' is "
+                      "wanted",
+                      axis->key, node->text);
+  if (axis->is_word || f->kind == VS_COUNT || !(part[0] < part[1]))
+    return vs_fail_at(
+        err, node->where,
+        axis->is_word || f->kind == VS_COUNT
+            ? "%s: it is no continuum, of which '%s' could be a part; [A, B, ...] is wanted"
+            : "%s: '%s': the lesser end first, and another one behind it, are wanted",
+        axis->key, node->text);
+  if (fmin(low, high) < f->min || fmax(low, high) > f->max ||
+      (f->open && (fmin(low, high) <= f->min || fmax(low, high) >= f->max))) {
+    vs_field_range(f, range, sizeof range);
+    return vs_fail_at(err, node->where, "%s: '%s' of %.6g %s goes from %.6g to %.6g; allowed: %s",
+                      axis->key, node->text, axis->nominal, axis->unit, low, high, range);
+  }
+  axis->ranged = true;
+  axis->from = vs_text_rounded(low, 12);
+  axis->to = vs_text_rounded(high, 12);
+  return VS_OK;
+}
+
+/* True for '-20 % .. 5 %' of an axis that is not in per cent itself. */
+static bool is_parts(const vs_axis *axis, const vs_node *node) {
+  return strstr(node->text, " .. ") && strchr(node->text, '%') && strcmp(axis->unit, "%") != 0;
+}
+
+static vs_status read_percents(vs_axis *axis, const vs_node *node, vs_error *err) {
+  const char *dots = strstr(node->text, " .. ");
+  char *first = vs_alloc_part(node->text, (size_t)(dots - node->text)), why[256];
+  double part[2];
+  const bool good = vs_units_read(first, "%", &part[0], why, sizeof why) &&
+                    vs_units_read(dots + strlen(" .. "), "%", &part[1], why, sizeof why);
+  free(first);
+  if (!good) return misread(axis, node, err);
+  for (int k = 0; k < 2; k++) part[k]++;
+  return read_parts(axis, node, part, err);
+}
+
+/* Reads the spread in words of a part's file, or a range in text. False: it is neither. */
+static bool is_between(vs_axis *axis, const vs_node *node, const vs_scene *scene, vs_status *status,
+                       vs_error *err) {
+  double part[2] = {1, 1};
+  if (is_parts(axis, node))
+    *status = read_percents(axis, node, err);
+  else if (strstr(node->text, " .. "))
+    *status = vs_axis_values(axis, node, err);
+  else if (vs_key_is_figure(node->text)) {
+    *status = vs_key_figures(scene, axis->key, node->text, node->where, part, err);
+    if (!*status) *status = read_parts(axis, node, part, err);
+  } else
+    return false;
+  return true;
+}
+
+static vs_status read_span(vs_axis *axis, const vs_node *node, const vs_scene *scene, double sigmas,
+                           vs_error *err) {
   char text[128], *shape;
+  vs_status read;
   vs_span span = {0};
-  if (axis->about && (node->kind != VS_NODE_TEXT || !strchr(node->text, '%')))
+  if (axis->about &&
+      (node->kind != VS_NODE_TEXT || !strchr(node->text, '%') || strstr(node->text, " .. ")))
     return vs_fail_at(err, node->where,
                       "%s: it stands under vary, too, so that a tolerance of what that has is "
                       "wanted here, in %%, as '5 %% uniform'",
                       axis->key);
   if (node->kind != VS_NODE_TEXT) return vs_axis_values(axis, node, err);
+  if (is_between(axis, node, scene, &read, err)) return read;
   snprintf(text, sizeof text, "%s", node->text);
   if (!take_cut(text, &span.spread.truncate) || !(shape = last_word(text)))
     return misread(axis, node, err);
@@ -100,6 +169,54 @@ vs_status vs_span_read(vs_axis *axis, const vs_node *node, double sigmas, vs_err
   axis->own = vs_alloc(1, sizeof span);
   memcpy(axis->own, &span, sizeof span);
   return VS_OK;
+}
+
+static vs_status add_spread(vs_plan *plan, const vs_node *node, const char *by, double sigmas,
+                            vs_error *err) {
+  vs_axis *axis;
+  vs_status status = vs_plan_axis(plan, node, by, &axis, err);
+  return status ? status : read_span(axis, node, plan->base, sigmas, err);
+}
+
+/* Adds an axis for each device of the kind: its factor NAME_scale, else its value. */
+static vs_status add_kind(vs_plan *plan, const vs_node *node, const char *by, double sigmas,
+                          vs_error *err) {
+  static const char *const FORMS[] = {"circuit.%s_scale", "circuit.%s"};
+  const vs_deck *deck = &plan->base->setup.deck;
+  vs_status status = VS_OK;
+  size_t found = 0;
+  for (size_t k = 0; k < deck->n_devices && !status; k++) {
+    const vs_device *d = &deck->devices[k];
+    if (!d->kind || strcmp(d->kind->name, node->key) != 0) continue;
+    for (size_t n = 0; n < 2; n++) {
+      char name[VS_KEY_SIZE];
+      vs_key key;
+      vs_error none = {0};
+      snprintf(name, sizeof name, FORMS[n], d->name);
+      if (vs_key_find(plan->base, name, node->key_where, &key, &none) || isnan(vs_key_number(&key)))
+        continue;
+      vs_node one = *node;
+      one.key = name;
+      status = add_spread(plan, &one, by, sigmas, err);
+      found++;
+      break;
+    }
+  }
+  if (found || status) return status;
+  return vs_fail_at(err, node->key_where,
+                    "%s: no device of that kind has a value or a factor that could spread; a key "
+                    "is wanted, as circuit.r1 or circuit.varistor_1_scale",
+                    node->key);
+}
+
+vs_status vs_span_read_map(vs_plan *plan, const vs_node *map, const char *by, double sigmas,
+                           vs_error *err) {
+  vs_status status = VS_OK;
+  for (const vs_node *node = map->child; node && !status; node = node->next) {
+    const bool kind = vs_kinds_find(node->key);
+    status = vs_error_keep(err, (kind ? add_kind : add_spread)(plan, node, by, sigmas, err));
+  }
+  return status;
 }
 
 static bool is_continuous(const vs_axis *axis) {

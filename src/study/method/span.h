@@ -5,13 +5,19 @@
  *   KEY: 5 % normal                   the standard deviation, as a share of what the scene has
  *   KEY: 5 % normal within 2 sigma    the same, cut off there
  *   KEY: 2 ohm uniform                half the width, about what the scene has
- *   KEY: {from: 90 deg, to: 150 deg}  even between these (with {log: [a, b]}, in the logarithm)
- *   KEY: [a, b, c]                    each as likely as the others */
+ *   KEY: -20 % .. 5 %                 even between these, in per cent of what the scene has
+ *   KEY: tolerance and ageing         even between what the part's file states (run/keys.h)
+ *   KEY: 90 deg .. 150 deg            even between these, as {from: A, to: B} (with {log: [a, b]},
+ *                                     in the logarithm)
+ *   KEY: [a, b, c]                    each as likely as the others
+ *
+ * Instead of a key a kind of device may stand: `varistor: 10 % uniform` is each varistor by itself.
+ */
 #ifndef VS_STUDY_SPAN_H
 #define VS_STUDY_SPAN_H
 
-#include "study/random.h"
 #include "study/plan.h"
+#include "study/random.h"
 
 /* A spread that has a shape. It is the axis' `own`; it is in the axis' unit and about its nominal
  * value. Of a range or a list the axis' `own` is NULL. */
@@ -20,11 +26,13 @@ typedef struct vs_span {
   double reach; /* how far corners and searches go from the nominal value */
 } vs_span;
 
-/* Reads what stands under `spread` into the axis. sigmas is how far corners and searches go, in
- * standard deviations, where a normal spread is not cut off. Errors, with their place: it says
- * nothing of the above; the nominal value is a word, not known, or 0 where a share of it is asked
- * for; the reach goes beyond the key's range. */
-vs_status vs_span_read(vs_axis *axis, const vs_node *node, double sigmas, vs_error *err);
+/* Adds the axes of a map of spreads. by: the study's key it stands under. sigmas is how far corners
+ * and searches go, in standard deviations, where a normal spread is not cut off. Errors, with their
+ * place: those of vs_plan_axis; a spread says nothing of the above; the nominal value is a word,
+ * not known, or 0 where a share of it is asked for; the reach goes beyond the key's range; no
+ * device of a kind has a key. */
+vs_status vs_span_read_map(vs_plan *plan, const vs_node *map, const char *by, double sigmas,
+                           vs_error *err);
 
 /* Returns how many values the axis has; 0: it is a continuum. */
 size_t vs_span_levels(const vs_axis *axis);

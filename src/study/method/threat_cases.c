@@ -22,10 +22,13 @@
 #include "base/units.h"
 #include "measure/expect.h"
 #include "method/span.h"
-#include "study/threats.h"
+#include "threats.h"
 
-static const vs_inside ITEMS = {.rows = VS_ROWS({.kind = VS_SETTING}), .count = -1},
-                       KEYS = {.rows = VS_ROWS({.kind = VS_SETTING | VS_LIST, .inside = &ITEMS})},
+static const vs_inside TEXTS = {.rows = VS_ROWS({.kind = VS_TEXT}), .count = -1},
+                       VALUES = {.rows = VS_ROWS({.kind = VS_TEXT | VS_LIST, .inside = &TEXTS}),
+                                 .count = -1},
+                       KEYS = {.rows = VS_ROWS(
+                                   {.kind = VS_TEXT | VS_LIST | VS_MAP, .inside = &VALUES})},
                        NAMES = {.rows = VS_ROWS({.kind = VS_MAP | VS_COUNT, .inside = &KEYS})};
 static const vs_field THREATS = {"threats", VS_TEXT | VS_MAP, .inside = &NAMES};
 
@@ -107,7 +110,10 @@ static vs_status share_axis(vs_plan *plan, size_t first, const vs_axis *range, c
     vs_status status = add_axis(plan, &axis, range->where, err);
     if (status) return status;
     snprintf(axis->column, sizeof axis->column, "%s", column);
-    snprintf(axis->key, sizeof axis->key, "%s", column);
+    snprintf(axis->key, sizeof axis->key, "%s.%.100s", head, range->field->key);
+    for (size_t k = first; k + 1 < plan->n_axes; k++) /* as that of another unit */
+      if (!strcmp(plan->axes[k].key, axis->key))
+        snprintf(axis->key, sizeof axis->key, "%s", column);
     snprintf(axis->section, sizeof axis->section, "events.");
     axis->field = range->field;
     axis->unit = range->unit;
@@ -131,17 +137,11 @@ static vs_status add_ranges(vs_plan *plan, size_t first, cases *c, vs_error *err
 }
 
 static vs_status add_spread(vs_plan *plan, const vs_node *map, vs_error *err) {
-  vs_status status = VS_OK;
-  if (map && (map->kind != VS_NODE_MAP || !map->child))
+  if (!map) return VS_OK;
+  if (map->kind != VS_NODE_MAP || !map->child)
     return vs_fail_at(err, map->where,
                       "spread: a map is wanted: {KEY: 5 %% normal, KEY: 2 ohm uniform}");
-  for (const vs_node *node = map ? map->child : NULL; node && !status; node = node->next) {
-    vs_axis *axis;
-    status = vs_plan_axis(plan, node, "spread", &axis, err);
-    if (!status) status = vs_span_read(axis, node, SPREAD_SIGMAS, err);
-    status = vs_error_keep(err, status);
-  }
-  return status;
+  return vs_span_read_map(plan, map, "spread", SPREAD_SIGMAS, err);
 }
 
 /* A search would need one set of ranges for all cases. */
@@ -172,6 +172,15 @@ static vs_status read_cases(vs_plan *plan, const vs_node *section, void **state,
   if (!status) status = add_spread(plan, vs_tree_child(plan->tree.root, "spread"), err);
   c->n = plan->n_axes - first;
   return status || !*c->threats.path ? status : vs_plan_input(plan, c->threats.path, err);
+}
+
+/* Error: no line of any verdict could break, so that all cases would count as held. */
+static vs_status find_lines(const vs_plan *plan, const vs_plan_stage *stage, vs_error *err) {
+  for (size_t k = 0; k < plan->n_columns; k++)
+    if (plan->columns[k].line) return VS_OK;
+  return vs_fail_at(err, plan->axes[stage->axis].where,
+                    "threats: no part of the deck states a limit, so that nothing could break; "
+                    "parts of a maker are wanted, as circuit.deck: halfwave_paper has, or ratings");
 }
 
 /* ---- points ---- */
@@ -219,7 +228,7 @@ static void case_point(const vs_plan *plan, const vs_plan_stage *stage, uint64_t
   take_numbers(c, axes, threat, number, value);
   for (size_t k = c->spread; k < c->n; k++)
     value[k] = vs_span_at(
-        &axes[k], vs_random_latin(seed, index, count, vs_threats_key(threat->name, axes[k].key)));
+        &axes[k], vs_random_latin(seed, index, count, vs_threat_key(threat->name, axes[k].key)));
 }
 
 /* One threat is as likely as another; `none` comes where the spread alone may differ. */
@@ -236,12 +245,12 @@ static bool case_draw(const vs_plan *plan, const vs_plan_stage *stage, uint64_t 
           !vs_threat_is_closed(&c->threats.item[t]);
   if (!any) return false;
   const vs_threat *threat =
-      &c->threats.item[vs_random_bits(seed, index, vs_threats_key("draw", THREAT.key)) % count];
+      &c->threats.item[vs_random_bits(seed, index, vs_threat_key("draw", THREAT.key)) % count];
   vs_threat_draw(threat, seed, index, number);
   take_numbers(c, axes, threat, number, value);
   for (size_t k = c->spread; k < c->n; k++)
     value[k] =
-        vs_span_at(&axes[k], vs_random_uniform(seed, index, vs_threats_key("draw", axes[k].key)));
+        vs_span_at(&axes[k], vs_random_uniform(seed, index, vs_threat_key("draw", axes[k].key)));
   return true;
 }
 
@@ -322,6 +331,7 @@ const vs_method vs_threat_cases_method = {.name = "threats",
                                           .text = "what the scene has to withstand, one at a time",
                                           .claims = claims_any,
                                           .read = read_cases,
+                                          .ready = find_lines,
                                           .free = free_cases,
                                           .count = count_cases,
                                           .point = case_point,

@@ -48,6 +48,8 @@ vs_status vs_tree_set(vs_tree *tree, const char *assignment, vs_error *err);
  * above, of a list; who puts a text knows the key. */
 vs_status vs_tree_graft(vs_tree *tree, const char *key, const vs_node *value, vs_error *err);
 void vs_tree_put(vs_tree *tree, const char *key, const char *text, vs_where where);
+/* Takes the root's key out, if it is there. */
+void vs_tree_drop(vs_tree *tree, const char *key);
 void vs_tree_free(vs_tree *tree);
 
 /* The map's value of that key; NULL when it has none or map is NULL. */

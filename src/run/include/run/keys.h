@@ -40,6 +40,13 @@ typedef struct vs_spreads {
   size_t count, spreads; /* of the items; of the numbers */
 } vs_spreads;
 
+/* True for a tolerance in words: "tolerance", "ageing", "tolerance and ageing". */
+bool vs_key_is_figure(const char *way);
+/* Multiplies end[] by what such words stand for, parts of the key's value: the part's file of the
+ * device whose value or factor the key is states them. Error: it does not. */
+vs_status vs_key_figures(const vs_scene *scene, const char *key, const char *way, vs_where where,
+                         double end[2], vs_error *err);
+
 /* The value of item n at a corner. Bit k of a corner's number says at which end spread k is: 1, the
  * larger one. */
 double vs_key_spread_at(const vs_spreads *spreads, size_t n, size_t corner);

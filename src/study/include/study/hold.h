@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "base/tree.h"
 
-/* What a line or a row comes to; what is worse by vs_hold_worse. */
+/* What a line or a row comes to. */
 typedef enum vs_hold_word { VS_HOLD_HELD, VS_HOLD_VIOLATED, VS_HOLD_UNDECIDED } vs_hold_word;
 extern const char *const vs_hold_words[];
 
@@ -54,10 +54,6 @@ vs_status vs_hold_waive(vs_hold *hold, const vs_node *list, vs_error *err);
 
 /* ---- rows ---- */
 
-/* error NaN: it was not computed. */
-vs_hold_word vs_hold_word_of(double margin, double error);
-vs_hold_word vs_hold_worse(vs_hold_word a, vs_hold_word b);
-
 /* What a row comes to: as it was run, and as it is held. Begin with VS_HOLD_ROW. */
 typedef struct vs_hold_row {
   vs_hold_word stored, now;
@@ -66,8 +62,9 @@ typedef struct vs_hold_row {
 } vs_hold_row;
 #define VS_HOLD_ROW ((vs_hold_row){.margin = NAN, .error = NAN, .weakest = SIZE_MAX})
 
-/* Takes a line of the row: its margin and its error as they were run. not_judged is the row's cell.
- * Tells in `came` what the line came to, as run and now. */
+/* Takes a line of the row: its margin and its error as they were run (error NaN: it was not
+ * computed). not_judged is the row's cell. Tells in `came` what the line came to, as run and now.
+ */
 void vs_hold_judge(const vs_hold *hold, size_t line, double margin, double error,
                    const char *not_judged, vs_hold_row *row, vs_hold_word came[2]);
 

@@ -106,6 +106,8 @@ typedef struct vs_method {
   vs_status (*publish)(const struct vs_plan *plan, const struct vs_plan_stage *stage,
                        const struct vs_results *results, const char *folder, bool quiet,
                        vs_error *err);
+  const char *const
+      *files; /* their names, which go when such a study begins there; NULL ends them */
 
   vs_method_report report;
 } vs_method;

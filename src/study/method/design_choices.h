@@ -2,8 +2,8 @@
  * The search of `design`: which parts hold all cases for the least money. A candidate is a choice
  * of an option for each key under `choose`; a case is a point of `operation` or a threat
  * (method/design_cases.h). */
-#ifndef VS_STUDY_DESIGN_H
-#define VS_STUDY_DESIGN_H
+#ifndef VS_STUDY_DESIGN_CHOICES_H
+#define VS_STUDY_DESIGN_CHOICES_H
 
 #include "method/design_cases.h"
 #include "study/hold.h"
@@ -34,6 +34,7 @@ typedef struct vs_design_choice {
   const char *device; /* what the key ends in: "r1" of circuit.r1 */
   const struct vs_kind *kind;
   size_t axis, leader;      /* leader: its own number where it leads */
+  size_t tolerance;         /* the axis of its spread, from 1; 0: there is none */
   int number;               /* how many of it are bought */
   vs_design_option *option; /* [n_options]: values rise, parts by name get dearer; owned */
   size_t n_options;
@@ -48,7 +49,8 @@ typedef struct vs_design_choice {
 
 typedef struct vs_design {
   vs_price_list list;
-  const vs_node *aim; /* the formula's */
+  const vs_node *aim; /* the formula */
+  vs_node usual_aim;  /* where the study has none */
   vs_design_choice choice[VS_DESIGN_CHOICES];
   size_t n_choices;
   vs_design_cases cases;
@@ -61,19 +63,31 @@ typedef struct vs_design {
   uint64_t most_runs;    /* of the budget */
   uint64_t random;       /* how many draws prove the answer */
   bool neighbours;
-  uint64_t *order; /* [n_candidates], the cheapest first; owned */
+  bool verify;        /* the answer's margins get their errors, which the scene does not ask for */
+  size_t verify_axis; /* then: of run.verify, 0 as the scene has it, 1 always */
+  uint64_t *order;    /* [n_candidates], the cheapest first; owned */
   uint64_t n_candidates;
 } vs_design;
 
 /* ---- candidates ---- */
 
 /* The option of a choice that candidate number k has. */
-size_t vs_design_option_of(const vs_design *d, uint64_t k, size_t choice);
+size_t vs_design_choices_option(const vs_design *d, uint64_t k, size_t choice);
 /* The number of the candidate that has another option there. */
-uint64_t vs_design_with(const vs_design *d, uint64_t k, size_t choice, size_t option);
+uint64_t vs_design_choices_with(const vs_design *d, uint64_t k, size_t choice, size_t option);
 /* What it costs with these classes of its options, class[n_choices]; NULL: the cheapest ones. */
-double vs_design_price(const vs_design *d, uint64_t k, const size_t *class);
+double vs_design_choices_price(const vs_design *d, uint64_t k, const size_t *class);
 /* Writes "TYN1212, s20k510, 330 ohm, 47 nF". */
-void vs_design_write(const vs_design *d, const vs_plan *plan, uint64_t k, vs_text *text);
+void vs_design_choices_write(const vs_design *d, const vs_plan *plan, uint64_t k, vs_text *text);
+
+/* ---- reading ---- */
+
+/* Reads the choices under `choose`, each with its axis, its options and their prices. Errors, with
+ * their place: nothing to choose from, a part or a column that the list has not. */
+vs_status vs_design_choices_read(vs_plan *plan, vs_design *d, const vs_node *section,
+                                 vs_error *err);
+/* Orders the candidates, once the choices are read. Error: they are too many. */
+vs_status vs_design_choices_rank(const vs_node *section, vs_design *d, vs_error *err);
+extern const vs_inside vs_design_choices_keys; /* of `choose` */
 
 #endif
