@@ -702,7 +702,8 @@ static vs_status cure_command(const void *given, vs_error *err) {
 static const vs_option CURE_OPTIONS[] = {
     VS_OPTIONS_FILE(cure_line, catalogue, "catalogue", "FILE.csv",
                     "the parts that may be bought, with columns part, kind, value and price: these "
-                    "are tried in the place of those that come with the program"),
+                    "are tried in the place of those that come with the program; a value is priced "
+                    "by its cheapest row, whatever that bears"),
     VS_OPTIONS_WORD(cure_line, series, "series", "E12",
                     "the values of resistors and capacitors of which the list has none: E3 to "
                     "E192 (default E12)"),
