@@ -736,6 +736,10 @@ void vs_causes_json(const vs_causes *c, const vs_judgement *of, vs_json *json) {
     vs_json_text(json, "of", FORMS[one->form]);
     vs_json_number(json, "at_s", one->found_s, 9);
     if (one->form == RISE) vs_json_number(json, "over_s", one->over_s, 9);
+    if (one->form == OVER_TIME && one->sum > 0) {
+      vs_json_number(json, "most_from_s", one->part_from_s, 9);
+      vs_json_number(json, "most", one->part / one->sum, 6);
+    }
     vs_json_number(json, "total", one->total, 9);
     vs_json_text(json, "unit", one->voltage ? "V" : "A");
     vs_json_array(json, "shares", VS_JSON_ROW);
