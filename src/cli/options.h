@@ -116,6 +116,7 @@ typedef struct vs_run_options {
   bool json;                /* prints JSON instead of the table */
   bool all;                 /* the table leaves nothing out */
   bool quiet;               /* no table, no warnings, no progress */
+  bool why;                 /* tells what makes the violated lines, or the weakest one */
   bool reproducible;        /* leaves the cost out of summary.json */
   bool raw;                 /* writes run.raw, too, which wants a folder and the circuit tier */
   bool allow_code;          /* the scene may run code of its own */

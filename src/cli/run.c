@@ -19,6 +19,7 @@
 #include "ngspice/crash_guard.h"
 #include "orbit/steady.h"
 #include "report/plot.h"
+#include "run/causes.h"
 #include "run/show.h"
 #include "run/table.h"
 
@@ -516,6 +517,10 @@ vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scen
   vs_shutdown_mode_set(VS_SHUTDOWN_WHEN_KEPT);
   end_progress(&a);
   result->corners = o->judged;
+  vs_causes *causes = NULL;
+  if (!status && o->why && result->verdict.count)
+    status = vs_causes_find(result, vs_steady_run, o->stop, &causes, err);
+  result->causes = causes;
   if (!status && more && more->finish) more->finish(more->ctx, result);
   if (!status && (o->json || o->folder))
     vs_summary_json(result, !o->reproducible, more ? &more->summary : NULL, &json);
@@ -529,6 +534,7 @@ vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scen
   if (!status) status = vs_session_judge(result, err);
   if (!status && o->judged) status = judge_corners(o->judged, err);
   vs_text_free(&json);
+  vs_causes_free(causes);
   vs_result_free(result);
   free(result);
   return status;
@@ -587,6 +593,11 @@ static const vs_option RUN_OPTIONS[] = {
                     "runs the scene at all ends of its key spread besides, without one of the "
                     "mains +- 10 % and of each varistor's tolerance and ageing; a corner that "
                     "breaks breaks the verdict"),
+    VS_OPTIONS_FLAG(run_line, run.why, "why",
+                    "tells of each violated line of the verdict, or else of the weakest, which "
+                    "branches its current comes from or what its voltage is made of, the event "
+                    "before it, and which assumed figures it hangs on; runs the scene up to there "
+                    "once more"),
     VS_OPTIONS_FLAG(run_line, run.raw, "raw",
                     "tier circuit, with -o: writes run.raw too, every voltage and current of the "
                     "circuit at every step, for ngspice's 'load'; a run that fails leaves "

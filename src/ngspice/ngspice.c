@@ -176,7 +176,8 @@ static void stop_with(vs_status status) {
 }
 
 /* Finds the vector of a signal: "v(a)" is vector "a", "i(vth)" is "vth#branch". Only a node whose
- * name begins with a digit has a vector with brackets, "V(1)". */
+ * name begins with a digit has a vector with brackets, "V(1)". A quantity of an element has its own
+ * name. */
 static int find_vector(const vecinfoall *all, const char *signal) {
   char name[256];
   int n = (int)strlen(signal) - 3;
@@ -185,8 +186,9 @@ static int find_vector(const vecinfoall *all, const char *signal) {
            signal[0] == 'i' ? "#branch"
            : number         ? ")"
                             : "");
+  const char *sought = *signal == '@' ? signal : name;
   for (int k = 0; k < all->veccount; k++)
-    if (!strcmp(all->vecs[k]->vecname, name)) return k;
+    if (!strcmp(all->vecs[k]->vecname, sought)) return k;
   return MISSING;
 }
 
@@ -439,12 +441,19 @@ static vs_status load_anew(const vs_circuit_job *job, const vs_circuit_host *hos
   return VS_OK;
 }
 
+/* Has ngspice give the quantities of elements that are wanted, which are no vectors otherwise. */
+static void save_quantities(const vs_circuit_job *job, vs_text *tail) {
+  for (size_t s = job->n_signals - job->n_wanted; s < job->n_signals; s++)
+    if (*job->signals[s] == '@') vs_text_add(tail, ".save %s\n", job->signals[s]);
+}
+
 static vs_status load_circuit(const vs_circuit_job *job, const vs_circuit_host *host,
                               void **circuit, vs_error *err) {
   *circuit = NULL;
   vs_status status = vs_ngspice_begin(err);
   if (status) return status;
   vs_text tail = {0}, netlist = {0};
+  save_quantities(job, &tail);
   /* .save none keeps one point in memory; SendData gives all vectors nevertheless. */
   vs_text_add(&tail,
               ".options method=%s reltol=%.17g abstol=%.17g vntol=%.17g chgtol=%.17g trtol=%.17g "
@@ -456,7 +465,7 @@ static vs_status load_circuit(const vs_circuit_job *job, const vs_circuit_host *
               job->truncation_factor > 0 ? job->truncation_factor : 7,
               job->pivot_threshold > 0 ? job->pivot_threshold : 1e-3, job->max_step_s, job->until_s,
               job->max_step_s);
-  char **lines = vs_alloc(job->lines + 5, sizeof *lines);
+  char **lines = vs_alloc(job->lines + job->n_wanted + 5, sizeof *lines);
   size_t n = 0;
   for (; n < job->lines; n++) lines[n] = job->netlist[n];
   vs_versions_complete(lines, n, job->until_s);

@@ -10,6 +10,7 @@
 #include "base/units.h"
 #include "engine/firing.h"
 #include "engine/tiers.h"
+#include "run/causes.h"
 #include "run/engineering.h"
 #include "run/listed_measure.h"
 #include "verdict_table.h"
@@ -464,6 +465,7 @@ void vs_show_all(const vs_result *r, const vs_show_options *options, const vs_sh
                  FILE *out) {
   const int width = 18;
   if (!more->show || r->verdict.count) vs_verdict_table_whole(r, out);
+  if (r->causes) vs_causes_show(r->causes, out);
   if (more->show && r->verdict.count) fputc('\n', out);
   if (more->show) more->show(more->ctx, out);
   print_head(r, out);
@@ -536,19 +538,21 @@ void vs_show_brief(const vs_result *r, const vs_show_options *options, const vs_
                    FILE *out) {
   const bool judged = r->verdict.count > 0;
   int shown_rows = more->show ? ROWS_OF_ORBIT : judged ? ROWS : ROWS_ALONE, room;
-  char *front = NULL, *behind = NULL;
+  char *front = NULL, *behind = NULL, *why = NULL;
   size_t size;
-  FILE *first = vs_alloc_stream(&front, &size);
+  FILE *first = vs_alloc_stream(&front, &size), *asked = vs_alloc_stream(&why, &size);
   if (judged) vs_verdict_table_head(r, first);
+  if (r->causes) vs_causes_show(r->causes, asked);
   vs_alloc_stream_close(first);
+  vs_alloc_stream_close(asked);
   for (;; shown_rows = shown_rows + room - LEAST_LINES > LEAST_ROWS
                            ? shown_rows + room - LEAST_LINES
                            : LEAST_ROWS) {
     FILE *last = vs_alloc_stream(&behind, &size);
     tell_result(r, shown_rows, options, more, last);
     vs_alloc_stream_close(last);
-    const int others =
-        1 + count_lines(front) + 3 + count_lines(behind); /* 3: what frames the lines */
+    const int others = 1 + count_lines(front) + 3 + count_lines(why) +
+                       count_lines(behind); /* 3: what frames the lines */
     room = (more->show ? LINES_OF_ORBIT : LINES) - others;
     if (!judged || room >= LEAST_LINES || shown_rows <= LEAST_ROWS) break;
     free(behind);
@@ -559,7 +563,9 @@ void vs_show_brief(const vs_result *r, const vs_show_options *options, const vs_
     vs_verdict_table_tightest(&r->verdict, room < LEAST_LINES ? LEAST_LINES : room, out);
   } else if (!more->show)
     vs_verdict_table_none(r, out);
+  fputs(why, out);
   fputs(behind, out);
+  free(why);
   free(front);
   free(behind);
 }

@@ -8,6 +8,7 @@
 #include "engine/tiers.h"
 #include "measure/lowpass.h"
 #include "measure/unjudged.h"
+#include "run/causes.h"
 #include "run/listed_measure.h"
 #include "run/sections.h"
 #include "run/table.h"
@@ -357,7 +358,7 @@ static void add_judged(vs_json *json, const char *key, const vs_judgement *j) {
   vs_json_text(json, key, j ? vs_verdict_name(j, name) : NULL);
 }
 
-static void add_verdict_to_summary(vs_json *json, const vs_verdict *v) {
+static void add_verdict_to_summary(vs_json *json, const vs_verdict *v, const vs_causes *causes) {
   vs_json_array(json, "verdict", v->count ? VS_JSON_LINES : VS_JSON_ROW);
   for (size_t k = 0; k < v->count; k++) {
     const vs_judgement *j = &v->item[k];
@@ -373,6 +374,7 @@ static void add_verdict_to_summary(vs_json *json, const vs_verdict *v) {
     if (j->torn) vs_json_text(json, "why", "the sequence of firings depends on the tolerance");
     vs_json_bool(json, "violated", j->margin < 0 && !j->waived);
     vs_json_number(json, "failed_at_s", j->failed_s, DIGITS);
+    vs_causes_json(causes, j, json);
     vs_json_end(json);
   }
   vs_json_end(json);
@@ -580,7 +582,7 @@ void vs_summary_json(const vs_result *r, bool with_cost, const vs_summary_more *
   add_energy_to_summary(&json, s, &r->watchers.energy, r->books);
   if (with_cost) add_cost(&json, r);
   add_second(&json, &r->second);
-  add_verdict_to_summary(&json, &r->verdict);
+  add_verdict_to_summary(&json, &r->verdict, r->causes);
   add_happenings_to_summary(&json, &r->verdict);
   add_not_judged_to_summary(&json, r);
   add_columns(&json, s);

@@ -70,6 +70,7 @@ static double run_time(const coupling *c, double solver_s);
 static void forget_told_values(coupling *c);
 static vs_status reach_fork_point(coupling *c, double t_s, vs_error *err);
 static vs_status follow_macromodel(coupling *c, double t_s, const double *signals, vs_error *err);
+static void look_into(const coupling *c, double t_s, const double *signals);
 static void take_circuit_state(coupling *c, double t_s, const double *signals);
 static void judge_step_length(coupling *c);
 static vs_status end_settling_cycle(coupling *c, vs_error *err);
@@ -95,6 +96,8 @@ static vs_status accept_coupled_step(void *ctx, double solver_s, const double *s
   /* After a quiet stretch the solver is led to where the macromodel is. As long as it is, the
    * macromodel's steps are the run's (solver_switch.c). */
   if (c->solver_switch.follows) return follow_macromodel(c, t_s, signals, err);
+
+  look_into(c, t_s, signals);
 
   /* Circuit -> mechanics: lambda, Wb, and its rate, V, at the step's end (signal_map.c). */
   take_circuit_state(c, t_s, signals);
@@ -148,6 +151,12 @@ static vs_status reach_fork_point(coupling *c, double t_s, vs_error *err) {
 static vs_status follow_macromodel(coupling *c, double t_s, const double *signals, vs_error *err) {
   vs_truncation_restart(&c->truncation);
   return vs_solver_switch_follow(&c->solver_switch, t_s, signals, err);
+}
+
+/* Shows the step to who looks into the circuit; the settling is no part of the run. */
+static void look_into(const coupling *c, double t_s, const double *signals) {
+  const vs_circuit_look *look = c->order->look;
+  if (look && !c->settling.on) look->take(look->ctx, t_s, signals + c->names->n_signals);
 }
 
 /* Fills the next knot with what the circuit knows of it. Its second derivative of lambda, V/s, is
@@ -370,6 +379,22 @@ static vs_circuit_job job_of(const coupling *c) {
                           .author = &setup->deck};
 }
 
+/* Adds what is to be seen besides behind the job's own signals. Returns the list of all, to be
+ * freed behind the run. */
+static const char **add_looked_at(const coupling *c, vs_circuit_job *job) {
+  const vs_circuit_look *look = c->order->look;
+  const char *const *more = NULL;
+  size_t count = 0;
+  if (look) look->begin(look->ctx, job, &more, &count);
+  const char **all = vs_alloc(job->n_signals + count, sizeof *all);
+  memcpy(all, job->signals, job->n_signals * sizeof *all);
+  if (count) memcpy(all + job->n_signals, more, count * sizeof *all);
+  job->signals = all;
+  job->n_signals += count;
+  job->n_wanted += count;
+  return all;
+}
+
 /* Takes the deck through the solver, and on to the end if the solver is left for good before it. */
 static vs_status run_solver(coupling *c, vs_error *err) {
   const vs_setup *setup = c->setup;
@@ -395,6 +420,7 @@ static vs_status run_solver(coupling *c, vs_error *err) {
   vs_status s = vs_netlist_make(&setup->deck, &setup->circuit_values, standard, VS_STANDARD,
                                 &netlist, &job.lines, err);
   job.netlist = netlist;
+  const char **signals = s ? NULL : add_looked_at(c, &job);
   double shortest_s = fmin(c->pace.max_step_s, c->trajectory.motion.substep_touching_s);
   if (!s) s = vs_sim_refuse_endless(setup, shortest_s, err);
   if (!s) s = solver->load(&job, &host, &circuit, err);
@@ -402,6 +428,7 @@ static vs_status run_solver(coupling *c, vs_error *err) {
   if (s == VS_INPUT) s = forgive_first_step(c, err);
   if (!s) s = vs_solver_switch_finish(&c->solver_switch, err);
   solver->free(circuit);
+  free(signals);
   vs_netlist_free(netlist, job.lines);
   return s;
 }

@@ -55,13 +55,16 @@ static void free_cases(void *state) {
 
 /* ---- axes ---- */
 
-static vs_status add_axis(vs_plan *plan, vs_axis **axis, vs_where where, vs_error *err) {
-  if (plan->n_axes >= VS_PLAN_AXES)
-    return vs_fail_at(err, where, "threats: more than %d axes; fewer different ranges are wanted",
-                      VS_PLAN_AXES);
-  *axis = &plan->axes[plan->n_axes++];
-  **axis = (vs_axis){.by = THREATS.key, .where = where, .nominal = NAN, .unit = ""};
-  return VS_OK;
+/* Adds an axis to the plan and returns it. NULL is an error: there are too many. */
+static vs_axis *add_axis(vs_plan *plan, vs_where where, vs_error *err) {
+  if (plan->n_axes >= VS_PLAN_AXES) {
+    vs_fail_at(err, where, "threats: more than %d axes; fewer different ranges are wanted",
+               VS_PLAN_AXES);
+    return NULL;
+  }
+  vs_axis *axis = &plan->axes[plan->n_axes++];
+  *axis = (vs_axis){.by = THREATS.key, .where = where, .nominal = NAN, .unit = ""};
+  return axis;
 }
 
 static void add_word(vs_axis *axis, const char *word, vs_where where) {
@@ -82,9 +85,8 @@ static size_t word_number(const vs_axis *axis, const char *word) {
 
 static vs_status add_threat_axis(vs_plan *plan, const vs_threats *threats, vs_where where,
                                  vs_error *err) {
-  vs_axis *axis = NULL;
-  vs_status status = add_axis(plan, &axis, where, err);
-  if (status) return status;
+  vs_axis *axis = add_axis(plan, where, err);
+  if (!axis) return VS_INPUT;
   snprintf(axis->key, sizeof axis->key, "%s", THREAT.key);
   snprintf(axis->column, sizeof axis->column, "%s", THREAT.key);
   snprintf(axis->section, sizeof axis->section, "events.");
@@ -107,8 +109,8 @@ static vs_status share_axis(vs_plan *plan, size_t first, const vs_axis *range, c
     if (!strcmp(plan->axes[first + *at].column, column)) break;
   axis = &plan->axes[first + *at];
   if (first + *at == plan->n_axes) {
-    vs_status status = add_axis(plan, &axis, range->where, err);
-    if (status) return status;
+    axis = add_axis(plan, range->where, err);
+    if (!axis) return VS_INPUT;
     snprintf(axis->column, sizeof axis->column, "%s", column);
     snprintf(axis->key, sizeof axis->key, "%s.%.100s", head, range->field->key);
     for (size_t k = first; k + 1 < plan->n_axes; k++) /* as that of another unit */

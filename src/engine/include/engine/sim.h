@@ -51,6 +51,17 @@ typedef struct vs_fork_point {
   vs_status (*reach)(void *ctx, double t_s, vs_error *err);
 } vs_fork_point;
 
+/* Someone who looks into the circuit itself, at voltages and currents that no probe has. */
+typedef struct vs_circuit_look {
+  void *ctx;
+  /* Called with the netlist of each run that begins. Gives the signals that are wanted besides, as
+   * vs_circuit_job.signals has them; those that are missing are NaN. Borrowed until the run's end.
+   */
+  void (*begin)(void *ctx, const vs_circuit_job *job, const char *const **signals, size_t *count);
+  /* Is shown these signals at the end of each step that the solver makes of the run. */
+  void (*take)(void *ctx, double t_s, const double *signals);
+} vs_circuit_look;
+
 /* Who steers a run of tier "circuit" before it begins. The circuit's hidden state cannot be set,
  * but the machine's can. So a run that is to begin on a periodic orbit settles first: firing
  * periods without the scene's events, each of which goes from t = 0 to the period's end. At each
@@ -97,6 +108,7 @@ typedef struct vs_run_order {
   vs_budget *budget; /* what the search may take that this run, or its settling, is a part of; NULL:
                         there is no limit. Borrowed */
   bool shows;        /* a search before the run shows on standard error how far it is */
+  const vs_circuit_look *look;   /* NULL: nobody looks. Borrowed */
   const vs_fork_point *fork;     /* NULL: the run goes its own way to the end. Borrowed */
   const vs_early_end *early_end; /* asked on the ideal tiers; NULL: all steps are needed.
                               Borrowed */

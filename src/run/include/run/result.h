@@ -56,6 +56,7 @@ typedef struct vs_result {
   char books[512]; /* what the energy audit finds; empty: nothing */
   vs_verdict verdict;
   const vs_corners *corners; /* borrowed; NULL: only nominal values were run */
+  const struct vs_causes *causes; /* run/causes.h; borrowed; NULL: nobody asked why */
   vs_ladder ladder;          /* the rung whose settings gave this result; 0 is the scene as it is */
   vs_second_run second;
   double wall_s;

@@ -1,0 +1,142 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * `cure`: the single change that makes a verdict held, against values by hand. */
+#include <complex.h>
+#include <math.h>
+#include <string.h>
+
+#include "program.h"
+
+/* The mains drive r1 and 100 ohm in series: the current's peak is 622.25 V / (r1 + 100 ohm). With
+ * 1 kohm that is 0.5657 A. Of E12 1.2 kohm is the first with less than 0.5 A: 0.47866 A, a margin
+ * of 4.27 %. c1 beside r1 adds 0.02 % to the current, so that less of it helps and does not hold.
+ */
+static const char DECK[] = "* a divider\n"
+                           "*$ title  a divider\n"
+                           "*$ param  r1 = 1000 ohm  1..1e5   \"in series\"\n"
+                           "*$ param  c1 = 100 nF    0.1..1e5 \"beside it\"\n"
+                           "*$ port   mains = Vmains\n"
+                           "*$ probe  i_d = i(Vd)     A\n"
+                           "*$ probe  v_1 = v(src,a)  V\n"
+                           "Vmains src 0 external\n"
+                           "R1     src a {r1}\n"
+                           "C1     src a {c1} ic=0\n"
+                           "Vd     a b 0\n"
+                           "Rd     b 0 100\n"
+                           "Xeva   src 0 eva\n";
+
+static void write_scene(const char *ratings) {
+  vs_text text = {0};
+  vs_text_add(&text, "circuit: {deck: own.cir}\nrun: {until: 8 ms, tier: circuit}\nratings: {%s}\n",
+              ratings);
+  write_file("own.cir", DECK);
+  write_file("s.yaml", text.text);
+  vs_text_free(&text);
+}
+
+static void says(const ran *r, int status, const char *text, int line) {
+  EXPECT(r->status == status, "line %d: %d %s%s", line, r->status, r->out, r->err);
+  EXPECT(strstr(r->out, text) || strstr(r->err, text), "line %d: want %s in %s%s", line, text,
+         r->out, r->err);
+}
+#define SAYS(r, status, text) says(r, status, text, __LINE__)
+
+/* Tolerance of the margin: run.tolerance is 1e-4 of the current. */
+static void next_value(void) {
+  const double complex y = 1. / 1200 + I * 2 * M_PI * 50 * 100e-9; /* of r1 and c1 */
+  write_scene("i_d: .. 0.5 A");
+  ran r = run("cure s.yaml");
+  SAYS(&r, 0, "not held: i_d\nr1 1000 -> 1200 ohm: least margin +4.2");
+  SAYS(&r, 0, "(i_d), proved by a run\n1 of ");
+  SAYS(&r, 0, "what it does not judge, other threats, tolerances and corners were not tried");
+  EXPECT(!strstr(r.out, "c1 "), "%s", r.out);
+  free_ran(&r);
+  r = run("cure s.yaml --all --json -o out");
+  SAYS(&r, 0, "{\"set\": \"circuit.r1=1200 ohm\", \"what\": \"r1\", \"from\": \"1000\"");
+  CLOSE_OF(number_in(r.out, "margin_least"), 1 - 440 * M_SQRT2 / cabs(100 + 1 / y) / 0.5, 1, 3e-4);
+  SAYS(&r, 0, "\"set\": \"circuit.c1=82 nF\"");
+  char *file = read_file("out/cure.json");
+  CU_ASSERT_STRING_EQUAL(file, r.out);
+  free(file);
+  free_ran(&r);
+  r = run("cure s.yaml --series E3"); /* 1000, 2200 */
+  SAYS(&r, 0, "r1 1000 -> 2200 ohm");
+  free_ran(&r);
+  r = run("cure s.yaml --set circuit.r1=1200ohm");
+  SAYS(&r, 0, "the verdict is held: there is nothing to cure");
+  free_ran(&r);
+}
+
+/* What the list has is tried, and its prices are told: of a value that is listed, against another
+ * one, or of any value. */
+static void with_prices(void) {
+  write_scene("i_d: .. 0.5 A");
+  write_file("c.csv", "part,kind,value,price_eur\nRA,resistor,1 kohm,0.02\n"
+                      "RB,resistor,1.5 kohm,0.05\nCA,capacitor,,0.30\n");
+  ran r = run("cure s.yaml --catalogue c.csv");
+  SAYS(&r, 0, "r1 1000 -> 1500 ohm (+0.03 EUR): least margin +22.");
+  free_ran(&r);
+  r = run("cure s.yaml --catalogue c.csv --all");
+  SAYS(&r, 0, "c1 100 -> 82 nF (+0 EUR): does not hold i_d");
+  free_ran(&r);
+  write_file("bad.csv", "part,value,price_eur\nRA,1 kohm,0.02\n");
+  r = run("cure s.yaml --catalogue bad.csv");
+  SAYS(&r, 2, "bad.csv:1:1: there is no column 'kind'");
+  free_ran(&r);
+}
+
+/* A change that breaks another line is no cure: at 1.2 kohm there are 574 V across r1. */
+static void another_line_breaks(void) {
+  write_scene("i_d: .. 0.5 A, v_1: .. 570 V");
+  ran r = run("cure s.yaml --all");
+  SAYS(&r, 3, "r1 1000 -> 1200 ohm: does not hold v_1");
+  SAYS(&r, 3, "0 of ");
+  SAYS(&r, 3, "no single change of a part cures it; nearest is ");
+  EXPECT(!strstr(r.out, "proved"), "%s", r.out);
+  free_ran(&r);
+}
+
+/* Another part of a kind: one with more of the limit that is passed. One that states no such limit
+ * would hide the line. */
+static void another_part(void) {
+  write_file("t.yaml", "circuit: {deck: halfwave_snubbed, thyristor: TYN1012}\n"
+                       "run: {until: 18 ms}\n");
+  write_file("c.csv", "part,kind,value,price_eur\nTYN1012,thyristor,,1.1\n"
+                      "TYN1212,thyristor,,1.35\nlatch,thyristor,,0.1\nR,resistor,10 mohm,0\n"
+                      "C,capacitor,1 uF,0\n");
+  ran r = run("cure t.yaml --catalogue c.csv --all");
+  SAYS(&r, 0, "thyristor TYN1012 -> TYN1212 (+0.25 EUR): least margin +12.");
+  SAYS(&r, 0, "thyristor TYN1012 -> latch (-1 EUR): its part states no limit for thyristor.");
+  free_ran(&r);
+}
+
+/* A varistor for 230 V bears the surge and not the mains of 440 V. */
+static void below_the_mains(void) {
+  write_file("v.yaml", "circuit: {deck: halfwave_paper}\nratings: {v_ak: .. 1 V}\n"
+                       "run: {until: 2 ms}\n");
+  write_file("c.csv", "part,kind,value,price_eur\nS14K230,varistor,,0.1\nR,resistor,10 mohm,0\n"
+                      "C,capacitor,1 uF,0\n");
+  ran r = run("cure v.yaml --catalogue c.csv --all");
+  SAYS(&r, 3, "varistor_1 v511da40 -> S14K230 (0.1 EUR): circuit.varistor_1: ");
+  SAYS(&r, 3, "no single change of a part ");
+  free_ran(&r);
+}
+
+static void refusals(void) {
+  write_scene("i_d: .. 0.5 A");
+  refuse("cure s.yaml --series E13", "a series that is none", "",
+         (const char *const[]){"E13", "E12"}, __LINE__);
+  write_file("none.yaml", "run: {until: 5 ms, tier: switched}\n");
+  refuse("cure none.yaml", "nothing is rated", "",
+         (const char *const[]){"nothing is rated", "ratings"}, __LINE__);
+}
+
+static const vs_test tests[] = {{"the next value", next_value},
+                                {"with prices", with_prices},
+                                {"another line breaks", another_line_breaks},
+                                {"another part", another_part},
+                                {"below the mains", below_the_mains},
+                                {"refusals", refusals}};
+
+int main(void) {
+  return program_suite("cure", tests, COUNT(tests));
+}

@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * `run --why`: what a current or voltage is made of, against phasors by hand, and that the shares
+ * of each line sum to its total. */
+#include <complex.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "program.h"
+
+/* A resistor of 1 kohm and a capacitor side by side feed a device of 100 ohm from the mains. With
+ * omega R C = 0.5 the resistor's current is 1 / (1 + 0.5 j) of the whole. */
+static const char DECK[] = "* shares known by hand\n"
+                           "*$ title  two branches into one device\n"
+                           "*$ port   mains = Vmains\n"
+                           "*$ probe  i_d = i(Vd)  A\n"
+                           "*$ probe  v_d = v(a)   V\n"
+                           "*$ probe  i_m = -i(Vmains)  A\n"
+                           "*$ device d resistor = v(a), i(Vd)\n"
+                           "Vmains src 0 external\n"
+                           "Rs     src a 1k\n"
+                           "Cs     src a 1.5915494309u ic=0\n"
+                           "Vd     a b 0\n"
+                           "Rd     b 0 100\n"
+                           "Xeva   src 0 eva\n",
+                  SCENE[] = "circuit: {deck: own.cir}\n"
+                            "ratings: {i_d: .. 10 mA, v_d: .. 1 V, i_m: .. 1 mA}\n"
+                            "run: {until: 8 ms, tier: circuit, verify: never}\n";
+static const double OMEGA = 2 * M_PI * 50, PEAK_V = 440 * M_SQRT2;
+
+/* The object "cause" of a line of the verdict, up to its end; NULL: it has none. */
+static const char *cause_of(const char *json, const char *key, const char *name) {
+  char begin[96];
+  snprintf(begin, sizeof begin, "{\"%s\": \"%s\"", key, name);
+  const char *line = strstr(json, begin), *end = line ? strchr(line, '\n') : NULL;
+  const char *cause = line ? strstr(line, "\"cause\": {") : NULL;
+  return cause && cause < end ? cause : NULL;
+}
+
+/* The share of that name; NaN: it has none. */
+static double share_of(const char *cause, const char *name) {
+  char begin[96];
+  snprintf(begin, sizeof begin, "{\"from\": \"%s\"", name);
+  const char *share = cause ? strstr(cause, begin) : NULL,
+             *end = cause ? strchr(cause, '\n') : NULL;
+  return share && share < end ? number_in(share, "value") : NAN;
+}
+
+static double at(double complex phasor, double t_s) {
+  return PEAK_V * cimag(phasor * cexp(I * OMEGA * t_s));
+}
+
+/* Tolerance: run.tolerance is 1e-4 of a peak, and the largest value is seen at the end of a step,
+ * where the capacitor's share of it, which is its slope, is known a few times worse. */
+static void by_phasors(void) {
+  const double complex y_c = I * 0.5e-3, y_r = 1e-3, v_a = 1 / (1 + 0.01 / (y_r + y_c));
+  write_file("own.cir", DECK);
+  write_file("s.yaml", SCENE);
+  ran r = run("run s.yaml --why --json --quiet");
+  CU_ASSERT_EQUAL(r.status, 3);
+  const char *i = cause_of(r.out, "rating", "i_d"), *v = cause_of(r.out, "rating", "v_d");
+  CU_ASSERT_FATAL(i && v);
+  const double t_s = number_in(i, "at_s"), peak_a = number_in(i, "total");
+  CLOSE(peak_a, PEAK_V * cabs(v_a) / 100, 3e-4);
+  CLOSE_OF(share_of(i, "rs"), at((1 - v_a) * y_r, t_s), peak_a, 1e-3);
+  CLOSE_OF(share_of(i, "cs"), at((1 - v_a) * y_c, t_s), peak_a, 1e-3);
+  CLOSE_OF(share_of(i, "rs") / peak_a, 0.8, 1, 3e-3); /* 1 / (1 + 0.5^2), at the very peak */
+  const double v_s = number_in(v, "at_s"), peak_v = number_in(v, "total");
+  CLOSE_OF(share_of(v, "the mains"), at(1, v_s), peak_v, 1e-3);
+  CLOSE_OF(share_of(v, "rs"), at(v_a - 1, v_s), peak_v, 1e-3);
+  const char *m = cause_of(r.out, "rating", "i_m"); /* of a source that is no device */
+  CU_ASSERT_FATAL(m != NULL);
+  CLOSE_OF(share_of(m, "the coil") + share_of(m, "rs") + share_of(m, "cs"), number_in(m, "total"),
+           1, 1e-6 * number_in(m, "total"));
+  free_ran(&r);
+  r = run("run s.yaml --why");
+  EXPECT(strstr(r.out, "\nwhy i_d: 505 of 632 mA from rs, 126 from cs, at "), "%s", r.out);
+  free_ran(&r);
+}
+
+/* The converter under a surge that fires its thyristor: the discharge of the varistors beside it.
+ * Kirchhoff's law holds to the solver's tolerance of a current, and a loop's voltages to rounding.
+ */
+static void under_a_surge(void) {
+  write_file("f.yaml", "circuit: {deck: halfwave_paper}\nfiring: {every: 1}\n"
+                       "run: {until: 50 ms, verify: never}\n"
+                       "events: {hit: {kind: surge, cycle: 3, angle: 90 deg, level: 2 kV}}\n");
+  ran plain = run("run f.yaml --json --quiet --reproducible"),
+      r = run("run f.yaml --why --json --quiet --reproducible");
+  CU_ASSERT_EQUAL(r.status, 3);
+  CU_ASSERT_EQUAL(plain.status, 3);
+  EXPECT(!strstr(plain.out, "\"cause\": {"), "%s", plain.out);
+  int causes = 0;
+  for (const char *c = r.out; (c = strstr(c, "\"cause\": {\"of\"")); c++, causes++)
+    EXPECT(fabs(number_in(c, "sum_error")) <= 1e-6 * number_in(c, "total"), "%.300s", c);
+  EXPECT(causes >= 3, "%d causes", causes);
+  const char *di_dt = cause_of(r.out, "device", "thyristor\", \"measure\": \"di_dt");
+  CU_ASSERT_FATAL(di_dt != NULL);
+  EXPECT(share_of(di_dt, "varistor_1's capacitance") > 0.5 * number_in(di_dt, "total"), "%.500s",
+         di_dt);
+  EXPECT(share_of(di_dt, "varistor_2's capacitance") > 0, "%.500s", di_dt);
+  const char *event = strstr(di_dt, "{\"what\": \"hit\"");
+  CU_ASSERT_FATAL(event != NULL);
+  CLOSE(number_in(event, "at_s"), 0.045, 1e-9);
+  CLOSE_OF(number_in(event, "before_s"), number_in(di_dt, "at_s") - 0.045, 1,
+           1.1e-7); /* a stretch */
+  free_ran(&plain);
+  free_ran(&r);
+}
+
+/* Of transistors whose currents ngspice does not tell whole, as they switch, and of a current that
+ * leaves its device's first node. */
+static void all_sums(const char *words, int want) {
+  ran r = run("run %s --why --json --quiet --set run.verify=never", words);
+  int causes = 0;
+  for (const char *c = r.out; (c = strstr(c, "\"cause\": {\"of\"")); c++, causes++)
+    EXPECT(fabs(number_in(c, "sum_error")) <= 1e-6 * number_in(c, "total"), "%.300s", c);
+  EXPECT(causes == want, "%s: %d causes, %s", words, causes, r.err);
+  free_ran(&r);
+}
+
+static void transistors_and_gates(void) {
+  all_sums("bridge_link --until 30ms --set 'ratings.i_2=.. 1 uA' --set 'ratings.i=.. 1 uA' --set "
+           "'ratings.v_eva=.. 1 V'",
+           3);
+  all_sums("paper --until 8ms --tier compiled --set 'ratings.i=.. 1 uA'",
+           1); /* looked at on ngspice */
+  all_sums("paper --until 8ms --set circuit.deck=halfwave_paper --set 'ratings.i_gate=.. 1 uA'", 1);
+}
+
+/* What has no current or voltage says so, and the status is the run's. */
+static void without_a_circuit(void) {
+  write_file("m.yaml", "ratings: {stroke: .. 0.1 mm, i: .. 0.1 A}\nrun: {until: 30 ms}\n");
+  ran r = run("run m.yaml --tier switched --why");
+  CU_ASSERT_EQUAL(r.status, 3);
+  EXPECT(strstr(r.out, "why stroke: tier switched has no circuit"), "%s", r.out);
+  free_ran(&r);
+  r = run("run m.yaml --tier circuit --why");
+  CU_ASSERT_EQUAL(r.status, 3);
+  EXPECT(strstr(r.out, "why stroke: it is no device's current or voltage"), "%s", r.out);
+  EXPECT(strstr(r.out, "why i: ") && strstr(r.out, "of 833 mA from thyristor"), "%s", r.out);
+  free_ran(&r);
+}
+
+/* A figure without a source is named, and the other switch of the leg by its device's name. */
+static void assumed_figures(void) {
+  ran r = run("run bridge_link --set run.until=4ms --set pwm.dead_time=0us "
+              "--set circuit.gate_resistance=1kohm --why");
+  EXPECT(
+      strstr(r.out, "why switch.i_peak: 54.6 of 54.6 A from s1, at 3.875 ms; assumed: switch.i_cm"),
+      "%s", r.out);
+  free_ran(&r);
+}
+
+static const vs_test tests[] = {{"shares by phasors", by_phasors},
+                                {"shares under a surge", under_a_surge},
+                                {"assumed figures", assumed_figures},
+                                {"transistors and gates", transistors_and_gates},
+                                {"lines without a circuit", without_a_circuit}};
+
+int main(void) {
+  return program_suite("why", tests, COUNT(tests));
+}
