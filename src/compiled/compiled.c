@@ -43,8 +43,6 @@ static void drive_sources(void *ctx, double t_s, double *value) {
     const bool same = k && s->port >= 0 && s[-1].port == s->port;
     if (s->course >= 0)
       value[k] = vs_course_at(&c->e.course[s->course], t_s);
-    else if (s->port < 0)
-      value[k] = s->constant;
     else
       value[k] = same ? value[k - 1] : c->host->source(c->host->ctx, (size_t)s->port, t_s);
   }
@@ -61,7 +59,7 @@ static double signal_at(const compiled *c, size_t k, double part) {
 static vs_status show_instant(compiled *c, double h, double part, vs_error *err) {
   for (size_t k = 0; k < c->job->n_signals; k++) {
     c->shown[k] = c->signal[k] == -2 ? NAN : signal_at(c, k, part);
-    c->most[k] = fmax(c->most[k], fabs(c->shown[k]));
+    if (fabs(c->shown[k]) > c->most[k]) c->most[k] = fabs(c->shown[k]);
   }
   return c->host->accept(c->host->ctx, c->r.t_s + part * h, c->shown, err);
 }
@@ -139,10 +137,12 @@ static double error_of(const compiled *c, double h) {
   for (int k = 0; k < c->e.n; k++) {
     const measured *of = &c->of[k];
     if (!of->counts) continue;
-    const double size = fmax(fabs(c->r.y[k]), fabs(c->r.next[k]));
-    const double off =
-        fabs(c->r.error[k]) / (of->of_tolerance * (size + of->of_peak * of->peak + of->small));
-    most = isfinite(off) ? fmax(most, k == c->e.flux ? off / rings : off) : INFINITY;
+    const double before = fabs(c->r.y[k]), behind = fabs(c->r.next[k]);
+    const double size = behind > before ? behind : before;
+    const double allowed = of->of_tolerance * (size + of->of_peak * of->peak + of->small);
+    const double off = fabs(c->r.error[k]) / (k == c->e.flux ? rings * allowed : allowed);
+    if (!(off <= most)) most = off;
+    if (!isfinite(off)) return INFINITY;
   }
   return most / c->job->tolerance;
 }
@@ -151,7 +151,8 @@ static double error_of(const compiled *c, double h) {
 static void accept_step(compiled *c, double h) {
   vs_rodas_take(&c->r, h);
   vs_equations_note_peaks(&c->e, c->r.y);
-  for (int k = 0; k < c->e.n; k++) c->of[k].peak = fmax(c->of[k].peak, fabs(c->r.y[k]));
+  for (int k = 0; k < c->e.n; k++)
+    if (fabs(c->r.y[k]) > c->of[k].peak) c->of[k].peak = fabs(c->r.y[k]);
 }
 
 /* ---- branches ---- */

@@ -109,8 +109,13 @@ static void add_branch(making *m, int a, int b, int branch) {
   add_linear(m, branch, b, -1);
 }
 
-static void add_source(making *m, int row, vs_compiled_source source) {
+/* factor x (a source, or what is constant: where it has neither port nor course). */
+static void add_source(making *m, int row, vs_compiled_source source, double constant) {
   if (row < 0) return;
+  if (source.port < 0 && source.course < 0) {
+    m->e->level[row] += source.factor * constant;
+    return;
+  }
   source.row = row;
   m->e->source = vs_alloc_grow(m->e->source, (size_t)m->e->sources, sizeof *m->e->source);
   m->e->source[m->e->sources++] = source;
@@ -254,8 +259,7 @@ static bool add_of_machine(making *m, int row, int port, double factor) {
   if (row < 0 || port < 0 || !machine->port ||
       !machine->port(m->e->host->ctx, (size_t)port, x, &at_rest))
     return false;
-  add_source(m, row,
-             (vs_compiled_source){.port = -1, .factor = factor, .constant = at_rest, .course = -1});
+  m->e->level[row] += factor * at_rest;
   for (int k = 0; k < m->e->states; k++) {
     x[k] = 1;
     machine->port(m->e->host->ctx, (size_t)port, x, &value);
@@ -266,11 +270,11 @@ static bool add_of_machine(making *m, int row, int port, double factor) {
 }
 
 /* [[dc] VALUE] [COURSE ...]. A value before a course holds at an operating point alone. */
-static vs_status read_course(making *m, const placed *p, vs_compiled_source *s) {
+static vs_status read_course(making *m, const placed *p, vs_compiled_source *s, double *constant) {
   const vs_netlist_card *card = &m->cards->card[p->card];
   const size_t at = vs_words_is(word_of(m, p, 2), "dc") ? 3 : 2;
   const size_t course = vs_course_is(word_of(m, p, at)) ? at : at + 1;
-  vs_status status = course > at ? value_of(m, p, word_of(m, p, at), &s->constant) : VS_OK;
+  vs_status status = course > at ? value_of(m, p, word_of(m, p, at), constant) : VS_OK;
   if (status) return status;
   if (card->words > course && !vs_course_is(word_of(m, p, course)))
     return vs_fail(m->err, VS_INPUT, "'%.*s' is not known here", (int)word_of(m, p, course).n,
@@ -289,15 +293,16 @@ static vs_status add_independent(making *m, const placed *p) {
   int a = pin(m, p, 0), b = pin(m, p, 1);
   vs_compiled_source s = {.port = external ? port_of(m, p) : -1, .factor = -1, .course = -1};
   if (external && s.port < 0) return vs_fail(m->err, VS_INPUT, "nothing drives it");
-  vs_status status = external ? VS_OK : read_course(m, p, &s);
+  double constant = 0;
+  vs_status status = external ? VS_OK : read_course(m, p, &s, &constant);
   if (status) return status;
   if (card->letter == 'v') {
     add_branch(m, a, b, p->branch);
-    if (!add_of_machine(m, p->branch, s.port, -1)) add_source(m, p->branch, s);
+    if (!add_of_machine(m, p->branch, s.port, -1)) add_source(m, p->branch, s, constant);
   } else {
-    add_source(m, a, s);
+    add_source(m, a, s, constant);
     s.factor = 1;
-    add_source(m, b, s);
+    add_source(m, b, s, constant);
   }
   return VS_OK;
 }
@@ -740,6 +745,7 @@ static vs_status make_equations(making *m, vs_parameters *circuit) {
   if (status) return status;
   int unknowns = m->e->n + 2 * (int)m->elements; /* with the inner ones to come */
   m->e->charge = vs_alloc((size_t)unknowns, sizeof *m->e->charge);
+  m->e->level = vs_alloc((size_t)unknowns, sizeof *m->e->level);
   for (size_t k = 0; k < m->elements; k++) {
     const placed *p = &m->element[k];
     m->err->text[0] = '\0';
