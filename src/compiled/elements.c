@@ -332,7 +332,7 @@ static vs_status add_expression(making *m, const placed *p) {
 }
 
 /* POLY(n) with n voltages or currents, and its coefficients: those of 1, x, y, x^2, x y, y^2 and so
- * on. One coefficient of one variable is a gain. */
+ * on. */
 enum { DEGREES = 16 };
 
 static vs_status add_polynomial(making *m, const placed *p, bool by_voltage) {
@@ -346,7 +346,6 @@ static vs_status add_polynomial(making *m, const placed *p, bool by_voltage) {
   const size_t first = 4 + each * inputs;
   if (status || !inputs || card->count != card->words)
     return vs_fail(m->err, VS_INPUT, "POLY(n), n inputs and numbers are wanted");
-  degree = inputs == 1 && card->words == first + 1;
   for (size_t at = first; at < card->words && !status; at++) {
     status = value_of(m, p, word_of(m, p, at), &k);
     vs_text_add(&text, "+(%.17g)", k);

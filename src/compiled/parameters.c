@@ -125,14 +125,13 @@ bool vs_parameters_operate(vs_word op, double x, double y, double *value) {
 static vs_status value_of_name(const vs_cards *c, vs_parameters *in, vs_word name, double *value,
                                vs_error *err);
 
-/* Of a .param within a subcircuit ngspice reads no further than to a blank outside of brackets: "1
- * + x" is 1 there. */
+/* Of a .param within a subcircuit ngspice reads no further than to a blank outside of braces and
+ * quotes: "1 + x" is 1 there. */
 static vs_word up_to_blank(vs_word body) {
-  int depth = 0;
   size_t n = 0;
-  for (; n < body.n && (depth || !strchr(" \t", body.at[n])); n++) {
-    depth += body.at[n] == '{' || body.at[n] == '(';
-    depth -= body.at[n] == '}' || body.at[n] == ')';
+  for (int depth = 0; n < body.n && (depth || !strchr(" \t", body.at[n])); n++) {
+    depth += body.at[n] == '{';
+    depth -= body.at[n] == '}';
     if (body.at[n] == '\'') depth = !depth;
   }
   return (vs_word){body.at, n};
