@@ -66,7 +66,7 @@ static vs_status show_instant(compiled *c, double h, double part, vs_error *err)
 
 /* The host takes signals for straight lines between what it is shown, but the flux linkage for a
  * cubic. A step is shown in so many parts that these are off by no more than the tolerance of each
- * signal's peak. */
+ * signal's peak, or by what the method may be off in an unknown without a memory. */
 enum { MOST_PARTS = 100 };
 
 static int parts_of(const compiled *c) {
@@ -76,7 +76,8 @@ static int parts_of(const compiled *c) {
     const double from = c->r.y[c->signal[k]], to = c->r.next[c->signal[k]];
     const double off = fabs(signal_at(c, k, 0.5) - (from + to) / 2);
     const double peak = fmax(c->most[k], fmax(fabs(from), fabs(to)));
-    if (off > 0) most = fmax(most, off / (c->job->tolerance * peak));
+    const double allowed = fmax(c->of[c->signal[k]].of_tolerance, 1) * c->job->tolerance;
+    if (off > allowed * peak * most) most = off / (allowed * peak);
   }
   return (int)fmin(ceil(sqrt(most)), MOST_PARTS);
 }
