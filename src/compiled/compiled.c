@@ -30,6 +30,7 @@ typedef struct compiled {
   double *most;    /* of each signal so far, its size; owned */
   double *charge;  /* M y where a restart begins; owned */
   double *between; /* a state within a step; owned */
+  int landings;    /* steps that ended at a branch at once, one behind the other */
   double from_s;   /* where the stretch began whose tries are counted */
   long tries;
 } compiled;
@@ -140,13 +141,13 @@ static double error_of(const compiled *c, double h) {
   const double rings = fmin(1, h / RINGS_S);
   for (int k = 0; k < c->e.n; k++) {
     const measured *of = &c->of[k];
+    if (!isfinite(c->r.error[k])) return INFINITY;
     if (!of->counts) continue;
     const double before = fabs(c->r.y[k]), behind = fabs(c->r.next[k]);
     const double size = behind > before ? behind : before;
     const double allowed = of->of_tolerance * (size + of->of_peak * of->peak + of->small);
     const double off = fabs(c->r.error[k]) / (k == c->e.flux ? rings * allowed : allowed);
     if (!(off <= most)) most = off;
-    if (!isfinite(off)) return INFINITY;
   }
   return most / c->job->tolerance;
 }
@@ -275,6 +276,10 @@ static bool progress_made(compiled *c) {
  * no more than this, and the next one is longer. */
 static const double ROUNDING = 10;
 
+/* Where the state slides along a kink, as where an arc holds a current at its zero, each step would
+ * end at a branch at once. Behind so many of these one is taken whole. */
+enum { MOST_LANDINGS = 10 };
+
 /* Tries steps of at most *h until one is right, and makes *h what the next one may be. *taken: the
  * length; 0: none is short enough. *jumps: a switch or branch is another behind it. */
 static vs_status try_steps(compiled *c, double *h, double *taken, bool *jumps, vs_error *err) {
@@ -300,10 +305,17 @@ static vs_status try_steps(compiled *c, double *h, double *taken, bool *jumps, v
     const double part = changes_at(c);
     *jumps = part <= 1;
     *taken = *h;
-    if (part < 1 && *h > RESTART_S) { /* a step that ended a little before it has it at once */
-      *taken = fmax(part * *h, RESTART_S);
+    if (part < 1 && *h > RESTART_S && c->landings < MOST_LANDINGS) {
+      *taken = fmax(part * *h, RESTART_S); /* a step that ended a little before it has it at once */
+      c->landings = *taken < 10 * RESTART_S ? c->landings + 1 : 0;
       if (!vs_rodas_try(&c->r, *taken)) return give_up(c, "the equations are singular", err);
+      if (!isfinite(error_of(c, *taken))) { /* a junction's exponential within the step */
+        *h = *taken / 6;
+        *taken = 0;
+        continue;
+      }
     } else {
+      c->landings = 0;
       *h *= rounds ? 5 : factor;
     }
     return VS_OK;
