@@ -109,8 +109,13 @@ static void add_branch(making *m, int a, int b, int branch) {
   add_linear(m, branch, b, -1);
 }
 
-static void add_source(making *m, int row, vs_compiled_source source) {
+/* factor x (a source, or what is constant: where it has neither port nor course). */
+static void add_source(making *m, int row, vs_compiled_source source, double constant) {
   if (row < 0) return;
+  if (source.port < 0 && source.course < 0) {
+    m->e->level[row] += source.factor * constant;
+    return;
+  }
   source.row = row;
   m->e->source = vs_alloc_grow(m->e->source, (size_t)m->e->sources, sizeof *m->e->source);
   m->e->source[m->e->sources++] = source;
@@ -254,8 +259,7 @@ static bool add_of_machine(making *m, int row, int port, double factor) {
   if (row < 0 || port < 0 || !machine->port ||
       !machine->port(m->e->host->ctx, (size_t)port, x, &at_rest))
     return false;
-  add_source(m, row,
-             (vs_compiled_source){.port = -1, .factor = factor, .constant = at_rest, .course = -1});
+  m->e->level[row] += factor * at_rest;
   for (int k = 0; k < m->e->states; k++) {
     x[k] = 1;
     machine->port(m->e->host->ctx, (size_t)port, x, &value);
@@ -266,11 +270,11 @@ static bool add_of_machine(making *m, int row, int port, double factor) {
 }
 
 /* [[dc] VALUE] [COURSE ...]. A value before a course holds at an operating point alone. */
-static vs_status read_course(making *m, const placed *p, vs_compiled_source *s) {
+static vs_status read_course(making *m, const placed *p, vs_compiled_source *s, double *constant) {
   const vs_netlist_card *card = &m->cards->card[p->card];
   const size_t at = vs_words_is(word_of(m, p, 2), "dc") ? 3 : 2;
   const size_t course = vs_course_is(word_of(m, p, at)) ? at : at + 1;
-  vs_status status = course > at ? value_of(m, p, word_of(m, p, at), &s->constant) : VS_OK;
+  vs_status status = course > at ? value_of(m, p, word_of(m, p, at), constant) : VS_OK;
   if (status) return status;
   if (card->words > course && !vs_course_is(word_of(m, p, course)))
     return vs_fail(m->err, VS_INPUT, "'%.*s' is not known here", (int)word_of(m, p, course).n,
@@ -289,25 +293,94 @@ static vs_status add_independent(making *m, const placed *p) {
   int a = pin(m, p, 0), b = pin(m, p, 1);
   vs_compiled_source s = {.port = external ? port_of(m, p) : -1, .factor = -1, .course = -1};
   if (external && s.port < 0) return vs_fail(m->err, VS_INPUT, "nothing drives it");
-  vs_status status = external ? VS_OK : read_course(m, p, &s);
+  double constant = 0;
+  vs_status status = external ? VS_OK : read_course(m, p, &s, &constant);
   if (status) return status;
   if (card->letter == 'v') {
     add_branch(m, a, b, p->branch);
-    if (!add_of_machine(m, p->branch, s.port, -1)) add_source(m, p->branch, s);
+    if (!add_of_machine(m, p->branch, s.port, -1)) add_source(m, p->branch, s, constant);
   } else {
-    add_source(m, a, s);
+    add_source(m, a, s, constant);
     s.factor = 1;
-    add_source(m, b, s);
+    add_source(m, b, s, constant);
   }
   return VS_OK;
 }
 
-/* E and G, by a voltage. */
+/* A current, or the voltage of a branch, by an expression. */
+static vs_status add_program(making *m, const placed *p, vs_word text, double factor) {
+  const vs_program_scope scope = {m, node_of_program, current_of_program};
+  int a = pin(m, p, 0), b = pin(m, p, 1);
+  vs_compiled_device *d = add_device(m, VS_DEVICE_PROGRAM);
+  d->pin[0] = a;
+  d->pin[1] = b;
+  d->factor = factor;
+  d->branch = p->branch;
+  if (d->branch >= 0) add_branch(m, a, b, p->branch);
+  return vs_program_read(m->cards, p->in, text, &scope, &d->program, m->err);
+}
+
+static vs_status add_expression(making *m, const placed *p) {
+  const vs_netlist_card *card = &m->cards->card[p->card];
+  vs_word current = vs_cards_value(m->cards, card, "i"),
+          times = vs_cards_value(m->cards, card, "m");
+  double factor = 1;
+  vs_status status = allow_only(m, p, "i v m");
+  if (!status && times.n) status = value_of(m, p, times, &factor);
+  if (status) return status;
+  return add_program(m, p, current.n ? current : vs_cards_value(m->cards, card, "v"), factor);
+}
+
+/* POLY(n) with n voltages or currents, and its coefficients: those of 1, x, y, x^2, x y, y^2 and so
+ * on. */
+enum { DEGREES = 16 };
+
+static vs_status add_polynomial(making *m, const placed *p, bool by_voltage) {
+  const vs_netlist_card *card = &m->cards->card[p->card];
+  const size_t each = by_voltage ? 2 : 1, of = card->words - 3;
+  double n = 0, k;
+  size_t factor[DEGREES] = {0}, degree = 0; /* of the next term: the variables, in rising order */
+  vs_text text = {0};
+  vs_status status = value_of(m, p, word_of(m, p, 3), &n);
+  const size_t inputs = n >= 1 && n * (double)each < (double)of ? (size_t)n : 0;
+  const size_t first = 4 + each * inputs;
+  if (status || !inputs || card->count != card->words)
+    return vs_fail(m->err, VS_INPUT, "POLY(n), n inputs and numbers are wanted");
+  for (size_t at = first; at < card->words && !status; at++) {
+    status = value_of(m, p, word_of(m, p, at), &k);
+    vs_text_add(&text, "+(%.17g)", k);
+    for (size_t l = 0; l < degree; l++) {
+      const vs_word a = word_of(m, p, 4 + each * factor[l]),
+                    b = word_of(m, p, 5 + each * factor[l]);
+      if (by_voltage)
+        vs_text_add(&text, "*v(%.*s,%.*s)", (int)a.n, a.at, (int)b.n, b.at);
+      else
+        vs_text_add(&text, "*i(%.*s)", (int)a.n, a.at);
+    }
+    size_t last = degree;
+    while (last && factor[last - 1] == inputs - 1) last--;
+    const size_t next = last ? factor[last - 1] + 1 : 0;
+    if (!last && ++degree > DEGREES)
+      status = vs_fail(m->err, VS_INPUT, "POLY has a degree above %d", DEGREES);
+    for (size_t l = last ? last - 1 : 0; l < degree && !status; l++) factor[l] = next;
+  }
+  if (!status) status = add_program(m, p, vs_words_of(text.text), 1);
+  vs_text_free(&text);
+  return status;
+}
+
+/* E and G, by a voltage or an expression. */
 static vs_status add_by_voltage(making *m, const placed *p) {
+  static const char *const FORMULAS[] = {"value", "vol", "cur"};
   const vs_netlist_card *card = &m->cards->card[p->card];
   double gain;
+  for (size_t k = 0; k < sizeof FORMULAS / sizeof *FORMULAS; k++) {
+    const vs_word text = vs_cards_value(m->cards, card, FORMULAS[k]);
+    if (text.n && card->words == 2 && card->count == 3) return add_program(m, p, text, 1);
+  }
+  if (vs_words_is(word_of(m, p, 2), "poly")) return add_polynomial(m, p, true);
   if (card->nodes != 4 || card->words != 5 || card->count != 5)
-    return vs_fail(m->err, VS_INPUT, "only a gain of one voltage is known here");
+    return vs_fail(m->err, VS_INPUT, "only a gain, VALUE={...} and POLY are known here");
   vs_status status = value_of(m, p, word_of(m, p, 4), &gain);
   if (status) return status;
   int a = pin(m, p, 0), b = pin(m, p, 1), c = pin(m, p, 2), d = pin(m, p, 3);
@@ -321,12 +394,13 @@ static vs_status add_by_voltage(making *m, const placed *p) {
   return VS_OK;
 }
 
-/* F and H, by the current of a source. */
+/* F and H, by the currents of sources. */
 static vs_status add_by_current(making *m, const placed *p) {
   const vs_netlist_card *card = &m->cards->card[p->card];
   double gain;
+  if (vs_words_is(word_of(m, p, 2), "poly")) return add_polynomial(m, p, false);
   if (card->words != 4 || card->count != 4)
-    return vs_fail(m->err, VS_INPUT, "only a gain of one current is known here");
+    return vs_fail(m->err, VS_INPUT, "only a gain of one current and POLY are known here");
   int control = current_of_program(m, p->in, word_of(m, p, 2));
   if (control < 0) return vs_fail(m->err, VS_INPUT, "its source is not there");
   vs_status status = value_of(m, p, word_of(m, p, 3), &gain);
@@ -340,26 +414,6 @@ static vs_status add_by_current(making *m, const placed *p) {
     add_linear(m, p->branch, control, -gain);
   }
   return VS_OK;
-}
-
-static vs_status add_expression(making *m, const placed *p) {
-  const vs_netlist_card *card = &m->cards->card[p->card];
-  vs_word current = vs_cards_value(m->cards, card, "i"),
-          times = vs_cards_value(m->cards, card, "m");
-  vs_word text = current.n ? current : vs_cards_value(m->cards, card, "v");
-  double factor = 1;
-  vs_status status = allow_only(m, p, "i v m");
-  if (!status && times.n) status = value_of(m, p, times, &factor);
-  if (status) return status;
-  const vs_program_scope scope = {m, node_of_program, current_of_program};
-  int a = pin(m, p, 0), b = pin(m, p, 1);
-  vs_compiled_device *d = add_device(m, VS_DEVICE_PROGRAM);
-  d->pin[0] = a;
-  d->pin[1] = b;
-  d->factor = factor;
-  d->branch = p->branch;
-  if (d->branch >= 0) add_branch(m, a, b, p->branch);
-  return vs_program_read(m->cards, p->in, text, &scope, &d->program, m->err);
 }
 
 /* The card of an element's .model, and where its values are to be read. */
@@ -462,16 +516,22 @@ static vs_status add_mosfet(making *m, const placed *p) {
   return VS_OK;
 }
 
-/* A switch S with a hysteresis: on above vt + vh, off below vt - vh. */
+/* A switch with a hysteresis, S by a voltage or W by a current: on above vt + vh, off below vt -
+ * vh.
+ */
 static vs_status add_switch(making *m, const placed *p) {
   vs_parameters *in;
   double ron = 1, roff = 1e12, vt = 0, vh = 0;
-  const vs_netlist_card *card = &m->cards->card[p->card], *model = model_of(m, p, "sw", &in);
-  if (!model) return VS_INPUT;
+  const vs_netlist_card *card = &m->cards->card[p->card], *model;
+  const bool by_current = card->letter == 'w';
+  if (!(model = model_of(m, p, by_current ? "csw" : "sw", &in))) return VS_INPUT;
   const struct {
     const char *name;
     double *value;
-  } known[] = {{"ron", &ron}, {"roff", &roff}, {"vt", &vt}, {"vh", &vh}};
+  } known[] = {{"ron", &ron},
+               {"roff", &roff},
+               {by_current ? "it" : "vt", &vt},
+               {by_current ? "ih" : "vh", &vh}};
   for (size_t k = model->first; k < model->first + model->count; k++) {
     const vs_argument *a = &m->cards->arguments[k];
     size_t n = 0;
@@ -483,13 +543,16 @@ static vs_status add_switch(making *m, const placed *p) {
     vs_status status = vs_parameters_of(m->cards, in, a->value, known[n].value, m->err);
     if (status) return status;
   }
-  const vs_word word = vs_cards_word(m->cards, card, 5);
+  const vs_word word = vs_cards_word(m->cards, card, by_current ? 4 : 5);
+  const int current = by_current ? current_of_program(m, p->in, word_of(m, p, 2)) : -1;
+  if (by_current && current < 0) return vs_fail(m->err, VS_INPUT, "its source is not there");
   if (vh < 0) return vs_fail(m->err, VS_INPUT, "a vh below 0 is not known here");
   if (word.n && !vs_words_is(word, "on") && !vs_words_is(word, "off"))
     return vs_fail(m->err, VS_INPUT, "'%.*s' is not on or off", (int)word.n, word.at);
   vs_compiled_device *d = add_device(m, VS_DEVICE_SWITCH);
   for (size_t k = 0; k < 2; k++) d->pin[k] = pin(m, p, k);
-  for (size_t k = 0; k < 2; k++) d->control[k] = pin(m, p, 2 + k);
+  for (size_t k = 0; k < 2; k++) d->control[k] = by_current ? -1 : pin(m, p, 2 + k);
+  if (by_current) d->control[0] = current;
   d->on_s = 1 / ron;
   d->off_s = 1 / roff;
   d->threshold = vt;
@@ -511,7 +574,7 @@ static const struct sort {
              {'f', add_by_current, 0, false}, {'h', add_by_current, 0, true},
              {'b', add_expression, 2, false}, {'d', add_diode, 3, false},
              {'q', add_bipolar, 4, false},    {'s', add_switch, 6, false},
-             {'m', add_mosfet, 4, false}};
+             {'w', add_switch, 5, false},     {'m', add_mosfet, 4, false}};
 
 static const struct sort *sort_of(char letter) {
   for (size_t k = 0; k < sizeof SORTS / sizeof *SORTS; k++)
@@ -681,6 +744,7 @@ static vs_status make_equations(making *m, vs_parameters *circuit) {
   if (status) return status;
   int unknowns = m->e->n + 2 * (int)m->elements; /* with the inner ones to come */
   m->e->charge = vs_alloc((size_t)unknowns, sizeof *m->e->charge);
+  m->e->level = vs_alloc((size_t)unknowns, sizeof *m->e->level);
   for (size_t k = 0; k < m->elements; k++) {
     const placed *p = &m->element[k];
     m->err->text[0] = '\0';

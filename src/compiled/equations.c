@@ -19,6 +19,7 @@ void vs_equations_free(vs_equations *e) {
   free(e->mass);
   free(e->linear);
   free(e->constant);
+  free(e->level);
   free(e->source);
   for (int k = 0; k < e->courses; k++) vs_course_free(&e->course[k]);
   free(e->course);
@@ -164,7 +165,7 @@ static void value_of_mosfet(vs_equations *e, vs_compiled_device *device, const d
 bool vs_equations_value(vs_equations *e, const double *y, const double *source, bool limits,
                         double *f, double *jacobian) {
   bool limited = false;
-  memset(f, 0, (size_t)e->n * sizeof *f);
+  memcpy(f, e->level, (size_t)e->n * sizeof *f);
   if (jacobian) memcpy(jacobian, e->constant, (size_t)e->matrix.count * sizeof *jacobian);
   for (int k = 0; k < e->linears; k++)
     f[e->linear[k].row] += e->linear[k].value * y[e->linear[k].column];
@@ -219,8 +220,8 @@ double vs_equations_imbalance(const vs_equations *e, const double *y, const doub
       junction_at(d, k, change, &by);
       before = vs_junction_current(j, v - by, &none);
       const double off = fabs(vs_junction_current(j, v, &none) - before - slope * by);
-      const double peak = fmax(d->peak_a[k], fabs(before));
-      if (peak > 0) most = fmax(most, off / peak);
+      const double peak = fabs(before) > d->peak_a[k] ? fabs(before) : d->peak_a[k];
+      if (peak > 0 && !(off <= most * peak)) most = off / peak;
     }
   }
   return most;
@@ -232,7 +233,7 @@ void vs_equations_note_peaks(vs_equations *e, const double *y) {
     vs_compiled_device *d = &e->device[n];
     const vs_diode *j;
     for (int k = 0; (j = junction_at(d, k, y, &v)); k++)
-      d->peak_a[k] = fmax(d->peak_a[k], fabs(vs_junction_current(j, v, &g)));
+      if (fabs(v = vs_junction_current(j, v, &g)) > d->peak_a[k]) d->peak_a[k] = fabs(v);
   }
 }
 

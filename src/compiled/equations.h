@@ -21,10 +21,10 @@ typedef struct vs_entry {
   double value;
 } vs_entry;
 
-/* factor x a source, of f's row. */
+/* factor x a source that changes over time, of f's row. */
 typedef struct vs_compiled_source {
-  int row, port; /* port: of the job; -1: it is a constant, or a course */
-  double factor, constant;
+  int row, port; /* port: of the job; -1: it is a course */
+  double factor;
   int course; /* which course of the equations'; -1: none */
 } vs_compiled_source;
 
@@ -58,6 +58,7 @@ typedef struct vs_equations {
   vs_entry *mass, *linear; /* owned */
   int masses, linears;
   double *constant; /* df/dy of what is linear, by place; owned */
+  double *level;    /* f of the sources that are constant; owned */
   vs_compiled_source *source;
   int sources;
   vs_course *course; /* owned */

@@ -79,7 +79,8 @@ vs_status vs_junction_bipolar(const vs_cards *c, vs_parameters *in, const vs_net
 /* Above this the exponential goes on as a straight line. */
 static const double STEEPEST = 200;
 
-double vs_junction_current(const vs_diode *d, double v, double *slope) {
+/* The current without gmin. */
+static double pure_current(const vs_diode *d, double v, double *slope) {
   const double vte = d->n * VS_JUNCTION_VT, is = d->saturation_a;
   double i, g;
   if (v >= -3 * vte) {
@@ -96,7 +97,13 @@ double vs_junction_current(const vs_diode *d, double v, double *slope) {
     i = -is * e * (1 + fmax(x - STEEPEST, 0));
     g = is * e / vtb;
   }
-  *slope = g + VS_JUNCTION_GMIN;
+  *slope = g;
+  return i;
+}
+
+double vs_junction_current(const vs_diode *d, double v, double *slope) {
+  const double i = pure_current(d, v, slope);
+  *slope += VS_JUNCTION_GMIN;
   return i + VS_JUNCTION_GMIN * v;
 }
 
@@ -121,17 +128,18 @@ double vs_junction_limit(const vs_diode *d, double v, double before) {
 void vs_junction_transistor(const vs_bipolar *q, double vbe, double vbc, double *ic, double *ib,
                             double dc[2], double db[2]) {
   double gbe, gbc;
-  const double cbe = vs_junction_current(&q->junction, vbe, &gbe);
-  const double cbc = vs_junction_current(&q->junction, vbc, &gbc);
+  const double cbe = pure_current(&q->junction, vbe, &gbe);
+  const double cbc = pure_current(&q->junction, vbc, &gbc);
   /* 1/q_b = 1 - vbc/VAF: the base's width changes with the collector's voltage */
   const double width = isfinite(q->early_v) ? 1 - vbc / q->early_v : 1;
   const double narrows = isfinite(q->early_v) ? -1 / q->early_v : 0;
-  *ic = (cbe - cbc) * width - cbc / q->reverse;
-  *ib = cbe / q->forward + cbc / q->reverse;
+  const double leak = VS_JUNCTION_GMIN; /* none of it is amplified */
+  *ic = (cbe - cbc) * width - cbc / q->reverse - leak * vbc;
+  *ib = cbe / q->forward + cbc / q->reverse + leak * (vbe + vbc);
   dc[0] = gbe * width;
-  dc[1] = -gbc * width + (cbe - cbc) * narrows - gbc / q->reverse;
-  db[0] = gbe / q->forward;
-  db[1] = gbc / q->reverse;
+  dc[1] = -gbc * width + (cbe - cbc) * narrows - gbc / q->reverse - leak;
+  db[0] = gbe / q->forward + leak;
+  db[1] = gbc / q->reverse + leak;
 }
 
 /* ---- a power MOSFET ---- */

@@ -7,10 +7,6 @@
 
 #include "base/alloc.h"
 
-/* Kinds of operations of the elimination, in `source`: the next pivot is inverted; the factor of a
- * row is made; else it is a place. */
-enum { INVERT = -1, RATIO = -2 };
-
 void vs_matrix_begin(vs_matrix *m, int n) {
   *m = (vs_matrix){.n = n, .place = vs_alloc((size_t)n * (size_t)n, sizeof *m->place)};
   for (int k = 0; k < n * n; k++) m->place[k] = -1;
@@ -101,45 +97,87 @@ static void eliminate(ordering *o, int r, int c) {
 
 /* ---- the operations that follow from it ---- */
 
-static void add_op(vs_matrix_op **list, int *count, int target, int factor, int source) {
-  *list = vs_alloc_grow(*list, (size_t)*count, sizeof **list);
-  (*list)[(*count)++] = (vs_matrix_op){target, factor, source};
+static int add_number(vs_matrix_list *list, int number) {
+  list->at = vs_alloc_grow(list->at, (size_t)list->count, sizeof *list->at);
+  list->at[list->count] = number;
+  return list->count++;
 }
 
-static void list_operations(vs_matrix *m) {
+/* For each pivot: its place, how many rows it is taken from, how many entries its row has besides,
+ * and the places of these; for each of those rows the place of its factor, and the places that the
+ * entries are subtracted from. */
+static void list_elimination(vs_matrix *m, int *place) {
   const int n = m->n;
-  int *place = vs_alloc((size_t)n * (size_t)n, sizeof *place);
   bool *row = vs_alloc((size_t)n, sizeof *row), *column = vs_alloc((size_t)n, sizeof *column);
-  memcpy(place, m->place, (size_t)n * (size_t)n * sizeof *place);
-  m->filled = m->count;
-  m->eliminations = m->forwards = m->backs = 0;
   for (int k = 0; k < n; k++) {
-    const int r = m->row[k], c = m->column[k], pivot = place[r * n + c];
+    const int r = m->row[k], c = m->column[k];
     row[r] = column[c] = true;
-    add_op(&m->eliminate, &m->eliminations, pivot, k, INVERT);
+    add_number(&m->eliminate, place[r * n + c]);
+    const int rows = add_number(&m->eliminate, 0), entries = add_number(&m->eliminate, 0);
+    for (int j = 0; j < n; j++)
+      if (!column[j] && place[r * n + j] >= 0) {
+        add_number(&m->eliminate, place[r * n + j]);
+        m->eliminate.at[entries]++;
+      }
     for (int i = 0; i < n; i++) {
       if (row[i] || place[i * n + c] < 0) continue;
-      const int ratio = place[i * n + c];
-      add_op(&m->eliminate, &m->eliminations, ratio, pivot, RATIO);
-      add_op(&m->forward, &m->forwards, i, ratio, r);
+      m->eliminate.at[rows]++;
+      add_number(&m->eliminate, place[i * n + c]);
       for (int j = 0; j < n; j++) {
         if (column[j] || place[r * n + j] < 0) continue;
         int *target = &place[i * n + j];
         if (*target < 0) *target = m->filled++;
-        add_op(&m->eliminate, &m->eliminations, *target, ratio, place[r * n + j]);
+        add_number(&m->eliminate, *target);
       }
+    }
+  }
+  free(row);
+  free(column);
+}
+
+/* For each pivot's row that has factors, in the pivots' order: it, how many, and for each its place
+ * and the row that it is of. The other way round for each pivot's column: it, the row, the pivot's
+ * place, how many entries, and for each its place and column. */
+static void list_solution(vs_matrix *m, const int *place) {
+  const int n = m->n;
+  for (int k = 0; k < n; k++) {
+    const int r = m->row[k];
+    int factors = -1;
+    for (int l = 0; l < k; l++) {
+      if (place[r * n + m->column[l]] < 0) continue;
+      if (factors < 0) {
+        add_number(&m->forward, r);
+        factors = add_number(&m->forward, 0);
+      }
+      m->forward.at[factors]++;
+      add_number(&m->forward, place[r * n + m->column[l]]);
+      add_number(&m->forward, m->row[l]);
     }
   }
   for (int k = n - 1; k >= 0; k--) { /* x_c = (b_r - sum of later columns)/pivot */
     const int r = m->row[k];
-    for (int l = k + 1; l < n; l++)
-      if (place[r * n + m->column[l]] >= 0)
-        add_op(&m->back, &m->backs, r, place[r * n + m->column[l]], m->column[l]);
-    add_op(&m->back, &m->backs, m->column[k], place[r * n + m->column[k]], -1 - r);
+    add_number(&m->back, m->column[k]);
+    add_number(&m->back, r);
+    add_number(&m->back, place[r * n + m->column[k]]);
+    const int entries = add_number(&m->back, 0);
+    for (int l = k + 1; l < n; l++) {
+      if (place[r * n + m->column[l]] < 0) continue;
+      m->back.at[entries]++;
+      add_number(&m->back, place[r * n + m->column[l]]);
+      add_number(&m->back, m->column[l]);
+    }
   }
+}
+
+static void list_operations(vs_matrix *m) {
+  const size_t n = (size_t)m->n;
+  int *place = vs_alloc(n * n, sizeof *place);
+  memcpy(place, m->place, n * n * sizeof *place);
+  m->filled = m->count;
+  m->eliminate.count = m->forward.count = m->back.count = 0;
+  list_elimination(m, place);
+  list_solution(m, place);
   free(place);
-  free(row);
-  free(column);
 }
 
 bool vs_matrix_order(vs_matrix *m, const double *values, int *culprit) {
@@ -173,42 +211,44 @@ bool vs_matrix_order(vs_matrix *m, const double *values, int *culprit) {
 /* ---- factors and solutions ---- */
 
 bool vs_matrix_factor(const vs_matrix *m, double *a) {
-  double inverse = 0, ratio = 0;
+  const int *at = m->eliminate.at;
   bool fine = true;
   for (int k = m->count; k < m->filled; k++) a[k] = 0;
-  for (int k = 0; k < m->eliminations; k++) {
-    const vs_matrix_op *op = &m->eliminate[k];
-    if (op->source >= 0) {
-      a[op->target] -= ratio * a[op->source];
-    } else if (op->source == RATIO) {
-      ratio = a[op->target] *= inverse;
-    } else {
-      inverse = a[op->target] = 1 / a[op->target];
-      fine = fine && isfinite(inverse);
+  for (int k = 0; k < m->n; k++) {
+    const double inverse = a[at[0]] = 1 / a[at[0]];
+    const int rows = at[1], entries = at[2], *source = at + 3;
+    fine = fine && isfinite(inverse);
+    at = source + entries;
+    for (int i = 0; i < rows; i++) {
+      const double ratio = a[*at++] *= inverse;
+      for (int j = 0; j < entries; j++) a[at[j]] -= ratio * a[source[j]];
+      at += entries;
     }
   }
   return fine;
 }
 
-void vs_matrix_solve(const vs_matrix *m, const double *a, double *b, double *x) {
-  for (int k = 0; k < m->forwards; k++) {
-    const vs_matrix_op *op = &m->forward[k];
-    b[op->target] -= a[op->factor] * b[op->source];
+void vs_matrix_solve(const vs_matrix *m, const double *restrict a, double *restrict b,
+                     double *restrict x) {
+  const int *at = m->forward.at, *end = at + m->forward.count;
+  while (at < end) {
+    double *of = &b[at[0]], left = *of;
+    for (int n = (at += 2)[-1]; n; n--, at += 2) left -= a[at[0]] * b[at[1]];
+    *of = left;
   }
-  for (int k = 0; k < m->backs; k++) {
-    const vs_matrix_op *op = &m->back[k];
-    if (op->source >= 0)
-      b[op->target] -= a[op->factor] * x[op->source];
-    else
-      x[op->target] = b[-1 - op->source] * a[op->factor];
+  for (at = m->back.at, end = at + m->back.count; at < end;) {
+    double *of = &x[at[0]], left = b[at[1]];
+    const double inverse = a[at[2]];
+    for (int n = (at += 4)[-1]; n; n--, at += 2) left -= a[at[0]] * x[at[1]];
+    *of = left * inverse;
   }
 }
 
 void vs_matrix_free(vs_matrix *m) {
   free(m->place);
-  free(m->eliminate);
-  free(m->forward);
-  free(m->back);
+  free(m->eliminate.at);
+  free(m->forward.at);
+  free(m->back.at);
   free(m->row);
   free(m->column);
   *m = (vs_matrix){0};

@@ -9,19 +9,19 @@
 
 enum { VS_MATRIX_MOST = 1000 }; /* rows */
 
-/* target -= factor x source, all places in the values; or see matrix.c. */
-typedef struct vs_matrix_op {
-  int target, factor, source;
-} vs_matrix_op;
+/* Numbers that a loop goes along. */
+typedef struct vs_matrix_list {
+  int *at; /* owned */
+  int count;
+} vs_matrix_list;
 
 typedef struct vs_matrix {
   int n;
   int *place; /* n x n: where the value of a row and column is; -1: it is 0. Owned */
   int count;  /* values of the pattern, before fill-in */
   int filled; /* with fill-in */
-  vs_matrix_op *eliminate, *forward, *back; /* owned */
-  int eliminations, forwards, backs;
-  int *row, *column; /* of each pivot; owned */
+  vs_matrix_list eliminate, forward, back; /* what they say stands in matrix.c */
+  int *row, *column;                       /* of each pivot; owned */
 } vs_matrix;
 
 /* Begins an empty pattern of n rows. */
@@ -37,7 +37,8 @@ bool vs_matrix_order(vs_matrix *m, const double *values, int *culprit);
  * and the matrix wants another order. */
 bool vs_matrix_factor(const vs_matrix *m, double *values);
 /* Solves with the factors: x from b, which is used up. */
-void vs_matrix_solve(const vs_matrix *m, const double *factors, double *b, double *x);
+void vs_matrix_solve(const vs_matrix *m, const double *restrict factors, double *restrict b,
+                     double *restrict x);
 
 void vs_matrix_free(vs_matrix *m);
 

@@ -271,7 +271,7 @@ static void find_live(vs_compiled_program *p) {
   }
   p->n_live = 0;
   for (int k = 0; k < p->count; k++)
-    if (live[k]) p->live[p->n_live++] = k;
+    if (live[k] && p->op[k].kind != CONSTANT && p->op[k].kind != POINT) p->live[p->n_live++] = k;
   free(live);
 }
 
@@ -289,6 +289,8 @@ vs_status vs_program_read(const vs_cards *c, vs_parameters *in, vs_word text,
     if (zero < 0 || add_two(&w, ADD, result, zero, NULL) < 0) return VS_INPUT;
   }
   p->live = vs_alloc((size_t)p->count, sizeof *p->live);
+  p->value = vs_alloc((size_t)p->count, sizeof *p->value);
+  for (int k = 0; k < p->count; k++) p->value[k] = p->op[k].value;
   find_live(p);
   return VS_OK;
 }
@@ -296,6 +298,7 @@ vs_status vs_program_read(const vs_cards *c, vs_parameters *in, vs_word text,
 void vs_program_free(vs_compiled_program *p) {
   free(p->op);
   free(p->live);
+  free(p->value);
   *p = (vs_compiled_program){0};
 }
 
@@ -357,16 +360,12 @@ static double compare(int sign, double a, double b) {
   return value;
 }
 
-static void go_forward(const vs_compiled_program *p, const double *y, double *v) {
-  double slope;
+static void go_forward(const vs_compiled_program *p, const double *y) {
+  double slope, *v = p->value;
   for (int n = 0; n < p->n_live; n++) {
     const int k = p->live[n];
     const vs_program_op *op = &p->op[k];
     switch (op->kind) {
-    case CONSTANT:
-    case POINT:
-      v[k] = op->value;
-      break;
     case SIGNAL: {
       const vs_program_signal *s = &p->signal[op->a];
       v[k] = (s->plus < 0 ? 0 : y[s->plus]) - (s->minus < 0 ? 0 : y[s->minus]);
@@ -391,10 +390,10 @@ static void go_forward(const vs_compiled_program *p, const double *y, double *v)
       v[k] = copysign(pow(fabs(v[op->a]), v[op->b]), v[op->a]);
       break;
     case MINIMUM:
-      v[k] = fmin(v[op->a], v[op->b]);
+      v[k] = v[op->b] < v[op->a] ? v[op->b] : v[op->a];
       break;
     case MAXIMUM:
-      v[k] = fmax(v[op->a], v[op->b]);
+      v[k] = v[op->b] > v[op->a] ? v[op->b] : v[op->a];
       break;
     case FUNCTION:
       v[k] = op->of == exp && v[op->a] > STEEPEST ? exp(STEEPEST) * (1 + v[op->a] - STEEPEST)
@@ -417,8 +416,9 @@ static void go_forward(const vs_compiled_program *p, const double *y, double *v)
 }
 
 /* From the result back to the signals: the derivative by each operation. */
-static void go_back(const vs_compiled_program *p, const double *v, double *slope) {
+static void go_back(const vs_compiled_program *p, double *slope) {
   double d[VS_PROGRAM_OPS], at;
+  const double *v = p->value;
   memset(d, 0, (size_t)p->count * sizeof *d);
   for (int k = 0; k < p->signals; k++) slope[k] = 0;
   d[p->count - 1] = 1;
@@ -477,10 +477,9 @@ static void go_back(const vs_compiled_program *p, const double *v, double *slope
 }
 
 double vs_program_value(const vs_compiled_program *p, const double *y, double *slope) {
-  double v[VS_PROGRAM_OPS];
-  go_forward(p, y, v);
-  if (slope) go_back(p, v, slope);
-  return v[p->count - 1];
+  go_forward(p, y);
+  if (slope) go_back(p, slope);
+  return p->value[p->count - 1];
 }
 
 /* What is this far beyond a kink is on its other side. Less says nothing, so that rounding about 0
@@ -515,10 +514,10 @@ static double due_branch(const vs_compiled_program *p, const vs_program_op *op, 
 /* Branches are taken from the first operation to the last, so that what a later one chooses by is
  * known. With each the operations that count are others. */
 bool vs_program_choose(vs_compiled_program *p, const double *y, bool only_ask) {
-  double v[VS_PROGRAM_OPS];
+  const double *v = p->value;
   bool other = false;
   if (!p->chooses) return false;
-  go_forward(p, y, v);
+  go_forward(p, y);
   for (int n = 0; n < p->n_live; n++) {
     vs_program_op *op = &p->op[p->live[n]];
     if (op->kind < COMPARE && op->kind > KINK) continue;
@@ -531,7 +530,7 @@ bool vs_program_choose(vs_compiled_program *p, const double *y, bool only_ask) {
     op->value = due;
     if (!holds) continue;
     find_live(p);
-    go_forward(p, y, v);
+    go_forward(p, y);
     n = -1;
   }
   return other;

@@ -97,6 +97,39 @@ static void add_rates(const vs_rodas *r, double factor, double *b) {
     b[r->e->source[k].row] += factor * r->e->source[k].factor * r->source[3][k];
 }
 
+/* sum = from + the sum of weight[l] k[l]. With a count that the compiler knows it is a loop over i
+ * alone. */
+static inline __attribute__((always_inline)) void
+add_weighted(int n, int count, const double *weight, double *const *k, const double *restrict from,
+             double *restrict sum) {
+  for (int i = 0; i < n; i++) {
+    double s = from ? from[i] : 0;
+    for (int l = 0; l < count; l++) s += weight[l] * k[l][i];
+    sum[i] = s;
+  }
+}
+
+static void add_stages(const vs_rodas *r, int count, const double *weight, const double *from,
+                       double *sum) {
+  const int n = r->e->n;
+  switch (count) {
+  case 1:
+    add_weighted(n, 1, weight, r->k, from, sum);
+    break;
+  case 2:
+    add_weighted(n, 2, weight, r->k, from, sum);
+    break;
+  case 3:
+    add_weighted(n, 3, weight, r->k, from, sum);
+    break;
+  case 4:
+    add_weighted(n, 4, weight, r->k, from, sum);
+    break;
+  default:
+    add_weighted(n, 5, weight, r->k, from, sum);
+  }
+}
+
 bool vs_rodas_try(vs_rodas *r, double h) {
   vs_equations *e = r->e;
   const int n = e->n;
@@ -111,18 +144,12 @@ bool vs_rodas_try(vs_rodas *r, double h) {
   vs_matrix_solve(&e->matrix, r->factors, b, r->k[0]);
   for (int stage = 1; stage < 6; stage++) {
     if (stage < 5)
-      for (int i = 0; i < n; i++) {
-        at[i] = r->y[i];
-        for (int l = 0; l < stage; l++) at[i] += A[stage - 1][l] * r->k[l][i];
-      }
+      add_stages(r, stage, A[stage - 1], r->y, at);
     else
       for (int i = 0; i < n; i++) at[i] += r->k[4][i];
     r->drive.at(r->drive.ctx, r->t_s + AT[stage] * h, r->source[0]);
     vs_equations_value(e, at, r->source[0], false, b, NULL);
-    for (int i = 0; i < n; i++) {
-      sum[i] = 0;
-      for (int l = 0; l < stage; l++) sum[i] += C[stage - 1][l] * r->k[l][i];
-    }
+    add_stages(r, stage, C[stage - 1], NULL, sum);
     vs_equations_mass(e, sum, m);
     for (int i = 0; i < n; i++) b[i] += m[i] / h;
     if (stage < 4) add_rates(r, h * RATE[stage], b);
@@ -131,11 +158,8 @@ bool vs_rodas_try(vs_rodas *r, double h) {
   for (int i = 0; i < n; i++) {
     r->error[i] = r->k[5][i];
     r->next[i] = at[i] + r->k[5][i];
-    for (int part = 0; part < 2; part++) {
-      r->bend[part][i] = 0;
-      for (int l = 0; l < 5; l++) r->bend[part][i] += D[part][l] * r->k[l][i];
-    }
   }
+  for (int part = 0; part < 2; part++) add_stages(r, 5, D[part], NULL, r->bend[part]);
   return true;
 }
 

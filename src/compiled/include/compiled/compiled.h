@@ -6,8 +6,9 @@
  * and integrates them by RODAS, a Rosenbrock method of fourth order (rodas.h). It solves what the
  * shipped decks are made of, and refuses a netlist with anything else by the element's name:
  *
- *   R C L K V I E F G H B S D Q M X, with .param, .func, .model d, npn, pnp, vdmos and sw; V and I
- *   constant, from outside, or by pulse, sin and pwl. */
+ *   R C L K V I E F G H B S W D Q M X, with .param, .func, .model d, npn, pnp, vdmos, sw and csw; V
+ *   and I constant, from outside, or by pulse, sin and pwl; E and G with a gain, POLY and VALUE, F
+ *   and H with a gain and POLY. */
 #ifndef VS_COMPILED_COMPILED_H
 #define VS_COMPILED_COMPILED_H
 
