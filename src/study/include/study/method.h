@@ -78,6 +78,11 @@ typedef struct vs_method {
   void (*json)(const struct vs_plan *plan, const struct vs_plan_stage *stage,
                const struct vs_results *results, vs_json *json);
 
+  /* Says in a sentence what was found and how sure that is. The method's member of the manifest has
+   * the same as `says`. NULL: nothing. */
+  void (*say)(const struct vs_plan *plan, const struct vs_plan_stage *stage,
+              const struct vs_results *results, vs_text *text);
+
   vs_method_report report;
 } vs_method;
 
