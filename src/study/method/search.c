@@ -27,8 +27,8 @@ enum { SALT_PICK = 1 << 20, SALT_CROSS = 1 << 21, SALT_TURN = 1 << 22 };
  * left (successive halving: Jamieson and Talwalkar, AISTATS 2016). A climb along several axes looks
  * at three changed places at a time, each change between three spacings of the points and the
  * finest. If all climbs have ended, the search draws again. */
-enum { CHANGES = 3, FEW_LEVELS = 6, ROUNDS = 6, MOST_FAILED = 100, SALT_CHANGE = 1 << 23 };
-static const double STRATA_PART = 0.5, LARGEST_CHANGE = 3;
+enum { CHANGES = 3, FEW_LEVELS = 6, ROUNDS = 6, SALT_CHANGE = 1 << 23 };
+static const double STRATA_PART = 0.5, LARGEST_CHANGE = 3, PATIENCE = 8;
 static const double START_PART = 0.25, GLOBAL_PART = 0.7, CROSSOVER[] = {0.9, 0.3},
                     TO_BEST[] = {0.7, 0, 0},
                     FIRST_STEP = 0.1, /* the pattern's step; it grows where it found something */
@@ -470,15 +470,20 @@ static void look_at_sides(vs_search *s, climb *c) {
   }
 }
 
+/* Returns the largest change of an axis; it shrinks as long as none is found that is better. */
+static double largest_change(const vs_search *s, const climb *c) {
+  return LARGEST_CHANGE * s->spacing * exp(-(double)c->failed / PATIENCE);
+}
+
 /* Returns a change of an axis: as likely between 1e-3 and 1e-2 of it as between 1e-2 and 1e-1
  * (Muehlenbein and Schlierkamp-Voosen, Evolutionary Computation, 1993), and as often a number of
  * periods as not, where it has some. */
-static double change_of_axis(const vs_search *s, size_t d, uint64_t id) {
+static double change_of_axis(const vs_search *s, const climb *c, size_t d, uint64_t id) {
   double u[4];
   const double period = s->setup.period[d];
   for (size_t k = 0; k < 4; k++)
     u[k] = vs_random_uniform(s->setup.seed, id, SALT_CHANGE + 8 * (uint64_t)d + k);
-  const double largest = fmin(LARGEST_CHANGE * s->spacing, period > 0 ? period / 2 : 1);
+  const double largest = fmin(largest_change(s, c), period > 0 ? period / 2 : 1);
   const double least = fmin(finest_of_axis(s, d), largest);
   double by = least * pow(largest / least, u[0]);
   if (u[1] < 0.5) by = -by;
@@ -504,7 +509,7 @@ static void look_at_changes(vs_search *s, climb *c) {
       if (!s->setup.levels[d] &&
           (d == always ||
            vs_random_uniform(s->setup.seed, id, SALT_CHANGE + 8 * (uint64_t)d + 4) < 0.5))
-        x[d] += change_of_axis(s, d, id);
+        x[d] += change_of_axis(s, c, d, id);
     look_at(s, c, x, -1);
   }
   c->tries++;
@@ -542,15 +547,19 @@ static void ask_climbs(vs_search *s) {
 /* Halves the steps of a climb that found nothing better. Once they are the finest, it looks at the
  * same place of the next periods, which may be better now that the place is exact. */
 static void shorten_steps(const vs_search *s, climb *c) {
-  if (s->setup.axes > 1 && ++c->failed < MOST_FAILED) return;
+  c->failed++;
+  if (s->setup.axes > 1) {
+    c->over = largest_change(s, c) < s->setup.finest;
+    return;
+  }
   c->over = true;
-  for (int side = 0; side < 2 && !s->setup.levels[0] && s->setup.axes == 1; side++) {
+  for (int side = 0; side < 2 && !s->setup.levels[0]; side++) {
     if (c->step[side] >= finest_of_axis(s, 0)) c->step[side] /= 2;
     c->over &= c->step[side] < finest_of_axis(s, 0);
   }
   c->stride /= 2;
-  c->over &= !c->stride || s->setup.axes > 1;
-  if (!c->over || !c->moved || !(s->setup.period[0] > 0) || s->setup.axes > 1) return;
+  c->over &= !c->stride;
+  if (!c->over || !c->moved || !(s->setup.period[0] > 0)) return;
   c->moved = false;
   c->stride = 2;
   c->over = false;
