@@ -631,7 +631,12 @@ static void a_search_does_not_depend_on_who_runs_it(void) {
              "sample: {spread: {actuator.inductance: 5 % normal}}\n"
              "find: {worst: max force_peak, n: 150, seed: 3}\nreport: [i_peak]\n");
   expect_exit(0, "study s.yaml --quiet --jobs 1 -o one");
-  expect_exit(0, "study s.yaml --quiet --jobs 2 -o two");
+  ran two_workers = run("study s.yaml --jobs 2 -o two");
+  EXPECT(strstr(two_workers.out, "\nfound  the worst found in ") &&
+             strstr(two_workers.out, " cases is force_peak ") &&
+             strstr(two_workers.out, " restarts ") && strstr(two_workers.out, "this is no bound\n"),
+         "%s", two_workers.out);
+  free_ran(&two_workers);
   expect_exit(0, "study s.yaml --quiet --jobs 1 -o broken");
   CU_ASSERT_EQUAL(remove("broken/manifest.json"), 0);
   char *journal = read_file("broken/journal");

@@ -27,7 +27,7 @@ enum { SALT_PICK = 1 << 20, SALT_CROSS = 1 << 21, SALT_TURN = 1 << 22 };
  * left (successive halving: Jamieson and Talwalkar, AISTATS 2016). A climb along several axes looks
  * at three changed places at a time, each change between three spacings of the points and the
  * finest. If all climbs have ended, the search draws again. */
-enum { CHANGES = 3, FEW_LEVELS = 6, ROUNDS = 6, SALT_CHANGE = 1 << 23 };
+enum { CHANGES = 3, LEVELS_EVERY = 4, FEW_LEVELS = 6, ROUNDS = 6, SALT_CHANGE = 1 << 23 };
 static const double STRATA_PART = 0.5, LARGEST_CHANGE = 3, PATIENCE = 8;
 static const double START_PART = 0.25, GLOBAL_PART = 0.7, CROSSOVER[] = {0.9, 0.3},
                     TO_BEST[] = {0.7, 0, 0},
@@ -70,7 +70,9 @@ struct vs_search {
   int turned;
   double *value; /* of all points so far; only of a search with restarts */
   double spacing;
-  climb *climbs;          /* [climbing]; those from `fresh` on began in this round */
+  climb *climbs;   /* [climbing]; those from `fresh` on began in this round */
+  size_t continua; /* axes without levels */
+  size_t line;     /* the axis that is the only continuum; SIZE_MAX: there is none, or more */
   size_t climbing, drawn; /* drawn: points of Sobol's sequence */
   size_t racing;          /* climbs that share the present part */
   double part;            /* points of it */
@@ -370,7 +372,7 @@ static double finest_of_axis(const vs_search *s, size_t d) {
 
 static void begin_climb(vs_search *s, size_t point) {
   climb *c = &s->climbs[s->climbing++];
-  const double period = s->setup.period[0];
+  const double period = s->line < SIZE_MAX ? s->setup.period[s->line] : 0;
   memcpy(c->at, &s->points[point * s->setup.axes], s->setup.axes * sizeof *c->at);
   c->value = s->value[point];
   c->step[0] = c->step[1] = (period > 0 ? fmin(s->spacing, period / 2) : s->spacing) / 2;
@@ -404,13 +406,10 @@ static bool is_apart(const vs_search *s, const ranked *order, size_t k, bool val
  * Rinnooy Kan and Timmer, Mathematical Programming, 1987). */
 static void begin_climbs(vs_search *s) {
   const size_t n = s->asked, axes = s->setup.axes;
-  size_t combinations = 1, continua = 0, known = 0;
+  size_t combinations = 1, known = 0;
   for (size_t d = 0; d < axes; d++)
-    if (!s->setup.levels[d])
-      continua++;
-    else if (combinations < n)
-      combinations *= (size_t)s->setup.levels[d];
-  s->spacing = pow(fmin(0.5, (double)combinations / (double)n), 1 / fmax(1, (double)continua));
+    if (s->setup.levels[d] && combinations < n) combinations *= (size_t)s->setup.levels[d];
+  s->spacing = pow(fmin(0.5, (double)combinations / (double)n), 1 / fmax(1, (double)s->continua));
   ranked *order = vs_alloc(n, sizeof *order);
   for (size_t k = 0; k < n; k++)
     if (!isnan(s->value[k])) order[known++] = (ranked){s->value[k], k};
@@ -462,11 +461,12 @@ static void look_along(vs_search *s, climb *c, size_t d, double by, int side) {
 
 /* Looks one step away on both sides, and at the same place in other periods. */
 static void look_at_sides(vs_search *s, climb *c) {
+  const size_t d = s->line;
   for (int side = 0; side < 2; side++) {
-    if (c->step[side] >= finest_of_axis(s, 0))
-      look_along(s, c, 0, side ? c->step[1] : -c->step[0], side);
+    if (c->step[side] >= finest_of_axis(s, d))
+      look_along(s, c, d, side ? c->step[1] : -c->step[0], side);
     if (c->stride)
-      look_along(s, c, 0, (side ? 1 : -1) * (double)c->stride * s->setup.period[0], -1);
+      look_along(s, c, d, (side ? 1 : -1) * (double)c->stride * s->setup.period[d], -1);
   }
 }
 
@@ -512,7 +512,6 @@ static void look_at_changes(vs_search *s, climb *c) {
         x[d] += change_of_axis(s, c, d, id);
     look_at(s, c, x, -1);
   }
-  c->tries++;
 }
 
 /* Asks for the points about a climb. Of levels it looks at all if they are few, which may be words,
@@ -520,10 +519,11 @@ static void look_at_changes(vs_search *s, climb *c) {
 static void ask_climb(vs_search *s, climb *c) {
   c->polls = 0;
   c->looking = true;
-  if (s->setup.axes > 1)
-    look_at_changes(s, c);
-  else if (!s->setup.levels[0])
+  if (s->line < SIZE_MAX)
     look_at_sides(s, c);
+  else if (s->continua)
+    look_at_changes(s, c);
+  if (c->tries++ % LEVELS_EVERY && s->continua) return;
   for (size_t d = 0; d < s->setup.axes; d++) {
     const int levels = s->setup.levels[d];
     for (int k = 0; k < levels; k++) {
@@ -548,18 +548,18 @@ static void ask_climbs(vs_search *s) {
  * same place of the next periods, which may be better now that the place is exact. */
 static void shorten_steps(const vs_search *s, climb *c) {
   c->failed++;
-  if (s->setup.axes > 1) {
-    c->over = largest_change(s, c) < s->setup.finest;
+  c->over = true;
+  if (s->line == SIZE_MAX) {
+    c->over = !s->continua || largest_change(s, c) < s->setup.finest;
     return;
   }
-  c->over = true;
-  for (int side = 0; side < 2 && !s->setup.levels[0]; side++) {
-    if (c->step[side] >= finest_of_axis(s, 0)) c->step[side] /= 2;
-    c->over &= c->step[side] < finest_of_axis(s, 0);
+  for (int side = 0; side < 2; side++) {
+    if (c->step[side] >= finest_of_axis(s, s->line)) c->step[side] /= 2;
+    c->over &= c->step[side] < finest_of_axis(s, s->line);
   }
   c->stride /= 2;
   c->over &= !c->stride;
-  if (!c->over || !c->moved || !(s->setup.period[0] > 0)) return;
+  if (!c->over || !c->moved || !(s->setup.period[s->line] > 0)) return;
   c->moved = false;
   c->stride = 2;
   c->over = false;
@@ -589,10 +589,13 @@ static void move_climb(vs_search *s, climb *c) {
   c->moved = true;
   c->failed = 0;
   const int side = c->side[best];
+  if (s->line == SIZE_MAX) return;
   if (side >= 0)
     c->step[1 - side] = c->step[side]; /* back there it is known */
-  else                                 /* to another period, where its place is not known so well */
-    for (int k = 0; k < 2; k++) c->step[k] = fmax(c->step[k], s->setup.period[0] / 32);
+  else /* in another period, or at another level, its place is not known so well */
+    for (int k = 0; k < 2; k++)
+      c->step[k] = fmax(
+          c->step[k], (s->setup.period[s->line] > 0 ? s->setup.period[s->line] : s->spacing) / 32);
 }
 
 /* Ends a climb that has come to where a better one is: from there both would do the same. */
@@ -700,6 +703,10 @@ vs_search *vs_search_new(const vs_search_setup *setup) {
   size_t room = setup->most + s->population + 2 * setup->axes +
                 3; /* the last generation is cut to what may still be asked for */
   if (setup->restarts) {
+    s->line = SIZE_MAX;
+    for (size_t d = 0; d < setup->axes; d++)
+      if (!setup->levels[d] && ++s->continua == 1) s->line = d;
+    if (s->continua > 1) s->line = SIZE_MAX;
     for (size_t d = setup->axes; d-- && strata_axes(&s->setup) > VS_SOBOL_AXES;)
       s->setup.period[d] = 0;
     room += ROUNDS * setup->restarts * (CHANGES + 4 + (FEW_LEVELS + 1) * setup->axes);

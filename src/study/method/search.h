@@ -1,10 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A search for the least value of a function on the unit cube. It goes on generation by generation:
- * it asks for points, is told their values, and knows nothing of what they mean. It looks globally
- * first: Sobol points are the population of differential evolution (Storn and Price, J. Global
- * Optimization, 1997) by crowding (Thomsen, CEC 2004). Then it looks locally: pattern search goes
- * from the best point along the axes, and on in the direction in which it went (Hooke and Jeeves,
- * J. ACM, 1961). The same seed and values give the same points. */
+ * it asks for points, is told their values, and knows nothing of what they mean. The same seed and
+ * values give the same points. There are two ways.
+ *
+ * Without restarts it looks globally first: Sobol points are the population of differential
+ * evolution (Storn and Price, J. Global Optimization, 1997) by crowding (Thomsen, CEC 2004). Then it
+ * looks locally: pattern search goes from the best point along the axes, and on in the direction in
+ * which it went (Hooke and Jeeves, J. ACM, 1961). That suits smooth functions.
+ *
+ * With restarts it begins with Sobol points in strata: over the known periods of each axis, the
+ * place in a period, and the combinations of levels. From the best of them that are apart from each
+ * other (multi level single linkage: Rinnooy Kan and Timmer, Mathematical Programming, 1987) climbs
+ * go on, of which the better half goes on each time (successive halving: Jamieson and Talwalkar,
+ * AISTATS 2016). Along a single axis a climb closes in on both sides, so that it finds an edge, and
+ * tries the same place of other periods. Along several it changes a few axes at random, by less and
+ * less. That suits rugged functions with jumps. */
 #ifndef VS_STUDY_SEARCH_H
 #define VS_STUDY_SEARCH_H
 
