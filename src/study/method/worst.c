@@ -296,8 +296,7 @@ const vs_method vs_worst_method = {
     .name = "worst",
     .key = "find",
     .keys = &FIND,
-    .text = "search for the largest or least value: from many places, in strata of what repeats; "
-            "no bound",
+    .text = "search for the worst value from many places; no bound",
     .claims = is_worst,
     .read = read_worst,
     .free = free_worst,
