@@ -256,6 +256,12 @@ static bool add_found(vs_html *html, const vs_folder *t, const vs_study_results 
   vs_html_add(html, "<p class=\"big\">%s: ", t->search->report.best);
   vs_html_text(html, t->column[aim].name);
   vs_html_add(html, " %.6g %s, case %s</p>\n", found, scale.unit, s->worst[0].cell[0]);
+  const vs_node *says = vs_tree_child(vs_folder_search(t), "says");
+  if (says && says->text) {
+    vs_html_add(html, "<p>");
+    vs_html_text(html, says->text);
+    vs_html_add(html, "</p>\n");
+  }
   return true;
 }
 

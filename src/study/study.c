@@ -714,6 +714,13 @@ static vs_status say_result(const session *s, vs_error *err) {
          "written: %s in %s\n",
          (unsigned long long)j->done, (unsigned long long)j->failed,
          (unsigned long long)j->violated, s->o->format->written, s->folder);
+  if (s->plan.adaptive && s->plan.adaptive->method->say) {
+    const vs_results results = cases_results(&s->cases, s->count);
+    vs_text text = {0};
+    s->plan.adaptive->method->say(&s->plan, s->plan.adaptive, &results, &text);
+    printf("found  %s\n", text.text);
+    vs_text_free(&text);
+  }
   vs_judge_say(&s->judge, s->count, stdout);
   return VS_OK;
 }

@@ -401,11 +401,15 @@ static void other_methods(void) {
   write_study("grid", "", 30, in_words);
   RUN_GOOD("plot s --quiet");
   EXPECT_REPORT("No rating was judged", "peak / kV", "circuit.b");
-  write_study("worst", ", \"find\": {\"worst\": \"max peak\"}", 97, searched);
+  write_study(
+      "worst",
+      ", \"find\": {\"worst\": \"max peak\", \"says\": \"of 8 restarts 3 came to its place\"}", 97,
+      searched);
   RUN_GOOD("plot s --quiet"); /* 29·k mod 97 is 96 where k is the inverse of -29: 10 */
-  EXPECT_REPORT("Worst found: peak 96 V, case 10", "search for the largest", "evaluation",
-                "worst so far", "The worst found, 96 V, at evaluation 10 of 97",
-                "peak of each case", "Worst margin 20 %");
+  EXPECT_REPORT("Worst found: peak 96 V, case 10", "of 8 restarts 3 came to its place",
+                "search for the largest", "evaluation", "worst so far",
+                "The worst found, 96 V, at evaluation 10 of 97", "peak of each case",
+                "Worst margin 20 %");
   write_study("worst", ", \"find\": {\"worst\": \"min margin_least\"}", 4, cornered);
   RUN_GOOD("plot s --quiet");
   EXPECT_REPORT("Worst found: margin_least -30 %, case 3", "search for the least");

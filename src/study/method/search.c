@@ -22,12 +22,37 @@ enum { FEWEST = 12, MOST = 60, PER_AXIS = 6, START_PER_AXIS = 50 };
 enum { TURNS = 3 };
 /* These keep the uses of one seed apart. */
 enum { SALT_PICK = 1 << 20, SALT_CROSS = 1 << 21, SALT_TURN = 1 << 22 };
+/* A search with restarts draws half of the points it has left. Its climbs share the others in equal
+ * parts: the first is for all climbs, the next for the better half of them, and so on until one is
+ * left (successive halving: Jamieson and Talwalkar, AISTATS 2016). A climb along several axes looks
+ * at three changed places at a time, each change between three spacings of the points and the
+ * finest. If all climbs have ended, the search draws again. */
+enum { CHANGES = 3, LEVELS_EVERY = 4, FEW_LEVELS = 6, ROUNDS = 6, SALT_CHANGE = 1 << 23 };
+static const double STRATA_PART = 0.5, LARGEST_CHANGE = 3, PATIENCE = 8;
 static const double START_PART = 0.25, GLOBAL_PART = 0.7, CROSSOVER[] = {0.9, 0.3},
                     TO_BEST[] = {0.7, 0, 0},
                     FIRST_STEP = 0.1, /* the pattern's step; it grows where it found something */
     GROW = 2;
 
-typedef enum phase { START, EVOLUTION, PATTERN, OVER } phase;
+typedef enum phase { START, EVOLUTION, PATTERN, RESTARTS, OVER } phase;
+
+/* One of several local searches, each of which begins at a place of its own. */
+typedef struct climb {
+  double at[VS_SEARCH_AXES], value, came[VS_SEARCH_AXES];
+  bool coming;
+  /* Of a single axis: down and up it. Each side has its own, as a worst value often lies at a jump,
+   * where one side falls at once and the other does not. */
+  double step[2];
+  size_t stride; /* in its periods; 0: it looks at no other period */
+  size_t polled[CHANGES + 4 + (FEW_LEVELS + 1) * VS_SEARCH_AXES],
+      polls;                                                 /* points it looks at now */
+  int side[CHANGES + 4 + (FEW_LEVELS + 1) * VS_SEARCH_AXES]; /* of each: 0, 1; -1: it is no step */
+  double may;                 /* points that may be run for it until the next part */
+  size_t used, tries, failed; /* points that were run for it; how often it asked; in vain */
+  bool looking, moved, over;  /* it asked in this generation; it came here by the last steps; it has
+                                 ended */
+  size_t joined;              /* 1 + the better climb that it came to; 0: it came to none */
+} climb;
 
 struct vs_search {
   vs_search_setup setup;
@@ -43,6 +68,15 @@ struct vs_search {
       came[VS_SEARCH_AXES]; /* local search: where it is, and how it got there */
   double center_value, step;
   int turned;
+  double *value; /* of all points so far; only of a search with restarts */
+  double spacing;
+  climb *climbs;   /* [climbing]; those from `fresh` on began in this round */
+  size_t continua; /* axes without levels */
+  size_t line;     /* the axis that is the only continuum; SIZE_MAX: there is none, or more */
+  size_t climbing, drawn; /* drawn: points of Sobol's sequence */
+  size_t racing;          /* climbs that share the present part */
+  double part;            /* points of it */
+  int round;
 };
 
 static bool is_better(double value, double than) {
@@ -65,22 +99,79 @@ static double *add_point_of_search(vs_search *s) {
   return point_of_search(s, s->count++);
 }
 
+/* Returns which point this is; the number of all, if it is a new one. */
+static size_t find_point(const vs_search *s, const double *x) {
+  const size_t all = s->asked + s->count;
+  size_t k = 0;
+  while (k < all && memcmp(x, &s->points[k * s->setup.axes], s->setup.axes * sizeof *x)) k++;
+  return k;
+}
+
+/* Adds the point unless it was asked for before. */
+static void add_new(vs_search *s, double *x) {
+  snap_to_levels(&s->setup, x);
+  if (find_point(s, x) == s->asked + s->count)
+    memcpy(add_point_of_search(s), x, s->setup.axes * sizeof *x);
+}
+
 static size_t start_count(const vs_search *s) {
+  if (s->setup.restarts) {
+    const size_t left = s->setup.most - s->asked, part = (size_t)(STRATA_PART * (double)left);
+    return part > s->setup.restarts ? part : left;
+  }
   size_t n = (size_t)(START_PART * (double)s->setup.most), most = START_PER_AXIS * s->setup.axes;
   if (n > most) n = most;
   if (n < 2 * s->population) n = 2 * s->population;
   return n < s->setup.most ? n : s->setup.most;
 }
 
+/* How many coordinates of a Sobol point it takes: two for each axis with a period, one for each of
+ * the others that has no levels, and a last one for all that have. */
+static size_t strata_axes(const vs_search_setup *setup) {
+  size_t n = 1;
+  for (size_t d = 0; d < setup->axes; d++) n += setup->levels[d] ? 0 : setup->period[d] > 0 ? 2 : 1;
+  return n;
+}
+
+/* Returns a point of the start as strata: a coordinate of u says in which period of an axis it lies
+ * and another one where in it, so that all of a period is seen as well as all periods. One
+ * coordinate says which of all combinations of levels it has. */
+static void place_in_strata(const vs_search_setup *setup, const double *u, double *x) {
+  double word = u[strata_axes(setup) - 1];
+  for (size_t d = 0; d < setup->axes; d++) {
+    const double period = setup->period[d];
+    const int levels = setup->levels[d];
+    if (levels) {
+      word *= levels;
+      x[d] = (floor(word) + 0.5) / levels;
+      word -= floor(word);
+    } else if (period > 0) {
+      x[d] = (floor(u[0] * ceil(1 / period)) + u[1]) * period;
+      if (x[d] > 1) x[d] -= period;
+      u += 2;
+    } else
+      x[d] = *u++;
+  }
+}
+
 static void ask_start(vs_search *s) {
   const size_t n = start_count(s);
+  const size_t axes = s->setup.restarts ? strata_axes(&s->setup) : s->setup.axes;
   vs_sobol *sobol = vs_alloc(1, sizeof *sobol);
-  vs_random_sobol_begin(sobol, s->setup.axes, n, s->setup.seed);
-  for (size_t i = 0; i < n; i++) {
-    double *x = add_point_of_search(s);
-    for (size_t d = 0; d < s->setup.axes; d++) x[d] = vs_random_sobol_at(sobol, i, d);
-    snap_to_levels(&s->setup, x);
+  vs_random_sobol_begin(sobol, axes, s->drawn + n, s->setup.seed);
+  for (size_t i = s->drawn; i < s->drawn + n; i++) {
+    double u[VS_SOBOL_AXES], x[VS_SEARCH_AXES];
+    for (size_t d = 0; d < axes; d++) u[d] = vs_random_sobol_at(sobol, i, d);
+    if (s->setup.restarts) {
+      place_in_strata(&s->setup, u, x);
+      add_new(s, x);
+    } else {
+      memcpy(x, u, axes * sizeof *x);
+      snap_to_levels(&s->setup, x);
+      memcpy(add_point_of_search(s), x, axes * sizeof *x);
+    }
   }
+  s->drawn += s->setup.restarts ? n : 0;
   free(sobol);
 }
 
@@ -117,15 +208,6 @@ static void breed_mutant(const vs_search *s, size_t parent, double *x) {
     x[d] = crossed || d == always ? mutant : own[d];
   }
   snap_to_levels(&s->setup, x);
-}
-
-/* Adds the point unless it was asked for before, as no such point is better than the centre. */
-static void add_new(vs_search *s, double *x) {
-  const size_t bytes = s->setup.axes * sizeof *x;
-  snap_to_levels(&s->setup, x);
-  for (size_t k = 0; k < s->asked + s->count; k++)
-    if (!memcmp(x, &s->points[k * s->setup.axes], bytes)) return;
-  memcpy(add_point_of_search(s), x, bytes);
 }
 
 /* Makes a random direction of length 1. */
@@ -273,7 +355,268 @@ static void move_search(vs_search *s) {
   if (s->step < s->setup.finest) s->phase = OVER;
 }
 
+/* ---- restarts ---- */
+
+double vs_search_distance(const vs_search *s, const double *a, const double *b) {
+  double far = 0;
+  for (size_t d = 0; d < s->setup.axes; d++) {
+    if (s->setup.levels[d] && a[d] != b[d]) return 2;
+    far = fmax(far, fabs(a[d] - b[d]));
+  }
+  return far;
+}
+
+static double finest_of_axis(const vs_search *s, size_t d) {
+  return s->setup.finest * (s->setup.period[d] > 0 ? fmin(1, 4 * s->setup.period[d]) : 1);
+}
+
+static void begin_climb(vs_search *s, size_t point) {
+  climb *c = &s->climbs[s->climbing++];
+  const double period = s->line < SIZE_MAX ? s->setup.period[s->line] : 0;
+  memcpy(c->at, &s->points[point * s->setup.axes], s->setup.axes * sizeof *c->at);
+  c->value = s->value[point];
+  c->step[0] = c->step[1] = (period > 0 ? fmin(s->spacing, period / 2) : s->spacing) / 2;
+  c->stride = period > 0 ? (size_t)fmax(1, round(1 / period / 8)) : 0;
+}
+
+typedef struct ranked {
+  double value;
+  size_t point;
+} ranked;
+
+static int compare_ranked(const void *a, const void *b) {
+  const ranked *x = a, *y = b;
+  if (x->value != y->value) return x->value < y->value ? -1 : 1;
+  return x->point < y->point ? -1 : 1;
+}
+
+/* True if point k of the order is near to no climb and, for a valley, near to none of the better
+ * points before it. */
+static bool is_apart(const vs_search *s, const ranked *order, size_t k, bool valley) {
+  const double reach = 1.5 * s->spacing, *x = &s->points[order[k].point * s->setup.axes];
+  for (size_t c = 0; c < s->climbing; c++)
+    if (vs_search_distance(s, x, s->climbs[c].at) <= reach) return false;
+  for (size_t i = 0; i < k && valley; i++)
+    if (vs_search_distance(s, x, &s->points[order[i].point * s->setup.axes]) <= reach) return false;
+  return true;
+}
+
+/* Begins a climb at the best point that has no better one near it and is near to no climb, and so
+ * on. If there are too few of them, points on the slopes follow (multi level single linkage:
+ * Rinnooy Kan and Timmer, Mathematical Programming, 1987). */
+static void begin_climbs(vs_search *s) {
+  const size_t n = s->asked, axes = s->setup.axes;
+  size_t combinations = 1, known = 0;
+  for (size_t d = 0; d < axes; d++)
+    if (s->setup.levels[d] && combinations < n) combinations *= (size_t)s->setup.levels[d];
+  s->spacing = pow(fmin(0.5, (double)combinations / (double)n), 1 / fmax(1, (double)s->continua));
+  ranked *order = vs_alloc(n, sizeof *order);
+  for (size_t k = 0; k < n; k++)
+    if (!isnan(s->value[k])) order[known++] = (ranked){s->value[k], k};
+  qsort(order, known, sizeof *order, compare_ranked);
+  const size_t before = s->climbing;
+  for (int pass = 0; pass < 2; pass++)
+    for (size_t k = 0; k < known && s->climbing < before + s->setup.restarts; k++)
+      if (is_apart(s, order, k, !pass)) begin_climb(s, order[k].point);
+  free(order);
+  s->phase = s->climbing ? RESTARTS : OVER;
+  s->racing = 2 * (s->climbing - before);
+  s->part = (double)(s->setup.most - n) / ceil(1 + log2(fmax(1, (double)s->racing / 2)));
+}
+
+/* Gives the next part to the better half of those that shared the last one. */
+static void begin_part(vs_search *s) {
+  size_t left = 0;
+  s->racing = s->racing > 2 ? (s->racing + 1) / 2 : 1;
+  for (size_t k = 0; k < s->climbing; k++) {
+    size_t better = 0;
+    climb *c = &s->climbs[k];
+    for (size_t j = 0; j < s->climbing; j++)
+      better += !s->climbs[j].over && (is_better(s->climbs[j].value, c->value) ||
+                                       (s->climbs[j].value == c->value && j < k));
+    if (c->over || better >= s->racing) continue;
+    c->may = (double)c->used + fmax(1, s->part / (double)s->racing);
+    left++;
+  }
+  if (left) return;
+  s->phase = ++s->round < ROUNDS && s->asked < s->setup.most ? START : OVER;
+}
+
+/* Adds a point that a climb looks at. One that is known is not run again. */
+static void look_at(vs_search *s, climb *c, double *x, int side) {
+  const size_t before = s->count;
+  add_new(s, x);
+  c->used += s->count - before;
+  c->side[c->polls] = side;
+  c->polled[c->polls++] = find_point(s, x);
+}
+
+static void look_along(vs_search *s, climb *c, size_t d, double by, int side) {
+  double x[VS_SEARCH_AXES];
+  memcpy(x, c->at, sizeof x);
+  x[d] += by;
+  if (side < 0 && !(x[d] >= 0 && x[d] <= 1)) return;
+  look_at(s, c, x, side);
+}
+
+/* Looks one step away on both sides, and at the same place in other periods. */
+static void look_at_sides(vs_search *s, climb *c) {
+  const size_t d = s->line;
+  for (int side = 0; side < 2; side++) {
+    if (c->step[side] >= finest_of_axis(s, d))
+      look_along(s, c, d, side ? c->step[1] : -c->step[0], side);
+    if (c->stride)
+      look_along(s, c, d, (side ? 1 : -1) * (double)c->stride * s->setup.period[d], -1);
+  }
+}
+
+/* Returns the largest change of an axis; it shrinks as long as none is found that is better. */
+static double largest_change(const vs_search *s, const climb *c) {
+  return LARGEST_CHANGE * s->spacing * exp(-(double)c->failed / PATIENCE);
+}
+
+/* Returns a change of an axis: as likely between 1e-3 and 1e-2 of it as between 1e-2 and 1e-1
+ * (Muehlenbein and Schlierkamp-Voosen, Evolutionary Computation, 1993), and as often a number of
+ * periods as not, where it has some. */
+static double change_of_axis(const vs_search *s, const climb *c, size_t d, uint64_t id) {
+  double u[4];
+  const double period = s->setup.period[d];
+  for (size_t k = 0; k < 4; k++)
+    u[k] = vs_random_uniform(s->setup.seed, id, SALT_CHANGE + 8 * (uint64_t)d + k);
+  const double largest = fmin(largest_change(s, c), period > 0 ? period / 2 : 1);
+  const double least = fmin(finest_of_axis(s, d), largest);
+  double by = least * pow(largest / least, u[0]);
+  if (u[1] < 0.5) by = -by;
+  if (period > 0 && u[2] < 0.5)
+    by += (u[2] < 0.25 ? period : -period) * round(pow(0.25 / period, u[3]));
+  return by;
+}
+
+/* Looks at places in which about half of the axes that are continua have changed. */
+static void look_at_changes(vs_search *s, climb *c) {
+  for (int k = 0; k < CHANGES; k++) {
+    double x[VS_SEARCH_AXES];
+    const uint64_t id = ((uint64_t)(c - s->climbs) << 32) + c->tries * CHANGES + (uint64_t)k;
+    const size_t always =
+        (size_t)(vs_random_bits(s->setup.seed, id, SALT_CHANGE - 1) >> 8) % s->setup.axes;
+    memcpy(x, c->at, sizeof x);
+    if (!k && c->coming) {
+      for (size_t d = 0; d < s->setup.axes; d++) x[d] += c->came[d];
+      look_at(s, c, x, -1);
+      continue;
+    }
+    for (size_t d = 0; d < s->setup.axes; d++)
+      if (!s->setup.levels[d] &&
+          (d == always ||
+           vs_random_uniform(s->setup.seed, id, SALT_CHANGE + 8 * (uint64_t)d + 4) < 0.5))
+        x[d] += change_of_axis(s, c, d, id);
+    look_at(s, c, x, -1);
+  }
+}
+
+/* Asks for the points about a climb. Of levels it looks at all if they are few, which may be words,
+ * else at the next ones. */
+static void ask_climb(vs_search *s, climb *c) {
+  c->polls = 0;
+  c->looking = true;
+  if (s->line < SIZE_MAX)
+    look_at_sides(s, c);
+  else if (s->continua)
+    look_at_changes(s, c);
+  if (c->tries++ % LEVELS_EVERY && s->continua) return;
+  for (size_t d = 0; d < s->setup.axes; d++) {
+    const int levels = s->setup.levels[d];
+    for (int k = 0; k < levels; k++) {
+      const double by = (k + 0.5) / levels - c->at[d];
+      if (levels <= FEW_LEVELS || fabs(by) < 1.5 / levels) look_along(s, c, d, by, -1);
+    }
+  }
+}
+
+static void ask_climbs(vs_search *s) {
+  bool asked = false;
+  for (size_t k = 0; k < s->climbing; k++) {
+    climb *c = &s->climbs[k];
+    if (c->over || (double)c->used >= c->may) continue;
+    ask_climb(s, c);
+    asked = true;
+  }
+  if (!asked) begin_part(s);
+}
+
+/* Halves the steps of a climb that found nothing better. Once they are the finest, it looks at the
+ * same place of the next periods, which may be better now that the place is exact. */
+static void shorten_steps(const vs_search *s, climb *c) {
+  c->failed++;
+  c->over = true;
+  if (s->line == SIZE_MAX) {
+    c->over = !s->continua || largest_change(s, c) < s->setup.finest;
+    return;
+  }
+  for (int side = 0; side < 2; side++) {
+    if (c->step[side] >= finest_of_axis(s, s->line)) c->step[side] /= 2;
+    c->over &= c->step[side] < finest_of_axis(s, s->line);
+  }
+  c->stride /= 2;
+  c->over &= !c->stride;
+  if (!c->over || !c->moved || !(s->setup.period[s->line] > 0)) return;
+  c->moved = false;
+  c->stride = 2;
+  c->over = false;
+}
+
+static void move_climb(vs_search *s, climb *c) {
+  size_t best = SIZE_MAX;
+  double value = c->value;
+  if (!c->looking) return;
+  c->looking = false;
+  for (size_t k = 0; k < c->polls; k++)
+    if (c->polled[k] < s->asked + s->count && is_better(s->value[c->polled[k]], value)) {
+      best = k;
+      value = s->value[c->polled[k]];
+    }
+  c->coming = best != SIZE_MAX;
+  if (best == SIZE_MAX) {
+    shorten_steps(s, c);
+    return;
+  }
+  for (size_t d = 0; d < s->setup.axes; d++) {
+    const double to = s->points[c->polled[best] * s->setup.axes + d];
+    c->came[d] = to - c->at[d];
+    c->at[d] = to;
+  }
+  c->value = value;
+  c->moved = true;
+  c->failed = 0;
+  const int side = c->side[best];
+  if (s->line == SIZE_MAX) return;
+  if (side >= 0)
+    c->step[1 - side] = c->step[side]; /* back there it is known */
+  else /* in another period, or at another level, its place is not known so well */
+    for (int k = 0; k < 2; k++)
+      c->step[k] = fmax(
+          c->step[k], (s->setup.period[s->line] > 0 ? s->setup.period[s->line] : s->spacing) / 32);
+}
+
+/* Ends a climb that has come to where a better one is: from there both would do the same. */
+static void end_joined(vs_search *s) {
+  for (size_t k = 0; k < s->climbing; k++)
+    for (size_t j = 0; j < s->climbing && !s->climbs[k].over; j++) {
+      climb *c = &s->climbs[k];
+      const climb *other = &s->climbs[j];
+      if (k == j || c->value < other->value || (c->value == other->value && k < j) ||
+          vs_search_distance(s, c->at, other->at) > s->spacing / 4)
+        continue;
+      c->over = true;
+      c->joined = j + 1;
+    }
+}
+
 const double *vs_search_ask(vs_search *s, size_t *count) {
+  while (!s->count && s->phase == RESTARTS) {
+    ask_climbs(s);
+    for (size_t k = 0; k < s->climbing && !s->count; k++) move_climb(s, &s->climbs[k]);
+  }
   if (!s->count && s->phase == START) ask_start(s);
   if (!s->count && s->phase == EVOLUTION)
     for (size_t k = 0; k < s->population; k++) breed_mutant(s, k, add_point_of_search(s));
@@ -296,6 +639,20 @@ void vs_search_tell(vs_search *s, const double *values) {
       s->best_value = values[k];
     }
   s->generation++;
+  if (s->value) memcpy(&s->value[s->asked], values, s->count * sizeof *values);
+  if (s->phase == RESTARTS) {
+    for (size_t k = 0; k < s->climbing; k++) move_climb(s, &s->climbs[k]);
+    end_joined(s);
+    s->asked += s->count;
+    s->count = 0;
+    return;
+  }
+  if (s->phase == START && s->setup.restarts) {
+    s->asked += s->count;
+    s->count = 0;
+    begin_climbs(s);
+    return;
+  }
   if (s->phase == START) {
     settle_population(s, values);
     s->phase = EVOLUTION;
@@ -318,8 +675,18 @@ const double *vs_search_best(const vs_search *s, double *value) {
   return s->best;
 }
 
+size_t vs_search_restarts(const vs_search *s) {
+  return s->climbing;
+}
+
+const double *vs_search_restart(const vs_search *s, size_t k, double *value) {
+  while (s->climbs[k].joined) k = s->climbs[k].joined - 1;
+  *value = s->climbs[k].value;
+  return s->climbs[k].at;
+}
+
 const char *vs_search_phase(const vs_search *s) {
-  static const char *const NAMES[] = {"start", "evolution", "pattern", "over"};
+  static const char *const NAMES[] = {"start", "evolution", "pattern", "restarts", "over"};
   return NAMES[s->phase];
 }
 
@@ -335,6 +702,17 @@ vs_search *vs_search_new(const vs_search_setup *setup) {
   s->fitness = vs_alloc(s->population, sizeof *s->fitness);
   size_t room = setup->most + s->population + 2 * setup->axes +
                 3; /* the last generation is cut to what may still be asked for */
+  if (setup->restarts) {
+    s->line = SIZE_MAX;
+    for (size_t d = 0; d < setup->axes; d++)
+      if (!setup->levels[d] && ++s->continua == 1) s->line = d;
+    if (s->continua > 1) s->line = SIZE_MAX;
+    for (size_t d = setup->axes; d-- && strata_axes(&s->setup) > VS_SOBOL_AXES;)
+      s->setup.period[d] = 0;
+    room += ROUNDS * setup->restarts * (CHANGES + 4 + (FEW_LEVELS + 1) * setup->axes);
+    s->value = vs_alloc(room, sizeof *s->value);
+    s->climbs = vs_alloc(ROUNDS * setup->restarts, sizeof *s->climbs);
+  }
   s->points = vs_alloc(room * setup->axes, sizeof *s->points);
   return s;
 }
@@ -344,5 +722,7 @@ void vs_search_free(vs_search *s) {
   free(s->member);
   free(s->fitness);
   free(s->points);
+  free(s->value);
+  free(s->climbs);
   free(s);
 }

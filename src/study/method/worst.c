@@ -2,11 +2,12 @@
  * The worst case: the largest or least value of one measure, searched for (study/method/search.h)
  * over all axes: where vary has a range, all of it; of a list, what it lists; of a spread of
  * sample's, its whole reach, whatever their correlation. What was found is the worst case that was
- * looked at, no bound.
+ * looked at, no bound. How far restarts from other places agree on it is told beside it.
  *
  *   find:
  *     worst: max thyristor.v_reverse     or min MEASURE
  *     n: 400                             cases at most; 100 for each axis
+ *     restarts: 8                        local searches that these are shared by
  *     seed: 7
  *     finest: 0.1 %                      of each axis: shorter steps end the search
  */
@@ -24,13 +25,16 @@
 #include "method/span.h"
 #include "report_columns.h"
 
-enum { PER_AXIS = 100, MOST_CASES = 100000 };
+enum { PER_AXIS = 100, MOST_CASES = 100000, RESTARTS = 8, MOST_RESTARTS = 1000 };
+/* Restarts agree that came so near to each other: in parts of each axis, and of the value. */
+static const double AGREE_WITHIN = 0.01;
 
 typedef struct worst {
   int sense; /* 1: the least value is searched for; -1: the largest */
   int column;
   char measure[VS_JUDGED_NAME];
   uint64_t n; /* 0: the study does not say */
+  uint64_t restarts;
   double finest;
   vs_search *search; /* it has been told of `done` results; NULL: it has not begun */
   uint64_t done;
@@ -61,9 +65,10 @@ static vs_status read_aim(vs_plan *plan, const vs_node *section, worst *w, vs_er
   return VS_OK;
 }
 
-static const vs_inside KEYS = {.rows = VS_ROWS({"worst", .kind = VS_NEEDED | VS_TEXT},
-                                               {"n", .kind = VS_COUNT}, {"seed", .kind = VS_COUNT},
-                                               {"finest", .kind = VS_PART})};
+static const vs_inside KEYS = {
+    .rows = VS_ROWS({"worst", .kind = VS_NEEDED | VS_TEXT}, {"n", .kind = VS_COUNT},
+                    {"restarts", .kind = VS_COUNT}, {"seed", .kind = VS_COUNT},
+                    {"finest", .kind = VS_PART})};
 static const vs_field FIND = {"find", VS_MAP, .inside = &KEYS};
 
 static vs_status read_worst(vs_plan *plan, const vs_node *section, void **state, vs_error *err) {
@@ -71,9 +76,13 @@ static vs_status read_worst(vs_plan *plan, const vs_node *section, void **state,
   const vs_node *finest = vs_tree_child(section, "finest");
   char why[256];
   w->finest = 1e-3;
+  w->restarts = RESTARTS;
   vs_status status = vs_field_map_keys(section, "find", &KEYS, err);
   if (!status) status = vs_error_keep(err, read_aim(plan, section, w, err));
   if (!status) status = vs_error_keep(err, vs_axis_whole(section, "n", 1, MOST_CASES, &w->n, err));
+  if (!status)
+    status =
+        vs_error_keep(err, vs_axis_whole(section, "restarts", 1, MOST_RESTARTS, &w->restarts, err));
   if (!status)
     status =
         vs_error_keep(err, vs_axis_whole(section, "seed", 0, UINT64_MAX >> 12, &plan->seed, err));
@@ -97,13 +106,38 @@ static uint64_t worst_count(const vs_plan *plan, const vs_plan_stage *stage) {
 
 _Static_assert((int)VS_PLAN_AXES <= (int)VS_SEARCH_AXES, "all axes of a plan can be searched");
 
+/* Returns what repeats along an instant or an angle of the mains, as a part of the axis: the gate
+ * pulse's sub-pulses, the carrier of pulse-width modulation, else the mains' cycle. Worst cases
+ * come again with it. 0: nothing does, or the axis is shorter than two of it. */
+static double period_of_axis(const vs_plan *plan, const vs_axis *axis) {
+  const vs_setup *setup = &plan->base->setup;
+  const double hz = setup->timeline.supply.frequency_hz;
+  const bool angle = vs_units_same_kind(axis->unit, "deg");
+  if (axis->is_word || axis->log || vs_span_levels(axis) ||
+      !(angle || vs_units_same_kind(axis->unit, "s")))
+    return 0;
+  const double length =
+      (vs_span_between(axis, 1) - vs_span_between(axis, 0)) * vs_units_factor(axis->unit);
+  const double length_s = angle ? length / (2 * M_PI * hz) : length;
+  double period_s = setup->timeline.supply.direct ? 0 : 1 / hz;
+  if (vs_deck_has_port(&setup->deck, vs_port_is_modulated))
+    period_s = 1 / setup->timeline.pwm.carrier_hz;
+  if (vs_deck_has_port(&setup->deck, vs_port_is_burst))
+    period_s = 1 / setup->timeline.firing.burst_hz;
+  return period_s <= length_s / 2 ? period_s / length_s : 0;
+}
+
 static vs_search *begin_worst_search(const vs_plan *plan, const vs_plan_stage *stage) {
   const worst *w = stage->state;
   vs_search_setup setup = {.axes = plan->n_axes,
                            .seed = plan->seed,
                            .most = (size_t)worst_count(plan, stage),
+                           .restarts = (size_t)w->restarts,
                            .finest = w->finest};
-  for (size_t d = 0; d < plan->n_axes; d++) setup.levels[d] = (int)vs_span_levels(&plan->axes[d]);
+  for (size_t d = 0; d < plan->n_axes; d++) {
+    setup.levels[d] = (int)vs_span_levels(&plan->axes[d]);
+    setup.period[d] = period_of_axis(plan, &plan->axes[d]);
+  }
   return vs_search_new(&setup);
 }
 
@@ -166,23 +200,82 @@ static uint64_t find_best(const worst *w, const vs_results *results) {
   return best;
 }
 
+/* What a search found, and how many of its restarts came there. */
+typedef struct finding {
+  uint64_t best;                /* its case; UINT64_MAX: no case has a value */
+  double value;                 /* of its measure, in the column's unit */
+  size_t restarts, place, near; /* begun; that ended at its place; whose value is near to it */
+} finding;
+
+static finding find_worst(const worst *w, const vs_search *search, const vs_results *results) {
+  finding f = {.best = find_best(w, results), .restarts = vs_search_restarts(search)};
+  double least;
+  const double *place = vs_search_best(search, &least);
+  if (f.best == UINT64_MAX) return f;
+  f.value = vs_plan_results_value(results, f.best, w->column);
+  for (size_t k = 0; k < f.restarts; k++) {
+    double value;
+    const double *at = vs_search_restart(search, k, &value);
+    f.near += value - least <= AGREE_WITHIN * fabs(least);
+    f.place += vs_search_distance(search, at, place) <= AGREE_WITHIN;
+  }
+  return f;
+}
+
+/* Says the finding in words, for the table and the report. */
+static void say_finding(const vs_plan *plan, const worst *w, const finding *f, uint64_t count,
+                        vs_text *text) {
+  const vs_report_column *column = w->column == VS_COLUMN_MARGIN ? NULL : &plan->columns[w->column];
+  if (f->best == UINT64_MAX) {
+    vs_text_add(text, "no case of %llu has a value of %s", (unsigned long long)count, w->measure);
+    return;
+  }
+  vs_text_add(
+      text,
+      "the worst found in %llu cases is %s %.6g%s%s, case %llu; of %zu restarts %zu came to "
+      "its place and %zu to its value, within %g %% of each axis and of the value; this is "
+      "no bound",
+      (unsigned long long)count, w->measure, f->value, column && *column->unit ? " " : "",
+      column ? column->unit : "", (unsigned long long)f->best, f->restarts, f->place, f->near,
+      100 * AGREE_WITHIN);
+}
+
+static void say_worst(const vs_plan *plan, const vs_plan_stage *stage, const vs_results *results,
+                      vs_text *text) {
+  const worst *w = stage->state;
+  vs_search *search = begin_worst_search(plan, stage);
+  replay_results(search, w, results, 0, NULL);
+  const finding f = find_worst(w, search, results);
+  say_finding(plan, w, &f, results->count, text);
+  vs_search_free(search);
+}
+
 static void add_found(const vs_plan *plan, const vs_plan_stage *stage, const vs_results *results,
                       vs_json *json) {
   const worst *w = stage->state;
   vs_search *search = begin_worst_search(plan, stage);
+  vs_text text = {0};
   vs_json_array(json, "phases", VS_JSON_ROW);
   replay_results(search, w, results, 0, json);
   vs_json_end(json);
+  const finding f = find_worst(w, search, results);
   vs_search_free(search);
-  const uint64_t best = find_best(w, results);
-  if (best == UINT64_MAX) {
+  vs_json_whole(json, "n", (int64_t)results->count);
+  vs_json_whole(json, "restarts", (int64_t)f.restarts);
+  if (f.best == UINT64_MAX) {
     vs_json_null(json, "found");
-    return;
+  } else {
+    vs_json_object(json, "found", VS_JSON_ROW);
+    vs_json_whole(json, "case", (int64_t)f.best);
+    vs_json_number(json, "value", f.value, 12);
+    vs_json_whole(json, "agree_place", (int64_t)f.place);
+    vs_json_whole(json, "agree_value", (int64_t)f.near);
+    vs_json_number(json, "agree_within", AGREE_WITHIN, 12);
+    vs_json_end(json);
   }
-  vs_json_object(json, "found", VS_JSON_ROW);
-  vs_json_whole(json, "case", (int64_t)best);
-  vs_json_number(json, "value", vs_plan_results_value(results, best, w->column), 12);
-  vs_json_end(json);
+  say_worst(plan, stage, results, &text);
+  vs_json_text(json, "says", text.text);
+  vs_text_free(&text);
 }
 
 static void worst_json(const vs_plan *plan, const vs_plan_stage *stage, const vs_results *results,
@@ -203,11 +296,12 @@ const vs_method vs_worst_method = {
     .name = "worst",
     .key = "find",
     .keys = &FIND,
-    .text = "search for the largest or least value: differential evolution, then pattern search",
+    .text = "search for the worst value from many places; no bound",
     .claims = is_worst,
     .read = read_worst,
     .free = free_worst,
     .count = worst_count,
     .next = worst_next,
     .json = worst_json,
+    .say = say_worst,
     .report = {.lead = LEAD, .each = EACH, .aim = "worst", .best = "Worst found"}};

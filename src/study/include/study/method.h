@@ -100,6 +100,11 @@ typedef struct vs_method {
   void (*json)(const struct vs_plan *plan, const struct vs_plan_stage *stage,
                const struct vs_results *results, vs_json *json);
 
+  /* Says in a sentence what was found and how sure that is. The method's member of the manifest has
+   * the same as `says`. NULL: nothing. */
+  void (*say)(const struct vs_plan *plan, const struct vs_plan_stage *stage,
+              const struct vs_results *results, vs_text *text);
+
   /* Writes files of its own into the study's folder (NULL: there is none) once the others are
    * there, says on standard output what it found unless quiet, and returns how the study ended.
    * NULL: there are none, and its rows tell how. */
