@@ -58,8 +58,8 @@ struct vs_causes {
   vs_branches branches;
   const char **more; /* the signals, borrowed from the branches; owned */
   cause item[VS_CAUSES_MOST];
-  size_t count;
-  double last_s; /* the run may end behind this */
+  size_t count, left_out; /* of more violated lines there is no room for so many */
+  double last_s;          /* the run may end behind this */
   bool enough;
 };
 
@@ -192,7 +192,10 @@ static void find_event(const vs_causes *c, cause *k) {
 }
 
 static void add_cause(vs_causes *c, const vs_judgement *j) {
-  if (c->count == VS_CAUSES_MOST) return;
+  if (c->count == VS_CAUSES_MOST) {
+    c->left_out++;
+    return;
+  }
   cause *k = &c->item[c->count++];
   *k = (cause){.of = j,
                .device = -1,
@@ -713,6 +716,7 @@ void vs_causes_show(const vs_causes *c, FILE *out) {
     fputc('\n', out);
     vs_text_free(&assumed);
   }
+  if (c->left_out) fprintf(out, "why: of %zu more violated lines it is not told\n", c->left_out);
 }
 
 static void add_happening(vs_json *json, const happening *h, double at_s) {

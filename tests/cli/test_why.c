@@ -152,7 +152,28 @@ static void assumed_figures(void) {
   free_ran(&r);
 }
 
+/* Of more lines than there is room for, it is said how many are left out. */
+static void many_lines(void) {
+  enum { MORE = 11 }; /* beside three */
+  char deck[4096] = "", scene[1024] = "circuit: {deck: own.cir}\nratings: {";
+  size_t n = 0, m = strlen(scene);
+  const char *rest = strstr(DECK, "*$ device");
+  n += (size_t)snprintf(deck, sizeof deck, "%.*s", (int)(rest - DECK), DECK);
+  for (int k = 0; k < MORE; k++) {
+    n += (size_t)snprintf(deck + n, sizeof deck - n, "*$ probe p%d = v(a) V\n", k);
+    m += (size_t)snprintf(scene + m, sizeof scene - m, "p%d: .. 1 V, ", k);
+  }
+  snprintf(deck + n, sizeof deck - n, "%s", rest);
+  snprintf(scene + m, sizeof scene - m, "%s", strstr(SCENE, "i_d: "));
+  write_file("own.cir", deck);
+  write_file("s.yaml", scene);
+  ran r = run("run s.yaml --why");
+  EXPECT(strstr(r.out, "why: of 2 more violated lines it is not told\n"), "%s%s", r.out, r.err);
+  free_ran(&r);
+}
+
 static const vs_test tests[] = {{"shares by phasors", by_phasors},
+                                {"more lines than are told", many_lines},
                                 {"shares under a surge", under_a_surge},
                                 {"assumed figures", assumed_figures},
                                 {"transistors and gates", transistors_and_gates},
