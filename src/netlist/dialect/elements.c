@@ -217,13 +217,7 @@ static void rewrite_product(vs_rewriting *r) {
     bool before = open > at && strchr(OPERATORS, open[-1]);
     bool behind = close && close + 1 < end && strchr(OPERATORS, close[1]);
     if (!close || close >= end || (!before && !behind)) continue;
-    vs_text by = {0};
-    vs_text_add(&by, "{");
-    for (; at < end; at++) vs_text_add(&by, "%c", *at == '{' ? '(' : *at == '}' ? ')' : *at);
-    vs_text_add(&by, "}");
-    at = equals ? equals + 1 : w[k].at;
-    vs_rewriting_replace(r, (size_t)(at - r->text.text), (size_t)(end - at), by.text);
-    vs_text_free(&by);
+    vs_rewriting_brace(r, (size_t)(at - r->text.text), (size_t)(end - at));
   }
 }
 
