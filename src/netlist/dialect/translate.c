@@ -344,10 +344,9 @@ static bool is_expression(vs_word v) {
 
 /* True for what begins as a number and is none, as 2+1: ngspice reads the number alone. */
 static bool goes_on_behind_number(vs_word v) {
-  const char *digit = v.at + strspn(v.at, "+-");
   double value;
-  digit += *digit == '.';
-  return digit <= v.at + 2 && isdigit((unsigned char)*digit) && !vs_numbers_read(v, &value);
+  if (v.n && strchr("+-", *v.at)) v = (vs_word){v.at + 1, v.n - 1};
+  return v.n && isdigit((unsigned char)v.at[*v.at == '.']) && !vs_numbers_read(v, &value);
 }
 
 /* Where the value ends that begins at `from`: before `to`, and in the brackets that it stands in.
@@ -362,10 +361,10 @@ static vs_word value_before(const char *from, const char *to) {
   return (vs_word){from, (size_t)(to - from)};
 }
 
-/* Where a value of the line is to be read whole. */
+/* Where a value stands. */
 typedef enum reading {
   TO_A_BLANK,   /* NAME=VALUE of .param and of an instance: a blank ends what ngspice reads */
-  IN_A_HEAD,    /* of .subckt: one in brackets, too */
+  IN_A_HEAD,    /* of .subckt: a blank in brackets does, too */
   BESIDE_WORDS, /* of .model and elements: other words may stand behind it */
   BY_PLACE      /* VALUE behind an element's nodes: so may other values */
 } reading;
@@ -396,7 +395,7 @@ static vs_status rewrite_value(vs_rewriting *r, size_t at, size_t n, reading how
     vs_rewriting_brace(r, at, n);
   else if (how < BESIDE_WORDS || (how == BESIDE_WORDS && cut && strchr("+-*/^?", *behind)))
     return vs_fail_at(r->err, where,
-                      "ngspice leaves out '%.*s' behind the blank; one expression, as {a + b}, "
+                      "ngspice leaves out '%.*s' behind this value; one expression, as {a + b}, "
                       "another NAME=VALUE, or nothing is wanted",
                       (int)(n - rest), behind);
   return VS_OK;
@@ -430,11 +429,13 @@ static vs_status rewrite_each(vs_rewriting *r, const vs_cards *c) {
   const char *text = c->lines->text, *next = text + strlen(text);
   const bool element = card->kind == VS_CARDS_ELEMENT;
   const bool formulas = !element ? card->kind != VS_CARDS_MODEL : card->letter == 'x';
+  const reading how = !formulas                       ? BESIDE_WORDS
+                      : card->kind == VS_CARDS_SUBCKT ? IN_A_HEAD
+                                                      : TO_A_BLANK;
   vs_status status = VS_OK;
   for (size_t k = card->first + card->count; k-- > card->first && !status;) {
     const vs_argument *a = &c->arguments[k];
     vs_word v = formulas ? a->value : value_before(a->value.at, next);
-    reading how = !formulas ? BESIDE_WORDS : card->kind == VS_CARDS_SUBCKT ? IN_A_HEAD : TO_A_BLANK;
     if (a->name.n) {
       next = a->name.at;
       if (formulas && v.n && v.at[v.n - 1] == ':') { /* PARAMS: */
