@@ -401,12 +401,13 @@ static vs_status rewrite_value(vs_rewriting *r, size_t at, size_t n, reading how
   return VS_OK;
 }
 
-/* True where NAME=VALUE is a value whose end ngspice does not find: of E and G the formula. */
+/* True for a NAME=VALUE of which a part may be read without a word: of E and G the formula, of V
+ * and B the elements that it becomes. Of others "1 -2" may be a list. */
 static bool is_read_partly(const vs_netlist_card *card, vs_word name) {
-  static const char *const FORMULAS[] = {"value", "vol", "cur"};
+  static const char *const NAMES[] = {"value", "vol", "cur", "rser", "rpar", "cpar"};
   if (card->kind == VS_CARDS_MODEL) return true;
-  if (strchr("eg", card->letter)) return VS_WORDS_AMONG(name, FORMULAS);
-  return strchr("rcl", card->letter) && !vs_words_is(name, "tc");
+  if (strchr("rcl", card->letter)) return !vs_words_is(name, "tc");
+  return strchr("egvb", card->letter) && VS_WORDS_AMONG(name, NAMES);
 }
 
 /* The value behind the nodes of R, C, L, or the gain of E, F, G, H, up to `to`. */
@@ -456,7 +457,7 @@ static vs_status rewrite_values(vs_rewriting *r) {
   vs_line line = {.text = vs_copy(r->text.text)};
   const char letter = (char)tolower((unsigned char)*line.text);
   vs_status status = VS_OK;
-  if (strchr(".x", letter) || (strchr("rclvieghf", letter) && strpbrk(line.text, "+-*/^?<>&|"))) {
+  if (strchr(".x", letter) || (strchr("rclvibeghf", letter) && strpbrk(line.text, "+-*/^?<>&|"))) {
     vs_cards c;
     vs_cards_read(&c, &line, 1);
     if (c.card->kind <= VS_CARDS_PARAM && c.card->kind != VS_CARDS_ENDS)
