@@ -412,6 +412,53 @@ static void functions(void) {
     bench_gives(ROWS[k].lines, ROWS[k].value, ROWS[k].value, 1e-8, __LINE__);
 }
 
+/* A value goes to its end: ngspice alone reads b, or 2, of each sum, and of others what the row
+ * says. */
+static void values_with_blanks(void) {
+#define INNER(param) "X1 yy 0 s\n.subckt s p q\n.param b=2\n.param " param "\nB1 p q V={a}\n.ends"
+#define CALLED(given, head) "X1 yy 0 s " given "\n.subckt s p q " head "\nB1 p q V={a+c}\n.ends"
+#define DIVIDER ".param b=2\nR9 ss yy 1\n"
+#define SWITCH(model) ".param b=2\nR9 ss yy 1\nS9 yy 0 ss 0 sm\n.model sm sw" model
+#define DIVIDED (2 / (1 + 1. / 3 + 1e-3)) /* by 3 ohm, and the bench's 1 kohm */
+  static const struct {
+    const char *lines;
+    double value;
+  } ROWS[] = {
+      {INNER("a = b + 1"), 3},
+      {INNER("a = b +1 c = 3"), 3},
+      {INNER("c=7 a=b - -3\n+ d=8"), 5},
+      {INNER("a = {b} + 'b'"), 4},
+      {INNER("a = b * (1 + b)"), 6},
+      {INNER("a = max (b, 5) + 1"), 6},
+      {INNER("a = b >= 1 ? 7 : 8"), 7},
+      {INNER("a = - b"), -2},                             /* an error in ngspice */
+      {".param b=2\n.param a = b + 1\nB1 yy 0 V={a}", 3}, /* an error, and in a subcircuit b */
+      {".param b=2 a = b\t+ 1 c = 3\nB1 yy 0 V={a}", 3},
+      {".param b=2\n" CALLED("a = b + 1 c=1", "a=9 c=9"), 4},
+      {".param b=2\n" CALLED("PARAMS: c = 1 a = 2*b - 3", "PARAMS: a=9 c=9"), 2},
+      {".param b=2\n" CALLED("c=1", "a = b + 1 c=9"), 4},
+      {".param b=2\n" CALLED("c=1", "PARAMS: c=9 a = (b + 1)"), 4}, /* an error in ngspice */
+      {"X1 yy ss s\n.subckt s p q OPTIONAL: u=0 PARAMS: k=3 - 1\nB1 p u V=k*V(q,u)\n.ends", 4},
+      {SWITCH("(ron = b + 1 vt=1)"), DIVIDED},
+      {SWITCH("(vt=1 ron=2+1)"), DIVIDED},
+      {SWITCH(" vt=1 ron = b +1 roff=1g"), DIVIDED},
+      {DIVIDER "R8 yy 0 2+1", DIVIDED},      /* 1 in ngspice */
+      {DIVIDER "R8 yy 0 b + 1", DIVIDED},    /* an error in ngspice */
+      {DIVIDER "R8 yy 0 R = b +1", DIVIDED}, /* 1 in ngspice */
+      {DIVIDER "R8 yy 0 R = 2+1 tc1=0", DIVIDED},
+      {"B1 0 yy I=1m Rpar=500 +500", 0.5}, /* 501 A in ngspice */
+      {"V9 yy 0 5 Rser=2 + 1\nR9 yy 0 3", 5. / (2 + 3e-3)},
+      {".param b=2\nE1 yy 0 value = b * 3 + 1", 7},
+      {".param b=2\nE1 yy 0 value = 2 * b", 4},
+      {".param b=2\nE1 yy 0 ss 0 b + 1", 6}, /* an error in ngspice */
+      {".param b=2\nV9 vv 0 1\nR9 vv 0 1k\nF9 0 yy V9 -500 * b\nR8 yy 0 1", 1 / (1 + 1e-3)},
+      {"V9 yy 0 pulse(2+1 2+1 0 1u 1u 1 2)", 3},
+      {"V9 yy 0 pwl(0 1*3 1 3)", 3},
+  };
+  for (size_t k = 0; k < COUNT(ROWS); k++)
+    bench_gives(ROWS[k].lines, ROWS[k].value, ROWS[k].value, 1e-8, __LINE__);
+}
+
 /* idt(3 sin(w t)) is 3 (1 - cos(w t))/w, at its most 6/w after half of the 2 ms; and 1 V s more.
  * The trapezoidal rule at the tier's steps is good to 1e-5 of that. */
 static void integrals(void) {
@@ -622,6 +669,12 @@ static void numbers_that_are_misread(void) {
       {"B1 yy 0 V=V(ss)*1k5", "d.cir:16:17", "write 1.5k"},
       {".model m d(is=1n5)", "d.cir:16:15", "write 1.5n"},
       {"X1 ss yy s R=4k7\n.subckt s a b R=1\nR1 a b {R}\n.ends", "d.cir:16:14", "write 4.7k"},
+      {".param a = 5 V c=1", "d.cir:16:14", "leaves out 'V' behind this value; one expression"},
+      {".param b=1\n.param a = b +\n+ c=1", "d.cir:17:14", "leaves out '+'"},
+      {".subckt s p q a=1\n+ k 2 b=2\nR1 p q 1\n.ends", "d.cir:17:3", "leaves out 'k 2'"},
+      {".model m sw(ron=1 + vt=1)", "d.cir:16:19", "leaves out '+'"},
+      {".param b=1\nR9 ss yy b +1", "d.cir:17:12", "'b +1' may be a sum or two values"},
+      {".param b=1\nE9 yy 0 ss 0 b -1", "d.cir:17:16", "write {b -1} for a sum"},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     write_bench(ROWS[k].lines);
@@ -928,6 +981,7 @@ int main(void) {
       {"libraries", libraries},
       {"of a library only what is called is read", what_is_called},
       {"functions", functions},
+      {"values with blanks", values_with_blanks},
       {"integrals", integrals},
       {"parasitic parts", parasitic_parts},
       {"constructs are told", constructs_are_told},

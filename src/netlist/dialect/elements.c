@@ -88,7 +88,7 @@ static vs_status take_out(vs_rewriting *r, const parameter *p, parts *all) {
   vs_word whole, value;
   const char *text = r->text.text;
   if (!vs_words_parameter(text + strcspn(text, " \t"), p->name, &whole, &value)) return VS_OK;
-  vs_where where = vs_rewriting_place(r, whole.at, whole.n);
+  vs_where where = vs_rewriting_place(r, whole.at, (size_t)(value.at - whole.at));
   if (p->fate == NEVER) return vs_fail_at(r->err, where, "%s=, LTspice's: %s", p->name, p->instead);
   if (value.n == 0 || value.n >= sizeof all->value[0])
     return vs_fail_at(r->err, where, "%s= has no value, or one that is too long", p->name);
@@ -217,13 +217,7 @@ static void rewrite_product(vs_rewriting *r) {
     bool before = open > at && strchr(OPERATORS, open[-1]);
     bool behind = close && close + 1 < end && strchr(OPERATORS, close[1]);
     if (!close || close >= end || (!before && !behind)) continue;
-    vs_text by = {0};
-    vs_text_add(&by, "{");
-    for (; at < end; at++) vs_text_add(&by, "%c", *at == '{' ? '(' : *at == '}' ? ')' : *at);
-    vs_text_add(&by, "}");
-    at = equals ? equals + 1 : w[k].at;
-    vs_rewriting_replace(r, (size_t)(at - r->text.text), (size_t)(end - at), by.text);
-    vs_text_free(&by);
+    vs_rewriting_brace(r, (size_t)(at - r->text.text), (size_t)(end - at));
   }
 }
 

@@ -11,6 +11,23 @@ void vs_rewriting_replace(vs_rewriting *r, size_t offset, size_t n, const char *
   r->text = changed;
 }
 
+void vs_rewriting_brace(vs_rewriting *r, size_t offset, size_t n) {
+  vs_text by = {0};
+  bool quoted = false;
+  vs_text_add(&by, "{");
+  for (const char *s = r->text.text + offset; n > 0; s++, n--) {
+    quoted ^= *s == '\'';
+    vs_text_add(&by, "%c",
+                *s == '{' || (*s == '\'' && quoted) ? '('
+                : *s == '}' || *s == '\''           ? ')'
+                                                    : *s);
+  }
+  const size_t length = by.length - 1; /* as many as there were */
+  vs_text_add(&by, "}");
+  vs_rewriting_replace(r, offset, length, by.text);
+  vs_text_free(&by);
+}
+
 void vs_rewriting_tell(vs_rewriting *r, const char *what) {
   vs_tally_add(r->tally, what, r->line->where);
 }

@@ -27,6 +27,10 @@ typedef struct vs_rewriting {
 /* Replaces n bytes of r->text from `offset` on. */
 void vs_rewriting_replace(vs_rewriting *r, size_t offset, size_t n, const char *by);
 
+/* Writes n bytes of r->text from `offset` on as one expression in braces: braces and single quotes
+ * within them become brackets. */
+void vs_rewriting_brace(vs_rewriting *r, size_t offset, size_t n);
+
 /* Tells that the line was changed, at the line's place. */
 void vs_rewriting_tell(vs_rewriting *r, const char *what);
 

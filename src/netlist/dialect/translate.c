@@ -14,6 +14,7 @@
 #include "dialect/functions.h"
 #include "dialect/rewriting.h"
 #include "netlist/cards.h"
+#include "netlist/expr.h"
 #include "netlist/numbers.h"
 
 /* ---- models: lines .model as PSpice and LTspice write them ---- */
@@ -331,6 +332,142 @@ static void tell_of_edges(vs_rewriting *r) {
                  vs_rewriting_place(r, pulse, 5));
 }
 
+/* ---- values that ngspice does not read to their ends ---- */
+
+static bool is_expression(vs_word v) {
+  vs_expr e;
+  vs_expr_read(&e, v);
+  const bool is = e.whole;
+  vs_expr_free(&e);
+  return is;
+}
+
+/* True for what begins as a number and is none, as 2+1: ngspice reads the number alone. */
+static bool goes_on_behind_number(vs_word v) {
+  double value;
+  if (v.n && strchr("+-", *v.at)) v = (vs_word){v.at + 1, v.n - 1};
+  return v.n && isdigit((unsigned char)v.at[*v.at == '.']) && !vs_numbers_read(v, &value);
+}
+
+/* Where the value ends that begins at `from`: before `to`, and in the brackets that it stands in.
+ */
+static vs_word value_before(const char *from, const char *to) {
+  int open = 0;
+  for (const char *s = from; s < to; s++) {
+    open += (*s == '(') - (*s == ')');
+    if (open < 0) to = s;
+  }
+  while (to > from && strchr(" \t,", to[-1])) to--;
+  return (vs_word){from, (size_t)(to - from)};
+}
+
+/* Where a value stands. */
+typedef enum reading {
+  TO_A_BLANK,   /* NAME=VALUE of .param and of an instance: a blank ends what ngspice reads */
+  IN_A_HEAD,    /* of .subckt: a blank in brackets does, too */
+  BESIDE_WORDS, /* of .model and elements: other words may stand behind it */
+  BY_PLACE      /* VALUE behind an element's nodes: so may other values */
+} reading;
+
+/* Writes the value at `at` in braces where ngspice would read a part of it. Error, with its place:
+ * it is no expression, or may be one or several. */
+static vs_status rewrite_value(vs_rewriting *r, size_t at, size_t n, reading how) {
+  vs_word w[VS_WORDS_MOST];
+  const vs_word v = {r->text.text + at, n};
+  if (!n || strchr("<[\"", *v.at)) return VS_OK;
+  vs_words_split(v.at, w);
+  size_t rest = w[0].n + strspn(v.at + w[0].n, " \t");
+  const bool cut = rest < n;
+  bool partly = cut || (how >= BESIDE_WORDS && goes_on_behind_number(v));
+  if (how == IN_A_HEAD && !strchr("{'", *v.at))
+    partly = partly || memchr(v.at, ' ', n) || memchr(v.at, '\t', n);
+  if (!partly) return VS_OK;
+  if (!cut) rest = 0;
+  const char *behind = v.at + rest;
+  const vs_where where = vs_rewriting_place(r, behind, n - rest);
+  const bool whole = is_expression(v), is_sign = strchr("+-", *behind);
+  if (how == BY_PLACE && whole && cut && is_sign && !strchr(" \t", behind[1]))
+    return vs_fail_at(r->err, where,
+                      "'%.*s' may be a sum or two values, of which ngspice takes one; write {%.*s} "
+                      "for a sum, or one value",
+                      (int)n, v.at, (int)n, v.at);
+  if (whole)
+    vs_rewriting_brace(r, at, n);
+  else if (how < BESIDE_WORDS || (how == BESIDE_WORDS && cut && strchr("+-*/^?", *behind)))
+    return vs_fail_at(r->err, where,
+                      "ngspice leaves out '%.*s' behind this value; one expression, as {a + b}, "
+                      "another NAME=VALUE, or nothing is wanted",
+                      (int)(n - rest), behind);
+  return VS_OK;
+}
+
+/* True for a NAME=VALUE of which a part may be read without a word: of E and G the formula, of V
+ * and B the elements that it becomes. Of others "1 -2" may be a list. */
+static bool is_read_partly(const vs_netlist_card *card, vs_word name) {
+  static const char *const NAMES[] = {"value", "vol", "cur", "rser", "rpar", "cpar"};
+  if (card->kind == VS_CARDS_MODEL) return true;
+  if (strchr("rcl", card->letter)) return !vs_words_is(name, "tc");
+  return strchr("egvb", card->letter) && VS_WORDS_AMONG(name, NAMES);
+}
+
+/* The value behind the nodes of R, C, L, or the gain of E, F, G, H, up to `to`. */
+static vs_word value_by_place(const vs_cards *c, const char *text, const char *to) {
+  static const char LETTERS[] = "rclfheg", PLACES[] = "2223344";
+  vs_word w[VS_WORDS_MOST];
+  const char *letter = strchr(LETTERS, c->card->letter);
+  const size_t place = letter ? (size_t)(PLACES[letter - LETTERS] - '0') : 0;
+  const vs_word first = vs_cards_word(c, c->card, place);
+  if (!letter || !first.n || vs_words_split(text, w) < place + 2) return (vs_word){text, 0};
+  const vs_word of = w[place + 1];
+  const bool same = first.at >= of.at && first.at < of.at + of.n; /* no brackets around nodes */
+  return same ? value_before(of.at, to) : (vs_word){text, 0};
+}
+
+/* ".param a = b + 1" in a subcircuit is b to ngspice, and so are likes of it in other lines. From
+ * the line's end on, as what stands before a value keeps its place. */
+static vs_status rewrite_each(vs_rewriting *r, const vs_cards *c) {
+  const vs_netlist_card *card = c->card;
+  const char *text = c->lines->text, *next = text + strlen(text);
+  const bool element = card->kind == VS_CARDS_ELEMENT;
+  const bool formulas = !element ? card->kind != VS_CARDS_MODEL : card->letter == 'x';
+  const reading how = !formulas                       ? BESIDE_WORDS
+                      : card->kind == VS_CARDS_SUBCKT ? IN_A_HEAD
+                                                      : TO_A_BLANK;
+  vs_status status = VS_OK;
+  for (size_t k = card->first + card->count; k-- > card->first && !status;) {
+    const vs_argument *a = &c->arguments[k];
+    vs_word v = formulas ? a->value : value_before(a->value.at, next);
+    if (a->name.n) {
+      next = a->name.at;
+      if (formulas && v.n && v.at[v.n - 1] == ':') { /* PARAMS: */
+        while (v.n && !strchr(" \t", v.at[v.n - 1])) v.n--;
+        v = value_before(v.at, v.at + v.n);
+      }
+      if (formulas || is_read_partly(card, a->name))
+        status = rewrite_value(r, (size_t)(v.at - text), v.n, how);
+    } else if (element && strchr("vi", card->letter) && k >= card->first + 2 &&
+               goes_on_behind_number(a->value))
+      status = rewrite_value(r, (size_t)(a->value.at - text), a->value.n, BESIDE_WORDS);
+  }
+  const vs_word v = value_by_place(c, text, next);
+  return status ? status : rewrite_value(r, (size_t)(v.at - text), v.n, BY_PLACE);
+}
+
+static vs_status rewrite_values(vs_rewriting *r) {
+  vs_line line = {.text = vs_copy(r->text.text)};
+  const char letter = (char)tolower((unsigned char)*line.text);
+  vs_status status = VS_OK;
+  if (strchr(".x", letter) || (strchr("rclvibeghf", letter) && strpbrk(line.text, "+-*/^?<>&|"))) {
+    vs_cards c;
+    vs_cards_read(&c, &line, 1);
+    if (c.card->kind <= VS_CARDS_PARAM && c.card->kind != VS_CARDS_ENDS)
+      status = rewrite_each(r, &c);
+    vs_cards_free(&c);
+  }
+  vs_line_free(&line);
+  return status;
+}
+
 vs_status vs_translate(vs_rewriting *r) {
   vs_status status = vs_numbers_check(r->line, r->tally, r->err);
   if (status) return status;
@@ -340,7 +477,8 @@ vs_status vs_translate(vs_rewriting *r) {
     rewrite_commas(r);
   vs_words_unbrace(r->text.text);
   rewrite_nested(r);
-  status = check_sine(r);
+  status = rewrite_values(r);
+  if (!status) status = check_sine(r);
   if (!status) status = check_points(r);
   if (!status) tell_of_edges(r);
   if (!status) status = models_rewrite(r);

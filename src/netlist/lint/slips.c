@@ -273,21 +273,9 @@ static size_t name_at(const char *s) {
   return n;
 }
 
-/* Finds a name at the line's end behind a value that is a number or stands in braces; *at is empty
- * where there is none. Of other values it is not known where they end. */
-static vs_word name_behind(const char *value) {
-  vs_word w[VS_WORDS_MOST], none = {value, 0};
-  if (vs_words_split(value, w) != 2) return none;
-  const char *digit = w[0].at + strspn(w[0].at, "+-.");
-  if (!isdigit((unsigned char)*digit) && *w[0].at != '{') return none;
-  if (w[0].at[w[0].n - 1] != '}' && !isalnum((unsigned char)w[0].at[w[0].n - 1])) return none;
-  return name_at(w[1].at) == w[1].n ? w[1] : none;
-}
-
 static vs_status check_instance(const vs_cards *c, size_t number, vs_error *err) {
   const vs_netlist_card *card = &c->card[number];
   const vs_line *line = &c->lines[number];
-  vs_word extra = {"", 0};
   for (size_t k = card->first; card->letter == 'x' && k < card->first + card->count; k++) {
     const vs_argument *a = &c->arguments[k];
     const int n = (int)a->name.n;
@@ -301,13 +289,8 @@ static vs_status check_instance(const vs_cards *c, size_t number, vs_error *err)
       return vs_fail_at(err, vs_line_place_of(line, a->name),
                         "%.*s has no value; write one behind its '=', or leave %.*s out", n,
                         a->name.at, n, a->name.at);
-    extra = n ? name_behind(a->value.at) : extra;
   }
-  return extra.n ? vs_fail_at(err, vs_line_place_of(line, extra),
-                              "ngspice leaves out '%.*s' behind the parameters; write NAME=VALUE, "
-                              "or leave it out",
-                              (int)extra.n, extra.at)
-                 : VS_OK;
+  return VS_OK;
 }
 
 vs_status vs_slips_instances(const vs_cards *c, vs_error *err) {
