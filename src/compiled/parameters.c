@@ -125,18 +125,6 @@ bool vs_parameters_operate(vs_word op, double x, double y, double *value) {
 static vs_status value_of_name(const vs_cards *c, vs_parameters *in, vs_word name, double *value,
                                vs_error *err);
 
-/* Of a .param within a subcircuit ngspice reads no further than to a blank outside of braces and
- * quotes: "1 + x" is 1 there. */
-static vs_word up_to_blank(vs_word body) {
-  size_t n = 0;
-  for (int depth = 0; n < body.n && (depth || !strchr(" \t", body.at[n])); n++) {
-    depth += body.at[n] == '{';
-    depth -= body.at[n] == '}';
-    if (body.at[n] == '\'') depth = !depth;
-  }
-  return (vs_word){body.at, n};
-}
-
 /* The text that gives a parameter of this instance its value, and the instance in which that is to
  * be read; no bytes: it has no such parameter. */
 static vs_word given_to(const vs_cards *c, vs_parameters *in, vs_word name, vs_parameters **reads) {
@@ -151,8 +139,7 @@ static vs_word given_to(const vs_cards *c, vs_parameters *in, vs_word name, vs_p
       return given;
     }
   }
-  if (!d) return (vs_word){name.at, 0};
-  return in->in.scope && c->card[d->card].kind == VS_CARDS_PARAM ? up_to_blank(d->body) : d->body;
+  return d ? d->body : (vs_word){name.at, 0};
 }
 
 static vs_parameter_value *find_known(vs_parameters *in, vs_word name) {

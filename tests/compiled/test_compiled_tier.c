@@ -183,9 +183,9 @@ static void a_deck_in_pspices_dialect(void) {
   free_ran(&other);
 }
 
-/* v(q) by elements that are made by the same trees, and by what ngspice reads otherwise than it
- * looks: of a subcircuit's .param all behind a blank is left out, so that two transistors let go
- * 0.3 us late, 1.8 tolerances at 1e-4; and a transistor's gmin is not amplified. */
+/* v(q) by elements that are made by the same trees; by a subcircuit's .param that goes on behind a
+ * blank, where two transistors let go 0.3 us late otherwise, 1.8 tolerances at 1e-4; and by a
+ * transistor whose gmin is not amplified. */
 static void elements_are_as_in_ngspice(void) {
   static const char *const ROWS[] = {
       "E9 q 0 value={v(a)*v(b)/1000+2}\nR9 q 0 1k",
