@@ -463,6 +463,25 @@ static void would_lie(void) {
   }
 }
 
+/* A pair runs to the later end of the two, with which `run` makes it again. */
+static void a_pair_runs_on(void) {
+  study *s =
+      good_study(SCENE "threats:\n  late: {kind: sag, at: 65 ms, duration: 5 ms, until: 0.1 s}\n"
+                       "  both: {kind: open, element: C1, from: start, with: late}\n");
+  vs_threats threats = {0};
+  vs_text text = {0};
+  bool told = false;
+  CU_ASSERT_EQUAL(
+      vs_threats_read(vs_tree_child(s->plan.tree.root, "threats"), s->plan.base, &threats, &s->err),
+      VS_OK);
+  for (size_t k = 0; text.length = 0, vs_threats_setting(&threats, &threats.item[1], k, &text); k++)
+    told = told || !strncmp(text.text, "run.until=0.1", 13);
+  EXPECT(told, "no run.until of %s", threats.item[1].name);
+  vs_text_free(&text);
+  vs_threats_free(&threats);
+  drop(s);
+}
+
 /* An opened element whose value the deck reckons with makes lines untrue, also where no second run
  * tells their errors. */
 static void untrue_lines_are_undecided(void) {
@@ -483,6 +502,7 @@ int main(void) {
                                   {"each part by itself", each_part_by_itself},
                                   {"refused", refused},
                                   {"would lie", would_lie},
+                                  {"a pair runs on", a_pair_runs_on},
                                   {"untrue lines are undecided", untrue_lines_are_undecided}};
   return program_suite("threats", TESTS, COUNT(TESTS));
 }
