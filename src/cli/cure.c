@@ -141,13 +141,15 @@ static void take_verdict(const vs_verdict *v, change *k) {
 /* Runs the scene with the change; proof: with the errors of its margins. What fails is noted.
  * Error: VS_SIGNAL. */
 static vs_status try_change(cure *c, change *k, bool proof, vs_error *err) {
-  const char *keys[] = {k->set, "run.verify=never"};
+  const bool always = c->scene->setup.run.verify == VS_VERIFY_ALWAYS;
+  const char *errors = always ? "run.verify=always" : "run.verify=auto",
+             *keys[] = {k->set, proof ? errors : "run.verify=never"};
   const vs_session session = {.verify = true, .stop = c->o->stop};
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_result *result = vs_alloc(1, sizeof *result);
   vs_error why = {0};
   char text[ROOM] = "";
-  vs_status status = vs_scene_with(c->scene, keys, proof ? 1 : 2, scene, &why);
+  vs_status status = vs_scene_with(c->scene, keys, 2, scene, &why);
   if (!status && draws_a_warning(c, scene, text, sizeof text))
     status = vs_fail(&why, VS_INPUT, "%s", text);
   if (!status && hides_a_line(c, scene, text))
@@ -636,6 +638,9 @@ static vs_status check_series(const cure *c, vs_error *err) {
 
 static vs_status run_nominal(cure *c, vs_error *err) {
   const vs_session session = {.verify = true, .stop = c->o->stop};
+  int *verify = &c->scene->setup.run.verify;
+  if (*verify == VS_VERIFY_NEVER)
+    *verify = VS_VERIFY_AUTO; /* a margin without an error proves nothing */
   vs_status status = vs_steady_run(&session, c->scene, c->nominal, err);
   if (!status && c->nominal->second.stopped)
     status = vs_fail(err, VS_SIGNAL, "stopped by a signal");

@@ -69,6 +69,7 @@ static vs_status take_criterion(judge *j, vs_error *err) {
   const vs_node *node = vs_tree_child(j->asked.root, "criterion");
   if (!node) return VS_OK;
   if (node->kind == VS_NODE_TEXT) j->criterion = vs_expect_criterion(node->text);
+  j->hold.by_a = j->criterion == 0;
   if (j->criterion >= 0) return VS_OK;
   return vs_fail_at(err, node->where,
                     "criterion: A (nothing happens), B (it may fire or misfire) or C (a fuse may "

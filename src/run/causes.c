@@ -78,6 +78,8 @@ static form form_of(const vs_device_measure *m) {
   switch (m->how) {
   case VS_R_PEAK:
   case VS_R_ARC:
+  case VS_R_ARCS:
+  case VS_R_DERATED:
   case VS_R_GATE_LEAST:
   case VS_R_OFFERED:
   case VS_R_MISFIRE:
@@ -329,7 +331,8 @@ static void follow_sum(cause *k, const vs_devices *d, double from_s) {
     k->sum_before = k->sum;
     k->cycle_s = from_s;
   }
-  k->sum = fabs(d->item[k->device].sum[k->of->measure->of]);
+  const bool melts = k->of->measure->how == VS_R_OPENS; /* by int i^2 dt */
+  k->sum = fabs(d->item[k->device].sum[melts ? VS_OF_I2 : k->of->measure->of]);
   if (k->sum - k->sum_before <= k->part) return;
   k->part = k->sum - k->sum_before;
   k->part_from_s = from_s;

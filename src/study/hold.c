@@ -119,7 +119,7 @@ bool vs_hold_is_weaker(double m, double e, double other, double of_other) {
   return m - (sure || isnan(e) ? 0 : e) <= other - (sure || isnan(of_other) ? 0 : of_other);
 }
 
-/* True if the scene waived the line: not_judged ends with "a.b, c.d (waived)". */
+/* True if the scene waived that, a line or a device: not_judged ends with "a.b, c.d (waived)". */
 static bool was_waived(const char *not_judged, const char *name) {
   static const char END[] = " (waived)";
   const size_t size = strlen(not_judged), n = strlen(name);
@@ -128,10 +128,22 @@ static bool was_waived(const char *not_judged, const char *name) {
   for (const char *s; (s = strstr(list, "; "));) list = s + 2;
   for (const char *s = list; (s = strstr(s, name)); s += n)
     if ((s == list || s[-1] == ' ') && (s[n] == ',' || s[n] == ' ')) return true;
-  const char *dot = strchr(name, '.');
+  return false;
+}
+
+/* True if all of the line's device were. */
+static bool was_device_waived(const char *not_judged, const char *line) {
   char device[VS_DECK_NAME];
-  snprintf(device, sizeof device, "%.*s", dot ? (int)(dot - name) : 0, name);
-  return dot && was_waived(not_judged, device); /* all of its limits were */
+  snprintf(device, sizeof device, "%.*s", (int)strcspn(line, "."), line);
+  return strchr(line, '.') && was_waived(not_judged, device);
+}
+
+/* What a waived line comes to now. Under criterion A one that is broken is undecided where it may
+ * be the row's own criterion that waived it: a row does not say who did. */
+static vs_hold_word waived_word(const vs_hold *h, const vs_hold_line *l, vs_hold_word word) {
+  const char *dot = strchr(l->name, '.');
+  const bool by_criterion = h->by_a && dot && vs_expect_may_leave_out(dot + 1);
+  return by_criterion && word != VS_HOLD_HELD ? VS_HOLD_UNDECIDED : VS_HOLD_HELD;
 }
 
 /* The margin to the limit asked for. A margin m to a most limit L leaves the stress at L (1 - m),
@@ -151,9 +163,12 @@ void vs_hold_judge(const vs_hold *h, size_t line, double m, double e, const char
                    vs_hold_row *r, vs_hold_word came[2]) {
   const vs_hold_line *l = &h->line[line];
   const double now = margin_now(h, l, m), error = error_now(l, e);
-  const bool waived = !l->own && was_waived(not_judged, l->name);
+  const bool device = !l->own && was_device_waived(not_judged, l->name),
+             waived = device || (!l->own && was_waived(not_judged, l->name));
   came[0] = waived ? VS_HOLD_HELD : word_of(m, e);
-  came[1] = waived || l->waived ? VS_HOLD_HELD : word_of(now, error);
+  came[1] = device || l->waived ? VS_HOLD_HELD
+            : waived            ? waived_word(h, l, word_of(now, error))
+                                : word_of(now, error);
   r->stored = worse(r->stored, came[0]);
   r->now = worse(r->now, came[1]);
   if (waived || l->waived || !isfinite(now)) return;

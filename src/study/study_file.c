@@ -108,9 +108,13 @@ static void first_point(const vs_plan *plan, double *point) {
     return;
   }
   for (size_t k = 0; k < plan->n_axes; k++) point[k] = some_value(&plan->axes[k]);
-  for (size_t p = 0; p < plan->n_stages; p++)
-    if (plan->stages[p].method->draw) /* its axes have not all a number in each case */
-      plan->stages[p].method->point(plan, &plan->stages[p], 0, point + plan->stages[p].axis);
+  for (size_t p = 0; p < plan->n_stages; p++) {
+    const vs_plan_stage *stage = &plan->stages[p];
+    if (!stage->method->draw) continue; /* else not all its axes have a number in each case */
+    /* the last of the threats is the scene itself, which goes with all that the others may not */
+    const uint64_t last = stage->method->count(plan, stage) - 1;
+    stage->method->point(plan, stage, last, point + stage->axis);
+  }
 }
 
 /* Error: the study asks for orbits, and the scene has none for a reason known before any search. */

@@ -31,6 +31,7 @@ typedef struct vs_threat {
   const vs_node *live;  /* the devices that are judged; NULL: all */
   const vs_node *start; /* "rest" or "steady"; NULL: as the scene begins */
   double until_s;       /* run.until; NaN: the scene's */
+  int first_cycle;      /* in which it comes, as that of the first firing; 0: it says when */
 } vs_threat;
 
 /* A case's numbers: how many, and which range the k-th belongs to: its own first, then those of

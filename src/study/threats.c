@@ -305,7 +305,8 @@ static bool is_set(const vs_threat *t, const char *key) {
 static void place(vs_threat *t, const vs_scene *scene) {
   char cycle[32];
   if (is_set(t, "at") || is_set(t, "cycle")) return;
-  snprintf(cycle, sizeof cycle, "%d", scene->setup.timeline.firing.first_cycle);
+  t->first_cycle = scene->setup.timeline.firing.first_cycle;
+  snprintf(cycle, sizeof cycle, "%d", t->first_cycle);
   set_text(t, "cycle", cycle, t->where);
 }
 
@@ -504,13 +505,18 @@ static void put_waivers(const vs_threats *all, const vs_threat *t, vs_tree *tree
   put_list(all->scene, "waive", words, n, t->live ? t->live->where : t->where, tree);
 }
 
+/* Of a pair the later end. NaN: the scene's. */
+static double until_of(const vs_threat *t) {
+  return t->with ? fmax(t->until_s, t->with->until_s) : t->until_s;
+}
+
 static void put_until(const vs_threats *all, const vs_threat *t, vs_tree *tree) {
+  const double until_s = until_of(t);
   bool any = false;
   char text[64];
   for (size_t k = 0; k < all->count; k++) any = any || !isnan(all->item[k].until_s);
   if (!any) return;
-  snprintf(text, sizeof text, "%.17g s",
-           isnan(t->until_s) ? all->scene->setup.run.until_s : t->until_s);
+  snprintf(text, sizeof text, "%.17g s", isnan(until_s) ? all->scene->setup.run.until_s : until_s);
   vs_tree_put(tree, "run.until", text, t->where);
 }
 
@@ -571,6 +577,13 @@ static vs_status check_one(const vs_threat *t, const vs_scene *scene, vs_error *
   const double from_s = e ? e->start_s : begins_s(t, scene);
   const double end_s = e && e->end_s - e->start_s < FOR_GOOD_S ? e->end_s : from_s;
   const double needed_s = end_s + (scene->setup.timeline.supply.direct ? 0 : period_s);
+  const int first_cycle = scene->setup.timeline.firing.first_cycle;
+  if (t->first_cycle && t->first_cycle != first_cycle)
+    return vs_fail_at(
+        err, t->where,
+        "threats.%s: it comes in cycle %d, that of the scene's first firing, which is "
+        "in cycle %d here: cycle, or at, is wanted",
+        t->name, t->first_cycle, first_cycle);
   if (e && needed_s <= until_s * (1 + 1e-12)) return VS_OK;
   if (!e && from_s < until_s)
     return vs_fail_at(err, t->where, "threats.%s: it is not built", t->name);
@@ -718,7 +731,7 @@ bool vs_threats_setting(const vs_threats *all, const vs_threat *t, size_t k, vs_
     write_list(all->scene, "waive", words, waived, text);
   else if (t->start && k-- == 0)
     vs_text_add(text, "start=%s", strcmp(t->start->text, REST) ? vs_setup_steady : "");
-  else if (!isnan(t->until_s) && k-- == 0)
-    vs_text_add(text, "run.until=%.17g s", t->until_s);
+  else if (!isnan(until_of(t)) && k-- == 0)
+    vs_text_add(text, "run.until=%.17g s", until_of(t));
   return text->length > 0;
 }

@@ -260,6 +260,21 @@ static void a_rating_beside_a_waiver(void) {
   free_ran(&r);
 }
 
+/* Rows of criterion B have the limits of dv/dt waived. Criterion A asks for them, and a row does
+ * not say whether the scene waived them besides: what would break is undecided. */
+static void what_a_criterion_waived(void) {
+  run_study("b", ", expect: [B]");
+  static const char *const ROWS[][2] = {{"", "\"held\": 3"},
+                                        {"--set criterion=B", "\"held\": 3"},
+                                        {"--set criterion=A", "\"undecided\": 3"}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    ran r = run("judge b --json --set hold.thyristor.dv_dt=1e-9 %s", ROWS[k][0]);
+    const char *now = strstr(r.out, "\"now\"");
+    EXPECT(now && strstr(now, ROWS[k][1]), "%s: %s%s", ROWS[k][0], r.out, r.err);
+    free_ran(&r);
+  }
+}
+
 /* A margin without an error holds by its sign alone, which is told. */
 static void margins_without_errors(void) {
   write_file("n.yaml", "set: {circuit: {deck: halfwave_paper, thyristor: TYN1212},\n"
@@ -332,6 +347,7 @@ int main(void) {
                                   {"criteria", criteria},
                                   {"edited rows", edited_rows},
                                   {"a rating beside a waiver", a_rating_beside_a_waiver},
+                                  {"what a criterion waived", what_a_criterion_waived},
                                   {"margins without errors", margins_without_errors},
                                   {"refused", refused},
                                   {"sensitivity of a margin", sensitivity_of_a_margin}};

@@ -172,8 +172,21 @@ static void many_lines(void) {
   free_ran(&r);
 }
 
-static const vs_test tests[] = {{"shares by phasors", by_phasors},
+/* What melts a fuse is a sum of i^2, whose part is that of the line i2t_surge beside it. */
+static void a_fuse_that_opens(void) {
+  ran r = run("run paper --set circuit.deck=halfwave_paper --set firing.every=1 --until 27ms "
+              "--set run.verify=never --why --json --quiet "
+              "--set 'events.sh={kind: coil_short, cycle: 2, angle: 90 deg}'");
+  const char *opens = cause_of(r.out, "device", "fuse_2\", \"measure\": \"opens"),
+             *sum = cause_of(r.out, "device", "fuse_2\", \"measure\": \"i2t_surge");
+  CU_ASSERT_FATAL(opens && sum);
+  CLOSE_OF(number_in(opens, "most"), number_in(sum, "most"), 1, 1e-6);
+  free_ran(&r);
+}
+
+static const vs_test tests[] = {{"a fuse that opens", a_fuse_that_opens},
                                 {"more lines than are told", many_lines},
+                                {"shares by phasors", by_phasors},
                                 {"shares under a surge", under_a_surge},
                                 {"assumed figures", assumed_figures},
                                 {"transistors and gates", transistors_and_gates},

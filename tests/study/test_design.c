@@ -318,6 +318,17 @@ static void tolerances(void) {
   free(text);
 }
 
+/* A threat's own keys are run also where a point of operation has others: it comes at 60 ms, which
+ * a run of the scene's 50 ms would not meet. */
+static void threats_beside_operation(void) {
+  write_design(", parts: [g1200.inc]",
+               "operation: {long: {run.until: 70 ms}}\nthreats:\n  late: {kind: sag, at: 60 ms, "
+               "duration: 5 ms, until: 90 ms}\nproof: {verify: false, neighbours: false}\n");
+  ran r = run("design d.yaml -o beside --overwrite");
+  EXPECT(strstr(r.out, "holds all 2 cases"), "%s", r.out);
+  expect_end(&r, 0, "circuit.thyristor     g1200.inc ");
+}
+
 /* What an event makes untrue is no stress: r1, opened, would have kilowatts by the deck's line. No
  * candidate is rejected by it, and none holds. */
 static void not_judged(void) {
@@ -350,6 +361,19 @@ static void refusals(void) {
        "operation: {high: {supply.frequency: 60 Hz}}\n",
        "d.yaml:8:20: ",
        {"does not say", NULL}},
+      {"",
+       "operation: {high: {supply: {voltage: 484 V}}}\n",
+       "d.yaml:8:20: ",
+       {"all of supply", "{supply.voltage: ...}"}},
+      {"",
+       "operation: {odd: {circuit.r1: 5 ohm}}\n",
+       "d.yaml:8:19: ",
+       {"circuit.r1 stands under catalogue already", NULL}},
+      {"",
+       "operation: {high: {supply.voltage: 484 V}}\nspread: {supply.voltage: 5 % uniform}\n"
+       "threats: {dip: {kind: sag}}\n",
+       "d.yaml:8:20: ",
+       {"supply.voltage stands under spread already", NULL}},
       {"", "vary: {circuit.r1: [1 ohm]}\n", "d.yaml:3:1: ", {"vary stands beside it", NULL}},
       {"", "set: {run.tier: compiled}\n", "d.yaml:1:8: ", {"ngspice", "circuit"}},
   };
@@ -424,6 +448,7 @@ int main(void) {
                                   {"house", house},
                                   {"draws become cases", draws_become_cases},
                                   {"tolerances", tolerances},
+                                  {"threats beside operation", threats_beside_operation},
                                   {"not judged", not_judged},
                                   {"budget", budget},
                                   {"refusals", refusals},

@@ -443,6 +443,10 @@ static void would_lie(void) {
        "the scene has an event of that name"},
       {"spread: {circuit.r1: 5 % uniform}\nvary: {firing.angle: [90 deg]}\n",
        "goes along with threats"},
+      {"set: {circuit.deck: halfwave_paper, run.until: 60 ms}\n"
+       "vary: {firing.first_cycle: [1, 2]}\n"
+       "threats: {a: {kind: surge, angle: [0 deg]}}\n",
+       "it comes in cycle 1, that of the scene's first firing, which is in cycle 2 here"},
       /* the first case is good, and another one is not: its row must not be held */
       {"set: {circuit.deck: halfwave_paper, run.until: 60 ms}\n"
        "vary: {run.until: [60 ms, 15 ms]}\n"
@@ -451,12 +455,31 @@ static void would_lie(void) {
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     write_file("lie.yaml", ROWS[k].text);
     ran r = run("study lie.yaml -o lie --overwrite");
-    EXPECT(r.status == (k == COUNT(ROWS) - 1 ? 1 : 2), "%d %d %s", (int)k, r.status, r.err);
+    EXPECT(r.status == (k + 2 >= COUNT(ROWS) ? 1 : 2), "%d %d %s", (int)k, r.status, r.err);
     char *why = r.status == 1 ? read_file("lie/failures.csv") : vs_copy(r.err);
     SAYS(why, ROWS[k].says);
     free(why);
     free_ran(&r);
   }
+}
+
+/* A pair runs to the later end of the two, with which `run` makes it again. */
+static void a_pair_runs_on(void) {
+  study *s =
+      good_study(SCENE "threats:\n  late: {kind: sag, at: 65 ms, duration: 5 ms, until: 0.1 s}\n"
+                       "  both: {kind: open, element: C1, from: start, with: late}\n");
+  vs_threats threats = {0};
+  vs_text text = {0};
+  bool told = false;
+  CU_ASSERT_EQUAL(
+      vs_threats_read(vs_tree_child(s->plan.tree.root, "threats"), s->plan.base, &threats, &s->err),
+      VS_OK);
+  for (size_t k = 0; text.length = 0, vs_threats_setting(&threats, &threats.item[1], k, &text); k++)
+    told = told || !strncmp(text.text, "run.until=0.1", 13);
+  EXPECT(told, "no run.until of %s", threats.item[1].name);
+  vs_text_free(&text);
+  vs_threats_free(&threats);
+  drop(s);
 }
 
 /* An opened element whose value the deck reckons with makes lines untrue, also where no second run
@@ -479,6 +502,7 @@ int main(void) {
                                   {"each part by itself", each_part_by_itself},
                                   {"refused", refused},
                                   {"would lie", would_lie},
+                                  {"a pair runs on", a_pair_runs_on},
                                   {"untrue lines are undecided", untrue_lines_are_undecided}};
   return program_suite("threats", TESTS, COUNT(TESTS));
 }

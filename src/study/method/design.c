@@ -160,6 +160,7 @@ static vs_status read_design(vs_plan *plan, const vs_node *section, void **state
   if (!status) status = add_verify(plan, d, err);
   if (!status && vs_error_count(err) == kept)
     status = vs_design_choices_read(plan, d, section, err);
+  if (!status) status = vs_design_cases_check(plan, &d->cases, err);
   if (status || vs_error_count(err) > kept) return status;
   vs_design_cases_count(plan, &d->cases);
   return vs_design_choices_rank(section, d, err);
@@ -254,7 +255,7 @@ static void put_design(const vs_plan *plan, const vs_plan_stage *stage, const do
                        vs_tree *tree) {
   const vs_design *d = stage->state;
   const double *point = value - stage->axis;
-  vs_design_cases_put(&d->cases, point, tree);
+  vs_design_cases_put(plan, &d->cases, point, tree);
   for (size_t c = 0; c < d->n_choices; c++) {
     const vs_design_choice *one = &d->choice[c];
     const size_t axis = one->tolerance ? one->tolerance - 1 : one->axis;

@@ -42,6 +42,10 @@ static vs_status check_key(const vs_plan *plan, const vs_node *point, const vs_n
     return vs_fail_at(err, key->key_where,
                       "operation.%s: events are threats; under threats they have their names",
                       point->key);
+  if (key->kind == VS_NODE_MAP && key->child && strcmp(key->key, "start") != 0)
+    return vs_fail_at(err, key->key_where,
+                      "operation.%s: a map takes the place of all of %s; write {%s.%s: ...}",
+                      point->key, key->key, key->key, key->child->key);
   if (node_of(plan->base, key->key)) return VS_OK;
   return vs_fail_at(err, key->key_where,
                     "operation.%s: the scene itself does not say %s; set: {%s: ...} is wanted, for "
@@ -102,6 +106,20 @@ vs_status vs_design_cases_read(vs_plan *plan, vs_design_cases *c, vs_error *err)
   return status;
 }
 
+vs_status vs_design_cases_check(const vs_plan *plan, const vs_design_cases *c, vs_error *err) {
+  vs_status status = VS_OK;
+  for (const vs_node *p = c->points ? c->points->child : NULL; p; p = p->next)
+    for (const vs_node *n = p->child; n && !status; n = n->next)
+      for (size_t k = 0; k < plan->n_axes; k++)
+        if (!strcmp(plan->axes[k].key, n->key) && !status)
+          status = vs_error_keep(
+              err,
+              vs_fail_at(err, n->key_where,
+                         "operation.%s: %s stands under %s already, which says it in each case",
+                         p->key, n->key, plan->axes[k].by));
+  return status;
+}
+
 static uint64_t count_threats(const vs_plan *plan, const vs_design_cases *c) {
   return c->threats ? c->threats->method->count(plan, c->threats) : 0;
 }
@@ -155,13 +173,16 @@ void vs_design_cases_point(const vs_plan *plan, const vs_design_cases *c, uint64
     c->threats->method->draw(plan, c->threats, number - c->count, own);
 }
 
-void vs_design_cases_put(const vs_design_cases *c, const double *point, vs_tree *tree) {
+void vs_design_cases_put(const vs_plan *plan, const vs_design_cases *c, const double *point,
+                         vs_tree *tree) {
   vs_error never = {0}; /* the keys go through no list */
   if (!c->n_points) return;
   for (size_t w = 1; w <= c->n_points; w++)
     for (const vs_node *n = point_named(c, w)->child; n; n = n->next)
       vs_tree_graft(tree, n->key, node_of(c->scene, n->key), &never);
   const vs_node *own = point_named(c, (size_t)point[c->axis]);
+  /* a threat, or a spread, may say one of these keys itself, as run.until */
+  if (!own && c->threats) c->threats->method->put(plan, c->threats, point + c->threats->axis, tree);
   for (const vs_node *n = own ? own->child : NULL; n; n = n->next)
     vs_tree_graft(tree, n->key, n, &never);
 }

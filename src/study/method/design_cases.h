@@ -24,8 +24,13 @@ void vs_design_cases_count(const vs_plan *plan, vs_design_cases *cases);
 /* Writes the numbers of a case into the point, on its own axes. */
 void vs_design_cases_point(const vs_plan *plan, const vs_design_cases *cases, uint64_t number,
                            double *point);
+/* Called once all axes are there. Error: a point says a key that is chosen, or spread: a row would
+ * not have been run with what its columns say. */
+vs_status vs_design_cases_check(const vs_plan *plan, const vs_design_cases *cases, vs_error *err);
+
 /* Puts the point's operation into a scene's tree, which may have another's. */
-void vs_design_cases_put(const vs_design_cases *cases, const double *point, vs_tree *tree);
+void vs_design_cases_put(const vs_plan *plan, const vs_design_cases *cases, const double *point,
+                         vs_tree *tree);
 
 /* Writes the case as people say it: "surge: angle 41.2 deg, level 1 kV". */
 void vs_design_cases_write(const vs_plan *plan, const vs_design_cases *cases, uint64_t number,

@@ -39,6 +39,8 @@ extern const vs_criterion vs_expect_criteria[VS_CRITERIA];
 
 /* Returns the number of the criterion of that name, from 0; -1: there is none. */
 int vs_expect_criterion(const char *name);
+/* True for the name of a measure whose limit criteria behind A leave out, of some kind. */
+bool vs_expect_may_leave_out(const char *measure);
 /* True where the criterion of that number allows what summary.json calls by that name. */
 bool vs_expect_spares(int criterion, const char *what);
 

@@ -27,6 +27,7 @@ typedef struct vs_hold {
   vs_hold_line *line; /* [count], owned */
   size_t count;
   double margin;     /* of the house: the least margin that holds */
+  bool by_a;         /* criterion A is asked for, whatever the rows were run with */
   const char *where; /* where lines are looked for, for messages: "the verdicts of this study" */
   const char *hint;  /* what a message adds where no line's name is near */
 } vs_hold;
