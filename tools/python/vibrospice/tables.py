@@ -209,7 +209,7 @@ def _numpy():
         return None
 
 
-def _handed_out(column, counts):
+def handed_out(column, counts):
     """Returns a column as users get it: numpy's array where numpy is, else a list. counts: its cells
     are whole numbers."""
     numpy = _numpy()
@@ -263,7 +263,7 @@ class Table(collections.abc.Mapping):
         is_text = self.path.suffix != ".json"
         columns = _read_text(self.path, self._words) if is_text else _read_folder(self.path)
         counts = self._of_cells("count")
-        self._columns = {name: _handed_out(c, name in counts) for name, c in columns.items()}
+        self._columns = {name: handed_out(c, name in counts) for name, c in columns.items()}
         return self._columns
 
     @property
