@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Makes a wheel of an installed tree; tools/package --wheel runs it.
 
-usage: wheel.py INSTALLED DIR LIBNGSPICE LIBGOMP
+usage: wheel.py INSTALLED DIR
 
 Standard library alone, and readelf. Prints the wheel's path. Exit status 77: some file needs a
 newer glibc than MOST.
@@ -21,7 +21,8 @@ import zipfile
 
 MOST = (2, 35)
 HERE = pathlib.Path(__file__).resolve().parent
-TAKEN = ("bin", "include", "lib/vibrospice", "lib/libvibrospice.so.0", "share/vibrospice")
+TAKEN = ("bin", "include", "share/vibrospice", "lib/vibrospice", "lib/ngspice", "lib/libngspice.so.0",
+         "lib/libgomp.so.1", "lib/libvibrospice.so.0")
 # Debian's packages whose code is in the wheel, as a library of its own or linked.
 LINKED = ("libngspice0", "libgomp1", "libgsl-dev", "libfyaml-dev", "libzstd-dev")
 
@@ -35,13 +36,9 @@ def files_below(path):
             yield "/" + file.relative_to(path).as_posix(), file
 
 
-def contents(installed, libngspice, libgomp):
-    """Returns {path below the package: file}. A link is its file. libngspice's code models lie beside
-    it in the folder ngspice."""
-    ngspice = libngspice.resolve()
-    taken = [(part, installed / part) for part in TAKEN]
-    taken += [("", HERE / "vibrospice"), ("lib/ngspice", libngspice.parent / "ngspice"),
-              ("lib/libngspice.so.0", ngspice), ("lib/libgomp.so.1", libgomp.resolve())]
+def contents(installed):
+    """Returns {path below the package: file}. A link is its file."""
+    taken = [("", HERE / "vibrospice"), *((part, installed / part) for part in TAKEN)]
     return {(to + rest).strip("/"): file for to, path in taken for rest, file in files_below(path)}
 
 
@@ -109,8 +106,8 @@ def write(path, members, record):
         add(record, "".join(lines) + f"{record},,\n", 0o644)
 
 
-def main(installed, folder, libngspice, libgomp):
-    files = contents(installed, libngspice, libgomp)
+def main(installed, folder):
+    files = contents(installed)
     glibc = glibc_of(files.values())
     tag = f"py3-none-manylinux_{glibc[0]}_{glibc[1]}_{platform.machine()}"
     texts, version = information(tag)
