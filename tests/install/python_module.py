@@ -286,6 +286,8 @@ class Stepped(Case):
         self.assertEqual(run.time, 0.02)
         self.assertEqual(run.columns.units, {"t_s": "s", "p_m": "m", "i_a": "A"})
         self.assertEqual(run.values["p_m"].unit, "m")
+        self.assertIn("<td>p_m</td>", run._repr_html_())
+        self.assertRegex(repr(run), r"<Run at 0.02 s of 0.04 s, \d+ rows>")
         so_far = list(run.columns["p"])
         run.to(0.04)
         self.assertEqual(so_far, list(run.columns["p"])[:len(so_far)])
@@ -360,6 +362,7 @@ class Stepped(Case):
         run.close()
         run.close()
         self.assert_error(10, "no such run", run.to, 0.01)
+        self.assertIn("closed", repr(run) and run._repr_html_())
 
     def test_without_the_library(self):
         none = vibrospice.Error(None, ["a Run wants libvibrospice.so.0"])
@@ -642,6 +645,17 @@ class Studies(Case):
 
 @unittest.skipUnless(shutil.which("gnuplot"), "gnuplot is missing")
 class Pictures(Case):
+    def test_in_a_notebook(self):
+        r = vibrospice.run(VIOLATED)
+        shown = r._repr_html_()
+        self.assertIn("verdict: violated", shown)
+        least = min((v for v in r.verdict if v["margin"] is not None), key=lambda v: v["margin"])
+        name = least.get("rating") or f"{least['device']}.{least['measure']}"
+        self.assertIn(f"<tr><td>{name}</td><td>violated</td><td>{100 * least['margin']:.1f} %", shown)
+        self.assertIn('<img src="data:image/png;base64,iVBOR', shown)
+        with unittest.mock.patch("vibrospice.plot", side_effect=vibrospice.Error(1, ["gnuplot"])):
+            self.assertNotIn("<img", r._repr_html_())
+
     def test_of_a_run(self):
         r = vibrospice.load("violated")
         for picture in (vibrospice.plot(r), vibrospice.plot(r, "v_ak,i", from_="5 ms", to="6 ms"),

@@ -25,12 +25,13 @@ Each warning of the program is in the result's `warnings`, and is a Python warni
 import os
 import pathlib
 import tempfile
+from typing import Any, Optional, Union
 
 from .calls import (RATING, Warned, __version__, call, expect_good, explain, keep, options_of,
                     out_of, program, sets_of, warn, write)
 from .engine import Input, Run, Scene, State
 from .results import Page, Picture, Result, Study, rows_of
-from .tables import Error, Interrupted, Quantity, Table
+from .tables import Error, Interrupted, Path, Quantity, SceneLike, Table
 
 __all__ = ["run", "steady", "study", "load", "plot", "report", "program", "Scene", "Run", "State",
            "Input", "Error", "Interrupted", "Warned", "Quantity", "Result", "Study", "Table",
@@ -62,7 +63,8 @@ def _compute(command, scene, options, settings, out, kind):
 
 # ---- the commands ----
 
-def run(scene, *, set=None, out=None, **options):
+def run(scene: SceneLike, *, set: Optional[dict] = None, out: Optional[Path] = None,
+        **options: Any) -> Result:
     """Runs one scene and returns its Result.
 
     scene    name of a shipped scene (str), path of a scene file, or a dict with what such a file
@@ -80,7 +82,8 @@ def run(scene, *, set=None, out=None, **options):
     return _compute("run", scene, options, set, out, Result)
 
 
-def steady(scene, *, set=None, out=None, **options):
+def steady(scene: SceneLike, *, set: Optional[dict] = None, out: Optional[Path] = None,
+           **options: Any) -> Result:
     """Finds the periodic orbit of a machine that is fired again and again; returns its Result.
 
     Arguments and errors are those of run(). The measures are over one period, and `summary` also
@@ -90,7 +93,8 @@ def steady(scene, *, set=None, out=None, **options):
     return _compute("steady", scene, options, set, out, Result)
 
 
-def study(study, *, set=None, out=None, **options):
+def study(study: SceneLike, *, set: Optional[dict] = None, out: Optional[Path] = None,
+          **options: Any) -> Study:
     """Runs a study and returns it as a Study, whose rows are its cases.
 
     study    name of a shipped study, path of a study file, or a dict with what such a file has;
@@ -107,7 +111,7 @@ def study(study, *, set=None, out=None, **options):
     return _compute("study", study, options, set, out, Study)
 
 
-def load(folder):
+def load(folder: Path) -> Union[Result, Study, Table]:
     """Reads a folder that run, steady or study wrote, and returns its Result or Study.
 
     A folder of shards becomes one Study by `vibrospice merge`, in a temporary folder. A folder
@@ -143,7 +147,8 @@ def _folders(results):
     return [os.fspath(r) for r in ([results] if one else results)]
 
 
-def plot(results, probes=None, *, from_=None, to=None, out=None, **options):
+def plot(results: Any, probes: Any = None, *, from_: Any = None, to: Any = None,
+         out: Optional[Path] = None, **options: Any) -> Picture:
     """Draws a run, several runs over one another, or a study; returns a Picture.
 
     results  a Result, a Study, a folder, or a list of Results and folders of runs
@@ -169,7 +174,7 @@ def plot(results, probes=None, *, from_=None, to=None, out=None, **options):
             return Picture(file.read(), None if out is None else pathlib.Path(out), messages)
 
 
-def report(result):
+def report(result: Any) -> Page:
     """Writes report.html, and pictures, into the folder of a Result or Study, or into a folder;
     returns a Page, which a notebook shows. Error: as plot()."""
     folder, = _folders(result)

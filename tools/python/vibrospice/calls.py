@@ -29,7 +29,7 @@ class Warned(UserWarning):
 
 # ---- the program ----
 
-def program():
+def program() -> str:
     """Returns the program's path as a str.
 
     It is $VIBROSPICE; else the one in a wheel; else `vibrospice` on the PATH; else bin/vibrospice of

@@ -12,11 +12,11 @@ import os
 import pathlib
 import threading
 import weakref
-from typing import Any, Callable, Mapping, Optional, Union
+from typing import Any, Callable, Mapping, Optional
 
-from .calls import __version__, json_of, out_of, program, warn, word
-from .results import Result
-from .tables import Error, Quantity, Table, handed_out
+from .calls import OWN, __version__, json_of, out_of, program, warn, word
+from .results import Result, html_table
+from .tables import Error, Path, Quantity, SceneLike, Table, handed_out
 
 _TEXT, _ALLOW_CODE = 1, 2
 _INPUT, _STOPPED = 2, 16
@@ -41,7 +41,7 @@ class _Input(ctypes.Structure):
 
 # What a function takes after the handle.
 _OUT, _SIZE = ctypes.c_void_p, ctypes.c_size_t
-_FUNCTIONS = {"set": [ctypes.c_char_p] * 2, "folder": [ctypes.c_char_p], "columns": [_OUT, _OUT],
+_FUNCTIONS: "dict[str, list[Any]]" = {"set": [ctypes.c_char_p] * 2, "folder": [ctypes.c_char_p], "columns": [_OUT, _OUT],
               "inputs": [_OUT, _OUT], "set_input": [ctypes.c_char_p, ctypes.c_double],
               "run_to": [ctypes.c_double, _STEP, _OUT], "time": [_OUT, _OUT],
               "values": [_OUT, _OUT], "finish": [], "save": [_OUT], "restore": [_OUT],
@@ -67,9 +67,10 @@ def _load(name: str) -> Optional[ctypes.CDLL]:
 @functools.lru_cache(maxsize=None)
 def _library_of(path: str) -> ctypes.CDLL:
     """Returns the library that belongs to the program at this path: from beside it, from the prefix,
-    or from where the dynamic linker looks. Error: there is none."""
+    from the wheel, or from where the dynamic linker looks. Error: there is none."""
     folder = pathlib.Path(path).resolve().parent
-    for place in (folder, folder / "../lib", folder / "../lib64", None):
+    for place in (folder, folder / "../lib", folder / "../lib64", pathlib.Path(OWN, "../../lib"),
+                  None):
         library = _load(str(place / "libvibrospice.so.0") if place else "libvibrospice.so.0")
         if library:
             return library
@@ -149,17 +150,16 @@ class Run:
     the end.
     """
 
-    def __init__(self, scene: Union[str, os.PathLike, dict], *, set: Optional[dict] = None,
-                 out: Union[str, os.PathLike, None] = None, allow_code: bool = False) -> None:
+    def __init__(self, scene: SceneLike, *, set: Optional[dict] = None, out: Optional[Path] = None,
+                 allow_code: bool = False) -> None:
         """Arguments are those of vibrospice.run(). What they name is read at once."""
         path = os.path.abspath(program())
         self._library = _library_of(path)
         self._handle = ctypes.c_void_p()
         self._raised: Optional[BaseException] = None
-        text = isinstance(scene, dict)
-        opened = json_of(scene) if text else os.fspath(scene)
+        opened = json_of(scene) if isinstance(scene, dict) else os.fspath(scene)
         self._expect(_open(self._library, path, os.fsencode(opened),
-                           _TEXT * text | _ALLOW_CODE * bool(allow_code),
+                           _TEXT * isinstance(scene, dict) | _ALLOW_CODE * bool(allow_code),
                            ctypes.byref(self._handle)))
         self._end = weakref.finalize(self, self._library.vibrospice_free, self._handle)
         for key, value in (set or {}).items():
@@ -210,7 +210,7 @@ class Run:
                 zip(self._list("values", ctypes.c_double), self.columns.about.items())}
 
     def input(self, name: str, value: float) -> None:
-        """Sets an input from now on, in its unit. An input that is to change on the way has to be
+        """Sets an input from now on; value is in its unit. An input that is to change on the way has to be
         set once before the run begins."""
         unit = getattr(value, "unit", None)
         if unit and name in self.inputs and unit != self.inputs[name].unit:
@@ -272,6 +272,17 @@ class Run:
         """Ends the run, wherever it is. It ends with this object, too."""
         self._end()
 
+    def __repr__(self) -> str:
+        if not self._end.alive:
+            return "<Run: closed>"
+        return f"<Run at {self.time} of {self.until}, {self.columns.rows()} rows>"
+
+    def _repr_html_(self) -> str:
+        if not self._end.alive:
+            return "<p>a run that is closed</p>"
+        rows = [(name, f"{q.value:.4g}", q.unit) for name, q in self.values.items()]
+        return f"<p>at {self.time} of {self.until}</p>" + html_table(("column", "value", "unit"), rows)
+
     def __enter__(self) -> "Run":
         return self
 
@@ -285,7 +296,7 @@ class Scene:
     scene, set, allow_code    as in vibrospice.run()
     """
 
-    def __init__(self, scene: Union[str, os.PathLike, dict], *, set: Optional[dict] = None,
+    def __init__(self, scene: SceneLike, *, set: Optional[dict] = None,
                  allow_code: bool = False) -> None:
         self.scene, self.set, self.allow_code = scene, dict(set or {}), allow_code
 
@@ -293,12 +304,12 @@ class Scene:
         """Returns a Scene with further keys set."""
         return Scene(self.scene, set={**self.set, **set}, allow_code=self.allow_code)
 
-    def start(self, out: Union[str, os.PathLike, None] = None) -> Run:
+    def start(self, out: Optional[Path] = None) -> Run:
         """Returns a Run of it, at its beginning."""
         return Run(self.scene, set=self.set, out=out, allow_code=self.allow_code)
 
     def run(self, law: Optional[Law] = None, every: float = 0.02,
-            out: Union[str, os.PathLike, None] = None) -> Result:
+            out: Optional[Path] = None) -> Result:
         """Runs it to its end, under a law of control as Run.control() has it, where one is given.
         Without one nor a library the program is run as vibrospice.run() does."""
         from . import run
