@@ -69,8 +69,8 @@ def _library_of(path: str) -> ctypes.CDLL:
     """Returns the library that belongs to the program at this path: from beside it, from the prefix,
     from the wheel, or from where the dynamic linker looks. Error: there is none."""
     folder = pathlib.Path(path).resolve().parent
-    for place in (folder, folder / "../lib", folder / "../lib64", pathlib.Path(OWN, "../../lib"),
-                  None):
+    own = pathlib.Path(OWN).parent / "../lib"
+    for place in (folder, folder / "../lib", folder / "../lib64", own, None):
         library = _load(str(place / "libvibrospice.so.0") if place else "libvibrospice.so.0")
         if library:
             return library
