@@ -17,9 +17,11 @@ import pathlib
 import pickle
 import re
 import shutil
+import signal
 import stat
 import subprocess
 import sys
+import threading
 import unittest
 import unittest.mock
 import warnings
@@ -350,6 +352,15 @@ class Stepped(Case):
             run.to(0.06, step=lambda row: 1 / 0)
         run.to(0.06)
         self.assertEqual(run.time, 0.06)
+
+    def test_an_interrupt(self):
+        run = self.start(set={"run.until": "1000 s", "run.sample": "1 ms"})
+        threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT)).start()
+        with self.assertRaises(KeyboardInterrupt):
+            run.to(1000)
+        now = run.time
+        run.to(now + 0.01)
+        self.assertIs(signal.getsignal(signal.SIGINT), signal.default_int_handler)
 
     def test_what_is_wrong(self):
         run = self.start()

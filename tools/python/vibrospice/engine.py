@@ -6,13 +6,15 @@ The structs and functions are those of vibrospice/vibrospice.h, whose comments s
 from __future__ import annotations
 
 import array
+import contextlib
 import ctypes
 import functools
 import os
 import pathlib
+import signal
 import threading
 import weakref
-from typing import Any, Callable, Mapping, Optional
+from typing import Any, Callable, Iterator, Mapping, Optional
 
 from .calls import OWN, __version__, json_of, out_of, program, warn, word
 from .results import Result, html_table
@@ -94,6 +96,21 @@ def _open(library: ctypes.CDLL, path: str, scene: bytes, flags: int, handle: Any
                 os.environ["VIBROSPICE_PROGRAM"] = before
 
 
+@contextlib.contextmanager
+def _interrupts_into(raised: "list[BaseException]") -> Iterator[None]:
+    """Meanwhile an interrupt of Python is put there. Raised at a callback's first line it would be
+    lost."""
+    if (threading.current_thread() is not threading.main_thread()
+            or signal.getsignal(signal.SIGINT) is not signal.default_int_handler):
+        yield
+        return
+    signal.signal(signal.SIGINT, lambda *_: raised.append(KeyboardInterrupt()))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
 # ---- what a run has ----
 
 class Input(Quantity):
@@ -156,7 +173,6 @@ class Run:
         path = os.path.abspath(program())
         self._library = _library_of(path)
         self._handle = ctypes.c_void_p()
-        self._raised: Optional[BaseException] = None
         opened = json_of(scene) if isinstance(scene, dict) else os.fspath(scene)
         self._expect(_open(self._library, path, os.fsencode(opened),
                            _TEXT * isinstance(scene, dict) | _ALLOW_CODE * bool(allow_code),
@@ -224,18 +240,19 @@ class Run:
         returns something true the run stops at this row. It must not use the run."""
         names, add = list(self.columns.about), self.columns.cells.frombytes
 
+        raised: "list[BaseException]" = []  # through C none can go
+
         def see(_: Any, value: Any, count: int) -> int:
             try:
                 add(ctypes.string_at(value, 8 * count))
-                return bool(step and step(dict(zip(names, value[:count]))))
+                return bool(raised or step and step(dict(zip(names, value[:count]))))
             except BaseException as error:  # pylint: disable=broad-except
-                self._raised = error  # through C it cannot go
+                raised.append(error)
                 return 1
-        self._raised = None
-        status = self._library.vibrospice_run_to(self._handle, float(t), _STEP(see), None)
-        raised, self._raised = self._raised, None
+        with _interrupts_into(raised):
+            status = self._library.vibrospice_run_to(self._handle, float(t), _STEP(see), None)
         if raised:
-            raise raised
+            raise raised[0]
         self._expect(0 if status == _STOPPED else status)
 
     def control(self, law: Law, every: float, until: Optional[float] = None) -> None:
