@@ -327,6 +327,8 @@ class Stepped(Case):
         scene = vibrospice.Scene(self.SCENE)
         r = scene.run(law=law, every=0.02)
         self.assertEqual([round(t, 9) for t in called], [0, 0.02, 0.04])
+        scene.over({"run.until": "55 ms"}).run(law=law, every=0.011)  # five times that is below 0.055
+        self.assertEqual(len(called), 3 + 5)
         fixed = vibrospice.run(self.SCENE, angle="150 deg")
         self.assertAlmostEqual(r.measures["i_peak"], fixed.measures["i_peak"], delta=1e-9)
 

@@ -117,7 +117,7 @@ class Input(Quantity):
     """An input of a run: the value that it has as the run begins.
 
     unit, least, largest    of it, and what it may be
-    text                    what it does, and when
+    about                   what it does, and when
     """
 
     def __new__(cls, value: float, unit: str, least: float, largest: float, text: str) -> "Input":
@@ -226,8 +226,8 @@ class Run:
                 zip(self._list("values", ctypes.c_double), self.columns.about.items())}
 
     def input(self, name: str, value: float) -> None:
-        """Sets an input from now on; value is in its unit. An input that is to change on the way has to be
-        set once before the run begins."""
+        """Sets an input from now on; value is in its unit. An input that is to change on the way has
+        to be set once before the run begins."""
         unit = getattr(value, "unit", None)
         if unit and name in self.inputs and unit != self.inputs[name].unit:
             raise Error(_INPUT, [f"{name} is in {self.inputs[name].unit}, not in {unit}"])
@@ -239,7 +239,6 @@ class Run:
         """Runs on to t, in s. step: is called with each row on the way, {column: float}; where it
         returns something true the run stops at this row. It must not use the run."""
         names, add = list(self.columns.about), self.columns.cells.frombytes
-
         raised: "list[BaseException]" = []  # through C none can go
 
         def see(_: Any, value: Any, count: int) -> int:
@@ -266,7 +265,8 @@ class Run:
             for name, value in (law(self, self.values) or {}).items():
                 self.input(name, value)
             k += 1
-            self.to(min(begin + k * every, end))
+            t = begin + k * every
+            self.to(t if end - t > 1e-6 * every else end)  # no last call for a product's last bit
 
     def save(self) -> State:
         """Returns where the run is, before it is finished."""
