@@ -17,9 +17,11 @@ import pathlib
 import pickle
 import re
 import shutil
+import signal
 import stat
 import subprocess
 import sys
+import threading
 import unittest
 import unittest.mock
 import warnings
@@ -252,6 +254,139 @@ class Runs(Case):
             self.assertEqual(b.summary["along"], "firing.angle")
 
 
+class Stepped(Case):
+    SCENE = {"firing": {"every": 1}, "run": {"tier": "switched", "until": "60 ms"},
+             "record": ["p", "i"]}
+
+    def start(self, **more):
+        run = vibrospice.Run(self.SCENE, **more)
+        self.addCleanup(run.close)
+        return run
+
+    def assert_error(self, status, why, call, *arguments):
+        with self.assertRaisesRegex(vibrospice.Error, why) as raised:
+            call(*arguments)
+        self.assertEqual(raised.exception.status, status)
+
+    def test_the_bytes_of_a_run(self):
+        scene = vibrospice.Scene("paper").over({"run.until": "20 ms"})
+        r = scene.run(out="stepped")
+        printed("run", "paper", "--until=20ms", "--reproducible", "--output=at_once")
+        self.assertEqual(*(sorted(os.listdir(folder)) for folder in ("stepped", "at_once")))
+        for file in os.listdir("stepped"):
+            self.assertEqual(*(pathlib.Path(folder, file).read_bytes()
+                               for folder in ("stepped", "at_once")))
+        self.assertEqual(r.measures["i_peak"].unit, "A")
+
+    def test_what_a_run_tells(self):
+        run = self.start(set={"run.until": "40 ms"})
+        self.assertEqual((run.time, run.until, run.until.unit), (0, 0.04, "s"))
+        angle = run.inputs["firing.angle"]
+        self.assertEqual((angle, angle.unit, angle.least, angle.largest), (100, "deg", 0, 180))
+        self.assertIn("angle", angle.about)
+        run.to(0.02)
+        self.assertEqual(run.time, 0.02)
+        self.assertEqual(run.columns.units, {"t_s": "s", "p_m": "m", "i_a": "A"})
+        self.assertEqual(run.values["p_m"].unit, "m")
+        self.assertIn("<td>p_m</td>", run._repr_html_())
+        self.assertRegex(repr(run), r"<Run at 0.02 s of 0.04 s, \d+ rows>")
+        so_far = list(run.columns["p"])
+        run.to(0.04)
+        self.assertEqual(so_far, list(run.columns["p"])[:len(so_far)])
+        self.assertEqual(type(run.columns["p"]).__name__, "ndarray" if numpy else "list")
+
+    def test_rows_are_those_of_the_file(self):
+        run = self.start()
+        run.to(0.025)
+        run.to(0.06)
+        table = run.finish().columns
+        for name in table:
+            self.assertEqual([f"{x:.9g}" for x in run.columns[name]],
+                             [f"{x:.9g}" for x in table[name]], name)
+
+    def test_inputs_change_what_follows(self):
+        run, other = self.start(), self.start()
+        other.input("firing.angle", 100)
+        run.input("firing.angle", vibrospice.Quantity(100, "deg"))
+        self.assertEqual(list(run.columns.units)[-1], "firing_angle_rad")
+        run.to(0.02)
+        run.input("firing.angle", 150)
+        run.to(0.06)
+        other.to(0.06)
+        row = sum(t < 0.02 for t in other.columns["t"])
+        self.assertEqual(list(run.columns["p"])[:row], list(other.columns["p"])[:row])
+        self.assertLess(max(run.columns["i"][row:]), 0.5 * max(other.columns["i"][row:]))
+
+    def test_a_law(self):
+        called = []
+
+        def law(run, now):
+            self.assertEqual(now["t_s"], run.time)
+            called.append(now["t_s"].value)
+            return {"firing.angle": 150} if len(called) < 3 else None
+        scene = vibrospice.Scene(self.SCENE)
+        r = scene.run(law=law, every=0.02)
+        self.assertEqual([round(t, 9) for t in called], [0, 0.02, 0.04])
+        scene.over({"run.until": "55 ms"}).run(law=law, every=0.011)  # five times that is below 0.055
+        self.assertEqual(len(called), 3 + 5)
+        fixed = vibrospice.run(self.SCENE, angle="150 deg")
+        self.assertAlmostEqual(r.measures["i_peak"], fixed.measures["i_peak"], delta=1e-9)
+
+    def test_a_state_is_exact(self):
+        run, other = self.start(), self.start()
+        run.to(0.02)
+        state = run.save()
+        run.to(0.06)
+        seen = list(run.columns["p"])
+        run.restore(state)
+        self.assertEqual(run.time, 0.02)
+        self.assertLess(run.columns.rows(), len(seen))
+        other.restore(state)
+        for r in (run, other):
+            r.to(0.06)
+            self.assertEqual(list(r.columns["p"]), seen)
+
+    def test_a_step_stops(self):
+        run = self.start()
+        run.to(0.06, step=lambda row: row["t_s"] >= 0.01)
+        self.assertLess(run.time, 0.011)
+        with self.assertRaises(ZeroDivisionError):
+            run.to(0.06, step=lambda row: 1 / 0)
+        run.to(0.06)
+        self.assertEqual(run.time, 0.06)
+
+    def test_an_interrupt(self):
+        run = self.start(set={"run.until": "1000 s", "run.sample": "1 ms"})
+        threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT)).start()
+        with self.assertRaises(KeyboardInterrupt):
+            run.to(1000)
+        now = run.time
+        run.to(now + 0.01)
+        self.assertIs(signal.getsignal(signal.SIGINT), signal.default_int_handler)
+
+    def test_what_is_wrong(self):
+        run = self.start()
+        self.assert_error(2, "no input 'angel'", run.input, "angel", 3)
+        self.assert_error(2, "in deg, not in rad", run.input, "firing.angle",
+                          vibrospice.Quantity(3, "rad"))
+        self.assert_error(2, "above 0", run.control, None, 0)
+        self.assert_error(2, "has no key 'angel'", vibrospice.Run, {"firing": {"angel": 3}})
+        self.assert_error(13, "behind", run.to, 0.07)
+        run.close()
+        run.close()
+        self.assert_error(10, "no such run", run.to, 0.01)
+        self.assertIn("closed", repr(run) and run._repr_html_())
+
+    def test_without_the_library(self):
+        none = vibrospice.Error(None, ["a Run wants libvibrospice.so.0"])
+        scene = vibrospice.Scene(self.SCENE)
+        with unittest.mock.patch("vibrospice.engine._library_of", side_effect=none):
+            self.assertGreater(scene.run().measures["i_peak"], 0)
+            self.assert_error(None, "wants libvibrospice", scene.run, lambda run, now: None)
+        with unittest.mock.patch("vibrospice.engine.__version__", "0.0.0"):
+            self.assert_error(None, "0.0.0", vibrospice.engine._library_of.__wrapped__, PROGRAM)
+
+
 class Inputs(Case):
     def test_a_dict_of_anything_plain(self):
         r = vibrospice.run({"firing": {"angle": [["0 s", "160 deg"], ("1 s", "100 deg")],
@@ -351,6 +486,20 @@ class Inputs(Case):
             self.assertEqual(found.stdout.strip(), os.path.abspath(folder) + "/vibrospice")
         os.environ["PATH"] = os.path.abspath("there/bin")
         self.assertEqual(vibrospice.program(), os.path.abspath("there/bin/vibrospice"))
+        pathlib.Path("wheel").mkdir()
+        shutil.copytree(pathlib.Path(vibrospice.__file__).parent, "wheel/vibrospice")
+        pathlib.Path("wheel/vibrospice/bin").mkdir()
+        own = pathlib.Path("wheel/vibrospice/bin/vibrospice")
+        own.symlink_to(PROGRAM)
+        for named in ({}, {"VIBROSPICE": "/nowhere/vibrospice"}):
+            said = subprocess.run([python, "-m", "vibrospice", "--version"], stdout=subprocess.PIPE,
+                                  encoding="utf-8", check=True,
+                                  env={**os.environ, **named, "PYTHONPATH": os.path.abspath("wheel")})
+            self.assertEqual(said.stdout, printed("--version"))
+        found = subprocess.run([python, "-c", "import vibrospice; print(vibrospice.program())"],
+                               stdout=subprocess.PIPE, encoding="utf-8", check=True,
+                               env={**os.environ, "PYTHONPATH": os.path.abspath("wheel")})
+        self.assertEqual(found.stdout.strip(), os.path.abspath(own))
         os.environ["VIBROSPICE"] = "/nowhere/vibrospice"
         with self.assertRaisesRegex(vibrospice.Error, "no such program"):
             vibrospice.run("paper")
@@ -509,6 +658,17 @@ class Studies(Case):
 
 @unittest.skipUnless(shutil.which("gnuplot"), "gnuplot is missing")
 class Pictures(Case):
+    def test_in_a_notebook(self):
+        r = vibrospice.run(VIOLATED)
+        shown = r._repr_html_()
+        self.assertIn("verdict: violated", shown)
+        least = min((v for v in r.verdict if v["margin"] is not None), key=lambda v: v["margin"])
+        name = least.get("rating") or f"{least['device']}.{least['measure']}"
+        self.assertIn(f"<tr><td>{name}</td><td>violated</td><td>{100 * least['margin']:.1f} %", shown)
+        self.assertIn('<img src="data:image/png;base64,iVBOR', shown)
+        with unittest.mock.patch("vibrospice.plot", side_effect=vibrospice.Error(1, ["gnuplot"])):
+            self.assertNotIn("<img", r._repr_html_())
+
     def test_of_a_run(self):
         r = vibrospice.load("violated")
         for picture in (vibrospice.plot(r), vibrospice.plot(r, "v_ak,i", from_="5 ms", to="6 ms"),

@@ -110,6 +110,8 @@ static void all_of_spice_is_there(void) {
                                      "share/zsh/site-functions/_vibrospice",
                                      "share/man/man1/vibrospice.1",
                                      "lib/python3/dist-packages/vibrospice/__init__.py",
+                                     "lib/python3/dist-packages/vibrospice/calls.py",
+                                     "lib/python3/dist-packages/vibrospice/engine.py",
                                      "lib/python3/dist-packages/vibrospice/results.py",
                                      "lib/python3/dist-packages/vibrospice/tables.py",
                                      "share/vibrospice/schema/scene.schema.json",

@@ -22,6 +22,11 @@ static void runs(void) {
   check("Runs", "without-numpy");
 }
 
+static void stepped(void) {
+  check("Stepped", "without-numpy");
+  check("Stepped", NULL);
+}
+
 static void inputs(void) {
   check("Inputs", "without-numpy");
 }
@@ -45,6 +50,7 @@ static void page(void) {
 
 static const vs_test TESTS[] = {
     {"runs", runs},
+    {"stepped", stepped},
     {"inputs", inputs},
     {"studies", studies},
     {"pictures", pictures},

@@ -7,6 +7,8 @@
     result.columns["i"]                # the current's samples
     vibrospice.plot(result, "i,p")     # a picture; a notebook shows it
 
+A Run is one that goes on when it is told to, with inputs on the way, over libvibrospice.
+
 The module needs the standard library alone. Columns are numpy arrays where numpy is installed,
 lists elsewhere; frame() of a table wants pandas.
 
@@ -20,250 +22,49 @@ Each warning of the program is in the result's `warnings`, and is a Python warni
 (vibrospice.Warned).
 """
 
-import hashlib
-import json
-import numbers
 import os
 import pathlib
-import re
-import shutil
-import subprocess
 import tempfile
-import warnings as _warnings
-import weakref
+from typing import Any, Optional, Union
 
+from .calls import (RATING, Warned, __version__, call, expect_good, explain, keep, options_of,
+                    out_of, program, sets_of, warn, write)
+from .engine import Input, Run, Scene, State
 from .results import Page, Picture, Result, Study, rows_of
-from .tables import Error, Interrupted, Quantity, Table
+from .tables import Error, Interrupted, Path, Quantity, SceneLike, Table
 
-__version__ = "0.1.0"
-__all__ = ["run", "steady", "study", "load", "plot", "report", "program", "Error", "Interrupted",
-           "Warned", "Quantity", "Result", "Study", "Table", "Picture", "Page"]
-
-_INTERRUPTED = 75
-_RATING = 3
-
-
-class Warned(UserWarning):
-    """The category of what the program warns of."""
-
-
-# ---- the program ----
-
-def program():
-    """Returns the program's path as a str.
-
-    It is $VIBROSPICE; else `vibrospice` on the PATH; else bin/vibrospice of the prefix that this
-    module is installed in; else build/vibrospice of the source tree that it lies in.
-    Error: there is none, or $VIBROSPICE names no program.
-    """
-    named = os.environ.get("VIBROSPICE")
-    if named:
-        found = shutil.which(named)
-        if not found:
-            raise Error(None, [f"VIBROSPICE={named}: no such program"])
-        return found
-    found = shutil.which("vibrospice")
-    above = pathlib.Path(__file__).resolve().parents
-    beside = [above[k] / name for k, name in ((4, "bin/vibrospice"), (3, "build/vibrospice"))
-              if k < len(above)]
-    for path in beside:
-        found = found or shutil.which(str(path))
-    if not found:
-        raise Error(None, ["no program 'vibrospice' on the PATH or beside the module; "
-                           "set VIBROSPICE to its path"])
-    return found
-
-
-def _lines(err):
-    """Returns the messages on standard error. A line without the program's name goes on with the
-    message before it."""
-    lines = []
-    for line in err.splitlines():
-        if line.startswith("vibrospice: "):
-            lines.append(line[len("vibrospice: "):])
-        elif lines:
-            lines[-1] += "\n" + line
-        elif line:
-            lines.append(line)
-    return lines
-
-
-def _call(arguments):
-    """Runs the program to its end; returns exit status, standard output, messages. When Python is
-    interrupted the program is asked to stop, so that a study keeps what it has."""
-    child = subprocess.Popen([program(), *arguments], stdin=subprocess.DEVNULL,
-                             stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                             encoding="utf-8", errors="replace")
-    try:
-        out, err = child.communicate()
-    except BaseException:
-        child.terminate()
-        try:
-            child.communicate(timeout=20)
-        except subprocess.TimeoutExpired:
-            child.kill()
-            child.communicate()
-        raise
-    return child.returncode, out, _lines(err)
-
-
-def _expect_good(status, messages, result=None):
-    """Error: the exit status is neither 0 nor 3."""
-    if status in (0, _RATING):
-        return
-    if status < 0:
-        messages = messages + [f"the program was ended by signal {-status}"]
-    kind = Interrupted if status == _INTERRUPTED else Error
-    raise kind(status, messages or [f"exit status {status}, and no message"], result)
-
-
-def _warn(result, level):
-    """Makes Python warnings of the result's; level: how many calls up the user's line stands."""
-    for text in result.warnings:
-        _warnings.warn(text, Warned, stacklevel=level + 1)
-    return result
-
-
-# ---- what is handed to it ----
-
-def _plain(value):
-    """Returns a value as JSON has it. A Quantity becomes a text with its unit."""
-    if isinstance(value, Quantity):
-        return value.text()
-    if isinstance(value, dict):
-        return {str(key): _plain(v) for key, v in value.items()}
-    if value is None or isinstance(value, (str, bool)):
-        return value
-    if isinstance(value, numbers.Integral):
-        return int(value)
-    if isinstance(value, numbers.Real):
-        return float(value)
-    if isinstance(value, os.PathLike):
-        return os.fspath(value)
-    if hasattr(value, "tolist"):  # numpy's arrays, and its truth values
-        return _plain(value.tolist())
-    if isinstance(value, (list, tuple, range)):
-        return [_plain(v) for v in value]
-    raise TypeError(f"{value!r}: a scene has numbers, texts, lists and dicts of these")
-
-
-def _word(value):
-    """Returns a value as text for the command line."""
-    value = _plain(value)
-    return value if isinstance(value, str) else json.dumps(value)
-
-
-def _options(options):
-    """Returns --name=value for each option; True stands for --name, None and False for nothing."""
-    words = []
-    for name, value in options.items():
-        if not re.fullmatch(r"[a-z][a-z_]*", name):
-            raise TypeError(f"{name!r} is no option; a name has small letters and _ for -")
-        if name in ("json", "quiet", "output", "help", "usage", "version", "progress"):
-            raise TypeError(f"{name}: is not for Python; the result holds everything")
-        name = "--" + name.replace("_", "-")
-        if value is True:
-            words.append(name)
-        elif value is not None and value is not False:
-            words.append(f"{name}={_word(value)}")
-    return words
-
-
-def _sets(settings):
-    return [f"--set={key}={_word(value)}" for key, value in (settings or {}).items()]
-
-
-def _write(value, folder, name):
-    """Writes a dict into the folder as JSON, which YAML includes; returns its path. Anything but a
-    dict is a name or path already."""
-    if not isinstance(value, dict):
-        return os.fspath(value)
-    path = os.path.join(folder, name)
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(_json(value))
-    return path
-
-
-def _json(value):
-    return json.dumps(_plain(value), indent=1, ensure_ascii=False)
-
-
-def _keep(scene, inputs):
-    """Writes the dict that is a study's scene; returns the file's folder and path. The program
-    resumes a study, and merges its shards, if their files have the same text. That text has the
-    scene's path, so the same scene is always at the same path: in the user's cache, in a folder
-    named by its content. Where there is no such place it is the folder inputs."""
-    text = _json(scene)
-    cache = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-    folder = os.path.join(os.path.abspath(cache), "vibrospice",
-                          hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()[:16])
-    path = os.path.join(folder, "scene.yaml")
-    try:
-        os.makedirs(folder, exist_ok=True)
-        with tempfile.NamedTemporaryFile("w", encoding="utf-8", dir=folder, delete=False) as file:
-            file.write(text)
-        os.replace(file.name, path)  # whole, also where two do this at a time
-        return folder, path
-    except OSError:
-        return inputs, _write(scene, inputs, "scene.yaml")
-
-
-def _explain(messages, folder):
-    """Messages about a dict name a line of the file it was written to. The file's folder is taken
-    away, and the line added."""
-    def told(message):
-        place = re.match(re.escape(folder + os.sep) + r"(\w+\.yaml):(\d+):", message)
-        if place:
-            with open(os.path.join(folder, place[1]), encoding="utf-8") as file:
-                lines = file.read().splitlines()
-            if 0 < int(place[2]) <= len(lines):
-                message += f"\n  {lines[int(place[2]) - 1].strip()}"
-        return message.replace(folder + os.sep, "")
-    return [told(message) for message in messages]
-
-
-class _Owner:
-    """A temporary folder that is deleted together with this object, or when Python ends."""
-
-    def __init__(self):
-        self.name = tempfile.mkdtemp(prefix="vibrospice-")
-        weakref.finalize(self, shutil.rmtree, self.name, ignore_errors=True)
-
-
-def _out(out):
-    """Returns the result's folder and its owner; None of a folder that the user named."""
-    if out is not None:
-        return os.fspath(out), None
-    owner = _Owner()
-    return os.path.join(owner.name, "out"), owner
+__all__ = ["run", "steady", "study", "load", "plot", "report", "program", "Scene", "Run", "State",
+           "Input", "Error", "Interrupted", "Warned", "Quantity", "Result", "Study", "Table",
+           "Picture", "Page"]
 
 
 def _compute(command, scene, options, settings, out, kind):
     """Runs a command that writes a folder, and reads the folder."""
-    folder, owner = _out(out)
+    folder, owner = out_of(out)
     with tempfile.TemporaryDirectory(prefix="vibrospice-") as inputs:
         kept = inputs
         if kind is Study and isinstance(scene, dict) and isinstance(scene.get("scene"), dict):
-            kept, path = _keep(scene["scene"], inputs)
+            kept, path = keep(scene["scene"], inputs)
             scene = {**scene, "scene": path}
-        path = _write(scene, inputs, "study.yaml" if kind is Study else "scene.yaml")
-        status, text, messages = _call([command, f"--output={folder}", *_options(options),
-                                        *_sets(settings), "--", path])
-        messages = _explain(_explain(messages, inputs), kept)
+        path = write(scene, inputs, "study.yaml" if kind is Study else "scene.yaml")
+        status, text, messages = call([command, f"--output={folder}", *options_of(options),
+                                       *sets_of(settings), "--", path])
+        messages = explain(explain(messages, inputs), kept)
     result = None
-    if status in (0, _RATING) or kind is Study and status == 1 and Study.has_failures(folder):
+    if status in (0, RATING) or kind is Study and status == 1 and Study.has_failures(folder):
         result = kind(folder, status=status, messages=messages, text=text, owner=owner)
-        _warn(result, 3)
+        warn(result, 3)
     elif messages and "run.partial.csv" in messages[-1]:
         result = Table(os.path.join(folder, "run.partial.csv"))
         len(result)  # reads it, before a temporary folder goes
-    _expect_good(status, messages, result)
+    expect_good(status, messages, result)
     return result
 
 
 # ---- the commands ----
 
-def run(scene, *, set=None, out=None, **options):
+def run(scene: SceneLike, *, set: Optional[dict] = None, out: Optional[Path] = None,
+        **options: Any) -> Result:
     """Runs one scene and returns its Result.
 
     scene    name of a shipped scene (str), path of a scene file, or a dict with what such a file
@@ -281,7 +82,8 @@ def run(scene, *, set=None, out=None, **options):
     return _compute("run", scene, options, set, out, Result)
 
 
-def steady(scene, *, set=None, out=None, **options):
+def steady(scene: SceneLike, *, set: Optional[dict] = None, out: Optional[Path] = None,
+           **options: Any) -> Result:
     """Finds the periodic orbit of a machine that is fired again and again; returns its Result.
 
     Arguments and errors are those of run(). The measures are over one period, and `summary` also
@@ -291,7 +93,8 @@ def steady(scene, *, set=None, out=None, **options):
     return _compute("steady", scene, options, set, out, Result)
 
 
-def study(study, *, set=None, out=None, **options):
+def study(study: SceneLike, *, set: Optional[dict] = None, out: Optional[Path] = None,
+          **options: Any) -> Study:
     """Runs a study and returns it as a Study, whose rows are its cases.
 
     study    name of a shipped study, path of a study file, or a dict with what such a file has;
@@ -308,7 +111,7 @@ def study(study, *, set=None, out=None, **options):
     return _compute("study", study, options, set, out, Study)
 
 
-def load(folder):
+def load(folder: Path) -> Union[Result, Study, Table]:
     """Reads a folder that run, steady or study wrote, and returns its Result or Study.
 
     A folder of shards becomes one Study by `vibrospice merge`, in a temporary folder. A folder
@@ -319,22 +122,22 @@ def load(folder):
     there = {name for name in ("summary.json", "branch.json", "journal", "run.csv")
              if os.path.exists(os.path.join(folder, name))}
     if there & {"summary.json", "branch.json"}:
-        return _warn(Result(folder), 2)
+        return warn(Result(folder), 2)
     if rows_of(pathlib.Path(folder)):
-        return _warn(Study(folder), 2)
+        return warn(Study(folder), 2)
     if "journal" in there:
         raise Error(None, [f"{folder}: this study is not finished; study(..., out=..., "
                            "resume=True) goes on with it"])
     if "run.csv" in there:
         return Table(os.path.join(folder, "run.csv"))
     if any(pathlib.Path(folder).glob("*/journal")):
-        merged, owner = _out(None)
-        status, text, messages = _call(["merge", f"--output={merged}", "--", folder])
+        merged, owner = out_of(None)
+        status, text, messages = call(["merge", f"--output={merged}", "--", folder])
         result = Study(merged, status=status, messages=messages, text=text, owner=owner,
                        shards=folder) if rows_of(pathlib.Path(merged)) else None
         if result:
-            _warn(result, 2)
-        _expect_good(status, messages, result)
+            warn(result, 2)
+        expect_good(status, messages, result)
         return result
     raise Error(None, [f"{folder}: neither a run's nor a study's folder"])
 
@@ -344,7 +147,8 @@ def _folders(results):
     return [os.fspath(r) for r in ([results] if one else results)]
 
 
-def plot(results, probes=None, *, from_=None, to=None, out=None, **options):
+def plot(results: Any, probes: Any = None, *, from_: Any = None, to: Any = None,
+         out: Optional[Path] = None, **options: Any) -> Picture:
     """Draws a run, several runs over one another, or a study; returns a Picture.
 
     results  a Result, a Study, a folder, or a list of Results and folders of runs
@@ -362,18 +166,18 @@ def plot(results, probes=None, *, from_=None, to=None, out=None, **options):
     options = {"probe": probes, "from": from_, "to": to, **options}
     with tempfile.TemporaryDirectory(prefix="vibrospice-") as folder:
         path = os.path.join(folder, "plot.png") if out is None else os.fspath(out)
-        status, text, messages = _call(["plot", f"--output={path}", *_options(options), "--",
-                                        *_folders(results)])
-        _expect_good(status, messages)
+        status, text, messages = call(["plot", f"--output={path}", *options_of(options), "--",
+                                       *_folders(results)])
+        expect_good(status, messages)
         messages = [line for line in text.splitlines() if line != path] + messages
         with open(path, "rb") as file:
             return Picture(file.read(), None if out is None else pathlib.Path(out), messages)
 
 
-def report(result):
+def report(result: Any) -> Page:
     """Writes report.html, and pictures, into the folder of a Result or Study, or into a folder;
     returns a Page, which a notebook shows. Error: as plot()."""
     folder, = _folders(result)
-    status, _, messages = _call(["plot", "--", folder])
-    _expect_good(status, messages)
+    status, _, messages = call(["plot", "--", folder])
+    expect_good(status, messages)
     return Page(pathlib.Path(folder) / "report.html", messages)

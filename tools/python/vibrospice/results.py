@@ -230,11 +230,33 @@ class Study(collections.abc.Sequence):
 _MOST_ROWS = 20
 
 
-def _html_table(head, rows):
+def html_table(head, rows):
     cells = "".join(f"<th>{html.escape(h)}</th>" for h in head)
     lines = "".join("<tr>" + "".join(f"<td>{html.escape(c)}</td>" for c in row) + "</tr>"
                     for row in rows)
     return f"<table><thead><tr>{cells}</tr></thead><tbody>{lines}</tbody></table>"
+
+
+_MOST_LINES = 8
+
+
+def _html_of_verdict(lines):
+    """The lines with the least margins."""
+    judged = sorted((line for line in lines if line.get("margin") is not None),
+                    key=lambda line: line["margin"])[:_MOST_LINES]
+    rows = [(line.get("rating") or f"{line['device']}.{line['measure']}", line["word"],
+             f"{100 * line['margin']:.1f} %") for line in judged]
+    return html_table(("limit", "word", "margin"), rows) if rows else ""
+
+
+def _html_picture(r):
+    """The usual curves. "": the program cannot draw them here, as without gnuplot."""
+    from . import plot
+    try:
+        data = base64.b64encode(plot(r).data).decode("ascii")
+    except Error:
+        return ""
+    return f'<img src="data:image/png;base64,{data}">'
 
 
 def _html_of_run(r):
@@ -242,15 +264,15 @@ def _html_of_run(r):
     said = "".join(f"<p>warning: {html.escape(w)}</p>" for w in r.warnings)
     rows = [(name, f"{q.value:.4g}", q.unit, "" if q.at is None else f"{q.at:.4g} s")
             for name, q in r.measures.items()]
-    return f"<p>verdict: {html.escape(verdict)}</p>{said}" + _html_table(
-        ("measure", "value", "unit", "at"), rows)
+    return (f"<p>verdict: {html.escape(verdict)}</p>{said}{_html_of_verdict(r.verdict)}"
+            f"{_html_picture(r)}{html_table(('measure', 'value', 'unit', 'at'), rows)}")
 
 
 def _html_of_study(s):
     rows = [[f"{c:.4g}" if isinstance(c, float) else str(c) for c in row.values()]
             for row in s[:_MOST_ROWS]]
     more = f"<p>and {len(s) - _MOST_ROWS} more rows</p>" if len(s) > _MOST_ROWS else ""
-    return f"<p>{html.escape(repr(s))}</p>{_html_table(list(s.columns), rows)}{more}"
+    return f"<p>{html.escape(repr(s))}</p>{html_table(list(s.columns), rows)}{more}"
 
 
 class Picture:

@@ -13,6 +13,10 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from typing import Any, List, Optional, Union
+
+Path = Union[str, os.PathLike]
+SceneLike = Union[str, os.PathLike, dict]
 
 
 class Error(Exception):
@@ -25,7 +29,7 @@ class Error(Exception):
               run.partial.csv of a run that failed; else None
     """
 
-    def __init__(self, status, messages, result=None):
+    def __init__(self, status: Optional[int], messages: List[str], result: Any = None) -> None:
         super().__init__("\n".join(messages))
         self.status = status
         self.messages = list(messages)
@@ -44,7 +48,12 @@ class Quantity(float):
     measured  what the scene says was measured, in the same unit; else None
     """
 
-    def __new__(cls, value, unit="", at=None, measured=None):
+    unit: str
+    at: Optional[float]
+    measured: Optional[float]
+
+    def __new__(cls, value: float, unit: str = "", at: Optional[float] = None,
+                measured: Optional[float] = None):
         self = super().__new__(cls, value)
         self.unit, self.at, self.measured = unit, at, measured
         return self
@@ -53,11 +62,11 @@ class Quantity(float):
         return float(self), self.unit, self.at, self.measured
 
     @property
-    def value(self):
+    def value(self) -> float:
         """The plain float. NaN: the run has no such value, as no firing has no time."""
         return float(self)
 
-    def text(self):
+    def text(self) -> str:
         """Returns value and unit as scenes and options take them, with all digits."""
         return f"{float(self)!r} {self.unit}".strip()
 
@@ -209,7 +218,7 @@ def _numpy():
         return None
 
 
-def _handed_out(column, counts):
+def handed_out(column, counts):
     """Returns a column as users get it: numpy's array where numpy is, else a list. counts: its cells
     are whole numbers."""
     numpy = _numpy()
@@ -263,17 +272,17 @@ class Table(collections.abc.Mapping):
         is_text = self.path.suffix != ".json"
         columns = _read_text(self.path, self._words) if is_text else _read_folder(self.path)
         counts = self._of_cells("count")
-        self._columns = {name: _handed_out(c, name in counts) for name, c in columns.items()}
+        self._columns = {name: handed_out(c, name in counts) for name, c in columns.items()}
         return self._columns
 
     @property
-    def units(self):
+    def units(self) -> dict:
         """{column: unit}, in the order of the columns."""
         known = {name: "" for name in self._words} | {n: c["unit"] for n, c in self.about.items()}
         return {name: known[name] if name in known else _unit_by_name(name)
                 for name in self._read()}
 
-    def name(self, name):
+    def name(self, name: str) -> str:
         """Returns a column's full name for one with or without its unit. KeyError: none or more
         than one has it."""
         columns = self._read()
@@ -285,7 +294,7 @@ class Table(collections.abc.Mapping):
                            f"there are {', '.join(columns)}")
         return full[0]
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> Any:
         return self._read()[self.name(name)]
 
     def __iter__(self):
@@ -294,16 +303,16 @@ class Table(collections.abc.Mapping):
     def __len__(self):
         return len(self._read())
 
-    def row(self, k):
+    def row(self, k: int) -> dict:
         """Returns row k as a dict of its cells by the columns' names. IndexError: there is none."""
         return {name: column[k].item() if hasattr(column[k], "item") else column[k]
                 for name, column in self._read().items()}
 
-    def rows(self):
+    def rows(self) -> int:
         """Returns how many rows there are, in each column."""
         return len(next(iter(self._read().values()), ()))
 
-    def frame(self):
+    def frame(self) -> Any:
         """Returns a pandas DataFrame; its attrs["units"] are the units. ImportError: there is no
         pandas."""
         import pandas
