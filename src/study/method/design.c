@@ -14,7 +14,7 @@
  *   aim: {least: price_eur + 0.02 * volume_cm3}    columns of the list; the default: price
  *   operation: {high: {supply.voltage: 484 V}}     the machine at work; threats come besides
  *   hold: {margin: 10 %, thyristor.v_reverse: 0.8, waive: [thyristor.di_dt]}
- *   proof: {verify: true, random: 1000, neighbours: true}
+ *   proof: {verify: true, search: {n: 400, restarts: 8}, random: 1000, neighbours: true}
  *   budget: {runs: 5000, jobs: 2}
  *
  * A resistor or a capacitor of a value may stand in the list in several rows, whose columns LIMIT
@@ -35,24 +35,29 @@
 #include "report_columns.h"
 #include "study/methods.h"
 
-enum { DEFAULT_RANDOM = 1000 };
+enum {
+  DEFAULT_RANDOM = 1000,
+  DEFAULT_SEARCHED = 400, /* within 1 % of dense grids (tests/long/worst.csv) */
+  MOST_SEARCHED = 100000,
+  DEFAULT_RESTARTS = 8,
+  MOST_RESTARTS = 1000
+};
 
 /* ---- keys ---- */
 
-static const vs_inside CATALOGUE = {.rows = VS_ROWS({"prices", .kind = VS_NEEDED | VS_TEXT},
-                                                    {"choose", VS_NEEDED | VS_MAP,
-                                                     .inside = &vs_design_choices_keys})},
-                       AIM = {.rows = VS_ROWS({"least", .kind = VS_NEEDED | VS_TEXT})},
-                       LINES = {.rows = VS_ROWS({.kind = VS_TEXT})},
-                       OF_DEVICE = {.rows = VS_ROWS({.kind = VS_PART})},
-                       HOLD = {.rows = VS_ROWS({"margin", .kind = VS_PART},
-                                               {"waive", VS_TEXT | VS_LIST, .inside = &LINES},
-                                               {.kind = VS_PART | VS_MAP, .inside = &OF_DEVICE})},
-                       PROOF = {.rows = VS_ROWS({"verify", .kind = VS_FLAG},
-                                                {"random", .kind = VS_COUNT},
-                                                {"neighbours", .kind = VS_FLAG})},
-                       BUDGET = {
-                           .rows = VS_ROWS({"runs", .kind = VS_COUNT}, {"jobs", .kind = VS_COUNT})};
+static const vs_inside
+    CATALOGUE = {.rows =
+                     VS_ROWS({"prices", .kind = VS_NEEDED | VS_TEXT},
+                             {"choose", VS_NEEDED | VS_MAP, .inside = &vs_design_choices_keys})},
+    AIM = {.rows = VS_ROWS({"least", .kind = VS_NEEDED | VS_TEXT})},
+    LINES = {.rows = VS_ROWS({.kind = VS_TEXT})}, OF_DEVICE = {.rows = VS_ROWS({.kind = VS_PART})},
+    HOLD = {.rows =
+                VS_ROWS({"margin", .kind = VS_PART}, {"waive", VS_TEXT | VS_LIST, .inside = &LINES},
+                        {.kind = VS_PART | VS_MAP, .inside = &OF_DEVICE})},
+    SEARCH = {.rows = VS_ROWS({"n", .kind = VS_COUNT}, {"restarts", .kind = VS_COUNT})},
+    PROOF = {.rows = VS_ROWS({"verify", .kind = VS_FLAG}, {"search", VS_MAP, .inside = &SEARCH},
+                             {"random", .kind = VS_COUNT}, {"neighbours", .kind = VS_FLAG})},
+    BUDGET = {.rows = VS_ROWS({"runs", .kind = VS_COUNT}, {"jobs", .kind = VS_COUNT})};
 static const vs_field SECTION = {"catalogue", VS_MAP, .inside = &CATALOGUE};
 static const vs_field BESIDES[] = {{"aim", VS_MAP, .inside = &AIM},
                                    {"operation", VS_MAP, .inside = &vs_design_cases_operation},
@@ -83,6 +88,17 @@ static vs_status read_map(const vs_plan *plan, const char *key, const vs_inside 
   return vs_field_map_keys(*map, key, inside, err);
 }
 
+static vs_status read_search(const vs_node *proof, vs_design *d, vs_error *err) {
+  const vs_node *search = proof ? vs_tree_child(proof, "search") : NULL;
+  if (!search) return VS_OK;
+  if (search->kind != VS_NODE_MAP)
+    return vs_fail_at(err, search->where, "proof.search: {n: 400, restarts: 8} is wanted, or {}");
+  d->searched = DEFAULT_SEARCHED;
+  d->restarts = DEFAULT_RESTARTS;
+  vs_status status = vs_axis_whole(search, "n", 1, MOST_SEARCHED, &d->searched, err);
+  return status ? status : vs_axis_whole(search, "restarts", 1, MOST_RESTARTS, &d->restarts, err);
+}
+
 static vs_status read_besides(vs_plan *plan, vs_design *d, vs_error *err) {
   const vs_node *aim, *proof, *budget;
   vs_status status = read_map(plan, "aim", &AIM, &aim, err);
@@ -96,6 +112,7 @@ static vs_status read_besides(vs_plan *plan, vs_design *d, vs_error *err) {
   d->usual_aim = vs_tree_word(NULL, "price", vs_tree_place(plan->tree.root, "catalogue.prices"));
   if (!d->aim) d->aim = &d->usual_aim;
   status = vs_axis_whole(proof, "random", 0, 1000000, &d->random, err);
+  if (!status) status = read_search(proof, d, err);
   if (!status) status = read_flag(proof, "neighbours", &d->neighbours, err);
   if (!status) status = read_flag(proof, "verify", &d->verify, err);
   if (!status) status = vs_axis_whole(budget, "runs", 1, VS_PLAN_CASES, &d->most_runs, err);

@@ -13,6 +13,7 @@
 #include "base/units.h"
 #include "method/design_scene.h"
 #include "method/design_search.h"
+#include "method/search.h"
 #include "netlist/kinds.h"
 
 typedef struct answer {
@@ -107,8 +108,8 @@ static void find_margins(answer *a) {
   for (size_t k = 0; k < s->n_list; k++)
     if (k < s->answer->room && s->answer->run[k])
       take_run_of_answer(a, s->list[k], s->answer->run[k] - 1);
-  for (uint64_t k = 0; k < s->draws_held; k++)
-    take_run_of_answer(a, s->draw[k].number, s->draw[k].run);
+  for (size_t k = 0; k < s->n_shown; k++)
+    take_run_of_answer(a, s->shown[k].number, s->shown[k].run);
   for (size_t c = 0; c < a->d->n_choices; c++)
     take_class(a, c, class_of(a->d, s->answer, c), &a->least[c]);
 }
@@ -136,12 +137,9 @@ static const char *line_name(const answer *a, const vs_design_mark *mark) {
 }
 
 static void add_case(const answer *a, const vs_design_mark *mark, vs_text *text) {
-  vs_design_cases_write(a->plan, &a->d->cases, mark->number, text);
-}
-
-/* How the case came up. */
-static const char *found_by(const answer *a, const vs_design_mark *mark) {
-  return mark->number < a->d->cases.count ? "list" : "draw";
+  double point[VS_PLAN_AXES];
+  vs_design_search_point(&a->s, mark->number, point);
+  vs_design_cases_write(a->plan, &a->d->cases, point, text);
 }
 
 static void add_candidate(const answer *a, const vs_design_candidate *c, vs_text *text) {
@@ -183,6 +181,7 @@ static void want_scene(answer *a, uint64_t run) {
 static void want_scenes(answer *a) {
   const vs_design_search *s = &a->s;
   for (size_t c = 0; c < a->d->n_choices; c++) want_scene(a, a->least[c].run);
+  for (size_t k = 0; k < s->n_worst; k++) want_scene(a, s->worst[k].mark.run);
   for (size_t k = 0; k < s->n_neighbours; k++)
     if (s->neighbour[k].candidate->state == VS_DESIGN_KILLED)
       want_scene(a, s->neighbour[k].candidate->killer.run);
@@ -316,6 +315,9 @@ static void add_bill(const answer *a, vs_text *text) {
 static void add_proof_of_list(const answer *a, vs_text *text) {
   const vs_design_search *s = &a->s;
   vs_text_add(text, "List: the answer holds all %zu cases, each a run in ngspice", s->n_list);
+  if (s->n_list > a->d->cases.count)
+    vs_text_add(text, " (%zu of them were found in the ranges)",
+                s->n_list - (size_t)a->d->cases.count);
   if (a->without_error)
     vs_text_add(text, "; the weakest margins of %llu of its runs have no computed error",
                 (unsigned long long)a->without_error);
@@ -328,11 +330,46 @@ static void add_proof_of_list(const answer *a, vs_text *text) {
   vs_text_add(text, ".");
 }
 
+/* Adds the worst of a threat: "surge: angle 41.2 deg: +6.3 % in thyristor.v_reverse (case 812; 5 of
+ * 8 restarts came to its place, 6 to its value)". */
+static void add_worst(const answer *a, const vs_design_worst *w, vs_text *text) {
+  if (w->mark.run == UINT64_MAX) {
+    vs_text_add(text, "no margin in %llu runs", (unsigned long long)w->n);
+    return;
+  }
+  add_margin(w->mark.margin, w->mark.error, text);
+  vs_text_add(text, " of %s under ", line_name(a, &w->mark));
+  add_case(a, &w->mark, text);
+  vs_text_add(text,
+              " (case %llu, of n = %llu; of %zu restarts %zu came to its place and %zu to its "
+              "value)",
+              (unsigned long long)w->mark.run, (unsigned long long)w->n, w->restarts, w->place,
+              w->near);
+}
+
 static void add_proof_of_ranges(const answer *a, vs_text *text) {
-  vs_text_add(text, a->d->cases.ranged
-                        ? "Ranges: the list has samples of what is continuous; the worst within "
-                          "was not searched for, and no bound is claimed."
-                        : "Ranges: none is stated; nothing is said of values that are not listed.");
+  const vs_design_search *s = &a->s;
+  if (!a->d->cases.ranged) {
+    vs_text_add(text, "Ranges: none is stated; nothing is said of values that are not listed.");
+    return;
+  }
+  if (!a->d->searched) {
+    vs_text_add(text,
+                "Ranges: the list has samples of what is continuous; the worst within was not "
+                "searched for, and no bound is claimed.");
+    return;
+  }
+  vs_text_add(text, "Ranges: the worst found, for each threat: ");
+  for (size_t k = 0; k < s->n_worst; k++) {
+    if (k) vs_text_add(text, "; ");
+    add_worst(a, &s->worst[k], text);
+  }
+  vs_text_add(text, s->proved ? "." : "%sthe search was not done to its end.",
+              s->n_worst ? "; " : "");
+  vs_text_add(text,
+              " Restarts agree within %g %% of each range and of the margin. No bound is "
+              "claimed.",
+              100 * VS_SEARCH_AGREE);
 }
 
 static void add_proof_by_draws(const answer *a, vs_text *text) {
@@ -342,11 +379,11 @@ static void add_proof_by_draws(const answer *a, vs_text *text) {
     return;
   }
   vs_text_add(text,
-              "Random: 0 of %llu draws after the last change violate; %llu were drawn in all, and "
-              "%zu became cases. So p < %.3g %% at 95 %%, of draws in which each threat is as "
+              "Random: 0 of %llu draws after the last change violate; %llu were drawn in all. "
+              "So p < %.3g %% at 95 %%, of draws in which each threat is as "
               "likely as another, and even within its ranges.",
               (unsigned long long)s->draws_held, (unsigned long long)s->draws,
-              s->n_list - (size_t)a->d->cases.count, 300. / (double)s->draws_held);
+              300. / (double)s->draws_held);
 }
 
 /* True for a device whose limits the list of prices has. */
@@ -469,7 +506,7 @@ static void put_mark(const answer *a, const char *key, const vs_design_mark *mar
   vs_json_number(json, "margin", mark->margin, 12);
   vs_json_number(json, "margin_error", mark->error, 12);
   vs_json_text(json, "threat", text.text);
-  vs_json_text(json, "found_by", found_by(a, mark));
+  vs_json_text(json, "found_by", vs_design_search_found_by(&a->s, mark->number));
   vs_json_whole(json, "case", (int64_t)mark->run);
   vs_json_end(json);
   vs_text_free(&text);
@@ -525,6 +562,21 @@ static void put_neighbours(const answer *a, vs_json *json) {
   vs_json_end(json);
 }
 
+static void put_worst(const answer *a, vs_json *json) {
+  vs_json_array(json, "searched", VS_JSON_LINES);
+  for (size_t k = 0; k < a->s.n_worst; k++) {
+    const vs_design_worst *w = &a->s.worst[k];
+    vs_json_object(json, NULL, VS_JSON_ROW);
+    vs_json_whole(json, "n", (int64_t)w->n);
+    vs_json_whole(json, "restarts", (int64_t)w->restarts);
+    vs_json_whole(json, "agree_place", (int64_t)w->place);
+    vs_json_whole(json, "agree_value", (int64_t)w->near);
+    put_mark(a, "worst", &w->mark, json);
+    vs_json_end(json);
+  }
+  vs_json_end(json);
+}
+
 static const char *status_word(vs_status status) {
   return status == VS_OK       ? "proved"
          : status == VS_RATING ? "nothing holds"
@@ -547,6 +599,7 @@ static void put_answer(const answer *a, vs_status status, vs_json *json) {
   vs_json_whole(json, "draws", (int64_t)s->draws);
   vs_json_whole(json, "draws_held", (int64_t)s->draws_held);
   if (s->answer) put_choices(a, s->answer, true, json);
+  put_worst(a, json);
   if (s->proved) put_neighbours(a, json);
   if (s->answer) {
     vs_json_array(json, "proof", VS_JSON_LINES);
@@ -613,7 +666,8 @@ static void add_choice_row(const answer *a, size_t c, vs_text *line) {
     add_cell(line, text.text, 18);
     add_cell(line, line_name(a, least), 22);
     add_case(a, least, line);
-    vs_text_add(line, " (%s, case %llu)", found_by(a, least), (unsigned long long)least->run);
+    vs_text_add(line, " (%s, case %llu)", vs_design_search_found_by(&a->s, least->number),
+                (unsigned long long)least->run);
   }
   vs_text_add(line, "\n");
   vs_text_free(&text);

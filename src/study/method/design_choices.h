@@ -62,6 +62,8 @@ typedef struct vs_design {
   uint64_t width;        /* how many cases are asked for at a time */
   uint64_t most_runs;    /* of the budget */
   uint64_t random;       /* how many draws prove the answer */
+  uint64_t searched,
+      restarts; /* the worst of each threat is searched for by so many runs; 0: not */
   bool neighbours;
   bool verify;        /* the answer's margins get their errors, which the scene does not ask for */
   size_t verify_axis; /* then: of run.verify, 0 as the scene has it, 1 always */
