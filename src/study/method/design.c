@@ -8,12 +8,13 @@
  *       circuit.thyristor:  {kind: thyristor}                      all parts of that kind in it
  *       circuit.varistor_1: {kind: varistor, parts: [s20k510]}     these
  *       circuit.varistor_2: {same_as: circuit.varistor_1}
+ *       circuit.varistor_3: {kind: varistor, or: none}           none: it is left out
  *       circuit.r1: {kind: resistor, series: E12, from: 47 ohm, to: 10 kohm}
  *       circuit.c1: {kind: capacitor}                              all values in the list
  *       circuit.r2: {kind: resistor, values: [1 kohm, 2.2 kohm], number: 2}
  *   aim: {least: price_eur + 0.02 * volume_cm3}    columns of the list; the default: price
  *   operation: {high: {supply.voltage: 484 V}}     the machine at work; threats come besides
- *   hold: {margin: 10 %, thyristor.v_reverse: 0.8, waive: [thyristor.di_dt]}
+ *   hold: {margin: 10 %, thyristor.v_reverse: 0.8, waive: [{line: thyristor.di_dt, because: ...}]}
  *   proof: {verify: true, search: {n: 400, restarts: 8}, random: 1000, neighbours: true}
  *   budget: {runs: 5000, jobs: 2}
  *
@@ -50,7 +51,8 @@ static const vs_inside
                      VS_ROWS({"prices", .kind = VS_NEEDED | VS_TEXT},
                              {"choose", VS_NEEDED | VS_MAP, .inside = &vs_design_choices_keys})},
     AIM = {.rows = VS_ROWS({"least", .kind = VS_NEEDED | VS_TEXT})},
-    LINES = {.rows = VS_ROWS({.kind = VS_TEXT})}, OF_DEVICE = {.rows = VS_ROWS({.kind = VS_PART})},
+    LINES = {.rows = VS_ROWS({.kind = VS_TEXT | VS_MAP, .inside = &vs_hold_waiver})},
+    OF_DEVICE = {.rows = VS_ROWS({.kind = VS_PART})},
     HOLD = {.rows =
                 VS_ROWS({"margin", .kind = VS_PART}, {"waive", VS_TEXT | VS_LIST, .inside = &LINES},
                         {.kind = VS_PART | VS_MAP, .inside = &OF_DEVICE})},
@@ -271,12 +273,9 @@ static void put_design(const vs_plan *plan, const vs_plan_stage *stage, const do
                        vs_tree *tree) {
   const vs_design *d = stage->state;
   const double *point = value - stage->axis;
+  vs_design_choices_put_back(d, plan, tree);
   vs_design_cases_put(&d->cases, point, tree);
-  for (size_t c = 0; c < d->n_choices; c++) {
-    const vs_design_choice *one = &d->choice[c];
-    const size_t axis = one->tolerance ? one->tolerance - 1 : one->axis;
-    vs_axis_put(&plan->axes[axis], point[axis], 12, tree);
-  }
+  for (size_t c = 0; c < d->n_choices; c++) vs_design_choices_put(d, plan, c, point, tree);
   if (d->verify) vs_axis_put(&plan->axes[d->verify_axis], point[d->verify_axis], 12, tree);
 }
 

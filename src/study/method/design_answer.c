@@ -64,7 +64,9 @@ static void take_run_of_answer(answer *a, uint64_t number, uint64_t run) {
   a->without_error += whole.weakest != SIZE_MAX && isnan(whole.error);
   for (size_t k = 0; k < d->hold.count; k++) {
     vs_hold_row row = VS_HOLD_ROW;
-    if (d->margin[k] < 0) continue;
+    if (d->margin[k] < 0 || vs_design_choices_lacks(d, &a->results->points[run * a->plan->n_axes],
+                                                    d->hold.line[k].name))
+      continue;
     vs_hold_judge(&d->hold, k, vs_plan_results_value(a->results, run, d->margin[k]),
                   vs_plan_results_value(a->results, run, d->margin[k] + 1),
                   not_judged ? not_judged : "", &row, came);
@@ -157,6 +159,7 @@ static void add_option(const answer *a, const vs_design_candidate *c, size_t cho
 }
 
 static const char *part_name(const answer *a, const vs_design_class *class) {
+  if (class->row == VS_DESIGN_NONE) return "none";
   return vs_price_list_cell(&a->d->list, class->row, a->d->list.part)->text;
 }
 
@@ -296,6 +299,7 @@ static void add_bill(const answer *a, vs_text *text) {
   vs_text_add(text, "\n");
   for (size_t c = 0; c < a->d->n_choices && a->s.answer; c++) {
     const vs_design_class *class = class_of(a->d, a->s.answer, c);
+    if (class->row == VS_DESIGN_NONE) continue; /* nothing is bought */
     vs_text_add(text, "%s,%d,%.12g,", a->d->choice[c].node->key, a->d->choice[c].number,
                 class->price);
     cell.length = 0;
@@ -316,16 +320,17 @@ static void add_proof_of_list(const answer *a, vs_text *text) {
   const vs_design_search *s = &a->s;
   vs_text_add(text, "List: the answer holds all %zu cases, each a run in ngspice", s->n_list);
   if (s->n_list > a->d->cases.count)
-    vs_text_add(text, " (%zu of them were found in the ranges)",
+    vs_text_add(text, " (%zu of them found within the ranges)",
                 s->n_list - (size_t)a->d->cases.count);
   if (a->without_error)
     vs_text_add(text, "; the weakest margins of %llu of its runs have no computed error",
                 (unsigned long long)a->without_error);
   vs_text_add(
       text,
-      ". %zu candidates cost less: each violates a case, which design.csv names, by a margin "
-      "without an error where that has none",
-      a->cheaper + a->unjudged);
+      ". %zu candidates cost less: each violates a case, which design.csv names, by a margin %s",
+      a->cheaper + a->unjudged,
+      a->d->verify ? "that got its error where it is near to the limit"
+                   : "without an error where that has none");
   if (a->unjudged) vs_text_add(text, ", but for %zu that could not be judged", a->unjudged);
   vs_text_add(text, ".");
 }
@@ -445,6 +450,7 @@ static void add_not_judged(const answer *a, vs_text *text) {
   for (size_t k = 0; k < a->d->hold.count; k++) {
     if (!a->d->hold.line[k].waived) continue;
     vs_text_add(text, "%s%s", any ? ", " : " Waived by hold: ", a->d->hold.line[k].name);
+    if (a->d->hold.line[k].because) vs_text_add(text, " (because: %s)", a->d->hold.line[k].because);
     any = true;
   }
   if (any) vs_text_add(text, ".");
@@ -660,7 +666,7 @@ static void add_choice_row(const answer *a, size_t c, vs_text *line) {
   text.length = 0;
   if (least->run == UINT64_MAX) {
     add_cell(line, "-", 18);
-    vs_text_add(line, "no limit of it is judged");
+    vs_text_add(line, class->row == VS_DESIGN_NONE ? "left out" : "no limit of it is judged");
   } else {
     add_margin(least->margin, least->error, &text);
     add_cell(line, text.text, 18);

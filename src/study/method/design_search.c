@@ -51,6 +51,14 @@ vs_hold_row vs_design_search_judge(const vs_design_search *s, uint64_t run) {
     const double margin = vs_plan_results_value(s->results, run, d->margin[k]),
                  error = vs_plan_results_value(s->results, run, d->margin[k] + 1);
     if (isnan(margin)) continue; /* no such line; or nothing to judge, which the status tells */
+    if (vs_design_choices_lacks(d, &s->results->points[run * s->plan->n_axes],
+                                d->hold.line[k].name)) {
+      vs_hold_line gone = d->hold.line[k]; /* what it says is of no part */
+      const vs_hold one = {.line = &gone, .count = 1};
+      gone.waived = true;
+      vs_hold_judge(&one, 0, margin, error, not_judged, &row, came);
+      continue;
+    }
     vs_hold_judge(&d->hold, k, margin, error, not_judged, &row, came);
   }
   vs_hold_happened(word_of(s->results, run, VS_RESULT_HAPPENED), -1, &row);
