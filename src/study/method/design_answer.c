@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "method/design_answer.h"
 
-#include <dirent.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -204,41 +203,6 @@ static vs_status write_text(const char *folder, const char *name, const vs_text 
   if (status) return status;
   fputs(text->text ? text->text : "", file.stream);
   return vs_file_commit(&file, err);
-}
-
-static vs_status write_scene(const answer *a, const char *folder, uint64_t run, vs_error *err) {
-  char name[64];
-  vs_text text = {0};
-  const int status_of_run = a->results->status[run];
-  snprintf(name, sizeof name, "%llu.yaml", (unsigned long long)run);
-  vs_text_add(&text, "# case %llu of a design: vibrospice run ends with status %d there\n",
-              (unsigned long long)run, status_of_run);
-  vs_status status =
-      vs_design_scene_add(a->plan, &a->results->points[run * a->plan->n_axes], &text, err);
-  if (!status) status = write_text(folder, name, &text, err);
-  vs_text_free(&text);
-  return status;
-}
-
-/* Removes the scenes of an earlier answer. */
-static void clear_scenes(const char *folder) {
-  DIR *all = opendir(folder);
-  for (const struct dirent *e; all && (e = readdir(all));) {
-    const size_t n = strspn(e->d_name, "0123456789");
-    if (n && !strcmp(e->d_name + n, ".yaml")) vs_file_remove(dirfd(all), e->d_name);
-  }
-  if (all) closedir(all);
-}
-
-static vs_status write_scenes(answer *a, vs_error *err) {
-  char folder[VS_PATH_SIZE + 8];
-  int made;
-  snprintf(folder, sizeof folder, "%s/cases", a->folder);
-  vs_status status = vs_file_folder_make(folder, &made, err);
-  if (!status) clear_scenes(folder);
-  for (size_t k = 0; k < a->n_scenes && !status; k++)
-    status = write_scene(a, folder, a->scene[k], err);
-  return status;
 }
 
 /* ---- tables ---- */
@@ -628,7 +592,7 @@ static vs_status write_files(answer *a, vs_status ended, const vs_text *page, vs
   vs_json json = vs_json_new(&text);
   vs_status status;
   want_scenes(a);
-  status = write_scenes(a, err);
+  status = vs_design_scene_write(a->plan, a->results, a->scene, a->n_scenes, a->folder, err);
   add_candidates(a, &text);
   if (!status) status = write_text(a->folder, "design.csv", &text, err);
   if (!status) status = write_text(a->folder, "design.txt", page, err);

@@ -47,7 +47,7 @@ const double *vs_search_ask(vs_search *search, size_t *count);
  * than any. */
 void vs_search_tell(vs_search *search, const double *values);
 
-/* Returns the best point so far and its value; *value is NaN while no point had one. */
+/* Returns the best point so far and its value; *value is NaN while no point had one. For tests. */
 const double *vs_search_best(const vs_search *search, double *value);
 
 /* Returns how many restarts were begun. */
