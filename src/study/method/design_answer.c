@@ -128,11 +128,14 @@ static void count_cheaper(answer *a) {
 
 /* ---- words ---- */
 
+/* The line that decides; where no line is broken, what happened that must not. */
 static const char *line_name(const answer *a, const vs_design_mark *mark) {
   const char *happened = a->results->words[mark->run * VS_RESULT_WORDS + VS_RESULT_HAPPENED];
   const char *why = a->results->words[mark->run * VS_RESULT_WORDS + VS_RESULT_WHY];
+  vs_hold_row row = VS_HOLD_ROW;
   if (why) return why;
-  if (mark->line != SIZE_MAX && !(mark->margin > 0 && happened))
+  vs_hold_happened(happened ? happened : "", -1, &row);
+  if (mark->line != SIZE_MAX && !(mark->margin > 0 && row.now != VS_HOLD_HELD))
     return a->d->hold.line[mark->line].name;
   return happened ? happened : "";
 }
