@@ -449,7 +449,8 @@ static bool show_cases(vs_design_search *s, const asked *one, size_t n, vs_desig
     add_case(s, one[broken].number);
     c->state = VS_DESIGN_OPEN;
     c->verified = c->held = false;
-    c->runs--; /* take_run counts it */
+    if (is_near(s, first + broken)) return false; /* it is run with its error, as one of the list */
+    c->runs--;                                    /* take_run counts it */
     take_run(s, c, s->n_list - 1, first + broken);
     return false;
   }
