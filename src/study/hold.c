@@ -82,19 +82,34 @@ vs_status vs_hold_one(vs_hold *h, const char *name, const vs_node *value, vs_err
   return vs_hold_check_sense(l, "hold", value->where, err);
 }
 
+const vs_inside vs_hold_waiver = {
+    .rows = VS_ROWS({"line", .kind = VS_NEEDED | VS_TEXT}, {"because", .kind = VS_TEXT})};
+
+static vs_status waive_one(vs_hold *h, const vs_node *n, vs_error *err) {
+  const vs_node *line = n->kind == VS_NODE_MAP ? vs_tree_child(n, "line") : n,
+                *because = n->kind == VS_NODE_MAP ? vs_tree_child(n, "because") : NULL;
+  size_t k;
+  vs_status status =
+      n->kind == VS_NODE_MAP ? vs_field_map_keys(n, "waive", &vs_hold_waiver, err) : VS_OK;
+  if (!status && (!line || (because && because->kind != VS_NODE_TEXT)))
+    status = vs_fail_at(err, n->where,
+                        "waive: {line: thyristor.di_dt, because: a text} is wanted, or a line");
+  if (!status)
+    status = vs_hold_need(h, "waive", line->kind == VS_NODE_TEXT ? line->text : "", line->where, &k,
+                          err);
+  if (status) return status;
+  h->line[k].waived = true;
+  h->line[k].because = because ? because->text : NULL;
+  return VS_OK;
+}
+
 vs_status vs_hold_waive(vs_hold *h, const vs_node *list, vs_error *err) {
   vs_status status = VS_OK;
-  size_t k;
-  if (list && list->kind == VS_NODE_MAP)
-    return vs_fail_at(err, list->where, "waive: lines are wanted: [varistor_1.power, ...]");
   for (const vs_node *n = !list                        ? NULL
                           : list->kind == VS_NODE_LIST ? list->child
                                                        : list;
-       n && !status; n = list->kind == VS_NODE_LIST ? n->next : NULL) {
-    status = vs_hold_need(h, "waive", n->kind == VS_NODE_TEXT ? n->text : "", n->where, &k, err);
-    if (!status) h->line[k].waived = true;
-    status = vs_error_keep(err, status);
-  }
+       n && !status; n = list->kind == VS_NODE_LIST ? n->next : NULL)
+    status = vs_error_keep(err, waive_one(h, n, err));
   return status;
 }
 

@@ -8,13 +8,14 @@
  *       circuit.thyristor:  {kind: thyristor}                      all parts of that kind in it
  *       circuit.varistor_1: {kind: varistor, parts: [s20k510]}     these
  *       circuit.varistor_2: {same_as: circuit.varistor_1}
+ *       circuit.varistor_3: {kind: varistor, or: none}           none: it is left out
  *       circuit.r1: {kind: resistor, series: E12, from: 47 ohm, to: 10 kohm}
  *       circuit.c1: {kind: capacitor}                              all values in the list
  *       circuit.r2: {kind: resistor, values: [1 kohm, 2.2 kohm], number: 2}
  *   aim: {least: price_eur + 0.02 * volume_cm3}    columns of the list; the default: price
  *   operation: {high: {supply.voltage: 484 V}}     the machine at work; threats come besides
- *   hold: {margin: 10 %, thyristor.v_reverse: 0.8, waive: [thyristor.di_dt]}
- *   proof: {verify: true, random: 1000, neighbours: true}
+ *   hold: {margin: 10 %, thyristor.v_reverse: 0.8, waive: [{line: thyristor.di_dt, because: ...}]}
+ *   proof: {verify: true, search: {n: 400, restarts: 8}, random: 1000, neighbours: true}
  *   budget: {runs: 5000, jobs: 2}
  *
  * A resistor or a capacitor of a value may stand in the list in several rows, whose columns LIMIT
@@ -35,24 +36,30 @@
 #include "report_columns.h"
 #include "study/methods.h"
 
-enum { DEFAULT_RANDOM = 1000 };
+enum {
+  DEFAULT_RANDOM = 1000,
+  DEFAULT_SEARCHED = 400, /* within 1 % of dense grids (tests/long/worst.csv) */
+  MOST_SEARCHED = 100000,
+  DEFAULT_RESTARTS = 8,
+  MOST_RESTARTS = 1000
+};
 
 /* ---- keys ---- */
 
-static const vs_inside CATALOGUE = {.rows = VS_ROWS({"prices", .kind = VS_NEEDED | VS_TEXT},
-                                                    {"choose", VS_NEEDED | VS_MAP,
-                                                     .inside = &vs_design_choices_keys})},
-                       AIM = {.rows = VS_ROWS({"least", .kind = VS_NEEDED | VS_TEXT})},
-                       LINES = {.rows = VS_ROWS({.kind = VS_TEXT})},
-                       OF_DEVICE = {.rows = VS_ROWS({.kind = VS_PART})},
-                       HOLD = {.rows = VS_ROWS({"margin", .kind = VS_PART},
-                                               {"waive", VS_TEXT | VS_LIST, .inside = &LINES},
-                                               {.kind = VS_PART | VS_MAP, .inside = &OF_DEVICE})},
-                       PROOF = {.rows = VS_ROWS({"verify", .kind = VS_FLAG},
-                                                {"random", .kind = VS_COUNT},
-                                                {"neighbours", .kind = VS_FLAG})},
-                       BUDGET = {
-                           .rows = VS_ROWS({"runs", .kind = VS_COUNT}, {"jobs", .kind = VS_COUNT})};
+static const vs_inside
+    CATALOGUE = {.rows =
+                     VS_ROWS({"prices", .kind = VS_NEEDED | VS_TEXT},
+                             {"choose", VS_NEEDED | VS_MAP, .inside = &vs_design_choices_keys})},
+    AIM = {.rows = VS_ROWS({"least", .kind = VS_NEEDED | VS_TEXT})},
+    LINES = {.rows = VS_ROWS({.kind = VS_TEXT | VS_MAP, .inside = &vs_hold_waiver})},
+    OF_DEVICE = {.rows = VS_ROWS({.kind = VS_PART})},
+    HOLD = {.rows =
+                VS_ROWS({"margin", .kind = VS_PART}, {"waive", VS_TEXT | VS_LIST, .inside = &LINES},
+                        {.kind = VS_PART | VS_MAP, .inside = &OF_DEVICE})},
+    SEARCH = {.rows = VS_ROWS({"n", .kind = VS_COUNT}, {"restarts", .kind = VS_COUNT})},
+    PROOF = {.rows = VS_ROWS({"verify", .kind = VS_FLAG}, {"search", VS_MAP, .inside = &SEARCH},
+                             {"random", .kind = VS_COUNT}, {"neighbours", .kind = VS_FLAG})},
+    BUDGET = {.rows = VS_ROWS({"runs", .kind = VS_COUNT}, {"jobs", .kind = VS_COUNT})};
 static const vs_field SECTION = {"catalogue", VS_MAP, .inside = &CATALOGUE};
 static const vs_field BESIDES[] = {{"aim", VS_MAP, .inside = &AIM},
                                    {"operation", VS_MAP, .inside = &vs_design_cases_operation},
@@ -83,6 +90,17 @@ static vs_status read_map(const vs_plan *plan, const char *key, const vs_inside 
   return vs_field_map_keys(*map, key, inside, err);
 }
 
+static vs_status read_search(const vs_node *proof, vs_design *d, vs_error *err) {
+  const vs_node *search = proof ? vs_tree_child(proof, "search") : NULL;
+  if (!search) return VS_OK;
+  if (search->kind != VS_NODE_MAP)
+    return vs_fail_at(err, search->where, "proof.search: {n: 400, restarts: 8} is wanted, or {}");
+  d->searched = DEFAULT_SEARCHED;
+  d->restarts = DEFAULT_RESTARTS;
+  vs_status status = vs_axis_whole(search, "n", 1, MOST_SEARCHED, &d->searched, err);
+  return status ? status : vs_axis_whole(search, "restarts", 1, MOST_RESTARTS, &d->restarts, err);
+}
+
 static vs_status read_besides(vs_plan *plan, vs_design *d, vs_error *err) {
   const vs_node *aim, *proof, *budget;
   vs_status status = read_map(plan, "aim", &AIM, &aim, err);
@@ -96,6 +114,7 @@ static vs_status read_besides(vs_plan *plan, vs_design *d, vs_error *err) {
   d->usual_aim = vs_tree_word(NULL, "price", vs_tree_place(plan->tree.root, "catalogue.prices"));
   if (!d->aim) d->aim = &d->usual_aim;
   status = vs_axis_whole(proof, "random", 0, 1000000, &d->random, err);
+  if (!status) status = read_search(proof, d, err);
   if (!status) status = read_flag(proof, "neighbours", &d->neighbours, err);
   if (!status) status = read_flag(proof, "verify", &d->verify, err);
   if (!status) status = vs_axis_whole(budget, "runs", 1, VS_PLAN_CASES, &d->most_runs, err);
@@ -255,12 +274,9 @@ static void put_design(const vs_plan *plan, const vs_plan_stage *stage, const do
                        vs_tree *tree) {
   const vs_design *d = stage->state;
   const double *point = value - stage->axis;
+  vs_design_choices_put_back(d, plan, tree);
   vs_design_cases_put(plan, &d->cases, point, tree);
-  for (size_t c = 0; c < d->n_choices; c++) {
-    const vs_design_choice *one = &d->choice[c];
-    const size_t axis = one->tolerance ? one->tolerance - 1 : one->axis;
-    vs_axis_put(&plan->axes[axis], point[axis], 12, tree);
-  }
+  for (size_t c = 0; c < d->n_choices; c++) vs_design_choices_put(d, plan, c, point, tree);
   if (d->verify) vs_axis_put(&plan->axes[d->verify_axis], point[d->verify_axis], 12, tree);
 }
 

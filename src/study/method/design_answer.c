@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "method/design_answer.h"
 
-#include <dirent.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,6 +12,7 @@
 #include "base/units.h"
 #include "method/design_scene.h"
 #include "method/design_search.h"
+#include "method/search.h"
 #include "netlist/kinds.h"
 
 typedef struct answer {
@@ -63,7 +63,9 @@ static void take_run_of_answer(answer *a, uint64_t number, uint64_t run) {
   a->without_error += whole.weakest != SIZE_MAX && isnan(whole.error);
   for (size_t k = 0; k < d->hold.count; k++) {
     vs_hold_row row = VS_HOLD_ROW;
-    if (d->margin[k] < 0) continue;
+    if (d->margin[k] < 0 || vs_design_choices_lacks(d, &a->results->points[run * a->plan->n_axes],
+                                                    d->hold.line[k].name))
+      continue;
     vs_hold_judge(&d->hold, k, vs_plan_results_value(a->results, run, d->margin[k]),
                   vs_plan_results_value(a->results, run, d->margin[k] + 1),
                   not_judged ? not_judged : "", &row, came);
@@ -107,8 +109,8 @@ static void find_margins(answer *a) {
   for (size_t k = 0; k < s->n_list; k++)
     if (k < s->answer->room && s->answer->run[k])
       take_run_of_answer(a, s->list[k], s->answer->run[k] - 1);
-  for (uint64_t k = 0; k < s->draws_held; k++)
-    take_run_of_answer(a, s->draw[k].number, s->draw[k].run);
+  for (size_t k = 0; k < s->n_shown; k++)
+    take_run_of_answer(a, s->shown[k].number, s->shown[k].run);
   for (size_t c = 0; c < a->d->n_choices; c++)
     take_class(a, c, class_of(a->d, s->answer, c), &a->least[c]);
 }
@@ -126,22 +128,22 @@ static void count_cheaper(answer *a) {
 
 /* ---- words ---- */
 
+/* The line that decides; where no line is broken, what happened that must not. */
 static const char *line_name(const answer *a, const vs_design_mark *mark) {
   const char *happened = a->results->words[mark->run * VS_RESULT_WORDS + VS_RESULT_HAPPENED];
   const char *why = a->results->words[mark->run * VS_RESULT_WORDS + VS_RESULT_WHY];
+  vs_hold_row row = VS_HOLD_ROW;
   if (why) return why;
-  if (mark->line != SIZE_MAX && !(mark->margin > 0 && happened))
+  vs_hold_happened(happened ? happened : "", -1, &row);
+  if (mark->line != SIZE_MAX && !(mark->margin > 0 && row.now != VS_HOLD_HELD))
     return a->d->hold.line[mark->line].name;
   return happened ? happened : "";
 }
 
 static void add_case(const answer *a, const vs_design_mark *mark, vs_text *text) {
-  vs_design_cases_write(a->plan, &a->d->cases, mark->number, text);
-}
-
-/* How the case came up. */
-static const char *found_by(const answer *a, const vs_design_mark *mark) {
-  return mark->number < a->d->cases.count ? "list" : "draw";
+  double point[VS_PLAN_AXES];
+  vs_design_search_point(&a->s, mark->number, point);
+  vs_design_cases_write(a->plan, &a->d->cases, point, text);
 }
 
 static void add_candidate(const answer *a, const vs_design_candidate *c, vs_text *text) {
@@ -159,6 +161,7 @@ static void add_option(const answer *a, const vs_design_candidate *c, size_t cho
 }
 
 static const char *part_name(const answer *a, const vs_design_class *class) {
+  if (class->row == VS_DESIGN_NONE) return "none";
   return vs_price_list_cell(&a->d->list, class->row, a->d->list.part)->text;
 }
 
@@ -183,6 +186,7 @@ static void want_scene(answer *a, uint64_t run) {
 static void want_scenes(answer *a) {
   const vs_design_search *s = &a->s;
   for (size_t c = 0; c < a->d->n_choices; c++) want_scene(a, a->least[c].run);
+  for (size_t k = 0; k < s->n_worst; k++) want_scene(a, s->worst[k].mark.run);
   for (size_t k = 0; k < s->n_neighbours; k++)
     if (s->neighbour[k].candidate->state == VS_DESIGN_KILLED)
       want_scene(a, s->neighbour[k].candidate->killer.run);
@@ -202,41 +206,6 @@ static vs_status write_text(const char *folder, const char *name, const vs_text 
   if (status) return status;
   fputs(text->text ? text->text : "", file.stream);
   return vs_file_commit(&file, err);
-}
-
-static vs_status write_scene(const answer *a, const char *folder, uint64_t run, vs_error *err) {
-  char name[64];
-  vs_text text = {0};
-  const int status_of_run = a->results->status[run];
-  snprintf(name, sizeof name, "%llu.yaml", (unsigned long long)run);
-  vs_text_add(&text, "# case %llu of a design: vibrospice run ends with status %d there\n",
-              (unsigned long long)run, status_of_run);
-  vs_status status =
-      vs_design_scene_add(a->plan, &a->results->points[run * a->plan->n_axes], &text, err);
-  if (!status) status = write_text(folder, name, &text, err);
-  vs_text_free(&text);
-  return status;
-}
-
-/* Removes the scenes of an earlier answer. */
-static void clear_scenes(const char *folder) {
-  DIR *all = opendir(folder);
-  for (const struct dirent *e; all && (e = readdir(all));) {
-    const size_t n = strspn(e->d_name, "0123456789");
-    if (n && !strcmp(e->d_name + n, ".yaml")) vs_file_remove(dirfd(all), e->d_name);
-  }
-  if (all) closedir(all);
-}
-
-static vs_status write_scenes(answer *a, vs_error *err) {
-  char folder[VS_PATH_SIZE + 8];
-  int made;
-  snprintf(folder, sizeof folder, "%s/cases", a->folder);
-  vs_status status = vs_file_folder_make(folder, &made, err);
-  if (!status) clear_scenes(folder);
-  for (size_t k = 0; k < a->n_scenes && !status; k++)
-    status = write_scene(a, folder, a->scene[k], err);
-  return status;
 }
 
 /* ---- tables ---- */
@@ -297,6 +266,7 @@ static void add_bill(const answer *a, vs_text *text) {
   vs_text_add(text, "\n");
   for (size_t c = 0; c < a->d->n_choices && a->s.answer; c++) {
     const vs_design_class *class = class_of(a->d, a->s.answer, c);
+    if (class->row == VS_DESIGN_NONE) continue; /* nothing is bought */
     vs_text_add(text, "%s,%d,%.12g,", a->d->choice[c].node->key, a->d->choice[c].number,
                 class->price);
     cell.length = 0;
@@ -316,23 +286,62 @@ static void add_bill(const answer *a, vs_text *text) {
 static void add_proof_of_list(const answer *a, vs_text *text) {
   const vs_design_search *s = &a->s;
   vs_text_add(text, "List: the answer holds all %zu cases, each a run in ngspice", s->n_list);
+  if (s->n_list > a->d->cases.count)
+    vs_text_add(text, " (%zu of them found within the ranges)",
+                s->n_list - (size_t)a->d->cases.count);
   if (a->without_error)
     vs_text_add(text, "; the weakest margins of %llu of its runs have no computed error",
                 (unsigned long long)a->without_error);
   vs_text_add(
       text,
-      ". %zu candidates cost less: each violates a case, which design.csv names, by a margin "
-      "without an error where that has none",
-      a->cheaper + a->unjudged);
+      ". %zu candidates cost less: each violates a case, which design.csv names, by a margin %s",
+      a->cheaper + a->unjudged,
+      a->d->verify ? "that got its error where it is near to the limit"
+                   : "without an error where that has none");
   if (a->unjudged) vs_text_add(text, ", but for %zu that could not be judged", a->unjudged);
   vs_text_add(text, ".");
 }
 
+/* Adds the worst of a threat: "surge: angle 41.2 deg: +6.3 % in thyristor.v_reverse (case 812; 5 of
+ * 8 restarts came to its place, 6 to its value)". */
+static void add_worst(const answer *a, const vs_design_worst *w, vs_text *text) {
+  if (w->mark.run == UINT64_MAX) {
+    vs_text_add(text, "no margin in %llu runs", (unsigned long long)w->n);
+    return;
+  }
+  add_margin(w->mark.margin, w->mark.error, text);
+  vs_text_add(text, " of %s under ", line_name(a, &w->mark));
+  add_case(a, &w->mark, text);
+  vs_text_add(text,
+              " (case %llu, of n = %llu; of %zu restarts %zu came to its place and %zu to its "
+              "value)",
+              (unsigned long long)w->mark.run, (unsigned long long)w->n, w->restarts, w->place,
+              w->near);
+}
+
 static void add_proof_of_ranges(const answer *a, vs_text *text) {
-  vs_text_add(text, a->d->cases.ranged
-                        ? "Ranges: the list has samples of what is continuous; the worst within "
-                          "was not searched for, and no bound is claimed."
-                        : "Ranges: none is stated; nothing is said of values that are not listed.");
+  const vs_design_search *s = &a->s;
+  if (!a->d->cases.ranged) {
+    vs_text_add(text, "Ranges: none is stated; nothing is said of values that are not listed.");
+    return;
+  }
+  if (!a->d->searched) {
+    vs_text_add(text,
+                "Ranges: the list has samples of what is continuous; the worst within was not "
+                "searched for, and no bound is claimed.");
+    return;
+  }
+  vs_text_add(text, "Ranges: the worst found, for each threat: ");
+  for (size_t k = 0; k < s->n_worst; k++) {
+    if (k) vs_text_add(text, "; ");
+    add_worst(a, &s->worst[k], text);
+  }
+  vs_text_add(text, s->proved ? "." : "%sthe search was not done to its end.",
+              s->n_worst ? "; " : "");
+  vs_text_add(text,
+              " Restarts agree within %g %% of each range and of the margin. No bound is "
+              "claimed.",
+              100 * VS_SEARCH_AGREE);
 }
 
 static void add_proof_by_draws(const answer *a, vs_text *text) {
@@ -342,11 +351,11 @@ static void add_proof_by_draws(const answer *a, vs_text *text) {
     return;
   }
   vs_text_add(text,
-              "Random: 0 of %llu draws after the last change violate; %llu were drawn in all, and "
-              "%zu became cases. So p < %.3g %% at 95 %%, of draws in which each threat is as "
+              "Random: 0 of %llu draws after the last change violate; %llu were drawn in all. "
+              "So p < %.3g %% at 95 %%, of draws in which each threat is as "
               "likely as another, and even within its ranges.",
               (unsigned long long)s->draws_held, (unsigned long long)s->draws,
-              s->n_list - (size_t)a->d->cases.count, 300. / (double)s->draws_held);
+              300. / (double)s->draws_held);
 }
 
 /* True for a device whose limits the list of prices has. */
@@ -408,6 +417,7 @@ static void add_not_judged(const answer *a, vs_text *text) {
   for (size_t k = 0; k < a->d->hold.count; k++) {
     if (!a->d->hold.line[k].waived) continue;
     vs_text_add(text, "%s%s", any ? ", " : " Waived by hold: ", a->d->hold.line[k].name);
+    if (a->d->hold.line[k].because) vs_text_add(text, " (because: %s)", a->d->hold.line[k].because);
     any = true;
   }
   if (any) vs_text_add(text, ".");
@@ -469,7 +479,7 @@ static void put_mark(const answer *a, const char *key, const vs_design_mark *mar
   vs_json_number(json, "margin", mark->margin, 12);
   vs_json_number(json, "margin_error", mark->error, 12);
   vs_json_text(json, "threat", text.text);
-  vs_json_text(json, "found_by", found_by(a, mark));
+  vs_json_text(json, "found_by", vs_design_search_found_by(&a->s, mark->number));
   vs_json_whole(json, "case", (int64_t)mark->run);
   vs_json_end(json);
   vs_text_free(&text);
@@ -525,6 +535,21 @@ static void put_neighbours(const answer *a, vs_json *json) {
   vs_json_end(json);
 }
 
+static void put_worst(const answer *a, vs_json *json) {
+  vs_json_array(json, "searched", VS_JSON_LINES);
+  for (size_t k = 0; k < a->s.n_worst; k++) {
+    const vs_design_worst *w = &a->s.worst[k];
+    vs_json_object(json, NULL, VS_JSON_ROW);
+    vs_json_whole(json, "n", (int64_t)w->n);
+    vs_json_whole(json, "restarts", (int64_t)w->restarts);
+    vs_json_whole(json, "agree_place", (int64_t)w->place);
+    vs_json_whole(json, "agree_value", (int64_t)w->near);
+    put_mark(a, "worst", &w->mark, json);
+    vs_json_end(json);
+  }
+  vs_json_end(json);
+}
+
 static const char *status_word(vs_status status) {
   return status == VS_OK       ? "proved"
          : status == VS_RATING ? "nothing holds"
@@ -547,6 +572,7 @@ static void put_answer(const answer *a, vs_status status, vs_json *json) {
   vs_json_whole(json, "draws", (int64_t)s->draws);
   vs_json_whole(json, "draws_held", (int64_t)s->draws_held);
   if (s->answer) put_choices(a, s->answer, true, json);
+  put_worst(a, json);
   if (s->proved) put_neighbours(a, json);
   if (s->answer) {
     vs_json_array(json, "proof", VS_JSON_LINES);
@@ -569,7 +595,7 @@ static vs_status write_files(answer *a, vs_status ended, const vs_text *page, vs
   vs_json json = vs_json_new(&text);
   vs_status status;
   want_scenes(a);
-  status = write_scenes(a, err);
+  status = vs_design_scene_write(a->plan, a->results, a->scene, a->n_scenes, a->folder, err);
   add_candidates(a, &text);
   if (!status) status = write_text(a->folder, "design.csv", &text, err);
   if (!status) status = write_text(a->folder, "design.txt", page, err);
@@ -607,13 +633,14 @@ static void add_choice_row(const answer *a, size_t c, vs_text *line) {
   text.length = 0;
   if (least->run == UINT64_MAX) {
     add_cell(line, "-", 18);
-    vs_text_add(line, "no limit of it is judged");
+    vs_text_add(line, class->row == VS_DESIGN_NONE ? "left out" : "no limit of it is judged");
   } else {
     add_margin(least->margin, least->error, &text);
     add_cell(line, text.text, 18);
     add_cell(line, line_name(a, least), 22);
     add_case(a, least, line);
-    vs_text_add(line, " (%s, case %llu)", found_by(a, least), (unsigned long long)least->run);
+    vs_text_add(line, " (%s, case %llu)", vs_design_search_found_by(&a->s, least->number),
+                (unsigned long long)least->run);
   }
   vs_text_add(line, "\n");
   vs_text_free(&text);

@@ -187,12 +187,11 @@ void vs_design_cases_put(const vs_plan *plan, const vs_design_cases *c, const do
     vs_tree_graft(tree, n->key, n, &never);
 }
 
-void vs_design_cases_write(const vs_plan *plan, const vs_design_cases *c, uint64_t number,
+void vs_design_cases_write(const vs_plan *plan, const vs_design_cases *c, const double *point,
                            vs_text *text) {
-  double point[VS_PLAN_AXES];
-  vs_design_cases_point(plan, c, number, point);
-  if (number < c->n_points || !c->threats) {
-    vs_text_add(text, "%s", c->n_points ? point_named(c, (size_t)number + 1)->key : AS_IT_IS);
+  const size_t at_work = c->n_points ? (size_t)point[c->axis] : 0;
+  if (at_work || !c->threats) {
+    vs_text_add(text, "%s", at_work ? point_named(c, at_work)->key : AS_IT_IS);
     return;
   }
   const char *between = "";

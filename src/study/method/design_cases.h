@@ -32,8 +32,8 @@ vs_status vs_design_cases_check(const vs_plan *plan, const vs_design_cases *case
 void vs_design_cases_put(const vs_plan *plan, const vs_design_cases *cases, const double *point,
                          vs_tree *tree);
 
-/* Writes the case as people say it: "surge: angle 41.2 deg, level 1 kV". */
-void vs_design_cases_write(const vs_plan *plan, const vs_design_cases *cases, uint64_t number,
+/* Writes the case of that point as people say it: "surge: angle 41.2 deg, level 1 kV". */
+void vs_design_cases_write(const vs_plan *plan, const vs_design_cases *cases, const double *point,
                            vs_text *text);
 extern const vs_inside vs_design_cases_operation;
 

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "base/formula.h"
 #include "base/units.h"
@@ -13,6 +14,8 @@
 
 /* Candidates at most: the search keeps eight bytes for each. */
 enum { MOST_CANDIDATES = 20000000, MOST_OPTIONS = 512 };
+
+static const char NONE[] = "none", START[] = "0 ms"; /* as study/threats.h puts `from: start` */
 
 /* ---- candidates ---- */
 
@@ -50,6 +53,91 @@ void vs_design_choices_write(const vs_design *d, const vs_plan *plan, uint64_t k
                   sizeof word);
     vs_text_add(text, "%s%s%s%s", first ? "" : ", ", word, *axis->unit ? " " : "", axis->unit);
     first = false;
+  }
+}
+
+static bool is_lacking(const vs_design_choice *c, const double *point) {
+  return c->may_lack && point[c->axis] == c->lacking;
+}
+
+bool vs_design_choices_lacks(const vs_design *d, const double *point, const char *line) {
+  const size_t n = strcspn(line, ".");
+  for (size_t c = 0; c < d->n_choices; c++)
+    for (size_t k = 0; k < d->choice[c].n_lacked && is_lacking(&d->choice[c], point); k++)
+      if (strlen(d->choice[c].lacked[k]) == n && !strncmp(d->choice[c].lacked[k], line, n))
+        return true;
+  return false;
+}
+
+/* True if an event of the scene has the source open from the start already. */
+static bool is_opened(const vs_tree *tree, const char *source) {
+  const vs_node *events = vs_tree_child(tree->root, "events");
+  for (const vs_node *e = events ? events->child : NULL; e; e = e->next) {
+    const vs_node *kind = vs_tree_child(e, "kind"), *element = vs_tree_child(e, "element"),
+                  *at = vs_tree_child(e, "at");
+    if (kind && kind->text && !strcmp(kind->text, "open") && element && element->text &&
+        !strcasecmp(element->text, source) && at && at->text && !strcmp(at->text, START))
+      return true;
+  }
+  return false;
+}
+
+/* Adds the word to a list of the tree, unless it is there. */
+static void add_to_list(vs_tree *tree, const char *key, const char *word, vs_where where) {
+  vs_tree copy;
+  vs_error never = {0};
+  vs_node added = vs_tree_word(NULL, word, where), list = {.kind = VS_NODE_LIST, .where = where};
+  list.key_where = where;
+  vs_tree_copy(tree, &copy);
+  vs_node *own = (vs_node *)(uintptr_t)vs_tree_child(copy.root, key), *last = NULL, lone;
+  for (vs_node *n = own && own->kind == VS_NODE_LIST ? own->child : NULL; n; n = n->next) {
+    if (n->text && !strcmp(n->text, word)) added.text = NULL;
+    last = n;
+  }
+  list.child = last ? own->child : &added;
+  if (own && own->kind == VS_NODE_TEXT && *own->text) { /* it stands for a list of it */
+    lone = (vs_node){.kind = VS_NODE_TEXT, .text = own->text, .where = own->where};
+    list.child = last = &lone;
+  }
+  if (last) last->next = added.text ? &added : NULL;
+  vs_tree_graft(tree, key, &list, &never);
+  if (last) last->next = NULL;
+  vs_tree_free(&copy);
+}
+
+/* A part that is left out is its device's source opened from the start, and its device waived. What
+ * a threat does to that source otherwise clashes with this, so that such a case is not judged. */
+void vs_design_choices_put(const vs_design *d, const vs_plan *plan, size_t choice,
+                           const double *point, vs_tree *tree) {
+  const vs_design_choice *c = &d->choice[choice];
+  const size_t axis = c->tolerance ? c->tolerance - 1 : c->axis;
+  const vs_where where = c->node->where;
+  if (!is_lacking(c, point)) {
+    vs_axis_put(&plan->axes[axis], point[axis], 12, tree);
+    return;
+  }
+  for (size_t k = 0; k < c->n_lacked; k++) {
+    const char *const KEYS[] = {"kind", "element", "at"}, *const value[] = {"open", c->source[k],
+                                                                            START};
+    add_to_list(tree, "waive", c->lacked[k], where);
+    for (int n = 0; n < 3 && !is_opened(tree, c->source[k]); n++) {
+      char key[VS_KEY_SIZE + 32];
+      snprintf(key, sizeof key, "events.without_%s.%s", c->lacked[k], KEYS[n]);
+      vs_tree_put(tree, key, value[n], where);
+    }
+  }
+}
+
+/* Without threats nothing else puts back what the scene has there. */
+void vs_design_choices_put_back(const vs_design *d, const vs_plan *plan, vs_tree *tree) {
+  static const char *const KEYS[] = {"events", "waive"};
+  vs_error never = {0};
+  for (int k = 0; k < 2 && !d->cases.threats; k++) {
+    const vs_node *own = vs_tree_child(plan->base->tree.root, KEYS[k]);
+    if (own)
+      vs_tree_graft(tree, KEYS[k], own, &never);
+    else
+      vs_tree_drop(tree, KEYS[k]);
   }
 }
 
@@ -346,6 +434,70 @@ static vs_status read_leader(const vs_design *d, vs_design_choice *c, const vs_n
                     c->node->key);
 }
 
+/* ---- nothing as an option ---- */
+
+static double add_none(vs_axis *axis, vs_where where) {
+  const size_t n = axis->n_words++;
+  axis->word = vs_alloc_grow(axis->word, n, sizeof *axis->word);
+  axis->word_where = vs_alloc_grow(axis->word_where, n, sizeof *axis->word_where);
+  axis->word[n] = vs_copy(NONE);
+  axis->word_where[n] = where;
+  return (double)n;
+}
+
+/* Finds the devices that the choice's part makes, and the sources that open them. Error: a device's
+ * current is not that of a source, so that its lines would not be right without it. */
+static vs_status find_lacked(const vs_plan *plan, vs_design_choice *c, const vs_node *none,
+                             vs_error *err) {
+  const vs_deck *deck = &plan->base->setup.deck;
+  for (size_t k = 0; k < deck->n_devices; k++) {
+    const vs_device *device = &deck->devices[k];
+    int term;
+    double factor;
+    const bool own = !strcmp(device->name, c->device) ||
+                     (device->part >= 0 && !strcmp(deck->parts[device->part].name, c->device));
+    if (!own) continue;
+    if (c->n_lacked == VS_DESIGN_DEVICES)
+      return vs_fail_at(err, none->where, "%s: or: none: it makes more than %d devices",
+                        c->node->key, VS_DESIGN_DEVICES);
+    if (!vs_formula_is_term(&device->current, &term, &factor) ||
+        strncmp(deck->terms[term].plus, "i(", 2) != 0)
+      return vs_fail_at(err, none->where,
+                        "%s: or: none: nothing of the deck opens %s alone; a 0 V source in series "
+                        "is wanted, and i(SOURCE) as its current in `*$ device %s`",
+                        c->node->key, device->name, device->name);
+    snprintf(c->lacked[c->n_lacked], VS_DECK_NAME, "%s", device->name);
+    snprintf(c->source[c->n_lacked++], VS_DECK_NAME, "%.*s",
+             (int)strcspn(deck->terms[term].plus + 2, ")"), deck->terms[term].plus + 2);
+  }
+  if (c->n_lacked) return VS_OK;
+  return vs_fail_at(err, none->where, "%s: or: none: the deck has no device of it", c->node->key);
+}
+
+static vs_status read_none(vs_plan *plan, vs_design_choice *c, vs_error *err) {
+  const vs_node *none = vs_tree_child(c->node, "or");
+  vs_axis *axis = &plan->axes[c->axis];
+  vs_design_class class = {.row = VS_DESIGN_NONE};
+  if (!none) return VS_OK;
+  if (none->kind != VS_NODE_TEXT || strcmp(none->text, NONE) != 0)
+    return vs_fail_at(err, none->where, "%s: or: none is wanted, or no `or`", c->node->key);
+  if (!axis->is_word)
+    return vs_fail_at(err, none->where,
+                      "%s: or: none: a value cannot be left out, only a part by name",
+                      c->node->key);
+  vs_status status = find_lacked(plan, c, none, err);
+  if (status) return status;
+  for (size_t l = 0; l < VS_DESIGN_LIMITS; l++) class.limit[l] = NAN;
+  c->may_lack = true;
+  c->lacking = add_none(axis, none->where);
+  c->option = vs_alloc_grow(c->option, c->n_options, sizeof *c->option);
+  vs_design_option *o = &c->option[c->n_options++];
+  *o = (vs_design_option){
+      .number = c->lacking, .classes = vs_alloc(1, sizeof class), .n_classes = 1};
+  o->classes[0] = class;
+  return VS_OK;
+}
+
 /* The key's options, which become the values of its axis. */
 static vs_status read_options(vs_plan *plan, const vs_design *d, vs_design_choice *c,
                               vs_error *err) {
@@ -357,6 +509,8 @@ static vs_status read_options(vs_plan *plan, const vs_design *d, vs_design_choic
   status = word ? read_parts(plan, d, c, err) : read_values(plan, d, c, err);
   if (status || vs_error_count(err) > kept) return status;
   if (!c->n_options) return empty_choice(d, c, err);
+  status = read_none(plan, c, err);
+  if (status) return status;
   qsort(c->option, c->n_options, sizeof *c->option, word ? by_first_price : by_number);
   return word ? VS_OK : check_limits(d, c, err);
 }
@@ -368,24 +522,28 @@ static void give_values(vs_axis *axis, const vs_design_choice *leader) {
 }
 
 /* A follower's axis has the leader's words, under the same numbers. */
-static vs_status copy_words(vs_axis *axis, const vs_axis *leader, const vs_node *same,
-                            vs_error *err) {
+static vs_status copy_words(vs_axis *axis, const vs_design_choice *of, const vs_axis *leader,
+                            const vs_node *same, vs_error *err) {
   vs_status status = VS_OK;
   double number;
   if (axis->is_word != leader->is_word || strcmp(axis->unit, leader->unit))
     return vs_fail_at(err, same->where, "%s: %s takes other values", axis->key, leader->key);
   for (size_t k = 0; k < leader->n_words && !status; k++)
-    status = number_of_text(axis, leader->word[k], leader->word_where[k], &number, err);
+    if (of->may_lack && (double)k == of->lacking)
+      add_none(axis, leader->word_where[k]);
+    else
+      status = number_of_text(axis, leader->word[k], leader->word_where[k], &number, err);
   return status;
 }
 
 static const vs_inside PARTS = {.rows = VS_ROWS({.kind = VS_TEXT})},
                        VALUES = {.rows = VS_ROWS({.kind = VS_VALUE})};
 static const vs_inside CHOICE = {
-    .rows = VS_ROWS({"kind", .kind = VS_TEXT}, {"parts", VS_TEXT | VS_LIST, .inside = &PARTS},
-                    {"series", .kind = VS_TEXT}, {"from", .kind = VS_VALUE},
-                    {"to", .kind = VS_VALUE}, {"values", VS_VALUE | VS_LIST, .inside = &VALUES},
-                    {"same_as", .kind = VS_TEXT}, {"number", .kind = VS_COUNT})};
+    .rows =
+        VS_ROWS({"kind", .kind = VS_TEXT}, {"parts", VS_TEXT | VS_LIST, .inside = &PARTS},
+                {"series", .kind = VS_TEXT}, {"from", .kind = VS_VALUE}, {"to", .kind = VS_VALUE},
+                {"values", VS_VALUE | VS_LIST, .inside = &VALUES}, {"same_as", .kind = VS_TEXT},
+                {"or", .kind = VS_TEXT}, {"number", .kind = VS_COUNT})};
 const vs_inside vs_design_choices_keys = {.rows = VS_ROWS({.kind = VS_MAP, .inside = &CHOICE})};
 
 /* Finds the key's spread, which is one of whatever is chosen. Error: it is no part of a value. */
@@ -425,7 +583,13 @@ static vs_status read_choice(vs_plan *plan, vs_design *d, const vs_node *node, v
   if (status || vs_error_count(err) > kept) return status;
   d->n_choices++;
   const vs_design_choice *leader = &d->choice[c->leader];
-  if (same) status = copy_words(axis, &plan->axes[leader->axis], same, err);
+  if (same) status = copy_words(axis, leader, &plan->axes[leader->axis], same, err);
+  if (same && !status && leader->may_lack) {
+    vs_design_choice *own = &d->choice[d->n_choices - 1];
+    own->may_lack = true;
+    own->lacking = leader->lacking;
+    status = find_lacked(plan, own, same, err);
+  }
   if (status) return status;
   give_values(axis, leader);
   return leader->n_limits ? want_measures(plan, d, c, err) : VS_OK;

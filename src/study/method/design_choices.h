@@ -10,7 +10,10 @@
 #include "study/plan.h"
 #include "study/price_list.h"
 
-enum { VS_DESIGN_CHOICES = 16, VS_DESIGN_LIMITS = 8 };
+enum { VS_DESIGN_CHOICES = 16, VS_DESIGN_LIMITS = 8, VS_DESIGN_DEVICES = 8 };
+
+/* The row of an option that is nothing. */
+#define VS_DESIGN_NONE SIZE_MAX
 
 /* A row of the list of prices that an option may be bought as. Those of one option differ in what
  * they bear alone. */
@@ -38,6 +41,12 @@ typedef struct vs_design_choice {
   int number;               /* how many of it are bought */
   vs_design_option *option; /* [n_options]: values rise, parts by name get dearer; owned */
   size_t n_options;
+  /* `or: none`: the number of that option, and the devices that it leaves out, each with the 0 V
+   * source in series that is opened then. */
+  bool may_lack;
+  double lacking;
+  char lacked[VS_DESIGN_DEVICES][VS_DECK_NAME], source[VS_DESIGN_DEVICES][VS_DECK_NAME];
+  size_t n_lacked;
   /* The limits that the list of prices has columns for, with the study's columns of what this
    * choice's device bears, and the lines that these are held as. */
   size_t n_limits;
@@ -62,6 +71,8 @@ typedef struct vs_design {
   uint64_t width;        /* how many cases are asked for at a time */
   uint64_t most_runs;    /* of the budget */
   uint64_t random;       /* how many draws prove the answer */
+  uint64_t searched,
+      restarts; /* the worst of each threat is searched for by so many runs; 0: not */
   bool neighbours;
   bool verify;        /* the answer's margins get their errors, which the scene does not ask for */
   size_t verify_axis; /* then: of run.verify, 0 as the scene has it, 1 always */
@@ -79,6 +90,14 @@ uint64_t vs_design_choices_with(const vs_design *d, uint64_t k, size_t choice, s
 double vs_design_choices_price(const vs_design *d, uint64_t k, const size_t *class);
 /* Writes "TYN1212, s20k510, 330 ohm, 47 nF". */
 void vs_design_choices_write(const vs_design *d, const vs_plan *plan, uint64_t k, vs_text *text);
+
+/* True if the point leaves the device out that the verdict's line is of. */
+bool vs_design_choices_lacks(const vs_design *d, const double *point, const char *line);
+/* Takes what leaves a part out from a tree that may have another point. */
+void vs_design_choices_put_back(const vs_design *d, const vs_plan *plan, vs_tree *tree);
+/* Puts the option of that choice into the tree. */
+void vs_design_choices_put(const vs_design *d, const vs_plan *plan, size_t choice,
+                           const double *point, vs_tree *tree);
 
 /* ---- reading ---- */
 

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "method/design_scene.h"
 
+#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "base/file.h"
 #include "base/json.h"
 #include "base/path.h"
 
@@ -45,8 +47,7 @@ static void add_node(const vs_node *node, vs_text *text) {
   vs_text_add(text, "%s", map ? "}" : "]");
 }
 
-vs_status vs_design_scene_add(const vs_plan *plan, const double *point, vs_text *text,
-                              vs_error *err) {
+static vs_status add_scene(const vs_plan *plan, const double *point, vs_text *text, vs_error *err) {
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_status status = vs_plan_scene(plan, scene, err);
   if (!status) vs_plan_put(plan, point, &scene->tree);
@@ -57,5 +58,45 @@ vs_status vs_design_scene_add(const vs_plan *plan, const double *point, vs_text 
   }
   vs_scene_free(scene);
   free(scene);
+  return status;
+}
+
+static vs_status write_scene(const vs_plan *plan, const vs_results *results, const char *folder,
+                             uint64_t run, vs_error *err) {
+  char name[64];
+  vs_file file;
+  vs_text text = {0};
+  const int status_of_run = results->status[run];
+  snprintf(name, sizeof name, "%llu.yaml", (unsigned long long)run);
+  vs_text_add(&text, "# case %llu of a design: vibrospice run ends with status %d there\n",
+              (unsigned long long)run, status_of_run);
+  vs_status status = add_scene(plan, &results->points[run * plan->n_axes], &text, err);
+  if (!status) status = vs_file_open(&file, folder, name, err);
+  if (!status) {
+    fputs(text.text, file.stream);
+    status = vs_file_commit(&file, err);
+  }
+  vs_text_free(&text);
+  return status;
+}
+
+/* Removes the scenes of an earlier answer. */
+static void clear_scenes(const char *folder) {
+  DIR *all = opendir(folder);
+  for (const struct dirent *e; all && (e = readdir(all));) {
+    const size_t n = strspn(e->d_name, "0123456789");
+    if (n && !strcmp(e->d_name + n, ".yaml")) vs_file_remove(dirfd(all), e->d_name);
+  }
+  if (all) closedir(all);
+}
+
+vs_status vs_design_scene_write(const vs_plan *plan, const vs_results *results, const uint64_t *run,
+                                size_t n, const char *folder, vs_error *err) {
+  char cases[VS_PATH_SIZE + 8];
+  int made;
+  snprintf(cases, sizeof cases, "%s/cases", folder);
+  vs_status status = vs_file_folder_make(cases, &made, err);
+  if (!status) clear_scenes(cases);
+  for (size_t k = 0; k < n && !status; k++) status = write_scene(plan, results, cases, run[k], err);
   return status;
 }

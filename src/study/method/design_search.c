@@ -6,12 +6,33 @@
 #include <string.h>
 
 #include "base/units.h"
+#include "method/search.h"
 #include "method/span.h"
 #include "netlist/kinds.h"
+#include "run/session.h"
 
 /* How many draws are asked for at a time: so many are run in vain at most when the first is not
  * held. */
 enum { DRAWS = 16 };
+/* Numbers of cases from here on are points that were searched. */
+static const uint64_t FOUND = 1ull << 62;
+/* Steps of a search within the ranges of a threat are no shorter, in parts of each range. */
+static const double FINEST = 1e-3;
+
+void vs_design_search_point(const vs_design_search *s, uint64_t number, double *point) {
+  const vs_design_cases *c = &s->d->cases;
+  if (number < FOUND) {
+    vs_design_cases_point(s->plan, c, number, point);
+    return;
+  }
+  if (c->n_points) point[c->axis] = 0;
+  memcpy(point + c->threats->axis, s->found + (size_t)(number - FOUND) * c->threats->n,
+         c->threats->n * sizeof *point);
+}
+
+const char *vs_design_search_found_by(const vs_design_search *s, uint64_t number) {
+  return number >= FOUND ? "search" : number < s->d->cases.count ? "list" : "draw";
+}
 
 /* ---- what a run comes to ---- */
 
@@ -30,6 +51,14 @@ vs_hold_row vs_design_search_judge(const vs_design_search *s, uint64_t run) {
     const double margin = vs_plan_results_value(s->results, run, d->margin[k]),
                  error = vs_plan_results_value(s->results, run, d->margin[k] + 1);
     if (isnan(margin)) continue; /* no such line; or nothing to judge, which the status tells */
+    if (vs_design_choices_lacks(d, &s->results->points[run * s->plan->n_axes],
+                                d->hold.line[k].name)) {
+      vs_hold_line gone = d->hold.line[k]; /* what it says is of no part */
+      const vs_hold one = {.line = &gone, .count = 1};
+      gone.waived = true;
+      vs_hold_judge(&one, 0, margin, error, not_judged, &row, came);
+      continue;
+    }
     vs_hold_judge(&d->hold, k, margin, error, not_judged, &row, came);
   }
   vs_hold_happened(word_of(s->results, run, VS_RESULT_HAPPENED), -1, &row);
@@ -187,7 +216,7 @@ static uint64_t ask(vs_design_search *s, const asked *one, size_t n) {
   s->spent = s->used + n > s->d->most_runs;
   s->waits = true;
   for (size_t k = 0; k < n && !s->spent && s->generation; k++) {
-    vs_design_cases_point(s->plan, &s->d->cases, one[k].number, point);
+    vs_design_search_point(s, one[k].number, point);
     if (s->d->verify) point[s->d->verify_axis] = one[k].verify;
     for (size_t c = 0; c < s->d->n_choices; c++) {
       const vs_design_choice *leader = &s->d->choice[s->d->choice[c].leader];
@@ -241,6 +270,42 @@ static void take_run(vs_design_search *s, vs_design_candidate *c, size_t place, 
   if (!killed) c->price = vs_design_choices_price(s->d, c->number, c->class);
 }
 
+/* True if the run violates a line by less than a margin may be wrong by, and nobody knows its
+ * error: to be rejected for it, the candidate is run once more. All lines are taken for as
+ * uncertain as a rate, as a rate may have made one more firing or less. */
+static bool is_near(const vs_design_search *s, uint64_t run) {
+  if (!s->d->verify || s->results->status[run] == 1) return false;
+  const vs_hold_row row = vs_design_search_judge(s, run);
+  const double tolerance = s->plan->first->setup.run.tolerance;
+  return row.now == VS_HOLD_VIOLATED && isnan(row.error) && row.margin < 0 &&
+         -row.margin <= vs_session_resolution(tolerance, true);
+}
+
+/* Runs one[n] of the list, those that are near to a limit with the errors of their margins. False:
+ * the search waits. */
+static bool run_cases(vs_design_search *s, const asked *one, size_t n) {
+  asked again[64];
+  uint64_t run[64], first = ask(s, one, n);
+  size_t m = 0;
+  if (first == UINT64_MAX) return false;
+  for (size_t k = 0; k < n; k++) run[k] = first + k;
+  for (size_t k = 0; k < n; k++) {
+    if (one[k].verify || !is_near(s, run[k])) continue;
+    again[m] = one[k];
+    again[m++].verify = true;
+  }
+  first = m ? ask(s, again, m) : 0;
+  if (first == UINT64_MAX) return false;
+  for (size_t k = 0; k < n; k++) {
+    if (!one[k].verify && is_near(s, run[k])) {
+      run[k] = first++;
+      one[k].candidate->runs++;
+    }
+    take_run(s, one[k].candidate, one[k].place, run[k]);
+  }
+  return true;
+}
+
 /* The case that the candidate is run with next: of those it has not been, the one that rejected
  * another candidate last. SIZE_MAX: it has been run with all. taken[n]: those asked for already. */
 static size_t next_case(const vs_design_search *s, vs_design_candidate *c, const asked *taken,
@@ -288,9 +353,7 @@ static void run_candidate(vs_design_search *s, vs_design_candidate *c, bool alon
       return;
     }
     const size_t n = choose_runs(s, c, alone, one);
-    const uint64_t first = ask(s, one, n);
-    if (first == UINT64_MAX) return;
-    for (size_t k = 0; k < n; k++) take_run(s, one[k].candidate, one[k].place, first + k);
+    if (!run_cases(s, one, n)) return;
   }
 }
 
@@ -307,9 +370,7 @@ static bool verify_candidate(vs_design_search *s, vs_design_candidate *c) {
       one[n] = (asked){c, s->list[k + n], k + n, true};
       n++;
     }
-    const uint64_t first = ask(s, one, n);
-    if (first == UINT64_MAX) return false;
-    for (size_t i = 0; i < n; i++) take_run(s, c, k + i, first + i);
+    if (!run_cases(s, one, n)) return false;
     k += n;
   }
   c->verified = c->state == VS_DESIGN_OPEN && !c->doubtful && c->price == price;
@@ -332,7 +393,7 @@ static vs_design_candidate *find_cheapest(vs_design_search *s, bool sure) {
   return NULL;
 }
 
-/* ---- random draws ---- */
+/* ---- cases that are not listed ---- */
 
 static void add_case(vs_design_search *s, uint64_t number) {
   s->list = vs_alloc_grow(s->list, s->n_list, sizeof *s->list);
@@ -341,58 +402,173 @@ static void add_case(vs_design_search *s, uint64_t number) {
   s->list[s->n_list++] = number;
 }
 
-/* True if the draw leaves the candidate as it is. *margin: of its weakest line. */
-static bool draw_holds(vs_design_search *s, const vs_design_candidate *c, uint64_t number,
-                       uint64_t run, double *margin) {
-  vs_design_candidate after = *c;
-  vs_design_mark mark = {.margin = NAN};
+/* True if the run leaves the candidate as it is. *mark: its weakest line, those that the list of
+ * prices has limits for among them. */
+static bool case_holds(const vs_design_search *s, const vs_design_candidate *c, uint64_t number,
+                       uint64_t run, vs_design_mark *mark) {
+  const vs_design *d = s->d;
+  vs_design_candidate alone = {.number = c->number}, after = *c;
+  vs_design_mark here = {.margin = NAN};
   const vs_hold_row row = vs_design_search_judge(s, run);
-  *margin = row.margin;
-  if (s->results->status[run] == 1 || row.now != VS_HOLD_HELD ||
-      take_stresses(s, &after, number, run) != SIZE_MAX)
+  *mark = (vs_design_mark){number, run, row.weakest, row.margin, row.error};
+  if (s->results->status[run] == 1 || take_stresses(s, &alone, number, run) != SIZE_MAX) {
+    mark->margin = NAN;
     return false;
-  if (take_classes(s->d, &after, &mark) && !memcmp(after.class, c->class, sizeof after.class))
-    return true;
-  *margin = fmin(*margin, mark.margin);
-  return false;
+  }
+  for (size_t k = 0; k < d->n_choices; k++) {
+    const vs_design_choice *leader = &d->choice[d->choice[k].leader];
+    const vs_design_option *o = &leader->option[vs_design_choices_option(d, c->number, k)];
+    for (size_t l = 0; l < leader->n_limits; l++) {
+      const double margin = margin_of_class(d, &o->classes[c->class[d->choice[k].leader]], l,
+                                            d->choice[k].line[l], alone.worst[k][l]);
+      if (!isfinite(margin) || mark->margin <= margin) continue;
+      *mark = (vs_design_mark){number, run, d->choice[k].line[l], margin, NAN};
+    }
+  }
+  take_stresses(s, &after, number, run);
+  return row.now == VS_HOLD_HELD && take_classes(d, &after, &here) &&
+         !memcmp(after.class, c->class, sizeof after.class);
 }
 
-/* Shows the candidate n draws that no candidate has seen. The weakest of those that it does not
- * hold becomes a case of the list, and the candidate's first run of it. True: it held all. */
-static bool hold_draws(vs_design_search *s, vs_design_candidate *c) {
-  asked one[DRAWS];
-  s->draws_held = 0;
-  while (s->draws_held < s->d->random) {
-    const uint64_t left = s->d->random - s->draws_held, base = s->d->cases.count + s->draws;
-    const size_t n = left < DRAWS ? (size_t)left : DRAWS;
-    size_t broken = SIZE_MAX;
-    double least = INFINITY, margin;
-    for (size_t k = 0; k < n; k++) one[k] = (asked){c, base + k, SIZE_MAX, false};
-    const uint64_t first = ask(s, one, n);
-    if (first == UINT64_MAX) return false;
-    s->draws += n;
-    c->runs += n;
-    for (size_t k = 0; k < n; k++) {
-      if (draw_holds(s, c, one[k].number, first + k, &margin)) continue;
-      if (broken == SIZE_MAX || margin < least) broken = k;
-      if (!isnan(margin)) least = fmin(least, margin);
-    }
-    if (broken == SIZE_MAX) {
-      for (size_t k = 0; k < n; k++) {
-        s->draw = vs_alloc_grow(s->draw, (size_t)s->draws_held, sizeof *s->draw);
-        s->draw[s->draws_held++] = (vs_design_mark){one[k].number, first + k, 0, NAN, NAN};
-        take_stresses(s, c, one[k].number, first + k);
-      }
-      continue;
-    }
+/* Shows the candidate one[n], n <= DRAWS, which no candidate has seen, and writes mark[n]. The
+ * weakest of those that it does not hold becomes a case of the list, and the candidate's first run
+ * of it. False: that, or the search waits. */
+static bool show_cases(vs_design_search *s, const asked *one, size_t n, vs_design_mark *mark) {
+  vs_design_candidate *c = one->candidate;
+  const uint64_t first = ask(s, one, n);
+  size_t broken = SIZE_MAX;
+  if (first == UINT64_MAX) return false;
+  c->runs += n;
+  for (size_t k = 0; k < n; k++) {
+    if (case_holds(s, c, one[k].number, first + k, &mark[k])) continue;
+    if (broken == SIZE_MAX || mark[k].margin < mark[broken].margin ||
+        (isnan(mark[broken].margin) && !isnan(mark[k].margin)))
+      broken = k;
+  }
+  if (broken != SIZE_MAX) {
     add_case(s, one[broken].number);
     c->state = VS_DESIGN_OPEN;
     c->verified = c->held = false;
-    c->runs--; /* take_run counts it */
+    if (is_near(s, first + broken)) return false; /* it is run with its error, as one of the list */
+    c->runs--;                                    /* take_run counts it */
     take_run(s, c, s->n_list - 1, first + broken);
     return false;
   }
+  for (size_t k = 0; k < n; k++) {
+    s->shown = vs_alloc_grow(s->shown, s->n_shown, sizeof *s->shown);
+    s->shown[s->n_shown++] = mark[k];
+    take_stresses(s, c, one[k].number, first + k);
+  }
   return true;
+}
+
+/* Shows it fresh draws. True: it held all. */
+static bool hold_draws(vs_design_search *s, vs_design_candidate *c) {
+  asked one[DRAWS];
+  vs_design_mark mark[DRAWS];
+  while (s->draws_held < s->d->random) {
+    const uint64_t left = s->d->random - s->draws_held, base = s->d->cases.count + s->draws;
+    const size_t n = left < DRAWS ? (size_t)left : DRAWS;
+    for (size_t k = 0; k < n; k++) one[k] = (asked){c, base + k, SIZE_MAX, false};
+    const bool held = show_cases(s, one, n, mark);
+    if (s->waits) return false;
+    s->draws += n;
+    if (!held) return false;
+    s->draws_held += n;
+  }
+  return true;
+}
+
+/* ---- the worst within the ranges ---- */
+
+/* Where the points of a threat lie. */
+typedef struct ranges {
+  size_t which, n;
+  const vs_axis *axis[VS_PLAN_AXES];
+} ranges;
+
+static uint64_t keep_point(vs_design_search *s, const ranges *r, const double *share) {
+  const vs_plan_stage *t = s->d->cases.threats;
+  const size_t row = t->n * sizeof *s->found;
+  s->found = vs_alloc_grow(s->found, s->n_found, row);
+  t->method->place(s->plan, t, r->which, share, s->found + s->n_found * t->n);
+  return FOUND + s->n_found++;
+}
+
+static vs_search *begin_search(const vs_design_search *s, const ranges *r) {
+  vs_search_setup setup = {.axes = r->n,
+                           .seed = s->plan->seed + r->which,
+                           .most = (size_t)s->d->searched,
+                           .restarts = (size_t)s->d->restarts,
+                           .finest = FINEST};
+  for (size_t k = 0; k < r->n; k++) {
+    setup.levels[k] = (int)vs_span_levels(r->axis[k]);
+    setup.period[k] = vs_span_period(s->plan, r->axis[k]);
+  }
+  return vs_search_new(&setup);
+}
+
+/* Shows the candidate a generation of the search, a few points at a time, so that little is run in
+ * vain behind one that it does not hold. */
+static bool hold_generation(vs_design_search *s, vs_design_candidate *c, const ranges *r,
+                            const double *share, size_t count, double *value,
+                            vs_design_mark *least) {
+  asked one[DRAWS];
+  vs_design_mark mark[DRAWS];
+  for (size_t k = 0; k < count; k += DRAWS) {
+    const size_t n = count - k < DRAWS ? count - k : DRAWS;
+    for (size_t i = 0; i < n; i++)
+      one[i] = (asked){c, keep_point(s, r, share + (k + i) * r->n), SIZE_MAX, false};
+    if (!show_cases(s, one, n, mark)) return false;
+    for (size_t i = 0; i < n; i++) {
+      value[k + i] = mark[i].margin;
+      if (least->run == UINT64_MAX || mark[i].margin < least->margin) *least = mark[i];
+    }
+  }
+  return true;
+}
+
+/* Searches the ranges of a threat for the candidate's least margin, and runs the worst once more
+ * for its error. True: it held all that was looked at. */
+static bool hold_threat(vs_design_search *s, vs_design_candidate *c, const ranges *r) {
+  vs_search *search = begin_search(s, r);
+  vs_design_worst worst = {.mark.run = UINT64_MAX};
+  bool held = true;
+  size_t count;
+  for (const double *share; held && (share = vs_search_ask(search, &count), count);) {
+    double *value = vs_alloc(count, sizeof *value);
+    held = hold_generation(s, c, r, share, count, value, &worst.mark);
+    if (held) vs_search_tell(search, value);
+    worst.n += count;
+    free(value);
+  }
+  worst.restarts = vs_search_restarts(search);
+  worst.place = vs_search_agree(search, &worst.near);
+  vs_search_free(search);
+  if (held && s->d->verify && worst.mark.run != UINT64_MAX) {
+    const asked again = {c, worst.mark.number, SIZE_MAX, true};
+    held = show_cases(s, &again, 1, &worst.mark);
+  }
+  if (!held) return false;
+  s->worst = vs_alloc_grow(s->worst, s->n_worst, sizeof *s->worst);
+  s->worst[s->n_worst++] = worst;
+  return true;
+}
+
+static bool hold_ranges(vs_design_search *s, vs_design_candidate *c) {
+  const vs_plan_stage *t = s->d->cases.threats;
+  ranges r = {0};
+  for (; t && (r.n = t->method->ranges(s->plan, t, r.which, r.axis)) != SIZE_MAX; r.which++)
+    if (r.n && !hold_threat(s, c, &r)) return false;
+  return true;
+}
+
+/* Shows the candidate what the list has not. True: nothing broke it. */
+static bool prove_candidate(vs_design_search *s, vs_design_candidate *c) {
+  s->n_shown = s->n_worst = 0;
+  s->draws_held = 0;
+  if (!s->d->cases.ranged) return true;
+  return (!s->d->searched || hold_ranges(s, c)) && hold_draws(s, c);
 }
 
 /* ---- what stands around the answer ---- */
@@ -432,9 +608,8 @@ static void find_weakest_run(vs_design_search *s) {
 void vs_design_search_run(vs_design_search *s, const vs_design *d, const vs_plan *plan,
                           const vs_results *results, vs_generation *generation) {
   *s = (vs_design_search){.d = d, .plan = plan, .results = results, .generation = generation};
-  const bool draws = d->random && d->cases.ranged;
   for (uint64_t k = 0; k < d->cases.count; k++) add_case(s, k);
-  while (!s->waits && (s->answer = find_cheapest(s, true)) && draws && !hold_draws(s, s->answer)) {
+  while (!s->waits && (s->answer = find_cheapest(s, true)) && !prove_candidate(s, s->answer)) {
     if (s->waits) break;
     s->answer = NULL;
   }
@@ -461,5 +636,7 @@ void vs_design_search_free(vs_design_search *s) {
   free(s->seen);
   free(s->list);
   free(s->killed_at);
-  free(s->draw);
+  free(s->shown);
+  free(s->found);
+  free(s->worst);
 }

@@ -4,8 +4,9 @@
  *
  * The cheapest candidate that is not rejected is run, with the case first that rejected another one
  * last. No candidate is left out because another one holds or does not: margins do not go one way
- * with a part's size. One that holds the closed list is shown random draws; a draw that it does not
- * hold becomes a case for all others. Behind the answer come its neighbours, to be told of. */
+ * with a part's size. One that holds the closed list is searched for its worst case within the
+ * ranges of each threat (method/search.h), and shown random draws; what it does not hold becomes a
+ * case for all others. Behind the answer come its neighbours, to be told of. */
 #ifndef VS_STUDY_DESIGN_SEARCH_H
 #define VS_STUDY_DESIGN_SEARCH_H
 
@@ -42,6 +43,13 @@ typedef struct vs_design_candidate {
   vs_design_mark killer; /* of one that is killed or unjudged */
 } vs_design_candidate;
 
+/* What the search within the ranges of a threat found. */
+typedef struct vs_design_worst {
+  uint64_t n;
+  size_t restarts, place, near; /* see vs_search_agree */
+  vs_design_mark mark;          /* run UINT64_MAX: no run has a margin */
+} vs_design_worst;
+
 /* A neighbour of the answer: another option of one choice. */
 typedef struct vs_design_neighbour {
   size_t choice;
@@ -67,7 +75,12 @@ typedef struct vs_design_search {
   vs_design_candidate *answer, *runner_up; /* NULL: there is none */
   bool proved;                             /* no draw broke the answer */
   uint64_t draws, draws_held;              /* how many were asked for in all; of the last round */
-  vs_design_mark *draw;                    /* [draws_held], of the last round; owned */
+  vs_design_mark *shown; /* [n_shown]: searched and drawn cases that the answer held; owned */
+  size_t n_shown;
+  double *found; /* [n_found][axes of the threats]: all points that were searched; owned */
+  size_t n_found;
+  vs_design_worst *worst; /* [n_worst], a threat each, of the last round; owned */
+  size_t n_worst;
   vs_design_neighbour neighbour[VS_DESIGN_CHOICES];
   size_t n_neighbours;
   uint64_t weakest_run; /* of the answer */
@@ -80,6 +93,11 @@ void vs_design_search_free(vs_design_search *search);
 
 /* What the run of that index comes to under the design's hold, whatever its classes. */
 vs_hold_row vs_design_search_judge(const vs_design_search *search, uint64_t run);
+
+/* Writes the numbers of a case, on its own axes, whether it is listed, drawn or searched for. */
+void vs_design_search_point(const vs_design_search *search, uint64_t number, double *point);
+/* How the case came up: "list", "search" or "draw". */
+const char *vs_design_search_found_by(const vs_design_search *search, uint64_t number);
 
 /* The price below which nothing holds, as far as every candidate could be judged. */
 double vs_design_search_bound(const vs_design_search *search);

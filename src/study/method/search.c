@@ -357,7 +357,9 @@ static void move_search(vs_search *s) {
 
 /* ---- restarts ---- */
 
-double vs_search_distance(const vs_search *s, const double *a, const double *b) {
+/* How far two points are from each other: the longest of their distances along the axes; 2 if they
+ * differ in a level. */
+static double distance_of(const vs_search *s, const double *a, const double *b) {
   double far = 0;
   for (size_t d = 0; d < s->setup.axes; d++) {
     if (s->setup.levels[d] && a[d] != b[d]) return 2;
@@ -395,9 +397,9 @@ static int compare_ranked(const void *a, const void *b) {
 static bool is_apart(const vs_search *s, const ranked *order, size_t k, bool valley) {
   const double reach = 1.5 * s->spacing, *x = &s->points[order[k].point * s->setup.axes];
   for (size_t c = 0; c < s->climbing; c++)
-    if (vs_search_distance(s, x, s->climbs[c].at) <= reach) return false;
+    if (distance_of(s, x, s->climbs[c].at) <= reach) return false;
   for (size_t i = 0; i < k && valley; i++)
-    if (vs_search_distance(s, x, &s->points[order[i].point * s->setup.axes]) <= reach) return false;
+    if (distance_of(s, x, &s->points[order[i].point * s->setup.axes]) <= reach) return false;
   return true;
 }
 
@@ -605,7 +607,7 @@ static void end_joined(vs_search *s) {
       climb *c = &s->climbs[k];
       const climb *other = &s->climbs[j];
       if (k == j || c->value < other->value || (c->value == other->value && k < j) ||
-          vs_search_distance(s, c->at, other->at) > s->spacing / 4)
+          distance_of(s, c->at, other->at) > s->spacing / 4)
         continue;
       c->over = true;
       c->joined = j + 1;
@@ -679,10 +681,16 @@ size_t vs_search_restarts(const vs_search *s) {
   return s->climbing;
 }
 
-const double *vs_search_restart(const vs_search *s, size_t k, double *value) {
-  while (s->climbs[k].joined) k = s->climbs[k].joined - 1;
-  *value = s->climbs[k].value;
-  return s->climbs[k].at;
+size_t vs_search_agree(const vs_search *s, size_t *near) {
+  size_t place = 0;
+  *near = 0;
+  for (size_t k = 0; k < s->climbing; k++) {
+    const climb *c = &s->climbs[k];
+    while (c->joined) c = &s->climbs[c->joined - 1];
+    *near += c->value - s->best_value <= VS_SEARCH_AGREE * fabs(s->best_value);
+    place += distance_of(s, c->at, s->best) <= VS_SEARCH_AGREE;
+  }
+  return place;
 }
 
 const char *vs_search_phase(const vs_search *s) {

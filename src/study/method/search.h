@@ -4,9 +4,9 @@
  * values give the same points. There are two ways.
  *
  * Without restarts it looks globally first: Sobol points are the population of differential
- * evolution (Storn and Price, J. Global Optimization, 1997) by crowding (Thomsen, CEC 2004). Then it
- * looks locally: pattern search goes from the best point along the axes, and on in the direction in
- * which it went (Hooke and Jeeves, J. ACM, 1961). That suits smooth functions.
+ * evolution (Storn and Price, J. Global Optimization, 1997) by crowding (Thomsen, CEC 2004). Then
+ * it looks locally: pattern search goes from the best point along the axes, and on in the direction
+ * in which it went (Hooke and Jeeves, J. ACM, 1961). That suits smooth functions.
  *
  * With restarts it begins with Sobol points in strata: over the known periods of each axis, the
  * place in a period, and the combinations of levels. From the best of them that are apart from each
@@ -47,15 +47,15 @@ const double *vs_search_ask(vs_search *search, size_t *count);
  * than any. */
 void vs_search_tell(vs_search *search, const double *values);
 
-/* Returns the best point so far and its value; *value is NaN while no point had one. */
+/* Returns the best point so far and its value; *value is NaN while no point had one. For tests. */
 const double *vs_search_best(const vs_search *search, double *value);
 
-/* Returns how many restarts were begun, and where one of them is, with its value there. */
+/* Returns how many restarts were begun. */
 size_t vs_search_restarts(const vs_search *search);
-const double *vs_search_restart(const vs_search *search, size_t k, double *value);
-/* Returns how far two points are from each other: the longest of their distances along the axes; 2
- * if they differ in a level. */
-double vs_search_distance(const vs_search *search, const double *a, const double *b);
+/* Returns how many of them came to the place of the best point; *near: to its value. They agree
+ * that came so near to it: in parts of each axis, and of the value. */
+#define VS_SEARCH_AGREE 0.01
+size_t vs_search_agree(const vs_search *search, size_t *near);
 
 /* Returns what asked for the present generation: "start", "evolution", "pattern" or
  * "restarts". */

@@ -247,3 +247,21 @@ double vs_span_nominal(const vs_axis *axis) {
   if (!axis->is_word && !isnan(axis->nominal)) return axis->nominal;
   return axis->n_values ? axis->value[0] : axis->from;
 }
+
+double vs_span_period(const vs_plan *plan, const vs_axis *axis) {
+  const vs_setup *setup = &plan->base->setup;
+  const double hz = setup->timeline.supply.frequency_hz;
+  const bool angle = vs_units_same_kind(axis->unit, "deg");
+  if (axis->is_word || axis->log || vs_span_levels(axis) ||
+      !(angle || vs_units_same_kind(axis->unit, "s")))
+    return 0;
+  const double length =
+      (vs_span_between(axis, 1) - vs_span_between(axis, 0)) * vs_units_factor(axis->unit);
+  const double length_s = angle ? length / (2 * M_PI * hz) : length;
+  double period_s = setup->timeline.supply.direct ? 0 : 1 / hz;
+  if (vs_deck_has_port(&setup->deck, vs_port_is_modulated))
+    period_s = 1 / setup->timeline.pwm.carrier_hz;
+  if (vs_deck_has_port(&setup->deck, vs_port_is_burst))
+    period_s = 1 / setup->timeline.firing.burst_hz;
+  return period_s <= length_s / 2 ? period_s / length_s : 0;
+}

@@ -256,6 +256,30 @@ static bool case_draw(const vs_plan *plan, const vs_plan_stage *stage, uint64_t 
   return true;
 }
 
+static size_t threat_ranges(const vs_plan *plan, const vs_plan_stage *stage, size_t which,
+                            const vs_axis **axis) {
+  const cases *c = stage->state;
+  if (which >= c->threats.count) return SIZE_MAX;
+  const vs_threat *threat = &c->threats.item[which];
+  size_t n = 0;
+  if (vs_threat_is_closed(threat) && c->spread == c->n) return 0;
+  for (size_t k = 0; k < vs_threat_numbers(threat); k++) axis[n++] = vs_threat_range(threat, k);
+  for (size_t k = c->spread; k < c->n; k++) axis[n++] = &plan->axes[stage->axis + k];
+  return n;
+}
+
+static void place_threat(const vs_plan *plan, const vs_plan_stage *stage, size_t which,
+                         const double *share, double *value) {
+  const cases *c = stage->state;
+  const vs_axis *axes = &plan->axes[stage->axis];
+  const vs_threat *threat = &c->threats.item[which];
+  double number[VS_THREAT_NUMBERS];
+  for (size_t k = 0; k < vs_threat_numbers(threat); k++)
+    number[k] = vs_threat_value(vs_threat_range(threat, k), *share++);
+  take_numbers(c, axes, threat, number, value);
+  for (size_t k = c->spread; k < c->n; k++) value[k] = vs_span_between(&axes[k], *share++);
+}
+
 /* The numbers of a point as the threat's own. Where a point is made up, for a trial, a number may
  * be another threat's or none: the first of the range stands for that. */
 static void numbers_of(const cases *c, const vs_axis *axes, const double *value,
@@ -338,6 +362,8 @@ const vs_method vs_threat_cases_method = {.name = "threats",
                                           .count = count_cases,
                                           .point = case_point,
                                           .draw = case_draw,
+                                          .ranges = threat_ranges,
+                                          .place = place_threat,
                                           .put = put_case,
                                           .check = check_case,
                                           .json = cases_json,

@@ -26,8 +26,6 @@
 #include "report_columns.h"
 
 enum { PER_AXIS = 100, MOST_CASES = 100000, RESTARTS = 8, MOST_RESTARTS = 1000 };
-/* Restarts agree that came so near to each other: in parts of each axis, and of the value. */
-static const double AGREE_WITHIN = 0.01;
 
 typedef struct worst {
   int sense; /* 1: the least value is searched for; -1: the largest */
@@ -106,27 +104,6 @@ static uint64_t worst_count(const vs_plan *plan, const vs_plan_stage *stage) {
 
 _Static_assert((int)VS_PLAN_AXES <= (int)VS_SEARCH_AXES, "all axes of a plan can be searched");
 
-/* Returns what repeats along an instant or an angle of the mains, as a part of the axis: the gate
- * pulse's sub-pulses, the carrier of pulse-width modulation, else the mains' cycle. Worst cases
- * come again with it. 0: nothing does, or the axis is shorter than two of it. */
-static double period_of_axis(const vs_plan *plan, const vs_axis *axis) {
-  const vs_setup *setup = &plan->base->setup;
-  const double hz = setup->timeline.supply.frequency_hz;
-  const bool angle = vs_units_same_kind(axis->unit, "deg");
-  if (axis->is_word || axis->log || vs_span_levels(axis) ||
-      !(angle || vs_units_same_kind(axis->unit, "s")))
-    return 0;
-  const double length =
-      (vs_span_between(axis, 1) - vs_span_between(axis, 0)) * vs_units_factor(axis->unit);
-  const double length_s = angle ? length / (2 * M_PI * hz) : length;
-  double period_s = setup->timeline.supply.direct ? 0 : 1 / hz;
-  if (vs_deck_has_port(&setup->deck, vs_port_is_modulated))
-    period_s = 1 / setup->timeline.pwm.carrier_hz;
-  if (vs_deck_has_port(&setup->deck, vs_port_is_burst))
-    period_s = 1 / setup->timeline.firing.burst_hz;
-  return period_s <= length_s / 2 ? period_s / length_s : 0;
-}
-
 static vs_search *begin_worst_search(const vs_plan *plan, const vs_plan_stage *stage) {
   const worst *w = stage->state;
   vs_search_setup setup = {.axes = plan->n_axes,
@@ -136,7 +113,7 @@ static vs_search *begin_worst_search(const vs_plan *plan, const vs_plan_stage *s
                            .finest = w->finest};
   for (size_t d = 0; d < plan->n_axes; d++) {
     setup.levels[d] = (int)vs_span_levels(&plan->axes[d]);
-    setup.period[d] = period_of_axis(plan, &plan->axes[d]);
+    setup.period[d] = vs_span_period(plan, &plan->axes[d]);
   }
   return vs_search_new(&setup);
 }
@@ -209,16 +186,9 @@ typedef struct finding {
 
 static finding find_worst(const worst *w, const vs_search *search, const vs_results *results) {
   finding f = {.best = find_best(w, results), .restarts = vs_search_restarts(search)};
-  double least;
-  const double *place = vs_search_best(search, &least);
   if (f.best == UINT64_MAX) return f;
   f.value = vs_plan_results_value(results, f.best, w->column);
-  for (size_t k = 0; k < f.restarts; k++) {
-    double value;
-    const double *at = vs_search_restart(search, k, &value);
-    f.near += value - least <= AGREE_WITHIN * fabs(least);
-    f.place += vs_search_distance(search, at, place) <= AGREE_WITHIN;
-  }
+  f.place = vs_search_agree(search, &f.near);
   return f;
 }
 
@@ -237,7 +207,7 @@ static void say_finding(const vs_plan *plan, const worst *w, const finding *f, u
       "no bound",
       (unsigned long long)count, w->measure, f->value, column && *column->unit ? " " : "",
       column ? column->unit : "", (unsigned long long)f->best, f->restarts, f->place, f->near,
-      100 * AGREE_WITHIN);
+      100 * VS_SEARCH_AGREE);
 }
 
 static void say_worst(const vs_plan *plan, const vs_plan_stage *stage, const vs_results *results,
@@ -270,7 +240,7 @@ static void add_found(const vs_plan *plan, const vs_plan_stage *stage, const vs_
     vs_json_number(json, "value", f.value, 12);
     vs_json_whole(json, "agree_place", (int64_t)f.place);
     vs_json_whole(json, "agree_value", (int64_t)f.near);
-    vs_json_number(json, "agree_within", AGREE_WITHIN, 12);
+    vs_json_number(json, "agree_within", VS_SEARCH_AGREE, 12);
     vs_json_end(json);
   }
   say_worst(plan, stage, results, &text);

@@ -6,6 +6,7 @@
 #define VS_STUDY_HOLD_H
 
 #include "base/error.h"
+#include "base/field.h"
 #include "base/tree.h"
 
 /* What a line or a row comes to. */
@@ -21,6 +22,7 @@ typedef struct vs_hold_line {
   int sense;        /* of vs_folder_margins, less 1; 0: the margin is no part of a limit */
   double part;      /* the limit asked for as a part of the one as run; 1: the same */
   bool waived;
+  const char *because; /* why it is waived, as people said it; borrowed; NULL: they did not */
 } vs_hold_line;
 
 typedef struct vs_hold {
@@ -50,7 +52,9 @@ vs_status vs_hold_each(vs_hold *hold, const vs_node *map, const char *key, vs_ho
 /* Takes `margin: 10 %`, or LINE: 0.8, which is the limit times 0.8; of a least one the limit over
  * 0.8. */
 vs_status vs_hold_one(vs_hold *hold, const char *name, const vs_node *value, vs_error *err);
-/* Reads a list of lines that are waived, or one. NULL: there are none. */
+/* Reads a list of lines that are waived, or one, each as LINE or {line: LINE, because: TEXT}. NULL:
+ * there are none. */
+extern const vs_inside vs_hold_waiver; /* the keys of such a map */
 vs_status vs_hold_waive(vs_hold *hold, const vs_node *list, vs_error *err);
 
 /* ---- rows ---- */
