@@ -466,7 +466,8 @@ static void tables_are_short(void) {
       "bridge_link", "paper --set circuit.deck=fullwave_antiparallel",
       "two_mass",    "paper --set circuit.deck=bridge_halfcontrolled",
       "solenoid",    "paper --set circuit.deck=halfwave_snubbed",
-      "lds_v203",    "paper --set circuit.deck=halfwave_bare"};
+      "lds_v203",    "paper --set circuit.deck=halfwave_bare",
+      "triac_feeder"};
   const size_t CORNERS = 3, CHOPS = 4; /* runs at all corners; bridge_link, whose 10 ms take 1 s */
   for (size_t k = 0; k < COUNT(WORDS); k++) {
     ran r = run("run %s --set run.until=%s", WORDS[k],
