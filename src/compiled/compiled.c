@@ -24,14 +24,16 @@ typedef struct compiled {
   const vs_circuit_host *host;
   vs_equations e;
   vs_rodas r;
-  measured *of;    /* of each unknown; owned */
-  int *signal;     /* the unknown of each of the job's signals; owned */
-  double *shown;   /* their values, as accept() is given them; owned */
-  double *most;    /* of each signal so far, its size; owned */
-  double *charge;  /* M y where a restart begins; owned */
-  double *between; /* a state within a step; owned */
-  int landings;    /* steps that ended at a branch at once, one behind the other */
-  double from_s;   /* where the stretch began whose tries are counted */
+  measured *of;                /* of each unknown; owned */
+  int *signal;                 /* the unknown of each of the job's signals; owned */
+  double *shown;               /* their values, as accept() is given them; owned */
+  double *most;                /* of each signal so far, its size; owned */
+  double *charge;              /* M y where a restart begins; owned */
+  double *between;             /* a state within a step; owned */
+  double before_s, off_before; /* the last step's length and error; 0: there is none */
+  bool failed;                 /* a longer step from here was tried, and off */
+  int landings;                /* steps that ended at a branch at once, one behind the other */
+  double from_s;               /* where the stretch began whose tries are counted */
   long tries;
 } compiled;
 
@@ -221,10 +223,15 @@ static vs_status no_solution(const compiled *c, vs_error *err) {
   return give_up(c, why, err);
 }
 
+/* The branches stand while the iteration runs, as switches may turn over and over. Where that has
+ * no solution, as of a formula with a power of 299 far behind the branch that ends it, they go with
+ * the iteration. */
 static double restart_length(compiled *c, double first_s) {
   static const double TIMES[] = {1, 10, 100, 0.1, 1000};
-  for (size_t n = 0; n < sizeof TIMES / sizeof *TIMES; n++)
-    if (vs_rodas_restart(&c->r, c->charge, TIMES[n] * first_s)) return TIMES[n] * first_s;
+  for (int chooses = 0; chooses < 2; chooses++)
+    for (size_t n = 0; n < sizeof TIMES / sizeof *TIMES; n++)
+      if (vs_rodas_restart(&c->r, c->charge, TIMES[n] * first_s, chooses))
+        return TIMES[n] * first_s;
   return 0;
 }
 
@@ -244,6 +251,7 @@ static vs_status restart_behind_jump(compiled *c, double first_s, vs_error *err)
 }
 
 static vs_status restart_here(compiled *c, double first_s, vs_error *err) {
+  c->before_s = 0;
   vs_equations_mass(&c->e, c->r.y, c->charge);
   return restart_behind_jump(c, first_s, err);
 }
@@ -280,6 +288,21 @@ static const double ROUNDING = 10;
  * end at a branch at once. Behind so many of these one is taken whole. */
 enum { MOST_LANDINGS = 10 };
 
+/* The next step's length as a part of h, whose error was off: that which would be off by FULL, and
+ * longer or shorter again as the last one should have been (Gustafsson's rule: Hairer and Wanner,
+ * section IV.8), by up to TREND. Errors above 1 tell nothing of a trend. */
+static const double FULL = 0.65, TREND = 2, LEAST_OFF = 1e-3, SHORTER = 1.0 / 6, LONGER = 5;
+
+static double next_factor(const compiled *c, double h, double off) {
+  if (!isfinite(off)) return SHORTER;
+  double factor = pow(FULL / off, 0.25);
+  if (c->before_s > 0 && off <= 1) {
+    const double trend = h / c->before_s * pow(c->off_before / fmax(off, LEAST_OFF), 0.25);
+    factor *= fmin(fmax(trend, 1 / TREND), TREND);
+  }
+  return fmin(fmax(factor, SHORTER), LONGER);
+}
+
 /* Tries steps of at most *h until one is right, and makes *h what the next one may be. *taken: the
  * length; 0: none is short enough. *jumps: a switch or branch is another behind it. */
 static vs_status try_steps(compiled *c, double *h, double *taken, bool *jumps, vs_error *err) {
@@ -292,7 +315,7 @@ static vs_status try_steps(compiled *c, double *h, double *taken, bool *jumps, v
       off = fmax(off, vs_equations_imbalance(&c->e, c->r.y, c->r.next, c->r.error) /
                           (OF_JUNCTION * c->job->tolerance));
     const bool rounds = *h == best_s; /* it is tried again */
-    const double factor = isfinite(off) ? fmin(fmax(0.9 * pow(off, -0.25), 1.0 / 6), 5) : 1.0 / 6;
+    const double factor = next_factor(c, *h, off);
     if (!(off <= 1) && !rounds) {
       const bool worse = off > best && best <= ROUNDING;
       if (off < best) {
@@ -300,6 +323,8 @@ static vs_status try_steps(compiled *c, double *h, double *taken, bool *jumps, v
         best_s = *h;
       }
       *h = worse ? best_s : *h * fmin(factor, 0.9);
+      c->before_s = 0;
+      c->failed = true;
       continue;
     }
     const double part = changes_at(c);
@@ -311,12 +336,16 @@ static vs_status try_steps(compiled *c, double *h, double *taken, bool *jumps, v
       if (!vs_rodas_try(&c->r, *taken)) return give_up(c, "the equations are singular", err);
       if (!isfinite(error_of(c, *taken))) { /* a junction's exponential within the step */
         *h = *taken / 6;
-        *taken = 0;
+        *taken = best_s = 0;
+        best = INFINITY;
         continue;
       }
     } else {
       c->landings = 0;
-      *h *= rounds ? 5 : factor;
+      c->before_s = rounds ? 0 : *h;
+      c->off_before = off;
+      *h *= rounds ? LONGER : c->failed ? fmin(factor, 1) : factor;
+      c->failed = false;
     }
     return VS_OK;
   }

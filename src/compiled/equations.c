@@ -207,7 +207,11 @@ static const vs_diode *junction_at(const vs_compiled_device *d, int k, const dou
 }
 
 /* What the error of a step says of a junction is a part of n vt, which is less than any voltage's
- * tolerance, however large the current that it stands for. */
+ * tolerance, however large the current that it stands for. A transistor multiplies it; a diode does
+ * not, and only OF_DIODE of its own counts. With a tenth it may stay above 1 however short the step
+ * is, as what the step before it left behind. */
+static const double OF_DIODE = 1.0 / 3;
+
 double vs_equations_imbalance(const vs_equations *e, const double *y, const double *next,
                               const double *change) {
   double most = 0, v, slope, before, by, none;
@@ -219,7 +223,8 @@ double vs_equations_imbalance(const vs_equations *e, const double *y, const doub
       junction_at(d, k, next, &v);
       junction_at(d, k, change, &by);
       before = vs_junction_current(j, v - by, &none);
-      const double off = fabs(vs_junction_current(j, v, &none) - before - slope * by);
+      const double counts = d->kind == VS_DEVICE_DIODE ? OF_DIODE : 1;
+      const double off = counts * fabs(vs_junction_current(j, v, &none) - before - slope * by);
       const double peak = fabs(before) > d->peak_a[k] ? fabs(before) : d->peak_a[k];
       if (peak > 0 && !(off <= most * peak)) most = off / peak;
     }

@@ -176,13 +176,14 @@ void vs_rodas_dense(const vs_rodas *r, double part, double *y) {
 enum { ITERATIONS = 200, QUICK = 20, ROUNDING = 1000 };
 static const double LEAST_A = 1e-6, LEAST_V = 1e-8, OF_SIZE = 1e-7;
 
-bool vs_rodas_restart(vs_rodas *r, const double *charge, double h) {
+bool vs_rodas_restart(vs_rodas *r, const double *charge, double h, bool chooses) {
   vs_equations *e = r->e;
   const int n = e->n;
   double *b = r->work[0], *m = r->work[2], *change = r->k[0];
   r->drive.at(r->drive.ctx, r->t_s + h, r->source[0]);
   memcpy(r->next, r->y, (size_t)n * sizeof *r->next);
   for (int turn = 0; turn < ITERATIONS; turn++) {
+    const bool other = chooses && vs_equations_choose(e, r->next, false);
     /* M (next - y)/h = f(next) */
     bool limited = vs_equations_value(e, r->next, r->source[0], true, b, r->jacobian);
     vs_equations_mass(e, r->next, m);
@@ -197,7 +198,7 @@ bool vs_rodas_restart(vs_rodas *r, const double *charge, double h) {
       r->next[i] += change[i];
     }
     if (!isfinite(most)) return false;
-    if (most <= (turn < QUICK ? 1 : ROUNDING) && !limited) return true;
+    if (most <= (turn < QUICK ? 1 : ROUNDING) && !limited && !other) return true;
   }
   return false;
 }

@@ -43,9 +43,10 @@ static inline double vs_rodas_dense_of(const vs_rodas *r, int k, double part) {
 }
 
 /* Takes a step of h by the backward Euler rule, solved by Newton's iteration with limited
- * junctions, into next: behind a jump, where no slope is known. charge: M y at its beginning.
+ * junctions, into next: behind a jump, where no slope is known. charge: M y at its beginning. With
+ * `chooses` each iteration takes the branches and switches that it asks for; without, none changes.
  * False: it did not converge. */
-bool vs_rodas_restart(vs_rodas *r, const double *charge, double h);
+bool vs_rodas_restart(vs_rodas *r, const double *charge, double h, bool chooses);
 
 /* The step that was tried, or the restart, is taken: y becomes next. */
 void vs_rodas_take(vs_rodas *r, double h);

@@ -24,10 +24,11 @@
  *   step of picoseconds makes volts of the last digit of its current. So the tolerance goes back to
  *   where the solver's own is the coarsest (engine/coupled/pace.c). The steps stay as short as they
  * were. What may be wrong is then told for that tolerance.
- * - Where the model of the thyristor has no solution, an ideal thyristor has one. */
+ * - Where the model of the thyristor has no solution, an ideal thyristor has one.
+ * - What tier compiled gives up, ngspice may solve: the only rung of that tier. */
 typedef struct rung {
   const char *text;
-  bool other_order, gear, quarter, loose, coarse, ideal;
+  bool other_order, gear, quarter, loose, coarse, ideal, ngspice;
 } rung;
 static const rung RUNGS[] = {
     {.text = "the scene as it is"},
@@ -40,6 +41,7 @@ static const rung RUNGS[] = {
      .loose = true},
     {.text = "tolerance 1e-4 with the same steps", .coarse = true},
     {.text = "an ideal thyristor (latch), method gear", .gear = true, .ideal = true},
+    {.text = "tier circuit, in ngspice", .ngspice = true},
 };
 static const double OTHER_PIVREL = 1e-3;     /* ngspice's default */
 static const double COARSE_TOLERANCE = 1e-4; /* as the rung's text says */
@@ -71,8 +73,17 @@ static void add_rung_key(vs_ladder *l, const char *format, ...) {
   va_end(values);
 }
 
+/* The one rung of tier compiled. */
+static bool climb_to_ngspice(vs_ladder *l) {
+  l->rung = N_RUNGS - 1;
+  l->n_keys = 0;
+  add_rung_key(l, "run.tier=circuit");
+  return true;
+}
+
 bool vs_ladder_climb(vs_ladder *l, const vs_scene *scene) {
   const vs_setup *s = &scene->setup;
+  if (scene->tier->has_circuit && !scene->tier->by_ngspice) return !l->rung && climb_to_ngspice(l);
   if (!scene->tier->by_ngspice || s->run.ladder == VS_LADDER_STAY) return false;
   if (l->rung == 0) {
     l->gear = s->run.gear;
@@ -88,7 +99,9 @@ bool vs_ladder_climb(vs_ladder *l, const vs_scene *scene) {
     const rung *r = &RUNGS[l->rung];
     bool other = (r->other_order && l->pivrel != OTHER_PIVREL) || (r->gear && !l->gear) ||
                  r->quarter || (r->coarse && l->tolerance < COARSE_TOLERANCE) || r->ideal;
-    if (!other || (r->ideal && (s->run.ladder != VS_LADDER_IDEAL || !can_be_ideal(s)))) continue;
+    if (!other || r->ngspice ||
+        (r->ideal && (s->run.ladder != VS_LADDER_IDEAL || !can_be_ideal(s))))
+      continue;
     l->n_keys = 0;
     if (r->gear) add_rung_key(l, "run.method=gear");
     if (r->other_order) add_rung_key(l, "run.pivrel=%.9g", OTHER_PIVREL);
@@ -140,7 +153,9 @@ vs_status vs_ladder_scene(const vs_ladder *l, const vs_scene *scene, vs_scene *o
                           vs_error *err) {
   const char *keys[VS_LADDER_KEYS];
   for (size_t k = 0; k < l->n_keys; k++) keys[k] = l->keys[k];
-  vs_status status = vs_scene_with(scene, keys, l->n_keys, other, err);
+  vs_scene own = *scene;
+  if (RUNGS[l->rung].ngspice) own.tier_named = NULL; /* which would stand above run.tier */
+  vs_status status = vs_scene_with(&own, keys, l->n_keys, other, err);
   if (!status && RUNGS[l->rung].ideal) give_limits(&scene->setup.deck, &other->setup.deck);
   return status;
 }

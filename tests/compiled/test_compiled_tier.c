@@ -84,24 +84,27 @@ static void write_deck(const char *more) {
 
 #define OWN "--set run.until=12ms --set circuit.deck=deck.cir"
 
-/* What is hard for a method: each agrees with ngspice, or ends with what it is. */
+/* What is hard for a method: each agrees with ngspice, or goes to it and says why. */
 static void hard_circuits_end_right_or_are_told(void) {
   static const struct {
     const char *more, *words, *says; /* says: NULL, it agrees */
+    int status;                      /* of ngspice */
   } ROWS[] = {
-      {"", "--set circuit.varistor_exponent=50 --set firing.angle=60deg", NULL},
-      {"", "--set circuit.off_resistance=1Gohm", NULL},
-      {"", "--set supply.inductance=100nH", NULL},             /* beside 1.6 H */
-      {"C8 fl a 1n\nC9 fl 0 1n", "", NULL},                    /* a node between capacitors alone */
-      {"R9 fl a 1k", "", NULL},                                /* nothing else is there */
-      {"V9 w 0 5\nC9 w 0 1u\nC8 w a 1n\nC7 a 0 1n", "", NULL}, /* a loop of them and a source */
-      {"B9 q 0 v = v(a) > v(b) ? 5 : 0\nR9 q r 1k\nC9 r 0 1n", "", NULL}, /* a comparator */
-      {"D9 a q ideal\nC9 q 0 1u\nR9 q 0 100k\n.model ideal d(is=1n n=0.01)", "", NULL},
-      {"V9 q 0 pulse(0 5 1m 1u 1u 2m 5m)\nR9 q b 10k", "", NULL},
-      {"I9 0 fl 1m", "", "t = 0 s: tier compiled: nothing decides v(fl)"},
-      {"V8 q 0 1\nV9 q 0 2\nR9 q 0 1", "", "t = 0 s: tier compiled: nothing decides i(v9)"},
+      {"", "--set circuit.varistor_exponent=50 --set firing.angle=60deg", NULL, 0},
+      {"", "--set circuit.off_resistance=1Gohm", NULL, 0},
+      {"", "--set supply.inductance=100nH", NULL, 0}, /* beside 1.6 H */
+      {"C8 fl a 1n\nC9 fl 0 1n", "", NULL, 0},        /* a node between capacitors alone */
+      {"R9 fl a 1k", "", NULL, 0},                    /* nothing else is there */
+      {"V9 w 0 5\nC9 w 0 1u\nC8 w a 1n\nC7 a 0 1n", "", NULL, 0}, /* a loop of them and a source */
+      {"B9 q 0 v = v(a) > v(b) ? 5 : 0\nR9 q r 1k\nC9 r 0 1n", "", NULL, 0}, /* a comparator */
+      {"D9 a q ideal\nC9 q 0 1u\nR9 q 0 100k\n.model ideal d(is=1n n=0.01)", "", NULL, 0},
+      {"V9 q 0 pulse(0 5 1m 1u 1u 2m 5m)\nR9 q b 10k", "", NULL, 0},
+      {"I9 0 fl 1m", "", "t = 0 s: tier compiled: nothing decides v(fl)", 0},
+      {"V8 q 0 1\nV9 q 0 2\nR9 q 0 1", "", "t = 0 s: tier compiled: nothing decides i(v9)", 2},
       {"I9 0 w 1m\nC9 w 0 10n\nS9 w 0 w 0 sm\n.model sm sw(vt=5 vh=0 ron=1k roff=1meg)", "",
-       "tier compiled: a switch or a branch of an expression opens and closes without end"},
+       "tier compiled: a switch or a branch of an expression opens and closes without end", 1},
+      {"B9 q 0 v = v(r) > 2 ? 0 : 5\nR9 q r 1k\nC9 r 0 1n", "",
+       "tier compiled: a switch or a branch of an expression opens and closes without end", 1},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     char words[256];
@@ -112,8 +115,9 @@ static void hard_circuits_end_right_or_are_told(void) {
       continue;
     }
     ran r = run_on("compiled", "1e-4", words);
-    EXPECT(r.status == 1 && strstr(r.err, ROWS[k].says), "%s: %d: %s", ROWS[k].more, r.status,
-           r.err);
+    EXPECT(r.status == ROWS[k].status && strstr(r.err, ROWS[k].says) &&
+               strstr(r.err, "; trying tier circuit, in ngspice"),
+           "%s: %d: %s", ROWS[k].more, r.status, r.err);
     free_ran(&r);
   }
 }
@@ -230,18 +234,66 @@ static void an_ideal_diode_stops(void) {
   }
 }
 
-/* An opened coil rings with its own capacitance for ten periods, at a flux linkage of 0.02 Wb: it
- * was off by 15 times the tolerance. Both may be off by 2.4 of theirs. */
-static void an_opened_coil_rings_on(void) {
-  if (is_for_memory_alone()) return;
-#define RINGS                                                                                      \
-  "--set circuit.deck=halfwave_snubbed --set supply.voltage=180V --set run.until=22ms --set "      \
-  "circuit.c2=5nF --set 'events={e: {kind: open, at: 1.84 ms, element: Xeva, level: 3.7 kV}}'"
-  ran one = run_on("compiled", "1e-4", RINGS), other = run_on("circuit", "1e-5", RINGS);
-  const double off = difference_in_ppm(one.out, other.out);
-  EXPECT(off <= 264, "%g ppm", off);
+/* Near ngspice at a tenth of the tolerance: each may be off by 2.4 of its own. */
+static void near_ngspice(double tolerance, const char *words, int line) {
+  char own[20], finer[20];
+  snprintf(own, sizeof own, "%g", tolerance);
+  snprintf(finer, sizeof finer, "%g", tolerance / 10);
+  ran one = run_on("compiled", own, words), other = run_on("circuit", finer, words);
+  expect(one.status == other.status, line, "%s: %d: %s", words, one.status, one.err);
+  const double off = difference_in_ppm(one.out, other.out), most = 2.64e6 * tolerance;
+  expect(off <= most, line, "%s: %g ppm, at most %g", words, off, most);
   free_ran(&one);
   free_ran(&other);
+}
+
+/* An opened coil rings with its own capacitance for ten periods, at a flux linkage of 0.02 Wb: it
+ * was off by 15 times the tolerance. */
+static void an_opened_coil_rings_on(void) {
+  if (is_for_memory_alone()) return;
+  near_ngspice(1e-4,
+               "--set circuit.deck=halfwave_snubbed --set supply.voltage=180V --set "
+               "run.until=22ms --set circuit.c2=5nF --set 'events={e: {kind: open, at: 1.84 ms, "
+               "element: Xeva, level: 3.7 kV}}'",
+               __LINE__);
+}
+
+/* Runs that made no progress, or had no solution: a step that lands where a junction overflows
+ * behind one that was taken for its rounding, and an arc whose formula begins far behind its end.
+ */
+static void arcs_of_fuses_end(void) {
+  if (is_for_memory_alone()) return;
+#define PAPER "--set circuit.deck=halfwave_paper --set firing.every=1 "
+  near_ngspice(1e-3,
+               PAPER
+               "--set 'machine.base_mass=2.5019 kg' "
+               "--set 'machine.base_inertia=0.0246184 kg.m2' "
+               "--set 'machine.trough_com=[89.255 mm, 123.79 mm]' "
+               "--set 'machine.mount_damping_y=0.406441 N.s/m' "
+               "--set 'supply.voltage=220.64 V' "
+               "--set 'firing.first_cycle=0' "
+               "--set 'circuit.r1=9.9178 kohm' "
+               "--set 'circuit.c1=127.811 nF' "
+               "--set 'circuit.varistor_1=v511da40' "
+               "--set 'circuit.varistor_2=s20k510' "
+               "--set 'circuit.gate_inductance=15.6405 mH' "
+               "--set 'circuit.gate_leakage=122.994 uH' "
+               "--set 'circuit.gate_volt_seconds=2110.53 V*us' "
+               "--set 'circuit.gate_secondary_r=0.674327 ohm' "
+               "--set 'circuit.gate_rgk=70.9447 ohm' "
+               "--set 'circuit.varistor_3_scale=1.26418' "
+               "--set 'actuator.resistance=62.0409 ohm' "
+               "--set 'load.volume=415.648 cm3' "
+               "--set 'load.fraction=0.526058' "
+               "--set 'start.phi=0.00250335 rad' "
+               "--set 'run.until=30.6551 ms' "
+               "--set 'events={e0: {kind: short, cycle: 1, angle: 352.982 deg, element: Xv3}}'",
+               __LINE__);
+  near_ngspice(1e-4,
+               PAPER "--set run.until=61ms --set firing.angle=115.21063457948591deg --set "
+                     "'actuator.stop={stiffness: 1e6 N/m, damping: 100 N.s/m}' --set 'events={e: "
+                     "{kind: swell, at: 8.062 ms, level: 162.8 %, duration: 32.25 ms}}'",
+               __LINE__);
 }
 
 /* ---- refused ---- */
@@ -389,6 +441,7 @@ int main(void) {
       {"elements are as in ngspice", elements_are_as_in_ngspice},
       {"an ideal diode stops", an_ideal_diode_stops},
       {"an opened coil rings on", an_opened_coil_rings_on},
+      {"arcs of fuses end", arcs_of_fuses_end},
       {"what it has not is refused by line", what_it_has_not_is_refused_by_line},
       {"ngspice's settings are not its own", ngspices_settings_are_not_its_own},
       {"a study is judged by ngspice", a_study_is_judged_by_ngspice},
