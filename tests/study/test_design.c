@@ -451,6 +451,11 @@ static void refusals(void) {
   ran r = run("design s.yaml -o refused");
   EXPECT(r.status == 2, "%d", r.status);
   free_ran(&r);
+  /* check reads on behind a threat that is wrong */
+  write_design("", "threats:\n  late: {kind: surge, at: 200 ms, polarity: any}\n");
+  r = run("check d.yaml");
+  EXPECT(r.status == 2 && strstr(r.err, "d.yaml:9:3: threats.late: "), "%d %s", r.status, r.err);
+  free_ran(&r);
 }
 
 static void bad_prices(void) {

@@ -294,11 +294,11 @@ static void add_proof_of_list(const answer *a, vs_text *text) {
                 (unsigned long long)a->without_error);
   vs_text_add(
       text,
-      ". %zu candidates cost less: each violates a case, which design.csv names, by a margin %s",
-      a->cheaper + a->unjudged,
+      ". Cheaper candidates: %zu, which violate a case each that design.csv names, by a margin %s",
+      a->cheaper,
       a->d->verify ? "that got its error where it is near to the limit"
                    : "without an error where that has none");
-  if (a->unjudged) vs_text_add(text, ", but for %zu that could not be judged", a->unjudged);
+  if (a->unjudged) vs_text_add(text, "; besides, %zu that could not be judged", a->unjudged);
   vs_text_add(text, ".");
 }
 
@@ -344,6 +344,12 @@ static void add_proof_of_ranges(const answer *a, vs_text *text) {
               100 * VS_SEARCH_AGREE);
 }
 
+/* What a share p of draws that violate is below, at 95 %, if none of N did: (1 - p)^N = 0.05, for
+ * large N p = 3/N. */
+static double largest_share(uint64_t draws) {
+  return 1 - pow(0.05, 1 / (double)draws);
+}
+
 static void add_proof_by_draws(const answer *a, vs_text *text) {
   const vs_design_search *s = &a->s;
   if (!s->draws_held) {
@@ -355,7 +361,7 @@ static void add_proof_by_draws(const answer *a, vs_text *text) {
               "So p < %.3g %% at 95 %%, of draws in which each threat is as "
               "likely as another, and even within its ranges.",
               (unsigned long long)s->draws_held, (unsigned long long)s->draws,
-              300. / (double)s->draws_held);
+              100 * largest_share(s->draws_held));
 }
 
 /* True for a device whose limits the list of prices has. */
