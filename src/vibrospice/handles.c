@@ -36,7 +36,7 @@ typedef struct list {
 
 /* What is behind a handle. */
 typedef struct engine {
-  uint32_t number; /* of the handle; 0: the place is free */
+  uint32_t number; /* of the handle, above 0 */
   int busy;        /* a thread is in it */
   int is_state;
   pid_t owner; /* the process that opened it */
@@ -51,7 +51,8 @@ typedef struct engine {
   const char *breach, *summary;
 } engine;
 
-/* The table of all engines of the process, and its lock. A place is used again, a number is not. */
+/* The table of all engines of the process, and its lock. No number is used again. It goes with its
+ * last engine, as a unit's library may be unloaded. */
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static engine **table;
 static size_t places;
@@ -67,7 +68,7 @@ static vibrospice_status enter(const void *handle, int is_state, engine **entere
   engine *found = NULL;
   pthread_mutex_lock(&lock);
   for (size_t k = 0; k < places && !found && handle; k++)
-    if (table[k]->number && handle_of(table[k]) == handle && table[k]->is_state == is_state &&
+    if (handle_of(table[k]) == handle && table[k]->is_state == is_state &&
         table[k]->owner == getpid())
       found = table[k];
   if (found) status = found->busy ? VIBROSPICE_BUSY : VIBROSPICE_OK;
@@ -95,15 +96,11 @@ static vibrospice_status leave(engine *e, vibrospice_status status) {
 static engine *take_place(int is_state) {
   engine *e = NULL;
   pthread_mutex_lock(&lock);
-  for (size_t k = 0; k < places && !e; k++)
-    if (!table[k]->number) e = table[k];
-  if (!e) {
-    engine **more = realloc(table, (places + 1) * sizeof *table);
-    if (more) table = more;
-    e = more ? calloc(1, sizeof *e) : NULL;
-    if (e) table[places++] = e;
-  }
+  engine **more = realloc(table, (places + 1) * sizeof *table);
+  if (more) table = more;
+  if (more) e = calloc(1, sizeof *e);
   if (e) {
+    table[places++] = e;
     *e = (engine){.is_state = is_state, .busy = 1, .owner = getpid(), .process.socket = -1};
     while (!++last_number) {
     }
@@ -131,9 +128,15 @@ static void free_place(engine *e) {
   vibrospice_process_end(&e->process);
   free_texts(e);
   pthread_mutex_lock(&lock);
-  e->number = 0;
-  e->busy = 0;
+  size_t k = 0;
+  while (table[k] != e) k++;
+  table[k] = table[--places];
+  if (!places) {
+    free(table);
+    table = NULL;
+  }
   pthread_mutex_unlock(&lock);
+  free(e);
 }
 
 /* ---- taking texts apart ---- */

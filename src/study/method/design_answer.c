@@ -344,24 +344,19 @@ static void add_proof_of_ranges(const answer *a, vs_text *text) {
               100 * VS_SEARCH_AGREE);
 }
 
-/* What a share p of draws that violate is below, at 95 %, if none of N did: (1 - p)^N = 0.05, for
- * large N p = 3/N. */
-static double largest_share(uint64_t draws) {
-  return 1 - pow(0.05, 1 / (double)draws);
-}
-
 static void add_proof_by_draws(const answer *a, vs_text *text) {
   const vs_design_search *s = &a->s;
   if (!s->draws_held) {
     vs_text_add(text, "Random: nothing was drawn.");
     return;
   }
+  /* of N draws none violates: (1 - p)^N = 0.05, for large N p = 3/N */
   vs_text_add(text,
               "Random: 0 of %llu draws after the last change violate; %llu were drawn in all. "
               "So p < %.3g %% at 95 %%, of draws in which each threat is as "
               "likely as another, and even within its ranges.",
               (unsigned long long)s->draws_held, (unsigned long long)s->draws,
-              100 * largest_share(s->draws_held));
+              100 * (1 - pow(0.05, 1 / (double)s->draws_held)));
 }
 
 /* True for a device whose limits the list of prices has. */
