@@ -8,6 +8,13 @@
 
 #include "program.h"
 
+/* Python as it comes loads no library that is built with sanitizers; test_vibrospice tries that. */
+#ifdef __SANITIZE_ADDRESS__
+enum { LOADS = false };
+#else
+enum { LOADS = true };
+#endif
+
 /* Runs one class of the checks; "without-numpy" hides numpy and pandas from it. */
 static void check(const char *class, const char *how) {
   const char *const argv[] = {"env", "python3", VS_TEST_FOLDER "/install/python_module.py",
@@ -23,6 +30,7 @@ static void runs(void) {
 }
 
 static void stepped(void) {
+  if (!LOADS) return;
   check("Stepped", "without-numpy");
   check("Stepped", NULL);
 }
@@ -45,16 +53,12 @@ static void tables(void) {
 }
 
 static void page(void) {
-  check("Page", NULL);
+  if (LOADS) check("Page", NULL);
 }
 
 static const vs_test TESTS[] = {
-    {"runs", runs},
-    {"stepped", stepped},
-    {"inputs", inputs},
-    {"studies", studies},
-    {"pictures", pictures},
-    {"lists or numpy, pandas", tables},
+    {"runs", runs},           {"stepped", stepped},   {"inputs", inputs},
+    {"studies", studies},     {"pictures", pictures}, {"lists or numpy, pandas", tables},
     {"docs/python.md", page},
 };
 
