@@ -509,28 +509,30 @@ static const char HARMLESS[] = "harmless\nRno no 0 1\nIno no 0 1";
 
 /* A circuit that crashes ngspice, as it is loaded (a name too long for a buffer) or in its first
  * step (a source that is external and is not), costs a message and nothing else: no word on
- * standard error, no harm to the next one. From 44 on it crashes at neither. */
+ * standard error, no harm to the next one. From 44 on it crashes at neither. Where the name is too
+ * long, Debian's build aborts, and one without _FORTIFY_SOURCE writes beyond the buffer. */
 static void a_crash_is_a_message(void) {
   static const struct {
     const char *format;
-    int number;
-  } ROWS[] = {{"crash\nVq q 0 dc 0 external\nRq q 0 1k%.0s", SIGSEGV},
-              {"crash\nRq q 0 1k\nBq q 0 I %s= 1", SIGABRT}};
-  char name[600], netlist[1024], says[64];
+    int number, other;
+  } ROWS[] = {{"crash\nVq q 0 dc 0 external\nRq q 0 1k%.0s", SIGSEGV, SIGSEGV},
+              {"crash\nRq q 0 1k\nBq q 0 I %s= 1", SIGABRT, SIGSEGV}};
+  char name[600], netlist[1024], says[2][64];
   memset(name, 'B', sizeof name);
   name[sizeof name - 1] = '\0';
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     bare b = {.nap_s = 0};
     long steps;
     snprintf(netlist, sizeof netlist, ROWS[k].format, name);
-    snprintf(says, sizeof says, "ngspice died of it (signal %d)", ROWS[k].number);
+    snprintf(says[0], sizeof says[0], "ngspice died of it (signal %d)", ROWS[k].number);
+    snprintf(says[1], sizeof says[1], "ngspice died of it (signal %d)", ROWS[k].other);
     FILE *f = tmpfile();
     int err = dup(STDERR_FILENO);
     CU_ASSERT_FATAL(f && err >= 0 && dup2(fileno(f), STDERR_FILENO) >= 0);
     vs_status status = try_bare(netlist, false, &b, &steps);
     dup2(err, STDERR_FILENO);
-    EXPECT(is_newer_ngspice() || (status == VS_INPUT && strstr(b.err.text, says)), "%d: %s",
-           (int)status, b.err.text);
+    const bool told = strstr(b.err.text, says[0]) || strstr(b.err.text, says[1]);
+    EXPECT(is_newer_ngspice() || (status == VS_INPUT && told), "%d: %s", (int)status, b.err.text);
     CU_ASSERT_EQUAL(bytes_in(fileno(f)), 0);
     CU_ASSERT_EQUAL(try_bare(HARMLESS, false, &b, &steps), VS_OK);
     CU_ASSERT(steps >= 40); /* 1 ms in steps of 25 us */
