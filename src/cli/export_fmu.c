@@ -216,7 +216,7 @@ static vs_status read_shim(vs_text *t, vs_error *err) {
     snprintf(path, sizeof path, "%s%s", self, PLACES[k]);
     if (!access(path, R_OK)) return read_whole(path, t, err);
   }
-  return vs_fail(err, VS_RUN, "export: %s is missing, which a unit is made with", path);
+  return vs_fail(err, VS_RUN, "export: %s is missing; a unit is made from it", path);
 }
 
 /* A name of C's, from the output's: "x" of "out/x.fmu". */
@@ -279,8 +279,7 @@ vs_status vs_export_fmu_command(const char *name, char *const *sets, size_t n_se
   vs_text_add(&keys, "%s", "");
   for (size_t k = 0; k < n_sets; k++) vs_text_add(&keys, "%s\n", sets[k]);
   if (!status && s->control.regulator && s->control.regulator->code)
-    status =
-        vs_fail(err, VS_INPUT, "export: the scene runs code of its own, which a unit does not");
+    status = vs_fail(err, VS_INPUT, "export: the scene runs code of its own, which a unit may not");
   if (!status) vs_scene_warn(s);
   if (!status) status = read_whole(s->path, &text, err);
   if (!status) status = try_alone(&text, sets, n_sets, err);

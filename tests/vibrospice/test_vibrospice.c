@@ -205,7 +205,7 @@ static void rolls_back(const char *tier, int line) {
            column(to, "p_m"), p);
   }
   OK(vibrospice_restore(run, later));
-  FAILS(vibrospice_run_to(run, 0.05, NULL, NULL), VIBROSPICE_TIME, "a saved state goes back");
+  FAILS(vibrospice_run_to(run, 0.05, NULL, NULL), VIBROSPICE_TIME, "only a saved state goes back");
   EXPECT(!system("mkdir second && cp first/*.* second && rm first/*.*"), "no first");
   OK(vibrospice_finish(run));
   OK(vibrospice_measures(run, &m, &count));
@@ -417,9 +417,12 @@ static void mock_up_unit(void) {
   EXPECT(fabs(p) > 1e-5 && fabs(p - other) < 1e-9 * fabs(p), "p = %.17g, not %.17g", p, other);
   OK(vibrospice_free(run));
   EXPECT(!u.step(two, 0, 0.2, 0), "%s", logged);
-  EXPECT(u.step(two, 0.1, 0.01, 0) == 3 && strstr(logged, "another instant"), "%s", logged);
-  EXPECT(u.step(two, 0.2, 0.01, 0) == 3 && strstr(logged, "behind the run's end"), "%s", logged);
-  EXPECT(u.set(two, &TRAVEL, 1, &p) == 3 && strstr(logged, "no input"), "%s", logged);
+  EXPECT(u.step(two, 0.1, 0.01, 0) == 3 && strstr(logged, "does not begin at"), "%s", logged);
+  EXPECT(u.step(two, 0.2, 0.01, 0) == 3 && strstr(logged, "after the run's end"), "%s", logged);
+  EXPECT(u.set(two, &TRAVEL, 1, &p) == 3 && strstr(logged, "not an input"), "%s", logged);
+  EXPECT(!u.reset(two) && !u.restore(two, state) && !u.set(two, &ANGLE, 1, &angle) &&
+             !u.step(two, 0.05, 0.0333, 0) && !u.get(two, &TRAVEL, 1, &other) && other == p,
+         "an instance that had not begun: %.17g, not %.17g; %s", other, p, logged);
   EXPECT(!u.reset(two) && !u.exit_init(two) && !u.step(two, 0, 0.01, 0), "%s", logged);
   EXPECT(!u.forget(one, &state) && !state, "%s", logged);
   u.end(one);
@@ -492,14 +495,21 @@ static int use_own_handle(void *context, const double *value, size_t count) {
 
 static void wrong_order(void) {
   const vibrospice_measure *m = (const vibrospice_measure *)&m;
+  const vibrospice_line *line = (const vibrospice_line *)&line;
+  const char *text = "no summary";
   vibrospice_state *state;
   seen s = {0};
   size_t count = 7;
   vibrospice *run = open_scene("paper", "switched", "0.1 s");
   FAILS(vibrospice_measures(run, &m, &count), VIBROSPICE_ORDER, "not finished");
   EXPECT(!m && !count, "something in spite of the error");
-  FAILS(vibrospice_run_to(run, 0, NULL, NULL), VIBROSPICE_TIME, "not behind");
-  FAILS(vibrospice_run_to(run, NAN, NULL, NULL), VIBROSPICE_TIME, "not behind");
+  FAILS(vibrospice_summary(run, &text), VIBROSPICE_ORDER, "not finished");
+  EXPECT(!text, "a summary in spite of the error");
+  text = "no verdict";
+  FAILS(vibrospice_verdict(run, &line, &count, NULL, &text), VIBROSPICE_ORDER, "not finished");
+  EXPECT(!line && !text, "a verdict in spite of the error");
+  FAILS(vibrospice_run_to(run, 0, NULL, NULL), VIBROSPICE_TIME, "not after");
+  FAILS(vibrospice_run_to(run, NAN, NULL, NULL), VIBROSPICE_TIME, "not after");
   FAILS(vibrospice_run_to(run, 0.11, NULL, NULL), VIBROSPICE_TIME, "run.until = 0.1 s");
   s.run = run;
   FAILS(vibrospice_run_on(run, use_own_handle, &s), VIBROSPICE_STOPPED, "stopped");
@@ -511,9 +521,9 @@ static void wrong_order(void) {
   FAILS(vibrospice_save(run, &state), VIBROSPICE_ORDER, "nothing to save");
   FAILS(vibrospice_free_state((vibrospice_state *)run), VIBROSPICE_HANDLE, "no such state");
   OK(vibrospice_free(run));
-  FAILS(vibrospice_free(run), VIBROSPICE_HANDLE, "it was freed");
+  FAILS(vibrospice_free(run), VIBROSPICE_HANDLE, "was freed");
   vibrospice *next = open_scene("paper", "switched", "0.1 s"); /* which has the other's place */
-  FAILS(vibrospice_finish(run), VIBROSPICE_HANDLE, "it was freed");
+  FAILS(vibrospice_finish(run), VIBROSPICE_HANDLE, "was freed");
   FAILS(vibrospice_finish((vibrospice *)&count), VIBROSPICE_HANDLE, "never was one");
   OK(vibrospice_free(next));
   OK(vibrospice_free(NULL));
@@ -669,7 +679,7 @@ static void threads(void) {
   OK(vibrospice_free(m.run));
 }
 
-/* A copy of this process has no handles. */
+/* A copy of this process has no handles, and keeps no engine from its end. */
 static void other_process(void) {
   vibrospice *run = open_scene("paper", "switched", "0.02 s");
   const pid_t child = fork();
@@ -678,7 +688,15 @@ static void other_process(void) {
   waitpid(child, &how, 0);
   EXPECT(how == 0, "a copy of the process may use the handle");
   OK(vibrospice_finish(run));
+  const pid_t idle = fork();
+  if (!idle) {
+    sleep(10);
+    _exit(0);
+  }
   OK(vibrospice_free(run));
+  kill(idle, SIGKILL);
+  waitpid(idle, &how, 0);
+  EXPECT(WIFSIGNALED(how), "the engine ended with a copy of the process");
 }
 
 int main(void) {
