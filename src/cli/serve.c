@@ -588,7 +588,7 @@ static void stay(engine *e) {
   }
 }
 
-/* Now and then: is the other end still there? */
+/* Looks now and then whether the other end is still there. */
 static void look_at_socket(engine *e) {
   struct pollfd socket = {SOCKET, 0, 0};
   if (++e->steps % 256 == 0 && poll(&socket, 1, 0) == 1 && socket.revents & (POLLHUP | POLLERR))
@@ -711,7 +711,7 @@ static const vs_option SERVE_OPTIONS[] = {VS_OPTIONS_HELP, {0}};
 
 const vs_command vs_serve_cli = {
     .name = "serve",
-    .text = "runs a scene step by step for another program, which libvibrospice does",
+    .text = "runs a scene step by step for another program, over libvibrospice",
     .examples =
         "  vibrospice serve      by itself it does nothing: see <vibrospice/vibrospice.h>\n",
     .may_be_alone = true,

@@ -242,16 +242,18 @@ static void as_events(const char *tier, int line) {
   static const char EVENTS[] =
       LOADED "firing: {angle: [[0 s, 120 deg], [73.3 ms, 120 deg], [73.3 ms, 110 deg]], every: 1}\n"
              "events: {s: {kind: sag, at: 73.3 ms, duration: 1000 s, level: 80 %}, "
-             "l: {kind: load, at: 73.3 ms, volume: 500 cm3}}\n";
+             "l: {kind: load, at: 73.3 ms, volume: 500 cm3, fraction: 0.5}}\n";
   vibrospice *one = open_scene(EVENTS, tier, "0.16 s"),
              *two = open_scene(LOADED "firing: {angle: 90 deg, every: 1}\n", tier, "0.16 s");
   OK(vibrospice_set_input(two, "firing.angle", 120));
   OK(vibrospice_set_input(two, "supply.voltage", 440));
   OK(vibrospice_set_input(two, "load.volume", 380));
+  OK(vibrospice_set_input(two, "load.fraction", 0.3));
   OK(vibrospice_run_to(two, 0.0733, NULL, NULL));
   OK(vibrospice_set_input(two, "firing.angle", 110));
   OK(vibrospice_set_input(two, "supply.voltage", 0.8 * 440));
   OK(vibrospice_set_input(two, "load.volume", 500));
+  OK(vibrospice_set_input(two, "load.fraction", 0.5));
   OK(vibrospice_run_to(one, 0.15, NULL, NULL));
   OK(vibrospice_run_to(two, 0.15, NULL, NULL));
   const double p = column(one, "p_m"), other = column(two, "p_m");
@@ -423,7 +425,10 @@ static void mock_up_unit(void) {
   EXPECT(!u.reset(two) && !u.restore(two, state) && !u.set(two, &ANGLE, 1, &angle) &&
              !u.step(two, 0.05, 0.0333, 0) && !u.get(two, &TRAVEL, 1, &other) && other == p,
          "an instance that had not begun: %.17g, not %.17g; %s", other, p, logged);
-  EXPECT(!u.reset(two) && !u.exit_init(two) && !u.step(two, 0, 0.01, 0), "%s", logged);
+  EXPECT(!u.reset(two) && !u.setup(two, 0, 0, 0, 1, 0.01) && !u.save(two, &state) &&
+             !u.reset(two) && !u.restore(two, state) && !u.exit_init(two) &&
+             !u.step(two, 0, 0.01, 0) && u.step(two, 0.01, 0.01, 0) == 3,
+         "another end than the state's: %s", logged);
   EXPECT(!u.forget(one, &state) && !state, "%s", logged);
   u.end(one);
   u.end(two);
