@@ -18,6 +18,7 @@
 #include "base/text.h"
 #include "run/scene.h"
 #include "serve.h"
+#include "vibrospice/protocol.h"
 
 #ifndef VS_FMU_SHIM
 #error "the build names the shim as it is installed, from the folder of the program"
@@ -83,7 +84,7 @@ static void end_archive(archive *a) {
 
 /* ---- the description ---- */
 
-enum { MOST_CELLS = 8, OUTPUTS = 100 }; /* OUTPUTS as in vibrospice/fmu.h */
+enum { MOST_CELLS = 8 };
 
 static void add_escaped(vs_text *t, const char *text) {
   for (; *text; text++)
@@ -130,12 +131,13 @@ static void take_line(variables *v, char *line) {
   }
   if (*cell[0] == 'i') {
     add_unit(v, cell[2]);
-    add_variable(&v->all, v->fmi, cell[1], 1 + v->inputs++, "input", cell[2], cell[5], cell[6]);
+    add_variable(&v->all, v->fmi, cell[1], VIBROSPICE_UNIT_INPUTS + v->inputs++, "input", cell[2],
+                 cell[5], cell[6]);
     v->count++;
   }
   if (*cell[0] == 'c' && v->columns++ > 0) {
     add_unit(v, cell[3]);
-    const int reference = OUTPUTS + v->columns - 1;
+    const int reference = VIBROSPICE_UNIT_COLUMNS + v->columns - 1;
     add_variable(&v->all, v->fmi, cell[1], reference, "output", cell[3], NULL, cell[4]);
     v->count++;
     if (v->fmi == 2)

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "process.h"
+#include "vibrospice/protocol.h"
 
 typedef struct saved {
   vibrospice_state *state;
@@ -152,10 +153,10 @@ int fmu_get(fmu *u, const unsigned *r, size_t n, double *value) {
   for (size_t k = 0; k < n; k++)
     if (r[k] == 0)
       value[k] = t_s;
-    else if (r[k] >= FMU_OUTPUTS && r[k] - FMU_OUTPUTS < count)
-      value[k] = column[r[k] - FMU_OUTPUTS];
-    else if (r[k] >= FMU_INPUTS && r[k] - FMU_INPUTS < u->inputs)
-      value[k] = u->input[r[k] - FMU_INPUTS];
+    else if (r[k] >= VIBROSPICE_UNIT_COLUMNS && r[k] - VIBROSPICE_UNIT_COLUMNS < count)
+      value[k] = column[r[k] - VIBROSPICE_UNIT_COLUMNS];
+    else if (r[k] >= VIBROSPICE_UNIT_INPUTS && r[k] - VIBROSPICE_UNIT_INPUTS < u->inputs)
+      value[k] = u->input[r[k] - VIBROSPICE_UNIT_INPUTS];
     else
       return fmu_say(u, FMU_ERROR, "no variable has this value reference");
   return FMU_OK;
@@ -164,8 +165,8 @@ int fmu_get(fmu *u, const unsigned *r, size_t n, double *value) {
 int fmu_set(fmu *u, const unsigned *r, size_t n, const double *value) {
   vibrospice_status status = VIBROSPICE_OK;
   for (size_t k = 0; k < n && !status; k++) {
-    const size_t i = r[k] - FMU_INPUTS;
-    if (r[k] < FMU_INPUTS || i >= u->inputs)
+    const size_t i = r[k] - VIBROSPICE_UNIT_INPUTS;
+    if (r[k] < VIBROSPICE_UNIT_INPUTS || i >= u->inputs)
       return fmu_say(u, FMU_ERROR, "a variable that is not an input cannot be set");
     if (u->input[i] == value[k]) continue;
     if (u->begun) status = vibrospice_set_input(u->run, u->input_name[i], value[k]);

@@ -12,9 +12,7 @@
 /* As FMI 2.0 and 3.0 number them. */
 enum { FMU_OK = 0, FMU_DISCARD = 2, FMU_ERROR = 3, FMU_FATAL = 4 };
 
-/* Value references: 0 is the time; from INPUTS on stand the scene's inputs, from OUTPUTS on its
- * columns, in their orders. */
-enum { FMU_INPUTS = 1, FMU_OUTPUTS = 100, FMU_MOST_INPUTS = 8 };
+enum { FMU_MOST_INPUTS = 8 };
 
 typedef struct fmu {
   void (*log)(const struct fmu *u, int status, const char *text); /* tells the master */

@@ -378,11 +378,11 @@ class Stepped(Case):
         self.assertIn("closed", repr(run) and run._repr_html_())
 
     def test_without_the_library(self):
-        none = vibrospice.Error(None, ["a Run wants libvibrospice.so.0"])
+        none = vibrospice.Error(None, ["a Run needs libvibrospice.so.0"])
         scene = vibrospice.Scene(self.SCENE)
         with unittest.mock.patch("vibrospice.engine._library_of", side_effect=none):
             self.assertGreater(scene.run().measures["i_peak"], 0)
-            self.assert_error(None, "wants libvibrospice", scene.run, lambda run, now: None)
+            self.assert_error(None, "needs libvibrospice", scene.run, lambda run, now: None)
         with unittest.mock.patch("vibrospice.engine.__version__", "0.0.0"):
             self.assert_error(None, "0.0.0", vibrospice.engine._library_of.__wrapped__, PROGRAM)
 

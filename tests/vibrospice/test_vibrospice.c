@@ -310,6 +310,13 @@ static void wrong_inputs(void) {
   OK(vibrospice_run_to(run, 0.01, NULL, NULL));
   FAILS(vibrospice_set_input(run, "supply.voltage", 90), VIBROSPICE_INPUT, "before the run began");
   OK(vibrospice_free(run));
+  run = open_scene(LOADED "firing: {angle: 120 deg, every: 1}\n", "switched", "0.1 s");
+  OK(vibrospice_set_input(run, "load.volume", 380));
+  OK(vibrospice_set_input(run, "load.fraction", 0.3));
+  OK(vibrospice_run_to(run, 0.01, NULL, NULL));
+  FAILS(vibrospice_set_input(run, "load.volume", 1e9), VIBROSPICE_INPUT, "mass");
+  OK(vibrospice_set_input(run, "load.fraction", 0.4)); /* with the volume before */
+  OK(vibrospice_free(run));
   run = open_scene("control_setpoint", "switched", "0.1 s");
   FAILS(vibrospice_set_input(run, "firing.angle", 90), VIBROSPICE_INPUT, "control decides it");
   OK(vibrospice_free(run));

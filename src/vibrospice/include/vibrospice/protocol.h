@@ -39,6 +39,10 @@ typedef struct vibrospice_ask_run {
   uint32_t unused;
 } vibrospice_ask_run;
 
+/* Value references of a functional mock-up unit: 0 is the time, then come the scene's inputs and
+ * its columns, each in their order. */
+enum { VIBROSPICE_UNIT_INPUTS = 1, VIBROSPICE_UNIT_COLUMNS = 100 };
+
 /* What follows an answer that is no error: to OPEN and SET a description, to FINISH a result, to
  * RUN a double for each column. An error is followed by its text. */
 
