@@ -371,7 +371,7 @@ class Stepped(Case):
                           vibrospice.Quantity(3, "rad"))
         self.assert_error(2, "above 0", run.control, None, 0)
         self.assert_error(2, "has no key 'angel'", vibrospice.Run, {"firing": {"angel": 3}})
-        self.assert_error(13, "behind", run.to, 0.07)
+        self.assert_error(13, "after the run.s end", run.to, 0.07)
         run.close()
         run.close()
         self.assert_error(10, "no such run", run.to, 0.01)
