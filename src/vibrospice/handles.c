@@ -13,10 +13,6 @@
 #include "process.h"
 #include "vibrospice/protocol.h"
 
-const char *vibrospice_error(void) {
-  return vibrospice_process_error();
-}
-
 #define TEXT_OF_(x) #x
 #define TEXT_OF(x) TEXT_OF_(x)
 

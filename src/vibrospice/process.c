@@ -36,7 +36,7 @@ vibrospice_status vibrospice_no_memory(void) {
   return vibrospice_fail(VIBROSPICE_MEMORY, "there is no memory");
 }
 
-const char *vibrospice_process_error(void) {
+const char *vibrospice_error(void) {
   return last_error;
 }
 

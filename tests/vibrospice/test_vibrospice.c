@@ -437,6 +437,11 @@ static void mock_up_unit(void) {
              !u.step(two, 0, 0.01, 0) && u.step(two, 0.01, 0.01, 0) == 3,
          "another end than the state's: %s", logged);
   EXPECT(!u.forget(one, &state) && !state, "%s", logged);
+  int (*integers)(void *, const unsigned *, size_t, int *), none;
+  look_up(&u, "fmi2GetInteger", &integers);
+  EXPECT(!integers(one, &ANGLE, 0, &none) && integers(one, &ANGLE, 1, &none) == 3 &&
+             strstr(logged, "does not support fmi2GetInteger"),
+         "%s", logged);
   u.end(one);
   u.end(two);
   setenv("VIBROSPICE_PROGRAM", "/nowhere", 1);
