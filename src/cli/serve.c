@@ -112,14 +112,13 @@ static const char *why_no_input(const vs_scene *s, int k) {
   const vs_setup *setup = &s->setup;
   if (given.set[k]) return NULL;
   if (k != ANGLE && setup->timeline.events.count == VS_EVENTS_MOST)
-    return "the scene has the largest number of events already";
+    return "the scene already has as many events as are allowed";
   if (k == ANGLE && s->control.regulator) return "the scene's control decides it";
   if (k == ANGLE && (setup->timeline.firing.no_valve || !setup->timeline.firing.every))
     return "no thyristor is fired cycle by cycle (firing.every)";
   if (is_loaded(k) && setup->machine->load.adds < 0) return "the machine has no load";
   if (is_loaded(k) && setup->loads.count) return "events change the load";
-  if (k == FRACTION && isnan(setup->model.load.fraction))
-    return "the load is computed from the orbit";
+  if (k == FRACTION && isnan(setup->model.load.fraction)) return "it is computed from the orbit";
   return NULL;
 }
 

@@ -243,11 +243,13 @@ static vibrospice_status greet(vibrospice_process *p) {
                            VIBROSPICE_PROTOCOL);
   }
   vibrospice_status status = vibrospice_process_answer(p, &kind, &hello, &size);
-  if (!status && strcmp(hello, VIBROSPICE_PROTOCOL))
+  if (!status && strcmp(hello, VIBROSPICE_PROTOCOL)) {
+    kill(p->pid, SIGKILL);
     status = vibrospice_fail(VIBROSPICE_ENGINE,
                              "the program has another version: it says '%.100s', and the "
                              "library is '%s'",
                              hello, VIBROSPICE_PROTOCOL);
+  }
   free(hello);
   return status;
 }

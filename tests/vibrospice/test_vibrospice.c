@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "program.h"
@@ -588,10 +589,12 @@ static void dead_engines(void) {
   FAILS(vibrospice_open("paper", 0, &run), VIBROSPICE_ENGINE, "/nowhere/vibrospice");
   setenv("VIBROSPICE_PROGRAM", "/bin/true", 1);
   FAILS(vibrospice_open("paper", 0, &run), VIBROSPICE_ENGINE, "the engine has ended");
-  write_file("other", "#!/bin/sh\nprintf '\\0\\0\\0\\0\\5\\0\\0\\0other' >&0\nsleep 1\n");
+  write_file("other", "#!/bin/sh\nprintf '\\0\\0\\0\\0\\5\\0\\0\\0other' >&0\nexec sleep 20\n");
   EXPECT(!system("chmod +x other"), "no program");
   setenv("VIBROSPICE_PROGRAM", "./other", 1);
+  const time_t begun = time(NULL);
   FAILS(vibrospice_open("paper", 0, &run), VIBROSPICE_ENGINE, "it says 'other'");
+  EXPECT(time(NULL) < begun + 15, "another program is waited for");
   unsetenv("VIBROSPICE_PROGRAM");
   EXPECT(!unlink("other"), "no program");
   expect_no_child(__LINE__);
