@@ -18,6 +18,7 @@
 #include "base/text.h"
 #include "run/scene.h"
 #include "serve.h"
+#include "vibrospice/protocol.h"
 
 #ifndef VS_FMU_SHIM
 #error "the build names the shim as it is installed, from the folder of the program"
@@ -83,7 +84,7 @@ static void end_archive(archive *a) {
 
 /* ---- the description ---- */
 
-enum { MOST_CELLS = 8, OUTPUTS = 100 }; /* OUTPUTS as in vibrospice/fmu.h */
+enum { MOST_CELLS = 8 };
 
 static void add_escaped(vs_text *t, const char *text) {
   for (; *text; text++)
@@ -130,12 +131,13 @@ static void take_line(variables *v, char *line) {
   }
   if (*cell[0] == 'i') {
     add_unit(v, cell[2]);
-    add_variable(&v->all, v->fmi, cell[1], 1 + v->inputs++, "input", cell[2], cell[5], cell[6]);
+    add_variable(&v->all, v->fmi, cell[1], VIBROSPICE_UNIT_INPUTS + v->inputs++, "input", cell[2],
+                 cell[5], cell[6]);
     v->count++;
   }
   if (*cell[0] == 'c' && v->columns++ > 0) {
     add_unit(v, cell[3]);
-    const int reference = OUTPUTS + v->columns - 1;
+    const int reference = VIBROSPICE_UNIT_COLUMNS + v->columns - 1;
     add_variable(&v->all, v->fmi, cell[1], reference, "output", cell[3], NULL, cell[4]);
     v->count++;
     if (v->fmi == 2)
@@ -216,7 +218,7 @@ static vs_status read_shim(vs_text *t, vs_error *err) {
     snprintf(path, sizeof path, "%s%s", self, PLACES[k]);
     if (!access(path, R_OK)) return read_whole(path, t, err);
   }
-  return vs_fail(err, VS_RUN, "export: %s is missing, which a unit is made with", path);
+  return vs_fail(err, VS_RUN, "export: %s is missing; a unit is made from it", path);
 }
 
 /* A name of C's, from the output's: "x" of "out/x.fmu". */
@@ -279,8 +281,7 @@ vs_status vs_export_fmu_command(const char *name, char *const *sets, size_t n_se
   vs_text_add(&keys, "%s", "");
   for (size_t k = 0; k < n_sets; k++) vs_text_add(&keys, "%s\n", sets[k]);
   if (!status && s->control.regulator && s->control.regulator->code)
-    status =
-        vs_fail(err, VS_INPUT, "export: the scene runs code of its own, which a unit does not");
+    status = vs_fail(err, VS_INPUT, "export: the scene runs code of its own, which a unit may not");
   if (!status) vs_scene_warn(s);
   if (!status) status = read_whole(s->path, &text, err);
   if (!status) status = try_alone(&text, sets, n_sets, err);

@@ -112,13 +112,13 @@ static const char *why_no_input(const vs_scene *s, int k) {
   const vs_setup *setup = &s->setup;
   if (given.set[k]) return NULL;
   if (k != ANGLE && setup->timeline.events.count == VS_EVENTS_MOST)
-    return "the scene has as many events as it may";
+    return "the scene already has as many events as are allowed";
   if (k == ANGLE && s->control.regulator) return "the scene's control decides it";
   if (k == ANGLE && (setup->timeline.firing.no_valve || !setup->timeline.firing.every))
     return "no thyristor is fired cycle by cycle (firing.every)";
   if (is_loaded(k) && setup->machine->load.adds < 0) return "the machine has no load";
   if (is_loaded(k) && setup->loads.count) return "events change the load";
-  if (k == FRACTION && isnan(setup->model.load.fraction)) return "it follows from the orbit";
+  if (k == FRACTION && isnan(setup->model.load.fraction)) return "it is computed from the orbit";
   return NULL;
 }
 
@@ -155,7 +155,7 @@ static void offer_load_place(const vs_setup *setup, double at_s) {
 static vs_status change_load(vs_scene *s, double at_s, vs_error *err) {
   vs_loads *all = given.loads;
   if (all->count > MOST_LOADS)
-    return vs_fail(err, VS_INPUT, "the load was set %d times already", MOST_LOADS);
+    return vs_fail(err, VS_INPUT, "the load can be set %d times, and was", MOST_LOADS);
   vs_loaded *to = &all->item[all->count - 1];
   const vs_model *from = model_before(&s->setup);
   vs_load_values load = from->load;
@@ -528,8 +528,7 @@ static vs_status set_value(engine *e, const char *name, double value, vs_error *
   if (k == INPUTS)
     return vs_fail(err, VS_INPUT, "no input '%s'%s", name,
                    vs_text_hint(name, names, (size_t)n, "").text);
-  const char *why = why_no_input(e->scene, k),
-             *open = k == ANGLE ? " (neither of them), or NaN" : "";
+  const char *why = why_no_input(e->scene, k), *open = k == ANGLE ? ", both excluded, or NaN" : "";
   const double most = most_of_input(&e->scene->setup, k);
   if (why) return vs_fail(err, VS_INPUT, "%s is no input of this scene: %s", name, why);
   const bool allowed =
@@ -588,7 +587,7 @@ static void stay(engine *e) {
   }
 }
 
-/* Now and then: is the other end still there? */
+/* Looks now and then whether the other end is still there. */
 static void look_at_socket(engine *e) {
   struct pollfd socket = {SOCKET, 0, 0};
   if (++e->steps % 256 == 0 && poll(&socket, 1, 0) == 1 && socket.revents & (POLLHUP | POLLERR))
@@ -684,8 +683,8 @@ static vs_status serve_command(const void *given_line, vs_error *err) {
   (void)given_line;
   if (getsockopt(SOCKET, SOL_SOCKET, SO_TYPE, &type, &size))
     return vs_fail(err, VS_INPUT,
-                   "serve answers a program over the socket that is its standard input, and this "
-                   "is none; see vibrospice/vibrospice.h");
+                   "serve talks to another program over its standard input, which has to be a "
+                   "socket and is not; see vibrospice/vibrospice.h");
   /* What else the host has open is not this process's, whose copies may outlive a pipe's use. */
   syscall(SYS_close_range, STDERR_FILENO + 1U, ~0U, 0U);
   e.scene = vs_alloc(1, sizeof *e.scene);
@@ -711,7 +710,7 @@ static const vs_option SERVE_OPTIONS[] = {VS_OPTIONS_HELP, {0}};
 
 const vs_command vs_serve_cli = {
     .name = "serve",
-    .text = "runs a scene step by step for another program, which libvibrospice does",
+    .text = "runs a scene step by step for another program, over libvibrospice",
     .examples =
         "  vibrospice serve      by itself it does nothing: see <vibrospice/vibrospice.h>\n",
     .may_be_alone = true,

@@ -331,7 +331,7 @@ static void take_table_row(vs_table *table, const vs_step *step, double at_s, do
   take_control(table, cells);
 }
 
-/* The meters stay where they are, as rows may come before the instant yet. */
+/* The meters stay where they are, so that no row depends on whether anyone has looked. */
 void vs_table_peek(const vs_table *table, const vs_step *step, double at_s, double *cells) {
   cells = take_channels(table, step, at_s, at_s, cells);
   for (int k = 0; k < instruments_of(table); k++) {

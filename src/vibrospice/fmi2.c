@@ -3,6 +3,8 @@
  * stands here, by the standard's text. */
 #include "fmu.h"
 
+#pragma GCC diagnostic ignored "-Wunused-parameter" /* the standard says which there are */
+
 typedef int fmi2Status;
 typedef unsigned fmi2ValueReference;
 typedef const char *fmi2String;
@@ -34,7 +36,6 @@ FMI2 const char *fmi2GetVersion(void) {
 }
 
 FMI2 fmi2Status fmi2SetDebugLogging(void *c, int on, size_t n, const fmi2String category[]) {
-  (void)c, (void)on, (void)n, (void)category;
   return FMU_OK;
 }
 
@@ -45,7 +46,6 @@ FMI2 void fmi2FreeInstance(void *c) {
 /* The callbacks outlive the instance, as the standard says. type 1: co-simulation. */
 FMI2 void *fmi2Instantiate(fmi2String name, int type, fmi2String guid, fmi2String resources,
                            const fmi2CallbackFunctions *call, int visible, int logs) {
-  (void)guid, (void)visible, (void)logs;
   if (!call || type != 1) return NULL;
   const fmu like = {
       .log = tell, .environment = call->environment, .call = (void *)(size_t)&call->logger};
@@ -54,15 +54,10 @@ FMI2 void *fmi2Instantiate(fmi2String name, int type, fmi2String guid, fmi2Strin
 
 FMI2 fmi2Status fmi2SetupExperiment(void *c, int has_tolerance, double tolerance, double start_s,
                                     int has_stop, double stop_s) {
-  fmu *u = c;
-  (void)has_tolerance, (void)tolerance; /* run.tolerance stands in the scene */
-  if (start_s != 0) return fmu_say(u, FMU_ERROR, "the run begins at 0 s: startTime = 0");
-  if (has_stop) u->stop_s = stop_s;
-  return FMU_OK;
+  return fmu_set_up(c, start_s, has_stop, stop_s); /* run.tolerance stands in the scene */
 }
 
 FMI2 fmi2Status fmi2EnterInitializationMode(void *c) {
-  (void)c;
   return FMU_OK;
 }
 
@@ -71,16 +66,14 @@ FMI2 fmi2Status fmi2ExitInitializationMode(void *c) {
 }
 
 FMI2 fmi2Status fmi2DoStep(void *c, double at_s, double step_s, int no_going_back) {
-  (void)no_going_back;
   return fmu_step(c, at_s, step_s);
 }
 
 FMI2 fmi2Status fmi2CancelStep(void *c) {
-  return fmu_say(c, FMU_ERROR, "a step is done when the call returns");
+  return fmu_say(c, FMU_ERROR, "a step cannot be cancelled: it is done when the call returns");
 }
 
 FMI2 fmi2Status fmi2Terminate(void *c) {
-  (void)c;
   return FMU_OK;
 }
 
@@ -105,7 +98,6 @@ FMI2 fmi2Status fmi2SetFMUstate(void *c, void *state) {
 }
 
 FMI2 fmi2Status fmi2FreeFMUstate(void *c, void **state) {
-  (void)c;
   return fmu_forget(state);
 }
 
@@ -113,92 +105,42 @@ FMI2 fmi2Status fmi2FreeFMUstate(void *c, void **state) {
  *
  * A master looks for all of the standard's functions. */
 
-static fmi2Status refuse(const fmu *u, size_t asked) {
-  return asked ? fmu_say(u, FMU_ERROR, "this unit has no such thing") : FMU_OK;
-}
+/* The function of that name refuses; asked: how many things it is asked for. */
+#define REFUSES(name, asked, arguments)                                                            \
+  FMI2 fmi2Status fmi2##name arguments {                                                           \
+    return (asked) ? fmu_say(c, FMU_ERROR, "this unit does not support fmi2" #name) : FMU_OK;      \
+  }
+#define NO_VARIABLES(type, value_type)                                                             \
+  REFUSES(Get##type, n, (void *c, const fmi2ValueReference r[], size_t n, value_type value[]))     \
+  REFUSES(Set##type, n, (void *c, const fmi2ValueReference r[], size_t n, const value_type value[]))
 
-FMI2 fmi2Status fmi2GetInteger(void *c, const fmi2ValueReference r[], size_t n, int value[]) {
-  (void)r, (void)value;
-  return refuse(c, n);
-}
-
-FMI2 fmi2Status fmi2SetInteger(void *c, const fmi2ValueReference r[], size_t n, const int value[]) {
-  (void)r, (void)value;
-  return refuse(c, n);
-}
-
-FMI2 fmi2Status fmi2GetBoolean(void *c, const fmi2ValueReference r[], size_t n, int value[]) {
-  (void)r, (void)value;
-  return refuse(c, n);
-}
-
-FMI2 fmi2Status fmi2SetBoolean(void *c, const fmi2ValueReference r[], size_t n, const int value[]) {
-  (void)r, (void)value;
-  return refuse(c, n);
-}
-
-FMI2 fmi2Status fmi2GetString(void *c, const fmi2ValueReference r[], size_t n, fmi2String value[]) {
-  (void)r, (void)value;
-  return refuse(c, n);
-}
-
-FMI2 fmi2Status fmi2SetString(void *c, const fmi2ValueReference r[], size_t n,
-                              const fmi2String value[]) {
-  (void)r, (void)value;
-  return refuse(c, n);
-}
-
-FMI2 fmi2Status fmi2SerializedFMUstateSize(void *c, void *state, size_t *size) {
-  (void)state, (void)size;
-  return refuse(c, 1);
-}
-
-FMI2 fmi2Status fmi2SerializeFMUstate(void *c, void *state, char bytes[], size_t size) {
-  (void)state, (void)bytes, (void)size;
-  return refuse(c, 1);
-}
-
-FMI2 fmi2Status fmi2DeSerializeFMUstate(void *c, const char bytes[], size_t size, void **state) {
-  (void)bytes, (void)size, (void)state;
-  return refuse(c, 1);
-}
-
-FMI2 fmi2Status fmi2GetDirectionalDerivative(void *c, const fmi2ValueReference z[], size_t n_z,
-                                             const fmi2ValueReference v[], size_t n_v,
-                                             const double dv[], double dz[]) {
-  (void)z, (void)v, (void)n_v, (void)dv, (void)dz;
-  return refuse(c, n_z);
-}
-
-FMI2 fmi2Status fmi2SetRealInputDerivatives(void *c, const fmi2ValueReference r[], size_t n,
-                                            const int order[], const double value[]) {
-  (void)r, (void)order, (void)value;
-  return refuse(c, n);
-}
-
-FMI2 fmi2Status fmi2GetRealOutputDerivatives(void *c, const fmi2ValueReference r[], size_t n,
-                                             const int order[], double value[]) {
-  (void)r, (void)order, (void)value;
-  return refuse(c, n);
-}
+NO_VARIABLES(Integer, int)
+NO_VARIABLES(Boolean, int)
+NO_VARIABLES(String, fmi2String)
+REFUSES(SerializedFMUstateSize, 1, (void *c, void *state, size_t *size))
+REFUSES(SerializeFMUstate, 1, (void *c, void *state, char bytes[], size_t size))
+REFUSES(DeSerializeFMUstate, 1, (void *c, const char bytes[], size_t size, void **state))
+REFUSES(GetDirectionalDerivative, n,
+        (void *c, const fmi2ValueReference z[], size_t n, const fmi2ValueReference v[], size_t n_v,
+         const double dv[], double dz[]))
+REFUSES(SetRealInputDerivatives, n,
+        (void *c, const fmi2ValueReference r[], size_t n, const int order[], const double value[]))
+REFUSES(GetRealOutputDerivatives, n,
+        (void *c, const fmi2ValueReference r[], size_t n, const int order[], double value[]))
 
 FMI2 fmi2Status fmi2GetStatus(void *c, int kind, fmi2Status *value) {
-  (void)c, (void)kind, (void)value;
   return FMU_DISCARD;
 }
 
 FMI2 fmi2Status fmi2GetIntegerStatus(void *c, int kind, int *value) {
-  (void)c, (void)kind, (void)value;
   return FMU_DISCARD;
 }
 
 FMI2 fmi2Status fmi2GetBooleanStatus(void *c, int kind, int *value) {
-  (void)c, (void)kind, (void)value;
   return FMU_DISCARD;
 }
 
 FMI2 fmi2Status fmi2GetStringStatus(void *c, int kind, fmi2String *value) {
-  (void)c, (void)kind, (void)value;
   return FMU_DISCARD;
 }
 

@@ -6,9 +6,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "process.h"
+#include "vibrospice/protocol.h"
+
 typedef struct saved {
   vibrospice_state *state;
-  double input[FMU_MOST_INPUTS];
+  double input[FMU_MOST_INPUTS], stop_s;
+  int begun;
 } saved;
 
 int fmu_say(const fmu *u, int status, const char *text) {
@@ -48,18 +52,21 @@ static void path_of_uri(const char *uri, char *path, size_t size) {
 
 /* Sets the keys that the unit was exported with: lines KEY=VALUE. */
 static vibrospice_status set_keys(fmu *u) {
-  char path[4200], row[4096];
+  char path[4200], *row = NULL;
+  size_t room = 0;
   vibrospice_status status = VIBROSPICE_OK;
   snprintf(path, sizeof path, "%s/sets.txt", u->resources);
   FILE *f = fopen(path, "r");
-  while (f && !status && fgets(row, sizeof row, f)) {
+  if (!f) return vibrospice_fail(VIBROSPICE_INPUT, "%s cannot be read", path);
+  while (!status && getline(&row, &room, f) > 0) {
     row[strcspn(row, "\n")] = '\0';
     char *value = strchr(row, '=');
     if (!value) continue;
     *value++ = '\0';
     status = vibrospice_set(u->run, row, value);
   }
-  if (f) fclose(f);
+  free(row);
+  fclose(f);
   return status;
 }
 
@@ -108,6 +115,12 @@ int fmu_reset(fmu *u) {
   return result(u, open_scene(u));
 }
 
+int fmu_set_up(fmu *u, double start_s, int has_stop, double stop_s) {
+  if (start_s != 0) return fmu_say(u, FMU_ERROR, "the run begins at 0 s: startTime = 0");
+  if (has_stop) u->stop_s = stop_s;
+  return FMU_OK;
+}
+
 int fmu_begin(fmu *u) {
   char text[64];
   vibrospice_status status = VIBROSPICE_OK;
@@ -125,7 +138,7 @@ int fmu_step(fmu *u, double at_s, double step_s) {
   if (status) return result(u, status);
   if (fabs(at_s - t_s) > 1e-9 * fmax(t_s, step_s))
     return fmu_say(u, FMU_ERROR,
-                   "the master steps from another instant than the run's; a state goes back");
+                   "the step does not begin at the run's time; only a saved state goes back");
   if (to_s > until_s && to_s < until_s + 1e-6 * step_s) to_s = until_s; /* rounding */
   return result(u, vibrospice_run_to(u->run, to_s, NULL, NULL));
 }
@@ -140,10 +153,10 @@ int fmu_get(fmu *u, const unsigned *r, size_t n, double *value) {
   for (size_t k = 0; k < n; k++)
     if (r[k] == 0)
       value[k] = t_s;
-    else if (r[k] >= FMU_OUTPUTS && r[k] - FMU_OUTPUTS < count)
-      value[k] = column[r[k] - FMU_OUTPUTS];
-    else if (r[k] >= FMU_INPUTS && r[k] - FMU_INPUTS < u->inputs)
-      value[k] = u->input[r[k] - FMU_INPUTS];
+    else if (r[k] >= VIBROSPICE_UNIT_COLUMNS && r[k] - VIBROSPICE_UNIT_COLUMNS < count)
+      value[k] = column[r[k] - VIBROSPICE_UNIT_COLUMNS];
+    else if (r[k] >= VIBROSPICE_UNIT_INPUTS && r[k] - VIBROSPICE_UNIT_INPUTS < u->inputs)
+      value[k] = u->input[r[k] - VIBROSPICE_UNIT_INPUTS];
     else
       return fmu_say(u, FMU_ERROR, "no variable has this value reference");
   return FMU_OK;
@@ -152,8 +165,9 @@ int fmu_get(fmu *u, const unsigned *r, size_t n, double *value) {
 int fmu_set(fmu *u, const unsigned *r, size_t n, const double *value) {
   vibrospice_status status = VIBROSPICE_OK;
   for (size_t k = 0; k < n && !status; k++) {
-    const size_t i = r[k] - FMU_INPUTS;
-    if (r[k] < FMU_INPUTS || i >= u->inputs) return fmu_say(u, FMU_ERROR, "this is no input");
+    const size_t i = r[k] - VIBROSPICE_UNIT_INPUTS;
+    if (r[k] < VIBROSPICE_UNIT_INPUTS || i >= u->inputs)
+      return fmu_say(u, FMU_ERROR, "a variable that is not an input cannot be set");
     if (u->input[i] == value[k]) continue;
     if (u->begun) status = vibrospice_set_input(u->run, u->input_name[i], value[k]);
     if (!status) u->input[i] = value[k];
@@ -181,6 +195,8 @@ int fmu_save(fmu *u, void **state) {
     return result(u, status);
   }
   memcpy(s->input, u->input, sizeof s->input);
+  s->stop_s = u->stop_s;
+  s->begun = u->begun;
   fmu_forget(state);
   *state = s;
   return FMU_OK;
@@ -189,6 +205,9 @@ int fmu_save(fmu *u, void **state) {
 int fmu_restore(fmu *u, void *state) {
   const saved *s = state;
   vibrospice_status status = vibrospice_restore(u->run, s->state);
-  if (!status) memcpy(u->input, s->input, sizeof u->input);
-  return result(u, status);
+  if (status) return result(u, status);
+  memcpy(u->input, s->input, sizeof u->input);
+  u->stop_s = s->stop_s;
+  u->begun = s->begun;
+  return FMU_OK;
 }

@@ -12,9 +12,7 @@
 /* As FMI 2.0 and 3.0 number them. */
 enum { FMU_OK = 0, FMU_DISCARD = 2, FMU_ERROR = 3, FMU_FATAL = 4 };
 
-/* Value references: 0 is the time; from INPUTS on stand the scene's inputs, from OUTPUTS on its
- * columns, in their orders. */
-enum { FMU_INPUTS = 1, FMU_OUTPUTS = 100, FMU_MOST_INPUTS = 8 };
+enum { FMU_MOST_INPUTS = 8 };
 
 typedef struct fmu {
   void (*log)(const struct fmu *u, int status, const char *text); /* tells the master */
@@ -35,12 +33,15 @@ int fmu_say(const fmu *u, int status, const char *text);
 fmu *fmu_new(const char *name, const char *resources, const fmu *like);
 void fmu_free(fmu *u);
 int fmu_reset(fmu *u);
-/* The initialization is over. An input takes part where its value was set before: so all are. */
+/* A run begins at 0 s; has_stop: and ends at stop_s instead of run.until. */
+int fmu_set_up(fmu *u, double start_s, int has_stop, double stop_s);
+/* The initialization is over. Only an input that was set before the run may be set during it, so
+ * all of them are set. */
 int fmu_begin(fmu *u);
 int fmu_step(fmu *u, double at_s, double step_s);
 int fmu_get(fmu *u, const unsigned *reference, size_t count, double *value);
 int fmu_set(fmu *u, const unsigned *reference, size_t count, const double *value);
-/* *state: NULL, or one that the new one takes the place of. */
+/* *state: NULL, or an older state, which is freed. */
 int fmu_save(fmu *u, void **state);
 int fmu_restore(fmu *u, void *state);
 int fmu_forget(void **state);

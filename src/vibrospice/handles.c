@@ -13,10 +13,6 @@
 #include "process.h"
 #include "vibrospice/protocol.h"
 
-const char *vibrospice_error(void) {
-  return vibrospice_process_error();
-}
-
 #define TEXT_OF_(x) #x
 #define TEXT_OF(x) TEXT_OF_(x)
 
@@ -76,10 +72,12 @@ static vibrospice_status enter(const void *handle, int is_state, engine **entere
   pthread_mutex_unlock(&lock);
   *entered = found;
   if (status == VIBROSPICE_BUSY)
-    return vibrospice_fail(status, "another thread, or a callback, is in it");
+    return vibrospice_fail(status, "another thread or a callback is using this %s",
+                           is_state ? "state" : "run");
   if (status)
     return vibrospice_fail(status,
-                           "no such %s: it was freed, never was one, or is another process's",
+                           "no such %s: the handle was freed, never was one, or belongs to "
+                           "another process",
                            is_state ? "state" : "run");
   return VIBROSPICE_OK;
 }
@@ -260,7 +258,7 @@ static int take_lines(engine *e, char *text) {
   return 1;
 }
 
-/* The description takes the place of the one before. */
+/* The description takes the place of the one before. Without memory the run is over. */
 static vibrospice_status take_description(engine *e, char *text) {
   free_texts(e);
   e->start = NULL;
@@ -271,7 +269,10 @@ static vibrospice_status take_description(engine *e, char *text) {
   e->value = good ? malloc((e->column.count + 1) * sizeof *e->value) : NULL;
   for (size_t k = 0; e->value && k < e->column.count; k++)
     e->value[k] = e->start ? strtod(e->start, &e->start) : NAN;
-  return e->value ? VIBROSPICE_OK : vibrospice_no_memory();
+  if (e->value) return VIBROSPICE_OK;
+  free_texts(e);
+  e->phase = OVER;
+  return vibrospice_no_memory();
 }
 
 /* Each measure gets what the line of its name has. */
@@ -292,7 +293,9 @@ vibrospice_status vibrospice_open(const char *scene, unsigned flags, vibrospice 
   *run = NULL;
   if (!scene) return vibrospice_fail(VIBROSPICE_INPUT, "scene is NULL");
   if (flags & ~(unsigned)(VIBROSPICE_TEXT | VIBROSPICE_ALLOW_CODE))
-    return vibrospice_fail(VIBROSPICE_INPUT, "flags: %u has a flag that there is not", flags);
+    return vibrospice_fail(
+        VIBROSPICE_INPUT, "flags = %u: VIBROSPICE_TEXT and VIBROSPICE_ALLOW_CODE are all there are",
+        flags);
   engine *e = take_place(0);
   if (!e) return vibrospice_no_memory();
   vibrospice_status status = vibrospice_process_start(&e->process);
@@ -337,7 +340,7 @@ vibrospice_status vibrospice_set(vibrospice *run, const char *key, const char *v
   engine *e;
   char *text;
   if (!key || !value) return vibrospice_fail(VIBROSPICE_INPUT, "key or value is NULL");
-  if (strchr(key, '=')) return vibrospice_fail(VIBROSPICE_INPUT, "key '%s' has a '=' in it", key);
+  if (strchr(key, '=')) return vibrospice_fail(VIBROSPICE_INPUT, "key '%s' contains '='", key);
   vibrospice_status status = enter_before(run, &e);
   if (status) return status;
   const size_t room = strlen(key) + strlen(value) + 2;
@@ -377,6 +380,15 @@ vibrospice_status vibrospice_set_input(vibrospice *run, const char *name, double
 
 /* ---- lists ---- */
 
+/* Enters a run that is finished. */
+static vibrospice_status enter_finished(vibrospice *run, engine **e) {
+  vibrospice_status status = enter(run, 0, e);
+  if (!status && (*e)->phase != FINISHED)
+    status = leave(*e, vibrospice_fail(VIBROSPICE_ORDER,
+                                       "the run is not finished: call vibrospice_finish first"));
+  return status;
+}
+
 /* Sets the pointers to a list of the handle's. */
 static vibrospice_status give(vibrospice *run, size_t list_at, int of_result, const void **item,
                               size_t *count) {
@@ -384,11 +396,8 @@ static vibrospice_status give(vibrospice *run, size_t list_at, int of_result, co
   if (!item || !count) return vibrospice_fail(VIBROSPICE_INPUT, "a pointer for the result is NULL");
   *item = NULL;
   *count = 0;
-  vibrospice_status status = enter(run, 0, &e);
+  vibrospice_status status = of_result ? enter_finished(run, &e) : enter(run, 0, &e);
   if (status) return status;
-  if (of_result && e->phase != FINISHED)
-    return leave(e, vibrospice_fail(VIBROSPICE_ORDER,
-                                    "the run is not finished: vibrospice_finish comes first"));
   const list *l = (const list *)(const void *)((const char *)e + list_at);
   *item = l->item;
   *count = l->count;
@@ -425,6 +434,7 @@ vibrospice_status vibrospice_not_judged(vibrospice *run, const char *const **nam
 vibrospice_status vibrospice_verdict(vibrospice *run, const vibrospice_line **line, size_t *count,
                                      int *held, const char **breach) {
   engine *e;
+  if (breach) *breach = NULL;
   vibrospice_status status = GIVE(run, line, 1, line, count);
   if (!status) status = enter(run, 0, &e);
   if (status) return status;
@@ -434,12 +444,10 @@ vibrospice_status vibrospice_verdict(vibrospice *run, const vibrospice_line **li
 }
 
 vibrospice_status vibrospice_summary(vibrospice *run, const char **json) {
-  const vibrospice_line *line;
-  size_t count;
   engine *e;
   if (!json) return vibrospice_fail(VIBROSPICE_INPUT, "json is NULL");
-  vibrospice_status status = GIVE(run, line, 1, &line, &count);
-  if (!status) status = enter(run, 0, &e);
+  *json = NULL;
+  vibrospice_status status = enter_finished(run, &e);
   if (status) return status;
   *json = e->summary;
   return leave(e, VIBROSPICE_OK);
@@ -508,12 +516,12 @@ static vibrospice_status run_to(vibrospice *run, double t_s, int to_end, vibrosp
   if (e->phase > UNDER_WAY) return leave(e, vibrospice_fail(VIBROSPICE_ORDER, "the run is over"));
   if (to_end) t_s = e->until_s;
   if (!(t_s > e->t_s))
-    return leave(e,
-                 vibrospice_fail(VIBROSPICE_TIME, "%.9g s is not behind the run's time, %.9g s%s",
-                                 t_s, e->t_s, t_s < e->t_s ? "; a saved state goes back" : ""));
+    return leave(e, vibrospice_fail(VIBROSPICE_TIME, "%.9g s is not after the run's time, %.9g s%s",
+                                    t_s, e->t_s,
+                                    t_s < e->t_s ? "; only a saved state goes back" : ""));
   if (t_s > e->until_s)
     return leave(e, vibrospice_fail(VIBROSPICE_TIME,
-                                    "%.9g s is behind the run's end, run.until = %.9g s", t_s,
+                                    "%.9g s is after the run's end, run.until = %.9g s", t_s,
                                     e->until_s));
   if (e->process.socket < 0)
     return leave(e, vibrospice_fail(VIBROSPICE_ENGINE, "the engine has ended"));
@@ -575,15 +583,16 @@ static vibrospice_status copy_all(engine *of, engine *to) {
 }
 
 /* Puts `from` in the place of what is behind the handle of `e`. */
-static void become(engine *e, const engine *from) {
-  const engine before = *e;
+static void become(engine *e, engine *from) {
   vibrospice_process_end(&e->process);
   free_texts(e);
+  from->number = e->number;
+  from->busy = 1;
+  from->is_state = e->is_state;
+  from->owner = e->owner;
+  pthread_mutex_lock(&lock); /* enter() looks at all handles */
   *e = *from;
-  e->number = before.number;
-  e->busy = 1;
-  e->is_state = before.is_state;
-  e->owner = before.owner;
+  pthread_mutex_unlock(&lock);
 }
 
 vibrospice_status vibrospice_save(vibrospice *run, vibrospice_state **state) {

@@ -7,6 +7,7 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <poll.h>
 #include <signal.h>
 #include <spawn.h>
 #include <stdarg.h>
@@ -14,7 +15,6 @@
 #include <string.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
-#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -36,7 +36,7 @@ vibrospice_status vibrospice_no_memory(void) {
   return vibrospice_fail(VIBROSPICE_MEMORY, "there is no memory");
 }
 
-const char *vibrospice_process_error(void) {
+const char *vibrospice_error(void) {
   return last_error;
 }
 
@@ -149,7 +149,10 @@ vibrospice_status vibrospice_process_ask_for(vibrospice_process *p, uint32_t kin
 }
 
 void vibrospice_process_end(vibrospice_process *p) {
-  if (p->socket >= 0) close(p->socket);
+  if (p->socket >= 0) {
+    shutdown(p->socket, SHUT_RDWR); /* a copy of this process may have the socket open, too */
+    close(p->socket);
+  }
   if (p->pid > 0)
     while (waitpid(p->pid, NULL, 0) < 0 && errno == EINTR) {
     }
@@ -187,7 +190,7 @@ static vibrospice_status spawn(vibrospice_process *p) {
   posix_spawn_file_actions_t files;
   posix_spawnattr_t attributes;
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends))
-    return vibrospice_fail(VIBROSPICE_MEMORY, "no socket: %s", strerror(errno));
+    return vibrospice_fail(VIBROSPICE_MEMORY, "no socket can be made: %s", strerror(errno));
   p->socket = ends[0];
   p->says = tmpfile();
   if (p->says) fcntl(fileno(p->says), F_SETFD, FD_CLOEXEC);
@@ -222,22 +225,31 @@ static vibrospice_status spawn(vibrospice_process *p) {
                          strerror(wrong));
 }
 
-/* A program that says nothing is another one. */
+/* A program that says nothing for so long is another one. */
 enum { PATIENCE_S = 30 };
 
 static vibrospice_status greet(vibrospice_process *p) {
   char *hello;
   uint32_t kind;
   size_t size;
-  struct timeval patience = {PATIENCE_S, 0}, any = {0, 0};
-  setsockopt(p->socket, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  struct pollfd said = {p->socket, POLLIN, 0};
+  int n;
+  while ((n = poll(&said, 1, 1000 * PATIENCE_S)) < 0 && errno == EINTR) {
+  }
+  if (n == 0) {
+    kill(p->pid, SIGKILL); /* it need not end with the socket */
+    return vibrospice_fail(VIBROSPICE_ENGINE,
+                           "the program says nothing: it is not vibrospice, which says '%s'",
+                           VIBROSPICE_PROTOCOL);
+  }
   vibrospice_status status = vibrospice_process_answer(p, &kind, &hello, &size);
-  if (!status) setsockopt(p->socket, SOL_SOCKET, SO_RCVTIMEO, &any, sizeof any);
-  if (!status && strcmp(hello, VIBROSPICE_PROTOCOL))
+  if (!status && strcmp(hello, VIBROSPICE_PROTOCOL)) {
+    kill(p->pid, SIGKILL);
     status = vibrospice_fail(VIBROSPICE_ENGINE,
-                             "the program is another version: it says '%.100s', and this "
-                             "is '%s'",
+                             "the program has another version: it says '%.100s', and the "
+                             "library is '%s'",
                              hello, VIBROSPICE_PROTOCOL);
+  }
   free(hello);
   return status;
 }
@@ -255,7 +267,7 @@ vibrospice_status vibrospice_process_copy(vibrospice_process *of, vibrospice_pro
   char *text;
   if (of->socket < 0) return vibrospice_fail(VIBROSPICE_ENGINE, "the engine has ended");
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends))
-    return vibrospice_fail(VIBROSPICE_MEMORY, "no socket: %s", strerror(errno));
+    return vibrospice_fail(VIBROSPICE_MEMORY, "no socket can be made: %s", strerror(errno));
   to->socket = ends[0];
   int asked = vibrospice_process_ask(of->socket, VIBROSPICE_ASK_COPY, NULL, 0, NULL, ends[1]);
   close(ends[1]);

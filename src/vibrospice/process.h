@@ -17,11 +17,10 @@ typedef struct vibrospice_process {
   FILE *says; /* what it says on its standard error, for when it has died; NULL: nowhere */
 } vibrospice_process;
 
-/* Sets the thread's last error and returns the status. */
+/* Sets what vibrospice_error returns in this thread, and returns the status. */
 vibrospice_status vibrospice_fail(vibrospice_status status, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 vibrospice_status vibrospice_no_memory(void);
-const char *vibrospice_process_error(void);
 
 /* Starts an engine. To be ended also after an error. */
 vibrospice_status vibrospice_process_start(vibrospice_process *p);

@@ -371,18 +371,18 @@ class Stepped(Case):
                           vibrospice.Quantity(3, "rad"))
         self.assert_error(2, "above 0", run.control, None, 0)
         self.assert_error(2, "has no key 'angel'", vibrospice.Run, {"firing": {"angel": 3}})
-        self.assert_error(13, "behind", run.to, 0.07)
+        self.assert_error(13, "after the run.s end", run.to, 0.07)
         run.close()
         run.close()
         self.assert_error(10, "no such run", run.to, 0.01)
         self.assertIn("closed", repr(run) and run._repr_html_())
 
     def test_without_the_library(self):
-        none = vibrospice.Error(None, ["a Run wants libvibrospice.so.0"])
+        none = vibrospice.Error(None, ["a Run needs libvibrospice.so.0"])
         scene = vibrospice.Scene(self.SCENE)
         with unittest.mock.patch("vibrospice.engine._library_of", side_effect=none):
             self.assertGreater(scene.run().measures["i_peak"], 0)
-            self.assert_error(None, "wants libvibrospice", scene.run, lambda run, now: None)
+            self.assert_error(None, "needs libvibrospice", scene.run, lambda run, now: None)
         with unittest.mock.patch("vibrospice.engine.__version__", "0.0.0"):
             self.assert_error(None, "0.0.0", vibrospice.engine._library_of.__wrapped__, PROGRAM)
 

@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "program.h"
@@ -205,7 +206,7 @@ static void rolls_back(const char *tier, int line) {
            column(to, "p_m"), p);
   }
   OK(vibrospice_restore(run, later));
-  FAILS(vibrospice_run_to(run, 0.05, NULL, NULL), VIBROSPICE_TIME, "a saved state goes back");
+  FAILS(vibrospice_run_to(run, 0.05, NULL, NULL), VIBROSPICE_TIME, "only a saved state goes back");
   EXPECT(!system("mkdir second && cp first/*.* second && rm first/*.*"), "no first");
   OK(vibrospice_finish(run));
   OK(vibrospice_measures(run, &m, &count));
@@ -242,16 +243,18 @@ static void as_events(const char *tier, int line) {
   static const char EVENTS[] =
       LOADED "firing: {angle: [[0 s, 120 deg], [73.3 ms, 120 deg], [73.3 ms, 110 deg]], every: 1}\n"
              "events: {s: {kind: sag, at: 73.3 ms, duration: 1000 s, level: 80 %}, "
-             "l: {kind: load, at: 73.3 ms, volume: 500 cm3}}\n";
+             "l: {kind: load, at: 73.3 ms, volume: 500 cm3, fraction: 0.5}}\n";
   vibrospice *one = open_scene(EVENTS, tier, "0.16 s"),
              *two = open_scene(LOADED "firing: {angle: 90 deg, every: 1}\n", tier, "0.16 s");
   OK(vibrospice_set_input(two, "firing.angle", 120));
   OK(vibrospice_set_input(two, "supply.voltage", 440));
   OK(vibrospice_set_input(two, "load.volume", 380));
+  OK(vibrospice_set_input(two, "load.fraction", 0.3));
   OK(vibrospice_run_to(two, 0.0733, NULL, NULL));
   OK(vibrospice_set_input(two, "firing.angle", 110));
   OK(vibrospice_set_input(two, "supply.voltage", 0.8 * 440));
   OK(vibrospice_set_input(two, "load.volume", 500));
+  OK(vibrospice_set_input(two, "load.fraction", 0.5));
   OK(vibrospice_run_to(one, 0.15, NULL, NULL));
   OK(vibrospice_run_to(two, 0.15, NULL, NULL));
   const double p = column(one, "p_m"), other = column(two, "p_m");
@@ -307,6 +310,13 @@ static void wrong_inputs(void) {
   FAILS(vibrospice_set_input(run, NULL, 0), VIBROSPICE_INPUT, "NULL");
   OK(vibrospice_run_to(run, 0.01, NULL, NULL));
   FAILS(vibrospice_set_input(run, "supply.voltage", 90), VIBROSPICE_INPUT, "before the run began");
+  OK(vibrospice_free(run));
+  run = open_scene(LOADED "firing: {angle: 120 deg, every: 1}\n", "switched", "0.1 s");
+  OK(vibrospice_set_input(run, "load.volume", 380));
+  OK(vibrospice_set_input(run, "load.fraction", 0.3));
+  OK(vibrospice_run_to(run, 0.01, NULL, NULL));
+  FAILS(vibrospice_set_input(run, "load.volume", 1e9), VIBROSPICE_INPUT, "mass");
+  OK(vibrospice_set_input(run, "load.fraction", 0.4)); /* with the volume before */
   OK(vibrospice_free(run));
   run = open_scene("control_setpoint", "switched", "0.1 s");
   FAILS(vibrospice_set_input(run, "firing.angle", 90), VIBROSPICE_INPUT, "control decides it");
@@ -417,11 +427,22 @@ static void mock_up_unit(void) {
   EXPECT(fabs(p) > 1e-5 && fabs(p - other) < 1e-9 * fabs(p), "p = %.17g, not %.17g", p, other);
   OK(vibrospice_free(run));
   EXPECT(!u.step(two, 0, 0.2, 0), "%s", logged);
-  EXPECT(u.step(two, 0.1, 0.01, 0) == 3 && strstr(logged, "another instant"), "%s", logged);
-  EXPECT(u.step(two, 0.2, 0.01, 0) == 3 && strstr(logged, "behind the run's end"), "%s", logged);
-  EXPECT(u.set(two, &TRAVEL, 1, &p) == 3 && strstr(logged, "no input"), "%s", logged);
-  EXPECT(!u.reset(two) && !u.exit_init(two) && !u.step(two, 0, 0.01, 0), "%s", logged);
+  EXPECT(u.step(two, 0.1, 0.01, 0) == 3 && strstr(logged, "does not begin at"), "%s", logged);
+  EXPECT(u.step(two, 0.2, 0.01, 0) == 3 && strstr(logged, "after the run's end"), "%s", logged);
+  EXPECT(u.set(two, &TRAVEL, 1, &p) == 3 && strstr(logged, "not an input"), "%s", logged);
+  EXPECT(!u.reset(two) && !u.restore(two, state) && !u.set(two, &ANGLE, 1, &angle) &&
+             !u.step(two, 0.05, 0.0333, 0) && !u.get(two, &TRAVEL, 1, &other) && other == p,
+         "an instance that had not begun: %.17g, not %.17g; %s", other, p, logged);
+  EXPECT(!u.reset(two) && !u.setup(two, 0, 0, 0, 1, 0.01) && !u.save(two, &state) &&
+             !u.reset(two) && !u.restore(two, state) && !u.exit_init(two) &&
+             !u.step(two, 0, 0.01, 0) && u.step(two, 0.01, 0.01, 0) == 3,
+         "another end than the state's: %s", logged);
   EXPECT(!u.forget(one, &state) && !state, "%s", logged);
+  int (*integers)(void *, const unsigned *, size_t, int *), none;
+  look_up(&u, "fmi2GetInteger", &integers);
+  EXPECT(!integers(one, &ANGLE, 0, &none) && integers(one, &ANGLE, 1, &none) == 3 &&
+             strstr(logged, "does not support fmi2GetInteger"),
+         "%s", logged);
   u.end(one);
   u.end(two);
   setenv("VIBROSPICE_PROGRAM", "/nowhere", 1);
@@ -492,14 +513,21 @@ static int use_own_handle(void *context, const double *value, size_t count) {
 
 static void wrong_order(void) {
   const vibrospice_measure *m = (const vibrospice_measure *)&m;
+  const vibrospice_line *line = (const vibrospice_line *)&line;
+  const char *text = "no summary";
   vibrospice_state *state;
   seen s = {0};
   size_t count = 7;
   vibrospice *run = open_scene("paper", "switched", "0.1 s");
   FAILS(vibrospice_measures(run, &m, &count), VIBROSPICE_ORDER, "not finished");
   EXPECT(!m && !count, "something in spite of the error");
-  FAILS(vibrospice_run_to(run, 0, NULL, NULL), VIBROSPICE_TIME, "not behind");
-  FAILS(vibrospice_run_to(run, NAN, NULL, NULL), VIBROSPICE_TIME, "not behind");
+  FAILS(vibrospice_summary(run, &text), VIBROSPICE_ORDER, "not finished");
+  EXPECT(!text, "a summary in spite of the error");
+  text = "no verdict";
+  FAILS(vibrospice_verdict(run, &line, &count, NULL, &text), VIBROSPICE_ORDER, "not finished");
+  EXPECT(!line && !text, "a verdict in spite of the error");
+  FAILS(vibrospice_run_to(run, 0, NULL, NULL), VIBROSPICE_TIME, "not after");
+  FAILS(vibrospice_run_to(run, NAN, NULL, NULL), VIBROSPICE_TIME, "not after");
   FAILS(vibrospice_run_to(run, 0.11, NULL, NULL), VIBROSPICE_TIME, "run.until = 0.1 s");
   s.run = run;
   FAILS(vibrospice_run_on(run, use_own_handle, &s), VIBROSPICE_STOPPED, "stopped");
@@ -511,9 +539,9 @@ static void wrong_order(void) {
   FAILS(vibrospice_save(run, &state), VIBROSPICE_ORDER, "nothing to save");
   FAILS(vibrospice_free_state((vibrospice_state *)run), VIBROSPICE_HANDLE, "no such state");
   OK(vibrospice_free(run));
-  FAILS(vibrospice_free(run), VIBROSPICE_HANDLE, "it was freed");
+  FAILS(vibrospice_free(run), VIBROSPICE_HANDLE, "was freed");
   vibrospice *next = open_scene("paper", "switched", "0.1 s"); /* which has the other's place */
-  FAILS(vibrospice_finish(run), VIBROSPICE_HANDLE, "it was freed");
+  FAILS(vibrospice_finish(run), VIBROSPICE_HANDLE, "was freed");
   FAILS(vibrospice_finish((vibrospice *)&count), VIBROSPICE_HANDLE, "never was one");
   OK(vibrospice_free(next));
   OK(vibrospice_free(NULL));
@@ -561,10 +589,12 @@ static void dead_engines(void) {
   FAILS(vibrospice_open("paper", 0, &run), VIBROSPICE_ENGINE, "/nowhere/vibrospice");
   setenv("VIBROSPICE_PROGRAM", "/bin/true", 1);
   FAILS(vibrospice_open("paper", 0, &run), VIBROSPICE_ENGINE, "the engine has ended");
-  write_file("other", "#!/bin/sh\nprintf '\\0\\0\\0\\0\\5\\0\\0\\0other' >&0\nsleep 1\n");
+  write_file("other", "#!/bin/sh\nprintf '\\0\\0\\0\\0\\5\\0\\0\\0other' >&0\nexec sleep 20\n");
   EXPECT(!system("chmod +x other"), "no program");
   setenv("VIBROSPICE_PROGRAM", "./other", 1);
+  const time_t begun = time(NULL);
   FAILS(vibrospice_open("paper", 0, &run), VIBROSPICE_ENGINE, "it says 'other'");
+  EXPECT(time(NULL) < begun + 15, "another program is waited for");
   unsetenv("VIBROSPICE_PROGRAM");
   EXPECT(!unlink("other"), "no program");
   expect_no_child(__LINE__);
@@ -669,7 +699,7 @@ static void threads(void) {
   OK(vibrospice_free(m.run));
 }
 
-/* A copy of this process has no handles. */
+/* A copy of this process has no handles, and keeps no engine from its end. */
 static void other_process(void) {
   vibrospice *run = open_scene("paper", "switched", "0.02 s");
   const pid_t child = fork();
@@ -678,7 +708,15 @@ static void other_process(void) {
   waitpid(child, &how, 0);
   EXPECT(how == 0, "a copy of the process may use the handle");
   OK(vibrospice_finish(run));
+  const pid_t idle = fork();
+  if (!idle) {
+    sleep(10);
+    _exit(0);
+  }
   OK(vibrospice_free(run));
+  kill(idle, SIGKILL);
+  waitpid(idle, &how, 0);
+  EXPECT(WIFSIGNALED(how), "the engine ended with a copy of the process");
 }
 
 int main(void) {

@@ -9,7 +9,7 @@ from .tables import Error
 
 
 def main() -> None:
-    """Becomes the program: the one of the wheel, whatever $VIBROSPICE says, as that may name this."""
+    """Becomes the program: that of the wheel, whatever $VIBROSPICE says, since it may name this script."""
     try:
         path = OWN if os.path.exists(OWN) else program()
     except Error as error:

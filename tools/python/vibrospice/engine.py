@@ -43,11 +43,11 @@ class _Input(ctypes.Structure):
 
 # What a function takes after the handle.
 _OUT, _SIZE = ctypes.c_void_p, ctypes.c_size_t
-_FUNCTIONS: "dict[str, list[Any]]" = {"set": [ctypes.c_char_p] * 2, "folder": [ctypes.c_char_p], "columns": [_OUT, _OUT],
-              "inputs": [_OUT, _OUT], "set_input": [ctypes.c_char_p, ctypes.c_double],
-              "run_to": [ctypes.c_double, _STEP, _OUT], "time": [_OUT, _OUT],
-              "values": [_OUT, _OUT], "finish": [], "save": [_OUT], "restore": [_OUT],
-              "free": [], "free_state": []}
+_FUNCTIONS: "dict[str, list[Any]]" = {
+    "set": [ctypes.c_char_p] * 2, "folder": [ctypes.c_char_p], "columns": [_OUT, _OUT],
+    "inputs": [_OUT, _OUT], "set_input": [ctypes.c_char_p, ctypes.c_double],
+    "run_to": [ctypes.c_double, _STEP, _OUT], "time": [_OUT, _OUT], "values": [_OUT, _OUT],
+    "finish": [], "save": [_OUT], "restore": [_OUT], "free": [], "free_state": []}
 
 
 def _load(name: str) -> Optional[ctypes.CDLL]:
@@ -76,7 +76,7 @@ def _library_of(path: str) -> ctypes.CDLL:
         library = _load(str(place / "libvibrospice.so.0") if place else "libvibrospice.so.0")
         if library:
             return library
-    raise Error(None, [f"a Run wants libvibrospice.so.0 {__version__} beside the program {path}"])
+    raise Error(None, [f"a Run needs libvibrospice.so.0 {__version__} beside the program {path}"])
 
 
 _opening = threading.Lock()
@@ -98,8 +98,8 @@ def _open(library: ctypes.CDLL, path: str, scene: bytes, flags: int, handle: Any
 
 @contextlib.contextmanager
 def _interrupts_into(raised: "list[BaseException]") -> Iterator[None]:
-    """Meanwhile an interrupt of Python is put there. Raised at a callback's first line it would be
-    lost."""
+    """Meanwhile puts an interrupt of Python into the list: one that is raised at a callback's first
+    line is lost."""
     if (threading.current_thread() is not threading.main_thread()
             or signal.getsignal(signal.SIGINT) is not signal.default_int_handler):
         yield
@@ -116,7 +116,7 @@ def _interrupts_into(raised: "list[BaseException]") -> Iterator[None]:
 class Input(Quantity):
     """An input of a run: the value that it has as the run begins.
 
-    unit, least, largest    of it, and what it may be
+    unit, least, largest    its unit, and the range that is allowed
     about                   what it does, and when
     """
 
@@ -143,7 +143,7 @@ class _Rows(Table):
 
 
 class State:
-    """Where a run was. It goes with this object."""
+    """The state of a run. It is freed with this object."""
 
     def __init__(self, library: ctypes.CDLL, handle: ctypes.c_void_p, cells: array.array) -> None:
         self.handle, self.cells = handle, cells
@@ -151,7 +151,7 @@ class State:
 
 
 class Run:
-    """A run that goes on when it is told to, in a process of its own. Any number may be there.
+    """A run that goes on when it is told to, in a process of its own. There may be any number.
 
         run = vibrospice.Run("paper", set={"run.until": "1 s"})
         run.input("firing.angle", 120)
@@ -163,8 +163,8 @@ class Run:
     inputs   {name: Input}: what may be set on the way; which there are depends on the scene
 
     Error: see vibrospice.h; `status` is 1 where the run failed, 2 where a scene, key, value or input
-    is wrong, 12 where it is not the time for a call, 13 for an instant that was or that is beyond
-    the end.
+    is wrong, 12 where a call comes at the wrong time, 13 for an instant that is past or beyond the
+    end.
     """
 
     def __init__(self, scene: SceneLike, *, set: Optional[dict] = None, out: Optional[Path] = None,
@@ -239,7 +239,7 @@ class Run:
         """Runs on to t, in s. step: is called with each row on the way, {column: float}; where it
         returns something true the run stops at this row. It must not use the run."""
         names, add = list(self.columns.about), self.columns.cells.frombytes
-        raised: "list[BaseException]" = []  # through C none can go
+        raised: "list[BaseException]" = []  # an exception cannot pass through C
 
         def see(_: Any, value: Any, count: int) -> int:
             try:
@@ -328,7 +328,7 @@ class Scene:
     def run(self, law: Optional[Law] = None, every: float = 0.02,
             out: Optional[Path] = None) -> Result:
         """Runs it to its end, under a law of control as Run.control() has it, where one is given.
-        Without one nor a library the program is run as vibrospice.run() does."""
+        Without a law and a library it does what vibrospice.run() does."""
         from . import run
         try:
             started = self.start(out)

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  * What libvibrospice and the engine, `vibrospice serve`, say to each other over a socket; not
- * installed. Each message is a head and so many bytes. The client asks, and waits for one answer;
- * between, while rows are wanted, the engine may send rows, and waits behind each one for GO or
- * HALT. Numbers are as the machine has them, since both stand on one. Both have the same version
- * (VIBROSPICE_PROTOCOL).
+ * installed. Each message is a head and so many bytes. The client asks, and waits for one answer.
+ * While rows are wanted, the engine may send rows before the answer, and waits after each one for
+ * GO or HALT. Numbers are in the machine's own format, since both run on one machine. Both have the
+ * same version (VIBROSPICE_PROTOCOL).
  *
  * Descriptions and results are lines of cells with tabs between; the first cell says what the line
  * is. A number is as %.17g prints it. */
@@ -38,6 +38,10 @@ typedef struct vibrospice_ask_run {
   uint32_t rows; /* 1: rows are wanted */
   uint32_t unused;
 } vibrospice_ask_run;
+
+/* Value references of a functional mock-up unit: 0 is the time, then come the scene's inputs and
+ * its columns, each in their order. */
+enum { VIBROSPICE_UNIT_INPUTS = 1, VIBROSPICE_UNIT_COLUMNS = 100 };
 
 /* What follows an answer that is no error: to OPEN and SET a description, to FINISH a result, to
  * RUN a double for each column. An error is followed by its text. */

@@ -20,18 +20,19 @@
  *
  * Threads. Handles are independent of each other. Two threads may not be in one handle at a time:
  * the second gets VIBROSPICE_BUSY, and the first goes on. A handle belongs to the process that
- * opened it.
+ * opened it, and a fork of that process has none.
  *
  * Memory. What a function sets a pointer to belongs to the handle and lasts until vibrospice_set,
- * vibrospice_folder, vibrospice_finish, vibrospice_restore or vibrospice_free is called with it.
+ * vibrospice_set_input, vibrospice_folder, vibrospice_finish, vibrospice_restore or vibrospice_free
+ * is called with it; values last until the run goes on.
  * After an error such a pointer is NULL, and its count 0.
  *
- * Units stand in each description, as text ("m", "deg"); values of columns, inputs, measures and
- * verdicts are in these. Times are in s from the beginning of the run. Texts are UTF-8.
+ * Each description has its unit as text ("m", "deg"); the values of columns, inputs, measures and
+ * verdicts are in these units. Times are in s from the beginning of the run. Texts are UTF-8.
  *
  * Licence. This header and the library are under the MIT licence, and link nothing but the C
- * library. The program `vibrospice` is under the GPL, as is the GSL that it links; it stays a
- * process of its own, to which no program that links this library is linked. What the program
+ * library. The program `vibrospice` is under the GPL, as is the GSL that it links; it runs as a
+ * process of its own, and is never linked to a program that links this library. What the program
  * writes belongs to you. */
 #ifndef VIBROSPICE_VIBROSPICE_H
 #define VIBROSPICE_VIBROSPICE_H
@@ -66,38 +67,39 @@ typedef enum vibrospice_status {
   VIBROSPICE_FAILED = 1,  /* the run has failed: it is over, but for a saved state */
   VIBROSPICE_INPUT = 2,   /* a scene, key, value, input, folder or argument is wrong; nothing has
                              changed */
-  VIBROSPICE_HANDLE = 10, /* no such handle: it was freed, was never one, or is another process's */
-  VIBROSPICE_BUSY = 11,   /* another thread, or a callback's caller, is in this handle */
-  VIBROSPICE_ORDER = 12,  /* not at this time of a run */
-  VIBROSPICE_TIME = 13,   /* an instant before the run's time, or behind its end */
-  VIBROSPICE_ENGINE = 14, /* the program cannot be started, is another version, or has died */
-  VIBROSPICE_MEMORY = 15, /* there is no memory, file descriptor or process for it */
-  VIBROSPICE_STOPPED = 16 /* the callback has stopped the run, which may go on from there */
+  VIBROSPICE_HANDLE = 10, /* no such handle: it was freed, never was one, or belongs to
+                             another process */
+  VIBROSPICE_BUSY = 11,   /* another thread or a callback is using this handle */
+  VIBROSPICE_ORDER = 12,  /* this call is not allowed at this time of a run */
+  VIBROSPICE_TIME = 13,   /* an instant that is not after the run's time, or is after its end */
+  VIBROSPICE_ENGINE = 14, /* the program cannot be started, has another version, or has died */
+  VIBROSPICE_MEMORY = 15, /* there is no memory, file descriptor or process left */
+  VIBROSPICE_STOPPED = 16 /* the callback has stopped the run, which can go on from there */
 } vibrospice_status;
 
-/* Why the last call that failed in this thread did, one line without its end; "" before any. The
- * thread owns it, until its next call that fails. */
+/* Says why the last failed call of this thread failed, in one line without a line end; "" before
+ * any failure. The text lasts until this thread's next failed call. */
 VIBROSPICE_API const char *vibrospice_error(void);
 
-/* "0.1.0", of the library that is linked. Constant. */
+/* The version of the linked library, "0.1.0". The text is constant. */
 VIBROSPICE_API const char *vibrospice_version(void);
 
 /* ---- a scene ---- */
 
 /* Flags of vibrospice_open. */
 enum {
-  VIBROSPICE_TEXT = 1,      /* `scene` is the scene itself, as YAML; what files it names are found
-                               from the working directory */
-  VIBROSPICE_ALLOW_CODE = 2 /* a law of control of the scene's own may run, as with --allow-code */
+  VIBROSPICE_TEXT = 1,      /* `scene` is the scene itself, as YAML; relative paths in it start from
+                               the working directory */
+  VIBROSPICE_ALLOW_CODE = 2 /* the scene's own law of control may run, as with --allow-code */
 };
 
-/* Opens a scene: the name of one that ships, the path of a file, or its text. *run becomes the
- * handle, or NULL after an error. */
+/* Opens a scene, given as the name of a shipped scene, the path of a file, or its text. *run
+ * becomes the handle, or NULL after an error. */
 VIBROSPICE_API vibrospice_status vibrospice_open(const char *scene, unsigned flags,
                                                  vibrospice **run);
 
-/* Ends a run, wherever it is, and its engine. The handle is invalid then. NULL is fine. Saved
- * states stay. */
+/* Ends a run, wherever it is, and its engine. The handle is invalid afterwards. NULL is allowed.
+ * Saved states stay. */
 VIBROSPICE_API vibrospice_status vibrospice_free(vibrospice *run);
 
 /* Before the run begins: sets a key of the scene, as --set KEY=VALUE does: "circuit.r1", "220 ohm".
@@ -113,12 +115,12 @@ VIBROSPICE_API vibrospice_status vibrospice_folder(vibrospice *run, const char *
 
 /* A column of the run, as run.csv has it. The first is the time. */
 typedef struct vibrospice_column {
-  const char *name;     /* with its unit: "p_m" */
-  const char *quantity; /* without: "p" */
-  const char *unit;     /* "m"; "": a pure number */
+  const char *name;     /* including the unit: "p_m" */
+  const char *quantity; /* without the unit: "p" */
+  const char *unit;     /* "m"; "" for a pure number */
   const char *role;     /* time, coordinate, rate, acceleration, probe, instrument, estimate,
                            set_point, measure */
-  const char *of;       /* what has it: a coordinate, a channel, a sensor; "": nothing */
+  const char *of;       /* the coordinate, channel or sensor that it belongs to; "": none */
 } vibrospice_column;
 
 /* *column becomes column[*count]. */
@@ -126,12 +128,12 @@ VIBROSPICE_API vibrospice_status vibrospice_columns(vibrospice *run,
                                                     const vibrospice_column **column,
                                                     size_t *count);
 
-/* What may be set while the run goes on. */
+/* A quantity that may be set while the run goes on. */
 typedef struct vibrospice_input {
   const char *name;      /* "firing.angle" */
-  const char *unit;      /* of the next three */
-  double least, largest; /* that it may be */
-  double value;          /* that it has as the run begins, unless it is set before */
+  const char *unit;      /* of the next three numbers */
+  double least, largest; /* the allowed range */
+  double value;          /* at the beginning of the run, unless it is set before */
   const char *text;      /* what it does, and when */
 } vibrospice_input;
 
@@ -139,24 +141,27 @@ typedef struct vibrospice_input {
 VIBROSPICE_API vibrospice_status vibrospice_inputs(vibrospice *run, const vibrospice_input **input,
                                                    size_t *count);
 
-/* Sets an input from the run's time on. Who wants to set one during the run sets it once before the
- * run begins, to a value at which it begins; a run in which none is set is that of the scene, to
- * the bit. firing.angle is taken at each rising zero crossing of the mains at which a firing's
- * cycle begins, and holds for that firing; NaN leaves the firing out. The others hold at once. */
+/* Sets an input from the run's time on. An input that is to be set during the run has to be set
+ * once before the run begins, to its initial value. A run in which no input is set is that of the
+ * scene, to the bit. firing.angle is read at the rising zero crossing of the mains at which the
+ * cycle of a firing begins, and holds for that firing; NaN leaves the firing out. The others act at
+ * once. */
 VIBROSPICE_API vibrospice_status vibrospice_set_input(vibrospice *run, const char *name,
                                                       double value);
 
 /* ---- time ---- */
 
-/* Is shown a row: value[count] of the columns, which lasts as long as the call. Anything but 0
- * stops the run at this row, with VIBROSPICE_STOPPED. It must not use the run's own handle. */
+/* Is called with a row, value[count] of the columns, which lasts as long as the call. If it returns
+ * anything but 0 the run stops at this row, with VIBROSPICE_STOPPED. It must not use the run's own
+ * handle. */
 typedef int (*vibrospice_step)(void *context, const double *value, size_t count);
 
-/* Runs on to t_s: later than the run's time, at most run.until. step: is shown the rows on the way,
- * which are run.sample apart, one at t_s itself among them only where it is such an instant; NULL:
- * nobody is. Any t_s may be asked for; no bit of the result depends on it, unless an input was
- * set. Where ngspice gives up, a run that has stood still or was shown has failed; one that goes to
- * its end by vibrospice_finish alone tries the ladder's rungs, as `vibrospice run` does. */
+/* Runs on to t_s, which is after the run's time and at most run.until. step is called with each row
+ * on the way; rows are run.sample apart, so t_s itself has one only if it is such an instant. step
+ * may be NULL. Any t_s is allowed; no bit of the result depends on it, unless an input was set.
+ * If ngspice gives up, a run that was stopped at an instant or has shown rows has failed; a run
+ * that vibrospice_finish alone takes to its end tries the rungs of the ladder, as `vibrospice run`
+ * does. */
 VIBROSPICE_API vibrospice_status vibrospice_run_to(vibrospice *run, double t_s,
                                                    vibrospice_step step, void *context);
 /* The same to run.until. */
@@ -173,9 +178,9 @@ VIBROSPICE_API vibrospice_status vibrospice_values(vibrospice *run, const double
 
 /* ---- the result ---- */
 
-/* Runs on to the end, where the run is not there, makes the second run that gives the margins their
- * errors, and writes the folder. Afterwards the functions below answer. A verdict that is violated
- * is no error. */
+/* Runs on to the end if the run is not there yet, makes the second run from which the margins get
+ * their errors, and writes the folder. Afterwards the functions below answer. A violated verdict is
+ * not an error. */
 VIBROSPICE_API vibrospice_status vibrospice_finish(vibrospice *run);
 
 /* A number of the run. limit, margin, error and word are those of the line of the verdict that has
@@ -184,9 +189,9 @@ typedef struct vibrospice_measure {
   const char *name; /* "p_first_peak" */
   const char *unit;
   double value, at_s; /* at_s, NaN: it belongs to no instant */
-  double limit;       /* that it is held against, in its unit; NaN: none */
-  double margin;      /* what is left to the limit, as a part of it; below 0 it was passed */
-  double error;       /* of the margin, in the margin's scale; NaN: not computed */
+  double limit;       /* that it is compared with, in its unit; NaN: none */
+  double margin;      /* distance to the limit as a fraction of it; negative: beyond the limit */
+  double error;       /* of the margin, as the same fraction; NaN: not computed */
   const char *word;   /* held, violated, undecided, unverified, waived; "": not judged */
 } vibrospice_measure;
 
@@ -201,19 +206,19 @@ typedef struct vibrospice_line {
   const char *unit;     /* of value, least, most */
   double value;         /* the extreme that is nearest to its limit, or furthest beyond it */
   double at_s;          /* when; NaN: it belongs to no instant, or is not known */
-  double least, most;   /* that are allowed; -INFINITY, INFINITY: no such end */
+  double least, most;   /* the allowed range; -INFINITY, INFINITY: no limit on that side */
   double margin, error; /* as in vibrospice_measure */
   double failed_at_s;   /* when the limit was first passed; NaN: it was not */
   const char *word;     /* as in vibrospice_measure */
-  const char *why;      /* why it could not be decided; "": it could, or the error says it */
+  const char *why;      /* why it is undecided; "": it is decided, or the error is the reason */
 } vibrospice_line;
 
-/* *line becomes line[*count]. *held (may be NULL): 1, no line is violated or undecided; 0, one is,
- * and *breach (may be NULL) says in one sentence which is the worst. */
+/* *line becomes line[*count]. *held (may be NULL) becomes 1 if no line is violated or undecided,
+ * else 0, and *breach (may be NULL) then says in one sentence which line is the worst. */
 VIBROSPICE_API vibrospice_status vibrospice_verdict(vibrospice *run, const vibrospice_line **line,
                                                     size_t *count, int *held, const char **breach);
 
-/* Something that happened to a device, or that did not though the scene expects it. */
+/* Something that happened to a device, or that the scene expects and that did not happen. */
 typedef struct vibrospice_happening {
   const char *what;   /* unintended_firing, misfire, fuse_opens, ... */
   const char *device; /* of the deck */
@@ -238,17 +243,17 @@ VIBROSPICE_API vibrospice_status vibrospice_summary(vibrospice *run, const char 
 
 /* ---- states ---- */
 
-/* Saves where the run is, before it is finished, with its inputs and what its folder has so far: a
- * process that waits. *state becomes its handle, or NULL after an error, as where the scene runs
- * code of its own, whose memory cannot be copied. */
+/* Saves the state of a run that is not finished, with its inputs and what its folder has so far, as
+ * a waiting process. *state becomes its handle, or NULL after an error. A scene that runs code of
+ * its own cannot be saved, since the memory of that code cannot be copied. */
 VIBROSPICE_API vibrospice_status vibrospice_save(vibrospice *run, vibrospice_state **state);
 
-/* Takes the run, also one that has failed or is finished, back or forth to a state that was saved
- * of any run. What follows is, to the bit, what followed before. The state stays, and may be
- * restored into any number of runs. */
+/* Takes a run, even one that has failed or is finished, to a state that was saved of any run. What
+ * follows is, to the bit, what followed before. The state stays, and may be restored into any
+ * number of runs. */
 VIBROSPICE_API vibrospice_status vibrospice_restore(vibrospice *run, vibrospice_state *state);
 
-/* Ends a state. NULL is fine. */
+/* Ends a state. NULL is allowed. */
 VIBROSPICE_API vibrospice_status vibrospice_free_state(vibrospice_state *state);
 
 #ifdef __cplusplus
