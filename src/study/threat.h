@@ -19,10 +19,11 @@ typedef struct vs_threat_setting {
 typedef struct vs_threat {
   char name[VS_EVENT_NAME];
   vs_where where;
-  const char *text;                /* what happens, one line */
-  const vs_event_kind *kind;       /* NULL: it is `none` */
-  const struct vs_threat *with;    /* NULL: it comes alone */
-  int criterion;                   /* its number (measure/expect.h) */
+  const char *text;             /* what happens, one line */
+  const vs_event_kind *kind;    /* NULL: it is `none` */
+  const struct vs_threat *with; /* NULL: it comes alone */
+  int criterion;                /* its number (measure/expect.h) */
+  vs_where criterion_where;
   uint64_t n;                      /* cases of it, where a range is continuous */
   vs_axis range[VS_THREAT_RANGES]; /* `field` is the event's, `key` is "events.NAME.KEY" */
   size_t n_ranges;

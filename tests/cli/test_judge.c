@@ -275,6 +275,39 @@ static void what_a_criterion_waived(void) {
   }
 }
 
+/* What judge makes of rows run under A is what a study under the criterion has: what its criterion
+ * left out breaks nothing and is not the weakest line. Of the two threats the surge fires the
+ * thyristor, and the coil's short circuit opens a fuse. */
+static void as_under_that_criterion(void) {
+  for (const char *c = "ABC"; *c; c++) {
+    char text[512];
+    snprintf(text, sizeof text,
+             "set: {circuit.deck: halfwave_paper, firing.every: 1, run.until: 60 ms}\n"
+             "threats:\n"
+             "  s: {kind: surge, cycle: 2, angle: [355 deg], level: 1 kV, criterion: %c}\n"
+             "  c: {kind: coil_short, angle: [100 deg], fraction: [100 %%], criterion: %c}\n"
+             "report: [p_min]\n",
+             *c, *c);
+    write_file("c.yaml", text);
+    ran r = run("study c.yaml -o c%c --quiet", *c);
+    EXPECT(r.status == (*c == 'C' ? 0 : 3), "%c: %d %s", *c, r.status, r.err);
+    free_ran(&r);
+    r = run("judge cA -o judged --quiet --set criterion=%c", *c);
+    free_ran(&r);
+    char study[32];
+    snprintf(study, sizeof study, "c%c/study.csv", *c);
+    table own = read_table(study), judged = read_table("judged/judged.csv");
+    CU_ASSERT_EQUAL_FATAL(judged.rows, 3);
+    for (size_t k = 0; k < 3; k++) {
+      CU_ASSERT_STRING_EQUAL(cell_of(&judged, k, "status"), cell_of(&own, k, "status"));
+      if (*cell_of(&own, k, "status") == '3') continue; /* what happened may be the weakest */
+      CU_ASSERT_STRING_EQUAL(cell_of(&judged, k, "weakest"), cell_of(&own, k, "weakest"));
+      CU_ASSERT_STRING_EQUAL(cell_of(&judged, k, "margin_least"), cell_of(&own, k, "margin_least"));
+    }
+    free(own.text), free(judged.text);
+  }
+}
+
 /* A margin without an error holds by its sign alone, which is told. */
 static void margins_without_errors(void) {
   write_file("n.yaml", "set: {circuit: {deck: halfwave_paper, thyristor: TYN1212},\n"
@@ -348,6 +381,7 @@ int main(void) {
                                   {"edited rows", edited_rows},
                                   {"a rating beside a waiver", a_rating_beside_a_waiver},
                                   {"what a criterion waived", what_a_criterion_waived},
+                                  {"as under that criterion", as_under_that_criterion},
                                   {"margins without errors", margins_without_errors},
                                   {"refused", refused},
                                   {"sensitivity of a margin", sensitivity_of_a_margin}};
