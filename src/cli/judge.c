@@ -228,12 +228,13 @@ static void print_table(const judge *j) {
   for (int w = 0; w <= VS_HOLD_UNDECIDED; w++)
     printf("%-12s %10zu %10zu\n", vs_hold_words[w], j->count[0][w], j->count[1][w]);
   if (j->unverified)
-    printf("of those held now, %zu by a margin whose error was not computed; run.verify: always in "
-           "the study computes it\n",
-           j->unverified);
+    printf(
+        "held now by a margin whose error was not computed: %zu; run.verify: always in the study "
+        "computes it\n",
+        j->unverified);
   if (j->weakest)
     printf("\nweakest: %s in case %ld, margin %.3g %%%s\n", j->weakest, j->weakest_case,
-           100 * j->least, j->hold.margin > 0 ? " beyond the house's" : "");
+           100 * j->least, j->hold.margin > 0 ? " beyond hold.margin" : "");
   printf("\n%-28s %10s %10s\n", "cases that a line breaks", "as run", "now");
   for (size_t k = 0; k < j->hold.count; k++)
     if (j->lines[k].broken[0] || j->lines[k].broken[1])

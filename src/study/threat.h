@@ -40,7 +40,7 @@ typedef struct vs_threat {
 size_t vs_threat_numbers(const vs_threat *threat);
 const vs_axis *vs_threat_range(const vs_threat *threat, size_t k);
 
-/* The value of a range at the share u of it, 0 to 1: of a list each value has as much of it. */
+/* The value of a range at the share u of it, 0 to 1. The values of a list have equal shares. */
 double vs_threat_value(const vs_axis *range, double u);
 
 /* How many combinations of listed values the threat has; 1 where it has no list. A continuous range

@@ -293,7 +293,7 @@ static bool is_set(const vs_threat *t, const char *key) {
   return false;
 }
 
-/* What does not say when it begins does so in the cycle of the scene's first firing. */
+/* A threat without `at` or `cycle` comes in the cycle of the scene's first firing. */
 static void place(vs_threat *t, const vs_scene *scene) {
   char cycle[32];
   if (is_set(t, "at") || is_set(t, "cycle")) return;

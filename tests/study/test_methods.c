@@ -528,9 +528,9 @@ static void refused(void) {
       {"sample: {spread: {actuator.gap: 40 % normal}}",
        "'40 % normal' about 6 mm goes from -1.2 to 13.2; allowed: 0..1000 mm"},
       {"sample: {spread: {load.density: 5 % normal}}",
-       "it is 0 in the scene, of which no part is anything"},
-      {"sample: {spread: {firing.first_cycle: 5 % normal}}", "it is no continuum"},
-      {"sample: {spread: {machine.m14: 5 % normal}}", "it is no continuum"},
+       "it is 0 in the scene, and any per cent of that are 0"},
+      {"sample: {spread: {firing.first_cycle: 5 % normal}}", "it has no values in between"},
+      {"sample: {spread: {machine.m14: 5 % normal}}", "it has no values in between"},
       {"sample: {method: corners, n: 4, spread: {actuator.gap: 1 % normal}}",
        "study.yaml:1:27: sample.n: there are as many corners as there are"},
       {"sample: {spread: {circuit.r1: 1 % normal, circuit.c1: 1 % normal}, correlation: "

@@ -379,10 +379,10 @@ static void refused(void) {
        {"no device of that kind", "circuit.r1"}},
       {"  a: {kind: surge, at: 1 ms}\nspread: {circuit.c1: 5 % .. -20 %}",
        "5:22",
-       {"the lesser end first", NULL}},
+       {"two different ends are wanted, the lesser first", NULL}},
       {"  a: {kind: surge, at: 1 ms}\nfind: {worst: min margin_least}",
        "3:1",
-       {"find chooses the cases already", NULL}}};
+       {"find chooses the cases itself", NULL}}};
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     vs_text text = {0};
     char at[64];
