@@ -189,7 +189,7 @@ static bool did_happen(const vs_hold *h, const vs_hold_line *l, const char *happ
 
 /* True if the criterion asked for leaves the line out, as it does in a run. */
 static bool is_left_out(const vs_hold *h, const vs_hold_line *l, const char *happened) {
-  if (l->own || !l->left_out_by || criterion_of(h) < l->left_out_by) return false;
+  if (!l->left_out_by || criterion_of(h) < l->left_out_by) return false;
   return l->left_out_by < VS_CRITERION_OPENS || did_happen(h, l, happened);
 }
 

@@ -264,13 +264,36 @@ static void a_rating_beside_a_waiver(void) {
  * not say whether the scene waived them besides: what would break is undecided. */
 static void what_a_criterion_waived(void) {
   run_study("b", ", expect: [B]");
-  static const char *const ROWS[][2] = {{"", "\"held\": 3"},
-                                        {"--set criterion=B", "\"held\": 3"},
-                                        {"--set criterion=A", "\"undecided\": 3"}};
+  static const char *const ROWS[][2] = {{"b", "\"held\": 3"},
+                                        {"b --set criterion=B", "\"held\": 3"},
+                                        {"b --set criterion=A", "\"undecided\": 3"},
+                                        {"plain", "\"undecided\": 3"},
+                                        {"plain --set criterion=B", "\"held\": 3"}};
   for (size_t k = 0; k < COUNT(ROWS); k++) {
-    ran r = run("judge b --json --set hold.thyristor.dv_dt=1e-9 %s", ROWS[k][0]);
+    ran r = run("judge %s --json --set hold.thyristor.dv_dt=1e-9", ROWS[k][0]);
     const char *now = strstr(r.out, "\"now\"");
     EXPECT(now && strstr(now, ROWS[k][1]), "%s: %s%s", ROWS[k][0], r.out, r.err);
+    free_ran(&r);
+  }
+}
+
+/* What a fuse has to pass to open counts no more where it opened in both runs and may. Else it is
+ * undecided here, as errors grow with the limit's smaller part. */
+static void a_fuse_that_may_open(void) {
+  static const char *const ROWS[][2] = {
+      {"fuse_opens of fuse_2 at 0.01 s (x)", "held"},
+      {"fuse_opens of fuse_2 at 0.01 s (x), in one of two runs", "undecided"},
+      {"fuse_opens of fuse_1 at 0.01 s (x)", "undecided"},
+      {"", "undecided"}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    edit("happened", ROWS[k][0], *ROWS[k][0] ? "3" : "0");
+    ran r = run("judge edited -o judged --quiet --set criterion=C --set "
+                "hold.fuse_2.i2t_surge=1e-9");
+    table judged = read_table("judged/judged.csv");
+    CU_ASSERT_EQUAL_FATAL(judged.rows, 1);
+    EXPECT(!strcmp(cell_of(&judged, 0, "verdict"), ROWS[k][1]), "%s: %s", ROWS[k][0],
+           cell_of(&judged, 0, "verdict"));
+    free(judged.text);
     free_ran(&r);
   }
 }
@@ -381,6 +404,7 @@ int main(void) {
                                   {"edited rows", edited_rows},
                                   {"a rating beside a waiver", a_rating_beside_a_waiver},
                                   {"what a criterion waived", what_a_criterion_waived},
+                                  {"a fuse that may open", a_fuse_that_may_open},
                                   {"as under that criterion", as_under_that_criterion},
                                   {"margins without errors", margins_without_errors},
                                   {"refused", refused},

@@ -457,6 +457,29 @@ static void a_pair_runs_on(void) {
   drop_study(s);
 }
 
+/* Devices that a threat does not judge join those that the scene leaves out; none stands twice. */
+static void waivers_of_a_scene_stay(void) {
+  study *s = good_study("scene: paper\nset: {circuit.deck: halfwave_paper, run.until: 60 ms,\n"
+                        "  waive: [varistor_1, r1.power]}\n"
+                        "threats: {a: {kind: surge, at: 1 ms, live: [thyristor]}}\n");
+  vs_threats threats = {0};
+  vs_text text = {0};
+  bool told = false;
+  CU_ASSERT_EQUAL(
+      vs_threats_read(vs_tree_child(s->plan.tree.root, "threats"), s->plan.base, &threats, &s->err),
+      VS_OK);
+  for (size_t k = 0; text.length = 0, vs_threats_setting(&threats, &threats.item[0], k, &text); k++)
+    if (!strncmp(text.text, "waive=[varistor_1, r1.power, ", 29)) {
+      const char *rest = text.text + 29;
+      told = strstr(rest, "varistor_2") && strstr(rest, "r1") && !strstr(rest, "varistor_1") &&
+             !strstr(rest, "thyristor");
+    }
+  EXPECT(told, "no such waivers of %s", threats.item[0].name);
+  vs_text_free(&text);
+  vs_threats_free(&threats);
+  drop_study(s);
+}
+
 /* An opened element whose value the deck reckons with makes lines untrue, also where no second run
  * tells their errors. */
 static void untrue_lines_are_undecided(void) {
@@ -478,6 +501,7 @@ int main(void) {
                                   {"refused", refused},
                                   {"would lie", would_lie},
                                   {"a pair runs on", a_pair_runs_on},
+                                  {"waivers of a scene stay", waivers_of_a_scene_stay},
                                   {"untrue lines are undecided", untrue_lines_are_undecided}};
   return program_suite("threats", TESTS, COUNT(TESTS));
 }

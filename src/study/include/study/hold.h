@@ -22,7 +22,7 @@ typedef struct vs_hold_line {
   bool own;         /* the scene itself rates it: what the scene waives is another line */
   int sense;        /* of vs_folder_margins, less 1; 0: the margin is no part of a limit */
   double part;      /* the limit asked for as a part of the one as run; 1: the same */
-  int left_out_by;  /* of a part's limit: see vs_expect_left_out_by */
+  int left_out_by;  /* see vs_expect_left_out_by; 0 of a line that the scene rates */
   bool waived;
   const char *because; /* why it is waived, as people said it; borrowed; NULL: they did not */
 } vs_hold_line;
