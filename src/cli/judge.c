@@ -13,7 +13,6 @@
 #include "base/json.h"
 #include "base/units.h"
 #include "commands.h"
-#include "measure/expect.h"
 #include "options.h"
 #include "study/folder.h"
 #include "study/hold.h"
@@ -32,7 +31,6 @@ typedef struct judge {
   vs_tree asked;
   vs_hold hold;
   line *lines;
-  int criterion;                      /* of vs_expect_criteria; -1: as the study's scene has it */
   size_t cases, changed, count[2][3]; /* as stored and now: held, violated, undecided */
   size_t unverified;                  /* of those held now: the weakest margin has no error */
   double least, least_error;          /* the weakest line of all rows, now */
@@ -68,9 +66,9 @@ static vs_status take_limit(vs_hold *hold, const char *name, const vs_node *valu
 static vs_status take_criterion(judge *j, vs_error *err) {
   const vs_node *node = vs_tree_child(j->asked.root, "criterion");
   if (!node) return VS_OK;
-  if (node->kind == VS_NODE_TEXT) j->criterion = vs_expect_criterion(node->text);
-  j->hold.by_a = j->criterion == 0;
-  if (j->criterion >= 0) return VS_OK;
+  const int number = node->kind == VS_NODE_TEXT ? vs_expect_criterion(node->text) : -1;
+  if (number >= 0) j->hold.criterion = &vs_expect_criteria[number];
+  if (number >= 0) return VS_OK;
   return vs_fail_at(err, node->where,
                     "criterion: A (nothing happens), B (it may fire or misfire) or C (a fuse may "
                     "open, too) is wanted");
@@ -133,6 +131,8 @@ static vs_status read_lines(judge *j, vs_error *err) {
     vs_hold_line l = {.name = text_of(n, "name"), .unit = text_of(n, "unit"), .part = 1};
     line of = {find_column(t, "margin", l.name), find_column(t, "error", l.name), {0}};
     l.own = !strcmp(text_of(n, "rated_by_scene"), "true");
+    l.left_out_by = vs_expect_criterion(text_of(n, "left_out_by"));
+    if (l.left_out_by < 0) l.left_out_by = 0;
     for (int k = -1; k <= 1; k += 2)
       if (!strcmp(text_of(n, "margin"), vs_folder_margins[1 + k])) l.sense = k;
     if (!of.margin || !of.error || !vs_units_known(l.unit))
@@ -194,9 +194,10 @@ static vs_status judge_row(void *ctx, const vs_folder_row *row, vs_error *err) {
   judge *j = ctx;
   vs_hold_row r = VS_HOLD_ROW;
   vs_status status = VS_OK;
+  if (j->folder.happened >= 0) r.happened = row->cell[j->folder.happened];
   for (size_t k = 0; k < j->hold.count && !status; k++) status = judge_line(j, k, row, &r, err);
   if (status) return status;
-  if (j->folder.happened >= 0) vs_hold_happened(row->cell[j->folder.happened], j->criterion, &r);
+  vs_hold_happened(&j->hold, &r);
   const char *warnings = j->folder.warnings >= 0 ? row->cell[j->folder.warnings] : "",
              *cell = row->cell[j->folder.status];
   if (!vs_hold_rest(&j->hold, atoi(cell) != VS_OK, warnings, &r))
@@ -227,12 +228,13 @@ static void print_table(const judge *j) {
   for (int w = 0; w <= VS_HOLD_UNDECIDED; w++)
     printf("%-12s %10zu %10zu\n", vs_hold_words[w], j->count[0][w], j->count[1][w]);
   if (j->unverified)
-    printf("of those held now, %zu by a margin whose error was not computed; run.verify: always in "
-           "the study computes it\n",
-           j->unverified);
+    printf(
+        "held now by a margin whose error was not computed: %zu; run.verify: always in the study "
+        "computes it\n",
+        j->unverified);
   if (j->weakest)
     printf("\nweakest: %s in case %ld, margin %.3g %%%s\n", j->weakest, j->weakest_case,
-           100 * j->least, j->hold.margin > 0 ? " beyond the house's" : "");
+           100 * j->least, j->hold.margin > 0 ? " beyond hold.margin" : "");
   printf("\n%-28s %10s %10s\n", "cases that a line breaks", "as run", "now");
   for (size_t k = 0; k < j->hold.count; k++)
     if (j->lines[k].broken[0] || j->lines[k].broken[1])
@@ -311,7 +313,7 @@ static vs_status judge_command(const void *given, vs_error *err) {
     return vs_fail(err, VS_INPUT,
                    "judge: wants the folder of one study; see vibrospice judge --help");
   judge *j = vs_alloc(1, sizeof *j);
-  *j = (judge){.criterion = -1, .least = INFINITY, .least_error = NAN};
+  *j = (judge){.least = INFINITY, .least_error = NAN};
   j->hold.where = "the verdicts of this study";
   j->hold.hint = "; manifest.json lists them";
   vs_status status = judge_folder(j, a, err);

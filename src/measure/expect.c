@@ -222,11 +222,10 @@ static bool tells_of_firing(const vs_device_measure *m) {
                       m->how == VS_R_OFFERED);
 }
 
-bool vs_expect_may_leave_out(const char *measure) {
-  for (const vs_kind *k = vs_kinds_all; k->name; k++)
-    for (size_t n = 0; n < k->n_measures; n++)
-      if (tells_of_firing(&k->measures[n]) && !strcmp(k->measures[n].name, measure)) return true;
-  return false;
+int vs_expect_left_out_by(const vs_reduced *r) {
+  return r->by->until_opens            ? VS_CRITERION_OPENS
+         : tells_of_firing(r->measure) ? VS_CRITERION_FIRES
+                                       : 0;
 }
 
 /* Leaves out the limits that the criterion does not ask for. */

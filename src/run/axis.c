@@ -128,19 +128,18 @@ static vs_status read_ends(vs_axis *axis, const vs_node *from, const vs_node *to
   return status;
 }
 
-static void cut_axis(vs_axis *axis, size_t count, double (*at)(const vs_axis *, double),
-                     double step) {
+double vs_axis_between(const vs_axis *axis, double u) {
+  if (u <= 0) return axis->from; /* exact at both ends */
+  if (u >= 1) return axis->to;
+  return axis->log ? axis->from * pow(axis->to / axis->from, u)
+                   : axis->from + u * (axis->to - axis->from);
+}
+
+static void cut_axis(vs_axis *axis, size_t count, double step) {
   axis->n_values = count;
   axis->value = vs_alloc(count, sizeof *axis->value);
-  for (size_t k = 0; k < count; k++) axis->value[k] = to_12_digits(at(axis, (double)k * step));
-}
-
-static double lin_at(const vs_axis *a, double part) {
-  return a->from + part * (a->to - a->from);
-}
-
-static double log_at(const vs_axis *a, double part) {
-  return a->from * pow(a->to / a->from, part);
+  for (size_t k = 0; k < count; k++)
+    axis->value[k] = to_12_digits(vs_axis_between(axis, (double)k * step));
 }
 
 static vs_status whole_values(const vs_axis *axis, const vs_node *node, vs_error *err) {
@@ -168,7 +167,7 @@ static vs_status cut_whole(vs_axis *axis, const vs_node *node, vs_error *err) {
   const double n = fabs(axis->to - axis->from);
   if (n >= MOST_VALUES)
     return vs_fail_at(err, node->where, "%s: more than %d values", axis->key, MOST_VALUES);
-  cut_axis(axis, (size_t)n + 1, lin_at, 1 / n);
+  cut_axis(axis, (size_t)n + 1, 1 / n);
   return VS_OK;
 }
 
@@ -192,7 +191,7 @@ static vs_status stepped(vs_axis *axis, const vs_node *map, vs_error *err) {
   if (!(steps > 0) || steps > MOST_VALUES)
     return vs_fail_at(err, step->where, "%s: steps of %s lead from %s to %s %s", axis->key,
                       step->text, from->text, to->text, steps > 0 ? "in too many" : "never");
-  cut_axis(axis, (size_t)floor(steps * (1 + 1e-9)) + 1, lin_at, 1 / steps);
+  cut_axis(axis, (size_t)floor(steps * (1 + 1e-9)) + 1, 1 / steps);
   return whole_values(axis, map, err);
 }
 
@@ -211,7 +210,7 @@ static vs_status spaced(vs_axis *axis, const vs_node *map, const vs_node *ends, 
                       axis->key);
   status = vs_axis_whole(map, "n", 2, MOST_VALUES, &n, err);
   if (status || !n) return status;
-  cut_axis(axis, (size_t)n, axis->log ? log_at : lin_at, 1 / (double)(n - 1));
+  cut_axis(axis, (size_t)n, 1 / (double)(n - 1));
   axis->value[n - 1] = axis->to;
   return whole_values(axis, map, err);
 }

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/units.h"
+#include "measure/expect.h"
 
 /* A line that a scene may have: its name, whose it is, its limit where it has one alone, and the
  * unit of that. */
@@ -14,7 +15,7 @@ typedef struct line {
   const char *of, *unit;
   double limit; /* in unit; NaN: two ends, or the part does not state it */
   bool at_least, own;
-  int sense; /* see vs_listed_measure */
+  int sense, left_out_by; /* see vs_listed_measure */
 } line;
 
 static bool is_first_of_probe(const vs_deck *deck, size_t k) {
@@ -94,6 +95,7 @@ static bool device_line_at(const vs_devices *devices, int *n, line *l) {
       l->unit = stated ? stated->unit : r->measure->unit;
       l->at_least = r->measure->held == VS_AT_LEAST;
       l->sense = l->at_least ? -1 : 1;
+      l->left_out_by = vs_expect_left_out_by(r);
       if (r->limit && fixed) l->limit = r->limit->value / vs_units_factor(l->unit);
       return true;
     }
@@ -159,6 +161,7 @@ bool vs_listed_line_at(const vs_frame *frame, const vs_result *r, int k, vs_list
                            .limit_unit = which ? NULL : l.unit,
                            .at_least = l.at_least,
                            .own = l.own,
+                           .left_out_by = l.left_out_by,
                            .sense = l.sense,
                            .group = VS_SHOWN_DEVICES,
                            .channel = -1};

@@ -153,11 +153,50 @@ static bool was_device_waived(const char *not_judged, const char *line) {
   return strchr(line, '.') && was_waived(not_judged, device);
 }
 
+/* Copies the first of what happened, "WHAT of DEVICE at ... | ..." (study/workers/case.c), and
+ * moves on behind it. NULL: there is nothing more. */
+static char *next_happening(const char **rest) {
+  const char *s = *rest, *end = strstr(s, " | ");
+  *rest = end ? end + strlen(" | ") : s + strlen(s);
+  return *s ? vs_alloc_part(s, end ? (size_t)(end - s) : strlen(s)) : NULL;
+}
+
+static const char EXPECTED[] = ", as expected", UNSURE[] = ", in one of two runs",
+                  NEVER[] = " did not happen, though expected";
+
+/* True if the criterion allows what that is, "WHAT of DEVICE ...". */
+static bool is_allowed(int criterion, const char *one) {
+  char what[VS_DECK_NAME];
+  snprintf(what, sizeof what, "%.*s", (int)strcspn(one, " "), one);
+  return vs_expect_spares(criterion, what);
+}
+
+/* The number of the criterion asked for; -1: that of the rows. */
+static int criterion_of(const vs_hold *h) {
+  return h->criterion ? (int)(h->criterion - vs_expect_criteria) : -1;
+}
+
+/* True if something that the criterion asked for allows happened to the line's device, in both
+ * runs behind its errors. */
+static bool did_happen(const vs_hold *h, const vs_hold_line *l, const char *happened) {
+  char *one, device[VS_DECK_NAME + 16];
+  bool did = false;
+  snprintf(device, sizeof device, " of %.*s at ", (int)strcspn(l->name, "."), l->name);
+  for (; (one = next_happening(&happened)); free(one))
+    did = did || (strstr(one, device) && !strstr(one, UNSURE) && is_allowed(criterion_of(h), one));
+  return did;
+}
+
+/* True if the criterion asked for leaves the line out, as it does in a run. */
+static bool is_left_out(const vs_hold *h, const vs_hold_line *l, const char *happened) {
+  if (!l->left_out_by || criterion_of(h) < l->left_out_by) return false;
+  return l->left_out_by < VS_CRITERION_OPENS || did_happen(h, l, happened);
+}
+
 /* What a waived line comes to now. Under criterion A one that is broken is undecided where it may
  * be the row's own criterion that waived it: a row does not say who did. */
 static vs_hold_word waived_word(const vs_hold *h, const vs_hold_line *l, vs_hold_word word) {
-  const char *dot = strchr(l->name, '.');
-  const bool by_criterion = h->by_a && dot && vs_expect_may_leave_out(dot + 1);
+  const bool by_criterion = criterion_of(h) == 0 && l->left_out_by == VS_CRITERION_FIRES;
   return by_criterion && word != VS_HOLD_HELD ? VS_HOLD_UNDECIDED : VS_HOLD_HELD;
 }
 
@@ -179,39 +218,33 @@ void vs_hold_judge(const vs_hold *h, size_t line, double m, double e, const char
   const vs_hold_line *l = &h->line[line];
   const double now = margin_now(h, l, m), error = error_now(l, e);
   const bool device = !l->own && was_device_waived(not_judged, l->name),
-             waived = device || (!l->own && was_waived(not_judged, l->name));
+             waived = device || (!l->own && was_waived(not_judged, l->name)),
+             left_out = device || l->waived || is_left_out(h, l, r->happened);
   came[0] = waived ? VS_HOLD_HELD : word_of(m, e);
-  came[1] = device || l->waived ? VS_HOLD_HELD
-            : waived            ? waived_word(h, l, word_of(now, error))
-                                : word_of(now, error);
+  came[1] = left_out ? VS_HOLD_HELD
+            : waived ? waived_word(h, l, word_of(now, error))
+                     : word_of(now, error);
   r->stored = worse(r->stored, came[0]);
   r->now = worse(r->now, came[1]);
-  if (waived || l->waived || !isfinite(now)) return;
+  if (waived || left_out || !isfinite(now)) return;
   if (r->weakest != SIZE_MAX && !vs_hold_is_weaker(now, error, r->margin, r->error)) return;
   r->margin = now;
   r->error = error;
   r->weakest = line;
 }
 
-/* "WHAT of DEVICE at ... | ..." (study/workers/case.c). */
-void vs_hold_happened(const char *happened, int criterion, vs_hold_row *r) {
-  static const char EXPECTED[] = ", as expected", UNSURE[] = ", in one of two runs",
-                    NEVER[] = " did not happen, though expected";
-  for (const char *s = happened; *s;) {
-    const char *end = strstr(s, " | ");
-    const size_t n = end ? (size_t)(end - s) : strlen(s), what = strcspn(s, " ");
-    char *one = vs_alloc_part(s, n), *name = vs_alloc_part(s, what);
+void vs_hold_happened(const vs_hold *h, vs_hold_row *r) {
+  const int criterion = criterion_of(h);
+  const char *rest = r->happened;
+  for (char *one; (one = next_happening(&rest)); free(one)) {
     const vs_hold_word w = strstr(one, UNSURE) ? VS_HOLD_UNDECIDED : VS_HOLD_VIOLATED;
     bool spared = strstr(one, EXPECTED) && w == VS_HOLD_VIOLATED;
     if (!spared) r->stored = worse(r->stored, w);
     if (criterion == 0)
       spared = strstr(one, NEVER) != NULL;
     else if (criterion > 0)
-      spared = spared || vs_expect_spares(criterion, name) || strstr(one, NEVER);
+      spared = spared || is_allowed(criterion, one) || strstr(one, NEVER);
     if (!spared) r->now = worse(r->now, w);
-    free(one);
-    free(name);
-    s += n + (end ? strlen(" | ") : 0);
   }
 }
 

@@ -38,11 +38,7 @@ double vs_threat_value(const vs_axis *axis, double u) {
     const double n = (double)axis->n_values;
     return axis->value[(size_t)fmin(fmax(floor(u * n), 0), n - 1)];
   }
-  if (u <= 0) return axis->from; /* exact at both ends */
-  if (u >= 1) return axis->to;
-  const double x = axis->log ? axis->from * pow(axis->to / axis->from, u)
-                             : axis->from + u * (axis->to - axis->from);
-  return vs_text_rounded(x, 12); /* as study.csv and the scene have it */
+  return vs_text_rounded(vs_axis_between(axis, u), 12); /* as study.csv and the scene have it */
 }
 
 /* The last list runs fastest. */

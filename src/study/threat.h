@@ -19,10 +19,11 @@ typedef struct vs_threat_setting {
 typedef struct vs_threat {
   char name[VS_EVENT_NAME];
   vs_where where;
-  const char *text;                /* what happens, one line */
-  const vs_event_kind *kind;       /* NULL: it is `none` */
-  const struct vs_threat *with;    /* NULL: it comes alone */
-  int criterion;                   /* its number (measure/expect.h) */
+  const char *text;             /* what happens, one line */
+  const vs_event_kind *kind;    /* NULL: it is `none` */
+  const struct vs_threat *with; /* NULL: it comes alone */
+  int criterion;                /* its number (measure/expect.h) */
+  vs_where criterion_where;
   uint64_t n;                      /* cases of it, where a range is continuous */
   vs_axis range[VS_THREAT_RANGES]; /* `field` is the event's, `key` is "events.NAME.KEY" */
   size_t n_ranges;
@@ -39,7 +40,7 @@ typedef struct vs_threat {
 size_t vs_threat_numbers(const vs_threat *threat);
 const vs_axis *vs_threat_range(const vs_threat *threat, size_t k);
 
-/* The value of a range at the share u of it, 0 to 1: of a list each value has as much of it. */
+/* The value of a range at the share u of it, 0 to 1. The values of a list have equal shares. */
 double vs_threat_value(const vs_axis *range, double u);
 
 /* How many combinations of listed values the threat has; 1 where it has no list. A continuous range

@@ -47,8 +47,8 @@ static vs_status unknown_kind(const vs_threat *t, const vs_node *node, const cha
     names[count++] = ALIASES[k].name;
   for (size_t k = 0; k < count; k++) vs_text_add(&all, "%s%s", k ? ", " : "", names[k]);
   vs_status status = vs_fail_at(err, node ? node->where : t->where,
-                                "threats.%s.kind: '%s' is none; there are: %s%s", t->name, word,
-                                all.text, vs_text_hint(word, names, count, "").text);
+                                "threats.%s.kind: there is no kind '%s'; there are: %s%s", t->name,
+                                word, all.text, vs_text_hint(word, names, count, "").text);
   vs_text_free(&all);
   return status;
 }
@@ -121,9 +121,11 @@ static vs_status any_number(vs_axis *axis, const vs_node *node, vs_error *err) {
   const vs_field *f = axis->field;
   const double large = 1e3; /* an end beyond it only keeps out what cannot be meant */
   if (f->kind == VS_COUNT || f->open || !(f->min < f->max) || f->max > large)
-    return vs_fail_at(err, node->where,
-                      "%s: any of what? the key has no end; 'A .. B' or a list is wanted",
-                      axis->key);
+    return vs_fail_at(
+        err, node->where,
+        "%s: 'any' needs a key with two ends, and this one has none; 'A .. B' or a list "
+        "is wanted",
+        axis->key);
   axis->ranged = true;
   axis->from = f->min;
   axis->to = f->max;
@@ -222,8 +224,7 @@ static vs_status read_kind(vs_threat *t, const vs_node *map, vs_error *err) {
   return VS_OK;
 }
 
-static vs_status read_criterion(vs_threat *t, const vs_node *map, const vs_scene *scene,
-                                vs_error *err) {
+static vs_status read_criterion(vs_threat *t, const vs_node *map, vs_error *err) {
   const vs_node *node = vs_tree_child(map, "criterion");
   if (!node) return VS_OK;
   t->criterion = node->kind == VS_NODE_TEXT ? vs_expect_criterion(node->text) : -1;
@@ -232,22 +233,15 @@ static vs_status read_criterion(vs_threat *t, const vs_node *map, const vs_scene
     for (int k = 0; k < VS_CRITERIA; k++)
       vs_text_add(&all, "%s%s (%s)", k ? ", " : "", vs_expect_criteria[k].name,
                   vs_expect_criteria[k].text);
-    vs_status status = vs_fail_at(err, node->where, "threats.%s.criterion: '%s' is none of %s",
-                                  t->name, node->text ? node->text : "", all.text);
+    vs_status status =
+        vs_fail_at(err, node->where, "threats.%s.criterion: '%s' is no criterion; there are: %s",
+                   t->name, node->text ? node->text : "", all.text);
     vs_text_free(&all);
     t->criterion = 0;
     return status;
   }
-  const vs_deck *deck = &scene->setup.deck;
-  bool fuse = t->criterion < VS_CRITERION_OPENS;
-  for (size_t k = 0; k < deck->n_devices; k++)
-    fuse = fuse || (deck->devices[k].kind && deck->devices[k].kind->melts);
-  if (fuse) return VS_OK;
-  t->criterion = 0;
-  return vs_fail_at(err, node->where,
-                    "threats.%s.criterion: C lets a fuse open, and the deck has no device that is "
-                    "one; A or B is wanted, or a deck with a fuse",
-                    t->name);
+  t->criterion_where = node->where;
+  return VS_OK;
 }
 
 static vs_status read_live(vs_threat *t, const vs_node *map, const vs_scene *scene, vs_error *err) {
@@ -272,8 +266,7 @@ static vs_status read_live(vs_threat *t, const vs_node *map, const vs_scene *sce
   return VS_OK;
 }
 
-static vs_status read_beginning(vs_threat *t, const vs_node *map, const vs_scene *scene,
-                                vs_error *err) {
+static vs_status read_beginning(vs_threat *t, const vs_node *map, vs_error *err) {
   const vs_node *start = vs_tree_child(map, "start"), *until = vs_tree_child(map, "until");
   char why[200];
   t->start = start;
@@ -287,7 +280,6 @@ static vs_status read_beginning(vs_threat *t, const vs_node *map, const vs_scene
       (until->kind != VS_NODE_TEXT ||
        !vs_units_read(until->text, "s", &t->until_s, why, sizeof why) || !(t->until_s > 0)))
     return vs_fail_at(err, until->where, "threats.%s.until: a time is wanted, as 0.2 s", t->name);
-  (void)scene;
   return VS_OK;
 }
 
@@ -301,7 +293,7 @@ static bool is_set(const vs_threat *t, const char *key) {
   return false;
 }
 
-/* What does not say when it begins does so in the cycle of the scene's first firing. */
+/* A threat without `at` or `cycle` comes in the cycle of the scene's first firing. */
 static void place(vs_threat *t, const vs_scene *scene) {
   char cycle[32];
   if (is_set(t, "at") || is_set(t, "cycle")) return;
@@ -331,7 +323,8 @@ static vs_status check_name(const vs_threats *all, const vs_threat *t, const vs_
                       "threats: '%.80s': a name of up to %d letters without a dot is wanted",
                       map->key, VS_EVENT_NAME - 1);
   if (threat_named(all, t->name))
-    return vs_fail_at(err, map->key_where, "threats.%s stands here a second time", t->name);
+    return vs_fail_at(err, map->key_where, "threats.%s stands here a second time; leave one out",
+                      t->name);
   if (scene_has(all->scene, t->name))
     return vs_fail_at(err, map->key_where,
                       "threats.%s: the scene has an event of that name; another one is wanted",
@@ -350,9 +343,9 @@ static vs_status read_threat(vs_threats *all, const vs_node *map, vs_threat *t, 
                         t->name);
   if (!status) status = read_kind(t, map, err);
   if (!status) status = check_keys(t, map, err);
-  if (!status) status = vs_error_keep(err, read_criterion(t, map, all->scene, err));
+  if (!status) status = vs_error_keep(err, read_criterion(t, map, err));
   if (!status) status = vs_error_keep(err, read_live(t, map, all->scene, err));
-  if (!status) status = vs_error_keep(err, read_beginning(t, map, all->scene, err));
+  if (!status) status = vs_error_keep(err, read_beginning(t, map, err));
   if (!status) status = vs_axis_whole(map, N_KEY, 1, 10000000, &t->n, err);
   for (const vs_node *node = map->child; node && !status; node = node->next)
     if (!is_own(node->key) && (field_named(t->kind, node->key) || is_beginning(t, node->key)))
@@ -537,7 +530,7 @@ void vs_threats_put(const vs_threats *all, const vs_threat *t, const double *val
   put_back(all->scene, "events", tree);
   if (t->kind) put_event(t, value, tree);
   if (t->with) put_event(t->with, value + t->n_ranges, tree);
-  put_list(all->scene, "expect", &criterion, t->criterion > 0, t->where, tree);
+  put_list(all->scene, "expect", &criterion, t->criterion > 0, t->criterion_where, tree);
   put_waivers(all, t, tree);
   if (t->start && !strcmp(t->start->text, REST))
     vs_tree_drop(tree, "start");

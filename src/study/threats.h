@@ -34,10 +34,10 @@ typedef struct vs_threats {
 /* Reads the node `threats` against a scene that is settled, and tries each threat's scene at the
  * ends of its ranges and with each of its names. The node and the scene must outlive the threats.
  * Errors with their place, each of which a check carries on from: an unknown kind, key, criterion
- * or partner; a value that the key does not take; everything that the event's scene is wrong in, as
- * an element that the deck has not; criterion C where no fuse is; a run that ends before the threat
- * has had its effect; a fault of the coil or the machine behind the only shot; a tier that judges
- * nothing. vs_threats_free even then. */
+ * or partner; a value that the key does not take; whatever is wrong in the scene with the event,
+ * such as an element that the deck does not have; criterion C in a deck without a fuse; a run that
+ * ends before the threat has had its effect; a fault of the coil or the machine after the only
+ * shot; a tier that judges nothing. Call vs_threats_free even then. */
 vs_status vs_threats_read(const vs_node *node, const vs_scene *scene, vs_threats *threats,
                           vs_error *err);
 void vs_threats_free(vs_threats *threats);
@@ -47,9 +47,9 @@ void vs_threats_free(vs_threats *threats);
 void vs_threats_put(const vs_threats *threats, const vs_threat *threat, const double *value,
                     vs_tree *tree);
 
-/* Error: of the case that the settled scene has, the threat is not built, as it would begin behind
- * the run's end, or it would not have had its effect by then. Call it for each case: a scene whose
- * run was made shorter would hold without ever having met the threat. */
+/* Error: in a case's settled scene the threat begins after the run's end, or the run ends before
+ * the threat has had its effect. Call it for each case: a scene whose run was made shorter would
+ * hold without ever having met the threat. */
 vs_status vs_threats_check(const vs_threat *threat, const vs_scene *scene, vs_error *err);
 
 /* Writes the k-th of the keys that all cases of the threat set besides their numbers, as --set of

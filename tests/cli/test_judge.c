@@ -264,14 +264,70 @@ static void a_rating_beside_a_waiver(void) {
  * not say whether the scene waived them besides: what would break is undecided. */
 static void what_a_criterion_waived(void) {
   run_study("b", ", expect: [B]");
-  static const char *const ROWS[][2] = {{"", "\"held\": 3"},
-                                        {"--set criterion=B", "\"held\": 3"},
-                                        {"--set criterion=A", "\"undecided\": 3"}};
+  static const char *const ROWS[][2] = {{"b", "\"held\": 3"},
+                                        {"b --set criterion=B", "\"held\": 3"},
+                                        {"b --set criterion=A", "\"undecided\": 3"},
+                                        {"plain", "\"undecided\": 3"},
+                                        {"plain --set criterion=B", "\"held\": 3"}};
   for (size_t k = 0; k < COUNT(ROWS); k++) {
-    ran r = run("judge b --json --set hold.thyristor.dv_dt=1e-9 %s", ROWS[k][0]);
+    ran r = run("judge %s --json --set hold.thyristor.dv_dt=1e-9", ROWS[k][0]);
     const char *now = strstr(r.out, "\"now\"");
     EXPECT(now && strstr(now, ROWS[k][1]), "%s: %s%s", ROWS[k][0], r.out, r.err);
     free_ran(&r);
+  }
+}
+
+/* What a fuse has to pass to open counts no more where it opened in both runs and may. Else it is
+ * undecided here, as errors grow with the limit's smaller part. */
+static void a_fuse_that_may_open(void) {
+  static const char *const ROWS[][2] = {
+      {"fuse_opens of fuse_2 at 0.01 s (x)", "held"},
+      {"fuse_opens of fuse_2 at 0.01 s (x), in one of two runs", "undecided"},
+      {"fuse_opens of fuse_1 at 0.01 s (x)", "undecided"},
+      {"", "undecided"}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    edit("happened", ROWS[k][0], *ROWS[k][0] ? "3" : "0");
+    ran r = run("judge edited -o judged --quiet --set criterion=C --set "
+                "hold.fuse_2.i2t_surge=1e-9");
+    table judged = read_table("judged/judged.csv");
+    CU_ASSERT_EQUAL_FATAL(judged.rows, 1);
+    EXPECT(!strcmp(cell_of(&judged, 0, "verdict"), ROWS[k][1]), "%s: %s", ROWS[k][0],
+           cell_of(&judged, 0, "verdict"));
+    free(judged.text);
+    free_ran(&r);
+  }
+}
+
+/* What judge makes of rows run under A is what a study under the criterion has: what its criterion
+ * left out breaks nothing and is not the weakest line. Of the two threats the surge fires the
+ * thyristor, and the coil's short circuit opens a fuse. */
+static void as_under_that_criterion(void) {
+  for (const char *c = "ABC"; *c; c++) {
+    char text[512];
+    snprintf(text, sizeof text,
+             "set: {circuit.deck: halfwave_paper, firing.every: 1, run.until: 60 ms}\n"
+             "threats:\n"
+             "  s: {kind: surge, cycle: 2, angle: [355 deg], level: 1 kV, criterion: %c}\n"
+             "  c: {kind: coil_short, angle: [100 deg], fraction: [100 %%], criterion: %c}\n"
+             "report: [p_min]\n",
+             *c, *c);
+    write_file("c.yaml", text);
+    ran r = run("study c.yaml -o c%c --quiet", *c);
+    EXPECT(r.status == (*c == 'C' ? 0 : 3), "%c: %d %s", *c, r.status, r.err);
+    free_ran(&r);
+    r = run("judge cA -o judged --quiet --set criterion=%c", *c);
+    free_ran(&r);
+    char study[32];
+    snprintf(study, sizeof study, "c%c/study.csv", *c);
+    table own = read_table(study), judged = read_table("judged/judged.csv");
+    CU_ASSERT_EQUAL_FATAL(judged.rows, 3);
+    for (size_t k = 0; k < 3; k++) {
+      CU_ASSERT_STRING_EQUAL(cell_of(&judged, k, "status"), cell_of(&own, k, "status"));
+      if (*cell_of(&own, k, "status") == '3') continue; /* what happened may be the weakest */
+      CU_ASSERT_STRING_EQUAL(cell_of(&judged, k, "weakest"), cell_of(&own, k, "weakest"));
+      CU_ASSERT_STRING_EQUAL(cell_of(&judged, k, "margin_least"), cell_of(&own, k, "margin_least"));
+    }
+    free(own.text), free(judged.text);
   }
 }
 
@@ -348,6 +404,8 @@ int main(void) {
                                   {"edited rows", edited_rows},
                                   {"a rating beside a waiver", a_rating_beside_a_waiver},
                                   {"what a criterion waived", what_a_criterion_waived},
+                                  {"a fuse that may open", a_fuse_that_may_open},
+                                  {"as under that criterion", as_under_that_criterion},
                                   {"margins without errors", margins_without_errors},
                                   {"refused", refused},
                                   {"sensitivity of a margin", sensitivity_of_a_margin}};

@@ -652,7 +652,7 @@ static void bad_input(void) {
     const char *events, *at, *says;
   } ROWS[] = {
       {"{e: {kind: surgee, at: 1 ms}}", "s.yaml:2:20: ", "did you mean 'surge'?"},
-      {"{e: {at: 1 ms}}", "s.yaml:2:14: ", "events.e.kind: '' is none; there are: surge, "},
+      {"{e: {at: 1 ms}}", "s.yaml:2:14: ", "events.e.kind: there is no kind ''; there are: surge, "},
       {"{e: surge}", "s.yaml:2:13: ", "events.e: a map is wanted"},
       {"[surge]", "s.yaml:2:10: ", "events: a map of names is wanted"},
       {"{e: {kind: sag, at: 1 ms, levle: 3 %}}", "s.yaml:2:35: ", "did you mean 'level'?"},

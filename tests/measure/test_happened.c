@@ -3,9 +3,11 @@
  * off, and a fuse that opens, break the verdict unless the scene expects them; what a verdict could
  * not judge stands below it; and a run, a study, the report and JSON say the same.
  */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "measure/verdict.h"
 #include "program.h"
 
 /* The paper's converter with its gate off, and a surge that rises faster than the thyristor bears.
@@ -125,6 +127,31 @@ static void in_the_second_run_alone(void) {
   free_ran(&r);
 }
 
+/* What happens in one of the two runs is undecided, unless the criterion allows it: then it may. */
+static void allowed_in_one_run_alone(void) {
+  vs_device thyristor = {.name = "thyristor", .kind = vs_kinds_find("thyristor"), .part = -1};
+  vs_deck *deck = vs_alloc(1, sizeof *deck);
+  const vs_device_measure *fires = thyristor.kind->measures;
+  while (fires->held != VS_NEVER) fires++;
+  for (int allowed = 0; allowed < 2; allowed++)
+    for (int run = 0; run < 2; run++) {
+      vs_verdict v[2] = {{0}};
+      v[run].item = vs_alloc(1, sizeof *v[run].item);
+      v[run].item[v[run].count++] = (vs_judgement){.device = &thyristor,
+                                                   .measure = fires,
+                                                   .margin = allowed ? INFINITY : -1,
+                                                   .margin_error = NAN,
+                                                   .stress = {true, 1, 1e-3},
+                                                   .expected = allowed,
+                                                   .allowed = allowed};
+      vs_verdict_compare(&v[0], &v[1], deck, 1e-4, 1e-3);
+      CU_ASSERT_EQUAL(v[0].count, run == 0 || !allowed);
+      if (v[0].count) CU_ASSERT_EQUAL(vs_verdict_word(v[0].item), allowed ? VS_HELD : VS_UNDECIDED);
+      for (int k = 0; k < 2; k++) vs_verdict_free(&v[k]);
+    }
+  free(deck);
+}
+
 static void not_judged(void) {
   ran r = run("run paper --set circuit.deck=halfwave_paper --set circuit.thyristor=TYN1212 --set "
               "run.until=10ms --set run.verify=never --all");
@@ -239,6 +266,7 @@ int main(void) {
                                   {"an arc too low", an_arc_too_low},
                                   {"an ideal thyristor misfires", an_ideal_thyristor_misfires},
                                   {"in the second run alone", in_the_second_run_alone},
+                                  {"allowed in one run alone", allowed_in_one_run_alone},
                                   {"not judged", not_judged},
                                   {"the same in a study", the_same_in_a_study},
                                   {"an id of its own", an_id_of_its_own},

@@ -7,40 +7,13 @@
 #include <string.h>
 
 #include "base/units.h"
-#include "program.h"
+#include "read_study.h"
 #include "study/method/span.h"
-#include "study/methods.h"
-#include "study/study_file.h"
 #include "study/threats.h"
 #include "study/workers/case.h"
 #include "study/workers/identity.h"
 
 #define SAYS(text, what) EXPECT(strstr(text, what), "%s is not in: %s", what, text)
-
-typedef struct study {
-  vs_plan plan;
-  vs_error err;
-  vs_status status;
-} study;
-
-static study *read_study(const char *text) {
-  study *s = vs_alloc(1, sizeof *s);
-  write_file("study.yaml", text);
-  s->status = vs_study_file_read("study.yaml", vs_methods_all, NULL, 0, &s->plan, &s->err);
-  return s;
-}
-
-static study *good_study(const char *text) {
-  study *s = read_study(text);
-  EXPECT(!s->status, "%s", s->err.text);
-  CU_ASSERT_FATAL(!s->status);
-  return s;
-}
-
-static void drop(study *s) {
-  vs_plan_free(&s->plan);
-  free(s);
-}
 
 #define SCENE                                                                                      \
   "scene: paper\nset: {circuit.deck: halfwave_paper, firing.every: 1, run.until: 60 ms}\n"
@@ -91,7 +64,7 @@ static void listed_and_cut(void) {
   for (int k = 0; k < 8; k++) CU_ASSERT_EQUAL(eighths[k], 1);
   for (int k = 0; k < 3; k++) CU_ASSERT_EQUAL(levels[k], 2);
   CU_ASSERT_EQUAL(long_ones, 4);
-  drop(s);
+  drop_study(s);
 }
 
 /* Another threat leaves the numbers of this one alone, and another seed does not. */
@@ -107,7 +80,7 @@ static void keyed_by_names(void) {
       vs_plan_point(&s->plan, k + (t == 1 ? 7 : 0), point);
       angle[t][k] = point[axis_of(&s->plan, "threat.angle_deg")];
     }
-    drop(s);
+    drop_study(s);
   }
   CU_ASSERT(!memcmp(angle[0], angle[1], sizeof angle[0]));
   for (int k = 0; k < 16; k++) CU_ASSERT(angle[0][k] != angle[2][k]);
@@ -135,7 +108,7 @@ static void draws(void) {
   }
   CU_ASSERT_DOUBLE_EQUAL(sum / 400, 0.5, 5 * 0.29 / 20);
   vs_threats_free(&threats);
-  drop(s);
+  drop_study(s);
 }
 
 /* ---- each case is a scene ---- */
@@ -213,7 +186,7 @@ static void ids_of_runs(void) {
   vs_threats_free(&threats);
   free(scene);
   free(w);
-  drop(s);
+  drop_study(s);
 }
 
 /* ---- through all readers ---- */
@@ -358,7 +331,7 @@ static void each_part_by_itself(void) {
     EXPECT(least[n] >= from[n] && least[n] <= from[n] + piece, "%s: from %g", COLUMNS[n], least[n]);
     EXPECT(largest[n] <= to[n] && largest[n] >= to[n] - piece, "%s: to %g", COLUMNS[n], largest[n]);
   }
-  drop(s);
+  drop_study(s);
 }
 
 /* ---- refused ---- */
@@ -367,17 +340,19 @@ static void refused(void) {
   static const struct {
     const char *threats, *at, *says[2];
   } ROWS[] = {
-      {"  a: {kind: surj}", "4:13", {"'surj' is none; there are: surge", "did you mean 'surge'?"}},
-      {"  a: {angle: any}", "4:3", {"kind: '' is none", NULL}},
+      {"  a: {kind: surj}", "4:13", {"no kind 'surj'; there are: surge", "did you mean 'surge'?"}},
+      {"  a: {angle: any}", "4:3", {"there is no kind ''", NULL}},
       {"  a: {kind: surge, angel: any}", "4:20", {"'angel'", "did you mean 'angle'?"}},
       {"  a: {kind: surge, angle: any, criterion: D}",
        "4:43",
-       {"none of A (nothing happens)", "C ("}},
+       {"no criterion; there are: A (nothing happens)", "C ("}},
       {"  a: {kind: surge, angle: 0 deg .. 400 deg}",
        "4:27",
        {"400 deg is out of range", "0..360"}},
       {"  a: {kind: sag, angle: any, level: [40 V]}", "4:38", {"wrong unit", "%"}},
-      {"  a: {kind: surge, every: any, at: 1 ms}", "4:27", {"any of what?", "'A .. B'"}},
+      {"  a: {kind: surge, every: any, at: 1 ms}",
+       "4:27",
+       {"needs a key with two ends", "'A .. B'"}},
       {"  a: {kind: open, element: R99, from: start}", "4:3", {"no element 'R99'", "'R1'"}},
       {"  a: {kind: open, element: [R1, R99], from: start}", "4:3", {"no element 'R99'", "'R1'"}},
       {"  a: {kind: open, element: R1, from: strike}", "4:38", {"has no generator", "15 ms"}},
@@ -404,10 +379,10 @@ static void refused(void) {
        {"no device of that kind", "circuit.r1"}},
       {"  a: {kind: surge, at: 1 ms}\nspread: {circuit.c1: 5 % .. -20 %}",
        "5:22",
-       {"the lesser end first", NULL}},
+       {"two different ends are wanted, the lesser first", NULL}},
       {"  a: {kind: surge, at: 1 ms}\nfind: {worst: min margin_least}",
        "3:1",
-       {"find chooses the cases already", NULL}}};
+       {"find chooses the cases itself", NULL}}};
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     vs_text text = {0};
     char at[64];
@@ -479,7 +454,30 @@ static void a_pair_runs_on(void) {
   EXPECT(told, "no run.until of %s", threats.item[1].name);
   vs_text_free(&text);
   vs_threats_free(&threats);
-  drop(s);
+  drop_study(s);
+}
+
+/* Devices that a threat does not judge join those that the scene leaves out; none stands twice. */
+static void waivers_of_a_scene_stay(void) {
+  study *s = good_study("scene: paper\nset: {circuit.deck: halfwave_paper, run.until: 60 ms,\n"
+                        "  waive: [varistor_1, r1.power]}\n"
+                        "threats: {a: {kind: surge, at: 1 ms, live: [thyristor]}}\n");
+  vs_threats threats = {0};
+  vs_text text = {0};
+  bool told = false;
+  CU_ASSERT_EQUAL(
+      vs_threats_read(vs_tree_child(s->plan.tree.root, "threats"), s->plan.base, &threats, &s->err),
+      VS_OK);
+  for (size_t k = 0; text.length = 0, vs_threats_setting(&threats, &threats.item[0], k, &text); k++)
+    if (!strncmp(text.text, "waive=[varistor_1, r1.power, ", 29)) {
+      const char *rest = text.text + 29;
+      told = strstr(rest, "varistor_2") && strstr(rest, "r1") && !strstr(rest, "varistor_1") &&
+             !strstr(rest, "thyristor");
+    }
+  EXPECT(told, "no such waivers of %s", threats.item[0].name);
+  vs_text_free(&text);
+  vs_threats_free(&threats);
+  drop_study(s);
 }
 
 /* An opened element whose value the deck reckons with makes lines untrue, also where no second run
@@ -503,6 +501,7 @@ int main(void) {
                                   {"refused", refused},
                                   {"would lie", would_lie},
                                   {"a pair runs on", a_pair_runs_on},
+                                  {"waivers of a scene stay", waivers_of_a_scene_stay},
                                   {"untrue lines are undecided", untrue_lines_are_undecided}};
   return program_suite("threats", TESTS, COUNT(TESTS));
 }

@@ -50,8 +50,8 @@ static const vs_event_kind *find_kind(const vs_node *map, const char *name, vs_s
   }
   *status =
       vs_error_keep(err, vs_fail_at(err, node ? node->where : map->where,
-                                    "events.%s.kind: '%s' is none; there are: %s%s", name, word,
-                                    all.text, vs_text_hint(word, names, count, "").text));
+                                    "events.%s.kind: there is no kind '%s'; there are: %s%s", name,
+                                    word, all.text, vs_text_hint(word, names, count, "").text));
   vs_text_free(&all);
   free(names);
   return NULL;

@@ -134,10 +134,11 @@ static const char *line_name(const answer *a, const vs_design_mark *mark) {
   const char *why = a->results->words[mark->run * VS_RESULT_WORDS + VS_RESULT_WHY];
   vs_hold_row row = VS_HOLD_ROW;
   if (why) return why;
-  vs_hold_happened(happened ? happened : "", -1, &row);
+  if (happened) row.happened = happened;
+  vs_hold_happened(&a->d->hold, &row);
   if (mark->line != SIZE_MAX && !(mark->margin > 0 && row.now != VS_HOLD_HELD))
     return a->d->hold.line[mark->line].name;
-  return happened ? happened : "";
+  return row.happened;
 }
 
 static void add_case(const answer *a, const vs_design_mark *mark, vs_text *text) {

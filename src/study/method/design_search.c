@@ -45,6 +45,7 @@ vs_hold_row vs_design_search_judge(const vs_design_search *s, uint64_t run) {
   const vs_design *d = s->d;
   const char *not_judged = word_of(s->results, run, VS_RESULT_NOT_JUDGED);
   vs_hold_row row = VS_HOLD_ROW;
+  row.happened = word_of(s->results, run, VS_RESULT_HAPPENED);
   vs_hold_word came[2];
   for (size_t k = 0; k < d->hold.count; k++) {
     if (d->margin[k] < 0) continue;
@@ -61,7 +62,7 @@ vs_hold_row vs_design_search_judge(const vs_design_search *s, uint64_t run) {
     }
     vs_hold_judge(&d->hold, k, margin, error, not_judged, &row, came);
   }
-  vs_hold_happened(word_of(s->results, run, VS_RESULT_HAPPENED), -1, &row);
+  vs_hold_happened(&d->hold, &row);
   if (!vs_hold_rest(&d->hold, s->results->status[run] == 3,
                     word_of(s->results, run, VS_RESULT_WARNINGS), &row))
     row.now = VS_HOLD_UNDECIDED;

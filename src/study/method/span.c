@@ -65,7 +65,7 @@ static vs_status read_width(const vs_axis *axis, const vs_node *node, const char
                       axis->key);
   if (relative && axis->nominal == 0)
     return vs_fail_at(err, node->where,
-                      "%s: it is 0 in the scene, of which no part is anything; write for example "
+                      "%s: it is 0 in the scene, and any per cent of that are 0; write for example "
                       "'1 %s normal'",
                       axis->key, axis->unit);
   *width = relative ? si * fabs(axis->nominal) : si / vs_units_factor(axis->unit);
@@ -86,12 +86,11 @@ static vs_status read_parts(vs_axis *axis, const vs_node *node, const double par
                       "wanted",
                       axis->key, node->text);
   if (axis->is_word || f->kind == VS_COUNT || !(part[0] < part[1]))
-    return vs_fail_at(
-        err, node->where,
-        axis->is_word || f->kind == VS_COUNT
-            ? "%s: it is no continuum, of which '%s' could be a part; [A, B, ...] is wanted"
-            : "%s: '%s': the lesser end first, and another one behind it, are wanted",
-        axis->key, node->text);
+    return vs_fail_at(err, node->where,
+                      axis->is_word || f->kind == VS_COUNT
+                          ? "%s: '%s' needs a key with values in between; [A, B, ...] is wanted"
+                          : "%s: '%s': two different ends are wanted, the lesser first",
+                      axis->key, node->text);
   if (fmin(low, high) < f->min || fmax(low, high) > f->max ||
       (f->open && (fmin(low, high) <= f->min || fmax(low, high) >= f->max))) {
     vs_field_range(f, range, sizeof range);
@@ -158,7 +157,8 @@ static vs_status read_span(vs_axis *axis, const vs_node *node, const vs_scene *s
   else if (strcmp(shape, "uniform") || span.spread.truncate != 0)
     return misread(axis, node, err);
   if (axis->is_word || axis->field->kind == VS_COUNT)
-    return vs_fail_at(err, node->where, "%s: it is no continuum; write [A, B, ...]", axis->key);
+    return vs_fail_at(err, node->where, "%s: it has no values in between; write [A, B, ...]",
+                      axis->key);
   vs_status status = read_width(axis, node, text, &span.spread.width, err);
   if (status) return status;
   double cut = span.spread.truncate != 0 ? span.spread.truncate : sigmas;
@@ -232,10 +232,7 @@ double vs_span_between(const vs_axis *axis, double u) {
   if (span) return axis->nominal + span->reach * (2 * u - 1);
   if (!is_continuous(axis))
     return axis->value[(size_t)fmin(u * (double)axis->n_values, (double)(axis->n_values - 1))];
-  if (u <= 0) return axis->from; /* exact at both ends */
-  if (u >= 1) return axis->to;
-  return axis->log ? axis->from * pow(axis->to / axis->from, u)
-                   : axis->from + u * (axis->to - axis->from);
+  return vs_axis_between(axis, u);
 }
 
 double vs_span_at(const vs_axis *axis, double u) {

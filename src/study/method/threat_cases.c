@@ -151,8 +151,8 @@ static vs_status refuse_search(const vs_plan *plan, const vs_node *section, vs_e
   for (const vs_method *const *m = plan->methods; *m; m++)
     if ((*m)->next && !(*m)->takes_cases && vs_tree_child(plan->tree.root, (*m)->key))
       return vs_fail_at(err, section->key_where,
-                        "threats: %s chooses the cases already, over the keys of one event that "
-                        "stand under vary; one of the two is wanted",
+                        "threats: %s chooses the cases itself, from what stands under vary; one of "
+                        "the two is wanted",
                         (*m)->key);
   return VS_OK;
 }

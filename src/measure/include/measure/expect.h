@@ -39,8 +39,10 @@ extern const vs_criterion vs_expect_criteria[VS_CRITERIA];
 
 /* Returns the number of the criterion of that name, from 0; -1: there is none. */
 int vs_expect_criterion(const char *name);
-/* True for the name of a measure whose limit criteria behind A leave out, of some kind. */
-bool vs_expect_may_leave_out(const char *measure);
+/* Returns the number of the first criterion that leaves the limit of this measure out: B where it
+ * tells whether a device fires as it should, C where a fuse has to pass it to open and has opened;
+ * 0: none does. */
+int vs_expect_left_out_by(const vs_reduced *reduced);
 /* True where the criterion of that number allows what summary.json calls by that name. */
 bool vs_expect_spares(int criterion, const char *what);
 

@@ -58,6 +58,9 @@ vs_status vs_axis_whole(const vs_node *map, const char *key, uint64_t least, uin
 vs_status vs_axis_word(const vs_node *map, const char *name, const char *words, int *which,
                        vs_error *err);
 
+/* Returns the number at the share u, 0..1, of the way from one end of the range to the other. */
+double vs_axis_between(const vs_axis *axis, double u);
+
 /* Writes the axis' number as it stands in study.csv: a number of 12 digits, for which it returns
  * true, or a word; nothing of NaN, a case that has no such number. */
 bool vs_axis_print(const vs_axis *axis, double number, char *text, size_t size);

@@ -25,7 +25,8 @@ typedef struct vs_listed_measure {
                    margin: the limit it is a part of, in limit_unit; NaN: it has two ends */
   const char *limit_unit; /* of a margin; NULL: it is none */
   bool at_least;          /* the limit is the least allowed, not the most */
-  bool own;      /* of a margin: the scene itself rates it, which `waive` does not leave out */
+  bool own;        /* of a margin: the scene itself rates it, which `waive` does not leave out */
+  int left_out_by; /* of a margin: see vs_expect_left_out_by */
   int sense;     /* of a margin: 1, it is 1 - stress / limit; -1, stress / limit - 1; 0, neither, as
                     of a limit of 0 */
   double over_v; /* of a rate of rise: how far the stretch rises that it is the mean rate of, V; 0:

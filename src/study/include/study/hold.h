@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/field.h"
 #include "base/tree.h"
+#include "measure/expect.h"
 
 /* What a line or a row comes to. */
 typedef enum vs_hold_word { VS_HOLD_HELD, VS_HOLD_VIOLATED, VS_HOLD_UNDECIDED } vs_hold_word;
@@ -21,6 +22,7 @@ typedef struct vs_hold_line {
   bool own;         /* the scene itself rates it: what the scene waives is another line */
   int sense;        /* of vs_folder_margins, less 1; 0: the margin is no part of a limit */
   double part;      /* the limit asked for as a part of the one as run; 1: the same */
+  int left_out_by;  /* see vs_expect_left_out_by; 0 of a line that the scene rates */
   bool waived;
   const char *because; /* why it is waived, as people said it; borrowed; NULL: they did not */
 } vs_hold_line;
@@ -28,8 +30,8 @@ typedef struct vs_hold_line {
 typedef struct vs_hold {
   vs_hold_line *line; /* [count], owned */
   size_t count;
-  double margin;     /* of the house: the least margin that holds */
-  bool by_a;         /* criterion A is asked for, whatever the rows were run with */
+  double margin;                 /* of the house: the least margin that holds */
+  const vs_criterion *criterion; /* asked for, whatever the rows were run with; NULL: theirs */
   const char *where; /* where lines are looked for, for messages: "the verdicts of this study" */
   const char *hint;  /* what a message adds where no line's name is near */
 } vs_hold;
@@ -59,13 +61,16 @@ vs_status vs_hold_waive(vs_hold *hold, const vs_node *list, vs_error *err);
 
 /* ---- rows ---- */
 
-/* What a row comes to: as it was run, and as it is held. Begin with VS_HOLD_ROW. */
+/* What a row comes to: as it was run, and as it is held. Begin with VS_HOLD_ROW, and set `happened`
+ * before the row's lines are taken. */
 typedef struct vs_hold_row {
+  const char *happened; /* the row's cell of that name; borrowed */
   vs_hold_word stored, now;
   double margin, error; /* of the weakest line, now; NaN: there is none */
   size_t weakest;       /* SIZE_MAX: none */
 } vs_hold_row;
-#define VS_HOLD_ROW ((vs_hold_row){.margin = NAN, .error = NAN, .weakest = SIZE_MAX})
+#define VS_HOLD_ROW                                                                                \
+  ((vs_hold_row){.happened = "", .margin = NAN, .error = NAN, .weakest = SIZE_MAX})
 
 /* Takes a line of the row: its margin and its error as they were run (error NaN: it was not
  * computed). not_judged is the row's cell. Tells in `came` what the line came to, as run and now.
@@ -73,8 +78,8 @@ typedef struct vs_hold_row {
 void vs_hold_judge(const vs_hold *hold, size_t line, double margin, double error,
                    const char *not_judged, vs_hold_row *row, vs_hold_word came[2]);
 
-/* Takes the row's cell `happened`. criterion: of vs_expect_criteria; -1: as the scene has it. */
-void vs_hold_happened(const char *happened, int criterion, vs_hold_row *row);
+/* Takes what happened. */
+void vs_hold_happened(const vs_hold *hold, vs_hold_row *row);
 
 /* Takes the row's status and its warnings, once all else is taken. A line may have no column: what
  * it breaks the status has alone. false: the status is 0, and lines are broken; the row was

@@ -36,11 +36,12 @@ typedef struct vs_report_column {
   char of[VS_DECK_NAME];            /* see vs_column */
   char unit[16], text[VS_DECK_TEXT];
   char limit_unit[16]; /* of a margin: of its limit; empty: it is none, or the limit has no unit */
-  double rating; /* the limit it is held against, in unit; of a margin: its limit, in limit_unit.
-                    NaN: it has none, or not in every case the same one */
-  bool at_least; /* the limit is the least allowed; false: it is the most */
-  bool own;      /* of a margin, see vs_listed_measure */
-  int sense;     /* of a margin, see vs_listed_measure; 0, too, where cases differ */
+  double rating;   /* the limit it is held against, in unit; of a margin: its limit, in limit_unit.
+                      NaN: it has none, or not in every case the same one */
+  bool at_least;   /* the limit is the least allowed; false: it is the most */
+  bool own;        /* of a margin, see vs_listed_measure */
+  int left_out_by; /* the same */
+  int sense;       /* of a margin, see vs_listed_measure; 0, too, where cases differ */
   vs_where where;
   int derivative; /* 1 + the number of the entry of plan->derivatives whose value this is, or, with
                      a minus, whose error; 0: it is a measure */
