@@ -88,9 +88,17 @@ size_t vs_design_choices_option(const vs_design *d, uint64_t k, size_t choice);
 uint64_t vs_design_choices_with(const vs_design *d, uint64_t k, size_t choice, size_t option);
 /* What it costs with these classes of its options, class[n_choices]; NULL: the cheapest ones. */
 double vs_design_choices_price(const vs_design *d, uint64_t k, const size_t *class);
+/* What the dearest bill costs that the choices allow. */
+double vs_design_choices_dearest(const vs_design *d);
+/* Writes the option of that choice: "330 ohm". */
+void vs_design_choices_write_option(const vs_design *d, const vs_plan *plan, uint64_t k,
+                                    size_t choice, vs_text *text);
 /* Writes "TYN1212, s20k510, 330 ohm, 47 nF". */
 void vs_design_choices_write(const vs_design *d, const vs_plan *plan, uint64_t k, vs_text *text);
 
+/* True if the device is made of the choice: its name is what the key ends in, or its part's is. */
+bool vs_design_choices_makes(const vs_design_choice *choice, const vs_deck *deck,
+                             const vs_device *device);
 /* True if the point leaves the device out that the verdict's line is of. */
 bool vs_design_choices_lacks(const vs_design *d, const double *point, const char *line);
 /* Takes what leaves a part out from a tree that may have another point. */

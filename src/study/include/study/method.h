@@ -49,13 +49,9 @@ typedef struct vs_method {
    * their place (vs_fail_at); a check carries on from each (vs_error_keep). */
   vs_status (*read)(struct vs_plan *plan, const vs_node *section, void **state, vs_error *err);
 
-  /* Checks the section once the plan's columns have their units and ratings. NULL: there is nothing
-   * to check. */
+  /* Checks the section once the plan has the columns of all cases' lines, with units and ratings.
+   * NULL: there is nothing to check. */
   vs_status (*ready)(const struct vs_plan *plan, const struct vs_plan_stage *stage, vs_error *err);
-
-  /* Checks the section once the plan has the columns of all cases' lines. NULL: there is nothing to
-   * check. */
-  vs_status (*settle)(const struct vs_plan *plan, const struct vs_plan_stage *stage, vs_error *err);
 
   /* Frees the state. NULL: there is nothing to free. */
   void (*free)(void *state);
