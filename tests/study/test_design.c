@@ -299,6 +299,23 @@ static void draws_become_cases(void) {
   free(csv);
 }
 
+/* The list's sample of the level heats r1 to 3.009 W, which R3 bears; draws ask for R10. */
+static void draws_ask_for_classes(void) {
+  char text[1024];
+  snprintf(text, sizeof text, "%sR3,resistor,0.2,1,3.02\n", SIZES);
+  write_file("p.csv", text);
+  write_design(
+      ", parts: [g1200.inc]",
+      "threats:\n  swell: {kind: swell, level: {from: 110 %, to: 131 %}, n: 1, duration: 20 "
+      "ms}\nproof: {random: 20, verify: false}\n");
+  ran r = run("design d.yaml -o classes --overwrite");
+  EXPECT(strstr(r.out, "circuit.r1            as R3 does not hold: r1.power, margin -"), "%s",
+         r.out);
+  EXPECT(strstr(r.out, "3. Random: 0 of 20 draws after the last change violate"), "%s", r.out);
+  expect_end(&r, 0, " (R10) ");
+  write_file("p.csv", SIZES);
+}
+
 /* The list's only samples of the level lie below what 800 V hold; the search goes to the range's
  * end, where 1000 V hold: 440 V * sqrt(2) * 1.31 = 815 V. The worst found is told with how sure it
  * is. */
@@ -407,6 +424,21 @@ static void not_judged(void) {
                        "under lost (case 0)\n"),
          "%s", r.out);
   expect_end(&r, 1, "! 5 candidates could not be judged; no other one holds");
+}
+
+/* A candidate that a misfire rejects has no margin beside it: none of its lines is broken. */
+static void happened(void) {
+  write_design(
+      ", parts: [g1200.inc]",
+      "threats:\n  lost: {kind: open, element: Vt, from: start}\nproof: {verify: false}\n");
+  ran r = run("design d.yaml -o misfires --overwrite");
+  expect_end(&r, 3,
+             "!nothing in the catalogue holds: all 5 candidates, up to 10.6, violate a case");
+  char *csv = read_file("misfires/design.csv");
+  EXPECT(strstr(csv, ",violated,lost,misfire of thyristor at 0.013 s (no current followed its gate "
+                     "pulse),,,0,"),
+         "%s", csv);
+  free(csv);
 }
 
 static void budget(void) {
@@ -525,11 +557,13 @@ int main(void) {
                                   {"same bytes", same_bytes},
                                   {"house", house},
                                   {"draws become cases", draws_become_cases},
+                                  {"draws ask for classes", draws_ask_for_classes},
                                   {"search finds", search_finds},
                                   {"left out", left_out},
                                   {"tolerances", tolerances},
                                   {"threats beside operation", threats_beside_operation},
                                   {"not judged", not_judged},
+                                  {"happened", happened},
                                   {"budget", budget},
                                   {"refusals", refusals},
                                   {"bad prices", bad_prices},

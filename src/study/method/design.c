@@ -18,9 +18,9 @@
  *   proof: {verify: true, search: {n: 400, restarts: 8}, random: 1000, neighbours: true}
  *   budget: {runs: 5000, jobs: 2}
  *
- * A resistor or a capacitor of a value may stand in the list in several rows, whose columns LIMIT
- * (p_rated_w, v_class_v) say what they bear: the cheapest that bears what the runs show is taken.
- * A row without a value has any. */
+ * The list may have several rows for a resistor or a capacitor of one value. Their columns LIMIT
+ * (p_rated_w, v_class_v) say what they bear; the cheapest that bears what the runs show is taken.
+ * A row without a value is sold in any. */
 #include "method/design_choices.h"
 
 #include <math.h>

@@ -176,7 +176,7 @@ void vs_design_cases_write(const vs_plan *plan, const vs_design_cases *c, const 
                            vs_text *text) {
   const size_t at_work = c->n_points ? (size_t)point[c->axis] : 0;
   if (at_work || !c->threats) {
-    vs_text_add(text, "%s", at_work ? point_named(c, at_work)->key : AS_IT_IS);
+    vs_text_add(text, "%s", at_work ? point_named(c, at_work)->key : "no threat");
     return;
   }
   const char *between = "";
@@ -192,9 +192,10 @@ void vs_design_cases_write(const vs_plan *plan, const vs_design_cases *c, const 
     between = name ? ": " : ", ";
     if (axis->about)
       vs_text_add(text, "%+.3g %%", 100 * (point[k] / axis->nominal - 1));
-    else if (axis->is_word)
-      vs_text_add(text, "%s", axis->word[(size_t)point[k]]);
-    else
+    else if (axis->is_word) {
+      const char *word = axis->word[(size_t)point[k]];
+      vs_text_add(text, "%s", name && !strcmp(word, "none") ? "no threat" : word);
+    } else
       vs_text_add(text, "%.6g%s%s", point[k], *axis->unit ? " " : "", axis->unit);
   }
 }

@@ -15,8 +15,8 @@ enum { VS_DESIGN_CHOICES = 16, VS_DESIGN_LIMITS = 8, VS_DESIGN_DEVICES = 8 };
 /* The row of an option that is nothing. */
 #define VS_DESIGN_NONE SIZE_MAX
 
-/* A row of the list of prices that an option may be bought as. Those of one option differ in what
- * they bear alone. */
+/* A row of the list of prices that an option may be bought as. Rows of one option differ only in
+ * what they bear and cost. */
 typedef struct vs_design_class {
   size_t row;
   double price;                   /* what is to be least, of one of them */
@@ -30,8 +30,8 @@ typedef struct vs_design_option {
   size_t n_classes;
 } vs_design_option;
 
-/* A key under `choose`. Several that are to be the same have one leader, which has their options.
- */
+/* A key under `choose`. Keys that are to be the same (same_as) have one leader, which has the
+ * options of all of them. */
 typedef struct vs_design_choice {
   const vs_node *node;
   const char *device; /* what the key ends in: "r1" of circuit.r1 */

@@ -70,12 +70,12 @@ typedef struct vs_method {
   bool (*draw)(const struct vs_plan *plan, const struct vs_plan_stage *stage, uint64_t index,
                double *value);
 
-  /* Of a method that draws: what its cases of the which-th kind, from 0, can be searched for: fills
-   * axis[VS_PLAN_AXES] and returns how many these are. 0: its points have all of the kind.
-   * SIZE_MAX: there is no such kind. */
+  /* Of a method that draws: the ranges within which the which-th kind of its cases, from 0, can be
+   * searched. Fills axis[VS_PLAN_AXES] and returns how many these are. 0: the method's points are
+   * all there is of that kind. SIZE_MAX: there is no such kind. */
   size_t (*ranges)(const struct vs_plan *plan, const struct vs_plan_stage *stage, size_t which,
                    const vs_axis **axis);
-  /* Writes the point of that kind that lies at share[k], 0 to 1, of each of these. */
+  /* Writes the point of that kind that lies at share[k], 0 to 1, of range k. */
   void (*place)(const struct vs_plan *plan, const struct vs_plan_stage *stage, size_t which,
                 const double *share, double *value);
 
