@@ -235,6 +235,14 @@ void vs_file_discard(vs_file *file) {
   vs_shutdown_forget(file->temporary);
 }
 
+vs_status vs_file_write(const char *folder, const char *name, const char *text, vs_error *err) {
+  vs_file file;
+  vs_status status = vs_file_open(&file, folder, name, err);
+  if (status) return status;
+  if (text) fputs(text, file.stream);
+  return vs_file_commit(&file, err);
+}
+
 vs_status vs_file_commit_as(vs_file *file, const char *folder, const char *name, vs_error *err) {
   snprintf(file->path, sizeof file->path, "%s%s%s", folder, *folder ? "/" : "", name);
   return vs_file_commit(file, err);

@@ -579,15 +579,9 @@ static void write_json(const cure *c, size_t cures, vs_text *text) {
 }
 
 static vs_status write_cure_file(const char *folder, const char *json, vs_error *err) {
-  vs_file file = {0};
   int made;
   vs_status status = vs_file_folder_make(folder, &made, err);
-  if (!status) status = vs_file_open(&file, folder, "cure.json", err);
-  if (!status) {
-    fputs(json, file.stream);
-    status = vs_file_commit(&file, err);
-  }
-  vs_file_discard(&file);
+  if (!status) status = vs_file_write(folder, "cure.json", json, err);
   if (status) vs_file_folder_unmake(folder, made);
   return status;
 }

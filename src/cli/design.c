@@ -34,8 +34,8 @@ static vs_status design_command(const void *given, vs_error *err) {
 
 static const vs_option DESIGN_OPTIONS[] = {
     VS_OPTIONS_SET,
-    VS_OPTIONS_OUTPUT("DIR", "writes design.json, design.csv, bom.csv and cases/ there, besides "
-                             "what a study writes"),
+    VS_OPTIONS_OUTPUT("DIR", "writes design.txt, design.json, design.csv, bom.csv and cases/ "
+                             "there, besides what a study writes"),
     VS_OPTIONS_WHOLE(design_line, o.jobs, 1, 4096, "jobs", "N",
                      "worker processes (default: the cores this process may use)"),
     VS_OPTIONS_FLAG(design_line, o.resume, "resume",
@@ -53,7 +53,7 @@ static const vs_option DESIGN_OPTIONS[] = {
 const vs_command vs_design_cli = {
     .name = "design",
     .argument = "DESIGN",
-    .text = "finds the cheapest parts that hold: of a list of prices, under all threats",
+    .text = "finds the cheapest parts of a list of prices that hold under all threats",
     .examples = "  vibrospice design my.design.yaml -o answer\n"
                 "  vibrospice design my.design.yaml -o answer --resume\n",
     .options = DESIGN_OPTIONS,

@@ -625,13 +625,8 @@ static vs_status write_deck(const vs_scene *scene, const char *output, vs_error 
   if (slash)
     snprintf(folder, sizeof folder, "%.*s", (int)(slash - output + (slash == output)), output);
   vs_text text = {0};
-  vs_file file = {0};
   vs_status status = write_text(&text, scene, name, err);
-  if (!status) status = vs_file_open(&file, folder, name, err);
-  if (!status) {
-    fputs(text.text, file.stream);
-    status = vs_file_commit(&file, err);
-  }
+  if (!status) status = vs_file_write(folder, name, text.text, err);
   vs_text_free(&text);
   return status;
 }

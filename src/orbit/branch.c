@@ -141,15 +141,6 @@ static vs_status write_branch_picture(const vs_continuation *w, const char *fold
 
 /* ---- files ---- */
 
-static vs_status write_text_of_branch(const char *folder, const char *name, const char *text,
-                                      vs_error *err) {
-  vs_file file;
-  vs_status status = vs_file_open(&file, folder, name, err);
-  if (status) return status;
-  fputs(text, file.stream);
-  return vs_file_commit(&file, err);
-}
-
 static vs_status write_branch_csv(const vs_continuation *w, const char *folder, int digits,
                                   vs_error *err) {
   vs_file file;
@@ -167,7 +158,7 @@ static vs_status write_branch_files(const vs_continuation *w, const vs_branch_op
   vs_error why = {0};
   vs_status status = vs_file_folder_make(o->folder, &made, err);
   if (!status) status = write_branch_csv(w, o->folder, o->digits, err);
-  if (!status) status = write_text_of_branch(o->folder, "branch.json", json, err);
+  if (!status) status = vs_file_write(o->folder, "branch.json", json, err);
   if (status) vs_file_folder_unmake(o->folder, made);
   if (status) return status;
   *drawn = !write_branch_picture(w, o->folder, &why);

@@ -223,14 +223,11 @@ static vs_status try_cases(vs_plan *plan, vs_error *err) {
   status = vs_report_columns_resolve(plan, plan->first, plan->first->tier, err);
   if (!status && vs_error_count(err) == found)
     status = vs_report_columns_add_lines(plan, plan->first, err);
-  for (size_t p = 0; p < plan->n_stages && !status && vs_error_count(err) == found; p++)
-    if (plan->stages[p].method->ready)
-      status = vs_error_keep(err, plan->stages[p].method->ready(plan, &plan->stages[p], err));
   if (!status) status = try_tiers(plan, point, err);
   if (!status) status = try_names(plan, point, err);
   for (size_t p = 0; p < plan->n_stages && !status && vs_error_count(err) == found; p++)
-    if (plan->stages[p].method->settle)
-      status = vs_error_keep(err, plan->stages[p].method->settle(plan, &plan->stages[p], err));
+    if (plan->stages[p].method->ready)
+      status = vs_error_keep(err, plan->stages[p].method->ready(plan, &plan->stages[p], err));
   return status;
 }
 

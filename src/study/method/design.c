@@ -18,9 +18,9 @@
  *   proof: {verify: true, search: {n: 400, restarts: 8}, random: 1000, neighbours: true}
  *   budget: {runs: 5000, jobs: 2}
  *
- * A resistor or a capacitor of a value may stand in the list in several rows, whose columns LIMIT
- * (p_rated_w, v_class_v) say what they bear: the cheapest that bears what the runs show is taken.
- * A row without a value has any. */
+ * The list may have several rows for a resistor or a capacitor of one value. Their columns LIMIT
+ * (p_rated_w, v_class_v) say what they bear; the cheapest that bears what the runs show is taken.
+ * A row without a value is sold in any. */
 #include "method/design_choices.h"
 
 #include <math.h>
@@ -226,7 +226,7 @@ static vs_status hold_or_waive(vs_hold *hold, const char *name, const vs_node *v
   return strcmp(name, "waive") ? vs_hold_one(hold, name, value, err) : VS_OK;
 }
 
-static vs_status settle_design(const vs_plan *plan, const vs_plan_stage *stage, vs_error *err) {
+static vs_status ready_design(const vs_plan *plan, const vs_plan_stage *stage, vs_error *err) {
   vs_design *d = stage->state;
   const vs_tier *tier = plan->first->tier;
   const vs_node *hold = vs_tree_child(plan->tree.root, "hold");
@@ -318,7 +318,7 @@ const vs_method vs_design_method = {
     .text = "search for the cheapest parts of a list of prices that hold all cases",
     .claims = is_design,
     .read = read_design,
-    .settle = settle_design,
+    .ready = ready_design,
     .free = free_design,
     .count = count_design,
     .put = put_design,

@@ -32,18 +32,13 @@ typedef struct answer {
 
 /* ---- the least margin of each part ---- */
 
-/* True if the line is of a device that is made of the choice: its name is the key's, or its part
- * is.
- */
+/* True if the line is of a device that is made of the choice. */
 static bool is_of_choice(const answer *a, const char *line, const vs_design_choice *c) {
   const vs_deck *deck = &a->plan->first->setup.deck;
   const size_t n = strcspn(line, ".");
-  for (size_t k = 0; k < deck->n_devices; k++) {
-    const vs_device *device = &deck->devices[k];
-    if (strlen(device->name) != n || strncmp(device->name, line, n) != 0) continue;
-    if (!strcmp(device->name, c->device)) return true;
-    return device->part >= 0 && !strcmp(deck->parts[device->part].name, c->device);
-  }
+  for (size_t k = 0; k < deck->n_devices; k++)
+    if (strlen(deck->devices[k].name) == n && !strncmp(deck->devices[k].name, line, n))
+      return vs_design_choices_makes(c, deck, &deck->devices[k]);
   return false;
 }
 
@@ -128,17 +123,19 @@ static void count_cheaper(answer *a) {
 
 /* ---- words ---- */
 
-/* The line that decides; where no line is broken, what happened that must not. */
-static const char *line_name(const answer *a, const vs_design_mark *mark) {
+/* What decides: a line; where none is broken, what happened that must not, or why the run failed.
+ * *margin: the line's; NaN: no line decides. */
+static const char *line_name(const answer *a, const vs_design_mark *mark, double *margin) {
   const char *happened = a->results->words[mark->run * VS_RESULT_WORDS + VS_RESULT_HAPPENED];
   const char *why = a->results->words[mark->run * VS_RESULT_WORDS + VS_RESULT_WHY];
   vs_hold_row row = VS_HOLD_ROW;
+  *margin = NAN;
   if (why) return why;
   if (happened) row.happened = happened;
   vs_hold_happened(&a->d->hold, &row);
-  if (mark->line != SIZE_MAX && !(mark->margin > 0 && row.now != VS_HOLD_HELD))
-    return a->d->hold.line[mark->line].name;
-  return row.happened;
+  if (mark->line == SIZE_MAX || (mark->margin > 0 && row.now != VS_HOLD_HELD)) return row.happened;
+  *margin = mark->margin;
+  return a->d->hold.line[mark->line].name;
 }
 
 static void add_case(const answer *a, const vs_design_mark *mark, vs_text *text) {
@@ -147,18 +144,9 @@ static void add_case(const answer *a, const vs_design_mark *mark, vs_text *text)
   vs_design_cases_write(a->plan, &a->d->cases, point, text);
 }
 
-static void add_candidate(const answer *a, const vs_design_candidate *c, vs_text *text) {
-  vs_design_choices_write(a->d, a->plan, c->number, text);
-}
-
 static void add_option(const answer *a, const vs_design_candidate *c, size_t choice,
                        vs_text *text) {
-  const vs_design_choice *leader = &a->d->choice[a->d->choice[choice].leader];
-  const vs_axis *axis = &a->plan->axes[leader->axis];
-  char word[VS_NAME_SIZE];
-  vs_axis_print(axis, leader->option[vs_design_choices_option(a->d, c->number, choice)].number,
-                word, sizeof word);
-  vs_text_add(text, "%s%s%s", word, *axis->unit ? " " : "", axis->unit);
+  vs_design_choices_write_option(a->d, a->plan, c->number, choice, text);
 }
 
 static const char *part_name(const answer *a, const vs_design_class *class) {
@@ -200,15 +188,6 @@ static void want_scenes(answer *a) {
       }
 }
 
-static vs_status write_text(const char *folder, const char *name, const vs_text *text,
-                            vs_error *err) {
-  vs_file file;
-  vs_status status = vs_file_open(&file, folder, name, err);
-  if (status) return status;
-  fputs(text->text ? text->text : "", file.stream);
-  return vs_file_commit(&file, err);
-}
-
 /* ---- tables ---- */
 
 static const char *state_word(const vs_design_candidate *c) {
@@ -243,11 +222,13 @@ static void add_candidates(const answer *a, vs_text *text) {
     if (killed) add_case(a, &c->killer, &cell);
     vs_csv_cell(text, cell.length ? cell.text : "");
     vs_text_add(text, ",");
-    vs_csv_cell(text, killed ? line_name(a, &c->killer) : "");
+    double margin = NAN;
+    vs_csv_cell(text, killed ? line_name(a, &c->killer, &margin) : "");
     vs_text_add(text, ",");
-    if (killed && isfinite(c->killer.margin)) vs_text_add_number(text, c->killer.margin, 12);
+    if (isfinite(margin)) vs_text_add_number(text, margin, 12);
     vs_text_add(text, ",");
-    if (killed && isfinite(c->killer.error)) vs_text_add_number(text, c->killer.error, 12);
+    if (isfinite(margin) && isfinite(c->killer.error))
+      vs_text_add_number(text, c->killer.error, 12);
     vs_text_add(text, ",");
     if (killed) vs_text_add(text, "%llu", (unsigned long long)c->killer.run);
     vs_text_add(text, ",%llu\n", (unsigned long long)c->runs);
@@ -291,30 +272,31 @@ static void add_proof_of_list(const answer *a, vs_text *text) {
     vs_text_add(text, " (%zu of them found within the ranges)",
                 s->n_list - (size_t)a->d->cases.count);
   if (a->without_error)
-    vs_text_add(text, "; the weakest margins of %llu of its runs have no computed error",
+    vs_text_add(text, "; in %llu of its runs the weakest margin has no computed error",
                 (unsigned long long)a->without_error);
-  vs_text_add(
-      text,
-      ". Cheaper candidates: %zu, which violate a case each that design.csv names, by a margin %s",
-      a->cheaper,
-      a->d->verify ? "that got its error where it is near to the limit"
-                   : "without an error where that has none");
-  if (a->unjudged) vs_text_add(text, "; besides, %zu that could not be judged", a->unjudged);
+  vs_text_add(text, ". Candidates that cost less and do not hold: %zu", a->cheaper);
+  if (a->cheaper)
+    vs_text_add(text, "; design.csv names the case of each%s",
+                a->d->verify ? ", which was run again for the error of its margin if this was near "
+                               "to the limit"
+                             : "");
+  if (a->unjudged) vs_text_add(text, ". Those that could not be judged: %zu", a->unjudged);
   vs_text_add(text, ".");
 }
 
-/* Adds the worst of a threat: "surge: angle 41.2 deg: +6.3 % in thyristor.v_reverse (case 812; 5 of
- * 8 restarts came to its place, 6 to its value)". */
+/* Adds the worst of a threat: "+6.3 % of thyristor.v_reverse under surge: angle 41.2 deg (case 812,
+ * of 400 runs; of 8 restarts 5 came to this place and 6 to this value)". */
 static void add_worst(const answer *a, const vs_design_worst *w, vs_text *text) {
+  double margin;
   if (w->mark.run == UINT64_MAX) {
     vs_text_add(text, "no margin in %llu runs", (unsigned long long)w->n);
     return;
   }
   add_margin(w->mark.margin, w->mark.error, text);
-  vs_text_add(text, " of %s under ", line_name(a, &w->mark));
+  vs_text_add(text, " of %s under ", line_name(a, &w->mark, &margin));
   add_case(a, &w->mark, text);
   vs_text_add(text,
-              " (case %llu, of n = %llu; of %zu restarts %zu came to its place and %zu to its "
+              " (case %llu, of %llu runs; of %zu restarts %zu came to this place and %zu to this "
               "value)",
               (unsigned long long)w->mark.run, (unsigned long long)w->n, w->restarts, w->place,
               w->near);
@@ -328,8 +310,8 @@ static void add_proof_of_ranges(const answer *a, vs_text *text) {
   }
   if (!a->d->searched) {
     vs_text_add(text,
-                "Ranges: the list has samples of what is continuous; the worst within was not "
-                "searched for, and no bound is claimed.");
+                "Ranges: the list has samples of each range; the worst case between them was not "
+                "searched for (proof: {search: {}} does so), and no bound is claimed.");
     return;
   }
   vs_text_add(text, "Ranges: the worst found, for each threat: ");
@@ -339,10 +321,11 @@ static void add_proof_of_ranges(const answer *a, vs_text *text) {
   }
   vs_text_add(text, s->proved ? "." : "%sthe search was not done to its end.",
               s->n_worst ? "; " : "");
-  vs_text_add(text,
-              " Restarts agree within %g %% of each range and of the margin. No bound is "
-              "claimed.",
-              100 * VS_SEARCH_AGREE);
+  vs_text_add(
+      text,
+      " A place is the same within %g %% of each range, a value within as much. No bound is "
+      "claimed.",
+      100 * VS_SEARCH_AGREE);
 }
 
 static void add_proof_by_draws(const answer *a, vs_text *text) {
@@ -354,8 +337,9 @@ static void add_proof_by_draws(const answer *a, vs_text *text) {
   /* of N draws none violates: (1 - p)^N = 0.05, for large N p = 3/N */
   vs_text_add(text,
               "Random: 0 of %llu draws after the last change violate; %llu were drawn in all. "
-              "So p < %.3g %% at 95 %%, of draws in which each threat is as "
-              "likely as another, and even within its ranges.",
+              "With 95 %% confidence, less than %.3g %% of such draws violate. A draw takes one "
+              "threat, all being equally likely, with uniform values within its ranges, and each "
+              "spread by its own distribution.",
               (unsigned long long)s->draws_held, (unsigned long long)s->draws,
               100 * (1 - pow(0.05, 1 / (double)s->draws_held)));
 }
@@ -393,45 +377,23 @@ static void add_group(const answer *a, const char *group, size_t length, vs_text
   if (reason) vs_text_add(text, " %.*s", (int)(group + length - reason), reason);
 }
 
-/* What no run judged, each group once, as the rows of the answer say it. */
-static void add_not_judged(const answer *a, vs_text *text) {
-  const vs_design_search *s = &a->s;
-  vs_text all = {0};
-  for (size_t k = 0; k < s->n_list; k++) {
-    const uint64_t run = s->answer->run[k] - 1;
-    const char *cell = a->results->words[run * VS_RESULT_WORDS + VS_RESULT_NOT_JUDGED];
-    for (const char *g = cell; g && *g;) {
-      const char *end = strstr(g, "; "), *reason = strchr(g, '(');
-      /* a reason may have the sign, too */
-      if (end && reason && reason < end && memchr(reason, ')', (size_t)(end - reason)) == NULL)
-        end = strstr(strchr(reason, ')') ? strchr(reason, ')') : end, "; ");
-      const size_t n = end ? (size_t)(end - g) : strlen(g);
-      vs_text one = {0};
-      add_group(a, g, n, &one);
-      if (one.length && (!all.length || !strstr(all.text, one.text)))
-        vs_text_add(&all, "%s%s", all.length ? "; " : "", one.text);
-      vs_text_free(&one);
-      g += n + (end ? 2 : 0);
-    }
-  }
-  vs_text_add(text, "Not judged: %s.", all.length ? all.text : "nothing");
-  bool any = false;
+/* Adds the lines that hold waives, those that the list of prices judges, or those of another limit.
+ */
+static void add_lines(const answer *a, int which, vs_text *text) {
+  static const char *const TITLE[] = {
+      " Waived by hold: ", " Judged by the list of prices, without an error: ",
+      " Limits that hold changes: "};
+  const char *between = TITLE[which];
   for (size_t k = 0; k < a->d->hold.count; k++) {
-    if (!a->d->hold.line[k].waived) continue;
-    vs_text_add(text, "%s%s", any ? ", " : " Waived by hold: ", a->d->hold.line[k].name);
-    if (a->d->hold.line[k].because) vs_text_add(text, " (because: %s)", a->d->hold.line[k].because);
-    any = true;
+    const vs_hold_line *l = &a->d->hold.line[k];
+    const bool is[] = {l->waived, a->d->margin[k] < 0, l->part != 1};
+    if (!is[which]) continue;
+    vs_text_add(text, "%s%s", between, l->name);
+    if (which == 0 && l->because) vs_text_add(text, " (because: %s)", l->because);
+    if (which == 2) vs_text_add(text, " times %.6g", l->part);
+    between = ", ";
   }
-  if (any) vs_text_add(text, ".");
-  any = false;
-  for (size_t k = 0; k < a->d->hold.count; k++) {
-    if (a->d->margin[k] >= 0) continue;
-    vs_text_add(text, "%s%s",
-                any ? ", " : " By the list of prices, without an error: ", a->d->hold.line[k].name);
-    any = true;
-  }
-  if (any) vs_text_add(text, ".");
-  vs_text_free(&all);
+  if (between != TITLE[which]) vs_text_add(text, ".");
 }
 
 /* The limits of the chosen parts that no source says. */
@@ -457,29 +419,51 @@ static void add_assumed(const answer *a, vs_text *text) {
   free(scene);
 }
 
-enum { SENTENCES = 4 };
-static void add_sentence(const answer *a, int which, vs_text *text) {
-  if (which == 0) add_proof_of_list(a, text);
-  if (which == 1) add_proof_of_ranges(a, text);
-  if (which == 2) add_proof_by_draws(a, text);
-  if (which != 3) return;
-  add_not_judged(a, text);
+/* What no run judged, each group once, as the rows of the answer say it. */
+static void add_not_judged(const answer *a, vs_text *text) {
+  const vs_design_search *s = &a->s;
+  vs_text all = {0};
+  for (size_t k = 0; k < s->n_list; k++) {
+    const uint64_t run = s->answer->run[k] - 1;
+    const char *cell = a->results->words[run * VS_RESULT_WORDS + VS_RESULT_NOT_JUDGED];
+    for (const char *g = cell; g && *g;) {
+      const char *end = strstr(g, "; "), *reason = strchr(g, '(');
+      /* a reason may have the sign, too */
+      if (end && reason && reason < end && memchr(reason, ')', (size_t)(end - reason)) == NULL)
+        end = strstr(strchr(reason, ')') ? strchr(reason, ')') : end, "; ");
+      const size_t n = end ? (size_t)(end - g) : strlen(g);
+      vs_text one = {0};
+      add_group(a, g, n, &one);
+      if (one.length && (!all.length || !strstr(all.text, one.text)))
+        vs_text_add(&all, "%s%s", all.length ? "; " : "", one.text);
+      vs_text_free(&one);
+      g += n + (end ? 2 : 0);
+    }
+  }
+  vs_text_add(text, "Not judged: %s.", all.length ? all.text : "nothing");
+  for (int which = 0; which < 3; which++) add_lines(a, which, text);
   add_assumed(a, text);
+  vs_text_free(&all);
 }
+
+static void (*const SENTENCES[])(const answer *, vs_text *) = {
+    add_proof_of_list, add_proof_of_ranges, add_proof_by_draws, add_not_judged};
+enum { PROOF = sizeof SENTENCES / sizeof *SENTENCES };
 
 /* ---- JSON ---- */
 
 static void put_mark(const answer *a, const char *key, const vs_design_mark *mark, vs_json *json) {
   vs_text text = {0};
+  double margin;
   if (mark->run == UINT64_MAX) {
     vs_json_null(json, key);
     return;
   }
   add_case(a, mark, &text);
   vs_json_object(json, key, VS_JSON_ROW);
-  vs_json_text(json, "line", line_name(a, mark));
-  vs_json_number(json, "margin", mark->margin, 12);
-  vs_json_number(json, "margin_error", mark->error, 12);
+  vs_json_text(json, "line", line_name(a, mark, &margin));
+  vs_json_number(json, "margin", margin, 12);
+  vs_json_number(json, "margin_error", isnan(margin) ? NAN : mark->error, 12);
   vs_json_text(json, "threat", text.text);
   vs_json_text(json, "found_by", vs_design_search_found_by(&a->s, mark->number));
   vs_json_whole(json, "case", (int64_t)mark->run);
@@ -566,7 +550,11 @@ static void put_answer(const answer *a, vs_status status, vs_json *json) {
   vs_json_text(json, "word", status_word(status));
   vs_json_text(json, "least", a->d->aim->text);
   vs_json_number(json, "price", s->answer ? s->answer->price : NAN, 12);
-  vs_json_number(json, "lower_bound", a->unjudged ? NAN : vs_design_search_bound(s), 12);
+  vs_json_number(json, "lower_bound",
+                 a->unjudged           ? NAN
+                 : status == VS_RATING ? vs_design_choices_dearest(a->d)
+                                       : vs_design_search_bound(s),
+                 12);
   vs_json_whole(json, "candidates", (int64_t)a->d->n_candidates);
   vs_json_whole(json, "looked_at", (int64_t)s->n_seen);
   vs_json_whole(json, "runs", (int64_t)a->results->count);
@@ -578,9 +566,9 @@ static void put_answer(const answer *a, vs_status status, vs_json *json) {
   if (s->proved) put_neighbours(a, json);
   if (s->answer) {
     vs_json_array(json, "proof", VS_JSON_LINES);
-    for (int k = 0; k < SENTENCES; k++) {
+    for (int k = 0; k < PROOF; k++) {
       vs_text text = {0};
-      add_sentence(a, k, &text);
+      SENTENCES[k](a, &text);
       vs_json_text(json, NULL, text.text);
       vs_text_free(&text);
     }
@@ -599,15 +587,15 @@ static vs_status write_files(answer *a, vs_status ended, const vs_text *page, vs
   want_scenes(a);
   status = vs_design_scene_write(a->plan, a->results, a->scene, a->n_scenes, a->folder, err);
   add_candidates(a, &text);
-  if (!status) status = write_text(a->folder, "design.csv", &text, err);
-  if (!status) status = write_text(a->folder, "design.txt", page, err);
+  if (!status) status = vs_file_write(a->folder, "design.csv", text.text, err);
+  if (!status) status = vs_file_write(a->folder, "design.txt", page->text, err);
   text.length = 0;
   add_bill(a, &text);
-  if (!status) status = write_text(a->folder, "bom.csv", &text, err);
+  if (!status) status = vs_file_write(a->folder, "bom.csv", text.text, err);
   text.length = 0;
   put_answer(a, ended, &json);
   vs_text_add(&text, "\n");
-  if (!status) status = write_text(a->folder, "design.json", &text, err);
+  if (!status) status = vs_file_write(a->folder, "design.json", text.text, err);
   vs_text_free(&text);
   return status;
 }
@@ -624,6 +612,7 @@ static void add_choice_row(const answer *a, size_t c, vs_text *line) {
   const vs_design_mark *least = &a->least[c];
   vs_text text = {0};
   char number[64];
+  double margin;
   add_option(a, a->s.answer, c, &text);
   if (strcmp(text.text, part_name(a, class)) != 0) vs_text_add(&text, " (%s)", part_name(a, class));
   add_cell(line, a->d->choice[c].node->key, 20);
@@ -639,7 +628,7 @@ static void add_choice_row(const answer *a, size_t c, vs_text *line) {
   } else {
     add_margin(least->margin, least->error, &text);
     add_cell(line, text.text, 18);
-    add_cell(line, line_name(a, least), 22);
+    add_cell(line, line_name(a, least, &margin), 22);
     add_case(a, least, line);
     vs_text_add(line, " (%s, case %llu)", vs_design_search_found_by(&a->s, least->number),
                 (unsigned long long)least->run);
@@ -648,24 +637,48 @@ static void add_choice_row(const answer *a, size_t c, vs_text *line) {
   vs_text_free(&text);
 }
 
+/* Adds ", under surge: angle 41.2 deg (case 812)". */
+static void add_where(const answer *a, const vs_design_mark *mark, vs_text *text) {
+  vs_text_add(text, ", under ");
+  add_case(a, mark, text);
+  vs_text_add(text, " (case %llu)\n", (unsigned long long)mark->run);
+}
+
+static void add_violation(const answer *a, const vs_design_mark *mark, vs_text *text) {
+  double margin;
+  vs_text_add(text, " does not hold: %s", line_name(a, mark, &margin));
+  if (isfinite(margin)) {
+    vs_text_add(text, ", margin ");
+    add_margin(margin, mark->error, text);
+  }
+  add_where(a, mark, text);
+}
+
+/* Adds why the candidate could not be judged. */
+static void add_doubt(const answer *a, const vs_design_candidate *c, vs_text *text) {
+  double margin;
+  const char *name = line_name(a, &c->killer, &margin);
+  const bool failed = a->results->status[c->killer.run] == 1,
+             unknown = !failed && c->killer.line != SIZE_MAX && isnan(c->killer.margin);
+  vs_text_add(text, " could not be judged: %s%s",
+              failed || unknown ? "" : "its verdict is undecided",
+              failed || unknown || !*name ? "" : " in ");
+  vs_text_add(text, "%s%s", name, unknown ? " is not known" : "");
+  add_where(a, &c->killer, text);
+}
+
 static void add_neighbour_row(const answer *a, const vs_design_neighbour *n, vs_text *text) {
   const vs_design_candidate *c = n->candidate;
   vs_text_add(text, "%-20s  ", a->d->choice[n->choice].node->key);
   add_option(a, c, n->choice, text);
-  if (c->state == VS_DESIGN_KILLED) {
-    vs_text_add(text, ": violates %s", line_name(a, &c->killer));
-    if (isfinite(c->killer.margin)) {
-      vs_text_add(text, " by ");
-      add_margin(c->killer.margin, c->killer.error, text);
-    }
-    vs_text_add(text, " under ");
-    add_case(a, &c->killer, text);
-    vs_text_add(text, " (case %llu)\n", (unsigned long long)c->killer.run);
-  } else if (c->held)
-    vs_text_add(text, ": holds the list, too, for %.6g\n", c->price);
+  if (c->state == VS_DESIGN_KILLED)
+    add_violation(a, &c->killer, text);
+  else if (c->held)
+    vs_text_add(text, " holds the list, too, for %.6g\n", c->price);
+  else if (c->state == VS_DESIGN_OPEN)
+    vs_text_add(text, " was not run to its end, as the budget is spent\n");
   else
-    vs_text_add(text, c->state == VS_DESIGN_OPEN ? ": not run to its end, as the budget is spent\n"
-                                                 : ": could not be judged\n");
+    add_doubt(a, c, text);
 }
 
 /* A lower class of a value's part, where the answer has not the lowest. */
@@ -679,17 +692,13 @@ static void add_class_row(answer *a, size_t choice, vs_text *text) {
   for (size_t k = 0; k < a->d->n_choices; k++)
     if (a->d->choice[k].leader == choice) take_class(a, k, below, &least);
   if (least.run == UINT64_MAX) return;
-  vs_text_add(text, "%-20s  as %s: violates %s by ", c->node->key, part_name(a, below),
-              line_name(a, &least));
-  add_margin(least.margin, least.error, text);
-  vs_text_add(text, " under ");
-  add_case(a, &least, text);
-  vs_text_add(text, " (case %llu)\n", (unsigned long long)least.run);
+  vs_text_add(text, "%-20s  as %s", c->node->key, part_name(a, below));
+  add_violation(a, &least, text);
 }
 
 static void add_around(answer *a, vs_text *text) {
   const vs_design_search *s = &a->s;
-  vs_text_add(text, "\none size smaller\n");
+  vs_text_add(text, "\none size smaller, or the part that is next in price\n");
   for (size_t k = 0; k < s->n_neighbours; k++) add_neighbour_row(a, &s->neighbour[k], text);
   for (size_t c = 0; c < a->d->n_choices; c++) add_class_row(a, c, text);
   vs_text_add(text, "\nrunner-up             ");
@@ -698,8 +707,8 @@ static void add_around(answer *a, vs_text *text) {
                                : "none: no other candidate holds the list\n");
     return;
   }
-  add_candidate(a, s->runner_up, text);
-  vs_text_add(text, ": %+.6g; it holds the list, and was shown no draws\n",
+  vs_design_choices_write(a->d, a->plan, s->runner_up->number, text);
+  vs_text_add(text, ", for %.6g more, holds the list; it was neither searched nor drawn for\n",
               s->runner_up->price - s->answer->price);
 }
 
@@ -710,16 +719,16 @@ static void add_page(answer *a, vs_text *text) {
               s->proved ? "cheapest that holds" : "best so far", a->d->aim->text, s->answer->price,
               (unsigned long long)a->d->n_candidates, (unsigned long long)a->results->count);
   if (a->d->hold.margin > 0)
-    vs_text_add(text, "margins are beyond the house's %.3g %% of each limit\n",
+    vs_text_add(text, "each margin is what is left beyond hold.margin, %.3g %% of the limit\n",
                 100 * a->d->hold.margin);
   vs_text_add(text, "\n%-20s  %-22s  %-3s  %-7s  %-18s  %-22s  %s\n", "choice", "part", "no.",
               "each", "least margin", "whose", "under");
   for (size_t c = 0; c < a->d->n_choices; c++) add_choice_row(a, c, text);
   if (s->proved && a->d->neighbours) add_around(a, text);
   vs_text_add(text, "\nproof\n");
-  for (int k = 0; k < SENTENCES; k++) {
+  for (int k = 0; k < PROOF; k++) {
     vs_text_add(text, "%d. ", k + 1);
-    add_sentence(a, k, text);
+    SENTENCES[k](a, text);
     vs_text_add(text, "\n");
   }
 }
@@ -730,42 +739,31 @@ static void add_unjudged(const answer *a, vs_text *text) {
   for (size_t k = 0; k < s->n_seen; k++) {
     const vs_design_candidate *c = s->seen[k];
     if (c->state != VS_DESIGN_UNJUDGED || !(c->price < price)) continue;
-    vs_text_add(text, "could not be judged: ");
-    add_candidate(a, c, text);
-    vs_text_add(text, " for %.6g, under ", c->price);
-    add_case(a, &c->killer, text);
-    vs_text_add(text, " (case %llu): %s\n", (unsigned long long)c->killer.run,
-                a->results->status[c->killer.run] == 1 ? line_name(a, &c->killer)
-                : isnan(c->killer.margin)              ? "what its parts bear is not known there"
-                                                       : "its verdict is undecided");
+    vs_design_choices_write(a->d, a->plan, c->number, text);
+    vs_text_add(text, ", for %.6g,", c->price);
+    add_doubt(a, c, text);
   }
 }
 
 /* ---- how it ended ---- */
 
-static double dearest(const answer *a) {
-  double price = 0;
-  for (size_t k = 0; k < a->s.n_seen; k++) price = fmax(price, a->s.seen[k]->price);
-  return price;
-}
-
 static vs_status end_design(const answer *a, vs_error *err) {
   const vs_design_search *s = &a->s;
   if (a->unjudged && (s->proved || s->looked_at_all))
-    return vs_fail(err, VS_RUN, "%zu cheaper candidate%s could not be judged; %s", a->unjudged,
-                   a->unjudged > 1 ? "s" : "",
+    return vs_fail(err, VS_RUN, "%zu %scandidate%s could not be judged; %s", a->unjudged,
+                   s->answer ? "cheaper " : "", a->unjudged > 1 ? "s" : "",
                    s->answer ? "one of them may hold for less" : "no other one holds");
   if (s->proved) return VS_OK;
   if (s->looked_at_all)
     return vs_fail(
         err, VS_RATING,
         "nothing in the catalogue holds: all %llu candidates, up to %.6g, violate a case",
-        (unsigned long long)a->d->n_candidates, dearest(a));
+        (unsigned long long)a->d->n_candidates, vs_design_choices_dearest(a->d));
   char but[64] = "";
   if (a->unjudged) snprintf(but, sizeof but, ", but for %zu that could not be judged", a->unjudged);
   return vs_fail(err, VS_BUDGET,
-                 "budget.runs = %llu is spent: nothing below %.6g holds%s%s; a larger one, in "
-                 "another folder, would go on",
+                 "budget.runs = %llu is spent: nothing below %.6g holds%s%s; a larger budget, "
+                 "in another folder, would look further",
                  (unsigned long long)a->d->most_runs, vs_design_search_bound(s), but,
                  s->answer ? ", and the best so far is not proved" : "");
 }

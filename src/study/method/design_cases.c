@@ -2,6 +2,7 @@
 #include "method/design_cases.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -124,29 +125,13 @@ static uint64_t count_threats(const vs_plan *plan, const vs_design_cases *c) {
   return c->threats ? c->threats->method->count(plan, c->threats) : 0;
 }
 
-static bool is_listed(const vs_plan *plan, const vs_design_cases *c, const double *drawn) {
-  const vs_plan_stage *stage = c->threats;
-  double listed[VS_PLAN_AXES];
-  for (uint64_t k = 0; k < count_threats(plan, c); k++) {
-    bool same = true;
-    stage->method->point(plan, stage, k, listed);
-    for (size_t n = 0; n < stage->n && same; n++)
-      same = listed[n] == drawn[n] || (isnan(listed[n]) && isnan(drawn[n]));
-    if (same) return true;
-  }
-  return false;
-}
-
-/* A range that is continuous, or a spread, shows in the first draws: each threat comes up in so
- * many of them but for one time in e to the power DRAWS / threats. */
+/* True if draws come to something that the list does not have: a continuous range, or a spread. */
 static bool is_ranged(const vs_plan *plan, const vs_design_cases *c) {
-  enum { DRAWS = 512 };
-  double drawn[VS_PLAN_AXES];
-  for (uint64_t k = 0; c->threats && k < DRAWS; k++) {
-    if (!c->threats->method->draw(plan, c->threats, k, drawn)) return false;
-    if (!is_listed(plan, c, drawn)) return true;
-  }
-  return false;
+  const vs_axis *axis[VS_PLAN_AXES];
+  size_t n = 0;
+  for (size_t which = 0; c->threats; which++)
+    if ((n = c->threats->method->ranges(plan, c->threats, which, axis))) break;
+  return n && n != SIZE_MAX;
 }
 
 void vs_design_cases_count(const vs_plan *plan, vs_design_cases *c) {
@@ -191,7 +176,7 @@ void vs_design_cases_write(const vs_plan *plan, const vs_design_cases *c, const 
                            vs_text *text) {
   const size_t at_work = c->n_points ? (size_t)point[c->axis] : 0;
   if (at_work || !c->threats) {
-    vs_text_add(text, "%s", at_work ? point_named(c, at_work)->key : AS_IT_IS);
+    vs_text_add(text, "%s", at_work ? point_named(c, at_work)->key : "no threat");
     return;
   }
   const char *between = "";
@@ -207,9 +192,10 @@ void vs_design_cases_write(const vs_plan *plan, const vs_design_cases *c, const 
     between = name ? ": " : ", ";
     if (axis->about)
       vs_text_add(text, "%+.3g %%", 100 * (point[k] / axis->nominal - 1));
-    else if (axis->is_word)
-      vs_text_add(text, "%s", axis->word[(size_t)point[k]]);
-    else
+    else if (axis->is_word) {
+      const char *word = axis->word[(size_t)point[k]];
+      vs_text_add(text, "%s", name && !strcmp(word, "none") ? "no threat" : word);
+    } else
       vs_text_add(text, "%.6g%s%s", point[k], *axis->unit ? " " : "", axis->unit);
   }
 }

@@ -43,17 +43,43 @@ double vs_design_choices_price(const vs_design *d, uint64_t k, const size_t *cla
   return vs_text_rounded(price, 12);
 }
 
-void vs_design_choices_write(const vs_design *d, const vs_plan *plan, uint64_t k, vs_text *text) {
+double vs_design_choices_dearest(const vs_design *d) {
+  double price = 0;
+  for (size_t c = 0; c < d->n_choices; c++) {
+    const vs_design_choice *leader = &d->choice[d->choice[c].leader];
+    double most = -INFINITY;
+    for (size_t k = 0; k < leader->n_options; k++)
+      for (size_t n = 0; n < leader->option[k].n_classes; n++)
+        most = fmax(most, leader->option[k].classes[n].price);
+    price += d->choice[c].number * most;
+  }
+  return vs_text_rounded(price, 12);
+}
+
+void vs_design_choices_write_option(const vs_design *d, const vs_plan *plan, uint64_t k,
+                                    size_t choice, vs_text *text) {
+  const vs_design_choice *leader = &d->choice[d->choice[choice].leader];
+  const vs_axis *axis = &plan->axes[leader->axis];
   char word[VS_NAME_SIZE];
-  bool first = true;
+  vs_axis_print(axis, leader->option[vs_design_choices_option(d, k, choice)].number, word,
+                sizeof word);
+  vs_text_add(text, "%s%s%s", word, *axis->unit ? " " : "", axis->unit);
+}
+
+void vs_design_choices_write(const vs_design *d, const vs_plan *plan, uint64_t k, vs_text *text) {
+  const char *between = "";
   for (size_t c = 0; c < d->n_choices; c++) {
     if (d->choice[c].leader != c) continue;
-    const vs_axis *axis = &plan->axes[d->choice[c].axis];
-    vs_axis_print(axis, d->choice[c].option[vs_design_choices_option(d, k, c)].number, word,
-                  sizeof word);
-    vs_text_add(text, "%s%s%s%s", first ? "" : ", ", word, *axis->unit ? " " : "", axis->unit);
-    first = false;
+    vs_text_add(text, "%s", between);
+    vs_design_choices_write_option(d, plan, k, c, text);
+    between = ", ";
   }
+}
+
+bool vs_design_choices_makes(const vs_design_choice *c, const vs_deck *deck,
+                             const vs_device *device) {
+  return !strcmp(device->name, c->device) ||
+         (device->part >= 0 && !strcmp(deck->parts[device->part].name, c->device));
 }
 
 static bool is_lacking(const vs_design_choice *c, const double *point) {
@@ -454,9 +480,7 @@ static vs_status find_lacked(const vs_plan *plan, vs_design_choice *c, const vs_
     const vs_device *device = &deck->devices[k];
     int term;
     double factor;
-    const bool own = !strcmp(device->name, c->device) ||
-                     (device->part >= 0 && !strcmp(deck->parts[device->part].name, c->device));
-    if (!own) continue;
+    if (!vs_design_choices_makes(c, deck, device)) continue;
     if (c->n_lacked == VS_DESIGN_DEVICES)
       return vs_fail_at(err, none->where, "%s: or: none: it makes more than %d devices",
                         c->node->key, VS_DESIGN_DEVICES);

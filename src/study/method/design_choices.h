@@ -15,8 +15,8 @@ enum { VS_DESIGN_CHOICES = 16, VS_DESIGN_LIMITS = 8, VS_DESIGN_DEVICES = 8 };
 /* The row of an option that is nothing. */
 #define VS_DESIGN_NONE SIZE_MAX
 
-/* A row of the list of prices that an option may be bought as. Those of one option differ in what
- * they bear alone. */
+/* A row of the list of prices that an option may be bought as. Rows of one option differ only in
+ * what they bear and cost. */
 typedef struct vs_design_class {
   size_t row;
   double price;                   /* what is to be least, of one of them */
@@ -30,8 +30,8 @@ typedef struct vs_design_option {
   size_t n_classes;
 } vs_design_option;
 
-/* A key under `choose`. Several that are to be the same have one leader, which has their options.
- */
+/* A key under `choose`. Keys that are to be the same (same_as) have one leader, which has the
+ * options of all of them. */
 typedef struct vs_design_choice {
   const vs_node *node;
   const char *device; /* what the key ends in: "r1" of circuit.r1 */
@@ -88,9 +88,17 @@ size_t vs_design_choices_option(const vs_design *d, uint64_t k, size_t choice);
 uint64_t vs_design_choices_with(const vs_design *d, uint64_t k, size_t choice, size_t option);
 /* What it costs with these classes of its options, class[n_choices]; NULL: the cheapest ones. */
 double vs_design_choices_price(const vs_design *d, uint64_t k, const size_t *class);
+/* What the dearest bill costs that the choices allow. */
+double vs_design_choices_dearest(const vs_design *d);
+/* Writes the option of that choice: "330 ohm". */
+void vs_design_choices_write_option(const vs_design *d, const vs_plan *plan, uint64_t k,
+                                    size_t choice, vs_text *text);
 /* Writes "TYN1212, s20k510, 330 ohm, 47 nF". */
 void vs_design_choices_write(const vs_design *d, const vs_plan *plan, uint64_t k, vs_text *text);
 
+/* True if the device is made of the choice: its name is what the key ends in, or its part's is. */
+bool vs_design_choices_makes(const vs_design_choice *choice, const vs_deck *deck,
+                             const vs_device *device);
 /* True if the point leaves the device out that the verdict's line is of. */
 bool vs_design_choices_lacks(const vs_design *d, const double *point, const char *line);
 /* Takes what leaves a part out from a tree that may have another point. */

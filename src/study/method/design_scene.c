@@ -64,18 +64,13 @@ static vs_status add_scene(const vs_plan *plan, const double *point, vs_text *te
 static vs_status write_scene(const vs_plan *plan, const vs_results *results, const char *folder,
                              uint64_t run, vs_error *err) {
   char name[64];
-  vs_file file;
   vs_text text = {0};
   const int status_of_run = results->status[run];
   snprintf(name, sizeof name, "%llu.yaml", (unsigned long long)run);
   vs_text_add(&text, "# case %llu of a design: vibrospice run ends with status %d there\n",
               (unsigned long long)run, status_of_run);
   vs_status status = add_scene(plan, &results->points[run * plan->n_axes], &text, err);
-  if (!status) status = vs_file_open(&file, folder, name, err);
-  if (!status) {
-    fputs(text.text, file.stream);
-    status = vs_file_commit(&file, err);
-  }
+  if (!status) status = vs_file_write(folder, name, text.text, err);
   vs_text_free(&text);
   return status;
 }

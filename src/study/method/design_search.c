@@ -11,8 +11,8 @@
 #include "netlist/kinds.h"
 #include "run/session.h"
 
-/* How many draws are asked for at a time: so many are run in vain at most when the first is not
- * held. */
+/* Draws are asked for this many at a time. When the first is violated, the others were run in vain.
+ */
 enum { DRAWS = 16 };
 /* Numbers of cases from here on are points that were searched. */
 static const uint64_t FOUND = 1ull << 62;

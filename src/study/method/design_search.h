@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The cheapest candidate that holds every case. It is a pure function of the results so far, gone
- * through from the first whenever it is asked; so a study that goes on has the same answer.
+ * The cheapest candidate that holds every case. The search is a pure function of the results so far
+ * and goes through them from the first each time, so a resumed study has the same answer.
  *
- * The cheapest candidate that is not rejected is run, with the case first that rejected another one
- * last. No candidate is left out because another one holds or does not: margins do not go one way
- * with a part's size. One that holds the closed list is searched for its worst case within the
- * ranges of each threat (method/search.h), and shown random draws; what it does not hold becomes a
- * case for all others. Behind the answer come its neighbours, to be told of. */
+ * The cheapest candidate that is not rejected is run next, beginning with the case that was the
+ * last to reject another one. No candidate is skipped because of how another one ended: margins are
+ * not monotonic in a part's size. A candidate that holds the list is searched for its worst case
+ * within the ranges of each threat (method/search.h), and shown random draws; a case that it does
+ * not hold is added to the list for all. After the answer its neighbours are run, to be reported.
+ */
 #ifndef VS_STUDY_DESIGN_SEARCH_H
 #define VS_STUDY_DESIGN_SEARCH_H
 

@@ -29,12 +29,14 @@ vs_status vs_file_open(vs_file *file, const char *folder, const char *name, vs_e
 /* Flushes the file to the disk and gives it its final name. A file that had that name is replaced;
  * a link is not followed. Error: VS_RUN, it cannot be written; nothing is left of it. */
 vs_status vs_file_commit(vs_file *file, vs_error *err);
+/* Writes a whole file folder/name; NULL: an empty one. Errors as of both. */
+vs_status vs_file_write(const char *folder, const char *name, const char *text, vs_error *err);
 /* Commits under another name in the same folder ("run.partial.csv"). */
 vs_status vs_file_commit_as(vs_file *file, const char *folder, const char *name, vs_error *err);
 
 /* In a forked copy of the process: goes on with a file of its own, which begins with what this one
- * has. The stream must have been flushed before the copy was made. Error: VS_RUN, there is none; the
- * file is closed then. */
+ * has. The stream must have been flushed before the copy was made. Error: VS_RUN, there is none;
+ * the file is closed then. */
 vs_status vs_file_part(vs_file *file, vs_error *err);
 
 /* Removes the file as if it had never been. Does nothing to one that is closed. */

@@ -49,13 +49,9 @@ typedef struct vs_method {
    * their place (vs_fail_at); a check carries on from each (vs_error_keep). */
   vs_status (*read)(struct vs_plan *plan, const vs_node *section, void **state, vs_error *err);
 
-  /* Checks the section once the plan's columns have their units and ratings. NULL: there is nothing
-   * to check. */
+  /* Checks the section once the plan has the columns of all cases' lines, with units and ratings.
+   * NULL: there is nothing to check. */
   vs_status (*ready)(const struct vs_plan *plan, const struct vs_plan_stage *stage, vs_error *err);
-
-  /* Checks the section once the plan has the columns of all cases' lines. NULL: there is nothing to
-   * check. */
-  vs_status (*settle)(const struct vs_plan *plan, const struct vs_plan_stage *stage, vs_error *err);
 
   /* Frees the state. NULL: there is nothing to free. */
   void (*free)(void *state);
@@ -74,12 +70,12 @@ typedef struct vs_method {
   bool (*draw)(const struct vs_plan *plan, const struct vs_plan_stage *stage, uint64_t index,
                double *value);
 
-  /* Of a method that draws: what its cases of the which-th kind, from 0, can be searched for: fills
-   * axis[VS_PLAN_AXES] and returns how many these are. 0: its points have all of the kind.
-   * SIZE_MAX: there is no such kind. */
+  /* Of a method that draws: the ranges within which the which-th kind of its cases, from 0, can be
+   * searched. Fills axis[VS_PLAN_AXES] and returns how many these are. 0: the method's points are
+   * all there is of that kind. SIZE_MAX: there is no such kind. */
   size_t (*ranges)(const struct vs_plan *plan, const struct vs_plan_stage *stage, size_t which,
                    const vs_axis **axis);
-  /* Writes the point of that kind that lies at share[k], 0 to 1, of each of these. */
+  /* Writes the point of that kind that lies at share[k], 0 to 1, of range k. */
   void (*place)(const struct vs_plan *plan, const struct vs_plan_stage *stage, size_t which,
                 const double *share, double *value);
 
