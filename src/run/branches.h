@@ -87,9 +87,8 @@ bool vs_branches_share_current(const vs_branches *b, const double *signals, size
                                double a, vs_shares *shares);
 
 /* Finds which elements the voltage from node `plus` to node `minus` is made of, along a loop
- * through a source: that of the event, else the mains'. The loop does not go through device number
- * `device`
- * (-1: none is barred). Returns false if there is no such loop. */
+ * through a source: that of the event, else the mains'. The loop does not go through the device of
+ * this number (-1: none is barred). Returns false if there is no such loop. */
 bool vs_branches_share_voltage(const vs_branches *b, const double *signals, int device, int event,
                                size_t plus, size_t minus, vs_shares *shares);
 
