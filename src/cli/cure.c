@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The command `cure`: the single change of one part that makes the verdict on a scene held: another
- * E value of a resistor or capacitor of the deck, or another part of the kind of one that the scene
- * chooses. The first value up and down of each tells how the verdict hangs on it; those that better
- * it are followed, the steepest first. What seems to hold is proved by a run with the errors of its
- * margins. */
+ * The command `cure`: finds single changes of a part after which the verdict on a scene is held. A
+ * change gives a resistor or capacitor of the deck another E value, or replaces a part that the
+ * scene chooses by another one of its kind. Of each value the next one up and the next one down are
+ * run first. Where one of them makes the verdict better, the values behind it are tried, too. A
+ * change that seems to hold is proved by a run with the errors of its margins. */
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -25,9 +25,9 @@
 #include "run/version.h"
 #include "study/price_list.h"
 
-/* A value goes a decade of E12 to either side. Of the parts that come with the program these are
- * tried of each: so many with just more of the limit that is passed, and so many that are next in
- * size to either side. */
+/* A value goes at most a decade of E12 to either side. Of the parts that come with the program
+ * BEYOND are tried whose limit is next above the stress that breaks it, and NEXT of the next larger
+ * and the next smaller ones. */
 enum { DECADE = 12, BEYOND = 4, NEXT = 2, MOST_SHIPPED = 512, DIGITS = 9 };
 
 /* Bytes that a warning of a part may have. */
@@ -48,8 +48,8 @@ typedef struct change {
   int steps;        /* values away from the scene's, up or down */
   double price;     /* more than before, or its own where that is not known; NaN: nothing says it */
   bool is_whole;    /* it is the price itself */
-  char failed[256]; /* why it is none; empty: it was run */
-  double shortfall; /* sum of what its lines lack of being held; 0: none does */
+  char failed[256]; /* why there is no verdict on it; empty: there is one */
+  double shortfall; /* sum of lack_of() over its lines; 0: all are held */
   double margin, error;        /* of the weakest line */
   char line[VS_JUDGED_NAME];   /* that line */
   char breaks[VS_JUDGED_NAME]; /* the worst line that is not held; empty: none */
@@ -73,13 +73,14 @@ typedef struct cure {
 
 /* ---- a run ---- */
 
-/* What a line lacks: its margin below 0; 1 where it has none to judge, or must not be. */
+/* How far a line is from being held, above 0 where vs_verdict_breach counts it: how far its margin
+ * is below 0; 1 where it has no margin; little where only the margin's error is too large. */
 static double lack_of(const vs_judgement *j) {
   const vs_finding word = vs_verdict_word(j);
   if (word == VS_WAIVED) return 0;
-  if (isnan(j->margin)) return 1;
   if (j->margin < 0) return -j->margin;
-  return word == VS_UNDECIDED ? 1e-3 : 0;
+  if (word != VS_UNDECIDED) return 0;
+  return isnan(j->margin) ? 1 : 1e-3;
 }
 
 static double shortfall_of(const vs_verdict *v) {
@@ -88,15 +89,14 @@ static double shortfall_of(const vs_verdict *v) {
   return sum;
 }
 
-/* A limit that was judged, and that the changed deck's part does not state: the change would only
+/* True where a limit was judged that the changed deck's part does not state: the change would only
  * hide the line. */
 static bool hides_a_line(const cure *c, const vs_scene *changed, char *name) {
   const vs_verdict *v = &c->nominal->verdict;
-  const vs_deck *deck = &changed->setup.deck;
+  const vs_deck *own = &c->scene->setup.deck, *deck = &changed->setup.deck;
   for (size_t k = 0; k < v->count; k++) {
     const vs_judgement *j = &v->item[k];
     if (!j->device || !j->limit || vs_verdict_is_happening(j)) continue;
-    const vs_deck *own = &c->scene->setup.deck;
     const size_t d = (size_t)(j->device - own->devices);
     if (d >= deck->n_devices || !vs_devices_limit(own, j->device, j->measure) ||
         vs_devices_limit(deck, &deck->devices[d], j->measure))
@@ -107,15 +107,16 @@ static bool hides_a_line(const cure *c, const vs_scene *changed, char *name) {
   return false;
 }
 
-/* What a run warns of part number p: less than the mains, or a value that its series has not. */
+/* What a run warns of part number p: that it is rated for less than the mains, or that its series
+ * has no such value. */
 static bool is_warned_of(const vs_setup *s, size_t p, char *text, size_t size) {
   const double rms_v = s->timeline.supply.voltage_v / (s->timeline.supply.direct ? M_SQRT2 : 1);
   return vs_parts_below_mains(&s->deck, p, rms_v, text, size) ||
          vs_netlist_beyond_series(&s->deck, &s->circuit_values, p, text, size);
 }
 
-/* True where the change draws such a warning, or that a device does not protect another. A short
- * run may hold with a part that does not last. */
+/* True where the change brings such a warning, or the one that a device does not protect another.
+ * The verdict on a short run may be held with a part that does not last. */
 static bool draws_a_warning(const cure *c, const vs_scene *changed, char *text, size_t size) {
   const vs_setup *before = &c->scene->setup, *now = &changed->setup;
   char was[ROOM];
@@ -138,8 +139,8 @@ static void take_verdict(const vs_verdict *v, change *k) {
   if (breach) vs_verdict_name(breach, k->breaks);
 }
 
-/* Runs the scene with the change; proof: with the errors of its margins. What fails is noted.
- * Error: VS_SIGNAL. */
+/* Runs the scene with the change; proof: with the errors of its margins. A failure is noted in the
+ * change. Error: VS_SIGNAL. */
 static vs_status try_change(cure *c, change *k, bool proof, vs_error *err) {
   const bool always = c->scene->setup.run.verify == VS_VERIFY_ALWAYS;
   const char *errors = always ? "run.verify=always" : "run.verify=auto",
@@ -153,7 +154,7 @@ static vs_status try_change(cure *c, change *k, bool proof, vs_error *err) {
   if (!status && draws_a_warning(c, scene, text, sizeof text))
     status = vs_fail(&why, VS_INPUT, "%s", text);
   if (!status && hides_a_line(c, scene, text))
-    status = vs_fail(&why, VS_INPUT, "its part states no limit for %s", text);
+    status = vs_fail(&why, VS_INPUT, "the part states no limit for %s", text);
   c->runs += !status;
   if (!status && !c->o->quiet && isatty(STDERR_FILENO))
     dprintf(STDERR_FILENO, "\rrun %ld: %s %s \033[K", c->runs, k->what, k->to);
@@ -171,7 +172,7 @@ static vs_status try_change(cure *c, change *k, bool proof, vs_error *err) {
   return status == VS_SIGNAL ? vs_fail(err, status, "%s", why.text) : VS_OK;
 }
 
-/* Tries it, and proves what seems to hold. */
+/* Tries the change, and proves it if it seems to hold. */
 static vs_status take_change(cure *c, change *k, vs_error *err) {
   vs_status status = try_change(c, k, false, err);
   if (!status && !*k->failed && !*k->breaks) status = try_change(c, k, true, err);
@@ -197,6 +198,7 @@ static double price_of(const cure *c, size_t row) {
   return price;
 }
 
+/* The price of row `now` less that of row `before`. */
 static void set_price(const cure *c, change *k, size_t before, size_t now) {
   const double old = price_of(c, before);
   k->price = price_of(c, now);
@@ -204,7 +206,7 @@ static void set_price(const cure *c, change *k, size_t before, size_t now) {
   if (!k->is_whole) k->price -= old;
 }
 
-/* The value of a row in SI; NaN: it is of any value. */
+/* The value of a row in SI; NaN: the row stands for any value. */
 static double value_of_row(const cure *c, size_t row, const char *unit) {
   char why[128];
   double si;
@@ -217,7 +219,7 @@ static bool is_value(double a, double b) {
   return fabs(a - b) <= 1e-9 * fabs(b);
 }
 
-/* The cheapest row of that kind with that value, else of any value; SIZE_MAX: there is none. */
+/* The cheapest row of that kind which has that value or stands for any; SIZE_MAX: there is none. */
 static size_t row_of_value(const cure *c, const char *kind, double si, const char *unit) {
   size_t best = SIZE_MAX;
   for (size_t r = 0; (r = vs_price_list_next(&c->list, kind, r)) != SIZE_MAX; r++) {
@@ -230,8 +232,8 @@ static size_t row_of_value(const cure *c, const char *kind, double si, const cha
 
 /* ---- values ---- */
 
-/* The kind of the elements whose value is this parameter of the deck; NULL: it is of none. An
- * instance may take it on as r= or c=. */
+/* The kind of the elements whose value is this parameter of the deck; NULL: there are none. An
+ * instance may take the value as r= or c=. */
 static const char *kind_of_value(const vs_deck *deck, const vs_field *field) {
   static const char *const KINDS[] = {"resistor", "capacitor"};
   static const char LETTERS[] = "rc", *const UNITS[] = {"ohm", "F"}, *const NAMES[] = {"r", "c"};
@@ -256,8 +258,8 @@ static double field_value(const cure *c, const vs_field *field) {
                                          field->offset);
 }
 
-/* The value next to `si`, up or down: of the list of prices where that has values of the kind, else
- * of the series. NaN: there is none. */
+/* The value next to `si`, up (way 1) or down (-1): from the list of prices if that has values of
+ * the kind, else from the series. NaN: there is none. */
 static double next_value(const cure *c, const char *kind, double si, const char *unit, int way) {
   const double factor = vs_units_factor(unit);
   double best = NAN;
@@ -320,8 +322,8 @@ static vs_status follow_value(cure *c, size_t first, vs_error *err) {
   return status;
 }
 
-/* The first step of each value up and down tells how the verdict hangs on it. Those that better it
- * are followed, the one that betters it most first. */
+/* Tries the next value up and down of each. Those that make the verdict better are followed, the
+ * one that does most first. */
 static vs_status try_values(cure *c, vs_error *err) {
   const vs_deck *deck = &c->scene->setup.deck;
   vs_status status = VS_OK;
@@ -373,7 +375,7 @@ static double limit_of(const known_part *p, const char *name) {
   return l && isfinite(l->value) ? l->value : NAN;
 }
 
-/* What parts of the kind go by: the first limit of the kind that this one states. */
+/* The limit by which the part's size is told: the first one of the kind that it states. */
 static const char *size_of(const vs_kind *kind, const known_part *p) {
   for (size_t k = 0; k < kind->n_limits; k++)
     if (!isnan(limit_of(p, kind->limits[k].name))) return kind->limits[k].name;
@@ -405,20 +407,20 @@ static vs_status try_part(cure *c, size_t part, const char *name, size_t row, vs
   return take_change(c, k, err);
 }
 
-/* The part that is next behind `least` by a limit, up or down; NULL: there is none. */
-static const known_part *next_part(const cure *c, const char *kind, const char *limit, double least,
+/* The part whose limit is next to `from`, up (way 1) or down (-1); NULL: there is none. */
+static const known_part *next_part(const cure *c, const char *kind, const char *limit, double from,
                                    int way) {
   const known_part *best = NULL;
   for (size_t k = 0; k < c->n_parts; k++) {
     const known_part *p = &c->part[k];
     const double value = limit_of(p, limit);
-    if (strcmp(p->deck->part_files[0].kind, kind) || !(way * (value - least) > 0)) continue;
+    if (strcmp(p->deck->part_files[0].kind, kind) || !(way * (value - from) > 0)) continue;
     if (!best || way * (value - limit_of(best, limit)) < 0) best = p;
   }
   return best;
 }
 
-/* Tries so many parts that are next by a limit. */
+/* Tries the parts whose limits are next to `from`, at most `most` of them. */
 static vs_status try_next(cure *c, size_t part, const char *kind, const char *limit, double from,
                           int way, int most, vs_error *err) {
   vs_status status = VS_OK;
@@ -430,8 +432,8 @@ static vs_status try_next(cure *c, size_t part, const char *kind, const char *li
   return status;
 }
 
-/* Parts that come with the program: those with just enough of a limit that is passed, and the next
- * ones in size. */
+/* Tries parts that come with the program: those with just enough of a limit that is broken, and the
+ * next ones in size. */
 static vs_status try_shipped(cure *c, size_t part, vs_error *err) {
   const vs_deck *deck = &c->scene->setup.deck;
   const vs_verdict *v = &c->nominal->verdict;
@@ -471,8 +473,9 @@ static vs_status try_parts(cure *c, vs_error *err) {
 
 /* ---- what comes out ---- */
 
-/* Cures first, the cheapest first; of a price that is not known last. Then fewer steps of a value,
- * a part behind them; then the larger margin. Others by what they lack. */
+/* Cures come first, the cheapest before all and those of unknown price last; then those of fewer
+ * steps of a value, and parts behind values; then those of the larger margin. Other changes are
+ * sorted by what they lack. */
 static int by_worth(const void *left, const void *right) {
   const change *a = left, *b = right;
   const double pa = isnan(a->price) ? INFINITY : a->price,
@@ -483,12 +486,12 @@ static int by_worth(const void *left, const void *right) {
   if (!a->holds && a->shortfall != b->shortfall) return a->shortfall < b->shortfall ? -1 : 1;
   if (pa != pb) return pa < pb ? -1 : 1;
   if (sa != sb) return sa - sb;
-  if (a->margin != b->margin) return a->margin > b->margin ? -1 : 1;
+  if (a->margin > b->margin || a->margin < b->margin) return a->margin > b->margin ? -1 : 1;
   return strcmp(a->set, b->set);
 }
 
-static const char CAVEAT[] = "held in this scene alone: what it does not judge, other threats, "
-                             "tolerances and corners were not tried; threats of a study do that";
+static const char CAVEAT[] = "proved for this scene alone: other threats, tolerances, corners and "
+                             "what the scene does not judge were not tried; use a study for these";
 
 /* "price_eur" is in EUR. */
 static void currency_of(const cure *c, char text[16]) {
@@ -530,13 +533,12 @@ static void show_cures(const cure *c, size_t cures) {
       printf("%s %s", lines++ ? "," : "", vs_verdict_name(&v->item[k], name));
   putchar('\n');
   for (size_t k = 0; k < (c->o->all ? c->count : cures); k++) show_change(c, &c->item[k]);
-  printf("%zu of %zu changes cure it, by %ld runs%s\n", cures, c->count, c->runs,
-         c->o->all || cures == c->count ? "" : "; --all shows the others");
+  printf("%zu of %zu changes cure it, in %ld run%s%s\n", cures, c->count, c->runs,
+         c->runs == 1 ? "" : "s", c->o->all || cures == c->count ? "" : "; --all shows the others");
   if (cures) puts(CAVEAT);
 }
 
-static void add_change_json(const cure *c, const change *k, vs_json *json) {
-  (void)c;
+static void add_change_json(const change *k, vs_json *json) {
   vs_json_object(json, NULL, VS_JSON_ROW);
   vs_json_text(json, "set", k->set);
   vs_json_text(json, "what", k->what);
@@ -570,7 +572,7 @@ static void write_json(const cure *c, size_t cures, vs_text *text) {
   for (int other = 0; other < 2; other++) {
     vs_json_array(&json, other ? "others" : "cures", VS_JSON_LINES);
     for (size_t k = other ? cures : 0; k < (other ? c->count : cures); k++)
-      add_change_json(c, &c->item[k], &json);
+      add_change_json(&c->item[k], &json);
     vs_json_end(&json);
   }
   vs_json_text(&json, "not_tried", CAVEAT);
@@ -667,6 +669,8 @@ static vs_status run_cure(cure *c, vs_error *err) {
   vs_status status = check_series(c, err);
   if (!status) status = read_catalogue(c, err);
   if (!status) status = vs_scene_read(o->scene, o->sets, o->n_sets, o->tier, c->scene, err);
+  if (!status && !c->scene->tier->has_circuit)
+    status = vs_scene_take_circuit(c->scene, "cure", err);
   c->scene->allow_code = o->allow_code;
   if (!status) status = vs_control_allow(&c->scene->control, o->allow_code, err);
   if (!status && !o->quiet) vs_scene_warn(c->scene);
@@ -701,17 +705,17 @@ static vs_status cure_command(const void *given, vs_error *err) {
 static const vs_option CURE_OPTIONS[] = {
     VS_OPTIONS_FILE(cure_line, catalogue, "catalogue", "FILE.csv",
                     "the parts that may be bought, with columns part, kind, value and price: these "
-                    "are tried in the place of those that come with the program; a value is priced "
-                    "by its cheapest row, whatever that bears"),
+                    "are tried in place of those that come with the program; a value has the price "
+                    "of its cheapest row, whatever the ratings there"),
     VS_OPTIONS_WORD(cure_line, series, "series", "E12",
-                    "the values of resistors and capacitors of which the list has none: E3 to "
-                    "E192 (default E12)"),
+                    "the E series, E3 to E192, from which values are taken of resistors and of "
+                    "capacitors that the list has no values of (default E12)"),
     VS_OPTIONS_SET,
     VS_OPTIONS_TIER(cure_line, run.tier),
     VS_OPTIONS_OUTPUT("DIR", "writes cure.json there"),
     VS_OPTIONS_JSON,
     VS_OPTIONS_QUIET,
-    VS_OPTIONS_FLAG(cure_line, run.all, "all", "shows what does not help, too"),
+    VS_OPTIONS_FLAG(cure_line, run.all, "all", "also shows the changes that do not cure it"),
     VS_OPTIONS_ALLOW_CODE,
     VS_OPTIONS_JAIL,
     VS_OPTIONS_NO_JAIL,
@@ -721,9 +725,9 @@ static const vs_option CURE_OPTIONS[] = {
 const vs_command vs_cure_cli = {
     .name = "cure",
     .argument = "SCENE",
-    .text = "finds the cheapest single change of a part that makes the verdict on a scene held: "
-            "another E value of a resistor or capacitor, or another part of a kind; each is proved "
-            "by a run of that scene, no other threat is tried",
+    .text = "finds single changes of a part after which the verdict on the scene is held, the "
+            "cheapest first: another E value of a resistor or capacitor, or another part of the "
+            "same kind; each is proved by a run of this scene, and no other threat is tried",
     .examples = "  vibrospice cure my.yaml\n"
                 "  vibrospice cure my.yaml --catalogue catalogue.csv -o cure --all\n",
     .options = CURE_OPTIONS,

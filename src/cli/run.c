@@ -594,10 +594,10 @@ static const vs_option RUN_OPTIONS[] = {
                     "mains +- 10 % and of each varistor's tolerance and ageing; a corner that "
                     "breaks breaks the verdict"),
     VS_OPTIONS_FLAG(run_line, run.why, "why",
-                    "tells of each violated line of the verdict, or else of the weakest, which "
+                    "explains each violated line of the verdict, or else the weakest: which "
                     "branches its current comes from or what its voltage is made of, the event "
-                    "before it, and which assumed figures it hangs on; runs the scene up to there "
-                    "once more"),
+                    "before it, and the assumed figures that it depends on; runs the scene once "
+                    "more, up to that instant"),
     VS_OPTIONS_FLAG(run_line, run.raw, "raw",
                     "tier circuit, with -o: writes run.raw too, every voltage and current of the "
                     "circuit at every step, for ngspice's 'load'; a run that fails leaves "

@@ -441,7 +441,7 @@ static vs_status load_anew(const vs_circuit_job *job, const vs_circuit_host *hos
   return VS_OK;
 }
 
-/* Has ngspice give the quantities of elements that are wanted, which are no vectors otherwise. */
+/* Makes vectors of the elements' quantities that are wanted; ngspice has none of them otherwise. */
 static void save_quantities(const vs_circuit_job *job, vs_text *tail) {
   for (size_t s = job->n_signals - job->n_wanted; s < job->n_signals; s++)
     if (*job->signals[s] == '@') vs_text_add(tail, ".save %s\n", job->signals[s]);

@@ -332,43 +332,45 @@ typedef struct unknown_ends {
   const vs_branches *b;
   double *signals;
   bool *known; /* [n_signals] */
+  /* of the node or element that is looked at */
+  double sum;    /* of the currents that are known */
+  size_t signal; /* of an end that is not known */
+  size_t count;  /* of such ends */
 } unknown_ends;
 
-/* Finds the only end at the node that is not known, and what the others leave for it. */
+static void count_end(unknown_ends *u, const vs_branch *e, size_t n) {
+  if (u->known[e->signal[n]])
+    u->sum += into_end(e, n, u->signals);
+  else
+    u->signal = e->signal[n], u->count++;
+}
+
+/* Gives the only end that is not known what the others leave for it, and begins anew. */
+static bool solve(unknown_ends *u) {
+  const bool solved = u->count == 1 && isfinite(u->sum);
+  if (solved) {
+    u->signals[u->signal] = -u->sum;
+    u->known[u->signal] = true;
+  }
+  u->sum = 0;
+  u->count = 0;
+  return solved;
+}
+
 static bool solve_node(unknown_ends *u, size_t node) {
-  const vs_branch *only = NULL;
-  size_t end = 0, count = 0;
-  double sum = 0;
   for (size_t k = 0; k < u->b->count; k++)
-    for (size_t n = 0; n < u->b->item[k].count; n++) {
-      const vs_branch *e = &u->b->item[k];
-      if (e->node[n] != node) continue;
-      if (u->known[e->signal[n]])
-        sum += into_end(e, n, u->signals);
-      else
-        only = e, end = n, count++;
-    }
-  if (count != 1 || !isfinite(sum)) return false;
-  u->signals[only->signal[end]] = -sum;
-  return u->known[only->signal[end]] = true;
+    for (size_t n = 0; n < u->b->item[k].count; n++)
+      if (u->b->item[k].node[n] == node) count_end(u, &u->b->item[k], n);
+  return solve(u);
 }
 
 static bool solve_element(unknown_ends *u, const vs_branch *e) {
-  size_t end = 0, count = 0;
-  double sum = 0;
-  for (size_t n = 0; n < e->count; n++) {
-    if (u->known[e->signal[n]])
-      sum += into_end(e, n, u->signals);
-    else
-      end = n, count++;
-  }
-  if (count != 1 || !isfinite(sum)) return false;
-  u->signals[e->signal[end]] = -sum;
-  return u->known[e->signal[end]] = true;
+  for (size_t n = 0; n < e->count; n++) count_end(u, e, n);
+  return solve(u);
 }
 
 static void solve_ends(const vs_branches *b, double *signals) {
-  unknown_ends u = {b, signals, vs_alloc(b->n_signals, sizeof(bool))};
+  unknown_ends u = {.b = b, .signals = signals, .known = vs_alloc(b->n_signals, sizeof(bool))};
   bool some = false;
   memset(u.known, true, b->n_signals * sizeof *u.known);
   for (size_t k = 0; k < b->count; k++)
@@ -389,11 +391,19 @@ void vs_branches_complete(const vs_branches *b, double *signals) {
   solve_ends(b, signals);
 }
 
-/* The current of a branch out of a set of nodes and into it. */
+/* The current out of a set of nodes into a branch. */
 static double into_branch(const vs_branch *e, const bool *set, const double *signals) {
   double a = 0;
   for (size_t n = 0; n < e->count; n++)
     if (set[e->node[n]]) a += into_end(e, n, signals);
+  return a;
+}
+
+/* The current out of a set of nodes into an element of the circuit itself. */
+static double into_top(const vs_branches *b, size_t top, const bool *set, const double *signals) {
+  double a = 0;
+  for (size_t k = 0; k < b->count; k++)
+    if (b->item[k].top == top) a += into_branch(&b->item[k], set, signals);
   return a;
 }
 
@@ -560,10 +570,8 @@ size_t vs_branches_coil(const vs_branches *b) {
 
 double vs_branches_current(const vs_branches *b, const double *signals, size_t top, size_t node) {
   bool *set = vs_alloc(b->n_nodes, sizeof *set);
-  double a = 0;
   set[node] = true;
-  for (size_t k = 0; k < b->count; k++)
-    if (b->item[k].top == top) a += into_branch(&b->item[k], set, signals);
+  const double a = into_top(b, top, set, signals);
   free(set);
   return a;
 }
@@ -573,9 +581,7 @@ double vs_branches_current(const vs_branches *b, const double *signals, size_t t
 static void share_beside(chain *c, const bool *set, double a) {
   const vs_branches *b = c->b;
   char name[2 * VS_DECK_NAME + 16];
-  double whole = 0;
-  for (size_t k = 0; k < b->count; k++)
-    if (b->item[k].top == c->device) whole += into_branch(&b->item[k], set, c->signals);
+  const double whole = into_top(b, c->device, set, c->signals);
   if (!(fabs(whole - a) > 1e-6 * fabs(a))) return;
   for (size_t k = 0; k < b->count; k++)
     if (b->item[k].top == c->device && b->item[k].letter == 'c' &&
@@ -619,8 +625,7 @@ bool vs_branches_share_current(const vs_branches *b, const double *signals, size
 static double reluctance(const vs_branches *b, const vs_branch_top *t) {
   const vs_kind *kind = t->device < 0 ? NULL : b->deck->devices[t->device].kind;
   if (kind && (kind->clamps || kind->stores)) return 100;
-  if (kind && kind->switches) return 10;
-  if (kind && kind->gated) return 10;
+  if (kind && (kind->switches || kind->gated)) return 10;
   switch (t->letter) {
   case 'v':
     return 0.1;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The branches of a circuit: its elements with those of its subcircuits, the nodes they lie at, and
- * the signals that their currents are. From these, at one instant or as a difference of two, comes
- * which branches a device's current is made of, by Kirchhoff's law at its node, and which elements
- * along a loop a voltage is made of. */
+ * The branches of a circuit: its elements and those of its subcircuits, their nodes, and the
+ * signals that are their currents. From the signals at one instant, or from the difference of two
+ * instants, it is found which branches a device's current comes from, by Kirchhoff's law at its
+ * node, and which elements along a loop a voltage is made of. */
 #ifndef VS_RUN_BRANCHES_H
 #define VS_RUN_BRANCHES_H
 
@@ -10,22 +10,22 @@
 #include "engine/timeline.h"
 #include "ngspice/circuit.h"
 
-/* An element that is none of a subcircuit's instances. Its current into end k is sign[k] times the
- * signal, once that was completed. */
+/* An element other than an instance of a subcircuit. Its current into end k is sign[k] times
+ * signal[k], once vs_branches_complete has been called. */
 enum { VS_BRANCH_ENDS = 6, VS_BRANCH_PINS = 12 };
 typedef struct vs_branch {
   char *name; /* as ngspice has it: "c.xv1.cpar"; owned */
   char letter;
-  size_t top;   /* the element of the circuit itself that it is, or is a part of */
+  size_t top;   /* the element of the top level that it is, or lies in */
   size_t count; /* of the ends that carry a current */
   size_t node[VS_BRANCH_ENDS], signal[VS_BRANCH_ENDS];
   double sign[VS_BRANCH_ENDS];
-  size_t factor; /* a signal: how many of it are in parallel, where the current is that of one; 0:
-                    the current is that of all */
+  size_t factor; /* a signal: how many are in parallel, where the current is that of one of them;
+                    0: the current is that of all */
   bool wire;     /* a source of 0 V */
 } vs_branch;
 
-/* An element of the circuit itself. */
+/* An element of the top level, which may be an instance of a subcircuit. */
 typedef struct vs_branch_top {
   char name[VS_DECK_NAME];  /* in lower case */
   char label[VS_DECK_NAME]; /* what people call it: a device, "mains", "the coil", an event, or
@@ -53,11 +53,11 @@ void vs_branches_read(const vs_circuit_job *job, const vs_deck *deck, const vs_e
                       vs_branches *branches);
 void vs_branches_free(vs_branches *branches);
 
-/* The signal that a term has for one of its two, "v(a)" or "i(vth)"; n_signals: there is none. */
+/* The number of the signal of that name, "v(a)" or "i(vth)"; n_signals: there is none. */
 size_t vs_branches_signal(const vs_branches *branches, const char *name);
 
-/* Completes the signals of a step: multiplies currents that the solver tells for one of several in
- * parallel, and finds those of transistors that it does not tell. */
+/* Completes the signals of a step. Multiplies currents that the solver gives for one of several
+ * elements in parallel, and finds the currents of transistors that it does not give. */
 void vs_branches_complete(const vs_branches *branches, double *signals);
 
 /* A part of a current or a voltage. */
@@ -71,24 +71,24 @@ typedef struct vs_shares {
   size_t count;
 } vs_shares;
 
-/* The element of the circuit that is a device of the deck, or the coil; n_tops: none is. Of a
- * device that a source of 0 V measures it is that source, and *node becomes where the current flows
- * into it; of others it is what lies at *node. */
+/* The element of the top level that is a device of the deck, or the coil; n_tops: there is none. If
+ * a source of 0 V measures the device it is that source, and *node becomes the one where the
+ * current flows into it. Otherwise it is the device's element at *node. */
 size_t vs_branches_device(const vs_branches *b, int device, size_t *node);
 size_t vs_branches_coil(const vs_branches *b);
 /* The current into an element at a node. */
 double vs_branches_current(const vs_branches *b, const double *signals, size_t top, size_t node);
 
-/* Which branches the current `a` into an element comes from, at its terminal `node`: sources of 0 V
- * and fuses are passed. Of more than there is room for the last one is the sum. A current that is
- * not known is what the others leave, if it is the only one. Returns false where nothing is told.
- */
+/* Finds which branches the current `a` into an element comes from, at its terminal `node`, through
+ * sources of 0 V and fuses. The last share is the sum of those that there is no room for. One
+ * current may be unknown: it is what the others leave. Returns false if more are, or there are no
+ * shares. */
 bool vs_branches_share_current(const vs_branches *b, const double *signals, size_t top, size_t node,
                                double a, vs_shares *shares);
 
-/* Of which elements a voltage from node `plus` to node `minus` is made, along a loop that goes
- * through a source: that of the event, else the mains'. Device number `device`, -1: none, is not
- * passed. Returns false where there is no such way. */
+/* Finds which elements the voltage from node `plus` to node `minus` is made of, along a loop
+ * through a source: that of the event, else the mains'. The loop does not go through the device of
+ * this number (-1: none is barred). Returns false if there is no such loop. */
 bool vs_branches_share_voltage(const vs_branches *b, const double *signals, int device, int event,
                                size_t plus, size_t minus, vs_shares *shares);
 

@@ -48,9 +48,10 @@ typedef struct cause {
   double sum, sum_before, cycle_s;    /* up to now; to the present cycle's beginning, and that */
   /* what comes out */
   bool told;
-  double total, found_s;
+  double total, found_s, sum_error; /* by which the sum of the shares is above the total */
   vs_shares shares;
-  char note[256]; /* why there are no shares; empty: there are */
+  char note[256];  /* why there are no shares; empty: there are */
+  vs_text assumed; /* the figures without a source that the line depends on: "a.i2t, b.i_cm" */
 } cause;
 
 struct vs_causes {
@@ -58,7 +59,7 @@ struct vs_causes {
   vs_branches branches;
   const char **more; /* the signals, borrowed from the branches; owned */
   cause item[VS_CAUSES_MOST];
-  size_t count, left_out; /* of more violated lines there is no room for so many */
+  size_t count, left_out; /* left_out: how many more lines are violated */
   double last_s;          /* the run may end behind this */
   bool enough;
 };
@@ -124,6 +125,7 @@ static double stretch_of(const vs_causes *c, const cause *k) {
 }
 
 static void look_at_device(vs_causes *c, cause *k, const vs_device_measure *m) {
+  char at[VS_ENGINEERING_SIZE];
   k->form = form_of(m);
   k->voltage = m->of == VS_OF_V || m->of == VS_OF_V2 || m->of == VS_OF_FLUX;
   if (m->how == VS_R_UNINTENDED || m->how == VS_R_COMMUTATION_FAILURE || m->how == VS_R_MISFIRE)
@@ -137,7 +139,8 @@ static void look_at_device(vs_causes *c, cause *k, const vs_device_measure *m) {
   if (isnan(k->at_s))
     snprintf(k->note, sizeof k->note, "no instant is known at which it is decided");
   if (m->how == VS_R_OFFERED)
-    snprintf(k->note, sizeof k->note, "a time that ends at %.6g s", k->at_s);
+    snprintf(k->note, sizeof k->note, "it is a length of time, which ends at %s",
+             vs_engineering_text(k->at_s, "s", at));
 }
 
 /* A probe of the deck, or one of its extremes. */
@@ -176,14 +179,14 @@ static bool look_at_measure(vs_causes *c, cause *k, const char *name) {
   return false;
 }
 
-/* The scene's event that began last, within a cycle of the mains before the instant. */
+/* The scene's event that began last before the instant, and did not end more than a cycle of the
+ * mains before it. */
 static void find_event(const vs_causes *c, cause *k) {
   const vs_timeline *t = &c->result->scene->setup.timeline;
   for (size_t n = 0; n < t->events.count; n++) {
     const vs_scene_event *e = &t->events.item[n];
     if (e->start_s > k->at_s || (k->event_number >= 0 && e->start_s < k->event.at_s)) continue;
-    if (fmin(e->end_s, e->start_s) < k->at_s - t->period_s && e->end_s < k->at_s - t->period_s)
-      continue;
+    if (e->end_s < k->at_s - t->period_s) continue;
     if (isinf(e->end_s) && e->kind->source && e->kind->network &&
         e->start_s < k->at_s - t->period_s)
       continue;
@@ -488,6 +491,7 @@ static void work_out(vs_causes *c, cause *k) {
   const size_t n = c->branches.n_signals;
   double *from = vs_alloc(n, sizeof *from), *to = vs_alloc(n, sizeof *to);
   size_t node[2];
+  double sum = 0;
   if (k->term >= 0) k->device = device_of_probe(c, k);
   if (k->form == RISE && k->n_seen > 1) {
     k->found_s = find_stretch(c, k, from, to);
@@ -504,14 +508,16 @@ static void work_out(vs_causes *c, cause *k) {
   else if (nodes_of(c, k, node))
     k->told = vs_branches_share_voltage(&c->branches, to, k->device, k->event_number, node[0],
                                         node[1], &k->shares);
-  if (!isfinite(k->total)) k->told = false;
+  for (size_t s = 0; s < k->shares.count; s++) sum += k->shares.item[s].value;
+  if (!isfinite(k->total) || !isfinite(sum)) k->told = false;
   if (!k->told) snprintf(k->note, sizeof k->note, "the netlist does not tell what it is made of");
   if (k->told && !is_met(k)) {
     k->told = false;
-    snprintf(k->note, sizeof k->note, "the run for it did not meet its value again");
+    snprintf(k->note, sizeof k->note, "the run for it came to another value");
   }
-  const double turned = k->total < 0 ? -1 : 1; /* shares that push it come out above 0 */
+  const double turned = k->total < 0 ? -1 : 1; /* shares that add to it are above 0 then */
   k->total *= turned;
+  k->sum_error = turned * sum - k->total;
   for (size_t s = 0; s < k->shares.count; s++) k->shares.item[s].value *= turned;
   free(from);
   free(to);
@@ -571,17 +577,14 @@ static void note_failure(vs_causes *c, const vs_error *err) {
       snprintf(c->item[k].note, sizeof c->item[k].note, "the run for it failed: %.200s", err->text);
 }
 
-vs_status vs_causes_find(const vs_result *result, vs_causes_run *run,
-                         const volatile sig_atomic_t *stop, vs_causes **causes, vs_error *err) {
-  vs_causes *c = *causes = vs_alloc(1, sizeof *c);
-  c->result = result;
-  c->last_s = -INFINITY;
-  choose_lines(c);
+/* Has the circuit looked into for all lines. Error: VS_SIGNAL. */
+static vs_status look_at_lines(vs_causes *c, vs_causes_run *run, const volatile sig_atomic_t *stop,
+                               vs_error *err) {
+  const vs_tier *tier = c->result->scene->tier;
   if (!c->count || !isfinite(c->last_s)) return VS_OK;
-  if (!result->scene->tier->has_circuit) {
+  if (!tier->has_circuit) {
     for (size_t k = 0; k < c->count; k++)
-      snprintf(c->item[k].note, sizeof c->item[k].note, "tier %s has no circuit",
-               result->scene->tier->name);
+      snprintf(c->item[k].note, sizeof c->item[k].note, "tier %s has no circuit", tier->name);
     return VS_OK;
   }
   vs_error why = {0};
@@ -591,66 +594,13 @@ vs_status vs_causes_find(const vs_result *result, vs_causes_run *run,
   return VS_OK;
 }
 
-void vs_causes_free(vs_causes *c) {
-  if (!c) return;
-  forget_moments(c);
-  for (size_t k = 0; k < c->count; k++) free(c->item[k].seen);
-  vs_branches_free(&c->branches);
-  free(c->more);
-  free(c);
-}
-
-/* ---- telling ---- */
+/* ---- what is told ---- */
 
 /* So many shares are printed, none below that part of the whole; the rest is summed. */
 enum { SHOWN = 3 };
 static const double SMALL = 0.01;
 /* What the shares leave of the whole is told beyond this part of it. */
 static const double TOLD = 1e-3;
-
-/* A unit with its prefix that suits the value, and what a number in SI is divided by. */
-static double scale_for(double value, const char *unit, char shown[16]) {
-  char text[VS_ENGINEERING_SIZE];
-  vs_engineering_text(value, unit, text);
-  const char *blank = strchr(text, ' ');
-  snprintf(shown, 16, "%s", blank ? blank + 1 : "");
-  return value != 0 ? value / strtod(text, NULL) : 1;
-}
-
-static void show_shares(const cause *k, FILE *out) {
-  char unit[16], over[VS_ENGINEERING_SIZE];
-  const double scale = scale_for(k->total, k->voltage ? "V" : "A", unit);
-  double rest = 0, sum = 0;
-  size_t told = 0;
-  for (size_t n = 0; n < k->shares.count; n++) {
-    const vs_share *s = &k->shares.item[n];
-    sum += s->value;
-    if (n && (n >= SHOWN || fabs(s->value) < SMALL * k->total)) {
-      rest += s->value;
-      continue;
-    }
-    told++;
-    fprintf(out, "%s%.4g ", n ? ", " : "", vs_text_rounded(s->value / scale, 3));
-    if (!n) fprintf(out, "of %.4g %s ", vs_text_rounded(k->total / scale, 3), unit);
-    if (!n && k->form == RISE)
-      fprintf(out, "of rise within %s ", vs_engineering_text(k->over_s, "s", over));
-    fprintf(out, "from %s", s->of);
-  }
-  if (fabs(sum - k->total) > TOLD * k->total)
-    fprintf(out, " (%.2g %% of it is not accounted for)", 100 * fabs(sum / k->total - 1));
-  if (fabs(rest) >= SMALL * k->total)
-    fprintf(out, ", %.4g from %zu more", vs_text_rounded(rest / scale, 3), k->shares.count - told);
-}
-
-/* "; surge1 at 7.5 ms, 0.26 ms before" */
-static void show_happening(const happening *h, double at_s, FILE *out) {
-  char when[VS_ENGINEERING_SIZE], before[VS_ENGINEERING_SIZE];
-  if (isnan(h->at_s)) return;
-  fprintf(out, "; %s at %s", h->what, vs_engineering_text(h->at_s, "s", when));
-  if (at_s > h->at_s)
-    fprintf(out, ", %s before",
-            vs_engineering_text(vs_text_rounded(at_s - h->at_s, 3), "s", before));
-}
 
 /* Adds a name to a list, unless it is there. */
 static void add_once(vs_text *list, const char *device, const char *name) {
@@ -662,10 +612,11 @@ static void add_once(vs_text *list, const char *device, const char *name) {
   vs_text_add(list, "%s%s", list->length ? ", " : "", own);
 }
 
-/* Lists the figures without a source that a line hangs on: its limit, and those of parts that a
+/* Lists the figures without a source that a line depends on: its limit, and those of parts that a
  * share comes from, as far as their models are made of them. */
-static void list_assumed(const vs_causes *c, const cause *k, vs_text *list) {
+static void list_assumed(const vs_causes *c, cause *k) {
   const vs_deck *deck = deck_of(c);
+  vs_text *list = &k->assumed;
   char name[VS_JUDGED_NAME];
   if (k->of->assumed && k->of->limit && k->of->device)
     add_once(list, k->of->device->name, k->of->limit->name);
@@ -688,6 +639,72 @@ static void list_assumed(const vs_causes *c, const cause *k, vs_text *list) {
     }
 }
 
+vs_status vs_causes_find(const vs_result *result, vs_causes_run *run,
+                         const volatile sig_atomic_t *stop, vs_causes **causes, vs_error *err) {
+  vs_causes *c = *causes = vs_alloc(1, sizeof *c);
+  c->result = result;
+  c->last_s = -INFINITY;
+  choose_lines(c);
+  vs_status status = look_at_lines(c, run, stop, err);
+  for (size_t k = 0; k < c->count; k++) {
+    cause *one = &c->item[k];
+    list_assumed(c, one);
+    if (!one->told && !*one->note)
+      snprintf(one->note, sizeof one->note, "the run for it did not reach its instant");
+  }
+  return status;
+}
+
+void vs_causes_free(vs_causes *c) {
+  if (!c) return;
+  forget_moments(c);
+  for (size_t k = 0; k < c->count; k++) {
+    free(c->item[k].seen);
+    vs_text_free(&c->item[k].assumed);
+  }
+  vs_branches_free(&c->branches);
+  free(c->more);
+  free(c);
+}
+
+/* "819 V at 45 ms, made of 1.94 kV from surge1, -931 V from transformer" */
+static void show_shares(const cause *k, FILE *out) {
+  const char *unit = k->voltage ? "V" : "A";
+  char text[VS_ENGINEERING_SIZE];
+  double rest = 0;
+  size_t n_rest = 0;
+  if (k->form == RISE) fputs("a rise of ", out);
+  fputs(vs_engineering_text(vs_text_rounded(k->total, 3), unit, text), out);
+  if (k->form == RISE) fprintf(out, " within %s", vs_engineering_text(k->over_s, "s", text));
+  fprintf(out, " at %s, made of", vs_engineering_text(k->found_s, "s", text));
+  for (size_t n = 0; n < k->shares.count; n++) {
+    const vs_share *s = &k->shares.item[n];
+    if (n && (n >= SHOWN || fabs(s->value) < SMALL * k->total)) {
+      rest += s->value;
+      n_rest++;
+      continue;
+    }
+    fprintf(out, "%s %s from %s", n ? "," : "",
+            vs_engineering_text(vs_text_rounded(s->value, 3), unit, text), s->of);
+  }
+  if (fabs(rest) >= SMALL * k->total)
+    fprintf(out, ", %s from %zu others", vs_engineering_text(vs_text_rounded(rest, 3), unit, text),
+            n_rest);
+  if (fabs(k->sum_error) > TOLD * k->total)
+    fprintf(out, " (the sum of all shares differs by %.2g %%)",
+            100 * fabs(k->sum_error) / k->total);
+}
+
+/* "; surge1 at 7.5 ms, 0.26 ms before" */
+static void show_happening(const happening *h, double at_s, FILE *out) {
+  char when[VS_ENGINEERING_SIZE], before[VS_ENGINEERING_SIZE];
+  if (isnan(h->at_s)) return;
+  fprintf(out, "; %s at %s", h->what, vs_engineering_text(h->at_s, "s", when));
+  if (at_s > h->at_s)
+    fprintf(out, ", %s before",
+            vs_engineering_text(vs_text_rounded(at_s - h->at_s, 3), "s", before));
+}
+
 /* Of a sum over time: which cycle has most of it. */
 static void show_sum(const cause *k, FILE *out) {
   char from[VS_ENGINEERING_SIZE], to[VS_ENGINEERING_SIZE];
@@ -696,30 +713,24 @@ static void show_sum(const cause *k, FILE *out) {
     fprintf(out, ", %.0f %% of it from %s to %s", 100 * k->part / k->sum,
             vs_engineering_text(k->part_from_s, "s", from),
             vs_engineering_text(k->part_from_s + k->period_s, "s", to));
-  fprintf(out, "; at its largest %s ", k->voltage ? "voltage" : "current");
+  fprintf(out, "; its largest %s is ", k->voltage ? "voltage" : "current");
 }
 
 void vs_causes_show(const vs_causes *c, FILE *out) {
-  char name[VS_JUDGED_NAME], at[VS_ENGINEERING_SIZE];
+  char name[VS_JUDGED_NAME];
   for (size_t k = 0; k < c->count; k++) {
     const cause *one = &c->item[k];
-    vs_text assumed = {0};
-    fprintf(out, "why %s: ", vs_verdict_name(one->of, name));
-    if (one->told) {
-      if (one->form == OVER_TIME) show_sum(one, out);
-      show_shares(one, out);
-      fprintf(out, ", at %s", vs_engineering_text(one->found_s, "s", at));
-    } else {
-      fprintf(out, "%s", *one->note ? one->note : "the run did not come to its instant");
-    }
+    fprintf(out, "why %s: %s", vs_verdict_name(one->of, name), one->told ? "" : one->note);
+    if (one->told && one->form == OVER_TIME) show_sum(one, out);
+    if (one->told) show_shares(one, out);
     show_happening(&one->event, one->at_s, out);
     show_happening(&one->deed, one->at_s, out);
-    list_assumed(c, one, &assumed);
-    if (assumed.length) fprintf(out, "; assumed: %s", assumed.text);
+    if (one->assumed.length) fprintf(out, "; assumed: %s", one->assumed.text);
     fputc('\n', out);
-    vs_text_free(&assumed);
   }
-  if (c->left_out) fprintf(out, "why: of %zu more violated lines it is not told\n", c->left_out);
+  if (c->left_out)
+    fprintf(out, "why: %zu more violated line%s left out\n", c->left_out,
+            c->left_out > 1 ? "s are" : " is");
 }
 
 static void add_happening(vs_json *json, const happening *h, double at_s) {
@@ -739,7 +750,6 @@ void vs_causes_json(const vs_causes *c, const vs_judgement *of, vs_json *json) {
   if (!one) return;
   vs_json_object(json, "cause", VS_JSON_ROW);
   if (one->told) {
-    double sum = 0;
     vs_json_text(json, "of", FORMS[one->form]);
     vs_json_number(json, "at_s", one->found_s, 9);
     if (one->form == RISE) vs_json_number(json, "over_s", one->over_s, 9);
@@ -755,23 +765,23 @@ void vs_causes_json(const vs_causes *c, const vs_judgement *of, vs_json *json) {
       vs_json_text(json, "from", one->shares.item[n].of);
       vs_json_number(json, "value", one->shares.item[n].value, 9);
       vs_json_end(json);
-      sum += one->shares.item[n].value;
     }
     vs_json_end(json);
-    vs_json_number(json, "sum_error", sum - one->total, 3);
+    vs_json_number(json, "sum_error", one->sum_error, 3);
   } else {
-    vs_json_text(json, "unknown", *one->note ? one->note : "the run did not come to its instant");
+    vs_json_text(json, "unknown", one->note);
   }
   vs_json_array(json, "events", VS_JSON_ROW);
   add_happening(json, &one->event, one->at_s);
   add_happening(json, &one->deed, one->at_s);
   vs_json_end(json);
   vs_json_array(json, "assumed", VS_JSON_ROW);
-  vs_text assumed = {0};
-  list_assumed(c, one, &assumed);
-  char *rest = assumed.text;
-  for (char *name; (name = strsep(&rest, ","));) vs_json_text(json, NULL, name + (*name == ' '));
-  vs_text_free(&assumed);
+  for (const char *name = one->assumed.text; name && *name; name += strspn(name, ", ")) {
+    char *own = vs_alloc_part(name, strcspn(name, ","));
+    vs_json_text(json, NULL, own);
+    free(own);
+    name += strcspn(name, ",");
+  }
   vs_json_end(json);
   vs_json_end(json);
 }

@@ -153,7 +153,7 @@ static vs_status follow_macromodel(coupling *c, double t_s, const double *signal
   return vs_solver_switch_follow(&c->solver_switch, t_s, signals, err);
 }
 
-/* Shows the step to who looks into the circuit; the settling is no part of the run. */
+/* Shows the step to the listener, if there is one. Settling is not part of the run. */
 static void look_into(const coupling *c, double t_s, const double *signals) {
   const vs_circuit_look *look = c->order->look;
   if (look && !c->settling.on) look->take(look->ctx, t_s, signals + c->names->n_signals);
@@ -379,8 +379,8 @@ static vs_circuit_job job_of(const coupling *c) {
                           .author = &setup->deck};
 }
 
-/* Adds what is to be seen besides behind the job's own signals. Returns the list of all, to be
- * freed behind the run. */
+/* Appends the signals that the listener wants to the job's own. Returns the list of all, which is
+ * to be freed after the run. */
 static const char **add_looked_at(const coupling *c, vs_circuit_job *job) {
   const vs_circuit_look *look = c->order->look;
   const char *const *more = NULL;

@@ -51,12 +51,12 @@ typedef struct vs_fork_point {
   vs_status (*reach)(void *ctx, double t_s, vs_error *err);
 } vs_fork_point;
 
-/* Someone who looks into the circuit itself, at voltages and currents that no probe has. */
+/* A listener that is shown voltages and currents of the circuit that no probe has. */
 typedef struct vs_circuit_look {
   void *ctx;
-  /* Called with the netlist of each run that begins. Gives the signals that are wanted besides, as
-   * vs_circuit_job.signals has them; those that are missing are NaN. Borrowed until the run's end.
-   */
+  /* Called with the netlist of each run that begins. Gives the further signals that are wanted, in
+   * the form of vs_circuit_job.signals; the value of a missing one is NaN. Borrowed until the run's
+   * end. */
   void (*begin)(void *ctx, const vs_circuit_job *job, const char *const **signals, size_t *count);
   /* Is shown these signals at the end of each step that the solver makes of the run. */
   void (*take)(void *ctx, double t_s, const double *signals);

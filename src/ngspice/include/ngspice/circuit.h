@@ -21,7 +21,7 @@ typedef struct vs_circuit_job {
                                  0 */
   size_t n_signals;
   size_t n_wanted;  /* how many of these, the last ones, may be missing: one that is not
-                       there is NaN. Others are an error then. For ngspice one of these may be a
+                       there is NaN. Others are an error then. With ngspice one of these may be a
                        quantity of an element, "@c.x1.c2[i]" */
   double tolerance; /* run.tolerance: for a solver that measures the errors of its own steps */
   double until_s, max_step_s; /* the run goes from 0 to until_s in steps of at most max_step_s */
