@@ -342,6 +342,35 @@ static void ngspices_settings_are_not_its_own(void) {
   free_ran(&r);
 }
 
+/* ---- given up ---- */
+
+/* A run, an orbit and a study of what tier compiled gives up at once say so alike. */
+static void what_is_given_up_is_told(void) {
+#define BEFORE "tier circuit, in ngspice; before, "
+  write_deck("I9 0 fl 1m");
+  static const char *const LINES[] = {"run paper --tier compiled " OWN,
+                                      "steady paper --tier compiled --set firing.every=1 " OWN};
+  for (size_t k = 0; k < (is_for_memory_alone() ? 1 : COUNT(LINES)); k++) {
+    ran r = run("%s --set run.tolerance=1e-3 -o given_%zu", LINES[k], k);
+    EXPECT(r.status == 0 && strstr(r.out, "tier   circuit (rung 7 of the ladder)\n") &&
+               strstr(r.out, "rung   7: " BEFORE),
+           "%s: %d: %s%s", LINES[k], r.status, r.out, r.err);
+    free_ran(&r);
+  }
+  write_file("given.yaml", "scene: paper\n"
+                           "set: {run.tier: compiled, circuit.deck: deck.cir, run.until: 6 ms}\n"
+                           "vary: {firing.angle: [90 deg, 95 deg]}\n"
+                           "report: [i_peak]\n");
+  ran r = run("study given.yaml -o given --quiet");
+  char *rows = read_file("given/study.csv"), *row = rows;
+  EXPECT(r.status == 0, "%d: %s", r.status, r.err);
+  for (int k = 0; k < 2; k++)
+    EXPECT((row = strstr(row, ",7,0,,,\"got on rung 7 of the ladder, " BEFORE)) && row++, "%s",
+           rows);
+  free(rows);
+  free_ran(&r);
+}
+
 /* ---- judged ---- */
 
 static const char STUDY[] = "scene: paper\n"
@@ -444,6 +473,7 @@ int main(void) {
       {"arcs of fuses end", arcs_of_fuses_end},
       {"what it has not is refused by line", what_it_has_not_is_refused_by_line},
       {"ngspice's settings are not its own", ngspices_settings_are_not_its_own},
+      {"what is given up is told", what_is_given_up_is_told},
       {"a study is judged by ngspice", a_study_is_judged_by_ngspice},
       {"what ngspice has otherwise fails the study", what_ngspice_has_otherwise_fails_the_study},
       {"the judge's keys are no axes", the_judges_keys_are_no_axes},

@@ -155,8 +155,8 @@ typedef int (*vibrospice_step)(void *context, const double *value, size_t count)
 /* Runs on to t_s: later than the run's time, at most run.until. step: is shown the rows on the way,
  * which are run.sample apart, one at t_s itself among them only where it is such an instant; NULL:
  * nobody is. Any t_s may be asked for; no bit of the result depends on it, unless an input was
- * set. Where ngspice gives up, a run that has stood still or was shown has failed; one that goes to
- * its end by vibrospice_finish alone tries the ladder's rungs, as `vibrospice run` does. */
+ * set. Where the solver gives up, a run that has stood still or was shown has failed; one that goes
+ * to its end by vibrospice_finish alone tries the ladder's rungs, as `vibrospice run` does. */
 VIBROSPICE_API vibrospice_status vibrospice_run_to(vibrospice *run, double t_s,
                                                    vibrospice_step step, void *context);
 /* The same to run.until. */
