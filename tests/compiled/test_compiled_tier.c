@@ -298,7 +298,7 @@ static void arcs_of_fuses_end(void) {
                "--set 'run.until=30.6551 ms' "
                "--set 'events={e0: {kind: short, cycle: 1, angle: 352.982 deg, element: Xv3}}'",
                __LINE__);
-  near_ngspice(1e-4,
+  near_ngspice(1e-3,
                PAPER "--set run.until=61ms --set firing.angle=115.21063457948591deg --set "
                      "'actuator.stop={stiffness: 1e6 N/m, damping: 100 N.s/m}' --set 'events={e: "
                      "{kind: swell, at: 8.062 ms, level: 162.8 %, duration: 32.25 ms}}'",
