@@ -95,18 +95,18 @@ static vs_status show_step(compiled *c, double h, vs_error *err) {
 
 /* ---- the error of a step ---- */
 
-/* What the method tells is the error of its rule of third order; that of the result is much less,
- * so that these are as large as they are. An error that adds up from step to step is held to
+/* The method estimates the error of its rule of third order; that of the result is much less, so
+ * that these may be large. An error that adds up from step to step is held to
  * OF_TOLERANCE of the tolerance; that of an unknown without a memory to WITHOUT_MEMORY of it, if it
- * is shown. One that is not shown does not count: others have what it does to them. What is shown
- * is measured by its peak so far, the rest by its size and OF_PEAK of its peak. Volts, webers,
- * amperes and metres below these are none: for what is shown, a tenth. */
+ * is shown. One that is not shown does not count: its effect on the others does. What is shown
+ * is measured by its peak so far, the rest by its size and OF_PEAK of its peak; SMALL_V and its
+ * like are added to either, for what is shown SHOWN of them. */
 static const double OF_TOLERANCE = 0.2, WITHOUT_MEMORY = 3, OF_PEAK = 0.1, SMALL_V = 1,
                     SMALL_WB = 1e-3, SMALL_M = 1e-5, SHOWN = 0.1;
 
-/* Of a junction's peak current so much of the tolerance may be missing behind a step. With five
- * times it thyristors of transistors that let go were off by up to 1.8 tolerances, with a tenth
- * halfwave_paper takes half as many steps more. */
+/* Behind a step the currents of a junction may be out of balance by OF_JUNCTION of the tolerance,
+ * as a part of its peak current. With five times that, thyristors of transistors that let go were
+ * off by up to 1.8 tolerances; with a tenth of it halfwave_paper takes half as many steps again. */
 static const double OF_JUNCTION = 1;
 
 static measured measure_of(const compiled *c, int unknown) {
@@ -223,9 +223,9 @@ static vs_status no_solution(const compiled *c, vs_error *err) {
   return give_up(c, why, err);
 }
 
-/* The branches stand while the iteration runs, as switches may turn over and over. Where that has
- * no solution, as of a formula with a power of 299 far behind the branch that ends it, they go with
- * the iteration. */
+/* The branches are held while the iteration runs, as switches may turn over and over. Where it
+ * finds no solution so, as far behind the branch that ends a formula with a power of 299, they are
+ * chosen anew in each iteration. */
 static double restart_length(compiled *c, double first_s) {
   static const double TIMES[] = {1, 10, 100, 0.1, 1000};
   for (int chooses = 0; chooses < 2; chooses++)
@@ -285,7 +285,7 @@ static bool progress_made(compiled *c) {
 static const double ROUNDING = 10;
 
 /* Where the state slides along a kink, as where an arc holds a current at its zero, each step would
- * end at a branch at once. Behind so many of these one is taken whole. */
+ * end at a branch at once. After so many of these one is taken whole. */
 enum { MOST_LANDINGS = 10 };
 
 /* The next step's length as a part of h, whose error was off: that which would be off by FULL, and

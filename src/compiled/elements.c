@@ -516,9 +516,8 @@ static vs_status add_mosfet(making *m, const placed *p) {
   return VS_OK;
 }
 
-/* A switch with a hysteresis, S by a voltage or W by a current: on above vt + vh, off below vt -
- * vh.
- */
+/* A switch with a hysteresis, S by a voltage or W by a current: it is on above vt + vh, or it + ih,
+ * and off below vt - vh, or it - ih. */
 static vs_status add_switch(making *m, const placed *p) {
   vs_parameters *in;
   double ron = 1, roff = 1e12, vt = 0, vh = 0;
@@ -546,7 +545,7 @@ static vs_status add_switch(making *m, const placed *p) {
   const vs_word word = vs_cards_word(m->cards, card, by_current ? 4 : 5);
   const int current = by_current ? current_of_program(m, p->in, word_of(m, p, 2)) : -1;
   if (by_current && current < 0) return vs_fail(m->err, VS_INPUT, "its source is not there");
-  if (vh < 0) return vs_fail(m->err, VS_INPUT, "a vh below 0 is not known here");
+  if (vh < 0) return vs_fail(m->err, VS_INPUT, "a hysteresis below 0 is not known here");
   if (word.n && !vs_words_is(word, "on") && !vs_words_is(word, "off"))
     return vs_fail(m->err, VS_INPUT, "'%.*s' is not on or off", (int)word.n, word.at);
   vs_compiled_device *d = add_device(m, VS_DEVICE_SWITCH);

@@ -84,9 +84,9 @@ bool vs_equations_value(vs_equations *e, const double *y, const double *source, 
                         double *f, double *jacobian);
 
 /* By how much the currents at a junction do not add up to zero behind a step, as a part of the
- * junction's peak current; the most of all junctions, of
- * which diodes count by a third. `change` is that of the step's last stage, up
- * to `next`, which takes the junctions for straight lines with their slopes at y. */
+ * junction's peak current; the most of all junctions, of which diodes count by a third. `change`
+ * is that of the step's last stage, up to `next`, which takes the junctions for straight lines with
+ * their slopes at y. */
 double vs_equations_imbalance(const vs_equations *e, const double *y, const double *next,
                               const double *change);
 /* Takes the currents of the junctions at y for their peaks. */

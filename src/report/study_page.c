@@ -309,9 +309,10 @@ static void add_doubts(vs_html *html, const vs_study_results *s) {
   add_count(html, s->unverified,
             "unverified: the numerical error of the margins was not computed (run.verify: always "
             "does so)");
-  add_count(html, s->climbed,
-            "on a rung of the ladder beyond the first: ngspice gave up on the scene as it is; see "
-            "column rung");
+  add_count(
+      html, s->climbed,
+      "on a rung of the ladder beyond the first: the solver gave up on the scene as it is; see "
+      "column rung");
   add_count(html, s->warned, "with warnings; see column warnings");
 }
 

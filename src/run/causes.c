@@ -540,14 +540,7 @@ static vs_status begin_attempt(void *ctx, vs_scene *scene, vs_error *err) {
  * --tier says. */
 static vs_status read_on_ngspice(const vs_scene *of, vs_scene *scene, vs_error *err) {
   static const char *const KEYS[] = {"run.verify=never", "run.tier=circuit"};
-  if (of->tier->by_ngspice) return vs_scene_with(of, KEYS, 1, scene, err);
-  vs_scene *untold =
-      vs_alloc(1, sizeof *untold); /* it borrows all of the other, and is only read */
-  memcpy(untold, of, sizeof *untold);
-  untold->tier_named = NULL;
-  vs_status status = vs_scene_with(untold, KEYS, 2, scene, err);
-  free(untold);
-  return status;
+  return vs_scene_with(of, KEYS, of->tier->by_ngspice ? 1 : 2, scene, err);
 }
 
 static vs_status look_again(vs_causes *c, vs_causes_run *run, const volatile sig_atomic_t *stop,

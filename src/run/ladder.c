@@ -73,18 +73,10 @@ static void add_rung_key(vs_ladder *l, const char *format, ...) {
   va_end(values);
 }
 
-/* The one rung of tier compiled. */
-static bool climb_to_ngspice(vs_ladder *l) {
-  l->rung = N_RUNGS - 1;
-  l->n_keys = 0;
-  add_rung_key(l, "run.tier=circuit");
-  return true;
-}
-
 bool vs_ladder_climb(vs_ladder *l, const vs_scene *scene) {
   const vs_setup *s = &scene->setup;
-  if (scene->tier->has_circuit && !scene->tier->by_ngspice) return !l->rung && climb_to_ngspice(l);
-  if (!scene->tier->by_ngspice || s->run.ladder == VS_LADDER_STAY) return false;
+  const bool compiled = !scene->tier->by_ngspice;
+  if (!scene->tier->has_circuit || s->run.ladder == VS_LADDER_STAY) return false;
   if (l->rung == 0) {
     l->gear = s->run.gear;
     l->own_step_s = vs_pace_largest_step(s);
@@ -94,12 +86,13 @@ bool vs_ladder_climb(vs_ladder *l, const vs_scene *scene) {
     l->pivrel = s->run.pivrel;
   }
   const double first_step = VS_SETUP_LONGER_FIRST_STEP;
-  bool jumps = vs_timeline_voltage(&s->timeline, 0) != 0;
+  bool jumps = !compiled && vs_timeline_voltage(&s->timeline, 0) != 0;
   for (l->rung++; l->rung < N_RUNGS; l->rung++) {
     const rung *r = &RUNGS[l->rung];
     bool other = (r->other_order && l->pivrel != OTHER_PIVREL) || (r->gear && !l->gear) ||
-                 r->quarter || (r->coarse && l->tolerance < COARSE_TOLERANCE) || r->ideal;
-    if (!other || r->ngspice ||
+                 r->quarter || (r->coarse && l->tolerance < COARSE_TOLERANCE) || r->ideal ||
+                 r->ngspice;
+    if (!other || r->ngspice != compiled ||
         (r->ideal && (s->run.ladder != VS_LADDER_IDEAL || !can_be_ideal(s))))
       continue;
     l->n_keys = 0;
@@ -112,6 +105,7 @@ bool vs_ladder_climb(vs_ladder *l, const vs_scene *scene) {
       add_rung_key(l, "run.max_step=%.9gus", 1e6 * l->own_step_s);
     }
     if (r->ideal) add_rung_key(l, "circuit.thyristor=latch");
+    if (r->ngspice) add_rung_key(l, "run.tier=%s", vs_tiers_circuit());
     if (jumps && s->run.first_step < first_step) add_rung_key(l, "run.first_step=%.9g", first_step);
     return true;
   }
@@ -153,9 +147,9 @@ vs_status vs_ladder_scene(const vs_ladder *l, const vs_scene *scene, vs_scene *o
                           vs_error *err) {
   const char *keys[VS_LADDER_KEYS];
   for (size_t k = 0; k < l->n_keys; k++) keys[k] = l->keys[k];
-  vs_scene own = *scene;
-  if (RUNGS[l->rung].ngspice) own.tier_named = NULL; /* which would stand above run.tier */
-  vs_status status = vs_scene_with(&own, keys, l->n_keys, other, err);
+  vs_status status = vs_scene_with(scene, keys, l->n_keys, other, err);
+  if (RUNGS[l->rung].ngspice)
+    snprintf(other->why, sizeof other->why, "rung %d of the ladder", l->rung);
   if (!status && RUNGS[l->rung].ideal) give_limits(&scene->setup.deck, &other->setup.deck);
   return status;
 }

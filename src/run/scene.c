@@ -227,9 +227,13 @@ vs_status vs_scene_with(const vs_scene *s, const char *const *keys, size_t n_key
   other->held = s->held;
   other->of_period = s->of_period;
   vs_tree_copy(&s->tree, &other->tree);
+  const char *tier = s->tier_named;
   vs_status status = VS_OK;
-  for (size_t k = 0; k < n_keys && !status; k++) status = vs_tree_set(&other->tree, keys[k], err);
-  if (!status) status = vs_scene_read_sections(other, s->tier_named, err);
+  for (size_t k = 0; k < n_keys && !status; k++) {
+    if (!strncmp(keys[k], "run.tier=", 9)) tier = NULL;
+    status = vs_tree_set(&other->tree, keys[k], err);
+  }
+  if (!status) status = vs_scene_read_sections(other, tier, err);
   return status || !s->asks ? status : vs_scene_take_circuit(other, s->asks, err);
 }
 

@@ -45,7 +45,7 @@ static vs_status close_books(vs_result *r, double tolerance, vs_error *err);
 vs_status vs_session_run(const vs_session *session, vs_scene *scene, vs_result *r, vs_error *err) {
   vs_status status = vs_session_begin(session, scene, r, err);
   vs_scene *now = status ? NULL : scene;
-  /* Where ngspice gives up, the scene of the next rung takes this one's place. */
+  /* Where the solver gives up, the scene of the next rung takes this one's place. */
   for (; now; now = vs_session_climb(session, scene, status, r, err)) {
     status = refuse_orbit(now, err);
     if (!status) status = vs_session_attempt(session, now, r, err);

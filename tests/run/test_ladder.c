@@ -123,6 +123,20 @@ static void rungs_go_by_the_scene(void) {
   vs_trial_free(t);
 }
 
+/* Tier compiled has one rung, and none for who stays, as a run of libvibrospice that was shown. */
+static void the_rung_of_tier_compiled(void) {
+  vs_trial *t = vs_trial_read("paper", "compiled", NULL);
+  vs_ladder ladder = {0};
+  CU_ASSERT_FATAL(vs_ladder_climb(&ladder, &t->scene));
+  CU_ASSERT_EQUAL(ladder.n_keys, 1);
+  CU_ASSERT_STRING_EQUAL(ladder.keys[0], "run.tier=circuit");
+  CU_ASSERT_FALSE(vs_ladder_climb(&ladder, &t->scene));
+  ladder = (vs_ladder){0};
+  t->scene.setup.run.ladder = VS_LADDER_STAY;
+  CU_ASSERT_FALSE(vs_ladder_climb(&ladder, &t->scene));
+  vs_trial_free(t);
+}
+
 /* A scene that asks for more than 1e-4 has a rung at that tolerance, with its own steps. */
 static void a_coarser_tolerance_with_the_same_steps(void) {
   static const char *const SETS[] = {"run.tolerance=1e-6", NULL};
@@ -299,6 +313,7 @@ static const vs_test TESTS[] = {
     {"no other device unasked", no_other_device_unasked},
     {"the part that was chosen counts", the_part_that_was_chosen_counts},
     {"rungs go by the scene", rungs_go_by_the_scene},
+    {"the rung of tier compiled", the_rung_of_tier_compiled},
     {"a longer first step", a_longer_first_step},
     {"a coarser tolerance with the same steps", a_coarser_tolerance_with_the_same_steps},
     {"with a control", with_a_control},

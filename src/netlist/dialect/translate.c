@@ -370,7 +370,7 @@ typedef enum reading {
 } reading;
 
 /* Writes the value at `at` in braces where ngspice would read a part of it. Error, with its place:
- * it is no expression, or may be one or several. */
+ * it is no expression, or may be one value or two. */
 static vs_status rewrite_value(vs_rewriting *r, size_t at, size_t n, reading how) {
   vs_word w[VS_WORDS_MOST];
   const vs_word v = {r->text.text + at, n};
@@ -401,8 +401,8 @@ static vs_status rewrite_value(vs_rewriting *r, size_t at, size_t n, reading how
   return VS_OK;
 }
 
-/* True for a NAME=VALUE of which a part may be read without a word: of E and G the formula, of V
- * and B the elements that it becomes. Of others "1 -2" may be a list. */
+/* True for a NAME=VALUE of which ngspice may read a part and say nothing: of E and G the formula,
+ * of V and B the elements that it becomes. Of others "1 -2" may be a list. */
 static bool is_read_partly(const vs_netlist_card *card, vs_word name) {
   static const char *const NAMES[] = {"value", "vol", "cur", "rser", "rpar", "cpar"};
   if (card->kind == VS_CARDS_MODEL) return true;
@@ -423,8 +423,8 @@ static vs_word value_by_place(const vs_cards *c, const char *text, const char *t
   return same ? value_before(of.at, to) : (vs_word){text, 0};
 }
 
-/* ".param a = b + 1" in a subcircuit is b to ngspice, and so are likes of it in other lines. From
- * the line's end on, as what stands before a value keeps its place. */
+/* In a subcircuit ngspice reads ".param a = b + 1" as b, and does the like in other lines. Goes
+ * from the line's end to its beginning, so that what stands before a value keeps its place. */
 static vs_status rewrite_each(vs_rewriting *r, const vs_cards *c) {
   const vs_netlist_card *card = c->card;
   const char *text = c->lines->text, *next = text + strlen(text);

@@ -478,8 +478,8 @@ static double largest_change(const vs_search *s, const climb *c) {
 }
 
 /* Returns a change of an axis: as likely between 1e-3 and 1e-2 of it as between 1e-2 and 1e-1
- * (Muehlenbein and Schlierkamp-Voosen, Evolutionary Computation, 1993), and as often a number of
- * periods as not, where it has some. */
+ * (Muehlenbein and Schlierkamp-Voosen, Evolutionary Computation, 1993), and for half of
+ * the changes by some of its periods besides, if it has any. */
 static double change_of_axis(const vs_search *s, const climb *c, size_t d, uint64_t id) {
   double u[4];
   const double period = s->setup.period[d];

@@ -42,9 +42,10 @@ double vs_span_at(const vs_axis *axis, double u);
 double vs_span_between(const vs_axis *axis, double u);
 /* Returns what the scene has; of a word, and where the scene has nothing, the first value. */
 double vs_span_nominal(const vs_axis *axis);
-/* Returns what repeats along an instant or an angle of the mains, as a part of the axis: the gate
- * pulse's sub-pulses, the carrier of pulse-width modulation, else the mains' cycle. Worst cases
- * come again with it. 0: nothing does, or the axis is shorter than two of it. */
+/* Returns the period of what repeats along an instant or an angle of the mains, as a part of the
+ * axis: of the gate pulse's sub-pulses, of the carrier of pulse-width modulation, else the mains'
+ * cycle. Worst cases repeat with it. 0: nothing repeats, or the axis is shorter than two periods.
+ */
 double vs_span_period(const vs_plan *plan, const vs_axis *axis);
 
 #endif

@@ -7,7 +7,7 @@
  *   find:
  *     worst: max thyristor.v_reverse     or min MEASURE
  *     n: 400                             cases at most; 100 for each axis
- *     restarts: 8                        local searches that these are shared by
+ *     restarts: 8                        local searches that share these
  *     seed: 7
  *     finest: 0.1 %                      of each axis: shorter steps end the search
  */

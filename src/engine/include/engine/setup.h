@@ -49,7 +49,7 @@ typedef struct vs_run_values {
   double trtol;      /* ngspice's own: a factor on the truncation error a step may have */
   double pivrel;     /* ngspice's own: decides the order in which it eliminates */
   int gear;          /* the circuit's rule: 0 is the trapezoidal, 1 Gear's of second order */
-  int ladder;        /* how far it is climbed where ngspice gives up: VS_LADDER_... */
+  int ladder;        /* how far it is climbed where the solver gives up: VS_LADDER_... */
   int verify;        /* whether a second run tells the margins' errors: VS_VERIFY_... */
   int stays;         /* 1: in the circuit's solver to the end, also when the circuit is quiet */
 } vs_run_values;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * What is tried when ngspice gives up on a scene: the same scene with other settings, one rung
+ * What is tried when a solver gives up on a scene: the same scene with other settings, one rung
  * after the other. A rung is a few keys that a user could set. The result says how far was climbed.
  */
 #ifndef VS_RUN_LADDER_H

@@ -62,8 +62,9 @@ vs_status vs_scene_read_sections(vs_scene *scene, const char *tier, vs_error *er
  * named. `record` and `measured` stay as they are. */
 vs_status vs_scene_reread(vs_scene *scene, vs_error *err);
 
-/* Reads the same scene into `other` with these KEY=VALUE over its tree. `other` is to be freed
- * before `scene`, also after an error. Errors: those of vs_scene_read_sections. */
+/* Reads the same scene into `other` with these KEY=VALUE over its tree; run.tier=NAME also stands
+ * above --tier. `other` is to be freed before `scene`, also after an error. Errors: those of
+ * vs_scene_read_sections. */
 vs_status vs_scene_with(const vs_scene *scene, const char *const *keys, size_t n_keys,
                         vs_scene *other, vs_error *err);
 

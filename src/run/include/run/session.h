@@ -20,7 +20,7 @@ typedef struct vs_session_listener {
    * they have seen so far, and its meters have come to where the step begins. Anything but VS_OK
    * ends the run. */
   vs_status (*accept)(void *ctx, const vs_step *step, const vs_result *result, vs_error *err);
-  /* Called when an attempt has ended because ngspice gave up, and another one is to begin on the
+  /* Called when an attempt has ended because the solver gave up, and another one is to begin on the
    * ladder's rung `next`. failed: how it ended. */
   void (*again)(void *ctx, const char *failed, int next);
   bool
@@ -44,7 +44,7 @@ typedef struct vs_session {
 } vs_session;
 
 /* Runs the scene and fills the result, which vs_result_free frees also after an error. Where
- * ngspice gives up, the scene is run again with the settings of the ladder's next rung;
+ * the solver gives up, the scene is run again with the settings of the ladder's next rung;
  * result->scene is the one that was run last. Code of the user's own wants scene->allow_code. A
  * signal in the second run leaves the first one's result, unverified (result->second.stopped).
  * Errors: those of vs_sim_run and of the guest; VS_RUN, the energy books are open so far that the
@@ -61,7 +61,7 @@ vs_status vs_session_begin(const vs_session *session, const vs_scene *scene, vs_
 /* Runs the scene once. */
 vs_status vs_session_attempt(const vs_session *session, vs_scene *scene, vs_result *result,
                              vs_error *err);
-/* Where ngspice gave up, returns `scene` with the settings of the ladder's next rung, which the
+/* Where the solver gave up, returns `scene` with the settings of the ladder's next rung, which the
  * result owns. NULL: `status`, with err, is how the last attempt ended. */
 vs_scene *vs_session_climb(const vs_session *session, const vs_scene *scene, vs_status status,
                            vs_result *result, vs_error *err);

@@ -159,7 +159,7 @@ typedef int (*vibrospice_step)(void *context, const double *value, size_t count)
 /* Runs on to t_s, which is after the run's time and at most run.until. step is called with each row
  * on the way; rows are run.sample apart, so t_s itself has one only if it is such an instant. step
  * may be NULL. Any t_s is allowed; no bit of the result depends on it, unless an input was set.
- * If ngspice gives up, a run that was stopped at an instant or has shown rows has failed; a run
+ * If the solver gives up, a run that was stopped at an instant or has shown rows has failed; a run
  * that vibrospice_finish alone takes to its end tries the rungs of the ladder, as `vibrospice run`
  * does. */
 VIBROSPICE_API vibrospice_status vibrospice_run_to(vibrospice *run, double t_s,
