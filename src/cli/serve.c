@@ -180,8 +180,10 @@ typedef struct engine {
   bool finishing;  /* its result is asked for */
   double t_s;      /* up to where it was asked for */
   double target_s; /* up to where it goes on */
+  double from_s;   /* where it was told last before that */
   double row_s;    /* of the last row */
   bool rows;       /* are wanted on the way */
+  bool events;     /* it stops at one */
   unsigned steps;
   vs_text question; /* what follows the head of the one that is under way */
   vs_text result;
@@ -558,8 +560,10 @@ static void go_on_to(engine *e, uint32_t kind) {
   vibrospice_ask_run ask = {INFINITY, 0, 0};
   if (kind == VIBROSPICE_ASK_RUN) memcpy(&ask, e->question.text, sizeof ask);
   e->finishing = kind == VIBROSPICE_ASK_FINISH;
+  e->from_s = e->target_s;
   e->target_s = fmin(ask.t_s, e->scene->setup.run.until_s);
   e->rows = ask.rows;
+  e->events = ask.events;
   given.next_s = e->finishing ? INFINITY : e->target_s;
   offer_load_place(&e->scene->setup, given.next_s);
 }
@@ -594,6 +598,17 @@ static void look_at_socket(engine *e) {
     leave();
 }
 
+/* Where it is to stop at an event, the first one of the step that lies behind where it was told last
+ * becomes where it goes on to. */
+static void stop_at_event(engine *e, const vs_step *step) {
+  for (int k = 0; k < 2 && e->events; k++) {
+    const vs_event event = step->event[k];
+    const bool told = event == VS_EV_FIRES || event == VS_EV_EXTINCT || event == VS_EV_MEETS_STOP ||
+                      event == VS_EV_LEAVES_STOP;
+    if (told && step->event_s[k] > e->from_s) e->target_s = fmin(e->target_s, step->event_s[k]);
+  }
+}
+
 static vs_status reach_instant(void *ctx, const vs_table *table, const vs_step *step, double t_s,
                                vs_error *err) {
   engine *e = ctx;
@@ -604,6 +619,7 @@ static vs_status reach_instant(void *ctx, const vs_table *table, const vs_step *
   /* The last step's end and run.until may differ by rounding. */
   const double ends_s = table->until_s - 1e-9 * table->sample_s;
   const bool ends = t_s >= step->to->t_s && t_s >= ends_s;
+  stop_at_event(e, step);
   while (!e->finishing && (e->target_s <= t_s || (ends && e->target_s >= ends_s))) {
     int n = 0;
     while (vs_table_column_at(table, n, &column)) n++;
@@ -612,6 +628,7 @@ static vs_status reach_instant(void *ctx, const vs_table *table, const vs_step *
     e->t_s = fmax(e->target_s, step->to->t_s); /* what is set from now on acts behind the step */
     answer(VIBROSPICE_OK, cells, (size_t)n * sizeof *cells);
     stay(e);
+    stop_at_event(e, step);
   }
   return VS_OK;
 }

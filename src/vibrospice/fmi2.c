@@ -49,7 +49,7 @@ FMI2 void *fmi2Instantiate(fmi2String name, int type, fmi2String guid, fmi2Strin
   if (!call || type != 1) return NULL;
   const fmu like = {
       .log = tell, .environment = call->environment, .call = (void *)(size_t)&call->logger};
-  return fmu_new(name, resources, &like);
+  return fmu_new(name, guid, resources, &like);
 }
 
 FMI2 fmi2Status fmi2SetupExperiment(void *c, int has_tolerance, double tolerance, double start_s,
@@ -66,7 +66,7 @@ FMI2 fmi2Status fmi2ExitInitializationMode(void *c) {
 }
 
 FMI2 fmi2Status fmi2DoStep(void *c, double at_s, double step_s, int no_going_back) {
-  return fmu_step(c, at_s, step_s);
+  return fmu_step(c, at_s, step_s, NULL, NULL);
 }
 
 FMI2 fmi2Status fmi2CancelStep(void *c) {
@@ -101,6 +101,18 @@ FMI2 fmi2Status fmi2FreeFMUstate(void *c, void **state) {
   return fmu_forget(state);
 }
 
+FMI2 fmi2Status fmi2SerializedFMUstateSize(void *c, void *state, size_t *size) {
+  return fmu_size_of_state(c, state, size);
+}
+
+FMI2 fmi2Status fmi2SerializeFMUstate(void *c, void *state, char bytes[], size_t size) {
+  return fmu_write_state(c, state, bytes, size);
+}
+
+FMI2 fmi2Status fmi2DeSerializeFMUstate(void *c, const char bytes[], size_t size, void **state) {
+  return fmu_read_state(c, bytes, size, state);
+}
+
 /* ---- what the description does not offer ----
  *
  * A master looks for all of the standard's functions. */
@@ -117,9 +129,6 @@ FMI2 fmi2Status fmi2FreeFMUstate(void *c, void **state) {
 NO_VARIABLES(Integer, int)
 NO_VARIABLES(Boolean, int)
 NO_VARIABLES(String, fmi2String)
-REFUSES(SerializedFMUstateSize, 1, (void *c, void *state, size_t *size))
-REFUSES(SerializeFMUstate, 1, (void *c, void *state, char bytes[], size_t size))
-REFUSES(DeSerializeFMUstate, 1, (void *c, const char bytes[], size_t size, void **state))
 REFUSES(GetDirectionalDerivative, n,
         (void *c, const fmi2ValueReference z[], size_t n, const fmi2ValueReference v[], size_t n_v,
          const double dv[], double dz[]))

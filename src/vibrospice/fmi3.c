@@ -35,8 +35,9 @@ FMI3 void *fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3St
                                        bool visible, bool logs, bool events, bool early,
                                        const fmi3ValueReference wanted[], size_t n_wanted,
                                        void *environment, fmi3Logger *logger, void *update) {
-  const fmu like = {.log = tell, .environment = environment, .call = *(void **)&logger};
-  return fmu_new(name, resources, &like);
+  const fmu like = {
+      .log = tell, .environment = environment, .call = *(void **)&logger, .early = early};
+  return fmu_new(name, token, resources, &like);
 }
 
 FMI3 void fmi3FreeInstance(void *c) {
@@ -54,11 +55,11 @@ FMI3 fmi3Status fmi3ExitInitializationMode(void *c) {
 
 FMI3 fmi3Status fmi3DoStep(void *c, double at_s, double step_s, bool no_going_back, bool *events,
                            bool *ends, bool *early, double *last_s) {
-  const fmi3ValueReference time = 0;
-  fmi3Status status = fmu_step(c, at_s, step_s);
-  *events = *ends = *early = false;
-  const fmi3Status told = fmu_get(c, &time, 1, last_s);
-  return status ? status : told;
+  int stopped = 0;
+  fmi3Status status = fmu_step(c, at_s, step_s, last_s, &stopped);
+  *events = *ends = false;
+  *early = stopped;
+  return status;
 }
 
 FMI3 fmi3Status fmi3EnterStepMode(void *c) {
@@ -95,6 +96,18 @@ FMI3 fmi3Status fmi3SetFMUState(void *c, void *state) {
 
 FMI3 fmi3Status fmi3FreeFMUState(void *c, void **state) {
   return fmu_forget(state);
+}
+
+FMI3 fmi3Status fmi3SerializedFMUStateSize(void *c, void *state, size_t *size) {
+  return fmu_size_of_state(c, state, size);
+}
+
+FMI3 fmi3Status fmi3SerializeFMUState(void *c, void *state, uint8_t byte[], size_t size) {
+  return fmu_write_state(c, state, byte, size);
+}
+
+FMI3 fmi3Status fmi3DeserializeFMUState(void *c, const uint8_t byte[], size_t size, void **state) {
+  return fmu_read_state(c, byte, size, state);
 }
 
 /* ---- what the description does not offer ----
@@ -149,9 +162,6 @@ REFUSES(GetNumberOfVariableDependencies, 1, (void *c, fmi3ValueReference of, siz
 REFUSES(GetVariableDependencies, n,
         (void *c, fmi3ValueReference of, size_t element[], fmi3ValueReference on[],
          size_t elements[], int kind[], size_t n))
-REFUSES(SerializedFMUStateSize, 1, (void *c, void *state, size_t *size))
-REFUSES(SerializeFMUState, 1, (void *c, void *state, uint8_t byte[], size_t size))
-REFUSES(DeserializeFMUState, 1, (void *c, const uint8_t byte[], size_t size, void **state))
 REFUSES(GetDirectionalDerivative, n,
         (void *c, const fmi3ValueReference z[], size_t n, const fmi3ValueReference v[], size_t n_v,
          const double seed[], size_t n_seed, double value[], size_t values))

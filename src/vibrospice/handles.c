@@ -288,6 +288,11 @@ static void join_lines(engine *e) {
 /* ---- a scene ---- */
 
 vibrospice_status vibrospice_open(const char *scene, unsigned flags, vibrospice **run) {
+  return vibrospice_open_by(NULL, scene, flags, run);
+}
+
+vibrospice_status vibrospice_open_by(const char *program, const char *scene, unsigned flags,
+                                     vibrospice **run) {
   char mark[16], *text = NULL;
   if (!run) return vibrospice_fail(VIBROSPICE_INPUT, "run is NULL");
   *run = NULL;
@@ -298,7 +303,7 @@ vibrospice_status vibrospice_open(const char *scene, unsigned flags, vibrospice 
         flags);
   engine *e = take_place(0);
   if (!e) return vibrospice_no_memory();
-  vibrospice_status status = vibrospice_process_start(&e->process);
+  vibrospice_status status = vibrospice_process_start(&e->process, program);
   const int length = snprintf(mark, sizeof mark, "%u ", flags);
   if (!status)
     status = vibrospice_process_ask_for(&e->process, VIBROSPICE_ASK_OPEN, mark, (size_t)length,
@@ -507,8 +512,8 @@ static vibrospice_status end_of_call(engine *e, vibrospice_status status) {
   return leave(e, status);
 }
 
-static vibrospice_status run_to(vibrospice *run, double t_s, int to_end, vibrospice_step step,
-                                void *context) {
+static vibrospice_status run_to(vibrospice *run, double t_s, int to_end, int events,
+                                vibrospice_step step, void *context) {
   engine *e;
   int halted = 0;
   vibrospice_status status = enter(run, 0, &e);
@@ -525,7 +530,7 @@ static vibrospice_status run_to(vibrospice *run, double t_s, int to_end, vibrosp
                                     e->until_s));
   if (e->process.socket < 0)
     return leave(e, vibrospice_fail(VIBROSPICE_ENGINE, "the engine has ended"));
-  const vibrospice_ask_run question = {t_s, step != NULL, 0};
+  const vibrospice_ask_run question = {t_s, step != NULL, events != 0};
   e->phase = UNDER_WAY;
   if (!vibrospice_process_ask(e->process.socket, VIBROSPICE_ASK_RUN, &question, sizeof question,
                               NULL, -1))
@@ -538,11 +543,15 @@ static vibrospice_status run_to(vibrospice *run, double t_s, int to_end, vibrosp
 
 vibrospice_status vibrospice_run_to(vibrospice *run, double t_s, vibrospice_step step,
                                     void *context) {
-  return run_to(run, t_s, 0, step, context);
+  return run_to(run, t_s, 0, 0, step, context);
 }
 
 vibrospice_status vibrospice_run_on(vibrospice *run, vibrospice_step step, void *context) {
-  return run_to(run, 0, 1, step, context);
+  return run_to(run, 0, 1, 0, step, context);
+}
+
+vibrospice_status vibrospice_run_to_event(vibrospice *run, double t_s, int events) {
+  return run_to(run, t_s, 0, events, NULL, NULL);
 }
 
 vibrospice_status vibrospice_finish(vibrospice *run) {

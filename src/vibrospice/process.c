@@ -181,11 +181,28 @@ static const char *find_program(char path[4096]) {
   return "vibrospice";
 }
 
+/* The environment in which a program that was brought along finds its libraries, to be freed; NULL:
+ * no memory. `library` has room for the variable. */
+static char **environment_with(const char *program, char library[4200]) {
+  static const char NAME[] = "LD_LIBRARY_PATH=";
+  size_t count = 0, n = 0;
+  const char *slash = strrchr(program, '/');
+  while (environ && environ[count]) count++;
+  char **all = malloc((count + 2) * sizeof *all);
+  if (!all) return NULL;
+  snprintf(library, 4200, "%s%.*s../lib", NAME, slash ? (int)(slash + 1 - program) : 0, program);
+  for (size_t k = 0; k < count; k++)
+    if (strncmp(environ[k], NAME, sizeof NAME - 1) != 0) all[n++] = environ[k];
+  all[n++] = library;
+  all[n] = NULL;
+  return all;
+}
+
 /* Starts the engine with one end of a socket as its standard input. It is in a process group of its
  * own, so that a key of the terminal's does not end it, and heeds signals as usual. */
-static vibrospice_status spawn(vibrospice_process *p) {
+static vibrospice_status spawn(vibrospice_process *p, const char *program) {
   static const int USUAL[] = {SIGPIPE, SIGCHLD, SIGINT, SIGTERM, SIGHUP};
-  char path[4096], word[] = "serve", self[] = "vibrospice", *const argv[] = {self, word, NULL};
+  char path[4096], library[4200], word[] = "serve", self[] = "vibrospice", *const argv[] = {self, word, NULL};
   int ends[2];
   posix_spawn_file_actions_t files;
   posix_spawnattr_t attributes;
@@ -214,8 +231,11 @@ static vibrospice_status spawn(vibrospice_process *p) {
   posix_spawnattr_setsigdefault(&attributes, &usual);
   posix_spawnattr_setflags(&attributes,
                            POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-  const char *program = find_program(path);
-  wrong = posix_spawnp(&p->pid, program, &files, &attributes, argv, environ);
+  char **environment = program ? environment_with(program, library) : NULL;
+  if (!program) program = find_program(path);
+  wrong = posix_spawnp(&p->pid, program, &files, &attributes, argv,
+                       environment ? environment : environ);
+  free(environment);
   posix_spawn_file_actions_destroy(&files);
   posix_spawnattr_destroy(&attributes);
   close(ends[1]);
@@ -254,9 +274,9 @@ static vibrospice_status greet(vibrospice_process *p) {
   return status;
 }
 
-vibrospice_status vibrospice_process_start(vibrospice_process *p) {
+vibrospice_status vibrospice_process_start(vibrospice_process *p, const char *program) {
   *p = (vibrospice_process){.socket = -1};
-  vibrospice_status status = spawn(p);
+  vibrospice_status status = spawn(p, program);
   return status ? status : greet(p);
 }
 

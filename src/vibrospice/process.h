@@ -22,8 +22,9 @@ vibrospice_status vibrospice_fail(vibrospice_status status, const char *format, 
     __attribute__((format(printf, 2, 3)));
 vibrospice_status vibrospice_no_memory(void);
 
-/* Starts an engine. To be ended also after an error. */
-vibrospice_status vibrospice_process_start(vibrospice_process *p);
+/* Starts an engine. program: its path; it finds its libraries in ../lib from there. NULL: the
+ * program is looked for. To be ended also after an error. */
+vibrospice_status vibrospice_process_start(vibrospice_process *p, const char *program);
 /* Closes the socket, which ends the engine, and waits for that. */
 void vibrospice_process_end(vibrospice_process *p);
 /* The engine has ended by itself: returns the error that says how. */
@@ -43,5 +44,14 @@ vibrospice_status vibrospice_process_ask_for(vibrospice_process *p, uint32_t kin
 
 /* Makes `to` a copy of the engine. */
 vibrospice_status vibrospice_process_copy(vibrospice_process *of, vibrospice_process *to);
+
+/* ---- handles.c, for the shim of mock-up units ---- */
+
+/* As vibrospice_open, with the program at that path; NULL: as there. */
+vibrospice_status vibrospice_open_by(const char *program, const char *scene, unsigned flags,
+                                     vibrospice **run);
+/* As vibrospice_run_to without rows. events: not 0, the run ends before t_s where the thyristor
+ * fires or is extinct, or the armature meets or leaves a stop; vibrospice_time then says when. */
+vibrospice_status vibrospice_run_to_event(vibrospice *run, double t_s, int events);
 
 #endif

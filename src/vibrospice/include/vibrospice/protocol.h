@@ -34,9 +34,9 @@ enum {
 };
 
 typedef struct vibrospice_ask_run {
-  double t_s;    /* up to here; INFINITY: the end */
-  uint32_t rows; /* 1: rows are wanted */
-  uint32_t unused;
+  double t_s;      /* up to here; INFINITY: the end */
+  uint32_t rows;   /* 1: rows are wanted */
+  uint32_t events; /* 1: up to the first firing, extinction, contact or release before that */
 } vibrospice_ask_run;
 
 /* Value references of a functional mock-up unit: 0 is the time, then come the scene's inputs and
