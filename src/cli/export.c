@@ -670,7 +670,7 @@ vs_status vs_export_command(const char *name, char *const *sets, size_t n_sets, 
 
 typedef struct export_line {
   vs_arguments common;
-  int fmi;
+  vs_export_fmu_options unit;
 } export_line;
 
 static vs_status export_command(const void *given, vs_error *err) {
@@ -680,15 +680,17 @@ static vs_status export_command(const void *given, vs_error *err) {
     return vs_fail(err, VS_INPUT, "export: wants -o FILE; see vibrospice export --help");
   const size_t length = strlen(a->output);
   if (length > 4 && !strcmp(a->output + length - 4, ".fmu"))
-    return vs_export_fmu_command(vs_command_name(a), a->sets, a->n_sets, a->output, line->fmi, err);
+    return vs_export_fmu_command(vs_command_name(a), a->sets, a->n_sets, a->output, &line->unit, err);
   return vs_export_command(vs_command_name(a), a->sets, a->n_sets, a->output, err);
 }
 
 static const vs_option EXPORT_OPTIONS[] = {
     VS_OPTIONS_SET,
     VS_OPTIONS_OUTPUT("FILE", "writes the netlist there; the unit where it ends with .fmu"),
-    VS_OPTIONS_WHOLE(export_line, fmi, 2, 3, "fmi", "N",
+    VS_OPTIONS_WHOLE(export_line, unit.fmi, 2, 3, "fmi", "N",
                      "version of the unit's standard: 2 (default) or 3"),
+    VS_OPTIONS_FLAG(export_line, unit.with_program, "with-program",
+                    "packs the program into the unit, which then needs no other"),
     VS_OPTIONS_JAIL,
     VS_OPTIONS_NO_JAIL,
     VS_OPTIONS_HELP,
@@ -702,8 +704,8 @@ const vs_command vs_export_cli = {
             "a unit for masters of co-simulation (FMI)",
     .examples = "  vibrospice export paper -o paper.cir && ngspice -b paper.cir\n"
                 "  vibrospice export my.yaml --set run.until=0.1s -o my.cir\n"
-                "  vibrospice export my.yaml -o my.fmu\n",
+                "  vibrospice export my.yaml -o my.fmu --fmi 3 --with-program\n",
     .options = EXPORT_OPTIONS,
     .size = sizeof(export_line),
-    .defaults = &(const export_line){.fmi = 2},
+    .defaults = &(const export_line){.unit.fmi = 2},
     .run = export_command};

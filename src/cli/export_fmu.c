@@ -6,16 +6,21 @@
 
 #include <ctype.h>
 #include <fcntl.h>
+#include <fts.h>
+#include <glob.h>
+#include <link.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/text.h"
+#include "ngspice/ngspice.h"
 #include "run/scene.h"
 #include "serve.h"
 #include "vibrospice/protocol.h"
@@ -24,7 +29,7 @@
 #error "the build names the shim as it is installed, from the folder of the program"
 #endif
 
-/* ---- an archive: ZIP without compression ---- */
+/* ---- an archive: ZIP ---- */
 
 typedef struct archive {
   FILE *stream;
@@ -38,32 +43,55 @@ static void put_number(vs_text *t, unsigned long value, int bytes) {
 
 /* What the head of a file and its entry in the directory have alike: version, flags, method, time
  * (1980-01-01, so that the archive is the same each time), checksum, sizes, length of the name. */
-static void put_head(vs_text *t, const char *name, const void *bytes, size_t size) {
+static void put_head(vs_text *t, const char *name, const vs_text *whole, const vs_text *packed) {
   put_number(t, 20, 2);
-  put_number(t, 0, 6);
+  put_number(t, 0, 2);
+  put_number(t, packed->text == whole->text ? 0 : 8, 2);
+  put_number(t, 0, 2);
   put_number(t, 0x21, 2);
-  put_number(t, vs_hash_crc32(bytes, size), 4);
-  put_number(t, size, 4);
-  put_number(t, size, 4);
+  put_number(t, vs_hash_crc32(whole->text, whole->length), 4);
+  put_number(t, packed->length, 4);
+  put_number(t, whole->length, 4);
   put_number(t, strlen(name), 2);
 }
 
-static void add_file(archive *a, const char *name, const void *bytes, size_t size) {
-  vs_text head = {0};
+/* Deflates the bytes, to be freed; they themselves where they are few or that makes them no less. */
+static vs_text pack(const vs_text *whole) {
+  z_stream z = {0};
+  vs_text packed = {0};
+  if (whole->length < 4096 ||
+      deflateInit2(&z, Z_BEST_COMPRESSION, Z_DEFLATED, -MAX_WBITS, 8, Z_DEFAULT_STRATEGY) != Z_OK)
+    return *whole;
+  vs_text_add(&packed, "%*s", (int)whole->length, ""); /* room */
+  z.next_in = (Bytef *)whole->text;
+  z.avail_in = (uInt)whole->length;
+  z.next_out = (Bytef *)packed.text;
+  z.avail_out = (uInt)whole->length;
+  const bool good = deflate(&z, Z_FINISH) == Z_STREAM_END;
+  packed.length = z.total_out;
+  deflateEnd(&z);
+  if (good) return packed;
+  vs_text_free(&packed);
+  return *whole;
+}
+
+static void add_file(archive *a, const char *name, const vs_text *whole) {
+  vs_text head = {0}, packed = pack(whole);
   const long at = ftell(a->stream);
   vs_text_put(&head, "PK\3\4", 4);
-  put_head(&head, name, bytes, size);
+  put_head(&head, name, whole, &packed);
   put_number(&head, 0, 2);
   fwrite(head.text, 1, head.length, a->stream);
   fputs(name, a->stream);
-  fwrite(bytes, 1, size, a->stream);
+  fwrite(packed.text, 1, packed.length, a->stream);
   vs_text_free(&head);
   vs_text_put(&a->directory, "PK\1\2\24\3", 6); /* made by version 20, on Unix */
-  put_head(&a->directory, name, bytes, size);
+  put_head(&a->directory, name, whole, &packed);
   put_number(&a->directory, 0, 8); /* no extra field, comment, disk, inner attributes */
   put_number(&a->directory, 0100755UL << 16, 4);
   put_number(&a->directory, (unsigned long)at, 4);
   vs_text_put(&a->directory, name, strlen(name));
+  if (packed.text != whole->text) vs_text_free(&packed);
   a->count++;
 }
 
@@ -84,7 +112,7 @@ static void end_archive(archive *a) {
 
 /* ---- the description ---- */
 
-enum { MOST_CELLS = 8 };
+enum { MOST_CELLS = 8, MOST_TERMINALS = 12 };
 
 static void add_escaped(vs_text *t, const char *text) {
   for (; *text; text++)
@@ -113,8 +141,36 @@ static void add_variable(vs_text *t, int fmi, const char *name, int reference,
 typedef struct variables {
   int fmi;
   vs_text all, units, outputs, unknowns; /* as XML */
+  struct {
+    char name[32];
+    vs_text members;
+  } terminal[MOST_TERMINALS]; /* up to the first without a name */
   int count, inputs, columns;
 } variables;
+
+/* Adds a variable to the terminal of that name, which is a bundle of what belongs together. */
+static void add_to_terminal(variables *v, const char *terminal, const char *variable) {
+  int k = 0;
+  while (k < MOST_TERMINALS - 1 && *v->terminal[k].name && strcmp(v->terminal[k].name, terminal))
+    k++;
+  snprintf(v->terminal[k].name, sizeof v->terminal[k].name, "%s", terminal);
+  vs_text_add(&v->terminal[k].members,
+              "<TerminalMemberVariable variableName=\"%s\" memberName=\"%s\" "
+              "variableKind=\"signal\"/>\n",
+              variable, variable);
+}
+
+/* The second file, which FMI 3.0 has besides. */
+static void write_terminals(variables *v, vs_text *t) {
+  vs_text_add(t, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+                 "<fmiTerminalsAndIcons fmiVersion=\"3.0\">\n<Terminals>\n");
+  for (int k = 0; k < MOST_TERMINALS && *v->terminal[k].name; k++) {
+    vs_text_add(t, "<Terminal name=\"%s\" matchingRule=\"bus\">\n%s</Terminal>\n",
+                v->terminal[k].name, v->terminal[k].members.text);
+    vs_text_free(&v->terminal[k].members);
+  }
+  vs_text_add(t, "</Terminals>\n</fmiTerminalsAndIcons>\n");
+}
 
 static void add_unit(variables *v, const char *unit) {
   char word[64];
@@ -133,12 +189,14 @@ static void take_line(variables *v, char *line) {
     add_unit(v, cell[2]);
     add_variable(&v->all, v->fmi, cell[1], VIBROSPICE_UNIT_INPUTS + v->inputs++, "input", cell[2],
                  cell[5], cell[6]);
+    add_to_terminal(v, "input", cell[1]);
     v->count++;
   }
   if (*cell[0] == 'c' && v->columns++ > 0) {
     add_unit(v, cell[3]);
     const int reference = VIBROSPICE_UNIT_COLUMNS + v->columns - 1;
     add_variable(&v->all, v->fmi, cell[1], reference, "output", cell[3], NULL, cell[4]);
+    add_to_terminal(v, cell[4], cell[1]);
     v->count++;
     if (v->fmi == 2)
       vs_text_add(&v->outputs, "<Unknown index=\"%d\"/>", v->count + 1);
@@ -149,8 +207,9 @@ static void take_line(variables *v, char *line) {
   }
 }
 
-static void write_description(const vs_scene *s, int fmi, const char *identifier, const char *guid,
-                              vs_text *t) {
+static void write_description(const vs_scene *s, const vs_export_fmu_options *o, const char *identifier,
+                              const char *guid, vs_text *t, vs_text *terminals) {
+  const int fmi = o->fmi;
   vs_text lines = {0};
   variables v = {.fmi = fmi};
   vs_serve_describe(s, &lines);
@@ -162,9 +221,11 @@ static void write_description(const vs_scene *s, int fmi, const char *identifier
               "generationTool=\"VibroSpice " VS_VERSION "\" variableNamingConvention=\"flat\">\n",
               fmi, identifier, fmi == 2 ? "guid" : "instantiationToken", guid);
   vs_text_add(t,
-              "<CoSimulation modelIdentifier=\"%s\" needsExecutionTool=\"true\" "
-              "canHandleVariableCommunicationStepSize=\"true\" canGetAndSetFMU%s=\"true\"/>\n",
-              identifier, fmi == 2 ? "state" : "State");
+              "<CoSimulation modelIdentifier=\"%s\" needsExecutionTool=\"%s\" "
+              "canHandleVariableCommunicationStepSize=\"true\" canGetAndSetFMU%s=\"true\" "
+              "canSerializeFMU%s=\"true\"%s/>\n",
+              identifier, o->with_program ? "false" : "true", fmi == 2 ? "state" : "State",
+              fmi == 2 ? "state" : "State", fmi == 2 ? "" : " mightReturnEarlyFromDoStep=\"true\"");
   if (v.units.length) vs_text_add(t, "<UnitDefinitions>%s</UnitDefinitions>\n", v.units.text);
   vs_text_add(t, "<DefaultExperiment startTime=\"0\" stopTime=\"%.17g\" stepSize=\"%.17g\"/>\n",
               s->setup.run.until_s, s->setup.run.sample_s);
@@ -179,6 +240,7 @@ static void write_description(const vs_scene *s, int fmi, const char *identifier
   else
     vs_text_add(t, "<ModelStructure>%s%s", v.outputs.text, v.unknowns.text);
   vs_text_add(t, "</ModelStructure>\n</fmiModelDescription>\n");
+  write_terminals(&v, terminals);
   vs_text_free(&lines);
   vs_text_free(&v.all);
   vs_text_free(&v.units);
@@ -197,6 +259,96 @@ static vs_status read_whole(const char *path, vs_text *t, vs_error *err) {
   if (f) fclose(f);
   return good ? VS_OK : vs_fail(err, VS_RUN, "%s: cannot be read", path);
 }
+
+/* ---- the program, packed ---- */
+
+static vs_status pack_file(archive *a, const char *folder, const char *name, const char *path,
+                           vs_error *err) {
+  char to[2 * VS_PATH_SIZE];
+  vs_text whole = {0};
+  vs_status status = read_whole(path, &whole, err);
+  snprintf(to, sizeof to, "%s/%s", folder, name);
+  if (!status) add_file(a, to, &whole);
+  vs_text_free(&whole);
+  return status;
+}
+
+/* The libraries that the process has loaded, but for those of the C and C++ compilers. */
+typedef struct packing {
+  archive *archive;
+  vs_error *err;
+  vs_status status;
+} packing;
+
+static int pack_library(struct dl_phdr_info *info, size_t size, void *ctx) {
+  static const char *const EVERYWHERE[] = {"ld-linux", "libc.so",      "libm.so",  "libdl.so",
+                                           "librt.so", "libpthread.so", "libgcc_s", "libstdc++"};
+  packing *p = ctx;
+  const char *slash = strrchr(info->dlpi_name, '/');
+  (void)size;
+  if (!slash || p->status) return 0; /* the program itself, and what the kernel brings */
+  for (size_t k = 0; k < sizeof EVERYWHERE / sizeof *EVERYWHERE; k++)
+    if (!strncmp(slash + 1, EVERYWHERE[k], strlen(EVERYWHERE[k]))) return 0;
+  p->status =
+      pack_file(p->archive, "resources/program/lib", slash + 1, info->dlpi_name, p->err);
+  if (p->status || strncmp(slash + 1, "libngspice", 10) != 0) return 0;
+  char pattern[VS_PATH_SIZE]; /* its code models lie beside it */
+  glob_t found;
+  snprintf(pattern, sizeof pattern, "%.*s/ngspice/*.cm", (int)(slash - info->dlpi_name),
+           info->dlpi_name);
+  if (glob(pattern, 0, NULL, &found)) return 0;
+  for (size_t k = 0; k < found.gl_pathc && !p->status; k++)
+    p->status = pack_file(p->archive, "resources/program/lib/ngspice",
+                          strrchr(found.gl_pathv[k], '/') + 1, found.gl_pathv[k], p->err);
+  globfree(&found);
+  return 0;
+}
+
+static int by_name(const FTSENT **a, const FTSENT **b) {
+  return strcmp((*a)->fts_name, (*b)->fts_name);
+}
+
+/* What ships with the program: all files of the folder that has this one. */
+static vs_status pack_shipped(archive *a, vs_error *err) {
+  static const vs_shelf SHELF = {"deck", "", ".cir"};
+  char root[VS_PATH_SIZE];
+  vs_status status = VS_OK;
+  if (!vs_path_own(&SHELF, "halfwave_paper", root))
+    return vs_fail(err, VS_RUN, "export: the files that ship with the program are missing");
+  *strrchr(root, '/') = '\0';
+  const size_t length = strlen(root) + 1;
+  FTS *tree = fts_open((char *const[]){root, NULL}, FTS_LOGICAL | FTS_NOCHDIR, by_name);
+  for (const FTSENT *f; tree && !status && (f = fts_read(tree));)
+    if (f->fts_info == FTS_F && f->fts_statp->st_size)
+      status = pack_file(a, "resources/program/share/vibrospice", f->fts_path + length, f->fts_path,
+                         err);
+  if (tree) fts_close(tree);
+  return status;
+}
+
+static const char LICENCES[] =
+    "The files below resources/program are programs and libraries that run beside this unit as a\n"
+    "process of their own: VibroSpice " VS_VERSION " (GPL-3.0-or-later) with GSL (GPL-3.0-or-later),\n"
+    "libfyaml (MIT), libzstd (BSD) and zlib; libngspice with its code models (BSD); libgomp (GPL\n"
+    "with the GCC runtime library exception). Their sources: https://www.gnu.org/software/gsl,\n"
+    "https://ngspice.sourceforge.io, https://gcc.gnu.org, and those of VibroSpice from where it\n"
+    "came. The unit itself, that is binaries and modelDescription.xml, is under the MIT licence.\n";
+
+static vs_status pack_program(archive *a, vs_error *err) {
+  vs_text licences = {0};
+  vs_status status = pack_file(a, "resources/program/bin", "vibrospice", "/proc/self/exe", err);
+  if (!status) status = vs_ngspice_begin(err);
+  packing p = {a, err, status};
+  if (!status) dl_iterate_phdr(pack_library, &p);
+  status = p.status;
+  if (!status) status = pack_shipped(a, err);
+  vs_text_add(&licences, "%s", LICENCES);
+  add_file(a, "documentation/licenses/license.txt", &licences);
+  vs_text_free(&licences);
+  return status;
+}
+
+/* ---- the unit's own files ---- */
 
 /* What FMI 2.0 and 3.0 call this machine; 2.0 has no name for others than Intel's. */
 #if defined __x86_64__
@@ -230,10 +382,10 @@ static void name_unit(const char *output, char *name, size_t size) {
     if (!isalnum((unsigned char)*c)) *c = '_';
 }
 
-static vs_status write_unit(const vs_scene *s, int fmi, const vs_text *text, const vs_text *sets,
-                            const char *output, vs_error *err) {
+static vs_status write_unit(const vs_scene *s, const vs_export_fmu_options *o, const vs_text *text,
+                            const vs_text *sets, const char *output, vs_error *err) {
   char identifier[128], path[256], guid[64];
-  vs_text shim = {0}, description = {0};
+  vs_text shim = {0}, description = {0}, terminals = {0};
   vs_file file = {0};
   vs_status status = read_shim(&shim, err);
   name_unit(output, identifier, sizeof identifier);
@@ -243,17 +395,23 @@ static vs_status write_unit(const vs_scene *s, int fmi, const vs_text *text, con
   if (!status) status = vs_file_open(&file, "", output, err);
   if (!status) {
     archive a = {.stream = file.stream};
-    write_description(s, fmi, identifier, guid, &description);
-    add_file(&a, "modelDescription.xml", description.text, description.length);
-    snprintf(path, sizeof path, "binaries/%s/%s.so", MACHINE[fmi - 2], identifier);
-    add_file(&a, path, shim.text, shim.length);
-    add_file(&a, "resources/scene.yaml", text->text, text->length);
-    add_file(&a, "resources/sets.txt", sets->text, sets->length);
+    write_description(s, o, identifier, guid, &description, &terminals);
+    add_file(&a, "modelDescription.xml", &description);
+    if (o->fmi == 3) add_file(&a, "terminalsAndIcons/terminalsAndIcons.xml", &terminals);
+    snprintf(path, sizeof path, "binaries/%s/%s.so", MACHINE[o->fmi - 2], identifier);
+    add_file(&a, path, &shim);
+    add_file(&a, "resources/scene.yaml", text);
+    add_file(&a, "resources/sets.txt", sets);
+    if (o->with_program) status = pack_program(&a, err);
     end_archive(&a);
-    status = vs_file_commit(&file, err);
+    if (!status)
+      status = vs_file_commit(&file, err);
+    else
+      vs_file_discard(&file);
   }
   vs_text_free(&shim);
   vs_text_free(&description);
+  vs_text_free(&terminals);
   return status;
 }
 
@@ -274,7 +432,7 @@ static vs_status try_alone(const vs_text *text, char *const *sets, size_t n_sets
 }
 
 vs_status vs_export_fmu_command(const char *name, char *const *sets, size_t n_sets,
-                                const char *output, int fmi, vs_error *err) {
+                                const char *output, const vs_export_fmu_options *o, vs_error *err) {
   vs_scene *s = vs_alloc(1, sizeof *s);
   vs_text text = {0}, keys = {0};
   vs_status status = vs_scene_read(name, sets, n_sets, NULL, s, err);
@@ -285,7 +443,7 @@ vs_status vs_export_fmu_command(const char *name, char *const *sets, size_t n_se
   if (!status) vs_scene_warn(s);
   if (!status) status = read_whole(s->path, &text, err);
   if (!status) status = try_alone(&text, sets, n_sets, err);
-  if (!status) status = write_unit(s, fmi, &text, &keys, output, err);
+  if (!status) status = write_unit(s, o, &text, &keys, output, err);
   if (!status) printf("written: %s\n", output);
   vs_text_free(&text);
   vs_text_free(&keys);

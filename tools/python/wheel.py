@@ -24,7 +24,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 TAKEN = ("bin", "include", "share/vibrospice", "lib/vibrospice", "lib/ngspice", "lib/libngspice.so.0",
          "lib/libgomp.so.1", "lib/libvibrospice.so.0")
 # Debian's packages whose code is in the wheel, as a library of its own or linked.
-LINKED = ("libngspice0", "libgomp1", "libgsl-dev", "libfyaml-dev", "libzstd-dev")
+LINKED = ("libngspice0", "libgomp1", "libgsl-dev", "libfyaml-dev", "libzstd-dev", "zlib1g")
 
 
 def files_below(path):

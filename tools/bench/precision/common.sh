@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # What tools/bench/work_precision and tools/bench/study share. Wants: the repository as folder, $dir with a build, $work.
 
-libraries=$(pkg-config --cflags --libs gsl libfyaml libzstd ngspice)
+libraries=$(pkg-config --cflags --libs gsl libfyaml libzstd zlib ngspice)
 tool() { # NAME: of tools/bench/precision
   # shellcheck disable=SC2086 # a list of words
   "${CC:-cc}" -std=gnu11 -O2 -D_GNU_SOURCE -ffp-contract=off $(printf " -iquote %s" src src/*/) $(printf " -I%s" src/*/include) -Itests/support -o "${dir:?}/precision_$1" \
