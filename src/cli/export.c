@@ -680,7 +680,8 @@ static vs_status export_command(const void *given, vs_error *err) {
     return vs_fail(err, VS_INPUT, "export: wants -o FILE; see vibrospice export --help");
   const size_t length = strlen(a->output);
   if (length > 4 && !strcmp(a->output + length - 4, ".fmu"))
-    return vs_export_fmu_command(vs_command_name(a), a->sets, a->n_sets, a->output, &line->unit, err);
+    return vs_export_fmu_command(vs_command_name(a), a->sets, a->n_sets, a->output, &line->unit,
+                                 err);
   return vs_export_command(vs_command_name(a), a->sets, a->n_sets, a->output, err);
 }
 

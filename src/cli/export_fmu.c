@@ -55,7 +55,8 @@ static void put_head(vs_text *t, const char *name, const vs_text *whole, const v
   put_number(t, strlen(name), 2);
 }
 
-/* Deflates the bytes, to be freed; they themselves where they are few or that makes them no less. */
+/* Deflates the bytes, to be freed; they themselves where they are few or that makes them no less.
+ */
 static vs_text pack(const vs_text *whole) {
   z_stream z = {0};
   vs_text packed = {0};
@@ -207,8 +208,9 @@ static void take_line(variables *v, char *line) {
   }
 }
 
-static void write_description(const vs_scene *s, const vs_export_fmu_options *o, const char *identifier,
-                              const char *guid, vs_text *t, vs_text *terminals) {
+static void write_description(const vs_scene *s, const vs_export_fmu_options *o,
+                              const char *identifier, const char *guid, vs_text *t,
+                              vs_text *terminals) {
   const int fmi = o->fmi;
   vs_text lines = {0};
   variables v = {.fmi = fmi};
@@ -281,7 +283,7 @@ typedef struct packing {
 } packing;
 
 static int pack_library(struct dl_phdr_info *info, size_t size, void *ctx) {
-  static const char *const EVERYWHERE[] = {"ld-linux", "libc.so",      "libm.so",  "libdl.so",
+  static const char *const EVERYWHERE[] = {"ld-linux", "libc.so",       "libm.so",  "libdl.so",
                                            "librt.so", "libpthread.so", "libgcc_s", "libstdc++"};
   packing *p = ctx;
   const char *slash = strrchr(info->dlpi_name, '/');
@@ -289,8 +291,7 @@ static int pack_library(struct dl_phdr_info *info, size_t size, void *ctx) {
   if (!slash || p->status) return 0; /* the program itself, and what the kernel brings */
   for (size_t k = 0; k < sizeof EVERYWHERE / sizeof *EVERYWHERE; k++)
     if (!strncmp(slash + 1, EVERYWHERE[k], strlen(EVERYWHERE[k]))) return 0;
-  p->status =
-      pack_file(p->archive, "resources/program/lib", slash + 1, info->dlpi_name, p->err);
+  p->status = pack_file(p->archive, "resources/program/lib", slash + 1, info->dlpi_name, p->err);
   if (p->status || strncmp(slash + 1, "libngspice", 10) != 0) return 0;
   char pattern[VS_PATH_SIZE]; /* its code models lie beside it */
   glob_t found;
@@ -328,7 +329,8 @@ static vs_status pack_shipped(archive *a, vs_error *err) {
 
 static const char LICENCES[] =
     "The files below resources/program are programs and libraries that run beside this unit as a\n"
-    "process of their own: VibroSpice " VS_VERSION " (GPL-3.0-or-later) with GSL (GPL-3.0-or-later),\n"
+    "process of their own: VibroSpice " VS_VERSION
+    " (GPL-3.0-or-later) with GSL (GPL-3.0-or-later),\n"
     "libfyaml (MIT), libzstd (BSD) and zlib; libngspice with its code models (BSD); libgomp (GPL\n"
     "with the GCC runtime library exception). Their sources: https://www.gnu.org/software/gsl,\n"
     "https://ngspice.sourceforge.io, https://gcc.gnu.org, and those of VibroSpice from where it\n"

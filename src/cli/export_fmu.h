@@ -17,6 +17,7 @@ typedef struct vs_export_fmu_options {
  * wrong, runs code of its own, or names files by relative paths; VS_RUN, the unit cannot be
  * written, or what is to be packed is missing. */
 vs_status vs_export_fmu_command(const char *name, char *const *sets, size_t n_sets,
-                                const char *output, const vs_export_fmu_options *options, vs_error *err);
+                                const char *output, const vs_export_fmu_options *options,
+                                vs_error *err);
 
 #endif

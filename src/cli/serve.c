@@ -598,8 +598,8 @@ static void look_at_socket(engine *e) {
     leave();
 }
 
-/* Where it is to stop at an event, the first one of the step that lies behind where it was told last
- * becomes where it goes on to. */
+/* Where it is to stop at an event, the first one of the step that lies behind where it was told
+ * last becomes where it goes on to. */
 static void stop_at_event(engine *e, const vs_step *step) {
   for (int k = 0; k < 2 && e->events; k++) {
     const vs_event event = step->event[k];

@@ -7,7 +7,7 @@
  * loads the object and says how that went. Then it takes firing after firing, as
  * the bytes of a vs_law_input, and answers each. As it is a copy of this process, what the view
  * points to has the same address in both. */
-#include "control/regulators.h"
+#include "object.h"
 
 #include <dlfcn.h>
 #include <errno.h>
@@ -18,15 +18,13 @@
 #include <unistd.h>
 
 #include "base/hash.h"
-#include "base/path.h"
-#include "child_process.h"
-#include "law_input.h"
+#include "control/regulators.h"
 
 typedef double (*law)(const vibrospice_firing *firing, char *error);
 
 /* What the child says once, when the object is loaded. */
 typedef struct hello {
-  char trouble[512]; /* why it is of no use; empty: it is */
+  char trouble[VS_OBJECT_TROUBLE]; /* why it is of no use; empty: it is */
 } hello;
 
 /* What it answers to each firing. */
@@ -38,26 +36,17 @@ typedef struct reply {
 _Static_assert(sizeof(hello) <= VS_REMOTE_MOST && sizeof(reply) <= VS_REMOTE_MOST,
                "a remote takes both");
 
-typedef struct object {
-  vs_law_input view;
-  vs_child_process remote;
-  char named[VS_PATH_SIZE]; /* the object, as the scene names it */
-  char path[VS_PATH_SIZE];  /* the same, from the root */
-} object;
-
 /* ---- the child ---- */
 
-/* Both end the child where the parent is gone. */
-static void read_all_of_pipe(int from, void *data, size_t size) {
+/* False: nobody asks any more. */
+static bool read_all_of_pipe(int from, void *data, size_t size) {
   for (char *at = data; size;) {
     ssize_t n = read(from, at, size);
-    if (n <= 0) {
-      fflush(NULL);
-      _exit(0);
-    }
+    if (n <= 0) return false;
     at += n;
     size -= (size_t)n;
   }
+  return true;
 }
 
 static void write_all_to_pipe(int to, const void *data, size_t size) {
@@ -86,7 +75,7 @@ static int copy_object(FILE *from) {
 
 /* Opens the object's bytes as the one reader gives them, or, where no copy of them can be loaded,
  * the file, which must then be the same behind that. */
-static void *open_object(const object *o, hello *h) {
+static void *open_object(const vs_object *o, char *trouble) {
   vs_error changed = {0};
   char name[32], sum[VS_HASH_TEXT];
   FILE *f;
@@ -98,48 +87,52 @@ static void *open_object(const object *o, hello *h) {
   if (copy >= 0) handle = dlopen(name, RTLD_NOW | RTLD_LOCAL);
   if (handle) return handle;
   if (!status && !(handle = dlopen(o->path, RTLD_NOW | RTLD_LOCAL))) {
-    snprintf(h->trouble, sizeof h->trouble, "cannot be loaded: %s", dlerror());
+    snprintf(trouble, VS_OBJECT_TROUBLE, "cannot be loaded: %s", dlerror());
     return NULL;
   }
   if (!status && !vs_hash_file(o->named, sum, &changed)) return handle;
-  snprintf(h->trouble, sizeof h->trouble, "has changed as it was loaded");
+  snprintf(trouble, VS_OBJECT_TROUBLE, "has changed as it was loaded");
   return NULL;
 }
 
-/* Loads the object. NULL: it is of no use, and h tells why. */
-static law load_object(const object *o, hello *h) {
-  void *handle = open_object(o, h);
+static void *load_object(vs_object *o, char trouble[VS_OBJECT_TROUBLE]) {
+  void *handle = open_object(o, trouble);
   if (!handle) return NULL;
   const int *version = dlsym(handle, "vibrospice_law_version");
   void *function = dlsym(handle, "vibrospice_law");
-  law found = NULL;
   if (!version)
-    snprintf(h->trouble, sizeof h->trouble,
+    snprintf(trouble, VS_OBJECT_TROUBLE,
              "has no vibrospice_law_version; compile it with #include <vibrospice/law.h>");
   else if (*version != VIBROSPICE_LAW_VERSION)
-    snprintf(h->trouble, sizeof h->trouble,
+    snprintf(trouble, VS_OBJECT_TROUBLE,
              "was compiled with version %d of vibrospice/law.h; this program has version %d: "
              "compile it anew",
              *version, VIBROSPICE_LAW_VERSION);
   else if (!function)
-    snprintf(h->trouble, sizeof h->trouble, "has no function vibrospice_law");
+    snprintf(trouble, VS_OBJECT_TROUBLE, "has no function vibrospice_law");
   else
-    memcpy(&found, &function, sizeof found); /* C has no cast from data to a function */
-  return found;
+    return function;
+  return NULL;
+}
+
+static double decide_by_function(void *function, const vibrospice_firing *firing, char *error) {
+  law decides;
+  memcpy(&decides, &function, sizeof decides); /* C has no cast from data to a function */
+  return decides(firing, error);
 }
 
 static void work(void *ctx, int in, int out) {
-  object *o = ctx;
+  vs_object *o = ctx;
   hello h = {{0}};
-  law decides = load_object(o, &h);
+  void *loaded = o->load(o, h.trouble);
   write_all_to_pipe(out, &h, sizeof h);
-  while (decides) {
+  while (loaded && read_all_of_pipe(in, &o->view, vs_law_input_size(&o->view))) {
     reply r = {0};
-    read_all_of_pipe(in, &o->view, vs_law_input_size(&o->view));
-    r.angle_deg = decides(&o->view.firing, r.trouble);
+    r.angle_deg = o->decide(loaded, &o->view.firing, r.trouble);
     r.trouble[sizeof r.trouble - 1] = '\0';
     write_all_to_pipe(out, &r, sizeof r);
   }
+  if (loaded && o->end) o->end(loaded);
 }
 
 /* ---- the regulator ---- */
@@ -152,28 +145,26 @@ static const vs_field KEYS[] = {
      .text = "wall-clock time within which it must answer"}};
 #undef AT
 
-static bool file_of_object(const vs_control_values *v, vs_where where, int k,
-                           char path[VS_PATH_SIZE]) {
+bool vs_object_file(const vs_control_values *v, vs_where where, int k, char path[VS_PATH_SIZE]) {
   return k == 0 && vs_law_input_path(v->file, where, path);
 }
 
-static vs_status check_object(const vs_control_values *v, vs_where where, vs_error *err) {
+vs_status vs_object_check(const vs_control_values *v, vs_where where, vs_error *err) {
   char path[VS_PATH_SIZE];
-  if (!file_of_object(v, where, 0, path))
+  if (!vs_object_file(v, where, 0, path))
     return vs_fail_at(err, where, "control.file: %s: name too long", v->file);
   if (!access(path, R_OK)) return VS_OK;
   return vs_fail_at(err, where, "control.file: %s cannot be read: %s", path, strerror(errno));
 }
 
-static vs_status begin_object(void *self, const vs_control_input *sight, vs_error *err) {
-  object *o = self;
+vs_status vs_object_begin(vs_object *o, const vs_control_input *sight, vs_error *err) {
   const char *name = sight->v->file, *slash = strrchr(name, '/');
   char *path = o->named, sum[VS_HASH_TEXT];
   hello h;
   o->remote.name = slash ? slash + 1 : name;
   o->remote.timeout_s = sight->v->timeout_s;
   vs_law_input_begin(&o->view, sight);
-  vs_status status = check_object(sight->v, sight->where, err);
+  vs_status status = vs_object_check(sight->v, sight->where, err);
   if (status) return status;
   vs_law_input_path(name, sight->where, path);
   if (!realpath(path, o->path)) /* dlopen looks elsewhere for a name without a slash */
@@ -188,14 +179,21 @@ static vs_status begin_object(void *self, const vs_control_input *sight, vs_erro
   return *h.trouble ? vs_fail_at(err, sight->where, "control.file: %s %s", path, h.trouble) : VS_OK;
 }
 
-static void tick_object(void *self, const vs_control_input *sight) {
-  object *o = self;
+static vs_status begin_object(void *self, const vs_control_input *sight, vs_error *err) {
+  vs_object *o = self;
+  o->load = load_object;
+  o->decide = decide_by_function;
+  return vs_object_begin(o, sight, err);
+}
+
+void vs_object_tick(void *object, const vs_control_input *sight) {
+  vs_object *o = object;
   vs_law_input_tick(&o->view, sight);
 }
 
-static vs_status decide_object(void *self, const vs_control_input *sight, double *angle_rad,
-                               vs_error *err) {
-  object *o = self;
+vs_status vs_object_decide(void *object, const vs_control_input *sight, double *angle_rad,
+                           vs_error *err) {
+  vs_object *o = object;
   reply r;
   vs_law_input_ask(&o->view, sight);
   vs_status status =
@@ -207,8 +205,8 @@ static vs_status decide_object(void *self, const vs_control_input *sight, double
   return vs_law_input_answer(&o->view, o->remote.name, r.angle_deg, r.trouble, angle_rad, err);
 }
 
-static void end_object(void *self) {
-  object *o = self;
+void vs_object_end(void *object) {
+  vs_object *o = object;
   vs_child_process_end(&o->remote);
 }
 
@@ -218,10 +216,10 @@ const vs_regulator vs_object_regulator = {
     .fields = KEYS,
     .n_fields = sizeof KEYS / sizeof *KEYS,
     .code = "file",
-    .size = sizeof(object),
-    .check = check_object,
-    .file = file_of_object,
+    .size = sizeof(vs_object),
+    .check = vs_object_check,
+    .file = vs_object_file,
     .begin = begin_object,
-    .tick = tick_object,
-    .decide = decide_object,
-    .end = end_object};
+    .tick = vs_object_tick,
+    .decide = vs_object_decide,
+    .end = vs_object_end};

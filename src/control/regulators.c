@@ -17,9 +17,13 @@ static const vs_regulator open_loop = {
 
 /* To add a law of control: a file with its vs_regulator (regulator.h), and a row here. It sees
  * instruments alone. With `pi`, `steady` tells its closed loop. test_control runs it. */
-const vs_regulator *const vs_regulators[] = {&open_loop,          &vs_amplitude_regulator,
-                                             &vs_phase_regulator, &vs_object_regulator,
-                                             &vs_pipe_regulator,  NULL};
+const vs_regulator *const vs_regulators[] = {&open_loop,
+                                             &vs_amplitude_regulator,
+                                             &vs_phase_regulator,
+                                             &vs_object_regulator,
+                                             &vs_pipe_regulator,
+                                             &vs_fmu_regulator,
+                                             NULL};
 
 const vs_regulator *vs_regulators_find(const char *name) {
   for (const vs_regulator *const *r = vs_regulators; *r; r++)

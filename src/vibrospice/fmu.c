@@ -225,9 +225,9 @@ static vibrospice_status act(fmu *u, double what, double value) {
     u->deed = more;
     u->room = room;
   }
-  vibrospice_status status =
-      what >= 0 ? vibrospice_set_input(u->run, u->input_name[(size_t)what], value)
-                : vibrospice_run_to_event(u->run, value, what == TO_EVENT);
+  vibrospice_status status = what >= 0
+                                 ? vibrospice_set_input(u->run, u->input_name[(size_t)what], value)
+                                 : vibrospice_run_to_event(u->run, value, what == TO_EVENT);
   if (!status) u->deed[u->deeds++] = (fmu_deed){what, value};
   return status;
 }
@@ -327,8 +327,11 @@ static vibrospice_status save(const fmu *u, saved *s) {
   size_t count;
   vibrospice_status status = vibrospice_values(u->run, &column, &count);
   if (status) return status;
-  s->head = (head){
-      .inputs = u->inputs, .deeds = u->deeds, .columns = count, .stop_s = u->stop_s, .begun = u->begun};
+  s->head = (head){.inputs = u->inputs,
+                   .deeds = u->deeds,
+                   .columns = count,
+                   .stop_s = u->stop_s,
+                   .begun = u->begun};
   memcpy(s->head.mark, MARK, sizeof MARK);
   memcpy(s->head.token, u->token, sizeof u->token);
   memcpy(s->head.input, u->input, sizeof u->input);
@@ -427,8 +430,8 @@ static vibrospice_status run_anew(fmu *u, const head *h, const char *deed) {
   }
   memcpy(u->input, h->input, sizeof u->input);
   if (!status) status = vibrospice_values(u->run, &column, &count);
-  if (!status && (count != h->columns || memcmp(column, deed + h->deeds * sizeof d,
-                                                count * sizeof *column) != 0))
+  if (!status && (count != h->columns ||
+                  memcmp(column, deed + h->deeds * sizeof d, count * sizeof *column) != 0))
     status = vibrospice_fail(VIBROSPICE_INPUT, "run anew, the state comes to other values: another "
                                                "program or another unit has written it");
   return status;

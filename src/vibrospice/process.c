@@ -202,7 +202,8 @@ static char **environment_with(const char *program, char library[4200]) {
  * own, so that a key of the terminal's does not end it, and heeds signals as usual. */
 static vibrospice_status spawn(vibrospice_process *p, const char *program) {
   static const int USUAL[] = {SIGPIPE, SIGCHLD, SIGINT, SIGTERM, SIGHUP};
-  char path[4096], library[4200], word[] = "serve", self[] = "vibrospice", *const argv[] = {self, word, NULL};
+  char path[4096], library[4200], word[] = "serve",
+                                  self[] = "vibrospice", *const argv[] = {self, word, NULL};
   int ends[2];
   posix_spawn_file_actions_t files;
   posix_spawnattr_t attributes;

@@ -26,6 +26,7 @@ typedef struct vs_control_values {
   double phase_rad;
   double threshold;                               /* in the sensor's unit, SI */
   char file[VS_NAME_SIZE], command[VS_NAME_SIZE]; /* a law of the user's own */
+  char connect[VS_NAME_SIZE], output[VS_NAME_SIZE];
   double timeout_s;
 } vs_control_values;
 
