@@ -7,6 +7,7 @@
 #include <pthread.h>
 #include <signal.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -451,19 +452,177 @@ static void mock_up_unit(void) {
   unsetenv("VIBROSPICE_PROGRAM");
   dlclose(u.library);
   expect_no_child(__LINE__);
-  RUN_GOOD("export own.yaml --fmi 3 -o unit.fmu");
-  EXPECT(!system("rm -r 'a unit' && mkdir 'a unit' && python3 -m zipfile -e unit.fmu 'a unit'"),
+  EXPECT(!system("rm -r 'a unit' unit.fmu unit.so"), "no unit");
+}
+
+/* The first child of this process. */
+static pid_t child_of_this(void) {
+  char path[64];
+  long pid = 0;
+  snprintf(path, sizeof path, "/proc/self/task/%d/children", (int)getpid());
+  FILE *f = fopen(path, "r");
+  if (f && fscanf(f, "%ld", &pid) != 1) pid = 0;
+  if (f) fclose(f);
+  return (pid_t)pid;
+}
+
+/* Exports own.yaml with these words, and loads the unit from the folder "a unit". */
+static unit open_unit(const char *words, char uri[4200]) {
+  char *here = get_current_dir_name();
+  snprintf(uri, 4200, "%s/a unit/resources/", here);
+  free(here);
+  RUN_GOOD(words);
+  EXPECT(!system("rm -rf 'a unit' unit.so && mkdir 'a unit' && python3 -m zipfile -e unit.fmu "
+                 "'a unit' && cp 'a unit'/binaries/*/unit.so ."),
          "the archive cannot be read");
-  xml = read_file("a unit/modelDescription.xml");
-  EXPECT(strstr(xml, "fmiVersion=\"3.0\"") &&
-             strstr(xml, "<Float64 name=\"p_m\" valueReference=\"101\""),
+  unit u = {.library = dlopen("./unit.so", RTLD_NOW | RTLD_LOCAL)};
+  EXPECT(u.library, "%s", dlerror());
+  return u;
+}
+
+static int (*set_stop)(void *, int, double, double, int, double);
+
+/* An instance of FMI 2.0 that runs to 0.05 s in steps of 1 ms. */
+static void *run_to_50_ms(const unit *u, const char *uri) {
+  static const callbacks CALL = {take_log, calloc, free, NULL, NULL};
+  void *one = u->instantiate("one", 1, "{1}", uri, &CALL, 0, 0);
+  EXPECT(one && !set_stop(one, 0, 0, 0, 1, 0.2) && !u->exit_init(one), "%s", logged);
+  for (int k = 0; k < 50; k++) EXPECT(!u->step(one, k * 1e-3, 1e-3, 0), "%d: %s", k, logged);
+  return one;
+}
+
+/* A state as bytes makes another instance go on to the bit, when all others are gone. */
+static void states_as_bytes(void) {
+  static const callbacks CALL = {take_log, calloc, free, NULL, NULL};
+  static const unsigned INPUT[] = {1, 2}, TRAVEL = 101;
+  char uri[4200];
+  double p = NAN, other = NAN, angle[] = {120, 300};
+  void *state = NULL;
+  size_t size = 0;
+  int (*size_of)(void *, void *, size_t *), (*write_to)(void *, void *, char *, size_t),
+      (*read_from)(void *, const char *, size_t, void **);
+  write_file("own.yaml", "firing: {every: 1, angle: 150 deg}\nrun: {tier: switched, until: 1 s}\n");
+  setenv("VIBROSPICE_PROGRAM", VS_PROGRAM, 1);
+  unit u = open_unit("export own.yaml -o unit.fmu", uri);
+  dlclose(u.library);
+  u = load_unit("./unit.so");
+  set_stop = u.setup;
+  look_up(&u, "fmi2SerializedFMUstateSize", &size_of);
+  look_up(&u, "fmi2SerializeFMUstate", &write_to);
+  look_up(&u, "fmi2DeSerializeFMUstate", &read_from);
+  void *one = run_to_50_ms(&u, uri);
+  EXPECT(!u.set(one, INPUT, 2, angle) && !u.step(one, 0.05, 0.0111, 0) && !u.save(one, &state) &&
+             !size_of(one, state, &size),
+         "%s", logged);
+  char *bytes = calloc(size, 1);
+  EXPECT(write_to(one, state, bytes, size - 1) == 3 && !write_to(one, state, bytes, size), "%s",
+         logged);
+  angle[0] = 100;
+  EXPECT(!u.set(one, INPUT, 1, angle) && !u.step(one, 0.0611, 0.05, 0) &&
+             !u.get(one, &TRAVEL, 1, &p) && !u.forget(one, &state),
+         "%s", logged);
+  u.end(one);
+  EXPECT(u.step(one, 0.1111, 0.01, 0) == 3 && u.get(one, &TRAVEL, 1, &other) == 3 &&
+             u.save(one, &state) == 3 && u.reset(one) == 3,
+         "an instance that was freed is used");
+  u.end(one); /* which does nothing */
+  void *two = u.instantiate("two", 1, "{1}", uri, &CALL, 0, 0),
+       *alien = u.instantiate("two", 1, "{2}", uri, &CALL, 0, 0);
+  EXPECT(!read_from(two, bytes, size, &state) && !u.restore(two, state) &&
+             !u.set(two, INPUT, 1, angle) && !u.step(two, 0.0611, 0.05, 0) &&
+             !u.get(two, &TRAVEL, 1, &other) && p == other,
+         "p = %.17g, not %.17g: %s", other, p, logged);
+  EXPECT(!u.forget(two, &state), "%s", logged);
+  EXPECT(read_from(alien, bytes, size, &state) == 3 && strstr(logged, "another unit's"), "%s",
+         logged);
+  EXPECT(read_from(two, bytes, size - 8, &state) == 3 && strstr(logged, "not whole"), "%s", logged);
+  EXPECT(read_from(two, bytes, 10, &state) == 3 && strstr(logged, "no state"), "%s", logged);
+  bytes[size - 1] ^= 1; /* a column of its instant */
+  EXPECT(read_from(two, bytes, size, &state) == 3 && strstr(logged, "comes to other values"), "%s",
+         logged);
+  bytes[0] ^= 1;
+  EXPECT(read_from(two, bytes, size, &state) == 3 && strstr(logged, "no state") && !state, "%s",
+         logged);
+  free(bytes);
+  u.end(two);
+  u.end(alien);
+  dlclose(u.library);
+  unsetenv("VIBROSPICE_PROGRAM");
+  expect_no_child(__LINE__);
+}
+
+/* The program in the unit is the one that runs, though who unpacked it forgot that it is one. */
+static void packed_program(void) {
+  static const unsigned TRAVEL = 101;
+  char uri[4200], own[8192];
+  double p = NAN;
+  setenv("VIBROSPICE_PROGRAM", "/nowhere", 1);
+  unit u = open_unit("export own.yaml --set run.tier=circuit --with-program -o unit.fmu", uri);
+  dlclose(u.library);
+  u = load_unit("./unit.so");
+  set_stop = u.setup;
+  void *one = run_to_50_ms(&u, uri);
+  EXPECT(!u.get(one, &TRAVEL, 1, &p) && fabs(p) > 1e-6, "p = %g: %s", p, logged);
+  const pid_t child = child_of_this();
+  snprintf(
+      own, sizeof own,
+      "test \"$(readlink /proc/%d/exe)\" = \"$PWD/a unit/resources/program/bin/vibrospice\" && "
+      "grep -q \"a unit/resources/program/lib/libngspice\" /proc/%d/maps",
+      (int)child, (int)child);
+  EXPECT(!child || !system(own), "another program or another ngspice");
+  u.end(one);
+  dlclose(u.library);
+  unsetenv("VIBROSPICE_PROGRAM");
+  expect_no_child(__LINE__);
+}
+
+/* FMI 3.0: a step ends where the thyristor fires and is extinct, if the master allows that. */
+static void early_returns(void) {
+  char uri[4200];
+  void *(*instantiate)(const char *, const char *, const char *, bool, bool, bool, bool,
+                       const unsigned *, size_t, void *, void *, void *);
+  int (*begin)(void *, bool, double, double, bool, double), (*exit_init)(void *),
+      (*step)(void *, double, double, bool, bool *, bool *, bool *, double *);
+  void (*end)(void *);
+  setenv("VIBROSPICE_PROGRAM", VS_PROGRAM, 1);
+  unit u = open_unit("export own.yaml --set firing.angle=91.8deg --fmi 3 -o unit.fmu", uri);
+  char *xml = read_file("a unit/modelDescription.xml"),
+       *terminals = read_file("a unit/terminalsAndIcons/terminalsAndIcons.xml");
+  EXPECT(strstr(xml, "fmiVersion=\"3.0\"") && strstr(xml, "mightReturnEarlyFromDoStep=\"true\"") &&
+             strstr(xml, "<Float64 name=\"p_m\" valueReference=\"101\"") &&
+             strstr(terminals, "variableName=\"firing.angle\""),
          "another description: %s", xml);
   free(xml);
-  EXPECT(!system("mv 'a unit'/binaries/*-linux/unit.so ."), "no shim");
-  u.library = dlopen("./unit.so", RTLD_NOW | RTLD_LOCAL);
-  EXPECT(u.library && dlsym(u.library, "fmi3DoStep") && dlsym(u.library, "fmi3GetVersion"), "%s",
-         dlerror());
-  if (u.library) dlclose(u.library);
+  free(terminals);
+  look_up(&u, "fmi3InstantiateCoSimulation", &instantiate);
+  look_up(&u, "fmi3EnterInitializationMode", &begin);
+  look_up(&u, "fmi3ExitInitializationMode", &exit_init);
+  look_up(&u, "fmi3DoStep", &step);
+  look_up(&u, "fmi3FreeInstance", &end);
+  for (int allowed = 0; allowed < 2; allowed++) {
+    void *one =
+        instantiate("one", "{1}", uri, false, false, false, allowed, NULL, 0, NULL, NULL, NULL);
+    bool events, ends, early;
+    double last_s = NAN, at_s[8] = {0};
+    int n = 0;
+    EXPECT(one && !begin(one, false, 0, 0, true, 0.03) && !exit_init(one), "no instance");
+    for (double t_s = 0; t_s < 0.02 && n < 8; t_s = last_s) {
+      /* 5.1 ms is the instant of the firing, at which the master stands anyway */
+      const double to_s = t_s < 0.0051 ? 0.0051 : 0.02;
+      EXPECT(!step(one, t_s, to_s - t_s, true, &events, &ends, &early, &last_s), "at %g", t_s);
+      if (early) at_s[n++] = last_s;
+      EXPECT(early == (last_s < to_s) && !ends && !events, "%d at %g", early, last_s);
+    }
+    EXPECT(n == allowed && (!n || (at_s[0] > 0.009 && at_s[0] < 0.019)), "%d events, at %.9g, %.9g",
+           n, at_s[0], at_s[1]);
+    EXPECT(step(one, 0, 0.01, true, &events, &ends, &early, &last_s) == 3 && last_s == 0.02,
+           "back to %g", last_s);
+    end(one);
+    EXPECT(step(one, 0.02, 0.01, true, &events, &ends, &early, &last_s) == 3, "freed, and used");
+  }
+  dlclose(u.library);
+  unsetenv("VIBROSPICE_PROGRAM");
+  expect_no_child(__LINE__);
   EXPECT(!system("rm -r 'a unit' unit.fmu unit.so"), "no unit");
 }
 
@@ -562,17 +721,6 @@ static void failed_run(void) {
   OK(vibrospice_run_to(run, 0.06, NULL, NULL));
   OK(vibrospice_free_state(state));
   OK(vibrospice_free(run));
-}
-
-/* The first child of this process. */
-static pid_t child_of_this(void) {
-  char path[64];
-  long pid = 0;
-  snprintf(path, sizeof path, "/proc/self/task/%d/children", (int)getpid());
-  FILE *f = fopen(path, "r");
-  if (f && fscanf(f, "%ld", &pid) != 1) pid = 0;
-  if (f) fclose(f);
-  return (pid_t)pid;
 }
 
 static void dead_engines(void) {
@@ -729,6 +877,9 @@ int main(void) {
                                   {"a second run", second_run},
                                   {"wrong inputs", wrong_inputs},
                                   {"a unit", mock_up_unit},
+                                  {"states as bytes", states_as_bytes},
+                                  {"a packed program", packed_program},
+                                  {"early returns", early_returns},
                                   {"wrong units", wrong_units},
                                   {"wrong scenes", wrong_scenes},
                                   {"wrong order", wrong_order},
