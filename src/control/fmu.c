@@ -42,7 +42,9 @@ static bool no_use(char trouble[VS_OBJECT_TROUBLE], const char *format, ...) {
 /* ---- an archive: ZIP ---- */
 
 enum { NAME = 512 };
-static const size_t LARGEST = 1 << 29; /* bytes of a file; a larger one is none of a controller's */
+/* Bytes of a file that is unpacked: of a description, which is read of strangers' units, too; and
+ * of others. */
+static const size_t LARGEST_XML = 1 << 24, LARGEST = 1 << 29;
 
 typedef struct entry {
   char name[NAME];
@@ -104,10 +106,11 @@ static bool inflate_entry(const entry *e, vs_text *out) {
   return good;
 }
 
-/* The file as a whole, to be freed. False: it is damaged, or packed in another way. */
-static bool unpack(const entry *e, vs_text *out) {
+/* The file as a whole, to be freed. False: it is damaged, packed in another way, or too large. */
+static bool unpack(const entry *e, size_t most, vs_text *out) {
   out->length = 0;
-  if (e->size > LARGEST) return false;
+  vs_text_put(out, "", 0);
+  if (e->size > most) return false;
   if (e->method == 0 && e->packed == e->size)
     vs_text_put(out, e->bytes, e->size);
   else if (e->method != 8 || !inflate_entry(e, out))
@@ -319,7 +322,8 @@ static bool read_unit(const vs_text *zip, const char *output, unit *u,
   if (!find_entry(zip, "modelDescription.xml", &e, NULL))
     return no_use(trouble,
                   "is not a functional mock-up unit: no archive with modelDescription.xml");
-  bool good = unpack(&e, &xml) || no_use(trouble, "is damaged: %s", e.name);
+  bool good =
+      unpack(&e, LARGEST_XML, &xml) || no_use(trouble, "is damaged, or too large: %s", e.name);
   good = good && read_description(xml.text, u, trouble);
   vs_text_free(&xml);
   if (!good) return false;
@@ -365,7 +369,8 @@ static bool unpack_all(const vs_text *zip, const char *folder, char trouble[VS_O
   entry e;
   while (good && next_entry(&c, &e)) {
     errno = 0;
-    good = unpack(&e, &bytes) || no_use(trouble, "is damaged: %.200s", e.name);
+    good =
+        unpack(&e, LARGEST, &bytes) || no_use(trouble, "is damaged, or too large: %.200s", e.name);
     if (good && !write_below(folder, e.name, &bytes))
       good = no_use(trouble, "cannot be unpacked: %.200s: %s", e.name,
                     errno ? strerror(errno) : "a name that leads elsewhere");
@@ -714,6 +719,8 @@ static vs_status check_fmu(const vs_control_values *v, vs_where where, vs_error 
   vs_status status = vs_object_check(v, where, err);
   if (status) return status;
   vs_object_file(v, where, 0, path);
+  status = vs_path_check_plain(path, where, err); /* another one might be waited for */
+  if (status) return status;
   if (!read_file(path, &zip, &none) || !read_unit(&zip, v->output, &u, trouble))
     status =
         vs_fail_at(err, where, "control.file: %s %s", path, *trouble ? trouble : "cannot be read");

@@ -4,6 +4,7 @@
 #include <dirent.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "program.h"
@@ -141,6 +142,8 @@ static void wrong_units(void) {
   ENDS("law: fmu, file: pi.fmu, connect: \"lowest = i_meas_a\"", 2, "is in m, and i_meas_a is not");
   ENDS("law: fmu, file: pi.fmu, output: lowest", 2, "has no output 'lowest'");
   ENDS("law: fmu, file: not_there.fmu", 2, "not_there.fmu cannot be read");
+  EXPECT(!mkfifo("queue", 0600), "no pipe");
+  ENDS("law: fmu, file: queue", 2, "s.yaml:2:27: queue is a folder, a pipe");
   ENDS("law: fmu, file: s.yaml", 2, "s.yaml is not a functional mock-up unit");
   make_unit(HEAD2 INPUTS2 ANGLE2(""), 2, MACHINE[0], false);
   ENDS(PI(""), 2, "is not for co-simulation");
@@ -162,6 +165,8 @@ static void damaged(void) {
                 "(head -c 60 good.fmu; printf '\\377\\377'; tail -c +63 good.fmu) > pi.fmu",
                 "(head -c 1500 good.fmu; printf '\\125\\252'; tail -c +1503 good.fmu) > pi.fmu",
                 "tail -c +9 good.fmu > pi.fmu",
+                "mkdir e && : > e/modelDescription.xml && "
+                "(cd e && python3 -m zipfile -c ../pi.fmu modelDescription.xml)",
                 "python3 -m zipfile -c pi.fmu s.yaml",
                 "python3 -c 'import zipfile\nz = zipfile.ZipFile(\"pi.fmu\", \"a\")\n"
                 "z.writestr(\"../out\", \"x\")'"};

@@ -68,6 +68,7 @@ static const struct {
     {"../in/s.yaml", "actuator: {law: ../out/secret.csv}\n", "../in/s.yaml:1:17: "},
     {"../in/s.yaml", "actuator: {law: here/secret.csv}\n", "../in/s.yaml:1:17: "},
     {"../in/s.yaml", CONTROL "{law: object, file: ../out/secret.csv}\n", "../in/s.yaml:3:30: "},
+    {"../in/s.yaml", CONTROL "{law: fmu, file: ../out/secret.csv}\n", "../in/s.yaml:3:27: "},
     {"../in/s.yaml", CONTROL "{law: pipe, command: python3 ../out/secret.csv}\n",
      "../in/s.yaml:3:31: "},
     {"../in/st.yaml", "scene: ../out/secret.yaml\nvary: {firing.angle: [90 deg, 91 deg]}\n",
