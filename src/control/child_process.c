@@ -3,10 +3,12 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <fts.h>
 #include <math.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdbool.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/prctl.h>
@@ -67,10 +69,19 @@ static void take_pipe_ends(int in, int out, int why) {
   close_range(CHILD_FIRST_FREE, ~0u, 0);
 }
 
+static void remove_folder(const vs_child_process *r) {
+  if (!r->folder || !*r->folder) return;
+  char *const folder[] = {(char *)(uintptr_t)r->folder, NULL};
+  FTS *tree = fts_open(folder, FTS_PHYSICAL | FTS_NOCHDIR, NULL);
+  for (const FTSENT *f; tree && (f = fts_read(tree));)
+    if (f->fts_info != FTS_D) remove(f->fts_path);
+  if (tree) fts_close(tree);
+}
+
 /* A second child, the watchman, lives in the group of the first and does nothing until this process
  * dies: then it ends the group. The kernel ends the first child alone, and not what that has
  * started. */
-static _Noreturn void watch_over_group(pid_t owner, pid_t group) {
+static _Noreturn void watch_over_group(const vs_child_process *r, pid_t owner, pid_t group) {
   sigset_t all, died;
   int number;
   sigfillset(&all);
@@ -81,6 +92,7 @@ static _Noreturn void watch_over_group(pid_t owner, pid_t group) {
   close_range(0, ~0u, 0);
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   while (getppid() == owner) sigwait(&died, &number);
+  remove_folder(r);
   kill(-group, SIGKILL);
   _exit(0);
 }
@@ -153,7 +165,7 @@ static vs_status start(vs_child_process *r, const task *t, int *why, vs_error *e
   }
   setpgid(pid, pid); /* both processes do this, and either may be first */
   r->watchman = fork();
-  if (r->watchman == 0) watch_over_group(parent, pid);
+  if (r->watchman == 0) watch_over_group(r, parent, pid);
   while (read(trouble[0], why, sizeof *why) < 0 && errno == EINTR) {
   }
   close(trouble[0]);
@@ -225,11 +237,11 @@ static void dismiss(vs_child_process *r) {
 }
 
 void vs_child_process_end(vs_child_process *r) {
-  if (!r->pid) return;
   int how;
-  if (r->owner == getpid())
-    finish_child(r, GRACE_S, &how);
-  else { /* a copy of the owner has the pipes, but the child is not its own */
+  const bool own = !r->owner || r->owner == getpid();
+  if (r->pid && own) finish_child(r, GRACE_S, &how);
+  if (own) remove_folder(r);
+  if (r->pid) { /* a copy of the owner has the pipes, but the child is not its own */
     close(r->to);
     close(r->from);
     r->pid = 0;

@@ -3,7 +3,7 @@
  * wall's clock: a law of the user's own at work. What it may do wrong (crash, end, hang, talk out
  * of turn) becomes one line. Neither it nor what it has started, unless that has left its process
  * group, outlives this process: vs_child_process_end ends them, and a watchman where this process
- * dies before that. */
+ * dies before that. So it is with a folder that the process works in. */
 #ifndef VS_CONTROL_CHILD_PROCESS_H
 #define VS_CONTROL_CHILD_PROCESS_H
 
@@ -11,10 +11,13 @@
 
 enum { VS_REMOTE_MOST = 4096 }; /* bytes of the longest answer */
 
-/* Start from {0} and fill the first two members. All other members are the remote's own. */
+/* Start from {0} and fill the first two members, and the third if it is wanted. All other members
+ * are the remote's own. */
 typedef struct vs_child_process {
-  const char *name; /* what messages call the process, borrowed */
-  double timeout_s; /* within which it answers, s of the wall's clock */
+  const char *name;   /* what messages call the process, borrowed */
+  double timeout_s;   /* within which it answers, s of the wall's clock */
+  const char *folder; /* is removed, with all that is in it, when the process has ended; borrowed.
+                         NULL: there is none */
 
   int pid;                     /* of the child; 0: there is none */
   int watchman;                /* a process that ends the child's group where this one dies */

@@ -10,7 +10,6 @@
 #include <ctype.h>
 #include <dlfcn.h>
 #include <errno.h>
-#include <fts.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdint.h>
@@ -379,15 +378,6 @@ static bool unpack_all(const vs_text *zip, const char *folder, char trouble[VS_O
   return good && (!c.left || no_use(trouble, "is damaged"));
 }
 
-static void remove_all(char *folder) {
-  if (!*folder) return;
-  FTS *tree = fts_open((char *const[]){folder, NULL}, FTS_PHYSICAL | FTS_NOCHDIR, NULL);
-  for (const FTSENT *f; tree && (f = fts_read(tree));)
-    if (f->fts_info != FTS_D) remove(f->fts_path);
-  if (tree) fts_close(tree);
-  *folder = '\0';
-}
-
 /* ---- its inputs ---- */
 
 /* The regulator. */
@@ -742,16 +732,11 @@ static vs_status begin_fmu(void *self, const vs_control_input *sight, vs_error *
     *f->folder = '\0';
     return status;
   }
+  f->object.remote.folder = f->folder;
   f->object.load = load_unit;
   f->object.decide = decide_by_unit;
   f->object.end = end_unit;
   return vs_object_begin(&f->object, sight, err);
-}
-
-static void end_fmu(void *self) {
-  fmu *f = self;
-  vs_object_end(&f->object);
-  remove_all(f->folder);
 }
 
 const vs_regulator vs_fmu_regulator = {
@@ -766,4 +751,4 @@ const vs_regulator vs_fmu_regulator = {
     .begin = begin_fmu,
     .tick = vs_object_tick,
     .decide = vs_object_decide,
-    .end = end_fmu};
+    .end = vs_object_end};

@@ -2,6 +2,7 @@
  * A functional mock-up unit as law of control: the same angles as the same law in C, and what is
  * said of units that do not fit. */
 #include <dirent.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -128,6 +129,24 @@ static void at_work(void) {
   free_ran(&r);
 }
 
+/* A run that is killed leaves no folder either. */
+static void killed(void) {
+  make_unit(WHOLE2, 2, MACHINE[0], false);
+  write_scene("s.yaml", PI(", trouble = 3"));
+  char words[] = "run s.yaml --allow-code --quiet";
+  const char *argv[MOST_WORDS];
+  split(words, argv);
+  const pid_t child = spawn(argv);
+  for (int k = 0; k < 200 && !folders_of_units(); k++) usleep(20000);
+  EXPECT(folders_of_units() == 1, "%d folders", folders_of_units());
+  usleep(100000);
+  kill(child, SIGKILL);
+  ran r = collect(child);
+  free_ran(&r);
+  for (int k = 0; k < 200 && folders_of_units(); k++) usleep(20000);
+  EXPECT(!folders_of_units(), "a unit is left");
+}
+
 static void wrong_units(void) {
   make_unit(WHOLE2, 2, "win64", false);
   ENDS(PI(""), 2, "s.yaml:2:27: control.file: pi.fmu is for other machines: it has no binaries/");
@@ -185,6 +204,7 @@ static void damaged(void) {
 int main(void) {
   static const vs_test TESTS[] = {{"as in C", as_in_c},
                                   {"at work", at_work},
+                                  {"killed", killed},
                                   {"wrong units", wrong_units},
                                   {"damaged units", damaged}};
   char folder[] = "/tmp/vs_fmu.XXXXXX";

@@ -9,6 +9,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 #define UNIT __attribute__((visibility("default")))
 #pragma GCC diagnostic ignored "-Wunused-parameter" /* the standard says which there are */
@@ -16,7 +17,7 @@
 enum { LOWEST = 1, HIGHEST, SETPOINT, ANGLE, TROUBLE, ENABLED };
 
 /* What it does wrong. */
-enum { NOTHING, NO_STEP, CRASH };
+enum { NOTHING, NO_STEP, CRASH, HANG };
 
 typedef struct pi {
   double real[ANGLE + 1], t_s;
@@ -38,6 +39,7 @@ static pi *new_unit(void) {
 static int step(pi *u, double at_s, double step_s) {
   static const char *const LOST = "lost %d";
   if (u->trouble == CRASH) abort();
+  if (u->trouble == HANG) sleep(60);
   if (u->trouble == NO_STEP || at_s != u->t_s) {
     if (u->log2) u->log2(u->environment, "pi", 3, "error", LOST, 7);
     if (u->log3) u->log3(u->environment, 3, "error", "lost 7");
