@@ -682,6 +682,8 @@ static vs_status export_command(const void *given, vs_error *err) {
   if (length > 4 && !strcmp(a->output + length - 4, ".fmu"))
     return vs_export_fmu_command(vs_command_name(a), a->sets, a->n_sets, a->output, &line->unit,
                                  err);
+  if (line->unit.with_program)
+    return vs_fail(err, VS_INPUT, "export: --with-program is for a unit: -o FILE.fmu");
   return vs_export_command(vs_command_name(a), a->sets, a->n_sets, a->output, err);
 }
 

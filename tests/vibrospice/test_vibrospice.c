@@ -627,6 +627,7 @@ static void early_returns(void) {
 }
 
 static void wrong_units(void) {
+  static const char *const NETLIST[] = {"--with-program", "FILE.fmu"};
   static const char *const CODE[] = {"code of its own", "unit"}, *const DECK[] = {
                                                                      "own.cir",
                                                                      "the scene in the unit"};
@@ -638,6 +639,7 @@ static void wrong_units(void) {
          "no deck");
   write_file("decked.yaml", "circuit: {deck: own.cir}\n");
   refuse("export decked.yaml -o unit.fmu", "a deck of its own", "", DECK, __LINE__);
+  refuse("export paper --with-program -o x.cir", "a netlist with a program", "", NETLIST, __LINE__);
 }
 
 /* ---- misuse ---- */
