@@ -27,7 +27,8 @@
 #include "control/regulators.h"
 #include "object.h"
 
-/* Says why the file is of no use, and returns false. */
+/* Says in one line why the file is of no use, and returns false. The unit's names may be anything.
+ */
 static bool no_use(char trouble[VS_OBJECT_TROUBLE], const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 static bool no_use(char trouble[VS_OBJECT_TROUBLE], const char *format, ...) {
@@ -35,6 +36,10 @@ static bool no_use(char trouble[VS_OBJECT_TROUBLE], const char *format, ...) {
   va_start(list, format);
   vsnprintf(trouble, VS_OBJECT_TROUBLE, format, list);
   va_end(list);
+  char *wrong = (char *)(uintptr_t)vs_text_not_utf8(trouble, strlen(trouble));
+  if (wrong) *wrong = '\0';
+  for (char *c = trouble; *c; c++)
+    if ((unsigned char)*c < ' ' || *c == 127) *c = ' ';
   return false;
 }
 

@@ -168,8 +168,8 @@ static void wrong_units(void) {
   ENDS(PI(""), 2, "is not for co-simulation");
   make_unit(HEAD2 SLAVE INPUTS2 ANGLE2(" unit=\"rad\""), 2, MACHINE[0], false);
   ENDS(PI(""), 2, "its output 'angle_deg' is in rad; an angle in deg is wanted");
-  make_unit("<fmiModelDescription fmiVersion=\"1.0\">" SLAVE, 2, MACHINE[0], false);
-  ENDS(PI(""), 2, "is of FMI version '1.0'; 2.0 and 3.0 can be taken");
+  make_unit("<fmiModelDescription fmiVersion=\"1.0\n\">" SLAVE, 2, MACHINE[0], false);
+  ENDS(PI(""), 2, "is of FMI version '1.0 '; 2.0 and 3.0 can be taken");
   make_unit(WHOLE3, 2, MACHINE[1], false); /* which has no functions of 3.0 */
   ENDS(PI(""), 2, "has no function fmi3");
 }

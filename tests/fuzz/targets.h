@@ -20,6 +20,7 @@
   X(journal)                                                                                       \
   X(study_csv)                                                                                     \
   X(manifest)                                                                                      \
+  X(fmu)                                                                                           \
   X(overlay)                                                                                       \
   X(run_csv)                                                                                       \
   X(summary)
