@@ -330,13 +330,13 @@ static bool read_unit(const vs_text *zip, const char *output, unit *u,
       unpack(&e, LARGEST_XML, &xml) || no_use(trouble, "is damaged, or too large: %s", e.name);
   good = good && read_description(xml.text, u, trouble);
   vs_text_free(&xml);
-  if (!good) return false;
+  if (!good || !check_output(u, output, trouble)) return false;
   binary_of(u, name);
   if (!find_entry(zip, name, &e, &has))
     good = no_use(trouble, "is for other machines: it has no %s; its binaries: %.200s", name,
                   has.length ? has.text : "none");
   vs_text_free(&has);
-  return good && check_output(u, output, trouble);
+  return good;
 }
 
 static bool read_file(const char *path, vs_text *zip, vs_error *err) {
