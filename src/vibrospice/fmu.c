@@ -391,13 +391,14 @@ int fmu_size_of_state(void *handle, void *state, size_t *size) {
 int fmu_write_state(void *handle, void *state, void *bytes, size_t size) {
   const saved *s = state;
   char *to = bytes;
-  if (!s || size < size_of(&s->head))
+  if (!find(handle)) return FMU_ERROR;
+  if (!s || !bytes || size < size_of(&s->head))
     return fmu_say(handle, FMU_ERROR, "there is no such state, or no room for it");
   memcpy(to, &s->head, sizeof s->head);
   to += sizeof s->head;
   memcpy(to, s->deed, s->head.deeds * sizeof *s->deed);
   memcpy(to + s->head.deeds * sizeof *s->deed, s->column, s->head.columns * sizeof *s->column);
-  return find(handle) ? FMU_OK : FMU_ERROR;
+  return FMU_OK;
 }
 
 /* What is wrong with the bytes; NULL: nothing. */
