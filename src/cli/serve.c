@@ -175,15 +175,17 @@ typedef struct engine {
   char *source; /* the scene's name, path or text; owned. NULL: nothing is open */
   char **sets;  /* owned, as what they point to */
   vs_scene *scene;
-  int ladder;      /* the run.ladder of the scene */
-  bool begun;      /* the run is under way */
-  bool finishing;  /* its result is asked for */
-  double t_s;      /* up to where it was asked for */
-  double target_s; /* up to where it goes on */
-  double from_s;   /* where it was told last before that */
-  double row_s;    /* of the last row */
-  bool rows;       /* are wanted on the way */
-  bool events;     /* it stops at one */
+  int ladder;       /* the run.ladder of the scene */
+  bool begun;       /* the run is under way */
+  bool finishing;   /* its result is asked for */
+  double t_s;       /* up to where it was asked for */
+  double target_s;  /* up to where it goes on */
+  double from_s;    /* where it was told last before that */
+  double row_s;     /* of the last row */
+  bool rows;        /* are wanted on the way */
+  bool events;      /* it stops at one */
+  double seen_s[2]; /* from where to where the step goes whose events were looked at */
+  int seen;         /* how many of them */
   unsigned steps;
   vs_text question; /* what follows the head of the one that is under way */
   vs_text result;
@@ -598,14 +600,25 @@ static void look_at_socket(engine *e) {
     leave();
 }
 
-/* Where it is to stop at an event, the first one of the step that lies behind where it was told
- * last becomes where it goes on to. */
+/* Where it is to stop at an event, the next one that the step tells of becomes where it goes on to.
+ * At one where it was told last the client stands anyway. A circuit may tell of one late, at an
+ * instant that is over: then it stops half way to where it was to go. */
 static void stop_at_event(engine *e, const vs_step *step) {
-  for (int k = 0; k < 2 && e->events; k++) {
-    const vs_event event = step->event[k];
+  const double from_s = step->from->t_s, to_s = step->to->t_s;
+  if (!e->events) return;
+  if (e->seen_s[0] != from_s || e->seen_s[1] != to_s) e->seen = 0;
+  e->seen_s[0] = from_s, e->seen_s[1] = to_s;
+  for (; e->seen < 2; e->seen++) {
+    const vs_event event = step->event[e->seen];
+    const double at_s = step->event_s[e->seen];
     const bool told = event == VS_EV_FIRES || event == VS_EV_EXTINCT || event == VS_EV_MEETS_STOP ||
                       event == VS_EV_LEAVES_STOP;
-    if (told && step->event_s[k] > e->from_s) e->target_s = fmin(e->target_s, step->event_s[k]);
+    if (!told || fabs(at_s - e->from_s) <= vs_scene_event_rounding(at_s)) continue;
+    if (at_s <= e->target_s) {
+      e->target_s = at_s > e->from_s ? at_s : (e->from_s + e->target_s) / 2;
+      e->seen++;
+    }
+    return;
   }
 }
 
