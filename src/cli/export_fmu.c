@@ -60,8 +60,8 @@ static void put_head(vs_text *t, const char *name, const vs_text *whole, const v
 static vs_text pack(const vs_text *whole) {
   z_stream z = {0};
   vs_text packed = {0};
-  if (whole->length < 4096 ||
-      deflateInit2(&z, Z_BEST_COMPRESSION, Z_DEFLATED, -MAX_WBITS, 8, Z_DEFAULT_STRATEGY) != Z_OK)
+  if (whole->length < 4096 || deflateInit2(&z, Z_DEFAULT_COMPRESSION, Z_DEFLATED, -MAX_WBITS, 8,
+                                           Z_DEFAULT_STRATEGY) != Z_OK)
     return *whole;
   vs_text_add(&packed, "%*s", (int)whole->length, ""); /* room */
   z.next_in = (Bytef *)whole->text;
