@@ -7,7 +7,6 @@
 #include <pthread.h>
 #include <signal.h>
 #include <stdarg.h>
-#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -455,16 +454,7 @@ static void mock_up_unit(void) {
   EXPECT(!system("rm -r 'a unit' unit.fmu unit.so"), "no unit");
 }
 
-/* The first child of this process. */
-static pid_t child_of_this(void) {
-  char path[64];
-  long pid = 0;
-  snprintf(path, sizeof path, "/proc/self/task/%d/children", (int)getpid());
-  FILE *f = fopen(path, "r");
-  if (f && fscanf(f, "%ld", &pid) != 1) pid = 0;
-  if (f) fclose(f);
-  return (pid_t)pid;
-}
+static pid_t child_of_this(void);
 
 /* Exports own.yaml with these words, and loads the unit from the folder "a unit". */
 static unit open_unit(const char *words, char uri[4200]) {
@@ -750,6 +740,17 @@ static void failed_run(void) {
   OK(vibrospice_run_to(run, 0.06, NULL, NULL));
   OK(vibrospice_free_state(state));
   OK(vibrospice_free(run));
+}
+
+/* The first child of this process. */
+static pid_t child_of_this(void) {
+  char path[64];
+  long pid = 0;
+  snprintf(path, sizeof path, "/proc/self/task/%d/children", (int)getpid());
+  FILE *f = fopen(path, "r");
+  if (f && fscanf(f, "%ld", &pid) != 1) pid = 0;
+  if (f) fclose(f);
+  return (pid_t)pid;
 }
 
 static void dead_engines(void) {
