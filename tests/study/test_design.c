@@ -227,10 +227,11 @@ static void files(void) {
   free(page);
 }
 
+static const char *const FILES[] = {"design.json", "design.csv", "bom.csv", "design.txt",
+                                    "study.csv"};
+
 /* The same bytes with other workers, and of a design that goes on. */
 static void same_bytes(void) {
-  static const char *const FILES[] = {"design.json", "design.csv", "bom.csv", "design.txt",
-                                      "study.csv"};
   write_design("", threats(140));
   ran r = run("design d.yaml -o b --jobs 1 --quiet");
   expect_end(&r, 0, "");
@@ -255,6 +256,32 @@ static void same_bytes(void) {
     free(one);
     free(other);
   }
+}
+
+/* Each of three processes that share the runs has the whole answer, and none has run all. */
+static void shards(void) {
+  pid_t child[3];
+  write_design("", threats(140));
+  for (int k = 0; k < 3; k++) {
+    char words[64];
+    snprintf(words, sizeof words, "design d.yaml -o parts/%d --shard %d/3 --jobs 1", k, k + 1);
+    child[k] = spawn_prepared(words, NULL, NULL);
+  }
+  for (int k = 0; k < 3; k++) {
+    ran r = collect(child[k]);
+    expect_end(&r, 0, "cheapest that holds: price = ");
+    for (size_t n = 0; n < COUNT(FILES); n++) {
+      char path[2][64];
+      snprintf(path[0], 64, "a/%s", FILES[n]);
+      snprintf(path[1], 64, "parts/%d/%s", k, FILES[n]);
+      char *one = read_file(path[0]), *other = read_file(path[1]);
+      EXPECT(*one && !strcmp(one, other), "%s", path[1]);
+      free(one);
+      free(other);
+    }
+  }
+  ran r = run("design d.yaml -o parts/4 --shard 4/3");
+  expect_end(&r, 2, "!--shard 4/3: I/N is wanted");
 }
 
 /* ---- what it goes by ---- */
@@ -555,6 +582,7 @@ int main(void) {
                                   {"files", files},
                                   {"cases are scenes", cases_are_scenes},
                                   {"same bytes", same_bytes},
+                                  {"shards", shards},
                                   {"house", house},
                                   {"draws become cases", draws_become_cases},
                                   {"draws ask for classes", draws_ask_for_classes},
