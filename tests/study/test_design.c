@@ -227,8 +227,8 @@ static void files(void) {
   free(page);
 }
 
-static const char *const FILES[] = {"design.json", "design.csv", "bom.csv", "design.txt",
-                                    "study.csv"};
+static const char *const FILES[] = {"design.json", "design.csv", "bom.csv",
+                                    "design.txt",  "study.csv",  "manifest.json"};
 
 /* The same bytes with other workers, and of a design that goes on. */
 static void same_bytes(void) {
@@ -258,6 +258,20 @@ static void same_bytes(void) {
   }
 }
 
+/* True if the journal has a case behind a later one, as where the later one was this process' own
+ * and the other one came from another journal. */
+static bool is_shared(const char *path) {
+  char *text = read_file(path);
+  int before = -1;
+  bool shared = false;
+  for (const char *at = text; (at = strstr(at, " = ")); at += 3) {
+    shared = shared || atoi(at + 3) < before;
+    before = atoi(at + 3);
+  }
+  free(text);
+  return shared;
+}
+
 /* Each of three processes that share the runs has the whole answer, and none has run all. */
 static void shards(void) {
   pid_t child[3];
@@ -280,6 +294,7 @@ static void shards(void) {
       free(other);
     }
   }
+  CU_ASSERT(is_shared("parts/1/journal"));
   ran r = run("design d.yaml -o parts/4 --shard 4/3");
   expect_end(&r, 2, "!--shard 4/3: I/N is wanted");
 }
