@@ -358,6 +358,28 @@ static void draws_ask_for_classes(void) {
   write_file("p.csv", SIZES);
 }
 
+/* A draw makes 9.9 ohm dearer than 10 ohm, which then meets that case first: it takes two runs, for
+ * budget.jobs, and not nine. */
+static void what_made_dearer_is_first(void) {
+  char text[1024], design[2048];
+  snprintf(text, sizeof text, "%sR3,resistor,0.2,1,3.02\n", SIZES);
+  write_file("p.csv", text);
+  snprintf(text, sizeof text, "%s", CHOOSE);
+  char *series = strstr(text, "series: ");
+  strcpy(series, "values: [9.9 ohm, 10 ohm]}\n%s");
+  snprintf(design, sizeof design, text, ", parts: [g1200.inc]",
+           "threats:\n  swell: {kind: swell, level: {from: 110 %, to: 131 %}, n: 1, duration: 20 "
+           "ms}\n  dip: {kind: sag, level: [40 %, 50 %, 60 %, 70 %, 80 %, 90 %], duration: 20 ms}\n"
+           "proof: {random: 20, verify: false, neighbours: false}\n");
+  write_file("d.yaml", design);
+  ran r = run("design d.yaml -o dearer --overwrite");
+  expect_end(&r, 0, "9.9 ohm (R10) ");
+  char *csv = read_file("dearer/design.csv");
+  EXPECT(strstr(csv, ",g1200.inc,10,open,,,,,,2\n"), "%s", csv);
+  free(csv);
+  write_file("p.csv", SIZES);
+}
+
 /* The list's only samples of the level lie below what 800 V hold; the search goes to the range's
  * end, where 1000 V hold: 440 V * sqrt(2) * 1.31 = 815 V. The worst found is told with how sure it
  * is. */
@@ -636,6 +658,7 @@ int main(void) {
                                   {"house", house},
                                   {"draws become cases", draws_become_cases},
                                   {"draws ask for classes", draws_ask_for_classes},
+                                  {"what made dearer is first", what_made_dearer_is_first},
                                   {"search finds", search_finds},
                                   {"left out", left_out},
                                   {"tolerances", tolerances},
