@@ -47,6 +47,9 @@ typedef struct vs_cases {
   uint64_t room, answered;
 } vs_cases;
 
+/* A shard that has waited so long for another one says so. */
+static const double PATIENCE_S = 60;
+
 /* A study under way. */
 typedef struct session {
   const vs_study_options *o;
@@ -545,23 +548,26 @@ static vs_status run_cases(session *s, uint64_t first, uint64_t until, vs_error 
   return status ? status : kept;
 }
 
-/* Waits for the cases of a generation that other shards run. What does not come within the time
- * that a case may take is run here. */
+/* Waits for the cases of a generation that other shards run, for as long as these take. */
 static vs_status wait_for_peers(session *s, uint64_t first, uint64_t until, vs_error *err) {
   const double began_s = vs_worker_clock();
   struct timespec pause = {0, 10000000}; /* 10 ms, and longer each time */
   uint64_t missing = 0;
+  bool said = s->o->quiet;
   vs_status status = vs_peers_take(s->folder, &s->journal, first, until, &missing, err);
-  while (!status && missing && vs_worker_clock() - began_s < s->o->timeout_s) {
+  while (!status && missing) {
     if (s->o->stop && *s->o->stop) return VS_SIGNAL;
     nanosleep(&pause, NULL);
     if (pause.tv_nsec < 500000000) pause.tv_nsec += pause.tv_nsec / 2;
+    if (!said && vs_worker_clock() - began_s > PATIENCE_S) {
+      fprintf(stderr,
+              "vibrospice: note: this shard waits for %llu cases of the others, whose folders lie "
+              "beside %s; --resume without --shard goes on alone\n",
+              (unsigned long long)missing, s->folder);
+      said = true;
+    }
     status = vs_peers_take(s->folder, &s->journal, first, until, &missing, err);
   }
-  const uint64_t peers = s->peers;
-  s->peers = 0;
-  if (!status && missing) status = run_cases(s, first, until, err);
-  s->peers = peers;
   return status ? status : cases_check(&s->cases, first, until, err);
 }
 
