@@ -38,6 +38,10 @@ static const vs_option DESIGN_OPTIONS[] = {
                              "there, besides what a study writes"),
     VS_OPTIONS_WHOLE(design_line, o.jobs, 1, 4096, "jobs", "N",
                      "worker processes (default: the cores this process may use)"),
+    VS_OPTIONS_WORD(design_line, o.shard, "shard", "I/N",
+                    "runs every N-th case, from the I-th on, and takes the others from the N - 1 "
+                    "processes whose folders lie beside DIR; auto: by the variables of a Slurm job "
+                    "array"),
     VS_OPTIONS_FLAG(design_line, o.resume, "resume",
                     "goes on with what DIR has; begins where there is nothing"),
     VS_OPTIONS_FLAG(design_line, o.overwrite, "overwrite",
@@ -55,6 +59,7 @@ const vs_command vs_design_cli = {
     .argument = "DESIGN",
     .text = "finds the cheapest parts of a list of prices that hold under all threats",
     .examples = "  vibrospice design my.design.yaml -o answer\n"
+                "  vibrospice design my.design.yaml -o parts/2 --shard 2/4\n"
                 "  vibrospice design my.design.yaml -o answer --resume\n",
     .options = DESIGN_OPTIONS,
     .size = sizeof(design_line),

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "base/file.h"
@@ -19,6 +20,7 @@
 #include "cleanup.h"
 #include "judge.h"
 #include "manifest.h"
+#include "peers.h"
 #include "publish.h"
 #include "run/session.h"
 #include "study/merge.h"
@@ -45,6 +47,9 @@ typedef struct vs_cases {
   uint64_t room, answered;
 } vs_cases;
 
+/* A shard that has waited so long for another one says so. */
+static const double PATIENCE_S = 60;
+
 /* A study under way. */
 typedef struct session {
   const vs_study_options *o;
@@ -62,6 +67,7 @@ typedef struct session {
   uint64_t total;       /* cases of this shard, for the progress */
   uint64_t shared;      /* how many had their past from another (study/workers/shared_prefix.h) */
   uint64_t before;      /* how many were done when this process began */
+  uint64_t peer, peers; /* of a search in shards: this process among them, from 0 (peers.h) */
   vs_judge judge;
   int way;       /* of VS_JUDGE_WAYS, that judges at present */
   size_t picked; /* the next of judge.picked to deal */
@@ -397,6 +403,11 @@ static vs_status open_journal(session *s, vs_error *err) {
   vs_status status = s->o->keep_runs ? vs_case_check_csv(s->plan.first, s->plan.count, err) : VS_OK;
   if (!status && s->o->shard)
     status = vs_merge_shard_read(s->o->shard, &head.shard, &head.shards, err);
+  if (!status && s->o->method) { /* each of them has the whole journal */
+    s->peer = head.shard - 1;
+    s->peers = head.shards;
+    head.shard = head.shards = 1;
+  }
   if (!status && s->plan.adaptive && head.shards > 1)
     status = vs_fail(err, VS_INPUT,
                      "--shard %s: method %s chooses its cases by the results of others; only "
@@ -466,6 +477,7 @@ static bool next_case(void *ctx, vs_task *task) {
   const vs_journal_head *head = &s->journal.head;
   for (; s->next < s->until; s->next += head->shards) {
     if (vs_journal_has(&s->journal, s->next)) continue;
+    if (s->peers && s->next % s->peers != s->peer) continue;
     task->index = s->next;
     cases_point(&s->cases, s->next, task->point);
     s->next += head->shards;
@@ -536,6 +548,29 @@ static vs_status run_cases(session *s, uint64_t first, uint64_t until, vs_error 
   return status ? status : kept;
 }
 
+/* Waits for the cases of a generation that other shards run, for as long as these take. */
+static vs_status wait_for_peers(session *s, uint64_t first, uint64_t until, vs_error *err) {
+  const double began_s = vs_worker_clock();
+  struct timespec pause = {0, 10000000}; /* 10 ms, and longer each time */
+  uint64_t missing = 0;
+  bool said = s->o->quiet;
+  vs_status status = vs_peers_take(s->folder, &s->journal, first, until, &missing, err);
+  while (!status && missing) {
+    if (s->o->stop && *s->o->stop) return VS_SIGNAL;
+    nanosleep(&pause, NULL);
+    if (pause.tv_nsec < 500000000) pause.tv_nsec += pause.tv_nsec / 2;
+    if (!said && vs_worker_clock() - began_s > PATIENCE_S) {
+      fprintf(stderr,
+              "vibrospice: note: this shard waits for %llu cases of the others, whose folders lie "
+              "beside %s; --resume without --shard goes on alone\n",
+              (unsigned long long)missing, s->folder);
+      said = true;
+    }
+    status = vs_peers_take(s->folder, &s->journal, first, until, &missing, err);
+  }
+  return status ? status : cases_check(&s->cases, first, until, err);
+}
+
 /* Runs generation after generation, as the method asks for them by the results so far. s->count
  * becomes the number of cases it came to. */
 static vs_status run_adaptive(session *s, vs_error *err) {
@@ -552,6 +587,7 @@ static vs_status run_adaptive(session *s, vs_error *err) {
       cases_ask(&s->cases, first, &g);
       if (s->o->resume) status = cases_check(&s->cases, first, until, err);
       if (!status) status = run_cases(s, first, until, err);
+      if (!status && s->peers > 1) status = wait_for_peers(s, first, until, err);
       if (!status) status = cases_answer(&s->cases, first, until, err);
       s->count = until;
     }

@@ -227,10 +227,11 @@ static void files(void) {
   free(page);
 }
 
+static const char *const FILES[] = {"design.json", "design.csv", "bom.csv",
+                                    "design.txt",  "study.csv",  "manifest.json"};
+
 /* The same bytes with other workers, and of a design that goes on. */
 static void same_bytes(void) {
-  static const char *const FILES[] = {"design.json", "design.csv", "bom.csv", "design.txt",
-                                      "study.csv"};
   write_design("", threats(140));
   ran r = run("design d.yaml -o b --jobs 1 --quiet");
   expect_end(&r, 0, "");
@@ -255,6 +256,47 @@ static void same_bytes(void) {
     free(one);
     free(other);
   }
+}
+
+/* True if the journal has a case behind a later one, as where the later one was this process' own
+ * and the other one came from another journal. */
+static bool is_shared(const char *path) {
+  char *text = read_file(path);
+  int before = -1;
+  bool shared = false;
+  for (const char *at = text; (at = strstr(at, " = ")); at += 3) {
+    shared = shared || atoi(at + 3) < before;
+    before = atoi(at + 3);
+  }
+  free(text);
+  return shared;
+}
+
+/* Each of three processes that share the runs has the whole answer, and none has run all. */
+static void shards(void) {
+  pid_t child[3];
+  write_design("", threats(140));
+  for (int k = 0; k < 3; k++) {
+    char words[64];
+    snprintf(words, sizeof words, "design d.yaml -o parts/%d --shard %d/3 --jobs 1", k, k + 1);
+    child[k] = spawn_prepared(words, NULL, NULL);
+  }
+  for (int k = 0; k < 3; k++) {
+    ran r = collect(child[k]);
+    expect_end(&r, 0, "cheapest that holds: price = ");
+    for (size_t n = 0; n < COUNT(FILES); n++) {
+      char path[2][64];
+      snprintf(path[0], 64, "a/%s", FILES[n]);
+      snprintf(path[1], 64, "parts/%d/%s", k, FILES[n]);
+      char *one = read_file(path[0]), *other = read_file(path[1]);
+      EXPECT(*one && !strcmp(one, other), "%s", path[1]);
+      free(one);
+      free(other);
+    }
+  }
+  CU_ASSERT(is_shared("parts/1/journal"));
+  ran r = run("design d.yaml -o parts/4 --shard 4/3");
+  expect_end(&r, 2, "!--shard 4/3: I/N is wanted");
 }
 
 /* ---- what it goes by ---- */
@@ -313,6 +355,28 @@ static void draws_ask_for_classes(void) {
          r.out);
   EXPECT(strstr(r.out, "3. Random: 0 of 20 draws after the last change violate"), "%s", r.out);
   expect_end(&r, 0, " (R10) ");
+  write_file("p.csv", SIZES);
+}
+
+/* A draw makes 9.9 ohm dearer than 10 ohm, which then meets that case first: it takes two runs, for
+ * budget.jobs, and not nine. */
+static void what_made_dearer_is_first(void) {
+  char text[1024], design[2048];
+  snprintf(text, sizeof text, "%sR3,resistor,0.2,1,3.02\n", SIZES);
+  write_file("p.csv", text);
+  snprintf(text, sizeof text, "%s", CHOOSE);
+  char *series = strstr(text, "series: ");
+  strcpy(series, "values: [9.9 ohm, 10 ohm]}\n%s");
+  snprintf(design, sizeof design, text, ", parts: [g1200.inc]",
+           "threats:\n  swell: {kind: swell, level: {from: 110 %, to: 131 %}, n: 1, duration: 20 "
+           "ms}\n  dip: {kind: sag, level: [40 %, 50 %, 60 %, 70 %, 80 %, 90 %], duration: 20 ms}\n"
+           "proof: {random: 20, verify: false, neighbours: false}\n");
+  write_file("d.yaml", design);
+  ran r = run("design d.yaml -o dearer --overwrite");
+  expect_end(&r, 0, "9.9 ohm (R10) ");
+  char *csv = read_file("dearer/design.csv");
+  EXPECT(strstr(csv, ",g1200.inc,10,open,,,,,,2\n"), "%s", csv);
+  free(csv);
   write_file("p.csv", SIZES);
 }
 
@@ -447,6 +511,41 @@ static void budget(void) {
   write_design("", more);
   ran r = run("design d.yaml -o spent --overwrite");
   expect_end(&r, 4, "!budget.runs = 12 is spent: nothing below 1.4 holds");
+  /* spent on the draws, there is an answer that holds the list */
+  write_design(", parts: [g800.inc, g1200.inc]",
+               "threats:\n  swell: {kind: swell, level: {from: 110 %, to: 120 %}, n: 1, duration: "
+               "20 ms}\nproof: {verify: false}\nbudget: {runs: 30}\n");
+  r = run("design d.yaml -o spent --overwrite");
+  EXPECT(strstr(r.out, "best so far: price = 1.4 of 10 candidates, after "), "%s", r.out);
+  expect_end(&r, 4, "!nothing below 1.4 holds, and the best so far is not proved");
+}
+
+/* A point at work that begins in its orbit is judged by what a run this short is not: the junction,
+ * 40 W into 7 K/W, of which g1200 bears 125 degC. */
+static void heat(void) {
+  static const char COOLED[] = "ambient: 25 degC\nheatsink: {thyristor: 5 K/W}\nstart: {}\n";
+  char text[2048], name[32];
+  write_world();
+  for (size_t k = 0; k < COUNT(VOLTS); k++) {
+    snprintf(name, sizeof name, "g%d.inc", VOLTS[k]);
+    char *part = read_file(name);
+    const size_t first = strcspn(part, "\n");
+    snprintf(text, sizeof text, "%.*s\n*$ limit t_j_max = %d degC\n*$ zth 2 K/W 1 s%s", (int)first,
+             part, k == 3 ? 125 : 60, part + first);
+    write_file(name, text);
+    free(part);
+  }
+  snprintf(text, sizeof text, "%s*$ loss thyristor = v(a,b)*i(Vt)\n", DECK);
+  write_file("d.cir", text);
+  snprintf(text, sizeof text, "%s%s", SCENE, COOLED);
+  write_file("s.yaml", text);
+  write_design("",
+               "operation: {hot: {ambient: 40 degC, start: steady}}\nthreats: {dip: {kind: sag, "
+               "level: 40 %, duration: 20 ms}}\n");
+  ran r = run("design d.yaml -o hot --overwrite");
+  EXPECT(strstr(r.out, "g1000.inc does not hold: thyristor.t_j, margin -"), "%s", r.out);
+  expect_end(&r, 0, "circuit.thyristor     g1200.inc ");
+  write_world();
 }
 
 static void refusals(void) {
@@ -555,9 +654,11 @@ int main(void) {
                                   {"files", files},
                                   {"cases are scenes", cases_are_scenes},
                                   {"same bytes", same_bytes},
+                                  {"shards", shards},
                                   {"house", house},
                                   {"draws become cases", draws_become_cases},
                                   {"draws ask for classes", draws_ask_for_classes},
+                                  {"what made dearer is first", what_made_dearer_is_first},
                                   {"search finds", search_finds},
                                   {"left out", left_out},
                                   {"tolerances", tolerances},
@@ -565,6 +666,7 @@ int main(void) {
                                   {"not judged", not_judged},
                                   {"happened", happened},
                                   {"budget", budget},
+                                  {"heat", heat},
                                   {"refusals", refusals},
                                   {"bad prices", bad_prices},
                                   {"series", series}};

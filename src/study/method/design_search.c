@@ -268,7 +268,11 @@ static void take_run(vs_design_search *s, vs_design_candidate *c, size_t place, 
   } else if (doubtful && !c->doubtful)
     c->killer = mark;
   if (!killed && doubtful) c->doubtful = true;
-  if (!killed) c->price = vs_design_choices_price(s->d, c->number, c->class);
+  if (killed) return;
+  const double before = c->price;
+  c->price = vs_design_choices_price(s->d, c->number, c->class);
+  /* what asks for a dearer class, or leaves one unjudged, is likely to do so to others, too */
+  if (doubtful || c->price > before) s->killed_at[place] = ++s->kills;
 }
 
 /* True if the run violates a line by less than a margin may be wrong by, and nobody knows its
@@ -308,7 +312,8 @@ static bool run_cases(vs_design_search *s, const asked *one, size_t n) {
 }
 
 /* The case that the candidate is run with next: of those it has not been, the one that rejected
- * another candidate last. SIZE_MAX: it has been run with all. taken[n]: those asked for already. */
+ * another candidate last, or made it dearer. SIZE_MAX: it has been run with all. taken[n]: those
+ * asked for already. */
 static size_t next_case(const vs_design_search *s, vs_design_candidate *c, const asked *taken,
                         size_t n) {
   size_t best = SIZE_MAX;

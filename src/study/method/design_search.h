@@ -70,7 +70,7 @@ typedef struct vs_design_search {
   size_t n_seen;
   uint64_t next_rank; /* the first of d->order that is not seen */
   /* The cases that all candidates have to hold: numbers of d->cases; when each last rejected one,
-   * 0: never. */
+   * made it dearer or left it unjudged, 0: never. */
   uint64_t *list, *killed_at, kills;
   size_t n_list;
   vs_design_candidate *answer, *runner_up; /* NULL: there is none */
