@@ -67,7 +67,7 @@ static void sizes(void) {
   EXPECT(sizeof(vibrospice_line) == 88, "line: %zu", sizeof(vibrospice_line));
   EXPECT(sizeof(vibrospice_happening) == 56, "happening: %zu", sizeof(vibrospice_happening));
   EXPECT(sizeof(vibrospice_status) == 4, "status: %zu", sizeof(vibrospice_status));
-  EXPECT(!strcmp(vibrospice_version(), "0.1.0"), "%s", vibrospice_version());
+  EXPECT(!strcmp(vibrospice_version(), VS_VERSION), "%s", vibrospice_version());
 }
 
 static void symbols(void) {
