@@ -9,6 +9,7 @@ order. VIBROSPICE is the program, PYTHONPATH has the module.
 
 import copy
 import csv
+import doctest
 import gc
 import json
 import math
@@ -748,6 +749,12 @@ class Page(Case):
                 self.assertEqual((ran.returncode, ran.stdout), (0, text))
                 script, tried = "", tried + 1
         self.assertGreaterEqual(tried, 2)
+
+    def test_examples_of_the_module(self):
+        for module in (vibrospice, vibrospice.tables, vibrospice.results, vibrospice.engine):
+            tried = doctest.testmod(module, extraglobs={"vibrospice": vibrospice})
+            self.assertEqual(tried.failed, 0, module.__name__)
+            self.assertGreater(tried.attempted, 2, module.__name__)
 
     def test_links(self):
         page = TESTS / "../docs/python.md"

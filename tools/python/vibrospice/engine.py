@@ -153,11 +153,12 @@ class State:
 class Run:
     """A run that goes on when it is told to, in a process of its own. There may be any number.
 
-        run = vibrospice.Run("paper", set={"run.until": "1 s"})
-        run.input("firing.angle", 120)
-        run.to(0.5)
-        run.columns["p"]                # what it has shown so far
-        result = run.finish()           # a Result, as vibrospice.run() returns
+    >>> run = vibrospice.Run("paper", set={"run.until": "0.2 s", "firing.every": 1})
+    >>> run.input("firing.angle", 120)
+    >>> run.to(0.1)
+    >>> run.columns.rows()              # of what it has shown so far
+    1001
+    >>> result = run.finish()           # a Result, as vibrospice.run() returns
 
     columns  Table of the rows so far, which are run.sample apart: numpy arrays where numpy is
     inputs   {name: Input}: what may be set on the way; which there are depends on the scene
@@ -310,6 +311,11 @@ class Run:
 class Scene:
     """A scene with keys set over it.
 
+    >>> scene = vibrospice.Scene("paper").over({"run.until": "60 ms", "firing.every": 1})
+    >>> result = scene.run(law=lambda run, now: {"firing.angle": 90 + 400 * now["t_s"]}, every=0.02)
+    >>> [text for t, text in result.events if text == "thyristor fires"]
+    ['thyristor fires', 'thyristor fires', 'thyristor fires']
+
     scene, set, allow_code    as in vibrospice.run()
     """
 
@@ -324,6 +330,11 @@ class Scene:
     def start(self, out: Optional[Path] = None) -> Run:
         """Returns a Run of it, at its beginning."""
         return Run(self.scene, set=self.set, out=out, allow_code=self.allow_code)
+
+    def steady(self, **options: Any) -> Result:
+        """Returns its periodic orbit; options are those of vibrospice.steady()."""
+        from . import steady
+        return steady(self.scene, set=self.set, allow_code=self.allow_code, **options)
 
     def run(self, law: Optional[Law] = None, every: float = 0.02,
             out: Optional[Path] = None) -> Result:
