@@ -58,6 +58,13 @@ class Result:
     peaks        Table of peaks.csv: the rows of `columns` and further ones at the peaks between
                  them. It is `columns` itself where these show every peak.
     events       list of (time in s, text)
+
+    >>> result = vibrospice.run({"circuit": {"deck": "halfwave_paper", "thyristor": "BT151-800R"},
+    ...                          "firing": {"angle": "100 deg"}, "run": {"until": "20 ms"}})
+    >>> result.word, result.held, result.weakest
+    ('violated', False, 'thyristor.di_dt')
+    >>> [line["word"] for line in result.verdict if line["measure"] == "di_dt"]
+    ['violated']
     """
 
     def __init__(self, path: Path, status: Optional[int] = None, messages: Sequence[str] = (),
