@@ -63,7 +63,7 @@ class Result:
     ...                          "firing": {"angle": "100 deg"}, "run": {"until": "20 ms"}})
     >>> result.word, result.held, result.weakest
     ('violated', False, 'thyristor.di_dt')
-    >>> [line["word"] for line in result.verdict if line["measure"] == "di_dt"]
+    >>> [line["word"] for line in result.verdict if line.get("measure") == "di_dt"]
     ['violated']
     """
 
