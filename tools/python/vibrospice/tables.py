@@ -24,8 +24,9 @@ class Error(Exception):
     status    its exit status: 1 a run, a case or a picture failed; 2 bad usage or input; negative:
               ended by that signal. None: it was not the program that failed.
     messages  its lines on standard error, a list of str, without "vibrospice: "
-    result    what there is all the same: the Study of a study with failed cases, the Table of
-              run.partial.csv of a run that failed; else None
+    result    what there is all the same: the Study of a study with failed cases, the Design of a
+              design that came to no answer, the Table of run.partial.csv of a run that failed;
+              else None
     """
 
     def __init__(self, status: Optional[int], messages: List[str], result: Any = None) -> None:
