@@ -247,6 +247,8 @@ class Runs(Case):
         r = vibrospice.steady("paper", set={"firing.every": 1})
         self.assertEqual(len(r.summary["multipliers"]), 8)
         self.assertEqual(r.measures["power_in"].unit, "W")
+        scene = vibrospice.Scene("paper").over({"firing.every": 1})
+        self.assertEqual(scene.steady().measures["power_in"], r.measures["power_in"])
         self.assert_columns(r.columns, r.path / "run.csv")
         branch = vibrospice.steady("paper", set={"firing.every": 1}, out="branch",
                                    along="firing.angle=130deg..129deg")
