@@ -120,10 +120,32 @@ class Input(Quantity):
     about                   what it does, and when
     """
 
+    least: float
+    largest: float
+    about: str
+
     def __new__(cls, value: float, unit: str, least: float, largest: float, text: str) -> "Input":
         self = super().__new__(cls, value, unit)
         self.least, self.largest, self.about = least, largest, text
         return self
+
+
+class _Columns(Mapping[str, Any]):
+    """The columns of rows that stand one after another in `cells`; each is made when it is asked for."""
+
+    def __init__(self, names: "list[str]", cells: array.array) -> None:
+        self.names, self.cells = names, cells
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in self.names:
+            raise KeyError(name)
+        return handed_out(self.cells[self.names.index(name)::len(self.names)], False)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.names)
+
+    def __len__(self) -> int:
+        return len(self.names)
 
 
 class _Rows(Table):
@@ -135,8 +157,7 @@ class _Rows(Table):
         self.cells = cells
 
     def _read(self) -> Mapping[str, Any]:
-        return {name: handed_out(self.cells[k::len(self.about)], False)
-                for k, name in enumerate(self.about)}
+        return _Columns(list(self.about), self.cells)
 
     def __repr__(self) -> str:
         return f"<Table of {self.rows()} rows: {', '.join(self.about)}>"

@@ -12,7 +12,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from typing import Any, Iterable, Iterator, List, Mapping, Optional, Union
+from typing import Any, Iterable, Iterator, List, Mapping, Optional, Type, TypeVar, Union
 
 Path = Union[str, os.PathLike]
 SceneLike = Union[str, os.PathLike, dict]
@@ -40,6 +40,9 @@ class Interrupted(Error):
     """A signal stopped the program (exit status 75). A study goes on with resume=True."""
 
 
+_Q = TypeVar("_Q", bound="Quantity")
+
+
 class Quantity(float):
     """A float that knows its unit. Sums and products of it are plain floats.
 
@@ -58,8 +61,8 @@ class Quantity(float):
     at: Optional[float]
     measured: Optional[float]
 
-    def __new__(cls, value: float, unit: str = "", at: Optional[float] = None,
-                measured: Optional[float] = None) -> "Quantity":
+    def __new__(cls: Type[_Q], value: float, unit: str = "", at: Optional[float] = None,
+                measured: Optional[float] = None) -> _Q:
         self = super().__new__(cls, value)
         self.unit, self.at, self.measured = unit, at, measured
         return self
@@ -262,7 +265,7 @@ class Table(Mapping[str, Any]):
         self._owner = owner
         self.about = {c["name"]: {k: v for k, v in c.items() if k != "name"} for c in about}
         self._words = set(words) | self._of_cells("text")
-        self._columns = None
+        self._columns: Optional[Mapping[str, Any]] = None
         self._state = self._stamp()
 
     def _of_cells(self, cells):
@@ -283,8 +286,9 @@ class Table(Mapping[str, Any]):
         is_text = self.path.suffix != ".json"
         columns = _read_text(self.path, self._words) if is_text else _read_folder(self.path)
         counts = self._of_cells("count")
-        self._columns = {name: handed_out(c, name in counts) for name, c in columns.items()}
-        return self._columns
+        handed = {name: handed_out(c, name in counts) for name, c in columns.items()}
+        self._columns = handed
+        return handed
 
     @property
     def units(self) -> dict:
