@@ -18,7 +18,7 @@ Exit statuses of the program become:
 
     0, 3    a result. Its `held` is False with status 3: a rating is violated or undecided.
     1, 2    vibrospice.Error, with the program's lines
-    4       vibrospice.Error: a budget is spent; its `result` is a Design as far as it came
+    4       vibrospice.Error: a budget is spent. Of design() its `result` is a Design
     75      vibrospice.Interrupted, an Error: a signal stopped the program
 
 Each warning of the program is in the result's `warnings`, and is a Python warning, too
