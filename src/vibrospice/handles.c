@@ -3,6 +3,7 @@
  * others, whoever has its place now. */
 #include "vibrospice/vibrospice.h"
 
+#include <locale.h>
 #include <math.h>
 #include <pthread.h>
 #include <stdint.h>
@@ -13,11 +14,8 @@
 #include "process.h"
 #include "vibrospice/protocol.h"
 
-#define TEXT_OF_(x) #x
-#define TEXT_OF(x) TEXT_OF_(x)
-
 const char *vibrospice_version(void) {
-  return TEXT_OF(VIBROSPICE_MAJOR) "." TEXT_OF(VIBROSPICE_MINOR) "." TEXT_OF(VIBROSPICE_PATCH);
+  return VIBROSPICE_VERSION;
 }
 
 /* ---- handles ---- */
@@ -165,8 +163,13 @@ static void *add(list *l, size_t size) {
   return memset(l->item + size * l->count++, 0, size);
 }
 
+/* The engine writes decimal points, and the host's locale may have commas. */
+static locale_t points(void) {
+  return newlocale(LC_ALL_MASK, "C", NULL); /* a constant, which is not to be freed */
+}
+
 static double number(const char *text) {
-  return strtod(text, NULL);
+  return strtod_l(text, NULL, points());
 }
 
 static int take_column(engine *e, const char *const *c) {
@@ -268,7 +271,7 @@ static vibrospice_status take_description(engine *e, char *text) {
   int good = e->described && take_lines(e, text);
   e->value = good ? malloc((e->column.count + 1) * sizeof *e->value) : NULL;
   for (size_t k = 0; e->value && k < e->column.count; k++)
-    e->value[k] = e->start ? strtod(e->start, &e->start) : NAN;
+    e->value[k] = e->start ? strtod_l(e->start, &e->start, points()) : NAN;
   if (e->value) return VIBROSPICE_OK;
   free_texts(e);
   e->phase = OVER;

@@ -138,6 +138,8 @@ vibrospice_status vibrospice_process_ask_for(vibrospice_process *p, uint32_t kin
                                              size_t size, const char *more, char **text) {
   char *answer;
   if (p->socket < 0) return vibrospice_fail(VIBROSPICE_ENGINE, "the engine has ended");
+  if (more && strlen(more) > INT32_MAX - size)
+    return vibrospice_fail(VIBROSPICE_INPUT, "a text of more than 2 GB");
   if (!vibrospice_process_ask(p->socket, kind, data, size, more, -1))
     return vibrospice_process_died(p);
   vibrospice_status status = vibrospice_process_answer(p, &kind, &answer, &size);

@@ -9,6 +9,7 @@ order. VIBROSPICE is the program, PYTHONPATH has the module.
 
 import copy
 import csv
+import doctest
 import gc
 import json
 import math
@@ -246,6 +247,8 @@ class Runs(Case):
         r = vibrospice.steady("paper", set={"firing.every": 1})
         self.assertEqual(len(r.summary["multipliers"]), 8)
         self.assertEqual(r.measures["power_in"].unit, "W")
+        scene = vibrospice.Scene("paper").over({"firing.every": 1})
+        self.assertEqual(scene.steady().measures["power_in"], r.measures["power_in"])
         self.assert_columns(r.columns, r.path / "run.csv")
         branch = vibrospice.steady("paper", set={"firing.every": 1}, out="branch",
                                    along="firing.angle=130deg..129deg")
@@ -657,6 +660,44 @@ class Studies(Case):
 
 
 @unittest.skipUnless(shutil.which("gnuplot"), "gnuplot is missing")
+class Designs(Case):
+    """A converter whose resistor is chosen by the power that it bears."""
+    DESIGN = {"scene": "paper", "report": ["i_peak"],
+              "set": {"circuit.deck": "halfwave_paper", "run.until": "45 ms"},
+              "catalogue": {"prices": "prices.csv",
+                            "choose": {"circuit.r1": {"kind": "resistor", "values": ["4.7 kohm"]}}},
+              "threats": {"swell": {"kind": "swell", "level": "110 %", "duration": "20 ms"}}}
+
+    def design(self, *sizes, **more):
+        rows = "".join(f"R{w},resistor,{w / 10},{w}\n" for w in sizes)
+        pathlib.Path("prices.csv").write_text("part,kind,price,p_rated_w\n" + rows, encoding="utf-8")
+        return vibrospice.design({**self.DESIGN, **more}, jobs=1)
+
+    def test_an_answer(self):
+        d = self.design(20, 50)
+        self.assertEqual((d.word, d.held, d.status, d.price), ("proved", True, 0, 2))
+        self.assertEqual(d.choice["circuit.r1"]["part"], "R20")
+        self.assertEqual((list(d.bill["part"]), d.bill.row(0)["p_rated_w"]), (["R20"], 20))
+        self.assertEqual(d.candidates.rows(), 1)
+        self.assertIn("holds all", d.proof[0])
+        self.assertIn("<td>R20</td>", d._repr_html_())
+        self.assertEqual(len(d), d.summary["runs"])
+        self.assertIsInstance(vibrospice.load(d.path), vibrospice.Design)
+        case = d.choice["circuit.r1"]["least"]["case"]
+        self.assertEqual(vibrospice.run(d.scene(case)).measures["i_peak"], d[case]["i_peak_a"])
+        with self.assertRaisesRegex(vibrospice.Error, "decided nothing"):
+            d.scene(1000)
+
+    def test_no_answer(self):
+        d = self.design(0.001)
+        self.assertEqual((d.word, d.held, d.status, d.choice), ("nothing holds", False, 3, {}))
+        self.assertTrue(math.isnan(d.price))
+        self.assertEqual(d.bill.rows(), 0)
+        with self.assertRaisesRegex(vibrospice.Error, "budget.runs = 1 is spent") as raised:
+            self.design(0.001, 20, budget={"runs": 1})
+        self.assertEqual((raised.exception.status, raised.exception.result.held), (4, None))
+
+
 class Pictures(Case):
     def test_in_a_notebook(self):
         r = vibrospice.run(VIOLATED)
@@ -693,6 +734,7 @@ class Pictures(Case):
         self.assertTrue(vibrospice.plot(s)._repr_png_())
         page = vibrospice.report(s)
         self.assertTrue(page.path.samefile("study/report.html"))
+        self.assertIn('<img src="data:image/png;base64,iVBOR', s._repr_html_())
         self.assertIn("<iframe", page._repr_html_())
 
 
@@ -748,6 +790,12 @@ class Page(Case):
                 self.assertEqual((ran.returncode, ran.stdout), (0, text))
                 script, tried = "", tried + 1
         self.assertGreaterEqual(tried, 2)
+
+    def test_examples_of_the_module(self):
+        for module in (vibrospice, vibrospice.tables, vibrospice.results, vibrospice.engine):
+            tried = doctest.testmod(module, extraglobs={"vibrospice": vibrospice})
+            self.assertEqual(tried.failed, 0, module.__name__)
+            self.assertGreater(tried.attempted, 2, module.__name__)
 
     def test_links(self):
         page = TESTS / "../docs/python.md"

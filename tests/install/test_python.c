@@ -43,6 +43,10 @@ static void studies(void) {
   check("Studies", "without-numpy");
 }
 
+static void designs(void) {
+  check("Designs", "without-numpy");
+}
+
 static void pictures(void) {
   check("Pictures", "without-numpy");
 }
@@ -57,8 +61,13 @@ static void page(void) {
 }
 
 static const vs_test TESTS[] = {
-    {"runs", runs},           {"stepped", stepped},   {"inputs", inputs},
-    {"studies", studies},     {"pictures", pictures}, {"lists or numpy, pandas", tables},
+    {"runs", runs},
+    {"stepped", stepped},
+    {"inputs", inputs},
+    {"studies", studies},
+    {"designs", designs},
+    {"pictures", pictures},
+    {"lists or numpy, pandas", tables},
     {"docs/python.md", page},
 };
 

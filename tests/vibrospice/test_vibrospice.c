@@ -3,10 +3,12 @@
  * states and inputs, and what it says where it is misused. */
 #include <dlfcn.h>
 #include <errno.h>
+#include <locale.h>
 #include <math.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdarg.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -67,7 +69,7 @@ static void sizes(void) {
   EXPECT(sizeof(vibrospice_line) == 88, "line: %zu", sizeof(vibrospice_line));
   EXPECT(sizeof(vibrospice_happening) == 56, "happening: %zu", sizeof(vibrospice_happening));
   EXPECT(sizeof(vibrospice_status) == 4, "status: %zu", sizeof(vibrospice_status));
-  EXPECT(!strcmp(vibrospice_version(), "0.1.0"), "%s", vibrospice_version());
+  EXPECT(!strcmp(vibrospice_version(), VS_VERSION), "%s", vibrospice_version());
 }
 
 static void symbols(void) {
@@ -742,6 +744,43 @@ static void failed_run(void) {
   OK(vibrospice_free(run));
 }
 
+/* In a program whose numbers have decimal commas the numbers are the same. The locale is made here:
+ * decimal point, separator of thousands, their grouping, both as wide characters, and the code. */
+static void decimal_commas(void) {
+#ifdef __GLIBC__
+  static const uint32_t HEAD[] = {0x20031114, 6, 32, 34, 36, 40, 44, 48};
+  static const char DATA[] = ",\0.\0\3\3\0\0,\0\0\0.\0\0\0UTF-8";
+  const vibrospice_measure *m;
+  const vibrospice_input *in;
+  double peak[2], until_s = 0;
+  size_t count;
+  EXPECT(!system("mkdir -p locale/commas"), "no folder");
+  FILE *f = fopen("locale/commas/LC_NUMERIC", "wb");
+  EXPECT(f && fwrite(HEAD, sizeof HEAD, 1, f) == 1 && fwrite(DATA, sizeof DATA, 1, f) == 1 &&
+             !fclose(f),
+         "no locale");
+  setenv("LOCPATH", "locale", 1);
+  for (int k = 0; k < 2; k++) {
+    EXPECT(setlocale(LC_NUMERIC, k ? "commas" : "C") && *localeconv()->decimal_point == ".,"[k],
+           "another locale");
+    vibrospice *run = open_scene("paper", "switched", "0.05 s");
+    OK(vibrospice_set(run, "supply.voltage", "440.5 V"));
+    OK(vibrospice_time(run, NULL, &until_s));
+    OK(vibrospice_inputs(run, &in, &count));
+    EXPECT(until_s == 0.05 && in[0].value == 440.5, "%g s, %s = %g", until_s, in[0].name,
+           in[0].value);
+    OK(vibrospice_finish(run));
+    OK(vibrospice_measures(run, &m, &count));
+    peak[k] = m[0].value;
+    OK(vibrospice_free(run));
+  }
+  EXPECT(peak[0] == peak[1], "%.17g, not %.17g", peak[1], peak[0]);
+  setlocale(LC_NUMERIC, "C");
+  unsetenv("LOCPATH");
+  EXPECT(!system("rm -r locale"), "no locale");
+#endif
+}
+
 /* The first child of this process. */
 static pid_t child_of_this(void) {
   char path[64];
@@ -914,6 +953,7 @@ int main(void) {
                                   {"wrong scenes", wrong_scenes},
                                   {"wrong order", wrong_order},
                                   {"a failed run", failed_run},
+                                  {"decimal commas", decimal_commas},
                                   {"dead engines", dead_engines},
                                   {"no memory", no_memory},
                                   {"threads", threads},

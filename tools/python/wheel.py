@@ -11,7 +11,6 @@ import base64
 import hashlib
 import os
 import pathlib
-import platform
 import re
 import subprocess
 import sys
@@ -20,6 +19,7 @@ import tomllib
 import zipfile
 
 MOST = (2, 35)
+MACHINES = {62: "x86_64", 183: "aarch64"}  # as a head of ELF has them
 HERE = pathlib.Path(__file__).resolve().parent
 TAKEN = ("bin", "include", "share/vibrospice", "lib/vibrospice", "lib/ngspice", "lib/libngspice.so.0",
          "lib/libgomp.so.1", "lib/libvibrospice.so.0")
@@ -61,6 +61,11 @@ def glibc_of(files):
                 sys.exit(77)
             needed = max(needed, version)
     return needed
+
+
+def machine_of(program):
+    with open(program, "rb") as file:
+        return MACHINES[int.from_bytes(file.read(20)[18:], "little")]
 
 
 def licences(installed):
@@ -109,7 +114,7 @@ def write(path, members, record):
 def main(installed, folder):
     files = contents(installed)
     glibc = glibc_of(files.values())
-    tag = f"py3-none-manylinux_{glibc[0]}_{glibc[1]}_{platform.machine()}"
+    tag = f"py3-none-manylinux_{glibc[0]}_{glibc[1]}_{machine_of(files['bin/vibrospice'])}"
     texts, version = information(tag)
     about = f"vibrospice-{version}.dist-info"
     members = {f"vibrospice/{to}": (file.read_bytes(), 0o755 if to.startswith("bin/") else 0o644)

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs the program vibrospice and reads what it writes.
 
-    import vibrospice
-    result = vibrospice.run("paper", set={"firing.angle": "95 deg"}, until="50 ms")
-    result.measures["i_peak"]          # 0.9 A at ...: a float that has a unit and a time
-    result.columns["i"]                # the current's samples
-    vibrospice.plot(result, "i,p")     # a picture; a notebook shows it
+    >>> import vibrospice
+    >>> result = vibrospice.run("paper", set={"firing.angle": "95 deg"}, until="50 ms")
+    >>> result.measures["i_peak"]                 # a float that has a unit and a time
+    0.910927698 A at 0.00921772359 s
+    >>> len(result.columns["i"])                  # the current's samples
+    501
+    >>> picture = vibrospice.plot(result, "i,p")  # a notebook shows it
 
 A Run is one that goes on when it is told to, with inputs on the way, over libvibrospice.
 
@@ -16,6 +18,7 @@ Exit statuses of the program become:
 
     0, 3    a result. Its `held` is False with status 3: a rating is violated or undecided.
     1, 2    vibrospice.Error, with the program's lines
+    4       vibrospice.Error: a budget is spent. Of design() its `result` is a Design
     75      vibrospice.Interrupted, an Error: a signal stopped the program
 
 Each warning of the program is in the result's `warnings`, and is a Python warning, too
@@ -30,28 +33,30 @@ from typing import Any, Optional, Union
 from .calls import (RATING, Warned, __version__, call, expect_good, explain, keep, options_of,
                     out_of, program, sets_of, warn, write)
 from .engine import Input, Run, Scene, State
-from .results import Page, Picture, Result, Study, rows_of
+from .results import Design, Page, Picture, Result, Study, rows_of
 from .tables import Error, Interrupted, Path, Quantity, SceneLike, Table
 
-__all__ = ["run", "steady", "study", "load", "plot", "report", "program", "Scene", "Run", "State",
-           "Input", "Error", "Interrupted", "Warned", "Quantity", "Result", "Study", "Table",
-           "Picture", "Page"]
+__all__ = ["run", "steady", "study", "design", "load", "plot", "report", "program", "Scene", "Run", "State",
+           "Input", "Error", "Interrupted", "Warned", "Quantity", "Result", "Study", "Design",
+           "Table", "Picture", "Page"]
 
 
-def _compute(command, scene, options, settings, out, kind):
+def _compute(command: str, scene: SceneLike, options: dict, settings: Optional[dict],
+             out: Optional[Path], kind: Any) -> Any:
     """Runs a command that writes a folder, and reads the folder."""
     folder, owner = out_of(out)
     with tempfile.TemporaryDirectory(prefix="vibrospice-") as inputs:
         kept = inputs
-        if kind is Study and isinstance(scene, dict) and isinstance(scene.get("scene"), dict):
+        is_study = issubclass(kind, Study)
+        if is_study and isinstance(scene, dict) and isinstance(scene.get("scene"), dict):
             kept, path = keep(scene["scene"], inputs)
             scene = {**scene, "scene": path}
-        path = write(scene, inputs, "study.yaml" if kind is Study else "scene.yaml")
+        path = write(scene, inputs, "study.yaml" if is_study else "scene.yaml")
         status, text, messages = call([command, f"--output={folder}", *options_of(options),
                                        *sets_of(settings), "--", path])
         messages = explain(explain(messages, inputs), kept)
     result = None
-    if status in (0, RATING) or kind is Study and status == 1 and Study.has_failures(folder):
+    if status in (0, RATING) or is_study and kind.has(folder, status):
         result = kind(folder, status=status, messages=messages, text=text, owner=owner)
         warn(result, 3)
     elif messages and "run.partial.csv" in messages[-1]:
@@ -111,8 +116,21 @@ def study(study: SceneLike, *, set: Optional[dict] = None, out: Optional[Path] =
     return _compute("study", study, options, set, out, Study)
 
 
+def design(design: SceneLike, *, set: Optional[dict] = None, out: Optional[Path] = None,
+           **options: Any) -> Design:
+    """Finds the cheapest parts that hold, and returns them as a Design.
+
+    Arguments are those of study(), of `vibrospice design --help`: jobs=2, resume=True,
+    overwrite=True. Where nothing holds the Design's `held` is False.
+    Error with status 1: a candidate could not be judged; with 4: the budget is spent. The error's
+    `result` is the Design as far as it came.
+    """
+    return _compute("design", design, options, set, out, Design)
+
+
 def load(folder: Path) -> Union[Result, Study, Table]:
-    """Reads a folder that run, steady or study wrote, and returns its Result or Study.
+    """Reads a folder that run, steady, study or design wrote, and returns its Result, Study or
+    Design.
 
     A folder of shards becomes one Study by `vibrospice merge`, in a temporary folder. A folder
     with run.csv alone, as study(keep="runs") makes them, becomes a Table.
@@ -124,7 +142,8 @@ def load(folder: Path) -> Union[Result, Study, Table]:
     if there & {"summary.json", "branch.json"}:
         return warn(Result(folder), 2)
     if rows_of(pathlib.Path(folder)):
-        return warn(Study(folder), 2)
+        is_design = os.path.exists(os.path.join(folder, "design.json"))
+        return warn(Design(folder) if is_design else Study(folder), 2)
     if "journal" in there:
         raise Error(None, [f"{folder}: this study is not finished; study(..., out=..., "
                            "resume=True) goes on with it"])
@@ -133,16 +152,17 @@ def load(folder: Path) -> Union[Result, Study, Table]:
     if any(pathlib.Path(folder).glob("*/journal")):
         merged, owner = out_of(None)
         status, text, messages = call(["merge", f"--output={merged}", "--", folder])
-        result = Study(merged, status=status, messages=messages, text=text, owner=owner,
-                       shards=folder) if rows_of(pathlib.Path(merged)) else None
-        if result:
-            warn(result, 2)
-        expect_good(status, messages, result)
-        return result
+        study = Study(merged, status=status, messages=messages, text=text, owner=owner,
+                      shards=folder) if rows_of(pathlib.Path(merged)) else None
+        if study:
+            warn(study, 2)
+        expect_good(status, messages, study)
+        if study:
+            return study
     raise Error(None, [f"{folder}: neither a run's nor a study's folder"])
 
 
-def _folders(results):
+def _folders(results: Any) -> "list[str]":
     one = isinstance(results, (Result, Study, str, os.PathLike))
     return [os.fspath(r) for r in ([results] if one else results)]
 

@@ -16,7 +16,7 @@ import weakref
 
 from .tables import Error, Interrupted, Quantity
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 _INTERRUPTED = 75
 RATING = 3

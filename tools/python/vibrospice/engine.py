@@ -120,10 +120,32 @@ class Input(Quantity):
     about                   what it does, and when
     """
 
+    least: float
+    largest: float
+    about: str
+
     def __new__(cls, value: float, unit: str, least: float, largest: float, text: str) -> "Input":
         self = super().__new__(cls, value, unit)
         self.least, self.largest, self.about = least, largest, text
         return self
+
+
+class _Columns(Mapping[str, Any]):
+    """The columns of rows that stand one after another in `cells`; each is made when it is asked for."""
+
+    def __init__(self, names: "list[str]", cells: array.array) -> None:
+        self.names, self.cells = names, cells
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in self.names:
+            raise KeyError(name)
+        return handed_out(self.cells[self.names.index(name)::len(self.names)], False)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.names)
+
+    def __len__(self) -> int:
+        return len(self.names)
 
 
 class _Rows(Table):
@@ -135,8 +157,7 @@ class _Rows(Table):
         self.cells = cells
 
     def _read(self) -> Mapping[str, Any]:
-        return {name: handed_out(self.cells[k::len(self.about)], False)
-                for k, name in enumerate(self.about)}
+        return _Columns(list(self.about), self.cells)
 
     def __repr__(self) -> str:
         return f"<Table of {self.rows()} rows: {', '.join(self.about)}>"
@@ -153,11 +174,12 @@ class State:
 class Run:
     """A run that goes on when it is told to, in a process of its own. There may be any number.
 
-        run = vibrospice.Run("paper", set={"run.until": "1 s"})
-        run.input("firing.angle", 120)
-        run.to(0.5)
-        run.columns["p"]                # what it has shown so far
-        result = run.finish()           # a Result, as vibrospice.run() returns
+    >>> run = vibrospice.Run("paper", set={"run.until": "0.2 s", "firing.every": 1})
+    >>> run.input("firing.angle", 120)
+    >>> run.to(0.1)
+    >>> run.columns.rows()              # of what it has shown so far
+    1001
+    >>> result = run.finish()           # a Result, as vibrospice.run() returns
 
     columns  Table of the rows so far, which are run.sample apart: numpy arrays where numpy is
     inputs   {name: Input}: what may be set on the way; which there are depends on the scene
@@ -310,6 +332,11 @@ class Run:
 class Scene:
     """A scene with keys set over it.
 
+    >>> scene = vibrospice.Scene("paper").over({"run.until": "60 ms", "firing.every": 1})
+    >>> result = scene.run(law=lambda run, now: {"firing.angle": 90 + 400 * now["t_s"]}, every=0.02)
+    >>> [text for t, text in result.events if text == "thyristor fires"]
+    ['thyristor fires', 'thyristor fires', 'thyristor fires']
+
     scene, set, allow_code    as in vibrospice.run()
     """
 
@@ -324,6 +351,11 @@ class Scene:
     def start(self, out: Optional[Path] = None) -> Run:
         """Returns a Run of it, at its beginning."""
         return Run(self.scene, set=self.set, out=out, allow_code=self.allow_code)
+
+    def steady(self, **options: Any) -> Result:
+        """Returns its periodic orbit; options are those of vibrospice.steady()."""
+        from . import steady
+        return steady(self.scene, set=self.set, allow_code=self.allow_code, **options)
 
     def run(self, law: Optional[Law] = None, every: float = 0.02,
             out: Optional[Path] = None) -> Result:

@@ -2,7 +2,6 @@
 """Numbers with units, and tables of them. `import vibrospice` has what is for users."""
 
 import array
-import collections.abc
 import csv
 import io
 import json
@@ -13,7 +12,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from typing import Any, List, Optional, Union
+from typing import Any, Iterable, Iterator, List, Mapping, Optional, Type, TypeVar, Union
 
 Path = Union[str, os.PathLike]
 SceneLike = Union[str, os.PathLike, dict]
@@ -25,8 +24,9 @@ class Error(Exception):
     status    its exit status: 1 a run, a case or a picture failed; 2 bad usage or input; negative:
               ended by that signal. None: it was not the program that failed.
     messages  its lines on standard error, a list of str, without "vibrospice: "
-    result    what there is all the same: the Study of a study with failed cases, the Table of
-              run.partial.csv of a run that failed; else None
+    result    what there is all the same: the Study of a study with failed cases, the Design of a
+              design that came to no answer, the Table of run.partial.csv of a run that failed;
+              else None
     """
 
     def __init__(self, status: Optional[int], messages: List[str], result: Any = None) -> None:
@@ -40,25 +40,34 @@ class Interrupted(Error):
     """A signal stopped the program (exit status 75). A study goes on with resume=True."""
 
 
+_Q = TypeVar("_Q", bound="Quantity")
+
+
 class Quantity(float):
     """A float that knows its unit. Sums and products of it are plain floats.
 
     unit      as the program writes it: "m", "V/us"; "" of a pure number
     at        when it was met, in s; None where a measure has no time
     measured  what the scene says was measured, in the same unit; else None
+
+    >>> current = vibrospice.Quantity(0.5, "kA", at=0.01)
+    >>> current
+    0.5 kA at 0.01 s
+    >>> 2 * current, current.text()
+    (1.0, '0.5 kA')
     """
 
     unit: str
     at: Optional[float]
     measured: Optional[float]
 
-    def __new__(cls, value: float, unit: str = "", at: Optional[float] = None,
-                measured: Optional[float] = None):
+    def __new__(cls: Type[_Q], value: float, unit: str = "", at: Optional[float] = None,
+                measured: Optional[float] = None) -> _Q:
         self = super().__new__(cls, value)
         self.unit, self.at, self.measured = unit, at, measured
         return self
 
-    def __getnewargs__(self):
+    def __getnewargs__(self) -> tuple:
         return float(self), self.unit, self.at, self.measured
 
     @property
@@ -70,7 +79,7 @@ class Quantity(float):
         """Returns value and unit as scenes and options take them, with all digits."""
         return f"{float(self)!r} {self.unit}".strip()
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         at = "" if self.at is None else f" at {self.at:.9g} s"
         return f"{float(self):.9g} {self.unit}".strip() + at
 
@@ -218,7 +227,7 @@ def _numpy():
         return None
 
 
-def handed_out(column, counts):
+def handed_out(column: Any, counts: bool) -> Any:
     """Returns a column as users get it: numpy's array where numpy is, else a list. counts: its cells
     are whole numbers."""
     numpy = _numpy()
@@ -231,7 +240,7 @@ def handed_out(column, counts):
     return column.tolist()
 
 
-class Table(collections.abc.Mapping):
+class Table(Mapping[str, Any]):
     """Columns of a file by their names: table["p_m"], and table["p"], without the unit.
 
     A column is a numpy array where numpy is installed, else a list: of float, of int (case, rung,
@@ -239,11 +248,16 @@ class Table(collections.abc.Mapping):
     pure number or a word, None where the file's folder does not tell. `about` maps each name to
     what its column is, where the folder tells: a dict with "quantity", "unit", "role" and "of".
 
+    >>> table = vibrospice.run("paper", until="20 ms").columns
+    >>> table.units["p_m"], table.name("p"), table.rows()
+    ('m', 'p_m', 201)
+
     The file is read when a column is first asked for. Error: it is not there, is damaged, or is
     another than when the Table was made.
     """
 
-    def __init__(self, path, about=(), words=(), owner=None):
+    def __init__(self, path: Path, about: Iterable[dict] = (), words: Iterable[str] = (),
+                 owner: Any = None) -> None:
         """path: a CSV file, packed or not, or columns.json of a study. about: what summary.json or
         manifest.json has in "columns". words: further columns of words. owner: what deletes the
         file when it is of no more use."""
@@ -251,7 +265,7 @@ class Table(collections.abc.Mapping):
         self._owner = owner
         self.about = {c["name"]: {k: v for k, v in c.items() if k != "name"} for c in about}
         self._words = set(words) | self._of_cells("text")
-        self._columns = None
+        self._columns: Optional[Mapping[str, Any]] = None
         self._state = self._stamp()
 
     def _of_cells(self, cells):
@@ -264,7 +278,7 @@ class Table(collections.abc.Mapping):
             raise Error(None, [f"{self.path}: {e.strerror}"]) from None
         return s.st_ino, s.st_mtime_ns, s.st_size
 
-    def _read(self):
+    def _read(self) -> Mapping[str, Any]:
         if self._columns is not None:
             return self._columns
         if self._stamp() != self._state:
@@ -272,8 +286,9 @@ class Table(collections.abc.Mapping):
         is_text = self.path.suffix != ".json"
         columns = _read_text(self.path, self._words) if is_text else _read_folder(self.path)
         counts = self._of_cells("count")
-        self._columns = {name: handed_out(c, name in counts) for name, c in columns.items()}
-        return self._columns
+        handed = {name: handed_out(c, name in counts) for name, c in columns.items()}
+        self._columns = handed
+        return handed
 
     @property
     def units(self) -> dict:
@@ -297,10 +312,10 @@ class Table(collections.abc.Mapping):
     def __getitem__(self, name: str) -> Any:
         return self._read()[self.name(name)]
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[str]:
         return iter(self._read())
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self._read())
 
     def row(self, k: int) -> dict:
@@ -320,5 +335,5 @@ class Table(collections.abc.Mapping):
         frame.attrs["units"] = self.units
         return frame
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<Table {self.path}: {', '.join(self._read())}>"

@@ -12,7 +12,14 @@
 
 #include <stdint.h>
 
-#define VIBROSPICE_PROTOCOL "vibrospice 0.1.0 protocol 1"
+#include "vibrospice/vibrospice.h"
+
+#define VIBROSPICE_TEXT_OF_(x) #x
+#define VIBROSPICE_TEXT_OF(x) VIBROSPICE_TEXT_OF_(x)
+#define VIBROSPICE_VERSION                                                                         \
+  VIBROSPICE_TEXT_OF(VIBROSPICE_MAJOR)                                                             \
+  "." VIBROSPICE_TEXT_OF(VIBROSPICE_MINOR) "." VIBROSPICE_TEXT_OF(VIBROSPICE_PATCH)
+#define VIBROSPICE_PROTOCOL "vibrospice " VIBROSPICE_VERSION " protocol 1"
 
 typedef struct vibrospice_head {
   uint32_t kind; /* of a question, or the status of an answer (vibrospice_status) */

@@ -46,7 +46,7 @@ extern "C" {
 /* Semantic version of this interface: programs built with MAJOR.MINOR run with any later MINOR; as
  * long as MAJOR is 0, with the same MINOR only. */
 #define VIBROSPICE_MAJOR 0
-#define VIBROSPICE_MINOR 1
+#define VIBROSPICE_MINOR 2
 #define VIBROSPICE_PATCH 0
 
 #if defined __GNUC__
@@ -81,7 +81,7 @@ typedef enum vibrospice_status {
  * any failure. The text lasts until this thread's next failed call. */
 VIBROSPICE_API const char *vibrospice_error(void);
 
-/* The version of the linked library, "0.1.0". The text is constant. */
+/* The version of the linked library, "0.2.0". The text is constant. */
 VIBROSPICE_API const char *vibrospice_version(void);
 
 /* ---- a scene ---- */
