@@ -129,8 +129,9 @@ vs_value vs_pull_in_release(const vs_pull_in *p) {
   return value_if(has_met(p) && !isnan(p->gone_s), p->gone_s - p->off_s, p->gone_s);
 }
 
+/* The armature lies still at the end, or did when the voltage went off under which it then left. */
 static bool has_bounced_out(const vs_pull_in *p) {
-  return has_met(p) && (isnan(p->gone_s) ? p->still : p->rested);
+  return has_met(p) && (p->still || (p->rested && p->off_s <= p->left_s));
 }
 
 vs_value vs_pull_in_bounces(const vs_pull_in *p) {
