@@ -416,14 +416,14 @@ static const vs_kind_limit ZENER_LIMITS[] = {{"v_z", "V", 1.5, 400, NULL, 0, " e
                                              FIGURE("i_zt", "mA"),
                                              LIMIT("i_zm", "mA", 0),
                                              LIMIT("i_zsm", "mA", DECIDES),
-                                             LIMIT("p_d", "W", DECIDES)};
+                                             {"p_d", "W", 0.05, 1e3, NULL, DECIDES, ""}};
 static const vs_kind_limit TVS_LIMITS[] = {{"v_rwm", "V", 2, 1e3, NULL, 0, ""},
                                            {"v_br", "V", 2, 1e3, NULL, 0, " energy power "},
                                            FIGURE("i_t", "mA"),
                                            {"v_c", "V", 4, 2e3, NULL, 0, " power_peak energy "},
                                            LIMIT("i_pp", "A", 0),
-                                           LIMIT("p_pp", "W", DECIDES),
-                                           LIMIT("energy", "J", DECIDES),
+                                           {"p_pp", "W", 10, 1e6, NULL, DECIDES, ""},
+                                           {"energy", "J", 1e-3, 1e3, NULL, DECIDES, ""},
                                            LIMIT("p_d", "W", 0)};
 static const vs_kind_limit RESISTOR_LIMITS[] = {LIMIT("p_rated", "W", 0), LIMIT("e_pulse", "J", 0),
                                                 LIMIT("v_class", "V", 0), FIGURE("r_least", "ohm"),
