@@ -230,14 +230,15 @@ static const vs_device_measure VARISTOR[] = {
     {"power_repeated", "W",
      "mean power where a pulse comes again: energy_total over the event's key every", VS_R_REPEATED,
      VS_OF_POWER, 1, "p_max", VS_AT_MOST}};
-/* Reverse current counts as positive: it flows into the cathode. */
+/* Reverse current counts as positive: it flows into the cathode. The rating of a pulse is given for
+ * 8.3 ms; `energy` is that of this pulse, as of a TVS. */
 static const vs_device_measure ZENER[] = {
     {"v_clamp", "V", "peak reverse voltage", VS_R_PEAK, VS_OF_V, 1, NULL, VS_AT_MOST},
     {"i_peak", "A", "peak reverse current", VS_R_PEAK, VS_OF_I, 1, "i_zsm", VS_AT_MOST},
     {"i_mean", "A", "mean current, over the time that measure says; " MEAN_IS_JUDGED, VS_R_MEAN,
      VS_OF_I, 1, "i_zm", VS_AT_MOST},
-    {"energy", "J", "largest heat of one pulse, as a varistor's", VS_R_HEAT, VS_OF_POWER, 1, NULL,
-     VS_AT_MOST},
+    {"energy", "J", "largest heat of one pulse, as a varistor's", VS_R_HEAT, VS_OF_POWER, 1,
+     "energy", VS_AT_MOST},
     {"energy_total", "J", ENERGY},
     {POWER_MEAN("p_d")}};
 /* The rating of a pulse is given for 10/1000 us. Up to 1 ms a pulse may have that power and more,
@@ -416,6 +417,7 @@ static const vs_kind_limit ZENER_LIMITS[] = {{"v_z", "V", 1.5, 400, NULL, 0, " e
                                              FIGURE("i_zt", "mA"),
                                              LIMIT("i_zm", "mA", 0),
                                              LIMIT("i_zsm", "mA", DECIDES),
+                                             {"energy", "J", 1e-4, 100, NULL, DECIDES, ""},
                                              {"p_d", "W", 0.05, 1e3, NULL, DECIDES, ""}};
 static const vs_kind_limit TVS_LIMITS[] = {{"v_rwm", "V", 2, 1e3, NULL, 0, ""},
                                            {"v_br", "V", 2, 1e3, NULL, 0, " energy power "},
