@@ -80,13 +80,14 @@ static void follow_contacts(vs_pull_in *p, const vs_step *step) {
 }
 
 /* The armature lies still where it is slower than this part of its impact, and has been on the stop
- * for longer than it last was away from it: bounces become shorter. */
+ * for longer than it last was away from it, as bounces become shorter, and than half a swing on the
+ * stop, as it is slow where it is deepest. */
 static const double STILL = 0.01;
 
 static void look_where_it_is(vs_pull_in *p, const vs_step *step) {
   const vs_model *m = step->frame->model;
   const vs_knot *to = step->to;
-  p->still = p->touches && to->t_s - p->last_s > p->flight_s &&
+  p->still = p->touches && to->t_s - p->last_s > fmax(p->flight_s, M_PI / m->contact_rad_s) &&
              fabs(vs_mechanics_travel(m, to->x + m->dof)) < STILL * p->speed_m_s;
   const double half_m = (m->stops.item[p->stop].at_m + p->from_m) / 2;
   if (!p->touches && p->off_s <= p->left_s && vs_mechanics_travel(m, to->x) >= half_m)

@@ -84,7 +84,8 @@ static void not_known(void) {
   } ROWS[] = {
       {50, 9, NULL, 0, "no contact yet"},
       {50, 9.05, NULL, PULL_IN, "on the stop for the first time, and it will leave it again"},
-      {50, 9.1, NULL, PULL_IN, "at the deepest of the first contact"},
+      {50, 9.086523539, NULL, PULL_IN, "slow, as it is deepest in the first contact"},
+      {50, 9.16, NULL, PULL_IN, "about to leave it for the first time"},
       {50, 10, NULL, PULL_IN, "in the air"},
       {50, 12.45, NULL, PULL_IN, "on the stop for the last time, for less than the last flight"},
       {50, 20, NULL, PULL_IN | BOUNCES, "at rest on the stop"},
