@@ -77,8 +77,8 @@ typedef struct vs_measure {
 enum { VS_MOST_MEASURES = VS_MEASURES + 3 };
 
 /* Fills `measure` with the k-th measure of the machine, from 0, in the order of lists, and returns
- * true; false: there are no more. Of the model only
- * machine, dof, along and pulls_in are read. */
+ * true; false: there are no more. Of the model only machine, dof, along
+ * and pulls_in are read. */
 bool vs_measure_at(const vs_model *model, int k, vs_measure *measure);
 /* True where one coordinate opens the gap by as much as it moves, so that measures of the travel
  * also stand under that coordinate's name. */

@@ -17,7 +17,7 @@ typedef struct vs_pull_in {
   bool on, touches;        /* now */
   double from_m;           /* the travel at the run's beginning */
   double on_s;             /* when the drive was first on */
-  double off_s;            /* when it was last switched off, the armature on the stop or near it */
+  double off_s;            /* when it was last switched off */
   double met_s, speed_m_s; /* the first contact, and the size of the travel's rate there */
   double last_s;           /* the last contact */
   double left_s;           /* when the armature last left the stop */
