@@ -199,9 +199,10 @@ static void plausibility_warn(const vs_stand *s, const vs_figures *figures, vs_w
 }
 
 static const vs_figures_kind *const KINDS[] = {
-    &vs_thyristor_kind,    &vs_triac_kind,        &vs_diode_kind,      &vs_diac_kind,
-    &vs_transistor_mosfet, &vs_transistor_igbt,   &vs_varistor_kind,   &vs_fuse_kind,
-    &vs_passive_resistor,  &vs_passive_capacitor, &vs_passive_snubber, &vs_passive_electrolytic};
+    &vs_thyristor_kind,    &vs_triac_kind,          &vs_diode_kind,       &vs_diac_kind,
+    &vs_transistor_mosfet, &vs_transistor_igbt,     &vs_varistor_kind,    &vs_varistor_zener,
+    &vs_varistor_tvs,      &vs_fuse_kind,           &vs_passive_resistor, &vs_passive_capacitor,
+    &vs_passive_snubber,   &vs_passive_electrolytic};
 
 /* ---- rows, shown ---- */
 

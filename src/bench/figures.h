@@ -104,7 +104,8 @@ typedef struct vs_figures_kind {
 
 /* All kinds that there are; the table of them stands in acceptance.c. */
 extern const vs_figures_kind vs_thyristor_kind, vs_triac_kind, vs_diode_kind, vs_diac_kind,
-    vs_transistor_mosfet, vs_transistor_igbt, vs_varistor_kind, vs_fuse_kind, vs_passive_resistor,
-    vs_passive_capacitor, vs_passive_snubber, vs_passive_electrolytic;
+    vs_transistor_mosfet, vs_transistor_igbt, vs_varistor_kind, vs_varistor_zener, vs_varistor_tvs,
+    vs_fuse_kind, vs_passive_resistor, vs_passive_capacitor, vs_passive_snubber,
+    vs_passive_electrolytic;
 
 #endif

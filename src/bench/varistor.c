@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * What a data sheet says of a varistor, tried: its voltage at three currents. */
+ * What a data sheet says of a varistor, a Zener diode or a TVS, tried: its voltage at some
+ * currents.
+ */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -31,8 +33,8 @@ static vs_status voltage_at(const vs_stand *s, double i, double *v, vs_error *er
                    i);
   if (!status && *v < 0)
     return vs_fail(err, VS_RUN,
-                   "could not judge: the voltage is %.4g V, against the current, as no varistor's "
-                   "is; a sign in the model is wrong",
+                   "could not judge: the voltage is %.4g V, against the current, as no such "
+                   "part's is; a sign in the model is wrong",
                    *v);
   return status;
 }
@@ -110,4 +112,39 @@ static void measure_varistor(const vs_stand *s, vs_figures *f) {
   draw_varistor(s, log10(ROWS[2].i_a / 1e-5), f);
 }
 
-const vs_figures_kind vs_varistor_kind = {"varistor", measure_varistor};
+/* ---- Zener diode and TVS ---- */
+
+/* One voltage of the sheet, at the current that it is given for. */
+typedef struct clamp {
+  const char *name, *limit, *current;
+  double tolerance;
+  vs_held held;
+} clamp;
+
+static void measure_clamp(const vs_stand *s, const clamp *c, vs_figures *f) {
+  const double i_a = vs_figures_limit(s, c->current).value;
+  vs_figure *row =
+      vs_figures_add(f, c->name, "V", vs_figures_limit(s, c->limit), c->tolerance, c->held);
+  vs_error err = {0};
+  vs_figures_is(row, s, c->limit);
+  snprintf(row->text, sizeof row->text, "at %.4g A, %s", i_a, c->current);
+  vs_status status = isnan(i_a) ? vs_fail(&err, VS_RUN, "the file has no limit %s", c->current)
+                                : voltage_at(s, i_a, &row->got, &err);
+  if (!status) return;
+  row->got = NAN;
+  vs_test_circuit_fail(row, &err);
+}
+
+/* Makers allow 5 % of the voltage at the test current. */
+static void measure_zener(const vs_stand *s, vs_figures *f) {
+  measure_clamp(s, &(clamp){"V_Z", "v_z", "i_zt", 0.05, VS_HELD_NEAR}, f);
+}
+
+static void measure_tvs(const vs_stand *s, vs_figures *f) {
+  measure_clamp(s, &(clamp){"V_BR", "v_br", "i_t", 0.05, VS_HELD_NEAR}, f);
+  measure_clamp(s, &(clamp){"V_C", "v_c", "i_pp", 0, VS_HELD_AT_MOST}, f);
+}
+
+const vs_figures_kind vs_varistor_kind = {"varistor", measure_varistor},
+                      vs_varistor_zener = {"zener", measure_zener},
+                      vs_varistor_tvs = {"tvs", measure_tvs};

@@ -600,6 +600,8 @@ static vs_status build_setup(const vs_node *scene, vs_setup *setup, bool has_dec
   if (!s)
     s = vs_error_keep(
         err, vs_timeline_settle(scene, setup->machine, &setup->timeline, &setup->deck, err));
+  setup->model.pulls_in =
+      setup->timeline.supply.direct && vs_stops_closing(&setup->model.stops) >= 0;
   if (!s) s = build_events(scene, setup, err);
   setup->wants_fraction = isnan(setup->model.load.fraction);
   if (!s) s = vs_error_keep(err, check_fraction(scene, setup, err));

@@ -86,7 +86,8 @@ static void of_coordinate(const vs_model *model, int i, int which, vs_measure *m
 }
 
 int vs_measures_count(const vs_model *model) {
-  return VS_STANDARD_MEASURES + VS_OF_COORDINATE * model->dof + (sole(model) < 0 ? 0 : 3);
+  return VS_STANDARD_MEASURES - (model->pulls_in ? 0 : VS_PULL_IN_MEASURES) +
+         VS_OF_COORDINATE * model->dof + (sole(model) < 0 ? 0 : 3);
 }
 
 /* Takes the next `count` measures off k; true: the k-th was among them. */
@@ -408,6 +409,7 @@ static void keep_step(vs_measures *m, const vs_step *step) {
 
 void vs_measures_accept(vs_measures *m, const vs_step *step) {
   for (int k = 0; k < 2; k++) follow_event(m, step->event[k], step->event_s[k]);
+  if (m->frame->model->pulls_in) vs_pull_in_accept(&m->pull_in, step);
   if (step->to->t_s == step->from->t_s) return;
   if (!m->no_turns) keep_step(m, step);
   vs_extreme_follow(&m->extremes[OF_CURRENT], step, m->jammed);
@@ -449,6 +451,11 @@ void vs_measures_finish(const vs_measures *m, vs_value values[VS_MEASURES]) {
   const vs_value *least = &values[VS_M_GAP_MIN], *largest = &values[VS_M_GAP_MAX];
   if (least->known && largest->known)
     values[VS_M_STROKE] = (vs_value){true, largest->value - least->value, NAN};
+  values[VS_M_PULL_IN] = vs_pull_in_time(&m->pull_in);
+  values[VS_M_RELEASE] = vs_pull_in_release(&m->pull_in);
+  values[VS_M_BOUNCE_TIME] = vs_pull_in_bounce_time(&m->pull_in);
+  values[VS_M_BOUNCES] = vs_pull_in_bounces(&m->pull_in);
+  values[VS_M_IMPACT_SPEED] = vs_pull_in_speed(&m->pull_in);
   values[VS_M_GAP_FIRST] = m->first;
   values[VS_M_GAP_SECOND] = m->second;
   if (!isnan(m->fired_s)) values[VS_M_T_FIRE] = (vs_value){true, m->fired_s, NAN};

@@ -67,6 +67,7 @@ static void find_settled(const vs_measures *m, const vs_swing_rest *rest, vs_mea
   s->has[VS_M_STROKE] = s->has[VS_M_GAP_MIN] && s->has[VS_M_GAP_MAX];
   s->has[VS_M_F_RESONANCE] = s->has[VS_M_TAU_GAP] = swung;
   s->has[VS_M_ENERGY_RESIDUAL] = false;
+  for (int k = 0; k < VS_PULL_IN_MEASURES && model->pulls_in; k++) s->has[VS_M_PULL_IN + k] = false;
   for (int i = 0; i < model->dof; i++) {
     const vs_value *of = &v[VS_M_OF_COORDINATE(i, 0)];
     const vs_range rate2 = {0, rest->rate2[i]};

@@ -230,6 +230,33 @@ static const vs_device_measure VARISTOR[] = {
     {"power_repeated", "W",
      "mean power where a pulse comes again: energy_total over the event's key every", VS_R_REPEATED,
      VS_OF_POWER, 1, "p_max", VS_AT_MOST}};
+/* Reverse current counts as positive: it flows into the cathode. The rating of a pulse is given for
+ * 8.3 ms; `energy` is that of this pulse, as of a TVS. */
+static const vs_device_measure ZENER[] = {
+    {"v_clamp", "V", "peak reverse voltage", VS_R_PEAK, VS_OF_V, 1, NULL, VS_AT_MOST},
+    {"i_peak", "A", "peak reverse current", VS_R_PEAK, VS_OF_I, 1, "i_zsm", VS_AT_MOST},
+    {"i_mean", "A", "mean current, over the time that measure says; " MEAN_IS_JUDGED, VS_R_MEAN,
+     VS_OF_I, 1, "i_zm", VS_AT_MOST},
+    {"energy", "J", "largest heat of one pulse, as a varistor's", VS_R_HEAT, VS_OF_POWER, 1,
+     "energy", VS_AT_MOST},
+    {"energy_total", "J", ENERGY},
+    {POWER_MEAN("p_d")}};
+/* The rating of a pulse is given for 10/1000 us. Up to 1 ms a pulse may have that power and more,
+ * and from there on that energy and more, so that the two together judge a pulse of any width. */
+static const vs_device_measure TVS[] = {
+    {"v_clamp", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, VS_AT_MOST},
+    {I_PEAK("i_pp")},
+    {"power_peak", "W", "peak power", VS_R_PEAK, VS_OF_POWER, 1, "p_pp", VS_AT_MOST},
+    {"energy", "J", "largest heat of one pulse, as a varistor's", VS_R_HEAT, VS_OF_POWER, 1,
+     "energy", VS_AT_MOST},
+    {"energy_total", "J", ENERGY},
+    {POWER_MEAN("p_d")},
+    {"v_dc", "V",
+     "mean of a direct voltage, either way, over the time that measure says; " MEAN_IS_JUDGED,
+     VS_R_DIRECT, VS_OF_V, 0, "v_rwm", VS_AT_MOST},
+    {"power_repeated", "W",
+     "mean power where a pulse comes again: energy_total over the event's key every", VS_R_REPEATED,
+     VS_OF_POWER, 1, "p_d", VS_AT_MOST}};
 static const vs_device_measure RESISTOR[] = {
     {POWER_MEAN("p_rated")},
     {"e_pulse", "J", "largest energy within 10 ms", VS_R_WITHIN, VS_OF_POWER, 1, "e_pulse",
@@ -386,6 +413,20 @@ static const vs_kind_limit VARISTOR_LIMITS[] = {
     {"v_varistor", "V", 4, 5e4, NULL, 0, " power "},
     SPREAD_LIMITS,
     {"varistor_exponent", "", 10, 80, NULL, VS_LIMIT_PARAM, ""}};
+static const vs_kind_limit ZENER_LIMITS[] = {{"v_z", "V", 1.5, 400, NULL, 0, " energy "},
+                                             FIGURE("i_zt", "mA"),
+                                             LIMIT("i_zm", "mA", 0),
+                                             LIMIT("i_zsm", "mA", DECIDES),
+                                             {"energy", "J", 1e-4, 100, NULL, DECIDES, ""},
+                                             {"p_d", "W", 0.05, 1e3, NULL, DECIDES, ""}};
+static const vs_kind_limit TVS_LIMITS[] = {{"v_rwm", "V", 2, 1e3, NULL, 0, ""},
+                                           {"v_br", "V", 2, 1e3, NULL, 0, " energy power "},
+                                           FIGURE("i_t", "mA"),
+                                           {"v_c", "V", 4, 2e3, NULL, 0, " power_peak energy "},
+                                           LIMIT("i_pp", "A", 0),
+                                           {"p_pp", "W", 10, 1e6, NULL, DECIDES, ""},
+                                           {"energy", "J", 1e-3, 1e3, NULL, DECIDES, ""},
+                                           LIMIT("p_d", "W", 0)};
 static const vs_kind_limit RESISTOR_LIMITS[] = {LIMIT("p_rated", "W", 0), LIMIT("e_pulse", "J", 0),
                                                 LIMIT("v_class", "V", 0), FIGURE("r_least", "ohm"),
                                                 FIGURE("r_most", "ohm"),  SPREAD_LIMITS};
@@ -493,6 +534,20 @@ const vs_kind vs_kinds_all[] = {
                 {"v_varistor", "v_rms", 1.35, 2.2, false},
                 {"v_clamp", "v_varistor", 1.05, 4, false}},
      TABLES(VARISTOR, VARISTOR_LIMITS)},
+    {.name = "zener",
+     .called = " zener ",
+     .clamps = true,
+     .letters = "ka",
+     .pins = {{VS_PIN_FROM, "k", "cathode", " k c ka ca cat cath cathode kathode ", " n "},
+              {VS_PIN_TO, "a", "anode", " a an ano anode ", " p "}},
+     .ratios = {{"i_zsm", "i_zm", 1, 50, true}},
+     TABLES(ZENER, ZENER_LIMITS)},
+    {.name = "tvs",
+     .called = " tvs transil ",
+     .clamps = true,
+     .pins = {ALIKE("a", "b")},
+     .ratios = {{"v_br", "v_rwm", 1.02, 1.4, true}, {"v_c", "v_br", 1.05, 2.5, true}},
+     TABLES(TVS, TVS_LIMITS)},
     {.name = "resistor",
      .of_series = true,
      .pins = {ALIKE("a", "b")},

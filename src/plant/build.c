@@ -597,6 +597,9 @@ vs_status vs_build_model(const vs_node *scene, vs_machine *machine, vs_model *mo
                        err);
   if (s || vs_error_count(err) > found) return s;
   const vs_stop *first = model->stops.item;
+  const vs_node *kind = vs_tree_child(machine->own_supply, "kind");
+  model->pulls_in = vs_stops_closing(&model->stops) >= 0 && kind && kind->text &&
+                    !strcmp(kind->text, "step"); /* a scene may say another one */
   model->plain =
       model->coil.square &&
       (!model->stops.count || (model->stops.count == 1 && first->kind->linear && first->side > 0));

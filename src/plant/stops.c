@@ -107,6 +107,14 @@ double vs_stops_nearness(const vs_stops *stops, double g_m) {
   return nearest;
 }
 
+int vs_stops_closing(const vs_stops *stops) {
+  int first = -1;
+  for (int k = 0; k < stops->count; k++)
+    if (stops->item[k].side > 0 && (first < 0 || stops->item[k].at_m > stops->item[first].at_m))
+      first = k;
+  return first;
+}
+
 double vs_stops_force(const vs_stops *stops, unsigned touched, double g_m, double g_rate_m_s) {
   double sum = 0;
   for (int k = 0; k < stops->count; k++) {

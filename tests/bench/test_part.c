@@ -25,7 +25,8 @@ static void templates_pass(void) {
     const char *kind;
     int figures, assumed, models; /* models: lines that would say how far the model is off */
   } ROWS[] = {{"thyristor", 10, 24, 6}, {"varistor", 3, 9, 2}, {"diac", 7, 10, 0},
-              {"fuse", 5, 9, 4},        {"resistor", 1, 7, 0}, {"capacitor", 2, 6, 0}};
+              {"zener", 1, 12, 1},      {"tvs", 2, 13, 2},     {"fuse", 5, 9, 4},
+              {"resistor", 1, 7, 0},    {"capacitor", 2, 6, 0}};
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     char assumed[64];
     ran r = run("part %s -o own.inc --overwrite", ROWS[k].kind);
@@ -500,8 +501,9 @@ static void bad_usage(void) {
   free_ran(&r);
   r = run("part");
   EXPECT(r.status == 0 &&
-             !strcmp(r.out, "  capacitor\n  diac\n  diode\n  electrolytic\n  fuse\n  igbt\n  "
-                            "mosfet\n  resistor\n  thyristor\n  triac\n  varistor\n"),
+             !strcmp(r.out,
+                     "  capacitor\n  diac\n  diode\n  electrolytic\n  fuse\n  igbt\n  "
+                     "mosfet\n  resistor\n  thyristor\n  triac\n  tvs\n  varistor\n  zener\n"),
          "%s", r.out);
   free_ran(&r);
 }

@@ -52,7 +52,8 @@ static void listed(void) {
     size_t least;
   } TABLES[] = {{"/thyristors.tab", "thyristor", 12}, {"/triacs.tab", "triac", 8},
                 {"/varistors.tab", "varistor", 50},   {"/fuses.tab", "fuse", 12},
-                {"/resistors.tab", "resistor", 6},    {"/capacitors.tab", "capacitor", 12}};
+                {"/resistors.tab", "resistor", 6},    {"/capacitors.tab", "capacitor", 12},
+                {"/zeners.tab", "zener", 9},          {"/tvs.tab", "tvs", 3}};
   ran r = run("list parts");
   expect_good(&r, "list parts", __LINE__);
   for (size_t t = 0; t < COUNT(TABLES); t++) {

@@ -479,6 +479,8 @@ static void the_page(void) {
               {"diac", "\n## Semiconductors"},
               {"igbt", "\n## Semiconductors"},
               {"varistor", "\n## Passive parts"},
+              {"zener", "\n## Passive parts"},
+              {"tvs", "\n## Passive parts"},
               {"resistor", "\n## Passive parts"},
               {"capacitor", "\n## Passive parts"},
               {"electrolytic", "\n## Passive parts"},

@@ -658,10 +658,10 @@ static void n_from_the_command_line(void) {
 }
 
 static void shipped_studies_are_good(void) {
-  static const char *const NAMES[] = {
-      "surge_worst",  "surge_at_work", "yield",       "amplitude",
-      "false_firing", "snubber",       "snubber_map", "control_characteristic",
-      "resonance",    "design_paper",  "design_triac"};
+  static const char *const NAMES[] = {"surge_worst",  "surge_at_work",          "yield",
+                                      "amplitude",    "false_firing",           "snubber",
+                                      "snubber_map",  "control_characteristic", "resonance",
+                                      "design_paper", "design_triac",           "suppression"};
   for (size_t k = 0; k < COUNT(NAMES); k++) {
     ran r = run("check %s", NAMES[k]);
     EXPECT(!r.status && strstr(r.out, "a good study"), "%s: %s%s", NAMES[k], r.out, r.err);

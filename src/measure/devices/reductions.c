@@ -105,16 +105,21 @@ static void finish_alternating(const vs_watched *w, vs_reduced *r, const vs_run_
   r->unjudged = "not judged: v_rms not stated";
 }
 
-/* One of the two holds in any case, also where they are judged over different stretches. */
+/* One of the two holds in any case, also where they are judged over different stretches. A kind may
+ * have the direct one alone. */
 static void finish_direct(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
   const vs_reduced *alternating = vs_reducer_of(w, VS_R_ALTERNATING);
   const double span_s = end->to_s - end->from_s;
-  const bool other_is_left = alternating->idle && is_stated(w, "v_rms"),
+  const bool other_is_left = alternating && alternating->idle && is_stated(w, "v_rms"),
              direct = span_s > 0 && (other_is_left || is_direct(w, r, end));
-  if (!r->limit || !direct) leave_out_rms_or_dc(r);
+  if (!r->limit || (!direct && alternating)) leave_out_rms_or_dc(r);
   if (!(span_s > 0)) return;
   r->value = (vs_value){true, fabs(w->sum_meant[VS_OF_V] / span_s), NAN};
   vs_means_judge(w, r, end->to_s);
+  if (!direct && !alternating && r->limit) {
+    r->limit = NULL;
+    r->unjudged = "not judged: not a direct voltage";
+  }
   if (!direct || !is_stated(w, "v_rms") || is_stated(w, "v_dc")) return;
   r->idle = false;
   r->unjudged = "not judged: v_dc not stated";

@@ -8,9 +8,10 @@
 #include <stdbool.h>
 
 #include "measure/extremes.h"
+#include "measure/pull_in.h"
 
-/* The measures that every machine has: id, name, unit, text. In a text %s stands for what opens
- * the gap: the name of the one coordinate that does, or "the travel". */
+/* The measures that every machine has, but for the last: id, name, unit, text. In a text %s stands
+ * for what opens the gap: the name of the one coordinate that does, or "the travel". */
 #define VS_MEASURE_LIST(X)                                                                         \
   X(VS_M_I_PEAK, "i_peak", "A", "largest |coil current|")                                          \
   X(VS_M_T_FIRE, "t_fire", "s", "first firing")                                                    \
@@ -36,7 +37,16 @@
   X(VS_M_ENERGY_RESIDUAL, "energy_residual", "",                                                   \
     "what the worst energy balance leaves over, relative to |work_force| or to 1 % of "            \
     "|energy_in|, "                                                                                \
-    "whichever is more")
+    "whichever is more")                                                                           \
+  X(VS_M_PULL_IN, "pull_in", "s", "from switching on to the armature's first contact")             \
+  X(VS_M_RELEASE, "release", "s",                                                                  \
+    "from switching off to the instant at which the armature leaves its stop for good")            \
+  X(VS_M_BOUNCE_TIME, "bounce_time", "s", "from the first contact to the last one")                \
+  X(VS_M_BOUNCES, "bounces", "", "contacts behind the first one")                                  \
+  X(VS_M_IMPACT_SPEED, "impact_speed", "m/s", "of the travel at the first contact")
+
+/* The last of these are of a machine that pulls in alone (vs_model.pulls_in). */
+enum { VS_PULL_IN_MEASURES = 5 };
 
 /* Where a measure's value stands in an array values[VS_MEASURES]: those above first, then three of
  * each coordinate i, at VS_M_OF_COORDINATE(i, VS_LEAST), VS_LARGEST and VS_PEAK. */
@@ -67,7 +77,8 @@ typedef struct vs_measure {
 enum { VS_MOST_MEASURES = VS_MEASURES + 3 };
 
 /* Fills `measure` with the k-th measure of the machine, from 0, in the order of lists, and returns
- * true; false: there are no more. Of the model only machine, dof and along are read. */
+ * true; false: there are no more. Of the model only machine, dof, along
+ * and pulls_in are read. */
 bool vs_measure_at(const vs_model *model, int k, vs_measure *measure);
 /* True where one coordinate opens the gap by as much as it moves, so that measures of the travel
  * also stand under that coordinate's name. */
@@ -114,8 +125,9 @@ typedef struct vs_measures {
   double crossings, first_crossing_s, last_crossing_s;
   vs_value swing;             /* the last extremum of the travel there */
   double n, st, sl, stt, stl; /* sums for the straight line of ln(amplitude) over t */
-  gsl_root_fsolver *solver;   /* owned */
-  vs_followed *followed;      /* channels that vs_measures_follow has named; owned */
+  vs_pull_in pull_in;
+  gsl_root_fsolver *solver; /* owned */
+  vs_followed *followed;    /* channels that vs_measures_follow has named; owned */
   size_t n_followed;
 } vs_measures;
 

@@ -69,6 +69,7 @@ typedef struct vs_model {
   double way[VS_MACHINE_WAYS][VS_MOST_DOF]; /* how the trough moves, m per coordinate; all 0 where
                                                the machine's file does not say */
   bool reloaded;                            /* events change the load in the run (engine/setup.h) */
+  bool pulls_in; /* direct voltage drives it against a stop, so that it has the measures of that */
   bool plain; /* the coil is square and the stop, if there is one, is a single linear one
                  at the pole cover: the motion is polynomials' products (engine/ideal/taylor.h) */
   vs_mode mode[VS_MOST_STATES]; /* of the free motion, as vs_mechanics_modes sorts them */

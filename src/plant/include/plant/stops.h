@@ -71,6 +71,9 @@ static inline unsigned vs_stops_touched(const vs_stops *stops, double g_m) {
  * 0 where there is no stop, or all lie the other way. */
 double vs_stops_nearness(const vs_stops *stops, double g_m);
 
+/* The stop that a closing gap meets first; -1: there is none. */
+int vs_stops_closing(const vs_stops *stops);
+
 /* What the stops of these bits add to the force F that closes the gap, N: negative where they push
  * the gap open. g_rate_m_s is the travel's rate. */
 double vs_stops_force(const vs_stops *stops, unsigned touched, double g_m, double g_rate_m_s);

@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Watcher of a machine that pulls in: an armature that a direct voltage pulls against a stop, and
+ * that goes back once the voltage is off, as that of a relay or of a valve.
+ *
+ * The stop is the one that a closing gap meets first (vs_stops_closing). The drive is on while the
+ * supply has a voltage and, where the deck has ports pwm, the first of them is on. */
+#ifndef VS_MEASURE_PULL_IN_H
+#define VS_MEASURE_PULL_IN_H
+
+#include "engine/step.h"
+#include "measure/value.h"
+
+/* Start from {0}. Instants in s; NaN: not yet, once `began` is set. */
+typedef struct vs_pull_in {
+  bool began, idle;        /* idle: the machine has no such measures */
+  int stop;                /* the stop's index */
+  bool on, touches;        /* now */
+  double from_m;           /* the travel at the run's beginning */
+  double on_s;             /* when the drive was first on */
+  double off_s;            /* when it was last switched off */
+  double met_s, speed_m_s; /* the first contact, and the size of the travel's rate there */
+  double last_s;           /* the last contact */
+  double left_s;           /* when the armature last left the stop */
+  double flight_s;         /* how long it was away before the last contact; 0: it was not */
+  double bounces;          /* contacts behind the first */
+  bool rested;             /* it lay still on the stop when the drive was last switched off */
+  double gone_s;           /* when it left the stop for good; the rest of the run does not count */
+  bool still;              /* it lies still on the stop at the end of the last step */
+} vs_pull_in;
+
+/* Takes one accepted step. */
+void vs_pull_in_accept(vs_pull_in *pull, const vs_step *step);
+
+/* Time from the first switching on to the first contact. */
+vs_value vs_pull_in_time(const vs_pull_in *pull);
+/* Time from the last switching off before the armature left the stop to that instant. It has left
+ * once it is back by half of its way. */
+vs_value vs_pull_in_release(const vs_pull_in *pull);
+/* How often the armature came back onto the stop behind the first contact, and the time from the
+ * first contact to the last. Not known where the armature did not come to lie still on the stop: it
+ * may have gone on to bounce. */
+vs_value vs_pull_in_bounces(const vs_pull_in *pull);
+vs_value vs_pull_in_bounce_time(const vs_pull_in *pull);
+/* The size of the travel's rate at the first contact, m/s. */
+vs_value vs_pull_in_speed(const vs_pull_in *pull);
+
+#endif
