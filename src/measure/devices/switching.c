@@ -183,11 +183,34 @@ static bool is_less_steep(const vs_climbed *a, const vs_climbed *b) {
   return most_v_s * (1 - SAME_SLOPE) <= least_v_s && a->s_per_v > b->s_per_v * (1 + LESS_STEEP);
 }
 
-static void take_stretch_at(vs_rise *r, const vs_climbed *from, double level,
-                            const vs_climbed *to) {
+/* Returns how long it took. */
+static double take_stretch_at(vs_rise *r, const vs_climbed *from, double level,
+                              const vs_climbed *to) {
   const double each_v = each_level_v(r);
-  take_stretch_of_rise(r, instant_at(from, level * each_v),
-                       instant_at(to, (level + VS_RISE_PARTS) * each_v));
+  const vs_instant begin = instant_at(from, level * each_v),
+                   end = instant_at(to, (level + VS_RISE_PARTS) * each_v);
+  take_stretch_of_rise(r, begin, end);
+  return end.t_s - begin.t_s;
+}
+
+/* The range of a course's slope, V/s: that of its Bernstein coefficients. */
+static void slopes_of(const vs_climbed *c, double *least, double *most) {
+  const double middle = 3 * (c->v1 - c->v0) - c->k0 - c->k1, straight = 1 / c->s_per_v;
+  const bool bent = c->bow_s > 0;
+  *least = bent ? fmin(fmin(c->k0, c->k1), middle) / c->h_s : straight;
+  *most = bent ? fmax(fmax(c->k0, c->k1), middle) / c->h_s : straight;
+}
+
+/* How much less time a stretch may take than the one that begins a level lower, s. Courses that are
+ * so flat somewhere that rounding moves their instants: INFINITY. */
+static const double FLAT = 1e-5;
+static double less_by_level(const vs_rise *r, const vs_climbed *from, const vs_climbed *to) {
+  double least[2], most[2];
+  slopes_of(from, &least[0], &most[0]);
+  slopes_of(to, &least[1], &most[1]);
+  if (!(least[0] * from->h_s > FLAT * from->v1 && least[1] * to->h_s > FLAT * to->v1))
+    return INFINITY;
+  return (1 / least[0] - 1 / most[1]) * each_level_v(r);
 }
 
 /* The time between two levels by the straight lines. */
@@ -200,9 +223,10 @@ static double straight_between(const vs_rise *r, const vs_climbed *from, double 
 /* Takes the steepest of the stretches that begin in one step, at its levels from `first` to `last`,
  * and end in another, or in the same. No course is farther from its straight line than bow_s, so
  * that a stretch is looked at only where the straight lines, whose difference is least at the first
- * level or at the last, leave it room to be the steepest so far. Where one course is steeper all
- * along than the other, the first stretch or the last is the steepest. Where both are one straight
- * line, the levels between the first and the last of more than are kept tell nothing. */
+ * level or at the last, leave it room to be the steepest so far. Behind a stretch that is not the
+ * steepest follow as many that cannot be, as the courses' slopes tell. Where one course is steeper
+ * all along than the other, the first stretch or the last is the steepest. Where both are one
+ * straight line, the levels between the first and the last of more than are kept tell nothing. */
 static void take_stretches(vs_rise *r, const vs_climbed *from, double first, double last,
                            const vs_climbed *to) {
   if (last < first) return;
@@ -213,11 +237,14 @@ static void take_stretches(vs_rise *r, const vs_climbed *from, double first, dou
     return;
   if (is_less_steep(from, to)) first = last;
   if (is_less_steep(to, from)) last = first;
+  const double less_s = less_by_level(r, from, to),
+               rounding_s = SAME_SLOPE * (from->h_s + to->h_s) + 8 * DBL_EPSILON * to->t0_s;
   for (double level = first; level <= last; level++) {
     if (level == first + 1 && from == to && !(to->bow_s > 0))
       level = fmax(level, last + VS_RISE_PARTS - VS_RISE_LEVELS + 1);
-    if (straight_between(r, from, level, to) - off_s <= r->best.took_s)
-      take_stretch_at(r, from, level, to);
+    if (!(straight_between(r, from, level, to) - off_s <= r->best.took_s)) continue;
+    const double over_s = take_stretch_at(r, from, level, to) - r->best.took_s - rounding_s;
+    if (over_s > 0) level += less_s > 0 ? floor(over_s / less_s) : last;
   }
 }
 
