@@ -7,6 +7,7 @@
 
 #include "base/alloc.h"
 #include "elements.h"
+#include "reduction.h"
 #include "rodas.h"
 
 /* By what the error of an unknown is measured. */
@@ -195,7 +196,7 @@ static bool choose_branches(compiled *c) {
   vs_equations_value(&c->e, c->r.y, c->r.source[0], false, before, NULL);
   vs_equations_choose(&c->e, c->r.y, false);
   vs_equations_value(&c->e, c->r.y, c->r.source[0], false, behind, NULL);
-  for (int k = 0; k < c->e.n; k++) most = fmax(most, fabs(behind[k] - before[k]));
+  for (int k = 0; k < c->e.rows; k++) most = fmax(most, fabs(behind[k] - before[k]));
   return most > JUMPS;
 }
 
@@ -373,7 +374,7 @@ static vs_status run_equations(void *circuit, vs_error *err) {
   double h = FIRST_S;
   int stuck = 0;
   vs_equations_choose(&c->e, c->r.y, false);
-  memcpy(c->charge, c->e.charge, (size_t)c->e.n * sizeof *c->charge);
+  memcpy(c->charge, c->e.charge, (size_t)c->e.rows * sizeof *c->charge);
   vs_status status = restart_behind_jump(c, RESTART_S, err);
   while (!status && c->r.t_s < until_s - RESTART_S && !(host->enough && host->enough(host->ctx))) {
     const double edge_s = fmin(next_edge(c), until_s);
@@ -417,7 +418,7 @@ static void free_circuit(void *circuit) {
 
 static vs_status find_signals(compiled *c, vs_error *err) {
   const vs_circuit_job *job = c->job;
-  c->signal = vs_alloc(job->n_signals + 1, sizeof *c->signal);
+  if (!c->signal) c->signal = vs_alloc(job->n_signals + 1, sizeof *c->signal);
   for (size_t k = 0; k < job->n_signals; k++) {
     c->signal[k] = vs_equations_signal(&c->e, job->signals[k]);
     if (c->signal[k] == -2 && k + job->n_wanted < job->n_signals)
@@ -434,6 +435,8 @@ static vs_status load_equations(const vs_circuit_job *job, const vs_circuit_host
   vs_status status = vs_elements_make(job, host, &c->e, err);
   if (!status) status = find_signals(c, err);
   if (status) return status;
+  vs_reduction_make(&c->e, c->signal, job->n_signals);
+  find_signals(c, err); /* they may have other numbers */
   const vs_rodas_drive of_host = {c, drive_sources};
   const size_t n = (size_t)c->e.n;
   vs_rodas_begin(&c->r, &c->e, &of_host);

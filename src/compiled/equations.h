@@ -35,9 +35,10 @@ typedef struct vs_compiled_device {
   int kind;
   int pin[3];    /* nodes: plus and minus; anode and cathode; collector, base, emitter; drain, gate,
                     source. -1: ground */
-  int branch;    /* of a B source that is a voltage: its row and current; else -1 */
-  int charge[2]; /* of a diode with a transit time: its charge; of a MOSFET: between gate and drain,
-                    and of its body diode; else -1 */
+  int row[3];    /* of these nodes */
+  int branch;    /* of a B source that is a voltage: its row; else -1 */
+  int charge[2]; /* the row of a diode's charge, if it has a transit time; of those of a MOSFET
+                    between gate and drain, and of its body diode; else -1 */
   int control[2]; /* of a switch: its controlling nodes, or an unknown current and -1 */
   double factor;  /* of a B source: m */
   vs_compiled_program program;
@@ -52,6 +53,11 @@ typedef struct vs_compiled_device {
 
 typedef struct vs_equations {
   int n;           /* unknowns */
+  int rows;        /* equations, for as many of the unknowns, the first ones */
+  vs_entry *share; /* the others are what `rest` says and these shares of the first ones: row: the
+                      unknown; in its order. Owned */
+  int *first;      /* of each of them: the number of its first share; and one more. Owned */
+  double *rest;    /* owned */
   char **name;     /* of each, as ngspice names signals: "v(a)", "i(v.x1.vs)"; owned */
   vs_names number; /* of these names */
   vs_matrix matrix;
@@ -73,6 +79,13 @@ typedef struct vs_equations {
 
 /* Ends what vs_elements_make began. */
 void vs_equations_free(vs_equations *e);
+
+/* Makes the matrix' pattern, and what is constant in it, from entries and devices. */
+void vs_equations_make_pattern(vs_equations *e);
+
+/* The unknowns behind the first `rows`, from these: of states, or, with `change`, of differences
+ * between two. */
+void vs_equations_follow(const vs_equations *e, double *y, bool change);
 
 /* Which unknown a signal's name is; -1: "v(0)"; -2: there is none. */
 int vs_equations_signal(const vs_equations *e, const char *name);
