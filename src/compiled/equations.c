@@ -13,6 +13,13 @@ int vs_equations_signal(const vs_equations *e, const char *name) {
   return vs_names_find(&e->number, name, strlen(name), &number) ? (int)number : -2;
 }
 
+static void free_rows(vs_rows *r) {
+  free(r->first);
+  free(r->column);
+  free(r->value);
+  *r = (vs_rows){0};
+}
+
 void vs_equations_free(vs_equations *e) {
   for (int k = 0; k < e->n; k++) free(e->name[k]);
   free(e->name);
@@ -28,6 +35,8 @@ void vs_equations_free(vs_equations *e) {
   for (int k = 0; k < e->devices; k++) vs_program_free(&e->device[k].program);
   free(e->device);
   free(e->charge);
+  free_rows(&e->mass_rows);
+  free_rows(&e->linear_rows);
   free(e->share);
   free(e->first);
   free(e->rest);
@@ -67,6 +76,18 @@ static void slope_of(const vs_equations *e, double *jacobian, int a, int b, int 
   add_to(e, jacobian, a, d, g);
   add_to(e, jacobian, b, c, g);
   add_to(e, jacobian, b, d, -g);
+}
+
+/* to = from + the rows times y. */
+static void multiply(int n, const vs_rows *rows, const double *from, const double *restrict y,
+                     double *to) {
+  const int *first = rows->first, *column = rows->column;
+  const double *value = rows->value;
+  for (int i = 0, k = first[0]; i < n; i++) {
+    double sum = from[i];
+    for (const int end = first[i + 1]; k < end; k++) sum += value[k] * y[column[k]];
+    to[i] = sum;
+  }
 }
 
 /* x' of the machine. Its slopes are differences, over steps that are small beside any gap. */
@@ -186,10 +207,8 @@ static void value_of_mosfet(vs_equations *e, vs_compiled_device *device, const d
 bool vs_equations_value(vs_equations *e, const double *y, const double *source, bool limits,
                         double *f, double *jacobian) {
   bool limited = false;
-  memcpy(f, e->level, (size_t)e->rows * sizeof *f);
   if (jacobian) memcpy(jacobian, e->constant, (size_t)e->matrix.count * sizeof *jacobian);
-  for (int k = 0; k < e->linears; k++)
-    f[e->linear[k].row] += e->linear[k].value * y[e->linear[k].column];
+  multiply(e->rows, &e->linear_rows, e->level, y, f);
   if (e->states) value_of_machine(e, y, f, jacobian);
   for (int k = 0; k < e->sources; k++) f[e->source[k].row] += e->source[k].factor * source[k];
   for (int k = 0; k < e->devices; k++) {
@@ -210,6 +229,9 @@ bool vs_equations_value(vs_equations *e, const double *y, const double *source, 
   }
   return limited;
 }
+
+static const int JUNCTIONS[] = {
+    [VS_DEVICE_DIODE] = 1, [VS_DEVICE_BIPOLAR] = 2, [VS_DEVICE_VDMOS] = 1, [VS_DEVICE_SWITCH] = 0};
 
 /* The k-th junction of a device, with its voltage at y; NULL: it has no more. */
 static const vs_diode *junction_at(const vs_compiled_device *d, int k, const double *y, double *v) {
@@ -233,11 +255,11 @@ static const vs_diode *junction_at(const vs_compiled_device *d, int k, const dou
  * is, as what the step before it left behind. */
 static const double OF_DIODE = 1.0 / 3;
 
-double vs_equations_imbalance(const vs_equations *e, const double *y, const double *next,
+double vs_equations_imbalance(vs_equations *e, const double *y, const double *next,
                               const double *change) {
   double most = 0, v, slope, before, by, none;
   for (int n = 0; n < e->devices; n++) {
-    const vs_compiled_device *d = &e->device[n];
+    vs_compiled_device *d = &e->device[n];
     const vs_diode *j;
     for (int k = 0; (j = junction_at(d, k, y, &v)); k++) {
       vs_junction_current(j, v, &slope);
@@ -245,7 +267,8 @@ double vs_equations_imbalance(const vs_equations *e, const double *y, const doub
       junction_at(d, k, change, &by);
       before = vs_junction_current(j, v - by, &none);
       const double counts = d->kind == VS_DEVICE_DIODE ? OF_DIODE : 1;
-      const double off = counts * fabs(vs_junction_current(j, v, &none) - before - slope * by);
+      d->last_a[k] = vs_junction_current(j, v, &none);
+      const double off = counts * fabs(d->last_a[k] - before - slope * by);
       const double peak = fabs(before) > d->peak_a[k] ? fabs(before) : d->peak_a[k];
       if (peak > 0 && !(off <= most * peak)) most = off / peak;
     }
@@ -258,14 +281,20 @@ void vs_equations_note_peaks(vs_equations *e, const double *y) {
   for (int n = 0; n < e->devices; n++) {
     vs_compiled_device *d = &e->device[n];
     const vs_diode *j;
-    for (int k = 0; (j = junction_at(d, k, y, &v)); k++)
-      if (fabs(v = vs_junction_current(j, v, &g)) > d->peak_a[k]) d->peak_a[k] = fabs(v);
+    for (int k = 0; k < JUNCTIONS[d->kind]; k++) {
+      if (y && (j = junction_at(d, k, y, &v))) d->last_a[k] = vs_junction_current(j, v, &g);
+      if (fabs(d->last_a[k]) > d->peak_a[k]) d->peak_a[k] = fabs(d->last_a[k]);
+    }
   }
 }
 
 void vs_equations_mass(const vs_equations *e, const double *v, double *r) {
   memset(r, 0, (size_t)e->rows * sizeof *r);
-  for (int k = 0; k < e->masses; k++) r[e->mass[k].row] += e->mass[k].value * v[e->mass[k].column];
+  vs_equations_add_mass(e, v, r);
+}
+
+void vs_equations_add_mass(const vs_equations *e, const double *v, double *r) {
+  multiply(e->rows, &e->mass_rows, r, v, r);
 }
 
 bool vs_equations_choose(vs_equations *e, const double *y, bool only_ask) {
@@ -327,6 +356,25 @@ static void join_entries(const vs_equations *e, vs_entry *list, int *count) {
   free(at);
 }
 
+static int by_row(const void *a, const void *b) {
+  const vs_entry *x = a, *y = b;
+  return x->row != y->row ? x->row - y->row : x->column - y->column;
+}
+
+static void make_rows(const vs_equations *e, vs_entry *list, int count, vs_rows *r) {
+  free_rows(r);
+  r->first = vs_alloc((size_t)e->rows + 1, sizeof *r->first);
+  r->column = vs_alloc((size_t)count + 1, sizeof *r->column);
+  r->value = vs_alloc((size_t)count + 1, sizeof *r->value);
+  if (count) qsort(list, (size_t)count, sizeof *list, by_row);
+  for (int k = 0; k < count; k++) {
+    r->first[list[k].row + 1]++;
+    r->column[k] = list[k].column;
+    r->value[k] = list[k].value;
+  }
+  for (int i = 0; i < e->rows; i++) r->first[i + 1] += r->first[i];
+}
+
 void vs_equations_make_pattern(vs_equations *e) {
   vs_matrix_free(&e->matrix);
   vs_matrix_begin(&e->matrix, e->rows);
@@ -344,4 +392,6 @@ void vs_equations_make_pattern(vs_equations *e) {
   for (int k = 0; k < e->linears; k++) e->constant[e->linear[k].place] += e->linear[k].value;
   join_entries(e, e->linear, &e->linears);
   join_entries(e, e->mass, &e->masses);
+  make_rows(e, e->linear, e->linears, &e->linear_rows);
+  make_rows(e, e->mass, e->masses, &e->mass_rows);
 }

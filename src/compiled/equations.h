@@ -21,6 +21,12 @@ typedef struct vs_entry {
   double value;
 } vs_entry;
 
+/* Constants row by row, as they are multiplied by a vector. */
+typedef struct vs_rows {
+  int *first, *column; /* first: of each row, and one more; owned */
+  double *value;       /* owned */
+} vs_rows;
+
 /* factor x a source that changes over time, of f's row. */
 typedef struct vs_compiled_source {
   int row, port; /* port: of the job; -1: it is a course */
@@ -48,7 +54,8 @@ typedef struct vs_compiled_device {
   double on_s, off_s, threshold, hysteresis; /* of a switch: conductances, S, and its limits */
   bool on;
   double before[2]; /* a junction's voltages in the last iteration, V */
-  double peak_a[2]; /* the largest of its currents so far */
+  double peak_a[2]; /* the largest of its currents so far, and the last one that was looked at */
+  double last_a[2];
 } vs_compiled_device;
 
 typedef struct vs_equations {
@@ -63,6 +70,7 @@ typedef struct vs_equations {
   vs_matrix matrix;
   vs_entry *mass, *linear; /* owned */
   int masses, linears;
+  vs_rows mass_rows, linear_rows;
   double *constant; /* df/dy of what is linear, by place; owned */
   double *level;    /* f of the sources that are constant; owned */
   vs_compiled_source *source;
@@ -100,13 +108,15 @@ bool vs_equations_value(vs_equations *e, const double *y, const double *source, 
  * junction's peak current; the most of all junctions, of which diodes count by a third. `change`
  * is that of the step's last stage, up to `next`, which takes the junctions for straight lines with
  * their slopes at y. */
-double vs_equations_imbalance(const vs_equations *e, const double *y, const double *next,
+double vs_equations_imbalance(vs_equations *e, const double *y, const double *next,
                               const double *change);
-/* Takes the currents of the junctions at y for their peaks. */
+/* Takes the currents of the junctions at y for their peaks; NULL: those at `next`, as they were
+ * looked at last. */
 void vs_equations_note_peaks(vs_equations *e, const double *y);
 
-/* r = M v. */
+/* r = M v; r += M v. */
 void vs_equations_mass(const vs_equations *e, const double *v, double *r);
+void vs_equations_add_mass(const vs_equations *e, const double *v, double *r);
 
 /* Takes the branches and the switches' states that y asks for. Returns true where one is another
  * one than before; with `only_ask` none changes. */

@@ -29,7 +29,7 @@ static const double D[2][5] = {{10.12623508344586, -7.487995877610167, -34.80091
                                {-0.6762803392801253, 6.087714651680015, 16.43084320892478,
                                 24.76722511418386, -6.594389125716872}};
 
-enum { VECTORS = 15 };
+enum { VECTORS = 14 };
 
 void vs_rodas_begin(vs_rodas *r, vs_equations *e, const vs_rodas_drive *drive) {
   const size_t n = (size_t)e->n, rows = (size_t)e->rows, values = rows * rows,
@@ -38,7 +38,7 @@ void vs_rodas_begin(vs_rodas *r, vs_equations *e, const vs_rodas_drive *drive) {
   double *next = r->memory = vs_alloc(VECTORS * n + 3 * values + 4 * sources, sizeof *next);
   double **vectors[VECTORS] = {&r->y,    &r->next,    &r->error,   &r->bend[0], &r->bend[1],
                                &r->k[0], &r->k[1],    &r->k[2],    &r->k[3],    &r->k[4],
-                               &r->k[5], &r->work[0], &r->work[1], &r->work[2], &r->work[3]};
+                               &r->k[5], &r->work[0], &r->work[1], &r->work[2]};
   for (int k = 0; k < VECTORS; k++, next += n) *vectors[k] = next;
   r->jacobian = next;
   r->factors = next + values;
@@ -134,7 +134,7 @@ static void add_stages(const vs_rodas *r, int count, const double *weight, const
 bool vs_rodas_try(vs_rodas *r, double h) {
   vs_equations *e = r->e;
   const int n = e->rows;
-  double *b = r->work[0], *sum = r->work[1], *m = r->work[2], *at = r->work[3];
+  double *b = r->work[0], *sum = r->work[1], *at = r->work[2], rate[5];
   r->drive.at(r->drive.ctx, r->t_s, r->source[0]);
   vs_equations_value(e, r->y, r->source[0], false, b, r->fresh ? NULL : r->jacobian);
   r->fresh = true;
@@ -149,11 +149,11 @@ bool vs_rodas_try(vs_rodas *r, double h) {
     else
       for (int i = 0; i < n; i++) at[i] += r->k[4][i];
     vs_equations_follow(e, at, false);
-    r->drive.at(r->drive.ctx, r->t_s + AT[stage] * h, r->source[0]);
+    if (AT[stage] != AT[stage - 1]) r->drive.at(r->drive.ctx, r->t_s + AT[stage] * h, r->source[0]);
     vs_equations_value(e, at, r->source[0], false, b, NULL);
-    add_stages(r, stage, C[stage - 1], NULL, sum);
-    vs_equations_mass(e, sum, m);
-    for (int i = 0; i < n; i++) b[i] += m[i] / h;
+    for (int l = 0; l < stage; l++) rate[l] = C[stage - 1][l] / h;
+    add_stages(r, stage, rate, NULL, sum);
+    vs_equations_add_mass(e, sum, b);
     if (stage < 4) add_rates(r, h * RATE[stage], b);
     vs_matrix_solve(&e->matrix, r->factors, b, r->k[stage]);
   }
@@ -186,7 +186,7 @@ static const double LEAST_A = 1e-6, LEAST_V = 1e-8, OF_SIZE = 1e-7;
 bool vs_rodas_restart(vs_rodas *r, const double *charge, double h, bool chooses) {
   vs_equations *e = r->e;
   const int n = e->rows;
-  double *b = r->work[0], *m = r->work[2], *change = r->k[0];
+  double *b = r->work[0], *m = r->work[1], *change = r->k[0];
   r->drive.at(r->drive.ctx, r->t_s + h, r->source[0]);
   memcpy(r->next, r->y, (size_t)e->n * sizeof *r->next);
   for (int turn = 0; turn < ITERATIONS; turn++) {

@@ -20,7 +20,7 @@ typedef struct vs_rodas {
   double *y, *next, *error; /* the last state, that after the step, and the error of that */
   double *bend[2];          /* of the dense output */
   double *jacobian, *factors, *matrix;
-  double *k[6], *work[4], *source[4];
+  double *k[6], *work[3], *source[4];
   double *memory; /* owned: all of these */
   bool ordered;   /* the order of the pivots is known */
   bool fresh;     /* the Jacobian is that of y at t_s */
