@@ -706,7 +706,7 @@ static vs_status make_equations(making *m, vs_parameters *circuit) {
                    m->e->n, VS_MATRIX_MOST);
   for (int k = 0; k < m->e->devices; k++)
     memcpy(m->e->device[k].row, m->e->device[k].pin, sizeof m->e->device[k].row);
-  m->e->rows = m->e->n;
+  m->e->rows = m->e->follow = m->e->n;
   vs_equations_make_pattern(m->e);
   return VS_OK;
 }

@@ -13,13 +13,6 @@ int vs_equations_signal(const vs_equations *e, const char *name) {
   return vs_names_find(&e->number, name, strlen(name), &number) ? (int)number : -2;
 }
 
-static void free_rows(vs_rows *r) {
-  free(r->first);
-  free(r->column);
-  free(r->value);
-  *r = (vs_rows){0};
-}
-
 void vs_equations_free(vs_equations *e) {
   for (int k = 0; k < e->n; k++) free(e->name[k]);
   free(e->name);
@@ -35,8 +28,6 @@ void vs_equations_free(vs_equations *e) {
   for (int k = 0; k < e->devices; k++) vs_program_free(&e->device[k].program);
   free(e->device);
   free(e->charge);
-  free_rows(&e->mass_rows);
-  free_rows(&e->linear_rows);
   free(e->share);
   free(e->first);
   free(e->rest);
@@ -48,7 +39,7 @@ static double at(const double *y, int k) {
 }
 
 void vs_equations_follow(const vs_equations *e, double *y, bool change) {
-  for (int k = 0; k < e->n - e->rows; k++) {
+  for (int k = 0; k < e->follow - e->rows; k++) {
     double sum = change ? 0 : e->rest[k];
     for (int l = e->first[k]; l < e->first[k + 1]; l++)
       sum += e->share[l].value * y[e->share[l].column];
@@ -78,16 +69,17 @@ static void slope_of(const vs_equations *e, double *jacobian, int a, int b, int 
   add_to(e, jacobian, b, d, -g);
 }
 
-/* to = from + the rows times y. */
-static void multiply(int n, const vs_rows *rows, const double *from, const double *restrict y,
-                     double *to) {
-  const int *first = rows->first, *column = rows->column;
-  const double *value = rows->value;
-  for (int i = 0, k = first[0]; i < n; i++) {
-    double sum = from[i];
-    for (const int end = first[i + 1]; k < end; k++) sum += value[k] * y[column[k]];
-    to[i] = sum;
-  }
+static void add_entries(const vs_entry *list, int count, const double *restrict y,
+                        double *restrict f) {
+  for (const vs_entry *at = list, *end = list + count; at < end; at++)
+    f[at->row] += at->value * y[at->column];
+}
+
+/* Does the machine's k-th rate depend on its l-th state, or, behind these, on the flux linkage?
+ * That of a coordinate is a state. */
+static bool depends(const vs_equations *e, int k, int l) {
+  const int half = e->states / 2;
+  return k >= half || l == k + half;
 }
 
 /* x' of the machine. Its slopes are differences, over steps that are small beside any gap. */
@@ -104,8 +96,9 @@ static void value_of_machine(const vs_equations *e, const double *y, double *f, 
     m->rates(e->host->ctx, x, flux_wb + (of_flux ? STEP : 0), rate);
     if (!of_flux) x[l] = y[e->machine + l];
     for (int k = 0; k < e->states; k++)
-      add_to(e, jacobian, e->machine + k, of_flux ? e->flux : e->machine + l,
-             (rate[k] - f[e->machine + k]) / STEP);
+      if (depends(e, k, l))
+        add_to(e, jacobian, e->machine + k, of_flux ? e->flux : e->machine + l,
+               (rate[k] - f[e->machine + k]) / STEP);
   }
 }
 
@@ -208,7 +201,8 @@ bool vs_equations_value(vs_equations *e, const double *y, const double *source, 
                         double *f, double *jacobian) {
   bool limited = false;
   if (jacobian) memcpy(jacobian, e->constant, (size_t)e->matrix.count * sizeof *jacobian);
-  multiply(e->rows, &e->linear_rows, e->level, y, f);
+  memcpy(f, e->level, (size_t)e->rows * sizeof *f);
+  add_entries(e->linear, e->linears, y, f);
   if (e->states) value_of_machine(e, y, f, jacobian);
   for (int k = 0; k < e->sources; k++) f[e->source[k].row] += e->source[k].factor * source[k];
   for (int k = 0; k < e->devices; k++) {
@@ -294,7 +288,7 @@ void vs_equations_mass(const vs_equations *e, const double *v, double *r) {
 }
 
 void vs_equations_add_mass(const vs_equations *e, const double *v, double *r) {
-  multiply(e->rows, &e->mass_rows, r, v, r);
+  add_entries(e->mass, e->masses, v, r);
 }
 
 bool vs_equations_choose(vs_equations *e, const double *y, bool only_ask) {
@@ -356,25 +350,6 @@ static void join_entries(const vs_equations *e, vs_entry *list, int *count) {
   free(at);
 }
 
-static int by_row(const void *a, const void *b) {
-  const vs_entry *x = a, *y = b;
-  return x->row != y->row ? x->row - y->row : x->column - y->column;
-}
-
-static void make_rows(const vs_equations *e, vs_entry *list, int count, vs_rows *r) {
-  free_rows(r);
-  r->first = vs_alloc((size_t)e->rows + 1, sizeof *r->first);
-  r->column = vs_alloc((size_t)count + 1, sizeof *r->column);
-  r->value = vs_alloc((size_t)count + 1, sizeof *r->value);
-  if (count) qsort(list, (size_t)count, sizeof *list, by_row);
-  for (int k = 0; k < count; k++) {
-    r->first[list[k].row + 1]++;
-    r->column[k] = list[k].column;
-    r->value[k] = list[k].value;
-  }
-  for (int i = 0; i < e->rows; i++) r->first[i + 1] += r->first[i];
-}
-
 void vs_equations_make_pattern(vs_equations *e) {
   vs_matrix_free(&e->matrix);
   vs_matrix_begin(&e->matrix, e->rows);
@@ -384,14 +359,12 @@ void vs_equations_make_pattern(vs_equations *e) {
     e->mass[k].place = vs_matrix_place(&e->matrix, e->mass[k].row, e->mass[k].column);
   for (int k = 0; k < e->devices; k++) add_places_of(e, &e->device[k]);
   for (int k = 0; k < e->states; k++) {
-    add_place(e, e->machine + k, e->flux);
-    for (int l = 0; l < e->states; l++) add_place(e, e->machine + k, e->machine + l);
+    for (int l = 0; l <= e->states; l++)
+      if (depends(e, k, l)) add_place(e, e->machine + k, l == e->states ? e->flux : e->machine + l);
   }
   free(e->constant);
   e->constant = vs_alloc((size_t)e->matrix.count, sizeof *e->constant);
   for (int k = 0; k < e->linears; k++) e->constant[e->linear[k].place] += e->linear[k].value;
   join_entries(e, e->linear, &e->linears);
   join_entries(e, e->mass, &e->masses);
-  make_rows(e, e->linear, e->linears, &e->linear_rows);
-  make_rows(e, e->mass, e->masses, &e->mass_rows);
 }

@@ -21,12 +21,6 @@ typedef struct vs_entry {
   double value;
 } vs_entry;
 
-/* Constants row by row, as they are multiplied by a vector. */
-typedef struct vs_rows {
-  int *first, *column; /* first: of each row, and one more; owned */
-  double *value;       /* owned */
-} vs_rows;
-
 /* factor x a source that changes over time, of f's row. */
 typedef struct vs_compiled_source {
   int row, port; /* port: of the job; -1: it is a course */
@@ -61,6 +55,7 @@ typedef struct vs_compiled_device {
 typedef struct vs_equations {
   int n;           /* unknowns */
   int rows;        /* equations, for as many of the unknowns, the first ones */
+  int follow;      /* the first of those that are constant, behind the others; as `rest` has them */
   vs_entry *share; /* the others are what `rest` says and these shares of the first ones: row: the
                       unknown; in its order. Owned */
   int *first;      /* of each of them: the number of its first share; and one more. Owned */
@@ -70,7 +65,6 @@ typedef struct vs_equations {
   vs_matrix matrix;
   vs_entry *mass, *linear; /* owned */
   int masses, linears;
-  vs_rows mass_rows, linear_rows;
   double *constant; /* df/dy of what is linear, by place; owned */
   double *level;    /* f of the sources that are constant; owned */
   vs_compiled_source *source;
@@ -91,8 +85,8 @@ void vs_equations_free(vs_equations *e);
 /* Makes the matrix' pattern, and what is constant in it, from entries and devices. */
 void vs_equations_make_pattern(vs_equations *e);
 
-/* The unknowns behind the first `rows`, from these: of states, or, with `change`, of differences
- * between two. */
+/* The unknowns from `rows` to `follow`, from those before: of states, or, with `change`, of
+ * differences between two. */
 void vs_equations_follow(const vs_equations *e, double *y, bool change);
 
 /* Which unknown a signal's name is; -1: "v(0)"; -2: there is none. */

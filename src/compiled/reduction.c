@@ -173,6 +173,26 @@ typedef struct numbers {
   int *row, *column; /* the new one of each old one; -1: it is gone */
 } numbers;
 
+/* The only share of an unknown that is another one's equal; -1: it has others. */
+static int equal_of(const reducing *q, int column) {
+  const double *a = q->a + q->row_of[column] * q->n;
+  int other = -1;
+  if (q->e->level[q->row_of[column]] != 0) return -1;
+  for (int j = 0; j < q->n; j++)
+    if (a[j] != 0) {
+      if (a[j] != 1 || other >= 0) return -1;
+      other = j;
+    }
+  return other;
+}
+
+static bool has_shares(const reducing *q, int column) {
+  for (int j = 0; j < q->n; j++)
+    if (q->a[q->row_of[column] * q->n + j] != 0) return true;
+  return false;
+}
+
+/* An unknown that equals another one has its number. */
 static void number_anew(reducing *q, numbers *to) {
   vs_equations *e = q->e;
   bool *gives = vs_alloc((size_t)q->n, sizeof *gives);
@@ -182,8 +202,14 @@ static void number_anew(reducing *q, numbers *to) {
     if (q->row_of[j] >= 0) gives[q->row_of[j]] = true;
   }
   e->n = e->rows;
-  for (int j = 0; j < q->n; j++)
-    if (q->row_of[j] >= 0 && q->wanted[j]) to->column[j] = e->n++;
+  for (int constant = 0; constant < 2; constant++) {
+    e->follow = e->n;
+    for (int j = 0; j < q->n; j++) {
+      if (q->row_of[j] < 0 || !q->wanted[j] || has_shares(q, j) == constant) continue;
+      const int equal = equal_of(q, j);
+      to->column[j] = equal >= 0 ? to->column[equal] : e->n++;
+    }
+  }
   for (int i = 0, row = 0; i < q->n; i++) to->row[i] = gives[i] ? -1 : row++;
   free(gives);
 }
@@ -191,6 +217,12 @@ static void number_anew(reducing *q, numbers *to) {
 static void put_entry(vs_entry **list, int *count, vs_entry entry) {
   *list = vs_alloc_grow(*list, (size_t)*count, sizeof **list);
   (*list)[(*count)++] = entry;
+}
+
+static int old_number(const reducing *q, const numbers *to, int column) {
+  int k = 0;
+  while (k < q->n && to->column[k] != column) k++;
+  return k;
 }
 
 static void put_linear(reducing *q, const numbers *to) {
@@ -205,15 +237,13 @@ static void put_linear(reducing *q, const numbers *to) {
                   (vs_entry){to->row[i], to->column[j], -1, q->a[i * n + j]});
   e->first = vs_alloc((size_t)(e->n - e->rows) + 1, sizeof *e->first);
   e->rest = vs_alloc((size_t)(e->n - e->rows) + 1, sizeof *e->rest);
-  for (int k = 0; k < n; k++) {
-    const int other = to->column[k] - e->rows;
-    if (other < 0) continue;
-    e->rest[other] = e->level[q->row_of[k]];
+  for (int other = e->rows; other < e->n; other++) {
+    const int row = q->row_of[old_number(q, to, other)];
+    e->rest[other - e->rows] = e->level[row];
     for (int j = 0; j < n; j++)
-      if (q->a[q->row_of[k] * n + j] != 0)
-        put_entry(&e->share, &shares,
-                  (vs_entry){to->column[k], to->column[j], -1, q->a[q->row_of[k] * n + j]});
-    e->first[other + 1] = shares;
+      if (q->a[row * n + j] != 0)
+        put_entry(&e->share, &shares, (vs_entry){other, to->column[j], -1, q->a[row * n + j]});
+    e->first[other - e->rows + 1] = shares;
   }
 }
 
@@ -261,12 +291,12 @@ static void put_names(reducing *q, const numbers *to) {
   vs_names_free(&e->number);
   e->number = (vs_names){0};
   for (int k = 0; k < q->n; k++) {
-    if (to->column[k] < 0) {
+    const int now = to->column[k];
+    if (now >= 0) vs_names_put(&e->number, e->name[k], strlen(e->name[k]), (size_t)now);
+    if (now >= 0 && (q->row_of[k] < 0 || now >= e->rows))
+      name[now] = e->name[k];
+    else
       free(e->name[k]);
-      continue;
-    }
-    name[to->column[k]] = e->name[k];
-    vs_names_put(&e->number, e->name[k], strlen(e->name[k]), (size_t)to->column[k]);
   }
   free(e->name);
   e->name = name;

@@ -40,6 +40,8 @@ void vs_rodas_begin(vs_rodas *r, vs_equations *e, const vs_rodas_drive *drive) {
                                &r->k[0], &r->k[1],    &r->k[2],    &r->k[3],    &r->k[4],
                                &r->k[5], &r->work[0], &r->work[1], &r->work[2]};
   for (int k = 0; k < VECTORS; k++, next += n) *vectors[k] = next;
+  for (int k = e->follow; k < e->n; k++)
+    r->y[k] = r->next[k] = r->work[2][k] = e->rest[k - e->rows];
   r->jacobian = next;
   r->factors = next + values;
   r->matrix = next + 2 * values;
