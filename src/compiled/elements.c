@@ -300,9 +300,9 @@ static vs_status add_independent(making *m, const placed *p) {
     add_branch(m, a, b, p->branch);
     if (!add_of_machine(m, p->branch, s.port, -1)) add_source(m, p->branch, s, constant);
   } else {
-    add_source(m, a, s, constant);
+    if (!add_of_machine(m, a, s.port, -1)) add_source(m, a, s, constant);
     s.factor = 1;
-    add_source(m, b, s, constant);
+    if (!add_of_machine(m, b, s.port, 1)) add_source(m, b, s, constant);
   }
   return VS_OK;
 }
