@@ -29,7 +29,7 @@ static const double D[2][5] = {{10.12623508344586, -7.487995877610167, -34.80091
                                {-0.6762803392801253, 6.087714651680015, 16.43084320892478,
                                 24.76722511418386, -6.594389125716872}};
 
-enum { VECTORS = 14 };
+enum { VECTORS = 15 };
 
 void vs_rodas_begin(vs_rodas *r, vs_equations *e, const vs_rodas_drive *drive) {
   const size_t n = (size_t)e->n, rows = (size_t)e->rows, values = rows * rows,
@@ -38,7 +38,7 @@ void vs_rodas_begin(vs_rodas *r, vs_equations *e, const vs_rodas_drive *drive) {
   double *next = r->memory = vs_alloc(VECTORS * n + 3 * values + 4 * sources, sizeof *next);
   double **vectors[VECTORS] = {&r->y,    &r->next,    &r->error,   &r->bend[0], &r->bend[1],
                                &r->k[0], &r->k[1],    &r->k[2],    &r->k[3],    &r->k[4],
-                               &r->k[5], &r->work[0], &r->work[1], &r->work[2]};
+                               &r->k[5], &r->work[0], &r->work[1], &r->work[2], &r->f};
   for (int k = 0; k < VECTORS; k++, next += n) *vectors[k] = next;
   for (int k = e->follow; k < e->n; k++)
     r->y[k] = r->next[k] = r->work[2][k] = e->rest[k - e->rows];
@@ -138,8 +138,9 @@ bool vs_rodas_try(vs_rodas *r, double h) {
   const int n = e->rows;
   double *b = r->work[0], *sum = r->work[1], *at = r->work[2], rate[5];
   r->drive.at(r->drive.ctx, r->t_s, r->source[0]);
-  vs_equations_value(e, r->y, r->source[0], false, b, r->fresh ? NULL : r->jacobian);
+  if (!r->fresh) vs_equations_value(e, r->y, r->source[0], false, r->f, r->jacobian);
   r->fresh = true;
+  memcpy(b, r->f, (size_t)n * sizeof *b);
   set_matrix(r, 1 / (GAMMA * h));
   if (!factor(r)) return false;
   find_rates(r, h);
