@@ -7,6 +7,7 @@
 
 #include "base/alloc.h"
 #include "elements.h"
+#include "reduction.h"
 #include "rodas.h"
 
 /* By what the error of an unknown is measured. */
@@ -25,12 +26,14 @@ typedef struct compiled {
   vs_equations e;
   vs_rodas r;
   measured *of;                /* of each unknown; owned */
+  int *counting, n_counting;   /* the unknowns whose errors count; owned */
   int *signal;                 /* the unknown of each of the job's signals; owned */
   double *shown;               /* their values, as accept() is given them; owned */
   double *most;                /* of each signal so far, its size; owned */
   double *charge;              /* M y where a restart begins; owned */
   double *between;             /* a state within a step; owned */
   double before_s, off_before; /* the last step's length and error; 0: there is none */
+  bool looked;                 /* the junctions' currents behind the step are known */
   bool failed;                 /* a longer step from here was tried, and off */
   int landings;                /* steps that ended at a branch at once, one behind the other */
   double from_s;               /* where the stretch began whose tries are counted */
@@ -68,18 +71,19 @@ static vs_status show_instant(compiled *c, double h, double part, vs_error *err)
 }
 
 /* The host takes signals for straight lines between what it is shown, but the flux linkage for a
- * cubic. A step is shown in so many parts that these are off by no more than the tolerance of each
- * signal's peak, or by what the method may be off in an unknown without a memory. */
+ * cubic. A step is shown in so many parts that these are off by no more than STRAIGHT of the
+ * tolerance of each signal's peak, as the method may be off in an unknown without a memory. */
+static const double STRAIGHT = 3;
 enum { MOST_PARTS = 100 };
 
 static int parts_of(const compiled *c) {
   double most = 1;
+  const double allowed = STRAIGHT * c->job->tolerance;
   for (size_t k = 0; k < c->job->n_signals; k++) {
     if (c->signal[k] < 0 || c->signal[k] == c->e.flux) continue;
     const double from = c->r.y[c->signal[k]], to = c->r.next[c->signal[k]];
     const double off = fabs(signal_at(c, k, 0.5) - (from + to) / 2);
     const double peak = fmax(c->most[k], fmax(fabs(from), fabs(to)));
-    const double allowed = fmax(c->of[c->signal[k]].of_tolerance, 1) * c->job->tolerance;
     if (off > allowed * peak * most) most = off / (allowed * peak);
   }
   return (int)fmin(ceil(sqrt(most)), MOST_PARTS);
@@ -141,10 +145,12 @@ static const double RINGS_S = 6e-4;
 static double error_of(const compiled *c, double h) {
   double most = 0;
   const double rings = fmin(1, h / RINGS_S);
-  for (int k = 0; k < c->e.n; k++) {
+  double sum = 0;
+  for (int k = 0; k < c->e.n; k++) sum += c->r.error[k];
+  if (!isfinite(sum)) return INFINITY;
+  for (int n = 0; n < c->n_counting; n++) {
+    const int k = c->counting[n];
     const measured *of = &c->of[k];
-    if (!isfinite(c->r.error[k])) return INFINITY;
-    if (!of->counts) continue;
     const double before = fabs(c->r.y[k]), behind = fabs(c->r.next[k]);
     const double size = behind > before ? behind : before;
     const double allowed = of->of_tolerance * (size + of->of_peak * of->peak + of->small);
@@ -157,9 +163,12 @@ static double error_of(const compiled *c, double h) {
 /* The step of h is taken. */
 static void accept_step(compiled *c, double h) {
   vs_rodas_take(&c->r, h);
-  vs_equations_note_peaks(&c->e, c->r.y);
-  for (int k = 0; k < c->e.n; k++)
+  vs_equations_note_peaks(&c->e, c->looked ? NULL : c->r.y);
+  c->looked = false;
+  for (int n = 0; n < c->n_counting; n++) {
+    const int k = c->counting[n];
     if (fabs(c->r.y[k]) > c->of[k].peak) c->of[k].peak = fabs(c->r.y[k]);
+  }
 }
 
 /* ---- branches ---- */
@@ -195,7 +204,7 @@ static bool choose_branches(compiled *c) {
   vs_equations_value(&c->e, c->r.y, c->r.source[0], false, before, NULL);
   vs_equations_choose(&c->e, c->r.y, false);
   vs_equations_value(&c->e, c->r.y, c->r.source[0], false, behind, NULL);
-  for (int k = 0; k < c->e.n; k++) most = fmax(most, fabs(behind[k] - before[k]));
+  for (int k = 0; k < c->e.rows; k++) most = fmax(most, fabs(behind[k] - before[k]));
   return most > JUMPS;
 }
 
@@ -311,7 +320,8 @@ static vs_status try_steps(compiled *c, double *h, double *taken, bool *jumps, v
   while (*h > LEAST_S) {
     if (!progress_made(c)) return give_up(c, "the run makes no progress", err);
     double off = vs_rodas_try(&c->r, *h) ? error_of(c, *h) : INFINITY;
-    if (off <= ROUNDING)
+    c->looked = off <= ROUNDING;
+    if (c->looked)
       off = fmax(off, vs_equations_imbalance(&c->e, c->r.y, c->r.next, c->r.error) /
                           (OF_JUNCTION * c->job->tolerance));
     const bool rounds = *h == best_s; /* it is tried again */
@@ -333,6 +343,7 @@ static vs_status try_steps(compiled *c, double *h, double *taken, bool *jumps, v
     if (part < 1 && *h > RESTART_S && c->landings < MOST_LANDINGS) {
       *taken = fmax(part * *h, RESTART_S); /* a step that ended a little before it has it at once */
       c->landings = *taken < 10 * RESTART_S ? c->landings + 1 : 0;
+      c->looked = false;
       if (!vs_rodas_try(&c->r, *taken)) return give_up(c, "the equations are singular", err);
       if (!isfinite(error_of(c, *taken))) { /* a junction's exponential within the step */
         *h = *taken / 6;
@@ -373,7 +384,7 @@ static vs_status run_equations(void *circuit, vs_error *err) {
   double h = FIRST_S;
   int stuck = 0;
   vs_equations_choose(&c->e, c->r.y, false);
-  memcpy(c->charge, c->e.charge, (size_t)c->e.n * sizeof *c->charge);
+  memcpy(c->charge, c->e.charge, (size_t)c->e.rows * sizeof *c->charge);
   vs_status status = restart_behind_jump(c, RESTART_S, err);
   while (!status && c->r.t_s < until_s - RESTART_S && !(host->enough && host->enough(host->ctx))) {
     const double edge_s = fmin(next_edge(c), until_s);
@@ -407,6 +418,7 @@ static void free_circuit(void *circuit) {
   vs_rodas_free(&c->r);
   vs_equations_free(&c->e);
   free(c->of);
+  free(c->counting);
   free(c->signal);
   free(c->shown);
   free(c->most);
@@ -417,7 +429,7 @@ static void free_circuit(void *circuit) {
 
 static vs_status find_signals(compiled *c, vs_error *err) {
   const vs_circuit_job *job = c->job;
-  c->signal = vs_alloc(job->n_signals + 1, sizeof *c->signal);
+  if (!c->signal) c->signal = vs_alloc(job->n_signals + 1, sizeof *c->signal);
   for (size_t k = 0; k < job->n_signals; k++) {
     c->signal[k] = vs_equations_signal(&c->e, job->signals[k]);
     if (c->signal[k] == -2 && k + job->n_wanted < job->n_signals)
@@ -434,11 +446,17 @@ static vs_status load_equations(const vs_circuit_job *job, const vs_circuit_host
   vs_status status = vs_elements_make(job, host, &c->e, err);
   if (!status) status = find_signals(c, err);
   if (status) return status;
+  vs_reduction_make(&c->e, c->signal, job->n_signals);
+  find_signals(c, err); /* they may have other numbers */
   const vs_rodas_drive of_host = {c, drive_sources};
   const size_t n = (size_t)c->e.n;
   vs_rodas_begin(&c->r, &c->e, &of_host);
   c->of = vs_alloc(n, sizeof *c->of);
-  for (int k = 0; k < c->e.n; k++) c->of[k] = measure_of(c, k);
+  c->counting = vs_alloc(n, sizeof *c->counting);
+  for (int k = 0; k < c->e.n; k++) {
+    c->of[k] = measure_of(c, k);
+    if (c->of[k].counts) c->counting[c->n_counting++] = k;
+  }
   c->shown = vs_alloc(job->n_signals + 1, sizeof *c->shown);
   c->most = vs_alloc(job->n_signals + 1, sizeof *c->most);
   c->charge = vs_alloc(n, sizeof *c->charge);

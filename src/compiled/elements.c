@@ -300,9 +300,9 @@ static vs_status add_independent(making *m, const placed *p) {
     add_branch(m, a, b, p->branch);
     if (!add_of_machine(m, p->branch, s.port, -1)) add_source(m, p->branch, s, constant);
   } else {
-    add_source(m, a, s, constant);
+    if (!add_of_machine(m, a, s.port, -1)) add_source(m, a, s, constant);
     s.factor = 1;
-    add_source(m, b, s, constant);
+    if (!add_of_machine(m, b, s.port, 1)) add_source(m, b, s, constant);
   }
   return VS_OK;
 }
@@ -673,58 +673,6 @@ static vs_status list_elements(making *m, vs_parameters *in) {
   return VS_OK;
 }
 
-static void add_place(vs_equations *e, int row, int column) {
-  if (row >= 0 && column >= 0) vs_matrix_place(&e->matrix, row, column);
-}
-
-static void add_places_of(vs_equations *e, const vs_compiled_device *d) {
-  const int pins = d->kind == VS_DEVICE_BIPOLAR || d->kind == VS_DEVICE_VDMOS ? 3 : 2;
-  if (d->kind == VS_DEVICE_PROGRAM) {
-    for (int k = 0; k < d->program.signals; k++)
-      for (int side = 0; side < 2; side++) {
-        int column = side ? d->program.signal[k].minus : d->program.signal[k].plus;
-        add_place(e, d->branch >= 0 ? d->branch : d->pin[0], column);
-        if (d->branch < 0) add_place(e, d->pin[1], column);
-      }
-    return;
-  }
-  for (int a = 0; a < pins; a++)
-    for (int b = 0; b < pins; b++) add_place(e, d->pin[a], d->pin[b]);
-  for (int q = 0; q < 2 && d->charge[q] >= 0; q++)
-    for (int b = 0; b < pins; b++) add_place(e, d->charge[q], d->pin[b]);
-}
-
-static void make_pattern(vs_equations *e) {
-  vs_matrix_begin(&e->matrix, e->n);
-  for (int k = 0; k < e->linears; k++)
-    e->linear[k].place = vs_matrix_place(&e->matrix, e->linear[k].row, e->linear[k].column);
-  for (int k = 0; k < e->masses; k++)
-    e->mass[k].place = vs_matrix_place(&e->matrix, e->mass[k].row, e->mass[k].column);
-  for (int k = 0; k < e->devices; k++) add_places_of(e, &e->device[k]);
-  for (int k = 0; k < e->states; k++) {
-    add_place(e, e->machine + k, e->flux);
-    for (int l = 0; l < e->states; l++) add_place(e, e->machine + k, e->machine + l);
-  }
-  e->constant = vs_alloc((size_t)e->matrix.count, sizeof *e->constant);
-  for (int k = 0; k < e->linears; k++) e->constant[e->linear[k].place] += e->linear[k].value;
-}
-
-/* Entries of one place become one. */
-static void join_entries(const vs_equations *e, vs_entry *list, int *count) {
-  int *at = vs_alloc((size_t)e->matrix.count, sizeof *at), kept = 0;
-  for (int k = 0; k < *count; k++) {
-    int *first = &at[list[k].place];
-    if (*first)
-      list[*first - 1].value += list[k].value;
-    else {
-      list[kept] = list[k];
-      *first = ++kept;
-    }
-  }
-  *count = kept;
-  free(at);
-}
-
 /* The machine's states are unknowns with a mass of 1. */
 static void add_machine(making *m) {
   m->e->states = (int)m->e->host->machine.states;
@@ -756,9 +704,10 @@ static vs_status make_equations(making *m, vs_parameters *circuit) {
                    "tier compiled: the circuit has %d unknowns, and at most %d are known here; "
                    "run.tier: circuit leaves it to ngspice",
                    m->e->n, VS_MATRIX_MOST);
-  make_pattern(m->e);
-  join_entries(m->e, m->e->linear, &m->e->linears);
-  join_entries(m->e, m->e->mass, &m->e->masses);
+  for (int k = 0; k < m->e->devices; k++)
+    memcpy(m->e->device[k].row, m->e->device[k].pin, sizeof m->e->device[k].row);
+  m->e->rows = m->e->follow = m->e->n;
+  vs_equations_make_pattern(m->e);
   return VS_OK;
 }
 

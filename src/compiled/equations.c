@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/alloc.h"
+
 int vs_equations_signal(const vs_equations *e, const char *name) {
   size_t number;
   if (!strcmp(name, "v(0)")) return -1;
@@ -26,6 +28,9 @@ void vs_equations_free(vs_equations *e) {
   for (int k = 0; k < e->devices; k++) vs_program_free(&e->device[k].program);
   free(e->device);
   free(e->charge);
+  free(e->share);
+  free(e->first);
+  free(e->rest);
   *e = (vs_equations){0};
 }
 
@@ -33,11 +38,24 @@ static double at(const double *y, int k) {
   return k < 0 ? 0 : y[k];
 }
 
-static void add_to(const vs_equations *e, double *jacobian, int row, int column, double value) {
-  if (row >= 0 && column >= 0) jacobian[e->matrix.place[row * e->n + column]] += value;
+void vs_equations_follow(const vs_equations *e, double *y, bool change) {
+  for (int k = 0; k < e->follow - e->rows; k++) {
+    double sum = change ? 0 : e->rest[k];
+    for (int l = e->first[k]; l < e->first[k + 1]; l++)
+      sum += e->share[l].value * y[e->share[l].column];
+    y[e->rows + k] = sum;
+  }
 }
 
-/* A current that leaves node a for node b; its slope by the voltage from c to d. */
+static void add_to(const vs_equations *e, double *jacobian, int row, int column, double value) {
+  if (row < 0 || column < 0) return;
+  const int *place = e->matrix.place + row * e->rows, k = column - e->rows;
+  if (k < 0) jacobian[place[column]] += value;
+  for (int l = k < 0 ? 0 : e->first[k]; k >= 0 && l < e->first[k + 1]; l++)
+    jacobian[place[e->share[l].column]] += e->share[l].value * value;
+}
+
+/* A current that leaves the node of row a for that of b; its slope by the voltage from c to d. */
 static void leave(double *f, int a, int b, double i) {
   if (a >= 0) f[a] -= i;
   if (b >= 0) f[b] += i;
@@ -49,6 +67,19 @@ static void slope_of(const vs_equations *e, double *jacobian, int a, int b, int 
   add_to(e, jacobian, a, d, g);
   add_to(e, jacobian, b, c, g);
   add_to(e, jacobian, b, d, -g);
+}
+
+static void add_entries(const vs_entry *list, int count, const double *restrict y,
+                        double *restrict f) {
+  for (const vs_entry *at = list, *end = list + count; at < end; at++)
+    f[at->row] += at->value * y[at->column];
+}
+
+/* Does the machine's k-th rate depend on its l-th state, or, behind these, on the flux linkage?
+ * That of a coordinate is a state. */
+static bool depends(const vs_equations *e, int k, int l) {
+  const int half = e->states / 2;
+  return k >= half || l == k + half;
 }
 
 /* x' of the machine. Its slopes are differences, over steps that are small beside any gap. */
@@ -65,8 +96,9 @@ static void value_of_machine(const vs_equations *e, const double *y, double *f, 
     m->rates(e->host->ctx, x, flux_wb + (of_flux ? STEP : 0), rate);
     if (!of_flux) x[l] = y[e->machine + l];
     for (int k = 0; k < e->states; k++)
-      add_to(e, jacobian, e->machine + k, of_flux ? e->flux : e->machine + l,
-             (rate[k] - f[e->machine + k]) / STEP);
+      if (depends(e, k, l))
+        add_to(e, jacobian, e->machine + k, of_flux ? e->flux : e->machine + l,
+               (rate[k] - f[e->machine + k]) / STEP);
   }
 }
 
@@ -78,14 +110,14 @@ static void value_of_program(const vs_equations *e, const vs_compiled_device *d,
   if (d->branch >= 0)
     f[d->branch] -= value;
   else
-    leave(f, d->pin[0], d->pin[1], value);
+    leave(f, d->row[0], d->row[1], value);
   for (int k = 0; jacobian && k < p->signals; k++) {
     const double g = d->factor * slope[k];
     if (d->branch >= 0) {
       add_to(e, jacobian, d->branch, p->signal[k].plus, -g);
       add_to(e, jacobian, d->branch, p->signal[k].minus, g);
     } else {
-      slope_of(e, jacobian, d->pin[0], d->pin[1], p->signal[k].plus, p->signal[k].minus, g);
+      slope_of(e, jacobian, d->row[0], d->row[1], p->signal[k].plus, p->signal[k].minus, g);
     }
   }
 }
@@ -105,8 +137,8 @@ static void value_of_diode(vs_equations *e, vs_compiled_device *d, const double 
   double g, v = at(y, a) - at(y, k), taken = taken_at(d, 0, &d->diode, v, limits, limited);
   double i = vs_junction_current(&d->diode, taken, &g);
   i += g * (v - taken);
-  leave(f, a, k, i);
-  if (jacobian) slope_of(e, jacobian, a, k, a, k, g);
+  leave(f, d->row[0], d->row[1], i);
+  if (jacobian) slope_of(e, jacobian, d->row[0], d->row[1], a, k, g);
   if (d->charge[0] < 0) return;
   f[d->charge[0]] -= d->diode.transit_s * i;
   if (!jacobian) return;
@@ -125,13 +157,14 @@ static void value_of_bipolar(vs_equations *e, vs_compiled_device *d, const doubl
   vs_junction_transistor(q, be, bc, &ic, &ib, dc, db);
   ic += dc[0] * (vbe - be) + dc[1] * (vbc - bc);
   ib += db[0] * (vbe - be) + db[1] * (vbc - bc);
-  leave(f, c, x, way * ic);
-  leave(f, b, x, way * ib);
+  const int *row = d->row;
+  leave(f, row[0], row[2], way * ic);
+  leave(f, row[1], row[2], way * ib);
   if (!jacobian) return;
-  slope_of(e, jacobian, c, x, b, x, dc[0]);
-  slope_of(e, jacobian, c, x, b, c, dc[1]);
-  slope_of(e, jacobian, b, x, b, x, db[0]);
-  slope_of(e, jacobian, b, x, b, c, db[1]);
+  slope_of(e, jacobian, row[0], row[2], b, x, dc[0]);
+  slope_of(e, jacobian, row[0], row[2], b, c, dc[1]);
+  slope_of(e, jacobian, row[1], row[2], b, x, db[0]);
+  slope_of(e, jacobian, row[1], row[2], b, c, db[1]);
 }
 
 /* The row of a charge q - Q(v), with v from node a to node b. */
@@ -149,26 +182,27 @@ static void value_of_mosfet(vs_equations *e, vs_compiled_device *device, const d
   const int d = device->pin[0], g = device->pin[1], s = device->pin[2];
   const double vgs = at(y, g) - at(y, s), vds = at(y, d) - at(y, s);
   double slope[2], conductance, c;
-  leave(f, d, s, vs_junction_channel(m, vgs, vds, slope));
+  const int row_d = device->row[0], row_s = device->row[2];
+  leave(f, row_d, row_s, vs_junction_channel(m, vgs, vds, slope));
   const double taken = taken_at(device, 0, &m->body, -vds, limits, limited);
-  leave(f, s, d, vs_junction_current(&m->body, taken, &conductance) + conductance * (-vds - taken));
+  leave(f, row_s, row_d,
+        vs_junction_current(&m->body, taken, &conductance) + conductance * (-vds - taken));
   double charge = vs_junction_gate_charge(m, vgs - vds, &c);
   value_of_charge(e, device->charge[0], g, d, charge, c, f, jacobian);
   charge = vs_junction_body_charge(m, -vds, &c);
   value_of_charge(e, device->charge[1], s, d, charge, c, f, jacobian);
   if (!jacobian) return;
-  slope_of(e, jacobian, d, s, g, s, slope[0]);
-  slope_of(e, jacobian, d, s, d, s, slope[1]);
-  slope_of(e, jacobian, s, d, s, d, conductance);
+  slope_of(e, jacobian, row_d, row_s, g, s, slope[0]);
+  slope_of(e, jacobian, row_d, row_s, d, s, slope[1]);
+  slope_of(e, jacobian, row_s, row_d, s, d, conductance);
 }
 
 bool vs_equations_value(vs_equations *e, const double *y, const double *source, bool limits,
                         double *f, double *jacobian) {
   bool limited = false;
-  memcpy(f, e->level, (size_t)e->n * sizeof *f);
   if (jacobian) memcpy(jacobian, e->constant, (size_t)e->matrix.count * sizeof *jacobian);
-  for (int k = 0; k < e->linears; k++)
-    f[e->linear[k].row] += e->linear[k].value * y[e->linear[k].column];
+  memcpy(f, e->level, (size_t)e->rows * sizeof *f);
+  add_entries(e->linear, e->linears, y, f);
   if (e->states) value_of_machine(e, y, f, jacobian);
   for (int k = 0; k < e->sources; k++) f[e->source[k].row] += e->source[k].factor * source[k];
   for (int k = 0; k < e->devices; k++) {
@@ -183,12 +217,15 @@ bool vs_equations_value(vs_equations *e, const double *y, const double *source, 
       value_of_bipolar(e, d, y, limits, &limited, f, jacobian);
     } else {
       const double g = d->on ? d->on_s : d->off_s;
-      leave(f, d->pin[0], d->pin[1], g * (at(y, d->pin[0]) - at(y, d->pin[1])));
-      if (jacobian) slope_of(e, jacobian, d->pin[0], d->pin[1], d->pin[0], d->pin[1], g);
+      leave(f, d->row[0], d->row[1], g * (at(y, d->pin[0]) - at(y, d->pin[1])));
+      if (jacobian) slope_of(e, jacobian, d->row[0], d->row[1], d->pin[0], d->pin[1], g);
     }
   }
   return limited;
 }
+
+static const int JUNCTIONS[] = {
+    [VS_DEVICE_DIODE] = 1, [VS_DEVICE_BIPOLAR] = 2, [VS_DEVICE_VDMOS] = 1, [VS_DEVICE_SWITCH] = 0};
 
 /* The k-th junction of a device, with its voltage at y; NULL: it has no more. */
 static const vs_diode *junction_at(const vs_compiled_device *d, int k, const double *y, double *v) {
@@ -212,11 +249,11 @@ static const vs_diode *junction_at(const vs_compiled_device *d, int k, const dou
  * is, as what the step before it left behind. */
 static const double OF_DIODE = 1.0 / 3;
 
-double vs_equations_imbalance(const vs_equations *e, const double *y, const double *next,
+double vs_equations_imbalance(vs_equations *e, const double *y, const double *next,
                               const double *change) {
   double most = 0, v, slope, before, by, none;
   for (int n = 0; n < e->devices; n++) {
-    const vs_compiled_device *d = &e->device[n];
+    vs_compiled_device *d = &e->device[n];
     const vs_diode *j;
     for (int k = 0; (j = junction_at(d, k, y, &v)); k++) {
       vs_junction_current(j, v, &slope);
@@ -224,7 +261,8 @@ double vs_equations_imbalance(const vs_equations *e, const double *y, const doub
       junction_at(d, k, change, &by);
       before = vs_junction_current(j, v - by, &none);
       const double counts = d->kind == VS_DEVICE_DIODE ? OF_DIODE : 1;
-      const double off = counts * fabs(vs_junction_current(j, v, &none) - before - slope * by);
+      d->last_a[k] = vs_junction_current(j, v, &none);
+      const double off = counts * fabs(d->last_a[k] - before - slope * by);
       const double peak = fabs(before) > d->peak_a[k] ? fabs(before) : d->peak_a[k];
       if (peak > 0 && !(off <= most * peak)) most = off / peak;
     }
@@ -237,14 +275,20 @@ void vs_equations_note_peaks(vs_equations *e, const double *y) {
   for (int n = 0; n < e->devices; n++) {
     vs_compiled_device *d = &e->device[n];
     const vs_diode *j;
-    for (int k = 0; (j = junction_at(d, k, y, &v)); k++)
-      if (fabs(v = vs_junction_current(j, v, &g)) > d->peak_a[k]) d->peak_a[k] = fabs(v);
+    for (int k = 0; k < JUNCTIONS[d->kind]; k++) {
+      if (y && (j = junction_at(d, k, y, &v))) d->last_a[k] = vs_junction_current(j, v, &g);
+      if (fabs(d->last_a[k]) > d->peak_a[k]) d->peak_a[k] = fabs(d->last_a[k]);
+    }
   }
 }
 
 void vs_equations_mass(const vs_equations *e, const double *v, double *r) {
-  memset(r, 0, (size_t)e->n * sizeof *r);
-  for (int k = 0; k < e->masses; k++) r[e->mass[k].row] += e->mass[k].value * v[e->mass[k].column];
+  memset(r, 0, (size_t)e->rows * sizeof *r);
+  vs_equations_add_mass(e, v, r);
+}
+
+void vs_equations_add_mass(const vs_equations *e, const double *v, double *r) {
+  add_entries(e->mass, e->masses, v, r);
 }
 
 bool vs_equations_choose(vs_equations *e, const double *y, bool only_ask) {
@@ -261,4 +305,66 @@ bool vs_equations_choose(vs_equations *e, const double *y, bool only_ask) {
     }
   }
   return other;
+}
+
+/* ---- the pattern ---- */
+
+static void add_place(vs_equations *e, int row, int column) {
+  const int k = column - e->rows;
+  if (row < 0 || column < 0) return;
+  if (k < 0) vs_matrix_place(&e->matrix, row, column);
+  for (int l = k < 0 ? 0 : e->first[k]; k >= 0 && l < e->first[k + 1]; l++)
+    vs_matrix_place(&e->matrix, row, e->share[l].column);
+}
+
+static void add_places_of(vs_equations *e, const vs_compiled_device *d) {
+  const int pins = d->kind == VS_DEVICE_BIPOLAR || d->kind == VS_DEVICE_VDMOS ? 3 : 2;
+  if (d->kind == VS_DEVICE_PROGRAM) {
+    for (int k = 0; k < d->program.signals; k++)
+      for (int side = 0; side < 2; side++) {
+        int column = side ? d->program.signal[k].minus : d->program.signal[k].plus;
+        add_place(e, d->branch >= 0 ? d->branch : d->row[0], column);
+        if (d->branch < 0) add_place(e, d->row[1], column);
+      }
+    return;
+  }
+  for (int a = 0; a < pins; a++)
+    for (int b = 0; b < pins; b++) add_place(e, d->row[a], d->pin[b]);
+  for (int q = 0; q < 2 && d->charge[q] >= 0; q++)
+    for (int b = 0; b < pins; b++) add_place(e, d->charge[q], d->pin[b]);
+}
+
+/* Entries of one place become one. */
+static void join_entries(const vs_equations *e, vs_entry *list, int *count) {
+  int *at = vs_alloc((size_t)e->matrix.count, sizeof *at), kept = 0;
+  for (int k = 0; k < *count; k++) {
+    int *first = &at[list[k].place];
+    if (*first)
+      list[*first - 1].value += list[k].value;
+    else {
+      list[kept] = list[k];
+      *first = ++kept;
+    }
+  }
+  *count = kept;
+  free(at);
+}
+
+void vs_equations_make_pattern(vs_equations *e) {
+  vs_matrix_free(&e->matrix);
+  vs_matrix_begin(&e->matrix, e->rows);
+  for (int k = 0; k < e->linears; k++)
+    e->linear[k].place = vs_matrix_place(&e->matrix, e->linear[k].row, e->linear[k].column);
+  for (int k = 0; k < e->masses; k++)
+    e->mass[k].place = vs_matrix_place(&e->matrix, e->mass[k].row, e->mass[k].column);
+  for (int k = 0; k < e->devices; k++) add_places_of(e, &e->device[k]);
+  for (int k = 0; k < e->states; k++) {
+    for (int l = 0; l <= e->states; l++)
+      if (depends(e, k, l)) add_place(e, e->machine + k, l == e->states ? e->flux : e->machine + l);
+  }
+  free(e->constant);
+  e->constant = vs_alloc((size_t)e->matrix.count, sizeof *e->constant);
+  for (int k = 0; k < e->linears; k++) e->constant[e->linear[k].place] += e->linear[k].value;
+  join_entries(e, e->linear, &e->linears);
+  join_entries(e, e->mass, &e->masses);
 }

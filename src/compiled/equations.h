@@ -35,9 +35,10 @@ typedef struct vs_compiled_device {
   int kind;
   int pin[3];    /* nodes: plus and minus; anode and cathode; collector, base, emitter; drain, gate,
                     source. -1: ground */
-  int branch;    /* of a B source that is a voltage: its row and current; else -1 */
-  int charge[2]; /* of a diode with a transit time: its charge; of a MOSFET: between gate and drain,
-                    and of its body diode; else -1 */
+  int row[3];    /* of these nodes */
+  int branch;    /* of a B source that is a voltage: its row; else -1 */
+  int charge[2]; /* the row of a diode's charge, if it has a transit time; of those of a MOSFET
+                    between gate and drain, and of its body diode; else -1 */
   int control[2]; /* of a switch: its controlling nodes, or an unknown current and -1 */
   double factor;  /* of a B source: m */
   vs_compiled_program program;
@@ -47,11 +48,18 @@ typedef struct vs_compiled_device {
   double on_s, off_s, threshold, hysteresis; /* of a switch: conductances, S, and its limits */
   bool on;
   double before[2]; /* a junction's voltages in the last iteration, V */
-  double peak_a[2]; /* the largest of its currents so far */
+  double peak_a[2]; /* the largest of its currents so far, and the last one that was looked at */
+  double last_a[2];
 } vs_compiled_device;
 
 typedef struct vs_equations {
   int n;           /* unknowns */
+  int rows;        /* equations, for as many of the unknowns, the first ones */
+  int follow;      /* the first of those that are constant, behind the others; as `rest` has them */
+  vs_entry *share; /* the others are what `rest` says and these shares of the first ones: row: the
+                      unknown; in its order. Owned */
+  int *first;      /* of each of them: the number of its first share; and one more. Owned */
+  double *rest;    /* owned */
   char **name;     /* of each, as ngspice names signals: "v(a)", "i(v.x1.vs)"; owned */
   vs_names number; /* of these names */
   vs_matrix matrix;
@@ -74,6 +82,13 @@ typedef struct vs_equations {
 /* Ends what vs_elements_make began. */
 void vs_equations_free(vs_equations *e);
 
+/* Makes the matrix' pattern, and what is constant in it, from entries and devices. */
+void vs_equations_make_pattern(vs_equations *e);
+
+/* The unknowns from `rows` to `follow`, from those before: of states, or, with `change`, of
+ * differences between two. */
+void vs_equations_follow(const vs_equations *e, double *y, bool change);
+
 /* Which unknown a signal's name is; -1: "v(0)"; -2: there is none. */
 int vs_equations_signal(const vs_equations *e, const char *name);
 
@@ -87,13 +102,15 @@ bool vs_equations_value(vs_equations *e, const double *y, const double *source, 
  * junction's peak current; the most of all junctions, of which diodes count by a third. `change`
  * is that of the step's last stage, up to `next`, which takes the junctions for straight lines with
  * their slopes at y. */
-double vs_equations_imbalance(const vs_equations *e, const double *y, const double *next,
+double vs_equations_imbalance(vs_equations *e, const double *y, const double *next,
                               const double *change);
-/* Takes the currents of the junctions at y for their peaks. */
+/* Takes the currents of the junctions at y for their peaks; NULL: those at `next`, as they were
+ * looked at last. */
 void vs_equations_note_peaks(vs_equations *e, const double *y);
 
-/* r = M v. */
+/* r = M v; r += M v. */
 void vs_equations_mass(const vs_equations *e, const double *v, double *r);
+void vs_equations_add_mass(const vs_equations *e, const double *v, double *r);
 
 /* Takes the branches and the switches' states that y asks for. Returns true where one is another
  * one than before; with `only_ask` none changes. */

@@ -255,24 +255,41 @@ static int write_tree(writing *w, const vs_expr *e, size_t node, const bound_op 
   }
 }
 
-/* Lists the operations that the result follows from, by the branches that are held. */
+static void mark_operands(const vs_program_op *op, bool *of) {
+  if (op->kind == CONSTANT || op->kind == SIGNAL || op->kind == POINT) return;
+  of[op->a] = true;
+  if (op->kind == CHOICE)
+    of[op->value != 0 ? op->b : op->c] = true;
+  else if ((op->kind >= ADD && op->kind <= SIGN_POWER) || op->kind <= MAXIMUM ||
+           op->kind == COMPARE)
+    of[op->b] = true;
+}
+
+static bool is_branch(const vs_program_op *op) {
+  return op->kind >= COMPARE || op->kind <= KINK;
+}
+
+/* Lists the operations that the result follows from, by the branches that are held, and those of
+ * them that decide. */
 static void find_live(vs_compiled_program *p) {
   bool *live = vs_alloc((size_t)p->count, sizeof *live);
+  bool *decides = vs_alloc((size_t)p->count, sizeof *decides);
   live[p->count - 1] = true;
   for (int k = p->count - 1; k >= 0; k--) {
-    const vs_program_op *op = &p->op[k];
-    if (!live[k] || op->kind == CONSTANT || op->kind == SIGNAL || op->kind == POINT) continue;
-    live[op->a] = true;
-    if (op->kind == CHOICE)
-      live[op->value != 0 ? op->b : op->c] = true;
-    else if ((op->kind >= ADD && op->kind <= SIGN_POWER) || op->kind <= MAXIMUM ||
-             op->kind == COMPARE)
-      live[op->b] = true;
+    if (live[k]) mark_operands(&p->op[k], live);
+    if (decides[k]) mark_operands(&p->op[k], decides);
+    if (!live[k] || !is_branch(&p->op[k])) continue;
+    decides[p->op[k].a] = true;
+    if (p->op[k].kind == COMPARE || p->op[k].kind <= MAXIMUM) decides[p->op[k].b] = true;
   }
-  p->n_live = 0;
-  for (int k = 0; k < p->count; k++)
-    if (live[k] && p->op[k].kind != CONSTANT && p->op[k].kind != POINT) p->live[p->n_live++] = k;
+  p->n_live = p->n_decides = 0;
+  for (int k = 0; k < p->count; k++) {
+    if (p->op[k].kind == CONSTANT || p->op[k].kind == POINT) continue;
+    if (live[k]) p->live[p->n_live++] = k;
+    if (decides[k] || (live[k] && is_branch(&p->op[k]))) p->decides[p->n_decides++] = k;
+  }
   free(live);
+  free(decides);
 }
 
 vs_status vs_program_read(const vs_cards *c, vs_parameters *in, vs_word text,
@@ -289,6 +306,7 @@ vs_status vs_program_read(const vs_cards *c, vs_parameters *in, vs_word text,
     if (zero < 0 || add_two(&w, ADD, result, zero, NULL) < 0) return VS_INPUT;
   }
   p->live = vs_alloc((size_t)p->count, sizeof *p->live);
+  p->decides = vs_alloc((size_t)p->count, sizeof *p->decides);
   p->value = vs_alloc((size_t)p->count, sizeof *p->value);
   for (int k = 0; k < p->count; k++) p->value[k] = p->op[k].value;
   find_live(p);
@@ -298,6 +316,7 @@ vs_status vs_program_read(const vs_cards *c, vs_parameters *in, vs_word text,
 void vs_program_free(vs_compiled_program *p) {
   free(p->op);
   free(p->live);
+  free(p->decides);
   free(p->value);
   *p = (vs_compiled_program){0};
 }
@@ -360,10 +379,10 @@ static double compare(int sign, double a, double b) {
   return value;
 }
 
-static void go_forward(const vs_compiled_program *p, const double *y) {
+static void go_forward(const vs_compiled_program *p, const int *list, int count, const double *y) {
   double slope, *v = p->value;
-  for (int n = 0; n < p->n_live; n++) {
-    const int k = p->live[n];
+  for (int n = 0; n < count; n++) {
+    const int k = list[n];
     const vs_program_op *op = &p->op[k];
     switch (op->kind) {
     case SIGNAL: {
@@ -477,7 +496,7 @@ static void go_back(const vs_compiled_program *p, double *slope) {
 }
 
 double vs_program_value(const vs_compiled_program *p, const double *y, double *slope) {
-  go_forward(p, y);
+  go_forward(p, p->live, p->n_live, y);
   if (slope) go_back(p, slope);
   return p->value[p->count - 1];
 }
@@ -517,10 +536,10 @@ bool vs_program_choose(vs_compiled_program *p, const double *y, bool only_ask) {
   const double *v = p->value;
   bool other = false;
   if (!p->chooses) return false;
-  go_forward(p, y);
-  for (int n = 0; n < p->n_live; n++) {
-    vs_program_op *op = &p->op[p->live[n]];
-    if (op->kind < COMPARE && op->kind > KINK) continue;
+  go_forward(p, p->decides, p->n_decides, y);
+  for (int n = 0; n < p->n_decides; n++) {
+    vs_program_op *op = &p->op[p->decides[n]];
+    if (!is_branch(op)) continue;
     const double due = due_branch(p, op, v);
     if (due == op->value || isnan(due)) continue;
     const bool holds = op->kind >= COMPARE;
@@ -530,7 +549,7 @@ bool vs_program_choose(vs_compiled_program *p, const double *y, bool only_ask) {
     op->value = due;
     if (!holds) continue;
     find_live(p);
-    go_forward(p, y);
+    go_forward(p, p->decides, p->n_decides, y);
     n = -1;
   }
   return other;

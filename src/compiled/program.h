@@ -27,7 +27,8 @@ typedef struct vs_compiled_program {
   vs_program_op *op; /* owned; the last one is the result */
   int count;
   int *live, n_live; /* the operations that the branches held ask for, without constants; owned */
-  double *value;     /* of each operation, as it was evaluated last; owned */
+  int *decides, n_decides; /* those of them that a branch is chosen by, and the choices; owned */
+  double *value;           /* of each operation, as it was evaluated last; owned */
   vs_program_signal signal[VS_PROGRAM_SIGNALS];
   int signals;
   bool chooses; /* it has branches at all */

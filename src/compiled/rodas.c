@@ -32,13 +32,16 @@ static const double D[2][5] = {{10.12623508344586, -7.487995877610167, -34.80091
 enum { VECTORS = 15 };
 
 void vs_rodas_begin(vs_rodas *r, vs_equations *e, const vs_rodas_drive *drive) {
-  const size_t n = (size_t)e->n, values = n * n, sources = (size_t)e->sources + 1;
+  const size_t n = (size_t)e->n, rows = (size_t)e->rows, values = rows * rows,
+               sources = (size_t)e->sources + 1;
   *r = (vs_rodas){.e = e, .drive = *drive, .culprit = -1};
   double *next = r->memory = vs_alloc(VECTORS * n + 3 * values + 4 * sources, sizeof *next);
   double **vectors[VECTORS] = {&r->y,    &r->next,    &r->error,   &r->bend[0], &r->bend[1],
                                &r->k[0], &r->k[1],    &r->k[2],    &r->k[3],    &r->k[4],
-                               &r->k[5], &r->work[0], &r->work[1], &r->work[2], &r->work[3]};
+                               &r->k[5], &r->work[0], &r->work[1], &r->work[2], &r->f};
   for (int k = 0; k < VECTORS; k++, next += n) *vectors[k] = next;
+  for (int k = e->follow; k < e->n; k++)
+    r->y[k] = r->next[k] = r->work[2][k] = e->rest[k - e->rows];
   r->jacobian = next;
   r->factors = next + values;
   r->matrix = next + 2 * values;
@@ -111,7 +114,7 @@ add_weighted(int n, int count, const double *weight, double *const *k, const dou
 
 static void add_stages(const vs_rodas *r, int count, const double *weight, const double *from,
                        double *sum) {
-  const int n = r->e->n;
+  const int n = r->e->rows;
   switch (count) {
   case 1:
     add_weighted(n, 1, weight, r->k, from, sum);
@@ -132,11 +135,12 @@ static void add_stages(const vs_rodas *r, int count, const double *weight, const
 
 bool vs_rodas_try(vs_rodas *r, double h) {
   vs_equations *e = r->e;
-  const int n = e->n;
-  double *b = r->work[0], *sum = r->work[1], *m = r->work[2], *at = r->work[3];
+  const int n = e->rows;
+  double *b = r->work[0], *sum = r->work[1], *at = r->work[2], rate[5];
   r->drive.at(r->drive.ctx, r->t_s, r->source[0]);
-  vs_equations_value(e, r->y, r->source[0], false, b, r->fresh ? NULL : r->jacobian);
+  if (!r->fresh) vs_equations_value(e, r->y, r->source[0], false, r->f, r->jacobian);
   r->fresh = true;
+  memcpy(b, r->f, (size_t)n * sizeof *b);
   set_matrix(r, 1 / (GAMMA * h));
   if (!factor(r)) return false;
   find_rates(r, h);
@@ -147,11 +151,12 @@ bool vs_rodas_try(vs_rodas *r, double h) {
       add_stages(r, stage, A[stage - 1], r->y, at);
     else
       for (int i = 0; i < n; i++) at[i] += r->k[4][i];
-    r->drive.at(r->drive.ctx, r->t_s + AT[stage] * h, r->source[0]);
+    vs_equations_follow(e, at, false);
+    if (AT[stage] != AT[stage - 1]) r->drive.at(r->drive.ctx, r->t_s + AT[stage] * h, r->source[0]);
     vs_equations_value(e, at, r->source[0], false, b, NULL);
-    add_stages(r, stage, C[stage - 1], NULL, sum);
-    vs_equations_mass(e, sum, m);
-    for (int i = 0; i < n; i++) b[i] += m[i] / h;
+    for (int l = 0; l < stage; l++) rate[l] = C[stage - 1][l] / h;
+    add_stages(r, stage, rate, NULL, sum);
+    vs_equations_add_mass(e, sum, b);
     if (stage < 4) add_rates(r, h * RATE[stage], b);
     vs_matrix_solve(&e->matrix, r->factors, b, r->k[stage]);
   }
@@ -159,7 +164,12 @@ bool vs_rodas_try(vs_rodas *r, double h) {
     r->error[i] = r->k[5][i];
     r->next[i] = at[i] + r->k[5][i];
   }
-  for (int part = 0; part < 2; part++) add_stages(r, 5, D[part], NULL, r->bend[part]);
+  vs_equations_follow(e, r->error, true);
+  vs_equations_follow(e, r->next, false);
+  for (int part = 0; part < 2; part++) {
+    add_stages(r, 5, D[part], NULL, r->bend[part]);
+    vs_equations_follow(e, r->bend[part], true);
+  }
   return true;
 }
 
@@ -178,10 +188,10 @@ static const double LEAST_A = 1e-6, LEAST_V = 1e-8, OF_SIZE = 1e-7;
 
 bool vs_rodas_restart(vs_rodas *r, const double *charge, double h, bool chooses) {
   vs_equations *e = r->e;
-  const int n = e->n;
-  double *b = r->work[0], *m = r->work[2], *change = r->k[0];
+  const int n = e->rows;
+  double *b = r->work[0], *m = r->work[1], *change = r->k[0];
   r->drive.at(r->drive.ctx, r->t_s + h, r->source[0]);
-  memcpy(r->next, r->y, (size_t)n * sizeof *r->next);
+  memcpy(r->next, r->y, (size_t)e->n * sizeof *r->next);
   for (int turn = 0; turn < ITERATIONS; turn++) {
     const bool other = chooses && vs_equations_choose(e, r->next, false);
     /* M (next - y)/h = f(next) */
@@ -197,6 +207,7 @@ bool vs_rodas_restart(vs_rodas *r, const double *charge, double h, bool chooses)
       most = fmax(most, fabs(change[i]) / (least + OF_SIZE * fabs(r->next[i])));
       r->next[i] += change[i];
     }
+    vs_equations_follow(e, r->next, false);
     if (!isfinite(most)) return false;
     if (most <= (turn < QUICK ? 1 : ROUNDING) && !limited && !other) return true;
   }

@@ -19,11 +19,12 @@ typedef struct vs_rodas {
   vs_rodas_drive drive;
   double *y, *next, *error; /* the last state, that after the step, and the error of that */
   double *bend[2];          /* of the dense output */
+  double *f;                /* at y and t_s, if `fresh` */
   double *jacobian, *factors, *matrix;
-  double *k[6], *work[4], *source[4];
+  double *k[6], *work[3], *source[4];
   double *memory; /* owned: all of these */
   bool ordered;   /* the order of the pivots is known */
-  bool fresh;     /* the Jacobian is that of y at t_s */
+  bool fresh;     /* f and the Jacobian are those of y at t_s */
   int culprit;    /* an unknown that no equation decides; -1: none */
   double t_s;
 } vs_rodas;

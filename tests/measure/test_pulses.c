@@ -6,8 +6,8 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "program.h"
 #include "measure/switching.h"
+#include "program.h"
 
 #define ASIDE "Re e 0 1\nXeva e 0 eva\n"
 
@@ -213,7 +213,7 @@ static void many_knots(void) {
   double largest = -INFINITY, t = 0, y = 0;
   for (int k = 1; k <= 40000; k++) {
     double t1 = k * 1e-11, y1 = fmin(fmax((t1 - 2e-7) / 1e-9, 0), 1) + 1e5 * t1;
-    largest = fmax(largest, vs_switching_rate(&s, t, y, t1, y1, 1));
+    largest = fmax(largest, vs_slope_rate(&s, t, y, t1, y1, 1));
     t = t1;
     y = y1;
   }

@@ -164,7 +164,7 @@ static void rates_over_a_window(void) {
       for (int k = 1; k < KNOTS; k++) {
         t_s[k] = t_s[k - 1] + 1e-9 * STEPS_NS[(k * k) % (int)COUNT(STEPS_NS)];
         y[k] = 50 * sin(7.0 * k) + 20 * cos(0.3 * k);
-        largest = fmax(largest, vs_switching_rate(&s, t_s[k - 1], y[k - 1], t_s[k], y[k], sense));
+        largest = fmax(largest, vs_slope_rate(&s, t_s[k - 1], y[k - 1], t_s[k], y[k], sense));
       }
       for (int k = 0; k < 2 * KNOTS; k++) {
         double from_s = t_s[k / 2] - (k % 2 ? window_s : 0), to_s = from_s + window_s;

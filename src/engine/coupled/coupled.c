@@ -304,6 +304,8 @@ static bool machine_port(void *ctx, size_t port, const double *x, double *value)
   } else if (port >= first) {
     const int state = c->setup->deck.motions[port - first].state;
     *value = state < 0 ? vs_mechanics_travel(m, x + m->dof) : x[state];
+  } else if (port >= of_deck && port < of_deck + VS_EVA_PORTS_LEADING && !c->truncation.on) {
+    *value = 0; /* nothing is given back */
   } else {
     return false;
   }

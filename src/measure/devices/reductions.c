@@ -183,7 +183,7 @@ static void follow_slope(const vs_watched *w, vs_reduced *r, const vs_course_ste
   int of = r->measure->of;
   (void)w;
   double rate =
-      vs_switching_rate(r->state, c->t0_s, c->from[of], c->t1_s, c->to[of], r->measure->sense);
+      vs_slope_rate(r->state, c->t0_s, c->from[of], c->t1_s, c->to[of], r->measure->sense);
   vs_reducer_offer(r, (vs_value){rate >= 0, rate, c->t1_s}, vs_reducer_is_held_from_below(r));
 }
 

@@ -168,57 +168,98 @@ static double each_level_v(const vs_rise *r) {
   return r->over_v / VS_RISE_PARTS;
 }
 
-/* Mean slopes that differ by more, in parts of themselves, differ by more than rounding adds up to.
- */
-static const double LESS_STEEP = 1e-6;
+/* Rounding moves the instants of a course that is as flat as this somewhere, in parts of its
+ * voltage by its step. */
+static const double FLAT = 1e-5;
 
-/* True if one course is nowhere steeper than another, and less steep on the whole. The slope of a
- * cubic lies between its Bernstein coefficients; slopes at one knot are the same but for rounding.
- */
-static bool is_less_steep(const vs_climbed *a, const vs_climbed *b) {
-  const double of_a = 3 * (a->v1 - a->v0) - a->k0 - a->k1,
-               of_b = 3 * (b->v1 - b->v0) - b->k0 - b->k1;
-  const double most_v_s = fmax(fmax(a->k0, a->k1), of_a) / a->h_s,
-               least_v_s = fmin(fmin(b->k0, b->k1), of_b) / b->h_s;
-  return most_v_s * (1 - SAME_SLOPE) <= least_v_s && a->s_per_v > b->s_per_v * (1 + LESS_STEEP);
+/* A stretch: where it begins and ends. */
+typedef struct stretch {
+  vs_instant from, to;
+} stretch;
+
+/* What stretches are looked for among. */
+typedef struct stretches {
+  vs_rise *r;
+  const vs_climbed *from, *to; /* they begin in one step, and end in another, or in the same */
+  double rounding_s;
+} stretches;
+
+static stretch stretch_at(const stretches *of, double level) {
+  const double each_v = each_level_v(of->r);
+  return (stretch){instant_at(of->from, level * each_v),
+                   instant_at(of->to, (level + VS_RISE_PARTS) * each_v)};
 }
 
-static void take_stretch_at(vs_rise *r, const vs_climbed *from, double level,
-                            const vs_climbed *to) {
-  const double each_v = each_level_v(r);
-  take_stretch_of_rise(r, instant_at(from, level * each_v),
-                       instant_at(to, (level + VS_RISE_PARTS) * each_v));
+static double took_s(const stretch *s) {
+  return s->to.t_s - s->from.t_s;
+}
+
+/* The range of a course's slope between two instants, V/s. */
+static void slopes_between(const vs_climbed *c, double from_s, double to_s, double range[2]) {
+  const double rise = c->v1 - c->v0, a = 3 * (c->k0 + c->k1 - 2 * rise),
+               b = 2 * (3 * rise - 2 * c->k0 - c->k1), straight = 1 / c->s_per_v;
+  const double p = (from_s - c->t0_s) / c->h_s, q = (to_s - c->t0_s) / c->h_s;
+  const double top = fmin(fmax(a != 0 ? -b / (2 * a) : p, p), q), at[3] = {p, top, q};
+  range[0] = range[1] = straight;
+  for (int k = 0; k < 3 && c->bow_s > 0; k++) {
+    const double slope = ((a * at[k] + b) * at[k] + c->k0) / c->h_s;
+    range[0] = k ? fmin(range[0], slope) : slope;
+    range[1] = k ? fmax(range[1], slope) : slope;
+  }
+}
+
+/* Takes the stretches between two levels in their order, but for those that the slopes show to be
+ * longer than the shorter one at either end, or than least_s. */
+static void take_between(const stretches *of, double low, const stretch *at_low, double high,
+                         const stretch *at_high, double least_s) {
+  double from[2], to[2];
+  if (high - low < 2) return;
+  slopes_between(of->from, at_low->from.t_s, at_high->from.t_s, from);
+  slopes_between(of->to, at_low->to.t_s, at_high->to.t_s, to);
+  const double each_v = each_level_v(of->r), before_s = took_s(at_low), behind_s = took_s(at_high);
+  least_s = fmin(least_s, fmin(before_s, behind_s));
+  if (from[0] * of->from->h_s > FLAT * of->from->v1 && to[0] * of->to->h_s > FLAT * of->to->v1) {
+    const double least = each_v * (1 / to[1] - 1 / from[0]), /* by level, s */
+        most = each_v * (1 / to[0] - 1 / from[1]);
+    if (least > of->rounding_s || most < -of->rounding_s) return;
+    if ((before_s + behind_s + (least - most) * (high - low)) / 2 > least_s + of->rounding_s)
+      return;
+  }
+  const double level = floor((low + high) / 2);
+  const stretch middle = stretch_at(of, level);
+  take_between(of, low, at_low, level, &middle, fmin(least_s, took_s(&middle)));
+  take_stretch_of_rise(of->r, middle.from, middle.to);
+  take_between(of, level, &middle, high, at_high, least_s);
 }
 
 /* The time between two levels by the straight lines. */
-static double straight_between(const vs_rise *r, const vs_climbed *from, double level,
-                               const vs_climbed *to) {
-  const double each_v = each_level_v(r);
-  return straight_at(to, (level + VS_RISE_PARTS) * each_v) - straight_at(from, level * each_v);
+static double straight_between(const stretches *of, double level) {
+  const double each_v = each_level_v(of->r);
+  return straight_at(of->to, (level + VS_RISE_PARTS) * each_v) -
+         straight_at(of->from, level * each_v);
 }
 
 /* Takes the steepest of the stretches that begin in one step, at its levels from `first` to `last`,
  * and end in another, or in the same. No course is farther from its straight line than bow_s, so
- * that a stretch is looked at only where the straight lines, whose difference is least at the first
- * level or at the last, leave it room to be the steepest so far. Where one course is steeper all
- * along than the other, the first stretch or the last is the steepest. Where both are one straight
+ * that they are looked at only where the straight lines, whose difference is least at the first
+ * level or at the last, leave them room to be the steepest so far. Where both are one straight
  * line, the levels between the first and the last of more than are kept tell nothing. */
 static void take_stretches(vs_rise *r, const vs_climbed *from, double first, double last,
                            const vs_climbed *to) {
+  const double rounding_s =
+      SAME_SLOPE * (from->h_s + to->h_s) + 8 * DBL_EPSILON * (to->t0_s + to->h_s);
+  const stretches of = {r, from, to, rounding_s};
   if (last < first) return;
-  const double off_s =
-      from->bow_s + to->bow_s + 8 * DBL_EPSILON * (to->t0_s + to->h_s); /* and for rounding */
-  if (fmin(straight_between(r, from, first, to), straight_between(r, from, last, to)) - off_s >
-      r->best.took_s)
+  const double off_s = from->bow_s + to->bow_s + 8 * DBL_EPSILON * (to->t0_s + to->h_s);
+  if (fmin(straight_between(&of, first), straight_between(&of, last)) - off_s > r->best.took_s)
     return;
-  if (is_less_steep(from, to)) first = last;
-  if (is_less_steep(to, from)) last = first;
-  for (double level = first; level <= last; level++) {
-    if (level == first + 1 && from == to && !(to->bow_s > 0))
-      level = fmax(level, last + VS_RISE_PARTS - VS_RISE_LEVELS + 1);
-    if (straight_between(r, from, level, to) - off_s <= r->best.took_s)
-      take_stretch_at(r, from, level, to);
-  }
+  const stretch begin = stretch_at(&of, first), end = stretch_at(&of, last);
+  take_stretch_of_rise(r, begin.from, begin.to);
+  const double low =
+      from == to && !(to->bow_s > 0) ? fmax(first, last + VS_RISE_PARTS - VS_RISE_LEVELS) : first;
+  const stretch at_low = low > first ? stretch_at(&of, low) : begin;
+  take_between(&of, low, &at_low, last, &end, r->best.took_s);
+  take_stretch_of_rise(r, end.from, end.to);
 }
 
 /* Number of the first entry of `passed` that goes up to a level or higher; n_passed: none does. */
@@ -608,10 +649,10 @@ static double forward_rate(vs_slope *slope, const vs_course_step *c) {
   double v0 = c->from[VS_OF_V], v1 = c->to[VS_OF_V], largest = -INFINITY, zero_s = c->t0_s;
   if ((v0 < 0) != (v1 < 0)) {
     zero_s = c->t0_s + v0 / (v0 - v1) * c->h_s;
-    largest = vs_switching_rate(slope, c->t0_s, fmax(v0, 0), zero_s, 0, 1);
+    largest = vs_slope_rate(slope, c->t0_s, fmax(v0, 0), zero_s, 0, 1);
     v0 = 0;
   }
-  return fmax(largest, vs_switching_rate(slope, zero_s, fmax(v0, 0), c->t1_s, fmax(v1, 0), 1));
+  return fmax(largest, vs_slope_rate(slope, zero_s, fmax(v0, 0), c->t1_s, fmax(v1, 0), 1));
 }
 
 /* Tells of the present rise what is steeper than what was told of it. */
@@ -682,7 +723,7 @@ static void follow_rises(vs_switch *s, const vs_course_step *c, bool was_on, boo
 static void follow_switch(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
   bool was_on = s->conduction.conducts, commutated = s->commutates;
   double off_rate = forward_rate(&s->off, c);
-  double on_rate = vs_switching_rate(&s->on, c->t0_s, c->from[VS_OF_I], c->t1_s, c->to[VS_OF_I], 1);
+  double on_rate = vs_slope_rate(&s->on, c->t0_s, c->from[VS_OF_I], c->t1_s, c->to[VS_OF_I], 1);
   vs_switching_gate_follow(&s->gate, c);
   follow_switch_current(s, c, news);
   follow_gate_pulse(s, c, news);
@@ -715,79 +756,4 @@ void vs_switching_follow(vs_switch *s, const vs_course_step *c, vs_switch_news *
               news->offered.known || news->misfire.known || news->unintended.known ||
               news->fires.known || news->extinct.known || news->fall.known ||
               news->return_rise.rate.known;
-}
-
-/* ---- the largest rate over a window ---- */
-
-static const double WINDOW_S = 1e-7;
-
-static double window_of(const vs_slope *s) {
-  return s->window_s > 0 ? s->window_s : WINDOW_S;
-}
-
-static size_t knot_at(const vs_slope *s, size_t n) {
-  return (s->first + n) % VS_SLOPE_KNOTS;
-}
-
-static void keep_knot(vs_slope *s, double t_s, double y) {
-  if (s->count && t_s - s->t_s[knot_at(s, s->count - 1)] < window_of(s) / VS_SLOPE_PARTS) return;
-  size_t end = knot_at(s, s->count++);
-  s->t_s[end] = t_s;
-  s->y[end] = y;
-}
-
-/* The course at a time not before its first kept knot. Behind the last kept knot comes the
- * beginning of the step. */
-static double course_at(const vs_slope *s, double t_s, double t0_s, double y0, double rate) {
-  if (t_s >= t0_s) return y0 + rate * (t_s - t0_s);
-  size_t n = 1;
-  while (n < s->count && s->t_s[knot_at(s, n)] < t_s) n++;
-  double ta = s->t_s[knot_at(s, n - 1)], ya = s->y[knot_at(s, n - 1)];
-  double tb = n < s->count ? s->t_s[knot_at(s, n)] : t0_s,
-         yb = n < s->count ? s->y[knot_at(s, n)] : y0;
-  return tb > ta ? ya + (yb - ya) * (t_s - ta) / (tb - ta) : yb;
-}
-
-static double change_in_sense(double change, int sense) {
-  return sense ? sense * change : fabs(change);
-}
-
-/* The largest rate where the last knot kept is a window or more before the step, and the step two
- * windows long: the windows that count begin with the step, or end with it. */
-static double rate_of_long(vs_slope *s, double t0_s, double y0, double t1_s, double y1, int sense) {
-  const double window_s = window_of(s);
-  double rate = (y1 - y0) / (t1_s - t0_s), after = y0 + rate * (t0_s + window_s - t0_s);
-  double before = y0 + rate * (t1_s - window_s - t0_s);
-  double first = change_in_sense((after - y0) / window_s, sense);
-  double last = change_in_sense((y1 - before) / window_s, sense), largest = -INFINITY;
-  s->first = 0;
-  s->t_s[0] = t0_s;
-  s->y[0] = y0;
-  if (first > largest) largest = first;
-  return last > largest ? last : largest;
-}
-
-double vs_switching_rate(vs_slope *s, double t0_s, double y0, double t1_s, double y1, int sense) {
-  const double window_s = window_of(s);
-  if (!(t1_s > t0_s)) return -INFINITY;
-  if (s->count == 1 && t0_s - s->t_s[s->first] > 2 * window_s && t1_s - t0_s > 2 * window_s)
-    return rate_of_long(s, t0_s, y0, t1_s, y1, sense);
-  double rate = (y1 - y0) / (t1_s - t0_s), largest = -INFINITY;
-  keep_knot(s, t0_s, y0);
-  /* As the window moves, the rate changes along a straight line until one end passes a knot. So its
-   * largest value is at such an instant. */
-  for (size_t n = 0; n <= s->count; n++) {
-    bool last = n == s->count;
-    double begin_s = last ? t1_s - window_s : s->t_s[knot_at(s, n)], end_s = begin_s + window_s;
-    if (begin_s < s->t_s[s->first] || (!last && (end_s <= t0_s || end_s > t1_s))) continue;
-    double begin = last ? course_at(s, begin_s, t0_s, y0, rate) : s->y[knot_at(s, n)];
-    double end = last ? y1 : y0 + rate * (end_s - t0_s), change = (end - begin) / window_s;
-    double own = change_in_sense(change, sense);
-    if (own > largest) largest = own; /* fmax would be called */
-  }
-  while (s->count > 1 && s->t_s[knot_at(s, 1)] <= t1_s - window_s) {
-    s->first = knot_at(s, 1);
-    s->count--;
-  }
-  return largest;
 }

@@ -41,32 +41,9 @@
 
 #include "engine/batch.h"
 #include "engine/conduction.h"
+#include "measure/slope.h"
 #include "measure/value.h"
 #include "netlist/devices.h"
-
-/* ---- the largest rate over a window ---- */
-
-/* The largest rate of a course that runs straight from knot to knot. A rate is the change over a
- * window of exactly 0.1 us, or of another length, divided by that; the window may lie anywhere.
- *
- * The window's beginning moves over the knots that are kept. A knot less than a 256th of the window
- * behind a kept one is not kept, which bounds their number: there the course counts as straight
- * over that, 0.4 ns of 0.1 us. The window's end moves over every knot. */
-enum { VS_SLOPE_PARTS = 256, VS_SLOPE_KNOTS = VS_SLOPE_PARTS + 4 };
-
-/* Start from {0}, with another length of the window if one is wanted. A ring of the knots within
- * the last window, and one before it. */
-typedef struct vs_slope {
-  double window_s; /* 0: 0.1 us */
-  size_t first, count;
-  double t_s[VS_SLOPE_KNOTS], y[VS_SLOPE_KNOTS];
-} vs_slope;
-
-/* Takes the next step of the course. Returns the largest rate of the windows that end in it, in
- * units of y per second. sense +1: of rising; -1: of falling; 0: of either, without its sign.
- * Returns -INFINITY while the course is not a window long yet, and for a step of no length. */
-double vs_switching_rate(vs_slope *slope, double t0_s, double y0, double t1_s, double y1,
-                         int sense);
 
 /* The courses of a device over one step (VS_OF_V, ...): at its beginning, half way, at its end. */
 typedef struct vs_course_step {

@@ -54,7 +54,7 @@ typedef struct vs_circuit_job {
 
 /* A machine that a circuit's flux linkage drives, for a solver that takes both as one system. */
 typedef struct vs_circuit_machine {
-  size_t states; /* of x */
+  size_t states; /* of x: coordinates, then the rate of each */
   size_t flux;   /* the signal that is the flux linkage, Wb */
   /* Where it is, at the end of the last step that was accepted. */
   void (*state)(void *ctx, double *x);
