@@ -164,6 +164,53 @@ static inline __attribute__((always_inline)) double flux_rate(const vs_step *ste
   return rate;
 }
 
+/* The flux linkages of the secondaries, whose derivatives follow from lambda's. */
+static void put_psi(const vs_step *step, views at, const weights *septic, double *psi) {
+  const vs_coil *c = &step->frame->model->coil;
+  const vs_knot *knot[2] = {step->from, step->to};
+  const weights w = step->cubic_flux ? cubic(at) : *septic;
+  double d[2][4][VS_MOST_RUNGS];
+  for (int end = 0; end < 2; end++) {
+    const vs_knot *k = knot[end];
+    const double flux[3] = {k->flux_wb, k->flux_rate_v, step->cubic_flux ? 0 : k->flux_rate2_v_s};
+    memcpy(d[end][0], k->psi_wb, sizeof d[end][0]);
+    for (int order = 0; order < 3; order++)
+      for (int n = 0; n < c->rungs; n++)
+        d[end][order + 1][n] = vs_coil_rung_rate(c, n, flux[order], d[end][order]);
+  }
+  apply_weights(&w, (ends){d[0][0], d[0][1], d[0][2], d[0][3]},
+                (ends){d[1][0], d[1][1], d[1][2], d[1][3]}, c->rungs, psi);
+}
+
+/* What eddy currents add to the coil's current, A. */
+static double eddy_current(const vs_step *step, views at, const weights *septic, double flux) {
+  const vs_coil *c = &step->frame->model->coil;
+  double psi[VS_MOST_RUNGS] = {0}, more = 0;
+  if (c->rungs) put_psi(step, at, septic, psi);
+  if (c->core_s > 0) {
+    const weights slope = at.h[0] > 0 ? septic_rate(at) : (weights){.e = {0}};
+    more = c->core_s * flux_rate(step, at, &slope);
+  }
+  return vs_coil_rungs_current(c, flux, psi) + more;
+}
+
+double vs_step_eddy_loss(const vs_step *step, double t_s) {
+  const vs_coil *c = &step->frame->model->coil;
+  const vs_knot *a = step->from, *b = step->to;
+  double h = b->t_s - a->t_s, psi[VS_MOST_RUNGS], flux;
+  const views at = views_of(h > 0 ? (t_s - a->t_s) / h : 1, h);
+  const weights w = septic(at), slope = h > 0 ? septic_rate(at) : w, own = cubic(at);
+  apply_weights(step->cubic_flux ? &own : &w, flux_of(a), flux_of(b), 1, &flux);
+  const double rate = flux_rate(step, at, &slope);
+  double lost = c->core_s * rate * rate;
+  if (c->rungs) put_psi(step, at, &w, psi);
+  for (int n = 0; n < c->rungs; n++) {
+    const double v = vs_coil_rung_rate(c, n, flux, psi);
+    lost += v * v / c->rung[n].resistance_ohm;
+  }
+  return lost;
+}
+
 static double line(double from, double to, double s) {
   return from + s * (to - from);
 }
@@ -182,7 +229,9 @@ static inline __attribute__((always_inline)) void put_flux(const vs_step *step, 
     apply_weights(septic, flux_of(step->from), flux_of(step->to), 1, y + VS_CH_LAMBDA);
   }
   double z = frame->gap_at_rest ? m->coil.gap_rest_m : y[VS_CH_Z];
-  y[VS_CH_I] = vs_coil_current(&m->coil, y[VS_CH_LAMBDA], z);
+  y[VS_CH_I] = step->open ? 0 : vs_coil_current(&m->coil, y[VS_CH_LAMBDA], z);
+  if (m->coil.eddies && !step->open)
+    y[VS_CH_I] += eddy_current(step, at, septic, y[VS_CH_LAMBDA]);
   y[VS_CH_FORCE] = vs_coil_force(&m->coil, y[VS_CH_LAMBDA], z);
 }
 
@@ -443,7 +492,7 @@ vs_curve vs_step_curve_of(const vs_step *step, int channel) {
 
 bool vs_step_curve_is_exact(const vs_model *m, int channel) {
   bool of_motion = channel == VS_CH_TRAVEL || (channel >= VS_CH_Q && channel < vs_channel_rates(m));
-  return m->plain || of_motion;
+  return of_motion || (m->plain && !(channel == VS_CH_I && m->coil.eddies));
 }
 
 /* ---- polynomials through values ---- */

@@ -42,13 +42,20 @@ static const struct {
 
 bool vs_energy_has(const vs_model *model, int term) {
   if (term == VS_E_LOAD) return model->reloaded;
+  if (term == VS_E_EDDY) return model->coil.eddies;
   return term != VS_E_TRANSDUCER || model->coil.law->transducer_w;
 }
 
 static double magnetic(const vs_frame *frame, const vs_knot *k) {
   const vs_model *m = frame->model;
-  return vs_coil_energy(&m->coil, k->flux_wb,
-                        frame->gap_at_rest ? m->coil.gap_rest_m : vs_mechanics_gap(m, k->x));
+  double j = vs_coil_energy(&m->coil, k->flux_wb,
+                            frame->gap_at_rest ? m->coil.gap_rest_m : vs_mechanics_gap(m, k->x));
+  for (int n = 0; n < m->coil.rungs; n++) {
+    const vs_rung *r = &m->coil.rung[n];
+    const double flux = k->psi_wb[n] - r->share * k->flux_wb;
+    j += flux * flux * r->per_h / (2 * r->share);
+  }
+  return j;
 }
 
 static double mechanical(const vs_model *m, const vs_knot *k) {
@@ -92,7 +99,7 @@ static void take_stock(vs_energy *e) {
   double *left = e->left_j;
   left[VS_B_EVA] =
       j[VS_E_PORT] - j[VS_E_COPPER] - j[VS_E_MAGNETIC] - (e->frame->gap_at_rest ? 0 : j[VS_E_WORK]);
-  left[VS_B_EVA] -= j[VS_E_TRANSDUCER];
+  left[VS_B_EVA] -= j[VS_E_TRANSDUCER] + j[VS_E_EDDY];
   left[VS_B_MECHANICAL] = j[VS_E_WORK] - j[VS_E_DAMPING] - j[VS_E_STOP] - j[VS_E_MECHANICAL];
   left[VS_B_MECHANICAL] += j[VS_E_LOAD];
   left[VS_B_CIRCUIT] = j[VS_E_SOURCE] - j[VS_E_PORT];
@@ -195,8 +202,11 @@ static void integrate_energies(vs_energy *e, const vs_step *step, bool flows) {
   double h = (step->to->t_s - step->from->t_s) / parts, y[VS_CH_MOST];
   for (int part = 0; part < parts; part++)
     for (int k = 0; k < GAUSS[g].count; k++) {
-      vs_step_groups_at(step, step->from->t_s + h * part + h * GAUSS[g].at[k], groups, y);
+      const double t_s = step->from->t_s + h * part + h * GAUSS[g].at[k];
+      vs_step_groups_at(step, t_s, groups, y);
       add_energy_instant(e, y, h * GAUSS[g].weight[k], flows);
+      if (flows && step->frame->model->coil.eddies)
+        e->joule[VS_E_EDDY] += h * GAUSS[g].weight[k] * vs_step_eddy_loss(step, t_s);
     }
 }
 
@@ -205,6 +215,7 @@ static void note_end(vs_energy *e, const vs_knot *k) {
   const vs_deck *deck = e->frame->deck;
   e->last.t_s = k->t_s;
   e->last.flux_wb = k->flux_wb;
+  memcpy(e->last.psi_wb, k->psi_wb, sizeof k->psi_wb);
   memcpy(e->last.x, k->x, 2 * (size_t)e->frame->model->dof * sizeof *k->x);
   if (deck) memcpy(e->last.terms, k->terms, deck->n_terms * sizeof *k->terms);
 }
@@ -289,6 +300,7 @@ double vs_energy_whole(const vs_energy *e) {
 
 /* What stands in a balance besides, where the machine has it. */
 static const char *besides(const vs_model *m, int b) {
+  if (b == VS_B_EVA && vs_energy_has(m, VS_E_EDDY)) return " - eddy";
   if (b == VS_B_EVA && vs_energy_has(m, VS_E_TRANSDUCER)) return " - transducer";
   return b == VS_B_MECHANICAL && vs_energy_has(m, VS_E_LOAD) ? " + load" : "";
 }

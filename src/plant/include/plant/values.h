@@ -20,12 +20,19 @@ typedef struct vs_saturation_values {
   double flux_wb, exponent;
   double current_a; /* 0 where the law is multiplicative */
 } vs_saturation_values;
+/* One shorted secondary, as which eddy currents act (plant/coil.h). */
+enum { VS_MOST_RUNGS = 3 };
+typedef struct vs_rung_values {
+  int present; /* 0: behind the last */
+  double inductance_h, resistance_ohm, coupling;
+} vs_rung_values;
 typedef struct vs_actuator_values {
   char law[VS_NAME_SIZE]; /* a law's name, or a table's file */
   double gap_m, pole_cover_m, inductance_h, resistance_ohm, leakage_h;
   vs_saturation_values saturation;
   double emf_constant_vs_m, force_constant_n_a; /* the latter NaN: equal to the former */
   vs_stop_values stop[VS_MOST_STOPS];           /* in the scene's order */
+  vs_rung_values eddy[VS_MOST_RUNGS];
 } vs_actuator_values;
 
 #endif
