@@ -160,6 +160,7 @@ static void add_energy_instant(vs_energy *e, const double *y, double w, bool flo
   e->joule[VS_E_SOURCE] += w * y[VS_CH_V_MAINS] * y[VS_CH_I_MAINS];
   e->joule[VS_E_PORT] += w * y[VS_CH_V_EVA] * y[VS_CH_I];
   e->joule[VS_E_COPPER] += w * m->actuator.resistance_ohm * y[VS_CH_I] * y[VS_CH_I];
+  e->joule[VS_E_EDDY] += w * y[VS_CH_EDDY];
   e->joule[VS_E_WORK] -= w * y[VS_CH_FORCE] * g_rate;
   if (m->coil.law->transducer_w)
     e->joule[VS_E_TRANSDUCER] +=
@@ -202,11 +203,8 @@ static void integrate_energies(vs_energy *e, const vs_step *step, bool flows) {
   double h = (step->to->t_s - step->from->t_s) / parts, y[VS_CH_MOST];
   for (int part = 0; part < parts; part++)
     for (int k = 0; k < GAUSS[g].count; k++) {
-      const double t_s = step->from->t_s + h * part + h * GAUSS[g].at[k];
-      vs_step_groups_at(step, t_s, groups, y);
+      vs_step_groups_at(step, step->from->t_s + h * part + h * GAUSS[g].at[k], groups, y);
       add_energy_instant(e, y, h * GAUSS[g].weight[k], flows);
-      if (flows && step->frame->model->coil.eddies)
-        e->joule[VS_E_EDDY] += h * GAUSS[g].weight[k] * vs_step_eddy_loss(step, t_s);
     }
 }
 

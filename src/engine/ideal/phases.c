@@ -326,8 +326,9 @@ typedef struct phases {
  * fastest mode's, or by a 256th of the series' eighth term: the remainder of Hermite's
  * interpolation, (h/2)^8/8! of the eighth derivative. Relative to what is large it may be off by
  * ROUGH of run.tolerance, and never by more than ROUGHEST, with which the books of energy, which
- * are kept on the dense output, close to 1e-9 of the work. */
-static const double DENSE = 10321920, ROUGH = 0.05, ROUGHEST = 5e-11;
+ * are kept on the dense output, close to 1e-9 of the work. Eddy currents die away within a part of
+ * a conduction, and steps would be half as long: there the books close to 1e-7. */
+static const double DENSE = 10321920, ROUGH = 0.05, ROUGHEST = 5e-11, ROUGHEST_EDDY = 1e-8;
 
 static const vs_model *model_of_run(const phases *p) {
   return p->frame.model;
@@ -375,7 +376,7 @@ static void fill_next_knot(phases *p, double since_s, const double y[VS_CONDUCTI
   k->t_s = p->began_s + since_s;
   memcpy(k->x, y, 2 * (size_t)p->driven.frame->model->dof * sizeof *y);
   k->flux_wb = y[VS_FLUX];
-  memcpy(k->psi_wb, y + VS_PSI, sizeof k->psi_wb);
+  memcpy(k->psi_wb, y + VS_PSI, (size_t)p->driven.frame->model->coil.rungs * sizeof *y);
   vs_driven_fill(&p->driven, since_s, k);
 }
 
@@ -711,7 +712,7 @@ vs_status vs_phases_run(const vs_setup *setup, const vs_run_order *order, const 
               .early_end = order ? order->early_end : NULL,
               .memo = order ? order->memo : NULL,
               .frame = *frame,
-              .rough = fmin(ROUGH * tolerance, ROUGHEST)};
+              .rough = fmin(ROUGH * tolerance, m->coil.eddies ? ROUGHEST_EDDY : ROUGHEST)};
   p.negligible = 1e-3 * p.rough;
   p.valve = !setup->timeline.firing.no_valve;
   p.by_series = m->plain && !setup->timeline.supply.direct;

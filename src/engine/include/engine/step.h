@@ -84,8 +84,6 @@ void vs_step_groups_at(const vs_step *step, double t_s, unsigned groups, double 
 void vs_step_velocities_at(const vs_step *step, double t_s, double *v);
 /* One channel at t_s, by its number. */
 double vs_step_channel(const vs_step *step, double t_s, int channel);
-/* What eddy currents lose at t_s, W. */
-double vs_step_eddy_loss(const vs_step *step, double t_s);
 /* True if there is no flux anywhere in the step, and so neither current nor force. */
 bool vs_step_is_quiet(const vs_step *step);
 
