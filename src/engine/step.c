@@ -192,6 +192,27 @@ static void put_psi(const vs_step *step, views at, const weights *septic, double
                 step->frame->model->coil.rungs, psi);
 }
 
+void vs_step_psi_at(const vs_step *step, double t_s, double psi[VS_MOST_RUNGS]) {
+  double h = step->to->t_s - step->from->t_s;
+  const views at = views_of(h > 0 ? (t_s - step->from->t_s) / h : 1, h);
+  const weights w = septic(at);
+  memset(psi, 0, VS_MOST_RUNGS * sizeof *psi);
+  if (step->frame->model->coil.rungs) put_psi(step, at, &w, psi);
+}
+
+vs_law_rates vs_step_coil_rates(const vs_frame *frame, const vs_knot *k) {
+  const vs_model *m = frame->model;
+  const vs_coil *c = &m->coil;
+  double z = frame->gap_at_rest ? c->gap_rest_m : vs_mechanics_gap(m, k->x), rate[VS_MOST_RUNGS];
+  double z_rate = frame->gap_at_rest ? 0 : vs_mechanics_travel(m, k->x + m->dof);
+  vs_law_rates r = vs_coil_rates(c, k->flux_wb, k->flux_rate_v, z, z_rate);
+  if (!c->eddies) return r;
+  for (int n = 0; n < c->rungs; n++) rate[n] = vs_coil_rung_rate(c, n, k->flux_wb, k->psi_wb);
+  r.i_a += vs_coil_rungs_current(c, k->flux_wb, k->psi_wb) + c->core_s * k->flux_rate_v;
+  r.i_rate_a_s += vs_coil_rungs_current(c, k->flux_rate_v, rate) + c->core_s * k->flux_rate2_v_s;
+  return r;
+}
+
 /* What eddy currents add to the coil's current, and what they lose; lambda is there already. */
 static void put_eddies(const vs_step *step, views at, const weights *septic, double *y) {
   const vs_coil *c = &step->frame->model->coil;

@@ -33,21 +33,8 @@ typedef struct at_knot {
   double y, rate;
 } at_knot;
 
-/* What eddy currents add to the coil's current and to its rate. */
-static void add_eddies(const vs_coil *c, const vs_knot *k, vs_law_rates *r) {
-  double rate[VS_MOST_RUNGS];
-  for (int n = 0; n < c->rungs; n++) rate[n] = vs_coil_rung_rate(c, n, k->flux_wb, k->psi_wb);
-  r->i_a += vs_coil_rungs_current(c, k->flux_wb, k->psi_wb) + c->core_s * k->flux_rate_v;
-  r->i_rate_a_s +=
-      vs_coil_rungs_current(c, k->flux_rate_v, rate) + c->core_s * k->flux_rate2_v_s;
-}
-
 static at_knot of_law(const vs_frame *frame, const vs_knot *k, int channel) {
-  const vs_model *m = frame->model;
-  double z = frame->gap_at_rest ? m->coil.gap_rest_m : vs_mechanics_gap(m, k->x);
-  double z_rate = frame->gap_at_rest ? 0 : vs_mechanics_travel(m, k->x + m->dof);
-  vs_law_rates r = vs_coil_rates(&m->coil, k->flux_wb, k->flux_rate_v, z, z_rate);
-  if (channel == VS_CH_I && m->coil.eddies) add_eddies(&m->coil, k, &r);
+  const vs_law_rates r = vs_step_coil_rates(frame, k);
   return channel == VS_CH_I ? (at_knot){r.i_a, r.i_rate_a_s}
                             : (at_knot){r.force_n, r.force_rate_n_s};
 }

@@ -84,6 +84,10 @@ void vs_step_groups_at(const vs_step *step, double t_s, unsigned groups, double 
 void vs_step_velocities_at(const vs_step *step, double t_s, double *v);
 /* One channel at t_s, by its number. */
 double vs_step_channel(const vs_step *step, double t_s, int channel);
+/* The secondaries' flux linkages at t_s (plant/coil.h). */
+void vs_step_psi_at(const vs_step *step, double t_s, double psi[VS_MOST_RUNGS]);
+/* The coil's current and the force at a knot, and their rates. */
+vs_law_rates vs_step_coil_rates(const vs_frame *frame, const vs_knot *knot);
 /* True if there is no flux anywhere in the step, and so neither current nor force. */
 bool vs_step_is_quiet(const vs_step *step);
 
