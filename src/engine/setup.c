@@ -547,8 +547,8 @@ static void begin_eva(vs_setup *setup) {
  */
 static vs_status choose_eva(vs_setup *setup, bool has_motions, vs_error *err) {
   bool again = setup->timeline.firing.every >= 4 || setup->timeline.events.count;
-  setup->deck.eva_led = again && !setup->deck.eva_file && setup->model.coil.square &&
-                        !setup->model.coil.eddies;
+  setup->deck.eva_led =
+      again && !setup->deck.eva_file && setup->model.coil.square && !setup->model.coil.eddies;
   if (vs_error_count(err)) return VS_OK; /* there may be no coil */
   vs_eva_take_law(&setup->deck, &setup->model.coil);
   begin_eva(setup);

@@ -32,7 +32,8 @@ vs_knot vs_sim_start(const vs_setup *setup, const vs_frame *frame) {
   const vs_model *m = &setup->model;
   k.flux_wb = vs_coil_idle_flux(&m->coil, vs_mechanics_gap(m, k.x)) + setup->start.flux_wb;
   for (int n = 0; n < m->coil.rungs; n++)
-    k.psi_wb[n] = m->coil.rung[n].share * (k.flux_wb - setup->start.flux_wb) + setup->start.psi_wb[n];
+    k.psi_wb[n] =
+        m->coil.rung[n].share * (k.flux_wb - setup->start.flux_wb) + setup->start.psi_wb[n];
   vs_step_complete_knot(frame, &k, vs_stops_touched(&m->stops, vs_mechanics_travel(m, k.x)));
   return k;
 }

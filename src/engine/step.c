@@ -188,8 +188,8 @@ static void put_psi(const vs_step *step, views at, const weights *septic, double
   const weights w = step->cubic_flux ? cubic(at) : *septic;
   const psi_ends e = psi_of(step);
   apply_weights(&w, (ends){e.d[0][0], e.d[0][1], e.d[0][2], e.d[0][3]},
-                (ends){e.d[1][0], e.d[1][1], e.d[1][2], e.d[1][3]},
-                step->frame->model->coil.rungs, psi);
+                (ends){e.d[1][0], e.d[1][1], e.d[1][2], e.d[1][3]}, step->frame->model->coil.rungs,
+                psi);
 }
 
 void vs_step_psi_at(const vs_step *step, double t_s, double psi[VS_MOST_RUNGS]) {

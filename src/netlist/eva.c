@@ -240,8 +240,8 @@ static void add_eddies(const vs_deck *deck, const char *line, vs_text *out) {
     if (e[1] == 0)
       vs_text_add(out, "Reddy%zu %s %s %.17g\n", n + 1, plus, minus, e[0]);
     else
-      vs_text_add(out, "Reddy%zu %s eddy%zu %.17g\nLeddy%zu eddy%zu %s %.17g\n", n + 1, plus,
-                  n + 1, e[0], n + 1, n + 1, minus, e[1]);
+      vs_text_add(out, "Reddy%zu %s eddy%zu %.17g\nLeddy%zu eddy%zu %s %.17g\n", n + 1, plus, n + 1,
+                  e[0], n + 1, n + 1, minus, e[1]);
   }
 }
 

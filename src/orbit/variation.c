@@ -171,14 +171,15 @@ static int variation_equations(double t_s, const double *s, double *rate, void *
   for (int j = 0; j < all_columns(v); j++, s += v->rows, rate += v->rows) {
     memcpy(q, s, bytes);
     memcpy(q1, s + m->dof, bytes);
-    double flux = faded_change(v, &d, s), g = vs_mechanics_travel(m, q), g1 = vs_mechanics_travel(m, q1);
+    double flux = faded_change(v, &d, s), g = vs_mechanics_travel(m, q),
+           g1 = vs_mechanics_travel(m, q1);
     vs_mechanics_jerks(m, q, q1, d.f_flux * flux + d.f_gap * g + d.f_rate * g1, q2);
     memcpy(rate, q1, bytes);
     memcpy(rate + m->dof, q2, bytes);
     double i = current_change(v, &d, s);
-    rate[2 * m->dof] = v->conducting             ? -r * i / (1 + r * core_s)
+    rate[2 * m->dof] = v->conducting            ? -r * i / (1 + r * core_s)
                        : v->fades && core_s > 0 ? -i / core_s
-                                                 : 0;
+                                                : 0;
     for (int n = 0; n < m->coil.rungs; n++)
       rate[2 * m->dof + 1 + n] = vs_coil_rung_rate(&m->coil, n, flux, s + 2 * m->dof + 1);
     if (j == v->columns && v->parameter) add_parameter_rates(of, t_s, rate);
@@ -381,7 +382,10 @@ vs_status vs_variation_accept(vs_variation *v, const vs_step *step, vs_error *er
   vs_event event = step->event[0];
   v->fades = step->open;
   bool was_free = is_free(v);
-  if (v->model->coil.eddies && !v->conducting && !v->fades) forget_flux(v);
+  if (v->parameter && v->model->coil.eddies)
+    return vs_fail(err, VS_RUN,
+                   "with eddy currents no derivative with respect to a key is taken along the run");
+  if (v->model->coil.eddies && !v->conducting && !v->fades && event != VS_EV_FIRES) forget_flux(v);
   if (v->ending != VS_EV_NONE) return jump_at_instant(v, step, err);
   vs_status status = go_along(v, step, fmax(step->from->t_s, v->at_s), to, err);
   if (event == VS_EV_NONE && was_free) return VS_OK;

@@ -89,10 +89,9 @@ static const vs_field RUNG_ROWS[] = {
     {"coupling", VS_REAL, "", "1", 0, 1, false, E_(coupling),
      "share of the coil's flux linkage that the secondary encloses", NULL, NULL},
 };
-static const vs_inside EDDY = {
-    {"actuator.eddy", RUNG_ROWS, sizeof RUNG_ROWS / sizeof *RUNG_ROWS},
-    .most = VS_MOST_RUNGS,
-    .size = sizeof(vs_rung_values)};
+static const vs_inside EDDY = {{"actuator.eddy", RUNG_ROWS, sizeof RUNG_ROWS / sizeof *RUNG_ROWS},
+                               .most = VS_MOST_RUNGS,
+                               .size = sizeof(vs_rung_values)};
 
 static const vs_field ACTUATOR[] = {
     {"gap", VS_REAL, "mm", "6 mm", 0, 1e3, true, A_(gap_m),

@@ -81,8 +81,7 @@ static double next_flux_rate(const vs_driven *d, int n, double u, const double f
     return -(law_current(c, without, z, n) + vs_coil_rungs_current(c, 0, psi[n])) /
            (law_current(c, one, still, 1) + c->leak_1_h);
   }
-  const double base =
-      law_current(c, f, z, n - 1) + vs_coil_rungs_current(c, f[n - 1], psi[n - 1]);
+  const double base = law_current(c, f, z, n - 1) + vs_coil_rungs_current(c, f[n - 1], psi[n - 1]);
   return d->conducting ? (u - r * base) / (1 + r * c->core_s) : -base / c->core_s;
 }
 

@@ -415,8 +415,7 @@ static vs_status change_phase(phases *p, bool conducting, unsigned touched, vs_e
   const bool fades = m->coil.eddies && !conducting && !is_faded(p, k);
   y[VS_FLUX] = conducting || fades ? k->flux_wb : 0;
   if (p->driven.fades && conducting) y[VS_FLUX] = still_flux(p, k);
-  for (int n = 0; n < VS_MOST_RUNGS; n++)
-    y[VS_PSI + n] = conducting || fades ? k->psi_wb[n] : 0;
+  for (int n = 0; n < VS_MOST_RUNGS; n++) y[VS_PSI + n] = conducting || fades ? k->psi_wb[n] : 0;
   if (!p->driven.conducting || !conducting || p->disturbed) {
     p->began_s = k->t_s;
     p->since_s = 0;
@@ -538,16 +537,19 @@ static vs_crossing go_by_series(phases *p, double *length) {
 }
 
 /* While eddy currents keep a flux the thyristor has u - dlambda/dt. Its firing is looked for where
- * u alone is positive (engine/gate.h), so that a run in which the two differ ends here. fires: it
- * is to fire at the last knot; else it has not fired there. */
+ * u alone is positive (engine/gate.h), so that a run in which the two differ ends here: where it is
+ * to fire at the last knot and has no forward voltage, or had some before, under a gate pulse; and
+ * where it has some at a knot on the way. A millionth of the mains' peak moves a firing by a
+ * microradian. */
 static vs_status look_at_fading(const phases *p, bool fires, vs_error *err) {
-  static const double ROUNDING = 1e-9;
+  static const double UNSEEN = 1e-6;
   const vs_knot *k = &p->knots[p->now];
   const vs_timeline *line = &p->setup->timeline;
   const double u = vs_timeline_voltage(line, k->t_s), v = k->flux_rate_v,
-               more = ROUNDING * line->peak_v;
+               more = UNSEEN * line->peak_v;
   if (!p->driven.fades || !p->valve) return VS_OK;
-  if (fires ? u >= v - more : u <= v + more || !vs_gate_is_on(line, 0, k->t_s)) return VS_OK;
+  const bool forward = vs_gate_is_on(line, 0, k->t_s) && u > v + more;
+  if (fires ? u >= v - more && !(forward && u <= more) : !forward) return VS_OK;
   return vs_fail(err, VS_RUN,
                  "t = %.9g s: eddy currents hold the coil at %.3g V while the mains have %.3g V, "
                  "and the ideal thyristor's firing follows the mains alone; take run.tier: %s",
@@ -643,8 +645,7 @@ static void find_steps(phases *p) {
                     ? m->actuator.resistance_ohm * m->coil.gap_rest_m / (2 * m->coil.a_hm)
                     : m->actuator.resistance_ohm / m->coil.rest_h;
   p->longest_s = longest_ideal_step(p, pow(DENSE * 6 * p->rough, 1.0 / 8), m->fastest_rad_s);
-  for (int n = 0; n < m->coil.rungs; n++)
-    coil = fmax(coil, m->coil.rung[n].rate_1_s);
+  for (int n = 0; n < m->coil.rungs; n++) coil = fmax(coil, m->coil.rung[n].rate_1_s);
   p->longest_driven_s = longest_ideal_step(p, 1, fmax(fmax(m->fastest_rad_s, mains), coil / 8));
   /* runge_kutta.c finds its own, and a stop of any kind has no one bound that is worth much */
   p->longest_touching_s =
@@ -735,7 +736,8 @@ vs_status vs_phases_run(const vs_setup *setup, const vs_run_order *order, const 
      * others just before. */
     if (fires <= t + (p.disturbed ? 0 : 1e-10 * setup->timeline.period_s)) {
       status = look_at_fading(&p, true, err);
-      if (!status) status = change_phase(&p, true, p.driven.touched, p.valve ? VS_EV_FIRES : VS_EV_NONE, err);
+      if (!status)
+        status = change_phase(&p, true, p.driven.touched, p.valve ? VS_EV_FIRES : VS_EV_NONE, err);
     } else
       status = p.disturbed ? run_disturbed_until(&p, end, err) : run_until(&p, end, err);
   }

@@ -13,8 +13,8 @@ static size_t states_of(const vs_model *m) {
 }
 
 void vs_runge_kutta_begin(vs_runge_kutta *g, const vs_model *m) {
-  *g = (vs_runge_kutta){
-      .stepper = vs_checked(gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, states_of(m)))};
+  *g = (vs_runge_kutta){.stepper =
+                            vs_checked(gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, states_of(m)))};
 }
 
 void vs_runge_kutta_end(vs_runge_kutta *g) {
@@ -43,8 +43,8 @@ static int machine_and_coil_rhs(double since_s, const double *y, double *rate, v
     double psi[VS_MOST_RUNGS] = {0};
     memcpy(psi, y + 2 * dof + 1, (size_t)m->coil.rungs * sizeof *psi);
     if (d->conducting) vs_wave_at(&d->mains, since_s, u);
-    rate[2 * dof] = vs_driven_flux_rate(d, d->conducting ? u[0] : 0, flux, psi, gap,
-                                        rate + 2 * dof + 1);
+    rate[2 * dof] =
+        vs_driven_flux_rate(d, d->conducting ? u[0] : 0, flux, psi, gap, rate + 2 * dof + 1);
     force = vs_coil_force(&m->coil, flux, z);
   } else if (d->conducting) {
     double z_coil = d->frame->gap_at_rest ? m->coil.gap_rest_m : z;
@@ -176,7 +176,8 @@ static void take_eddies(const vs_driven *d, const vs_knot k[ENDS], double h, vs_
     for (int order = 0; order < EACH; order++, weight *= h / order)
       for (int r = 0; r < coil->rungs; r++) {
         f[r][n][order] = weight * psi[order][r];
-        if (order + 1 < EACH) psi[order + 1][r] = vs_coil_rung_rate(coil, r, flux[order], psi[order]);
+        if (order + 1 < EACH)
+          psi[order + 1][r] = vs_coil_rung_rate(coil, r, flux[order], psi[order]);
       }
     vs_driven_current(d, &k[n], d->since_s + n * h / (ENDS - 1), i);
     for (int order = 0; order < 3; order++)

@@ -20,7 +20,7 @@ typedef struct vs_knot {
    * finite all the same. */
   double flux_wb, flux_rate_v, flux_rate2_v_s, flux_rate3_v_s2;
   double psi_wb[VS_MOST_RUNGS]; /* of the secondaries with leakage (plant/coil.h) */
-  double v_eva_v, i_mains_a;  /* as the circuit has them; not set on a tier without a circuit */
+  double v_eva_v, i_mains_a;    /* as the circuit has them; not set on a tier without a circuit */
   double terms[VS_DECK_MOST]; /* of the deck's probes and formulas, V or A, in the deck's order; the
                                  last member, so that a copy may leave out those behind the deck's
                                  own */

@@ -37,9 +37,9 @@ struct vs_coil {
   bool eddies;           /* there are secondaries */
   int rungs;             /* how many of them have leakage */
   vs_rung rung[VS_MOST_RUNGS];
-  double leak_1_h;       /* sum of k^2/L */
-  double core_s;         /* sum of k^2/R of those without leakage */
-  void *own;             /* the law's own numbers; owned, constant once built; NULL: none */
+  double leak_1_h; /* sum of k^2/L */
+  double core_s;   /* sum of k^2/R of those without leakage */
+  void *own;       /* the law's own numbers; owned, constant once built; NULL: none */
 };
 
 /* The air gap, m, where the armature has moved by g_m along it: z = D + d + g. */
