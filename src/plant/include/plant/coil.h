@@ -83,6 +83,10 @@ static inline double vs_coil_rung_rate(const vs_coil *c, int n, double flux, con
   return c->rung[n].rate_1_s * (c->rung[n].share * flux - psi[n]);
 }
 
+/* The coil's impedance at an angular frequency, real and imaginary part, ohm: of small currents
+ * about none, at a gap that does not move. */
+void vs_coil_impedance(const vs_coil *coil, double z_m, double omega_rad_s, double ohm[2]);
+
 /* The flux linkage, Wb, that the coil has at this gap while it carries no current; 0 but for a law
  * with a magnet or a moving coil. */
 double vs_coil_idle_flux(const vs_coil *coil, double z_m);
