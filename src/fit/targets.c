@@ -228,8 +228,8 @@ static vs_status read_spectrum_row(vs_targets *aims, const vs_csv *csv, const sp
 static vs_status read_spectrum(vs_targets *aims, const char *path, double error, vs_error *err) {
   vs_csv csv = {.file = path, .trim = true, .comments = true, .guess = true};
   spectrum_columns columns = {0};
-  csv.stream = fopen(path, "r");
-  if (!csv.stream) return vs_fail(err, VS_INPUT, "%s: cannot be opened", path);
+  FILE *file = csv.stream = fopen(path, "r");
+  if (!file) return vs_fail(err, VS_INPUT, "%s: cannot be opened", path);
   vs_status status = vs_csv_next(&csv, err);
   if (!status && !csv.count) status = vs_fail(err, VS_INPUT, "%s: has no header", path);
   if (!status) status = read_spectrum_header(&csv, &columns, err);
@@ -239,7 +239,7 @@ static vs_status read_spectrum(vs_targets *aims, const char *path, double error,
   if (!status && aims->count == before)
     status = vs_fail(err, VS_INPUT, "%s: has no row below its header", path);
   vs_csv_free(&csv);
-  fclose(csv.stream);
+  fclose(file);
   return status;
 }
 

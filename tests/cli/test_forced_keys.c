@@ -37,6 +37,8 @@ static const struct {
              {"firing.first_cycle", "2"},
              {"firing.burst_duty", "50 %"},
              {"circuit.thyristor", "TYN1212"},
+             {"actuator.eddy", "{resistance: 10 kohm}"},
+             {"actuator.eddy.coupling", "0.9"},
              {"run.until", "0.09 s"},
              {"run.tolerance", "1e-10"},
              {"run.max_step", "20 us"},
