@@ -406,7 +406,7 @@ void vs_setup_standard(const vs_setup *setup, vs_deck_value standard[VS_STANDARD
       [VS_STANDARD_PHASE] = supply->phase_rad,
       [VS_STANDARD_R_SOURCE] = vs_setup_source_ohm(setup),
       [VS_STANDARD_L_SOURCE] = supply->inductance_h + supply->decoupling_h,
-      [VS_STANDARD_EVA_RESISTANCE] = setup->model.actuator.resistance_ohm,
+      [VS_STANDARD_EVA_RESISTANCE] = setup->model.coil.resistance_ohm,
       [VS_STANDARD_EVA_A] = setup->model.coil.a_hm,
   };
   _Static_assert(sizeof values / sizeof *values == VS_STANDARD, "a value for each name");

@@ -305,7 +305,7 @@ static inline __attribute__((always_inline)) void groups_at(const vs_step *step,
   put_flux(step, at, &w, y);
   y[VS_CH_I_MAINS] = coil ? y[VS_CH_I] : line(a->i_mains_a, b->i_mains_a, s);
   if (groups & VS_GROUP_V_EVA)
-    y[VS_CH_V_EVA] = coil ? m->actuator.resistance_ohm * y[VS_CH_I] + flux_rate(step, at, &slope)
+    y[VS_CH_V_EVA] = coil ? m->coil.resistance_ohm * y[VS_CH_I] + flux_rate(step, at, &slope)
                           : line(a->v_eva_v, b->v_eva_v, s);
   if (groups & VS_GROUP_V_MAINS) y[VS_CH_V_MAINS] = vs_timeline_voltage(step->frame->timeline, t_s);
   if (groups & VS_GROUP_ACCELERATIONS) put_accelerations(step, y);

@@ -159,7 +159,7 @@ static void add_energy_instant(vs_energy *e, const double *y, double w, bool flo
   if (!flows) return;
   e->joule[VS_E_SOURCE] += w * y[VS_CH_V_MAINS] * y[VS_CH_I_MAINS];
   e->joule[VS_E_PORT] += w * y[VS_CH_V_EVA] * y[VS_CH_I];
-  e->joule[VS_E_COPPER] += w * m->actuator.resistance_ohm * y[VS_CH_I] * y[VS_CH_I];
+  e->joule[VS_E_COPPER] += w * m->coil.resistance_ohm * y[VS_CH_I] * y[VS_CH_I];
   e->joule[VS_E_EDDY] += w * y[VS_CH_EDDY];
   e->joule[VS_E_WORK] -= w * y[VS_CH_FORCE] * g_rate;
   if (m->coil.law->transducer_w)

@@ -86,7 +86,8 @@ static void of_coordinate(const vs_model *model, int i, int which, vs_measure *m
 }
 
 int vs_measures_count(const vs_model *model) {
-  return VS_STANDARD_MEASURES + VS_OF_COORDINATE * model->dof + (sole(model) < 0 ? 0 : 3);
+  const int standard_ones = VS_STANDARD_MEASURES - (model->actuator.winding.present ? 0 : 1);
+  return standard_ones + VS_OF_COORDINATE * model->dof + (sole(model) < 0 ? 0 : 3);
 }
 
 /* Takes the next `count` measures off k; true: the k-th was among them. */

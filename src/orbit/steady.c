@@ -9,6 +9,7 @@
 #include "base/text.h"
 #include "fraction.h"
 #include "heat.h"
+#include "warmth.h"
 
 /* ---- reactions ----
  * What springs and dampers do along each coordinate, the rows of K q + B q'. Along a coordinate
@@ -163,6 +164,7 @@ vs_status vs_steady_begin(vs_steady *steady, vs_scene *scene, int periods, vs_er
   vs_status status = vs_tiers_require_orbits("steady", scene->tier, scene->why,
                                              vs_tree_place(scene->tree.root, "run.tier"), err);
   if (!status) status = vs_fraction_settle(scene, periods, err);
+  if (!status) status = vs_warmth_settle(scene, periods, err);
   if (status) return status;
   if (scene->tier->has_circuit)
     status = vs_picard_new(scene, periods, true, &steady->picard, err);
@@ -380,6 +382,8 @@ static vs_status put_at_work(vs_scene *scene, vs_picard **picard, vs_error *err)
   vs_orbit orbit;
   vs_status found = vs_fraction_settle(scene, 1, err);
   if (found || !scene->setup.steady) return found;
+  found = vs_warmth_settle(scene, 1, err);
+  if (found) return found;
   vs_scene *calm = vs_steady_undisturbed(scene);
   vs_status status = find_start(scene, calm, picard, &orbit, err);
   if (!status) status = begin_on(scene, calm, &orbit, err);

@@ -167,7 +167,7 @@ static int variation_equations(double t_s, const double *s, double *rate, void *
   const partials d = partials_at(v, of->step, t_s);
   size_t bytes = (size_t)m->dof * sizeof *s;
   double q[VS_MOST_DOF] = {0}, q1[VS_MOST_DOF] = {0}, q2[VS_MOST_DOF];
-  const double r = m->actuator.resistance_ohm, core_s = m->coil.core_s;
+  const double r = m->coil.resistance_ohm, core_s = m->coil.core_s;
   for (int j = 0; j < all_columns(v); j++, s += v->rows, rate += v->rows) {
     memcpy(q, s, bytes);
     memcpy(q1, s + m->dof, bytes);
@@ -200,7 +200,7 @@ static vs_status integrate_variation(vs_variation *v, const vs_step *step, doubl
   gsl_odeiv2_system system = {variation_equations, NULL, size, &of};
   double error[VS_VARIATION_MOST * (VS_VARIATION_MOST + 1)];
   double fastest = fmax(v->touched ? m->contact_rad_s : m->fastest_rad_s, v->mains_rad_s);
-  double i_flux = partials_at(v, step, from_s).i_flux, coil = m->actuator.resistance_ohm * i_flux;
+  double i_flux = partials_at(v, step, from_s).i_flux, coil = m->coil.resistance_ohm * i_flux;
   if (m->coil.core_s > 0) coil = fmax(coil, i_flux / m->coil.core_s);
   for (int n = 0; n < m->coil.rungs; n++) coil = fmax(coil, m->coil.rung[n].rate_1_s);
   int parts = (int)fmin(ceil((to_s - from_s) * fmax(fastest, fabs(coil)) / TURN), 1e6);

@@ -93,6 +93,29 @@ static const vs_inside EDDY = {{"actuator.eddy", RUNG_ROWS, sizeof RUNG_ROWS / s
                                .most = VS_MOST_RUNGS,
                                .size = sizeof(vs_rung_values)};
 
+#define W_(member) offsetof(vs_winding_values, member)
+static const vs_field WINDING_ROWS[] = {
+    {"temperature", VS_REAL, "degC", "20 degC", -60, 500, false, W_(temperature_degc),
+     "of the winding as the run begins; actuator.resistance is that at 20 degC", NULL, NULL},
+    {"coefficient", VS_REAL, "", "0.00393", 0, 0.01, false, W_(coefficient_1_k),
+     "by which the resistance grows per K, as a part of that at 20 degC; copper", NULL, NULL},
+    {"r_th", VS_REAL, "K/W", "0 K/W", 0, 1e6, false, W_(r_th[0]),
+     "thermal resistance from winding to core, or to the ambient where the core has none", NULL,
+     NULL},
+    {"c_th", VS_REAL, "J/K", "0 J/K", 0, 1e9, false, W_(c_th[0]),
+     "heat capacity of the winding; 0: not known", NULL, NULL},
+    {"core_r_th", VS_REAL, "K/W", "0 K/W", 0, 1e6, false, W_(r_th[1]),
+     "thermal resistance from core to ambient", NULL, NULL},
+    {"core_c_th", VS_REAL, "J/K", "0 J/K", 0, 1e9, false, W_(c_th[1]), "heat capacity of the core",
+     NULL, NULL},
+    {"ambient", VS_REAL, "degC", "25 degC", -60, 200, false, W_(ambient_degc),
+     "temperature of the air around the coil", NULL, NULL},
+};
+static const vs_inside WINDING = {
+    {"actuator.winding", WINDING_ROWS, sizeof WINDING_ROWS / sizeof *WINDING_ROWS},
+    .most = 1,
+    .size = sizeof(vs_winding_values)};
+
 static const vs_field ACTUATOR[] = {
     {"gap", VS_REAL, "mm", "6 mm", 0, 1e3, true, A_(gap_m),
      "D, armature to pole cover at rest (Table 1)", NULL, NULL},
@@ -117,6 +140,8 @@ static const vs_field ACTUATOR[] = {
     {"eddy", VS_OPTION, "", "none", 0, 0, false, A_(eddy),
      "eddy currents and core loss: one to three shorted secondaries beside the coil", "none",
      &EDDY},
+    {"winding", VS_OPTION, "", "none", 0, 0, false, A_(winding),
+     "how warm the coil is, and what that makes of its resistance", "none", &WINDING},
     {"emf_constant", VS_REAL, "V.s/m", "1 V.s/m", -1e9, 1e9, false, A_(emf_constant_vs_m),
      "law moving_coil: voltage per speed at which the gap opens", NULL, NULL},
     {"force_constant", VS_REAL, "N/A", "emf_constant", -1e9, 1e9, false, A_(force_constant_n_a),
@@ -258,6 +283,10 @@ vs_status vs_actuator_build(const vs_actuator_values *v, const vs_node *map,
   } else {
     build_stops(v, stops);
     build_rungs(v, coil);
+    coil->cold_ohm = v->resistance_ohm;
+    coil->resistance_ohm =
+        vs_winding_ohm(&v->winding, v->resistance_ohm, v->winding.temperature_degc);
+    coil->heat = vs_winding_begin(&v->winding);
   }
   return status;
 }

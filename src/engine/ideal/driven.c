@@ -16,7 +16,7 @@ static void complete_driven_knot(const vs_driven *d, vs_knot *k) {
 
 /* The last two derivatives of lambda where i = lambda z/(2a). */
 static void square_rates(const vs_model *m, const double u[3], const double z[3], vs_knot *k) {
-  double r = m->actuator.resistance_ohm / (2 * m->coil.a_hm);
+  double r = m->coil.resistance_ohm / (2 * m->coil.a_hm);
   k->flux_rate2_v_s = u[1] - r * (k->flux_rate_v * z[0] + k->flux_wb * z[1]);
   k->flux_rate3_v_s2 =
       u[2] - r * (k->flux_rate2_v_s * z[0] + 2 * k->flux_rate_v * z[1] + k->flux_wb * z[2]);
@@ -27,9 +27,9 @@ static void square_rates(const vs_model *m, const double u[3], const double z[3]
 static void law_rates(const vs_model *m, const double u[3], const double z[3], vs_knot *k) {
   double i[3], force[3], flux[3] = {k->flux_wb, k->flux_rate_v, 0};
   m->coil.law->along(&m->coil, flux, z, i, force);
-  k->flux_rate2_v_s = flux[2] = u[1] - m->actuator.resistance_ohm * i[1];
+  k->flux_rate2_v_s = flux[2] = u[1] - m->coil.resistance_ohm * i[1];
   m->coil.law->along(&m->coil, flux, z, i, force);
-  k->flux_rate3_v_s2 = u[2] - m->actuator.resistance_ohm * i[2];
+  k->flux_rate3_v_s2 = u[2] - m->coil.resistance_ohm * i[2];
 }
 
 /* ---- with eddy currents ---- */
@@ -158,11 +158,10 @@ void vs_driven_fill(const vs_driven *d, double since_s, vs_knot *k) {
   z[1] = moves * vs_mechanics_travel(m, k->x + m->dof);
   vs_wave_at(&d->mains, since_s, u);
   if (m->coil.square) {
-    double r = m->actuator.resistance_ohm / (2 * m->coil.a_hm);
+    double r = m->coil.resistance_ohm / (2 * m->coil.a_hm);
     k->flux_rate_v = u[0] - r * k->flux_wb * z[0];
   } else {
-    k->flux_rate_v =
-        u[0] - m->actuator.resistance_ohm * vs_coil_current(&m->coil, k->flux_wb, z[0]);
+    k->flux_rate_v = u[0] - m->coil.resistance_ohm * vs_coil_current(&m->coil, k->flux_wb, z[0]);
   }
   complete_driven_knot(d, k);
   z[2] = moves * vs_mechanics_travel(m, k->a);

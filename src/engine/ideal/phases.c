@@ -641,9 +641,8 @@ static vs_status run_until(phases *p, double end_s, vs_error *err) {
 static void find_steps(phases *p) {
   const vs_model *m = model_of_run(p);
   double mains = p->setup->timeline.omega_rad_s;
-  double coil = m->coil.square
-                    ? m->actuator.resistance_ohm * m->coil.gap_rest_m / (2 * m->coil.a_hm)
-                    : m->actuator.resistance_ohm / m->coil.rest_h;
+  double coil = m->coil.square ? m->coil.resistance_ohm * m->coil.gap_rest_m / (2 * m->coil.a_hm)
+                               : m->coil.resistance_ohm / m->coil.rest_h;
   p->longest_s = longest_ideal_step(p, pow(DENSE * 6 * p->rough, 1.0 / 8), m->fastest_rad_s);
   for (int n = 0; n < m->coil.rungs; n++) coil = fmax(coil, m->coil.rung[n].rate_1_s);
   p->longest_driven_s = longest_ideal_step(p, 1, fmax(fmax(m->fastest_rad_s, mains), coil / 8));

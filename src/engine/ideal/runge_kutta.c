@@ -49,7 +49,7 @@ static int machine_and_coil_rhs(double since_s, const double *y, double *rate, v
   } else if (d->conducting) {
     double z_coil = d->frame->gap_at_rest ? m->coil.gap_rest_m : z;
     vs_wave_at(&d->mains, since_s, u);
-    rate[2 * dof] = u[0] - m->actuator.resistance_ohm * vs_coil_current(&m->coil, flux, z_coil);
+    rate[2 * dof] = u[0] - m->coil.resistance_ohm * vs_coil_current(&m->coil, flux, z_coil);
     force = vs_coil_force(&m->coil, flux, z);
   }
   if (d->touched && !d->held) force += vs_stops_force(&m->stops, d->touched, g, g1);

@@ -118,7 +118,7 @@ void vs_taylor_make(const vs_driven *driven, const vs_knot *knot, double span_s,
         eddy_terms(driven, s, z, n, u);
       else
         s->flux[n + 1] =
-            ratio * (u - m->actuator.resistance_ohm * per_2a * product_of_series(s->flux, z, n));
+            ratio * (u - m->coil.resistance_ohm * per_2a * product_of_series(s->flux, z, n));
     }
     if (n + 2 > VS_SERIES_ORDER) continue;
     if (m->dof == VS_ROWS)

@@ -36,7 +36,8 @@
   X(VS_M_ENERGY_RESIDUAL, "energy_residual", "",                                                   \
     "what the worst energy balance leaves over, relative to |work_force| or to 1 % of "            \
     "|energy_in|, "                                                                                \
-    "whichever is more")
+    "whichever is more")                                                                           \
+  X(VS_M_COIL_T, "coil.t_max", "degC", "highest temperature of the winding, by mean losses")
 
 /* Where a measure's value stands in an array values[VS_MEASURES]: those above first, then three of
  * each coordinate i, at VS_M_OF_COORDINATE(i, VS_LEAST), VS_LARGEST and VS_PEAK. */

@@ -17,7 +17,7 @@
 #include <stdbool.h>
 
 #include "plant/law.h"
-#include "plant/values.h"
+#include "plant/winding.h"
 
 /* A secondary with leakage. */
 typedef struct vs_rung {
@@ -37,9 +37,11 @@ struct vs_coil {
   bool eddies;           /* there are secondaries */
   int rungs;             /* how many of them have leakage */
   vs_rung rung[VS_MOST_RUNGS];
-  double leak_1_h; /* sum of k^2/L */
-  double core_s;   /* sum of k^2/R of those without leakage */
-  void *own;       /* the law's own numbers; owned, constant once built; NULL: none */
+  double leak_1_h;       /* sum of k^2/L */
+  double core_s;         /* sum of k^2/R of those without leakage */
+  double cold_ohm;       /* R_c at 20 degC; resistance_ohm is that of the winding as it is */
+  vs_winding_state heat; /* as the run begins */
+  void *own;             /* the law's own numbers; owned, constant once built; NULL: none */
 };
 
 /* The air gap, m, where the armature has moved by g_m along it: z = D + d + g. */
