@@ -137,6 +137,10 @@ static const vs_field ACTUATOR[] = {
      "law reluctance: L_k, inductance of the flux that does not cross the gap", NULL, NULL},
     {"saturation", VS_OPTION, "", "none", 0, 0, false, A_(saturation),
      "law reluctance: what the iron adds to the current", "none", &SATURATION},
+    {"linear_to", VS_REAL, "Wb", "none", 0, 1e6, true, A_(linear_to_wb),
+     "flux linkage up to which the iron is known not to saturate; a run beyond it without "
+     "`saturation` is warned of",
+     "none", NULL},
     {"eddy", VS_OPTION, "", "none", 0, 0, false, A_(eddy),
      "eddy currents and core loss: one to three shorted secondaries beside the coil", "none",
      &EDDY},

@@ -11,6 +11,7 @@
 #include "measure/energy.h"
 #include "orbit/poincare_map.h"
 #include "orbit/shooting.h"
+#include "orbit/steady.h"
 #include "plant/coil.h"
 #include "suite.h"
 
@@ -350,7 +351,69 @@ static void early_firing(void) {
   vs_trial_free(t);
 }
 
+/* ---- warmth, saturation ---- */
+
+/* At the equilibrium the winding's losses keep its temperature: T = T_a + R_ca (P_cu + P_eddy) +
+ * R_wc P_cu; and a hotter winding has more ohms by the coefficient of copper. */
+static void warmth(void) {
+  const char *sets[] = {"firing.every=1", "firing.angle=130deg",
+                        "actuator.winding={r_th: 5 K/W, core_r_th: 10 K/W, ambient: 30 degC}",
+                        "actuator.eddy={resistance: 15 kohm}", NULL};
+  vs_error err = {0};
+  vs_steady steady;
+  vs_trial *t = vs_trial_read("paper", "switched", sets);
+  EXPECT(!vs_steady_begin(&steady, &t->scene, 1, &err), "%s", err.text);
+  const vs_coil *c = &t->scene.setup.model.coil;
+  CLOSE(c->resistance_ohm, 92 * (1 + 0.00393 * (c->heat.winding_degc - 20)), 1e-12);
+  vs_trial_go(t, NULL);
+  const double *joule = t->result.watchers.energy.joule, core_w = joule[VS_E_EDDY] / 0.02,
+               copper_w = joule[VS_E_COPPER] / 0.02;
+  CU_ASSERT(copper_w > 1 && core_w > 0.5);
+  CLOSE_OF(c->heat.winding_degc, 30 + 10 * (copper_w + core_w) + 5 * copper_w, 1, 3e-3);
+  vs_steady_end(&steady);
+  vs_trial_free(t);
+}
+
+/* Two bodies, against the closed form of one where the core's resistance is all there is. */
+static void warming(void) {
+  const vs_winding_values one = {.present = 1,
+                                 .temperature_degc = 20,
+                                 .r_th = {4, 0},
+                                 .c_th = {50, 0},
+                                 .ambient_degc = 20},
+                          two = {.present = 1,
+                                 .temperature_degc = 20,
+                                 .r_th = {1, 3},
+                                 .c_th = {50, 400},
+                                 .ambient_degc = 20};
+  vs_winding_state s = vs_winding_begin(&one), end = vs_winding_begin(&two);
+  vs_winding_go(&one, 10, 0, 200, &s);
+  CLOSE(s.winding_degc, 20 + 40 * (1 - exp(-1)), 1e-4);
+  vs_winding_go(&two, 10, 2, 1e5, &end);
+  CLOSE(end.winding_degc, 20 + 3 * 12 + 10, 1e-9);
+  CLOSE(end.core_degc, 20 + 3 * 12, 1e-9);
+}
+
+static void count_linear(void *ctx, const char *text) {
+  if (strstr(text, "actuator.linear_to")) ++*(int *)ctx;
+}
+
+static void beyond_linear_iron(void) {
+  const char *sets[] = {"actuator.linear_to=1.3Wb", "run.until=0.02s", NULL, NULL};
+  for (int k = 0; k < 2; k++) {
+    if (k) sets[0] = "actuator.linear_to=1.5Wb";
+    vs_trial *t = vs_trial_run("paper", "switched", sets, NULL);
+    int said = 0;
+    vs_result_warnings(&t->result, count_linear, &said);
+    CU_ASSERT_EQUAL(said, k ? 0 : 1);
+    vs_trial_free(t);
+  }
+}
+
 static const vs_test TESTS[] = {
+    {"the winding's equilibrium", warmth},
+    {"two bodies that warm up", warming},
+    {"beyond linear iron", beyond_linear_iron},
     {"the ladder's impedance", impedance},
     {"an integrator of its own", own_integrator},
     {"the circuit", circuit},

@@ -36,6 +36,7 @@ typedef struct vs_actuator_values {
   char law[VS_NAME_SIZE]; /* a law's name, or a table's file */
   double gap_m, pole_cover_m, inductance_h, resistance_ohm, leakage_h;
   vs_saturation_values saturation;
+  double linear_to_wb; /* NaN: the scene does not say */
   double emf_constant_vs_m, force_constant_n_a; /* the latter NaN: equal to the former */
   vs_stop_values stop[VS_MOST_STOPS];           /* in the scene's order */
   vs_rung_values eddy[VS_MOST_RUNGS];
