@@ -81,6 +81,29 @@ static void impedance(void) {
   free(s);
 }
 
+/* The rungs that docs/theory.md gives for a slab: two poles of x coth x, and one that has the sum
+ * of the others and of their squares' time constants. tau = 1 s, L_0 = 1 H. */
+static void slab(void) {
+  static const struct { double ratio, error; } ROWS[] = {{1, 1e-5}, {2, 3e-4}, {4, 8.1e-3}};
+  vs_trial *t = vs_trial_read(
+      "paper", "switched",
+      (const char *[]){"actuator.inductance=1H",
+                       "actuator.eddy=[{resistance: 4.9348 ohm, inductance: 0.5 H}, {resistance: "
+                       "19.7392 ohm, inductance: 0.5 H}, {resistance: 12.4953 ohm, inductance: "
+                       "0.06355 H}]",
+                       NULL});
+  for (size_t k = 0; k < COUNT(ROWS); k++)
+    for (int n = 1; n <= 20; n++) {
+      double ratio = ROWS[k].ratio * n / 20, w = 2 * ratio * ratio, ohm[2];
+      vs_coil_impedance(&t->scene.setup.model.coil, t->scene.setup.model.coil.gap_rest_m, w, ohm);
+      ohm[0] -= 92;
+      const double complex x = csqrt(I * w), z = I * w * ctanh(x) / x;
+      EXPECT(cabs(ohm[0] + I * ohm[1] - z) <= ROWS[k].error * cabs(z), "d/delta = %g: off by %.2e",
+             ratio, cabs(ohm[0] + I * ohm[1] - z) / cabs(z));
+    }
+  vs_trial_free(t);
+}
+
 /* ---- an integrator of its own ---- */
 
 /* States: q, q', lambda, the secondaries' currents. The third of LADDER's kinds, without leakage,
@@ -415,6 +438,7 @@ static const vs_test TESTS[] = {
     {"two bodies that warm up", warming},
     {"beyond linear iron", beyond_linear_iron},
     {"the ladder's impedance", impedance},
+    {"a slab", slab},
     {"an integrator of its own", own_integrator},
     {"the circuit", circuit},
     {"an orbit", orbit},
