@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "measure/energy.h"
-#include "orbit/steady.h"
+#include "orbit/shooting.h"
 
 /* The winding counts as burnt from here on, degC: copper's enamel of the highest class, C, bears
  * 240 degC for hours. */
@@ -14,8 +14,7 @@ static const double BURNT_DEGC = 500;
 static const double SETTLED_K = 1e-3;
 
 typedef struct search {
-  const vs_scene *scene;
-  vs_scene *calm; /* that of the orbits; owned */
+  vs_scene *calm; /* that of the orbits */
   const vs_winding_values *winding;
   int periods;
 } search;
@@ -39,7 +38,7 @@ static vs_status lose(search *s, double t_degc, loss *of, vs_error *err) {
   if (status) return status;
   vs_run_values run = setup->run;
   run.until_s = orbit.period_s;
-  const vs_setup period = vs_steady_setup(s->calm, &run, &orbit);
+  const vs_setup period = vs_shooting_setup(s->calm, &run, &orbit);
   const vs_frame frame = vs_sim_frame(s->calm->tier, &period);
   vs_energy *energy = vs_alloc(1, sizeof *energy);
   energy->frame = &frame;
@@ -166,10 +165,10 @@ static vs_status warn_of_limit(search *s, vs_scene *scene, double t_degc, vs_err
   return status;
 }
 
-vs_status vs_warmth_settle(vs_scene *scene, int periods, vs_error *err) {
+vs_status vs_warmth_settle(vs_scene *scene, vs_scene *calm, int periods, vs_error *err) {
   const vs_winding_values *w = &scene->setup.model.actuator.winding;
   if (!w->present || w->r_th[0] + w->r_th[1] == 0) return VS_OK;
-  search s = {scene, vs_steady_undisturbed(scene), w, periods};
+  search s = {calm, w, periods};
   double t_degc;
   loss of;
   s.calm->tier = vs_tiers_of_orbit(scene->tier);
@@ -184,6 +183,5 @@ vs_status vs_warmth_settle(vs_scene *scene, int periods, vs_error *err) {
     coil->resistance_ohm = vs_winding_ohm(w, coil->cold_ohm, t_degc);
     coil->heat = (vs_winding_state){t_degc, core_of(w, of)};
   }
-  free(s.calm);
   return status;
 }

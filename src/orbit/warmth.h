@@ -14,8 +14,10 @@
  * without its events: the least temperature above the ambient that keeps itself, to 1 mK. A scene
  * of a tier without orbits takes that of another one (vs_tiers_of_orbit). Where the scene rates
  * coil.t_max and the winding becomes warmer, the scene is warned, with the time that this takes.
- * Where the winding has no thermal resistance, nothing is done. Errors: those of vs_shooting_find;
- * VS_RUN, the winding has no such temperature, with the time that it takes to run away. */
-vs_status vs_warmth_settle(vs_scene *scene, int periods, vs_error *err);
+ * Where the winding has no thermal resistance, nothing is done. calm: the scene
+ * without its events, as if it began at rest, of which all that a run needs is changed here.
+ * Errors: those of vs_shooting_find; VS_RUN, the winding has no such temperature, with the time
+ * that it takes to run away. */
+vs_status vs_warmth_settle(vs_scene *scene, vs_scene *calm, int periods, vs_error *err);
 
 #endif
