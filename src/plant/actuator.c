@@ -141,10 +141,10 @@ static const vs_field ACTUATOR[] = {
      "flux linkage up to which the iron is known not to saturate; a run beyond it without "
      "`saturation` is warned of",
      "none", NULL},
-    {"eddy", VS_OPTION, "", "none", 0, 0, false, A_(eddy),
+    {"eddy", VS_OPTION, "", "none", 0, 0, true, A_(eddy),
      "eddy currents and core loss: one to three shorted secondaries beside the coil", "none",
      &EDDY},
-    {"winding", VS_OPTION, "", "none", 0, 0, false, A_(winding),
+    {"winding", VS_OPTION, "", "none", 0, 0, true, A_(winding),
      "how warm the coil is, and what that makes of its resistance", "none", &WINDING},
     {"emf_constant", VS_REAL, "V.s/m", "1 V.s/m", -1e9, 1e9, false, A_(emf_constant_vs_m),
      "law moving_coil: voltage per speed at which the gap opens", NULL, NULL},
