@@ -169,8 +169,8 @@ vs_status vs_warmth_settle(vs_scene *scene, vs_scene *calm, int periods, vs_erro
   const vs_winding_values *w = &scene->setup.model.actuator.winding;
   if (!w->present || w->r_th[0] + w->r_th[1] == 0) return VS_OK;
   search s = {calm, w, periods};
-  double t_degc;
-  loss of;
+  double t_degc = NAN;
+  loss of = {0, 0};
   s.calm->tier = vs_tiers_of_orbit(scene->tier);
   s.calm->order.raw = NULL;
   s.calm->order.fork = NULL;

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
 
 #include "base/text.h"
 #include "engine/sim.h"
@@ -374,6 +375,46 @@ static void early_firing(void) {
   vs_trial_free(t);
 }
 
+/* ---- from data ---- */
+
+static int fit(const char *csv, const char *error) {
+  char text[512];
+  snprintf(text, sizeof text,
+           "set: {run.tier: switched, actuator.eddy: {inductance: 2 H, resistance: 9 kohm}}\n"
+           "free:\n  actuator.inductance: {from: 0.5 H, to: 4 H}\n"
+           "  actuator.eddy.resistance: {from: 1 kohm, to: 50 kohm}\n"
+           "starts: 1\nimpedance: {file: z.csv, error: %s}\n",
+           error);
+  write_file("z.yaml", text);
+  write_file("z.csv", csv);
+  int how = system(VS_PROGRAM " fit z.yaml --quiet -o z >z.log 2>&1");
+  return WIFEXITED(how) ? WEXITSTATUS(how) : 1000;
+}
+
+/* Numbers of the closed form with 1.2 H, and 5 kohm behind 2 H: found again to 1e-4. */
+static void impedance_fitted(void) {
+  vs_text csv = {0};
+  vs_text_add(&csv, "f_kHz,r_ohm,l_mH\n");
+  for (double hz = 20; hz < 3000; hz *= 2) {
+    const double w = 2 * M_PI * hz;
+    const double complex z = 92 + 1 / (1 / (I * w * 1.2) + 1 / (5000 + I * w * 2));
+    vs_text_add(&csv, "%.9g,%.9g,%.9g\n", hz / 1000, creal(z), 1000 * cimag(z) / w);
+  }
+  CU_ASSERT_EQUAL(fit(csv.text, "1 %"), 0);
+  char *found = NULL, line[4096];
+  FILE *f = fopen("z.log", "r");
+  if (f) fclose(f);
+  f = popen("grep -o 'actuator.eddy.resistance=[0-9.]*' z/*.* | head -1", "r");
+  if (f && fgets(line, sizeof line, f)) found = strrchr(line, '=');
+  EXPECT(found && fabs(atof(found + 1) - 5000) < 0.5, "found %s", found ? found : "nothing");
+  if (f) pclose(f);
+  CU_ASSERT_EQUAL(fit("f_hz,q_ohm\n50,3\n", "1 %"), 2);
+  CU_ASSERT_EQUAL(fit("f_hz,r_ohm\n-50,3\n", "1 %"), 2);
+  CU_ASSERT_EQUAL(fit("f_hz,r_ohm\n", "1 %"), 2);
+  CU_ASSERT_EQUAL(fit(csv.text, "1 ohm"), 2);
+  vs_text_free(&csv);
+}
+
 /* ---- warmth, saturation ---- */
 
 /* At the equilibrium the winding's losses keep its temperature: T = T_a + R_ca (P_cu + P_eddy) +
@@ -434,6 +475,7 @@ static void beyond_linear_iron(void) {
 }
 
 static const vs_test TESTS[] = {
+    {"an impedance fitted", impedance_fitted},
     {"the winding's equilibrium", warmth},
     {"two bodies that warm up", warming},
     {"beyond linear iron", beyond_linear_iron},
