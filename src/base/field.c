@@ -31,8 +31,12 @@ void vs_field_range(const vs_field *field, char *text, size_t size) {
 }
 
 bool vs_field_is_idle(const vs_field *field, const void *values) {
-  return field->kind == VS_FACTOR &&
-         *(const double *)(const void *)((const char *)values + field->offset) == 1;
+  const void *member = (const char *)values + field->offset;
+  if (field->kind == VS_OPTION) return field->open && !*(const int *)member;
+  const double value = field->kind & (VS_FACTOR | VS_REAL) ? *(const double *)member : 0;
+  if (field->kind == VS_FACTOR) return value == 1;
+  return field->kind == VS_REAL && isnan(value) && field->choices &&
+         !strcmp(field->choices, "none");
 }
 
 static vs_status read_real(const char *name, const vs_field *field, const vs_node *node,

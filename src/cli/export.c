@@ -299,7 +299,7 @@ static size_t find_columns(const vs_scene *scene, column columns[MOST_COLUMNS]) 
   for (int k = 0; k < OUR_COLUMNS; k++) name_column(&ours[k], vs_channel_at(frame, OURS[k]));
   vs_text_add(&ours[0].value, "v(%s.z)", deck->eva);
   vs_text_add(&ours[1].value, "v(%s.lam)", deck->eva);
-  if (m->coil.square)
+  if (m->coil.square && !m->coil.eddies)
     vs_text_add(&ours[2].value, "v(%s.lam)*v(%s.z)/(2*vs_a)", deck->eva, deck->eva);
   else
     vs_text_add(&ours[2].value, "v(vs_i)");
@@ -524,7 +524,7 @@ static void add_analysis(vs_text *t, const vs_setup *s) {
   if (vs_export_machine_travel_is(m) < 0)
     vs_text_add(t, " v(vs_%s)", vs_export_machine_node(m, false));
   vs_text_add(t, " v(vs_%s) v(vs_f) v(%s.z) v(%s.lam)%s\n", vs_export_machine_node(m, true),
-              deck->eva, deck->eva, m->coil.square ? "" : " v(vs_i)");
+              deck->eva, deck->eva, m->coil.square && !m->coil.eddies ? "" : " v(vs_i)");
   for (int k = 0; k < m->machine->n_probes; k++) vs_text_add(t, ".save v(vs_probe%d)\n", k + 1);
   char signal[VS_DECK_NAME + 4];
   for (int k = 0; k < 2; k++) {

@@ -10,6 +10,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "netlist/eva.h"
 #include "plant/b_source.h"
 
 /* ---- the machine's nodes ---- */
@@ -146,13 +147,24 @@ static void add_force(vs_text *t, const vs_setup *s) {
   vs_text lines = {0}, current = {0}, force = {0};
   if (coil->square) {
     vs_text_add(t, "Bvs_f vs_f 0 V = v(%s.lam)*v(%s.lam)/(4*({eva_a}))\n", eva, eva);
+    if (coil->eddies) {
+      vs_text_add(t, "Bvs_i vs_i 0 V = v(%s.lam)*v(%s.z)/(2*({eva_a}))", eva, eva);
+      vs_eva_add_eddy_currents(&s->deck, t);
+      vs_text_add(t, "\n");
+    }
     return;
   }
   coil->law->netlist(coil, "v(lam)", "v(z)", &lines, &current, &force);
   vs_text_add(t,
               ".subckt vs_law lam z f i\n%sBf f 0 V = %s\nBi i 0 V = %s\n.ends vs_law\n"
-              "Xvs_law %s.lam %s.z vs_f vs_i vs_law\n",
-              lines.text ? lines.text : "", force.text, current.text, eva, eva);
+              "Xvs_law %s.lam %s.z vs_f %s vs_law\n",
+              lines.text ? lines.text : "", force.text, current.text, eva, eva,
+              coil->eddies ? "vs_law_i" : "vs_i");
+  if (coil->eddies) {
+    vs_text_add(t, "Bvs_i vs_i 0 V = v(vs_law_i)");
+    vs_eva_add_eddy_currents(&s->deck, t);
+    vs_text_add(t, "\n");
+  }
   vs_text_free(&lines);
   vs_text_free(&current);
   vs_text_free(&force);
@@ -262,7 +274,7 @@ static void write_terms(const vs_setup *s, vs_text text[TERMS]) {
   const char *eva = s->deck.eva;
   vs_text_add(&text[VS_MACHINE_TERM_Z], "v(%s.z)", eva);
   vs_text_add(&text[VS_MACHINE_TERM_LAMBDA], "v(%s.lam)", eva);
-  if (m->coil.square)
+  if (m->coil.square && !m->coil.eddies)
     vs_text_add(&text[VS_MACHINE_TERM_I], "(v(%s.lam)*v(%s.z)/(2*({eva_a})))", eva, eva);
   else
     vs_text_add(&text[VS_MACHINE_TERM_I], "v(vs_i)");

@@ -8,7 +8,7 @@
 
 static const vs_channel STANDARD[VS_CH_Q] = {
 #define VS_CHANNEL_ROW(id, name, unit, of, text)                                                   \
-  {name, unit, text, id != VS_CH_I_MAINS && id != VS_CH_TRAVEL, VS_COLUMN_PROBE, of},
+  {name, unit, text, id < VS_CH_I_MAINS, VS_COLUMN_PROBE, of},
     VS_CHANNEL_LIST(VS_CHANNEL_ROW)
 #undef VS_CHANNEL_ROW
 };

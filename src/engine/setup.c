@@ -406,7 +406,7 @@ void vs_setup_standard(const vs_setup *setup, vs_deck_value standard[VS_STANDARD
       [VS_STANDARD_PHASE] = supply->phase_rad,
       [VS_STANDARD_R_SOURCE] = vs_setup_source_ohm(setup),
       [VS_STANDARD_L_SOURCE] = supply->inductance_h + supply->decoupling_h,
-      [VS_STANDARD_EVA_RESISTANCE] = setup->model.actuator.resistance_ohm,
+      [VS_STANDARD_EVA_RESISTANCE] = setup->model.coil.resistance_ohm,
       [VS_STANDARD_EVA_A] = setup->model.coil.a_hm,
   };
   _Static_assert(sizeof values / sizeof *values == VS_STANDARD, "a value for each name");
@@ -547,7 +547,8 @@ static void begin_eva(vs_setup *setup) {
  */
 static vs_status choose_eva(vs_setup *setup, bool has_motions, vs_error *err) {
   bool again = setup->timeline.firing.every >= 4 || setup->timeline.events.count;
-  setup->deck.eva_led = again && !setup->deck.eva_file && setup->model.coil.square;
+  setup->deck.eva_led =
+      again && !setup->deck.eva_file && setup->model.coil.square && !setup->model.coil.eddies;
   if (vs_error_count(err)) return VS_OK; /* there may be no coil */
   vs_eva_take_law(&setup->deck, &setup->model.coil);
   begin_eva(setup);

@@ -31,6 +31,9 @@ vs_knot vs_sim_start(const vs_setup *setup, const vs_frame *frame) {
   memcpy(k.x, setup->start.x, sizeof k.x);
   const vs_model *m = &setup->model;
   k.flux_wb = vs_coil_idle_flux(&m->coil, vs_mechanics_gap(m, k.x)) + setup->start.flux_wb;
+  for (int n = 0; n < m->coil.rungs; n++)
+    k.psi_wb[n] =
+        m->coil.rung[n].share * (k.flux_wb - setup->start.flux_wb) + setup->start.psi_wb[n];
   vs_step_complete_knot(frame, &k, vs_stops_touched(&m->stops, vs_mechanics_travel(m, k.x)));
   return k;
 }
@@ -67,6 +70,7 @@ vs_status vs_sim_check(const vs_step *step, vs_error *err) {
   const vs_model *m = step->frame->model;
   const vs_knot *k = step->to;
   double sum = k->flux_wb;
+  for (int n = 0; n < m->coil.rungs; n++) sum += k->psi_wb[n];
   for (int n = 0; n < 2 * m->dof; n++) sum += k->x[n];
   for (size_t n = 0; step->frame->deck && n < step->frame->deck->n_terms; n++) sum += k->terms[n];
   if (!isfinite(sum))

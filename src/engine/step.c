@@ -164,6 +164,74 @@ static inline __attribute__((always_inline)) double flux_rate(const vs_step *ste
   return rate;
 }
 
+/* The flux linkages of the secondaries and their derivatives, which follow from lambda's, at both
+ * ends; rungs side by side. */
+typedef struct psi_ends {
+  double d[2][4][VS_MOST_RUNGS];
+} psi_ends;
+static psi_ends psi_of(const vs_step *step) {
+  const vs_coil *c = &step->frame->model->coil;
+  const vs_knot *knot[2] = {step->from, step->to};
+  psi_ends e;
+  for (int end = 0; end < 2; end++) {
+    const vs_knot *k = knot[end];
+    const double flux[3] = {k->flux_wb, k->flux_rate_v, step->cubic_flux ? 0 : k->flux_rate2_v_s};
+    memcpy(e.d[end][0], k->psi_wb, sizeof e.d[end][0]);
+    for (int order = 0; order < 3; order++)
+      for (int n = 0; n < c->rungs; n++)
+        e.d[end][order + 1][n] = vs_coil_rung_rate(c, n, flux[order], e.d[end][order]);
+  }
+  return e;
+}
+
+static void put_psi(const vs_step *step, views at, const weights *septic, double *psi) {
+  const weights w = step->cubic_flux ? cubic(at) : *septic;
+  const psi_ends e = psi_of(step);
+  apply_weights(&w, (ends){e.d[0][0], e.d[0][1], e.d[0][2], e.d[0][3]},
+                (ends){e.d[1][0], e.d[1][1], e.d[1][2], e.d[1][3]}, step->frame->model->coil.rungs,
+                psi);
+}
+
+void vs_step_psi_at(const vs_step *step, double t_s, double psi[VS_MOST_RUNGS]) {
+  double h = step->to->t_s - step->from->t_s;
+  const views at = views_of(h > 0 ? (t_s - step->from->t_s) / h : 1, h);
+  const weights w = septic(at);
+  memset(psi, 0, VS_MOST_RUNGS * sizeof *psi);
+  if (step->frame->model->coil.rungs) put_psi(step, at, &w, psi);
+}
+
+vs_law_rates vs_step_coil_rates(const vs_frame *frame, const vs_knot *k) {
+  const vs_model *m = frame->model;
+  const vs_coil *c = &m->coil;
+  double z = frame->gap_at_rest ? c->gap_rest_m : vs_mechanics_gap(m, k->x), rate[VS_MOST_RUNGS];
+  double z_rate = frame->gap_at_rest ? 0 : vs_mechanics_travel(m, k->x + m->dof);
+  vs_law_rates r = vs_coil_rates(c, k->flux_wb, k->flux_rate_v, z, z_rate);
+  if (!c->eddies) return r;
+  for (int n = 0; n < c->rungs; n++) rate[n] = vs_coil_rung_rate(c, n, k->flux_wb, k->psi_wb);
+  r.i_a += vs_coil_rungs_current(c, k->flux_wb, k->psi_wb) + c->core_s * k->flux_rate_v;
+  r.i_rate_a_s += vs_coil_rungs_current(c, k->flux_rate_v, rate) + c->core_s * k->flux_rate2_v_s;
+  return r;
+}
+
+/* What eddy currents add to the coil's current, and what they lose; lambda is there already. */
+static void put_eddies(const vs_step *step, views at, const weights *septic, double *y) {
+  const vs_coil *c = &step->frame->model->coil;
+  double psi[VS_MOST_RUNGS];
+  if (c->rungs) put_psi(step, at, septic, psi);
+  for (int n = 0; n < c->rungs; n++) {
+    const double v = vs_coil_rung_rate(c, n, y[VS_CH_LAMBDA], psi);
+    y[VS_CH_EDDY] += v * v / c->rung[n].resistance_ohm;
+  }
+  y[VS_CH_I] += vs_coil_rungs_current(c, y[VS_CH_LAMBDA], psi);
+  if (c->core_s > 0) {
+    const weights slope = at.h[0] > 0 ? septic_rate(at) : (weights){.e = {0}};
+    const double rate = flux_rate(step, at, &slope);
+    y[VS_CH_I] += c->core_s * rate;
+    y[VS_CH_EDDY] += c->core_s * rate * rate;
+  }
+  if (step->open) y[VS_CH_I] = 0;
+}
+
 static double line(double from, double to, double s) {
   return from + s * (to - from);
 }
@@ -173,7 +241,7 @@ static inline __attribute__((always_inline)) void put_flux(const vs_step *step, 
                                                            const weights *septic, double *y) {
   const vs_frame *frame = step->frame;
   const vs_model *m = frame->model;
-  y[VS_CH_LAMBDA] = y[VS_CH_I] = y[VS_CH_FORCE] = 0;
+  y[VS_CH_LAMBDA] = y[VS_CH_I] = y[VS_CH_FORCE] = y[VS_CH_EDDY] = 0;
   if (vs_step_is_quiet(step)) return;
   if (step->cubic_flux) {
     const weights own = cubic(at);
@@ -183,6 +251,7 @@ static inline __attribute__((always_inline)) void put_flux(const vs_step *step, 
   }
   double z = frame->gap_at_rest ? m->coil.gap_rest_m : y[VS_CH_Z];
   y[VS_CH_I] = vs_coil_current(&m->coil, y[VS_CH_LAMBDA], z);
+  if (m->coil.eddies) put_eddies(step, at, septic, y);
   y[VS_CH_FORCE] = vs_coil_force(&m->coil, y[VS_CH_LAMBDA], z);
 }
 
@@ -236,7 +305,7 @@ static inline __attribute__((always_inline)) void groups_at(const vs_step *step,
   put_flux(step, at, &w, y);
   y[VS_CH_I_MAINS] = coil ? y[VS_CH_I] : line(a->i_mains_a, b->i_mains_a, s);
   if (groups & VS_GROUP_V_EVA)
-    y[VS_CH_V_EVA] = coil ? m->actuator.resistance_ohm * y[VS_CH_I] + flux_rate(step, at, &slope)
+    y[VS_CH_V_EVA] = coil ? m->coil.resistance_ohm * y[VS_CH_I] + flux_rate(step, at, &slope)
                           : line(a->v_eva_v, b->v_eva_v, s);
   if (groups & VS_GROUP_V_MAINS) y[VS_CH_V_MAINS] = vs_timeline_voltage(step->frame->timeline, t_s);
   if (groups & VS_GROUP_ACCELERATIONS) put_accelerations(step, y);
@@ -385,12 +454,39 @@ static vs_curve curve_of_travel(const vs_step *step) {
   return curve_between(from, to, b->t_s - a->t_s, false);
 }
 
+/* Adds x times a polynomial of no higher degree. */
+static void add_curve(vs_curve *sum, double x, const vs_curve *more) {
+  vs_curve c = *more;
+  while (c.degree < sum->degree) elevate_curve(&c);
+  for (int k = 0; k <= c.degree; k++) sum->b[k] += x * c.b[k];
+}
+
+/* Adds what eddy currents draw. */
+static void add_eddy_curves(const vs_step *step, const vs_curve *flux, vs_curve *sum) {
+  const vs_coil *c = &step->frame->model->coil;
+  const psi_ends e = psi_of(step);
+  const double h = step->to->t_s - step->from->t_s;
+  add_curve(sum, c->leak_1_h, flux);
+  for (int n = 0; n < c->rungs; n++) {
+    double d[2][4];
+    for (int k = 0; k < 8; k++) d[k / 4][k % 4] = e.d[k / 4][k % 4][n];
+    const vs_curve psi = curve_between(d[0], d[1], h, step->cubic_flux);
+    add_curve(sum, -c->rung[n].per_h, &psi);
+  }
+  if (c->core_s == 0 || !(h > 0)) return;
+  const vs_curve rate = vs_step_curve_slope(flux, h);
+  add_curve(sum, c->core_s, &rate);
+}
+
 static vs_curve curve_of_current(const vs_step *step) {
   const vs_model *m = step->frame->model;
-  vs_curve c = curve_of_flux(step),
-           z = step->frame->gap_at_rest ? (vs_curve){0} : curve_of_travel(step);
+  if (step->open) return (vs_curve){0};
+  const vs_curve flux = curve_of_flux(step);
+  vs_curve z = step->frame->gap_at_rest ? (vs_curve){0} : curve_of_travel(step);
   for (int k = 0; k <= z.degree; k++) z.b[k] = (z.b[k] + m->coil.gap_rest_m) / (2 * m->coil.a_hm);
-  return curve_product(&c, &z);
+  z = curve_product(&flux, &z);
+  if (m->coil.eddies) add_eddy_curves(step, &flux, &z);
+  return z;
 }
 
 static vs_curve curve_of_force(const vs_step *step) {
@@ -398,13 +494,6 @@ static vs_curve curve_of_force(const vs_step *step) {
   c = curve_product(&c, &c);
   for (int k = 0; k <= c.degree; k++) c.b[k] /= 4 * step->frame->model->coil.a_hm;
   return c;
-}
-
-/* Adds x times a polynomial of no higher degree. */
-static void add_curve(vs_curve *sum, double x, const vs_curve *more) {
-  vs_curve c = *more;
-  while (c.degree < sum->degree) elevate_curve(&c);
-  for (int k = 0; k <= c.degree; k++) sum->b[k] += x * c.b[k];
 }
 
 /* Eq. 54. Where the armature touches its stop it does so all over a step, as steps end there. */

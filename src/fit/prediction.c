@@ -103,6 +103,8 @@ static vs_status run_copy(const vs_fit_problem_run *run, vs_scene *scene, vs_mea
 /* A period of an orbit makes another scene of the one that is run, so that a copy is run. */
 static vs_status run_scene(vs_prediction *p, const vs_fit_problem_run *run, double *computed,
                            vs_error *err) {
+  if (!run->recorded && vs_targets_rest(&run->aims))
+    return take_aims(run, NULL, computed + run->datum, err);
   vs_measured *measured = vs_alloc(1, sizeof *measured);
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   *scene = *run->scene;

@@ -124,9 +124,7 @@ static void columns_free(vs_columns *all) {
 
 /* ---- the header ---- */
 
-/* Returns the factor to SI if the cell is the column `name` with a unit of that kind; NaN with
- * *named set: it has the name, and no such unit. "p_mm", "p [mm]"; a pure number: "p". */
-static double factor_of(const char *cell, const char *name, const char *unit, bool *named) {
+double vs_recording_factor(const char *cell, const char *name, const char *unit, bool *named) {
   size_t n = strlen(name);
   *named = false;
   if (strncmp(cell, name, n)) return NAN;
@@ -149,7 +147,7 @@ static vs_status find_cell(const vs_csv *csv, const char *name, const char *unit
   *cell = -1;
   for (size_t k = 0; k < csv->count; k++) {
     bool named;
-    double f = factor_of(csv->cell[k], name, unit, &named);
+    double f = vs_recording_factor(csv->cell[k], name, unit, &named);
     if (isnan(f) && named)
       return vs_fail_at(err, csv->where[k],
                         "column '%s' has no unit of %s: name it as %s_%s or %s [%s]", csv->cell[k],
@@ -214,7 +212,7 @@ static vs_status columns_find(vs_columns *all, const vs_csv *csv, double *time_s
   bool named;
   if (csv->count > VS_COLUMNS_CELLS)
     return vs_fail_at(err, csv->where[0], "more than %d columns", VS_COLUMNS_CELLS);
-  *time_s = factor_of(csv->cell[0], "t", "s", &named);
+  *time_s = vs_recording_factor(csv->cell[0], "t", "s", &named);
   if (isnan(*time_s))
     return vs_fail_at(err, csv->where[0],
                       "the first column is the time with its unit: t_s, t_ms or t_us, not '%s'",
@@ -242,23 +240,22 @@ static vs_status read_time(const vs_node *map, const char *key, double *t_s, vs_
                     node->kind == VS_NODE_TEXT ? why : "a time is wanted, as 5 ms");
 }
 
-/* Beside the fit file, or as it stands. */
-static vs_status find_file(vs_recording *r, const vs_node *file, const char *beside,
-                           vs_error *err) {
+vs_status vs_recording_file(char path[VS_PATH_SIZE], const char *key, const vs_node *file,
+                            const char *beside, vs_error *err) {
   const char *slash = strrchr(beside, '/');
   if (!file || file->kind != VS_NODE_TEXT || !*file->text)
     return vs_fail_at(err, file ? file->where : (vs_where){beside, 1, 1},
-                      "data: file: the name of a CSV file is wanted");
-  snprintf(r->path, sizeof r->path, "%.*s%s",
+                      "%s: file: the name of a CSV file is wanted", key);
+  snprintf(path, VS_PATH_SIZE, "%.*s%s",
            slash && *file->text != '/' ? (int)(slash - beside + 1) : 0, beside, file->text);
-  if (access(r->path, R_OK) && !access(file->text, R_OK))
-    snprintf(r->path, sizeof r->path, "%s", file->text);
+  if (access(path, R_OK) && !access(file->text, R_OK))
+    snprintf(path, VS_PATH_SIZE, "%s", file->text);
   struct stat s;
-  vs_status status = vs_jail_check(r->path, file->where, err);
+  vs_status status = vs_jail_check(path, file->where, err);
   if (status) return status;
-  if (!stat(r->path, &s) && S_ISREG(s.st_mode) && !access(r->path, R_OK)) return VS_OK;
-  return vs_fail_at(err, file->where, "data: file: %s cannot be opened: %s", r->path,
-                    access(r->path, R_OK) ? strerror(errno) : "not a plain file");
+  if (!stat(path, &s) && S_ISREG(s.st_mode) && !access(path, R_OK)) return VS_OK;
+  return vs_fail_at(err, file->where, "%s: file: %s cannot be opened: %s", key, path,
+                    access(path, R_OK) ? strerror(errno) : "not a plain file");
 }
 
 /* ---- the rows ---- */
@@ -279,7 +276,7 @@ static void make_decimal_point(const vs_csv *csv, char *text) {
   if (comma && csv->separator != ',' && !strchr(text, '.')) *comma = '.';
 }
 
-static vs_status read_number_of_cell(const vs_csv *csv, size_t cell, double *value, vs_error *err) {
+vs_status vs_recording_number(const vs_csv *csv, size_t cell, double *value, vs_error *err) {
   char *text = csv->cell[cell], *end = text;
   make_decimal_point(csv, text);
   *value = text[strspn(text, "0123456789+-.eE")] ? NAN : vs_text_to_number(text, &end);
@@ -330,7 +327,7 @@ static vs_status read_error_of_sample(const vs_csv *csv, const vs_recorded *c, d
                                       vs_error *err) {
   if (c->cell_of_error < 0) return VS_OK;
   const size_t cell = (size_t)c->cell_of_error;
-  vs_status status = read_number_of_cell(csv, cell, error, err);
+  vs_status status = vs_recording_number(csv, cell, error, err);
   *error *= c->factor_of_error;
   if (!status && !(*error > 0))
     status = vs_fail_at(err, csv->where[cell], "the error '%s' is not above 0", csv->cell[cell]);
@@ -351,7 +348,7 @@ static vs_status read_sample(vs_recording *r, size_t column, const vs_csv *csv, 
   vs_status status = find_instant(r, c, where, &sample.t_s, &again, err);
   if (!status && again) r->again++;
   if (status || again) return status;
-  status = read_number_of_cell(csv, cell, &sample.value, err);
+  status = vs_recording_number(csv, cell, &sample.value, err);
   if (!status) status = read_error_of_sample(csv, c, &sample.error, err);
   if (!status && r->n_samples == MOST_SAMPLES)
     status =
@@ -375,7 +372,7 @@ static vs_status read_row_of_recording(rows *f, vs_error *err) {
   if (f->csv.count != f->columns)
     return vs_fail_at(err, where, "cells in this row: %zu; columns in the header: %zu",
                       f->csv.count, f->columns);
-  vs_status status = read_number_of_cell(&f->csv, 0, &t, err);
+  vs_status status = vs_recording_number(&f->csv, 0, &t, err);
   if (status) return status;
   double t_s = t * f->time_s;
   if (t_s <= f->before_s)
@@ -438,7 +435,8 @@ vs_status vs_recording_read(vs_recording *r, const vs_node *data, const char *be
     return vs_fail_at(err, data->where,
                       "data: a map is wanted: {file: NAME.csv, columns: {p: 4 um}}");
   vs_status status = vs_field_known_keys(data, "data", KEYS, 5, err);
-  if (!status) status = find_file(r, vs_tree_child(data, "file"), beside, err);
+  if (!status)
+    status = vs_recording_file(r->path, "data", vs_tree_child(data, "file"), beside, err);
   if (!status && (!columns || columns->kind != VS_NODE_MAP || !columns->child))
     status = vs_fail_at(err, columns ? columns->where : data->where,
                         "data: columns: a map is wanted: {p: 4 um, i: 3 mA}");

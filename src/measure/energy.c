@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "engine/batch.h"
-#include "measure/value.h"
+#include "measure/extremes.h"
 #include "plant/coil.h"
 
 const char *const vs_energy_names[VS_ENERGIES] = {
@@ -42,13 +42,20 @@ static const struct {
 
 bool vs_energy_has(const vs_model *model, int term) {
   if (term == VS_E_LOAD) return model->reloaded;
+  if (term == VS_E_EDDY) return model->coil.eddies;
   return term != VS_E_TRANSDUCER || model->coil.law->transducer_w;
 }
 
 static double magnetic(const vs_frame *frame, const vs_knot *k) {
   const vs_model *m = frame->model;
-  return vs_coil_energy(&m->coil, k->flux_wb,
-                        frame->gap_at_rest ? m->coil.gap_rest_m : vs_mechanics_gap(m, k->x));
+  double j = vs_coil_energy(&m->coil, k->flux_wb,
+                            frame->gap_at_rest ? m->coil.gap_rest_m : vs_mechanics_gap(m, k->x));
+  for (int n = 0; n < m->coil.rungs; n++) {
+    const vs_rung *r = &m->coil.rung[n];
+    const double flux = k->psi_wb[n] - r->share * k->flux_wb;
+    j += flux * flux * r->per_h / (2 * r->share);
+  }
+  return j;
 }
 
 static double mechanical(const vs_model *m, const vs_knot *k) {
@@ -92,7 +99,7 @@ static void take_stock(vs_energy *e) {
   double *left = e->left_j;
   left[VS_B_EVA] =
       j[VS_E_PORT] - j[VS_E_COPPER] - j[VS_E_MAGNETIC] - (e->frame->gap_at_rest ? 0 : j[VS_E_WORK]);
-  left[VS_B_EVA] -= j[VS_E_TRANSDUCER];
+  left[VS_B_EVA] -= j[VS_E_TRANSDUCER] + j[VS_E_EDDY];
   left[VS_B_MECHANICAL] = j[VS_E_WORK] - j[VS_E_DAMPING] - j[VS_E_STOP] - j[VS_E_MECHANICAL];
   left[VS_B_MECHANICAL] += j[VS_E_LOAD];
   left[VS_B_CIRCUIT] = j[VS_E_SOURCE] - j[VS_E_PORT];
@@ -152,7 +159,8 @@ static void add_energy_instant(vs_energy *e, const double *y, double w, bool flo
   if (!flows) return;
   e->joule[VS_E_SOURCE] += w * y[VS_CH_V_MAINS] * y[VS_CH_I_MAINS];
   e->joule[VS_E_PORT] += w * y[VS_CH_V_EVA] * y[VS_CH_I];
-  e->joule[VS_E_COPPER] += w * m->actuator.resistance_ohm * y[VS_CH_I] * y[VS_CH_I];
+  e->joule[VS_E_COPPER] += w * m->coil.resistance_ohm * y[VS_CH_I] * y[VS_CH_I];
+  e->joule[VS_E_EDDY] += w * y[VS_CH_EDDY];
   e->joule[VS_E_WORK] -= w * y[VS_CH_FORCE] * g_rate;
   if (m->coil.law->transducer_w)
     e->joule[VS_E_TRANSDUCER] +=
@@ -205,6 +213,7 @@ static void note_end(vs_energy *e, const vs_knot *k) {
   const vs_deck *deck = e->frame->deck;
   e->last.t_s = k->t_s;
   e->last.flux_wb = k->flux_wb;
+  memcpy(e->last.psi_wb, k->psi_wb, sizeof k->psi_wb);
   memcpy(e->last.x, k->x, 2 * (size_t)e->frame->model->dof * sizeof *k->x);
   if (deck) memcpy(e->last.terms, k->terms, deck->n_terms * sizeof *k->terms);
 }
@@ -289,6 +298,7 @@ double vs_energy_whole(const vs_energy *e) {
 
 /* What stands in a balance besides, where the machine has it. */
 static const char *besides(const vs_model *m, int b) {
+  if (b == VS_B_EVA && vs_energy_has(m, VS_E_EDDY)) return " - eddy";
   if (b == VS_B_EVA && vs_energy_has(m, VS_E_TRANSDUCER)) return " - transducer";
   return b == VS_B_MECHANICAL && vs_energy_has(m, VS_E_LOAD) ? " + load" : "";
 }

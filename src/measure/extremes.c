@@ -34,10 +34,7 @@ typedef struct at_knot {
 } at_knot;
 
 static at_knot of_law(const vs_frame *frame, const vs_knot *k, int channel) {
-  const vs_model *m = frame->model;
-  double z = frame->gap_at_rest ? m->coil.gap_rest_m : vs_mechanics_gap(m, k->x);
-  double z_rate = frame->gap_at_rest ? 0 : vs_mechanics_travel(m, k->x + m->dof);
-  vs_law_rates r = vs_coil_rates(&m->coil, k->flux_wb, k->flux_rate_v, z, z_rate);
+  const vs_law_rates r = vs_step_coil_rates(frame, k);
   return channel == VS_CH_I ? (at_knot){r.i_a, r.i_rate_a_s}
                             : (at_knot){r.force_n, r.force_rate_n_s};
 }
@@ -243,7 +240,8 @@ static void look_between_knots(const search *s) {
 static bool stays_below(const vs_extreme *e, const vs_step *step) {
   const vs_model *m = step->frame->model;
   const vs_knot *a = step->from, *b = step->to;
-  if (!e->best.known || !m->coil.square || !step->cubic_flux || step->frame->gap_at_rest)
+  if (!e->best.known || !m->coil.square || !step->cubic_flux || step->frame->gap_at_rest ||
+      (m->coil.eddies && e->channel == VS_CH_I))
     return false;
   double h = b->t_s - a->t_s, flux = fabs(a->flux_wb), other = fabs(b->flux_wb);
   flux = (flux > other ? flux : other) + h * (fabs(a->flux_rate_v) + fabs(b->flux_rate_v)) / 3;

@@ -86,8 +86,10 @@ static void of_coordinate(const vs_model *model, int i, int which, vs_measure *m
 }
 
 int vs_measures_count(const vs_model *model) {
-  return VS_STANDARD_MEASURES - (model->pulls_in ? 0 : VS_PULL_IN_MEASURES) +
-         VS_OF_COORDINATE * model->dof + (sole(model) < 0 ? 0 : 3);
+  const int left_out =
+      (model->pulls_in ? 0 : VS_PULL_IN_MEASURES) + (model->actuator.winding.present ? 0 : 1);
+  return VS_STANDARD_MEASURES - left_out + VS_OF_COORDINATE * model->dof +
+         (sole(model) < 0 ? 0 : 3);
 }
 
 /* Takes the next `count` measures off k; true: the k-th was among them. */
@@ -116,8 +118,12 @@ bool vs_measure_at(const vs_model *model, int k, vs_measure *m) {
     standard(model, VS_M_F_RESONANCE, m);
   else if (own >= 0 && is_among(&k, 1))
     alias(model, VS_M_TAU_GAP, m);
-  else
+  else if (is_among(&k, VS_M_PULL_IN - VS_M_TAU_GAP))
     standard(model, VS_M_TAU_GAP + k, m);
+  else if (model->pulls_in && is_among(&k, VS_PULL_IN_MEASURES))
+    standard(model, VS_M_PULL_IN + k, m);
+  else
+    standard(model, VS_M_COIL_T, m);
   return true;
 }
 

@@ -159,6 +159,12 @@ void vs_watchers_finish(vs_watchers *w, double until_s, vs_value values[VS_MEASU
   values[VS_M_ENERGY_COPPER] = (vs_value){true, joule[VS_E_COPPER], NAN};
   values[VS_M_WORK_FORCE] = (vs_value){true, joule[VS_E_WORK], NAN};
   values[VS_M_ENERGY_RESIDUAL] = (vs_value){true, w->energy.worst, NAN};
+  const vs_model *model = w->energy.frame->model;
+  vs_winding_state heat = model->coil.heat;
+  vs_winding_go(&model->actuator.winding, joule[VS_E_COPPER] / until_s, joule[VS_E_EDDY] / until_s,
+                until_s, &heat);
+  values[VS_M_COIL_T] =
+      (vs_value){true, fmax(heat.winding_degc, model->coil.heat.winding_degc), NAN};
 
   /* What the rest could have changed is not known. */
   for (int k = 0; w->left && k < VS_MEASURES; k++)

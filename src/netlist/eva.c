@@ -17,8 +17,20 @@ static const vs_shelf EVA_SHELF = {"subcircuit", "", ".inc"};
 /* What the files have for the current, where the flux linkage begins, and how they end. */
 static const char CURRENT[] = "v(lam)*v(z) m={1/(2*eva_a)}", BEGINS[] = " ic=0", ENDS[] = ".ends";
 
+static void add_eddy(vs_deck *deck, double resistance_ohm, double inductance_h) {
+  double *e = deck->eva_eddy[deck->n_eva_eddies++];
+  e[0] = resistance_ohm;
+  e[1] = inductance_h;
+}
+
 void vs_eva_take_law(vs_deck *deck, const vs_coil *coil) {
   vs_text force = {0};
+  deck->n_eva_eddies = 0;
+  if (coil->core_s > 0) add_eddy(deck, 1 / coil->core_s, 0);
+  for (int n = 0; n < coil->rungs; n++) {
+    const vs_rung *r = &coil->rung[n];
+    add_eddy(deck, r->resistance_ohm / (r->share * r->share), 1 / (r->per_h * r->share));
+  }
   vs_text_free(&deck->eva_lines);
   vs_text_free(&deck->eva_current);
   if (coil->square || !coil->law->netlist) return;
@@ -219,6 +231,30 @@ vs_status vs_eva_take_motions(vs_deck *deck, const vs_machine *machine, vs_error
 
 /* ---- written ---- */
 
+/* Adds the secondaries, which lie between the nodes of the source whose line this is. */
+static void add_eddies(const vs_deck *deck, const char *line, vs_text *out) {
+  char plus[VS_DECK_NAME], minus[VS_DECK_NAME];
+  if (sscanf(line, "%*s %63s %63s", plus, minus) != 2) return;
+  for (size_t n = 0; n < deck->n_eva_eddies; n++) {
+    const double *e = deck->eva_eddy[n];
+    if (e[1] == 0)
+      vs_text_add(out, "Reddy%zu %s %s %.17g\n", n + 1, plus, minus, e[0]);
+    else
+      vs_text_add(out, "Reddy%zu %s eddy%zu %.17g\nLeddy%zu eddy%zu %s %.17g\n", n + 1, plus, n + 1,
+                  e[0], n + 1, n + 1, minus, e[1]);
+  }
+}
+
+void vs_eva_add_eddy_currents(const vs_deck *deck, vs_text *out) {
+  for (size_t n = 0; n < deck->n_eva_eddies; n++) {
+    const double *e = deck->eva_eddy[n];
+    if (e[1] == 0)
+      vs_text_add(out, "+(v(%s.x)-v(%s))/%.17g", deck->eva, deck->eva_minus, e[0]);
+    else
+      vs_text_add(out, "+(v(%s.x)-v(%s.eddy%zu))/%.17g", deck->eva, deck->eva, n + 1, e[0]);
+  }
+}
+
 /* Adds a line of the file, with the law's texts in the place of the file's own, and before the last
  * one the sources of the machine's motion. Returns how often it took the law's current. */
 static int add_line(const vs_deck *deck, const char *line, vs_text *out) {
@@ -235,6 +271,7 @@ static int add_line(const vs_deck *deck, const char *line, vs_text *out) {
                 begins + sizeof BEGINS - 1);
   else
     vs_text_add(out, "%s\n", line);
+  if (at) add_eddies(deck, line, out);
   return deck->eva_current.text && at ? 1 : 0;
 }
 

@@ -103,7 +103,7 @@ static bool are_same_setups(const vs_setup *a, const vs_setup *b) {
   const vs_timeline *t = &a->timeline, *u = &b->timeline;
   bool same = m->stops.count == n->stops.count && near(m->coil.gap_rest_m, n->coil.gap_rest_m) &&
               near(m->coil.rest_h, n->coil.rest_h) && near(t->peak_v, u->peak_v) &&
-              near(m->actuator.resistance_ohm, n->actuator.resistance_ohm) &&
+              near(m->coil.resistance_ohm, n->coil.resistance_ohm) &&
               near(t->period_s, u->period_s) && near(t->first_zero_s, u->first_zero_s) &&
               near(t->firing.angle.first, u->firing.angle.first);
   for (int k = 0; k < m->stops.count && same; k++) {
@@ -173,7 +173,7 @@ static void find_slopes(vs_parameter *p) {
     s->along[i] = OF_ONE(along, i);
   }
   s->gap_rest_m = OF(coil.gap_rest_m);
-  s->resistance_ohm = OF(actuator.resistance_ohm);
+  s->resistance_ohm = OF(coil.resistance_ohm);
   for (int n = 0; n < m->stops.count; n++) {
     size_t stop = offsetof(vs_model, stops.item) + (size_t)n * sizeof(vs_stop);
     s->at_m[n] = model_slope(p, stop + offsetof(vs_stop, at_m));

@@ -85,7 +85,7 @@ void vs_parameter_rates_find(const vs_parameter *p, const vs_parameter_rates_pla
   rate[2 * dof] = 0;
   if (at->conducting) {
     const pull coil = pull_of(p, at);
-    double r = m->actuator.resistance_ohm, u = mains_at(p, at->t_s, &mains_slope);
+    double r = m->coil.resistance_ohm, u = mains_at(p, at->t_s, &mains_slope);
     force += coil.force_n;
     force_slope += coil.force;
     rate[2 * dof] =

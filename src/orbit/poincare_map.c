@@ -10,7 +10,8 @@
 #include "run/session.h"
 
 static int states_of(const vs_scene *s) {
-  return 2 * s->setup.model.dof + (s->setup.timeline.firing.no_valve ? 1 : 0);
+  const vs_model *m = &s->setup.model;
+  return 2 * m->dof + (s->setup.timeline.firing.no_valve || m->coil.eddies ? 1 : 0) + m->coil.rungs;
 }
 
 vs_setup vs_poincare_map_setup(const vs_scene *scene, const vs_run_values *run, const double *x) {
@@ -21,8 +22,11 @@ vs_setup vs_poincare_map_setup(const vs_scene *scene, const vs_run_values *run, 
   setup.timeline.supply.phase_rad = 0;
   setup.timeline.first_zero_s = 0;
   setup.timeline.firing.first_cycle = 1 - setup.timeline.firing.every;
-  if (states_of(scene) > 2 * m->dof)
-    setup.start.flux_wb = x[2 * m->dof] - vs_coil_idle_flux(&m->coil, vs_mechanics_gap(m, x));
+  if (states_of(scene) == 2 * m->dof) return setup;
+  const double idle_wb = vs_coil_idle_flux(&m->coil, vs_mechanics_gap(m, x));
+  setup.start.flux_wb = x[2 * m->dof] - idle_wb;
+  for (int n = 0; n < m->coil.rungs; n++)
+    setup.start.psi_wb[n] = x[2 * m->dof + 1 + n] - m->coil.rung[n].share * idle_wb;
   return setup;
 }
 
@@ -52,6 +56,7 @@ void vs_poincare_map_end(vs_poincare_map *f) {
 static void take_state(const vs_model *m, const vs_knot *k, double x[VS_VARIATION_MOST]) {
   memcpy(x, k->x, 2 * (size_t)m->dof * sizeof *x);
   x[2 * m->dof] = k->flux_wb;
+  memcpy(x + 2 * m->dof + 1, k->psi_wb, sizeof k->psi_wb);
 }
 
 /* The state at an instant in the step. */
@@ -61,6 +66,7 @@ static void take_at(const vs_step *step, double t_s, double x[VS_VARIATION_MOST]
   vs_step_groups_at(step, t_s, VS_GROUP_VELOCITIES, y);
   memcpy(x, y + VS_CH_Q, 2 * (size_t)m->dof * sizeof *x);
   x[2 * m->dof] = y[VS_CH_LAMBDA];
+  vs_step_psi_at(step, t_s, x + 2 * m->dof + 1);
 }
 
 /* Where the travel turns in the step it is least between the knots, at the zero of its rate. */
@@ -107,7 +113,7 @@ static vs_status accept_step_of_flight(void *ctx, const vs_step *step, const vs_
     f->size[j] = fmax(f->size[j], fabs(x[j]));
   }
   memcpy(f->end, x, (size_t)f->states * sizeof *x);
-  f->flux_wb = step->to->flux_wb;
+  f->flux_wb = step->open ? 0 : step->to->flux_wb;
   look_deep(f, step);
   look_for_law(f, step->to);
   for (double k = floor(from / f->cycle_s) + 1; f->passed && k * f->cycle_s <= to; k++)

@@ -16,7 +16,7 @@ typedef struct vs_poincare_map {
       *scene; /* room for the scene that is run, which borrows what the one given owns; owned */
   vs_budget *budget; /* what its runs may take: that of the scene's order; the caller may set
                         another between runs; borrowed */
-  int states;        /* of x: q, q', and lambda where there is no valve */
+  int states;        /* of x: q, q', lambda where there is no valve or eddy currents, and psi */
   double cycle_s;    /* a firing period */
   vs_parameter
       *parameter; /* whose column the derivatives have besides, made of the scene given, with or
@@ -27,7 +27,7 @@ typedef struct vs_poincare_map {
       passed; /* where it had, x at the end of each firing period, VS_VARIATION_MOST a row; owned */
   double end[VS_VARIATION_MOST];  /* x at the end */
   double size[VS_VARIATION_MOST]; /* the largest magnitude of each state */
-  double flux_wb;                 /* lambda at the end, with or without a valve */
+  double flux_wb; /* lambda at the end, with or without a valve; 0 where eddy currents keep it */
   double deepest_m, deepest_s;    /* the least travel, and when */
   double beyond_s;                /* when the armature is beyond the pole cover first; NaN: never */
   char left[256];                 /* why the coil's law does not hold; empty: it does */

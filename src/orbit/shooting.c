@@ -24,9 +24,13 @@ static const double UNMOVED = 1e-9;
 
 static void find_scales(const vs_poincare_map *f, int dof, vs_orbit *o) {
   double largest[3] = {0};
-  for (int j = 0; j < o->count; j++) largest[j / dof] = fmax(largest[j / dof], f->size[j]);
   for (int j = 0; j < o->count; j++) {
-    double least = largest[j / dof] > 0 ? UNMOVED * largest[j / dof] : 1;
+    const int kind = j < 2 * dof ? j / dof : 2;
+    largest[kind] = fmax(largest[kind], f->size[j]);
+  }
+  for (int j = 0; j < o->count; j++) {
+    const int kind = j < 2 * dof ? j / dof : 2;
+    double least = largest[kind] > 0 ? UNMOVED * largest[kind] : 1;
     o->scale[j] = fmax(f->size[j], least);
   }
 }
@@ -202,8 +206,10 @@ enum { ATTEMPTS = sizeof MARCHES / sizeof *MARCHES };
 static void put_start(const vs_scene *s, double x[MOST]) {
   const vs_model *m = &s->setup.model;
   memcpy(x, s->setup.start.x, 2 * (size_t)m->dof * sizeof *x);
-  if (s->setup.timeline.firing.no_valve)
-    x[2 * m->dof] = vs_coil_idle_flux(&m->coil, vs_mechanics_gap(m, x));
+  if (!s->setup.timeline.firing.no_valve && !m->coil.eddies) return;
+  const double idle_wb = vs_coil_idle_flux(&m->coil, vs_mechanics_gap(m, x));
+  x[2 * m->dof] = idle_wb;
+  for (int n = 0; n < m->coil.rungs; n++) x[2 * m->dof + 1 + n] = m->coil.rung[n].share * idle_wb;
 }
 
 /* Runs on from o->x for so many firing periods, without derivatives. */

@@ -9,6 +9,7 @@
 #include "base/text.h"
 #include "fraction.h"
 #include "heat.h"
+#include "warmth.h"
 
 /* ---- reactions ----
  * What springs and dampers do along each coordinate, the rows of K q + B q'. Along a coordinate
@@ -158,11 +159,20 @@ static void put_on_orbit(vs_steady *steady, vs_scene *scene) {
   memset(scene->measured, 0, sizeof scene->measured); /* it was measured in the scene's own run */
 }
 
+static vs_status warm_up(vs_scene *scene, int periods, vs_error *err) {
+  if (!scene->setup.model.actuator.winding.present) return VS_OK;
+  vs_scene *calm = vs_steady_undisturbed(scene);
+  vs_status status = vs_warmth_settle(scene, calm, periods, err);
+  free(calm);
+  return status;
+}
+
 vs_status vs_steady_begin(vs_steady *steady, vs_scene *scene, int periods, vs_error *err) {
   *steady = (vs_steady){0};
   vs_status status = vs_tiers_require_orbits("steady", scene->tier, scene->why,
                                              vs_tree_place(scene->tree.root, "run.tier"), err);
   if (!status) status = vs_fraction_settle(scene, periods, err);
+  if (!status) status = warm_up(scene, periods, err);
   if (status) return status;
   if (scene->tier->has_circuit)
     status = vs_picard_new(scene, periods, true, &steady->picard, err);
@@ -380,6 +390,8 @@ static vs_status put_at_work(vs_scene *scene, vs_picard **picard, vs_error *err)
   vs_orbit orbit;
   vs_status found = vs_fraction_settle(scene, 1, err);
   if (found || !scene->setup.steady) return found;
+  found = warm_up(scene, 1, err);
+  if (found) return found;
   vs_scene *calm = vs_steady_undisturbed(scene);
   vs_status status = find_start(scene, calm, picard, &orbit, err);
   if (!status) status = begin_on(scene, calm, &orbit, err);

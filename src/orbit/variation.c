@@ -14,7 +14,7 @@
 void vs_variation_begin(vs_variation *v, const vs_setup *setup) {
   const vs_model *m = &setup->model;
   bool valve = !setup->timeline.firing.no_valve;
-  int rows = 2 * m->dof + 1, columns = valve ? rows - 1 : rows;
+  int rows = 2 * m->dof + 1 + m->coil.rungs, columns = valve && !m->coil.eddies ? rows - 1 : rows;
   size_t size = (size_t)rows * (size_t)columns;
   *v = (vs_variation){.model = m,
                       .valve = valve,
@@ -115,7 +115,7 @@ static partials partials_at(const vs_variation *v, const vs_step *step, double t
   double y[VS_CH_MOST], slope[2];
   partials d = {0};
   vs_step_groups_at(step, t_s, v->touched ? VS_GROUP_VELOCITIES : 0, y);
-  if (v->conducting) add_law(step->frame, y, &d);
+  if (v->conducting || v->fades) add_law(step->frame, y, &d);
   if (!v->touched) return d;
   vs_stops_slopes(&m->stops, v->touched, y[VS_CH_TRAVEL],
                   vs_mechanics_travel(m, y + vs_channel_rates(m)), slope);
@@ -146,22 +146,42 @@ static void add_parameter_rates(const part *of, double t_s, double *rate) {
   for (int i = 0; i < v->rows; i++) rate[i] += own[i];
 }
 
+/* What the state's change s makes of the current, without secondaries that have no leakage. */
+static double current_change(const vs_variation *v, const partials *d, const double *s) {
+  const vs_model *m = v->model;
+  return d->i_flux * s[2 * m->dof] + d->i_gap * vs_mechanics_travel(m, s) +
+         vs_coil_rungs_current(&m->coil, s[2 * m->dof], s + 2 * m->dof + 1);
+}
+
+/* The change of lambda where it follows from that of psi, as nothing flows: i = 0. */
+static double faded_change(const vs_variation *v, const partials *d, const double *s) {
+  const vs_model *m = v->model;
+  if (!v->fades || m->coil.core_s > 0) return s[2 * m->dof];
+  return s[2 * m->dof] - current_change(v, d, s) / (d->i_flux + m->coil.leak_1_h);
+}
+
 static int variation_equations(double t_s, const double *s, double *rate, void *params) {
   const part *of = params;
   const vs_variation *v = of->variation;
   const vs_model *m = v->model;
   const partials d = partials_at(v, of->step, t_s);
   size_t bytes = (size_t)m->dof * sizeof *s;
-  double q[VS_MOST_DOF] = {0}, q1[VS_MOST_DOF] = {0}, q2[VS_MOST_DOF],
-         r = m->actuator.resistance_ohm;
+  double q[VS_MOST_DOF] = {0}, q1[VS_MOST_DOF] = {0}, q2[VS_MOST_DOF];
+  const double r = m->coil.resistance_ohm, core_s = m->coil.core_s;
   for (int j = 0; j < all_columns(v); j++, s += v->rows, rate += v->rows) {
     memcpy(q, s, bytes);
     memcpy(q1, s + m->dof, bytes);
-    double flux = s[2 * m->dof], g = vs_mechanics_travel(m, q), g1 = vs_mechanics_travel(m, q1);
+    double flux = faded_change(v, &d, s), g = vs_mechanics_travel(m, q),
+           g1 = vs_mechanics_travel(m, q1);
     vs_mechanics_jerks(m, q, q1, d.f_flux * flux + d.f_gap * g + d.f_rate * g1, q2);
     memcpy(rate, q1, bytes);
     memcpy(rate + m->dof, q2, bytes);
-    rate[2 * m->dof] = v->conducting ? -r * (d.i_flux * flux + d.i_gap * g) : 0;
+    double i = current_change(v, &d, s);
+    rate[2 * m->dof] = v->conducting            ? -r * i / (1 + r * core_s)
+                       : v->fades && core_s > 0 ? -i / core_s
+                                                : 0;
+    for (int n = 0; n < m->coil.rungs; n++)
+      rate[2 * m->dof + 1 + n] = vs_coil_rung_rate(&m->coil, n, flux, s + 2 * m->dof + 1);
     if (j == v->columns && v->parameter) add_parameter_rates(of, t_s, rate);
   }
   return GSL_SUCCESS;
@@ -180,12 +200,19 @@ static vs_status integrate_variation(vs_variation *v, const vs_step *step, doubl
   gsl_odeiv2_system system = {variation_equations, NULL, size, &of};
   double error[VS_VARIATION_MOST * (VS_VARIATION_MOST + 1)];
   double fastest = fmax(v->touched ? m->contact_rad_s : m->fastest_rad_s, v->mains_rad_s);
-  double coil = m->actuator.resistance_ohm * partials_at(v, step, from_s).i_flux;
+  double i_flux = partials_at(v, step, from_s).i_flux, coil = m->coil.resistance_ohm * i_flux;
+  if (m->coil.core_s > 0) coil = fmax(coil, i_flux / m->coil.core_s);
+  for (int n = 0; n < m->coil.rungs; n++) coil = fmax(coil, m->coil.rung[n].rate_1_s);
   int parts = (int)fmin(ceil((to_s - from_s) * fmax(fastest, fabs(coil)) / TURN), 1e6);
   for (int k = 0; k < parts; k++) {
     double h = (to_s - from_s) / parts;
     if (gsl_odeiv2_step_apply(v->stepper, from_s + k * h, h, v->s, error, NULL, NULL, &system))
       return vs_fail(err, VS_RUN, "t = %.9g s: the equations have no derivative", from_s);
+  }
+  const partials d = partials_at(v, step, to_s);
+  for (int j = 0; j < all_columns(v) && v->fades; j++) {
+    double *s = v->s + j * v->rows;
+    s[2 * m->dof] = faded_change(v, &d, s);
   }
   return VS_OK;
 }
@@ -238,6 +265,15 @@ static void rates_of(const vs_model *m, const vs_knot *k, double f[VS_VARIATION_
   memcpy(f, k->x + m->dof, (size_t)m->dof * sizeof *f);
   memcpy(f + m->dof, k->a, (size_t)m->dof * sizeof *f);
   f[2 * m->dof] = k->flux_rate_v;
+  for (int n = 0; n < m->coil.rungs; n++)
+    f[2 * m->dof + 1 + n] = vs_coil_rung_rate(&m->coil, n, k->flux_wb, k->psi_wb);
+}
+
+/* No flux is left: neither lambda nor psi hangs on the beginning any more. */
+static void forget_flux(vs_variation *v) {
+  const int dof = v->model->dof;
+  for (int j = 0; j < all_columns(v); j++)
+    for (int i = 2 * dof; i < v->rows; i++) v->s[j * v->rows + i] = 0;
 }
 
 /* The step shows an instant that the state moves from its two sides. */
@@ -249,18 +285,23 @@ static vs_status jump_at_instant(vs_variation *v, const vs_step *step, vs_error 
   rates_of(m, step->from, before);
   rates_of(m, step->to, after);
   double rate = flux ? before[2 * m->dof] : vs_mechanics_travel(m, before), moved_s = 0;
+  const bool of_current = flux && m->coil.eddies;
+  const partials d = partials_at(v, step, step->from->t_s);
+  const double share = 1 + m->coil.resistance_ohm * m->coil.core_s;
+  if (of_current) rate = vs_step_coil_rates(step->frame, step->from).i_rate_a_s * share;
   if (flux)
     v->conducting = false;
   else
     v->touched ^= 1u << stop;
   for (int j = 0; j < all_columns(v); j++) {
     double *s = v->s + j * v->rows, way = flux ? s[2 * m->dof] : vs_mechanics_travel(m, s);
+    if (of_current) way = current_change(v, &d, s);
     if (j == v->columns && v->parameter && !flux)
       way += vs_parameter_rates_surface(v->parameter, stop, step->from->x);
     for (int i = 0; i < v->rows; i++) s[i] += (after[i] - before[i]) * (way / rate);
-    if (flux) s[2 * m->dof] = 0;
     moved_s = -way / rate; /* the last column's stays */
   }
+  if (flux && !step->open) forget_flux(v);
   v->ending = VS_EV_NONE;
   v->jump = (vs_jump){.count = v->jump.count + 1, .t_s = step->to->t_s, .moved_s = moved_s};
   return rate != 0
@@ -308,7 +349,7 @@ static void jump_of_delay(vs_variation *v, const vs_step *step) {
 /* ---- all of it ---- */
 
 static bool is_free(const vs_variation *v) {
-  return !v->conducting && !v->touched && !v->parameter;
+  return !v->conducting && !v->fades && !v->touched && !v->parameter;
 }
 
 /* From one instant of the step to another, on one side of every jump. */
@@ -330,6 +371,7 @@ static vs_status go_along(vs_variation *v, const vs_step *step, double from, dou
 
 vs_status vs_variation_to(vs_variation *v, const vs_step *step, double t_s, vs_error *err) {
   double from = fmax(step->from->t_s, v->at_s);
+  v->fades = step->open;
   if (v->ending != VS_EV_NONE || !(t_s > from)) return VS_OK;
   v->at_s = t_s;
   return go_along(v, step, from, t_s, err);
@@ -338,7 +380,12 @@ vs_status vs_variation_to(vs_variation *v, const vs_step *step, double t_s, vs_e
 vs_status vs_variation_accept(vs_variation *v, const vs_step *step, vs_error *err) {
   double to = step->to->t_s;
   vs_event event = step->event[0];
+  v->fades = step->open;
   bool was_free = is_free(v);
+  if (v->parameter && v->model->coil.eddies)
+    return vs_fail(err, VS_RUN,
+                   "with eddy currents no derivative with respect to a key is taken along the run");
+  if (v->model->coil.eddies && !v->conducting && !v->fades && event != VS_EV_FIRES) forget_flux(v);
   if (v->ending != VS_EV_NONE) return jump_at_instant(v, step, err);
   vs_status status = go_along(v, step, fmax(step->from->t_s, v->at_s), to, err);
   if (event == VS_EV_NONE && was_free) return VS_OK;

@@ -80,6 +80,42 @@ static const vs_section SATURATION_FORMS[] = {SATURATION_(SATURATION_KEYS),
 static const vs_inside SATURATION = {SATURATION_(SATURATION_KEYS), SATURATION_FORMS, 0, 1,
                                      .size = sizeof(vs_saturation_values)};
 
+#define E_(member) offsetof(vs_rung_values, member)
+static const vs_field RUNG_ROWS[] = {
+    {"inductance", VS_REAL, "H", "0 H", 0, 1e4, false, E_(inductance_h),
+     "leakage inductance of the secondary, as seen from all turns of the coil", NULL, NULL},
+    {"resistance", VS_REAL, "ohm", "15 kohm", 0, 1e9, true, E_(resistance_ohm),
+     "resistance of the secondary, as seen from all turns of the coil", NULL, NULL},
+    {"coupling", VS_REAL, "", "1", 0, 1, false, E_(coupling),
+     "share of the coil's flux linkage that the secondary encloses", NULL, NULL},
+};
+static const vs_inside EDDY = {{"actuator.eddy", RUNG_ROWS, sizeof RUNG_ROWS / sizeof *RUNG_ROWS},
+                               .most = VS_MOST_RUNGS,
+                               .size = sizeof(vs_rung_values)};
+
+#define W_(member) offsetof(vs_winding_values, member)
+static const vs_field WINDING_ROWS[] = {
+    {"temperature", VS_REAL, "degC", "20 degC", -60, 500, false, W_(temperature_degc),
+     "of the winding as the run begins; actuator.resistance is that at 20 degC", NULL, NULL},
+    {"coefficient", VS_REAL, "", "0.00393", 0, 0.01, false, W_(coefficient_1_k),
+     "by which the resistance grows per K, as a part of that at 20 degC; copper", NULL, NULL},
+    {"r_th", VS_REAL, "K/W", "0 K/W", 0, 1e6, false, W_(r_th[0]),
+     "thermal resistance from winding to core, or to the ambient where the core has none", NULL,
+     NULL},
+    {"c_th", VS_REAL, "J/K", "0 J/K", 0, 1e9, false, W_(c_th[0]),
+     "heat capacity of the winding; 0: not known", NULL, NULL},
+    {"core_r_th", VS_REAL, "K/W", "0 K/W", 0, 1e6, false, W_(r_th[1]),
+     "thermal resistance from core to ambient", NULL, NULL},
+    {"core_c_th", VS_REAL, "J/K", "0 J/K", 0, 1e9, false, W_(c_th[1]), "heat capacity of the core",
+     NULL, NULL},
+    {"ambient", VS_REAL, "degC", "25 degC", -60, 200, false, W_(ambient_degc),
+     "temperature of the air around the coil", NULL, NULL},
+};
+static const vs_inside WINDING = {
+    {"actuator.winding", WINDING_ROWS, sizeof WINDING_ROWS / sizeof *WINDING_ROWS},
+    .most = 1,
+    .size = sizeof(vs_winding_values)};
+
 static const vs_field ACTUATOR[] = {
     {"gap", VS_REAL, "mm", "6 mm", 0, 1e3, true, A_(gap_m),
      "D, armature to pole cover at rest (Table 1)", NULL, NULL},
@@ -101,6 +137,15 @@ static const vs_field ACTUATOR[] = {
      "law reluctance: L_k, inductance of the flux that does not cross the gap", NULL, NULL},
     {"saturation", VS_OPTION, "", "none", 0, 0, false, A_(saturation),
      "law reluctance: what the iron adds to the current", "none", &SATURATION},
+    {"linear_to", VS_REAL, "Wb", "none", 0, 1e6, true, A_(linear_to_wb),
+     "flux linkage up to which the iron is known not to saturate; a run beyond it without "
+     "`saturation` is warned of",
+     "none", NULL},
+    {"eddy", VS_OPTION, "", "none", 0, 0, true, A_(eddy),
+     "eddy currents and core loss: one to three shorted secondaries beside the coil", "none",
+     &EDDY},
+    {"winding", VS_OPTION, "", "none", 0, 0, true, A_(winding),
+     "how warm the coil is, and what that makes of its resistance", "none", &WINDING},
     {"emf_constant", VS_REAL, "V.s/m", "1 V.s/m", -1e9, 1e9, false, A_(emf_constant_vs_m),
      "law moving_coil: voltage per speed at which the gap opens", NULL, NULL},
     {"force_constant", VS_REAL, "N/A", "emf_constant", -1e9, 1e9, false, A_(force_constant_n_a),
@@ -212,6 +257,23 @@ static void build_stops(const vs_actuator_values *v, vs_stops *stops) {
     }
 }
 
+/* A secondary without leakage is a conductance; several of them are one. */
+static void build_rungs(const vs_actuator_values *v, vs_coil *coil) {
+  for (int n = 0; n < VS_MOST_RUNGS && v->eddy[n].present; n++) {
+    const vs_rung_values *e = &v->eddy[n];
+    const double k = e->coupling;
+    if (k == 0) continue;
+    coil->eddies = true;
+    if (e->inductance_h == 0) {
+      coil->core_s += k * k / e->resistance_ohm;
+      continue;
+    }
+    coil->rung[coil->rungs++] =
+        (vs_rung){k, e->resistance_ohm, k / e->inductance_h, e->resistance_ohm / e->inductance_h};
+    coil->leak_1_h += k * k / e->inductance_h;
+  }
+}
+
 vs_status vs_actuator_build(const vs_actuator_values *v, const vs_node *map,
                             const vs_law_formulas *formulas, vs_coil *coil, vs_stops *stops,
                             vs_error *err) {
@@ -222,7 +284,13 @@ vs_status vs_actuator_build(const vs_actuator_values *v, const vs_node *map,
   if (status) { /* a check carries on without a coil */
     vs_actuator_end(coil);
     coil->law = NULL;
-  } else
+  } else {
     build_stops(v, stops);
+    build_rungs(v, coil);
+    coil->cold_ohm = v->resistance_ohm;
+    coil->resistance_ohm =
+        vs_winding_ohm(&v->winding, v->resistance_ohm, v->winding.temperature_degc);
+    coil->heat = vs_winding_begin(&v->winding);
+  }
   return status;
 }

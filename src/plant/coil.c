@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "plant/coil.h"
 
+#include <complex.h>
 #include <math.h>
 
 /* Newton's iteration. The current rises with lambda, so that it has one zero; a law that is linear
@@ -17,4 +18,17 @@ double vs_coil_idle_flux(const vs_coil *c, double z_m) {
     flux -= step;
   }
   return flux;
+}
+
+void vs_coil_impedance(const vs_coil *c, double z_m, double omega_rad_s, double ohm[2]) {
+  const double complex s = I * omega_rad_s;
+  const vs_law_rates law = vs_coil_rates(c, vs_coil_idle_flux(c, z_m), 1, z_m, 0);
+  double complex y = law.i_rate_a_s / s + c->core_s;
+  for (int n = 0; n < c->rungs; n++) {
+    const vs_rung *r = &c->rung[n];
+    y += r->share * r->share / (r->resistance_ohm * (1 + s / r->rate_1_s));
+  }
+  const double complex z = c->resistance_ohm + 1 / y;
+  ohm[0] = creal(z);
+  ohm[1] = cimag(z);
 }

@@ -62,7 +62,8 @@ static const vs_listed_measure_group GROUPS[VS_STANDARD_MEASURES] = {
     [VS_M_I_PEAK] = VS_SHOWN_ELECTRICAL,       [VS_M_T_FIRE] = VS_SHOWN_ELECTRICAL,
     [VS_M_T_EXTINCTION] = VS_SHOWN_ELECTRICAL, [VS_M_CONDUCTION] = VS_SHOWN_ELECTRICAL,
     [VS_M_ENERGY_IN] = VS_SHOWN_ENERGY,        [VS_M_ENERGY_COPPER] = VS_SHOWN_ENERGY,
-    [VS_M_WORK_FORCE] = VS_SHOWN_ENERGY,       [VS_M_ENERGY_RESIDUAL] = VS_SHOWN_ENERGY};
+    [VS_M_WORK_FORCE] = VS_SHOWN_ENERGY,       [VS_M_ENERGY_RESIDUAL] = VS_SHOWN_ENERGY,
+    [VS_M_COIL_T] = VS_SHOWN_ELECTRICAL};
 
 /* True for a measure of the gap that also has the name of the one coordinate which opens it. */
 static bool is_doubled(const vs_model *model, const vs_measure *m) {

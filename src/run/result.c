@@ -243,6 +243,22 @@ static bool hangs_on_letting_go(const vs_result *r, char *text, size_t size) {
   return false;
 }
 
+/* True: the flux linkage was larger than the iron is known to be linear for, and the law has no
+ * saturation. The largest force, lambda^2/(4a), tells it. */
+static bool leaves_linear_iron(const vs_result *r, char *text, size_t size) {
+  const vs_model *m = &r->scene->setup.model;
+  const vs_value *force = &r->values[VS_M_FORCE_PEAK];
+  const double most_wb = m->actuator.linear_to_wb;
+  if (!m->coil.square || !force->known) return false;
+  const double flux_wb = sqrt(4 * m->coil.a_hm * fmax(force->value, 0));
+  if (!(flux_wb > most_wb)) return false;
+  snprintf(text, size,
+           "the flux linkage reaches %.4g Wb, and the iron is known to be linear up to %.4g Wb "
+           "(actuator.linear_to): the current beyond is too small; give actuator.saturation",
+           flux_wb, most_wb);
+  return true;
+}
+
 /* The warnings that are known only once the run is over; of_firing: that nothing fires, too. */
 static void warn_after(const vs_result *r, bool of_firing,
                        void (*each)(void *ctx, const char *text), void *ctx) {
@@ -257,6 +273,7 @@ static void warn_after(const vs_result *r, bool of_firing,
     each(ctx, text);
   }
   if (hangs_on_letting_go(r, text, sizeof text)) each(ctx, text);
+  if (leaves_linear_iron(r, text, sizeof text)) each(ctx, text);
   const vs_devices *devices = r->watchers.devices;
   for (size_t k = 0; devices && k < devices->count; k++)
     if (vs_devices_fails_to_clear(devices, k, text, sizeof text)) each(ctx, text);

@@ -43,8 +43,8 @@ static vs_where place_of_value(const vs_node *node) {
 
 /* The lower end of the control range is theta = atan(w L(0)/R_c) <= alpha* (Eqs. 92, 93). */
 static void warn_below_theta(const vs_node *root, const vs_setup *s, vs_warnings *w) {
-  double theta = atan2(s->timeline.omega_rad_s * s->model.actuator.inductance_h,
-                       s->model.actuator.resistance_ohm);
+  double theta =
+      atan2(s->timeline.omega_rad_s * s->model.actuator.inductance_h, s->model.coil.resistance_ohm);
   const vs_node *angle = vs_tree_child(vs_tree_child(root, "firing"), "angle");
   double range[2];
   vs_firing_range(&s->timeline, range);

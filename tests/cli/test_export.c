@@ -193,6 +193,13 @@ static void another_timeline(void) {
 }
 
 /* One strike at 51 ms. */
+static void with_eddy_currents(void) {
+  AGREE("run.until=0.06s", "circuit.deck=halfwave_bare",
+        "actuator.saturation={flux: 1.2 Wb, current: 0.2 A}",
+        "actuator.eddy=[{resistance: 15 kohm}, {resistance: 2 kohm, inductance: 0.4 H, coupling: "
+        "0.8}]");
+}
+
 static void with_a_stop(void) {
   AGREE("run.until=0.07s", "firing.every=1", "firing.angle=80deg",
         "actuator.stop={stiffness: 2e7 N/m, damping: 500 N.s/m}");
@@ -442,6 +449,7 @@ static const vs_test TESTS[] = {
     {"another deck, loaded", loaded_on_another_deck},
     {"by Gear's rule", by_gears_rule},
     {"another timeline", another_timeline},
+    {"eddy currents", with_eddy_currents},
     {"with a stop", with_a_stop},
     {"started in motion", started_in_motion},
     {"shipped decks", shipped_decks},

@@ -37,6 +37,10 @@ static const struct {
              {"firing.first_cycle", "2"},
              {"firing.burst_duty", "50 %"},
              {"circuit.thyristor", "TYN1212"},
+             {"actuator.eddy", "{resistance: 10 kohm}"},
+             {"actuator.eddy.coupling", "0.9"},
+             {"actuator.winding", "{temperature: 60 degC}"},
+             {"actuator.winding.temperature", "60 degC"},
              {"run.until", "0.09 s"},
              {"run.tolerance", "1e-10"},
              {"run.max_step", "20 us"},
@@ -63,8 +67,12 @@ static const struct {
              {"instruments.NAME.bits", "10"}};
 
 /* The tier itself; what says which machine and which circuit the tiers stand for; and a text. */
-static const char *const NO_CONFLICT[] = {"run.tier", "machine.model", "circuit.deck",
-                                          "instruments.NAME.text"};
+static const char *const NO_CONFLICT[] = {
+    "run.tier", "machine.model", "circuit.deck", "instruments.NAME.text",
+    "actuator.linear_to", /* it warns */
+    /* these act together, or away from 20 degC */
+    "actuator.winding.coefficient", "actuator.winding.r_th", "actuator.winding.c_th",
+    "actuator.winding.core_r_th", "actuator.winding.core_c_th", "actuator.winding.ambient"};
 
 /* What a refusal names where not the tier has no use for the key: another key beside it. */
 static const char *const BESIDE[] = {"law reluctance has no use for it", "firing.valve: none"};

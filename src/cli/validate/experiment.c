@@ -221,7 +221,7 @@ static void add_run_numbers(const vs_trial *t, const watch *w, vs_numbers *out) 
   vs_experiment_add(out, w->charge_as / until, "i_mean");
   vs_experiment_add(out,
                     sqrt(t->result.watchers.energy.joule[VS_E_COPPER] /
-                         t->scene.setup.model.actuator.resistance_ohm / until),
+                         t->scene.setup.model.coil.resistance_ohm / until),
                     "i_rms");
   for (int k = 0; k < VS_EXPERIMENT_LOOKS && w->experiment->look_s[k] > 0; k++)
     for (int c = 0; c < vs_channel_count(&t->scene.frame); c++)

@@ -33,8 +33,7 @@ static vs_status measure_orbit(const vs_scene *s, const vs_orbit *orbit, const v
     vs_experiment_add(out, joule[VS_E_SOURCE] / run.until_s, "power");
     vs_experiment_add(out, joule[VS_E_COPPER] / run.until_s, "power_copper");
     vs_experiment_add(
-        out, sqrt(joule[VS_E_COPPER] / s->setup.model.actuator.resistance_ohm / run.until_s),
-        "i_rms");
+        out, sqrt(joule[VS_E_COPPER] / s->setup.model.coil.resistance_ohm / run.until_s), "i_rms");
   }
   vs_result_free(r);
   free(r);

@@ -268,6 +268,35 @@ static void complete_knot(const vs_trajectory *c, vs_knot *k) {
     vs_step_complete_knot(&c->frame, k, c->touched);
 }
 
+/* Takes the secondaries' flux linkages on, d psi/dt = r (k lambda - psi), along the cubic that
+ * lambda is in a step: by the rule of Gauss, or where r h is large by the solution's closed form,
+ * of which short steps would leave rounding. */
+static void carry_psi(const vs_coil *c, const vs_knot *from, vs_knot *to) {
+  static const double AT[] = {0.04691007703066800, 0.23076534494715845, 0.5, 0.76923465505284155,
+                              0.95308992296933200},
+                      WEIGHT[] = {0.11846344252809454, 0.23931433524968324, 0.28444444444444444,
+                                  0.23931433524968324, 0.11846344252809454};
+  const double h = to->t_s - from->t_s, rise = to->flux_wb - from->flux_wb;
+  const double f[4] = {from->flux_wb, h * from->flux_rate_v,
+                       3 * rise - h * (2 * from->flux_rate_v + to->flux_rate_v),
+                       h * (from->flux_rate_v + to->flux_rate_v) - 2 * rise};
+  for (int n = 0; n < c->rungs; n++) {
+    const vs_rung *r = &c->rung[n];
+    const double x = r->rate_1_s * h, left = exp(-x);
+    double sum = 0;
+    for (int k = 0; k < 5 && x <= 1; k++)
+      sum += x * WEIGHT[k] * exp(-x * (1 - AT[k])) *
+             (f[0] + AT[k] * (f[1] + AT[k] * (f[2] + AT[k] * f[3])));
+    if (x > 1) {
+      const double end[4] = {f[0] + f[1] + f[2] + f[3], f[1] + 2 * f[2] + 3 * f[3],
+                             2 * f[2] + 6 * f[3], 6 * f[3]},
+                   begin[4] = {f[0], f[1], 2 * f[2], 6 * f[3]};
+      for (int k = 3; k >= 0; k--) sum = end[k] - left * begin[k] - sum / x;
+    }
+    to->psi_wb[n] = left * from->psi_wb[n] + r->share * sum;
+  }
+}
+
 vs_status vs_trajectory_show(vs_trajectory *c, const vs_knot *k, vs_event what, vs_error *err) {
   vs_knot *from = &c->knots[c->now], *to = &c->knots[1 - c->now];
   if (c->blank) memcpy(from->terms, k->terms, sizeof k->terms);
@@ -280,6 +309,7 @@ vs_status vs_trajectory_show(vs_trajectory *c, const vs_knot *k, vs_event what, 
                   .held = c->jammed};
   step.event[0] = vs_anode_follow(&c->anode, from, k, &step.event_s[0]);
   if (k != to) vs_step_copy_knot(&c->frame, k, to);
+  if (c->frame.model->coil.rungs) carry_psi(&c->frame.model->coil, from, to);
   step.event[1] = what;
   step.event_s[1] = to->t_s;
   step.bound = c->bound;

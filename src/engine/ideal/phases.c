@@ -104,7 +104,7 @@ static double locate_crossing(const vs_taken *t, vs_crossing e, double lower, do
 static bool flux_ends(const vs_taken *t, double full_s, double *lower_s, double *upper_s) {
   double turn;
   if (!t->driven->conducting || !t->valve) return false;
-  if (t->disturbed)
+  if (t->disturbed || t->driven->frame->model->coil.eddies)
     return vs_taylor_flux_falls(t->series, full_s, NOTHING * t->driven->flux_wb, lower_s, upper_s);
   turn = vs_driven_mains_turn(t->driven, false, INFINITY) - t->driven->since_s;
   *lower_s = fmax(turn, 0);
@@ -326,8 +326,9 @@ typedef struct phases {
  * fastest mode's, or by a 256th of the series' eighth term: the remainder of Hermite's
  * interpolation, (h/2)^8/8! of the eighth derivative. Relative to what is large it may be off by
  * ROUGH of run.tolerance, and never by more than ROUGHEST, with which the books of energy, which
- * are kept on the dense output, close to 1e-9 of the work. */
-static const double DENSE = 10321920, ROUGH = 0.05, ROUGHEST = 5e-11;
+ * are kept on the dense output, close to 1e-9 of the work. Eddy currents die away within a part of
+ * a conduction, and steps would be half as long: there the books close to 1e-7. */
+static const double DENSE = 10321920, ROUGH = 0.05, ROUGHEST = 5e-11, ROUGHEST_EDDY = 1e-8;
 
 static const vs_model *model_of_run(const phases *p) {
   return p->frame.model;
@@ -346,6 +347,7 @@ static vs_step next_ideal_step(const phases *p, vs_event event) {
                    .from = &p->knots[p->now],
                    .to = to,
                    .held = p->driven.held,
+                   .open = p->driven.fades,
                    .event = {event},
                    .event_s = {to->t_s}};
 }
@@ -374,7 +376,32 @@ static void fill_next_knot(phases *p, double since_s, const double y[VS_CONDUCTI
   k->t_s = p->began_s + since_s;
   memcpy(k->x, y, 2 * (size_t)p->driven.frame->model->dof * sizeof *y);
   k->flux_wb = y[VS_FLUX];
+  memcpy(k->psi_wb, y + VS_PSI, (size_t)p->driven.frame->model->coil.rungs * sizeof *y);
   vs_driven_fill(&p->driven, since_s, k);
+}
+
+/* Relative to what is large: a flux linkage that eddy currents keep no more, or that 0 V would let
+ * die away for ever. */
+static const double OVER = 1e-9;
+
+static bool is_faded(const phases *p, const vs_knot *k) {
+  double most = fabs(k->flux_wb);
+  for (int n = 0; n < VS_MOST_RUNGS; n++) most = fmax(most, fabs(k->psi_wb[n]));
+  return most <= OVER * p->driven.flux_wb;
+}
+
+/* The flux linkage at which nothing flows in the coil, where it follows from the secondaries': by
+ * Newton's iteration on i = 0. With one that has no leakage it is what the knot has. */
+static double still_flux(const phases *p, const vs_knot *k) {
+  const vs_coil *c = &p->driven.frame->model->coil;
+  double z = p->frame.gap_at_rest ? c->gap_rest_m : vs_mechanics_gap(p->driven.frame->model, k->x);
+  double flux = k->flux_wb, by = INFINITY;
+  for (int n = 0; n < 50 && c->core_s == 0 && fabs(by) > 1e-16 * fabs(flux); n++) {
+    vs_law_rates law = vs_coil_rates(c, flux, 1, z, 0);
+    by = (law.i_a + vs_coil_rungs_current(c, flux, k->psi_wb)) / (law.i_rate_a_s + c->leak_1_h);
+    flux -= by;
+  }
+  return flux;
 }
 
 /* Something changed at the last knot: it is shown from its other side too, as a step of no length.
@@ -385,7 +412,10 @@ static vs_status change_phase(phases *p, bool conducting, unsigned touched, vs_e
   double y[VS_CONDUCTING];
   const vs_knot *k = &p->knots[p->now];
   memcpy(y, k->x, 2 * (size_t)m->dof * sizeof *y);
-  y[VS_FLUX] = conducting ? k->flux_wb : 0;
+  const bool fades = m->coil.eddies && !conducting && !is_faded(p, k);
+  y[VS_FLUX] = conducting || fades ? k->flux_wb : 0;
+  if (p->driven.fades && conducting) y[VS_FLUX] = still_flux(p, k);
+  for (int n = 0; n < VS_MOST_RUNGS; n++) y[VS_PSI + n] = conducting || fades ? k->psi_wb[n] : 0;
   if (!p->driven.conducting || !conducting || p->disturbed) {
     p->began_s = k->t_s;
     p->since_s = 0;
@@ -393,6 +423,7 @@ static vs_status change_phase(phases *p, bool conducting, unsigned touched, vs_e
     if (p->disturbed && conducting && !p->driven.conducting) rescale_flux(p, k->t_s);
   }
   p->driven.conducting = conducting;
+  p->driven.fades = fades;
   p->driven.touched = touched;
   vs_runge_kutta_restart(&p->general);
   if (event == VS_EV_JAMS) { /* the blow */
@@ -402,10 +433,6 @@ static vs_status change_phase(phases *p, bool conducting, unsigned touched, vs_e
   fill_next_knot(p, p->since_s, y);
   return show_next_knot(p, event, err);
 }
-
-/* Relative to the largest so far: a flux linkage that is over, where 0 V would let it die away for
- * ever. */
-static const double OVER = 1e-9;
 
 /* The step to the knot to come. */
 static vs_taken step_to_next_knot(const phases *p) {
@@ -458,9 +485,10 @@ static bool conduction_is_over(phases *p) {
 }
 
 static double longest_by_series(const phases *p) {
-  double longest = p->driven.touched      ? p->longest_touching_s
-                   : p->driven.conducting ? p->longest_driven_s
-                                          : p->longest_s;
+  bool flows = p->driven.conducting || p->driven.fades;
+  double longest = p->driven.touched ? p->longest_touching_s
+                   : flows           ? p->longest_driven_s
+                                     : p->longest_s;
   if (p->disturbed && p->driven.conducting)
     longest = fmin(longest, 1 / p->driven.mains.highest_rad_s); /* INFINITY: direct */
   return longest;
@@ -508,6 +536,26 @@ static vs_crossing go_by_series(phases *p, double *length) {
   return e;
 }
 
+/* While eddy currents keep a flux the thyristor has u - dlambda/dt. Its firing is looked for where
+ * u alone is positive (engine/gate.h), so that a run in which the two differ ends here: where it is
+ * to fire at the last knot and has no forward voltage, or had some before, under a gate pulse; and
+ * where it has some at a knot on the way. A millionth of the mains' peak moves a firing by a
+ * microradian. */
+static vs_status look_at_fading(const phases *p, bool fires, vs_error *err) {
+  static const double UNSEEN = 1e-6;
+  const vs_knot *k = &p->knots[p->now];
+  const vs_timeline *line = &p->setup->timeline;
+  const double u = vs_timeline_voltage(line, k->t_s), v = k->flux_rate_v,
+               more = UNSEEN * line->peak_v;
+  if (!p->driven.fades || !p->valve) return VS_OK;
+  const bool forward = vs_gate_is_on(line, 0, k->t_s) && u > v + more;
+  if (fires ? u >= v - more && !(forward && u <= more) : !forward) return VS_OK;
+  return vs_fail(err, VS_RUN,
+                 "t = %.9g s: eddy currents hold the coil at %.3g V while the mains have %.3g V, "
+                 "and the ideal thyristor's firing follows the mains alone; take run.tier: %s",
+                 k->t_s, v, u, vs_compiled_tier.name);
+}
+
 /* Goes by series until end_s, or until the thyristor goes out, or the armature meets or leaves its
  * stop. */
 static vs_status drive_until(phases *p, double end_s, vs_error *err) {
@@ -525,10 +573,13 @@ static vs_status drive_until(phases *p, double end_s, vs_error *err) {
     p->since_s += length;
     if (done) p->knots[1 - p->now].t_s = end_s;
     vs_status status = show_next_knot(p, EVENT[e.kind], err);
+    if (!status && !done) status = look_at_fading(p, false, err);
     if (status || (done && e.kind == VS_GOES_ON)) return status;
-    if (e.kind == VS_GOES_ON) continue;
+    if (e.kind == VS_GOES_ON && !p->driven.fades) continue;
+    if (e.kind == VS_GOES_ON && !is_faded(p, &p->knots[p->now])) continue;
     bool conducting = p->driven.conducting && e.kind != VS_FLUX_ENDS;
-    unsigned touched = p->driven.touched ^ (e.kind == VS_FLUX_ENDS ? 0 : 1u << e.stop);
+    bool of_flux = e.kind == VS_FLUX_ENDS || e.kind == VS_GOES_ON;
+    unsigned touched = p->driven.touched ^ (of_flux ? 0 : 1u << e.stop);
     return change_phase(p, conducting, touched, VS_EV_NONE, err);
   }
   return VS_OK;
@@ -560,7 +611,7 @@ static vs_status show_free_swing(phases *p, const free_motion *glide, vs_error *
  * end is offered to the observer, who may leave out its rest. */
 static vs_status swing_until(phases *p, double end_s, vs_error *err) {
   double began = p->since_s, n = floor((end_s - p->knots[p->now].t_s) / p->longest_s) - 1;
-  double y[VS_CONDUCTING] = {[VS_FLUX] = 0}, steps;
+  double y[VS_CONDUCTING] = {0}, steps;
   vs_status status = VS_OK;
   free_motion modes, *glide = p->early_end && end_s == p->setup->run.until_s ? &modes : NULL;
   if (glide && (p->disturbed || !make_free_swing(model_of_run(p), &p->knots[p->now], glide)))
@@ -581,7 +632,7 @@ static vs_status swing_until(phases *p, double end_s, vs_error *err) {
 
 /* Goes on to end_s, by the propagator or by series, and may come back before it. */
 static vs_status run_until(phases *p, double end_s, vs_error *err) {
-  bool swings = !p->driven.conducting && !p->driven.touched;
+  bool swings = !p->driven.conducting && !p->driven.fades && !p->driven.touched;
   if (swings && end_s - p->knots[p->now].t_s >= 2 * p->longest_s) return swing_until(p, end_s, err);
   return drive_until(p, end_s, err);
 }
@@ -590,10 +641,10 @@ static vs_status run_until(phases *p, double end_s, vs_error *err) {
 static void find_steps(phases *p) {
   const vs_model *m = model_of_run(p);
   double mains = p->setup->timeline.omega_rad_s;
-  double coil = m->coil.square
-                    ? m->actuator.resistance_ohm * m->coil.gap_rest_m / (2 * m->coil.a_hm)
-                    : m->actuator.resistance_ohm / m->coil.rest_h;
+  double coil = m->coil.square ? m->coil.resistance_ohm * m->coil.gap_rest_m / (2 * m->coil.a_hm)
+                               : m->coil.resistance_ohm / m->coil.rest_h;
   p->longest_s = longest_ideal_step(p, pow(DENSE * 6 * p->rough, 1.0 / 8), m->fastest_rad_s);
+  for (int n = 0; n < m->coil.rungs; n++) coil = fmax(coil, m->coil.rung[n].rate_1_s);
   p->longest_driven_s = longest_ideal_step(p, 1, fmax(fmax(m->fastest_rad_s, mains), coil / 8));
   /* runge_kutta.c finds its own, and a stop of any kind has no one bound that is worth much */
   p->longest_touching_s =
@@ -631,6 +682,16 @@ static vs_status run_disturbed_until(phases *p, double end_s, vs_error *err) {
   return change_phase(p, true, p->driven.touched, VS_EV_NONE, err);
 }
 
+/* A run that begins on an orbit may begin with a flux that eddy currents keep. */
+static void begin_fading(phases *p) {
+  vs_knot *k = &p->knots[0];
+  const vs_coil *c = &model_of_run(p)->coil;
+  p->driven.fades = p->valve && c->eddies && !is_faded(p, k);
+  if (!p->driven.fades) return;
+  k->flux_wb = still_flux(p, k);
+  vs_driven_fill(&p->driven, 0, k);
+}
+
 static double next_firing(const phases *p, double t_s) {
   const vs_timeline *line = &p->setup->timeline;
   if (p->driven.conducting) return INFINITY;
@@ -651,7 +712,7 @@ vs_status vs_phases_run(const vs_setup *setup, const vs_run_order *order, const 
               .early_end = order ? order->early_end : NULL,
               .memo = order ? order->memo : NULL,
               .frame = *frame,
-              .rough = fmin(ROUGH * tolerance, ROUGHEST)};
+              .rough = fmin(ROUGH * tolerance, m->coil.eddies ? ROUGHEST_EDDY : ROUGHEST)};
   p.negligible = 1e-3 * p.rough;
   p.valve = !setup->timeline.firing.no_valve;
   p.by_series = m->plain && !setup->timeline.supply.direct;
@@ -662,7 +723,8 @@ vs_status vs_phases_run(const vs_setup *setup, const vs_run_order *order, const 
   p.driven.touched = vs_stops_touched(&m->stops, vs_mechanics_travel(m, p.knots[0].x));
   vs_driven_find_large(&p.driven, p.valve);
   find_steps(&p);
-  vs_runge_kutta_begin(&p.general, m->dof);
+  vs_runge_kutta_begin(&p.general, m);
+  begin_fading(&p);
   vs_status status = vs_sim_refuse_endless(setup, p.longest_touching_s, err);
   while (!status && p.knots[p.now].t_s < until) {
     double t = p.knots[p.now].t_s, fires = next_firing(&p, t), end = fmin(fires, until);
@@ -671,9 +733,11 @@ vs_status vs_phases_run(const vs_setup *setup, const vs_run_order *order, const 
     end = fmin(end, known);
     /* A firing is met to rounding. In a scene with events it is met to the bit, as the mains may be
      * others just before. */
-    if (fires <= t + (p.disturbed ? 0 : 1e-10 * setup->timeline.period_s))
-      status = change_phase(&p, true, p.driven.touched, p.valve ? VS_EV_FIRES : VS_EV_NONE, err);
-    else
+    if (fires <= t + (p.disturbed ? 0 : 1e-10 * setup->timeline.period_s)) {
+      status = look_at_fading(&p, true, err);
+      if (!status)
+        status = change_phase(&p, true, p.driven.touched, p.valve ? VS_EV_FIRES : VS_EV_NONE, err);
+    } else
       status = p.disturbed ? run_disturbed_until(&p, end, err) : run_until(&p, end, err);
   }
   vs_runge_kutta_end(&p.general);

@@ -7,9 +7,14 @@
 
 #include "plant/coil.h"
 
-void vs_runge_kutta_begin(vs_runge_kutta *g, int dof) {
-  *g = (vs_runge_kutta){
-      .stepper = vs_checked(gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, 2 * (size_t)dof + 1))};
+/* How many states the vector has. */
+static size_t states_of(const vs_model *m) {
+  return 2 * (size_t)m->dof + 1 + (size_t)m->coil.rungs;
+}
+
+void vs_runge_kutta_begin(vs_runge_kutta *g, const vs_model *m) {
+  *g = (vs_runge_kutta){.stepper =
+                            vs_checked(gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, states_of(m)))};
 }
 
 void vs_runge_kutta_end(vs_runge_kutta *g) {
@@ -21,7 +26,7 @@ void vs_runge_kutta_restart(vs_runge_kutta *g) {
   g->next_s = 0;
 }
 
-/* ---- the equations, of a vector (q, q', lambda) without a gap ---- */
+/* ---- the equations, of a vector (q, q', lambda, psi) without a gap ---- */
 
 /* dlambda/dt = u - R_c i, and the machine's accelerations with the forces of coil and stops. */
 static int machine_and_coil_rhs(double since_s, const double *y, double *rate, void *params) {
@@ -31,10 +36,20 @@ static int machine_and_coil_rhs(double since_s, const double *y, double *rate, v
   double g = vs_mechanics_travel(m, y), g1 = vs_mechanics_travel(m, y + dof), flux = y[2 * dof];
   double z = vs_coil_gap(&m->coil, g), u[3], force = 0, a[VS_MOST_DOF];
   rate[2 * dof] = 0;
-  if (d->conducting) {
+  for (int n = 0; n < m->coil.rungs; n++) rate[2 * dof + 1 + n] = 0;
+  if (m->coil.eddies && (d->conducting || d->fades)) {
+    const bool rests = d->frame->gap_at_rest;
+    const double gap[2] = {rests ? m->coil.gap_rest_m : z, rests ? 0 : g1};
+    double psi[VS_MOST_RUNGS] = {0};
+    memcpy(psi, y + 2 * dof + 1, (size_t)m->coil.rungs * sizeof *psi);
+    if (d->conducting) vs_wave_at(&d->mains, since_s, u);
+    rate[2 * dof] =
+        vs_driven_flux_rate(d, d->conducting ? u[0] : 0, flux, psi, gap, rate + 2 * dof + 1);
+    force = vs_coil_force(&m->coil, flux, z);
+  } else if (d->conducting) {
     double z_coil = d->frame->gap_at_rest ? m->coil.gap_rest_m : z;
     vs_wave_at(&d->mains, since_s, u);
-    rate[2 * dof] = u[0] - m->actuator.resistance_ohm * vs_coil_current(&m->coil, flux, z_coil);
+    rate[2 * dof] = u[0] - m->coil.resistance_ohm * vs_coil_current(&m->coil, flux, z_coil);
     force = vs_coil_force(&m->coil, flux, z);
   }
   if (d->touched && !d->held) force += vs_stops_force(&m->stops, d->touched, g, g1);
@@ -70,10 +85,15 @@ static double go_half(vs_runge_kutta *g, double since_s, double h_s, const vs_kn
   const vs_driven *d = g->driven;
   int dof = d->frame->model->dof;
   size_t states = 2 * (size_t)dof;
-  double y[VS_MOST_STATES + 1], error[VS_MOST_STATES + 1], rate[VS_MOST_STATES + 1], worst;
-  gsl_odeiv2_system system = {machine_and_coil_rhs, NULL, states + 1, (void *)(size_t)d};
+  const vs_coil *c = &d->frame->model->coil;
+  size_t rungs = (size_t)c->rungs;
+  double y[VS_CONDUCTING], error[VS_CONDUCTING], rate[VS_CONDUCTING], worst;
+  gsl_odeiv2_system system = {machine_and_coil_rhs, NULL, states + 1 + rungs, (void *)(size_t)d};
   memcpy(y, from->x, states * sizeof *y);
   y[states] = from->flux_wb;
+  memcpy(y + states + 1, from->psi_wb, rungs * sizeof *y);
+  for (int n = 0; n < c->rungs; n++)
+    rate[states + 1 + (size_t)n] = vs_coil_rung_rate(c, n, from->flux_wb, from->psi_wb);
   memcpy(rate, from->x + dof, (size_t)dof * sizeof *rate);
   memcpy(rate + dof, from->a, (size_t)dof * sizeof *rate);
   rate[states] = from->flux_rate_v;
@@ -81,8 +101,11 @@ static double go_half(vs_runge_kutta *g, double since_s, double h_s, const vs_kn
     return INFINITY;
   memcpy(to->x, y, states * sizeof *y);
   to->flux_wb = y[states];
+  memcpy(to->psi_wb, y + states + 1, rungs * sizeof *y);
   vs_driven_fill(d, since_s + h_s, to);
   worst = fabs(error[states]) / flux_size(d, from);
+  for (size_t n = 0; n < rungs; n++)
+    worst = fmax(worst, fabs(error[states + 1 + n]) / flux_size(d, from));
   for (int i = 0; i < dof; i++) {
     double own = fmax(fabs(error[i]), h_s * fabs(error[dof + i]));
     worst = fmax(worst, own / size_of(d, from, i, h_s));
@@ -119,24 +142,50 @@ static double off_in_the_middle(const vs_driven *d, const vs_knot k[ENDS], doubl
 
 /* ---- the polynomial of degree eleven ---- */
 
-/* Its coefficients c[n] in powers of s, 0 to 1 over the step, from value and three derivatives at
- * s = 0, 1/2 and 1 (f[n][k]: the k-th derivative times h^k/k!): Newton's divided differences, each
- * place taken four times, and then the Newton form multiplied out. */
-static void interpolate(double f[ENDS][EACH], double c[TERMS]) {
+/* Its coefficients c[n] in powers of s, 0 to 1 over the step, from value and derivatives, `each`
+ * of them, at s = 0, 1/2 and 1 (f[n][k]: the k-th derivative times h^k/k!): Newton's divided
+ * differences, each place taken as often, and then the Newton form multiplied out. */
+static void interpolate(double f[ENDS][EACH], int each, double c[TERMS]) {
   double place[TERMS], d[TERMS];
-  for (int n = 0; n < TERMS; n++) {
-    place[n] = n / EACH / (double)(ENDS - 1);
-    d[n] = f[n / EACH][0];
+  const int terms = ENDS * each;
+  for (int n = 0; n < terms; n++) {
+    place[n] = n / each / (double)(ENDS - 1);
+    d[n] = f[n / each][0];
   }
-  for (int order = 1; order < TERMS; order++)
-    for (int n = TERMS - 1; n >= order; n--) {
+  for (int order = 1; order < terms; order++)
+    for (int n = terms - 1; n >= order; n--) {
       double apart = place[n] - place[n - order];
-      d[n] = apart > 0 ? (d[n] - d[n - 1]) / apart : f[n / EACH][order];
+      d[n] = apart > 0 ? (d[n] - d[n - 1]) / apart : f[n / each][order];
     }
   memset(c, 0, TERMS * sizeof *c);
-  for (int n = TERMS - 1; n >= 0; n--) { /* c becomes c (s - place) + d */
-    for (int k = TERMS - 1; k > 0; k--) c[k] = c[k - 1] - place[n] * c[k];
+  for (int n = terms - 1; n >= 0; n--) { /* c becomes c (s - place) + d */
+    for (int k = terms - 1; k > 0; k--) c[k] = c[k - 1] - place[n] * c[k];
     c[0] = d[n] - place[n] * c[0];
+  }
+}
+
+/* Of psi, whose derivatives follow from lambda's, and of the current, of which two are known. */
+static void take_eddies(const vs_driven *d, const vs_knot k[ENDS], double h, vs_taylor *s) {
+  const vs_coil *coil = &s->model->coil;
+  double f[VS_MOST_RUNGS + 1][ENDS][EACH], c[TERMS], i[3];
+  for (int n = 0; n < ENDS; n++) {
+    const double flux[EACH - 1] = {k[n].flux_wb, k[n].flux_rate_v, k[n].flux_rate2_v_s};
+    double psi[EACH][VS_MOST_RUNGS];
+    memcpy(psi[0], k[n].psi_wb, sizeof psi[0]);
+    double weight = 1;
+    for (int order = 0; order < EACH; order++, weight *= h / order)
+      for (int r = 0; r < coil->rungs; r++) {
+        f[r][n][order] = weight * psi[order][r];
+        if (order + 1 < EACH)
+          psi[order + 1][r] = vs_coil_rung_rate(coil, r, flux[order], psi[order]);
+      }
+    vs_driven_current(d, &k[n], d->since_s + n * h / (ENDS - 1), i);
+    for (int order = 0; order < 3; order++)
+      f[coil->rungs][n][order] = coil->rest_h * i[order] * (order == 2 ? h * h / 2 : order ? h : 1);
+  }
+  for (int r = 0; r <= coil->rungs; r++) {
+    interpolate(f[r], r < coil->rungs ? EACH : 3, c);
+    for (int n = 0; n < TERMS; n++) *(r < coil->rungs ? &s->psi[n][r] : &s->current[n]) = c[n];
   }
 }
 
@@ -156,9 +205,10 @@ static void take_polynomial(const vs_driven *d, const vs_knot k[ENDS], double h,
       f[n][2] = h * h / 2 * (flux ? at->flux_rate2_v_s : at->a[i]);
       f[n][3] = h * h * h / 6 * (flux ? at->flux_rate3_v_s2 : at->j[i]);
     }
-    interpolate(f, c);
+    interpolate(f, EACH, c);
     for (int n = 0; n < TERMS; n++) *(i < m->dof ? &s->q[n][i] : &s->flux[n]) = c[n];
   }
+  if (m->coil.eddies) take_eddies(d, k, h, s);
 }
 
 /* ---- its length ---- */

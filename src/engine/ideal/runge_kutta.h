@@ -17,7 +17,7 @@ typedef struct vs_runge_kutta {
   double next_s; /* the length that the next step is tried with; 0: as long as allowed */
 } vs_runge_kutta;
 
-void vs_runge_kutta_begin(vs_runge_kutta *general, int dof);
+void vs_runge_kutta_begin(vs_runge_kutta *general, const vs_model *model);
 void vs_runge_kutta_end(vs_runge_kutta *general);
 
 /* Something changed: what is known of step lengths is forgotten. */

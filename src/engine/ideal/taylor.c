@@ -61,17 +61,46 @@ static double mains_term(sine_terms *sine, size_t count, int n) {
   return sum;
 }
 
+/* ---- with eddy currents ---- */
+
+/* The n-th term of lambda where nothing flows in the coil and no secondary is without leakage:
+ * lambda (z/(2a) + leak_1_h) = sum k/L psi. */
+static double faded_flux_term(const vs_coil *c, const vs_taylor *s, const double *z, int n) {
+  double sum = -vs_coil_rungs_current(c, 0, s->psi[n]);
+  for (int j = 0; j < n; j++) sum -= s->flux[j] * z[n - j] / (2 * c->a_hm);
+  return sum / (z[0] / (2 * c->a_hm) + c->leak_1_h);
+}
+
+/* The n-th term of the current, and the next ones of lambda and psi; u: the mains' n-th. */
+static void eddy_terms(const vs_driven *d, vs_taylor *s, const double *z, int n, double u) {
+  const vs_coil *c = &s->model->coil;
+  const double r = c->resistance_ohm, share = 1 + r * c->core_s;
+  double base = product_of_series(s->flux, z, n) / (2 * c->a_hm) +
+                vs_coil_rungs_current(c, s->flux[n], s->psi[n]);
+  s->current[n] = d->conducting ? c->rest_h * (base + c->core_s * u) / share : 0;
+  if (n == VS_SERIES_ORDER) return;
+  double ratio = s->span_s / (n + 1);
+  for (int k = 0; k < c->rungs; k++)
+    s->psi[n + 1][k] = ratio * vs_coil_rung_rate(c, k, s->flux[n], s->psi[n]);
+  if (d->conducting)
+    s->flux[n + 1] = ratio * (u - r * base) / share;
+  else if (c->core_s > 0)
+    s->flux[n + 1] = -ratio * base / c->core_s;
+}
+
 void vs_taylor_make(const vs_driven *driven, const vs_knot *knot, double span_s, vs_taylor *s) {
   const vs_model *m = driven->frame->model;
   const vs_wave *mains = &driven->mains;
   sine_terms sine[VS_WAVE_MOST];
   double per_2a = 1 / (2 * m->coil.a_hm);
   double z[VS_SERIES_ORDER + 1] = {m->coil.gap_rest_m}, force = 0; /* terms of the gap */
-  bool moves = !driven->frame->gap_at_rest;
+  bool moves = !driven->frame->gap_at_rest, eddies = m->coil.eddies;
+  const bool faded = driven->fades && m->coil.core_s == 0;
   s->span_s = span_s;
   s->model = m;
   memset(s->flux, 0, sizeof s->flux);
   s->flux[0] = knot->flux_wb;
+  if (eddies) memcpy(s->psi[0], knot->psi_wb, sizeof s->psi[0]);
   for (int i = 0; i < m->dof; i++) {
     s->q[0][i] = knot->x[i];
     s->q[1][i] = knot->x[m->dof + i] * span_s;
@@ -79,12 +108,17 @@ void vs_taylor_make(const vs_driven *driven, const vs_knot *knot, double span_s,
   for (size_t k = 0; k < mains->count && driven->conducting; k++)
     sine[k] = begin_sine(&mains->sine[k], driven->since_s, span_s);
   for (int n = 0; n < VS_SERIES_ORDER; n++) {
-    if (driven->conducting) { /* lambda[n+1] (Eqs. 80, 81), F[n] = lambda^2/(4a) */
-      double ratio = span_s / (n + 1), u = mains_term(sine, mains->count, n);
+    if (driven->conducting || driven->fades) { /* lambda[n+1] (Eqs. 80, 81), F[n] = lambda^2/(4a) */
+      double ratio = span_s / (n + 1),
+             u = driven->conducting ? mains_term(sine, mains->count, n) : 0;
       z[n] += moves ? vs_mechanics_travel(m, s->q[n]) : 0;
+      if (faded) s->flux[n] = faded_flux_term(&m->coil, s, z, n);
       force = product_of_series(s->flux, s->flux, n) * per_2a / 2;
-      s->flux[n + 1] =
-          ratio * (u - m->actuator.resistance_ohm * per_2a * product_of_series(s->flux, z, n));
+      if (eddies)
+        eddy_terms(driven, s, z, n, u);
+      else
+        s->flux[n + 1] =
+            ratio * (u - m->coil.resistance_ohm * per_2a * product_of_series(s->flux, z, n));
     }
     if (n + 2 > VS_SERIES_ORDER) continue;
     if (m->dof == VS_ROWS)
@@ -92,10 +126,18 @@ void vs_taylor_make(const vs_driven *driven, const vs_knot *knot, double span_s,
     else
       next_q(driven, s, n, force, m->dof);
   }
+  if (!eddies || !(driven->conducting || driven->fades)) return;
+  z[VS_SERIES_ORDER] += moves ? vs_mechanics_travel(m, s->q[VS_SERIES_ORDER]) : 0;
+  if (faded) s->flux[VS_SERIES_ORDER] = faded_flux_term(&m->coil, s, z, VS_SERIES_ORDER);
+  if (driven->conducting)
+    eddy_terms(driven, s, z, VS_SERIES_ORDER, mains_term(sine, mains->count, VS_SERIES_ORDER));
 }
 
 double vs_taylor_term(const vs_driven *driven, const vs_taylor *s, int n) {
-  double largest = fabs(s->flux[n]) / larger_of(driven->flux_wb, fabs(s->flux[0]));
+  const double flux = larger_of(driven->flux_wb, fabs(s->flux[0]));
+  double largest = fabs(s->flux[n]) / flux;
+  for (int k = 0; k < s->model->coil.rungs; k++)
+    largest = larger_of(largest, fabs(s->psi[n][k]) / (s->model->coil.rung[k].share * flux));
   for (int i = 0; i < s->model->dof; i++) {
     double size = larger_of(driven->coordinate[i], fabs(s->q[0][i]) + fabs(s->q[1][i]));
     largest = larger_of(largest, fabs(s->q[n][i]) / size);
@@ -125,6 +167,10 @@ void vs_taylor_at(const vs_taylor *s, double at_s, double y[VS_CONDUCTING]) {
   double r = at_s / s->span_s, flux = s->flux[VS_SERIES_ORDER];
   for (int n = VS_SERIES_ORDER - 1; n >= 0; n--) flux = flux * r + s->flux[n];
   y[VS_FLUX] = flux;
+  for (int k = 0; k < s->model->coil.rungs; k++) {
+    y[VS_PSI + k] = 0;
+    for (int n = VS_SERIES_ORDER; n >= 0; n--) y[VS_PSI + k] = y[VS_PSI + k] * r + s->psi[n][k];
+  }
   if (s->model->dof == VS_ROWS)
     state_at(s, r, VS_ROWS, y);
   else
@@ -143,6 +189,11 @@ static double sum_up(const vs_taylor *s, const double terms[VS_SERIES_ORDER + 1]
   return value;
 }
 
+/* What a conduction ends with. */
+static const double *ending(const vs_taylor *s) {
+  return s->model->coil.eddies ? s->current : s->flux;
+}
+
 double vs_taylor_travel(const vs_taylor *s, double at_s, double *rate) {
   double terms[VS_SERIES_ORDER + 1];
   for (int n = 0; n <= VS_SERIES_ORDER; n++) terms[n] = vs_mechanics_travel(s->model, s->q[n]);
@@ -150,7 +201,7 @@ double vs_taylor_travel(const vs_taylor *s, double at_s, double *rate) {
 }
 
 double vs_taylor_flux(const vs_taylor *s, double at_s, double *rate) {
-  return sum_up(s, s->flux, at_s, rate);
+  return sum_up(s, ending(s), at_s, rate);
 }
 
 /* ---- the first fall of lambda ---- */
@@ -209,7 +260,7 @@ bool vs_taylor_flux_falls(const vs_taylor *series, double at_s, double nothing_w
   enum { DEEPEST = 48 }; /* halvings, which come near the rounding of the stretch's ends */
   stretch waiting[DEEPEST + 2];
   double c[VS_SERIES_ORDER + 1], r = at_s / series->span_s, power = 1;
-  for (int n = 0; n <= VS_SERIES_ORDER; n++, power *= r) c[n] = series->flux[n] * power;
+  for (int n = 0; n <= VS_SERIES_ORDER; n++, power *= r) c[n] = ending(series)[n] * power;
   bernstein(c, &waiting[0]);
   for (size_t count = 1; count;) {
     stretch s = waiting[--count];

@@ -16,6 +16,8 @@ typedef struct vs_taylor {
   double span_s;
   const vs_model *model;
   double q[VS_SERIES_ORDER + 1][VS_MOST_DOF], flux[VS_SERIES_ORDER + 1];
+  /* with eddy currents: those of psi, and of the coil's current while conducting */
+  double psi[VS_SERIES_ORDER + 1][VS_MOST_RUNGS], current[VS_SERIES_ORDER + 1];
 } vs_taylor;
 
 /* Makes the series about a knot, of which the time, q, q' and lambda count. */
@@ -28,13 +30,15 @@ double vs_taylor_term(const vs_driven *driven, const vs_taylor *series, int n);
 
 /* Gives the state s seconds after the knot, within the span. */
 void vs_taylor_at(const vs_taylor *series, double s, double y[VS_CONDUCTING]);
-/* Returns the travel g = c.q or lambda alone s seconds after the knot, and gives its rate. */
+/* Returns the travel g = c.q alone s seconds after the knot, and gives its rate. */
 double vs_taylor_travel(const vs_taylor *series, double s, double *rate);
+/* The same of what a conduction ends with: lambda, or with eddy currents the coil's current times
+ * its inductance at rest. */
 double vs_taylor_flux(const vs_taylor *series, double s, double *rate);
 
-/* Returns true if lambda falls below -nothing_wb within s seconds after the knot. The first time it
+/* Returns true if that falls below -nothing_wb within s seconds after the knot. The first time it
  * does so lies between *lower_s and *upper_s, and no other time does. No fall is overlooked,
- * whatever lambda does on the way. */
+ * whatever it does on the way. */
 bool vs_taylor_flux_falls(const vs_taylor *series, double s, double nothing_wb, double *lower_s,
                           double *upper_s);
 

@@ -78,7 +78,7 @@ vs_coil_state vs_oneport_coil(const vs_oneport *o, double t_s, const double y[VS
     c.flux_wb = y[VS_ONEPORT_FLUX];
     c.v_v = y[VS_ONEPORT_VOLTAGE];
     c.i_a = vs_coil_current(&m->coil, c.flux_wb, z);
-    c.flux_rate_v = c.v_v - m->actuator.resistance_ohm * c.i_a;
+    c.flux_rate_v = c.v_v - m->coil.resistance_ohm * c.i_a;
     c.i_rate_a_s = vs_coil_rates(&m->coil, c.flux_wb, c.flux_rate_v, z, z_rate).i_rate_a_s;
     c.v_rate_v_s = (i_n - o->g_s * c.v_v - c.i_a - o->tau_s * c.i_rate_a_s) / o->c_f;
     return c;
@@ -87,7 +87,7 @@ vs_coil_state vs_oneport_coil(const vs_oneport *o, double t_s, const double y[VS
   c.i_rate_a_s = rate;
   c.flux_wb = 2 * m->coil.a_hm * i_n / z;
   c.flux_rate_v = (2 * m->coil.a_hm * rate - c.flux_wb * z_rate) / z;
-  c.v_v = c.flux_rate_v + m->actuator.resistance_ohm * i_n;
+  c.v_v = c.flux_rate_v + m->coil.resistance_ohm * i_n;
   c.v_rate_v_s = 0;
   return c;
 }
@@ -211,7 +211,7 @@ static bool fit_oneport_law(vs_oneport *o, const sight *in) {
 /* The share of a source's sine that flows through the coil, which is at rest. */
 static double through_coil(const vs_oneport *o) {
   const vs_model *m = &o->setup->model;
-  double w = o->setup->timeline.omega_rad_s, r = m->actuator.resistance_ohm,
+  double w = o->setup->timeline.omega_rad_s, r = m->coil.resistance_ohm,
          x = w * 2 * m->coil.a_hm / m->coil.gap_rest_m, coil2 = r * r + x * x;
   if (!o->dynamic) return 1;
   return 1 / (hypot(o->g_s + r / coil2, w * o->c_f - x / coil2) * sqrt(coil2));
@@ -277,7 +277,7 @@ static double longest_substep(const vs_oneport *o) {
   const vs_model *m = &o->setup->model;
   double h = 0.1 / fmax(m->fastest_rad_s, o->setup->timeline.omega_rad_s);
   if (o->dynamic) {
-    double k = m->coil.gap_rest_m / (2 * m->coil.a_hm), r = m->actuator.resistance_ohm;
+    double k = m->coil.gap_rest_m / (2 * m->coil.a_hm), r = m->coil.resistance_ohm;
     if (!(o->c_f > 0)) return 0;
     double trace = -r * k - (o->g_s + o->tau_s * k) / o->c_f;
     double det = (r * k * o->g_s + k) / o->c_f;

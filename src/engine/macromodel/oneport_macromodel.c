@@ -517,7 +517,7 @@ static vs_status step_macromodel(void *self, vs_knot *k, double t_s, vs_error *e
   memcpy(k->x, y + VS_ONEPORT_Q, sizeof k->x);
   k->flux_wb = c.flux_wb;
   k->flux_rate_v = c.flux_rate_v;
-  k->flux_rate2_v_s = c.v_rate_v_s - q->setup->model.actuator.resistance_ohm * c.i_rate_a_s;
+  k->flux_rate2_v_s = c.v_rate_v_s - q->setup->model.coil.resistance_ohm * c.i_rate_a_s;
   k->v_eva_v = c.v_v;
   memcpy(k->terms, signal, vs_record_terms(&q->record) * sizeof *signal);
   k->i_mains_a = signal[vs_record_terms(&q->record)];
@@ -576,6 +576,7 @@ static const char *why_declined(const vs_setup *setup) {
   const vs_model *m = &setup->model;
   if (setup->deck.reads_eva.file) return "an element of the deck reads the machine's motion";
   if (!m->coil.square) return "its law is fitted to a coil with i = lambda z/(2a) alone";
+  if (m->coil.eddies) return "its law has no eddy currents";
   if (m->loaded) return "the machine has forces that never change";
   if (!isfinite(m->compliance_m_n)) return "a coordinate of the machine has no spring";
   return NULL;

@@ -91,7 +91,7 @@ static void integrate_port(vs_record *r, const vs_knot *k) {
                   h * h / 12 *
                       (vs_oneport_knot_current_rate(m, k) - vs_oneport_knot_current_rate(m, from));
   r->last.charge_c += charge;
-  r->last.flux_in_wb += m->actuator.resistance_ohm * charge + k->flux_wb - from->flux_wb;
+  r->last.flux_in_wb += m->coil.resistance_ohm * charge + k->flux_wb - from->flux_wb;
 }
 
 void vs_record_clear(vs_record *r) {

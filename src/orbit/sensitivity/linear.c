@@ -468,6 +468,10 @@ vs_status vs_linear_check(const vs_scene *scene, int periods, vs_error *err) {
     return vs_fail_at(err, vs_tree_place(scene->tree.root, "firing.valve"),
                       "--linear: firing.valve is none, so that there is no firing angle; write "
                       "firing.valve: thyristor");
+  if (scene->setup.model.coil.eddies)
+    return vs_fail_at(err, vs_tree_place(scene->tree.root, "actuator.eddy"),
+                      "--linear: eddy currents keep a flux behind the firing, for which no linear "
+                      "model is made; write actuator.eddy: none");
   if (periods != 1)
     return vs_fail(
         err, VS_INPUT,

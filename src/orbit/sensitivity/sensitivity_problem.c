@@ -14,6 +14,7 @@ static const char *why_inexact(const vs_scene *s) {
   const vs_setup *setup = &s->setup;
   if (s->tier->has_circuit) return "the circuit's equations are its solver's own";
   if (isfinite(vs_setup_jams(setup))) return "the armature jams";
+  if (setup->model.coil.eddies) return "eddy currents keep a flux";
   if (setup->loads.count) return "the load changes";
   if (s->control.regulator) return "a control decides the firings";
   if (setup->timeline.firing.angle.count) return "firing.angle is a table over time";

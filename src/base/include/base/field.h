@@ -58,7 +58,7 @@ typedef struct vs_field {
   const char *unit;         /* as shown and as asked for; "" for a pure number */
   const char *default_text; /* as a user would write it */
   double min, max;          /* the least and the largest value allowed, in `unit` */
-  bool open;                /* min and max themselves are not allowed */
+  bool open;                /* min and max themselves are not allowed; vs_field_is_idle */
   size_t offset;            /* of the member it fills, in the section's struct */
   const char *text;         /* what it means, one line */
   const char *choices;      /* VS_CHOICE: "paper|derived"; VS_REAL, VS_COUNT, VS_OPTION: a word;
@@ -66,7 +66,8 @@ typedef struct vs_field {
   const struct vs_inside *inside; /* VS_OPTION, VS_LIST, VS_MAP: what its lists and maps have */
 } vs_field;
 
-/* True for a factor that is 1; listings of a section's values leave it out. */
+/* True for a factor that is 1, for a number that is `none`, and for an option that is not there
+ * where its row has `open`; listings of a section's values leave it out. */
 bool vs_field_is_idle(const vs_field *field, const void *values);
 
 /* The quantity at t, SI. At a jump it is the later value. */

@@ -71,8 +71,9 @@ void vs_channel_column_json(const vs_column *column, vs_json *json);
 
 /* ---- channels ---- */
 
-/* The channels that every machine has: id, name, unit, what has it, text. The last two are in no
- * list: the current drawn from the mains is for the books of energy, the travel for measures. */
+/* The channels that every machine has: id, name, unit, what has it, text. The last three are in no
+ * list: the current drawn from the mains and the loss are for the books of energy, the travel for
+ * measures. */
 #define VS_CHANNEL_LIST(X)                                                                         \
   X(VS_CH_Z, "z", "m", "actuator", "air gap, D + d + travel")                                      \
   X(VS_CH_LAMBDA, "lambda", "Wb", "actuator", "flux linkage of the EVA")                           \
@@ -81,7 +82,8 @@ void vs_channel_column_json(const vs_column *column, vs_json *json);
   X(VS_CH_V_EVA, "v_eva", "V", "actuator", "voltage across the EVA")                               \
   X(VS_CH_V_MAINS, "v_mains", "V", "supply", "mains voltage behind its impedance")                 \
   X(VS_CH_I_MAINS, "i_mains", "A", "supply", "current drawn from the mains")                       \
-  X(VS_CH_TRAVEL, "travel", "m", "machine", "c.q, by which the gap is opened")
+  X(VS_CH_TRAVEL, "travel", "m", "machine", "c.q, by which the gap is opened")                     \
+  X(VS_CH_EDDY, "eddy", "W", "actuator", "lost by eddy currents and in the core")
 
 /* A channel's number is its place in the array that vs_step_at fills: first these, then the
  * coordinates q, their rates q' and q", the machine's own probes, and the deck's. In lists and CSV

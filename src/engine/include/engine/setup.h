@@ -102,8 +102,9 @@ double vs_setup_load_at(const vs_loads *loads, size_t k);
 typedef struct vs_start_values {
   double x[VS_MOST_STATES];
   double flux_wb; /* what the coil's flux linkage is at t = 0 besides that which it has without a
-                     current; only an orbit without a valve (orbit/shooting.h) has some, on an ideal
-                     tier */
+                     current; only an orbit without a valve or with eddy currents
+                     (orbit/shooting.h) has some, on an ideal tier */
+  double psi_wb[VS_MOST_RUNGS]; /* the same of the secondaries */
 } vs_start_values;
 
 extern const char vs_setup_steady[]; /* the word of `start` for an orbit */

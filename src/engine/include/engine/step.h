@@ -19,7 +19,8 @@ typedef struct vs_knot {
   /* lambda and its derivatives. Where a step's cubic_flux is set the last two do not count, but are
    * finite all the same. */
   double flux_wb, flux_rate_v, flux_rate2_v_s, flux_rate3_v_s2;
-  double v_eva_v, i_mains_a;  /* as the circuit has them; not set on a tier without a circuit */
+  double psi_wb[VS_MOST_RUNGS]; /* of the secondaries with leakage (plant/coil.h) */
+  double v_eva_v, i_mains_a;    /* as the circuit has them; not set on a tier without a circuit */
   double terms[VS_DECK_MOST]; /* of the deck's probes and formulas, V or A, in the deck's order; the
                                  last member, so that a copy may leave out those behind the deck's
                                  own */
@@ -61,6 +62,7 @@ typedef struct vs_step {
                         its ends alone count, and lost_j */
   double lost_j;     /* where it glides: what damping takes in the step, J */
   bool held;         /* the armature is jammed: p" = 0 */
+  bool open;         /* nothing flows in the coil, though eddy currents may keep a flux */
   vs_event event[2]; /* in order of time; VS_EV_NONE where there is none */
   double event_s[2]; /* when they happened: within the step, or as near to it as can be told */
   double strays; /* what may be wrong so far of the coil's flux linkage, in parts of run.tolerance
@@ -82,6 +84,10 @@ void vs_step_groups_at(const vs_step *step, double t_s, unsigned groups, double 
 void vs_step_velocities_at(const vs_step *step, double t_s, double *v);
 /* One channel at t_s, by its number. */
 double vs_step_channel(const vs_step *step, double t_s, int channel);
+/* The secondaries' flux linkages at t_s (plant/coil.h). */
+void vs_step_psi_at(const vs_step *step, double t_s, double psi[VS_MOST_RUNGS]);
+/* The coil's current and the force at a knot, and their rates. */
+vs_law_rates vs_step_coil_rates(const vs_frame *frame, const vs_knot *knot);
 /* True if there is no flux anywhere in the step, and so neither current nor force. */
 bool vs_step_is_quiet(const vs_step *step);
 

@@ -77,4 +77,13 @@ vs_status vs_recording_read(vs_recording *recording, const vs_node *data, const 
                             const vs_scene *scene, vs_error *err);
 void vs_recording_free(vs_recording *recording);
 
+/* For other CSV files that a fit names. The path of one: beside the fit file, or as it stands; key:
+ * where it is named, for errors. The factor to SI if the cell is the column `name` with a unit of
+ * that kind, as p_mm, p [mm], of a pure number p; NaN with *named set: it has the name, and no such
+ * unit. The number in a cell. */
+vs_status vs_recording_file(char path[VS_PATH_SIZE], const char *key, const vs_node *file,
+                            const char *beside, vs_error *err);
+double vs_recording_factor(const char *cell, const char *name, const char *unit, bool *named);
+vs_status vs_recording_number(const vs_csv *csv, size_t cell, double *value, vs_error *err);
+
 #endif

@@ -6,6 +6,8 @@
  *   working_frequency   Hz, at which the mode that the force drives hardest swings freely:
  *                       Im s/(2 pi)
  *   working_decay       s, in which that mode decays to 1/e: -1/Re s
+ *
+ * Or it is the coil's impedance at a frequency, with the armature at rest, from a CSV file.
  */
 #ifndef VS_FIT_TARGETS_H
 #define VS_FIT_TARGETS_H
@@ -20,6 +22,8 @@ typedef struct vs_target {
   double error;   /* its standard error: a share of the value, or SI */
   bool relative;  /* error is a share */
   int place;      /* among those of vs_measured_at; -1: it is one of the machine at rest */
+  double at_hz;   /* of an impedance: its frequency; else 0 */
+  int part;       /* of an impedance: which of its columns */
 } vs_target;
 
 typedef struct vs_targets {
@@ -34,10 +38,20 @@ typedef struct vs_targets {
 vs_status vs_targets_read(vs_targets *aims, const vs_node *map, const vs_scene *scene, int periods,
                           vs_error *err);
 
+/* Adds the numbers of a map `impedance` of a fit file, {file: z.csv, error: 2 %}, whose file has a
+ * frequency in its first column, f_hz, and any of r_ohm and x_ohm, the impedance's real and
+ * imaginary part, z_ohm, its magnitude, and l_H, the imaginary part over the angular frequency.
+ * beside: the fit file's path. Errors: there is no such column; an error that is no share; what
+ * vs_recording_file and the file itself are wrong in. */
+vs_status vs_targets_read_impedance(vs_targets *aims, const vs_node *map, const char *beside,
+                                    vs_error *err);
+/* True if none of them needs a run. */
+bool vs_targets_rest(const vs_targets *aims);
+
 /* Finds what a run of the scene gave, SI. Error: VS_RUN, it has no such number, as nothing fired.
  */
-vs_status vs_target_computed(const vs_target *aim, const vs_scene *scene, const vs_measured *measured,
-                          double *value, vs_error *err);
+vs_status vs_target_computed(const vs_target *aim, const vs_scene *scene,
+                             const vs_measured *measured, double *value, vs_error *err);
 
 /* Adds a line for each measure of the machine at rest, for --help. */
 void vs_target_explain(vs_text *help);

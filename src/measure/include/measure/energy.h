@@ -20,7 +20,8 @@
   X(VS_E_MECHANICAL, "mechanical", "gained in the machine, (q'.M q' + q.K q)/2, and in the stop")  \
   X(VS_E_TRANSDUCER, "transducer",                                                                 \
     "lost between a coil whose two constants differ and the machine")                              \
-  X(VS_E_LOAD, "load", "brought by what is added to the load, at the trough's velocity")
+  X(VS_E_LOAD, "load", "brought by what is added to the load, at the trough's velocity")           \
+  X(VS_E_EDDY, "eddy", "lost by eddy currents and in the core, sum of int R i^2 dt")
 
 enum {
 #define VS_ENERGY_ID(id, name, text) id,
@@ -29,8 +30,8 @@ enum {
       VS_ENERGIES
 };
 extern const char *const vs_energy_names[VS_ENERGIES];
-/* True if the machine has that term: the last two are of coils that have a transducer, and of
- * scenes in which events change the load, alone. */
+/* True if the machine has that term: the last three are of coils that have a transducer, of
+ * scenes in which events change the load, and of coils with eddy currents alone. */
 bool vs_energy_has(const vs_model *model, int term);
 
 /* The balances. Each is what comes in, less what is lost and stored. id, name, text */
@@ -61,7 +62,7 @@ typedef struct vs_energy {
   double loss_j[VS_DECK_MOST];  /* their integrals */
   double store_j[VS_DECK_MOST]; /* what the deck's store lines have gained since the beginning */
   vs_knot first, last;          /* of the steps accepted so far; of the last its time, state, flux
-                                   linkage and terms alone */
+                                   linkages and terms alone */
   double began_j;               /* the machine's energy at the first */
   long steps;
   double left_j[VS_BALANCES];     /* what each balance leaves over when it was last taken */

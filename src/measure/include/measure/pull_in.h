@@ -8,7 +8,7 @@
 #define VS_MEASURE_PULL_IN_H
 
 #include "engine/step.h"
-#include "measure/value.h"
+#include "measure/extremes.h"
 
 /* Start from {0}. Instants in s; NaN: not yet, once `began` is set. */
 typedef struct vs_pull_in {

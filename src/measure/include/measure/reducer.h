@@ -163,8 +163,8 @@ struct vs_reducer {
   bool until_opens;
   /* By a value near its limit, or beyond it, the device may fire or go on without its gate. */
   bool makes_fire;
-  /* The limit is found in the run: of a table, what the value that comes nearest to it may be. Where
-   * is_busy says no, there is none. */
+  /* The limit is found in the run: of a table, what the value that comes nearest to it may be.
+   * Where is_busy says no, there is none. */
   bool finds_limit;
   /* Prepares the state, before the run. limit and states are there. */
   void (*prepare)(vs_watched *w, vs_reduced *r);

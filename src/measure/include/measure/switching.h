@@ -41,8 +41,8 @@
 
 #include "engine/batch.h"
 #include "engine/conduction.h"
+#include "measure/extremes.h"
 #include "measure/slope.h"
-#include "measure/value.h"
 #include "netlist/devices.h"
 
 /* The courses of a device over one step (VS_OF_V, ...): at its beginning, half way, at its end. */

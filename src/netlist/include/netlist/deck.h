@@ -22,6 +22,7 @@
 #include "netlist/port.h"
 #include "netlist/statements.h"
 #include "netlist/tally.h"
+#include "plant/values.h"
 
 /* How much a deck may hold. A line beyond that is refused with its place. */
 enum {
@@ -320,7 +321,10 @@ typedef struct vs_deck {
   bool eva_led;         /* the EVA's own file is eva_led.inc, which can be led, not eva.inc */
   vs_text eva_current, eva_lines; /* the coil's law for the EVA's subcircuit, and the lines that it
                                      needs (netlist/eva.h); empty: the law is the file's own */
-  double eva_flux_wb;             /* the EVA's flux linkage at t = 0 */
+  /* the secondaries beside the coil: resistance and inductance, as seen from all its turns */
+  double eva_eddy[VS_MOST_RUNGS + 1][2];
+  size_t n_eva_eddies;
+  double eva_flux_wb; /* the EVA's flux linkage at t = 0 */
   vs_motion_node motions[VS_DECK_MOTIONS]; /* those that the deck names */
   size_t n_motions;
   vs_where reads_eva; /* the first line of a circuit element, or of a function, that names a node of

@@ -18,6 +18,10 @@
  * run. vs_deck_free frees the texts. */
 void vs_eva_take_law(vs_deck *deck, const vs_coil *coil);
 
+/* Adds the sum of the secondaries' currents, A, as seen from all turns of the coil: an expression in
+ * nodes of the EVA, each with its sign before it. Nothing where there are none. */
+void vs_eva_add_eddy_currents(const vs_deck *deck, vs_text *out);
+
 /* Refuses a deck that names the parameter eva_a while the coil's law has no a, with the place. */
 vs_status vs_eva_check_names(const vs_deck *deck, const vs_coil *coil, vs_error *err);
 

@@ -22,9 +22,10 @@
 
 #include "orbit/parameter.h"
 
-/* The most numbers of y, and of x0, of which a coil without a valve has lambda too; one column more
- * is the parameter's. */
-enum { VS_VARIATION_MOST = VS_MOST_STATES + 1 };
+/* The most numbers of y, and of x0, of which a coil without a valve has lambda too, and one with
+ * eddy currents lambda and the secondaries' psi (plant/coil.h); one column more is the parameter's.
+ */
+enum { VS_VARIATION_MOST = VS_MOST_STATES + 1 + VS_MOST_RUNGS };
 
 /* An instant at which the column of a parameter was taken from one side to the other. */
 typedef struct vs_jump {
@@ -40,14 +41,15 @@ typedef struct vs_jump {
 typedef struct vs_variation {
   const vs_model *model;
   bool valve;         /* a thyristor stands between mains and coil */
-  bool conducting;    /* lambda is not held at 0 */
+  bool conducting;    /* current may flow in the coil */
+  bool fades;         /* it may not, but eddy currents keep a flux */
   unsigned touched;   /* the stops that the armature is in, as bits */
   vs_event ending;    /* how the last step ended, where its other side is still to be shown */
   double free_s;      /* how long the machine has swung freely since S was brought up to date */
   double mains_rad_s; /* of the mains' voltage */
   double at_s;        /* how far vs_variation_to has come */
-  int columns;        /* of S: 2 dof, and lambda's where there is no valve */
-  int rows;           /* of y: 2 dof + 1 */
+  int columns;        /* of S: 2 dof, and those of lambda and psi as VS_VARIATION_MOST has it */
+  int rows;           /* of y: 2 dof + 1, and psi */
   double *s;   /* S by columns: s[j rows + i] is dy_i/dx0_j; then the parameter's column, or that of
                   the delay; owned */
   bool delays; /* the last column is that of a delay */

@@ -67,7 +67,7 @@ enum {
   VS_MACHINE_TERM_LAMBDA,
   VS_MACHINE_TERM_I,
   VS_MACHINE_TERM_FORCE,
-  VS_MACHINE_TERM_Q = 8
+  VS_MACHINE_TERM_Q = 9
 };
 typedef struct vs_machine_probe {
   char name[VS_MACHINE_NAME], unit[16], text[VS_MACHINE_TEXT];

@@ -20,12 +20,27 @@ typedef struct vs_saturation_values {
   double flux_wb, exponent;
   double current_a; /* 0 where the law is multiplicative */
 } vs_saturation_values;
+/* One shorted secondary, as which eddy currents act (plant/coil.h). */
+enum { VS_MOST_RUNGS = 3 };
+typedef struct vs_rung_values {
+  int present; /* 0: behind the last */
+  double inductance_h, resistance_ohm, coupling;
+} vs_rung_values;
+/* The winding's warmth (plant/coil.h). Of a pair the first is between winding and core, or the
+ * winding's, the second between core and ambient, or the core's. */
+typedef struct vs_winding_values {
+  int present;
+  double temperature_degc, coefficient_1_k, r_th[2], c_th[2], ambient_degc;
+} vs_winding_values;
 typedef struct vs_actuator_values {
   char law[VS_NAME_SIZE]; /* a law's name, or a table's file */
   double gap_m, pole_cover_m, inductance_h, resistance_ohm, leakage_h;
   vs_saturation_values saturation;
+  double linear_to_wb; /* NaN: the scene does not say */
   double emf_constant_vs_m, force_constant_n_a; /* the latter NaN: equal to the former */
   vs_stop_values stop[VS_MOST_STOPS];           /* in the scene's order */
+  vs_rung_values eddy[VS_MOST_RUNGS];
+  vs_winding_values winding;
 } vs_actuator_values;
 
 #endif
