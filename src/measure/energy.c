@@ -279,13 +279,13 @@ void vs_energy_round_off(vs_energy *e) {
   const vs_deck *deck = e->frame->deck;
   double whole = 0;
   for (int k = 0; k < VS_ENERGIES; k++) whole = fmax(whole, fabs(e->joule[k]));
-  for (int k = 0; k < VS_ENERGIES; k++) e->joule[k] = vs_value_told(e->joule[k], whole);
+  for (int k = 0; k < VS_ENERGIES; k++) e->joule[k] = vs_extreme_told(e->joule[k], whole);
   for (size_t k = 0; deck && k < deck->losses.count; k++)
-    e->loss_j[k] = vs_value_told(e->loss_j[k], whole);
+    e->loss_j[k] = vs_extreme_told(e->loss_j[k], whole);
   for (size_t k = 0; deck && k < deck->stores.count; k++)
-    e->store_j[k] = vs_value_told(e->store_j[k], whole);
-  for (int b = 0; b < VS_BALANCES; b++) e->residual[b] = vs_value_told(e->residual[b], 1);
-  e->worst = vs_value_told(e->worst, 1);
+    e->store_j[k] = vs_extreme_told(e->store_j[k], whole);
+  for (int b = 0; b < VS_BALANCES; b++) e->residual[b] = vs_extreme_told(e->residual[b], 1);
+  e->worst = vs_extreme_told(e->worst, 1);
 }
 
 double vs_energy_whole(const vs_energy *e) {

@@ -136,12 +136,12 @@ void vs_watchers_accept(vs_watchers *w, const vs_step *step) {
 static void round_off_watched(vs_watchers *w, vs_value values[VS_MEASURES]) {
   vs_measures *m = w->measures;
   vs_energy_round_off(&w->energy);
-  for (int k = 0; k < VS_MEASURES; k++) values[k].value = vs_value_told(values[k].value, 0);
+  for (int k = 0; k < VS_MEASURES; k++) values[k].value = vs_extreme_told(values[k].value, 0);
   for (int k = m->of_probes; k + 1 < m->n_extremes; k += 2) {
     vs_value *least = &m->extremes[k].best, *largest = &m->extremes[k + 1].best;
     const double size = fmax(fabs(least->value), fabs(largest->value));
-    least->value = vs_value_told(least->value, size);
-    largest->value = vs_value_told(largest->value, size);
+    least->value = vs_extreme_told(least->value, size);
+    largest->value = vs_extreme_told(largest->value, size);
   }
 }
 

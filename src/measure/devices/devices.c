@@ -545,7 +545,7 @@ static double size_of_unit(const char *unit, const sizes *z) {
 static void round_off_reduced(const vs_watched *w, vs_reduced *r, const sizes *z) {
   const char *unit = r->measure->unit;
   const double whole = !strcmp(unit, "J") ? fabs(w->sum[VS_OF_POWER]) : 0; /* it is a part of */
-  r->value.value = vs_value_told(r->value.value, fmax(TERMS * size_of_unit(unit, z), whole));
+  r->value.value = vs_extreme_told(r->value.value, fmax(TERMS * size_of_unit(unit, z), whole));
 }
 
 void vs_devices_finish(vs_devices *d) {

@@ -30,7 +30,7 @@ typedef struct vs_value {
 /* Returns the number, in SI, as it is told: 0 where it is no more than rounding. size: of what it
  * was summed from or subtracted from; 0: not known. No voltage, current, travel, energy or rate of
  * what is computed here means anything below 1e-20. */
-static inline double vs_value_told(double value, double size) {
+static inline double vs_extreme_told(double value, double size) {
   return fabs(value) <= fmax(4 * DBL_EPSILON * fabs(size), 1e-20) ? 0 : value;
 }
 
