@@ -409,7 +409,8 @@ static void add_pictures(vs_html *html, const vs_study_pictures *album, char *co
   vs_html_add(html, "<div class=\"pictures\">\n");
   for (size_t k = 0; k < album->count; k++) {
     const vs_picture *p = &album->item[k];
-    const vs_html_picture picture = {p->title.text, p->caption.text, svg[k], p->width, p->height};
+    const vs_html_picture picture = {p->title.text, p->caption.text, svg[k],
+                                     p->width,      p->height,       NULL};
     vs_html_picture_add(html, &picture);
   }
   vs_html_add(html, "</div>\n");
