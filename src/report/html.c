@@ -40,7 +40,7 @@ static const char STYLE[] =
     ".verdict "
     ".bar{max-width:40vw}.bar{display:block}.back{background:var(--bad)}.group "
     "th{background:none;border-left:0;border-right:0;padding-top:.8rem}figure "
-    "svg{max-width:100%;height:auto;background:#fff;color-scheme:only "
+    "svg{background:#fff;color-scheme:only "
     "light}output{color:var(--ink)}@media(max-width:600px){main{padding:.6rem .6rem "
     "2rem}.verdict{padding:.5rem;border-left-width:6px}.verdict "
     "table{font-size:.76rem}.verdict th,.verdict td{padding:.15rem "

@@ -13,6 +13,7 @@
 #include "members.h"
 #include "report/html.h"
 #include "report/margin_bars.h"
+#include "report/schematic.h"
 #include "run/engineering.h"
 #include "run_pair.h"
 #include "waveforms.h"
@@ -341,6 +342,7 @@ vs_status vs_run_page_write(const char *folder, bool quiet, vs_error *err) {
     status = vs_margin_bars_add(summary.root, &html, err);
   }
   if (!status) {
+    vs_schematic_add(summary.root, &html);
     add_energy_flow(&html, vs_tree_child(summary.root, "energy"));
     status = vs_waveforms_add(s, &html, err);
     vs_run_page_values(&html, summary.root);
