@@ -169,7 +169,8 @@ typedef struct layout {
   int lane[VS_CIRCUIT_MOST], gap[VS_CIRCUIT_MOST], shunt[VS_CIRCUIT_MOST]; /* of a branch */
   int lanes, above, below;          /* lanes; symbols in a branch to the rails */
   int x[NET_MOST], right[NET_MOST]; /* of a column: its net, and the last branch to a rail */
-  int pitch, width, y_top, y_base, y_bottom, y_end;
+  int pitch, width, hang, y_top,    /* hang: from a column down to its first symbol's room */
+      y_base, y_bottom, y_end;
   int wire[WIRES][4]; /* what has been drawn: x and y of both ends, the lesser ones first */
   int wires;
 } layout;
@@ -352,7 +353,10 @@ static void make_layout(layout *l) {
   l->y_top = EDGE;
   l->y_base = EDGE + 22 + ACROSS * (l->lanes - 1) + (l->lanes > 1 ? 0 : 6);
   if (l->above) l->y_base += SHUNT * l->above + 24;
-  l->y_bottom = l->y_base + 34 + SHUNT * (l->below ? l->below : 1);
+  l->hang = 24;
+  for (int k = 0; k < l->c.n_elements; k++)
+    if (l->label[k].lines == LABEL) l->hang = 24 + LINE;
+  l->y_bottom = l->y_base + l->hang + 10 + SHUNT * (l->below ? l->below : 1);
 }
 
 /* ---- the drawing ---- */
@@ -443,7 +447,7 @@ static void draw_upright(vs_html *out, layout *l, int k) {
   const int from = from_top ? l->y_top : l->y_base,
             to = from_top && net >= 0 ? l->y_base : l->y_bottom;
   const bool downward = b->end[0] == l->c.rail[0] || (first && !from_top);
-  const int begin = from_top && net < 0 ? l->y_base + 20 : from + (from_top ? 10 : 24);
+  const int begin = from_top && net < 0 ? l->y_base + l->hang : from + (from_top ? 10 : l->hang);
   int y = from;
   for (int n = 0; n < b->count; n++) {
     const int m = downward ? n : b->count - 1 - n, middle = begin + SHUNT * n + SHUNT / 2;

@@ -127,7 +127,9 @@ static bool is_measured(const vs_deck *deck, const vs_circuit *c, const vs_devic
     snprintf(term, sizeof term, "i(%.*s)", (int)m->card->name.n, m->card->name.at);
     if (strcasecmp(term, deck->terms[op->index].plus) || !is_ammeter(c->cards, m->card)) continue;
     for (int n = 0; n < 4; n++)
-      if (e != m && m->end[n % 2] == e->end[n / 2] && count_at(c, m->end[n % 2]) == 2) return true;
+      if (!is_ammeter(c->cards, e->card) && m->end[n % 2] == e->end[n / 2] &&
+          count_at(c, m->end[n % 2]) == 2)
+        return true;
   }
   return false;
 }
