@@ -17,7 +17,8 @@ typedef struct vs_schematic_mark {
 /* Adds the picture, "<svg ...</svg>". The deck's parts are read. values: the scene's section
  * circuit, or that of summary.json; NULL: the deck's defaults stand beside the elements. Devices
  * that have a mark are coloured by it. What is not drawn is named below the picture. Returns false
- * where the circuit cannot be drawn truly; `why` then says so, and nothing is added. */
+ * where the circuit cannot be drawn truly; `why` then says so, and nothing is added.
+ * Exported for tests. */
 bool vs_schematic_draw(const vs_deck *deck, const vs_node *values, const vs_schematic_mark *marks,
                        size_t n_marks, vs_html *out, vs_text *why);
 
