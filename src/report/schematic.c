@@ -634,13 +634,15 @@ void vs_schematic_add(const vs_node *summary, vs_html *html) {
   const char *tier = vs_member_word(summary, "tier");
   const vs_node *circuit = vs_tree_child_map(vs_tree_child(summary, "scene"), "circuit");
   const char *name = vs_member_word(circuit, "deck");
-  char path[VS_PATH_SIZE];
+  const vs_node *events = vs_tree_child(vs_tree_child(summary, "scene"), "events");
+  char path[VS_PATH_SIZE], found[VS_PATH_SIZE];
+  vs_error unread = {0};
   if ((strcmp(tier, "circuit") && strcmp(tier, "compiled")) || !*name ||
-      !vs_path_own(&vs_deck_shelf, name, path))
+      !vs_path_own(&vs_deck_shelf, name, path) ||
+      vs_path_find(&vs_deck_shelf, name, (vs_where){0}, found, &unread) || strcmp(found, path))
     return;
   vs_deck *deck = vs_alloc(1, sizeof *deck);
   vs_html picture = {0};
-  vs_error unread = {0};
   vs_text why = {0};
   size_t count;
   vs_schematic_mark *marks = list_marks(vs_tree_child(summary, "verdict"), &count);
@@ -651,9 +653,9 @@ void vs_schematic_add(const vs_node *summary, vs_html *html) {
     vs_html_markup(html, picture.text.text);
     vs_html_add(html,
                 "<figcaption>The deck %s. A device has the colour of its least margin: below "
-                "20 %% brown, violated or undecided vermilion, else blue.</figcaption>\n"
+                "20 %% brown, violated or undecided vermilion, else blue.%s</figcaption>\n"
                 "</figure></div>\n</section>\n",
-                name);
+                name, events && events->child ? " What the scene's events add is not drawn." : "");
   }
   free(marks);
   vs_html_free(&picture);

@@ -116,6 +116,15 @@ static int count_at(const vs_circuit *c, int net) {
   return n;
 }
 
+/* True where the element may be such a device: a resistor, a capacitor, a diode, or a part of no
+ * other kind. */
+static bool may_be(const vs_device *d, const vs_circuit_element *e) {
+  const char letter = e->card->letter, *kind = d->kind ? d->kind->name : "";
+  const char own = !strcmp(kind, "resistor") ? 'r' : !strcmp(kind, "capacitor") ? 'c' : 'x';
+  return !e->coil && (letter == own || (letter == 'd' && own == 'x')) &&
+         (!e->kind || e->kind == d->kind);
+}
+
 /* True where the device's current is that through the ammeter which only this element continues. */
 static bool is_measured(const vs_deck *deck, const vs_circuit *c, const vs_device *d,
                         const vs_circuit_element *e) {
@@ -127,26 +136,16 @@ static bool is_measured(const vs_deck *deck, const vs_circuit *c, const vs_devic
     snprintf(term, sizeof term, "i(%.*s)", (int)m->card->name.n, m->card->name.at);
     if (strcasecmp(term, deck->terms[op->index].plus) || !is_ammeter(c->cards, m->card)) continue;
     for (int n = 0; n < 4; n++)
-      if (!is_ammeter(c->cards, e->card) && m->end[n % 2] == e->end[n / 2] &&
-          count_at(c, m->end[n % 2]) == 2)
-        return true;
+      if (m->end[n % 2] == e->end[n / 2] && count_at(c, m->end[n % 2]) == 2) return true;
   }
   return false;
 }
 
-/* True where the device's voltage is that between the ends of this element, whose letter its kind
- * may have. */
+/* True where the device's voltage is that between the ends of this element. */
 static bool is_across(const vs_deck *deck, const vs_circuit *c, const vs_device *d,
                       const vs_circuit_element *e) {
   const vs_op *op = d->voltage.ops;
-  const char letter = e->card->letter, *kind = d->kind ? d->kind->name : "";
   if (d->voltage.count != 1 || op->kind != VS_OP_TERM) return false;
-  if (letter != (!strcmp(kind, "resistor")    ? 'r'
-                 : !strcmp(kind, "capacitor") ? 'c'
-                                              : 'x') &&
-      !(letter == 'd' && e->kind == d->kind))
-    return false;
-  if (e->coil || (e->kind && e->kind != d->kind)) return false;
   int found = 0;
   for (int k = 0; k < 2; k++) {
     const char *term = k ? deck->terms[op->index].minus : deck->terms[op->index].plus;
@@ -167,7 +166,8 @@ static int element_of(const vs_deck *deck, const vs_circuit *c, const vs_device 
   for (int way = 0; way < 2; way++) {
     int found = -1, count = 0;
     for (int k = 0; k < c->n_elements; k++)
-      if (way ? is_across(deck, c, d, &c->element[k]) : is_measured(deck, c, d, &c->element[k])) {
+      if (may_be(d, &c->element[k]) &&
+          (way ? is_across(deck, c, d, &c->element[k]) : is_measured(deck, c, d, &c->element[k]))) {
         found = k;
         count++;
       }

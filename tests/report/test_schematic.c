@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "mutate.h"
 #include "netlist/netlist.h"
@@ -268,7 +269,59 @@ static void where_it_stands(void) {
   EXPECT(part && strstr(part, ">100 nF<") &&
              strstr(part, "stroke=\"#0072b2\" stroke-width=\"2.2\""),
          "%.900s", part ? part : page);
+  EXPECT(!strstr(page, "What the scene's events add"), "events");
   free(page);
+  /* of another deck of that name, which stands in its place, there is none */
+  write_file("triac_feeder", "* mine\n");
+  RUN_GOOD("plot t --quiet");
+  page = read_file("t/report.html");
+  EXPECT(!strstr(page, "id=\"schematic\""), "a picture of another deck");
+  free(page);
+  unlink("triac_feeder");
+}
+
+/* Each device of the shipped decks that is an element is told as that one. */
+static void devices(void) {
+  static const struct {
+    const char *deck, *device, *element;
+  } ROWS_OF[] = {{"triac_feeder", "triac", "Xthy"},
+                 {"triac_feeder", "varistor", "Xv1"},
+                 {"triac_feeder", "fuse_1", "Xf1"},
+                 {"triac_feeder", "r1", "R1"},
+                 {"triac_feeder", "c1", "C1"},
+                 {"halfwave_paper", "fuse_1", "Xf1"},
+                 {"halfwave_paper", "fuse_2", "Xf2"},
+                 {"halfwave_paper", "varistor_3", "Xv3"},
+                 {"halfwave_snubbed", "varistor_1", "Xv1"},
+                 {"halfwave_snubbed", "c2", "C2"},
+                 {"fullwave_antiparallel", "t2", "Xt2"},
+                 {"bridge_halfcontrolled", "c1_t2", "C1two"},
+                 {"chopper", "diode", "Xdiode"},
+                 {"chopper", "link", "Xlink"},
+                 {"bridge_link", "s3", "X3"},
+                 {"bridge_link", "switch", "X2"},
+                 {"bridge_link", "r_inrush", "Rinrush"}};
+  for (size_t k = 0; k < COUNT(ROWS_OF); k++) {
+    vs_deck *deck = vs_alloc(1, sizeof *deck);
+    vs_circuit *c = vs_alloc(1, sizeof *c);
+    vs_error err = {0};
+    vs_text why = {0};
+    char path[VS_PATH_SIZE];
+    bool found = false;
+    CU_ASSERT_FATAL(vs_path_own(&vs_deck_shelf, ROWS_OF[k].deck, path));
+    CU_ASSERT(!vs_netlist_read(path, deck, &err) && !vs_netlist_read_parts(deck, NULL, &err));
+    CU_ASSERT(vs_schematic_circuit_read(deck, c, &why));
+    for (int n = 0; n < c->n_elements; n++) {
+      const vs_circuit_element *e = &c->element[n];
+      if (e->device < 0 || strcmp(deck->devices[e->device].name, ROWS_OF[k].device)) continue;
+      found = vs_words_is(e->card->name, ROWS_OF[k].element);
+    }
+    EXPECT(found, "%s: %s is not %s", ROWS_OF[k].deck, ROWS_OF[k].device, ROWS_OF[k].element);
+    vs_schematic_circuit_free(c);
+    vs_deck_free(deck);
+    free(deck);
+    free(c);
+  }
 }
 
 int main(void) {
@@ -277,6 +330,7 @@ int main(void) {
       {"random circuits", random_circuits},
       {"refused", refused},
       {"where it stands", where_it_stands},
+      {"devices", devices},
   };
   return program_suite("schematic", TESTS, COUNT(TESTS));
 }
