@@ -239,8 +239,12 @@ static bool add_best(vs_html *html, const vs_folder *t, const vs_study_results *
   const char *none = t->search->report.none;
   if (!s->found.cell && none) vs_html_add(html, "<p class=\"big\">%s</p>\n", none);
   if (!s->found.cell) return none != NULL;
+  bool ranged = false; /* a design's axes are lists, without ranges */
+  for (size_t c = 0; c < t->count; c++)
+    ranged =
+        ranged || (t->column[c].role == VS_ROLE_AXIS && vs_tree_child(t->column[c].node, "from"));
   vs_html_add(html, "<p class=\"big\">%s: ", t->search->report.best);
-  add_place(html, t, s->found.cell, true);
+  add_place(html, t, s->found.cell, ranged);
   vs_html_add(html, "; case %s</p>\n<p>What follows is of all that was tried.</p>\n",
               s->found.cell[0]);
   return true;
