@@ -36,6 +36,10 @@ sed 's/[;:]//g' said | awk '{ print $6, $8; print $12, $14 }' | while read -r t_
     END { d = want - v; if ((d < 0 ? -d : d) < 1e-3 * (most - least)) exit 0; print "cursor:", t, v, "run.csv:", want; exit 1 }' paper/run.csv >&2
 done
 
+"$pages" --values both/report.html >said # of two runs by their names; the second one has ended before B
+grep -q '^p / mm: A at 9[0-9.]* ms: paper [-0-9.]* mm, steady [-0-9.]* mm; B at 29[0-9.]* ms: paper [-0-9.]* mm, steady none; ' said ||
+  { cat said >&2; exit 1; }
+
 # faults that are put in
 sed 's|<h2>Measures|<p style="white-space:nowrap;width:900px">too wide for a narrow page, far too wide, and wider still than that</p>&|
   s|</svg>|<text x="30" y="60">over</text><text x="32" y="60">another</text><text x="-40" y="20">cut</text>&|' feeder/report.html >faulty.html
