@@ -289,6 +289,22 @@ static void choose_lanes(layout *l) {
       }
 }
 
+/* The column of a branch that is not level; -1: it goes from rail to rail. */
+static int column_of(const layout *l, const vs_circuit_branch *b) {
+  return l->place[b->end[l->place[b->end[0]] < 0]];
+}
+
+/* Where such a branch stands. */
+static int shunt_x(const layout *l, int k) {
+  const int column = column_of(l, &l->c.branch[k]);
+  return column < 0 ? l->shunt[k] : l->x[column] + l->shunt[k] * l->pitch;
+}
+
+/* True for a branch that ends at the top rail. */
+static bool is_up(const layout *l, const vs_circuit_branch *b) {
+  return b->end[0] == l->c.rail[0] || b->end[1] == l->c.rail[0];
+}
+
 /* How wide a branch's symbols are in a lane, with their labels. */
 static int width_of(const layout *l, const vs_circuit_branch *b) {
   int width = 0;
@@ -315,19 +331,19 @@ static void place_columns(layout *l) {
       const int width = width_of(l, &c->branch[k]);
       if (width > gap[l->gap[k]]) gap[l->gap[k]] = width;
     }
-  for (int k = 0; k < c->n_branches;
-       k++) { /* those to a rail; from rail to rail in a column each */
+  /* those to a rail; from rail to rail in a column each */
+  for (int k = 0; k < c->n_branches; k++) {
     const vs_circuit_branch *b = &c->branch[k];
     if (is_level(l, b)) continue;
-    const int net = l->place[b->end[0]] >= 0 ? b->end[0] : b->end[1];
-    const bool up = b->end[0] == c->rail[0] || b->end[1] == c->rail[0];
-    int *most = up && l->place[net] >= 0 ? &l->above : &l->below;
+    const int column = column_of(l, b);
+    const bool up = is_up(l, b) && column >= 0;
+    int *most = up ? &l->above : &l->below;
     if (b->count > *most) *most = b->count;
     for (int n = 0; n < b->count; n++) {
       const int text = LETTER * (int)l->label[b->element[n]].longest + 34;
       if (text > l->pitch) l->pitch = text;
     }
-    if (l->place[net] >= 0) l->shunt[k] = shunts[l->place[net]][up]++;
+    if (column >= 0) l->shunt[k] = shunts[column][up]++;
   }
   int x = EDGE + 30;
   for (int k = 0; k < l->n_columns; k++) {
@@ -338,7 +354,7 @@ static void place_columns(layout *l) {
   }
   for (int k = 0; k < c->n_branches; k++) {
     const vs_circuit_branch *b = &c->branch[k];
-    if (l->place[b->end[0]] >= 0 || l->place[b->end[1]] >= 0) continue;
+    if (is_level(l, b) || column_of(l, b) >= 0) continue;
     l->shunt[k] = x;
     x += l->pitch;
   }
@@ -440,10 +456,8 @@ static void draw_level(vs_html *out, layout *l, int k) {
 /* Draws a branch from a column to a rail, or from the top rail to the bottom one. */
 static void draw_upright(vs_html *out, layout *l, int k) {
   const vs_circuit_branch *b = &l->c.branch[k];
-  const bool first = l->place[b->end[0]] >= 0, second = l->place[b->end[1]] >= 0;
-  const bool from_top = b->end[0] == l->c.rail[0] || b->end[1] == l->c.rail[0];
-  const int net = first ? l->place[b->end[0]] : second ? l->place[b->end[1]] : -1;
-  const int x = net < 0 ? l->shunt[k] : l->x[net] + l->shunt[k] * l->pitch;
+  const bool first = l->place[b->end[0]] >= 0, from_top = is_up(l, b);
+  const int net = column_of(l, b), x = shunt_x(l, k);
   const int from = from_top ? l->y_top : l->y_base,
             to = from_top && net >= 0 ? l->y_base : l->y_bottom;
   const bool downward = b->end[0] == l->c.rail[0] || (first && !from_top);
@@ -489,8 +503,7 @@ static void draw_rail(vs_html *out, layout *l, int rail) {
   for (int k = 0; k < l->c.n_branches && net >= 0; k++) {
     const vs_circuit_branch *b = &l->c.branch[k];
     if (b->end[0] != net && b->end[1] != net) continue;
-    const int column = l->place[b->end[b->end[0] == net]];
-    const int x = column < 0 ? l->shunt[k] : l->x[column] + l->shunt[k] * l->pitch;
+    const int x = shunt_x(l, k);
     if (x < least) least = x;
     if (x > most) most = x;
   }
@@ -532,9 +545,8 @@ static void draw_dots(vs_html *out, const layout *l) {
         if (l->lane[k]) draw_dot(out, l, l->x[span[n]], l->y_base - ACROSS * l->lane[k]);
       continue;
     }
-    const int net = l->place[b->end[0]] >= 0 ? l->place[b->end[0]] : l->place[b->end[1]];
-    const int x = net < 0 ? l->shunt[k] : l->x[net] + l->shunt[k] * l->pitch;
-    const bool top = b->end[0] == l->c.rail[0] || b->end[1] == l->c.rail[0];
+    const int net = column_of(l, b), x = shunt_x(l, k);
+    const bool top = is_up(l, b);
     if (top) draw_dot(out, l, x, l->y_top);
     if (!top || net < 0) draw_dot(out, l, x, l->y_bottom);
     if (net >= 0 && l->shunt[k]) draw_dot(out, l, x, l->y_base);
@@ -554,6 +566,7 @@ static void draw_all(vs_html *out, layout *l) {
   draw_dots(&body, l);
   l->y_end = l->y_bottom + 24;
   draw_note(&body, l, "Not drawn: meters of current", &l->c.ammeters);
+  draw_note(&body, l, "Not drawn: couplings of inductors", &l->c.couplings);
   draw_note(&body, l, "Not drawn: gate drives and what lies outside of the main circuit",
             &l->c.aside);
   vs_html_add(out,

@@ -71,8 +71,8 @@ static bool read_element(const vs_deck *deck, vs_circuit *c, const vs_netlist_ca
   int end[2];
   vs_circuit_element e = {.card = card, .kind = kind_of(deck, card), .device = -1};
   const bool is_drive = e.kind && card->letter == 'x' && vs_kinds_count_pins(e.kind) < 2;
-  if (card->letter == 'k' || is_drive) { /* a coupling; the drive of a gate */
-    add_name(&c->aside, card->name);
+  if (card->letter == 'k' || is_drive) {
+    add_name(is_drive ? &c->aside : &c->couplings, card->name);
     return true;
   }
   if (card->conditional || !ends_of(card->letter, end)) {
@@ -403,5 +403,6 @@ bool vs_schematic_circuit_read(const vs_deck *deck, vs_circuit *c, vs_text *why)
 
 void vs_schematic_circuit_free(vs_circuit *c) {
   vs_text_free(&c->ammeters);
+  vs_text_free(&c->couplings);
   vs_text_free(&c->aside);
 }

@@ -39,8 +39,9 @@ typedef struct vs_circuit {
   int rail[2];                  /* top and bottom: those of a bridge; else -1 and the ground */
   vs_circuit_branch branch[VS_CIRCUIT_MOST];
   int n_branches;
-  vs_text ammeters, aside; /* names of what is not drawn: sources of 0 V, through which a current is
-                              measured, and what lies outside of the main circuit */
+  /* names of what is not drawn: sources of 0 V, through which a current is measured; couplings of
+   * inductors; what lies outside of the main circuit */
+  vs_text ammeters, couplings, aside;
 } vs_circuit;
 
 /* Reads the circuit of a deck whose parts are read. Returns false where it cannot be drawn; `why`

@@ -228,7 +228,7 @@ static void random_circuits(void) {
   free(p);
 }
 
-/* What cannot be shown is refused, not left out. */
+/* What cannot be shown is refused, or told below the picture. */
 static void refused(void) {
   static const char HEAD[] =
       "*$ port mains = Vmains\nVmains 1 0 external\nXeva 2 0 eva\nR1 1 2 1\n";
@@ -246,6 +246,14 @@ static void refused(void) {
     EXPECT(r.status == 2 && strstr(r.err, BAD[k].says), "%d %s", r.status, r.err);
     free_ran(&r);
   }
+  char text[512];
+  snprintf(text, sizeof text, "%sL1 1 2 1m\nL2 2 0 1m\nK1 L1 L2 0.9\nRsense 2 9 1\n", HEAD);
+  write_file("told.cir", text);
+  RUN_GOOD("plot told.cir --quiet");
+  char *svg = read_file("told.svg");
+  EXPECT(strstr(svg, "couplings of inductors: K1.") && strstr(svg, "main circuit: Rsense."), "%s",
+         svg);
+  free(svg);
   ran r = run("plot triac_feeder.cir -o x.png");
   EXPECT(r.status == 2 && strstr(r.err, "ends in .svg"), "%d %s", r.status, r.err);
   free_ran(&r);
