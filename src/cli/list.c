@@ -21,6 +21,7 @@
 #include "options.h"
 #include "plant/build.h"
 #include "plant/machine_file.h"
+#include "report/schematic.h"
 #include "run/scene.h"
 #include "run/sections.h"
 
@@ -81,6 +82,10 @@ static void put_deck_title(vs_entries *to, const char *path) {
   if (!vs_netlist_read(path, deck, &err)) put_title(to, deck->title);
   vs_deck_free(deck);
   free(deck);
+  vs_html svg = {0};
+  if (to->as_json && !vs_schematic_of_deck(path, &svg, &err))
+    vs_list_entry_text(to, "schematic", svg.text.text);
+  vs_html_free(&svg);
 }
 
 static void put_machine_title(vs_entries *to, const char *path) {

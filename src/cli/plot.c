@@ -1,6 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The command `plot`: pictures of runs and studies. */
 #include "report/plot.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "base/file.h"
 #include "commands.h"
 #include "options.h"
 #include "report/harmonics.h"
@@ -8,6 +13,7 @@
 #include "report/plot_window.h"
 #include "report/report.h"
 #include "report/run_page.h"
+#include "report/schematic.h"
 #include "report/tornado.h"
 #include "study/folder.h"
 #include "study/methods.h"
@@ -40,12 +46,40 @@ static vs_status plot_run(const plot_line *line, const vs_plot_options *o, vs_er
   return status ? status : vs_run_page_write(o->folder, o->quiet, err);
 }
 
+static bool ends_in(const char *name, const char *ending) {
+  const size_t n = strlen(name), m = strlen(ending);
+  return n > m && !strcmp(name + n - m, ending);
+}
+
+/* The schematic of a deck, into -o or into NAME.svg. */
+static vs_status plot_deck(const vs_arguments *a, vs_error *err) {
+  const char *deck = vs_command_name(a), *base = strrchr(deck, '/');
+  char path[VS_PATH_SIZE];
+  vs_file file = {0};
+  vs_html svg = {0};
+  base = base ? base + 1 : deck;
+  if (a->n_names > 1 || (a->output && !ends_in(a->output, ".svg")))
+    return vs_fail(err, VS_INPUT,
+                   "%.500s: of a deck one schematic is drawn, into a FILE that ends in .svg", deck);
+  if ((size_t)snprintf(path, sizeof path, "%.*s.svg", (int)(strlen(base) - 4), base) >= sizeof path)
+    return vs_fail(err, VS_INPUT, "%.100s...: too long a name", deck);
+  vs_status status = vs_schematic_of_deck(deck, &svg, err);
+  if (!status) status = vs_file_open(&file, "", a->output ? a->output : path, err);
+  if (!status) fputs(svg.text.text, file.stream); /* an error stays in the stream */
+  if (!status) status = vs_file_commit(&file, err);
+  if (!status && !a->quiet) printf("%s\n", file.path);
+  vs_file_discard(&file);
+  vs_html_free(&svg);
+  return status;
+}
+
 static vs_status plot_command(const void *given, vs_error *err) {
   const plot_line *line = given;
   const vs_arguments *a = &line->common;
   const vs_plot_window_options *w = &line->window;
   const char *folder = vs_command_name(a);
   const vs_plot_options o = {folder, a->output, line->overlay, a->quiet};
+  if (ends_in(folder, ".cir")) return plot_deck(a, err);
   bool close = a->n_names > 1 || w->probes || w->from || w->to || w->fft || w->orbit;
   if (close && line->overlay)
     return vs_fail(err, VS_INPUT,
@@ -91,10 +125,12 @@ const vs_command vs_plot_cli = {
     .argument = "DIR...",
     .text = "draws a run, as PNG and SVG: displacements, accelerations, force, current and "
             "voltage, and report.html; or a "
-            "study: report.html and its pictures as PNG",
+            "study: report.html and its pictures as PNG; or of a deck FILE.cir its schematic, as "
+            "SVG",
     .examples = "  vibrospice plot out\n  vibrospice plot out -o sheet.svg --overlay measured.csv\n"
                 "  vibrospice plot before after --probe v_ak,i_thyristor --from 60ms --to 70ms\n"
-                "  vibrospice plot out --probe i --fft\n",
+                "  vibrospice plot out --probe i --fft\n"
+                "  vibrospice plot triac_feeder.cir -o feeder.svg\n",
     .takes_many = true,
     .results = true,
     .options = PLOT_OPTIONS,

@@ -61,9 +61,9 @@ static bar *list_bars(const vs_node *verdict, size_t *count) {
   size_t n = 0;
   for (const vs_node *m = verdict ? verdict->child : NULL; m; m = m->next) n++;
   bar *all = vs_alloc(n + 1, sizeof *all);
-  *count = n;
   n = 0;
-  for (const vs_node *m = verdict ? verdict->child : NULL; m; m = m->next, n++) {
+  for (const vs_node *m = verdict ? verdict->child : NULL; m; m = m->next) {
+    if (vs_margin_bars_repeats(verdict, m)) continue;
     const char *word = vs_run_pair_word(m);
     all[n] = (bar){.line = m,
                    .word = word,
@@ -71,7 +71,9 @@ static bar *list_bars(const vs_node *verdict, size_t *count) {
                    .margin = vs_member_number(vs_tree_child(m, "margin")),
                    .error = vs_member_number(vs_tree_child(m, "margin_error")),
                    .number = n};
+    n++;
   }
+  *count = n;
   qsort(all, *count, sizeof *all, tightest_first);
   return all;
 }
@@ -82,24 +84,50 @@ static void add_number(vs_text *out, double value) {
   vs_text_add(out, fabs(value) >= 1e4 && fabs(value) < 1e6 ? "%.0f" : "%.4g", value);
 }
 
-static double number_of(const bar *b, const char *key) {
-  return vs_member_number(vs_tree_child(b->line, key));
+static double number_of(const vs_node *line, const char *key) {
+  return vs_member_number(vs_tree_child(line, key));
 }
 
 /* How much the margin differs from the room to this end of a rating; INFINITY: there is no such
  * end. The room to an end of 0 is a part of the range. */
-static double unlike(const bar *b, double value, double end, double sign, double range) {
+static double unlike(double margin, double value, double end, double sign, double range) {
   const double room = sign * (end - value) / (end != 0 ? fabs(end) : range);
-  return isnan(end) ? INFINITY : isnan(room) ? 1e300 : fabs(room - b->margin);
+  return isnan(end) ? INFINITY : isnan(room) ? 1e300 : fabs(room - margin);
 }
 
-/* The value and the limit of a rating, at the end that its margin belongs to. */
-static void find_end(const bar *b, double *value, double *limit) {
-  const double min = number_of(b, "min"), max = number_of(b, "max"), range = max - min,
-               least = number_of(b, "least"), largest = number_of(b, "largest");
-  const bool low = unlike(b, least, min, -1, range) < unlike(b, largest, max, 1, range);
-  *value = low ? least : largest;
-  *limit = low ? min : max;
+void vs_margin_bars_stress(const vs_node *line, double *value, double *limit) {
+  const double min = number_of(line, "min"), max = number_of(line, "max"), range = max - min,
+               least = number_of(line, "least"), largest = number_of(line, "largest"),
+               margin = number_of(line, "margin");
+  const bool low = unlike(margin, least, min, -1, range) < unlike(margin, largest, max, 1, range);
+  const bool device = *vs_member_word(line, "device");
+  *value = device ? number_of(line, "stress") : low ? least : largest;
+  *limit = device ? number_of(line, "limit") : low ? min : max;
+}
+
+/* True where a line of a device has this value and limit, signs aside. *same becomes true if it
+ * also has the rating's word and margin. */
+static bool is_covered(const vs_node *verdict, const vs_node *rating, double value, double limit,
+                       bool *same) {
+  bool covered = isnan(limit);
+  for (const vs_node *m = verdict->child; m && !isnan(limit); m = m->next) {
+    if (!*vs_member_word(m, "device") || number_of(m, "stress") != fabs(value) ||
+        number_of(m, "limit") != fabs(limit) ||
+        strcmp(vs_member_word(m, "unit"), vs_member_word(rating, "unit")))
+      continue;
+    covered = true;
+    *same = *same || (!strcmp(vs_run_pair_word(m), vs_run_pair_word(rating)) &&
+                      number_of(m, "margin") == number_of(rating, "margin"));
+  }
+  return covered;
+}
+
+bool vs_margin_bars_repeats(const vs_node *verdict, const vs_node *line) {
+  bool same = false;
+  return !*vs_member_word(line, "device") &&
+         is_covered(verdict, line, number_of(line, "least"), number_of(line, "min"), &same) &&
+         is_covered(verdict, line, number_of(line, "largest"), number_of(line, "max"), &same) &&
+         same;
 }
 
 /* "happened, 3 times", of something that must not happen or is expected to */
@@ -124,12 +152,12 @@ static void add_amounts(vs_text *out, const bar *b, double value, double limit, 
 static void write_label(const bar *b, vs_text *out) {
   const char *device = vs_member_word(b->line, "device"), *unit = vs_member_word(b->line, "unit"),
              *unknown = vs_member_word(b->line, "unknown");
-  double value = number_of(b, "stress"), limit = number_of(b, "limit");
+  double value, limit;
   if (*device)
     vs_text_add(out, "%s.%s", device, vs_member_word(b->line, "measure"));
   else
     vs_text_add(out, "%s", vs_member_word(b->line, "rating"));
-  if (!*device) find_end(b, &value, &limit);
+  vs_margin_bars_stress(b->line, &value, &limit);
   if (*unknown)
     vs_text_add(out, ": %s", unknown);
   else if (*device && !*unit) /* what happened is counted */
@@ -323,8 +351,11 @@ vs_status vs_margin_bars_add(const vs_node *summary, vs_html *html, vs_error *er
   if (!vs_margin_bars_script(summary, true, &script, size)) return VS_OK;
   vs_status status = vs_gnuplot_picture(script.text.text, &svg, &bytes, err);
   const vs_html_picture picture = {"verdict", "The margin of each limit. A thin line is its error.",
-                                   svg, size[0], size[1]};
+                                   svg,       size[0],
+                                   size[1],   NULL};
+  vs_html_add(html, "<div class=\"margins\">\n");
   if (!status) vs_html_picture_add(html, &picture);
+  vs_html_add(html, "</div>\n");
   free(svg);
   vs_gnuplot_free(&script);
   return status;

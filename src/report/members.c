@@ -2,6 +2,7 @@
 #include "members.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -107,4 +108,13 @@ static void look_into_member(void *ctx, const char *key, const vs_node *a, const
 void vs_members_unlike(const vs_node *a, const vs_node *b, vs_member_visit visit, void *ctx) {
   unlike u = {"", visit, ctx};
   vs_members_join(a, b, look_into_member, &u);
+}
+
+const char *vs_member_amount(double value, const char *unit, char text[VS_ENGINEERING_SIZE]) {
+  const bool plain = *unit && unit[1] && strchr("pnumkMG", *unit) && !strpbrk(unit, "/*.23");
+  if (plain && vs_units_known(unit + 1) && vs_units_same_kind(unit, unit + 1)) {
+    value *= vs_units_factor(unit) / vs_units_factor(unit + 1);
+    unit++;
+  }
+  return vs_engineering_text(value, unit, text);
 }

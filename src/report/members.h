@@ -7,6 +7,7 @@
 
 #include "base/text.h"
 #include "base/tree.h"
+#include "run/engineering.h"
 
 /* Calls visit for each key of either map: those of A in their order, then those that only B has. A
  * missing member is NULL; a map may be NULL, too. */
@@ -22,6 +23,10 @@ void vs_member_text(const vs_node *node, vs_text *out);
 
 /* Returns the number in a text; NaN: the text is no number, such as null, or there is no node. */
 double vs_member_number(const vs_node *node);
+/* Writes the value with the prefix that leaves one to three digits before the point, as
+ * vs_engineering_text does, also where its unit has another prefix: "4.072 A" of 0.004072 kA.
+ * Returns the text. */
+const char *vs_member_amount(double value, const char *unit, char text[VS_ENGINEERING_SIZE]);
 /* Returns the text of the map's member; "" where there is none. */
 const char *vs_member_word(const vs_node *map, const char *key);
 

@@ -13,6 +13,7 @@
 #include "members.h"
 #include "report/html.h"
 #include "report/margin_bars.h"
+#include "report/schematic.h"
 #include "run/engineering.h"
 #include "run_pair.h"
 #include "waveforms.h"
@@ -27,20 +28,25 @@ void vs_run_page_head(vs_html *html, const char *folder, const vs_node *summary,
 
 /* ---- the verdict ---- */
 
-static void add_number(vs_html *html, const vs_node *line, const char *key, double factor,
-                       const char *unit) {
-  double value = factor * vs_member_number(vs_tree_child(line, key));
-  if (isnan(value))
-    vs_html_add(html, "<td></td>");
-  else
-    vs_html_add(html,
-                fabs(value) >= 1e4 && fabs(value) < 1e6 ? "<td class=\"n\">%.0f%s%s</td>"
-                                                        : "<td class=\"n\">%.4g%s%s</td>",
-                value, *unit ? " " : "", unit);
+static void add_amount(vs_html *html, double value, const char *unit) {
+  char text[VS_ENGINEERING_SIZE];
+  vs_html_add(html, "<td class=\"n\">%s</td>",
+              isnan(value) ? "" : vs_member_amount(value, unit, text));
 }
 
+/* "12.4 %" of a part; an empty cell for NaN. */
+static void add_percent(vs_html *html, double part) {
+  vs_html_add(html,
+              isnan(part)                             ? "<td class=\"n\"></td>"
+              : fabs(part) >= 100 && fabs(part) < 1e4 ? "<td class=\"n\">%.0f %%</td>"
+                                                      : "<td class=\"n\">%.4g %%</td>",
+              100 * part);
+}
+
+/* Adds a row: stress and limit first, for narrow screens show the first columns only. */
 static void add_verdict_line(vs_html *html, const vs_node *line) {
   const char *device = vs_member_word(line, "device"), *unit = vs_member_word(line, "unit");
+  double stress, limit;
   vs_text name = {0};
   if (*device)
     vs_text_add(&name, "%s.%s", device, vs_member_word(line, "measure"));
@@ -49,13 +55,12 @@ static void add_verdict_line(vs_html *html, const vs_node *line) {
   vs_html_add(html, "<tr>");
   vs_html_cell(html, name.text);
   vs_text_free(&name);
+  vs_margin_bars_stress(line, &stress, &limit);
+  add_amount(html, stress, unit);
+  add_amount(html, limit, unit);
+  add_percent(html, vs_member_number(vs_tree_child(line, "margin")));
   vs_html_cell(html, vs_run_pair_word(line));
-  add_number(html, line, "margin", 100, "%");
-  add_number(html, line, "margin_error", 100, "%");
-  add_number(html, line, *device ? "stress" : "least", 1, unit);
-  add_number(html, line, *device ? "limit" : "min", 1, unit);
-  add_number(html, line, *device ? "" : "largest", 1, unit);
-  add_number(html, line, *device ? "" : "max", 1, unit);
+  add_percent(html, vs_member_number(vs_tree_child(line, "margin_error")));
   vs_html_add(html, "<td class=\"text\">");
   vs_html_text(html, vs_member_word(line, "text"));
   if (*device) vs_html_text(html, vs_member_word(line, "unknown"));
@@ -93,6 +98,15 @@ static void add_left_out(vs_html *html, const char *what, const vs_node *list) {
   }
 }
 
+static void add_repeated(vs_html *html, const vs_node *verdict) {
+  for (const vs_node *m = verdict->child; m; m = m->next) {
+    if (!vs_margin_bars_repeats(verdict, m)) continue;
+    vs_html_add(html, "<p class=\"of\">The rating of ");
+    vs_html_text(html, vs_member_word(m, "rating"));
+    vs_html_add(html, " is judged by the same values: %s.</p>\n", vs_run_pair_word(m));
+  }
+}
+
 /* Adds the verdict: the word of the whole, the weakest line, and all lines. */
 static void add_verdict(vs_html *html, const vs_node *summary) {
   const vs_node *verdict = vs_tree_child(summary, "verdict");
@@ -117,11 +131,12 @@ static void add_verdict(vs_html *html, const vs_node *summary) {
   if (any) add_left_out(html, "Waived", vs_tree_child(summary, "waived"));
   if (any) add_left_out(html, "Not judged", vs_tree_child(summary, "not_judged"));
   if (any) {
-    vs_html_add(html, "<div class=\"wide\"><table><tr><th>what</th><th>word</th><th>margin</th>"
-                      "<th>its error</th><th>stress, or least</th><th>limit, or min</th>"
-                      "<th>largest</th><th>max</th><th></th></tr>\n");
-    for (const vs_node *m = verdict->child; m; m = m->next) add_verdict_line(html, m);
+    vs_html_add(html, "<div class=\"wide\"><table><tr><th>what</th><th>stress</th><th>limit</th>"
+                      "<th>margin</th><th>word</th><th>its error</th><th></th></tr>\n");
+    for (const vs_node *m = verdict->child; m; m = m->next)
+      if (!vs_margin_bars_repeats(verdict, m)) add_verdict_line(html, m);
     vs_html_add(html, "</table></div>\n");
+    add_repeated(html, verdict);
   }
   const vs_node *warnings = vs_tree_child(summary, "warnings");
   for (const vs_node *m = warnings ? warnings->child : NULL; m; m = m->next) {
@@ -134,47 +149,82 @@ static void add_verdict(vs_html *html, const vs_node *summary) {
 
 /* ---- measures and parameters ---- */
 
-/* The page, and all measures of the run, for the other end of an extreme. */
-typedef struct measures {
-  vs_html *html;
-  const vs_node *all;
-} measures;
-
 /* An extreme smaller than this part of the opposite one is rounding, and shown as 0. */
 static const double ZERO_BESIDE = 1e-6;
 
-/* The value of NAME_max for NAME_min, and vice versa; NaN where there is none. */
-static double other_end(const vs_node *all, const char *name) {
+/* The measure NAME_max of NAME_min, and vice versa; NULL where there is none. */
+static const vs_node *other_end(const vs_node *all, const char *name) {
   char other[VS_NAME_SIZE];
   const size_t n = strlen(name);
   const bool is_min = n > 4 && !strcmp(name + n - 4, "_min");
-  if (n >= sizeof other || n < 5 || (!is_min && strcmp(name + n - 4, "_max"))) return NAN;
+  if (n >= sizeof other || n < 5 || (!is_min && strcmp(name + n - 4, "_max"))) return NULL;
   snprintf(other, sizeof other, "%.*s%s", (int)n - 4, name, is_min ? "_max" : "_min");
-  return vs_member_number(vs_tree_child(vs_tree_child(all, other), "value"));
+  return vs_tree_child(all, other);
 }
 
-static void add_measure(void *ctx, const char *name, const vs_node *a, const vs_node *b) {
-  const measures *m = ctx;
-  vs_html *html = m->html;
+/* True for an extreme that a device's v_forward or v_reverse is, too. */
+static bool is_repeated(const vs_node *all, const vs_node *extreme) {
+  const double value = vs_member_number(vs_tree_child(extreme, "value"));
+  bool repeated = false;
+  if (strcmp(vs_member_word(extreme, "unit"), "V")) return false;
+  for (const vs_node *m = all->child; m && !repeated; m = m->next) {
+    const char *dot = m->key ? strchr(m->key, '.') : NULL;
+    repeated = dot && (!strcmp(dot, ".v_forward") || !strcmp(dot, ".v_reverse")) &&
+               vs_member_number(vs_tree_child(m, "value")) == fabs(value) && value != 0;
+  }
+  return repeated;
+}
+
+/* The group of a measure: its device; "", of what lies between two extremes; else of the machine,
+ * the coil and the books. It is `size` bytes of text. */
+static const char *group_of(const vs_node *all, const char *name, size_t *size) {
+  static const char RUN[] = "machine, coil and energy", EXTREMES[] = "least and largest values";
+  const char *dot = strchr(name, '.');
+  const char *group = dot ? name : other_end(all, name) ? EXTREMES : RUN;
+  *size = dot ? (size_t)(dot - name) : strlen(group);
+  return group;
+}
+
+static void add_measure(vs_html *html, const vs_node *all, const vs_node *m) {
   char amount[VS_ENGINEERING_SIZE];
-  double value = vs_member_number(vs_tree_child(a, "value")),
-         at = vs_member_number(vs_tree_child(a, "at_s"));
-  (void)b;
-  if (fabs(value) < ZERO_BESIDE * fabs(other_end(m->all, name))) value = 0;
+  const vs_node *other = other_end(all, m->key);
+  double value = vs_member_number(vs_tree_child(m, "value")),
+         at = vs_member_number(vs_tree_child(m, "at_s"));
+  if (fabs(value) < ZERO_BESIDE * fabs(vs_member_number(vs_tree_child(other, "value")))) value = 0;
   vs_html_add(html, "<tr>");
-  vs_html_cell(html, name);
+  vs_html_cell(html, m->key);
   vs_html_add(html, "<td class=\"n\">");
   vs_html_text(html, isnan(value) ? "not known"
-                                  : vs_engineering_text(value, vs_member_word(a, "unit"), amount));
+                                  : vs_member_amount(value, vs_member_word(m, "unit"), amount));
   vs_html_add(html, "</td><td class=\"n\">%s</td></tr>\n",
               isnan(at) ? "" : vs_engineering_text(at, "s", amount));
 }
 
+/* Adds the measures of m's group, with its name above them, if m is the first of it. */
+static void add_group(vs_html *html, const vs_node *all, const vs_node *m) {
+  size_t size, n;
+  const char *group = group_of(all, m->key, &size);
+  char title[VS_NAME_SIZE];
+  snprintf(title, sizeof title, "%.*s", (int)size, group);
+  for (const vs_node *before = all->child; before != m; before = before->next) {
+    const char *other = group_of(all, before->key, &n);
+    if (n == size && !strncmp(other, group, size)) return;
+  }
+  vs_html_add(html, "<tr class=\"group\"><th colspan=\"3\">%s</th></tr>\n", title);
+  for (; m; m = m->next) {
+    const char *other = group_of(all, m->key, &n);
+    if (n != size || strncmp(other, group, size)) continue;
+    if (!other_end(all, m->key) || !is_repeated(all, m) ||
+        !is_repeated(all, other_end(all, m->key)))
+      add_measure(html, all, m);
+  }
+}
+
 static void add_measures(vs_html *html, const vs_node *summary) {
+  const vs_node *all = vs_tree_child_map(summary, "measures");
   vs_html_add(html, "<section id=\"measures\">\n<h2>Measures</h2>\n<div class=\"wide\"><table>"
                     "<tr><th>measure</th><th>value</th><th>at</th></tr>\n");
-  measures m = {html, vs_tree_child_map(summary, "measures")};
-  vs_members_join(m.all, NULL, add_measure, &m);
+  for (const vs_node *m = all ? all->child : NULL; m; m = m->next) add_group(html, all, m);
   vs_html_add(html, "</table></div>\n</section>\n");
 }
 
@@ -288,10 +338,12 @@ vs_status vs_run_page_write(const char *folder, bool quiet, vs_error *err) {
   if (!status) status = vs_tree_read(path, &summary, err);
   if (!status) {
     vs_run_page_head(&html, folder, summary.root, s->to_s);
+    add_verdict(&html, summary.root);
     status = vs_margin_bars_add(summary.root, &html, err);
   }
   if (!status) {
-    vs_run_page_verdict(&html, summary.root);
+    vs_schematic_add(summary.root, &html);
+    add_energy_flow(&html, vs_tree_child(summary.root, "energy"));
     status = vs_waveforms_add(s, &html, err);
     vs_run_page_values(&html, summary.root);
     vs_html_end(&html);

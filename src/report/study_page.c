@@ -239,8 +239,12 @@ static bool add_best(vs_html *html, const vs_folder *t, const vs_study_results *
   const char *none = t->search->report.none;
   if (!s->found.cell && none) vs_html_add(html, "<p class=\"big\">%s</p>\n", none);
   if (!s->found.cell) return none != NULL;
+  bool ranged = false; /* a design's axes are lists, without ranges */
+  for (size_t c = 0; c < t->count; c++)
+    ranged =
+        ranged || (t->column[c].role == VS_ROLE_AXIS && vs_tree_child(t->column[c].node, "from"));
   vs_html_add(html, "<p class=\"big\">%s: ", t->search->report.best);
-  add_place(html, t, s->found.cell, true);
+  add_place(html, t, s->found.cell, ranged);
   vs_html_add(html, "; case %s</p>\n<p>What follows is of all that was tried.</p>\n",
               s->found.cell[0]);
   return true;
@@ -409,7 +413,8 @@ static void add_pictures(vs_html *html, const vs_study_pictures *album, char *co
   vs_html_add(html, "<div class=\"pictures\">\n");
   for (size_t k = 0; k < album->count; k++) {
     const vs_picture *p = &album->item[k];
-    const vs_html_picture picture = {p->title.text, p->caption.text, svg[k], p->width, p->height};
+    const vs_html_picture picture = {p->title.text, p->caption.text, svg[k],
+                                     p->width,      p->height,       NULL};
     vs_html_picture_add(html, &picture);
   }
   vs_html_add(html, "</div>\n");

@@ -11,8 +11,8 @@
 #include "report/html.h"
 
 enum {
-  WIDTH = 820,
-  HEIGHT = 380,     /* pixels of a picture */
+  WIDTH = 560,
+  HEIGHT = 300,     /* pixels of a picture: two fit beside each other */
   MOST_ROWS = 50000 /* of a run that is drawn whole; with more the page would be too large */
 };
 
@@ -107,11 +107,12 @@ static vs_status add_picture(const vs_time_window *s, int probe, vs_html *html, 
   const char *label = s->probes.item[probe].label;
   vs_gnuplot_add(&script,
                  "set terminal svg dynamic mousing standalone noenhanced size %d,%d font "
-                 "'sans-serif,15' background rgb 'white'\n",
+                 "'sans-serif,13' background rgb 'white'\n",
                  WIDTH, HEIGHT);
   vs_strips_one(s, probe, &script);
   vs_status status = vs_gnuplot_picture(script.text.text, &svg, &size, err);
-  const vs_html_picture picture = {label, s->probes.item[probe].column, svg, WIDTH, HEIGHT};
+  const vs_html_picture picture = {label,  s->probes.item[probe].column, svg, WIDTH,
+                                   HEIGHT, vs_strips_time_unit(s)};
   if (!status) vs_html_picture_add(html, &picture);
   free(svg);
   vs_gnuplot_free(&script);
@@ -123,9 +124,9 @@ vs_status vs_waveforms_add(const vs_time_window *s, vs_html *html, vs_error *err
   bool whole = true;
   for (size_t k = 0; k < s->runs; k++) whole = whole && !is_long(&s->run[k].traces);
   vs_html_add(html,
-              "<section id=\"waveforms\">\n<h2>Waveforms</h2>\n<p class=\"of screen\">A click "
-              "shows where the mouse is; Ctrl and the wheel zoom, the right button goes "
-              "back.</p>\n");
+              "<section id=\"waveforms\">\n<h2>Waveforms</h2>\n<p class=\"of screen\">A click sets "
+              "cursor A, the next one cursor B: below each picture stand the values there, and "
+              "their difference. Ctrl and the wheel zoom, the right button goes back.</p>\n");
   if (!whole)
     vs_html_add(html, "<p>%s more than %d rows, and is drawn from %.6g s to %.6g s.</p>\n",
                 s->runs > 1 ? "A run has" : "The run has", MOST_ROWS, s->from_s, s->to_s);

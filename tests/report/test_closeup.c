@@ -9,6 +9,8 @@
 #include <unistd.h>
 
 #include "program.h"
+#include "report/margin_bars.h"
+#include "report/members.h"
 #include "report/plot/fourier.h"
 #include "report/plot/time_window.h"
 
@@ -277,18 +279,25 @@ static void page(void) {
   RUN_GOOD("plot 'a<b' --quiet");
   static const char *const SAYS[] = {"<h1>Run a&lt;b</h1>",
                                      "class=\"verdict good\">\n<p class=\"big\">held</p>",
-                                     "<td>thyristor.v_reverse</td><td>held</td>",
+                                     "<th>what</th><th>stress</th><th>limit</th><th>margin</th>",
+                                     "<td>thyristor.v_reverse</td><td class=\"n\">",
+                                     " V</td><td class=\"n\">1.2 kV</td>",
+                                     "<p class=\"of\">The rating of v_ak is judged by the same "
+                                     "values: held.</p>",
                                      ">from the source</td>",
                                      ">heat in the winding</td>",
                                      "lost in thyristor</td>",
                                      "The audit: the books close.",
-                                     "<figcaption>v_ak_v</figcaption>",
+                                     "<figcaption>v_ak_v <output></output></figcaption>",
+                                     "var t='ms';addEventListener('load',",
+                                     "<tr class=\"group\"><th colspan=\"3\">thyristor</th></tr>",
                                      "<tr><td>i_peak</td><td class=\"n\">",
                                      "<tr><td>firing.angle</td><td>100 deg</td></tr>",
                                      "</html>\n"};
   char *html = read_file("a<b/report.html");
   for (size_t k = 0; k < COUNT(SAYS); k++) EXPECT(strstr(html, SAYS[k]) != NULL, "no %s", SAYS[k]);
   EXPECT(count_words(html, "<iframe ") >= 6, "%d pictures", count_words(html, "<iframe "));
+  EXPECT(!strstr(html, "<td>v_ak"), "v_ak stands beside v_forward and v_reverse");
   EXPECT(!strstr(html, "src=\"http") && !strstr(html, "href=\"http"), "it needs other files");
   free(html);
   ran again = run("run page.yaml -o 'a<b' --quiet");
@@ -296,9 +305,74 @@ static void page(void) {
   EXPECT_FILES("a<b", "events.csv peaks.csv run.csv summary.json ");
 }
 
+/* A value takes the prefix that leaves one to three digits before the point, whatever its unit has.
+ */
+static void amounts(void) {
+  static const struct {
+    double value;
+    const char *unit, *text;
+  } AMOUNTS[] = {{0.004072, "kA", "4.072 A"},
+                 {2.422e-7, "J", "242.2 nJ"},
+                 {1200, "V", "1.2 kV"},
+                 {0.5, "mm", "500 um"},
+                 {47000, "nF", "47 uF"},
+                 {175.1, "V/us", "175.1 V/us"},
+                 {0.00297, "A2.s", "0.00297 A2.s"},
+                 {12, "min", "12 min"},
+                 {3, "", "3"},
+                 {0.02, "kohm", "20 ohm"},
+                 {40, "degC", "40 degC"}};
+  char text[VS_ENGINEERING_SIZE];
+  for (size_t k = 0; k < COUNT(AMOUNTS); k++)
+    CU_ASSERT_STRING_EQUAL(vs_member_amount(AMOUNTS[k].value, AMOUNTS[k].unit, text),
+                           AMOUNTS[k].text);
+}
+
+/* A rating is left out where devices have both of its ends, and only then. */
+static void repeated(void) {
+  static const struct {
+    const char *devices;
+    bool repeats;
+  } BESIDE[] = {
+#define D(name, stress, limit, margin, word)                                                       \
+  "{\"device\": \"t\", \"measure\": \"" name "\", \"unit\": \"V\", \"stress\": " stress            \
+  ", \"limit\": " limit ", \"margin\": " margin ", \"word\": \"" word "\"}"
+      {D("v_forward", "900", "1000", "0.1", "held") ", " D("v_reverse", "800", "1000", "0.2",
+                                                           "held"),
+       true},
+      {D("v_forward", "900", "1000", "0.1", "held"), false},
+      {D("v_forward", "900", "1000", "0.1", "held") ", " D("v_reverse", "800", "1200", "0.3",
+                                                           "held"),
+       false},
+      {D("v_forward", "900", "1000", "0.1", "waived") ", " D("v_reverse", "800", "1000", "0.2",
+                                                             "held"),
+       false},
+      {D("v_forward", "901", "1000", "0.1", "held") ", " D("v_reverse", "800", "1000", "0.2",
+                                                           "held"),
+       false}};
+  for (size_t k = 0; k < COUNT(BESIDE); k++) {
+    vs_text text = {0};
+    vs_tree tree = {0};
+    vs_error err = {0};
+    vs_text_add(
+        &text,
+        "{\"verdict\": [{\"rating\": \"v_ak\", \"unit\": \"V\", \"min\": -1000, \"max\": 1000, "
+        "\"least\": -800, \"largest\": 900, \"margin\": 0.1, \"word\": \"held\"}, %s]}",
+        BESIDE[k].devices);
+    CU_ASSERT_EQUAL(vs_tree_parse(text.text, "text", &tree, &err), VS_OK);
+    const vs_node *verdict = vs_tree_child(tree.root, "verdict");
+    EXPECT(vs_margin_bars_repeats(verdict, verdict->child) == BESIDE[k].repeats, "row %zu", k);
+    double stress, limit;
+    vs_margin_bars_stress(verdict->child, &stress, &limit);
+    CU_ASSERT(stress == 900 && limit == 1000);
+    vs_tree_free(&tree);
+    vs_text_free(&text);
+  }
+}
+
 static const vs_test TESTS[] = {
-    {"windows", windows},     {"probes", probes},     {"spectra", spectra},
-    {"refused", refused},     {"drawn", drawn},       {"numbers", numbers},
+    {"amounts", amounts},     {"repeated", repeated}, {"windows", windows}, {"probes", probes},
+    {"spectra", spectra},     {"refused", refused},   {"drawn", drawn},     {"numbers", numbers},
     {"two mains", two_mains}, {"constant", constant}, {"page", page}};
 
 int main(void) {

@@ -306,7 +306,7 @@ static void pages(void) {
       "mA</td>"
       "<td class=\"n\">+25 %</td>",
       "<td>x</td><td class=\"n\">-</td><td class=\"n\">2 mm</td><td class=\"n\">-</td>",
-      "<figcaption>i_a</figcaption>",
+      "<figcaption>i_a <output></output></figcaption>",
       "<td>i_a</td><td class=\"n\">2</td><td class=\"n\">1</td><td class=\"n\">500 ms</td>",
       "<p>Only A has v_v, q_j.</p>",
       "</html>\n",
@@ -459,12 +459,12 @@ static void bars_beyond(void) {
   vs_tree_free(&tree);
 }
 
-/* It stands first in what `plot` lists and on the page. A run without a verdict has none, and the
- * next run removes it. */
+/* It stands first in what `plot` lists, and below the table of the page. A run without a verdict
+ * has none, and the next run removes it. */
 static void bars_drawn(void) {
-  static const char *const PAGE[] = {"<h1>Run v</h1>", "<iframe title=\"verdict\"",
-                                     "m1.i_peak 300 of 200 A, violated", "<section id=\"verdict\"",
-                                     NULL};
+  static const char *const PAGE[] = {"<h1>Run v</h1>", "<section id=\"verdict\"",
+                                     "<iframe title=\"verdict\"",
+                                     "m1.i_peak 300 of 200 A, violated", NULL};
   if (!on_path("gnuplot")) return;
   write_verdict();
   ran r = run("plot v");

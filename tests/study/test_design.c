@@ -162,6 +162,13 @@ static void equals_brute_force(void) {
    * sixth at least, and the neighbours of the answer are looked at, too */
   EXPECT(number_in(json, "runs") < 0.4 * (double)b.runs, "%g", number_in(json, "runs"));
   free(json);
+  if (on_path("gnuplot")) {
+    RUN_GOOD("plot a --quiet");
+    char *page = read_file("a/report.html");
+    EXPECT(strstr(page, "weakest case: threat = ") && strstr(page, "circuit.thyristor = g"),
+           "%.3000s", page);
+    free(page);
+  }
   CU_ASSERT(isinf(cheapest(&b, 2, 0)));
   write_design(", parts: [g600.inc, g800.inc]", threats(140));
   r = run("design d.yaml -o none");

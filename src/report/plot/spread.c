@@ -61,7 +61,7 @@ static void add_percentiles(const double *v, size_t n, const char *unit, vs_pict
     double percent;
     const char *place;
   } LINES[] = {
-      {5, "right offset -0.3,0.6"}, {50, "center offset 0,1.65"}, {95, "left offset 0.3,0.6"}};
+      {5, "right offset -0.3,0.95"}, {50, "center offset 0,1.75"}, {95, "left offset 0.3,0.95"}};
   vs_text_add(&p->caption, "%zu cases; ", n);
   for (size_t k = 0; k < 3; k++) {
     double at = vs_spread_percentile(v, n, LINES[k].percent);

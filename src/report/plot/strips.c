@@ -9,11 +9,17 @@
 enum {
   MOST_LINES = 200, /* of moments */
   APART = 40,       /* words are at least a 40th of the width apart */
-  CROWD = 8         /* with more moments than this, equal words stand only once */
+  CLOSE_UP = 8,     /* points of the words there, and in a strip that stands alone */
+  ALONE = 12,
+  CROWD = 8 /* with more moments than this, equal words stand only once */
 };
 
 static double time_scale(const vs_time_window *s) {
   return s->to_s <= 2 ? 1e3 : 1;
+}
+
+const char *vs_strips_time_unit(const vs_time_window *s) {
+  return time_scale(s) > 1 ? "ms" : "s";
 }
 
 static bool is_shown(const vs_time_window *s, const vs_moment *m) {
@@ -32,11 +38,20 @@ static bool is_repeated(const vs_time_window *s, const vs_moments *m, size_t k) 
   return before && shown > CROWD;
 }
 
+/* True where an event of the scene, whose words always stand, follows within that time. */
+static bool is_crowded(const vs_moments *m, size_t k, double room) {
+  for (size_t n = k + 1; n < m->count && m->item[n].at_s - m->item[k].at_s < room; n++)
+    if (m->item[n].is_event) return true;
+  return false;
+}
+
 /* Adds a line for each moment of a run. If `words` is not 0, also the moment's text, which may be
- * as long as `words` strips are high. */
-static void add_moments(const vs_time_window *s, size_t run, int words, vs_script *script) {
+ * as long as `words` strips are high, in letters of `size` points. */
+static void add_moments(const vs_time_window *s, size_t run, int words, int size,
+                        vs_script *script) {
   const vs_moments *m = &s->run[run].moments;
-  double scale = time_scale(s), last = -INFINITY, room = (s->to_s - s->from_s) / APART;
+  double scale = time_scale(s), last = -INFINITY,
+         room = (s->to_s - s->from_s) * size / (CLOSE_UP * APART);
   int lines = 0;
   const int room_pixels = words * VS_TIME_WINDOW_HEIGHT;
   for (size_t k = 0; k < m->count && lines < MOST_LINES; k++) {
@@ -48,14 +63,16 @@ static void add_moments(const vs_time_window *s, size_t run, int words, vs_scrip
                    "%.1f dt 3 back\n",
                    scale * now->at_s, scale * now->at_s,
                    s->runs > 1 ? vs_time_window_colour(run) : "#808080", now->is_event ? 1.8 : 0.9);
-    if (!words || (!now->is_event && (now->at_s - last < room || is_repeated(s, m, k)))) continue;
+    if (!words || (!now->is_event && (now->at_s - last < room || is_repeated(s, m, k) ||
+                                      (words == 1 && is_crowded(m, k, room)))))
+      continue;
     last = now->at_s;
     vs_gnuplot_add(script, "set label ");
-    vs_gnuplot_caption(script, now->what, room_pixels, 8);
+    vs_gnuplot_caption(script, now->what, room_pixels, size);
     vs_gnuplot_add(script,
-                   " at first %.9g, graph 0.96 rotate by 90 right offset 0.7,0 font ',8' tc "
+                   " at first %.9g, graph 0.96 rotate by 90 right offset 0.7,0 font ',%d' tc "
                    "rgb '#505050' front\n",
-                   scale * now->at_s);
+                   scale * now->at_s, size);
   }
 }
 
@@ -66,7 +83,12 @@ static void add_strip(const vs_time_window *s, int probe, bool alone, vs_script 
   bool legend = s->runs > 1 && (alone || !probe);
   vs_gnuplot_add(script, "unset label\nunset arrow\n");
   for (size_t r = 0; r < s->runs; r++)
-    add_moments(s, r, r ? 0 : alone ? 1 : probe ? 0 : s->probes.count, script);
+    add_moments(s, r,
+                r       ? 0
+                : alone ? 1
+                : probe ? 0
+                        : s->probes.count,
+                alone ? ALONE : CLOSE_UP, script);
   vs_gnuplot_add(script, legend ? "set key tmargin right horizontal reverse Left samplen 2\n"
                                 : "unset key\n");
   if (alone || probe + 1 == s->probes.count)

@@ -12,4 +12,7 @@ void vs_strips_add(const vs_time_window *stretch, vs_script *script);
 /* Adds one probe's strip alone, as a picture of its own. */
 void vs_strips_one(const vs_time_window *stretch, int probe, vs_script *script);
 
+/* The unit of the time axis, "ms" or "s". */
+const char *vs_strips_time_unit(const vs_time_window *stretch);
+
 #endif

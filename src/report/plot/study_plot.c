@@ -126,7 +126,7 @@ void vs_study_plot_begin(const vs_study_plot *k, size_t x, size_t y, vs_picture 
                              "set key noautotitle\nset rmargin 4\nset tics nomirror\nset title ");
   vs_gnuplot_caption(&p->script, p->title.text, p->width, 12);
   vs_gnuplot_add(&p->script,
-                 p->labels_above ? " offset 0,3.6\nset tmargin 7.5\n" : " offset 0,0.7\n");
+                 p->labels_above ? " offset 0,1.9\nset tmargin 5.1\n" : " offset 0,0.7\n");
   vs_study_plot_axis(k, x, 'x', &p->script);
 }
 
@@ -135,7 +135,7 @@ static void add_limit(const vs_study_plot *k, size_t column, char axis, double l
                       vs_picture *p) {
   vs_script *script = &p->script;
   vs_text label = {0};
-  const double height = p->labels_above ? 2.8 : 0.5; /* of text lines */
+  const double height = p->labels_above ? 2.55 : 0.5; /* of text lines */
   if (axis == 'x')
     vs_gnuplot_add(script, "set arrow from first %.9g, graph 0 to first %.9g, graph 1", limit,
                    limit);

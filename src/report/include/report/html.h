@@ -42,11 +42,12 @@ void vs_html_number(vs_html *html, double value);
 typedef struct vs_html_picture {
   const char *title, *caption; /* NULL for no caption */
   const char *svg;
-  int width, height; /* pixels */
+  int width, height;     /* pixels */
+  const char *time_unit; /* of a waveform's axis, "ms": a click sets cursors in it; NULL: none */
 } vs_html_picture;
 
 /* Adds a figure with the picture in a frame. Each picture is a document of its own, so that their
- * scripts do not interfere. */
+ * scripts do not interfere; cursors stand at the same time in all of a page. */
 void vs_html_picture_add(vs_html *html, const vs_html_picture *picture);
 
 #endif

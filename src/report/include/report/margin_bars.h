@@ -20,6 +20,14 @@ bool vs_margin_bars_script(const vs_node *summary, bool svg, vs_script *script, 
  * gnuplot is missing or fails; a picture cannot be written. */
 vs_status vs_margin_bars_draw(const char *folder, bool quiet, vs_error *err);
 
+/* The stress and the limit of a line of the verdict; of a rating those of the end that its margin
+ * belongs to. NaN: not known. */
+void vs_margin_bars_stress(const vs_node *line, double *value, double *limit);
+
+/* True for a rating whose ends are both lines of devices as well, with the same values and limits:
+ * v_ak beside v_forward and v_reverse. Pictures and pages show it once. */
+bool vs_margin_bars_repeats(const vs_node *verdict, const vs_node *line);
+
 /* Adds the picture to a page; adds nothing if the verdict has no line. Error: gnuplot is missing or
  * fails. */
 vs_status vs_margin_bars_add(const vs_node *summary, vs_html *html, vs_error *err);
