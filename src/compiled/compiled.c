@@ -7,6 +7,7 @@
 
 #include "base/alloc.h"
 #include "elements.h"
+#include "monodromy.h"
 #include "rodas.h"
 
 /* By what the error of an unknown is measured. */
@@ -35,6 +36,8 @@ typedef struct compiled {
   int landings;                /* steps that ended at a branch at once, one behind the other */
   double from_s;               /* where the stretch began whose tries are counted */
   long tries;
+  vs_monodromy map; /* for the host's; without states where it has none */
+  double *states;   /* of the host's map: owned */
 } compiled;
 
 /* ---- sources ---- */
@@ -162,6 +165,53 @@ static void accept_step(compiled *c, double h) {
     if (fabs(c->r.y[k]) > c->of[k].peak) c->of[k].peak = fabs(c->r.y[k]);
 }
 
+/* ---- the state as a whole ---- */
+
+/* Sets what the host's map says of where the step ends that is being shown. */
+static void tell_state(void *circuit) {
+  compiled *c = circuit;
+  vs_circuit_map *map = c->host->map;
+  vs_equations_mass(&c->e, c->r.next, c->charge);
+  vs_monodromy_state(&c->map, c->charge, map->end);
+  for (int k = 0; k < c->map.states; k++) {
+    map->size[k] = 0;
+    for (int n = 0; n < c->e.masses; n++) {
+      const vs_entry *of = &c->e.mass[n];
+      if (of->row == c->map.row[k])
+        map->size[k] += fabs(of->value) * (c->of[of->column].peak + c->of[of->column].small);
+    }
+  }
+  map->knows_slope = c->map.follows && c->map.known;
+  if (map->knows_slope) vs_monodromy_slope(&c->map, map->slope);
+}
+
+static void begin_map(compiled *c) {
+  vs_circuit_map *map = c->host->map;
+  vs_monodromy_begin(&c->map, &c->e);
+  const size_t n = (size_t)c->map.states;
+  c->states = vs_alloc(4 * n + n * n, sizeof *c->states);
+  *map = (vs_circuit_map){.states = (int)n,
+                          .start = c->states,
+                          .end = c->states + n,
+                          .size = c->states + 2 * n,
+                          .next = c->states + 3 * n,
+                          .slope = c->states + 4 * n,
+                          .tell = tell_state,
+                          .solver = c};
+}
+
+/* A restart is to come from c->charge: where the host's stretch begins, from what it says. */
+static void go_on_in_map(compiled *c) {
+  vs_circuit_map *map = c->host->map;
+  if (!c->map.states) return;
+  vs_monodromy_stop(&c->map);
+  if (!map->begins) return;
+  map->begins = false;
+  vs_monodromy_charge(&c->map, map->next, c->charge);
+  memcpy(c->states, map->next, (size_t)map->states * sizeof *c->states);
+  vs_monodromy_start(&c->map, map->wants_slope);
+}
+
 /* ---- branches ---- */
 
 static bool asks_at(compiled *c, double part) {
@@ -193,9 +243,14 @@ static bool choose_branches(compiled *c) {
   double *before = c->r.k[0], *behind = c->r.k[1], most = 0;
   drive_sources(c, c->r.t_s, c->r.source[0]);
   vs_equations_value(&c->e, c->r.y, c->r.source[0], false, before, NULL);
+  vs_monodromy_jump(&c->map, &c->r, before);
   vs_equations_choose(&c->e, c->r.y, false);
   vs_equations_value(&c->e, c->r.y, c->r.source[0], false, behind, NULL);
   for (int k = 0; k < c->e.n; k++) most = fmax(most, fabs(behind[k] - before[k]));
+  if (getenv("DBG"))
+    fprintf(stderr, "jump of %g at %.9g\n", most,
+            c->host->clock ? c->host->clock(c->host->ctx, c->r.t_s) : c->r.t_s);
+  c->map.jumps = c->map.jumps && most > JUMPS;
   return most > JUMPS;
 }
 
@@ -243,6 +298,7 @@ static vs_status restart_behind_jump(compiled *c, double first_s, vs_error *err)
     const double h = restart_length(c, first_s);
     if (!(h > 0)) return no_solution(c, err);
     if (vs_equations_choose(&c->e, c->r.next, false)) continue;
+    vs_monodromy_restart(&c->map, &c->r, h);
     vs_status status = show_instant(c, h, 1, err);
     accept_step(c, h);
     return status;
@@ -253,6 +309,7 @@ static vs_status restart_behind_jump(compiled *c, double first_s, vs_error *err)
 static vs_status restart_here(compiled *c, double first_s, vs_error *err) {
   c->before_s = 0;
   vs_equations_mass(&c->e, c->r.y, c->charge);
+  go_on_in_map(c);
   return restart_behind_jump(c, first_s, err);
 }
 
@@ -375,6 +432,7 @@ static vs_status run_equations(void *circuit, vs_error *err) {
   vs_equations_choose(&c->e, c->r.y, false);
   memcpy(c->charge, c->e.charge, (size_t)c->e.n * sizeof *c->charge);
   vs_status status = restart_behind_jump(c, RESTART_S, err);
+  if (c->map.states) vs_monodromy_state(&c->map, c->charge, c->states);
   while (!status && c->r.t_s < until_s - RESTART_S && !(host->enough && host->enough(host->ctx))) {
     const double edge_s = fmin(next_edge(c), until_s);
     double taken = 0;
@@ -388,6 +446,7 @@ static vs_status run_equations(void *circuit, vs_error *err) {
         continue;
       }
       stuck = 0;
+      vs_monodromy_step(&c->map, &c->r, taken);
       if (!status) status = show_step(c, taken, err);
       accept_step(c, taken);
     }
@@ -404,6 +463,9 @@ static vs_status run_equations(void *circuit, vs_error *err) {
 static void free_circuit(void *circuit) {
   compiled *c = circuit;
   if (!c) return;
+  if (c->map.states) c->host->map->states = 0;
+  vs_monodromy_free(&c->map);
+  free(c->states);
   vs_rodas_free(&c->r);
   vs_equations_free(&c->e);
   free(c->of);
@@ -443,6 +505,7 @@ static vs_status load_equations(const vs_circuit_job *job, const vs_circuit_host
   c->most = vs_alloc(job->n_signals + 1, sizeof *c->most);
   c->charge = vs_alloc(n, sizeof *c->charge);
   c->between = vs_alloc(n, sizeof *c->between);
+  if (host->map) begin_map(c);
   return VS_OK;
 }
 

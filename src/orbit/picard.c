@@ -10,6 +10,7 @@
 #include "base/text.h"
 #include "engine/budget.h"
 #include "engine/propagator.h"
+#include "full_newton.h"
 #include "orbit/shooting.h"
 #include "process_copies.h"
 #include "slow_modes.h"
@@ -130,6 +131,8 @@ typedef struct vs_picard_search {
   convergence corrections;
   vs_process_copies copies;
   vs_slow_modes creep;
+  vs_full_newton full; /* where the solver can set the circuit's state */
+  bool touches;        /* the armature has met a stop, as the solver's Phi does not know */
   search_pass pass;
   int steered;                       /* passes that were steered */
   int left;                          /* so many passes more the machine is left to itself */
@@ -193,6 +196,7 @@ static vs_status search_take(vs_picard_search *s, int passes, vs_error *err) {
  * and orbit's Phi. */
 static void search_begin(vs_picard_search *s, const vs_setup *setup) {
   vs_orbit *orbit = s->orbit;
+  vs_full_newton_free(&s->full);
   *s = (vs_picard_search){.setup = setup,
                           .orbit = orbit,
                           .guessed = s->guessed,
@@ -434,7 +438,7 @@ static int least_period(const vs_picard *p) {
  * the orbit is not known to, and by what the solver rounds, NOISE of run.tolerance; and one of
  * CURVED part by what is not linear. Both are as large at the part that is taken. Measured on
  * halfwave_snubbed at 90, 100 and 120 degrees. */
-static const double NOISE = 1e-3, CURVED = 0.015;
+static const double NOISE = 1e-3, CURVED = 0.015, OF_TOLERANCE = 1;
 
 static double part_pushed(const vs_picard_search *s, double *error) {
   double noise = fmax(s->corrections.last, NOISE * s->setup->run.tolerance);
@@ -497,6 +501,23 @@ static bool find_multipliers(vs_picard *p, const vs_knot *end) {
   return false;
 }
 
+/* The pass is one of Newton's iteration for machine and circuit as one. */
+static bool is_full(const vs_picard *p) {
+  const vs_picard_search *s = p->search;
+  return p->pilot.map.states && !s->full.failed && !s->touches;
+}
+
+/* Those of machine and circuit, of a Phi that was taken near the orbit. Returns true. */
+static bool take_multipliers(vs_picard *p) {
+  const vs_picard_search *s = p->search;
+  p->known_to = fmax(CURVED * s->full.phi_off, OF_TOLERANCE * s->setup->run.tolerance);
+  const bool good =
+      vs_full_newton_multipliers(&s->full, VS_VARIATION_MOST, p->orbit.multiplier, &p->multipliers);
+  if (!good) p->multipliers = 0;
+  p->orbit.stable = hypot(p->orbit.multiplier[0].re, p->orbit.multiplier[0].im) < 1;
+  return true;
+}
+
 /* An unstable orbit is refused where tier switched knows that the machine runs on a subharmonic. */
 static vs_status refuse_subharmonic(const vs_picard *p, vs_error *err) {
   vs_error why = {0};
@@ -524,7 +545,7 @@ static vs_status take_orbit(vs_picard *p, const vs_knot *end, bool *begins, vs_e
   memcpy(p->orbit.x, s->x, sizeof s->x);
   memcpy(p->orbit.scale, s->scale, (size_t)s->count * sizeof *s->scale);
   if (!p->wants_multipliers) return VS_OK;
-  *begins = !find_multipliers(p, end);
+  *begins = is_full(p) ? take_multipliers(p) : !find_multipliers(p, end);
   return *begins ? refuse_subharmonic(p, err) : VS_OK;
 }
 
@@ -570,7 +591,9 @@ static void accept_step_of_search(void *self, const vs_step *step) {
   vs_picard_search *s = ((vs_picard *)self)->search;
   for (int j = 0; j < s->count; j++) s->peak[j] = fmax(s->peak[j], fabs(step->to->x[j]));
   s->peak[s->count] = fmax(s->peak[s->count], fabs(step->to->flux_wb));
-  s->travel_m = fmax(s->travel_m, fabs(vs_mechanics_travel(&s->setup->model, step->to->x)));
+  const double travel_m = vs_mechanics_travel(&s->setup->model, step->to->x);
+  s->travel_m = fmax(s->travel_m, fabs(travel_m));
+  s->touches = s->touches || vs_stops_touched(&s->setup->model.stops, travel_m);
   vs_slow_modes_accept(&s->creep, step);
 }
 
@@ -606,6 +629,31 @@ static bool is_lost(const vs_picard_search *s) {
          s->corrections.least > s->setup->run.tolerance && s->creep.area_v_s == 0;
 }
 
+static vs_status turn_full(vs_picard *p, const vs_knot *end, bool *begins, vs_error *err) {
+  vs_picard_search *s = p->search;
+  vs_circuit_map *map = &p->pilot.map;
+  double size;
+  search_scale(s);
+  s->steered++;
+  if (!vs_full_newton_turn(&s->full, map, s->count, end->x, s->scale, &size)) {
+    memcpy(s->x, end->x, sizeof s->x);
+    steer_again(s);
+    return VS_OK;
+  }
+  memcpy(s->x, map->next, (size_t)s->count * sizeof *s->x);
+  search_go_on(s, s->x);
+  if(getenv("DBG")) fprintf(stderr,"pass %d size %g phi_off %g wants %d states %d\n",s->full.passes,size,s->full.phi_off,map->wants_slope,map->states);
+  if (isfinite(size)) convergence_take(&s->corrections, size);
+  *begins = isfinite(size) && convergence_close(&s->corrections);
+  if (*begins && p->wants_multipliers && !vs_full_newton_is_near(&s->full)) {
+    *begins = false;
+    map->wants_slope = true;
+  }
+  vs_status status = *begins ? take_orbit(p, end, begins, err) : VS_OK;
+  if (*begins) vs_budget_end(s->budget);
+  return status;
+}
+
 /* A firing period of the settling has ended at `end`. *begins: the orbit is found, and the run
  * begins on it. Errors: the search's own (vs_picard_new). */
 static vs_status end_period_of_search(void *self, const vs_knot *end, bool *begins, vs_error *err) {
@@ -628,6 +676,7 @@ static vs_status end_period_of_search(void *self, const vs_knot *end, bool *begi
     return VS_OK;
   }
   if (s->pass != PASS_STEERED) return pairs_turn(s, end, err);
+  if (is_full(p)) return turn_full(p, end, begins, err);
   /* Newton's step, but not behind a pass in which a flux was moved. */
   s->steered++;
   bool clean = vs_slow_modes_turn(&s->creep, end);
@@ -731,6 +780,7 @@ vs_status vs_picard_new(const vs_scene *scene, int periods, bool wants_multiplie
 void vs_picard_free(vs_picard *p) {
   if (!p) return;
   free(p->search->between);
+  vs_full_newton_free(&p->search->full);
   free(p->search);
   free(p->ideal);
   free(p);

@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Newton's iteration for an orbit of machine and circuit as one, where the circuit's solver can
+ * tell and set its whole state and knows the monodromy matrix Phi (vs_circuit_map). A pass that
+ * began at z and ended at z' is followed by one from z + (I - Phi)^-1 (z' - z). A Phi costs several
+ * passes; one is kept for as long as corrections fall fast with it. */
+#ifndef VS_ORBIT_FULL_NEWTON_H
+#define VS_ORBIT_FULL_NEWTON_H
+
+#include "ngspice/circuit.h"
+#include "orbit/multipliers.h"
+
+/* Begin with {0}, end with vs_full_newton_free. */
+typedef struct vs_full_newton {
+  bool failed;     /* it leads nowhere here, and is not to be asked any more */
+  int passes;      /* so far */
+  int states;      /* of z */
+  double *phi;     /* Phi, in parts of `scale`; owned, with the next: */
+  double *scale;   /* of each state, when Phi was taken */
+  double *factors; /* of I - Phi */
+  size_t *order;
+  double size;    /* of the last correction */
+  double phi_off; /* of that behind the pass that Phi is of: how far off it was taken */
+} vs_full_newton;
+
+void vs_full_newton_free(vs_full_newton *f);
+
+/* A pass has ended. machine: the first states of z, which have their own sizes, `scale`. Sets where
+ * the next pass begins, and *size, the largest of the correction as parts of the sizes; INFINITY:
+ * the circuit is still to settle.
+ * False, with `failed`: it leads nowhere. */
+bool vs_full_newton_turn(vs_full_newton *f, vs_circuit_map *map, int machine, const double *x,
+                         const double *scale, double *size);
+
+/* Finds at most `most` multipliers, the largest first, and how many there are. */
+bool vs_full_newton_multipliers(const vs_full_newton *f, int most, vs_multiplier *out, int *found);
+
+/* Was Phi taken so near the orbit that its multipliers are that orbit's? */
+bool vs_full_newton_is_near(const vs_full_newton *f);
+
+#endif
