@@ -241,16 +241,14 @@ static const double JUMPS = 1e-7;
 
 static bool choose_branches(compiled *c) {
   double *before = c->r.k[0], *behind = c->r.k[1], most = 0;
+  if (!vs_equations_choose(&c->e, c->r.y, true)) return false;
   drive_sources(c, c->r.t_s, c->r.source[0]);
   vs_equations_value(&c->e, c->r.y, c->r.source[0], false, before, NULL);
-  vs_monodromy_jump(&c->map, &c->r, before);
+  vs_monodromy_look(&c->map, &c->r, before);
   vs_equations_choose(&c->e, c->r.y, false);
   vs_equations_value(&c->e, c->r.y, c->r.source[0], false, behind, NULL);
   for (int k = 0; k < c->e.n; k++) most = fmax(most, fabs(behind[k] - before[k]));
-  if (getenv("DBG"))
-    fprintf(stderr, "jump of %g at %.9g\n", most,
-            c->host->clock ? c->host->clock(c->host->ctx, c->r.t_s) : c->r.t_s);
-  c->map.jumps = c->map.jumps && most > JUMPS;
+  if (most > JUMPS) vs_monodromy_jump(&c->map, &c->r);
   return most > JUMPS;
 }
 

@@ -261,6 +261,14 @@ bool vs_equations_asks(vs_equations *e, int device, const double *y) {
   return choose_of(&e->device[device], y, true);
 }
 
+void vs_equations_turn(vs_equations *e, int device, const double *y) {
+  vs_compiled_device *d = &e->device[device];
+  if (d->kind == VS_DEVICE_SWITCH)
+    d->on = !d->on;
+  else
+    choose_of(d, y, false);
+}
+
 bool vs_equations_choose(vs_equations *e, const double *y, bool only_ask) {
   bool other = false;
   for (int k = 0; k < e->devices; k++) other = choose_of(&e->device[k], y, only_ask) || other;

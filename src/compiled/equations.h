@@ -100,5 +100,7 @@ void vs_equations_mass(const vs_equations *e, const double *v, double *r);
 bool vs_equations_choose(vs_equations *e, const double *y, bool only_ask);
 /* Does y ask for another branch or state of one of the devices? */
 bool vs_equations_asks(vs_equations *e, int device, const double *y);
+/* Makes its branches those of y, or its switch the other way round. */
+void vs_equations_turn(vs_equations *e, int device, const double *y);
 
 #endif

@@ -226,50 +226,70 @@ void vs_monodromy_step(vs_monodromy *m, vs_rodas *r, double h) {
 
 /* ---- a jump ---- */
 
-/* At so much before the instant of a jump the state is pushed along a column of S until the branch
- * asks for its change there. It is small beside what rings, and large beside rounding. The push is
- * known to SHARP of it. */
-static const double AHEAD_S = 1e-8, SHARP = 1e-7, LARGEST_PUSH = 1e30;
+/* A step ends near the instant at which a branch asks to be another one: as near as the step is
+ * exact. AHEAD before that, which is small beside what rings and large beside rounding, the state
+ * is pushed along a column of S until the branch asks there. The push is known to SHARP of it. */
+static const double AHEAD_S = 1e-8, MOST_AHEAD_S = 1e-5, SHARP = 1e-7, LARGEST_PUSH = 1e30;
 
-static bool asks(vs_monodromy *m, const vs_rodas *r, int device, double t_s, double push, int k) {
+static bool asks(vs_monodromy *m, const vs_rodas *r, const vs_monodromy_due *d, double t_s,
+                 double push, int k) {
   for (int i = 0; i < m->e->n; i++)
-    m->y[i] = r->y[i] + t_s * m->rate[i] + push * m->s[i * m->states + k];
-  return vs_equations_asks(m->e, device, m->y);
+    m->y[i] = r->y[i] + t_s * m->rate[i] + (push != 0 ? push * m->s[i * m->states + k] : 0);
+  return vs_equations_asks(m->e, d->device, m->y);
 }
 
-/* The least push along a column that makes the branch ask AHEAD_S before; INFINITY: none does. */
-static double find_push(vs_monodromy *m, const vs_rodas *r, int device, int k) {
-  double most = 0, push = LARGEST_PUSH;
+/* Finds the device that asks, and when it begins to. */
+static bool find_due(vs_monodromy *m, const vs_rodas *r, vs_monodromy_due *d) {
+  for (double far_s = AHEAD_S; far_s <= MOST_AHEAD_S; far_s *= 10)
+    for (d->device = 0; d->device < m->e->devices; d->device++) {
+      if (!asks(m, r, d, far_s, 0, 0) || asks(m, r, d, -far_s, 0, 0)) continue;
+      double low = -far_s, high = far_s;
+      while (high - low > SHARP * far_s) {
+        const double middle = (low + high) / 2;
+        *(asks(m, r, d, middle, 0, 0) ? &high : &low) = middle;
+      }
+      d->at_s = high;
+      d->ahead_s = far_s;
+      return true;
+    }
+  return false;
+}
+
+/* By how much the instant moves with z(0)'s k-th number. */
+static double find_move(vs_monodromy *m, const vs_rodas *r, const vs_monodromy_due *d, int k) {
+  double most = 0;
   for (int i = 0; i < m->e->n; i++) most = fmax(most, fabs(m->s[i * m->states + k]));
-  if (!(most > 0)) return INFINITY;
-  for (push = 1e-12 / most; push < LARGEST_PUSH / most; push *= 10) {
-    const bool up = asks(m, r, device, -AHEAD_S, push, k);
-    if (!up && !asks(m, r, device, -AHEAD_S, -push, k)) continue;
+  const double to_s = d->at_s - d->ahead_s;
+  for (double push = 1e-12 / most; push < LARGEST_PUSH && most > 0; push *= 10) {
+    const bool up = asks(m, r, d, to_s, push, k);
+    if (!up && !asks(m, r, d, to_s, -push, k)) continue;
     double low = 0, high = up ? push : -push;
     while (fabs(high - low) > SHARP * fabs(high)) {
       const double middle = (low + high) / 2;
-      *(asks(m, r, device, -AHEAD_S, middle, k) ? &high : &low) = middle;
+      *(asks(m, r, d, to_s, middle, k) ? &high : &low) = middle;
     }
-    return high;
+    /* another of the device's branches does not come nearer with the instant */
+    const bool same = asks(m, r, d, d->at_s - d->ahead_s / 4, high / 3, k);
+    return same ? -d->ahead_s / high : 0;
   }
-  return INFINITY;
+  return 0;
 }
 
-void vs_monodromy_jump(vs_monodromy *m, const vs_rodas *r, const double *f) {
-  int device = 0;
+void vs_monodromy_look(vs_monodromy *m, const vs_rodas *r, const double *f) {
   if (!m->follows || !m->known) return;
-  memset(m->moved, 0, (size_t)m->states * sizeof *m->moved);
-  while (device < m->e->devices &&
-         !(asks(m, r, device, AHEAD_S, 0, 0) && !asks(m, r, device, -AHEAD_S, 0, 0)))
-    device++;
-  m->jumps = m->known = device < m->e->devices;
+  m->finds = find_due(m, r, &m->due);
   memcpy(m->jump, f, (size_t)m->e->n * sizeof *f);
-  for (int k = 0; k < m->states && m->known; k++) {
-    const double push = find_push(m, r, device, k);
-    /* another branch's asking does not come nearer with the instant */
-    if (isfinite(push) && asks(m, r, device, -AHEAD_S / 4, push / 3, k))
-      m->moved[k] = -AHEAD_S / push;
-  }
+}
+
+void vs_monodromy_jump(vs_monodromy *m, const vs_rodas *r) {
+  const vs_monodromy_due *d = &m->due;
+  if (!m->follows || !m->known) return;
+  m->jumps = m->known = m->finds;
+  if (!m->known) return;
+  for (int i = 0; i < m->e->n; i++) m->y[i] = r->y[i] + (d->at_s - d->ahead_s) * m->rate[i];
+  vs_equations_turn(m->e, d->device, m->y);
+  for (int k = 0; k < m->states; k++) m->moved[k] = find_move(m, r, d, k);
+  vs_equations_turn(m->e, d->device, r->y);
 }
 
 /* ---- a stretch ---- */

@@ -12,6 +12,12 @@
 
 #include "rodas.h"
 
+/* A branch or switch that asks to be another one. */
+typedef struct vs_monodromy_due {
+  int device;
+  double at_s, ahead_s; /* since when, and so much before it is asked, from the last step's end */
+} vs_monodromy_due;
+
 typedef struct vs_monodromy {
   vs_equations *e;       /* borrowed */
   int states;            /* of z */
@@ -25,9 +31,10 @@ typedef struct vs_monodromy {
   double *rate;          /* y' at the last step's end */
   double *jump;          /* f before a jump that is due */
   double *moved;         /* dt/dz(0) of its instant */
-  bool jumps;            /* one is due */
-  bool follows;          /* S is wanted of this stretch */
-  bool known;            /* and was not lost in it */
+  vs_monodromy_due due;
+  bool finds, jumps; /* one is due; and f jumps by it */
+  bool follows;      /* S is wanted of this stretch */
+  bool known;        /* and was not lost in it */
 } vs_monodromy;
 
 void vs_monodromy_begin(vs_monodromy *m, vs_equations *e);
@@ -41,8 +48,10 @@ void vs_monodromy_charge(const vs_monodromy *m, const double *z, double *charge)
 void vs_monodromy_start(vs_monodromy *m, bool follows);
 /* A restart is to come. */
 void vs_monodromy_stop(vs_monodromy *m);
-/* At r->y the equations are about to jump from f, by a branch or switch that asks for it. */
-void vs_monodromy_jump(vs_monodromy *m, const vs_rodas *r, const double *f);
+/* At r->y, where f is this, branches and switches are about to be chosen. */
+void vs_monodromy_look(vs_monodromy *m, const vs_rodas *r, const double *f);
+/* They were, and f has jumped by that. */
+void vs_monodromy_jump(vs_monodromy *m, const vs_rodas *r);
 /* Takes S through the restart of h, or the step of h, which is not taken yet. */
 void vs_monodromy_restart(vs_monodromy *m, vs_rodas *r, double h);
 void vs_monodromy_step(vs_monodromy *m, vs_rodas *r, double h);
