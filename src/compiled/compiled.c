@@ -167,20 +167,35 @@ static void accept_step(compiled *c, double h) {
 
 /* ---- the state as a whole ---- */
 
+/* A junction's charge, in C, of which SMALL_C count. */
+static const double SMALL_C = 1e-12;
+
+static bool is_charge(const vs_equations *e, int unknown) {
+  for (int k = 0; k < e->devices; k++)
+    for (int q = 0; q < 2; q++)
+      if (e->device[k].charge[q] == unknown) return true;
+  return false;
+}
+
+/* About how large a charge or flux of M y is over a run. */
+static double size_of_row(const compiled *c, int row) {
+  double size = 0;
+  for (int n = 0; n < c->e.masses; n++) {
+    const vs_entry *m = &c->e.mass[n];
+    const measured *of = &c->of[m->column];
+    const double small = is_charge(&c->e, m->column) ? SMALL_C : of->small;
+    if (m->row == row) size += fabs(m->value) * (of->peak + small);
+  }
+  return size;
+}
+
 /* Sets what the host's map says of where the step ends that is being shown. */
 static void tell_state(void *circuit) {
   compiled *c = circuit;
   vs_circuit_map *map = c->host->map;
   vs_equations_mass(&c->e, c->r.next, c->charge);
   vs_monodromy_state(&c->map, c->charge, map->end);
-  for (int k = 0; k < c->map.states; k++) {
-    map->size[k] = 0;
-    for (int n = 0; n < c->e.masses; n++) {
-      const vs_entry *of = &c->e.mass[n];
-      if (of->row == c->map.row[k])
-        map->size[k] += fabs(of->value) * (c->of[of->column].peak + c->of[of->column].small);
-    }
-  }
+  for (int k = 0; k < c->map.states; k++) map->size[k] = size_of_row(c, c->map.row[k]);
   map->knows_slope = c->map.follows && c->map.known;
   if (map->knows_slope) vs_monodromy_slope(&c->map, map->slope);
 }

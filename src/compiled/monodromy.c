@@ -2,6 +2,7 @@
 #include "monodromy.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -285,6 +286,7 @@ void vs_monodromy_jump(vs_monodromy *m, const vs_rodas *r) {
   const vs_monodromy_due *d = &m->due;
   if (!m->follows || !m->known) return;
   m->jumps = m->known = m->finds;
+  if(getenv("DBG")) fprintf(stderr,"JUMP at %g dev %d at %g ahead %g found %d\n",r->t_s,d->device,d->at_s,d->ahead_s,m->finds);
   if (!m->known) return;
   for (int i = 0; i < m->e->n; i++) m->y[i] = r->y[i] + (d->at_s - d->ahead_s) * m->rate[i];
   vs_equations_turn(m->e, d->device, m->y);

@@ -38,7 +38,7 @@ static bool take_phi(vs_full_newton *f, const vs_circuit_map *map) {
   for (size_t i = 0; i < n; i++)
     for (size_t j = 0; j < n; j++) {
       f->phi[i * n + j] = map->slope[i * n + j] * map->size[j] / map->size[i];
-      if (!isfinite(f->phi[i * n + j])) return false;
+      if (!isfinite(f->phi[i * n + j])) {if(getenv("DBG")) fprintf(stderr,"nan %zu %zu %g size %g %g\n",i,j,map->slope[i*n+j],map->size[j],map->size[i]);return false;}
       f->factors[i * n + j] = (i == j) - f->phi[i * n + j];
     }
   gsl_matrix_view a = gsl_matrix_view_array(f->factors, n, n);
@@ -48,6 +48,7 @@ static bool take_phi(vs_full_newton *f, const vs_circuit_map *map) {
     most = fmax(most, fabs(f->factors[i * n + i]));
     least = fmin(least, fabs(f->factors[i * n + i]));
   }
+  if(getenv("DBG")) { fprintf(stderr,"least %g most %g\n",least,most); for(size_t i=0;i<n;i++) fprintf(stderr,"%zu size %g diag %g phi %g\n",i,map->size[i],f->factors[i*n+i],f->phi[i*n+i]); }
   return least > SINGULAR * most;
 }
 

@@ -438,7 +438,7 @@ static int least_period(const vs_picard *p) {
  * the orbit is not known to, and by what the solver rounds, NOISE of run.tolerance; and one of
  * CURVED part by what is not linear. Both are as large at the part that is taken. Measured on
  * halfwave_snubbed at 90, 100 and 120 degrees. */
-static const double NOISE = 1e-3, CURVED = 0.015, OF_TOLERANCE = 1;
+static const double NOISE = 1e-3, CURVED = 0.015, OF_TOLERANCE = 0.1;
 
 static double part_pushed(const vs_picard_search *s, double *error) {
   double noise = fmax(s->corrections.last, NOISE * s->setup->run.tolerance);
@@ -504,7 +504,7 @@ static bool find_multipliers(vs_picard *p, const vs_knot *end) {
 /* The pass is one of Newton's iteration for machine and circuit as one. */
 static bool is_full(const vs_picard *p) {
   const vs_picard_search *s = p->search;
-  return p->pilot.map.states && !s->full.failed && !s->touches;
+  return !getenv("NOFULL") && p->pilot.map.states && !s->full.failed && !s->touches;
 }
 
 /* Those of machine and circuit, of a Phi that was taken near the orbit. Returns true. */
