@@ -10,8 +10,10 @@
 void vs_full_newton_free(vs_full_newton *f) {
   free(f->phi);
   free(f->scale);
+  free(f->step);
   free(f->factors);
   free(f->order);
+  free(f->part);
   *f = (vs_full_newton){0};
 }
 
@@ -22,25 +24,41 @@ static void allocate(vs_full_newton *f, int states) {
   f->states = states;
   f->phi = vs_alloc(n * n, sizeof *f->phi);
   f->scale = vs_alloc(n, sizeof *f->scale);
+  f->step = vs_alloc(n, sizeof *f->step);
   f->factors = vs_alloc(n * n, sizeof *f->factors);
   f->order = vs_alloc(n, sizeof *f->order);
+  f->part = vs_alloc(n, sizeof *f->part);
 }
 
-/* A pivot of I - Phi that is less than this beside the largest is rounding: the orbit turns back
+/* ---- Phi ---- */
+
+/* The machine's states, and all that they hang on by more than this, in parts of the sizes. What
+ * nothing hangs on, as the square of a fuse's current that is summed up for ever, need not come
+ * back. */
+static const double NOTHING = 1e-9;
+
+static void find_parts(vs_full_newton *f, int machine) {
+  const int n = f->states;
+  bool *in = vs_alloc((size_t)n, sizeof *in);
+  f->parts = 0;
+  for (int k = 0; k < machine; k++) in[f->part[f->parts++] = k] = true;
+  for (int k = 0; k < f->parts; k++)
+    for (int j = 0; j < n; j++)
+      if (!in[j] && fabs(f->phi[f->part[k] * n + j]) > NOTHING) in[f->part[f->parts++] = j] = true;
+  free(in);
+}
+
+/* A pivot of I - Phi that is less than this beside the largest is rounding: an orbit turns back
  * here, or a charge has no way to anywhere. */
 static const double SINGULAR = 1e-13;
 
-static bool take_phi(vs_full_newton *f, const vs_circuit_map *map) {
-  const size_t n = (size_t)f->states;
+static bool factor(vs_full_newton *f) {
+  const size_t n = (size_t)f->parts;
   double most = 0, least = INFINITY;
   int sign;
-  memcpy(f->scale, map->size, n * sizeof *f->scale);
   for (size_t i = 0; i < n; i++)
-    for (size_t j = 0; j < n; j++) {
-      f->phi[i * n + j] = map->slope[i * n + j] * map->size[j] / map->size[i];
-      if (!isfinite(f->phi[i * n + j])) {if(getenv("DBG")) fprintf(stderr,"nan %zu %zu %g size %g %g\n",i,j,map->slope[i*n+j],map->size[j],map->size[i]);return false;}
-      f->factors[i * n + j] = (i == j) - f->phi[i * n + j];
-    }
+    for (size_t j = 0; j < n; j++)
+      f->factors[i * n + j] = (i == j) - f->phi[f->part[i] * f->states + f->part[j]];
   gsl_matrix_view a = gsl_matrix_view_array(f->factors, n, n);
   gsl_permutation p = {n, f->order};
   if (gsl_linalg_LU_decomp(&a.matrix, &p, &sign)) return false;
@@ -48,16 +66,28 @@ static bool take_phi(vs_full_newton *f, const vs_circuit_map *map) {
     most = fmax(most, fabs(f->factors[i * n + i]));
     least = fmin(least, fabs(f->factors[i * n + i]));
   }
-  if(getenv("DBG")) { fprintf(stderr,"least %g most %g\n",least,most); for(size_t i=0;i<n;i++) fprintf(stderr,"%zu size %g diag %g phi %g\n",i,map->size[i],f->factors[i*n+i],f->phi[i*n+i]); }
   return least > SINGULAR * most;
 }
 
+static bool take_phi(vs_full_newton *f, const vs_circuit_map *map, int machine) {
+  const int n = f->states;
+  memcpy(f->scale, map->size, (size_t)n * sizeof *f->scale);
+  for (int k = 0; k < n * n; k++) {
+    f->phi[k] = map->slope[k] * map->size[k % n] / map->size[k / n];
+    if (!isfinite(f->phi[k])) return false;
+  }
+  find_parts(f, machine);
+  return factor(f);
+}
+
+/* ---- passes ---- */
+
 /* In the first passes the machine is put back to where it was, so that the circuit comes to what it
- * does there. A correction that is larger than WILD sizes is none; nor is one in the MOST-th pass.
- * Phi is found anew behind a correction that has not fallen to SLOW of the one before, but for one
- * that was taken NEAR the orbit. */
-enum { SETTLES = 2, MOST = 30 };
-static const double WILD = 3, SLOW = 0.05, NEAR = 1e-4;
+ * does there. A correction takes each state by LONGEST sizes at most. Phi is found anew, MOST_PHI
+ * times at most, behind a correction that is FAR, or has not fallen to SLOW of the one before, but
+ * for one that was taken NEAR the orbit. */
+enum { SETTLES = 2, MOST = 60, MOST_PHI = 12 };
+static const double LONGEST = 1, FAR = 0.3, SLOW = 0.05, NEAR = 1e-4;
 
 static void settle(const vs_full_newton *f, vs_circuit_map *map, int machine, double *size) {
   memcpy(map->next, map->end, (size_t)map->states * sizeof *map->next);
@@ -66,20 +96,37 @@ static void settle(const vs_full_newton *f, vs_circuit_map *map, int machine, do
   *size = INFINITY;
 }
 
+/* What no part hangs on goes on from where it is, or, if it forgets within LASTS passes, from where
+ * it comes to. */
+static const double LASTS = 100;
+
+static void follow_others(const vs_full_newton *f, vs_circuit_map *map) {
+  for (int k = 0; k < f->states; k++) {
+    const double keeps = f->phi[k * f->states + k];
+    map->next[k] = map->end[k];
+    if (fabs(1 - keeps) * LASTS > 1)
+      map->next[k] = map->start[k] + (map->end[k] - map->start[k]) / (1 - keeps);
+  }
+}
+
 static bool correct(vs_full_newton *f, vs_circuit_map *map, double *size) {
-  const size_t n = (size_t)f->states;
-  double *step = map->next;
-  for (size_t k = 0; k < n; k++) step[k] = (map->end[k] - map->start[k]) / f->scale[k];
+  const size_t n = (size_t)f->parts;
+  for (size_t k = 0; k < n; k++) {
+    const int of = f->part[k];
+    f->step[k] = (map->end[of] - map->start[of]) / f->scale[of];
+  }
   gsl_matrix_view a = gsl_matrix_view_array(f->factors, n, n);
-  gsl_vector_view b = gsl_vector_view_array(step, n);
+  gsl_vector_view b = gsl_vector_view_array(f->step, n);
   gsl_permutation p = {n, f->order};
   if (gsl_linalg_LU_svx(&a.matrix, &p, &b.vector)) return false;
+  follow_others(f, map);
   *size = 0;
-  for (size_t k = 0; k < n; k++) {
-    if (!(fabs(step[k]) <= *size)) *size = fabs(step[k]);
-    step[k] = map->start[k] + step[k] * f->scale[k];
-  }
-  return *size < WILD;
+  for (size_t k = 0; k < n; k++)
+    if (!(fabs(f->step[k]) <= *size)) *size = fabs(f->step[k]);
+  const double part = *size > LONGEST ? LONGEST / *size : 1;
+  for (size_t k = 0; k < n; k++)
+    map->next[f->part[k]] = map->start[f->part[k]] + part * f->step[k] * f->scale[f->part[k]];
+  return isfinite(*size);
 }
 
 bool vs_full_newton_turn(vs_full_newton *f, vs_circuit_map *map, int machine, const double *x,
@@ -95,27 +142,34 @@ bool vs_full_newton_turn(vs_full_newton *f, vs_circuit_map *map, int machine, co
     return true;
   }
   const bool anew = map->wants_slope;
-  f->failed = f->passes > MOST || (anew && !(map->knows_slope && take_phi(f, map))) ||
-              !correct(f, map, size);
-  if(getenv("DBG")) { fprintf(stderr,"anew %d knows %d size %g\n",anew,map->knows_slope,*size); for(int k=0;k<f->states;k++) fprintf(stderr,"z%d start %g end %g size %g next %g\n",k,map->start[k],map->end[k],map->size[k],map->next[k]);}
+  f->phis += anew;
+  f->failed = f->passes > MOST || f->phis > MOST_PHI ||
+              (anew && !(map->knows_slope && take_phi(f, map, machine))) || !correct(f, map, size);
   map->begins = !f->failed;
   if (anew) f->phi_off = *size;
-  map->wants_slope = f->passes > SETTLES + 1 && *size > SLOW * f->size && f->phi_off > NEAR;
+  if (getenv("DBG"))
+    fprintf(stderr, "anew %d knows %d failed %d parts %d of %d size %g\n", anew, map->knows_slope,
+            f->failed, f->parts, f->states, *size);
+  const bool slow = f->passes > SETTLES + 1 && *size > SLOW * f->size && f->phi_off > NEAR;
+  map->wants_slope = *size > FAR || slow;
   f->size = *size;
   return !f->failed;
 }
+
+/* ---- multipliers ---- */
 
 bool vs_full_newton_is_near(const vs_full_newton *f) {
   return f->phi_off <= NEAR;
 }
 
 bool vs_full_newton_multipliers(const vs_full_newton *f, int most, vs_multiplier *out, int *found) {
-  const size_t n = (size_t)f->states;
+  const size_t n = (size_t)f->parts;
   double *matrix = vs_alloc(n * n, sizeof *matrix);
   vs_multiplier *all = vs_alloc(n, sizeof *all);
-  memcpy(matrix, f->phi, n * n * sizeof *matrix);
-  const bool good = vs_multipliers_of(f->states, matrix, all);
-  *found = f->states < most ? f->states : most;
+  for (size_t i = 0; i < n; i++)
+    for (size_t j = 0; j < n; j++) matrix[i * n + j] = f->phi[f->part[i] * f->states + f->part[j]];
+  const bool good = vs_multipliers_of(f->parts, matrix, all);
+  *found = f->parts < most ? f->parts : most;
   memcpy(out, all, (size_t)*found * sizeof *out);
   free(matrix);
   free(all);

@@ -11,15 +11,18 @@
 
 /* Begin with {0}, end with vs_full_newton_free. */
 typedef struct vs_full_newton {
-  bool failed;     /* it leads nowhere here, and is not to be asked any more */
-  int passes;      /* so far */
-  int states;      /* of z */
-  double *phi;     /* Phi, in parts of `scale`; owned, with the next: */
-  double *scale;   /* of each state, when Phi was taken */
-  double *factors; /* of I - Phi */
+  bool failed;   /* it leads nowhere here, and is not to be asked any more */
+  int passes;    /* so far */
+  int phis;      /* that were found */
+  int states;    /* of z */
+  double *phi;   /* Phi, in parts of `scale`; owned, with the next: */
+  double *scale; /* of each state, when Phi was taken */
+  double *step;
+  double *factors; /* of I - Phi, of the parts */
   size_t *order;
-  double size;    /* of the last correction */
-  double phi_off; /* of that behind the pass that Phi is of: how far off it was taken */
+  int *part, parts; /* the states that the machine hangs on, its own first; part is owned */
+  double size;      /* of the last correction */
+  double phi_off;   /* of that behind the pass that Phi is of: how far off it was taken */
 } vs_full_newton;
 
 void vs_full_newton_free(vs_full_newton *f);
@@ -31,7 +34,7 @@ void vs_full_newton_free(vs_full_newton *f);
 bool vs_full_newton_turn(vs_full_newton *f, vs_circuit_map *map, int machine, const double *x,
                          const double *scale, double *size);
 
-/* Finds at most `most` multipliers, the largest first, and how many there are. */
+/* Finds at most `most` multipliers of these parts, the largest first, and how many they are. */
 bool vs_full_newton_multipliers(const vs_full_newton *f, int most, vs_multiplier *out, int *found);
 
 /* Was Phi taken so near the orbit that its multipliers are that orbit's? */

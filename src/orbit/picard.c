@@ -648,6 +648,8 @@ static vs_status turn_full(vs_picard *p, const vs_knot *end, bool *begins, vs_er
   if (*begins && p->wants_multipliers && !vs_full_newton_is_near(&s->full)) {
     *begins = false;
     map->wants_slope = true;
+  } else if (*begins) {
+    map->wants_slope = false; /* not in the run */
   }
   vs_status status = *begins ? take_orbit(p, end, begins, err) : VS_OK;
   if (*begins) vs_budget_end(s->budget);
