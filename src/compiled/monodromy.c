@@ -2,7 +2,6 @@
 #include "monodromy.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -166,14 +165,13 @@ static void add_mass(const vs_monodromy *m, double factor, const double *from, d
 
 /* The slope over time at the step's beginning, of the polynomial through all stages. */
 static void find_slope(vs_monodromy *m) {
-  static const int STAGE[] = {0, 1, 2, 3, 4};
   double weight[5] = {0};
   for (int j = 1; j < 5; j++) {
-    const double x = vs_rodas_at[STAGE[j]];
+    const double x = vs_rodas_at[j];
     weight[j] = 1 / x;
     weight[0] -= 1 / x;
     for (int l = 1; l < 5; l++)
-      if (l != j) weight[j] *= vs_rodas_at[STAGE[l]] / (vs_rodas_at[STAGE[l]] - x);
+      if (l != j) weight[j] *= vs_rodas_at[l] / (vs_rodas_at[l] - x);
   }
   for (int k = 0; k < m->e->matrix.count; k++) {
     double sum = 0;
@@ -182,15 +180,32 @@ static void find_slope(vs_monodromy *m) {
   }
 }
 
+/* Between a step's ends the dense output may take a junction beyond what it has at either, and so
+ * its exponential. Where a slope is more than BEYOND times that of both ends, the straight line
+ * between them has the state. */
+static const double BEYOND = 10;
+
+static bool is_beyond(const vs_monodromy *m, const double *jacobian) {
+  for (int k = 0; k < m->e->matrix.count; k++) {
+    const double most = fmax(fabs(m->jacobian[0][k]), fabs(m->jacobian[4][k]));
+    if (!(fabs(jacobian[k]) <= BEYOND * most)) return true;
+  }
+  return false;
+}
+
+static void find_jacobian(vs_monodromy *m, vs_rodas *r, int stage) {
+  const double part = vs_rodas_at[stage];
+  vs_rodas_dense(r, part, m->y);
+  vs_equations_value(m->e, m->y, r->source[0], false, r->work[0], m->jacobian[stage]);
+  if (!is_beyond(m, m->jacobian[stage])) return;
+  for (int k = 0; k < m->e->n; k++) m->y[k] = r->y[k] + part * (r->next[k] - r->y[k]);
+  vs_equations_value(m->e, m->y, r->source[0], false, r->work[0], m->jacobian[stage]);
+}
+
 static void find_jacobians(vs_monodromy *m, vs_rodas *r) {
   memcpy(m->jacobian[0], r->jacobian, (size_t)m->e->matrix.count * sizeof *r->jacobian);
-  for (int k = 1; k < 5; k++) {
-    if (vs_rodas_at[k] == 1)
-      memcpy(m->y, r->next, (size_t)m->e->n * sizeof *m->y);
-    else
-      vs_rodas_dense(r, vs_rodas_at[k], m->y);
-    vs_equations_value(m->e, m->y, r->source[0], false, r->work[0], m->jacobian[k]);
-  }
+  vs_equations_value(m->e, r->next, r->source[0], false, r->work[0], m->jacobian[4]);
+  for (int stage = 1; stage < 4; stage++) find_jacobian(m, r, stage);
   find_slope(m);
 }
 
@@ -286,7 +301,6 @@ void vs_monodromy_jump(vs_monodromy *m, const vs_rodas *r) {
   const vs_monodromy_due *d = &m->due;
   if (!m->follows || !m->known) return;
   m->jumps = m->known = m->finds;
-  if(getenv("DBG")) fprintf(stderr,"JUMP at %g dev %d at %g ahead %g found %d\n",r->t_s,d->device,d->at_s,d->ahead_s,m->finds);
   if (!m->known) return;
   for (int i = 0; i < m->e->n; i++) m->y[i] = r->y[i] + (d->at_s - d->ahead_s) * m->rate[i];
   vs_equations_turn(m->e, d->device, m->y);

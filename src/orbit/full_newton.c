@@ -3,7 +3,6 @@
 
 #include <gsl/gsl_linalg.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -35,7 +34,7 @@ static void allocate(vs_full_newton *f, int states) {
 /* The machine's states, and all that they hang on by more than this, in parts of the sizes. What
  * nothing hangs on, as the square of a fuse's current that is summed up for ever, need not come
  * back. */
-static const double NOTHING = 1e-9;
+static const double NOTHING = 1e-6;
 
 static void find_parts(vs_full_newton *f, int machine) {
   const int n = f->states;
@@ -69,12 +68,16 @@ static bool factor(vs_full_newton *f) {
   return least > SINGULAR * most;
 }
 
+/* A circuit of capacitors, coils and junctions makes no state so much larger than another: where
+ * Phi has more, the steps along which it was taken were too long for a junction. */
+static const double HUGE_PHI = 1e9;
+
 static bool take_phi(vs_full_newton *f, const vs_circuit_map *map, int machine) {
   const int n = f->states;
   memcpy(f->scale, map->size, (size_t)n * sizeof *f->scale);
   for (int k = 0; k < n * n; k++) {
     f->phi[k] = map->slope[k] * map->size[k % n] / map->size[k / n];
-    if (!isfinite(f->phi[k])) return false;
+    if (!(fabs(f->phi[k]) < HUGE_PHI)) return false;
   }
   find_parts(f, machine);
   return factor(f);
@@ -84,10 +87,10 @@ static bool take_phi(vs_full_newton *f, const vs_circuit_map *map, int machine) 
 
 /* In the first passes the machine is put back to where it was, so that the circuit comes to what it
  * does there. A correction takes each state by LONGEST sizes at most. Phi is found anew, MOST_PHI
- * times at most, behind a correction that is FAR, or has not fallen to SLOW of the one before, but
- * for one that was taken NEAR the orbit. */
+ * times at most, behind a correction that is FAR, or has not fallen to SLOW of the one before, or
+ * is CLOSE, but for one that was taken NEAR the orbit. */
 enum { SETTLES = 2, MOST = 60, MOST_PHI = 12 };
-static const double LONGEST = 1, FAR = 0.3, SLOW = 0.05, NEAR = 1e-4;
+static const double LONGEST = 1, FAR = 0.3, SLOW = 0.05, CLOSE = 1e-3, NEAR = 1e-4;
 
 static void settle(const vs_full_newton *f, vs_circuit_map *map, int machine, double *size) {
   memcpy(map->next, map->end, (size_t)map->states * sizeof *map->next);
@@ -147,11 +150,8 @@ bool vs_full_newton_turn(vs_full_newton *f, vs_circuit_map *map, int machine, co
               (anew && !(map->knows_slope && take_phi(f, map, machine))) || !correct(f, map, size);
   map->begins = !f->failed;
   if (anew) f->phi_off = *size;
-  if (getenv("DBG"))
-    fprintf(stderr, "anew %d knows %d failed %d parts %d of %d size %g\n", anew, map->knows_slope,
-            f->failed, f->parts, f->states, *size);
   const bool slow = f->passes > SETTLES + 1 && *size > SLOW * f->size && f->phi_off > NEAR;
-  map->wants_slope = *size > FAR || slow;
+  map->wants_slope = *size > FAR || slow || (*size < CLOSE && f->phi_off > NEAR);
   f->size = *size;
   return !f->failed;
 }

@@ -504,7 +504,7 @@ static bool find_multipliers(vs_picard *p, const vs_knot *end) {
 /* The pass is one of Newton's iteration for machine and circuit as one. */
 static bool is_full(const vs_picard *p) {
   const vs_picard_search *s = p->search;
-  return !getenv("NOFULL") && p->pilot.map.states && !s->full.failed && !s->touches;
+  return p->pilot.map.states && !s->full.failed && !s->touches;
 }
 
 /* Those of machine and circuit, of a Phi that was taken near the orbit. Returns true. */
@@ -642,7 +642,6 @@ static vs_status turn_full(vs_picard *p, const vs_knot *end, bool *begins, vs_er
   }
   memcpy(s->x, map->next, (size_t)s->count * sizeof *s->x);
   search_go_on(s, s->x);
-  if(getenv("DBG")) fprintf(stderr,"pass %d size %g phi_off %g wants %d states %d\n",s->full.passes,size,s->full.phi_off,map->wants_slope,map->states);
   if (isfinite(size)) convergence_take(&s->corrections, size);
   *begins = isfinite(size) && convergence_close(&s->corrections);
   if (*begins && p->wants_multipliers && !vs_full_newton_is_near(&s->full)) {
