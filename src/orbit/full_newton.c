@@ -156,22 +156,25 @@ bool vs_full_newton_turn(vs_full_newton *f, vs_circuit_map *map, int machine, co
   return !f->failed;
 }
 
-/* ---- multipliers ---- */
-
-bool vs_full_newton_is_near(const vs_full_newton *f) {
-  return f->phi_off <= NEAR;
+bool vs_full_newton_ends(const vs_full_newton *f, vs_circuit_map *map, bool closed, bool precise) {
+  const bool ends = closed && (!precise || f->phi_off <= NEAR);
+  if (closed) map->wants_slope = !ends; /* the run that follows wants none */
+  return ends;
 }
 
-bool vs_full_newton_multipliers(const vs_full_newton *f, int most, vs_multiplier *out, int *found) {
+/* ---- multipliers ---- */
+
+int vs_full_newton_multipliers(const vs_full_newton *f, int most, vs_multiplier *out) {
   const size_t n = (size_t)f->parts;
   double *matrix = vs_alloc(n * n, sizeof *matrix);
   vs_multiplier *all = vs_alloc(n, sizeof *all);
   for (size_t i = 0; i < n; i++)
     for (size_t j = 0; j < n; j++) matrix[i * n + j] = f->phi[f->part[i] * f->states + f->part[j]];
-  const bool good = vs_multipliers_of(f->parts, matrix, all);
-  *found = f->parts < most ? f->parts : most;
-  memcpy(out, all, (size_t)*found * sizeof *out);
+  const int found = !vs_multipliers_of(f->parts, matrix, all) ? 0
+                    : f->parts < most                         ? f->parts
+                                                              : most;
+  memcpy(out, all, (size_t)found * sizeof *out);
   free(matrix);
   free(all);
-  return good;
+  return found;
 }

@@ -34,10 +34,12 @@ void vs_full_newton_free(vs_full_newton *f);
 bool vs_full_newton_turn(vs_full_newton *f, vs_circuit_map *map, int machine, const double *x,
                          const double *scale, double *size);
 
-/* Finds at most `most` multipliers of these parts, the largest first, and how many they are. */
-bool vs_full_newton_multipliers(const vs_full_newton *f, int most, vs_multiplier *out, int *found);
+/* Behind such a pass: is the orbit found? closed: corrections are small enough. precise: its
+ * multipliers are wanted, of a Phi that was taken near it. */
+bool vs_full_newton_ends(const vs_full_newton *f, vs_circuit_map *map, bool closed, bool precise);
 
-/* Was Phi taken so near the orbit that its multipliers are that orbit's? */
-bool vs_full_newton_is_near(const vs_full_newton *f);
+/* Finds at most `most` multipliers of these parts, the largest first. Returns how many they are; 0:
+ * GSL finds none. */
+int vs_full_newton_multipliers(const vs_full_newton *f, int most, vs_multiplier *out);
 
 #endif
