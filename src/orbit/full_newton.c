@@ -90,7 +90,7 @@ static bool take_phi(vs_full_newton *f, const vs_circuit_map *map, int machine) 
  * times at most, behind a correction that is FAR, or has not fallen to SLOW of the one before, or
  * is CLOSE, but for one that was taken NEAR the orbit. */
 enum { SETTLES = 2, MOST = 60, MOST_PHI = 12 };
-static const double LONGEST = 1, FAR = 0.3, SLOW = 0.05, CLOSE = 1e-3, NEAR = 1e-4;
+static const double LONGEST = 1, FAR = 0.3, SLOW = 0.05, CLOSE = 1e-5, NEAR = 1e-4;
 
 static void settle(const vs_full_newton *f, vs_circuit_map *map, int machine, double *size) {
   memcpy(map->next, map->end, (size_t)map->states * sizeof *map->next);
