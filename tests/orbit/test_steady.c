@@ -558,9 +558,9 @@ static void at_100_degrees(void) {
 }
 
 /* The same on tier compiled, whose multipliers come of the monodromy matrix of machine and circuit:
- * they are told to a tenth of the tolerance, and the reference has eight digits. A multiplier of
- * the circuit's is told besides. The passes are two in which the circuit settles, three of Newton's
- * iteration with one matrix, and one with the orbit's. */
+ * they are told to a tenth of the tolerance, and the reference has eight digits. That of the
+ * circuit's slowest state is this tier's own at 1e-7. In the first two of the six or seven cycles
+ * the circuit settles. */
 static void at_100_degrees_on_tier_compiled(void) {
   static const double TOLERANCE[] = {1e-4, 1e-6};
   for (size_t k = 0; k < COUNT(TOLERANCE); k++) {
@@ -569,12 +569,12 @@ static void at_100_degrees_on_tier_compiled(void) {
     snprintf(words, sizeof words, "--set run.tolerance=%g", tolerance);
     ran r = steady_on("compiled", words);
     close_to_reference(&r, tolerance);
-    EXPECT(number_in(r.out, "cycles") <= 9, "%g cycles", number_in(r.out, "cycles"));
+    EXPECT(number_in(r.out, "cycles") <= 7, "%g cycles", number_in(r.out, "cycles"));
     EXPECT(number_in(r.out, "correction") <= 0.01 * tolerance, "%g",
            number_in(r.out, "correction"));
     CLOSE(number_in(r.out, "multipliers_error"), 0.1 * tolerance, 1e-9);
     for (int i = 0; i < 4; i++) CLOSE(size_of(r.out, 2 * i), SIZE[i], fmax(0.1 * tolerance, 1e-8));
-    CLOSE(size_of(r.out, 8), 0.22854471, fmax(0.1 * tolerance, 1e-8));
+    CLOSE_OF(size_of(r.out, 8), 0.22854471, 1, fmax(0.1 * tolerance, 1e-8));
     free_ran(&r);
   }
 }
