@@ -75,8 +75,8 @@ static vs_status show_instant(compiled *c, double h, double part, vs_error *err)
 
 /* The host takes signals for straight lines between what it is shown, but the flux linkage for a
  * cubic. A step is shown in so many parts that these are off by no more than STRAIGHT of the
- * tolerance of each signal's peak, as the method may be off in an unknown without a memory. */
-static const double STRAIGHT = 3;
+ * tolerance of each signal's peak. */
+static const double STRAIGHT = 1;
 enum { MOST_PARTS = 100 };
 
 static int parts_of(const compiled *c) {
