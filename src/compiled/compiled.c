@@ -7,6 +7,7 @@
 
 #include "base/alloc.h"
 #include "elements.h"
+#include "monodromy.h"
 #include "reduction.h"
 #include "rodas.h"
 
@@ -38,6 +39,8 @@ typedef struct compiled {
   int landings;                /* steps that ended at a branch at once, one behind the other */
   double from_s;               /* where the stretch began whose tries are counted */
   long tries;
+  vs_monodromy map; /* for the host's; without states where it has none */
+  double *states;   /* of the host's map: owned */
 } compiled;
 
 /* ---- sources ---- */
@@ -72,25 +75,28 @@ static vs_status show_instant(compiled *c, double h, double part, vs_error *err)
 
 /* The host takes signals for straight lines between what it is shown, but the flux linkage for a
  * cubic. A step is shown in so many parts that these are off by no more than STRAIGHT of the
- * tolerance of each signal's peak, as the method may be off in an unknown without a memory. */
-static const double STRAIGHT = 3;
+ * tolerance of each signal's peak, where the dense output bends most: at one of its ends. What the
+ * method itself is off by comes on top of that. */
+static const double STRAIGHT = 0.7;
 enum { MOST_PARTS = 100 };
 
 static int parts_of(const compiled *c) {
   double most = 1;
   const double allowed = STRAIGHT * c->job->tolerance;
   for (size_t k = 0; k < c->job->n_signals; k++) {
-    if (c->signal[k] < 0 || c->signal[k] == c->e.flux) continue;
-    const double from = c->r.y[c->signal[k]], to = c->r.next[c->signal[k]];
-    const double off = fabs(signal_at(c, k, 0.5) - (from + to) / 2);
-    const double peak = fmax(c->most[k], fmax(fabs(from), fabs(to)));
+    const int u = c->signal[k];
+    if (u < 0 || u == c->e.flux) continue;
+    const double bend = c->r.bend[0][u], more = c->r.bend[1][u];
+    const double off = fmax(fabs(bend - more), fabs(bend + 2 * more)) / 4;
+    const double peak = fmax(c->most[k], fmax(fabs(c->r.y[u]), fabs(c->r.next[u])));
     if (off > allowed * peak * most) most = off / (allowed * peak);
   }
   return (int)fmin(ceil(sqrt(most)), MOST_PARTS);
 }
 
 static vs_status show_step(compiled *c, double h, vs_error *err) {
-  const int parts = parts_of(c);
+  const bool hides = c->host->hides && c->host->hides(c->host->ctx); /* nobody looks at signals */
+  const int parts = hides ? 1 : parts_of(c);
   vs_status status = VS_OK;
   for (int k = 1; k <= parts && !status; k++)
     status = show_instant(c, h, k == parts ? 1 : (double)k / parts, err);
@@ -171,6 +177,69 @@ static void accept_step(compiled *c, double h) {
   }
 }
 
+/* ---- the state as a whole ---- */
+
+/* A junction's charge, in C, of which SMALL_C count. */
+static const double SMALL_C = 1e-12;
+
+/* A charge is the only unknown that its row has as it is. */
+static bool is_charge(const vs_equations *e, int unknown) {
+  for (int l = 0; l < e->linears; l++)
+    for (int k = 0; k < 2 * e->devices && e->linear[l].column == unknown; k++)
+      if (e->device[k / 2].charge[k % 2] == e->linear[l].row) return true;
+  return false;
+}
+
+/* About how large a charge or flux of M y is over a run. */
+static double size_of_row(const compiled *c, int row) {
+  double size = 0;
+  for (int n = 0; n < c->e.masses; n++) {
+    const vs_entry *m = &c->e.mass[n];
+    const measured *of = &c->of[m->column];
+    const double small = is_charge(&c->e, m->column) ? SMALL_C : of->small;
+    if (m->row == row) size += fabs(m->value) * (of->peak + small);
+  }
+  return size;
+}
+
+/* Sets what the host's map says of where the step ends that is being shown. */
+static void tell_state(void *circuit) {
+  compiled *c = circuit;
+  vs_circuit_map *map = c->host->map;
+  vs_equations_mass(&c->e, c->r.next, c->charge);
+  vs_monodromy_state(&c->map, c->charge, map->end);
+  for (int k = 0; k < c->map.states; k++) map->size[k] = size_of_row(c, c->map.row[k]);
+  map->knows_slope = c->map.follows && c->map.known;
+  if (map->knows_slope) vs_monodromy_slope(&c->map, map->slope);
+}
+
+static void begin_map(compiled *c) {
+  vs_circuit_map *map = c->host->map;
+  vs_monodromy_begin(&c->map, &c->e);
+  const size_t n = (size_t)c->map.states;
+  c->states = vs_alloc(4 * n + n * n, sizeof *c->states);
+  *map = (vs_circuit_map){.states = (int)n,
+                          .start = c->states,
+                          .end = c->states + n,
+                          .size = c->states + 2 * n,
+                          .next = c->states + 3 * n,
+                          .slope = c->states + 4 * n,
+                          .tell = tell_state,
+                          .solver = c};
+}
+
+/* A restart is to come from c->charge: where the host's stretch begins, from what it says. */
+static void go_on_in_map(compiled *c) {
+  vs_circuit_map *map = c->host->map;
+  if (!c->map.states) return;
+  vs_monodromy_stop(&c->map);
+  if (!map->begins) return;
+  map->begins = false;
+  vs_monodromy_charge(&c->map, map->next, c->charge);
+  memcpy(c->states, map->next, (size_t)map->states * sizeof *c->states);
+  vs_monodromy_start(&c->map, map->wants_slope);
+}
+
 /* ---- branches ---- */
 
 static bool asks_at(compiled *c, double part) {
@@ -200,11 +269,14 @@ static const double JUMPS = 1e-7;
 
 static bool choose_branches(compiled *c) {
   double *before = c->r.k[0], *behind = c->r.k[1], most = 0;
+  if (!vs_equations_choose(&c->e, c->r.y, true)) return false;
   drive_sources(c, c->r.t_s, c->r.source[0]);
   vs_equations_value(&c->e, c->r.y, c->r.source[0], false, before, NULL);
+  vs_monodromy_look(&c->map, &c->r, before);
   vs_equations_choose(&c->e, c->r.y, false);
   vs_equations_value(&c->e, c->r.y, c->r.source[0], false, behind, NULL);
   for (int k = 0; k < c->e.rows; k++) most = fmax(most, fabs(behind[k] - before[k]));
+  if (most > JUMPS) vs_monodromy_jump(&c->map, &c->r);
   return most > JUMPS;
 }
 
@@ -252,6 +324,7 @@ static vs_status restart_behind_jump(compiled *c, double first_s, vs_error *err)
     const double h = restart_length(c, first_s);
     if (!(h > 0)) return no_solution(c, err);
     if (vs_equations_choose(&c->e, c->r.next, false)) continue;
+    vs_monodromy_restart(&c->map, &c->r, h);
     vs_status status = show_instant(c, h, 1, err);
     accept_step(c, h);
     return status;
@@ -262,6 +335,7 @@ static vs_status restart_behind_jump(compiled *c, double first_s, vs_error *err)
 static vs_status restart_here(compiled *c, double first_s, vs_error *err) {
   c->before_s = 0;
   vs_equations_mass(&c->e, c->r.y, c->charge);
+  go_on_in_map(c);
   return restart_behind_jump(c, first_s, err);
 }
 
@@ -386,6 +460,7 @@ static vs_status run_equations(void *circuit, vs_error *err) {
   vs_equations_choose(&c->e, c->r.y, false);
   memcpy(c->charge, c->e.charge, (size_t)c->e.rows * sizeof *c->charge);
   vs_status status = restart_behind_jump(c, RESTART_S, err);
+  if (c->map.states) vs_monodromy_state(&c->map, c->charge, c->states);
   while (!status && c->r.t_s < until_s - RESTART_S && !(host->enough && host->enough(host->ctx))) {
     const double edge_s = fmin(next_edge(c), until_s);
     double taken = 0;
@@ -399,6 +474,7 @@ static vs_status run_equations(void *circuit, vs_error *err) {
         continue;
       }
       stuck = 0;
+      vs_monodromy_step(&c->map, &c->r, taken);
       if (!status) status = show_step(c, taken, err);
       accept_step(c, taken);
     }
@@ -415,6 +491,9 @@ static vs_status run_equations(void *circuit, vs_error *err) {
 static void free_circuit(void *circuit) {
   compiled *c = circuit;
   if (!c) return;
+  if (c->map.states) c->host->map->states = 0;
+  vs_monodromy_free(&c->map);
+  free(c->states);
   vs_rodas_free(&c->r);
   vs_equations_free(&c->e);
   free(c->of);
@@ -461,6 +540,7 @@ static vs_status load_equations(const vs_circuit_job *job, const vs_circuit_host
   c->most = vs_alloc(job->n_signals + 1, sizeof *c->most);
   c->charge = vs_alloc(n, sizeof *c->charge);
   c->between = vs_alloc(n, sizeof *c->between);
+  if (host->map) begin_map(c);
   return VS_OK;
 }
 

@@ -291,19 +291,31 @@ void vs_equations_add_mass(const vs_equations *e, const double *v, double *r) {
   add_entries(e->mass, e->masses, v, r);
 }
 
+static bool choose_of(vs_compiled_device *d, const double *y, bool only_ask) {
+  if (d->kind == VS_DEVICE_PROGRAM) return vs_program_choose(&d->program, y, only_ask);
+  if (d->kind != VS_DEVICE_SWITCH) return false;
+  const double v = at(y, d->control[0]) - at(y, d->control[1]);
+  const bool due = v > d->threshold + (d->on ? -d->hysteresis : d->hysteresis),
+             other = due != d->on;
+  if (!only_ask) d->on = due;
+  return other;
+}
+
+bool vs_equations_asks(vs_equations *e, int device, const double *y) {
+  return choose_of(&e->device[device], y, true);
+}
+
+void vs_equations_turn(vs_equations *e, int device, const double *y) {
+  vs_compiled_device *d = &e->device[device];
+  if (d->kind == VS_DEVICE_SWITCH)
+    d->on = !d->on;
+  else
+    choose_of(d, y, false);
+}
+
 bool vs_equations_choose(vs_equations *e, const double *y, bool only_ask) {
   bool other = false;
-  for (int k = 0; k < e->devices; k++) {
-    vs_compiled_device *d = &e->device[k];
-    if (d->kind == VS_DEVICE_PROGRAM) {
-      other = vs_program_choose(&d->program, y, only_ask) || other;
-    } else if (d->kind == VS_DEVICE_SWITCH) {
-      const double v = at(y, d->control[0]) - at(y, d->control[1]);
-      const bool due = v > d->threshold + (d->on ? -d->hysteresis : d->hysteresis);
-      other = other || due != d->on;
-      if (!only_ask) d->on = due;
-    }
-  }
+  for (int k = 0; k < e->devices; k++) other = choose_of(&e->device[k], y, only_ask) || other;
   return other;
 }
 

@@ -115,5 +115,9 @@ void vs_equations_add_mass(const vs_equations *e, const double *v, double *r);
 /* Takes the branches and the switches' states that y asks for. Returns true where one is another
  * one than before; with `only_ask` none changes. */
 bool vs_equations_choose(vs_equations *e, const double *y, bool only_ask);
+/* Does y ask for another branch or state of one of the devices? */
+bool vs_equations_asks(vs_equations *e, int device, const double *y);
+/* Makes its branches those of y, or its switch the other way round. */
+void vs_equations_turn(vs_equations *e, int device, const double *y);
 
 #endif

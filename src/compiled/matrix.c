@@ -244,6 +244,28 @@ void vs_matrix_solve(const vs_matrix *m, const double *restrict a, double *restr
   }
 }
 
+static void subtract_row(int count, double factor, const double *restrict from,
+                         double *restrict to) {
+  for (int k = 0; k < count; k++) to[k] -= factor * from[k];
+}
+
+void vs_matrix_solve_many(const vs_matrix *m, const double *a, int count, double *b, double *x) {
+  const int *at = m->forward.at, *end = at + m->forward.count;
+  while (at < end) {
+    double *of = &b[at[0] * count];
+    for (int n = (at += 2)[-1]; n; n--, at += 2)
+      subtract_row(count, a[at[0]], &b[at[1] * count], of);
+  }
+  for (at = m->back.at, end = at + m->back.count; at < end;) {
+    double *of = &x[at[0] * count];
+    const double inverse = a[at[2]];
+    memcpy(of, &b[at[1] * count], (size_t)count * sizeof *of);
+    for (int n = (at += 4)[-1]; n; n--, at += 2)
+      subtract_row(count, a[at[0]], &x[at[1] * count], of);
+    for (int k = 0; k < count; k++) of[k] *= inverse;
+  }
+}
+
 void vs_matrix_free(vs_matrix *m) {
   free(m->place);
   free(m->eliminate.at);

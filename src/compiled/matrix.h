@@ -40,6 +40,10 @@ bool vs_matrix_factor(const vs_matrix *m, double *values);
 void vs_matrix_solve(const vs_matrix *m, const double *restrict factors, double *restrict b,
                      double *restrict x);
 
+/* The same for as many right sides as `count`, with those of a row beside each other. */
+void vs_matrix_solve_many(const vs_matrix *m, const double *factors, int count, double *b,
+                          double *x);
+
 void vs_matrix_free(vs_matrix *m);
 
 #endif

@@ -22,12 +22,20 @@ static const double C[5][5] = {
     {7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160},
     {8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136,
      -6.058818238834054}};
-static const double AT[6] = {0, 0.386, 0.21, 0.63, 1, 1};
-static const double RATE[4] = {0.25, -0.1043, 0.1035, -0.03620000000000023};
+const double vs_rodas_at[6] = {0, 0.386, 0.21, 0.63, 1, 1};
+const double vs_rodas_rate[4] = {0.25, -0.1043, 0.1035, -0.03620000000000023};
 static const double D[2][5] = {{10.12623508344586, -7.487995877610167, -34.80091861555747,
                                 -7.992771707568823, 1.025137723295662},
                                {-0.6762803392801253, 6.087714651680015, 16.43084320892478,
                                 24.76722511418386, -6.594389125716872}};
+
+double vs_rodas_stage(int stage, int of) {
+  return A[stage - 1][of];
+}
+
+double vs_rodas_coupling(int stage, int of) {
+  return C[stage - 1][of];
+}
 
 enum { VECTORS = 15 };
 
@@ -77,6 +85,11 @@ static bool factor(vs_rodas *r) {
     if (vs_matrix_factor(m, r->factors)) return true;
   }
   return false;
+}
+
+bool vs_rodas_factor(vs_rodas *r, double per_h) {
+  set_matrix(r, per_h);
+  return factor(r);
 }
 
 /* ---- a step ---- */
@@ -141,10 +154,9 @@ bool vs_rodas_try(vs_rodas *r, double h) {
   if (!r->fresh) vs_equations_value(e, r->y, r->source[0], false, r->f, r->jacobian);
   r->fresh = true;
   memcpy(b, r->f, (size_t)n * sizeof *b);
-  set_matrix(r, 1 / (GAMMA * h));
-  if (!factor(r)) return false;
+  if (!vs_rodas_factor(r, 1 / (GAMMA * h))) return false;
   find_rates(r, h);
-  add_rates(r, h * RATE[0], b);
+  add_rates(r, h * vs_rodas_rate[0], b);
   vs_matrix_solve(&e->matrix, r->factors, b, r->k[0]);
   for (int stage = 1; stage < 6; stage++) {
     if (stage < 5)
@@ -152,12 +164,13 @@ bool vs_rodas_try(vs_rodas *r, double h) {
     else
       for (int i = 0; i < n; i++) at[i] += r->k[4][i];
     vs_equations_follow(e, at, false);
-    if (AT[stage] != AT[stage - 1]) r->drive.at(r->drive.ctx, r->t_s + AT[stage] * h, r->source[0]);
+    if (vs_rodas_at[stage] != vs_rodas_at[stage - 1])
+      r->drive.at(r->drive.ctx, r->t_s + vs_rodas_at[stage] * h, r->source[0]);
     vs_equations_value(e, at, r->source[0], false, b, NULL);
     for (int l = 0; l < stage; l++) rate[l] = C[stage - 1][l] / h;
     add_stages(r, stage, rate, NULL, sum);
     vs_equations_add_mass(e, sum, b);
-    if (stage < 4) add_rates(r, h * RATE[stage], b);
+    if (stage < 4) add_rates(r, h * vs_rodas_rate[stage], b);
     vs_matrix_solve(&e->matrix, r->factors, b, r->k[stage]);
   }
   for (int i = 0; i < n; i++) {
@@ -198,8 +211,7 @@ bool vs_rodas_restart(vs_rodas *r, const double *charge, double h, bool chooses)
     bool limited = vs_equations_value(e, r->next, r->source[0], true, b, r->jacobian);
     vs_equations_mass(e, r->next, m);
     for (int i = 0; i < n; i++) b[i] -= (m[i] - charge[i]) / h;
-    set_matrix(r, 1 / h);
-    if (!factor(r)) return false;
+    if (!vs_rodas_factor(r, 1 / h)) return false;
     vs_matrix_solve(&e->matrix, r->factors, b, change);
     double most = 0;
     for (int i = 0; i < n; i++) {

@@ -32,6 +32,16 @@ typedef struct vs_rodas {
 void vs_rodas_begin(vs_rodas *r, vs_equations *e, const vs_rodas_drive *drive);
 void vs_rodas_free(vs_rodas *r);
 
+/* The method's numbers: the instants of its stages, as parts of a step, and how much of the slope
+ * over time is in each of the first ones; how much of stage `of` is in a later one's state, and in
+ * its right side. */
+extern const double vs_rodas_at[6], vs_rodas_rate[4];
+double vs_rodas_stage(int stage, int of);
+double vs_rodas_coupling(int stage, int of);
+
+/* Factors M per_h - df/dy, with the Jacobian there is. False: it is singular. */
+bool vs_rodas_factor(vs_rodas *r, double per_h);
+
 /* Tries a step of h from y at t_s. False: the matrix is singular. */
 bool vs_rodas_try(vs_rodas *r, double h);
 

@@ -10,6 +10,7 @@
 #include "base/text.h"
 #include "engine/budget.h"
 #include "engine/propagator.h"
+#include "full_newton.h"
 #include "orbit/shooting.h"
 #include "process_copies.h"
 #include "slow_modes.h"
@@ -20,7 +21,6 @@
  * have stalled at what the solver rounds, or creep because something in the circuit does. Each is a
  * size relative to the motion's. */
 
-/* Begins with convergence_begin. */
 typedef struct convergence {
   double tolerance; /* run.tolerance */
   double wanted;    /* what a correction is to come below */
@@ -75,7 +75,6 @@ static void follow_ratio(convergence *c) {
   c->remains = c->creeps > 0 ? c->last * series : 0;
 }
 
-/* Takes in the last one. */
 static void convergence_take(convergence *c, double size) {
   c->last = size;
   follow_ratio(c);
@@ -130,6 +129,7 @@ typedef struct vs_picard_search {
   convergence corrections;
   vs_process_copies copies;
   vs_slow_modes creep;
+  vs_full_newton full; /* where the solver can set the circuit's state, and meets no stop */
   search_pass pass;
   int steered;                       /* passes that were steered */
   int left;                          /* so many passes more the machine is left to itself */
@@ -193,6 +193,7 @@ static vs_status search_take(vs_picard_search *s, int passes, vs_error *err) {
  * and orbit's Phi. */
 static void search_begin(vs_picard_search *s, const vs_setup *setup) {
   vs_orbit *orbit = s->orbit;
+  vs_full_newton_free(&s->full);
   *s = (vs_picard_search){.setup = setup,
                           .orbit = orbit,
                           .guessed = s->guessed,
@@ -332,7 +333,6 @@ static vs_status look_around(vs_picard_search *s, vs_error *err) {
                  n, LONGEST_PERIOD);
 }
 
-/* The pair has ended. */
 static vs_status end_pair(vs_picard_search *s, vs_error *err) {
   bool inside;
   vs_error why = {0};
@@ -497,6 +497,21 @@ static bool find_multipliers(vs_picard *p, const vs_knot *end) {
   return false;
 }
 
+/* The pass is one of Newton's iteration for machine and circuit as one. */
+static bool is_full(const vs_picard *p) {
+  return p->pilot.map.states && !p->search->full.failed;
+}
+
+/* Those of machine and circuit. On halfwave_snubbed they were off by 0.03 of run.tolerance, and by
+ * 0.1 of how far from the orbit Phi was taken. */
+static void take_multipliers(vs_picard *p) {
+  const vs_full_newton *f = &p->search->full;
+  p->known_to = fmax(0.3 * f->phi_off, 0.1 * p->search->setup->run.tolerance);
+  p->multipliers = vs_full_newton_multipliers(f, VS_VARIATION_MOST, p->orbit.multiplier);
+  if (!p->multipliers) snprintf(p->missing, sizeof p->missing, "they cannot be found");
+  p->orbit.stable = hypot(p->orbit.multiplier[0].re, p->orbit.multiplier[0].im) < 1;
+}
+
 /* An unstable orbit is refused where tier switched knows that the machine runs on a subharmonic. */
 static vs_status refuse_subharmonic(const vs_picard *p, vs_error *err) {
   vs_error why = {0};
@@ -524,7 +539,8 @@ static vs_status take_orbit(vs_picard *p, const vs_knot *end, bool *begins, vs_e
   memcpy(p->orbit.x, s->x, sizeof s->x);
   memcpy(p->orbit.scale, s->scale, (size_t)s->count * sizeof *s->scale);
   if (!p->wants_multipliers) return VS_OK;
-  *begins = !find_multipliers(p, end);
+  if (is_full(p)) take_multipliers(p);
+  *begins = is_full(p) || !find_multipliers(p, end);
   return *begins ? refuse_subharmonic(p, err) : VS_OK;
 }
 
@@ -570,7 +586,9 @@ static void accept_step_of_search(void *self, const vs_step *step) {
   vs_picard_search *s = ((vs_picard *)self)->search;
   for (int j = 0; j < s->count; j++) s->peak[j] = fmax(s->peak[j], fabs(step->to->x[j]));
   s->peak[s->count] = fmax(s->peak[s->count], fabs(step->to->flux_wb));
-  s->travel_m = fmax(s->travel_m, fabs(vs_mechanics_travel(&s->setup->model, step->to->x)));
+  const double travel_m = vs_mechanics_travel(&s->setup->model, step->to->x);
+  s->travel_m = fmax(s->travel_m, fabs(travel_m));
+  if (vs_stops_touched(&s->setup->model.stops, travel_m)) s->full.failed = true;
   vs_slow_modes_accept(&s->creep, step);
 }
 
@@ -606,6 +624,26 @@ static bool is_lost(const vs_picard_search *s) {
          s->corrections.least > s->setup->run.tolerance && s->creep.area_v_s == 0;
 }
 
+static vs_status turn_full(vs_picard *p, const vs_knot *end, bool *begins, vs_error *err) {
+  vs_picard_search *s = p->search;
+  double size;
+  search_scale(s);
+  s->steered++;
+  if (!vs_full_newton_turn(&s->full, &p->pilot.map, s->count, end->x, s->scale, &size)) {
+    memcpy(s->x, end->x, sizeof s->x);
+    steer_again(s);
+    return VS_OK;
+  }
+  memcpy(s->x, p->pilot.map.next, (size_t)s->count * sizeof *s->x);
+  search_go_on(s, s->x);
+  convergence_take(&s->corrections, size);
+  const bool closed = convergence_close(&s->corrections);
+  *begins = vs_full_newton_ends(&s->full, &p->pilot.map, closed, p->wants_multipliers);
+  if (!*begins) return VS_OK;
+  vs_budget_end(s->budget);
+  return take_orbit(p, end, begins, err);
+}
+
 /* A firing period of the settling has ended at `end`. *begins: the orbit is found, and the run
  * begins on it. Errors: the search's own (vs_picard_new). */
 static vs_status end_period_of_search(void *self, const vs_knot *end, bool *begins, vs_error *err) {
@@ -628,6 +666,7 @@ static vs_status end_period_of_search(void *self, const vs_knot *end, bool *begi
     return VS_OK;
   }
   if (s->pass != PASS_STEERED) return pairs_turn(s, end, err);
+  if (is_full(p)) return turn_full(p, end, begins, err);
   /* Newton's step, but not behind a pass in which a flux was moved. */
   s->steered++;
   bool clean = vs_slow_modes_turn(&s->creep, end);
@@ -731,6 +770,7 @@ vs_status vs_picard_new(const vs_scene *scene, int periods, bool wants_multiplie
 void vs_picard_free(vs_picard *p) {
   if (!p) return;
   free(p->search->between);
+  vs_full_newton_free(&p->search->full);
   free(p->search);
   free(p->ideal);
   free(p);

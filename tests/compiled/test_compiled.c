@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "compiled/compiled.h"
 #include "compiled/elements.h"
 #include "compiled/reduction.h"
 #include "compiled/rodas.h"
@@ -333,6 +334,91 @@ static void courses_are_ngspices(void) {
   }
 }
 
+/* ---- the whole state, and its slopes over a stretch ---- */
+
+/* A switch with hysteresis and a comparator, whose instants the state moves; a diode with a stored
+ * charge; a loop of capacitors, of which two charges are independent. */
+static const char MAPPED[] =
+    "* map\nV1 in 0 pulse(0 10 0.1m 10u 10u 0.4m 1m)\nR1 in a 10\nL1 a b 5m\nC1 b 0 1u\n"
+    "D1 b c dd\n.model dd d(is=1e-9 n=1.2 rs=0.5 tt=2u)\nC2 c 0 2u\nR2 c 0 40\n"
+    "S1 b d c 0 ss\n.model ss sw(vt=3 vh=1 ron=100 roff=1meg)\nR3 d 0 500\nC3 d 0 100n\n"
+    "C4 d b 100n\nB1 e 0 v = v(d) > 2 ? 5 : 0\nR4 e f 1k\nC5 f 0 200n\n";
+
+enum { MAP_STATES = 6, STRETCHES = 2 + 2 * MAP_STATES };
+static const double STRETCH_S = 1e-3, PUSHED = 1e-4;
+
+typedef struct mapped {
+  vs_circuit_map map;
+  int stretch; /* the first one settles, the second has slopes, the others are pushed */
+  double begins[MAP_STATES], size[MAP_STATES], slope[MAP_STATES * MAP_STATES];
+  double end[STRETCHES][MAP_STATES];
+} mapped;
+
+static double edge_of_map(void *ctx, double t_s) {
+  (void)ctx;
+  return (floor(t_s / STRETCH_S + 1e-6) + 1) * STRETCH_S;
+}
+
+static double any_length(void *ctx, double t_s) {
+  (void)ctx, (void)t_s;
+  return INFINITY;
+}
+
+static vs_status accept_map(void *ctx, double t_s, const double *signals, vs_error *err) {
+  mapped *m = ctx;
+  (void)signals;
+  if (t_s < (m->stretch + 1) * STRETCH_S * (1 - 1e-9)) return VS_OK;
+  if (m->map.states != MAP_STATES) return vs_fail(err, VS_RUN, "%d states", m->map.states);
+  m->map.tell(m->map.solver);
+  memcpy(m->end[m->stretch], m->map.end, sizeof m->end[0]);
+  if (m->stretch == 0) memcpy(m->begins, m->map.end, sizeof m->begins);
+  if (m->stretch == 1) {
+    CU_ASSERT_TRUE(m->map.knows_slope);
+    memcpy(m->size, m->map.size, sizeof m->size);
+    memcpy(m->slope, m->map.slope, sizeof m->slope);
+  }
+  memcpy(m->map.next, m->begins, sizeof m->begins);
+  const int pushed = (++m->stretch - 2) / 2;
+  if (m->stretch >= 2 && pushed < MAP_STATES)
+    m->map.next[pushed] += (m->stretch % 2 ? -PUSHED : PUSHED) * m->size[pushed];
+  m->map.begins = true;
+  m->map.wants_slope = m->stretch == 1;
+  return VS_OK;
+}
+
+/* Against differences of second order at a tolerance of 1e-9: their error is the square of PUSHED
+ * times what bends, and 1e-9 over PUSHED by the steps. */
+static void a_map_has_the_slopes_of_differences(void) {
+  mapped m = {0};
+  char *text = vs_copy(MAPPED), *rest = text, *lines[LINES + 1];
+  vs_circuit_job job = {.netlist = lines,
+                        .dialect = "",
+                        .relative_tolerance = 1e-4,
+                        .current_tolerance_a = 1e-6,
+                        .tolerance = 1e-9,
+                        .until_s = STRETCHES * STRETCH_S,
+                        .max_step_s = INFINITY};
+  const vs_circuit_host host = {
+      .ctx = &m, .edge = edge_of_map, .longest = any_length, .accept = accept_map, .map = &m.map};
+  while ((lines[job.lines] = strsep(&rest, "\n")) && job.lines < LINES) job.lines++;
+  vs_error err = {0};
+  void *circuit = NULL;
+  vs_status status = vs_compiled_kind.load(&job, &host, &circuit, &err);
+  if (!status) status = vs_compiled_kind.run(circuit, &err);
+  EXPECT(!status, "%s", err.text);
+  EXPECT(m.stretch == STRETCHES, "%d stretches", m.stretch);
+  for (int j = 0; j < MAP_STATES; j++)
+    for (int i = 0; i < MAP_STATES; i++) {
+      const double up = m.end[2 + 2 * j][i], down = m.end[3 + 2 * j][i];
+      const double of_size = (up - down) / (2 * PUSHED) / m.size[i];
+      const double slope = m.slope[i * MAP_STATES + j] * m.size[j] / m.size[i];
+      EXPECT(fabs(slope - of_size) <= 1e-5, "%d by %d: %.9g, by differences %.9g", i, j, slope,
+             of_size);
+    }
+  vs_compiled_kind.free(circuit);
+  free(text);
+}
+
 int main(void) {
   static const vs_test TESTS[] = {
       {"a sparse system is solved", a_sparse_system_is_solved},
@@ -343,6 +429,7 @@ int main(void) {
       {"fewer equations say the same", fewer_equations_say_the_same},
       {"what is stiff is gone", what_is_stiff_is_gone},
       {"courses are ngspice's", courses_are_ngspices},
+      {"a map has the slopes of differences", a_map_has_the_slopes_of_differences},
   };
   return vs_suite("compiled", TESTS, COUNT(TESTS));
 }

@@ -50,15 +50,21 @@ static const vs_experiment circuit = {.perform = vs_experiment_perform,
                                       .tier = "circuit",
                                       .sets = T3A_SETS("1e-6", "when_quiet"),
                                       .look_s = {0.1, 1, 2}};
+static const vs_experiment compiled = {
+    .perform = vs_experiment_perform,
+    .wall_s = 0.5,
+    .tier = "compiled",
+    .sets = {"circuit.deck=halfwave_snubbed", "run.until=2s", "run.tolerance=1e-6", NULL},
+    .look_s = {0.1, 1, 2}};
 static const vs_experiment to_the_end = {.perform = vs_experiment_perform,
                                          .wall_s = 2.5,
                                          .tier = "circuit",
                                          .sets = T3A_SETS("1e-5", "never"),
                                          .look_s = {0.1, 1, 2}};
 
-#define T3A(text, unit, what, value, scale, tolerance, why)                                        \
+#define T3A(tier, text, unit, what, value, scale, tolerance, why)                                  \
   {                                                                                                \
-    "single shot, circuit: " text, unit, &circuit, what, value, NULL, tolerance, scale, REFERENCE, \
+    "single shot, " #tier ": " text, unit, &tier, what, value, NULL, tolerance, scale, REFERENCE,  \
         why                                                                                        \
   }
 #define TO_THE_END(text, unit, what, value, scale, tolerance, why)                                 \
@@ -70,6 +76,43 @@ static const vs_experiment to_the_end = {.perform = vs_experiment_perform,
 #define THREE_TO_THE_END "three times run.tolerance, 1e-5"
 #define SUM "a sum over the whole run: thirty times run.tolerance"
 #define PRINTED "half a unit of the last digit given, and three times run.tolerance"
+
+#define T3A_ROWS(tier)                                                                             \
+  T3A(tier, "peak current", "A", "i_peak", 0.83336808722, 0, 3e-6, THREE),                         \
+      T3A(tier, "peak current, when", "s", "i_peak.at", 0.009346822957, 0.01, 3e-5,                \
+          "a flat top: ten times what the peak is held to"),                                       \
+      T3A(tier, "extinction", "s", "t_extinction", 0.01372641535, 0, 1e-5,                         \
+          "0.1 us: di/dt is small there"),                                                         \
+      T3A(tier, "peak force", "N", "force_peak", 93.553213614, 0, 3e-6, THREE),                    \
+      T3A(tier, "first peak of p", "m", "p_first_peak", -0.0013771464192, 0, 3e-6, THREE),         \
+      T3A(tier, "first peak of p, when", "s", "p_first_peak.at", 0.014038062051, 0.01, 3e-5,       \
+          "a flat top: ten times what the peak is held to"),                                       \
+      T3A(tier, "second peak of p", "m", "p_second_peak", 0.0013290450284, 0, 3e-6, THREE),        \
+      T3A(tier, "peak acceleration of p", "m/s2", "ap_peak", 173.0, 0, 3e-4,                       \
+          "half a unit of the last digit given"),                                                  \
+      T3A(tier, "peak acceleration of u", "m/s2", "au_peak", 28.8, 0, 1.8e-3,                      \
+          "half a unit of the last digit given"),                                                  \
+      T3A(tier, "peak acceleration of w", "m/s2", "aw_peak", 11.5, 0, 4.4e-3,                      \
+          "half a unit of the last digit given"),                                                  \
+      T3A(tier, "p at 0.1 s", "m", "p@0.1", -7.4366149576e-4, 1.4e-3, 3e-6, THREE),                \
+      T3A(tier, "largest anode-cathode voltage", "V", "v_ak_max", 829.3, 0, 7e-5, PRINTED),        \
+      T3A(tier, "largest anode-cathode voltage, when", "s", "v_ak_max.at", 0.02582, 1, 1e-5,       \
+          "a digit of the instant given"),                                                         \
+      T3A(tier, "largest reverse voltage", "V", "v_ak_min", -1048.7, 0, 6e-5, PRINTED),            \
+      T3A(tier, "largest reverse voltage, when", "s", "v_ak_min.at", 0.01521, 1, 1e-5,             \
+          "a digit of the instant given"),                                                         \
+      T3A(tier, "peak anode current", "A", "i_thyristor_max", 7.186, 0, 5e-4,                      \
+          "a spike of microseconds"),                                                              \
+      T3A(tier, "p at 1 s", "m", "p@1", -4.7222437e-5, 1.4e-3, 3e-6, THREE),                       \
+      T3A(tier, "p at 2 s", "m", "p@2", 2.6865567e-5, 1.4e-3, 3e-6, THREE),                        \
+      T3A(tier, "energy drawn", "J", "energy.source", 0.89938843, 0, 3e-5, SUM),                   \
+      T3A(tier, "energy lost in copper", "J", "energy.copper", 0.30263443, 0, 3e-5, SUM),          \
+      T3A(tier, "work of the force", "J", "energy.work_force", 0.08136749, 0, 3e-5, SUM),          \
+      T3A(tier, "loss in the source", "J", "loss.r_source", 0.00161, 0, 3.4e-3, PRINTED),          \
+      T3A(tier, "loss in R1", "J", "loss.r1", 0.0655, 0, 1e-3, PRINTED),                           \
+      T3A(tier, "loss in R2", "J", "loss.r2", 0.0124, 0, 4.2e-3, PRINTED),                         \
+      T3A(tier, "loss in the thyristor", "J", "loss.thyristor", 0.40386, 0, 5e-5, PRINTED),        \
+      T3A(tier, "loss in varistor V1", "J", "loss.varistor_1", 0.03168, 0, 2e-4, PRINTED)
 
 /* ---- modes ---- */
 
@@ -137,41 +180,10 @@ static const vs_comparison COMPARISONS[] = {
      "time constant of mode 4", "slower modes shift the extremes it is read from"},
     BOOKS("switched", switched, 1e-9, "rounding, and ten times run.tolerance"),
 
-    T3A("peak current", "A", "i_peak", 0.83336808722, 0, 3e-6, THREE),
-    T3A("peak current, when", "s", "i_peak.at", 0.009346822957, 0.01, 3e-5,
-        "a flat top: ten times what the peak is held to"),
-    T3A("extinction", "s", "t_extinction", 0.01372641535, 0, 1e-5, "0.1 us: di/dt is small there"),
-    T3A("peak force", "N", "force_peak", 93.553213614, 0, 3e-6, THREE),
-    T3A("first peak of p", "m", "p_first_peak", -0.0013771464192, 0, 3e-6, THREE),
-    T3A("first peak of p, when", "s", "p_first_peak.at", 0.014038062051, 0.01, 3e-5,
-        "a flat top: ten times what the peak is held to"),
-    T3A("second peak of p", "m", "p_second_peak", 0.0013290450284, 0, 3e-6, THREE),
-    T3A("peak acceleration of p", "m/s2", "ap_peak", 173.0, 0, 3e-4,
-        "half a unit of the last digit given"),
-    T3A("peak acceleration of u", "m/s2", "au_peak", 28.8, 0, 1.8e-3,
-        "half a unit of the last digit given"),
-    T3A("peak acceleration of w", "m/s2", "aw_peak", 11.5, 0, 4.4e-3,
-        "half a unit of the last digit given"),
-    T3A("p at 0.1 s", "m", "p@0.1", -7.4366149576e-4, 1.4e-3, 3e-6, THREE),
-    T3A("largest anode-cathode voltage", "V", "v_ak_max", 829.3, 0, 7e-5, PRINTED),
-    T3A("largest anode-cathode voltage, when", "s", "v_ak_max.at", 0.02582, 1, 1e-5,
-        "a digit of the instant given"),
-    T3A("largest reverse voltage", "V", "v_ak_min", -1048.7, 0, 6e-5, PRINTED),
-    T3A("largest reverse voltage, when", "s", "v_ak_min.at", 0.01521, 1, 1e-5,
-        "a digit of the instant given"),
-    T3A("peak anode current", "A", "i_thyristor_max", 7.186, 0, 5e-4,
-        "a spike of microseconds; ngspice's own step there"),
-    T3A("p at 1 s", "m", "p@1", -4.7222437e-5, 1.4e-3, 3e-6, THREE),
-    T3A("p at 2 s", "m", "p@2", 2.6865567e-5, 1.4e-3, 3e-6, THREE),
-    T3A("energy drawn", "J", "energy.source", 0.89938843, 0, 3e-5, SUM),
-    T3A("energy lost in copper", "J", "energy.copper", 0.30263443, 0, 3e-5, SUM),
-    T3A("work of the force", "J", "energy.work_force", 0.08136749, 0, 3e-5, SUM),
-    T3A("loss in the source", "J", "loss.r_source", 0.00161, 0, 3.4e-3, PRINTED),
-    T3A("loss in R1", "J", "loss.r1", 0.0655, 0, 1e-3, PRINTED),
-    T3A("loss in R2", "J", "loss.r2", 0.0124, 0, 4.2e-3, PRINTED),
-    T3A("loss in the thyristor", "J", "loss.thyristor", 0.40386, 0, 5e-5, PRINTED),
-    T3A("loss in varistor V1", "J", "loss.varistor_1", 0.03168, 0, 2e-4, PRINTED),
+    T3A_ROWS(circuit),
     BOOKS("circuit", circuit, 1e-5, "ten times run.tolerance: what a run warns of"),
+    T3A_ROWS(compiled),
+    BOOKS("compiled", compiled, 3e-5, SUM),
 
     TO_THE_END("peak current", "A", "i_peak", 0.83336808722, 0, 3e-5, THREE_TO_THE_END),
     TO_THE_END("first peak of p", "m", "p_first_peak", -0.0013771464192, 0, 3e-5, THREE_TO_THE_END),

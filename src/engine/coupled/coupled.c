@@ -415,7 +415,8 @@ static vs_status run_solver(coupling *c, vs_error *err) {
                                             .flux = VS_SIG_FLUX,
                                             .state = machine_state,
                                             .rates = machine_rates,
-                                            .port = machine_port}};
+                                            .port = machine_port},
+                                .map = c->order->pilot ? &c->order->pilot->map : NULL};
   char **netlist = NULL;
   void *circuit = NULL;
   vs_setup_standard(setup, standard);

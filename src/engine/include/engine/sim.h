@@ -86,6 +86,7 @@ typedef struct vs_orbit_search {
   double (*push)(void *self, double t_s);
   /* The run has come to its end, or has failed. */
   void (*end)(void *self);
+  vs_circuit_map map; /* for `turn`, from a solver that can set the circuit's hidden state */
 } vs_orbit_search;
 
 /* What one run has besides its setup. Only a tier with a circuit looks at it, but for the

@@ -64,6 +64,23 @@ typedef struct vs_circuit_machine {
   bool (*port)(void *ctx, size_t port, const double *x, double *value);
 } vs_circuit_machine;
 
+/* The whole state of circuit and machine, as numbers z that do not hang on each other: the
+ * machine's come first. A solver that can tell and set it lets its host begin stretches of the run
+ * at any z, as a search for an orbit does. */
+typedef struct vs_circuit_map {
+  int states;                 /* of z; 0: the solver cannot */
+  const double *start;        /* z where the stretch under way began */
+  double *end;                /* and where it is, as `tell` was told last */
+  double *size;               /* about how large each is over a run, > 0 */
+  double *slope;              /* d end/d start, row by row, where it is known */
+  bool knows_slope;           /* it was wanted, and nothing in the stretch hid it */
+  void (*tell)(void *solver); /* sets end, size and slope; to be called from accept() */
+  void *solver;
+  bool begins; /* set by the host in accept(): another stretch begins there, at `next` */
+  double *next;
+  bool wants_slope; /* of that stretch; set with it */
+} vs_circuit_map;
+
 /* What the circuit asks. */
 typedef struct vs_circuit_host {
   void *ctx;
@@ -85,6 +102,7 @@ typedef struct vs_circuit_host {
   bool (*hides)(void *ctx);
   /* The machine, for a solver that has it in its equations; source() foretells it for others. */
   vs_circuit_machine machine;
+  vs_circuit_map *map; /* gets what a solver that can tell its state has; NULL: nobody asks */
 } vs_circuit_host;
 
 /* A way to solve circuits. */

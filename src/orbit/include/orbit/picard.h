@@ -8,6 +8,10 @@
  * remembers, makes the corrections fall by a factor of two to four from period to period. What the
  * circuit forgets slowly is moved on its own (orbit/slow_modes.h).
  *
+ * Where the solver can set the circuit's state, as that of tier compiled, Newton's method takes
+ * machine and circuit as one (orbit/full_newton.h), and the search is as above and below only where
+ * that fails.
+ *
  * With a stop in reach the two tiers' Phi may have little in common, and corrections do not fall.
  * Then Phi is found by differences between copies of the process. If that does not
  * do either the machine is left to itself, to tell what period it runs on. */
