@@ -57,7 +57,9 @@ typedef struct vs_sequence_difference {
 } vs_sequence_difference;
 
 /* Returns true where the two sequences are the same: as many deeds of each kind, in the same order,
- * and each within `window_s` of the other's. Else *difference tells the first that differs. */
+ * and each within `window_s` of the other's; but for pauses that one of them has alone: the device
+ * goes out, and within window_s its gate fires it again. Else *difference tells the first that
+ * differs. */
 bool vs_reducer_sequences_agree(const vs_sequence *one, const vs_sequence *other, double window_s,
                                 vs_sequence_difference *difference);
 
@@ -163,8 +165,8 @@ struct vs_reducer {
   bool until_opens;
   /* By a value near its limit, or beyond it, the device may fire or go on without its gate. */
   bool makes_fire;
-  /* The limit is found in the run: of a table, what the value that comes nearest to it may be. Where
-   * is_busy says no, there is none. */
+  /* The limit is found in the run: of a table, what the value that comes nearest to it may be.
+   * Where is_busy says no, there is none. */
   bool finds_limit;
   /* Prepares the state, before the run. limit and states are there. */
   void (*prepare)(vs_watched *w, vs_reduced *r);
