@@ -195,14 +195,15 @@ static vs_sequence sequence_of(const char *letters) {
                                   ['g'] = VS_DEED_GOES_OUT,
                                   ['u'] = VS_DEED_UNINTENDED,
                                   ['m'] = VS_DEED_MISFIRES};
-  vs_sequence s = {0};
+  vs_sequence s = {.bursts = true};
   for (int k = 0; letters[k]; k++)
     if (letters[k] != '.') vs_reducer_add_deed(&s, DEEDS[(int)letters[k]], 0.1 * k);
   return s;
 }
 
-/* A pause that one run has alone is passed over where all behind it is the same in both; a firing
- * more, one without the gate, a longer pause, or one behind which nothing comes, are not. */
+/* Of a gate that bursts a pause that one run has alone is passed over where all behind it is the
+ * same in both; a firing more, one without the gate, a longer pause, or one behind which nothing
+ * comes, are not. */
 static void pauses_of_one_run(void) {
   static const struct {
     const char *one, *other;
@@ -225,6 +226,10 @@ static void pauses_of_one_run(void) {
       EXPECT(vs_reducer_sequences_agree(&one, &other, 0.15, &how) == PAIRS[k].agree, "%zu: %s, %s",
              k, PAIRS[k].one, PAIRS[k].other);
     }
+  vs_sequence one = sequence_of(PAIRS[0].one), other = sequence_of(PAIRS[0].other);
+  vs_sequence_difference how;
+  one.bursts = other.bursts = false;
+  CU_ASSERT(!vs_reducer_sequences_agree(&one, &other, 0.15, &how));
 }
 
 static const vs_test TESTS[] = {{"in a run", in_a_run},

@@ -124,8 +124,8 @@ static size_t common(const vs_sequence *one, const vs_sequence *other, double wi
   return k;
 }
 
-/* True: the device goes out, and its gate fires it again within the window, as a train of gate
- * pulses does while the current is hardly what it takes to stay on. */
+/* True: the device goes out, and its gate fires it again within the window, as the next of its
+ * sub-pulses does while the current is hardly what it takes to stay on. */
 static bool is_pause(const vs_sequence *s, size_t k, double window_s) {
   return k + 2 < s->kept && s->item[k].deed == VS_DEED_GOES_OUT &&
          s->item[k + 1].deed == VS_DEED_FIRES && s->item[k + 2].deed == VS_DEED_GOES_OUT &&
@@ -145,7 +145,8 @@ static bool pauses_alone(const vs_sequence *s, size_t k, const vs_sequence *othe
  * then tell the error. */
 static bool differ_by_pauses(const vs_sequence *one, const vs_sequence *other, double window_s) {
   size_t a = 0, b = 0;
-  if (one->kept == VS_SEQUENCE_KEPT || other->kept == VS_SEQUENCE_KEPT) return false;
+  if (!one->bursts || one->kept == VS_SEQUENCE_KEPT || other->kept == VS_SEQUENCE_KEPT)
+    return false;
   while (a < one->kept && b < other->kept) {
     if (pauses_alone(one, a, other, b, window_s))
       a += 2;
