@@ -28,7 +28,8 @@ static void write_files(void) {
   free(text);
 }
 
-/* tolerance: of the run. The second one's is 10 times as large where that is small. */
+/* tolerance: of the run. The second one is finer by a factor of 10 where a coarser one differs,
+ * too. */
 static void says(const char *tolerance, const char *first, const char *second) {
   ran r = run("run s.yaml --json --reproducible --set run.tolerance=%s", tolerance);
   const char *list = strstr(r.out, "\"warnings\": ["), *end = list ? strchr(list, ']') : NULL;
@@ -41,8 +42,8 @@ static void says(const char *tolerance, const char *first, const char *second) {
 
 static void in_a_run(void) {
   write_files();
-  says("1e-4", " at run.tolerance = 0.0001, ", " at 0.001; ");
-  says("3e-5", " at run.tolerance = 3e-05, ", " at 0.0003; ");
+  says("1e-4", " at run.tolerance = 0.0001, ", " at 1e-05; ");
+  says("3e-5", " at run.tolerance = 3e-05, ", " at 3e-06; ");
   says("3e-4", " at run.tolerance = 0.0003, ", " at 3e-05; ");
   unlink("s.yaml");
   write_file("s.yaml",
