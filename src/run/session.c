@@ -446,8 +446,9 @@ static double deciding_tolerance(const vs_result *r) {
 static const double WINDOW = 0.01;
 
 /* Compares the sequences of what the devices with a gate and the fuses did, and of the run's own
- * firings, and marks what hangs on one that the second run has otherwise. */
-static void compare_sequences(vs_result *r, const vs_result *second) {
+ * firings. mark: marks what hangs on one that the second run has otherwise, and tells it. Returns
+ * true where they are the same. */
+static bool compare_sequences(vs_result *r, const vs_result *second, bool mark) {
   const vs_devices *a = r->watchers.devices, *b = second->watchers.devices;
   double window_s = WINDOW * r->scene->setup.timeline.period_s;
   vs_sequence_difference how, first;
@@ -457,17 +458,18 @@ static void compare_sequences(vs_result *r, const vs_result *second) {
     if (!kind->gated && !kind->melts) continue; /* a diode that rings fires nothing */
     if (vs_reducer_sequences_agree(&a->item[k].sequence, &b->item[k].sequence, window_s, &how))
       continue;
-    vs_verdict_undecide_sequence(&r->verdict, a->item[k].device, how.parts_s);
+    if (mark) vs_verdict_undecide_sequence(&r->verdict, a->item[k].device, how.parts_s);
     if (!name) first = how;
     if (!name) name = a->item[k].device->name;
   }
   if (!name && !vs_reducer_sequences_agree(&r->watchers.sequence, &second->watchers.sequence,
                                            window_s, &first))
     name = "it";
-  if (name)
+  if (name && mark)
     snprintf(r->second.sequence, sizeof r->second.sequence,
              "%s %s at run.tolerance = %.3g, %s at %.3g", name, first.one,
              r->scene->setup.run.tolerance, first.other, r->second.tolerance);
+  return !name;
 }
 
 /* Runs the scene with its tolerance times the factor. `other` shares what the scene owns and is not
@@ -486,7 +488,8 @@ static vs_status run_with_factor(const vs_session *session, const vs_result *r, 
 
 /* Runs the scene a second time and gives the margins their errors. A coarser run may fail by its
  * coarseness alone: its steps made a thyristor fire by itself, and the armature met the pole cover.
- * A finer one then takes its place. */
+ * So may its sequence of firings differ: a triac took up its recovery current for good, which lets
+ * go at all finer tolerances. A finer one then takes its place. */
 static void run_second(const vs_session *session, vs_result *r) {
   const double own = r->scene->setup.run.tolerance;
   const double factor = own > COARSE ? 1 / COARSER : COARSER;
@@ -494,7 +497,8 @@ static void run_second(const vs_session *session, vs_result *r) {
   vs_result *second = vs_alloc(1, sizeof *second);
   vs_error why = {0};
   vs_status status = run_with_factor(session, r, factor, other, second, &why);
-  if (status == VS_RUN && factor > 1) {
+  bool coarse = status == VS_RUN || (!status && !compare_sequences(r, second, false));
+  if (coarse && factor > 1) {
     vs_result_free(second);
     *second = (vs_result){0};
     why = (vs_error){0};
@@ -514,7 +518,7 @@ static void run_second(const vs_session *session, vs_result *r) {
     double resolution = RESOLUTION * own + bound;
     vs_verdict_compare(&r->verdict, &second->verdict, r->scene->frame.deck, resolution,
                        resolution_of_rates(own) * resolution);
-    compare_sequences(r, second);
+    compare_sequences(r, second, true);
     r->second.decides = deciding_tolerance(r);
     if (r->scene->setup.run.verify == VS_VERIFY_ALWAYS) tell_unsure(r, second);
   }

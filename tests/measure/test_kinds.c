@@ -333,6 +333,30 @@ static void fails_to_commutate(void) {
   free(e);
 }
 
+/* A current of the other direction flows already as the voltage changes its sign. It rises by 0.1
+ * A/us; that its sign is counted anew there is no rise: from -1 A to 1 A within 0.1 us were 20
+ * A/us.
+ */
+static void a_current_before_its_half_cycle(void) {
+  vs_trial *t =
+      run_deck(TWO_GATES FORCED("0 300 5.6m 300 5.601m 1 10.01m 1 10.0101m -1 20m -1",
+                                "0 0 5.6m 0 5.61m 0.1 10m 0 10.01m -1 10.02m -2 12m -2 19m -2"),
+               PART("triac", "*$ limit di_dt = 50 A/us\n"), "15ms", "20us");
+  CLOSE(value(t, "di_dt"), 0.1e6, 2e-2); /* within 0.1 us the corners are round by less */
+  vs_trial_free(t);
+}
+
+/* The current ends at 8 ms, and the other half cycle's voltage comes 2 ms later and fires the
+ * triac: its charge has long gone, and that is no failure to commutate. No t_q is stated. */
+static void fires_long_behind_a_conduction(void) {
+  char *e = events_of(TWO_GATES FORCED("0 300 5.6m 300 5.601m 1 9.999m 1 10.001m -1 20m -1",
+                                       "0 0 5.6m 0 5.61m 10 6m 10 8m 0 10m 0 10.01m -10 14m -10"),
+                      PART("triac", ""), SHORT_PULSES);
+  CLOSE(when(e, "t fires without a gate pulse (unintended firing)"), 10e-3, 1e-3);
+  CU_ASSERT_PTR_NULL(strstr(e, "commutation"));
+  free(e);
+}
+
 /* It has blocked for a half cycle, and fires without a pulse in the next: that is no commutation.
  */
 static void fires_a_half_cycle_later(void) {
@@ -603,6 +627,8 @@ static const vs_test TESTS[] = {
     {"an electrolytic", an_electrolytic},
     {"a triac both ways", a_triac_both_ways},
     {"fails to commutate", fails_to_commutate},
+    {"a current before its half cycle", a_current_before_its_half_cycle},
+    {"fires long behind a conduction", fires_long_behind_a_conduction},
     {"fires a half cycle later", fires_a_half_cycle_later},
     {"disobeys", disobeys},
     {"an imported triac", an_imported_triac},

@@ -28,7 +28,8 @@ static void write_files(void) {
   free(text);
 }
 
-/* tolerance: of the run. The second one's is 10 times as large where that is small. */
+/* tolerance: of the run. The second one is finer by a factor of 10 where a coarser one differs,
+ * too. */
 static void says(const char *tolerance, const char *first, const char *second) {
   ran r = run("run s.yaml --json --reproducible --set run.tolerance=%s", tolerance);
   const char *list = strstr(r.out, "\"warnings\": ["), *end = list ? strchr(list, ']') : NULL;
@@ -41,8 +42,8 @@ static void says(const char *tolerance, const char *first, const char *second) {
 
 static void in_a_run(void) {
   write_files();
-  says("1e-4", " at run.tolerance = 0.0001, ", " at 0.001; ");
-  says("3e-5", " at run.tolerance = 3e-05, ", " at 0.0003; ");
+  says("1e-4", " at run.tolerance = 0.0001, ", " at 1e-05; ");
+  says("3e-5", " at run.tolerance = 3e-05, ", " at 3e-06; ");
   says("3e-4", " at run.tolerance = 0.0003, ", " at 3e-05; ");
   unlink("s.yaml");
   write_file("s.yaml",
@@ -188,12 +189,57 @@ static void sequences_compared(void) {
          how.one, how.other);
 }
 
+/* A sequence from letters, a tenth of a second each: f fires, g goes out, u fires without a gate
+ * pulse, m misfires; a dot is time that passes. */
+static vs_sequence sequence_of(const char *letters) {
+  static const vs_deed DEEDS[] = {['f'] = VS_DEED_FIRES,
+                                  ['g'] = VS_DEED_GOES_OUT,
+                                  ['u'] = VS_DEED_UNINTENDED,
+                                  ['m'] = VS_DEED_MISFIRES};
+  vs_sequence s = {.bursts = true};
+  for (int k = 0; letters[k]; k++)
+    if (letters[k] != '.') vs_reducer_add_deed(&s, DEEDS[(int)letters[k]], 0.1 * k);
+  return s;
+}
+
+/* Of a gate that bursts a pause that one run has alone is passed over where all behind it is the
+ * same in both; a firing more, one without the gate, a longer pause, or one behind which nothing
+ * comes, are not. */
+static void pauses_of_one_run(void) {
+  static const struct {
+    const char *one, *other;
+    bool agree;
+  } PAIRS[] = {{"f..gf..g..f..g", "f......g..f..g", true},
+               {"f..gf..gf.g", "f.........g", true},
+               {"f..gf..g......", "f......g..f..g", false},
+               {"f..g.f.g", "f......g", false},
+               {"f..gfu.g", "f......g", false},
+               {"f..gfm.g", "f......g", false},
+               {"f..gf...", "f.......", false},
+               {"f..gf..g..f...g", "f......g..f.g..", false},
+               {"f..gf..g..f.gfg", "f......g..f...g", true},
+               {"f..gf..gf.g", "f......gf.g", true}};
+  for (size_t k = 0; k < COUNT(PAIRS); k++)
+    for (int turned = 0; turned < 2; turned++) {
+      vs_sequence_difference how;
+      const vs_sequence one = sequence_of(turned ? PAIRS[k].other : PAIRS[k].one),
+                        other = sequence_of(turned ? PAIRS[k].one : PAIRS[k].other);
+      EXPECT(vs_reducer_sequences_agree(&one, &other, 0.15, &how) == PAIRS[k].agree, "%zu: %s, %s",
+             k, PAIRS[k].one, PAIRS[k].other);
+    }
+  vs_sequence one = sequence_of(PAIRS[0].one), other = sequence_of(PAIRS[0].other);
+  vs_sequence_difference how;
+  one.bursts = other.bursts = false;
+  CU_ASSERT(!vs_reducer_sequences_agree(&one, &other, 0.15, &how));
+}
+
 static const vs_test TESTS[] = {{"in a run", in_a_run},
                                 {"in a study", in_a_study},
                                 {"near the holding current", near_the_holding_current},
                                 {"torn lines", torn_lines},
                                 {"a case on edge", a_case_on_edge},
-                                {"sequences compared", sequences_compared}};
+                                {"sequences compared", sequences_compared},
+                                {"pauses of one run", pauses_of_one_run}};
 int main(void) {
   return program_suite("sequence", TESTS, COUNT(TESTS));
 }

@@ -313,6 +313,7 @@ static bool is_on_edge(const vs_switch *s, const vs_switch_news *news) {
 
 static void note_deeds(vs_watched *w, const vs_switch_news *news) {
   vs_sequence *q = &w->sequence;
+  q->bursts = w->states->gate.bursts;
   if (news->extinct.known) vs_reducer_add_deed(q, VS_DEED_GOES_OUT, news->extinct.at_s);
   if (news->fires.known) vs_reducer_add_deed(q, VS_DEED_FIRES, news->fires.at_s);
   if (news->misfire.known) vs_reducer_add_deed(q, VS_DEED_MISFIRES, news->misfire.at_s);

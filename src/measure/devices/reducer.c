@@ -124,6 +124,43 @@ static size_t common(const vs_sequence *one, const vs_sequence *other, double wi
   return k;
 }
 
+/* True: the device goes out, and its gate fires it again within the window, as the next of its
+ * sub-pulses does while the current is hardly what it takes to stay on. */
+static bool is_pause(const vs_sequence *s, size_t k, double window_s) {
+  return k + 2 < s->kept && s->item[k].deed == VS_DEED_GOES_OUT &&
+         s->item[k + 1].deed == VS_DEED_FIRES && s->item[k + 2].deed == VS_DEED_GOES_OUT &&
+         s->item[k + 1].at_s - s->item[k].at_s <= window_s;
+}
+
+/* True: the pause is in `s` alone, as the other one's end is nearer to the end behind it. */
+static bool pauses_alone(const vs_sequence *s, size_t k, const vs_sequence *other, size_t n,
+                         double window_s) {
+  const double at_s = other->item[n].at_s;
+  return is_pause(s, k, window_s) && other->item[n].deed == VS_DEED_GOES_OUT &&
+         fabs(s->item[k + 2].at_s - at_s) < fabs(s->item[k].at_s - at_s);
+}
+
+/* True where the sequences differ by pauses alone, with all else the same in both. Whichever of the
+ * two is right, a run has it, and what hangs on it is the same behind it; the margins of the two
+ * then tell the error. */
+static bool differ_by_pauses(const vs_sequence *one, const vs_sequence *other, double window_s) {
+  size_t a = 0, b = 0;
+  if (!one->bursts || one->kept == VS_SEQUENCE_KEPT || other->kept == VS_SEQUENCE_KEPT)
+    return false;
+  while (a < one->kept && b < other->kept) {
+    if (pauses_alone(one, a, other, b, window_s))
+      a += 2;
+    else if (pauses_alone(other, b, one, a, window_s))
+      b += 2;
+    else if (one->item[a].deed == other->item[b].deed &&
+             fabs(one->item[a].at_s - other->item[b].at_s) <= window_s)
+      a++, b++;
+    else
+      return false;
+  }
+  return a == one->kept && b == other->kept;
+}
+
 /* When the sequences part, behind `same` deeds that are the same in both. Behind all that are kept
  * it is told early. */
 static double parting(const vs_sequence *one, const vs_sequence *other, size_t same) {
@@ -136,6 +173,7 @@ static double parting(const vs_sequence *one, const vs_sequence *other, size_t s
 bool vs_reducer_sequences_agree(const vs_sequence *one, const vs_sequence *other, double window_s,
                                 vs_sequence_difference *d) {
   size_t same = common(one, other, window_s);
+  if (differ_by_pauses(one, other, window_s)) return true;
   d->parts_s = parting(one, other, same);
   for (int k = 0; k < VS_DEEDS; k++) {
     if (one->count[k] == other->count[k]) continue;

@@ -550,6 +550,8 @@ static void turn_half_cycle(vs_switch *s, const vs_course_step *c, vs_switch_new
   double zero_s = v0 * v1 < 0 ? c->t0_s + v0 / (v0 - v1) * c->h_s : c->t0_s;
   s->way = -s->way;
   s->rise.rate_v_s = -s->rise.rate_v_s;
+  for (size_t k = 0; k < VS_SLOPE_KNOTS; k++) s->on.y[k] = -s->on.y[k];
+  memset(s->off.y, 0, sizeof s->off.y); /* what was forward voltage is reverse voltage now */
   vs_conduction_turn(&s->conduction, zero_s);
   if (s->rest == REST_NO_REVERSE_YET) {
     turn_off_switch(s, zero_s);
@@ -578,7 +580,8 @@ static void judge_firing(vs_switch *s, vs_switch_news *news) {
   if (s->rest == REST_FORWARD_AGAIN) tell_offered(s, news);
   if (!s->by_gate) {
     news->unintended = (vs_value){true, 1, s->fired_s};
-    news->commutation_failure = s->rest == REST_FORWARD_AGAIN && !(s->offered_s >= s->t_q_s);
+    const double least_s = isfinite(s->t_q_s) ? s->t_q_s : DECAYS * SLOW_T_Q_S;
+    news->commutation_failure = s->rest == REST_FORWARD_AGAIN && s->offered_s < least_s;
   }
   s->rest = REST_NONE;
 }

@@ -42,7 +42,8 @@ typedef struct vs_sequence {
     double at_s;
     vs_deed deed;
   } item[VS_SEQUENCE_KEPT];
-  bool edge; /* a sign was seen that the sequence is on edge */
+  bool edge;   /* a sign was seen that the sequence is on edge */
+  bool bursts; /* the device's gate pulses are filled with sub-pulses */
 } vs_sequence;
 
 /* Adds a deed at its instant. */
@@ -57,7 +58,9 @@ typedef struct vs_sequence_difference {
 } vs_sequence_difference;
 
 /* Returns true where the two sequences are the same: as many deeds of each kind, in the same order,
- * and each within `window_s` of the other's. Else *difference tells the first that differs. */
+ * and each within `window_s` of the other's; but for pauses that one of them has alone, of a device
+ * whose gate bursts: it goes out, and within window_s its gate fires it again. Else *difference
+ * tells the first that differs. */
 bool vs_reducer_sequences_agree(const vs_sequence *one, const vs_sequence *other, double window_s,
                                 vs_sequence_difference *difference);
 

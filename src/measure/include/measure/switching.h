@@ -24,7 +24,9 @@
  *                          firing and is lower than over_v, but 10 V or more, is told by its
  *                          steepest stretch of four fifths of its height
  *   commutation failure    an unintended firing on the first forward voltage after a conduction,
- *                          where the time offered was below the part's t_q, or that is not known
+ *                          where the time offered was below the part's t_q; where that is not
+ *                          known, below 1.5 ms, ten t_q of a slow thyristor: by then no charge of
+ *                          the conduction is left
  *
  * A triac conducts both ways, and is followed in one half cycle after the other. A half cycle is
  * positive where the device's voltage, by its formula in the deck, is positive, or its current was
