@@ -446,6 +446,9 @@ vs_status vs_export_fmu_command(const char *name, char *const *sets, size_t n_se
   for (size_t k = 0; k < n_sets; k++) vs_text_add(&keys, "%s\n", sets[k]);
   if (!status && s->control.regulator && s->control.regulator->code)
     status = vs_fail(err, VS_INPUT, "export: the scene runs code of its own, which a unit may not");
+  const char *slash = strrchr(output, '/');
+  if (!status && !strcmp(slash ? slash + 1 : output, ".fmu"))
+    status = vs_fail(err, VS_INPUT, "export: -o %s: the unit has no name; -o FILE.fmu", output);
   if (!status) vs_scene_warn(s);
   if (!status) status = read_whole(s->path, &text, err);
   if (!status) status = try_alone(&text, sets, n_sets, err);
