@@ -141,15 +141,13 @@ static double value_in_scene(const vs_setup *setup, int k) {
   return si[k] / vs_units_factor(INPUT[k].unit);
 }
 
+/* An angle lies within control.angle, if there is such a control. */
 typedef struct range {
   double least, most;
 } range;
-
-/* An angle lies within control.angle, if there is such a control. */
 static range range_of_input(const vs_scene *s, int k) {
   const double *angle = s->control.regulator ? s->control.v.angle_rad : (double[]){0, M_PI};
-  const double deg = vs_units_factor("deg");
-  const double own_v = HIGHEST * s->setup.timeline.supply.voltage_v;
+  const double deg = vs_units_factor("deg"), own_v = HIGHEST * s->setup.timeline.supply.voltage_v;
   const range all[INPUTS] = {{angle[0] / deg, angle[1] / deg},
                              {0, given.set[VOLTAGE] ? given.most_v : own_v},
                              {0, 1},
@@ -158,8 +156,7 @@ static range range_of_input(const vs_scene *s, int k) {
   return all[k];
 }
 
-/* The scene has been read anew: what was set as an input still is one, and the scene has its value.
- */
+/* In a scene that was read anew, what was set as an input still is one, with its value. */
 static vs_status check_given(const vs_scene *s, vs_error *err) {
   for (int k = 0; k < INPUTS; k++) {
     const double value = given.value[k];
@@ -548,10 +545,7 @@ static vs_status set_first(engine *e, int k, double value, vs_error *err) {
   }
   given.value[k] = value;
   if (!status && !isnan(value)) status = add_set(e, text, err);
-  if (status) {
-    given.value[k] = before;
-    return status;
-  }
+  if (status) return given.value[k] = before, status;
   given.set[k] = true;
   if (k == VOLTAGE) given.most_v = most_v;
   return VS_OK;

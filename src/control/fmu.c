@@ -211,15 +211,12 @@ typedef struct variable {
   double constant;
 } variable;
 
-/* A type that the description declares, from which variables have their unit. */
-typedef struct declaration {
-  char name[128], unit[32];
-} declaration;
-
 typedef struct unit {
   int version; /* of the standard */
   char identifier[128], token[256];
-  declaration *declared; /* declared[declarations]; owned */
+  struct declaration {
+    char name[128], unit[32];
+  } * declared; /* the types, from which variables have their unit: [declarations]; owned */
   size_t declarations;
   variable *variable; /* variable[count]; owned */
   size_t count;
@@ -239,27 +236,24 @@ static variable *add_variable(unit *u, const char *tag) {
 
 /* The variable's unit, or that of its type; "": none. */
 static const char *unit_of(const unit *u, const variable *v) {
-  if (*v->unit || !*v->declared) return v->unit;
-  for (size_t k = 0; k < u->declarations; k++)
+  for (size_t k = 0; k < u->declarations && !*v->unit && *v->declared; k++)
     if (!strcmp(u->declared[k].name, v->declared)) return u->declared[k].unit;
-  return "";
+  return v->unit;
 }
 
 /* Takes a tag that declares a type, or, in FMI 2.0, one that lies within and has the unit. */
 static bool take_declaration(unit *u, const char *tag) {
-  static const char *const TAGS[] = {"SimpleType", "Float64Type", "Float32Type"};
-  for (size_t k = 0; k < sizeof TAGS / sizeof *TAGS; k++) {
-    if (!is_tag(tag, TAGS[k])) continue;
-    u->declared = vs_alloc_grow(u->declared, u->declarations, sizeof *u->declared);
-    declaration *d = &u->declared[u->declarations++];
-    attribute(tag, "name", d->name, sizeof d->name);
-    attribute(tag, "unit", d->unit, sizeof d->unit);
+  struct declaration d = {"", ""},
+                     *last = u->declarations ? &u->declared[u->declarations - 1] : NULL;
+  attribute(tag, "unit", d.unit, sizeof d.unit);
+  if (is_tag(tag, "SimpleType") || is_tag(tag, "Float64Type") || is_tag(tag, "Float32Type")) {
+    attribute(tag, "name", d.name, sizeof d.name);
+    u->declared = vs_alloc_grow(u->declared, u->declarations, sizeof d);
+    u->declared[u->declarations++] = d;
     return true;
   }
-  if (u->version != 2 || u->count || !u->declarations || !is_tag(tag, "Real")) return false;
-  declaration *last = &u->declared[u->declarations - 1];
-  attribute(tag, "unit", last->unit, sizeof last->unit);
-  return true;
+  if (u->version != 2 || u->count || !last || !is_tag(tag, "Real")) return false;
+  return memcpy(last->unit, d.unit, sizeof d.unit), true;
 }
 
 /* Takes a tag apart that begins a value; *open: the variable of FMI 2.0 that it lies in. */
@@ -346,14 +340,8 @@ static bool check_output(const unit *u, const char *name, char trouble[VS_OBJECT
   if (!v->type || v->type->kind != 'r')
     return no_use(trouble, "its output '%s' is no real number", name);
   const char *in = unit_of(u, v);
-  if (*in && strcmp(in, "deg") != 0)
-    return no_use(trouble, "its output '%s' is in %s; an angle in deg is wanted", name, in);
-  return true;
-}
-
-static void free_unit(unit *u) {
-  free(u->variable);
-  free(u->declared);
+  return !*in || !strcmp(in, "deg") ||
+         no_use(trouble, "its output '%s' is in %s; an angle in deg is wanted", name, in);
 }
 
 /* Reads the archive's description. The unit is to be freed also after an error. */
@@ -472,12 +460,11 @@ static bool has_same_unit(const char *wanted, const char *ending) {
   return m >= n && !strcmp(ending + m - n, suffix) && (m == n || ending[m - n - 1] == '_');
 }
 
-/* Can a variable of that type have the value? */
 static bool fits(const type *t, double value) {
-  const bool positive = *t->name == 'U', logical = t->kind == 'b';
-  const double most = logical ? 1 : ldexp(1, t->size == 8 ? 53 : 8 * (int)t->size - !positive) - 1;
-  if (t->kind == 'r') return true;
-  return value == floor(value) && value <= most && value >= (positive || logical ? 0 : -most - 1);
+  const bool natural = *t->name == 'U' || t->kind == 'b';
+  const int bits = t->kind == 'b' ? 1 : t->size == 8 ? 53 : 8 * (int)t->size - !natural;
+  const double end = ldexp(1, bits);
+  return t->kind == 'r' || (value == floor(value) && value < end && value >= (natural ? 0 : -end));
 }
 
 static bool connect(fmu *f, variable *v, const char *source, char trouble[VS_OBJECT_TROUBLE]) {
@@ -579,11 +566,8 @@ static bool set_value(fmu *f, const variable *v, char *error) {
   unsigned char bytes[8];
   char name[24];
   if (isnan(value)) return true; /* no sample yet: it keeps its start */
-  if (!fits(v->type, value)) {
-    snprintf(error, VIBROSPICE_LAW_TEXT, "%s: %g does not fit into %s", v->name, value,
-             v->type->tag);
-    return false;
-  }
+  if (!fits(v->type, value))
+    return snprintf(error, VIBROSPICE_LAW_TEXT, "%s: %g is too large", v->name, value), false;
   const int64_t whole = v->type->kind == 'b' ? value != 0 : llround(value);
   memcpy(bytes,
          v->type->kind != 'r' ? (const void *)&whole
@@ -744,8 +728,8 @@ static void *load_unit(vs_object *o, char trouble[VS_OBJECT_TROUBLE]) {
   binary_of(&f->unit, name);
   snprintf(path, sizeof path, "%s/%s", f->folder, name);
   f->library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
-  if (!f->library) no_use(trouble, "cannot be loaded: %s", dlerror());
-  return f->library && check_functions(f, trouble) && instantiate(f, trouble) ? f : NULL;
+  if (!f->library) return no_use(trouble, "cannot be loaded: %s", dlerror()), NULL;
+  return check_functions(f, trouble) && instantiate(f, trouble) ? f : NULL;
 }
 
 /* ---- the regulator ---- */
@@ -776,7 +760,8 @@ static vs_status check_fmu(const vs_control_values *v, vs_where where, vs_error 
     status =
         vs_fail_at(err, where, "control.file: %s %s", path, *trouble ? trouble : "cannot be read");
   vs_text_free(&zip);
-  free_unit(&u);
+  free(u.variable);
+  free(u.declared);
   return status;
 }
 
