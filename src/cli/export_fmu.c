@@ -123,13 +123,13 @@ static void add_escaped(vs_text *t, const char *text) {
       vs_text_put(t, text, 1);
 }
 
-/* A variable. causality: "input" with a start, or "output". */
+/* A variable. causality: "input" or "parameter", with a start, or "output". */
 static void add_variable(vs_text *t, int fmi, const char *name, int reference,
                          const char *causality, const char *unit, const char *start,
                          const char *text) {
   vs_text_add(t, "<%s name=\"%s\" valueReference=\"%d\" causality=\"%s\" ",
               fmi == 2 ? "ScalarVariable" : "Float64", name, reference, causality);
-  vs_text_add(t, "variability=\"continuous\"%s description=\"",
+  vs_text_add(t, "variability=\"%s\"%s description=\"", *causality == 'p' ? "fixed" : "continuous",
               *causality == 'o' ? " initial=\"calculated\"" : "");
   add_escaped(t, text);
   vs_text_add(t, fmi == 2 ? "\"><Real" : "\"");
@@ -188,9 +188,10 @@ static void take_line(variables *v, char *line) {
   }
   if (*cell[0] == 'i') {
     add_unit(v, cell[2]);
-    add_variable(&v->all, v->fmi, cell[1], VIBROSPICE_UNIT_INPUTS + v->inputs++, "input", cell[2],
-                 cell[5], cell[6]);
-    add_to_terminal(v, "input", cell[1]);
+    const bool fixed = !strcmp(cell[7], "fixed");
+    add_variable(&v->all, v->fmi, cell[1], VIBROSPICE_UNIT_INPUTS + v->inputs++,
+                 fixed ? "parameter" : "input", cell[2], cell[5], cell[6]);
+    if (!fixed) add_to_terminal(v, "input", cell[1]);
     v->count++;
   }
   if (*cell[0] == 'c' && v->columns++ > 0) {
@@ -387,7 +388,7 @@ static void name_unit(const char *output, char *name, size_t size) {
 static vs_status write_unit(const vs_scene *s, const vs_export_fmu_options *o, const vs_text *text,
                             const vs_text *sets, const char *output, vs_error *err) {
   char identifier[128], path[256], guid[64];
-  vs_text shim = {0}, description = {0}, terminals = {0};
+  vs_text shim = {0}, description = {0}, terminals = {0}, token = {0};
   vs_file file = {0};
   vs_status status = read_shim(&shim, err);
   name_unit(output, identifier, sizeof identifier);
@@ -404,6 +405,8 @@ static vs_status write_unit(const vs_scene *s, const vs_export_fmu_options *o, c
     add_file(&a, path, &shim);
     add_file(&a, "resources/scene.yaml", text);
     add_file(&a, "resources/sets.txt", sets);
+    vs_text_add(&token, "%s\n", guid);
+    add_file(&a, "resources/token.txt", &token);
     if (o->with_program) status = pack_program(&a, err);
     end_archive(&a);
     if (!status)
@@ -412,6 +415,7 @@ static vs_status write_unit(const vs_scene *s, const vs_export_fmu_options *o, c
       vs_file_discard(&file);
   }
   vs_text_free(&shim);
+  vs_text_free(&token);
   vs_text_free(&description);
   vs_text_free(&terminals);
   return status;
@@ -442,6 +446,9 @@ vs_status vs_export_fmu_command(const char *name, char *const *sets, size_t n_se
   for (size_t k = 0; k < n_sets; k++) vs_text_add(&keys, "%s\n", sets[k]);
   if (!status && s->control.regulator && s->control.regulator->code)
     status = vs_fail(err, VS_INPUT, "export: the scene runs code of its own, which a unit may not");
+  const char *slash = strrchr(output, '/');
+  if (!status && !strcmp(slash ? slash + 1 : output, ".fmu"))
+    status = vs_fail(err, VS_INPUT, "export: -o %s: the unit has no name; -o FILE.fmu", output);
   if (!status) vs_scene_warn(s);
   if (!status) status = read_whole(s->path, &text, err);
   if (!status) status = try_alone(&text, sets, n_sets, err);

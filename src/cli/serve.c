@@ -32,7 +32,7 @@
 
 /* ---- inputs ---- */
 
-enum { ANGLE, VOLTAGE, FRACTION, VOLUME, INPUTS };
+enum { ANGLE, VOLTAGE, FRACTION, VOLUME, FREQUENCY, INPUTS };
 
 static const struct input {
   const char *name, *unit, *text;
@@ -41,16 +41,19 @@ static const struct input {
      "angle of the next firing, taken as its cycle of the mains begins; NaN: no firing"},
     {"supply.voltage", "V", "of the mains, rms, or direct as the scene has them; at once"},
     {"load.fraction", "", "share of the conveyed material that rides; at once"},
-    {"load.volume", "cm3", "of the conveyed material; at once"}};
+    {"load.volume", "cm3", "of the conveyed material; at once"},
+    {"supply.frequency", "Hz",
+     "of the mains; before the run only, as the cycles of its firings are counted by it"}};
 
 /* How far the mains may be set above the scene's, as by the event swell; and how often a load. */
-static const double HIGHEST = 3;
+static const double HIGHEST = 3, LOWEST_HZ = 0.1, HIGHEST_HZ = 1e4;
 enum { MOST_LOADS = 4096 };
 
 /* What has been set from outside. All of it is kept, so that the second run gets the same. */
 static struct given {
   bool set[INPUTS];     /* before the run began: such an input may be set during it */
   double value[INPUTS]; /* in the input's unit */
+  double most_v;        /* of VOLTAGE, by the scene as it was before that was set */
   double *decided;      /* angles of all firings up to now, rad; owned */
   long n_decided;
   struct {
@@ -107,32 +110,66 @@ static bool is_loaded(int k) {
   return k == FRACTION || k == VOLUME;
 }
 
-/* Why that is no input of the scene; NULL: it is one. */
-static const char *why_no_input(const vs_scene *s, int k) {
+/* Why that could not be an input of the scene, whose run has not begun; NULL: it could. */
+static const char *why_unfit(const vs_scene *s, int k) {
   const vs_setup *setup = &s->setup;
-  if (given.set[k]) return NULL;
+  const vs_regulator *law = s->control.regulator;
+  if (k == FREQUENCY) return setup->timeline.supply.direct ? "the mains are direct" : NULL;
   if (k != ANGLE && setup->timeline.events.count == VS_EVENTS_MOST)
     return "the scene already has as many events as are allowed";
-  if (k == ANGLE && s->control.regulator) return "the scene's control decides it";
+  if (k == ANGLE && law && strcmp(law->name, given_angle.name) != 0)
+    return "the scene's control decides it";
   if (k == ANGLE && (setup->timeline.firing.no_valve || !setup->timeline.firing.every))
     return "no thyristor is fired cycle by cycle (firing.every)";
+  if (k == ANGLE && setup->timeline.firing.angle.count > 1)
+    return "it is a list of angles over time; set the key firing.angle to one of them first";
   if (is_loaded(k) && setup->machine->load.adds < 0) return "the machine has no load";
   if (is_loaded(k) && setup->loads.count) return "events change the load";
   if (k == FRACTION && isnan(setup->model.load.fraction)) return "it is computed from the orbit";
   return NULL;
 }
 
+/* Why that is no input of the scene; NULL: it is one. */
+static const char *why_no_input(const vs_scene *s, int k) {
+  return given.set[k] ? NULL : why_unfit(s, k);
+}
+
 static double value_in_scene(const vs_setup *setup, int k) {
   const double si[INPUTS] = {setup->timeline.firing.angle.first, setup->timeline.supply.voltage_v,
-                             setup->model.load.fraction, setup->model.load.volume_m3};
+                             setup->model.load.fraction, setup->model.load.volume_m3,
+                             setup->timeline.supply.frequency_hz};
   return si[k] / vs_units_factor(INPUT[k].unit);
 }
 
-static double most_of_input(const vs_setup *setup, int k) {
-  return k == ANGLE      ? 180
-         : k == VOLTAGE  ? HIGHEST * setup->timeline.supply.voltage_v
-         : k == FRACTION ? 1
-                         : 1e9;
+/* An angle lies within control.angle, if there is such a control. */
+typedef struct range {
+  double least, most;
+} range;
+static range range_of_input(const vs_scene *s, int k) {
+  const double *angle = s->control.regulator ? s->control.v.angle_rad : (double[]){0, M_PI};
+  const double deg = vs_units_factor("deg"), own_v = HIGHEST * s->setup.timeline.supply.voltage_v;
+  const range all[INPUTS] = {{angle[0] / deg, angle[1] / deg},
+                             {0, given.set[VOLTAGE] ? given.most_v : own_v},
+                             {0, 1},
+                             {0, 1e9},
+                             {LOWEST_HZ, HIGHEST_HZ}};
+  return all[k];
+}
+
+/* In a scene that was read anew, what was set as an input still is one, with its value. */
+static vs_status check_given(const vs_scene *s, vs_error *err) {
+  for (int k = 0; k < INPUTS; k++) {
+    const double value = given.value[k];
+    if (!given.set[k]) continue;
+    const char *why = why_unfit(s, k);
+    if (why)
+      return vs_fail(err, VS_INPUT, "%s was set as an input, and would be none: %s", INPUT[k].name,
+                     why);
+    if (fabs(value_in_scene(&s->setup, k) - value) > 1e-9 * value)
+      return vs_fail(err, VS_INPUT, "%s was set as an input, to %g %s; set it so again",
+                     INPUT[k].name, value, INPUT[k].unit);
+  }
+  return VS_OK;
 }
 
 /* What the load is up to the place for the next change. */
@@ -291,11 +328,12 @@ void vs_serve_describe(const vs_scene *s, vs_text *t) {
     vs_text_add(t, "c\t%s\t%s\t%s\t%s\t%s\n", c.name, c.quantity, c.unit, c.role, c.of);
   for (int k = 0; k < INPUTS; k++) {
     if (why_no_input(s, k)) continue;
-    vs_text_add(t, "i\t%s\t%s\t0", INPUT[k].name, INPUT[k].unit);
-    add_number(t, most_of_input(&s->setup, k));
+    vs_text_add(t, "i\t%s\t%s", INPUT[k].name, INPUT[k].unit);
+    add_number(t, range_of_input(s, k).least);
+    add_number(t, range_of_input(s, k).most);
     add_number(t, given.set[k] ? given.value[k] : value_in_scene(&s->setup, k));
     add_cell(t, INPUT[k].text);
-    vs_text_add(t, "\n");
+    vs_text_add(t, k == FREQUENCY ? "\tfixed\n" : "\n");
   }
   vs_text_add(t, "u\t%.17g\n", s->setup.run.until_s);
   describe_start(s, &table, t);
@@ -440,6 +478,7 @@ static vs_status read_scene(engine *e, vs_error *err) {
   if (!status) status = vs_scene_read_sections(s, NULL, err);
   s->allow_code = e->options.allow_code;
   if (!status) status = vs_control_allow(&s->control, s->allow_code, err);
+  if (!status) status = check_given(s, err);
   return status;
 }
 
@@ -498,12 +537,17 @@ static void set_folder(engine *e) {
 static vs_status set_first(engine *e, int k, double value, vs_error *err) {
   char text[128];
   vs_status status = VS_OK;
+  const double before = given.value[k], most_v = range_of_input(e->scene, VOLTAGE).most;
   snprintf(text, sizeof text, "%s=%.17g %s", INPUT[k].name, value, INPUT[k].unit);
-  if (k == ANGLE && !given.set[k]) status = add_set(e, "control.law=none", err);
-  if (!status && !isnan(value)) status = add_set(e, text, err);
-  if (status) return status;
-  given.set[k] = true;
+  if (k == ANGLE && !e->scene->control.regulator) {
+    status = add_set(e, "control.law=none", err);
+    if (!status) status = add_set(e, "control.angle=[0 deg, 180 deg]", err);
+  }
   given.value[k] = value;
+  if (!status && !isnan(value)) status = add_set(e, text, err);
+  if (status) return given.value[k] = before, status;
+  given.set[k] = true;
+  if (k == VOLTAGE) given.most_v = most_v;
   return VS_OK;
 }
 
@@ -512,6 +556,11 @@ static vs_status set_during_run(engine *e, int k, double value, vs_error *err) {
     return vs_fail(err, VS_INPUT, "%s was not set before the run began, and follows the scene",
                    INPUT[k].name);
   const double before = given.value[k];
+  if (k == FREQUENCY && value != before)
+    return vs_fail(err, VS_INPUT,
+                   "%s cannot change during the run, as the cycles of its firings "
+                   "are counted by it",
+                   INPUT[k].name);
   given.value[k] = value;
   if (k == VOLTAGE) {
     given.mains = vs_alloc_grow(given.mains, given.n_mains, sizeof *given.mains);
@@ -532,14 +581,14 @@ static vs_status set_value(engine *e, const char *name, double value, vs_error *
   if (k == INPUTS)
     return vs_fail(err, VS_INPUT, "no input '%s'%s", name,
                    vs_text_hint(name, names, (size_t)n, "").text);
-  const char *why = why_no_input(e->scene, k), *open = k == ANGLE ? ", both excluded, or NaN" : "";
-  const double most = most_of_input(&e->scene->setup, k);
+  const char *why = why_no_input(e->scene, k),
+             *open = k == ANGLE ? ", without 0 and 180, or NaN" : "";
+  const range r = range_of_input(e->scene, k);
   if (why) return vs_fail(err, VS_INPUT, "%s is no input of this scene: %s", name, why);
-  const bool allowed =
-      k == ANGLE ? isnan(value) || (value > 0 && value < most) : value >= 0 && value <= most;
-  if (!allowed)
-    return vs_fail(err, VS_INPUT, "%s: %g %s; allowed: 0 to %g%s", name, value, INPUT[k].unit, most,
-                   open);
+  const bool inside = value >= r.least && value <= r.most;
+  if (k == ANGLE ? !isnan(value) && !(inside && value > 0 && value < 180) : !inside)
+    return vs_fail(err, VS_INPUT, "%s: %g %s; allowed: %g to %g%s", name, value, INPUT[k].unit,
+                   r.least, r.most, open);
   return e->begun ? set_during_run(e, k, value, err) : set_first(e, k, value, err);
 }
 

@@ -202,7 +202,7 @@ static const type TYPES[] = {
     {3, "Binary", NULL, 0, 0},           {3, "Clock", NULL, 0, 0}};
 
 typedef struct variable {
-  char name[128], causality[24], unit[32];
+  char name[128], causality[24], unit[32], declared[128]; /* declared: the type's name; "": none */
   unsigned reference;
   const type *type; /* NULL: it has none that is known */
   /* Where its value comes from. */
@@ -214,6 +214,10 @@ typedef struct variable {
 typedef struct unit {
   int version; /* of the standard */
   char identifier[128], token[256];
+  struct declaration {
+    char name[128], unit[32];
+  } * declared; /* the types, from which variables have their unit: [declarations]; owned */
+  size_t declarations;
   variable *variable; /* variable[count]; owned */
   size_t count;
 } unit;
@@ -230,6 +234,28 @@ static variable *add_variable(unit *u, const char *tag) {
   return v;
 }
 
+/* The variable's unit, or that of its type; "": none. */
+static const char *unit_of(const unit *u, const variable *v) {
+  for (size_t k = 0; k < u->declarations && !*v->unit && *v->declared; k++)
+    if (!strcmp(u->declared[k].name, v->declared)) return u->declared[k].unit;
+  return v->unit;
+}
+
+/* Takes a tag that declares a type, or, in FMI 2.0, one that lies within and has the unit. */
+static bool take_declaration(unit *u, const char *tag) {
+  struct declaration d = {"", ""},
+                     *last = u->declarations ? &u->declared[u->declarations - 1] : NULL;
+  attribute(tag, "unit", d.unit, sizeof d.unit);
+  if (is_tag(tag, "SimpleType") || is_tag(tag, "Float64Type") || is_tag(tag, "Float32Type")) {
+    attribute(tag, "name", d.name, sizeof d.name);
+    u->declared = vs_alloc_grow(u->declared, u->declarations, sizeof d);
+    u->declared[u->declarations++] = d;
+    return true;
+  }
+  if (u->version != 2 || u->count || !last || !is_tag(tag, "Real")) return false;
+  return memcpy(last->unit, d.unit, sizeof d.unit), true;
+}
+
 /* Takes a tag apart that begins a value; *open: the variable of FMI 2.0 that it lies in. */
 static void take_value(unit *u, const char *tag, variable **open) {
   for (size_t k = 0; k < sizeof TYPES / sizeof *TYPES; k++) {
@@ -238,6 +264,7 @@ static void take_value(unit *u, const char *tag, variable **open) {
     if (v) {
       v->type = TYPES[k].name ? &TYPES[k] : NULL;
       attribute(tag, "unit", v->unit, sizeof v->unit);
+      attribute(tag, "declaredType", v->declared, sizeof v->declared);
     }
     *open = NULL;
   }
@@ -257,7 +284,7 @@ static bool read_description(const char *xml, unit *u, char trouble[VS_OBJECT_TR
       open = add_variable(u, tag);
     else if (is_tag(tag, "Dimension") && u->count)
       u->variable[u->count - 1].type = NULL; /* an array */
-    else
+    else if (!take_declaration(u, tag))
       take_value(u, tag, &open);
   }
   if (u->version != 2 && u->version != 3)
@@ -312,12 +339,12 @@ static bool check_output(const unit *u, const char *name, char trouble[VS_OBJECT
                   name);
   if (!v->type || v->type->kind != 'r')
     return no_use(trouble, "its output '%s' is no real number", name);
-  if (*v->unit && strcmp(v->unit, "deg") != 0)
-    return no_use(trouble, "its output '%s' is in %s; an angle in deg is wanted", name, v->unit);
-  return true;
+  const char *in = unit_of(u, v);
+  return !*in || !strcmp(in, "deg") ||
+         no_use(trouble, "its output '%s' is in %s; an angle in deg is wanted", name, in);
 }
 
-/* Reads the archive's description. u->variable is to be freed also after an error. */
+/* Reads the archive's description. The unit is to be freed also after an error. */
 static bool read_unit(const vs_text *zip, const char *output, unit *u,
                       char trouble[VS_OBJECT_TROUBLE]) {
   entry e;
@@ -425,12 +452,19 @@ static const double *find_source(fmu *f, const char *name, char ending[64]) {
   return NULL;
 }
 
-static bool has_same_unit(const variable *v, const char *ending) {
+static bool has_same_unit(const char *wanted, const char *ending) {
   char suffix[40];
-  if (!*v->unit || !strcmp(v->unit, "1")) return true;
-  vs_units_suffix(v->unit, suffix, sizeof suffix);
+  if (!*wanted || !strcmp(wanted, "1")) return true;
+  vs_units_suffix(wanted, suffix, sizeof suffix);
   const size_t n = strlen(suffix), m = strlen(ending);
   return m >= n && !strcmp(ending + m - n, suffix) && (m == n || ending[m - n - 1] == '_');
+}
+
+static bool fits(const type *t, double value) {
+  const bool natural = *t->name == 'U' || t->kind == 'b';
+  const int bits = t->kind == 'b' ? 1 : t->size == 8 ? 53 : 8 * (int)t->size - !natural;
+  const double end = ldexp(1, bits);
+  return t->kind == 'r' || (value == floor(value) && value < end && value >= (natural ? 0 : -end));
 }
 
 static bool connect(fmu *f, variable *v, const char *source, char trouble[VS_OBJECT_TROUBLE]) {
@@ -444,8 +478,12 @@ static bool connect(fmu *f, variable *v, const char *source, char trouble[VS_OBJ
                   "its variable '%s' is to be connected with '%s', which is neither a number nor a "
                   "channel; see docs/control.md",
                   v->name, source);
-  if (v->from && !has_same_unit(v, ending))
-    return no_use(trouble, "its variable '%s' is in %s, and %s is not", v->name, v->unit, source);
+  if (v->from ? v->type->kind != 'r' && v->from != &f->number : !fits(v->type, v->constant))
+    return no_use(trouble, "its variable '%s' is of type %s, and %s is not", v->name, v->type->tag,
+                  source);
+  if (v->from && !has_same_unit(unit_of(&f->unit, v), ending))
+    return no_use(trouble, "its variable '%s' is in %s, and %s is not", v->name,
+                  unit_of(&f->unit, v), source);
   return true;
 }
 
@@ -528,6 +566,8 @@ static bool set_value(fmu *f, const variable *v, char *error) {
   unsigned char bytes[8];
   char name[24];
   if (isnan(value)) return true; /* no sample yet: it keeps its start */
+  if (!fits(v->type, value))
+    return snprintf(error, VIBROSPICE_LAW_TEXT, "%s: %g is too large", v->name, value), false;
   const int64_t whole = v->type->kind == 'b' ? value != 0 : llround(value);
   memcpy(bytes,
          v->type->kind != 'r' ? (const void *)&whole
@@ -688,8 +728,8 @@ static void *load_unit(vs_object *o, char trouble[VS_OBJECT_TROUBLE]) {
   binary_of(&f->unit, name);
   snprintf(path, sizeof path, "%s/%s", f->folder, name);
   f->library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
-  if (!f->library) no_use(trouble, "cannot be loaded: %s", dlerror());
-  return f->library && check_functions(f, trouble) && instantiate(f, trouble) ? f : NULL;
+  if (!f->library) return no_use(trouble, "cannot be loaded: %s", dlerror()), NULL;
+  return check_functions(f, trouble) && instantiate(f, trouble) ? f : NULL;
 }
 
 /* ---- the regulator ---- */
@@ -721,6 +761,7 @@ static vs_status check_fmu(const vs_control_values *v, vs_where where, vs_error 
         vs_fail_at(err, where, "control.file: %s %s", path, *trouble ? trouble : "cannot be read");
   vs_text_free(&zip);
   free(u.variable);
+  free(u.declared);
   return status;
 }
 

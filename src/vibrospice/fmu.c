@@ -138,6 +138,23 @@ static vibrospice_status set_keys(fmu *u) {
   return status;
 }
 
+/* The master's token has to be the unit's, which lies in its resources; no token: any unit's. */
+static vibrospice_status check_token(const fmu *u) {
+  char path[4200], own[sizeof u->token] = "";
+  snprintf(path, sizeof path, "%s/token.txt", u->resources);
+  FILE *f = fopen(path, "r");
+  if (!f || !fgets(own, sizeof own, f)) *own = '\0';
+  if (f) fclose(f);
+  own[strcspn(own, "\n")] = '\0';
+  if (!*own) return vibrospice_fail(VIBROSPICE_INPUT, "%s cannot be read", path);
+  return strcmp(own, u->token) == 0
+             ? VIBROSPICE_OK
+             : vibrospice_fail(
+                   VIBROSPICE_INPUT,
+                   "the token '%s' is of another unit: the one of these resources is '%s'",
+                   u->token, own);
+}
+
 /* The program that the unit brings along; false: it brings none. Who unpacks a unit may leave out
  * that the file is a program. */
 static int find_packed(const fmu *u, char path[4200]) {
@@ -195,7 +212,9 @@ void *fmu_new(const char *name, const char *token, const char *resources, const 
   snprintf(u->name, sizeof u->name, "%s", name ? name : "");
   snprintf(u->token, sizeof u->token, "%s", token ? token : "");
   path_of_uri(resources ? resources : "", u->resources, sizeof u->resources);
-  if (!result(u, open_scene(u)) && enlist(u)) return (void *)(uintptr_t)u->number;
+  vibrospice_status status = check_token(u);
+  if (!status) status = open_scene(u);
+  if (!result(u, status) && enlist(u)) return (void *)(uintptr_t)u->number;
   end_run(u);
   free(u);
   return NULL;
@@ -360,6 +379,7 @@ int fmu_restore(void *handle, void *state) {
   const saved *s = state;
   if (!u) return FMU_ERROR;
   if (!s) return say(u, FMU_ERROR, "there is no such state");
+  if (strcmp(s->head.token, u->token) != 0) return say(u, FMU_ERROR, "the state is another unit's");
   fmu_deed *deed = copy_of(s->deed, s->head.deeds * sizeof *deed);
   vibrospice_status status = deed ? vibrospice_restore(u->run, s->state) : vibrospice_no_memory();
   if (status) {

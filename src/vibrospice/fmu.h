@@ -41,7 +41,8 @@ typedef struct fmu {
 /* Says the text to the master and returns the status. */
 int fmu_say(void *handle, int status, const char *text);
 /* Makes an instance of a unit whose resources lie in that folder, or under that URI, and returns
- * its handle. token: NULL or the master's. NULL: it cannot be, and log has been told. */
+ * its handle. token: the master's, which has to be the unit's. NULL: it cannot be, and log has been
+ * told. */
 void *fmu_new(const char *name, const char *token, const char *resources, const fmu *like);
 void fmu_free(void *handle);
 int fmu_reset(void *handle);

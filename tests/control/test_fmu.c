@@ -156,6 +156,9 @@ static void wrong_units(void) {
   ENDS(PI(", other = 1"), 2, "has no input or parameter 'other'");
   ENDS(PI(", angle_deg = 1"), 2, "has no input or parameter 'angle_deg'");
   ENDS(PI(", trouble"), 2, "wants NAME = CHANNEL");
+  ENDS(PI(", trouble = 0.5"), 2, "'trouble' is of type Integer, and 0.5 is not");
+  ENDS(PI(", trouble = 3e9"), 2, "'trouble' is of type Integer, and 3e9 is not");
+  ENDS(PI(", trouble = i_meas_a"), 2, "'trouble' is of type Integer, and i_meas_a is not");
   ENDS("law: fmu, file: pi.fmu, connect: \"lowest = q_meas_m\"", 2,
        "neither a number nor a channel");
   ENDS("law: fmu, file: pi.fmu, connect: \"lowest = i_meas_a\"", 2, "is in m, and i_meas_a is not");
@@ -168,6 +171,12 @@ static void wrong_units(void) {
   ENDS(PI(""), 2, "is not for co-simulation");
   make_unit(HEAD2 SLAVE INPUTS2 ANGLE2(" unit=\"rad\""), 2, MACHINE[0], false);
   ENDS(PI(""), 2, "its output 'angle_deg' is in rad; an angle in deg is wanted");
+  make_unit(HEAD2 SLAVE TYPES2 INPUTS2 ANGLE2(" declaredType=\"T\""), 2, MACHINE[0], false);
+  ENDS(PI(""), 2, "its output 'angle_deg' is in mm; an angle in deg is wanted");
+  make_unit("<fmiModelDescription fmiVersion=\"3.0\"><Float64Type name='T' unit='rad'/>" SLAVE
+            "<Float64 name=\"angle_deg\" causality=\"output\" declaredType=\"T\"/>",
+            2, MACHINE[1], false);
+  ENDS("law: fmu, file: pi.fmu", 2, "its output 'angle_deg' is in rad");
   make_unit("<fmiModelDescription fmiVersion=\"1.0\n\">" SLAVE, 2, MACHINE[0], false);
   ENDS(PI(""), 2, "is of FMI version '1.0 '; 2.0 and 3.0 can be taken");
   make_unit(WHOLE3, 2, MACHINE[1], false); /* which has no functions of 3.0 */

@@ -304,7 +304,7 @@ static void wrong_inputs(void) {
   size_t count;
   vibrospice *run = open_scene("paper", "switched", "0.1 s");
   OK(vibrospice_inputs(run, &in, &count));
-  EXPECT(count == 3 && !strcmp(in[0].name, "supply.voltage") && in[0].value == 440, "%zu inputs",
+  EXPECT(count == 4 && !strcmp(in[0].name, "supply.voltage") && in[0].value == 440, "%zu inputs",
          count);
   FAILS(vibrospice_set_input(run, "firing.angle", 90), VIBROSPICE_INPUT, "firing.every");
   FAILS(vibrospice_set_input(run, "supply.voltag", 90), VIBROSPICE_INPUT, "did you mean");
@@ -319,6 +319,35 @@ static void wrong_inputs(void) {
   OK(vibrospice_run_to(run, 0.01, NULL, NULL));
   FAILS(vibrospice_set_input(run, "load.volume", 1e9), VIBROSPICE_INPUT, "mass");
   OK(vibrospice_set_input(run, "load.fraction", 0.4)); /* with the volume before */
+  FAILS(vibrospice_set(run, "load.volume", "100 cm3"), VIBROSPICE_ORDER, "begun");
+  OK(vibrospice_free(run));
+  run = open_scene(LOADED "firing: {angle: 175 deg, every: 1, pulse_width: 1 ms}\n", "switched",
+                   "0.1 s");
+  OK(vibrospice_set_input(run, "supply.voltage", 100));
+  OK(vibrospice_set_input(run, "supply.voltage", 440)); /* as before: no 3 times 100 */
+  FAILS(vibrospice_set(run, "supply.voltage", "400 V"), VIBROSPICE_INPUT, "set it so again");
+  OK(vibrospice_set_input(run, "supply.frequency", 60));
+  FAILS(vibrospice_set_input(run, "supply.frequency", 0), VIBROSPICE_INPUT, "allowed: 0.1 to");
+  OK(vibrospice_set_input(run, "firing.angle", 175)); /* beyond the 170 deg of control.angle */
+  OK(vibrospice_set_input(run, "load.fraction", 0.3));
+  FAILS(vibrospice_set(run, "load.fraction", "auto"), VIBROSPICE_INPUT, "would be none");
+  FAILS(vibrospice_set(run, "firing.angle", "90 deg"), VIBROSPICE_INPUT, "set it so again");
+  OK(vibrospice_run_to(run, 0.05, NULL, NULL));
+  const double p = column(run, "p_m");
+  FAILS(vibrospice_set_input(run, "supply.frequency", 61), VIBROSPICE_INPUT, "cannot change");
+  OK(vibrospice_free(run));
+  run = open_scene(LOADED "firing: {angle: 175 deg, every: 1, pulse_width: 1 ms}\n", "switched",
+                   "0.1 s");
+  OK(vibrospice_set(run, "supply.frequency", "60 Hz"));
+  OK(vibrospice_set(run, "supply.voltage", "440 V"));
+  OK(vibrospice_set(run, "load.fraction", "0.3"));
+  OK(vibrospice_run_to(run, 0.05, NULL, NULL));
+  EXPECT(fabs(column(run, "p_m") - p) < 1e-9 * fabs(p), "p = %.17g, not %.17g", p,
+         column(run, "p_m"));
+  OK(vibrospice_free(run));
+  run = open_scene(LOADED "firing: {angle: [[0 s, 160 deg], [1 s, 100 deg]], every: 1}\n",
+                   "switched", "0.1 s");
+  FAILS(vibrospice_set_input(run, "firing.angle", 90), VIBROSPICE_INPUT, "a list of angles");
   OK(vibrospice_free(run));
   run = open_scene("control_setpoint", "switched", "0.1 s");
   FAILS(vibrospice_set_input(run, "firing.angle", 90), VIBROSPICE_INPUT, "control decides it");
@@ -383,6 +412,15 @@ static unit load_unit(const char *path) {
 }
 
 /* The unit that is exported, two instances at once, its inputs and states, against the library. */
+/* By which the unit in the folder "a unit" is known. */
+static char token[128];
+
+static void read_token(void) {
+  char *text = read_file("a unit/resources/token.txt");
+  snprintf(token, sizeof token, "%.*s", (int)strcspn(text, "\n"), text);
+  free(text);
+}
+
 static void mock_up_unit(void) {
   static const callbacks CALL = {take_log, calloc, free, NULL, NULL};
   static const unsigned ANGLE = 1, TRAVEL = 101; /* as modelDescription.xml has them */
@@ -397,17 +435,20 @@ static void mock_up_unit(void) {
          "the archive cannot be read");
   char *xml = read_file("a unit/modelDescription.xml");
   EXPECT(strstr(xml, "name=\"firing.angle\" valueReference=\"1\" causality=\"input\"") &&
-             strstr(xml, "name=\"p_m\" valueReference=\"101\" causality=\"output\""),
+             strstr(xml, "name=\"p_m\" valueReference=\"101\" causality=\"output\"") &&
+             strstr(xml, "name=\"supply.frequency\" valueReference=\"5\" causality=\"parameter\" "
+                         "variability=\"fixed\""),
          "another description: %s", xml);
   free(xml);
+  read_token();
   char *here = get_current_dir_name();
   snprintf(uri, sizeof uri, "file://%s/a%%20unit/resources", here);
   free(here);
   setenv("VIBROSPICE_PROGRAM", VS_PROGRAM, 1);
   EXPECT(!system("mv 'a unit'/binaries/*/unit.so ."), "no shim");
   unit u = load_unit("./unit.so");
-  void *one = u.instantiate("one", 1, "", uri, &CALL, 0, 0),
-       *two = u.instantiate("two", 1, "", uri, &CALL, 0, 0);
+  void *one = u.instantiate("one", 1, token, uri, &CALL, 0, 0),
+       *two = u.instantiate("two", 1, token, uri, &CALL, 0, 0);
   EXPECT(one && two && !u.setup(one, 0, 0, 0, 1, 0.2) && !u.setup(two, 0, 0, 0, 1, 0.2), "%s",
          logged);
   EXPECT(!u.exit_init(one) && !u.exit_init(two), "%s", logged);
@@ -448,7 +489,7 @@ static void mock_up_unit(void) {
   u.end(one);
   u.end(two);
   setenv("VIBROSPICE_PROGRAM", "/nowhere", 1);
-  EXPECT(!u.instantiate("one", 1, "", uri, &CALL, 0, 0) && strstr(logged, "/nowhere"), "%s",
+  EXPECT(!u.instantiate("one", 1, token, uri, &CALL, 0, 0) && strstr(logged, "/nowhere"), "%s",
          logged);
   unsetenv("VIBROSPICE_PROGRAM");
   dlclose(u.library);
@@ -467,6 +508,7 @@ static unit open_unit(const char *words, char uri[4200]) {
   EXPECT(!system("rm -rf 'a unit' unit.so && mkdir 'a unit' && python3 -m zipfile -e unit.fmu "
                  "'a unit' && cp 'a unit'/binaries/*/unit.so ."),
          "the archive cannot be read");
+  read_token();
   unit u = {.library = dlopen("./unit.so", RTLD_NOW | RTLD_LOCAL)};
   EXPECT(u.library, "%s", dlerror());
   return u;
@@ -477,7 +519,7 @@ static int (*set_stop)(void *, int, double, double, int, double);
 /* An instance of FMI 2.0 that runs to 0.05 s in steps of 1 ms. */
 static void *run_to_50_ms(const unit *u, const char *uri) {
   static const callbacks CALL = {take_log, calloc, free, NULL, NULL};
-  void *one = u->instantiate("one", 1, "{1}", uri, &CALL, 0, 0);
+  void *one = u->instantiate("one", 1, token, uri, &CALL, 0, 0);
   EXPECT(one && !set_stop(one, 0, 0, 0, 1, 0.2) && !u->exit_init(one), "%s", logged);
   for (int k = 0; k < 50; k++) EXPECT(!u->step(one, k * 1e-3, 1e-3, 0), "%d: %s", k, logged);
   return one;
@@ -518,15 +560,19 @@ static void states_as_bytes(void) {
              u.save(one, &state) == 3 && u.reset(one) == 3,
          "an instance that was freed is used");
   u.end(one); /* which does nothing */
-  void *two = u.instantiate("two", 1, "{1}", uri, &CALL, 0, 0),
-       *alien = u.instantiate("two", 1, "{2}", uri, &CALL, 0, 0);
+  void *two = u.instantiate("two", 1, token, uri, &CALL, 0, 0);
+  EXPECT(!u.instantiate("two", 1, "{2}", uri, &CALL, 0, 0) &&
+             strstr(logged, "the token '{2}' is of another unit: the one of these resources is"),
+         "%s", logged);
   EXPECT(!read_from(two, bytes, size, &state) && !u.restore(two, state) &&
              !u.set(two, INPUT, 1, angle) && !u.step(two, 0.0611, 0.05, 0) &&
              !u.get(two, &TRAVEL, 1, &other) && p == other,
          "p = %.17g, not %.17g: %s", other, p, logged);
   EXPECT(!u.forget(two, &state), "%s", logged);
-  EXPECT(read_from(alien, bytes, size, &state) == 3 && strstr(logged, "another unit's"), "%s",
+  bytes[20] ^= 1; /* the token */
+  EXPECT(read_from(two, bytes, size, &state) == 3 && strstr(logged, "another unit's"), "%s",
          logged);
+  bytes[20] ^= 1;
   EXPECT(read_from(two, bytes, size - 8, &state) == 3 && strstr(logged, "not whole"), "%s", logged);
   EXPECT(read_from(two, bytes, 10, &state) == 3 && strstr(logged, "no state"), "%s", logged);
   bytes[size - 1] ^= 1; /* a column of its instant */
@@ -537,7 +583,6 @@ static void states_as_bytes(void) {
          logged);
   free(bytes);
   u.end(two);
-  u.end(alien);
   dlclose(u.library);
   unsetenv("VIBROSPICE_PROGRAM");
   expect_no_child(__LINE__);
@@ -595,7 +640,7 @@ static int early_ends(const unit_3 *v, const char *uri, bool allowed, double ste
   double last_s = 0;
   int n = 0;
   void *one =
-      v->instantiate("one", "{1}", uri, false, false, false, allowed, NULL, 0, NULL, NULL, NULL);
+      v->instantiate("one", token, uri, false, false, false, allowed, NULL, 0, NULL, NULL, NULL);
   EXPECT(one && !v->begin(one, false, 0, 0, true, 0.03) && !v->exit_init(one), "no instance");
   for (double t_s = 0; t_s < 0.018 - 1e-9 && n < 8; t_s = last_s) {
     const double to_s = step_s * floor(t_s / step_s + 1 + 1e-6);
@@ -656,6 +701,8 @@ static void wrong_units(void) {
   EXPECT(!system("vibrospice='" VS_PROGRAM "'; cp '" VS_TEST_FOLDER
                  "/../spice/halfwave_bare.cir' own.cir"),
          "no deck");
+  static const char *const NAME[] = {"no name"};
+  refuse("export own.yaml -o ./.fmu", "a unit without a name", "", NAME, __LINE__);
   write_file("decked.yaml", "circuit: {deck: own.cir}\n");
   refuse("export decked.yaml -o unit.fmu", "a deck of its own", "", DECK, __LINE__);
   refuse("export paper --with-program -o x.cir", "a netlist with a program", "", NETLIST, __LINE__);

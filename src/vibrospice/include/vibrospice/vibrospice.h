@@ -144,8 +144,9 @@ VIBROSPICE_API vibrospice_status vibrospice_inputs(vibrospice *run, const vibros
 /* Sets an input from the run's time on. An input that is to be set during the run has to be set
  * once before the run begins, to its initial value. A run in which no input is set is that of the
  * scene, to the bit. firing.angle is read at the rising zero crossing of the mains at which the
- * cycle of a firing begins, and holds for that firing; NaN leaves the firing out. The others act at
- * once. */
+ * cycle of a firing begins, and holds for that firing; NaN leaves the firing out. supply.frequency
+ * cannot change during the run, as its firings are counted in cycles of one length. The others act
+ * at once. A key that would change what was set as an input is refused. */
 VIBROSPICE_API vibrospice_status vibrospice_set_input(vibrospice *run, const char *name,
                                                       double value);
 
