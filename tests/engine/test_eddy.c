@@ -11,6 +11,7 @@
 #include "engine/sim.h"
 #include "measure/energy.h"
 #include "orbit/poincare_map.h"
+#include "orbit/sensitivity.h"
 #include "orbit/shooting.h"
 #include "orbit/steady.h"
 #include "plant/coil.h"
@@ -516,12 +517,41 @@ static void hottest(void) {
   }
 }
 
+/* To a key that moves the temperature that keeps itself, against two of these, 1 % apart; the
+ * search leaves each off by 1 mK. */
+static void sensitivity_of_warmth(void) {
+  static const char *const WINDING[] = {"actuator.winding={r_th: 5 K/W, ambient: 30 degC}",
+                                        "actuator.winding={r_th: 4.975 K/W, ambient: 30 degC}",
+                                        "actuator.winding={r_th: 5.025 K/W, ambient: 30 degC}"};
+  const vs_asked of = {"coil.t_max", {0}}, to = {"actuator.winding.r_th", {0}};
+  const vs_sensitivity_order order = {.of = &of, .to = &to, .n_of = 1, .n_to = 1, .periods = 1};
+  double value = NAN, degc[COUNT(WINDING)];
+  for (size_t k = 0; k < COUNT(WINDING); k++) {
+    const char *sets[] = {"firing.every=1", "firing.angle=130deg", WINDING[k], NULL};
+    vs_steady steady;
+    vs_sensitivity found;
+    vs_trial *t = vs_trial_read("paper", "switched", sets);
+    if (k == 0) {
+      EXPECT(!vs_sensitivity_find(&t->scene, &order, &found, &t->err), "%s", t->err.text);
+      if (found.entry) value = found.entry->value;
+      vs_sensitivity_free(&found);
+    }
+    EXPECT(!vs_steady_begin(&steady, &t->scene, 1, &t->err), "%s", t->err.text);
+    degc[k] = t->scene.setup.model.coil.heat.winding_degc;
+    vs_steady_end(&steady);
+    vs_trial_free(t);
+  }
+  CU_ASSERT(value > 0.1);
+  CLOSE_OF(value, (degc[2] - degc[1]) / degc[0] / 0.01, 1, 5e-3);
+}
+
 static const vs_test TESTS[] = {
     {"an impedance fitted", impedance_fitted},
     {"the winding's equilibrium", warmth},
     {"two bodies that warm up", warming},
     {"beyond linear iron", beyond_linear_iron},
     {"the warmest of a run", hottest},
+    {"derivatives of the equilibrium", sensitivity_of_warmth},
     {"the ladder's impedance", impedance},
     {"a slab", slab},
     {"an integrator of its own", own_integrator},
