@@ -57,11 +57,12 @@ static double contact_time(const vs_step *step) {
 
 vs_status vs_sim_refuse_endless(const vs_setup *setup, double step_s, vs_error *err) {
   double steps = setup->run.until_s / step_s;
-  return steps < 1e10 ? VS_OK
-                      : vs_fail(err, VS_INPUT,
-                                "run: %.2g steps of %.2g s would be needed to run.until; look at "
-                                "run.max_step and at masses, stiffness and damping",
-                                steps, step_s);
+  return steps < 1e10
+             ? VS_OK
+             : vs_fail(err, VS_INPUT,
+                       "run: %.2g steps of %.2g s would be needed to run.until; look at "
+                       "run.max_step and at masses, stiffness and damping%s",
+                       steps, step_s, setup->model.coil.rungs ? ", and at actuator.eddy" : "");
 }
 
 enum { MOST_AMPERES = 1000000 }; /* the coils that this model is for carry some amperes */

@@ -93,6 +93,8 @@ void vs_watchers_begin(vs_watchers *w, const vs_frame *frame, const vs_measure_s
   if (frame->deck) w->batch = vs_alloc(1, sizeof *w->batch);
   w->prompt = frame->timeline->program != NULL;
   w->energy.frame = frame;
+  w->heat = frame->model->coil.heat;
+  w->hottest_degc = w->heat.winding_degc;
 }
 
 bool vs_watchers_may_end_early(vs_watchers *w, const vs_swing_rest *rest,
@@ -108,12 +110,32 @@ static void look_at_batch(vs_watchers *w) {
   w->batch->count = 0;
 }
 
+/* The energies, and what the losses of the step make of the winding. */
+static void follow_energy(vs_watchers *w, const vs_step *step) {
+  const vs_winding_values *winding = &step->frame->model->actuator.winding;
+  const double *joule = w->energy.joule, copper_j = joule[VS_E_COPPER], eddy_j = joule[VS_E_EDDY],
+               by_s = step->to->t_s - step->from->t_s;
+  vs_energy_accept(&w->energy, step);
+  if (!winding->present || !(by_s > 0)) return;
+  vs_winding_go(winding, (joule[VS_E_COPPER] - copper_j) / by_s, (joule[VS_E_EDDY] - eddy_j) / by_s,
+                by_s, &w->heat);
+  w->hottest_degc = fmax(w->hottest_degc, w->heat.winding_degc);
+}
+
+/* lambda may turn between two knots. */
+static void follow_flux(vs_watchers *w, const vs_step *step) {
+  enum { PARTS = 8 };
+  const double from_s = step->from->t_s, part_s = (step->to->t_s - from_s) / PARTS;
+  for (int k = 0; k <= PARTS; k++)
+    w->flux_wb = fmax(w->flux_wb, fabs(vs_step_channel(step, from_s + k * part_s, VS_CH_LAMBDA)));
+}
+
 void vs_watchers_accept(vs_watchers *w, const vs_step *step) {
   /* From where the rest is left out on, only the books of energy go on: what is settled stays. */
   if (step->glides && !w->left) w->left_s = step->from->t_s;
   w->left = w->left || step->glides;
   if (w->left) {
-    vs_energy_accept(&w->energy, step);
+    follow_energy(w, step);
     return;
   }
 
@@ -122,7 +144,8 @@ void vs_watchers_accept(vs_watchers *w, const vs_step *step) {
   follow_absence(&w->absence, step);
   follow_sequence(&w->sequence, step);
   vs_measures_accept(w->measures, step);
-  vs_energy_accept(&w->energy, step);
+  if (!isnan(step->frame->model->actuator.linear_to_wb)) follow_flux(w, step);
+  follow_energy(w, step);
 
   /* Those that evaluate the deck's formulas look at some steps at a time, which costs less. */
   if (!w->batch) return;
@@ -160,11 +183,9 @@ void vs_watchers_finish(vs_watchers *w, double until_s, vs_value values[VS_MEASU
   values[VS_M_WORK_FORCE] = (vs_value){true, joule[VS_E_WORK], NAN};
   values[VS_M_ENERGY_RESIDUAL] = (vs_value){true, w->energy.worst, NAN};
   const vs_model *model = w->energy.frame->model;
-  vs_winding_state heat = model->coil.heat;
-  vs_winding_go(&model->actuator.winding, joule[VS_E_COPPER] / until_s, joule[VS_E_EDDY] / until_s,
-                until_s, &heat);
-  values[VS_M_COIL_T] =
-      (vs_value){true, fmax(heat.winding_degc, model->coil.heat.winding_degc), NAN};
+  const vs_winding_values *winding = &model->actuator.winding;
+  if (w->heat.settled || (winding->c_th[0] > 0 && winding->r_th[0] + winding->r_th[1] > 0))
+    values[VS_M_COIL_T] = (vs_value){true, w->hottest_degc, NAN};
 
   /* What the rest could have changed is not known. */
   for (int k = 0; w->left && k < VS_MEASURES; k++)

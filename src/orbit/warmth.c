@@ -181,7 +181,7 @@ vs_status vs_warmth_settle(vs_scene *scene, vs_scene *calm, int periods, vs_erro
   if (!status) {
     vs_coil *coil = &scene->setup.model.coil;
     coil->resistance_ohm = vs_winding_ohm(w, coil->cold_ohm, t_degc);
-    coil->heat = (vs_winding_state){t_degc, core_of(w, of)};
+    coil->heat = (vs_winding_state){t_degc, core_of(w, of), true};
   }
   return status;
 }

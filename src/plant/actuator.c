@@ -138,7 +138,8 @@ static const vs_field ACTUATOR[] = {
     {"saturation", VS_OPTION, "", "none", 0, 0, false, A_(saturation),
      "law reluctance: what the iron adds to the current", "none", &SATURATION},
     {"linear_to", VS_REAL, "Wb", "none", 0, 1e6, true, A_(linear_to_wb),
-     "flux linkage up to which the iron is known not to saturate; a run beyond it without "
+     "law reluctance: flux linkage up to which the iron is known not to saturate; a run beyond it "
+     "without "
      "`saturation` is warned of",
      "none", NULL},
     {"eddy", VS_OPTION, "", "none", 0, 0, true, A_(eddy),

@@ -347,7 +347,7 @@ static vs_status reluctance_build(const vs_actuator_values *v, const vs_node *ma
 const vs_law vs_reluctance_law = {.name = "reluctance",
                                   .text = "i = lambda z/(2a), F = lambda^2/(4a), with saturation "
                                           "and leakage where the scene has them",
-                                  .keys = "inductance|leakage|saturation",
+                                  .keys = "inductance|leakage|saturation|linear_to",
                                   .build = reluctance_build,
                                   .poles = true,
                                   .current = gap_current,

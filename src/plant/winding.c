@@ -10,7 +10,7 @@ double vs_winding_ohm(const vs_winding_values *w, double cold_ohm, double t_degc
 vs_winding_state vs_winding_begin(const vs_winding_values *w) {
   const double all = w->r_th[0] + w->r_th[1], share = all > 0 ? w->r_th[1] / all : 1;
   const double rise = w->temperature_degc - w->ambient_degc;
-  return (vs_winding_state){w->temperature_degc, w->ambient_degc + share * rise};
+  return (vs_winding_state){w->temperature_degc, w->ambient_degc + share * rise, false};
 }
 
 /* True where winding and core are one body. */

@@ -244,18 +244,33 @@ static bool hangs_on_letting_go(const vs_result *r, char *text, size_t size) {
 }
 
 /* True: the flux linkage was larger than the iron is known to be linear for, and the law has no
- * saturation. The largest force, lambda^2/(4a), tells it. */
+ * saturation. */
 static bool leaves_linear_iron(const vs_result *r, char *text, size_t size) {
-  const vs_model *m = &r->scene->setup.model;
-  const vs_value *force = &r->values[VS_M_FORCE_PEAK];
-  const double most_wb = m->actuator.linear_to_wb;
-  if (!m->coil.square || !force->known) return false;
-  const double flux_wb = sqrt(4 * m->coil.a_hm * fmax(force->value, 0));
-  if (!(flux_wb > most_wb)) return false;
+  const vs_actuator_values *a = &r->scene->setup.model.actuator;
+  const double most_wb = a->linear_to_wb, flux_wb = r->watchers.flux_wb;
+  if (a->saturation.present || !(flux_wb > most_wb)) return false;
   snprintf(text, size,
            "the flux linkage reaches %.4g Wb, and the iron is known to be linear up to %.4g Wb "
            "(actuator.linear_to): the current beyond is too small; give actuator.saturation",
            flux_wb, most_wb);
+  return true;
+}
+
+/* True: the winding became so much warmer or colder that its resistance, which a run keeps, would
+ * be another. */
+static bool warms_up(const vs_result *r, char *text, size_t size) {
+  static const double MUCH = 0.01;
+  const vs_model *m = &r->scene->setup.model;
+  const vs_winding_values *w = &m->actuator.winding;
+  const double from_degc = m->coil.heat.winding_degc, hot_degc = r->watchers.hottest_degc,
+               cold_degc = r->watchers.heat.winding_degc;
+  const double to_degc = hot_degc - from_degc > from_degc - cold_degc ? hot_degc : cold_degc;
+  const double more = vs_winding_ohm(w, m->coil.cold_ohm, to_degc) / m->coil.resistance_ohm - 1;
+  if (!w->present || !r->values[VS_M_COIL_T].known || !(fabs(more) > MUCH)) return false;
+  snprintf(text, size,
+           "the winding goes from %.4g to %.4g degC, where its resistance is %.2g %% %s, and the "
+           "run keeps that of the beginning: give actuator.winding.temperature, or take `steady`",
+           from_degc, to_degc, 100 * fabs(more), more > 0 ? "larger" : "smaller");
   return true;
 }
 
@@ -274,6 +289,7 @@ static void warn_after(const vs_result *r, bool of_firing,
   }
   if (hangs_on_letting_go(r, text, sizeof text)) each(ctx, text);
   if (leaves_linear_iron(r, text, sizeof text)) each(ctx, text);
+  if (warms_up(r, text, sizeof text)) each(ctx, text);
   const vs_devices *devices = r->watchers.devices;
   for (size_t k = 0; devices && k < devices->count; k++)
     if (vs_devices_fails_to_clear(devices, k, text, sizeof text)) each(ctx, text);

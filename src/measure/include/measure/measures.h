@@ -44,7 +44,7 @@
   X(VS_M_BOUNCE_TIME, "bounce_time", "s", "from the first contact to the last one")                \
   X(VS_M_BOUNCES, "bounces", "", "contacts behind the first one")                                  \
   X(VS_M_IMPACT_SPEED, "impact_speed", "m/s", "of the travel at the first contact")                \
-  X(VS_M_COIL_T, "coil.t_max", "degC", "highest temperature of the winding, by mean losses")
+  X(VS_M_COIL_T, "coil.t_max", "degC", "highest temperature of the winding, by its losses")
 
 /* VS_M_PULL_IN and the four after it are of a machine that pulls in alone (vs_model.pulls_in),
  * VS_M_COIL_T of one whose winding has a temperature. */

@@ -31,6 +31,9 @@ typedef struct vs_watchers {
   bool prompt;           /* set behind vs_watchers_begin: no step waits, as someone asks what was
                             seen of it, or as the scene's firings or events are decided on the way */
   vs_energy energy;
+  vs_winding_state heat; /* of the winding, by the losses so far */
+  double hottest_degc;
+  double flux_wb;         /* the largest |lambda| so far; kept where actuator.linear_to is given */
   vs_absence absence;
   double strays;          /* of the last step (engine/step.h) */
   vs_sequence sequence;   /* of the run's own firings and ends (engine/step.h) */

@@ -8,6 +8,7 @@
 
 typedef struct vs_winding_state {
   double winding_degc, core_degc;
+  bool settled; /* the losses keep these temperatures */
 } vs_winding_state;
 
 /* The coil's resistance at this temperature, ohm, from that at 20 degC. */
