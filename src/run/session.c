@@ -472,8 +472,8 @@ static bool compare_sequences(vs_result *r, const vs_result *second, bool mark) 
   return !name;
 }
 
-/* Runs the scene with its tolerance times the factor. `other` shares what the scene owns and is not
- * freed as a scene. A coarser run may spare the sub-pulses of gates. */
+/* Runs the scene, as `other`, with its tolerance times the factor. A coarser run may spare the
+ * sub-pulses of gates. */
 static vs_status run_with_factor(const vs_session *session, const vs_result *r, double factor,
                                  vs_scene *other, vs_result *second, vs_error *err) {
   const vs_session plain = {.stop = session->stop, .unguarded = session->unguarded};
@@ -486,45 +486,63 @@ static vs_status run_with_factor(const vs_session *session, const vs_result *r, 
   return status;
 }
 
-/* Runs the scene a second time and gives the margins their errors. A coarser run may fail by its
+/* A second run. Its scene shares what the first one's owns and is not freed as a scene. */
+typedef struct another {
+  vs_scene scene;
+  vs_result result;
+  vs_error why; /* it failed */
+  vs_status status;
+} another;
+
+static another *run_another(const vs_session *session, const vs_result *r, double factor) {
+  another *a = vs_alloc(1, sizeof *a);
+  a->status = run_with_factor(session, r, factor, &a->scene, &a->result, &a->why);
+  return a;
+}
+
+static void free_another(another *a) {
+  vs_result_free(&a->result);
+  free(a);
+}
+
+/* Returns the run that is to give the margins their errors. A coarser run may fail by its
  * coarseness alone: its steps made a thyristor fire by itself, and the armature met the pole cover.
  * So may its sequence of firings differ: a triac took up its recovery current for good, which lets
- * go at all finer tolerances. A finer one then takes its place. */
+ * go at all finer tolerances. A finer run then takes its place, unless it alone fails. */
+static another *find_second(const vs_session *session, vs_result *r) {
+  const bool coarser = r->scene->setup.run.tolerance <= COARSE;
+  another *a = run_another(session, r, coarser ? COARSER : 1 / COARSER);
+  if (!coarser) return a;
+  if (a->status ? a->status != VS_RUN : compare_sequences(r, &a->result, false)) return a;
+  another *finer = run_another(session, r, 1 / COARSER);
+  const bool keeps = !a->status && finer->status && finer->status != VS_SIGNAL;
+  free_another(keeps ? finer : a);
+  return keeps ? a : finer;
+}
+
+/* Runs the scene a second time and gives the margins their errors. */
 static void run_second(const vs_session *session, vs_result *r) {
-  const double own = r->scene->setup.run.tolerance;
-  const double factor = own > COARSE ? 1 / COARSER : COARSER;
-  vs_scene *other = vs_alloc(1, sizeof *other);
-  vs_result *second = vs_alloc(1, sizeof *second);
-  vs_error why = {0};
-  vs_status status = run_with_factor(session, r, factor, other, second, &why);
-  bool coarse = status == VS_RUN || (!status && !compare_sequences(r, second, false));
-  if (coarse && factor > 1) {
-    vs_result_free(second);
-    *second = (vs_result){0};
-    why = (vs_error){0};
-    status = run_with_factor(session, r, 1 / COARSER, other, second, &why);
-  }
-  r->second.tolerance = other->setup.run.tolerance;
-  r->second.wall_s = second->wall_s;
-  r->second.done = !status;
-  if (status == VS_SIGNAL) { /* the first run is whole: its lines stay unverified */
+  another *second = find_second(session, r);
+  r->second.tolerance = second->scene.setup.run.tolerance;
+  r->second.wall_s = second->result.wall_s;
+  r->second.done = !second->status;
+  if (second->status)
+    snprintf(r->second.failed, sizeof r->second.failed, "%.255s", second->why.text);
+  if (second->status == VS_SIGNAL) { /* the first run is whole: its lines stay unverified */
     r->second.stopped = true;
-    snprintf(r->second.failed, sizeof r->second.failed, "%.255s", why.text);
-  } else if (status) {
-    snprintf(r->second.failed, sizeof r->second.failed, "%.255s", why.text);
+  } else if (second->status) {
     for (size_t k = 0; k < r->verdict.count; k++) r->verdict.item[k].margin_error = INFINITY;
   } else {
-    double bound = fmax(r->watchers.absence.bound, second->watchers.absence.bound);
+    const double own = r->scene->setup.run.tolerance;
+    double bound = fmax(r->watchers.absence.bound, second->result.watchers.absence.bound);
     double resolution = RESOLUTION * own + bound;
-    vs_verdict_compare(&r->verdict, &second->verdict, r->scene->frame.deck, resolution,
+    vs_verdict_compare(&r->verdict, &second->result.verdict, r->scene->frame.deck, resolution,
                        resolution_of_rates(own) * resolution);
-    compare_sequences(r, second, true);
+    compare_sequences(r, &second->result, true);
     r->second.decides = deciding_tolerance(r);
-    if (r->scene->setup.run.verify == VS_VERIFY_ALWAYS) tell_unsure(r, second);
+    if (r->scene->setup.run.verify == VS_VERIFY_ALWAYS) tell_unsure(r, &second->result);
   }
-  vs_result_free(second);
-  free(second);
-  free(other);
+  free_another(second);
 }
 
 /* ---- what it takes ---- */
