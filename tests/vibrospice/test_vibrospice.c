@@ -701,7 +701,7 @@ static void wrong_units(void) {
   EXPECT(!system("vibrospice='" VS_PROGRAM "'; cp '" VS_TEST_FOLDER
                  "/../spice/halfwave_bare.cir' own.cir"),
          "no deck");
-  static const char *const NAME[] = {"no name"};
+  static const char *const NAME[] = {"no name", "FILE.fmu"};
   refuse("export own.yaml -o ./.fmu", "a unit without a name", "", NAME, __LINE__);
   write_file("decked.yaml", "circuit: {deck: own.cir}\n");
   refuse("export decked.yaml -o unit.fmu", "a deck of its own", "", DECK, __LINE__);
