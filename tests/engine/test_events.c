@@ -674,7 +674,7 @@ static void bad_input(void) {
        "s.yaml:2:10: ", "events.e: the deck has no port gate+180deg"},
       {"{e: {kind: open, at: 1 ms, element: R7}}",
        "s.yaml:2:10: ", "no element 'R7'; did you mean"},
-      {"{e: {kind: open, at: 1 ms, element: Xthy}}", "s.yaml:2:10: ", "no element of two nodes"},
+      {"{e: {kind: open, at: 1 ms, element: Xgate}}", "s.yaml:2:10: ", "no element of two nodes"},
       {"{a: {kind: sag, at: 1 ms}, b: {kind: sag, at: 3 ms}}",
        "s.yaml:2:36: ", "it clashes with events.a: at the same time"},
       {"{a: {kind: weak_pulse, cycle: 1}, b: {kind: missing_pulse, cycle: 1}}",
