@@ -72,8 +72,10 @@ static void listed_and_cut(void) {
  * goes on. */
 static void any_part(void) {
   static const char *const WORDS[] = {"R1", "C1", "R2", "C2", "Xthy"};
-  study *s = good_study("scene: paper\nset: {circuit.deck: halfwave_snubbed, run.until: 45 ms}\n"
-                        "threats: {broken: {kind: short, element: any, from: start}}\n");
+  study *s =
+      good_study("scene: paper\nset: {circuit.deck: halfwave_snubbed, circuit.thyristor: TYN1212, "
+                 "run.until: 45 ms}\n"
+                 "threats: {broken: {kind: short, element: any, from: start}}\n");
   const vs_axis *axis = &s->plan.axes[axis_of(&s->plan, "threat.element")];
   CU_ASSERT_EQUAL(axis->n_values, COUNT(WORDS));
   for (size_t k = 0; k < COUNT(WORDS); k++) {
