@@ -111,12 +111,16 @@ static void look_at_batch(vs_watchers *w) {
 }
 
 /* The energies, and what the losses of the step make of the winding. */
-static void follow_energy(vs_watchers *w, const vs_step *step) {
+static inline void follow_energy(vs_watchers *w, const vs_step *step) {
   const vs_winding_values *winding = &step->frame->model->actuator.winding;
+  if (!winding->present) {
+    vs_energy_accept(&w->energy, step);
+    return;
+  }
   const double *joule = w->energy.joule, copper_j = joule[VS_E_COPPER], eddy_j = joule[VS_E_EDDY],
                by_s = step->to->t_s - step->from->t_s;
   vs_energy_accept(&w->energy, step);
-  if (!winding->present || !(by_s > 0)) return;
+  if (!(by_s > 0)) return;
   vs_winding_go(winding, (joule[VS_E_COPPER] - copper_j) / by_s, (joule[VS_E_EDDY] - eddy_j) / by_s,
                 by_s, &w->heat);
   w->hottest_degc = fmax(w->hottest_degc, w->heat.winding_degc);
