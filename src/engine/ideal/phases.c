@@ -714,7 +714,7 @@ const vs_tier_key vs_phases_keys[] = {
 vs_status vs_phases_run(const vs_setup *setup, const vs_run_order *order, const vs_frame *frame,
                         const vs_observer *observer, vs_error *err) {
   const vs_model *m = &setup->model;
-  double until = setup->run.until_s, tolerance = setup->run.tolerance;
+  double until = setup->run.until_s, tolerance = setup->run.tolerance, fired_s = -INFINITY;
   phases p = {.setup = setup,
               .observer = observer,
               .early_end = order ? order->early_end : NULL,
@@ -743,6 +743,10 @@ vs_status vs_phases_run(const vs_setup *setup, const vs_run_order *order, const 
      * others just before. */
     if (fires <= t + (p.disturbed ? 0 : 1e-10 * setup->timeline.period_s)) {
       status = look_at_fading(&p, true, err);
+      if (!status && m->coil.eddies && t - fired_s <= 1e-12 * setup->timeline.period_s)
+        status =
+            vs_fail(err, VS_RUN, "t = %.9g s: eddy currents put the thyristor out as it fires", t);
+      fired_s = t;
       if (!status)
         status = change_phase(&p, true, p.driven.touched, p.valve ? VS_EV_FIRES : VS_EV_NONE, err);
     } else
