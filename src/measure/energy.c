@@ -150,7 +150,7 @@ static double damping_power(const vs_energy *e, const double *v) {
 
 /* Adds what the channels y at one instant bring, which stands for w seconds. */
 static void add_energy_instant(vs_energy *e, const double *y, double w, bool flows) {
-  const vs_model *m = e->frame->model;
+  const vs_model *m = e->model;
   const double *v = y + vs_channel_rates(m);
   double at = y[VS_CH_TRAVEL], g_rate = vs_mechanics_travel(m, v);
   unsigned touched = vs_stops_touched(&m->stops, at);

@@ -318,6 +318,7 @@ typedef struct phases {
   double negligible;         /* how much a series may leave out, relative to what is large */
   vs_propagator propagator;  /* for steps of longest_s */
   vs_propagator_memo *memo;  /* the order's */
+  const vs_warming *warming; /* likewise */
   vs_taylor series;          /* from the last knot on */
   bool by_series;            /* the series is Taylor's; else runge_kutta.c makes it */
   vs_runge_kutta general;
@@ -419,6 +420,11 @@ static vs_status change_phase(phases *p, bool conducting, unsigned touched, vs_e
   y[VS_FLUX] = conducting || fades ? k->flux_wb : 0;
   if (p->driven.fades && conducting) y[VS_FLUX] = still_flux(p, k);
   for (int n = 0; n < VS_MOST_RUNGS; n++) y[VS_PSI + n] = conducting || fades ? k->psi_wb[n] : 0;
+  if (p->warming && conducting && !p->driven.conducting) {
+    vs_coil *coil = &p->warming->model->coil;
+    coil->resistance_ohm =
+        vs_winding_ohm(&m->actuator.winding, coil->cold_ohm, p->warming->heat->winding_degc);
+  }
   if (!p->driven.conducting || !conducting || p->disturbed) {
     p->began_s = k->t_s;
     p->since_s = 0;
@@ -719,6 +725,7 @@ vs_status vs_phases_run(const vs_setup *setup, const vs_run_order *order, const 
               .observer = observer,
               .early_end = order ? order->early_end : NULL,
               .memo = order ? order->memo : NULL,
+              .warming = order ? order->warming : NULL,
               .frame = *frame,
               .rough = fmin(ROUGH * tolerance, m->coil.eddies ? ROUGHEST_EDDY : ROUGHEST)};
   p.negligible = (m->coil.eddies ? LEFT_OUT_EDDY : LEFT_OUT) * p.rough;
@@ -726,6 +733,7 @@ vs_status vs_phases_run(const vs_setup *setup, const vs_run_order *order, const 
   p.by_series = m->plain && !setup->timeline.supply.direct;
   p.disturbed = setup->timeline.events.count > 0;
   p.jams_s = vs_setup_jams(setup);
+  if (p.warming) p.frame.model = p.warming->model;
   p.driven = (vs_driven){.frame = &p.frame};
   p.knots[0] = vs_sim_start(setup, &p.frame);
   p.driven.touched = vs_stops_touched(&m->stops, vs_mechanics_travel(m, p.knots[0].x));
