@@ -103,6 +103,15 @@ bool vs_watchers_may_end_early(vs_watchers *w, const vs_swing_rest *rest,
   return are_all_settled(&w->settled, wanted);
 }
 
+/* True where the step brings what is told of the run: no step waits behind that. */
+static bool is_told(const vs_step *step) {
+  const vs_events *events = &step->frame->timeline->events;
+  bool told = step->event[0] != VS_EV_NONE || step->event[1] != VS_EV_NONE;
+  for (size_t k = 0; k < events->count && !told; k++)
+    told = events->item[k].start_s >= step->from->t_s && events->item[k].start_s < step->to->t_s;
+  return told;
+}
+
 /* Shows the steps that wait. */
 static void look_at_batch(vs_watchers *w) {
   vs_devices_follow(w->devices, w->batch);
@@ -152,7 +161,7 @@ void vs_watchers_accept(vs_watchers *w, const vs_step *step) {
   if (!w->began) vs_devices_begin(w->devices, step);
   w->began = true;
   vs_batch_take(w->batch, step);
-  if (w->prompt || vs_energy_is_due(&w->energy)) look_at_batch(w);
+  if (w->prompt || vs_energy_is_due(&w->energy) || is_told(step)) look_at_batch(w);
 }
 
 /* What is no more than the rounding of what it was made of is told as 0, by all who tell it. */
@@ -171,7 +180,10 @@ static void round_off_watched(vs_watchers *w, vs_value values[VS_MEASURES]) {
 void vs_watchers_finish(vs_watchers *w, double until_s, vs_value values[VS_MEASURES]) {
   /* What waits is looked at; then each completes what only the end of the run tells. */
   end_absence(&w->absence, until_s);
-  if (w->batch && w->batch->count) look_at_batch(w);
+  if (w->batch && w->batch->count)
+    look_at_batch(w);
+  else if (w->devices)
+    w->devices->n_incidents = 0;
   vs_measures_finish(w->measures, values);
   vs_energy_finish(&w->energy);
   round_off_watched(w, values);
