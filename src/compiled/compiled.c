@@ -242,22 +242,19 @@ static void go_on_in_map(compiled *c) {
 
 /* ---- branches ---- */
 
-static bool asks_at(compiled *c, double part) {
-  vs_rodas_dense(&c->r, part, c->between);
-  return vs_equations_choose(&c->e, c->between, true);
-}
-
 /* The part of the step at which a branch or a switch first wants to be another; 2: none does. */
 static double changes_at(compiled *c) {
   double low = 0, high = 0.5;
-  if (!asks_at(c, high)) {
+  vs_rodas_dense(&c->r, high, c->between);
+  if (!vs_equations_choose(&c->e, c->between, true)) {
     low = high;
     high = 1;
     if (!vs_equations_choose(&c->e, c->r.next, true)) return 2;
   }
   while (high - low > 1e-9) {
     const double middle = (low + high) / 2;
-    *(asks_at(c, middle) ? &high : &low) = middle;
+    vs_rodas_dense(&c->r, middle, c->between);
+    *(vs_equations_still_asks(&c->e, c->between) ? &high : &low) = middle;
   }
   return high;
 }

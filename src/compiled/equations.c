@@ -315,8 +315,17 @@ void vs_equations_turn(vs_equations *e, int device, const double *y) {
 
 bool vs_equations_choose(vs_equations *e, const double *y, bool only_ask) {
   bool other = false;
-  for (int k = 0; k < e->devices; k++) other = choose_of(&e->device[k], y, only_ask) || other;
+  for (vs_compiled_device *d = e->device, *end = d + e->devices; d < end; d++) {
+    d->asks = choose_of(d, y, only_ask);
+    other = other || d->asks;
+  }
   return other;
+}
+
+bool vs_equations_still_asks(vs_equations *e, const double *y) {
+  for (vs_compiled_device *d = e->device, *end = d + e->devices; d < end; d++)
+    if (d->asks && choose_of(d, y, true)) return true;
+  return false;
 }
 
 /* ---- the pattern ---- */
