@@ -294,6 +294,14 @@ static void machine_rates(void *ctx, const double *x, double flux_wb, double *ra
   vs_trajectory_rates(&c->trajectory, x, flux_wb, rate);
 }
 
+/* The force hangs on the flux linkage alone, and the armature is in no stop and not held. */
+static const void *machine_law(void *ctx, const double *x) {
+  const vs_trajectory *t = &((const coupling *)ctx)->trajectory;
+  const vs_model *m = t->motion.model;
+  const bool free = !t->jammed && !vs_stops_touched(&m->stops, vs_mechanics_travel(m, x));
+  return m->coil.square && free ? m : NULL;
+}
+
 static bool machine_port(void *ctx, size_t port, const double *x, double *value) {
   const coupling *c = ctx;
   const vs_model *m = c->trajectory.frame.model;
@@ -415,6 +423,7 @@ static vs_status run_solver(coupling *c, vs_error *err) {
                                             .flux = VS_SIG_FLUX,
                                             .state = machine_state,
                                             .rates = machine_rates,
+                                            .linear = machine_law,
                                             .port = machine_port},
                                 .map = c->order->pilot ? &c->order->pilot->map : NULL};
   char **netlist = NULL;

@@ -60,6 +60,8 @@ typedef struct vs_circuit_machine {
   void (*state)(void *ctx, double *x);
   /* x' at x and a flux linkage. */
   void (*rates)(void *ctx, const double *x, double flux_wb, double *rate);
+  /* Where x' is linear in x, the same as long as this is the same; NULL: it is not, there. */
+  const void *(*linear)(void *ctx, const double *x);
   /* What a port is that hangs on x alone, V; false: the port hangs on something else. */
   bool (*port)(void *ctx, size_t port, const double *x, double *value);
 } vs_circuit_machine;
