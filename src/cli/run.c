@@ -172,10 +172,10 @@ static bool is_told_by_devices(const vs_devices *devices, vs_event event) {
  * before the last one, or in that. They look where the step has an event of its own. */
 static void write_incidents(const audience *a, const vs_watchers *w, bool last) {
   const vs_devices *d = w->devices;
-  if (!a->events.stream || !d || w->batch->count) return;
+  if (!a->events.stream || !d) return;
   for (size_t k = 0; k < d->n_incidents; k++) {
     const vs_incident *i = &d->incidents[k];
-    if ((i->step == d->steps - 1) != last) continue;
+    if ((i->step >= d->here) != last) continue;
     fprintf(a->events.stream, "%.*g,%s %s\n", a->options->digits, i->at_s, i->device, i->what);
   }
 }

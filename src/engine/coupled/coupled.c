@@ -121,6 +121,20 @@ static vs_status accept_coupled_step(void *ctx, double solver_s, const double *s
   return vs_solver_switch_consider(&c->solver_switch, signals, err);
 }
 
+/* An instant within a step that the solver has accepted, by its clock. Whoever looks at the
+ * solver's own steps, or may change what is to come, is shown a step that ends there. */
+static bool pass_coupled_step(void *ctx, double solver_s, const double *signals) {
+  coupling *c = ctx;
+  const bool each = c->order->look || c->order->fork || c->settling.on ||
+                    c->solver_switch.follows || c->setup->timeline.program;
+  vs_knot *part = each ? NULL : vs_trajectory_part(&c->trajectory);
+  if (!part) return false;
+  part->t_s = run_time(c, solver_s);
+  vs_signal_map_take_coil(signals, part);
+  vs_signal_map_take_terms(&c->setup->deck, signals, part);
+  return vs_trajectory_pass(&c->trajectory);
+}
+
 /* ---- what a step consists of ---- */
 
 static double run_time(const coupling *c, double solver_s) {
@@ -416,6 +430,7 @@ static vs_status run_solver(coupling *c, vs_error *err) {
                                 .edge = next_breakpoint,
                                 .longest = longest_step,
                                 .accept = accept_coupled_step,
+                                .passes = pass_coupled_step,
                                 .enough = run_is_complete,
                                 .clock = run_time_of_solver,
                                 .hides = step_is_hidden,

@@ -137,7 +137,7 @@ vs_devices *vs_devices_new(const vs_frame *frame) {
   d->frame = frame;
   d->count = count;
   d->watch = vs_alloc(count, sizeof *d->watch);
-  d->incidents = vs_alloc(count * EACH * VS_BATCH_STEPS, sizeof *d->incidents);
+  d->incidents = vs_alloc(2 * count * EACH * VS_BATCH_STEPS, sizeof *d->incidents);
   d->began_s = NAN;
   d->means = frame->means;
   if (!(d->means.to_s > 0)) d->means = (vs_span_s){0, INFINITY};
@@ -262,7 +262,7 @@ static void follow_means(const vs_devices *d, vs_watched *w, const vs_course_ste
 /* ---- step by step ---- */
 
 static void add_incident(vs_devices *d, double at_s, const vs_watched *w, const char *what) {
-  const vs_incident one = {d->steps, (size_t)(w - d->item), at_s, w->device->name, what};
+  const vs_incident one = {d->step, (size_t)(w - d->item), at_s, w->device->name, what};
   size_t n = d->n_incidents++;
   for (; n; n--) { /* devices are followed one by one */
     const vs_incident *before = &d->incidents[n - 1];
@@ -459,7 +459,7 @@ static void follow_steps(vs_devices *d, size_t k, const vs_batch *b, const vs_co
       c.to[of] = all->of[of][n][1];
     }
     for (int of = VS_OF_V; of < VS_COURSES; of++) c.more[of] = all->more[of][n];
-    d->steps = n;
+    d->step = d->followed + n;
     follow_step_of_device(d, k, &c);
   }
 }
@@ -477,13 +477,17 @@ static void follow_device(vs_devices *d, size_t k, const vs_batch *b) {
     if (of != VS_OF_FLUX || d->watch[k].flux.formula) w->last[of] = c.of[of][last][1];
 }
 
+void vs_devices_tell_anew(vs_devices *d) {
+  if (d) d->n_incidents = d->followed = d->here = 0;
+}
+
 void vs_devices_follow(vs_devices *d, const vs_batch *b) {
   if (!d) return;
-  d->n_incidents = 0;
   for (int others = 0; others < 2; others++) /* what ends by a fuse asks when that melted */
     for (size_t k = 0; k < d->count; k++)
       if (d->item[k].device->kind->melts != others) follow_device(d, k, b);
-  d->steps = b->count;
+  d->here = d->followed + b->last;
+  d->followed += b->count;
   d->now_s = b->t1_s[b->count - 1];
 }
 

@@ -96,6 +96,10 @@ typedef struct vs_circuit_host {
   double (*longest)(void *ctx, double t_s);
   /* Told of each accepted step. A status other than VS_OK ends the run, which then returns it. */
   vs_status (*accept)(void *ctx, double t_s, const double *signals, vs_error *err);
+  /* Told, in their order, of instants within a step that is accepted, between which the signals run
+   * nearly straight. False: accept() is to be told of this one, as of a step's end. NULL: so it is
+   * of each. */
+  bool (*passes)(void *ctx, double t_s, const double *signals);
   /* Asked after each accepted step: true ends the run there, with VS_OK. NULL: never. */
   bool (*enough)(void *ctx);
   /* What the host's own clock shows at t_s; messages and the rawfile have it. NULL: t_s. */
