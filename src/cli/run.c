@@ -168,6 +168,18 @@ static bool is_told_by_devices(const vs_devices *devices, vs_event event) {
   return devices && devices->tells && (event == VS_EV_FIRES || event == VS_EV_EXTINCT);
 }
 
+/* Writes what happened to the devices in the steps that the watchers have looked at: in those
+ * before the last one, or in that. They look where the step has an event of its own. */
+static void write_incidents(const audience *a, const vs_watchers *w, bool last) {
+  const vs_devices *d = w->devices;
+  if (!a->events.stream || !d) return;
+  for (size_t k = 0; k < d->n_incidents; k++) {
+    const vs_incident *i = &d->incidents[k];
+    if ((i->step >= d->here) != last) continue;
+    fprintf(a->events.stream, "%.*g,%s %s\n", a->options->digits, i->at_s, i->device, i->what);
+  }
+}
+
 static vs_status accept_step_for_files(void *ctx, const vs_step *step, const vs_result *result,
                                        vs_error *err) {
   static const char *const WHAT[] = {[VS_EV_FIRES] = "thyristor fires",
@@ -187,6 +199,7 @@ static vs_status accept_step_for_files(void *ctx, const vs_step *step, const vs_
   a->table.measures = result->watchers.measures;
   if (a->table.between) status = vs_table_accept(&a->table, step, err);
   const vs_devices *devices = result->watchers.devices;
+  write_incidents(a, &result->watchers, false);
   for (int k = 0; a->events.stream && k < 2; k++)
     if (step->event[k] != VS_EV_NONE && !is_told_by_devices(devices, step->event[k]))
       fprintf(a->events.stream, "%.*g,%s\n", a->options->digits, step->event_s[k],
@@ -196,10 +209,7 @@ static vs_status accept_step_for_files(void *ctx, const vs_step *step, const vs_
     if (events->item[k].start_s >= step->from->t_s && events->item[k].start_s < step->to->t_s)
       fprintf(a->events.stream, "%.*g,%s begins (%s)\n", a->options->digits,
               events->item[k].start_s, events->item[k].name, events->item[k].kind->name);
-  for (size_t k = 0; a->events.stream && devices && k < devices->n_incidents; k++) {
-    const vs_incident *i = &devices->incidents[k];
-    fprintf(a->events.stream, "%.*g,%s %s\n", a->options->digits, i->at_s, i->device, i->what);
-  }
+  write_incidents(a, &result->watchers, true);
   print_progress(a, step->to->t_s, result->steps);
   return status;
 }
@@ -505,8 +515,7 @@ static vs_status judge_corners(const vs_corners *c, vs_error *err) {
 vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scene *scene,
                        vs_error *err) {
   audience a = {.options = o, .more = more, .show_progress = !o->quiet && isatty(STDERR_FILENO)};
-  const vs_session_listener guest = {&a, begin_files, accept_step_for_files, drop_attempt,
-                                     !o->folder};
+  const vs_session_listener guest = {&a, begin_files, accept_step_for_files, drop_attempt, true};
   const vs_session session = {.guest = &guest, .verify = true, .stop = o->stop};
   vs_result *result = vs_alloc(1, sizeof *result);
   vs_text json = {0};
@@ -516,6 +525,7 @@ vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scen
   vs_status status = vs_steady_run(&session, scene, result, err);
   vs_shutdown_mode_set(VS_SHUTDOWN_WHEN_KEPT);
   end_progress(&a);
+  for (int last = 0; last < 2 && !status; last++) write_incidents(&a, &result->watchers, last);
   result->corners = o->judged;
   vs_causes *causes = NULL;
   if (!status && o->why && result->verdict.count)

@@ -64,13 +64,15 @@ static double signal_at(const compiled *c, size_t k, double part) {
   return u < 0 ? 0 : part == 1 ? c->r.next[u] : vs_rodas_dense_of(&c->r, u, part);
 }
 
-/* Shows what holds at a part of the step of h that was tried. */
+/* Shows what holds at a part of the step of h that was tried: 1 is its end. */
 static vs_status show_instant(compiled *c, double h, double part, vs_error *err) {
   for (size_t k = 0; k < c->job->n_signals; k++) {
     c->shown[k] = c->signal[k] == -2 ? NAN : signal_at(c, k, part);
     if (fabs(c->shown[k]) > c->most[k]) c->most[k] = fabs(c->shown[k]);
   }
-  return c->host->accept(c->host->ctx, c->r.t_s + part * h, c->shown, err);
+  const double t_s = c->r.t_s + part * h;
+  if (part < 1 && c->host->passes && c->host->passes(c->host->ctx, t_s, c->shown)) return VS_OK;
+  return c->host->accept(c->host->ctx, t_s, c->shown, err);
 }
 
 /* The host takes signals for straight lines between what it is shown, but the flux linkage for a
@@ -242,22 +244,19 @@ static void go_on_in_map(compiled *c) {
 
 /* ---- branches ---- */
 
-static bool asks_at(compiled *c, double part) {
-  vs_rodas_dense(&c->r, part, c->between);
-  return vs_equations_choose(&c->e, c->between, true);
-}
-
 /* The part of the step at which a branch or a switch first wants to be another; 2: none does. */
 static double changes_at(compiled *c) {
   double low = 0, high = 0.5;
-  if (!asks_at(c, high)) {
+  vs_rodas_dense(&c->r, high, c->between);
+  if (!vs_equations_choose(&c->e, c->between, true)) {
     low = high;
     high = 1;
     if (!vs_equations_choose(&c->e, c->r.next, true)) return 2;
   }
   while (high - low > 1e-9) {
     const double middle = (low + high) / 2;
-    *(asks_at(c, middle) ? &high : &low) = middle;
+    vs_rodas_dense(&c->r, middle, c->between);
+    *(vs_equations_still_asks(&c->e, c->between) ? &high : &low) = middle;
   }
   return high;
 }

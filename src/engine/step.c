@@ -284,12 +284,22 @@ static void put_outputs(const vs_model *m, double *y) {
     y[vs_channel_probes(m) + n] = vs_formula_value(&m->machine->probes[n].of, y);
 }
 
-static void put_probes(const vs_step *step, double s, double *y) {
+/* The piece in which an instant is; *s: how far into it, 0..1. */
+static inline vs_piece piece_at(const vs_step *step, double t_s, double *s) {
+  int k = 0;
+  while (k < step->parts && step->part[k].t_s < t_s) k++;
+  const vs_piece p = vs_step_piece(step, k);
+  const double h = p.to->t_s - p.from->t_s;
+  *s = h > 0 ? (t_s - p.from->t_s) / h : 1;
+  return p;
+}
+
+static void put_probes(const vs_step *step, const vs_piece *p, double s, double *y) {
   const vs_deck *deck = step->frame->deck;
   size_t first = (size_t)vs_channel_deck(step->frame->model);
   for (size_t n = 0; deck && n < deck->n_probes; n++) {
     const vs_probe *probe = &deck->probes[n];
-    double from = step->from->terms[probe->term], to = step->to->terms[probe->term];
+    double from = p->from->terms[probe->term], to = p->to->terms[probe->term];
     y[first + n] = probe->sign * line(from, to, s);
   }
 }
@@ -310,14 +320,16 @@ static inline __attribute__((always_inline)) void groups_at(const vs_step *step,
   y[VS_CH_TRAVEL] = vs_mechanics_travel(m, q);
   y[VS_CH_Z] = vs_coil_gap(&m->coil, y[VS_CH_TRAVEL]);
   put_flux(step, at, &w, y);
-  y[VS_CH_I_MAINS] = coil ? y[VS_CH_I] : line(a->i_mains_a, b->i_mains_a, s);
+  double of_piece;
+  const vs_piece p = piece_at(step, t_s, &of_piece);
+  y[VS_CH_I_MAINS] = coil ? y[VS_CH_I] : line(p.from->i_mains_a, p.to->i_mains_a, of_piece);
   if (groups & VS_GROUP_V_EVA)
     y[VS_CH_V_EVA] = coil ? m->coil.resistance_ohm * y[VS_CH_I] + flux_rate(step, at, &slope)
-                          : line(a->v_eva_v, b->v_eva_v, s);
+                          : line(p.from->v_eva_v, p.to->v_eva_v, of_piece);
   if (groups & VS_GROUP_V_MAINS) y[VS_CH_V_MAINS] = vs_timeline_voltage(step->frame->timeline, t_s);
   if (groups & VS_GROUP_ACCELERATIONS) put_accelerations(step, y);
   if (groups & VS_GROUP_MACHINE) put_outputs(m, y);
-  if (groups & VS_GROUP_DECK) put_probes(step, s, y);
+  if (groups & VS_GROUP_DECK) put_probes(step, &p, of_piece, y);
 }
 
 void vs_step_groups_at(const vs_step *step, double t_s, unsigned groups, double *y) {

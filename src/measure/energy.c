@@ -135,9 +135,9 @@ static void add_loss(vs_energy *e, size_t n, const vs_batch *b) {
   }
 }
 
-void vs_energy_take_losses(vs_energy *e, const vs_batch *b) {
+void vs_energy_take_losses(vs_energy *e, const vs_batch *b, bool all) {
   for (size_t n = 0; n < e->frame->deck->losses.count; n++) add_loss(e, n, b);
-  if (vs_energy_is_due(e)) take_stock(e);
+  if (all && vs_energy_is_due(e)) take_stock(e);
 }
 
 /* q'.B q', W. */
@@ -199,7 +199,7 @@ static bool is_far(const vs_step *step) {
 
 static void integrate_energies(vs_energy *e, const vs_step *step, bool flows) {
   unsigned groups = VS_GROUP_VELOCITIES | (flows ? VS_GROUP_V_EVA | VS_GROUP_V_MAINS : 0);
-  const int g = step->cubic_flux ? 0 : 1, parts = parts_of(step);
+  const int g = step->cubic_flux && !step->parts ? 0 : 1, parts = parts_of(step);
   double h = (step->to->t_s - step->from->t_s) / parts, y[VS_CH_MOST];
   if (step->open) { /* no current, and so no power */
     groups = VS_GROUP_VELOCITIES;

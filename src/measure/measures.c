@@ -297,28 +297,25 @@ double vs_measures_slack(const vs_measures *m, const vs_rating *r) {
 }
 
 /* Notes when the probe of a rating first leaves the rating's range. */
-static void follow_rating(vs_measures *m, size_t k) {
+static void follow_rating(vs_measures *m, size_t k, vs_piece p) {
   const vs_rating *r = &m->frame->deck->ratings[k];
   const vs_probe *probe = &m->frame->deck->probes[r->probe];
-  const vs_kept_step *s = &m->kept[m->last];
-  double before = probe->sign * s->from.terms[probe->term];
-  double now = probe->sign * s->to.terms[probe->term];
+  double before = probe->sign * p.from->terms[probe->term];
+  double now = probe->sign * p.to->terms[probe->term];
   if (!isnan(m->passed_s[k]) || (now <= r->max && now >= r->min)) return;
   double end = now > r->max ? r->max : r->min;
   if (end == 0 && fabs(now) <= vs_measures_slack(m, r)) return;
   double part = (end - before) / (now - before);
-  m->passed_s[k] = s->from.t_s + fmin(fmax(part, 0), 1) * (s->to.t_s - s->from.t_s);
+  m->passed_s[k] = p.from->t_s + fmin(fmax(part, 0), 1) * (p.to->t_s - p.from->t_s);
 }
 
 static double largest_size(const vs_followed *f) {
   return fmax(fabs(f->end[0].best.value), fabs(f->end[1].best.value));
 }
 
-/* Follows a channel's extremes, and notes when it first leaves its range: on the straight line
- * between the step's ends where it does so there, else at the extreme inside the step. */
+/* Follows a channel's extremes, and notes when it first leaves its range: on the straight line over
+ * a piece of the step where it does so there, else at the extreme inside the step. */
 static void follow_channel(vs_followed *f, const vs_step *step, double tolerance) {
-  const double from = vs_step_channel(step, step->from->t_s, f->channel),
-               now = vs_step_channel(step, step->to->t_s, f->channel);
   for (int k = 0; k < 2; k++) vs_extreme_follow_any(&f->end[k], step);
   if (!isnan(f->passed_s)) return;
   const double range = f->max - f->min,
@@ -327,11 +324,16 @@ static void follow_channel(vs_followed *f, const vs_step *step, double tolerance
   const bool above = f->end[1].best.value > most;
   if (!above && f->end[0].best.value >= least) return;
   const double end = above ? f->max : f->min;
-  if (above ? now > end : now < end)
-    f->passed_s = step->from->t_s +
-                  fmin(fmax((end - from) / (now - from), 0), 1) * (step->to->t_s - step->from->t_s);
-  else
-    f->passed_s = f->end[above].best.at_s;
+  f->passed_s = f->end[above].best.at_s;
+  for (int k = 0; k <= step->parts; k++) {
+    const vs_piece p = vs_step_piece(step, k);
+    const double from = vs_step_channel(step, p.from->t_s, f->channel),
+                 now = vs_step_channel(step, p.to->t_s, f->channel);
+    if (!(above ? now > end : now < end)) continue;
+    f->passed_s =
+        p.from->t_s + fmin(fmax((end - from) / (now - from), 0), 1) * (p.to->t_s - p.from->t_s);
+    return;
+  }
 }
 
 static bool swings_freely(const vs_measures *m, double t_s) {
@@ -407,6 +409,7 @@ static void keep_step(vs_measures *m, const vs_step *step) {
   kept->step = *step;
   kept->step.from = &kept->from;
   kept->step.to = &kept->to;
+  kept->step.parts = 0;
   m->travel_m[0] =
       m->steps == 1 ? vs_mechanics_travel(m->frame->model, step->from->x) : m->travel_m[1];
   m->travel_m[1] = vs_mechanics_travel(m->frame->model, step->from->x);
@@ -424,7 +427,8 @@ void vs_measures_accept(vs_measures *m, const vs_step *step) {
   for (int k = m->of_travel; k < m->of_probes; k++)
     vs_extreme_follow(&m->extremes[k], step, m->jammed);
   if (m->frame->deck) vs_extreme_follow_probes(&m->extremes[m->of_probes], step);
-  for (size_t k = 0; m->frame->deck && k < m->frame->deck->n_ratings; k++) follow_rating(m, k);
+  for (size_t k = 0; m->frame->deck && k < m->frame->deck->n_ratings; k++)
+    for (int n = 0; n <= step->parts; n++) follow_rating(m, k, vs_step_piece(step, n));
   for (size_t k = 0; k < m->n_followed; k++)
     follow_channel(&m->followed[k], step, m->frame->tolerance);
   if (m->no_turns) return;

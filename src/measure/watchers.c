@@ -114,10 +114,19 @@ bool vs_watchers_may_end_early(vs_watchers *w, const vs_swing_rest *rest,
   return are_all_settled(&w->settled, wanted);
 }
 
-/* Shows the steps that wait. */
-static void look_at_batch(vs_watchers *w) {
+/* True where the step brings what is told of the run: no step waits behind that. */
+static bool is_told(const vs_step *step) {
+  const vs_events *events = &step->frame->timeline->events;
+  bool told = step->event[0] != VS_EV_NONE || step->event[1] != VS_EV_NONE;
+  for (size_t k = 0; k < events->count && !told; k++)
+    told = events->item[k].start_s >= step->from->t_s && events->item[k].start_s < step->to->t_s;
+  return told;
+}
+
+/* Shows the steps that wait; `all`: the last one that was accepted is among them. */
+static void look_at_batch(vs_watchers *w, bool all) {
   vs_devices_follow(w->devices, w->batch);
-  vs_energy_take_losses(&w->energy, w->batch);
+  vs_energy_take_losses(&w->energy, w->batch, all);
   w->batch->count = 0;
 }
 
@@ -170,8 +179,10 @@ void vs_watchers_accept(vs_watchers *w, const vs_step *step) {
   if (!w->batch) return;
   if (!w->began) vs_devices_begin(w->devices, step);
   w->began = true;
+  vs_devices_tell_anew(w->devices);
+  if (w->batch->count + (size_t)step->parts >= VS_BATCH_STEPS) look_at_batch(w, false);
   vs_batch_take(w->batch, step);
-  if (w->prompt || vs_energy_is_due(&w->energy)) look_at_batch(w);
+  if (w->prompt || vs_energy_is_due(&w->energy) || is_told(step)) look_at_batch(w, true);
 }
 
 /* What is no more than the rounding of what it was made of is told as 0, by all who tell it. */
@@ -190,7 +201,8 @@ static void round_off_watched(vs_watchers *w, vs_value values[VS_MEASURES]) {
 void vs_watchers_finish(vs_watchers *w, double until_s, vs_value values[VS_MEASURES]) {
   /* What waits is looked at; then each completes what only the end of the run tells. */
   end_absence(&w->absence, until_s);
-  if (w->batch && w->batch->count) look_at_batch(w);
+  vs_devices_tell_anew(w->devices);
+  if (w->batch && w->batch->count) look_at_batch(w, true);
   vs_measures_finish(w->measures, values);
   vs_energy_finish(&w->energy);
   round_off_watched(w, values);

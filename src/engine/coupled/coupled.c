@@ -121,6 +121,20 @@ static vs_status accept_coupled_step(void *ctx, double solver_s, const double *s
   return vs_solver_switch_consider(&c->solver_switch, signals, err);
 }
 
+/* An instant within a step that the solver has accepted, by its clock. Whoever looks at the
+ * solver's own steps, or may change what is to come, is shown a step that ends there. */
+static bool pass_coupled_step(void *ctx, double solver_s, const double *signals) {
+  coupling *c = ctx;
+  const bool each = c->order->look || c->order->fork || c->settling.on ||
+                    c->solver_switch.follows || c->setup->timeline.program;
+  vs_knot *part = each ? NULL : vs_trajectory_part(&c->trajectory);
+  if (!part) return false;
+  part->t_s = run_time(c, solver_s);
+  vs_signal_map_take_coil(signals, part);
+  vs_signal_map_take_terms(&c->setup->deck, signals, part);
+  return vs_trajectory_pass(&c->trajectory);
+}
+
 /* ---- what a step consists of ---- */
 
 static double run_time(const coupling *c, double solver_s) {
@@ -294,6 +308,14 @@ static void machine_rates(void *ctx, const double *x, double flux_wb, double *ra
   vs_trajectory_rates(&c->trajectory, x, flux_wb, rate);
 }
 
+/* The force hangs on the flux linkage alone, and the armature is in no stop and not held. */
+static const void *machine_law(void *ctx, const double *x) {
+  const vs_trajectory *t = &((const coupling *)ctx)->trajectory;
+  const vs_model *m = t->motion.model;
+  const bool free = !t->jammed && !vs_stops_touched(&m->stops, vs_mechanics_travel(m, x));
+  return m->coil.square && free ? m : NULL;
+}
+
 static bool machine_port(void *ctx, size_t port, const double *x, double *value) {
   const coupling *c = ctx;
   const vs_model *m = c->trajectory.frame.model;
@@ -408,6 +430,7 @@ static vs_status run_solver(coupling *c, vs_error *err) {
                                 .edge = next_breakpoint,
                                 .longest = longest_step,
                                 .accept = accept_coupled_step,
+                                .passes = pass_coupled_step,
                                 .enough = run_is_complete,
                                 .clock = run_time_of_solver,
                                 .hides = step_is_hidden,
@@ -415,6 +438,7 @@ static vs_status run_solver(coupling *c, vs_error *err) {
                                             .flux = VS_SIG_FLUX,
                                             .state = machine_state,
                                             .rates = machine_rates,
+                                            .linear = machine_law,
                                             .port = machine_port},
                                 .map = c->order->pilot ? &c->order->pilot->map : NULL};
   char **netlist = NULL;

@@ -60,6 +60,8 @@ typedef struct vs_circuit_machine {
   void (*state)(void *ctx, double *x);
   /* x' at x and a flux linkage. */
   void (*rates)(void *ctx, const double *x, double flux_wb, double *rate);
+  /* Where x' is linear in x, the same as long as this is the same; NULL: it is not, there. */
+  const void *(*linear)(void *ctx, const double *x);
   /* What a port is that hangs on x alone, V; false: the port hangs on something else. */
   bool (*port)(void *ctx, size_t port, const double *x, double *value);
 } vs_circuit_machine;
@@ -94,6 +96,10 @@ typedef struct vs_circuit_host {
   double (*longest)(void *ctx, double t_s);
   /* Told of each accepted step. A status other than VS_OK ends the run, which then returns it. */
   vs_status (*accept)(void *ctx, double t_s, const double *signals, vs_error *err);
+  /* Told, in their order, of instants within a step that is accepted, between which the signals run
+   * nearly straight. False: accept() is to be told of this one, as of a step's end. NULL: so it is
+   * of each. */
+  bool (*passes)(void *ctx, double t_s, const double *signals);
   /* Asked after each accepted step: true ends the run there, with VS_OK. NULL: never. */
   bool (*enough)(void *ctx);
   /* What the host's own clock shows at t_s; messages and the rawfile have it. NULL: t_s. */
