@@ -216,9 +216,9 @@ static vs_status check_edges(const vs_timeline *t, const vs_deck *deck, double u
       !vs_deck_has_port(deck, vs_port_is_modulated))
     return VS_OK;
   return vs_fail(err, VS_INPUT,
-                 "export: pwm: %s, and each edge is written: "
+                 "export: pwm: %s, and each of its edges is written: "
                  "%.0f up to run.until = %g s; allowed: %d, so run.until of at most %.3g s%s",
-                 is_even(&t->pwm) ? "the deck begins at its operating point"
+                 is_even(&t->pwm) ? "its first pulse begins at t = 0"
                                   : "the reference is not constant",
                  edges, until_s, MOST_EDGES, MOST_EDGES / (2 * t->pwm.carrier_hz),
                  is_even(&t->pwm) ? "" : ", or pwm.depth: 0");

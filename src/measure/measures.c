@@ -33,6 +33,10 @@ bool vs_measure_has_alias(const vs_model *model) {
   return sole(model) >= 0;
 }
 
+bool vs_measure_pulls_in(int slot) {
+  return slot >= VS_M_PULL_IN && slot < VS_M_PULL_IN + VS_PULL_IN_MEASURES;
+}
+
 static const vs_coordinate *coordinate_of_measure(const vs_model *model, int i) {
   return &model->machine->coordinates[i];
 }
