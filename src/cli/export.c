@@ -159,6 +159,20 @@ static void write_even(vs_text *t, const vs_timeline *timeline, const vs_signal 
               edge_s, second_s - first_s - edge_s, period_s);
 }
 
+/* The same where the first pulse is under way at t = 0 and the switch is off at the operating
+ * point: the rest of that pulse by a source of its own. */
+static void write_begun(vs_text *t, const vs_timeline *timeline, const spice_source *s,
+                        double first_s) {
+  const double next_s = next_change(timeline, s->signal, first_s, 1e9),
+               ends_s = next_change(timeline, s->signal, next_s, 1e9),
+               edge_s = fmin(EDGE_S, fmin(first_s, next_s - first_s) / 10);
+  vs_text_add(t, "%s %s vs_b_%s PULSE(0 1 %.17g %.17g %.17g %.17g %.17g)\n", s->name, s->plus,
+              s->name, next_s, edge_s, edge_s, ends_s - next_s - edge_s,
+              1 / timeline->pwm.carrier_hz);
+  vs_text_add(t, "Vvs_b_%s vs_b_%s %s PWL(0 0 %.17g 1 %.17g 1 %.17g 0)\n", s->name, s->name,
+              s->minus, edge_s, first_s, first_s + edge_s);
+}
+
 /* Pulses that differ, edge by edge. An edge takes EDGE_S, or a tenth of a shorter pulse. */
 static void write_edges(vs_text *t, const vs_timeline *timeline, const vs_signal *s, double until_s,
                         int level, bool stands) {
@@ -178,10 +192,15 @@ static void write_modulated(vs_text *t, const spice_source *s, const vs_timeline
   const vs_signal *signal = s->signal;
   int level = vs_signals_voltage(timeline, signal, vs_gate_of_step(0, 0)) > 0;
   double first_s = next_change(timeline, signal, 0, until_s);
+  const bool even = is_even(&timeline->pwm) && !isinf(first_s), begun = s->stands && level;
+  if (even && begun) {
+    write_begun(t, timeline, s, first_s);
+    return;
+  }
   vs_text_add(t, "%s %s %s", s->name, s->plus, s->minus);
-  if (isinf(first_s) && !(s->stands && level))
+  if (isinf(first_s) && !begun)
     vs_text_add(t, " %d\n", level);
-  else if (is_even(&timeline->pwm) && !(s->stands && level))
+  else if (even)
     write_even(t, timeline, signal, first_s, level);
   else
     write_edges(t, timeline, signal, until_s, level, s->stands);
@@ -212,16 +231,14 @@ enum { MOST_EDGES = 20000 };
 static vs_status check_edges(const vs_timeline *t, const vs_deck *deck, double until_s,
                              vs_error *err) {
   double edges = 2 * t->pwm.carrier_hz * until_s;
-  if ((is_even(&t->pwm) && !deck->stands) || vs_pwm_is_single(&t->pwm) || edges <= MOST_EDGES ||
+  if (is_even(&t->pwm) || vs_pwm_is_single(&t->pwm) || edges <= MOST_EDGES ||
       !vs_deck_has_port(deck, vs_port_is_modulated))
     return VS_OK;
   return vs_fail(err, VS_INPUT,
-                 "export: pwm: %s, and each of its edges is written: "
-                 "%.0f up to run.until = %g s; allowed: %d, so run.until of at most %.3g s%s",
-                 is_even(&t->pwm) ? "its first pulse begins at t = 0"
-                                  : "the reference is not constant",
-                 edges, until_s, MOST_EDGES, MOST_EDGES / (2 * t->pwm.carrier_hz),
-                 is_even(&t->pwm) ? "" : ", or pwm.depth: 0");
+                 "export: pwm: the reference is not constant, and each of its edges is written: "
+                 "%.0f up to run.until = %g s; allowed: %d, so run.until of at most %.3g s, or "
+                 "pwm.depth: 0",
+                 edges, until_s, MOST_EDGES, MOST_EDGES / (2 * t->pwm.carrier_hz));
 }
 
 /* The exported train of pulses has one angle, and its sub-pulses keep their phase from gate pulse
