@@ -291,7 +291,7 @@ void vs_ratings_follow(const vs_ratings *ratings, vs_measures *m) {
 
 static const char NO_CIRCUIT[] = "this tier has no circuit",
                   NO_CHANNEL[] = "this tier does not compute it",
-                  NO_VALUE[] = "what it measures did not occur in the run",
+                  NO_VALUE[] = "it did not occur, or the run ends too early",
                   NOT_TOLD[] = "the quality of currents was not told";
 
 /* A rating of one number. */

@@ -126,7 +126,7 @@ static void print_device(const vs_judgement *j, int width, FILE *out) {
   fprintf(out, "%s\n", j->assumed ? "  assumed" : "");
 }
 
-/* "undecided: v_ak, t_fire (what it measures did not occur in the run)", and a line for each limit
+/* "undecided: v_ak, t_fire (it did not occur, or the run ends too early)", and a line for each limit
  * that a part does not state: "undecided: varistor_1.power: s20k510 states no p_max; waive:
  * [varistor_1.power] leaves it out"
  */
