@@ -34,6 +34,7 @@ typedef struct compiled {
   double *charge;              /* M y where a restart begins; owned */
   double *between;             /* a state within a step; owned */
   double before_s, off_before; /* the last step's length and error; 0: there is none */
+  bool still;                  /* time stands at 0, for the operating point */
   bool looked;                 /* the junctions' currents behind the step are known */
   bool failed;                 /* a longer step from here was tried, and off */
   int landings;                /* steps that ended at a branch at once, one behind the other */
@@ -47,6 +48,7 @@ typedef struct compiled {
 
 static void drive_sources(void *ctx, double t_s, double *value) {
   const compiled *c = ctx;
+  if (c->still) t_s = 0;
   for (int k = 0; k < c->e.sources; k++) {
     const vs_compiled_source *s = &c->e.source[k];
     const bool same = k && s->port >= 0 && s[-1].port == s->port;
@@ -450,6 +452,25 @@ static double next_edge(const compiled *c) {
   return next_s;
 }
 
+/* The circuit comes to rest under the sources of t = 0 by a few steps of the backward Euler rule,
+ * each far longer than the last one; LONGEST_S is long beside any time constant of a circuit. The
+ * machine stays where it is. */
+static const double LONGER_BY = 1e3, LONGEST_S = 1e4;
+
+static vs_status find_operating_point(compiled *c, vs_error *err) {
+  vs_status status = VS_OK;
+  c->still = true;
+  for (double h = RESTART_S; h <= LONGEST_S && !status; h *= LONGER_BY) {
+    if (c->e.states) c->host->machine.state(c->host->ctx, c->charge + c->e.machine);
+    if (!(restart_length(c, h) > 0)) status = no_solution(c, err);
+    vs_rodas_take(&c->r, h);
+    vs_equations_mass(&c->e, c->r.y, c->charge);
+  }
+  c->still = false;
+  c->r.t_s = 0;
+  return status;
+}
+
 static vs_status run_equations(void *circuit, vs_error *err) {
   compiled *c = circuit;
   const vs_circuit_host *host = c->host;
@@ -458,7 +479,8 @@ static vs_status run_equations(void *circuit, vs_error *err) {
   int stuck = 0;
   vs_equations_choose(&c->e, c->r.y, false);
   memcpy(c->charge, c->e.charge, (size_t)c->e.rows * sizeof *c->charge);
-  vs_status status = restart_behind_jump(c, RESTART_S, err);
+  vs_status status = c->job->stands ? find_operating_point(c, err) : VS_OK;
+  if (!status) status = restart_behind_jump(c, RESTART_S, err);
   if (c->map.states) vs_monodromy_state(&c->map, c->charge, c->states);
   while (!status && c->r.t_s < until_s - RESTART_S && !(host->enough && host->enough(host->ctx))) {
     const double edge_s = fmin(next_edge(c), until_s);

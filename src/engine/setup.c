@@ -206,6 +206,10 @@ double vs_setup_load_at(const vs_loads *loads, size_t k) {
   return k < loads->count ? loads->item[k].at_s : INFINITY;
 }
 
+bool vs_setup_stands(const vs_setup *s) {
+  return s->deck.stands && s->timeline.supply.direct;
+}
+
 /* ---- names that are taken ----
  *
  * A machine and a deck must not give what they show a name that is taken already. */

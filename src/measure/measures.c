@@ -33,6 +33,10 @@ bool vs_measure_has_alias(const vs_model *model) {
   return sole(model) >= 0;
 }
 
+bool vs_measure_pulls_in(int slot) {
+  return slot >= VS_M_PULL_IN && slot < VS_M_PULL_IN + VS_PULL_IN_MEASURES;
+}
+
 static const vs_coordinate *coordinate_of_measure(const vs_model *model, int i) {
   return &model->machine->coordinates[i];
 }
@@ -261,10 +265,13 @@ const vs_extreme *vs_measures_of_probe(const vs_measures *m, int probe) {
  * they are lower by a fiftieth. */
 static const double SHARP = 0.02;
 
-/* What an extreme of a probe stands out by, in parts of the probe's largest magnitude. */
+/* What an extreme of a probe stands out by, in parts of the probe's largest magnitude. Of a current
+ * what the coil's may be off by counts at least: nA of a place that is empty are rounding. */
 static double sharpness(const vs_measures *m, int probe, int which) {
   const vs_extreme *pair = vs_measures_of_probe(m, probe);
   double size = fmax(fabs(pair[0].best.value), fabs(pair[1].best.value));
+  if (!strcmp(m->frame->deck->probes[probe].unit, "A"))
+    size = fmax(size, m->frame->tolerance * fabs(m->extremes[OF_CURRENT].best.value));
   return pair[which].best.known && size > 0 ? pair[which].stands / size : 0;
 }
 

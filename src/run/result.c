@@ -18,10 +18,15 @@ void vs_result_finish(vs_result *r) {
   /* The verdict: a line for each rating of the deck and each limit of a device, and for each rating
    * of the scene. */
   vs_verdict_make(r->watchers.measures, r->watchers.devices, &r->scene->expects, &r->verdict);
+  if (!r->watchers.measures ||
+      !vs_pull_in_lacks(&r->watchers.measures->pull_in, r->watchers.measures->frame->model,
+                        r->no_pull_in, sizeof r->no_pull_in))
+    *r->no_pull_in = '\0';
   const vs_ratings_seen seen = {.values = r->values,
                                 .watchers = &r->watchers,
                                 .quality = r->quality,
                                 .n_quality = r->n_quality,
+                                .no_pull_in = r->no_pull_in,
                                 .until_s = r->scene->setup.run.until_s};
   vs_ratings_judge(&r->scene->ratings, &seen, &r->verdict);
 }
@@ -297,6 +302,7 @@ static void warn_after(const vs_result *r, bool of_firing,
     each(ctx, text);
   }
   if (hangs_on_letting_go(r, text, sizeof text)) each(ctx, text);
+  if (*r->no_pull_in) each(ctx, r->no_pull_in);
   if (leaves_linear_iron(r, text, sizeof text)) each(ctx, text);
   if (warms_up(r, text, sizeof text)) each(ctx, text);
   const vs_devices *devices = r->watchers.devices;

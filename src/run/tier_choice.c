@@ -175,13 +175,15 @@ vs_status vs_tier_choice_make(const vs_node *root, const vs_setup *setup, const 
     const bool own = vs_tree_child(vs_tree_child(root, ideal->section), ideal->key);
     const vs_node *deck = vs_tree_child(vs_tree_child(root, "circuit"), "deck");
     *tier = vs_tiers_automatic(false);
-    snprintf(why, VS_TIER_CHOICE_WHY, "auto: %s %s.%s: %s, which no circuit has",
+    snprintf(why, VS_TIER_CHOICE_WHY,
+             "auto: %s %s.%s: %s, which of all decks only those with a port pwm have",
              own ? "the scene names" : "its machine's file says", ideal->section, ideal->key,
              ideal->value ? ideal->value : "");
     if (!own && deck)
       return vs_fail_at(err, deck->where,
-                        "circuit.deck: its machine's file says %s.%s: %s, which no circuit has; "
-                        "give supply and firing for this deck, or leave circuit out",
+                        "circuit.deck: its machine's file says %s.%s: %s, which of all decks only "
+                        "those with a port pwm have; take such a deck, give supply and firing for "
+                        "this one, or leave circuit out",
                         ideal->section, ideal->key, ideal->value ? ideal->value : "");
   } else if (needs_circuit(root, setup, what, sizeof what)) {
     *tier = vs_tiers_automatic(true);

@@ -46,6 +46,7 @@ typedef struct coupling {
   vs_pace pace;
   bool measures_errors; /* the solver knows the errors of its own steps: none of the rules here for
                            a rule of second order holds */
+  bool stands;          /* it begins at the circuit's operating point */
   vs_swing swing;
   vs_truncation truncation;
   vs_signal_map *names; /* owned */
@@ -259,11 +260,13 @@ static double truncation_correction(coupling *c, size_t port, double t_s) {
                                            : vs_truncation_current_correction(&c->truncation, &at);
 }
 
-/* A port of the deck, V: mains, a gate, a modulated switch, or an event. */
+/* A port of the deck, V: mains, a gate, a modulated switch, or an event. A direct supply that was
+ * there before t = 0 has found all switches off. */
 static double deck_source(coupling *c, size_t port, double t_s) {
   const vs_port *p = &c->setup->deck.ports[port];
   double push_v =
       p->signal.drive == VS_PORT_MAINS ? vs_settling_extra_voltage(&c->settling, t_s) : 0;
+  if (t_s == 0 && c->stands && vs_port_is_modulated(&p->signal)) return 0;
   return push_v +
          vs_signals_voltage_cached(&c->port[port], &c->trajectory.setup->timeline, &p->signal, t_s);
 }
@@ -384,6 +387,7 @@ static vs_circuit_job job_of(const coupling *c) {
                           .n_wanted = 2 * c->names->n_memories,
                           .tolerance = setup->run.tolerance,
                           .until_s = vs_settling_until(&c->settling),
+                          .stands = c->stands,
                           .gear = setup->run.gear,
                           .dialect = setup->deck.compat,
                           .max_step_s = largest_step(c),
@@ -471,6 +475,7 @@ static vs_status run_coupled(const vs_setup *setup, const vs_run_order *order,
                 .order = order,
                 .pace = pace,
                 .measures_errors = order->solver->measures_errors,
+                .stands = vs_setup_stands(setup),
                 .swing = vs_swing_of(setup),
                 .truncation = vs_truncation_begin(setup, !order->pilot && !pace.blows &&
                                                              !order->solver->measures_errors),
@@ -505,6 +510,8 @@ const vs_tier_key vs_coupled_keys[] = {
     {"run", "verify", "always"},
     {"firing", "burst_frequency", NULL},
     {"firing", "burst_duty", NULL},
+    {"pwm", "on", NULL},
+    {"pwm", "off", NULL},
     {"pwm", "carrier", NULL},
     {"pwm", "duty", NULL},
     {"pwm", "depth", NULL},

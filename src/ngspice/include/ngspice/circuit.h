@@ -25,8 +25,10 @@ typedef struct vs_circuit_job {
                        quantity of an element, "@c.x1.c2[i]" */
   double tolerance; /* run.tolerance: for a solver that measures the errors of its own steps */
   double until_s, max_step_s; /* the run goes from 0 to until_s in steps of at most max_step_s */
-  bool gear;                  /* Gear's rule of second order in the place of the trapezoidal */
-  const char *dialect;        /* how the netlist is to be read: "ps", or "" for ngspice's own */
+  bool stands; /* it begins at the operating point that the sources have at t = 0, whatever the
+                  netlist says with ic=, and not from that */
+  bool gear;   /* Gear's rule of second order in the place of the trapezoidal */
+  const char *dialect; /* how the netlist is to be read: "ps", or "" for ngspice's own */
   /* Newton's iteration and the local truncation error are held to these: a fraction of each value,
    * and a difference that counts as none. */
   double relative_tolerance, current_tolerance_a;
