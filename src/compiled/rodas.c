@@ -7,7 +7,7 @@
 
 #include "base/alloc.h"
 
-/* RODAS' coefficients, in the form that needs no product with the Jacobian. */
+/* RODASP's coefficients, in the form that needs no product with the Jacobian. */
 static const double GAMMA = 0.25;
 static const double A[5][5] = {
     {3},
@@ -24,10 +24,15 @@ static const double C[5][5] = {
      -5.714285714285717}};
 const double vs_rodas_at[6] = {0, 0.75, 0.21, 0.63, 1, 1};
 const double vs_rodas_rate[4] = {0.25, -0.5, -0.023504, -0.0362};
-static const double D[2][5] = {{25.298191647914937, 11.530361062899392, 29.523625464514680,
-                                -3.7170141543899504, -11.0 / 14},
-                               {1.8492100276864303, -0.83241254848834050, 9.5707748646877770,
-                                18.054068749893810, -19.0 / 7}};
+/* Of the dense output: a cubic that has order 3 in the states, and in unknowns without a memory
+ * that are functions of states and time. These are five linear equations for the weights of each
+ * of its two parts: the stages of y' = 1, 2t, 3t^2, of y' = 6v with v' = t, and of z = t x with
+ * x' = 2t, over a step of 1 from 0, must give the exact cubic. rodas.f has others, with which the
+ * last one's order is 2, and a current between two coils is off by 3.9 tolerances between steps
+ * instead of 0.7. */
+static const double D[2][5] = {
+    {25.298191647914937, 11.530361062899392, 29.523625464514680, -3.7170141543899504, -11.0 / 14},
+    {1.8492100276864303, -0.83241254848834050, 9.5707748646877770, 18.054068749893810, -19.0 / 7}};
 
 double vs_rodas_stage(int stage, int of) {
   return A[stage - 1][of];
