@@ -415,6 +415,26 @@ static void a_study_is_judged_by_ngspice(void) {
   same_text("one/study.csv", "merged/study.csv");
 }
 
+/* Two thirds of these cases end in the pole cover: three others are judged, and those of a whole
+ * study are its shards'. One was, that the sample had by chance. */
+static void failed_cases_leave_no_study_unjudged(void) {
+  write_file("f.yaml", "scene: paper\n"
+                       "set: {run.tier: compiled, circuit.deck: halfwave_bare, run.until: 9 ms}\n"
+                       "vary: {firing.angle: {from: 120 deg, to: 135 deg, step: 3 deg}, "
+                       "actuator.gap: [0.01 mm, 0.02 mm, 6 mm]}\nreport: [i_peak]\n");
+  ran r = run("study f.yaml -o some --jobs 1");
+  EXPECT(r.status == 1 && strstr(r.out, "judged 3 of 18 cases in ngspice: off by at most"),
+         "%d: %s%s", r.status, r.out, r.err);
+  free_ran(&r);
+  for (int k = 1; k <= 3; k++) {
+    r = run("study f.yaml -o thirds/%d --shard %d/3 --quiet", k, k);
+    free_ran(&r);
+  }
+  r = run("merge thirds -o joined --quiet");
+  free_ran(&r);
+  same_text("some/manifest.json", "joined/manifest.json");
+}
+
 /* Takes the lines that judge out of a study's journal. */
 static void forget_judge(const char *path) {
   char *whole = read_file(path), *rest = whole, *line;
@@ -484,6 +504,7 @@ int main(void) {
       {"ngspice's settings are not its own", ngspices_settings_are_not_its_own},
       {"what is given up is told", what_is_given_up_is_told},
       {"a study is judged by ngspice", a_study_is_judged_by_ngspice},
+      {"failed cases leave no study unjudged", failed_cases_leave_no_study_unjudged},
       {"what ngspice has otherwise fails the study", what_ngspice_has_otherwise_fails_the_study},
       {"the judge's keys are no axes", the_judges_keys_are_no_axes},
   };
