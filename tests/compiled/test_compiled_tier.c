@@ -420,8 +420,9 @@ static void a_study_is_judged_by_ngspice(void) {
 static void failed_cases_leave_no_study_unjudged(void) {
   write_file("f.yaml", "scene: paper\n"
                        "set: {run.tier: compiled, circuit.deck: halfwave_bare, run.until: 9 ms}\n"
-                       "vary: {firing.angle: {from: 120 deg, to: 135 deg, step: 3 deg}, "
-                       "actuator.gap: [0.01 mm, 0.02 mm, 6 mm]}\nreport: [i_peak]\n");
+                       "vary: {actuator.gap: [0.01 mm, 0.02 mm, 6 mm], firing.angle: "
+                       "{from: 120 deg, to: 135 deg, step: 3 deg}}\n"
+                       "report: [i_peak]\n");
   ran r = run("study f.yaml -o some --jobs 1");
   EXPECT(r.status == 1 && strstr(r.out, "judged 3 of 18 cases in ngspice: off by at most"),
          "%d: %s%s", r.status, r.out, r.err);
