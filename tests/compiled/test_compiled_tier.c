@@ -488,6 +488,14 @@ static void the_judges_keys_are_no_axes(void) {
   EXPECT(r.status == 2 && strstr(r.err, "s.yaml:3:") && strstr(r.err, "run.tolerance is an axis"),
          "%d: %s", r.status, r.err);
   free_ran(&r);
+  /* the tier was gone in silence */
+  write_file("s.yaml", "scene: paper\nset: {run.tier: compiled, run: {until: 9 ms}}\n"
+                       "vary: {firing.angle: [90 deg, 95 deg]}\n");
+  r = run("study s.yaml -o axes");
+  EXPECT(r.status == 2 && strstr(r.err, "s.yaml:2:7: set: 'run' replaces all of its section and "
+                                        "with it run.tier"),
+         "%d: %s", r.status, r.err);
+  free_ran(&r);
 }
 
 int main(void) {
