@@ -93,6 +93,9 @@ static void write_deck(const char *more) {
 
 #define OWN "--set run.until=12ms --set circuit.deck=deck.cir"
 
+#define SURGED                                                                                     \
+  "--set supply.inductance=100nH --set 'events={e: {kind: surge, at: 7 ms, level: 4 kV}}' "
+
 /* What is hard for a method: each agrees with ngspice, or goes to it and says why. */
 static void hard_circuits_end_right_or_are_told(void) {
   static const struct {
@@ -105,7 +108,15 @@ static void hard_circuits_end_right_or_are_told(void) {
       {"C8 fl a 1n\nC9 fl 0 1n", "", NULL, 0},        /* a node between capacitors alone */
       {"R9 fl a 1k", "", NULL, 0},                    /* nothing else is there */
       {"V9 w 0 5\nC9 w 0 1u\nC8 w a 1n\nC7 a 0 1n", "", NULL, 0}, /* a loop of them and a source */
-      {"B9 q 0 v = v(a) > v(b) ? 5 : 0\nR9 q r 1k\nC9 r 0 1n", "", NULL, 0}, /* a comparator */
+      {"", SURGED "--set circuit.varistor_exponent=50 --set circuit.off_resistance=1Gohm", NULL, 0},
+      {"C7 q 0 1n\nC8 q r 1n\nC9 r 0 1n", "", NULL, 0}, /* a loop that nothing else meets */
+      {"V9 w 0 sin(0 5 1k)\nC9 w 0 1u\nR9 w a 100k", "", NULL,
+       0},                                              /* a source's current is a slope */
+      {"L8 a q 10m\nL9 q 0 20", "", NULL, 0},           /* a node between inductors alone */
+      {"L7 a q 10\nL8 q 0 20\nL9 q 0 10", "", NULL, 0}, /* three of them */
+      {"I9 0 q sin(0 1m 50)\nL9 q 0 1", "", NULL, 0},   /* a source's voltage is a slope */
+      {"L8 a q 10\nR8 q 0 1k\nL9 x 0 10\nR9 x 0 1k\nK9 L8 L9 1", "", NULL, 0}, /* no leakage */
+      {"B9 q 0 v = v(a) > v(b) ? 5 : 0\nR9 q r 1k\nC9 r 0 1n", "", NULL, 0},   /* a comparator */
       {"D9 a q ideal\nC9 q 0 1u\nR9 q 0 100k\n.model ideal d(is=1n n=0.01)", "", NULL, 0},
       {"V9 q 0 pulse(0 5 1m 1u 1u 2m 5m)\nR9 q b 10k", "", NULL, 0},
       {"I9 0 fl 1m", "", "t = 0 s: tier compiled: nothing decides v(fl)", 0},
