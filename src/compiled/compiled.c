@@ -365,9 +365,10 @@ static bool progress_made(compiled *c) {
   return ++c->tries < PROGRESS_TRIES;
 }
 
-/* Where a shorter step is worse, what is left of the error is rounding: of two nodes at 600 V, say,
- * with microfarads between them and picofarads to all others. Such a step is taken if it is off by
- * no more than this, and the next one is longer. */
+/* Where a shorter step is worse, and so is one of a sixth of that, what is left of the error is
+ * rounding: of two nodes at 600 V, say, with microfarads between them and picofarads to all others.
+ * Such a step is taken if it is off by no more than this, and the next one is longer. (Of steps
+ * beyond a ring's period a shorter one alone may be worse.) */
 static const double ROUNDING = 10;
 
 /* Where the state slides along a kink, as where an arc holds a current at its zero, each step would
@@ -400,6 +401,7 @@ static bool stays_off(double h, double off, double before_s, double before) {
  * length; 0: none is short enough. *jumps: a switch or branch is another behind it. */
 static vs_status try_steps(compiled *c, double *h, double *taken, bool *jumps, vs_error *err) {
   double best = INFINITY, best_s = 0, before = INFINITY, before_s = INFINITY;
+  int worse = 0; /* so many steps, each shorter, were off by more than the best one */
   *taken = 0;
   while (*h > LEAST_S) {
     if (!progress_made(c)) return give_up(c, "the run makes no progress", err);
@@ -415,12 +417,14 @@ static vs_status try_steps(compiled *c, double *h, double *taken, bool *jumps, v
       if (fits && stays_off(*h, off, before_s, before)) return VS_OK;
       before = fits ? off : INFINITY;
       before_s = *h;
-      const bool worse = off > best && best <= ROUNDING;
       if (off < best) {
         best = off;
         best_s = *h;
+        worse = 0;
+      } else {
+        worse += best <= ROUNDING;
       }
-      *h = worse ? best_s : *h * fmin(factor, 0.9);
+      *h = worse == 2 ? best_s : *h * (worse ? SHORTER : fmin(factor, 0.9));
       c->failed = true;
       continue;
     }
@@ -436,6 +440,7 @@ static vs_status try_steps(compiled *c, double *h, double *taken, bool *jumps, v
         *h = *taken / 6;
         *taken = best_s = 0;
         best = INFINITY;
+        worse = 0;
         continue;
       }
     } else {
