@@ -433,7 +433,8 @@ static double deciding_tolerance(const vs_result *r) {
   double most = INFINITY, own = r->scene->setup.run.tolerance;
   for (size_t k = 0; k < r->verdict.count; k++) {
     const vs_judgement *j = &r->verdict.item[k];
-    if (vs_verdict_word(j) == VS_UNDECIDED)
+    if (vs_verdict_word(j) == VS_UNDECIDED &&
+        fabs(j->margin) > j->scatter) /* no run decides that */
       most = fmin(most, own * fabs(j->margin) / j->margin_error / 2);
   }
   if (isinf(most) || most < r->scene->tier->finest) return 0;
