@@ -20,6 +20,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/text.h"
+#include "control/fmu_machine.h"
 #include "ngspice/ngspice.h"
 #include "run/scene.h"
 #include "serve.h"
@@ -353,15 +354,6 @@ static vs_status pack_program(archive *a, vs_error *err) {
 
 /* ---- the unit's own files ---- */
 
-/* What FMI 2.0 and 3.0 call this machine; 2.0 has no name for others than Intel's. */
-#if defined __x86_64__
-static const char *const MACHINE[] = {"linux64", "x86_64-linux"};
-#elif defined __i386__
-static const char *const MACHINE[] = {"linux32", "x86-linux"};
-#else
-static const char *const MACHINE[] = {"aarch64-linux", "aarch64-linux"};
-#endif
-
 /* The shim lies beside the program, or where it is installed. */
 static vs_status read_shim(vs_text *t, vs_error *err) {
   static const char *const PLACES[] = {"vibrospice_fmu.so", VS_FMU_SHIM};
@@ -401,7 +393,7 @@ static vs_status write_unit(const vs_scene *s, const vs_export_fmu_options *o, c
     write_description(s, o, identifier, guid, &description, &terminals);
     add_file(&a, "modelDescription.xml", &description);
     if (o->fmi == 3) add_file(&a, "terminalsAndIcons/terminalsAndIcons.xml", &terminals);
-    snprintf(path, sizeof path, "binaries/%s/%s.so", MACHINE[o->fmi - 2], identifier);
+    snprintf(path, sizeof path, "binaries/%s/%s.so", vs_fmu_machine(o->fmi), identifier);
     add_file(&a, path, &shim);
     add_file(&a, "resources/scene.yaml", text);
     add_file(&a, "resources/sets.txt", sets);

@@ -24,6 +24,7 @@
 #include "base/hash.h"
 #include "base/text.h"
 #include "base/units.h"
+#include "control/fmu_machine.h"
 #include "control/regulators.h"
 #include "object.h"
 
@@ -296,17 +297,8 @@ static bool read_description(const char *xml, unit *u, char trouble[VS_OBJECT_TR
 
 /* ---- the unit ---- */
 
-/* What the standard's versions call this machine. */
-#if defined __x86_64__
-static const char *const MACHINE[] = {"linux64", "x86_64-linux"};
-#elif defined __i386__
-static const char *const MACHINE[] = {"linux32", "x86-linux"};
-#else
-static const char *const MACHINE[] = {"aarch64-linux", "aarch64-linux"};
-#endif
-
 static void binary_of(const unit *u, char name[NAME]) {
-  snprintf(name, NAME, "binaries/%s/%s.so", MACHINE[u->version - 2], u->identifier);
+  snprintf(name, NAME, "binaries/%s/%s.so", vs_fmu_machine(u->version), u->identifier);
 }
 
 /* Looks for a file; has (may be NULL): whose folders below binaries/ are listed. */

@@ -689,9 +689,9 @@ static void fuses_tell(void) {
     bool held;
   } ROWS[] = {
       {"halfwave_paper, transformer: autotransformer_ideal, fuse_2: S505-1-R",
-       SHORTED("fuse_2") "run: {until: 100 ms}\n", "fuse_2.v_open", false},
+       SHORTED("fuse_2") "run: {until: 60 ms}\n", "fuse_2.v_open", false},
       {"halfwave_paper, transformer: autotransformer_ideal, fuse_1: S505-1-R, fuse_2: A070gRB10T13",
-       SHORTED("fuse_1") "run: {until: 100 ms}\n", "fuse_1.v_open", true},
+       SHORTED("fuse_1") "run: {until: 60 ms}\n", "fuse_1.v_open", true},
       {"fed.cir", "run: {until: 1.02 s, tolerance: 1e-2}\n", "fuse_1.i_rms", false}};
   write_file("fed.cir",
              "*$ param fuse_1 = LF213-3A15 part fuse\n*$ port mains = Vm\n"

@@ -257,7 +257,7 @@ static void recovered_charge(void) {
     double i = of(d, "test_current"), slope = of(d, "test_slope"), fall = i / slope,
            gate = 3 * of(d, "gate_current"), charge = of(d, "recovered_charge"), q = 0, behind = 0,
            peak = 0;
-    record r = try_out(d, (course){300e-6 + 10 * fall, fall / 200, 1e-4, false},
+    record r = try_out(d, (course){300e-6 + 10 * fall, fall / 50, 1e-4, false},
                        "I1 0 a pwl(0 0 20u 0 70u %g 300u %g %.9g %g)\n"
                        "Ig 0 g pwl(0 %g 100u %g 101u 0)\nRs a c 10\nCs c 0 20n\n"
                        "Dc vc a clamp\nVc vc 0 -25\n.model clamp d(is=1n rs=10m)\n",

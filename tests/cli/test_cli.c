@@ -72,7 +72,7 @@ static void verdict_and_audit(void) {
 /* A circuit that sends no current through the EVA told 1.8e-51 J of work and 1.9e-28 m of travel.
  * By the table as in JSON such numbers are 0. */
 static void rounding_is_told_as_zero(void) {
-  ran r = run("run paper --all --set circuit.deck=bridge_link --set run.until=10ms -o nil");
+  ran r = run("run paper --all --set circuit.deck=bridge_link --set run.until=4ms -o nil");
   EXPECT(strstr(r.out, "work_force") && !strstr(r.out, "e-51") && !strstr(r.out, "e-28"), "%s",
          r.out);
   free_ran(&r);

@@ -468,11 +468,11 @@ static void tables_are_short(void) {
       "solenoid",    "paper --set circuit.deck=halfwave_snubbed",
       "lds_v203",    "paper --set circuit.deck=halfwave_bare",
       "triac_feeder"};
-  const size_t CORNERS = 3, CHOPS = 4; /* runs at all corners; bridge_link, whose 10 ms take 1 s */
+  const size_t CORNERS = 3, CHOPS = 4; /* runs at all corners; bridge_link, whose 10 ms take 2 s */
   for (size_t k = 0; k < COUNT(WORDS); k++) {
     ran r = run("run %s --set run.until=%s", WORDS[k],
-                k == CORNERS ? "12ms"
-                : k == CHOPS ? "10ms"
+                k == CORNERS ? "6ms"
+                : k == CHOPS ? "4ms"
                              : "30ms");
     EXPECT(!strncmp(r.out, "verdict: ", 9) && lines_of(r.out) <= 25, "%s: %d lines: %s%s", WORDS[k],
            lines_of(r.out), r.out, r.err);
@@ -504,7 +504,8 @@ static void tables_are_short(void) {
                  "run.verify=never --set events.surge.level=4kV --set run.until=106ms -o far_off");
   EXPECT(strstr(fast.out, "happened: thyristor fires") && !strstr(fast.out, "e+0"), "%s", fast.out);
   free_ran(&fast);
-  ran steady = run("steady paper --set firing.every=1 --set circuit.deck=halfwave_paper");
+  ran steady = run("steady paper --set firing.every=1 --set circuit.deck=halfwave_paper "
+                   "--set circuit.thyristor=latch");
   EXPECT(lines_of(steady.out) <= 30 && strstr(steady.out, "\nstable: "), "%s%s", steady.out,
          steady.err);
   free_ran(&steady);

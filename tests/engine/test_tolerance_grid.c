@@ -271,7 +271,7 @@ static const struct {
      "'angle': ['90 deg', '175 deg']}, 'instruments': {}}"},
     {"a chopper's edges add up (OF_MODULATED)", 0.0001, 100, 0.00386928, 11,
      "{'machine': {'model': 'fixed_base'}, 'circuit': {'deck': 'chopper'}}"},
-    {"a coil is cut off ahead of its firing (vs_setup_coil_cut)", 0.001, 100, 0.0062, 24,
+    {"a coil is cut off ahead of its firing (vs_setup_coil_cut)", 0.001, 10, 0.0062, 24,
      "{'machine': {'model': 'solenoid'}, 'supply': {'voltage': '10 V', 'kind': 'sine'}, "
      "'firing': {'valve': 'thyristor', 'angle': '107 deg'}, 'events': {'e0': {'kind': "
      "'open', 'cycle': '1', 'angle': '105 deg', 'element': 'Xeva'}}, 'circuit': {'deck': "

@@ -198,14 +198,14 @@ typedef struct tally {
 
 static void count_seed(int seed, tally *t) {
   char words[512];
-  char *const sets[] = {"starts=1"};
+  char *const sets[] = {"starts=1", "slopes=differences"};
   vs_fit_problem *q = vs_alloc(1, sizeof *q);
   snprintf(words, sizeof words,
            "run paper --tier switched --set instruments={} --set instruments.seed=%d " TRUE_FIVE
-           "--set run.until=0.1s %s --quiet --digits 12 -o seen",
-           seed, getenv("VS_LONG") ? "" : "--set run.sample=0.5ms");
+           "--set run.until=%s --quiet --digits 12 -o seen",
+           seed, getenv("VS_LONG") ? "0.1s" : "50ms --set run.sample=0.5ms");
   run_good(words, __LINE__);
-  vs_fit_result *o = fit_with(sets, 1, q);
+  vs_fit_result *o = fit_with(sets, 2, q);
   for (size_t k = 0; k < o->estimate.n; k++) {
     const vs_estimate *e = &o->estimate;
     double off = log(e->value[k] / FIVE[k]) / e->error[k];

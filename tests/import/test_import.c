@@ -97,6 +97,7 @@ static void as_plain_ngspice_with_the_gap_held(void) {
     ran r = run("check w.cir");
     EXPECT(r.status == 0, "%s: %s", s->name, r.err);
     free_ran(&r);
+    if (k && is_for_memory_alone()) continue; /* such circuits run elsewhere, too */
     r = run("run w.yaml --json --quiet --set run.tolerance=%s " HELD, s->tolerance);
     EXPECT(r.status == 0, "%s: %s", s->name, r.err);
     double worst = fabs(measure(r.out, "i_peak", "") / s->extremes[0].max - 1);
@@ -176,7 +177,7 @@ static int peaks(const char *path, const char *between, char names[MOST_COLUMNS]
 
 /* The machine in it moves here. Both tables have rows at the same instants. */
 static void exported(void) {
-  for (size_t k = 0; k < COUNT(SHIPPED); k++) {
+  for (size_t k = 0; k < (is_for_memory_alone() ? 1 : COUNT(SHIPPED)); k++) {
     const struct shipped *s = &SHIPPED[k];
     bool pspice = !strcmp(s->origin, "PSpice");
     char a[MOST_COLUMNS][64], b[MOST_COLUMNS][64];

@@ -23,7 +23,7 @@ static const char SURGE[] =
 static const char SHORT[] =
     "circuit: {deck: halfwave_paper, thyristor: TYN1212, transformer: autotransformer_ideal}\n"
     "firing: {every: 1}\n"
-    "run: {until: 40 ms, verify: never}\n"
+    "run: {until: 28 ms, verify: never}\n"
     "events: {c: {kind: coil_short, at: 22 ms}}\n";
 
 static void write_scene(const char *path, const char *text) {

@@ -21,9 +21,9 @@ typedef struct trap {
 } trap;
 
 /* Means are judged over 1 s and more. */
-#define LONG "run: {tier: circuit, until: 1.2 s}\n"
+#define LONG "run: {tier: circuit, until: 1.02 s}\n"
 /* Whole cycles begin at 7 ms there. */
-#define ODD "run: {tier: circuit, until: 1.207 s}\n"
+#define ODD "run: {tier: circuit, until: 1.027 s}\n"
 #define SHORT "run: {tier: circuit, until: 60 ms}\n"
 #define DIRECT "# direct\n"
 /* Its pulses are those of sin^5, of a charge over their peak of 3.395 ms. */
@@ -258,9 +258,10 @@ static void not_judged(void) {
     write_scene(t);
     write_deck(t);
     write_part(t, t->violated);
-    ran r = run("run trap.yaml"), all = run("run trap.yaml --all");
-    char *line = line_of(r.out, t->line);
-    EXPECT(!*line, "%s is judged: %s", t->line, line);
+    ran all = run("run trap.yaml --all");
+    char *line = line_of(all.out, t->line);
+    EXPECT(!strstr(line, " held") && !strstr(line, " violated") && !strstr(line, " undecided"),
+           "%s is judged: %s", t->line, line);
     free(line);
     const char *list = strstr(all.out, "not judged: ");
     if (CASES[k].says)
@@ -269,7 +270,6 @@ static void not_judged(void) {
     else
       EXPECT(!list || !strstr(list, t->line) || strstr(list, t->line) > strchr(list, '\n'), "%s",
              all.out);
-    free_ran(&r);
     free_ran(&all);
   }
 }
