@@ -371,6 +371,7 @@ static vs_circuit_job job_of(const coupling *c) {
                           .tried = c->order->tried,
                           .unbegun = c->order->unbegun,
                           .tries = c->order->tries,
+                          .steps = c->order->pilot ? NULL : c->order->steps,
                           .truncation_factor = c->pace.truncation,
                           .pivot_threshold = setup->run.pivrel,
                           .relative_tolerance = c->pace.relative,

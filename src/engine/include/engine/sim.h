@@ -103,6 +103,8 @@ typedef struct vs_run_order {
                    it does not survive makes it do so, and try then */
   long *tries;  /* counts the steps that the solver tries, rejected ones too; NULL: nobody asks.
                    Borrowed */
+  vs_circuit_steps *steps;           /* that a run on tier compiled without a pilot notes, or is to
+                                        take; NULL: it has its own. Borrowed */
   vs_orbit_search *pilot;            /* steers the run's settling; NULL: it has none. Borrowed */
   const volatile sig_atomic_t *stop; /* set by a signal: the settling ends with VS_SIGNAL, as the
                                         observer sees nothing of it; NULL: no signal ends it */

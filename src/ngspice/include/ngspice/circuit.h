@@ -10,6 +10,23 @@
 
 #include "base/error.h"
 
+/* A step of a run, or a restart behind a jump. */
+typedef struct vs_circuit_step {
+  double length_s; /* as it was tried; 0: none was short enough */
+  double left_s;   /* from its beginning to the next edge; NaN: it is a restart */
+  int parts;       /* in which it was shown */
+  bool jumps;      /* a branch or a switch is another one behind it */
+  bool cut;        /* the step ends there; of a restart: branches were chosen in its iteration */
+} vs_circuit_step;
+
+/* All steps of a run, for runs of scenes that are nearly the same: these take the same ones, so
+ * that what differs between the runs is smooth. Begin with {0}; the caller frees `step`. */
+typedef struct vs_circuit_steps {
+  vs_circuit_step *step;
+  size_t count, room, next;
+  bool follows; /* the run takes these; else it notes its own */
+} vs_circuit_steps;
+
 /* What is to be solved. All is borrowed. */
 typedef struct vs_circuit_job {
   char *const *netlist; /* lines without analysis, options and .end */
@@ -46,10 +63,11 @@ typedef struct vs_circuit_job {
   bool unbegun;       /* this process can begin anew without harm: a guard in the place of a trial
                          (ngspice/crash_guard.h) */
   long *tries;        /* counts the steps that are tried, rejected ones too; NULL: nobody asks */
-  FILE *raw;          /* gets all the circuit's vectors at every accepted step as a rawfile
-                         (ngspice/rawfile.h); its head is filled in also when the run fails. NULL: none */
-  double raw_most;    /* bytes that it may have; 0: any number */
-  vs_where raw_where; /* the key to blame if it would have more */
+  vs_circuit_steps *steps; /* for a solver that measures the errors of its steps; NULL: none */
+  FILE *raw;               /* gets all the circuit's vectors at every accepted step as a rawfile
+                              (ngspice/rawfile.h); its head is filled in also when the run fails. NULL: none */
+  double raw_most;         /* bytes that it may have; 0: any number */
+  vs_where raw_where;      /* the key to blame if it would have more */
 } vs_circuit_job;
 
 /* A machine that a circuit's flux linkage drives, for a solver that takes both as one system. */
