@@ -2,6 +2,7 @@
 #include "compiled/compiled.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -101,7 +102,7 @@ static int parts_of(const compiled *c) {
 
 static vs_status show_step(compiled *c, double h, vs_error *err) {
   const bool hides = c->host->hides && c->host->hides(c->host->ctx); /* nobody looks at signals */
-  const int finer = c->job->steps ? FINER : 1;
+  const int finer = vs_replay_is_on(c->job->steps) ? FINER : 1;
   const int parts = vs_replay_parts(c->job->steps, hides ? 1 : finer * parts_of(c));
   vs_status status = VS_OK;
   for (int k = 1; k <= parts && !status; k++)
@@ -219,6 +220,15 @@ static void tell_state(void *circuit) {
   if (map->knows_slope) vs_monodromy_slope(&c->map, map->slope);
 }
 
+static void name_state(void *circuit, int state, char name[VS_STATE_NAME], const char **unit) {
+  const compiled *c = circuit;
+  const int row = c->map.row[state];
+  const char *of = c->e.name[row];
+  const bool charge = *of == 'v' && row != c->e.flux;
+  *unit = charge ? "C" : "Wb";
+  snprintf(name, VS_STATE_NAME, "%s%.*s", charge ? "charge" : "flux", VS_STATE_NAME - 8, of + 1);
+}
+
 static void begin_map(compiled *c) {
   vs_circuit_map *map = c->host->map;
   vs_monodromy_begin(&c->map, &c->e);
@@ -231,6 +241,7 @@ static void begin_map(compiled *c) {
                           .next = c->states + 3 * n,
                           .slope = c->states + 4 * n,
                           .tell = tell_state,
+                          .name = name_state,
                           .solver = c};
 }
 
@@ -265,7 +276,7 @@ static double changes_at(compiled *c) {
     high = 1;
     if (!vs_equations_choose(&c->e, c->r.next, true)) return 2;
   }
-  const double sharp = c->job->steps ? SHARPEST : SHARP;
+  const double sharp = vs_replay_is_on(c->job->steps) ? SHARPEST : SHARP;
   while (high - low > sharp) {
     const double middle = (low + high) / 2;
     *(asks_at(c, middle) ? &high : &low) = middle;

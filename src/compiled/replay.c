@@ -8,11 +8,11 @@
 void vs_replay_begin(vs_circuit_steps *s) {
   if (!s) return;
   s->next = 0;
-  if (!s->follows) s->count = 0;
+  if (s->are == VS_STEPS_NOTED) s->count = 0;
 }
 
 void vs_replay_note(vs_circuit_steps *s, const vs_circuit_step *step) {
-  if (!s || s->follows) return;
+  if (!s || s->are != VS_STEPS_NOTED) return;
   if (s->count == s->room) {
     s->room = s->room ? 2 * s->room : 4096;
     s->step = vs_resize(s->step, s->room, sizeof *s->step);
@@ -21,8 +21,8 @@ void vs_replay_note(vs_circuit_steps *s, const vs_circuit_step *step) {
 }
 
 int vs_replay_parts(vs_circuit_steps *s, int parts) {
-  if (!s) return parts;
-  if (s->follows) return s->step[s->next - 1].parts;
+  if (!vs_replay_is_on(s)) return parts;
+  if (s->are == VS_STEPS_TAKEN) return s->step[s->next - 1].parts;
   return s->step[s->count - 1].parts = parts;
 }
 

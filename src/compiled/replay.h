@@ -12,8 +12,12 @@ void vs_replay_note(vs_circuit_steps *steps, const vs_circuit_step *step);
 /* The last one was shown in as many parts. Returns in how many it is to be. */
 int vs_replay_parts(vs_circuit_steps *steps, int parts);
 
+/* The run takes steps of another; and it does so, or notes its own. */
 static inline bool vs_replay_follows(const vs_circuit_steps *steps) {
-  return steps && steps->follows;
+  return steps && steps->are == VS_STEPS_TAKEN;
+}
+static inline bool vs_replay_is_on(const vs_circuit_steps *steps) {
+  return steps && steps->are != VS_STEPS_OWN;
 }
 
 /* The step that comes next, where left_s are left up to an edge; NaN: a restart is due. length_s:

@@ -371,7 +371,7 @@ static vs_circuit_job job_of(const coupling *c) {
                           .tried = c->order->tried,
                           .unbegun = c->order->unbegun,
                           .tries = c->order->tries,
-                          .steps = c->order->pilot ? NULL : c->order->steps,
+                          .steps = c->order->steps,
                           .truncation_factor = c->pace.truncation,
                           .pivot_threshold = setup->run.pivrel,
                           .relative_tolerance = c->pace.relative,
@@ -417,7 +417,7 @@ static vs_status run_solver(coupling *c, vs_error *err) {
                                             .state = machine_state,
                                             .rates = machine_rates,
                                             .port = machine_port},
-                                .map = c->order->pilot ? &c->order->pilot->map : NULL};
+                                .map = c->order->pilot ? c->order->pilot->map : NULL};
   char **netlist = NULL;
   void *circuit = NULL;
   vs_setup_standard(setup, standard);

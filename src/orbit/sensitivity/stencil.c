@@ -66,7 +66,7 @@ static vs_status run_one(vs_stencil *f, const vs_sensitivity_problem *subject, i
   scene->setup.run.tolerance = tolerance;
   scene->order.steps = steps;
   if (steps) {
-    steps->follows = k > 0;
+    steps->are = k ? VS_STEPS_TAKEN : VS_STEPS_NOTED;
     scene->setup.run.verify = VS_VERIFY_NEVER; /* a second run has other steps */
   }
   scene->frame = vs_sim_frame(scene->tier, &scene->setup);

@@ -24,7 +24,12 @@ typedef struct vs_circuit_step {
 typedef struct vs_circuit_steps {
   vs_circuit_step *step;
   size_t count, room, next;
-  bool follows; /* the run takes these; else it notes its own */
+  enum {
+    VS_STEPS_OWN,
+    VS_STEPS_NOTED,
+    VS_STEPS_TAKEN
+  } are; /* the run has steps of its own; and
+           these become them; it takes these */
 } vs_circuit_steps;
 
 /* What is to be solved. All is borrowed. */
@@ -82,6 +87,8 @@ typedef struct vs_circuit_machine {
   bool (*port)(void *ctx, size_t port, const double *x, double *value);
 } vs_circuit_machine;
 
+enum { VS_STATE_NAME = 64 };
+
 /* The whole state of circuit and machine, as numbers z that do not hang on each other: the
  * machine's come first. A solver that can tell and set it lets its host begin stretches of the run
  * at any z, as a search for an orbit does. */
@@ -93,6 +100,7 @@ typedef struct vs_circuit_map {
   double *slope;              /* d end/d start, row by row, where it is known */
   bool knows_slope;           /* it was wanted, and nothing in the stretch hid it */
   void (*tell)(void *solver); /* sets end, size and slope; to be called from accept() */
+  void (*name)(void *solver, int state, char name[VS_STATE_NAME], const char **unit);
   void *solver;
   bool begins; /* set by the host in accept(): another stretch begins there, at `next` */
   double *next;
