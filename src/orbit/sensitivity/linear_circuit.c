@@ -32,10 +32,12 @@ typedef struct passes {
 } passes;
 
 /* A column is moved by this part of its size, the angle by as many rad. What is not linear makes
- * the square of it, what the iteration behind a jump leaves over 1e-14 divided by it. A smaller
- * one is tried where a branch or a switch needs other steps. */
-static const double PUSHES[] = {1e-5, 1e-6, 1e-7};
-enum { N_PUSHES = sizeof PUSHES / sizeof *PUSHES };
+ * the square of it, what the iteration behind a jump leaves over 1e-14 divided by it. A smaller one
+ * and a part of run.tolerance are tried where a branch or a switch needs other steps. */
+static const struct {
+  double push, of_tolerance;
+} TRIES[] = {{1e-5, 1}, {1e-6, 1}, {1e-5, 0.3}, {1e-6, 0.3}, {1e-5, 0.1}, {1e-6, 0.1}};
+enum { N_TRIES = sizeof TRIES / sizeof *TRIES };
 
 /* More than a circuit has. */
 enum { MOST_STATES = 1000 };
@@ -273,11 +275,16 @@ vs_status vs_linear_circuit_find(const vs_scene *scene, const vs_orbit *orbit, v
   vs_error why = {0};
   bool found = true;
   status = VS_RUN;
-  for (int k = 0; k < N_PUSHES && status == VS_RUN && found; k++) {
+  vs_scene *own = vs_alloc(1, sizeof *own);
+  *own = *scene;
+  for (int k = 0; k < N_TRIES && status == VS_RUN && found; k++) {
     why = (vs_error){0};
     *l = none;
-    status = find_by_pushes(scene, PUSHES[k], l, &found, &why);
+    own->setup.run.tolerance =
+        fmax(TRIES[k].of_tolerance * scene->setup.run.tolerance, scene->tier->finest);
+    status = find_by_pushes(own, TRIES[k].push, l, &found, &why);
   }
+  free(own);
   if (status) *err = why;
   leave_section_out(l);
   return status;
