@@ -213,11 +213,15 @@ vs_law_rates vs_step_coil_rates(const vs_frame *frame, const vs_knot *k) {
   return r;
 }
 
-/* What eddy currents add to the coil's current, and what they lose; lambda is there already. */
-static void put_eddies(const vs_step *step, views at, const weights *septic, double *y) {
+/* What eddy currents add to the coil's current, and what they lose; lambda is there already. Of the
+ * weights it makes its own, so that those of a step without eddy currents stay in registers. */
+static __attribute__((noinline)) void put_eddies(const vs_step *step, double s, double h,
+                                                 double *y) {
   const vs_coil *c = &step->frame->model->coil;
+  const views at = views_of(s, h);
+  const weights w = septic(at);
   double psi[VS_MOST_RUNGS];
-  if (c->rungs) put_psi(step, at, septic, psi);
+  if (c->rungs) put_psi(step, at, &w, psi);
   for (int n = 0; n < c->rungs; n++) {
     const double v = vs_coil_rung_rate(c, n, y[VS_CH_LAMBDA], psi);
     y[VS_CH_EDDY] += v * v / c->rung[n].resistance_ohm;
@@ -241,8 +245,11 @@ static inline __attribute__((always_inline)) void put_flux(const vs_step *step, 
                                                            const weights *septic, double *y) {
   const vs_frame *frame = step->frame;
   const vs_model *m = frame->model;
-  y[VS_CH_LAMBDA] = y[VS_CH_I] = y[VS_CH_FORCE] = y[VS_CH_EDDY] = 0;
-  if (vs_step_is_quiet(step)) return;
+  y[VS_CH_EDDY] = 0;
+  if (vs_step_is_quiet(step)) {
+    y[VS_CH_LAMBDA] = y[VS_CH_I] = y[VS_CH_FORCE] = 0;
+    return;
+  }
   if (step->cubic_flux) {
     const weights own = cubic(at);
     apply_weights(&own, flux_of(step->from), flux_of(step->to), 1, y + VS_CH_LAMBDA);
@@ -251,7 +258,7 @@ static inline __attribute__((always_inline)) void put_flux(const vs_step *step, 
   }
   double z = frame->gap_at_rest ? m->coil.gap_rest_m : y[VS_CH_Z];
   y[VS_CH_I] = vs_coil_current(&m->coil, y[VS_CH_LAMBDA], z);
-  if (m->coil.eddies) put_eddies(step, at, septic, y);
+  if (m->coil.eddies) put_eddies(step, at.s[0], at.h[0], y);
   y[VS_CH_FORCE] = vs_coil_force(&m->coil, y[VS_CH_LAMBDA], z);
 }
 
@@ -462,7 +469,8 @@ static void add_curve(vs_curve *sum, double x, const vs_curve *more) {
 }
 
 /* Adds what eddy currents draw. */
-static void add_eddy_curves(const vs_step *step, const vs_curve *flux, vs_curve *sum) {
+static __attribute__((noinline)) void add_eddy_curves(const vs_step *step, const vs_curve *flux,
+                                                      vs_curve *sum) {
   const vs_coil *c = &step->frame->model->coil;
   const psi_ends e = psi_of(step);
   const double h = step->to->t_s - step->from->t_s;
@@ -484,8 +492,9 @@ static vs_curve curve_of_current(const vs_step *step) {
   const vs_curve flux = curve_of_flux(step);
   vs_curve z = step->frame->gap_at_rest ? (vs_curve){0} : curve_of_travel(step);
   for (int k = 0; k <= z.degree; k++) z.b[k] = (z.b[k] + m->coil.gap_rest_m) / (2 * m->coil.a_hm);
+  if (!m->coil.eddies) return curve_product(&flux, &z);
   z = curve_product(&flux, &z);
-  if (m->coil.eddies) add_eddy_curves(step, &flux, &z);
+  add_eddy_curves(step, &flux, &z);
   return z;
 }
 

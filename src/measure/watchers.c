@@ -97,6 +97,17 @@ void vs_watchers_begin(vs_watchers *w, const vs_frame *frame, const vs_measure_s
   w->hottest_degc = w->heat.winding_degc;
 }
 
+const vs_warming *vs_watchers_warm(vs_watchers *w, const vs_setup *setup) {
+  const vs_winding_values *winding = &setup->model.actuator.winding;
+  if (!winding->present || !(winding->c_th[0] > 0) || !(winding->r_th[0] + winding->r_th[1] > 0) ||
+      w->heat.settled || setup->timeline.firing.no_valve || setup->loads.count ||
+      w->energy.frame->deck)
+    return NULL;
+  w->warming = (vs_warming){&w->heat, vs_alloc(1, sizeof *w->warming.model)};
+  *w->warming.model = setup->model;
+  return &w->warming;
+}
+
 bool vs_watchers_may_end_early(vs_watchers *w, const vs_swing_rest *rest,
                                const vs_measure_set *wanted) {
   find_settled(w->measures, rest, &w->settled);
@@ -111,15 +122,23 @@ static void look_at_batch(vs_watchers *w) {
 }
 
 /* The energies, and what the losses of the step make of the winding. */
-static void follow_energy(vs_watchers *w, const vs_step *step) {
+static inline void follow_energy(vs_watchers *w, const vs_step *step) {
   const vs_winding_values *winding = &step->frame->model->actuator.winding;
+  if (!winding->present) {
+    vs_energy_accept(&w->energy, step);
+    return;
+  }
   const double *joule = w->energy.joule, copper_j = joule[VS_E_COPPER], eddy_j = joule[VS_E_EDDY],
                by_s = step->to->t_s - step->from->t_s;
   vs_energy_accept(&w->energy, step);
-  if (!winding->present || !(by_s > 0)) return;
+  if (!(by_s > 0)) return;
   vs_winding_go(winding, (joule[VS_E_COPPER] - copper_j) / by_s, (joule[VS_E_EDDY] - eddy_j) / by_s,
                 by_s, &w->heat);
   w->hottest_degc = fmax(w->hottest_degc, w->heat.winding_degc);
+  if (!w->warming.model || vs_step_is_quiet(step)) return;
+  const vs_coil *coil = &w->warming.model->coil;
+  const double ohm = vs_winding_ohm(winding, coil->cold_ohm, w->heat.winding_degc);
+  w->lag = fmax(w->lag, fabs(ohm / coil->resistance_ohm - 1));
 }
 
 /* lambda may turn between two knots. */
@@ -197,5 +216,6 @@ void vs_watchers_free(vs_watchers *w) {
   vs_measures_free(w->measures);
   vs_devices_free(w->devices);
   free(w->batch);
+  free(w->warming.model);
   *w = (vs_watchers){0};
 }

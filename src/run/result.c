@@ -256,7 +256,7 @@ static bool leaves_linear_iron(const vs_result *r, char *text, size_t size) {
   return true;
 }
 
-/* True: the winding became so much warmer or colder that its resistance, which a run keeps, would
+/* True: the winding became so much warmer or colder that its resistance, which this run kept, would
  * be another. */
 static bool warms_up(const vs_result *r, char *text, size_t size) {
   static const double MUCH = 0.01;
@@ -266,11 +266,20 @@ static bool warms_up(const vs_result *r, char *text, size_t size) {
                cold_degc = r->watchers.heat.winding_degc;
   const double to_degc = hot_degc - from_degc > from_degc - cold_degc ? hot_degc : cold_degc;
   const double more = vs_winding_ohm(w, m->coil.cold_ohm, to_degc) / m->coil.resistance_ohm - 1;
+  if (r->watchers.warming.model) {
+    snprintf(text, size,
+             "the winding's resistance changes by up to %.2g %% while current flows, and the run "
+             "keeps it from one firing to the next",
+             100 * r->watchers.lag);
+    return r->watchers.lag > MUCH;
+  }
   if (!w->present || !r->values[VS_M_COIL_T].known || !(fabs(more) > MUCH)) return false;
-  snprintf(text, size,
-           "the winding goes from %.4g to %.4g degC, where its resistance is %.2g %% %s, and the "
-           "run keeps that of the beginning: give actuator.winding.temperature, or take `steady`",
-           from_degc, to_degc, 100 * fabs(more), more > 0 ? "larger" : "smaller");
+  snprintf(
+      text, size,
+      "the winding goes from %.4g to %.4g degC, where its resistance is %.2g %% %s, and the "
+      "run keeps that of the beginning: give actuator.winding.temperature, take `steady`, or an "
+      "ideal tier, whose resistance follows from firing to firing",
+      from_degc, to_degc, 100 * fabs(more), more > 0 ? "larger" : "smaller");
   return true;
 }
 

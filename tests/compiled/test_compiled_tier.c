@@ -342,11 +342,14 @@ static void ngspices_settings_are_not_its_own(void) {
   for (size_t k = 0; k < COUNT(KEYS); k++) {
     ran r = run("run paper --set run.tier=compiled --set %s", KEYS[k]);
     EXPECT(r.status == 2 && strstr(r.err, "does not run ngspice and would ignore it; take tier "
-                                          "circuit, or leave the key out"),
+                                          "circuit, or leave the key at its default"),
            "%s: %d: %s", KEYS[k], r.status, r.err);
     free_ran(&r);
   }
-  ran r = run("run paper --set run.tier=compiled --raw -o raw");
+  ran r = run("check paper --set run.tier=compiled --set run.method=trap"); /* its default */
+  EXPECT(r.status == 0, "%d: %s", r.status, r.err);
+  free_ran(&r);
+  r = run("run paper --set run.tier=compiled --raw -o raw");
   EXPECT(r.status == 2 && strstr(r.err, "--raw: only tier circuit can do that"), "%s", r.err);
   free_ran(&r);
 }
