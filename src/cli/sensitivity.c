@@ -68,7 +68,13 @@ static const char *warning_of(const vs_scene *scene) {
   return scene->tier->by_ngspice ? vs_self_test_text() : "";
 }
 
-static void print_derivatives(const vs_sensitivity *s, const char *warning, FILE *out) {
+/* What exact derivatives are exact in. */
+static const char *exact_in(const vs_scene *scene) {
+  return scene->tier->has_circuit ? "exact for the steps of the run" : "exact but for rounding";
+}
+
+static void print_derivatives(const vs_sensitivity *s, const vs_scene *scene, FILE *out) {
+  const char *warning = warning_of(scene);
   double exact = 0;
   bool some = false, differences = false;
   fprintf(out, "%-30s %12s %-9s", "d ln|measure| / d ln key", "value", "");
@@ -84,7 +90,7 @@ static void print_derivatives(const vs_sensitivity *s, const char *warning, FILE
     }
   }
   fputs("\n\n", out);
-  if (some) fprintf(out, "exact but for rounding: off by %.1g at most\n", exact);
+  if (some) fprintf(out, "%s: off by %.1g at most\n", exact_in(scene), exact);
   if (differences) fputs("~ by differences of runs, to the digits that they tell\n", out);
   fputs(s->notes.text, out);
   if (*warning) fprintf(out, "warning: %s\n", warning);
@@ -208,7 +214,7 @@ static vs_status report_derivatives(const vs_sensitivity_options *o, const vs_sc
   if (!status && o->json)
     fputs(json.text, stdout);
   else if (!status && !o->quiet)
-    print_derivatives(s, warning_of(scene), stdout);
+    print_derivatives(s, scene, stdout);
   vs_text_free(&json);
   return status;
 }

@@ -2,6 +2,7 @@
 #include "compiled/compiled.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -9,6 +10,7 @@
 #include "elements.h"
 #include "monodromy.h"
 #include "reduction.h"
+#include "replay.h"
 #include "rodas.h"
 
 /* By what the error of an unknown is measured. */
@@ -37,6 +39,7 @@ typedef struct compiled {
   bool still;                  /* time stands at 0, for the operating point */
   bool looked;                 /* the junctions' currents behind the step are known */
   bool failed;                 /* a longer step from here was tried, and off */
+  double left_s;               /* to the next edge, from the last step's end */
   int landings;                /* steps that ended at a branch at once, one behind the other */
   double from_s;               /* where the stretch began whose tries are counted */
   long tries;
@@ -83,6 +86,9 @@ static vs_status show_instant(compiled *c, double h, double part, vs_error *err)
  * method itself is off by comes on top of that. */
 static const double STRAIGHT = 0.7;
 enum { MOST_PARTS = 100 };
+/* Where derivatives are taken of what is shown there are so many times as many parts: an extreme
+ * lies beside the instant at which it is shown, and what a key makes of it there is off by that. */
+enum { FINER = 4 };
 
 static int parts_of(const compiled *c) {
   double most = 1;
@@ -100,7 +106,8 @@ static int parts_of(const compiled *c) {
 
 static vs_status show_step(compiled *c, double h, vs_error *err) {
   const bool hides = c->host->hides && c->host->hides(c->host->ctx); /* nobody looks at signals */
-  const int parts = hides ? 1 : parts_of(c);
+  const int finer = vs_replay_is_on(c->job->steps) ? FINER : 1;
+  const int parts = vs_replay_parts(c->job->steps, hides ? 1 : finer * parts_of(c));
   vs_status status = VS_OK;
   for (int k = 1; k <= parts && !status; k++)
     status = show_instant(c, h, k == parts ? 1 : (double)k / parts, err);
@@ -220,6 +227,15 @@ static void tell_state(void *circuit) {
   if (map->knows_slope) vs_monodromy_slope(&c->map, map->slope);
 }
 
+static void name_state(void *circuit, int state, char name[VS_STATE_NAME], const char **unit) {
+  const compiled *c = circuit;
+  const int row = c->map.row[state];
+  const char *of = c->e.name[row];
+  const bool charge = *of == 'v' && row != c->e.flux;
+  *unit = charge ? "C" : "Wb";
+  snprintf(name, VS_STATE_NAME, "%s%.*s", charge ? "charge" : "flux", VS_STATE_NAME - 8, of + 1);
+}
+
 static void begin_map(compiled *c) {
   vs_circuit_map *map = c->host->map;
   vs_monodromy_begin(&c->map, &c->e);
@@ -232,6 +248,7 @@ static void begin_map(compiled *c) {
                           .next = c->states + 3 * n,
                           .slope = c->states + 4 * n,
                           .tell = tell_state,
+                          .name = name_state,
                           .solver = c};
 }
 
@@ -249,6 +266,18 @@ static void go_on_in_map(compiled *c) {
 
 /* ---- branches ---- */
 
+<<<<<<< HEAD
+=======
+static bool asks_at(compiled *c, double part) {
+  vs_rodas_dense(&c->r, part, c->between);
+  return vs_equations_choose(&c->e, c->between, true);
+}
+
+/* How well the instant of a change is known, as a part of its step; and where derivatives are taken
+ * by what differs between runs. */
+static const double SHARP = 1e-9, SHARPEST = 1e-14;
+
+>>>>>>> ce973b1af6de12daa499175b51ac007510342a3d
 /* The part of the step at which a branch or a switch first wants to be another; 2: none does. */
 static double changes_at(compiled *c) {
   double low = 0, high = 0.5;
@@ -258,7 +287,8 @@ static double changes_at(compiled *c) {
     high = 1;
     if (!vs_equations_choose(&c->e, c->r.next, true)) return 2;
   }
-  while (high - low > 1e-9) {
+  const double sharp = vs_replay_is_on(c->job->steps) ? SHARPEST : SHARP;
+  while (high - low > sharp) {
     const double middle = (low + high) / 2;
     vs_rodas_dense(&c->r, middle, c->between);
     *(vs_equations_still_asks(&c->e, c->between) ? &high : &low) = middle;
@@ -299,7 +329,14 @@ static vs_status give_up(const compiled *c, const char *what, vs_error *err) {
 static const double RESTART_S = 1e-11, FIRST_S = 2e-8, LEAST_S = 1e-13;
 enum { CHANGES = 100 };
 
+/* The steps of another run do not serve: a device switches in another of them. */
+static vs_status lose_steps(const compiled *c, vs_error *err) {
+  return vs_fail(err, VS_RUN, "t = %.9g s: other steps are due than in the run beside",
+                 c->host->clock ? c->host->clock(c->host->ctx, c->r.t_s) : c->r.t_s);
+}
+
 static vs_status no_solution(const compiled *c, vs_error *err) {
+  if (vs_replay_follows(c->job->steps)) return lose_steps(c, err);
   char why[160] = "the circuit's equations have no solution behind a jump";
   if (c->r.culprit >= 0)
     snprintf(why, sizeof why,
@@ -311,12 +348,22 @@ static vs_status no_solution(const compiled *c, vs_error *err) {
 /* The branches are held while the iteration runs, as switches may turn over and over. Where it
  * finds no solution so, as far behind the branch that ends a formula with a power of 299, they are
  * chosen anew in each iteration. */
+static double restart_again(compiled *c) {
+  double h = 0;
+  const vs_circuit_step *step = vs_replay_next(c->job->steps, NAN, &h);
+  return step && vs_rodas_restart(&c->r, c->charge, h, step->cut) ? h : 0;
+}
+
 static double restart_length(compiled *c, double first_s) {
   static const double TIMES[] = {1, 10, 100, 0.1, 1000};
+  if (vs_replay_follows(c->job->steps)) return restart_again(c);
   for (int chooses = 0; chooses < 2; chooses++)
-    for (size_t n = 0; n < sizeof TIMES / sizeof *TIMES; n++)
-      if (vs_rodas_restart(&c->r, c->charge, TIMES[n] * first_s, chooses))
-        return TIMES[n] * first_s;
+    for (size_t n = 0; n < sizeof TIMES / sizeof *TIMES; n++) {
+      const vs_circuit_step step = {.length_s = TIMES[n] * first_s, .left_s = NAN, .cut = chooses};
+      if (!vs_rodas_restart(&c->r, c->charge, step.length_s, chooses)) continue;
+      vs_replay_note(c->job->steps, &step);
+      return step.length_s;
+    }
   return 0;
 }
 
@@ -391,18 +438,40 @@ static double next_factor(const compiled *c, double h, double off) {
   return fmin(fmax(factor, SHORTER), LONGER);
 }
 
+<<<<<<< HEAD
 /* A step of h was off by `off`, and that of before_s, longer, by `before`: would one of no length
  * be off by more than 1, too? So it is where the step before has left a junction a current out of
  * balance that no step corrects but Newton's iteration. */
 static bool stays_off(double h, double off, double before_s, double before) {
   return off < before && isfinite(before) && off - h * (before - off) / (before_s - h) > 1;
+=======
+/* Takes the step that the other run took here. */
+static vs_status step_again(compiled *c, double *taken, bool *jumps, vs_error *err) {
+  double h = 0;
+  const vs_circuit_step *step = vs_replay_next(c->job->steps, c->left_s, &h);
+  *taken = 0;
+  if (!step) return lose_steps(c, err);
+  if (!(h > 0)) return VS_OK;
+  if (!vs_rodas_try(&c->r, h)) return lose_steps(c, err);
+  const double part = changes_at(c);
+  *jumps = part <= 1;
+  *taken = step->cut ? fmax(part * h, RESTART_S) : h;
+  if (*jumps != step->jumps || (step->cut && !vs_rodas_try(&c->r, *taken)))
+    return lose_steps(c, err);
+  return VS_OK;
+>>>>>>> ce973b1af6de12daa499175b51ac007510342a3d
 }
 
 /* Tries steps of at most *h until one is right, and makes *h what the next one may be. *taken: the
  * length; 0: none is short enough. *jumps: a switch or branch is another behind it. */
 static vs_status try_steps(compiled *c, double *h, double *taken, bool *jumps, vs_error *err) {
+<<<<<<< HEAD
   double best = INFINITY, best_s = 0, before = INFINITY, before_s = INFINITY;
   int worse = 0; /* so many steps, each shorter, were off by more than the best one */
+=======
+  double best = INFINITY, best_s = 0;
+  if (vs_replay_follows(c->job->steps)) return step_again(c, taken, jumps, err);
+>>>>>>> ce973b1af6de12daa499175b51ac007510342a3d
   *taken = 0;
   while (*h > LEAST_S) {
     if (!progress_made(c)) return give_up(c, "the run makes no progress", err);
@@ -430,10 +499,12 @@ static vs_status try_steps(compiled *c, double *h, double *taken, bool *jumps, v
       continue;
     }
     const double part = changes_at(c);
+    vs_circuit_step note = {.length_s = *h, .left_s = c->left_s, .parts = 1, .jumps = part <= 1};
     *jumps = part <= 1;
     *taken = *h;
     if (part < 1 && *h > RESTART_S && c->landings < MOST_LANDINGS) {
       *taken = fmax(part * *h, RESTART_S); /* a step that ended a little before it has it at once */
+      note.cut = true;
       c->landings = *taken < 10 * RESTART_S ? c->landings + 1 : 0;
       c->looked = false;
       if (!vs_rodas_try(&c->r, *taken)) return give_up(c, "the equations are singular", err);
@@ -451,8 +522,10 @@ static vs_status try_steps(compiled *c, double *h, double *taken, bool *jumps, v
       *h *= rounds ? LONGER : c->failed ? fmin(factor, 1) : factor;
       c->failed = false;
     }
+    vs_replay_note(c->job->steps, &note);
     return VS_OK;
   }
+  vs_replay_note(c->job->steps, &(vs_circuit_step){.left_s = c->left_s});
   return VS_OK;
 }
 
@@ -495,6 +568,7 @@ static vs_status run_equations(void *circuit, vs_error *err) {
   const double until_s = c->job->until_s;
   double h = FIRST_S;
   int stuck = 0;
+  vs_replay_begin(c->job->steps);
   vs_equations_choose(&c->e, c->r.y, false);
   memcpy(c->charge, c->e.charge, (size_t)c->e.rows * sizeof *c->charge);
   vs_status status = c->job->stands ? find_operating_point(c, err) : VS_OK;
@@ -504,8 +578,9 @@ static vs_status run_equations(void *circuit, vs_error *err) {
     const double edge_s = fmin(next_edge(c), until_s);
     double taken = 0;
     bool jumps = false;
-    if (edge_s - c->r.t_s > RESTART_S) {
-      h = longest_step(c, h, edge_s - c->r.t_s);
+    c->left_s = edge_s - c->r.t_s;
+    if (c->left_s > RESTART_S) {
+      h = longest_step(c, h, c->left_s);
       status = try_steps(c, &h, &taken, &jumps, err);
       if (!status && taken == 0) {
         status = get_past(c, &stuck, err);

@@ -162,6 +162,12 @@ bool vs_full_newton_ends(const vs_full_newton *f, vs_circuit_map *map, bool clos
   return ends;
 }
 
+double vs_full_newton_kept(const vs_full_newton *f, int state) {
+  double most = 0;
+  for (int k = 0; k < f->states; k++) most = fmax(most, fabs(f->phi[k * f->states + state]));
+  return most;
+}
+
 /* ---- multipliers ---- */
 
 int vs_full_newton_multipliers(const vs_full_newton *f, int most, vs_multiplier *out) {

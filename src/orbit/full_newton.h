@@ -38,6 +38,9 @@ bool vs_full_newton_turn(vs_full_newton *f, vs_circuit_map *map, int machine, co
  * multipliers are wanted, of a Phi that was taken near it. */
 bool vs_full_newton_ends(const vs_full_newton *f, vs_circuit_map *map, bool closed, bool precise);
 
+/* How much of a state is left in any behind a period, in parts of their sizes, by the last Phi. */
+double vs_full_newton_kept(const vs_full_newton *f, int state);
+
 /* Finds at most `most` multipliers of these parts, the largest first. Returns how many they are; 0:
  * GSL finds none. */
 int vs_full_newton_multipliers(const vs_full_newton *f, int most, vs_multiplier *out);

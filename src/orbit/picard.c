@@ -17,10 +17,8 @@
 
 /* ---- convergence ---- */
 
-/* How the corrections of a search for an orbit go on from pass to pass: whether they still fall,
- * have stalled at what the solver rounds, or creep because something in the circuit does. Each is a
- * size relative to the motion's. */
-
+/* How corrections go on from pass to pass, as parts of the motion's sizes: whether they still fall,
+ * have stalled at what the solver rounds, or creep because something in the circuit does. */
 typedef struct convergence {
   double tolerance; /* run.tolerance */
   double wanted;    /* what a correction is to come below */
@@ -35,10 +33,9 @@ typedef struct convergence {
   double remains; /* the sum of the last one and of all that are still to come; 0: they fall fast */
 } convergence;
 
-/* Relative to run.tolerance: how well the orbit is to be known. */
-static const double CLOSED = 0.01;
-/* The part of run.tolerance that may remain of what creeps in the circuit. */
-static const double CREPT = 0.1;
+/* Parts of run.tolerance: to which the orbit is to be known, and which may remain of what creeps.
+ */
+static const double CLOSED = 0.01, CREPT = 0.1;
 /* Corrections that have not come below this part of the least one in so many passes have stalled.
  */
 static const double FALLS = 0.7;
@@ -499,7 +496,7 @@ static bool find_multipliers(vs_picard *p, const vs_knot *end) {
 
 /* The pass is one of Newton's iteration for machine and circuit as one. */
 static bool is_full(const vs_picard *p) {
-  return p->pilot.map.states && !p->search->full.failed;
+  return p->map.states && !p->search->full.failed;
 }
 
 /* Those of machine and circuit. On halfwave_snubbed they were off by 0.03 of run.tolerance, and by
@@ -523,7 +520,7 @@ static vs_status refuse_subharmonic(const vs_picard *p, vs_error *err) {
              : VS_OK;
 }
 
-/* Notes what was found. *begins becomes false in a copy. */
+/* *begins becomes false in a copy. */
 static vs_status take_orbit(vs_picard *p, const vs_knot *end, bool *begins, vs_error *err) {
   vs_picard_search *s = p->search;
   int least = least_period(p);
@@ -629,16 +626,16 @@ static vs_status turn_full(vs_picard *p, const vs_knot *end, bool *begins, vs_er
   double size;
   search_scale(s);
   s->steered++;
-  if (!vs_full_newton_turn(&s->full, &p->pilot.map, s->count, end->x, s->scale, &size)) {
+  if (!vs_full_newton_turn(&s->full, &p->map, s->count, end->x, s->scale, &size)) {
     memcpy(s->x, end->x, sizeof s->x);
     steer_again(s);
     return VS_OK;
   }
-  memcpy(s->x, p->pilot.map.next, (size_t)s->count * sizeof *s->x);
+  memcpy(s->x, p->map.next, (size_t)s->count * sizeof *s->x);
   search_go_on(s, s->x);
   convergence_take(&s->corrections, size);
   const bool closed = convergence_close(&s->corrections);
-  *begins = vs_full_newton_ends(&s->full, &p->pilot.map, closed, p->wants_multipliers);
+  *begins = vs_full_newton_ends(&s->full, &p->map, closed, p->wants_multipliers);
   if (!*begins) return VS_OK;
   vs_budget_end(s->budget);
   return take_orbit(p, end, begins, err);
@@ -699,8 +696,6 @@ static void end_search(void *self) {
   vs_budget_end(s->budget);
 }
 
-/* ---- where the search begins ---- */
-
 static vs_scene *on_ideal_tier(const vs_scene *scene) {
   vs_scene *ideal = vs_alloc(1, sizeof *ideal);
   *ideal = *scene;
@@ -709,7 +704,7 @@ static vs_scene *on_ideal_tier(const vs_scene *scene) {
   return ideal;
 }
 
-/* One period of the orbit more: Phi becomes the product of Phi and that of one period. */
+/* One period more: Phi becomes the product of Phi and that of one period. */
 static void follow_on(vs_orbit *o, const vs_orbit *one) {
   double product[VS_ORBIT_STATES][VS_ORBIT_STATES] = {0};
   for (int i = 0; i < o->count; i++)
@@ -762,7 +757,8 @@ vs_status vs_picard_new(const vs_scene *scene, int periods, bool wants_multiplie
                                .accept = accept_step_of_search,
                                .turn = end_period_of_search,
                                .push = push_of_search,
-                               .end = end_search};
+                               .end = end_search,
+                               .map = &p->map};
   *picard = p;
   return VS_OK;
 }
@@ -774,6 +770,10 @@ void vs_picard_free(vs_picard *p) {
   free(p->search);
   free(p->ideal);
   free(p);
+}
+
+bool vs_picard_remembers(const vs_picard *p, int state, double part) {
+  return is_full(p) && vs_full_newton_kept(&p->search->full, state) > part;
 }
 
 void vs_picard_again(vs_picard *p) {

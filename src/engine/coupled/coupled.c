@@ -397,6 +397,7 @@ static vs_circuit_job job_of(const coupling *c) {
                           .tried = c->order->tried,
                           .unbegun = c->order->unbegun,
                           .tries = c->order->tries,
+                          .steps = c->order->steps,
                           .truncation_factor = c->pace.truncation,
                           .pivot_threshold = setup->run.pivrel,
                           .relative_tolerance = c->pace.relative,
@@ -444,7 +445,7 @@ static vs_status run_solver(coupling *c, vs_error *err) {
                                             .rates = machine_rates,
                                             .linear = machine_law,
                                             .port = machine_port},
-                                .map = c->order->pilot ? &c->order->pilot->map : NULL};
+                                .map = c->order->pilot ? c->order->pilot->map : NULL};
   char **netlist = NULL;
   void *circuit = NULL;
   vs_setup_standard(setup, standard);

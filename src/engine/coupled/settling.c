@@ -87,6 +87,7 @@ vs_status vs_settling_follow(vs_settling *p, vs_trajectory *trajectory, double *
   vs_status status = pilot->turn(pilot->self, vs_trajectory_last(trajectory), &begins, err);
   p->refused = status == VS_INPUT;
   if (status) return p->refused ? VS_RUN : status; /* what only a search finds is no bad input */
+  p->calm->timeline.firing.angle.first = p->setup->timeline.firing.angle.first + pilot->late_rad;
   *shift_s = -(double)++p->parts * pilot->period_s;
   p->on = !begins;
   vs_trajectory_turn(trajectory, pilot->period_s, vs_settling_setup(p), vs_settling_observer(p),
@@ -97,7 +98,8 @@ vs_status vs_settling_follow(vs_settling *p, vs_trajectory *trajectory, double *
 vs_status vs_settling_end(vs_settling *p, vs_status status, vs_error *err) {
   if (!orbit_search_of(p)) return status;
   bool gave_up = status && err->gave_up;
-  if (p->on && (status == VS_RUN || status == VS_BUDGET) && !p->refused) {
+  const bool searches = p->on && !p->refused && !orbit_search_of(p)->found;
+  if (searches && (status == VS_RUN || status == VS_BUDGET)) {
     const vs_error why = *err;
     vs_fail(err, status, "no periodic orbit is found: in cycle %ld of the search, %s", p->parts + 1,
             why.text);

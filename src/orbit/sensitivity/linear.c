@@ -236,10 +236,9 @@ static void look_at_firing(vs_linear *l, const vs_step *step) {
   }
 }
 
-static void look_at_event(look *l, const vs_step *step) {
-  vs_linear *out = l->out;
+static void look_at_event(vs_linear *out, const vs_step *step, int *firings) {
   for (int k = 0; k < 2; k++) {
-    if (step->event[k] == VS_EV_FIRES && !l->firings++) look_at_firing(out, step);
+    if (step->event[k] == VS_EV_FIRES && !(*firings)++) look_at_firing(out, step);
     if (step->event[k] == VS_EV_EXTINCT) out->extinct_s = step->event_s[k];
     if (step->event[k] == VS_EV_MEETS_STOP) out->contacts++;
   }
@@ -248,18 +247,22 @@ static void look_at_event(look *l, const vs_step *step) {
 static vs_status accept_look(void *ctx, const vs_step *step, const vs_result *result,
                              vs_error *err) {
   look *l = ctx;
-  const vs_stops *stops = &step->frame->model->stops;
   (void)result, (void)err;
-  look_at_event(l, step);
-  if (!(step->to->t_s > step->from->t_s)) return VS_OK;
-  for (int k = 0; k < l->out->outputs; k++) vs_linear_signal_accept(&l->out->output[k].seen, step);
+  vs_linear_look(l->out, step, &l->firings);
+  return VS_OK;
+}
+
+void vs_linear_look(vs_linear *out, const vs_step *step, int *firings) {
+  const vs_stops *stops = &step->frame->model->stops;
+  look_at_event(out, step, firings);
+  if (!(step->to->t_s > step->from->t_s)) return;
+  for (int k = 0; k < out->outputs; k++) vs_linear_signal_accept(&out->output[k].seen, step);
   for (int k = 0; k < stops->count; k++) {
     double depth = fabs(vs_grazing_depth(step, &stops->item[k]));
-    if (!(depth < l->out->grazing_m) && !(isnan(l->out->grazing_m) && !isnan(depth))) continue;
-    l->out->grazing_m = depth;
-    l->out->grazing_s = step->to->t_s;
+    if (!(depth < out->grazing_m) && !(isnan(out->grazing_m) && !isnan(depth))) continue;
+    out->grazing_m = depth;
+    out->grazing_s = step->to->t_s;
   }
-  return VS_OK;
 }
 
 /* Runs one period of the orbit. */
@@ -458,11 +461,11 @@ vs_status vs_linear_gain(const vs_linear *l, double gain[VS_LINEAR_OUTPUTS], vs_
 /* ---- all of it ---- */
 
 vs_status vs_linear_check(const vs_scene *scene, int periods, vs_error *err) {
-  if (scene->tier->has_circuit)
+  if (scene->tier->by_ngspice)
     return vs_fail_at(
         err, vs_tree_place(scene->tree.root, "run.tier"),
         "--linear: the circuit's equations are its solver's own, and are not linearised; "
-        "--tier %s has a linear model",
+        "tier %s has a linear model, and tier compiled one with this circuit",
         vs_tiers_automatic(false)->name);
   if (scene->setup.timeline.firing.no_valve)
     return vs_fail_at(err, vs_tree_place(scene->tree.root, "firing.valve"),
@@ -500,25 +503,32 @@ int vs_linear_travel(const vs_linear *l, const vs_model *m) {
   return -1;
 }
 
+vs_status vs_linear_begin(const vs_scene *scene, const vs_setup *setup, const vs_orbit *orbit,
+                          const vs_linear_signal_order *signals, int count, vs_linear *l,
+                          vs_error *err) {
+  vs_linear_signal_order *usual = vs_alloc(VS_LINEAR_OUTPUTS, sizeof *usual);
+  *l = (vs_linear){.grazing_m = NAN, .grazing_s = NAN, .fires_s = NAN, .extinct_s = NAN};
+  l->angle_rad = setup->timeline.firing.angle.first;
+  l->period_s = orbit->period_s;
+  l->stable = orbit->stable;
+  vs_status status = vs_linear_check(scene, orbit->n, err);
+  if (!status) name_states(l, &setup->model, orbit);
+  if (!signals) count = usual_signals(&scene->frame, usual);
+  if (!status) status = add_outputs(&scene->frame, signals ? signals : usual, count, l, err);
+  free(usual);
+  return status;
+}
+
 vs_status vs_linear_find(const vs_scene *scene, const vs_orbit *orbit,
                          const vs_linear_signal_order *signals, int count, vs_linear *l,
                          vs_error *err) {
-  vs_linear_signal_order *usual = vs_alloc(VS_LINEAR_OUTPUTS, sizeof *usual);
   vs_run_values run = scene->setup.run;
   run.until_s = orbit->period_s;
   run.tolerance = scene->tier->finest;
   const vs_setup setup = vs_steady_setup(scene, &run, orbit);
-  *l = (vs_linear){.grazing_m = NAN, .grazing_s = NAN, .fires_s = NAN, .extinct_s = NAN};
-  l->angle_rad = setup.timeline.firing.angle.first;
-  l->period_s = orbit->period_s;
-  l->stable = orbit->stable;
-  vs_status status = vs_linear_check(scene, orbit->n, err);
-  if (!status) name_states(l, &setup.model, orbit);
-  if (!signals) count = usual_signals(&scene->frame, usual);
-  if (!status) status = add_outputs(&scene->frame, signals ? signals : usual, count, l, err);
+  vs_status status = vs_linear_begin(scene, &setup, orbit, signals, count, l, err);
   if (!status) status = look_twice(scene, &setup, l, err);
   if (!status) status = walk_along(scene, &setup, l, err);
   if (!status) status = move_section(l, err);
-  free(usual);
   return status;
 }

@@ -8,6 +8,7 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "base/units.h"
+#include "linear_circuit.h"
 #include "orbit/linear.h"
 
 enum { N = VS_LINEAR_STATES, DIGITS = 17 };
@@ -67,7 +68,9 @@ static void find_notes(vs_linear_report *m, const vs_scene *scene) {
 
 vs_status vs_linear_report_find(vs_linear_report *m, const vs_scene *scene, const vs_orbit *orbit,
                                 vs_error *err) {
-  vs_status status = vs_linear_find(scene, orbit, NULL, 0, &m->linear, err);
+  vs_status status = scene->tier->has_circuit
+                         ? vs_linear_circuit_find(scene, orbit, &m->linear, err)
+                         : vs_linear_find(scene, orbit, NULL, 0, &m->linear, err);
   if (!status) status = vs_averaged_find(&m->linear, &m->averaged, err);
   if (status) return status;
   m->travel = vs_linear_travel(&m->linear, &scene->setup.model);

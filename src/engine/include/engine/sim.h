@@ -86,7 +86,10 @@ typedef struct vs_orbit_search {
   double (*push)(void *self, double t_s);
   /* The run has come to its end, or has failed. */
   void (*end)(void *self);
-  vs_circuit_map map; /* for `turn`, from a solver that can set the circuit's hidden state */
+  bool found;          /* the orbit is: what fails behind that is not the search */
+  double late_rad;     /* by which the firings of the next part are later; 0 but for `turn` */
+  vs_circuit_map *map; /* for `turn`, from a solver that can set the circuit's hidden state; NULL:
+                          nobody wants it */
 } vs_orbit_search;
 
 /* How a winding's temperature changes the run: an observer follows it in *heat, and wherever a
@@ -110,6 +113,8 @@ typedef struct vs_run_order {
                    it does not survive makes it do so, and try then */
   long *tries;  /* counts the steps that the solver tries, rejected ones too; NULL: nobody asks.
                    Borrowed */
+  vs_circuit_steps *steps;           /* that a run on tier compiled notes, or is to take; NULL: it
+                                        has its own. Borrowed */
   vs_orbit_search *pilot;            /* steers the run's settling; NULL: it has none. Borrowed */
   const volatile sig_atomic_t *stop; /* set by a signal: the settling ends with VS_SIGNAL, as the
                                         observer sees nothing of it; NULL: no signal ends it */

@@ -10,6 +10,28 @@
 
 #include "base/error.h"
 
+/* A step of a run, or a restart behind a jump. */
+typedef struct vs_circuit_step {
+  double length_s; /* as it was tried; 0: none was short enough */
+  double left_s;   /* from its beginning to the next edge; NaN: it is a restart */
+  int parts;       /* in which it was shown */
+  bool jumps;      /* a branch or a switch is another one behind it */
+  bool cut;        /* the step ends there; of a restart: branches were chosen in its iteration */
+} vs_circuit_step;
+
+/* All steps of a run, for runs of scenes that are nearly the same: these take the same ones, so
+ * that what differs between the runs is smooth. Begin with {0}; the caller frees `step`. */
+typedef struct vs_circuit_steps {
+  vs_circuit_step *step;
+  size_t count, room, next;
+  enum {
+    VS_STEPS_OWN,
+    VS_STEPS_NOTED,
+    VS_STEPS_TAKEN
+  } are; /* the run has steps of its own; and
+           these become them; it takes these */
+} vs_circuit_steps;
+
 /* What is to be solved. All is borrowed. */
 typedef struct vs_circuit_job {
   char *const *netlist; /* lines without analysis, options and .end */
@@ -48,10 +70,11 @@ typedef struct vs_circuit_job {
   bool unbegun;       /* this process can begin anew without harm: a guard in the place of a trial
                          (ngspice/crash_guard.h) */
   long *tries;        /* counts the steps that are tried, rejected ones too; NULL: nobody asks */
-  FILE *raw;          /* gets all the circuit's vectors at every accepted step as a rawfile
-                         (ngspice/rawfile.h); its head is filled in also when the run fails. NULL: none */
-  double raw_most;    /* bytes that it may have; 0: any number */
-  vs_where raw_where; /* the key to blame if it would have more */
+  vs_circuit_steps *steps; /* for a solver that measures the errors of its steps; NULL: none */
+  FILE *raw;               /* gets all the circuit's vectors at every accepted step as a rawfile
+                              (ngspice/rawfile.h); its head is filled in also when the run fails. NULL: none */
+  double raw_most;         /* bytes that it may have; 0: any number */
+  vs_where raw_where;      /* the key to blame if it would have more */
 } vs_circuit_job;
 
 /* A machine that a circuit's flux linkage drives, for a solver that takes both as one system. */
@@ -68,6 +91,8 @@ typedef struct vs_circuit_machine {
   bool (*port)(void *ctx, size_t port, const double *x, double *value);
 } vs_circuit_machine;
 
+enum { VS_STATE_NAME = 64 };
+
 /* The whole state of circuit and machine, as numbers z that do not hang on each other: the
  * machine's come first. A solver that can tell and set it lets its host begin stretches of the run
  * at any z, as a search for an orbit does. */
@@ -79,6 +104,7 @@ typedef struct vs_circuit_map {
   double *slope;              /* d end/d start, row by row, where it is known */
   bool knows_slope;           /* it was wanted, and nothing in the stretch hid it */
   void (*tell)(void *solver); /* sets end, size and slope; to be called from accept() */
+  void (*name)(void *solver, int state, char name[VS_STATE_NAME], const char **unit);
   void *solver;
   bool begins; /* set by the host in accept(): another stretch begins there, at `next` */
   double *next;

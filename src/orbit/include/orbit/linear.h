@@ -14,6 +14,10 @@
  * is each row of C and D: an extreme moves by what the signal moves at the instant at which the
  * orbit has it.
  *
+ * On tier compiled x goes on with those charges and fluxes of the circuit that are not forgotten
+ * within a period, and all is by differences of runs that take the same steps
+ * (linear_circuit.h). Sections at the firing are not known there.
+ *
  * A signal may be seen through a low-pass. Its states (y, y'/w) of measure/lowpass.h, or y
  * alone, then join x. */
 #ifndef VS_ORBIT_LINEAR_H
@@ -56,7 +60,8 @@ typedef struct vs_linear {
 
   /* The same model with another section, the instant t_k + fires_s at which the orbit fires. There
    * x is to_firing times the x of the section; before the thyristor fires it swings freely. NaN
-   * where a low-pass is so fast that nothing of its state is left there. */
+   * where a low-pass is so fast that nothing of its state is left there, and on tier compiled all
+   * but the machine's x_firing. */
   double to_firing[VS_LINEAR_STATES][VS_LINEAR_STATES];
   double a_firing[VS_LINEAR_STATES][VS_LINEAR_STATES], b_firing[VS_LINEAR_STATES];
   double c_firing[VS_LINEAR_OUTPUTS][VS_LINEAR_STATES];
@@ -68,8 +73,8 @@ typedef struct vs_linear {
   double grazing_m, grazing_s;
 } vs_linear;
 
-/* Error, VS_INPUT: the scene has no linear model, as it is known before any search: a tier with a
- * circuit; a coil without a valve, which has no firing angle; orbits of more than one firing. */
+/* Error, VS_INPUT: the scene has no linear model, as it is known before any search: its circuit is
+ * ngspice's; a coil without a valve, which has no firing angle; orbits of more than one firing. */
 vs_status vs_linear_check(const vs_scene *scene, int periods, vs_error *err);
 
 /* Finds the model about an orbit of one firing period of the scene, which may have been put on that
@@ -86,6 +91,14 @@ vs_status vs_linear_find(const vs_scene *scene, const vs_orbit *orbit,
  * rad. Error, VS_RUN: a multiplier is 1. */
 vs_status vs_linear_gain(const vs_linear *linear, double gain[VS_LINEAR_OUTPUTS], vs_error *err);
 
+/* Begins a model of that setup of the scene on its orbit: names the machine's states and begins the
+ * outputs. As vs_linear_find besides. */
+vs_status vs_linear_begin(const vs_scene *scene, const vs_setup *setup, const vs_orbit *orbit,
+                          const vs_linear_signal_order *signals, int count, vs_linear *linear,
+                          vs_error *err);
+/* Shows a step of the orbit to the outputs, and notes firing, extinction and contacts. *firings:
+ * how many there were so far. */
+void vs_linear_look(vs_linear *linear, const vs_step *step, int *firings);
 /* The output that is the gap's travel, seen without a low-pass; -1: there is none. */
 int vs_linear_travel(const vs_linear *linear, const vs_model *model);
 

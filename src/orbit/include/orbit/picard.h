@@ -25,6 +25,7 @@
 /* Made by vs_picard_new, freed by vs_picard_free. */
 typedef struct vs_picard {
   vs_orbit_search pilot; /* for the order of the run (engine/sim.h) */
+  vs_circuit_map map;    /* the pilot's */
   vs_orbit orbit;        /* what was found; before that, where the search begins */
   int cycles;            /* firing periods that the search took */
   bool found;      /* the orbit is found. A run that follows, as that for the errors of margins, has
@@ -63,6 +64,11 @@ vs_picard_past vs_picard_over(const vs_picard *picard);
  * begins as far from the orbit of tier switched as that orbit was. Where that is no help, as the
  * other search took the circuit's own Phi or had no such orbit, it begins at that orbit. */
 void vs_picard_begin_near(vs_picard *picard, const vs_picard_past *past);
+
+/* Does anything behind a period hang on that state of the circuit's map, by more than a part of the
+ * sizes? False, too, where Newton's method for machine and circuit together did not find the orbit.
+ */
+bool vs_picard_remembers(const vs_picard *picard, int state, double part);
 
 /* Before an attempt of a session (run/session.h): what was found counts no more. */
 void vs_picard_again(vs_picard *picard);

@@ -37,10 +37,11 @@ vs_status vs_stencil_begin(vs_stencil *fan, const vs_sensitivity_problem *subjec
                            vs_error *err);
 void vs_stencil_end(vs_stencil *fan);
 
-/* Runs them all at run.tolerance, each from its own start or on its own orbit. Errors: those of
- * vs_session_run and vs_steady_begin. */
+/* Runs them all at run.tolerance, each from its own start or on its own orbit. alike: on tier
+ * compiled, with the steps of the first, so that differences of small steps are smooth. Errors:
+ * those of vs_session_run and vs_steady_begin; VS_RUN, with `alike`: one needs other steps. */
 vs_status vs_stencil_run(vs_stencil *fan, const vs_sensitivity_problem *subject, double tolerance,
-                         vs_error *err);
+                         bool alike, vs_error *err);
 
 /* The derivative of the measure of that name. */
 vs_slope_of vs_stencil_slope(const vs_stencil *fan, const char *measure);
