@@ -266,18 +266,10 @@ static void go_on_in_map(compiled *c) {
 
 /* ---- branches ---- */
 
-<<<<<<< HEAD
-=======
-static bool asks_at(compiled *c, double part) {
-  vs_rodas_dense(&c->r, part, c->between);
-  return vs_equations_choose(&c->e, c->between, true);
-}
-
 /* How well the instant of a change is known, as a part of its step; and where derivatives are taken
  * by what differs between runs. */
 static const double SHARP = 1e-9, SHARPEST = 1e-14;
 
->>>>>>> ce973b1af6de12daa499175b51ac007510342a3d
 /* The part of the step at which a branch or a switch first wants to be another; 2: none does. */
 static double changes_at(compiled *c) {
   double low = 0, high = 0.5;
@@ -438,13 +430,13 @@ static double next_factor(const compiled *c, double h, double off) {
   return fmin(fmax(factor, SHORTER), LONGER);
 }
 
-<<<<<<< HEAD
 /* A step of h was off by `off`, and that of before_s, longer, by `before`: would one of no length
  * be off by more than 1, too? So it is where the step before has left a junction a current out of
  * balance that no step corrects but Newton's iteration. */
 static bool stays_off(double h, double off, double before_s, double before) {
   return off < before && isfinite(before) && off - h * (before - off) / (before_s - h) > 1;
-=======
+}
+
 /* Takes the step that the other run took here. */
 static vs_status step_again(compiled *c, double *taken, bool *jumps, vs_error *err) {
   double h = 0;
@@ -459,19 +451,14 @@ static vs_status step_again(compiled *c, double *taken, bool *jumps, vs_error *e
   if (*jumps != step->jumps || (step->cut && !vs_rodas_try(&c->r, *taken)))
     return lose_steps(c, err);
   return VS_OK;
->>>>>>> ce973b1af6de12daa499175b51ac007510342a3d
 }
 
 /* Tries steps of at most *h until one is right, and makes *h what the next one may be. *taken: the
  * length; 0: none is short enough. *jumps: a switch or branch is another behind it. */
 static vs_status try_steps(compiled *c, double *h, double *taken, bool *jumps, vs_error *err) {
-<<<<<<< HEAD
   double best = INFINITY, best_s = 0, before = INFINITY, before_s = INFINITY;
   int worse = 0; /* so many steps, each shorter, were off by more than the best one */
-=======
-  double best = INFINITY, best_s = 0;
   if (vs_replay_follows(c->job->steps)) return step_again(c, taken, jumps, err);
->>>>>>> ce973b1af6de12daa499175b51ac007510342a3d
   *taken = 0;
   while (*h > LEAST_S) {
     if (!progress_made(c)) return give_up(c, "the run makes no progress", err);
@@ -484,7 +471,7 @@ static vs_status try_steps(compiled *c, double *h, double *taken, bool *jumps, v
     const bool rounds = *h == best_s; /* it is tried again */
     const double factor = next_factor(c, *h, off);
     if (!(off <= 1) && !rounds) {
-      if (fits && stays_off(*h, off, before_s, before)) return VS_OK;
+      if (fits && stays_off(*h, off, before_s, before)) break;
       before = fits ? off : INFINITY;
       before_s = *h;
       if (off < best) {
