@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "members.h"
 #include "report/html.h"
 #include "study/study_results.h"
 
@@ -338,6 +339,19 @@ static void add_not_judged(vs_html *html, const vs_study_results *s) {
               s->not_judged.count > 1 ? "; in other cases other limits: column not_judged" : "");
 }
 
+/* Adds which limits no source says: a verdict by them is as good as they are. */
+static void add_assumed(vs_html *html, const vs_folder *t) {
+  const vs_node *lines = vs_tree_child(t->manifest.root, "lines");
+  bool any = false;
+  for (const vs_node *n = lines ? lines->child : NULL; n; n = n->next) {
+    if (strcmp(vs_member_word(n, "assumed"), "true") != 0) continue;
+    vs_html_add(html, any ? ", " : "<p>Judged by assumed figures, which no source says: ");
+    vs_html_text(html, vs_member_word(n, "name"));
+    any = true;
+  }
+  if (any) vs_html_add(html, ".</p>\n");
+}
+
 /* Adds how many cases hold and the worst margin. found: a search's result stands above in large
  * letters already. */
 static void add_share(vs_html *html, const vs_folder *t, const vs_study_results *s, bool found) {
@@ -390,6 +404,7 @@ static void add_verdict(vs_html *html, const vs_folder *t, const vs_study_result
   add_best_case(html, t, s);
   add_happened(html, s);
   add_not_judged(html, s);
+  if (s->judged) add_assumed(html, t);
   add_doubts(html, s);
   if (s->judged && s->judged < s->rows)
     vs_html_add(html, "<p>Without a margin: %ld cases.</p>\n", s->rows - s->judged);
