@@ -234,7 +234,8 @@ static void put_part(vs_entries *to, const vs_deck *part) {
     vs_list_entry_text(to, "kind", part->part_files[0].kind);
     vs_list_entry_text(to, "text", part->part_files[0].text);
   }
-  vs_list_entry_details(to);
+  const char *kind = part->n_part_files ? part->part_files[0].kind : "";
+  vs_list_entry_details(to, vs_kinds_find(to->filter) ? kind : NULL); /* fuse: no Littelfuse */
   put_limits(to, part);
   put_tables(to, part);
   vs_list_entry_array(to, "parameters");

@@ -37,7 +37,9 @@ void vs_list_entry_end(vs_entries *e) {
   e->count++;
 }
 
-void vs_list_entry_details(vs_entries *e) {
+void vs_list_entry_details(vs_entries *e, const char *only) {
+  if (only) e->sought.length = 0;
+  if (only) vs_text_add(&e->sought, "%s", only);
   e->head = e->lines.length;
 }
 

@@ -29,8 +29,9 @@ void vs_list_entry_begin(vs_entries *entries);
 void vs_list_entry_end(vs_entries *entries);
 
 /* Ends what names the entry: the lines behind it are details, which the filter does not look at, and
- * which vs_list_entry_lines leaves out where there are many entries. */
-void vs_list_entry_details(vs_entries *entries);
+ * which vs_list_entry_lines leaves out where there are many entries. only: all that the filter
+ * looks at; NULL: the lines before. */
+void vs_list_entry_details(vs_entries *entries, const char *only);
 
 /* What people are shown: of more than three entries with details the lines that name them, and how
  * to see the rest. Borrowed. */
