@@ -36,6 +36,13 @@ static void add_node_text(vs_html *html, const vs_node *node) {
   if (n > MOST_ITEMS + 1) vs_html_add(html, " (%zu of them)", n);
 }
 
+/* True for the cases' numbers, and where one of the listed cases has more than a 0. */
+static bool says_anything(const vs_study_results *s, size_t column) {
+  for (size_t k = 0; k < s->n_worst; k++)
+    if (*s->worst[k].cell[column] && strcmp(s->worst[k].cell[column], "0") != 0) return true;
+  return !column;
+}
+
 /* Adds the worst cases, or the first ones if nothing ranks them. */
 static void tables_cases(vs_html *html, const vs_folder *t, const vs_study_results *s) {
   if (!s->n_worst) return;
@@ -43,6 +50,7 @@ static void tables_cases(vs_html *html, const vs_folder *t, const vs_study_resul
               "<section id=\"cases\">\n<h2>The %s cases</h2>\n<div class=\"wide\"><table><tr>",
               vs_study_results_ranked(t, s) ? "worst" : "first");
   for (size_t c = 0; c < t->count; c++) {
+    if (!says_anything(s, c)) continue;
     vs_html_add(html, "<th>");
     vs_html_text(html, t->column[c].title);
     vs_html_add(html, "</th>");
@@ -51,6 +59,7 @@ static void tables_cases(vs_html *html, const vs_folder *t, const vs_study_resul
   for (size_t k = 0; k < s->n_worst; k++) {
     vs_html_add(html, "<tr>");
     for (size_t c = 0; c < t->count; c++) {
+      if (!says_anything(s, c)) continue;
       double value;
       bool number = c && s->profile[c].is_number && vs_folder_number(s->worst[k].cell[c], &value);
       if (number)
