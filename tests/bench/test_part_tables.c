@@ -72,7 +72,13 @@ static void listed(void) {
     }
     free_rows(&all);
   }
+  EXPECT(!strstr(r.out, "    limit "), "%s", r.out);
+  free_ran(&r);
+  r = run("list parts LF213-1A"); /* three of them, with their limits and models */
   EXPECT(strstr(r.out, "\n    model i_fusing, -1 % of sheet\n"), "%s", r.out);
+  free_ran(&r);
+  r = run("list parts fuse"); /* of that kind alone: no Littelfuse's thyristor */
+  EXPECT(!strstr(r.out, "    thyristor: ") && strstr(r.out, "    fuse: "), "%s", r.out);
   free_ran(&r);
 }
 

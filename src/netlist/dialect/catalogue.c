@@ -425,10 +425,11 @@ vs_status vs_catalogue_find(const vs_shelf *shelf, const char *name, vs_where wh
   vs_status status =
       s.found ? vs_jail_check(path, where, err)
               : vs_fail_at(err, where,
-                           "no %s '%s': not a file, and not a %s that comes with the program; a row of a "
-                           "table of your own is FILE.tab#%s%s",
-                           shelf->what, name, shelf->what, name,
-                           vs_text_hint(name, (const char *const *)s.all, s.count, "").text);
+                           "no %s '%s': not a file, and not a %s that comes with the program%s",
+                           shelf->what, name, shelf->what,
+                           vs_text_hint(name, (const char *const *)s.all, s.count,
+                                        "; a row of a table of your own is FILE.tab#NAME")
+                               .text);
   end_search(&s);
   return status;
 }
