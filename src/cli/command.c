@@ -201,8 +201,8 @@ vs_status vs_command_run(const vs_command *const *all, const vs_command *command
 
 void vs_command_print_usage(const vs_command *const *all, FILE *out) {
   fputs("Usage: vibrospice COMMAND ...\n"
-        "Co-simulates a resonant electromagnetic vibratory conveyor with its thyristor "
-        "converter.\n\n",
+        "Co-simulates an electromagnetic machine with the circuit that feeds it: a vibratory "
+        "feeder and its\nthyristor converter, a relay or a valve and its switch.\n\n",
         out);
   for (size_t k = 0; all[k]; k++)
     fprintf(out, "  %-8s %-7s %s\n", all[k]->name, all[k]->argument, all[k]->text);

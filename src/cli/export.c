@@ -34,6 +34,7 @@
 typedef struct spice_source {
   const char *name, *plus, *minus; /* it and its nodes */
   const vs_signal *signal;         /* what drives it */
+  bool stands;                     /* the run begins at the operating point, with switches off */
 } spice_source;
 
 /* ---- gates ---- */
@@ -141,7 +142,12 @@ static double next_change(const vs_timeline *timeline, const vs_signal *s, doubl
 }
 
 static bool is_even(const vs_pwm_values *p) {
-  return p->depth == 0 && !p->duty.count;
+  return p->depth == 0 && !p->duty.count && !vs_pwm_is_single(p);
+}
+
+/* A switch that is on from the beginning is off at the operating point. */
+static const char *first_level(bool stands, int level) {
+  return stands && level ? "0 0 1e-08" : "0";
 }
 
 /* Pulses that are all alike, as PULSE from the first edge behind t = 0. */
@@ -153,11 +159,25 @@ static void write_even(vs_text *t, const vs_timeline *timeline, const vs_signal 
               edge_s, second_s - first_s - edge_s, period_s);
 }
 
+/* The same where the first pulse is under way at t = 0 and the switch is off at the operating
+ * point: the rest of that pulse by a source of its own. */
+static void write_begun(vs_text *t, const vs_timeline *timeline, const spice_source *s,
+                        double first_s) {
+  const double next_s = next_change(timeline, s->signal, first_s, 1e9),
+               ends_s = next_change(timeline, s->signal, next_s, 1e9),
+               edge_s = fmin(EDGE_S, fmin(first_s, next_s - first_s) / 10);
+  vs_text_add(t, "%s %s vs_b_%s PULSE(0 1 %.17g %.17g %.17g %.17g %.17g)\n", s->name, s->plus,
+              s->name, next_s, edge_s, edge_s, ends_s - next_s - edge_s,
+              1 / timeline->pwm.carrier_hz);
+  vs_text_add(t, "Vvs_b_%s vs_b_%s %s PWL(0 0 %.17g 1 %.17g 1 %.17g 0)\n", s->name, s->name,
+              s->minus, edge_s, first_s, first_s + edge_s);
+}
+
 /* Pulses that differ, edge by edge. An edge takes EDGE_S, or a tenth of a shorter pulse. */
 static void write_edges(vs_text *t, const vs_timeline *timeline, const vs_signal *s, double until_s,
-                        int level) {
+                        int level, bool stands) {
   double at_s = next_change(timeline, s, 0, until_s);
-  vs_text_add(t, " PWL(0 %d", level);
+  vs_text_add(t, " PWL(%s %d", first_level(stands, level), level);
   for (; at_s < until_s; level = 1 - level) {
     double next_s = next_change(timeline, s, at_s, until_s);
     vs_text_add(t, "\n+ %.15g %d %.15g %d", at_s, level, at_s + fmin(EDGE_S, (next_s - at_s) / 10),
@@ -172,13 +192,18 @@ static void write_modulated(vs_text *t, const spice_source *s, const vs_timeline
   const vs_signal *signal = s->signal;
   int level = vs_signals_voltage(timeline, signal, vs_gate_of_step(0, 0)) > 0;
   double first_s = next_change(timeline, signal, 0, until_s);
+  const bool even = is_even(&timeline->pwm) && !isinf(first_s), begun = s->stands && level;
+  if (even && begun) {
+    write_begun(t, timeline, s, first_s);
+    return;
+  }
   vs_text_add(t, "%s %s %s", s->name, s->plus, s->minus);
-  if (isinf(first_s))
+  if (isinf(first_s) && !begun)
     vs_text_add(t, " %d\n", level);
-  else if (is_even(&timeline->pwm))
+  else if (even)
     write_even(t, timeline, signal, first_s, level);
   else
-    write_edges(t, timeline, signal, until_s, level);
+    write_edges(t, timeline, signal, until_s, level, s->stands);
 }
 
 /* ---- all sources ---- */
@@ -206,7 +231,8 @@ enum { MOST_EDGES = 20000 };
 static vs_status check_edges(const vs_timeline *t, const vs_deck *deck, double until_s,
                              vs_error *err) {
   double edges = 2 * t->pwm.carrier_hz * until_s;
-  if (is_even(&t->pwm) || edges <= MOST_EDGES || !vs_deck_has_port(deck, vs_port_is_modulated))
+  if (is_even(&t->pwm) || vs_pwm_is_single(&t->pwm) || edges <= MOST_EDGES ||
+      !vs_deck_has_port(deck, vs_port_is_modulated))
     return VS_OK;
   return vs_fail(err, VS_INPUT,
                  "export: pwm: the reference is not constant, and each of its edges is written: "
@@ -469,8 +495,8 @@ static void add_source(vs_text *t, const char *line, const vs_port *port, const 
   char name[VS_DECK_NAME], plus[VS_DECK_NAME], minus[VS_DECK_NAME];
   sscanf(line, "%63s %63s %63s", name, plus, minus);
   if (port)
-    spice_sources_write(t, &(spice_source){name, plus, minus, &port->signal}, &s->timeline,
-                        s->run.until_s);
+    spice_sources_write(t, &(spice_source){name, plus, minus, &port->signal, vs_setup_stands(s)},
+                        &s->timeline, s->run.until_s);
   else
     vs_export_machine_motion(t, s, name, (const char *[]){plus, minus});
 }
@@ -516,9 +542,15 @@ static void add_analysis(vs_text *t, const vs_setup *s) {
               "pivrel=%g\n",
               s->run.gear ? "gear" : "trap", RELTOL, pace.current_a, pace.voltage_v, pace.charge_c,
               pace.truncation, s->run.pivrel);
-  vs_text_add(t, ".tran {vs_sample} {vs_until} 0 {vs_step} uic\n");
   const vs_deck *deck = &s->deck;
   const vs_model *m = &s->model;
+  const bool stands = vs_setup_stands(s);
+  vs_text_add(t, ".tran {vs_sample} {vs_until} 0 {vs_step}%s\n", stands ? "" : " uic");
+  for (int k = 0; stands && k < 2 * m->dof; k++) {
+    const char *state = vs_export_machine_state(m, k);
+    vs_text_add(t, "%s v(vs_%s)={1000*vs_%s0}%s", k ? "" : ".ic", state, state,
+                k == 2 * m->dof - 1 ? "\n" : "");
+  }
   vs_text_add(t, ".save");
   for (int k = 0; k < m->dof; k++) vs_text_add(t, " v(vs_%s)", vs_export_machine_state(m, k));
   if (vs_export_machine_travel_is(m) < 0)

@@ -227,10 +227,12 @@ static void print_command_for_man(const vs_command *c) {
 /* Prints vibrospice(1) as a source of man(7) on standard output. */
 static void print_manual(const vs_command *const *commands) {
   printf(".TH VIBROSPICE 1 \"\" \"vibrospice %s\" \"User Commands\"\n", VS_VERSION);
-  fputs(".SH NAME\nvibrospice \\- vibratory conveyor and thyristor converter, simulated together\n"
+  fputs(".SH NAME\nvibrospice \\- electromagnetic machine and the circuit that feeds it, simulated "
+        "together\n"
         ".SH SYNOPSIS\n.B vibrospice\n.I COMMAND\n[\\fIOPTION\\fR]... [\\fINAME\\fR]...\n"
         ".SH DESCRIPTION\n"
-        "Integrates a resonant vibrating machine with GSL and its converter with ngspice, stepped\n"
+        "Integrates a machine, as a vibratory feeder, with GSL and its circuit with ngspice, "
+        "stepped\n"
         "together at every time step. For sizing snubbers, varistors and fuses.\n"
         ".SH COMMANDS\n",
         stdout);

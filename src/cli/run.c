@@ -28,9 +28,11 @@
  * of each one's verdict. */
 
 /* The line that breaks the verdict; else the weakest. NULL: nothing is rated. */
-static void keep_worst(const vs_verdict *v, vs_corner *corner) {
+static void keep_worst(const vs_result *r, vs_corner *corner) {
+  const vs_verdict *v = &r->verdict;
   const vs_judgement *breach = vs_verdict_breach(v), *j = breach ? breach : v->weakest;
   *corner = (vs_corner){.margin = NAN, .error = NAN, .breaks = breach};
+  snprintf(corner->note, sizeof corner->note, "%s", r->no_pull_in);
   if (!j) return;
   vs_verdict_name(j, corner->line);
   corner->margin = j->margin;
@@ -94,7 +96,7 @@ static vs_status run_corner(const vs_run_options *o, const char *tier, vs_corner
   vs_status status = read_corner(o, tier, &c->spread, k, scene, &why);
   if (!status) status = vs_steady_run(&session, scene, result, &why);
   if (!status && result->second.stopped) status = vs_fail(&why, VS_SIGNAL, "stopped by a signal");
-  if (!status) keep_worst(&result->verdict, corner);
+  if (!status) keep_worst(result, corner);
   vs_result_free(result);
   free(result);
   vs_scene_free(scene);
@@ -168,6 +170,47 @@ static bool is_told_by_devices(const vs_devices *devices, vs_event event) {
   return devices && devices->tells && (event == VS_EV_FIRES || event == VS_EV_EXTINCT);
 }
 
+/* Writes what happened to the devices in the steps that the watchers have looked at: in those
+ * before the last one, or in that. They look where the step has an event of its own. */
+static void write_incidents(const audience *a, const vs_watchers *w, bool last) {
+  const vs_devices *d = w->devices;
+  if (!a->events.stream || !d) return;
+  for (size_t k = 0; k < d->n_incidents; k++) {
+    const vs_incident *i = &d->incidents[k];
+    if ((i->step >= d->here) != last) continue;
+    fprintf(a->events.stream, "%.*g,%s %s\n", a->options->digits, i->at_s, i->device, i->what);
+  }
+}
+
+/* Which stop the armature meets or leaves, where it has several: the one that is nearest then. */
+static const char *name_stop(const vs_step *step, int k) {
+  const vs_model *m = step->frame->model;
+  const double *x = step->event_s[k] < step->to->t_s ? step->from->x : step->to->x;
+  const double g_m = vs_mechanics_travel(m, x);
+  int nearest = 0;
+  if (step->event[k] != VS_EV_MEETS_STOP && step->event[k] != VS_EV_LEAVES_STOP) return "";
+  for (int n = 1; n < m->stops.count; n++)
+    if (fabs(vs_stop_depth(&m->stops.item[n], g_m)) <
+        fabs(vs_stop_depth(&m->stops.item[nearest], g_m)))
+      nearest = n;
+  if (m->stops.count < 2) return "";
+  return m->stops.item[nearest].side > 0 ? " on the pole's side" : " on the far side";
+}
+
+/* What is switched on and off once, without a carrier. */
+static void tell_switching(const audience *a, const vs_step *step) {
+  const vs_setup *s = &a->scene->setup;
+  const vs_pwm_values *p = &s->timeline.pwm;
+  const double at_s[] = {p->on_s, p->off_s > 0 ? p->off_s : INFINITY};
+  if (!a->events.stream || !vs_pwm_is_single(p) ||
+      !vs_deck_has_port(&s->deck, vs_port_is_modulated))
+    return;
+  for (int k = 0; k < 2; k++)
+    if (at_s[k] >= step->from->t_s && at_s[k] < step->to->t_s)
+      fprintf(a->events.stream, "%.*g,switched %s\n", a->options->digits, at_s[k],
+              k ? "off" : "on");
+}
+
 static vs_status accept_step_for_files(void *ctx, const vs_step *step, const vs_result *result,
                                        vs_error *err) {
   static const char *const WHAT[] = {[VS_EV_FIRES] = "thyristor fires",
@@ -187,19 +230,18 @@ static vs_status accept_step_for_files(void *ctx, const vs_step *step, const vs_
   a->table.measures = result->watchers.measures;
   if (a->table.between) status = vs_table_accept(&a->table, step, err);
   const vs_devices *devices = result->watchers.devices;
+  write_incidents(a, &result->watchers, false);
+  tell_switching(a, step);
   for (int k = 0; a->events.stream && k < 2; k++)
     if (step->event[k] != VS_EV_NONE && !is_told_by_devices(devices, step->event[k]))
-      fprintf(a->events.stream, "%.*g,%s\n", a->options->digits, step->event_s[k],
-              WHAT[step->event[k]]);
+      fprintf(a->events.stream, "%.*g,%s%s\n", a->options->digits, step->event_s[k],
+              WHAT[step->event[k]], name_stop(step, k));
   const vs_events *events = &a->scene->setup.timeline.events;
   for (size_t k = 0; a->events.stream && k < events->count; k++)
     if (events->item[k].start_s >= step->from->t_s && events->item[k].start_s < step->to->t_s)
       fprintf(a->events.stream, "%.*g,%s begins (%s)\n", a->options->digits,
               events->item[k].start_s, events->item[k].name, events->item[k].kind->name);
-  for (size_t k = 0; a->events.stream && devices && k < devices->n_incidents; k++) {
-    const vs_incident *i = &devices->incidents[k];
-    fprintf(a->events.stream, "%.*g,%s %s\n", a->options->digits, i->at_s, i->device, i->what);
-  }
+  write_incidents(a, &result->watchers, true);
   print_progress(a, step->to->t_s, result->steps);
   return status;
 }
@@ -505,8 +547,7 @@ static vs_status judge_corners(const vs_corners *c, vs_error *err) {
 vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scene *scene,
                        vs_error *err) {
   audience a = {.options = o, .more = more, .show_progress = !o->quiet && isatty(STDERR_FILENO)};
-  const vs_session_listener guest = {&a, begin_files, accept_step_for_files, drop_attempt,
-                                     !o->folder};
+  const vs_session_listener guest = {&a, begin_files, accept_step_for_files, drop_attempt, true};
   const vs_session session = {.guest = &guest, .verify = true, .stop = o->stop};
   vs_result *result = vs_alloc(1, sizeof *result);
   vs_text json = {0};
@@ -516,6 +557,7 @@ vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scen
   vs_status status = vs_steady_run(&session, scene, result, err);
   vs_shutdown_mode_set(VS_SHUTDOWN_WHEN_KEPT);
   end_progress(&a);
+  for (int last = 0; last < 2 && !status; last++) write_incidents(&a, &result->watchers, last);
   result->corners = o->judged;
   vs_causes *causes = NULL;
   if (!status && o->why && result->verdict.count)

@@ -294,11 +294,24 @@ static void finish_period(void *ctx, const vs_result *result) {
     fprintf(stderr, "vibrospice: warning: %s\n", vs_warnings_text(&w->item[k]));
 }
 
+/* The least and the largest mains, V rms, that STANDARD is for: 220 V to neutral and 415 V between
+ * lines (clause 6.1), within 10 %. */
+static const double MAINS_V[2] = {0.9 * 220, 1.1 * 415};
+
+/* The standard is for other mains. */
+static void print_foreign_mains(const vs_supply_values *supply, FILE *out) {
+  if (supply->direct || (supply->voltage_v >= MAINS_V[0] && supply->voltage_v <= MAINS_V[1]))
+    return;
+  fprintf(out, "the limits of %s are for mains of 220 V to 415 V; supply.voltage is %.4g V\n",
+          STANDARD, supply->voltage_v);
+}
+
 static void show_period(const void *ctx, FILE *out) {
   const reporter *r = ctx;
   if (r->all) {
     vs_show_machine_and_supply(&r->scene->setup, out);
     show_orbit(ctx, out);
+    print_foreign_mains(&r->scene->setup.timeline.supply, out);
   } else
     show_orbit_briefly(ctx, out);
   if (r->matrices) vs_linear_report_print(r->matrices, out);

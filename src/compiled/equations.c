@@ -31,6 +31,7 @@ void vs_equations_free(vs_equations *e) {
   free(e->share);
   free(e->first);
   free(e->rest);
+  free(e->law_slope);
   *e = (vs_equations){0};
 }
 
@@ -63,6 +64,14 @@ static void leave(double *f, int a, int b, double i) {
 
 static void slope_of(const vs_equations *e, double *jacobian, int a, int b, int c, int d,
                      double g) {
+  const int *of_a = e->matrix.place + a * e->rows, *of_b = e->matrix.place + b * e->rows;
+  if (c < e->rows && d < e->rows) { /* as it is mostly: no others follow from them */
+    if (a >= 0 && c >= 0) jacobian[of_a[c]] -= g;
+    if (a >= 0 && d >= 0) jacobian[of_a[d]] += g;
+    if (b >= 0 && c >= 0) jacobian[of_b[c]] += g;
+    if (b >= 0 && d >= 0) jacobian[of_b[d]] -= g;
+    return;
+  }
   add_to(e, jacobian, a, c, -g);
   add_to(e, jacobian, a, d, g);
   add_to(e, jacobian, b, c, g);
@@ -82,24 +91,33 @@ static bool depends(const vs_equations *e, int k, int l) {
   return k >= half || l == k + half;
 }
 
-/* x' of the machine. Its slopes are differences, over steps that are small beside any gap. */
-static void value_of_machine(const vs_equations *e, const double *y, double *f, double *jacobian) {
+/* x' of the machine. Its slopes are differences, over steps that are small beside any gap; those by
+ * x are kept for as long as its law is the same linear one. */
+static void value_of_machine(vs_equations *e, const double *y, double *f, double *jacobian) {
   static const double STEP = 1e-7;
   const vs_circuit_machine *m = &e->host->machine;
   double x[VS_MACHINE_STATES], rate[VS_MACHINE_STATES];
   const double flux_wb = at(y, e->flux);
   memcpy(x, y + e->machine, (size_t)e->states * sizeof *x);
   m->rates(e->host->ctx, x, flux_wb, f + e->machine);
-  for (int l = 0; jacobian && l <= e->states; l++) {
+  if (!jacobian) return;
+  const void *law = m->linear ? m->linear(e->host->ctx, x) : NULL;
+  const bool kept = law && law == e->law;
+  double *slope = e->law_slope;
+  for (int l = kept ? e->states : 0; l <= e->states; l++) {
     const bool of_flux = l == e->states;
     if (!of_flux) x[l] += STEP;
     m->rates(e->host->ctx, x, flux_wb + (of_flux ? STEP : 0), rate);
     if (!of_flux) x[l] = y[e->machine + l];
     for (int k = 0; k < e->states; k++)
-      if (depends(e, k, l))
-        add_to(e, jacobian, e->machine + k, of_flux ? e->flux : e->machine + l,
-               (rate[k] - f[e->machine + k]) / STEP);
+      slope[l * e->states + k] = (rate[k] - f[e->machine + k]) / STEP;
   }
+  e->law = law;
+  for (int l = 0; l <= e->states; l++)
+    for (int k = 0; k < e->states; k++)
+      if (depends(e, k, l))
+        add_to(e, jacobian, e->machine + k, l == e->states ? e->flux : e->machine + l,
+               slope[l * e->states + k]);
 }
 
 static void value_of_program(const vs_equations *e, const vs_compiled_device *d, const double *y,
@@ -315,8 +333,17 @@ void vs_equations_turn(vs_equations *e, int device, const double *y) {
 
 bool vs_equations_choose(vs_equations *e, const double *y, bool only_ask) {
   bool other = false;
-  for (int k = 0; k < e->devices; k++) other = choose_of(&e->device[k], y, only_ask) || other;
+  for (vs_compiled_device *d = e->device, *end = d + e->devices; d < end; d++) {
+    d->asks = choose_of(d, y, only_ask);
+    other = other || d->asks;
+  }
   return other;
+}
+
+bool vs_equations_still_asks(vs_equations *e, const double *y) {
+  for (vs_compiled_device *d = e->device, *end = d + e->devices; d < end; d++)
+    if (d->asks && choose_of(d, y, true)) return true;
+  return false;
 }
 
 /* ---- the pattern ---- */
@@ -374,6 +401,8 @@ void vs_equations_make_pattern(vs_equations *e) {
     for (int l = 0; l <= e->states; l++)
       if (depends(e, k, l)) add_place(e, e->machine + k, l == e->states ? e->flux : e->machine + l);
   }
+  if (!e->law_slope)
+    e->law_slope = vs_alloc((size_t)((e->states + 1) * e->states + 1), sizeof(double));
   free(e->constant);
   e->constant = vs_alloc((size_t)e->matrix.count, sizeof *e->constant);
   for (int k = 0; k < e->linears; k++) e->constant[e->linear[k].place] += e->linear[k].value;

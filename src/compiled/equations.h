@@ -46,8 +46,8 @@ typedef struct vs_compiled_device {
   vs_bipolar bipolar;
   vs_vdmos vdmos;
   double on_s, off_s, threshold, hysteresis; /* of a switch: conductances, S, and its limits */
-  bool on;
-  double before[2]; /* a junction's voltages in the last iteration, V */
+  bool on, asks;                             /* asks: as vs_equations_choose found it last */
+  double before[2];                          /* a junction's voltages in the last iteration, V */
   double peak_a[2]; /* the largest of its currents so far, and the last one that was looked at */
   double last_a[2];
 } vs_compiled_device;
@@ -76,6 +76,8 @@ typedef struct vs_equations {
   const vs_circuit_host *host; /* borrowed: its machine is a part of the equations */
   int machine, states, flux;   /* the machine's first unknown, how many it has, and the unknown that
                                   is its flux linkage */
+  const void *law;             /* of the machine, whose slopes by x are known; NULL: none are */
+  double *law_slope;           /* of the rates by each state and by the flux linkage; owned */
   double *charge;              /* M y at t = 0, of what the netlist says with ic=; owned */
 } vs_equations;
 
@@ -115,6 +117,9 @@ void vs_equations_add_mass(const vs_equations *e, const double *v, double *r);
 /* Takes the branches and the switches' states that y asks for. Returns true where one is another
  * one than before; with `only_ask` none changes. */
 bool vs_equations_choose(vs_equations *e, const double *y, bool only_ask);
+/* Does y ask for another branch or state of one of those devices that asked for one the last time?
+ */
+bool vs_equations_still_asks(vs_equations *e, const double *y);
 /* Does y ask for another branch or state of one of the devices? */
 bool vs_equations_asks(vs_equations *e, int device, const double *y);
 /* Makes its branches those of y, or its switch the other way round. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * How the state hangs on where a stretch of the run began. The state is told by numbers z that do
  * not hang on each other: of the charges and fluxes M y as many as M has rank, the machine's states
- * first. S = dy/dz(0) obeys M S' = df/dy S, which RODAS solves along the steps that the run takes,
+ * first. S = dy/dz(0) obeys M S' = df/dy S, which RODASP solves along the steps that the run takes,
  * with df/dy from their dense output and the factors that they have anyway. Through a restart it
  * goes as the charges do. An edge of what drives has its instant, and a kink changes nothing. Where
  * f jumps at an instant that the state moves,

@@ -453,10 +453,12 @@ const char *vs_state_observer_note(const vs_state_observer *o, const vs_setup *s
   if (late_s > LATE * period_s)
     snprintf(late, sizeof late, "; the low-pass of %s makes the current late by %.3g ms",
              o->current->name, 1e3 * late_s);
-  int n = snprintf(text, size, "control.observer does not know all of this run%s%s%s%s%s", old,
-                   late, setup->model.stops.count ? "; it computes a machine without a stop" : "",
-                   setup->model.reloaded ? "; it computes the machine with its first load" : "",
-                   vs_setup_jams(setup) < setup->run.until_s ? "; it is not told of the jam" : "");
+  int n =
+      snprintf(text, size, "control.observer does not know all of this run%s%s%s%s%s%s", old, late,
+               setup->model.coil.eddies ? "; it computes a coil without eddy currents" : "",
+               setup->model.stops.count ? "; it computes a machine without a stop" : "",
+               setup->model.reloaded ? "; it computes the machine with its first load" : "",
+               vs_setup_jams(setup) < setup->run.until_s ? "; it is not told of the jam" : "");
   return strchr(text, ';') && n > 0 ? text : NULL;
 }
 

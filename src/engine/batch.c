@@ -5,13 +5,17 @@
 #include <string.h>
 
 void vs_batch_take(vs_batch *b, const vs_step *step) {
-  const double *from = step->from->terms, *to = step->to->terms;
-  size_t n = b->count++;
-  b->t0_s[n] = step->from->t_s;
-  b->t1_s[n] = step->to->t_s;
-  b->periodic[n] = step->periodic;
-  for (size_t t = 0; t < step->frame->deck->n_terms; t++)
-    b->term[t][n] = (vs_pair){(from[t] + to[t]) / 2, to[t]};
+  b->last = b->count;
+  for (int k = 0; k <= step->parts; k++) {
+    const vs_piece p = vs_step_piece(step, k);
+    const double *from = p.from->terms, *to = p.to->terms;
+    size_t n = b->count++;
+    b->t0_s[n] = p.from->t_s;
+    b->t1_s[n] = p.to->t_s;
+    b->periodic[n] = step->periodic;
+    for (size_t t = 0; t < step->frame->deck->n_terms; t++)
+      b->term[t][n] = (vs_pair){(from[t] + to[t]) / 2, to[t]};
+  }
 }
 
 /* A row of values: of each step of the batch one. */

@@ -45,7 +45,7 @@ static const vs_field RUN[] = {
     {"sample", VS_REAL, "ms", "0.1 ms", 0, 1e9, true, R_(sample_s),
      "step of the rows in run.csv; does not change the run", NULL, NULL},
     {"tolerance", VS_REAL, "", "1e-4", 1e-10, 0.1, false, R_(tolerance),
-     "largest error of p, u, w, phi, force and i, each relative to its peak", NULL, NULL},
+     "largest error of motion, force and current, each relative to its peak", NULL, NULL},
     {"max_step", VS_REAL, "us", "0 us", 0, 1e6, false, R_(max_step_s),
      "largest step; 0: chosen from the tolerance", NULL, NULL},
     {"first_step", VS_REAL, "", "1e-7", 1e-12, 1, false, R_(first_step),
@@ -204,6 +204,10 @@ const vs_scene_event *vs_setup_load_event(const vs_events *events, double at_s) 
 
 double vs_setup_load_at(const vs_loads *loads, size_t k) {
   return k < loads->count ? loads->item[k].at_s : INFINITY;
+}
+
+bool vs_setup_stands(const vs_setup *s) {
+  return s->deck.stands && s->timeline.supply.direct;
 }
 
 /* ---- names that are taken ----

@@ -213,11 +213,15 @@ vs_law_rates vs_step_coil_rates(const vs_frame *frame, const vs_knot *k) {
   return r;
 }
 
-/* What eddy currents add to the coil's current, and what they lose; lambda is there already. */
-static void put_eddies(const vs_step *step, views at, const weights *septic, double *y) {
+/* What eddy currents add to the coil's current, and what they lose; lambda is there already. Of the
+ * weights it makes its own, so that those of a step without eddy currents stay in registers. */
+static __attribute__((noinline)) void put_eddies(const vs_step *step, double s, double h,
+                                                 double *y) {
   const vs_coil *c = &step->frame->model->coil;
+  const views at = views_of(s, h);
+  const weights w = septic(at);
   double psi[VS_MOST_RUNGS];
-  if (c->rungs) put_psi(step, at, septic, psi);
+  if (c->rungs) put_psi(step, at, &w, psi);
   for (int n = 0; n < c->rungs; n++) {
     const double v = vs_coil_rung_rate(c, n, y[VS_CH_LAMBDA], psi);
     y[VS_CH_EDDY] += v * v / c->rung[n].resistance_ohm;
@@ -241,8 +245,11 @@ static inline __attribute__((always_inline)) void put_flux(const vs_step *step, 
                                                            const weights *septic, double *y) {
   const vs_frame *frame = step->frame;
   const vs_model *m = frame->model;
-  y[VS_CH_LAMBDA] = y[VS_CH_I] = y[VS_CH_FORCE] = y[VS_CH_EDDY] = 0;
-  if (vs_step_is_quiet(step)) return;
+  y[VS_CH_EDDY] = 0;
+  if (vs_step_is_quiet(step)) {
+    y[VS_CH_LAMBDA] = y[VS_CH_I] = y[VS_CH_FORCE] = 0;
+    return;
+  }
   if (step->cubic_flux) {
     const weights own = cubic(at);
     apply_weights(&own, flux_of(step->from), flux_of(step->to), 1, y + VS_CH_LAMBDA);
@@ -251,7 +258,7 @@ static inline __attribute__((always_inline)) void put_flux(const vs_step *step, 
   }
   double z = frame->gap_at_rest ? m->coil.gap_rest_m : y[VS_CH_Z];
   y[VS_CH_I] = vs_coil_current(&m->coil, y[VS_CH_LAMBDA], z);
-  if (m->coil.eddies) put_eddies(step, at, septic, y);
+  if (m->coil.eddies) put_eddies(step, at.s[0], at.h[0], y);
   y[VS_CH_FORCE] = vs_coil_force(&m->coil, y[VS_CH_LAMBDA], z);
 }
 
@@ -277,12 +284,22 @@ static void put_outputs(const vs_model *m, double *y) {
     y[vs_channel_probes(m) + n] = vs_formula_value(&m->machine->probes[n].of, y);
 }
 
-static void put_probes(const vs_step *step, double s, double *y) {
+/* The piece in which an instant is; *s: how far into it, 0..1. */
+static inline vs_piece piece_at(const vs_step *step, double t_s, double *s) {
+  int k = 0;
+  while (k < step->parts && step->part[k].t_s < t_s) k++;
+  const vs_piece p = vs_step_piece(step, k);
+  const double h = p.to->t_s - p.from->t_s;
+  *s = h > 0 ? (t_s - p.from->t_s) / h : 1;
+  return p;
+}
+
+static void put_probes(const vs_step *step, const vs_piece *p, double s, double *y) {
   const vs_deck *deck = step->frame->deck;
   size_t first = (size_t)vs_channel_deck(step->frame->model);
   for (size_t n = 0; deck && n < deck->n_probes; n++) {
     const vs_probe *probe = &deck->probes[n];
-    double from = step->from->terms[probe->term], to = step->to->terms[probe->term];
+    double from = p->from->terms[probe->term], to = p->to->terms[probe->term];
     y[first + n] = probe->sign * line(from, to, s);
   }
 }
@@ -303,14 +320,16 @@ static inline __attribute__((always_inline)) void groups_at(const vs_step *step,
   y[VS_CH_TRAVEL] = vs_mechanics_travel(m, q);
   y[VS_CH_Z] = vs_coil_gap(&m->coil, y[VS_CH_TRAVEL]);
   put_flux(step, at, &w, y);
-  y[VS_CH_I_MAINS] = coil ? y[VS_CH_I] : line(a->i_mains_a, b->i_mains_a, s);
+  double of_piece;
+  const vs_piece p = piece_at(step, t_s, &of_piece);
+  y[VS_CH_I_MAINS] = coil ? y[VS_CH_I] : line(p.from->i_mains_a, p.to->i_mains_a, of_piece);
   if (groups & VS_GROUP_V_EVA)
     y[VS_CH_V_EVA] = coil ? m->coil.resistance_ohm * y[VS_CH_I] + flux_rate(step, at, &slope)
-                          : line(a->v_eva_v, b->v_eva_v, s);
+                          : line(p.from->v_eva_v, p.to->v_eva_v, of_piece);
   if (groups & VS_GROUP_V_MAINS) y[VS_CH_V_MAINS] = vs_timeline_voltage(step->frame->timeline, t_s);
   if (groups & VS_GROUP_ACCELERATIONS) put_accelerations(step, y);
   if (groups & VS_GROUP_MACHINE) put_outputs(m, y);
-  if (groups & VS_GROUP_DECK) put_probes(step, s, y);
+  if (groups & VS_GROUP_DECK) put_probes(step, &p, of_piece, y);
 }
 
 void vs_step_groups_at(const vs_step *step, double t_s, unsigned groups, double *y) {
@@ -462,7 +481,8 @@ static void add_curve(vs_curve *sum, double x, const vs_curve *more) {
 }
 
 /* Adds what eddy currents draw. */
-static void add_eddy_curves(const vs_step *step, const vs_curve *flux, vs_curve *sum) {
+static __attribute__((noinline)) void add_eddy_curves(const vs_step *step, const vs_curve *flux,
+                                                      vs_curve *sum) {
   const vs_coil *c = &step->frame->model->coil;
   const psi_ends e = psi_of(step);
   const double h = step->to->t_s - step->from->t_s;
@@ -484,8 +504,9 @@ static vs_curve curve_of_current(const vs_step *step) {
   const vs_curve flux = curve_of_flux(step);
   vs_curve z = step->frame->gap_at_rest ? (vs_curve){0} : curve_of_travel(step);
   for (int k = 0; k <= z.degree; k++) z.b[k] = (z.b[k] + m->coil.gap_rest_m) / (2 * m->coil.a_hm);
+  if (!m->coil.eddies) return curve_product(&flux, &z);
   z = curve_product(&flux, &z);
-  if (m->coil.eddies) add_eddy_curves(step, &flux, &z);
+  add_eddy_curves(step, &flux, &z);
   return z;
 }
 

@@ -9,12 +9,12 @@
 
 #include "study/orbit_columns.h"
 
-static const char *const OWN[] = {"scene",   "set",    "measures", "steady", "data",
-                                  "runs",    "free",   "seed",     "starts", "residual",
-                                  "profile", "slopes", "impedance"};
+static const char *const OWN[] = {"scene",   "set",    "measures",  "steady",   "data",
+                                  "runs",    "free",   "seed",      "starts",   "residual",
+                                  "profile", "slopes", "impedance", "core_loss"};
 enum { N_OWN = sizeof OWN / sizeof *OWN };
 /* Those of them that belong to one run. */
-static const char *const OF_RUN[] = {"measures", "steady", "data", "impedance"};
+static const char *const OF_RUN[] = {"measures", "steady", "data", "impedance", "core_loss"};
 enum { N_OF_RUN = sizeof OF_RUN / sizeof *OF_RUN };
 
 /* ---- scenes ---- */
@@ -90,16 +90,18 @@ static vs_status read_run(vs_fit_problem *q, const vs_node *own, const vs_node *
   vs_fit_problem_run *run = &q->runs[q->n_runs++];
   const vs_node *measures = vs_tree_child(holder, "measures"),
                 *data = vs_tree_child(holder, "data"),
-                *impedance = vs_tree_child(holder, "impedance");
+                *impedance = vs_tree_child(holder, "impedance"),
+                *losses = vs_tree_child(holder, "core_loss");
   run->scene = vs_alloc(1, sizeof *run->scene);
   vs_status status = read_scene_of_run(q, own, run->scene, err);
-  if (!status && !measures && !data && !impedance)
+  if (!status && !measures && !data && !impedance && !losses)
     status = vs_fail_at(err, own ? own->where : (vs_where){q->tree.name, 1, 1},
-                        "nothing was measured: measures, data or impedance is wanted");
+                        "nothing was measured: measures, data, impedance or core_loss is wanted");
   if (!status) status = read_steady(run, holder, err);
   if (!status && measures)
     status = vs_targets_read(&run->aims, measures, run->scene, run->periods, err);
   if (!status && impedance) status = vs_targets_read_impedance(&run->aims, impedance, q->path, err);
+  if (!status && losses) status = vs_targets_read_core_loss(&run->aims, losses, q->path, err);
   if (!status && data) {
     run->recorded = true;
     status = vs_recording_read(&run->recording, data, q->path, run->scene, err);
@@ -109,8 +111,8 @@ static vs_status read_run(vs_fit_problem *q, const vs_node *own, const vs_node *
 }
 
 static vs_status read_runs(vs_fit_problem *q, vs_error *err) {
-  static const char *const KEYS[] = {"scene",  "set",  "free",     "measures",
-                                     "steady", "data", "impedance"};
+  static const char *const KEYS[] = {"scene",  "set",  "free",      "measures",
+                                     "steady", "data", "impedance", "core_loss"};
   const vs_node *root = q->tree.root, *runs = vs_tree_child(root, "runs");
   if (!runs) return read_run(q, NULL, root, err);
   for (size_t k = 0; k < N_OF_RUN; k++) {
@@ -127,7 +129,7 @@ static vs_status read_runs(vs_fit_problem *q, vs_error *err) {
       return vs_fail_at(err, own->where, "runs: more than %d", VS_INQUIRY_RUNS);
     if (own->kind != VS_NODE_MAP)
       return vs_fail_at(err, own->where, "runs: a map is wanted: {set: ..., measures: ...}");
-    status = vs_field_known_keys(own, "a run", KEYS, 7, err);
+    status = vs_field_known_keys(own, "a run", KEYS, sizeof KEYS / sizeof *KEYS, err);
     if (!status) status = read_run(q, own, own, err);
   }
   return status;
@@ -348,7 +350,8 @@ bool vs_fit_problem_is(const char *name) {
   bool yaml = ending && (!strcmp(ending, ".yaml") || !strcmp(ending, ".yml"));
   bool fit = yaml && !vs_tree_read(path, &tree, &none) &&
              (vs_tree_child(tree.root, "free") || vs_tree_child(tree.root, "measures") ||
-              vs_tree_child(tree.root, "impedance") || vs_tree_child(tree.root, "runs"));
+              vs_tree_child(tree.root, "impedance") || vs_tree_child(tree.root, "core_loss") ||
+              vs_tree_child(tree.root, "runs"));
   vs_tree_free(&tree);
   return fit;
 }

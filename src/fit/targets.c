@@ -261,6 +261,160 @@ vs_status vs_targets_read_impedance(vs_targets *aims, const vs_node *map, const 
   return status ? status : read_spectrum(aims, path, error, err);
 }
 
+/* ---- the core's losses ---- */
+
+/* What the map says beside its file; hysteresis: NaN, the frequencies are to tell. */
+typedef struct core {
+  double mass_kg, area_m2, turns, error, hysteresis;
+} core;
+/* A row of the sheet. */
+typedef struct loss_row {
+  double hz, tesla, w_kg;
+  vs_where where;
+} loss_row;
+
+static vs_status read_positive(const vs_node *map, const char *key, const char *unit, double *si,
+                               vs_error *err) {
+  const vs_node *node = vs_tree_child(map, key);
+  char why[256] = "one value is wanted";
+  if (!node) return vs_fail_at(err, map->where, "core_loss: '%s' is missing", key);
+  if (node->kind != VS_NODE_TEXT || !vs_units_read(node->text, unit, si, why, sizeof why))
+    return vs_fail_at(err, node->where, "core_loss.%s: %s", key, why);
+  return *si > 0 ? VS_OK : vs_fail_at(err, node->where, "core_loss.%s: above 0 is wanted", key);
+}
+
+static vs_status read_core(const vs_node *map, core *c, vs_error *err) {
+  static const char *const KEYS[] = {"file", "error", "mass", "area", "turns", "hysteresis"};
+  const vs_node *error = vs_tree_child(map, "error"), *share = vs_tree_child(map, "hysteresis");
+  char why[256] = "a share is wanted";
+  bool relative;
+  *c = (core){.hysteresis = NAN};
+  if (map->kind != VS_NODE_MAP || !error)
+    return vs_fail_at(err, map->where,
+                      "core_loss: {file: sheet.csv, mass: 1 kg, area: 10 cm2, turns: 500, error: "
+                      "5 %%} is wanted");
+  vs_status status = vs_field_known_keys(map, "core_loss", KEYS, 6, err);
+  if (!status) status = read_positive(map, "mass", "kg", &c->mass_kg, err);
+  if (!status) status = read_positive(map, "area", "m2", &c->area_m2, err);
+  if (!status) status = read_positive(map, "turns", "", &c->turns, err);
+  if (!status) status = vs_unknown_error(error, "core_loss", "W/kg", &c->error, &relative, err);
+  if (!status && !relative)
+    status = vs_fail_at(err, error->where, "core_loss: an error in per cent is wanted");
+  if (status || !share) return status;
+  if (share->kind != VS_NODE_TEXT ||
+      !vs_units_read(share->text, "%", &c->hysteresis, why, sizeof why))
+    return vs_fail_at(err, share->where, "core_loss.hysteresis: %s", why);
+  return c->hysteresis >= 0 && c->hysteresis < 1
+             ? VS_OK
+             : vs_fail_at(err, share->where,
+                          "core_loss.hysteresis: 0 %% to below 100 %% is wanted");
+}
+
+static vs_status read_loss_row(const vs_csv *csv, const double factor[3], loss_row *row,
+                               vs_error *err) {
+  double v[3] = {0};
+  vs_status status = VS_OK;
+  if (csv->count != 3)
+    return vs_fail_at(err, csv->where[0], "%zu cells, and the header has 3", csv->count);
+  for (size_t k = 0; k < 3 && !status; k++) {
+    status = vs_recording_number(csv, k, &v[k], err);
+    v[k] *= factor[k];
+    if (!status && !(v[k] > 0)) status = vs_fail_at(err, csv->where[k], "above 0 is wanted");
+  }
+  *row = (loss_row){v[0], v[1], v[2], csv->where[0]};
+  return status;
+}
+
+/* The sheet's rows; the caller frees *rows even after an error. */
+static vs_status read_sheet(const char *path, loss_row **rows, size_t *count, vs_error *err) {
+  static const char *const NAMES[] = {"f", "b", "loss"}, *const UNITS[] = {"Hz", "T", "W/kg"};
+  vs_csv csv = {.file = path, .trim = true, .comments = true, .guess = true};
+  double factor[3] = {NAN, NAN, NAN};
+  bool named;
+  FILE *file = csv.stream = fopen(path, "r");
+  if (!file) return vs_fail(err, VS_INPUT, "%s: cannot be opened", path);
+  vs_status status = vs_csv_next(&csv, err);
+  for (size_t k = 0; k < 3 && csv.count == 3; k++)
+    factor[k] = vs_recording_factor(csv.cell[k], NAMES[k], UNITS[k], &named);
+  if (!status && !(factor[0] * factor[1] * factor[2] > 0))
+    status = vs_fail(err, VS_INPUT, "%s:1:1: the columns f_hz,b_t,loss_w_kg are wanted", path);
+  while (!status && !(status = vs_csv_next(&csv, err)) && csv.count) {
+    *rows = vs_resize(*rows, *count + 1, sizeof **rows);
+    status = read_loss_row(&csv, factor, &(*rows)[(*count)++], err);
+  }
+  if (!status && !*count) status = vs_fail(err, VS_INPUT, "%s: has no row below its header", path);
+  vs_csv_free(&csv);
+  fclose(file);
+  return status;
+}
+
+/* The row before this one with its flux density and the lowest frequency; NULL: there is none. */
+static const loss_row *lowest(const loss_row *rows, size_t count, const loss_row *of) {
+  const loss_row *found = NULL;
+  for (const loss_row *r = rows; r < rows + count; r++)
+    if (r != of && r->tesla == of->tesla && r->hz < of->hz && (!found || r->hz < found->hz))
+      found = r;
+  return found;
+}
+static bool has_another(const loss_row *rows, size_t count, const loss_row *of) {
+  for (const loss_row *r = rows; r < rows + count; r++)
+    if (r->tesla == of->tesla && r->hz != of->hz) return true;
+  return false;
+}
+
+/* With a share: the loss that it leaves, W. Else the loss in a cycle, J, above that at the lowest
+ * frequency, whose own row is none. */
+static void add_loss(vs_targets *aims, const core *c, const loss_row *row, const loss_row *low) {
+  const bool shared = !isnan(c->hysteresis);
+  const double j = c->mass_kg * row->w_kg / row->hz,
+               low_j = low ? c->mass_kg * low->w_kg / low->hz : 0;
+  aims->item = vs_resize(aims->item, aims->count + 1, sizeof *aims->item);
+  vs_target *aim = &aims->item[aims->count++];
+  *aim = (vs_target){.where = row->where,
+                     .value = shared ? c->mass_kg * row->w_kg * (1 - c->hysteresis) : j - low_j,
+                     .error = shared ? c->error : c->error * hypot(j, low_j),
+                     .relative = shared,
+                     .place = -1,
+                     .at_hz = row->hz,
+                     .flux_wb = c->turns * c->area_m2 * row->tesla,
+                     .from_hz = shared ? 0 : low->hz};
+  snprintf(aim->name, sizeof aim->name, "core loss%s at %.6g Hz, %.6g T",
+           shared ? "" : " in a cycle", row->hz, row->tesla);
+  snprintf(aim->unit, sizeof aim->unit, "%s", shared ? "W" : "J");
+}
+
+vs_status vs_targets_read_core_loss(vs_targets *aims, const vs_node *map, const char *beside,
+                                    vs_error *err) {
+  char path[VS_PATH_SIZE];
+  core c;
+  loss_row *rows = NULL;
+  size_t count = 0;
+  vs_status status = read_core(map, &c, err);
+  if (!status)
+    status = vs_recording_file(path, "core_loss", vs_tree_child(map, "file"), beside, err);
+  if (!status) status = read_sheet(path, &rows, &count, err);
+  for (const loss_row *r = rows; r < rows + count && !status; r++) {
+    const loss_row *low = isnan(c.hysteresis) ? lowest(rows, count, r) : NULL;
+    if (isnan(c.hysteresis) && !has_another(rows, count, r))
+      status = vs_fail_at(err, r->where,
+                          "%.6g T at one frequency alone does not tell which part of the loss is "
+                          "hysteresis, which the secondaries have not; add a row at another "
+                          "frequency, or core_loss.hysteresis: 70 %%",
+                          r->tesla);
+    else if (low || !isnan(c.hysteresis))
+      add_loss(aims, &c, r, low);
+  }
+  free(rows);
+  return status;
+}
+
+static double loss_computed(const vs_target *aim, const vs_coil *coil) {
+  const double w = vs_coil_core_loss(coil, aim->flux_wb, 2 * M_PI * aim->at_hz);
+  if (!(aim->from_hz > 0)) return w;
+  return w / aim->at_hz -
+         vs_coil_core_loss(coil, aim->flux_wb, 2 * M_PI * aim->from_hz) / aim->from_hz;
+}
+
 bool vs_targets_rest(const vs_targets *aims) {
   for (size_t k = 0; k < aims->count; k++)
     if (aims->item[k].place >= 0) return false;
@@ -273,6 +427,10 @@ vs_status vs_target_computed(const vs_target *aim, const vs_scene *scene,
                              const vs_measured *measured, double *value, vs_error *err) {
   vs_measured_value m;
   vs_mode working;
+  if (aim->flux_wb > 0) {
+    *value = loss_computed(aim, &scene->setup.model.coil);
+    return VS_OK;
+  }
   if (aim->at_hz > 0) {
     const vs_setup *setup = &scene->setup;
     const double omega = 2 * M_PI * aim->at_hz;

@@ -135,9 +135,9 @@ static void add_loss(vs_energy *e, size_t n, const vs_batch *b) {
   }
 }
 
-void vs_energy_take_losses(vs_energy *e, const vs_batch *b) {
+void vs_energy_take_losses(vs_energy *e, const vs_batch *b, bool all) {
   for (size_t n = 0; n < e->frame->deck->losses.count; n++) add_loss(e, n, b);
-  if (vs_energy_is_due(e)) take_stock(e);
+  if (all && vs_energy_is_due(e)) take_stock(e);
 }
 
 /* q'.B q', W. */
@@ -150,7 +150,7 @@ static double damping_power(const vs_energy *e, const double *v) {
 
 /* Adds what the channels y at one instant bring, which stands for w seconds. */
 static void add_energy_instant(vs_energy *e, const double *y, double w, bool flows) {
-  const vs_model *m = e->frame->model;
+  const vs_model *m = e->model;
   const double *v = y + vs_channel_rates(m);
   double at = y[VS_CH_TRAVEL], g_rate = vs_mechanics_travel(m, v);
   unsigned touched = vs_stops_touched(&m->stops, at);
@@ -160,7 +160,7 @@ static void add_energy_instant(vs_energy *e, const double *y, double w, bool flo
   e->joule[VS_E_SOURCE] += w * y[VS_CH_V_MAINS] * y[VS_CH_I_MAINS];
   e->joule[VS_E_PORT] += w * y[VS_CH_V_EVA] * y[VS_CH_I];
   e->joule[VS_E_COPPER] += w * m->coil.resistance_ohm * y[VS_CH_I] * y[VS_CH_I];
-  e->joule[VS_E_EDDY] += w * y[VS_CH_EDDY];
+  if (m->coil.eddies) e->joule[VS_E_EDDY] += w * y[VS_CH_EDDY];
   e->joule[VS_E_WORK] -= w * y[VS_CH_FORCE] * g_rate;
   if (m->coil.law->transducer_w)
     e->joule[VS_E_TRANSDUCER] +=
@@ -199,8 +199,12 @@ static bool is_far(const vs_step *step) {
 
 static void integrate_energies(vs_energy *e, const vs_step *step, bool flows) {
   unsigned groups = VS_GROUP_VELOCITIES | (flows ? VS_GROUP_V_EVA | VS_GROUP_V_MAINS : 0);
-  const int g = step->cubic_flux ? 0 : 1, parts = parts_of(step);
+  const int g = step->cubic_flux && !step->parts ? 0 : 1, parts = parts_of(step);
   double h = (step->to->t_s - step->from->t_s) / parts, y[VS_CH_MOST];
+  if (step->open) { /* no current, and so no power */
+    groups = VS_GROUP_VELOCITIES;
+    y[VS_CH_V_EVA] = y[VS_CH_V_MAINS] = 0;
+  }
   for (int part = 0; part < parts; part++)
     for (int k = 0; k < GAUSS[g].count; k++) {
       vs_step_groups_at(step, step->from->t_s + h * part + h * GAUSS[g].at[k], groups, y);
@@ -213,7 +217,7 @@ static void note_end(vs_energy *e, const vs_knot *k) {
   const vs_deck *deck = e->frame->deck;
   e->last.t_s = k->t_s;
   e->last.flux_wb = k->flux_wb;
-  memcpy(e->last.psi_wb, k->psi_wb, sizeof k->psi_wb);
+  if (e->frame->model->coil.rungs) memcpy(e->last.psi_wb, k->psi_wb, sizeof k->psi_wb);
   memcpy(e->last.x, k->x, 2 * (size_t)e->frame->model->dof * sizeof *k->x);
   if (deck) memcpy(e->last.terms, k->terms, deck->n_terms * sizeof *k->terms);
 }

@@ -9,23 +9,30 @@
 
 /* ---- the extremes of one step ---- */
 
-/* A deck's probe goes on a straight line between two knots. */
-static void follow_probe(vs_extreme *e, const vs_step *step) {
-  const vs_probe *probe =
-      &step->frame->deck->probes[e->channel - vs_channel_deck(step->frame->model)];
-  double from = probe->sign * step->from->terms[probe->term];
-  double to = probe->sign * step->to->terms[probe->term], sense = e->sense;
+/* A deck's probe goes on a straight line over a piece of a step. */
+static void follow_piece(vs_extreme *e, const vs_probe *probe, const vs_piece *p) {
+  double from = probe->sign * p->from->terms[probe->term];
+  double to = probe->sign * p->to->terms[probe->term], sense = e->sense;
   if (e->is_last) e->stands = fmin(e->climbed, fmax(sense * (e->best.value - to), 0));
   e->is_last = false;
   if (!e->best.known || sense * from > sense * e->best.value) {
-    e->best = (vs_value){true, from, step->from->t_s};
+    e->best = (vs_value){true, from, p->from->t_s};
     e->stands = 0;
   }
   if (!(sense * to > sense * e->best.value)) return;
-  e->best = (vs_value){true, to, step->to->t_s};
+  e->best = (vs_value){true, to, p->to->t_s};
   e->is_last = true;
   e->climbed = sense * (to - from);
   e->stands = 0;
+}
+
+static void follow_probe(vs_extreme *e, const vs_step *step) {
+  const vs_probe *probe =
+      &step->frame->deck->probes[e->channel - vs_channel_deck(step->frame->model)];
+  for (int k = 0; k <= step->parts; k++) {
+    const vs_piece p = vs_step_piece(step, k);
+    follow_piece(e, probe, &p);
+  }
 }
 
 /* Value and slope at a knot, of a channel that is no probe. */
@@ -318,16 +325,20 @@ void vs_extreme_follow_motion(vs_extreme *all, const vs_step *step, bool jammed)
   }
 }
 
-void vs_extreme_follow_probes(vs_extreme *pairs, const vs_step *step) {
-  const vs_deck *deck = step->frame->deck;
+static void follow_piece_of_probes(vs_extreme *pairs, const vs_deck *deck, vs_piece p) {
   for (size_t n = 0; n < deck->n_probes; n++, pairs += 2) {
     const vs_probe *probe = &deck->probes[n];
-    double from = probe->sign * step->from->terms[probe->term];
-    double to = probe->sign * step->to->terms[probe->term];
+    double from = probe->sign * p.from->terms[probe->term];
+    double to = probe->sign * p.to->terms[probe->term];
     double least = pairs[0].best.value, largest = pairs[1].best.value;
     bool settled = pairs[0].best.known && !pairs[0].is_last && !pairs[1].is_last;
     if (settled && from >= least && to >= least && from <= largest && to <= largest) continue;
-    follow_probe(&pairs[0], step);
-    follow_probe(&pairs[1], step);
+    follow_piece(&pairs[0], probe, &p);
+    follow_piece(&pairs[1], probe, &p);
   }
+}
+
+void vs_extreme_follow_probes(vs_extreme *pairs, const vs_step *step) {
+  for (int k = 0; k <= step->parts; k++)
+    follow_piece_of_probes(pairs, step->frame->deck, vs_step_piece(step, k));
 }

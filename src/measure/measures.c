@@ -33,6 +33,10 @@ bool vs_measure_has_alias(const vs_model *model) {
   return sole(model) >= 0;
 }
 
+bool vs_measure_pulls_in(int slot) {
+  return slot >= VS_M_PULL_IN && slot < VS_M_PULL_IN + VS_PULL_IN_MEASURES;
+}
+
 static const vs_coordinate *coordinate_of_measure(const vs_model *model, int i) {
   return &model->machine->coordinates[i];
 }
@@ -261,10 +265,13 @@ const vs_extreme *vs_measures_of_probe(const vs_measures *m, int probe) {
  * they are lower by a fiftieth. */
 static const double SHARP = 0.02;
 
-/* What an extreme of a probe stands out by, in parts of the probe's largest magnitude. */
+/* What an extreme of a probe stands out by, in parts of the probe's largest magnitude. Of a current
+ * what the coil's may be off by counts at least: nA of a place that is empty are rounding. */
 static double sharpness(const vs_measures *m, int probe, int which) {
   const vs_extreme *pair = vs_measures_of_probe(m, probe);
   double size = fmax(fabs(pair[0].best.value), fabs(pair[1].best.value));
+  if (!strcmp(m->frame->deck->probes[probe].unit, "A"))
+    size = fmax(size, m->frame->tolerance * fabs(m->extremes[OF_CURRENT].best.value));
   return pair[which].best.known && size > 0 ? pair[which].stands / size : 0;
 }
 
@@ -297,28 +304,25 @@ double vs_measures_slack(const vs_measures *m, const vs_rating *r) {
 }
 
 /* Notes when the probe of a rating first leaves the rating's range. */
-static void follow_rating(vs_measures *m, size_t k) {
+static void follow_rating(vs_measures *m, size_t k, vs_piece p) {
   const vs_rating *r = &m->frame->deck->ratings[k];
   const vs_probe *probe = &m->frame->deck->probes[r->probe];
-  const vs_kept_step *s = &m->kept[m->last];
-  double before = probe->sign * s->from.terms[probe->term];
-  double now = probe->sign * s->to.terms[probe->term];
+  double before = probe->sign * p.from->terms[probe->term];
+  double now = probe->sign * p.to->terms[probe->term];
   if (!isnan(m->passed_s[k]) || (now <= r->max && now >= r->min)) return;
   double end = now > r->max ? r->max : r->min;
   if (end == 0 && fabs(now) <= vs_measures_slack(m, r)) return;
   double part = (end - before) / (now - before);
-  m->passed_s[k] = s->from.t_s + fmin(fmax(part, 0), 1) * (s->to.t_s - s->from.t_s);
+  m->passed_s[k] = p.from->t_s + fmin(fmax(part, 0), 1) * (p.to->t_s - p.from->t_s);
 }
 
 static double largest_size(const vs_followed *f) {
   return fmax(fabs(f->end[0].best.value), fabs(f->end[1].best.value));
 }
 
-/* Follows a channel's extremes, and notes when it first leaves its range: on the straight line
- * between the step's ends where it does so there, else at the extreme inside the step. */
+/* Follows a channel's extremes, and notes when it first leaves its range: on the straight line over
+ * a piece of the step where it does so there, else at the extreme inside the step. */
 static void follow_channel(vs_followed *f, const vs_step *step, double tolerance) {
-  const double from = vs_step_channel(step, step->from->t_s, f->channel),
-               now = vs_step_channel(step, step->to->t_s, f->channel);
   for (int k = 0; k < 2; k++) vs_extreme_follow_any(&f->end[k], step);
   if (!isnan(f->passed_s)) return;
   const double range = f->max - f->min,
@@ -327,11 +331,16 @@ static void follow_channel(vs_followed *f, const vs_step *step, double tolerance
   const bool above = f->end[1].best.value > most;
   if (!above && f->end[0].best.value >= least) return;
   const double end = above ? f->max : f->min;
-  if (above ? now > end : now < end)
-    f->passed_s = step->from->t_s +
-                  fmin(fmax((end - from) / (now - from), 0), 1) * (step->to->t_s - step->from->t_s);
-  else
-    f->passed_s = f->end[above].best.at_s;
+  f->passed_s = f->end[above].best.at_s;
+  for (int k = 0; k <= step->parts; k++) {
+    const vs_piece p = vs_step_piece(step, k);
+    const double from = vs_step_channel(step, p.from->t_s, f->channel),
+                 now = vs_step_channel(step, p.to->t_s, f->channel);
+    if (!(above ? now > end : now < end)) continue;
+    f->passed_s =
+        p.from->t_s + fmin(fmax((end - from) / (now - from), 0), 1) * (p.to->t_s - p.from->t_s);
+    return;
+  }
 }
 
 static bool swings_freely(const vs_measures *m, double t_s) {
@@ -407,6 +416,7 @@ static void keep_step(vs_measures *m, const vs_step *step) {
   kept->step = *step;
   kept->step.from = &kept->from;
   kept->step.to = &kept->to;
+  kept->step.parts = 0;
   m->travel_m[0] =
       m->steps == 1 ? vs_mechanics_travel(m->frame->model, step->from->x) : m->travel_m[1];
   m->travel_m[1] = vs_mechanics_travel(m->frame->model, step->from->x);
@@ -424,7 +434,8 @@ void vs_measures_accept(vs_measures *m, const vs_step *step) {
   for (int k = m->of_travel; k < m->of_probes; k++)
     vs_extreme_follow(&m->extremes[k], step, m->jammed);
   if (m->frame->deck) vs_extreme_follow_probes(&m->extremes[m->of_probes], step);
-  for (size_t k = 0; m->frame->deck && k < m->frame->deck->n_ratings; k++) follow_rating(m, k);
+  for (size_t k = 0; m->frame->deck && k < m->frame->deck->n_ratings; k++)
+    for (int n = 0; n <= step->parts; n++) follow_rating(m, k, vs_step_piece(step, n));
   for (size_t k = 0; k < m->n_followed; k++)
     follow_channel(&m->followed[k], step, m->frame->tolerance);
   if (m->no_turns) return;

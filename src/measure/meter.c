@@ -86,8 +86,13 @@ static void follow_sensor(vs_meter *m, walk *w, vs_span_s part, int depth) {
 }
 
 static void take_on(vs_meter *m, const vs_step *step, double t_s) {
-  walk w = {step, PARTS};
-  if (t_s > m->t_s && m->lowpass.rate > 0) follow_sensor(m, &w, (vs_span_s){m->t_s, t_s}, 0);
+  for (int k = 0; k <= step->parts; k++) {
+    const double to_s = fmin(vs_step_piece(step, k).to->t_s, t_s);
+    walk w = {step, PARTS};
+    if (k < step->parts && to_s <= m->t_s) continue;
+    if (to_s > m->t_s && m->lowpass.rate > 0) follow_sensor(m, &w, (vs_span_s){m->t_s, to_s}, 0);
+    m->t_s = to_s;
+  }
   m->t_s = t_s;
 }
 

@@ -2,6 +2,7 @@
 #include "measure/pull_in.h"
 
 #include <math.h>
+#include <stdio.h>
 
 #include "engine/timeline.h"
 
@@ -87,6 +88,8 @@ static const double STILL = 0.01;
 static void look_where_it_is(vs_pull_in *p, const vs_step *step) {
   const vs_model *m = step->frame->model;
   const vs_knot *to = step->to;
+  p->now_s = to->t_s;
+  p->nearest_m = fmin(p->nearest_m, vs_mechanics_travel(m, to->x));
   p->still = p->touches && to->t_s - p->last_s > fmax(p->flight_s, M_PI / m->contact_rad_s) &&
              fabs(vs_mechanics_travel(m, to->x + m->dof)) < STILL * p->speed_m_s;
   const double half_m = (m->stops.item[p->stop].at_m + p->from_m) / 2;
@@ -100,7 +103,7 @@ static void begin(vs_pull_in *p, const vs_step *step) {
   p->began = true;
   p->on_s = p->off_s = p->met_s = p->last_s = p->left_s = p->gone_s = NAN;
   p->stop = vs_stops_closing(&m->stops);
-  p->from_m = vs_mechanics_travel(m, step->from->x);
+  p->from_m = p->nearest_m = vs_mechanics_travel(m, step->from->x);
   p->idle = !m->pulls_in || vs_stop_depth(&m->stops.item[p->stop], p->from_m) >= 0;
 }
 
@@ -120,6 +123,19 @@ static vs_value value_if(bool known, double value, double at_s) {
 
 static bool has_met(const vs_pull_in *p) {
   return p->began && !p->idle && !isnan(p->met_s);
+}
+
+bool vs_pull_in_lacks(const vs_pull_in *p, const vs_model *m, char *text, size_t size) {
+  if (!p->began || p->idle || has_met(p)) return false;
+  const double way_m = p->from_m - m->stops.item[p->stop].at_m;
+  const int most = snprintf(text, size, "pull_in did not occur before %.4g ms: ", 1e3 * p->now_s);
+  text += most, size -= (size_t)most;
+  if (isnan(p->on_s))
+    snprintf(text, size, "nothing was switched on");
+  else
+    snprintf(text, size, "the armature moved %.3g of %.3g mm", 1e3 * (p->from_m - p->nearest_m),
+             1e3 * way_m);
+  return true;
 }
 
 vs_value vs_pull_in_time(const vs_pull_in *p) {

@@ -97,29 +97,57 @@ void vs_watchers_begin(vs_watchers *w, const vs_frame *frame, const vs_measure_s
   w->hottest_degc = w->heat.winding_degc;
 }
 
+const vs_warming *vs_watchers_warm(vs_watchers *w, const vs_setup *setup) {
+  const vs_winding_values *winding = &setup->model.actuator.winding;
+  if (!winding->present || !(winding->c_th[0] > 0) || !(winding->r_th[0] + winding->r_th[1] > 0) ||
+      w->heat.settled || setup->timeline.firing.no_valve || setup->loads.count ||
+      w->energy.frame->deck)
+    return NULL;
+  w->warming = (vs_warming){&w->heat, vs_alloc(1, sizeof *w->warming.model)};
+  *w->warming.model = setup->model;
+  return &w->warming;
+}
+
 bool vs_watchers_may_end_early(vs_watchers *w, const vs_swing_rest *rest,
                                const vs_measure_set *wanted) {
   find_settled(w->measures, rest, &w->settled);
   return are_all_settled(&w->settled, wanted);
 }
 
-/* Shows the steps that wait. */
-static void look_at_batch(vs_watchers *w) {
+/* True where the step brings what is told of the run: no step waits behind that. */
+static bool is_told(const vs_step *step) {
+  const vs_events *events = &step->frame->timeline->events;
+  bool told = step->event[0] != VS_EV_NONE || step->event[1] != VS_EV_NONE;
+  for (size_t k = 0; k < events->count && !told; k++)
+    told = events->item[k].start_s >= step->from->t_s && events->item[k].start_s < step->to->t_s;
+  return told;
+}
+
+/* Shows the steps that wait; `all`: the last one that was accepted is among them. */
+static void look_at_batch(vs_watchers *w, bool all) {
   vs_devices_follow(w->devices, w->batch);
-  vs_energy_take_losses(&w->energy, w->batch);
+  vs_energy_take_losses(&w->energy, w->batch, all);
   w->batch->count = 0;
 }
 
 /* The energies, and what the losses of the step make of the winding. */
-static void follow_energy(vs_watchers *w, const vs_step *step) {
+static inline void follow_energy(vs_watchers *w, const vs_step *step) {
   const vs_winding_values *winding = &step->frame->model->actuator.winding;
+  if (!winding->present) {
+    vs_energy_accept(&w->energy, step);
+    return;
+  }
   const double *joule = w->energy.joule, copper_j = joule[VS_E_COPPER], eddy_j = joule[VS_E_EDDY],
                by_s = step->to->t_s - step->from->t_s;
   vs_energy_accept(&w->energy, step);
-  if (!winding->present || !(by_s > 0)) return;
+  if (!(by_s > 0)) return;
   vs_winding_go(winding, (joule[VS_E_COPPER] - copper_j) / by_s, (joule[VS_E_EDDY] - eddy_j) / by_s,
                 by_s, &w->heat);
   w->hottest_degc = fmax(w->hottest_degc, w->heat.winding_degc);
+  if (!w->warming.model || vs_step_is_quiet(step)) return;
+  const vs_coil *coil = &w->warming.model->coil;
+  const double ohm = vs_winding_ohm(winding, coil->cold_ohm, w->heat.winding_degc);
+  w->lag = fmax(w->lag, fabs(ohm / coil->resistance_ohm - 1));
 }
 
 /* lambda may turn between two knots. */
@@ -151,8 +179,10 @@ void vs_watchers_accept(vs_watchers *w, const vs_step *step) {
   if (!w->batch) return;
   if (!w->began) vs_devices_begin(w->devices, step);
   w->began = true;
+  vs_devices_tell_anew(w->devices);
+  if (w->batch->count + (size_t)step->parts >= VS_BATCH_STEPS) look_at_batch(w, false);
   vs_batch_take(w->batch, step);
-  if (w->prompt || vs_energy_is_due(&w->energy)) look_at_batch(w);
+  if (w->prompt || vs_energy_is_due(&w->energy) || is_told(step)) look_at_batch(w, true);
 }
 
 /* What is no more than the rounding of what it was made of is told as 0, by all who tell it. */
@@ -171,7 +201,8 @@ static void round_off_watched(vs_watchers *w, vs_value values[VS_MEASURES]) {
 void vs_watchers_finish(vs_watchers *w, double until_s, vs_value values[VS_MEASURES]) {
   /* What waits is looked at; then each completes what only the end of the run tells. */
   end_absence(&w->absence, until_s);
-  if (w->batch && w->batch->count) look_at_batch(w);
+  vs_devices_tell_anew(w->devices);
+  if (w->batch && w->batch->count) look_at_batch(w, true);
   vs_measures_finish(w->measures, values);
   vs_energy_finish(&w->energy);
   round_off_watched(w, values);
@@ -197,5 +228,6 @@ void vs_watchers_free(vs_watchers *w) {
   vs_measures_free(w->measures);
   vs_devices_free(w->devices);
   free(w->batch);
+  free(w->warming.model);
   *w = (vs_watchers){0};
 }

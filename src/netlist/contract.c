@@ -236,6 +236,17 @@ static vs_status read_compat(vs_deck *deck, vs_cursor *c, vs_error *err) {
              : VS_OK;
 }
 
+/* start operating_point */
+static vs_status read_start(vs_deck *deck, vs_cursor *c, vs_error *err) {
+  char word[VS_DECK_NAME];
+  vs_cursor_skip(c);
+  vs_where where = vs_cursor_here(c);
+  vs_cursor_token(c, word, sizeof word);
+  vs_cursor_skip(c);
+  deck->stands = !strcmp(word, "operating_point") && !*c->at;
+  return deck->stands ? VS_OK : vs_fail_at(err, where, "start: there is: operating_point");
+}
+
 static vs_status read_title(vs_deck *deck, vs_cursor *c, vs_error *err) {
   (void)err;
   vs_cursor_skip(c);
@@ -267,6 +278,7 @@ static const struct directive {
                   {"surge", vs_devices_surge, 0},
                   {"at", vs_devices_at, 0},
                   {"model", vs_parts_model, 0},
+                  {"start", read_start, 0},
                   {"compat", read_compat, 0}};
 enum { N_DIRECTIVES = sizeof DIRECTIVES / sizeof *DIRECTIVES };
 

@@ -141,12 +141,13 @@ static const vs_device_measure TRIAC[] = {
      "v_drm", VS_AT_MOST},
     RISES("off-state voltage, either way", "extreme, and for 1 us at least, either way, "),
     {"dv_dt_c", "V/us",
-     "steepest first rise of off-state voltage behind a conduction, (dv/dt)c: mean rate over a "
-     "stretch that rises by dv_dt_over, or by four fifths of that rise where this is less; "
-     "compared, as the model of a triac fires by dv/dt",
+     "steepest rise of off-state voltage within 1.5 ms behind a conduction (ten t_q if stated), "
+     "(dv/dt)c: mean rate over a stretch that rises by dv_dt_over, or by four fifths of a rise "
+     "where this is less; compared, as the model of a triac fires by dv/dt",
      VS_R_RETURN_RISE, VS_OF_V, 1, "dv_dt_c", VS_AT_MOST},
     {"di_dt_c", "A/ms",
-     "steepest fall of a current to its zero, mean rate from a tenth of its peak: (di/dt)c",
+     "steepest fall of a current to its zero, mean rate from a tenth of its peak or over the last "
+     "50 us: (di/dt)c",
      VS_R_FALL, VS_OF_I, 1, "di_dt_c", VS_AT_MOST},
     {I_PEAK("i_trm")},
     {SURGE("i_tsm")},

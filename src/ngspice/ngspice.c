@@ -458,13 +458,13 @@ static vs_status load_circuit(const vs_circuit_job *job, const vs_circuit_host *
   vs_text_add(&tail,
               ".options method=%s reltol=%.17g abstol=%.17g vntol=%.17g chgtol=%.17g trtol=%.17g "
               "pivrel=%.17g\n.save none\n"
-              ".tran %.17g %.17g 0 %.17g uic\n.end",
+              ".tran %.17g %.17g 0 %.17g%s\n.end",
               job->gear ? "gear" : "trap", job->relative_tolerance, job->current_tolerance_a,
               job->voltage_tolerance_v > 0 ? job->voltage_tolerance_v : 1e-6,
               job->charge_tolerance_c > 0 ? job->charge_tolerance_c : 1e-14,
               job->truncation_factor > 0 ? job->truncation_factor : 7,
               job->pivot_threshold > 0 ? job->pivot_threshold : 1e-3, job->max_step_s, job->until_s,
-              job->max_step_s);
+              job->max_step_s, job->stands ? "" : " uic");
   char **lines = vs_alloc(job->lines + job->n_wanted + 5, sizeof *lines);
   size_t n = 0;
   for (; n < job->lines; n++) lines[n] = job->netlist[n];

@@ -118,13 +118,13 @@ static const vs_inside WINDING = {
 
 static const vs_field ACTUATOR[] = {
     {"gap", VS_REAL, "mm", "6 mm", 0, 1e3, true, A_(gap_m),
-     "D, armature to pole cover at rest (Table 1)", NULL, NULL},
+     "D, from the armature to the pole cover, or to the bare pole, at rest", NULL, NULL},
     {"pole_cover", VS_REAL, "mm", "0.5 mm", 0, 1e3, false, A_(pole_cover_m),
-     "d, bronze pole cover (Table 1)", NULL, NULL},
+     "d, non-magnetic cover of the pole; what is left of the gap when it is closed", NULL, NULL},
     {"inductance", VS_REAL, "H", "1.6 H", 0, 1e4, true, A_(inductance_h),
-     "L(0), coil at rest (Table 1)", NULL, NULL},
-    {"resistance", VS_REAL, "ohm", "92 ohm", 0, 1e6, true, A_(resistance_ohm),
-     "R_c, coil (Table 1)", NULL, NULL},
+     "L(0), of the coil with the armature at rest", NULL, NULL},
+    {"resistance", VS_REAL, "ohm", "92 ohm", 0, 1e6, true, A_(resistance_ohm), "R_c, of the coil",
+     NULL, NULL},
     {"stop", VS_OPTION, "", "none", 0, 0, false, A_(stop),
      "what the armature meets, at the pole cover unless `at` says more; with none a run that gets "
      "there ends with an error",

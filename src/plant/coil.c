@@ -32,3 +32,14 @@ void vs_coil_impedance(const vs_coil *c, double z_m, double omega_rad_s, double 
   ohm[0] = creal(z);
   ohm[1] = cimag(z);
 }
+
+/* Re Y of each secondary at the voltage omega lambda. */
+double vs_coil_core_loss(const vs_coil *c, double flux_wb, double omega_rad_s) {
+  double s = c->core_s;
+  for (int n = 0; n < c->rungs; n++) {
+    const vs_rung *r = &c->rung[n];
+    const double ratio = omega_rad_s / r->rate_1_s;
+    s += r->share * r->share / (r->resistance_ohm * (1 + ratio * ratio));
+  }
+  return s * pow(omega_rad_s * flux_wb, 2) / 2;
+}

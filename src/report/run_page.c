@@ -285,7 +285,8 @@ static void add_energy_row(vs_html *html, const char *text, int depth, double jo
 static void add_accounts(vs_html *html, const vs_node *accounts, const char *what, double whole) {
   for (const vs_node *m = accounts ? accounts->child : NULL; m; m = m->next) {
     vs_text text = {0};
-    vs_text_add(&text, "%s %s", what, m->key);
+    const bool gives = vs_member_number(m) < 0; /* a generator's is what it took, below 0 */
+    vs_text_add(&text, "%s %s", gives ? "given by" : what, m->key);
     add_energy_row(html, text.text, 1, vs_member_number(m), whole);
     vs_text_free(&text);
   }

@@ -291,7 +291,7 @@ void vs_ratings_follow(const vs_ratings *ratings, vs_measures *m) {
 
 static const char NO_CIRCUIT[] = "this tier has no circuit",
                   NO_CHANNEL[] = "this tier does not compute it",
-                  NO_VALUE[] = "the run has no value of it",
+                  NO_VALUE[] = "it did not occur, or the run ends too early",
                   NOT_TOLD[] = "the quality of currents was not told";
 
 /* A rating of one number. */
@@ -351,6 +351,8 @@ static void rate(vs_rated *rated, const vs_own_rating *r, const vs_ratings_seen 
   switch (r->kind) {
   case VS_RATED_MEASURE:
     rate_value(rated, seen->values[r->which], r->factor, seen->until_s);
+    if (rated->unknown && *seen->no_pull_in && vs_measure_pulls_in(r->which))
+      rated->unknown = seen->no_pull_in;
     break;
   case VS_RATED_EXTREME:
     if (m->frame->deck)

@@ -18,10 +18,15 @@ void vs_result_finish(vs_result *r) {
   /* The verdict: a line for each rating of the deck and each limit of a device, and for each rating
    * of the scene. */
   vs_verdict_make(r->watchers.measures, r->watchers.devices, &r->scene->expects, &r->verdict);
+  if (!r->watchers.measures ||
+      !vs_pull_in_lacks(&r->watchers.measures->pull_in, r->watchers.measures->frame->model,
+                        r->no_pull_in, sizeof r->no_pull_in))
+    *r->no_pull_in = '\0';
   const vs_ratings_seen seen = {.values = r->values,
                                 .watchers = &r->watchers,
                                 .quality = r->quality,
                                 .n_quality = r->n_quality,
+                                .no_pull_in = r->no_pull_in,
                                 .until_s = r->scene->setup.run.until_s};
   vs_ratings_judge(&r->scene->ratings, &seen, &r->verdict);
 }
@@ -256,7 +261,7 @@ static bool leaves_linear_iron(const vs_result *r, char *text, size_t size) {
   return true;
 }
 
-/* True: the winding became so much warmer or colder that its resistance, which a run keeps, would
+/* True: the winding became so much warmer or colder that its resistance, which this run kept, would
  * be another. */
 static bool warms_up(const vs_result *r, char *text, size_t size) {
   static const double MUCH = 0.01;
@@ -266,11 +271,20 @@ static bool warms_up(const vs_result *r, char *text, size_t size) {
                cold_degc = r->watchers.heat.winding_degc;
   const double to_degc = hot_degc - from_degc > from_degc - cold_degc ? hot_degc : cold_degc;
   const double more = vs_winding_ohm(w, m->coil.cold_ohm, to_degc) / m->coil.resistance_ohm - 1;
+  if (r->watchers.warming.model) {
+    snprintf(text, size,
+             "the winding's resistance changes by up to %.2g %% while current flows, and the run "
+             "keeps it from one firing to the next",
+             100 * r->watchers.lag);
+    return r->watchers.lag > MUCH;
+  }
   if (!w->present || !r->values[VS_M_COIL_T].known || !(fabs(more) > MUCH)) return false;
-  snprintf(text, size,
-           "the winding goes from %.4g to %.4g degC, where its resistance is %.2g %% %s, and the "
-           "run keeps that of the beginning: give actuator.winding.temperature, or take `steady`",
-           from_degc, to_degc, 100 * fabs(more), more > 0 ? "larger" : "smaller");
+  snprintf(
+      text, size,
+      "the winding goes from %.4g to %.4g degC, where its resistance is %.2g %% %s, and the "
+      "run keeps that of the beginning: give actuator.winding.temperature, take `steady`, or an "
+      "ideal tier, whose resistance follows from firing to firing",
+      from_degc, to_degc, 100 * fabs(more), more > 0 ? "larger" : "smaller");
   return true;
 }
 
@@ -288,6 +302,7 @@ static void warn_after(const vs_result *r, bool of_firing,
     each(ctx, text);
   }
   if (hangs_on_letting_go(r, text, sizeof text)) each(ctx, text);
+  if (*r->no_pull_in) each(ctx, r->no_pull_in);
   if (leaves_linear_iron(r, text, sizeof text)) each(ctx, text);
   if (warms_up(r, text, sizeof text)) each(ctx, text);
   const vs_devices *devices = r->watchers.devices;

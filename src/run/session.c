@@ -212,6 +212,7 @@ static vs_status begin_control(const vs_session *session, vs_scene *s, vs_result
 static void begin_watching(const vs_session *session, vs_scene *s, vs_result *r, bool alone) {
   const vs_session_listener *guest = session->guest;
   if (!session->bare) vs_watchers_begin(&r->watchers, &s->frame, alone ? session->wants : NULL);
+  s->order.warming = session->bare ? NULL : vs_watchers_warm(&r->watchers, &s->setup);
   r->watchers.prompt =
       (guest && guest->accept && !guest->late) || s->control.regulator || s->order.fork;
   begin_instruments(session, s, r);
@@ -247,6 +248,7 @@ static vs_status run_tier(attempt *a, bool alone, vs_error *err) {
   }
   s->order.pilot = pilot;
   s->order.early_end = NULL;
+  s->order.warming = NULL;
   r->wall_s = clock_s(CLOCK_MONOTONIC) - began_s;
   if (!status && s->order.pilot) /* which has found the start */
     memcpy(s->setup.start.x, s->order.pilot->x, sizeof s->setup.start.x);
@@ -433,7 +435,8 @@ static double deciding_tolerance(const vs_result *r) {
   double most = INFINITY, own = r->scene->setup.run.tolerance;
   for (size_t k = 0; k < r->verdict.count; k++) {
     const vs_judgement *j = &r->verdict.item[k];
-    if (vs_verdict_word(j) == VS_UNDECIDED)
+    if (vs_verdict_word(j) == VS_UNDECIDED &&
+        fabs(j->margin) > j->scatter) /* no run decides that */
       most = fmin(most, own * fabs(j->margin) / j->margin_error / 2);
   }
   if (isinf(most) || most < r->scene->tier->finest) return 0;

@@ -37,7 +37,8 @@ typedef struct rows {
 } rows;
 
 /* What a short table tells of every run. */
-static const char *const ALWAYS[] = {"stroke", "i_peak", "t_extinction", "energy_in"};
+static const char *const ALWAYS[] = {"pull_in", "release",      "stroke",
+                                     "i_peak",  "t_extinction", "energy_in"};
 
 /* ---- which of them ---- */
 
@@ -96,7 +97,8 @@ static void print_measure(rows *r, const vs_listed_measure *m, int k) {
   char value[VS_ENGINEERING_SIZE];
   const vs_value *measured = measured_of(r, k);
   if (!m->value.known) {
-    print_pair(m->name, (int)strlen(m->name), "-\n", r->out);
+    print_pair(m->name, (int)strlen(m->name), m->absent ? "-" : "-\n", r->out);
+    if (m->absent) fprintf(r->out, "   %s\n", m->absent);
     return;
   }
   print_pair(m->name, (int)strlen(m->name), vs_engineering_text(m->value.value, m->unit, value),
@@ -162,7 +164,8 @@ static void print_group(rows *r) {
 static void print_named(rows *r, const char *name) {
   vs_listed_measure m;
   for (int k = 0; vs_listed_measure_at(&r->result->scene->frame, r->result, k, &m); k++)
-    if (!strcmp(m.name, name) && m.value.known && m.value.value != 0 && !is_measure_asked(r, &m, k))
+    if (!strcmp(m.name, name) && ((m.value.known && m.value.value != 0) || m.absent) &&
+        !is_measure_asked(r, &m, k))
       print_next(r, &m, k);
 }
 
@@ -257,10 +260,25 @@ static void print_ways_of_heat(const vs_result *r, FILE *out) {
   }
 }
 
+/* When a switch of the deck is on. */
+static void print_switching(const vs_pwm_values *p, FILE *out) {
+  if (!vs_pwm_is_single(p)) {
+    fprintf(out, ", switched at %.6g kHz\n", 1e-3 * p->carrier_hz);
+    return;
+  }
+  fprintf(out, ", switched on at %.6g ms", 1e3 * p->on_s);
+  if (p->off_s > 0) fprintf(out, ", off at %.6g ms", 1e3 * p->off_s);
+  fputs("\n", out);
+}
+
 /* When the thyristor is fired, and at which angle. */
-static void print_firing(const vs_timeline *timeline, FILE *out) {
+static void print_firing(const vs_timeline *timeline, const vs_deck *deck, FILE *out) {
   const vs_firing_values *f = &timeline->firing;
   double range[2];
+  if (f->no_valve && vs_deck_has_port(deck, vs_port_is_modulated)) {
+    print_switching(&timeline->pwm, out);
+    return;
+  }
   if (f->no_valve) {
     fputs(timeline->supply.direct ? ", from t = 0 on\n" : ", nothing fired\n", out);
     return;
@@ -292,7 +310,7 @@ void vs_show_machine_and_supply(const vs_setup *setup, FILE *out) {
     fputs(" direct", out);
   else
     fprintf(out, " rms, %.9g Hz", supply->frequency_hz);
-  print_firing(&setup->timeline, out);
+  print_firing(&setup->timeline, &setup->deck, out);
 }
 
 /* How much of the material rides, where that was found and not given. */

@@ -450,6 +450,7 @@ static void add_corner_to_summary(vs_json *json, const char *name, const vs_corn
   vs_json_number(json, "margin", one->margin, DIGITS);
   vs_json_number(json, "margin_error", one->error, DIGITS);
   vs_json_text(json, "word", *one->line ? vs_verdict_words[one->word] : NULL);
+  if (*one->note) vs_json_text(json, "note", one->note);
   if (*one->failed) vs_json_text(json, "failed", one->failed);
   vs_json_end(json);
 }

@@ -342,20 +342,38 @@ void vs_table_peek(const vs_table *table, const vs_step *step, double at_s, doub
   take_control(table, cells);
 }
 
-enum { MOST_INSTANTS = VS_MOST_EXTREMES + 2 * VS_CH_MOST };
+enum { MOST_INSTANTS = VS_MOST_EXTREMES + 2 * VS_CH_MOST + VS_STEP_PARTS };
 
-/* Adds the instant of an extreme where it is within the step and not at one of its ends. */
-static void add_instant_of_peak(const vs_extreme *e, const vs_step *step, double *at_s,
-                                int *count) {
-  const double t = e->best.at_s;
+/* Adds an instant where it is within the step and not at one of its ends. */
+static void add_instant(double t, const vs_step *step, double *at_s, int *count) {
   int n = *count;
-  if (!e->best.known || !(t > step->from->t_s && t < step->to->t_s) || n == MOST_INSTANTS) return;
+  if (!(t > step->from->t_s && t < step->to->t_s) || n == MOST_INSTANTS) return;
   for (; n && at_s[n - 1] > t; n--) at_s[n] = at_s[n - 1];
   at_s[n] = t;
   ++*count;
 }
 
-/* The instants within the step at which the measures have found an extreme, in order of time. */
+static void add_instant_of_peak(const vs_extreme *e, const vs_step *step, double *at_s,
+                                int *count) {
+  if (e->best.known) add_instant(e->best.at_s, step, at_s, count);
+}
+
+/* True if a probe of the deck turns between the k-th piece of the step and the next. */
+static bool turns_behind(const vs_step *step, int k) {
+  const vs_piece before = vs_step_piece(step, k), behind = vs_step_piece(step, k + 1);
+  const vs_deck *deck = step->frame->deck;
+  bool turns = false;
+  for (size_t n = 0; n < deck->n_probes && !turns; n++) {
+    const int term = deck->probes[n].term;
+    turns = (before.to->terms[term] - before.from->terms[term]) *
+                (behind.to->terms[term] - behind.from->terms[term]) <
+            0;
+  }
+  return turns;
+}
+
+/* The instants within the step at which the measures have found an extreme, or a probe turns, in
+ * order of time. */
 static int find_instants(const vs_table *table, const vs_step *step, double *at_s) {
   const vs_measures *m = table->peaks ? table->measures : NULL;
   int count = 0;
@@ -363,6 +381,11 @@ static int find_instants(const vs_table *table, const vs_step *step, double *at_
     add_instant_of_peak(&m->extremes[k], step, at_s, &count);
   for (size_t k = 0; m && k < m->n_followed; k++)
     for (int n = 0; n < 2; n++) add_instant_of_peak(&m->followed[k].end[n], step, at_s, &count);
+  for (int k = 0; m && k < step->parts; k++)
+    if (turns_behind(step, k)) add_instant(step->part[k].t_s, step, at_s, &count);
+  for (int n = count - 1; step->parts && n > 0; n--) /* such a turn may be a followed extreme */
+    if (at_s[n] == at_s[n - 1])
+      memmove(at_s + n, at_s + n + 1, (size_t)(--count - n) * sizeof *at_s);
   return count;
 }
 

@@ -175,13 +175,15 @@ vs_status vs_tier_choice_make(const vs_node *root, const vs_setup *setup, const 
     const bool own = vs_tree_child(vs_tree_child(root, ideal->section), ideal->key);
     const vs_node *deck = vs_tree_child(vs_tree_child(root, "circuit"), "deck");
     *tier = vs_tiers_automatic(false);
-    snprintf(why, VS_TIER_CHOICE_WHY, "auto: %s %s.%s: %s, which no circuit has",
+    snprintf(why, VS_TIER_CHOICE_WHY,
+             "auto: %s %s.%s: %s, which of all decks only those with a port pwm have",
              own ? "the scene names" : "its machine's file says", ideal->section, ideal->key,
              ideal->value ? ideal->value : "");
     if (!own && deck)
       return vs_fail_at(err, deck->where,
-                        "circuit.deck: its machine's file says %s.%s: %s, which no circuit has; "
-                        "give supply and firing for this deck, or leave circuit out",
+                        "circuit.deck: its machine's file says %s.%s: %s, which of all decks only "
+                        "those with a port pwm have; take such a deck, give supply and firing for "
+                        "this one, or leave circuit out",
                         ideal->section, ideal->key, ideal->value ? ideal->value : "");
   } else if (needs_circuit(root, setup, what, sizeof what)) {
     *tier = vs_tiers_automatic(true);
@@ -219,14 +221,25 @@ static bool obeys(const vs_tier *tier, const vs_tier_key *key) {
   return false;
 }
 
+/* A key of the section run that the scene gives its default: to ignore it changes nothing. A study
+ * of a scene with another value takes it back so. */
+static bool is_default(const char *section, const vs_node *node) {
+  const vs_section *run = &vs_setup_run_keys;
+  if (strcmp(section, run->name) || node->kind != VS_NODE_TEXT) return false;
+  for (size_t k = 0; k < run->count; k++)
+    if (!strcmp(run->fields[k].key, node->key))
+      return !strcmp(run->fields[k].default_text, node->text);
+  return false;
+}
+
 static vs_status refuse_ignored_key(const asked *s, const char *section, const vs_node *node,
                                     vs_error *err) {
-  if (!node) return VS_OK;
+  if (!node || is_default(section, node)) return VS_OK;
   if (s->tier->has_circuit && !strcmp(section, "run"))
     return vs_error_keep(
         err, vs_fail_at(err, node->key_where,
                         "%s.%s: tier %s (%s) does not run ngspice and would ignore it; take tier "
-                        "%s, or leave the key out",
+                        "%s, or leave the key at its default",
                         section, node->key, s->tier->name, s->why, vs_tiers_circuit()));
   if (s->tier->has_circuit)
     return vs_error_keep(

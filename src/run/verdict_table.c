@@ -126,9 +126,9 @@ static void print_device(const vs_judgement *j, int width, FILE *out) {
   fprintf(out, "%s\n", j->assumed ? "  assumed" : "");
 }
 
-/* "undecided: v_ak, t_fire (the run has no value of it)", and a line for each limit that a part
- * does not state: "undecided: varistor_1.power: s20k510 states no p_max; waive: [varistor_1.power]
- * leaves it out"
+/* "undecided: v_ak, t_fire (it did not occur, or the run ends too early)", and a line for each limit
+ * that a part does not state: "undecided: varistor_1.power: s20k510 states no p_max; waive:
+ * [varistor_1.power] leaves it out"
  */
 static void print_undecided(const vs_verdict *v, bool lacking, FILE *out) {
   char name[VS_JUDGED_NAME], why[2 * VS_DECK_NAME + 16];
@@ -254,19 +254,23 @@ static void print_not_judged(const vs_result *r, FILE *out) {
 /* "varistor_1.i_peak     -6.1 % +- 0.01 %  violated", or why the corner has no such line. */
 static void print_corner(const vs_corner *one, FILE *out) {
   if (!*one->line) {
-    fprintf(out, "%s%s", *one->failed ? "failed: " : "nothing is rated", one->failed);
+    fprintf(out, "%s%s%s%s", *one->failed ? "failed: " : "nothing is rated", one->failed,
+            *one->note ? "; " : "", one->note);
     return;
   }
   fprintf(out, "%s ", one->line);
   char margin[VS_ENGINEERING_SIZE];
   fprintf(out, "%9s", margin_text(one->margin, margin));
   if (isfinite(one->error)) fprintf(out, " +- %.2g %%", 100 * one->error);
-  fprintf(out, "  %s", vs_verdict_words[one->word]);
+  fprintf(out, "  %s%s%s", vs_verdict_words[one->word], *one->note ? "; " : "", one->note);
 }
 
-/* "corners: 7 of 8 held, 1 failed; " */
+/* "corners: 7 of 8 held, 2 without pull_in, 1 failed; " */
 static void print_held(const vs_corners *c, FILE *out) {
+  size_t rests = 0;
+  for (size_t k = 0; k < c->count; k++) rests += *c->item[k].note != '\0';
   fprintf(out, "corners: %zu of %zu held", c->held, c->count);
+  if (rests) fprintf(out, ", %zu without pull_in", rests);
   if (c->failed) fprintf(out, ", %zu failed", c->failed);
   fputs("; ", out);
 }

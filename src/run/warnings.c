@@ -56,7 +56,16 @@ static void warn_below_theta(const vs_node *root, const vs_setup *s, vs_warnings
              range[0] / vs_units_factor("deg"), theta / vs_units_factor("deg"));
 }
 
-/* A pulse that lasts until its thyristor has forward voltage again fires it there, at once. */
+/* The deck's device that conducts both ways and has a gate, a triac; NULL: it has none. */
+static const vs_device *fired_both_ways(const vs_deck *deck) {
+  for (size_t k = 0; k < deck->n_devices; k++)
+    if (deck->devices[k].kind && deck->devices[k].kind->both_ways && deck->devices[k].kind->gated)
+      return &deck->devices[k];
+  return NULL;
+}
+
+/* A pulse that lasts until its thyristor has forward voltage again fires it there, at once. A triac
+ * has voltage of the other sign half a cycle earlier. */
 static void warn_of_long_pulses(const vs_node *root, const vs_setup *s, vs_warnings *w) {
   const vs_timeline *t = &s->timeline;
   const vs_node *firing = vs_tree_child(root, "firing");
@@ -64,7 +73,20 @@ static void warn_of_long_pulses(const vs_node *root, const vs_setup *s, vs_warni
   double range[2];
   vs_firing_range(t, range);
   double ends_s = range[1] / t->omega_rad_s + t->firing.pulse_width_s;
-  if (t->firing.no_valve || t->supply.direct || !t->firing.every || ends_s <= t->period_s) return;
+  if (t->firing.no_valve || t->supply.direct) return;
+  const vs_device *triac = fired_both_ways(&s->deck);
+  if (triac && ends_s > t->period_s / 2) {
+    char advice[48] = "fire earlier";
+    double room_ms = floor(1e4 * (t->period_s / 2 - range[1] / t->omega_rad_s)) / 10;
+    if (room_ms > 0) snprintf(advice, sizeof advice, "take %.3g ms or less", room_ms);
+    vs_fail_at(vs_warnings_add(w), place_of_value(width ? width : vs_tree_child(firing, "angle")),
+               "firing.pulse_width: the pulse lasts until %.6g ms, and the mains change sign at "
+               "%.6g ms: once the current of %s ends it is fired again, the other way, whatever "
+               "firing.angle says; %s",
+               1e3 * ends_s, 1e3 * t->period_s / 2, triac->name, advice);
+    return;
+  }
+  if (!t->firing.every || ends_s <= t->period_s) return;
   vs_fail_at(vs_warnings_add(w), place_of_value(width ? width : vs_tree_child(firing, "angle")),
              "firing.pulse_width: the pulse lasts until %.6g ms, and forward voltage is back at "
              "%.6g ms: it may fire there, whatever firing.angle says; a shorter pulse does not",

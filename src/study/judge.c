@@ -68,14 +68,9 @@ static const vs_journal *journal_of(const vs_journals *all, uint64_t index) {
   return &all->item[all->count > 1 ? index % all->count : 0];
 }
 
-/* One from each of n stretches of the cases. */
-static uint64_t sampled(uint64_t seed, uint64_t cases, uint64_t n, uint64_t k) {
-  const uint64_t from = k * cases / n, to = (k + 1) * cases / n;
-  return from + vs_random_bits(seed, k, cases) % (to - from);
-}
+enum { SHARE = 100, LEAST = 3 };
 
 static uint64_t count_of_sample(uint64_t cases) {
-  enum { SHARE = 100, LEAST = 3 };
   const uint64_t n = (cases + SHARE - 1) / SHARE;
   return n < LEAST ? (cases < LEAST ? cases : LEAST) : n;
 }
@@ -97,6 +92,23 @@ static vs_status pick(const vs_journals *all, uint64_t index, vs_judge *judge, v
   judge->picked[at] = index;
   judge->count++;
   return VS_OK;
+}
+
+/* Adds one from each of n stretches of the cases. Where so many of these failed, or are another
+ * shard's, that fewer than LEAST are left, it adds more until they are as many: those of a whole
+ * study are the first of one of its shards. */
+static vs_status pick_sample(const vs_journals *all, uint64_t seed, uint64_t n, vs_judge *judge,
+                             vs_error *err) {
+  const uint64_t cases = all->cases;
+  vs_status status = VS_OK;
+  for (uint64_t k = 0; k < n && !status; k++) {
+    const uint64_t from = k * cases / n, to = (k + 1) * cases / n;
+    status = pick(all, from + vs_random_bits(seed, k, cases) % (to - from), judge, err);
+  }
+  const uint64_t first = cases ? vs_random_bits(seed, n, cases) % cases : 0;
+  for (uint64_t k = 0; k < cases && judge->count < LEAST && !status; k++)
+    status = pick(all, (first + k) % cases, judge, err);
+  return status;
 }
 
 static double number_of(const char *cell) {
@@ -147,8 +159,7 @@ vs_status vs_judge_pick(const vs_journals *all, uint64_t found, vs_judge *judge,
   vs_row_shape *shape = shape_of(all);
   uint64_t worst;
   vs_status status = find_worst(all, shape, &worst, err);
-  for (uint64_t k = 0; k < n && !status; k++)
-    status = pick(all, sampled(seed, all->cases, n, k), judge, err);
+  if (!status) status = pick_sample(all, seed, n, judge, err);
   if (!status) status = pick(all, worst, judge, err);
   if (!status) status = pick(all, found, judge, err);
   vs_row_shape_free(shape);
@@ -168,6 +179,7 @@ static vs_status read_rows(const vs_journals *all, uint64_t index, size_t column
                            vs_judge *judge, vs_error *err) {
   const vs_journal *j = journal_of(all, index);
   vs_status status = VS_OK;
+  bool unfinished = false;
   for (int way = 0; way < ROWS && !status; way++) {
     bool failed = false;
     if (way != OWN && !vs_journal_has_judged(j, index, way))
@@ -183,10 +195,11 @@ static vs_status read_rows(const vs_journals *all, uint64_t index, size_t column
       r->cell[way] = cell;
       continue;
     }
-    if (way == VS_JUDGE_NGSPICE && judge->failed++ == 0) {
+    if (!unfinished && judge->failed++ == 0) {
       judge->first_failed = index;
       snprintf(judge->why, sizeof judge->why, "%s", cell[n - 1]);
     }
+    unfinished = true;
     free(cell);
   }
   return status;
@@ -201,7 +214,6 @@ static void free_rows(judged_rows *r) {
 
 /* The error of a cell on one tier, whose other row is at another tolerance. */
 static double told_of(const judged_rows *r, int way, int other, size_t column, double resolution) {
-  if (!r->cell[other]) return INFINITY;
   const double x = number_of(r->cell[way][column]), y = number_of(r->cell[other][column]);
   if (isnan(x) != isnan(y)) return INFINITY;
   return isnan(x) ? 0 : fabs(x - y) + resolution * fabs(x);
@@ -256,7 +268,8 @@ static void take_column(vs_judge *judge, const vs_judged_column *c) {
 static void compare_case(vs_judge *judge, const judged_rows *r, uint64_t index,
                          const vs_row_shape *shape, double tolerance) {
   bool beyond = false;
-  if (!r->cell[VS_JUDGE_NGSPICE]) return;
+  for (int way = 0; way < VS_JUDGE_WAYS; way++)
+    if (!r->cell[way]) return;
   for (size_t k = 0; k < vs_row_shape_columns(shape); k++) {
     const vs_row_shape_column of = vs_row_shape_column_at(shape, k);
     char *name = vs_copy(of.name);
@@ -330,8 +343,8 @@ void vs_judge_say(const vs_judge *judge, uint64_t cases, FILE *out) {
   fputc('\n', out);
   if (judge->failed)
     fprintf(stderr,
-            "vibrospice: warning: %zu of the cases that ngspice was to judge did not come to their "
-            "end in it: case %llu: %s\n",
+            "vibrospice: warning: %zu of the cases that ngspice was to judge are not judged, as a "
+            "run of theirs failed: case %llu: %s\n",
             judge->failed, (unsigned long long)judge->first_failed, judge->why);
 }
 

@@ -6,8 +6,9 @@
  * that a run's margins have (run/session.h). Two tiers that differ by more than the sum of their
  * errors make the study fail.
  *
- * The rows that judge stand in the study's journal. The sample hangs on the study's identity and
- * its count of cases alone, and the judged cases of a whole study are those of its shards. */
+ * The rows that judge stand in the study's journal. The sample hangs on the study's identity, its
+ * count of cases and which of them failed, and the judged cases of a whole study are those of its
+ * shards. */
 #ifndef VS_STUDY_JUDGE_H
 #define VS_STUDY_JUDGE_H
 
@@ -41,7 +42,7 @@ typedef struct vs_judge {
   vs_judged_column
       worst;     /* what is off by most, as a part of what is told; its name is a column's */
   size_t beyond; /* how many cases are off by more than is told */
-  size_t failed; /* how many did not come to their end in ngspice */
+  size_t failed; /* of how many a run that judges failed: they are not compared */
   uint64_t first_failed;
   char why[256]; /* the first of these did not */
 } vs_judge;
@@ -74,7 +75,7 @@ vs_status vs_judge_find(const vs_journals *journals, uint64_t found, vs_judge *j
 
 /* Adds the member "judged"; nothing where no case is. */
 void vs_judge_json(const vs_judge *judge, vs_json *json);
-/* Prints one line, and a warning on standard error where ngspice gave up. */
+/* Prints one line, and a warning on standard error where a run that judges failed. */
 void vs_judge_say(const vs_judge *judge, uint64_t cases, FILE *out);
 /* Error: VS_RUN, a case is off by more than is told. */
 vs_status vs_judge_result(const vs_judge *judge, vs_error *err);

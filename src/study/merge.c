@@ -144,11 +144,11 @@ static vs_status say_merged(const vs_journals *all, const vs_judge *judge,
            "written: %s in %s\n",
            (size_t)all->count, done, failed, violated, o->format->written, folder);
   if (!o->quiet) vs_judge_say(judge, all->cases, stdout);
+  const vs_status judged = vs_judge_result(judge, err);
+  if (judged) return judged;
   if (failed)
     return vs_fail(err, VS_RUN, "%llu of %llu cases failed; why stands in %s/failures.csv", failed,
                    done + failed, folder);
-  const vs_status judged = vs_judge_result(judge, err);
-  if (judged) return judged;
   return violated
              ? vs_fail(err, VS_RATING, "a rating is violated or undecided in %llu of %llu cases",
                        violated, done + failed)

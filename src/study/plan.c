@@ -71,6 +71,15 @@ vs_status vs_plan_find(const vs_node *name, char path[VS_PATH_SIZE], vs_error *e
   return vs_path_find(&FILES, name->text, name->where, path, err);
 }
 
+/* An entry of `set` that a later one, of the section that it is of, replaces; NULL: there is none.
+ */
+static const vs_node *replaced_by(const vs_node *set, const vs_node *later) {
+  const size_t n = strlen(later->key);
+  for (const vs_node *k = set->child; k != later; k = k->next)
+    if (!strncmp(k->key, later->key, n) && k->key[n] == '.') return k;
+  return NULL;
+}
+
 vs_status vs_plan_scene(const vs_plan *plan, vs_scene *scene, vs_error *err) {
   const vs_node *set = vs_tree_child(plan->tree.root, "set");
   vs_status status = vs_scene_open(plan->scene_name, plan->scene_where, scene, err);
@@ -79,8 +88,15 @@ vs_status vs_plan_scene(const vs_plan *plan, vs_scene *scene, vs_error *err) {
   if (status) return status;
   if (set && (set->kind == VS_NODE_LIST || (set->kind == VS_NODE_TEXT && *set->text)))
     return vs_fail_at(err, set->where, "set: a map of keys is wanted: {run.until: 0.1 s, ...}");
-  for (const vs_node *n = set ? set->child : NULL; n && !status; n = n->next)
+  for (const vs_node *n = set ? set->child : NULL; n && !status; n = n->next) {
+    const vs_node *gone = replaced_by(set, n);
+    if (gone)
+      return vs_fail_at(err, gone->key_where,
+                        "set: '%s' replaces all of its section and with it %s; "
+                        "write that below it, or behind it",
+                        n->key, gone->key);
     status = vs_error_keep(err, vs_tree_graft(&scene->tree, n->key, n, err));
+  }
   for (size_t k = 0; k < plan->n_sets && !status; k++)
     if (!vs_plan_is_own(plan, plan->sets[k]))
       status = vs_error_keep(err, vs_tree_set(&scene->tree, plan->sets[k], err));

@@ -769,12 +769,12 @@ static vs_status judge_study(const session *s, vs_error *err) {
     const vs_results results = cases_results(&s->cases, s->count);
     return stage->method->publish(&s->plan, stage, &results, s->o->folder, s->o->quiet, err);
   }
+  const vs_status judged = vs_judge_result(&s->judge, err);
+  if (judged) return judged;
   if (j->failed)
     return vs_fail(err, VS_RUN, "%llu of %llu cases failed%s%s%s", (unsigned long long)j->failed,
                    all, s->o->folder ? "; why stands in " : "", s->o->folder ? s->folder : "",
                    s->o->folder ? "/failures.csv" : "");
-  const vs_status judged = vs_judge_result(&s->judge, err);
-  if (judged) return judged;
   if (j->violated)
     return vs_fail(err, VS_RATING, "a rating is violated or undecided in %llu of %llu cases",
                    (unsigned long long)j->violated, all);

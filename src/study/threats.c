@@ -116,6 +116,20 @@ static vs_status any_gate(vs_axis *axis, const vs_scene *scene, const vs_node *n
   return status;
 }
 
+/* The parts of the deck, each by itself. */
+static vs_status any_part(const vs_threat *t, vs_axis *axis, const vs_scene *scene,
+                          const vs_node *node, vs_error *err) {
+  char name[VS_DECK_NAME];
+  vs_status status = VS_OK;
+  for (size_t k = 0; !status && t->kind->part(&scene->setup.deck, k, name); k++) {
+    const vs_node one = vs_tree_word(NULL, name, node->where);
+    status = vs_axis_values(axis, &one, err);
+  }
+  if (!status && !axis->n_values)
+    status = vs_fail_at(err, node->where, "%s: the deck has no part", axis->key);
+  return status;
+}
+
 /* All that the key allows, where that has two ends that are meant. */
 static vs_status any_number(vs_axis *axis, const vs_node *node, vs_error *err) {
   const vs_field *f = axis->field;
@@ -132,11 +146,12 @@ static vs_status any_number(vs_axis *axis, const vs_node *node, vs_error *err) {
   return VS_OK;
 }
 
-static vs_status read_any(vs_axis *axis, const vs_scene *scene, const vs_node *node,
-                          vs_error *err) {
+static vs_status read_any(const vs_threat *t, vs_axis *axis, const vs_scene *scene,
+                          const vs_node *node, vs_error *err) {
   if (axis->field->kind == VS_CHOICE) return any_word(axis, node, err);
   if (axis->field->kind == VS_NAME && !strcmp(axis->field->key, "gate"))
     return any_gate(axis, scene, node, err);
+  if (t->kind->part && axis->is_word) return any_part(t, axis, scene, node, err);
   if (axis->is_word)
     return vs_fail_at(err, node->where, "%s: a list of names is wanted: [A, B]", axis->key);
   return any_number(axis, node, err);
@@ -156,7 +171,7 @@ static vs_status add_range(vs_threat *t, const vs_scene *scene, const vs_field *
   axis->unit = field->unit;
   axis->is_word = field->kind & (VS_CHOICE | VS_NAME);
   vs_status status =
-      is_any(node) ? read_any(axis, scene, node, err) : vs_axis_values(axis, node, err);
+      is_any(node) ? read_any(t, axis, scene, node, err) : vs_axis_values(axis, node, err);
   if (status) t->n_ranges--;
   if (status) vs_axis_free(axis);
   return status;

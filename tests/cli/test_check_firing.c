@@ -43,6 +43,31 @@ static void as_the_run_says(void) {
   both(BOTH_WAYS "--set firing.first_cycle=2", false);
 }
 
+/* A triac that a pulse outlasts the half cycle of is fired again, the other way. 60 Hz, 120
+ * degrees: 5.556 ms of 8.333 ms; a thyristor has 16.667 ms. */
+static void pulses_of_a_triac(void) {
+  static const struct {
+    const char *words, *warning;
+  } ROWS[] = {
+      {"",
+       "lasts until 13.5556 ms, and the mains change sign at 8.33333 ms: once the current of "
+       "triac ends it is fired again, the other way, whatever firing.angle says; take 2.7 ms or"},
+      {"--set firing.pulse_width=2.8ms", "take 2.7 ms or less"},
+      {"--set firing.pulse_width=2.7ms", NULL},
+      {"--set firing.angle=179.99deg --set firing.pulse_width=1ms", "says; fire earlier"},
+  };
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    ran r = run("check triac_feeder --set supply.frequency=60Hz --set firing.angle=120deg "
+                "--set firing.pulse_width=8ms %s",
+                ROWS[k].words);
+    const char *wanted = ROWS[k].warning ? ROWS[k].warning : "";
+    EXPECT(r.status == 0 &&
+               (*wanted ? strstr(r.err, wanted) != NULL : !strstr(r.err, "firing.pulse_width")),
+           "%s: %d %s", ROWS[k].words, r.status, r.err);
+    free_ran(&r);
+  }
+}
+
 /* A pulse of 8 ms from 5.556 ms on, of which the mains leave little: their last 0.1 ms, their first
  * 20 us, a slot between two notches. */
 static void through_a_slot(void) {
@@ -100,6 +125,7 @@ int main(void) {
   static const vs_test TESTS[] = {
       {"as the run says", as_the_run_says},
       {"through a slot", through_a_slot},
+      {"pulses of a triac", pulses_of_a_triac},
       {"with a circuit", with_a_circuit},
       {"its place", its_place},
   };

@@ -386,18 +386,27 @@ static void early_firing(void) {
 
 /* ---- from data ---- */
 
-static int fit(const char *csv, const char *error) {
+/* from: what was measured, in z.csv. */
+static int fit(const char *csv, const char *free, const char *from) {
   char text[512];
   snprintf(text, sizeof text,
            "set: {run.tier: switched, actuator.eddy: {inductance: 2 H, resistance: 9 kohm}}\n"
-           "free:\n  actuator.inductance: {from: 0.5 H, to: 4 H}\n"
-           "  actuator.eddy.resistance: {from: 1 kohm, to: 50 kohm}\n"
-           "starts: 1\nimpedance: {file: z.csv, error: %s}\n",
-           error);
+           "free:\n  %s\n  actuator.eddy.resistance: {from: 1 kohm, to: 50 kohm}\n"
+           "starts: 1\n%s\n",
+           free, from);
   write_file("z.yaml", text);
   write_file("z.csv", csv);
   int how = system(VS_PROGRAM " fit z.yaml --quiet -o z >z.log 2>&1");
   return WIFEXITED(how) ? WEXITSTATUS(how) : 1000;
+}
+
+static void look_for_ohms(double ohms) {
+  char line[256] = "";
+  FILE *f =
+      popen("sed -n '/eddy.resistance/s/.*\"value\": *\\([0-9.]*\\).*/\\1/p' z/fit.json", "r");
+  if (f && !fgets(line, sizeof line, f)) line[0] = '\0';
+  if (f) pclose(f);
+  EXPECT(fabs(atof(line) - ohms) < 1e-4 * ohms, "found '%s'", line);
 }
 
 /* Numbers of the closed form with 1.2 H, and 5 kohm behind 2 H: found again to 1e-4. */
@@ -409,17 +418,41 @@ static void impedance_fitted(void) {
     const double complex z = 92 + 1 / (1 / (I * w * 1.2) + 1 / (5000 + I * w * 2));
     vs_text_add(&csv, "%.9g,%.9g,%.9g\n", hz / 1000, creal(z), 1000 * cimag(z) / w);
   }
-  CU_ASSERT_EQUAL(fit(csv.text, "1 %"), 0);
-  char line[256] = "";
-  FILE *f =
-      popen("sed -n '/eddy.resistance/s/.*\"value\": *\\([0-9.]*\\).*/\\1/p' z/fit.json", "r");
-  if (f && !fgets(line, sizeof line, f)) line[0] = '\0';
-  if (f) pclose(f);
-  EXPECT(fabs(atof(line) - 5000) < 0.5, "found '%s'", line);
-  CU_ASSERT_EQUAL(fit("f_hz,q_ohm\n50,3\n", "1 %"), 2);
-  CU_ASSERT_EQUAL(fit("f_hz,r_ohm\n-50,3\n", "1 %"), 2);
-  CU_ASSERT_EQUAL(fit("f_hz,r_ohm\n", "1 %"), 2);
-  CU_ASSERT_EQUAL(fit(csv.text, "1 ohm"), 2);
+  static const char INDUCTANCE[] = "actuator.inductance: {from: 0.5 H, to: 4 H}",
+                    ERROR[] = "impedance: {file: z.csv, error: 1 %}";
+  CU_ASSERT_EQUAL(fit(csv.text, INDUCTANCE, ERROR), 0);
+  look_for_ohms(5000);
+  CU_ASSERT_EQUAL(fit("f_hz,q_ohm\n50,3\n", INDUCTANCE, ERROR), 2);
+  CU_ASSERT_EQUAL(fit("f_hz,r_ohm\n-50,3\n", INDUCTANCE, ERROR), 2);
+  CU_ASSERT_EQUAL(fit("f_hz,r_ohm\n", INDUCTANCE, ERROR), 2);
+  CU_ASSERT_EQUAL(fit(csv.text, INDUCTANCE, "impedance: {file: z.csv, error: 1 ohm}"), 2);
+  vs_text_free(&csv);
+}
+
+/* Losses of 5 kohm behind 2 H and of a hysteresis, whose energy in a cycle is any of B: 500 turns
+ * around 10 cm2 and 1 kg, found again to 1e-4 although nothing says how large the hysteresis is. */
+static void core_loss_fitted(void) {
+  static const char L[] = "actuator.eddy.inductance: {from: 0.1 H, to: 9 H}",
+                    SHEET[] = "core_loss: {file: z.csv, mass: 1 kg, area: 10 cm2, turns: 500, "
+                              "error: 1 %%%s}";
+  char from[160];
+  vs_text csv = {0};
+  vs_text_add(&csv, "f_hz,b_mT,loss_w_kg\n");
+  for (int tesla = 1; tesla <= 2; tesla++)
+    for (double hz = 50; hz < 1000; hz *= 2) {
+      const double w = 2 * M_PI * hz, volt = w * 500 * 1e-3 * 0.5 * tesla;
+      const double y = 5000 / (5000 * 5000 + w * w * 4);
+      vs_text_add(&csv, "%.15g,%d,%.15g\n", hz, 500 * tesla,
+                  volt * volt / 2 * y + 0.05 * tesla * hz);
+    }
+  snprintf(from, sizeof from, SHEET, "");
+  CU_ASSERT_EQUAL(fit(csv.text, L, from), 0);
+  look_for_ohms(5000);
+  CU_ASSERT_EQUAL(fit("f_hz,b_t,loss_w_kg\n50,1.5,4\n50,1,2\n", L, from), 2);
+  snprintf(from, sizeof from, SHEET, ", hysteresis: 75 %");
+  CU_ASSERT_EQUAL(fit("f_hz,b_t,loss_w_kg\n50,1.5,0.4\n", L, from), 2); /* one number for two */
+  snprintf(from, sizeof from, SHEET, ", hysteresis: 100 %");
+  CU_ASSERT_EQUAL(fit(csv.text, L, from), 2);
   vs_text_free(&csv);
 }
 
@@ -446,24 +479,38 @@ static void warmth(void) {
   vs_trial_free(t);
 }
 
-/* Two bodies, against the closed form of one where the core's resistance is all there is. */
+/* One body against its closed form; two against small steps of the book-keeping; and all against
+ * what keeps itself, however long it takes: T_c = T_a + R_ca (P_cu + P_core), T_w = T_c + R_wc
+ * P_cu.
+ */
 static void warming(void) {
-  const vs_winding_values one = {.present = 1,
-                                 .temperature_degc = 20,
-                                 .r_th = {4, 0},
-                                 .c_th = {50, 0},
-                                 .ambient_degc = 20},
-                          two = {.present = 1,
-                                 .temperature_degc = 20,
-                                 .r_th = {1, 3},
-                                 .c_th = {50, 400},
-                                 .ambient_degc = 20};
+  enum { PARTS = 200000 };
+  static const double TIME[] = {1e5, 1e12};
+  const vs_winding_values one = {
+      .present = 1, .temperature_degc = 20, .r_th = {4, 0}, .c_th = {50, 0}, .ambient_degc = 20};
+  vs_winding_values two = {
+      .present = 1, .temperature_degc = 20, .r_th = {1, 3}, .c_th = {50, 400}, .ambient_degc = 20};
   vs_winding_state s = vs_winding_begin(&one), end = vs_winding_begin(&two);
   vs_winding_go(&one, 10, 0, 200, &s);
-  CLOSE(s.winding_degc, 20 + 40 * (1 - exp(-1)), 1e-4);
-  vs_winding_go(&two, 10, 2, 1e5, &end);
-  CLOSE(end.winding_degc, 20 + 3 * 12 + 10, 1e-9);
-  CLOSE(end.core_degc, 20 + 3 * 12, 1e-9);
+  CLOSE(s.winding_degc, 20 + 40 * (1 - exp(-1)), 1e-12);
+  vs_winding_go(&two, 10, 2, 300, &end);
+  double t_w = 20, t_c = 20;
+  for (int n = 0; n < PARTS; n++) { /* Euler's rule leaves 1e-5 */
+    const double flow = (t_w - t_c) / 1, h = 300.0 / PARTS;
+    t_w += h * (10 - flow) / 50;
+    t_c += h * (2 + flow - (t_c - 20) / 3) / 400;
+  }
+  CLOSE_OF(end.winding_degc, t_w, 1, 1e-4);
+  CLOSE_OF(end.core_degc, t_c, 1, 1e-4);
+  for (int k = 0; k < 4; k++) {
+    if (k == 1) two.c_th[1] = 0;
+    if (k == 2) two.r_th[1] = 0;
+    if (k == 3) two.r_th[0] = 0, two.r_th[1] = 3;
+    s = vs_winding_begin(&two);
+    for (size_t n = 0; n < COUNT(TIME); n++) vs_winding_go(&two, 10, 2, TIME[n], &s);
+    CLOSE(s.winding_degc, 20 + 12 * two.r_th[1] + 10 * two.r_th[0], 1e-9);
+    CLOSE(s.core_degc, 20 + 12 * two.r_th[1], 1e-9);
+  }
 }
 
 static const char *looked_for;
@@ -511,9 +558,49 @@ static void hottest(void) {
   for (size_t k = 0; k < COUNT(CASE); k++) {
     const char *sets[] = {CASE[k].winding, "run.until=1s", NULL};
     vs_value t_degc;
-    CU_ASSERT_EQUAL(warnings("the run keeps that of the beginning", sets, &t_degc), CASE[k].said);
+    CU_ASSERT_EQUAL(warnings("while current flows, and the run keeps it", sets, &t_degc),
+                    CASE[k].said);
     CU_ASSERT_EQUAL(t_degc.known, CASE[k].known);
     if (k == 0) EXPECT(fabs(t_degc.value - 20 - 0.26448 / 0.03) < 0.2, "%g degC", t_degc.value);
+  }
+}
+
+/* On the ideal tiers a run's resistance follows the winding: after 12 time constants it has the
+ * temperature that `steady` finds by orbits, but for the ripple of a period, near 0.1 K of 45, and
+ * its books close. `steady` knows the switched tier alone. */
+static void run_that_warms_up(void) {
+  const char *sets[] = {"firing.every=1",
+                        "firing.angle=130deg",
+                        "actuator.winding={r_th: 20 K/W, c_th: 0.5 J/K, ambient: 20 degC}",
+                        "actuator.eddy={resistance: 15 kohm}",
+                        "run.until=120s",
+                        NULL};
+  static const char *const TIERS[] = {"switched", "analytic"};
+  vs_error err = {0};
+  vs_steady steady;
+  double degc = NAN;
+  for (size_t k = 0; k < COUNT(TIERS); k++) {
+    vs_trial *t = vs_trial_read("paper", TIERS[k], sets);
+    if (k == 0) {
+      EXPECT(!vs_steady_begin(&steady, &t->scene, 1, &err), "%s", err.text);
+      degc = t->scene.setup.model.coil.heat.winding_degc;
+      vs_steady_end(&steady);
+    }
+    vs_trial_free(t);
+    t = vs_trial_run("paper", TIERS[k], sets, NULL);
+    EXPECT(t->status == VS_OK, "%s", t->err.text);
+    const vs_watchers *w = &t->result.watchers;
+    CU_ASSERT_FATAL(w->warming.model != NULL);
+    const double ohm = 92 * (1 + 0.00393 * (w->heat.winding_degc - 20));
+    CLOSE(w->warming.model->coil.resistance_ohm, ohm, 1e-3);
+    if (k == 0) {
+      EXPECT(fabs(w->heat.winding_degc - degc) < 0.3 && degc > 60, "%.6g degC, steady has %.6g",
+             w->heat.winding_degc, degc);
+      EXPECT(w->energy.worst < 1e-6, "the books leave %.2e", w->energy.worst);
+    } else {
+      CU_ASSERT(w->heat.winding_degc > 60);
+    }
+    vs_trial_free(t);
   }
 }
 
@@ -547,10 +634,12 @@ static void sensitivity_of_warmth(void) {
 
 static const vs_test TESTS[] = {
     {"an impedance fitted", impedance_fitted},
+    {"the core's losses fitted", core_loss_fitted},
     {"the winding's equilibrium", warmth},
     {"two bodies that warm up", warming},
     {"beyond linear iron", beyond_linear_iron},
     {"the warmest of a run", hottest},
+    {"a run that warms up", run_that_warms_up},
     {"derivatives of the equilibrium", sensitivity_of_warmth},
     {"the ladder's impedance", impedance},
     {"a slab", slab},

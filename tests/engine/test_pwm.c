@@ -142,6 +142,20 @@ static void short_pulses(void) {
   }
 }
 
+/* One pulse: the switch is on from behind its first edge up to its last one, and a lower one the
+ * rest of the time, less the dead time. */
+static void one_pulse(void) {
+  const vs_pwm_values p = {.on_s = 5e-3, .off_s = 60e-3, .dead_s = 1e-3}, open = {.on_s = 5e-3},
+                      first = {.off_s = 60e-3};
+  CU_ASSERT(vs_pwm_edge(&p, HIGH, 0) == 6e-3 && vs_pwm_edge(&p, HIGH, 6e-3) == 60e-3);
+  CU_ASSERT(vs_pwm_edge(&p, LOW, 0) == 5e-3 && vs_pwm_edge(&p, LOW, 5e-3) == 61e-3);
+  CU_ASSERT(isinf(vs_pwm_edge(&p, LOW, 61e-3)) && isinf(vs_pwm_edge(&open, HIGH, 5e-3)));
+  CU_ASSERT(!vs_pwm_is_on(&p, HIGH, 6e-3) && vs_pwm_is_on(&p, HIGH, 6.1e-3));
+  CU_ASSERT(vs_pwm_is_on(&p, HIGH, 60e-3) && !vs_pwm_is_on(&p, HIGH, 60.1e-3));
+  CU_ASSERT(vs_pwm_is_on(&p, LOW, 5e-3) && !vs_pwm_is_on(&p, LOW, 60.5e-3));
+  CU_ASSERT(vs_pwm_is_on(&open, HIGH, 1e9) && vs_pwm_is_on(&first, HIGH, 0));
+}
+
 /* ---- the current of a coil ---- */
 
 static void write_switch(void) {
@@ -378,6 +392,9 @@ static void refused(void) {
        "pwm.dead_time: 60 us is half a period"},
       {"export chopper --set 'run.until=10 s' -o x.cir", "each of its edges is written"},
       {"run paper --tier switched --set pwm.depth=0.1", "pwm.depth: tier switched"},
+      {"run relay --set pwm.on=50ms", "pwm.off: 50 ms is not behind pwm.on, 50 ms"},
+      {"run relay --set pwm.duty=0.3", "pwm.duty: with pwm.on and pwm.off there is one pulse"},
+      {"run chopper --set pwm.depth=0 --set pwm.on=0ms", "pwm.on: from t = 0 on"},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     ran r = run("%s", ROWS[k].words);
@@ -472,6 +489,7 @@ int main(void) {
       {"edges: roots", roots},
       {"dead time and shift", dead_time_and_shift},
       {"short pulses, and none", short_pulses},
+      {"one pulse", one_pulse},
       {"ripple of a constant coil", ripple},
       {"chopper as plain ngspice", chopper},
       {"bridge as plain ngspice", bridge},

@@ -199,10 +199,44 @@ static void in_a_circuit(void) {
 static void chopped(void) {
   vs_trial *t = run_with("relay", "circuit",
                          (const char *[]){"run.verify=never", "run.until=30ms", "pwm.carrier=1kHz",
-                                          "pwm.duty=0.9", NULL});
+                                          "pwm.duty=0.9", "pwm.off=0ms", NULL});
   EXPECT(known_of(t) == (PULL_IN | BOUNCES), "%d", known_of(t));
   const double s = t->result.values[VS_M_PULL_IN].value;
   EXPECT(s > 0.00905 && s < 0.0115 && s == t->result.values[VS_M_PULL_IN].at_s, "%g", s);
+  vs_trial_free(t);
+}
+
+/* A supply that was there before t = 0 leaves a switch that is off alone: it has the supply's
+ * voltage, and what of it leaks, U/(20 Mohm + R), flows; both to 1e-3, with lines that would ring.
+ * The other integrator has none of ngspice's operating point. */
+static void the_supply_stands(void) {
+  static const char *const TIERS[] = {"circuit", "compiled"};
+  for (size_t k = 0; k < COUNT(TIERS); k++) {
+    vs_trial *t =
+        run_with("relay", TIERS[k],
+                 (const char *[]){"run.verify=never", "run.until=4ms", "pwm.on=5ms", "pwm.off=60ms",
+                                  "circuit.across_coil=open", "circuit.r_line=10ohm", NULL});
+    CLOSE(of_device(t, "switch", "v_peak"), 12, 1e-3);
+    EXPECT(of_device(t, "switch", "i_peak") < 1.01 * (12 / 20e6 + 12 / 100e6), "%g",
+           of_device(t, "switch", "i_peak"));
+    EXPECT(
+        !strcmp(t->result.no_pull_in, "pull_in did not occur before 4 ms: nothing was switched on"),
+        "%s", t->result.no_pull_in);
+    vs_trial_free(t);
+  }
+}
+
+/* At 3 V the relay stays where it is; a rating of what did not come is undecided, with the reason.
+ */
+static void does_not_pull_in(void) {
+  vs_trial *t = run_with("relay", "circuit",
+                         (const char *[]){"run.verify=never", "run.until=60ms", "supply.voltage=3V",
+                                          "ratings={pull_in: .. 20 ms}", NULL});
+  const vs_judgement *j = vs_verdict_breach(&t->result.verdict);
+  EXPECT(strstr(t->result.no_pull_in, "before 60 ms: the armature moved"), "%s",
+         t->result.no_pull_in);
+  EXPECT(j && vs_verdict_word(j) == VS_UNDECIDED && j->unknown == t->result.no_pull_in, "%s",
+         j ? j->unknown : "nothing is undecided");
   vs_trial_free(t);
 }
 
@@ -213,5 +247,7 @@ static const vs_test TESTS[] = {{"as another integrator", as_another_integrator}
                                 {"where they are", where_they_are},
                                 {"what a Zener diode takes", what_a_zener_takes},
                                 {"in a circuit", in_a_circuit},
+                                {"the supply stands", the_supply_stands},
+                                {"does not pull in", does_not_pull_in},
                                 {"chopped", chopped}};
 VS_SUITE_MAIN("pull in", TESTS)

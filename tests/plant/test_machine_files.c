@@ -699,7 +699,7 @@ static void shipped_machines_bring_their_supply(void) {
   EXPECT(r.status == 2 && strstr(r.err, "tier circuit"), "%s", r.err);
   free_ran(&r);
   r = run("check s.yaml --set circuit.deck=halfwave_paper"); /* it was ignored */
-  EXPECT(r.status == 2 && strstr(r.err, "its machine's file says supply.kind: step, which no"),
+  EXPECT(r.status == 2 && strstr(r.err, "its machine's file says supply.kind: step, which of"),
          "%d %s%s", r.status, r.out, r.err);
   free_ran(&r);
   r = run("steady two_mass --set firing.every=1 --set firing.angle=130deg");

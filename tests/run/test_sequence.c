@@ -233,7 +233,42 @@ static void pauses_of_one_run(void) {
   CU_ASSERT(!vs_reducer_sequences_agree(&one, &other, 0.15, &how));
 }
 
+/* A law of control that fires otherwise where it is begun for the second time, which is for the
+ * coarser run: the finer one, for which it is begun for the third time, takes its place, and
+ * decides. Where it fires otherwise there as well nothing is decided. */
+static void a_finer_run_decides(void) {
+  static const struct {
+    const char *otherwise, *verdict;
+    int status;
+  } ROWS[] = {{"2", "verdict: held", 0}, {"[23]", "verdict: undecided", 3}};
+  write_file("s.yaml", "circuit: {deck: halfwave_snubbed, thyristor: TYN1212}\n"
+                       "firing: {every: 1}\ncontrol: {law: pipe, command: sh law.sh}\n"
+                       "instruments: {}\nrun: {until: 45 ms}\n");
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    vs_text law = {0};
+    vs_text_add(&law,
+                "echo >>begun\nn=$(wc -l <begun)\nwhile read -r line; do\n"
+                "case \"$n:$line\" in *'\"firing\":1,'*) a=95;; %s:*) a=179.5;; *) a=95;; esac\n"
+                "echo \"{\\\"angle_deg\\\": $a}\"\ndone\n",
+                ROWS[k].otherwise);
+    write_file("law.sh", law.text);
+    ran r = run("run s.yaml --allow-code -o out");
+    char *begun = read_file("begun"), *summary = read_file("out/summary.json");
+    EXPECT(r.status == ROWS[k].status && strstr(r.out, ROWS[k].verdict), "%d %s%s", r.status, r.out,
+           r.err);
+    EXPECT(strlen(begun) == 3, "begun %zu times", strlen(begun));
+    EXPECT(strstr(summary, "\"second_run\": {\"tolerance\": 1e-05"), "%s", summary);
+    free(begun), free(summary);
+    free_ran(&r);
+    vs_text_free(&law);
+    remove_tree("out");
+    unlink("begun");
+  }
+  unlink("s.yaml"), unlink("law.sh");
+}
+
 static const vs_test TESTS[] = {{"in a run", in_a_run},
+                                {"a finer run decides", a_finer_run_decides},
                                 {"in a study", in_a_study},
                                 {"near the holding current", near_the_holding_current},
                                 {"torn lines", torn_lines},

@@ -67,6 +67,32 @@ static void listed_and_cut(void) {
   drop_study(s);
 }
 
+/* Any part of the deck: what its parameters choose or give a value, and neither sources, nor the
+ * mains' impedance, nor the EVA. A thyristor is shorted from anode to cathode, so that a
+ * current of some 0.4 A flows backwards 1 ms behind its zero. */
+static void any_part(void) {
+  static const char *const WORDS[] = {"R1", "C1", "R2", "C2", "Xthy"};
+  study *s =
+      good_study("scene: paper\nset: {circuit.deck: halfwave_snubbed, circuit.thyristor: TYN1212, "
+                 "run.until: 45 ms}\n"
+                 "threats: {broken: {kind: short, element: any, from: start}}\n");
+  const vs_axis *axis = &s->plan.axes[axis_of(&s->plan, "threat.element")];
+  CU_ASSERT_EQUAL(axis->n_values, COUNT(WORDS));
+  for (size_t k = 0; k < COUNT(WORDS); k++) {
+    size_t n = 0;
+    while (n < axis->n_values && strcmp(axis->word[n], WORDS[k]) != 0) n++;
+    EXPECT(n < axis->n_values, "%s is not among them", WORDS[k]);
+  }
+  drop_study(s);
+  ran r = run("run paper --set circuit.deck=halfwave_snubbed --set run.until=15ms --set "
+              "run.verify=never --set 'events.e={kind: short, at: 9 ms, element: Xthy}' -o x");
+  const char *current = strstr(r.out, "  i_thyristor ");
+  EXPECT(current && strtod(current + strlen("  i_thyristor "), NULL) < -0.1, "%d %s%s", r.status,
+         r.out, r.err);
+  free_ran(&r);
+  remove_tree("x");
+}
+
 /* Another threat leaves the numbers of this one alone, and another seed does not. */
 static void keyed_by_names(void) {
   static const char *const TEXT[] = {
@@ -498,6 +524,7 @@ int main(void) {
                                   {"runs and readers", runs_and_readers},
                                   {"criterion of a scene", criterion_of_a_scene},
                                   {"each part by itself", each_part_by_itself},
+                                  {"any part", any_part},
                                   {"refused", refused},
                                   {"would lie", would_lie},
                                   {"a pair runs on", a_pair_runs_on},

@@ -34,6 +34,10 @@ static const double BLOCKED_V = 10;
  * times as steep from one step to the next, if steps double. */
 static const double KINK = 10;
 
+/* Behind a turn of the voltage the current may be what the conduction before has stored: a triac's
+ * recovery. Of a device of this size that is over within 150 us, the t_q of a slow thyristor. */
+static const double RECOVERY_S = 150e-6;
+
 /* No current that steps resolve turns round in each of ALTERNATES + 1 steps one behind the other,
  * each time by half of its last change or more. What is left so of displacement currents is a few
  * milliamperes, and 70 mA at a tolerance of 1e-2; MOST_A is beyond them and below what conducts for
@@ -45,6 +49,7 @@ void vs_conduction_begin(vs_conduction *c) {
   *c = (vs_conduction){.leak_s = NAN,
                        .low_s = NAN,
                        .out_s = NAN,
+                       .recovery_end_s = NAN,
                        .before_s = NAN,
                        .before_a = NAN,
                        .foot_s = NAN,
@@ -60,6 +65,7 @@ double vs_conduction_turn_off(const vs_deck *deck, const vs_device *device) {
 void vs_conduction_wind(vs_conduction *c, double by_s) {
   c->low_s -= by_s;
   c->out_s -= by_s;
+  c->recovery_end_s -= by_s;
   c->before_s -= by_s;
   c->foot_s -= by_s;
 }
@@ -103,6 +109,8 @@ void vs_conduction_turn(vs_conduction *c, double zero_s) {
   c->change_a = -c->change_a;
   c->mean_a[0] = -c->mean_a[0];
   c->mean_a[1] = -c->mean_a[1];
+  c->recovery_end_s = zero_s + RECOVERY_S;
+  c->has_blocked = false;
   set_foot(c, zero_s, 0);
 }
 
@@ -142,12 +150,22 @@ static void follow_foot(vs_conduction *c, const vs_conduction_step *s) {
   if (isnan(c->foot_s)) set_foot(c, s->t0_s, s->i0_a);
   double rise = s->i1_a - s->i0_a, steep = rise / (s->t1_s - s->t0_s);
   bool blocked = fabs(s->v1_v) > BLOCKED_V && s->i1_a <= leakage(s->v1_v);
-  if ((rise <= 0 && !stands(c, s)) || s->i1_a <= displaced(s) || blocked)
+  bool goes_on = isfinite(c->recovery_end_s) && !c->has_blocked; /* as it does since the turn */
+  if ((rise <= 0 && !goes_on && !stands(c, s)) || s->i1_a <= displaced(s) || blocked)
     set_foot(c, s->t1_s, s->i1_a);
   else if (s->i0_a <= 0)
     set_foot(c, zero_of(s->t0_s, s->i0_a, s->t1_s, s->i1_a), 0);
   else if (steep * (s->t0_s - c->foot_s) > KINK * (s->i0_a - c->foot_a))
     set_foot(c, s->t0_s, s->i0_a);
+}
+
+/* True while a current that is there since the voltage turned is recovery: the voltage rises as the
+ * current goes, where that of a device that goes on conducting stays that of the on-state, or comes
+ * back to it. */
+static bool is_recovery(vs_conduction *c, const vs_conduction_step *s) {
+  bool back = c->has_blocked && is_on_state(s->v1_v);
+  c->has_blocked = c->has_blocked || s->v1_v > BLOCKED_V;
+  return !back && s->t1_s < c->recovery_end_s;
 }
 
 /* True where a conduction begins in the step; *event_s is its foot, where the rise began. With a
@@ -157,7 +175,9 @@ static bool fires(vs_conduction *c, const vs_conduction_step *s, double *event_s
   follow_foot(c, s);
   double moved_a = DISPLACED_F * fabs(s->v1_v - s->v0_v) / (s->t1_s - s->t0_s);
   bool by_gate = c->gated && is_on_state(s->v1_v) && s->i1_a - c->foot_a > remains(c) + moved_a;
-  if (!by_gate && s->i1_a <= CONDUCTS_A + displaced(s) + leakage(s->v1_v)) return false;
+  bool small = s->i1_a <= CONDUCTS_A + displaced(s) + leakage(s->v1_v);
+  if (small) c->recovery_end_s = NAN;
+  if (!by_gate && (small || is_recovery(c, s))) return false;
   *event_s = c->foot_s;
   c->peak_a = s->i1_a;
   return true;

@@ -46,6 +46,7 @@ typedef struct coupling {
   vs_pace pace;
   bool measures_errors; /* the solver knows the errors of its own steps: none of the rules here for
                            a rule of second order holds */
+  bool stands;          /* it begins at the circuit's operating point */
   vs_swing swing;
   vs_truncation truncation;
   vs_signal_map *names; /* owned */
@@ -119,6 +120,20 @@ static vs_status accept_coupled_step(void *ctx, double solver_s, const double *s
   /* Where only small currents flow, a macromodel of the circuit goes on without the solver, which
    * is quicker (solver_switch.c, macromodel/oneport_macromodel.c). */
   return vs_solver_switch_consider(&c->solver_switch, signals, err);
+}
+
+/* An instant within a step that the solver has accepted, by its clock. Whoever looks at the
+ * solver's own steps, or may change what is to come, is shown a step that ends there. */
+static bool pass_coupled_step(void *ctx, double solver_s, const double *signals) {
+  coupling *c = ctx;
+  const bool each = c->order->look || c->order->fork || c->settling.on ||
+                    c->solver_switch.follows || c->setup->timeline.program;
+  vs_knot *part = each ? NULL : vs_trajectory_part(&c->trajectory);
+  if (!part) return false;
+  part->t_s = run_time(c, solver_s);
+  vs_signal_map_take_coil(signals, part);
+  vs_signal_map_take_terms(&c->setup->deck, signals, part);
+  return vs_trajectory_pass(&c->trajectory);
 }
 
 /* ---- what a step consists of ---- */
@@ -245,11 +260,13 @@ static double truncation_correction(coupling *c, size_t port, double t_s) {
                                            : vs_truncation_current_correction(&c->truncation, &at);
 }
 
-/* A port of the deck, V: mains, a gate, a modulated switch, or an event. */
+/* A port of the deck, V: mains, a gate, a modulated switch, or an event. A direct supply that was
+ * there before t = 0 has found all switches off. */
 static double deck_source(coupling *c, size_t port, double t_s) {
   const vs_port *p = &c->setup->deck.ports[port];
   double push_v =
       p->signal.drive == VS_PORT_MAINS ? vs_settling_extra_voltage(&c->settling, t_s) : 0;
+  if (t_s == 0 && c->stands && vs_port_is_modulated(&p->signal)) return 0;
   return push_v +
          vs_signals_voltage_cached(&c->port[port], &c->trajectory.setup->timeline, &p->signal, t_s);
 }
@@ -292,6 +309,14 @@ static void machine_state(void *ctx, double *x) {
 static void machine_rates(void *ctx, const double *x, double flux_wb, double *rate) {
   const coupling *c = ctx;
   vs_trajectory_rates(&c->trajectory, x, flux_wb, rate);
+}
+
+/* The force hangs on the flux linkage alone, and the armature is in no stop and not held. */
+static const void *machine_law(void *ctx, const double *x) {
+  const vs_trajectory *t = &((const coupling *)ctx)->trajectory;
+  const vs_model *m = t->motion.model;
+  const bool free = !t->jammed && !vs_stops_touched(&m->stops, vs_mechanics_travel(m, x));
+  return m->coil.square && free ? m : NULL;
 }
 
 static bool machine_port(void *ctx, size_t port, const double *x, double *value) {
@@ -362,6 +387,7 @@ static vs_circuit_job job_of(const coupling *c) {
                           .n_wanted = 2 * c->names->n_memories,
                           .tolerance = setup->run.tolerance,
                           .until_s = vs_settling_until(&c->settling),
+                          .stands = c->stands,
                           .gear = setup->run.gear,
                           .dialect = setup->deck.compat,
                           .max_step_s = largest_step(c),
@@ -408,6 +434,7 @@ static vs_status run_solver(coupling *c, vs_error *err) {
                                 .edge = next_breakpoint,
                                 .longest = longest_step,
                                 .accept = accept_coupled_step,
+                                .passes = pass_coupled_step,
                                 .enough = run_is_complete,
                                 .clock = run_time_of_solver,
                                 .hides = step_is_hidden,
@@ -415,6 +442,7 @@ static vs_status run_solver(coupling *c, vs_error *err) {
                                             .flux = VS_SIG_FLUX,
                                             .state = machine_state,
                                             .rates = machine_rates,
+                                            .linear = machine_law,
                                             .port = machine_port},
                                 .map = c->order->pilot ? &c->order->pilot->map : NULL};
   char **netlist = NULL;
@@ -447,6 +475,7 @@ static vs_status run_coupled(const vs_setup *setup, const vs_run_order *order,
                 .order = order,
                 .pace = pace,
                 .measures_errors = order->solver->measures_errors,
+                .stands = vs_setup_stands(setup),
                 .swing = vs_swing_of(setup),
                 .truncation = vs_truncation_begin(setup, !order->pilot && !pace.blows &&
                                                              !order->solver->measures_errors),
@@ -481,6 +510,8 @@ const vs_tier_key vs_coupled_keys[] = {
     {"run", "verify", "always"},
     {"firing", "burst_frequency", NULL},
     {"firing", "burst_duty", NULL},
+    {"pwm", "on", NULL},
+    {"pwm", "off", NULL},
     {"pwm", "carrier", NULL},
     {"pwm", "duty", NULL},
     {"pwm", "depth", NULL},

@@ -297,6 +297,26 @@ static void carry_psi(const vs_coil *c, const vs_knot *from, vs_knot *to) {
   }
 }
 
+vs_knot *vs_trajectory_part(vs_trajectory *c) {
+  const bool ends = c->blank || c->jammed || c->frame.model->stops.count;
+  return ends || c->parts == VS_STEP_PARTS ? NULL : &c->part[c->parts];
+}
+
+/* The last instant that the thyristors were followed to. */
+static const vs_knot *last_part(const vs_trajectory *c) {
+  return c->parts ? &c->part[c->parts - 1] : &c->knots[c->now];
+}
+
+bool vs_trajectory_pass(vs_trajectory *c) {
+  vs_anode_leave(&c->anode);
+  c->event = vs_anode_follow(&c->anode, last_part(c), &c->part[c->parts], &c->event_s);
+  c->followed = c->event != VS_EV_NONE;
+  if (c->followed) return false;
+  vs_anode_take(&c->anode);
+  c->parts++;
+  return true;
+}
+
 vs_status vs_trajectory_show(vs_trajectory *c, const vs_knot *k, vs_event what, vs_error *err) {
   vs_knot *from = &c->knots[c->now], *to = &c->knots[1 - c->now];
   if (c->blank) memcpy(from->terms, k->terms, sizeof k->terms);
@@ -307,7 +327,13 @@ vs_status vs_trajectory_show(vs_trajectory *c, const vs_knot *k, vs_event what, 
                   .cubic_flux = true,
                   .periodic = c->without,
                   .held = c->jammed};
-  step.event[0] = vs_anode_follow(&c->anode, from, k, &step.event_s[0]);
+  step.event[0] =
+      c->followed ? c->event : vs_anode_follow(&c->anode, last_part(c), k, &step.event_s[0]);
+  if (c->followed) step.event_s[0] = c->event_s;
+  step.part = c->part;
+  step.parts = c->parts;
+  c->parts = 0;
+  c->followed = false;
   if (k != to) vs_step_copy_knot(&c->frame, k, to);
   if (c->frame.model->coil.rungs) carry_psi(&c->frame.model->coil, from, to);
   step.event[1] = what;
@@ -430,7 +456,7 @@ vs_status vs_trajectory_move(vs_trajectory *c, vs_error *err) {
                       (3 * slope - 2 * from->flux_rate_v - to->flux_rate_v) / h,
                       (from->flux_rate_v + to->flux_rate_v - 2 * slope) / (h * h));
   c->candidate_s = -1;
-  vs_anode_leave(&c->anode);
+  if (!c->followed) vs_anode_leave(&c->anode);
   vs_status status = move_machine(c, err);
   if (!status) status = end_step(c, err);
   vs_anode_take(&c->anode);

@@ -45,6 +45,11 @@ typedef struct vs_trajectory {
   double candidate_s, candidate_gap_m; /* the last instant that was asked for, and the gap there;
                                           -1: the answer does not hold any more */
   double candidate_x[VS_MOST_STATES];  /* the state there; only where the deck names motions */
+  vs_knot part[VS_STEP_PARTS]; /* instants of the step under way, with what the circuit knows */
+  int parts;
+  bool followed;  /* the thyristors were followed up to the knot that comes next */
+  vs_event event; /* and did this, at event_s */
+  double event_s;
   bool blank;    /* the last knot is the solver's first, of which it shows no terms */
   bool without;  /* the steps shown are a macromodel's, not the solver's */
   double strays; /* as vs_step has it */
@@ -70,6 +75,13 @@ double vs_trajectory_edge(vs_trajectory *trajectory, double t_s);
 static inline vs_knot *vs_trajectory_next(vs_trajectory *trajectory) {
   return &trajectory->knots[1 - trajectory->now];
 }
+
+/* Room for an instant of the step that ends at vs_trajectory_next; NULL: the step is to end there,
+ * as the armature may meet a stop or there are too many. */
+vs_knot *vs_trajectory_part(vs_trajectory *trajectory);
+/* What was put there becomes one, with the deck's terms straight up to it. False: the step is to
+ * end there, as a thyristor fires or goes out. */
+bool vs_trajectory_pass(vs_trajectory *trajectory);
 
 /* The gap, m, where the mechanics will be at t_s, foretold from the last knot. */
 double vs_trajectory_gap(vs_trajectory *trajectory, double t_s);

@@ -12,6 +12,7 @@
 #include "base/text.h"
 #include "drive/wiring.h"
 #include "netlist/cards.h"
+#include "netlist/kinds.h"
 
 /* ---- keys ---- */
 
@@ -115,8 +116,51 @@ static void copy_name(char to[VS_DECK_NAME], vs_word word) {
   snprintf(to, VS_DECK_NAME, "%.*s", (int)word.n, word.at);
 }
 
-static bool has_two_nodes(const vs_netlist_card *card) {
-  return card->letter == 'x' ? card->nodes == 2 : strchr("rclbdvi", card->letter) != NULL;
+static const vs_part *part_of(const vs_deck *deck, const vs_netlist_card *card) {
+  for (size_t p = 0; p < deck->n_parts && card->letter == 'x'; p++)
+    if (vs_words_is(card->model, deck->parts[p].name)) return &deck->parts[p];
+  return NULL;
+}
+
+/* True for an element with two ends: its first node and, of a part with more nodes, such as a
+ * thyristor's, that out of which its current flows. *end is the number of the other one. */
+static bool has_ends(const vs_deck *deck, const vs_netlist_card *card, size_t *end) {
+  *end = 1;
+  if (card->letter != 'x') return strchr("rclbdvi", card->letter) != NULL;
+  if (card->nodes == 2) return true;
+  const vs_part *part = part_of(deck, card);
+  const vs_kind *kind = part ? vs_kinds_find(part->kind) : NULL;
+  if (!kind || vs_kinds_count_pins(kind) != (int)card->nodes) return false;
+  *end = (size_t)vs_kinds_pin(kind, VS_PIN_TO);
+  return vs_kinds_pin(kind, VS_PIN_FROM) == 0;
+}
+
+/* True for an element that a parameter of the deck chooses, or gives its value. */
+static bool is_part(const vs_deck *deck, const vs_cards *c, const vs_netlist_card *card) {
+  char value[256];
+  const vs_word word = vs_cards_word(c, card, 2);
+  if (card->letter == 'x') return part_of(deck, card) != NULL;
+  if (!strchr("rcl", card->letter) || !word.n) return false;
+  snprintf(value, sizeof value, "%.*s", (int)word.n, word.at);
+  for (size_t k = 0; k < deck->n_names; k++)
+    if (!vs_deck_is_standard(deck->names[k].name) &&
+        vs_words_find(value, value, deck->names[k].name, strlen(deck->names[k].name)))
+      return true;
+  return false;
+}
+
+static bool nth_part(const vs_deck *deck, size_t n, char name[VS_DECK_NAME]) {
+  const vs_cards *c = vs_deck_cards(deck);
+  size_t end;
+  for (size_t k = 0; k < c->count; k = vs_cards_next(c, k)) {
+    const vs_netlist_card *card = &c->card[k];
+    bool listed = card->kind == VS_CARDS_ELEMENT && card->words >= 2 &&
+                  has_ends(deck, card, &end) && is_part(deck, c, card);
+    if (!listed || n-- > 0) continue;
+    copy_name(name, card->name);
+    return true;
+  }
+  return false;
 }
 
 static vs_status find_element(vs_deck *deck, const vs_scene_event *e, const char *wanted,
@@ -135,13 +179,16 @@ static vs_status find_element(vs_deck *deck, const vs_scene_event *e, const char
       count++;
       continue;
     }
-    if (!has_two_nodes(card))
-      return vs_fail_at(err, e->where, "events.%s: %s is no element of two nodes", e->name, wanted);
+    size_t end;
+    if (!has_ends(deck, card, &end))
+      return vs_fail_at(err, e->where,
+                        "events.%s: %s is no element of two nodes, nor a part with two main pins",
+                        e->name, wanted);
     const vs_word first = vs_cards_word(c, card, 0);
     *found = (element){.line = k, .rest = first.at + first.n};
     copy_name(found->name, card->name);
     copy_name(found->node[0], first);
-    copy_name(found->node[1], vs_cards_word(c, card, 1));
+    copy_name(found->node[1], vs_cards_word(c, card, end));
     return VS_OK;
   }
   return vs_fail_at(err, e->where, "events.%s.element: the deck has no element '%s'%s", e->name,
@@ -242,11 +289,11 @@ static vs_status coil_wire(const vs_scene_event *e, size_t k, vs_deck *deck, vs_
 
 const vs_event_kind vs_faults[] = {
     {"open", "an element of the deck is cut off", VS_EVENT_KEYS(OPEN), .wants_element = true,
-     .cuts = true, .edge = vs_scene_event_edge, .element = element_named, .wire = open_wire,
-     .source = opening},
+     .cuts = true, .edge = vs_scene_event_edge, .element = element_named, .part = nth_part,
+     .wire = open_wire, .source = opening},
     {"short", "an element of the deck is shorted", VS_EVENT_KEYS(SHORT), .wants_element = true,
-     .edge = short_edge, .longest = short_longest, .element = element_named, .wire = short_wire,
-     .source = short_source},
+     .edge = short_edge, .longest = short_longest, .element = element_named, .part = nth_part,
+     .wire = short_wire, .source = short_source},
     {"coil_short", "the EVA's coil is shorted, whole or in part", VS_EVENT_KEYS(COIL_SHORT),
      .edge = coil_edge, .longest = coil_longest, .element = the_coil, .wire = coil_wire,
      .source = coil_source},

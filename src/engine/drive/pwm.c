@@ -11,8 +11,14 @@
 #define P_(member) offsetof(vs_pwm_values, member)
 
 static const vs_field PWM[] = {
+    {"on", VS_REAL, "ms", "0 ms", 0, 1e9, false, P_(on_s),
+     "with off: pwm is on once, from this instant on, and there is no carrier; this section is for "
+     "decks with a port pwm",
+     NULL, NULL},
+    {"off", VS_REAL, "ms", "0 ms", 0, 1e9, false, P_(off_s),
+     "up to this instant; 0: it stays on, or, without on, there is a carrier", NULL, NULL},
     {"carrier", VS_REAL, "kHz", "10 kHz", 1e-3, 1e4, false, P_(carrier_hz),
-     "frequency of the triangular carrier; this section is for decks with a port pwm", NULL, NULL},
+     "frequency of the triangular carrier", NULL, NULL},
     {"duty", VS_PROFILE, "", "0.5", 0, 1, false, P_(duty),
      "mean share of a carrier period for which pwm is on", NULL, NULL},
     {"depth", VS_REAL, "", "0", 0, 1, false, P_(depth),
@@ -26,6 +32,31 @@ static const vs_field PWM[] = {
      NULL, NULL},
 };
 const vs_section vs_pwm_section = {"pwm", PWM, sizeof PWM / sizeof *PWM};
+
+/* ---- one pulse ---- */
+
+bool vs_pwm_is_single(const vs_pwm_values *p) {
+  return p->on_s > 0 || p->off_s > 0;
+}
+
+/* Where the pulse of the upper switch begins and ends, or the gap between the lower one's. A pulse
+ * from t = 0 on was there before. */
+static void pulse_of(const vs_pwm_values *p, bool low, double at_s[2]) {
+  at_s[0] = p->on_s > 0 ? p->on_s + (low ? 0 : p->dead_s) : -INFINITY;
+  at_s[1] = p->off_s > 0 ? p->off_s + (low ? p->dead_s : 0) : INFINITY;
+}
+
+static bool is_in_pulse(const vs_pwm_values *p, bool low, double t_s) {
+  double at_s[2];
+  pulse_of(p, low, at_s);
+  return (t_s >= at_s[0] && t_s < at_s[1]) != low;
+}
+
+static double pulse_edge(const vs_pwm_values *p, bool low, double t_s) {
+  double at_s[2];
+  pulse_of(p, low, at_s);
+  return at_s[0] > t_s ? at_s[0] : at_s[1] > t_s ? at_s[1] : INFINITY;
+}
 
 /* ---- reference and carrier ---- */
 
@@ -89,6 +120,7 @@ static bool turns_off_between(const vs_pwm_values *p, vs_pwm_switch of, double t
 
 bool vs_pwm_is_on(const vs_pwm_values *p, vs_pwm_switch of, double t_s) {
   double before_s = t_s - vs_scene_event_rounding(t_s), since_s = before_s - p->dead_s;
+  if (vs_pwm_is_single(p)) return is_in_pulse(p, of.low, before_s);
   if (!is_wanted(p, of, before_s)) return false;
   return p->dead_s == 0 ||
          (is_wanted(p, of, since_s) && !turns_off_between(p, of, since_s, before_s));
@@ -108,6 +140,7 @@ static double edge_of(const vs_pwm_values *p, vs_pwm_switch of, double k) {
 double vs_pwm_edge(const vs_pwm_values *p, vs_pwm_switch of, double t_s) {
   enum { FLANKS = 5 };
   double slack = vs_scene_event_rounding(t_s);
+  if (vs_pwm_is_single(p)) return pulse_edge(p, of.low, t_s + slack);
   double k = floor(2 * p->carrier_hz * (t_s - p->dead_s - slack));
   for (int n = 0; n < FLANKS; n++, k++) {
     double at_s = edge_of(p, of, k);
@@ -147,9 +180,31 @@ static vs_where place_of(const vs_node *section, const char *key, const char *ot
   return node ? node->where : section ? section->where : (vs_where){0};
 }
 
+/* The carrier's keys are as they are by default where there is none. */
+static vs_status check_pulse(const vs_node *section, const vs_pwm_values *p, vs_error *err) {
+  static const char *const KEYS[] = {"carrier", "duty", "depth"};
+  const bool other[] = {p->carrier_hz != 1e4, p->duty.count || p->duty.first != 0.5, p->depth != 0};
+  for (int k = 0; k < 3; k++)
+    if (other[k])
+      return vs_fail_at(err, place_of(section, KEYS[k], "on"),
+                        "pwm.%s: with pwm.on and pwm.off there is one pulse and no carrier; leave "
+                        "it out, or leave on and off out",
+                        KEYS[k]);
+  if (p->off_s == 0 || p->off_s > p->on_s) return VS_OK;
+  return vs_fail_at(err, place_of(section, "off", "on"),
+                    "pwm.off: %.9g ms is not behind pwm.on, %.9g ms; a later instant, or without "
+                    "off for a pulse without an end",
+                    1e3 * p->off_s, 1e3 * p->on_s);
+}
+
 vs_status vs_pwm_check(const vs_node *section, const vs_pwm_values *p, vs_error *err) {
   static const double ROUNDING = 1e-12;
   double range[2], flank_s = 1 / (2 * p->carrier_hz);
+  if (vs_pwm_is_single(p)) return check_pulse(section, p, err);
+  if (vs_tree_child(section, "on") && !vs_tree_child(section, "off"))
+    return vs_fail_at(err, place_of(section, "on", "on"),
+                      "pwm.on: from t = 0 on pwm is on for good only with an off behind it; write "
+                      "off, behind run.until for a pulse without an end");
   range_of(p, range);
   if (range[0] < -ROUNDING || range[1] > 1 + ROUNDING)
     return vs_fail_at(err, place_of(section, "depth", "duty"),
@@ -175,6 +230,7 @@ vs_status vs_pwm_check(const vs_node *section, const vs_pwm_values *p, vs_error 
 
 bool vs_pwm_drops(const vs_pwm_values *p, bool low, char *text, size_t size) {
   double range[2];
+  if (vs_pwm_is_single(p)) return false;
   range_of(p, range);
   double least = low ? 1 - range[1] : range[0], least_s = fmax(least, 0) / p->carrier_hz;
   if (p->dead_s == 0 || least_s > p->dead_s) return false;

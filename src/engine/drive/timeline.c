@@ -107,12 +107,11 @@ vs_status vs_timeline_settle(const vs_node *scene, const vs_machine *machine, vs
   const vs_status lacks = require_feed(scene, t, machine, err);
   if (lacks) return lacks;
   if (t->supply.direct && !t->firing.no_valve)
-    return vs_fail_at(err, vs_tree_place(scene, "supply.kind"),
-                      "supply.kind: step has no cycles for a thyristor to fire in; it wants "
-                      "firing.valve: none%s",
-                      vs_tree_child(vs_tree_child(scene, "supply"), "kind")
-                          ? ""
-                          : ", or sine, as the step is the machine's");
+    return vs_fail_at(
+        err, vs_tree_place(scene, "supply.kind"),
+        "supply.kind: step%s is a direct voltage, which has no cycles for a "
+        "thyristor to fire in; write firing.valve: none, or supply.kind: sine",
+        vs_tree_child(vs_tree_child(scene, "supply"), "kind") ? "" : ", of the machine's file,");
   if (no_valve && !t->supply.direct) return VS_OK; /* vs_timeline_build has looked */
   return t->firing.no_valve
              ? refuse_unused(scene, t, no_valve ? NO_VALVE : "the deck has no port gate, and", err)

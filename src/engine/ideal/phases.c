@@ -312,11 +312,13 @@ typedef struct phases {
   double largest_wb;         /* |lambda| at any knot so far; kept where disturbed */
   double longest_s;          /* longest step, free */
   double longest_driven_s;   /* conducting */
+  double longest_fading_s;   /* while eddy currents keep a flux */
   double longest_touching_s; /* in the stop */
   double rough;              /* by how much dense output may be off, relative to what is large */
   double negligible;         /* how much a series may leave out, relative to what is large */
   vs_propagator propagator;  /* for steps of longest_s */
   vs_propagator_memo *memo;  /* the order's */
+  const vs_warming *warming; /* likewise */
   vs_taylor series;          /* from the last knot on */
   bool by_series;            /* the series is Taylor's; else runge_kutta.c makes it */
   vs_runge_kutta general;
@@ -327,8 +329,10 @@ typedef struct phases {
  * interpolation, (h/2)^8/8! of the eighth derivative. Relative to what is large it may be off by
  * ROUGH of run.tolerance, and never by more than ROUGHEST, with which the books of energy, which
  * are kept on the dense output, close to 1e-9 of the work. Eddy currents die away within a part of
- * a conduction, and steps would be half as long: there the books close to 1e-7. */
-static const double DENSE = 10321920, ROUGH = 0.05, ROUGHEST = 5e-11, ROUGHEST_EDDY = 1e-8;
+ * a conduction, and steps would be half as long: there the books close to 1e-7. A series leaves out
+ * a thousandth of that or, with eddy currents, whose errors die away with them, a twentieth. */
+static const double DENSE = 10321920, ROUGH = 0.05, ROUGHEST = 5e-11, ROUGHEST_EDDY = 2e-8,
+                    LEFT_OUT = 1e-3, LEFT_OUT_EDDY = 0.05;
 
 static const vs_model *model_of_run(const phases *p) {
   return p->frame.model;
@@ -376,18 +380,18 @@ static void fill_next_knot(phases *p, double since_s, const double y[VS_CONDUCTI
   k->t_s = p->began_s + since_s;
   memcpy(k->x, y, 2 * (size_t)p->driven.frame->model->dof * sizeof *y);
   k->flux_wb = y[VS_FLUX];
-  memcpy(k->psi_wb, y + VS_PSI, (size_t)p->driven.frame->model->coil.rungs * sizeof *y);
+  for (int n = 0; n < p->driven.frame->model->coil.rungs; n++) k->psi_wb[n] = y[VS_PSI + n];
   vs_driven_fill(&p->driven, since_s, k);
 }
 
-/* Relative to what is large: a flux linkage that eddy currents keep no more, or that 0 V would let
- * die away for ever. */
-static const double OVER = 1e-9;
+/* Relative to what is large: a flux linkage that 0 V would let die away for ever, and one that eddy
+ * currents keep no more, which is half of ROUGHEST_EDDY. */
+static const double OVER = 1e-9, FADED = 1e-8;
 
 static bool is_faded(const phases *p, const vs_knot *k) {
   double most = fabs(k->flux_wb);
   for (int n = 0; n < VS_MOST_RUNGS; n++) most = fmax(most, fabs(k->psi_wb[n]));
-  return most <= OVER * p->driven.flux_wb;
+  return most <= FADED * p->driven.flux_wb;
 }
 
 /* The flux linkage at which nothing flows in the coil, where it follows from the secondaries': by
@@ -416,6 +420,11 @@ static vs_status change_phase(phases *p, bool conducting, unsigned touched, vs_e
   y[VS_FLUX] = conducting || fades ? k->flux_wb : 0;
   if (p->driven.fades && conducting) y[VS_FLUX] = still_flux(p, k);
   for (int n = 0; n < VS_MOST_RUNGS; n++) y[VS_PSI + n] = conducting || fades ? k->psi_wb[n] : 0;
+  if (p->warming && conducting && !p->driven.conducting) {
+    vs_coil *coil = &p->warming->model->coil;
+    coil->resistance_ohm =
+        vs_winding_ohm(&m->actuator.winding, coil->cold_ohm, p->warming->heat->winding_degc);
+  }
   if (!p->driven.conducting || !conducting || p->disturbed) {
     p->began_s = k->t_s;
     p->since_s = 0;
@@ -485,10 +494,10 @@ static bool conduction_is_over(phases *p) {
 }
 
 static double longest_by_series(const phases *p) {
-  bool flows = p->driven.conducting || p->driven.fades;
-  double longest = p->driven.touched ? p->longest_touching_s
-                   : flows           ? p->longest_driven_s
-                                     : p->longest_s;
+  double longest = p->driven.touched      ? p->longest_touching_s
+                   : p->driven.conducting ? p->longest_driven_s
+                   : p->driven.fades      ? p->longest_fading_s
+                                          : p->longest_s;
   if (p->disturbed && p->driven.conducting)
     longest = fmin(longest, 1 / p->driven.mains.highest_rad_s); /* INFINITY: direct */
   return longest;
@@ -545,10 +554,12 @@ static vs_status look_at_fading(const phases *p, bool fires, vs_error *err) {
   static const double UNSEEN = 1e-6;
   const vs_knot *k = &p->knots[p->now];
   const vs_timeline *line = &p->setup->timeline;
+  if (!p->driven.fades || !p->valve) return VS_OK;
+  const bool on = vs_gate_is_on(line, 0, k->t_s);
+  if (!fires && !on) return VS_OK;
   const double u = vs_timeline_voltage(line, k->t_s), v = k->flux_rate_v,
                more = UNSEEN * line->peak_v;
-  if (!p->driven.fades || !p->valve) return VS_OK;
-  const bool forward = vs_gate_is_on(line, 0, k->t_s) && u > v + more;
+  const bool forward = on && u > v + more;
   if (fires ? u >= v - more && !(forward && u <= more) : !forward) return VS_OK;
   return vs_fail(err, VS_RUN,
                  "t = %.9g s: eddy currents hold the coil at %.3g V while the mains have %.3g V, "
@@ -573,10 +584,9 @@ static vs_status drive_until(phases *p, double end_s, vs_error *err) {
     p->since_s += length;
     if (done) p->knots[1 - p->now].t_s = end_s;
     vs_status status = show_next_knot(p, EVENT[e.kind], err);
-    if (!status && !done) status = look_at_fading(p, false, err);
+    if (!status && !done && p->driven.fades) status = look_at_fading(p, false, err);
     if (status || (done && e.kind == VS_GOES_ON)) return status;
-    if (e.kind == VS_GOES_ON && !p->driven.fades) continue;
-    if (e.kind == VS_GOES_ON && !is_faded(p, &p->knots[p->now])) continue;
+    if (e.kind == VS_GOES_ON && !(p->driven.fades && is_faded(p, &p->knots[p->now]))) continue;
     bool conducting = p->driven.conducting && e.kind != VS_FLUX_ENDS;
     bool of_flux = e.kind == VS_FLUX_ENDS || e.kind == VS_GOES_ON;
     unsigned touched = p->driven.touched ^ (of_flux ? 0 : 1u << e.stop);
@@ -644,8 +654,12 @@ static void find_steps(phases *p) {
   double coil = m->coil.square ? m->coil.resistance_ohm * m->coil.gap_rest_m / (2 * m->coil.a_hm)
                                : m->coil.resistance_ohm / m->coil.rest_h;
   p->longest_s = longest_ideal_step(p, pow(DENSE * 6 * p->rough, 1.0 / 8), m->fastest_rad_s);
+  const double slower = fmax(fmax(m->fastest_rad_s, mains), coil / 8);
+  p->longest_fading_s = longest_ideal_step(p, 1, slower);
   for (int n = 0; n < m->coil.rungs; n++) coil = fmax(coil, m->coil.rung[n].rate_1_s);
-  p->longest_driven_s = longest_ideal_step(p, 1, fmax(fmax(m->fastest_rad_s, mains), coil / 8));
+  p->longest_driven_s = longest_ideal_step(p, 1, fmax(slower, coil / 8));
+  if (!p->by_series || m->coil.rungs + (m->coil.core_s > 0) > 1)
+    p->longest_fading_s = p->longest_driven_s;
   /* runge_kutta.c finds its own, and a stop of any kind has no one bound that is worth much */
   p->longest_touching_s =
       p->by_series ? fmin(longest_ideal_step(p, 1, m->contact_rad_s), p->longest_driven_s)
@@ -706,18 +720,20 @@ const vs_tier_key vs_phases_keys[] = {
 vs_status vs_phases_run(const vs_setup *setup, const vs_run_order *order, const vs_frame *frame,
                         const vs_observer *observer, vs_error *err) {
   const vs_model *m = &setup->model;
-  double until = setup->run.until_s, tolerance = setup->run.tolerance;
+  double until = setup->run.until_s, tolerance = setup->run.tolerance, fired_s = -INFINITY;
   phases p = {.setup = setup,
               .observer = observer,
               .early_end = order ? order->early_end : NULL,
               .memo = order ? order->memo : NULL,
+              .warming = order ? order->warming : NULL,
               .frame = *frame,
               .rough = fmin(ROUGH * tolerance, m->coil.eddies ? ROUGHEST_EDDY : ROUGHEST)};
-  p.negligible = 1e-3 * p.rough;
+  p.negligible = (m->coil.eddies ? LEFT_OUT_EDDY : LEFT_OUT) * p.rough;
   p.valve = !setup->timeline.firing.no_valve;
   p.by_series = m->plain && !setup->timeline.supply.direct;
   p.disturbed = setup->timeline.events.count > 0;
   p.jams_s = vs_setup_jams(setup);
+  if (p.warming) p.frame.model = p.warming->model;
   p.driven = (vs_driven){.frame = &p.frame};
   p.knots[0] = vs_sim_start(setup, &p.frame);
   p.driven.touched = vs_stops_touched(&m->stops, vs_mechanics_travel(m, p.knots[0].x));
@@ -735,6 +751,10 @@ vs_status vs_phases_run(const vs_setup *setup, const vs_run_order *order, const 
      * others just before. */
     if (fires <= t + (p.disturbed ? 0 : 1e-10 * setup->timeline.period_s)) {
       status = look_at_fading(&p, true, err);
+      if (!status && m->coil.eddies && t - fired_s <= 1e-12 * setup->timeline.period_s)
+        status =
+            vs_fail(err, VS_RUN, "t = %.9g s: eddy currents put the thyristor out as it fires", t);
+      fired_s = t;
       if (!status)
         status = change_phase(&p, true, p.driven.touched, p.valve ? VS_EV_FIRES : VS_EV_NONE, err);
     } else

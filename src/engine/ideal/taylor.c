@@ -88,19 +88,26 @@ static void eddy_terms(const vs_driven *d, vs_taylor *s, const double *z, int n,
     s->flux[n + 1] = -ratio * base / c->core_s;
 }
 
-void vs_taylor_make(const vs_driven *driven, const vs_knot *knot, double span_s, vs_taylor *s) {
+/* vs_taylor_make for a coil with or without eddy currents. */
+static inline __attribute__((always_inline)) void make_series(const vs_driven *driven,
+                                                              const vs_knot *knot, double span_s,
+                                                              const bool eddies, vs_taylor *s) {
   const vs_model *m = driven->frame->model;
   const vs_wave *mains = &driven->mains;
   sine_terms sine[VS_WAVE_MOST];
   double per_2a = 1 / (2 * m->coil.a_hm);
   double z[VS_SERIES_ORDER + 1] = {m->coil.gap_rest_m}, force = 0; /* terms of the gap */
-  bool moves = !driven->frame->gap_at_rest, eddies = m->coil.eddies;
-  const bool faded = driven->fades && m->coil.core_s == 0;
+  const bool moves = !driven->frame->gap_at_rest,
+             flows = driven->conducting || (eddies && driven->fades),
+             faded = eddies && driven->fades && m->coil.core_s == 0;
   s->span_s = span_s;
   s->model = m;
   memset(s->flux, 0, sizeof s->flux);
   s->flux[0] = knot->flux_wb;
-  if (eddies) memcpy(s->psi[0], knot->psi_wb, sizeof s->psi[0]);
+  if (eddies) { /* the others follow below, or are none */
+    memset(s->psi, 0, sizeof s->psi);
+    memcpy(s->psi[0], knot->psi_wb, sizeof s->psi[0]);
+  }
   for (int i = 0; i < m->dof; i++) {
     s->q[0][i] = knot->x[i];
     s->q[1][i] = knot->x[m->dof + i] * span_s;
@@ -108,9 +115,9 @@ void vs_taylor_make(const vs_driven *driven, const vs_knot *knot, double span_s,
   for (size_t k = 0; k < mains->count && driven->conducting; k++)
     sine[k] = begin_sine(&mains->sine[k], driven->since_s, span_s);
   for (int n = 0; n < VS_SERIES_ORDER; n++) {
-    if (driven->conducting || driven->fades) { /* lambda[n+1] (Eqs. 80, 81), F[n] = lambda^2/(4a) */
+    if (flows) { /* lambda[n+1] (Eqs. 80, 81), F[n] = lambda^2/(4a) */
       double ratio = span_s / (n + 1),
-             u = driven->conducting ? mains_term(sine, mains->count, n) : 0;
+             u = !eddies || driven->conducting ? mains_term(sine, mains->count, n) : 0;
       z[n] += moves ? vs_mechanics_travel(m, s->q[n]) : 0;
       if (faded) s->flux[n] = faded_flux_term(&m->coil, s, z, n);
       force = product_of_series(s->flux, s->flux, n) * per_2a / 2;
@@ -126,19 +133,27 @@ void vs_taylor_make(const vs_driven *driven, const vs_knot *knot, double span_s,
     else
       next_q(driven, s, n, force, m->dof);
   }
-  if (!eddies || !(driven->conducting || driven->fades)) return;
+  if (!eddies || !flows) return;
   z[VS_SERIES_ORDER] += moves ? vs_mechanics_travel(m, s->q[VS_SERIES_ORDER]) : 0;
   if (faded) s->flux[VS_SERIES_ORDER] = faded_flux_term(&m->coil, s, z, VS_SERIES_ORDER);
   if (driven->conducting)
     eddy_terms(driven, s, z, VS_SERIES_ORDER, mains_term(sine, mains->count, VS_SERIES_ORDER));
 }
 
+void vs_taylor_make(const vs_driven *driven, const vs_knot *knot, double span_s, vs_taylor *s) {
+  if (driven->frame->model->coil.eddies)
+    make_series(driven, knot, span_s, true, s);
+  else
+    make_series(driven, knot, span_s, false, s);
+}
+
 double vs_taylor_term(const vs_driven *driven, const vs_taylor *s, int n) {
   const double flux = larger_of(driven->flux_wb, fabs(s->flux[0]));
+  const vs_model *m = s->model;
   double largest = fabs(s->flux[n]) / flux;
-  for (int k = 0; k < s->model->coil.rungs; k++)
-    largest = larger_of(largest, fabs(s->psi[n][k]) / (s->model->coil.rung[k].share * flux));
-  for (int i = 0; i < s->model->dof; i++) {
+  for (int k = 0; k < m->coil.rungs; k++)
+    largest = larger_of(largest, fabs(s->psi[n][k]) / (m->coil.rung[k].share * flux));
+  for (int i = 0; i < m->dof; i++) {
     double size = larger_of(driven->coordinate[i], fabs(s->q[0][i]) + fabs(s->q[1][i]));
     largest = larger_of(largest, fabs(s->q[n][i]) / size);
   }
@@ -259,8 +274,10 @@ bool vs_taylor_flux_falls(const vs_taylor *series, double at_s, double nothing_w
                           double *upper_s) {
   enum { DEEPEST = 48 }; /* halvings, which come near the rounding of the stretch's ends */
   stretch waiting[DEEPEST + 2];
-  double c[VS_SERIES_ORDER + 1], r = at_s / series->span_s, power = 1;
+  double c[VS_SERIES_ORDER + 1], r = at_s / series->span_s, power = 1, others = 0;
   for (int n = 0; n <= VS_SERIES_ORDER; n++, power *= r) c[n] = ending(series)[n] * power;
+  for (int n = 1; n <= VS_SERIES_ORDER; n++) others += fabs(c[n]);
+  if (c[0] > others) return false;
   bernstein(c, &waiting[0]);
   for (size_t count = 1; count;) {
     stretch s = waiting[--count];

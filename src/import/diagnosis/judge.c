@@ -18,8 +18,9 @@ static double peak_of(const vs_attempt *t, int channel) {
 
 /* ---- the rule ---- */
 
-/* A change of rule pays if it divides the number of steps by this or more. */
-static const double PAYS = 3;
+/* A change of rule pays if it divides the number of steps by this or more; a step by either costs
+ * much the same. */
+static const double PAYS = 1.5;
 /* Each number of a run may be off by three times run.tolerance (run/session.c), so two runs may
  * differ by six times. */
 static const double SAME = 6;

@@ -126,6 +126,10 @@ static void begin_device(vs_watched *w, vs_device_watch *own, const vs_frame *fr
   }
 }
 
+/* A device has at most a misfire, a firing or an end of one, and what is to be said of the firing
+ * in a step. */
+enum { EACH = 3 };
+
 vs_devices *vs_devices_new(const vs_frame *frame) {
   size_t count = frame->deck ? frame->deck->n_devices : 0;
   if (!count) return NULL;
@@ -133,6 +137,7 @@ vs_devices *vs_devices_new(const vs_frame *frame) {
   d->frame = frame;
   d->count = count;
   d->watch = vs_alloc(count, sizeof *d->watch);
+  d->incidents = vs_alloc(2 * count * EACH * VS_BATCH_STEPS, sizeof *d->incidents);
   d->began_s = NAN;
   d->means = frame->means;
   if (!(d->means.to_s > 0)) d->means = (vs_span_s){0, INFINITY};
@@ -154,6 +159,7 @@ void vs_devices_free(vs_devices *d) {
     free(d->watch[k].opening);
   }
   if (d) free(d->watch);
+  if (d) free(d->incidents);
   free(d);
 }
 
@@ -255,8 +261,15 @@ static void follow_means(const vs_devices *d, vs_watched *w, const vs_course_ste
 
 /* ---- step by step ---- */
 
-static void add_incident(vs_devices *d, double at_s, const char *device, const char *what) {
-  d->incidents[d->n_incidents++] = (vs_incident){at_s, device, what};
+static void add_incident(vs_devices *d, double at_s, const vs_watched *w, const char *what) {
+  const vs_incident one = {d->step, (size_t)(w - d->item), at_s, w->device->name, what};
+  size_t n = d->n_incidents++;
+  for (; n; n--) { /* devices are followed one by one */
+    const vs_incident *before = &d->incidents[n - 1];
+    if (before->step < one.step || (before->step == one.step && before->which <= one.which)) break;
+    d->incidents[n] = *before;
+  }
+  d->incidents[n] = one;
 }
 
 static void tell_firing(vs_devices *d, const vs_watched *w, const vs_switch_news *news) {
@@ -265,16 +278,15 @@ static void tell_firing(vs_devices *d, const vs_watched *w, const vs_switch_news
                            *const EXTINCT[] = {"extinct (negative half cycle)", "extinct",
                                                "extinct (positive half cycle)"};
   int half = w->device->kind->both_ways ? (news->way < 0 ? 0 : 2) : 1;
-  if (news->extinct.known) add_incident(d, news->extinct.at_s, w->device->name, EXTINCT[half]);
-  if (news->fires.known) add_incident(d, news->fires.at_s, w->device->name, FIRES[half]);
+  if (news->extinct.known) add_incident(d, news->extinct.at_s, w, EXTINCT[half]);
+  if (news->fires.known) add_incident(d, news->fires.at_s, w, FIRES[half]);
 }
 
 static void tell_switch_news(vs_devices *d, const vs_watched *w, const vs_switch_news *news) {
-  const char *name = w->device->name;
-  if (news->misfire.known) add_incident(d, news->misfire.at_s, name, "misfires");
+  if (news->misfire.known) add_incident(d, news->misfire.at_s, w, "misfires");
   if (d->tells && w->device->kind->gated) tell_firing(d, w, news);
   if (news->unintended.known)
-    add_incident(d, news->unintended.at_s, name,
+    add_incident(d, news->unintended.at_s, w,
                  news->commutation_failure ? "fires without a gate pulse (commutation failure)"
                                            : "fires without a gate pulse (unintended firing)");
 }
@@ -286,13 +298,12 @@ static void note_fuse_deed(vs_watched *w, vs_deed deed, double at_s) {
 
 static void follow_fuse(vs_devices *d, vs_watched *w, vs_melting *m, const vs_course_step *c) {
   vs_melting_news news = vs_melting_follow(m, c);
-  const char *name = w->device->name;
   if (!isnan(news.melts_s)) note_fuse_deed(w, VS_DEED_MELTS, news.melts_s);
   if (!isnan(news.cleared_s)) note_fuse_deed(w, VS_DEED_CLEARS, news.cleared_s);
   if (!isnan(news.again_s)) note_fuse_deed(w, VS_DEED_ARCS_AGAIN, news.again_s);
-  if (!isnan(news.melts_s)) add_incident(d, news.melts_s, name, "melts");
-  if (!isnan(news.cleared_s)) add_incident(d, news.cleared_s, name, "has cleared");
-  if (!isnan(news.again_s)) add_incident(d, news.again_s, name, "arcs again");
+  if (!isnan(news.melts_s)) add_incident(d, news.melts_s, w, "melts");
+  if (!isnan(news.cleared_s)) add_incident(d, news.cleared_s, w, "has cleared");
+  if (!isnan(news.again_s)) add_incident(d, news.again_s, w, "arcs again");
   for (size_t k = 0; k < w->count; k++)
     if (w->reduced[k].by->take_melting) w->reduced[k].by->take_melting(&w->reduced[k], &news);
 }
@@ -448,7 +459,7 @@ static void follow_steps(vs_devices *d, size_t k, const vs_batch *b, const vs_co
       c.to[of] = all->of[of][n][1];
     }
     for (int of = VS_OF_V; of < VS_COURSES; of++) c.more[of] = all->more[of][n];
-    if (n + 1 < b->count) d->n_incidents = 0; /* nobody asks for those of a step before the last */
+    d->step = d->followed + n;
     follow_step_of_device(d, k, &c);
   }
 }
@@ -466,10 +477,17 @@ static void follow_device(vs_devices *d, size_t k, const vs_batch *b) {
     if (of != VS_OF_FLUX || d->watch[k].flux.formula) w->last[of] = c.of[of][last][1];
 }
 
+void vs_devices_tell_anew(vs_devices *d) {
+  if (d) d->n_incidents = d->followed = d->here = 0;
+}
+
 void vs_devices_follow(vs_devices *d, const vs_batch *b) {
   if (!d) return;
-  d->n_incidents = 0;
-  for (size_t k = 0; k < d->count; k++) follow_device(d, k, b);
+  for (int others = 0; others < 2; others++) /* what ends by a fuse asks when that melted */
+    for (size_t k = 0; k < d->count; k++)
+      if (d->item[k].device->kind->melts != others) follow_device(d, k, b);
+  d->here = d->followed + b->last;
+  d->followed += b->count;
   d->now_s = b->t1_s[b->count - 1];
 }
 

@@ -206,6 +206,7 @@ static double rise_lacks_k(const vs_reduced *rise, double end_s, double power_w)
 /* What a settled rise may still lack, as a part of its limit. It counts as the value's error. */
 static const double NEXT_TO_NOTHING = 0.01;
 static const char SETTLING[] = "not judged: it has not settled; vibrospice steady SCENE judges it",
+                  LONGER[] = "not judged: it has not settled; a longer run judges it",
                   AT_START[] =
                       "not judged: an event comes before the orbit's first period is over, "
                       "by which it is warm; a later event has it judged";
@@ -225,7 +226,10 @@ static void hold_rise(const vs_watched *w, vs_reduced *r, const vs_run_end *end)
   if (lacks_k <= NEXT_TO_NOTHING * r->limit->value) return;
   r->doubt = 0;
   r->limit = NULL;
-  r->unjudged = w->from_work ? AT_START : why ? why : SETTLING;
+  r->unjudged = w->from_work                  ? AT_START
+                : why                         ? why
+                : !w->timeline->supply.direct ? SETTLING
+                                              : LONGER;
 }
 
 /* A run that is shorter than the period of the orbit that it begins on tells nothing. */

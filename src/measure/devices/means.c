@@ -27,6 +27,16 @@ static const char TOO_SHORT[] = "not judged: over less than 1 s" STEADY_JUDGES,
                       "it, where the scene has no events",
                   UNSETTLED[] = "not judged: not settled" STEADY_JUDGES;
 
+/* Direct voltage has no orbit that `steady` could find. */
+static const char *advise(const vs_watched *w, const char *why) {
+  if (!w->timeline->supply.direct || !why) return why;
+  return why == TOO_SHORT   ? "not judged: over less than 1 s; a run beyond 1 s judges it"
+         : why == AN_EVENT  ? "not judged: less than 1 s behind an event; a longer run judges it"
+         : why == UNSETTLED ? "not judged: not settled; a longer run judges it, or measure.from "
+                              "behind the settling"
+                            : why;
+}
+
 /* True where the scene's firing drives a gate of the deck, and fires it once. Without a gate
  * nothing but the mains makes a current, and they come again by themselves. */
 static bool fires_once(const vs_watched *w) {
@@ -112,6 +122,7 @@ void vs_means_judge(const vs_watched *w, vs_reduced *r, double end_s) {
     r->failed_s = end_s;
   else if (!r->unjudged && !w->at_work && fires_once(w))
     r->unjudged = ONE_SHOT;
+  r->unjudged = advise(w, r->unjudged);
   if (r->unjudged) r->limit = NULL;
 }
 

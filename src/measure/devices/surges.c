@@ -282,8 +282,10 @@ static void finish_surges(const vs_watched *w, vs_reduced *r, const vs_run_end *
   } else if (row->count > MOST_PULSES) {
     const size_t last = (row->count - 1) % MOST_PULSES, first = row->count % MOST_PULSES;
     if (most > spans(w, row->end_s[last] - row->end_s[first]))
-      r->unjudged = "not judged: its table goes on beyond 512 conductions in a row; vibrospice "
-                    "steady SCENE judges them";
+      r->unjudged = w->timeline->supply.direct
+                        ? "not judged: its table goes on beyond 512 conductions in a row"
+                        : "not judged: its table goes on beyond 512 conductions in a row; "
+                          "vibrospice steady SCENE judges them";
   }
 }
 

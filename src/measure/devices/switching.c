@@ -436,9 +436,33 @@ static bool has_latched(const vs_switch *s) {
   return s->zero_s - from_s > decays_s;
 }
 
-/* Of a device that conducts both ways: notes since when its current is below a tenth of its peak.
- */
+/* Keeps the current as it was, a knot for each quarter of FALL_S. What a conduction leaves in the
+ * device hangs on its current in about as long before the zero: a carrier lives for tens of
+ * microseconds. */
+static const double FALL_S = 50e-6;
+static void keep_fall(vs_fall *f, double t_s, double i_a) {
+  if (f->count && t_s - f->at[f->count - 1].t_s < FALL_S / 4) return;
+  if (f->count == VS_FALL_KNOTS) memmove(f->at, f->at + 1, (size_t)--f->count * sizeof *f->at);
+  f->at[f->count++] = (vs_fall_knot){t_s, i_a};
+}
+
+/* The mean rate of the fall over FALL_S up to its zero; 0: the conduction is shorter. */
+static double rate_of_fall(const vs_fall *f, double zero_s) {
+  const double from_s = zero_s - FALL_S;
+  vs_fall_knot after = {zero_s, 0};
+  for (int k = f->count; k-- > 0; after = f->at[k]) {
+    const vs_fall_knot *at = &f->at[k];
+    if (at->t_s <= from_s)
+      return (at->i_a + (after.i_a - at->i_a) * (from_s - at->t_s) / (after.t_s - at->t_s)) /
+             FALL_S;
+  }
+  return 0;
+}
+
+/* Of a device that conducts both ways: notes its current, and since when it is below a tenth of its
+ * peak. */
 static void follow_fall(vs_switch *s, const vs_course_step *c) {
+  keep_fall(&s->fall, c->t0_s, c->from[VS_OF_I]);
   double i0 = c->from[VS_OF_I], i1 = c->to[VS_OF_I], tenth_a = s->conduction.peak_a / 10;
   if (i1 > tenth_a)
     s->tenth_s = NAN;
@@ -457,6 +481,7 @@ static void follow_conduction(vs_switch *s, const vs_course_step *c, vs_switch_n
     s->fired_s = event_s;
     follow_fired_v(s, c, s->fired_s);
     s->tenth_s = NAN;
+    s->fall.count = 0;
     s->commutates = false;
     news->fires = (vs_value){true, 1, event_s};
     break;
@@ -464,8 +489,12 @@ static void follow_conduction(vs_switch *s, const vs_course_step *c, vs_switch_n
     s->zero_s = event_s;
     s->rest = c->to[VS_OF_V] < 0 && !s->both_ways ? REST_REVERSED : REST_NO_REVERSE_YET;
     if (event_s > s->tenth_s)
-      news->fall = (vs_value){true, s->conduction.peak_a / 10 / (event_s - s->tenth_s), event_s};
+      news->fall = (vs_value){
+          true,
+          fmax(s->conduction.peak_a / 10 / (event_s - s->tenth_s), rate_of_fall(&s->fall, event_s)),
+          event_s};
     s->commutates = s->both_ways;
+    s->returned_v = 0;
     news->extinct = (vs_value){true, 1, event_s};
     s->latched = has_latched(s);
     s->rose_s = NAN;
@@ -665,11 +694,15 @@ static void tell_rise(vs_rise *r, vs_switch_news *news) {
   tell_ascent(&r->best, &news->rise);
 }
 
-/* The first rise of 10 V or more behind a conduction has ended: it is (dv/dt)c, too. */
+/* A rise behind a conduction has ended, or the conduction's charge has decayed meanwhile: it is
+ * (dv/dt)c, too. One that is lower than over_v counts where it is higher than those before it. */
 static void tell_return(vs_switch *s, vs_switch_news *news) {
-  vs_rise_stretch ascent = is_rise_low(&s->rise) ? four_fifths(&s->rise) : s->rise.best;
+  const double height_v = s->rise.top_v - s->rise.foot_v;
+  const bool low = is_rise_low(&s->rise);
+  if (low && !(height_v > s->returned_v)) return;
+  vs_rise_stretch ascent = low ? four_fifths(&s->rise) : s->rise.best;
   tell_ascent(&ascent, &news->return_rise);
-  s->commutates = s->commutates && !news->return_rise.rate.known;
+  if (news->return_rise.rate.known) s->returned_v = fmax(s->returned_v, height_v);
 }
 
 /* What the present rise may fire the device by: its steepest stretch. */
@@ -693,7 +726,9 @@ static void keep_rise(vs_switch *s, double now_s) {
 static void tell_blocked(vs_switch *s, double now_s, bool ended, vs_switch_news *news) {
   if (ended || !s->rise.gated) tell_rise(&s->rise, news);
   if (ended) keep_rise(s, now_s);
-  if (ended && s->commutates) tell_return(s, news);
+  const bool decayed = s->commutates && now_s > s->zero_s + DECAYS * stores_s(s);
+  if (s->commutates && (ended || decayed)) tell_return(s, news);
+  if (decayed) s->commutates = false;
 }
 
 /* The device has fired. The rise that it fired by may have ended before. */
@@ -741,8 +776,11 @@ static void follow_switch(vs_switch *s, const vs_course_step *c, vs_switch_news 
 void vs_switching_finish(vs_switch *s, vs_switch_news *news) {
   *news = (vs_switch_news){.way = s->way};
   climb(&s->rise, NAN);
-  if (s->rise.begun && !s->conduction.conducts && !s->rise.gated) tell_rise(&s->rise, news);
-  news->any = news->rise.rate.known;
+  if (!s->rise.begun || s->conduction.conducts) return;
+  s->rise.told_s = INFINITY;
+  if (!s->rise.gated) tell_rise(&s->rise, news);
+  if (s->commutates) tell_return(s, news);
+  news->any = news->rise.rate.known || news->return_rise.rate.known;
 }
 
 void vs_switching_follow(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {

@@ -31,13 +31,18 @@ static void take_rise(const vs_watched *w, vs_reduced *r, const vs_switch_news *
   take_told_stretch(r, &news->rise);
 }
 
+static void take_return_rise(const vs_watched *w, vs_reduced *r, const vs_switch_news *news) {
+  (void)w;
+  take_told_stretch(r, &news->return_rise);
+}
+
 /* The last step of the run may be its steepest. */
 static void finish_rise(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
   vs_switch_news news;
   (void)end;
   if (!w->states) return;
   vs_switching_finish(w->states, &news);
-  take_rise(w, r, &news);
+  (r->measure->how == VS_R_RISE ? take_rise : take_return_rise)(w, r, &news);
 }
 
 /* Where the part states the limit at a second temperature, the limit at the junction's own largest
@@ -170,11 +175,6 @@ static void settle_rise_error(const vs_watched *w, vs_reduced *r) {
   if (rise && rise->value.known) r->value = (vs_value){true, rise->doubt, NAN};
 }
 
-static void take_return_rise(const vs_watched *w, vs_reduced *r, const vs_switch_news *news) {
-  (void)w;
-  take_told_stretch(r, &news->return_rise);
-}
-
 static void take_fall(const vs_watched *w, vs_reduced *r, const vs_switch_news *news) {
   (void)w;
   vs_reducer_offer(r, news->fall, false);
@@ -199,6 +199,7 @@ const vs_reducer vs_switching_reductions_rise = {.is_rate = true,
                                                         .state_size = sizeof(at_temperature),
                                                         .prepare = prepare_rise,
                                                         .take_news = take_return_rise,
+                                                        .finish = finish_rise,
                                                         .settle = settle_at_temperature},
                  vs_switching_reductions_fall = {.is_rate = true,
                                                  .hangs_on_sequence = true,

@@ -10,13 +10,13 @@
 #include "orbit/steady.h"
 #include "poincare_map.h"
 
-static const char *why_inexact(const vs_scene *s, int periods) {
+static const char *why_inexact(const vs_scene *s) {
   const vs_setup *setup = &s->setup;
   const vs_winding_values *winding = &setup->model.actuator.winding;
   if (s->tier->has_circuit) return "the circuit's equations are its solver's own";
   if (isfinite(vs_setup_jams(setup))) return "the armature jams";
   if (setup->model.coil.eddies) return "eddy currents keep a flux";
-  if (periods && winding->present && winding->r_th[0] + winding->r_th[1] > 0)
+  if (winding->present && winding->r_th[0] + winding->r_th[1] > 0)
     return "the winding's temperature follows its losses";
   if (setup->loads.count) return "the load changes";
   if (s->control.regulator) return "a control decides the firings";
@@ -27,10 +27,8 @@ static const char *why_inexact(const vs_scene *s, int periods) {
 
 vs_status vs_sensitivity_problem_begin(vs_sensitivity_problem *s, const vs_scene *scene,
                                        int periods, vs_error *err) {
-  *s = (vs_sensitivity_problem){.scene = scene,
-                                .periods = periods,
-                                .inexact = why_inexact(scene, periods),
-                                .until_s = INFINITY};
+  *s = (vs_sensitivity_problem){
+      .scene = scene, .periods = periods, .inexact = why_inexact(scene), .until_s = INFINITY};
   if (s->inexact || (!periods && !scene->setup.steady)) return VS_OK;
   vs_status status =
       vs_tiers_require_orbits(periods ? "--steady" : "start: steady", scene->tier, scene->why,

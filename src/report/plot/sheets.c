@@ -183,7 +183,7 @@ static void fill_pulse(vs_sheet *s, const run *r) {
   add_first_coordinate(s, r);
   vs_sheet_add(s, "force_n", "F / N", 1);
   vs_sheet_add(s, "i_a", "i / A", 1);
-  vs_sheet_add(s, "v_eva_v", "EVA voltage / V", 1);
+  vs_sheet_add(s, "v_eva_v", r->is_paper ? "EVA voltage / V" : "coil voltage / V", 1);
   add_switch(s, r);
 }
 
@@ -193,7 +193,7 @@ static void fill_overview(vs_sheet *s, const run *r) {
   if (c) add_acceleration(s, c);
   vs_sheet_add(s, "force_n", "F / N", 1);
   vs_sheet_add(s, "i_a", "i / A", 1);
-  vs_sheet_add(s, "v_eva_v", "EVA voltage / V", 1);
+  vs_sheet_add(s, "v_eva_v", r->is_paper ? "EVA voltage / V" : "coil voltage / V", 1);
   vs_sheet_add(s, "v_mains_v", "mains voltage / V", 1);
   add_switch(s, r);
 }

@@ -3,7 +3,7 @@
  *
  *   M y' = f(t, y)
  *
- * and integrates them by RODAS, a Rosenbrock method of fourth order (rodas.h). It solves what the
+ * and integrates them by RODASP, a Rosenbrock method of fourth order (rodas.h). It solves what the
  * shipped decks are made of, and refuses a netlist with anything else by the element's name:
  *
  *   R C L K V I E F G H B S W D Q M X, with .param, .func, .model d, npn, pnp, vdmos, sw and csw; V

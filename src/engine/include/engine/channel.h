@@ -76,10 +76,10 @@ void vs_channel_column_json(const vs_column *column, vs_json *json);
  * measures. */
 #define VS_CHANNEL_LIST(X)                                                                         \
   X(VS_CH_Z, "z", "m", "actuator", "air gap, D + d + travel")                                      \
-  X(VS_CH_LAMBDA, "lambda", "Wb", "actuator", "flux linkage of the EVA")                           \
-  X(VS_CH_I, "i", "A", "actuator", "coil current of the EVA")                                      \
+  X(VS_CH_LAMBDA, "lambda", "Wb", "actuator", "flux linkage of the coil")                          \
+  X(VS_CH_I, "i", "A", "actuator", "current of the coil")                                          \
   X(VS_CH_FORCE, "force", "N", "actuator", "force on the armature")                                \
-  X(VS_CH_V_EVA, "v_eva", "V", "actuator", "voltage across the EVA")                               \
+  X(VS_CH_V_EVA, "v_eva", "V", "actuator", "voltage across the coil")                              \
   X(VS_CH_V_MAINS, "v_mains", "V", "supply", "mains voltage behind its impedance")                 \
   X(VS_CH_I_MAINS, "i_mains", "A", "supply", "current drawn from the mains")                       \
   X(VS_CH_TRAVEL, "travel", "m", "machine", "c.q, by which the gap is opened")                     \

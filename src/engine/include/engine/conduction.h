@@ -51,6 +51,9 @@ typedef struct vs_conduction {
                        more */
   double change_a;  /* of the current over the last step */
   double mean_a[2]; /* the current's means over the last step, and over the one before it */
+  double recovery_end_s; /* a current that has not been small since the voltage turned may be
+                            recovery up to here; NaN: it is none */
+  bool has_blocked;      /* since that turn the voltage was above that of the on-state */
   double foot_s, foot_a; /* while it blocks: where the present rise of its current began; NaN: no
                             step was taken yet */
 } vs_conduction;

@@ -9,6 +9,8 @@
  * switch is to conduct, else the lower one. Each is driven `dead_time` later than that, and ends at
  * once; a pulse no longer than the dead time is left out.
  *
+ * With `on` or `off` there is no carrier: the upper switch is on from the one to the other, once.
+ *
  * A flank of the carrier is half of its period. Flank k, a whole number, lasts from k/(2 f) to
  * (k + 1)/(2 f), with f the carrier's frequency; the carrier rises on even flanks. As the reference
  * changes more slowly than the carrier, they meet exactly once on each flank. */
@@ -24,6 +26,7 @@ typedef struct vs_pwm_values {
   double depth;                   /* of the sine, from its least to its largest value */
   double frequency_hz, phase_rad; /* of the sine */
   double dead_s;
+  double on_s, off_s; /* one pulse; both 0: the carrier's; off_s 0: it has no end */
 } vs_pwm_values;
 
 /* One switch of a leg. */
@@ -34,8 +37,12 @@ typedef struct vs_pwm_switch {
 
 extern const vs_section vs_pwm_section;
 
+/* Is there one pulse alone, without a carrier? */
+bool vs_pwm_is_single(const vs_pwm_values *pwm);
+
 /* Errors, at the key's place: the reference leaves 0..1, or changes faster than the carrier; the
- * dead time is longer than a flank. `section` may be NULL. */
+ * dead time is longer than a flank; one pulse that ends before it begins, or beside a carrier.
+ * `section` may be NULL. */
 vs_status vs_pwm_check(const vs_node *section, const vs_pwm_values *pwm, vs_error *err);
 
 /* True while the switch is driven at t: from behind the edge that begins a pulse up to the one that
@@ -43,7 +50,8 @@ vs_status vs_pwm_check(const vs_node *section, const vs_pwm_values *pwm, vs_erro
 bool vs_pwm_is_on(const vs_pwm_values *pwm, vs_pwm_switch of, double t_s);
 
 /* The switch's first edge after t. Where none comes within two periods of the carrier, it is an
- * instant not later than the next one at which the carrier turns, with no change there. */
+ * instant not later than the next one at which the carrier turns, with no change there; INFINITY
+ * behind a single pulse. */
 double vs_pwm_edge(const vs_pwm_values *pwm, vs_pwm_switch of, double t_s);
 
 /* When the reference meets the carrier on flank k, s: found to rounding; for tests. */

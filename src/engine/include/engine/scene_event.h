@@ -91,6 +91,9 @@ typedef struct vs_event_kind {
   double (*longest)(const vs_scene_event *e, double t_s);
   /* The element of the deck that it changes, whose loss is then no longer what the deck says. */
   const char *(*element)(const vs_scene_event *e, const vs_deck *deck);
+  /* Writes the name of the n-th part of the deck that `element` may name, from 0: an element that a
+   * parameter of the deck chooses or gives its value. False: there are no more. */
+  bool (*part)(const vs_deck *deck, size_t n, char name[VS_DECK_NAME]);
   /* Puts the event, number `index` of the scene, into the deck: lines, and a source that it drives.
    * Errors have the event's place. */
   vs_status (*wire)(const vs_scene_event *e, size_t index, vs_deck *deck, vs_error *err);

@@ -139,6 +139,10 @@ typedef struct vs_setup {
   vs_section_cache memo; /* what other sections were read from; owned */
 } vs_setup;
 
+/* True where a circuit begins at its operating point, with all ports pwm off: the deck says so, and
+ * the supply is direct. */
+bool vs_setup_stands(const vs_setup *setup);
+
 /* Reads the scene's sections machine, actuator, load, supply, firing, circuit, run, events, start
  * and measure, and its keys ambient and heatsink. Errors: whatever these can be wrong in; a check
  * carries on from most of it. The caller owns the setup and calls vs_setup_free, also after an

@@ -89,9 +89,16 @@ typedef struct vs_orbit_search {
   vs_circuit_map map; /* for `turn`, from a solver that can set the circuit's hidden state */
 } vs_orbit_search;
 
-/* What one run has besides its setup. Only a tier with a circuit looks at it, but for the
- * early_end.
- */
+/* How a winding's temperature changes the run: an observer follows it in *heat, and wherever a
+ * thyristor fires, an ideal tier makes the resistance in *model of it. Filled from the setup's own
+ * model, that goes in the frame of all steps and lasts as long as the observer looks at it. */
+typedef struct vs_warming {
+  const vs_winding_state *heat;
+  vs_model *model;
+} vs_warming;
+
+/* What one run has besides its setup. Only a tier with a circuit looks at it, but for early_end,
+ * memo and warming. */
 typedef struct vs_run_order {
   const vs_circuit_kind *solver; /* who solves the circuit: vs_self_test_kind, or a test's own */
   const struct vs_macromodel *stand_in; /* who may stand in for the circuit; NULL: nobody may */
@@ -118,6 +125,7 @@ typedef struct vs_run_order {
                   anode.c), which the setup's timeline reads; NULL: it never does. Borrowed */
   vs_propagator_memo *memo; /* of the runs of one machine on an ideal tier; NULL: each run makes its
                                own propagator. Borrowed */
+  const vs_warming *warming; /* NULL: the resistance stays what it is. Borrowed */
 } vs_run_order;
 
 /* A key of a section that every tier reads. */

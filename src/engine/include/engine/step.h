@@ -50,14 +50,19 @@ typedef enum vs_event {
   VS_EV_BACK   /* it has been gone back to */
 } vs_event;
 
+enum { VS_STEP_PARTS = 15 }; /* instants within a step at most */
+
 /* The knots belong to the tier and live as long as the observer's call. A step may have no length:
  * it then shows the other side of an instant at which something changed. */
 typedef struct vs_step {
   const vs_frame *frame;
   const vs_knot *from, *to;
-  bool cubic_flux;   /* lambda is a cubic, from values and first derivatives alone */
-  bool periodic;     /* the deck's terms follow a law that repeats from cycle to cycle, as the
-                        circuit's solver was left */
+  const vs_knot *part; /* instants within the step, in order, of which t_s, v_eva_v, i_mains_a and
+                          terms are set: these run straight from one to the next */
+  int parts;           /* how many; 0: from end to end */
+  bool cubic_flux;     /* lambda is a cubic, from values and first derivatives alone */
+  bool periodic;       /* the deck's terms follow a law that repeats from cycle to cycle, as the
+                          circuit's solver was left */
   bool glides;       /* the machine swings freely, and the step is longer than any polynomial holds:
                         its ends alone count, and lost_j */
   double lost_j;     /* where it glides: what damping takes in the step, J */
@@ -75,7 +80,8 @@ typedef struct vs_step {
 /* Computes all channels at t_s in [from, to] into y, which has room for vs_channel_count of them.
  * q is the Hermite polynomial of degree seven through value and three derivatives at each end, q'
  * is its slope; lambda is another such polynomial, or a cubic. Accelerations follow from these by
- * Eq. 54. The deck's terms, v_eva and i_mains of a circuit run straight from knot to knot. */
+ * Eq. 54. The deck's terms, v_eva and i_mains of a circuit run straight from knot to knot, or from
+ * one part to the next. */
 void vs_step_at(const vs_step *step, double t_s, double *y);
 /* The same numbers, but only for these groups (VS_GROUP_...) and the channels that always come
  * along; the others in y are left as they are. */
@@ -90,6 +96,15 @@ void vs_step_psi_at(const vs_step *step, double t_s, double psi[VS_MOST_RUNGS]);
 vs_law_rates vs_step_coil_rates(const vs_frame *frame, const vs_knot *knot);
 /* True if there is no flux anywhere in the step, and so neither current nor force. */
 bool vs_step_is_quiet(const vs_step *step);
+
+/* The knots between which terms run straight: the k-th such piece, of step->parts + 1. */
+typedef struct vs_piece {
+  const vs_knot *from, *to;
+} vs_piece;
+static inline vs_piece vs_step_piece(const vs_step *step, int k) {
+  return (vs_piece){k ? &step->part[k - 1] : step->from,
+                    k < step->parts ? &step->part[k] : step->to};
+}
 
 /* ---- channels as polynomials ----
  *

@@ -7,6 +7,7 @@
  *   measures: {NAME: {value, error}}     fit/targets.h
  *   steady:   true | {period: N}         the measures are those of a period of the orbit, of N
  *                                        firing periods, and not those of the run
+ *   impedance, core_loss: {file, ...}    fit/targets.h
  *   data:     {file, columns, ...}       fit/recording.h
  *   runs:     [{scene, set, free, measures, steady, data}, ...]
  *                                        several, in the place of measures, steady and data; scene

@@ -7,7 +7,8 @@
  *                       Im s/(2 pi)
  *   working_decay       s, in which that mode decays to 1/e: -1/Re s
  *
- * Or it is the coil's impedance at a frequency, with the armature at rest, from a CSV file.
+ * Or it is the coil's impedance at a frequency, with the armature at rest, or what the maker's
+ * sheet says of the iron's losses, from a CSV file.
  */
 #ifndef VS_FIT_TARGETS_H
 #define VS_FIT_TARGETS_H
@@ -22,8 +23,10 @@ typedef struct vs_target {
   double error;   /* its standard error: a share of the value, or SI */
   bool relative;  /* error is a share */
   int place;      /* among those of vs_measured_at; -1: it is one of the machine at rest */
-  double at_hz;   /* of an impedance: its frequency; else 0 */
+  double at_hz;   /* of an impedance or a core loss: its frequency; else 0 */
   int part;       /* of an impedance: which of its columns */
+  double flux_wb; /* of a core loss: the flux linkage's peak; else 0 */
+  double from_hz; /* of a core loss per cycle: above that at this frequency; else 0 */
 } vs_target;
 
 typedef struct vs_targets {
@@ -44,6 +47,15 @@ vs_status vs_targets_read(vs_targets *aims, const vs_node *map, const vs_scene *
  * beside: the fit file's path. Errors: there is no such column; an error that is no share; what
  * vs_recording_file and the file itself are wrong in. */
 vs_status vs_targets_read_impedance(vs_targets *aims, const vs_node *map, const char *beside,
+                                    vs_error *err);
+/* Adds the numbers of a map `core_loss`, {file: sheet.csv, mass: 1 kg, area: 10 cm2, turns: 500,
+ * error: 5 %}, whose file has the columns f_hz, b_t and loss_w_kg, of sinusoidal flux densities of
+ * that peak: the maker's sheet. Such a loss has a part by hysteresis, which the secondaries have
+ * not. Its energy in a cycle does not depend on the frequency, so that of each flux density the
+ * differences of the losses in a cycle count; or with `hysteresis: 70 %` of the losses what that
+ * share leaves. Errors: those of the other; a flux density at one frequency, without such a share.
+ */
+vs_status vs_targets_read_core_loss(vs_targets *aims, const vs_node *map, const char *beside,
                                     vs_error *err);
 /* True if none of them needs a run. */
 bool vs_targets_rest(const vs_targets *aims);

@@ -11,10 +11,11 @@
 #include "engine/batch.h"
 #include "measure/reducer.h"
 
-/* What happened to a device in the step last followed: it went against its gate; or it fired or
- * went out, where the deck has devices that conduct both ways (vs_devices.tells); or a fuse melted,
- * had cleared or arced again. */
+/* What happened to a device: it went against its gate; or it fired or went out, where the deck has
+ * devices that conduct both ways (vs_devices.tells); or a fuse melted, had cleared or arced again.
+ */
 typedef struct vs_incident {
+  size_t step, which; /* the number of the piece since vs_devices_tell_anew; the device's */
   double at_s;
   const char *device, *what; /* borrowed: "thyristor", "misfires" */
 } vs_incident;
@@ -27,10 +28,11 @@ typedef struct vs_devices {
   double began_s, now_s; /* of the steps accepted; began_s is NaN before the first */
   bool tells; /* each device's firings are among the incidents, so that the run's own need not be
                  told besides */
-  vs_incident incidents[3 * VS_DECK_DEVICES]; /* at most a misfire, a firing or an end of one, and
-                                                 what is to be said of the firing, a device */
-  size_t n_incidents;
-  vs_device_watch *watch; /* [count]; owned */
+  vs_incident *incidents; /* since vs_devices_tell_anew, by their pieces of steps and then by their
+                             devices; owned */
+  size_t n_incidents, step; /* step: the one that is followed */
+  size_t followed, here;    /* pieces since then; the first one of the last step */
+  vs_device_watch *watch;   /* [count]; owned */
   size_t count;
   vs_watched item[]; /* in the order of the deck's devices */
 } vs_devices;
@@ -41,8 +43,9 @@ vs_devices *vs_devices_new(const vs_frame *frame);
 void vs_devices_free(vs_devices *devices);
 /* Tells where the first step begins. */
 void vs_devices_begin(vs_devices *devices, const vs_step *first);
-/* Takes some steps, one behind the other. A step of no length is ignored. `incidents` become those
- * of the last step. */
+/* Forgets the incidents; behind that one or two batches are followed. */
+void vs_devices_tell_anew(vs_devices *devices);
+/* Takes some steps, one behind the other. A step of no length is ignored. */
 void vs_devices_follow(vs_devices *devices, const vs_batch *batch);
 /* Completes the measures that are known only once the run is over. */
 void vs_devices_finish(vs_devices *devices);

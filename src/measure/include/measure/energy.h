@@ -80,9 +80,10 @@ typedef struct vs_energy {
 /* Takes one accepted step, but for what the deck's losses are in it. The balances are taken every
  * 32 steps. */
 void vs_energy_accept(vs_energy *energy, const vs_step *step);
-/* Takes the losses of some steps that were accepted. They must be known to the last step when the
- * balances are taken: where the deck has any, once vs_energy_is_due returns true. */
-void vs_energy_take_losses(vs_energy *energy, const vs_batch *batch);
+/* Takes the losses of some steps that were accepted; `all`: up to the last one. They must be known
+ * to the last step when the balances are taken: where the deck has any, once vs_energy_is_due
+ * returns true. */
+void vs_energy_take_losses(vs_energy *energy, const vs_batch *batch, bool all);
 /* True if vs_energy_take_losses is to take balances now. */
 bool vs_energy_is_due(const vs_energy *energy);
 /* Takes the balances at the end of the run and fills balanced, residual and worst. With a one-way

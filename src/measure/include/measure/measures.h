@@ -85,6 +85,8 @@ bool vs_measure_at(const vs_model *model, int k, vs_measure *measure);
 /* True where one coordinate opens the gap by as much as it moves, so that measures of the travel
  * also stand under that coordinate's name. */
 bool vs_measure_has_alias(const vs_model *model);
+/* True for a slot of those that only a machine has that pulls in. */
+bool vs_measure_pulls_in(int slot);
 /* How many there are. */
 int vs_measures_count(const vs_model *model);
 

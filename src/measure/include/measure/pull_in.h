@@ -25,12 +25,17 @@ typedef struct vs_pull_in {
   double bounces;          /* contacts behind the first */
   bool rested;             /* it lay still on the stop when the drive was last switched off */
   double gone_s;           /* when it left the stop for good; the rest of the run does not count */
+  double nearest_m;        /* the travel where it was nearest to the stop */
+  double now_s;            /* the end of the last step */
   bool still;              /* it lies still on the stop at the end of the last step */
 } vs_pull_in;
 
 /* Takes one accepted step. */
 void vs_pull_in_accept(vs_pull_in *pull, const vs_step *step);
 
+/* Where the armature has not met the stop, writes why and returns true: "pull_in did not occur
+ * before 60 ms: the armature moved 0.02 of 2 mm". */
+bool vs_pull_in_lacks(const vs_pull_in *pull, const vs_model *model, char *text, size_t size);
 /* Time from the first switching on to the first contact. */
 vs_value vs_pull_in_time(const vs_pull_in *pull);
 /* Time from the last switching off before the armature left the stop to that instant. It has left

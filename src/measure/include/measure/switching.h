@@ -35,9 +35,12 @@
  * sign. So behind a conduction the new half cycle's voltage is the forward voltage that returns, at
  * once; and a triac that then conducts without a gate pulse has failed to commutate. Of a triac
  * there is also:
- *   (di/dt)c               mean rate at which the current falls from a tenth of its peak to zero
- *   (dv/dt)c               the same as dv/dt, of the first rise of 10 V or more behind a
- *                          conduction; over four fifths of it where that is less than over_v */
+ *   (di/dt)c               mean rate at which the current falls from a tenth of its peak to zero,
+ * or over the last 50 us if it falls more steeply then (dv/dt)c               the same as dv/dt, of
+ * each rise up to ten t_q behind a conduction (1.5 ms where t_q is not known); a rise that is less
+ * than over_v, but 10 V or more and higher than those before it, is told by four fifths of it A
+ * current of the new half cycle that is there as the voltage turns is what the conduction has
+ * stored, and no firing, for as long as engine/conduction.h says. */
 #ifndef VS_MEASURE_SWITCHING_H
 #define VS_MEASURE_SWITCHING_H
 
@@ -181,6 +184,16 @@ typedef struct vs_switch_news {
   double fired_rate, fired_over_v, fired_v;
 } vs_switch_news;
 
+/* Knots of the current that falls, the oldest first. */
+enum { VS_FALL_KNOTS = 8 };
+typedef struct vs_fall_knot {
+  double t_s, i_a;
+} vs_fall_knot;
+typedef struct vs_fall {
+  int count;
+  vs_fall_knot at[VS_FALL_KNOTS];
+} vs_fall;
+
 typedef struct vs_switch {
   vs_gate_watch gate;
   bool both_ways; /* it conducts either way */
@@ -193,7 +206,9 @@ typedef struct vs_switch {
   double fired_v;     /* the forward voltage it fired from */
   double rose_s;      /* when it had 10 V forward since zero_s, not reversed yet; NaN: not so far */
   double tenth_s;     /* since when the current is below a tenth of its peak; NaN: it is not */
-  bool commutates;    /* the voltage has not risen by 10 V since the last conduction */
+  vs_fall fall;       /* of a device that conducts both ways */
+  bool commutates;    /* it blocks, and a conduction's charge may still be there */
+  double returned_v;  /* how high the highest rise since then was that was told */
   bool latched;       /* the last conduction went on without its gate */
   double pulse_end_a; /* its current as its last gate pulse ended */
   double zero_s;      /* when its current last went to zero */
@@ -219,7 +234,8 @@ void vs_switching_resume(vs_switch *s, double i_a, double v_v);
 
 /* Takes the next step and fills `news`. */
 void vs_switching_follow(vs_switch *s, const vs_course_step *c, vs_switch_news *news);
-/* Fills `news` with what the last step told of a rise, which no further step follows. */
+/* Fills `news` with what the last step told of a rise, which no further step follows; the same at
+ * each call. */
 void vs_switching_finish(vs_switch *s, vs_switch_news *news);
 
 #endif

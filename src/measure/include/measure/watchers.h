@@ -33,7 +33,9 @@ typedef struct vs_watchers {
   vs_energy energy;
   vs_winding_state heat; /* of the winding, by the losses so far */
   double hottest_degc;
-  double flux_wb;         /* the largest |lambda| so far; kept where actuator.linear_to is given */
+  vs_warming warming; /* its model is owned; NULL: the run keeps its resistance */
+  double lag;         /* by which share the resistance was off at most, while it followed */
+  double flux_wb;     /* the largest |lambda| so far; kept where actuator.linear_to is given */
   vs_absence absence;
   double strays;          /* of the last step (engine/step.h) */
   vs_sequence sequence;   /* of the run's own firings and ends (engine/step.h) */
@@ -44,6 +46,11 @@ typedef struct vs_watchers {
 
 /* Begins a run anew. The frame must outlive the watchers' use. wants: as for vs_measures_new. */
 void vs_watchers_begin(vs_watchers *watchers, const vs_frame *frame, const vs_measure_set *wants);
+/* Returns what lets the run's resistance follow the winding's temperature, for its order, borrowed;
+ * NULL: the run keeps it, as nothing says how warm the winding becomes, as its temperature is that
+ * of an orbit already, as no thyristor fires, or as a circuit or a load that changes stands in the
+ * way. */
+const vs_warming *vs_watchers_warm(vs_watchers *watchers, const vs_setup *setup);
 /* Shows one accepted step to all. */
 void vs_watchers_accept(vs_watchers *watchers, const vs_step *step);
 /* Returns true if the rest of the run cannot change any of the values that are wanted, so that it

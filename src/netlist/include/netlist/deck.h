@@ -324,7 +324,7 @@ typedef struct vs_deck {
   /* the secondaries beside the coil: resistance and inductance, as seen from all its turns */
   double eva_eddy[VS_MOST_RUNGS + 1][2];
   size_t n_eva_eddies;
-  double eva_flux_wb; /* the EVA's flux linkage at t = 0 */
+  double eva_flux_wb;                      /* the EVA's flux linkage at t = 0 */
   vs_motion_node motions[VS_DECK_MOTIONS]; /* those that the deck names */
   size_t n_motions;
   vs_where reads_eva; /* the first line of a circuit element, or of a function, that names a node of
@@ -336,6 +336,7 @@ typedef struct vs_deck {
   int subcircuits;     /* how many are open, while the deck is read */
   vs_where subcircuit; /* of the outermost that is open */
   bool own_clock;      /* a source or an expression of the deck's own knows the time */
+  bool stands; /* a direct supply was there before t = 0: a run begins at the operating point */
   char eva[VS_DECK_NAME]; /* the EVA's instance, and its two nodes */
   char eva_plus[VS_DECK_NAME], eva_minus[VS_DECK_NAME];
 } vs_deck;

@@ -25,8 +25,10 @@ typedef struct vs_circuit_job {
                        quantity of an element, "@c.x1.c2[i]" */
   double tolerance; /* run.tolerance: for a solver that measures the errors of its own steps */
   double until_s, max_step_s; /* the run goes from 0 to until_s in steps of at most max_step_s */
-  bool gear;                  /* Gear's rule of second order in the place of the trapezoidal */
-  const char *dialect;        /* how the netlist is to be read: "ps", or "" for ngspice's own */
+  bool stands; /* it begins at the operating point that the sources have at t = 0, whatever the
+                  netlist says with ic=, and not from that */
+  bool gear;   /* Gear's rule of second order in the place of the trapezoidal */
+  const char *dialect; /* how the netlist is to be read: "ps", or "" for ngspice's own */
   /* Newton's iteration and the local truncation error are held to these: a fraction of each value,
    * and a difference that counts as none. */
   double relative_tolerance, current_tolerance_a;
@@ -60,6 +62,8 @@ typedef struct vs_circuit_machine {
   void (*state)(void *ctx, double *x);
   /* x' at x and a flux linkage. */
   void (*rates)(void *ctx, const double *x, double flux_wb, double *rate);
+  /* Where x' is linear in x, the same as long as this is the same; NULL: it is not, there. */
+  const void *(*linear)(void *ctx, const double *x);
   /* What a port is that hangs on x alone, V; false: the port hangs on something else. */
   bool (*port)(void *ctx, size_t port, const double *x, double *value);
 } vs_circuit_machine;
@@ -94,6 +98,10 @@ typedef struct vs_circuit_host {
   double (*longest)(void *ctx, double t_s);
   /* Told of each accepted step. A status other than VS_OK ends the run, which then returns it. */
   vs_status (*accept)(void *ctx, double t_s, const double *signals, vs_error *err);
+  /* Told, in their order, of instants within a step that is accepted, between which the signals run
+   * nearly straight. False: accept() is to be told of this one, as of a step's end. NULL: so it is
+   * of each. */
+  bool (*passes)(void *ctx, double t_s, const double *signals);
   /* Asked after each accepted step: true ends the run there, with VS_OK. NULL: never. */
   bool (*enough)(void *ctx);
   /* What the host's own clock shows at t_s; messages and the rawfile have it. NULL: t_s. */

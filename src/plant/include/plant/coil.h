@@ -89,6 +89,9 @@ static inline double vs_coil_rung_rate(const vs_coil *c, int n, double flux, con
  * about none, at a gap that does not move. */
 void vs_coil_impedance(const vs_coil *coil, double z_m, double omega_rad_s, double ohm[2]);
 
+/* What the secondaries lose, W, on the average where the flux linkage is a sine of this peak. */
+double vs_coil_core_loss(const vs_coil *coil, double flux_wb, double omega_rad_s);
+
 /* The flux linkage, Wb, that the coil has at this gap while it carries no current; 0 but for a law
  * with a magnet or a moving coil. */
 double vs_coil_idle_flux(const vs_coil *coil, double z_m);

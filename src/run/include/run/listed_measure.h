@@ -35,6 +35,7 @@ typedef struct vs_listed_measure {
   vs_listed_measure_group group;
   int channel;  /* of the frame, whose extreme this is; -1: it is none of a deck's probe */
   bool doubled; /* the same number stands under another name, or it is the error of another one */
+  const char *absent;   /* why there is no value; NULL: nothing is to be said */
   const char *unjudged; /* why the value is not held against its part's limit; NULL: nothing is to
                            be said */
 } vs_listed_measure;

@@ -31,6 +31,7 @@ typedef struct vs_corner {
   double margin, error;      /* of that line, as vs_judgement has them */
   vs_finding word;
   bool breaks;      /* the line is violated or undecided */
+  char note[128];   /* that the armature did not pull in there; empty: nothing is to be said */
   char failed[256]; /* why the run failed, which then has no line; empty: it did not */
 } vs_corner;
 typedef struct vs_corners {
@@ -53,11 +54,12 @@ typedef struct vs_result {
   vs_loop *loop;       /* the scene's control, owned; NULL: it has none */
   vs_quality *quality; /* of the scene's currents, in their order, owned; NULL: it names none */
   int n_quality;
-  char books[512]; /* what the energy audit finds; empty: nothing */
+  char no_pull_in[128]; /* why the armature did not pull in; empty: it did, or nobody asks */
+  char books[512];      /* what the energy audit finds; empty: nothing */
   vs_verdict verdict;
-  const vs_corners *corners; /* borrowed; NULL: only nominal values were run */
+  const vs_corners *corners;      /* borrowed; NULL: only nominal values were run */
   const struct vs_causes *causes; /* run/causes.h; borrowed; NULL: nobody asked why */
-  vs_ladder ladder;          /* the rung whose settings gave this result; 0 is the scene as it is */
+  vs_ladder ladder; /* the rung whose settings gave this result; 0 is the scene as it is */
   vs_second_run second;
   double wall_s;
   long steps;
