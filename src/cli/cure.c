@@ -369,22 +369,21 @@ static void add_shipped(void *ctx, const char *path) {
   snprintf(p->name, sizeof p->name, "%.*s", (int)length, name);
 }
 
-/* A limit of a part in SI; NaN: it states none. */
-static double limit_of(const known_part *p, const char *name) {
-  const vs_limit *l = vs_parts_find_limit(p->deck, p->deck->files[0], name);
+/* A limit that a part's file states, in SI; NaN: it states none. */
+static double stated(const vs_deck *deck, const char *file, const char *name) {
+  const vs_limit *l = file ? vs_parts_find_limit(deck, file, name) : NULL;
   return l && isfinite(l->value) ? l->value : NAN;
 }
 
-/* The limit by which the part's size is told: the first one of the kind that it states. */
-static const char *size_of(const vs_kind *kind, const known_part *p) {
-  for (size_t k = 0; k < kind->n_limits; k++)
-    if (!isnan(limit_of(p, kind->limits[k].name))) return kind->limits[k].name;
-  return NULL;
+static double limit_of(const known_part *p, const char *name) {
+  return stated(p->deck, p->deck->files[0], name);
 }
 
-static const known_part *find_known(const cure *c, const char *name) {
-  for (size_t k = 0; k < c->n_parts; k++)
-    if (!strcasecmp(c->part[k].name, name)) return &c->part[k];
+/* The limit by which the part's size is told: the first one of the kind that its file states, as a
+ * Zener diode's voltage. */
+static const char *size_of(const vs_kind *kind, const vs_deck *deck, const char *file) {
+  for (size_t k = 0; k < kind->n_limits; k++)
+    if (!isnan(stated(deck, file, kind->limits[k].name))) return kind->limits[k].name;
   return NULL;
 }
 
@@ -439,7 +438,7 @@ static vs_status try_shipped(cure *c, size_t part, vs_error *err) {
   const vs_verdict *v = &c->nominal->verdict;
   const char *kind_name = deck->parts[part].kind;
   const vs_kind *kind = vs_kinds_find(kind_name);
-  const known_part *own = find_known(c, deck->parts[part].subcircuit);
+  const char *file = deck->parts[part].file;
   vs_status status = VS_OK;
   for (size_t k = 0; k < v->count && !status; k++) {
     const vs_judgement *j = &v->item[k];
@@ -450,9 +449,9 @@ static vs_status try_shipped(cure *c, size_t part, vs_error *err) {
       status = try_next(c, part, kind_name, j->limit->name, j->stress.value, least ? -1 : 1, BEYOND,
                         err);
   }
-  const char *size = own && kind ? size_of(kind, own) : NULL;
+  const char *size = kind ? size_of(kind, deck, file) : NULL;
   for (int way = 1; way >= -1 && !status && size; way -= 2)
-    status = try_next(c, part, kind_name, size, limit_of(own, size), way, NEXT, err);
+    status = try_next(c, part, kind_name, size, stated(deck, file, size), way, NEXT, err);
   return status;
 }
 

@@ -234,6 +234,8 @@ static void put_part(vs_entries *to, const vs_deck *part) {
     vs_list_entry_text(to, "kind", part->part_files[0].kind);
     vs_list_entry_text(to, "text", part->part_files[0].text);
   }
+  const char *kind = part->n_part_files ? part->part_files[0].kind : "";
+  vs_list_entry_details(to, vs_kinds_find(to->filter) ? kind : NULL); /* fuse: no Littelfuse */
   put_limits(to, part);
   put_tables(to, part);
   vs_list_entry_array(to, "parameters");
@@ -612,7 +614,7 @@ static int list_kind(const struct kind *kind, const vs_list_options *o, listed *
   else {
     if (!is_named(o) && (entries.count || !o->filter))
       printf("%s%s\n", is_first ? "" : "\n", kind->heading);
-    if (entries.count) fputs(entries.out.text, stdout);
+    if (entries.count) fputs(vs_list_entry_lines(&entries), stdout);
   }
   vs_list_entry_free(&entries);
   return entries.count;
@@ -629,8 +631,10 @@ static void list_asked_kinds(const vs_list_options *o, listed *of) {
   }
   if (o->json) puts("\n}");
   if (!found && o->filter)
-    fprintf(stderr, "vibrospice: list: nothing of %s has '%s'\n", is_named(o) ? o->kind : "all",
-            o->filter);
+    fprintf(stderr, "vibrospice: list: nothing of %s has '%s'%s\n", is_named(o) ? o->kind : "all",
+            o->filter,
+            o->machine ? "" : "; measures, probes and parameters are those of the machine conveyor: "
+                              "--machine NAME takes another, --deck NAME another deck");
 }
 
 vs_status vs_list_command(const vs_list_options *o, vs_error *err) {
@@ -702,7 +706,8 @@ const vs_command vs_list_cli = {
     .text = "lists scenes, studies, fits, machines, decks, parts, instruments, kinds, tiers, laws, "
             "regulators, probes, measures, "
             "parameters (with "
-            "unit, default, range); FILTER: only what has that text",
+            "unit, default, range); FILTER: only what has that text in its name, kind or "
+            "meaning",
     .examples = "  vibrospice list parameters\n  vibrospice list probes --deck my.cir\n"
                 "  vibrospice list parameters angle --json\n"
                 "  vibrospice list parameters --machine two_mass\n",

@@ -9,6 +9,7 @@
 void vs_list_entry_begin(vs_entries *e) {
   e->lines.length = e->sought.length = e->object.length = 0;
   e->inside = false;
+  e->head = 0;
   vs_text_add(&e->lines, "%s", "");
   vs_text_add(&e->sought, "%s", "");
   e->json = vs_json_new(&e->object);
@@ -31,12 +32,28 @@ void vs_list_entry_end(vs_entries *e) {
     vs_text_add(&e->out, "%s\n    %s", e->count ? "," : "", e->object.text);
   else
     vs_text_add(&e->out, "%s", e->lines.text);
+  vs_text_add(&e->heads, "%.*s", (int)(e->head ? e->head : e->lines.length), e->lines.text);
+  e->detailed = e->detailed || e->head;
   e->count++;
+}
+
+void vs_list_entry_details(vs_entries *e, const char *only) {
+  if (only) e->sought.length = 0;
+  if (only) vs_text_add(&e->sought, "%s", only);
+  e->head = e->lines.length;
+}
+
+const char *vs_list_entry_lines(vs_entries *e) {
+  enum { LONG = 4 }; /* more parts than fit on a screen with their limits */
+  if (!e->detailed || e->count < LONG) return e->out.text;
+  vs_text_add(&e->heads, "%d; limits and parameters are shown of fewer than %d: list parts NAME\n",
+              e->count, LONG);
+  return e->heads.text;
 }
 
 void vs_list_entry_put(vs_entries *e, const char *key, int width, const char *value) {
   vs_text_add(&e->lines, "%s%-*s", e->inside ? " " : "", width, value);
-  vs_text_add(&e->sought, " %s", value);
+  if (!e->head) vs_text_add(&e->sought, " %s", value);
   e->inside = true;
   vs_json_text(&e->json, key, value);
 }
@@ -54,7 +71,7 @@ void vs_list_entry_say(vs_entries *e, const char *format, ...) {
   vsnprintf(text, sizeof text, format, arguments);
   va_end(arguments);
   vs_text_add(&e->lines, "%s", text);
-  vs_text_add(&e->sought, "%s", text);
+  if (!e->head) vs_text_add(&e->sought, "%s", text);
   e->inside = true;
 }
 
@@ -93,6 +110,7 @@ void vs_list_entry_object_end(vs_entries *e) {
 
 void vs_list_entry_free(vs_entries *e) {
   vs_text_free(&e->out);
+  vs_text_free(&e->heads);
   vs_text_free(&e->lines);
   vs_text_free(&e->sought);
   vs_text_free(&e->object);

@@ -15,8 +15,10 @@ typedef struct vs_entries {
   bool as_json;
   vs_text out; /* lines, or the members of a JSON array without its brackets */
   int count;   /* how many entries were written */
-  bool inside, matched;
+  vs_text heads; /* the lines without details */
+  bool inside, matched, detailed;
   vs_text lines, sought, object; /* sought: what the filter looks at */
+  size_t head; /* bytes of the entry's lines that are no details; 0: all */
   vs_json json;
 } vs_entries;
 
@@ -25,6 +27,15 @@ void vs_list_entry_begin(vs_entries *entries);
 /* Adds the entry to what was written, if the filter lets it pass. An entry without lines of its own
  * goes with the one before it. */
 void vs_list_entry_end(vs_entries *entries);
+
+/* Ends what names the entry: the lines behind it are details, which the filter does not look at, and
+ * which vs_list_entry_lines leaves out where there are many entries. only: all that the filter
+ * looks at; NULL: the lines before. */
+void vs_list_entry_details(vs_entries *entries, const char *only);
+
+/* What people are shown: of more than three entries with details the lines that name them, and how
+ * to see the rest. Borrowed. */
+const char *vs_list_entry_lines(vs_entries *entries);
 
 /* A column of a line, `width` bytes wide at least, and a member of the JSON object. */
 void vs_list_entry_put(vs_entries *entries, const char *key, int width, const char *value);

@@ -193,6 +193,10 @@ static const vs_device_measure DIAC[] = {{V_PEAK(NULL)}, {I_PEAK("i_trm")}, {LOS
       JUNCTION
 static const vs_device_measure MOSFET[] = {
     {"v_peak", "V", "peak voltage, drain positive", VS_R_PEAK, VS_OF_V, 1, "v_dss", VS_AT_MOST},
+    {"e_avalanche", "J",
+     "largest energy of one stretch above v_dss of its part, where the model breaks down; none: it "
+     "was not above",
+     VS_R_AVALANCHE, VS_OF_POWER, 1, "e_as", VS_AT_MOST},
     DRIVEN("i_dm", "i_d", NULL)};
 static const vs_device_measure IGBT[] = {
     {"v_peak", "V", "peak voltage, collector positive", VS_R_PEAK, VS_OF_V, 1, "v_ces", VS_AT_MOST},
@@ -389,6 +393,7 @@ static const vs_kind_limit MOSFET_LIMITS[] = {
     {"v_dss", "V", 5, 5e3, "blocking_voltage", DECIDES | TWIN, ""},
     {"i_d", "A", 0.01, 5e3, NULL, DECIDES, ""},
     LIMIT("i_dm", "A", DECIDES),
+    LIMIT("e_as", "mJ", 0),
     {"r_ds_on", "ohm", 1e-4, 1e3, "on_resistance", 0, HEATS},
     {"v_gs_th", "V", 0.3, 10, "threshold", 0, ""},
     DRIVEN_LIMITS,

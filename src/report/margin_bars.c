@@ -137,7 +137,11 @@ static void add_times(vs_text *out, double times, bool expected) {
   if (expected) vs_text_add(out, times > 0 ? ", as expected" : ", though expected");
 }
 
-/* "175 of 200 V/us", "5566 of at least 50 us" */
+bool vs_margin_bars_assumed(const vs_node *line) {
+  return !strcmp(vs_member_word(line, "assumed"), "true");
+}
+
+/* "175 of 200 V/us", "5566 of at least 50 us", "45 of 500 V (assumed)" */
 static void add_amounts(vs_text *out, const bar *b, double value, double limit, const char *unit) {
   const bool least = (value > limit) == (b->margin > 0) && limit > 0;
   if (isnan(value) || isnan(limit)) return;
@@ -145,7 +149,8 @@ static void add_amounts(vs_text *out, const bar *b, double value, double limit, 
   add_number(out, value);
   vs_text_add(out, least ? " of at least " : " of ");
   add_number(out, limit);
-  vs_text_add(out, "%s%s", *unit ? " " : "", unit);
+  vs_text_add(out, "%s%s%s", *unit ? " " : "", unit,
+              vs_margin_bars_assumed(b->line) ? " (assumed)" : "");
 }
 
 /* "thyristor.dv_dt 175 of 200 V/us, held" */

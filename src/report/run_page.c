@@ -28,10 +28,11 @@ void vs_run_page_head(vs_html *html, const char *folder, const vs_node *summary,
 
 /* ---- the verdict ---- */
 
-static void add_amount(vs_html *html, double value, const char *unit) {
+/* Adds a cell with an amount and what stands behind it; an empty cell for NaN. */
+static void add_amount(vs_html *html, double value, const char *unit, const char *mark) {
   char text[VS_ENGINEERING_SIZE];
-  vs_html_add(html, "<td class=\"n\">%s</td>",
-              isnan(value) ? "" : vs_member_amount(value, unit, text));
+  vs_html_add(html, "<td class=\"n\">%s%s</td>",
+              isnan(value) ? "" : vs_member_amount(value, unit, text), isnan(value) ? "" : mark);
 }
 
 /* "12.4 %" of a part; an empty cell for NaN. */
@@ -56,8 +57,8 @@ static void add_verdict_line(vs_html *html, const vs_node *line) {
   vs_html_cell(html, name.text);
   vs_text_free(&name);
   vs_margin_bars_stress(line, &stress, &limit);
-  add_amount(html, stress, unit);
-  add_amount(html, limit, unit);
+  add_amount(html, stress, unit, "");
+  add_amount(html, limit, unit, vs_margin_bars_assumed(line) ? " (assumed)" : "");
   add_percent(html, vs_member_number(vs_tree_child(line, "margin")));
   vs_html_cell(html, vs_run_pair_word(line));
   add_percent(html, vs_member_number(vs_tree_child(line, "margin_error")));

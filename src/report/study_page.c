@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "members.h"
 #include "report/html.h"
 #include "study/study_results.h"
 
@@ -35,6 +36,13 @@ static void add_node_text(vs_html *html, const vs_node *node) {
   if (n > MOST_ITEMS + 1) vs_html_add(html, " (%zu of them)", n);
 }
 
+/* True for the cases' numbers, and where one of the listed cases has more than a 0. */
+static bool says_anything(const vs_study_results *s, size_t column) {
+  for (size_t k = 0; k < s->n_worst; k++)
+    if (*s->worst[k].cell[column] && strcmp(s->worst[k].cell[column], "0") != 0) return true;
+  return !column;
+}
+
 /* Adds the worst cases, or the first ones if nothing ranks them. */
 static void tables_cases(vs_html *html, const vs_folder *t, const vs_study_results *s) {
   if (!s->n_worst) return;
@@ -42,6 +50,7 @@ static void tables_cases(vs_html *html, const vs_folder *t, const vs_study_resul
               "<section id=\"cases\">\n<h2>The %s cases</h2>\n<div class=\"wide\"><table><tr>",
               vs_study_results_ranked(t, s) ? "worst" : "first");
   for (size_t c = 0; c < t->count; c++) {
+    if (!says_anything(s, c)) continue;
     vs_html_add(html, "<th>");
     vs_html_text(html, t->column[c].title);
     vs_html_add(html, "</th>");
@@ -50,6 +59,7 @@ static void tables_cases(vs_html *html, const vs_folder *t, const vs_study_resul
   for (size_t k = 0; k < s->n_worst; k++) {
     vs_html_add(html, "<tr>");
     for (size_t c = 0; c < t->count; c++) {
+      if (!says_anything(s, c)) continue;
       double value;
       bool number = c && s->profile[c].is_number && vs_folder_number(s->worst[k].cell[c], &value);
       if (number)
@@ -338,6 +348,19 @@ static void add_not_judged(vs_html *html, const vs_study_results *s) {
               s->not_judged.count > 1 ? "; in other cases other limits: column not_judged" : "");
 }
 
+/* Adds which limits no source says: a verdict by them is as good as they are. */
+static void add_assumed(vs_html *html, const vs_folder *t) {
+  const vs_node *lines = vs_tree_child(t->manifest.root, "lines");
+  bool any = false;
+  for (const vs_node *n = lines ? lines->child : NULL; n; n = n->next) {
+    if (strcmp(vs_member_word(n, "assumed"), "true") != 0) continue;
+    vs_html_add(html, any ? ", " : "<p>Judged by assumed figures, which no source says: ");
+    vs_html_text(html, vs_member_word(n, "name"));
+    any = true;
+  }
+  if (any) vs_html_add(html, ".</p>\n");
+}
+
 /* Adds how many cases hold and the worst margin. found: a search's result stands above in large
  * letters already. */
 static void add_share(vs_html *html, const vs_folder *t, const vs_study_results *s, bool found) {
@@ -390,6 +413,7 @@ static void add_verdict(vs_html *html, const vs_folder *t, const vs_study_result
   add_best_case(html, t, s);
   add_happened(html, s);
   add_not_judged(html, s);
+  if (s->judged) add_assumed(html, t);
   add_doubts(html, s);
   if (s->judged && s->judged < s->rows)
     vs_html_add(html, "<p>Without a margin: %ld cases.</p>\n", s->rows - s->judged);

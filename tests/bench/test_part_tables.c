@@ -53,7 +53,9 @@ static void listed(void) {
   } TABLES[] = {{"/thyristors.tab", "thyristor", 12}, {"/triacs.tab", "triac", 8},
                 {"/varistors.tab", "varistor", 50},   {"/fuses.tab", "fuse", 12},
                 {"/resistors.tab", "resistor", 6},    {"/capacitors.tab", "capacitor", 12},
-                {"/zeners.tab", "zener", 9},          {"/tvs.tab", "tvs", 3}};
+                {"/zeners.tab", "zener", 9},          {"/tvs.tab", "tvs", 3},
+                {"/zeners_diode.tab", "zener", 3},    {"/diodes.tab", "diode", 4},
+                {"/mosfets.tab", "mosfet", 1}};
   ran r = run("list parts");
   expect_good(&r, "list parts", __LINE__);
   for (size_t t = 0; t < COUNT(TABLES); t++) {
@@ -70,7 +72,13 @@ static void listed(void) {
     }
     free_rows(&all);
   }
+  EXPECT(!strstr(r.out, "    limit "), "%s", r.out);
+  free_ran(&r);
+  r = run("list parts LF213-1A"); /* three of them, with their limits and models */
   EXPECT(strstr(r.out, "\n    model i_fusing, -1 % of sheet\n"), "%s", r.out);
+  free_ran(&r);
+  r = run("list parts fuse"); /* of that kind alone: no Littelfuse's thyristor */
+  EXPECT(!strstr(r.out, "    thyristor: ") && strstr(r.out, "    fuse: "), "%s", r.out);
   free_ran(&r);
 }
 

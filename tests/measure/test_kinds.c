@@ -160,7 +160,8 @@ static const char MOSFET_DECK[] = "*$ param t = p part\n*$ device t = v(x), i(Vt
 static void a_mosfet(void) {
   vs_trial *t = run_deck(MOSFET_DECK,
                          PART("mosfet", "*$ limit v_dss = 450 V\n*$ limit i_dm = 20 A\n"
-                                        "*$ limit dv_dt = 6 kV/us\n*$ zth 0.5 K/W 1 ms\n"),
+                                        "*$ limit dv_dt = 6 kV/us\n*$ limit e_as = 0.15 mJ\n"
+                                        "*$ zth 0.5 K/W 1 ms\n"),
                          "30us", "10ns");
   static const char *const PARTS[] = {"loss_conduction", "loss_switching", "loss_blocking", NULL};
   CLOSE(sum_of(t, PARTS), value(t, "loss"), 1e-9);
@@ -173,6 +174,10 @@ static void a_mosfet(void) {
   CLOSE(value(t, "e_on"), 8 * 400 * 0.1e-6 / 2 + 8 * 0.1e-6 * (400 + 2) / 2, 2e-3);
   /* the current's fall from 8 A to 0 meets 500 to 400 V: 8 A t (500/2 - 100/6) */
   CLOSE(value(t, "e_off"), 8 * 0.1e-6 * (500 + 2) / 2 + 8 * 0.1e-6 * (500.0 / 2 - 100.0 / 6), 2e-3);
+  /* above 450 V: 50 V of the rise at 8 A, and half of the fall, of (500 - 100 x) 8 (1 - x) */
+  CLOSE(value(t, "e_avalanche"), 8 * 475 * 0.1e-6 * 50 / 498 + 0.1e-6 * 8 * (250 - 75 + 12.5 / 3),
+        2e-3);
+  CU_ASSERT(measure(t, "e_avalanche")->failed_s > 20.1e-6);
   CLOSE(value(t, "loss_conduction"), 2 * 8 * 9.9e-6, 5e-3); /* and up to 10 V of two ramps */
   /* 0.8 mJ within 10 us, of which a network of 1 ms forgets 1 % at most */
   CLOSE(value(t, "t_j_rise"), 0.5 * value(t, "loss") / 1e-3, 2e-2);

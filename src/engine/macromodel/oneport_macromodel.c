@@ -576,7 +576,7 @@ static const char *why_declined(const vs_setup *setup) {
   const vs_model *m = &setup->model;
   if (setup->deck.reads_eva.file) return "an element of the deck reads the machine's motion";
   if (!m->coil.square) return "its law is fitted to a coil with i = lambda z/(2a) alone";
-  if (m->coil.eddies) return "its law has no eddy currents";
+  if (m->coil.eddies) return "what would stand in for the circuit has no eddy currents";
   if (m->loaded) return "the machine has forces that never change";
   if (!isfinite(m->compliance_m_n)) return "a coordinate of the machine has no spring";
   return NULL;

@@ -628,12 +628,20 @@ bool vs_devices_sign_is_wrong(const vs_watched *w, double whole_j, char *text, s
              name, -net_j, kind->name);
     return true;
   }
-  bool one_way = kind->switches && !kind->both_ways;
+  const bool zener = kind->clamps && kind->pins[0].text; /* its pins are not alike */
+  bool one_way = (kind->switches && !kind->both_ways) || zener;
   bool conducts = net_j > least_j && net_j < ON_V * w->back_c;
   if (!one_way || !conducts || !(w->back_c > TIMES * forth_c)) return false;
-  snprintf(text, size,
-           "device %s conducts backwards, which no %s does: its voltage and its current have the "
-           "wrong sign in its line, and so have its measures",
-           name, kind->name);
+  if (zener)
+    snprintf(text, size,
+             "device %s conducts as a forward diode alone and never clamps: its part is the wrong "
+             "way round; a %s has its cathode first",
+             name, kind->name);
+  else
+    snprintf(text, size,
+             "device %s conducts backwards, which no %s does: its part is the wrong way round (a %s "
+             "has its %s first), or its voltage and its current have the wrong sign in its line, "
+             "and so have its measures",
+             name, kind->name, kind->name, kind->pins[0].text);
   return true;
 }

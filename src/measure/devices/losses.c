@@ -62,8 +62,7 @@ static double next_cut(const vs_losses *l, const vs_course_step *c, double at) {
   return l->rectifies ? crossing_of_level(i0, i1, 0, at, end) : end;
 }
 
-/* The energy up to a part of the step. The power runs on a parabola. */
-static double loss_energy_at(const vs_course_step *c, double at) {
+double vs_losses_at(const vs_course_step *c, double at) {
   double p0 = c->from[VS_OF_POWER], pm = c->mid[VS_OF_POWER], p1 = c->to[VS_OF_POWER];
   double slope = 4 * pm - 3 * p0 - p1, bend = 2 * (p0 - 2 * pm + p1);
   return c->h_s * at * (p0 + at * (slope / 2 + at * bend / 3));
@@ -92,7 +91,7 @@ static void take_part_of_loss(vs_losses *l, const vs_course_step *c, double at, 
   double i = between_ends(c->from[VS_OF_I], c->to[VS_OF_I], mid);
   int phase = phase_of(l, v, i);
   if (phase != l->phase) turn_phase(l, phase, c->t0_s + at * c->h_s);
-  double joule = loss_energy_at(c, end) - loss_energy_at(c, at);
+  double joule = vs_losses_at(c, end) - vs_losses_at(c, at);
   l->joule[phase] += joule;
   l->stretch_j += joule;
   double end_a = between_ends(c->from[VS_OF_I], c->to[VS_OF_I], end);

@@ -59,5 +59,7 @@ void vs_losses_begin(vs_losses *losses, bool rectifies);
 void vs_losses_resume(vs_losses *losses, double v_v, double i_a);
 /* Takes the next step. */
 void vs_losses_follow(vs_losses *losses, const vs_course_step *c);
+/* The energy of a step up to a part of it, 0 to 1, J. The power runs on a parabola. */
+double vs_losses_at(const vs_course_step *c, double at);
 
 #endif

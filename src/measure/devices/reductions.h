@@ -20,7 +20,8 @@ extern const vs_reducer vs_switching_reductions_gate_least;
 extern const vs_reducer vs_switching_reductions_conduction, vs_switching_reductions_switching,
     vs_switching_reductions_recovery, vs_switching_reductions_blocking,
     vs_switching_reductions_e_on, vs_switching_reductions_e_off, vs_switching_reductions_e_recovery,
-    vs_switching_reductions_turned_off;
+    vs_switching_reductions_turned_off,
+    vs_switching_reductions_avalanche;
 extern const vs_reducer vs_fuse_reduction_opens, vs_fuse_reduction_arcs, vs_fuse_reduction_curve,
     vs_fuse_reduction_open, vs_fuse_reduction_arc, vs_fuse_reduction_clears;
 extern const vs_reducer vs_pulse_heat;

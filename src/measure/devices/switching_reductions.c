@@ -288,6 +288,44 @@ static void finish_e_recovery(const vs_watched *w, vs_reduced *r, const vs_run_e
   finish_value(r, w->losses->largest[VS_LOSS_RECOVERY], end);
 }
 
+/* ---- avalanche ---- */
+
+/* The stretch above V_DSS: its energy so far. */
+typedef struct avalanche {
+  double v_dss_v, joule;
+} avalanche;
+
+static void prepare_avalanche(vs_watched *w, vs_reduced *r) {
+  ((avalanche *)r->state)->v_dss_v = limit_of_part(w, "v_dss");
+}
+
+/* The part of a step, from 0 to 1, at which its straight voltage is at v. */
+static double part_at(const vs_course_step *c, double v) {
+  const double v0 = c->from[VS_OF_V], v1 = c->to[VS_OF_V];
+  return fmin(fmax((v - v0) / (v1 - v0), 0), 1);
+}
+
+static void follow_avalanche(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
+  avalanche *a = r->state;
+  const double v0 = c->from[VS_OF_V], v1 = c->to[VS_OF_V];
+  (void)w;
+  if (!(fmax(v0, v1) > a->v_dss_v)) { /* also without v_dss */
+    a->joule = 0;
+    return;
+  }
+  const double from = v0 < a->v_dss_v ? part_at(c, a->v_dss_v) : 0,
+               to = v1 < a->v_dss_v ? part_at(c, a->v_dss_v) : 1;
+  if (from > 0) a->joule = 0;
+  a->joule += vs_losses_at(c, to) - vs_losses_at(c, from);
+  vs_reducer_offer(r, (vs_value){true, a->joule, c->t0_s + to * c->h_s}, false);
+}
+
+static void finish_avalanche(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
+  (void)w;
+  (void)end;
+  r->idle = !r->value.known;
+}
+
 static void finish_turned_off(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
   finish_value(r, w->losses->turned_off, end);
 }
@@ -300,4 +338,8 @@ const vs_reducer
     vs_switching_reductions_e_on = {.prepare = prepare_losses, .finish = finish_e_on},
     vs_switching_reductions_e_off = {.prepare = prepare_losses, .finish = finish_e_off},
     vs_switching_reductions_e_recovery = {.prepare = prepare_losses, .finish = finish_e_recovery},
-    vs_switching_reductions_turned_off = {.prepare = prepare_losses, .finish = finish_turned_off};
+    vs_switching_reductions_turned_off = {.prepare = prepare_losses, .finish = finish_turned_off},
+    vs_switching_reductions_avalanche = {.state_size = sizeof(avalanche),
+                                         .prepare = prepare_avalanche,
+                                         .follow = follow_avalanche,
+                                         .finish = finish_avalanche};

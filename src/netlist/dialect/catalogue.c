@@ -427,7 +427,9 @@ vs_status vs_catalogue_find(const vs_shelf *shelf, const char *name, vs_where wh
               : vs_fail_at(err, where,
                            "no %s '%s': not a file, and not a %s that comes with the program%s",
                            shelf->what, name, shelf->what,
-                           vs_text_hint(name, (const char *const *)s.all, s.count, "").text);
+                           vs_text_hint(name, (const char *const *)s.all, s.count,
+                                        "; a row of a table of your own is FILE.tab#NAME")
+                               .text);
   end_search(&s);
   return status;
 }

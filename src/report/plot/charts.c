@@ -123,13 +123,109 @@ const vs_chart vs_charts_curve = {.name = "curve", .fits = fits_curve, .draw = d
 
 /* ---- cases, and the path of a search ---- */
 
+/* What cases are called that have few axes of words: "1N4007, open". */
+typedef struct case_names {
+  const vs_study_plot *k;
+  size_t x, y; /* columns of the point at which a label is set; x 0: the case's tick has the name */
+  vs_picture *p;
+  int count;
+} case_names;
+
+/* True if the cases are few, and one of their axes is of words: parts, decks. */
+static bool has_names(const vs_study_plot *k) {
+  enum { NAMED = 24 }; /* cases whose names have room below a picture */
+  bool words = false;
+  for (size_t a = 0; a < k->n_axes; a++) words = words || !k->s->profile[k->axis[a]].is_number;
+  return words && k->s->rows <= NAMED;
+}
+
+static vs_status name_case(void *ctx, const vs_folder_row *row, vs_error *err) {
+  case_names *c = ctx;
+  vs_script *script = &c->p->script;
+  vs_text name = {0};
+  const vs_profile *across = &c->k->s->profile[c->x];
+  double at[2] = {(double)row->number, 0}, middle = (across->least + across->largest) / 2;
+  (void)err;
+  for (size_t a = 0; a < c->k->n_axes; a++)
+    vs_text_add(&name, "%s%s", a ? ", " : "", row->cell[c->k->axis[a]]);
+  for (int n = 0; n < 2 && c->x; n++) {
+    const size_t column = n ? c->y : c->x;
+    if (!vs_folder_number(row->cell[column], &at[n]) || isnan(at[n])) at[0] = NAN;
+    at[n] *= vs_study_plot_scale(c->k, column).factor;
+  }
+  if (c->x) middle *= vs_study_plot_scale(c->k, c->x).factor;
+  if (!isnan(at[0])) {
+    vs_gnuplot_code(script, c->x ? "set label " : c->count ? ", " : "set xtics rotate by -35 (");
+    vs_gnuplot_quoted(script, name.text);
+    if (c->x)
+      vs_gnuplot_add(script, " at first %.9g, first %.9g %s,0.5 front\n", at[0], at[1],
+                     at[0] > middle ? "right offset -0.8" : "offset 0.8");
+    else
+      vs_gnuplot_add(script, " %ld", row->number);
+    c->count++;
+  }
+  vs_text_free(&name);
+  return VS_OK;
+}
+
+/* Sets the names of the cases: at their ticks, or at the points of two columns. */
+static vs_status set_names(const vs_study_plot *k, size_t x, size_t y, vs_picture *p,
+                           vs_error *err) {
+  case_names c = {.k = k, .x = x, .y = y, .p = p};
+  vs_status status = vs_folder_each(k->t, name_case, &c, err);
+  if (!x && c.count) vs_gnuplot_add(&p->script, ")\nset bmargin 9\nset xlabel ''\n");
+  return status;
+}
+
+/* The reported columns with numbers: the first two. False: there are fewer. */
+static bool find_pair(const vs_study_plot *k, size_t pair[2]) {
+  size_t n = 0;
+  for (size_t c = 1; c < k->t->count && n < 2; c++)
+    if (k->t->column[c].role == VS_ROLE_REPORT && k->s->profile[c].known) pair[n++] = c;
+  return n == 2;
+}
+
+static bool fits_pair(const vs_study_plot *k) {
+  size_t pair[2];
+  return has_names(k) && find_pair(k, pair);
+}
+
+static vs_status draw_pair(const vs_study_plot *k, size_t column, vs_picture *p, vs_error *err) {
+  size_t pair[2];
+  vs_text over = {0};
+  vs_dots s;
+  (void)column;
+  find_pair(k, pair);
+  vs_text_add(&over, " over %s", k->t->column[pair[1]].name);
+  vs_study_plot_title(k, pair[0], over.text, p);
+  vs_text_free(&over);
+  snprintf(p->name, sizeof p->name, "pair_%.200s", k->t->column[pair[0]].title);
+  vs_study_plot_begin(k, pair[1], pair[0], p);
+  vs_study_plot_axis(k, pair[0], 'y', &p->script);
+  vs_study_plot_range(k, pair[1], 'x', false, p);
+  vs_study_plot_range(k, pair[0], 'y', false, p);
+  vs_status status = set_names(k, pair[1], pair[0], p, err);
+  if (!status) status = vs_study_plot_dots_load(k, pair[1], pair[0], &s, err);
+  if (status) return status;
+  vs_study_plot_data(&p->script, "pair", &s, false);
+  vs_gnuplot_add(&p->script, "plot $pair using 1:2 with points pt 7 ps 0.8 lc rgb %s\n",
+                 vs_scale_colours[0]);
+  vs_study_plot_dots_free(&s);
+  return status;
+}
+
+/* "pair": the first reported measure over the second, a named point for each case. */
+const vs_chart vs_charts_pair = {.name = "pair", .fits = fits_pair, .draw = draw_pair};
+
 static vs_status draw_cases(const vs_study_plot *k, size_t column, vs_picture *p, vs_error *err) {
   vs_dots s;
   vs_study_plot_title(k, column, ", case by case", p);
   vs_study_plot_begin(k, 0, column, p);
   vs_study_plot_axis(k, column, 'y', &p->script);
   vs_study_plot_range(k, column, 'y', false, p);
-  vs_status status = vs_study_plot_dots_load(k, 0, column, &s, err);
+  vs_status status = has_names(k) ? set_names(k, 0, column, p, err) : VS_OK;
+  if (!status) status = vs_study_plot_dots_load(k, 0, column, &s, err);
+  if (status) return status;
   if (s.count > MOST_POINTS)
     vs_text_add(&p->caption, "%zu cases; of each stretch the least and the largest. ", s.count);
   vs_study_plot_dots_thin(&s, MOST_POINTS);

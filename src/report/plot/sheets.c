@@ -172,11 +172,19 @@ static void add_first_coordinate(vs_sheet *s, const run *r) {
   if (c) add_coordinate(s, c);
 }
 
+/* Adds the voltage of a deck's switch, where it has that probe. */
+static void add_switch(vs_sheet *s, const run *r) {
+  for (size_t k = 0; k < r->count; k++)
+    if (!strcmp(r->column[k].name, "v_ds_v"))
+      vs_sheet_add(s, "v_ds_v", "switch voltage / V", 1);
+}
+
 static void fill_pulse(vs_sheet *s, const run *r) {
   add_first_coordinate(s, r);
   vs_sheet_add(s, "force_n", "F / N", 1);
   vs_sheet_add(s, "i_a", "i / A", 1);
   vs_sheet_add(s, "v_eva_v", r->is_paper ? "EVA voltage / V" : "coil voltage / V", 1);
+  add_switch(s, r);
 }
 
 static void fill_overview(vs_sheet *s, const run *r) {
@@ -187,6 +195,7 @@ static void fill_overview(vs_sheet *s, const run *r) {
   vs_sheet_add(s, "i_a", "i / A", 1);
   vs_sheet_add(s, "v_eva_v", r->is_paper ? "EVA voltage / V" : "coil voltage / V", 1);
   vs_sheet_add(s, "v_mains_v", "mains voltage / V", 1);
+  add_switch(s, r);
 }
 
 /* Adds a panel for each curve that instruments have measured, in their order. Its label is that of

@@ -9,9 +9,9 @@
  * column, add the name to study/cleanup.c too, which removes the pictures of an older study.
  * test_tables and test_report draw it. */
 static const vs_chart *const CHARTS[] = {
-    &vs_charts_curve,     &vs_charts_cases,   &vs_charts_path,      &vs_charts_cloud,
-    &vs_map_chart,        &vs_feasible_chart, &vs_spread_histogram, &vs_spread_bars,
-    &vs_spread_influence, &vs_spread_effect};
+    &vs_charts_curve, &vs_charts_cases,     &vs_charts_path,    &vs_charts_cloud,
+    &vs_charts_pair,  &vs_map_chart,        &vs_feasible_chart, &vs_spread_histogram,
+    &vs_spread_bars,  &vs_spread_influence, &vs_spread_effect};
 enum { N_CHARTS = sizeof CHARTS / sizeof *CHARTS };
 
 /* The row of that name; N_CHARTS: there is none. */
@@ -124,6 +124,7 @@ vs_status vs_study_pictures_make(const vs_folder *t, const vs_study_results *s,
   const vs_chart *chart = every_column(&k);
   for (size_t i = shown; i < n && !status; i++)
     status = add_pictures_of(&k, chart, column[i], album, err);
+  if (!status && vs_charts_pair.fits(&k)) status = add_one(&k, &vs_charts_pair, 0, album, err);
   for (size_t m = t->n_methods; m-- > 0 && !status;)
     status = add_list(&k, t->methods[m]->report.last, column[0], &shown, album, err);
   return status;

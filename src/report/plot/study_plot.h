@@ -41,13 +41,14 @@ typedef struct vs_chart {
 
 /* All kinds of picture. charts.c: a column over the only axis, with a line for each word of a
  * second one ("curve"); over the number of the case ("cases"), for a search with the worst so far
- * ("path"); coloured points for cases anywhere between two axes of numbers ("cloud"). map.c:
+ * ("path"); coloured points for cases anywhere between two axes of numbers ("cloud"); one measure
+ * over another, with named points ("pair"). map.c:
  * coloured cells over two axes ("map"). feasible.c: the candidates that a search for one that holds
  * has tried ("feasible"). spread.c: how a column is distributed over many cases ("histogram"), its
  * worst corners ("bars"), and what influences it ("influence", "effect"). */
 extern const vs_chart vs_charts_curve, vs_charts_cases, vs_charts_path, vs_charts_cloud,
-    vs_map_chart, vs_feasible_chart, vs_spread_histogram, vs_spread_bars, vs_spread_influence,
-    vs_spread_effect;
+    vs_charts_pair, vs_map_chart, vs_feasible_chart, vs_spread_histogram, vs_spread_bars,
+    vs_spread_influence, vs_spread_effect;
 
 /* How the column is shown; column 0 is the number of the case. */
 vs_scale vs_study_plot_scale(const vs_study_plot *k, size_t column);

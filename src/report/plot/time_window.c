@@ -143,7 +143,7 @@ static vs_status find_one(const char *word, const vs_traces *t, vs_probes_shown 
 /* Takes the first column, which is a coordinate if these were recorded, and those that every tier
  * has. */
 static void take_usual(const vs_traces *t, vs_probes_shown *p) {
-  static const char *const USUAL[] = {"force_n", "i_a", "v_eva_v", "v_mains_v"};
+  static const char *const USUAL[] = {"force_n", "i_a", "v_eva_v", "v_mains_v", "v_ds_v"};
   if (t->columns > 1 && strlen(t->name[1]) < VS_PROBE_SIZE)
     fill_probe(&p->item[p->count++], &t->column[1]);
   for (size_t k = 0; k < sizeof USUAL / sizeof *USUAL; k++) {

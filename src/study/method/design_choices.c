@@ -440,7 +440,9 @@ static vs_status read_kind(vs_design_choice *c, vs_error *err) {
   size_t n = 0;
   if (!kind || kind->kind != VS_NODE_TEXT)
     return vs_fail_at(err, kind ? kind->where : c->node->where,
-                      "%s: kind is wanted, as {kind: thyristor}, or same_as", c->node->key);
+                      "%s: kind is wanted, as {kind: thyristor} or {kind: resistor, values: [1 kohm, "
+                      "2.2 kohm]}, or same_as; what is no part with a price is varied by a study",
+                      c->node->key);
   c->kind = vs_kinds_find(kind->text);
   if (c->kind) return VS_OK;
   for (const vs_kind *k = vs_kinds_all; k->name && n < 64; k++) names[n++] = k->name;

@@ -56,7 +56,8 @@ static vs_status read_width(const vs_axis *axis, const vs_node *node, const char
   char why[256];
   double si;
   const bool relative = strchr(text, '%') != NULL;
-  if (!vs_units_read(text, relative ? "%" : axis->unit, &si, why, sizeof why))
+  const bool kelvin = !strcmp(axis->unit, "degC") && strchr(text, 'K'); /* a difference of two */
+  if (!vs_units_read(text, relative ? "%" : kelvin ? "K" : axis->unit, &si, why, sizeof why))
     return vs_fail_at(err, node->where, "%s: %s, or a part of its value in %%", axis->key, why);
   if (isnan(axis->nominal))
     return vs_fail_at(err, node->where,

@@ -58,7 +58,8 @@ bool vs_devices_fails_to_clear(const vs_devices *devices, size_t which, char *te
 /* True: the line of the device in the deck has a wrong sign; text says which. The power v i of a
  * device is what it takes. So one that cannot store energy, and still gives more than it takes, has
  * the sign of its voltage or of its current wrong. A diode or a thyristor that conducts backwards
- * has both wrong. whole_j: the energy of the run, against which a small one says nothing. */
+ * has both wrong, or stands the wrong way round, as a Zener diode does that conducts forwards alone.
+ * whole_j: the energy of the run, against which a small one says nothing. */
 bool vs_devices_sign_is_wrong(const vs_watched *w, double whole_j, char *text, size_t size);
 
 #endif

@@ -53,6 +53,7 @@ enum { VS_OF_FLUX, VS_OF_V, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_OF_V2, VS_COURSES
  *                     made of: measure/devices/losses.h
  *   VS_R_E_ON, VS_R_E_OFF, VS_R_E_RECOVERY   the largest of a single switching
  *   VS_R_TURNED_OFF   largest current that was turned off
+ *   VS_R_AVALANCHE    largest energy of one stretch above the part's v_dss
  *   VS_R_DERATED      peak of the pulse that comes nearest to what the part's lines `pulse` allow
  *                     for its width and number
  *   VS_R_REPEATED     mean over the time from one pulse to the next, where events repeat the run
@@ -101,6 +102,7 @@ enum { VS_OF_FLUX, VS_OF_V, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_OF_V2, VS_COURSES
   X(VS_R_E_OFF, vs_switching_reductions_e_off)                                                     \
   X(VS_R_E_RECOVERY, vs_switching_reductions_e_recovery)                                           \
   X(VS_R_TURNED_OFF, vs_switching_reductions_turned_off)                                           \
+  X(VS_R_AVALANCHE, vs_switching_reductions_avalanche)                                             \
   X(VS_R_DERATED, vs_surge_pulses)                                                                 \
   X(VS_R_REPEATED, repeated)                                                                       \
   X(VS_R_CASE, vs_junction_case)                                                                   \
