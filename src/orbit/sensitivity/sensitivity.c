@@ -283,8 +283,8 @@ static const double STEPS_ALIKE[] = {1e-5, 1e-6};
 enum { N_STEPS_ALIKE = sizeof STEPS_ALIKE / sizeof *STEPS_ALIKE };
 /* The derivative is that of the steps. Another one, of COARSER steps, differs from it by OFF of
  * what it is off by at least, as where an extreme lies between two knots that the key moves; and it
- * is known to no more than OF_RUN of run.tolerance. Over 6 keys and 7 measures of 4 decks at 1e-3
- * to 1e-5 no error was above the told one. */
+ * is known to no more than OF_RUN of run.tolerance. With halfwave_snubbed at
+ * 100 and 130 degrees no error was above the told one, at 1e-3 to 1e-5 against 1e-6. */
 static const double COARSER = 3, OFF = 0.25, OF_RUN = 1;
 
 static vs_status take_alike_at(search *s, size_t to, double tolerance, double step, vs_error *err) {
