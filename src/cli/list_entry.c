@@ -46,7 +46,7 @@ void vs_list_entry_details(vs_entries *e, const char *only) {
 const char *vs_list_entry_lines(vs_entries *e) {
   enum { LONG = 4 }; /* more parts than fit on a screen with their limits */
   if (!e->detailed || e->count < LONG) return e->out.text;
-  vs_text_add(&e->heads, "%d; limits and parameters are shown of fewer than %d: list parts NAME\n",
+  vs_text_add(&e->heads, "%d parts; of fewer than %d, limits and parameters are shown, too: list parts NAME\n",
               e->count, LONG);
   return e->heads.text;
 }

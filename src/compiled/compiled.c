@@ -366,7 +366,8 @@ static vs_status restart_behind_jump(compiled *c, double first_s, vs_error *err)
   for (int k = 0; k < CHANGES; k++) {
     const double h = restart_length(c, first_s);
     if (!(h > 0)) return no_solution(c, err);
-    if (vs_equations_choose(&c->e, c->r.next, false)) continue;
+    const bool chosen = vs_equations_choose(&c->e, c->r.next, false);
+    if (vs_replay_restarts(c->job->steps, chosen)) continue;
     vs_monodromy_restart(&c->map, &c->r, h);
     vs_status status = show_instant(c, h, 1, err);
     accept_step(c, h);
@@ -579,7 +580,7 @@ static vs_status run_equations(void *circuit, vs_error *err) {
       if (!status) status = show_step(c, taken, err);
       accept_step(c, taken);
     }
-    jumps = jumps && choose_branches(c);
+    jumps = jumps && vs_replay_restarts(c->job->steps, choose_branches(c));
     if (status || (!jumps && (c->r.t_s < edge_s - RESTART_S || edge_s == until_s))) continue;
     status = restart_here(c, RESTART_S, err);
     h = FIRST_S;

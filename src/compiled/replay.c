@@ -26,6 +26,10 @@ int vs_replay_parts(vs_circuit_steps *s, int parts) {
   return s->step[s->count - 1].parts = parts;
 }
 
+bool vs_replay_restarts(const vs_circuit_steps *s, bool due) {
+  return vs_replay_follows(s) ? s->next < s->count && isnan(s->step[s->next].left_s) : due;
+}
+
 const vs_circuit_step *vs_replay_next(vs_circuit_steps *s, double left_s, double *length_s) {
   if (s->next == s->count) return NULL;
   const vs_circuit_step *step = &s->step[s->next++];

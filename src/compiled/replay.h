@@ -11,6 +11,9 @@ void vs_replay_begin(vs_circuit_steps *steps);
 void vs_replay_note(vs_circuit_steps *steps, const vs_circuit_step *step);
 /* The last one was shown in as many parts. Returns in how many it is to be. */
 int vs_replay_parts(vs_circuit_steps *steps, int parts);
+/* A restart is due behind the last one, or none. Returns whether there is to be one: that may hang
+ * on rounding where a step ends on a change of branch. */
+bool vs_replay_restarts(const vs_circuit_steps *steps, bool due);
 
 /* The run takes steps of another; and it does so, or notes its own. */
 static inline bool vs_replay_follows(const vs_circuit_steps *steps) {

@@ -199,17 +199,21 @@ static bool is_far(const vs_step *step) {
 
 static void integrate_energies(vs_energy *e, const vs_step *step, bool flows) {
   unsigned groups = VS_GROUP_VELOCITIES | (flows ? VS_GROUP_V_EVA | VS_GROUP_V_MAINS : 0);
-  const int g = step->cubic_flux && !step->parts ? 0 : 1, parts = parts_of(step);
-  double h = (step->to->t_s - step->from->t_s) / parts, y[VS_CH_MOST];
+  const int g = step->cubic_flux ? 0 : 1, parts = parts_of(step);
+  double y[VS_CH_MOST];
   if (step->open) { /* no current, and so no power */
     groups = VS_GROUP_VELOCITIES;
     y[VS_CH_V_EVA] = y[VS_CH_V_MAINS] = 0;
   }
-  for (int part = 0; part < parts; part++)
-    for (int k = 0; k < GAUSS[g].count; k++) {
-      vs_step_groups_at(step, step->from->t_s + h * part + h * GAUSS[g].at[k], groups, y);
-      add_energy_instant(e, y, h * GAUSS[g].weight[k], flows);
-    }
+  for (int n = 0; n <= step->parts; n++) { /* currents and voltages bend from piece to piece */
+    const vs_piece piece = vs_step_piece(step, n);
+    const double h = (piece.to->t_s - piece.from->t_s) / parts;
+    for (int part = 0; part < parts; part++)
+      for (int k = 0; k < GAUSS[g].count; k++) {
+        vs_step_groups_at(step, piece.from->t_s + h * part + h * GAUSS[g].at[k], groups, y);
+        add_energy_instant(e, y, h * GAUSS[g].weight[k], flows);
+      }
+  }
 }
 
 /* Keeps of the last knot what tells the energies stored there. */

@@ -234,7 +234,7 @@ static bool is_default(const char *section, const vs_node *node) {
 
 static vs_status refuse_ignored_key(const asked *s, const char *section, const vs_node *node,
                                     vs_error *err) {
-  if (!node || is_default(section, node)) return VS_OK;
+  if (!node || (s->tier->has_circuit && is_default(section, node))) return VS_OK;
   if (s->tier->has_circuit && !strcmp(section, "run"))
     return vs_error_keep(
         err, vs_fail_at(err, node->key_where,

@@ -297,7 +297,7 @@ static void all_that_is_wrong_with_a_deck(void) {
       "",
       "d.cir:2:4: '*$ prt' is not known; there are: title, param, port, line, earth, probe, loss, "
       "store, part, limit, rating, require, device, time_current, derate, zth, pulse, surge, at, "
-      "model, compat; did you mean "
+      "model, start, compat; did you mean "
       "'port'?\n"
       " *$ prt    mains = Vmains\n"
       "    ^\n"

@@ -207,13 +207,14 @@ static void every_limit_of_one_number(void) {
   for (size_t k = 0; k < COUNT(TRAPS); k++) spring(&TRAPS[k]);
 }
 
-/* No row of these kinds that has a limit is without its trap. */
+/* No row of these kinds that has a limit is without its trap. A MOSFET that avalanches breaks v_peak
+ * first, so that e_avalanche is tried by itself (test_kinds). */
 static void no_row_is_left_out(void) {
   static const char *const KINDS[] = {"thyristor", "triac", "diode", "mosfet", "igbt"};
   for (size_t k = 0; k < COUNT(KINDS); k++) {
     const vs_kind *kind = vs_kinds_find(KINDS[k]);
     for (size_t n = 0; n < kind->n_measures; n++) {
-      bool there = !kind->measures[n].limit;
+      bool there = !kind->measures[n].limit || !strcmp(kind->measures[n].name, "e_avalanche");
       for (size_t t = 0; t < COUNT(TRAPS); t++)
         there = there || (!strcmp(TRAPS[t].kind, KINDS[k]) &&
                           !strcmp(TRAPS[t].measure, kind->measures[n].name));

@@ -26,7 +26,7 @@ typedef struct vs_pwm_values {
   double depth;                   /* of the sine, from its least to its largest value */
   double frequency_hz, phase_rad; /* of the sine */
   double dead_s;
-  double on_s, off_s; /* one pulse; both 0: the carrier's; off_s 0: it has no end */
+  double on_s, off_s; /* one pulse; off_s INFINITY: it has no end; both 0: the carrier's */
 } vs_pwm_values;
 
 /* One switch of a leg. */
@@ -42,8 +42,8 @@ bool vs_pwm_is_single(const vs_pwm_values *pwm);
 
 /* Errors, at the key's place: the reference leaves 0..1, or changes faster than the carrier; the
  * dead time is longer than a flank; one pulse that ends before it begins, or beside a carrier.
- * `section` may be NULL. */
-vs_status vs_pwm_check(const vs_node *section, const vs_pwm_values *pwm, vs_error *err);
+ * `section` may be NULL; where it has `on` alone, the pulse gets no end. */
+vs_status vs_pwm_check(const vs_node *section, vs_pwm_values *pwm, vs_error *err);
 
 /* True while the switch is driven at t: from behind the edge that begins a pulse up to the one that
  * ends it, so that a step that ends on an edge sees what was before it. */
