@@ -46,8 +46,9 @@ void vs_list_entry_details(vs_entries *e, const char *only) {
 const char *vs_list_entry_lines(vs_entries *e) {
   enum { LONG = 4 }; /* more parts than fit on a screen with their limits */
   if (!e->detailed || e->count < LONG) return e->out.text;
-  vs_text_add(&e->heads, "%d parts; of fewer than %d, limits and parameters are shown, too: list parts NAME\n",
-              e->count, LONG);
+  vs_text_add(&e->heads,
+              "%d parts; up to %d are shown with limits and parameters: list parts NAME\n",
+              e->count, LONG - 1);
   return e->heads.text;
 }
 

@@ -323,7 +323,8 @@ enum { CHANGES = 100 };
 
 /* The steps of another run do not serve: a device switches in another of them. */
 static vs_status lose_steps(const compiled *c, vs_error *err) {
-  return vs_fail(err, VS_RUN, "t = %.9g s: other steps are due than in the run beside",
+  return vs_fail(err, VS_RUN,
+                 "t = %.9g s: a device switches in another step than in the scene's own run",
                  c->host->clock ? c->host->clock(c->host->ctx, c->r.t_s) : c->r.t_s);
 }
 

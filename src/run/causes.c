@@ -136,6 +136,7 @@ static void look_at_device(vs_causes *c, cause *k, const vs_device_measure *m) {
     if (isnan(k->at_s)) k->at_s = peak_of_device(c->result, k->device, k->voltage = true);
   }
   if (k->form == RISE) k->over_s = stretch_of(c, k);
+  if (m->how == VS_R_FALL) k->at_s -= 50e-6; /* of a current that is 0 at the end of its fall */
   if (isnan(k->at_s))
     snprintf(k->note, sizeof k->note, "no instant is known at which it is decided");
   if (m->how == VS_R_OFFERED)
@@ -709,17 +710,35 @@ static void show_sum(const cause *k, FILE *out) {
   fprintf(out, "; its largest %s is ", k->voltage ? "voltage" : "current");
 }
 
+/* What makes the line, as text; to be freed. */
+static char *text_of(const cause *k) {
+  char *text = NULL;
+  size_t size;
+  FILE *out = vs_alloc_stream(&text, &size);
+  if (!k->told) fputs(k->note, out);
+  if (k->told && k->form == OVER_TIME) show_sum(k, out);
+  if (k->told) show_shares(k, out);
+  show_happening(&k->event, k->at_s, out);
+  show_happening(&k->deed, k->at_s, out);
+  if (k->assumed.length) fprintf(out, "; assumed: %s", k->assumed.text);
+  vs_alloc_stream_close(out);
+  return text;
+}
+
+/* Lines that the same makes are told together. */
 void vs_causes_show(const vs_causes *c, FILE *out) {
-  char name[VS_JUDGED_NAME];
+  char name[VS_JUDGED_NAME], *text[VS_CAUSES_MOST];
+  for (size_t k = 0; k < c->count; k++) text[k] = text_of(&c->item[k]);
   for (size_t k = 0; k < c->count; k++) {
-    const cause *one = &c->item[k];
-    fprintf(out, "why %s: %s", vs_verdict_name(one->of, name), one->told ? "" : one->note);
-    if (one->told && one->form == OVER_TIME) show_sum(one, out);
-    if (one->told) show_shares(one, out);
-    show_happening(&one->event, one->at_s, out);
-    show_happening(&one->deed, one->at_s, out);
-    if (one->assumed.length) fprintf(out, "; assumed: %s", one->assumed.text);
-    fputc('\n', out);
+    if (!text[k]) continue;
+    fprintf(out, "why %s", vs_verdict_name(c->item[k].of, name));
+    for (size_t n = k + 1; n < c->count; n++) {
+      if (!text[n] || strcmp(text[n], text[k])) continue;
+      fprintf(out, ", %s", vs_verdict_name(c->item[n].of, name));
+      free(text[n]), text[n] = NULL;
+    }
+    fprintf(out, ": %s\n", text[k]);
+    free(text[k]);
   }
   if (c->left_out)
     fprintf(out, "why: %zu more violated line%s left out\n", c->left_out,

@@ -153,7 +153,7 @@ static void without_a_circuit(void) {
   write_file("m.yaml", "ratings: {stroke: .. 0.1 mm, i: .. 0.1 A}\nrun: {until: 30 ms}\n");
   ran r = run("run m.yaml --tier switched --why");
   CU_ASSERT_EQUAL(r.status, 3);
-  EXPECT(strstr(r.out, "why stroke: tier switched has no circuit"), "%s", r.out);
+  EXPECT(strstr(r.out, "why stroke, i: tier switched has no circuit"), "%s", r.out);
   free_ran(&r);
   r = run("run m.yaml --tier circuit --why");
   CU_ASSERT_EQUAL(r.status, 3);

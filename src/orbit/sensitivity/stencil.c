@@ -81,7 +81,7 @@ vs_status vs_stencil_run(vs_stencil *f, const vs_sensitivity_problem *subject, d
     vs_error why = {0};
     status = run_one(f, subject, k, tolerance, alike ? &steps : NULL, &why);
     if (status && k)
-      vs_fail(err, status, "with %s at %.6g of its value: %s", f->parameter.key.name,
+      vs_fail(err, status, "with %s at %.9g of its value: %s", f->parameter.key.name,
               1 + f->parameter.at[k], why.text);
     else if (status)
       vs_fail(err, status, "%s", why.text);
