@@ -201,7 +201,7 @@ static const char *name_stop(const vs_step *step, int k) {
 static void tell_switching(const audience *a, const vs_step *step) {
   const vs_setup *s = &a->scene->setup;
   const vs_pwm_values *p = &s->timeline.pwm;
-  const double at_s[] = {p->on_s, p->off_s};
+  const double at_s[] = {p->on_s, p->off_s > 0 ? p->off_s : INFINITY};
   if (!a->events.stream || !vs_pwm_is_single(p) ||
       !vs_deck_has_port(&s->deck, vs_port_is_modulated))
     return;

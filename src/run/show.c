@@ -267,7 +267,7 @@ static void print_switching(const vs_pwm_values *p, FILE *out) {
     return;
   }
   fprintf(out, ", switched on at %.6g ms", 1e3 * p->on_s);
-  if (isfinite(p->off_s)) fprintf(out, ", off at %.6g ms", 1e3 * p->off_s);
+  if (p->off_s > 0 && isfinite(p->off_s)) fprintf(out, ", off at %.6g ms", 1e3 * p->off_s);
   fputs("\n", out);
 }
 

@@ -394,7 +394,7 @@ static void refused(void) {
       {"run paper --tier switched --set pwm.depth=0.1", "pwm.depth: tier switched"},
       {"run relay --set pwm.on=50ms", "pwm.off: 50 ms is not behind pwm.on, 50 ms"},
       {"run relay --set pwm.duty=0.3", "pwm.duty: with pwm.on and pwm.off there is one pulse"},
-      {"run chopper --set pwm.depth=0 --set pwm.on=0ms", "pwm.on: from t = 0 on"},
+      {"run chopper --set pwm.depth=0 --set pwm.on=0ms", "pwm.carrier: with pwm.on and pwm.off"},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     ran r = run("%s", ROWS[k].words);

@@ -43,7 +43,7 @@ bool vs_pwm_is_single(const vs_pwm_values *p) {
  * from t = 0 on was there before. */
 static void pulse_of(const vs_pwm_values *p, bool low, double at_s[2]) {
   at_s[0] = p->on_s > 0 ? p->on_s + (low ? 0 : p->dead_s) : -INFINITY;
-  at_s[1] = p->off_s + (low ? p->dead_s : 0);
+  at_s[1] = p->off_s > 0 ? p->off_s + (low ? p->dead_s : 0) : INFINITY;
 }
 
 static bool is_in_pulse(const vs_pwm_values *p, bool low, double t_s) {
@@ -190,7 +190,7 @@ static vs_status check_pulse(const vs_node *section, const vs_pwm_values *p, vs_
                         "pwm.%s: with pwm.on and pwm.off there is one pulse and no carrier; leave "
                         "it out, or leave on and off out",
                         KEYS[k]);
-  if (p->off_s > p->on_s) return VS_OK;
+  if (p->off_s == 0 || p->off_s > p->on_s) return VS_OK;
   return vs_fail_at(err, place_of(section, "off", "on"),
                     "pwm.off: %.9g ms is not behind pwm.on, %.9g ms; a later instant, or without "
                     "off for a pulse without an end",
@@ -200,7 +200,7 @@ static vs_status check_pulse(const vs_node *section, const vs_pwm_values *p, vs_
 vs_status vs_pwm_check(const vs_node *section, vs_pwm_values *p, vs_error *err) {
   static const double ROUNDING = 1e-12;
   double range[2], flank_s = 1 / (2 * p->carrier_hz);
-  if (vs_tree_child(section, "on") && p->off_s == 0) p->off_s = INFINITY;
+  if (vs_tree_child(section, "on") && p->on_s == 0 && p->off_s == 0) p->off_s = INFINITY;
   if (vs_pwm_is_single(p)) return check_pulse(section, p, err);
   range_of(p, range);
   if (range[0] < -ROUNDING || range[1] > 1 + ROUNDING)

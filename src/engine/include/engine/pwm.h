@@ -26,7 +26,7 @@ typedef struct vs_pwm_values {
   double depth;                   /* of the sine, from its least to its largest value */
   double frequency_hz, phase_rad; /* of the sine */
   double dead_s;
-  double on_s, off_s; /* one pulse; off_s INFINITY: it has no end; both 0: the carrier's */
+  double on_s, off_s; /* one pulse; both 0: the carrier's; off_s 0 or INFINITY: it has no end */
 } vs_pwm_values;
 
 /* One switch of a leg. */
@@ -42,7 +42,7 @@ bool vs_pwm_is_single(const vs_pwm_values *pwm);
 
 /* Errors, at the key's place: the reference leaves 0..1, or changes faster than the carrier; the
  * dead time is longer than a flank; one pulse that ends before it begins, or beside a carrier.
- * `section` may be NULL; where it has `on` alone, the pulse gets no end. */
+ * `section` may be NULL; where it has `on: 0 ms` alone, off_s becomes INFINITY. */
 vs_status vs_pwm_check(const vs_node *section, vs_pwm_values *pwm, vs_error *err);
 
 /* True while the switch is driven at t: from behind the edge that begins a pulse up to the one that
