@@ -383,6 +383,16 @@ static void add_loss(vs_targets *aims, const core *c, const loss_row *row, const
   snprintf(aim->unit, sizeof aim->unit, "%s", shared ? "W" : "J");
 }
 
+/* Error: a row before this one has its frequency and flux density, and may say another loss. */
+static vs_status check_row_is_new(const loss_row *rows, const loss_row *of, vs_error *err) {
+  for (const loss_row *r = rows; r < of; r++)
+    if (r->hz == of->hz && r->tesla == of->tesla)
+      return vs_fail_at(err, of->where,
+                        "%.6g Hz and %.6g T stand in line %d already; leave one of the two out",
+                        of->hz, of->tesla, r->where.line);
+  return VS_OK;
+}
+
 vs_status vs_targets_read_core_loss(vs_targets *aims, const vs_node *map, const char *beside,
                                     vs_error *err) {
   char path[VS_PATH_SIZE];
@@ -395,13 +405,14 @@ vs_status vs_targets_read_core_loss(vs_targets *aims, const vs_node *map, const 
   if (!status) status = read_sheet(path, &rows, &count, err);
   for (const loss_row *r = rows; r < rows + count && !status; r++) {
     const loss_row *low = isnan(c.hysteresis) ? lowest(rows, count, r) : NULL;
-    if (isnan(c.hysteresis) && !has_another(rows, count, r))
+    status = check_row_is_new(rows, r, err);
+    if (!status && isnan(c.hysteresis) && !has_another(rows, count, r))
       status = vs_fail_at(err, r->where,
                           "%.6g T at one frequency alone does not tell which part of the loss is "
                           "hysteresis, which the secondaries have not; add a row at another "
                           "frequency, or core_loss.hysteresis: 70 %%",
                           r->tesla);
-    else if (low || !isnan(c.hysteresis))
+    else if (!status && (low || !isnan(c.hysteresis)))
       add_loss(aims, &c, r, low);
   }
   free(rows);

@@ -125,8 +125,20 @@ static bool has_met(const vs_pull_in *p) {
   return p->began && !p->idle && !isnan(p->met_s);
 }
 
+/* Something else than the drive brought it there, where that was not on yet. */
+static bool is_pulled_in(const vs_pull_in *p) {
+  return has_met(p) && p->met_s >= p->on_s;
+}
+
 bool vs_pull_in_lacks(const vs_pull_in *p, const vs_model *m, char *text, size_t size) {
-  if (!p->began || p->idle || has_met(p)) return false;
+  if (!p->began || p->idle || is_pulled_in(p)) return false;
+  if (has_met(p)) {
+    snprintf(text, size,
+             "pull_in did not occur: the armature met the stop at %.4g ms already, with nothing "
+             "switched on",
+             1e3 * p->met_s);
+    return true;
+  }
   const double way_m = p->from_m - m->stops.item[p->stop].at_m;
   const int most = snprintf(text, size, "pull_in did not occur before %.4g ms: ", 1e3 * p->now_s);
   text += most, size -= (size_t)most;
@@ -139,7 +151,7 @@ bool vs_pull_in_lacks(const vs_pull_in *p, const vs_model *m, char *text, size_t
 }
 
 vs_value vs_pull_in_time(const vs_pull_in *p) {
-  return value_if(has_met(p), p->met_s - p->on_s, p->met_s);
+  return value_if(is_pulled_in(p), p->met_s - p->on_s, p->met_s);
 }
 
 vs_value vs_pull_in_release(const vs_pull_in *p) {

@@ -95,6 +95,7 @@ void vs_watchers_begin(vs_watchers *w, const vs_frame *frame, const vs_measure_s
   w->energy.frame = frame;
   w->heat = frame->model->coil.heat;
   w->hottest_degc = w->heat.winding_degc;
+  w->burnt_s = NAN;
 }
 
 const vs_warming *vs_watchers_warm(vs_watchers *w, const vs_setup *setup) {
@@ -144,6 +145,7 @@ static inline void follow_energy(vs_watchers *w, const vs_step *step) {
   vs_winding_go(winding, (joule[VS_E_COPPER] - copper_j) / by_s, (joule[VS_E_EDDY] - eddy_j) / by_s,
                 by_s, &w->heat);
   w->hottest_degc = fmax(w->hottest_degc, w->heat.winding_degc);
+  if (isnan(w->burnt_s) && w->heat.winding_degc > VS_WINDING_BURNT_DEGC) w->burnt_s = step->to->t_s;
   if (!w->warming.model || vs_step_is_quiet(step)) return;
   const vs_coil *coil = &w->warming.model->coil;
   const double ohm = vs_winding_ohm(winding, coil->cold_ohm, w->heat.winding_degc);
@@ -196,6 +198,18 @@ static void round_off_watched(vs_watchers *w, vs_value values[VS_MEASURES]) {
     least->value = vs_extreme_told(least->value, size);
     largest->value = vs_extreme_told(largest->value, size);
   }
+}
+
+double vs_watchers_heat_doubt(const vs_watchers *w) {
+  const vs_model *m = w->energy.frame->model;
+  const double kept = vs_winding_ohm(&m->actuator.winding, m->coil.cold_ohm, w->hottest_degc) /
+                          m->coil.resistance_ohm -
+                      1;
+  /* while it follows, it is off by the lag at the end of a conduction alone */
+  const double share = w->warming.model ? w->lag / 2 : fabs(kept);
+  if (w->heat.settled) return 0;
+  if (share >= 1) return INFINITY;
+  return (w->hottest_degc - m->coil.heat.winding_degc) * share / (1 - share);
 }
 
 void vs_watchers_finish(vs_watchers *w, double until_s, vs_value values[VS_MEASURES]) {

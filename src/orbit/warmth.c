@@ -10,7 +10,7 @@
 
 /* The winding counts as burnt from here on, degC: copper's enamel of the highest class, C, bears
  * 240 degC for hours. */
-static const double BURNT_DEGC = 500;
+static const double BURNT_DEGC = VS_WINDING_BURNT_DEGC;
 static const double SETTLED_K = 1e-3;
 
 typedef struct search {

@@ -353,6 +353,7 @@ static void rate(vs_rated *rated, const vs_own_rating *r, const vs_ratings_seen 
     rate_value(rated, seen->values[r->which], r->factor, seen->until_s);
     if (rated->unknown && *seen->no_pull_in && vs_measure_pulls_in(r->which))
       rated->unknown = seen->no_pull_in;
+    if (r->which == VS_M_COIL_T) rated->doubt = vs_watchers_heat_doubt(seen->watchers);
     break;
   case VS_RATED_EXTREME:
     if (m->frame->deck)

@@ -261,6 +261,17 @@ static bool leaves_linear_iron(const vs_result *r, char *text, size_t size) {
   return true;
 }
 
+/* True: the winding became hotter than any bears. */
+static bool burns(const vs_result *r, char *text, size_t size) {
+  const vs_watchers *w = &r->watchers;
+  if (!r->values[VS_M_COIL_T].known || isnan(w->burnt_s)) return false;
+  snprintf(text, size,
+           "the winding runs away, or is driven too hard: it passes %d degC at %.4g s and reaches "
+           "%.4g degC; look at actuator.winding, or drive less",
+           VS_WINDING_BURNT_DEGC, w->burnt_s, w->hottest_degc);
+  return true;
+}
+
 /* True: the winding became so much warmer or colder that its resistance, which this run kept, would
  * be another. */
 static bool warms_up(const vs_result *r, char *text, size_t size) {
@@ -304,6 +315,7 @@ static void warn_after(const vs_result *r, bool of_firing,
   if (hangs_on_letting_go(r, text, sizeof text)) each(ctx, text);
   if (*r->no_pull_in) each(ctx, r->no_pull_in);
   if (leaves_linear_iron(r, text, sizeof text)) each(ctx, text);
+  if (burns(r, text, sizeof text)) each(ctx, text);
   if (warms_up(r, text, sizeof text)) each(ctx, text);
   const vs_devices *devices = r->watchers.devices;
   for (size_t k = 0; devices && k < devices->count; k++)

@@ -240,6 +240,20 @@ static void does_not_pull_in(void) {
   vs_trial_free(t);
 }
 
+/* A diode across the switch, the wrong way round, pulls the relay in before the switch does: the
+ * coil has a current at the operating point. */
+static void pulled_in_by_something_else(void) {
+  const char *sets[] = {"run.verify=never", "pwm.on=5ms", "circuit.across_coil=open",
+                        "circuit.across_switch=1N4007", NULL};
+  static const char *const TIERS[] = {"circuit", "compiled"};
+  for (size_t k = 0; k < COUNT(TIERS); k++) {
+    vs_trial *t = vs_trial_run("relay", TIERS[k], sets, NULL);
+    EXPECT(t->status == VS_RUN && strstr(t->err.text, "t = 0 s: the coil carries a current"),
+           "%d %s", t->status, t->err.text);
+    vs_trial_free(t);
+  }
+}
+
 static const vs_test TESTS[] = {{"as another integrator", as_another_integrator},
                                 {"the rise of the current", rise_of_the_current},
                                 {"what is not known", not_known},
@@ -249,5 +263,6 @@ static const vs_test TESTS[] = {{"as another integrator", as_another_integrator}
                                 {"in a circuit", in_a_circuit},
                                 {"the supply stands", the_supply_stands},
                                 {"does not pull in", does_not_pull_in},
+                                {"pulled in by something else", pulled_in_by_something_else},
                                 {"chopped", chopped}};
 VS_SUITE_MAIN("pull in", TESTS)

@@ -33,8 +33,8 @@ typedef struct vs_pull_in {
 /* Takes one accepted step. */
 void vs_pull_in_accept(vs_pull_in *pull, const vs_step *step);
 
-/* Where the armature has not met the stop, writes why and returns true: "pull_in did not occur
- * before 60 ms: the armature moved 0.02 of 2 mm". */
+/* Where the drive has not brought the armature to the stop, writes why and returns true: "pull_in
+ * did not occur before 60 ms: the armature moved 0.02 of 2 mm". */
 bool vs_pull_in_lacks(const vs_pull_in *pull, const vs_model *model, char *text, size_t size);
 /* Time from the first switching on to the first contact. */
 vs_value vs_pull_in_time(const vs_pull_in *pull);

@@ -33,6 +33,7 @@ typedef struct vs_watchers {
   vs_energy energy;
   vs_winding_state heat; /* of the winding, by the losses so far */
   double hottest_degc;
+  double burnt_s;     /* when it passed VS_WINDING_BURNT_DEGC; NaN: it did not */
   vs_warming warming; /* its model is owned; NULL: the run keeps its resistance */
   double lag;         /* by which share the resistance was off at most, while it followed */
   double flux_wb;     /* the largest |lambda| so far; kept where actuator.linear_to is given */
@@ -60,6 +61,10 @@ bool vs_watchers_may_end_early(vs_watchers *watchers, const vs_swing_rest *rest,
 /* The run has ended at until_s: completes what each has seen and gives the standard measures, the
  * energies included, values[VS_MEASURES]. */
 void vs_watchers_finish(vs_watchers *watchers, double until_s, vs_value values[VS_MEASURES]);
+/* By how much coil.t_max may be off, K, as the resistance was another one than the winding's
+ * temperature makes it: by a share s of the losses, and the rise then adds as much to s again.
+ * INFINITY: the losses may be twice as large, or more. */
+double vs_watchers_heat_doubt(const vs_watchers *watchers);
 void vs_watchers_free(vs_watchers *watchers);
 
 #endif

@@ -11,6 +11,8 @@ typedef struct vs_winding_state {
   bool settled; /* the losses keep these temperatures */
 } vs_winding_state;
 
+/* Beyond what any winding bears, degC. */
+enum { VS_WINDING_BURNT_DEGC = 500 };
 /* The coil's resistance at this temperature, ohm, from that at 20 degC. */
 double vs_winding_ohm(const vs_winding_values *winding, double cold_ohm, double t_degc);
 /* Where it begins: the winding at its own temperature, the core between that and the ambient. */
