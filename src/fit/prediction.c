@@ -87,9 +87,11 @@ static vs_status run_copy(const vs_fit_problem_run *run, vs_scene *scene, vs_mea
   vs_sampler looks;
   const vs_session_listener guest = {
       .ctx = &looks, .begin = begin_run_of_fit, .accept = accept_step_of_fit};
+  /* a winding's resistance follows what is watched of the run */
+  const bool watched = run->aims.count || run->scene->control.regulator ||
+                       run->scene->setup.model.actuator.winding.present;
   const vs_session session = {.guest = run->recorded ? &guest : NULL,
-                              .bare = !run->aims.count && !run->scene->tier->has_circuit &&
-                                      !run->scene->control.regulator};
+                              .bare = !watched && !run->scene->tier->has_circuit};
   vs_sampler_begin(&looks, &run->recording, computed + run->aims.count);
   vs_status status = vs_measured_run(measured, scene, run->periods, &session, err);
   if (!status && looks.next < run->recording.n_samples)

@@ -457,6 +457,29 @@ static void core_loss_fitted(void) {
   vs_text_free(&csv);
 }
 
+/* A record of a winding that warms up, without any measure beside it: the
+ * fit's runs follow the temperature as the record's did. */
+static void warm_record_fitted(void) {
+  static const char WARM[] = "{r_th: 200 K/W, c_th: 50 mJ/K, ambient: 20 degC}";
+  vs_text text = {0};
+  vs_text_add(&text,
+              "set: {run: {tier: switched, until: 0.5 s}, firing.every: 1, actuator.winding: %s}\n"
+              "free: {actuator.resistance: {from: 60 ohm, to: 160 ohm, start: 110 ohm}}\n"
+              "starts: 1\ndata: {file: warm/run.csv, columns: {p: 1 um}}\n",
+              WARM);
+  write_file("z.yaml", text.text);
+  text.length = 0;
+  vs_text_add(&text,
+              VS_PROGRAM " run paper --tier switched --quiet -o warm --set firing.every=1 --set "
+                         "run.until=0.5s --set 'actuator.winding=%s' >z.log 2>&1",
+              WARM);
+  int how = system(text.text);
+  EXPECT(WIFEXITED(how) && WEXITSTATUS(how) == 0, "run: %d", how);
+  how = system(VS_PROGRAM " fit z.yaml --quiet -o z >z.log 2>&1");
+  EXPECT(WIFEXITED(how) && WEXITSTATUS(how) == 0, "fit: %d", how);
+  vs_text_free(&text);
+}
+
 /* ---- warmth, saturation ---- */
 
 /* At the equilibrium the winding's losses keep its temperature: T = T_a + R_ca (P_cu + P_eddy) +
@@ -662,6 +685,7 @@ static void sensitivity_of_warmth(void) {
 static const vs_test TESTS[] = {
     {"an impedance fitted", impedance_fitted},
     {"the core's losses fitted", core_loss_fitted},
+    {"a warm record fitted", warm_record_fitted},
     {"uncertain warmth", uncertain_warmth},
     {"the winding's equilibrium", warmth},
     {"two bodies that warm up", warming},
