@@ -236,7 +236,9 @@ static vs_status read_way(const vs_key *key, const char *way, vs_where where, do
   char why[256];
   double si;
   const bool relative = strchr(way, '%');
-  if (!vs_units_read(way, relative ? "%" : key->field->unit, &si, why, sizeof why))
+  const bool kelvin = !strcmp(key->field->unit, "degC") && strchr(way, 'K'); /* a difference */
+  const char *unit = relative ? "%" : kelvin ? "K" : key->field->unit;
+  if (!vs_units_read(way, unit, &si, why, sizeof why))
     return vs_fail_at(err, where, "spread: %s: %s; a tolerance is '10 %%' or in %s", key->name, why,
                       *key->field->unit ? key->field->unit : "the key's own size");
   const double off = relative ? si * fabs(nominal) : si;
