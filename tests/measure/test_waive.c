@@ -124,7 +124,7 @@ static void what_is_wrong_is_refused(void) {
       {"spread: {circuit.varistor_1_scale: tolerance and ageing}", "vv states no tolerance"},
       {"spread: {supply.voltage: ageing}", "no device of which a part states its ageing"},
       {"spread: {actuator.winding.temperature: 90 K}\nactuator: {winding: {temperature: 20 degC}}",
-       "its end -70 is out of range"},
+       "its end -70 degC is out of range"},
       {"spread: {supply.voltage: 5 s}", "a tolerance is '10 %' or in V"},
       {"spread: {supply.voltage: 1 %, supply.frequency: 1 %, supply.resistance: 1 %, "
        "supply.inductance: 1 %, firing.angle: 1 %, firing.pulse_width: 1 %, "
