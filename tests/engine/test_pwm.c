@@ -395,7 +395,6 @@ static void refused(void) {
       {"run relay --set pwm.on=50ms", "pwm.off: 50 ms is not behind pwm.on, 50 ms"},
       {"run relay --set pwm.duty=0.3", "pwm.duty: with pwm.on and pwm.off there is one pulse"},
       {"run chopper --set pwm.depth=0 --set pwm.on=0ms", "pwm.carrier: with pwm.on and pwm.off"},
-      {"run relay --set pwm.off=0ms", "pwm.off: 0 ms ends no pulse"},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     ran r = run("%s", ROWS[k].words);

@@ -202,12 +202,6 @@ vs_status vs_pwm_check(const vs_node *section, vs_pwm_values *p, vs_error *err) 
   double range[2], flank_s = 1 / (2 * p->carrier_hz);
   if (vs_tree_child(section, "on") && p->on_s == 0 && p->off_s == 0) p->off_s = INFINITY;
   if (vs_pwm_is_single(p)) return check_pulse(section, p, err);
-  const vs_node *off = vs_tree_child(section, "off");
-  if (off && !vs_tree_child(section, "carrier") && !vs_tree_child(section, "duty"))
-    return vs_fail_at(
-        err, off->where,
-        "pwm.off: 0 ms ends no pulse; a later instant, or pwm.carrier or pwm.duty for "
-        "a carrier");
   range_of(p, range);
   if (range[0] < -ROUNDING || range[1] > 1 + ROUNDING)
     return vs_fail_at(err, place_of(section, "depth", "duty"),
