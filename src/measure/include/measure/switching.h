@@ -35,11 +35,13 @@
  * sign. So behind a conduction the new half cycle's voltage is the forward voltage that returns, at
  * once; and a triac that then conducts without a gate pulse has failed to commutate. Of a triac
  * there is also:
- *   (di/dt)c               mean rate at which the current falls from a tenth of its peak to zero,
- * or over the last 50 us if it falls more steeply then (dv/dt)c               the same as dv/dt, of
- * each rise up to ten t_q behind a conduction (1.5 ms where t_q is not known); a rise that is less
- * than over_v, but 10 V or more and higher than those before it, is told by four fifths of it A
- * current of the new half cycle that is there as the voltage turns is what the conduction has
+ *   (di/dt)c  mean rate at which the current falls from a tenth of its peak to zero, or over the
+ *             last 50 us if it falls more steeply then
+ *   (dv/dt)c  the same as dv/dt, of each rise up to ten t_q behind a conduction (1.5 ms where t_q
+ *             is not known). A rise that is less than over_v, but 10 V or more and higher than
+ *             those before it, is told by four fifths of it
+ *
+ * A current of the new half cycle that is there as the voltage turns is what the conduction has
  * stored, and no firing, for as long as engine/conduction.h says. */
 #ifndef VS_MEASURE_SWITCHING_H
 #define VS_MEASURE_SWITCHING_H
