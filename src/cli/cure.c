@@ -14,7 +14,6 @@
 
 #include "base/file.h"
 #include "base/json.h"
-#include "base/shutdown.h"
 #include "base/units.h"
 #include "commands.h"
 #include "netlist/cards.h"

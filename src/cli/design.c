@@ -2,7 +2,6 @@
  * The command `design`: which parts to buy. A design is a study whose method chooses parts
  * (study/method/design.c); its folder is a study's, with the answer besides. */
 #include "base/shutdown.h"
-#include "base/units.h"
 #include "commands.h"
 #include "options.h"
 #include "study/methods.h"

@@ -4,7 +4,6 @@
  * holds stands in brackets: ngspice pastes it as text. */
 #include "export.h"
 
-#include <assert.h>
 #include <ctype.h>
 #include <math.h>
 #include <stdio.h>

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "commands.h"
-#include "control/regulators.h"
 #include "default_models.h"
 #include "list.h"
 #include "measure/expect.h"

@@ -15,7 +15,6 @@
 #include "list_entry.h"
 #include "netlist/catalogue.h"
 #include "netlist/deck.h"
-#include "netlist/devices.h"
 #include "netlist/kinds.h"
 #include "netlist/netlist.h"
 #include "options.h"

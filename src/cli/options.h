@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Rows of a command's table of options, and what commands have in common. type, member: where a row
  * puts its value, in the command's struct. */
-#ifndef VS_CLI_OPTIONS_H
-#define VS_CLI_OPTIONS_H
+#pragma once
 
 #include "command.h"
 #include "engine/tiers.h"
@@ -131,5 +130,3 @@ vs_run_options vs_options_of_run(const vs_run_options *asked, const vs_arguments
 
 /* Adds the formats of --format to --help. */
 void vs_options_explain_formats(vs_text *help);
-
-#endif

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/units.h"
 #include "branches.h"
 #include "netlist/kinds.h"
 #include "run/engineering.h"

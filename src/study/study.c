@@ -3,7 +3,6 @@
  * stand below in the same order. */
 #include "study/study.h"
 
-#include <ctype.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>

@@ -4,7 +4,6 @@
  * namespace of this process' own, where that is allowed. */
 #include <errno.h>
 #include <sched.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

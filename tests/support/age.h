@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What tests of long-lived studies share: time, processes, and what stands in a folder. */
-#ifndef VS_TESTS_AGE_H
-#define VS_TESTS_AGE_H
+#pragma once
 
 #include "program.h"
 
@@ -37,5 +36,3 @@ char *rows_of(const char *folder);
 /* How many whole lines of `before` are not in `after`, in whatever order. A line that stands there
  * twice before and once after is lost once. */
 int lines_lost(const char *before, const char *after);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The built program seen from outside: its exit status and both its streams. */
-#ifndef VS_TESTS_PROGRAM_H
-#define VS_TESTS_PROGRAM_H
+#pragma once
 
 #include <sys/types.h>
 
@@ -65,5 +64,3 @@ void make_shape(char *json);
 /* Whole file, with a zero byte behind it; empty when it is not there. */
 char *read_file(const char *path);
 int count_lines(const char *text);
-
-#endif

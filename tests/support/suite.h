@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What every test program here shares: a main in one line, numbers compared with a stated
  * tolerance. */
-#ifndef VS_TESTS_SUITE_H
-#define VS_TESTS_SUITE_H
+#pragma once
 
 #include <CUnit/Basic.h>
 #include <stdbool.h>
@@ -56,5 +55,3 @@ bool on_path(const char *program); /* is it in a folder of $PATH? */
 bool is_newer_ngspice(void);
 /* True where libfyaml is 0.8 or newer: it has other places for values that are empty. */
 bool is_newer_yaml(void);
-
-#endif

@@ -13,7 +13,6 @@
 #include "base/text.h"
 #include "commands.h"
 #include "ngspice/circuit.h"
-#include "ngspice/ngspice.h"
 #include "options.h"
 #include "run/version.h"
 

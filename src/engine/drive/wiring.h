@@ -4,8 +4,7 @@
  * and end with the event's index, so that two events never share one.
  *
  * Errors have the event's place. */
-#ifndef VS_ENGINE_WIRING_H
-#define VS_ENGINE_WIRING_H
+#pragma once
 
 #include "engine/scene_event.h"
 
@@ -40,5 +39,3 @@ typedef struct vs_wiring_element {
  * value, as the current v(a,b)/{r1} of R1: once the event has begun, these do not give the current
  * any more. What is held against limits of such devices is then not known. */
 void vs_wiring_doubt(vs_deck *deck, const vs_scene_event *e, const vs_wiring_element *element);
-
-#endif

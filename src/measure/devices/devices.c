@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
 #include "devices/losses.h"
 #include "devices/melting.h"
 #include "devices/reductions.h"

@@ -9,7 +9,6 @@
 
 #include "devices/melting.h"
 #include "netlist/devices.h"
-#include "netlist/parts.h"
 
 /* ---- how often it melts, and arcs again ---- */
 

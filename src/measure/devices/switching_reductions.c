@@ -6,10 +6,8 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "base/text.h"
 #include "base/units.h"
 #include "devices/losses.h"
-#include "netlist/parts.h"
 
 /* ---- news of a device that conducts or blocks ---- */
 

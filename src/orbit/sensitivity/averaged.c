@@ -7,7 +7,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/text.h"
 
 enum { N = VS_LINEAR_STATES };
 

@@ -5,7 +5,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/text.h"
 #include "orbit/sensitivity_problem.h"
 #include "run/session.h"
 

@@ -23,17 +23,12 @@
  * A row without a value is sold in any. */
 #include "method/design_choices.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/formula.h"
-#include "base/units.h"
 #include "method/design_answer.h"
 #include "method/design_search.h"
-#include "netlist/kinds.h"
-#include "report_columns.h"
 #include "study/methods.h"
 
 enum {

@@ -9,11 +9,9 @@
 #include "base/csv.h"
 #include "base/file.h"
 #include "base/json.h"
-#include "base/units.h"
 #include "method/design_scene.h"
 #include "method/design_search.h"
 #include "method/search.h"
-#include "netlist/kinds.h"
 
 typedef struct answer {
   const vs_plan *plan;

@@ -8,7 +8,6 @@
 #include "base/units.h"
 #include "method/search.h"
 #include "method/span.h"
-#include "netlist/kinds.h"
 #include "run/session.h"
 
 /* Draws are asked for this many at a time. When the first is violated, the others were run in vain.

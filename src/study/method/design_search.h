@@ -8,8 +8,7 @@
  * within the ranges of each threat (method/search.h), and shown random draws; a case that it does
  * not hold is added to the list for all. After the answer its neighbours are run, to be reported.
  */
-#ifndef VS_STUDY_DESIGN_SEARCH_H
-#define VS_STUDY_DESIGN_SEARCH_H
+#pragma once
 
 #include "method/design_choices.h"
 
@@ -102,5 +101,3 @@ const char *vs_design_search_found_by(const vs_design_search *search, uint64_t n
 
 /* The price below which nothing holds, as far as every candidate could be judged. */
 double vs_design_search_bound(const vs_design_search *search);
-
-#endif

@@ -26,7 +26,6 @@
 #include <string.h>
 
 #include "base/json.h"
-#include "base/text.h"
 #include "base/units.h"
 #include "method/search.h"
 #include "method/span.h"

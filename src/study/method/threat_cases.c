@@ -12,7 +12,6 @@
  * not is empty. */
 #include "study/methods.h"
 
-#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,8 +2,7 @@
  * A worker is a child process that runs cases. Tasks reach it through one pipe and answers come
  * back through another, several at once each way. It is forked before this process uses libngspice,
  * as a process can have only one. It ends when its pipe ends, or with this process. */
-#ifndef VS_STUDY_WORKER_H
-#define VS_STUDY_WORKER_H
+#pragma once
 
 #include <stdint.h>
 #include <sys/types.h>
@@ -50,5 +49,3 @@ int vs_worker_kill(vs_worker *worker);
 
 /* Returns a time in s that only ever rises. */
 double vs_worker_clock(void);
-
-#endif

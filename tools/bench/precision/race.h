@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * For the parts of tools/bench/work_precision: attempts at one problem, timed in turn. */
-#ifndef VS_TOOLS_RACE_H
-#define VS_TOOLS_RACE_H
+#pragma once
 
 #include <stddef.h>
 
@@ -43,5 +42,3 @@ vs_scene *race_scene(const char *tier, const char *const *sets);
 double race_compare(const vs_scene *scene, comparison *c, long *steps);
 
 _Noreturn void race_give_up(const char *what);
-
-#endif

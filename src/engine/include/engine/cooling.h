@@ -5,8 +5,7 @@
  *   heatsink: {thyristor: 12 K/W}
  *
  * A device heats its case, the case its heat sink, and that the ambient. */
-#ifndef VS_ENGINE_COOLING_H
-#define VS_ENGINE_COOLING_H
+#pragma once
 
 #include "base/json.h"
 #include "base/tree.h"
@@ -47,5 +46,3 @@ void vs_cooling_write(const vs_cooling *cooling, const vs_deck *deck, const vs_d
 void vs_cooling_json(const vs_cooling *cooling, const vs_deck *deck, vs_json *json);
 /* Adds what the keys say to a text that a run is known by. */
 void vs_cooling_identify(const vs_cooling *cooling, const vs_deck *deck, vs_text *text);
-
-#endif

@@ -2,8 +2,7 @@
  * What a reduction is: how the courses of a device (its voltage, its current, ...) become one
  * number. A reduction sees its device step by step and keeps what it must remember in a state of
  * its own. The table of all reductions is in measure/devices/reductions.h. */
-#ifndef VS_MEASURE_REDUCER_H
-#define VS_MEASURE_REDUCER_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -230,5 +229,3 @@ const vs_reduced *vs_reducer_of(const vs_watched *w, vs_reduction how);
 void vs_reducer_begin_at_zero(const vs_watched *w, vs_reduced *r, double t_s);
 /* An `is_busy` of a measure that is followed only where it has a limit. */
 bool vs_reducer_has_limit(const vs_watched *w, const vs_reduced *r);
-
-#endif

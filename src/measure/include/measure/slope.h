@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The largest rate of a course over a window. */
-#ifndef VS_MEASURE_SLOPE_H
-#define VS_MEASURE_SLOPE_H
+#pragma once
 
 #include <stddef.h>
 
@@ -25,5 +24,3 @@ typedef struct vs_slope {
  * units of y per second. sense +1: of rising; -1: of falling; 0: of either, without its sign.
  * Returns -INFINITY while the course is not a window long yet, and for a step of no length. */
 double vs_slope_rate(vs_slope *slope, double t0_s, double y0, double t1_s, double y1, int sense);
-
-#endif

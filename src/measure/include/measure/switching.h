@@ -43,8 +43,7 @@
  *
  * A current of the new half cycle that is there as the voltage turns is what the conduction has
  * stored, and no firing, for as long as engine/conduction.h says. */
-#ifndef VS_MEASURE_SWITCHING_H
-#define VS_MEASURE_SWITCHING_H
+#pragma once
 
 #include "engine/batch.h"
 #include "engine/conduction.h"
@@ -239,5 +238,3 @@ void vs_switching_follow(vs_switch *s, const vs_course_step *c, vs_switch_news *
 /* Fills `news` with what the last step told of a rise, which no further step follows; the same at
  * each call. */
 void vs_switching_finish(vs_switch *s, vs_switch_news *news);
-
-#endif

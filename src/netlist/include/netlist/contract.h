@@ -76,8 +76,7 @@
  *
  * A FORMULA is as base/formula.h has it. It may name the deck's parameters and the program's:
  * u_rms, f_mains, phase (rad), r_source, l_source. */
-#ifndef VS_NETLIST_CONTRACT_H
-#define VS_NETLIST_CONTRACT_H
+#pragma once
 
 #include "netlist/deck.h"
 
@@ -87,5 +86,3 @@ bool vs_contract_knows(const char *text);
 /* Reads one line of the contract into the deck. `begin` is the place of its "*$" in `line`. Error,
  * with its place: the line cannot be read; deck->lost then has its kind. */
 vs_status vs_contract_line(vs_deck *deck, const char *line, vs_where begin, vs_error *err);
-
-#endif

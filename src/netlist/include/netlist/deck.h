@@ -6,8 +6,7 @@
  *
  * A place (vs_where) in these structs borrows the file's name from vs_deck.files; texts in arrays
  * are the struct's own. */
-#ifndef VS_NETLIST_DECK_H
-#define VS_NETLIST_DECK_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -418,5 +417,3 @@ typedef struct vs_deck_value {
  * from `standard`; and each device its mains_v. Error: a name that nobody declared. */
 vs_status vs_deck_bind(vs_deck *deck, const vs_circuit_values *values,
                        const vs_deck_value *standard, size_t n_standard, vs_error *err);
-
-#endif

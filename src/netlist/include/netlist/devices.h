@@ -2,8 +2,7 @@
  * The devices of a deck, whose stress is measured: the contract's lines device and zth, and, once
  * the parts are chosen, what each device is and which limits it is held against. What is measured
  * of a device says its kind (netlist/kinds.h). */
-#ifndef VS_NETLIST_DEVICES_H
-#define VS_NETLIST_DEVICES_H
+#pragma once
 
 #include "netlist/deck.h"
 #include "netlist/kinds.h"
@@ -92,5 +91,3 @@ double vs_devices_r_th(const vs_deck *deck, const vs_device *device, const char 
 /* True where device number `device` protects another one and, by the makers' figures, may let more
  * through (i2t_clear) than that one bears (i2t). `text` then says so. */
 bool vs_devices_fails_ward(const vs_deck *deck, size_t device, char *text, size_t size);
-
-#endif

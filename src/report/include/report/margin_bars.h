@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The picture of a run's verdict: one bar per line, as long as its margin. */
-#ifndef VS_REPORT_MARGIN_BARS_H
-#define VS_REPORT_MARGIN_BARS_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -35,5 +34,3 @@ bool vs_margin_bars_repeats(const vs_node *verdict, const vs_node *line);
 /* Adds the picture to a page; adds nothing if the verdict has no line. Error: gnuplot is missing or
  * fails. */
 vs_status vs_margin_bars_add(const vs_node *summary, vs_html *html, vs_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The measures of a run as they are shown, in tables, JSON and a study's columns: by name, in the
  * unit of their kind, with the limit they are held against. */
-#ifndef VS_RUN_LISTED_MEASURE_H
-#define VS_RUN_LISTED_MEASURE_H
+#pragma once
 
 #include "run/result.h"
 
@@ -47,5 +46,3 @@ typedef struct vs_listed_measure {
  * have begun with this frame. */
 bool vs_listed_measure_at(const vs_frame *frame, const vs_result *result, int k,
                           vs_listed_measure *shown);
-
-#endif

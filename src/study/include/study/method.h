@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A method chooses the cases of a study. Each is one const struct; the table of them, which NULL
  * ends, comes from main. What a report needs to know of the method stands in the struct, too. */
-#ifndef VS_STUDY_METHOD_H
-#define VS_STUDY_METHOD_H
+#pragma once
 
 #include "base/json.h"
 #include "run/axis.h"
@@ -134,5 +133,3 @@ const vs_method *vs_method_claiming(const vs_method *const *methods, const vs_no
 /* The keys that methods stand under, each once, in the table's order: fills keys[], which has room
  * for vs_method_count of them, and returns how many they are. */
 size_t vs_method_keys(const vs_method *const *methods, const char **keys);
-
-#endif
