@@ -35,9 +35,7 @@ static const vs_option COMPARE_OPTIONS[] = {
     VS_OPTIONS_JSON,
     VS_OPTIONS_FLAG(vs_arguments, quiet, "quiet", "prints nothing"),
     VS_OPTIONS_JAIL,
-    VS_OPTIONS_NO_JAIL,
-    VS_OPTIONS_HELP,
-    {0}};
+    VS_OPTIONS_END};
 
 const vs_command vs_compare_cli = {
     .name = "compare",

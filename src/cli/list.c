@@ -696,8 +696,7 @@ static const vs_option LIST_OPTIONS[] = {
     VS_OPTIONS_FILE(list_line, o.machine, "machine", "MACHINE", "likewise (default conveyor)"),
     VS_OPTIONS_FLAG(vs_arguments, json, "json",
                     "an object with an array of entries for each kind, on standard output"),
-    VS_OPTIONS_HELP,
-    {0}};
+    VS_OPTIONS_END};
 
 const vs_command vs_list_cli = {
     .name = "list",

@@ -645,9 +645,7 @@ static const vs_option RUN_OPTIONS[] = {
                     "run.partial.raw"),
     VS_OPTIONS_ALLOW_CODE,
     VS_OPTIONS_JAIL,
-    VS_OPTIONS_NO_JAIL,
-    VS_OPTIONS_HELP,
-    {0}};
+    VS_OPTIONS_END};
 
 const vs_command vs_run_cli = {
     .name = "run",

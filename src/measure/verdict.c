@@ -24,6 +24,16 @@ static double margin_of_room(double room, double limit, double slack, const vs_j
   return room / (scaled ? range : fmax(fabs(j->least.value), fabs(j->largest.value)));
 }
 
+/* A line without a value or without a limit. */
+static vs_judgement judge_without(const char *unknown) {
+  return (vs_judgement){.unknown = unknown,
+                        .room = {NAN, NAN},
+                        .margin = NAN,
+                        .margin_error = INFINITY,
+                        .over_from_s = NAN,
+                        .failed_s = NAN};
+}
+
 static vs_judgement judge_rating(const vs_measures *m, size_t k) {
   const vs_deck *deck = m->frame->deck;
   const vs_rating *r = &deck->ratings[k];
@@ -116,16 +126,12 @@ static vs_judgement judge_device(const vs_deck *deck, const vs_device *d, const 
 /* A limit that decides and that the device's part, a real one, does not state. A measure of what
  * did not occur in the run asks nothing of the part, and has no such line. */
 static vs_judgement judge_lacking(const vs_deck *deck, const vs_device *d, const vs_reduced *r) {
-  return (vs_judgement){.device = d,
-                        .measure = r->measure,
-                        .unknown = "its part does not state the limit",
-                        .lacks = deck->parts[d->part].subcircuit,
-                        .room = {NAN, NAN},
-                        .margin = NAN,
-                        .margin_error = INFINITY,
-                        .stress = r->value,
-                        .over_from_s = NAN,
-                        .failed_s = NAN};
+  vs_judgement j = judge_without("its part does not state the limit");
+  j.device = d;
+  j.measure = r->measure;
+  j.lacks = deck->parts[d->part].subcircuit;
+  j.stress = r->value;
+  return j;
 }
 
 const char *vs_verdict_unknown(const vs_judgement *j, char *text, size_t size) {
@@ -237,17 +243,11 @@ static bool is_unwatched(const vs_deck *deck, size_t part) {
 static vs_judgement judge_unwatched(const vs_part *part) {
   static const vs_rating NO_END = {.min = -INFINITY, .max = INFINITY};
   const vs_value none = {false, NAN, NAN};
-  return (vs_judgement){.rating = &NO_END,
-                        .name = part->name,
-                        .unknown = "no line '*$ device' of the deck watches this part",
-                        .least = none,
-                        .largest = none,
-                        .stress = none,
-                        .room = {NAN, NAN},
-                        .margin = NAN,
-                        .margin_error = INFINITY,
-                        .over_from_s = NAN,
-                        .failed_s = NAN};
+  vs_judgement j = judge_without("no line '*$ device' of the deck watches this part");
+  j.rating = &NO_END;
+  j.name = part->name;
+  j.least = j.largest = j.stress = none;
+  return j;
 }
 
 void vs_verdict_make(const vs_measures *m, const vs_devices *devices, const vs_expects *expects,

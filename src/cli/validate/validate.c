@@ -270,11 +270,8 @@ static vs_status validate_command(const void *given, vs_error *err) {
 }
 
 static const vs_option VALIDATE_OPTIONS[] = {
-    VS_OPTIONS_FLAG(validate_line, list, "list", "names the checks and does none"),
-    VS_OPTIONS_JSON,
-    VS_OPTIONS_FLAG(vs_arguments, quiet, "quiet", "says only what is off"),
-    VS_OPTIONS_HELP,
-    {0}};
+    VS_OPTIONS_FLAG(validate_line, list, "list", "names the checks and does none"), VS_OPTIONS_JSON,
+    VS_OPTIONS_FLAG(vs_arguments, quiet, "quiet", "says only what is off"), VS_OPTIONS_END};
 
 const vs_command vs_validate_cli = {
     .name = "validate",
