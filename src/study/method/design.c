@@ -63,11 +63,6 @@ static const vs_field BESIDES[] = {{"aim", VS_MAP, .inside = &AIM},
                                    {"budget", VS_MAP, .inside = &BUDGET},
                                    {0}};
 
-static bool is_design(const vs_node *section) {
-  (void)section;
-  return true;
-}
-
 static vs_status read_flag(const vs_node *map, const char *key, bool *flag, vs_error *err) {
   const vs_node *node = vs_tree_child(map, key);
   if (!node) return VS_OK;
@@ -311,7 +306,6 @@ const vs_method vs_design_method = {
     .keys = &SECTION,
     .besides = BESIDES,
     .text = "search for the cheapest parts of a list of prices that hold all cases",
-    .claims = is_design,
     .read = read_design,
     .ready = ready_design,
     .free = free_design,

@@ -56,11 +56,6 @@ typedef struct snubber {
   size_t n_design;             /* how many axes stand under vary; these come first */
 } snubber;
 
-static bool is_snubber(const vs_node *section) {
-  (void)section;
-  return true;
-}
-
 /* ---- reading ---- */
 
 static vs_status read_part_of_one(const vs_node *section, const char *key, double most,
@@ -426,7 +421,6 @@ const vs_method vs_snubber_method = {
     .keys = &SNUBBER,
     .tolerates = true,
     .text = "search for the cheapest snubber that keeps its ratings over all spreads",
-    .claims = is_snubber,
     .read = read_snubber,
     .ready = ready_snubber,
     .free = free,

@@ -156,11 +156,6 @@ static vs_status refuse_search(const vs_plan *plan, const vs_node *section, vs_e
   return VS_OK;
 }
 
-static bool claims_any(const vs_node *section) {
-  (void)section;
-  return true;
-}
-
 static vs_status read_cases(vs_plan *plan, const vs_node *section, void **state, vs_error *err) {
   const size_t first = plan->n_axes, found = vs_error_count(err);
   cases *c = *state = vs_alloc(1, sizeof *c);
@@ -354,7 +349,6 @@ const vs_method vs_threat_cases_method = {.name = "threats",
                                           .key = "threats",
                                           .keys = &THREATS,
                                           .text = "what the scene has to withstand, one at a time",
-                                          .claims = claims_any,
                                           .read = read_cases,
                                           .ready = find_lines,
                                           .free = free_cases,

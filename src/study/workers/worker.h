@@ -27,7 +27,7 @@ typedef struct vs_worker {
   size_t first, queued;
   bool alone;     /* the task it has is one that is tried again */
   long circuits;  /* how many of the process' cases used ngspice */
-  double heard_s; /* vs_worker_clock when it last answered, or got tasks while it had none */
+  double heard_s; /* vs_budget_clock_s when it last answered, or got tasks while it had none */
   double case_s;  /* s a case takes, as a running mean; 0: not known yet */
   char *in;       /* bytes that came in; those from `at` on are not taken yet */
   size_t n_in, at, room;
@@ -46,6 +46,3 @@ bool vs_worker_take(vs_worker *worker, vs_answer *answer);
 /* Ends the process and all it has started; returns how it ended, as waitpid does. The queue
  * stays. */
 int vs_worker_kill(vs_worker *worker);
-
-/* Returns a time in s that only ever rises. */
-double vs_worker_clock(void);

@@ -29,3 +29,6 @@ vs_status vs_budget_take(vs_budget *budget, bool has_circuit, long cycles, vs_er
 
 /* Takes the line of progress away. */
 void vs_budget_end(vs_budget *budget);
+
+/* Returns a time in s that only ever rises: the wall clock. */
+double vs_budget_clock_s(void);

@@ -40,7 +40,7 @@ typedef struct vs_method {
   bool takes_cases; /* a search whose cases may be those of the study's threats */
 
   /* Says whether the section under `key` asks for this method. Of several the first in the table is
-   * taken. */
+   * taken. NULL: it always does. */
   bool (*claims)(const vs_node *section);
 
   /* Reads the section: adds axes (vs_plan_axis, vs_axis_values), registers the columns it needs
