@@ -632,8 +632,9 @@ static void list_asked_kinds(const vs_list_options *o, listed *of) {
   if (!found && o->filter)
     fprintf(stderr, "vibrospice: list: nothing of %s has '%s'%s\n", is_named(o) ? o->kind : "all",
             o->filter,
-            o->machine ? "" : "; measures, probes and parameters are those of the machine conveyor: "
-                              "--machine NAME takes another, --deck NAME another deck");
+            o->machine ? ""
+                       : "; measures, probes and parameters are those of the machine conveyor: "
+                         "--machine NAME takes another, --deck NAME another deck");
 }
 
 vs_status vs_list_command(const vs_list_options *o, vs_error *err) {

@@ -359,13 +359,6 @@ static char *events_of(const char *deck, const char *part, const char *sets) {
   return read_file("out/events.csv");
 }
 
-static double when(const char *events, const char *what) {
-  const char *at = strstr(events, what);
-  if (!at) return NAN;
-  while (at > events && at[-1] != '\n') at--;
-  return strtod(at, NULL);
-}
-
 #define TWO_GATES                                                                                  \
   "*$ param t = p part\n*$ port gate = Vg\n*$ port gate+180deg = Vh\n"                             \
   "*$ device t = v(x), i(Vt)\nVg g 0 external\nVh h 0 external\n"
@@ -376,17 +369,17 @@ static void fails_to_commutate(void) {
   char *e = events_of(TWO_GATES FORCED("0 300 5.6m 300 5.601m 1 9.99m 1 10.01m -1 20m -1",
                                        "0 0 5.6m 0 5.61m 10 8m 10 12m -10 19m -10"),
                       PART("triac", ""), SHORT_PULSES);
-  CLOSE(when(e, "t fires (positive half cycle)"), 5.6e-3, 1e-3);
-  CLOSE(when(e, "t extinct (positive half cycle)"), 10e-3, 2e-3);
-  CLOSE(when(e, "t fires without a gate pulse (commutation failure)"), 10e-3, 2e-3);
-  CLOSE(when(e, "t fires (negative half cycle)"), 10e-3, 2e-3);
+  CLOSE(event_s(e, "t fires (positive half cycle)"), 5.6e-3, 1e-3);
+  CLOSE(event_s(e, "t extinct (positive half cycle)"), 10e-3, 2e-3);
+  CLOSE(event_s(e, "t fires without a gate pulse (commutation failure)"), 10e-3, 2e-3);
+  CLOSE(event_s(e, "t fires (negative half cycle)"), 10e-3, 2e-3);
   CU_ASSERT_PTR_NULL(strstr(e, "thyristor"));
   free(e);
   e = events_of(TWO_GATES FORCED("0 300 5.6m 300 5.601m 1 9.999m 1 10.001m -1 10.01m -300 "
                                  "10.5m -300 10.501m -1 20m -1",
                                  "0 0 5.6m 0 5.61m 10 8m 10 10m 0 10.5m 0 10.51m -10 19m -10"),
                 PART("triac", ""), SHORT_PULSES);
-  CLOSE(when(e, "t fires without a gate pulse (commutation failure)"), 10.5e-3, 1e-3);
+  CLOSE(event_s(e, "t fires without a gate pulse (commutation failure)"), 10.5e-3, 1e-3);
   free(e);
 }
 
@@ -409,7 +402,7 @@ static void fires_long_behind_a_conduction(void) {
   char *e = events_of(TWO_GATES FORCED("0 300 5.6m 300 5.601m 1 9.999m 1 10.001m -1 20m -1",
                                        "0 0 5.6m 0 5.61m 10 6m 10 8m 0 10m 0 10.01m -10 14m -10"),
                       PART("triac", ""), SHORT_PULSES);
-  CLOSE(when(e, "t fires without a gate pulse (unintended firing)"), 10e-3, 1e-3);
+  CLOSE(event_s(e, "t fires without a gate pulse (unintended firing)"), 10e-3, 1e-3);
   CU_ASSERT_PTR_NULL(strstr(e, "commutation"));
   free(e);
 }
@@ -421,7 +414,7 @@ static void fires_a_half_cycle_later(void) {
                                        "19.99m -300 20.01m 300 21m 300 21.001m 1",
                                        "0 0 5.6m 0 5.61m 10 8m 10 10m 0 21m 0 21.01m 10"),
                       PART("triac", ""), SHORT_PULSES);
-  CLOSE(when(e, "t fires without a gate pulse (unintended firing)"), 21e-3, 1e-3);
+  CLOSE(event_s(e, "t fires without a gate pulse (unintended firing)"), 21e-3, 1e-3);
   CU_ASSERT_PTR_NULL(strstr(e, "commutation"));
   free(e);
 }
@@ -432,8 +425,8 @@ static void disobeys(void) {
   char *e = events_of(TWO_GATES FORCED("0 300 3m 300 3.001m 1 9.999m 1 10.001m -1 10.01m -300",
                                        "0 0 3m 0 3.01m 10 8m 10 10m 0"),
                       PART("triac", ""), SHORT_PULSES);
-  CLOSE(when(e, "t fires without a gate pulse (unintended firing)"), 3e-3, 1e-3);
-  CLOSE(when(e, "t misfires"), 16.556e-3, 1e-4);
+  CLOSE(event_s(e, "t fires without a gate pulse (unintended firing)"), 3e-3, 1e-3);
+  CLOSE(event_s(e, "t misfires"), 16.556e-3, 1e-4);
   CU_ASSERT_PTR_NULL(strstr(e, "commutation"));
   CU_ASSERT_PTR_NULL(strstr(e, "fires (negative"));
   free(e);
@@ -450,10 +443,10 @@ static void an_imported_triac(void) {
   RUN_GOOD("run t.yaml --set run.until=30ms --set run.verify=never --quiet -o out");
   char *e = read_file("out/events.csv");
   /* its gate's edge is 1 us long */
-  CLOSE(when(e, "triac fires (positive half cycle)"), 5.5e-3, 1e-3);
-  CLOSE(when(e, "triac fires (negative half cycle)"), 15.5e-3, 1e-3);
-  CU_ASSERT(when(e, "triac extinct (positive half cycle)") < 15e-3);
-  CU_ASSERT(when(e, "triac extinct (negative half cycle)") < 25e-3);
+  CLOSE(event_s(e, "triac fires (positive half cycle)"), 5.5e-3, 1e-3);
+  CLOSE(event_s(e, "triac fires (negative half cycle)"), 15.5e-3, 1e-3);
+  CU_ASSERT(event_s(e, "triac extinct (positive half cycle)") < 15e-3);
+  CU_ASSERT(event_s(e, "triac extinct (negative half cycle)") < 25e-3);
   CU_ASSERT_PTR_NULL(strstr(e, "without a gate pulse"));
   CU_ASSERT_PTR_NULL(strstr(e, "misfires"));
   free(e);
@@ -467,7 +460,7 @@ static void an_imported_triac(void) {
   RUN_GOOD("run t.yaml --set run.until=30ms --set run.verify=never --quiet -o weak --set "
            "'expect=[triac misfires]'");
   e = read_file("weak/events.csv");
-  CLOSE(when(e, "triac misfires"), 16.501e-3, 1e-4);
+  CLOSE(event_s(e, "triac misfires"), 16.501e-3, 1e-4);
   CU_ASSERT_PTR_NULL(strstr(e, "negative half cycle"));
   free(e);
   vs_text_free(&text);
@@ -486,13 +479,13 @@ static void an_imported_triac(void) {
 static void a_fuse(void) {
   char *e = events_of(FUSE("5.959"), "", "--set run.until=5ms");
   double tau = 5.0 / 169, melts = -tau * log1p(-169.0 / 1e4);
-  CLOSE(when(e, "f melts"), melts, 1e-2);
-  CU_ASSERT(when(e, "f has cleared") > when(e, "f melts"));
-  CU_ASSERT(when(e, "f has cleared") < when(e, "f melts") + 0.5e-3);
+  CLOSE(event_s(e, "f melts"), melts, 1e-2);
+  CU_ASSERT(event_s(e, "f has cleared") > event_s(e, "f melts"));
+  CU_ASSERT(event_s(e, "f has cleared") < event_s(e, "f melts") + 0.5e-3);
   free(e);
   /* 1 kA, of which the source's rise within 1 us is to bring a third as much as a whole one */
   e = events_of(FUSE("0.559"), "", "--set run.until=5ms");
-  CLOSE(when(e, "f melts"), 5e-6 + 2e-6 / 3, 2e-2);
+  CLOSE(event_s(e, "f melts"), 5e-6 + 2e-6 / 3, 2e-2);
   free(e);
   e = events_of(FUSE("60"), "", "--set run.until=5ms");
   EXPECT(!strstr(e, "f "), "%s", e); /* 10 A it bears */

@@ -144,12 +144,6 @@ static void refused(void) {
   EXPECT_FILES("one", "events.csv run.csv summary.json ");
 }
 
-static int count_words(const char *text, const char *word) {
-  int n = 0;
-  for (const char *s = text; (s = strstr(s, word)); s += strlen(word)) n++;
-  return n;
-}
-
 /* Reads a CSV file of numbers: its header, then rows. */
 static double *read_numbers(const char *name, const char *header, size_t columns, size_t *rows) {
   char *text = read_file(name), *rest = text, *line = strsep(&rest, "\n");

@@ -36,6 +36,10 @@ void vs_close(double got, double expected, double scale, double tolerance, const
 /* The verdict's line of that name; NULL: there is none. */
 const vs_judgement *judged_line(const vs_verdict *verdict, const char *name);
 
+/* The extreme of a run's channel, the largest where sense is 1, the least where it is -1; NaN: none
+ * was asked for. */
+double run_extreme(const vs_trial *run, const char *channel, int sense);
+
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
 /* A check that says what it saw when it fails. */

@@ -207,7 +207,8 @@ static void leave_pause_out(vs_worker_pool *j) {
 static vs_status check_time(vs_worker_pool *j, vs_worker *w, vs_error *err) {
   leave_pause_out(j);
   if (!w->pid || !w->queued || !(j->o.timeout_s > 0)) return VS_OK;
-  return vs_budget_clock_s() - w->heard_s > j->o.timeout_s ? replace_worker(j, w, true, err) : VS_OK;
+  return vs_budget_clock_s() - w->heard_s > j->o.timeout_s ? replace_worker(j, w, true, err)
+                                                           : VS_OK;
 }
 
 static bool are_cases_over(const vs_worker_pool *j) {

@@ -33,8 +33,6 @@ void race_run(race *r);
 /* CSV, without a header: part, method, varied, value, error, best_s, middle_s, steps. */
 void race_print(const race *r);
 
-double race_clock(void); /* s */
-
 /* The scene `paper` with KEY=VALUEs set (a NULL-ended list); ends the program when it is refused.
  * free() it behind vs_scene_free. */
 vs_scene *race_scene(const char *tier, const char *const *sets);
