@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-
 /* ---- absence ---- */
 
 static void end_absence(vs_absence *a, double until_s) {

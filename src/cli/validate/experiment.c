@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-
 /* ---- numbers by name ---- */
 
 void vs_experiment_add(vs_numbers *n, double value, const char *format, ...) {
