@@ -121,6 +121,7 @@ static void value_of_program(const vs_equations *e, const vs_compiled_device *d,
                              double *f, double *jacobian) {
   double slope[VS_PROGRAM_SIGNALS];
   const vs_compiled_program *p = &d->program;
+  if (!p->n_live && p->value[p->result] == 0) return;
   const double value = d->factor * vs_program_value(p, y, jacobian ? slope : NULL);
   if (d->branch >= 0)
     f[d->branch] -= value;

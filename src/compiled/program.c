@@ -388,59 +388,61 @@ static double compare(int sign, double a, double b) {
   return value;
 }
 
-static void go_forward(const vs_compiled_program *p, const int *list, int count, const double *y) {
+static inline __attribute__((always_inline)) void take_forward(const vs_compiled_program *p, int k,
+                                                               const double *y) {
   double slope, *v = p->value;
-  for (int n = 0; n < count; n++) {
-    const int k = list[n];
-    const vs_program_op *op = &p->op[k];
-    switch (op->kind) {
-    case SIGNAL: {
-      const vs_program_signal *s = &p->signal[op->a];
-      v[k] = (s->plus < 0 ? 0 : y[s->plus]) - (s->minus < 0 ? 0 : y[s->minus]);
-      break;
-    }
-    case ADD:
-      v[k] = v[op->a] + v[op->b];
-      break;
-    case SUBTRACT:
-      v[k] = v[op->a] - v[op->b];
-      break;
-    case MULTIPLY:
-      v[k] = v[op->a] * v[op->b];
-      break;
-    case DIVIDE:
-      v[k] = v[op->a] / v[op->b];
-      break;
-    case POWER:
-      v[k] = power_of(v[op->a], v[op->b]);
-      break;
-    case SIGN_POWER:
-      v[k] = copysign(pow(fabs(v[op->a]), v[op->b]), v[op->a]);
-      break;
-    case MINIMUM:
-      v[k] = v[op->b] < v[op->a] ? v[op->b] : v[op->a];
-      break;
-    case MAXIMUM:
-      v[k] = v[op->b] > v[op->a] ? v[op->b] : v[op->a];
-      break;
-    case FUNCTION:
-      v[k] = op->of == exp && v[op->a] > STEEPEST ? exp(STEEPEST) * (1 + v[op->a] - STEEPEST)
-                                                  : op->of(v[op->a]);
-      break;
-    case LINE:
-      v[k] = line_value(p, op, v[op->a], &slope);
-      break;
-    case SIZE:
-      v[k] = fabs(v[op->a]);
-      break;
-    case CHOICE:
-      v[k] = v[chosen_by(op)];
-      break;
-    default:
-      v[k] = op->value;
-      break; /* COMPARE, ROUND, STEP, SIGN */
-    }
+  const vs_program_op *op = &p->op[k];
+  switch (op->kind) {
+  case SIGNAL: {
+    const vs_program_signal *s = &p->signal[op->a];
+    v[k] = (s->plus < 0 ? 0 : y[s->plus]) - (s->minus < 0 ? 0 : y[s->minus]);
+    break;
   }
+  case ADD:
+    v[k] = v[op->a] + v[op->b];
+    break;
+  case SUBTRACT:
+    v[k] = v[op->a] - v[op->b];
+    break;
+  case MULTIPLY:
+    v[k] = v[op->a] * v[op->b];
+    break;
+  case DIVIDE:
+    v[k] = v[op->a] / v[op->b];
+    break;
+  case POWER:
+    v[k] = power_of(v[op->a], v[op->b]);
+    break;
+  case SIGN_POWER:
+    v[k] = copysign(pow(fabs(v[op->a]), v[op->b]), v[op->a]);
+    break;
+  case MINIMUM:
+    v[k] = v[op->b] < v[op->a] ? v[op->b] : v[op->a];
+    break;
+  case MAXIMUM:
+    v[k] = v[op->b] > v[op->a] ? v[op->b] : v[op->a];
+    break;
+  case FUNCTION:
+    v[k] = op->of == exp && v[op->a] > STEEPEST ? exp(STEEPEST) * (1 + v[op->a] - STEEPEST)
+                                                : op->of(v[op->a]);
+    break;
+  case LINE:
+    v[k] = line_value(p, op, v[op->a], &slope);
+    break;
+  case SIZE:
+    v[k] = fabs(v[op->a]);
+    break;
+  case CHOICE:
+    v[k] = v[chosen_by(op)];
+    break;
+  default:
+    v[k] = op->value;
+    break; /* COMPARE, ROUND, STEP, SIGN */
+  }
+}
+
+static void go_forward(const vs_compiled_program *p, const double *y) {
+  for (int n = 0; n < p->n_live; n++) take_forward(p, p->live[n], y);
 }
 
 /* From the result back to the signals: the derivative by each operation. */
@@ -505,7 +507,7 @@ static void go_back(const vs_compiled_program *p, double *slope) {
 }
 
 double vs_program_value(const vs_compiled_program *p, const double *y, double *slope) {
-  if (p->n_live) go_forward(p, p->live, p->n_live, y);
+  if (p->n_live) go_forward(p, y);
   if (slope) go_back(p, slope);
   return p->value[p->result];
 }
@@ -542,14 +544,12 @@ static double due_branch(const vs_compiled_program *p, const vs_program_op *op, 
 /* Branches are taken from the first operation to the last, so that what a later one chooses by is
  * known. With each the operations that count are others. */
 bool vs_program_choose(vs_compiled_program *p, const double *y, bool only_ask) {
-  const double *v = p->value;
   bool other = false;
-  if (!p->chooses) return false;
-  go_forward(p, p->decides, p->n_decides, y);
-  for (int n = 0; n < p->n_decides; n++) {
+  for (int n = 0; p->chooses && n < p->n_decides; n++) {
     vs_program_op *op = &p->op[p->decides[n]];
+    take_forward(p, p->decides[n], y);
     if (!is_branch(op)) continue;
-    const double due = due_branch(p, op, v);
+    const double due = due_branch(p, op, p->value);
     if (due == op->value || isnan(due)) continue;
     const bool holds = op->kind >= COMPARE;
     other = other || holds || op->value != 0; /* a kink's first side is none that is left */
@@ -558,7 +558,6 @@ bool vs_program_choose(vs_compiled_program *p, const double *y, bool only_ask) {
     op->value = due;
     if (!holds) continue;
     find_live(p);
-    go_forward(p, p->decides, p->n_decides, y);
     n = -1;
   }
   return other;
