@@ -23,8 +23,8 @@ typedef struct vs_program_signal {
 } vs_program_signal;
 
 typedef struct vs_compiled_program {
-  vs_program_op *op; /* owned; the last one is the result */
-  int count;
+  vs_program_op *op; /* owned; the last one is the whole expression */
+  int count, result; /* result: the one that it has the value of, by the branches that are held */
   int *live, n_live; /* the operations that the branches held ask for, without constants; owned */
   int *decides, n_decides; /* those of them that a branch is chosen by, and the choices; owned */
   double *value;           /* of each operation, as it was evaluated last; owned */

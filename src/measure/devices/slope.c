@@ -11,7 +11,8 @@ static double window_of(const vs_slope *s) {
 }
 
 static size_t knot_at(const vs_slope *s, size_t n) {
-  return (s->first + n) % VS_SLOPE_KNOTS;
+  const size_t at = s->first + n; /* n is at most the number of knots */
+  return at < VS_SLOPE_KNOTS ? at : at - VS_SLOPE_KNOTS;
 }
 
 static void keep_knot(vs_slope *s, double t_s, double y) {
