@@ -117,9 +117,9 @@ static void begin_device(vs_watched *w, vs_device_watch *own, const vs_frame *fr
   for (size_t k = 0; k < w->count; k++) {
     vs_reduced *r = &w->reduced[k];
     begin_measure(w, r, &d->kind->measures[k]);
-    bool assumed = false; /* of what is cooled the mean power is asked for */
+    unsigned unsure = 0; /* of what is cooled the mean power is asked for */
     const bool warms = r->measure->how == VS_R_CASE && w->cooling &&
-                       isfinite(vs_cooling_to_ambient(w->cooling, w->deck, d, &assumed));
+                       isfinite(vs_cooling_to_ambient(w->cooling, w->deck, d, &unsure));
     if (r->by->continuous && (r->limit || warms) && !w->at_work && !w->parts.count)
       begin_parts(&w->parts, frame->timeline, means);
     if (r->by->follow && (!r->by->is_busy || r->by->is_busy(w, r))) own->busy[own->n_busy++] = r;
@@ -638,10 +638,11 @@ bool vs_devices_sign_is_wrong(const vs_watched *w, double whole_j, char *text, s
              "way round; a %s has its cathode first",
              name, kind->name);
   else
-    snprintf(text, size,
-             "device %s conducts backwards, which no %s does: its part is the wrong way round (a %s "
-             "has its %s first), or its voltage and its current have the wrong sign in its line, "
-             "and so have its measures",
-             name, kind->name, kind->name, kind->pins[0].text);
+    snprintf(
+        text, size,
+        "device %s conducts backwards, which no %s does: its part is the wrong way round (a %s "
+        "has its %s first), or its voltage and its current have the wrong sign in its line, "
+        "and so have its measures",
+        name, kind->name, kind->name, kind->pins[0].text);
   return true;
 }
