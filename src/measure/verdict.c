@@ -51,7 +51,7 @@ static vs_judgement judge_rating(const vs_measures *m, size_t k) {
   j.margin_error = NAN;
   j.margin = fmin(below, above);
   if (above < below) j.stress = j.largest;
-  j.assumed = r->bounds[above < below].assumed;
+  j.unsure = r->bounds[above < below].unsure;
   j.failed_s = j.margin < 0 ? m->passed_s[k] : NAN;
   if (j.margin < 0 && isnan(j.failed_s)) j.failed_s = j.stress.at_s; /* between two knots only */
   j.n_models = vs_parts_models_across(deck, j.probe, j.model);
@@ -97,6 +97,14 @@ static vs_judgement judge_rated(const vs_rated *own, double tolerance) {
   return j;
 }
 
+/* What the parameters in the device's formulas lack. */
+static unsigned lack_of_formulas(const vs_deck *deck, const vs_device *d) {
+  unsigned lack = 0;
+  for (unsigned one = VS_ASSUMED; one <= VS_TYPICAL; one <<= 1)
+    if (vs_deck_lacking(deck, one, d, NULL, &(size_t){0})) lack |= one;
+  return lack;
+}
+
 static vs_judgement judge_device(const vs_deck *deck, const vs_device *d, const vs_reduced *r) {
   const vs_value judged = r->judged.known ? r->judged : r->value;
   double limit = r->limit->value, stress = judged.value;
@@ -113,7 +121,7 @@ static vs_judgement judge_device(const vs_deck *deck, const vs_device *d, const 
                         .hangs = r->by->hangs_on_sequence ? d : NULL,
                         .makes_fire = r->by->makes_fire,
                         .is_rate = r->by->is_rate,
-                        .assumed = r->limit->assumed || r->assumed,
+                        .unsure = r->limit->unsure | r->unsure | lack_of_formulas(deck, d),
                         .over_v = r->over_v,
                         .doubt = d->doubtful ? INFINITY : r->doubt / limit,
                         .spread = r->spread / limit,

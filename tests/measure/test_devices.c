@@ -284,7 +284,7 @@ static void junctions_of_parts(void) {
     for (size_t n = 0; n < d->n_zth; n++) {
       sum += d->zth[n].k_per_w;
       rise += 100 * d->zth[n].k_per_w * -expm1(-10e-3 / d->zth[n].tau_s);
-      CU_ASSERT(d->zth[n].assumed);
+      CU_ASSERT(d->zth[n].unsure == VS_ASSUMED);
     }
     CLOSE(sum, ROWS[k].k_per_w, 1e-9);
     MEASURES(t, "t", "t_j_rise", rise, 2e-4);

@@ -13,9 +13,10 @@
 #include "study/price_list.h"
 #include "suite.h"
 
-static const char PART[] = "*$ part thyristor \"a resistor that its gate switches\"\n"
-                           "*$ limit v_drm = %d V\n*$ limit v_rrm = %d V\n*$ limit i_t_rms = 12 A\n"
-                           ".subckt g%d a k g\nRg g k 1k\nBk a k I=v(a,k)*v(g,k)*20m\n.ends g%d\n";
+static const char PART[] =
+    "*$ part thyristor \"a resistor that its gate switches\"\n"
+    "*$ limit v_drm = %d V\n*$ limit v_rrm = %d V\n*$ limit i_t_rms = 12 A typical\n"
+    ".subckt g%d a k g\nRg g k 1k\nBk a k I=v(a,k)*v(g,k)*20m\n.ends g%d\n";
 static const char DECK[] =
     "*$ param thyristor = g600.inc part thyristor\n*$ param r1 = 100 ohm 1..1e5\n"
     "*$ port mains = Vm\n*$ port gate = Vg\n*$ probe v_ak = v(a,b) V\n"
@@ -227,6 +228,7 @@ static void files(void) {
   EXPECT(strstr(page, "1. List: the answer holds all 6 cases, each a run in ngspice. "), "%s",
          page);
   EXPECT(strstr(page, "3. Random: nothing was drawn."), "%s", page);
+  EXPECT(strstr(page, " Typical limits, not guaranteed: thyristor.i_rms."), "%s", page);
   EXPECT(strstr(page, "+- "), "an error of a margin: %s", page);
   free(json);
   free(csv);
@@ -494,7 +496,11 @@ static void not_judged(void) {
   EXPECT(strstr(r.out, "g1200.inc, 10 ohm, for 2.2, could not be judged: r1.power is not known, "
                        "under lost (case 0)\n"),
          "%s", r.out);
-  expect_end(&r, 1, "! 5 candidates could not be judged; no other one holds");
+  expect_end(&r, 1,
+             "!5 candidates could not be judged; no other one holds, and nothing holds below 1.7");
+  char *json = read_file("open/design.json");
+  EXPECT(number_in(json, "lower_bound") == 1.7, "%s", json);
+  free(json);
 }
 
 /* A candidate that a misfire rejects has no margin beside it: none of its lines is broken. */

@@ -394,25 +394,31 @@ static void add_lines(const answer *a, int which, vs_text *text) {
   if (between != TITLE[which]) vs_text_add(text, ".");
 }
 
-/* The limits of the chosen parts that no source says. */
-static void add_assumed(const answer *a, vs_text *text) {
+/* Adds the limits of the deck's parts that lack this: VS_ASSUMED, VS_TYPICAL. */
+static void add_limits(const vs_deck *deck, unsigned lack, const char *title, vs_text *text) {
+  const char *between = title;
+  for (size_t k = 0; k < deck->n_devices; k++)
+    for (size_t m = 0; deck->devices[k].kind && m < deck->devices[k].kind->n_measures; m++) {
+      const size_t held = deck->devices[k].held[m];
+      if (!held || !(deck->limits[held - 1].unsure & lack)) continue;
+      vs_text_add(text, "%s%s.%s", between, deck->devices[k].name,
+                  deck->devices[k].kind->measures[m].name);
+      between = ", ";
+    }
+  if (between != title) vs_text_add(text, ".");
+}
+
+static void add_unsure(const answer *a, vs_text *text) {
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_error none = {0};
   const double *point = &a->results->points[a->s.weakest_run * a->plan->n_axes];
-  bool any = false;
   vs_status status = vs_plan_scene(a->plan, scene, &none);
   if (!status) vs_plan_put(a->plan, point, &scene->tree);
   if (!status) status = vs_scene_read_sections(scene, NULL, &none);
-  const vs_deck *deck = &scene->setup.deck;
-  for (size_t k = 0; !status && k < deck->n_devices; k++)
-    for (size_t m = 0; deck->devices[k].kind && m < deck->devices[k].kind->n_measures; m++) {
-      const size_t held = deck->devices[k].held[m];
-      if (!held || !deck->limits[held - 1].assumed) continue;
-      vs_text_add(text, "%s%s.%s", any ? ", " : " Assumed limits: ", deck->devices[k].name,
-                  deck->devices[k].kind->measures[m].name);
-      any = true;
-    }
-  if (any) vs_text_add(text, ".");
+  if (!status) {
+    add_limits(&scene->setup.deck, VS_ASSUMED, " Assumed limits: ", text);
+    add_limits(&scene->setup.deck, VS_TYPICAL, " Typical limits, not guaranteed: ", text);
+  }
   vs_scene_free(scene);
   free(scene);
 }
@@ -440,7 +446,7 @@ static void add_not_judged(const answer *a, vs_text *text) {
   }
   vs_text_add(text, "Not judged: %s.", all.length ? all.text : "nothing");
   for (int which = 0; which < 3; which++) add_lines(a, which, text);
-  add_assumed(a, text);
+  add_unsure(a, text);
   vs_text_free(&all);
 }
 
@@ -549,9 +555,7 @@ static void put_answer(const answer *a, vs_status status, vs_json *json) {
   vs_json_text(json, "least", a->d->aim->text);
   vs_json_number(json, "price", s->answer ? s->answer->price : NAN, 12);
   vs_json_number(json, "lower_bound",
-                 a->unjudged           ? NAN
-                 : status == VS_RATING ? vs_design_choices_dearest(a->d)
-                                       : vs_design_search_bound(s),
+                 status == VS_RATING ? vs_design_choices_dearest(a->d) : vs_design_search_bound(s),
                  12);
   vs_json_whole(json, "candidates", (int64_t)a->d->n_candidates);
   vs_json_whole(json, "looked_at", (int64_t)s->n_seen);
@@ -748,9 +752,11 @@ static void add_unjudged(const answer *a, vs_text *text) {
 static vs_status end_design(const answer *a, vs_error *err) {
   const vs_design_search *s = &a->s;
   if (a->unjudged && (s->proved || s->looked_at_all))
-    return vs_fail(err, VS_RUN, "%zu %scandidate%s could not be judged; %s", a->unjudged,
-                   s->answer ? "cheaper " : "", a->unjudged > 1 ? "s" : "",
-                   s->answer ? "one of them may hold for less" : "no other one holds");
+    return vs_fail(err, VS_RUN,
+                   "%zu %scandidate%s could not be judged; %s, and nothing holds below %.6g",
+                   a->unjudged, s->answer ? "cheaper " : "", a->unjudged > 1 ? "s" : "",
+                   s->answer ? "one of them may hold for less" : "no other one holds",
+                   vs_design_search_bound(s));
   if (s->proved) return VS_OK;
   if (s->looked_at_all)
     return vs_fail(
@@ -758,12 +764,12 @@ static vs_status end_design(const answer *a, vs_error *err) {
         "nothing in the catalogue holds: all %llu candidates, up to %.6g, violate a case",
         (unsigned long long)a->d->n_candidates, vs_design_choices_dearest(a->d));
   char but[64] = "";
-  if (a->unjudged) snprintf(but, sizeof but, ", but for %zu that could not be judged", a->unjudged);
+  if (a->unjudged) snprintf(but, sizeof but, "; %zu could not be judged", a->unjudged);
   return vs_fail(err, VS_BUDGET,
                  "budget.runs = %llu is spent: nothing below %.6g holds%s%s; a larger budget, "
                  "in another folder, would look further",
-                 (unsigned long long)a->d->most_runs, vs_design_search_bound(s), but,
-                 s->answer ? ", and the best so far is not proved" : "");
+                 (unsigned long long)a->d->most_runs, vs_design_search_bound(s),
+                 s->answer ? ", and the best so far is not proved" : "", but);
 }
 
 vs_status vs_design_answer_publish(const vs_plan *plan, const vs_plan_stage *stage,

@@ -626,8 +626,7 @@ void vs_design_search_run(vs_design_search *s, const vs_design *d, const vs_plan
 double vs_design_search_bound(const vs_design_search *s) {
   double price = INFINITY;
   for (size_t k = 0; k < s->n_seen; k++)
-    if (s->seen[k]->state == VS_DESIGN_OPEN || s->seen[k]->state == VS_DESIGN_HOLDS)
-      price = fmin(price, s->seen[k]->price);
+    if (s->seen[k]->state != VS_DESIGN_KILLED) price = fmin(price, s->seen[k]->price);
   if (s->next_rank < s->d->n_candidates)
     price = fmin(price, vs_design_choices_price(s->d, s->d->order[s->next_rank], NULL));
   return price;

@@ -99,5 +99,5 @@ void vs_design_search_point(const vs_design_search *search, uint64_t number, dou
 /* How the case came up: "list", "search" or "draw". */
 const char *vs_design_search_found_by(const vs_design_search *search, uint64_t number);
 
-/* The price below which nothing holds, as far as every candidate could be judged. */
+/* The price below which nothing holds: the least of what is not rejected, be it judged or not. */
 double vs_design_search_bound(const vs_design_search *search);

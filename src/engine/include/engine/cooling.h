@@ -33,9 +33,9 @@ bool vs_cooling_has(const vs_cooling *cooling, const vs_deck *deck, const vs_dev
 
 /* The thermal resistance from the device's case to the ambient, K/W: of its heat sink, with r_th_cs
  * of its part where that states one; else r_th_ja of its part, less r_th_jc. NaN: neither is known.
- * *assumed becomes true where no source says a figure of it, and else stays. */
+ * *unsure gets what its figures lack, besides. */
 double vs_cooling_to_ambient(const vs_cooling *cooling, const vs_deck *deck,
-                             const vs_device *device, bool *assumed);
+                             const vs_device *device, unsigned *unsure);
 
 /* Adds what heats what: "thyristor: junction over case 1.8 K/W, over heat sink 12 K/W, over ambient
  * 40 degC". */

@@ -99,7 +99,7 @@ typedef struct vs_reduced {
   const char *note;     /* of t_case: why it stays at the ambient, as "over less than 1 s"; NULL: it
                            does not, or the value is of anything else */
   bool mean;            /* of t_j: it is the mean, as the part has no lines zth */
-  bool assumed;         /* no source says one of the part's figures that the value is made of */
+  unsigned unsure;      /* of the part's figures that the value is made of */
   void *state;          /* the reduction's own, of by->state_size bytes; owned */
 } vs_reduced;
 

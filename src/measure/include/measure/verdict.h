@@ -53,7 +53,7 @@ typedef struct vs_judgement {
   bool torn;              /* that is another one in a second run: undecided for its sake */
   bool makes_fire;        /* near the limit the device may fire without its gate */
   bool is_rate;           /* the measure is a rate over a short time */
-  bool assumed;           /* no source says the limit, or a figure that the stress is made of */
+  unsigned unsure;        /* of the limit, and of figures that the stress is made of */
   double over_v;      /* of a rate of rise: how far the stretch rises that the stress is the mean
                          rate of; 0: of any other */
   double over_from_s; /* of a mean or rms value: the stress is over the stretch from here to the end

@@ -6,7 +6,8 @@
  *
  *   @NAME@, @SUBCKT@   the part's name, as written and in lower case
  *   @COLUMN@           the cell's number
- *   @COLUMN?@          the word assumed where a '?' stands behind the cell's number, else nothing
+ *   @COLUMN?@          the word assumed where a '?' stands behind the cell's number, typical where
+ *                      it is a '~', else nothing
  *   a cell '-'         the source says nothing: lines "*$" that ask for it are left out */
 #pragma once
 

@@ -23,9 +23,9 @@ vs_status vs_margin_bars_draw(const char *folder, bool quiet, vs_error *err);
  * belongs to. NaN: not known. */
 void vs_margin_bars_stress(const vs_node *line, double *value, double *limit);
 
-/* True if no source says the limit of a line of the verdict, or a figure that its stress is made of.
- */
-bool vs_margin_bars_assumed(const vs_node *line);
+/* " (assumed)", " (typical)" or both, of the limit of a line of the verdict, or of a figure that
+ * its stress is made of; else nothing. */
+const char *vs_margin_bars_unsure(const vs_node *line);
 
 /* True for a rating whose ends are both lines of devices as well, with the same values and limits:
  * v_ak beside v_forward and v_reverse. Pictures and pages show it once. */

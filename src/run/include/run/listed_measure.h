@@ -25,7 +25,7 @@ typedef struct vs_listed_measure {
   const char *limit_unit; /* of a margin; NULL: it is none */
   bool at_least;          /* the limit is the least allowed, not the most */
   bool own;        /* of a margin: the scene itself rates it, which `waive` does not leave out */
-  bool assumed;    /* of a margin: no source says the limit, or a figure that the stress is made of */
+  unsigned unsure; /* of a margin: of its limit, and of figures that the stress is made of */
   int left_out_by; /* of a margin: see vs_expect_left_out_by */
   int sense;     /* of a margin: 1, it is 1 - stress / limit; -1, stress / limit - 1; 0, neither, as
                     of a limit of 0 */

@@ -39,7 +39,7 @@ typedef struct vs_report_column {
                       NaN: it has none, or not in every case the same one */
   bool at_least;   /* the limit is the least allowed; false: it is the most */
   bool own;        /* of a margin, see vs_listed_measure */
-  bool assumed;    /* the same, in any case */
+  unsigned unsure; /* the same, in any case */
   int left_out_by; /* the same */
   int sense;       /* of a margin, see vs_listed_measure; 0, too, where cases differ */
   vs_where where;
