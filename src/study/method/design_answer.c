@@ -695,8 +695,10 @@ static void add_around(const answer *a, vs_text *text) {
     return;
   }
   vs_design_choices_write(a->d, a->plan, s->runner_up->number, text);
-  vs_text_add(text, ", for %.6g more, holds the list; it was neither searched nor drawn for\n",
-              s->runner_up->price - s->answer->price);
+  vs_text_add(text, ", for %.6g more, holds the list; it was neither searched nor drawn for%s\n",
+              s->runner_up->price - s->answer->price,
+              a->d->verify && !s->runner_up->verified ? ", nor run for the errors of its margins"
+                                                      : "");
 }
 
 static void add_page(answer *a, vs_text *text) {
@@ -768,7 +770,10 @@ vs_status vs_design_answer_publish(const vs_plan *plan, const vs_plan_stage *sta
   const vs_status ended = end_design(a, &why);
   add_page(a, &text);
   add_unjudged(a, &text);
+  const size_t printed = text.length; /* the last sentence is printed as an error */
+  if (ended) vs_text_add(&text, "%s%s\n", printed ? "\n" : "", why.text);
   vs_status status = folder ? write_files(a, ended, &text, err) : VS_OK;
+  if (text.text) text.text[text.length = printed] = '\0';
   if (!status && !quiet) {
     fputs(text.text ? text.text : "", stdout);
     if (folder)
