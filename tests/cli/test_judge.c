@@ -135,6 +135,9 @@ static void house_and_waivers(void) {
   r = run("judge plain --set hold.thyristor.v_reverse=0.1");
   CU_ASSERT_EQUAL(r.status, 3);
   free_ran(&r);
+  r = run("judge plain --set hold.thyristor.v_reverse=0.1 --set waive=[thyristor]");
+  CU_ASSERT_EQUAL(r.status, 0);
+  free_ran(&r);
   r = run("judge plain --set hold.thyristor.v_reverse=0.1 --set waive=[thyristor.v_reverse]");
   EXPECT(r.status == 0, "%d %s %s", r.status, r.out, r.err);
   free_ran(&r);

@@ -175,8 +175,7 @@ static void want_scenes(answer *a) {
   for (size_t c = 0; c < a->d->n_choices; c++) want_scene(a, a->least[c].run);
   for (size_t k = 0; k < s->n_worst; k++) want_scene(a, s->worst[k].mark.run);
   for (size_t k = 0; k < s->n_neighbours; k++)
-    if (s->neighbour[k].candidate->state == VS_DESIGN_KILLED)
-      want_scene(a, s->neighbour[k].candidate->killer.run);
+    if (s->neighbour[k].killed) want_scene(a, s->neighbour[k].killer.run);
   for (size_t n = 0; n < s->n_list; n++)
     for (size_t k = s->n_seen; k-- > 0;)
       if (s->seen[k]->state != VS_DESIGN_OPEN && s->seen[k]->state != VS_DESIGN_HOLDS &&
@@ -508,9 +507,10 @@ static void put_neighbours(const answer *a, vs_json *json) {
     vs_json_object(json, NULL, VS_JSON_ROW);
     vs_json_text(json, "key", a->d->choice[n->choice].node->key);
     vs_json_text(json, "chosen", text.text);
-    vs_json_number(json, "price", n->candidate->price, 12);
-    vs_json_text(json, "verdict", state_word(n->candidate));
-    if (n->candidate->state == VS_DESIGN_KILLED) put_mark(a, "killer", &n->candidate->killer, json);
+    if (n->below) vs_json_text(json, "part", part_name(a, n->below));
+    vs_json_number(json, "price", n->price, 12);
+    vs_json_text(json, "verdict", n->below ? "violated" : state_word(n->candidate));
+    if (n->killed) put_mark(a, "killer", &n->killer, json);
     vs_json_end(json);
     vs_text_free(&text);
   }
@@ -672,9 +672,12 @@ static void add_doubt(const answer *a, const vs_design_candidate *c, vs_text *te
 static void add_neighbour_row(const answer *a, const vs_design_neighbour *n, vs_text *text) {
   const vs_design_candidate *c = n->candidate;
   vs_text_add(text, "%-20s  ", a->d->choice[n->choice].node->key);
-  add_option(a, c, n->choice, text);
-  if (c->state == VS_DESIGN_KILLED)
-    add_violation(a, &c->killer, text);
+  if (n->below)
+    vs_text_add(text, "as %s", part_name(a, n->below));
+  else
+    add_option(a, c, n->choice, text);
+  if (n->killed)
+    add_violation(a, &n->killer, text);
   else if (c->held)
     vs_text_add(text, " holds the list, too, for %.6g\n", c->price);
   else if (c->state == VS_DESIGN_OPEN)
@@ -683,26 +686,10 @@ static void add_neighbour_row(const answer *a, const vs_design_neighbour *n, vs_
     add_doubt(a, c, text);
 }
 
-/* A lower class of a value's part, where the answer has not the lowest. */
-static void add_class_row(answer *a, size_t choice, vs_text *text) {
-  const size_t now = a->s.answer->class[choice];
-  const vs_design_choice *c = &a->d->choice[choice];
-  vs_design_mark least = {.run = UINT64_MAX};
-  if (c->leader != choice || !now) return;
-  const vs_design_class *below =
-      &c->option[vs_design_choices_option(a->d, a->s.answer->number, choice)].classes[now - 1];
-  for (size_t k = 0; k < a->d->n_choices; k++)
-    if (a->d->choice[k].leader == choice) take_class(a, k, below, &least);
-  if (least.run == UINT64_MAX) return;
-  vs_text_add(text, "%-20s  as %s", c->node->key, part_name(a, below));
-  add_violation(a, &least, text);
-}
-
-static void add_around(answer *a, vs_text *text) {
+static void add_around(const answer *a, vs_text *text) {
   const vs_design_search *s = &a->s;
   vs_text_add(text, "\none size smaller, or the part that is next in price\n");
   for (size_t k = 0; k < s->n_neighbours; k++) add_neighbour_row(a, &s->neighbour[k], text);
-  for (size_t c = 0; c < a->d->n_choices; c++) add_class_row(a, c, text);
   vs_text_add(text, "\nrunner-up             ");
   if (!s->runner_up) {
     vs_text_add(text, s->spent ? "not looked for to the end: the budget is spent\n"
@@ -710,8 +697,10 @@ static void add_around(answer *a, vs_text *text) {
     return;
   }
   vs_design_choices_write(a->d, a->plan, s->runner_up->number, text);
-  vs_text_add(text, ", for %.6g more, holds the list; it was neither searched nor drawn for\n",
-              s->runner_up->price - s->answer->price);
+  vs_text_add(text, ", for %.6g more, holds the list; it was neither searched nor drawn for%s\n",
+              s->runner_up->price - s->answer->price,
+              a->d->verify && !s->runner_up->verified ? ", nor run for the errors of its margins"
+                                                      : "");
 }
 
 static void add_page(answer *a, vs_text *text) {
@@ -785,7 +774,10 @@ vs_status vs_design_answer_publish(const vs_plan *plan, const vs_plan_stage *sta
   const vs_status ended = end_design(a, &why);
   add_page(a, &text);
   add_unjudged(a, &text);
+  const size_t printed = text.length; /* the last sentence is printed as an error */
+  if (ended) vs_text_add(&text, "%s%s\n", printed ? "\n" : "", why.text);
   vs_status status = folder ? write_files(a, ended, &text, err) : VS_OK;
+  if (text.text) text.text[text.length = printed] = '\0';
   if (!status && !quiet) {
     fputs(text.text ? text.text : "", stdout);
     if (folder)

@@ -586,16 +586,31 @@ static vs_design_candidate *candidate_of(vs_design_search *s, uint64_t number) {
   return begin_candidate(s, number, rank);
 }
 
+/* The answer with the class below its own, which does not bear what the answer's bears. */
+static void add_class_below(vs_design_search *s, size_t choice) {
+  const vs_design_choice *c = &s->d->choice[choice];
+  vs_design_candidate below = *s->answer;
+  vs_design_neighbour n = {choice, s->answer, NULL, 0, true, {0}};
+  if (c->leader != choice || !below.class[choice]) return;
+  n.below = &c->option[vs_design_choices_option(s->d, below.number, choice)]
+                 .classes[--below.class[choice]];
+  n.price = vs_design_choices_price(s->d, below.number, below.class);
+  class_bears(s->d, &below, choice, n.below, &n.killer);
+  s->neighbour[s->n_neighbours++] = n;
+}
+
 static void look_around(vs_design_search *s) {
   for (size_t k = 0; k < s->d->n_choices && !s->waits; k++) {
     const size_t option = vs_design_choices_option(s->d, s->answer->number, k);
     if (s->d->choice[k].leader != k || !option) continue;
     vs_design_candidate *c =
         candidate_of(s, vs_design_choices_with(s->d, s->answer->number, k, option - 1));
-    s->neighbour[s->n_neighbours++] = (vs_design_neighbour){k, c};
     run_candidate(s, c, true);
+    s->neighbour[s->n_neighbours++] =
+        (vs_design_neighbour){k, c, NULL, c->price, c->state == VS_DESIGN_KILLED, c->killer};
     if (c->state == VS_DESIGN_HOLDS) c->state = VS_DESIGN_OPEN; /* it may be the runner-up */
   }
+  for (size_t k = 0; k < s->d->n_choices; k++) add_class_below(s, k);
   if (!s->waits) s->runner_up = find_cheapest(s, false);
 }
 

@@ -50,10 +50,14 @@ typedef struct vs_design_worst {
   vs_design_mark mark;          /* run UINT64_MAX: no run has a margin */
 } vs_design_worst;
 
-/* A neighbour of the answer: another option of one choice. */
+/* A neighbour of the answer: another option of one choice, or a lower class of the same. */
 typedef struct vs_design_neighbour {
   size_t choice;
-  vs_design_candidate *candidate;
+  const vs_design_candidate *candidate;
+  const vs_design_class *below; /* NULL: it is another option */
+  double price;
+  bool killed; /* by the killer */
+  vs_design_mark killer;
 } vs_design_neighbour;
 
 typedef struct vs_design_search {
@@ -81,7 +85,7 @@ typedef struct vs_design_search {
   size_t n_found;
   vs_design_worst *worst; /* [n_worst], a threat each, of the last round; owned */
   size_t n_worst;
-  vs_design_neighbour neighbour[VS_DESIGN_CHOICES];
+  vs_design_neighbour neighbour[2 * VS_DESIGN_CHOICES];
   size_t n_neighbours;
   uint64_t weakest_run; /* of the answer */
 } vs_design_search;
