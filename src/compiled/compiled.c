@@ -45,6 +45,8 @@ typedef struct compiled {
   long tries;
   vs_monodromy map; /* for the host's; without states where it has none */
   double *states;   /* of the host's map: owned */
+  double *began;    /* the state before which the stretch under way began, with the next: */
+  bool *on;         /* its switches; owned */
 } compiled;
 
 /* ---- sources ---- */
@@ -240,7 +242,9 @@ static void begin_map(compiled *c) {
   vs_circuit_map *map = c->host->map;
   vs_monodromy_begin(&c->map, &c->e);
   const size_t n = (size_t)c->map.states;
-  c->states = vs_alloc(4 * n + n * n, sizeof *c->states);
+  c->states = vs_alloc(4 * n + n * n + (size_t)c->e.n, sizeof *c->states);
+  c->began = c->states + 4 * n + n * n;
+  c->on = vs_alloc((size_t)c->e.devices + 1, sizeof *c->on);
   *map = (vs_circuit_map){.states = (int)n,
                           .start = c->states,
                           .end = c->states + n,
@@ -252,6 +256,18 @@ static void begin_map(compiled *c) {
                           .solver = c};
 }
 
+/* Switches may keep what a stretch has made of them. With `back` they, and the state from which a
+ * restart looks for its own, are those with which the last stretch began; else they are kept. */
+static void turn_back(compiled *c, bool back) {
+  const size_t size = (size_t)c->e.n * sizeof *c->began;
+  memcpy(back ? c->r.y : c->began, back ? c->began : c->r.y, size);
+  for (int k = 0; k < c->e.devices; k++) {
+    bool *now = &c->e.device[k].on, *then = &c->on[k];
+    *(back ? now : then) = *(back ? then : now);
+  }
+  if (back) vs_equations_choose(&c->e, c->r.y, false);
+}
+
 /* A restart is to come from c->charge: where the host's stretch begins, from what it says. */
 static void go_on_in_map(compiled *c) {
   vs_circuit_map *map = c->host->map;
@@ -259,6 +275,8 @@ static void go_on_in_map(compiled *c) {
   vs_monodromy_stop(&c->map);
   if (!map->begins) return;
   map->begins = false;
+  turn_back(c, map->returns);
+  map->returns = false;
   vs_monodromy_charge(&c->map, map->next, c->charge);
   memcpy(c->states, map->next, (size_t)map->states * sizeof *c->states);
   vs_monodromy_start(&c->map, map->wants_slope);
@@ -597,6 +615,7 @@ static void free_circuit(void *circuit) {
   if (c->map.states) c->host->map->states = 0;
   vs_monodromy_free(&c->map);
   free(c->states);
+  free(c->on);
   vs_rodas_free(&c->r);
   vs_equations_free(&c->e);
   free(c->of);

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Newton's iteration for an orbit of machine and circuit as one, where the circuit's solver can
  * tell and set its whole state and knows the monodromy matrix Phi (vs_circuit_map). A pass that
- * began at z and ended at z' is followed by one from z + (I - Phi)^-1 (z' - z). A Phi costs several
- * passes; one is kept for as long as corrections fall fast with it. */
+ * began at z and ended at z' is followed by one from z + (I - Phi)^-1 (z' - z), or from a part of
+ * the way there. A Phi costs several passes; one is kept for as long as corrections fall fast with
+ * it.
+ */
 #ifndef VS_ORBIT_FULL_NEWTON_H
 #define VS_ORBIT_FULL_NEWTON_H
 
@@ -20,9 +22,12 @@ typedef struct vs_full_newton {
   double *step;
   double *factors; /* of I - Phi, of the parts */
   size_t *order;
-  int *part, parts; /* the states that the machine hangs on, its own first; part is owned */
-  double size;      /* of the last correction */
-  double phi_off;   /* of that behind the pass that Phi is of: how far off it was taken */
+  int *part, parts;  /* the states that the machine hangs on, its own first; part is owned */
+  double size;       /* of the last correction */
+  double *from, *to; /* where the last correction leads; `from` is owned, with `to` */
+  double taken;      /* so much of it was taken */
+  int shorter;       /* and was made less so many times */
+  double phi_off;    /* of that behind the pass that Phi is of: how far off it was taken */
 } vs_full_newton;
 
 void vs_full_newton_free(vs_full_newton *f);
