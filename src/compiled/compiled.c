@@ -107,9 +107,9 @@ static int parts_of(const compiled *c) {
 }
 
 static vs_status show_step(compiled *c, double h, vs_error *err) {
-  const bool hides = c->host->hides && c->host->hides(c->host->ctx); /* nobody looks at signals */
-  const int finer = vs_replay_is_on(c->job->steps) ? FINER : 1;
-  const int parts = vs_replay_parts(c->job->steps, hides ? 1 : finer * parts_of(c));
+  const bool on = vs_replay_is_on(c->job->steps);
+  const bool hides = !on && c->host->hides && c->host->hides(c->host->ctx); /* nobody looks */
+  const int parts = vs_replay_parts(c->job->steps, hides ? 1 : (on ? FINER : 1) * parts_of(c));
   vs_status status = VS_OK;
   for (int k = 1; k <= parts && !status; k++)
     status = show_instant(c, h, k == parts ? 1 : (double)k / parts, err);
@@ -569,9 +569,12 @@ static vs_status find_operating_point(compiled *c, vs_error *err) {
   return status;
 }
 
+static bool is_enough(const compiled *c) {
+  return c->host->enough && c->host->enough(c->host->ctx);
+}
+
 static vs_status run_equations(void *circuit, vs_error *err) {
   compiled *c = circuit;
-  const vs_circuit_host *host = c->host;
   const double until_s = c->job->until_s;
   double h = FIRST_S;
   int stuck = 0;
@@ -581,7 +584,7 @@ static vs_status run_equations(void *circuit, vs_error *err) {
   vs_status status = c->job->stands ? find_operating_point(c, err) : VS_OK;
   if (!status) status = restart_behind_jump(c, RESTART_S, err);
   if (c->map.states) vs_monodromy_state(&c->map, c->charge, c->states);
-  while (!status && c->r.t_s < until_s - RESTART_S && !(host->enough && host->enough(host->ctx))) {
+  while (!status && c->r.t_s < until_s - RESTART_S && !is_enough(c)) {
     const double edge_s = fmin(next_edge(c), until_s);
     double taken = 0;
     bool jumps = false;
@@ -601,6 +604,7 @@ static vs_status run_equations(void *circuit, vs_error *err) {
     }
     jumps = jumps && vs_replay_restarts(c->job->steps, choose_branches(c));
     if (status || (!jumps && (c->r.t_s < edge_s - RESTART_S || edge_s == until_s))) continue;
+    if (vs_replay_is_on(c->job->steps) && is_enough(c)) continue; /* no restart was noted there */
     status = restart_here(c, RESTART_S, err);
     h = FIRST_S;
   }

@@ -139,13 +139,18 @@ static void go_part(const vs_full_newton *f, vs_circuit_map *map) {
     map->next[k] = f->to[k] - (1 - f->taken) * (f->to[k] - f->from[k]);
 }
 
-static bool correct(vs_full_newton *f, vs_circuit_map *map, double *size) {
-  if (!find_step(f, map, size)) return false;
+/* A whole step leads there. */
+static void set_next(const vs_full_newton *f, vs_circuit_map *map) {
   follow_others(f, map);
   for (int k = 0; k < f->parts; k++) {
     const int of = f->part[k];
     map->next[of] = map->start[of] + f->step[k] * f->scale[of];
   }
+}
+
+static bool correct(vs_full_newton *f, vs_circuit_map *map, double *size) {
+  if (!find_step(f, map, size)) return false;
+  set_next(f, map);
   memcpy(f->from, map->start, (size_t)f->states * sizeof *f->from);
   memcpy(f->to, map->next, (size_t)f->states * sizeof *f->to);
   f->taken = *size > LONGEST ? LONGEST / *size : 1;
@@ -205,6 +210,15 @@ bool vs_full_newton_turn(vs_full_newton *f, vs_circuit_map *map, int machine, co
   map->wants_slope = *size > FAR || slow || (*size < CLOSE && f->phi_off > NEAR);
   f->size = *size;
   return !f->failed;
+}
+
+bool vs_full_newton_close(vs_full_newton *f, vs_circuit_map *map, int machine, const double *x,
+                          double *size) {
+  map->tell(map->solver);
+  memcpy(map->end, x, (size_t)machine * sizeof *x);
+  if (map->states != f->states || !find_step(f, map, size)) return false;
+  set_next(f, map);
+  return true;
 }
 
 bool vs_full_newton_ends(const vs_full_newton *f, vs_circuit_map *map, bool closed, bool precise) {

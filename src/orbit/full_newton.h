@@ -39,6 +39,11 @@ void vs_full_newton_free(vs_full_newton *f);
 bool vs_full_newton_turn(vs_full_newton *f, vs_circuit_map *map, int machine, const double *x,
                          const double *scale, double *size);
 
+/* A period has ended that began at the map's start, near the orbit that was found. Sets where the
+ * next one begins, by the last Phi, and *size, as above. False: the map is another one. */
+bool vs_full_newton_close(vs_full_newton *f, vs_circuit_map *map, int machine, const double *x,
+                          double *size);
+
 /* Behind such a pass: is the orbit found? closed: corrections are small enough. precise: its
  * multipliers are wanted, of a Phi that was taken near it. */
 bool vs_full_newton_ends(const vs_full_newton *f, vs_circuit_map *map, bool closed, bool precise);

@@ -772,8 +772,8 @@ void vs_picard_free(vs_picard *p) {
   free(p);
 }
 
-bool vs_picard_remembers(const vs_picard *p, int state, double part) {
-  return is_full(p) && vs_full_newton_kept(&p->search->full, state) > part;
+vs_full_newton *vs_picard_newton(const vs_picard *p) {
+  return is_full(p) ? &p->search->full : NULL;
 }
 
 void vs_picard_again(vs_picard *p) {
