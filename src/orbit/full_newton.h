@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Newton's iteration for an orbit of machine and circuit as one, where the circuit's solver can
  * tell and set its whole state and knows the monodromy matrix Phi (vs_circuit_map). A pass that
- * began at z and ended at z' is followed by one from z + (I - Phi)^-1 (z' - z). A Phi costs several
- * passes; one is kept for as long as corrections fall fast with it. */
+ * began at z and ended at z' is followed by one from z + (I - Phi)^-1 (z' - z), or from a part of
+ * the way there. A Phi costs several passes; one is kept for as long as corrections fall fast with
+ * it. */
 #pragma once
 
 #include "ngspice/circuit.h"
@@ -19,9 +20,12 @@ typedef struct vs_full_newton {
   double *step;
   double *factors; /* of I - Phi, of the parts */
   size_t *order;
-  int *part, parts; /* the states that the machine hangs on, its own first; part is owned */
-  double size;      /* of the last correction */
-  double phi_off;   /* of that behind the pass that Phi is of: how far off it was taken */
+  int *part, parts;  /* the states that the machine hangs on, its own first; part is owned */
+  double size;       /* of the last correction */
+  double *from, *to; /* where the last correction leads; `from` is owned, with `to` */
+  double taken;      /* so much of it was taken */
+  int shorter;       /* and was made less so many times */
+  double phi_off;    /* of that behind the pass that Phi is of: how far off it was taken */
 } vs_full_newton;
 
 void vs_full_newton_free(vs_full_newton *f);
@@ -32,6 +36,11 @@ void vs_full_newton_free(vs_full_newton *f);
  * False, with `failed`: it leads nowhere. */
 bool vs_full_newton_turn(vs_full_newton *f, vs_circuit_map *map, int machine, const double *x,
                          const double *scale, double *size);
+
+/* A period has ended that began at the map's start, near the orbit that was found. Sets where the
+ * next one begins, by the last Phi, and *size, as above. False: the map is another one. */
+bool vs_full_newton_close(vs_full_newton *f, vs_circuit_map *map, int machine, const double *x,
+                          double *size);
 
 /* Behind such a pass: is the orbit found? closed: corrections are small enough. precise: its
  * multipliers are wanted, of a Phi that was taken near it. */

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Which figures behind a line of the verdict no source says, or calls typical. */
-#ifndef VS_RUN_LACKS_H
-#define VS_RUN_LACKS_H
+#pragma once
 
 #include "base/json.h"
 #include "branches.h"
@@ -14,5 +13,3 @@ void vs_lacks_list(const vs_branches *branches, const vs_deck *deck, const vs_ju
                    const vs_shares *shares, size_t most, unsigned lack, vs_text *list);
 /* The list as an array; NULL: it is empty. */
 void vs_lacks_json(const char *key, const char *list, vs_json *json);
-
-#endif

@@ -107,7 +107,8 @@ typedef struct vs_circuit_map {
   void *solver;
   bool begins; /* set by the host in accept(): another stretch begins there, at `next` */
   double *next;
-  bool wants_slope; /* of that stretch; set with it */
+  bool wants_slope; /* of that stretch; set with it, as is: */
+  bool returns;     /* switches are to be as they were where the last one began */
 } vs_circuit_map;
 
 /* What the circuit asks. */

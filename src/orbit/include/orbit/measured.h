@@ -12,6 +12,7 @@ typedef struct vs_measured {
   vs_result result;
   vs_steady steady; /* where `period` */
   bool period;
+  struct vs_alike *alike; /* by which its run comes to its orbit; NULL: by a search; borrowed */
 } vs_measured;
 
 /* Begins with a settled scene, which must outlive this; orbit: the measures are those of a period
