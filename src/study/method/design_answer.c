@@ -9,7 +9,6 @@
 #include "base/csv.h"
 #include "base/file.h"
 #include "base/json.h"
-#include "base/units.h"
 #include "method/design_scene.h"
 #include "method/design_search.h"
 #include "method/search.h"
@@ -414,9 +413,9 @@ static void add_unsure(const answer *a, vs_text *text) {
   static const char *const TITLE[] = {"", " Assumed limits: ", " Typical limits, not guaranteed: "};
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_error none = {0};
-  const double *point = &a->results->points[a->s.weakest_run * a->plan->n_axes];
   vs_status status = vs_plan_scene(a->plan, scene, &none);
-  if (!status) vs_plan_put(a->plan, point, &scene->tree);
+  if (!status)
+    vs_plan_put(a->plan, &a->results->points[a->s.weakest_run * a->plan->n_axes], &scene->tree);
   if (!status) status = vs_scene_read_sections(scene, NULL, &none);
   for (unsigned lack = VS_ASSUMED; !status && lack <= VS_TYPICAL; lack <<= 1)
     add_limits(&scene->setup.deck, lack, TITLE[lack], text);
