@@ -109,7 +109,7 @@ static void put_limit(vs_entries *to, const vs_limit *limit) {
   vs_list_entry_put(to, "value", 14, limit->written);
   vs_list_entry_put(to, "text", 0, limit->text);
   put_unsure(to, limit->unsure);
-  vs_list_entry_say(to, "%s", vs_unsure_notes[limit->unsure]);
+  vs_list_entry_say(to, "%s", vs_deck_unsure_notes[limit->unsure]);
   vs_list_entry_line(to);
   vs_list_entry_object_end(to);
 }
@@ -121,7 +121,7 @@ static void put_derating(vs_entries *to, const vs_derating *d) {
   vs_list_entry_number(to, "current_a", d->current_a);
   put_unsure(to, d->unsure);
   vs_list_entry_say(to, "    pulse %g s, %g times, %g A%s", d->width_s, d->number, d->current_a,
-                    vs_unsure_notes[d->unsure]);
+                    vs_deck_unsure_notes[d->unsure]);
   vs_list_entry_line(to);
   vs_list_entry_object_end(to);
 }
@@ -135,7 +135,7 @@ static void put_surges(vs_entries *to, const vs_deck *part) {
     vs_list_entry_number(to, "current_a", row->current_a);
     put_unsure(to, row->unsure);
     vs_list_entry_say(to, "    surge %g cycles, %g A%s", row->number, row->current_a,
-                      vs_unsure_notes[row->unsure]);
+                      vs_deck_unsure_notes[row->unsure]);
     vs_list_entry_line(to);
     vs_list_entry_object_end(to);
   }
@@ -153,7 +153,7 @@ static void put_limits_at(vs_entries *to, const vs_deck *part) {
     put_unsure(to, at->unsure);
     vs_list_entry_say(to, "    at %g degC %s = %g%s", at->at_degc, at->name,
                       at->value / vs_units_factor(vs_kinds_limit_unit(at->name)),
-                      vs_unsure_notes[at->unsure]);
+                      vs_deck_unsure_notes[at->unsure]);
     vs_list_entry_line(to);
     vs_list_entry_object_end(to);
   }
@@ -180,7 +180,7 @@ static void put_melting(vs_entries *to, const vs_melting_row *row) {
   vs_list_entry_number(to, "current_a", row->current_a);
   put_unsure(to, row->unsure);
   vs_list_entry_say(to, "    time_current %g s, %g A%s", row->time_s, row->current_a,
-                    vs_unsure_notes[row->unsure]);
+                    vs_deck_unsure_notes[row->unsure]);
   vs_list_entry_line(to);
   vs_list_entry_object_end(to);
 }
@@ -192,7 +192,7 @@ static void put_ambient(vs_entries *to, const vs_ambient_row *row) {
   vs_list_entry_number(to, "factor", row->factor);
   put_unsure(to, row->unsure);
   vs_list_entry_say(to, "    derate %s, %g degC, %g %%%s", row->limit, row->ambient_degc,
-                    100 * row->factor, vs_unsure_notes[row->unsure]);
+                    100 * row->factor, vs_deck_unsure_notes[row->unsure]);
   vs_list_entry_line(to);
   vs_list_entry_object_end(to);
 }
@@ -218,7 +218,7 @@ static void put_limits(vs_entries *to, const vs_deck *part) {
     vs_list_entry_number(to, "tau_s", part->zth[k].tau_s);
     put_unsure(to, part->zth[k].unsure);
     vs_list_entry_say(to, "    zth   %g K/W, %g s%s", part->zth[k].k_per_w, part->zth[k].tau_s,
-                      vs_unsure_notes[part->zth[k].unsure]);
+                      vs_deck_unsure_notes[part->zth[k].unsure]);
     vs_list_entry_line(to);
     vs_list_entry_object_end(to);
   }

@@ -164,7 +164,7 @@ void vs_cooling_write(const vs_cooling *cooling, const vs_deck *deck, const vs_d
   } else
     vs_text_add(text, " over ambient %.4g K/W (r_th_ja)", r_ja);
   vs_text_add(text, ", over ambient %.4g degC%s%s%s", cooling->ambient_degc,
-              unsure ? " (r_th " : "", vs_unsure_words[unsure], unsure ? ")" : "");
+              unsure ? " (r_th " : "", vs_deck_unsure_words[unsure], unsure ? ")" : "");
 }
 
 /* ---- told ---- */

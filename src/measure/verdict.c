@@ -97,11 +97,13 @@ static vs_judgement judge_rated(const vs_rated *own, double tolerance) {
   return j;
 }
 
-/* What the parameters in the device's formulas lack. */
-static unsigned lack_of_formulas(const vs_deck *deck, const vs_device *d) {
+/* What the parameters in the device's formulas lack; of a voltage in that alone. */
+static unsigned lack_of_formulas(const vs_deck *deck, const vs_device *d, bool voltage) {
+  vs_device of = *d;
   unsigned lack = 0;
+  if (voltage) of.current = (vs_formula){0};
   for (unsigned one = VS_ASSUMED; one <= VS_TYPICAL; one <<= 1)
-    if (vs_deck_lacking(deck, one, d, NULL, &(size_t){0})) lack |= one;
+    if (vs_deck_lacking(deck, one, &of, NULL, &(size_t){0})) lack |= one;
   return lack;
 }
 
@@ -110,25 +112,25 @@ static vs_judgement judge_device(const vs_deck *deck, const vs_device *d, const 
   double limit = r->limit->value, stress = judged.value;
   bool least = r->measure->held == VS_AT_LEAST;
   double room = (least ? stress - limit : limit - stress) / limit;
-  return (vs_judgement){.device = d,
-                        .measure = r->measure,
-                        .limit = r->limit,
-                        .ward = r->measure->held == VS_WARD_AT_MOST ? &deck->devices[d->protects]
-                                                                    : NULL,
-                        .room = {least ? room : INFINITY, least ? INFINITY : room},
-                        .margin = room,
-                        .margin_error = d->doubtful ? INFINITY : NAN,
-                        .hangs = r->by->hangs_on_sequence ? d : NULL,
-                        .makes_fire = r->by->makes_fire,
-                        .is_rate = r->by->is_rate,
-                        .unsure = r->limit->unsure | r->unsure | lack_of_formulas(deck, d),
-                        .over_v = r->over_v,
-                        .doubt = d->doubtful ? INFINITY : r->doubt / limit,
-                        .spread = r->spread / limit,
-                        .scatter = r->scatter / limit,
-                        .stress = judged,
-                        .over_from_s = r->judged.known ? r->judged_from_s : NAN,
-                        .failed_s = r->failed_s};
+  return (vs_judgement){
+      .device = d,
+      .measure = r->measure,
+      .limit = r->limit,
+      .ward = r->measure->held == VS_WARD_AT_MOST ? &deck->devices[d->protects] : NULL,
+      .room = {least ? room : INFINITY, least ? INFINITY : room},
+      .margin = room,
+      .margin_error = d->doubtful ? INFINITY : NAN,
+      .hangs = r->by->hangs_on_sequence ? d : NULL,
+      .makes_fire = r->by->makes_fire,
+      .is_rate = r->by->is_rate,
+      .unsure = r->limit->unsure | r->unsure | lack_of_formulas(deck, d, r->measure->of == VS_OF_V),
+      .over_v = r->over_v,
+      .doubt = d->doubtful ? INFINITY : r->doubt / limit,
+      .spread = r->spread / limit,
+      .scatter = r->scatter / limit,
+      .stress = judged,
+      .over_from_s = r->judged.known ? r->judged_from_s : NAN,
+      .failed_s = r->failed_s};
 }
 
 /* A limit that decides and that the device's part, a real one, does not state. A measure of what

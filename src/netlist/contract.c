@@ -90,7 +90,7 @@ static vs_status read_param_number(vs_deck *deck, vs_cursor *c, param_text *p, v
   const unsigned unsure = vs_deck_unsure(c);
   status = vs_cursor_text(c, text, sizeof text, err);
   vs_text shown = {0};
-  vs_text_add(&shown, "%s%s", text, vs_unsure_notes[unsure]);
+  vs_text_add(&shown, "%s%s", text, vs_deck_unsure_notes[unsure]);
   field.text = shown.text;
   size_t n = deck->section.count - 1 - deck->n_parts; /* parameters so far */
   if (!status && n >= VS_DECK_MOST)

@@ -30,9 +30,9 @@ const vs_field vs_deck_key = {"deck",
                               NULL,
                               NULL};
 
-const char *const vs_unsure_words[4] = {"", "assumed", "typical", "assumed, typical"},
-                  *const vs_unsure_notes[4] = {"", " (assumed)", " (typical)",
-                                               " (assumed, typical)"};
+const char *const vs_deck_unsure_words[4] = {"", "assumed", "typical", "assumed, typical"},
+                  *const vs_deck_unsure_notes[4] = {"", " (assumed)", " (typical)",
+                                                    " (assumed, typical)"};
 
 unsigned vs_deck_unsure(vs_cursor *c) {
   return vs_cursor_is(c, "assumed") ? VS_ASSUMED : vs_cursor_is(c, "typical") ? VS_TYPICAL : 0;

@@ -141,7 +141,7 @@ static void add_times(vs_text *out, double times, bool expected) {
 const char *vs_margin_bars_unsure(const vs_node *line) {
   const unsigned assumed = !strcmp(vs_member_word(line, "assumed"), "true"),
                  typical = !strcmp(vs_member_word(line, "typical"), "true");
-  return vs_unsure_notes[assumed * VS_ASSUMED + typical * VS_TYPICAL];
+  return vs_deck_unsure_notes[assumed * VS_ASSUMED + typical * VS_TYPICAL];
 }
 
 /* "175 of 200 V/us", "5566 of at least 50 us", "45 of 500 V (assumed)" */

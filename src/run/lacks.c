@@ -32,7 +32,7 @@ static void add_own(const vs_deck *deck, const vs_judgement *of, unsigned lack, 
     if (!by_param || (of->limit->unsure & lack)) add_once(list, of->device->name, of->limit->name);
   } else if (of->unsure & lack)
     add_once(list, "", vs_verdict_name(of, name));
-  if (of->device) add_params(deck, lack, of->device, NULL, list);
+  if (of->device && (of->unsure & lack)) add_params(deck, lack, of->device, NULL, list);
 }
 
 /* The limits of the part that the share comes from, as far as its model is made of them. */

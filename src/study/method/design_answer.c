@@ -408,16 +408,15 @@ static void add_limits(const vs_deck *deck, unsigned lack, const char *title, vs
 }
 
 static void add_unsure(const answer *a, vs_text *text) {
+  static const char *const TITLE[] = {"", " Assumed limits: ", " Typical limits, not guaranteed: "};
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_error none = {0};
-  const double *point = &a->results->points[a->s.weakest_run * a->plan->n_axes];
   vs_status status = vs_plan_scene(a->plan, scene, &none);
-  if (!status) vs_plan_put(a->plan, point, &scene->tree);
+  if (!status)
+    vs_plan_put(a->plan, &a->results->points[a->s.weakest_run * a->plan->n_axes], &scene->tree);
   if (!status) status = vs_scene_read_sections(scene, NULL, &none);
-  if (!status) {
-    add_limits(&scene->setup.deck, VS_ASSUMED, " Assumed limits: ", text);
-    add_limits(&scene->setup.deck, VS_TYPICAL, " Typical limits, not guaranteed: ", text);
-  }
+  for (unsigned lack = VS_ASSUMED; !status && lack <= VS_TYPICAL; lack <<= 1)
+    add_limits(&scene->setup.deck, lack, TITLE[lack], text);
   vs_scene_free(scene);
   free(scene);
 }

@@ -117,7 +117,7 @@ enum {
   VS_TYPICAL = 2  /* its source calls it typical, and guarantees nothing */
 };
 /* "", "assumed", "typical", "assumed, typical"; and " (assumed)", as a note */
-extern const char *const vs_unsure_words[4], *const vs_unsure_notes[4];
+extern const char *const vs_deck_unsure_words[4], *const vs_deck_unsure_notes[4];
 
 /* A limit that a part's file gives. */
 typedef struct vs_limit {
